@@ -1,0 +1,87 @@
+// The scalar types of grey values and labels.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace splatlas {
+
+/// Stored in files: values must not change.
+enum class VoxelType : std::uint8_t {
+  kNone = 0,
+  kUInt8 = 1,
+  kInt8 = 2,
+  kUInt16 = 3,
+  kInt16 = 4,
+  kUInt32 = 5,
+  kInt32 = 6,
+  kFloat32 = 7,
+  kFloat64 = 8,
+};
+
+[[nodiscard]] constexpr std::size_t bytes_of(VoxelType type) {
+  switch (type) {
+    case VoxelType::kUInt8:
+    case VoxelType::kInt8: return 1;
+    case VoxelType::kUInt16:
+    case VoxelType::kInt16: return 2;
+    case VoxelType::kUInt32:
+    case VoxelType::kInt32:
+    case VoxelType::kFloat32: return 4;
+    case VoxelType::kFloat64: return 8;
+    case VoxelType::kNone: break;
+  }
+  return 0;
+}
+
+[[nodiscard]] constexpr const char* name_of(VoxelType type) {
+  switch (type) {
+    case VoxelType::kUInt8: return "uint8";
+    case VoxelType::kInt8: return "int8";
+    case VoxelType::kUInt16: return "uint16";
+    case VoxelType::kInt16: return "int16";
+    case VoxelType::kUInt32: return "uint32";
+    case VoxelType::kInt32: return "int32";
+    case VoxelType::kFloat32: return "float32";
+    case VoxelType::kFloat64: return "float64";
+    case VoxelType::kNone: break;
+  }
+  return "none";
+}
+
+/// Calls `visit` with a value of the C++ type of `type` (a tag: only its type matters); kNone is not allowed.
+template <typename Visitor>
+decltype(auto) visit_voxel_type(VoxelType type, Visitor&& visit) {
+  switch (type) {
+    case VoxelType::kInt8: return visit(std::int8_t{});
+    case VoxelType::kUInt16: return visit(std::uint16_t{});
+    case VoxelType::kInt16: return visit(std::int16_t{});
+    case VoxelType::kUInt32: return visit(std::uint32_t{});
+    case VoxelType::kInt32: return visit(std::int32_t{});
+    case VoxelType::kFloat32: return visit(float{});
+    case VoxelType::kFloat64: return visit(double{});
+    case VoxelType::kUInt8:
+    case VoxelType::kNone: break;
+  }
+  return visit(std::uint8_t{});
+}
+
+/// Voxels of one type, i fastest, in a grid that stands elsewhere.
+struct VoxelBuffer {
+  VoxelType type = VoxelType::kNone;
+  std::vector<std::byte> bytes;
+
+  friend bool operator==(const VoxelBuffer&, const VoxelBuffer&) = default;
+  [[nodiscard]] bool empty() const { return type == VoxelType::kNone; }
+  template <typename T>
+  [[nodiscard]] const T* as() const {
+    return reinterpret_cast<const T*>(bytes.data());
+  }
+  template <typename T>
+  [[nodiscard]] T* as() {
+    return reinterpret_cast<T*>(bytes.data());
+  }
+};
+
+}  // namespace splatlas
