@@ -25,8 +25,8 @@ struct Scene {
 
 /// Where the data came from: a whitelist, nothing of a source's own metadata is copied (no patient data).
 struct Source {
-  std::string role;    ///< "volume", "labels", "names", "tree", "mesh"
-  std::string hash;    ///< "xxh64:<16 hex digits>" of the file's bytes
+  std::string role;  ///< "volume", "labels", "names", "tree", "mesh"
+  std::string hash;  ///< "xxh64:<16 hex digits>" of the file's bytes
   friend bool operator==(const Source&, const Source&) = default;
 };
 struct Provenance {
@@ -38,9 +38,9 @@ struct Provenance {
 
 /// The grey values that a volume transfer function spreads over by default, and what a camera frames.
 struct Display {
-  double window_low = 0, window_high = 1;      ///< grey values
-  Vec3 center_lps_mm{0, 0, 0};                 ///< of the ball around every voxel of a structure
-  double radius_mm = 1;                        ///< of that ball, voxels' corners included
+  double window_low = 0, window_high = 1;  ///< grey values
+  Vec3 center_lps_mm{0, 0, 0};             ///< of the ball around every voxel of a structure
+  double radius_mm = 1;                    ///< of that ball, voxels' corners included
   friend bool operator==(const Display&, const Display&) = default;
 };
 
@@ -49,11 +49,11 @@ struct AtlasContent {
   Grid source_grid;             ///< of the files that were read, exactly
   AxisOrder source_to_storage;  ///< storage grid = reordered(source_grid, source_to_storage)
   StructureGraph graph;
-  ClassTable classes;                   ///< already in storage_order(classes, graph)
+  ClassTable classes;  ///< already in storage_order(classes, graph)
   std::vector<ClassId> class_volume;
-  VoxelBuffer values;                   ///< grey values of every voxel; empty() when there is no volume
+  VoxelBuffer values;                       ///< grey values of every voxel; empty() when there is no volume
   VoxelType label_type = VoxelType::kNone;  ///< pixel type of the source label map; kNone: there was none
-  std::vector<SurfaceMesh> surfaces;    ///< per structure; empty meshes for groups
+  std::vector<SurfaceMesh> surfaces;        ///< per structure; empty meshes for groups
   /// One per voxel of a class with a boundary membership, in memory order class by class (class order).
   std::vector<std::vector<PackedNormal>> boundary_normals;  ///< [class][n-th voxel of the class]
   Display display;

@@ -20,9 +20,10 @@ struct SectionSize {
   std::uint64_t bytes = 0;
 };
 
-/// An open atlas. The file is mapped; open() reads and checks the header and the directory and nothing else, every
-/// other byte is read, and its checksum checked, when it is first asked for. Every size, offset and index is
-/// checked before use: safe to open from strangers. All members are const and safe to call from several threads.
+/// An open atlas. The file is mapped; open() reads and checks the header and the directory and nothing else,
+/// every other byte is read, and its checksum checked, when it is first asked for. Every size, offset and
+/// index is checked before use: safe to open from strangers. All members are const and safe to call from
+/// several threads.
 class Atlas {
  public:
   /// kFailed when the file cannot be read, kInvalidAtlas when it is not an atlas, damaged, or too new.
@@ -34,10 +35,10 @@ class Atlas {
   Atlas(const Atlas&) = delete;
   Atlas& operator=(const Atlas&) = delete;
 
-  [[nodiscard]] const std::string& name() const;                ///< the path, for messages
-  [[nodiscard]] std::string format_version() const;             ///< "1.0"
-  [[nodiscard]] const Grid& grid() const;                       ///< storage grid
-  [[nodiscard]] const Grid& source_grid() const;                ///< as the source file had it, exactly
+  [[nodiscard]] const std::string& name() const;     ///< the path, for messages
+  [[nodiscard]] std::string format_version() const;  ///< "1.0"
+  [[nodiscard]] const Grid& grid() const;            ///< storage grid
+  [[nodiscard]] const Grid& source_grid() const;     ///< as the source file had it, exactly
   [[nodiscard]] const AxisOrder& source_to_storage() const;
   [[nodiscard]] const StructureGraph& graph() const;
   [[nodiscard]] const ClassTable& classes() const;
@@ -45,15 +46,16 @@ class Atlas {
   [[nodiscard]] const Display& display() const;
   [[nodiscard]] const std::vector<Scene>& scenes() const;
   [[nodiscard]] const Provenance& provenance() const;
-  [[nodiscard]] VoxelType value_type() const;                   ///< kNone: the atlas has no grey values
-  [[nodiscard]] VoxelType label_type() const;                   ///< of the source label map
+  [[nodiscard]] VoxelType value_type() const;  ///< kNone: the atlas has no grey values
+  [[nodiscard]] VoxelType label_type() const;  ///< of the source label map
   [[nodiscard]] std::uint64_t triangles(StructureIndex s) const;
-  [[nodiscard]] std::uint64_t runs(Axis axis) const;            ///< all runs of that run model
-  [[nodiscard]] double reference_length_mm() const;             ///< cube root of a voxel's volume
+  [[nodiscard]] std::uint64_t runs(Axis axis) const;  ///< all runs of that run model
+  [[nodiscard]] double reference_length_mm() const;   ///< cube root of a voxel's volume
 
   /// Runs of one class, checked. Derived from the z model where a compact file leaves out the axis.
   [[nodiscard]] Result<ClassRuns> read_runs(ClassId c, Axis axis) const;
-  /// Grey values of a class's voxels (the empty class too), in memory order: voxels(c) * bytes_of(value_type()).
+  /// Grey values of a class's voxels (the empty class too), in memory order: voxels(c) *
+  /// bytes_of(value_type()).
   [[nodiscard]] Result<std::vector<std::byte>> read_values(ClassId c) const;
   /// Normals of a class with a boundary membership, in memory order; empty for other classes.
   [[nodiscard]] Result<std::vector<PackedNormal>> read_normals(ClassId c) const;

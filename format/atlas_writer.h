@@ -19,13 +19,13 @@ struct WriteOptions {
   std::function<void(double)> progress;
 };
 
-/// The file's bytes, in memory. Refuses content that is not consistent (sizes, class numbers, counts, indices).
-/// Same content and options: same bytes, on every machine and with any number of threads.
+/// The file's bytes, in memory. Refuses content that is not consistent (sizes, class numbers, counts,
+/// indices). Same content and options: same bytes, on every machine and with any number of threads.
 [[nodiscard]] Result<std::vector<std::byte>> encode_atlas(const AtlasContent& content,
                                                           const WriteOptions& options = {});
 
-/// Writes to a temporary file beside `path`, syncs it, and renames it: `path` is the old file or the complete new
-/// one, never anything else, and no temporary is left behind on failure.
+/// Writes to a temporary file beside `path`, syncs it, and renames it: `path` is the old file or the complete
+/// new one, never anything else, and no temporary is left behind on failure.
 [[nodiscard]] Result<void> write_atlas(const AtlasContent& content, const std::filesystem::path& path,
                                        const WriteOptions& options = {});
 

@@ -13,8 +13,8 @@ namespace splatlas {
 /// What a selection draws of a class's voxels (the paper's categories, section 3).
 enum class VoxelRole : std::uint8_t { kNone, kVolume, kSurface, kHybrid };
 
-/// What to draw for one class. For volume and hybrid voxels `volume_of` gives colour and opacity; for surface and
-/// hybrid voxels the surfaces that cross them are those of every selected structure with a boundary here.
+/// What to draw for one class. For volume and hybrid voxels `volume_of` gives colour and opacity; for surface
+/// and hybrid voxels the surfaces that cross them are those of every selected structure with a boundary here.
 struct ClassDraw {
   ClassId id = kEmptyClass;
   VoxelRole role = VoxelRole::kNone;
@@ -44,9 +44,9 @@ class DecisionTree {
   [[nodiscard]] std::span<const ClassId> boundary_classes(StructureIndex s) const;
 
   /// Walks the tree once for a selection. A class that is volume for one selected structure and surface for
-  /// another is hybrid. Where several selected structures hold a voxel, the one selected by the latest term gives
-  /// the look; within a term the one with the higher index (the more specific one).
-  /// Cost: linear in the selected structures' leaves.
+  /// another is hybrid. Where several selected structures hold a voxel, the one selected by the latest term
+  /// gives the look; within a term the one with the higher index (the more specific one). Cost: linear in the
+  /// selected structures' leaves.
   [[nodiscard]] DrawPlan plan(const Selection& selection) const;
 
   /// Voxels below `s`, each counted once: boundary where it is boundary of any descendant, else interior.

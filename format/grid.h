@@ -23,10 +23,10 @@ inline constexpr std::int64_t kMaxVoxels = std::int64_t{1} << 40;
 /// A regular grid of voxels in LPS millimetres, as ITK has it: voxel (i, j, k) is centred at
 /// origin + direction * (i * spacing[0], j * spacing[1], k * spacing[2]).
 struct Grid {
-  Index3 size{0, 0, 0};                                ///< voxels along i, j, k
-  Vec3 spacing_mm{1, 1, 1};                            ///< positive
-  Vec3 origin_lps_mm{0, 0, 0};                         ///< centre of voxel (0, 0, 0)
-  Matrix3 direction_lps{1, 0, 0, 0, 1, 0, 0, 0, 1};    ///< column a: where axis a points; may mirror
+  Index3 size{0, 0, 0};                              ///< voxels along i, j, k
+  Vec3 spacing_mm{1, 1, 1};                          ///< positive
+  Vec3 origin_lps_mm{0, 0, 0};                       ///< centre of voxel (0, 0, 0)
+  Matrix3 direction_lps{1, 0, 0, 0, 1, 0, 0, 0, 1};  ///< column a: where axis a points; may mirror
 
   friend bool operator==(const Grid&, const Grid&) = default;
 
@@ -74,8 +74,8 @@ struct AxisOrder {
 /// The same voxels in the new order of axes. Exact but for the origin, which is computed in double.
 [[nodiscard]] Grid reordered(const Grid& grid, const AxisOrder& order);
 
-/// Copies voxels of `bytes_per_voxel` bytes from `from` (a volume of `size`) to `to` in the new order of axes.
-/// Cost: one pass. Buffers must not overlap.
+/// Copies voxels of `bytes_per_voxel` bytes from `from` (a volume of `size`) to `to` in the new order of
+/// axes. Cost: one pass. Buffers must not overlap.
 void reorder_voxels(const void* from, const Index3& size, const AxisOrder& order, std::size_t bytes_per_voxel,
                     void* to);
 

@@ -10,11 +10,11 @@ namespace splatlas {
 
 /// What kind of failure happened. Programs map these to exit statuses with exit_status().
 enum class ErrorCode {
-  kFailed,           ///< could not be done: a file is missing, unreadable, unwritable, of the wrong type
-  kUsage,            ///< the caller's words are wrong: an option, a value out of range, selection syntax
-  kInvalidAtlas,     ///< not an atlas, a damaged one, or one of a version that is too new
-  kNotFound,         ///< a structure's name is unknown or ambiguous
-  kLimit,            ///< would need more memory or a larger picture than allowed; nothing was allocated
+  kFailed,        ///< could not be done: a file is missing, unreadable, unwritable, of the wrong type
+  kUsage,         ///< the caller's words are wrong: an option, a value out of range, selection syntax
+  kInvalidAtlas,  ///< not an atlas, a damaged one, or one of a version that is too new
+  kNotFound,      ///< a structure's name is unknown or ambiguous
+  kLimit,         ///< would need more memory or a larger picture than allowed; nothing was allocated
 };
 
 /// One failure, told in one line: which file, what is wrong, the value, what to do.
@@ -47,11 +47,11 @@ using Result = tl::expected<T, Error>;
 }  // namespace splatlas
 
 /// Returns the error of `expression` (a Result) to the caller, if it has one.
-#define SPLATLAS_RETURN_IF_ERROR(expression)                                              \
-  do {                                                                                    \
-    if (auto splatlas_result = (expression); !splatlas_result) {                          \
-      return ::tl::unexpected<::splatlas::Error>(std::move(splatlas_result).error());     \
-    }                                                                                     \
+#define SPLATLAS_RETURN_IF_ERROR(expression)                                          \
+  do {                                                                                \
+    if (auto splatlas_result = (expression); !splatlas_result) {                      \
+      return ::tl::unexpected<::splatlas::Error>(std::move(splatlas_result).error()); \
+    }                                                                                 \
   } while (false)
 
 #define SPLATLAS_CONCAT_(a, b) a##b

@@ -10,10 +10,10 @@
 
 namespace splatlas {
 
-/// How a volume is walked for one principal axis: slices normal to it, scanlines within a slice, voxels along a
-/// scanline. Scanlines run along i where they can, so that values are contiguous in memory:
-/// principal z: slices k, scanlines j, along i; principal y: slices j, scanlines k, along i;
-/// principal x: slices i, scanlines k, along j.
+/// How a volume is walked for one principal axis: slices normal to it, scanlines within a slice, voxels along
+/// a scanline. Scanlines run along i where they can, so that values are contiguous in memory: principal z:
+/// slices k, scanlines j, along i; principal y: slices j, scanlines k, along i; principal x: slices i,
+/// scanlines k, along j.
 struct ScanOrder {
   std::uint8_t slice_axis, row_axis, scan_axis;
 
@@ -35,12 +35,12 @@ struct Run {
   friend auto operator<=>(const Run&, const Run&) = default;
 };
 
-/// Everything that one class covers, in traversal order of one principal axis. Runs are maximal: two runs of a
-/// class never touch in a scanline.
+/// Everything that one class covers, in traversal order of one principal axis. Runs are maximal: two runs of
+/// a class never touch in a scanline.
 using ClassRuns = std::vector<Run>;
 
-/// The run model of one principal axis: one list per class; the list of class 0 (empty) is left out, it is what
-/// remains. A selection merges the lists of its classes and never sees any other run.
+/// The run model of one principal axis: one list per class; the list of class 0 (empty) is left out, it is
+/// what remains. A selection merges the lists of its classes and never sees any other run.
 struct RunModel {
   Axis axis = Axis::kZ;
   std::vector<ClassRuns> classes;
@@ -53,7 +53,8 @@ struct RunModel {
 [[nodiscard]] RunModel encode_runs(std::span<const ClassId> volume, const Index3& size, Axis axis,
                                    std::size_t class_count);
 
-/// The class volume again. Refuses (kInvalidAtlas) runs outside the grid, out of order, empty, or overlapping.
+/// The class volume again. Refuses (kInvalidAtlas) runs outside the grid, out of order, empty, or
+/// overlapping.
 [[nodiscard]] Result<std::vector<ClassId>> decode_runs(const RunModel& model, const Index3& size);
 
 /// Checks one class's list: in order, maximal, inside the grid, and `voxels` voxels in all.

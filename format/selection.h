@@ -6,8 +6,9 @@
 //   NAME      := a structure's id, name or path ("Brain/Cerebellum/Left"); "*" stands for any characters;
 //                quoted where it holds a blank, a sign, a colon, a comma or a bracket
 //
-// Names are compared without regard to case. Terms apply from left to right; a term that adds without a mode adds
-// the volume. "-NAME" removes, "-NAME:surface" removes only the surface. A node stands for all its descendants.
+// Names are compared without regard to case. Terms apply from left to right; a term that adds without a mode
+// adds the volume. "-NAME" removes, "-NAME:surface" removes only the surface. A node stands for all its
+// descendants.
 #pragma once
 
 #include <optional>
@@ -43,7 +44,8 @@ struct StructureDraw {
   /// Not set: the renderer's default for the mode.
   std::optional<float> opacity;
   Rgb color;
-  std::uint32_t term = 0;  ///< number of the latest term that selected it: later terms win where looks compete
+  std::uint32_t term =
+      0;  ///< number of the latest term that selected it: later terms win where looks compete
   friend bool operator==(const StructureDraw&, const StructureDraw&) = default;
 };
 
@@ -59,8 +61,8 @@ struct Selection {
 [[nodiscard]] Result<std::vector<SelectionTerm>> parse_selection(std::string_view text);
 
 /// The structures that a name, id, path or wildcard pattern stands for (without descendants). An id wins over
-/// names, a name over paths. kNotFound when nothing matches, or when a plain name matches several structures; the
-/// message lists the nearest names, or the candidates' paths.
+/// names, a name over paths. kNotFound when nothing matches, or when a plain name matches several structures;
+/// the message lists the nearest names, or the candidates' paths.
 [[nodiscard]] Result<std::vector<StructureIndex>> find_structures(const StructureGraph& graph,
                                                                   std::string_view name);
 

@@ -19,15 +19,15 @@ inline constexpr StructureIndex kNoStructure = 0xffffffffu;
 inline constexpr std::size_t kMaxStructures = 1u << 20;
 inline constexpr std::size_t kMaxGraphDepth = 256;
 
-/// An anatomical entity. A structure with a label, a segmentation or a surface file of its own holds voxels or
-/// triangles; a structure without is a group: it stands for its descendants.
+/// An anatomical entity. A structure with a label, a segmentation or a surface file of its own holds voxels
+/// or triangles; a structure without is a group: it stands for its descendants.
 struct Structure {
   std::string id;    ///< stable, unique in the atlas without regard to case; letters, digits, "_", "-", "."
   std::string name;  ///< as shown; need not be unique
   Rgb color;
-  std::optional<std::int64_t> label;      ///< its value in the source label map, if it came from one
-  std::vector<StructureIndex> parents;    ///< several allowed: one gyrus belongs to a side and to a lobe
-  bool external = false;                  ///< its surface came from a file of its own (an implant, a needle)
+  std::optional<std::int64_t> label;    ///< its value in the source label map, if it came from one
+  std::vector<StructureIndex> parents;  ///< several allowed: one gyrus belongs to a side and to a lobe
+  bool external = false;                ///< its surface came from a file of its own (an implant, a needle)
 
   friend bool operator==(const Structure&, const Structure&) = default;
 };
@@ -37,8 +37,8 @@ class StructureGraph {
  public:
   StructureGraph() = default;
 
-  /// Refuses (kInvalidAtlas) empty or repeated ids, parents that do not exist or repeat, cycles, a depth above
-  /// kMaxGraphDepth and more than kMaxStructures structures. Cost: linear in structures and parents.
+  /// Refuses (kInvalidAtlas) empty or repeated ids, parents that do not exist or repeat, cycles, a depth
+  /// above kMaxGraphDepth and more than kMaxStructures structures. Cost: linear in structures and parents.
   [[nodiscard]] static Result<StructureGraph> build(std::vector<Structure> structures);
 
   [[nodiscard]] std::size_t size() const { return structures_.size(); }
@@ -46,8 +46,8 @@ class StructureGraph {
   [[nodiscard]] std::span<const Structure> structures() const { return structures_; }
   [[nodiscard]] std::span<const StructureIndex> children(StructureIndex s) const;
   [[nodiscard]] std::span<const StructureIndex> roots() const { return roots_; }
-  /// Every structure once, parents' first visit before children: the order in which streams are stored, so that
-  /// a subtree of the first hierarchy is one contiguous range.
+  /// Every structure once, parents' first visit before children: the order in which streams are stored, so
+  /// that a subtree of the first hierarchy is one contiguous range.
   [[nodiscard]] std::span<const StructureIndex> preorder() const { return preorder_; }
   /// `s` and everything below it, each once, in preorder. Cost: linear in what it returns.
   [[nodiscard]] std::vector<StructureIndex> descendants(StructureIndex s) const;
@@ -62,8 +62,8 @@ class StructureGraph {
   std::vector<StructureIndex> preorder_;
 };
 
-/// A stable id from a display name: ASCII letters and digits kept, everything else one "_" ("Left hemisphere" ->
-/// "Left_hemisphere"); "structure" when nothing is left.
+/// A stable id from a display name: ASCII letters and digits kept, everything else one "_" ("Left hemisphere"
+/// -> "Left_hemisphere"); "structure" when nothing is left.
 [[nodiscard]] std::string id_from_name(std::string_view name);
 
 }  // namespace splatlas
