@@ -1,0 +1,20 @@
+#!/usr/bin/env bash
+# Proves that every source is as clang-format lays it out. To mend: scripts/check_format.sh --fix
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+mapfile -t sources < <(find format preprocess player bench tests -name '*.h' -o -name '*.cpp' | sort)
+if [[ ${1-} == --fix ]]; then
+  clang-format -i "${sources[@]}"
+  exit 0
+fi
+wrong=0
+for source in "${sources[@]}"; do
+  # The first lines of the difference show what is meant; the rest of a file is like it.
+  clang-format "$source" | diff --label "$source" --label "as clang-format has it" -u "$source" - | head -n 12 || wrong=1
+done
+if ((wrong)); then
+  echo "check_format: not as clang-format lays it out; mend it with: scripts/check_format.sh --fix" >&2
+  exit 1
+fi
+echo "${#sources[@]} sources are laid out by clang-format."

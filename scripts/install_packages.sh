@@ -1,0 +1,91 @@
+#!/usr/bin/env bash
+# Installs, from Debian 12's packages, what Splatlas needs to be built, run and tested; only what is missing.
+# Where nothing is missing it neither asks for rights nor touches the network.
+set -euo pipefail
+
+# One package a line; what it is for.
+packages=(
+  build-essential          # compiler and linker
+  ca-certificates          # for package sources over https
+  ccache                   # repeated builds
+  clang-format             # scripts/check_format.sh
+  clang-tidy               # scripts/check_tidy.sh
+  cmake                    # build system, tests, installation
+  ninja-build              # the presets' generator
+  pkg-config               # finds xxHash and Dear ImGui
+
+  libexpected-dev          # tl::expected, the type of every result
+  libflatbuffers-dev       # directory of the atlas file
+  flatbuffers-compiler     # flatc, for schemas/
+  libfmt-dev               # messages
+  libmeshoptimizer-dev     # surfaces in the atlas file
+  libxxhash-dev            # checksums of the atlas file
+  libzstd-dev              # chunks of the atlas file
+
+  libinsighttoolkit5-dev   # preprocess: readers, segmentation
+  libvtk9-dev              # preprocess: marching cubes, mesh files
+
+  libcli11-dev             # command lines
+  libhwy-dev               # player: portable SIMD
+  libopenimageio-dev       # player: PNG, JPEG, TIFF and EXR
+  libopencv-core-dev       # a folder that OpenImageIO's CMake package names but does not depend on
+  nlohmann-json3-dev       # statistics and reports
+  libgl-dev                # window: OpenGL
+  libimgui-dev             # window: Dear ImGui
+  libsdl2-dev              # window: SDL2
+
+  libgmock-dev             # tests
+  libgtest-dev             # tests
+  librapidcheck-dev        # tests: properties
+  fonts-dejavu-core        # tests and gallery: text in pictures
+  libgl1-mesa-dri          # tests: OpenGL in software, under Xvfb
+  xauth                    # tests: xvfb-run
+  xdotool                  # tests: mouse and keys
+  xvfb                     # tests: a display without a screen
+
+  libbenchmark-dev         # bench
+  libvolpack1-dev          # bench: VolPack, a peer
+
+  mricron-data             # the Colin 27 brain: volume, AAL labels and names
+  openimageio-tools        # oiiotool: the gallery's contact sheet
+)
+
+say() { printf '%s\n' "$*"; }
+give_up() { printf 'install_packages: %s\n' "$*" >&2; exit 1; }
+
+installed() { [[ $(dpkg-query -W -f='${db:Status-Status}' "$1" 2>/dev/null) == installed ]]; }
+
+missing_packages() {
+  local package
+  for package in "${packages[@]}"; do
+    installed "$package" || printf '%s\n' "$package"
+  done
+}
+
+command -v dpkg-query apt-get >/dev/null ||
+  give_up "this system has no Debian packages (dpkg-query, apt-get); install by hand: ${packages[*]}"
+
+mapfile -t missing < <(missing_packages)
+if ((${#missing[@]} == 0)); then
+  say "All ${#packages[@]} packages are installed."
+  exit 0
+fi
+say "Missing ${#missing[@]} of ${#packages[@]} packages: ${missing[*]}"
+
+as_root=()
+if ((EUID != 0)); then
+  command -v sudo >/dev/null || give_up "not root, and there is no sudo; run as root: apt-get install ${missing[*]}"
+  as_root=(sudo)
+  [[ -t 0 ]] || as_root+=(--non-interactive)
+fi
+apt_get() {
+  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive LC_ALL=C.UTF-8 \
+    apt-get --quiet --quiet --yes -o DPkg::Lock::Timeout=600 -o Dpkg::Use-Pty=0 "$@" </dev/null
+}
+apt_get update || give_up "apt-get update failed; are the package sources in order, and may this user use sudo?"
+apt_get install --no-install-recommends "${missing[@]}" >/dev/null ||
+  give_up "apt-get could not install: ${missing[*]}"
+
+mapfile -t missing < <(missing_packages)
+((${#missing[@]} == 0)) || give_up "still missing after the installation: ${missing[*]}"
+say "All ${#packages[@]} packages are installed."

@@ -1,0 +1,52 @@
+# Steps with names and times, for demo.sh and test.sh; to be sourced.
+# shellcheck shell=bash
+
+steps_begun=$SECONDS
+steps_done=()
+
+elapsed() { printf '%d:%02d min' $((($1) / 60)) $((($1) % 60)); }
+
+# step NAME COMMAND...: runs the command under a headline, tells its time; a failure ends the script.
+# The command is not run within a condition, so `set -e` holds inside functions too.
+step() {
+  local name=$1 begun=$SECONDS
+  shift
+  printf '\n==> %s\n' "$name"
+  step_name=$name
+  "$@"
+  step_name=
+  local time
+  time=$(elapsed $((SECONDS - begun)))
+  steps_done+=("$time  $name")
+  printf '    %s: %s\n' "$name" "$time"
+}
+
+tell_failed_step() {
+  local status=$?
+  if ((status != 0)); then
+    printf '\nFAILED%s (exit status %d); what it said stands above.\n' "${step_name:+: $step_name}" "$status" >&2
+  fi
+  exit "$status"
+}
+trap tell_failed_step EXIT
+
+tell_times() {
+  printf '\nTimes\n'
+  printf '    %s\n' "${steps_done[@]}"
+  printf '    %s  in all\n' "$(elapsed $((SECONDS - steps_begun)))"
+}
+
+# up_to_date OUTPUT INPUT...: the output exists and no input is newer.
+up_to_date() {
+  local output=$1 input
+  shift
+  [[ -e $output ]] || return 1
+  for input in "$@"; do
+    [[ ! $input -nt $output ]] || return 1
+  done
+}
+
+# configure PRESET: only where Ninja has nothing to start from; later changes Ninja sees itself.
+configure() {
+  [[ -e build/$1/build.ninja ]] || cmake --preset "$1" --log-level=NOTICE
+}
