@@ -44,7 +44,7 @@ class ClassTable {
   ClassTable();
 
   /// The class of a combination; a new one the first time. `members` need not be sorted; repeats are merged
-  /// (boundary wins over interior).
+  /// (to boundary where their parts differ). Cost: logarithmic in the classes.
   ClassId intern(std::vector<Membership> members);
   /// Adds voxels to a class's count and box.
   void count(ClassId c, std::uint64_t voxels, const IndexBox& box);
@@ -66,7 +66,9 @@ class ClassTable {
 };
 
 /// Class numbers in the order in which the file stores their streams: class 0, then every other class at the
-/// first of its structures in the graph's preorder, interior before boundary. A subtree is then one range.
+/// first of its structures in the graph's preorder, interior before boundary; then by the others, so that the
+/// order depends on the combinations alone. A subtree is then one range. `graph` must hold every member's
+/// structure.
 [[nodiscard]] std::vector<ClassId> storage_order(const ClassTable& classes, const StructureGraph& graph);
 
 }  // namespace splatlas

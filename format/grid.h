@@ -75,7 +75,7 @@ struct AxisOrder {
 [[nodiscard]] Grid reordered(const Grid& grid, const AxisOrder& order);
 
 /// Copies voxels of `bytes_per_voxel` bytes from `from` (a volume of `size`) to `to` in the new order of
-/// axes. Cost: one pass. Buffers must not overlap.
+/// axes. Cost: one pass, in tiles. Buffers must not overlap.
 void reorder_voxels(const void* from, const Index3& size, const AxisOrder& order, std::size_t bytes_per_voxel,
                     void* to);
 

@@ -53,16 +53,18 @@ struct RunModel {
 [[nodiscard]] RunModel encode_runs(std::span<const ClassId> volume, const Index3& size, Axis axis,
                                    std::size_t class_count);
 
-/// The class volume again. Refuses (kInvalidAtlas) runs outside the grid, out of order, empty, or
-/// overlapping.
+/// The class volume again; `size` must be that of a valid grid. Refuses (kInvalidAtlas) runs outside the
+/// grid, out of order, empty, of class 0, or overlapping. Memory: one ClassId a voxel.
 [[nodiscard]] Result<std::vector<ClassId>> decode_runs(const RunModel& model, const Index3& size);
 
-/// Checks one class's list: in order, maximal, inside the grid, and `voxels` voxels in all.
+/// Checks one class's list: in order, maximal, inside the (valid) grid, and `voxels` voxels in all; else
+/// kInvalidAtlas. Safe with any numbers in the runs. Cost: linear in the runs.
 [[nodiscard]] Result<void> validate_runs(std::span<const Run> runs, const Index3& size, Axis axis,
                                          std::uint64_t voxels);
 
-/// The same voxels as runs of another principal axis. Cost: linear in the runs when both axes share scanlines
-/// (y and z), else in the voxels covered; memory in proportion.
+/// The same voxels as runs of another principal axis. `runs` must pass validate_runs. Cost: linear in the
+/// runs when both axes share scanlines (y and z), else in the voxels covered and the sides of their box;
+/// memory: of the runs.
 [[nodiscard]] ClassRuns convert_runs(std::span<const Run> runs, const Index3& size, Axis from, Axis to);
 
 }  // namespace splatlas

@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "format/color.h"
@@ -37,8 +38,9 @@ class StructureGraph {
  public:
   StructureGraph() = default;
 
-  /// Refuses (kInvalidAtlas) empty or repeated ids, parents that do not exist or repeat, cycles, a depth
-  /// above kMaxGraphDepth and more than kMaxStructures structures. Cost: linear in structures and parents.
+  /// Refuses (kInvalidAtlas) empty, malformed or repeated ids, parents that do not exist or repeat, cycles, a
+  /// depth above kMaxGraphDepth and more than kMaxStructures structures. Cost: linear in structures and
+  /// parents.
   [[nodiscard]] static Result<StructureGraph> build(std::vector<Structure> structures);
 
   [[nodiscard]] std::size_t size() const { return structures_.size(); }
@@ -49,21 +51,29 @@ class StructureGraph {
   /// Every structure once, parents' first visit before children: the order in which streams are stored, so
   /// that a subtree of the first hierarchy is one contiguous range.
   [[nodiscard]] std::span<const StructureIndex> preorder() const { return preorder_; }
-  /// `s` and everything below it, each once, in preorder. Cost: linear in what it returns.
+  /// Every structure once, all its parents before it; roots first.
+  [[nodiscard]] std::span<const StructureIndex> topological() const { return topological_; }
+  /// `s` and everything below it, each once, in the preorder of a walk that starts at `s`. Cost: linear in
+  /// what it returns and the parents of that.
   [[nodiscard]] std::vector<StructureIndex> descendants(StructureIndex s) const;
-  /// One path per way from a root, names joined by "/"; at most `limit` of them.
+  /// One path per way from a root, names joined by "/"; at most `limit` of them, by first parents first.
   [[nodiscard]] std::vector<std::string> paths(StructureIndex s, std::size_t limit = 64) const;
 
  private:
+  void list_children();
+  [[nodiscard]] Result<void> sort_topologically();
+  [[nodiscard]] std::vector<StructureIndex> walk(std::span<const StructureIndex> starts) const;
+
   std::vector<Structure> structures_;
   std::vector<std::uint32_t> first_child_;  // size + 1 offsets into children_
   std::vector<StructureIndex> children_;
   std::vector<StructureIndex> roots_;
   std::vector<StructureIndex> preorder_;
+  std::vector<StructureIndex> topological_;
 };
 
-/// A stable id from a display name: ASCII letters and digits kept, everything else one "_" ("Left hemisphere"
-/// -> "Left_hemisphere"); "structure" when nothing is left.
+/// A stable id from a display name: ASCII letters and digits kept, all between them one "_" ("Left
+/// hemisphere" becomes "Left_hemisphere"); "structure" when nothing is left. Not made unique.
 [[nodiscard]] std::string id_from_name(std::string_view name);
 
 }  // namespace splatlas

@@ -1,0 +1,66 @@
+#include "format/color.h"
+
+#include <array>
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace splatlas {
+namespace {
+
+/// Value of a hexadecimal digit; -1 for anything else.
+int hex_digit(char c) {
+  if (c >= '0' && c <= '9') return c - '0';
+  if (c >= 'a' && c <= 'f') return c - 'a' + 10;
+  if (c >= 'A' && c <= 'F') return c - 'A' + 10;
+  return -1;
+}
+
+/// Hue, saturation and value, each 0..1, to sRGB.
+Rgb from_hsv(double hue, double saturation, double value) {
+  const auto channel = [&](double n) {
+    const double k = std::fmod(n + hue * 6, 6);
+    const double ramp = std::fmax(0, std::fmin(std::fmin(k, 4 - k), 1));
+    return static_cast<std::uint8_t>(std::lround(255 * value * (1 - saturation * ramp)));
+  };
+  return {channel(5), channel(3), channel(1)};
+}
+
+}  // namespace
+
+std::string to_hex(Rgb color) {
+  return fmt::format("#{:02x}{:02x}{:02x}", color.r, color.g, color.b);
+}
+
+Result<Rgb> parse_color(std::string_view text) {
+  const auto refuse = [&] {
+    return fail(ErrorCode::kUsage, fmt::format("\"{}\" is not a color: write #rrggbb", text));
+  };
+  if ((text.size() != 4 && text.size() != 7) || text[0] != '#') return refuse();
+  const std::size_t digits = text.size() / 3;  // of a channel
+  std::array<std::uint8_t, 3> channels{};
+  for (std::size_t n = 0; n < 3; ++n) {
+    const int high = hex_digit(text[1 + n * digits]);
+    const int low = hex_digit(text[n * digits + digits]);
+    if (high < 0 || low < 0) return refuse();
+    channels[n] = static_cast<std::uint8_t>(high * 16 + low);
+  }
+  return Rgb{channels[0], channels[1], channels[2]};
+}
+
+Rgb default_color(std::size_t n) {
+  // 2^64 over the golden ratio: the product's high bits step around the hue circle and never fall close
+  // together.
+  const std::uint64_t turn = static_cast<std::uint64_t>(n) * 0x9e3779b97f4a7c15u;
+  const double hue = static_cast<double>(turn >> 11) * 0x1p-53;
+  constexpr std::array<double, 3> kSaturation{0.62, 0.45, 0.8};
+  constexpr std::array<double, 2> kValue{0.96, 0.8};
+  return from_hsv(hue, kSaturation[n % 3], kValue[n / 3 % 2]);
+}
+
+float srgb_to_linear(std::uint8_t channel) {
+  const double c = channel / 255.0;
+  return static_cast<float>(c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4));
+}
+
+}  // namespace splatlas

@@ -1,0 +1,210 @@
+#include "format/structure_graph.h"
+
+#include <algorithm>
+#include <limits>
+#include <string_view>
+#include <unordered_set>
+
+#include <fmt/format.h>
+
+#include "format/ascii_text.h"
+
+namespace splatlas {
+namespace {
+
+bool is_ascii_letter_or_digit(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
+}
+
+tl::unexpected<Error> refuse(std::string message) {
+  return fail(ErrorCode::kInvalidAtlas, std::move(message));
+}
+
+Result<void> check_ids(std::span<const Structure> structures) {
+  std::unordered_set<std::string> seen;
+  seen.reserve(structures.size());
+  for (std::size_t s = 0; s < structures.size(); ++s) {
+    const std::string& id = structures[s].id;
+    if (id.empty()) return refuse(fmt::format("structure {} ({}) has no id", s, quoted(structures[s].name)));
+    const bool well_formed = std::all_of(id.begin(), id.end(), [](char c) {
+      return is_ascii_letter_or_digit(c) || c == '_' || c == '-' || c == '.';
+    });
+    if (!well_formed) {
+      return refuse(
+          fmt::format("the id {} of a structure holds other characters than letters, digits, \"_\", \"-\" "
+                      "and \".\"",
+                      quoted(id)));
+    }
+    if (!seen.insert(to_lower(id)).second) {
+      return refuse(fmt::format("two structures have the id {} (case does not count)", quoted(id)));
+    }
+  }
+  return {};
+}
+
+Result<void> check_parents(std::span<const Structure> structures) {
+  std::vector<StructureIndex> last_child(structures.size(), kNoStructure);
+  std::size_t edges = 0;
+  for (StructureIndex s = 0; s < structures.size(); ++s) {
+    for (const StructureIndex parent : structures[s].parents) {
+      if (parent >= structures.size()) {
+        return refuse(fmt::format("structure {} has parent number {} of {} structures",
+                                  quoted(structures[s].id), parent, structures.size()));
+      }
+      if (last_child[parent] == s) {
+        return refuse(fmt::format("structure {} has the parent {} twice", quoted(structures[s].id),
+                                  quoted(structures[parent].id)));
+      }
+      last_child[parent] = s;
+    }
+    edges += structures[s].parents.size();
+  }
+  if (edges > std::numeric_limits<std::uint32_t>::max()) {
+    return refuse(fmt::format("{} parents in all are too many", edges));
+  }
+  return {};
+}
+
+/// Names a cycle. `waiting[s] > 0` for structures that have a parent which is on a cycle or below one.
+std::string describe_cycle(std::span<const Structure> structures, std::span<const std::uint32_t> waiting) {
+  // Climbing from parent to waiting parent must come back to a structure seen before: that one is on a cycle.
+  const auto waiting_parent = [&](StructureIndex s) {
+    const auto& parents = structures[s].parents;
+    return *std::find_if(parents.begin(), parents.end(), [&](StructureIndex p) { return waiting[p] > 0; });
+  };
+  auto s = static_cast<StructureIndex>(
+      std::find_if(waiting.begin(), waiting.end(), [](std::uint32_t n) { return n > 0; }) - waiting.begin());
+  std::vector<bool> seen(structures.size());
+  for (; !seen[s]; s = waiting_parent(s)) seen[s] = true;
+
+  constexpr int kNamed = 8;
+  std::string text = structures[s].id;
+  StructureIndex parent = waiting_parent(s);
+  for (int n = 1; parent != s && n < kNamed; ++n, parent = waiting_parent(parent)) {
+    text += " in " + structures[parent].id;
+  }
+  if (parent != s) text += " in ...";
+  return text + " in " + structures[s].id;
+}
+
+}  // namespace
+
+Result<StructureGraph> StructureGraph::build(std::vector<Structure> structures) {
+  if (structures.size() > kMaxStructures) {
+    return refuse(fmt::format("{} structures; at most {} are allowed", structures.size(), kMaxStructures));
+  }
+  SPLATLAS_RETURN_IF_ERROR(check_ids(structures));
+  SPLATLAS_RETURN_IF_ERROR(check_parents(structures));
+  StructureGraph graph;
+  graph.structures_ = std::move(structures);
+  graph.list_children();
+  SPLATLAS_RETURN_IF_ERROR(graph.sort_topologically());
+  graph.preorder_ = graph.walk(graph.roots_);
+  return graph;
+}
+
+void StructureGraph::list_children() {
+  const std::size_t n = structures_.size();
+  first_child_.assign(n + 1, 0);
+  for (StructureIndex s = 0; s < n; ++s) {
+    if (structures_[s].parents.empty()) roots_.push_back(s);
+    for (const StructureIndex parent : structures_[s].parents) ++first_child_[parent + 1];
+  }
+  for (std::size_t s = 0; s < n; ++s) first_child_[s + 1] += first_child_[s];
+  children_.resize(first_child_[n]);
+  std::vector<std::uint32_t> next(first_child_.begin(), first_child_.end() - 1);
+  for (StructureIndex s = 0; s < n; ++s) {
+    for (const StructureIndex parent : structures_[s].parents) children_[next[parent]++] = s;
+  }
+}
+
+Result<void> StructureGraph::sort_topologically() {
+  // Kahn's algorithm, level by level: a structure is due when its last parent is done.
+  std::vector<std::uint32_t> waiting(size());
+  for (StructureIndex s = 0; s < size(); ++s)
+    waiting[s] = static_cast<std::uint32_t>(structures_[s].parents.size());
+  topological_ = roots_;
+  topological_.reserve(size());
+  std::size_t depth = 0;
+  for (std::size_t done = 0; done < topological_.size();) {
+    if (++depth > kMaxGraphDepth) {
+      return refuse(fmt::format("structure {} lies deeper than {} levels",
+                                quoted(structures_[topological_[done]].id), kMaxGraphDepth));
+    }
+    for (const std::size_t level_end = topological_.size(); done < level_end; ++done) {
+      for (const StructureIndex child : children(topological_[done])) {
+        if (--waiting[child] == 0) topological_.push_back(child);
+      }
+    }
+  }
+  if (topological_.size() < size()) {
+    return refuse("structures contain one another in a circle: " + describe_cycle(structures_, waiting));
+  }
+  return {};
+}
+
+std::vector<StructureIndex> StructureGraph::walk(std::span<const StructureIndex> starts) const {
+  std::vector<StructureIndex> visited;
+  std::unordered_set<StructureIndex> seen;
+  std::vector<StructureIndex> stack(starts.rbegin(), starts.rend());
+  while (!stack.empty()) {
+    const StructureIndex s = stack.back();
+    stack.pop_back();
+    if (!seen.insert(s).second) continue;
+    visited.push_back(s);
+    const auto below = children(s);
+    stack.insert(stack.end(), below.rbegin(), below.rend());
+  }
+  return visited;
+}
+
+std::span<const StructureIndex> StructureGraph::children(StructureIndex s) const {
+  return std::span(children_).subspan(first_child_[s], first_child_[s + 1] - first_child_[s]);
+}
+
+std::vector<StructureIndex> StructureGraph::descendants(StructureIndex s) const {
+  return walk({&s, 1});
+}
+
+std::vector<std::string> StructureGraph::paths(StructureIndex s, std::size_t limit) const {
+  struct Step {
+    StructureIndex structure;
+    std::size_t next_parent;
+  };
+  std::vector<std::string> result;
+  std::vector<Step> way{{s, 0}};  // from s upwards; parents are tried in order
+  while (!way.empty() && result.size() < limit) {
+    auto& [here, next_parent] = way.back();
+    const auto& parents = structures_[here].parents;
+    if (next_parent < parents.size()) {
+      const StructureIndex parent = parents[next_parent++];
+      way.push_back({parent, 0});
+      continue;
+    }
+    if (parents.empty()) {
+      std::string path = structures_[here].name;
+      for (auto step = way.rbegin() + 1; step != way.rend(); ++step)
+        path += "/" + structures_[step->structure].name;
+      result.push_back(std::move(path));
+    }
+    way.pop_back();
+  }
+  return result;
+}
+
+std::string id_from_name(std::string_view name) {
+  std::string id;
+  bool gap = false;
+  for (const char c : name) {
+    if (!is_ascii_letter_or_digit(c)) {
+      gap = true;
+      continue;
+    }
+    if (gap && !id.empty()) id += '_';
+    gap = false;
+    id += c;
+  }
+  return id.empty() ? "structure" : id;
+}
+
+}  // namespace splatlas

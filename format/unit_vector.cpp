@@ -1,0 +1,69 @@
+// Cigolle et al. 2014, listings 1 and 2 (octahedral map) and 3 (precise rounding).
+#include "format/unit_vector.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+namespace splatlas {
+namespace {
+
+/// Codes -127..127 stand for -1..1: symmetric, so that the six axes are exact.
+constexpr float kScale = 127.0f;
+
+float sign_of(float x) {
+  return x < 0 ? -1.0f : 1.0f;
+}
+
+/// Folds the lower half of the octahedron out over the upper half's square, or back.
+std::array<float, 2> folded(float x, float y) {
+  return {(1 - std::abs(y)) * sign_of(x), (1 - std::abs(x)) * sign_of(y)};
+}
+
+PackedNormal pack_codes(float x, float y) {
+  const auto code = [](float v) { return static_cast<std::uint8_t>(static_cast<std::int8_t>(v)); };
+  return static_cast<PackedNormal>(code(x) | code(y) << 8);
+}
+
+}  // namespace
+
+PackedNormal pack_normal(const std::array<float, 3>& n) {
+  const float largest = std::max({std::abs(n[0]), std::abs(n[1]), std::abs(n[2])});
+  if (!(largest > 0) || !std::isfinite(largest)) return pack_codes(0, 0);
+  const std::array<float, 3> v{n[0] / largest, n[1] / largest, n[2] / largest};
+  const float sum = std::abs(v[0]) + std::abs(v[1]) + std::abs(v[2]);
+  std::array<float, 2> p{v[0] / sum, v[1] / sum};
+  if (v[2] < 0) p = folded(p[0], p[1]);
+
+  // The nearest of the four codes around the exact point: rounding each side alone is up to 0.3 degrees
+  // worse.
+  const float x = std::floor(std::clamp(p[0], -1.0f, 1.0f) * kScale);
+  const float y = std::floor(std::clamp(p[1], -1.0f, 1.0f) * kScale);
+  PackedNormal best = 0;
+  float best_cosine = -4;
+  for (const float dy : {0.0f, 1.0f}) {
+    for (const float dx : {0.0f, 1.0f}) {
+      const PackedNormal code = pack_codes(std::min(x + dx, kScale), std::min(y + dy, kScale));
+      const std::array<float, 3> u = unpack_normal(code);
+      const float cosine = u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
+      if (cosine > best_cosine) {
+        best_cosine = cosine;
+        best = code;
+      }
+    }
+  }
+  return best;
+}
+
+std::array<float, 3> unpack_normal(PackedNormal packed) {
+  const auto side = [](unsigned bits) {  // -128 is never packed; it reads as -127
+    return std::max(static_cast<float>(static_cast<std::int8_t>(bits & 0xffu)) / kScale, -1.0f);
+  };
+  std::array<float, 2> p{side(packed), side(packed >> 8u)};
+  const float z = 1 - std::abs(p[0]) - std::abs(p[1]);
+  if (z < 0) p = folded(p[0], p[1]);
+  const float length = std::sqrt(p[0] * p[0] + p[1] * p[1] + z * z);
+  return {p[0] / length, p[1] / length, z / length};
+}
+
+}  // namespace splatlas

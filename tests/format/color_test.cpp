@@ -1,0 +1,71 @@
+#include "format/color.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+namespace splatlas {
+namespace {
+
+TEST(Color, WritesLowerCaseHex) {
+  EXPECT_EQ(to_hex({0, 0, 0}), "#000000");
+  EXPECT_EQ(to_hex({255, 136, 9}), "#ff8809");
+}
+
+TEST(Color, ParsesLongAndShortForms) {
+  EXPECT_EQ(*parse_color("#ff8800"), (Rgb{255, 136, 0}));
+  EXPECT_EQ(*parse_color("#FF88aB"), (Rgb{255, 136, 171}));
+  EXPECT_EQ(*parse_color("#f80"), (Rgb{255, 136, 0}));
+  EXPECT_EQ(*parse_color("#19C"), (Rgb{0x11, 0x99, 0xcc}));
+}
+
+TEST(Color, RefusesEverythingElse) {
+  for (const char* text : {"", "#", "ff8800", "#ff880", "#ff88000", "#ff88gg", "#ggg", "#-10000", "red",
+                           "##fffff", "#ff 800", "#ffff", " #ff8800"}) {
+    const auto color = parse_color(text);
+    ASSERT_FALSE(color) << text;
+    EXPECT_EQ(color.error().code, ErrorCode::kUsage);
+    EXPECT_NE(color.error().message.find("#rrggbb"), std::string::npos);
+  }
+}
+
+RC_GTEST_PROP(Color, HexRoundTrip, (std::uint8_t r, std::uint8_t g, std::uint8_t b)) {
+  const Rgb color{r, g, b};
+  RC_ASSERT(*parse_color(to_hex(color)) == color);
+}
+
+TEST(Color, DefaultColorsAreDistinctAndNeverTooDark) {
+  std::set<std::string> seen;
+  for (std::size_t n = 0; n < 512; ++n) {
+    const Rgb c = default_color(n);
+    EXPECT_TRUE(seen.insert(to_hex(c)).second) << n;
+    EXPECT_GE(std::max({c.r, c.g, c.b}), 200) << n;
+  }
+}
+
+TEST(Color, NeighbouringDefaultColorsAreFarApart) {
+  const auto distance = [](Rgb a, Rgb b) { return std::hypot(a.r - b.r, a.g - b.g, a.b - b.b); };
+  for (std::size_t n = 0; n < 200; ++n) {
+    EXPECT_GT(distance(default_color(n), default_color(n + 1)), 60) << n;
+    EXPECT_GT(distance(default_color(n), default_color(n + 2)), 60) << n;
+  }
+}
+
+TEST(Color, LinearLightFollowsTheStandard) {
+  EXPECT_EQ(srgb_to_linear(0), 0.0f);
+  EXPECT_EQ(srgb_to_linear(255), 1.0f);
+  EXPECT_FLOAT_EQ(srgb_to_linear(10),
+                  static_cast<float>(10 / 255.0 / 12.92));  // the straight part ends at 10.3
+  EXPECT_NEAR(srgb_to_linear(11), 0.0033465, 1e-7);
+  EXPECT_NEAR(srgb_to_linear(128), 0.2158605, 1e-7);
+  EXPECT_NEAR(srgb_to_linear(188), 0.5028865, 1e-7);
+  for (int c = 1; c < 256; ++c) {
+    EXPECT_GT(srgb_to_linear(static_cast<std::uint8_t>(c)), srgb_to_linear(static_cast<std::uint8_t>(c - 1)));
+  }
+}
+
+}  // namespace
+}  // namespace splatlas

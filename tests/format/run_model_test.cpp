@@ -1,0 +1,181 @@
+#include "format/run_model.h"
+
+#include <limits>
+
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include "tests/format/random_volume.h"
+
+namespace splatlas {
+namespace {
+
+/// Slow and obvious: runs of every scanline, voxel by voxel.
+RunModel encode_slowly(const std::vector<ClassId>& volume, const Index3& size, Axis axis,
+                       std::size_t classes) {
+  RunModel model{axis, std::vector<ClassRuns>(classes)};
+  const ScanOrder order = ScanOrder::of(axis);
+  std::uint64_t scanline = 0;
+  for (std::int64_t slice = 0; slice < size[order.slice_axis]; ++slice) {
+    for (std::int64_t row = 0; row < size[order.row_axis]; ++row, ++scanline) {
+      ClassId before = kEmptyClass;
+      for (std::int64_t n = 0; n < size[order.scan_axis]; ++n) {
+        Index3 at{};
+        at[order.slice_axis] = slice;
+        at[order.row_axis] = row;
+        at[order.scan_axis] = n;
+        const ClassId c = volume[static_cast<std::size_t>((at[2] * size[1] + at[1]) * size[0] + at[0])];
+        if (c != kEmptyClass && c == before) ++model.classes[c].back().length;
+        if (c != kEmptyClass && c != before) {
+          model.classes[c].push_back({scanline, static_cast<std::uint32_t>(n), 1});
+        }
+        before = c;
+      }
+    }
+  }
+  return model;
+}
+
+RC_GTEST_PROP(RunModel, EncodesLikeTheSlowTwin, ()) {
+  const auto v = *random_class_volume();
+  for (const Axis axis : kAxes) {
+    RC_ASSERT(encode_runs(v.classes, v.size, axis, v.class_count) ==
+              encode_slowly(v.classes, v.size, axis, v.class_count));
+  }
+}
+
+RC_GTEST_PROP(RunModel, DecodesToTheVolume, ()) {
+  const auto v = *random_class_volume();
+  for (const Axis axis : kAxes) {
+    const auto decoded = decode_runs(encode_runs(v.classes, v.size, axis, v.class_count), v.size);
+    RC_ASSERT(decoded.has_value());
+    RC_ASSERT(*decoded == v.classes);
+  }
+}
+
+RC_GTEST_PROP(RunModel, RunsAreValidAndCountTheVoxels, ()) {
+  const auto v = *random_class_volume();
+  std::vector<std::uint64_t> voxels(v.class_count);
+  for (const ClassId c : v.classes) ++voxels[c];
+  for (const Axis axis : kAxes) {
+    const RunModel model = encode_runs(v.classes, v.size, axis, v.class_count);
+    for (ClassId c = 1; c < v.class_count; ++c) {
+      RC_ASSERT(validate_runs(model.classes[c], v.size, axis, voxels[c]).has_value());
+      RC_ASSERT(!validate_runs(model.classes[c], v.size, axis, voxels[c] + 1).has_value());
+    }
+    RC_ASSERT(model.classes[kEmptyClass].empty());
+  }
+}
+
+RC_GTEST_PROP(RunModel, ConvertsBetweenAllAxes, ()) {
+  const auto v = *random_class_volume();
+  for (const Axis from : kAxes) {
+    const RunModel source = encode_runs(v.classes, v.size, from, v.class_count);
+    for (const Axis to : kAxes) {
+      const RunModel target = encode_runs(v.classes, v.size, to, v.class_count);
+      for (ClassId c = 0; c < v.class_count; ++c) {
+        RC_ASSERT(convert_runs(source.classes[c], v.size, from, to) == target.classes[c]);
+      }
+    }
+  }
+}
+
+TEST(RunModel, ConvertsRunsThatLieFarApart) {
+  const Index3 size{1 << 20, 3, 5};
+  const ClassRuns z{{0, 0, 1}, {2, 7, 2}, {14, (1 << 20) - 2, 2}};
+  const ClassRuns x{{0, 0, 1},
+                    {7 * 5, 2, 1},
+                    {8 * 5, 2, 1},
+                    {((1 << 20) - 2) * 5 + 4, 2, 1},
+                    {((1 << 20) - 1) * 5 + 4, 2, 1}};
+  EXPECT_EQ(convert_runs(z, size, Axis::kZ, Axis::kX), x);
+  EXPECT_EQ(convert_runs(x, size, Axis::kX, Axis::kZ), z);
+  EXPECT_EQ(convert_runs(x, size, Axis::kX, Axis::kY), convert_runs(z, size, Axis::kZ, Axis::kY));
+}
+
+TEST(RunModel, CutsEachAxisAlongItsScanline) {
+  // j runs down, i to the right; two slices k.
+  const std::vector<ClassId> volume{1, 1, 2, 1, 0, 2,
+
+                                    1, 1, 1, 0, 2, 2};
+  const Index3 size{3, 2, 2};
+  const RunModel z = encode_runs(volume, size, Axis::kZ, 3);
+  EXPECT_EQ(z.classes[1], (ClassRuns{{0, 0, 2}, {1, 0, 1}, {2, 0, 3}}));
+  EXPECT_EQ(z.classes[2], (ClassRuns{{0, 2, 1}, {1, 2, 1}, {3, 1, 2}}));
+  const RunModel y = encode_runs(volume, size, Axis::kY, 3);
+  EXPECT_EQ(y.classes[1], (ClassRuns{{0, 0, 2}, {1, 0, 3}, {2, 0, 1}}));
+  EXPECT_EQ(y.classes[2], (ClassRuns{{0, 2, 1}, {2, 2, 1}, {3, 1, 2}}));
+  const RunModel x = encode_runs(volume, size, Axis::kX, 3);
+  EXPECT_EQ(x.classes[1], (ClassRuns{{0, 0, 2}, {1, 0, 1}, {2, 0, 1}, {3, 0, 1}, {5, 0, 1}}));
+  EXPECT_EQ(x.classes[2], (ClassRuns{{3, 1, 1}, {4, 0, 2}, {5, 1, 1}}));
+  EXPECT_EQ(z.runs(), 6u);
+  EXPECT_EQ(x.runs(), 8u);
+}
+
+constexpr Index3 kSize{4, 3, 2};
+
+std::uint64_t voxels_of(const ClassRuns& runs) {
+  std::uint64_t sum = 0;
+  for (const Run& run : runs) sum += run.length;
+  return sum;
+}
+
+TEST(ValidateRuns, TakesMaximalRunsInOrder) {
+  const ClassRuns runs{{0, 0, 2}, {0, 3, 1}, {1, 0, 4}, {5, 3, 1}};
+  EXPECT_TRUE(validate_runs(runs, kSize, Axis::kZ, 8));
+  EXPECT_TRUE(validate_runs({}, kSize, Axis::kX, 0));
+}
+
+TEST(ValidateRuns, RefusesEachFault) {
+  constexpr std::uint32_t k32 = std::numeric_limits<std::uint32_t>::max();
+  constexpr std::uint64_t k64 = std::numeric_limits<std::uint64_t>::max();
+  const std::vector<std::pair<const char*, ClassRuns>> faults{
+      {"empty run", {{0, 1, 0}}},
+      {"past the end", {{0, 3, 2}}},
+      {"starts past the end", {{0, 4, 1}}},
+      {"scanline past the last", {{6, 0, 1}}},
+      {"32-bit sum wraps to inside", {{0, k32, 2}}},
+      {"longest", {{0, 0, k32}}},
+      {"all ones", {{k64, k32, k32}}},
+      {"touching", {{0, 0, 2}, {0, 2, 2}}},
+      {"overlapping", {{0, 0, 2}, {0, 1, 2}}},
+      {"repeated", {{0, 0, 2}, {0, 0, 2}}},
+      {"start out of order", {{0, 3, 1}, {0, 0, 1}}},
+      {"scanline out of order", {{1, 0, 1}, {0, 0, 1}}},
+  };
+  for (const auto& [what, runs] : faults) {
+    const auto checked = validate_runs(runs, kSize, Axis::kZ, voxels_of(runs));
+    ASSERT_FALSE(checked) << what;
+    EXPECT_EQ(checked.error().code, ErrorCode::kInvalidAtlas) << what;
+  }
+}
+
+TEST(DecodeRuns, RefusesEachFault) {
+  const std::vector<std::pair<const char*, std::vector<ClassRuns>>> faults{
+      {"outside", {{}, {{0, 3, 2}}}},
+      {"empty run", {{}, {{0, 3, 0}}}},
+      {"out of order", {{}, {{1, 0, 1}, {0, 0, 1}}}},
+      {"overlap of two classes", {{}, {{0, 0, 2}}, {{0, 1, 1}}}},
+      {"overlap of one class", {{}, {{0, 0, 2}, {0, 1, 1}}}},
+      {"runs of the empty class", {{{0, 0, 1}}}},
+  };
+  for (const auto& [what, classes] : faults) {
+    const auto decoded = decode_runs({Axis::kZ, classes}, kSize);
+    ASSERT_FALSE(decoded) << what;
+    EXPECT_EQ(decoded.error().code, ErrorCode::kInvalidAtlas) << what;
+  }
+}
+
+RC_GTEST_PROP(ValidateRuns, NeverTrustsANumber, (std::vector<std::array<std::uint64_t, 3>> numbers)) {
+  ClassRuns runs;
+  for (const auto& [scanline, start, length] : numbers) {
+    runs.push_back({scanline, static_cast<std::uint32_t>(start), static_cast<std::uint32_t>(length)});
+  }
+  for (const Axis axis : kAxes) {
+    if (!validate_runs(runs, kSize, axis, voxels_of(runs))) continue;
+    RC_ASSERT(decode_runs({axis, {{}, runs}}, kSize).has_value());  // what passes must be safe to use
+  }
+}
+
+}  // namespace
+}  // namespace splatlas

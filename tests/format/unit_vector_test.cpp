@@ -1,0 +1,73 @@
+#include "format/unit_vector.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <random>
+
+#include <gtest/gtest.h>
+
+namespace splatlas {
+namespace {
+
+using Float3 = std::array<float, 3>;
+
+double degrees_between(const Float3& a, const Float3& b) {
+  const double cx = double{a[1]} * b[2] - double{a[2]} * b[1];
+  const double cy = double{a[2]} * b[0] - double{a[0]} * b[2];
+  const double cz = double{a[0]} * b[1] - double{a[1]} * b[0];
+  const double dot = double{a[0]} * b[0] + double{a[1]} * b[1] + double{a[2]} * b[2];
+  return std::atan2(std::hypot(cx, cy, cz), dot) * 180 / std::numbers::pi;
+}
+
+TEST(UnitVector, EveryCodeIsAUnitVectorThatPacksToItself) {
+  for (unsigned code = 0; code <= 0xffff; ++code) {
+    const Float3 n = unpack_normal(static_cast<PackedNormal>(code));
+    ASSERT_NEAR(std::hypot(double{n[0]}, double{n[1]}, double{n[2]}), 1, 2e-7) << code;
+    ASSERT_LT(degrees_between(unpack_normal(pack_normal(n)), n), 1e-4) << code;
+  }
+}
+
+TEST(UnitVector, TheSixAxesAreExact) {
+  for (std::size_t a = 0; a < 3; ++a) {
+    for (const float sign : {-1.0f, 1.0f}) {
+      Float3 axis{0, 0, 0};
+      axis[a] = sign;
+      EXPECT_EQ(unpack_normal(pack_normal(axis)), axis);
+    }
+  }
+}
+
+TEST(UnitVector, LargestErrorIsThatOfThePaper) {
+  std::mt19937 random(7);
+  std::normal_distribution<float> coordinate;
+  double largest = 0;
+  for (int n = 0; n < 1'000'000; ++n) {
+    const Float3 v{coordinate(random), coordinate(random), coordinate(random)};
+    largest = std::max(largest, degrees_between(unpack_normal(pack_normal(v)), v));
+  }
+  EXPECT_LT(largest, 0.65);  // table 1 of Cigolle et al.: 0.63575 for oct16P
+  EXPECT_GT(largest, 0.5);
+}
+
+TEST(UnitVector, LengthDoesNotMatter) {
+  const Float3 v{0.3f, -0.5f, 0.7f};
+  for (const float scale : {1e-30f, 1e-3f, 1e3f, 1e30f}) {
+    EXPECT_EQ(pack_normal({v[0] * scale, v[1] * scale, v[2] * scale}), pack_normal(v)) << scale;
+  }
+}
+
+TEST(UnitVector, NoDirectionPacksAsPlusZ) {
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  const Float3 z{0, 0, 1};
+  EXPECT_EQ(unpack_normal(pack_normal({0, 0, 0})), z);
+  EXPECT_EQ(unpack_normal(pack_normal({kNan, 0, 0})), z);
+  EXPECT_EQ(unpack_normal(pack_normal({1, kNan, 0})), z);
+  EXPECT_EQ(unpack_normal(pack_normal({0, -1, kNan})), z);
+  EXPECT_EQ(unpack_normal(pack_normal({kInfinity, 0, 0})), z);
+}
+
+}  // namespace
+}  // namespace splatlas
