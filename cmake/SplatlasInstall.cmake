@@ -1,1 +1,36 @@
-# Installation and export of the libraries and programs.
+# Installs the programs, the light libraries (format, player) with their public headers, and the CMake package
+# `splatlas`, by which other projects link them: find_package(splatlas), splatlas::format, splatlas::player.
+
+include(CMakePackageConfigHelpers)
+set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/splatlas)
+
+foreach(program splatlas-preprocess splatlas-player)
+  if(TARGET ${program})
+    install(TARGETS ${program} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+  endif()
+endforeach()
+
+foreach(library splatlas_format splatlas_player)
+  if(TARGET ${library})
+    install(TARGETS ${library} EXPORT splatlasTargets
+      ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
+      FILE_SET HEADERS DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/splatlas)
+  endif()
+endforeach()
+install(EXPORT splatlasTargets NAMESPACE splatlas:: DESTINATION ${package_dir})
+
+get_property(dependencies GLOBAL PROPERTY SPLATLAS_DEPENDENCIES)
+list(REMOVE_DUPLICATES dependencies)
+list(TRANSFORM dependencies REPLACE "(.+)" "find_dependency(\\1)")
+list(JOIN dependencies "\n" SPLATLAS_FIND_DEPENDENCIES)
+configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/splatlasConfig.cmake.in
+  ${PROJECT_BINARY_DIR}/splatlasConfig.cmake INSTALL_DESTINATION ${package_dir})
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/splatlasConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/splatlasConfig.cmake ${PROJECT_BINARY_DIR}/splatlasConfigVersion.cmake
+  DESTINATION ${package_dir})
+
+if(SPLATLAS_BUILD_PREPROCESS)
+  install(DIRECTORY preprocess/trees DESTINATION ${CMAKE_INSTALL_DATADIR}/splatlas)
+endif()
+install(FILES README.md CHANGELOG.md LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(DIRECTORY docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR})

@@ -31,25 +31,31 @@ if(SPLATLAS_SANITIZE)
   add_link_options(-fsanitize=${SPLATLAS_SANITIZE})
 endif()
 
-find_package(Threads REQUIRED)
-find_package(tl-expected REQUIRED)
-find_package(flatbuffers CONFIG QUIET)
-if(NOT flatbuffers_FOUND)
-  find_package(Flatbuffers CONFIG REQUIRED)
-endif()
-find_package(zstd REQUIRED)
-find_package(meshoptimizer REQUIRED)
-find_package(fmt REQUIRED)
+# splatlas_find(PACKAGE): a package that an exported library is linked with; those who use the installed library
+# find it too.
+macro(splatlas_find package)
+  find_package(${package} REQUIRED)
+  set_property(GLOBAL APPEND PROPERTY SPLATLAS_DEPENDENCIES ${package})
+endmacro()
+
+splatlas_find(Threads)
+splatlas_find(fmt)
+splatlas_find(meshoptimizer)
+splatlas_find(tl-expected)
+splatlas_find(zstd)
+# Headers only, inside the library: nobody else needs them.
+find_package(FlatBuffers CONFIG REQUIRED)
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(xxhash REQUIRED IMPORTED_TARGET libxxhash)
 
-# splatlas_library(NAME SOURCES...): static library splatlas_NAME, exported as splatlas::NAME.
+# splatlas_library(NAME SOURCES... [HEADERS PUBLIC_HEADERS...]): static library splatlas_NAME, exported as
+# splatlas::NAME. Only public headers are installed.
 function(splatlas_library name)
-  add_library(splatlas_${name} STATIC ${ARGN})
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "HEADERS")
+  add_library(splatlas_${name} STATIC ${arg_UNPARSED_ARGUMENTS})
   add_library(splatlas::${name} ALIAS splatlas_${name})
   set_target_properties(splatlas_${name} PROPERTIES EXPORT_NAME ${name})
-  target_include_directories(splatlas_${name} PUBLIC
-    $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/splatlas>)
+  target_sources(splatlas_${name} PUBLIC FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR} FILES ${arg_HEADERS})
   target_link_libraries(splatlas_${name} PRIVATE $<BUILD_INTERFACE:splatlas_flags>)
   target_compile_features(splatlas_${name} PUBLIC cxx_std_20)
 endfunction()
