@@ -48,5 +48,5 @@ up_to_date() {
 
 # configure PRESET: only where Ninja has nothing to start from; later changes Ninja sees itself.
 configure() {
-  [[ -e build/$1/build.ninja ]] || cmake --preset "$1" --log-level=NOTICE
+  [[ -e build/$1/build.ninja ]] || cmake --preset "$1" --log-level=NOTICE --no-warn-unused-cli >/dev/null
 }
