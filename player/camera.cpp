@@ -1,0 +1,96 @@
+#include "player/camera.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace splatlas {
+namespace {
+
+/// Share of the picture's smaller side that the ball around the atlas takes at zoom 1.
+constexpr double kFit = 0.96;
+
+/// Sine and cosine in degrees, exact at multiples of 90 so that named views have no shear at all.
+std::pair<double, double> sin_cos_deg(double degrees) {
+  const double turn = std::remainder(degrees, 360.0);
+  const double quarter = std::round(turn / 90.0);
+  if (turn == quarter * 90.0) {
+    constexpr std::array<double, 5> kSin{0, -1, 0, 1, 0};
+    constexpr std::array<double, 5> kCos{-1, 0, 1, 0, -1};
+    const auto n = static_cast<std::size_t>(quarter + 2.0);
+    return {kSin[n], kCos[n]};
+  }
+  const double radians = turn * std::numbers::pi / 180.0;
+  return {std::sin(radians), std::cos(radians)};
+}
+
+}  // namespace
+
+std::optional<NamedView> named_view(std::string_view name) {
+  constexpr std::array<std::string_view, 6> kNames{"anterior", "posterior", "left",
+                                                   "right",    "superior",  "inferior"};
+  const auto* found = std::find(kNames.begin(), kNames.end(), name);
+  if (found == kNames.end()) return std::nullopt;
+  return static_cast<NamedView>(found - kNames.begin());
+}
+
+Camera Camera::of(NamedView view) {
+  Camera camera;
+  switch (view) {
+    case NamedView::kAnterior: break;
+    case NamedView::kPosterior: camera.azimuth_deg = 180; break;
+    case NamedView::kLeft: camera.azimuth_deg = 90; break;
+    case NamedView::kRight: camera.azimuth_deg = -90; break;
+    case NamedView::kSuperior:
+      camera.azimuth_deg = 180;
+      camera.elevation_deg = 90;
+      break;
+    case NamedView::kInferior: camera.elevation_deg = -90; break;
+  }
+  return camera;
+}
+
+Vec3 ParallelView::point_lps_mm(double x, double y) const {
+  const double right_mm = (x - 0.5 * size.width) * mm_per_pixel;
+  const double up_mm = (0.5 * size.height - y) * mm_per_pixel;
+  Vec3 point = center_lps_mm;
+  for (std::size_t a = 0; a < 3; ++a) point[a] += right_lps[a] * right_mm + up_lps[a] * up_mm;
+  return point;
+}
+
+Result<ParallelView> parallel_view(const Camera& camera, const PictureSize& size, const Display& display) {
+  if (size.width < 1 || size.height < 1 || size.width > kMaxPictureSide || size.height > kMaxPictureSide) {
+    return fail(ErrorCode::kUsage, fmt::format("picture size {}x{}: each side must be from 1 to {} pixels",
+                                               size.width, size.height, kMaxPictureSide));
+  }
+  if (!std::isfinite(camera.azimuth_deg) || !std::isfinite(camera.elevation_deg)) {
+    return fail(ErrorCode::kUsage,
+                fmt::format("camera: azimuth {} and elevation {} must be finite angles in degrees",
+                            camera.azimuth_deg, camera.elevation_deg));
+  }
+  if (!(camera.zoom >= 1e-6 && camera.zoom <= 1e6)) {
+    return fail(ErrorCode::kUsage, fmt::format("camera: zoom {} must be from 1e-6 to 1e6", camera.zoom));
+  }
+  const Vec3 center = camera.center_lps_mm.value_or(display.center_lps_mm);
+  if (!std::all_of(center.begin(), center.end(), [](double c) { return std::isfinite(c); })) {
+    return fail(ErrorCode::kUsage, "camera: the centre must be finite");
+  }
+
+  const auto [sin_azimuth, cos_azimuth] = sin_cos_deg(camera.azimuth_deg);
+  const auto [sin_elevation, cos_elevation] = sin_cos_deg(camera.elevation_deg);
+  ParallelView view;
+  // The camera stands anterior (-y) of the subject at azimuth 0, on its left (+x) at 90 (LPS).
+  view.forward_lps = {-cos_elevation * sin_azimuth, cos_elevation * cos_azimuth, -sin_elevation};
+  view.up_lps = {-sin_elevation * sin_azimuth, sin_elevation * cos_azimuth, cos_elevation};
+  view.right_lps = {cos_azimuth, sin_azimuth, 0};
+  view.center_lps_mm = center;
+  view.mm_per_pixel = 2.0 * display.radius_mm / (kFit * std::min(size.width, size.height) * camera.zoom);
+  view.size = size;
+  return view;
+}
+
+}  // namespace splatlas

@@ -1,0 +1,56 @@
+// Where the atlas is looked at from.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+#include "format/atlas_content.h"
+#include "format/grid.h"
+#include "format/result.h"
+
+namespace splatlas {
+
+/// The contract's named views.
+enum class NamedView : std::uint8_t { kAnterior, kPosterior, kLeft, kRight, kSuperior, kInferior };
+[[nodiscard]] std::optional<NamedView> named_view(std::string_view name);
+
+/// A camera that turns around the atlas. Angles follow the contract: azimuth 0 looks at the anterior side, 90
+/// at the subject's left; a positive elevation looks down from above. Up on the picture is superior; straight
+/// from above or below it is where superior tends to as the elevation approaches 90 degrees.
+struct Camera {
+  double azimuth_deg = 0;
+  double elevation_deg = 0;
+  double zoom = 1;  ///< 1 fits the ball around the atlas's structures into the picture
+  std::optional<Vec3>
+      center_lps_mm;  ///< what the middle of the picture shows; the ball's centre when not set
+
+  /// superior and inferior look along the body axis with anterior up, as anatomists hold an atlas.
+  [[nodiscard]] static Camera of(NamedView view);
+};
+
+/// Size of a picture in pixels. Limits keep byte counts and fixed-point rasterisation exact.
+struct PictureSize {
+  int width = 0, height = 0;
+  friend bool operator==(const PictureSize&, const PictureSize&) = default;
+};
+inline constexpr int kMaxPictureSide = 32768;
+
+/// A parallel view: what each pixel's ray is, in LPS mm. Pixel (0, 0) is the top left one; its centre is at
+/// picture coordinates (0.5, 0.5).
+struct ParallelView {
+  Vec3 right_lps, up_lps, forward_lps;  ///< orthonormal; forward points away from the viewer
+  Vec3 center_lps_mm;                   ///< seen in the middle of the picture
+  double mm_per_pixel = 1;
+  PictureSize size;
+
+  /// A point on the ray through picture coordinates (x, y), in the plane of the centre.
+  [[nodiscard]] Vec3 point_lps_mm(double x, double y) const;
+};
+
+/// Refuses (kUsage) cameras that are not finite, zooms that are not in [1e-6, 1e6], and pictures smaller than
+/// 1x1 or larger than kMaxPictureSide on a side. Allocates nothing.
+[[nodiscard]] Result<ParallelView> parallel_view(const Camera& camera, const PictureSize& size,
+                                                 const Display& display);
+
+}  // namespace splatlas

@@ -1,0 +1,31 @@
+// A picture in linear light.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "format/color.h"
+#include "player/camera.h"
+
+namespace splatlas {
+
+/// RGBA floats, linear light, colours premultiplied by alpha; top row first.
+struct Picture {
+  PictureSize size;
+  std::vector<float> rgba;  ///< 4 * width * height
+
+  [[nodiscard]] std::array<float, 4> at(int x, int y) const {
+    const std::size_t n = 4 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(size.width) +
+                               static_cast<std::size_t>(x));
+    return {rgba[n], rgba[n + 1], rgba[n + 2], rgba[n + 3]};
+  }
+};
+
+/// Over a background, as 8-bit sRGB triples. The only place where values are rounded.
+[[nodiscard]] std::vector<std::uint8_t> to_srgb8(const Picture& picture, Rgb background);
+
+/// As 8-bit sRGB with straight (not premultiplied) alpha, for files with a transparent background.
+[[nodiscard]] std::vector<std::uint8_t> to_srgba8(const Picture& picture);
+
+}  // namespace splatlas

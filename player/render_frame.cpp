@@ -1,0 +1,266 @@
+#include "player/render_frame.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "player/class_cache.h"
+#include "player/pick.h"
+#include "player/rasterize.h"
+#include "player/resolve.h"
+#include "player/selected_runs.h"
+#include "player/shading.h"
+#include "player/sheets.h"
+#include "player/span_model.h"
+#include "player/splat_kernels.h"
+#include "player/thread_pool.h"
+#include "player/transfer_function.h"
+
+namespace splatlas {
+namespace {
+
+/// A sheet never has more pixels than this (2 GiB); a finer one is made coarser.
+constexpr std::int64_t kMaxSheetPixels = std::int64_t{1} << 27;
+
+class Stopwatch {
+ public:
+  /// Milliseconds since the last call, or since construction.
+  double lap_ms() {
+    const auto now = std::chrono::steady_clock::now();
+    return std::chrono::duration<double, std::milli>(now - std::exchange(start_, now)).count();
+  }
+
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+std::uint64_t default_memory_limit() {
+  const long pages = sysconf(_SC_PHYS_PAGES);
+  const long page_bytes = sysconf(_SC_PAGESIZE);
+  if (pages <= 0 || page_bytes <= 0) return std::uint64_t{2} << 30;
+  return static_cast<std::uint64_t>(pages) * static_cast<std::uint64_t>(page_bytes) / 4 * 3;
+}
+
+int sheet_scale(Quality quality, const Shear& shear) {
+  const Affine2& map = shear.picture_to_sheet;
+  const double voxels_per_pixel = std::min(std::hypot(map.xx, map.yx), std::hypot(map.xy, map.yy));
+  const double pixels_per_voxel = std::min(1.0 / voxels_per_pixel, 1e3);
+  switch (quality) {
+    case Quality::kNormal: return std::clamp(static_cast<int>(std::ceil(pixels_per_voxel - 0.25)), 1, 4);
+    case Quality::kHigh: return std::clamp(static_cast<int>(std::ceil(2 * pixels_per_voxel - 0.25)), 2, 8);
+    case Quality::kDraft: break;
+  }
+  return 1;
+}
+
+Result<SheetWindow> choose_window(const SpanModel& model, const Shear& shear, const RenderOptions& options) {
+  int scale = sheet_scale(options.quality, shear);
+  while (true) {
+    const SheetWindow window = sheet_window(model, shear, options.size, scale);
+    if (window.empty() || window.fine_rows() <= kMaxSheetPixels / window.fine_columns()) return window;
+    if (scale == 1) {
+      return fail(ErrorCode::kLimit,
+                  fmt::format("the selection covers {} x {} voxels on the picture, too many for one "
+                              "sheet; zoom in or select less",
+                              window.columns, window.rows));
+    }
+    --scale;
+  }
+}
+
+}  // namespace
+
+std::optional<Quality> named_quality(std::string_view name) {
+  if (name == "draft") return Quality::kDraft;
+  if (name == "normal") return Quality::kNormal;
+  if (name == "high") return Quality::kHigh;
+  return std::nullopt;
+}
+
+struct Renderer::Impl {
+  /// One principal axis of the current selection.
+  struct AxisSpans {
+    SelectedRuns runs;
+    SpanModel model;
+    std::optional<ParallelView> lit_for;  ///< view whose light the shaded voxels have; none: unshaded
+  };
+
+  Impl(std::shared_ptr<const Atlas> opened, const RendererOptions& options)
+      : atlas(std::move(opened)),
+        pool(options.threads),
+        cache(atlas),
+        max_memory_bytes(options.max_memory_bytes > 0 ? options.max_memory_bytes : default_memory_limit()),
+        ramp(atlas->value_type(), atlas->display().window_low, atlas->display().window_high) {}
+
+  [[nodiscard]] Result<void> decode(Axis axis);
+  [[nodiscard]] Result<AxisSpans*> spans(Axis axis);
+  void light_spans(AxisSpans& spans, const ParallelView& view, const Lighting& lighting, bool shade);
+  [[nodiscard]] std::vector<SurfaceDraw> surface_draws() const;
+
+  std::shared_ptr<const Atlas> atlas;
+  ThreadPool pool;
+  ClassCache cache;
+  std::uint64_t max_memory_bytes;
+  GreyRamp ramp;
+
+  Selection selection;
+  DrawPlan plan;
+  std::vector<VolumeLook> looks;  // of plan.classes
+  std::array<std::optional<AxisSpans>, 3> axis_spans;
+
+  // Of the latest frame.
+  FragmentList fragments;
+  SheetImage sheet;
+  std::optional<ParallelView> view;
+  std::optional<Shear> shear;
+  RenderStats stats;
+};
+
+/// Reads and decodes what the selection needs and the cache does not have yet.
+Result<void> Renderer::Impl::decode(Axis axis) {
+  std::vector<ClassId> classes;
+  for (const ClassDraw& draw : plan.classes) {
+    if (draws_volume(draw.role)) classes.push_back(draw.id);
+  }
+  SPLATLAS_RETURN_IF_ERROR(cache.require(classes, axis, pool));
+  return cache.require_surfaces(plan.surfaces, pool);
+}
+
+/// Merges the selection's runs into spans, once per selection and axis.
+Result<Renderer::Impl::AxisSpans*> Renderer::Impl::spans(Axis axis) {
+  std::optional<AxisSpans>& built = axis_spans[static_cast<std::size_t>(axis)];
+  if (!built) {
+    SPLATLAS_ASSIGN_OR_RETURN(SelectedRuns runs, merge_runs(plan, *atlas, cache, axis));
+    SpanModel model = build_spans(runs, plan, looks, ramp, atlas->grid(), cache, true, pool);
+    built = AxisSpans{std::move(runs), std::move(model), std::nullopt};
+  }
+  return &*built;
+}
+
+/// Hybrid shading: light on boundary voxels changes only with the direction of view.
+void Renderer::Impl::light_spans(AxisSpans& spans, const ParallelView& frame_view, const Lighting& lighting,
+                                 bool shade) {
+  if (!shade) {
+    if (spans.lit_for) shade_spans(spans.model, std::vector<float>(65536, 1.0f), pool);
+    spans.lit_for.reset();
+    return;
+  }
+  if (spans.lit_for && spans.lit_for->forward_lps == frame_view.forward_lps &&
+      spans.lit_for->up_lps == frame_view.up_lps) {
+    return;
+  }
+  shade_spans(spans.model, lighting.table(), pool);
+  spans.lit_for = frame_view;
+}
+
+std::vector<SurfaceDraw> Renderer::Impl::surface_draws() const {
+  std::vector<SurfaceDraw> draws;
+  for (const StructureIndex s : plan.surfaces) {
+    const StructureDraw& look = selection.structures[s];
+    draws.push_back(
+        {&cache.surface(s),
+         s,
+         {srgb_to_linear(look.color.r), srgb_to_linear(look.color.g), srgb_to_linear(look.color.b)},
+         look.opacity.value_or(1.0f)});
+  }
+  return draws;
+}
+
+Renderer::Renderer(std::shared_ptr<const Atlas> atlas, const RendererOptions& options)
+    : impl_(std::make_unique<Impl>(std::move(atlas), options)) {}
+Renderer::~Renderer() = default;
+Renderer::Renderer(Renderer&&) noexcept = default;
+Renderer& Renderer::operator=(Renderer&&) noexcept = default;
+
+const Atlas& Renderer::atlas() const {
+  return *impl_->atlas;
+}
+const RenderStats& Renderer::stats() const {
+  return impl_->stats;
+}
+
+Result<void> Renderer::select(const Selection& selection) {
+  Stopwatch watch;
+  Impl& r = *impl_;
+  DrawPlan plan = r.atlas->tree().plan(selection);
+  const std::uint64_t bytes = span_model_bytes(plan.volume_voxels + plan.hybrid_voxels);
+  if (bytes > r.max_memory_bytes) {
+    return fail(
+        ErrorCode::kLimit,
+        fmt::format(
+            "{}: the selection has {} volume voxels, which take up to {} MiB; {} MiB are allowed. Select "
+            "less, or surfaces only",
+            r.atlas->name(), plan.volume_voxels + plan.hybrid_voxels, bytes >> 20, r.max_memory_bytes >> 20));
+  }
+  r.selection = selection;
+  r.plan = std::move(plan);
+  r.looks.clear();
+  for (const ClassDraw& draw : r.plan.classes) {
+    r.looks.push_back(draws_volume(draw.role)
+                          ? volume_look(selection.structures[draw.volume_of], r.atlas->reference_length_mm())
+                          : VolumeLook{});
+  }
+  for (auto& spans : r.axis_spans) spans.reset();
+  r.view.reset();
+  r.stats = {};
+  r.stats.volume_voxels = r.plan.volume_voxels;
+  r.stats.surface_voxels = r.plan.surface_voxels;
+  r.stats.hybrid_voxels = r.plan.hybrid_voxels;
+  r.stats.occupancy =
+      static_cast<double>(r.plan.volume_voxels + r.plan.surface_voxels + r.plan.hybrid_voxels) /
+      static_cast<double>(r.atlas->grid().voxels());
+  r.stats.select_ms = watch.lap_ms();
+  return {};
+}
+
+Result<Picture> Renderer::render(const Camera& camera, const RenderOptions& options) {
+  Impl& r = *impl_;
+  const Grid& grid = r.atlas->grid();
+  SPLATLAS_ASSIGN_OR_RETURN(const ParallelView view, parallel_view(camera, options.size, r.atlas->display()));
+  const Shear shear = factorise(view, grid, options.principal_axis ? &*options.principal_axis : nullptr);
+
+  Stopwatch watch;
+  SPLATLAS_RETURN_IF_ERROR(r.decode(shear.principal));
+  r.stats.decode_ms = watch.lap_ms();
+
+  SPLATLAS_ASSIGN_OR_RETURN(Impl::AxisSpans* const spans, r.spans(shear.principal));
+  r.stats.select_ms += watch.lap_ms();
+
+  const Lighting lighting(view);
+  r.light_spans(*spans, view, lighting, options.hybrid_shading);
+  const std::size_t max_fragments = r.max_memory_bytes / 4 / (sizeof(Fragment) + 2 * sizeof(Light) + 64);
+  SPLATLAS_ASSIGN_OR_RETURN(
+      const RasterCounters raster,
+      rasterize(r.surface_draws(), view, shear, grid, lighting, max_fragments, r.fragments, r.pool));
+  SPLATLAS_ASSIGN_OR_RETURN(const SheetWindow window, choose_window(spans->model, shear, options));
+  const SplatKernels& kernels = options.simd ? best_kernels() : scalar_kernels();
+  const SheetCounters sheets =
+      render_sheets(spans->model, shear, window, options.size, grid, kernels, r.fragments, r.sheet, r.pool);
+  Picture picture;
+  resolve(r.sheet, shear, r.fragments, options.size, picture, r.pool);
+
+  r.view = view;
+  r.shear = shear;
+  r.stats.runs_visited = spans->runs.runs.size();
+  r.stats.voxels_visited = sheets.voxels;
+  r.stats.triangles = raster.triangles;
+  r.stats.render_ms = watch.lap_ms();
+  return picture;
+}
+
+std::optional<Pick> Renderer::pick(double x, double y) const {
+  const Impl& r = *impl_;
+  if (!r.view || !r.shear) return std::nullopt;
+  const auto& spans = r.axis_spans[static_cast<std::size_t>(r.shear->principal)];
+  if (!spans) return std::nullopt;
+  const PickScene scene{r.atlas->grid(), spans->runs, r.plan, r.looks, r.ramp, r.cache, r.fragments};
+  return pick_structure(scene, *r.view, *r.shear, x, y);
+}
+
+}  // namespace splatlas

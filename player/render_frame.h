@@ -1,0 +1,84 @@
+// Renders selections of an atlas: the way in for programs.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string_view>
+
+#include "format/atlas_reader.h"
+#include "format/selection.h"
+#include "player/camera.h"
+#include "player/picture.h"
+
+namespace splatlas {
+
+/// Sheet pixels per voxel: draft 1; normal about one per picture pixel, at most 4; high twice that, at
+/// most 8.
+enum class Quality : std::uint8_t { kDraft, kNormal, kHigh };
+[[nodiscard]] std::optional<Quality> named_quality(std::string_view name);
+
+struct RenderOptions {
+  PictureSize size{512, 512};
+  Quality quality = Quality::kNormal;
+  bool hybrid_shading = true;  ///< boundary voxels of volumes are shaded by their normals
+  bool simd = true;            ///< false: the scalar kernels
+  std::optional<Axis>
+      principal_axis;  ///< forced, to measure what the choice costs; the best one when not set
+};
+
+struct RenderStats {
+  std::uint64_t volume_voxels = 0, surface_voxels = 0,
+                hybrid_voxels = 0;   ///< k_vol, k_sur, k_hyb (paper, table 2)
+  double occupancy = 0;              ///< their sum over the grid's voxels
+  std::uint64_t runs_visited = 0;    ///< of selected classes; no other is ever visited
+  std::uint64_t voxels_visited = 0;  ///< splatted
+  std::uint64_t triangles = 0;       ///< projected
+  double select_ms = 0, decode_ms = 0, render_ms = 0;
+};
+
+struct RendererOptions {
+  unsigned threads = 0;  ///< 0: one per core. Pictures do not depend on it.
+  std::uint64_t max_memory_bytes =
+      0;  ///< for decoded voxels, spans and fragments; 0: three quarters of the machine's
+};
+
+/// What is under a point of the picture.
+struct Pick {
+  StructureIndex structure = kNoStructure;
+  Vec3 point_lps_mm{0, 0, 0};
+};
+
+/// An atlas with one selection. Keeps what it has decoded: a new selection reads only what is new.
+/// Not for use by several threads at once; works on its own threads inside.
+class Renderer {
+ public:
+  explicit Renderer(std::shared_ptr<const Atlas> atlas, const RendererOptions& options = {});
+  ~Renderer();
+  Renderer(Renderer&&) noexcept;
+  Renderer& operator=(Renderer&&) noexcept;
+
+  [[nodiscard]] const Atlas& atlas() const;
+
+  /// Changes what is drawn. Reading and decoding wait until a view is rendered. kLimit, and the old selection
+  /// stays, when it would need more memory than allowed.
+  [[nodiscard]] Result<void> select(const Selection& selection);
+
+  /// Renders the selection. Same selection, camera and options: same bits, with any number of threads.
+  /// Cost: selected voxels in view * (sheet pixels per voxel), selected triangles, pixels; nothing
+  /// unselected.
+  [[nodiscard]] Result<Picture> render(const Camera& camera, const RenderOptions& options = {});
+
+  /// Of the latest render().
+  [[nodiscard]] const RenderStats& stats() const;
+
+  /// The structure that contributes most to the picture at picture coordinates (x, y) of the latest render(),
+  /// and where on the ray; nothing where the background shows. Cost: one look-up per slice.
+  [[nodiscard]] std::optional<Pick> pick(double x, double y) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace splatlas

@@ -1,0 +1,145 @@
+#include "player/resolve.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace splatlas {
+namespace {
+
+constexpr int kMaxSamplesPerSide = 16;
+
+/// Picture coordinates to sheet pixels.
+Affine2 picture_to_pixels(const Shear& shear, const SheetWindow& window) {
+  const Affine2& map = shear.picture_to_sheet;
+  const double scale = window.scale;
+  return {map.xx * scale, map.xy * scale, (map.x0 - static_cast<double>(window.u0)) * scale,
+          map.yx * scale, map.yy * scale, (map.y0 - static_cast<double>(window.v0)) * scale};
+}
+
+/// Bilinear; nothing beyond the sheet's border.
+Light sample(const SheetImage& sheet, double x, double y) {
+  const SheetWindow& window = sheet.window;
+  if (!(x > -1 && y > -1 && x < static_cast<double>(window.fine_columns()) &&
+        y < static_cast<double>(window.fine_rows()))) {
+    return {};
+  }
+  const double column = std::floor(x);
+  const double row = std::floor(y);
+  const auto right = static_cast<float>(x - column);
+  const auto below = static_cast<float>(y - row);
+  const Light* upper = &sheet.at(static_cast<std::int64_t>(column), static_cast<std::int64_t>(row));
+  const Light* lower = upper + window.fine_columns() + 2;
+  const float w00 = (1 - right) * (1 - below);
+  const float w01 = right * (1 - below);
+  const float w10 = (1 - right) * below;
+  const float w11 = right * below;
+  Light light;
+  for (std::size_t c = 0; c < 3; ++c) {
+    light.color[c] =
+        w00 * upper[0].color[c] + w01 * upper[1].color[c] + w10 * lower[0].color[c] + w11 * lower[1].color[c];
+  }
+  light.transmittance = w00 * upper[0].transmittance + w01 * upper[1].transmittance +
+                        w10 * lower[0].transmittance + w11 * lower[1].transmittance;
+  return light;
+}
+
+/// Mean over a grid of samples within the pixel whose centre is (x, y).
+Light sample_mean(const SheetImage& sheet, const Affine2& map, double x, double y, int samples) {
+  Light sum{{0, 0, 0}, 0};
+  for (int v = 0; v < samples; ++v) {
+    for (int u = 0; u < samples; ++u) {
+      const double sx = x + (u + 0.5) / samples - 0.5;
+      const double sy = y + (v + 0.5) / samples - 0.5;
+      const Light light =
+          sample(sheet, map.xx * sx + map.xy * sy + map.x0, map.yx * sx + map.yy * sy + map.y0);
+      for (std::size_t c = 0; c < 3; ++c) sum.color[c] += light.color[c];
+      sum.transmittance += light.transmittance;
+    }
+  }
+  const float scale = 1.0f / static_cast<float>(samples * samples);
+  for (float& c : sum.color) c *= scale;
+  sum.transmittance *= scale;
+  return sum;
+}
+
+/// Pixels of a row, [first, last), whose bilinear samples can lie within the sheet.
+std::pair<int, int> covered(const SheetImage& sheet, const Affine2& map, double y, int width, double margin) {
+  double first = 0;
+  double last = width;
+  const auto clip = [&](double per_x, double at_zero, double extent) {
+    // -1 - margin < per_x * x + at_zero < extent + margin
+    const double low = -1 - margin - at_zero;
+    const double high = extent + margin - at_zero;
+    if (per_x == 0) {
+      if (!(low < 0 && high > 0)) last = first;
+      return;
+    }
+    first = std::max(first, std::floor(std::min(low / per_x, high / per_x)));
+    last = std::min(last, std::ceil(std::max(low / per_x, high / per_x)) + 1);
+  };
+  clip(map.xx, map.xx * 0.5 + map.xy * y + map.x0, static_cast<double>(sheet.window.fine_columns()));
+  clip(map.yx, map.yx * 0.5 + map.yy * y + map.y0, static_cast<double>(sheet.window.fine_rows()));
+  if (!(first < last)) return {0, 0};
+  return {static_cast<int>(first), static_cast<int>(last)};
+}
+
+/// The volume behind `fragments` is `whole`; composes all of it in order.
+std::array<float, 4> compose(const FragmentList& list, std::size_t first, std::size_t last,
+                             const Light& whole) {
+  std::array<float, 3> color{0, 0, 0};
+  std::array<float, 3> before{0, 0, 0};  // volume light already composed
+  float through = 1;                     // what the surfaces so far let through
+  for (std::size_t n = first; n < last; ++n) {
+    const Fragment& fragment = list.fragments[n];
+    const float transmittance = list.above[n].transmittance + list.below[n].transmittance;
+    for (std::size_t c = 0; c < 3; ++c) {
+      const float volume = list.above[n].color[c] + list.below[n].color[c];
+      color[c] += through * (volume - before[c] + transmittance * fragment.rgba[c]);
+      before[c] = volume;
+    }
+    through *= 1 - fragment.rgba[3];
+  }
+  for (std::size_t c = 0; c < 3; ++c) color[c] += through * (whole.color[c] - before[c]);
+  return {color[0], color[1], color[2], 1 - through * whole.transmittance};
+}
+
+}  // namespace
+
+void resolve(const SheetImage& sheet, const Shear& shear, const FragmentList& fragments,
+             const PictureSize& size, Picture& picture, ThreadPool& pool) {
+  picture.size = size;
+  picture.rgba.assign(4 * static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height), 0.0f);
+  const Affine2 map = picture_to_pixels(shear, sheet.window);
+  const double sheet_pixels = std::max(std::hypot(map.xx, map.yx), std::hypot(map.xy, map.yy));
+  const int samples = std::clamp(static_cast<int>(std::ceil(sheet_pixels - 0.25)), 1, kMaxSamplesPerSide);
+
+  pool.for_each(static_cast<std::size_t>(size.height), [&](std::size_t row) {
+    const double y = static_cast<double>(row) + 0.5;
+    float* out = &picture.rgba[4 * row * static_cast<std::size_t>(size.width)];
+    std::size_t next = fragments.first_of_row.empty() ? 0 : fragments.first_of_row[row];
+    const std::size_t end = fragments.first_of_row.empty() ? 0 : fragments.first_of_row[row + 1];
+    auto [first, last] = sheet.window.empty()
+                             ? std::pair(0, 0)
+                             : covered(sheet, map, y, size.width, samples > 1 ? sheet_pixels : 0);
+    const auto row_pixel = static_cast<std::uint32_t>(row * static_cast<std::size_t>(size.width));
+    for (int column = 0; column < size.width; ++column) {
+      const std::size_t from = next;
+      while (next < end && fragments.fragments[next].pixel == row_pixel + static_cast<std::uint32_t>(column))
+        ++next;
+      const bool in_sheet = column >= first && column < last;
+      if (!in_sheet && from == next) continue;
+      const double x = column + 0.5;
+      Light whole;
+      if (in_sheet) {
+        // Fragments know the volume at the pixel's centre only.
+        whole = samples > 1 && from == next
+                    ? sample_mean(sheet, map, x, y, samples)
+                    : sample(sheet, map.xx * x + map.xy * y + map.x0, map.yx * x + map.yy * y + map.y0);
+      }
+      const std::array<float, 4> rgba = compose(fragments, from, next, whole);
+      std::copy(rgba.begin(), rgba.end(), out + 4 * column);
+    }
+  });
+}
+
+}  // namespace splatlas

@@ -1,0 +1,73 @@
+#include "player/shading.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "format/unit_vector.h"
+
+namespace splatlas {
+namespace {
+
+constexpr float kAmbient = 0.15f;
+constexpr float kHighlight = 0.10f;
+constexpr int kHighlightSquarings = 5;  // (n . h)^32
+
+float dot(const std::array<float, 3>& a, const std::array<float, 3>& b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+std::array<float, 3> normalised(const Vec3& v) {
+  const double length = std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+  return {static_cast<float>(v[0] / length), static_cast<float>(v[1] / length),
+          static_cast<float>(v[2] / length)};
+}
+
+}  // namespace
+
+Lighting::Lighting(const ParallelView& view) {
+  Vec3 viewer{};
+  Vec3 lamp{};
+  Vec3 half{};
+  for (std::size_t a = 0; a < 3; ++a) {
+    viewer[a] = -view.forward_lps[a];
+    lamp[a] = viewer[a] - 0.45 * view.right_lps[a] + 0.55 * view.up_lps[a];
+  }
+  to_viewer_ = normalised(viewer);
+  to_lamp_ = normalised(lamp);
+  for (std::size_t a = 0; a < 3; ++a) half[a] = to_viewer_[a] + to_lamp_[a];
+  half_ = normalised(half);
+}
+
+float Lighting::diffuse(const std::array<float, 3>& normal_lps) const {
+  const float length_squared = dot(normal_lps, normal_lps);
+  float facing = dot(to_viewer_, to_lamp_);
+  if (length_squared > 0) {
+    const float toward = dot(normal_lps, to_viewer_) < 0 ? -1.0f : 1.0f;
+    facing = std::max(0.0f, toward * dot(normal_lps, to_lamp_) / std::sqrt(length_squared));
+  }
+  return kAmbient + (1.0f - kAmbient) * std::min(facing, 1.0f);
+}
+
+std::array<float, 3> Lighting::shade(const std::array<float, 3>& color,
+                                     const std::array<float, 3>& normal_lps) const {
+  const float factor = diffuse(normal_lps);
+  const float length_squared = dot(normal_lps, normal_lps);
+  float highlight = 0;
+  if (length_squared > 0) {
+    highlight = std::abs(dot(normal_lps, half_)) / std::sqrt(length_squared);
+    for (int n = 0; n < kHighlightSquarings; ++n) highlight *= highlight;
+    highlight *= kHighlight;
+  }
+  std::array<float, 3> shaded{};
+  for (std::size_t c = 0; c < 3; ++c) shaded[c] = std::min(1.0f, color[c] * factor + highlight);
+  return shaded;
+}
+
+std::vector<float> Lighting::table() const {
+  std::vector<float> light(65536);
+  for (std::size_t n = 0; n < light.size(); ++n)
+    light[n] = diffuse(unpack_normal(static_cast<PackedNormal>(n)));
+  return light;
+}
+
+}  // namespace splatlas

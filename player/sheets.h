@@ -1,0 +1,56 @@
+// The volume pass: slices front to back, each splatted into a sheet and composited under what is in front of
+// it.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "player/fragments.h"
+#include "player/shear.h"
+#include "player/span_model.h"
+#include "player/splat_kernels.h"
+#include "player/thread_pool.h"
+
+namespace splatlas {
+
+/// The part of the (u, v) plane that sheets cover. Sheet pixel (x, y) stands at u = u0 + x / scale,
+/// v = v0 + y / scale. A sheet of scale s is s * s interleaved sheets of one pixel per voxel ("phases"), each
+/// with one sub-pixel offset for all its pixels.
+struct SheetWindow {
+  std::int64_t u0 = 0, v0 = 0;
+  std::int64_t columns = 0, rows = 0;  ///< in voxels
+  int scale = 1;
+
+  [[nodiscard]] bool empty() const { return columns <= 0 || rows <= 0; }
+  [[nodiscard]] std::int64_t fine_columns() const { return columns * scale; }
+  [[nodiscard]] std::int64_t fine_rows() const { return rows * scale; }
+};
+
+/// The window that covers where the model's voxels are seen, as far as the picture shows them.
+[[nodiscard]] SheetWindow sheet_window(const SpanModel& model, const Shear& shear, const PictureSize& size,
+                                       int scale);
+
+/// The finished sheet, with a border of one pixel that nothing covers.
+struct SheetImage {
+  SheetWindow window;
+  std::vector<Light> pixels;  ///< (fine_rows + 2) * (fine_columns + 2)
+
+  /// x and y from -1 to fine_columns and fine_rows, both included.
+  [[nodiscard]] const Light& at(std::int64_t x, std::int64_t y) const {
+    return pixels[static_cast<std::size_t>((y + 1) * (window.fine_columns() + 2) + x + 1)];
+  }
+};
+
+struct SheetCounters {
+  std::uint64_t voxels = 0;  ///< splatted, each counted once however many sheet pixels it covers
+};
+
+/// Renders the volume in the window, and the volume in front of every fragment. Bands of rows run in parallel
+/// and share nothing: the result does not depend on the number of threads. Cost: voxels seen * scale^2, plus
+/// fragments, plus the window's pixels.
+[[nodiscard]] SheetCounters render_sheets(const SpanModel& model, const Shear& shear,
+                                          const SheetWindow& window, const PictureSize& size,
+                                          const Grid& grid, const SplatKernels& kernels,
+                                          FragmentList& fragments, SheetImage& image, ThreadPool& pool);
+
+}  // namespace splatlas

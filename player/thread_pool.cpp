@@ -1,0 +1,60 @@
+#include "player/thread_pool.h"
+
+#include <algorithm>
+
+namespace splatlas {
+
+ThreadPool::ThreadPool(unsigned threads) {
+  if (threads == 0) threads = std::max(1u, std::thread::hardware_concurrency());
+  threads = std::min(threads, 64u);
+  workers_.reserve(threads - 1);
+  for (unsigned n = 1; n < threads; ++n) workers_.emplace_back([this] { work(); });
+}
+
+ThreadPool::~ThreadPool() {
+  {
+    const std::lock_guard lock(mutex_);
+    stop_ = true;
+  }
+  start_.notify_all();
+  for (std::thread& worker : workers_) worker.join();
+}
+
+void ThreadPool::for_each(std::size_t count, const std::function<void(std::size_t)>& body) {
+  if (count == 0) return;
+  if (workers_.empty() || count == 1) {
+    for (std::size_t n = 0; n < count; ++n) body(n);
+    return;
+  }
+  std::unique_lock lock(mutex_);
+  body_ = &body;
+  count_ = count;
+  next_ = 0;
+  start_.notify_all();
+  take_items(body, lock);
+  done_.wait(lock, [this] { return running_ == 0; });
+  body_ = nullptr;
+}
+
+void ThreadPool::work() {
+  std::unique_lock lock(mutex_);
+  while (true) {
+    start_.wait(lock, [this] { return stop_ || (body_ != nullptr && next_ < count_); });
+    if (stop_) return;
+    take_items(*body_, lock);
+  }
+}
+
+void ThreadPool::take_items(const std::function<void(std::size_t)>& body,
+                            std::unique_lock<std::mutex>& lock) {
+  while (next_ < count_) {
+    const std::size_t item = next_++;
+    ++running_;
+    lock.unlock();
+    body(item);
+    lock.lock();
+    if (--running_ == 0 && next_ >= count_) done_.notify_all();
+  }
+}
+
+}  // namespace splatlas

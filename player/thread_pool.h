@@ -1,0 +1,40 @@
+// A fixed set of worker threads for the loops of one frame.
+#pragma once
+
+#include <condition_variable>
+#include <cstddef>
+#include <functional>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+namespace splatlas {
+
+/// Runs loops on a fixed number of threads (the caller is one of them). Threads sleep between loops.
+class ThreadPool {
+ public:
+  /// 0 means one per core. Never more than 64.
+  explicit ThreadPool(unsigned threads);
+  ~ThreadPool();
+  ThreadPool(const ThreadPool&) = delete;
+  ThreadPool& operator=(const ThreadPool&) = delete;
+
+  [[nodiscard]] unsigned threads() const { return static_cast<unsigned>(workers_.size()) + 1; }
+
+  /// Calls body(0) .. body(count - 1), each once, in any order, and returns when all are done. `body` must
+  /// not throw and must write only what its own number owns. Not reentrant; one caller at a time.
+  void for_each(std::size_t count, const std::function<void(std::size_t)>& body);
+
+ private:
+  void work();
+  void take_items(const std::function<void(std::size_t)>& body, std::unique_lock<std::mutex>& lock);
+
+  std::vector<std::thread> workers_;
+  std::mutex mutex_;
+  std::condition_variable start_, done_;
+  const std::function<void(std::size_t)>* body_ = nullptr;
+  std::size_t count_ = 0, next_ = 0, running_ = 0;
+  bool stop_ = false;
+};
+
+}  // namespace splatlas
