@@ -1,6 +1,7 @@
 // The Rendering Decision Tree: the structure graph with the classes as its (shared) leaves.
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -25,11 +26,13 @@ struct ClassDraw {
 
 /// What a selection comes to: classes to traverse and surfaces to rasterise, nothing else.
 struct DrawPlan {
-  std::vector<ClassDraw> classes;        ///< role != kNone only, in class order
-  std::vector<StructureIndex> surfaces;  ///< structures whose surface is drawn, in index order
-  std::uint64_t volume_voxels = 0;       ///< k_vol
-  std::uint64_t surface_voxels = 0;      ///< k_sur
-  std::uint64_t hybrid_voxels = 0;       ///< k_hyb
+  std::vector<ClassDraw> classes;  ///< role != kNone only, in class order
+  /// Structures with boundary classes that are selected as surface or both, in index order; external ones in
+  /// any mode.
+  std::vector<StructureIndex> surfaces;
+  std::uint64_t volume_voxels = 0;   ///< k_vol
+  std::uint64_t surface_voxels = 0;  ///< k_sur
+  std::uint64_t hybrid_voxels = 0;   ///< k_hyb
 };
 
 /// Structures lead to classes; classes that several structures share are leaves of each of them.
@@ -43,10 +46,15 @@ class DecisionTree {
   /// Classes whose voxels are boundary of `s` itself, or are crossed by its external surface.
   [[nodiscard]] std::span<const ClassId> boundary_classes(StructureIndex s) const;
 
-  /// Walks the tree once for a selection. A class that is volume for one selected structure and surface for
-  /// another is hybrid. Where several selected structures hold a voxel, the one selected by the latest term
-  /// gives the look; within a term the one with the higher index (the more specific one). Cost: linear in the
-  /// selected structures' leaves.
+  /// Walks the tree once for a selection, structure by structure:
+  ///   volume   interior and boundary voxels are drawn as volume
+  ///   surface  boundary voxels are drawn as surface
+  ///   both     interior voxels as volume, boundary voxels as hybrid
+  /// Voxels that are only crossed by an external surface are drawn as surface in every mode: it holds no
+  /// volume. A class that is volume for one selected structure and surface for another is hybrid. Where
+  /// several selected structures hold a voxel, the one selected by the latest term gives the look; within a
+  /// term the one with the higher index (the more specific one). `selection` is one of this graph (or an
+  /// empty one). Cost: linear in the selected structures' leaves and the number of structures and classes.
   [[nodiscard]] DrawPlan plan(const Selection& selection) const;
 
   /// Voxels below `s`, each counted once: boundary where it is boundary of any descendant, else interior.
@@ -54,6 +62,7 @@ class DecisionTree {
   struct VoxelCounts {
     std::uint64_t interior = 0, boundary = 0;
   };
+  /// Cost: linear in the leaves below `s`, times the logarithm of that.
   [[nodiscard]] VoxelCounts voxel_counts(StructureIndex s) const;
 
  private:
@@ -61,6 +70,7 @@ class DecisionTree {
   const ClassTable& classes_;
   std::vector<std::uint32_t> first_interior_, first_boundary_;  // size + 1 offsets
   std::vector<ClassId> interior_, boundary_;
+  std::vector<bool> crossed_;  // per entry of boundary_: only crossed, not held
 };
 
 }  // namespace splatlas

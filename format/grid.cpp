@@ -212,16 +212,11 @@ void reorder_voxels(const void* from, const Index3& size, const AxisOrder& order
   const auto* source = static_cast<const std::byte*>(from);
   auto* target = static_cast<std::byte*>(to);
   switch (bytes_per_voxel) {
-    case 1:
-      return copy_in_tiles(strides, new_size, old_i_axis, VoxelCopier<1>{source, target});
-    case 2:
-      return copy_in_tiles(strides, new_size, old_i_axis, VoxelCopier<2>{source, target});
-    case 4:
-      return copy_in_tiles(strides, new_size, old_i_axis, VoxelCopier<4>{source, target});
-    case 8:
-      return copy_in_tiles(strides, new_size, old_i_axis, VoxelCopier<8>{source, target});
-    default:
-      break;
+    case 1: return copy_in_tiles(strides, new_size, old_i_axis, VoxelCopier<1>{source, target});
+    case 2: return copy_in_tiles(strides, new_size, old_i_axis, VoxelCopier<2>{source, target});
+    case 4: return copy_in_tiles(strides, new_size, old_i_axis, VoxelCopier<4>{source, target});
+    case 8: return copy_in_tiles(strides, new_size, old_i_axis, VoxelCopier<8>{source, target});
+    default: break;
   }
   copy_in_tiles(strides, new_size, old_i_axis, AnyVoxelCopier{source, target, bytes_per_voxel});
 }

@@ -3,15 +3,25 @@
 //   selection := term { ("+" | "-") term }
 //   term      := NAME [":surface" | ":volume" | ":both"] [ "(" option { "," option } ")" ]
 //   option    := "opacity=" number in (0, 1]  |  "color=" "#rrggbb"
-//   NAME      := a structure's id, name or path ("Brain/Cerebellum/Left"); "*" stands for any characters;
-//                quoted where it holds a blank, a sign, a colon, a comma or a bracket
+//   NAME      := a structure's id, name or path ("Brain/Cerebellum/Left"); "*" stands for any characters, "/"
+//   too;
+//                in double quotes where it holds anything but letters, digits, "_", ".", "/", "*", "'" and
+//                characters beyond ASCII; a double quote inside quotes is written twice
 //
-// Names are compared without regard to case. Terms apply from left to right; a term that adds without a mode
-// adds the volume. "-NAME" removes, "-NAME:surface" removes only the surface. A node stands for all its
-// descendants.
+// Names, modes and options are compared without regard to the case of ASCII letters. Blanks between the parts
+// do not count. Terms apply from left to right, each to the structures its NAME stands for and all their
+// descendants:
+//   - a term that adds gives them its mode (volume where none is written) beside those that they have:
+//     "A:volume + A:surface" is "A:both"; "A:both - A:surface" takes the surface away again;
+//   - its opacity and color replace those of earlier terms; where it has none, theirs stay;
+//   - "- NAME" and "- NAME:both" remove a structure and forget its looks, "- NAME:surface" and "-
+//   NAME:volume"
+//     only that part. Removals take no options.
 #pragma once
 
+#include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -32,12 +42,12 @@ struct SelectionTerm {
   bool remove = false;
   std::string name;
   DrawMode mode = DrawMode::kOff;  ///< kOff: none was written
-  std::optional<float> opacity;
-  std::optional<Rgb> color;
+  std::optional<float> opacity = std::nullopt;
+  std::optional<Rgb> color = std::nullopt;
   std::size_t column = 0;  ///< where the term starts in the text, from 0; for messages
 };
 
-/// How one structure is drawn.
+/// How one structure is drawn; StructureDraw{} when it is not.
 struct StructureDraw {
   DrawMode mode = DrawMode::kOff;
   /// Surfaces: of each crossing. Volumes: of one reference length (Atlas::reference_length_mm) at full value.
@@ -57,23 +67,28 @@ struct Selection {
   [[nodiscard]] bool empty() const;
 };
 
-/// Syntax only; kUsage with the column of the first fault. An empty or blank text has no terms.
+/// Syntax only; kUsage with the column (bytes, from 1) of the first fault. An empty or blank text has no
+/// terms.
 [[nodiscard]] Result<std::vector<SelectionTerm>> parse_selection(std::string_view text);
 
-/// The structures that a name, id, path or wildcard pattern stands for (without descendants). An id wins over
-/// names, a name over paths. kNotFound when nothing matches, or when a plain name matches several structures;
-/// the message lists the nearest names, or the candidates' paths.
+/// The structures that a name, id, path or wildcard pattern stands for (without descendants), in index order.
+/// An id wins over names, a name over paths. A path may start at a root or further down ("Cerebellum/Left").
+/// A wildcard matches ids, names and whole paths. kNotFound when nothing matches, or when a name or path
+/// without a wildcard matches several structures; the message lists the nearest names, or the candidates'
+/// paths and ids. Cost: linear in the structures, their parents and names, times the length of a wildcard
+/// pattern (at most 256).
 [[nodiscard]] Result<std::vector<StructureIndex>> find_structures(const StructureGraph& graph,
                                                                   std::string_view name);
 
-/// Applies the terms to the graph.
+/// Applies the terms to the graph. kNotFound, with the term's column, when a name is unknown or ambiguous.
 [[nodiscard]] Result<Selection> resolve_selection(std::span<const SelectionTerm> terms,
                                                   const StructureGraph& graph);
 /// parse_selection and resolve_selection in one.
 [[nodiscard]] Result<Selection> select(std::string_view text, const StructureGraph& graph);
 
-/// A short text that selects exactly this: whole subtrees become one term where all below is drawn alike.
-/// select(to_text(s, g), g) gives `s` again but for term numbers.
+/// A short text that selects exactly this: a whole subtree that is drawn alike becomes one term, what is
+/// missing from it a removal. select(to_text(s, g), g) gives `s` again but for term numbers. `selection` is
+/// one of this graph, its opacities in (0, 1].
 [[nodiscard]] std::string to_text(const Selection& selection, const StructureGraph& graph);
 
 }  // namespace splatlas

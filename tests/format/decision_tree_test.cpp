@@ -1,0 +1,160 @@
+#include "format/decision_tree.h"
+
+#include <set>
+
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include "tests/format/random_graph.h"
+
+namespace splatlas {
+namespace {
+
+using Members = std::vector<Membership>;
+
+/// Voxels with their own lists of memberships, as a brute force evaluation wants them.
+struct Voxels {
+  std::vector<Members> members;
+  std::vector<ClassId> classes;
+  ClassTable table;
+};
+
+Voxels random_voxels(const StructureGraph& graph, std::mt19937& random) {
+  const auto below = [&random](std::size_t m) {
+    return std::uniform_int_distribution<std::size_t>(0, m - 1)(random);
+  };
+  Voxels voxels;
+  for (std::int64_t n = 0; n < 200; ++n) {
+    Members members;
+    for (StructureIndex s = 0; s < graph.size(); ++s) {
+      if (below(graph.size() + 2) >= 2) continue;
+      members.push_back({s, graph[s].external ? Part::kCrossed : static_cast<Part>(below(2))});
+    }
+    voxels.classes.push_back(voxels.table.intern(members));
+    voxels.table.count(voxels.classes.back(), 1, {{n, 0, 0}, {n, 0, 0}});
+    voxels.members.push_back(std::move(members));
+  }
+  return voxels;
+}
+
+/// What the contract says of one voxel: one structure after the other.
+ClassDraw draw_of(const Members& members, const Selection& selection) {
+  bool volume = false;
+  bool surface = false;
+  ClassDraw draw;
+  std::uint32_t latest = 0;
+  for (const auto& [s, part] : members) {  // in index order
+    const StructureDraw& look = selection.structures[s];
+    if (look.mode == DrawMode::kOff) continue;
+    const bool as_surface = look.mode == DrawMode::kSurface || look.mode == DrawMode::kBoth;
+    const bool as_volume = look.mode == DrawMode::kVolume || look.mode == DrawMode::kBoth;
+    if (part == Part::kCrossed || (part == Part::kBoundary && as_surface)) surface = true;
+    if (part == Part::kCrossed || !as_volume) continue;
+    if (!volume || look.term >= latest) {
+      draw.volume_of = s;
+      draw.boundary = part == Part::kBoundary;
+      latest = look.term;
+    }
+    volume = true;
+  }
+  if (volume) draw.role = surface ? VoxelRole::kHybrid : VoxelRole::kVolume;
+  if (!volume && surface) draw.role = VoxelRole::kSurface;
+  return draw;
+}
+
+RC_GTEST_PROP(DecisionTree, PlansWhatEveryVoxelSays, ()) {
+  const auto n = *uniform<std::size_t>(1, 14);
+  auto random = *random_source();
+  const StructureGraph graph = random_graph(n, random);
+  const Voxels voxels = random_voxels(graph, random);
+  Selection selection = random_selection(graph, random);
+  for (StructureDraw& draw : selection.structures)
+    draw.term = std::uniform_int_distribution<unsigned>(0, 2)(random);
+  const DecisionTree tree(graph, voxels.table);
+
+  const DrawPlan plan = tree.plan(selection);
+
+  std::vector<ClassDraw> planned(voxels.table.size());
+  ClassId before = 0;
+  for (const ClassDraw& draw : plan.classes) {
+    RC_ASSERT(draw.id > before);
+    RC_ASSERT(draw.role != VoxelRole::kNone);
+    before = draw.id;
+    planned[draw.id] = draw;
+  }
+  std::uint64_t volume = 0;
+  std::uint64_t surface = 0;
+  std::uint64_t hybrid = 0;
+  for (std::size_t v = 0; v < voxels.members.size(); ++v) {
+    ClassDraw expected = draw_of(voxels.members[v], selection);
+    if (expected.role != VoxelRole::kNone) expected.id = voxels.classes[v];
+    RC_ASSERT(planned[voxels.classes[v]] == expected);
+    volume += expected.role == VoxelRole::kVolume;
+    surface += expected.role == VoxelRole::kSurface;
+    hybrid += expected.role == VoxelRole::kHybrid;
+  }
+  RC_ASSERT(plan.volume_voxels == volume);
+  RC_ASSERT(plan.surface_voxels == surface);
+  RC_ASSERT(plan.hybrid_voxels == hybrid);
+
+  std::vector<StructureIndex> surfaces;
+  for (StructureIndex s = 0; s < graph.size(); ++s) {
+    const DrawMode mode = selection.structures[s].mode;
+    const bool drawn = mode != DrawMode::kOff && (graph[s].external || mode != DrawMode::kVolume);
+    const bool has_boundary =
+        std::any_of(voxels.members.begin(), voxels.members.end(), [&](const Members& members) {
+          return std::any_of(members.begin(), members.end(), [&](const Membership& m) {
+            return m.structure == s && m.part != Part::kInterior;
+          });
+        });
+    if (drawn && has_boundary) surfaces.push_back(s);
+  }
+  RC_ASSERT(plan.surfaces == surfaces);
+}
+
+RC_GTEST_PROP(DecisionTree, CountsEachVoxelOnce, ()) {
+  const auto n = *uniform<std::size_t>(1, 14);
+  auto random = *random_source();
+  const StructureGraph graph = random_graph(n, random);
+  const Voxels voxels = random_voxels(graph, random);
+  const DecisionTree tree(graph, voxels.table);
+  for (StructureIndex s = 0; s < graph.size(); ++s) {
+    const auto below = graph.descendants(s);
+    const std::set<StructureIndex> group(below.begin(), below.end());
+    std::uint64_t interior = 0;
+    std::uint64_t boundary = 0;
+    for (const Members& members : voxels.members) {
+      bool in = false;
+      bool on = false;
+      for (const Membership& m : members) {
+        if (group.contains(m.structure)) (m.part == Part::kInterior ? in : on) = true;
+      }
+      boundary += on;
+      interior += in && !on;
+    }
+    RC_ASSERT(tree.voxel_counts(s).interior == interior);
+    RC_ASSERT(tree.voxel_counts(s).boundary == boundary);
+  }
+}
+
+RC_GTEST_PROP(DecisionTree, LeavesAreTheClassesOfAStructureItself, ()) {
+  const auto n = *uniform<std::size_t>(1, 14);
+  auto random = *random_source();
+  const StructureGraph graph = random_graph(n, random);
+  const ClassTable table = random_voxels(graph, random).table;
+  const DecisionTree tree(graph, table);
+  for (StructureIndex s = 0; s < graph.size(); ++s) {
+    std::vector<ClassId> interior;
+    std::vector<ClassId> boundary;
+    for (ClassId c = 0; c < table.size(); ++c) {
+      for (const Membership& m : table.members(c)) {
+        if (m.structure == s) (m.part == Part::kInterior ? interior : boundary).push_back(c);
+      }
+    }
+    RC_ASSERT(std::vector(tree.interior_classes(s).begin(), tree.interior_classes(s).end()) == interior);
+    RC_ASSERT(std::vector(tree.boundary_classes(s).begin(), tree.boundary_classes(s).end()) == boundary);
+  }
+}
+
+}  // namespace
+}  // namespace splatlas
