@@ -1,0 +1,111 @@
+#include "player/commands/info_command.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+namespace splatlas {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json grid_json(const Grid& grid) {
+  return {{"size", grid.size},
+          {"spacing_mm", grid.spacing_mm},
+          {"origin_lps_mm", grid.origin_lps_mm},
+          {"direction_lps", grid.direction_lps}};
+}
+
+std::uint64_t triangles_below(const Atlas& atlas, StructureIndex s) {
+  std::uint64_t triangles = 0;
+  for (const StructureIndex d : atlas.graph().descendants(s)) triangles += atlas.triangles(d);
+  return triangles;
+}
+
+Json structure_json(const Atlas& atlas, StructureIndex s) {
+  const Structure& structure = atlas.graph()[s];
+  Json parents = Json::array();
+  for (const StructureIndex p : structure.parents) parents.push_back(atlas.graph()[p].id);
+  const DecisionTree::VoxelCounts counts = atlas.tree().voxel_counts(s);
+  Json json{{"id", structure.id},
+            {"name", structure.name},
+            {"parents", parents},
+            {"color", to_hex(structure.color)},
+            {"voxels", {{"interior", counts.interior}, {"boundary", counts.boundary}}},
+            {"triangles", triangles_below(atlas, s)}};
+  if (structure.label) json["label"] = *structure.label;
+  return json;
+}
+
+}  // namespace
+
+std::string info_json(const Atlas& atlas) {
+  Json json{{"format_version", atlas.format_version()}, {"file_bytes", atlas.counters().file},
+            {"grid", grid_json(atlas.source_grid())},   {"storage_grid", grid_json(atlas.grid())},
+            {"values", name_of(atlas.value_type())},    {"classes", atlas.classes().size()}};
+  for (const Axis axis : kAxes) {
+    json["axes"].push_back(
+        {{"axis", std::string(1, "xyz"[static_cast<std::size_t>(axis)])}, {"runs", atlas.runs(axis)}});
+  }
+  json["structures"] = Json::array();
+  for (StructureIndex s = 0; s < atlas.graph().size(); ++s)
+    json["structures"].push_back(structure_json(atlas, s));
+  json["sections"] = Json::array();
+  for (const SectionSize& section : atlas.sections()) {
+    json["sections"].push_back({{"name", section.name}, {"bytes", section.bytes}});
+  }
+  json["scenes"] = Json::array();
+  for (const Scene& scene : atlas.scenes()) {
+    json["scenes"].push_back({{"name", scene.name}, {"caption", scene.caption}, {"select", scene.selection}});
+  }
+  const Provenance& provenance = atlas.provenance();
+  json["provenance"] = {{"title", provenance.title},
+                        {"citation", provenance.citation},
+                        {"licence", provenance.licence},
+                        {"tool", provenance.tool}};
+  // Names come from strangers' files: invalid UTF-8 is replaced, never an exception.
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::string info_text(const Atlas& atlas) {
+  std::string text;
+  const auto out = std::back_inserter(text);
+  const Grid& grid = atlas.source_grid();
+  fmt::format_to(out, "{}: atlas {}, {} bytes\n", atlas.name(), atlas.format_version(),
+                 atlas.counters().file);
+  if (!atlas.provenance().title.empty()) fmt::format_to(out, "title     {}\n", atlas.provenance().title);
+  fmt::format_to(out, "grid      {} x {} x {} voxels of {:g} x {:g} x {:g} mm, values {}\n", grid.size[0],
+                 grid.size[1], grid.size[2], grid.spacing_mm[0], grid.spacing_mm[1], grid.spacing_mm[2],
+                 name_of(atlas.value_type()));
+  fmt::format_to(out, "classes   {}\nruns      x {}, y {}, z {}\nsections ", atlas.classes().size(),
+                 atlas.runs(Axis::kX), atlas.runs(Axis::kY), atlas.runs(Axis::kZ));
+  for (const SectionSize& section : atlas.sections())
+    fmt::format_to(out, " {} {},", section.name, section.bytes);
+  text.back() = '\n';
+  fmt::format_to(out, "\n{:<50} {:>10} {:>10} {:>10}\n", "structure (again under every parent)", "interior",
+                 "boundary", "triangles");
+  // Depth first with an explicit stack; each structure under every parent, as a selection by path sees it.
+  constexpr std::size_t kMostLines = 10000;
+  std::size_t lines = 0;
+  std::vector<std::pair<StructureIndex, std::size_t>> stack;
+  const auto roots = atlas.graph().roots();
+  for (auto root = roots.rbegin(); root != roots.rend(); ++root) stack.emplace_back(*root, 0);
+  while (!stack.empty() && lines < kMostLines) {
+    const auto [s, depth] = stack.back();
+    stack.pop_back();
+    ++lines;
+    const DecisionTree::VoxelCounts counts = atlas.tree().voxel_counts(s);
+    const std::string label = std::string(2 * depth, ' ') + atlas.graph()[s].name;
+    fmt::format_to(out, "{:<50} {:>10} {:>10} {:>10}\n", label, counts.interior, counts.boundary,
+                   triangles_below(atlas, s));
+    const auto children = atlas.graph().children(s);
+    for (auto child = children.rbegin(); child != children.rend(); ++child)
+      stack.emplace_back(*child, depth + 1);
+  }
+  if (!stack.empty())
+    fmt::format_to(out, "... (more than {} lines; --json lists every structure once)\n", kMostLines);
+  return text;
+}
+
+}  // namespace splatlas
