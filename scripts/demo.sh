@@ -1,0 +1,89 @@
+#!/usr/bin/env bash
+# From a fresh Debian 12 machine to pictures: installs what is missing, builds the programs, makes the phantom's and
+# the Colin 27 brain's atlas, and renders the gallery (scripts/gallery.tsv) to out/. What is up to date is kept.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+# shellcheck source=scripts/steps.sh
+source scripts/steps.sh
+
+readonly programs=build/release/bin
+readonly templates=/usr/share/mricron/templates  # of Debian's package mricron-data
+readonly size=800x800
+
+build_programs() {
+  configure release
+  cmake --build --preset release --target splatlas-preprocess splatlas-player splatlas-phantom
+}
+
+# make_atlas ATLAS OPTION...: where an input or the program is newer than the atlas.
+make_atlas() {
+  local atlas=$1 inputs=("$programs/splatlas-preprocess") option
+  shift
+  for option in "$@"; do
+    [[ $option == --* ]] || inputs+=("$option")
+  done
+  if up_to_date "$atlas" "${inputs[@]}"; then
+    echo "$atlas is up to date"
+  else
+    "$programs/splatlas-preprocess" build -o "$atlas" "$@"
+  fi
+}
+
+make_phantom_atlas() {
+  if ! up_to_date out/phantom/labels.nrrd "$programs/splatlas-phantom"; then
+    "$programs/splatlas-phantom" out/phantom
+  fi
+  make_atlas out/phantom.atlas --labels out/phantom/labels.nrrd --volume out/phantom/volume.nrrd \
+    --names out/phantom/names.txt --tree out/phantom/phantom.tree
+}
+
+make_colin27_atlas() {
+  make_atlas out/colin27.atlas --labels $templates/aal.nii.gz --volume $templates/ch2.nii.gz \
+    --names $templates/aal.nii.txt --tree preprocess/trees/colin27_aal.tree
+}
+
+# for_each_picture COMMAND: COMMAND PICTURE ATLAS VIEW SELECTION, for every line of the gallery.
+for_each_picture() {
+  local name atlas view selection
+  while IFS=$'\t' read -r name atlas view selection; do
+    [[ $name == \#* ]] || "$1" "out/$name.png" "out/$atlas.atlas" "$view" "$selection"
+  done <scripts/gallery.tsv
+}
+
+render_picture() {
+  local picture=$1 atlas=$2 view=$3 selection=$4
+  if up_to_date "$picture" "$atlas" "$programs/splatlas-player" scripts/gallery.tsv; then
+    echo "$picture is up to date"
+    return
+  fi
+  echo "$picture: $selection"
+  # shellcheck disable=SC2086  # the view is several options
+  "$programs/splatlas-player" render "$atlas" -o "$picture" --size $size $view --select "$selection"
+}
+
+make_contact_sheet() {
+  local pictures=() cells=()
+  add_cell() {
+    pictures+=("$1")
+    cells+=("$1" "$(basename "$1" .png)   $4")
+  }
+  for_each_picture add_cell
+  if up_to_date out/gallery.png "${pictures[@]}" scripts/contact_sheet.sh; then
+    echo "out/gallery.png is up to date"
+  else
+    scripts/contact_sheet.sh out/gallery.png 5 "${cells[@]}"
+    echo "out/gallery.png"
+  fi
+}
+
+mkdir -p out
+step "Packages" scripts/install_packages.sh
+step "Programs" build_programs
+step "Atlas of the phantom" make_phantom_atlas
+step "Atlas of the Colin 27 brain" make_colin27_atlas
+step "Gallery" for_each_picture render_picture
+step "Contact sheet" make_contact_sheet
+
+tell_times
+echo
+echo "The gallery is out/gallery.png. Look around with: $programs/splatlas-player out/colin27.atlas"
