@@ -10,6 +10,10 @@ foreach(program splatlas-preprocess splatlas-player)
   endif()
 endforeach()
 
+if(TARGET splatlas_pictures)  # loaded by splatlas-player
+  install(TARGETS splatlas_pictures LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
+endif()
+
 foreach(library splatlas_format splatlas_player)
   if(TARGET ${library})
     install(TARGETS ${library} EXPORT splatlasTargets

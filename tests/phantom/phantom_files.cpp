@@ -38,6 +38,15 @@ std::string nrrd(const std::vector<std::uint8_t>& voxels) {
   return bytes;
 }
 
+/// One line a ball: label and name, quoted because it ends in a number.
+constexpr std::string_view kNames = R"(1 "Sphere 1"
+2 "Sphere 2"
+)";
+
+constexpr std::string_view kTree = R"(Phantom/Sphere 1  color=#e8a33d
+Phantom/Sphere 2  color=#4f8fd6
+)";
+
 }  // namespace
 
 Result<void> write_files(const std::filesystem::path& folder) {
@@ -48,7 +57,8 @@ Result<void> write_files(const std::filesystem::path& folder) {
   }
   SPLATLAS_RETURN_IF_ERROR(write_file(folder / "labels.nrrd", nrrd(labels())));
   SPLATLAS_RETURN_IF_ERROR(write_file(folder / "volume.nrrd", nrrd(values())));
-  return {};
+  SPLATLAS_RETURN_IF_ERROR(write_file(folder / "names.txt", kNames));
+  return write_file(folder / "phantom.tree", kTree);
 }
 
 }  // namespace splatlas::phantom

@@ -48,6 +48,16 @@ TEST_F(PhantomFiles, AreRawNrrdOfTheClosedForm) {
   }
 }
 
+TEST_F(PhantomFiles, NameEveryBallAndPlaceItInTheTree) {
+  ASSERT_TRUE(write_files(folder_));
+  for (const Ball& ball : kBalls) {
+    const std::string name(ball.name);
+    EXPECT_THAT(read_file(folder_ / "names.txt"),
+                HasSubstr(std::to_string(ball.label) + " \"" + name + "\"\n"));
+    EXPECT_THAT(read_file(folder_ / "phantom.tree"), HasSubstr("Phantom/" + name + " "));
+  }
+}
+
 TEST_F(PhantomFiles, TellWhichFileCannotBeWritten) {
   std::ofstream(folder_ / "taken") << "a file, not a folder";
   const auto written = write_files(folder_ / "taken");
