@@ -76,9 +76,8 @@ struct Sample {
   bool entering = false;
   std::uint32_t triangle = 0;
 
-  [[nodiscard]] auto key() const {
-    return std::tuple(fragment.pixel, depth_key, entering, fragment.structure, triangle);
-  }
+  /// Order within a pixel.
+  [[nodiscard]] auto key() const { return std::tuple(depth_key, entering, fragment.structure, triangle); }
 };
 
 /// All triangles that touch one band of picture rows, to sorted fragments.
@@ -137,17 +136,31 @@ class BandRasterizer {
   }
 
   /// Sorted by pixel and depth; the opaque fragment of a pixel last.
-  std::vector<Sample> take() {
+  std::vector<Fragment> take() {
     for (const Sample& sample : nearest_) {
       if (sample.fragment.structure != kNoStructure) samples_.push_back(sample);
     }
-    std::erase_if(samples_, [&](const Sample& sample) {
-      const Sample& hidden_by = nearest_[nearest_index(sample.fragment.pixel)];
-      return hidden_by.fragment.structure != kNoStructure && sample.key() > hidden_by.key();
-    });
-    std::sort(samples_.begin(), samples_.end(),
-              [](const Sample& a, const Sample& b) { return a.key() < b.key(); });
-    return std::move(samples_);
+    // By pixel: a counting sort of indices. Then the few of a pixel by depth.
+    std::vector<std::uint32_t> end_of_pixel(nearest_.size() + 1, 0);
+    for (const Sample& sample : samples_) ++end_of_pixel[nearest_index(sample.fragment.pixel) + 1];
+    for (std::size_t n = 1; n < end_of_pixel.size(); ++n) end_of_pixel[n] += end_of_pixel[n - 1];
+    std::vector<std::uint32_t> order(samples_.size());
+    for (std::uint32_t n = 0; n < samples_.size(); ++n) {
+      order[end_of_pixel[nearest_index(samples_[n].fragment.pixel)]++] = n;
+    }
+    std::vector<Fragment> fragments;
+    fragments.reserve(samples_.size());
+    for (std::size_t pixel = 0; pixel < nearest_.size(); ++pixel) {
+      const std::uint32_t begin = pixel == 0 ? 0 : end_of_pixel[pixel - 1];
+      const std::span<std::uint32_t> of_pixel(order.data() + begin, end_of_pixel[pixel] - begin);
+      std::sort(of_pixel.begin(), of_pixel.end(),
+                [&](std::uint32_t a, std::uint32_t b) { return samples_[a].key() < samples_[b].key(); });
+      for (const std::uint32_t n : of_pixel) {
+        fragments.push_back(samples_[n].fragment);
+        if (samples_[n].fragment.rgba[3] >= 1) break;  // hides what is behind
+      }
+    }
+    return fragments;
   }
 
   [[nodiscard]] std::size_t samples() const { return samples_.size(); }
@@ -273,7 +286,7 @@ Result<RasterCounters> rasterize(std::span<const SurfaceDraw> surfaces, const Pa
   });
 
   // Opaque surfaces first: what they hide is never shaded.
-  std::vector<std::vector<Sample>> samples(bands);
+  std::vector<std::vector<Fragment>> fragments(bands);
   std::atomic<std::size_t> total{0};
   std::atomic<bool> too_many{false};
   pool.for_each(bands, [&](std::size_t band) {
@@ -289,8 +302,8 @@ Result<RasterCounters> rasterize(std::span<const SurfaceDraw> surfaces, const Pa
         if (too_many) return;
       }
     }
-    samples[band] = rasterizer.take();
-    if (total += samples[band].size(); total > max_fragments) too_many = true;
+    fragments[band] = rasterizer.take();
+    if (total += fragments[band].size(); total > max_fragments) too_many = true;
   });
   if (too_many) {
     return fail(
@@ -302,10 +315,10 @@ Result<RasterCounters> rasterize(std::span<const SurfaceDraw> surfaces, const Pa
   }
 
   out.fragments.reserve(total);
-  for (const std::vector<Sample>& band : samples) {
-    for (const Sample& sample : band) {
-      out.fragments.push_back(sample.fragment);
-      ++out.first_of_row[sample.fragment.pixel / static_cast<std::uint32_t>(view.size.width) + 1];
+  for (const std::vector<Fragment>& band : fragments) {
+    out.fragments.insert(out.fragments.end(), band.begin(), band.end());
+    for (const Fragment& fragment : band) {
+      ++out.first_of_row[fragment.pixel / static_cast<std::uint32_t>(view.size.width) + 1];
     }
   }
   for (std::size_t row = 0; row < height; ++row) out.first_of_row[row + 1] += out.first_of_row[row];
