@@ -15,15 +15,17 @@
 
 namespace splatlas {
 
+class InputFile;
+
 struct SectionSize {
   std::string name;  ///< "header", "directory", "runs_x", "runs_y", "runs_z", "values", "normals", "surfaces"
   std::uint64_t bytes = 0;
 };
 
-/// An open atlas. The file is mapped; open() reads and checks the header and the directory and nothing else,
-/// every other byte is read, and its checksum checked, when it is first asked for. Every size, offset and
-/// index is checked before use: safe to open from strangers. All members are const and safe to call from
-/// several threads.
+/// An open atlas. open() reads and checks the header and the directory and nothing else; every other byte is
+/// read, and its checksum checked, when it is first asked for. Every size, offset and index is checked before
+/// use: safe to open from strangers, and safe when the file is truncated, replaced or overwritten meanwhile.
+/// All members are const and safe to call from several threads.
 class Atlas {
  public:
   /// kFailed when the file cannot be read, kInvalidAtlas when it is not an atlas, damaged, or too new.
@@ -52,7 +54,8 @@ class Atlas {
   [[nodiscard]] std::uint64_t runs(Axis axis) const;  ///< all runs of that run model
   [[nodiscard]] double reference_length_mm() const;   ///< cube root of a voxel's volume
 
-  /// Runs of one class, checked. Derived from the z model where a compact file leaves out the axis.
+  /// Runs of one class, checked. Derived from the z model where a compact file leaves out the axis. None for
+  /// the empty class: it is what remains.
   [[nodiscard]] Result<ClassRuns> read_runs(ClassId c, Axis axis) const;
   /// Grey values of a class's voxels (the empty class too), in memory order: voxels(c) *
   /// bytes_of(value_type()).
@@ -76,6 +79,7 @@ class Atlas {
 
  private:
   struct Impl;
+  [[nodiscard]] static Result<std::shared_ptr<const Atlas>> open_file(InputFile file);
   explicit Atlas(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
 };

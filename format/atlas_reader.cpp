@@ -1,0 +1,231 @@
+#include "format/atlas_reader.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <new>
+
+#include <fmt/format.h>
+
+#include "format/atlas_impl.h"
+#include "format/checksum.h"
+#include "format/run_codec.h"
+#include "format/surface_codec.h"
+
+namespace splatlas {
+
+namespace {
+
+/// Deriving a run model takes memory in proportion to the voxels covered: more than these are refused.
+constexpr std::uint64_t kMaxDerivedVoxels = std::uint64_t{1} << 32;
+
+struct OpenedDirectory {
+  FileHeader header;
+  Directory directory;
+  FileLayout layout;
+};
+
+/// Reads and checks header and directory. Both are copied from the file once and never looked at there again.
+Result<OpenedDirectory> read_directory(const InputFile& file) {
+  std::vector<std::byte> start(std::min<std::uint64_t>(file.size(), sizeof(FileHeader)));
+  SPLATLAS_RETURN_IF_ERROR(file.read(0, start));
+  SPLATLAS_ASSIGN_OR_RETURN(const FileHeader header, check_header(start, file.size()));
+  std::vector<std::byte> bytes(header.directory_bytes);  // new aligns to 16
+  SPLATLAS_RETURN_IF_ERROR(file.read(header.directory_offset, bytes));
+  if (checksum_of(bytes) != header.directory_checksum) {
+    return fail(ErrorCode::kInvalidAtlas, "damaged: checksum of the directory");
+  }
+  SPLATLAS_ASSIGN_OR_RETURN(Directory directory, decode_directory(bytes));
+  SPLATLAS_RETURN_IF_ERROR(validate(directory));
+  SPLATLAS_ASSIGN_OR_RETURN(FileLayout layout, lay_out(directory, header.directory_bytes));
+  if (layout.file_bytes() != header.file_bytes) {
+    return fail(ErrorCode::kInvalidAtlas, fmt::format("invalid: chunks end at {}, the file has {} bytes",
+                                                      layout.file_bytes(), header.file_bytes));
+  }
+  return OpenedDirectory{header, std::move(directory), std::move(layout)};
+}
+
+}  // namespace
+
+Atlas::Impl::Impl(InputFile opened_file, const FileHeader& checked_header, Directory checked_directory,
+                  FileLayout file_layout)
+    : file(std::move(opened_file)),
+      header(checked_header),
+      directory(std::move(checked_directory)),
+      grid(reordered(directory.source_grid, directory.source_to_storage)),
+      layout(std::move(file_layout)),
+      tree(directory.graph, directory.classes),
+      sections(file, directory, layout),
+      surface_stream(directory.graph.size()) {
+  const auto preorder = directory.graph.preorder();
+  for (std::uint32_t n = 0; n < preorder.size(); ++n) surface_stream[preorder[n]] = n;
+}
+
+Atlas::Atlas(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Atlas::~Atlas() = default;
+
+Result<std::shared_ptr<const Atlas>> Atlas::open(const std::filesystem::path& path) {
+  SPLATLAS_ASSIGN_OR_RETURN(InputFile file, InputFile::open(path));
+  return open_file(std::move(file));
+}
+
+Result<std::shared_ptr<const Atlas>> Atlas::open_bytes(std::vector<std::byte> bytes, std::string name) {
+  return open_file(InputFile(std::move(bytes), std::move(name)));
+}
+
+Result<std::shared_ptr<const Atlas>> Atlas::open_file(InputFile file) {
+  try {
+    auto opened = read_directory(file);
+    if (!opened) return fail(opened.error().code, file.name() + ": " + opened.error().message);
+    auto impl = std::make_unique<Impl>(std::move(file), opened->header, std::move(opened->directory),
+                                       std::move(opened->layout));
+    return std::shared_ptr<const Atlas>(new Atlas(std::move(impl)));
+  } catch (const std::bad_alloc&) {
+    return fail(ErrorCode::kLimit, file.name() + ": out of memory");
+  }
+}
+
+const std::string& Atlas::name() const {
+  return impl_->file.name();
+}
+std::string Atlas::format_version() const {
+  return fmt::format("{}.{}", impl_->header.major, impl_->header.minor);
+}
+const Grid& Atlas::grid() const {
+  return impl_->grid;
+}
+const Grid& Atlas::source_grid() const {
+  return impl_->directory.source_grid;
+}
+const AxisOrder& Atlas::source_to_storage() const {
+  return impl_->directory.source_to_storage;
+}
+const StructureGraph& Atlas::graph() const {
+  return impl_->directory.graph;
+}
+const ClassTable& Atlas::classes() const {
+  return impl_->directory.classes;
+}
+const DecisionTree& Atlas::tree() const {
+  return impl_->tree;
+}
+const Display& Atlas::display() const {
+  return impl_->directory.display;
+}
+const std::vector<Scene>& Atlas::scenes() const {
+  return impl_->directory.scenes;
+}
+const Provenance& Atlas::provenance() const {
+  return impl_->directory.provenance;
+}
+VoxelType Atlas::value_type() const {
+  return impl_->directory.value_type;
+}
+VoxelType Atlas::label_type() const {
+  return impl_->directory.label_type;
+}
+std::uint64_t Atlas::triangles(StructureIndex s) const {
+  return impl_->directory.surfaces[s].triangles;
+}
+std::uint64_t Atlas::runs(Axis axis) const {
+  return impl_->directory.run_totals[static_cast<std::size_t>(axis)];
+}
+double Atlas::reference_length_mm() const {
+  const Vec3& spacing = impl_->grid.spacing_mm;
+  return std::cbrt(spacing[0] * spacing[1] * spacing[2]);
+}
+
+Result<void> Atlas::Impl::check_class(ClassId c) const {
+  if (c < directory.classes.size()) return {};
+  return fail(ErrorCode::kUsage, fmt::format("class {} of {}", c, directory.classes.size()));
+}
+
+Result<void> Atlas::Impl::check_structure(StructureIndex s) const {
+  if (s < directory.graph.size()) return {};
+  return fail(ErrorCode::kUsage, fmt::format("structure {} of {}", s, directory.graph.size()));
+}
+
+Result<std::vector<std::byte>> Atlas::Impl::read_stream(SectionKind kind, std::size_t stream) const {
+  const SectionLayout* section = layout.find(kind);
+  if (!section) return std::vector<std::byte>{};
+  try {
+    auto bytes = sections.read_stream(*section, stream);
+    if (!bytes) return named(std::move(bytes).error());
+    return bytes;
+  } catch (const std::bad_alloc&) {
+    const std::uint64_t size = section->stream_begin[stream + 1] - section->stream_begin[stream];
+    return named({ErrorCode::kLimit, fmt::format("out of memory for a stream of {} bytes", size)});
+  }
+}
+
+Result<ClassRuns> Atlas::Impl::read_stored_runs(ClassId c, Axis axis) const {
+  const std::uint64_t voxels = c == kEmptyClass ? 0 : directory.classes.voxels(c);
+  SPLATLAS_ASSIGN_OR_RETURN(const auto bytes, read_stream(run_section(axis), c));
+  auto runs = decode_run_list(bytes, voxels);
+  const Result<void> valid =
+      runs ? validate_runs(*runs, grid.size, axis, voxels) : tl::unexpected(runs.error());
+  if (!valid) {
+    return named(
+        {ErrorCode::kInvalidAtlas,
+         fmt::format("invalid: {} of class {}: {}",
+                     section_name(static_cast<std::uint32_t>(run_section(axis))), c, valid.error().message)});
+  }
+  return runs;
+}
+
+Result<ClassRuns> Atlas::read_runs(ClassId c, Axis axis) const {
+  SPLATLAS_RETURN_IF_ERROR(impl_->check_class(c));
+  if (impl_->layout.find(run_section(axis))) return impl_->read_stored_runs(c, axis);
+  if (const std::uint64_t voxels = impl_->directory.classes.voxels(c);
+      c != kEmptyClass && voxels > kMaxDerivedVoxels) {
+    return impl_->named(
+        {ErrorCode::kLimit, fmt::format("class {} has {} voxels, too many to derive a run model from "
+                                        "another",
+                                        c, voxels)});
+  }
+  SPLATLAS_ASSIGN_OR_RETURN(const ClassRuns runs, impl_->read_stored_runs(c, Axis::kZ));
+  return convert_runs(runs, impl_->grid.size, Axis::kZ, axis);
+}
+
+Result<std::vector<std::byte>> Atlas::read_values(ClassId c) const {
+  SPLATLAS_RETURN_IF_ERROR(impl_->check_class(c));
+  return impl_->read_stream(SectionKind::kValues, c);
+}
+
+Result<std::vector<PackedNormal>> Atlas::read_normals(ClassId c) const {
+  SPLATLAS_RETURN_IF_ERROR(impl_->check_class(c));
+  SPLATLAS_ASSIGN_OR_RETURN(const auto bytes, impl_->read_stream(SectionKind::kNormals, c));
+  std::vector<PackedNormal> normals(bytes.size() / sizeof(PackedNormal));
+  if (!bytes.empty()) std::memcpy(normals.data(), bytes.data(), bytes.size());
+  return normals;
+}
+
+Result<SurfaceMesh> Atlas::read_surface(StructureIndex s) const {
+  SPLATLAS_RETURN_IF_ERROR(impl_->check_structure(s));
+  SPLATLAS_ASSIGN_OR_RETURN(const auto bytes,
+                            impl_->read_stream(SectionKind::kSurfaces, impl_->surface_stream[s]));
+  auto mesh = decode_surface(bytes, impl_->directory.surfaces[s], impl_->grid.size);
+  if (!mesh) {
+    return impl_->named({ErrorCode::kInvalidAtlas, fmt::format("invalid: surface of structure '{}': {}",
+                                                               graph()[s].id, mesh.error().message)});
+  }
+  return mesh;
+}
+
+std::vector<SectionSize> Atlas::sections() const {
+  std::vector<SectionSize> sizes{{"header", sizeof(FileHeader)},
+                                 {"directory", impl_->header.directory_bytes}};
+  for (const SectionLayout& section : impl_->layout.sections) {
+    sizes.push_back({section_name(section.kind), section.stored_bytes});
+  }
+  return sizes;
+}
+
+Atlas::Counters Atlas::counters() const {
+  return {impl_->header.file_bytes,
+          sizeof(FileHeader) + impl_->header.directory_bytes + impl_->sections.read_bytes(),
+          impl_->sections.decoded_bytes()};
+}
+
+}  // namespace splatlas

@@ -1,0 +1,276 @@
+#include "format/atlas_writer.h"
+
+#include <algorithm>
+#include <cstring>
+#include <limits>
+#include <new>
+
+#include <fmt/format.h>
+
+#include "format/chunk_codec.h"
+#include "format/content_check.h"
+#include "format/directory.h"
+#include "format/file_layout.h"
+#include "format/output_file.h"
+#include "format/parallel.h"
+#include "format/run_codec.h"
+#include "format/run_model.h"
+#include "format/surface_codec.h"
+
+namespace splatlas {
+
+namespace {
+
+constexpr std::uint32_t kChunkBytes = 256 * 1024;
+/// Streams up to this length share a chunk. Larger: fewer chunks and better compression of small classes;
+/// smaller: fewer bytes of others are read with them.
+constexpr std::uint32_t kSharedBytes = 4096;
+
+/// The decoded bytes of a section: its streams back to back, their lengths in the directory.
+using SectionBytes = std::vector<std::byte>;
+
+/// Writes section after section: gathers the streams, cuts them, compresses the chunks, forgets the streams.
+class AtlasEncoder {
+ public:
+  AtlasEncoder(const AtlasContent& content, const WriteOptions& options);
+  [[nodiscard]] Result<std::vector<std::byte>> encode();
+
+ private:
+  [[nodiscard]] Result<SectionBytes> gather(SectionKind kind);
+  [[nodiscard]] Result<SectionBytes> gather_runs(Axis axis);
+  [[nodiscard]] SectionBytes gather_values() const;
+  [[nodiscard]] SectionBytes gather_normals() const;
+  [[nodiscard]] Result<SectionBytes> gather_surfaces();
+  void count_runs();
+  void add_section(SectionKind kind, const SectionBytes& decoded);
+  [[nodiscard]] Result<std::vector<std::byte>> assemble() const;
+  void report(double fraction_of_section) const;
+
+  const AtlasContent& content_;
+  const WriteOptions& options_;
+  const Index3 size_;
+  Directory directory_;
+  std::vector<std::vector<std::byte>> chunks_;  // stored bytes, in file order
+  double work_before_ = 0, work_now_ = 0, work_ = 0;
+};
+
+Directory describe(const AtlasContent& content) {
+  Directory directory;
+  directory.source_grid = content.source_grid;
+  directory.source_to_storage = content.source_to_storage;
+  directory.value_type = content.values.type;
+  directory.label_type = content.label_type;
+  directory.display = content.display;
+  directory.graph = content.graph;
+  directory.classes = content.classes;
+  directory.run_bytes.resize(content.classes.size());
+  directory.surfaces.resize(content.graph.size());
+  directory.scenes = content.scenes;
+  directory.provenance = content.provenance;
+  return directory;
+}
+
+std::vector<SectionKind> sections_of(const AtlasContent& content, const WriteOptions& options) {
+  std::vector<SectionKind> kinds;
+  if (!options.compact) kinds = {SectionKind::kRunsX, SectionKind::kRunsY};
+  kinds.push_back(SectionKind::kRunsZ);
+  if (!content.values.empty()) kinds.push_back(SectionKind::kValues);
+  kinds.push_back(SectionKind::kNormals);
+  kinds.push_back(SectionKind::kSurfaces);
+  return kinds;
+}
+
+/// Rough share of the writing time, for progress: bytes to compress.
+double work_of(SectionKind kind, const AtlasContent& content) {
+  const auto voxels = static_cast<double>(content.class_volume.size());
+  switch (kind) {
+    case SectionKind::kRunsX:
+    case SectionKind::kRunsY:
+    case SectionKind::kRunsZ: return voxels / 8;
+    case SectionKind::kValues: return static_cast<double>(content.values.bytes.size());
+    case SectionKind::kNormals: return voxels / 8;
+    case SectionKind::kSurfaces: break;
+  }
+  double triangles = 1;
+  for (const SurfaceMesh& mesh : content.surfaces) triangles += static_cast<double>(mesh.triangles.size());
+  return 8 * triangles;
+}
+
+AtlasEncoder::AtlasEncoder(const AtlasContent& content, const WriteOptions& options)
+    : content_(content),
+      options_(options),
+      size_(storage_grid(content).size),
+      directory_(describe(content)) {}
+
+Result<std::vector<std::byte>> AtlasEncoder::encode() {
+  const std::vector<SectionKind> kinds = sections_of(content_, options_);
+  for (const SectionKind kind : kinds) work_ += work_of(kind, content_);
+  for (const SectionKind kind : kinds) {
+    work_now_ = work_of(kind, content_);
+    report(0);
+    SPLATLAS_ASSIGN_OR_RETURN(const SectionBytes decoded, gather(kind));
+    add_section(kind, decoded);
+    work_before_ += work_now_;
+  }
+  if (options_.compact) count_runs();
+  SPLATLAS_RETURN_IF_ERROR(validate(directory_));
+  auto file = assemble();
+  work_now_ = 0;
+  report(1);
+  return file;
+}
+
+Result<SectionBytes> AtlasEncoder::gather(SectionKind kind) {
+  switch (kind) {
+    case SectionKind::kRunsX: return gather_runs(Axis::kX);
+    case SectionKind::kRunsY: return gather_runs(Axis::kY);
+    case SectionKind::kRunsZ: return gather_runs(Axis::kZ);
+    case SectionKind::kValues: return gather_values();
+    case SectionKind::kNormals: return gather_normals();
+    case SectionKind::kSurfaces: break;
+  }
+  return gather_surfaces();
+}
+
+Result<SectionBytes> AtlasEncoder::gather_runs(Axis axis) {
+  const RunModel model = encode_runs(content_.class_volume, size_, axis, content_.classes.size());
+  const auto a = static_cast<std::size_t>(axis);
+  directory_.run_totals[a] = model.runs();
+  SectionBytes bytes;
+  for (ClassId c = 0; c < model.classes.size(); ++c) {
+    const std::size_t begin = bytes.size();
+    append_run_list(model.classes[c], bytes);
+    if (bytes.size() - begin > std::numeric_limits<std::uint32_t>::max()) {
+      return fail(ErrorCode::kFailed, fmt::format("the run list of class {} is longer than 4 GiB", c));
+    }
+    directory_.run_bytes[c][a] = static_cast<std::uint32_t>(bytes.size() - begin);
+  }
+  return bytes;
+}
+
+/// The totals of the run models that a compact file leaves out.
+void AtlasEncoder::count_runs() {
+  for (const Axis axis : {Axis::kX, Axis::kY}) {
+    directory_.run_totals[static_cast<std::size_t>(axis)] =
+        encode_runs(content_.class_volume, size_, axis, content_.classes.size()).runs();
+  }
+}
+
+/// Sorts the voxels by class; within a class they stay in memory order.
+SectionBytes AtlasEncoder::gather_values() const {
+  const std::size_t voxel_bytes = bytes_of(content_.values.type);
+  const std::vector<std::uint64_t> begins = begins_of(stream_sizes(directory_, SectionKind::kValues));
+  std::vector<std::uint64_t> next(begins.begin(), begins.end() - 1);
+  SectionBytes bytes(begins.back());
+  const std::byte* value = content_.values.bytes.data();
+  for (std::size_t v = 0; v < content_.class_volume.size();) {
+    const ClassId c = content_.class_volume[v];
+    std::size_t end = v + 1;
+    while (end < content_.class_volume.size() && content_.class_volume[end] == c) ++end;
+    const std::size_t run_bytes = (end - v) * voxel_bytes;
+    std::memcpy(bytes.data() + next[c], value + v * voxel_bytes, run_bytes);
+    next[c] += run_bytes;
+    v = end;
+  }
+  return bytes;
+}
+
+SectionBytes AtlasEncoder::gather_normals() const {
+  SectionBytes bytes;
+  for (const auto& normals : content_.boundary_normals) {
+    const auto raw = std::as_bytes(std::span(normals));
+    bytes.insert(bytes.end(), raw.begin(), raw.end());
+  }
+  return bytes;
+}
+
+Result<SectionBytes> AtlasEncoder::gather_surfaces() {
+  const std::size_t count = content_.surfaces.size();
+  std::vector<Result<EncodedSurface>> encoded(count);
+  parallel_for(
+      count, options_.threads,
+      [&](std::size_t s) { encoded[s] = encode_surface(content_.surfaces[s], size_); },
+      [&](std::size_t done) { report(0.5 * static_cast<double>(done) / static_cast<double>(count)); });
+  for (StructureIndex s = 0; s < count; ++s) {
+    if (!encoded[s]) {
+      return fail(encoded[s].error().code, fmt::format("surface of structure '{}': {}", content_.graph[s].id,
+                                                       encoded[s].error().message));
+    }
+    directory_.surfaces[s] = encoded[s]->entry;
+  }
+  SectionBytes bytes;
+  for (const StructureIndex s : content_.graph.preorder()) {
+    bytes.insert(bytes.end(), encoded[s]->bytes.begin(), encoded[s]->bytes.end());
+  }
+  return bytes;
+}
+
+/// Cuts the streams into chunks and compresses these, on all threads: each chunk's bytes depend on its
+/// content alone.
+void AtlasEncoder::add_section(SectionKind kind, const SectionBytes& decoded) {
+  constexpr std::uint64_t kNoLimit = std::numeric_limits<std::uint32_t>::max();
+  const std::vector<std::uint64_t> begins = begins_of(stream_sizes(directory_, kind));
+  const std::vector<std::uint64_t> cuts = *cut_streams(begins, kChunkBytes, kSharedBytes, kNoLimit);
+  const std::size_t count = cuts.size() - 1, first = chunks_.size();
+  directory_.sections.push_back(
+      {static_cast<std::uint32_t>(kind), static_cast<std::uint32_t>(count), kChunkBytes, kSharedBytes});
+  directory_.chunks.resize(first + count);
+  chunks_.resize(first + count);
+  parallel_for(
+      count, options_.threads,
+      [&](std::size_t n) {
+        EncodedChunk chunk =
+            encode_chunk(std::span(decoded).subspan(cuts[n], cuts[n + 1] - cuts[n]), options_.level);
+        directory_.chunks[first + n] = chunk.entry;
+        chunks_[first + n] = std::move(chunk.bytes);
+      },
+      [&](std::size_t done) { report(static_cast<double>(done) / static_cast<double>(count)); });
+}
+
+Result<std::vector<std::byte>> AtlasEncoder::assemble() const {
+  SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::byte> directory, encode_directory(directory_));
+  if (directory.size() > kMaxDirectoryBytes) {
+    return fail(ErrorCode::kFailed,
+                fmt::format("the directory takes {} bytes (limit {})", directory.size(), kMaxDirectoryBytes));
+  }
+  SPLATLAS_ASSIGN_OR_RETURN(const FileLayout layout, lay_out(directory_, directory.size()));
+  const FileHeader header = make_header(directory, layout.file_bytes());
+  std::vector<std::byte> file(layout.file_bytes());
+  std::memcpy(file.data(), &header, sizeof header);
+  std::ranges::copy(directory, file.begin() + sizeof header);
+  for (std::size_t n = 0; n < chunks_.size(); ++n) {
+    std::ranges::copy(chunks_[n], file.begin() + static_cast<std::ptrdiff_t>(layout.chunk_offset[n]));
+  }
+  return file;
+}
+
+void AtlasEncoder::report(double fraction_of_section) const {
+  if (options_.progress)
+    options_.progress(std::min(1.0, (work_before_ + work_now_ * fraction_of_section) / work_));
+}
+
+}  // namespace
+
+Result<std::vector<std::byte>> encode_atlas(const AtlasContent& content, const WriteOptions& options) {
+  if (options.level < 1 || options.level > 22) {
+    return fail(ErrorCode::kUsage,
+                fmt::format("compression level {} is not between 1 and 22", options.level));
+  }
+  try {
+    Result<void> checked = check_content(content);
+    auto file = checked ? AtlasEncoder(content, options).encode() : tl::unexpected(checked.error());
+    if (!file) return fail(ErrorCode::kFailed, "cannot write this atlas: " + file.error().message);
+    return file;
+  } catch (const std::bad_alloc&) {
+    return fail(ErrorCode::kLimit, "cannot write this atlas: out of memory");
+  }
+}
+
+Result<void> write_atlas(const AtlasContent& content, const std::filesystem::path& path,
+                         const WriteOptions& options) {
+  auto file = encode_atlas(content, options);
+  if (!file) return fail(file.error().code, path.string() + ": " + file.error().message);
+  return write_file(path, *file);
+}
+
+}  // namespace splatlas
