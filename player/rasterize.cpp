@@ -251,6 +251,13 @@ Bins bin_triangles(const Chunk& chunk, const SurfaceDraw& surface, std::span<con
 
 }  // namespace
 
+SurfaceDraw surface_draw(StructureIndex s, const StructureDraw& look, const SurfaceMesh& mesh) {
+  return {&mesh,
+          s,
+          {srgb_to_linear(look.color.r), srgb_to_linear(look.color.g), srgb_to_linear(look.color.b)},
+          look.opacity.value_or(1.0f)};
+}
+
 Result<RasterCounters> rasterize(std::span<const SurfaceDraw> surfaces, const ParallelView& view,
                                  const Shear& shear, const Grid& grid, const Lighting& lighting,
                                  std::size_t max_fragments, FragmentList& out, ThreadPool& pool) {

@@ -3,6 +3,7 @@
 
 #include <span>
 
+#include "format/selection.h"
 #include "format/surface.h"
 #include "player/fragments.h"
 #include "player/shading.h"
@@ -18,6 +19,9 @@ struct SurfaceDraw {
   std::array<float, 3> color{1, 1, 1};  ///< linear
   float opacity = 1;                    ///< of each crossing; 1 hides what is behind
 };
+
+/// A surface as a selection draws it; `mesh` must outlive it.
+[[nodiscard]] SurfaceDraw surface_draw(StructureIndex s, const StructureDraw& look, const SurfaceMesh& mesh);
 
 struct RasterCounters {
   std::uint64_t triangles = 0;  ///< looked at

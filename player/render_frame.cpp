@@ -1,9 +1,6 @@
 #include "player/render_frame.h"
 
-#include <algorithm>
 #include <array>
-#include <chrono>
-#include <cmath>
 #include <optional>
 #include <utility>
 
@@ -11,67 +8,22 @@
 #include <unistd.h>
 
 #include "player/class_cache.h"
+#include "player/draw_frame.h"
 #include "player/pick.h"
-#include "player/rasterize.h"
-#include "player/resolve.h"
 #include "player/selected_runs.h"
 #include "player/shading.h"
-#include "player/sheets.h"
 #include "player/span_model.h"
-#include "player/splat_kernels.h"
 #include "player/thread_pool.h"
 #include "player/transfer_function.h"
 
 namespace splatlas {
 namespace {
 
-/// A sheet never has more pixels than this (2 GiB); a finer one is made coarser.
-constexpr std::int64_t kMaxSheetPixels = std::int64_t{1} << 27;
-
-class Stopwatch {
- public:
-  /// Milliseconds since the last call, or since construction.
-  double lap_ms() {
-    const auto now = std::chrono::steady_clock::now();
-    return std::chrono::duration<double, std::milli>(now - std::exchange(start_, now)).count();
-  }
-
- private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
-
 std::uint64_t default_memory_limit() {
   const long pages = sysconf(_SC_PHYS_PAGES);
   const long page_bytes = sysconf(_SC_PAGESIZE);
   if (pages <= 0 || page_bytes <= 0) return std::uint64_t{2} << 30;
   return static_cast<std::uint64_t>(pages) * static_cast<std::uint64_t>(page_bytes) / 4 * 3;
-}
-
-int sheet_scale(Quality quality, const Shear& shear) {
-  const Affine2& map = shear.picture_to_sheet;
-  const double voxels_per_pixel = std::min(std::hypot(map.xx, map.yx), std::hypot(map.xy, map.yy));
-  const double pixels_per_voxel = std::min(1.0 / voxels_per_pixel, 1e3);
-  switch (quality) {
-    case Quality::kNormal: return std::clamp(static_cast<int>(std::ceil(pixels_per_voxel - 0.25)), 1, 4);
-    case Quality::kHigh: return std::clamp(static_cast<int>(std::ceil(2 * pixels_per_voxel - 0.25)), 2, 8);
-    case Quality::kDraft: break;
-  }
-  return 1;
-}
-
-Result<SheetWindow> choose_window(const SpanModel& model, const Shear& shear, const RenderOptions& options) {
-  int scale = sheet_scale(options.quality, shear);
-  while (true) {
-    const SheetWindow window = sheet_window(model, shear, options.size, scale);
-    if (window.empty() || window.fine_rows() <= kMaxSheetPixels / window.fine_columns()) return window;
-    if (scale == 1) {
-      return fail(ErrorCode::kLimit,
-                  fmt::format("the selection covers {} x {} voxels on the picture, too many for one "
-                              "sheet; zoom in or select less",
-                              window.columns, window.rows));
-    }
-    --scale;
-  }
 }
 
 }  // namespace
@@ -115,8 +67,7 @@ struct Renderer::Impl {
   std::array<std::optional<AxisSpans>, 3> axis_spans;
 
   // Of the latest frame.
-  FragmentList fragments;
-  SheetImage sheet;
+  FrameBuffers frame;
   std::optional<ParallelView> view;
   std::optional<Shear> shear;
   RenderStats stats;
@@ -162,12 +113,7 @@ void Renderer::Impl::light_spans(AxisSpans& spans, const ParallelView& frame_vie
 std::vector<SurfaceDraw> Renderer::Impl::surface_draws() const {
   std::vector<SurfaceDraw> draws;
   for (const StructureIndex s : plan.surfaces) {
-    const StructureDraw& look = selection.structures[s];
-    draws.push_back(
-        {&cache.surface(s),
-         s,
-         {srgb_to_linear(look.color.r), srgb_to_linear(look.color.g), srgb_to_linear(look.color.b)},
-         look.opacity.value_or(1.0f)});
+    draws.push_back(surface_draw(s, selection.structures[s], cache.surface(s)));
   }
   return draws;
 }
@@ -215,7 +161,7 @@ Result<void> Renderer::select(const Selection& selection) {
   r.stats.occupancy =
       static_cast<double>(r.plan.volume_voxels + r.plan.surface_voxels + r.plan.hybrid_voxels) /
       static_cast<double>(r.atlas->grid().voxels());
-  r.stats.select_ms = watch.lap_ms();
+  r.stats.select_ms = watch.lap().wall_ms;
   return {};
 }
 
@@ -227,30 +173,37 @@ Result<Picture> Renderer::render(const Camera& camera, const RenderOptions& opti
 
   Stopwatch watch;
   SPLATLAS_RETURN_IF_ERROR(r.decode(shear.principal));
-  r.stats.decode_ms = watch.lap_ms();
+  r.stats.decode_ms = watch.lap().wall_ms;
 
   SPLATLAS_ASSIGN_OR_RETURN(Impl::AxisSpans* const spans, r.spans(shear.principal));
-  r.stats.select_ms += watch.lap_ms();
+  r.stats.traversal = watch.lap();
+  r.stats.select_ms += r.stats.traversal.wall_ms;
 
   const Lighting lighting(view);
   r.light_spans(*spans, view, lighting, options.hybrid_shading);
-  const std::size_t max_fragments = r.max_memory_bytes / 4 / (sizeof(Fragment) + 2 * sizeof(Light) + 64);
-  SPLATLAS_ASSIGN_OR_RETURN(
-      const RasterCounters raster,
-      rasterize(r.surface_draws(), view, shear, grid, lighting, max_fragments, r.fragments, r.pool));
-  SPLATLAS_ASSIGN_OR_RETURN(const SheetWindow window, choose_window(spans->model, shear, options));
-  const SplatKernels& kernels = options.simd ? best_kernels() : scalar_kernels();
-  const SheetCounters sheets =
-      render_sheets(spans->model, shear, window, options.size, grid, kernels, r.fragments, r.sheet, r.pool);
-  Picture picture;
-  resolve(r.sheet, shear, r.fragments, options.size, picture, r.pool);
+  const Elapsed light = watch.lap();
+  r.stats.traversal += light;
 
+  const std::vector<SurfaceDraw> surfaces = r.surface_draws();
+  Picture picture;
+  SPLATLAS_ASSIGN_OR_RETURN(const FrameCounters drawn, draw_frame({.spans = spans->model,
+                                                                   .surfaces = surfaces,
+                                                                   .view = view,
+                                                                   .shear = shear,
+                                                                   .grid = grid,
+                                                                   .lighting = lighting,
+                                                                   .options = options,
+                                                                   .max_memory_bytes = r.max_memory_bytes},
+                                                                  r.frame, picture, r.pool));
   r.view = view;
   r.shear = shear;
   r.stats.runs_visited = spans->runs.runs.size();
-  r.stats.voxels_visited = sheets.voxels;
-  r.stats.triangles = raster.triangles;
-  r.stats.render_ms = watch.lap_ms();
+  r.stats.voxels_visited = drawn.voxels;
+  r.stats.triangles = drawn.triangles;
+  r.stats.rasterize = drawn.rasterize;
+  r.stats.sheets = drawn.sheets;
+  r.stats.resolve = drawn.resolve;
+  r.stats.render_ms = light.wall_ms + watch.lap().wall_ms;
   return picture;
 }
 
@@ -259,7 +212,7 @@ std::optional<Pick> Renderer::pick(double x, double y) const {
   if (!r.view || !r.shear) return std::nullopt;
   const auto& spans = r.axis_spans[static_cast<std::size_t>(r.shear->principal)];
   if (!spans) return std::nullopt;
-  const PickScene scene{r.atlas->grid(), spans->runs, r.plan, r.looks, r.ramp, r.cache, r.fragments};
+  const PickScene scene{r.atlas->grid(), spans->runs, r.plan, r.looks, r.ramp, r.cache, r.frame.fragments};
   return pick_structure(scene, *r.view, *r.shear, x, y);
 }
 

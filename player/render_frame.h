@@ -10,6 +10,7 @@
 #include "format/selection.h"
 #include "player/camera.h"
 #include "player/picture.h"
+#include "player/stopwatch.h"
 
 namespace splatlas {
 
@@ -35,6 +36,9 @@ struct RenderStats {
   std::uint64_t voxels_visited = 0;  ///< splatted
   std::uint64_t triangles = 0;       ///< projected
   double select_ms = 0, decode_ms = 0, render_ms = 0;
+  /// Stages of the latest frame: runs merged to spans (once per selection and axis) and lit; surfaces to
+  /// fragments; spans to the finished sheet; sheet and fragments to the picture.
+  Elapsed traversal, rasterize, sheets, resolve;
 };
 
 struct RendererOptions {

@@ -1,0 +1,70 @@
+#include "player/draw_frame.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "player/resolve.h"
+#include "player/splat_kernels.h"
+
+namespace splatlas {
+namespace {
+
+/// A sheet never has more pixels than this (2 GiB); a finer one is made coarser.
+constexpr std::int64_t kMaxSheetPixels = std::int64_t{1} << 27;
+
+int sheet_scale(Quality quality, const Shear& shear) {
+  const Affine2& map = shear.picture_to_sheet;
+  const double voxels_per_pixel = std::min(std::hypot(map.xx, map.yx), std::hypot(map.xy, map.yy));
+  const double pixels_per_voxel = std::min(1.0 / voxels_per_pixel, 1e3);
+  switch (quality) {
+    case Quality::kNormal: return std::clamp(static_cast<int>(std::ceil(pixels_per_voxel - 0.25)), 1, 4);
+    case Quality::kHigh: return std::clamp(static_cast<int>(std::ceil(2 * pixels_per_voxel - 0.25)), 2, 8);
+    case Quality::kDraft: break;
+  }
+  return 1;
+}
+
+Result<SheetWindow> choose_window(const SpanModel& model, const Shear& shear, const RenderOptions& options) {
+  int scale = sheet_scale(options.quality, shear);
+  while (true) {
+    const SheetWindow window = sheet_window(model, shear, options.size, scale);
+    if (window.empty() || window.fine_rows() <= kMaxSheetPixels / window.fine_columns()) return window;
+    if (scale == 1) {
+      return fail(ErrorCode::kLimit,
+                  fmt::format("the selection covers {} x {} voxels on the picture, too many for one "
+                              "sheet; zoom in or select less",
+                              window.columns, window.rows));
+    }
+    --scale;
+  }
+}
+
+}  // namespace
+
+Result<FrameCounters> draw_frame(const FrameRequest& frame, FrameBuffers& buffers, Picture& picture,
+                                 ThreadPool& pool) {
+  const RenderOptions& options = frame.options;
+  FrameCounters counters;
+  Stopwatch watch;
+  const std::size_t max_fragments = frame.max_memory_bytes / 4 / (sizeof(Fragment) + 2 * sizeof(Light) + 64);
+  SPLATLAS_ASSIGN_OR_RETURN(const RasterCounters raster,
+                            rasterize(frame.surfaces, frame.view, frame.shear, frame.grid, frame.lighting,
+                                      max_fragments, buffers.fragments, pool));
+  counters.triangles = raster.triangles;
+  counters.rasterize = watch.lap();
+
+  SPLATLAS_ASSIGN_OR_RETURN(const SheetWindow window, choose_window(frame.spans, frame.shear, options));
+  const SplatKernels& kernels = options.simd ? best_kernels() : scalar_kernels();
+  const SheetCounters sheets = render_sheets(frame.spans, frame.shear, window, options.size, frame.grid,
+                                             kernels, buffers.fragments, buffers.sheet, pool);
+  counters.voxels = sheets.voxels;
+  counters.sheets = watch.lap();
+
+  resolve(buffers.sheet, frame.shear, buffers.fragments, options.size, picture, pool);
+  counters.resolve = watch.lap();
+  return counters;
+}
+
+}  // namespace splatlas

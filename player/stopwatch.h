@@ -1,0 +1,42 @@
+// Wall clock and CPU time side by side.
+#pragma once
+
+#include <utility>
+
+#include <time.h>  // clock_gettime is POSIX's, not <ctime>'s
+
+namespace splatlas {
+
+/// What a piece of work took. CPU time is the whole process's, all threads together.
+struct Elapsed {
+  double wall_ms = 0, cpu_ms = 0;
+
+  Elapsed& operator+=(const Elapsed& other) {
+    wall_ms += other.wall_ms;
+    cpu_ms += other.cpu_ms;
+    return *this;
+  }
+  friend Elapsed operator+(Elapsed a, const Elapsed& b) { return a += b; }
+};
+
+/// Starts when it is made. Cost: two system calls a lap, below a microsecond.
+class Stopwatch {
+ public:
+  /// Since the last call, or since construction.
+  Elapsed lap() {
+    const Elapsed now{milliseconds(CLOCK_MONOTONIC), milliseconds(CLOCK_PROCESS_CPUTIME_ID)};
+    const Elapsed before = std::exchange(start_, now);
+    return {now.wall_ms - before.wall_ms, now.cpu_ms - before.cpu_ms};
+  }
+
+ private:
+  static double milliseconds(clockid_t clock) {
+    timespec time{};
+    clock_gettime(clock, &time);
+    return 1e3 * static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_nsec);
+  }
+
+  Elapsed start_{milliseconds(CLOCK_MONOTONIC), milliseconds(CLOCK_PROCESS_CPUTIME_ID)};
+};
+
+}  // namespace splatlas
