@@ -2,7 +2,9 @@
 
 #include <cstring>
 #include <memory>
+#include <mutex>
 #include <new>
+#include <vector>
 
 #include <fmt/format.h>
 #include <zstd.h>
@@ -20,13 +22,49 @@ struct Release {
 using CompressContext = std::unique_ptr<ZSTD_CCtx, Release<ZSTD_freeCCtx>>;
 using DecompressContext = std::unique_ptr<ZSTD_DCtx, Release<ZSTD_freeDCtx>>;
 
-/// One context per thread: making one costs more than a small chunk.
+/// Contexts to reuse: making one costs more than a small chunk. Not thread_local: a thread's first use of one
+/// with a destructor waits for the dynamic linker's lock, which a program that loads a module holds for long.
 template <typename Context, auto create>
-auto* thread_context() {
-  thread_local const Context context(create());
-  if (!context) throw std::bad_alloc();
-  return context.get();
-}
+class ContextPool {
+ public:
+  /// A context for the caller alone, given back when the lease ends.
+  class Lease {
+   public:
+    Lease(ContextPool& pool, Context context) : pool_(pool), context_(std::move(context)) {}
+    ~Lease() {
+      const std::lock_guard lock(pool_.mutex_);
+      pool_.idle_.push_back(std::move(context_));
+    }
+    Lease(const Lease&) = delete;
+    Lease& operator=(const Lease&) = delete;
+    [[nodiscard]] auto* get() const { return context_.get(); }
+
+   private:
+    ContextPool& pool_;
+    Context context_;
+  };
+
+  [[nodiscard]] static Lease take() {
+    static ContextPool pool;
+    {
+      const std::lock_guard lock(pool.mutex_);
+      if (!pool.idle_.empty()) {
+        Context context = std::move(pool.idle_.back());
+        pool.idle_.pop_back();
+        return Lease(pool, std::move(context));
+      }
+    }
+    Context context(create());
+    if (!context) throw std::bad_alloc();
+    return Lease(pool, std::move(context));
+  }
+
+ private:
+  std::mutex mutex_;
+  std::vector<Context> idle_;
+};
+using CompressContexts = ContextPool<CompressContext, ZSTD_createCCtx>;
+using DecompressContexts = ContextPool<DecompressContext, ZSTD_createDCtx>;
 
 tl::unexpected<Error> damaged(std::string message) {
   return fail(ErrorCode::kInvalidAtlas, std::move(message));
@@ -55,9 +93,9 @@ Result<void> check_frame(std::span<const std::byte> stored, std::size_t decoded_
 EncodedChunk encode_chunk(std::span<const std::byte> decoded, int level) {
   EncodedChunk chunk;
   chunk.bytes.resize(ZSTD_compressBound(decoded.size()));
-  auto* context = thread_context<CompressContext, ZSTD_createCCtx>();
-  const std::size_t size = ZSTD_compressCCtx(context, chunk.bytes.data(), chunk.bytes.size(), decoded.data(),
-                                             decoded.size(), level);
+  const auto context = CompressContexts::take();
+  const std::size_t size = ZSTD_compressCCtx(context.get(), chunk.bytes.data(), chunk.bytes.size(),
+                                             decoded.data(), decoded.size(), level);
   if (ZSTD_isError(size)) throw std::bad_alloc();  // the only way to fail with room for the worst case
   if (size < decoded.size()) {
     chunk.bytes.resize(size);
@@ -90,9 +128,9 @@ Result<void> decode_chunk(std::span<const std::byte> stored, const ChunkEntry& e
       return {};
     case ChunkCodec::kZstd: {
       SPLATLAS_RETURN_IF_ERROR(check_frame(stored, decoded.size()));
-      auto* context = thread_context<DecompressContext, ZSTD_createDCtx>();
+      const auto context = DecompressContexts::take();
       const std::size_t size =
-          ZSTD_decompressDCtx(context, decoded.data(), decoded.size(), stored.data(), stored.size());
+          ZSTD_decompressDCtx(context.get(), decoded.data(), decoded.size(), stored.data(), stored.size());
       if (ZSTD_isError(size)) return damaged(fmt::format("Zstandard: {}", ZSTD_getErrorName(size)));
       if (size != decoded.size()) return damaged(fmt::format("{} bytes, expected {}", size, decoded.size()));
       return {};

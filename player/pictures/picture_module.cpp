@@ -18,7 +18,7 @@ void tell(char* error, std::size_t error_size, const std::string& text) {
 extern "C" __attribute__((visibility("default"))) int splatlas_write_pixels(
     const char* path, const char* ending, int width, int height, int channels, int is_float,
     const void* pixels, char* error, std::size_t error_size) try {
-  const std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create(ending);
+  const std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create(ending + 1);  // without the dot
   if (!output) {
     tell(error, error_size, OIIO::geterror());
     return 1;
