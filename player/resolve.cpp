@@ -137,7 +137,7 @@ void resolve(const SheetImage& sheet, const Shear& shear, const FragmentList& fr
                     : sample(sheet, map.xx * x + map.xy * y + map.x0, map.yx * x + map.yy * y + map.y0);
       }
       const std::array<float, 4> rgba = compose(fragments, from, next, whole);
-      std::copy(rgba.begin(), rgba.end(), out + 4 * column);
+      std::copy(rgba.begin(), rgba.end(), out + std::ptrdiff_t{4} * column);
     }
   });
 }
