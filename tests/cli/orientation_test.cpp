@@ -1,0 +1,67 @@
+// One brain in all 48 orders and directions of axes is one atlas. Runs where SPLATLAS_TEST_DATA names a
+// folder that has nifti-orient48 (one NIfTI file per order); elsewhere the same is tested on made volumes
+// (tests/preprocess).
+
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+#include <map>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/run_program.h"
+
+namespace splatlas {
+namespace {
+
+std::string bytes_of_file(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
+/// What does not depend on how the source was laid out.
+nlohmann::json content(const std::string& atlas) {
+  const ProgramResult result = run_program({SPLATLAS_PLAYER, "info", atlas, "--json"});
+  EXPECT_EQ(result.status, 0) << result.err;
+  nlohmann::json info = nlohmann::json::parse(result.out);
+  return {info["storage_grid"], info["classes"], info["axes"], info["structures"]};
+}
+
+TEST(Orientation, All48OrdersGiveTheSameAtlasAndPictures) {
+  const char* data = std::getenv("SPLATLAS_TEST_DATA");
+  if (data == nullptr) return;
+  std::vector<std::filesystem::path> files;
+  for (const auto& entry :
+       std::filesystem::directory_iterator(std::filesystem::path(data) / "nifti-orient48")) {
+    if (entry.path().string().ends_with(".nii.gz")) files.push_back(entry.path());
+  }
+  ASSERT_EQ(files.size(), 48u);
+
+  const TemporaryFolder folder;
+  nlohmann::json first_content;
+  std::map<std::string, std::string> first_pictures;
+  for (const std::filesystem::path& file : files) {
+    SCOPED_TRACE(file.filename().string());
+    const ProgramResult build =
+        run_program({SPLATLAS_PREPROCESS, "build", "-o", "a.atlas", "--volume", file.string(), "--segment",
+                     "Brain=threshold:otsu", "--progress", "none", "--level", "1"},
+                    folder.path());
+    ASSERT_EQ(build.status, 0) << build.err;
+    const nlohmann::json this_content = content(folder.file("a.atlas"));
+    if (first_content.is_null()) first_content = this_content;
+    EXPECT_EQ(this_content, first_content);
+    for (const std::string view : {"anterior", "posterior", "left", "right", "superior", "inferior"}) {
+      const ProgramResult render =
+          run_program({SPLATLAS_PLAYER, "render", "a.atlas", "-o", "v.exr", "--view", view, "--select",
+                       "Brain:both(opacity=0.5)", "--size", "128x128"},
+                      folder.path());
+      ASSERT_EQ(render.status, 0) << render.err;
+      const std::string picture = bytes_of_file(folder.path() / "v.exr");
+      EXPECT_EQ(picture, first_pictures.try_emplace(view, picture).first->second) << view;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace splatlas

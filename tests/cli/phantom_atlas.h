@@ -1,0 +1,33 @@
+// The golden phantom built through the command line, once for all tests of a program.
+#pragma once
+
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "tests/phantom/phantom_files.h"
+#include "tests/support/run_program.h"
+
+namespace splatlas {
+
+/// phantom.atlas and the files it was made from, in a folder that lives as long as the program.
+inline const TemporaryFolder& phantom_folder() {
+  static const TemporaryFolder folder;
+  static const bool built = [] {
+    EXPECT_TRUE(phantom::write_files(folder.path()));
+    const ProgramResult build = run_program(
+        {SPLATLAS_PREPROCESS, "build", "-o", "phantom.atlas", "--labels", "labels.nrrd", "--volume",
+         "volume.nrrd", "--names", "names.txt", "--tree", "phantom.tree", "--progress", "none"},
+        folder.path());
+    EXPECT_EQ(build.status, 0) << build.err;
+    return build.status == 0;
+  }();
+  EXPECT_TRUE(built);
+  return folder;
+}
+
+inline std::string phantom_atlas() {
+  return phantom_folder().file("phantom.atlas");
+}
+
+}  // namespace splatlas

@@ -1,0 +1,88 @@
+// The paper's tables 1 and 2, from NRRD files to counts, through the programs alone.
+
+#include <fstream>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/cli/phantom_atlas.h"
+#include "tests/phantom/two_spheres.h"
+
+namespace splatlas {
+namespace {
+
+using nlohmann::json;
+
+json phantom_info() {
+  const ProgramResult info = run_program({SPLATLAS_PLAYER, "info", phantom_atlas(), "--json"});
+  EXPECT_EQ(info.status, 0) << info.err;
+  return json::parse(info.out);
+}
+
+json structure(const json& info, const std::string& name) {
+  for (const json& s : info["structures"]) {
+    if (s["name"] == name) return s;
+  }
+  ADD_FAILURE() << "no structure " << name;
+  return {};
+}
+
+TEST(Phantom, Table1ComesOutOfInfo) {
+  const json info = phantom_info();
+  for (std::size_t n = 0; n < phantom::kBalls.size(); ++n) {
+    const json ball = structure(info, std::string(phantom::kBalls[n].name));
+    EXPECT_EQ(ball["voxels"]["interior"], phantom::kTable1[n].interior);
+    EXPECT_EQ(ball["voxels"]["boundary"], phantom::kTable1[n].boundary);
+    EXPECT_EQ(ball["triangles"], phantom::kTable1[n].triangles);
+  }
+  EXPECT_EQ(info["grid"]["size"], json({32, 32, 32}));
+  EXPECT_EQ(info["classes"], 5);  // empty, and interior and boundary of each ball
+  EXPECT_EQ(info["axes"].size(), 3u);
+}
+
+TEST(Phantom, ItsGroupCountsEveryVoxelOnce) {
+  const json info = phantom_info();
+  std::uint64_t interior = 0, boundary = 0;
+  for (const json& s : info["structures"]) {
+    if (!s["parents"].empty()) continue;
+    interior += s["voxels"]["interior"].get<std::uint64_t>();
+    boundary += s["voxels"]["boundary"].get<std::uint64_t>();
+  }
+  EXPECT_EQ(interior, 3142u);
+  EXPECT_EQ(boundary, 1904u);
+  EXPECT_EQ(phantom::kVoxels - interior - boundary, phantom::kEmptyVoxels);
+}
+
+struct Table2Row {
+  const char* select;
+  std::uint64_t volume, surface, hybrid;
+};
+
+class Table2 : public testing::TestWithParam<Table2Row> {};
+
+TEST_P(Table2, CountsComeOutOfStats) {
+  const TemporaryFolder folder;
+  const ProgramResult render =
+      run_program({SPLATLAS_PLAYER, "render", phantom_atlas(), "-o", "x.png", "--size", "64x64", "--select",
+                   GetParam().select, "--stats", "stats.json"},
+                  folder.path());
+  ASSERT_EQ(render.status, 0) << render.err;
+  EXPECT_EQ(folder.names(), (std::vector<std::string>{"stats.json", "x.png"}));
+  std::ifstream file(folder.file("stats.json"));
+  const json stats = json::parse(file);
+  EXPECT_EQ(stats["voxels"]["volume"], GetParam().volume);
+  EXPECT_EQ(stats["voxels"]["surface"], GetParam().surface);
+  EXPECT_EQ(stats["voxels"]["hybrid"], GetParam().hybrid);
+  const double selected = static_cast<double>(GetParam().volume + GetParam().surface + GetParam().hybrid);
+  EXPECT_DOUBLE_EQ(stats["occupancy"].get<double>(), selected / 32768.0);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Paper, Table2,
+    testing::Values(Table2Row{"\"Sphere 1\":surface + \"Sphere 2\":surface", 0, 1904, 0},
+                    Table2Row{"\"Sphere 1\":volume + \"Sphere 2\":volume", 5046, 0, 0},
+                    Table2Row{"\"Sphere 1\":surface + \"Sphere 2\":both", 437, 1440, 464},
+                    Table2Row{"\"Sphere 1\":volume + \"Sphere 2\":surface", 4145, 464, 0}));
+
+}  // namespace
+}  // namespace splatlas

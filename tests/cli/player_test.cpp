@@ -1,0 +1,183 @@
+// splatlas-player: pictures, documents, and one clear line for everything that goes wrong.
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/cli/phantom_atlas.h"
+
+namespace splatlas {
+namespace {
+
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::StartsWith;
+
+std::string bytes_of_file(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
+void write_file(const std::string& path, const std::string& bytes) {
+  std::ofstream(path, std::ios::binary) << bytes;
+}
+
+/// `words` after the program's name fail with `status` and one line that holds `text`; nothing is left in the
+/// folder.
+void expect_refused(const std::vector<std::string>& words, int status, const std::string& text) {
+  const TemporaryFolder folder;
+  std::vector<std::string> all{SPLATLAS_PLAYER};
+  all.insert(all.end(), words.begin(), words.end());
+  const ProgramResult result = run_program(all, folder.path());
+  EXPECT_EQ(result.status, status) << result.err;
+  EXPECT_THAT(result.err, HasSubstr(text));
+  EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+  EXPECT_THAT(result.out, IsEmpty());
+  EXPECT_THAT(folder.names(), IsEmpty());
+}
+
+TEST(PlayerRender, WritesEveryFormat) {
+  const TemporaryFolder folder;
+  const std::vector<std::pair<std::string, std::string>> formats{
+      {"a.png", "\x89PNG"}, {"a.jpg", "\xff\xd8"}, {"a.tif", ""}, {"a.exr", "\x76\x2f\x31\x01"}};
+  for (const auto& [name, magic] : formats) {
+    const ProgramResult result = run_program(
+        {SPLATLAS_PLAYER, "render", phantom_atlas(), "-o", name, "--size", "40x30"}, folder.path());
+    EXPECT_EQ(result.status, 0) << result.err;
+    EXPECT_THAT(result.err, IsEmpty());
+    EXPECT_THAT(bytes_of_file(folder.file(name)), StartsWith(magic));
+  }
+  EXPECT_EQ(folder.names(), (std::vector<std::string>{"a.exr", "a.jpg", "a.png", "a.tif"}));
+}
+
+TEST(PlayerRender, PicturesDoNotDependOnThreads) {
+  const TemporaryFolder folder;
+  for (const std::string threads : {"1", "2", "8"}) {
+    const ProgramResult result =
+        run_program({SPLATLAS_PLAYER, "render", phantom_atlas(), "-o", threads + ".exr", "--threads", threads,
+                     "--azimuth", "33", "--elevation", "21", "--select",
+                     "\"Sphere 1\":both(opacity=0.4) + \"Sphere 2\":surface(opacity=0.5)"},
+                    folder.path());
+    ASSERT_EQ(result.status, 0) << result.err;
+  }
+  EXPECT_EQ(bytes_of_file(folder.file("1.exr")), bytes_of_file(folder.file("2.exr")));
+  EXPECT_EQ(bytes_of_file(folder.file("1.exr")), bytes_of_file(folder.file("8.exr")));
+}
+
+TEST(PlayerRender, AnEmptySelectionGivesTheBackground) {
+  const TemporaryFolder folder;
+  for (const std::string select : {"", "Sphere* - Sphere*"}) {
+    const ProgramResult result =
+        run_program({SPLATLAS_PLAYER, "render", phantom_atlas(), "-o", "e.png", "--select", select,
+                     "--background", "#204060", "--stats", "s.json"},
+                    folder.path());
+    ASSERT_EQ(result.status, 0) << result.err;
+    const auto stats = nlohmann::json::parse(bytes_of_file(folder.file("s.json")));
+    EXPECT_EQ(stats["voxels_visited"], 0);
+    EXPECT_EQ(stats["runs_visited"], 0);
+    EXPECT_EQ(stats["bytes"]["decoded"], 0);
+  }
+}
+
+TEST(PlayerRender, ReadsOnlyWhatIsSelected) {
+  const TemporaryFolder folder;
+  const auto stats_of = [&](const std::string& select) {
+    const ProgramResult result = run_program(
+        {SPLATLAS_PLAYER, "render", phantom_atlas(), "-o", "x.png", "--select", select, "--stats", "s.json"},
+        folder.path());
+    EXPECT_EQ(result.status, 0) << result.err;
+    return nlohmann::json::parse(bytes_of_file(folder.file("s.json")));
+  };
+  const auto read = [](const nlohmann::json& stats) { return stats["bytes"]["read"].get<std::int64_t>(); };
+  const auto none = stats_of("");
+  const auto one = stats_of("\"Sphere 1\":volume");
+  const auto two = stats_of("\"Sphere 2\":volume");
+  const auto both = stats_of("\"Sphere 1\":volume + \"Sphere 2\":volume");
+  // Header and directory are shared; everything else belongs to one of the balls.
+  EXPECT_EQ(read(one) - read(none) + read(two) - read(none), read(both) - read(none));
+  EXPECT_LT(read(none), read(two));
+  EXPECT_EQ(one["voxels_visited"], 2705 + 1440);
+  EXPECT_EQ(two["voxels_visited"], 437 + 464);
+  EXPECT_EQ(one["runs_visited"].get<int>() + two["runs_visited"].get<int>(), both["runs_visited"].get<int>());
+}
+
+TEST(PlayerRender, TellsWhatIsWrong) {
+  const std::string atlas = phantom_atlas();
+  expect_refused({"render", "missing.atlas", "-o", "x.png"}, 1, "missing.atlas: ");
+  expect_refused({"render", phantom_folder().file("labels.nrrd"), "-o", "x.png"}, 3, "not an atlas");
+  expect_refused({"render", phantom_folder().path().string(), "-o", "x.png"}, 1,
+                 phantom_folder().path().string());
+  expect_refused({"render", atlas, "-o", "x.png", "--select", "Spere"}, 4, "Sphere 1");
+  expect_refused({"render", atlas, "-o", "x.png", "--select", "\"Sphere 1\":solid"}, 2, "solid");
+  expect_refused({"render", atlas, "-o", "x.png", "--select", "\"Sphere 1\"(opacity=2)"}, 2, "opacity");
+  expect_refused({"render", atlas, "-o", "x.bmp"}, 2, ".png, .jpg, .tif or .exr");
+  expect_refused({"render", atlas, "-o", "nowhere/x.png"}, 1, "nowhere/x.png: cannot be written");
+  expect_refused({"render", atlas, "-o", "x.png", "--size", "0x10"}, 2, "0x10");
+  expect_refused({"render", atlas, "-o", "x.png", "--size", "100000x100000"}, 2, "100000x100000");
+  expect_refused({"render", atlas, "-o", "x.png", "--size", "10"}, 2, "WIDTHxHEIGHT");
+  expect_refused({"render", atlas, "-o", "x.png", "--azimuth", "nan"}, 2, "azimuth");
+  expect_refused({"render", atlas, "-o", "x.png", "--zoom", "0"}, 2, "zoom");
+  expect_refused({"render", atlas, "-o", "x.png", "--view", "top"}, 2, "superior");
+  expect_refused({"render", atlas, "-o", "x.png", "--quality", "best"}, 2, "draft, normal or high");
+  expect_refused({"render", atlas, "-o", "x.png", "--background", "blue"}, 2, "blue");
+}
+
+TEST(PlayerRender, WrongUsageExitsWith2) {
+  for (const std::vector<std::string>& words : std::vector<std::vector<std::string>>{
+           {"render"}, {"render", phantom_atlas()}, {"--no-such-option"}, {}}) {
+    std::vector<std::string> all{SPLATLAS_PLAYER};
+    all.insert(all.end(), words.begin(), words.end());
+    EXPECT_EQ(run_program(all).status, 2);
+  }
+}
+
+TEST(PlayerRender, ATruncatedAtlasIsRefused) {
+  const TemporaryFolder folder;
+  const std::string whole = bytes_of_file(phantom_atlas());
+  ASSERT_GT(whole.size(), 1000u);
+  for (const std::size_t length :
+       {std::size_t{0}, std::size_t{10}, std::size_t{64}, whole.size() / 2, whole.size() - 1}) {
+    write_file(folder.file("cut.atlas"), whole.substr(0, length));
+    for (const std::string command : {"render", "info", "verify"}) {
+      std::vector<std::string> words{SPLATLAS_PLAYER, command, "cut.atlas"};
+      if (command == "render") words.insert(words.end(), {"-o", "x.png"});
+      const ProgramResult result = run_program(words, folder.path());
+      EXPECT_EQ(result.status, 3) << command << " of " << length << " bytes: " << result.err;
+      EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+      EXPECT_THAT(result.err, HasSubstr("cut.atlas: "));
+    }
+    EXPECT_EQ(folder.names(), std::vector<std::string>{"cut.atlas"});
+  }
+}
+
+TEST(PlayerVerify, FindsADamagedByte) {
+  const TemporaryFolder folder;
+  std::string bytes = bytes_of_file(phantom_atlas());
+  EXPECT_EQ(run_program({SPLATLAS_PLAYER, "verify", phantom_atlas()}).status, 0);
+  bytes[bytes.size() - 3] = static_cast<char>(bytes[bytes.size() - 3] ^ 1);
+  write_file(folder.file("bad.atlas"), bytes);
+  const ProgramResult result = run_program({SPLATLAS_PLAYER, "verify", "bad.atlas"}, folder.path());
+  EXPECT_EQ(result.status, 3);
+  EXPECT_THAT(result.err, HasSubstr("bad.atlas: "));
+}
+
+TEST(PlayerInfo, TheTextListsEveryStructure) {
+  const ProgramResult info = run_program({SPLATLAS_PLAYER, "info", phantom_atlas()});
+  EXPECT_EQ(info.status, 0);
+  EXPECT_THAT(info.out, HasSubstr("Sphere 1"));
+  EXPECT_THAT(info.out, HasSubstr("32 x 32 x 32"));
+}
+
+TEST(PlayerHelp, Teaches) {
+  const ProgramResult help = run_program({SPLATLAS_PLAYER, "render", "--help"});
+  EXPECT_EQ(help.status, 0);
+  EXPECT_THAT(help.out, HasSubstr("\"Left hemisphere\":volume + Cerebellum:surface(opacity=0.5) - Vermis*"));
+  EXPECT_THAT(help.out, HasSubstr("Exit status"));
+}
+
+}  // namespace
+}  // namespace splatlas
