@@ -1,6 +1,7 @@
 #include "player/thread_pool.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace splatlas {
 
@@ -34,6 +35,7 @@ void ThreadPool::for_each(std::size_t count, const std::function<void(std::size_
   take_items(body, lock);
   done_.wait(lock, [this] { return running_ == 0; });
   body_ = nullptr;
+  if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
 }
 
 void ThreadPool::work() {
@@ -51,8 +53,17 @@ void ThreadPool::take_items(const std::function<void(std::size_t)>& body,
     const std::size_t item = next_++;
     ++running_;
     lock.unlock();
-    body(item);
+    std::exception_ptr failure;
+    try {
+      body(item);
+    } catch (...) {
+      failure = std::current_exception();
+    }
     lock.lock();
+    if (failure) {
+      if (!failure_) failure_ = failure;
+      next_ = count_;
+    }
     if (--running_ == 0 && next_ >= count_) done_.notify_all();
   }
 }

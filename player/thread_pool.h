@@ -3,6 +3,7 @@
 
 #include <condition_variable>
 #include <cstddef>
+#include <exception>
 #include <functional>
 #include <mutex>
 #include <thread>
@@ -22,7 +23,8 @@ class ThreadPool {
   [[nodiscard]] unsigned threads() const { return static_cast<unsigned>(workers_.size()) + 1; }
 
   /// Calls body(0) .. body(count - 1), each once, in any order, and returns when all are done. `body` must
-  /// not throw and must write only what its own number owns. Not reentrant; one caller at a time.
+  /// write only what its own number owns. An exception (out of memory) ends the loop early: the first one is
+  /// thrown again here. Not reentrant; one caller at a time.
   void for_each(std::size_t count, const std::function<void(std::size_t)>& body);
 
  private:
@@ -33,6 +35,7 @@ class ThreadPool {
   std::mutex mutex_;
   std::condition_variable start_, done_;
   const std::function<void(std::size_t)>* body_ = nullptr;
+  std::exception_ptr failure_;
   std::size_t count_ = 0, next_ = 0, running_ = 0;
   bool stop_ = false;
 };
