@@ -38,9 +38,11 @@ may_include bench format preprocess player bench tests
 may_include tests/format format tests
 may_include tests/player format player tests
 may_include tests/phantom format tests
+may_include tests/support format player tests
+may_include tests/reference format player tests
 
 must_not_include 'itk|vtk|gdcm|vnl' 'ITK and VTK belong to preprocess' \
-  schemas format player tests/format tests/player tests/phantom tests/installed
+  schemas format player tests/format tests/player tests/phantom tests/support tests/reference tests/installed
 must_not_include 'SDL|imgui|GL/' 'the window belongs to the player' format preprocess bench
 
 if (($# > 0)); then

@@ -1,0 +1,150 @@
+#include "tests/reference/discrete_model.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace splatlas::reference {
+namespace {
+
+constexpr int kMaxSamplesPerSide = 16;
+
+/// A slab with constant light; exact.
+RayLight slab(const VoxelLight& light, double length_mm) {
+  RayLight out;
+  if (light.extinction <= 0) return out;
+  const double depth = light.extinction * length_mm;
+  for (std::size_t c = 0; c < 3; ++c)
+    out.color[c] = light.emission[c] * -std::expm1(-depth) / light.extinction;
+  out.transmittance = std::exp(-depth);
+  return out;
+}
+
+void add_weighted(double weight, const RayLight& light, RayLight& sum) {
+  for (std::size_t c = 0; c < 3; ++c) sum.color[c] += weight * light.color[c];
+  sum.transmittance += weight * light.transmittance;
+}
+
+/// How far a step of one pixel to the right, and one down, reaches in the middle slice, in voxels.
+std::array<double, 2> voxels_per_pixel(const ParallelView& view, const Grid& grid, Axis principal) {
+  const ScanOrder axes = ScanOrder::of(principal);
+  std::array<double, 2> reach{};
+  const Ray origin = ray_through(view, grid, 0, 0);
+  for (const std::size_t step : {0u, 1u}) {
+    const Ray ray = ray_through(view, grid, step == 0 ? 1 : 0, step == 0 ? 0 : 1);
+    Vec3 moved = minus(ray.start, origin.start);
+    const double slices = moved[axes.slice_axis] / ray.per_mm[axes.slice_axis];
+    for (std::size_t a = 0; a < 3; ++a) moved[a] -= slices * ray.per_mm[a];
+    reach[step] = std::hypot(moved[axes.scan_axis], moved[axes.row_axis]);
+  }
+  return reach;
+}
+
+}  // namespace
+
+int sheet_pixels_per_voxel(Quality quality, const ParallelView& view, const Grid& grid, Axis principal) {
+  const std::array<double, 2> reach = voxels_per_pixel(view, grid, principal);
+  const double pixels_per_voxel = std::min(1 / std::min(reach[0], reach[1]), 1e3);
+  switch (quality) {
+    case Quality::kNormal: return std::clamp(static_cast<int>(std::ceil(pixels_per_voxel - 0.25)), 1, 4);
+    case Quality::kHigh: return std::clamp(static_cast<int>(std::ceil(2 * pixels_per_voxel - 0.25)), 2, 8);
+    case Quality::kDraft: break;
+  }
+  return 1;
+}
+
+DiscreteModel::DiscreteModel(const LightField& field, const ParallelView& view, Axis principal,
+                             int pixels_per_voxel)
+    : field_(field),
+      view_(view),
+      axes_(ScanOrder::of(principal)),
+      pixels_per_voxel_(pixels_per_voxel),
+      slices_(field.grid.size[axes_.slice_axis]),
+      middle_(0.5 * static_cast<double>(slices_ - 1)),
+      per_mm_(ray_through(view, field.grid, 0, 0).per_mm) {}
+
+DiscreteModel::Place DiscreteModel::place_of(double x, double y) const {
+  const Ray ray = ray_through(view_, field_.grid, x, y);
+  const Vec3 met = ray.at((middle_ - ray.start[axes_.slice_axis]) / ray.per_mm[axes_.slice_axis]);
+  return {met[axes_.scan_axis], met[axes_.row_axis]};
+}
+
+VoxelLight DiscreteModel::in_slice(std::int64_t k, double scan, double row) const {
+  const double left = std::floor(scan);
+  const double upper = std::floor(row);
+  VoxelLight sum;
+  for (const int x : {0, 1}) {
+    for (const int y : {0, 1}) {
+      std::array<std::int64_t, 3> at{};
+      at[axes_.slice_axis] = k;
+      at[axes_.scan_axis] = static_cast<std::int64_t>(left) + x;
+      at[axes_.row_axis] = static_cast<std::int64_t>(upper) + y;
+      const double weight =
+          (x == 1 ? scan - left : 1 - (scan - left)) * (y == 1 ? row - upper : 1 - (row - upper));
+      sum.add(weight, field_.at(at[0], at[1], at[2]));
+    }
+  }
+  return sum;
+}
+
+std::vector<RayLight> DiscreteModel::along_ray(const Place& place, std::span<const double> depths) const {
+  const double along = per_mm_[axes_.slice_axis];
+  const double slab_mm = 1 / std::abs(along);
+  std::vector<RayLight> before(depths.size() + 1);
+  RayLight sum;
+  for (std::int64_t n = 0; n < slices_; ++n) {
+    const std::int64_t k = along > 0 ? n : slices_ - 1 - n;
+    const double slices = static_cast<double>(k) - middle_;
+    const VoxelLight light = in_slice(k, place.u + slices * per_mm_[axes_.scan_axis] / along,
+                                      place.v + slices * per_mm_[axes_.row_axis] / along);
+    // The slab reaches from half a voxel in front of the slice to half a voxel behind it.
+    const double slab_begin = (along > 0 ? static_cast<double>(k) : -static_cast<double>(k)) - 0.5;
+    for (std::size_t d = 0; d < depths.size(); ++d) {
+      if (depths[d] < slab_begin) continue;
+      before[d] = sum;
+      before[d].add(slab(light, slab_mm * std::min(1.0, depths[d] - slab_begin)));
+    }
+    sum.add(slab(light, slab_mm));
+  }
+  before.back() = sum;
+  return before;
+}
+
+std::vector<RayLight> DiscreteModel::warped(const Place& place, std::span<const double> depths) const {
+  if (pixels_per_voxel_ == 0) return along_ray(place, depths);
+  const double x = place.u * pixels_per_voxel_;
+  const double y = place.v * pixels_per_voxel_;
+  const double left = std::floor(x);
+  const double upper = std::floor(y);
+  std::vector<RayLight> sums(depths.size() + 1, RayLight{{0, 0, 0}, 0});
+  for (const int dx : {0, 1}) {
+    for (const int dy : {0, 1}) {
+      const double weight = (dx == 1 ? x - left : 1 - (x - left)) * (dy == 1 ? y - upper : 1 - (y - upper));
+      const auto lights =
+          along_ray({(left + dx) / pixels_per_voxel_, (upper + dy) / pixels_per_voxel_}, depths);
+      for (std::size_t n = 0; n < sums.size(); ++n) add_weighted(weight, lights[n], sums[n]);
+    }
+  }
+  return sums;
+}
+
+std::vector<RayLight> DiscreteModel::at_pixel(int column, int row, std::span<const double> depths) const {
+  return warped(place_of(column + 0.5, row + 0.5), depths);
+}
+
+RayLight DiscreteModel::pixel_mean(int column, int row) const {
+  const auto axis = static_cast<Axis>(axes_.slice_axis);
+  const auto reach = voxels_per_pixel(view_, field_.grid, axis);
+  const double sheet_pixels = std::max(reach[0], reach[1]) * std::max(1, pixels_per_voxel_);
+  const int samples = std::clamp(static_cast<int>(std::ceil(sheet_pixels - 0.25)), 1, kMaxSamplesPerSide);
+  RayLight sum{{0, 0, 0}, 0};
+  for (int y = 0; y < samples; ++y) {
+    for (int x = 0; x < samples; ++x) {
+      const Place place = place_of(column + (x + 0.5) / samples, row + (y + 0.5) / samples);
+      add_weighted(1.0 / (samples * samples), warped(place, {}).back(), sum);
+    }
+  }
+  return sum;
+}
+
+}  // namespace splatlas::reference

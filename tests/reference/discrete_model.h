@@ -1,0 +1,51 @@
+// What the renderer computes, in double precision: slabs of constant light, and a sheet of finite resolution.
+// Where a picture differs from the truth, this model tells a fault (the picture differs from the model by
+// more than float rounding) from the error that the method has.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "format/run_model.h"
+#include "player/render_frame.h"
+#include "tests/reference/light_field.h"
+#include "tests/reference/ray.h"
+#include "tests/reference/reference_light.h"
+
+namespace splatlas::reference {
+
+/// Sheet pixels per voxel that the renderer documents for a quality.
+[[nodiscard]] int sheet_pixels_per_voxel(Quality quality, const ParallelView& view, const Grid& grid,
+                                         Axis principal);
+
+class DiscreteModel {
+ public:
+  /// Keeps references. `pixels_per_voxel`: of the sheet; 0 stands for a sheet of unlimited resolution, which
+  /// leaves the slabs as the only approximation. `principal`: the axis that slices are normal to.
+  DiscreteModel(const LightField& field, const ParallelView& view, Axis principal, int pixels_per_voxel);
+
+  /// The volume in front of every depth (along the principal axis in voxels, growing away from the viewer)
+  /// and all of it, last; at a pixel's centre.
+  [[nodiscard]] std::vector<RayLight> at_pixel(int column, int row, std::span<const double> depths) const;
+  /// All of the volume; the mean over the pixel where the sheet is finer than the picture.
+  [[nodiscard]] RayLight pixel_mean(int column, int row) const;
+
+ private:
+  struct Place {
+    double u = 0, v = 0;  ///< where a ray meets the middle slice, in voxels
+  };
+  [[nodiscard]] Place place_of(double x, double y) const;
+  [[nodiscard]] std::vector<RayLight> along_ray(const Place& place, std::span<const double> depths) const;
+  [[nodiscard]] std::vector<RayLight> warped(const Place& place, std::span<const double> depths) const;
+  [[nodiscard]] VoxelLight in_slice(std::int64_t k, double scan, double row) const;
+
+  const LightField& field_;
+  const ParallelView& view_;
+  ScanOrder axes_;
+  int pixels_per_voxel_;
+  std::int64_t slices_;
+  double middle_;
+  Vec3 per_mm_;
+};
+
+}  // namespace splatlas::reference

@@ -1,0 +1,24 @@
+#include "tests/reference/ray.h"
+
+namespace splatlas::reference {
+
+double dot(const Vec3& a, const Vec3& b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+Vec3 cross(const Vec3& a, const Vec3& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+Vec3 minus(const Vec3& a, const Vec3& b) {
+  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
+
+Vec3 Ray::at(double s_mm) const {
+  return {start[0] + s_mm * per_mm[0], start[1] + s_mm * per_mm[1], start[2] + s_mm * per_mm[2]};
+}
+
+Ray ray_through(const ParallelView& view, const Grid& grid, double x, double y) {
+  const Affine to_index = lps_mm_to_index(grid);
+  return {to_index.apply(view.point_lps_mm(x, y)), to_index.apply_linear(view.forward_lps)};
+}
+
+}  // namespace splatlas::reference

@@ -1,0 +1,88 @@
+#include "tests/reference/reference_light.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "tests/reference/ray.h"
+
+namespace splatlas::reference {
+namespace {
+
+constexpr double kDefaultOpacity = 0.3f;  // as floats: what the selection holds
+constexpr double kLargestOpacity = 0.9999f;
+constexpr double kAmbient = 0.15;
+constexpr double kHighlight = 0.10;
+constexpr double kHighlightPower = 32;
+
+double linear_of(std::uint8_t channel) {
+  const double encoded = channel / 255.0;
+  return encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4);
+}
+
+Vec3 unit(const Vec3& v) {
+  const double length = std::sqrt(dot(v, v));
+  return {v[0] / length, v[1] / length, v[2] / length};
+}
+
+Vec3 to_viewer(const ParallelView& view) {
+  return minus({0, 0, 0}, view.forward_lps);
+}
+Vec3 to_lamp(const ParallelView& view) {
+  Vec3 lamp = to_viewer(view);
+  for (std::size_t a = 0; a < 3; ++a) lamp[a] += -0.45 * view.right_lps[a] + 0.55 * view.up_lps[a];
+  return unit(lamp);
+}
+
+}  // namespace
+
+std::array<double, 3> linear_of(Rgb color) {
+  return {linear_of(color.r), linear_of(color.g), linear_of(color.b)};
+}
+
+double full_extinction(const StructureDraw& draw, double reference_length_mm) {
+  const double opacity = draw.opacity ? static_cast<double>(*draw.opacity) : kDefaultOpacity;
+  return -std::log1p(-std::min(opacity, kLargestOpacity)) / reference_length_mm;
+}
+
+double ramp_position(double value, double low, double high) {
+  if (!(low < high)) return 1;
+  if (std::isnan(value)) return 0;
+  return std::clamp((value - low) / (high - low), 0.0, 1.0);
+}
+
+double diffuse(const ParallelView& view, const Vec3& normal_lps) {
+  const Vec3 lamp = to_lamp(view);
+  const double length = std::sqrt(dot(normal_lps, normal_lps));
+  double facing = dot(to_viewer(view), lamp);
+  if (length > 0) {
+    const double toward = dot(normal_lps, to_viewer(view)) < 0 ? -1 : 1;
+    facing = std::max(0.0, toward * dot(normal_lps, lamp) / length);
+  }
+  return kAmbient + (1 - kAmbient) * facing;
+}
+
+std::array<double, 3> shade_surface(const ParallelView& view, const std::array<double, 3>& color,
+                                    const Vec3& normal_lps) {
+  const Vec3 viewer = to_viewer(view);
+  const Vec3 lamp = to_lamp(view);
+  const Vec3 half = unit({viewer[0] + lamp[0], viewer[1] + lamp[1], viewer[2] + lamp[2]});
+  const double length = std::sqrt(dot(normal_lps, normal_lps));
+  const double highlight =
+      length > 0 ? kHighlight * std::pow(std::abs(dot(normal_lps, half)) / length, kHighlightPower) : 0;
+  std::array<double, 3> shaded{};
+  for (std::size_t c = 0; c < 3; ++c) {
+    shaded[c] = std::min(1.0, color[c] * diffuse(view, normal_lps) + highlight);
+  }
+  return shaded;
+}
+
+void RayLight::add(const RayLight& further) {
+  for (std::size_t c = 0; c < 3; ++c) color[c] += transmittance * further.color[c];
+  transmittance *= further.transmittance;
+}
+
+void RayLight::add_surface(const std::array<double, 4>& premultiplied) {
+  add({{premultiplied[0], premultiplied[1], premultiplied[2]}, 1 - premultiplied[3]});
+}
+
+}  // namespace splatlas::reference

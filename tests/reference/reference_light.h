@@ -1,0 +1,38 @@
+// Light in double precision: transfer function, lamp, and composition.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "format/color.h"
+#include "format/selection.h"
+#include "player/camera.h"
+
+namespace splatlas::reference {
+
+/// Linear light of an sRGB colour (IEC 61966-2-1).
+[[nodiscard]] std::array<double, 3> linear_of(Rgb color);
+
+/// Extinction in 1/mm of a volume at full grey value.
+[[nodiscard]] double full_extinction(const StructureDraw& draw, double reference_length_mm);
+
+/// Share of the way from `low` to `high`, clamped to [0, 1]; 0 for values that are not a number, 1 where the
+/// window is empty.
+[[nodiscard]] double ramp_position(double value, double low, double high);
+
+/// The lamp of the view over the viewer's left shoulder. Normals point either way.
+[[nodiscard]] double diffuse(const ParallelView& view, const Vec3& normal_lps);
+[[nodiscard]] std::array<double, 3> shade_surface(const ParallelView& view,
+                                                  const std::array<double, 3>& color, const Vec3& normal_lps);
+
+/// The light along some part of a ray: what it sends to the viewer, and what shines through it.
+struct RayLight {
+  std::array<double, 3> color{0, 0, 0};
+  double transmittance = 1;
+
+  /// Puts `further` behind.
+  void add(const RayLight& further);
+  void add_surface(const std::array<double, 4>& premultiplied);
+};
+
+}  // namespace splatlas::reference

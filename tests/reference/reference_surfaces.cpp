@@ -1,0 +1,139 @@
+#include "tests/reference/reference_surfaces.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <tuple>
+
+#include "format/decision_tree.h"
+#include "tests/reference/ray.h"
+#include "tests/reference/reference_light.h"
+
+namespace splatlas::reference {
+namespace {
+
+constexpr double kSubPixels = 256;
+/// Surfaces coincide whose depths lie in the same 1/4096 voxel. The offset keeps the limits away from depths
+/// that surfaces between voxels have: there, rounding would decide.
+constexpr double kDepthSteps = 4096;
+constexpr double kDepthOffset = 0.3183;
+
+struct Point {
+  double x = 0, y = 0;
+};
+
+/// A pixel centre in three points: how much of each corner it is made of; nothing when it is outside.
+std::optional<std::array<double, 3>> weights_in(const std::array<Point, 3>& corner, double x, double y) {
+  const auto doubled_area = [](const Point& a, const Point& b, const Point& c) {
+    return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
+  };
+  const double whole = doubled_area(corner[0], corner[1], corner[2]);
+  if (whole == 0 || !std::isfinite(whole)) return std::nullopt;
+  std::array<double, 3> weights{};
+  for (std::size_t n = 0; n < 3; ++n) {
+    const Point& a = corner[(n + 1) % 3];
+    const Point& b = corner[(n + 2) % 3];
+    weights[n] = doubled_area(a, b, {x, y}) / whole;
+    // A centre on the edge is decided as if it were moved by (e, e^2), e > 0 infinitely small.
+    double inside = weights[n];
+    if (inside == 0) inside = -(b.y - a.y) / whole;
+    if (inside == 0) inside = (b.x - a.x) / whole;
+    if (inside < 0) return std::nullopt;
+  }
+  return weights;
+}
+
+/// Linear through three points; clamped to the values at them, because snapping moves centres in and out.
+double plane_at(const std::array<Point, 3>& corner, const std::array<double, 3>& value, double x, double y) {
+  const Point p{corner[1].x - corner[0].x, corner[1].y - corner[0].y};
+  const Point q{corner[2].x - corner[0].x, corner[2].y - corner[0].y};
+  const double area = p.x * q.y - p.y * q.x;
+  const auto [low, high] = std::minmax({value[0], value[1], value[2]});
+  if (area == 0) return low;
+  const double along_p = ((x - corner[0].x) * q.y - (y - corner[0].y) * q.x) / area;
+  const double along_q = ((y - corner[0].y) * p.x - (x - corner[0].x) * p.y) / area;
+  const double at = value[0] + along_p * (value[1] - value[0]) + along_q * (value[2] - value[0]);
+  return std::clamp(at, low, high);
+}
+
+}  // namespace
+
+SurfacesInView::SurfacesInView(const AtlasContent& content, const Selection& selection,
+                               const ParallelView& view, Axis principal, Coverage coverage)
+    : view_(view) {
+  const Grid grid = storage_grid(content);
+  const auto axis = static_cast<std::size_t>(principal);
+  const double away = ray_through(view, grid, 0, 0).per_mm[axis] < 0 ? -1 : 1;
+
+  const auto snapped = [&](double coordinate) {  // pixel centres are multiples
+    if (coverage == Coverage::kExact) return coordinate;
+    return std::round((coordinate - 0.5) * kSubPixels) / kSubPixels + 0.5;
+  };
+  const Affine to_lps = index_to_lps_mm(grid);
+  const DrawPlan plan = DecisionTree(content.graph, content.classes).plan(selection);
+  for (const StructureIndex s : plan.surfaces) {
+    const StructureDraw& look = selection.structures[s];
+    Surface surface{&content.surfaces[s], s, linear_of(look.color), 1, {}};
+    if (look.opacity) surface.opacity = static_cast<double>(*look.opacity);
+    for (const auto& p : content.surfaces[s].positions_ijk) {
+      const Vec3 from_center = minus(to_lps.apply({p[0], p[1], p[2]}), view.center_lps_mm);
+      const double x = 0.5 * view.size.width + dot(from_center, view.right_lps) / view.mm_per_pixel;
+      const double y = 0.5 * view.size.height - dot(from_center, view.up_lps) / view.mm_per_pixel;
+      surface.vertices.push_back(
+          {x, y, snapped(x), snapped(y), dot(from_center, view.forward_lps), away * p[axis]});
+    }
+    surfaces_.push_back(std::move(surface));
+  }
+}
+
+void SurfacesInView::cross(const Surface& surface, std::uint32_t triangle, double x, double y,
+                           std::vector<Crossing>& out) const {
+  const auto& corner = surface.mesh->triangles[triangle];
+  std::array<Point, 3> seen{};
+  std::array<Point, 3> covered{};
+  std::array<double, 3> s_mm{};
+  std::array<double, 3> depth{};
+  for (std::size_t n = 0; n < 3; ++n) {
+    const Seen& vertex = surface.vertices[corner[n]];
+    seen[n] = {vertex.x, vertex.y};
+    covered[n] = {vertex.covered_x, vertex.covered_y};
+    s_mm[n] = vertex.s_mm;
+    depth[n] = vertex.depth;
+  }
+  const auto weights = weights_in(covered, x, y);
+  if (!weights) return;
+  Crossing crossing;
+  crossing.s_mm = plane_at(seen, s_mm, x, y);
+  crossing.depth = plane_at(seen, depth, x, y);
+  crossing.structure = surface.structure;
+  crossing.triangle = triangle;
+  Vec3 normal{0, 0, 0};
+  for (std::size_t n = 0; n < 3; ++n) {
+    for (std::size_t a = 0; a < 3; ++a) normal[a] += (*weights)[n] * surface.mesh->normals_lps[corner[n]][a];
+  }
+  crossing.entering = dot(normal, view_.forward_lps) < 0;
+  const std::array<double, 3> color = shade_surface(view_, surface.color, normal);
+  for (std::size_t c = 0; c < 3; ++c) crossing.rgba[c] = color[c] * surface.opacity;
+  crossing.rgba[3] = surface.opacity;
+  out.push_back(crossing);
+}
+
+std::vector<Crossing> SurfacesInView::crossings(int column, int row) const {
+  std::vector<Crossing> all;
+  for (const Surface& surface : surfaces_) {
+    for (std::uint32_t t = 0; t < surface.mesh->triangles.size(); ++t) {
+      cross(surface, t, column + 0.5, row + 0.5, all);
+    }
+  }
+  const auto order = [](const Crossing& c) {
+    const double step = std::floor(c.depth * kDepthSteps + kDepthOffset);
+    return std::tuple(step, c.entering, c.structure, c.triangle);
+  };
+  std::sort(all.begin(), all.end(),
+            [&](const Crossing& a, const Crossing& b) { return order(a) < order(b); });
+  const auto opaque = std::find_if(all.begin(), all.end(), [](const Crossing& c) { return c.rgba[3] >= 1; });
+  if (opaque != all.end()) all.erase(opaque + 1, all.end());
+  return all;
+}
+
+}  // namespace splatlas::reference

@@ -1,0 +1,62 @@
+// The truth for surfaces: every triangle that a pixel's ray crosses, by looking at all of them.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "format/atlas_content.h"
+#include "format/selection.h"
+#include "player/camera.h"
+
+namespace splatlas::reference {
+
+/// A ray through a triangle.
+struct Crossing {
+  double s_mm = 0;   ///< along the ray, as in Ray
+  double depth = 0;  ///< along the principal axis in voxels, growing away from the viewer
+  std::array<double, 4> rgba{0, 0, 0, 0};  ///< shaded, premultiplied, linear
+  StructureIndex structure = kNoStructure;
+  std::uint32_t triangle = 0;
+  bool entering = false;  ///< the surface's normal points to the viewer
+};
+
+/// Which triangles cover a pixel's centre, and how their normals are interpolated.
+enum class Coverage {
+  kExact,   ///< the truth
+  kSnapped  ///< with vertices at multiples of 1/256 pixel, as the rasteriser has them
+};
+
+/// The selected surfaces of an atlas as one view shows them.
+class SurfacesInView {
+ public:
+  /// Keeps a reference to `content`. `principal`: the axis that depths are counted along.
+  SurfacesInView(const AtlasContent& content, const Selection& selection, const ParallelView& view,
+                 Axis principal, Coverage coverage);
+
+  /// Every crossing of the ray through the centre of pixel (column, row), front to back, up to the first
+  /// opaque one. A centre on an edge counts as slightly right of and below it. Where surfaces coincide, those
+  /// that the ray leaves come first. Cost: all triangles.
+  [[nodiscard]] std::vector<Crossing> crossings(int column, int row) const;
+
+ private:
+  struct Seen {
+    double x = 0, y = 0;                  ///< picture coordinates
+    double covered_x = 0, covered_y = 0;  ///< those that decide about coverage
+    double s_mm = 0, depth = 0;
+  };
+  struct Surface {
+    const SurfaceMesh* mesh = nullptr;
+    StructureIndex structure = kNoStructure;
+    std::array<double, 3> color{};
+    double opacity = 1;
+    std::vector<Seen> vertices;
+  };
+  void cross(const Surface& surface, std::uint32_t triangle, double x, double y,
+             std::vector<Crossing>& out) const;
+
+  ParallelView view_;
+  std::vector<Surface> surfaces_;
+};
+
+}  // namespace splatlas::reference

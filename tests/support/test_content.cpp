@@ -1,0 +1,188 @@
+#include "tests/support/test_content.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <stdexcept>
+#include <utility>
+
+#include "format/atlas_writer.h"
+#include "tests/support/marching_tetrahedra.h"
+
+namespace splatlas {
+namespace {
+
+template <typename T>
+T value_or_throw(Result<T> result) {
+  if (!result) throw std::runtime_error(result.error().message);
+  return *std::move(result);
+}
+
+/// A mask in storage order; empty for a group.
+std::vector<bool> stored_mask(const std::vector<bool>& mask, const Grid& source, const AxisOrder& order) {
+  if (mask.empty()) return std::vector<bool>(static_cast<std::size_t>(source.voxels()), false);
+  const std::vector<std::uint8_t> from(mask.begin(), mask.end());
+  std::vector<std::uint8_t> to(from.size());
+  reorder_voxels(from.data(), source.size, order, 1, to.data());
+  return {to.begin(), to.end()};
+}
+
+class Classifier {
+ public:
+  Classifier(const Grid& grid, std::vector<std::vector<bool>> masks) : grid_(grid), masks_(std::move(masks)) {
+    content_of_each_voxel();
+  }
+
+  void fill(AtlasContent& content) {
+    const std::vector<ClassId> order = storage_order(classes_, content.graph);
+    std::vector<ClassId> number(order.size());
+    for (ClassId c = 0; c < order.size(); ++c) number[order[c]] = c;
+    content.classes = classes_.renumbered(order);
+    content.boundary_normals.resize(order.size());
+    content.class_volume.clear();
+    std::size_t n = 0;
+    for (const ClassId old : volume_) {
+      const ClassId c = number[old];
+      content.class_volume.push_back(c);
+      const auto members = content.classes.members(c);
+      const auto boundary = std::find_if(members.begin(), members.end(),
+                                         [](const Membership& m) { return m.part == Part::kBoundary; });
+      if (boundary != members.end()) {
+        content.boundary_normals[c].push_back(normal(masks_[boundary->structure], voxel(n)));
+      }
+      ++n;
+    }
+  }
+
+ private:
+  [[nodiscard]] Index3 voxel(std::size_t n) const {
+    const auto at = static_cast<std::int64_t>(n);
+    return {at % grid_.size[0], at / grid_.size[0] % grid_.size[1], at / (grid_.size[0] * grid_.size[1])};
+  }
+  [[nodiscard]] bool holds(const std::vector<bool>& mask, const Index3& at) const {
+    return grid_.contains(at[0], at[1], at[2]) &&
+           mask[static_cast<std::size_t>(grid_.offset(at[0], at[1], at[2]))];
+  }
+
+  template <typename Visit>
+  static void for_each_neighbour(const Index3& at, const Visit& visit) {
+    for (std::int64_t n = 0; n < 27; ++n) {
+      const Index3 step{n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1};
+      visit(step, Index3{at[0] + step[0], at[1] + step[1], at[2] + step[2]});
+    }
+  }
+
+  void content_of_each_voxel() {
+    for (std::size_t n = 0; n < static_cast<std::size_t>(grid_.voxels()); ++n) {
+      const Index3 at = voxel(n);
+      std::vector<Membership> members;
+      for (StructureIndex s = 0; s < masks_.size(); ++s) {
+        if (!holds(masks_[s], at)) continue;
+        bool boundary = false;
+        for_each_neighbour(at, [&](const Index3& step, const Index3& neighbour) {
+          const auto axes = std::abs(step[0]) + std::abs(step[1]) + std::abs(step[2]);
+          boundary = boundary || (axes <= 2 && !holds(masks_[s], neighbour));
+        });
+        members.push_back({s, boundary ? Part::kBoundary : Part::kInterior});
+      }
+      const ClassId c = classes_.intern(std::move(members));
+      classes_.count(c, 1, {at, at});
+      volume_.push_back(c);
+    }
+  }
+
+  /// Where the mask falls off, LPS.
+  [[nodiscard]] PackedNormal normal(const std::vector<bool>& mask, const Index3& at) const {
+    Vec3 fall{0, 0, 0};  // per voxel: a covector
+    for_each_neighbour(at, [&](const Index3& step, const Index3& neighbour) {
+      if (holds(mask, neighbour)) return;
+      for (std::size_t a = 0; a < 3; ++a) fall[a] += static_cast<double>(step[a]);
+    });
+    const Matrix3 to_index = lps_mm_to_index(grid_).linear;
+    std::array<float, 3> lps{};
+    for (std::size_t a = 0; a < 3; ++a) {
+      lps[a] =
+          static_cast<float>(fall[0] * to_index[a] + fall[1] * to_index[3 + a] + fall[2] * to_index[6 + a]);
+    }
+    return pack_normal(lps);
+  }
+
+  const Grid& grid_;
+  std::vector<std::vector<bool>> masks_;
+  ClassTable classes_;
+  std::vector<ClassId> volume_;
+};
+
+/// The ball around every voxel of a structure; the whole grid where there is none.
+void frame(const std::vector<std::vector<bool>>& masks, const Grid& grid, Display& display) {
+  IndexBox box;
+  for (const auto& mask : masks) {
+    for (std::size_t n = 0; n < mask.size(); ++n) {
+      const auto at = static_cast<std::int64_t>(n);
+      if (mask[n]) {
+        box.include(
+            Index3{at % grid.size[0], at / grid.size[0] % grid.size[1], at / (grid.size[0] * grid.size[1])});
+      }
+    }
+  }
+  if (box.empty()) box = {{0, 0, 0}, {grid.size[0] - 1, grid.size[1] - 1, grid.size[2] - 1}};
+  const Affine to_lps = index_to_lps_mm(grid);
+  Vec3 middle{};
+  Vec3 half{};
+  for (std::size_t a = 0; a < 3; ++a) {
+    middle[a] = 0.5 * static_cast<double>(box.first[a] + box.last[a]);
+    half[a] = 0.5 * static_cast<double>(box.last[a] - box.first[a] + 1);
+  }
+  display.center_lps_mm = to_lps.apply(middle);
+  display.radius_mm = 0;
+  for (unsigned corner = 0; corner < 8; ++corner) {
+    const Vec3 to_corner =
+        to_lps.apply_linear({(corner & 1u) != 0 ? half[0] : -half[0], (corner & 2u) != 0 ? half[1] : -half[1],
+                             (corner & 4u) != 0 ? half[2] : -half[2]});
+    display.radius_mm =
+        std::max(display.radius_mm, std::hypot(std::hypot(to_corner[0], to_corner[1]), to_corner[2]));
+  }
+}
+
+}  // namespace
+
+AtlasContent make_content(const TestVolume& volume) {
+  AtlasContent content;
+  content.source_grid = volume.grid;
+  content.source_to_storage = storage_order(volume.grid);
+  const Grid grid = storage_grid(content);
+
+  std::vector<Structure> structures;
+  std::vector<std::vector<bool>> masks;
+  for (const TestStructure& s : volume.structures) {
+    structures.push_back({s.id, s.id, s.color, std::nullopt, s.parents, false});
+    masks.push_back(stored_mask(s.mask, volume.grid, content.source_to_storage));
+    content.surfaces.push_back(marching_tetrahedra(masks.back(), grid));
+  }
+  content.graph = value_or_throw(StructureGraph::build(std::move(structures)));
+  Classifier(grid, masks).fill(content);
+
+  content.values.type = volume.values.type;
+  content.values.bytes.resize(volume.values.bytes.size());
+  if (!volume.values.empty()) {
+    reorder_voxels(volume.values.bytes.data(), volume.grid.size, content.source_to_storage,
+                   bytes_of(volume.values.type), content.values.bytes.data());
+  }
+  content.display.window_low = volume.window_low;
+  content.display.window_high = volume.window_high;
+  frame(masks, grid, content.display);
+  return content;
+}
+
+std::shared_ptr<const Atlas> open_in_memory(const AtlasContent& content) {
+  WriteOptions options;
+  options.level = 1;
+  options.threads = 1;
+  return value_or_throw(Atlas::open_bytes(value_or_throw(encode_atlas(content, options))));
+}
+
+Selection selection_of(std::string_view text, const StructureGraph& graph) {
+  return value_or_throw(select(text, graph));
+}
+
+}  // namespace splatlas
