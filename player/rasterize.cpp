@@ -15,7 +15,10 @@ constexpr double kSubPixels = 1 << kSubPixelBits;
 constexpr double kGuardBand = double{1 << 20};  // pixels; products of differences then fit 64 bits
 constexpr int kBandRows = 16;
 constexpr std::size_t kTrianglesPerChunk = 4096;
-constexpr float kDepthStep = 1.0f / 4096;  // voxels; surfaces closer than this coincide
+/// Surfaces coincide whose depths lie in the same 1/4096 voxel. The offset keeps the limits away from the
+/// depths that surfaces between voxels have, where rounding would decide.
+constexpr double kDepthSteps = 4096;
+constexpr double kDepthOffset = 0.3183;
 
 /// Continuous voxel indices to picture coordinates.
 class Projection {
@@ -46,7 +49,8 @@ class Projection {
 };
 
 struct ScreenVertex {
-  std::int64_t x = 0, y = 0;  ///< in 1/256 pixel, pixel centres at multiples of 256
+  std::int64_t x = 0, y = 0;        ///< in 1/256 pixel, pixel centres at multiples of 256
+  double exact_x = 0, exact_y = 0;  ///< in pixels, not snapped
   bool valid = false;
 };
 
@@ -54,7 +58,7 @@ ScreenVertex screen_vertex(const Projection& projection, const std::array<float,
   const double x = projection.x(position) - 0.5;
   const double y = projection.y(position) - 0.5;
   if (!(std::abs(x) < kGuardBand && std::abs(y) < kGuardBand)) return {};
-  return {std::llround(x * kSubPixels), std::llround(y * kSubPixels), true};
+  return {std::llround(x * kSubPixels), std::llround(y * kSubPixels), x, y, true};
 }
 
 /// Pixel numbers whose centres lie within [low, high] (1/256 pixel).
@@ -67,6 +71,35 @@ std::int64_t last_pixel(std::int64_t high) {
 
 struct TriangleRef {
   std::uint32_t surface = 0, triangle = 0;
+};
+
+/// Depth over a triangle. From vertices that are not snapped, so that coplanar triangles agree wherever they
+/// cover the same pixel, however each surface is cut into triangles.
+class DepthPlane {
+ public:
+  DepthPlane(const std::array<ScreenVertex, 3>& v, const std::array<double, 3>& depth)
+      : x0_(v[0].exact_x), y0_(v[0].exact_y), depth0_(depth[0]) {
+    std::tie(nearest_, furthest_) = std::minmax({depth[0], depth[1], depth[2]});
+    const double x1 = v[1].exact_x - x0_;
+    const double y1 = v[1].exact_y - y0_;
+    const double x2 = v[2].exact_x - x0_;
+    const double y2 = v[2].exact_y - y0_;
+    const double area = x1 * y2 - y1 * x2;
+    if (area == 0) return;
+    per_x_ = ((depth[1] - depth0_) * y2 - (depth[2] - depth0_) * y1) / area;
+    per_y_ = ((depth[2] - depth0_) * x1 - (depth[1] - depth0_) * x2) / area;
+  }
+  /// Snapping lets a triangle cover centres that are just beside it: clamped to the depths of its corners.
+  [[nodiscard]] double at(std::int64_t x, std::int64_t y) const {
+    const double depth =
+        depth0_ + per_x_ * (static_cast<double>(x) - x0_) + per_y_ * (static_cast<double>(y) - y0_);
+    return std::clamp(depth, nearest_, furthest_);
+  }
+
+ private:
+  double x0_, y0_, depth0_;
+  double per_x_ = 0, per_y_ = 0;
+  double nearest_ = 0, furthest_ = 0;
 };
 
 /// A fragment with what sorting needs.
@@ -93,7 +126,7 @@ class BandRasterizer {
         first_row_(first_row),
         last_row_(last_row),
         slice_axis_(shear.scan.slice_axis),
-        depth_sign_(shear.ascending ? 1.0f : -1.0f),
+        depth_sign_(shear.ascending ? 1.0 : -1.0),
         to_viewer_{static_cast<float>(-view.forward_lps[0]), static_cast<float>(-view.forward_lps[1]),
                    static_cast<float>(-view.forward_lps[2])} {
     nearest_.resize(static_cast<std::size_t>(width_) * static_cast<std::size_t>(last_row - first_row));
@@ -103,7 +136,11 @@ class BandRasterizer {
     const SurfaceDraw& surface = surfaces_[ref.surface];
     const std::array<std::uint32_t, 3>& corner = surface.mesh->triangles[ref.triangle];
     std::array<ScreenVertex, 3> v;
-    for (std::size_t n = 0; n < 3; ++n) v[n] = vertices_[ref.surface][corner[n]];
+    std::array<double, 3> depth{};
+    for (std::size_t n = 0; n < 3; ++n) {
+      v[n] = vertices_[ref.surface][corner[n]];
+      depth[n] = depth_sign_ * static_cast<double>(surface.mesh->positions_ijk[corner[n]][slice_axis_]);
+    }
     const std::int64_t doubled_area =
         (v[1].x - v[0].x) * (v[2].y - v[0].y) - (v[1].y - v[0].y) * (v[2].x - v[0].x);
     if (doubled_area == 0) return;
@@ -114,6 +151,7 @@ class BandRasterizer {
     const ScreenVertex& b = v[order[1]];
     const ScreenVertex& c = v[order[2]];
     const std::int64_t area = std::abs(doubled_area);
+    const DepthPlane plane(v, depth);
     const std::int64_t y_first = std::max<std::int64_t>(first_row_, first_pixel(std::min({a.y, b.y, c.y})));
     const std::int64_t y_last = std::min<std::int64_t>(last_row_ - 1, last_pixel(std::max({a.y, b.y, c.y})));
     const std::int64_t x_first = std::max<std::int64_t>(0, first_pixel(std::min({a.x, b.x, c.x})));
@@ -130,7 +168,7 @@ class BandRasterizer {
         weight[order[0]] = static_cast<float>(static_cast<double>(edge_a) / static_cast<double>(area));
         weight[order[1]] = static_cast<float>(static_cast<double>(edge_b) / static_cast<double>(area));
         weight[order[2]] = static_cast<float>(static_cast<double>(edge_c) / static_cast<double>(area));
-        add(surface, ref, corner, weight, x, y);
+        add(surface, ref, weight, plane.at(x, y), x, y);
       }
     }
   }
@@ -178,20 +216,19 @@ class BandRasterizer {
     return pixel - static_cast<std::size_t>(first_row_) * static_cast<std::size_t>(width_);
   }
 
-  void add(const SurfaceDraw& surface, const TriangleRef& ref, const std::array<std::uint32_t, 3>& corner,
-           const std::array<float, 3>& weight, std::int64_t x, std::int64_t y) {
+  void add(const SurfaceDraw& surface, const TriangleRef& ref, const std::array<float, 3>& weight,
+           double depth, std::int64_t x, std::int64_t y) {
     const SurfaceMesh& mesh = *surface.mesh;
-    float depth = 0;
+    const std::array<std::uint32_t, 3>& corner = mesh.triangles[ref.triangle];
     std::array<float, 3> normal{};
     for (std::size_t n = 0; n < 3; ++n) {
-      depth += weight[n] * mesh.positions_ijk[corner[n]][slice_axis_];
       for (std::size_t c = 0; c < 3; ++c) normal[c] += weight[n] * mesh.normals_lps[corner[n]][c];
     }
     Sample sample;
-    sample.fragment.depth = depth_sign_ * depth;
+    sample.fragment.depth = static_cast<float>(depth);
     sample.fragment.pixel = static_cast<std::uint32_t>(y * width_ + x);
     sample.fragment.structure = surface.structure;
-    sample.depth_key = std::llround(sample.fragment.depth / kDepthStep);
+    sample.depth_key = static_cast<std::int64_t>(std::floor(depth * kDepthSteps + kDepthOffset));
     sample.entering = normal[0] * to_viewer_[0] + normal[1] * to_viewer_[1] + normal[2] * to_viewer_[2] > 0;
     sample.triangle = ref.triangle;
     Sample& nearest = nearest_[nearest_index(sample.fragment.pixel)];
@@ -213,7 +250,7 @@ class BandRasterizer {
   std::int64_t width_;
   int first_row_, last_row_;
   std::size_t slice_axis_;
-  float depth_sign_;
+  double depth_sign_;
   std::array<float, 3> to_viewer_;
   std::vector<Sample> nearest_;  // opaque, per pixel of the band
   std::vector<Sample> samples_;  // translucent

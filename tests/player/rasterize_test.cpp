@@ -1,0 +1,266 @@
+#include "player/rasterize.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/marching_tetrahedra.h"
+#include "tests/support/test_content.h"
+
+namespace splatlas {
+namespace {
+
+constexpr std::size_t kNoLimit = std::numeric_limits<std::size_t>::max();
+
+/// A view whose pixels are `mm_per_pixel` wide, with `center_lps_mm` in the middle.
+ParallelView view_from(double azimuth_deg, double elevation_deg, PictureSize size, double mm_per_pixel,
+                       const Vec3& center_lps_mm) {
+  Camera camera;
+  camera.azimuth_deg = azimuth_deg;
+  camera.elevation_deg = elevation_deg;
+  camera.center_lps_mm = center_lps_mm;
+  ParallelView view = *parallel_view(camera, size, Display{});
+  view.mm_per_pixel = mm_per_pixel;
+  return view;
+}
+
+/// The scene of one call.
+struct Drawing {
+  ParallelView view;
+  Grid grid{{16, 16, 16}, {1, 1, 1}, {0, 0, 0}, {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+  std::size_t max_fragments = kNoLimit;
+  unsigned threads = 1;
+
+  [[nodiscard]] Result<FragmentList> draw(std::span<const SurfaceDraw> surfaces) const {
+    ThreadPool pool(threads);
+    FragmentList list;
+    const auto counters =
+        rasterize(surfaces, view, factorise(view, grid), grid, Lighting(view), max_fragments, list, pool);
+    if (!counters) return tl::unexpected<Error>(counters.error());
+    std::size_t triangles = 0;
+    for (const SurfaceDraw& surface : surfaces) triangles += surface.mesh->triangles.size();
+    EXPECT_EQ(counters->triangles, triangles);
+    return list;
+  }
+};
+
+SurfaceDraw translucent(const SurfaceMesh& mesh, StructureIndex structure = 0, float opacity = 0.5f) {
+  return {&mesh, structure, {1, 1, 1}, opacity};
+}
+
+/// Triangles in the plane y = 0 (the picture's plane at azimuth 0), normals to the viewer.
+SurfaceMesh flat_mesh(std::vector<std::array<float, 2>> corners_xz,
+                      std::vector<std::array<std::uint32_t, 3>> triangles) {
+  SurfaceMesh mesh;
+  for (const auto& corner : corners_xz) {
+    mesh.positions_ijk.push_back({corner[0], 0, corner[1]});
+    mesh.normals_lps.push_back({0, -1, 0});
+  }
+  mesh.triangles = std::move(triangles);
+  return mesh;
+}
+
+std::map<std::uint32_t, int> fragments_per_pixel(const FragmentList& list) {
+  std::map<std::uint32_t, int> counts;
+  for (const Fragment& fragment : list.fragments) ++counts[fragment.pixel];
+  return counts;
+}
+
+/// Opaque surfaces keep one fragment a pixel; these keep all.
+TEST(Rasterize, CoversEachCentreOfAClosedSurfaceAnEvenNumberOfTimes) {
+  std::mt19937 random(1);
+  const auto real = [&](double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random);
+  };
+  std::size_t covered = 0;
+  for (int trial = 0; trial < 60; ++trial) {
+    Drawing drawing{view_from(real(0, 360), real(-90, 90), {64, 64}, real(0.05, 0.6), {4, 4, 4})};
+    drawing.grid.size = {9, 9, 9};
+    if (trial % 3 == 0) {
+      // Straight on, pixel centres exactly on vertices and edges: the rule for shared edges decides.
+      drawing.view = view_from(90 * (trial % 4), 0, {64, 64}, trial % 2 == 0 ? 0.25 : 0.5, {4, 4, 4});
+    }
+    const SurfaceMesh mesh = marching_tetrahedra(
+        make_mask(drawing.grid.size, [&](auto...) { return real(0, 1) < 0.4; }), drawing.grid);
+    const SurfaceDraw surface = translucent(mesh);
+    const FragmentList list = *drawing.draw({&surface, 1});
+    for (const auto& [pixel, count] : fragments_per_pixel(list)) {
+      ASSERT_EQ(count % 2, 0) << "trial " << trial << ", pixel " << pixel % 64 << ", " << pixel / 64;
+    }
+    covered += list.fragments.size();
+  }
+  EXPECT_GT(covered, 100000u);
+}
+
+TEST(Rasterize, GivesCentresOnEdgesToTheTriangleBelowOrRightOfThem) {
+  // 8 by 6 pixels of 1 mm whose centres lie on multiples of 1 mm: corners of the rectangle, both halves'
+  // shared edge and all outer edges pass through centres.
+  const Drawing drawing{view_from(0, 0, {8, 6}, 1, {0.5, 0, 0.5})};
+  const SurfaceMesh mesh = flat_mesh({{-2, -1}, {2, -1}, {2, 2}, {-2, 2}}, {{0, 1, 2}, {0, 2, 3}});
+  const SurfaceDraw surface = translucent(mesh);
+  const FragmentList list = *drawing.draw({&surface, 1});
+  std::vector<std::uint32_t> pixels;
+  for (const Fragment& fragment : list.fragments) pixels.push_back(fragment.pixel);
+  // Centre of pixel (x, y) is at (x - 3, z = 3 - y): x from -2 to 1 and z from 2 down to 0.
+  std::vector<std::uint32_t> expected;
+  for (std::uint32_t y = 1; y <= 3; ++y) {
+    for (std::uint32_t x = 1; x <= 4; ++x) expected.push_back(8 * y + x);
+  }
+  EXPECT_EQ(pixels, expected);
+}
+
+TEST(Rasterize, TakesDepthFromThePlane) {
+  const Drawing drawing{view_from(30, 20, {40, 30}, 0.25, {8, 8, 8})};
+  SurfaceMesh mesh;
+  mesh.positions_ijk = {{2, 3, 4}, {13, 6, 5}, {6, 11, 13}};
+  mesh.normals_lps.assign(3, {0, -1, 0});
+  mesh.triangles = {{0, 1, 2}};
+  const SurfaceDraw surface = translucent(mesh);
+  const FragmentList list = *drawing.draw({&surface, 1});
+  ASSERT_GT(list.fragments.size(), 200u);
+  // n . p = n . p0 with n = (p1 - p0) x (p2 - p0) = (11, 3, 1) x (4, 8, 9).
+  const Vec3 n{19, -95, 76};
+  const Shear shear = factorise(drawing.view, drawing.grid);
+  for (const Fragment& fragment : list.fragments) {
+    const Vec3 p = drawing.view.point_lps_mm(fragment.pixel % 40 + 0.5, fragment.pixel / 40 + 0.5);
+    const Vec3& d = drawing.view.forward_lps;
+    const double s = (n[0] * (2 - p[0]) + n[1] * (3 - p[1]) + n[2] * (4 - p[2])) /
+                     (n[0] * d[0] + n[1] * d[1] + n[2] * d[2]);
+    const std::size_t axis = shear.scan.slice_axis;
+    const double depth = (p[axis] + s * d[axis]) * (shear.ascending ? 1 : -1);
+    EXPECT_NEAR(fragment.depth, depth, 2e-6);  // float of about 10; not snapped
+  }
+}
+
+TEST(Rasterize, LeavesNothingOfTrianglesWithoutAnArea) {
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const float infinity = std::numeric_limits<float>::infinity();
+  SurfaceMesh mesh = flat_mesh({{-2, -1}, {2, -1}, {2, 2}}, {{0, 1, 2}});
+  const Drawing drawing{view_from(0, 0, {16, 12}, 0.4, {0, 0, 0})};
+  const SurfaceDraw surface = translucent(mesh);
+  const std::size_t good = drawing.draw({&surface, 1})->fragments.size();
+  EXPECT_GT(good, 20u);
+
+  const std::vector<std::array<float, 3>> bad{{nan, 0, 0},       {0, nan, 0},       {0, 0, infinity},
+                                              {-infinity, 0, 0}, {3e38f, 0, 3e38f}, {-1e30f, 1e30f, 5}};
+  for (const auto& position : bad) {
+    mesh.positions_ijk.push_back(position);
+    mesh.normals_lps.push_back({nan, nan, nan});
+    mesh.triangles.push_back({0, 1, static_cast<std::uint32_t>(mesh.positions_ijk.size() - 1)});
+  }
+  mesh.triangles.push_back({0, 0, 1});  // repeated corners
+  mesh.triangles.push_back({1, 1, 1});
+  mesh.positions_ijk.push_back({0, 0, -1});  // on the edge from 0 to 1
+  mesh.normals_lps.push_back({0, 0, 0});
+  mesh.triangles.push_back({0, 1, static_cast<std::uint32_t>(mesh.positions_ijk.size() - 1)});
+  EXPECT_EQ(drawing.draw({&surface, 1})->fragments.size(), good);
+}
+
+TEST(Rasterize, LightsSurfacesWithoutAUsableNormalAsIfTheyFacedTheViewer) {
+  SurfaceMesh mesh = flat_mesh({{-2, -1}, {2, -1}, {2, 2}}, {{0, 1, 2}});
+  const Drawing drawing{view_from(0, 0, {16, 12}, 0.4, {0, 0, 0})};
+  const SurfaceDraw surface = translucent(mesh, 0, 1.0f);
+  for (const float value : {0.0f, std::numeric_limits<float>::quiet_NaN()}) {
+    mesh.normals_lps.assign(3, {value, value, value});
+    const FragmentList list = *drawing.draw({&surface, 1});
+    ASSERT_FALSE(list.fragments.empty());
+    const float expected = Lighting(drawing.view).diffuse({0, -1, 0});
+    for (const Fragment& fragment : list.fragments) EXPECT_NEAR(fragment.rgba[0], expected, 1e-6f);
+  }
+}
+
+/// Two structures share a face whose two meshes are cut along different diagonals. Whatever the view, the ray
+/// leaves the one before it enters the other.
+TEST(Rasterize, LeavesOneStructureBeforeItEntersTheNextWhereTheyTouch) {
+  const auto face = [](bool other_diagonal, float normal_y) {
+    SurfaceMesh mesh;
+    mesh.positions_ijk = {{2.5f, 7.5f, 1.5f}, {13.5f, 7.5f, 1.5f}, {13.5f, 7.5f, 12.5f}, {2.5f, 7.5f, 12.5f}};
+    mesh.normals_lps.assign(4, {0, normal_y, 0});
+    mesh.triangles = other_diagonal ? std::vector<std::array<std::uint32_t, 3>>{{1, 2, 3}, {3, 0, 1}}
+                                    : std::vector<std::array<std::uint32_t, 3>>{{0, 1, 2}, {0, 2, 3}};
+    return mesh;
+  };
+  const SurfaceMesh near_back = face(false, 1);
+  const SurfaceMesh far_front = face(true, -1);
+  std::size_t pairs = 0;
+  for (int view = 0; view < 40; ++view) {
+    const Drawing drawing{view_from(-75 + 3.7 * view, -60 + 2.9 * view, {96, 96}, 0.2, {8, 7.5, 7})};
+    // The structure behind has the smaller number and comes first in the list.
+    const std::array surfaces{translucent(far_front, 0), translucent(near_back, 1)};
+    const FragmentList list = *drawing.draw(surfaces);
+    for (std::size_t n = 0; n + 1 < list.fragments.size(); n += 2) {
+      ASSERT_EQ(list.fragments[n].pixel, list.fragments[n + 1].pixel);
+      ASSERT_EQ(list.fragments[n].structure, 1u) << "view " << view << ", pixel " << list.fragments[n].pixel;
+      ++pairs;
+    }
+  }
+  EXPECT_GT(pairs, 20000u);
+}
+
+TEST(Rasterize, SortsByDepthAndDropsWhatAnOpaqueSurfaceHides) {
+  std::vector<SurfaceMesh> planes;
+  for (const float y : {9.0f, 1.0f, 5.0f, 3.0f}) {
+    planes.push_back(flat_mesh({{-9, -9}, {9, -9}, {0, 9}}, {{0, 1, 2}}));
+    for (auto& position : planes.back().positions_ijk) position[1] = y;
+  }
+  const Drawing drawing{view_from(0, 0, {8, 8}, 1, {0, 0, 0})};
+  const std::array surfaces{translucent(planes[0], 0), translucent(planes[1], 1),
+                            translucent(planes[2], 2, 1.0f), translucent(planes[3], 3)};
+  const FragmentList list = *drawing.draw(surfaces);
+  ASSERT_GT(list.fragments.size(), 60u);
+  ASSERT_EQ(list.fragments.size() % 3, 0u);
+  for (std::size_t n = 0; n < list.fragments.size(); n += 3) {
+    EXPECT_EQ(list.fragments[n].structure, 1u);
+    EXPECT_EQ(list.fragments[n + 1].structure, 3u);
+    EXPECT_EQ(list.fragments[n + 2].structure, 2u);
+    EXPECT_EQ(list.fragments[n].pixel, list.fragments[n + 2].pixel);
+  }
+  for (int y = 0; y < 8; ++y) {
+    for (const Fragment& fragment : list.row(y)) EXPECT_EQ(fragment.pixel / 8, static_cast<unsigned>(y));
+  }
+}
+
+TEST(Rasterize, RefusesMoreFragmentsThanAllowed) {
+  const SurfaceMesh mesh = flat_mesh({{-9, -9}, {9, -9}, {0, 9}}, {{0, 1, 2}});
+  const SurfaceDraw surface = translucent(mesh);
+  Drawing drawing{view_from(0, 0, {32, 32}, 0.5, {0, 0, 0})};
+  const std::size_t fragments = drawing.draw({&surface, 1})->fragments.size();
+  drawing.max_fragments = fragments;
+  EXPECT_TRUE(drawing.draw({&surface, 1}).has_value());
+  drawing.max_fragments = fragments - 1;
+  const auto refused = drawing.draw({&surface, 1});
+  ASSERT_FALSE(refused.has_value());
+  EXPECT_EQ(refused.error().code, ErrorCode::kLimit);
+}
+
+TEST(Rasterize, GivesTheSameFragmentsWithAnyNumberOfThreads) {
+  std::mt19937 random(7);
+  Drawing drawing{view_from(33, 21, {80, 70}, 0.3, {8, 8, 8})};
+  std::vector<SurfaceMesh> meshes;
+  for (int n = 0; n < 3; ++n) {
+    meshes.push_back(marching_tetrahedra(
+        make_mask(drawing.grid.size, [&](auto...) { return random() % 3 == 0; }), drawing.grid));
+  }
+  const std::array surfaces{translucent(meshes[0], 0), translucent(meshes[1], 1, 1.0f),
+                            translucent(meshes[2], 2, 0.1f)};
+  const FragmentList one = *drawing.draw(surfaces);
+  ASSERT_GT(one.fragments.size(), 3000u);
+  for (const unsigned threads : {2u, 8u}) {
+    drawing.threads = threads;
+    const FragmentList several = *drawing.draw(surfaces);
+    ASSERT_EQ(several.first_of_row, one.first_of_row);
+    for (std::size_t n = 0; n < one.fragments.size(); ++n) {
+      const Fragment& a = one.fragments[n];
+      const Fragment& b = several.fragments[n];
+      ASSERT_TRUE(a.depth == b.depth && a.pixel == b.pixel && a.rgba == b.rgba && a.structure == b.structure)
+          << "fragment " << n;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace splatlas
