@@ -156,16 +156,27 @@ class Band {
       std::int64_t x = span.start + u.whole;
       std::int64_t count = span.length + 1;
       const float* light = slice.planes.get() + span.offset;
+      // Vector steps may run past the span's end, into its padding; but not where a cut at the left has put
+      // them out of step with it.
+      std::int64_t whole_steps = count;
       if (x < 0) {
         count += x;
         light -= x;
         x = 0;
+        whole_steps = count / kBlock * kBlock;
       }
       const bool clipped = count > pass_.window.columns - x;
       if (clipped) count = pass_.window.columns - x;
       if (count <= 0) continue;
-      pass_.kernels.splat(light, slice.plane_floats, static_cast<std::size_t>(count), here, before,
-                          sheet_row(phase) + x, static_cast<std::size_t>(stride_));
+      whole_steps = std::min(whole_steps, count);
+      float* row = sheet_row(phase) + x;
+      pass_.kernels.splat(light, slice.plane_floats, static_cast<std::size_t>(whole_steps), here, before, row,
+                          static_cast<std::size_t>(stride_));
+      if (whole_steps < count) {
+        scalar_kernels().splat(light + whole_steps, slice.plane_floats,
+                               static_cast<std::size_t>(count - whole_steps), here, before, row + whole_steps,
+                               static_cast<std::size_t>(stride_));
+      }
       // Past a cut the padding is not zero: have that cleared, too.
       touched_[static_cast<std::size_t>(phase)].mark(x, clipped ? stride_ - x : count);
     }
