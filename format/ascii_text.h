@@ -16,6 +16,6 @@ namespace splatlas {
 [[nodiscard]] bool equal_ignoring_case(std::string_view a, std::string_view b);
 
 /// In double quotes, fit for a one-line message: control characters become "?", all beyond 80 bytes "...".
-[[nodiscard]] std::string quoted(std::string_view text);
+[[nodiscard]] std::string in_quotes(std::string_view text);
 
 }  // namespace splatlas

@@ -52,8 +52,8 @@ struct StructureDraw {
   DrawMode mode = DrawMode::kOff;
   /// Surfaces: of each crossing. Volumes: of one reference length (Atlas::reference_length_mm) at full value.
   /// Not set: the renderer's default for the mode.
-  std::optional<float> opacity;
-  Rgb color;
+  std::optional<float> opacity = std::nullopt;
+  Rgb color = {};
   std::uint32_t term =
       0;  ///< number of the latest term that selected it: later terms win where looks compete
   friend bool operator==(const StructureDraw&, const StructureDraw&) = default;

@@ -87,7 +87,8 @@ class Parser {
     for (const DrawMode mode : {DrawMode::kVolume, DrawMode::kSurface, DrawMode::kBoth}) {
       if (equal_ignoring_case(written, name_of(mode))) return mode;
     }
-    return fault_at(start, fmt::format("{} is not a mode: write volume, surface or both", quoted(written)));
+    return fault_at(start,
+                    fmt::format("{} is not a mode: write volume, surface or both", in_quotes(written)));
   }
 
   /// After the opening bracket, up to and with the closing one.
@@ -106,7 +107,7 @@ class Parser {
     const bool is_opacity = equal_ignoring_case(key, "opacity");
     if (!is_opacity && !equal_ignoring_case(key, "color")) {
       return fault_at(start,
-                      fmt::format("{} is not an option: write opacity=0.4 or color=#ff8800", quoted(key)));
+                      fmt::format("{} is not an option: write opacity=0.4 or color=#ff8800", in_quotes(key)));
     }
     if (is_opacity ? term.opacity.has_value() : term.color.has_value()) {
       return fault_at(start, fmt::format("{} is given twice", to_lower(key)));
@@ -121,13 +122,14 @@ class Parser {
       const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), opacity);
       const bool is_number = error == std::errc() && end == value.data() + value.size();
       if (!is_number || !(opacity > 0 && opacity <= 1)) {
-        return fault_at(value_start, fmt::format("opacity {} must be above 0 and at most 1", quoted(value)));
+        return fault_at(value_start,
+                        fmt::format("opacity {} must be above 0 and at most 1", in_quotes(value)));
       }
       term.opacity = opacity;
     } else {
       const auto color = parse_color(value);
       if (!color)
-        return fault_at(value_start, fmt::format("{} is not a color: write #rrggbb", quoted(value)));
+        return fault_at(value_start, fmt::format("{} is not a color: write #rrggbb", in_quotes(value)));
       term.color = *color;
     }
     return {};
@@ -156,7 +158,7 @@ class Parser {
   [[nodiscard]] tl::unexpected<Error> fault(std::string_view what) const { return fault_at(at_, what); }
   [[nodiscard]] tl::unexpected<Error> fault_at(std::size_t column, std::string_view what) const {
     return fail(ErrorCode::kUsage,
-                fmt::format("selection {}, column {}: {}", quoted(text_), column + 1, what));
+                fmt::format("selection {}, column {}: {}", in_quotes(text_), column + 1, what));
   }
 
   std::string_view text_;

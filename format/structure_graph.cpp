@@ -25,7 +25,8 @@ Result<void> check_ids(std::span<const Structure> structures) {
   seen.reserve(structures.size());
   for (std::size_t s = 0; s < structures.size(); ++s) {
     const std::string& id = structures[s].id;
-    if (id.empty()) return refuse(fmt::format("structure {} ({}) has no id", s, quoted(structures[s].name)));
+    if (id.empty())
+      return refuse(fmt::format("structure {} ({}) has no id", s, in_quotes(structures[s].name)));
     const bool well_formed = std::all_of(id.begin(), id.end(), [](char c) {
       return is_ascii_letter_or_digit(c) || c == '_' || c == '-' || c == '.';
     });
@@ -33,10 +34,10 @@ Result<void> check_ids(std::span<const Structure> structures) {
       return refuse(
           fmt::format("the id {} of a structure holds other characters than letters, digits, \"_\", \"-\" "
                       "and \".\"",
-                      quoted(id)));
+                      in_quotes(id)));
     }
     if (!seen.insert(to_lower(id)).second) {
-      return refuse(fmt::format("two structures have the id {} (case does not count)", quoted(id)));
+      return refuse(fmt::format("two structures have the id {} (case does not count)", in_quotes(id)));
     }
   }
   return {};
@@ -49,11 +50,11 @@ Result<void> check_parents(std::span<const Structure> structures) {
     for (const StructureIndex parent : structures[s].parents) {
       if (parent >= structures.size()) {
         return refuse(fmt::format("structure {} has parent number {} of {} structures",
-                                  quoted(structures[s].id), parent, structures.size()));
+                                  in_quotes(structures[s].id), parent, structures.size()));
       }
       if (last_child[parent] == s) {
-        return refuse(fmt::format("structure {} has the parent {} twice", quoted(structures[s].id),
-                                  quoted(structures[parent].id)));
+        return refuse(fmt::format("structure {} has the parent {} twice", in_quotes(structures[s].id),
+                                  in_quotes(structures[parent].id)));
       }
       last_child[parent] = s;
     }
@@ -129,7 +130,7 @@ Result<void> StructureGraph::sort_topologically() {
   for (std::size_t done = 0; done < topological_.size();) {
     if (++depth > kMaxGraphDepth) {
       return refuse(fmt::format("structure {} lies deeper than {} levels",
-                                quoted(structures_[topological_[done]].id), kMaxGraphDepth));
+                                in_quotes(structures_[topological_[done]].id), kMaxGraphDepth));
     }
     for (const std::size_t level_end = topological_.size(); done < level_end; ++done) {
       for (const StructureIndex child : children(topological_[done])) {

@@ -23,12 +23,13 @@ inline constexpr std::size_t kMaxGraphDepth = 256;
 /// An anatomical entity. A structure with a label, a segmentation or a surface file of its own holds voxels
 /// or triangles; a structure without is a group: it stands for its descendants.
 struct Structure {
-  std::string id;    ///< stable, unique in the atlas without regard to case; letters, digits, "_", "-", "."
-  std::string name;  ///< as shown; need not be unique
-  Rgb color;
-  std::optional<std::int64_t> label;    ///< its value in the source label map, if it came from one
-  std::vector<StructureIndex> parents;  ///< several allowed: one gyrus belongs to a side and to a lobe
-  bool external = false;                ///< its surface came from a file of its own (an implant, a needle)
+  std::string id;  ///< stable, unique in the atlas without regard to case; letters, digits, "_", "-", "."
+  std::string name = {};  ///< as shown; need not be unique
+  Rgb color = {};
+  std::optional<std::int64_t> label =
+      std::nullopt;                          ///< its value in the source label map, if it came from one
+  std::vector<StructureIndex> parents = {};  ///< several allowed: one gyrus belongs to a side and to a lobe
+  bool external = false;  ///< its surface came from a file of its own (an implant, a needle)
 
   friend bool operator==(const Structure&, const Structure&) = default;
 };

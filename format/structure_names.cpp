@@ -109,14 +109,15 @@ std::vector<std::string> nearest_names(const StructureGraph& graph, std::string_
     if (!equal_ignoring_case(s.id, s.name)) consider(s.id);
   }
   std::vector<std::string> names;
-  for (const auto& [distance, name] : nearest) names.push_back(quoted(name));
+  names.reserve(nearest.size());
+  for (const auto& [distance, name] : nearest) names.push_back(in_quotes(name));
   return names;
 }
 
 tl::unexpected<Error> not_found(const StructureGraph& graph, std::string_view name) {
   const std::string nearest = fmt::format("{}", fmt::join(nearest_names(graph, name), ", "));
   return fail(ErrorCode::kNotFound,
-              fmt::format("no structure is called {}; {}", quoted(name),
+              fmt::format("no structure is called {}; {}", in_quotes(name),
                           nearest.empty() ? "there are none" : "the nearest: " + nearest));
 }
 
@@ -124,11 +125,11 @@ tl::unexpected<Error> ambiguous(const StructureGraph& graph, std::string_view na
                                 std::span<const StructureIndex> found) {
   std::vector<std::string> candidates;
   for (const StructureIndex s : found.first(std::min(found.size(), kListed))) {
-    candidates.push_back(fmt::format("{} (id {})", quoted(graph.paths(s, 1).front()), graph[s].id));
+    candidates.push_back(fmt::format("{} (id {})", in_quotes(graph.paths(s, 1).front()), graph[s].id));
   }
   if (found.size() > kListed) candidates.push_back(fmt::format("{} more", found.size() - kListed));
   return fail(ErrorCode::kNotFound,
-              fmt::format("{} stands for {} structures, write a longer path or an id: {}", quoted(name),
+              fmt::format("{} stands for {} structures, write a longer path or an id: {}", in_quotes(name),
                           found.size(), fmt::join(candidates, ", ")));
 }
 

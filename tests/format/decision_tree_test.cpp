@@ -12,6 +12,83 @@ namespace {
 
 using Members = std::vector<Membership>;
 
+/// The paper's phantom: two balls apart in 32x32x32 (table 1).
+struct Phantom {
+  StructureGraph graph = *StructureGraph::build({{.id = "large"}, {.id = "small"}});
+  ClassTable classes;
+  Phantom() {
+    const std::array<std::uint64_t, 5> voxels{27722, 2705, 1440, 437, 464};
+    classes.intern({{0, Part::kInterior}});
+    classes.intern({{0, Part::kBoundary}});
+    classes.intern({{1, Part::kInterior}});
+    classes.intern({{1, Part::kBoundary}});
+    for (ClassId c = 0; c < voxels.size(); ++c) classes.count(c, voxels[c], {{0, 0, 0}, {31, 31, 31}});
+  }
+};
+
+TEST(DecisionTree, GivesTheVoxelsOfThePapersTableTwo) {
+  const Phantom phantom;
+  const DecisionTree tree(phantom.graph, phantom.classes);
+  struct Row {
+    const char* text;
+    std::uint64_t volume, surface, hybrid;
+  };
+  for (const auto& [text, volume, surface, hybrid] :
+       {Row{"*:surface", 0, 1904, 0}, Row{"*:volume", 5046, 0, 0},
+        Row{"large:surface + small:both", 437, 1440, 464}, Row{"large:volume + small:surface", 4145, 464, 0},
+        Row{"", 0, 0, 0}, Row{"* - large", 901, 0, 0}}) {
+    const DrawPlan plan = tree.plan(*select(text, phantom.graph));
+    EXPECT_EQ(plan.volume_voxels, volume) << text;
+    EXPECT_EQ(plan.surface_voxels, surface) << text;
+    EXPECT_EQ(plan.hybrid_voxels, hybrid) << text;
+  }
+  EXPECT_EQ(tree.voxel_counts(0).interior, 2705u);
+  EXPECT_EQ(tree.voxel_counts(1).boundary, 464u);
+}
+
+TEST(DecisionTree, ListsClassesAndSurfacesToDraw) {
+  const Phantom phantom;
+  const DecisionTree tree(phantom.graph, phantom.classes);
+  const DrawPlan plan = tree.plan(*select("large:surface + small:both", phantom.graph));
+  EXPECT_EQ(plan.classes, (std::vector<ClassDraw>{{2, VoxelRole::kSurface, kNoStructure, false},
+                                                  {3, VoxelRole::kVolume, 1, false},
+                                                  {4, VoxelRole::kHybrid, 1, true}}));
+  EXPECT_EQ(plan.surfaces, (std::vector<StructureIndex>{0, 1}));
+  EXPECT_TRUE(tree.plan(*select("*", phantom.graph)).surfaces.empty());
+}
+
+TEST(DecisionTree, TheLatestTermThenTheHigherIndexGivesTheLook) {
+  const auto graph =
+      *StructureGraph::build({{.id = "whole"}, {.id = "part", .parents = {0}}, {.id = "other"}});
+  ClassTable classes;
+  const ClassId shared = classes.intern({{0, Part::kInterior}, {1, Part::kBoundary}, {2, Part::kInterior}});
+  const DecisionTree tree(graph, classes);
+  const auto look = [&](const char* text) { return tree.plan(*select(text, graph)).classes.at(0); };
+  EXPECT_EQ(look("whole"), (ClassDraw{shared, VoxelRole::kVolume, 1, true}));
+  EXPECT_EQ(look("*"), (ClassDraw{shared, VoxelRole::kVolume, 2, false}));
+  EXPECT_EQ(look("other + whole"), (ClassDraw{shared, VoxelRole::kVolume, 1, true}));
+  EXPECT_EQ(look("whole + other"), (ClassDraw{shared, VoxelRole::kVolume, 2, false}));
+  EXPECT_EQ(look("whole + other:surface"), (ClassDraw{shared, VoxelRole::kVolume, 1, true}));
+  EXPECT_EQ(look("other + part:surface"), (ClassDraw{shared, VoxelRole::kHybrid, 2, false}));
+  EXPECT_EQ(look("part:surface"), (ClassDraw{shared, VoxelRole::kSurface, kNoStructure, false}));
+}
+
+TEST(DecisionTree, ExternalSurfacesAreDrawnInEveryMode) {
+  const auto graph = *StructureGraph::build({{.id = "bone"}, {.id = "needle", .external = true}});
+  ClassTable classes;
+  const ClassId alone = classes.intern({{1, Part::kCrossed}});
+  const ClassId in_bone = classes.intern({{0, Part::kInterior}, {1, Part::kCrossed}});
+  const DecisionTree tree(graph, classes);
+  for (const char* text : {"needle:volume", "needle:surface", "needle:both"}) {
+    const DrawPlan plan = tree.plan(*select(text, graph));
+    EXPECT_EQ(plan.classes, (std::vector<ClassDraw>{{alone, VoxelRole::kSurface, kNoStructure, false},
+                                                    {in_bone, VoxelRole::kSurface, kNoStructure, false}}));
+    EXPECT_EQ(plan.surfaces, (std::vector<StructureIndex>{1}));
+  }
+  const DrawPlan both = tree.plan(*select("bone + needle:surface", graph));
+  EXPECT_EQ(both.classes[1], (ClassDraw{in_bone, VoxelRole::kHybrid, 0, false}));
+}
+
 /// Voxels with their own lists of memberships, as a brute force evaluation wants them.
 struct Voxels {
   std::vector<Members> members;

@@ -85,10 +85,4 @@ inline Selection random_selection(const StructureGraph& graph, std::mt19937& ran
   return selection;
 }
 
-/// A source of everything else that a property needs; its seed does not shrink.
-inline rc::Gen<std::mt19937> random_source() {
-  return rc::gen::map(rc::gen::noShrink(uniform<std::uint32_t>(0, 0x7fffffff)),
-                      [](std::uint32_t seed) { return std::mt19937(seed); });
-}
-
 }  // namespace splatlas

@@ -29,6 +29,12 @@ rc::Gen<T> uniform(T first, T last) {
   return rc::gen::resize(rc::kNominalSize, rc::gen::inRange<T>(first, static_cast<T>(last + 1)));
 }
 
+/// A source of everything else that a property needs; its seed does not shrink.
+inline rc::Gen<std::mt19937> random_source() {
+  return rc::gen::map(rc::gen::noShrink(uniform<std::uint32_t>(0, 0x7fffffff)),
+                      [](std::uint32_t seed) { return std::mt19937(seed); });
+}
+
 /// Noise, runs that ignore the scanlines' ends, or a checkerboard.
 inline std::vector<ClassId> random_classes(const Index3& size, ClassId class_count, std::mt19937& random) {
   const auto below = [&random](ClassId n) {
@@ -59,7 +65,7 @@ inline rc::Gen<ClassVolume> random_class_volume() {
                                                  {1, uniform<std::int64_t>(9, 40)}});
     }
     v.class_count = *uniform<std::size_t>(1, 6);
-    std::mt19937 random(*rc::gen::noShrink(uniform<std::uint32_t>(0, 0x7fffffff)));
+    auto random = *random_source();
     v.classes = random_classes(v.size, static_cast<ClassId>(v.class_count), random);
     return v;
   });

@@ -81,13 +81,11 @@ RC_GTEST_PROP(RunModel, ConvertsBetweenAllAxes, ()) {
 }
 
 TEST(RunModel, ConvertsRunsThatLieFarApart) {
-  const Index3 size{1 << 20, 3, 5};
-  const ClassRuns z{{0, 0, 1}, {2, 7, 2}, {14, (1 << 20) - 2, 2}};
-  const ClassRuns x{{0, 0, 1},
-                    {7 * 5, 2, 1},
-                    {8 * 5, 2, 1},
-                    {((1 << 20) - 2) * 5 + 4, 2, 1},
-                    {((1 << 20) - 1) * 5 + 4, 2, 1}};
+  constexpr std::uint32_t kLength = 1u << 20u;
+  constexpr std::uint64_t kLast = kLength - 1;
+  const Index3 size{kLength, 3, 5};
+  const ClassRuns z{{0, 0, 1}, {2, 7, 2}, {14, kLength - 2, 2}};
+  const ClassRuns x{{0, 0, 1}, {35, 2, 1}, {40, 2, 1}, {(kLast - 1) * 5 + 4, 2, 1}, {kLast * 5 + 4, 2, 1}};
   EXPECT_EQ(convert_runs(z, size, Axis::kZ, Axis::kX), x);
   EXPECT_EQ(convert_runs(x, size, Axis::kX, Axis::kZ), z);
   EXPECT_EQ(convert_runs(x, size, Axis::kX, Axis::kY), convert_runs(z, size, Axis::kZ, Axis::kY));
@@ -166,7 +164,7 @@ TEST(DecodeRuns, RefusesEachFault) {
   }
 }
 
-RC_GTEST_PROP(ValidateRuns, NeverTrustsANumber, (std::vector<std::array<std::uint64_t, 3>> numbers)) {
+RC_GTEST_PROP(ValidateRuns, NeverTrustsANumber, (const std::vector<std::array<std::uint64_t, 3>>& numbers)) {
   ClassRuns runs;
   for (const auto& [scanline, start, length] : numbers) {
     runs.push_back({scanline, static_cast<std::uint32_t>(start), static_cast<std::uint32_t>(length)});

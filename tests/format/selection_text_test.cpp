@@ -12,6 +12,75 @@ Selection without_term_numbers(Selection selection) {
   return selection;
 }
 
+/// Brain > (Left > (A, B), Right > C), and a lobe of A and C.
+StructureGraph brain() {
+  return *StructureGraph::build({
+      {.id = "Brain", .name = "Brain", .color = {255, 0, 0}},
+      {.id = "Left", .name = "Left", .color = {0, 255, 0}, .parents = {0}},
+      {.id = "Right", .name = "Right", .color = {0, 0, 255}, .parents = {0}},
+      {.id = "A", .name = "Area A", .color = {1, 1, 1}, .parents = {1, 6}},
+      {.id = "B-1", .name = "Area B", .color = {2, 2, 2}, .parents = {1}},
+      {.id = "C", .name = "Area C", .color = {3, 3, 3}, .parents = {2, 6}},
+      {.id = "Lobe", .name = "Lobe", .color = {4, 4, 4}},
+  });
+}
+
+TEST(SelectionText, IsShort) {
+  const StructureGraph graph = brain();
+  // Each comes back as it is written here: the shortest way to say it.
+  for (const char* text : {
+           "",
+           "Brain",
+           "Left:surface",
+           "\"B-1\":both",
+           "A(opacity=0.4)",
+           "Left:surface(opacity=0.25,color=#ff8800)",
+           "Brain - A",
+           "Brain - Left",
+           "Brain - Left + A",
+           "Left + \"B-1\":both",
+           "Left:both - \"B-1\":surface",
+           "Brain - Left + A:surface",
+           "Left + A(opacity=0.5)",
+           "*",
+           "*:both(opacity=0.5)",
+           "* - Right",
+       }) {
+    EXPECT_EQ(to_text(*select(text, graph), graph), text);
+  }
+}
+
+TEST(SelectionText, LeavesOutWhatChangesNothing) {
+  const StructureGraph graph = brain();
+  const std::vector<std::pair<const char*, const char*>> texts{
+      {"A + A", "A"},
+      {"\"Area A\"", "A"},
+      {"Left + A + \"B-1\"", "Left"},
+      {"A:volume + A:surface", "A:both"},
+      {"Brain - Brain", ""},
+      {"A(color=#010101)", "A"},
+      {"Lobe + Brain", "*"},
+      {"Left(color=#f00) - A + A", "Left(color=#ff0000) + A(color=#010101)"},
+      {"Brain(color=#ff0000) - Left + Left", "Brain + Right(color=#ff0000)"},
+      {"Brain(color=#123456) - Left + Left", "Brain(color=#123456) - Left + Left"},
+  };
+  for (const auto& [text, shorter] : texts) {
+    const auto selection = select(text, graph);
+    ASSERT_TRUE(selection) << text;
+    EXPECT_EQ(to_text(*selection, graph), shorter) << text;
+  }
+}
+
+TEST(SelectionText, OpacitiesComeBackToTheBit) {
+  const StructureGraph graph = brain();
+  for (const float opacity : {0.1f, 1.0f / 3, 1e-7f, 1e-38f, 0.99999994f, 1.0f}) {
+    Selection selection;
+    selection.structures.resize(graph.size());
+    selection.structures[3] = {DrawMode::kVolume, opacity, graph[3].color, 0};
+    EXPECT_EQ(select(to_text(selection, graph), graph)->structures[3].opacity, opacity);
+  }
+}
+
 RC_GTEST_PROP(SelectionText, SelectsExactlyWhatWasWritten, ()) {
   const auto n = *uniform<std::size_t>(1, 14);
   auto random = *random_source();

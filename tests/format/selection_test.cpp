@@ -1,0 +1,184 @@
+#include "format/selection.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include "tests/format/random_graph.h"
+
+namespace splatlas {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr Rgb kRed{255, 0, 0};
+constexpr Rgb kGreen{0, 255, 0};
+constexpr Rgb kBlue{0, 0, 255};
+
+/// Brain > (Left, Right) > A, B; B also below Lobe.
+StructureGraph brain() {
+  return *StructureGraph::build({
+      {.id = "Brain", .name = "Brain", .color = kRed},                    // 0
+      {.id = "Left", .name = "Left", .color = kRed, .parents = {0}},      // 1
+      {.id = "Right", .name = "Right", .color = kGreen, .parents = {0}},  // 2
+      {.id = "A", .name = "A", .color = kGreen, .parents = {1}},          // 3
+      {.id = "B", .name = "B", .color = kBlue, .parents = {2, 5}},        // 4
+      {.id = "Lobe", .name = "Lobe", .color = kBlue},                     // 5
+  });
+}
+
+std::vector<StructureDraw> selected(std::string_view text) {
+  const auto selection = select(text, brain());
+  if (!selection) {
+    ADD_FAILURE() << selection.error().message;
+    return std::vector<StructureDraw>(6);
+  }
+  return selection->structures;
+}
+
+StructureDraw draw(DrawMode mode, Rgb color, std::uint32_t term, std::optional<float> opacity = {}) {
+  return {mode, opacity, color, term};
+}
+
+constexpr DrawMode kVolume = DrawMode::kVolume;
+constexpr DrawMode kSurface = DrawMode::kSurface;
+constexpr DrawMode kBoth = DrawMode::kBoth;
+const StructureDraw kOff{};
+
+TEST(Selection, NothingSelectsNothing) {
+  const auto selection = select("", brain());
+  ASSERT_TRUE(selection);
+  EXPECT_EQ(selection->structures, std::vector<StructureDraw>(6));
+  EXPECT_TRUE(selection->empty());
+  EXPECT_TRUE(Selection{}.empty());
+  EXPECT_FALSE(select("A", brain())->empty());
+}
+
+TEST(Selection, ANodeStandsForItsDescendants) {
+  EXPECT_EQ(selected("right"), (std::vector<StructureDraw>{kOff, kOff, draw(kVolume, kGreen, 0), kOff,
+                                                           draw(kVolume, kBlue, 0), kOff}));
+  EXPECT_EQ(selected("Lobe:surface"),
+            (std::vector<StructureDraw>{kOff, kOff, kOff, kOff, draw(kSurface, kBlue, 0),
+                                        draw(kSurface, kBlue, 0)}));
+}
+
+TEST(Selection, ModesAddUp) {
+  EXPECT_EQ(selected("A:volume + A:surface")[3], draw(kBoth, kGreen, 1));
+  EXPECT_EQ(selected("A:surface + A")[3], draw(kBoth, kGreen, 1));
+  EXPECT_EQ(selected("A:both + A:surface")[3], draw(kBoth, kGreen, 1));
+  EXPECT_EQ(selected("A:surface + A:surface")[3], draw(kSurface, kGreen, 1));
+}
+
+TEST(Selection, RemovalsTakeAll) {
+  for (const char* text : {"A - A", "A:both - A", "A:both - A:both", "A - Left", "A:volume - A:volume",
+                           "A:both - A:volume - A:surface", "Brain - Left - B - \"Right\" - Brain"}) {
+    EXPECT_EQ(selected(text)[3], kOff) << text;
+  }
+}
+
+TEST(Selection, RemovalsTakeOnlyTheirPart) {
+  EXPECT_EQ(selected("A:both - A:surface")[3], draw(kVolume, kGreen, 0));
+  EXPECT_EQ(selected("A:both - A:volume")[3], draw(kSurface, kGreen, 0));
+  EXPECT_EQ(selected("A:volume - A:surface")[3], draw(kVolume, kGreen, 0));
+  EXPECT_EQ(selected("A:both(opacity=0.5,color=#00f) - A:surface")[3], draw(kVolume, kBlue, 0, 0.5f));
+}
+
+TEST(Selection, LaterLooksReplaceAndStayOtherwise) {
+  EXPECT_EQ(selected("Brain(opacity=0.5) + A(opacity=0.25)")[3], draw(kVolume, kGreen, 1, 0.25f));
+  EXPECT_EQ(selected("Brain(opacity=0.5) + A:surface")[3], draw(kBoth, kGreen, 1, 0.5f));
+  EXPECT_EQ(selected("Brain(color=#00f) + A:surface(opacity=0.5)")[3], draw(kBoth, kBlue, 1, 0.5f));
+  EXPECT_EQ(selected("A(color=#00f) + Left(color=#f00)")[3], draw(kVolume, kRed, 1));
+  EXPECT_EQ(selected("Brain(color=#00f)")[0].color, kBlue);
+  EXPECT_EQ(selected("Brain(color=#00f)")[1].color, kBlue);
+}
+
+TEST(Selection, RemovedLooksAreForgotten) {
+  EXPECT_EQ(selected("A:both(opacity=0.5,color=#00f) - A + A")[3], draw(kVolume, kGreen, 2));
+}
+
+TEST(Selection, OrderMatters) {
+  EXPECT_EQ(selected("Brain - A")[3], kOff);
+  EXPECT_EQ(selected("Left - A + Brain")[3], draw(kVolume, kGreen, 2));
+  EXPECT_EQ(selected("Left - A + Brain")[1], draw(kVolume, kRed, 2));
+}
+
+TEST(Selection, WildcardsSelectDescendantsToo) {
+  EXPECT_EQ(selected("L*"),
+            (std::vector<StructureDraw>{kOff, draw(kVolume, kRed, 0), kOff, draw(kVolume, kGreen, 0),
+                                        draw(kVolume, kBlue, 0), draw(kVolume, kBlue, 0)}));
+  for (const StructureDraw& d : selected("*:both")) EXPECT_EQ(d.mode, kBoth);
+}
+
+TEST(Selection, UnknownNamesTellTheirColumn) {
+  const auto selection = select("A + \"Brian\"", brain());
+  ASSERT_FALSE(selection);
+  EXPECT_EQ(selection.error().code, ErrorCode::kNotFound);
+  EXPECT_THAT(selection.error().message, HasSubstr("column 5: no structure is called \"Brian\""));
+  EXPECT_THAT(selection.error().message, HasSubstr("\"Brain\""));
+  const auto syntax = select("A +", brain());
+  ASSERT_FALSE(syntax);
+  EXPECT_EQ(syntax.error().code, ErrorCode::kUsage);
+}
+
+TEST(Selection, ModesHaveNames) {
+  EXPECT_STREQ(name_of(DrawMode::kOff), "off");
+  EXPECT_STREQ(name_of(DrawMode::kVolume), "volume");
+  EXPECT_STREQ(name_of(DrawMode::kSurface), "surface");
+  EXPECT_STREQ(name_of(DrawMode::kBoth), "both");
+}
+
+/// One structure's fate, term by term, straight from the rules in selection.h.
+StructureDraw fate_of(StructureIndex s, const std::vector<SelectionTerm>& terms,
+                      const StructureGraph& graph) {
+  bool volume = false;
+  bool surface = false;
+  StructureDraw result;
+  for (std::uint32_t n = 0; n < terms.size(); ++n) {
+    const SelectionTerm& term = terms[n];
+    bool meant = false;
+    for (StructureIndex t = 0; t < graph.size(); ++t) {
+      if (graph[t].id != term.name) continue;
+      const auto below = graph.descendants(t);
+      meant = std::find(below.begin(), below.end(), s) != below.end();
+    }
+    if (!meant) continue;
+    const bool unsaid = term.mode == DrawMode::kOff;
+    if (term.remove) {
+      if (unsaid || term.mode != kSurface) volume = false;
+      if (unsaid || term.mode != kVolume) surface = false;
+    } else {
+      if (!volume && !surface) result = {.color = graph[s].color};
+      if (unsaid || term.mode != kSurface) volume = true;
+      if (term.mode == kSurface || term.mode == kBoth) surface = true;
+      if (term.opacity) result.opacity = term.opacity;
+      if (term.color) result.color = *term.color;
+      result.term = n;
+    }
+  }
+  if (!volume && !surface) return {};
+  result.mode = volume ? (surface ? kBoth : kVolume) : kSurface;
+  return result;
+}
+
+RC_GTEST_PROP(Selection, EveryStructureFollowsTheRules, ()) {
+  const auto count = *uniform<std::size_t>(1, 14);
+  auto random = *random_source();
+  const StructureGraph graph = random_graph(count, random);
+  std::vector<SelectionTerm> terms(random() % 8);
+  for (SelectionTerm& term : terms) {
+    term.name = graph[static_cast<StructureIndex>(random() % count)].id;
+    term.mode = static_cast<DrawMode>(random() % 4);
+    term.remove = random() % 3 == 0;
+    if (term.remove) continue;
+    if (random() % 2 == 0) term.opacity = 0.25f * static_cast<float>(1 + random() % 4);
+    if (random() % 3 == 0) term.color = default_color(random() % 4);
+  }
+  const auto selection = resolve_selection(terms, graph);
+  RC_ASSERT(selection.has_value());
+  for (StructureIndex s = 0; s < count; ++s) {
+    RC_ASSERT(selection->structures[s] == fate_of(s, terms, graph));
+  }
+}
+
+}  // namespace
+}  // namespace splatlas
