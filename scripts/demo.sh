@@ -15,31 +15,28 @@ build_programs() {
   cmake --build --preset release --target splatlas-preprocess splatlas-player splatlas-phantom
 }
 
-# make_atlas ATLAS OPTION...: where an input or the program is newer than the atlas.
-make_atlas() {
-  local atlas=$1 inputs=("$programs/splatlas-preprocess") option
-  shift
-  for option in "$@"; do
-    [[ $option == --* ]] || inputs+=("$option")
-  done
-  if up_to_date "$atlas" "${inputs[@]}"; then
-    echo "$atlas is up to date"
-  else
-    "$programs/splatlas-preprocess" build -o "$atlas" "$@"
-  fi
-}
-
 make_phantom_atlas() {
-  if ! up_to_date out/phantom/labels.nrrd "$programs/splatlas-phantom"; then
-    "$programs/splatlas-phantom" out/phantom
+  local folder=out/phantom atlas=out/phantom.atlas
+  if up_to_date $atlas "$programs/splatlas-phantom" "$programs/splatlas-preprocess"; then
+    echo "$atlas is up to date"
+    return
   fi
-  make_atlas out/phantom.atlas --labels out/phantom/labels.nrrd --volume out/phantom/volume.nrrd \
-    --names out/phantom/names.txt --tree out/phantom/phantom.tree
+  "$programs/splatlas-phantom" $folder
+  "$programs/splatlas-preprocess" build -o $atlas --title "Two balls" --labels $folder/labels.nrrd \
+    --volume $folder/volume.nrrd --names $folder/names.txt --tree $folder/phantom.tree
 }
 
 make_colin27_atlas() {
-  make_atlas out/colin27.atlas --labels $templates/aal.nii.gz --volume $templates/ch2.nii.gz \
-    --names $templates/aal.nii.txt --tree preprocess/trees/colin27_aal.tree
+  local atlas=out/colin27.atlas tree=preprocess/trees/colin27_aal.tree
+  local head=$templates/ch2.nii.gz brain=$templates/ch2bet.nii.gz labels=$templates/aal.nii.gz names=$templates/aal.nii.txt
+  if up_to_date $atlas "$programs/splatlas-preprocess" $tree $head $brain $labels $names; then
+    echo "$atlas is up to date"
+    return
+  fi
+  "$programs/splatlas-preprocess" build -o $atlas --labels $labels --names $names --volume $head --tree $tree \
+    --segment "Rest of brain=mask:$brain" --segment "Non-brain head=threshold:28:close=2" \
+    --title "The Colin 27 head with the structures of AAL" \
+    --citation "Holmes et al., J Comput Assist Tomogr 22 (1998); Tzourio-Mazoyer et al., NeuroImage 15 (2002)"
 }
 
 # for_each_picture COMMAND: COMMAND PICTURE ATLAS VIEW SELECTION, for every line of the gallery.

@@ -24,6 +24,8 @@ packages=(
 
   libinsighttoolkit5-dev   # preprocess: readers, segmentation
   libvtk9-dev              # preprocess: marching cubes, mesh files
+  libutfcpp-dev            # preprocess: checks the text of names and trees
+  zlib1g-dev               # preprocess: checks compressed images
 
   libcli11-dev             # command lines
   libhwy-dev               # player: portable SIMD
