@@ -11,7 +11,7 @@ fi
 wrong=0
 for source in "${sources[@]}"; do
   # The first lines of the difference show what is meant; the rest of a file is like it.
-  clang-format "$source" | diff --label "$source" --label "as clang-format has it" -u "$source" - | head -n 12 || wrong=1
+  clang-format "$source" | diff --label "$source" --label "clang-format's" -u "$source" - | head -n 12 || wrong=1
 done
 if ((wrong)); then
   echo "check_format: not as clang-format lays it out; mend it with: scripts/check_format.sh --fix" >&2

@@ -8,32 +8,23 @@ source scripts/steps.sh
 
 export CMAKE_BUILD_PARALLEL_LEVEL=${CMAKE_BUILD_PARALLEL_LEVEL:-$(nproc)}
 export CCACHE_BASEDIR=$PWD  # presets share what does not differ between them
+launcher=()  # what builds and tests are run by
 passed=0
 totals=()
 
-# build PRESET [TARGET]...
 build() {
-  local preset=$1 targets=()
-  shift
-  (($# == 0)) || targets=(--target "$@")
-  configure "$preset"
-  cmake --build --preset "$preset" "${targets[@]}"
+  configure "$1"
+  "${launcher[@]}" cmake --build --preset "$1"
 }
 
 # run_tests PRESET [CTEST_OPTION]...: every test, or those that the options name; none at all is a failure.
 run_tests() {
   local preset=$1 log=build/$1/ctest.log total
-  ctest --preset "$preset" --parallel "$(nproc)" --no-tests=error "${@:2}" | tee "$log"
+  "${launcher[@]}" ctest --preset "$preset" --parallel "$(nproc)" --no-tests=error "${@:2}" | tee "$log"
   total=$(sed -nE 's/.* 0 tests failed out of ([0-9]+)$/\1/p' "$log")
   totals+=("$(printf '%-12s %5d tests' "$preset" "$total")")
   passed=$((passed + total))
 }
-
-# Thread sanitizers of this age need a plain address space layout where the kernel randomises more bits.
-plain_layout() {
-  if setarch -R true 2>/dev/null; then setarch -R "$@"; else "$@"; fi
-}
-build_tsan() { plain_layout cmake --build --preset tsan; }
 
 step "Packages" scripts/install_packages.sh
 step "Layers of the sources" scripts/check_layers.sh
@@ -45,7 +36,10 @@ step "Player without ITK and VTK: tests" run_tests player-only
 step "Player without ITK and VTK: linked libraries" scripts/check_layers.sh build/player-only/bin/splatlas-player
 step "clang-tidy" scripts/check_tidy.sh build/release
 step "Address and undefined behaviour sanitizers: build" build asan-ubsan
-step "Address and undefined behaviour sanitizers: tests" run_tests asan-ubsan --label-regex '^(format|player|preprocess)$'
+step "Address and undefined behaviour sanitizers: tests" \
+  run_tests asan-ubsan --label-regex '^(format|player|preprocess)$'
+# Debian 12's thread sanitizer cannot place its memory where the kernel randomises more address bits than it knows.
+! setarch -R true 2>/dev/null || launcher=(setarch -R)
 step "Thread sanitizer: build" build tsan
 step "Thread sanitizer: tests" run_tests tsan --label-regex '^(format|player)$'
 
