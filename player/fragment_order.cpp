@@ -12,8 +12,8 @@ FragmentOrder::FragmentOrder(FragmentList& list, const Shear& shear, const Sheet
     : ascending_(shear.ascending), slices_(grid.size[shear.scan.slice_axis]) {
   const std::int64_t fine_rows = window.fine_rows();
   first_of_row_.assign(static_cast<std::size_t>(fine_rows) + 3, 0);
-  list.above.assign(list.fragments.size(), Light{{0, 0, 0}, 0.5f});
-  list.below.assign(list.fragments.size(), Light{{0, 0, 0}, 0.5f});
+  list.above.assign(list.fragments.size(), Light{});
+  list.below.assign(list.fragments.size(), Light{});
   if (window.empty()) return;
 
   // Where each fragment lies in the sheet.
@@ -41,8 +41,6 @@ FragmentOrder::FragmentOrder(FragmentList& list, const Shear& shear, const Sheet
                     static_cast<float>(std::clamp(sheet_x - column, 0.0, 1.0)),
                     static_cast<float>(std::clamp(sheet_y - row, 0.0, 1.0))};
       rows[n] = static_cast<std::int64_t>(row);
-      list.above[n].transmittance = 1.0f - entries[n].y_part;
-      list.below[n].transmittance = entries[n].y_part;
     }
   });
 

@@ -10,10 +10,11 @@
 
 namespace splatlas {
 
-/// The image of everything in front of some depth: premultiplied linear colour and what still shines through.
+/// The image of everything in front of some depth: premultiplied linear colour, and opacity. Opacity, not
+/// what still shines through, because small opacities keep their digits: a thousand layers of 1e-8 add up to
+/// 1e-5.
 struct Light {
-  std::array<float, 3> color{0, 0, 0};
-  float transmittance = 1;
+  std::array<float, 4> rgba{0, 0, 0, 0};
 };
 
 /// One surface sample at a pixel's centre.

@@ -24,8 +24,8 @@ struct RenderOptions {
   Quality quality = Quality::kNormal;
   bool hybrid_shading = true;  ///< boundary voxels of volumes are shaded by their normals
   bool simd = true;            ///< false: the scalar kernels
-  std::optional<Axis>
-      principal_axis;  ///< forced, to measure what the choice costs; the best one when not set
+  /// Forced, to measure what the choice costs; the best one when not set.
+  std::optional<Axis> principal_axis = std::nullopt;
 };
 
 struct RenderStats {

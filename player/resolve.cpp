@@ -34,31 +34,27 @@ Light sample(const SheetImage& sheet, double x, double y) {
   const float w10 = (1 - right) * below;
   const float w11 = right * below;
   Light light;
-  for (std::size_t c = 0; c < 3; ++c) {
-    light.color[c] =
-        w00 * upper[0].color[c] + w01 * upper[1].color[c] + w10 * lower[0].color[c] + w11 * lower[1].color[c];
+  for (std::size_t c = 0; c < 4; ++c) {
+    light.rgba[c] =
+        w00 * upper[0].rgba[c] + w01 * upper[1].rgba[c] + w10 * lower[0].rgba[c] + w11 * lower[1].rgba[c];
   }
-  light.transmittance = w00 * upper[0].transmittance + w01 * upper[1].transmittance +
-                        w10 * lower[0].transmittance + w11 * lower[1].transmittance;
   return light;
 }
 
 /// Mean over a grid of samples within the pixel whose centre is (x, y).
 Light sample_mean(const SheetImage& sheet, const Affine2& map, double x, double y, int samples) {
-  Light sum{{0, 0, 0}, 0};
+  Light sum;
   for (int v = 0; v < samples; ++v) {
     for (int u = 0; u < samples; ++u) {
       const double sx = x + (u + 0.5) / samples - 0.5;
       const double sy = y + (v + 0.5) / samples - 0.5;
       const Light light =
           sample(sheet, map.xx * sx + map.xy * sy + map.x0, map.yx * sx + map.yy * sy + map.y0);
-      for (std::size_t c = 0; c < 3; ++c) sum.color[c] += light.color[c];
-      sum.transmittance += light.transmittance;
+      for (std::size_t c = 0; c < 4; ++c) sum.rgba[c] += light.rgba[c];
     }
   }
   const float scale = 1.0f / static_cast<float>(samples * samples);
-  for (float& c : sum.color) c *= scale;
-  sum.transmittance *= scale;
+  for (float& c : sum.rgba) c *= scale;
   return sum;
 }
 
@@ -86,21 +82,21 @@ std::pair<int, int> covered(const SheetImage& sheet, const Affine2& map, double 
 /// The volume behind `fragments` is `whole`; composes all of it in order.
 std::array<float, 4> compose(const FragmentList& list, std::size_t first, std::size_t last,
                              const Light& whole) {
-  std::array<float, 3> color{0, 0, 0};
-  std::array<float, 3> before{0, 0, 0};  // volume light already composed
-  float through = 1;                     // what the surfaces so far let through
+  std::array<float, 4> rgba{0, 0, 0, 0};
+  std::array<float, 4> before{0, 0, 0, 0};  // volume already composed
+  float through = 1;                        // what the surfaces so far let through
   for (std::size_t n = first; n < last; ++n) {
     const Fragment& fragment = list.fragments[n];
-    const float transmittance = list.above[n].transmittance + list.below[n].transmittance;
-    for (std::size_t c = 0; c < 3; ++c) {
-      const float volume = list.above[n].color[c] + list.below[n].color[c];
-      color[c] += through * (volume - before[c] + transmittance * fragment.rgba[c]);
+    const float volume_through = 1 - (list.above[n].rgba[3] + list.below[n].rgba[3]);
+    for (std::size_t c = 0; c < 4; ++c) {
+      const float volume = list.above[n].rgba[c] + list.below[n].rgba[c];
+      rgba[c] += through * (volume - before[c] + volume_through * fragment.rgba[c]);
       before[c] = volume;
     }
     through *= 1 - fragment.rgba[3];
   }
-  for (std::size_t c = 0; c < 3; ++c) color[c] += through * (whole.color[c] - before[c]);
-  return {color[0], color[1], color[2], 1 - through * whole.transmittance};
+  for (std::size_t c = 0; c < 4; ++c) rgba[c] += through * (whole.rgba[c] - before[c]);
+  return rgba;
 }
 
 }  // namespace

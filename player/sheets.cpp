@@ -77,11 +77,6 @@ class Band {
     const auto fine_rows = static_cast<std::size_t>((last - first) * scale_);
     const auto row_floats = static_cast<std::size_t>(scale_ * 4 * stride_);
     image_.assign(fine_rows * row_floats, 0.0f);
-    for (std::size_t n = 0; n < fine_rows * static_cast<std::size_t>(scale_); ++n) {
-      std::fill_n(
-          image_.begin() + static_cast<std::ptrdiff_t>((4 * n + 3) * static_cast<std::size_t>(stride_)),
-          stride_, 1.0f);
-    }
     sheet_.assign(row_floats, 0.0f);
     touched_.resize(static_cast<std::size_t>(scale_));
     for (TouchedBlocks& blocks : touched_) blocks.resize(stride_ / kBlock);
@@ -217,12 +212,10 @@ class Band {
   /// This row's share (`weight`) of the volume in front of a fragment, `part` of the current slab included.
   Light light_before(const FragmentOrder::Entry& entry, std::int64_t fine_row, float weight, float part) {
     Light sum;
-    sum.transmittance = 0;
     for (const std::int64_t side : {0, 1}) {
       const float share = weight * (side == 0 ? 1.0f - entry.x_part : entry.x_part);
       const Light pixel = pixel_before(entry.x + side, fine_row, part);
-      for (std::size_t c = 0; c < 3; ++c) sum.color[c] += share * pixel.color[c];
-      sum.transmittance += share * pixel.transmittance;
+      for (std::size_t c = 0; c < 4; ++c) sum.rgba[c] += share * pixel.rgba[c];
     }
     return sum;
   }
@@ -232,16 +225,18 @@ class Band {
     if (x < 0 || x >= pass_.window.fine_columns()) return light;
     const std::int64_t phase = x % scale_;
     const float* image = image_row(fine_row, phase) + x / scale_;
-    light = {{image[0], image[stride_], image[2 * stride_]}, image[3 * stride_]};
+    light = {{image[0], image[stride_], image[2 * stride_], image[3 * stride_]}};
     if (part <= 0) return light;
     const float* sheet = sheet_row(phase) + x / scale_;
     const float length = part * static_cast<float>(pass_.shear.slab_mm);
     const float depth = sheet[0] * length;
     if (depth <= 0) return light;
-    const float weight = light.transmittance * length * (-std::expm1(-depth) / depth);
+    const float through = 1 - light.rgba[3];
+    const float absorbed = -std::expm1(-depth);
+    const float weight = through * length * (absorbed / depth);
     for (std::int64_t c = 0; c < 3; ++c)
-      light.color[static_cast<std::size_t>(c)] += weight * sheet[(c + 1) * stride_];
-    light.transmittance *= std::exp(-depth);
+      light.rgba[static_cast<std::size_t>(c)] += weight * sheet[(c + 1) * stride_];
+    light.rgba[3] += through * absorbed;
     return light;
   }
 
@@ -253,8 +248,8 @@ class Band {
       for (std::int64_t phase = 0; phase < scale_; ++phase) {
         const float* image = image_row(fine_row, phase);
         for (std::int64_t x = 0; x < pass_.window.columns; ++x) {
-          out[x * scale_ + phase] = {{image[x], image[stride_ + x], image[2 * stride_ + x]},
-                                     image[3 * stride_ + x]};
+          out[x * scale_ + phase] = {
+              {image[x], image[stride_ + x], image[2 * stride_ + x], image[3 * stride_ + x]}};
         }
       }
     }
@@ -262,7 +257,7 @@ class Band {
 
   const Pass& pass_;
   std::int64_t scale_, first_, last_, stride_;
-  std::vector<float> image_;            // [fine row][phase][red, green, blue, transmittance][stride]
+  std::vector<float> image_;            // [fine row][phase][red, green, blue, opacity][stride]
   std::vector<float> sheet_;            // one row: [phase][extinction, red, green, blue][stride]
   std::vector<TouchedBlocks> touched_;  // per phase
   std::vector<Cursors> cursors_;        // per fine row

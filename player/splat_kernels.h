@@ -6,8 +6,7 @@
 namespace splatlas {
 
 /// Rows of a sheet are four planes of floats, `stride` apart: extinction, red, green, blue (1/mm).
-/// Rows of the image accumulated so far are four planes: red, green, blue (premultiplied, linear),
-/// transmittance.
+/// Rows of the image accumulated so far are four planes: red, green, blue (premultiplied, linear), opacity.
 struct SplatKernels {
   const char* name;  ///< "scalar", or the instruction set
 
@@ -22,7 +21,7 @@ struct SplatKernels {
 
   /// Composites `count` pixels (a multiple of kSpanPadding) of a sheet's row behind what is accumulated, and
   /// clears the row. Along a slab of `slab_mm` extinction k and emission e are constant, so exactly
-  ///   colour += transmittance * e * (1 - exp(-k d)) / k,   transmittance *= exp(-k d).
+  ///   colour += (1 - opacity) * e * (1 - exp(-k d)) / k,   opacity += (1 - opacity) * (1 - exp(-k d)).
   void (*composite)(float* row, std::size_t row_stride, std::size_t count, float slab_mm, float* image,
                     std::size_t image_stride);
 };

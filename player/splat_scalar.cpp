@@ -23,12 +23,13 @@ void composite(float* row, std::size_t row_stride, std::size_t count, float slab
   for (std::size_t n = 0; n < count; ++n) {
     const float depth = row[n] * slab_mm;
     if (depth > 0) {
-      float& transmittance = image[3 * image_stride + n];
-      // Expected emission: slab * (1 - exp(-depth)) / depth, without cancellation for thin slabs.
-      const float weight = transmittance * slab_mm * (-std::expm1(-depth) / depth);
+      float& opacity = image[3 * image_stride + n];
+      const float through = 1 - opacity;
+      const float absorbed = -std::expm1(-depth);  // without cancellation for thin slabs
+      const float weight = through * slab_mm * (absorbed / depth);
       for (std::size_t c = 0; c < 3; ++c)
         image[c * image_stride + n] += weight * row[(c + 1) * row_stride + n];
-      transmittance *= std::exp(-depth);
+      opacity += through * absorbed;
     }
     for (std::size_t plane = 0; plane < 4; ++plane) row[plane * row_stride + n] = 0;
   }

@@ -33,10 +33,10 @@ void Splat(const float* light, std::size_t light_stride, std::size_t count, floa
   }
 }
 
-/// exp(-depth) and (1 - exp(-depth)) / depth for depth >= 0, both to about 1e-7 relative: exp(-depth) =
-/// 2^n * (1 + r * q(r)) with |r| <= ln(2) / 2, so that the difference from 1 never cancels for small depths.
+/// 1 - exp(-depth) for depth >= 0 to about 1e-7 relative: exp(-depth) = 2^n * (1 + r * q(r)) with |r| <=
+/// ln(2) / 2, so that the difference from 1 never cancels for small depths.
 template <class V>
-HWY_INLINE void Attenuate(V depth, V& transmitted, V& mean) {
+HWY_INLINE V Absorbed(V depth) {
   const Lanes d;
   const auto one = hn::Set(d, 1.0f);
   const auto x = hn::Neg(hn::Min(depth, hn::Set(d, 87.0f)));
@@ -55,30 +55,30 @@ HWY_INLINE void Attenuate(V depth, V& transmitted, V& mean) {
   const auto bits = hn::ShiftLeft<23>(hn::Add(hn::ConvertTo(di, n), hn::Set(di, 127)));
   const auto scale = hn::BitCast(d, bits);
   const auto expm1 = hn::Mul(r, q);
-  transmitted = hn::MulAdd(scale, expm1, scale);
-  const auto lost = hn::NegMulAdd(scale, expm1, hn::Sub(one, scale));  // 1 - exp(-depth)
-  mean = hn::Div(lost, hn::Max(depth, hn::Set(d, 1e-30f)));
+  return hn::NegMulAdd(scale, expm1, hn::Sub(one, scale));
 }
 
 void Composite(float* row, std::size_t row_stride, std::size_t count, float slab_mm, float* image,
                std::size_t image_stride) {
   const Lanes d;
   const auto slab = hn::Set(d, slab_mm);
+  const auto one = hn::Set(d, 1.0f);
   const auto zero = hn::Zero(d);
   for (std::size_t n = 0; n < count; n += hn::Lanes(d)) {
     const auto extinction = hn::LoadU(d, row + n);
-    const auto transmittance = hn::LoadU(d, image + 3 * image_stride + n);
-    auto transmitted = zero;
-    auto mean = zero;
-    Attenuate(hn::Mul(extinction, slab), transmitted, mean);
-    const auto weight = hn::Mul(hn::Mul(transmittance, slab), mean);
+    const auto opacity = hn::LoadU(d, image + 3 * image_stride + n);
+    const auto through = hn::Sub(one, opacity);
+    const auto depth = hn::Mul(extinction, slab);
+    const auto absorbed = Absorbed(depth);
+    const auto mean = hn::Div(absorbed, hn::Max(depth, hn::Set(d, 1e-30f)));
+    const auto weight = hn::Mul(hn::Mul(through, slab), mean);
     for (std::size_t c = 0; c < 3; ++c) {
       float* color = image + c * image_stride + n;
       const auto emission = hn::LoadU(d, row + (c + 1) * row_stride + n);
       hn::StoreU(hn::MulAdd(weight, emission, hn::LoadU(d, color)), d, color);
       hn::StoreU(zero, d, row + (c + 1) * row_stride + n);
     }
-    hn::StoreU(hn::Mul(transmittance, transmitted), d, image + 3 * image_stride + n);
+    hn::StoreU(hn::MulAdd(through, absorbed, opacity), d, image + 3 * image_stride + n);
     hn::StoreU(zero, d, row + n);
   }
 }

@@ -1,0 +1,192 @@
+// Pictures whose values are known in closed form.
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "player/shear.h"
+#include "tests/phantom/two_spheres.h"
+#include "tests/reference/picture_difference.h"
+#include "tests/support/render.h"
+
+namespace splatlas {
+namespace {
+
+/// A box of `size` voxels of 1 mm, all of one structure "box", without grey values.
+AtlasContent box_content(const Index3& size) {
+  TestVolume volume;
+  volume.grid.size = size;
+  volume.structures = {{"box", make_mask(size, [](auto...) { return true; })}};
+  return make_content(volume);
+}
+
+Selection with_opacity(const AtlasContent& content, float opacity) {
+  Selection selection = selection_of("*:volume", content.graph);
+  for (StructureDraw& draw : selection.structures) draw.opacity = opacity;
+  return selection;
+}
+
+/// Opacity through `length` reference lengths of full value.
+double opacity_through(double length, float per_length) {
+  return -std::expm1(length * std::log1p(-static_cast<double>(per_length)));
+}
+
+TEST(ClosedForm, ThousandsOfThinLayersAddUp) {
+  for (const int layers : {1000, 4000}) {
+    const AtlasContent content = box_content({5, 5, layers});
+    Renderer renderer(open_in_memory(content), {1, 0});
+    Camera camera = Camera::of(NamedView::kSuperior);
+    camera.zoom = layers / 5.0;
+    for (const float opacity : {1e-8f, 1e-7f, 1e-6f, 1e-5f, 1e-4f, 1e-3f}) {
+      ASSERT_TRUE(renderer.select(with_opacity(content, opacity)));
+      for (const bool simd : {false, true}) {
+        const Picture picture =
+            render_or_throw(renderer, camera, {.size = {9, 9}, .hybrid_shading = false, .simd = simd});
+        const double expected = opacity_through(layers, opacity);
+        // Every addition rounds by half a unit in the last place at most, usually to either side.
+        EXPECT_NEAR(picture.at(4, 4)[3], expected, std::min(1e-6, layers * 6e-8 * expected))
+            << layers << " layers of " << opacity;
+        EXPECT_LE(reference::energy_violation(picture), 2e-7) << layers << " layers of " << opacity;
+      }
+    }
+  }
+}
+
+/// The phantom's larger ball has 21 voxels on each axis through its centre.
+TEST(ClosedForm, OpacityOfThePhantomsBallAlongItsAxes) {
+  TestVolume volume;
+  volume.grid.size = {phantom::kSize, phantom::kSize, phantom::kSize};
+  volume.structures = {{"ball", make_mask(volume.grid.size, [](auto i, auto j, auto k) {
+                          return phantom::kBalls[0].holds(static_cast<int>(i), static_cast<int>(j),
+                                                          static_cast<int>(k));
+                        })}};
+  const AtlasContent content = make_content(volume);
+  ASSERT_EQ(content.display.center_lps_mm, (Vec3{11, 11, 11}));
+  for (const float opacity : {0.01f, 0.1f, 0.3f}) {
+    for (int view = 0; view < 6; ++view) {
+      const Picture picture = render_or_throw(content, with_opacity(content, opacity),
+                                              Camera::of(static_cast<NamedView>(view)), {.size = {65, 65}});
+      EXPECT_NEAR(picture.at(32, 32)[3], opacity_through(21, opacity), 1e-6) << "view " << view;
+    }
+  }
+}
+
+/// A ball of radius R mm whose voxels hold how much of them it covers, to first order.
+TEST(ClosedForm, OpacityOfABallInAnyDirection) {
+  constexpr double kRadius = 20.3;
+  constexpr std::int64_t kSide = 47;
+  std::vector<float> covered;
+  TestVolume volume;
+  volume.grid.size = {kSide, kSide, kSide};
+  volume.structures = {{"ball", make_mask(volume.grid.size, [&](auto i, auto j, auto k) {
+                          const auto x = static_cast<double>(i - kSide / 2);
+                          const auto y = static_cast<double>(j - kSide / 2);
+                          const auto z = static_cast<double>(k - kSide / 2);
+                          const double distance = std::sqrt(x * x + y * y + z * z);
+                          covered.push_back(
+                              static_cast<float>(std::clamp(kRadius - distance + 0.5, 0.0, 1.0)));
+                          return covered.back() > 0;
+                        })}};
+  volume.values = make_values(VoxelType::kFloat32, covered);
+  const AtlasContent content = make_content(volume);
+  const float opacity = 0.03f;
+  Renderer renderer(open_in_memory(content), {1, 0});
+  ASSERT_TRUE(renderer.select(with_opacity(content, opacity)));
+  for (const auto& [azimuth, elevation] :
+       {std::pair(0, 0), {90, 0}, {0, 90}, {30, 20}, {45, 0}, {45, 35}, {200, -50}, {-73, 12}}) {
+    Camera camera;
+    camera.azimuth_deg = azimuth;
+    camera.elevation_deg = elevation;
+    camera.zoom = zoom_for(content.display, 51, 1.0);
+    const Picture picture = render_or_throw(renderer, camera, {.size = {51, 51}, .quality = Quality::kHigh});
+    if (azimuth % 90 == 0 && elevation % 90 == 0) {
+      EXPECT_NEAR(picture.at(25, 25)[3], opacity_through(2 * kRadius, opacity), 1e-3);
+    }
+    // Slices sample a rise that is no wider than their distance along the ray: each end of a chord is wrong
+    // by an eighth of that at most. Towards the rim chords change faster than voxels resolve.
+    const ParallelView view = *parallel_view(camera, {51, 51}, content.display);
+    const double bound_mm = factorise(view, storage_grid(content)).slab_mm / 4;
+    for (int y = 0; y < 51; ++y) {
+      for (int x = 0; x < 51; ++x) {
+        const double from_axis = std::hypot(x - 25.0, y - 25.0);
+        if (from_axis > kRadius / 2) continue;
+        const double chord = 2 * std::sqrt(kRadius * kRadius - from_axis * from_axis);
+        EXPECT_GE(picture.at(x, y)[3], opacity_through(chord - bound_mm, opacity))
+            << "azimuth " << azimuth << ", elevation " << elevation << ", pixel " << x << ", " << y;
+        EXPECT_LE(picture.at(x, y)[3], opacity_through(chord + bound_mm, opacity))
+            << "azimuth " << azimuth << ", elevation " << elevation << ", pixel " << x << ", " << y;
+      }
+    }
+  }
+}
+
+/// Where every ray enters and leaves through faces that slices are parallel to, slabs are exact: a plate is
+/// flat, whatever the angle, the zoom and the position of the pixels between the voxels.
+TEST(ClosedForm, PlatesAreFlatAtAnyAngle) {
+  const AtlasContent content = box_content({64, 7, 64});
+  const float opacity = 0.12f;
+  Renderer renderer(open_in_memory(content), {1, 0});
+  ASSERT_TRUE(renderer.select(with_opacity(content, opacity)));
+  for (const auto& [azimuth, elevation] :
+       {std::pair(0.0, 0.0), {1e-6, 0.0}, {17.3, 0.0}, {-31.0, 20.0}, {44.99, 0.0}, {0.0, -40.0}}) {
+    for (const double mm_per_pixel : {0.11, 0.5, 1.0, 1.37}) {
+      Camera camera;
+      camera.azimuth_deg = azimuth;
+      camera.elevation_deg = elevation;
+      camera.zoom = zoom_for(content.display, 15, mm_per_pixel);
+      camera.center_lps_mm = Vec3{31.77, 3.0, 31.41};
+      for (const Quality quality : {Quality::kDraft, Quality::kNormal, Quality::kHigh}) {
+        const Picture picture = render_or_throw(
+            renderer, camera, {.size = {15, 15}, .quality = quality, .hybrid_shading = false});
+        const double length =
+            7 / (std::cos(azimuth * std::numbers::pi / 180) * std::cos(elevation * std::numbers::pi / 180));
+        for (int n = 0; n < 15 * 15; ++n) {
+          const auto pixel = picture.at(n % 15, n / 15);
+          // Slab length, seven products and sums, and weights that add up to 1, all in float.
+          EXPECT_NEAR(pixel[3], opacity_through(length, opacity), 1e-6)
+              << "azimuth " << azimuth << ", elevation " << elevation << ", " << mm_per_pixel
+              << " mm a pixel";
+          EXPECT_NEAR(pixel[0], pixel[3], 1e-6);
+        }
+      }
+    }
+  }
+}
+
+/// Where rays enter and leave through faces that slices are at right angles to, slices sample the rise from 0
+/// to 1 over one voxel at steps of t = tan(angle to the face) < 1 voxel. The sum of a piecewise linear
+/// function's samples is wrong by at most t^2 / 12 voxels at each of its four bends, of which two go each
+/// way.
+TEST(ClosedForm, RippleOfPlatesSeenAcrossTheirSlicesIsBounded) {
+  const AtlasContent content = box_content({96, 7, 96});
+  const float opacity = 0.12f;
+  Renderer renderer(open_in_memory(content), {1, 0});
+  ASSERT_TRUE(renderer.select(with_opacity(content, opacity)));
+  double ripple = 0;
+  for (const double azimuth : {46.0, 50.0, 57.3, 63.0}) {
+    Camera camera;
+    camera.azimuth_deg = azimuth;
+    camera.zoom = zoom_for(content.display, 31, 0.4);
+    camera.center_lps_mm = Vec3{47.5, 3.0, 47.41};
+    const Picture picture = render_or_throw(
+        renderer, camera, {.size = {31, 31}, .quality = Quality::kHigh, .hybrid_shading = false});
+    const double angle = azimuth * std::numbers::pi / 180;
+    const double t = 1 / std::tan(angle);
+    const double length = 7 / std::cos(angle);
+    const double length_bound = 2 * (t * t / 12 + t * t / 24) / std::cos(angle);
+    double least = 1;
+    double most = 0;
+    for (int x = 0; x < 31; ++x) {
+      least = std::min(least, static_cast<double>(picture.at(x, 2)[3]));
+      most = std::max(most, static_cast<double>(picture.at(x, 2)[3]));
+    }
+    EXPECT_GE(least, opacity_through(length - length_bound, opacity)) << azimuth;
+    EXPECT_LE(most, opacity_through(length + length_bound, opacity)) << azimuth;
+    ripple = std::max(ripple, most - least);
+  }
+  RecordProperty("ripple_in_255ths", std::to_string(255 * ripple));
+}
+
+}  // namespace
+}  // namespace splatlas

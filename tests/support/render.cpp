@@ -1,0 +1,26 @@
+#include "tests/support/render.h"
+
+#include <stdexcept>
+
+namespace splatlas {
+
+Picture render_or_throw(Renderer& renderer, const Camera& camera, const RenderOptions& options) {
+  auto picture = renderer.render(camera, options);
+  if (!picture) throw std::runtime_error(picture.error().message);
+  return *std::move(picture);
+}
+
+Picture render_or_throw(const AtlasContent& content, const Selection& selection, const Camera& camera,
+                        const RenderOptions& options, unsigned threads) {
+  Renderer renderer(open_in_memory(content), {threads, 0});
+  if (auto selected = renderer.select(selection); !selected) {
+    throw std::runtime_error(selected.error().message);
+  }
+  return render_or_throw(renderer, camera, options);
+}
+
+double zoom_for(const Display& display, int picture_side, double mm_per_pixel) {
+  return 2 * display.radius_mm / (0.96 * picture_side * mm_per_pixel);
+}
+
+}  // namespace splatlas

@@ -1,0 +1,21 @@
+// Pictures of test atlases in one call.
+#pragma once
+
+#include <string_view>
+
+#include "player/render_frame.h"
+#include "tests/support/test_content.h"
+
+namespace splatlas {
+
+/// Renders, or throws std::runtime_error with the library's message.
+[[nodiscard]] Picture render_or_throw(Renderer& renderer, const Camera& camera,
+                                      const RenderOptions& options = {});
+[[nodiscard]] Picture render_or_throw(const AtlasContent& content, const Selection& selection,
+                                      const Camera& camera, const RenderOptions& options = {},
+                                      unsigned threads = 1);
+
+/// The zoom at which a pixel of a square picture is `mm` wide.
+[[nodiscard]] double zoom_for(const Display& display, int picture_side, double mm_per_pixel);
+
+}  // namespace splatlas
