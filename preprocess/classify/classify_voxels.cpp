@@ -1,0 +1,311 @@
+#include "preprocess/classify/classify_voxels.h"
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <unordered_map>
+
+#include <fmt/format.h>
+
+#include "format/parallel.h"
+
+namespace splatlas {
+namespace {
+
+using SetId = MembershipVolume::SetId;
+
+/// A combination before it has a class: which structures hold the voxel, of which of them it is boundary (bit
+/// n: of the set's n-th), and which surfaces cross it (0: none).
+struct Combination {
+  SetId set = 0;
+  std::uint32_t crossing = 0;
+  std::uint64_t boundary = 0;
+  friend auto operator<=>(const Combination&, const Combination&) = default;
+};
+
+struct CombinationHash {
+  std::size_t operator()(const Combination& c) const {
+    return (c.boundary * 0x9e3779b97f4a7c15u) ^ (c.set * 0xc2b2ae3d27d4eb4fu) ^
+           (c.crossing * 0x165667b19e3779f9u);
+  }
+};
+
+/// Numbers combinations in the order in which they turn up. One per band of slices.
+class CombinationTable {
+ public:
+  std::uint32_t number(const Combination& c) {
+    if (!combinations.empty() && c == combinations[last_]) return last_;
+    const auto [entry, is_new] = index_.try_emplace(c, static_cast<std::uint32_t>(combinations.size()));
+    if (is_new) combinations.push_back(c);
+    return last_ = entry->second;
+  }
+  std::vector<Combination> combinations;
+
+ private:
+  std::unordered_map<Combination, std::uint32_t, CombinationHash> index_;
+  std::uint32_t last_ = 0;
+};
+
+/// The 18 neighbours as rows: the row's offset, and how far to look along it.
+struct NeighbourRow {
+  int dj, dk;
+  bool diagonal;  ///< sharing an edge with the voxel's own row: only the voxel at the same i is a neighbour
+};
+constexpr std::array<NeighbourRow, 9> kNeighbourRows{{{0, 0, false},
+                                                      {-1, 0, false},
+                                                      {1, 0, false},
+                                                      {0, -1, false},
+                                                      {0, 1, false},
+                                                      {-1, -1, true},
+                                                      {1, -1, true},
+                                                      {-1, 1, true},
+                                                      {1, 1, true}}};
+
+/// Finds the combinations of a band of slices.
+class BandClassifier {
+ public:
+  explicit BandClassifier(const MembershipVolume& memberships)
+      : size_(memberships.size()),
+        sets_(memberships.sets()),
+        voxels_(memberships.voxels()),
+        disjoint_(memberships.disjoint()),
+        differs_(static_cast<std::size_t>(size_[0])) {}
+
+  /// Writes each voxel's combination number (of `table`) to `numbers`.
+  void classify(std::int64_t first_slice, std::int64_t end_slice, std::span<ClassId> numbers) {
+    for (std::int64_t k = first_slice; k < end_slice; ++k) {
+      for (std::int64_t j = 0; j < size_[1]; ++j) classify_row(j, k, numbers);
+    }
+  }
+
+  CombinationTable table;
+
+ private:
+  void classify_row(std::int64_t j, std::int64_t k, std::span<ClassId> numbers) {
+    find_differences(j, k);
+    const std::size_t start = offset(j, k);
+    for (std::size_t i = 0; i < differs_.size(); ++i) {
+      const SetId set = voxels_[start + i];
+      Combination combination{set, 0, 0};
+      if (differs_[i] != 0 && set != 0) {
+        combination.boundary = disjoint_ ? 1 : boundary_of_each(static_cast<std::int64_t>(i), j, k, set);
+      }
+      numbers[start + i] = table.number(combination);
+    }
+  }
+
+  /// differs_[i] != 0 where any of the 18 neighbours is in another set or beyond the grid. Written so that
+  /// the compiler vectorises each row.
+  void find_differences(std::int64_t j, std::int64_t k) {
+    const SetId* const own = &voxels_[offset(j, k)];
+    const std::size_t n = differs_.size();
+    std::fill(differs_.begin(), differs_.end(), 0u);
+    differs_.front() = differs_.back() = 1;
+    for (const NeighbourRow& row : kNeighbourRows) {
+      if (!inside(j + row.dj, k + row.dk)) {
+        std::fill(differs_.begin(), differs_.end(), 1u);
+        return;
+      }
+      const SetId* const other = &voxels_[offset(j + row.dj, k + row.dk)];
+      SetId* const differs = differs_.data();
+      for (std::size_t i = 0; i < n; ++i) differs[i] |= own[i] ^ other[i];
+      if (row.diagonal) continue;
+      for (std::size_t i = 1; i < n; ++i) differs[i] |= own[i] ^ other[i - 1];
+      for (std::size_t i = 0; i + 1 < n; ++i) differs[i] |= own[i] ^ other[i + 1];
+    }
+  }
+
+  /// Bit n: some neighbour is not held by the n-th structure of `set`.
+  std::uint64_t boundary_of_each(std::int64_t i, std::int64_t j, std::int64_t k, SetId set) {
+    std::uint64_t boundary = 0;
+    for (const NeighbourRow& row : kNeighbourRows) {
+      for (std::int64_t di = row.diagonal ? 0 : -1; di <= (row.diagonal ? 0 : 1); ++di) {
+        const bool beyond = !inside(j + row.dj, k + row.dk) || i + di < 0 || i + di >= size_[0];
+        const SetId other =
+            beyond ? 0 : voxels_[offset(j + row.dj, k + row.dk) + static_cast<std::size_t>(i + di)];
+        if (other != set) boundary |= missing(set, other);
+      }
+    }
+    return boundary;
+  }
+
+  /// Bit n: the n-th structure of `set` is not in `other`.
+  std::uint64_t missing(SetId set, SetId other) {
+    const auto [entry, is_new] = missing_.try_emplace(std::uint64_t{set} << 32 | other, 0);
+    if (is_new) {
+      for (std::size_t n = 0; n < sets_[set].size(); ++n) {
+        const auto& others = sets_[other];
+        const bool held = std::binary_search(others.begin(), others.end(), sets_[set][n]);
+        entry->second |= std::uint64_t{!held} << n;
+      }
+    }
+    return entry->second;
+  }
+
+  [[nodiscard]] bool inside(std::int64_t j, std::int64_t k) const {
+    return j >= 0 && k >= 0 && j < size_[1] && k < size_[2];
+  }
+  [[nodiscard]] std::size_t offset(std::int64_t j, std::int64_t k) const {
+    return static_cast<std::size_t>((k * size_[1] + j) * size_[0]);
+  }
+
+  Index3 size_;
+  std::span<const std::vector<StructureIndex>> sets_;
+  std::span<const SetId> voxels_;
+  bool disjoint_;
+  std::vector<SetId> differs_;
+  std::unordered_map<std::uint64_t, std::uint64_t> missing_;
+};
+
+/// A run of slices that one thread works on at a time.
+struct Band {
+  std::int64_t first_slice = 0, end_slice = 0;
+  std::vector<Combination> combinations;
+  std::vector<ClassId> class_of;  ///< of each combination
+};
+
+std::vector<Band> cut_into_bands(std::int64_t slices) {
+  constexpr std::int64_t kMostBands = 32;  // enough to keep several threads busy to the end
+  const std::int64_t count = std::min(slices, kMostBands);
+  std::vector<Band> bands(static_cast<std::size_t>(count));
+  for (std::int64_t n = 0; n < count; ++n) {
+    bands[static_cast<std::size_t>(n)].first_slice = slices * n / count;
+    bands[static_cast<std::size_t>(n)].end_slice = slices * (n + 1) / count;
+  }
+  return bands;
+}
+
+/// Adds the crossing surfaces to the combinations of the voxels concerned. Crossing number n + 1 stands for
+/// the n-th entry of what it returns.
+std::vector<std::vector<StructureIndex>> add_crossings(std::span<const CrossedVoxel> crossed,
+                                                       std::int64_t voxels_per_slice,
+                                                       std::vector<Band>& bands, std::span<ClassId> numbers) {
+  std::vector<std::vector<StructureIndex>> crossings;
+  std::map<std::vector<StructureIndex>, std::uint32_t> index;
+  std::size_t band = 0;
+  std::map<Combination, std::uint32_t> number_of;  // in the current band, those with a crossing
+  for (std::size_t n = 0; n < crossed.size();) {
+    const std::int64_t voxel = crossed[n].voxel;
+    std::vector<StructureIndex> surfaces;
+    for (; n < crossed.size() && crossed[n].voxel == voxel; ++n) surfaces.push_back(crossed[n].structure);
+    for (; bands[band].end_slice * voxels_per_slice <= voxel; ++band) number_of.clear();
+    const auto [crossing, is_new] =
+        index.try_emplace(surfaces, static_cast<std::uint32_t>(crossings.size() + 1));
+    if (is_new) crossings.push_back(std::move(surfaces));
+    std::vector<Combination>& combinations = bands[band].combinations;
+    ClassId& number = numbers[static_cast<std::size_t>(voxel)];
+    Combination combination = combinations[number];
+    combination.crossing = crossing->second;
+    const auto [entry, unseen] =
+        number_of.try_emplace(combination, static_cast<std::uint32_t>(combinations.size()));
+    if (unseen) combinations.push_back(combination);
+    number = entry->second;
+  }
+  return crossings;
+}
+
+std::vector<Membership> members_of(const Combination& c, std::span<const std::vector<StructureIndex>> sets,
+                                   std::span<const std::vector<StructureIndex>> crossings) {
+  std::vector<Membership> members;
+  for (std::size_t n = 0; n < sets[c.set].size(); ++n) {
+    members.push_back({sets[c.set][n], (c.boundary >> n & 1) != 0 ? Part::kBoundary : Part::kInterior});
+  }
+  if (c.crossing != 0) {
+    for (const StructureIndex s : crossings[c.crossing - 1]) members.push_back({s, Part::kCrossed});
+  }
+  return members;
+}
+
+/// Which combinations of a band still have a voxel, now that crossings have taken some.
+std::vector<bool> find_used(const Band& band, std::int64_t voxels_per_slice,
+                            std::span<const ClassId> numbers) {
+  std::vector<bool> used(band.combinations.size(), false);
+  const auto first = static_cast<std::size_t>(band.first_slice * voxels_per_slice);
+  const auto end = static_cast<std::size_t>(band.end_slice * voxels_per_slice);
+  for (std::size_t v = first; v < end; ++v) used[numbers[v]] = true;
+  return used;
+}
+
+/// Replaces a band's combination numbers by classes and counts them, run by run.
+class BandCounter {
+ public:
+  explicit BandCounter(std::size_t classes) : voxels(classes), boxes(classes) {}
+
+  void relabel(const Band& band, const Index3& size, std::span<ClassId> volume) {
+    for (std::int64_t k = band.first_slice; k < band.end_slice; ++k) {
+      for (std::int64_t j = 0; j < size[1]; ++j) {
+        ClassId* const row = &volume[static_cast<std::size_t>((k * size[1] + j) * size[0])];
+        for (std::int64_t start = 0, end = 0; start < size[0]; start = end) {
+          const ClassId number = row[start], id = band.class_of[number];
+          for (; end < size[0] && row[end] == number; ++end) row[end] = id;
+          voxels[id] += static_cast<std::uint64_t>(end - start);
+          boxes[id].include(IndexBox{{start, j, k}, {end - 1, j, k}});
+        }
+      }
+    }
+  }
+
+  std::vector<std::uint64_t> voxels;
+  std::vector<IndexBox> boxes;
+};
+
+}  // namespace
+
+Result<Classification> classify_voxels(const MembershipVolume& memberships,
+                                       std::span<const CrossedVoxel> crossed, const StructureGraph& graph,
+                                       unsigned threads) {
+  constexpr std::size_t kMostHolders = 64;  // bits of Combination::boundary
+  for (const auto& set : memberships.sets()) {
+    if (set.size() > kMostHolders) {
+      return fail(ErrorCode::kLimit,
+                  fmt::format("{} structures hold one voxel ('{}' among them); at most {} may", set.size(),
+                              graph[set.front()].name, kMostHolders));
+    }
+  }
+  // Number the combinations of every voxel, band by band.
+  const Index3& size = memberships.size();
+  Classification result;
+  result.volume.resize(memberships.voxels().size());
+  std::vector<Band> bands = cut_into_bands(size[2]);
+  parallel_for(
+      bands.size(), threads,
+      [&](std::size_t n) {
+        BandClassifier classifier(memberships);
+        classifier.classify(bands[n].first_slice, bands[n].end_slice, result.volume);
+        bands[n].combinations = std::move(classifier.table.combinations);
+      },
+      [](std::size_t) {});
+  const auto crossings = add_crossings(crossed, size[0] * size[1], bands, result.volume);
+
+  // Combinations become classes in the order of the file, whichever band met them first.
+  ClassTable found;
+  for (Band& band : bands) {
+    const std::vector<bool> used = find_used(band, size[0] * size[1], result.volume);
+    for (std::size_t n = 0; n < used.size(); ++n) {
+      const Combination& combination = band.combinations[n];
+      band.class_of.push_back(used[n] ? found.intern(members_of(combination, memberships.sets(), crossings))
+                                      : kEmptyClass);
+    }
+  }
+  const std::vector<ClassId> order = storage_order(found, graph);
+  std::vector<ClassId> new_number(order.size());
+  for (ClassId n = 0; n < order.size(); ++n) new_number[order[n]] = n;
+  result.classes = found.renumbered(order);
+
+  // Write the classes and count them.
+  std::vector<BandCounter> counters(bands.size(), BandCounter(order.size()));
+  parallel_for(
+      bands.size(), threads,
+      [&](std::size_t n) {
+        for (ClassId& id : bands[n].class_of) id = new_number[id];
+        counters[n].relabel(bands[n], size, result.volume);
+      },
+      [](std::size_t) {});
+  for (const BandCounter& counter : counters) {
+    for (ClassId id = 0; id < order.size(); ++id)
+      result.classes.count(id, counter.voxels[id], counter.boxes[id]);
+  }
+  return result;
+}
+
+}  // namespace splatlas

@@ -1,0 +1,249 @@
+#include "preprocess/classify/segment_volume.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <itkBinaryBallStructuringElement.h>
+#include <itkBinaryFillholeImageFilter.h>
+#include <itkBinaryMorphologicalClosingImageFilter.h>
+#include <itkBinaryThresholdImageFilter.h>
+#include <itkConnectedComponentImageFilter.h>
+#include <itkHistogram.h>
+#include <itkImageRegionIteratorWithIndex.h>
+#include <itkOtsuThresholdCalculator.h>
+#include <itkRelabelComponentImageFilter.h>
+
+#include "preprocess/import/itk_call.h"
+#include "preprocess/import/text_file.h"
+
+namespace splatlas {
+namespace {
+
+constexpr double kMaxClosingMm = 50;
+
+using MaskImage = itk::Image<std::uint8_t, 3>;
+
+template <typename T>
+typename itk::Image<T, 3>::Pointer make_image(const Index3& size) {
+  auto image = itk::Image<T, 3>::New();
+  typename itk::Image<T, 3>::SizeType extent;
+  for (unsigned a = 0; a < 3; ++a) extent[a] = static_cast<itk::SizeValueType>(size[a]);
+  image->SetRegions(extent);
+  image->Allocate();
+  return image;
+}
+
+/// Values as Real, which holds every value of the source exactly. What is not finite becomes the lowest
+/// value.
+template <typename Real>
+typename itk::Image<Real, 3>::Pointer real_image(const VoxelBuffer& values, const Index3& size) {
+  auto image = make_image<Real>(size);
+  Real* const to = image->GetBufferPointer();
+  visit_voxel_type(values.type, [&]<typename T>(T) {
+    const T* from = values.as<T>();
+    const std::size_t count = values.bytes.size() / sizeof(T);
+    for (std::size_t v = 0; v < count; ++v) {
+      const auto value = static_cast<Real>(from[v]);
+      to[v] = std::isfinite(value) ? value : std::numeric_limits<Real>::lowest();
+    }
+  });
+  return image;
+}
+
+/// Otsu's threshold over the finite values, in 256 bins.
+template <typename Real>
+double otsu_threshold(const itk::Image<Real, 3>& image) {
+  using Histogram = itk::Statistics::Histogram<double>;
+  const std::size_t count = image.GetBufferedRegion().GetNumberOfPixels();
+  const Real* const values = image.GetBufferPointer();
+  Real low = std::numeric_limits<Real>::max(), high = std::numeric_limits<Real>::lowest();
+  for (std::size_t v = 0; v < count; ++v) {
+    if (values[v] == std::numeric_limits<Real>::lowest()) continue;
+    low = std::min(low, values[v]);
+    high = std::max(high, values[v]);
+  }
+  if (!(low < high)) return high;
+
+  constexpr unsigned kBins = 256;
+  auto histogram = Histogram::New();
+  histogram->SetMeasurementVectorSize(1);
+  Histogram::SizeType bins(1);
+  bins[0] = kBins;
+  Histogram::MeasurementVectorType first(1), last(1);
+  first[0] = low;
+  last[0] = high;
+  histogram->Initialize(bins, first, last);
+  std::array<std::uint64_t, kBins> counts{};
+  const double scale = kBins / (static_cast<double>(high) - low);
+  for (std::size_t v = 0; v < count; ++v) {
+    if (values[v] < low) continue;
+    const auto bin = static_cast<std::size_t>((static_cast<double>(values[v]) - low) * scale);
+    ++counts[std::min<std::size_t>(bin, kBins - 1)];
+  }
+  for (unsigned bin = 0; bin < kBins; ++bin) histogram->SetFrequency(bin, counts[bin]);
+  auto calculator = itk::OtsuThresholdCalculator<Histogram, double>::New();
+  calculator->SetInput(histogram);
+  calculator->Update();
+  return calculator->GetThreshold();
+}
+
+template <typename Real>
+MaskImage::Pointer threshold(const VoxelBuffer& values, const Index3& size, const SegmentRule& rule) {
+  using Image = itk::Image<Real, 3>;
+  const typename Image::Pointer image = real_image<Real>(values, size);
+  const double low = rule.kind == SegmentRule::Kind::kOtsu ? otsu_threshold<Real>(*image) : rule.low;
+  const auto clamped = [](double value) {
+    constexpr double kMost = std::numeric_limits<Real>::max();
+    return static_cast<Real>(std::clamp(value, -kMost, kMost));
+  };
+  auto filter = itk::BinaryThresholdImageFilter<Image, MaskImage>::New();
+  filter->SetInput(image);
+  // Above the lowest value of all, which stands for what is not a number.
+  filter->SetLowerThreshold(
+      std::max(clamped(low), std::nextafter(std::numeric_limits<Real>::lowest(), Real(0))));
+  filter->SetUpperThreshold(clamped(rule.high));
+  filter->SetInsideValue(1);
+  filter->SetOutsideValue(0);
+  filter->Update();
+  return filter->GetOutput();
+}
+
+MaskImage::Pointer largest_piece(const MaskImage& mask) {
+  using Pieces = itk::Image<std::uint32_t, 3>;
+  auto pieces = itk::ConnectedComponentImageFilter<MaskImage, Pieces>::New();
+  pieces->SetInput(&mask);
+  auto by_size = itk::RelabelComponentImageFilter<Pieces, Pieces>::New();
+  by_size->SetInput(pieces->GetOutput());
+  auto largest = itk::BinaryThresholdImageFilter<Pieces, MaskImage>::New();
+  largest->SetInput(by_size->GetOutput());
+  largest->SetLowerThreshold(1);
+  largest->SetUpperThreshold(1);
+  largest->SetInsideValue(1);
+  largest->SetOutsideValue(0);
+  largest->Update();
+  return largest->GetOutput();
+}
+
+/// Background that the mask encloses becomes mask.
+template <unsigned kDimension>
+typename itk::Image<std::uint8_t, kDimension>::Pointer without_holes(
+    const itk::Image<std::uint8_t, kDimension>& mask) {
+  auto filter = itk::BinaryFillholeImageFilter<itk::Image<std::uint8_t, kDimension>>::New();
+  filter->SetInput(&mask);
+  filter->SetForegroundValue(1);
+  filter->Update();
+  return filter->GetOutput();
+}
+
+/// Morphological closing with a ball: gaps up to twice its radius wide become mask.
+MaskImage::Pointer with_gaps_closed(const MaskImage& mask, const Grid& grid, double radius_mm) {
+  using Ball = itk::BinaryBallStructuringElement<std::uint8_t, 3>;
+  Ball ball;
+  Ball::SizeType radius;
+  for (unsigned a = 0; a < 3; ++a) {
+    radius[a] = static_cast<itk::SizeValueType>(std::lround(radius_mm / grid.spacing_mm[a]));
+  }
+  ball.SetRadius(radius);
+  ball.CreateStructuringElement();
+  auto filter = itk::BinaryMorphologicalClosingImageFilter<MaskImage, MaskImage, Ball>::New();
+  filter->SetInput(&mask);
+  filter->SetKernel(ball);
+  filter->SetForegroundValue(1);
+  filter->Update();
+  return filter->GetOutput();
+}
+
+/// A scan ends somewhere: the skull of a head that is cut at the neck is open there. Closes, on each of the
+/// six faces of the grid, what the mask encloses within the face.
+void close_at_border(MaskImage& mask) {
+  using Face = itk::Image<std::uint8_t, 2>;
+  const auto size = mask.GetBufferedRegion().GetSize();
+  for (unsigned normal = 0; normal < 3; ++normal) {
+    const unsigned u = normal == 0 ? 1 : 0, v = normal == 2 ? 1 : 2;
+    for (const itk::SizeValueType side : {itk::SizeValueType{0}, size[normal] - 1}) {
+      auto face = Face::New();
+      face->SetRegions(Face::SizeType{{size[u], size[v]}});
+      face->Allocate();
+      const auto in_volume = [&](const Face::IndexType& at) {
+        MaskImage::IndexType index;
+        index[normal] = static_cast<itk::IndexValueType>(side);
+        index[u] = at[0];
+        index[v] = at[1];
+        return index;
+      };
+      itk::ImageRegionIteratorWithIndex<Face> copy(face, face->GetBufferedRegion());
+      for (; !copy.IsAtEnd(); ++copy) copy.Set(mask.GetPixel(in_volume(copy.GetIndex())));
+      const Face::Pointer closed = without_holes<2>(*face);
+      itk::ImageRegionConstIteratorWithIndex<Face> back(closed, closed->GetBufferedRegion());
+      for (; !back.IsAtEnd(); ++back) mask.SetPixel(in_volume(back.GetIndex()), back.Get());
+    }
+  }
+}
+
+Result<std::vector<std::uint8_t>> run_filters(const VoxelBuffer& values, const Grid& grid,
+                                              const SegmentRule& rule) {
+  const bool needs_double = bytes_of(values.type) > 2 && values.type != VoxelType::kFloat32;
+  MaskImage::Pointer mask =
+      needs_double ? threshold<double>(values, grid.size, rule) : threshold<float>(values, grid.size, rule);
+  mask = largest_piece(*mask);
+  if (rule.close_mm > 0) mask = with_gaps_closed(*mask, grid, rule.close_mm);
+  close_at_border(*mask);
+  mask = without_holes<3>(*mask);
+  const std::uint8_t* const first = mask->GetBufferPointer();
+  std::vector<std::uint8_t> result(first, first + mask->GetBufferedRegion().GetNumberOfPixels());
+  if (std::find(result.begin(), result.end(), 1) == result.end()) {
+    return fail(ErrorCode::kFailed,
+                fmt::format("--segment \"{}\": no voxel of the volume is within its thresholds", rule.name));
+  }
+  return result;
+}
+
+}  // namespace
+
+Result<SegmentRule> parse_segment(std::string_view text) {
+  const auto refuse = [&] {
+    return fail(ErrorCode::kUsage,
+                fmt::format("--segment '{}': must be NAME=mask:FILE, NAME=threshold:LOW[:HIGH] or "
+                            "NAME=threshold:otsu",
+                            text));
+  };
+  const std::size_t equals = text.find('=');
+  if (equals == std::string_view::npos) return refuse();
+  SegmentRule rule;
+  rule.name = std::string(trimmed(text.substr(0, equals)));
+  const std::string_view kind = text.substr(equals + 1);
+  if (rule.name.empty()) return refuse();
+  constexpr std::string_view kMask = "mask:", kThreshold = "threshold:";
+  if (kind.starts_with(kMask) && kind.size() > kMask.size()) {
+    rule.kind = SegmentRule::Kind::kMask;
+    rule.mask = std::string(kind.substr(kMask.size()));
+    return rule;
+  }
+  if (!kind.starts_with(kThreshold)) return refuse();
+  std::vector<std::string_view> parts = split(kind.substr(kThreshold.size()), ':');
+  if (constexpr std::string_view kClose = "close="; parts.size() > 1 && parts.back().starts_with(kClose)) {
+    const auto radius = parse_number(parts.back().substr(kClose.size()));
+    if (!radius || !(*radius >= 0 && *radius <= kMaxClosingMm)) return refuse();
+    rule.close_mm = *radius;
+    parts.pop_back();
+  }
+  if (parts.size() == 1 && parts[0] == "otsu") {
+    rule.kind = SegmentRule::Kind::kOtsu;
+    return rule;
+  }
+  const auto low = parse_number(parts[0]);
+  const auto high = parts.size() == 2 ? parse_number(parts[1]) : std::optional(rule.high);
+  if (parts.size() > 2 || !low || !high || !(*low <= *high)) return refuse();
+  rule.low = *low;
+  rule.high = *high;
+  return rule;
+}
+
+Result<std::vector<std::uint8_t>> segment_volume(const VoxelBuffer& values, const Grid& grid,
+                                                 const SegmentRule& rule) {
+  return call_itk(fmt::format("--segment \"{}\"", rule.name),
+                  [&] { return run_filters(values, grid, rule); });
+}
+
+}  // namespace splatlas

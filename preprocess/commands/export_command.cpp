@@ -1,0 +1,42 @@
+#include "preprocess/commands/export_command.h"
+
+#include <fmt/format.h>
+
+#include "preprocess/commands/name_and_file.h"
+
+namespace splatlas {
+namespace {
+
+constexpr const char* kFooter = R"(Examples:
+  splatlas-preprocess export brain.atlas --labels labels.nii.gz --volume volume.nii.gz
+  splatlas-preprocess export brain.atlas --surface Cerebellum=cerebellum.stl --surface 'Vermis*=vermis.ply'
+  splatlas-preprocess export body.atlas --labels masks/
+
+Volumes (.nii, .nii.gz, .nrrd, .mha) have the source's grid, order of axes and pixel type. Surfaces (.stl, .obj, .ply,
+.vtk) are in LPS mm; a group's are those of all that is below it.
+
+Exit status: 0 done; 1 could not be done; 2 wrong usage; 3 not a valid atlas; 4 name not found.)";
+
+}  // namespace
+
+void add_export(CLI::App& app, ExportWords& words) {
+  CLI::App* command = app.add_subcommand("export", "Write the labels, volume or surfaces of an atlas");
+  command->footer(kFooter);
+  command->add_option("ATLAS", words.options.atlas, "atlas file")->required();
+  command->add_option("--labels", words.options.labels,
+                      "label map to write; FOLDER/ for one mask per structure");
+  command->add_option("--volume", words.options.volume, "grey values to write");
+  command->add_option("--surface", words.surfaces, "STRUCTURE=FILE: a surface to write (repeatable)");
+}
+
+Result<void> run_export(const ExportWords& words) {
+  ExportOptions options = words.options;
+  for (const std::string& text : words.surfaces) {
+    SPLATLAS_ASSIGN_OR_RETURN(options.surfaces.emplace_back(), split_name_and_file("--surface", text));
+  }
+  SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::string> written, export_atlas(options));
+  for (const std::string& line : written) fmt::print("{}\n", line);
+  return {};
+}
+
+}  // namespace splatlas

@@ -1,0 +1,19 @@
+#include "preprocess/commands/name_and_file.h"
+
+#include <fmt/format.h>
+
+#include "preprocess/import/text_file.h"
+
+namespace splatlas {
+
+Result<std::pair<std::string, std::filesystem::path>> split_name_and_file(std::string_view option,
+                                                                          std::string_view text) {
+  const std::size_t equals = text.find('=');
+  const std::string_view name = trimmed(text.substr(0, equals));
+  if (equals == std::string_view::npos || name.empty() || equals + 1 == text.size()) {
+    return fail(ErrorCode::kUsage, fmt::format("{} '{}': must be NAME=FILE", option, text));
+  }
+  return std::pair(std::string(name), std::filesystem::path(text.substr(equals + 1)));
+}
+
+}  // namespace splatlas

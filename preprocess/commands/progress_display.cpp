@@ -1,0 +1,88 @@
+#include "preprocess/commands/progress_display.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <unistd.h>
+
+namespace splatlas {
+namespace {
+
+/// Seconds to the end, by the share of the usual work that is done.
+std::optional<double> estimate_remaining(const BuildProgress& progress) {
+  constexpr double kEnoughToGoBy = 0.05;
+  if (progress.total_fraction < kEnoughToGoBy) return std::nullopt;
+  return progress.total_seconds * (1 - progress.total_fraction) / progress.total_fraction;
+}
+
+std::string bar(double fraction) {
+  constexpr int kWidth = 24;
+  const int filled = static_cast<int>(std::lround(fraction * kWidth));
+  return std::string(static_cast<std::size_t>(filled), '#') +
+         std::string(static_cast<std::size_t>(kWidth - filled), '.');
+}
+
+}  // namespace
+
+Result<ProgressMode> progress_mode(const std::string& word, std::FILE* stream) {
+  if (word == "auto") return ::isatty(::fileno(stream)) != 0 ? ProgressMode::kBar : ProgressMode::kLines;
+  if (word == "none") return ProgressMode::kNone;
+  if (word == "json") return ProgressMode::kJson;
+  return fail(ErrorCode::kUsage, fmt::format("--progress {}: must be auto, none or json", word));
+}
+
+std::string remaining_time(const BuildProgress& progress) {
+  const auto seconds = estimate_remaining(progress);
+  if (!seconds) return "";
+  if (*seconds < 100) return fmt::format("about {:.0f} s left", std::ceil(*seconds));
+  return fmt::format("about {:.0f} min left", std::ceil(*seconds / 60));
+}
+
+void ProgressDisplay::show(const BuildProgress& progress) {
+  const auto now = std::chrono::steady_clock::now();
+  const bool ends_or_begins = progress.stage_ended || progress.stage_fraction <= 0;
+  constexpr std::chrono::milliseconds kPause{100};
+  if (!ends_or_begins && now - last_shown_ < kPause) return;
+  last_shown_ = now;
+  switch (mode_) {
+    case ProgressMode::kBar: return show_bar(progress);
+    case ProgressMode::kJson: return show_json(progress);
+    case ProgressMode::kLines:
+      if (progress.stage_ended)
+        fmt::print(stream_, "{:<10} {:6.2f} s\n", progress.stage, progress.stage_seconds);
+      return;
+    case ProgressMode::kNone: return;
+  }
+}
+
+void ProgressDisplay::show_bar(const BuildProgress& progress) {
+  const bool ended = progress.stage_ended;
+  const std::string time =
+      ended ? fmt::format("{:6.2f} s", progress.stage_seconds) : remaining_time(progress);
+  fmt::print(stream_, "\r{:<10} [{}] {:3.0f} %  {}\x1b[K{}", progress.stage, bar(progress.stage_fraction),
+             100 * progress.stage_fraction, time, ended ? "\n" : "");
+  std::fflush(stream_);
+  line_open_ = !ended;
+}
+
+void ProgressDisplay::show_json(const BuildProgress& progress) {
+  const auto milli = [](double value) { return std::round(1000 * value) / 1000; };
+  nlohmann::ordered_json line{{"stage", progress.stage},
+                              {"stage_fraction", milli(progress.stage_fraction)},
+                              {"fraction", milli(progress.total_fraction)},
+                              {"stage_seconds", milli(progress.stage_seconds)},
+                              {"seconds", milli(progress.total_seconds)}};
+  if (const auto remaining = estimate_remaining(progress)) line["remaining_seconds"] = milli(*remaining);
+  fmt::print(stream_, "{}\n", line.dump());
+  std::fflush(stream_);
+}
+
+void ProgressDisplay::finish() {
+  if (line_open_) fmt::print(stream_, "\n");
+  line_open_ = false;
+}
+
+}  // namespace splatlas

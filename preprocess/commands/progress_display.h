@@ -1,0 +1,45 @@
+// Shows a person, or another program, where a build is.
+#pragma once
+
+#include <chrono>
+#include <cstdio>
+#include <string>
+
+#include "format/result.h"
+#include "preprocess/build_progress.h"
+
+namespace splatlas {
+
+enum class ProgressMode {
+  kBar,    ///< one line per stage with a bar, rewritten in place
+  kLines,  ///< one line per stage when it has ended
+  kJson,   ///< one JSON object per line
+  kNone,
+};
+
+/// "auto" (kBar on a terminal, else kLines), "none", "json"; kUsage otherwise.
+[[nodiscard]] Result<ProgressMode> progress_mode(const std::string& word, std::FILE* stream);
+
+class ProgressDisplay {
+ public:
+  ProgressDisplay(ProgressMode mode, std::FILE* stream) : mode_(mode), stream_(stream) {}
+
+  /// Prints, at most ten times a second but for the ends of stages.
+  void show(const BuildProgress& progress);
+  /// Ends a line that stands unfinished, so that a message can follow.
+  void finish();
+
+ private:
+  void show_bar(const BuildProgress& progress);
+  void show_json(const BuildProgress& progress);
+
+  ProgressMode mode_;
+  std::FILE* stream_;
+  bool line_open_ = false;
+  std::chrono::steady_clock::time_point last_shown_;
+};
+
+/// "about 12 s left"; empty while there is nothing to go by.
+[[nodiscard]] std::string remaining_time(const BuildProgress& progress);
+
+}  // namespace splatlas

@@ -1,0 +1,103 @@
+#include "preprocess/export/export_atlas.h"
+
+#include <algorithm>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "format/atlas_reader.h"
+#include "format/selection.h"
+#include "preprocess/export/export_labels.h"
+#include "preprocess/export/write_image.h"
+#include "preprocess/export/write_mesh.h"
+
+namespace splatlas {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The structures of each requested surface, found before anything is written.
+Result<std::vector<std::vector<StructureIndex>>> find_surfaces(const Atlas& atlas,
+                                                               const ExportOptions& options) {
+  std::vector<std::vector<StructureIndex>> result;
+  for (const auto& [name, path] : options.surfaces) {
+    SPLATLAS_ASSIGN_OR_RETURN(const auto found, find_structures(atlas.graph(), name));
+    std::set<StructureIndex> all;
+    std::uint64_t triangles = 0;
+    for (const StructureIndex top : found) {
+      for (const StructureIndex s : atlas.graph().descendants(top)) {
+        if (all.insert(s).second) triangles += atlas.triangles(s);
+      }
+    }
+    if (triangles == 0)
+      return fail(ErrorCode::kFailed, fmt::format("{}: '{}' has no surface", atlas.name(), name));
+    result.emplace_back(all.begin(), all.end());
+  }
+  return result;
+}
+
+Result<void> export_volume(const AtlasContent& content, const Atlas& atlas, const fs::path& path) {
+  if (content.values.empty()) {
+    return fail(ErrorCode::kFailed, fmt::format("{}: holds no grey values to export", atlas.name()));
+  }
+  return write_image({content.source_grid, to_source_order(content.values, content)}, path);
+}
+
+Result<void> export_surface(const Atlas& atlas, const std::vector<StructureIndex>& structures,
+                            const fs::path& path) {
+  std::vector<SurfaceMesh> surfaces;
+  for (const StructureIndex s : structures) {
+    SPLATLAS_ASSIGN_OR_RETURN(surfaces.emplace_back(), atlas.read_surface(s));
+  }
+  return write_mesh(surfaces, atlas.grid(), path);
+}
+
+Result<void> check_outputs(const ExportOptions& options) {
+  std::vector<fs::path> outputs{options.labels, options.volume};
+  for (const auto& [name, path] : options.surfaces) outputs.push_back(path);
+  std::erase_if(outputs, [](const fs::path& path) { return path.empty(); });
+  if (outputs.empty()) {
+    return fail(ErrorCode::kUsage, "nothing to export: give --labels, --volume or --surface");
+  }
+  for (const fs::path& path : outputs) {
+    std::error_code error;
+    if (fs::equivalent(path, options.atlas, error) && !error) {
+      return fail(ErrorCode::kFailed,
+                  fmt::format("{}: is the atlas itself; export to another name", path.string()));
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<std::vector<std::string>> export_atlas(const ExportOptions& options) {
+  SPLATLAS_RETURN_IF_ERROR(check_outputs(options));
+  SPLATLAS_ASSIGN_OR_RETURN(const std::shared_ptr<const Atlas> atlas, Atlas::open(options.atlas));
+  SPLATLAS_ASSIGN_OR_RETURN(const auto structures, find_surfaces(*atlas, options));
+  std::vector<std::string> written;
+  if (!options.labels.empty() || !options.volume.empty()) {
+    SPLATLAS_ASSIGN_OR_RETURN(const AtlasContent content, atlas->read_all());
+    if (options.labels.ends_with('/')) {
+      SPLATLAS_ASSIGN_OR_RETURN(const std::size_t masks, export_masks(content, options.labels));
+      written.push_back(fmt::format("{}: {} masks", options.labels, masks));
+    } else if (!options.labels.empty()) {
+      SPLATLAS_RETURN_IF_ERROR(export_label_map(content, atlas->name(), options.labels));
+      written.push_back(fmt::format("{}: labels, {}", options.labels, name_of(content.label_type)));
+    }
+    if (!options.volume.empty()) {
+      SPLATLAS_RETURN_IF_ERROR(export_volume(content, *atlas, options.volume));
+      written.push_back(fmt::format("{}: volume, {}", options.volume.string(), name_of(content.values.type)));
+    }
+  }
+  for (std::size_t n = 0; n < structures.size(); ++n) {
+    const fs::path& path = options.surfaces[n].second;
+    SPLATLAS_RETURN_IF_ERROR(export_surface(*atlas, structures[n], path));
+    std::uint64_t triangles = 0;
+    for (const StructureIndex s : structures[n]) triangles += atlas->triangles(s);
+    written.push_back(fmt::format("{}: {} triangles", path.string(), triangles));
+  }
+  return written;
+}
+
+}  // namespace splatlas

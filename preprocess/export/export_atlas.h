@@ -1,0 +1,27 @@
+// The way back: what an atlas was made from.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "format/result.h"
+
+namespace splatlas {
+
+struct ExportOptions {
+  std::filesystem::path atlas;
+  std::string labels;            ///< a volume file; a folder for one mask per structure when it ends in "/"
+  std::filesystem::path volume;  ///< a volume file
+  /// Structures (names, ids, paths or patterns; a group stands for what is below it) and mesh files.
+  std::vector<std::pair<std::string, std::filesystem::path>> surfaces;
+};
+
+/// Writes what is asked for; empty paths are not. Volumes have the grid, order of axes and pixel type of the
+/// source. kNotFound for unknown structures, before anything is written; kFailed when the atlas does not hold
+/// what is asked for (no grey values, labels that overlap). Each file is written whole or not at all. Returns
+/// one line per file written.
+[[nodiscard]] Result<std::vector<std::string>> export_atlas(const ExportOptions& options);
+
+}  // namespace splatlas

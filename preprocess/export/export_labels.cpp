@@ -1,0 +1,108 @@
+#include "preprocess/export/export_labels.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "preprocess/export/write_image.h"
+#include "preprocess/surfaces/structure_crop.h"
+
+namespace splatlas {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The label of every class; 0 for none.
+Result<std::vector<std::int64_t>> labels_of_classes(const AtlasContent& content, const std::string& name) {
+  std::vector<std::int64_t> labels(content.classes.size(), 0);
+  for (ClassId c = 0; c < labels.size(); ++c) {
+    const Structure* labelled = nullptr;
+    for (const Membership& m : content.classes.members(c)) {
+      const Structure& structure = content.graph[m.structure];
+      if (m.part == Part::kCrossed || !structure.label) continue;
+      if (labelled != nullptr) {
+        return fail(
+            ErrorCode::kFailed,
+            fmt::format(
+                "{}: '{}' and '{}' overlap, which no label map can hold; export masks: --labels FOLDER/",
+                name, labelled->name, structure.name));
+      }
+      labelled = &structure;
+      labels[c] = *structure.label;
+    }
+  }
+  return labels;
+}
+
+bool is_group(const StructureGraph& graph, const ClassTable& classes, StructureIndex s) {
+  for (ClassId c = 0; c < classes.size(); ++c) {
+    for (const Membership& m : classes.members(c)) {
+      if (m.structure == s) return false;
+    }
+  }
+  return !graph.children(s).empty();
+}
+
+Result<std::size_t> write_masks(const AtlasContent& content, const fs::path& folder) {
+  std::size_t masks = 0;
+  for (StructureIndex s = 0; s < content.graph.size(); ++s) {
+    if (content.graph[s].external || is_group(content.graph, content.classes, s)) continue;
+    const std::vector<std::uint8_t> parts = parts_of(content.classes, s);
+    VoxelBuffer mask{VoxelType::kUInt8, std::vector<std::byte>(content.class_volume.size())};
+    for (std::size_t v = 0; v < mask.bytes.size(); ++v)
+      mask.bytes[v] = std::byte{parts[content.class_volume[v]] != 0};
+    SPLATLAS_RETURN_IF_ERROR(write_image({content.source_grid, to_source_order(mask, content)},
+                                         folder / (content.graph[s].id + ".nii.gz")));
+    ++masks;
+  }
+  return masks;
+}
+
+}  // namespace
+
+VoxelBuffer to_source_order(const VoxelBuffer& stored, const AtlasContent& content) {
+  VoxelBuffer source{stored.type, std::vector<std::byte>(stored.bytes.size())};
+  reorder_voxels(stored.bytes.data(), storage_grid(content).size, inverse(content.source_to_storage),
+                 bytes_of(stored.type), source.bytes.data());
+  return source;
+}
+
+Result<void> export_label_map(const AtlasContent& content, const std::string& name, const fs::path& path) {
+  if (content.label_type == VoxelType::kNone) {
+    return fail(ErrorCode::kFailed,
+                fmt::format("{}: was not made from a label map; export masks: --labels FOLDER/", name));
+  }
+  SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::int64_t> labels, labels_of_classes(content, name));
+  VoxelBuffer stored{content.label_type,
+                     std::vector<std::byte>(content.class_volume.size() * bytes_of(content.label_type))};
+  visit_voxel_type(stored.type, [&]<typename T>(T) {
+    T* const voxels = stored.as<T>();
+    for (std::size_t v = 0; v < content.class_volume.size(); ++v) {
+      voxels[v] = static_cast<T>(labels[content.class_volume[v]]);
+    }
+  });
+  return write_image({content.source_grid, to_source_order(stored, content)}, path);
+}
+
+Result<std::size_t> export_masks(const AtlasContent& content, const fs::path& folder) {
+  const fs::path target =
+      folder.has_filename() ? folder : folder.parent_path();  // without the "/" at the end
+  const auto cannot_write = [&](const std::string& reason) {
+    return fail(ErrorCode::kFailed, fmt::format("{}: cannot be written: {}", folder.string(), reason));
+  };
+  std::error_code error;
+  if (fs::exists(target, error) && !(fs::is_directory(target, error) && fs::is_empty(target, error))) {
+    return cannot_write("it exists and is not an empty folder");
+  }
+  const fs::path temporary = target.parent_path() / fmt::format(".splatlas-{}", ::getpid());
+  if (!fs::create_directory(temporary, error))
+    return cannot_write(error ? error.message() : "a temporary exists");
+  Result<std::size_t> masks = write_masks(content, temporary);
+  if (masks) {
+    fs::rename(temporary, target, error);
+    if (error) masks = cannot_write(error.message());
+  }
+  if (!masks) fs::remove_all(temporary, error);
+  return masks;
+}
+
+}  // namespace splatlas

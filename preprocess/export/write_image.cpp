@@ -1,0 +1,68 @@
+#include "preprocess/export/write_image.h"
+
+#include <fmt/format.h>
+
+#include "format/ascii_text.h"
+#include "preprocess/export/temporary_output.h"
+#include "preprocess/import/check_image_file.h"
+#include "preprocess/import/image_io.h"
+#include "preprocess/import/itk_call.h"
+
+namespace splatlas {
+namespace {
+
+namespace fs = std::filesystem;
+
+Result<void> write_with(itk::ImageIOBase& io, const Image& image, const fs::path& path) {
+  io.SetFileName(path.string());
+  io.SetNumberOfDimensions(3);
+  itk::ImageIORegion region(3);
+  for (unsigned a = 0; a < 3; ++a) {
+    const auto size = static_cast<itk::SizeValueType>(image.grid.size[a]);
+    io.SetDimensions(a, size);
+    region.SetSize(a, size);
+    io.SetSpacing(a, image.grid.spacing_mm[a]);
+    io.SetOrigin(a, image.grid.origin_lps_mm[a]);
+    const Matrix3& direction = image.grid.direction_lps;
+    io.SetDirection(a, std::vector<double>{direction[a], direction[3 + a], direction[6 + a]});
+  }
+  io.SetIORegion(region);
+  io.SetPixelType(itk::IOPixelEnum::SCALAR);
+  io.SetNumberOfComponents(1);
+  io.SetComponentType(component_of(image.voxels.type));
+  io.SetUseCompression(true);  // NIfTI goes by its ending
+  io.Write(image.voxels.bytes.data());
+  return {};
+}
+
+/// What stands in `file` against what should; `path` is the name for messages.
+Result<void> compare(const Image& image, const fs::path& file, const fs::path& path) {
+  const Result<Image> back = import_image(file);
+  if (!back || back->voxels != image.voxels) {
+    return fail(ErrorCode::kFailed,
+                fmt::format("{}: cannot be written whole; is the disk full?", path.string()));
+  }
+  if (!check_same_grid(image.grid, "", back->grid, "")) {
+    return fail(ErrorCode::kFailed,
+                fmt::format("{}: this format cannot hold the volume's geometry; write .nrrd", path.string()));
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<void> write_image(const Image& image, const fs::path& path) {
+  SPLATLAS_ASSIGN_OR_RETURN(const ImageFormat format, image_format(path));
+  const std::string ending = to_lower(path.extension().string());
+  if (ending == ".nhdr" || ending == ".mhd") {
+    return fail(ErrorCode::kFailed, fmt::format("{}: would be two files; write {}", path.string(),
+                                                ending == ".nhdr" ? ".nrrd" : ".mha"));
+  }
+  return write_by_way_of_temporary(path, [&](const fs::path& temporary) -> Result<void> {
+    SPLATLAS_RETURN_IF_ERROR(
+        call_itk(path.string(), [&] { return write_with(*make_image_io(format), image, temporary); }));
+    return compare(image, temporary, path);
+  });
+}
+
+}  // namespace splatlas

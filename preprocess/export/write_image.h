@@ -1,0 +1,15 @@
+// Writes one volume file through ITK.
+#pragma once
+
+#include <filesystem>
+
+#include "preprocess/import/import_image.h"
+
+namespace splatlas {
+
+/// Writes .nii, .nii.gz, .nrrd or .mha, by the ending of `path`; whole or not at all. The file is read back
+/// and compared before it gets its name: ITK's writers do not notice a full disk, and not every format holds
+/// every geometry.
+[[nodiscard]] Result<void> write_image(const Image& image, const std::filesystem::path& path);
+
+}  // namespace splatlas

@@ -1,0 +1,17 @@
+// Writes surfaces through VTK.
+#pragma once
+
+#include <filesystem>
+#include <span>
+
+#include "format/grid.h"
+#include "format/surface.h"
+
+namespace splatlas {
+
+/// Writes the surfaces, in LPS mm, into one .stl, .ply, .vtk (all binary) or .obj file, with normals where
+/// the format has them; whole or not at all. `grid` is the storage grid.
+[[nodiscard]] Result<void> write_mesh(std::span<const SurfaceMesh> surfaces, const Grid& grid,
+                                      const std::filesystem::path& path);
+
+}  // namespace splatlas

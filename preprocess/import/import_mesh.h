@@ -1,0 +1,35 @@
+// Reads an external surface (an implant, a needle, a beam) through VTK.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+#include "format/grid.h"
+
+namespace splatlas {
+
+/// Which way the coordinates of mesh files run.
+enum class MeshFrame {
+  kLps,  ///< x to the left, y to posterior, z to superior: ITK, DICOM, 3D Slicer's files
+  kRas,  ///< x to the right, y to anterior
+};
+
+/// Triangles as a file has them, in LPS mm.
+struct TriangleMesh {
+  std::vector<Vec3> positions_lps_mm;
+  std::vector<std::array<float, 3>> normals_lps;  ///< one per position; empty when the file has none
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  std::uint64_t dropped = 0;  ///< triangles left out: without area, or with a corner that is not a number
+};
+
+/// Reads STL, OBJ, PLY or legacy VTK polygons, by the file's ending, and cuts polygons into triangles.
+/// kFailed, in one line, when the file is missing, truncated, of another type, has corners that do not exist,
+/// or no triangle at all. Prints nothing.
+[[nodiscard]] Result<TriangleMesh> import_mesh(const std::filesystem::path& path, MeshFrame frame);
+
+/// A normal for every vertex: the area-weighted mean of its triangles'.
+[[nodiscard]] std::vector<std::array<float, 3>> vertex_normals(const TriangleMesh& mesh);
+
+}  // namespace splatlas

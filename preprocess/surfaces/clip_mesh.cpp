@@ -1,0 +1,219 @@
+#include "preprocess/surfaces/clip_mesh.h"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+#include <unordered_map>
+
+#include <fmt/format.h>
+
+#include "format/unit_vector.h"
+
+namespace splatlas {
+namespace {
+
+constexpr std::uint32_t kPositionScale = 1024;
+constexpr std::size_t kMaxPieces = std::size_t{1} << 26;
+
+struct Corner {
+  Vec3 index;  ///< continuous voxel indices, multiples of 1 / kPositionScale
+  std::array<float, 3> normal;
+};
+using Polygon = std::vector<Corner>;  ///< convex
+
+double quantised(double x) {
+  return std::round(x * kPositionScale) / kPositionScale;
+}
+
+/// Where the edge meets a plane. The same for both directions of the edge, so that neighbours stay joined.
+Corner cut_edge(const Corner& from, const Corner& to, std::size_t axis, double plane) {
+  const bool forwards = from.index < to.index;
+  const Corner &a = forwards ? from : to, &b = forwards ? to : from;
+  const double t = (plane - a.index[axis]) / (b.index[axis] - a.index[axis]);
+  Corner cut;
+  for (std::size_t n = 0; n < 3; ++n) {
+    cut.index[n] = quantised(a.index[n] + t * (b.index[n] - a.index[n]));
+    cut.normal[n] = a.normal[n] + static_cast<float>(t) * (b.normal[n] - a.normal[n]);
+  }
+  cut.index[axis] = plane;
+  return cut;
+}
+
+/// Splits a convex polygon at a plane; corners in the plane go to both sides, a polygon in it to neither
+/// twice: what is not below stays above.
+void cut_polygon(const Polygon& polygon, std::size_t axis, double plane, Polygon& below, Polygon& above) {
+  below.clear();
+  above.clear();
+  bool any_below = false, any_above = false;
+  for (std::size_t n = 0; n < polygon.size(); ++n) {
+    const Corner &corner = polygon[n], &next = polygon[(n + 1) % polygon.size()];
+    const double here = corner.index[axis] - plane, there = next.index[axis] - plane;
+    any_below = any_below || here < 0;
+    any_above = any_above || here > 0;
+    if (here <= 0) below.push_back(corner);
+    if (here >= 0) above.push_back(corner);
+    if ((here < 0 && there > 0) || (here > 0 && there < 0)) {
+      const Corner cut = cut_edge(corner, next, axis, plane);
+      below.push_back(cut);
+      above.push_back(cut);
+    }
+  }
+  if (!any_below) below.clear();
+  if (!any_above && any_below) above.clear();
+}
+
+/// A triangle after cutting, its corners numbered as in the surface.
+struct Piece {
+  std::int64_t voxel;
+  std::array<std::uint32_t, 3> corners;
+};
+
+class MeshClipper {
+ public:
+  explicit MeshClipper(const Grid& grid)
+      : grid_(grid), to_mm_(index_to_lps_mm(grid)), to_index_(lps_mm_to_index(grid)) {}
+
+  Result<ClippedMesh> clip(const TriangleMesh& mesh) {
+    const auto normals = mesh.normals_lps.empty() ? vertex_normals(mesh) : mesh.normals_lps;
+    for (const auto& triangle : mesh.triangles) {
+      Polygon polygon;
+      for (const std::uint32_t v : triangle) {
+        Corner corner{to_index_.apply(mesh.positions_lps_mm[v]), normals[v]};
+        polygon.push_back(corner);
+      }
+      total_area_ += area_of(polygon);
+      clip_to_grid(polygon);
+      kept_area_ += area_of(polygon);
+      for (Corner& corner : polygon) {
+        for (double& x : corner.index) x = quantised(x);
+      }
+      split(polygon, 0, {0, 0, 0});
+      if (pieces_.size() > kMaxPieces) {
+        return fail(ErrorCode::kLimit, fmt::format("the surface falls into more than {} pieces", kMaxPieces));
+      }
+    }
+    return finish();
+  }
+
+ private:
+  [[nodiscard]] double area_of(const Polygon& polygon) const {
+    Vec3 sum{0, 0, 0};
+    for (std::size_t n = 2; n < polygon.size(); ++n) {
+      Vec3 u, v;
+      for (std::size_t a = 0; a < 3; ++a) {
+        u[a] = polygon[n - 1].index[a] - polygon[0].index[a];
+        v[a] = polygon[n].index[a] - polygon[0].index[a];
+      }
+      u = to_mm_.apply_linear(u);
+      v = to_mm_.apply_linear(v);
+      sum[0] += u[1] * v[2] - u[2] * v[1];
+      sum[1] += u[2] * v[0] - u[0] * v[2];
+      sum[2] += u[0] * v[1] - u[1] * v[0];
+    }
+    return 0.5 * std::hypot(sum[0], sum[1], sum[2]);
+  }
+
+  /// Before quantisation: far away corners never meet a whole number that does not fit.
+  void clip_to_grid(Polygon& polygon) {
+    for (std::size_t a = 0; a < 3 && !polygon.empty(); ++a) {
+      cut_polygon(polygon, a, -0.5, below_[a], above_[a]);
+      polygon = above_[a];
+      if (polygon.empty()) return;
+      const double end = static_cast<double>(grid_.size[a]) - 0.5;
+      const bool reaches_beyond = std::any_of(polygon.begin(), polygon.end(),
+                                              [&](const Corner& corner) { return corner.index[a] > end; });
+      if (!reaches_beyond) continue;
+      cut_polygon(polygon, a, end, below_[a], above_[a]);
+      polygon = below_[a];
+    }
+  }
+
+  /// Cuts along `axis` and the ones after it; `voxel` is known for the ones before.
+  void split(Polygon& polygon, std::size_t axis, Index3 voxel) {
+    if (polygon.size() < 3) return;
+    if (axis == 3) return emit(polygon, voxel);
+    const auto [low, high] =
+        std::minmax_element(polygon.begin(), polygon.end(),
+                            [&](const auto& a, const auto& b) { return a.index[axis] < b.index[axis]; });
+    const std::int64_t last_of_grid = grid_.size[axis] - 1;
+    const auto first = std::min(static_cast<std::int64_t>(std::floor(low->index[axis] + 0.5)), last_of_grid);
+    const auto last =
+        std::clamp(static_cast<std::int64_t>(std::ceil(high->index[axis] - 0.5)), first, last_of_grid);
+    Polygon rest = polygon, below, above;
+    for (voxel[axis] = first; voxel[axis] < last; ++voxel[axis]) {
+      cut_polygon(rest, axis, static_cast<double>(voxel[axis]) + 0.5, below, above);
+      split(below, axis + 1, voxel);
+      std::swap(rest, above);
+    }
+    split(rest, axis + 1, voxel);
+  }
+
+  /// A fan of triangles; those that quantisation has left without area are dropped.
+  void emit(const Polygon& polygon, const Index3& voxel) {
+    const std::int64_t offset = grid_.offset(voxel[0], voxel[1], voxel[2]);
+    for (std::size_t n = 2; n < polygon.size(); ++n) {
+      const Polygon triangle{polygon[0], polygon[n - 1], polygon[n]};
+      if (!(area_of(triangle) > 0)) continue;
+      pieces_.push_back({offset, {number(triangle[0]), number(triangle[1]), number(triangle[2])}});
+    }
+  }
+
+  /// One vertex for equal positions and (as far as the file tells them apart) equal normals.
+  std::uint32_t number(const Corner& corner) {
+    Key key{};
+    for (std::size_t a = 0; a < 3; ++a) key[a] = std::lround(corner.index[a] * kPositionScale);
+    key[3] = pack_normal(corner.normal);
+    const auto [entry, is_new] = number_of_.try_emplace(key, static_cast<std::uint32_t>(corners_.size()));
+    if (is_new) corners_.push_back(corner);
+    return entry->second;
+  }
+
+  ClippedMesh finish() {
+    std::stable_sort(pieces_.begin(), pieces_.end(),
+                     [](const auto& a, const auto& b) { return a.voxel < b.voxel; });
+    ClippedMesh result;
+    result.surface.position_scale = kPositionScale;
+    result.outside = total_area_ > 0 ? std::max(0.0, 1 - kept_area_ / total_area_) : 0;
+    for (const Corner& corner : corners_) {
+      const auto& [i, j, k] = corner.index;
+      result.surface.positions_ijk.push_back(
+          {static_cast<float>(i), static_cast<float>(j), static_cast<float>(k)});
+      const auto& [x, y, z] = corner.normal;
+      const float length = std::hypot(x, y, z);
+      result.surface.normals_lps.push_back(length > 0 ? std::array{x / length, y / length, z / length}
+                                                      : std::array{0.f, 0.f, 1.f});
+    }
+    for (const Piece& piece : pieces_) {
+      result.surface.triangles.push_back(piece.corners);
+      if (result.crossed.empty() || result.crossed.back() != piece.voxel)
+        result.crossed.push_back(piece.voxel);
+    }
+    return result;
+  }
+
+  using Key = std::array<std::int64_t, 4>;
+  struct KeyHash {
+    std::size_t operator()(const Key& key) const {
+      std::uint64_t hash = 0;
+      for (const std::int64_t part : key)
+        hash = (hash ^ static_cast<std::uint64_t>(part)) * 0x9e3779b97f4a7c15u;
+      return hash ^ hash >> 32;
+    }
+  };
+
+  const Grid& grid_;
+  Affine to_mm_, to_index_;
+  std::array<Polygon, 3> below_, above_;
+  double total_area_ = 0, kept_area_ = 0;
+  std::vector<Piece> pieces_;
+  std::vector<Corner> corners_;
+  std::unordered_map<Key, std::uint32_t, KeyHash> number_of_;
+};
+
+}  // namespace
+
+Result<ClippedMesh> clip_mesh(const TriangleMesh& mesh, const Grid& grid) {
+  return MeshClipper(grid).clip(mesh);
+}
+
+}  // namespace splatlas

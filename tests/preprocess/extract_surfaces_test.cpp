@@ -1,0 +1,240 @@
+#include "preprocess/surfaces/extract_surfaces.h"
+
+#include <cmath>
+#include <map>
+
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include "tests/phantom/two_spheres.h"
+#include "tests/preprocess/memberships.h"
+
+namespace splatlas {
+namespace {
+
+struct Extracted {
+  Classification classification;
+  ExtractedSurfaces surfaces;
+};
+
+Extracted extract(const Masks& masks, const Grid& grid, unsigned threads = 2) {
+  const StructureGraph graph = flat_graph(masks.size());
+  Extracted result{*classify_voxels(memberships_of(masks, grid.size), {}, graph, 1), {}};
+  result.surfaces = extract_surfaces(result.classification, graph, grid, threads);
+  return result;
+}
+
+Grid grid_of(const Index3& size) {
+  Grid grid;
+  grid.size = size;
+  return grid;
+}
+
+/// A direction that is no axis, right-handed or (mirrored) left-handed.
+Matrix3 oblique(bool mirrored) {
+  const double c = std::cos(0.3), s = std::sin(0.3), m = mirrored ? -1 : 1;
+  return {m * c, -s, 0, m * s, c, 0, 0, 0, 1};
+}
+
+Vec3 position_mm(const Grid& grid, const SurfaceMesh& mesh, std::uint32_t vertex) {
+  const auto& [i, j, k] = mesh.positions_ijk[vertex];
+  return index_to_lps_mm(grid).apply({i, j, k});
+}
+
+/// Volume that the triangles enclose, in mm^3; positive when they are counter-clockwise seen from outside.
+double enclosed_mm3(const Grid& grid, const SurfaceMesh& mesh) {
+  double volume = 0;
+  for (const auto& t : mesh.triangles) {
+    const Vec3 a = position_mm(grid, mesh, t[0]), b = position_mm(grid, mesh, t[1]),
+               c = position_mm(grid, mesh, t[2]);
+    volume += (a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) +
+               a[2] * (b[0] * c[1] - b[1] * c[0])) /
+              6;
+  }
+  return volume;
+}
+
+/// Every edge once in each direction.
+bool is_closed(const SurfaceMesh& mesh) {
+  std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
+  for (const auto& t : mesh.triangles) {
+    for (std::size_t n = 0; n < 3; ++n) ++edges[{t[n], t[(n + 1) % 3]}];
+  }
+  for (const auto& [edge, count] : edges) {
+    const auto back = edges.find({edge.second, edge.first});
+    if (back == edges.end() || back->second != count) return false;
+  }
+  return true;
+}
+
+Masks phantom_masks() {
+  Masks masks;
+  for (const phantom::Ball& ball : phantom::kBalls) {
+    masks.push_back(make_mask({phantom::kSize, phantom::kSize, phantom::kSize}, [&](auto i, auto j, auto k) {
+      return ball.holds(static_cast<int>(i), static_cast<int>(j), static_cast<int>(k));
+    }));
+  }
+  return masks;
+}
+
+TEST(ExtractSurfaces, TheGoldenPhantomHasThePapersTriangles) {
+  const Extracted e = extract(phantom_masks(), grid_of({phantom::kSize, phantom::kSize, phantom::kSize}));
+  ASSERT_EQ(e.surfaces.surfaces.size(), 2u);
+  EXPECT_EQ(e.surfaces.surfaces[0].triangles.size(), 3704u);
+  EXPECT_EQ(e.surfaces.surfaces[1].triangles.size(), 1352u);
+}
+
+TEST(ExtractSurfaces, TrianglesFaceOutwardsWhateverTheGrid) {
+  for (const bool mirrored : {false, true}) {
+    Grid grid = grid_of({phantom::kSize, phantom::kSize, phantom::kSize});
+    grid.direction_lps = oblique(mirrored);
+    grid.spacing_mm = {0.5, 0.8, 2};
+    const Extracted e = extract(phantom_masks(), grid);
+    for (std::size_t n = 0; n < 2; ++n) {
+      const SurfaceMesh& mesh = e.surfaces.surfaces[n];
+      EXPECT_TRUE(is_closed(mesh));
+      // A ball of voxels, give or take the half voxel of its rim.
+      const double r = phantom::kBalls[n].radius;
+      EXPECT_NEAR(enclosed_mm3(grid, mesh), 0.5 * 0.8 * 2 * 4 / 3 * M_PI * r * r * r,
+                  0.05 * 0.8 * 4 / 3 * M_PI * r * r * r);
+    }
+  }
+}
+
+TEST(ExtractSurfaces, NormalsOfABallPointAwayFromItsCentre) {
+  for (const bool mirrored : {false, true}) {
+    Grid grid = grid_of({41, 41, 41});
+    grid.direction_lps = oblique(mirrored);
+    const Masks ball{make_mask(grid.size, [](auto i, auto j, auto k) {
+      return (i - 20) * (i - 20) + (j - 20) * (j - 20) + (k - 20) * (k - 20) < 18 * 18;
+    })};
+    const Extracted e = extract(ball, grid);
+    const SurfaceMesh& mesh = e.surfaces.surfaces[0];
+    const Vec3 center = index_to_lps_mm(grid).apply({20, 20, 20});
+    double sum = 0;
+    for (std::uint32_t v = 0; v < mesh.positions_ijk.size(); ++v) {
+      const Vec3 at = position_mm(grid, mesh, v);
+      double along = 0, length = 0, unit = 0;
+      for (std::size_t a = 0; a < 3; ++a) {
+        along += (at[a] - center[a]) * mesh.normals_lps[v][a];
+        length += (at[a] - center[a]) * (at[a] - center[a]);
+        unit += mesh.normals_lps[v][a] * mesh.normals_lps[v][a];
+      }
+      EXPECT_NEAR(unit, 1, 1e-5);
+      const double cosine = along / std::sqrt(length);
+      EXPECT_GT(cosine, std::cos(15 * M_PI / 180));  // the steps of voxels, smoothed over one
+      sum += cosine;
+    }
+    EXPECT_GT(sum / static_cast<double>(mesh.positions_ijk.size()), std::cos(5 * M_PI / 180));
+  }
+}
+
+TEST(ExtractSurfaces, ThePlaneOfAnAnisotropicGridHasItsNormal) {
+  // A half space along k, seen far from the grid's border.
+  Grid grid = grid_of({16, 16, 16});
+  grid.spacing_mm = {1, 2, 5};
+  grid.direction_lps = oblique(true);
+  const Extracted e = extract({make_mask(grid.size, [](auto, auto, auto k) { return k < 8; })}, grid);
+  const SurfaceMesh& mesh = e.surfaces.surfaces[0];
+  std::size_t seen = 0;
+  for (std::size_t v = 0; v < mesh.positions_ijk.size(); ++v) {
+    const auto& [i, j, k] = mesh.positions_ijk[v];
+    if (i < 4 || i > 11 || j < 4 || j > 11 || k < 7) continue;
+    EXPECT_NEAR(mesh.normals_lps[v][2], 1, 1e-6);
+    ++seen;
+  }
+  EXPECT_EQ(seen, 64u);
+}
+
+TEST(ExtractSurfaces, SurfacesCloseAtTheBorderOfTheGrid) {
+  const Grid grid = grid_of({3, 4, 5});
+  const Extracted e = extract({std::vector<std::uint8_t>(60, 1)}, grid);
+  const SurfaceMesh& mesh = e.surfaces.surfaces[0];
+  EXPECT_TRUE(is_closed(mesh));
+  float low = 9, high = -9;
+  for (const auto& p : mesh.positions_ijk) low = std::min(low, p[0]), high = std::max(high, p[0]);
+  EXPECT_EQ(low, -0.5f);
+  EXPECT_EQ(high, 2.5f);
+}
+
+RC_GTEST_PROP(ExtractSurfaces, EveryTriangleIsListedUnderItsLeadingVoxel, ()) {
+  const Index3 size{*rc::gen::inRange<std::int64_t>(1, 7), *rc::gen::inRange<std::int64_t>(1, 7),
+                    *rc::gen::inRange<std::int64_t>(1, 7)};
+  const Grid grid = grid_of(size);
+  Masks masks;
+  for (int s = 0; s < 2; ++s) {
+    masks.push_back(*rc::gen::container<std::vector<std::uint8_t>>(static_cast<std::size_t>(grid.voxels()),
+                                                                   rc::gen::element<std::uint8_t>(0, 1)));
+  }
+  const Extracted e = extract(masks, grid);
+  for (StructureIndex s = 0; s < 2; ++s) {
+    const SurfaceMesh& mesh = e.surfaces.surfaces[s];
+    RC_ASSERT(is_closed(mesh));
+    RC_ASSERT(mesh.normals_lps.size() == mesh.positions_ijk.size());
+    const auto boundary = [&](std::int64_t i, std::int64_t j, std::int64_t k) {
+      if (!grid.contains(i, j, k)) return false;
+      for (const Membership& m : e.classification.classes.members(
+               e.classification.volume[static_cast<std::size_t>(grid.offset(i, j, k))])) {
+        if (m.structure == s && m.part == Part::kBoundary) return true;
+      }
+      return false;
+    };
+    std::int64_t previous = -1;
+    for (const auto& t : mesh.triangles) {
+      // The cell: every corner of the triangle is on one of its edges.
+      Index3 cell;
+      for (std::size_t a = 0; a < 3; ++a) {
+        const float low =
+            std::min({mesh.positions_ijk[t[0]][a], mesh.positions_ijk[t[1]][a], mesh.positions_ijk[t[2]][a]});
+        const float high =
+            std::max({mesh.positions_ijk[t[0]][a], mesh.positions_ijk[t[1]][a], mesh.positions_ijk[t[2]][a]});
+        cell[a] = static_cast<std::int64_t>(std::floor(low));
+        RC_ASSERT(high <= static_cast<float>(cell[a] + 1));
+      }
+      std::int64_t leading = -1;
+      for (std::int64_t corner = 7; corner >= 0; --corner) {
+        const std::int64_t i = cell[0] + corner % 2, j = cell[1] + corner / 2 % 2, k = cell[2] + corner / 4;
+        if (boundary(i, j, k)) leading = grid.offset(i, j, k);
+      }
+      RC_ASSERT(leading >= 0);
+      RC_ASSERT(leading >= previous);
+      previous = leading;
+    }
+  }
+  // Boundary normals: one per voxel of a class with a boundary membership.
+  for (ClassId c = 0; c < e.classification.classes.size(); ++c) {
+    bool any = false;
+    for (const Membership& m : e.classification.classes.members(c)) any = any || m.part == Part::kBoundary;
+    RC_ASSERT(e.surfaces.boundary_normals[c].size() == (any ? e.classification.classes.voxels(c) : 0));
+  }
+  // Threads do not show.
+  const Extracted alone = extract(masks, grid, 1);
+  RC_ASSERT(alone.surfaces.surfaces == e.surfaces.surfaces);
+  RC_ASSERT(alone.surfaces.boundary_normals == e.surfaces.boundary_normals);
+}
+
+TEST(ExtractSurfaces, BoundaryNormalsStandInMemoryOrder) {
+  // A slab: below, voxels look down; above, up.
+  int seen = 0;
+  const Grid grid = grid_of({9, 9, 9});
+  const Extracted e =
+      extract({make_mask(grid.size, [](auto, auto, auto k) { return k >= 2 && k <= 6; })}, grid);
+  for (ClassId c = 0; c < e.classification.classes.size(); ++c) {
+    std::size_t n = 0;
+    for (std::size_t v = 0; v < e.classification.volume.size(); ++v) {
+      if (e.classification.volume[v] != c || e.surfaces.boundary_normals[c].empty()) continue;
+      const auto normal = unpack_normal(e.surfaces.boundary_normals[c][n++]);
+      const auto i = static_cast<std::int64_t>(v % 9), j = static_cast<std::int64_t>(v / 9 % 9),
+                 k = static_cast<std::int64_t>(v / 81);
+      if (i != 4 || j != 4) continue;
+      if (k == 2 || k == 6) {
+        EXPECT_GT(normal[2] * (k == 2 ? -1 : 1), 0.99);
+        ++seen;
+      }
+    }
+  }
+  EXPECT_EQ(seen, 2);
+}
+
+}  // namespace
+}  // namespace splatlas
