@@ -88,7 +88,8 @@ Result<ParallelView> parallel_view(const Camera& camera, const PictureSize& size
   view.up_lps = {-sin_elevation * sin_azimuth, sin_elevation * cos_azimuth, cos_elevation};
   view.right_lps = {cos_azimuth, sin_azimuth, 0};
   view.center_lps_mm = center;
-  view.mm_per_pixel = 2.0 * display.radius_mm / (kFit * std::min(size.width, size.height) * camera.zoom);
+  const double radius_mm = display.radius_mm > 0 ? display.radius_mm : 1;  // 0: an atlas of no voxels
+  view.mm_per_pixel = 2.0 * radius_mm / (kFit * std::min(size.width, size.height) * camera.zoom);
   view.size = size;
   return view;
 }

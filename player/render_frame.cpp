@@ -1,6 +1,7 @@
 #include "player/render_frame.h"
 
 #include <array>
+#include <cmath>
 #include <optional>
 #include <utility>
 
@@ -18,6 +19,9 @@
 
 namespace splatlas {
 namespace {
+
+/// A forced principal axis may not be closer than about half a degree to a right angle to the view.
+constexpr double kMaxSlope = 100;
 
 std::uint64_t default_memory_limit() {
   const long pages = sysconf(_SC_PHYS_PAGES);
@@ -170,6 +174,11 @@ Result<Picture> Renderer::render(const Camera& camera, const RenderOptions& opti
   const Grid& grid = r.atlas->grid();
   SPLATLAS_ASSIGN_OR_RETURN(const ParallelView view, parallel_view(camera, options.size, r.atlas->display()));
   const Shear shear = factorise(view, grid, options.principal_axis ? &*options.principal_axis : nullptr);
+  if (!(std::abs(shear.slope_u) <= kMaxSlope && std::abs(shear.slope_v) <= kMaxSlope)) {
+    return fail(ErrorCode::kUsage,
+                fmt::format("principal axis {}: the view runs along its slices; take another",
+                            "xyz"[static_cast<std::size_t>(shear.principal)]));
+  }
 
   Stopwatch watch;
   SPLATLAS_RETURN_IF_ERROR(r.decode(shear.principal));
