@@ -1,0 +1,57 @@
+#include "format/result.h"
+
+#include <memory>
+
+#include <gtest/gtest.h>
+
+namespace splatlas {
+namespace {
+
+TEST(Result, ExitStatusesAreThoseOfTheManual) {
+  EXPECT_EQ(exit_status(ErrorCode::kFailed), 1);
+  EXPECT_EQ(exit_status(ErrorCode::kUsage), 2);
+  EXPECT_EQ(exit_status(ErrorCode::kInvalidAtlas), 3);
+  EXPECT_EQ(exit_status(ErrorCode::kNotFound), 4);
+  EXPECT_EQ(exit_status(ErrorCode::kLimit), 1);
+}
+
+Result<std::unique_ptr<int>> make(bool works) {
+  if (!works) return fail(ErrorCode::kLimit, "too much");
+  return std::make_unique<int>(7);
+}
+
+Result<void> check(bool works) {
+  if (!works) return fail(ErrorCode::kUsage, "wrong");
+  return {};
+}
+
+Result<int> both(bool first, bool second, int& reached) {
+  SPLATLAS_RETURN_IF_ERROR(check(first));
+  reached = 1;
+  SPLATLAS_ASSIGN_OR_RETURN(const std::unique_ptr<int> value, make(second));  // moved, not copied
+  reached = 2;
+  return *value;
+}
+
+TEST(Result, MacrosPassErrorsOn) {
+  int reached = 0;
+  const auto first = both(false, true, reached);
+  ASSERT_FALSE(first);
+  EXPECT_EQ(first.error().code, ErrorCode::kUsage);
+  EXPECT_EQ(first.error().message, "wrong");
+  EXPECT_EQ(reached, 0);
+
+  const auto second = both(true, false, reached);
+  ASSERT_FALSE(second);
+  EXPECT_EQ(second.error().code, ErrorCode::kLimit);
+  EXPECT_EQ(second.error().message, "too much");
+  EXPECT_EQ(reached, 1);
+
+  const auto third = both(true, true, reached);
+  ASSERT_TRUE(third);
+  EXPECT_EQ(*third, 7);
+  EXPECT_EQ(reached, 2);
+}
+
+}  // namespace
+}  // namespace splatlas
