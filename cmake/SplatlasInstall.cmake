@@ -10,9 +10,11 @@ foreach(program splatlas-preprocess splatlas-player)
   endif()
 endforeach()
 
-if(TARGET splatlas_pictures)  # loaded by splatlas-player
-  install(TARGETS splatlas_pictures LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
-endif()
+foreach(module splatlas_pictures splatlas_window)  # loaded by splatlas-player
+  if(TARGET ${module})
+    install(TARGETS ${module} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
+  endif()
+endforeach()
 
 foreach(library splatlas_format splatlas_player)
   if(TARGET ${library})

@@ -22,8 +22,8 @@ struct Camera {
   double azimuth_deg = 0;
   double elevation_deg = 0;
   double zoom = 1;  ///< 1 fits the ball around the atlas's structures into the picture
-  std::optional<Vec3>
-      center_lps_mm;  ///< what the middle of the picture shows; the ball's centre when not set
+  std::optional<Vec3> center_lps_mm =
+      std::nullopt;  ///< what the middle of the picture shows; the ball's centre when not set
 
   /// superior and inferior look along the body axis with anterior up, as anatomists hold an atlas.
   [[nodiscard]] static Camera of(NamedView view);

@@ -1,0 +1,51 @@
+// Where things are on screen, for scripts that use the mouse.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include <imgui.h>
+#include <nlohmann/json.hpp>
+
+#include "format/selection.h"
+#include "player/window/session_log.h"
+
+namespace splatlas {
+
+/// Collects places in one frame and logs them ("layout") when they differ from the last ones. Does nothing
+/// when nothing is logged.
+class LayoutLog {
+ public:
+  explicit LayoutLog(const SessionLog& log) : log_(log) {}
+
+  /// The latest item: its middle.
+  void item(std::string_view name) { place(name, ImGui::GetItemRectMin(), ImGui::GetItemRectMax()); }
+  /// A rectangle, as [x, y, width, height].
+  void area(std::string_view name, ImVec2 min, ImVec2 max) {
+    if (log_.on()) layout_[std::string(name)] = {min.x, min.y, max.x - min.x, max.y - min.y};
+  }
+  /// A row of the tree: the latest item is its button for `part` ("off", "volume", ..., "name", "arrow").
+  void row_item(std::string_view row, std::string_view part) {
+    if (!log_.on()) return;
+    layout_["rows"][std::string(row)][std::string(part)] =
+        middle(ImGui::GetItemRectMin(), ImGui::GetItemRectMax());
+  }
+
+  void finish() {
+    if (log_.on() && layout_ != logged_) log_.write("layout", logged_ = layout_);
+    layout_ = nlohmann::ordered_json::object();
+  }
+
+ private:
+  void place(std::string_view name, ImVec2 min, ImVec2 max) {
+    if (log_.on()) layout_[std::string(name)] = middle(min, max);
+  }
+  static nlohmann::ordered_json middle(ImVec2 min, ImVec2 max) {
+    return {static_cast<int>((min.x + max.x) / 2), static_cast<int>((min.y + max.y) / 2)};
+  }
+
+  const SessionLog& log_;
+  nlohmann::ordered_json layout_ = nlohmann::ordered_json::object(), logged_;
+};
+
+}  // namespace splatlas

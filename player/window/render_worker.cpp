@@ -1,0 +1,187 @@
+#include "player/window/render_worker.h"
+
+#include <algorithm>
+#include <exception>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "player/pictures/picture_file.h"
+
+namespace splatlas {
+namespace {
+
+/// Requests must have paused for this long before a picture is refined.
+constexpr std::chrono::milliseconds kStill{120};
+/// Drafts slower than this get fewer pixels, drafts quicker than that more again.
+constexpr double kSlowDraftMs = 70, kQuickDraftMs = 20;
+constexpr int kMostDraftDivisor = 4;
+constexpr Rgb kBackground{0, 0, 0};
+
+/// Runs what may throw for want of memory; the window goes on.
+template <typename Work>
+auto guarded(Work work) -> decltype(work()) {
+  try {
+    return work();
+  } catch (const std::exception& exception) {
+    return fail(ErrorCode::kLimit, fmt::format("cannot render: {}; select less", exception.what()));
+  }
+}
+
+}  // namespace
+
+RenderWorker::RenderWorker(std::shared_ptr<const Atlas> atlas, const RendererOptions& options,
+                           std::function<void()> wake)
+    : renderer_(std::move(atlas), options), wake_(std::move(wake)), thread_([this] { run(); }) {}
+
+RenderWorker::~RenderWorker() {
+  {
+    const std::lock_guard lock(mutex_);
+    stop_ = true;
+  }
+  changed_.notify_one();
+  thread_.join();
+}
+
+void RenderWorker::show(FrameRequest request) {
+  {
+    const std::lock_guard lock(mutex_);
+    request_ = std::move(request);
+    unrefined_.reset();
+    refine_at_ = Clock::now() + kStill;
+  }
+  changed_.notify_one();
+}
+
+void RenderWorker::pick(double u, double v) {
+  {
+    const std::lock_guard lock(mutex_);
+    point_ = Point{u, v};
+  }
+  changed_.notify_one();
+}
+
+void RenderWorker::save(FrameRequest request, std::filesystem::path path) {
+  {
+    const std::lock_guard lock(mutex_);
+    saves_.push_back({std::move(request), std::move(path)});
+  }
+  changed_.notify_one();
+}
+
+std::vector<WorkerEvent> RenderWorker::take_events() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(events_, {});
+}
+
+void RenderWorker::tell(WorkerEvent event) {
+  {
+    const std::lock_guard lock(mutex_);
+    events_.push_back(std::move(event));
+  }
+  wake_();
+}
+
+/// False when it is time to stop.
+bool RenderWorker::wait_for_work(std::unique_lock<std::mutex>& lock) {
+  const auto urgent = [this] { return stop_ || request_ || point_ || !saves_.empty(); };
+  while (!urgent()) {
+    if (!unrefined_) {
+      changed_.wait(lock);
+    } else if (changed_.wait_until(lock, refine_at_) == std::cv_status::timeout) {
+      break;
+    }
+  }
+  return !stop_;
+}
+
+void RenderWorker::run() {
+  std::unique_lock lock(mutex_);
+  while (wait_for_work(lock)) {
+    if (request_) {
+      const FrameRequest request = *std::exchange(request_, std::nullopt);
+      lock.unlock();
+      render_frame(request, Quality::kDraft);
+    } else if (point_) {
+      const Point point = *std::exchange(point_, std::nullopt);
+      lock.unlock();
+      answer(point);
+    } else if (!saves_.empty()) {
+      const SaveJob job = std::move(saves_.front());
+      saves_.erase(saves_.begin());
+      lock.unlock();
+      save_picture(job);
+    } else if (unrefined_) {
+      const FrameRequest request = *std::exchange(unrefined_, std::nullopt);
+      lock.unlock();
+      render_frame(request, Quality::kNormal);
+    }
+    lock.lock();
+  }
+}
+
+Result<void> RenderWorker::select(const FrameRequest& request) {
+  if (request.selection == selected_) return {};
+  SPLATLAS_RETURN_IF_ERROR(renderer_.select(*request.selection));
+  selected_ = request.selection;
+  return {};
+}
+
+Result<Picture> RenderWorker::render(const FrameRequest& request, Quality quality) {
+  SPLATLAS_RETURN_IF_ERROR(select(request));
+  RenderOptions options;
+  options.size = quality == Quality::kDraft ? draft_size(request.size) : request.size;
+  options.quality = quality;
+  SPLATLAS_ASSIGN_OR_RETURN(Picture picture, renderer_.render(request.camera, options));
+  rendered_ = picture.size;
+  return picture;
+}
+
+void RenderWorker::render_frame(const FrameRequest& request, Quality quality) {
+  const auto make_frame = [&]() -> Result<std::shared_ptr<const Frame>> {
+    SPLATLAS_ASSIGN_OR_RETURN(const Picture picture, render(request, quality));
+    return std::make_shared<const Frame>(
+        Frame{request, picture.size, to_srgb8(picture, kBackground), quality, renderer_.stats()});
+  };
+  Result<std::shared_ptr<const Frame>> frame = guarded(make_frame);
+  if (!frame) {
+    tell(FrameFailed{request, std::move(frame).error()});
+    return;
+  }
+  const bool draft = quality == Quality::kDraft;
+  if (draft) {
+    adapt_drafts((*frame)->stats.render_ms);
+    const std::lock_guard lock(mutex_);
+    if (!request_) unrefined_ = request;
+  }
+  tell(FrameDone{*std::move(frame), !draft});
+}
+
+void RenderWorker::answer(const Point& point) {
+  const auto pick = guarded([&]() -> Result<std::optional<Pick>> {
+    return renderer_.pick(point.u * rendered_.width, point.v * rendered_.height);
+  });
+  Picked picked;
+  if (pick && *pick) picked.structure = (*pick)->structure;
+  tell(picked);
+}
+
+void RenderWorker::save_picture(const SaveJob& job) {
+  Result<void> result = guarded([&]() -> Result<void> {
+    PictureWriter writer;
+    SPLATLAS_ASSIGN_OR_RETURN(const Picture picture, render(job.request, Quality::kHigh));
+    return writer.write(picture, job.path, kBackground);
+  });
+  tell(PictureSaved{job.path, std::move(result)});
+}
+
+PictureSize RenderWorker::draft_size(const PictureSize& size) const {
+  return {std::max(1, size.width / draft_divisor_), std::max(1, size.height / draft_divisor_)};
+}
+
+void RenderWorker::adapt_drafts(double ms) {
+  if (ms > kSlowDraftMs) draft_divisor_ = std::min(draft_divisor_ + 1, kMostDraftDivisor);
+  if (ms < kQuickDraftMs) draft_divisor_ = std::max(draft_divisor_ - 1, 1);
+}
+
+}  // namespace splatlas

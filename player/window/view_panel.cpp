@@ -1,0 +1,194 @@
+#include "player/window/view_panel.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "player/window/camera_moves.h"
+
+namespace splatlas {
+namespace {
+
+constexpr double kWheelZoom = 1.15;
+constexpr ImU32 kLetterColor = IM_COL32(255, 214, 120, 230);
+
+/// The view on screen: top left corner and size in window coordinates, and its pixels.
+struct ViewArea {
+  ImVec2 min, size;
+  PictureSize pixels;
+
+  [[nodiscard]] ImVec2 max() const { return {min.x + size.x, min.y + size.y}; }
+  [[nodiscard]] double pixels_per_unit() const { return pixels.width / static_cast<double>(size.x); }
+};
+
+ViewArea area_here(float height_below) {
+  const ImVec2 room = ImGui::GetContentRegionAvail();
+  const ImVec2 scale = ImGui::GetIO().DisplayFramebufferScale;
+  ViewArea area{
+      ImGui::GetCursorScreenPos(), {std::max(16.0f, room.x), std::max(16.0f, room.y - height_below)}, {}};
+  area.pixels = {std::clamp(static_cast<int>(std::lround(area.size.x * scale.x)), 1, kMaxPictureSide),
+                 std::clamp(static_cast<int>(std::lround(area.size.y * scale.y)), 1, kMaxPictureSide)};
+  return area;
+}
+
+ViewPoint pointer_in(const ViewArea& area) {
+  const ImVec2 mouse = ImGui::GetIO().MousePos;
+  return {(mouse.x - area.min.x) / static_cast<double>(area.size.x),
+          (mouse.y - area.min.y) / static_cast<double>(area.size.y)};
+}
+
+/// Turns or moves the camera while a button is held; true while it does.
+bool drag(Session& session, const ViewArea& area) {
+  const ImGuiIO& io = ImGui::GetIO();
+  const double scale = area.pixels_per_unit();
+  const double dx = io.MouseDelta.x * scale, dy = io.MouseDelta.y * scale;
+  const bool left = ImGui::IsMouseDragging(ImGuiMouseButton_Left);
+  const bool other =
+      ImGui::IsMouseDragging(ImGuiMouseButton_Right) || ImGui::IsMouseDragging(ImGuiMouseButton_Middle);
+  if (other || (left && io.KeyShift)) {
+    session.set_camera(moved_by_drag(session.camera(), dx, dy, area.pixels, session.atlas().display()));
+  } else if (left) {
+    session.set_camera(turned_by_drag(session.camera(), dx, dy, area.pixels));
+  }
+  return left || other;
+}
+
+void click(Session& session) {
+  if (session.hovered()) {
+    session.choose(*session.hovered(), true);
+  } else {
+    session.choose_nothing();
+  }
+}
+
+void mouse(Session& session, const ViewArea& area) {
+  ImGui::InvisibleButton("view", area.size,
+                         ImGuiButtonFlags_MouseButtonLeft | ImGuiButtonFlags_MouseButtonRight |
+                             ImGuiButtonFlags_MouseButtonMiddle);
+  const bool dragging = ImGui::IsItemActive() && drag(session, area);
+  const bool hovered = ImGui::IsItemHovered();
+  const ViewPoint point = pointer_in(area);
+  session.point_at(hovered && !dragging ? std::optional(point) : std::nullopt);
+  if (!hovered) return;
+  const ImGuiIO& io = ImGui::GetIO();
+  if (ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left)) {
+    session.reset_view();
+  } else if (ImGui::IsMouseReleased(ImGuiMouseButton_Left) &&
+             io.MouseDragMaxDistanceSqr[0] < io.MouseDragThreshold * io.MouseDragThreshold) {
+    click(session);
+  }
+  if (io.MouseWheel != 0) {
+    session.set_camera(zoomed_at(session.camera(), std::pow(kWheelZoom, io.MouseWheel),
+                                 point.u * area.pixels.width, point.v * area.pixels.height, area.pixels,
+                                 session.atlas().display()));
+  }
+}
+
+/// In the middle of the area, as large as fits: another size than the area's is on its way.
+void draw_picture(const PictureTexture& texture, const ViewArea& area) {
+  ImDrawList& draw = *ImGui::GetWindowDrawList();
+  draw.AddRectFilled(area.min, area.max(), IM_COL32_BLACK);
+  if (!texture.frame()) return;
+  const PictureSize& size = texture.frame()->request.size;
+  const float scale =
+      std::min(area.size.x / static_cast<float>(size.width), area.size.y / static_cast<float>(size.height));
+  const ImVec2 half{static_cast<float>(size.width) * scale / 2, static_cast<float>(size.height) * scale / 2};
+  const ImVec2 middle{area.min.x + area.size.x / 2, area.min.y + area.size.y / 2};
+  draw.AddImage(texture.id(), {middle.x - half.x, middle.y - half.y}, {middle.x + half.x, middle.y + half.y});
+}
+
+/// Text that stays readable upon any picture.
+void draw_over_picture(ImVec2 at, ImU32 color, const std::string& text) {
+  ImDrawList& draw = *ImGui::GetWindowDrawList();
+  const float shadow = std::max(1.0f, ImGui::GetFontSize() / 14);
+  for (const ImVec2 offset : {ImVec2{-shadow, 0}, ImVec2{shadow, 0}, ImVec2{0, -shadow}, ImVec2{0, shadow}}) {
+    draw.AddText({at.x + offset.x, at.y + offset.y}, IM_COL32(0, 0, 0, 200), text.c_str());
+  }
+  draw.AddText(at, color, text.c_str());
+}
+
+/// Where right, left, up and down are, in anatomical letters at the edges.
+void draw_letters(const Session& session, const ViewArea& area, const Fonts& fonts) {
+  const auto view = parallel_view(session.camera(), area.pixels, session.atlas().display());
+  if (!view) return;
+  const auto opposite = [](const Vec3& v) { return Vec3{-v[0], -v[1], -v[2]}; };
+  ImGui::PushFont(fonts.large);
+  const float edge = ImGui::GetFontSize() * 0.5f;
+  const ImVec2 middle{area.min.x + area.size.x / 2, area.min.y + area.size.y / 2}, max = area.max();
+  const auto letters = [&](const Vec3& direction, float x_share, float y_share, ImVec2 at) {
+    const std::string text = orientation_letters(direction);
+    const ImVec2 size = ImGui::CalcTextSize(text.c_str());
+    draw_over_picture({at.x - size.x * x_share, at.y - size.y * y_share}, kLetterColor, text);
+  };
+  letters(view->right_lps, 1, 0.5f, {max.x - edge, middle.y});
+  letters(opposite(view->right_lps), 0, 0.5f, {area.min.x + edge, middle.y});
+  letters(view->up_lps, 0.5f, 0, {middle.x, area.min.y + edge * 0.5f});
+  letters(opposite(view->up_lps), 0.5f, 1, {middle.x, max.y - edge * 0.5f});
+  ImGui::PopFont();
+}
+
+/// Top left: the view's name or angles. Top right: whether a better picture is on its way.
+void draw_view_state(const Session& session, const ViewArea& area) {
+  const Camera& camera = session.camera();
+  const float gap = ImGui::GetFontSize() * 0.8f;
+  const auto view = view_of(camera);
+  std::string text =
+      view ? fmt::format("{} view", title_of(*view))
+           : fmt::format("azimuth {:.0f}, elevation {:.0f}", camera.azimuth_deg, camera.elevation_deg);
+  if (std::abs(camera.zoom - 1) > 0.005) text += fmt::format(", zoom {:.2f}", camera.zoom);
+  draw_over_picture({area.min.x + gap, area.min.y + gap}, kDimColor, text);
+  if (!session.refining()) return;
+  const std::string mark = session.frame() ? "refining ..." : "reading ...";
+  const float width = ImGui::CalcTextSize(mark.c_str()).x;
+  draw_over_picture({area.max().x - gap - width, area.min.y + gap}, kLetterColor, mark);
+}
+
+float caption_height(const Fonts& fonts) {
+  return fonts.large->FontSize * 1.25f;
+}
+
+/// Below the picture: the name under the pointer, large, and where it belongs.
+void draw_caption(const Session& session, const ViewArea& area, const Fonts& fonts) {
+  const float height = caption_height(fonts), side = fonts.large->FontSize * 0.7f;
+  const ImVec2 start{area.min.x, area.max().y};
+  ImGui::SetCursorScreenPos(start);
+  ImGui::Dummy({area.size.x, height});
+  if (!session.hovered()) return;
+  const Structure& structure = session.graph()[*session.hovered()];
+  ImDrawList& draw = *ImGui::GetWindowDrawList();
+  ImGui::PushClipRect(start, {area.max().x, start.y + height}, true);
+  const float top = start.y + (height - side) / 2;
+  draw.AddRectFilled({start.x, top}, {start.x + side, top + side}, ui_color(structure.color), 4);
+  ImGui::PushFont(fonts.large);
+  const ImVec2 name_at{start.x + side * 1.5f, start.y + (height - ImGui::GetFontSize()) / 2};
+  const float name_width = ImGui::CalcTextSize(structure.name.c_str()).x;
+  draw.AddText(name_at, IM_COL32_WHITE, structure.name.c_str());
+  ImGui::PopFont();
+  const auto paths = session.graph().paths(*session.hovered(), 1);
+  if (!paths.empty() && paths.front() != structure.name) {
+    const float gap = ImGui::GetFontSize() * 1.2f;
+    draw.AddText({name_at.x + name_width + gap, start.y + (height - ImGui::GetFontSize()) / 2}, kDimColor,
+                 paths.front().c_str());
+  }
+  ImGui::PopClipRect();
+}
+
+}  // namespace
+
+void view_panel(Session& session, PictureTexture& texture, const Fonts& fonts, LayoutLog& layout,
+                float height_below) {
+  const ViewArea area = area_here(height_below + caption_height(fonts));
+  session.resize(area.pixels);
+  layout.area("view", area.min, area.max());
+  mouse(session, area);
+  texture.show(session.frame());
+  ImGui::PushClipRect(area.min, area.max(), true);
+  draw_picture(texture, area);
+  draw_letters(session, area, fonts);
+  draw_view_state(session, area);
+  ImGui::PopClipRect();
+  draw_caption(session, area, fonts);
+}
+
+}  // namespace splatlas

@@ -1,0 +1,13 @@
+// The buttons above the picture.
+#pragma once
+
+#include "player/window/layout_log.h"
+#include "player/window/session.h"
+#include "player/window/ui_state.h"
+
+namespace splatlas {
+
+/// Named views, reset, save, help: one line.
+void view_toolbar(Session& session, UiState& ui, LayoutLog& layout);
+
+}  // namespace splatlas

@@ -1,0 +1,131 @@
+#include "player/window/window_loop.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "player/window/selection_bar.h"
+#include "player/window/shortcuts.h"
+#include "player/window/structure_details.h"
+#include "player/window/structure_panel.h"
+#include "player/window/view_panel.h"
+#include "player/window/view_toolbar.h"
+#include "player/window/window_host.h"
+
+namespace splatlas {
+namespace {
+
+/// ImGui settles hovers and new sizes in the frames after an event.
+constexpr int kFramesPerEvent = 3;
+/// While a field has the keyboard its cursor blinks.
+constexpr int kBlinkMs = 300;
+constexpr int kForEver = -1;
+
+class Window {
+ public:
+  Window(WindowHost& host, Session& session)
+      : host_(host), session_(session), fonts_(apply_theme(host.ui_scale())), layout_(session.log()) {}
+
+  void run() {
+    int frames = kFramesPerEvent;
+    bool announced = false;
+    while (!ui_.quit) {
+      if (frames > 0) {
+        --frames;
+        draw_frame();
+        if (!std::exchange(announced, true))
+          session_.log().write("ready", {{"atlas", session_.atlas().name()}});
+      }
+      bool any = false;
+      const auto handle = [&](const SDL_Event& event) { any |= handle_event(event); };
+      const bool blinking = ImGui::GetIO().WantTextInput;
+      host_.wait(frames > 0 ? 0 : blinking ? kBlinkMs : kForEver, handle);
+      if (any) frames = kFramesPerEvent;
+      if (blinking) frames = std::max(frames, 1);
+    }
+    session_.log().write("closed", nlohmann::ordered_json::object());
+  }
+
+ private:
+  /// True: draw again.
+  bool handle_event(const SDL_Event& event) {
+    switch (event.type) {
+      case SDL_QUIT: ui_.quit = true; break;
+      case SDL_KEYDOWN: press(event.key); break;
+      case SDL_MOUSEBUTTONDOWN: ui_.black_screen = false; break;
+      default: break;
+    }
+    return true;
+  }
+
+  void press(const SDL_KeyboardEvent& key) {
+    if (std::exchange(ui_.black_screen, false)) return;
+    if (ui_.show_help && key.keysym.sym != SDLK_F1) {
+      ui_.show_help = false;
+      return;
+    }
+    if (handle_global_key(key, session_, ui_)) return;
+    if (!ImGui::GetIO().WantTextInput) handle_key(key, session_, ui_);
+  }
+
+  void draw_frame() {
+    host_.begin_frame();
+    draw_panels();
+    layout_.finish();
+    session_.update();
+    host_.end_frame();
+  }
+
+  void draw_panels() {
+    const ImVec2 screen = ImGui::GetIO().DisplaySize;
+    constexpr ImGuiWindowFlags kFlags =
+        ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings |
+        ImGuiWindowFlags_NoBringToFrontOnFocus | ImGuiWindowFlags_NoScrollWithMouse;
+    if (ui_.black_screen) {
+      ImGui::GetForegroundDrawList()->AddRectFilled({0, 0}, screen, IM_COL32_BLACK);
+      return;
+    }
+    const float left = std::clamp(screen.x * 0.31f, ImGui::GetFontSize() * 22, ImGui::GetFontSize() * 30);
+    ImGui::SetNextWindowPos({0, 0});
+    ImGui::SetNextWindowSize({left, screen.y});
+    if (ImGui::Begin("structures", nullptr, kFlags)) {
+      structure_panel(session_, ui_, fonts_, layout_, structure_details_height());
+      structure_details(session_, fonts_, layout_);
+    }
+    ImGui::End();
+    ImGui::SetNextWindowPos({left, 0});
+    ImGui::SetNextWindowSize({std::max(1.0f, screen.x - left), screen.y});
+    if (ImGui::Begin("picture", nullptr, kFlags)) {
+      view_toolbar(session_, ui_, layout_);
+      view_panel(session_, texture_, fonts_, layout_,
+                 SelectionBar::height() + ImGui::GetStyle().ItemSpacing.y);
+      selection_bar_.draw(session_, ui_, fonts_, layout_);
+    }
+    ImGui::End();
+    help_overlay(ui_);
+  }
+
+  WindowHost& host_;
+  Session& session_;
+  Fonts fonts_;
+  LayoutLog layout_;
+  PictureTexture texture_;
+  SelectionBar selection_bar_;
+  UiState ui_;
+};
+
+}  // namespace
+
+Result<void> run_window_loop(const std::filesystem::path& path, unsigned threads) {
+  SPLATLAS_ASSIGN_OR_RETURN(std::shared_ptr<const Atlas> atlas, Atlas::open(path));
+  SPLATLAS_ASSIGN_OR_RETURN(SessionLog log, SessionLog::from_environment());
+  const std::string title = fmt::format("{} - Splatlas", path.filename().string());
+  SPLATLAS_ASSIGN_OR_RETURN(const std::unique_ptr<WindowHost> host, WindowHost::open(title));
+  Session session(
+      std::move(atlas), {.threads = threads}, [&] { host->wake(); }, std::move(log));
+  Window(*host, session).run();
+  return {};
+}
+
+}  // namespace splatlas

@@ -1,0 +1,17 @@
+// The C boundary of the module that holds the window.
+#pragma once
+
+#include <cstddef>
+
+namespace splatlas {
+
+inline constexpr int kWindowClosed = -1;
+
+/// Shows the atlas at `path` until its window is closed: kWindowClosed. Else the number of an ErrorCode, and
+/// one line of text in `error`.
+using ShowWindow = int (*)(const char* path, unsigned threads, char* error, std::size_t error_size);
+
+inline constexpr const char* kWindowModule = "libsplatlas_window.so";
+inline constexpr const char* kShowWindowName = "splatlas_show_window";
+
+}  // namespace splatlas
