@@ -68,6 +68,7 @@ TEST(FindStructures, PathsEndAtComponents) {
   refusal("Brain/Left");
   refusal("Brain/Cerebellum/");
   refusal("/Brain");
+  refusal("Brain/Cerebellum_Left");  // any other sign is no "/"
   refusal("Cerebellum//Left");
   refusal("");
 }
