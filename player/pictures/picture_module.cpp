@@ -27,6 +27,7 @@ extern "C" __attribute__((visibility("default"))) int splatlas_write_pixels(
   OIIO::ImageSpec spec(width, height, channels, type);
   spec.attribute("oiio:ColorSpace", is_float != 0 ? "Linear" : "sRGB");
   spec.attribute("Software", "Splatlas");
+  spec.attribute("DateTime", "");  // the same picture is the same file, whenever it is made
   if (is_float == 0) spec.attribute("oiio:UnassociatedAlpha", 1);
   if (std::string(ending) == ".jpg") spec.attribute("CompressionQuality", 95);
   if (std::string(ending) == ".exr") spec.attribute("compression", "zip");
