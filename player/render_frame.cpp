@@ -1,5 +1,6 @@
 #include "player/render_frame.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <optional>
@@ -139,14 +140,17 @@ Result<void> Renderer::select(const Selection& selection) {
   Stopwatch watch;
   Impl& r = *impl_;
   DrawPlan plan = r.atlas->tree().plan(selection);
-  const std::uint64_t bytes = span_model_bytes(plan.volume_voxels + plan.hybrid_voxels);
+  const std::uint64_t voxels = plan.volume_voxels + plan.hybrid_voxels;
+  std::uint64_t runs = 0;  // of the worst axis, as if all were selected: the selection's are not known yet
+  for (const Axis axis : kAxes) runs = std::max(runs, r.atlas->runs(axis));
+  const std::uint64_t bytes = span_model_bytes(voxels, std::min(runs, voxels));
   if (bytes > r.max_memory_bytes) {
     return fail(
         ErrorCode::kLimit,
         fmt::format(
             "{}: the selection has {} volume voxels, which take up to {} MiB; {} MiB are allowed. Select "
             "less, or surfaces only",
-            r.atlas->name(), plan.volume_voxels + plan.hybrid_voxels, bytes >> 20, r.max_memory_bytes >> 20));
+            r.atlas->name(), voxels, bytes >> 20, r.max_memory_bytes >> 20));
   }
   r.selection = selection;
   r.plan = std::move(plan);

@@ -129,9 +129,13 @@ SliceSpans build_slice(const BuildContext& context, std::int64_t slice) {
 
 }  // namespace
 
-std::uint64_t span_model_bytes(std::uint64_t voxels) {
-  // Padding at worst doubles short spans; shaded voxels are counted as if all were.
-  return voxels * (2 * kPlanes * sizeof(float) + sizeof(ShadedVoxel));
+std::uint64_t span_model_bytes(std::uint64_t voxels, std::uint64_t runs) {
+  // As if every voxel were shaded, and every run a span with a gap before it. Runs that grey values cut
+  // further lose at least kMaxSpanGap + 1 voxels at each cut, which is worth more than the padding of another
+  // span.
+  constexpr std::uint64_t kLight = kPlanes * sizeof(float);
+  return voxels * (kLight + sizeof(ShadedVoxel)) +
+         runs * ((kSpanPadding + kMaxSpanGap) * kLight + sizeof(Span));
 }
 
 SpanModel build_spans(const SelectedRuns& selected, const DrawPlan& plan, std::span<const VolumeLook> looks,

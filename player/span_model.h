@@ -70,8 +70,8 @@ struct SpanModel {
   }
 };
 
-/// Bytes that the planes of `voxels` voxels take, at most, were they built now.
-[[nodiscard]] std::uint64_t span_model_bytes(std::uint64_t voxels);
+/// Bytes that a model of `voxels` selected voxels in `runs` runs takes at most, offsets of rows left out.
+[[nodiscard]] std::uint64_t span_model_bytes(std::uint64_t voxels, std::uint64_t runs);
 
 /// Looks up what every selected voxel emits and absorbs (classified before interpolation) and packs it into
 /// spans. `looks` and the plan's classes correspond. With `shade`, boundary voxels are listed for

@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
+#include <limits>
 
 #include "format/unit_vector.h"
 
 namespace splatlas {
 namespace {
+
+constexpr std::uint32_t kNoVertex = std::numeric_limits<std::uint32_t>::max();
 
 /// Corners of a tetrahedron, as bits (x, y, z) of a cell's corners.
 using Tetrahedron = std::array<unsigned, 4>;
@@ -36,7 +38,11 @@ Vec3 minus(const Vec3& a, const Vec3& b) {
 class Mesher {
  public:
   Mesher(const std::vector<bool>& mask, const Grid& grid)
-      : mask_(mask), grid_(grid), to_lps_(index_to_lps_mm(grid)) {}
+      : mask_(mask), grid_(grid), to_lps_(index_to_lps_mm(grid)) {
+    std::size_t places = 1;
+    for (std::size_t a = 0; a < 3; ++a) places *= static_cast<std::size_t>(2 * grid.size[a] + 1);
+    vertices_.assign(places, kNoVertex);
+  }
 
   SurfaceMesh make() {
     static const std::vector<Tetrahedron> kTetrahedra = cell_tetrahedra();
@@ -71,13 +77,16 @@ class Mesher {
     if (in.empty() || out.empty()) return;
     const Vec3 outward = minus(middle(out), middle(in));
     if (in.size() == 2) {
-      add({vertex(in[0], out[0]), vertex(in[0], out[1]), vertex(in[1], out[1])}, outward);
-      add({vertex(in[0], out[0]), vertex(in[1], out[1]), vertex(in[1], out[0])}, outward);
+      add({vertex_between(in[0], out[0]), vertex_between(in[0], out[1]), vertex_between(in[1], out[1])},
+          outward);
+      add({vertex_between(in[0], out[0]), vertex_between(in[1], out[1]), vertex_between(in[1], out[0])},
+          outward);
       return;
     }
     const Index3 apex = in.size() == 1 ? in[0] : out[0];
     const std::vector<Index3>& base = in.size() == 1 ? out : in;
-    add({vertex(apex, base[0]), vertex(apex, base[1]), vertex(apex, base[2])}, outward);
+    add({vertex_between(apex, base[0]), vertex_between(apex, base[1]), vertex_between(apex, base[2])},
+        outward);
   }
 
   [[nodiscard]] Vec3 middle(const std::vector<Index3>& corners) const {
@@ -90,17 +99,20 @@ class Mesher {
     return to_lps_.apply(sum);
   }
 
-  std::uint32_t vertex(const Index3& a, const Index3& b) {
-    const Index3 doubled{a[0] + b[0], a[1] + b[1], a[2] + b[2]};
-    const auto [entry, is_new] =
-        vertices_.try_emplace(doubled, static_cast<std::uint32_t>(mesh_.positions_ijk.size()));
-    if (is_new) {
+  std::uint32_t vertex_between(const Index3& a, const Index3& b) {
+    const Index3 doubled{a[0] + b[0], a[1] + b[1], a[2] + b[2]};  // from -1 to 2 * size - 1
+    const Index3& n = grid_.size;
+    const std::int64_t place =
+        ((doubled[2] + 1) * (2 * n[1] + 1) + doubled[1] + 1) * (2 * n[0] + 1) + doubled[0] + 1;
+    std::uint32_t& vertex = vertices_[static_cast<std::size_t>(place)];
+    if (vertex == kNoVertex) {
+      vertex = static_cast<std::uint32_t>(mesh_.positions_ijk.size());
       std::array<float, 3> position{};
-      for (std::size_t n = 0; n < 3; ++n) position[n] = static_cast<float>(doubled[n]) / 2;
+      for (std::size_t axis = 0; axis < 3; ++axis) position[axis] = static_cast<float>(doubled[axis]) / 2;
       mesh_.positions_ijk.push_back(position);
       normals_.push_back({0, 0, 0});
     }
-    return entry->second;
+    return vertex;
   }
 
   void add(std::array<std::uint32_t, 3> triangle, const Vec3& outward) {
@@ -125,8 +137,8 @@ class Mesher {
   const Grid& grid_;
   const Affine to_lps_;
   SurfaceMesh mesh_;
-  std::map<Index3, std::uint32_t> vertices_;  // by the doubled position
-  std::vector<Vec3> normals_;                 // sums over triangles, LPS
+  std::vector<std::uint32_t> vertices_;  // by the doubled position
+  std::vector<Vec3> normals_;            // sums over triangles, LPS
 };
 
 }  // namespace

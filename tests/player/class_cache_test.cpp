@@ -1,0 +1,118 @@
+#include "player/class_cache.h"
+
+#include <cstring>
+
+#include <gtest/gtest.h>
+
+#include "format/atlas_writer.h"
+#include "tests/support/random_scene.h"
+
+namespace splatlas {
+namespace {
+
+/// The values, normals and runs of some classes equal the content's.
+void expect_equal(const AtlasContent& content, const ClassCache& cache, std::span<const ClassId> classes,
+                  Axis axis) {
+  const Grid grid = storage_grid(content);
+  const RunModel model = encode_runs(content.class_volume, grid.size, axis, content.classes.size());
+  const std::size_t bytes = bytes_of(content.values.type);
+  std::vector<std::size_t> met(content.classes.size(), 0);
+  for (std::size_t n = 0; n < content.class_volume.size(); ++n) {
+    const ClassId c = content.class_volume[n];
+    const std::size_t number = met[c]++;
+    if (std::find(classes.begin(), classes.end(), c) == classes.end()) continue;
+    if (bytes > 0) {
+      ASSERT_EQ(std::memcmp(cache.values() + n * bytes, content.values.bytes.data() + n * bytes, bytes), 0);
+    }
+    if (!content.boundary_normals[c].empty()) {
+      ASSERT_EQ(cache.normals()[n], content.boundary_normals[c][number]);
+    }
+  }
+  for (const ClassId c : classes) ASSERT_EQ(cache.runs(c, axis), model.classes[c]);
+}
+
+TEST(ClassCache, HoldsWhatTheAtlasHolds) {
+  for (std::uint32_t number = 0; number < 60; ++number) {
+    const RandomScene scene = random_scene(number);
+    const auto atlas = open_in_memory(scene.content);
+    ThreadPool pool(3);
+    ClassCache cache(atlas);
+    std::vector<ClassId> some;
+    std::vector<ClassId> all;
+    for (ClassId c = 1; c < atlas->classes().size(); ++c) {
+      all.push_back(c);
+      if ((c + number) % 2 == 0) some.push_back(c);
+    }
+    for (const auto& [classes, axis] :
+         {std::pair(some, Axis::kY), {some, Axis::kX}, {all, Axis::kX}, {all, Axis::kZ}}) {
+      ASSERT_TRUE(cache.require(classes, axis, pool));
+      expect_equal(scene.content, cache, classes, axis);
+    }
+    std::vector<StructureIndex> structures;
+    for (StructureIndex s = 0; s < atlas->graph().size(); ++s) structures.push_back(s);
+    ASSERT_TRUE(cache.require_surfaces(structures, pool));
+    for (const StructureIndex s : structures) ASSERT_EQ(cache.surface(s), scene.content.surfaces[s]);
+  }
+}
+
+TEST(ClassCache, ReadsNothingTwiceAndNothingElse) {
+  const RandomScene scene = random_scene(3, 16);
+  const auto bytes = encode_atlas(scene.content);
+  ASSERT_TRUE(bytes);
+  const auto open = [&] { return *Atlas::open_bytes(*bytes); };
+  const auto atlas = open();
+  ASSERT_GE(atlas->classes().size(), 5u);
+  const std::vector<ClassId> some{2, 4};
+  ThreadPool pool(2);
+  ClassCache cache(atlas);
+  ASSERT_TRUE(cache.require(some, Axis::kZ, pool));
+  const Atlas::Counters first = atlas->counters();
+
+  // An atlas that is asked for exactly these parts.
+  const auto other = open();
+  for (const ClassId c : some) {
+    (void)other->read_runs(c, Axis::kZ);
+    (void)other->read_values(c);
+    (void)other->read_normals(c);
+  }
+  EXPECT_EQ(first.read, other->counters().read);
+  EXPECT_EQ(first.decoded, other->counters().decoded);
+
+  ASSERT_TRUE(cache.require(some, Axis::kZ, pool));
+  EXPECT_EQ(atlas->counters().decoded, first.decoded);
+  ASSERT_TRUE(cache.require(some, Axis::kX, pool));
+  for (const ClassId c : some) (void)other->read_runs(c, Axis::kX);
+  EXPECT_EQ(atlas->counters().decoded, other->counters().decoded);
+}
+
+TEST(ClassCache, DamageIsToldAndNothingOfTheDamagedClassIsKept) {
+  const RandomScene scene = random_scene(3, 16);
+  const auto bytes = encode_atlas(scene.content);
+  ASSERT_TRUE(bytes);
+  std::vector<ClassId> all;
+  for (ClassId c = 1; c < scene.content.classes.size(); ++c) all.push_back(c);
+  ThreadPool pool(2);
+  std::size_t failures = 0;
+  for (std::size_t at = 0; at < bytes->size(); at += 1 + bytes->size() / 100) {
+    auto damaged = *bytes;
+    damaged[at] ^= std::byte{0x10};
+    const auto atlas = Atlas::open_bytes(std::move(damaged));
+    if (!atlas) continue;
+    ClassCache cache(*atlas);
+    for (const Axis axis : kAxes) {
+      const auto first = cache.require(all, axis, pool);
+      const auto again = cache.require(all, axis, pool);
+      EXPECT_EQ(first.has_value(), again.has_value()) << "a damaged class was kept";
+      if (!first) {
+        ++failures;
+        EXPECT_EQ(first.error().code, ErrorCode::kInvalidAtlas);
+      } else {
+        expect_equal(scene.content, cache, all, axis);
+      }
+    }
+  }
+  EXPECT_GT(failures, 5u);
+}
+
+}  // namespace
+}  // namespace splatlas
