@@ -198,6 +198,7 @@ Result<Picture> Renderer::render(const Camera& camera, const RenderOptions& opti
   r.stats.traversal += light;
 
   const std::vector<SurfaceDraw> surfaces = r.surface_draws();
+  r.view.reset();  // what the latest frame left is overwritten now, whether this one succeeds or not
   Picture picture;
   SPLATLAS_ASSIGN_OR_RETURN(const FrameCounters drawn, draw_frame({.spans = spans->model,
                                                                    .surfaces = surfaces,

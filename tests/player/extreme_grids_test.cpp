@@ -1,0 +1,113 @@
+// Grids of every scale and place: a picture depends on shapes, not on millimetres.
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "tests/reference/picture_difference.h"
+#include "tests/support/render.h"
+
+namespace splatlas {
+namespace {
+
+TestVolume volume_in(const Grid& grid) {
+  TestVolume volume;
+  volume.grid = grid;
+  const auto in_ball = [&](auto i, auto j, auto k) {
+    const double x = (static_cast<double>(i) + 0.5) / static_cast<double>(grid.size[0]) - 0.5;
+    const double y = (static_cast<double>(j) + 0.5) / static_cast<double>(grid.size[1]) - 0.5;
+    const double z = (static_cast<double>(k) + 0.5) / static_cast<double>(grid.size[2]) - 0.5;
+    return x * x + y * y + z * z < 0.2;
+  };
+  volume.structures = {{"ball", make_mask(grid.size, in_ball), {255, 100, 50}},
+                       {"half",
+                        make_mask(grid.size, [&](auto i, auto, auto) { return 2 * i < grid.size[0]; }),
+                        {50, 100, 255}}};
+  return volume;
+}
+
+constexpr Matrix3 kStraight{1, 0, 0, 0, 1, 0, 0, 0, 1};
+
+std::vector<Camera> cameras() {
+  std::vector<Camera> all(3);
+  all[1].azimuth_deg = 35;
+  all[1].elevation_deg = 20;
+  all[2].azimuth_deg = -160;
+  all[2].elevation_deg = -70;
+  all.push_back(Camera::of(NamedView::kSuperior));
+  return all;
+}
+
+TEST(ExtremeGrids, ScaleAndPlaceDoNotShow) {
+  const AtlasContent usual = make_content(volume_in({{12, 14, 10}, {1, 1, 1}, {0, 0, 0}, kStraight}));
+  const Selection selection = selection_of("ball:both(opacity=0.5) + half(opacity=0.2)", usual.graph);
+  for (const double mm : {1e-6, 1e-3, 1e3, 1e6}) {
+    for (const double away_mm : {0.0, 1e7 * mm}) {
+      const AtlasContent content = make_content(
+          volume_in({{12, 14, 10}, {mm, mm, mm}, {away_mm, -away_mm, 0.3 * away_mm}, kStraight}));
+      for (const Camera& camera : cameras()) {
+        const Picture expected = render_or_throw(usual, selection, camera, {.size = {40, 40}});
+        const Picture picture = render_or_throw(content, selection, camera, {.size = {40, 40}});
+        double largest = 0;
+        for (std::size_t n = 0; n < picture.rgba.size(); ++n) {
+          largest = std::max(largest, std::abs(static_cast<double>(picture.rgba[n]) - expected.rgba[n]));
+        }
+        // Positions are told to 1e-16 of the offset, 1e-9 voxels; a corner seldom snaps the other way.
+        EXPECT_LE(largest, 2e-5) << mm << " mm, " << away_mm << " mm away, azimuth " << camera.azimuth_deg;
+      }
+    }
+  }
+}
+
+TEST(ExtremeGrids, AnisotropicVoxelsEqualTheModel) {
+  for (const Vec3& spacing : {Vec3{1, 1, 50}, {50, 1, 1}, {1, 50, 1}, {0.02, 1, 1}}) {
+    const AtlasContent content = make_content(volume_in({{12, 14, 10}, spacing, {5, 6, 7}, kStraight}));
+    const Selection selection = selection_of("ball:both(opacity=0.5) + half(opacity=0.2)", content.graph);
+    for (Camera camera : cameras()) {
+      camera.zoom = 12;
+      const RenderOptions options{.size = {11, 11}};
+      const Picture picture = render_or_throw(content, selection, camera, options);
+      const auto d =
+          reference::difference(picture, reference::render_model({content, selection, camera, options}));
+      EXPECT_LE(d.largest, 2e-5) << to_text(d);
+      EXPECT_GT(d.pixels, 0u);
+      EXPECT_LE(reference::energy_violation(picture), 1e-6);
+    }
+  }
+}
+
+TEST(ExtremeGrids, OneVoxelThickAtlasesEqualTheModel) {
+  for (const Index3& size :
+       {Index3{1, 1, 1}, {1, 1, 40}, {1, 40, 1}, {40, 1, 1}, {1, 20, 20}, {20, 1, 20}, {20, 20, 1}}) {
+    const AtlasContent content = make_content(volume_in({size, {1, 1, 1}, {0, 0, 0}, kStraight}));
+    const Selection selection = selection_of("ball:both(opacity=0.7)", content.graph);
+    for (const Camera& camera : cameras()) {
+      const RenderOptions options{.size = {30, 30}};
+      const Picture picture = render_or_throw(content, selection, camera, options);
+      const auto d =
+          reference::difference(picture, reference::render_model({content, selection, camera, options}));
+      EXPECT_LE(d.largest, 2e-5) << to_text(d);
+      EXPECT_GT(d.pixels, 0u);
+    }
+  }
+}
+
+/// A row longer than 16 bits count, seen whole and in part.
+TEST(ExtremeGrids, LongRowsRender) {
+  const std::int64_t length = 70001;
+  TestVolume volume;
+  volume.grid = {{length, 1, 1}, {1, 1, 1}, {0, 0, 0}, kStraight};
+  volume.structures = {{"row", std::vector<bool>(static_cast<std::size_t>(length), true)}};
+  const AtlasContent content = make_content(volume);
+  const Selection selection = selection_of("row(opacity=0.5)", content.graph);
+  Camera camera;
+  camera.zoom = zoom_for(content.display, 9, 0.5);
+  camera.center_lps_mm = Vec3{66000, 0, 0};
+  const Picture picture =
+      render_or_throw(content, selection, camera, {.size = {9, 9}, .hybrid_shading = false});
+  for (int x = 0; x < 9; ++x) EXPECT_NEAR(picture.at(x, 4)[3], 0.5, 1e-6);
+  const Picture whole = render_or_throw(content, selection, {}, {.size = {99, 9}});
+  EXPECT_LE(reference::energy_violation(whole), 1e-6);
+}
+
+}  // namespace
+}  // namespace splatlas

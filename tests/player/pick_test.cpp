@@ -1,0 +1,140 @@
+#include "player/pick.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include <gtest/gtest.h>
+
+#include "player/shear.h"
+#include "tests/reference/light_field.h"
+#include "tests/reference/ray.h"
+#include "tests/reference/reference_surfaces.h"
+#include "tests/support/random_scene.h"
+#include "tests/support/render.h"
+
+namespace splatlas {
+namespace {
+
+/// What each structure contributes to a pixel by brute force: nearest voxels, all crossings, sorted by depth.
+std::map<StructureIndex, double> contributions(const RandomScene& scene, int column, int row) {
+  const Grid grid = storage_grid(scene.content);
+  const ParallelView view = *parallel_view(scene.camera, scene.options.size, scene.content.display);
+  const Shear shear = factorise(view, grid);
+  const reference::LightField field = reference::light_field(scene.content, scene.selection, view, false);
+  const DrawPlan plan = DecisionTree(scene.content.graph, scene.content.classes).plan(scene.selection);
+  struct Layer {
+    double depth;
+    int surface_first;
+    double opacity;
+    StructureIndex structure;
+  };
+  std::vector<Layer> layers;
+  const reference::SurfacesInView surfaces(scene.content, scene.selection, view, shear.principal,
+                                           reference::Coverage::kSnapped);
+  for (const reference::Crossing& crossing : surfaces.crossings(column, row)) {
+    layers.push_back({crossing.depth, 0, crossing.rgba[3], crossing.structure});
+  }
+  const reference::Ray ray = reference::ray_through(view, grid, column + 0.5, row + 0.5);
+  const std::size_t axis = shear.scan.slice_axis;
+  for (std::int64_t k = 0; k < grid.size[axis]; ++k) {
+    const Vec3 at = ray.at((static_cast<double>(k) - ray.start[axis]) / ray.per_mm[axis]);
+    const Index3 voxel{std::llround(at[0]), std::llround(at[1]), std::llround(at[2])};
+    if (!grid.contains(voxel[0], voxel[1], voxel[2])) continue;
+    const auto n = static_cast<std::size_t>(grid.offset(voxel[0], voxel[1], voxel[2]));
+    const double depth = field.voxels[n].extinction * shear.slab_mm;
+    if (depth <= 0) continue;
+    const auto draw = std::find_if(plan.classes.begin(), plan.classes.end(),
+                                   [&](const ClassDraw& d) { return d.id == scene.content.class_volume[n]; });
+    layers.push_back(
+        {static_cast<double>(shear.ascending ? k : -k), 1, -std::expm1(-depth), draw->volume_of});
+  }
+  std::stable_sort(layers.begin(), layers.end(), [](const Layer& a, const Layer& b) {
+    return a.depth != b.depth ? a.depth < b.depth : a.surface_first < b.surface_first;
+  });
+  std::map<StructureIndex, double> shares;
+  double through = 1;
+  for (const Layer& layer : layers) {
+    shares[layer.structure] += through * layer.opacity;
+    through *= 1 - layer.opacity;
+  }
+  return shares;
+}
+
+TEST(Pick, NamesTheStructureThatContributesMost) {
+  int picked = 0;
+  int nothing = 0;
+  for (std::uint32_t number = 0; number < 80; ++number) {
+    const RandomScene scene = random_scene(number);
+    Renderer renderer(open_in_memory(scene.content), {1, 0});
+    ASSERT_TRUE(renderer.select(scene.selection));
+    (void)render_or_throw(renderer, scene.camera, scene.options);
+    for (int n = 0; n < 12; ++n) {
+      const int column = (7 * n + 3) % scene.options.size.width;
+      const int row = (5 * n + 1) % scene.options.size.height;
+      const auto shares = contributions(scene, column, row);
+      double most = 0;
+      for (const auto& [structure, share] : shares) most = std::max(most, share);
+      const auto pick = renderer.pick(column + 0.5, row + 0.5);
+      if (std::abs(most - 0.02) < 1e-4) continue;  // rounding decides whether it is too faint
+      ASSERT_EQ(pick.has_value(), most >= 0.02) << "scene " << number << " pixel " << column << ", " << row;
+      if (!pick) {
+        ++nothing;
+        continue;
+      }
+      // The largest, or one that rounding cannot tell from it.
+      ASSERT_TRUE(shares.contains(pick->structure));
+      EXPECT_NEAR(shares.at(pick->structure), most, 1e-4) << "scene " << number;
+      ++picked;
+    }
+  }
+  EXPECT_GT(picked, 150);
+  EXPECT_GT(nothing, 100);
+}
+
+TEST(Pick, PointsLieOnThePixelsRayWhereTheStructureIs) {
+  TestVolume volume;
+  volume.grid = {{20, 20, 20}, {1.5, 1, 2}, {10, -20, 30}, {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+  volume.structures = {{"ball", make_mask(volume.grid.size, [](auto i, auto j, auto k) {
+                          return (i - 10) * (i - 10) + (j - 10) * (j - 10) + (k - 10) * (k - 10) < 50;
+                        })}};
+  const AtlasContent content = make_content(volume);
+  const Affine to_index = lps_mm_to_index(storage_grid(content));
+  for (const char* text : {"ball:surface", "ball:volume(opacity=1)"}) {
+    Renderer renderer(open_in_memory(content), {1, 0});
+    ASSERT_TRUE(renderer.select(selection_of(text, content.graph)));
+    EXPECT_FALSE(renderer.pick(5, 5)) << "nothing was rendered yet";
+    for (const double azimuth : {0.0, 33.0, 120.0, 250.0}) {
+      Camera camera;
+      camera.azimuth_deg = azimuth;
+      camera.elevation_deg = 20;
+      const PictureSize size{40, 40};
+      (void)render_or_throw(renderer, camera, {.size = size});
+      const ParallelView view = *parallel_view(camera, size, content.display);
+      for (const auto& [x, y] : {std::pair(20.5, 20.5), {20.1, 17.9}, {23.7, 22.2}}) {
+        const auto pick = renderer.pick(x, y);
+        ASSERT_TRUE(pick);
+        const Vec3 from_ray = reference::minus(pick->point_lps_mm, view.point_lps_mm(x, y));
+        EXPECT_NEAR(reference::dot(from_ray, view.right_lps), 0, 1e-9);
+        EXPECT_NEAR(reference::dot(from_ray, view.up_lps), 0, 1e-9);
+        // The nearest side of the ball, whose surface is about 7 voxels from its centre.
+        const Vec3 index = to_index.apply(pick->point_lps_mm);
+        const Vec3 from_centre{index[0] - 10, index[1] - 10, index[2] - 10};
+        EXPECT_NEAR(std::sqrt(reference::dot(from_centre, from_centre)), 7, 1.2);
+        EXPECT_LT(reference::dot(from_ray, view.forward_lps), 0) << "the near side is in front of the middle";
+      }
+      for (const auto& [x, y] : {std::pair(0.5, 0.5),
+                                 {-1.0, 5.0},
+                                 {5.0, 40.0},
+                                 {40.0, 5.0},
+                                 {NAN, 5.0},
+                                 {5.0, NAN},
+                                 {HUGE_VAL, 5.0}}) {
+        EXPECT_FALSE(renderer.pick(x, y)) << x << ", " << y;
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace splatlas

@@ -1,0 +1,268 @@
+#include "player/render_frame.h"
+
+#include <cmath>
+#include <cstring>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "format/atlas_writer.h"
+#include "tests/phantom/two_spheres.h"
+#include "tests/reference/light_field.h"
+#include "tests/reference/picture_difference.h"
+#include "tests/support/random_scene.h"
+#include "tests/support/render.h"
+
+namespace splatlas {
+namespace {
+
+AtlasContent phantom_content() {
+  TestVolume volume;
+  volume.grid.size = {phantom::kSize, phantom::kSize, phantom::kSize};
+  volume.structures = {{"Spheres", {}}};
+  for (const phantom::Ball& ball : phantom::kBalls) {
+    volume.structures.push_back({fmt::format("Sphere_{}", ball.label),
+                                 make_mask(volume.grid.size,
+                                           [&](auto i, auto j, auto k) {
+                                             return ball.holds(static_cast<int>(i), static_cast<int>(j),
+                                                               static_cast<int>(k));
+                                           }),
+                                 {255, 200, 100},
+                                 {0}});
+  }
+  volume.values = make_values(VoxelType::kUInt8, phantom::values());
+  volume.window_low = 0;
+  volume.window_high = 250;
+  return make_content(volume);
+}
+
+/// The paper's table 2, and what the boundary rule makes of each mode.
+TEST(Renderer, CountsVoxelsByRole) {
+  const AtlasContent content = phantom_content();
+  Renderer renderer(open_in_memory(content), {1, 0});
+  struct Case {
+    const char* selection;
+    std::uint64_t volume, surface, hybrid;
+  };
+  for (const Case& expected : {Case{"Spheres:surface", 0, 1904, 0},
+                               {"Spheres", 5046, 0, 0},
+                               {"Sphere_1:surface + Sphere_2:both", 437, 1440, 464},
+                               {"Sphere_1 + Sphere_2:surface", 4145, 464, 0},
+                               {"", 0, 0, 0}}) {
+    ASSERT_TRUE(renderer.select(selection_of(expected.selection, content.graph)));
+    (void)render_or_throw(renderer, {});
+    const RenderStats& stats = renderer.stats();
+    EXPECT_EQ(stats.volume_voxels, expected.volume) << expected.selection;
+    EXPECT_EQ(stats.surface_voxels, expected.surface) << expected.selection;
+    EXPECT_EQ(stats.hybrid_voxels, expected.hybrid) << expected.selection;
+    EXPECT_DOUBLE_EQ(
+        stats.occupancy,
+        static_cast<double>(expected.volume + expected.surface + expected.hybrid) / (32.0 * 32.0 * 32.0));
+  }
+}
+
+/// Everything that is drawn is visited once, and nothing else.
+TEST(Renderer, VisitsTheSelectedRunsAndVisibleVoxels) {
+  for (std::uint32_t number = 0; number < 60; ++number) {
+    RandomScene scene = random_scene(number);
+    scene.camera.zoom = 0.8;  // all in view
+    scene.camera.center_lps_mm.reset();
+    scene.options.size = {64, 64};
+    const auto atlas = open_in_memory(scene.content);
+    Renderer renderer(atlas, {1, 0});
+    ASSERT_TRUE(renderer.select(scene.selection));
+    const DrawPlan plan = atlas->tree().plan(scene.selection);
+    for (const Axis axis : kAxes) {
+      scene.options.principal_axis = axis;
+      const auto view = parallel_view(scene.camera, scene.options.size, atlas->display());
+      const reference::LightField field =
+          reference::light_field(scene.content, scene.selection, *view, false);
+      std::uint64_t visible = 0;
+      for (const reference::VoxelLight& voxel : field.voxels) visible += voxel.extinction > 0 ? 1 : 0;
+      std::uint64_t runs = 0;
+      for (const ClassDraw& draw : plan.classes) {
+        if (draw.role != VoxelRole::kSurface) runs += atlas->read_runs(draw.id, axis)->size();
+      }
+      std::uint64_t triangles = 0;
+      for (const StructureIndex s : plan.surfaces) triangles += atlas->triangles(s);
+      if (!renderer.render(scene.camera, scene.options)) continue;  // refused: straight across this axis
+      EXPECT_EQ(renderer.stats().voxels_visited, visible) << "scene " << number;
+      EXPECT_EQ(renderer.stats().runs_visited, runs);
+      EXPECT_EQ(renderer.stats().triangles, triangles);
+    }
+  }
+}
+
+/// Bytes read and decoded equal those of an atlas that is asked for exactly the selected parts.
+TEST(Renderer, ReadsNothingOfWhatIsNotSelected) {
+  TestVolume volume;
+  volume.grid.size = {40, 40, 20};
+  std::vector<std::uint16_t> values;
+  for (int n = 0; n < 40 * 40 * 20; ++n) values.push_back(static_cast<std::uint16_t>(n * 2654435761u >> 12));
+  volume.values = make_values(VoxelType::kUInt16, values);
+  volume.window_high = 65535;
+  for (int s = 0; s < 16; ++s) {
+    volume.structures.push_back(
+        {fmt::format("s{}", s), make_mask(volume.grid.size, [s](auto i, auto j, auto) {
+           return i / 10 == s % 4 && j / 10 == s / 4;
+         })});
+  }
+  const AtlasContent content = make_content(volume);
+  const auto bytes = encode_atlas(content);
+  ASSERT_TRUE(bytes);
+  for (const char* text : {"s5", "s5:surface", "s5:both + s9", "s0 + s15:surface", "*", ""}) {
+    const auto atlas = *Atlas::open_bytes(*bytes);
+    Renderer renderer(atlas, {1, 0});  // several threads may decode a chunk that they share twice
+    const Selection selection = selection_of(text, content.graph);
+    ASSERT_TRUE(renderer.select(selection));
+    EXPECT_EQ(atlas->counters().decoded, 0u) << "reading waits for a view";
+    (void)render_or_throw(renderer, Camera::of(NamedView::kLeft));
+
+    const auto asked = *Atlas::open_bytes(*bytes);
+    const DrawPlan plan = asked->tree().plan(selection);
+    for (const ClassDraw& draw : plan.classes) {
+      if (draw.role == VoxelRole::kSurface) continue;
+      (void)asked->read_runs(draw.id, Axis::kZ);  // values are stored in its order
+      (void)asked->read_runs(draw.id, Axis::kX);
+      (void)asked->read_values(draw.id);
+      (void)asked->read_normals(draw.id);
+    }
+    for (const StructureIndex s : plan.surfaces) (void)asked->read_surface(s);
+    EXPECT_EQ(atlas->counters().read, asked->counters().read) << text;
+    EXPECT_EQ(atlas->counters().decoded, asked->counters().decoded) << text;
+  }
+}
+
+TEST(Renderer, GivesTheSameBitsWithAnyNumberOfThreads) {
+  int rendered = 0;
+  for (std::uint32_t number = 0; number < 24; ++number) {
+    RandomScene scene = random_scene(number, 24);
+    scene.options.size = {75, 67};
+    std::vector<float> first;
+    for (const unsigned threads : {1u, 2u, 8u}) {
+      const Picture picture =
+          render_or_throw(scene.content, scene.selection, scene.camera, scene.options, threads);
+      if (threads == 1) first = picture.rgba;
+      ASSERT_EQ(std::memcmp(picture.rgba.data(), first.data(), first.size() * sizeof(float)), 0)
+          << threads << " threads, scene " << number;
+    }
+    for (const float value : first) rendered += value > 0 ? 1 : 0;
+  }
+  EXPECT_GT(rendered, 50000);
+}
+
+/// The order of frames and selections before does not show: nothing is left over from them.
+TEST(Renderer, GivesTheSameBitsWhateverWasRenderedBefore) {
+  const AtlasContent content = phantom_content();
+  const char* const kSelections[] = {"Spheres:both", "Sphere_1(opacity=0.9)", "Sphere_2:surface(opacity=0.3)",
+                                     ""};
+  Renderer used(open_in_memory(content), {2, 0});
+  for (int step = 0; step < 24; ++step) {
+    const Selection selection = selection_of(kSelections[step % 4], content.graph);
+    Camera camera;
+    camera.azimuth_deg = 37.0 * step;
+    camera.elevation_deg = 11.0 * (step % 7) - 30;
+    camera.zoom = 1 + step % 3;
+    const RenderOptions options{.size = {40 + step, 33}, .hybrid_shading = step % 3 != 0};
+    if (step % 2 == 0) {
+      ASSERT_TRUE(used.select(selection));
+    }
+    const Selection current =
+        step % 2 == 0 ? selection : selection_of(kSelections[(step - 1) % 4], content.graph);
+    const Picture again = render_or_throw(used, camera, options);
+    const Picture fresh = render_or_throw(content, current, camera, options);
+    ASSERT_EQ(again.rgba, fresh.rgba) << "step " << step;
+  }
+}
+
+TEST(Renderer, AnEmptySelectionIsTransparentBlackEverywhere) {
+  const AtlasContent content = phantom_content();
+  Renderer renderer(open_in_memory(content), {2, 0});
+  ASSERT_TRUE(renderer.select({}));
+  for (const Selection& empty :
+       {Selection{}, selection_of("", content.graph), selection_of("Spheres - Spheres", content.graph)}) {
+    ASSERT_TRUE(renderer.select(empty));
+    const Picture picture = render_or_throw(renderer, {}, {.size = {33, 21}});
+    EXPECT_EQ(picture.rgba, std::vector<float>(4 * 33 * 21, 0.0f));
+    EXPECT_EQ(renderer.stats().voxels_visited, 0u);
+    EXPECT_EQ(renderer.stats().runs_visited, 0u);
+    EXPECT_EQ(renderer.stats().triangles, 0u);
+    EXPECT_FALSE(renderer.pick(16, 10));
+  }
+}
+
+TEST(Renderer, NothingIsSelectedAtFirst) {
+  Renderer renderer(open_in_memory(phantom_content()), {1, 0});
+  const Picture picture = render_or_throw(renderer, {}, {.size = {5, 5}});
+  EXPECT_EQ(picture.rgba, std::vector<float>(100, 0.0f));
+}
+
+TEST(Renderer, RendersAnAtlasWithoutStructures) {
+  TestVolume volume;
+  volume.grid.size = {3, 4, 5};
+  AtlasContent content = make_content(volume);
+  content.display.radius_mm = 0;
+  const Picture picture = render_or_throw(content, {}, {}, {.size = {9, 9}});
+  EXPECT_EQ(picture.rgba, std::vector<float>(4 * 81, 0.0f));
+}
+
+/// What lies outside the picture, however near or far, leaves no trace and does no harm.
+TEST(Renderer, LooksPastTheAtlas) {
+  const AtlasContent content = phantom_content();
+  Renderer renderer(open_in_memory(content), {1, 0});
+  ASSERT_TRUE(renderer.select(selection_of("*:both(opacity=0.5)", content.graph)));
+  for (const double away_mm : {60.0, 1e3, 1e9}) {
+    for (const double zoom : {1e-6, 1.0, 1e6}) {
+      Camera camera;
+      camera.azimuth_deg = 20;
+      camera.zoom = zoom;
+      const ParallelView view = *parallel_view(camera, {32, 32}, content.display);
+      camera.center_lps_mm = content.display.center_lps_mm;
+      for (std::size_t a = 0; a < 3; ++a) (*camera.center_lps_mm)[a] += away_mm * view.right_lps[a];
+      const Picture picture = render_or_throw(renderer, camera, {.size = {32, 32}});
+      EXPECT_EQ(reference::energy_violation(picture), 0) << away_mm << " mm, zoom " << zoom;
+      if (zoom >= 1) {
+        EXPECT_EQ(picture.rgba, std::vector<float>(4 * 32 * 32, 0.0f)) << away_mm << " mm, zoom " << zoom;
+      }
+    }
+  }
+}
+
+TEST(Renderer, RefusesSelectionsThatNeedTooMuchMemoryAndKeepsTheOldOne) {
+  const AtlasContent content = phantom_content();
+  Renderer renderer(open_in_memory(content), {1, 500 << 10});
+  ASSERT_TRUE(renderer.select(selection_of("Sphere_2", content.graph)));
+  const Picture before = render_or_throw(renderer, {}, {.size = {20, 20}});
+  const auto refused = renderer.select(selection_of("Spheres", content.graph));
+  ASSERT_FALSE(refused.has_value());
+  EXPECT_EQ(refused.error().code, ErrorCode::kLimit);
+  EXPECT_EQ(render_or_throw(renderer, {}, {.size = {20, 20}}).rgba, before.rgba);
+  EXPECT_TRUE(renderer.select(selection_of("Spheres:surface", content.graph)).has_value());
+}
+
+/// A refused frame leaves neither a picture nor something to pick.
+TEST(Renderer, PicksNothingAfterAFrameThatWasRefused) {
+  const AtlasContent content = phantom_content();
+  Renderer renderer(open_in_memory(content), {1, 700 << 10});  // enough for 1400 fragments
+  ASSERT_TRUE(renderer.select(selection_of("Spheres:both(opacity=0.5)", content.graph)));
+  Camera far_away;
+  far_away.zoom = 0.05;
+  (void)render_or_throw(renderer, far_away, {.size = {200, 200}});
+  EXPECT_TRUE(renderer.pick(99, 101));
+  const auto refused = renderer.render({}, {.size = {99, 99}});
+  ASSERT_FALSE(refused.has_value());
+  EXPECT_EQ(refused.error().code, ErrorCode::kLimit);
+  EXPECT_FALSE(renderer.pick(99, 101));
+  EXPECT_FALSE(renderer.pick(40, 60));
+}
+
+TEST(Renderer, QualitiesHaveNames) {
+  EXPECT_EQ(named_quality("draft"), Quality::kDraft);
+  EXPECT_EQ(named_quality("normal"), Quality::kNormal);
+  EXPECT_EQ(named_quality("high"), Quality::kHigh);
+  EXPECT_FALSE(named_quality("High"));
+  EXPECT_FALSE(named_quality(""));
+}
+
+}  // namespace
+}  // namespace splatlas
