@@ -67,7 +67,7 @@ std::optional<std::vector<double>> numbers(const std::string& text, std::size_t 
   std::vector<double> values;
   for (const std::string_view part : split_blanks(text)) {
     const auto value = parse_number(part);
-    if (!value || !std::isfinite(*value)) return std::nullopt;
+    if (!value || !is_plausible(*value)) return std::nullopt;
     values.push_back(*value);
   }
   if (values.size() != count) return std::nullopt;

@@ -36,9 +36,8 @@ class NiftiHeader {
   [[nodiscard]] float voxel_offset() const { return get<float>(108); }
   [[nodiscard]] float slope() const { return get<float>(112); }
   [[nodiscard]] float intercept() const { return get<float>(116); }
-  [[nodiscard]] float orientation(std::size_t n) const {
-    return get<float>(256 + 4 * n);
-  }  ///< qform, then sform
+  /// qform, then sform.
+  [[nodiscard]] float orientation(std::size_t n) const { return get<float>(256 + 4 * n); }
   static constexpr std::size_t kOrientationNumbers = 18;
 
  private:
@@ -96,16 +95,17 @@ bool read_header(const fs::path& path, std::array<char, NiftiHeader::kBytes>& by
 Result<void> check_geometry(const NiftiHeader& header, const fs::path& path) {
   const std::size_t axes = std::min<std::size_t>(3, static_cast<std::size_t>(header.dim(0)));
   for (std::size_t n = 1; n <= axes; ++n) {
-    if (const float spacing = header.spacing(n); !(std::isfinite(spacing) && spacing > 0)) {
+    if (const float spacing = header.spacing(n); !(is_plausible(spacing) && spacing > 0)) {
       return fail(ErrorCode::kFailed,
                   fmt::format("{}: has a spacing of {} mm along axis {}; it must be positive", path.string(),
                               spacing, n));
     }
   }
   for (std::size_t n = 0; n < NiftiHeader::kOrientationNumbers; ++n) {
-    if (!std::isfinite(header.orientation(n))) {
+    if (!is_plausible(header.orientation(n))) {
       return fail(ErrorCode::kFailed,
-                  fmt::format("{}: has an orientation (qform or sform) that is not a number", path.string()));
+                  fmt::format("{}: has {} in its orientation (qform or sform), which cannot be",
+                              path.string(), header.orientation(n)));
     }
   }
   if (!std::isfinite(header.slope()) || !std::isfinite(header.intercept())) {

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cmath>
 #include <fstream>
 #include <map>
 
@@ -107,7 +106,7 @@ Result<void> check_geometry(const NrrdHeader& header, const fs::path& path) {
       if (part == "none") continue;
       const auto value = parse_number(part);
       const bool positive = std::string_view(field) != "spacings" || (value && *value > 0);
-      if (!value || !std::isfinite(*value) || !positive) {
+      if (!value || !is_plausible(*value) || !positive) {
         return bad(path,
                    fmt::format("has '{}: {}' in its header, which is no geometry", field, header.get(field)));
       }

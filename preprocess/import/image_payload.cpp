@@ -100,7 +100,13 @@ Result<void> check_deflated_payload(const fs::path& path, std::uint64_t offset, 
       file.read(packed.data(), static_cast<std::streamsize>(packed.size()));
       stream->next_in = reinterpret_cast<unsigned char*>(packed.data());
       stream->avail_in = static_cast<unsigned>(file.gcount());
-      if (stream->avail_in == 0) return truncated(path, expected, std::min(found, expected));
+      if (stream->avail_in == 0 && found < expected) return truncated(path, expected, found);
+      if (stream->avail_in == 0) {
+        return fail(
+            ErrorCode::kFailed,
+            fmt::format("{}: is truncated: the end of its compressed pixels, with their checksum, is missing",
+                        path.string()));
+      }
     }
     stream->next_out = plain.data();
     stream->avail_out = static_cast<unsigned>(plain.size());

@@ -2,16 +2,22 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <stdexcept>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "format/ascii_text.h"
 #include "preprocess/import/check_image_file.h"
 #include "preprocess/import/image_io.h"
 #include "preprocess/import/itk_call.h"
+#include "preprocess/interrupts.h"
 
 namespace splatlas {
 namespace {
+
+namespace fs = std::filesystem;
 
 /// What ITK says of the grid; axes that a 2-D image lacks are of size 1 and stand at right angles.
 Grid grid_of(const itk::ImageIOBase& io) {
@@ -51,11 +57,12 @@ Result<void> check_pixels(const itk::ImageIOBase& io, const std::string& name) {
   return {};
 }
 
-Result<Image> read_with(itk::ImageIOBase& io, const std::string& name) {
-  if (!io.CanReadFile(name.c_str())) {
+/// `name` stands for the file in messages.
+Result<Image> read_with(itk::ImageIOBase& io, const std::string& file, const std::string& name) {
+  if (!io.CanReadFile(file.c_str())) {
     return fail(ErrorCode::kFailed, fmt::format("{}: is not of the type that its ending says", name));
   }
-  io.SetFileName(name);
+  io.SetFileName(file);
   io.ReadImageInformation();
   SPLATLAS_RETURN_IF_ERROR(check_pixels(io, name));
   Image image;
@@ -71,13 +78,50 @@ Result<Image> read_with(itk::ImageIOBase& io, const std::string& name) {
   return image;
 }
 
+/// NIfTI's library reads the header of scan.nii.gz and then the pixels of scan.nii, when that stands beside
+/// it.
+bool has_misleading_neighbour(const fs::path& path) {
+  std::error_code error;
+  return to_lower(path.extension().string()) == ".gz" &&
+         fs::exists(fs::path(path).replace_extension(), error);
+}
+
+/// The file under another name, with no neighbours: a link in a folder of its own.
+class LonelyLink {
+ public:
+  explicit LonelyLink(const fs::path& path) {
+    std::string pattern = (fs::temp_directory_path() / "splatlas-XXXXXX").string();
+    if (::mkdtemp(pattern.data()) == nullptr) throw std::runtime_error("cannot make a temporary folder");
+    folder_ = pattern;
+    fs::create_symlink(fs::absolute(path), link());
+  }
+  ~LonelyLink() {
+    std::error_code ignored;
+    fs::remove_all(folder_, ignored);
+  }
+  LonelyLink(const LonelyLink&) = delete;
+  LonelyLink& operator=(const LonelyLink&) = delete;
+
+  [[nodiscard]] fs::path link() const { return folder_ / "image.nii.gz"; }
+
+ private:
+  const DeferInterrupts no_folder_left_;
+  fs::path folder_;
+};
+
 }  // namespace
 
-Result<Image> import_image(const std::filesystem::path& path) {
+Result<Image> import_image(const fs::path& path) {
   SPLATLAS_RETURN_IF_ERROR(check_image_file(path));
   SPLATLAS_ASSIGN_OR_RETURN(const ImageFormat format, image_format(path));
   const std::string name = path.string();
-  return call_itk(name, [&] { return read_with(*make_image_io(format), name); });
+  if (format == ImageFormat::kNifti && has_misleading_neighbour(path)) {
+    return call_itk(name, [&] {
+      const LonelyLink link(path);
+      return read_with(*make_image_io(format), link.link().string(), name);
+    });
+  }
+  return call_itk(name, [&] { return read_with(*make_image_io(format), name, name); });
 }
 
 Result<void> check_same_grid(const Grid& a, const std::string& name_of_a, const Grid& b,

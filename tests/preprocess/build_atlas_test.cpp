@@ -1,0 +1,349 @@
+// Whole builds: the way there and back, and what must not change a thing.
+
+#include "preprocess/build_atlas.h"
+
+#include <fstream>
+#include <random>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include "format/atlas_reader.h"
+#include "format/decision_tree.h"
+#include "preprocess/export/export_atlas.h"
+#include "preprocess/export/write_image.h"
+#include "tests/preprocess/random_images.h"
+#include "tests/preprocess/raw_image_files.h"
+#include "tests/support/run_program.h"
+
+namespace splatlas {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+class BuildAtlas : public testing::Test {
+ protected:
+  std::string file(const std::string& name) const { return folder_.file(name); }
+  std::string write(const std::string& name, const Image& image) const {
+    const Result<void> written = write_image(image, file(name));
+    EXPECT_TRUE(written) << written.error().message;
+    return file(name);
+  }
+  BuildOptions options(const std::string& output = "a.atlas") const {
+    BuildOptions options;
+    options.output = file(output);
+    options.level = 1;
+    options.threads = 2;
+    return options;
+  }
+  AtlasContent build(const BuildOptions& options) const {
+    const Result<BuildReport> report = build_atlas(options);
+    EXPECT_TRUE(report) << report.error().message;
+    if (!report) return {};
+    return *(*Atlas::open(options.output))->read_all();
+  }
+  std::string error_of(const BuildOptions& options) const {
+    const Result<BuildReport> report = build_atlas(options);
+    EXPECT_FALSE(report);
+    EXPECT_FALSE(std::filesystem::exists(options.output));
+    return report ? "" : report.error().message;
+  }
+  void export_all(const std::string& labels, const std::string& volume) const {
+    ExportOptions back;
+    back.atlas = file("a.atlas");
+    back.labels = labels.empty() ? "" : file(labels);
+    if (!volume.empty()) back.volume = file(volume);
+    const auto written = export_atlas(back);
+    ASSERT_TRUE(written) << written.error().message;
+  }
+  TemporaryFolder folder_;
+};
+
+/// Numbers that ITK wrote as text or as 32-bit floats.
+void expect_near(const Grid& a, const Grid& b, double tolerance) {
+  EXPECT_EQ(a.size, b.size);
+  for (std::size_t n = 0; n < 3; ++n) {
+    EXPECT_NEAR(a.spacing_mm[n], b.spacing_mm[n], tolerance);
+    EXPECT_NEAR(a.origin_lps_mm[n], b.origin_lps_mm[n], 40 * tolerance);  // mm, up to 40
+  }
+  for (std::size_t n = 0; n < 9; ++n) EXPECT_NEAR(a.direction_lps[n], b.direction_lps[n], tolerance);
+}
+
+TEST_F(BuildAtlas, LabelsAndVolumeComeBackVoxelForVoxel) {
+  std::mt19937 random(1);
+  const std::vector<AxisOrder> orders = all_axis_orders();
+  std::size_t next_order = 0;
+  for (const std::string ending : {".nrrd", ".mha", ".nii", ".nii.gz"}) {
+    // NIfTI keeps geometry in 32-bit floats, a direction as a quaternion of such; the others keep doubles as
+    // text.
+    const double tolerance = ending.starts_with(".nii") ? 2e-6 : 1e-12;
+    for (const VoxelType type : kVoxelTypes) {
+      for (const double angle : {0.0, 0.2}) {
+        SCOPED_TRACE(ending + " " + name_of(type));
+        // 7 and 48 have no common factor: every order turns up.
+        const AxisOrder& order = orders[next_order = (next_order + 7) % orders.size()];
+        const Image labels = in_order(random_labels(awkward_grid(angle), type, random), order);
+        const Image volume = in_order(random_volume(awkward_grid(angle), type, random), order);
+        BuildOptions build_options = options();
+        build_options.sources.labels = write("labels" + ending, labels);
+        build_options.sources.volume = write("volume" + ending, volume);
+        const AtlasContent content = build(build_options);
+        EXPECT_EQ(content.label_type, type);
+        export_all("labels_back" + ending, "volume_back" + ending);
+
+        for (const std::string name : {"labels", "volume"}) {
+          const Result<Image> in = import_image(file(name + ending)),
+                              out = import_image(file(name + "_back" + ending));
+          ASSERT_TRUE(in && out);
+          EXPECT_EQ(in->voxels.type, out->voxels.type);
+          EXPECT_EQ(in->voxels, out->voxels);
+          expect_near(in->grid, out->grid, tolerance);
+          EXPECT_EQ(in->voxels, (name == "labels" ? labels : volume).voxels);
+        }
+      }
+    }
+  }
+}
+
+TEST_F(BuildAtlas, AllAxisOrdersOfOneVolumeGiveOneAtlas) {
+  std::mt19937 random(2);
+  const Grid grid = awkward_grid(0.15);
+  const Image labels = random_labels(grid, VoxelType::kUInt8, random);
+  const Image volume = random_volume(grid, VoxelType::kInt16, random);
+  AtlasContent first;
+  for (const AxisOrder& order : all_axis_orders()) {
+    BuildOptions build_options = options();
+    build_options.sources.labels = write("labels.nrrd", in_order(labels, order));
+    build_options.sources.volume = write("volume.nrrd", in_order(volume, order));
+    AtlasContent content = build(build_options);
+    if (first.surfaces.empty()) first = content;
+    EXPECT_EQ(content.class_volume, first.class_volume);
+    EXPECT_EQ(content.values, first.values);
+    EXPECT_EQ(content.surfaces, first.surfaces);
+    EXPECT_EQ(content.boundary_normals, first.boundary_normals);
+    for (ClassId c = 0; c < first.classes.size(); ++c) {
+      EXPECT_EQ(content.classes.voxels(c), first.classes.voxels(c));
+      EXPECT_EQ(content.classes.box(c), first.classes.box(c));
+    }
+    EXPECT_TRUE(std::ranges::equal(content.graph.structures(), first.graph.structures()));
+    // Up to the origin, which is the corner that the order makes the first one, in doubles.
+    expect_near(storage_grid(content), storage_grid(first), 1e-13);
+    EXPECT_EQ(storage_grid(content).direction_lps, storage_grid(first).direction_lps);
+    EXPECT_EQ(content.display.window_low, first.display.window_low);
+    EXPECT_EQ(content.display.window_high, first.display.window_high);
+    EXPECT_DOUBLE_EQ(content.display.radius_mm, first.display.radius_mm);
+    // And each gives back its own order.
+    export_all("back.nrrd", "");
+    EXPECT_EQ(import_image(file("back.nrrd"))->voxels, in_order(labels, order).voxels);
+  }
+}
+
+TEST_F(BuildAtlas, ThreadsDoNotChangeTheFile) {
+  std::mt19937 random(3);
+  BuildOptions build_options = options("one.atlas");
+  build_options.sources.labels =
+      write("labels.nrrd", random_labels(awkward_grid(0), VoxelType::kUInt8, random));
+  build_options.sources.volume =
+      write("volume.nrrd", random_volume(awkward_grid(0), VoxelType::kInt16, random));
+  build_options.threads = 1;
+  ASSERT_TRUE(build_atlas(build_options));
+  build_options.output = file("five.atlas");
+  build_options.threads = 5;
+  ASSERT_TRUE(build_atlas(build_options));
+  const auto bytes = [](const std::string& path) {
+    std::ifstream stream(path, std::ios::binary);
+    return std::string{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+  };
+  EXPECT_EQ(bytes(file("one.atlas")), bytes(file("five.atlas")));
+}
+
+TEST_F(BuildAtlas, OverlappingMasksComeBackAsMasks) {
+  Grid grid;
+  grid.size = {6, 6, 6};
+  std::filesystem::create_directory(file("masks"));
+  const auto mask = [&](auto holds) {
+    Image image{grid, {VoxelType::kUInt8, std::vector<std::byte>(216)}};
+    for (std::int64_t v = 0; v < 216; ++v)
+      image.voxels.bytes[static_cast<std::size_t>(v)] = std::byte{holds(v % 6, v / 6 % 6, v / 36)};
+    return image;
+  };
+  const Image body = mask([](auto i, auto, auto) { return i > 0; }),
+              heart = mask([](auto i, auto j, auto k) { return i > 1 && j > 1 && k > 1; });
+  const Image none = mask([](auto, auto, auto) { return false; });
+  write("masks/body.nii.gz", body);
+  write("masks/a_heart.nii.gz", heart);
+  write("masks/spleen.nii.gz", none);
+  write_bytes(file("masks/readme.txt"), "not a mask");
+
+  BuildOptions build_options = options();
+  build_options.sources.labels = file("masks");
+  const Result<BuildReport> report = build_atlas(build_options);
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_THAT(report->notes, ElementsAre(HasSubstr("spleen.nii.gz: holds no voxel")));
+  const auto atlas = *Atlas::open(file("a.atlas"));
+  // The larger first, so that the more specific one has the higher number.
+  ASSERT_EQ(atlas->graph().size(), 3u);
+  EXPECT_EQ(atlas->graph()[0].name, "body");
+  EXPECT_EQ(atlas->graph()[1].name, "a_heart");
+  EXPECT_EQ(atlas->graph()[2].name, "spleen");
+  EXPECT_EQ(atlas->label_type(), VoxelType::kNone);
+
+  ExportOptions back;
+  back.atlas = file("a.atlas");
+  back.labels = file("labels.nii.gz");
+  EXPECT_THAT(export_atlas(back).error().message, HasSubstr("--labels FOLDER/"));
+  EXPECT_FALSE(std::filesystem::exists(back.labels));
+  back.labels = file("masks_back") + "/";
+  ASSERT_TRUE(export_atlas(back));
+  for (const auto& [name, image] :
+       {std::pair<const char*, const Image*>{"body", &body}, {"a_heart", &heart}, {"spleen", &none}}) {
+    const Result<Image> out = import_image(file(std::string("masks_back/") + name + ".nii.gz"));
+    ASSERT_TRUE(out) << out.error().message;
+    EXPECT_EQ(out->voxels, image->voxels);
+  }
+  EXPECT_THAT(export_atlas(back).error().message, HasSubstr("not an empty folder"));
+}
+
+TEST_F(BuildAtlas, SegmentsTakeWhatNoLabelHoldsAndLeaveLabelsAlone) {
+  Grid grid;
+  grid.size = {8, 8, 8};
+  Image labels{grid, {VoxelType::kUInt8, std::vector<std::byte>(512)}};
+  Image values = labels, mask = labels;
+  for (std::int64_t v = 0; v < 512; ++v) {
+    const std::int64_t i = v % 8, j = v / 8 % 8, k = v / 64;
+    const bool inner = std::min({i, j, k}) >= 3 && std::max({i, j, k}) <= 4;   // 8 voxels
+    const bool middle = std::min({i, j, k}) >= 2 && std::max({i, j, k}) <= 5;  // 64
+    const bool outer = std::min({i, j, k}) >= 1 && std::max({i, j, k}) <= 6;   // 216
+    labels.voxels.bytes[static_cast<std::size_t>(v)] = std::byte{static_cast<unsigned char>(inner ? 7 : 0)};
+    mask.voxels.bytes[static_cast<std::size_t>(v)] = std::byte{middle};
+    values.voxels.bytes[static_cast<std::size_t>(v)] = std::byte{static_cast<unsigned char>(inner   ? 0
+                                                                                            : outer ? 100
+                                                                                                    : 0)};
+  }
+  values.voxels.bytes[0] = std::byte{200};  // a speck that is not connected
+  BuildOptions build_options = options();
+  build_options.sources.labels = write("labels.nrrd", labels);
+  build_options.sources.volume = write("volume.nrrd", values);
+  build_options.sources.segments = {*parse_segment("Middle=mask:" + write("mask.nrrd", mask)),
+                                    *parse_segment("Outer=threshold:50")};
+  const AtlasContent content = build(build_options);
+  ASSERT_EQ(content.graph.size(), 3u);
+  const DecisionTree tree(content.graph, content.classes);
+  const auto voxels = [&](StructureIndex s) {
+    return tree.voxel_counts(s).interior + tree.voxel_counts(s).boundary;
+  };
+  EXPECT_EQ(content.graph[0].label, 7);
+  EXPECT_EQ(voxels(0), 8u);
+  EXPECT_EQ(content.graph[1].name, "Middle");
+  EXPECT_FALSE(content.graph[1].label);
+  EXPECT_EQ(voxels(1), 64u - 8u);
+  EXPECT_EQ(voxels(2), 216u - 64u);  // its hole is filled, but held already
+  export_all("back.nrrd", "");
+  EXPECT_EQ(import_image(file("back.nrrd"))->voxels, labels.voxels);
+}
+
+TEST_F(BuildAtlas, ThresholdsAloneMakeAnAtlas) {
+  std::mt19937 random(4);
+  Grid grid;
+  grid.size = {6, 6, 6};
+  Image values{grid, {VoxelType::kFloat32, std::vector<std::byte>(216 * 4)}};
+  for (std::size_t v = 0; v < 216; ++v) values.voxels.as<float>()[v] = v / 36 < 3 ? 10.f : 20.f;
+  BuildOptions build_options = options();
+  build_options.sources.volume = write("volume.nrrd", values);
+  build_options.sources.segments = {*parse_segment("Upper=threshold:otsu")};
+  const AtlasContent content = build(build_options);
+  ASSERT_EQ(content.graph.size(), 1u);
+  EXPECT_EQ(content.classes.voxels(kEmptyClass), 108u);
+  EXPECT_EQ(content.label_type, VoxelType::kNone);
+}
+
+TEST_F(BuildAtlas, ProvenanceHoldsHashesAndWordsOfTheAuthorOnly) {
+  std::mt19937 random(5);
+  BuildOptions build_options = options();
+  build_options.sources.labels =
+      write("CANARY-labels.nrrd", random_labels(awkward_grid(0), VoxelType::kUInt8, random));
+  std::string volume = nrrd_header("raw", "content: CANARY\npatient:=CANARY\n# CANARY\n");
+  build_options.title = "A title";
+  build_options.citation = "A citation";
+  build_options.licence = "CC0";
+  build_options.tool = "tests";
+  write_bytes(file("CANARY.nrrd"), volume + RawImage::payload());
+  Grid grid = import_image(file("CANARY.nrrd"))->grid;
+  build_options.sources.labels = write("CANARY-labels.nrrd", random_labels(grid, VoxelType::kUInt8, random));
+  build_options.sources.volume = file("CANARY.nrrd");
+  const AtlasContent content = build(build_options);
+  EXPECT_EQ(content.provenance.title, "A title");
+  EXPECT_EQ(content.provenance.citation, "A citation");
+  EXPECT_EQ(content.provenance.licence, "CC0");
+  EXPECT_EQ(content.provenance.tool, "tests");
+  ASSERT_EQ(content.provenance.sources.size(), 2u);
+  EXPECT_EQ(content.provenance.sources[0].role, "labels");
+  EXPECT_EQ(content.provenance.sources[1].role, "volume");
+  EXPECT_THAT(content.provenance.sources[1].hash, testing::MatchesRegex("xxh64:[0-9a-f]{16}"));
+  for (const Structure& s : content.graph.structures()) EXPECT_EQ(s.name.find("CANARY"), std::string::npos);
+  std::ifstream stream(build_options.output, std::ios::binary);
+  const std::string bytes{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+  EXPECT_EQ(bytes.find("CANARY"), std::string::npos);
+}
+
+TEST_F(BuildAtlas, RefusesWhatDoesNotFitTogether) {
+  std::mt19937 random(6);
+  BuildOptions build_options = options();
+  EXPECT_THAT(error_of(build_options), HasSubstr("--labels"));
+  build_options.sources.labels =
+      write("labels.nrrd", random_labels(awkward_grid(0), VoxelType::kUInt8, random));
+  Grid other = awkward_grid(0);
+  other.size[1] = 6;
+  build_options.sources.volume = write("volume.nrrd", random_volume(other, VoxelType::kUInt8, random));
+  EXPECT_THAT(error_of(build_options), testing::AllOf(HasSubstr("7x5x4"), HasSubstr("7x6x4")));
+  build_options.sources.volume.clear();
+  build_options.sources.segments = {*parse_segment("S=threshold:3")};
+  EXPECT_THAT(error_of(build_options), HasSubstr("--volume"));
+  build_options.sources.segments = {*parse_segment("S=mask:" + file("volume.nrrd"))};
+  EXPECT_THAT(error_of(build_options), HasSubstr("7x6x4"));
+  build_options.sources.segments.clear();
+  build_options.output = file("missing/a.atlas");
+  EXPECT_THAT(error_of(build_options), HasSubstr("no folder"));
+  build_options.output = build_options.sources.labels;
+  const Result<BuildReport> onto_input = build_atlas(build_options);
+  ASSERT_FALSE(onto_input);
+  EXPECT_THAT(onto_input.error().message, HasSubstr("is an input"));
+  EXPECT_TRUE(import_image(build_options.sources.labels));
+  build_options.output = folder_.path();
+  EXPECT_THAT(build_atlas(build_options).error().message, HasSubstr("is a folder"));
+}
+
+RC_GTEST_PROP(BuildAtlasProperty, RandomVolumesComeBack, ()) {
+  std::mt19937 random(static_cast<std::mt19937::result_type>(*rc::gen::inRange(0, 1 << 30)));
+  Grid grid = awkward_grid(*rc::gen::element(0.0, 0.1, -0.3));
+  for (auto& n : grid.size) n = *rc::gen::inRange<std::int64_t>(1, 7);
+  grid = reordered(grid, *rc::gen::elementOf(all_axis_orders()));
+  const Image labels = random_labels(grid, *rc::gen::elementOf(kVoxelTypes), random);
+  const Image volume = random_volume(grid, *rc::gen::elementOf(kVoxelTypes), random);
+  const std::string ending = *rc::gen::element<std::string>(".nrrd", ".mha");
+  const TemporaryFolder folder;
+  RC_ASSERT(write_image(labels, folder.file("l" + ending)));
+  RC_ASSERT(write_image(volume, folder.file("v" + ending)));
+  BuildOptions options;
+  options.output = folder.file("a.atlas");
+  options.sources.labels = folder.file("l" + ending);
+  options.sources.volume = folder.file("v" + ending);
+  options.compact = *rc::gen::arbitrary<bool>();
+  options.level = 1;
+  RC_ASSERT(build_atlas(options));
+  ExportOptions back;
+  back.atlas = options.output;
+  back.labels = folder.file("l2" + ending);
+  back.volume = folder.file("v2" + ending);
+  RC_ASSERT(export_atlas(back));
+  const auto labels_back = import_image(back.labels), volume_back = import_image(back.volume);
+  RC_ASSERT(labels_back->voxels == labels.voxels);
+  RC_ASSERT(volume_back->voxels == volume.voxels);
+  RC_ASSERT(labels_back->grid.size == grid.size);
+  RC_ASSERT((*Atlas::open(options.output))->verify());
+}
+
+}  // namespace
+}  // namespace splatlas
