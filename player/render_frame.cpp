@@ -102,6 +102,7 @@ Result<Renderer::Impl::AxisSpans*> Renderer::Impl::spans(Axis axis) {
 /// Hybrid shading: light on boundary voxels changes only with the direction of view.
 void Renderer::Impl::light_spans(AxisSpans& spans, const ParallelView& frame_view, const Lighting& lighting,
                                  bool shade) {
+  if (spans.model.shaded_voxels == 0) return;
   if (!shade) {
     if (spans.lit_for) shade_spans(spans.model, std::vector<float>(65536, 1.0f), pool);
     spans.lit_for.reset();

@@ -164,7 +164,10 @@ SpanModel build_spans(const SelectedRuns& selected, const DrawPlan& plan, std::s
   pool.for_each(model.slices.size(), [&](std::size_t n) {
     model.slices[n] = build_slice(context, selected.slice_first + static_cast<std::int64_t>(n));
   });
-  for (const SliceSpans& slice : model.slices) model.voxels += slice.voxels;
+  for (const SliceSpans& slice : model.slices) {
+    model.voxels += slice.voxels;
+    model.shaded_voxels += slice.shaded.size();
+  }
   return model;
 }
 

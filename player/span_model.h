@@ -61,6 +61,7 @@ struct SpanModel {
   std::int64_t slice_first = 0, row_first = 0, rows = 0, scan_first = 0, scan_voxels = 0;
   std::vector<SliceSpans> slices;
   std::uint64_t voxels = 0;
+  std::uint64_t shaded_voxels = 0;  ///< whose colour depends on the view
 
   /// `row` is a number of the grid; empty outside the box.
   [[nodiscard]] std::span<const Span> row(const SliceSpans& slice, std::int64_t row) const {
