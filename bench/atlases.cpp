@@ -1,0 +1,69 @@
+#include "bench/atlases.h"
+
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "bench/scratch_folder.h"
+#include "preprocess/build_atlas.h"
+#include "tests/phantom/phantom_files.h"
+
+namespace splatlas {
+namespace {
+
+/// The folder may go when this returns: an open atlas needs its file's name no more.
+Result<std::shared_ptr<const Atlas>> build_and_open(const SourceFiles& sources, const char* title,
+                                                    const ScratchFolder& folder,
+                                                    const BenchOptions& options) {
+  options.tell(fmt::format("building the atlas of {}", title));
+  BuildOptions build;
+  build.sources = sources;
+  build.title = title;
+  build.tool = "splatlas-bench";
+  build.output = folder.path() / "bench.atlas";
+  SPLATLAS_RETURN_IF_ERROR(build_atlas(build));
+  return Atlas::open(build.output);
+}
+
+}  // namespace
+
+Result<std::shared_ptr<const Atlas>> open_phantom(const BenchOptions& options) {
+  if (!options.atlas.empty()) return Atlas::open(options.atlas);
+  SPLATLAS_ASSIGN_OR_RETURN(const ScratchFolder folder, ScratchFolder::make());
+  SPLATLAS_RETURN_IF_ERROR(phantom::write_files(folder.path()));
+  SourceFiles sources;
+  sources.labels = folder.path() / "labels.nrrd";
+  sources.volume = folder.path() / "volume.nrrd";
+  sources.names = folder.path() / "names.txt";
+  sources.tree = folder.path() / "phantom.tree";
+  return build_and_open(sources, "the phantom", folder, options);
+}
+
+Result<std::shared_ptr<const Atlas>> open_colin27(const BenchOptions& options) {
+  if (!options.atlas.empty()) return Atlas::open(options.atlas);
+  const std::filesystem::path templates = "/usr/share/mricron/templates";
+  const std::filesystem::path brain = templates / "ch2bet.nii.gz";
+  SourceFiles sources;
+  sources.labels = templates / "aal.nii.gz";
+  sources.volume = templates / "ch2.nii.gz";
+  sources.names = templates / "aal.nii.txt";
+  sources.tree = std::filesystem::path(SPLATLAS_SOURCE_DIR) / "preprocess/trees/colin27_aal.tree";
+  for (const std::filesystem::path& path : {sources.labels, sources.volume, sources.names, brain}) {
+    if (std::error_code error; !std::filesystem::exists(path, error)) {
+      return fail(ErrorCode::kFailed,
+                  fmt::format("{}: is missing; install Debian's package mricron-data, or give an atlas with "
+                              "--atlas",
+                              path.string()));
+    }
+  }
+  // As scripts/demo.sh has it.
+  for (const std::string& rule :
+       {"Rest of brain=mask:" + brain.string(), std::string("Non-brain head=threshold:28:close=2")}) {
+    SPLATLAS_ASSIGN_OR_RETURN(SegmentRule segment, parse_segment(rule));
+    sources.segments.push_back(std::move(segment));
+  }
+  SPLATLAS_ASSIGN_OR_RETURN(const ScratchFolder folder, ScratchFolder::make());
+  return build_and_open(sources, "Colin 27", folder, options);
+}
+
+}  // namespace splatlas

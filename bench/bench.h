@@ -1,0 +1,30 @@
+// The benches: one small file each, registered in one table (benches.cpp).
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <span>
+#include <string>
+
+#include "bench/report.h"
+
+namespace splatlas {
+
+struct BenchOptions {
+  bool quick = false;           ///< fewer frames and repeats; counts are the same
+  std::filesystem::path atlas;  ///< drawn instead of building one; empty: build
+  std::function<void(const std::string&)> tell = [](const std::string&) {};  ///< what is being done now
+};
+
+struct Bench {
+  const char* name;
+  const char* shows;  ///< one line for --help
+  Result<Report> (*run)(const BenchOptions& options);
+};
+
+[[nodiscard]] std::span<const Bench> benches();
+
+[[nodiscard]] Result<Report> run_phantom_bench(const BenchOptions& options);
+[[nodiscard]] Result<Report> run_head_bench(const BenchOptions& options);
+
+}  // namespace splatlas

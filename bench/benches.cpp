@@ -1,0 +1,17 @@
+#include <array>
+
+#include "bench/bench.h"
+
+namespace splatlas {
+
+std::span<const Bench> benches() {
+  static constexpr std::array kBenches{
+      Bench{"phantom", "the paper's tables 1 and 2: the phantom's counts, and cost against full traversal",
+            run_phantom_bench},
+      Bench{"head", "the paper's tables 3 and 4 on the Colin 27 head: cost against full traversal",
+            run_head_bench},
+  };
+  return kBenches;
+}
+
+}  // namespace splatlas

@@ -1,0 +1,38 @@
+#include "bench/measure.h"
+
+#include <algorithm>
+
+namespace splatlas {
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0;
+  std::sort(values.begin(), values.end());
+  const std::size_t middle = values.size() / 2;
+  return values.size() % 2 == 1 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
+}
+
+Elapsed median(std::span<const Elapsed> values) {
+  std::vector<double> wall, cpu;
+  for (const Elapsed& elapsed : values) {
+    wall.push_back(elapsed.wall_ms);
+    cpu.push_back(elapsed.cpu_ms);
+  }
+  return {median(std::move(wall)), median(std::move(cpu))};
+}
+
+Result<std::vector<StageTimes>> measure_interleaved(std::span<const Contender> contenders, int turns) {
+  std::vector<StageTimes> times(contenders.size());
+  for (int turn = 0; turn < turns; ++turn) {
+    for (std::size_t n = 0; n < contenders.size(); ++n) {
+      const std::size_t contender = (n + static_cast<std::size_t>(turn)) % contenders.size();
+      SPLATLAS_ASSIGN_OR_RETURN(const std::vector<Elapsed> stages, contenders[contender](turn));
+      times[contender].resize(stages.size());
+      for (std::size_t stage = 0; stage < stages.size(); ++stage) {
+        times[contender][stage].push_back(stages[stage]);
+      }
+    }
+  }
+  return times;
+}
+
+}  // namespace splatlas

@@ -1,0 +1,30 @@
+// Measuring contenders side by side.
+#pragma once
+
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "format/result.h"
+#include "player/stopwatch.h"
+
+namespace splatlas {
+
+/// The middle one; the mean of the two in the middle of an even number; 0 of none.
+[[nodiscard]] double median(std::vector<double> values);
+/// Of wall clock and CPU time, each for itself.
+[[nodiscard]] Elapsed median(std::span<const Elapsed> values);
+
+/// Does its work once and tells what each stage of it took; always the same stages. What it does outside of
+/// the stages is not measured.
+using Contender = std::function<Result<std::vector<Elapsed>>(int turn)>;
+
+/// Of one contender: times[stage][turn].
+using StageTimes = std::vector<std::vector<Elapsed>>;
+
+/// `turns` turns of every contender, interleaved, so that whatever else the machine does hits all of them
+/// alike; who begins changes from turn to turn. The first failure ends it.
+[[nodiscard]] Result<std::vector<StageTimes>> measure_interleaved(std::span<const Contender> contenders,
+                                                                  int turns);
+
+}  // namespace splatlas

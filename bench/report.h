@@ -1,0 +1,30 @@
+// What a bench hands back.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "bench/table.h"
+#include "format/result.h"
+
+namespace splatlas {
+
+struct Report {
+  std::vector<Table> tables;
+  nlohmann::ordered_json summary = nlohmann::ordered_json::object();  ///< KEY: number, the contract's keys
+  /// What was found wrong (pictures that differ, counts that are not the paper's), one line each. The tables
+  /// are shown all the same, and the program ends with exit status 1.
+  std::vector<std::string> failures;
+};
+
+/// The tables and the summary, with the machine.
+[[nodiscard]] std::string report_text(const Report& report);
+
+/// {"bench", "machine", "rows", "summary"}: the rows of all tables, each with its table's name.
+[[nodiscard]] std::string report_json(const std::string& bench, const Report& report);
+
+/// Writes to a temporary file beside `path` and renames it: nothing half-written is left behind.
+[[nodiscard]] Result<void> write_report(const std::filesystem::path& path, const std::string& json);
+
+}  // namespace splatlas

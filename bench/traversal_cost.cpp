@@ -1,0 +1,189 @@
+#include "bench/traversal_cost.h"
+
+#include <bit>
+#include <set>
+#include <utility>
+
+#include "format/selection.h"
+
+namespace splatlas {
+namespace {
+
+constexpr double kTurnDeg = 15;
+constexpr double kRepeatTurnDeg = 1;
+
+/// Pictures of one turn, to be compared.
+struct Pictures {
+  std::array<std::vector<float>, kWays.size()> of;
+
+  std::vector<float>& operator[](Way way) { return of[static_cast<std::size_t>(way)]; }
+  /// Numbers that are not the same bits as full traversal's.
+  [[nodiscard]] std::uint64_t bits_differ() const {
+    std::uint64_t differ = 0;
+    for (std::size_t way = 1; way < of.size(); ++way) {
+      if (of[way].size() != of[0].size()) return of[0].size();
+      for (std::size_t n = 0; n < of[0].size(); ++n) {
+        differ += std::bit_cast<std::uint32_t>(of[way][n]) != std::bit_cast<std::uint32_t>(of[0][n]);
+      }
+    }
+    return differ;
+  }
+};
+
+std::vector<Elapsed> stages_of(const Elapsed& traversal, const Elapsed& rasterize, const Elapsed& sheets,
+                               const Elapsed& resolve) {
+  return {traversal, rasterize, sheets, resolve, traversal + rasterize + sheets + resolve};
+}
+
+/// The three ways to draw the frames of one figure.
+class Ways {
+ public:
+  Ways(std::shared_ptr<const Atlas> atlas, const VoxelModel& model, const Figure& figure,
+       const TraversalEffort& effort, unsigned threads)
+      : figure_(figure),
+        effort_(effort),
+        full_(atlas, model, threads),
+        fresh_(atlas, {.threads = threads}),
+        turning_(std::move(atlas), {.threads = threads}) {}
+
+  [[nodiscard]] int turns() const { return effort_.frames * effort_.repeats; }
+
+  /// Selects, and draws one frame per principal axis with both renderers, so that all they need is decoded.
+  Result<void> prepare() {
+    SPLATLAS_ASSIGN_OR_RETURN(selection_, select(figure_.selection, turning_.atlas().graph()));
+    full_.select(selection_);
+    SPLATLAS_RETURN_IF_ERROR(fresh_.select(selection_));
+    SPLATLAS_RETURN_IF_ERROR(turning_.select(selection_));
+    RenderOptions unlit;  // light that no frame keeps
+    unlit.hybrid_shading = false;
+    std::set<Axis> prepared;
+    for (int turn = 0; turn < turns(); ++turn) {
+      SPLATLAS_ASSIGN_OR_RETURN(const ParallelView view,
+                                parallel_view(camera(turn), options_.size, turning_.atlas().display()));
+      if (!prepared.insert(factorise(view, turning_.atlas().grid()).principal).second) continue;
+      SPLATLAS_RETURN_IF_ERROR(fresh_.render(camera(turn), unlit));
+      SPLATLAS_RETURN_IF_ERROR(turning_.render(camera(turn), unlit));
+    }
+    return {};
+  }
+
+  Result<std::vector<Elapsed>> draw(Way way, int turn) {
+    SPLATLAS_ASSIGN_OR_RETURN(const std::vector<Elapsed> stages,
+                              way == Way::kFullTraversal ? draw_full(turn) : draw_player(way, turn));
+    if (++drawn_ % kWays.size() == 0) bits_differ_ += pictures_.bits_differ();
+    return stages;
+  }
+
+  [[nodiscard]] std::uint64_t bits_differ() const { return bits_differ_; }
+  [[nodiscard]] const RenderStats& stats() const { return turning_.stats(); }
+
+ private:
+  [[nodiscard]] Camera camera(int turn) const {
+    Camera camera = figure_.camera;
+    const int frame = turn % effort_.frames;
+    const int repeat = turn / effort_.frames;
+    camera.azimuth_deg += kTurnDeg * frame + kRepeatTurnDeg * repeat;
+    return camera;
+  }
+
+  Result<std::vector<Elapsed>> draw_full(int turn) {
+    SPLATLAS_ASSIGN_OR_RETURN(FullTraversal::Frame frame, full_.render(camera(turn), options_));
+    pictures_[Way::kFullTraversal] = std::move(frame.picture.rgba);
+    return stages_of(frame.traversal, frame.drawn.rasterize, frame.drawn.sheets, frame.drawn.resolve);
+  }
+
+  Result<std::vector<Elapsed>> draw_player(Way way, int turn) {
+    Renderer& renderer = way == Way::kTurning ? turning_ : fresh_;
+    Elapsed selecting;
+    if (way == Way::kNewSelection) {
+      Stopwatch watch;
+      SPLATLAS_RETURN_IF_ERROR(renderer.select(selection_));
+      selecting = watch.lap();
+    }
+    SPLATLAS_ASSIGN_OR_RETURN(Picture picture, renderer.render(camera(turn), options_));
+    pictures_[way] = std::move(picture.rgba);
+    const RenderStats& stats = renderer.stats();
+    return stages_of(selecting + stats.traversal, stats.rasterize, stats.sheets, stats.resolve);
+  }
+
+  const Figure& figure_;
+  TraversalEffort effort_;
+  FullTraversal full_;
+  Renderer fresh_, turning_;
+  RenderOptions options_;
+  Selection selection_;
+  Pictures pictures_;
+  std::size_t drawn_ = 0;
+  std::uint64_t bits_differ_ = 0;
+};
+
+/// Frame times of one way, by frame: medians over repeats.
+std::vector<Elapsed> medians_by_frame(const std::vector<Elapsed>& turns, int frames) {
+  std::vector<std::vector<Elapsed>> by_frame(static_cast<std::size_t>(frames));
+  for (std::size_t turn = 0; turn < turns.size(); ++turn) {
+    by_frame[turn % by_frame.size()].push_back(turns[turn]);
+  }
+  std::vector<Elapsed> medians;
+  for (const std::vector<Elapsed>& repeats : by_frame) medians.push_back(median(repeats));
+  return medians;
+}
+
+}  // namespace
+
+const char* name_of(Way way) {
+  switch (way) {
+    case Way::kFullTraversal: return "full traversal";
+    case Way::kNewSelection: return "new selection";
+    case Way::kTurning: break;
+  }
+  return "turning";
+}
+
+Result<TraversalCost> measure_traversal(std::shared_ptr<const Atlas> atlas, const VoxelModel& model,
+                                        const Figure& figure, unsigned threads,
+                                        const TraversalEffort& effort) {
+  Ways ways(std::move(atlas), model, figure, effort, threads);
+  SPLATLAS_RETURN_IF_ERROR(ways.prepare());
+  std::vector<Contender> contenders;
+  for (const Way way : kWays) {
+    contenders.emplace_back([&ways, way](int turn) { return ways.draw(way, turn); });
+  }
+  SPLATLAS_ASSIGN_OR_RETURN(const std::vector<StageTimes> times,
+                            measure_interleaved(contenders, ways.turns()));
+
+  TraversalCost cost;
+  cost.stats = ways.stats();
+  cost.bits_differ = ways.bits_differ();
+  constexpr auto kFrame = static_cast<std::size_t>(Stage::kFrame);
+  const std::vector<Elapsed> full = medians_by_frame(times[0][kFrame], effort.frames);
+  for (std::size_t way = 0; way < kWays.size(); ++way) {
+    for (std::size_t stage = 0; stage < kStages; ++stage) {
+      cost.medians[way][stage] = median(times[way][stage]);
+    }
+    std::vector<Elapsed> ratios = medians_by_frame(times[way][kFrame], effort.frames);
+    for (std::size_t frame = 0; frame < ratios.size(); ++frame) {
+      ratios[frame].wall_ms /= full[frame].wall_ms;
+      ratios[frame].cpu_ms /= full[frame].cpu_ms;
+    }
+    cost.ratios[way] = median(ratios);
+  }
+  return cost;
+}
+
+void append_stage_rows(const std::string& figure, unsigned threads, const TraversalCost& cost, Table& table) {
+  for (const Way way : kWays) {
+    Row row{{"figure", figure}, {"threads", threads}, {"way", name_of(way)}};
+    const auto add = [&](const std::string& stage, Stage number) {
+      row[stage + "_ms"] = cost.of(way, number).wall_ms;
+      row[stage + "_cpu"] = cost.of(way, number).cpu_ms;
+    };
+    add("traversal", Stage::kTraversal);
+    add("raster", Stage::kRasterize);
+    add("sheets", Stage::kSheets);
+    add("resolve", Stage::kResolve);
+    add("frame", Stage::kFrame);
+    table.rows.push_back(row);
+  }
+}
+
+}  // namespace splatlas

@@ -1,0 +1,191 @@
+#include "bench/visit_voxels.h"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+namespace splatlas {
+namespace {
+
+/// A selected voxel that absorbs.
+struct VisibleVoxel {
+  std::uint32_t at = 0;    // along the scanline
+  std::uint32_t draw = 0;  // index into the plan's classes
+  float position = 0;      // on the grey ramp
+  std::size_t voxel = 0;   // in memory
+};
+
+std::size_t padded(std::size_t length) {
+  return (length / kSpanPadding + 1) * kSpanPadding;
+}
+
+/// One slice: first the visible voxels, row by row, then their spans.
+class SliceVisit {
+ public:
+  SliceVisit(const VoxelModel& model, const VoxelSelection& selection, const ScanOrder& scan)
+      : model_(model), selection_(selection), scan_(scan), rows_(model.grid.size[scan.row_axis]) {
+    const Index3& size = model.grid.size;
+    step_ = {1, static_cast<std::size_t>(size[0]), static_cast<std::size_t>(size[0] * size[1])};
+    positions_.resize(static_cast<std::size_t>(size[scan.scan_axis]));
+  }
+
+  /// Spans with one entry of `first_span` per row of the grid.
+  SliceSpans visit(std::int64_t slice) {
+    for (std::int64_t row = 0; row < rows_; ++row) {
+      first_visible_.push_back(visible_.size());
+      visit_row(slice, row);
+    }
+    first_visible_.push_back(visible_.size());
+    return pack();
+  }
+
+  /// Of the selected voxels, visible or not: rows in [0], positions along the scanline in [1].
+  [[nodiscard]] const IndexBox& selected() const { return selected_; }
+
+ private:
+  [[nodiscard]] std::uint32_t draw_of(std::size_t voxel) const {
+    return selection_.draw_of_class[model_.classes[voxel]];
+  }
+
+  void visit_row(std::int64_t slice, std::int64_t row) {
+    const std::size_t start = static_cast<std::size_t>(slice) * step_[scan_.slice_axis] +
+                              static_cast<std::size_t>(row) * step_[scan_.row_axis];
+    const std::size_t step = step_[scan_.scan_axis];
+    for (std::size_t n = 0; n < positions_.size(); ++n) {
+      if (draw_of(start + n * step) == VoxelSelection::kNotDrawn) continue;
+      const std::size_t first = n;
+      while (n < positions_.size() && draw_of(start + n * step) != VoxelSelection::kNotDrawn) ++n;
+      take(row, start + first * step, first, n - first);
+    }
+  }
+
+  /// Looks up the grey values of `count` selected voxels in a row, and keeps those that absorb.
+  void take(std::int64_t row, std::size_t voxel, std::size_t first, std::size_t count) {
+    const std::size_t step = step_[scan_.scan_axis];
+    selected_.include(IndexBox{{row, static_cast<std::int64_t>(first), 0},
+                               {row, static_cast<std::int64_t>(first + count) - 1, 0}});
+    selection_.ramp.positions(model_.values.bytes.data(), voxel, step, count, positions_.data());
+    for (std::size_t n = 0; n < count; ++n) {
+      const std::uint32_t draw = draw_of(voxel + n * step);
+      if (selection_.looks[draw].extinction_per_mm * positions_[n] <= 0) continue;
+      visible_.push_back({static_cast<std::uint32_t>(first + n), draw, positions_[n], voxel + n * step});
+    }
+  }
+
+  SliceSpans pack() const {
+    SliceSpans out;
+    if (visible_.empty()) return out;
+    out.voxels = visible_.size();
+    out.plane_floats = kSpanPadding;  // zeros before the first span
+    for (std::size_t row = 0; row < static_cast<std::size_t>(rows_); ++row) {
+      out.first_span.push_back(static_cast<std::uint32_t>(out.spans.size()));
+      cut_row(first_visible_[row], first_visible_[row + 1], out);
+    }
+    out.first_span.push_back(static_cast<std::uint32_t>(out.spans.size()));
+
+    out.planes = std::make_unique<float[]>(kPlanes * out.plane_floats);
+    std::size_t n = 0;
+    for (const Span& span : out.spans) {
+      for (std::uint32_t v = 0; v < span.voxels; ++v) light(visible_[n++], span, out);
+    }
+    return out;
+  }
+
+  /// Visible voxels to spans that bridge the same gaps as the player's.
+  void cut_row(std::size_t first, std::size_t last, SliceSpans& out) const {
+    const std::size_t first_of_row = out.spans.size();
+    for (std::size_t n = first; n < last; ++n) {
+      const std::uint32_t at = visible_[n].at;
+      Span* const span = out.spans.size() > first_of_row ? &out.spans.back() : nullptr;
+      if (span != nullptr && at - (span->start + span->length) <= kMaxSpanGap) {
+        span->length = at + 1 - span->start;
+        ++span->voxels;
+      } else {
+        out.spans.push_back({at, 1, 1, 0});
+      }
+    }
+    for (std::size_t n = first_of_row; n < out.spans.size(); ++n) {
+      out.spans[n].offset = out.plane_floats;
+      out.plane_floats += padded(out.spans[n].length);
+    }
+  }
+
+  void light(const VisibleVoxel& visible, const Span& span, SliceSpans& out) const {
+    const VolumeLook& look = selection_.looks[visible.draw];
+    const float extinction = look.extinction_per_mm * visible.position;
+    const float emission = extinction * shade_of(visible.position);
+    const std::array<float, 3> rgb{emission * look.color[0], emission * look.color[1],
+                                   emission * look.color[2]};
+    const std::size_t offset = span.offset + (visible.at - span.start);
+    out.plane(Plane::kExtinction)[offset] = extinction;
+    out.plane(Plane::kRed)[offset] = rgb[0];
+    out.plane(Plane::kGreen)[offset] = rgb[1];
+    out.plane(Plane::kBlue)[offset] = rgb[2];
+    if (selection_.plan.classes[visible.draw].boundary) {
+      out.shaded.push_back({offset, model_.normals[visible.voxel], rgb});
+    }
+  }
+
+  const VoxelModel& model_;
+  const VoxelSelection& selection_;
+  ScanOrder scan_;
+  std::int64_t rows_;
+  std::array<std::size_t, 3> step_{};
+  std::vector<float> positions_;  // of one scanline
+  std::vector<VisibleVoxel> visible_;
+  std::vector<std::size_t> first_visible_;  // per row, and the end
+  IndexBox selected_;
+};
+
+/// Cuts the model down to the box of what is selected, which is where the player's model stands.
+void trim(SpanModel& model, std::span<const IndexBox> selected) {
+  IndexBox box;  // slices, rows, positions along the scanline
+  for (std::size_t n = 0; n < selected.size(); ++n) {
+    if (selected[n].empty()) continue;
+    const auto slice = static_cast<std::int64_t>(n);
+    box.include(IndexBox{{slice, selected[n].first[0], selected[n].first[1]},
+                         {slice, selected[n].last[0], selected[n].last[1]}});
+  }
+  if (box.empty()) {
+    model.slices.clear();
+    return;
+  }
+  model.slices.erase(model.slices.begin() + box.last[0] + 1, model.slices.end());
+  model.slices.erase(model.slices.begin(), model.slices.begin() + box.first[0]);
+  model.slice_first = box.first[0];
+  model.row_first = box.first[1];
+  model.rows = box.last[1] - box.first[1] + 1;
+  model.scan_first = box.first[2];
+  model.scan_voxels = box.last[2] - box.first[2] + 1;
+  for (SliceSpans& slice : model.slices) {
+    std::vector<std::uint32_t>& first_span = slice.first_span;
+    if (slice.spans.empty()) continue;
+    first_span.erase(first_span.begin() + box.last[1] + 2, first_span.end());
+    first_span.erase(first_span.begin(), first_span.begin() + box.first[1]);
+  }
+}
+
+}  // namespace
+
+SpanModel visit_voxels(const VoxelModel& model, const VoxelSelection& selection, Axis axis,
+                       ThreadPool& pool) {
+  const ScanOrder scan = ScanOrder::of(axis);
+  const auto slices = static_cast<std::size_t>(model.grid.size[scan.slice_axis]);
+  SpanModel spans;
+  spans.axis = axis;
+  spans.slices.resize(slices);
+  std::vector<IndexBox> selected(slices);
+  pool.for_each(slices, [&](std::size_t n) {
+    SliceVisit visit(model, selection, scan);
+    spans.slices[n] = visit.visit(static_cast<std::int64_t>(n));
+    selected[n] = visit.selected();
+  });
+  trim(spans, selected);
+  for (const SliceSpans& slice : spans.slices) {
+    spans.voxels += slice.voxels;
+    spans.shaded_voxels += slice.shaded.size();
+  }
+  return spans;
+}
+
+}  // namespace splatlas

@@ -1,0 +1,77 @@
+// The program, as a user runs it.
+
+#include <fstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/phantom/two_spheres.h"
+#include "tests/support/run_program.h"
+
+namespace splatlas {
+namespace {
+
+using nlohmann::json;
+using ::testing::HasSubstr;
+
+TEST(PhantomBench, CountsWhatThePapersTables1And2Count) {
+  const TemporaryFolder folder;
+  const ProgramResult bench =
+      run_program({SPLATLAS_BENCH, "phantom", "--quick", "--json", "phantom.json"}, folder.path());
+  ASSERT_EQ(bench.status, 0) << bench.err;
+  EXPECT_THAT(bench.out, HasSubstr("Table 1"));
+  EXPECT_THAT(bench.out, HasSubstr("Table 2"));
+  std::ifstream file(folder.file("phantom.json"));
+  const json report = json::parse(file);
+
+  const json& summary = report["summary"];
+  for (std::size_t ball = 0; ball < 2; ++ball) {
+    const std::string number = std::to_string(ball + 1);
+    EXPECT_EQ(summary["interior_" + number], phantom::kTable1[ball].interior);
+    EXPECT_EQ(summary["boundary_" + number], phantom::kTable1[ball].boundary);
+    EXPECT_EQ(summary["triangles_" + number], phantom::kTable1[ball].triangles);
+  }
+  EXPECT_EQ(summary["empty"], phantom::kEmptyVoxels);
+
+  json table_2 = json::array();
+  for (const json& row : report["rows"]) {
+    if (row["table"] != "2") continue;
+    table_2.push_back({row["figure"], row["k_vol"], row["k_sur"], row["k_hyb"], row["bits_differ"]});
+    EXPECT_GT(row["cost_ratio"], 0);
+  }
+  EXPECT_EQ(table_2.dump(),
+            R"([["4a",0,1904,0,0],["4b",5046,0,0,0],["4c",437,1440,464,0],["4d",4145,464,0,0]])");
+  EXPECT_EQ(folder.names(), std::vector<std::string>{"phantom.json"});
+}
+
+TEST(BenchProgram, TellsWrongUseInOneLine) {
+  const ProgramResult unknown = run_program({SPLATLAS_BENCH, "fantom"});
+  EXPECT_EQ(unknown.status, 2);
+  EXPECT_EQ(unknown.out, "");
+  EXPECT_EQ(unknown.err, "splatlas-bench: fantom: no such bench; --help lists them\n");
+  EXPECT_EQ(run_program({SPLATLAS_BENCH}).status, 2);
+  EXPECT_EQ(run_program({SPLATLAS_BENCH, "phantom", "--fast"}).status, 2);
+}
+
+TEST(BenchProgram, DrawsNoFileThatIsNoAtlas) {
+  const TemporaryFolder folder;
+  std::ofstream(folder.file("not.atlas")) << "not an atlas, though long enough to hold a header of some kind";
+  const ProgramResult foreign = run_program({SPLATLAS_BENCH, "head", "--atlas", folder.file("not.atlas")});
+  EXPECT_EQ(foreign.status, 3);
+  EXPECT_THAT(foreign.err, HasSubstr("not.atlas"));
+  const ProgramResult missing = run_program(
+      {SPLATLAS_BENCH, "head", "--atlas", folder.file("missing.atlas"), "--json", "j.json"}, folder.path());
+  EXPECT_EQ(missing.status, 1);
+  EXPECT_THAT(missing.err, HasSubstr("missing.atlas"));
+  EXPECT_EQ(folder.names(), std::vector<std::string>{"not.atlas"});
+}
+
+TEST(BenchProgram, ListsTheBenches) {
+  const ProgramResult help = run_program({SPLATLAS_BENCH, "--help"});
+  EXPECT_EQ(help.status, 0);
+  for (const char* bench : {"phantom", "head"}) EXPECT_THAT(help.out, HasSubstr(bench));
+}
+
+}  // namespace
+}  // namespace splatlas
