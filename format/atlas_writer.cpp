@@ -26,6 +26,9 @@ constexpr std::uint32_t kChunkBytes = 256 * 1024;
 /// smaller: fewer bytes of others are read with them.
 constexpr std::uint32_t kSharedBytes = 4096;
 
+/// Share of a section's work that is not compression; for progress.
+constexpr double kGathering = 0.3;
+
 /// The decoded bytes of a section: its streams back to back, their lengths in the directory.
 using SectionBytes = std::vector<std::byte>;
 
@@ -190,7 +193,7 @@ Result<SectionBytes> AtlasEncoder::gather_surfaces() {
   parallel_for(
       count, options_.threads,
       [&](std::size_t s) { encoded[s] = encode_surface(content_.surfaces[s], size_); },
-      [&](std::size_t done) { report(0.5 * static_cast<double>(done) / static_cast<double>(count)); });
+      [&](std::size_t done) { report(kGathering * static_cast<double>(done) / static_cast<double>(count)); });
   for (StructureIndex s = 0; s < count; ++s) {
     if (!encoded[s]) {
       return fail(encoded[s].error().code, fmt::format("surface of structure '{}': {}", content_.graph[s].id,
@@ -224,7 +227,9 @@ void AtlasEncoder::add_section(SectionKind kind, const SectionBytes& decoded) {
         directory_.chunks[first + n] = chunk.entry;
         chunks_[first + n] = std::move(chunk.bytes);
       },
-      [&](std::size_t done) { report(static_cast<double>(done) / static_cast<double>(count)); });
+      [&](std::size_t done) {
+        report(kGathering + (1 - kGathering) * static_cast<double>(done) / static_cast<double>(count));
+      });
 }
 
 Result<std::vector<std::byte>> AtlasEncoder::assemble() const {

@@ -95,6 +95,7 @@ Result<void> check_class_volume(const AtlasContent& content, const Index3& size)
 
 Result<void> check_content(const AtlasContent& content) {
   if (auto valid = validate(content.source_grid, "source grid"); !valid) return refuse(valid.error().message);
+  if (!content.source_to_storage.is_permutation()) return refuse("axis order is not a permutation");
   const Grid grid = storage_grid(content);
   SPLATLAS_RETURN_IF_ERROR(check_sizes(content, static_cast<std::uint64_t>(grid.voxels())));
   SPLATLAS_RETURN_IF_ERROR(check_members(content));

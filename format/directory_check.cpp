@@ -84,11 +84,7 @@ Result<void> check_texts(const Directory& d) {
 
 Result<void> check_geometry(const Directory& d) {
   if (auto valid = validate(d.source_grid, "source grid"); !valid) return invalid(valid.error().message);
-  std::array<bool, 3> used{};
-  for (const std::uint8_t a : d.source_to_storage.from) {
-    if (a > 2 || used[a]) return invalid("axis order is not a permutation");
-    used[a] = true;
-  }
+  if (!d.source_to_storage.is_permutation()) return invalid("axis order is not a permutation");
   for (const VoxelType type : {d.value_type, d.label_type}) {
     if (static_cast<unsigned>(type) > static_cast<unsigned>(VoxelType::kFloat64)) {
       return invalid(fmt::format("unknown voxel type {}", static_cast<unsigned>(type)));

@@ -167,6 +167,14 @@ Result<void> lay_out_streams(const Directory& directory, const SectionEntry& ent
                                cuts ? std::to_string(cuts->size() - 1) : std::string("more")));
   }
   section.chunk_begin = std::move(*cuts);
+  for (std::uint32_t n = 0; n < entry.chunks; ++n) {
+    const std::uint64_t stored = directory.chunks[section.first_chunk + n].stored_bytes;
+    const std::uint64_t decoded = section.chunk_begin[n + 1] - section.chunk_begin[n];
+    if (stored == 0 || stored > decoded) {
+      return invalid(fmt::format("invalid: chunk {} of section {} stores {} bytes as {}", n,
+                                 section_name(entry.kind), decoded, stored));
+    }
+  }
   return {};
 }
 

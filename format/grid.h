@@ -65,6 +65,11 @@ struct AxisOrder {
 
   friend bool operator==(const AxisOrder&, const AxisOrder&) = default;
   [[nodiscard]] bool is_identity() const { return *this == AxisOrder{}; }
+  /// Whether every axis occurs once. Everything that takes an order takes this for granted.
+  [[nodiscard]] bool is_permutation() const {
+    return from[0] < 3 && from[1] < 3 && from[2] < 3 && from[0] + from[1] + from[2] == 3 &&
+           from[0] != from[1] && from[1] != from[2];
+  }
 };
 
 /// The order in which an atlas stores a source grid: the signed permutation whose axes run closest to

@@ -1,48 +1,245 @@
 #include "format/atlas_reader.h"
 
+#include <fstream>
+#include <thread>
+
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
 #include "format/atlas_writer.h"
+#include "format/checksum.h"
+#include "tests/format/atlas_surgery.h"
 #include "tests/format/random_content.h"
+#include "tests/format/temporary_folder.h"
 
 namespace splatlas {
 namespace {
 
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
 WriteOptions quick(bool compact = false) {
   WriteOptions options;
   options.level = 1;
-  options.threads = 1;
   options.compact = compact;
   return options;
 }
 
-std::shared_ptr<const Atlas> open_content(const AtlasContent& content, const WriteOptions& options) {
-  auto bytes = encode_atlas(content, options);
-  if (!bytes) throw std::runtime_error(bytes.error().message);
-  auto atlas = Atlas::open_bytes(*std::move(bytes));
-  if (!atlas) throw std::runtime_error(atlas.error().message);
-  return *atlas;
+Bytes encode(const AtlasContent& content, bool compact = false) {
+  return encode_atlas(content, quick(compact)).value();
 }
 
 RC_GTEST_PROP(Atlas, ReadsWhatWasWritten, ()) {
   auto random = *random_source();
   const AtlasContent content = random_content(random);
   for (const bool compact : {false, true}) {
-    const auto atlas = open_content(content, quick(compact));
-    const auto read = atlas->read_all();
-    RC_ASSERT(read.has_value());
-    RC_ASSERT(difference(content, *read) == "");
+    const auto atlas = Atlas::open_bytes(encode(content, compact)).value();
+    RC_ASSERT(difference(content, atlas->read_all().value()) == "");
     const auto verified = atlas->verify();
     if (!verified) RC_FAIL(verified.error().message);
     for (const Axis axis : kAxes) {
       const RunModel model =
           encode_runs(content.class_volume, atlas->grid().size, axis, content.classes.size());
       RC_ASSERT(atlas->runs(axis) == model.runs());
-      for (ClassId c = 0; c < content.classes.size(); ++c)
+      for (ClassId c = 1; c < content.classes.size(); ++c)
         RC_ASSERT(*atlas->read_runs(c, axis) == model.classes[c]);
     }
   }
+}
+
+RC_GTEST_PROP(Atlas, TellsAboutItselfWithoutReadingChunks, ()) {
+  auto random = *random_source();
+  const AtlasContent content = random_content(random);
+  const Bytes file = encode(content);
+  const auto atlas = Atlas::open_bytes(file, "name").value();
+  RC_ASSERT(atlas->name() == "name");
+  RC_ASSERT(atlas->format_version() == "1.0");
+  RC_ASSERT(atlas->grid() == storage_grid(content));
+  RC_ASSERT(atlas->value_type() == content.values.type);
+  RC_ASSERT(atlas->label_type() == content.label_type);
+  for (StructureIndex s = 0; s < content.graph.size(); ++s) {
+    RC_ASSERT(atlas->triangles(s) == content.surfaces[s].triangles.size());
+  }
+  std::uint64_t sum = 0;
+  for (const SectionSize& section : atlas->sections()) sum += section.bytes;
+  RC_ASSERT(sum == file.size());
+  RC_ASSERT(atlas->counters().file == file.size());
+  RC_ASSERT(atlas->counters().read == sizeof(FileHeader) + directory_bytes(file).size());
+  RC_ASSERT(atlas->counters().decoded == 0u);
+}
+
+/// Stored and decoded bytes of the chunks that hold stream `n` of a section.
+std::pair<std::uint64_t, std::uint64_t> cost_of(const AtlasParts& parts, SectionKind kind, std::size_t n) {
+  const FileLayout layout = lay_out(parts.directory, 0).value();
+  const SectionLayout* section = layout.find(kind);
+  std::pair<std::uint64_t, std::uint64_t> cost{0, 0};
+  if (!section || section->stream_begin[n] == section->stream_begin[n + 1]) return cost;
+  for (std::size_t chunk = 0; chunk + 1 < section->chunk_begin.size(); ++chunk) {
+    const std::uint64_t begin = section->chunk_begin[chunk], end = section->chunk_begin[chunk + 1];
+    if (begin >= section->stream_begin[n + 1] || end <= section->stream_begin[n]) continue;
+    cost.first += parts.chunks[section->first_chunk + chunk].size();
+    cost.second += end - begin;
+  }
+  return cost;
+}
+
+RC_GTEST_PROP(Atlas, ReadsTheChunksOfWhatIsAskedForAndNoOthers, ()) {
+  auto random = *random_source();
+  const AtlasContent content = random_content(random, {30, 8, 500});
+  const Bytes file = encode(content);
+  const AtlasParts parts = take_apart(file);
+  const auto cost_of_reading = [&](const auto& read) {
+    const auto atlas = Atlas::open_bytes(file).value();
+    const auto before = atlas->counters();
+    read(*atlas);
+    read(*atlas);  // costs nothing more of the file
+    const auto after = atlas->counters();
+    return after.read - before.read;
+  };
+  for (ClassId c = 0; c < content.classes.size(); ++c) {
+    for (const Axis axis : kAxes) {
+      RC_ASSERT(cost_of_reading([&](const Atlas& a) { a.read_runs(c, axis).value(); }) ==
+                cost_of(parts, run_section(axis), c).first);
+    }
+    RC_ASSERT(cost_of_reading([&](const Atlas& a) { a.read_values(c).value(); }) ==
+              cost_of(parts, SectionKind::kValues, c).first);
+    RC_ASSERT(cost_of_reading([&](const Atlas& a) { a.read_normals(c).value(); }) ==
+              cost_of(parts, SectionKind::kNormals, c).first);
+  }
+  for (std::size_t n = 0; n < content.graph.size(); ++n) {
+    const StructureIndex s = content.graph.preorder()[n];
+    RC_ASSERT(cost_of_reading([&](const Atlas& a) { a.read_surface(s).value(); }) ==
+              cost_of(parts, SectionKind::kSurfaces, n).first);
+  }
+}
+
+TEST(Atlas, ReadingEverythingTouchesEveryByteOnce) {
+  std::mt19937 random(5);
+  const AtlasContent content = random_content(random, {40, 8, 500});
+  const auto atlas = Atlas::open_bytes(encode(content)).value();
+  ASSERT_TRUE(atlas->verify());
+  ASSERT_TRUE(atlas->verify());
+  EXPECT_EQ(atlas->counters().read, atlas->counters().file);
+}
+
+TEST(Atlas, SharesChunksAmongSmallClassesOnly) {
+  std::mt19937 random(8);
+  const AtlasContent content = random_content(random, {40, 8, 500});
+  const AtlasParts parts = take_apart(encode(content));
+  for (ClassId c = 0; c < content.classes.size(); ++c) {
+    const std::uint64_t size = content.classes.voxels(c) * bytes_of(content.values.type);
+    const std::uint64_t decoded = cost_of(parts, SectionKind::kValues, c).second;
+    EXPECT_LE(decoded, std::max<std::uint64_t>(size, 4096)) << "class " << c;
+  }
+}
+
+TEST(Atlas, IsSafeToReadFromSeveralThreads) {
+  std::mt19937 random(6);
+  const AtlasContent content = random_content(random, {40, 8, 500});
+  const auto atlas = Atlas::open_bytes(encode(content)).value();
+  std::vector<std::thread> threads;
+  std::vector<std::string> differences(8, "not run");
+  for (std::string& found : differences) {
+    threads.emplace_back([&] {
+      const auto read = atlas->read_all();
+      found = read ? difference(content, *read) : read.error().message;
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_THAT(differences, ::testing::Each(""));
+  ASSERT_TRUE(atlas->verify());
+  EXPECT_EQ(atlas->counters().read, atlas->counters().file);
+}
+
+TEST(Atlas, ClassesAndStructuresOutOfRangeAreErrors) {
+  std::mt19937 random(7);
+  const auto atlas = Atlas::open_bytes(encode(random_content(random))).value();
+  const auto classes = static_cast<ClassId>(atlas->classes().size());
+  EXPECT_EQ(atlas->read_runs(classes, Axis::kX).error().code, ErrorCode::kUsage);
+  EXPECT_EQ(atlas->read_values(classes).error().code, ErrorCode::kUsage);
+  EXPECT_EQ(atlas->read_normals(kNoStructure).error().code, ErrorCode::kUsage);
+  EXPECT_EQ(atlas->read_surface(kNoStructure).error().code, ErrorCode::kUsage);
+}
+
+TEST(Atlas, OpensFilesOfNewerMinorVersionsAndSkipsTheirSections) {
+  std::mt19937 random(9);
+  const AtlasContent content = random_content(random);
+  AtlasParts parts = take_apart(encode(content));
+  const EncodedChunk extra = encode_chunk(Bytes(1000, std::byte{1}), 3);
+  parts.directory.sections.insert(parts.directory.sections.begin(), {4711, 1, 5, 7});
+  parts.directory.chunks.insert(parts.directory.chunks.begin(), extra.entry);
+  parts.directory.chunks[0].codec = static_cast<ChunkCodec>(9);
+  parts.chunks.insert(parts.chunks.begin(), extra.bytes);
+  Bytes file = put_together(parts);
+  FileHeader header;
+  std::memcpy(&header, file.data(), sizeof header);
+  header.minor = 3;
+  header.optional_features = 1;
+  header.header_checksum = checksum_of(std::as_bytes(std::span(&header, 1)).first(56));
+  std::memcpy(file.data(), &header, sizeof header);
+
+  const auto atlas = Atlas::open_bytes(file).value();
+  EXPECT_EQ(atlas->format_version(), "1.3");
+  EXPECT_EQ(difference(content, atlas->read_all().value()), "");
+  EXPECT_TRUE(atlas->verify());
+  EXPECT_EQ(atlas->sections()[2].name, "section 4711");
+
+  // Its chunks are not understood, but damage is seen.
+  const std::size_t at = sizeof(FileHeader) + header.directory_bytes;
+  file[at + 3] ^= std::byte{1};
+  const auto verified = Atlas::open_bytes(file).value()->verify();
+  ASSERT_FALSE(verified);
+  EXPECT_EQ(verified.error().message, "(memory): damaged: checksum of section 4711 chunk 0");
+}
+
+struct AtlasFileTest : ::testing::Test {
+  TemporaryFolder folder;
+  std::filesystem::path path = folder.path() / "a.atlas";
+  AtlasContent content = [] {
+    std::mt19937 random(10);
+    return random_content(random, {30, 6, 300});
+  }();
+
+  static std::string message_of(const Result<void>& result) { return result ? "" : result.error().message; }
+  void write(const Bytes& bytes) const {
+    std::ofstream(path, std::ios::binary)
+        .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  }
+};
+
+TEST_F(AtlasFileTest, ErrorsNameTheFile) {
+  EXPECT_EQ(Atlas::open(path).error().code, ErrorCode::kFailed);
+  EXPECT_EQ(Atlas::open(path).error().message,
+            path.string() + ": cannot be opened: No such file or directory");
+  write({});
+  EXPECT_EQ(Atlas::open(path).error().code, ErrorCode::kInvalidAtlas);
+  EXPECT_EQ(Atlas::open(path).error().message, path.string() + ": not an atlas (the file is empty)");
+  EXPECT_EQ(Atlas::open(folder.path()).error().code, ErrorCode::kInvalidAtlas);
+}
+
+TEST_F(AtlasFileTest, AFileTruncatedWhileOpenIsAnError) {
+  ASSERT_TRUE(write_atlas(content, path, quick()));
+  const auto atlas = Atlas::open(path).value();
+  std::filesystem::resize_file(path, sizeof(FileHeader));
+  EXPECT_THAT(message_of(atlas->verify()), HasSubstr(path.string() + ": truncated while open"));
+  EXPECT_EQ(atlas->verify().error().code, ErrorCode::kInvalidAtlas);
+  EXPECT_EQ(atlas->graph().size(), content.graph.size());
+}
+
+TEST_F(AtlasFileTest, AFileOverwrittenWhileOpenIsAnError) {
+  ASSERT_TRUE(write_atlas(content, path, quick()));
+  const auto atlas = Atlas::open(path).value();
+  write(Bytes(std::filesystem::file_size(path), std::byte{0x5a}));
+  EXPECT_THAT(message_of(atlas->verify()), HasSubstr("damaged: checksum of"));
+}
+
+TEST_F(AtlasFileTest, AFileReplacedWhileOpenStaysTheOldOne) {
+  ASSERT_TRUE(write_atlas(content, path, quick()));
+  const auto atlas = Atlas::open(path).value();
+  std::mt19937 random(99);
+  ASSERT_TRUE(write_atlas(random_content(random), path, quick()));
+  EXPECT_EQ(difference(content, atlas->read_all().value()), "");
 }
 
 }  // namespace

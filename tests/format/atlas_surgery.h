@@ -1,0 +1,117 @@
+// Takes atlas files apart and puts them together again, changed and with right checksums: files as a careful
+// enemy would write them.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstring>
+#include <span>
+#include <stdexcept>
+#include <vector>
+
+#include "format/chunk_codec.h"
+#include "format/directory.h"
+#include "format/file_layout.h"
+
+namespace splatlas {
+
+using Bytes = std::vector<std::byte>;
+
+/// An atlas file in parts. Change them at will: put_together() believes everything.
+struct AtlasParts {
+  FileHeader header;
+  Directory directory;
+  std::vector<Bytes> chunks;  ///< stored bytes, in file order
+};
+
+inline AtlasParts take_apart(const Bytes& file) {
+  AtlasParts parts;
+  std::memcpy(&parts.header, file.data(), sizeof(FileHeader));
+  const Bytes directory(
+      file.begin() + sizeof(FileHeader),
+      file.begin() + static_cast<std::ptrdiff_t>(sizeof(FileHeader) + parts.header.directory_bytes));
+  parts.directory = decode_directory(directory).value();
+  const FileLayout layout = lay_out(parts.directory, directory.size()).value();
+  for (std::size_t n = 0; n < parts.directory.chunks.size(); ++n) {
+    parts.chunks.emplace_back(file.begin() + static_cast<std::ptrdiff_t>(layout.chunk_offset[n]),
+                              file.begin() + static_cast<std::ptrdiff_t>(layout.chunk_offset[n + 1]));
+  }
+  return parts;
+}
+
+/// Header, these bytes as the directory, and the chunks, with right lengths and checksums in the header.
+inline Bytes put_together(const Bytes& directory, const std::vector<Bytes>& chunks) {
+  std::size_t size = sizeof(FileHeader) + directory.size();
+  for (const Bytes& chunk : chunks) size += chunk.size();
+  const FileHeader header = make_header(directory, size);
+  Bytes file(size);
+  std::memcpy(file.data(), &header, sizeof header);
+  auto end = std::ranges::copy(directory, file.begin() + sizeof header).out;
+  for (const Bytes& chunk : chunks) end = std::ranges::copy(chunk, end).out;
+  return file;
+}
+
+inline Bytes put_together(const AtlasParts& parts) {
+  return put_together(encode_directory(parts.directory).value(), parts.chunks);
+}
+
+/// The directory's bytes of a file.
+inline Bytes directory_bytes(const Bytes& file) {
+  FileHeader header;
+  std::memcpy(&header, file.data(), sizeof header);
+  return Bytes(file.begin() + sizeof header,
+               file.begin() + static_cast<std::ptrdiff_t>(sizeof header + header.directory_bytes));
+}
+
+/// The decoded streams of a section.
+inline std::vector<Bytes> decode_streams(const AtlasParts& parts, SectionKind kind) {
+  const FileLayout layout = lay_out(parts.directory, 0).value();
+  const SectionLayout& section = *layout.find(kind);
+  Bytes decoded(section.stream_begin.back());
+  for (std::size_t n = 0; n + 1 < section.chunk_begin.size(); ++n) {
+    const std::size_t chunk = section.first_chunk + n, begin = section.chunk_begin[n];
+    const auto done = decode_chunk(parts.chunks[chunk], parts.directory.chunks[chunk],
+                                   std::span(decoded).subspan(begin, section.chunk_begin[n + 1] - begin));
+    if (!done) throw std::runtime_error(done.error().message);
+  }
+  std::vector<Bytes> streams;
+  for (std::size_t n = 0; n + 1 < section.stream_begin.size(); ++n) {
+    streams.emplace_back(decoded.begin() + static_cast<std::ptrdiff_t>(section.stream_begin[n]),
+                         decoded.begin() + static_cast<std::ptrdiff_t>(section.stream_begin[n + 1]));
+  }
+  return streams;
+}
+
+/// Puts other streams into a section: cuts and compresses them as the writer does. Their lengths in the
+/// directory are the caller's business.
+inline void replace_streams(AtlasParts& parts, SectionKind kind, const std::vector<Bytes>& streams) {
+  std::size_t first = 0;
+  for (SectionEntry& section : parts.directory.sections) {
+    if (section.kind != static_cast<std::uint32_t>(kind)) {
+      first += section.chunks;
+      continue;
+    }
+    const auto at = static_cast<std::ptrdiff_t>(first),
+               end = static_cast<std::ptrdiff_t>(first + section.chunks);
+    parts.chunks.erase(parts.chunks.begin() + at, parts.chunks.begin() + end);
+    parts.directory.chunks.erase(parts.directory.chunks.begin() + at, parts.directory.chunks.begin() + end);
+    Bytes decoded;
+    std::vector<std::uint64_t> sizes;
+    for (const Bytes& stream : streams) {
+      decoded.insert(decoded.end(), stream.begin(), stream.end());
+      sizes.push_back(stream.size());
+    }
+    const auto cuts =
+        cut_streams(begins_of(sizes), section.chunk_bytes, section.shared_bytes, 1u << 20).value();
+    section.chunks = static_cast<std::uint32_t>(cuts.size() - 1);
+    for (std::size_t n = cuts.size() - 1; n-- > 0;) {
+      EncodedChunk chunk = encode_chunk(std::span(decoded).subspan(cuts[n], cuts[n + 1] - cuts[n]), 1);
+      parts.chunks.insert(parts.chunks.begin() + at, std::move(chunk.bytes));
+      parts.directory.chunks.insert(parts.directory.chunks.begin() + at, chunk.entry);
+    }
+    return;
+  }
+  throw std::invalid_argument("the file has no such section");
+}
+
+}  // namespace splatlas
