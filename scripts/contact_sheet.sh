@@ -25,7 +25,7 @@ cell() {
       y=$((y + line_height))
     done < <(fold --spaces --width=$characters_a_line <<<"$3")
   fi
-  oiiotool --create "$cell_size" 3 --fill:color=$paper "$cell_size" "${content[@]}" -d uint8 \
+  oiiotool --wildcardoff --create "$cell_size" 3 --fill:color=$paper "$cell_size" "${content[@]}" -d uint8 \
     -o "$folder/$(printf '%03d' "$number").png"
 }
 
