@@ -27,7 +27,7 @@ struct Atlas::Impl {
   [[nodiscard]] Result<void> check_structure(StructureIndex s) const;
 
   /// The error again with the file's name before it.
-  [[nodiscard]] tl::unexpected<Error> named(Error error) const {
+  [[nodiscard]] tl::unexpected<Error> named(const Error& error) const {
     return fail(error.code, file.name() + ": " + error.message);
   }
 
