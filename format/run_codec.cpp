@@ -23,6 +23,10 @@ class VarintReader {
 
   /// False at the end of the bytes, and for more than 64 bits.
   bool read(std::uint64_t& value) {
+    if (next_ != end_ && *next_ < std::byte{0x80}) {  // nearly always
+      value = std::to_integer<std::uint64_t>(*next_++);
+      return true;
+    }
     value = 0;
     for (unsigned shift = 0; shift < 64 && next_ != end_; shift += 7) {
       const auto byte = std::to_integer<std::uint64_t>(*next_++);

@@ -38,8 +38,8 @@ std::string decode(const Bytes& stored, ChunkCodec codec, std::size_t decoded_by
 }
 
 RC_GTEST_PROP(ChunkCodec, DecodesWhatWasEncoded, (std::vector<std::uint8_t> bytes, bool repeat)) {
-  Bytes decoded(bytes.size());
-  std::memcpy(decoded.data(), bytes.data(), bytes.size());
+  const auto raw = std::as_bytes(std::span(bytes));
+  Bytes decoded(raw.begin(), raw.end());
   if (repeat) decoded.resize(10'000);
   const EncodedChunk chunk = encode_chunk(decoded, *rc::gen::inRange(1, 23));
   RC_ASSERT(chunk.entry.stored_bytes == chunk.bytes.size());
