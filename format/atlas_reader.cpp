@@ -151,7 +151,7 @@ Result<std::vector<std::byte>> Atlas::Impl::read_stream(SectionKind kind, std::s
   if (!section) return std::vector<std::byte>{};
   try {
     auto bytes = sections.read_stream(*section, stream);
-    if (!bytes) return named(std::move(bytes).error());
+    if (!bytes) return named(bytes.error());
     return bytes;
   } catch (const std::bad_alloc&) {
     const std::uint64_t size = section->stream_begin[stream + 1] - section->stream_begin[stream];

@@ -208,7 +208,17 @@ bool ends_are_valid(const Rows& rows, End&& end, std::uint64_t total) {
   return previous == total;
 }
 
+/// The verifier aligns vectors to their length, not to their elements.
+template <typename Row>
+bool is_aligned(const flatbuffers::Vector<const Row*>& rows) {
+  return rows.size() == 0 || reinterpret_cast<std::uintptr_t>(rows.Data()) % alignof(Row) == 0;
+}
+
 Result<void> check_tables(const schema::Directory& d) {
+  if (!is_aligned(*d.structures()) || !is_aligned(*d.surfaces()) || !is_aligned(*d.classes()) ||
+      !is_aligned(*d.scenes()) || !is_aligned(*d.sections()) || !is_aligned(*d.chunks())) {
+    return invalid("invalid: directory tables are not aligned");
+  }
   const std::uint64_t strings = 4 + 2 * std::uint64_t{d.structures()->size()} +
                                 3 * std::uint64_t{d.scenes()->size()} + 2 * std::uint64_t{d.sources()};
   if (d.text_ends()->size() != strings) {

@@ -16,6 +16,8 @@ namespace {
 
 /// pread takes at most about 2 GiB; smaller pieces also keep the file's lock short.
 constexpr std::size_t kMaxReadBytes = std::size_t{1} << 26;
+/// Whoever has asked for this part of a file is likely to ask for much of the rest.
+constexpr std::uint64_t kReadAheadFraction = 16;
 
 }  // namespace
 
@@ -49,15 +51,8 @@ InputFile::InputFile(InputFile&& other) noexcept
     : descriptor_(std::exchange(other.descriptor_, -1)),
       bytes_(std::move(other.bytes_)),
       size_(std::exchange(other.size_, 0)),
-      name_(std::move(other.name_)) {}
-
-InputFile& InputFile::operator=(InputFile&& other) noexcept {
-  std::swap(descriptor_, other.descriptor_);
-  std::swap(bytes_, other.bytes_);
-  std::swap(size_, other.size_);
-  std::swap(name_, other.name_);
-  return *this;
-}
+      name_(std::move(other.name_)),
+      asked_bytes_(other.asked_bytes_.load()) {}
 
 InputFile::~InputFile() {
   if (descriptor_ >= 0) ::close(descriptor_);
@@ -72,6 +67,9 @@ Result<void> InputFile::read(std::uint64_t offset, std::span<std::byte> to) cons
     std::copy_n(bytes_.begin() + static_cast<std::ptrdiff_t>(offset), to.size(), to.begin());
     return {};
   }
+  const std::uint64_t asked = asked_bytes_.fetch_add(to.size(), std::memory_order_relaxed);
+  const std::uint64_t enough = size_ / kReadAheadFraction;
+  if (asked <= enough && enough - asked < to.size()) ::posix_fadvise(descriptor_, 0, 0, POSIX_FADV_NORMAL);
   while (!to.empty()) {
     const ssize_t got =
         ::pread(descriptor_, to.data(), std::min(to.size(), kMaxReadBytes), static_cast<off_t>(offset));

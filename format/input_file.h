@@ -1,6 +1,7 @@
 // A file, or bytes in memory, to read ranges from.
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -13,15 +14,15 @@
 namespace splatlas {
 
 /// Read with pread, not mapped: a mapped file that somebody truncates ends the process with SIGBUS, a short
-/// read is an error like any other (docs/atlas_format.md has the figures). Ranges are read without
-/// read-ahead, so that a selection costs its own bytes. Moves, does not copy; reading is thread-safe.
+/// read is an error like any other (docs/atlas_format.md has the figures). The system reads ahead only once a
+/// good part of the file has been asked for: a small selection costs its own pages. Moves, does not copy;
+/// reading is thread-safe.
 class InputFile {
  public:
   /// kFailed when it cannot be opened; kInvalidAtlas for folders, pipes and devices, which are not opened.
   [[nodiscard]] static Result<InputFile> open(const std::filesystem::path& path);
   InputFile(std::vector<std::byte> bytes, std::string name);
   InputFile(InputFile&& other) noexcept;
-  InputFile& operator=(InputFile&& other) noexcept;
   ~InputFile();
 
   [[nodiscard]] const std::string& name() const { return name_; }
@@ -38,6 +39,7 @@ class InputFile {
   std::vector<std::byte> bytes_;
   std::uint64_t size_ = 0;
   std::string name_;
+  mutable std::atomic<std::uint64_t> asked_bytes_{0};
 };
 
 }  // namespace splatlas
