@@ -9,6 +9,7 @@
 
 #include "format/atlas_writer.h"
 #include "format/checksum.h"
+#include "format/run_codec.h"
 #include "tests/format/atlas_surgery.h"
 #include "tests/format/random_content.h"
 #include "tests/format/temporary_folder.h"
@@ -207,6 +208,61 @@ struct AtlasFileTest : ::testing::Test {
         .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
   }
 };
+
+/// 2^32 voxels: the values of the empty class are a hole of 4 GiB in the file; behind it lie those of a class
+/// of five voxels at the grid's end.
+TEST_F(AtlasFileTest, ReadsVoxelsPastFourGibibytes) {
+  AtlasParts parts;
+  Directory& directory = parts.directory;
+  directory.source_grid.size = {1 << 16, 1 << 16, 1};
+  directory.value_type = VoxelType::kUInt8;
+  directory.graph = *StructureGraph::build({{"end", "", {}, {}, {}, false}});
+  const ClassId end = directory.classes.intern({{0, Part::kInterior}});
+  const std::uint64_t empty_voxels = (std::uint64_t{1} << 32) - 5;
+  directory.classes.count(kEmptyClass, empty_voxels, {});
+  directory.classes.count(end, 5, {{65531, 65535, 0}, {65535, 65535, 0}});
+  directory.run_totals = {5, 1, 1};
+  directory.surfaces.resize(1);
+
+  const ClassRuns runs{{65535, 65531, 5}};
+  Bytes run_list;
+  append_run_list(runs, run_list);
+  directory.run_bytes = {{}, {0, 0, static_cast<std::uint32_t>(run_list.size())}};
+  const Bytes zeros(262'144), values{std::byte{1}, std::byte{2}, std::byte{3}, std::byte{4}, std::byte{5}};
+  const auto add_chunk = [&](const Bytes& bytes) {
+    directory.chunks.push_back(
+        {checksum_of(bytes), static_cast<std::uint32_t>(bytes.size()), ChunkCodec::kStored, 0});
+  };
+  add_chunk(run_list);
+  for (int n = 0; n < 16383; ++n) add_chunk(zeros);
+  add_chunk(Bytes(zeros.begin(), zeros.end() - 5));
+  add_chunk(values);
+  directory.sections = {{3, 1, 262'144, 4}, {4, 16385, 262'144, 4}, {5, 0, 262'144, 4}, {6, 0, 262'144, 4}};
+
+  Bytes start = encode_directory(directory).value();
+  const std::uint64_t file_bytes =
+      sizeof(FileHeader) + start.size() + run_list.size() + (std::uint64_t{1} << 32);
+  const FileHeader header = make_header(start, file_bytes);
+  {
+    std::ofstream file(path, std::ios::binary);
+    const auto put = [&](const void* bytes, std::size_t size) {
+      file.write(static_cast<const char*>(bytes), static_cast<std::streamsize>(size));
+    };
+    put(&header, sizeof header);
+    put(start.data(), start.size());
+    put(run_list.data(), run_list.size());
+    file.seekp(static_cast<std::streamoff>(file_bytes - values.size()));
+    put(values.data(), values.size());
+  }
+  const auto atlas = Atlas::open(path).value();
+  EXPECT_EQ(atlas->classes().voxels(kEmptyClass), empty_voxels);
+  EXPECT_EQ(atlas->read_runs(end, Axis::kZ).value(), runs);
+  EXPECT_EQ(atlas->read_runs(end, Axis::kX)->size(), 5u);
+  EXPECT_EQ(atlas->read_values(end).value(), values);
+  EXPECT_EQ(atlas->counters().file, file_bytes);
+  EXPECT_EQ(atlas->counters().read, sizeof(FileHeader) + start.size() + run_list.size() + values.size());
+  EXPECT_EQ(atlas->sections()[3].bytes, std::uint64_t{1} << 32);
+}
 
 TEST_F(AtlasFileTest, ErrorsNameTheFile) {
   EXPECT_EQ(Atlas::open(path).error().code, ErrorCode::kFailed);

@@ -49,6 +49,17 @@ TEST_F(InputFileTest, ReadsBytesInMemoryAlike) {
   EXPECT_THAT(read(file, 1, 2), HasSubstr("truncated"));
 }
 
+TEST_F(InputFileTest, ReadsPastFourGibibytes) {
+  write("begin");
+  std::filesystem::resize_file(path, (std::uint64_t{5} << 30) + 1);  // a hole, but for its ends
+  std::fstream(path, std::ios::binary | std::ios::in | std::ios::out).seekp(std::int64_t{5} << 30) << "e";
+  const InputFile file = InputFile::open(path).value();
+  EXPECT_EQ(file.size(), (std::uint64_t{5} << 30) + 1);
+  EXPECT_EQ(read(file, std::uint64_t{5} << 30, 1), "e");
+  EXPECT_EQ(read(file, std::uint64_t{1} << 32, 1), std::string(1, '\0'));
+  EXPECT_EQ(read(file, 0, 5), "begin");
+}
+
 TEST_F(InputFileTest, MissingFilesAreNoAtlasFault) {
   const auto file = InputFile::open(path);
   ASSERT_FALSE(file);
