@@ -117,7 +117,8 @@ Result<void> check_geometry(const NrrdHeader& header, const fs::path& path) {
 
 Result<std::uint64_t> expected_bytes(const NrrdHeader& header, const fs::path& path) {
   std::vector<std::int64_t> sizes;
-  for (const std::string_view part : split_blanks(header.get("sizes"))) {
+  const std::string sizes_text = header.get("sizes");
+  for (const std::string_view part : split_blanks(sizes_text)) {
     sizes.push_back(parse_integer(part).value_or(0));
   }
   if (sizes.size() < 2 || sizes.size() > 4) {

@@ -26,10 +26,12 @@ struct TextLine {
 
 /// Without blanks at both ends.
 [[nodiscard]] std::string_view trimmed(std::string_view text);
-/// The parts between blanks.
+/// The parts between blanks; they live as long as `text` does.
 [[nodiscard]] std::vector<std::string_view> split_blanks(std::string_view text);
-/// The parts between `separator`, trimmed; "a,,b" has three.
+std::vector<std::string_view> split_blanks(std::string&& text) = delete;
+/// The parts between `separator`, trimmed; "a,,b" has three. They live as long as `text` does.
 [[nodiscard]] std::vector<std::string_view> split(std::string_view text, char separator);
+std::vector<std::string_view> split(std::string&& text, char separator) = delete;
 
 /// A whole text as a number; nothing when any character is left over or the value does not fit.
 [[nodiscard]] std::optional<std::int64_t> parse_integer(std::string_view text);
