@@ -1,0 +1,289 @@
+#include "player/window/session.h"
+
+#include <algorithm>
+#include <chrono>
+#include <condition_variable>
+#include <fstream>
+#include <mutex>
+#include <stdexcept>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "format/atlas_writer.h"
+#include "player/span_model.h"
+#include "player/window/camera_moves.h"
+#include "tests/support/phantom_content.h"
+#include "tests/support/run_program.h"
+
+namespace splatlas {
+namespace {
+
+using phantom_structure::kSphere1;
+using phantom_structure::kSphere2;
+using phantom_structure::kSpheres;
+
+constexpr PictureSize kSize{96, 64};
+constexpr std::chrono::seconds kLongest{60};
+
+/// A session and its wakes: what the window's loop is to it.
+class Desk {
+ public:
+  explicit Desk(std::shared_ptr<const Atlas> atlas, const RendererOptions& options = {.threads = 2},
+                SessionLog log = {})
+      : session_(
+            std::move(atlas), options, [this] { wake(); }, std::move(log)) {
+    session_.resize(kSize);
+  }
+
+  Session* operator->() { return &session_; }
+
+  /// Updates now and at every wake until `holds`; throws when it takes for ever.
+  template <typename Holds>
+  void until(Holds holds) {
+    const auto deadline = std::chrono::steady_clock::now() + kLongest;
+    session_.update();
+    while (!holds()) {
+      std::unique_lock lock(mutex_);
+      if (!changed_.wait_until(lock, deadline, [this] { return woken_; })) {
+        throw std::runtime_error("the session does not get there");
+      }
+      woken_ = false;
+      lock.unlock();
+      session_.update();
+    }
+  }
+  /// Until the latest picture is there, in its final quality.
+  void until_done() {
+    until([this] { return session_.frame() && !session_.refining(); });
+  }
+
+ private:
+  void wake() {
+    {
+      const std::lock_guard lock(mutex_);
+      woken_ = true;
+    }
+    changed_.notify_one();
+  }
+
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  bool woken_ = false;
+  Session session_;  // last: its thread ends first
+};
+
+/// Where a ball's centre is in the view.
+ViewPoint place_of(const phantom::Ball& ball, const Camera& camera, const Display& display) {
+  const auto view = *parallel_view(camera, kSize, display);
+  double right = 0, up = 0;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const double mm = ball.center[a] - view.center_lps_mm[a];
+    right += mm * view.right_lps[a];
+    up += mm * view.up_lps[a];
+  }
+  return {0.5 + right / view.mm_per_pixel / kSize.width, 0.5 - up / view.mm_per_pixel / kSize.height};
+}
+
+bool is_black(const Frame& frame) {
+  return std::all_of(frame.srgb8.begin(), frame.srgb8.end(), [](std::uint8_t byte) { return byte == 0; });
+}
+
+class SessionTest : public testing::Test {
+ protected:
+  static std::shared_ptr<const Atlas> atlas() {
+    static const std::shared_ptr<const Atlas> opened = open_in_memory(phantom_content());
+    return opened;
+  }
+};
+
+TEST_F(SessionTest, ShowsEverythingFirst) {
+  Desk desk(atlas());
+  EXPECT_EQ(desk->frame(), nullptr);
+  desk.until_done();
+  const Frame& frame = *desk->frame();
+  EXPECT_EQ(frame.request.text, "*");
+  EXPECT_EQ(frame.size, kSize);
+  EXPECT_EQ(frame.quality, Quality::kNormal);
+  EXPECT_EQ(frame.stats.volume_voxels, 2705u + 1440u + 437u + 464u);
+  EXPECT_FALSE(is_black(frame));
+}
+
+TEST_F(SessionTest, RendersNothingBeforeTheViewHasASize) {
+  Session session(atlas(), {.threads = 1}, [] {});
+  session.update();
+  EXPECT_FALSE(session.refining());
+}
+
+TEST_F(SessionTest, NamesWhatIsUnderThePointer) {
+  Desk desk(atlas());
+  for (const NamedView view : {NamedView::kAnterior, NamedView::kLeft, NamedView::kSuperior}) {
+    desk->look_from(view);
+    for (const StructureIndex s : {kSphere1, kSphere2}) {
+      const phantom::Ball& ball = phantom::kBalls[s == kSphere1 ? 0 : 1];
+      desk->editor().isolate(s);
+      desk->point_at(place_of(ball, desk->camera(), desk->atlas().display()));
+      desk.until_done();
+      desk.until([&] { return desk->hovered() == s; });
+    }
+    desk->point_at(ViewPoint{0.01, 0.01});
+    desk.until([&] { return !desk->hovered(); });
+  }
+}
+
+TEST_F(SessionTest, TheNameFollowsTheSelectionUnderARestingPointer) {
+  Desk desk(atlas());
+  desk->point_at(place_of(phantom::kBalls[0], desk->camera(), desk->atlas().display()));
+  desk.until([&] { return desk->hovered() == kSphere1; });
+  desk->editor().set_mode(kSphere1, DrawMode::kOff);
+  desk.until([&] { return desk->hovered() != kSphere1; });
+  desk->editor().undo();
+  desk.until([&] { return desk->hovered() == kSphere1; });
+  desk->point_at(std::nullopt);
+  desk->update();
+  EXPECT_EQ(desk->hovered(), std::nullopt);
+}
+
+TEST_F(SessionTest, TheLatestOfManyRequestsIsShown) {
+  Desk desk(atlas());
+  for (int n = 0; n < 100; ++n) {
+    desk->set_camera(turned(desk->camera(), 1, 0));
+    if (n % 10 == 0) desk->editor().set_mode(kSphere2, static_cast<DrawMode>(n / 10 % 4));
+    desk->update();
+    EXPECT_TRUE(desk->refining());
+  }
+  desk.until_done();
+  EXPECT_DOUBLE_EQ(desk->frame()->request.camera.azimuth_deg, 100);
+  EXPECT_EQ(desk->frame()->request.text, desk->editor().text());
+  EXPECT_EQ(*desk->frame()->request.selection, desk->editor().selection());
+}
+
+TEST_F(SessionTest, AnEmptySelectionIsBlack) {
+  Desk desk(atlas());
+  desk->editor().hide_all();
+  desk.until_done();
+  EXPECT_TRUE(is_black(*desk->frame()));
+  EXPECT_FALSE(desk->status().error);
+}
+
+TEST_F(SessionTest, TellsWhatIsWrongWithTypedText) {
+  Desk desk(atlas());
+  desk->apply_text("Sphere_9");
+  EXPECT_THAT(desk->text_error(), testing::HasSubstr("Sphere_9"));
+  EXPECT_EQ(desk->editor().text(), "*");
+  desk->apply_text("Large:surface");
+  EXPECT_EQ(desk->text_error(), "");
+  desk.until_done();
+  EXPECT_EQ(desk->frame()->request.text, "Large:surface");
+  EXPECT_EQ(desk->frame()->stats.surface_voxels, 1440u);
+}
+
+TEST_F(SessionTest, AnEditTakesTheMessageAboutTheTextAway) {
+  Desk desk(atlas());
+  desk->apply_text("(");
+  EXPECT_NE(desk->text_error(), "");
+  desk->editor().isolate(kSphere2);
+  desk->update();
+  EXPECT_EQ(desk->text_error(), "");
+}
+
+TEST_F(SessionTest, ASelectionThatCannotBeRenderedGivesWayToTheLatestThatCould) {
+  // Enough for the small ball's volume, too little for the large one's.
+  const std::uint64_t enough = 2 * span_model_bytes(437 + 464);
+  ASSERT_LT(enough, span_model_bytes(2705 + 1440));
+  Desk desk(atlas(), {.threads = 1, .max_memory_bytes = enough});
+  desk.until([&] { return desk->status().error; });
+  EXPECT_EQ(desk->editor().text(), "");  // nothing could be rendered before
+  desk->apply_text("Sphere_2");
+  desk.until_done();
+  EXPECT_FALSE(is_black(*desk->frame()));
+  EXPECT_EQ(desk->status().text, "");
+
+  desk->editor().set_mode(kSpheres, DrawMode::kVolume);
+  desk.until([&] { return desk->status().error; });
+  EXPECT_THAT(desk->status().text, testing::HasSubstr("are allowed"));
+  EXPECT_EQ(desk->editor().text(), "Sphere_2");
+  EXPECT_FALSE(desk->editor().can_redo());
+  desk.until_done();
+  EXPECT_EQ(desk->frame()->request.text, "Sphere_2");
+}
+
+TEST_F(SessionTest, ADamagedAtlasIsToldAndTheRestStillPlays) {
+  std::vector<std::byte> bytes = *encode_atlas(phantom_content());
+  std::size_t offset = 0;
+  for (const SectionSize& section : atlas()->sections()) {
+    if (section.name == "values") {
+      for (std::size_t n = 0; n < section.bytes; ++n) bytes[offset + n] ^= std::byte{0x55};
+    }
+    offset += section.bytes;
+  }
+  Desk desk(*Atlas::open_bytes(std::move(bytes), "damaged.atlas"));
+  desk.until([&] { return desk->status().error; });
+  EXPECT_THAT(desk->status().text, testing::HasSubstr("damaged.atlas"));
+  desk->apply_text("*:surface");
+  desk.until_done();
+  EXPECT_EQ(desk->frame()->request.text, "*:surface");
+  EXPECT_FALSE(is_black(*desk->frame()));
+}
+
+TEST_F(SessionTest, ChoosingTellsTheFacts) {
+  Desk desk(atlas());
+  desk->choose(kSphere1, true);
+  EXPECT_EQ(desk->current()->voxels, 2705u + 1440u);
+  EXPECT_DOUBLE_EQ(desk->current()->millilitres, 4.145);
+  EXPECT_THAT(desk->current()->paths, testing::ElementsAre("Spheres/Sphere_1", "Large/Sphere_1"));
+  const auto row = desk->take_revealed_row();
+  ASSERT_TRUE(row);
+  EXPECT_EQ(desk->rows().rows()[*row].structure, kSphere1);
+  EXPECT_EQ(desk->take_revealed_row(), std::nullopt);
+  desk->choose(kSpheres, false);
+  EXPECT_EQ(desk->current()->voxels, 2705u + 1440u + 437u + 464u);
+  desk->choose_nothing();
+  EXPECT_FALSE(desk->current());
+}
+
+TEST_F(SessionTest, MayBeClosedAtAnyTime) {
+  for (int n = 0; n < 5; ++n) {
+    Desk desk(atlas());
+    desk->point_at(ViewPoint{0.5, 0.5});
+    desk->update();
+    if (n % 2 == 0) desk.until([&] { return desk->frame() != nullptr; });
+    desk->set_camera(turned({}, 30, 30));
+    desk->update();
+  }
+}
+
+TEST_F(SessionTest, LogsWhatTheUserSees) {
+  const TemporaryFolder folder;
+  const std::string path = folder.file("log.json");
+  {
+    Desk desk(atlas(), {.threads = 1}, *SessionLog::to_file(path));
+    desk.until_done();
+    desk->apply_text("Sphere_2");
+    desk.until_done();
+    desk->apply_text("nobody");
+  }
+  std::vector<std::string> events;
+  std::ifstream file(path);
+  for (std::string line; std::getline(file, line);) {
+    const auto json = nlohmann::json::parse(line);
+    events.push_back(json.at("event"));
+    if (json.at("event") == "picture" && json.at("final") == true) {
+      events.push_back(json.at("selection"));
+    }
+  }
+  events.erase(std::unique(events.begin(), events.end()), events.end());
+  EXPECT_THAT(events, testing::ElementsAre("selection", "picture", "*", "selection", "picture", "Sphere_2",
+                                           "text_error"));
+}
+
+TEST(SessionLogTest, RefusesAFileThatCannotBeWritten) {
+  const auto log = SessionLog::to_file("/nonexistent/folder/log");
+  ASSERT_FALSE(log);
+  EXPECT_EQ(log.error().code, ErrorCode::kFailed);
+  EXPECT_THAT(log.error().message, testing::HasSubstr("/nonexistent/folder/log"));
+}
+
+}  // namespace
+}  // namespace splatlas
