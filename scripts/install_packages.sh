@@ -41,7 +41,7 @@ packages=(
   librapidcheck-dev        # tests: properties
   fonts-dejavu-core        # tests and gallery: text in pictures
   libgl1-mesa-dri          # tests: OpenGL in software, under Xvfb
-  xauth                    # tests: xvfb-run
+  libx11-dev               # tests: what a window manager and other programs do to a window
   xdotool                  # tests: mouse and keys
   xvfb                     # tests: a display without a screen
 

@@ -53,10 +53,10 @@ void RenderWorker::show(FrameRequest request) {
   changed_.notify_one();
 }
 
-void RenderWorker::pick(double u, double v) {
+void RenderWorker::pick(double u, double v, bool click) {
   {
     const std::lock_guard lock(mutex_);
-    point_ = Point{u, v};
+    (click ? click_ : pointer_) = Point{u, v, click};
   }
   changed_.notify_one();
 }
@@ -84,7 +84,7 @@ void RenderWorker::tell(WorkerEvent event) {
 
 /// False when it is time to stop.
 bool RenderWorker::wait_for_work(std::unique_lock<std::mutex>& lock) {
-  const auto urgent = [this] { return stop_ || request_ || point_ || !saves_.empty(); };
+  const auto urgent = [this] { return stop_ || request_ || click_ || pointer_ || !saves_.empty(); };
   while (!urgent()) {
     if (!unrefined_) {
       changed_.wait(lock);
@@ -102,8 +102,8 @@ void RenderWorker::run() {
       const FrameRequest request = *std::exchange(request_, std::nullopt);
       lock.unlock();
       render_frame(request, Quality::kDraft);
-    } else if (point_) {
-      const Point point = *std::exchange(point_, std::nullopt);
+    } else if (click_ || pointer_) {
+      const Point point = *std::exchange(click_ ? click_ : pointer_, std::nullopt);
       lock.unlock();
       answer(point);
     } else if (!saves_.empty()) {
@@ -161,7 +161,7 @@ void RenderWorker::answer(const Point& point) {
   const auto pick = guarded([&]() -> Result<std::optional<Pick>> {
     return renderer_.pick(point.u * rendered_.width, point.v * rendered_.height);
   });
-  Picked picked;
+  Picked picked{.click = point.click, .structure = std::nullopt};
   if (pick && *pick) picked.structure = (*pick)->structure;
   tell(picked);
 }

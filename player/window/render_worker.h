@@ -46,6 +46,7 @@ struct FrameFailed {
   Error error;
 };
 struct Picked {
+  bool click = false;                       ///< as asked
   std::optional<StructureIndex> structure;  ///< nothing where the background shows
 };
 struct PictureSaved {
@@ -70,9 +71,9 @@ class RenderWorker {
 
   /// Replaces an older request that was not begun.
   void show(FrameRequest request);
-  /// Asks what is at (u, v), fractions of the width and height of the latest picture. Replaces an older
-  /// question.
-  void pick(double u, double v);
+  /// Asks what is at (u, v), fractions of the width and height of the latest picture: because the pointer is
+  /// there, or because of a click. Replaces an older question of the same kind.
+  void pick(double u, double v, bool click);
   /// Renders `request` in high quality and writes it over black.
   void save(FrameRequest request, std::filesystem::path path);
 
@@ -82,6 +83,7 @@ class RenderWorker {
  private:
   struct Point {
     double u = 0, v = 0;
+    bool click = false;
   };
   struct SaveJob {
     FrameRequest request;
@@ -107,7 +109,7 @@ class RenderWorker {
   std::optional<FrameRequest> request_;    // not begun
   std::optional<FrameRequest> unrefined_;  // shown as a draft
   Clock::time_point refine_at_;
-  std::optional<Point> point_;
+  std::optional<Point> pointer_, click_;  // not answered
   std::vector<SaveJob> saves_;
   std::vector<WorkerEvent> events_;
 

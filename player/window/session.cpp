@@ -118,7 +118,7 @@ void Session::request_pick() {
   }
   if (asked_ == point_) return;
   asked_ = point_;
-  worker_.pick(point_->u, point_->v);
+  worker_.pick(point_->u, point_->v, false);
 }
 
 void Session::handle(const FrameDone& done) {
@@ -147,6 +147,10 @@ void Session::handle(const FrameFailed& failed) {
 }
 
 void Session::handle(const Picked& picked) {
+  if (picked.click) {
+    picked.structure ? choose(*picked.structure, true) : choose_nothing();
+    return;
+  }
   if (!point_ || hovered_ == picked.structure) return;
   hovered_ = picked.structure;
   log_.write("pointer", structure_json(graph(), hovered_));

@@ -78,6 +78,8 @@ class Session {
   /// Where the pointer is; nothing when it is elsewhere or turning the view.
   void point_at(std::optional<ViewPoint> point) { point_ = point; }
   [[nodiscard]] std::optional<StructureIndex> hovered() const { return hovered_; }
+  /// Chooses what is there, or nothing where the background shows, as soon as the worker has looked.
+  void click_at(ViewPoint point) { worker_.pick(point.u, point.v, true); }
   /// Chooses a structure and, if wanted, shows it in the tree.
   void choose(StructureIndex s, bool reveal);
   void choose_nothing();

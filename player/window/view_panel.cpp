@@ -22,13 +22,19 @@ struct ViewArea {
   [[nodiscard]] double pixels_per_unit() const { return pixels.width / static_cast<double>(size.x); }
 };
 
+/// In whole pixels: pictures are shown as they were rendered.
 ViewArea area_here(float height_below) {
-  const ImVec2 room = ImGui::GetContentRegionAvail();
+  const ImVec2 room = ImGui::GetContentRegionAvail(), start = ImGui::GetCursorScreenPos();
   const ImVec2 scale = ImGui::GetIO().DisplayFramebufferScale;
-  ViewArea area{
-      ImGui::GetCursorScreenPos(), {std::max(16.0f, room.x), std::max(16.0f, room.y - height_below)}, {}};
-  area.pixels = {std::clamp(static_cast<int>(std::lround(area.size.x * scale.x)), 1, kMaxPictureSide),
-                 std::clamp(static_cast<int>(std::lround(area.size.y * scale.y)), 1, kMaxPictureSide)};
+  const auto whole = [](float length, float pixels_per_unit) {
+    return std::max(1.0f, std::floor(length * pixels_per_unit));
+  };
+  ViewArea area;
+  area.pixels = {std::min(static_cast<int>(whole(room.x, scale.x)), kMaxPictureSide),
+                 std::min(static_cast<int>(whole(room.y - height_below, scale.y)), kMaxPictureSide)};
+  area.min = {std::floor(start.x * scale.x) / scale.x, std::floor(start.y * scale.y) / scale.y};
+  area.size = {static_cast<float>(area.pixels.width) / scale.x,
+               static_cast<float>(area.pixels.height) / scale.y};
   return area;
 }
 
@@ -54,14 +60,6 @@ bool drag(Session& session, const ViewArea& area) {
   return left || other;
 }
 
-void click(Session& session) {
-  if (session.hovered()) {
-    session.choose(*session.hovered(), true);
-  } else {
-    session.choose_nothing();
-  }
-}
-
 void mouse(Session& session, const ViewArea& area) {
   ImGui::InvisibleButton("view", area.size,
                          ImGuiButtonFlags_MouseButtonLeft | ImGuiButtonFlags_MouseButtonRight |
@@ -76,7 +74,7 @@ void mouse(Session& session, const ViewArea& area) {
     session.reset_view();
   } else if (ImGui::IsMouseReleased(ImGuiMouseButton_Left) &&
              io.MouseDragMaxDistanceSqr[0] < io.MouseDragThreshold * io.MouseDragThreshold) {
-    click(session);
+    session.click_at(point);
   }
   if (io.MouseWheel != 0) {
     session.set_camera(zoomed_at(session.camera(), std::pow(kWheelZoom, io.MouseWheel),

@@ -1,6 +1,7 @@
 #include "player/window/window_host.h"
 
 #include <algorithm>
+#include <cfloat>
 #include <cmath>
 #include <string_view>
 
@@ -41,6 +42,11 @@ float measure_scale(int display) {
   if (SDL_GetDisplayDPI(display, nullptr, &dots_per_inch, nullptr) != 0) return 1;
   const float scale = std::floor(4 * dots_per_inch / kReferenceDotsPerInch) / 4;
   return std::isfinite(scale) ? std::clamp(scale, 1.0f, 3.0f) : 1;
+}
+
+bool wants_a_frame(const SDL_Event& event) {
+  return event.type == SDL_KEYDOWN || event.type == SDL_KEYUP || event.type == SDL_MOUSEBUTTONDOWN ||
+         event.type == SDL_MOUSEBUTTONUP;
 }
 
 }  // namespace
@@ -90,14 +96,29 @@ WindowHost::~WindowHost() {
   if (sdl_) SDL_Quit();
 }
 
-void WindowHost::wait(int timeout_ms, const std::function<void(const SDL_Event&)>& handle) {
+bool WindowHost::wait(int timeout_ms, const std::function<bool(const SDL_Event&)>& take) {
   SDL_Event event;
   const int got = timeout_ms < 0 ? SDL_WaitEvent(&event) : SDL_WaitEventTimeout(&event, timeout_ms);
-  if (got == 0) return;
+  if (got == 0) return false;
   do {
-    ImGui_ImplSDL2_ProcessEvent(&event);
-    handle(event);
-  } while (SDL_PollEvent(&event) != 0);
+    follow_pointer(event);
+    if (!take(event)) ImGui_ImplSDL2_ProcessEvent(&event);
+  } while (!wants_a_frame(event) && SDL_PollEvent(&event) != 0);
+  return true;
+}
+
+void WindowHost::follow_pointer(const SDL_Event& event) {
+  switch (event.type) {
+    case SDL_MOUSEMOTION: pointer_ = {event.motion.x, event.motion.y}; break;
+    case SDL_MOUSEBUTTONDOWN:
+    case SDL_MOUSEBUTTONUP: pointer_ = {event.button.x, event.button.y}; break;
+    case SDL_WINDOWEVENT:
+      // A held button keeps the pointer.
+      if (event.window.event == SDL_WINDOWEVENT_LEAVE && SDL_GetMouseState(nullptr, nullptr) == 0)
+        pointer_.reset();
+      break;
+    default: break;
+  }
 }
 
 void WindowHost::wake() const {
@@ -109,18 +130,12 @@ void WindowHost::wake() const {
 void WindowHost::begin_frame() {
   ImGui_ImplOpenGL2_NewFrame();
   ImGui_ImplSDL2_NewFrame();
-  place_pointer();
+  // ImGui's backend asks the display server where the pointer is. That is ahead of the events, and lags
+  // behind a pointer that is moved by another program (a remote desktop).
+  ImGui::GetIO().MousePos = pointer_
+                                ? ImVec2(static_cast<float>(pointer_->x), static_cast<float>(pointer_->y))
+                                : ImVec2(-FLT_MAX, -FLT_MAX);
   ImGui::NewFrame();
-}
-
-/// ImGui's backend asks the display server where the pointer is, which lags behind a pointer that is moved by
-/// another program (a remote desktop); SDL's events know better. Outside the window they go on while a button
-/// is held.
-void WindowHost::place_pointer() const {
-  int x = 0, y = 0;
-  const Uint32 buttons = SDL_GetMouseState(&x, &y);
-  if (SDL_GetMouseFocus() != window_ && buttons == 0) return;
-  ImGui::GetIO().MousePos = {static_cast<float>(x), static_cast<float>(y)};
 }
 
 void WindowHost::end_frame() {

@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include <SDL.h>
@@ -24,9 +25,11 @@ class WindowHost {
   /// Dots per inch over 96, at least 1: what fonts and paddings are multiplied by.
   [[nodiscard]] float ui_scale() const { return ui_scale_; }
 
-  /// Sleeps until something happens or `timeout_ms` have passed (-1: for ever), and feeds all that has
-  /// happened to ImGui and then to `handle`.
-  void wait(int timeout_ms, const std::function<void(const SDL_Event&)>& handle);
+  /// Sleeps until something happens or `timeout_ms` have passed (-1: for ever). Offers what has happened to
+  /// `take`, and what that does not take (false) to ImGui: up to the next press or release, which wants a
+  /// frame of its own, however much more has happened while the last frame was drawn. Returns whether
+  /// anything has.
+  bool wait(int timeout_ms, const std::function<bool(const SDL_Event&)>& take);
   /// Ends a wait(). For any thread.
   void wake() const;
 
@@ -37,13 +40,14 @@ class WindowHost {
  private:
   WindowHost() = default;
   [[nodiscard]] Result<void> start(const std::string& title);
-  void place_pointer() const;
+  void follow_pointer(const SDL_Event& event);
 
   SDL_Window* window_ = nullptr;
   SDL_GLContext context_ = nullptr;
   bool sdl_ = false, imgui_ = false, imgui_sdl_ = false, imgui_gl_ = false;
   Uint32 wake_event_ = 0;
   float ui_scale_ = 1;
+  std::optional<SDL_Point> pointer_;  // none: outside the window
 };
 
 }  // namespace splatlas

@@ -18,6 +18,8 @@ namespace {
 
 /// ImGui settles hovers and new sizes in the frames after an event.
 constexpr int kFramesPerEvent = 3;
+/// A field that is to get the keyboard has it after so many frames; keys that follow wait for that.
+constexpr int kFramesToFocus = 4;
 /// While a field has the keyboard its cursor blinks.
 constexpr int kBlinkMs = 300;
 constexpr int kForEver = -1;
@@ -31,42 +33,48 @@ class Window {
     int frames = kFramesPerEvent;
     bool announced = false;
     while (!ui_.quit) {
-      if (frames > 0) {
-        --frames;
+      if (frames > 0 || settle_ > 0) {
+        frames = std::max(0, frames - 1);
+        settle_ = std::max(0, settle_ - 1);
         draw_frame();
         if (!std::exchange(announced, true))
           session_.log().write("ready", {{"atlas", session_.atlas().name()}});
       }
-      bool any = false;
-      const auto handle = [&](const SDL_Event& event) { any |= handle_event(event); };
+      if (settle_ > 0) continue;
       const bool blinking = ImGui::GetIO().WantTextInput;
-      host_.wait(frames > 0 ? 0 : blinking ? kBlinkMs : kForEver, handle);
-      if (any) frames = kFramesPerEvent;
+      const int timeout_ms = frames > 0 ? 0 : blinking ? kBlinkMs : kForEver;
+      if (host_.wait(timeout_ms, [this](const SDL_Event& event) { return take(event); })) {
+        frames = kFramesPerEvent;
+      }
       if (blinking) frames = std::max(frames, 1);
     }
     session_.log().write("closed", nlohmann::ordered_json::object());
   }
 
  private:
-  /// True: draw again.
-  bool handle_event(const SDL_Event& event) {
+  /// True: it is not for ImGui.
+  bool take(const SDL_Event& event) {
     switch (event.type) {
-      case SDL_QUIT: ui_.quit = true; break;
-      case SDL_KEYDOWN: press(event.key); break;
-      case SDL_MOUSEBUTTONDOWN: ui_.black_screen = false; break;
-      default: break;
+      case SDL_QUIT: ui_.quit = true; return false;
+      case SDL_KEYDOWN: return key_taken_ = press(event.key);
+      case SDL_TEXTINPUT:
+        return key_taken_;  // the letter of a shortcut is not typed into the field it leads to
+      case SDL_MOUSEBUTTONDOWN: return std::exchange(ui_.black_screen, false);
+      default: return false;
     }
-    return true;
   }
 
-  void press(const SDL_KeyboardEvent& key) {
-    if (std::exchange(ui_.black_screen, false)) return;
+  /// True when the key is a shortcut.
+  bool press(const SDL_KeyboardEvent& key) {
+    if (std::exchange(ui_.black_screen, false)) return true;
     if (ui_.show_help && key.keysym.sym != SDLK_F1) {
       ui_.show_help = false;
-      return;
+      return true;
     }
-    if (handle_global_key(key, session_, ui_)) return;
-    if (!ImGui::GetIO().WantTextInput) handle_key(key, session_, ui_);
+    const bool shortcut = handle_global_key(key, session_, ui_) ||
+                          (!ImGui::GetIO().WantTextInput && handle_key(key, session_, ui_));
+    if (ui_.focus_search || ui_.focus_text) settle_ = kFramesToFocus;
+    return shortcut;
   }
 
   void draw_frame() {
@@ -113,6 +121,8 @@ class Window {
   PictureTexture texture_;
   SelectionBar selection_bar_;
   UiState ui_;
+  bool key_taken_ = false;  // the latest key was a shortcut
+  int settle_ = 0;          // frames to draw before further events are looked at
 };
 
 }  // namespace

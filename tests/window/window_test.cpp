@@ -1,0 +1,204 @@
+// The player's window, used as a person would: with a mouse and a keyboard, on a display.
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "format/selection.h"
+#include "player/camera.h"
+#include "tests/phantom/two_spheres.h"
+#include "tests/support/phantom_content.h"
+#include "tests/window/player_session.h"
+
+namespace splatlas {
+namespace {
+
+using Json = PlayerSession::Json;
+using phantom_structure::kSphere1;
+using phantom_structure::kSphere2;
+
+/// Where a ball's centre is in the window, looking from anterior at zoom 1.
+std::array<int, 2> place_of(const phantom::Ball& ball, const Json& layout) {
+  static const Display display = phantom_content().display;
+  const Json& view = layout.at("view");
+  const double x = view.at(0), y = view.at(1), width = view.at(2), height = view.at(3);
+  const PictureSize size{static_cast<int>(width), static_cast<int>(height)};
+  const double mm_per_pixel = parallel_view(Camera{}, size, display)->mm_per_pixel;
+  const double right = (ball.center[0] - display.center_lps_mm[0]) / mm_per_pixel;
+  const double up = (ball.center[2] - display.center_lps_mm[2]) / mm_per_pixel;
+  return {static_cast<int>(std::lround(x + width / 2 + right)),
+          static_cast<int>(std::lround(y + height / 2 - up))};
+}
+
+Selection selection_in(const Json& event) {
+  return selection_of(event.at("text").get<std::string>(), phantom_content().graph);
+}
+
+class WindowTest : public testing::Test {
+ protected:
+  void point(std::array<int, 2> place) { screen().point(place[0], place[1]); }
+  void click(std::array<int, 2> place) { screen().click(place[0], place[1]); }
+  VirtualDisplay& screen() { return player_.display(); }
+  std::array<int, 2> sphere(int n) {
+    return place_of(phantom::kBalls[static_cast<std::size_t>(n - 1)], player_.layout());
+  }
+  void expect_closes() {
+    const ProgramResult result = player_.close();
+    EXPECT_EQ(result.status, 0);
+    EXPECT_EQ(result.out, "");
+    EXPECT_EQ(result.err, "");
+    player_.wait_for("closed");
+  }
+
+  PlayerSession player_;
+};
+
+TEST_F(WindowTest, NamesWhatIsUnderThePointerAndShowsItsColor) {
+  point(sphere(1));
+  EXPECT_EQ(player_.wait_for("pointer").at("structure"), "Sphere_1");
+  point(sphere(2));
+  EXPECT_EQ(player_.wait_for("pointer").at("name"), "Sphere_2");
+  const auto [red1, green1, blue1] = screen().pixel(sphere(1)[0], sphere(1)[1]);
+  EXPECT_GT(red1, blue1 + 60);  // an orange ball
+  const auto [red2, green2, blue2] = screen().pixel(sphere(2)[0], sphere(2)[1]);
+  EXPECT_GT(blue2, red2 + 60);  // a blue one
+  const Json view = player_.layout().at("view");
+  point({view.at(0).get<int>() + 4, view.at(1).get<int>() + 4});
+  EXPECT_TRUE(player_.wait_for("pointer").at("structure").is_null());
+
+  click(sphere(1));
+  EXPECT_EQ(player_.wait_for("current").at("structure"), "Sphere_1");
+  expect_closes();
+}
+
+TEST_F(WindowTest, ModeButtonsChangeTheSelectionAndThePicture) {
+  click(player_.place("/rows/Spheres/surface"));
+  Selection selection = selection_in(player_.wait_for("selection"));
+  EXPECT_EQ(selection.structures[kSphere1].mode, DrawMode::kSurface);
+  EXPECT_EQ(selection.structures[kSphere2].mode, DrawMode::kSurface);
+  player_.wait_for_final_picture();
+
+  click(player_.place("/rows/Sphere_1/off"));
+  const Json event = player_.wait_for("selection");
+  selection = selection_in(event);
+  EXPECT_EQ(selection.structures[kSphere1].mode, DrawMode::kOff);
+  EXPECT_EQ(selection.structures[kSphere2].mode, DrawMode::kSurface);
+  EXPECT_EQ(player_.wait_for_final_picture().at("selection"), event.at("text"));
+  point(sphere(2));
+  player_.wait_for("pointer", [](const Json& e) { return e.at("structure") == "Sphere_2"; });
+  EXPECT_THAT(screen().pixel(sphere(1)[0], sphere(1)[1]), testing::ElementsAre(0, 0, 0));
+
+  screen().key("ctrl+z");
+  screen().key("ctrl+z");
+  EXPECT_EQ(player_.wait_for("selection", [](const Json& e) { return e.at("text") == "*"; }).at("text"), "*");
+  expect_closes();
+}
+
+TEST_F(WindowTest, TurnsZoomsAndComesBack) {
+  const auto [x, y] = sphere(1);
+  screen().drag({x, y}, {x - 120, y + 60});
+  Json camera = player_.wait_for_final_picture().at("camera");
+  EXPECT_GT(camera.at("azimuth"), 5);
+  EXPECT_GT(camera.at("elevation"), 2);
+
+  screen().key("l");
+  camera = player_.wait_for_final_picture().at("camera");
+  EXPECT_EQ(camera.at("azimuth"), 90);
+  EXPECT_EQ(camera.at("elevation"), 0);
+
+  screen().xdotool({"click", "4"});  // the wheel
+  EXPECT_GT(player_.wait_for_final_picture().at("camera").at("zoom"), 1.1);
+  click(player_.place("/Superior"));
+  camera = player_.wait_for_final_picture().at("camera");
+  EXPECT_EQ(camera.at("elevation"), 90);
+  EXPECT_GT(camera.at("zoom"), 1.1);
+  screen().key("Home");
+  EXPECT_EQ(player_.wait_for_final_picture().at("camera"),
+            (Json{{"azimuth", 0}, {"elevation", 0}, {"zoom", 1}}));
+  expect_closes();
+}
+
+TEST_F(WindowTest, TheSelectionTextIsReadAndWritten) {
+  screen().key("ctrl+l");
+  screen().key("ctrl+a");
+  screen().type("sphere_2:both(opacity=0.5)");
+  screen().key("Return");
+  EXPECT_EQ(player_.wait_for("selection").at("text"), "sphere_2:both(opacity=0.5)");
+  EXPECT_EQ(player_.wait_for_final_picture().at("selection"), "sphere_2:both(opacity=0.5)");
+
+  click(player_.place("/copy"));
+  player_.wait_for("status");
+  EXPECT_EQ(screen().clipboard(), "sphere_2:both(opacity=0.5)");
+
+  screen().key("ctrl+l");
+  screen().key("ctrl+a");
+  screen().type("Sphere_7");
+  screen().key("Return");
+  EXPECT_THAT(player_.wait_for("text_error").at("text"), testing::HasSubstr("Sphere_7"));
+  expect_closes();
+}
+
+TEST_F(WindowTest, SearchingLeavesTheRowsThatAreFound) {
+  screen().key("slash");
+  screen().type("sphere_2");
+  player_.wait_for_layout([](const Json& layout) { return layout.at("rows").size() == 1; });
+  click(player_.place("/rows/Sphere_2/off"));
+  EXPECT_EQ(selection_in(player_.wait_for("selection")).structures[kSphere2].mode, DrawMode::kOff);
+  expect_closes();
+}
+
+TEST_F(WindowTest, SavesThePictureBesideTheAtlas) {
+  screen().key("ctrl+s");
+  const auto saved = [](const Json& e) {
+    return e.at("text").get<std::string>().starts_with("Saved") || e.at("error") == true;
+  };
+  EXPECT_THAT(player_.wait_for("status", saved).at("text"), testing::HasSubstr("phantom-1.png"));
+  screen().key("ctrl+s");
+  EXPECT_THAT(player_.wait_for("status", saved).at("text"), testing::HasSubstr("phantom-2.png"));
+  EXPECT_THAT(player_.folder().names(),
+              testing::UnorderedElementsAre("phantom-1.png", "phantom-2.png", "phantom.atlas", "window.log"));
+  std::ifstream file(player_.folder().file("phantom-1.png"), std::ios::binary);
+  std::string signature(8, '\0');
+  file.read(signature.data(), 8);
+  EXPECT_EQ(signature, "\x89PNG\r\n\x1a\n");
+  expect_closes();
+}
+
+TEST_F(WindowTest, ThePictureFollowsTheWindowsSize) {
+  const int before = player_.layout().at("view").at(2);
+  screen().resize(1000, 700);
+  const Json picture = player_.wait_for(
+      "picture", [&](const Json& e) { return e.at("final") == true && e.at("size").at(0) < before; });
+  EXPECT_EQ(picture.at("size").at(0), player_.layout().at("view").at(2));
+  EXPECT_EQ(picture.at("size").at(1), player_.layout().at("view").at(3));
+  expect_closes();
+}
+
+TEST(WindowWithoutDisplay, SaysSoInOneLine) {
+  const TemporaryFolder folder;
+  write_phantom_atlas(folder.file("phantom.atlas"));
+  unsetenv("DISPLAY");
+  unsetenv("WAYLAND_DISPLAY");
+  unsetenv("SDL_VIDEODRIVER");
+  const ProgramResult result = run_program({SPLATLAS_PLAYER, "phantom.atlas"}, folder.path());
+  EXPECT_EQ(result.status, 1);
+  EXPECT_EQ(result.err,
+            "splatlas-player: cannot open a window: there is no display (DISPLAY is not set); use "
+            "'splatlas-player render'\n");
+}
+
+TEST(WindowWithoutDisplay, LooksAtTheAtlasFirst) {
+  const TemporaryFolder folder;
+  std::ofstream(folder.file("not_an.atlas")) << "not an atlas";
+  unsetenv("DISPLAY");
+  unsetenv("WAYLAND_DISPLAY");
+  const ProgramResult foreign = run_program({SPLATLAS_PLAYER, "not_an.atlas"}, folder.path());
+  EXPECT_EQ(foreign.status, 3);
+  EXPECT_THAT(foreign.err, testing::HasSubstr("not_an.atlas"));
+  EXPECT_EQ(run_program({SPLATLAS_PLAYER, "missing.atlas"}, folder.path()).status, 1);
+}
+
+}  // namespace
+}  // namespace splatlas
