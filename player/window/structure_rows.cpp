@@ -1,15 +1,17 @@
 #include "player/window/structure_rows.h"
 
 #include <algorithm>
+#include <deque>
 #include <sstream>
+#include <utility>
 
 #include "format/ascii_text.h"
 
 namespace splatlas {
 namespace {
 
-/// Roots are opened at first while there are no more rows than these.
-constexpr std::size_t kFewRows = 40;
+/// At first, branches are opened level by level while there are no more rows than these.
+constexpr std::size_t kFewRows = 24;
 
 /// A place below another one. 64 bits of a good mix: two places of one atlas never meet by chance.
 std::uint64_t place_below(std::uint64_t parent, StructureIndex s) {
@@ -23,10 +25,16 @@ std::uint64_t place_below(std::uint64_t parent, StructureIndex s) {
 
 StructureRows::StructureRows(const StructureGraph& graph) : graph_(graph) {
   std::size_t shown = graph.roots().size();
-  for (const StructureIndex root : graph.roots()) {
-    shown += graph.children(root).size();
+  std::deque<std::pair<StructureIndex, std::uint64_t>> level_by_level;
+  for (const StructureIndex root : graph.roots()) level_by_level.emplace_back(root, place_below(0, root));
+  for (; !level_by_level.empty(); level_by_level.pop_front()) {
+    const auto [s, place] = level_by_level.front();
+    shown += graph.children(s).size();
     if (shown > kFewRows) break;
-    open_.insert(place_below(0, root));
+    open_.insert(place);
+    for (const StructureIndex child : graph.children(s)) {
+      level_by_level.emplace_back(child, place_below(place, child));
+    }
   }
   rebuild();
 }

@@ -25,7 +25,7 @@ struct StructureRow {
 /// threads.
 class StructureRows {
  public:
-  /// Opens the roots, as far as that gives few rows. `graph` must outlive the rows.
+  /// Opens branches, level by level, as far as that gives few rows. `graph` must outlive the rows.
   explicit StructureRows(const StructureGraph& graph);
 
   [[nodiscard]] const std::vector<StructureRow>& rows() const { return rows_; }

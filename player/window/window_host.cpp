@@ -44,9 +44,16 @@ float measure_scale(int display) {
   return std::isfinite(scale) ? std::clamp(scale, 1.0f, 3.0f) : 1;
 }
 
+bool is_button(Uint32 type) {
+  return type == SDL_MOUSEBUTTONDOWN || type == SDL_MOUSEBUTTONUP;
+}
+
+/// Whether a frame has to be drawn between this event and the next one: ImGui looks at states, not at events.
 bool wants_a_frame(const SDL_Event& event) {
-  return event.type == SDL_KEYDOWN || event.type == SDL_KEYUP || event.type == SDL_MOUSEBUTTONDOWN ||
-         event.type == SDL_MOUSEBUTTONUP;
+  if (event.type == SDL_KEYDOWN || event.type == SDL_KEYUP || is_button(event.type)) return true;
+  SDL_Event next;
+  return event.type == SDL_MOUSEMOTION &&
+         SDL_PeepEvents(&next, 1, SDL_PEEKEVENT, SDL_FIRSTEVENT, SDL_LASTEVENT) == 1 && is_button(next.type);
 }
 
 }  // namespace

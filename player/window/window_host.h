@@ -26,9 +26,9 @@ class WindowHost {
   [[nodiscard]] float ui_scale() const { return ui_scale_; }
 
   /// Sleeps until something happens or `timeout_ms` have passed (-1: for ever). Offers what has happened to
-  /// `take`, and what that does not take (false) to ImGui: up to the next press or release, which wants a
-  /// frame of its own, however much more has happened while the last frame was drawn. Returns whether
-  /// anything has.
+  /// `take`, and what that does not take (false) to ImGui: up to where a frame has to be drawn, so that
+  /// however much has happened while the last one was drawn, no press is lost and each happens where it was
+  /// made. Returns whether anything has happened.
   bool wait(int timeout_ms, const std::function<bool(const SDL_Event&)>& take);
   /// Ends a wait(). For any thread.
   void wake() const;

@@ -29,14 +29,51 @@ void open_all(StructureRows& rows) {
   }
 }
 
-TEST(StructureRowsTest, OpensSmallRootsAtFirst) {
+/// A root with `branches` children of `leaves` children each.
+StructureGraph comb(std::size_t branches, std::size_t leaves) {
+  std::vector<Structure> structures(1);
+  structures[0].id = "root";
+  const auto add = [&](StructureIndex parent) {
+    Structure structure;
+    structure.id = "s" + std::to_string(structures.size());
+    structure.parents = {parent};
+    structures.push_back(std::move(structure));
+    return static_cast<StructureIndex>(structures.size() - 1);
+  };
+  for (std::size_t b = 0; b < branches; ++b) {
+    const StructureIndex branch = add(0);
+    for (std::size_t l = 0; l < leaves; ++l) add(branch);
+  }
+  return *StructureGraph::build(std::move(structures));
+}
+
+/// Closes all branches.
+void close_all(StructureRows& rows) {
+  for (std::size_t n = rows.rows().size(); n-- > 0;) {
+    const StructureRow row = rows.rows()[n];
+    if (row.open) rows.toggle(row);
+  }
+}
+
+TEST(StructureRowsTest, OpensLevelByLevelWhileThereAreFewRows) {
+  EXPECT_EQ(StructureRows(comb(3, 4)).rows().size(), 1u + 3 + 12);
+  EXPECT_EQ(StructureRows(comb(3, 10)).rows().size(), 1u + 3 + 2 * 10);  // the third would be too much
+  EXPECT_EQ(StructureRows(comb(100, 1)).rows().size(), 1u);
+}
+
+TEST(StructureRowsTest, RowsKnowDepthAndChildren) {
   const StructureGraph graph = two_sided::graph();
-  const StructureRows rows(graph);
+  StructureRows rows(graph);
+  close_all(rows);
+  ASSERT_EQ(rows.rows().size(), 1u);
+  EXPECT_FALSE(rows.rows()[0].open);
+  rows.toggle(rows.rows()[0]);
   EXPECT_THAT(structures_of(rows),
               ElementsAre(Index::kBrain, Index::kLeft, Index::kRight, Index::kLobe, Index::kStem));
   EXPECT_TRUE(rows.rows()[0].open);
-  EXPECT_FALSE(rows.rows()[1].open);
   EXPECT_EQ(rows.rows()[1].depth, 1);
+  EXPECT_TRUE(rows.rows()[1].has_children);
+  EXPECT_FALSE(rows.rows()[4].has_children);
 }
 
 TEST(StructureRowsTest, AStructureStandsUnderEachOfItsParents) {
@@ -55,6 +92,7 @@ TEST(StructureRowsTest, AStructureStandsUnderEachOfItsParents) {
 TEST(StructureRowsTest, RevealsByTheFirstParents) {
   const StructureGraph graph = two_sided::graph();
   StructureRows rows(graph);
+  close_all(rows);
   const std::size_t row = rows.reveal(Index::kGyrusRight);
   EXPECT_THAT(structures_of(rows), ElementsAre(Index::kBrain, Index::kLeft, Index::kRight, Index::kGyrusRight,
                                                Index::kLobe, Index::kStem));
@@ -75,7 +113,7 @@ TEST(StructureRowsTest, SearchFindsAllWordsInNamesAndIdsWhateverTheirCase) {
   EXPECT_TRUE(rows.rows().empty());
   rows.search("  ");
   EXPECT_FALSE(rows.searching());
-  EXPECT_EQ(rows.rows().size(), 5u);
+  EXPECT_EQ(rows.rows().size(), 9u);
 }
 
 TEST(StructureRowsTest, RevealEndsASearchThatHidesTheStructure) {
