@@ -1,0 +1,229 @@
+// Surfaces inside a volume are composited exactly where they are.
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "player/shear.h"
+#include "tests/reference/picture_difference.h"
+#include "tests/reference/reference_light.h"
+#include "tests/support/render.h"
+
+namespace splatlas {
+namespace {
+
+constexpr std::int64_t kDepth = 9;    // voxels of fog along y
+constexpr std::int64_t kWidth = 27;   // along x and z
+constexpr float kFogOpacity = 0.15f;  // of a voxel
+constexpr Rgb kFogColor{180, 200, 220};
+
+/// A plane y = `at` across the fog.
+struct Plane {
+  double at = 0;
+  Rgb color{};
+  float opacity = 0.5f;
+  bool faces_viewer = true;
+};
+
+/// Fog in every voxel, and structures for as many surfaces.
+AtlasContent content_for(std::size_t surfaces) {
+  TestVolume volume;
+  volume.grid.size = {kWidth, kDepth, kWidth};
+  volume.structures = {{"fog", make_mask(volume.grid.size, [](auto...) { return true; }), kFogColor}};
+  for (std::size_t n = 0; n < surfaces; ++n) {
+    // Which voxel leads to a surface does not matter to the player: any will do.
+    const auto mask =
+        make_mask(volume.grid.size, [n](auto i, auto, auto) { return i == static_cast<std::int64_t>(n); });
+    volume.structures.push_back({fmt::format("plane{}", n), mask});
+  }
+  return make_content(volume);
+}
+
+/// Fog in every voxel, and a surface for each plane.
+AtlasContent fog_content(const std::vector<Plane>& planes) {
+  static std::map<std::size_t, AtlasContent> contents;
+  if (!contents.contains(planes.size())) contents.emplace(planes.size(), content_for(planes.size()));
+  AtlasContent content = contents.at(planes.size());
+  for (std::size_t n = 0; n < planes.size(); ++n) {
+    SurfaceMesh& mesh = content.surfaces[n + 1];
+    const float last = static_cast<float>(kWidth) - 1;
+    const auto y = static_cast<float>(planes[n].at);
+    mesh = {};
+    mesh.position_scale = 4096;
+    mesh.positions_ijk = {{0, y, 0}, {last, y, 0}, {last, y, last}, {0, y, last}};
+    mesh.normals_lps.assign(4, {0, planes[n].faces_viewer ? -1.0f : 1.0f, 0});
+    mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+  }
+  return content;
+}
+
+Selection fog_selection(const std::vector<Plane>& planes) {
+  Selection selection;
+  selection.structures.resize(planes.size() + 1);
+  selection.structures[0] = {DrawMode::kVolume, kFogOpacity, kFogColor, 9};
+  for (std::size_t n = 0; n < planes.size(); ++n) {
+    selection.structures[n + 1] = {DrawMode::kSurface, planes[n].opacity, planes[n].color, 0};
+  }
+  return selection;
+}
+
+struct FogView {
+  Camera camera;
+  RenderOptions options{.size = {7, 7}, .hybrid_shading = false};
+  ParallelView view;
+  double slab_mm = 1;
+
+  FogView(double azimuth_deg, double elevation_deg, const AtlasContent& content) {
+    camera.azimuth_deg = azimuth_deg;
+    camera.elevation_deg = elevation_deg;
+    camera.zoom = zoom_for(content.display, 7, 0.83);
+    camera.center_lps_mm = Vec3{0.5 * kWidth, 0.5 * kDepth, 0.5 * kWidth};
+    view = *parallel_view(camera, options.size, content.display);
+    slab_mm = factorise(view, storage_grid(content)).slab_mm;
+  }
+};
+
+/// In closed form: fog from y = -0.5 to kDepth - 0.5, planes in the given order.
+std::array<double, 4> expected_pixel(const std::vector<Plane>& in_order, const FogView& view) {
+  const double extinction = -std::log1p(-static_cast<double>(kFogOpacity));
+  const auto fog_color = reference::linear_of(kFogColor);
+  reference::RayLight sum;
+  double from = -0.5;
+  const auto add_fog = [&](double to) {
+    const double depth = extinction * view.slab_mm * (to - from);
+    const double opacity = -std::expm1(-depth);
+    sum.add({{fog_color[0] * opacity, fog_color[1] * opacity, fog_color[2] * opacity}, 1 - opacity});
+    from = to;
+  };
+  for (const Plane& plane : in_order) {
+    add_fog(std::clamp(plane.at, -0.5, kDepth - 0.5));
+    const auto color = reference::shade_surface(view.view, reference::linear_of(plane.color), {0, -1, 0});
+    const double opacity = plane.opacity;
+    sum.add_surface({color[0] * opacity, color[1] * opacity, color[2] * opacity, opacity});
+  }
+  add_fog(kDepth - 0.5);
+  return {sum.color[0], sum.color[1], sum.color[2], 1 - sum.transmittance};
+}
+
+void expect_everywhere(const Picture& picture, const std::array<double, 4>& expected,
+                       const std::string& what) {
+  for (int n = 0; n < picture.size.width * picture.size.height; ++n) {
+    const auto pixel = picture.at(n % picture.size.width, n / picture.size.width);
+    for (std::size_t c = 0; c < 4; ++c) {
+      // Ten or so compositing steps in float, each rounding by some 1e-7.
+      ASSERT_NEAR(pixel[c], expected[c], 1.5e-6) << what << ", channel " << c << ", pixel " << n;
+    }
+  }
+}
+
+const std::vector<std::pair<double, double>> kDirections{{0, 0}, {180, 0}, {31, -17}, {-140, 25}, {44.9, 0}};
+
+/// Planes in front of the fog, on its border, on slices, halfway between them, in between, and behind.
+TEST(SurfaceInVolume, SweptPlanesFollowTheClosedForm) {
+  for (int step = -16; step <= 16 * kDepth; ++step) {
+    if (step % 4 != 0 && (step < 28 || step > 60)) continue;
+    const std::vector<Plane> planes{{step / 16.0, {255, 80, 20}, 0.6f, true}};
+    const AtlasContent content = fog_content(planes);
+    Renderer renderer(open_in_memory(content), {1, 0});
+    ASSERT_TRUE(renderer.select(fog_selection(planes)));
+    for (const auto& [azimuth, elevation] : kDirections) {
+      const FogView view(azimuth, elevation, content);
+      std::vector<Plane> seen = planes;
+      // From behind, the fog is met the other way round.
+      if (view.view.forward_lps[1] < 0) seen[0].at = kDepth - 1 - seen[0].at;
+      expect_everywhere(render_or_throw(renderer, view.camera, view.options), expected_pixel(seen, view),
+                        fmt::format("plane at {}, azimuth {}", step / 16.0, azimuth));
+    }
+  }
+}
+
+/// From step to step of a tenth of a voxel the picture changes steadily: never by more than the fog of that
+/// tenth hides, and always towards the fog's colour.
+TEST(SurfaceInVolume, SweptPlanesChangeMonotonouslyAndContinuously) {
+  double before = 2;
+  for (int step = -8; step <= 10 * kDepth; ++step) {
+    // Multiples of 1/4096, as the file has them.
+    const std::vector<Plane> planes{{std::round(step / 10.0 * 4096) / 4096, {255, 255, 255}, 0.8f, true}};
+    const AtlasContent content = fog_content(planes);
+    const FogView view(23, -11, content);
+    Selection selection = fog_selection(planes);
+    selection.structures[0].color = {0, 0, 0};  // black fog before a white plane
+    const double light = render_or_throw(content, selection, view.camera, view.options).at(3, 3)[1];
+    const double most = -std::log1p(-static_cast<double>(kFogOpacity)) * view.slab_mm * 0.1001;
+    EXPECT_LE(light, before + 1e-7) << "step " << step;
+    if (before <= 1) {
+      EXPECT_GE(light, before * (1 - most) - 1e-6) << "step " << step;
+    }
+    before = light;
+  }
+  EXPECT_LT(before, 0.4);
+}
+
+TEST(SurfaceInVolume, SeveralSurfacesInOneVoxelKeepTheirOrder) {
+  // In the file in another order than on the ray; three of them within half a voxel, around a slab's border.
+  const std::vector<Plane> planes{{4.75, {20, 20, 255}, 0.5f, true},
+                                  {4.375, {255, 20, 20}, 0.4f, true},
+                                  {4.5, {20, 255, 20}, 0.3f, false},
+                                  {2.125, {250, 250, 20}, 0.2f, true}};
+  const AtlasContent content = fog_content(planes);
+  Renderer renderer(open_in_memory(content), {1, 0});
+  ASSERT_TRUE(renderer.select(fog_selection(planes)));
+  for (const auto& [azimuth, elevation] : kDirections) {
+    const FogView view(azimuth, elevation, content);
+    std::vector<Plane> in_order{planes[3], planes[1], planes[2], planes[0]};
+    if (view.view.forward_lps[1] < 0) {
+      std::reverse(in_order.begin(), in_order.end());
+      for (Plane& plane : in_order) plane.at = kDepth - 1 - plane.at;
+    }
+    expect_everywhere(render_or_throw(renderer, view.camera, view.options), expected_pixel(in_order, view),
+                      fmt::format("azimuth {}", azimuth));
+  }
+}
+
+TEST(SurfaceInVolume, CoincidingFacesAreLeftBeforeTheyAreEntered) {
+  const std::vector<Plane> planes{{3.5, {255, 20, 20}, 0.5f, true}, {3.5, {20, 20, 255}, 0.5f, false}};
+  const AtlasContent content = fog_content(planes);
+  Renderer renderer(open_in_memory(content), {1, 0});
+  ASSERT_TRUE(renderer.select(fog_selection(planes)));
+  for (const auto& [azimuth, elevation] : kDirections) {
+    const FogView view(azimuth, elevation, content);
+    // The second faces away at azimuth 0: it is left. From behind, the first is.
+    const bool behind = view.view.forward_lps[1] < 0;
+    std::vector<Plane> in_order{planes[behind ? 0 : 1], planes[behind ? 1 : 0]};
+    for (Plane& plane : in_order) plane.at = behind ? kDepth - 1 - plane.at : plane.at;
+    expect_everywhere(render_or_throw(renderer, view.camera, view.options), expected_pixel(in_order, view),
+                      fmt::format("azimuth {}", azimuth));
+  }
+}
+
+TEST(SurfaceInVolume, OpaqueSurfacesHideWhatIsBehindThem) {
+  std::vector<Plane> planes{{3.25, {255, 20, 20}, 1.0f, true}, {6.5, {20, 20, 255}, 0.5f, true}};
+  const AtlasContent content = fog_content(planes);
+  Renderer renderer(open_in_memory(content), {1, 0});
+  ASSERT_TRUE(renderer.select(fog_selection(planes)));
+  const FogView view(12, 34, content);
+  const Picture with = render_or_throw(renderer, view.camera, view.options);
+  expect_everywhere(with, expected_pixel({planes[0]}, view), "opaque");
+  for (int n = 0; n < 49; ++n) EXPECT_FLOAT_EQ(with.at(n % 7, n / 7)[3], 1.0f);
+  planes[1].color = {255, 255, 255};
+  ASSERT_TRUE(renderer.select(fog_selection(planes)));
+  EXPECT_EQ(render_or_throw(renderer, view.camera, view.options).rgba, with.rgba);
+}
+
+TEST(SurfaceInVolume, SurfacesAloneMultiplyWhatTheyLetThrough) {
+  std::vector<Plane> planes;
+  for (int n = 0; n < 8; ++n) planes.push_back({n + 0.25, {255, 255, 255}, 0.3f, n % 2 == 0});
+  const AtlasContent content = fog_content(planes);
+  Selection selection = fog_selection(planes);
+  selection.structures[0] = {};
+  const FogView view(-20, 15, content);
+  const Picture picture = render_or_throw(content, selection, view.camera, view.options);
+  for (int n = 0; n < 49; ++n) {
+    EXPECT_NEAR(picture.at(n % 7, n / 7)[3], 1 - std::pow(1 - static_cast<double>(0.3f), 8), 1e-6);
+  }
+}
+
+}  // namespace
+}  // namespace splatlas
