@@ -84,6 +84,25 @@ SurfacesInView::SurfacesInView(const AtlasContent& content, const Selection& sel
     }
     surfaces_.push_back(std::move(surface));
   }
+  list_rows();
+}
+
+void SurfacesInView::list_rows() {
+  rows_.resize(static_cast<std::size_t>(view_.size.height));
+  for (std::size_t s = 0; s < surfaces_.size(); ++s) {
+    const auto& triangles = surfaces_[s].mesh->triangles;
+    for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+      double top = view_.size.height;
+      double bottom = 0;
+      for (const std::uint32_t corner : triangles[t]) {
+        top = std::min(top, surfaces_[s].vertices[corner].covered_y);
+        bottom = std::max(bottom, surfaces_[s].vertices[corner].covered_y);
+      }
+      for (int row = 0; row < view_.size.height; ++row) {
+        if (row + 1 >= top && row <= bottom) rows_[static_cast<std::size_t>(row)].push_back({s, t});
+      }
+    }
+  }
 }
 
 void SurfacesInView::cross(const Surface& surface, std::uint32_t triangle, double x, double y,
@@ -120,10 +139,8 @@ void SurfacesInView::cross(const Surface& surface, std::uint32_t triangle, doubl
 
 std::vector<Crossing> SurfacesInView::crossings(int column, int row) const {
   std::vector<Crossing> all;
-  for (const Surface& surface : surfaces_) {
-    for (std::uint32_t t = 0; t < surface.mesh->triangles.size(); ++t) {
-      cross(surface, t, column + 0.5, row + 0.5, all);
-    }
+  for (const TriangleRef& ref : rows_[static_cast<std::size_t>(row)]) {
+    cross(surfaces_[ref.surface], ref.triangle, column + 0.5, row + 0.5, all);
   }
   const auto order = [](const Crossing& c) {
     const double step = std::floor(c.depth * kDepthSteps + kDepthOffset);

@@ -36,7 +36,7 @@ class SurfacesInView {
 
   /// Every crossing of the ray through the centre of pixel (column, row), front to back, up to the first
   /// opaque one. A centre on an edge counts as slightly right of and below it. Where surfaces coincide, those
-  /// that the ray leaves come first. Cost: all triangles.
+  /// that the ray leaves come first. Cost: all triangles of the picture's row.
   [[nodiscard]] std::vector<Crossing> crossings(int column, int row) const;
 
  private:
@@ -52,11 +52,17 @@ class SurfacesInView {
     double opacity = 1;
     std::vector<Seen> vertices;
   };
+  struct TriangleRef {
+    std::size_t surface = 0;
+    std::uint32_t triangle = 0;
+  };
+  void list_rows();
   void cross(const Surface& surface, std::uint32_t triangle, double x, double y,
              std::vector<Crossing>& out) const;
 
   ParallelView view_;
   std::vector<Surface> surfaces_;
+  std::vector<std::vector<TriangleRef>> rows_;  // of the picture: triangles that may cover a centre in it
 };
 
 }  // namespace splatlas::reference

@@ -81,6 +81,7 @@ RayLight integrate_piece(const LightField& field, const Ray& ray, double from_mm
 
   const double most =
       std::max({light[0].extinction, light[1].extinction, light[2].extinction, light[3].extinction});
+  if (most == 0) return {};  // a cubic that is zero at four points
   const int steps = 1 + static_cast<int>(most * length_mm / kLargestDepthPerStep);
   RayLight sum;
   for (int step = 0; step < steps; ++step) {

@@ -1,0 +1,89 @@
+// Prints what docs/rendering.md says about errors: how much each approximation costs, measured.
+#include <cmath>
+#include <cstdio>
+#include <string>
+
+#include "tests/reference/picture_difference.h"
+#include "tests/support/render.h"
+#include "tests/support/standard_scenes.h"
+
+namespace splatlas::reference {
+namespace {
+
+constexpr PictureSize kSize{64, 64};
+
+/// Differences over several views.
+struct Budget {
+  double squares = 0, largest = 0, mean = 0;
+  int views = 0;
+
+  void add(const PictureDifference& d) {
+    squares += d.rms * d.rms;
+    largest = std::max(largest, d.largest);
+    mean += d.mean;
+    ++views;
+  }
+  void print(const std::string& what) const {
+    std::printf("| %-44s | %10.5f | %9.4f | %+9.4f |\n", what.c_str(), 255 * std::sqrt(squares / views),
+                255 * largest, 255 * mean / views);
+  }
+};
+
+ReferencePicture as_reference(const Picture& picture) {
+  ReferencePicture result{picture.size, {}};
+  for (std::size_t n = 0; n < picture.rgba.size(); n += 4) {
+    result.pixels.push_back({picture.rgba[n], picture.rgba[n + 1], picture.rgba[n + 2], picture.rgba[n + 3]});
+  }
+  return result;
+}
+
+void measure(const StandardScene& scene) {
+  const std::array<const char*, 3> names{"draft", "normal", "high"};
+  Renderer renderer(open_in_memory(scene.content), {1, 0});
+  (void)renderer.select(scene.selection);
+  std::array<Budget, 3> rounding, sheet, total;
+  Budget slabs;
+  Budget switched;
+  for (const auto& [azimuth, elevation] : standard_views()) {
+    ReferenceScene frame{scene.content, scene.selection, {}, {}};
+    frame.camera.azimuth_deg = azimuth;
+    frame.camera.elevation_deg = elevation;
+    frame.options.size = kSize;
+    const ReferencePicture truth = render_truth(frame);
+    const ReferencePicture unlimited = render_slabs(frame);
+    slabs.add(difference(unlimited, truth));
+    for (std::size_t q = 0; q < 3; ++q) {
+      frame.options.quality = static_cast<Quality>(q);
+      const Picture picture = render_or_throw(renderer, frame.camera, frame.options);
+      const ReferencePicture model = render_model(frame);
+      rounding[q].add(difference(picture, model));
+      sheet[q].add(difference(model, unlimited));
+      total[q].add(difference(picture, truth));
+    }
+    if (azimuth == 45) {
+      frame.options.principal_axis = Axis::kX;
+      const Picture from_x = render_or_throw(renderer, frame.camera, frame.options);
+      frame.options.principal_axis = Axis::kY;
+      switched.add(difference(from_x, as_reference(render_or_throw(renderer, frame.camera, frame.options))));
+    }
+  }
+  std::printf("\n%s\n\n| %-44s | %10s | %9s | %9s |\n|---|---:|---:|---:|\n", scene.name.c_str(),
+              "difference, in 1/255", "RMS", "largest", "mean");
+  for (std::size_t q = 0; q < 3; ++q) {
+    rounding[q].print(std::string("float: picture less model, ") + names[q]);
+  }
+  for (std::size_t q = 0; q < 3; ++q) sheet[q].print(std::string("sheet: model less slabs, ") + names[q]);
+  slabs.print("slabs less truth");
+  for (std::size_t q = 0; q < 3; ++q) total[q].print(std::string("in all: picture less truth, ") + names[q]);
+  switched.print("principal axis x less y at 45 degrees, high");
+  std::fflush(stdout);
+}
+
+}  // namespace
+}  // namespace splatlas::reference
+
+int main() {
+  for (const splatlas::StandardScene& scene : splatlas::standard_scenes())
+    splatlas::reference::measure(scene);
+  return 0;
+}

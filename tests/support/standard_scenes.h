@@ -1,0 +1,35 @@
+// The scenes that errors are measured on.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "format/selection.h"
+#include "tests/support/test_content.h"
+
+namespace splatlas {
+
+struct StandardScene {
+  std::string name;
+  AtlasContent content;
+  Selection selection;
+};
+
+/// The golden phantom as volume: two balls with grey values, opacity 0.3 a voxel.
+[[nodiscard]] StandardScene phantom_scene();
+/// A smooth field: Gaussian blobs in 40^3 voxels, opacity 0.3 a voxel at their peaks.
+[[nodiscard]] StandardScene blobs_scene();
+/// The hard case: structures without grey values, opacity 0.9 a voxel, borders where one voxel meets the
+/// next.
+[[nodiscard]] StandardScene labels_scene();
+/// The golden phantom, both balls as volume with their translucent surfaces, and their hull around them.
+[[nodiscard]] StandardScene hybrid_scene();
+/// All of them.
+[[nodiscard]] std::vector<StandardScene> standard_scenes();
+
+/// Azimuth and elevation in degrees: straight on, turned a little, turned more, at 45 degrees to one axis,
+/// and to two.
+[[nodiscard]] const std::vector<std::pair<double, double>>& standard_views();
+
+}  // namespace splatlas
