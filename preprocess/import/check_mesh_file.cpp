@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "format/ascii_text.h"
+#include "preprocess/import/check_ply_file.h"
 #include "preprocess/import/text_file.h"
 
 namespace splatlas {
@@ -81,28 +82,6 @@ Result<void> check_obj(const fs::path& path) {
   return {};
 }
 
-/// "element vertex N" and "element face N": a vertex takes 6 bytes at least ("0 0 0\n"), a face 4.
-Result<void> check_ply(const fs::path& path) {
-  std::error_code error;
-  const std::uint64_t size = fs::file_size(path, error);
-  const std::string head = first_bytes(path, 1u << 16);
-  const std::size_t end = head.find("end_header");
-  if (error || !head.starts_with("ply") || end == std::string::npos) return bad(path, "is not a PLY file");
-  std::uint64_t least = end;
-  for (const std::string_view line : split(std::string_view(head).substr(0, end), '\n')) {
-    const std::vector<std::string_view> words = split_blanks(line);
-    if (words.size() != 3 || words[0] != "element") continue;
-    const auto count = parse_integer(words[2]);
-    if (!count || *count < 0 || *count > (std::int64_t{1} << 31)) {
-      return bad(path, fmt::format("has an impossible count: '{}'", line));
-    }
-    least += static_cast<std::uint64_t>(*count) * (words[1] == "vertex" ? 6 : 4);
-  }
-  if (size < least)
-    return bad(path, fmt::format("is truncated: its header needs {} bytes at least, it has {}", least, size));
-  return {};
-}
-
 Result<void> check_vtk(const fs::path& path) {
   if (!first_bytes(path, 32).starts_with("# vtk DataFile")) return bad(path, "is not a legacy VTK file");
   return {};
@@ -127,7 +106,7 @@ Result<void> check_mesh_file(const fs::path& path) {
   switch (format) {
     case MeshFormat::kStl: return check_stl(path);
     case MeshFormat::kObj: return check_obj(path);
-    case MeshFormat::kPly: return check_ply(path);
+    case MeshFormat::kPly: return check_ply_file(path);
     case MeshFormat::kVtk: break;
   }
   return check_vtk(path);

@@ -1,11 +1,14 @@
 #include "preprocess/import/quiet_vtk.h"
 
+#include <algorithm>
 #include <cctype>
 #include <exception>
 #include <mutex>
+#include <utility>
 
 #include <vtkCallbackCommand.h>
 #include <vtkErrorCode.h>
+#include <vtkLogger.h>
 #include <vtkNew.h>
 #include <vtkObjectFactory.h>
 #include <vtkOutputWindow.h>
@@ -13,25 +16,15 @@
 namespace splatlas {
 namespace {
 
-/// Takes what VTK's inner objects would print.
-class SilentWindow : public vtkOutputWindow {
- public:
-  static SilentWindow* New();
-  vtkTypeMacro(SilentWindow, vtkOutputWindow) void DisplayText(const char*) override {}
-};
-vtkStandardNewMacro(SilentWindow);
-
-void silence() {
-  static std::once_flag once;
-  std::call_once(once, [] {
-    vtkNew<SilentWindow> window;
-    vtkOutputWindow::SetInstance(window);
-  });
-}
+/// What VTK said first since update_quietly began, on this thread.
+thread_local std::string first_complaint;
 
 /// "ERROR: In file.cxx, line 9\nvtkSTLReader (0x55): Cannot read\n\n" -> "Cannot read".
 std::string essence(const char* text) {
   std::string message = text != nullptr ? text : "";
+  if (const std::size_t place = message.find(", line "); place != std::string::npos) {
+    message.erase(0, std::min(message.find('\n', place), message.size()));
+  }
   if (const std::size_t address = message.find("): "); address != std::string::npos)
     message.erase(0, address + 3);
   std::string line;
@@ -40,36 +33,55 @@ std::string essence(const char* text) {
     if (!blank) line += c;
     if (blank && !line.empty() && line.back() != ' ') line += ' ';
   }
-  while (!line.empty() && line.back() == ' ') line.pop_back();
+  while (!line.empty() && (line.back() == ' ' || line.back() == '.')) line.pop_back();
   return line.empty() ? "VTK gives no reason" : line;
 }
 
-void remember_first(vtkObject*, unsigned long, void* client, void* text) {
-  auto& message = *static_cast<std::string*>(client);
-  if (message.empty()) message = essence(static_cast<const char*>(text));
+void remember(const char* text) {
+  if (first_complaint.empty()) first_complaint = essence(text);
+}
+
+/// Takes what VTK's inner objects would print.
+class SilentWindow : public vtkOutputWindow {
+ public:
+  static SilentWindow* New();
+  vtkTypeMacro(SilentWindow, vtkOutputWindow) void DisplayText(const char* text) override { remember(text); }
+};
+vtkStandardNewMacro(SilentWindow);
+
+void silence() {
+  static std::once_flag once;
+  std::call_once(once, [] {
+    vtkNew<SilentWindow> window;
+    vtkOutputWindow::SetInstance(window);
+    vtkLogger::SetStderrVerbosity(vtkLogger::VERBOSITY_OFF);
+  });
+}
+
+void hear(vtkObject*, unsigned long, void*, void* text) {
+  remember(static_cast<const char*>(text));
 }
 
 }  // namespace
 
 std::string update_quietly(vtkAlgorithm& filter) {
   silence();
-  std::string message;
+  first_complaint.clear();
   vtkNew<vtkCallbackCommand> listener;
-  listener->SetCallback(remember_first);
-  listener->SetClientData(&message);
-  const unsigned long tag = filter.AddObserver(vtkCommand::ErrorEvent, listener);
-  const unsigned long warning_tag = filter.AddObserver(vtkCommand::WarningEvent, listener);
+  listener->SetCallback(hear);
+  const unsigned long errors = filter.AddObserver(vtkCommand::ErrorEvent, listener);
+  const unsigned long warnings = filter.AddObserver(vtkCommand::WarningEvent, listener);
   try {
     filter.Update();
   } catch (const std::exception& error) {
-    message = error.what();
+    remember(error.what());
   }
-  filter.RemoveObserver(tag);
-  filter.RemoveObserver(warning_tag);
-  if (message.empty() && filter.GetErrorCode() != vtkErrorCode::NoError) {
-    message = vtkErrorCode::GetStringFromErrorCode(filter.GetErrorCode());
+  filter.RemoveObserver(errors);
+  filter.RemoveObserver(warnings);
+  if (first_complaint.empty() && filter.GetErrorCode() != vtkErrorCode::NoError) {
+    remember(vtkErrorCode::GetStringFromErrorCode(filter.GetErrorCode()));
   }
-  return message;
+  return std::move(first_complaint);
 }
 
 }  // namespace splatlas

@@ -21,7 +21,7 @@ inline MembershipVolume memberships_of(const Masks& masks, const Index3& size) {
 /// Structures "A", "B", ... without parents.
 inline StructureGraph flat_graph(std::size_t structures) {
   std::vector<SourceStructure> sources(structures);
-  for (std::size_t s = 0; s < structures; ++s) sources[s].name = std::string(1, static_cast<char>('A' + s));
+  for (std::size_t s = 0; s < structures; ++s) sources[s].name.push_back(static_cast<char>('A' + s));
   return build_graph(sources, {}, "")->graph;
 }
 

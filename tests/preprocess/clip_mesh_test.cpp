@@ -1,0 +1,225 @@
+#include "preprocess/surfaces/clip_mesh.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include "tests/preprocess/random_images.h"
+
+namespace splatlas {
+namespace {
+
+Grid grid_of(const Index3& size) {
+  Grid grid;
+  grid.size = size;
+  return grid;
+}
+
+TriangleMesh triangle(const Vec3& a, const Vec3& b, const Vec3& c) {
+  TriangleMesh mesh;
+  mesh.positions_lps_mm = {a, b, c};
+  mesh.triangles = {{0, 1, 2}};
+  return mesh;
+}
+
+/// A tetrahedron, counter-clockwise seen from outside.
+TriangleMesh tetrahedron(const std::array<Vec3, 4>& corners) {
+  TriangleMesh mesh;
+  mesh.positions_lps_mm.assign(corners.begin(), corners.end());
+  mesh.triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
+  return mesh;
+}
+
+Vec3 corner_of(const SurfaceMesh& mesh, std::uint32_t v) {
+  const auto& [i, j, k] = mesh.positions_ijk[v];
+  return {i, j, k};
+}
+
+Vec3 area_vector(const Vec3& a, const Vec3& b, const Vec3& c) {
+  const Vec3 u{b[0] - a[0], b[1] - a[1], b[2] - a[2]}, v{c[0] - a[0], c[1] - a[1], c[2] - a[2]};
+  return {0.5 * (u[1] * v[2] - u[2] * v[1]), 0.5 * (u[2] * v[0] - u[0] * v[2]),
+          0.5 * (u[0] * v[1] - u[1] * v[0])};
+}
+
+double area_of(const SurfaceMesh& mesh) {
+  double area = 0;
+  for (const auto& [a, b, c] : mesh.triangles) {
+    const Vec3 v = area_vector(corner_of(mesh, a), corner_of(mesh, b), corner_of(mesh, c));
+    area += std::hypot(v[0], v[1], v[2]);
+  }
+  return area;
+}
+
+/// Volume enclosed by a closed surface, in voxels.
+double volume_of(const SurfaceMesh& mesh) {
+  double volume = 0;
+  for (const auto& [a, b, c] : mesh.triangles) {
+    const Vec3 p = corner_of(mesh, a), v = area_vector(p, corner_of(mesh, b), corner_of(mesh, c));
+    volume += (p[0] * v[0] + p[1] * v[1] + p[2] * v[2]) / 3;
+  }
+  return volume;
+}
+
+/// Every triangle lies within one voxel, they are sorted by voxel, and those voxels are the crossed ones.
+bool lies_in_its_voxels(const ClippedMesh& clipped, const Grid& grid) {
+  std::vector<std::int64_t> voxels;
+  for (const auto& t : clipped.surface.triangles) {
+    Index3 voxel;
+    for (std::size_t a = 0; a < 3; ++a) {
+      double low = 1e9, high = -1e9, sum = 0;
+      for (const std::uint32_t v : t) {
+        const double x = clipped.surface.positions_ijk[v][a];
+        if (x * 1024 != std::round(x * 1024)) return false;
+        low = std::min(low, x);
+        high = std::max(high, x);
+        sum += x;
+      }
+      voxel[a] =
+          std::clamp<std::int64_t>(static_cast<std::int64_t>(std::floor(sum / 3 + 0.5)), 0, grid.size[a] - 1);
+      const auto center = static_cast<double>(voxel[a]);
+      if (low < center - 0.5 || high > center + 0.5) return false;
+    }
+    voxels.push_back(grid.offset(voxel[0], voxel[1], voxel[2]));
+  }
+  if (!std::is_sorted(voxels.begin(), voxels.end())) return false;
+  voxels.erase(std::unique(voxels.begin(), voxels.end()), voxels.end());
+  return voxels == clipped.crossed;
+}
+
+TEST(ClipMesh, APlaneThroughVoxelCentresCrossesExactlyThose) {
+  // Two triangles make the square [1, 6] x [1, 6] at z = 3, in voxels' centres to centres.
+  TriangleMesh mesh = triangle({1, 1, 3}, {6, 1, 3}, {6, 6, 3});
+  mesh.positions_lps_mm.push_back({1, 6, 3});
+  mesh.triangles.push_back({0, 2, 3});
+  const Grid grid = grid_of({8, 8, 8});
+  const auto clipped = clip_mesh(mesh, grid);
+  ASSERT_TRUE(clipped);
+  EXPECT_TRUE(lies_in_its_voxels(*clipped, grid));
+  EXPECT_EQ(clipped->crossed.size(), 36u);
+  for (const std::int64_t v : clipped->crossed) EXPECT_EQ(v / 64, 3);
+  EXPECT_DOUBLE_EQ(area_of(clipped->surface), 25);
+  EXPECT_EQ(clipped->outside, 0);
+  EXPECT_EQ(clipped->surface.position_scale, 1024u);
+  for (const auto& n : clipped->surface.normals_lps) EXPECT_EQ(n, (std::array<float, 3>{0, 0, 1}));
+}
+
+TEST(ClipMesh, APlaneBetweenVoxelsBelongsToTheUpperOnes) {
+  const Grid grid = grid_of({4, 4, 4});
+  for (const auto& [z, slice] : {std::pair<double, std::int64_t>{-0.5, 0}, {1.5, 2}, {3.5, 3}}) {
+    const auto clipped = clip_mesh(triangle({0, 0, z}, {2, 0, z}, {0, 2, z}), grid);
+    ASSERT_TRUE(clipped);
+    EXPECT_TRUE(clipped->crossed.size() == 6 || z != 1.5) << clipped->crossed.size();
+    EXPECT_DOUBLE_EQ(area_of(clipped->surface), 2);
+    for (const std::int64_t v : clipped->crossed) EXPECT_EQ(v / 16, slice);
+  }
+}
+
+TEST(ClipMesh, WhatLiesBeyondTheGridIsCutOffAndTold) {
+  const Grid grid = grid_of({4, 4, 4});
+  // Half of the triangle's height is outside: a quarter of its area stays beyond x = 3.5.
+  const auto clipped = clip_mesh(triangle({1.5, 0, 1}, {5.5, 0, 1}, {1.5, 2, 1}), grid);
+  ASSERT_TRUE(clipped);
+  EXPECT_TRUE(lies_in_its_voxels(*clipped, grid));
+  EXPECT_NEAR(clipped->outside, 0.25, 1e-12);
+  EXPECT_NEAR(area_of(clipped->surface), 3, 1e-3);
+  const auto none = clip_mesh(triangle({10, 0, 0}, {11, 0, 0}, {10, 1, 0}), grid);
+  ASSERT_TRUE(none);
+  EXPECT_TRUE(none->crossed.empty());
+  EXPECT_TRUE(none->surface.triangles.empty());
+  EXPECT_EQ(none->outside, 1);
+  // Corners a thousand kilometres away do no harm.
+  const auto huge = clip_mesh(triangle({-1e9, -1e9, 1}, {1e9, -1e9, 1}, {0, 1e9, 1}), grid);
+  ASSERT_TRUE(huge);
+  EXPECT_EQ(huge->crossed.size(), 16u);
+  EXPECT_NEAR(area_of(huge->surface), 16, 1e-3);
+}
+
+TEST(ClipMesh, NormalsAreTheFilesAndAreInterpolated) {
+  TriangleMesh mesh = triangle({0, 0, 1}, {4, 0, 1}, {0, 4, 1});
+  mesh.normals_lps = {{1, 0, 0}, {0, 1, 0}, {1, 0, 0}};
+  const auto clipped = clip_mesh(mesh, grid_of({5, 5, 3}));
+  ASSERT_TRUE(clipped);
+  bool found = false;
+  for (std::size_t v = 0; v < clipped->surface.positions_ijk.size(); ++v) {
+    const auto& [i, j, k] = clipped->surface.positions_ijk[v];
+    if (i != 1.5f || j != 0) continue;
+    const double t = 1.5 / 4, length = std::hypot(1 - t, t);
+    EXPECT_NEAR(clipped->surface.normals_lps[v][0], (1 - t) / length, 1e-6);
+    EXPECT_NEAR(clipped->surface.normals_lps[v][1], t / length, 1e-6);
+    found = true;
+  }
+  EXPECT_TRUE(found);
+}
+
+TEST(ClipMesh, MillimetresBecomeIndices) {
+  Grid grid = awkward_grid(0.2);
+  grid.size = {9, 9, 9};
+  const Affine to_mm = index_to_lps_mm(grid);
+  const auto clipped =
+      clip_mesh(triangle(to_mm.apply({4, 4, 4}), to_mm.apply({4.25, 4, 4}), to_mm.apply({4, 4.25, 4})), grid);
+  ASSERT_TRUE(clipped);
+  EXPECT_EQ(clipped->crossed, (std::vector<std::int64_t>{grid.offset(4, 4, 4)}));
+  ASSERT_EQ(clipped->surface.positions_ijk.size(), 3u);
+  EXPECT_EQ(clipped->surface.positions_ijk[1], (std::array<float, 3>{4.25f, 4, 4}));
+}
+
+RC_GTEST_PROP(ClipMesh, AClosedSurfaceStaysClosedAndKeepsAreaAndVolume, ()) {
+  const Grid grid = grid_of({6, 7, 8});
+  const auto coordinate = [](double n) {  // some exactly in voxels' faces and centres
+    return *rc::gen::oneOf(
+        rc::gen::map(rc::gen::inRange(0, 2 * static_cast<int>(n) - 1), [](int h) { return 0.5 * h - 0.5; }),
+        rc::gen::map(rc::gen::inRange(0, 10000), [n](int t) { return t * (n - 1) / 10000 - 0.25; }));
+  };
+  std::array<Vec3, 4> corners;
+  for (Vec3& c : corners) c = {coordinate(6), coordinate(7), coordinate(8)};
+  // Let the corners be of the scale that positions are stored in: then nothing moves but cuts.
+  for (Vec3& c : corners) {
+    for (double& x : c) x = std::round(x * 1024) / 1024;
+  }
+  const TriangleMesh mesh = tetrahedron(corners);
+  double area = 0, volume = 0, thinnest = 1e9;
+  for (const auto& [a, b, c] : mesh.triangles) {
+    const Vec3 v = area_vector(corners[a], corners[b], corners[c]);
+    area += std::hypot(v[0], v[1], v[2]);
+    thinnest = std::min(thinnest, std::hypot(v[0], v[1], v[2]));
+    volume += (corners[a][0] * v[0] + corners[a][1] * v[1] + corners[a][2] * v[2]) / 3;
+  }
+  RC_PRE(thinnest > 0.1);
+  const auto clipped = clip_mesh(mesh, grid);
+  RC_ASSERT(clipped.has_value());
+  RC_ASSERT(lies_in_its_voxels(*clipped, grid));
+  RC_ASSERT(clipped->outside < 1e-9);
+  // A cut moves a vertex by half a step of 1/1024 per axis at most.
+  RC_ASSERT(std::abs(area_of(clipped->surface) - area) < 0.02 * area + 0.02);
+  RC_ASSERT(std::abs(volume_of(clipped->surface) - volume) < area / 1024);
+}
+
+TEST(ClipMesh, NeighboursStayJoined) {
+  // Around every point of a cut edge the pieces of both triangles have the same vertices.
+  TriangleMesh mesh = triangle({0.3, 0.2, 0.1}, {5.7, 4.1, 6.3}, {0.2, 5.9, 2.2});
+  mesh.positions_lps_mm.push_back({6.1, 0.4, 1.3});
+  mesh.triangles.push_back({1, 0, 3});
+  const Grid grid = grid_of({7, 7, 7});
+  TriangleMesh first = mesh, second = mesh;
+  first.triangles = {mesh.triangles[0]};
+  second.triangles = {mesh.triangles[1]};
+  const auto on_edge = [&](const ClippedMesh& clipped) {
+    std::set<std::array<float, 3>> points;
+    for (const auto& p : clipped.surface.positions_ijk) {
+      const double t = (p[0] - 0.3) / (5.7 - 0.3);
+      const double dj = p[1] - (0.2 + t * (4.1 - 0.2)), dk = p[2] - (0.1 + t * (6.3 - 0.1));
+      if (std::hypot(dj, dk) < 2.0 / 1024) points.insert(p);
+    }
+    return points;
+  };
+  const auto a = on_edge(*clip_mesh(first, grid)), b = on_edge(*clip_mesh(second, grid));
+  EXPECT_GT(a.size(), 12u);
+  EXPECT_EQ(a, b);
+}
+
+}  // namespace
+}  // namespace splatlas

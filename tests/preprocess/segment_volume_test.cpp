@@ -1,0 +1,118 @@
+#include "preprocess/classify/segment_volume.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace splatlas {
+namespace {
+
+using testing::HasSubstr;
+
+struct Scene {
+  Grid grid;
+  VoxelBuffer values;
+  float& at(std::int64_t i, std::int64_t j, std::int64_t k) {
+    return values.as<float>()[grid.offset(i, j, k)];
+  }
+};
+
+/// A hollow shell of 100 from 3 to 10 around 10 inside, in 0; a detached speck of 100.
+Scene shell() {
+  Scene scene;
+  scene.grid.size = {14, 14, 14};
+  scene.values = {VoxelType::kFloat32, std::vector<std::byte>(14 * 14 * 14 * 4)};
+  for (std::int64_t k = 3; k <= 10; ++k) {
+    for (std::int64_t j = 3; j <= 10; ++j) {
+      for (std::int64_t i = 3; i <= 10; ++i) {
+        const bool inside = std::min({i, j, k}) > 4 && std::max({i, j, k}) < 9;
+        scene.at(i, j, k) = inside ? 10 : 100;
+      }
+    }
+  }
+  scene.at(0, 0, 0) = 100;
+  return scene;
+}
+
+std::int64_t count(const Result<std::vector<std::uint8_t>>& mask) {
+  EXPECT_TRUE(mask) << (mask ? "" : mask.error().message);
+  return mask ? std::count(mask->begin(), mask->end(), 1) : -1;
+}
+
+TEST(SegmentVolume, TakesTheLargestPieceWithItsHolesFilled) {
+  const Scene scene = shell();
+  EXPECT_EQ(count(segment_volume(scene.values, scene.grid, *parse_segment("A=threshold:50"))), 512);
+  EXPECT_EQ(count(segment_volume(scene.values, scene.grid, *parse_segment("A=threshold:otsu"))), 512);
+  EXPECT_EQ(count(segment_volume(scene.values, scene.grid, *parse_segment("A=threshold:5:50"))), 64);
+}
+
+TEST(SegmentVolume, LimitsAreIncluded) {
+  const Scene scene = shell();
+  EXPECT_EQ(count(segment_volume(scene.values, scene.grid, *parse_segment("A=threshold:100:100"))), 512);
+  EXPECT_FALSE(segment_volume(scene.values, scene.grid, *parse_segment("A=threshold:100.5")));
+}
+
+TEST(SegmentVolume, AHoleThatTheGridCutsOpenIsAHole) {
+  Scene scene = shell();
+  scene.grid.size[2] = 7;  // cut in the middle: the cavity lies open at the last slice
+  scene.values.bytes.resize(14 * 14 * 7 * 4);
+  EXPECT_EQ(count(segment_volume(scene.values, scene.grid, *parse_segment("A=threshold:50"))), 8 * 8 * 4);
+}
+
+TEST(SegmentVolume, NarrowGapsAreClosedOnRequest) {
+  Scene scene = shell();
+  for (std::int64_t k = 3; k <= 4; ++k) scene.at(6, 6, k) = 0;  // a channel one voxel wide
+  EXPECT_EQ(count(segment_volume(scene.values, scene.grid, *parse_segment("A=threshold:50"))), 512 - 64 - 2);
+  EXPECT_EQ(count(segment_volume(scene.values, scene.grid, *parse_segment("A=threshold:50:close=1"))), 512);
+}
+
+TEST(SegmentVolume, NumbersThatAreNoneAreOutside) {
+  Scene scene = shell();
+  scene.at(3, 3, 3) = std::nanf("");
+  scene.at(10, 10, 10) = -INFINITY;
+  EXPECT_EQ(count(segment_volume(scene.values, scene.grid, *parse_segment("A=threshold:50"))), 510);
+  EXPECT_EQ(count(segment_volume(scene.values, scene.grid, *parse_segment("A=threshold:otsu"))), 510);
+  scene.at(13, 13, 13) = -INFINITY;  // at a corner as the speck is: neither is a hole, as the shell is one
+  EXPECT_EQ(count(segment_volume(scene.values, scene.grid, *parse_segment("A=threshold:-5000:0.5"))),
+            14 * 14 * 14 - 2);
+}
+
+TEST(SegmentVolume, EveryTypeIsComparedExactly) {
+  Grid grid;
+  grid.size = {2, 1, 1};
+  VoxelBuffer large{VoxelType::kUInt32, std::vector<std::byte>(8)};
+  large.as<std::uint32_t>()[0] = 4294967294u;
+  large.as<std::uint32_t>()[1] = 4294967295u;
+  EXPECT_EQ(count(segment_volume(large, grid, *parse_segment("A=threshold:4294967295"))), 1);
+  VoxelBuffer fine{VoxelType::kFloat64, std::vector<std::byte>(16)};
+  fine.as<double>()[0] = 1;
+  fine.as<double>()[1] = 1 + 1e-15;
+  EXPECT_EQ(count(segment_volume(fine, grid, *parse_segment("A=threshold:1.000000000000001"))), 1);
+}
+
+TEST(ParseSegment, ReadsRules) {
+  const auto mask = parse_segment("Rest of brain=mask:a=b.nii");
+  ASSERT_TRUE(mask);
+  EXPECT_EQ(mask->name, "Rest of brain");
+  EXPECT_EQ(mask->kind, SegmentRule::Kind::kMask);
+  EXPECT_EQ(mask->mask, "a=b.nii");
+  const auto range = parse_segment("Bone=threshold:-1.5:3e2:close=2.5");
+  ASSERT_TRUE(range);
+  EXPECT_EQ(range->low, -1.5);
+  EXPECT_EQ(range->high, 300);
+  EXPECT_EQ(range->close_mm, 2.5);
+  EXPECT_EQ(parse_segment("Bone=threshold:otsu:close=1")->kind, SegmentRule::Kind::kOtsu);
+  for (const char* wrong : {"", "A", "=mask:x", "A=", "A=mask:", "A=threshold:", "A=threshold:x",
+                            "A=threshold:3:2", "A=threshold:1:2:3", "A=threshold:nan", "A=otsu",
+                            "A=threshold:1:close=-1", "A=threshold:1:close=x"}) {
+    const auto rule = parse_segment(wrong);
+    ASSERT_FALSE(rule) << wrong;
+    EXPECT_EQ(rule.error().code, ErrorCode::kUsage);
+    EXPECT_THAT(rule.error().message, HasSubstr("NAME=mask:FILE"));
+  }
+}
+
+}  // namespace
+}  // namespace splatlas
