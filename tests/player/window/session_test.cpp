@@ -190,8 +190,8 @@ TEST_F(SessionTest, AnEditTakesTheMessageAboutTheTextAway) {
 
 TEST_F(SessionTest, ASelectionThatCannotBeRenderedGivesWayToTheLatestThatCould) {
   // Enough for the small ball's volume, too little for the large one's.
-  const std::uint64_t enough = 2 * span_model_bytes(437 + 464);
-  ASSERT_LT(enough, span_model_bytes(2705 + 1440));
+  const std::uint64_t enough = span_model_bytes(437 + 464, 437 + 464);
+  ASSERT_LT(enough, span_model_bytes(2705 + 1440, 437 + 464));
   Desk desk(atlas(), {.threads = 1, .max_memory_bytes = enough});
   desk.until([&] { return desk->status().error; });
   EXPECT_EQ(desk->editor().text(), "");  // nothing could be rendered before
