@@ -29,7 +29,8 @@ packages=(
 
   libcli11-dev             # command lines
   libhwy-dev               # player: portable SIMD
-  libopenimageio-dev       # player: PNG, JPEG, TIFF and EXR
+  libpng-dev               # player: PNG
+  libopenimageio-dev       # player: JPEG, TIFF and EXR
   libopencv-core-dev       # a folder that OpenImageIO's CMake package names but does not depend on
   nlohmann-json3-dev       # statistics and reports
   libgl-dev                # window: OpenGL

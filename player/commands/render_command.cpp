@@ -54,11 +54,11 @@ Result<void> run_render(const RenderRequest& request) {
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   SPLATLAS_ASSIGN_OR_RETURN(const Selection selection, resolve_selection(terms, atlas->graph()));
 
-  PictureWriter writer;
+  PictureWriter writer(request.output);
   Renderer renderer(std::move(atlas), {.threads = request.threads});
   SPLATLAS_RETURN_IF_ERROR(renderer.select(selection));
   SPLATLAS_ASSIGN_OR_RETURN(const Picture picture, renderer.render(request.camera, request.options));
-  SPLATLAS_RETURN_IF_ERROR(writer.write(picture, request.output, request.background));
+  SPLATLAS_RETURN_IF_ERROR(writer.write(picture, request.background));
   if (request.stats.empty()) return {};
   return write_text(request.stats, stats_json(renderer, open_ms).dump(2) + "\n");
 }

@@ -7,6 +7,7 @@
 
 #include <dlfcn.h>
 #include <fmt/format.h>
+#include <png.h>
 #include <unistd.h>
 
 #include "player/pictures/picture_module.h"
@@ -28,7 +29,7 @@ std::string known_ending(const std::filesystem::path& path) {
 }
 
 Result<void*> load_module() {
-  void* module = dlopen(kPictureModule, RTLD_NOW | RTLD_LOCAL);
+  void* module = dlopen(kPictureModule, RTLD_LAZY | RTLD_LOCAL);
   if (module == nullptr) {
     const char* reason = dlerror();
     return fail(ErrorCode::kFailed, fmt::format("cannot load {} (OpenImageIO): {}", kPictureModule,
@@ -40,6 +41,44 @@ Result<void*> load_module() {
                 fmt::format("{} has no {}: it is of another version", kPictureModule, kWritePixelsName));
   }
   return function;
+}
+
+/// Pixels as a file needs them.
+struct Pixels {
+  PictureSize size;
+  int channels = 4;
+  bool is_float = false;
+  std::vector<std::uint8_t> bytes;  ///< of the 8-bit formats
+  const void* data = nullptr;
+};
+
+Pixels pixels_for(const std::string& ending, const Picture& picture, std::optional<Rgb> background) {
+  if (ending == ".exr") return {picture.size, 4, true, {}, picture.rgba.data()};
+  if (!background && ending == ".jpg") background = Rgb{0, 0, 0};
+  Pixels pixels{picture.size, background ? 3 : 4, false, {}, nullptr};
+  pixels.bytes = background ? to_srgb8(picture, *background) : to_srgba8(picture);
+  pixels.data = pixels.bytes.data();
+  return pixels;
+}
+
+/// An empty text, or what went wrong.
+std::string write_png(const std::filesystem::path& path, const Pixels& pixels) {
+  png_image image{};
+  image.version = PNG_IMAGE_VERSION;
+  image.width = static_cast<png_uint_32>(pixels.size.width);
+  image.height = static_cast<png_uint_32>(pixels.size.height);
+  image.format = pixels.channels == 3 ? PNG_FORMAT_RGB : PNG_FORMAT_RGBA;
+  if (png_image_write_to_file(&image, path.c_str(), 0, pixels.data, 0, nullptr) != 0) return {};
+  return image.message;
+}
+
+std::string write_through_module(void* function, const std::filesystem::path& path, const std::string& ending,
+                                 const Pixels& pixels) {
+  std::array<char, 512> error{};
+  const auto write_pixels = reinterpret_cast<WritePixels>(function);
+  write_pixels(path.c_str(), ending.c_str(), pixels.size.width, pixels.size.height, pixels.channels,
+               pixels.is_float ? 1 : 0, pixels.data, error.data(), error.size());
+  return error.data();
 }
 
 /// A file beside its target, removed unless it is renamed to it.
@@ -75,7 +114,10 @@ class TemporaryFile {
 
 }  // namespace
 
-PictureWriter::PictureWriter() : module_(std::async(std::launch::async, load_module)) {}
+PictureWriter::PictureWriter(std::filesystem::path path)
+    : path_(std::move(path)), ending_(known_ending(path_)) {
+  if (!ending_.empty() && ending_ != ".png") module_ = std::async(std::launch::async, load_module);
+}
 
 Result<void> PictureWriter::check_ending(const std::filesystem::path& path) {
   if (!known_ending(path).empty()) return {};
@@ -83,29 +125,19 @@ Result<void> PictureWriter::check_ending(const std::filesystem::path& path) {
                                              path.string(), path.extension().string()));
 }
 
-Result<void> PictureWriter::write(const Picture& picture, const std::filesystem::path& path,
-                                  std::optional<Rgb> background) {
-  SPLATLAS_RETURN_IF_ERROR(check_ending(path));
-  if (function_ == nullptr) {
-    SPLATLAS_ASSIGN_OR_RETURN(function_, module_.get());
+Result<void> PictureWriter::write(const Picture& picture, std::optional<Rgb> background) {
+  SPLATLAS_RETURN_IF_ERROR(check_ending(path_));
+  const Pixels pixels = pixels_for(ending_, picture, background);
+  TemporaryFile temporary(path_, ending_);
+  std::string error;
+  if (ending_ == ".png") {
+    error = write_png(temporary.path(), pixels);
+  } else {
+    SPLATLAS_ASSIGN_OR_RETURN(void* const function, module_.get());
+    error = write_through_module(function, temporary.path(), ending_, pixels);
   }
-  const std::string ending = known_ending(path);
-  const bool is_float = ending == ".exr";
-  std::vector<std::uint8_t> bytes;
-  int channels = 4;
-  const void* pixels = picture.rgba.data();
-  if (!is_float) {
-    if (!background && ending == ".jpg") background = Rgb{0, 0, 0};
-    channels = background ? 3 : 4;
-    bytes = background ? to_srgb8(picture, *background) : to_srgba8(picture);
-    pixels = bytes.data();
-  }
-  TemporaryFile temporary(path, ending);
-  std::array<char, 512> error{};
-  const auto write_pixels = reinterpret_cast<WritePixels>(function_);
-  if (write_pixels(temporary.path().c_str(), ending.c_str(), picture.size.width, picture.size.height,
-                   channels, is_float ? 1 : 0, pixels, error.data(), error.size()) != 0) {
-    return fail(ErrorCode::kFailed, fmt::format("{}: cannot be written: {}", path.string(), error.data()));
+  if (!error.empty()) {
+    return fail(ErrorCode::kFailed, fmt::format("{}: cannot be written: {}", path_.string(), error));
   }
   return temporary.rename();
 }

@@ -6,7 +6,7 @@
 namespace splatlas {
 
 /// Pixels to a file: `channels` interleaved, floats when `is_float`, else bytes; rows top to bottom. The
-/// format is that of `ending` (".png"). Returns 0, or 1 with one line of text in `error`.
+/// format is that of `ending` (".exr"). Returns 0, or 1 with one line of text in `error`.
 using WritePixels = int (*)(const char* path, const char* ending, int width, int height, int channels,
                             int is_float, const void* pixels, char* error, std::size_t error_size);
 

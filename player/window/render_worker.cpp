@@ -168,9 +168,9 @@ void RenderWorker::answer(const Point& point) {
 
 void RenderWorker::save_picture(const SaveJob& job) {
   Result<void> result = guarded([&]() -> Result<void> {
-    PictureWriter writer;
+    PictureWriter writer(job.path);
     SPLATLAS_ASSIGN_OR_RETURN(const Picture picture, render(job.request, Quality::kHigh));
-    return writer.write(picture, job.path, kBackground);
+    return writer.write(picture, kBackground);
   });
   tell(PictureSaved{job.path, std::move(result)});
 }

@@ -7,23 +7,14 @@
 #include <cstdlib>
 #include <map>
 
-#include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "tests/cli/read_pixels.h"
 #include "tests/support/run_program.h"
 
 namespace splatlas {
 namespace {
-
-std::vector<float> pixels_of(const std::string& path) {
-  const auto input = OIIO::ImageInput::open(path);
-  if (!input) return {};
-  const OIIO::ImageSpec& spec = input->spec();
-  std::vector<float> pixels(static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.height) *
-                            static_cast<std::size_t>(spec.nchannels));
-  return input->read_image(0, 0, 0, -1, OIIO::TypeDesc::FLOAT, pixels.data()) ? pixels : std::vector<float>{};
-}
 
 float largest_difference(const std::vector<float>& a, const std::vector<float>& b) {
   float largest = 0;
@@ -72,7 +63,7 @@ TEST(Orientation, All48OrdersGiveTheSameAtlasAndPictures) {
                        "Brain:both(opacity=0.5)", "--size", "128x128"},
                       folder.path());
       ASSERT_EQ(render.status, 0) << render.err;
-      const std::vector<float> picture = pixels_of(folder.file("v.exr"));
+      const std::vector<float> picture = read_pixels(folder.file("v.exr"));
       const std::vector<float>& first = first_pictures.try_emplace(view, picture).first->second;
       ASSERT_EQ(picture.size(), std::size_t{4} * 128 * 128);
       EXPECT_LT(largest_difference(picture, first), 1e-4f) << view;

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/cli/phantom_atlas.h"
+#include "tests/cli/read_pixels.h"
 
 namespace splatlas {
 namespace {
@@ -52,6 +53,21 @@ TEST(PlayerRender, WritesEveryFormat) {
     EXPECT_THAT(bytes_of_file(folder.file(name)), StartsWith(magic));
   }
   EXPECT_EQ(folder.names(), (std::vector<std::string>{"a.exr", "a.jpg", "a.png", "a.tif"}));
+}
+
+TEST(PlayerRender, PngAndTiffHoldTheSamePixels) {
+  const TemporaryFolder folder;
+  for (const std::string background : {"#204060", "transparent"}) {
+    for (const std::string name : {"a.png", "a.tif"}) {
+      const ProgramResult result = run_program({SPLATLAS_PLAYER, "render", phantom_atlas(), "-o", name,
+                                                "--size", "40x30", "--background", background},
+                                               folder.path());
+      ASSERT_EQ(result.status, 0) << result.err;
+    }
+    const std::vector<float> png = read_pixels(folder.file("a.png"));
+    EXPECT_EQ(png.size(), std::size_t{40} * 30 * (background == "transparent" ? 4 : 3));
+    EXPECT_EQ(png, read_pixels(folder.file("a.tif")));
+  }
 }
 
 TEST(PlayerRender, PicturesDoNotDependOnThreads) {
