@@ -1,18 +1,30 @@
 #include "preprocess/surfaces/marching_cubes.h"
 
 #include <algorithm>
+#include <mutex>
 
 #include <vtkCellArray.h>
 #include <vtkFlyingEdges3D.h>
 #include <vtkImageData.h>
 #include <vtkNew.h>
+#include <vtkObjectFactory.h>
 #include <vtkPointData.h>
 #include <vtkPolyData.h>
 #include <vtkUnsignedCharArray.h>
 
 namespace splatlas {
+namespace {
+
+/// VTK sets up its list of factories on the first use, and knows no other thread while it does.
+void prepare_vtk() {
+  static std::once_flag once;
+  std::call_once(once, [] { vtkObjectFactory::GetRegisteredFactories(); });
+}
+
+}  // namespace
 
 FittedSurface marching_cubes(const StructureCrop& crop) {
+  prepare_vtk();
   vtkNew<vtkUnsignedCharArray> voxels;
   // VTK reads the crop's own memory (the 1: it must not free it) and does not write to it.
   voxels->SetArray(const_cast<std::uint8_t*>(crop.inside.data()), static_cast<vtkIdType>(crop.inside.size()),
