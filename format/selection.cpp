@@ -36,12 +36,26 @@ void remove(DrawMode mode, StructureDraw& draw) {
   if (draw.mode == DrawMode::kOff) draw = {};
 }
 
+void restyle(const SelectionTerm& term, VolumeStyle& style) {
+  if (term.curve) {
+    style = {};
+    style.curve = term.curve;
+    return;
+  }
+  if (term.profile || term.low || term.high) style.curve.reset();
+  if (term.profile) style.profile = *term.profile;
+  if (term.low) style.low = term.low;
+  if (term.high) style.high = term.high;
+  if (style.low && style.high && !(*style.low < *style.high)) (term.low ? style.high : style.low).reset();
+}
+
 void add(const SelectionTerm& term, std::uint32_t number, const Structure& structure, StructureDraw& draw) {
   if (draw.mode == DrawMode::kOff) draw.color = structure.color;
   const DrawMode mode = term.mode == DrawMode::kOff ? DrawMode::kVolume : term.mode;
   draw.mode = mode_of(parts_of(draw.mode) | parts_of(mode));
   if (term.opacity) draw.opacity = term.opacity;
   if (term.color) draw.color = *term.color;
+  restyle(term, draw.volume);
   draw.term = number;
 }
 
@@ -68,6 +82,20 @@ const char* name_of(DrawMode mode) {
     case DrawMode::kOff: break;
   }
   return "off";
+}
+
+const char* name_of(TransferProfile profile) {
+  switch (profile) {
+    case TransferProfile::kThin: return "thin";
+    case TransferProfile::kHard: return "hard";
+    case TransferProfile::kSoft: break;
+  }
+  return "soft";
+}
+
+bool operator==(const VolumeStyle& a, const VolumeStyle& b) {
+  const bool same_curve = a.curve == b.curve || (a.curve && b.curve && *a.curve == *b.curve);
+  return same_curve && a.profile == b.profile && a.low == b.low && a.high == b.high;
 }
 
 bool Selection::empty() const {

@@ -1,10 +1,9 @@
 // Reads selection text.
-#include <charconv>
-
 #include <fmt/format.h>
 
 #include "format/ascii_text.h"
 #include "format/selection.h"
+#include "format/selection_options.h"
 #include "format/selection_terms.h"
 
 namespace splatlas {
@@ -104,34 +103,19 @@ class Parser {
     skip_blanks();
     const std::size_t start = at_;
     const std::string_view key = word();
-    const bool is_opacity = equal_ignoring_case(key, "opacity");
-    if (!is_opacity && !equal_ignoring_case(key, "color")) {
-      return fault_at(start,
-                      fmt::format("{} is not an option: write opacity=0.4 or color=#ff8800", in_quotes(key)));
+    const SelectionOption* const option = find_option(key);
+    if (option == nullptr) {
+      return fault_at(start, fmt::format("{} is not an option: {}", in_quotes(key),
+                                         "write opacity=0.4, color=#ff8800, "
+                                         "profile=thin, low=40, high=160 or curve=40:0/160:0.3"));
     }
-    if (is_opacity ? term.opacity.has_value() : term.color.has_value()) {
-      return fault_at(start, fmt::format("{} is given twice", to_lower(key)));
-    }
-    if (!skip('=')) return fault(fmt::format("expected \"=\" after {}", to_lower(key)));
+    if (option->is_given(term)) return fault_at(start, fmt::format("{} is given twice", option->name));
+    if (!skip('=')) return fault(fmt::format("expected \"=\" after {}", option->name));
     skip_blanks();
     const std::size_t value_start = at_;
     while (!at_end() && !is_blank(text_[at_]) && !next_is(',') && !next_is(')')) ++at_;
-    const std::string_view value = text_.substr(value_start, at_ - value_start);
-    if (is_opacity) {
-      float opacity = 0;
-      const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), opacity);
-      const bool is_number = error == std::errc() && end == value.data() + value.size();
-      if (!is_number || !(opacity > 0 && opacity <= 1)) {
-        return fault_at(value_start,
-                        fmt::format("opacity {} must be above 0 and at most 1", in_quotes(value)));
-      }
-      term.opacity = opacity;
-    } else {
-      const auto color = parse_color(value);
-      if (!color)
-        return fault_at(value_start, fmt::format("{} is not a color: write #rrggbb", in_quotes(value)));
-      term.color = *color;
-    }
+    const OptionResult read = option->read(text_.substr(value_start, at_ - value_start), term);
+    if (!read) return fault_at(value_start + read.error().offset, read.error().what);
     return {};
   }
 

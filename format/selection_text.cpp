@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "format/selection.h"
+#include "format/selection_options.h"
 #include "format/selection_terms.h"
 
 namespace splatlas {
@@ -15,15 +16,40 @@ std::string text_of(const SelectionTerm& term) {
   const bool mode_goes_without_saying = term.mode == (term.remove ? DrawMode::kOff : DrawMode::kVolume);
   if (!mode_goes_without_saying) text += fmt::format(":{}", name_of(term.mode));
   std::vector<std::string> options;
-  if (term.opacity) options.push_back(fmt::format("opacity={}", *term.opacity));
-  if (term.color) options.push_back("color=" + to_hex(*term.color));
+  for (const SelectionOption& option : selection_options()) {
+    if (option.is_given(term)) options.push_back(fmt::format("{}={}", option.name, option.write(term)));
+  }
   if (!options.empty()) text += fmt::format("({})", fmt::join(options, ","));
   return text;
 }
 
 bool looks_alike(const StructureDraw& a, const StructureDraw& b) {
   if (a.mode == DrawMode::kOff && b.mode == DrawMode::kOff) return true;
-  return a.mode == b.mode && a.opacity == b.opacity && a.color == b.color;
+  return a.mode == b.mode && a.opacity == b.opacity && a.color == b.color && a.volume == b.volume;
+}
+
+/// Terms replace the parts of a ramp one by one, curves and ramps as a whole.
+VolumeStyle ramp_of(const VolumeStyle& style) {
+  return style.curve ? VolumeStyle{} : style;
+}
+
+/// The words that turn one style into another; see cannot_restyle().
+void restyle(const VolumeStyle& reached, const VolumeStyle& wanted, SelectionTerm& term) {
+  if (reached == wanted) return;
+  if (wanted.curve) {
+    term.curve = wanted.curve;
+    return;
+  }
+  const VolumeStyle ramp = ramp_of(reached);
+  if (wanted.low != ramp.low) term.low = wanted.low;
+  if (wanted.high != ramp.high) term.high = wanted.high;
+  if (wanted.profile != ramp.profile || wanted == ramp) term.profile = wanted.profile;
+}
+
+/// No term takes an end of a ramp back.
+bool cannot_restyle(const VolumeStyle& reached, const VolumeStyle& wanted) {
+  const VolumeStyle ramp = ramp_of(reached);
+  return !wanted.curve && ((ramp.low && !wanted.low) || (ramp.high && !wanted.high));
 }
 
 /// Finds terms that turn an empty selection into a wanted one. Structures are put right parents first; a term
@@ -36,7 +62,9 @@ class TermFinder {
 
   /// Terms that begin with everything in the looks of `draw`.
   void begin_with_all(const StructureDraw& draw) {
-    add_term({.name = "*", .mode = draw.mode, .opacity = draw.opacity}, graph_.topological());
+    SelectionTerm term{.name = "*", .mode = draw.mode, .opacity = draw.opacity};
+    restyle({}, draw.volume, term);
+    add_term(std::move(term), graph_.topological());
   }
 
   std::vector<SelectionTerm> find() {
@@ -55,7 +83,8 @@ class TermFinder {
     if (!looks_alike(wanted, reached)) add(s);
   }
 
-  /// No term takes an opacity back, nor the colors of a subtree, nor swaps volume for surface.
+  /// No term takes an opacity or the end of a ramp back, nor the colors of a subtree, nor swaps volume for
+  /// surface.
   [[nodiscard]] bool must_start_over(StructureIndex s) const {
     const StructureDraw& wanted = wanted_.structures[s];
     const StructureDraw& reached = reached_.structures[s];
@@ -64,7 +93,7 @@ class TermFinder {
         reached.mode != wanted.mode && reached.mode != DrawMode::kBoth && wanted.mode != DrawMode::kBoth;
     const bool own_color_again = wanted.color != reached.color && wanted.color == graph_[s].color;
     return swaps_parts || (reached.opacity && !wanted.opacity) ||
-           (own_color_again && !graph_.children(s).empty());
+           cannot_restyle(reached.volume, wanted.volume) || (own_color_again && !graph_.children(s).empty());
   }
 
   void remove(StructureIndex s, DrawMode mode) {
@@ -78,6 +107,7 @@ class TermFinder {
     SelectionTerm term{.name = graph_[s].id, .mode = wanted.mode};
     if (wanted.opacity != reached.opacity) term.opacity = wanted.opacity;
     if (wanted.color != color) term.color = wanted.color;
+    restyle(reached.volume, wanted.volume, term);
     add_term(std::move(term), graph_.descendants(s));
   }
 

@@ -24,6 +24,11 @@ bool draw_alike(const Selection& a, const Selection& b) {
                     });
 }
 
+/// The same but for the color, which a group's descendants have each for itself.
+bool alike_but_for_color(const StructureDraw& a, const StructureDraw& b) {
+  return a.mode == b.mode && a.opacity == b.opacity && a.volume == b.volume;
+}
+
 bool is_on(const StructureDraw& draw) {
   return draw.mode != DrawMode::kOff;
 }
@@ -140,14 +145,15 @@ void SelectionEditor::settle_groups(Selection& wanted) const {
     const StructureDraw& first = wanted.structures[children.front()];
     const bool alike = std::all_of(children.begin(), children.end(), [&](StructureIndex child) {
       const StructureDraw& draw = wanted.structures[child];
-      return draw.mode == first.mode && draw.opacity == first.opacity;
+      return alike_but_for_color(draw, first);
     });
     if (!alike) continue;
     StructureDraw& group = wanted.structures[*s];
     if (!is_on(first)) {
       group = {};
-    } else if (group.mode != first.mode || group.opacity != first.opacity) {
-      group = {.mode = first.mode, .opacity = first.opacity, .color = graph_[*s].color};
+    } else if (!alike_but_for_color(group, first)) {
+      group = first;
+      group.color = graph_[*s].color;
     }
   }
 }

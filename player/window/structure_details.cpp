@@ -35,7 +35,9 @@ void opacity_control(SelectionEditor& editor, StructureIndex s, const std::optio
                      LayoutLog& layout) {
   const bool surface = look && look->mode == DrawMode::kSurface;
   const bool is_default = !look || !look->opacity;
-  float opacity = !is_default ? *look->opacity : surface ? 1.0f : kDefaultVolumeOpacity;
+  float opacity = !is_default ? *look->opacity
+                  : surface   ? 1.0f
+                              : full_opacity(look.value_or(StructureDraw{}));
   ImGui::AlignTextToFramePadding();
   ImGui::TextDisabled("Opacity");
   ImGui::SameLine();

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <memory>
 #include <numeric>
 #include <ostream>
 #include <random>
@@ -29,7 +30,11 @@ inline void showValue(const Selection& selection, std::ostream& out) {
   for (const StructureDraw& draw : selection.structures) {
     out << " " << name_of(draw.mode);
     if (draw.opacity) out << " " << *draw.opacity;
-    if (draw.mode != DrawMode::kOff) out << " " << to_hex(draw.color);
+    if (draw.mode == DrawMode::kOff) continue;
+    out << " " << to_hex(draw.color) << " " << name_of(draw.volume.profile);
+    if (draw.volume.low) out << " low " << *draw.volume.low;
+    if (draw.volume.high) out << " high " << *draw.volume.high;
+    if (draw.volume.curve) out << " curve of " << draw.volume.curve->points.size();
   }
 }
 
@@ -60,6 +65,36 @@ inline StructureGraph random_graph(std::size_t n, std::mt19937& random) {
   return *StructureGraph::build(std::move(structures));
 }
 
+/// Points of random bits and of plain numbers.
+inline TransferCurve random_curve(std::mt19937& random) {
+  const auto real = [&random](double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random);
+  };
+  TransferCurve curve;
+  double grey = random() % 2 == 0 ? real(-1e6, 100) : -50;
+  for (std::size_t n = 1 + random() % 6; n > 0; --n) {
+    curve.points.push_back({grey, random() % 2 == 0 ? static_cast<float>(real(0, 0.9999)) : 0.25f,
+                            random() % 2 == 0 ? static_cast<float>(real(0, 1)) : 1.0f});
+    grey += random() % 2 == 0 ? real(1e-6, 1e3) : 10;
+  }
+  return curve;
+}
+
+/// Few enough different ones that a parent's and a child's are often half alike.
+inline VolumeStyle random_style(std::mt19937& random) {
+  VolumeStyle style;
+  if (random() % 3 == 0) return style;
+  if (random() % 4 == 0) {
+    style.curve = std::make_shared<const TransferCurve>(
+        random() % 2 == 0 ? random_curve(random) : TransferCurve{{{-10, 0, 0.5f}, {1e3, 0.5f}}});
+    return style;
+  }
+  style.profile = static_cast<TransferProfile>(random() % 3);
+  if (random() % 2 == 0) style.low = std::vector{-1e3, -0.1, 30.0}[random() % 3];
+  if (random() % 2 == 0) style.high = std::vector{30.5, 1.0 / 3e-3, 1e9}[random() % 3];
+  return style;
+}
+
 /// Looks that tend to be those of a parent, so that whole subtrees are alike.
 inline Selection random_selection(const StructureGraph& graph, std::mt19937& random) {
   const auto below = [&random](std::size_t m) {
@@ -74,11 +109,13 @@ inline Selection random_selection(const StructureGraph& graph, std::mt19937& ran
       const StructureIndex parent = parents[below(parents.size())];
       draw = selection.structures[parent];
       if (draw.color == graph[parent].color) draw.color = graph[s].color;
+      if (below(4) == 0) draw.volume = random_style(random);
     } else {
       draw.mode =
           std::vector{DrawMode::kOff, DrawMode::kVolume, DrawMode::kSurface, DrawMode::kBoth}[below(4)];
       draw.color = below(3) == 0 ? default_color(below(4)) : graph[s].color;
       if (below(2) == 0) draw.opacity = std::vector{0.1f, 0.5f, 1.0f, 1e-6f}[below(4)];
+      draw.volume = random_style(random);
     }
     if (draw.mode == DrawMode::kOff) draw = {};
   }

@@ -70,6 +70,35 @@ TEST(ParseSelection, ReadsModesAndOptionsInAnyCaseAndSpacing) {
   EXPECT_EQ(only_term("A(opacity=.25)").opacity, 0.25f);
 }
 
+TEST(ParseSelection, ReadsTransferFunctions) {
+  const SelectionTerm plain = only_term("A");
+  EXPECT_EQ(plain.profile, std::nullopt);
+  EXPECT_EQ(plain.low, std::nullopt);
+  EXPECT_EQ(plain.high, std::nullopt);
+  EXPECT_EQ(plain.curve, nullptr);
+  const SelectionTerm ramp = only_term("A(Profile=HARD, low=-12.5, high = 3e2)");
+  EXPECT_EQ(ramp.profile, TransferProfile::kHard);
+  EXPECT_EQ(ramp.low, -12.5);
+  EXPECT_EQ(ramp.high, 300.0);
+  EXPECT_EQ(only_term("A(profile=soft)").profile, TransferProfile::kSoft);
+  EXPECT_EQ(only_term("A(profile=thin)").profile, TransferProfile::kThin);
+
+  const SelectionTerm curve = only_term("A(curve=-20:0/40.5:0.9999:0.25/1e3:1e-3:0 , opacity=1)");
+  ASSERT_NE(curve.curve, nullptr);
+  EXPECT_EQ(*curve.curve, (TransferCurve{{{-20, 0, 1}, {40.5, kMaxVolumeOpacity, 0.25f}, {1000, 1e-3f, 0}}}));
+  EXPECT_EQ(*only_term("A(curve=7:0.5)").curve, (TransferCurve{{{7, 0.5f, 1}}}));
+}
+
+TEST(ParseSelection, TakesAsManyPointsAsACurveMayHave) {
+  std::string text = "A(curve=0:0.5";
+  for (std::size_t n = 1; n < kMaxTransferPoints; ++n) text += fmt::format("/{}:0.5", n);
+  EXPECT_EQ(only_term(text + ")").curve->points.size(), kMaxTransferPoints);
+  const auto refused = parse_selection(text + "/1000:0.5)");
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().message, HasSubstr("257 points: at most 256"));
+  EXPECT_THAT(refused.error().message, HasSubstr(fmt::format(", column {}: ", text.size() + 2)));
+}
+
 TEST(ParseSelection, SignsNeedNoBlanks) {
   const auto terms = parse_selection("A+B-C:surface+D");
   ASSERT_TRUE(terms);
@@ -116,6 +145,43 @@ TEST(ParseSelection, NamesTheColumnOfEachFault) {
       {"A(color=#fff,COLOR=#fff)", 14, "color is given twice"},
       {"A(color=red)", 9, "\"red\" is not a color"},
       {"A(color=#12345)", 9, "#rrggbb"},
+      {"A(profile=)", 11, "\"\" is not a profile: write soft, thin or hard"},
+      {"A(profile=sof)", 11, "\"sof\" is not a profile"},
+      {"A(profile=soft,profile=hard)", 16, "profile is given twice"},
+      {"A(low=)", 7, "low \"\" is not a grey value"},
+      {"A(low=x)", 7, "low \"x\" is not a grey value"},
+      {"A(low=inf)", 7, "low \"inf\" is not a grey value"},
+      {"A(high=nan)", 8, "high \"nan\" is not a grey value"},
+      {"A(high=1e999)", 8, "high \"1e999\" is not a grey value"},
+      {"A(high=+4)", 8, "high \"+4\" is not a grey value"},
+      {"A(low=1,low=2)", 9, "low is given twice"},
+      {"A(high=1,high=2)", 10, "high is given twice"},
+      {"A(low=5,high=5)", 14, "low 5 must be below high 5"},
+      {"A(high=-5,low=4)", 15, "low 4 must be below high -5"},
+      {"A(curve=)", 9, "\"\" is not a point"},
+      {"A(curve=5)", 9, "\"5\" is not a point of a curve: write grey:opacity"},
+      {"A(curve=5:)", 9, "\"5:\" is not a point"},
+      {"A(curve=:0.5)", 9, "\":0.5\" is not a point"},
+      {"A(curve=5:0.5:)", 9, "is not a point"},
+      {"A(curve=5:0.5:1:1)", 9, "is not a point"},
+      {"A(curve=5:0.5x)", 9, "is not a point"},
+      {"A(curve=nan:0.5)", 9, "is not a point"},
+      {"A(curve=5:0.5/)", 15, "\"\" is not a point"},
+      {"A(curve=5:0.5//9:0.5)", 15, "\"\" is not a point"},
+      {"A(curve=5:0.5/ 9:0.5)", 15, "\"\" is not a point"},
+      {"A(curve=5:0.5/5:0.5)", 15, "grey value 5 must be above 5, the point before"},
+      {"A(curve=5:0.5/6:0/4:0)", 19, "point 3 of the curve: grey value 4 must be above 6"},
+      {"A(curve=-1e308:0/1e308:0)", 18, "grey value 1e+308 is too large"},
+      {"A(curve=5:1)", 9, "opacity 1 must be from 0 to 0.9999"},
+      {"A(curve=5:0/6:-0.1)", 13, "opacity -0.1 must be from 0 to 0.9999"},
+      {"A(curve=5:0:1.5)", 9, "shade 1.5 must be from 0 to 1"},
+      {"A(curve=5:0:-1)", 9, "shade -1 must be from 0 to 1"},
+      {"A(curve=5:0,curve=5:0)", 13, "curve is given twice"},
+      {"A(curve=5:0,low=5)", 17, "low does not go with curve"},
+      {"A(curve=5:0,high=5)", 18, "high does not go with curve"},
+      {"A(curve=5:0,profile=soft)", 21, "profile does not go with curve"},
+      {"A(low=5,curve=5:0)", 15, "curve does not go with profile, low or high"},
+      {"A - B(low=5)", 6, "a removal takes no options"},
       {"A - B(opacity=0.5)", 6, "a removal takes no options"},
       {"A)", 2, "expected \"+\" or \"-\""},
   };

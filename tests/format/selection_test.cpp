@@ -127,6 +127,23 @@ TEST(Selection, ModesHaveNames) {
   EXPECT_STREQ(name_of(DrawMode::kBoth), "both");
 }
 
+TEST(Selection, StylesAreEqualWhenTheirCurvesAre) {
+  const VolumeStyle a = selected("A(curve=1:0.5/2:0)")[3].volume;
+  EXPECT_EQ(a, selected("A(curve=1:0.5/2:0)")[3].volume);
+  EXPECT_NE(a, selected("A(curve=1:0.5/2:0:0.5)")[3].volume);
+  EXPECT_NE(a, selected("A")[3].volume);
+  EXPECT_NE(selected("A")[3].volume, a);
+  EXPECT_NE(selected("A(low=1)")[3].volume, selected("A(high=1)")[3].volume);
+  EXPECT_NE(selected("A(profile=thin)")[3].volume, selected("A(profile=hard)")[3].volume);
+  EXPECT_EQ(selected("A(profile=soft)")[3].volume, VolumeStyle{});
+}
+
+TEST(Selection, StylesGoWithTheVolumeAndAreForgottenWithTheStructure) {
+  EXPECT_EQ(selected("A:both(low=1) - A:surface")[3].volume.low, 1.0);
+  EXPECT_EQ(selected("A:surface(low=1) + A:both")[3].volume.low, 1.0);
+  EXPECT_EQ(selected("A(low=1) - A + A")[3].volume, VolumeStyle{});
+}
+
 /// One structure's fate, term by term, straight from the rules in selection.h.
 StructureDraw fate_of(StructureIndex s, const std::vector<SelectionTerm>& terms,
                       const StructureGraph& graph) {
@@ -152,6 +169,13 @@ StructureDraw fate_of(StructureIndex s, const std::vector<SelectionTerm>& terms,
       if (term.mode == kSurface || term.mode == kBoth) surface = true;
       if (term.opacity) result.opacity = term.opacity;
       if (term.color) result.color = *term.color;
+      if (term.curve) result.volume = {.curve = term.curve};
+      if (term.profile || term.low || term.high) result.volume.curve = nullptr;
+      if (term.profile) result.volume.profile = *term.profile;
+      if (term.low && result.volume.high && *result.volume.high <= *term.low) result.volume.high.reset();
+      if (term.low) result.volume.low = term.low;
+      if (term.high && result.volume.low && *result.volume.low >= *term.high) result.volume.low.reset();
+      if (term.high) result.volume.high = term.high;
       result.term = n;
     }
   }
@@ -172,6 +196,13 @@ RC_GTEST_PROP(Selection, EveryStructureFollowsTheRules, ()) {
     if (term.remove) continue;
     if (random() % 2 == 0) term.opacity = 0.25f * static_cast<float>(1 + random() % 4);
     if (random() % 3 == 0) term.color = default_color(random() % 4);
+    const VolumeStyle style = random_style(random);
+    term.curve = style.curve;
+    if (style.profile != TransferProfile::kSoft) term.profile = style.profile;
+    // On either side of one another, as no one term has them.
+    const double shift = random() % 2 == 0 ? 0 : -100;
+    if (style.low) term.low = *style.low + shift;
+    if (style.high) term.high = *style.high + shift;
   }
   const auto selection = resolve_selection(terms, graph);
   RC_ASSERT(selection.has_value());

@@ -109,22 +109,19 @@ class SceneMaker {
     static constexpr std::array kModes{DrawMode::kOff,     DrawMode::kVolume, DrawMode::kVolume,
                                        DrawMode::kSurface, DrawMode::kBoth,   DrawMode::kBoth};
     Selection selection;
-    for (std::size_t s = 0; s < structures; ++s) {
-      StructureDraw draw;
-      draw.mode = kModes[below(kModes.size())];
-      if (draw.mode != DrawMode::kOff) {
-        draw.color = make_color();
-        draw.term = static_cast<std::uint32_t>(below(3));
-        switch (below(4)) {
-          case 0: break;
-          case 1: draw.opacity = static_cast<float>(std::pow(10.0, real(-6, 0))); break;
-          case 2: draw.opacity = static_cast<float>(real(0.05, 0.95)); break;
-          default: draw.opacity = 1.0f; break;
-        }
-      } else {
-        draw = {};
+    selection.structures.resize(structures);
+    for (StructureDraw& draw : selection.structures) {
+      const DrawMode mode = kModes[below(kModes.size())];
+      if (mode == DrawMode::kOff) continue;
+      draw.mode = mode;
+      draw.color = make_color();
+      draw.term = static_cast<std::uint32_t>(below(3));
+      switch (below(4)) {
+        case 0: break;
+        case 1: draw.opacity = static_cast<float>(std::pow(10.0, real(-6, 0))); break;
+        case 2: draw.opacity = static_cast<float>(real(0.05, 0.95)); break;
+        default: draw.opacity = 1.0f; break;
       }
-      selection.structures.push_back(draw);
     }
     return selection;
   }
