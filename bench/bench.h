@@ -26,5 +26,7 @@ struct Bench {
 
 [[nodiscard]] Result<Report> run_phantom_bench(const BenchOptions& options);
 [[nodiscard]] Result<Report> run_head_bench(const BenchOptions& options);
+// Built where the peers are installed.
+[[nodiscard]] Result<Report> run_error_bench(const BenchOptions& options);
 
 }  // namespace splatlas

@@ -10,6 +10,9 @@ std::span<const Bench> benches() {
             run_phantom_bench},
       Bench{"head", "the paper's tables 3 and 4 on the Colin 27 head: cost against full traversal",
             run_head_bench},
+#ifdef SPLATLAS_HAS_PEERS
+      Bench{"error", "run time against error, ours at every quality beside VolPack", run_error_bench},
+#endif
   };
   return kBenches;
 }

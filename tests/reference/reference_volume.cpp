@@ -6,6 +6,8 @@
 #include <limits>
 #include <vector>
 
+#include "tests/reference/cubic.h"
+
 namespace splatlas::reference {
 namespace {
 
@@ -22,22 +24,6 @@ constexpr std::array<Node, 6> kNodes{{{0.03376524289842399, 0.08566224618958517}
                                       {0.61930959304159845, 0.23395696728634552},
                                       {0.83060469323313226, 0.18038078652406930},
                                       {0.96623475710157601, 0.08566224618958517}}};
-
-/// a[0] + a[1] t + a[2] t^2 + a[3] t^3, t in [0, 1].
-struct Cubic {
-  std::array<double, 4> a{};
-
-  /// From its values at t = 0, 1/3, 2/3, 1.
-  static Cubic through(double f0, double f1, double f2, double f3) {
-    return {{f0, (-11 * f0 + 18 * f1 - 9 * f2 + 2 * f3) / 2, (18 * f0 - 45 * f1 + 36 * f2 - 9 * f3) / 2,
-             (-9 * f0 + 27 * f1 - 27 * f2 + 9 * f3) / 2}};
-  }
-  [[nodiscard]] double operator()(double t) const { return a[0] + t * (a[1] + t * (a[2] + t * a[3])); }
-  /// Integral from 0 to t.
-  [[nodiscard]] double integral(double t) const {
-    return t * (a[0] + t * (a[1] / 2 + t * (a[2] / 3 + t * a[3] / 4)));
-  }
-};
 
 /// Where the ray crosses planes of voxel centres, ends included.
 std::vector<double> cuts_of(const LightField& field, const Ray& ray, double from_mm, double to_mm) {

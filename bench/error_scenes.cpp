@@ -1,0 +1,99 @@
+#include "bench/error_scenes.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string_view>
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace splatlas {
+namespace {
+
+/// Off every symmetry: neither slices nor rays line up with voxels.
+constexpr double kAzimuthDeg = 30;
+constexpr double kElevationDeg = 20;
+constexpr double kTurnDeg = 15;
+constexpr double kRepeatTurnDeg = 1;
+
+std::string selection_text(const ErrorScene& scene, const ErrorLook& look) {
+  std::string text;
+  std::string_view names = scene.structures;
+  while (!names.empty()) {
+    const std::size_t end = std::min(names.find(" + "), names.size());
+    text += fmt::format("{}{}:volume({})", text.empty() ? "" : " + ", names.substr(0, end), look.options);
+    names.remove_prefix(std::min(end + 3, names.size()));
+  }
+  return text;
+}
+
+/// Frames the ball around the box of all voxels that are not 0.
+void zoom_to(const reference::MaskedVolume& volume, const Display& display, Camera& camera) {
+  const Grid& grid = volume.grid;
+  Index3 low = grid.size, high{-1, -1, -1};
+  for (std::int64_t k = 0; k < grid.size[2]; ++k) {
+    for (std::int64_t j = 0; j < grid.size[1]; ++j) {
+      for (std::int64_t i = 0; i < grid.size[0]; ++i) {
+        if (volume.at(i, j, k) == 0) continue;
+        const Index3 voxel{i, j, k};
+        for (std::size_t a = 0; a < 3; ++a) {
+          low[a] = std::min(low[a], voxel[a]);
+          high[a] = std::max(high[a], voxel[a]);
+        }
+      }
+    }
+  }
+  if (high[0] < 0) return;
+  Vec3 middle{};
+  double diagonal = 0;
+  for (std::size_t a = 0; a < 3; ++a) {
+    middle[a] = 0.5 * static_cast<double>(low[a] + high[a]);
+    diagonal += std::pow(static_cast<double>(high[a] + 1 - low[a]) * grid.spacing_mm[a], 2);
+  }
+  camera.center_lps_mm = index_to_lps_mm(grid).apply(middle);
+  camera.zoom = display.radius_mm / (0.5 * std::sqrt(diagonal));
+}
+
+}  // namespace
+
+std::span<const ErrorScene> error_scenes() {
+  static constexpr std::array kScenes{
+      ErrorScene{"head", "Head", false},
+      ErrorScene{"brain", "\"Left hemisphere\" + \"Right hemisphere\" + Vermis", false},
+      ErrorScene{"left", "\"Left hemisphere\"", false},
+      ErrorScene{"one", "Hippocampus_L + Amygdala_L", true},
+  };
+  return kScenes;
+}
+
+std::span<const ErrorLook> error_looks() {
+  static constexpr std::array kLooks{
+      ErrorLook{"soft", "opacity=0.3,color=#ffffff"},
+      ErrorLook{"thin", "opacity=0.01,color=#ffffff"},
+  };
+  return kLooks;
+}
+
+Result<ErrorModel> error_model(const AtlasContent& content, const ErrorScene& scene, const ErrorLook& look) {
+  ErrorModel model;
+  SPLATLAS_ASSIGN_OR_RETURN(model.selection, select(selection_text(scene, look), content.graph));
+  SPLATLAS_ASSIGN_OR_RETURN(model.volume, reference::masked_volume(content, model.selection));
+  const auto drawn = std::find_if(model.selection.structures.begin(), model.selection.structures.end(),
+                                  [](const StructureDraw& draw) { return draw.mode != DrawMode::kOff; });
+  const Vec3& spacing = model.volume.grid.spacing_mm;
+  SPLATLAS_ASSIGN_OR_RETURN(
+      model.look,
+      reference::grey_look(*drawn, content.display, std::cbrt(spacing[0] * spacing[1] * spacing[2])));
+  model.camera.azimuth_deg = kAzimuthDeg;
+  model.camera.elevation_deg = kElevationDeg;
+  if (scene.fills_picture) zoom_to(model.volume, content.display, model.camera);
+  return model;
+}
+
+Camera turned(Camera camera, int turn, int frames) {
+  camera.azimuth_deg += kTurnDeg * (turn % frames) + kRepeatTurnDeg * (turn / frames);
+  return camera;
+}
+
+}  // namespace splatlas

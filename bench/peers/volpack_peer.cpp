@@ -1,0 +1,193 @@
+#include "bench/peers/volpack_peer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+#include <fmt/format.h>
+#include <volpack.h>
+
+namespace splatlas {
+namespace {
+
+using reference::GreyLook;
+using reference::MaskedVolume;
+
+constexpr double kMaxRayOpacity = 0.999;
+/// Only what is clear is left out.
+constexpr double kMinVoxelOpacity = 0;
+
+/// A voxel as VolPack wants it: the field that colours are looked up by has two bytes and comes first.
+struct RawVoxel {
+  std::uint16_t color_index;
+  std::uint8_t grey;
+};
+constexpr int kColorField = 0;
+constexpr int kGreyField = 1;
+
+struct DestroyContext {
+  void operator()(vpContext* context) const { vpDestroyContext(context); }
+};
+
+Result<void> check(vpContext* context, vpResult code, const char* what) {
+  if (code == VP_OK) return {};
+  return fail(ErrorCode::kFailed,
+              fmt::format("VolPack: {}: {}", what, vpGetErrorString(vpGetError(context))));
+}
+
+/// A little above it, so that rounding it down leaves it as it is.
+double nearest_255th(double opacity) {
+  const double steps = std::round(255 * opacity);
+  return steps == 0 ? 0 : std::min(1.0, (steps + 0.01) / 255);
+}
+
+/// VolPack's object coordinates to eye coordinates in mm. The longest side of the volume goes from -1/2 to
+/// 1/2. The picture's first row is the one at the window's bottom, so the eye's second axis points down.
+void eye_from_object(const Grid& grid, const ParallelView& view, vpMatrix4 matrix) {
+  const Affine to_lps = index_to_lps_mm(grid);
+  const Vec3 down_lps{-view.up_lps[0], -view.up_lps[1], -view.up_lps[2]};
+  const std::array<const Vec3*, 3> rows{&view.right_lps, &down_lps, &view.forward_lps};
+  const auto longest = static_cast<double>(*std::max_element(grid.size.begin(), grid.size.end()));
+  vpIdentity4(matrix);
+  Vec3
+      middle_voxel{};  // VolPack has it at object coordinates 0: a voxel spans from its index to the next one
+  for (std::size_t a = 0; a < 3; ++a) middle_voxel[a] = 0.5 * static_cast<double>(grid.size[a]);
+  const Vec3 middle = to_lps.apply(middle_voxel);
+  for (std::size_t row = 0; row < 3; ++row) {
+    const Vec3& direction = *rows[row];
+    if (row < 2) matrix[row][3] = -0.5 * view.mm_per_pixel;  // VolPack samples a pixel at its corner
+    for (std::size_t a = 0; a < 3; ++a) {
+      Vec3 step{0, 0, 0};
+      step[a] = longest;
+      const Vec3 step_mm = to_lps.apply_linear(step);
+      matrix[row][a] = direction[0] * step_mm[0] + direction[1] * step_mm[1] + direction[2] * step_mm[2];
+      matrix[row][3] += direction[a] * (middle[a] - view.center_lps_mm[a]);
+    }
+  }
+}
+
+}  // namespace
+
+struct VolpackPeer::Impl {
+  Grid grid;
+  std::unique_ptr<vpContext, DestroyContext> context{vpCreateContext()};
+  std::array<float, 256> opacity{};
+  std::array<std::array<float, 3>, 256> color{};
+  PictureSize size;
+  std::vector<std::uint8_t> rgba;
+
+  void set_look(const GreyLook& look, OpacityRounding rounding) {
+    const Vec3& spacing = grid.spacing_mm;
+    for (std::size_t grey = 0; grey < opacity.size(); ++grey) {
+      const GreyLook::Knot knot = look.at(static_cast<double>(grey));
+      const double exact = -std::expm1(-knot.extinction_per_mm * spacing[0]);
+      opacity[grey] = static_cast<float>(rounding == OpacityRounding::kDown ? exact : nearest_255th(exact));
+      for (std::size_t c = 0; c < 3; ++c) color[grey][c] = static_cast<float>(255 * knot.color[c]);
+    }
+  }
+
+  Result<void> set_up() {
+    vpContext* vp = context.get();
+    const auto [nx, ny, nz] = grid.size;
+    SPLATLAS_RETURN_IF_ERROR(
+        check(vp, vpSetVolumeSize(vp, static_cast<int>(nx), static_cast<int>(ny), static_cast<int>(nz)),
+              "volume size"));
+    SPLATLAS_RETURN_IF_ERROR(check(vp, vpSetVoxelSize(vp, sizeof(RawVoxel), 2, 1, 1), "voxel size"));
+    SPLATLAS_RETURN_IF_ERROR(check(
+        vp, vpSetVoxelField(vp, kColorField, sizeof(std::uint16_t), offsetof(RawVoxel, color_index), 255),
+        "field"));
+    SPLATLAS_RETURN_IF_ERROR(check(
+        vp, vpSetVoxelField(vp, kGreyField, sizeof(std::uint8_t), offsetof(RawVoxel, grey), 255), "field"));
+    SPLATLAS_RETURN_IF_ERROR(
+        check(vp, vpSetClassifierTable(vp, 0, kGreyField, opacity.data(), sizeof(opacity)), "classifier"));
+    SPLATLAS_RETURN_IF_ERROR(check(
+        vp, vpSetLookupShader(vp, 3, 1, kColorField, color.front().data(), sizeof(color), 0, nullptr, 0),
+        "shader"));
+    SPLATLAS_RETURN_IF_ERROR(
+        check(vp, vpSetd(vp, VP_MIN_VOXEL_OPACITY, kMinVoxelOpacity), "smallest opacity"));
+    return check(vp, vpSetd(vp, VP_MAX_RAY_OPACITY, kMaxRayOpacity), "largest opacity");
+  }
+
+  Result<void> classify(const MaskedVolume& volume) {
+    std::vector<RawVoxel> voxels(volume.greys.size());
+    for (std::size_t n = 0; n < voxels.size(); ++n) voxels[n] = {volume.greys[n], volume.greys[n]};
+    vpContext* vp = context.get();
+    const auto voxel_bytes = static_cast<int>(sizeof(RawVoxel));
+    const int row_bytes = voxel_bytes * static_cast<int>(grid.size[0]);
+    const int slice_bytes = row_bytes * static_cast<int>(grid.size[1]);
+    SPLATLAS_RETURN_IF_ERROR(
+        check(vp,
+              vpSetRawVoxels(vp, voxels.data(), slice_bytes * static_cast<int>(grid.size[2]), voxel_bytes,
+                             row_bytes, slice_bytes),
+              "voxels"));
+    SPLATLAS_RETURN_IF_ERROR(check(vp, vpClassifyVolume(vp), "classification"));
+    return check(vp, vpSetRawVoxels(vp, nullptr, 0, 0, 0, 0), "voxels");
+  }
+};
+
+VolpackPeer::VolpackPeer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+VolpackPeer::~VolpackPeer() = default;
+VolpackPeer::VolpackPeer(VolpackPeer&&) noexcept = default;
+VolpackPeer& VolpackPeer::operator=(VolpackPeer&&) noexcept = default;
+
+Result<VolpackPeer> VolpackPeer::classify(const MaskedVolume& volume, const GreyLook& look,
+                                          OpacityRounding rounding) {
+  const Grid& grid = volume.grid;
+  const Vec3& spacing = grid.spacing_mm;
+  if (spacing[0] != spacing[1] || spacing[1] != spacing[2]) {
+    return fail(ErrorCode::kFailed,
+                fmt::format("VolPack corrects opacities for cubic voxels only, not {} x {} x {} mm",
+                            spacing[0], spacing[1], spacing[2]));
+  }
+  if (*std::max_element(grid.size.begin(), grid.size.end()) > VP_MAX_VOLUME_DIM) {
+    return fail(ErrorCode::kFailed,
+                fmt::format("VolPack takes at most {} voxels along an axis, not {} x {} x {}",
+                            VP_MAX_VOLUME_DIM, grid.size[0], grid.size[1], grid.size[2]));
+  }
+  auto impl = std::make_unique<Impl>();
+  impl->grid = grid;
+  impl->set_look(look, rounding);
+  SPLATLAS_RETURN_IF_ERROR(impl->set_up());
+  SPLATLAS_RETURN_IF_ERROR(impl->classify(volume));
+  return VolpackPeer(std::move(impl));
+}
+
+Result<void> VolpackPeer::render(const ParallelView& view) {
+  vpContext* vp = impl_->context.get();
+  const auto [width, height] = view.size;
+  impl_->size = view.size;
+  impl_->rgba.resize(4 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+  SPLATLAS_RETURN_IF_ERROR(
+      check(vp, vpSetImage(vp, impl_->rgba.data(), width, height, 4 * width, VP_RGBA), "picture"));
+  vpMatrix4 matrix;
+  eye_from_object(impl_->grid, view, matrix);
+  vpCurrentMatrix(vp, VP_PROJECT);
+  vpIdentityMatrix(vp);
+  const double half_width = 0.5 * view.mm_per_pixel * width;
+  const double half_height = 0.5 * view.mm_per_pixel * height;
+  SPLATLAS_RETURN_IF_ERROR(
+      check(vp, vpWindow(vp, VP_PARALLEL, -half_width, half_width, -half_height, half_height, -1e4, 1e4),
+            "window"));
+  vpCurrentMatrix(vp, VP_MODEL);
+  vpSetMatrix(vp, matrix);
+  return check(vp, vpRenderClassifiedVolume(vp), "rendering");
+}
+
+Picture VolpackPeer::picture() const {
+  Picture picture{impl_->size, {}};
+  picture.rgba.reserve(impl_->rgba.size());
+  for (const std::uint8_t value : impl_->rgba) picture.rgba.push_back(static_cast<float>(value) / 255.0f);
+  return picture;
+}
+
+std::uint64_t VolpackPeer::classified_bytes() const {
+  std::uint64_t bytes = 0;
+  for (const int option : {VP_VIEW_X_SIZE, VP_VIEW_Y_SIZE, VP_VIEW_Z_SIZE}) {
+    int size = 0;
+    if (vpGeti(impl_->context.get(), option, &size) == VP_OK) bytes += static_cast<std::uint64_t>(size);
+  }
+  return bytes;
+}
+
+}  // namespace splatlas

@@ -1,0 +1,160 @@
+#include "bench/peers/volpack_peer.h"
+
+#include <array>
+#include <cmath>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/reference/grey_truth.h"
+
+namespace splatlas {
+namespace {
+
+using reference::Classification;
+using reference::GreyLook;
+using reference::GreyTruth;
+using reference::MaskedVolume;
+using reference::ReferencePicture;
+
+const Display kDisplay{.center_lps_mm = {19.5, 24.5, 29.5}, .radius_mm = 45};
+
+MaskedVolume empty_volume() {
+  MaskedVolume volume;
+  volume.grid.size = {40, 50, 60};
+  volume.greys.assign(static_cast<std::size_t>(volume.grid.voxels()), 0);
+  return volume;
+}
+
+void put_box(MaskedVolume& volume, const Index3& low, std::int64_t side, std::uint8_t grey) {
+  for (std::int64_t k = low[2]; k < low[2] + side; ++k) {
+    for (std::int64_t j = low[1]; j < low[1] + side; ++j) {
+      for (std::int64_t i = low[0]; i < low[0] + side; ++i) {
+        volume.greys[static_cast<std::size_t>(volume.grid.offset(i, j, k))] = grey;
+      }
+    }
+  }
+}
+
+ParallelView view_at(double azimuth_deg, double elevation_deg, double zoom) {
+  Camera camera;
+  camera.azimuth_deg = azimuth_deg;
+  camera.elevation_deg = elevation_deg;
+  camera.zoom = zoom;
+  camera.center_lps_mm = Vec3{12, 16, 20};
+  return *parallel_view(camera, {256, 200}, kDisplay);
+}
+
+struct Blob {
+  double sum = 0, x = 0, y = 0;
+};
+template <typename AlphaAt>
+Blob blob(const PictureSize& size, const AlphaAt& alpha_at) {
+  Blob blob;
+  for (int y = 0; y < size.height; ++y) {
+    for (int x = 0; x < size.width; ++x) {
+      const double alpha = alpha_at(x, y);
+      blob.sum += alpha;
+      blob.x += alpha * x;
+      blob.y += alpha * y;
+    }
+  }
+  blob.x /= blob.sum;
+  blob.y /= blob.sum;
+  return blob;
+}
+
+constexpr std::array<std::array<double, 2>, 7> kViews{
+    {{0, 0}, {90, 0}, {30, 20}, {120, -35}, {0, 80}, {200, 10}, {-60, -70}}};
+
+/// A box off the middle of a volume of three different sides: axes, signs, halves of voxels and of pixels
+/// must all be right for its picture to be where the truth has it.
+TEST(VolpackPeer, ShowsABoxWhereItIs) {
+  MaskedVolume volume = empty_volume();
+  put_box(volume, {5, 10, 12}, 3, 255);
+  const GreyLook look{{{0, 0, {1, 1, 1}}, {255, 0.3, {1, 1, 1}}}};
+  auto peer = VolpackPeer::classify(volume, look, OpacityRounding::kDown);
+  ASSERT_TRUE(peer);
+  const GreyTruth truth(volume, look, Classification::kBeforeInterpolation);
+  for (const auto& [azimuth, elevation] : kViews) {
+    for (const double zoom : {1.0, 2.5}) {
+      const ParallelView view = view_at(azimuth, elevation, zoom);
+      const ReferencePicture expected = render_grey_truth(truth, volume.grid, view, 1);
+      ASSERT_TRUE(peer->render(view));
+      const Picture picture = peer->picture();
+      ASSERT_EQ(picture.size, view.size);
+      const Blob there = blob(view.size, [&](int x, int y) {
+        return expected.pixels[static_cast<std::size_t>(y * view.size.width + x)][3];
+      });
+      const Blob here =
+          blob(view.size, [&](int x, int y) { return static_cast<double>(picture.at(x, y)[3]); });
+      // Tighter than any of the halves could hide: a pixel has 0.47 mm and 0.19 mm here.
+      EXPECT_NEAR(here.x, there.x, 0.08) << azimuth << " " << elevation << " " << zoom;
+      EXPECT_NEAR(here.y, there.y, 0.08) << azimuth << " " << elevation << " " << zoom;
+      // VolPack interpolates opacities, not extinctions, of rows of 3 voxels.
+      EXPECT_NEAR(here.sum, there.sum, 0.12 * there.sum) << azimuth << " " << elevation << " " << zoom;
+    }
+  }
+}
+
+/// Two opaque boxes, one behind the other: whichever is nearer hides the other one.
+TEST(VolpackPeer, HidesWhatIsBehind) {
+  MaskedVolume volume = empty_volume();
+  put_box(volume, {14, 8, 24}, 12, 100);   // anterior
+  put_box(volume, {14, 30, 24}, 12, 200);  // posterior
+  const GreyLook look{{{0, 0, {1, 0, 0}}, {99, 3, {1, 0, 0}}, {101, 3, {1, 0, 0}}, {199, 3, {0, 1, 0}}}};
+  auto peer = VolpackPeer::classify(volume, look, OpacityRounding::kDown);
+  ASSERT_TRUE(peer);
+  const auto middle_of = [&](double azimuth) {
+    Camera camera;
+    camera.azimuth_deg = azimuth;
+    EXPECT_TRUE(peer->render(*parallel_view(camera, {100, 100}, kDisplay)));
+    return peer->picture().at(50, 50);
+  };
+  EXPECT_THAT(middle_of(0), testing::Pointwise(testing::FloatNear(0.01f), {1.0f, 0.0f, 0.0f, 1.0f}));
+  EXPECT_THAT(middle_of(180), testing::Pointwise(testing::FloatNear(0.01f), {0.0f, 1.0f, 0.0f, 1.0f}));
+}
+
+/// 20 voxels of an opacity of 1.6/255: rounded down it is 1/255, rounded to the nearest 2/255.
+TEST(VolpackPeer, RoundsThinOpacitiesAsTold) {
+  MaskedVolume volume = empty_volume();
+  put_box(volume, {10, 15, 20}, 20, 255);
+  const GreyLook look{{{0, 0, {1, 1, 1}}, {255, -std::log1p(-1.6 / 255), {1, 1, 1}}}};
+  const auto middle_with = [&](OpacityRounding rounding) {
+    auto peer = VolpackPeer::classify(volume, look, rounding);
+    EXPECT_TRUE(peer);
+    EXPECT_TRUE(peer->render(*parallel_view(Camera{}, {100, 100}, kDisplay)));
+    return peer->picture().at(50, 50)[3];
+  };
+  EXPECT_NEAR(middle_with(OpacityRounding::kDown), 1 - std::pow(1 - 1.0 / 255, 20), 1.0 / 255);
+  EXPECT_NEAR(middle_with(OpacityRounding::kNearest), 1 - std::pow(1 - 2.0 / 255, 20), 1.0 / 255);
+}
+
+TEST(VolpackPeer, ClassifiesOnlyWhatIsVisible) {
+  MaskedVolume volume = empty_volume();
+  const GreyLook look{{{9, 0, {1, 1, 1}}, {10, 0.3, {1, 1, 1}}}};
+  put_box(volume, {2, 2, 2}, 20, 9);  // clear
+  const auto clear = VolpackPeer::classify(volume, look, OpacityRounding::kDown);
+  put_box(volume, {10, 15, 20}, 20, 10);
+  const auto fog = VolpackPeer::classify(volume, look, OpacityRounding::kDown);
+  ASSERT_TRUE(clear && fog);
+  EXPECT_GE(fog->classified_bytes(), clear->classified_bytes() + 3 * 4 * 8000);  // 4 bytes a voxel and axis
+}
+
+TEST(VolpackPeer, RefusesWhatItCannotDrawRight) {
+  const GreyLook look{{{0, 0, {1, 1, 1}}, {255, 1, {1, 1, 1}}}};
+  MaskedVolume flat = empty_volume();
+  flat.grid.spacing_mm = {1, 1, 2};
+  const auto anisotropic = VolpackPeer::classify(flat, look, OpacityRounding::kDown);
+  ASSERT_FALSE(anisotropic);
+  EXPECT_THAT(anisotropic.error().message, testing::HasSubstr("1 x 1 x 2 mm"));
+  MaskedVolume lengthy;
+  lengthy.grid.size = {2000, 1, 1};
+  lengthy.greys.assign(2000, 0);
+  const auto too_long = VolpackPeer::classify(lengthy, look, OpacityRounding::kDown);
+  ASSERT_FALSE(too_long);
+  EXPECT_THAT(too_long.error().message, testing::HasSubstr("2000 x 1 x 1"));
+}
+
+}  // namespace
+}  // namespace splatlas

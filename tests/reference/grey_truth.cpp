@@ -1,0 +1,332 @@
+#include "tests/reference/grey_truth.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "format/parallel.h"
+#include "tests/reference/cubic.h"
+
+namespace splatlas::reference {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kLargestDepthPerStep = 0.25;
+constexpr double kHidden = 1e-7;
+/// A grey value passes a knot at most once within such a part of a cell, or it is missed.
+constexpr int kPartsPerCell = 8;
+
+/// Gauss-Legendre with four nodes on [0, 1]: exact for polynomials of degree 7.
+struct Node {
+  double at, weight;
+};
+constexpr std::array<Node, 4> kNodes{{{0.06943184420297371, 0.17392742256872693},
+                                      {0.33000947820757187, 0.32607257743127307},
+                                      {0.66999052179242813, 0.32607257743127307},
+                                      {0.93056815579702629, 0.17392742256872693}}};
+
+/// Light of the part [t0, t1] of a piece of ray `length_mm` long, where extinction is one cubic and
+/// emission(t) smooth.
+template <typename Emission>
+RayLight integrate(const Cubic& extinction, const Emission& emission, double t0, double t1,
+                   double length_mm) {
+  RayLight sum;
+  const double depth_before = extinction.integral(t0);
+  const double depth = length_mm * (extinction.integral(t1) - depth_before);
+  if (!(depth > 0)) return sum;
+  const double most = std::max({extinction(t0), extinction(0.5 * (t0 + t1)), extinction(t1)});
+  const int steps = 1 + static_cast<int>(most * (t1 - t0) * length_mm / kLargestDepthPerStep);
+  const double step_part = (t1 - t0) / steps;
+  for (int step = 0; step < steps; ++step) {
+    for (const Node& node : kNodes) {
+      const double t = t0 + (step + node.at) * step_part;
+      const double transmittance = std::exp(-length_mm * (extinction.integral(t) - depth_before));
+      const double weight = length_mm * node.weight * step_part * transmittance;
+      const std::array<double, 3> light = emission(t);
+      for (std::size_t c = 0; c < 3; ++c) sum.color[c] += weight * light[c];
+    }
+  }
+  sum.transmittance = std::exp(-depth);
+  return sum;
+}
+
+/// Weights of a cell's eight corners (i fastest) at a point of a ray.
+std::array<double, 8> corner_weights(const Vec3& index, const Index3& cell) {
+  const double x = index[0] - static_cast<double>(cell[0]);
+  const double y = index[1] - static_cast<double>(cell[1]);
+  const double z = index[2] - static_cast<double>(cell[2]);
+  return {(1 - x) * (1 - y) * (1 - z), x * (1 - y) * (1 - z), (1 - x) * y * (1 - z), x * y * (1 - z),
+          (1 - x) * (1 - y) * z,       x * (1 - y) * z,       (1 - x) * y * z,       x * y * z};
+}
+
+/// A ray's way from cell to cell.
+class CellWalk {
+ public:
+  CellWalk(const Index3& size, const Ray& ray, double from_mm)
+      : ray_(ray), from_mm_(from_mm), to_mm_(kInfinity) {
+    for (std::size_t a = 0; a < 3; ++a) {  // nothing beyond one voxel outside the grid
+      const auto last = static_cast<double>(size[a]);
+      if (ray.per_mm[a] == 0) {
+        if (!(ray.start[a] > -1 && ray.start[a] < last)) to_mm_ = -kInfinity;
+        continue;
+      }
+      const double first_mm = (-1 - ray.start[a]) / ray.per_mm[a];
+      const double last_mm = (last - ray.start[a]) / ray.per_mm[a];
+      from_mm_ = std::max(from_mm_, std::min(first_mm, last_mm));
+      to_mm_ = std::min(to_mm_, std::max(first_mm, last_mm));
+    }
+    if (!inside()) return;
+    const Vec3 entry = ray.at(from_mm_);
+    for (std::size_t a = 0; a < 3; ++a) {
+      const auto i = static_cast<std::int64_t>(std::floor(entry[a]));
+      cell_[a] = std::clamp<std::int64_t>(i, -1, size[a] - 1);
+      exit_mm_[a] = exit_of(a);
+    }
+  }
+
+  [[nodiscard]] bool inside() const { return from_mm_ < to_mm_; }
+  [[nodiscard]] const Index3& cell() const { return cell_; }
+  [[nodiscard]] double from_mm() const { return from_mm_; }
+  [[nodiscard]] double to_mm() const { return std::min({exit_mm_[0], exit_mm_[1], exit_mm_[2], to_mm_}); }
+
+  void next() {
+    const double exit = to_mm();
+    const auto a =
+        static_cast<std::size_t>(std::min_element(exit_mm_.begin(), exit_mm_.end()) - exit_mm_.begin());
+    from_mm_ = std::max(from_mm_, exit);
+    if (exit_mm_[a] >= to_mm_) {
+      to_mm_ = -kInfinity;
+      return;
+    }
+    cell_[a] += ray_.per_mm[a] > 0 ? 1 : -1;
+    exit_mm_[a] = exit_of(a);
+  }
+
+ private:
+  [[nodiscard]] double exit_of(std::size_t a) const {
+    if (ray_.per_mm[a] == 0) return kInfinity;
+    const auto plane = static_cast<double>(cell_[a] + (ray_.per_mm[a] > 0 ? 1 : 0));
+    return (plane - ray_.start[a]) / ray_.per_mm[a];
+  }
+
+  const Ray& ray_;
+  double from_mm_, to_mm_;
+  Index3 cell_{0, 0, 0};
+  Vec3 exit_mm_{0, 0, 0};
+};
+
+/// Extinction and colour are linear in the grey value here.
+struct Segment {
+  GreyLook::Knot at_0;  // extrapolated to a grey value of 0
+  GreyLook::Knot per_grey;
+};
+
+Segment segment_at(const GreyLook& look, double grey) {
+  const auto above = std::upper_bound(look.knots.begin(), look.knots.end(), grey,
+                                      [](double g, const GreyLook::Knot& knot) { return g < knot.grey; });
+  Segment segment;
+  if (above == look.knots.begin() || above == look.knots.end()) {
+    segment.at_0 = above == look.knots.begin() ? look.knots.front() : look.knots.back();
+    return segment;
+  }
+  const GreyLook::Knot& below = *(above - 1);
+  const double width = above->grey - below.grey;
+  segment.per_grey.extinction_per_mm = (above->extinction_per_mm - below.extinction_per_mm) / width;
+  segment.at_0.extinction_per_mm = below.extinction_per_mm - segment.per_grey.extinction_per_mm * below.grey;
+  for (std::size_t c = 0; c < 3; ++c) {
+    segment.per_grey.color[c] = (above->color[c] - below.color[c]) / width;
+    segment.at_0.color[c] = below.color[c] - segment.per_grey.color[c] * below.grey;
+  }
+  return segment;
+}
+
+/// Where the cubic passes `value` within [t0, t1], at whose ends it lies on either side.
+double crossing(const Cubic& cubic, double value, double t0, double t1) {
+  const bool rises = cubic(t1) > cubic(t0);
+  for (int n = 0; n < 50; ++n) {
+    const double middle = 0.5 * (t0 + t1);
+    ((cubic(middle) < value) == rises ? t0 : t1) = middle;
+  }
+  return 0.5 * (t0 + t1);
+}
+
+RayLight integrate_classified(const Cubic& grey, const GreyLook& look, double t0, double t1,
+                              double length_mm) {
+  const Segment segment = segment_at(look, grey(0.5 * (t0 + t1)));
+  const double slope = segment.per_grey.extinction_per_mm;
+  const Cubic extinction{{segment.at_0.extinction_per_mm + slope * grey.a[0], slope * grey.a[1],
+                          slope * grey.a[2], slope * grey.a[3]}};
+  const auto emission = [&](double t) {
+    std::array<double, 3> light{};
+    for (std::size_t c = 0; c < 3; ++c) {
+      light[c] = extinction(t) * (segment.at_0.color[c] + segment.per_grey.color[c] * grey(t));
+    }
+    return light;
+  };
+  return integrate(extinction, emission, t0, t1, length_mm);
+}
+
+/// The grey value is one cubic, which the look's knots cut into parts.
+RayLight classify_after(const Cubic& grey, const GreyLook& look, double lowest, double highest,
+                        double length_mm) {
+  std::vector<double> passed;  // knots that may be passed at all
+  for (const GreyLook::Knot& knot : look.knots) {
+    if (knot.grey > lowest && knot.grey < highest && (passed.empty() || passed.back() != knot.grey)) {
+      passed.push_back(knot.grey);
+    }
+  }
+  if (passed.empty()) return integrate_classified(grey, look, 0, 1, length_mm);
+  std::vector<double> cuts{0};
+  for (int part = 0; part < kPartsPerCell; ++part) {
+    const double t0 = static_cast<double>(part) / kPartsPerCell;
+    const double t1 = static_cast<double>(part + 1) / kPartsPerCell;
+    const double g0 = grey(t0);
+    const double g1 = grey(t1);
+    for (const double knot : passed) {
+      if ((g0 < knot) != (g1 < knot)) cuts.push_back(crossing(grey, knot, t0, t1));
+    }
+  }
+  cuts.push_back(1);
+  std::sort(cuts.begin(), cuts.end());
+  RayLight sum;
+  for (std::size_t n = 1; n < cuts.size(); ++n) {
+    if (cuts[n] > cuts[n - 1]) sum.add(integrate_classified(grey, look, cuts[n - 1], cuts[n], length_mm));
+  }
+  return sum;
+}
+
+}  // namespace
+
+struct GreyTruth::Corners {
+  std::array<std::uint8_t, 8> greys;
+};
+
+GreyTruth::GreyTruth(const MaskedVolume& volume, GreyLook look, Classification classification)
+    : volume_(volume), look_(std::move(look)), classification_(classification), light_(256) {
+  for (std::size_t grey = 0; grey < light_.size(); ++grey) {
+    const GreyLook::Knot knot = look_.at(static_cast<double>(grey));
+    light_[grey] = {knot.extinction_per_mm, knot.extinction_per_mm * knot.color[0],
+                    knot.extinction_per_mm * knot.color[1], knot.extinction_per_mm * knot.color[2]};
+  }
+  mark_visible_cells();
+}
+
+std::size_t GreyTruth::cell_number(std::int64_t i, std::int64_t j, std::int64_t k) const {
+  const Index3& size = volume_.grid.size;
+  return static_cast<std::size_t>(((k + 1) * (size[1] + 1) + j + 1) * (size[0] + 1) + i + 1);
+}
+
+GreyTruth::Corners GreyTruth::corners_of(std::int64_t i, std::int64_t j, std::int64_t k) const {
+  const Index3& size = volume_.grid.size;
+  if (i >= 0 && j >= 0 && k >= 0 && i + 1 < size[0] && j + 1 < size[1] && k + 1 < size[2]) {
+    const std::uint8_t* low = volume_.greys.data() + volume_.grid.offset(i, j, k);
+    const std::uint8_t* high = low + size[0] * size[1];
+    return {
+        {low[0], low[1], low[size[0]], low[size[0] + 1], high[0], high[1], high[size[0]], high[size[0] + 1]}};
+  }
+  Corners corners{};
+  for (std::int64_t n = 0; n < 8; ++n) {
+    corners.greys[static_cast<std::size_t>(n)] = volume_.at(i + (n & 1), j + (n >> 1 & 1), k + (n >> 2));
+  }
+  return corners;
+}
+
+void GreyTruth::mark_visible_cells() {
+  // Whether anything is visible between two whole grey values: the first visible value from a grey value on.
+  std::array<double, 257> first_visible{};
+  first_visible[256] = kInfinity;
+  for (std::size_t grey = 256; grey-- > 0;) {
+    const auto here = static_cast<double>(grey);
+    bool above = grey < 255 && light_[grey + 1][0] > 0;
+    for (const GreyLook::Knot& knot : look_.knots) {
+      above = above || (knot.grey > here && knot.grey < here + 1 && knot.extinction_per_mm > 0);
+    }
+    first_visible[grey] = light_[grey][0] > 0 ? here : above ? here + 0.5 : first_visible[grey + 1];
+  }
+  const Index3& size = volume_.grid.size;
+  visible_.resize(static_cast<std::size_t>((size[0] + 1) * (size[1] + 1) * (size[2] + 1)));
+  for (std::int64_t k = -1; k < size[2]; ++k) {
+    for (std::int64_t j = -1; j < size[1]; ++j) {
+      for (std::int64_t i = -1; i < size[0]; ++i) {
+        const auto [greys] = corners_of(i, j, k);
+        const auto [low, high] = std::minmax_element(greys.begin(), greys.end());
+        const bool shows =
+            classification_ == Classification::kAfterInterpolation
+                ? first_visible[*low] <= static_cast<double>(*high)
+                : std::any_of(greys.begin(), greys.end(), [&](std::uint8_t g) { return light_[g][0] > 0; });
+        visible_[cell_number(i, j, k)] = shows ? 1 : 0;
+      }
+    }
+  }
+}
+
+RayLight GreyTruth::in_cell(const Corners& corners, const Ray& ray, const Index3& cell, double from_mm,
+                            double to_mm) const {
+  const double length_mm = to_mm - from_mm;
+  std::array<std::array<double, 8>, 4> weights;
+  for (std::size_t n = 0; n < 4; ++n) {
+    weights[n] = corner_weights(ray.at(from_mm + length_mm * static_cast<double>(n) / 3), cell);
+  }
+  if (classification_ == Classification::kAfterInterpolation) {
+    std::array<double, 4> grey{};
+    for (std::size_t n = 0; n < 4; ++n) {
+      for (std::size_t c = 0; c < 8; ++c) grey[n] += weights[n][c] * corners.greys[c];
+    }
+    const auto [low, high] = std::minmax_element(corners.greys.begin(), corners.greys.end());
+    return classify_after(Cubic::through(grey[0], grey[1], grey[2], grey[3]), look_, *low, *high, length_mm);
+  }
+  std::array<std::array<double, 4>, 4> light{};
+  for (std::size_t c = 0; c < 8; ++c) {
+    const std::array<double, 4>& corner = light_[corners.greys[c]];
+    for (std::size_t n = 0; n < 4; ++n) {
+      for (std::size_t channel = 0; channel < 4; ++channel)
+        light[n][channel] += weights[n][c] * corner[channel];
+    }
+  }
+  std::array<Cubic, 4> cubics{};
+  for (std::size_t channel = 0; channel < 4; ++channel) {
+    cubics[channel] =
+        Cubic::through(light[0][channel], light[1][channel], light[2][channel], light[3][channel]);
+  }
+  const auto emission = [&](double t) { return std::array{cubics[1](t), cubics[2](t), cubics[3](t)}; };
+  return integrate(cubics[0], emission, 0, 1, length_mm);
+}
+
+RayLight GreyTruth::along(const Ray& ray, double from_mm) const {
+  RayLight sum;
+  for (CellWalk walk(volume_.grid.size, ray, from_mm); walk.inside(); walk.next()) {
+    const Index3& cell = walk.cell();
+    if (visible_[cell_number(cell[0], cell[1], cell[2])] == 0 || !(walk.to_mm() > walk.from_mm())) continue;
+    sum.add(in_cell(corners_of(cell[0], cell[1], cell[2]), ray, cell, walk.from_mm(), walk.to_mm()));
+    if (sum.transmittance < kHidden) break;
+  }
+  return sum;
+}
+
+ReferencePicture render_grey_truth(const GreyTruth& truth, const PictureSize& size, const RayOfPixel& ray,
+                                   double from_mm, unsigned threads) {
+  const auto width = static_cast<std::size_t>(size.width);
+  ReferencePicture picture{size, {}};
+  picture.pixels.resize(width * static_cast<std::size_t>(size.height));
+  const auto render_row = [&](std::size_t row) {
+    for (std::size_t column = 0; column < width; ++column) {
+      const RayLight light =
+          truth.along(ray(static_cast<double>(column) + 0.5, static_cast<double>(row) + 0.5), from_mm);
+      picture.pixels[row * width + column] = {light.color[0], light.color[1], light.color[2],
+                                              1 - light.transmittance};
+    }
+  };
+  parallel_for(static_cast<std::size_t>(size.height), threads, render_row, [](std::size_t) {});
+  return picture;
+}
+
+ReferencePicture render_grey_truth(const GreyTruth& truth, const Grid& grid, const ParallelView& view,
+                                   unsigned threads) {
+  return render_grey_truth(
+      truth, view.size, [&](double x, double y) { return ray_through(view, grid, x, y); }, -kInfinity,
+      threads);
+}
+
+}  // namespace splatlas::reference

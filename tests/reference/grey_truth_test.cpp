@@ -1,0 +1,162 @@
+#include "tests/reference/grey_truth.h"
+
+#include <cmath>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "tests/reference/reference_volume.h"
+
+namespace splatlas::reference {
+namespace {
+
+constexpr double kInfinity = HUGE_VAL;
+
+MaskedVolume random_volume(std::mt19937& random) {
+  MaskedVolume volume;
+  volume.grid.size = {7, 5, 6};
+  std::uniform_int_distribution<int> grey(0, 255);
+  std::bernoulli_distribution selected(0.6);
+  for (std::int64_t n = 0; n < volume.grid.voxels(); ++n) {
+    volume.greys.push_back(selected(random) ? static_cast<std::uint8_t>(grey(random)) : std::uint8_t{0});
+  }
+  return volume;
+}
+
+/// A ramp, a plateau, a step down and a step up.
+GreyLook stepped_look() {
+  return {{{20, 0, {0.1, 0.2, 0.3}},
+           {90, 0.8, {1, 0.5, 0.2}},
+           {120, 0.8, {0.2, 0.5, 1}},
+           {120, 0.1, {0.2, 0.5, 1}},
+           {200, 0.1, {1, 1, 1}},
+           {200, 3, {1, 0, 1}}}};
+}
+
+Ray random_ray(std::mt19937& random) {
+  std::uniform_real_distribution<double> place(0.5, 4.5), direction(-1, 1);
+  Ray ray;
+  double length = 0;
+  for (std::size_t a = 0; a < 3; ++a) {
+    ray.start[a] = place(random);
+    ray.per_mm[a] = direction(random);
+    length += ray.per_mm[a] * ray.per_mm[a];
+  }
+  for (double& step : ray.per_mm) step /= std::sqrt(length);
+  return ray;
+}
+
+double trilinear_grey(const MaskedVolume& volume, const Vec3& at) {
+  double sum = 0;
+  for (int n = 0; n < 8; ++n) {
+    double weight = 1;
+    Index3 corner{};
+    for (std::size_t a = 0; a < 3; ++a) {
+      const double low = std::floor(at[a]);
+      const bool high = (n >> a & 1) != 0;
+      weight *= high ? at[a] - low : 1 - (at[a] - low);
+      corner[a] = static_cast<std::int64_t>(low) + (high ? 1 : 0);
+    }
+    sum += weight * volume.at(corner[0], corner[1], corner[2]);
+  }
+  return sum;
+}
+
+TEST(GreyTruth, ClassifiedBeforehandEqualsTheOtherReference) {
+  std::mt19937 random(1);
+  for (int n = 0; n < 50; ++n) {
+    const MaskedVolume volume = random_volume(random);
+    const GreyLook look = stepped_look();
+    LightField field{volume.grid, {}};
+    for (const std::uint8_t grey : volume.greys) {
+      const GreyLook::Knot knot = look.at(grey);
+      VoxelLight light{knot.extinction_per_mm, knot.color};
+      for (double& emission : light.emission) emission *= knot.extinction_per_mm;
+      field.voxels.push_back(light);
+    }
+    const Ray ray = random_ray(random);
+    const double from_mm = n % 2 == 0 ? -kInfinity : 0;
+    const RayLight expected = integrate_ray(field, ray, from_mm, kInfinity);
+    const RayLight light = GreyTruth(volume, look, Classification::kBeforeInterpolation).along(ray, from_mm);
+    EXPECT_NEAR(light.transmittance, expected.transmittance, 2e-7);
+    for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(light.color[c], expected.color[c], 2e-7);
+  }
+}
+
+TEST(GreyTruth, ClassifiedAfterwardsEqualsBruteForce) {
+  std::mt19937 random(2);
+  for (int n = 0; n < 50; ++n) {
+    const MaskedVolume volume = random_volume(random);
+    const GreyLook look = stepped_look();
+    const Ray ray = random_ray(random);
+    constexpr int kSteps = 200000;
+    constexpr double kReach = 12;
+    const double start = n % 2 == 0 ? -kReach : 0;
+    const double step_mm = (kReach - start) / kSteps;
+    RayLight expected;
+    for (int step = 0; step < kSteps; ++step) {
+      const GreyLook::Knot knot = look.at(trilinear_grey(volume, ray.at(start + (step + 0.5) * step_mm)));
+      const double absorbed = -std::expm1(-knot.extinction_per_mm * step_mm);
+      RayLight slab{knot.color, 1 - absorbed};
+      for (double& color : slab.color) color *= absorbed;
+      expected.add(slab);
+    }
+    const RayLight light =
+        GreyTruth(volume, look, Classification::kAfterInterpolation).along(ray, n % 2 == 0 ? -kInfinity : 0);
+    // The brute force puts each of a few dozen steps of the look a ten-thousandth of a mm off.
+    EXPECT_NEAR(light.transmittance, expected.transmittance, 3e-4);
+    for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(light.color[c], expected.color[c], 3e-4);
+  }
+}
+
+/// A box of n voxels of grey g in nothing, along a row through their centres. Classified beforehand it is n
+/// mm of full extinction; classified afterwards, with a step at half of g, the step lies midway between
+/// voxels: n mm again; with the step at a quarter of g it lies a quarter voxel further out on both sides.
+TEST(GreyTruth, ABoxIsAsLongAsItsClassificationSays) {
+  MaskedVolume volume;
+  volume.grid.size = {12, 3, 3};
+  volume.greys.assign(108, 0);
+  for (std::int64_t i = 3; i < 8; ++i) {
+    for (std::int64_t n = 0; n < 9; ++n) volume.greys[static_cast<std::size_t>(n * 12 + i)] = 200;
+  }
+  const auto depth = [&](double step_at, Classification classification) {
+    const GreyLook look{{{step_at, 0, {1, 1, 1}}, {step_at, 0.2, {1, 1, 1}}}};
+    const Ray ray{{0, 1, 1}, {1, 0, 0}};
+    const RayLight light = GreyTruth(volume, look, classification).along(ray, -kInfinity);
+    EXPECT_NEAR(light.color[0], 1 - light.transmittance, 1e-9);
+    return -std::log(light.transmittance);
+  };
+  EXPECT_NEAR(depth(100, Classification::kBeforeInterpolation), 0.2 * 5, 1e-9);
+  EXPECT_NEAR(depth(100, Classification::kAfterInterpolation), 0.2 * 5, 1e-9);
+  EXPECT_NEAR(depth(50, Classification::kAfterInterpolation), 0.2 * 5.5, 1e-9);
+}
+
+/// Grey values rise by 20 a voxel: extinction, in proportion to them, has an optical depth of half a square.
+TEST(GreyTruth, ARampIsIntegratedExactly) {
+  MaskedVolume volume;
+  volume.grid.size = {11, 2, 2};
+  for (int n = 0; n < 44; ++n) volume.greys.push_back(static_cast<std::uint8_t>(20 * (n % 11)));
+  const GreyLook look{{{0, 0, {1, 1, 1}}, {200, 1, {1, 1, 1}}}};
+  for (const Classification c : {Classification::kBeforeInterpolation, Classification::kAfterInterpolation}) {
+    const GreyTruth truth(volume, look, c);
+    const Ray ray{{0, 0.5, 0.5}, {1, 0, 0}};
+    // 10 mm of a ramp to 1/mm, then a mm from there to nothing.
+    EXPECT_NEAR(-std::log(truth.along(ray, -kInfinity).transmittance), 5 + 0.5, 1e-9);
+    // From the eye on only, here in the middle of the ramp.
+    EXPECT_NEAR(-std::log(truth.along(ray, 5).transmittance), 5 - 1.25 + 0.5, 1e-9);
+  }
+}
+
+TEST(GreyTruth, PicturesDoNotDependOnThreads) {
+  std::mt19937 random(3);
+  const MaskedVolume volume = random_volume(random);
+  const GreyTruth truth(volume, stepped_look(), Classification::kAfterInterpolation);
+  const ParallelView view = *parallel_view({.azimuth_deg = 33, .elevation_deg = -21}, {31, 17},
+                                           {.center_lps_mm = {3, 2, 2.5}, .radius_mm = 6});
+  const ReferencePicture one = render_grey_truth(truth, volume.grid, view, 1);
+  EXPECT_EQ(one.pixels, render_grey_truth(truth, volume.grid, view, 3).pixels);
+  EXPECT_GT(one.pixels[8 * 31 + 15][3], 0.1);
+}
+
+}  // namespace
+}  // namespace splatlas::reference

@@ -1,0 +1,80 @@
+#include "tests/reference/masked_volume.h"
+
+#include <cmath>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/support/test_content.h"
+
+namespace splatlas::reference {
+namespace {
+
+AtlasContent two_halves(const VoxelBuffer& values) {
+  TestVolume volume;
+  volume.grid.size = {4, 3, 3};
+  volume.structures = {{"low", make_mask(volume.grid.size, [](auto i, auto, auto) { return i < 2; })},
+                       {"high", make_mask(volume.grid.size, [](auto i, auto, auto) { return i >= 2; })}};
+  volume.values = values;
+  return make_content(volume);
+}
+
+TEST(MaskedVolume, HoldsTheSelectedVoxelsAndNothingElse) {
+  std::vector<std::uint8_t> greys(36);
+  for (std::size_t n = 0; n < greys.size(); ++n) greys[n] = static_cast<std::uint8_t>(n + 1);
+  const AtlasContent content = two_halves(make_values(VoxelType::kUInt8, greys));
+  const auto masked = masked_volume(content, selection_of("high", content.graph));
+  ASSERT_TRUE(masked);
+  ASSERT_EQ(masked->grid, storage_grid(content));
+  for (std::int64_t k = 0; k < 3; ++k) {
+    for (std::int64_t j = 0; j < 3; ++j) {
+      for (std::int64_t i = 0; i < 4; ++i) {
+        EXPECT_EQ(masked->at(i, j, k), i >= 2 ? (k * 3 + j) * 4 + i + 1 : 0);
+      }
+    }
+  }
+  EXPECT_EQ(masked->at(4, 0, 0), 0);
+  EXPECT_EQ(masked->at(-1, 0, 0), 0);
+  const auto surfaces = masked_volume(content, selection_of("high:surface", content.graph));
+  ASSERT_TRUE(surfaces);
+  EXPECT_THAT(surfaces->greys, testing::Each(0));
+}
+
+TEST(MaskedVolume, NeedsGreyValuesOf8Bits) {
+  const AtlasContent content = two_halves(make_values(VoxelType::kInt16, std::vector<std::int16_t>(36, 5)));
+  EXPECT_FALSE(masked_volume(content, selection_of("high", content.graph)));
+}
+
+TEST(GreyLook, IsLinearBetweenKnotsAndConstantBeyond) {
+  const GreyLook look{{{10, 0, {0, 0, 0}}, {20, 1, {1, 0.5, 0}}, {20, 3, {1, 1, 1}}, {30, 4, {0, 0, 1}}}};
+  EXPECT_EQ(look.at(-5).extinction_per_mm, 0);
+  EXPECT_DOUBLE_EQ(look.at(15).extinction_per_mm, 0.5);
+  EXPECT_DOUBLE_EQ(look.at(15).color[1], 0.25);
+  EXPECT_EQ(look.at(20).extinction_per_mm, 3);
+  EXPECT_DOUBLE_EQ(look.at(25).extinction_per_mm, 3.5);
+  EXPECT_EQ(look.at(99).extinction_per_mm, 4);
+}
+
+TEST(GreyLook, IsTheTransferFunctionInExtinctions) {
+  StructureDraw draw{.mode = DrawMode::kVolume, .opacity = 0.5f, .color = {255, 255, 255}};
+  const Display display{.window_low = 40, .window_high = 140};
+  const auto soft = grey_look(draw, display, 2.0);
+  ASSERT_TRUE(soft);
+  EXPECT_EQ(soft->at(40).extinction_per_mm, 0);
+  EXPECT_DOUBLE_EQ(soft->at(90).extinction_per_mm, 0.5 * std::log(2.0) / 2);
+  EXPECT_DOUBLE_EQ(soft->at(90).color[2], 0.25 + 0.75 * 0.5);
+  EXPECT_DOUBLE_EQ(soft->at(255).extinction_per_mm, std::log(2.0) / 2);
+  draw.volume.profile = TransferProfile::kHard;
+  const auto hard = grey_look(draw, display, 2.0);
+  ASSERT_TRUE(hard);
+  EXPECT_EQ(hard->at(89).extinction_per_mm, 0);
+  EXPECT_DOUBLE_EQ(hard->at(91).extinction_per_mm, std::log(2.0) / 2);
+}
+
+TEST(GreyLook, LeavesTheBackgroundClear) {
+  const StructureDraw draw{.mode = DrawMode::kVolume, .opacity = 0.5f, .color = {255, 255, 255}};
+  EXPECT_FALSE(grey_look(draw, {.window_low = -3, .window_high = 140}, 2.0));
+}
+
+}  // namespace
+}  // namespace splatlas::reference
