@@ -9,7 +9,7 @@
 #include "format/decision_tree.h"
 #include "player/draw_frame.h"
 #include "player/thread_pool.h"
-#include "player/transfer_function.h"
+#include "player/volume_looks.h"
 
 namespace splatlas {
 
@@ -40,11 +40,10 @@ class FullTraversal {
   std::shared_ptr<const Atlas> atlas_;
   const VoxelModel& model_;
   ThreadPool pool_;
-  GreyRamp ramp_;
 
   Selection selection_;
   DrawPlan plan_;
-  std::vector<VolumeLook> looks_;             // of plan_.classes
+  VolumeLooks looks_;                         // of plan_.classes
   std::vector<std::uint32_t> draw_of_class_;  // index into plan_.classes, or VoxelSelection::kNotDrawn
   std::vector<bool> draws_surface_;           // per structure
 

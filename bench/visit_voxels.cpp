@@ -11,8 +11,8 @@ namespace {
 struct VisibleVoxel {
   std::uint32_t at = 0;    // along the scanline
   std::uint32_t draw = 0;  // index into the plan's classes
-  float position = 0;      // on the grey ramp
-  std::size_t voxel = 0;   // in memory
+  VoxelLook look;
+  std::size_t voxel = 0;  // in memory
 };
 
 std::size_t padded(std::size_t length) {
@@ -26,7 +26,7 @@ class SliceVisit {
       : model_(model), selection_(selection), scan_(scan), rows_(model.grid.size[scan.row_axis]) {
     const Index3& size = model.grid.size;
     step_ = {1, static_cast<std::size_t>(size[0]), static_cast<std::size_t>(size[0] * size[1])};
-    positions_.resize(static_cast<std::size_t>(size[scan.scan_axis]));
+    looks_.resize(static_cast<std::size_t>(size[scan.scan_axis]));
   }
 
   /// Spans with one entry of `first_span` per row of the grid.
@@ -51,24 +51,24 @@ class SliceVisit {
     const std::size_t start = static_cast<std::size_t>(slice) * step_[scan_.slice_axis] +
                               static_cast<std::size_t>(row) * step_[scan_.row_axis];
     const std::size_t step = step_[scan_.scan_axis];
-    for (std::size_t n = 0; n < positions_.size(); ++n) {
-      if (draw_of(start + n * step) == VoxelSelection::kNotDrawn) continue;
+    for (std::size_t n = 0; n < looks_.size(); ++n) {
+      const std::uint32_t draw = draw_of(start + n * step);
+      if (draw == VoxelSelection::kNotDrawn) continue;
       const std::size_t first = n;
-      while (n < positions_.size() && draw_of(start + n * step) != VoxelSelection::kNotDrawn) ++n;
-      take(row, start + first * step, first, n - first);
+      while (n + 1 < looks_.size() && draw_of(start + (n + 1) * step) == draw) ++n;
+      take(row, start + first * step, first, n + 1 - first, draw);
     }
   }
 
-  /// Looks up the grey values of `count` selected voxels in a row, and keeps those that absorb.
-  void take(std::int64_t row, std::size_t voxel, std::size_t first, std::size_t count) {
+  /// Looks up the grey values of `count` voxels in a row that are drawn alike, and keeps those that absorb.
+  void take(std::int64_t row, std::size_t voxel, std::size_t first, std::size_t count, std::uint32_t draw) {
     const std::size_t step = step_[scan_.scan_axis];
     selected_.include(IndexBox{{row, static_cast<std::int64_t>(first), 0},
                                {row, static_cast<std::int64_t>(first + count) - 1, 0}});
-    selection_.ramp.positions(model_.values.bytes.data(), voxel, step, count, positions_.data());
+    selection_.looks[draw].look_up(model_.values.bytes.data(), voxel, step, count, looks_.data());
     for (std::size_t n = 0; n < count; ++n) {
-      const std::uint32_t draw = draw_of(voxel + n * step);
-      if (selection_.looks[draw].extinction_per_mm * positions_[n] <= 0) continue;
-      visible_.push_back({static_cast<std::uint32_t>(first + n), draw, positions_[n], voxel + n * step});
+      if (looks_[n].extinction_per_mm <= 0) continue;
+      visible_.push_back({static_cast<std::uint32_t>(first + n), draw, looks_[n], voxel + n * step});
     }
   }
 
@@ -111,11 +111,8 @@ class SliceVisit {
   }
 
   void light(const VisibleVoxel& visible, const Span& span, SliceSpans& out) const {
-    const VolumeLook& look = selection_.looks[visible.draw];
-    const float extinction = look.extinction_per_mm * visible.position;
-    const float emission = extinction * shade_of(visible.position);
-    const std::array<float, 3> rgb{emission * look.color[0], emission * look.color[1],
-                                   emission * look.color[2]};
+    const float extinction = visible.look.extinction_per_mm;
+    const std::array<float, 3> rgb = selection_.looks[visible.draw].emission(visible.look);
     const std::size_t offset = span.offset + (visible.at - span.start);
     out.plane(Plane::kExtinction)[offset] = extinction;
     out.plane(Plane::kRed)[offset] = rgb[0];
@@ -131,7 +128,7 @@ class SliceVisit {
   ScanOrder scan_;
   std::int64_t rows_;
   std::array<std::size_t, 3> step_{};
-  std::vector<float> positions_;  // of one scanline
+  std::vector<VoxelLook> looks_;  // of one scanline
   std::vector<VisibleVoxel> visible_;
   std::vector<std::size_t> first_visible_;  // per row, and the end
   IndexBox selected_;

@@ -9,7 +9,7 @@
 #include "format/decision_tree.h"
 #include "player/span_model.h"
 #include "player/thread_pool.h"
-#include "player/transfer_function.h"
+#include "player/volume_looks.h"
 
 namespace splatlas {
 
@@ -20,7 +20,6 @@ struct VoxelSelection {
   std::span<const std::uint32_t> draw_of_class;  ///< index into plan.classes, or kNotDrawn
   const DrawPlan& plan;
   std::span<const VolumeLook> looks;  ///< of plan.classes
-  const GreyRamp& ramp;
 };
 
 /// The spans that the player builds from the run model, made by testing the class of every voxel of the grid,

@@ -88,12 +88,11 @@ std::optional<Pick> pick_structure(const PickScene& scene, const ParallelView& v
     voxel[shear.scan.slice_axis] = k;
     voxel[shear.scan.row_axis] = scan_row;
     voxel[shear.scan.scan_axis] = scan;
-    float position = 0;
-    scene.ramp.positions(scene.cache.values(),
-                         static_cast<std::size_t>(scene.grid.offset(voxel[0], voxel[1], voxel[2])), 1, 1,
-                         &position);
-    const double depth =
-        static_cast<double>(scene.looks[run->draw].extinction_per_mm * position) * shear.slab_mm;
+    VoxelLook look;
+    scene.looks[run->draw].look_up(scene.cache.values(),
+                                   static_cast<std::size_t>(scene.grid.offset(voxel[0], voxel[1], voxel[2])),
+                                   1, 1, &look);
+    const double depth = static_cast<double>(look.extinction_per_mm) * shear.slab_mm;
     walk.add(scene.plan.classes[run->draw].volume_of, -std::expm1(-depth), slice);
   }
   pass_surfaces(HUGE_VAL);

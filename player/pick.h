@@ -8,7 +8,7 @@
 #include "player/render_frame.h"
 #include "player/selected_runs.h"
 #include "player/shear.h"
-#include "player/transfer_function.h"
+#include "player/volume_looks.h"
 
 namespace splatlas {
 
@@ -18,7 +18,6 @@ struct PickScene {
   const SelectedRuns& runs;
   const DrawPlan& plan;
   std::span<const VolumeLook> looks;
-  const GreyRamp& ramp;
   const ClassCache& cache;
   const FragmentList& fragments;
 };

@@ -16,7 +16,7 @@
 #include "player/shading.h"
 #include "player/span_model.h"
 #include "player/thread_pool.h"
-#include "player/transfer_function.h"
+#include "player/volume_looks.h"
 
 namespace splatlas {
 namespace {
@@ -53,7 +53,7 @@ struct Renderer::Impl {
         pool(options.threads),
         cache(atlas),
         max_memory_bytes(options.max_memory_bytes > 0 ? options.max_memory_bytes : default_memory_limit()),
-        ramp(atlas->value_type(), atlas->display().window_low, atlas->display().window_high) {}
+        looks(*atlas) {}
 
   [[nodiscard]] Result<void> decode(Axis axis);
   [[nodiscard]] Result<AxisSpans*> spans(Axis axis);
@@ -64,11 +64,10 @@ struct Renderer::Impl {
   ThreadPool pool;
   ClassCache cache;
   std::uint64_t max_memory_bytes;
-  GreyRamp ramp;
 
   Selection selection;
   DrawPlan plan;
-  std::vector<VolumeLook> looks;  // of plan.classes
+  VolumeLooks looks;  // of plan.classes
   std::array<std::optional<AxisSpans>, 3> axis_spans;
 
   // Of the latest frame.
@@ -93,7 +92,7 @@ Result<Renderer::Impl::AxisSpans*> Renderer::Impl::spans(Axis axis) {
   std::optional<AxisSpans>& built = axis_spans[static_cast<std::size_t>(axis)];
   if (!built) {
     SPLATLAS_ASSIGN_OR_RETURN(SelectedRuns runs, merge_runs(plan, *atlas, cache, axis));
-    SpanModel model = build_spans(runs, plan, looks, ramp, atlas->grid(), cache, true, pool);
+    SpanModel model = build_spans(runs, plan, looks.looks(), atlas->grid(), cache, true, pool);
     built = AxisSpans{std::move(runs), std::move(model), std::nullopt};
   }
   return &*built;
@@ -155,12 +154,7 @@ Result<void> Renderer::select(const Selection& selection) {
   }
   r.selection = selection;
   r.plan = std::move(plan);
-  r.looks.clear();
-  for (const ClassDraw& draw : r.plan.classes) {
-    r.looks.push_back(draws_volume(draw.role)
-                          ? volume_look(selection.structures[draw.volume_of], r.atlas->reference_length_mm())
-                          : VolumeLook{});
-  }
+  r.looks.select(r.plan, selection);
   for (auto& spans : r.axis_spans) spans.reset();
   r.view.reset();
   r.stats = {};
@@ -227,7 +221,7 @@ std::optional<Pick> Renderer::pick(double x, double y) const {
   if (!r.view || !r.shear) return std::nullopt;
   const auto& spans = r.axis_spans[static_cast<std::size_t>(r.shear->principal)];
   if (!spans) return std::nullopt;
-  const PickScene scene{r.atlas->grid(), spans->runs, r.plan, r.looks, r.ramp, r.cache, r.frame.fragments};
+  const PickScene scene{r.atlas->grid(), spans->runs, r.plan, r.looks.looks(), r.cache, r.frame.fragments};
   return pick_structure(scene, *r.view, *r.shear, x, y);
 }
 

@@ -10,7 +10,6 @@ struct BuildContext {
   const SelectedRuns& selected;
   const DrawPlan& plan;
   std::span<const VolumeLook> looks;
-  const GreyRamp& ramp;
   const ClassCache& cache;
   bool shade;
   /// Memory steps of the grid, in voxels.
@@ -27,14 +26,12 @@ std::size_t padded(std::size_t length) {
 }
 
 /// Appends the spans of one scanline: voxels with an extinction, gaps of up to kMaxSpanGap bridged.
-/// `positions` holds the ramp positions of the scanline's runs, run after run.
-void cut_spans(const BuildContext& context, std::span<const SelectedRun> runs, const float* positions,
-               SliceSpans& out) {
+/// `voxels` holds the looks of the scanline's runs, run after run.
+void cut_spans(std::span<const SelectedRun> runs, const VoxelLook* voxels, SliceSpans& out) {
   const std::size_t first_of_row = out.spans.size();
   for (const SelectedRun& run : runs) {
-    const bool visible = context.looks[run.draw].extinction_per_mm > 0;
     for (std::uint32_t n = 0; n < run.length; ++n) {
-      if (!visible || positions[n] <= 0) continue;
+      if (voxels[n].extinction_per_mm <= 0) continue;
       const std::uint32_t at = run.start + n;
       ++out.voxels;
       if (out.spans.size() > first_of_row &&
@@ -45,7 +42,7 @@ void cut_spans(const BuildContext& context, std::span<const SelectedRun> runs, c
         out.spans.push_back({at, 1, 1, 0});
       }
     }
-    positions += run.length;
+    voxels += run.length;
   }
   for (std::size_t n = first_of_row; n < out.spans.size(); ++n) {
     out.spans[n].offset = out.plane_floats;
@@ -55,7 +52,7 @@ void cut_spans(const BuildContext& context, std::span<const SelectedRun> runs, c
 
 /// Writes the light of one scanline into the planes of its spans.
 void pack_spans(const BuildContext& context, std::int64_t slice, std::int64_t row,
-                std::span<const SelectedRun> runs, const float* positions, std::span<const Span> spans,
+                std::span<const SelectedRun> runs, const VoxelLook* voxels, std::span<const Span> spans,
                 SliceSpans& out) {
   std::size_t s = 0;
   for (const SelectedRun& run : runs) {
@@ -63,14 +60,12 @@ void pack_spans(const BuildContext& context, std::int64_t slice, std::int64_t ro
     const bool shaded = context.shade && context.plan.classes[run.draw].boundary;
     const std::size_t first_voxel = context.voxel(slice, row, run.start);
     for (std::uint32_t n = 0; n < run.length; ++n) {
-      const float extinction = look.extinction_per_mm * positions[n];
+      const float extinction = voxels[n].extinction_per_mm;
       if (extinction <= 0) continue;
       const std::uint32_t at = run.start + n;
       while (at >= spans[s].start + spans[s].length) ++s;
       const std::size_t offset = spans[s].offset + (at - spans[s].start);
-      const float emission = extinction * shade_of(positions[n]);
-      const std::array<float, 3> rgb{emission * look.color[0], emission * look.color[1],
-                                     emission * look.color[2]};
+      const std::array<float, 3> rgb = look.emission(voxels[n]);
       out.plane(Plane::kExtinction)[offset] = extinction;
       out.plane(Plane::kRed)[offset] = rgb[0];
       out.plane(Plane::kGreen)[offset] = rgb[1];
@@ -78,7 +73,7 @@ void pack_spans(const BuildContext& context, std::int64_t slice, std::int64_t ro
       if (shaded)
         out.shaded.push_back({offset, context.cache.normals()[first_voxel + n * context.scan_stride], rgb});
     }
-    positions += run.length;
+    voxels += run.length;
   }
 }
 
@@ -91,31 +86,31 @@ SliceSpans build_slice(const BuildContext& context, std::int64_t slice) {
     return out;
   }
 
-  std::vector<float> positions;
+  std::vector<VoxelLook> voxels;
   for (std::int64_t row = selected.row_first; row < selected.row_first + selected.rows; ++row) {
     for (const SelectedRun& run : selected.scanline(slice, row)) {
-      positions.resize(positions.size() + run.length);
-      context.ramp.positions(context.cache.values(), context.voxel(slice, row, run.start),
-                             context.scan_stride, run.length,
-                             positions.data() + positions.size() - run.length);
+      voxels.resize(voxels.size() + run.length);
+      context.looks[run.draw].look_up(context.cache.values(), context.voxel(slice, row, run.start),
+                                      context.scan_stride, run.length,
+                                      voxels.data() + voxels.size() - run.length);
     }
   }
 
   // Zeros before the first span, too.
   out.plane_floats = kSpanPadding;
   out.first_span.reserve(static_cast<std::size_t>(selected.rows) + 1);
-  const float* next = positions.data();
+  const VoxelLook* next = voxels.data();
   for (std::int64_t row = selected.row_first; row < selected.row_first + selected.rows; ++row) {
     out.first_span.push_back(static_cast<std::uint32_t>(out.spans.size()));
     const auto runs = selected.scanline(slice, row);
-    cut_spans(context, runs, next, out);
+    cut_spans(runs, next, out);
     for (const SelectedRun& run : runs) next += run.length;
   }
   out.first_span.push_back(static_cast<std::uint32_t>(out.spans.size()));
   if (out.spans.empty()) return out;
 
   out.planes = std::make_unique<float[]>(kPlanes * out.plane_floats);
-  next = positions.data();
+  next = voxels.data();
   for (std::int64_t row = selected.row_first; row < selected.row_first + selected.rows; ++row) {
     const auto n = static_cast<std::size_t>(row - selected.row_first);
     const auto runs = selected.scanline(slice, row);
@@ -139,20 +134,12 @@ std::uint64_t span_model_bytes(std::uint64_t voxels, std::uint64_t runs) {
 }
 
 SpanModel build_spans(const SelectedRuns& selected, const DrawPlan& plan, std::span<const VolumeLook> looks,
-                      const GreyRamp& ramp, const Grid& grid, const ClassCache& cache, bool shade,
-                      ThreadPool& pool) {
+                      const Grid& grid, const ClassCache& cache, bool shade, ThreadPool& pool) {
   const ScanOrder scan = ScanOrder::of(selected.axis);
   const std::array<std::size_t, 3> step{1, static_cast<std::size_t>(grid.size[0]),
                                         static_cast<std::size_t>(grid.size[0] * grid.size[1])};
-  const BuildContext context{selected,
-                             plan,
-                             looks,
-                             ramp,
-                             cache,
-                             shade,
-                             step[scan.slice_axis],
-                             step[scan.row_axis],
-                             step[scan.scan_axis]};
+  const BuildContext context{
+      selected, plan, looks, cache, shade, step[scan.slice_axis], step[scan.row_axis], step[scan.scan_axis]};
   SpanModel model;
   model.axis = selected.axis;
   model.slice_first = selected.slice_first;

@@ -10,7 +10,7 @@
 #include "format/unit_vector.h"
 #include "player/selected_runs.h"
 #include "player/thread_pool.h"
-#include "player/transfer_function.h"
+#include "player/volume_looks.h"
 
 namespace splatlas {
 
@@ -79,7 +79,7 @@ struct SpanModel {
 /// shade_spans(). Cost: linear in the selected voxels; slices are built in parallel. Voxels without
 /// extinction are left out.
 [[nodiscard]] SpanModel build_spans(const SelectedRuns& selected, const DrawPlan& plan,
-                                    std::span<const VolumeLook> looks, const GreyRamp& ramp, const Grid& grid,
+                                    std::span<const VolumeLook> looks, const Grid& grid,
                                     const ClassCache& cache, bool shade, ThreadPool& pool);
 
 /// Multiplies the emission of shaded voxels by `light[normal]` (65536 entries): once per change of view.

@@ -15,22 +15,17 @@ namespace {
 struct Prepared {
   std::shared_ptr<const Atlas> atlas;
   DrawPlan plan;
-  std::vector<VolumeLook> looks;
-  GreyRamp ramp;
+  VolumeLooks looks;
   ThreadPool pool;
   ClassCache cache;
 
   explicit Prepared(const RandomScene& scene, unsigned threads = 1)
       : atlas(open_in_memory(scene.content)),
         plan(atlas->tree().plan(scene.selection)),
-        ramp(atlas->value_type(), atlas->display().window_low, atlas->display().window_high),
+        looks(*atlas),
         pool(threads),
         cache(atlas) {
-    for (const ClassDraw& draw : plan.classes) {
-      looks.push_back(draws_volume(draw.role) ? volume_look(scene.selection.structures[draw.volume_of],
-                                                            atlas->reference_length_mm())
-                                              : VolumeLook{});
-    }
+    looks.select(plan, scene.selection);
   }
 
   SpanModel build(Axis axis) {
@@ -40,7 +35,7 @@ struct Prepared {
     }
     EXPECT_TRUE(cache.require(classes, axis, pool));
     const SelectedRuns runs = *merge_runs(plan, *atlas, cache, axis);
-    return build_spans(runs, plan, looks, ramp, atlas->grid(), cache, true, pool);
+    return build_spans(runs, plan, looks.looks(), atlas->grid(), cache, true, pool);
   }
 };
 

@@ -2,141 +2,141 @@
 
 #include <cmath>
 #include <limits>
+#include <random>
 
 #include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
 
-#include "tests/reference/reference_light.h"
-#include "tests/support/test_content.h"
+#include "tests/format/random_graph.h"
 
 namespace splatlas {
 namespace {
 
-template <typename T>
-class GreyRampOf : public testing::Test {
- public:
-  static constexpr VoxelType type() {
-    if constexpr (std::is_same_v<T, std::uint8_t>) return VoxelType::kUInt8;
-    if constexpr (std::is_same_v<T, std::int8_t>) return VoxelType::kInt8;
-    if constexpr (std::is_same_v<T, std::uint16_t>) return VoxelType::kUInt16;
-    if constexpr (std::is_same_v<T, std::int16_t>) return VoxelType::kInt16;
-    if constexpr (std::is_same_v<T, std::uint32_t>) return VoxelType::kUInt32;
-    if constexpr (std::is_same_v<T, std::int32_t>) return VoxelType::kInt32;
-    if constexpr (std::is_same_v<T, float>) return VoxelType::kFloat32;
-    return VoxelType::kFloat64;
-  }
-  /// Every value of small types; limits and values around the window of large ones.
-  static std::vector<T> values() {
-    using Limits = std::numeric_limits<T>;
-    std::vector<T> all;
-    if constexpr (sizeof(T) <= 2) {
-      for (long v = Limits::lowest(); v <= Limits::max(); ++v) all.push_back(static_cast<T>(v));
-    } else {
-      all = {Limits::lowest(), Limits::min(), Limits::max(), T{0}, T{1}, T{19}, T{20}, T{21}, T{60}, T{99},
-             T{100},           T{101}};
-      if constexpr (std::is_floating_point_v<T>) {
-        for (const T v : {Limits::infinity(), -Limits::infinity(), Limits::quiet_NaN(), Limits::denorm_min(),
-                          T{33.25}, T{-1e30f}}) {
-          all.push_back(v);
-        }
-      }
-    }
-    return all;
-  }
-};
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+const Display kDisplay{.window_low = 20, .window_high = 220, .center_lps_mm = {}, .radius_mm = 1};
 
-using AllTypes = testing::Types<std::uint8_t, std::int8_t, std::uint16_t, std::int16_t, std::uint32_t,
-                                std::int32_t, float, double>;
-TYPED_TEST_SUITE(GreyRampOf, AllTypes);
-
-TYPED_TEST(GreyRampOf, FollowsTheRampForEveryValue) {
-  const std::vector<TypeParam> values = TestFixture::values();
-  const VoxelBuffer buffer = make_values(TestFixture::type(), values);
-  for (const auto& [low, high] : {std::pair(20.0, 100.0), {-50.5, 0.25}, {0.0, 1e-3}, {-1e9, 1e9}}) {
-    const GreyRamp ramp(buffer.type, low, high);
-    std::vector<float> positions(values.size());
-    ramp.positions(buffer.bytes.data(), 0, 1, values.size(), positions.data());
-    for (std::size_t n = 0; n < values.size(); ++n) {
-      const double expected = reference::ramp_position(static_cast<double>(values[n]), low, high);
-      ASSERT_NEAR(positions[n], expected, 6e-8) << +values[n] << " in " << low << ".." << high;
-      ASSERT_EQ(positions[n], ramp.position_of(static_cast<double>(values[n])));
-    }
-  }
+StructureDraw styled(const VolumeStyle& style, std::optional<float> opacity = std::nullopt) {
+  StructureDraw draw;
+  draw.mode = DrawMode::kVolume;
+  draw.opacity = opacity;
+  draw.volume = style;
+  return draw;
 }
 
-TYPED_TEST(GreyRampOf, StridesThroughTheValues) {
-  std::vector<TypeParam> values;
-  for (int n = 0; n < 100; ++n) values.push_back(static_cast<TypeParam>(n));
-  const VoxelBuffer buffer = make_values(TestFixture::type(), values);
-  const GreyRamp ramp(buffer.type, 0, 100);
-  std::vector<float> positions(9, -1);
-  ramp.positions(buffer.bytes.data(), 5, 12, 8, positions.data());
-  for (std::size_t n = 0; n < 8; ++n) EXPECT_FLOAT_EQ(positions[n], static_cast<float>(5 + 12 * n) / 100.0f);
-  EXPECT_EQ(positions[8], -1);
+VolumeStyle ramp(std::optional<double> low, std::optional<double> high,
+                 TransferProfile profile = TransferProfile::kSoft) {
+  return {.profile = profile, .low = low, .high = high, .curve = nullptr};
 }
 
-TYPED_TEST(GreyRampOf, IsFullEverywhereWithoutAWindow) {
-  const std::vector<TypeParam> values = TestFixture::values();
-  const VoxelBuffer buffer = make_values(TestFixture::type(), values);
-  const double infinity = std::numeric_limits<double>::infinity();
-  const double nan = std::numeric_limits<double>::quiet_NaN();
+VolumeStyle curve(std::vector<TransferPoint> points) {
+  return {.curve = std::make_shared<const TransferCurve>(TransferCurve{std::move(points)})};
+}
+
+using Points = std::vector<TransferPoint>;
+
+TEST(TransferFunction, RampsOverTheDisplayWindowByDefault) {
+  EXPECT_EQ(transfer_curve({}, kDisplay).points, (Points{{20, 0, 0.25f}, {220, 0.3f, 1}}));
+  EXPECT_EQ(transfer_curve(styled({}, 0.5f), kDisplay).points, (Points{{20, 0, 0.25f}, {220, 0.5f, 1}}));
+  EXPECT_EQ(transfer_curve(styled({}, 1.0f), kDisplay).points,
+            (Points{{20, 0, 0.25f}, {220, kMaxVolumeOpacity, 1}}));
+}
+
+TEST(TransferFunction, ThinIsTheSameRampAllButClear) {
+  EXPECT_EQ(transfer_curve(styled(ramp({}, {}, TransferProfile::kThin)), kDisplay).points,
+            (Points{{20, 0, 0.25f}, {220, 0.01f, 1}}));
+  EXPECT_EQ(transfer_curve(styled(ramp({}, {}, TransferProfile::kThin), 0.02f), kDisplay).points,
+            (Points{{20, 0, 0.25f}, {220, 0.02f, 1}}));
+}
+
+TEST(TransferFunction, HardIsAStepInTheMiddleWithTheShadesOfTheRamp) {
+  const TransferCurve step = transfer_curve(styled(ramp({}, {}, TransferProfile::kHard)), kDisplay);
+  ASSERT_EQ(step.points.size(), 4u);
+  EXPECT_EQ(step.points[0], (TransferPoint{20, 0, 0.25f}));
+  EXPECT_NEAR(step.points[1].grey, 119, 1e-12);
+  EXPECT_EQ(step.points[1].opacity, 0);
+  EXPECT_NEAR(step.points[2].grey, 121, 1e-12);
+  EXPECT_EQ(step.points[2].opacity, 0.95f);
+  EXPECT_EQ(step.points[3], (TransferPoint{220, 0.95f, 1}));
+  const TransferCurve soft = transfer_curve({}, kDisplay);
+  for (const double grey : {0.0, 20.0, 70.0, 119.5, 120.0, 180.0, 220.0, 300.0}) {
+    EXPECT_NEAR(evaluate(step, grey, 1).shade, evaluate(soft, grey, 1).shade, 1e-7) << grey;
+    const double extinction = grey < 120 ? 0 : extinction_of(0.95f, 1);
+    if (std::abs(grey - 120) > 1) {
+      EXPECT_NEAR(evaluate(step, grey, 1).extinction_per_mm, extinction, 1e-15 * extinction) << grey;
+    }
+  }
+  EXPECT_NEAR(evaluate(step, 120, 1).extinction_per_mm, 0.5 * extinction_of(0.95f, 1), 1e-12);
+}
+
+TEST(TransferFunction, EndsThatAreLeftOpenAreTheWindows) {
+  EXPECT_EQ(transfer_curve(styled(ramp(50, {})), kDisplay).points, (Points{{50, 0, 0.25f}, {220, 0.3f, 1}}));
+  EXPECT_EQ(transfer_curve(styled(ramp({}, 50)), kDisplay).points, (Points{{20, 0, 0.25f}, {50, 0.3f, 1}}));
+  EXPECT_EQ(transfer_curve(styled(ramp(-5, 5)), kDisplay).points, (Points{{-5, 0, 0.25f}, {5, 0.3f, 1}}));
+}
+
+TEST(TransferFunction, RampsBeyondTheWindowAreAsWide) {
+  EXPECT_EQ(transfer_curve(styled(ramp(300, {})), kDisplay).points,
+            (Points{{300, 0, 0.25f}, {500, 0.3f, 1}}));
+  EXPECT_EQ(transfer_curve(styled(ramp(220, {})), kDisplay).points,
+            (Points{{220, 0, 0.25f}, {420, 0.3f, 1}}));
+  EXPECT_EQ(transfer_curve(styled(ramp({}, -7)), kDisplay).points, (Points{{-207, 0, 0.25f}, {-7, 0.3f, 1}}));
+  // Where the window is lost in rounding, a step.
+  const TransferCurve step = transfer_curve(styled(ramp(1e300, {}, TransferProfile::kHard)), kDisplay);
+  ASSERT_EQ(step.points.size(), 2u);
+  EXPECT_EQ(step.points[0].grey, 1e300);
+  EXPECT_EQ(step.points[1].grey, std::nextafter(1e300, kInfinity));
+}
+
+TEST(TransferFunction, IsFullEverywhereWithoutAWindow) {
   for (const auto& [low, high] : {std::pair(5.0, 5.0),
                                   {6.0, 5.0},
-                                  {nan, 5.0},
-                                  {5.0, nan},
-                                  {-infinity, 5.0},
-                                  {5.0, infinity},
+                                  {kNan, 5.0},
+                                  {5.0, kNan},
+                                  {-kInfinity, 5.0},
+                                  {5.0, kInfinity},
                                   {-1e308, 1e308}}) {
-    const GreyRamp ramp(buffer.type, low, high);
-    std::vector<float> positions(values.size());
-    ramp.positions(buffer.bytes.data(), 0, 1, values.size(), positions.data());
-    for (const float position : positions) ASSERT_EQ(position, 1.0f) << low << ".." << high;
+    const Display display{.window_low = low, .window_high = high, .center_lps_mm = {}, .radius_mm = 1};
+    const TransferCurve full = transfer_curve(styled({}, 0.5f), display);
+    EXPECT_EQ(full.points, (Points{{0, 0.5f, 1}})) << low << ".." << high;
   }
 }
 
-TEST(GreyRamp, IsFullWithoutValues) {
-  std::vector<float> positions(3, -1);
-  GreyRamp(VoxelType::kNone, 0, 1).positions(nullptr, 7, 3, 3, positions.data());
-  EXPECT_EQ(positions, (std::vector<float>{1, 1, 1}));
+TEST(TransferFunction, CurvesAreTakenAsTheyAre) {
+  const Points points{{-3, 0.1f, 0.5f}, {4, 0.75f, 1}, {5, 0}};
+  EXPECT_EQ(transfer_curve(styled(curve(points)), kDisplay).points, points);
+  EXPECT_EQ(full_opacity(styled(curve(points))), 0.75f);
+  EXPECT_EQ(transfer_curve(styled(curve(points), 0.75f), kDisplay).points, points);
 }
 
-TEST(VolumeLook, ReachesItsOpacityOverTheReferenceLength) {
-  StructureDraw draw;
-  draw.color = {255, 128, 0};
-  for (const float opacity : {1e-8f, 1e-4f, 0.1f, 0.5f, 0.999f}) {
-    for (const double length_mm : {1e-6, 0.7, 1.0, 1e6}) {
-      draw.opacity = opacity;
-      const VolumeLook look = volume_look(draw, length_mm);
-      const double depth = look.extinction_per_mm * length_mm;
-      // The float extinction rounds the depth by 6e-8 of itself.
-      EXPECT_NEAR(-std::expm1(-depth) / static_cast<double>(opacity), 1, 2e-7)
-          << opacity << ", " << length_mm;
-    }
-  }
+TEST(TransferFunction, AnOpacityScalesACurve) {
+  const Points points{{0, 0}, {1, 0.5f, 0.5f}, {2, 0.75f}};  // depths 0, ln 2, 2 ln 2
+  const Points scaled = transfer_curve(styled(curve(points), 0.9375f), kDisplay).points;
+  ASSERT_EQ(scaled.size(), 3u);  // depths twice as large
+  EXPECT_EQ(scaled[0], points[0]);
+  EXPECT_NEAR(scaled[1].opacity, 0.75, 1e-7);
+  EXPECT_EQ(scaled[1].shade, 0.5f);
+  EXPECT_EQ(scaled[2].opacity, 0.9375f);
+  const Points clear{{0, 0}, {1, 0}};
+  EXPECT_EQ(transfer_curve(styled(curve(clear), 0.5f), kDisplay).points, clear);
 }
 
-TEST(VolumeLook, HasADefaultAndAFiniteLimit) {
-  StructureDraw draw;
-  EXPECT_FLOAT_EQ(volume_look(draw, 2.0).extinction_per_mm, static_cast<float>(-std::log(0.7) / 2));
-  draw.opacity = 1.0f;
-  const VolumeLook look = volume_look(draw, 1.0);
-  EXPECT_NEAR(look.extinction_per_mm, -std::log1p(-0.9999), 1e-3);
-}
-
-TEST(VolumeLook, ColorsAreLinearLight) {
-  for (int channel = 0; channel < 256; ++channel) {
-    StructureDraw draw;
-    draw.color = {static_cast<std::uint8_t>(channel), 0, 255};
-    const VolumeLook look = volume_look(draw, 1.0);
-    EXPECT_NEAR(look.color[0], reference::linear_of(draw.color)[0], 1e-7);
-    EXPECT_EQ(look.color[1], 0.0f);
-    EXPECT_EQ(look.color[2], 1.0f);
-  }
-}
-
-TEST(VolumeLook, ShadeRunsFromTheDarkestToOne) {
-  EXPECT_FLOAT_EQ(shade_of(0), kDarkestShade);
-  EXPECT_FLOAT_EQ(shade_of(1), 1.0f);
-  EXPECT_FLOAT_EQ(shade_of(0.5f), 0.625f);
+RC_GTEST_PROP(TransferFunction, IsACurveThatReachesTheFullOpacity, ()) {
+  auto random = *random_source();
+  StructureDraw draw = styled(random_style(random));
+  if (random() % 2 == 0) draw.opacity = std::vector{1e-30f, 0.01f, 0.5f, 1.0f}[random() % 4];
+  const double low = std::uniform_real_distribution<double>(-1e3, 1e3)(random);
+  const Display display{.window_low = low,
+                        .window_high = low + (random() % 4 == 0 ? 0 : 1e-3 + static_cast<double>(random())),
+                        .center_lps_mm = {},
+                        .radius_mm = 1};
+  const TransferCurve found = transfer_curve(draw, display);
+  const auto checked = check_curve(found);
+  if (!checked) RC_FAIL(checked.error().message);
+  float densest = 0;
+  for (const TransferPoint& point : found.points) densest = std::max(densest, point.opacity);
+  const bool is_clear = draw.volume.curve && full_opacity(styled(draw.volume)) == 0;
+  RC_ASSERT(densest == (is_clear ? 0 : full_opacity(draw)));
 }
 
 }  // namespace

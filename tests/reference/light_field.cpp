@@ -3,12 +3,11 @@
 #include <cmath>
 
 #include "format/decision_tree.h"
+#include "player/transfer_function.h"
 #include "tests/reference/reference_light.h"
 
 namespace splatlas::reference {
 namespace {
-
-constexpr double kDarkestShade = 0.25;
 
 double value_of(const VoxelBuffer& values, std::size_t n) {
   return visit_voxel_type(values.type, [&](auto tag) {
@@ -59,6 +58,11 @@ LightField light_field(const AtlasContent& content, const Selection& selection, 
   std::vector<const ClassDraw*> draw_of(content.classes.size(), nullptr);
   for (const ClassDraw& draw : plan.classes) draw_of[draw.id] = &draw;
 
+  std::vector<TransferCurve> curve_of;  // of structures
+  for (const StructureDraw& look : selection.structures) {
+    curve_of.push_back(transfer_curve(look, content.display));
+  }
+
   std::vector<std::size_t> met(content.classes.size(), 0);  // voxels of each class so far
   for (std::size_t n = 0; n < field.voxels.size(); ++n) {
     const ClassId c = content.class_volume[n];
@@ -66,17 +70,16 @@ LightField light_field(const AtlasContent& content, const Selection& selection, 
     const ClassDraw* draw = draw_of[c];
     if (draw == nullptr || (draw->role != VoxelRole::kVolume && draw->role != VoxelRole::kHybrid)) continue;
     const StructureDraw& look = selection.structures[draw->volume_of];
-    const double position = content.values.empty()
-                                ? 1
-                                : ramp_position(value_of(content.values, n), content.display.window_low,
-                                                content.display.window_high);
-    double shade = kDarkestShade + (1 - kDarkestShade) * position;
+    const TransferCurve& curve = curve_of[draw->volume_of];
+    const double grey = content.values.empty() ? HUGE_VAL : value_of(content.values, n);
+    const TransferValue value = transfer(curve, grey, reference_length_mm);
+    double shade = value.shade;
     if (hybrid_shading && draw->boundary) {
       const auto normal = unpack_normal(content.boundary_normals[c][number_in_class]);
       shade *= diffuse(view, {normal[0], normal[1], normal[2]});
     }
     VoxelLight& light = field.voxels[n];
-    light.extinction = position * full_extinction(look, reference_length_mm);
+    light.extinction = value.extinction_per_mm;
     for (std::size_t channel = 0; channel < 3; ++channel) {
       light.emission[channel] = light.extinction * shade * linear_of(look.color)[channel];
     }

@@ -8,8 +8,6 @@
 namespace splatlas::reference {
 namespace {
 
-constexpr double kDefaultOpacity = 0.3f;  // as floats: what the selection holds
-constexpr double kLargestOpacity = 0.9999f;
 constexpr double kAmbient = 0.15;
 constexpr double kHighlight = 0.10;
 constexpr double kHighlightPower = 32;
@@ -39,15 +37,21 @@ std::array<double, 3> linear_of(Rgb color) {
   return {linear_of(color.r), linear_of(color.g), linear_of(color.b)};
 }
 
-double full_extinction(const StructureDraw& draw, double reference_length_mm) {
-  const double opacity = draw.opacity ? static_cast<double>(*draw.opacity) : kDefaultOpacity;
-  return -std::log1p(-std::min(opacity, kLargestOpacity)) / reference_length_mm;
-}
-
-double ramp_position(double value, double low, double high) {
-  if (!(low < high)) return 1;
-  if (std::isnan(value)) return 0;
-  return std::clamp((value - low) / (high - low), 0.0, 1.0);
+TransferValue transfer(const TransferCurve& curve, double grey, double reference_length_mm) {
+  const auto at = [&](const TransferPoint& point) {
+    const double depth = -std::log1p(-static_cast<double>(point.opacity));
+    return TransferValue{depth / reference_length_mm, point.shade};
+  };
+  std::size_t reached = 0;  // points at or below the grey value
+  while (reached < curve.points.size() && grey >= curve.points[reached].grey) ++reached;
+  if (reached == 0) return at(curve.points.front());
+  const TransferPoint& low = curve.points[reached - 1];
+  if (reached == curve.points.size()) return at(low);
+  const TransferPoint& high = curve.points[reached];
+  const double of_high = (grey - low.grey) / (high.grey - low.grey);
+  const double of_low = (high.grey - grey) / (high.grey - low.grey);
+  return {of_low * at(low).extinction_per_mm + of_high * at(high).extinction_per_mm,
+          of_low * at(low).shade + of_high * at(high).shade};
 }
 
 double diffuse(const ParallelView& view, const Vec3& normal_lps) {

@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "format/color.h"
-#include "format/selection.h"
+#include "format/transfer_curve.h"
 #include "player/camera.h"
 
 namespace splatlas::reference {
@@ -13,12 +13,8 @@ namespace splatlas::reference {
 /// Linear light of an sRGB colour (IEC 61966-2-1).
 [[nodiscard]] std::array<double, 3> linear_of(Rgb color);
 
-/// Extinction in 1/mm of a volume at full grey value.
-[[nodiscard]] double full_extinction(const StructureDraw& draw, double reference_length_mm);
-
-/// Share of the way from `low` to `high`, clamped to [0, 1]; 0 for values that are not a number, 1 where the
-/// window is empty.
-[[nodiscard]] double ramp_position(double value, double low, double high);
+/// The transfer function at a grey value; the first point's for values that are not a number.
+[[nodiscard]] TransferValue transfer(const TransferCurve& curve, double grey, double reference_length_mm);
 
 /// The lamp of the view over the viewer's left shoulder. Normals point either way.
 [[nodiscard]] double diffuse(const ParallelView& view, const Vec3& normal_lps);

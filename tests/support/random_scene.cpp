@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <numbers>
 #include <random>
 
@@ -97,7 +98,8 @@ class SceneMaker {
                                          : static_cast<T>(real(-50, 250)));
           if (below(20) == 0) typed.back() = std::numeric_limits<T>::infinity();
         } else {
-          typed.push_back(static_cast<T>(below(250)));
+          const int lowest = std::is_signed_v<T> ? -60 : 0;
+          typed.push_back(static_cast<T>(lowest + static_cast<int>(below(250))));
         }
       }
       values = make_values(values.type, typed);
@@ -122,8 +124,32 @@ class SceneMaker {
         case 2: draw.opacity = static_cast<float>(real(0.05, 0.95)); break;
         default: draw.opacity = 1.0f; break;
       }
+      if (below(2) == 0) draw.volume = make_style();
     }
     return selection;
+  }
+
+  VolumeStyle make_style() {
+    VolumeStyle style;
+    if (below(3) == 0) {
+      style.curve = std::make_shared<const TransferCurve>(make_curve());
+      return style;
+    }
+    style.profile = static_cast<TransferProfile>(below(3));
+    if (below(2) == 0) style.low = real(-70, 120);
+    if (below(2) == 0) style.high = style.low.value_or(60) + real(1, 120);
+    return style;
+  }
+
+  TransferCurve make_curve() {
+    TransferCurve curve;
+    double grey = real(-60, 60);
+    for (std::size_t points = 1 + below(5); points > 0; --points) {
+      const float opacity = below(3) == 0 ? 0 : static_cast<float>(0.9999 * std::pow(real(0, 1), 3));
+      curve.points.push_back({grey, opacity, static_cast<float>(real(0, 1))});
+      grey += below(3) == 0 ? 1e-6 : real(1, 100);
+    }
+    return curve;
   }
 
   void make_view(RandomScene& scene) {
@@ -171,6 +197,7 @@ std::string describe(const RandomScene& scene) {
       scene.camera.elevation_deg, scene.camera.zoom);
   for (const StructureDraw& draw : scene.selection.structures) {
     text += fmt::format(" {} {}", name_of(draw.mode), draw.opacity.value_or(-1));
+    if (draw.volume != VolumeStyle{}) text += draw.volume.curve ? " curve" : " ramp";
   }
   return text;
 }

@@ -18,8 +18,8 @@ struct RandomScene {
 
 /// A scene of up to `max_side` voxels a side, from its number alone: the same on every machine. Overlapping
 /// balls, boxes and noise in oblique, mirrored and anisotropic grids; grey values of every type,
-/// not-a-numbers included; every mode, opacities from 1e-6 to 1; straight, diagonal and any other direction
-/// of view, near and far, off centre; every quality.
+/// not-a-numbers included; every mode, opacities from 1e-6 to 1, ramps, steps and curves; straight, diagonal
+/// and any other direction of view, near and far, off centre; every quality.
 [[nodiscard]] RandomScene random_scene(std::uint32_t number, std::int64_t max_side = 12);
 
 /// What a failing test tells.
