@@ -4,78 +4,28 @@
 #include <atomic>
 #include <cerrno>
 #include <cstring>
+#include <optional>
 #include <string>
-#include <system_error>
+#include <utility>
 
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-namespace splatlas {
+#include "format/interrupts.h"
+#include "format/output_path.h"
 
+namespace splatlas {
 namespace {
+
+namespace fs = std::filesystem;
 
 constexpr std::size_t kMaxWriteBytes = std::size_t{1} << 26;
 
-tl::unexpected<Error> cannot_write(const std::filesystem::path& path, const std::string& reason) {
-  return fail(ErrorCode::kFailed, fmt::format("{}: cannot be written: {}", path.string(), reason));
-}
-
-/// A new file of a name that nobody has, removed again unless it is kept.
-class TemporaryFile {
- public:
-  /// Beside `path`: a rename must not cross file systems. Check is_open().
-  explicit TemporaryFile(const std::filesystem::path& path) {
-    static std::atomic<unsigned> counter{0};
-    constexpr int kAttempts = 100;
-    for (int attempt = 0; attempt < kAttempts; ++attempt) {
-      path_ = path.parent_path() / fmt::format(".splatlas-{}-{}.tmp", ::getpid(), counter++);
-      descriptor_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0666);
-      remove_ = descriptor_ >= 0;
-      if (descriptor_ >= 0 || errno != EEXIST) return;
-    }
-  }
-  ~TemporaryFile() {
-    if (descriptor_ >= 0) ::close(descriptor_);
-    if (remove_) ::unlink(path_.c_str());
-  }
-  TemporaryFile(const TemporaryFile&) = delete;
-  TemporaryFile& operator=(const TemporaryFile&) = delete;
-
-  /// errno tells why not. All of the following likewise return whether they succeeded.
-  [[nodiscard]] bool is_open() const { return descriptor_ >= 0; }
-  [[nodiscard]] bool write(std::span<const std::byte> bytes) const {
-    while (!bytes.empty()) {
-      const ssize_t written = ::write(descriptor_, bytes.data(), std::min(bytes.size(), kMaxWriteBytes));
-      if (written < 0 && errno == EINTR) continue;
-      if (written <= 0) return false;
-      bytes = bytes.subspan(static_cast<std::size_t>(written));
-    }
-    return true;
-  }
-  [[nodiscard]] bool set_mode(mode_t mode) const { return ::fchmod(descriptor_, mode) == 0; }
-  [[nodiscard]] bool sync() const { return ::fsync(descriptor_) == 0; }
-  [[nodiscard]] bool close() {
-    const int descriptor = descriptor_;
-    descriptor_ = -1;
-    return ::close(descriptor) == 0;
-  }
-  [[nodiscard]] bool rename_to(const std::filesystem::path& path) {
-    if (::rename(path_.c_str(), path.c_str()) != 0) return false;
-    remove_ = false;
-    return true;
-  }
-
- private:
-  std::filesystem::path path_;
-  int descriptor_ = -1;
-  bool remove_ = false;
-};
-
 /// Makes the rename last. File systems that cannot sync a folder say EINVAL; the file itself is complete by
 /// now.
-bool sync_folder(const std::filesystem::path& folder) {
+bool sync_folder(const fs::path& folder) {
   const int descriptor = ::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (descriptor < 0) return errno == EACCES;  // a folder may be writable and not readable
   const bool synced = ::fsync(descriptor) == 0 || errno == EINVAL || errno == ENOTSUP;
@@ -87,25 +37,119 @@ bool sync_folder(const std::filesystem::path& folder) {
 
 }  // namespace
 
-Result<void> write_file(const std::filesystem::path& path, std::span<const std::byte> bytes) {
-  struct stat old {};
-  const bool replaces = ::stat(path.c_str(), &old) == 0;
-  if (replaces && !S_ISREG(old.st_mode)) {
-    return cannot_write(path, S_ISDIR(old.st_mode) ? "it is a folder" : "it is not a regular file");
+/// Functions that return bool leave the reason in errno.
+struct OutputFile::Impl {
+  explicit Impl(fs::path output) : path(std::move(output)), target(resolve_output(path)) {}
+  ~Impl() {
+    const DeferInterrupts until_removed;
+    if (descriptor >= 0) ::close(descriptor);
+    if (remove) ::unlink(temporary.c_str());
   }
-  std::error_code unresolved;
-  std::filesystem::path target = replaces ? std::filesystem::canonical(path, unresolved) : path;
-  if (unresolved) return cannot_write(path, unresolved.message());
-  if (target.filename().empty()) return cannot_write(path, "it names no file");
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
 
-  TemporaryFile temporary(target);
-  constexpr mode_t kPermissions = 07777;
-  if (!temporary.is_open() || !temporary.write(bytes) ||
-      (replaces && !temporary.set_mode(old.st_mode & kPermissions)) || !temporary.sync() ||
-      !temporary.close() || !temporary.rename_to(target) || !sync_folder(target.parent_path())) {
-    return cannot_write(path, std::strerror(errno));
+  [[nodiscard]] tl::unexpected<Error> cannot_write(const std::string& reason) const {
+    return fail(ErrorCode::kFailed, fmt::format("{}: cannot be written: {}", path.string(), reason));
+  }
+  /// Takes a name that nobody has, beside the target: a rename must not cross file systems.
+  [[nodiscard]] bool open(std::string_view ending);
+  /// Everything of it is on the disk, under its temporary name.
+  [[nodiscard]] bool complete();
+  [[nodiscard]] bool rename();
+
+  fs::path path, target, temporary;
+  std::optional<mode_t> old_mode;
+  int descriptor = -1;
+  std::optional<RemoveOnInterrupt> remove;  // while there is a temporary file
+};
+
+bool OutputFile::Impl::open(std::string_view ending) {
+  static std::atomic<unsigned> counter{0};
+  constexpr int kAttempts = 100;
+  const DeferInterrupts until_named;
+  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    temporary = target.parent_path() / fmt::format(".splatlas-{}-{}{}", ::getpid(), counter++, ending);
+    descriptor = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0666);
+    if (descriptor >= 0) {
+      remove.emplace(temporary);
+      return true;
+    }
+    if (errno != EEXIST) return false;
+  }
+  return false;
+}
+
+bool OutputFile::Impl::complete() {
+  if (::close(std::exchange(descriptor, -1)) != 0) return false;
+  // By its name: whoever wrote to a path may have put another file there.
+  descriptor = ::open(temporary.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
+  return descriptor >= 0 && (!old_mode || ::fchmod(descriptor, *old_mode) == 0) && ::fsync(descriptor) == 0;
+}
+
+bool OutputFile::Impl::rename() {
+  const DeferInterrupts until_renamed;
+  if (::rename(temporary.c_str(), target.c_str()) != 0) return false;
+  remove.reset();
+  return true;
+}
+
+OutputFile::OutputFile(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+OutputFile::~OutputFile() = default;
+OutputFile::OutputFile(OutputFile&&) noexcept = default;
+OutputFile& OutputFile::operator=(OutputFile&&) noexcept = default;
+
+Result<OutputFile> OutputFile::create(const fs::path& target, std::string_view ending) {
+  auto impl = std::make_unique<Impl>(target);
+  struct stat old {};
+  if (::stat(target.c_str(), &old) == 0) {
+    if (!S_ISREG(old.st_mode)) {
+      return impl->cannot_write(S_ISDIR(old.st_mode) ? "it is a folder" : "it is not a regular file");
+    }
+    constexpr mode_t kPermissions = 07777;
+    impl->old_mode = old.st_mode & kPermissions;
+  } else if (errno != ENOENT) {
+    return impl->cannot_write(std::strerror(errno));
+  }
+  if (target.filename().empty()) return impl->cannot_write("it names no file");
+  if (!impl->open(ending)) return impl->cannot_write(std::strerror(errno));
+  return OutputFile(std::move(impl));
+}
+
+const fs::path& OutputFile::temporary() const {
+  return impl_->temporary;
+}
+
+Result<void> OutputFile::write(std::span<const std::byte> bytes) {
+  while (!bytes.empty()) {
+    const ssize_t written = ::write(impl_->descriptor, bytes.data(), std::min(bytes.size(), kMaxWriteBytes));
+    if (written < 0 && errno == EINTR) continue;
+    if (written <= 0) return impl_->cannot_write(std::strerror(errno));
+    bytes = bytes.subspan(static_cast<std::size_t>(written));
   }
   return {};
+}
+
+Result<void> OutputFile::commit() {
+  return commit_files({this, 1});
+}
+
+Result<void> commit_files(std::span<OutputFile> files) {
+  for (const OutputFile& file : files) {
+    if (!file.impl_->complete()) return file.impl_->cannot_write(std::strerror(errno));
+  }
+  const DeferInterrupts all_or_none;
+  for (const OutputFile& file : files) {
+    if (!file.impl_->rename() || !sync_folder(file.impl_->target.parent_path())) {
+      return file.impl_->cannot_write(std::strerror(errno));
+    }
+  }
+  return {};
+}
+
+Result<void> write_file(const fs::path& path, std::span<const std::byte> bytes) {
+  SPLATLAS_ASSIGN_OR_RETURN(OutputFile file, OutputFile::create(path));
+  SPLATLAS_RETURN_IF_ERROR(file.write(bytes));
+  return file.commit();
 }
 
 }  // namespace splatlas

@@ -6,7 +6,7 @@
 #include "format/atlas_writer.h"
 #include "format/output_file.h"
 #include "preprocess/build_content.h"
-#include "preprocess/interrupts.h"
+#include "format/interrupts.h"
 
 namespace splatlas {
 namespace {

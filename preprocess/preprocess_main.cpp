@@ -8,7 +8,7 @@
 
 #include "preprocess/commands/build_command.h"
 #include "preprocess/commands/export_command.h"
-#include "preprocess/interrupts.h"
+#include "format/interrupts.h"
 
 namespace splatlas {
 namespace {

@@ -9,7 +9,7 @@
 #include <unistd.h>
 
 #include "format/ascii_text.h"
-#include "preprocess/interrupts.h"
+#include "format/interrupts.h"
 
 namespace splatlas {
 namespace {

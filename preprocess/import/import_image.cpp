@@ -12,7 +12,7 @@
 #include "preprocess/import/check_image_file.h"
 #include "preprocess/import/image_io.h"
 #include "preprocess/import/itk_call.h"
-#include "preprocess/interrupts.h"
+#include "format/interrupts.h"
 
 namespace splatlas {
 namespace {

@@ -17,8 +17,8 @@ namespace splatlas {
 namespace {
 
 using ::testing::ElementsAre;
+using ::testing::EndsWith;
 using ::testing::HasSubstr;
-using ::testing::IsEmpty;
 using ::testing::UnorderedElementsAre;
 
 struct OutputFileTest : ::testing::Test {
@@ -71,6 +71,22 @@ TEST_F(OutputFileTest, FollowsLinks) {
   EXPECT_EQ(read(path), "two");
 }
 
+TEST_F(OutputFileTest, FollowsLinksToWhatIsNotThereYet) {
+  std::filesystem::create_symlink("out.atlas", folder.path() / "link");
+  std::filesystem::create_symlink("link", folder.path() / "link to link");
+  EXPECT_EQ(write(folder.path() / "link to link", "two"), "");
+  EXPECT_TRUE(std::filesystem::is_symlink(folder.path() / "link"));
+  EXPECT_EQ(read(path), "two");
+}
+
+TEST_F(OutputFileTest, RefusesLinksThatLeadNowhere) {
+  std::filesystem::create_symlink("none/out.atlas", folder.path() / "broken");
+  EXPECT_THAT(write(folder.path() / "broken", "x"), HasSubstr("No such file or directory"));
+  std::filesystem::create_symlink("loop", folder.path() / "loop");
+  EXPECT_THAT(write(folder.path() / "loop", "x"), HasSubstr("Too many levels of symbolic links"));
+  EXPECT_THAT(folder.names(), UnorderedElementsAre("broken", "loop"));
+}
+
 TEST_F(OutputFileTest, TakesNamesAsLongAsTheFileSystemAllows) {
   EXPECT_EQ(write(folder.path() / std::string(255, 'n'), "one"), "");
 }
@@ -80,6 +96,11 @@ TEST_F(OutputFileTest, RefusesWhatIsNotAFile) {
   EXPECT_THAT(write("/dev/null", "x"), HasSubstr("it is not a regular file"));
   EXPECT_THAT(write(folder.path() / "none" / "out.atlas", "x"), HasSubstr("No such file or directory"));
   EXPECT_THAT(write(path / "", "x"), HasSubstr("cannot be written"));
+  const auto pipe = folder.path() / "pipe";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_THAT(write(pipe, "x"), HasSubstr("it is not a regular file"));
+  EXPECT_TRUE(std::filesystem::is_fifo(pipe));
+  std::filesystem::remove(pipe);
   ASSERT_EQ(write(path, "one"), "");
   EXPECT_THAT(write(path / "below", "x"), HasSubstr("Not a directory"));
   EXPECT_THAT(folder.names(), ElementsAre("out.atlas"));
@@ -99,6 +120,62 @@ TEST_F(OutputFileTest, AFullDiskLeavesTheOldFileAndNoTemporary) {
   EXPECT_THAT(message, HasSubstr("File too large"));
   EXPECT_EQ(read(path), "old");
   EXPECT_THAT(folder.names(), ElementsAre("out.atlas"));
+}
+
+TEST_F(OutputFileTest, LibrariesWriteToItsPath) {
+  ASSERT_EQ(write(path, "old"), "");
+  ASSERT_EQ(::chmod(path.c_str(), 0640), 0);
+  for (const bool replace : {false, true}) {
+    auto file = OutputFile::create(path, ".nii.gz");
+    ASSERT_TRUE(file) << file.error().message;
+    EXPECT_EQ(file->temporary().parent_path(), std::filesystem::canonical(folder.path()));
+    EXPECT_THAT(file->temporary().string(), EndsWith(".nii.gz"));
+    if (replace) std::filesystem::remove(file->temporary());
+    std::ofstream(file->temporary()) << "new";
+    EXPECT_NE(read(path), "new");
+    ASSERT_TRUE(file->commit());
+    EXPECT_EQ(read(path), "new");
+    EXPECT_EQ(std::filesystem::status(path).permissions(), std::filesystem::perms{0640});
+    ASSERT_EQ(write(path, "old"), "");
+  }
+  EXPECT_THAT(folder.names(), ElementsAre("out.atlas"));
+}
+
+TEST_F(OutputFileTest, WhatIsNotCommittedIsRemoved) {
+  ASSERT_EQ(write(path, "old"), "");
+  {
+    auto file = OutputFile::create(path);
+    ASSERT_TRUE(file);
+    ASSERT_TRUE(file->write(std::as_bytes(std::span("half", 4))));
+    EXPECT_EQ(folder.names().size(), 2u);
+  }
+  EXPECT_EQ(read(path), "old");
+  EXPECT_THAT(folder.names(), ElementsAre("out.atlas"));
+}
+
+TEST_F(OutputFileTest, OfSeveralNoneIsRenamedBeforeAllAreComplete) {
+  ASSERT_EQ(write(path, "old"), "");
+  for (const bool fails : {true, false}) {
+    std::vector<OutputFile> files;
+    for (const char* name : {"out.atlas", "stats.json"}) {
+      auto file = OutputFile::create(folder.path() / name);
+      ASSERT_TRUE(file);
+      ASSERT_TRUE(file->write(std::as_bytes(std::span("new", 3))));
+      files.push_back(std::move(*file));
+    }
+    if (fails) std::filesystem::remove(files[1].temporary());
+    const auto committed = commit_files(files);
+    EXPECT_EQ(committed.has_value(), !fails);
+    if (fails) {
+      EXPECT_THAT(committed.error().message, HasSubstr("stats.json: cannot be written: No such file"));
+      files.clear();
+      EXPECT_EQ(read(path), "old");
+      EXPECT_THAT(folder.names(), ElementsAre("out.atlas"));
+    }
+  }
+  EXPECT_EQ(read(path), "new");
+  EXPECT_EQ(read(folder.path() / "stats.json"), "new");
+  EXPECT_THAT(folder.names(), UnorderedElementsAre("out.atlas", "stats.json"));
 }
 
 }  // namespace

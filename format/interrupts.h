@@ -1,15 +1,17 @@
 // Ctrl-C and kill leave nothing half-written behind.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 
 namespace splatlas {
 
 /// From now on SIGINT, SIGTERM and SIGHUP wait for DeferInterrupts, remove what RemoveOnInterrupt names, and
-/// then end the program as they always do. For programs; libraries only mark what needs it.
+/// then end the program as they always do. A signal that the program was started to ignore (nohup) stays
+/// ignored. For programs; libraries only mark what needs it.
 void install_interrupt_handlers();
 
-/// Interrupts wait while one of these exists.
+/// Interrupts wait while one of these exists, on any thread.
 class DeferInterrupts {
  public:
   DeferInterrupts();
@@ -18,13 +20,17 @@ class DeferInterrupts {
   DeferInterrupts& operator=(const DeferInterrupts&) = delete;
 };
 
-/// An interrupt removes this file while this exists. One at a time, paths of up to 4095 bytes.
+/// An interrupt removes this file while this exists. For up to 16 files at once, with paths of up to 4095
+/// bytes; others are left. Any thread.
 class RemoveOnInterrupt {
  public:
   explicit RemoveOnInterrupt(const std::filesystem::path& path);
   ~RemoveOnInterrupt();
   RemoveOnInterrupt(const RemoveOnInterrupt&) = delete;
   RemoveOnInterrupt& operator=(const RemoveOnInterrupt&) = delete;
+
+ private:
+  std::size_t slot_;
 };
 
 }  // namespace splatlas
