@@ -15,10 +15,6 @@ struct VisibleVoxel {
   std::size_t voxel = 0;  // in memory
 };
 
-std::size_t padded(std::size_t length) {
-  return (length / kSpanPadding + 1) * kSpanPadding;
-}
-
 /// One slice: first the visible voxels, row by row, then their spans.
 class SliceVisit {
  public:
@@ -75,15 +71,16 @@ class SliceVisit {
   SliceSpans pack() const {
     SliceSpans out;
     if (visible_.empty()) return out;
-    out.voxels = visible_.size();
-    out.plane_floats = kSpanPadding;  // zeros before the first span
     for (std::size_t row = 0; row < static_cast<std::size_t>(rows_); ++row) {
       out.first_span.push_back(static_cast<std::uint32_t>(out.spans.size()));
-      cut_row(first_visible_[row], first_visible_[row + 1], out);
+      const std::size_t first_of_row = out.spans.size();
+      for (std::size_t n = first_visible_[row]; n < first_visible_[row + 1]; ++n) {
+        out.add_voxel(first_of_row, visible_[n].at);
+      }
     }
     out.first_span.push_back(static_cast<std::uint32_t>(out.spans.size()));
 
-    out.planes = std::make_unique<float[]>(kPlanes * out.plane_floats);
+    out.allocate_light();
     std::size_t n = 0;
     for (const Span& span : out.spans) {
       for (std::uint32_t v = 0; v < span.voxels; ++v) light(visible_[n++], span, out);
@@ -91,35 +88,14 @@ class SliceVisit {
     return out;
   }
 
-  /// Visible voxels to spans that bridge the same gaps as the player's.
-  void cut_row(std::size_t first, std::size_t last, SliceSpans& out) const {
-    const std::size_t first_of_row = out.spans.size();
-    for (std::size_t n = first; n < last; ++n) {
-      const std::uint32_t at = visible_[n].at;
-      Span* const span = out.spans.size() > first_of_row ? &out.spans.back() : nullptr;
-      if (span != nullptr && at - (span->start + span->length) <= kMaxSpanGap) {
-        span->length = at + 1 - span->start;
-        ++span->voxels;
-      } else {
-        out.spans.push_back({at, 1, 1, 0});
-      }
-    }
-    for (std::size_t n = first_of_row; n < out.spans.size(); ++n) {
-      out.spans[n].offset = out.plane_floats;
-      out.plane_floats += padded(out.spans[n].length);
-    }
-  }
-
   void light(const VisibleVoxel& visible, const Span& span, SliceSpans& out) const {
-    const float extinction = visible.look.extinction_per_mm;
     const std::array<float, 3> rgb = selection_.looks[visible.draw].emission(visible.look);
-    const std::size_t offset = span.offset + (visible.at - span.start);
-    out.plane(Plane::kExtinction)[offset] = extinction;
-    out.plane(Plane::kRed)[offset] = rgb[0];
-    out.plane(Plane::kGreen)[offset] = rgb[1];
-    out.plane(Plane::kBlue)[offset] = rgb[2];
+    const std::size_t place = span.place(visible.at);
+    float* light = &out.light[place];
+    light[0] = visible.look.extinction_per_mm;
+    for (std::size_t c = 0; c < 3; ++c) light[(c + 1) * kBlock] = rgb[c];
     if (selection_.plan.classes[visible.draw].boundary) {
-      out.shaded.push_back({offset, model_.normals[visible.voxel], rgb});
+      out.shaded.push_back({place, model_.normals[visible.voxel], rgb});
     }
   }
 

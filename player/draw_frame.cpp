@@ -57,12 +57,14 @@ Result<FrameCounters> draw_frame(const FrameRequest& frame, FrameBuffers& buffer
 
   SPLATLAS_ASSIGN_OR_RETURN(const SheetWindow window, choose_window(frame.spans, frame.shear, options));
   const SplatKernels& kernels = options.simd ? best_kernels() : scalar_kernels();
-  const SheetCounters sheets = render_sheets(frame.spans, frame.shear, window, options.size, frame.grid,
-                                             kernels, buffers.fragments, buffers.sheet, pool);
+  const SheetCounters sheets =
+      render_sheets(frame.spans, frame.shear, window, options.size, frame.grid, kernels,
+                    options.transmittance_floor, buffers.fragments, buffers.sheet, pool);
   counters.voxels = sheets.voxels;
   counters.sheets = watch.lap();
 
-  resolve(buffers.sheet, frame.shear, buffers.fragments, options.size, picture, pool);
+  resolve(buffers.sheet, frame.shear, buffers.fragments, options.size,
+          options.simd ? best_warp() : scalar_warp(), picture, pool);
   counters.resolve = watch.lap();
   return counters;
 }

@@ -24,6 +24,9 @@ struct RenderOptions {
   Quality quality = Quality::kNormal;
   bool hybrid_shading = true;  ///< boundary voxels of volumes are shaded by their normals
   bool simd = true;            ///< false: the scalar kernels
+  /// Early termination: what would be seen through pixels that let through no more than this is left out, so
+  /// no value is further off than that. 0 leaves nothing out.
+  float transmittance_floor = 1e-4f;
   /// Forced, to measure what the choice costs; the best one when not set.
   std::optional<Axis> principal_axis = std::nullopt;
 };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 namespace splatlas {
 namespace {
@@ -99,12 +100,76 @@ std::array<float, 4> compose(const FragmentList& list, std::size_t first, std::s
   return rgba;
 }
 
+/// The warp of a row of picture pixels.
+class RowWarp {
+ public:
+  RowWarp(const SheetImage& sheet, const Affine2& map, int samples, const WarpKernels& kernels, double y,
+          int width)
+      : sheet_(sheet), map_(map), samples_(samples), kernels_(kernels), y_(y) {
+    if (sheet.window.empty()) return;
+    const double sheet_pixels = std::max(std::hypot(map.xx, map.yx), std::hypot(map.xy, map.yy));
+    std::tie(first_, last_) = covered(sheet, map, y, width, samples > 1 ? sheet_pixels : 0);
+    if (samples > 1) return;
+    // To the last bit of the walk: every sample's four neighbours exist.
+    while (first_ < last_ && !inside(first_, first_)) ++first_;
+    while (first_ < last_ && !inside(first_, last_ - 1)) --last_;
+  }
+
+  /// Columns [first, last) look into the sheet.
+  [[nodiscard]] int first() const { return first_; }
+  [[nodiscard]] int last() const { return last_; }
+
+  /// Columns [from, to), which must look into the sheet.
+  void warp(int from, int to, float* out) const {
+    if (from >= to) return;
+    if (samples_ == 1) {
+      kernels_.warp(walk_from(from), static_cast<std::size_t>(to - from), out + std::ptrdiff_t{4} * from);
+      return;
+    }
+    for (int column = from; column < to; ++column) {
+      const Light light = sample_mean(sheet_, map_, column + 0.5, y_, samples_);
+      std::copy(light.rgba.begin(), light.rgba.end(), out + std::ptrdiff_t{4} * column);
+    }
+  }
+
+ private:
+  static std::int64_t fixed(double value) { return std::llround(value * 4294967296.0); }
+
+  [[nodiscard]] WarpWalk walk_from(int column) const {
+    const double x = column + 0.5;
+    return {sheet_.pixels.data(),
+            sheet_.window.fine_columns() + 2,
+            fixed(map_.xx * x + map_.xy * y_ + map_.x0 + 1),
+            fixed(map_.yx * x + map_.yy * y_ + map_.y0 + 1),
+            fixed(map_.xx),
+            fixed(map_.yx)};
+  }
+  /// A walk from `from` on is inside the sheet at `column`, with room for the rounding of its steps.
+  [[nodiscard]] bool inside(int from, int column) const {
+    constexpr std::int64_t kRounding = std::int64_t{1} << 16;
+    const WarpWalk walk = walk_from(from);
+    const std::int64_t steps = column - from;
+    const auto within = [&](std::int64_t at, std::int64_t pixels) {
+      return at >= (steps == 0 ? 0 : kRounding) && at < ((pixels + 1) << 32) - kRounding;
+    };
+    return within(walk.x + steps * walk.step_x, sheet_.window.fine_columns()) &&
+           within(walk.y + steps * walk.step_y, sheet_.window.fine_rows());
+  }
+
+  const SheetImage& sheet_;
+  const Affine2& map_;
+  int samples_;
+  const WarpKernels& kernels_;
+  double y_;
+  int first_ = 0, last_ = 0;
+};
+
 }  // namespace
 
 void resolve(const SheetImage& sheet, const Shear& shear, const FragmentList& fragments,
-             const PictureSize& size, Picture& picture, ThreadPool& pool) {
+             const PictureSize& size, const WarpKernels& kernels, Picture& picture, ThreadPool& pool) {
   picture.size = size;
-  picture.rgba.assign(4 * static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height), 0.0f);
+  picture.rgba.resize(4 * static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height));
   const Affine2 map = picture_to_pixels(shear, sheet.window);
   const double sheet_pixels = std::max(std::hypot(map.xx, map.yx), std::hypot(map.xy, map.yy));
   const int samples = std::clamp(static_cast<int>(std::ceil(sheet_pixels - 0.25)), 1, kMaxSamplesPerSide);
@@ -112,29 +177,32 @@ void resolve(const SheetImage& sheet, const Shear& shear, const FragmentList& fr
   pool.for_each(static_cast<std::size_t>(size.height), [&](std::size_t row) {
     const double y = static_cast<double>(row) + 0.5;
     float* out = &picture.rgba[4 * row * static_cast<std::size_t>(size.width)];
+    const auto clear = [&](int from, int to) {
+      if (from < to) std::fill(out + std::ptrdiff_t{4} * from, out + std::ptrdiff_t{4} * to, 0.0f);
+    };
+    const RowWarp warp(sheet, map, samples, kernels, y, size.width);
+    clear(0, warp.first());
+    clear(warp.last(), size.width);
     std::size_t next = fragments.first_of_row.empty() ? 0 : fragments.first_of_row[row];
     const std::size_t end = fragments.first_of_row.empty() ? 0 : fragments.first_of_row[row + 1];
-    auto [first, last] = sheet.window.empty()
-                             ? std::pair(0, 0)
-                             : covered(sheet, map, y, size.width, samples > 1 ? sheet_pixels : 0);
-    const auto row_pixel = static_cast<std::uint32_t>(row * static_cast<std::size_t>(size.width));
-    for (int column = 0; column < size.width; ++column) {
+    int done = warp.first();
+    while (next < end) {
       const std::size_t from = next;
-      while (next < end && fragments.fragments[next].pixel == row_pixel + static_cast<std::uint32_t>(column))
-        ++next;
-      const bool in_sheet = column >= first && column < last;
-      if (!in_sheet && from == next) continue;
-      const double x = column + 0.5;
+      const std::uint32_t pixel = fragments.fragments[from].pixel;
+      while (next < end && fragments.fragments[next].pixel == pixel) ++next;
+      const auto column = static_cast<int>(pixel - row * static_cast<std::size_t>(size.width));
       Light whole;
-      if (in_sheet) {
+      if (column >= warp.first() && column < warp.last()) {
+        warp.warp(done, column, out);
+        done = column + 1;
         // Fragments know the volume at the pixel's centre only.
-        whole = samples > 1 && from == next
-                    ? sample_mean(sheet, map, x, y, samples)
-                    : sample(sheet, map.xx * x + map.xy * y + map.x0, map.yx * x + map.yy * y + map.y0);
+        const double x = column + 0.5;
+        whole = sample(sheet, map.xx * x + map.xy * y + map.x0, map.yx * x + map.yy * y + map.y0);
       }
       const std::array<float, 4> rgba = compose(fragments, from, next, whole);
       std::copy(rgba.begin(), rgba.end(), out + std::ptrdiff_t{4} * column);
     }
+    warp.warp(done, warp.last(), out);
   });
 }
 

@@ -6,6 +6,7 @@
 #include "player/shear.h"
 #include "player/sheets.h"
 #include "player/thread_pool.h"
+#include "player/warp_kernels.h"
 
 namespace splatlas {
 
@@ -14,6 +15,6 @@ namespace splatlas {
 /// the sheet; where the sheet is finer than the picture, the mean of several samples. Cost: pixels plus
 /// fragments.
 void resolve(const SheetImage& sheet, const Shear& shear, const FragmentList& fragments,
-             const PictureSize& size, Picture& picture, ThreadPool& pool);
+             const PictureSize& size, const WarpKernels& kernels, Picture& picture, ThreadPool& pool);
 
 }  // namespace splatlas

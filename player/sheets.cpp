@@ -1,7 +1,6 @@
 #include "player/sheets.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 
 #include "player/fragment_order.h"
@@ -9,8 +8,9 @@
 namespace splatlas {
 namespace {
 
-constexpr std::int64_t kBlock = kSpanPadding;  // pixels composited together
-constexpr std::int64_t kBandRows = 16;  // voxels: small enough for the cache, large enough to share out
+constexpr std::int64_t kMostBandRows = 16;  // voxels: enough bands to share out
+/// Bytes of accumulated image that a band works on: they stay in the second level cache.
+constexpr std::int64_t kBandBytes = std::int64_t{1} << 18;
 
 /// A shift split into whole pixels and the rest in [0, 1).
 struct Offset {
@@ -24,36 +24,6 @@ struct Offset {
   }
 };
 
-/// Blocks of one row of the sheet that something was splatted into.
-class TouchedBlocks {
- public:
-  void resize(std::int64_t blocks) { words_.assign(static_cast<std::size_t>(blocks + 63) / 64, 0); }
-
-  void mark(std::int64_t first_pixel, std::int64_t pixels) {
-    const std::int64_t last = (first_pixel + pixels - 1) / kBlock;
-    for (std::int64_t block = first_pixel / kBlock; block <= last; ++block) {
-      words_[static_cast<std::size_t>(block / 64)] |= std::uint64_t{1} << (block % 64);
-    }
-  }
-  /// Calls visit(first pixel, pixels) for every stretch of touched blocks, and forgets them.
-  template <typename Visit>
-  void take(Visit&& visit) {
-    for (std::size_t word = 0; word < words_.size(); ++word) {
-      std::uint64_t bits = std::exchange(words_[word], 0);
-      while (bits != 0) {
-        const int first = std::countr_zero(bits);
-        const int count = std::countr_one(bits >> first);
-        visit((static_cast<std::int64_t>(word) * 64 + first) * kBlock, count * kBlock);
-        if (first + count == 64) break;
-        bits &= ~std::uint64_t{0} << (first + count);
-      }
-    }
-  }
-
- private:
-  std::vector<std::uint64_t> words_;
-};
-
 /// What all bands share.
 struct Pass {
   const SpanModel& model;
@@ -61,13 +31,32 @@ struct Pass {
   const SheetWindow& window;
   const SplatKernels& kernels;
   const FragmentOrder& order;
+  float floor;
   FragmentList& fragments;
   SheetImage& image;
 
+  /// Floats of a plane of an image row: margins included, whole blocks.
   [[nodiscard]] std::int64_t stride() const {
-    return (window.columns + kBlock - 1) / kBlock * kBlock + kBlock;
+    return (window.columns + 2 * ImageRow::kMargin + kBlock - 1) / kBlock * kBlock;
   }
 };
+
+/// What one plane of a slice shows in a pixel of the sheet: what the kernels splat there.
+float splatted(const SheetRow& row, Plane plane, std::int64_t x) {
+  const auto light = [&](std::span<const Span> spans, std::int64_t at) {
+    const auto after =
+        std::upper_bound(spans.begin(), spans.end(), at >> kBlockBits,
+                         [](std::int64_t block, const Span& span) { return block < span.first_block; });
+    if (after == spans.begin()) return 0.0f;
+    const Span& span = *(after - 1);
+    if (at >> kBlockBits >= static_cast<std::int64_t>(span.first_block) + span.blocks) return 0.0f;
+    return row.light[span.place(static_cast<std::uint32_t>(at)) + static_cast<std::size_t>(plane) * kBlock];
+  };
+  const auto mixed = [&](std::int64_t at) {
+    return row.near_weight * light(row.near, at) + row.far_weight * light(row.far, at);
+  };
+  return row.here * mixed(x - row.shift) + row.before * mixed(x - row.shift - 1);
+}
 
 /// Renders rows [first, last) of the window through all slices.
 class Band {
@@ -75,11 +64,8 @@ class Band {
   Band(const Pass& pass, std::int64_t first, std::int64_t last)
       : pass_(pass), scale_(pass.window.scale), first_(first), last_(last), stride_(pass.stride()) {
     const auto fine_rows = static_cast<std::size_t>((last - first) * scale_);
-    const auto row_floats = static_cast<std::size_t>(scale_ * 4 * stride_);
-    image_.assign(fine_rows * row_floats, 0.0f);
-    sheet_.assign(row_floats, 0.0f);
-    touched_.resize(static_cast<std::size_t>(scale_));
-    for (TouchedBlocks& blocks : touched_) blocks.resize(stride_ / kBlock);
+    const auto image_rows = fine_rows * static_cast<std::size_t>(scale_);
+    image_.assign(image_rows * 4 * static_cast<std::size_t>(stride_), 0.0f);
     cursors_.resize(fine_rows);
     for (std::size_t n = 0; n < fine_rows; ++n) {
       const std::int64_t row = first_ * scale_ + static_cast<std::int64_t>(n);
@@ -94,7 +80,7 @@ class Band {
       if (!pass_.model.slices[static_cast<std::size_t>(slice)].spans.empty()) render_slice(slice);
     }
     for (std::int64_t row = first_ * scale_; row < last_ * scale_; ++row) {
-      take_fragments(row, FragmentOrder::kBehindEverything);
+      take_fragments(row, FragmentOrder::kBehindEverything, nullptr);
     }
     store();
   }
@@ -105,10 +91,22 @@ class Band {
   struct Cursors {
     std::size_t above = 0, below = 0;  ///< next fragments whose upper, lower neighbour this row is
   };
+  /// One row of a slice, for every phase.
+  struct RowOfSlice {
+    const SliceSpans& slice;
+    std::span<const Span> near, far;
+    float v_part;
+    std::span<const Offset> phases;
 
-  float* sheet_row(std::int64_t phase) { return sheet_.data() + phase * 4 * stride_; }
+    [[nodiscard]] SheetRow at_phase(std::int64_t phase) const {
+      const Offset& u = phases[static_cast<std::size_t>(phase)];
+      return {slice.light.get(), near, far, 1.0f - v_part, v_part, 1.0f - u.part, u.part, u.whole};
+    }
+  };
+
+  /// Pixel 0 of the first plane.
   float* image_row(std::int64_t fine_row, std::int64_t phase) {
-    return image_.data() + ((fine_row - first_ * scale_) * scale_ + phase) * 4 * stride_;
+    return image_.data() + ((fine_row - first_ * scale_) * scale_ + phase) * 4 * stride_ + ImageRow::kMargin;
   }
 
   void render_slice(std::int64_t n) {
@@ -117,6 +115,10 @@ class Band {
     const auto k = static_cast<double>(slice_number);
     const double u_shift = pass_.shear.u_shift(k) - static_cast<double>(pass_.window.u0);
     const double v_shift = pass_.shear.v_shift(k) - static_cast<double>(pass_.window.v0);
+    phases_.clear();
+    for (std::int64_t phase = 0; phase < scale_; ++phase) {
+      phases_.emplace_back(u_shift - static_cast<double>(phase) / static_cast<double>(scale_));
+    }
     for (std::int64_t sub_row = 0; sub_row < scale_; ++sub_row) {
       const Offset v(v_shift - static_cast<double>(sub_row) / static_cast<double>(scale_));
       // Voxel row j is seen between rows j + v.whole and j + v.whole + 1.
@@ -124,118 +126,75 @@ class Band {
       const std::int64_t last = std::min(last_, pass_.model.row_first + pass_.model.rows + v.whole + 1);
       for (std::int64_t row = first; row < last; ++row) {
         const auto near = pass_.model.row(slice, row - v.whole);
-        const auto far = pass_.model.row(slice, row - v.whole - 1);
-        if (near.empty() && far.empty()) continue;
         if (sub_row == 0) {
           for (const Span& span : near) voxels_ += span.voxels;
         }
-        for (std::int64_t phase = 0; phase < scale_; ++phase) {
-          const Offset u(u_shift - static_cast<double>(phase) / static_cast<double>(scale_));
-          splat_row(slice, near, 1.0f - v.part, u, phase);
-          splat_row(slice, far, v.part, u, phase);
-        }
+        const auto far = v.part > 0 ? pass_.model.row(slice, row - v.whole - 1) : std::span<const Span>();
+        if (near.empty() && far.empty()) continue;
+        const RowOfSlice row_of_slice{slice, near, far, v.part, phases_};
         const std::int64_t fine_row = row * scale_ + sub_row;
-        take_fragments(fine_row, pass_.order.slab_of(slice_number));
-        composite_row(fine_row);
+        take_fragments(fine_row, pass_.order.slab_of(slice_number), &row_of_slice);
+        composite(row_of_slice, fine_row);
       }
     }
   }
 
-  void splat_row(const SliceSpans& slice, std::span<const Span> spans, float weight, const Offset& u,
-                 std::int64_t phase) {
-    if (weight == 0) return;
-    const float here = weight * (1.0f - u.part);
-    const float before = weight * u.part;
-    for (const Span& span : spans) {
-      // One pixel more than voxels: the last voxel's footprint.
-      std::int64_t x = span.start + u.whole;
-      std::int64_t count = span.length + 1;
-      const float* light = slice.planes.get() + span.offset;
-      // Vector steps may run past the span's end, into its padding; but not where a cut at the left has put
-      // them out of step with it.
-      std::int64_t whole_steps = count;
-      if (x < 0) {
-        count += x;
-        light -= x;
-        x = 0;
-        whole_steps = count / kBlock * kBlock;
-      }
-      const bool clipped = count > pass_.window.columns - x;
-      if (clipped) count = pass_.window.columns - x;
-      if (count <= 0) continue;
-      whole_steps = std::min(whole_steps, count);
-      float* row = sheet_row(phase) + x;
-      pass_.kernels.splat(light, slice.plane_floats, static_cast<std::size_t>(whole_steps), here, before, row,
-                          static_cast<std::size_t>(stride_));
-      if (whole_steps < count) {
-        scalar_kernels().splat(light + whole_steps, slice.plane_floats,
-                               static_cast<std::size_t>(count - whole_steps), here, before, row + whole_steps,
-                               static_cast<std::size_t>(stride_));
-      }
-      // Past a cut the padding is not zero: have that cleared, too.
-      touched_[static_cast<std::size_t>(phase)].mark(x, clipped ? stride_ - x : count);
-    }
-  }
-
-  void composite_row(std::int64_t fine_row) {
+  void composite(const RowOfSlice& row, std::int64_t fine_row) {
     const auto slab_mm = static_cast<float>(pass_.shear.slab_mm);
     for (std::int64_t phase = 0; phase < scale_; ++phase) {
-      float* sheet = sheet_row(phase);
-      float* image = image_row(fine_row, phase);
-      touched_[static_cast<std::size_t>(phase)].take([&](std::int64_t first, std::int64_t pixels) {
-        pass_.kernels.composite(sheet + first, static_cast<std::size_t>(stride_),
-                                static_cast<std::size_t>(pixels), slab_mm, image + first,
-                                static_cast<std::size_t>(stride_));
-      });
+      pass_.kernels.composite(
+          row.at_phase(phase), slab_mm, pass_.floor,
+          {image_row(fine_row, phase), static_cast<std::size_t>(stride_), pass_.window.columns});
     }
   }
 
   /// Hands the volume in front of them to the fragments next to this row, up to and including those in
-  /// `slab`.
-  void take_fragments(std::int64_t fine_row, std::int32_t slab) {
+  /// `slab`, which `row` (if any) is the light of.
+  void take_fragments(std::int64_t fine_row, std::int32_t slab, const RowOfSlice* row) {
     Cursors& cursors = cursors_[static_cast<std::size_t>(fine_row - first_ * scale_)];
     const FragmentOrder& order = pass_.order;
     for (; cursors.above < order.row_end(fine_row) && order.entry(cursors.above).slab <= slab;
          ++cursors.above) {
       const FragmentOrder::Entry& entry = order.entry(cursors.above);
       pass_.fragments.above[entry.fragment] =
-          light_before(entry, fine_row, 1.0f - entry.y_part, entry.slab == slab ? entry.slab_part : 0.0f);
+          light_before(entry, fine_row, 1.0f - entry.y_part, entry.slab == slab ? row : nullptr);
     }
     for (; cursors.below < order.row_end(fine_row - 1) && order.entry(cursors.below).slab <= slab;
          ++cursors.below) {
       const FragmentOrder::Entry& entry = order.entry(cursors.below);
       pass_.fragments.below[entry.fragment] =
-          light_before(entry, fine_row, entry.y_part, entry.slab == slab ? entry.slab_part : 0.0f);
+          light_before(entry, fine_row, entry.y_part, entry.slab == slab ? row : nullptr);
     }
   }
 
-  /// This row's share (`weight`) of the volume in front of a fragment, `part` of the current slab included.
-  Light light_before(const FragmentOrder::Entry& entry, std::int64_t fine_row, float weight, float part) {
+  /// This row's share (`weight`) of the volume in front of a fragment, its part of slab `row` included.
+  Light light_before(const FragmentOrder::Entry& entry, std::int64_t fine_row, float weight,
+                     const RowOfSlice* row) {
     Light sum;
     for (const std::int64_t side : {0, 1}) {
       const float share = weight * (side == 0 ? 1.0f - entry.x_part : entry.x_part);
-      const Light pixel = pixel_before(entry.x + side, fine_row, part);
+      const Light pixel = pixel_before(entry.x + side, fine_row, entry.slab_part, row);
       for (std::size_t c = 0; c < 4; ++c) sum.rgba[c] += share * pixel.rgba[c];
     }
     return sum;
   }
 
-  Light pixel_before(std::int64_t x, std::int64_t fine_row, float part) {
+  Light pixel_before(std::int64_t x, std::int64_t fine_row, float part, const RowOfSlice* row) {
     Light light;
     if (x < 0 || x >= pass_.window.fine_columns()) return light;
     const std::int64_t phase = x % scale_;
     const float* image = image_row(fine_row, phase) + x / scale_;
     light = {{image[0], image[stride_], image[2 * stride_], image[3 * stride_]}};
-    if (part <= 0) return light;
-    const float* sheet = sheet_row(phase) + x / scale_;
+    if (row == nullptr || part <= 0) return light;
+    const SheetRow sheet = row->at_phase(phase);
     const float length = part * static_cast<float>(pass_.shear.slab_mm);
-    const float depth = sheet[0] * length;
+    const float depth = splatted(sheet, Plane::kExtinction, x / scale_) * length;
     if (depth <= 0) return light;
     const float through = 1 - light.rgba[3];
     const float absorbed = -std::expm1(-depth);
     const float weight = through * length * (absorbed / depth);
-    for (std::int64_t c = 0; c < 3; ++c)
-      light.rgba[static_cast<std::size_t>(c)] += weight * sheet[(c + 1) * stride_];
+    for (std::size_t c = 0; c < 3; ++c)
+      light.rgba[c] += weight * splatted(sheet, static_cast<Plane>(c + 1), x / scale_);
     light.rgba[3] += through * absorbed;
     return light;
   }
@@ -257,10 +216,9 @@ class Band {
 
   const Pass& pass_;
   std::int64_t scale_, first_, last_, stride_;
-  std::vector<float> image_;            // [fine row][phase][red, green, blue, opacity][stride]
-  std::vector<float> sheet_;            // one row: [phase][extinction, red, green, blue][stride]
-  std::vector<TouchedBlocks> touched_;  // per phase
-  std::vector<Cursors> cursors_;        // per fine row
+  std::vector<float> image_;      // [fine row][phase][red, green, blue, opacity][stride]
+  std::vector<Cursors> cursors_;  // per fine row
+  std::vector<Offset> phases_;    // of the current slice
   std::uint64_t voxels_ = 0;
 };
 
@@ -305,17 +263,20 @@ SheetWindow sheet_window(const SpanModel& model, const Shear& shear, const Pictu
 
 SheetCounters render_sheets(const SpanModel& model, const Shear& shear, const SheetWindow& window,
                             const PictureSize& size, const Grid& grid, const SplatKernels& kernels,
-                            FragmentList& fragments, SheetImage& image, ThreadPool& pool) {
+                            float floor, FragmentList& fragments, SheetImage& image, ThreadPool& pool) {
   image.window = window;
   image.pixels.assign(static_cast<std::size_t>((window.fine_rows() + 2) * (window.fine_columns() + 2)),
                       Light{});
   const FragmentOrder order(fragments, shear, window, size, grid, pool);
-  const Pass pass{model, shear, window, kernels, order, fragments, image};
-  const std::int64_t bands = (window.rows + kBandRows - 1) / kBandRows;
+  const Pass pass{model, shear, window, kernels, order, floor, fragments, image};
+  const std::int64_t row_bytes = pass.stride() * window.scale * window.scale * std::int64_t{sizeof(Light)};
+  const std::int64_t band_rows =
+      std::clamp<std::int64_t>(kBandBytes / std::max<std::int64_t>(row_bytes, 1), 1, kMostBandRows);
+  const std::int64_t bands = (window.rows + band_rows - 1) / band_rows;
   std::vector<std::uint64_t> voxels(static_cast<std::size_t>(bands), 0);
   pool.for_each(voxels.size(), [&](std::size_t n) {
-    const std::int64_t first = static_cast<std::int64_t>(n) * kBandRows;
-    Band band(pass, first, std::min(first + kBandRows, window.rows));
+    const std::int64_t first = static_cast<std::int64_t>(n) * band_rows;
+    Band band(pass, first, std::min(first + band_rows, window.rows));
     band.render();
     voxels[n] = band.voxels();
   });

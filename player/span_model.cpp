@@ -1,9 +1,12 @@
 #include "player/span_model.h"
 
 #include <algorithm>
+#include <new>
 
 namespace splatlas {
 namespace {
+
+constexpr std::align_val_t kLightAlignment{64};
 
 /// What stays the same for every slice of a model.
 struct BuildContext {
@@ -21,32 +24,14 @@ struct BuildContext {
   }
 };
 
-std::size_t padded(std::size_t length) {
-  return (length + kSpanPadding) / kSpanPadding * kSpanPadding;
-}
-
-/// Appends the spans of one scanline: voxels with an extinction, gaps of up to kMaxSpanGap bridged.
-/// `voxels` holds the looks of the scanline's runs, run after run.
+/// Appends the spans of one scanline. `voxels` holds the looks of its runs, run after run.
 void cut_spans(std::span<const SelectedRun> runs, const VoxelLook* voxels, SliceSpans& out) {
   const std::size_t first_of_row = out.spans.size();
   for (const SelectedRun& run : runs) {
     for (std::uint32_t n = 0; n < run.length; ++n) {
-      if (voxels[n].extinction_per_mm <= 0) continue;
-      const std::uint32_t at = run.start + n;
-      ++out.voxels;
-      if (out.spans.size() > first_of_row &&
-          at - (out.spans.back().start + out.spans.back().length) <= kMaxSpanGap) {
-        out.spans.back().length = at + 1 - out.spans.back().start;
-        ++out.spans.back().voxels;
-      } else {
-        out.spans.push_back({at, 1, 1, 0});
-      }
+      if (voxels[n].extinction_per_mm > 0) out.add_voxel(first_of_row, run.start + n);
     }
     voxels += run.length;
-  }
-  for (std::size_t n = first_of_row; n < out.spans.size(); ++n) {
-    out.spans[n].offset = out.plane_floats;
-    out.plane_floats += padded(out.spans[n].length);
   }
 }
 
@@ -63,15 +48,14 @@ void pack_spans(const BuildContext& context, std::int64_t slice, std::int64_t ro
       const float extinction = voxels[n].extinction_per_mm;
       if (extinction <= 0) continue;
       const std::uint32_t at = run.start + n;
-      while (at >= spans[s].start + spans[s].length) ++s;
-      const std::size_t offset = spans[s].offset + (at - spans[s].start);
+      while (at >> kBlockBits >= spans[s].first_block + spans[s].blocks) ++s;
+      const std::size_t place = spans[s].place(at);
       const std::array<float, 3> rgb = look.emission(voxels[n]);
-      out.plane(Plane::kExtinction)[offset] = extinction;
-      out.plane(Plane::kRed)[offset] = rgb[0];
-      out.plane(Plane::kGreen)[offset] = rgb[1];
-      out.plane(Plane::kBlue)[offset] = rgb[2];
+      float* light = &out.light[place];
+      light[0] = extinction;
+      for (std::size_t c = 0; c < 3; ++c) light[(c + 1) * kBlock] = rgb[c];
       if (shaded)
-        out.shaded.push_back({offset, context.cache.normals()[first_voxel + n * context.scan_stride], rgb});
+        out.shaded.push_back({place, context.cache.normals()[first_voxel + n * context.scan_stride], rgb});
     }
     voxels += run.length;
   }
@@ -96,8 +80,6 @@ SliceSpans build_slice(const BuildContext& context, std::int64_t slice) {
     }
   }
 
-  // Zeros before the first span, too.
-  out.plane_floats = kSpanPadding;
   out.first_span.reserve(static_cast<std::size_t>(selected.rows) + 1);
   const VoxelLook* next = voxels.data();
   for (std::int64_t row = selected.row_first; row < selected.row_first + selected.rows; ++row) {
@@ -109,7 +91,7 @@ SliceSpans build_slice(const BuildContext& context, std::int64_t slice) {
   out.first_span.push_back(static_cast<std::uint32_t>(out.spans.size()));
   if (out.spans.empty()) return out;
 
-  out.planes = std::make_unique<float[]>(kPlanes * out.plane_floats);
+  out.allocate_light();
   next = voxels.data();
   for (std::int64_t row = selected.row_first; row < selected.row_first + selected.rows; ++row) {
     const auto n = static_cast<std::size_t>(row - selected.row_first);
@@ -124,13 +106,36 @@ SliceSpans build_slice(const BuildContext& context, std::int64_t slice) {
 
 }  // namespace
 
+void FreeLight::operator()(float* light) const {
+  ::operator delete[](light, kLightAlignment);
+}
+
+void SliceSpans::add_voxel(std::size_t first_of_row, std::uint32_t voxel) {
+  const std::uint32_t block = voxel >> kBlockBits;
+  const std::uint32_t end = ((voxel + 1) >> kBlockBits) + 1;  // the footprint reaches the next voxel
+  if (spans.size() == first_of_row || block > spans.back().first_block + spans.back().blocks) {
+    spans.push_back({block, end - block, 1, 0});
+  } else {
+    spans.back().blocks = std::max(spans.back().blocks, end - spans.back().first_block);
+    ++spans.back().voxels;
+  }
+  ++voxels;
+}
+
+void SliceSpans::allocate_light() {
+  std::size_t floats = 0;
+  for (Span& span : spans) {
+    span.offset = floats;
+    floats += std::size_t{span.blocks} * static_cast<std::size_t>(kBlockFloats);
+  }
+  light.reset(new (kLightAlignment) float[floats]());
+}
+
 std::uint64_t span_model_bytes(std::uint64_t voxels, std::uint64_t runs) {
-  // As if every voxel were shaded, and every run a span with a gap before it. Runs that grey values cut
-  // further lose at least kMaxSpanGap + 1 voxels at each cut, which is worth more than the padding of another
-  // span.
+  // As if every voxel were shaded, and every run a span of its own with blocks that it hardly fills. Voxels
+  // that grey values leave out make runs into several spans only where whole blocks are left out.
   constexpr std::uint64_t kLight = kPlanes * sizeof(float);
-  return voxels * (kLight + sizeof(ShadedVoxel)) +
-         runs * ((kSpanPadding + kMaxSpanGap) * kLight + sizeof(Span));
+  return voxels * (kLight + sizeof(ShadedVoxel)) + runs * (2 * kBlock * kLight + sizeof(Span));
 }
 
 SpanModel build_spans(const SelectedRuns& selected, const DrawPlan& plan, std::span<const VolumeLook> looks,
@@ -163,9 +168,8 @@ void shade_spans(SpanModel& model, std::span<const float> light, ThreadPool& poo
     SliceSpans& slice = model.slices[n];
     for (const ShadedVoxel& voxel : slice.shaded) {
       const float factor = light[voxel.normal];
-      slice.plane(Plane::kRed)[voxel.offset] = voxel.emission[0] * factor;
-      slice.plane(Plane::kGreen)[voxel.offset] = voxel.emission[1] * factor;
-      slice.plane(Plane::kBlue)[voxel.offset] = voxel.emission[2] * factor;
+      float* light_of_voxel = &slice.light[voxel.place];
+      for (std::size_t c = 0; c < 3; ++c) light_of_voxel[(c + 1) * kBlock] = voxel.emission[c] * factor;
     }
   });
 }

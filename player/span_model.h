@@ -14,45 +14,62 @@
 
 namespace splatlas {
 
-/// Floats that one vector step may run past a span's end: spans are padded to multiples of it.
-inline constexpr std::size_t kSpanPadding = 16;
-/// Unselected voxels between two runs that a span includes, as voxels that emit and absorb nothing, because a
-/// longer span costs less than a second one.
-inline constexpr std::uint32_t kMaxSpanGap = 8;
-
-/// `length` voxels from `start` along a scanline. Their light stands at `offset` in each of the slice's
-/// planes, with zeros before and after: plane[offset - 1] and plane[offset + length] up to the padding are 0.
-struct Span {
-  std::uint32_t start = 0, length = 0;
-  std::uint32_t voxels = 0;  ///< those with an extinction; the others are bridged gaps
-  std::size_t offset = 0;
-};
-
-/// What a voxel emits and absorbs: planes of one float a voxel.
+/// What a voxel emits and absorbs: extinction in 1/mm, and emission (colour times extinction) in 1/mm.
 enum class Plane : std::uint8_t { kExtinction = 0, kRed = 1, kGreen = 2, kBlue = 3 };
 inline constexpr std::size_t kPlanes = 4;
+
+/// Scanlines are cut into blocks of kBlock voxels, the first at voxel 0. The light of a block is kBlock
+/// floats for each plane, one after the other: one stream of memory, made for vectors.
+inline constexpr int kBlockBits = 4;
+inline constexpr std::int64_t kBlock = std::int64_t{1} << kBlockBits;
+inline constexpr std::int64_t kBlockFloats = kBlock * static_cast<std::int64_t>(kPlanes);
+
+/// Consecutive blocks of a scanline that hold selected voxels; what is not selected emits and absorbs
+/// nothing. The last voxel of the last block is always such a one, so that no footprint ends in another
+/// block.
+struct Span {
+  std::uint32_t first_block = 0, blocks = 0;
+  std::uint32_t voxels = 0;  ///< those with an extinction
+  std::size_t offset = 0;    ///< of the light of the first block
+
+  /// Where a voxel within the span (by its place in the scanline) has the light of the first plane; the other
+  /// planes follow, kBlock further on each.
+  [[nodiscard]] std::size_t place(std::uint32_t voxel) const {
+    const std::uint32_t block = (voxel >> kBlockBits) - first_block;
+    return offset + std::size_t{block} * static_cast<std::size_t>(kBlockFloats) +
+           (voxel & static_cast<std::uint32_t>(kBlock - 1));
+  }
+};
 
 /// A voxel whose colour depends on the view: it lies on a boundary and is shaded by its normal (hybrid
 /// shading).
 struct ShadedVoxel {
-  std::size_t offset = 0;  ///< in the planes
+  std::size_t place = 0;  ///< of the light of the first plane
   PackedNormal normal = 0;
   std::array<float, 3> emission{};  ///< unshaded, 1/mm
 };
 
-/// The spans of one slice. Planes hold extinction in 1/mm and emission (colour times extinction) in 1/mm.
+struct FreeLight {
+  void operator()(float* light) const;
+};
+
+/// The spans of one slice.
 struct SliceSpans {
-  std::vector<std::uint32_t> first_span;  ///< rows + 1 offsets; empty when the slice has no span
-  std::vector<Span> spans;                ///< by row, then start
-  std::size_t plane_floats = 0;
-  std::unique_ptr<float[]> planes;  ///< kPlanes * plane_floats
+  std::vector<std::uint32_t> first_span;      ///< rows + 1 offsets; empty when the slice has no span
+  std::vector<Span> spans;                    ///< by row, then place
+  std::unique_ptr<float[], FreeLight> light;  ///< of all blocks, aligned for vectors
   std::vector<ShadedVoxel> shaded;
   std::uint64_t voxels = 0;  ///< selected voxels with an extinction above 0
 
-  [[nodiscard]] const float* plane(Plane p) const {
-    return planes.get() + static_cast<std::size_t>(p) * plane_floats;
+  /// Adds a voxel to the latest row, whose spans begin with number `first_of_row`. Voxels come in order.
+  void add_voxel(std::size_t first_of_row, std::uint32_t voxel);
+  /// Gives every span its place, and makes room for the light, all zero.
+  void allocate_light();
+  /// Floats of light, once there is room for it.
+  [[nodiscard]] std::size_t light_floats() const {
+    if (spans.empty()) return 0;
+    return spans.back().offset + std::size_t{spans.back().blocks} * static_cast<std::size_t>(kBlockFloats);
   }
-  [[nodiscard]] float* plane(Plane p) { return planes.get() + static_cast<std::size_t>(p) * plane_floats; }
 };
 
 /// All spans of a selection for one principal axis.

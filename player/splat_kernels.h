@@ -1,29 +1,46 @@
-// HOT LOOP: the two inner loops of sheet splatting, chosen once per frame for the machine at hand.
+// HOT LOOP: splatting a row of voxels into a sheet and compositing it, chosen once per frame for the machine.
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "player/span_model.h"
 
 namespace splatlas {
 
-/// Rows of a sheet are four planes of floats, `stride` apart: extinction, red, green, blue (1/mm).
-/// Rows of the image accumulated so far are four planes: red, green, blue (premultiplied, linear), opacity.
+/// One row of sheet pixels at one slice. In the sheared grid every voxel of a slice has the same sub-pixel
+/// offset, so the footprint (a tent, one voxel to each side) has constant weights: with the mixed row
+///   m[i] = near_weight * near[i] + far_weight * far[i]
+/// of the two rows of voxels whose footprints reach the row, pixel x is here * m[x - shift] + before *
+/// m[x - shift - 1].
+struct SheetRow {
+  const float* light = nullptr;  ///< of the slice
+  std::span<const Span> near, far;
+  float near_weight = 0, far_weight = 0;
+  float here = 0, before = 0;
+  std::int64_t shift = 0;
+};
+
+/// What has been accumulated along the rays of one row of sheet pixels so far.
+struct ImageRow {
+  /// Pixels that may be read and written before the first one and behind the last one.
+  static constexpr std::int64_t kMargin = kBlock;
+
+  float* planes = nullptr;  ///< red, green, blue (premultiplied, linear), opacity; `stride` apart
+  std::size_t stride = 0;
+  std::int64_t columns = 0;
+};
+
 struct SplatKernels {
   const char* name;  ///< "scalar", or the instruction set
 
-  /// Adds one span's footprints to a row of the sheet, for all planes:
-  ///   row[n] += weight_here * light[n] + weight_before * light[n - 1],  0 <= n < count.
-  /// In the sheared grid every voxel of a slice has the same sub-pixel offset, so the (bilinear) footprint's
-  /// weights are constants and splatting is a two-tap convolution. light[-1] must be readable. Up to
-  /// kSpanPadding - 1 floats past `count` may be read and added (they must be readable and writable; a span's
-  /// padding is zero).
-  void (*splat)(const float* light, std::size_t light_stride, std::size_t count, float weight_here,
-                float weight_before, float* row, std::size_t row_stride);
-
-  /// Composites `count` pixels (a multiple of kSpanPadding) of a sheet's row behind what is accumulated, and
-  /// clears the row. Along a slab of `slab_mm` extinction k and emission e are constant, so exactly
+  /// Splats a row and composites it behind what is accumulated. Along a slab of `slab_mm` extinction k and
+  /// emission e are constant, so exactly
   ///   colour += (1 - opacity) * e * (1 - exp(-k d)) / k,   opacity += (1 - opacity) * (1 - exp(-k d)).
-  void (*composite)(float* row, std::size_t row_stride, std::size_t count, float slab_mm, float* image,
-                    std::size_t image_stride);
+  /// Nothing is added to blocks that let through no more than `floor` everywhere. Cost: the blocks of the
+  /// spans, opaque ones next to nothing.
+  void (*composite)(const SheetRow& row, float slab_mm, float floor, const ImageRow& image);
 };
 
 /// Plain C++, the twin that others are compared with.

@@ -4,39 +4,39 @@
 #include <hwy/foreach_target.h>
 // Must come after foreach_target.h.
 #include <cstdint>
-#include <cstdlib>
-#include <cstring>
+#include <limits>
 
+#include <hwy/cache_control.h>
 #include <hwy/highway.h>
 
+#include "player/block_runs.h"
 #include "player/splat_kernels.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace splatlas::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// At most kSpanPadding lanes, so that padding covers every overrun.
-using Lanes = hn::CappedTag<float, 16>;
+using Lanes = hn::CappedTag<float, kBlock>;
+using Vector = hn::Vec<Lanes>;
 
-void Splat(const float* light, std::size_t light_stride, std::size_t count, float weight_here,
-           float weight_before, float* row, std::size_t row_stride) {
+/// Slabs of at most this depth take the short way.
+constexpr float kThin = 0.75f;
+
+/// (1 - exp(-depth)) / depth, 0 <= depth <= kThin, to 2e-8 relative: the polynomial through the Chebyshev
+/// nodes of that range.
+HWY_INLINE Vector ThinMean(Vector depth) {
   const Lanes d;
-  const auto here = hn::Set(d, weight_here);
-  const auto before = hn::Set(d, weight_before);
-  for (std::size_t n = 0; n < count; n += hn::Lanes(d)) {
-    for (std::size_t plane = 0; plane < 4; ++plane) {
-      const float* from = light + plane * light_stride + n;
-      float* to = row + plane * row_stride + n;
-      const auto sum = hn::MulAdd(here, hn::LoadU(d, from), hn::LoadU(d, to));
-      hn::StoreU(hn::MulAdd(before, hn::LoadU(d, from - 1), sum), d, to);
-    }
-  }
+  auto mean = hn::Set(d, -1.011964663e-3f);
+  mean = hn::MulAdd(mean, depth, hn::Set(d, 8.033159332e-3f));
+  mean = hn::MulAdd(mean, depth, hn::Set(d, -4.155307680e-2f));
+  mean = hn::MulAdd(mean, depth, hn::Set(d, 1.666469833e-1f));
+  mean = hn::MulAdd(mean, depth, hn::Set(d, -4.999987434e-1f));
+  return hn::MulAdd(mean, depth, hn::Set(d, 1.0f));
 }
 
 /// 1 - exp(-depth) for depth >= 0 to about 1e-7 relative: exp(-depth) = 2^n * (1 + r * q(r)) with |r| <=
 /// ln(2) / 2, so that the difference from 1 never cancels for small depths.
-template <class V>
-HWY_INLINE V Absorbed(V depth) {
+HWY_INLINE Vector Absorbed(Vector depth) {
   const Lanes d;
   const auto one = hn::Set(d, 1.0f);
   const auto x = hn::Neg(hn::Min(depth, hn::Set(d, 87.0f)));
@@ -58,28 +58,174 @@ HWY_INLINE V Absorbed(V depth) {
   return hn::NegMulAdd(scale, expm1, hn::Sub(one, scale));
 }
 
-void Composite(float* row, std::size_t row_stride, std::size_t count, float slab_mm, float* image,
-               std::size_t image_stride) {
+/// The weights of a row, in every lane.
+struct Weights {
+  Vector near, far, here, before;
+
+  HWY_INLINE explicit Weights(const SheetRow& row)
+      : near(hn::Set(Lanes(), row.near_weight)),
+        far(hn::Set(Lanes(), row.far_weight)),
+        here(hn::Set(Lanes(), row.here)),
+        before(hn::Set(Lanes(), row.before)) {}
+};
+
+/// The rows of voxels that reach a run of blocks.
+enum class Rows { kNear, kFar, kBoth };
+
+template <Rows kRows>
+HWY_INLINE Vector Mixed(const Weights& weights, const float* near, const float* far) {
   const Lanes d;
-  const auto slab = hn::Set(d, slab_mm);
+  if constexpr (kRows == Rows::kNear) return hn::Mul(weights.near, hn::Load(d, near));
+  if constexpr (kRows == Rows::kFar) return hn::Mul(weights.far, hn::Load(d, far));
+  return hn::MulAdd(weights.far, hn::Load(d, far), hn::Mul(weights.near, hn::Load(d, near)));
+}
+
+/// Turned vectors have their last lane first: what a vector hands on to the one behind it.
+HWY_INLINE Vector Turned(Vector mixed) {
+  const Lanes d;
+  const hn::RebindToSigned<Lanes> di;
+  const auto lanes = static_cast<std::int32_t>(hn::Lanes(d));
+  const auto before = hn::And(hn::Iota(di, lanes - 1), hn::Set(di, lanes - 1));
+  return hn::TableLookupLanes(mixed, hn::IndicesFromVec(d, before));
+}
+
+/// The splat: a row of pixels is the mixed row convolved with two weights. `carry` is the mixed vector before
+/// this one, turned; this one's is left in it.
+HWY_INLINE Vector Splatted(const Weights& weights, Vector mixed, Vector& carry) {
+  const Lanes d;
+  const auto turned = Turned(mixed);
+  const auto before = hn::IfThenElse(hn::FirstN(d, 1), carry, turned);
+  carry = turned;
+  return hn::MulAdd(weights.before, before, hn::Mul(weights.here, mixed));
+}
+
+/// Turned mixed vectors of the block before, by plane.
+struct Carry {
+  Vector turned[kPlanes];
+
+  HWY_INLINE void Clear() {
+    for (Vector& t : turned) t = hn::Zero(Lanes());
+  }
+  /// From the last vectors of a block that was passed over.
+  HWY_INLINE void From(const Weights& weights, const float* near, const float* far) {
+    const Lanes d;
+    for (std::size_t plane = 0; plane < kPlanes; ++plane) {
+      const std::size_t at = (plane + 1) * kBlock - hn::Lanes(d);
+      auto mixed = hn::Zero(d);
+      if (near != nullptr) mixed = hn::Mul(weights.near, hn::Load(d, near + at));
+      if (far != nullptr) mixed = hn::MulAdd(weights.far, hn::Load(d, far + at), mixed);
+      turned[plane] = Turned(mixed);
+    }
+  }
+};
+
+/// Composites one block.
+template <Rows kRows>
+HWY_INLINE void CompositeBlock(const Weights& weights, const float* near, const float* far, Vector slab,
+                               float* pixels, std::size_t stride, Carry& carry) {
+  const Lanes d;
   const auto one = hn::Set(d, 1.0f);
-  const auto zero = hn::Zero(d);
-  for (std::size_t n = 0; n < count; n += hn::Lanes(d)) {
-    const auto extinction = hn::LoadU(d, row + n);
-    const auto opacity = hn::LoadU(d, image + 3 * image_stride + n);
+  for (std::size_t n = 0; n < static_cast<std::size_t>(kBlock); n += hn::Lanes(d)) {
+    const auto extinction = Splatted(weights, Mixed<kRows>(weights, near + n, far + n), carry.turned[0]);
+    const auto depth = hn::Mul(slab, extinction);
+    const auto opacity = hn::LoadU(d, pixels + 3 * stride + n);
     const auto through = hn::Sub(one, opacity);
-    const auto depth = hn::Mul(extinction, slab);
-    const auto absorbed = Absorbed(depth);
-    const auto mean = hn::Div(absorbed, hn::Max(depth, hn::Set(d, 1e-30f)));
+    Vector mean, absorbed;
+    if (HWY_LIKELY(hn::AllTrue(d, hn::Le(depth, hn::Set(d, kThin))))) {
+      mean = ThinMean(depth);
+      absorbed = hn::Mul(depth, mean);
+    } else {
+      absorbed = Absorbed(depth);
+      mean = hn::Div(absorbed, hn::Max(depth, hn::Set(d, 1e-30f)));
+    }
     const auto weight = hn::Mul(hn::Mul(through, slab), mean);
     for (std::size_t c = 0; c < 3; ++c) {
-      float* color = image + c * image_stride + n;
-      const auto emission = hn::LoadU(d, row + (c + 1) * row_stride + n);
+      const std::size_t at = (c + 1) * kBlock + n;
+      const auto emission =
+          Splatted(weights, Mixed<kRows>(weights, near + at, far + at), carry.turned[c + 1]);
+      float* color = pixels + c * stride + n;
       hn::StoreU(hn::MulAdd(weight, emission, hn::LoadU(d, color)), d, color);
-      hn::StoreU(zero, d, row + (c + 1) * row_stride + n);
     }
-    hn::StoreU(hn::MulAdd(through, absorbed, opacity), d, image + 3 * image_stride + n);
-    hn::StoreU(zero, d, row + n);
+    hn::StoreU(hn::MulAdd(through, absorbed, opacity), d, pixels + 3 * stride + n);
+  }
+}
+
+HWY_INLINE bool Opaque(const float* opacity, float floor) {
+  const Lanes d;
+  auto least = hn::LoadU(d, opacity);
+  for (std::size_t n = hn::Lanes(d); n < static_cast<std::size_t>(kBlock); n += hn::Lanes(d)) {
+    least = hn::Min(least, hn::LoadU(d, opacity + n));
+  }
+  return hn::AllTrue(d, hn::Le(hn::Sub(hn::Set(d, 1.0f), least), hn::Set(d, floor)));
+}
+
+/// Rows come one after the other, but blocks are passed over: the machine's own prefetching falls behind.
+HWY_INLINE void PrefetchAhead(const float* block) {
+  constexpr std::int64_t kBlocksAhead = 8;
+  for (std::int64_t line = 0; line < kBlockFloats; line += 16)
+    hwy::Prefetch(block + kBlocksAhead * kBlockFloats + line);
+}
+
+/// A row's walk over its blocks.
+struct RowWalk {
+  const SheetRow& row;
+  const ImageRow& image;
+  float floor;
+  Weights weights;
+  Vector slab;
+  Carry carry;
+  bool passed = false;  // the block before was passed over: the carry is still to be made
+  const float* passed_near = nullptr;
+  const float* passed_far = nullptr;
+
+  HWY_INLINE RowWalk(const SheetRow& sheet_row, float slab_mm, float opaque_floor, const ImageRow& image_row)
+      : row(sheet_row),
+        image(image_row),
+        floor(opaque_floor),
+        weights(sheet_row),
+        slab(hn::Set(Lanes(), slab_mm)) {
+    carry.Clear();
+  }
+
+  template <Rows kRows>
+  HWY_INLINE void Run(const BlockRun& run) {
+    const float* near = run.near;
+    const float* far = run.far;
+    for (std::int64_t block = run.first; block < run.last; ++block) {
+      float* pixels = image.planes + block * kBlock + row.shift;
+      if (HWY_UNLIKELY(Opaque(pixels + 3 * image.stride, floor))) {
+        passed = true;
+        passed_near = near;
+        passed_far = far;
+      } else {
+        PrefetchAhead(kRows == Rows::kFar ? far : near);
+        if (HWY_UNLIKELY(passed)) carry.From(weights, passed_near, passed_far);
+        passed = false;
+        CompositeBlock<kRows>(weights, near, far, slab, pixels, image.stride, carry);
+      }
+      if constexpr (kRows != Rows::kFar) near += kBlockFloats;
+      if constexpr (kRows != Rows::kNear) far += kBlockFloats;
+    }
+  }
+};
+
+void Composite(const SheetRow& row, float slab_mm, float floor, const ImageRow& image) {
+  RowWalk walk(row, slab_mm, floor, image);
+  BlockRuns runs(row, image);
+  std::int64_t next_block = std::numeric_limits<std::int64_t>::min();
+  for (BlockRun run; runs.next(run);) {
+    if (run.first != next_block) {
+      walk.carry.Clear();
+      walk.passed = false;
+    }
+    next_block = run.last;
+    if (run.far == nullptr) {
+      walk.Run<Rows::kNear>(run);
+    } else if (run.near == nullptr) {
+      walk.Run<Rows::kFar>(run);
+    } else {
+      walk.Run<Rows::kBoth>(run);
+    }
   }
 }
 
@@ -87,36 +233,22 @@ void Composite(float* row, std::size_t row_stride, std::size_t count, float slab
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
+#include "player/simd_choice.h"
+
 namespace splatlas {
 namespace {
 
-HWY_EXPORT(Splat);
 HWY_EXPORT(Composite);
 
-void splat(const float* light, std::size_t light_stride, std::size_t count, float weight_here,
-           float weight_before, float* row, std::size_t row_stride) {
-  HWY_DYNAMIC_DISPATCH(Splat)(light, light_stride, count, weight_here, weight_before, row, row_stride);
-}
-
-void composite(float* row, std::size_t row_stride, std::size_t count, float slab_mm, float* image,
-               std::size_t image_stride) {
-  HWY_DYNAMIC_DISPATCH(Composite)(row, row_stride, count, slab_mm, image, image_stride);
-}
-
-bool scalar_is_forced() {
-  const char* forced = std::getenv("SPLATLAS_SIMD");
-  return forced != nullptr && std::strcmp(forced, "scalar") == 0;
+void composite(const SheetRow& row, float slab_mm, float floor, const ImageRow& image) {
+  HWY_DYNAMIC_DISPATCH(Composite)(row, slab_mm, floor, image);
 }
 
 }  // namespace
 
 const SplatKernels& best_kernels() {
-  static const SplatKernels kKernels = [] {
-    if (scalar_is_forced()) return scalar_kernels();
-    const std::int64_t supported = hwy::SupportedTargets();
-    return SplatKernels{hwy::TargetName(supported & -supported), splat,
-                        composite};  // the best is the lowest bit
-  }();
+  static const SplatKernels kKernels =
+      scalar_is_forced() ? scalar_kernels() : SplatKernels{best_target(), composite};
   return kKernels;
 }
 

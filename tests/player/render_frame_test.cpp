@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "format/atlas_writer.h"
+#include "player/span_model.h"
 #include "tests/phantom/two_spheres.h"
 #include "tests/reference/light_field.h"
 #include "tests/reference/picture_difference.h"
@@ -230,7 +231,7 @@ TEST(Renderer, LooksPastTheAtlas) {
 
 TEST(Renderer, RefusesSelectionsThatNeedTooMuchMemoryAndKeepsTheOldOne) {
   const AtlasContent content = phantom_content();
-  Renderer renderer(open_in_memory(content), {1, 500 << 10});
+  Renderer renderer(open_in_memory(content), {1, span_model_bytes(437 + 464, 437 + 464)});
   ASSERT_TRUE(renderer.select(selection_of("Sphere_2", content.graph)));
   const Picture before = render_or_throw(renderer, {}, {.size = {20, 20}});
   const auto refused = renderer.select(selection_of("Spheres", content.graph));
@@ -243,7 +244,7 @@ TEST(Renderer, RefusesSelectionsThatNeedTooMuchMemoryAndKeepsTheOldOne) {
 /// A refused frame leaves neither a picture nor something to pick.
 TEST(Renderer, PicksNothingAfterAFrameThatWasRefused) {
   const AtlasContent content = phantom_content();
-  Renderer renderer(open_in_memory(content), {1, 700 << 10});  // enough for 1400 fragments
+  Renderer renderer(open_in_memory(content), {1, 1200 << 10});  // enough for 2400 fragments
   ASSERT_TRUE(renderer.select(selection_of("Spheres:both(opacity=0.5)", content.graph)));
   Camera far_away;
   far_away.zoom = 0.05;
@@ -254,6 +255,33 @@ TEST(Renderer, PicksNothingAfterAFrameThatWasRefused) {
   EXPECT_EQ(refused.error().code, ErrorCode::kLimit);
   EXPECT_FALSE(renderer.pick(99, 101));
   EXPECT_FALSE(renderer.pick(40, 60));
+}
+
+/// Whatever is left out behind pixels that are all but opaque, no value is further off than what they let
+/// through.
+TEST(Renderer, EarlyTerminationStaysWithinItsBound) {
+  TestVolume volume;
+  volume.grid.size = {64, 40, 8};  // wide enough for whole blocks, and deep
+  volume.structures = {
+      {"box", make_mask(volume.grid.size, [](auto, auto, auto) { return true; }), {200, 180, 90}}};
+  const AtlasContent content = make_content(volume);
+  Renderer renderer(open_in_memory(content), {1, 0});
+  ASSERT_TRUE(renderer.select(selection_of("box:volume(opacity=0.2)", content.graph)));
+  for (const Quality quality : {Quality::kDraft, Quality::kNormal}) {
+    RenderOptions options{.size = {90, 30}, .quality = quality, .transmittance_floor = 0};
+    const Picture all = render_or_throw(renderer, {}, options);
+    for (const float floor : {1e-2f, 1e-3f}) {
+      options.transmittance_floor = floor;
+      const Picture picture = render_or_throw(renderer, {}, options);
+      float largest = 0;
+      for (std::size_t n = 0; n < all.rgba.size(); ++n) {
+        EXPECT_LE(picture.rgba[n], all.rgba[n] + 1e-6f) << "light is left out, not added";
+        largest = std::max(largest, all.rgba[n] - picture.rgba[n]);
+      }
+      EXPECT_LE(largest, floor * 1.0001f);
+      EXPECT_GT(largest, floor / 100) << "nothing was left out: the test shows nothing";
+    }
+  }
 }
 
 TEST(Renderer, QualitiesHaveNames) {

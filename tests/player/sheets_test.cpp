@@ -14,7 +14,7 @@ AtlasContent striped_content() {
   std::vector<bool> scanline;
   for (std::size_t length = 1; length <= 40; ++length) {
     scanline.insert(scanline.end(), length, true);
-    scanline.insert(scanline.end(), kMaxSpanGap + 2, false);
+    scanline.insert(scanline.end(), 2 * static_cast<std::size_t>(kBlock), false);
   }
   TestVolume volume;
   volume.grid.size = {static_cast<std::int64_t>(scanline.size()), 6, 4};

@@ -39,7 +39,7 @@ struct Prepared {
   }
 };
 
-/// Lays the spans out in a volume again, checks their order and padding on the way.
+/// Lays the spans out in a volume again, checks their order and blocks on the way.
 std::vector<reference::VoxelLight> unpacked(const SpanModel& model, const Grid& grid) {
   std::vector<reference::VoxelLight> voxels(static_cast<std::size_t>(grid.voxels()));
   const ScanOrder scan = ScanOrder::of(model.axis);
@@ -47,33 +47,28 @@ std::vector<reference::VoxelLight> unpacked(const SpanModel& model, const Grid& 
   for (std::size_t s = 0; s < model.slices.size(); ++s) {
     const SliceSpans& slice = model.slices[s];
     for (std::int64_t row = 0; row < grid.size[scan.row_axis]; ++row) {
-      std::int64_t end = -static_cast<std::int64_t>(kMaxSpanGap) - 1;
+      std::int64_t end_block = -1;
       for (const Span& span : model.row(slice, row)) {
-        EXPECT_GT(span.start, end + static_cast<std::int64_t>(kMaxSpanGap)) << "else one span";
-        end = span.start + span.length;
-        EXPECT_LE(end, grid.size[scan.scan_axis]);
+        EXPECT_GT(span.first_block, end_block) << "else one span";
+        end_block = span.first_block + span.blocks;
         std::uint32_t counted = 0;
-        for (std::size_t p = 0; p < kPlanes; ++p) {
-          const float* light = slice.plane(static_cast<Plane>(p)) + span.offset;
-          EXPECT_EQ(light[-1], 0);
-          const std::size_t padded = (span.length + kSpanPadding) / kSpanPadding * kSpanPadding;
-          for (std::size_t n = span.length; n < padded; ++n) EXPECT_EQ(light[n], 0);
-        }
-        for (std::uint32_t n = 0; n < span.length; ++n) {
+        for (std::int64_t n = span.first_block * kBlock; n < end_block * kBlock; ++n) {
+          const float* const light = &slice.light[span.place(static_cast<std::uint32_t>(n))];
+          if (n >= grid.size[scan.scan_axis]) {
+            for (std::int64_t p = 0; p < kBlockFloats; p += kBlock) EXPECT_EQ(light[p], 0);
+            continue;
+          }
           Index3 at{};
           at[scan.slice_axis] = model.slice_first + static_cast<std::int64_t>(s);
           at[scan.row_axis] = row;
-          at[scan.scan_axis] = span.start + n;
-          const std::size_t offset = span.offset + n;
+          at[scan.scan_axis] = n;
           voxels[static_cast<std::size_t>(grid.offset(at[0], at[1], at[2]))] = {
-              slice.plane(Plane::kExtinction)[offset],
-              {slice.plane(Plane::kRed)[offset], slice.plane(Plane::kGreen)[offset],
-               slice.plane(Plane::kBlue)[offset]}};
-          if (slice.plane(Plane::kExtinction)[offset] > 0) ++counted;
+              light[0], {light[kBlock], light[2 * kBlock], light[3 * kBlock]}};
+          if (light[0] > 0) ++counted;
         }
         EXPECT_EQ(counted, span.voxels);
-        EXPECT_GT(slice.plane(Plane::kExtinction)[span.offset], 0) << "spans begin with a voxel";
-        EXPECT_GT(slice.plane(Plane::kExtinction)[span.offset + span.length - 1], 0);
+        const auto last_voxel = static_cast<std::uint32_t>(end_block * kBlock - 1);
+        EXPECT_EQ(slice.light[span.place(last_voxel)], 0) << "its footprint would end in another block";
         with_extinction += counted;
       }
     }
@@ -119,9 +114,9 @@ TEST(SpanModel, DoesNotDependOnTheNumberOfThreads) {
     const SpanModel b = eight.build(axis);
     ASSERT_EQ(a.voxels, b.voxels);
     for (std::size_t s = 0; s < a.slices.size(); ++s) {
-      ASSERT_EQ(a.slices[s].plane_floats, b.slices[s].plane_floats);
-      const std::size_t floats = a.slices[s].spans.empty() ? 0 : kPlanes * a.slices[s].plane_floats;
-      for (std::size_t n = 0; n < floats; ++n) ASSERT_EQ(a.slices[s].planes[n], b.slices[s].planes[n]);
+      ASSERT_EQ(a.slices[s].light_floats(), b.slices[s].light_floats());
+      for (std::size_t n = 0; n < a.slices[s].light_floats(); ++n)
+        ASSERT_EQ(a.slices[s].light[n], b.slices[s].light[n]);
     }
   }
 }
@@ -143,12 +138,10 @@ TEST(SpanModel, TakesNoMoreMemoryThanItSays) {
         const SpanModel model = prepared.build(Axis::kZ);
         std::uint64_t bytes = 0;
         for (const SliceSpans& slice : model.slices) {
-          bytes += kPlanes * slice.plane_floats * sizeof(float) + slice.spans.size() * sizeof(Span) +
+          bytes += slice.light_floats() * sizeof(float) + slice.spans.size() * sizeof(Span) +
                    slice.shaded.size() * sizeof(ShadedVoxel);
         }
-        const std::uint64_t once =
-            3 * kSpanPadding * kPlanes * sizeof(float);  // zeros before each slice's first span
-        EXPECT_LE(bytes, once + span_model_bytes(prepared.plan.volume_voxels, prepared.atlas->runs(Axis::kZ)))
+        EXPECT_LE(bytes, span_model_bytes(prepared.plan.volume_voxels, prepared.atlas->runs(Axis::kZ)))
             << visible << " visible, " << gap << " not";
       }
     }

@@ -1,0 +1,31 @@
+// HOT LOOP: the warp's inner loop, chosen once per frame for the machine at hand.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "player/fragments.h"
+
+namespace splatlas {
+
+/// A straight walk over a sheet: where the first pixel looks and how far it is to the next, in sheet pixels,
+/// as 32.32 fixed point. Steps are shorter than 4 sheet pixels.
+struct WarpWalk {
+  const Light* pixels = nullptr;  ///< the sheet's border pixel (-1, -1)
+  std::int64_t stride = 0;        ///< pixels from one row to the next
+  std::int64_t x = 0, y = 0;      ///< from that pixel on: not negative
+  std::int64_t step_x = 0, step_y = 0;
+};
+
+struct WarpKernels {
+  const char* name;
+  /// Bilinear samples at `count` places, to `count` pixels of 4 floats. Every place must have its four
+  /// neighbours in the sheet.
+  void (*warp)(const WarpWalk& walk, std::size_t count, float* out);
+};
+
+[[nodiscard]] const WarpKernels& scalar_warp();
+/// Agrees with the scalar twin to about 1e-6.
+[[nodiscard]] const WarpKernels& best_warp();
+
+}  // namespace splatlas
