@@ -11,7 +11,7 @@ std::span<const Bench> benches() {
       Bench{"head", "the paper's tables 3 and 4 on the Colin 27 head: cost against full traversal",
             run_head_bench},
 #ifdef SPLATLAS_HAS_PEERS
-      Bench{"error", "run time against error, ours at every quality beside VolPack", run_error_bench},
+      Bench{"error", "run time against error, ours at every quality beside VolPack and VTK", run_error_bench},
 #endif
   };
   return kBenches;

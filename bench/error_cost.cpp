@@ -1,37 +1,21 @@
 #include "bench/error_cost.h"
 
-#include <array>
 #include <cmath>
 #include <functional>
-#include <set>
 #include <utility>
 
 #include "bench/measure.h"
-#include "bench/peers/volpack_peer.h"
-#include "player/render_frame.h"
-#include "player/shear.h"
 #include "tests/reference/grey_truth.h"
 
 namespace splatlas {
 namespace {
 
+using reference::Classification;
 using reference::GreyTruth;
 using reference::PictureDifference;
 using reference::ReferencePicture;
 
-struct Setting {
-  const char* name;
-  Quality quality;
-};
-constexpr std::array kSettings{Setting{"draft", Quality::kDraft}, Setting{"normal", Quality::kNormal},
-                               Setting{"high", Quality::kHigh}};
-
-/// A renderer that takes part: what it is called, and how it draws.
-struct Participant {
-  RendererCost cost;
-  std::function<Result<void>(const Camera& camera)> draw;
-  std::function<Picture()> picture;
-};
+using TruthOf = std::function<Result<ReferencePicture>(const Camera& camera)>;
 
 /// Sums up differences of several views.
 class ErrorSum {
@@ -60,124 +44,87 @@ class ErrorSum {
   int views_ = 0;
 };
 
-/// One renderer of ours, with its latest picture.
-struct Ours {
-  Renderer renderer;
-  RenderOptions options;
-  Picture latest;
-
-  Result<void> draw(const Camera& camera, Quality quality) {
-    options.quality = quality;
-    SPLATLAS_ASSIGN_OR_RETURN(latest, renderer.render(camera, options));
-    return {};
-  }
-};
-
-/// Selects, and draws once per principal axis and quality, so that all is decoded and merged.
-Result<void> prepare(Ours& ours, const ErrorModel& model, const ErrorEffort& effort) {
-  SPLATLAS_RETURN_IF_ERROR(ours.renderer.select(model.selection));
-  const Atlas& atlas = ours.renderer.atlas();
-  std::set<Axis> prepared;
-  for (int turn = 0; turn < effort.frames * effort.repeats; ++turn) {
-    const Camera camera = turned(model.camera, turn, effort.frames);
-    SPLATLAS_ASSIGN_OR_RETURN(const ParallelView view,
-                              parallel_view(camera, ours.options.size, atlas.display()));
-    if (!prepared.insert(factorise(view, atlas.grid()).principal).second) continue;
-    for (const Setting& setting : kSettings) SPLATLAS_RETURN_IF_ERROR(ours.draw(camera, setting.quality));
-  }
-  return {};
-}
-
-Result<void> compare(std::vector<Participant>& participants, const ErrorModel& model, const PictureSize& size,
-                     const Display& display, const ErrorEffort& effort) {
-  const GreyTruth truth(model.volume, model.look, reference::Classification::kBeforeInterpolation);
+Result<void> compare(std::vector<Participant>& participants, const ErrorTask& task, const TruthOf& truth_of,
+                     int views_compared) {
   std::vector<ErrorSum> errors(participants.size());
-  for (int frame = 0; frame < effort.views_compared; ++frame) {
-    const Camera camera = turned(model.camera, 2 * frame, effort.frames);
-    SPLATLAS_ASSIGN_OR_RETURN(const ParallelView view, parallel_view(camera, size, display));
-    const ReferencePicture expected = render_grey_truth(truth, model.volume.grid, view, 0);
+  for (int view = 0; view < views_compared; ++view) {
+    const Camera camera = task.camera(2 * view);
+    SPLATLAS_ASSIGN_OR_RETURN(const ReferencePicture truth, truth_of(camera));
     for (std::size_t n = 0; n < participants.size(); ++n) {
       SPLATLAS_RETURN_IF_ERROR(participants[n].draw(camera));
-      errors[n].add(difference(participants[n].picture(), expected));
+      errors[n].add(difference(participants[n].picture(), truth));
     }
   }
   for (std::size_t n = 0; n < participants.size(); ++n) participants[n].cost.error = errors[n].mean();
   return {};
 }
 
-Result<void> take_times(std::vector<Participant>& participants, const ErrorModel& model,
-                        const ErrorEffort& effort) {
+Result<std::vector<RendererCost>> take_times(std::vector<Participant> participants, const ErrorTask& task) {
   std::vector<Contender> contenders;
   for (const Participant& participant : participants) {
     contenders.emplace_back([&](int turn) -> Result<std::vector<Elapsed>> {
-      const Camera camera = turned(model.camera, turn, effort.frames);
+      const Camera camera = task.camera(turn);
       Stopwatch watch;
       SPLATLAS_RETURN_IF_ERROR(participant.draw(camera));
-      return std::vector{watch.lap()};
+      const Elapsed frame = watch.lap();
+      if (!participant.stats) return std::vector{frame};
+      const RenderStats& stats = *participant.stats();
+      return std::vector{frame, stats.traversal, stats.sheets, stats.resolve};
     });
   }
   SPLATLAS_ASSIGN_OR_RETURN(const std::vector<StageTimes> times,
-                            measure_interleaved(contenders, effort.frames * effort.repeats));
-  for (std::size_t n = 0; n < participants.size(); ++n) participants[n].cost.frame = median(times[n].front());
-  return {};
-}
-
-RendererCost named(std::string renderer, std::string setting, unsigned threads) {
-  RendererCost cost;
-  cost.renderer = std::move(renderer);
-  cost.setting = std::move(setting);
-  cost.threads = threads;
-  return cost;
-}
-
-void add_ours(Ours& ours, unsigned threads, std::vector<Participant>& participants) {
-  for (const Setting& setting : kSettings) {
-    Participant participant;
-    participant.cost = named("splatlas", setting.name, threads);
-    participant.draw = [&ours, &setting](const Camera& camera) { return ours.draw(camera, setting.quality); };
-    participant.picture = [&ours] { return ours.latest; };
-    participants.push_back(std::move(participant));
+                            measure_interleaved(contenders, task.turns()));
+  std::vector<RendererCost> costs;
+  for (std::size_t n = 0; n < participants.size(); ++n) {
+    RendererCost& cost = costs.emplace_back(std::move(participants[n].cost));
+    cost.frame = median(times[n][0]);
+    if (times[n].size() == 1) continue;
+    cost.traversal = median(times[n][1]);
+    cost.sheets = median(times[n][2]);
+    cost.resolve = median(times[n][3]);
   }
-}
-
-Participant of(VolpackPeer& volpack, const char* setting, const PictureSize& size, const Display& display) {
-  Participant participant;
-  participant.cost = named("VolPack", setting, 1);
-  participant.draw = [&volpack, size, &display](const Camera& camera) -> Result<void> {
-    SPLATLAS_ASSIGN_OR_RETURN(const ParallelView view, parallel_view(camera, size, display));
-    return volpack.render(view);
-  };
-  participant.picture = [&volpack] { return volpack.picture(); };
-  return participant;
+  return costs;
 }
 
 }  // namespace
 
-Result<std::vector<RendererCost>> measure_parallel(const std::shared_ptr<const Atlas>& atlas,
-                                                   const ErrorModel& model, int size,
-                                                   const ErrorEffort& effort) {
-  RenderOptions options;
-  options.size = {size, size};
-  options.hybrid_shading = false;
-  Ours one{Renderer(atlas, {.threads = 1}), options, {}};
-  Ours two{Renderer(atlas, {.threads = 2}), options, {}};
-  SPLATLAS_RETURN_IF_ERROR(prepare(one, model, effort));
-  SPLATLAS_RETURN_IF_ERROR(prepare(two, model, effort));
-  SPLATLAS_ASSIGN_OR_RETURN(VolpackPeer volpack,
-                            VolpackPeer::classify(model.volume, model.look, OpacityRounding::kDown));
-  SPLATLAS_ASSIGN_OR_RETURN(VolpackPeer rounded,
-                            VolpackPeer::classify(model.volume, model.look, OpacityRounding::kNearest));
+Result<std::vector<RendererCost>> measure_parallel(const ErrorTask& task, int views_compared) {
   std::vector<Participant> participants;
-  add_ours(one, 1, participants);
-  add_ours(two, 2, participants);
-  participants.push_back(of(volpack, "classified", options.size, atlas->display()));
-  participants.push_back(of(rounded, "rounded", options.size, atlas->display()));
+  SPLATLAS_RETURN_IF_ERROR(add_ours(task, 1, participants));
+  SPLATLAS_RETURN_IF_ERROR(add_ours(task, 2, participants));
+  for (const OpacityRounding rounding : {OpacityRounding::kDown, OpacityRounding::kNearest}) {
+    SPLATLAS_ASSIGN_OR_RETURN(Participant volpack, volpack_participant(task, rounding));
+    participants.push_back(std::move(volpack));
+  }
+  const GreyTruth truth(task.model.volume, task.model.look, Classification::kBeforeInterpolation);
+  const auto truth_of = [&](const Camera& camera) -> Result<ReferencePicture> {
+    SPLATLAS_ASSIGN_OR_RETURN(const ParallelView view,
+                              parallel_view(camera, task.size, task.atlas->display()));
+    return render_grey_truth(truth, task.model.volume.grid, view, 0);
+  };
+  SPLATLAS_RETURN_IF_ERROR(compare(participants, task, truth_of, views_compared));
+  return take_times(std::move(participants), task);
+}
 
-  SPLATLAS_RETURN_IF_ERROR(compare(participants, model, options.size, atlas->display(), effort));
-  SPLATLAS_RETURN_IF_ERROR(take_times(participants, model, effort));
-  std::vector<RendererCost> costs;
-  for (Participant& participant : participants) costs.push_back(std::move(participant.cost));
-  return costs;
+Result<std::vector<RendererCost>> measure_perspective(const ErrorTask& task, const VtkSteps& steps,
+                                                      int views_compared) {
+  std::vector<Participant> participants;
+  const auto add_vtk = [&](VtkVolumeMapper mapper, double step_mm) -> Result<void> {
+    SPLATLAS_ASSIGN_OR_RETURN(Participant vtk, vtk_participant(task, mapper, step_mm));
+    participants.push_back(std::move(vtk));
+    return {};
+  };
+  for (const double step_mm : steps.fixed_point_mm) {
+    SPLATLAS_RETURN_IF_ERROR(add_vtk(VtkVolumeMapper::kFixedPoint, step_mm));
+  }
+  for (const double step_mm : steps.gpu_mm) SPLATLAS_RETURN_IF_ERROR(add_vtk(VtkVolumeMapper::kGpu, step_mm));
+  const GreyTruth truth(task.model.volume, task.model.look, Classification::kAfterInterpolation);
+  const auto truth_of = [&](const Camera& camera) -> Result<ReferencePicture> {
+    SPLATLAS_ASSIGN_OR_RETURN(const reference::PerspectiveView view, perspective_view(camera, task));
+    return render_grey_truth(truth, task.model.volume.grid, view, 0);
+  };
+  SPLATLAS_RETURN_IF_ERROR(compare(participants, task, truth_of, views_compared));
+  return take_times(std::move(participants), task);
 }
 
 }  // namespace splatlas

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Proves the layers: schemas <- format <- {preprocess, player} <- bench, tests; ITK and VTK in preprocess only.
+# Proves the layers: schemas <- format <- {preprocess, player} <- bench, tests; ITK and VTK in preprocess only,
+# but for VTK as a peer in bench/peers.
 #   check_layers.sh            the #include lines of the sources
 #   check_layers.sh PROGRAM    as well, that this program is linked with neither ITK nor VTK
 set -euo pipefail
@@ -43,6 +44,9 @@ may_include tests/reference format player tests
 
 must_not_include 'itk|vtk|gdcm|vnl' 'ITK and VTK belong to preprocess' \
   schemas format player tests/format tests/player tests/phantom tests/support tests/reference tests/installed
+mapfile -t bench_itself < <(find bench -path bench/peers -prune -o -type f -print)
+must_not_include 'itk|vtk|gdcm|vnl' 'VTK is a peer: bench/peers only' "${bench_itself[@]}"
+must_not_include 'itk|gdcm|vnl' 'ITK belongs to preprocess' bench/peers
 must_not_include 'SDL|imgui|GL/' 'the window belongs to the player' format preprocess bench
 
 if (($# > 0)); then

@@ -47,7 +47,7 @@ packages=(
   xvfb                     # tests: a display without a screen
 
   libbenchmark-dev         # bench
-  libvolpack1-dev          # bench: VolPack, a peer
+  libvolpack1-dev          # bench: VolPack, a peer (as is VTK, above, which draws under xvfb)
 
   mricron-data             # the Colin 27 brain: volume, AAL labels and names
   openimageio-tools        # oiiotool: the gallery's contact sheet

@@ -329,4 +329,11 @@ ReferencePicture render_grey_truth(const GreyTruth& truth, const Grid& grid, con
       threads);
 }
 
+ReferencePicture render_grey_truth(const GreyTruth& truth, const Grid& grid, const PerspectiveView& view,
+                                   unsigned threads) {
+  return render_grey_truth(
+      truth, view.in_plane.size, [&](double x, double y) { return ray_through(view, grid, x, y); }, 0,
+      threads);
+}
+
 }  // namespace splatlas::reference

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "tests/reference/masked_volume.h"
+#include "tests/reference/perspective.h"
 #include "tests/reference/ray.h"
 #include "tests/reference/reference_light.h"
 #include "tests/reference/reference_picture.h"
@@ -51,8 +52,11 @@ using RayOfPixel = std::function<Ray(double x, double y)>;
 /// One ray through the centre of every pixel, from `from_mm` on. `threads`: 0 for one per core.
 [[nodiscard]] ReferencePicture render_grey_truth(const GreyTruth& truth, const PictureSize& size,
                                                  const RayOfPixel& ray, double from_mm, unsigned threads);
-/// In parallel projection.
+// In parallel projection, and in perspective.
 [[nodiscard]] ReferencePicture render_grey_truth(const GreyTruth& truth, const Grid& grid,
                                                  const ParallelView& view, unsigned threads);
+
+[[nodiscard]] ReferencePicture render_grey_truth(const GreyTruth& truth, const Grid& grid,
+                                                 const PerspectiveView& view, unsigned threads);
 
 }  // namespace splatlas::reference

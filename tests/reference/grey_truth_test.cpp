@@ -1,6 +1,7 @@
 #include "tests/reference/grey_truth.h"
 
 #include <cmath>
+#include <numbers>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -145,6 +146,31 @@ TEST(GreyTruth, ARampIsIntegratedExactly) {
     // From the eye on only, here in the middle of the ramp.
     EXPECT_NEAR(-std::log(truth.along(ray, 5).transmittance), 5 - 1.25 + 0.5, 1e-9);
   }
+}
+
+/// In the middle of a cube of 21 voxels of fog, looking along an axis: 10 voxels and a half lie ahead,
+/// whatever lies behind. The ray of any other pixel goes where the picture's plane has it.
+TEST(GreyTruth, AnEyeInsideSeesWhatLiesAhead) {
+  MaskedVolume volume;
+  volume.grid.size = {21, 21, 21};
+  volume.grid.origin_lps_mm = {-10, -10, -10};
+  volume.greys.assign(21 * 21 * 21, 255);
+  const GreyLook look{{{0, 0, {1, 1, 1}}, {255, 0.05, {1, 1, 1}}}};
+  const Camera camera{.azimuth_deg = 90};
+  PerspectiveView view{*parallel_view(camera, {33, 33}, {.center_lps_mm = {-6, 0, 0}, .radius_mm = 4}), 60};
+  // The eye is at distance_mm() from the centre, on the left (+x): put it into the middle.
+  view.in_plane.center_lps_mm = {-view.distance_mm(), 0, 0};
+  EXPECT_NEAR(view.eye_lps_mm()[0], 0, 1e-12);
+  for (const Classification c : {Classification::kBeforeInterpolation, Classification::kAfterInterpolation}) {
+    const ReferencePicture picture = render_grey_truth(GreyTruth(volume, look, c), volume.grid, view, 1);
+    EXPECT_NEAR(picture.pixels[16 * 33 + 16][3], 1 - std::exp(-0.05 * 10.5), 1e-9);
+    EXPECT_NEAR(picture.pixels[16 * 33 + 16][0], 1 - std::exp(-0.05 * 10.5), 1e-9);
+  }
+  const double half_height_mm = 0.5 * 33 * view.in_plane.mm_per_pixel;
+  EXPECT_NEAR(half_height_mm / view.distance_mm(), std::tan(std::numbers::pi / 6), 1e-12);
+  const Ray ray = ray_through(view, volume.grid, 33, 16.5);  // the middle of the right edge
+  EXPECT_NEAR(-ray.per_mm[0], std::cos(std::numbers::pi / 6), 1e-12);
+  EXPECT_NEAR(ray.per_mm[1], std::sin(std::numbers::pi / 6), 1e-12);  // right is posterior (+y)
 }
 
 TEST(GreyTruth, PicturesDoNotDependOnThreads) {

@@ -1,0 +1,105 @@
+#include "bench/error_participants.h"
+
+#include <array>
+#include <set>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "player/shear.h"
+
+namespace splatlas {
+namespace {
+
+struct Setting {
+  const char* name;
+  Quality quality;
+};
+constexpr std::array kSettings{Setting{"draft", Quality::kDraft}, Setting{"normal", Quality::kNormal},
+                               Setting{"high", Quality::kHigh}};
+
+RendererCost named(std::string renderer, std::string setting, unsigned threads) {
+  RendererCost cost;
+  cost.renderer = std::move(renderer);
+  cost.setting = std::move(setting);
+  cost.threads = threads;
+  return cost;
+}
+
+/// One renderer of ours, with its latest picture.
+struct Ours {
+  Renderer renderer;
+  RenderOptions options;
+  Picture latest;
+
+  Result<void> draw(const Camera& camera, Quality quality) {
+    options.quality = quality;
+    SPLATLAS_ASSIGN_OR_RETURN(latest, renderer.render(camera, options));
+    return {};
+  }
+};
+
+}  // namespace
+
+Result<reference::PerspectiveView> perspective_view(const Camera& camera, const ErrorTask& task) {
+  SPLATLAS_ASSIGN_OR_RETURN(const ParallelView view, parallel_view(camera, task.size, task.atlas->display()));
+  return reference::PerspectiveView{view, kVerticalFovDeg};
+}
+
+Result<void> add_ours(const ErrorTask& task, unsigned threads, std::vector<Participant>& participants) {
+  RenderOptions options;
+  options.size = task.size;
+  options.hybrid_shading = false;
+  const auto ours = std::make_shared<Ours>(Ours{Renderer(task.atlas, {.threads = threads}), options, {}});
+  SPLATLAS_RETURN_IF_ERROR(ours->renderer.select(task.model.selection));
+  std::set<Axis> prepared;
+  for (int turn = 0; turn < task.turns(); ++turn) {
+    const Camera camera = task.camera(turn);
+    SPLATLAS_ASSIGN_OR_RETURN(const ParallelView view,
+                              parallel_view(camera, task.size, task.atlas->display()));
+    if (!prepared.insert(factorise(view, task.atlas->grid()).principal).second) continue;
+    for (const Setting& setting : kSettings) SPLATLAS_RETURN_IF_ERROR(ours->draw(camera, setting.quality));
+  }
+  for (const Setting& setting : kSettings) {
+    Participant participant;
+    participant.cost = named("splatlas", setting.name, threads);
+    participant.draw = [ours, &setting](const Camera& camera) { return ours->draw(camera, setting.quality); };
+    participant.picture = [ours] { return ours->latest; };
+    participant.stats = [ours] { return &ours->renderer.stats(); };
+    participants.push_back(std::move(participant));
+  }
+  return {};
+}
+
+Result<Participant> volpack_participant(const ErrorTask& task, OpacityRounding rounding) {
+  SPLATLAS_ASSIGN_OR_RETURN(VolpackPeer classified,
+                            VolpackPeer::classify(task.model.volume, task.model.look, rounding));
+  const auto volpack = std::make_shared<VolpackPeer>(std::move(classified));
+  Participant participant;
+  participant.cost = named("VolPack", rounding == OpacityRounding::kDown ? "classified" : "rounded", 1);
+  participant.draw = [volpack, task](const Camera& camera) -> Result<void> {
+    SPLATLAS_ASSIGN_OR_RETURN(const ParallelView view,
+                              parallel_view(camera, task.size, task.atlas->display()));
+    return volpack->render(view);
+  };
+  participant.picture = [volpack] { return volpack->picture(); };
+  return participant;
+}
+
+Result<Participant> vtk_participant(const ErrorTask& task, VtkVolumeMapper mapper, double step_mm) {
+  const auto vtk = std::make_shared<VtkPeer>(task.size);
+  vtk->add_volume(task.model.volume, task.model.look, mapper, step_mm);
+  Participant participant;
+  participant.cost = named(mapper == VtkVolumeMapper::kGpu ? "VTK GPU" : "VTK FixedPoint",
+                           fmt::format("step {}", step_mm), 2);
+  participant.draw = [vtk, task](const Camera& camera) -> Result<void> {
+    SPLATLAS_ASSIGN_OR_RETURN(const reference::PerspectiveView view, perspective_view(camera, task));
+    vtk->render(view);
+    return {};
+  };
+  participant.picture = [vtk] { return vtk->picture(); };
+  SPLATLAS_RETURN_IF_ERROR(participant.draw(task.camera(0)));
+  return participant;
+}
+
+}  // namespace splatlas

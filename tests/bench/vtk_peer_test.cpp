@@ -1,0 +1,158 @@
+#include "bench/peers/vtk_peer.h"
+
+#include <cmath>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "bench/peers/x_server.h"
+#include "tests/reference/grey_truth.h"
+
+namespace splatlas {
+namespace {
+
+using reference::Classification;
+using reference::GreyLook;
+using reference::GreyTruth;
+using reference::MaskedVolume;
+using reference::PerspectiveView;
+using reference::ReferencePicture;
+
+/// One display for all tests of this program.
+class VtkPeerTest : public testing::TestWithParam<VtkVolumeMapper> {
+ protected:
+  static void SetUpTestSuite() {
+    static const Result<XServer> server = XServer::start_unless_there_is_one();
+    ASSERT_TRUE(server);
+  }
+};
+
+const Display kDisplay{.center_lps_mm = {-9, -14, 30}, .radius_mm = 40};
+
+/// Turned and moved, as the Colin 27 head is.
+MaskedVolume empty_volume() {
+  MaskedVolume volume;
+  volume.grid.size = {20, 30, 40};
+  volume.grid.direction_lps = {-1, 0, 0, 0, -1, 0, 0, 0, 1};
+  volume.grid.origin_lps_mm = {0, 0, 10};
+  volume.greys.assign(static_cast<std::size_t>(volume.grid.voxels()), 0);
+  return volume;
+}
+
+void put_box(MaskedVolume& volume, const Index3& low, std::int64_t side, std::uint8_t grey) {
+  for (std::int64_t k = low[2]; k < low[2] + side; ++k) {
+    for (std::int64_t j = low[1]; j < low[1] + side; ++j) {
+      for (std::int64_t i = low[0]; i < low[0] + side; ++i) {
+        volume.greys[static_cast<std::size_t>(volume.grid.offset(i, j, k))] = grey;
+      }
+    }
+  }
+}
+
+struct Blob {
+  double sum = 0, x = 0, y = 0;
+};
+template <typename AlphaAt>
+Blob blob(const PictureSize& size, const AlphaAt& alpha_at) {
+  Blob blob;
+  for (int y = 0; y < size.height; ++y) {
+    for (int x = 0; x < size.width; ++x) {
+      const double alpha = alpha_at(x, y);
+      blob.sum += alpha;
+      blob.x += alpha * x;
+      blob.y += alpha * y;
+    }
+  }
+  blob.x /= blob.sum;
+  blob.y /= blob.sum;
+  return blob;
+}
+
+void expect_same_place(const Picture& picture, const ReferencePicture& expected) {
+  ASSERT_EQ(picture.size, expected.size);
+  const Blob there = blob(expected.size, [&](int x, int y) {
+    return expected.pixels[static_cast<std::size_t>(y * expected.size.width + x)][3];
+  });
+  const Blob here =
+      blob(expected.size, [&](int x, int y) { return static_cast<double>(picture.at(x, y)[3]); });
+  EXPECT_NEAR(here.x, there.x, 0.05);
+  EXPECT_NEAR(here.y, there.y, 0.05);
+  EXPECT_NEAR(here.sum, there.sum, 0.04 * there.sum);
+}
+
+/// A box at a corner of the grid, whose outermost layer VTK would cut off if there were no zeros around it.
+TEST_P(VtkPeerTest, ShowsABoxWhereItIs) {
+  MaskedVolume volume = empty_volume();
+  put_box(volume, {0, 0, 0}, 6, 255);
+  const GreyLook look{{{0, 0, {1, 0.5, 0.25}}, {255, 0.3, {1, 0.5, 0.25}}}};
+  const GreyTruth truth(volume, look, Classification::kAfterInterpolation);
+  VtkPeer peer({256, 200});
+  peer.add_volume(volume, look, GetParam(), 0.25);
+  for (const auto& [azimuth, elevation] : {std::array<double, 2>{0, 0}, {30, 20}, {120, -35}, {-60, 70}}) {
+    const Camera camera{.azimuth_deg = azimuth, .elevation_deg = elevation};
+    const PerspectiveView view{*parallel_view(camera, {256, 200}, kDisplay), 40};
+    SCOPED_TRACE(azimuth);
+    peer.render(view.in_plane);
+    expect_same_place(peer.picture(), render_grey_truth(truth, volume.grid, view.in_plane, 1));
+    peer.render(view);
+    expect_same_place(peer.picture(), render_grey_truth(truth, volume.grid, view, 1));
+  }
+}
+
+/// 10 mm of constant fog: colours are premultiplied.
+TEST_P(VtkPeerTest, ComposesAsTheClosedFormHasIt) {
+  MaskedVolume volume = empty_volume();
+  put_box(volume, {4, 8, 12}, 10, 200);
+  const GreyLook look{{{199, 0, {0.5, 0.25, 1}}, {200, 0.1, {0.5, 0.25, 1}}}};
+  VtkPeer peer({64, 64});
+  peer.add_volume(volume, look, GetParam(), 0.1);
+  Camera camera;
+  camera.center_lps_mm = index_to_lps_mm(volume.grid).apply({8.5, 12.5, 16.5});
+  peer.render(*parallel_view(camera, {64, 64}, kDisplay));
+  // Grey values reach 200 at the outermost voxels' centres only: the fog is 9 mm long, and a little of a
+  // ramp.
+  const float alpha = static_cast<float>(1 - std::exp(-0.1 * 9));
+  EXPECT_THAT(peer.picture().at(32, 32),
+              testing::Pointwise(testing::FloatNear(0.03f), {0.5f * alpha, 0.25f * alpha, alpha, alpha}));
+  EXPECT_THAT(peer.picture().at(2, 2), testing::Each(0.0f));
+}
+
+INSTANTIATE_TEST_SUITE_P(Mappers, VtkPeerTest,
+                         testing::Values(VtkVolumeMapper::kFixedPoint, VtkVolumeMapper::kGpu),
+                         [](const auto& which) {
+                           return which.param == VtkVolumeMapper::kGpu ? "Gpu" : "FixedPoint";
+                         });
+
+/// Two translucent squares with fog between them, added in the wrong order.
+TEST_F(VtkPeerTest, PeelsSurfacesAndVolumeInOrder) {
+  MaskedVolume volume = empty_volume();
+  put_box(volume, {0, 10, 0}, 9, 255);
+  const GreyLook look{{{254, 0, {0, 0, 1}}, {255, 0.2, {0, 0, 1}}}};
+  const auto square_at = [](float j) {
+    SurfaceMesh mesh;
+    mesh.positions_ijk = {{0, j, 0}, {9, j, 0}, {9, j, 9}, {0, j, 9}};
+    mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+    return mesh;
+  };
+  VtkPeer peer({64, 64});
+  peer.add_surface(square_at(2), volume.grid, {1, 0, 0}, 0.5);  // posterior: j grows to anterior
+  peer.add_surface(square_at(27), volume.grid, {0, 1, 0}, 0.5);
+  peer.add_volume(volume, look, VtkVolumeMapper::kGpu, 0.1);
+  peer.peel_depths();
+  Camera camera;
+  camera.center_lps_mm = index_to_lps_mm(volume.grid).apply({4, 14, 4});
+  camera.zoom = 3;
+  const auto fog = static_cast<float>(1 - std::exp(-0.2 * 8));
+  peer.render(*parallel_view(camera, {64, 64}, kDisplay));
+  EXPECT_THAT(peer.picture().at(32, 32),
+              testing::Pointwise(testing::FloatNear(0.02f),
+                                 {0.25f * (1 - fog), 0.5f, 0.5f * fog, 1 - 0.25f * (1 - fog)}));
+  camera.azimuth_deg = 180;
+  peer.render(*parallel_view(camera, {64, 64}, kDisplay));
+  EXPECT_THAT(peer.picture().at(32, 32),
+              testing::Pointwise(testing::FloatNear(0.02f),
+                                 {0.5f, 0.25f * (1 - fog), 0.5f * fog, 1 - 0.25f * (1 - fog)}));
+}
+
+}  // namespace
+}  // namespace splatlas
