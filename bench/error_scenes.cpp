@@ -70,7 +70,8 @@ std::span<const ErrorScene> error_scenes() {
 std::span<const ErrorLook> error_looks() {
   static constexpr std::array kLooks{
       ErrorLook{"soft", "opacity=0.3,color=#ffffff"},
-      ErrorLook{"thin", "opacity=0.01,color=#ffffff"},
+      ErrorLook{"thin", "profile=thin,opacity=0.01,color=#ffffff"},
+      ErrorLook{"hard", "profile=hard,opacity=0.95,color=#ffffff"},
   };
   return kLooks;
 }
