@@ -85,6 +85,23 @@ TEST(PlayerRender, PicturesDoNotDependOnThreads) {
   EXPECT_TRUE(bytes_of_file(folder.file("1.exr")) == bytes_of_file(folder.file("8.exr")));
 }
 
+TEST(PlayerRender, TakesTransferFunctions) {
+  const TemporaryFolder folder;
+  const auto picture_of = [&](const std::string& options) {
+    const ProgramResult result = run_program({SPLATLAS_PLAYER, "render", phantom_atlas(), "-o", "t.exr",
+                                              "--select", "\"Sphere 1\"(" + options + ")"},
+                                             folder.path());
+    EXPECT_EQ(result.status, 0) << result.err;
+    return bytes_of_file(folder.file("t.exr"));
+  };
+  const std::string ramp = picture_of("low=0,high=255,opacity=0.25");
+  EXPECT_TRUE(ramp == picture_of("curve=0:0:0.25/255:0.25"));
+  EXPECT_TRUE(ramp == picture_of("profile=thin,low=0,high=255,opacity=0.25"));
+  EXPECT_FALSE(ramp == picture_of("profile=thin,low=0,high=255"));
+  EXPECT_FALSE(ramp == picture_of("profile=hard,low=0,high=255,opacity=0.25"));
+  EXPECT_FALSE(ramp == picture_of("curve=0:0/255:0.25"));
+}
+
 TEST(PlayerRender, AnEmptySelectionGivesTheBackground) {
   const TemporaryFolder folder;
   for (const std::string select : {"", "Sphere* - Sphere*"}) {
@@ -135,6 +152,8 @@ TEST(PlayerRender, TellsWhatIsWrong) {
   expect_refused({"render", atlas, "-o", "x.png", "--select", "Spere"}, 4, "Sphere 1");
   expect_refused({"render", atlas, "-o", "x.png", "--select", "\"Sphere 1\":solid"}, 2, "solid");
   expect_refused({"render", atlas, "-o", "x.png", "--select", "\"Sphere 1\"(opacity=2)"}, 2, "opacity");
+  expect_refused({"render", atlas, "-o", "x.png", "--select", "\"Sphere 1\"(low=9,high=3)"}, 2,
+                 "column 23: low 9 must be below high 3");
   expect_refused({"render", atlas, "-o", "x.bmp"}, 2, ".png, .jpg, .tif or .exr");
   expect_refused({"render", atlas, "-o", "nowhere/x.png"}, 1, "nowhere/x.png: cannot be written");
   expect_refused({"render", atlas, "-o", "x.png", "--size", "0x10"}, 2, "0x10");

@@ -91,6 +91,27 @@ TEST_F(SelectionEditorTest, LooksSurviveAChangeOfModeButNotOff) {
   EXPECT_EQ(editor_.look(Index::kStem)->color, graph_[Index::kStem].color);
 }
 
+TEST_F(SelectionEditorTest, TransferFunctionsSurviveEditsOfOtherThings) {
+  ASSERT_TRUE(editor_.set_text("brain(profile=thin,low=3)"));
+  editor_.set_opacity(Index::kStem, 0.5f);
+  EXPECT_EQ(editor_.selection().structures[Index::kStem].volume.profile, TransferProfile::kThin);
+  EXPECT_EQ(editor_.selection().structures[Index::kStem].volume.low, 3.0);
+  editor_.set_mode(Index::kStem, kSurface);
+  editor_.set_mode(Index::kStem, kBoth);
+  editor_.set_color(Index::kStem, {1, 2, 3});
+  EXPECT_EQ(editor_.look(Index::kStem)->volume.low, 3.0);
+  editor_.undo();
+  EXPECT_EQ(editor_.look(Index::kStem)->volume.low, 3.0);
+  editor_.isolate(Index::kLeft);
+  EXPECT_EQ(editor_.text(), "left(profile=thin,low=3)");
+}
+
+TEST_F(SelectionEditorTest, GroupsTakeTheTransferFunctionOfTheirChildren) {
+  ASSERT_TRUE(editor_.set_text("gyrus*(curve=5:0.25/9:0) + stem(curve=5:0.25/9:0)"));
+  editor_.set_opacity(Index::kBrain, 0.5f);
+  EXPECT_EQ(editor_.text(), "brain(opacity=0.5,curve=5:0.25/9:0)");
+}
+
 TEST_F(SelectionEditorTest, KeepsTheUsersWords) {
   ASSERT_TRUE(editor_.set_text("  Gyrus*:both - \"right side\"\n"));
   EXPECT_EQ(editor_.text(), "Gyrus*:both - \"right side\"");
