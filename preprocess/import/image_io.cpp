@@ -1,5 +1,7 @@
 #include "preprocess/import/image_io.h"
 
+#include <algorithm>
+
 #include <itkMetaImageIO.h>
 #include <itkNiftiImageIO.h>
 #include <itkNrrdImageIO.h>
@@ -42,6 +44,23 @@ itk::IOComponentEnum component_of(VoxelType type) {
     case VoxelType::kNone: break;
   }
   return itk::IOComponentEnum::UNKNOWNCOMPONENTTYPE;
+}
+
+Grid grid_of(const itk::ImageIOBase& io) {
+  Grid grid;
+  grid.size = {1, 1, 1};
+  const unsigned axes = std::min(3u, io.GetNumberOfDimensions());
+  for (unsigned a = 0; a < axes; ++a) {
+    grid.size[a] = static_cast<std::int64_t>(io.GetDimensions(a));
+    grid.spacing_mm[a] = io.GetSpacing(a);
+    grid.origin_lps_mm[a] = io.GetOrigin(a);
+    const std::vector<double> direction = io.GetDirection(a);
+    for (unsigned row = 0; row < 3; ++row) {
+      // + 0.0: no negative zeros, which would make equal grids print differently.
+      grid.direction_lps[3 * row + a] = (row < direction.size() ? direction[row] : 0.0) + 0.0;
+    }
+  }
+  return grid;
 }
 
 }  // namespace splatlas

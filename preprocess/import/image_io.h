@@ -3,6 +3,7 @@
 
 #include <itkImageIOBase.h>
 
+#include "format/grid.h"
 #include "format/voxel_type.h"
 #include "preprocess/import/check_image_file.h"
 
@@ -13,5 +14,9 @@ namespace splatlas {
 /// kNone for types that atlases do not take (64-bit integers, ...).
 [[nodiscard]] VoxelType voxel_type_of(itk::IOComponentEnum component);
 [[nodiscard]] itk::IOComponentEnum component_of(VoxelType type);
+
+/// The grid of the file whose header `io` has read; axes that a 2-D image lacks are of size 1 and stand at
+/// right angles.
+[[nodiscard]] Grid grid_of(const itk::ImageIOBase& io);
 
 }  // namespace splatlas

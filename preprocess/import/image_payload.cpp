@@ -81,11 +81,17 @@ Result<void> check_raw_payload(const fs::path& path, std::uint64_t offset, std::
   return {};
 }
 
-Result<void> check_deflated_payload(const fs::path& path, std::uint64_t offset, std::uint64_t expected) {
+Result<void> check_deflated_payload(const fs::path& path, std::uint64_t offset, std::uint64_t expected,
+                                    std::uint64_t before) {
+  // In messages, pixels count, not what stands before them in the stream.
+  const auto too_short = [&](std::uint64_t found) {
+    return truncated(path, expected, found > before ? found - before : 0);
+  };
+  const std::uint64_t needed = before + expected;
   std::error_code error;
   const std::uint64_t size = fs::file_size(path, error);
-  if (error || size < offset || expected / kMaxDeflateRatio > size - offset) {
-    return truncated(path, expected, size > offset ? size - offset : 0);
+  if (error || size < offset || needed / kMaxDeflateRatio > size - offset) {
+    return too_short(size > offset ? size - offset : 0);
   }
   std::ifstream file(path, std::ios::binary);
   file.seekg(static_cast<std::streamoff>(offset));
@@ -95,12 +101,12 @@ Result<void> check_deflated_payload(const fs::path& path, std::uint64_t offset, 
   std::vector<char> packed(1 << 18);
   std::vector<unsigned char> plain(1 << 18);
   std::uint64_t found = 0;
-  for (int status = Z_OK; status != Z_STREAM_END && found < expected + kMaxSurplus;) {
+  for (int status = Z_OK; status != Z_STREAM_END && found < needed + kMaxSurplus;) {
     if (stream->avail_in == 0) {
       file.read(packed.data(), static_cast<std::streamsize>(packed.size()));
       stream->next_in = reinterpret_cast<unsigned char*>(packed.data());
       stream->avail_in = static_cast<unsigned>(file.gcount());
-      if (stream->avail_in == 0 && found < expected) return truncated(path, expected, found);
+      if (stream->avail_in == 0 && found < needed) return too_short(found);
       if (stream->avail_in == 0) {
         return fail(
             ErrorCode::kFailed,
@@ -117,9 +123,9 @@ Result<void> check_deflated_payload(const fs::path& path, std::uint64_t offset, 
     }
     found += plain.size() - stream->avail_out;
     // Some tools write gzip files of several members (bgzip): the next one carries on.
-    if (status == Z_STREAM_END && found < expected && inflateReset(stream.get()) == Z_OK) status = Z_OK;
+    if (status == Z_STREAM_END && found < needed && inflateReset(stream.get()) == Z_OK) status = Z_OK;
   }
-  if (found < expected) return truncated(path, expected, found);
+  if (found < needed) return too_short(found);
   return {};
 }
 

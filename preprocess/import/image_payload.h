@@ -25,9 +25,9 @@ namespace splatlas {
 [[nodiscard]] Result<void> check_raw_payload(const std::filesystem::path& path, std::uint64_t offset,
                                              std::uint64_t expected);
 
-/// Refuses a zlib or gzip stream at `offset` that is damaged or decompresses to less than `expected` bytes.
-/// Cost: one decompression, in constant memory, stopped soon after `expected` bytes.
+/// Refuses a zlib or gzip stream at `offset` that is damaged or decompresses to less than `expected` bytes of
+/// pixels after `before` other bytes. Cost: one decompression, in constant memory, stopped soon after.
 [[nodiscard]] Result<void> check_deflated_payload(const std::filesystem::path& path, std::uint64_t offset,
-                                                  std::uint64_t expected);
+                                                  std::uint64_t expected, std::uint64_t before = 0);
 
 }  // namespace splatlas

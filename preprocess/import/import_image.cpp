@@ -2,40 +2,19 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
-#include <stdexcept>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "format/ascii_text.h"
 #include "preprocess/import/check_image_file.h"
 #include "preprocess/import/image_io.h"
 #include "preprocess/import/itk_call.h"
-#include "format/interrupts.h"
+#include "preprocess/import/read_nifti_file.h"
 
 namespace splatlas {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// What ITK says of the grid; axes that a 2-D image lacks are of size 1 and stand at right angles.
-Grid grid_of(const itk::ImageIOBase& io) {
-  Grid grid;
-  grid.size = {1, 1, 1};
-  const unsigned axes = std::min(3u, io.GetNumberOfDimensions());
-  for (unsigned a = 0; a < axes; ++a) {
-    grid.size[a] = static_cast<std::int64_t>(io.GetDimensions(a));
-    grid.spacing_mm[a] = io.GetSpacing(a);
-    grid.origin_lps_mm[a] = io.GetOrigin(a);
-    const std::vector<double> direction = io.GetDirection(a);
-    for (unsigned row = 0; row < 3; ++row) {
-      // + 0.0: no negative zeros, which would make equal grids print differently.
-      grid.direction_lps[3 * row + a] = (row < direction.size() ? direction[row] : 0.0) + 0.0;
-    }
-  }
-  return grid;
-}
 
 Result<void> check_pixels(const itk::ImageIOBase& io, const std::string& name) {
   if (io.GetNumberOfComponents() != 1) {
@@ -57,12 +36,11 @@ Result<void> check_pixels(const itk::ImageIOBase& io, const std::string& name) {
   return {};
 }
 
-/// `name` stands for the file in messages.
-Result<Image> read_with(itk::ImageIOBase& io, const std::string& file, const std::string& name) {
-  if (!io.CanReadFile(file.c_str())) {
+Result<Image> read_with(itk::ImageIOBase& io, const std::string& name) {
+  if (!io.CanReadFile(name.c_str())) {
     return fail(ErrorCode::kFailed, fmt::format("{}: is not of the type that its ending says", name));
   }
-  io.SetFileName(file);
+  io.SetFileName(name);
   io.ReadImageInformation();
   SPLATLAS_RETURN_IF_ERROR(check_pixels(io, name));
   Image image;
@@ -78,50 +56,15 @@ Result<Image> read_with(itk::ImageIOBase& io, const std::string& file, const std
   return image;
 }
 
-/// NIfTI's library reads the header of scan.nii.gz and then the pixels of scan.nii, when that stands beside
-/// it.
-bool has_misleading_neighbour(const fs::path& path) {
-  std::error_code error;
-  return to_lower(path.extension().string()) == ".gz" &&
-         fs::exists(fs::path(path).replace_extension(), error);
-}
-
-/// The file under another name, with no neighbours: a link in a folder of its own.
-class LonelyLink {
- public:
-  explicit LonelyLink(const fs::path& path) {
-    std::string pattern = (fs::temp_directory_path() / "splatlas-XXXXXX").string();
-    if (::mkdtemp(pattern.data()) == nullptr) throw std::runtime_error("cannot make a temporary folder");
-    folder_ = pattern;
-    fs::create_symlink(fs::absolute(path), link());
-  }
-  ~LonelyLink() {
-    std::error_code ignored;
-    fs::remove_all(folder_, ignored);
-  }
-  LonelyLink(const LonelyLink&) = delete;
-  LonelyLink& operator=(const LonelyLink&) = delete;
-
-  [[nodiscard]] fs::path link() const { return folder_ / "image.nii.gz"; }
-
- private:
-  const DeferInterrupts no_folder_left_;
-  fs::path folder_;
-};
-
 }  // namespace
 
 Result<Image> import_image(const fs::path& path) {
   SPLATLAS_RETURN_IF_ERROR(check_image_file(path));
   SPLATLAS_ASSIGN_OR_RETURN(const ImageFormat format, image_format(path));
   const std::string name = path.string();
-  if (format == ImageFormat::kNifti && has_misleading_neighbour(path)) {
-    return call_itk(name, [&] {
-      const LonelyLink link(path);
-      return read_with(*make_image_io(format), link.link().string(), name);
-    });
-  }
-  return call_itk(name, [&] { return read_with(*make_image_io(format), name, name); });
+  return call_itk(name, [&] {
+    return format == ImageFormat::kNifti ? read_nifti_file(path) : read_with(*make_image_io(format), name);
+  });
 }
 
 Result<void> check_same_grid(const Grid& a, const std::string& name_of_a, const Grid& b,

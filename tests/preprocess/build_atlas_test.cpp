@@ -107,6 +107,27 @@ TEST_F(BuildAtlas, LabelsAndVolumeComeBackVoxelForVoxel) {
   }
 }
 
+TEST_F(BuildAtlas, NanAndInfinityComeBackThroughEveryFormat) {
+  std::mt19937 random(11);
+  using Limits = std::numeric_limits<float>;
+  Image volume = random_volume(awkward_grid(0), VoxelType::kFloat32, random);
+  const std::array strange{Limits::quiet_NaN(), -Limits::quiet_NaN(), Limits::infinity(), -Limits::infinity(),
+                           -0.f};
+  std::ranges::copy(strange, volume.voxels.as<float>());
+  const std::string labels = write("labels.nrrd", random_labels(awkward_grid(0), VoxelType::kUInt8, random));
+  for (const std::string from : {".nrrd", ".mha", ".nii", ".nii.gz"}) {
+    BuildOptions build_options = options();
+    build_options.sources.labels = labels;
+    build_options.sources.volume = write("volume" + from, volume);
+    build(build_options);
+    for (const std::string to : {".nrrd", ".mha", ".nii", ".nii.gz"}) {
+      SCOPED_TRACE(from + " to " + to);
+      export_all("", "back" + to);
+      EXPECT_EQ(import_image(file("back" + to))->voxels, volume.voxels);
+    }
+  }
+}
+
 TEST_F(BuildAtlas, AllAxisOrdersOfOneVolumeGiveOneAtlas) {
   std::mt19937 random(2);
   const Grid grid = awkward_grid(0.15);
