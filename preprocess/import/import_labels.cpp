@@ -10,6 +10,7 @@
 
 #include "format/ascii_text.h"
 #include "preprocess/import/check_image_file.h"
+#include "preprocess/structures/structure_name.h"
 
 namespace splatlas {
 namespace {
@@ -156,7 +157,10 @@ Result<ImportedLabels> import_mask_folder(const fs::path& folder) {
     SPLATLAS_RETURN_IF_ERROR(check_same_grid(result.source_grid, result.source, image.grid, file.string()));
     SourceStructure structure;
     structure.name = structure_name(file);
-    if (const auto [other, is_new] = file_of_name.emplace(structure.name, file); !is_new) {
+    if (const auto fit = check_structure_name(structure.name); !fit) {
+      return fail(ErrorCode::kFailed, fmt::format("{}: {}", file.string(), fit.error().message));
+    }
+    if (const auto [other, is_new] = file_of_name.emplace(name_key(structure.name), file); !is_new) {
       return fail(ErrorCode::kFailed,
                   fmt::format("{} and {} name the same structure", other->second.string(), file.string()));
     }

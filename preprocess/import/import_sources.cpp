@@ -1,13 +1,15 @@
 #include "preprocess/import/import_sources.h"
 
-#include <algorithm>
+#include <map>
 
 #include <fmt/format.h>
 
+#include "format/ascii_text.h"
 #include "preprocess/import/file_hash.h"
 #include "preprocess/import/import_image.h"
 #include "preprocess/import/import_labels.h"
 #include "preprocess/structures/read_names.h"
+#include "preprocess/structures/structure_name.h"
 
 namespace splatlas {
 namespace {
@@ -21,8 +23,10 @@ class SourceImporter {
       : files_(files), progress_(progress) {}
 
   Result<SourceModel> import() {
+    SPLATLAS_RETURN_IF_ERROR(collect_names());
     SPLATLAS_RETURN_IF_ERROR(import_tree());
     SPLATLAS_RETURN_IF_ERROR(import_labels());
+    SPLATLAS_RETURN_IF_ERROR(check_names_of_labels());
     report(0.4);
     SPLATLAS_RETURN_IF_ERROR(import_volume());
     report(0.7);
@@ -53,6 +57,38 @@ class SourceImporter {
     return check_same_grid(model_.source_grid, grid_file_, grid, file);
   }
 
+  /// Of segments and meshes; each must have its own.
+  Result<void> collect_names() {
+    for (const SegmentRule& rule : files_.segments)
+      SPLATLAS_RETURN_IF_ERROR(collect_name("--segment", rule.name));
+    for (const SourceFiles::Mesh& mesh : files_.meshes)
+      SPLATLAS_RETURN_IF_ERROR(collect_name("--mesh", mesh.name));
+    return {};
+  }
+
+  Result<void> collect_name(const std::string& option, const std::string& name) {
+    if (const auto fit = check_structure_name(name); !fit) {
+      return fail(ErrorCode::kUsage, fmt::format("{}: {}", option, fit.error().message));
+    }
+    const auto [other, is_new] = option_of_name_.emplace(name_key(name), option);
+    if (is_new) return {};
+    return fail(ErrorCode::kUsage,
+                fmt::format("{}: the name {} is taken by a {} already; names differ by more "
+                            "than case",
+                            option, in_quotes(name), other->second));
+  }
+
+  Result<void> check_names_of_labels() {
+    for (const SourceStructure& structure : model_.structures) {
+      const auto option = option_of_name_.find(name_key(structure.name));
+      if (option == option_of_name_.end()) continue;
+      return fail(ErrorCode::kUsage,
+                  fmt::format("{}: the name {} is taken by a structure of {} already", option->second,
+                              in_quotes(structure.name), files_.labels.string()));
+    }
+    return {};
+  }
+
   Result<void> import_tree() {
     if (files_.tree.empty()) return {};
     model_.tree_file = files_.tree.string();
@@ -62,7 +98,8 @@ class SourceImporter {
 
   Result<void> import_labels() {
     if (files_.labels.empty()) return {};
-    const bool masks = fs::is_directory(files_.labels);
+    std::error_code unreadable;  // which the importer tells
+    const bool masks = fs::is_directory(files_.labels, unreadable);
     SPLATLAS_ASSIGN_OR_RETURN(ImportedLabels labels,
                               masks ? import_mask_folder(files_.labels) : import_label_map(files_.labels));
     if (!files_.names.empty()) {
@@ -158,6 +195,7 @@ class SourceImporter {
   const std::function<void(double)>& progress_;
   SourceModel model_;
   std::string grid_file_;
+  std::map<std::string, std::string> option_of_name_;  // by name_key
 };
 
 }  // namespace

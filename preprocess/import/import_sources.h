@@ -49,7 +49,7 @@ struct SourceModel {
 };
 
 /// Reads and checks the files, each with an error of one line (see the importers). All volumes must be on one
-/// grid. `progress` gets the fraction done and may be empty.
+/// grid, and no two structures share a name (case aside). `progress` gets the fraction done and may be empty.
 [[nodiscard]] Result<SourceModel> import_sources(const SourceFiles& files,
                                                  const std::function<void(double)>& progress = {});
 

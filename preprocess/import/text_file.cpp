@@ -32,7 +32,10 @@ Result<void> check_regular_file(const std::filesystem::path& path) {
   if (status.type() == std::filesystem::file_type::directory) {
     return fail(ErrorCode::kFailed, fmt::format("{}: is a folder; a file is needed here", path.string()));
   }
-  if (error || status.type() != std::filesystem::file_type::regular) {
+  if (status.type() == std::filesystem::file_type::none) {  // a name too long, a loop of links
+    return fail(ErrorCode::kFailed, fmt::format("{}: cannot be read: {}", path.string(), error.message()));
+  }
+  if (status.type() != std::filesystem::file_type::regular) {
     return fail(ErrorCode::kFailed, fmt::format("{}: is not a regular file", path.string()));
   }
   if (!std::ifstream(path, std::ios::binary)) {

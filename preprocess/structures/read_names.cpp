@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "preprocess/import/text_file.h"
+#include "preprocess/structures/structure_name.h"
 
 namespace splatlas {
 namespace {
@@ -68,20 +69,26 @@ Result<std::vector<LabelName>> read_names(const std::filesystem::path& path) {
   SPLATLAS_ASSIGN_OR_RETURN(const std::vector<TextLine> lines, read_text_lines(path));
   std::vector<LabelName> names;
   std::map<std::int64_t, std::size_t> line_of_label;
+  std::map<std::string, std::size_t> line_of_name;
   for (const TextLine& line : lines) {
     const auto refuse = [&](const std::string& what) {
       return fail(ErrorCode::kFailed, fmt::format("{}: line {}: {}", path.string(), line.number, what));
     };
-    const Words words = split_words(line.text);
-    const auto label = parse_integer(words.all.front());
+    const std::string_view first_word = split_blanks(line.text).front();
+    const auto label = parse_integer(first_word);
     if (!label || *label < 0 || *label > kMaxLabel) {
-      return refuse(fmt::format("'{}' is no label (0 to {}); a line is: label name [code]", words.all.front(),
-                                kMaxLabel));
+      return refuse(
+          fmt::format("'{}' is no label (0 to {}); a line is: label name [code]", first_word, kMaxLabel));
     }
+    const Words words = split_words(line.text);
     if (*label == 0) continue;
     if (words.all.size() < 2) return refuse(fmt::format("label {} has no name", *label));
     LabelName name = parse_itk_snap(words).value_or(parse_plain(line.text, words));
     if (name.name.empty()) return refuse(fmt::format("label {} has no name", *label));
+    if (const auto fit = check_structure_name(name.name); !fit) return refuse(fit.error().message);
+    if (const auto [first, is_new] = line_of_name.emplace(name_key(name.name), line.number); !is_new) {
+      return refuse(fmt::format("the name '{}' is taken already, in line {}", name.name, first->second));
+    }
     if (const auto [first, is_new] = line_of_label.emplace(*label, line.number); !is_new) {
       return refuse(fmt::format("label {} has a name already, in line {}", *label, first->second));
     }

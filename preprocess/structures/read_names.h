@@ -23,9 +23,9 @@ struct LabelName {
 
 /// Reads one label a line: either "label name [code]" (AAL and most others; quote a name that ends in a
 /// number), or the eight columns of ITK-SNAP, `label R G B A visible mesh "name"`. Blank lines and lines that
-/// start with
-/// "#" do not count, nor does label 0, the background. kFailed names file and line of the first fault: a
-/// label that is no number from 0 to 2^32 - 1, a label named twice, a missing name.
+/// start with "#" do not count, nor does label 0, the background. kFailed names file and line of the first
+/// fault: a label that is no number from 0 to 2^32 - 1, a label named twice, a missing name, one that
+/// check_structure_name refuses, one that two labels share (case aside).
 [[nodiscard]] Result<std::vector<LabelName>> read_names(const std::filesystem::path& path);
 
 /// Reads a colour table of 768 bytes (MRIcron's .lut: 256 reds, 256 greens, 256 blues): entry n is label n's.

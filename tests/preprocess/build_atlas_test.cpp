@@ -280,6 +280,39 @@ TEST_F(BuildAtlas, ThresholdsAloneMakeAnAtlas) {
   EXPECT_EQ(content.label_type, VoxelType::kNone);
 }
 
+TEST_F(BuildAtlas, EveryStructureHasANameOfItsOwn) {
+  std::mt19937 random(12);
+  BuildOptions build_options = options();
+  build_options.sources.labels =
+      write("labels.nrrd", random_labels(awkward_grid(0), VoxelType::kUInt8, random));
+  build_options.sources.meshes = {{"Screw", "missing.stl"}, {"screw", "missing too.stl"}};
+  EXPECT_THAT(error_of(build_options), testing::AllOf(HasSubstr("--mesh"), HasSubstr("\"screw\"")));
+  build_options.sources.meshes.pop_back();
+  build_options.sources.segments = {*parse_segment("SCREW =mask:missing.nrrd")};
+  EXPECT_THAT(error_of(build_options), testing::AllOf(HasSubstr("--segment"), HasSubstr("--mesh")));
+  build_options.sources.segments.clear();
+  for (const std::string name : {"Label 1", "label 1"}) {
+    build_options.sources.meshes = {{name, "missing.stl"}};
+    EXPECT_THAT(error_of(build_options), testing::AllOf(HasSubstr("--mesh"), HasSubstr("labels.nrrd")));
+  }
+  for (const std::string& name : {std::string("a\nb"), std::string(201, 'x')}) {
+    build_options.sources.meshes = {{name, "missing.stl"}};
+    const Result<BuildReport> refused = build_atlas(build_options);
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().code, ErrorCode::kUsage);
+    EXPECT_THAT(refused.error().message, testing::Not(HasSubstr("\n")));
+  }
+}
+
+TEST_F(BuildAtlas, PathsThatCannotBeFollowedAreToldInOneLine) {
+  BuildOptions build_options = options();
+  build_options.sources.labels = file(std::string(300, 'x') + ".nii");
+  EXPECT_THAT(error_of(build_options), HasSubstr("cannot be read: File name too long"));
+  std::filesystem::create_symlink("loop.nii", file("loop.nii"));
+  build_options.sources.labels = file("loop.nii");
+  EXPECT_THAT(error_of(build_options), HasSubstr("loop.nii: cannot be read: Too many levels of symbolic"));
+}
+
 TEST_F(BuildAtlas, ProvenanceHoldsHashesAndWordsOfTheAuthorOnly) {
   std::mt19937 random(5);
   BuildOptions build_options = options();

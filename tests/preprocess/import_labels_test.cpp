@@ -116,7 +116,11 @@ TEST(ImportMasks, RefusesFoldersThatAreNoMasks) {
   ASSERT_TRUE(write_image(row<std::uint8_t>(VoxelType::kUInt8, {0, 1}), folder.file("liver.nii.gz")));
   ASSERT_TRUE(write_image(row<std::uint8_t>(VoxelType::kUInt8, {0, 1}), folder.file("liver.nrrd")));
   EXPECT_THAT(import_mask_folder(folder.path()).error().message, HasSubstr("same structure"));
-  std::filesystem::remove(folder.file("liver.nrrd"));
+  std::filesystem::rename(folder.file("liver.nrrd"), folder.file("LIVER.nrrd"));
+  EXPECT_THAT(import_mask_folder(folder.path()).error().message, HasSubstr("same structure"));
+  std::filesystem::rename(folder.file("LIVER.nrrd"), folder.file("li\tver.nrrd"));
+  EXPECT_THAT(import_mask_folder(folder.path()).error().message, HasSubstr("control character"));
+  std::filesystem::remove(folder.file("li\tver.nrrd"));
   ASSERT_TRUE(write_image(row<std::uint8_t>(VoxelType::kUInt8, {0, 1, 1}), folder.file("spleen.nrrd")));
   EXPECT_THAT(import_mask_folder(folder.path()).error().message,
               AllOf(HasSubstr("2x1x1"), HasSubstr("3x1x1")));

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
 
 #include "tests/preprocess/raw_image_files.h"
 #include "tests/support/run_program.h"
@@ -72,6 +73,22 @@ TEST_F(ReadNames, TellsTheLineOfAFault) {
   EXPECT_THAT(error("# nothing\n"), HasSubstr("names no label"));
   EXPECT_THAT(error(std::string("1 A\0B\n", 6)), HasSubstr("text"));
   EXPECT_THAT(error("1 \xff\xfe\n"), HasSubstr("UTF-8"));
+  EXPECT_THAT(error("1 A\n\"2\"foo\n"), AllOf(HasSubstr("names.txt: line 2"), HasSubstr("'\"2\"foo'")));
+  EXPECT_THAT(error("\"1\" A\n"), AllOf(HasSubstr("line 1"), HasSubstr("no label")));
+  EXPECT_THAT(error("1 \"\"\n"), HasSubstr("label 1 has no name"));
+  EXPECT_THAT(error("1 A\n2 B\n3 a\n"), AllOf(HasSubstr("line 3"), HasSubstr("'a'"), HasSubstr("in line 1")));
+  EXPECT_THAT(error("1 a\tb c\n"), AllOf(HasSubstr("line 1"), HasSubstr("control character")));
+  EXPECT_THAT(error("1 " + std::string(201, 'x') + "\n"), HasSubstr("201 characters"));
+}
+
+RC_GTEST_FIXTURE_PROP(ReadNames, AnyLineIsReadOrRefusedWithItsNumber, ()) {
+  const auto line = *rc::gen::container<std::string>(rc::gen::elementOf(std::string("\"12 \tax#-")));
+  const auto names = read("7 first\n" + line + "\n");
+  if (names) {
+    for (const LabelName& name : *names) RC_ASSERT(!name.name.empty());
+  } else {
+    RC_ASSERT(names.error().message.find("names.txt: line 2: ") != std::string::npos);
+  }
 }
 
 TEST_F(ReadNames, ReadsColorTables) {

@@ -1,0 +1,42 @@
+#include "preprocess/structures/structure_name.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace splatlas {
+namespace {
+
+using testing::HasSubstr;
+
+TEST(StructureName, TakesWhatPeopleWrite) {
+  for (const std::string name : {"a", "Noyau caudé", "Left (upper) lobe, 2nd part", "脳", "7"}) {
+    EXPECT_TRUE(check_structure_name(name)) << name;
+  }
+}
+
+TEST(StructureName, CountsCharactersNotBytes) {
+  std::string umlauts;
+  for (std::size_t n = 0; n < kMaxNameCharacters; ++n) umlauts += "ü";
+  EXPECT_TRUE(check_structure_name(umlauts));
+  EXPECT_THAT(check_structure_name(umlauts + "x").error().message, HasSubstr("201 characters"));
+}
+
+TEST(StructureName, RefusesWhatNobodyCanType) {
+  for (const std::string name : {"a\nb", "a\tb", "a\x7f", "\x1b[31m"}) {
+    const auto refused = check_structure_name(name);
+    ASSERT_FALSE(refused);
+    EXPECT_THAT(refused.error().message, HasSubstr("control character"));
+    EXPECT_EQ(refused.error().message.find_first_of("\n\t\x1b\x7f"), std::string::npos);
+  }
+  EXPECT_THAT(check_structure_name("").error().message, HasSubstr("empty"));
+  EXPECT_THAT(check_structure_name("  ").error().message, HasSubstr("empty"));
+  EXPECT_THAT(check_structure_name("caud\xe9").error().message, HasSubstr("UTF-8"));
+}
+
+TEST(StructureName, KeysAreEqualForNamesThatLookupsConfuse) {
+  EXPECT_EQ(name_key(" Screw "), name_key("sCREW"));
+  EXPECT_NE(name_key("Screw 1"), name_key("Screw 2"));
+}
+
+}  // namespace
+}  // namespace splatlas
