@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 namespace splatlas {
@@ -18,11 +19,18 @@ std::optional<double> estimate_remaining(const BuildProgress& progress) {
   return progress.total_seconds * (1 - progress.total_fraction) / progress.total_fraction;
 }
 
-std::string bar(double fraction) {
-  constexpr int kWidth = 24;
-  const int filled = static_cast<int>(std::lround(fraction * kWidth));
+std::string bar(double fraction, int width) {
+  const int filled = static_cast<int>(std::lround(fraction * width));
   return std::string(static_cast<std::size_t>(filled), '#') +
-         std::string(static_cast<std::size_t>(kWidth - filled), '.');
+         std::string(static_cast<std::size_t>(width - filled), '.');
+}
+
+/// Of the terminal that `stream` goes to.
+int columns_of(std::FILE* stream) {
+  constexpr int kUsual = 80;
+  winsize size{};
+  const bool known = ::ioctl(::fileno(stream), TIOCGWINSZ, &size) == 0 && size.ws_col > 0;
+  return known ? size.ws_col : kUsual;
 }
 
 }  // namespace
@@ -42,8 +50,11 @@ std::string remaining_time(const BuildProgress& progress) {
 }
 
 void ProgressDisplay::show(const BuildProgress& progress) {
+  // A stage that is done says so again when it ends, at once and with its time.
+  if (progress.stage_fraction >= 1 && !progress.stage_ended) return;
   const auto now = std::chrono::steady_clock::now();
-  const bool ends_or_begins = progress.stage_ended || progress.stage_fraction <= 0;
+  const bool ends_or_begins = progress.stage_ended || progress.stage != stage_;
+  stage_ = progress.stage;
   constexpr std::chrono::milliseconds kPause{100};
   if (!ends_or_begins && now - last_shown_ < kPause) return;
   last_shown_ = now;
@@ -62,8 +73,15 @@ void ProgressDisplay::show_bar(const BuildProgress& progress) {
   const bool ended = progress.stage_ended;
   const std::string time =
       ended ? fmt::format("{:6.2f} s", progress.stage_seconds) : remaining_time(progress);
-  fmt::print(stream_, "\r{:<10} [{}] {:3.0f} %  {}\x1b[K{}", progress.stage, bar(progress.stage_fraction),
-             100 * progress.stage_fraction, time, ended ? "\n" : "");
+  // A line that wraps would stay: the next "\r" goes back to the start of its last row only.
+  constexpr int kRest = 40, kWidestBar = 24;
+  const int columns = columns_of(stream_);
+  const int width = std::clamp(columns - kRest, 0, kWidestBar);
+  const std::string line =
+      fmt::format("{:<10} [{}] {:3.0f} %  {}", progress.stage, bar(progress.stage_fraction, width),
+                  100 * progress.stage_fraction, time);
+  fmt::print(stream_, "\r{}\x1b[K{}", line.substr(0, static_cast<std::size_t>(columns - 1)),
+             ended ? "\n" : "");
   std::fflush(stream_);
   line_open_ = !ended;
 }

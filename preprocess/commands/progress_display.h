@@ -36,6 +36,7 @@ class ProgressDisplay {
   ProgressMode mode_;
   std::FILE* stream_;
   bool line_open_ = false;
+  std::string stage_;  // the last one shown
   std::chrono::steady_clock::time_point last_shown_;
 };
 
