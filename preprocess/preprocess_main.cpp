@@ -1,6 +1,9 @@
 // splatlas-preprocess: makes atlases, and takes them apart again.
 
+#include <cerrno>
 #include <cstdio>
+#include <cstring>
+#include <iostream>
 #include <string>
 
 #include <CLI/CLI.hpp>
@@ -46,10 +49,20 @@ int run(int argc, char** argv) {
   return exit_status(result.error().code);
 }
 
+/// A full device is told of when the last line leaves the buffer, not before.
+int status_after_output(int status) {
+  std::cout.flush();  // CLI11's --help
+  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0 && std::cout.good()) return status;
+  fmt::print(stderr, "splatlas-preprocess: standard output: cannot be written: {}\n", std::strerror(errno));
+  return status == 0 ? exit_status(ErrorCode::kFailed) : status;
+}
+
 }  // namespace
 }  // namespace splatlas
 
-int main(int argc, char** argv) try { return splatlas::run(argc, argv); } catch (const std::bad_alloc&) {
+int main(int argc, char** argv) try {
+  return splatlas::status_after_output(splatlas::run(argc, argv));
+} catch (const std::bad_alloc&) {
   std::fputs("splatlas-preprocess: not enough memory\n", stderr);
   return 1;
 } catch (const std::exception& exception) {

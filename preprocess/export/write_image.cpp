@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "format/ascii_text.h"
+#include "preprocess/export/quiet_standard_error.h"
 #include "preprocess/export/temporary_output.h"
 #include "preprocess/import/check_image_file.h"
 #include "preprocess/import/image_io.h"
@@ -35,12 +36,40 @@ Result<void> write_with(itk::ImageIOBase& io, const Image& image, const fs::path
   return {};
 }
 
+/// `text` with `path` instead of the temporary file's name.
+std::string with_name(std::string text, const fs::path& temporary, const fs::path& path) {
+  for (std::size_t at = text.find(temporary.string()); at != std::string::npos;
+       at = text.find(temporary.string(), at + path.string().size())) {
+    text.replace(at, temporary.string().size(), path.string());
+  }
+  return text;
+}
+
+tl::unexpected<Error> cannot_write_whole(const fs::path& path) {
+  return fail(ErrorCode::kFailed,
+              fmt::format("{}: cannot be written whole; is the disk full?", path.string()));
+}
+
+/// Writes `temporary`; `path` is the name for messages.
+Result<void> write_quietly(ImageFormat format, const Image& image, const fs::path& temporary,
+                           const fs::path& path) {
+  const QuietStandardError quiet;
+  Result<void> written = call_itk(path.string() + ": cannot be written",
+                                  [&] { return write_with(*make_image_io(format), image, temporary); });
+  // NRRD's library gives a stack of calls for a reason; others, whose geometry has limits, a sentence.
+  if (!written && written.error().code == ErrorCode::kFailed && format == ImageFormat::kNrrd)
+    return cannot_write_whole(path);
+  if (!written) return fail(written.error().code, with_name(written.error().message, temporary, path));
+  return written;
+}
+
 /// What stands in `file` against what should; `path` is the name for messages.
 Result<void> compare(const Image& image, const fs::path& file, const fs::path& path) {
   const Result<Image> back = import_image(file);
-  if (!back || back->voxels != image.voxels) {
+  if (!back) return cannot_write_whole(path);
+  if (back->voxels != image.voxels) {
     return fail(ErrorCode::kFailed,
-                fmt::format("{}: cannot be written whole; is the disk full?", path.string()));
+                fmt::format("{}: other voxels come back than were written; write .nrrd", path.string()));
   }
   if (!check_same_grid(image.grid, "", back->grid, "")) {
     return fail(ErrorCode::kFailed,
@@ -51,16 +80,25 @@ Result<void> compare(const Image& image, const fs::path& file, const fs::path& p
 
 }  // namespace
 
-Result<void> write_image(const Image& image, const fs::path& path) {
-  SPLATLAS_ASSIGN_OR_RETURN(const ImageFormat format, image_format(path));
+Result<ImageFormat> writable_image_format(const fs::path& path) {
+  const Result<ImageFormat> format = image_format(path);
   const std::string ending = to_lower(path.extension().string());
   if (ending == ".nhdr" || ending == ".mhd") {
-    return fail(ErrorCode::kFailed, fmt::format("{}: would be two files; write {}", path.string(),
-                                                ending == ".nhdr" ? ".nrrd" : ".mha"));
+    return fail(ErrorCode::kUsage, fmt::format("{}: would be two files; write {}", path.string(),
+                                               ending == ".nhdr" ? ".nrrd" : ".mha"));
   }
+  if (!format) {
+    return fail(ErrorCode::kUsage,
+                fmt::format("{}: is of no known type; volumes are written as .nii, .nii.gz, .nrrd or .mha",
+                            path.string()));
+  }
+  return format;
+}
+
+Result<void> write_image(const Image& image, const fs::path& path) {
+  SPLATLAS_ASSIGN_OR_RETURN(const ImageFormat format, writable_image_format(path));
   return write_by_way_of_temporary(path, [&](const fs::path& temporary) -> Result<void> {
-    SPLATLAS_RETURN_IF_ERROR(
-        call_itk(path.string(), [&] { return write_with(*make_image_io(format), image, temporary); }));
+    SPLATLAS_RETURN_IF_ERROR(write_quietly(format, image, temporary, path));
     return compare(image, temporary, path);
   });
 }

@@ -67,8 +67,14 @@ std::string write_as(MeshFormat format, vtkPolyData& polygons, const fs::path& p
 
 }  // namespace
 
+Result<MeshFormat> writable_mesh_format(const fs::path& path) {
+  Result<MeshFormat> format = mesh_format(path);
+  if (!format) format.error().code = ErrorCode::kUsage;
+  return format;
+}
+
 Result<void> write_mesh(std::span<const SurfaceMesh> surfaces, const Grid& grid, const fs::path& path) {
-  SPLATLAS_ASSIGN_OR_RETURN(const MeshFormat format, mesh_format(path));
+  SPLATLAS_ASSIGN_OR_RETURN(const MeshFormat format, writable_mesh_format(path));
   return write_by_way_of_temporary(path, [&](const fs::path& temporary) -> Result<void> {
     const vtkNew<vtkPolyData> polygons = to_polygons(surfaces, grid);
     const std::string complaint = write_as(format, *polygons, temporary);

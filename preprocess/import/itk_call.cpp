@@ -5,13 +5,15 @@
 namespace splatlas {
 namespace {
 
-/// "itk::ERROR: NiftiImageIO(0x55d0c0): Cannot read" -> "Cannot read".
-std::string without_origin(const std::string& text) {
-  const std::string mark = "itk::ERROR:";
-  const std::size_t at = text.find(mark);
-  if (at == std::string::npos) return text;
-  const std::size_t address = text.find("): ", at);
-  return text.substr(address == std::string::npos ? at + mark.size() : address + 3);
+/// "ITK ERROR: NiftiImageIO(0x55d0c0): Cannot read" -> "Cannot read".
+std::string without_origin(std::string text) {
+  for (const std::string mark : {"itk::ERROR:", "ITK ERROR:"}) {
+    if (const std::size_t at = text.find(mark); at != std::string::npos) text.erase(0, at + mark.size());
+  }
+  const std::size_t address = text.find("(0x");
+  const std::size_t end = address == std::string::npos ? address : text.find("): ", address);
+  if (end != std::string::npos) text.erase(0, end + 3);
+  return text;
 }
 
 }  // namespace
