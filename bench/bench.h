@@ -13,6 +13,7 @@ namespace splatlas {
 struct BenchOptions {
   bool quick = false;           ///< fewer frames and repeats; counts are the same
   std::filesystem::path atlas;  ///< drawn instead of building one; empty: build
+  std::filesystem::path plot;   ///< a PNG of time against error is drawn here (error); empty: none
   std::function<void(const std::string&)> tell = [](const std::string&) {};  ///< what is being done now
 };
 

@@ -45,6 +45,7 @@ int run(int argc, char** argv) {
   app.add_option("NAME", name, "which bench")->required();
   app.add_option("--json", json, "write machine, rows and summary to this file as well");
   app.add_option("--atlas", options.atlas, "draw this atlas instead of building one");
+  app.add_option("--plot", options.plot, "error: draw time against error into this PNG");
   app.add_flag("--quick", options.quick, "fewer frames and repeats; counts are the same");
   app.footer(names_and_what_they_show());
   try {

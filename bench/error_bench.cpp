@@ -8,6 +8,7 @@
 #include "bench/atlases.h"
 #include "bench/bench.h"
 #include "bench/error_cost.h"
+#include "bench/error_plot.h"
 #include "bench/peers/x_server.h"
 
 namespace splatlas {
@@ -125,6 +126,7 @@ Result<Report> run_error_bench(const BenchOptions& options) {
     }
   }
   report.tables = {std::move(parallel), std::move(perspective)};
+  if (!options.plot.empty()) SPLATLAS_RETURN_IF_ERROR(write_error_plot(report.tables, options.plot));
   return report;
 }
 

@@ -46,6 +46,7 @@ packages=(
   xdotool                  # tests: mouse and keys
   xvfb                     # tests: a display without a screen
 
+  gnuplot-nox              # bench: plots
   libbenchmark-dev         # bench
   libvolpack1-dev          # bench: VolPack, a peer (as is VTK, above, which draws under xvfb)
 
