@@ -15,7 +15,10 @@ namespace splatlas {
 /// Equal but for the case of ASCII letters.
 [[nodiscard]] bool equal_ignoring_case(std::string_view a, std::string_view b);
 
-/// In double quotes, fit for a one-line message: control characters become "?", all beyond 80 bytes "...".
+/// Fit for one line of a terminal: control characters become "?", bytes that are not UTF-8 "\\xNN".
+[[nodiscard]] std::string printable(std::string_view text);
+
+/// In double quotes, printable, and all beyond 80 bytes "...".
 [[nodiscard]] std::string in_quotes(std::string_view text);
 
 }  // namespace splatlas

@@ -92,21 +92,22 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return row.back();
 }
 
-/// Names and ids that hold the text come first, then those with the fewest edits.
+/// Those that hold the text come first, then those with the fewest edits. Each structure once: by its name or
+/// by its id, whichever is nearer.
 std::vector<std::string> nearest_names(const StructureGraph& graph, std::string_view text) {
   std::string sought = to_lower(text.substr(0, kLongestCompared));
   std::erase(sought, '*');
-  std::set<std::pair<std::size_t, std::string>> nearest;
-  const auto consider = [&](const std::string& name) {
+  const auto distance_to = [&](const std::string& name) -> std::size_t {
     const std::string lowered = to_lower(std::string_view(name).substr(0, kLongestCompared));
-    const bool holds = sought.size() >= 3 && lowered.find(sought) != std::string::npos;
-    const std::size_t distance = holds ? 0 : edit_distance(sought, lowered);
-    nearest.emplace(distance, name);
-    if (nearest.size() > kListed) nearest.erase(std::prev(nearest.end()));
+    if (sought.size() >= 3 && lowered.find(sought) != std::string::npos) return 0;
+    return edit_distance(sought, lowered);
   };
+  std::set<std::pair<std::size_t, std::string>> nearest;
   for (const Structure& s : graph.structures()) {
-    consider(s.name);
-    if (!equal_ignoring_case(s.id, s.name)) consider(s.id);
+    const std::size_t by_name = distance_to(s.name);
+    const std::size_t by_id = distance_to(s.id);
+    nearest.emplace(std::min(by_name, by_id), by_id < by_name ? s.id : s.name);
+    if (nearest.size() > kListed) nearest.erase(std::prev(nearest.end()));
   }
   std::vector<std::string> names;
   names.reserve(nearest.size());

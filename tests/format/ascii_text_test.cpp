@@ -32,5 +32,23 @@ TEST(AsciiText, QuotesCutBetweenUtf8Characters) {
   EXPECT_EQ(in_quotes(text), '"' + std::string(79, 'x') + "...\"");
 }
 
+TEST(AsciiText, BytesThatAreNotUtf8AreEscaped) {
+  const std::string valid = "\xc3\xa4 \xe2\x82\xac \xf0\x9f\xa7\xa0 \xf4\x8f\xbf\xbf \xed\x9f\xbf";
+  EXPECT_EQ(printable(valid), valid);
+  EXPECT_EQ(printable("a\xff"
+                      "b"),
+            "a\\xffb");
+  EXPECT_EQ(printable("\xc3"), "\\xc3");                             // cut short
+  EXPECT_EQ(printable("\xc3("), "\\xc3(");                           // no continuation
+  EXPECT_EQ(printable("\xc0\xaf"), "\\xc0\\xaf");                    // overlong, 2 bytes
+  EXPECT_EQ(printable("\xe0\x80\xaf"), "\\xe0\\x80\\xaf");           // overlong, 3 bytes
+  EXPECT_EQ(printable("\xed\xa0\x80"), "\\xed\\xa0\\x80");           // a surrogate
+  EXPECT_EQ(printable("\xf4\x90\x80\x80"), "\\xf4\\x90\\x80\\x80");  // beyond the last character
+  EXPECT_EQ(printable("\xc2\x9b"
+                      "31m\n"),
+            "?31m?");  // control characters
+  EXPECT_EQ(in_quotes("Left \xe9"), "\"Left \\xe9\"");
+}
+
 }  // namespace
 }  // namespace splatlas

@@ -120,6 +120,20 @@ TEST(FindStructures, UnknownNamesListTheNearest) {
   EXPECT_LT(refusal(std::string(100'000, 'x')).size(), 400u);
 }
 
+TEST(FindStructures, TheNearestListEachStructureOnce) {
+  std::vector<Structure> structures(2);
+  structures[0].id = "Left_cerebellum";
+  structures[0].name = "Left cerebellum";
+  structures[1].id = "v9";
+  structures[1].name = "Vermis IX";
+  const StructureGraph graph = *StructureGraph::build(structures);
+  const auto nearest = [&](const char* text) { return find_structures(graph, text).error().message; };
+  EXPECT_THAT(nearest("Left cerebelum"), HasSubstr("the nearest: \"Left cerebellum\", \"Vermis IX\""));
+  EXPECT_THAT(nearest("Left cerebelum"), Not(HasSubstr("_")));
+  EXPECT_THAT(nearest("Left_cerebelum"), HasSubstr("the nearest: \"Left_cerebellum\", "));
+  EXPECT_THAT(nearest("v8"), HasSubstr("the nearest: \"v9\", "));
+}
+
 TEST(FindStructures, ManyWaysToAStructureTakeNoLonger) {
   std::vector<Structure> structures(200);  // 2^99 paths to the last
   for (std::size_t s = 0; s < structures.size(); ++s) {
