@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "player/facing.h"
+
 namespace splatlas {
 namespace {
 
@@ -117,18 +119,17 @@ struct Sample {
 class BandRasterizer {
  public:
   BandRasterizer(std::span<const SurfaceDraw> surfaces, std::span<const std::vector<ScreenVertex>> vertices,
-                 const ParallelView& view, const Shear& shear, const Lighting& lighting, int first_row,
-                 int last_row)
+                 const ParallelView& view, const Shear& shear, const Facing& facing, const Lighting& lighting,
+                 int first_row, int last_row)
       : surfaces_(surfaces),
         vertices_(vertices),
+        facing_(facing),
         lighting_(lighting),
         width_(view.size.width),
         first_row_(first_row),
         last_row_(last_row),
         slice_axis_(shear.scan.slice_axis),
-        depth_sign_(shear.ascending ? 1.0 : -1.0),
-        to_viewer_{static_cast<float>(-view.forward_lps[0]), static_cast<float>(-view.forward_lps[1]),
-                   static_cast<float>(-view.forward_lps[2])} {
+        depth_sign_(shear.ascending ? 1.0 : -1.0) {
     nearest_.resize(static_cast<std::size_t>(width_) * static_cast<std::size_t>(last_row - first_row));
   }
 
@@ -152,6 +153,7 @@ class BandRasterizer {
     const ScreenVertex& c = v[order[2]];
     const std::int64_t area = std::abs(doubled_area);
     const DepthPlane plane(v, depth);
+    const bool front = facing_.shows_front(*surface.mesh, corner);
     const std::int64_t y_first = std::max<std::int64_t>(first_row_, first_pixel(std::min({a.y, b.y, c.y})));
     const std::int64_t y_last = std::min<std::int64_t>(last_row_ - 1, last_pixel(std::max({a.y, b.y, c.y})));
     const std::int64_t x_first = std::max<std::int64_t>(0, first_pixel(std::min({a.x, b.x, c.x})));
@@ -168,7 +170,7 @@ class BandRasterizer {
         weight[order[0]] = static_cast<float>(static_cast<double>(edge_a) / static_cast<double>(area));
         weight[order[1]] = static_cast<float>(static_cast<double>(edge_b) / static_cast<double>(area));
         weight[order[2]] = static_cast<float>(static_cast<double>(edge_c) / static_cast<double>(area));
-        add(surface, ref, weight, plane.at(x, y), x, y);
+        add(surface, ref, front, weight, plane.at(x, y), x, y);
       }
     }
   }
@@ -216,7 +218,7 @@ class BandRasterizer {
     return pixel - static_cast<std::size_t>(first_row_) * static_cast<std::size_t>(width_);
   }
 
-  void add(const SurfaceDraw& surface, const TriangleRef& ref, const std::array<float, 3>& weight,
+  void add(const SurfaceDraw& surface, const TriangleRef& ref, bool front, const std::array<float, 3>& weight,
            double depth, std::int64_t x, std::int64_t y) {
     const SurfaceMesh& mesh = *surface.mesh;
     const std::array<std::uint32_t, 3>& corner = mesh.triangles[ref.triangle];
@@ -224,12 +226,13 @@ class BandRasterizer {
     for (std::size_t n = 0; n < 3; ++n) {
       for (std::size_t c = 0; c < 3; ++c) normal[c] += weight[n] * mesh.normals_lps[corner[n]][c];
     }
+    if (!front) normal = {-normal[0], -normal[1], -normal[2]};
     Sample sample;
     sample.fragment.depth = static_cast<float>(depth);
     sample.fragment.pixel = static_cast<std::uint32_t>(y * width_ + x);
     sample.fragment.structure = surface.structure;
     sample.depth_key = static_cast<std::int64_t>(std::floor(depth * kDepthSteps + kDepthOffset));
-    sample.entering = normal[0] * to_viewer_[0] + normal[1] * to_viewer_[1] + normal[2] * to_viewer_[2] > 0;
+    sample.entering = front;
     sample.triangle = ref.triangle;
     Sample& nearest = nearest_[nearest_index(sample.fragment.pixel)];
     const bool is_nearest = nearest.fragment.structure == kNoStructure || sample.key() < nearest.key();
@@ -246,12 +249,12 @@ class BandRasterizer {
 
   std::span<const SurfaceDraw> surfaces_;
   std::span<const std::vector<ScreenVertex>> vertices_;
+  const Facing& facing_;
   const Lighting& lighting_;
   std::int64_t width_;
   int first_row_, last_row_;
   std::size_t slice_axis_;
   double depth_sign_;
-  std::array<float, 3> to_viewer_;
   std::vector<Sample> nearest_;  // opaque, per pixel of the band
   std::vector<Sample> samples_;  // translucent
 };
@@ -330,12 +333,13 @@ Result<RasterCounters> rasterize(std::span<const SurfaceDraw> surfaces, const Pa
   });
 
   // Opaque surfaces first: what they hide is never shaded.
+  const Facing facing(view, grid);
   std::vector<std::vector<Fragment>> fragments(bands);
   std::atomic<std::size_t> total{0};
   std::atomic<bool> too_many{false};
   pool.for_each(bands, [&](std::size_t band) {
     const int first_row = static_cast<int>(band) * kBandRows;
-    BandRasterizer rasterizer(surfaces, vertices, view, shear, lighting, first_row,
+    BandRasterizer rasterizer(surfaces, vertices, view, shear, facing, lighting, first_row,
                               std::min(first_row + kBandRows, view.size.height));
     for (const bool opaque : {true, false}) {
       for (const Bins& chunk_bins : bins) {

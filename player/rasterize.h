@@ -28,10 +28,10 @@ struct RasterCounters {
 };
 
 /// Samples every triangle at the pixel centres it covers (top-left rule: a closed surface covers each centre
-/// once per crossing, without cracks), shades the samples, and sorts them by pixel and depth. Of opaque
-/// fragments only the front-most of a pixel is kept, and nothing behind it. Where two surfaces coincide, the
-/// one that the ray leaves comes before the one that it enters. Degenerate triangles leave nothing. kLimit
-/// when there would be more than `max_fragments`.
+/// once per crossing, without cracks), shades the side that is seen (player/facing.h), and sorts them by
+/// pixel and depth. Of opaque fragments only the front-most of a pixel is kept, and nothing behind it. Where
+/// two surfaces coincide, the one that the ray leaves comes before the one that it enters. Degenerate
+/// triangles leave nothing. kLimit when there would be more than `max_fragments`.
 [[nodiscard]] Result<RasterCounters> rasterize(std::span<const SurfaceDraw> surfaces,
                                                const ParallelView& view, const Shear& shear, const Grid& grid,
                                                const Lighting& lighting, std::size_t max_fragments,

@@ -38,23 +38,25 @@ Lighting::Lighting(const ParallelView& view) {
   half_ = normalised(half);
 }
 
-float Lighting::diffuse(const std::array<float, 3>& normal_lps) const {
+float Lighting::one_sided(const std::array<float, 3>& normal_lps) const {
   const float length_squared = dot(normal_lps, normal_lps);
   float facing = dot(to_viewer_, to_lamp_);
-  if (length_squared > 0) {
-    const float toward = dot(normal_lps, to_viewer_) < 0 ? -1.0f : 1.0f;
-    facing = std::max(0.0f, toward * dot(normal_lps, to_lamp_) / std::sqrt(length_squared));
-  }
+  if (length_squared > 0) facing = std::max(0.0f, dot(normal_lps, to_lamp_) / std::sqrt(length_squared));
   return kAmbient + (1.0f - kAmbient) * std::min(facing, 1.0f);
+}
+
+float Lighting::diffuse(const std::array<float, 3>& normal_lps) const {
+  if (!(dot(normal_lps, to_viewer_) < 0)) return one_sided(normal_lps);
+  return one_sided({-normal_lps[0], -normal_lps[1], -normal_lps[2]});
 }
 
 std::array<float, 3> Lighting::shade(const std::array<float, 3>& color,
                                      const std::array<float, 3>& normal_lps) const {
-  const float factor = diffuse(normal_lps);
+  const float factor = one_sided(normal_lps);
   const float length_squared = dot(normal_lps, normal_lps);
   float highlight = 0;
   if (length_squared > 0) {
-    highlight = std::abs(dot(normal_lps, half_)) / std::sqrt(length_squared);
+    highlight = std::max(0.0f, dot(normal_lps, half_)) / std::sqrt(length_squared);
     for (int n = 0; n < kHighlightSquarings; ++n) highlight *= highlight;
     highlight *= kHighlight;
   }

@@ -5,9 +5,11 @@
 #include <limits>
 #include <map>
 #include <random>
+#include <utility>
 
 #include <gtest/gtest.h>
 
+#include "tests/reference/reference_light.h"
 #include "tests/support/marching_tetrahedra.h"
 #include "tests/support/test_content.h"
 
@@ -173,6 +175,30 @@ TEST(Rasterize, LightsSurfacesWithoutAUsableNormalAsIfTheyFacedTheViewer) {
   }
 }
 
+/// At a silhouette normals point past the edge: dark is what it stays there, from either side.
+TEST(Rasterize, LightsTheSideOfATriangleThatIsSeenWhereverItsNormalsPoint) {
+  SurfaceMesh mesh = flat_mesh({{-4, -4}, {4, -4}, {0, 4}}, {{0, 1, 2}});
+  mesh.normals_lps[0] = mesh.normals_lps[1] = {0.4f, 0.3f, -0.8f};  // away from viewer and lamp
+  for (const auto& [azimuth, side] : {std::pair{0.0, 1.0f}, std::pair{180.0, -1.0f}}) {
+    const Drawing drawing{view_from(azimuth, 0, {40, 40}, 0.25, {0, 0, 0})};
+    const SurfaceDraw surface{&mesh, 0, {0.8f, 0.8f, 0.8f}, 1};
+    std::vector<float> bottom_row;
+    const FragmentList list = *drawing.draw({&surface, 1});
+    for (const Fragment& fragment : list.fragments) {
+      const double z = -(static_cast<double>(fragment.pixel / 40) + 0.5 - 20) * 0.25;
+      const auto top = static_cast<float>((z + 4) / 8);  // share of the third corner
+      const Vec3 normal{side * (1 - top) * 0.4f, side * ((1 - top) * 0.3f - top), side * (1 - top) * -0.8f};
+      const auto expected = reference::shade_surface(drawing.view, {0.8f, 0.8f, 0.8f}, normal);
+      EXPECT_NEAR(fragment.rgba[0], expected[0], 1e-5) << "azimuth " << azimuth << ", z " << z;
+      if (fragment.pixel / 40 == 35) bottom_row.push_back(fragment.rgba[0]);
+    }
+    ASSERT_GT(bottom_row.size(), 25u);
+    if (side > 0) {
+      for (const float light : bottom_row) EXPECT_NEAR(light, 0.8f * 0.15f, 1e-6f);
+    }
+  }
+}
+
 /// Two structures share a face whose two meshes are cut along different diagonals. Whatever the view, the ray
 /// leaves the one before it enters the other.
 TEST(Rasterize, LeavesOneStructureBeforeItEntersTheNextWhereTheyTouch) {
@@ -235,6 +261,28 @@ TEST(Rasterize, RefusesMoreFragmentsThanAllowed) {
   const auto refused = drawing.draw({&surface, 1});
   ASSERT_FALSE(refused.has_value());
   EXPECT_EQ(refused.error().code, ErrorCode::kLimit);
+}
+
+/// Whichever band is done first: refused are pictures of more fragments than allowed, and no others.
+TEST(Rasterize, RefusesTheSamePicturesWithAnyNumberOfThreads) {
+  std::mt19937 random(8);
+  Drawing drawing{view_from(33, 21, {80, 70}, 0.3, {8, 8, 8})};
+  std::vector<SurfaceMesh> meshes;
+  for (int n = 0; n < 2; ++n) {
+    meshes.push_back(marching_tetrahedra(
+        make_mask(drawing.grid.size, [&](auto...) { return random() % 5 == 0; }), drawing.grid));
+  }
+  const std::array surfaces{translucent(meshes[0], 0), translucent(meshes[1], 1, 1.0f)};
+  const std::size_t fragments = drawing.draw(surfaces)->fragments.size();
+  for (const unsigned threads : {1u, 2u, 8u}) {
+    drawing.threads = threads;
+    for (int repeat = 0; repeat < 5; ++repeat) {
+      drawing.max_fragments = fragments;
+      EXPECT_TRUE(drawing.draw(surfaces).has_value());
+      drawing.max_fragments = fragments - 1;
+      EXPECT_FALSE(drawing.draw(surfaces).has_value());
+    }
+  }
 }
 
 TEST(Rasterize, GivesTheSameFragmentsWithAnyNumberOfThreads) {

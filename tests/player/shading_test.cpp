@@ -47,6 +47,17 @@ TEST(Shading, TurnsNormalsThatPointAway) {
   }
 }
 
+TEST(Shading, LeavesNormalsOfSurfacesAsTheyAre) {
+  const ParallelView view = view_from(33, -12);
+  const Lighting lighting(view);
+  std::array<float, 3> from_lamp{};
+  for (std::size_t a = 0; a < 3; ++a) {
+    from_lamp[a] = static_cast<float>(view.forward_lps[a] + 0.45 * view.right_lps[a] - 0.55 * view.up_lps[a]);
+  }
+  EXPECT_FLOAT_EQ(lighting.shade({1, 1, 1}, from_lamp)[0], 0.15f);
+  EXPECT_FLOAT_EQ(lighting.diffuse(from_lamp), 1.0f);
+}
+
 TEST(Shading, LightStaysBetweenAmbientAndOne) {
   const ParallelView view = view_from(-70, 55);
   const Lighting lighting(view);

@@ -99,7 +99,8 @@ std::array<double, 4> expected_pixel(const std::vector<Plane>& in_order, const F
   };
   for (const Plane& plane : in_order) {
     add_fog(std::clamp(plane.at, -0.5, kDepth - 0.5));
-    const auto color = reference::shade_surface(view.view, reference::linear_of(plane.color), {0, -1, 0});
+    const auto color = reference::shade_surface(view.view, reference::linear_of(plane.color),
+                                                {0, view.view.forward_lps[1] < 0 ? 1.0 : -1.0, 0});
     const double opacity = plane.opacity;
     sum.add_surface({color[0] * opacity, color[1] * opacity, color[2] * opacity, opacity});
   }

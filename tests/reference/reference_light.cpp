@@ -54,15 +54,20 @@ TransferValue transfer(const TransferCurve& curve, double grey, double reference
           of_low * at(low).shade + of_high * at(high).shade};
 }
 
-double diffuse(const ParallelView& view, const Vec3& normal_lps) {
+namespace {
+
+double one_sided(const ParallelView& view, const Vec3& normal_lps) {
   const Vec3 lamp = to_lamp(view);
   const double length = std::sqrt(dot(normal_lps, normal_lps));
-  double facing = dot(to_viewer(view), lamp);
-  if (length > 0) {
-    const double toward = dot(normal_lps, to_viewer(view)) < 0 ? -1 : 1;
-    facing = std::max(0.0, toward * dot(normal_lps, lamp) / length);
-  }
-  return kAmbient + (1 - kAmbient) * facing;
+  const double facing = length > 0 ? dot(normal_lps, lamp) / length : dot(to_viewer(view), lamp);
+  return kAmbient + (1 - kAmbient) * std::max(0.0, facing);
+}
+
+}  // namespace
+
+double diffuse(const ParallelView& view, const Vec3& normal_lps) {
+  const bool away = dot(normal_lps, to_viewer(view)) < 0;
+  return one_sided(view, away ? minus({0, 0, 0}, normal_lps) : normal_lps);
 }
 
 std::array<double, 3> shade_surface(const ParallelView& view, const std::array<double, 3>& color,
@@ -71,11 +76,11 @@ std::array<double, 3> shade_surface(const ParallelView& view, const std::array<d
   const Vec3 lamp = to_lamp(view);
   const Vec3 half = unit({viewer[0] + lamp[0], viewer[1] + lamp[1], viewer[2] + lamp[2]});
   const double length = std::sqrt(dot(normal_lps, normal_lps));
-  const double highlight =
-      length > 0 ? kHighlight * std::pow(std::abs(dot(normal_lps, half)) / length, kHighlightPower) : 0;
+  const double toward_half = length > 0 ? std::max(0.0, dot(normal_lps, half)) / length : 0;
+  const double highlight = kHighlight * std::pow(toward_half, kHighlightPower);
   std::array<double, 3> shaded{};
   for (std::size_t c = 0; c < 3; ++c) {
-    shaded[c] = std::min(1.0, color[c] * diffuse(view, normal_lps) + highlight);
+    shaded[c] = std::min(1.0, color[c] * one_sided(view, normal_lps) + highlight);
   }
   return shaded;
 }

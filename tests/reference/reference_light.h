@@ -16,8 +16,9 @@ namespace splatlas::reference {
 /// The transfer function at a grey value; the first point's for values that are not a number.
 [[nodiscard]] TransferValue transfer(const TransferCurve& curve, double grey, double reference_length_mm);
 
-/// The lamp of the view over the viewer's left shoulder. Normals point either way.
+/// The lamp of the view over the viewer's left shoulder. Of voxels: normals point either way.
 [[nodiscard]] double diffuse(const ParallelView& view, const Vec3& normal_lps);
+/// Of surfaces: the normal is that of the side which is seen.
 [[nodiscard]] std::array<double, 3> shade_surface(const ParallelView& view,
                                                   const std::array<double, 3>& color, const Vec3& normal_lps);
 

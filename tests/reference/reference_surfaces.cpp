@@ -56,6 +56,25 @@ double plane_at(const std::array<Point, 3>& corner, const std::array<double, 3>&
   return std::clamp(at, low, high);
 }
 
+/// Whether the side of three points that is seen is the one that their normals point to: geometry in mm along
+/// (right, up, towards the viewer). True where the normals do not tell.
+bool shows_front(const ParallelView& view, const std::array<Point, 3>& seen,
+                 const std::array<double, 3>& s_mm, const std::array<Vec3, 3>& normals) {
+  std::array<Vec3, 2> edges{};
+  for (std::size_t n = 0; n < 2; ++n) {
+    edges[n] = {(seen[n + 1].x - seen[0].x) * view.mm_per_pixel,
+                (seen[0].y - seen[n + 1].y) * view.mm_per_pixel, s_mm[0] - s_mm[n + 1]};
+  }
+  const auto& [a, b] = edges;
+  const Vec3 normal{a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+  double along = 0;
+  for (const Vec3& n : normals) {
+    along += normal[0] * dot(n, view.right_lps) + normal[1] * dot(n, view.up_lps) +
+             normal[2] * -dot(n, view.forward_lps);
+  }
+  return along > 0 ? normal[2] >= 0 : !(along < 0) || normal[2] < 0;
+}
+
 }  // namespace
 
 SurfacesInView::SurfacesInView(const AtlasContent& content, const Selection& selection,
@@ -126,11 +145,16 @@ void SurfacesInView::cross(const Surface& surface, std::uint32_t triangle, doubl
   crossing.depth = plane_at(seen, depth, x, y);
   crossing.structure = surface.structure;
   crossing.triangle = triangle;
-  Vec3 normal{0, 0, 0};
+  std::array<Vec3, 3> normals{};
   for (std::size_t n = 0; n < 3; ++n) {
-    for (std::size_t a = 0; a < 3; ++a) normal[a] += (*weights)[n] * surface.mesh->normals_lps[corner[n]][a];
+    for (std::size_t a = 0; a < 3; ++a) normals[n][a] = surface.mesh->normals_lps[corner[n]][a];
   }
-  crossing.entering = dot(normal, view_.forward_lps) < 0;
+  crossing.entering = shows_front(view_, seen, s_mm, normals);
+  Vec3 normal{0, 0, 0};  // of the side that is seen
+  for (std::size_t n = 0; n < 3; ++n) {
+    const double weight = crossing.entering ? (*weights)[n] : -(*weights)[n];
+    for (std::size_t a = 0; a < 3; ++a) normal[a] += weight * normals[n][a];
+  }
   const std::array<double, 3> color = shade_surface(view_, surface.color, normal);
   for (std::size_t c = 0; c < 3; ++c) crossing.rgba[c] = color[c] * surface.opacity;
   crossing.rgba[3] = surface.opacity;

@@ -18,7 +18,9 @@ struct Crossing {
   std::array<double, 4> rgba{0, 0, 0, 0};  ///< shaded, premultiplied, linear
   StructureIndex structure = kNoStructure;
   std::uint32_t triangle = 0;
-  bool entering = false;  ///< the surface's normal points to the viewer
+  /// The front of the triangle is seen: its own normal, on the side that its corners' normals point to,
+  /// points to the viewer. Interpolated normals are turned round where the back is seen, and only there.
+  bool entering = false;
 };
 
 /// Which triangles cover a pixel's centre, and how their normals are interpolated.
