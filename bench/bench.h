@@ -7,6 +7,7 @@
 #include <string>
 
 #include "bench/report.h"
+#include "format/result.h"
 
 namespace splatlas {
 

@@ -2,18 +2,27 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <new>
+#include <span>
+#include <sstream>
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "bench/bench.h"
+#include "format/ascii_text.h"
+#include "format/interrupts.h"
+#include "format/output_file.h"
+#include "format/output_path.h"
+#include "format/standard_output.h"
 
 namespace splatlas {
 namespace {
 
 int report_error(const Error& error) {
-  fmt::print(stderr, "splatlas-bench: {}\n", error.message);
+  std::fprintf(stderr, "splatlas-bench: %s\n", printable(error.message).c_str());
   return exit_status(error.code);
 }
 
@@ -29,9 +38,14 @@ Result<void> run_bench(const std::string& name, const BenchOptions& options, con
   if (bench == list.end()) {
     return fail(ErrorCode::kUsage, fmt::format("{}: no such bench; --help lists them", name));
   }
+  SPLATLAS_RETURN_IF_ERROR(
+      check_outputs(std::vector<std::filesystem::path>{json}, std::vector{options.atlas}));
   SPLATLAS_ASSIGN_OR_RETURN(const Report report, bench->run(options));
-  fmt::print("{}", report_text(report));
-  if (!json.empty()) SPLATLAS_RETURN_IF_ERROR(write_report(json, report_json(name, report)));
+  SPLATLAS_RETURN_IF_ERROR(print_text(report_text(report)));
+  if (!json.empty()) {
+    const std::string text = report_json(name, report);
+    SPLATLAS_RETURN_IF_ERROR(write_file(json, std::as_bytes(std::span(text))));
+  }
   if (report.failures.empty()) return {};
   std::string failures = fmt::format("{}: ", name);
   for (const std::string& failure : report.failures) failures += failure + "; ";
@@ -50,10 +64,19 @@ int run(int argc, char** argv) {
   app.footer(names_and_what_they_show());
   try {
     app.parse(argc, argv);
+  } catch (const CLI::Success& help) {
+    std::ostringstream text;
+    app.exit(help, text);
+    const Result<void> shown = print_text(text.str());
+    return shown ? 0 : report_error(shown.error());
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : exit_status(ErrorCode::kUsage);
+    return report_error({ErrorCode::kUsage, fmt::format("{}; see splatlas-bench --help", error.what())});
   }
-  options.tell = [](const std::string& what) { fmt::print(stderr, "splatlas-bench: {}\n", what); };
+  if (app.count("--json") > 0 && json.empty()) {
+    return report_error({ErrorCode::kUsage, "--json \"\": must name a file"});
+  }
+  install_interrupt_handlers();
+  options.tell = [](const std::string& what) { std::fprintf(stderr, "splatlas-bench: %s\n", what.c_str()); };
   const Result<void> result = run_bench(name, options, json);
   return result ? 0 : report_error(result.error());
 }
@@ -61,9 +84,10 @@ int run(int argc, char** argv) {
 }  // namespace
 }  // namespace splatlas
 
-int main(int argc, char** argv) try {
-  return splatlas::run(argc, argv);
+int main(int argc, char** argv) try { return splatlas::run(argc, argv); } catch (const std::bad_alloc&) {
+  std::fputs("splatlas-bench: out of memory\n", stderr);
+  return 1;
 } catch (const std::exception& exception) {
-  fmt::print(stderr, "splatlas-bench: {}\n", exception.what());
+  std::fprintf(stderr, "splatlas-bench: %s\n", exception.what());
   return 1;
 }

@@ -1,10 +1,6 @@
 #include "bench/report.h"
 
-#include <fstream>
-#include <system_error>
-
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include "bench/machine.h"
 
@@ -37,22 +33,6 @@ std::string report_json(const std::string& bench, const Report& report) {
   const nlohmann::ordered_json json{
       {"bench", bench}, {"machine", describe_machine()}, {"rows", rows}, {"summary", report.summary}};
   return json.dump(2) + "\n";
-}
-
-Result<void> write_report(const std::filesystem::path& path, const std::string& json) {
-  std::filesystem::path partial = path;
-  partial += fmt::format(".{}.part", getpid());
-  std::ofstream file(partial, std::ios::binary | std::ios::trunc);
-  file << json;
-  file.close();
-  std::error_code error;
-  if (!file.fail()) std::filesystem::rename(partial, path, error);
-  if (file.fail() || error) {
-    std::error_code ignored;
-    std::filesystem::remove(partial, ignored);
-    return fail(ErrorCode::kFailed, fmt::format("{}: cannot be written", path.string()));
-  }
-  return {};
 }
 
 }  // namespace splatlas

@@ -1,12 +1,10 @@
 // What a bench hands back.
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <vector>
 
 #include "bench/table.h"
-#include "format/result.h"
 
 namespace splatlas {
 
@@ -23,8 +21,5 @@ struct Report {
 
 /// {"bench", "machine", "rows", "summary"}: the rows of all tables, each with its table's name.
 [[nodiscard]] std::string report_json(const std::string& bench, const Report& report);
-
-/// Writes to a temporary file beside `path` and renames it: nothing half-written is left behind.
-[[nodiscard]] Result<void> write_report(const std::filesystem::path& path, const std::string& json);
 
 }  // namespace splatlas

@@ -50,8 +50,27 @@ TEST(BenchProgram, TellsWrongUseInOneLine) {
   EXPECT_EQ(unknown.status, 2);
   EXPECT_EQ(unknown.out, "");
   EXPECT_EQ(unknown.err, "splatlas-bench: fantom: no such bench; --help lists them\n");
-  EXPECT_EQ(run_program({SPLATLAS_BENCH}).status, 2);
-  EXPECT_EQ(run_program({SPLATLAS_BENCH, "phantom", "--fast"}).status, 2);
+  const auto refusal = [](const std::vector<std::string>& words) {
+    const ProgramResult result = run_program(words);
+    EXPECT_EQ(result.status, 2);
+    EXPECT_EQ(result.out, "");
+    return result.err;
+  };
+  EXPECT_EQ(refusal({SPLATLAS_BENCH}), "splatlas-bench: NAME is required; see splatlas-bench --help\n");
+  EXPECT_EQ(refusal({SPLATLAS_BENCH, "phantom", "--fast"}),
+            "splatlas-bench: The following argument was not expected: --fast; see splatlas-bench --help\n");
+  EXPECT_EQ(refusal({SPLATLAS_BENCH, "phantom", "--json", ""}),
+            "splatlas-bench: --json \"\": must name a file\n");
+}
+
+TEST(BenchProgram, DoesNotWriteOverItsInput) {
+  const TemporaryFolder folder;
+  std::ofstream(folder.file("a.atlas")) << "precious";
+  const ProgramResult result =
+      run_program({SPLATLAS_BENCH, "head", "--atlas", "a.atlas", "--json", "./a.atlas"}, folder.path());
+  EXPECT_EQ(result.status, 2);
+  EXPECT_EQ(result.err, "splatlas-bench: ./a.atlas: is an input (a.atlas); write to another file\n");
+  EXPECT_EQ(std::filesystem::file_size(folder.file("a.atlas")), 8u);
 }
 
 TEST(BenchProgram, DrawsNoFileThatIsNoAtlas) {

@@ -1,13 +1,7 @@
 #include "bench/report.h"
 
-#include <filesystem>
-#include <fstream>
-#include <iterator>
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-
-#include "tests/support/run_program.h"
 
 namespace splatlas {
 namespace {
@@ -20,11 +14,6 @@ Report small_report() {
   report.tables.push_back({"2", "Second", {}, {{{"m", 0.5}}}});
   report.summary["best"] = 0.25;
   return report;
-}
-
-std::string read_file(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
 }
 
 TEST(Report, HasTheContractsFormInJson) {
@@ -43,21 +32,6 @@ TEST(Report, ShowsTablesSummaryAndMachineAsText) {
   EXPECT_THAT(text, HasSubstr("Second\n"));
   EXPECT_THAT(text, HasSubstr("best"));
   EXPECT_THAT(text, HasSubstr("simd"));
-}
-
-TEST(Report, IsWrittenWholeOrNotAtAll) {
-  const TemporaryFolder folder;
-  ASSERT_TRUE(write_report(folder.path() / "a.json", "{}\n"));
-  EXPECT_EQ(read_file(folder.path() / "a.json"), "{}\n");
-
-  std::filesystem::create_directory(folder.path() / "taken");
-  std::ofstream(folder.path() / "taken/file") << "so that the folder cannot be replaced";
-  for (const char* name : {"taken", "missing/a.json"}) {
-    const auto written = write_report(folder.path() / name, "{}\n");
-    ASSERT_FALSE(written) << name;
-    EXPECT_THAT(written.error().message, HasSubstr(name));
-  }
-  EXPECT_EQ(folder.names(), (std::vector<std::string>{"a.json", "taken"}));
 }
 
 }  // namespace
