@@ -22,6 +22,13 @@ struct Picture {
   }
 };
 
+/// Memory that a picture of this size needs on its way to a file: its floats, and as much again to encode
+/// them.
+[[nodiscard]] constexpr std::uint64_t picture_bytes(const PictureSize& size) {
+  constexpr std::uint64_t kBytesPerPixel = 2 * 4 * sizeof(float);
+  return kBytesPerPixel * static_cast<std::uint64_t>(size.width) * static_cast<std::uint64_t>(size.height);
+}
+
 /// Over a background, as 8-bit sRGB triples. The only place where values are rounded.
 [[nodiscard]] std::vector<std::uint8_t> to_srgb8(const Picture& picture, Rgb background);
 

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include "player/class_cache.h"
@@ -27,8 +28,16 @@ constexpr double kMaxSlope = 100;
 std::uint64_t default_memory_limit() {
   const long pages = sysconf(_SC_PHYS_PAGES);
   const long page_bytes = sysconf(_SC_PAGESIZE);
-  if (pages <= 0 || page_bytes <= 0) return std::uint64_t{2} << 30;
-  return static_cast<std::uint64_t>(pages) * static_cast<std::uint64_t>(page_bytes) / 4 * 3;
+  const bool known = pages > 0 && page_bytes > 0;
+  std::uint64_t memory = known ? static_cast<std::uint64_t>(pages) * static_cast<std::uint64_t>(page_bytes)
+                               : std::uint64_t{4} << 30;
+  for (const auto resource : {RLIMIT_AS, RLIMIT_DATA}) {
+    rlimit limit{};
+    if (getrlimit(resource, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY) {
+      memory = std::min<std::uint64_t>(memory, limit.rlim_cur);
+    }
+  }
+  return memory / 4 * 3;
 }
 
 }  // namespace
@@ -67,7 +76,8 @@ struct Renderer::Impl {
 
   Selection selection;
   DrawPlan plan;
-  VolumeLooks looks;  // of plan.classes
+  std::uint64_t plan_bytes = 0;  // what the plan's spans may take
+  VolumeLooks looks;             // of plan.classes
   std::array<std::optional<AxisSpans>, 3> axis_spans;
 
   // Of the latest frame.
@@ -154,6 +164,7 @@ Result<void> Renderer::select(const Selection& selection) {
   }
   r.selection = selection;
   r.plan = std::move(plan);
+  r.plan_bytes = bytes;
   r.looks.select(r.plan, selection);
   for (auto& spans : r.axis_spans) spans.reset();
   r.view.reset();
@@ -172,6 +183,14 @@ Result<Picture> Renderer::render(const Camera& camera, const RenderOptions& opti
   Impl& r = *impl_;
   const Grid& grid = r.atlas->grid();
   SPLATLAS_ASSIGN_OR_RETURN(const ParallelView view, parallel_view(camera, options.size, r.atlas->display()));
+  if (const std::uint64_t bytes = picture_bytes(options.size); bytes > r.max_memory_bytes - r.plan_bytes) {
+    return fail(
+        ErrorCode::kLimit,
+        fmt::format("{}: a picture of {}x{} pixels takes {} MiB, and the selection's volumes up to {} "
+                    "MiB; {} MiB are allowed. Take a smaller size",
+                    r.atlas->name(), options.size.width, options.size.height, bytes >> 20, r.plan_bytes >> 20,
+                    r.max_memory_bytes >> 20));
+  }
   const Shear shear = factorise(view, grid, options.principal_axis ? &*options.principal_axis : nullptr);
   if (!(std::abs(shear.slope_u) <= kMaxSlope && std::abs(shear.slope_v) <= kMaxSlope)) {
     return fail(ErrorCode::kUsage,

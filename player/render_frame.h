@@ -46,8 +46,9 @@ struct RenderStats {
 
 struct RendererOptions {
   unsigned threads = 0;  ///< 0: one per core. Pictures do not depend on it.
-  std::uint64_t max_memory_bytes =
-      0;  ///< for decoded voxels, spans and fragments; 0: three quarters of the machine's
+  /// For decoded voxels, spans, fragments and the picture. 0: three quarters of the machine's memory, or of
+  /// what the process may have (RLIMIT_AS, RLIMIT_DATA) where that is less.
+  std::uint64_t max_memory_bytes = 0;
 };
 
 /// What is under a point of the picture.
@@ -72,6 +73,7 @@ class Renderer {
   [[nodiscard]] Result<void> select(const Selection& selection);
 
   /// Renders the selection. Same selection, camera and options: same bits, with any number of threads.
+  /// kLimit, before anything is read or allocated, when the picture would need more memory than allowed.
   /// Cost: selected voxels in view * (sheet pixels per voxel), selected triangles, pixels; nothing
   /// unselected.
   [[nodiscard]] Result<Picture> render(const Camera& camera, const RenderOptions& options = {});

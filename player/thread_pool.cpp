@@ -1,6 +1,7 @@
 #include "player/thread_pool.h"
 
 #include <algorithm>
+#include <system_error>
 #include <utility>
 
 namespace splatlas {
@@ -9,7 +10,11 @@ ThreadPool::ThreadPool(unsigned threads) {
   if (threads == 0) threads = std::max(1u, std::thread::hardware_concurrency());
   threads = std::min(threads, 64u);
   workers_.reserve(threads - 1);
-  for (unsigned n = 1; n < threads; ++n) workers_.emplace_back([this] { work(); });
+  try {
+    for (unsigned n = 1; n < threads; ++n) workers_.emplace_back([this] { work(); });
+  } catch (const std::system_error&) {
+    // No more threads to be had: those there are do the work.
+  }
 }
 
 ThreadPool::~ThreadPool() {

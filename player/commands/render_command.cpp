@@ -1,12 +1,17 @@
 #include "player/commands/render_command.h"
 
 #include <chrono>
-#include <fstream>
+#include <cstddef>
+#include <span>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "player/pictures/picture_file.h"
+#include "format/output_file.h"
+#include "format/output_path.h"
+#include "player/pictures/picture_encoder.h"
 
 namespace splatlas {
 namespace {
@@ -29,21 +34,31 @@ nlohmann::ordered_json stats_json(const Renderer& renderer, double open_ms) {
         {"render", stats.render_ms}}}};
 }
 
-Result<void> write_text(const std::filesystem::path& path, const std::string& text) {
-  std::ofstream file(path, std::ios::binary | std::ios::trunc);
-  if (file << text; !file.flush()) {
-    file.close();
-    std::error_code ignored;
-    if (std::filesystem::is_regular_file(path, ignored)) std::filesystem::remove(path, ignored);
-    return fail(ErrorCode::kFailed, fmt::format("{}: cannot be written", path.string()));
+Result<OutputFile> written(const std::filesystem::path& path, std::span<const std::byte> bytes) {
+  SPLATLAS_ASSIGN_OR_RETURN(OutputFile file, OutputFile::create(path));
+  SPLATLAS_RETURN_IF_ERROR(file.write(bytes));
+  return file;
+}
+
+/// All or nothing: a picture whose stats cannot be written is not left behind either.
+Result<void> write_outputs(const RenderRequest& request, std::span<const std::byte> picture,
+                           const std::string& stats) {
+  std::vector<OutputFile> files;
+  if (!request.stats.empty()) {
+    SPLATLAS_ASSIGN_OR_RETURN(OutputFile file, written(request.stats, std::as_bytes(std::span(stats))));
+    files.push_back(std::move(file));
   }
-  return {};
+  SPLATLAS_ASSIGN_OR_RETURN(OutputFile file, written(request.output, picture));
+  files.push_back(std::move(file));
+  return commit_files(files);
 }
 
 }  // namespace
 
 Result<void> run_render(const RenderRequest& request) {
-  SPLATLAS_RETURN_IF_ERROR(PictureWriter::check_ending(request.output));
+  SPLATLAS_RETURN_IF_ERROR(PictureEncoder::check_ending(request.output));
+  SPLATLAS_RETURN_IF_ERROR(
+      check_outputs(std::vector{request.output, request.stats}, std::vector{request.atlas}));
   // Whatever can be told without the atlas is told first.
   SPLATLAS_ASSIGN_OR_RETURN(const auto terms, parse_selection(request.select));
   SPLATLAS_RETURN_IF_ERROR(parallel_view(request.camera, request.options.size, Display{}));
@@ -54,13 +69,12 @@ Result<void> run_render(const RenderRequest& request) {
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   SPLATLAS_ASSIGN_OR_RETURN(const Selection selection, resolve_selection(terms, atlas->graph()));
 
-  PictureWriter writer(request.output);
+  PictureEncoder encoder(request.output);
   Renderer renderer(std::move(atlas), {.threads = request.threads});
   SPLATLAS_RETURN_IF_ERROR(renderer.select(selection));
   SPLATLAS_ASSIGN_OR_RETURN(const Picture picture, renderer.render(request.camera, request.options));
-  SPLATLAS_RETURN_IF_ERROR(writer.write(picture, request.background));
-  if (request.stats.empty()) return {};
-  return write_text(request.stats, stats_json(renderer, open_ms).dump(2) + "\n");
+  SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::byte> bytes, encoder.encode(picture, request.background));
+  return write_outputs(request, bytes, stats_json(renderer, open_ms).dump(2) + "\n");
 }
 
 }  // namespace splatlas

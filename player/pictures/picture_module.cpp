@@ -4,7 +4,9 @@
 #include <exception>
 #include <memory>
 #include <string>
+#include <vector>
 
+#include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 
 namespace {
@@ -13,28 +15,44 @@ void tell(char* error, std::size_t error_size, const std::string& text) {
   std::snprintf(error, error_size, "%s", text.substr(0, text.find('\n')).c_str());
 }
 
+OIIO::ImageSpec spec_of(const splatlas::PixelsToEncode& pixels, const std::string& ending) {
+  const bool is_float = pixels.is_float != 0;
+  OIIO::ImageSpec spec(pixels.width, pixels.height, pixels.channels,
+                       is_float ? OIIO::TypeDesc::FLOAT : OIIO::TypeDesc::UINT8);
+  // In TIFF this would be EXIF, and OpenImageIO before 2.5.13 breaks files with EXIF that it writes to
+  // memory; 8-bit TIFF is sRGB where it says nothing.
+  if (ending != ".tif") spec.attribute("oiio:ColorSpace", is_float ? "Linear" : "sRGB");
+  spec.attribute("Software", "Splatlas");
+  spec.attribute("DateTime", "");  // the same picture is the same file, whenever it is made
+  if (!is_float) spec.attribute("oiio:UnassociatedAlpha", 1);
+  if (ending == ".jpg") spec.attribute("CompressionQuality", 95);
+  if (ending == ".exr") spec.attribute("compression", "zip");
+  return spec;
+}
+
 }  // namespace
 
-extern "C" __attribute__((visibility("default"))) int splatlas_write_pixels(
-    const char* path, const char* ending, int width, int height, int channels, int is_float,
-    const void* pixels, char* error, std::size_t error_size) try {
-  const std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create(ending + 1);  // without the dot
+// Into memory: libjpeg's way with a full disk is to end the program.
+extern "C" __attribute__((visibility("default"))) int splatlas_encode_pixels(
+    const splatlas::PixelsToEncode* pixels, splatlas::TakeBytes take, void* context, char* error,
+    std::size_t error_size) try {
+  const std::string ending = pixels->ending;
+  const std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create(ending.substr(1));
   if (!output) {
     tell(error, error_size, OIIO::geterror());
     return 1;
   }
-  const OIIO::TypeDesc type = is_float != 0 ? OIIO::TypeDesc::FLOAT : OIIO::TypeDesc::UINT8;
-  OIIO::ImageSpec spec(width, height, channels, type);
-  spec.attribute("oiio:ColorSpace", is_float != 0 ? "Linear" : "sRGB");
-  spec.attribute("Software", "Splatlas");
-  spec.attribute("DateTime", "");  // the same picture is the same file, whenever it is made
-  if (is_float == 0) spec.attribute("oiio:UnassociatedAlpha", 1);
-  if (std::string(ending) == ".jpg") spec.attribute("CompressionQuality", 95);
-  if (std::string(ending) == ".exr") spec.attribute("compression", "zip");
-  if (!output->open(path, spec) || !output->write_image(type, pixels) || !output->close()) {
+  OIIO::ImageSpec spec = spec_of(*pixels, ending);
+  std::vector<unsigned char> bytes;
+  OIIO::Filesystem::IOVecOutput memory(bytes);
+  OIIO::Filesystem::IOProxy* proxy = &memory;
+  spec.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
+  if (!output->open("picture" + ending, spec) || !output->write_image(spec.format, pixels->pixels) ||
+      !output->close()) {
     tell(error, error_size, output->geterror());
     return 1;
   }
+  take(context, bytes.data(), bytes.size());
   return 0;
 } catch (const std::exception& exception) {
   tell(error, error_size, exception.what());

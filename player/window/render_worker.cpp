@@ -6,7 +6,8 @@
 
 #include <fmt/format.h>
 
-#include "player/pictures/picture_file.h"
+#include "format/output_file.h"
+#include "player/pictures/picture_encoder.h"
 
 namespace splatlas {
 namespace {
@@ -168,9 +169,10 @@ void RenderWorker::answer(const Point& point) {
 
 void RenderWorker::save_picture(const SaveJob& job) {
   Result<void> result = guarded([&]() -> Result<void> {
-    PictureWriter writer(job.path);
+    PictureEncoder encoder(job.path);
     SPLATLAS_ASSIGN_OR_RETURN(const Picture picture, render(job.request, Quality::kHigh));
-    return writer.write(picture, kBackground);
+    SPLATLAS_ASSIGN_OR_RETURN(const auto bytes, encoder.encode(picture, kBackground));
+    return write_file(job.path, bytes);
   });
   tell(PictureSaved{job.path, std::move(result)});
 }

@@ -77,6 +77,20 @@ TEST_P(Table2, CountsComeOutOfStats) {
   EXPECT_DOUBLE_EQ(stats["occupancy"].get<double>(), selected / 32768.0);
 }
 
+TEST(PhantomProgram, MakesNoFolderOfAnOption) {
+  const TemporaryFolder folder;
+  const ProgramResult help = run_program({SPLATLAS_PHANTOM, "--help"}, folder.path());
+  EXPECT_EQ(help.status, 0);
+  EXPECT_TRUE(help.out.starts_with("usage: splatlas-phantom FOLDER\n")) << help.out;
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"--hepl"}, {"-x"}, {""}, {}, {"one", "two"}}) {
+    std::vector<std::string> all{SPLATLAS_PHANTOM};
+    all.insert(all.end(), words.begin(), words.end());
+    EXPECT_EQ(run_program(all, folder.path()).status, 2);
+  }
+  EXPECT_TRUE(folder.names().empty());
+}
+
 INSTANTIATE_TEST_SUITE_P(
     Paper, Table2,
     testing::Values(Table2Row{"\"Sphere 1\":surface + \"Sphere 2\":surface", 0, 1904, 0},

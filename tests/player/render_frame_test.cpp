@@ -231,7 +231,8 @@ TEST(Renderer, LooksPastTheAtlas) {
 
 TEST(Renderer, RefusesSelectionsThatNeedTooMuchMemoryAndKeepsTheOldOne) {
   const AtlasContent content = phantom_content();
-  Renderer renderer(open_in_memory(content), {1, span_model_bytes(437 + 464, 437 + 464)});
+  Renderer renderer(open_in_memory(content),
+                    {1, span_model_bytes(437 + 464, 437 + 464) + picture_bytes({20, 20})});
   ASSERT_TRUE(renderer.select(selection_of("Sphere_2", content.graph)));
   const Picture before = render_or_throw(renderer, {}, {.size = {20, 20}});
   const auto refused = renderer.select(selection_of("Spheres", content.graph));
@@ -241,19 +242,44 @@ TEST(Renderer, RefusesSelectionsThatNeedTooMuchMemoryAndKeepsTheOldOne) {
   EXPECT_TRUE(renderer.select(selection_of("Spheres:surface", content.graph)).has_value());
 }
 
+TEST(Renderer, RefusesPicturesThatNeedTooMuchMemoryBeforeItReads) {
+  const AtlasContent content = phantom_content();
+  const auto atlas = open_in_memory(content);
+  RenderOptions options;
+  options.size = {64, 48};
+  // Surfaces only: nothing is set aside for volumes.
+  const Selection selection = *select("Spheres:surface", atlas->graph());
+  const std::uint64_t enough = picture_bytes(options.size) + span_model_bytes(0, 0);
+  Renderer too_small(atlas, {1, enough - 1});
+  ASSERT_TRUE(too_small.select(selection));
+  const std::uint64_t read = atlas->counters().read;
+  const auto refused = too_small.render({}, options);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kLimit);
+  EXPECT_NE(refused.error().message.find("64x48"), std::string::npos) << refused.error().message;
+  EXPECT_EQ(atlas->counters().read, read);
+  EXPECT_EQ(atlas->counters().decoded, 0u);
+
+  options.size = {8, 6};
+  EXPECT_TRUE(too_small.render({}, options));
+  options.size = {32768, 32768};
+  EXPECT_FALSE(too_small.render({}, options));
+}
+
 /// A refused frame leaves neither a picture nor something to pick.
 TEST(Renderer, PicksNothingAfterAFrameThatWasRefused) {
   const AtlasContent content = phantom_content();
-  Renderer renderer(open_in_memory(content), {1, 1200 << 10});  // enough for 2400 fragments
+  // Enough for 3000 fragments.
+  Renderer renderer(open_in_memory(content), {1, (1200 << 10) + picture_bytes({99, 99})});
   ASSERT_TRUE(renderer.select(selection_of("Spheres:both(opacity=0.5)", content.graph)));
   Camera far_away;
   far_away.zoom = 0.05;
-  (void)render_or_throw(renderer, far_away, {.size = {200, 200}});
-  EXPECT_TRUE(renderer.pick(99, 101));
+  (void)render_or_throw(renderer, far_away, {.size = {99, 99}});
+  EXPECT_TRUE(renderer.pick(49, 50));
   const auto refused = renderer.render({}, {.size = {99, 99}});
   ASSERT_FALSE(refused.has_value());
   EXPECT_EQ(refused.error().code, ErrorCode::kLimit);
-  EXPECT_FALSE(renderer.pick(99, 101));
+  EXPECT_FALSE(renderer.pick(49, 50));
   EXPECT_FALSE(renderer.pick(40, 60));
 }
 

@@ -189,10 +189,12 @@ TEST_F(SessionTest, AnEditTakesTheMessageAboutTheTextAway) {
 }
 
 TEST_F(SessionTest, ASelectionThatCannotBeRenderedGivesWayToTheLatestThatCould) {
-  // Enough for the small ball's volume, too little for the large one's.
-  const std::uint64_t enough = span_model_bytes(437 + 464, 437 + 464);
+  // Enough for the small ball's volume in a small picture, too little for the large one's.
+  constexpr PictureSize kSmall{12, 8};
+  const std::uint64_t enough = span_model_bytes(437 + 464, 437 + 464) + picture_bytes(kSmall);
   ASSERT_LT(enough, span_model_bytes(2705 + 1440, 437 + 464));
   Desk desk(atlas(), {.threads = 1, .max_memory_bytes = enough});
+  desk->resize(kSmall);
   desk.until([&] { return desk->status().error; });
   EXPECT_EQ(desk->editor().text(), "");  // nothing could be rendered before
   desk->apply_text("Sphere_2");
