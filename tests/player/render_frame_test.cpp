@@ -276,7 +276,9 @@ TEST(Renderer, PicksNothingAfterAFrameThatWasRefused) {
   far_away.zoom = 0.05;
   (void)render_or_throw(renderer, far_away, {.size = {99, 99}});
   EXPECT_TRUE(renderer.pick(49, 50));
-  const auto refused = renderer.render({}, {.size = {99, 99}});
+  Camera close;
+  close.zoom = 1.5;
+  const auto refused = renderer.render(close, {.size = {99, 99}});
   ASSERT_FALSE(refused.has_value());
   EXPECT_EQ(refused.error().code, ErrorCode::kLimit);
   EXPECT_FALSE(renderer.pick(49, 50));
