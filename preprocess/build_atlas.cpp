@@ -4,9 +4,9 @@
 
 #include "format/atlas_reader.h"
 #include "format/atlas_writer.h"
+#include "format/interrupts.h"
 #include "format/output_file.h"
 #include "preprocess/build_content.h"
-#include "format/interrupts.h"
 
 namespace splatlas {
 namespace {

@@ -9,9 +9,9 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "format/interrupts.h"
 #include "preprocess/commands/build_command.h"
 #include "preprocess/commands/export_command.h"
-#include "format/interrupts.h"
 
 namespace splatlas {
 namespace {
