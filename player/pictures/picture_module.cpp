@@ -11,15 +11,20 @@
 
 namespace {
 
-void tell(char* error, std::size_t error_size, const std::string& text) {
-  std::snprintf(error, error_size, "%s", text.substr(0, text.find('\n')).c_str());
+constexpr const char* kNoMemory = "out of memory; take a smaller picture";
+
+/// Plugins tell want of memory in words of their own, or not at all.
+void tell(char* error, std::size_t error_size, std::string text) {
+  text = text.substr(0, text.find('\n'));
+  if (text.find("bad_alloc") != std::string::npos) text = kNoMemory;
+  std::snprintf(error, error_size, "%s", text.empty() ? "no reason is known" : text.c_str());
 }
 
 OIIO::ImageSpec spec_of(const splatlas::PixelsToEncode& pixels, const std::string& ending) {
   const bool is_float = pixels.is_float != 0;
   OIIO::ImageSpec spec(pixels.width, pixels.height, pixels.channels,
                        is_float ? OIIO::TypeDesc::FLOAT : OIIO::TypeDesc::UINT8);
-  // In TIFF this would be EXIF, and OpenImageIO before 2.5.13 breaks files with EXIF that it writes to
+  // In TIFF this would be EXIF, and OpenImageIO 2.4 breaks files with EXIF that it writes to
   // memory; 8-bit TIFF is sRGB where it says nothing.
   if (ending != ".tif") spec.attribute("oiio:ColorSpace", is_float ? "Linear" : "sRGB");
   spec.attribute("Software", "Splatlas");

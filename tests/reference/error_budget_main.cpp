@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <string>
 
+#include "format/standard_output.h"
 #include "tests/reference/picture_difference.h"
 #include "tests/support/render.h"
 #include "tests/support/standard_scenes.h"
@@ -85,5 +86,9 @@ void measure(const StandardScene& scene) {
 int main() {
   for (const splatlas::StandardScene& scene : splatlas::standard_scenes())
     splatlas::reference::measure(scene);
+  if (const auto shown = splatlas::finish_standard_output(); !shown) {
+    std::fprintf(stderr, "splatlas-error-budget: %s\n", shown.error().message.c_str());
+    return splatlas::exit_status(shown.error().code);
+  }
   return 0;
 }
