@@ -81,7 +81,7 @@ Result<void> compare(const Image& image, const fs::path& file, const fs::path& p
 }  // namespace
 
 Result<ImageFormat> writable_image_format(const fs::path& path) {
-  const Result<ImageFormat> format = image_format(path);
+  Result<ImageFormat> format = image_format(path);
   const std::string ending = to_lower(path.extension().string());
   if (ending == ".nhdr" || ending == ".mhd") {
     return fail(ErrorCode::kUsage, fmt::format("{}: would be two files; write {}", path.string(),
