@@ -93,7 +93,9 @@ Result<ErrorModel> error_model(const AtlasContent& content, const ErrorScene& sc
 }
 
 Camera turned(Camera camera, int turn, int frames) {
-  camera.azimuth_deg += kTurnDeg * (turn % frames) + kRepeatTurnDeg * (turn / frames);
+  const int frame = turn % frames;
+  const int repeat = turn / frames;
+  camera.azimuth_deg += kTurnDeg * frame + kRepeatTurnDeg * repeat;
   return camera;
 }
 

@@ -25,7 +25,7 @@ struct Picture {
 /// Memory that a picture of this size needs on its way to a file: its floats, and as much again to encode
 /// them.
 [[nodiscard]] constexpr std::uint64_t picture_bytes(const PictureSize& size) {
-  constexpr std::uint64_t kBytesPerPixel = std::uint64_t{2 * 4} * sizeof(float);
+  constexpr std::uint64_t kBytesPerPixel = std::uint64_t{2} * 4 * sizeof(float);
   return kBytesPerPixel * static_cast<std::uint64_t>(size.width) * static_cast<std::uint64_t>(size.height);
 }
 

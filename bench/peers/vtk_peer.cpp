@@ -58,11 +58,12 @@ vtkSmartPointer<vtkImageData> padded_image(const MaskedVolume& volume) {
 /// The grid's position and direction; spacing is the image's.
 vtkSmartPointer<vtkMatrix4x4> placement(const Grid& grid) {
   vtkNew<vtkMatrix4x4> matrix;
-  for (int row = 0; row < 3; ++row) {
-    for (int column = 0; column < 3; ++column) {
-      matrix->SetElement(row, column, grid.direction_lps[static_cast<std::size_t>(3 * row + column)]);
+  for (std::size_t row = 0; row < 3; ++row) {
+    const auto r = static_cast<int>(row);
+    for (std::size_t column = 0; column < 3; ++column) {
+      matrix->SetElement(r, static_cast<int>(column), grid.direction_lps[3 * row + column]);
     }
-    matrix->SetElement(row, 3, grid.origin_lps_mm[static_cast<std::size_t>(row)]);
+    matrix->SetElement(r, 3, grid.origin_lps_mm[row]);
   }
   return matrix;
 }
@@ -116,8 +117,8 @@ Picture cast_image(vtkFixedPointVolumeRayCastMapper& mapper, const PictureSize& 
   const int* used = image.GetImageInUseSize();
   const int* origin = image.GetImageOrigin();
   for (int y = 0; y < used[1]; ++y) {
-    const unsigned short* from = image.GetImage() + 4 * y * image.GetImageMemorySize()[0];
-    const int row = size.height - 1 - (origin[1] + y);
+    const unsigned short* from = image.GetImage() + std::ptrdiff_t{4} * y * image.GetImageMemorySize()[0];
+    const std::ptrdiff_t row = size.height - 1 - (origin[1] + y);
     float* to = picture.rgba.data() + 4 * (row * size.width + origin[0]);
     for (int n = 0; n < 4 * used[0]; ++n) to[n] = static_cast<float>(from[n]) / kOne;
   }
