@@ -148,13 +148,24 @@ class MeshClipper {
     split(rest, axis + 1, voxel);
   }
 
+  /// Quantised cuts may leave a triangle in the very plane to the next voxel, which it then belongs to.
+  [[nodiscard]] std::int64_t voxel_of(const Polygon& triangle, Index3 voxel) const {
+    for (std::size_t a = 0; a < 3; ++a) {
+      const double plane = static_cast<double>(voxel[a]) + 0.5;
+      const bool in_plane = std::all_of(triangle.begin(), triangle.end(),
+                                        [&](const Corner& corner) { return corner.index[a] >= plane; });
+      if (in_plane && voxel[a] + 1 < grid_.size[a]) ++voxel[a];
+    }
+    return grid_.offset(voxel[0], voxel[1], voxel[2]);
+  }
+
   /// A fan of triangles; those that quantisation has left without area are dropped.
   void emit(const Polygon& polygon, const Index3& voxel) {
-    const std::int64_t offset = grid_.offset(voxel[0], voxel[1], voxel[2]);
     for (std::size_t n = 2; n < polygon.size(); ++n) {
       const Polygon triangle{polygon[0], polygon[n - 1], polygon[n]};
       if (!(area_of(triangle) > 0)) continue;
-      pieces_.push_back({offset, {number(triangle[0]), number(triangle[1]), number(triangle[2])}});
+      pieces_.push_back(
+          {voxel_of(triangle, voxel), {number(triangle[0]), number(triangle[1]), number(triangle[2])}});
     }
   }
 
