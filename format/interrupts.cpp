@@ -61,6 +61,10 @@ DeferInterrupts::~DeferInterrupts() {
   if (const int signal = waiting_signal.exchange(0); signal != 0) end_by(signal);
 }
 
+bool interrupt_waits() {
+  return waiting_signal != 0;
+}
+
 RemoveOnInterrupt::RemoveOnInterrupt(const std::filesystem::path& path) : slot_(files_to_remove.size()) {
   const std::string& bytes = path.native();
   if (bytes.size() >= files_to_remove.front().path.size()) return;

@@ -20,6 +20,9 @@ class DeferInterrupts {
   DeferInterrupts& operator=(const DeferInterrupts&) = delete;
 };
 
+/// Whether an interrupt waits for the last DeferInterrupts: long work ends early, and cleans up.
+[[nodiscard]] bool interrupt_waits();
+
 /// An interrupt removes this file while this exists. For up to 16 files at once, with paths of up to 4095
 /// bytes; others are left. Any thread.
 class RemoveOnInterrupt {

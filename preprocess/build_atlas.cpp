@@ -1,36 +1,21 @@
 #include "preprocess/build_atlas.h"
 
+#include <array>
+
 #include <fmt/format.h>
 
 #include "format/atlas_reader.h"
 #include "format/atlas_writer.h"
 #include "format/interrupts.h"
 #include "format/output_file.h"
+#include "format/output_path.h"
 #include "preprocess/build_content.h"
+#include "preprocess/export/check_writable.h"
 
 namespace splatlas {
 namespace {
 
 namespace fs = std::filesystem;
-
-Result<void> check_output(const fs::path& output, const SourceFiles& sources) {
-  std::error_code error;
-  for (const fs::path& input : list_files(sources)) {
-    if (fs::equivalent(output, input, error) && !error) {
-      return fail(ErrorCode::kFailed,
-                  fmt::format("{}: is an input; the atlas needs a name of its own", output.string()));
-    }
-  }
-  const fs::path folder = output.has_parent_path() ? output.parent_path() : fs::path(".");
-  if (fs::is_directory(output, error) || output.filename().empty()) {
-    return fail(ErrorCode::kFailed, fmt::format("{}: is a folder; the atlas is a file", output.string()));
-  }
-  if (!fs::is_directory(folder, error)) {
-    return fail(ErrorCode::kFailed, fmt::format("{}: cannot be written: there is no folder {}",
-                                                output.string(), folder.string()));
-  }
-  return {};
-}
 
 Result<BuildReport> report_on(const fs::path& output, std::uint64_t structures) {
   SPLATLAS_ASSIGN_OR_RETURN(const std::shared_ptr<const Atlas> atlas, Atlas::open(output));
@@ -46,7 +31,8 @@ Result<BuildReport> report_on(const fs::path& output, std::uint64_t structures) 
 }  // namespace
 
 Result<BuildReport> build_atlas(const BuildOptions& options) {
-  SPLATLAS_RETURN_IF_ERROR(check_output(options.output, options.sources));
+  SPLATLAS_RETURN_IF_ERROR(check_outputs(std::array{options.output}, list_files(options.sources)));
+  SPLATLAS_RETURN_IF_ERROR(check_writable_file(options.output));
   StageClock clock(options.progress);
   const auto update = [&](double fraction) { clock.update(fraction); };
 

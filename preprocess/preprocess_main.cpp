@@ -1,15 +1,15 @@
 // splatlas-preprocess: makes atlases, and takes them apart again.
 
-#include <cerrno>
 #include <cstdio>
-#include <cstring>
-#include <iostream>
+#include <sstream>
 #include <string>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "format/ascii_text.h"
 #include "format/interrupts.h"
+#include "format/standard_output.h"
 #include "preprocess/commands/build_command.h"
 #include "preprocess/commands/export_command.h"
 
@@ -26,7 +26,7 @@ constexpr const char* kDescription =
     "\n"
     "COMMAND --help tells everything about a command.";
 
-int run(int argc, char** argv) {
+Result<void> run(int argc, char** argv) {
   CLI::App app{kDescription, "splatlas-preprocess"};
   app.set_version_flag("--version", std::string(kTool) + " (atlas format 1)");
   app.get_formatter()->column_width(30);
@@ -36,32 +36,29 @@ int run(int argc, char** argv) {
   add_export(app, export_words);
   try {
     app.parse(argc, argv);
+  } catch (const CLI::Success& help_or_version) {
+    std::ostringstream text;
+    app.exit(help_or_version, text);
+    return print_text(text.str());
   } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
-    fmt::print(stderr, "splatlas-preprocess: {}; see --help\n", error.what());
-    return exit_status(ErrorCode::kUsage);
+    return fail(ErrorCode::kUsage, fmt::format("{}; see --help", error.what()));
   }
   install_interrupt_handlers();
-  const Result<void> result =
-      app.got_subcommand("build") ? run_build(*build, kTool) : run_export(export_words);
-  if (result) return 0;
-  fmt::print(stderr, "splatlas-preprocess: {}\n", result.error().message);
-  return exit_status(result.error().code);
+  SPLATLAS_RETURN_IF_ERROR(app.got_subcommand("build") ? run_build(*build, kTool) : run_export(export_words));
+  return finish_standard_output();
 }
 
-/// A full device is told of when the last line leaves the buffer, not before.
-int status_after_output(int status) {
-  std::cout.flush();  // CLI11's --help
-  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0 && std::cout.good()) return status;
-  fmt::print(stderr, "splatlas-preprocess: standard output: cannot be written: {}\n", std::strerror(errno));
-  return status == 0 ? exit_status(ErrorCode::kFailed) : status;
+int report(const Error& error) {
+  fmt::print(stderr, "splatlas-preprocess: {}\n", printable(error.message));
+  return exit_status(error.code);
 }
 
 }  // namespace
 }  // namespace splatlas
 
 int main(int argc, char** argv) try {
-  return splatlas::status_after_output(splatlas::run(argc, argv));
+  const splatlas::Result<void> result = splatlas::run(argc, argv);
+  return result ? 0 : splatlas::report(result.error());
 } catch (const std::bad_alloc&) {
   std::fputs("splatlas-preprocess: not enough memory\n", stderr);
   return 1;

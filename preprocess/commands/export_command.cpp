@@ -1,7 +1,6 @@
 #include "preprocess/commands/export_command.h"
 
-#include <fmt/format.h>
-
+#include "format/standard_output.h"
 #include "preprocess/commands/name_and_file.h"
 
 namespace splatlas {
@@ -35,7 +34,7 @@ Result<void> run_export(const ExportWords& words) {
     SPLATLAS_ASSIGN_OR_RETURN(options.surfaces.emplace_back(), split_name_and_file("--surface", text));
   }
   SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::string> written, export_atlas(options));
-  for (const std::string& line : written) fmt::print("{}\n", line);
+  for (const std::string& line : written) SPLATLAS_RETURN_IF_ERROR(print_text(line + "\n"));
   return {};
 }
 

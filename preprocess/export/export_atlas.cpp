@@ -1,12 +1,15 @@
 #include "preprocess/export/export_atlas.h"
 
-#include <algorithm>
+#include <array>
 #include <set>
+#include <span>
 
 #include <fmt/format.h>
 
 #include "format/atlas_reader.h"
+#include "format/output_path.h"
 #include "format/selection.h"
+#include "preprocess/export/check_writable.h"
 #include "preprocess/export/export_labels.h"
 #include "preprocess/export/write_image.h"
 #include "preprocess/export/write_mesh.h"
@@ -36,13 +39,6 @@ Result<std::vector<std::vector<StructureIndex>>> find_surfaces(const Atlas& atla
   return result;
 }
 
-Result<void> export_volume(const AtlasContent& content, const Atlas& atlas, const fs::path& path) {
-  if (content.values.empty()) {
-    return fail(ErrorCode::kFailed, fmt::format("{}: holds no grey values to export", atlas.name()));
-  }
-  return write_image({content.source_grid, to_source_order(content.values, content)}, path);
-}
-
 Result<void> export_surface(const Atlas& atlas, const std::vector<StructureIndex>& structures,
                             const fs::path& path) {
   std::vector<SurfaceMesh> surfaces;
@@ -52,33 +48,67 @@ Result<void> export_surface(const Atlas& atlas, const std::vector<StructureIndex
   return write_mesh(surfaces, atlas.grid(), path);
 }
 
-Result<void> check_outputs(const ExportOptions& options) {
-  std::vector<fs::path> outputs{options.labels, options.volume};
-  for (const auto& [name, path] : options.surfaces) outputs.push_back(path);
-  std::erase_if(outputs, [](const fs::path& path) { return path.empty(); });
+bool is_folder_of_masks(const ExportOptions& options) {
+  return options.labels.ends_with('/');
+}
+
+/// Endings, and that nothing goes over something else: wrong usage.
+Result<void> check_words(const ExportOptions& options) {
+  std::vector<fs::path> outputs;
+  if (is_folder_of_masks(options)) {
+    outputs.push_back(without_end_slash(options.labels));
+  } else if (!options.labels.empty()) {
+    SPLATLAS_RETURN_IF_ERROR(writable_image_format(options.labels));
+    outputs.emplace_back(options.labels);
+  }
+  if (!options.volume.empty()) {
+    SPLATLAS_RETURN_IF_ERROR(writable_image_format(options.volume));
+    outputs.push_back(options.volume);
+  }
+  for (const auto& [name, path] : options.surfaces) {
+    SPLATLAS_RETURN_IF_ERROR(writable_mesh_format(path));
+    outputs.push_back(path);
+  }
   if (outputs.empty()) {
     return fail(ErrorCode::kUsage, "nothing to export: give --labels, --volume or --surface");
   }
-  for (const fs::path& path : outputs) {
-    std::error_code error;
-    if (fs::equivalent(path, options.atlas, error) && !error) {
-      return fail(ErrorCode::kFailed,
-                  fmt::format("{}: is the atlas itself; export to another name", path.string()));
+  if (is_folder_of_masks(options)) {
+    const fs::path folder = resolve_output(outputs.front());
+    for (const fs::path& path : std::span(outputs).subspan(1)) {
+      if (resolve_output(path.parent_path()) != folder) continue;
+      return fail(ErrorCode::kUsage, fmt::format("{}: lies in the folder of masks, {}; export to another one",
+                                                 path.string(), options.labels));
     }
   }
+  return check_outputs(outputs, std::array{options.atlas});
+}
+
+/// That every output can be written, before the first one is.
+Result<void> check_writable(const ExportOptions& options) {
+  if (is_folder_of_masks(options)) {
+    SPLATLAS_RETURN_IF_ERROR(check_writable_folder(options.labels));
+  } else if (!options.labels.empty()) {
+    SPLATLAS_RETURN_IF_ERROR(check_writable_file(options.labels));
+  }
+  if (!options.volume.empty()) SPLATLAS_RETURN_IF_ERROR(check_writable_file(options.volume));
+  for (const auto& [name, path] : options.surfaces) SPLATLAS_RETURN_IF_ERROR(check_writable_file(path));
   return {};
 }
 
 }  // namespace
 
 Result<std::vector<std::string>> export_atlas(const ExportOptions& options) {
-  SPLATLAS_RETURN_IF_ERROR(check_outputs(options));
+  SPLATLAS_RETURN_IF_ERROR(check_words(options));
+  SPLATLAS_RETURN_IF_ERROR(check_writable(options));
   SPLATLAS_ASSIGN_OR_RETURN(const std::shared_ptr<const Atlas> atlas, Atlas::open(options.atlas));
   SPLATLAS_ASSIGN_OR_RETURN(const auto structures, find_surfaces(*atlas, options));
   std::vector<std::string> written;
   if (!options.labels.empty() || !options.volume.empty()) {
     SPLATLAS_ASSIGN_OR_RETURN(const AtlasContent content, atlas->read_all());
-    if (options.labels.ends_with('/')) {
+    if (!options.volume.empty() && content.values.empty()) {
+      return fail(ErrorCode::kFailed, fmt::format("{}: holds no grey values to export", atlas->name()));
+    }
+    if (is_folder_of_masks(options)) {
       SPLATLAS_ASSIGN_OR_RETURN(const std::size_t masks, export_masks(content, options.labels));
       written.push_back(fmt::format("{}: {} masks", options.labels, masks));
     } else if (!options.labels.empty()) {
@@ -86,7 +116,8 @@ Result<std::vector<std::string>> export_atlas(const ExportOptions& options) {
       written.push_back(fmt::format("{}: labels, {}", options.labels, name_of(content.label_type)));
     }
     if (!options.volume.empty()) {
-      SPLATLAS_RETURN_IF_ERROR(export_volume(content, *atlas, options.volume));
+      SPLATLAS_RETURN_IF_ERROR(
+          write_image({content.source_grid, to_source_order(content.values, content)}, options.volume));
       written.push_back(fmt::format("{}: volume, {}", options.volume.string(), name_of(content.values.type)));
     }
   }

@@ -19,9 +19,10 @@ struct ExportOptions {
 };
 
 /// Writes what is asked for; empty paths are not. Volumes have the grid, order of axes and pixel type of the
-/// source. kNotFound for unknown structures, before anything is written; kFailed when the atlas does not hold
-/// what is asked for (no grey values, labels that overlap). Each file is written whole or not at all. Returns
-/// one line per file written.
+/// source. Before anything is read: kUsage for endings of unknown types and when an output is the atlas or
+/// another output (by whatever path), kFailed for outputs that cannot be written. Before anything is written:
+/// kNotFound for unknown structures, kFailed when the atlas holds no grey values, no surface, or labels that
+/// overlap. Each file is written whole or not at all. Returns one line per file written.
 [[nodiscard]] Result<std::vector<std::string>> export_atlas(const ExportOptions& options);
 
 }  // namespace splatlas

@@ -3,6 +3,9 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "format/interrupts.h"
+#include "preprocess/export/check_writable.h"
+#include "preprocess/export/temporary_output.h"
 #include "preprocess/export/write_image.h"
 #include "preprocess/surfaces/structure_crop.h"
 
@@ -53,6 +56,7 @@ Result<std::size_t> write_masks(const AtlasContent& content, const fs::path& fol
     SPLATLAS_RETURN_IF_ERROR(write_image({content.source_grid, to_source_order(mask, content)},
                                          folder / (content.graph[s].id + ".nii.gz")));
     ++masks;
+    if (interrupt_waits()) return fail(ErrorCode::kFailed, fmt::format("{}: interrupted", folder.string()));
   }
   return masks;
 }
@@ -84,15 +88,14 @@ Result<void> export_label_map(const AtlasContent& content, const std::string& na
 }
 
 Result<std::size_t> export_masks(const AtlasContent& content, const fs::path& folder) {
-  const fs::path target =
-      folder.has_filename() ? folder : folder.parent_path();  // without the "/" at the end
+  SPLATLAS_RETURN_IF_ERROR(check_writable_folder(folder));
+  const fs::path target = without_end_slash(folder);
   const auto cannot_write = [&](const std::string& reason) {
     return fail(ErrorCode::kFailed, fmt::format("{}: cannot be written: {}", folder.string(), reason));
   };
+  // An interrupt waits for the mask that is being written; then nothing is left of the folder.
+  const DeferInterrupts no_folder_left;
   std::error_code error;
-  if (fs::exists(target, error) && !(fs::is_directory(target, error) && fs::is_empty(target, error))) {
-    return cannot_write("it exists and is not an empty folder");
-  }
   const fs::path temporary = target.parent_path() / fmt::format(".splatlas-{}", ::getpid());
   if (!fs::create_directory(temporary, error))
     return cannot_write(error ? error.message() : "a temporary exists");
@@ -101,8 +104,9 @@ Result<std::size_t> export_masks(const AtlasContent& content, const fs::path& fo
     fs::rename(temporary, target, error);
     if (error) masks = cannot_write(error.message());
   }
-  if (!masks) fs::remove_all(temporary, error);
-  return masks;
+  if (masks) return masks;
+  fs::remove_all(temporary, error);
+  return fail(masks.error().code, with_path(masks.error().message, temporary, target));
 }
 
 }  // namespace splatlas

@@ -36,15 +36,6 @@ Result<void> write_with(itk::ImageIOBase& io, const Image& image, const fs::path
   return {};
 }
 
-/// `text` with `path` instead of the temporary file's name.
-std::string with_name(std::string text, const fs::path& temporary, const fs::path& path) {
-  for (std::size_t at = text.find(temporary.string()); at != std::string::npos;
-       at = text.find(temporary.string(), at + path.string().size())) {
-    text.replace(at, temporary.string().size(), path.string());
-  }
-  return text;
-}
-
 tl::unexpected<Error> cannot_write_whole(const fs::path& path) {
   return fail(ErrorCode::kFailed,
               fmt::format("{}: cannot be written whole; is the disk full?", path.string()));
@@ -59,7 +50,7 @@ Result<void> write_quietly(ImageFormat format, const Image& image, const fs::pat
   // NRRD's library gives a stack of calls for a reason; others, whose geometry has limits, a sentence.
   if (!written && written.error().code == ErrorCode::kFailed && format == ImageFormat::kNrrd)
     return cannot_write_whole(path);
-  if (!written) return fail(written.error().code, with_name(written.error().message, temporary, path));
+  if (!written) return fail(written.error().code, with_path(written.error().message, temporary, path));
   return written;
 }
 

@@ -77,11 +77,10 @@ Result<void> write_mesh(std::span<const SurfaceMesh> surfaces, const Grid& grid,
   SPLATLAS_ASSIGN_OR_RETURN(const MeshFormat format, writable_mesh_format(path));
   return write_by_way_of_temporary(path, [&](const fs::path& temporary) -> Result<void> {
     const vtkNew<vtkPolyData> polygons = to_polygons(surfaces, grid);
-    const std::string complaint = write_as(format, *polygons, temporary);
-    // Read back: a full disk goes unnoticed otherwise.
-    if (const auto back = import_mesh(temporary, MeshFrame::kLps); !complaint.empty() || !back) {
-      return fail(ErrorCode::kFailed, fmt::format("{}: cannot be written: {}", path.string(),
-                                                  complaint.empty() ? "is the disk full?" : complaint));
+    // Read back: VTK notices a full disk in some formats only.
+    if (!write_as(format, *polygons, temporary).empty() || !import_mesh(temporary, MeshFrame::kLps)) {
+      return fail(ErrorCode::kFailed,
+                  fmt::format("{}: cannot be written whole; is the disk full?", path.string()));
     }
     return {};
   });

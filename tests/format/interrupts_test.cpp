@@ -49,6 +49,16 @@ TEST_F(InterruptsTest, RemoveEveryFileInTheMaking) {
   }
 }
 
+TEST_F(InterruptsTest, LongWorkIsToldThatOneWaits) {
+  EXPECT_EQ(signal_ending([&] {
+              const DeferInterrupts deferred;
+              const bool before = interrupt_waits();
+              std::raise(SIGINT);
+              if (before || !interrupt_waits()) ::_exit(1);
+            }),
+            SIGINT);
+}
+
 TEST_F(InterruptsTest, LeaveWhatIsCommitted) {
   EXPECT_EQ(signal_ending([&] {
               OutputFile file = OutputFile::create(path).value();

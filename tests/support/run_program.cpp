@@ -20,7 +20,8 @@ std::string contents(const std::filesystem::path& path) {
 
 }  // namespace
 
-ProgramResult run_program(const std::vector<std::string>& words, const std::filesystem::path& folder) {
+ProgramResult run_program(const std::vector<std::string>& words, const std::filesystem::path& folder,
+                          const std::function<void(int)>& meanwhile) {
   const TemporaryFolder temporary;
   const std::string out = temporary.file("out");
   const std::string err = temporary.file("err");
@@ -41,6 +42,7 @@ ProgramResult run_program(const std::vector<std::string>& words, const std::file
     execvp(arguments[0], arguments.data());
     _exit(127);
   }
+  if (meanwhile) meanwhile(child);
   int status = 0;
   if (waitpid(child, &status, 0) != child) throw std::runtime_error("cannot wait for the program");
   ProgramResult result;

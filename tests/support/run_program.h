@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -12,10 +13,11 @@ struct ProgramResult {
   std::string out, err;
 };
 
-/// Runs `words[0]` with the other words as arguments, no shell in between, in `folder`.
-[[nodiscard]] ProgramResult run_program(
-    const std::vector<std::string>& words,
-    const std::filesystem::path& folder = std::filesystem::current_path());
+/// Runs `words[0]` with the other words as arguments, no shell in between, in `folder`. `meanwhile` is called
+/// with the process's number while the program runs (or when it has ended already, but was not waited for).
+[[nodiscard]] ProgramResult run_program(const std::vector<std::string>& words,
+                                        const std::filesystem::path& folder = std::filesystem::current_path(),
+                                        const std::function<void(int)>& meanwhile = {});
 
 /// An empty folder of its own under the system's temporary one, removed with everything in it at the end.
 class TemporaryFolder {

@@ -1,0 +1,166 @@
+// splatlas-preprocess: where output goes, and what is said when it cannot go there.
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <random>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/cli/phantom_atlas.h"
+
+namespace splatlas {
+namespace {
+
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+
+/// phantom.atlas in a folder of its own.
+class PreprocessOutput : public testing::Test {
+ protected:
+  PreprocessOutput() { std::filesystem::copy_file(phantom_atlas(), folder_.file("a.atlas")); }
+
+  ProgramResult run_export(const std::vector<std::string>& words) const {
+    std::vector<std::string> all{SPLATLAS_PREPROCESS, "export", "a.atlas"};
+    all.insert(all.end(), words.begin(), words.end());
+    return run_program(all, folder_.path());
+  }
+  /// One line that holds `text`, and nothing written.
+  void refuses(const std::vector<std::string>& words, int status, const std::string& text) const {
+    const std::vector<std::string> before = folder_.names();
+    const ProgramResult result = run_export(words);
+    EXPECT_EQ(result.status, status) << result.err;
+    EXPECT_THAT(result.err, HasSubstr(text));
+    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+    EXPECT_THAT(result.out, IsEmpty());
+    EXPECT_EQ(folder_.names(), before);
+  }
+  std::string bytes(const std::string& name) const {
+    std::ifstream file(folder_.file(name), std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  }
+  /// The shell runs `setup` before it becomes splatlas-preprocess with `words`.
+  ProgramResult run_after(const std::string& setup, const std::vector<std::string>& words) const {
+    std::vector<std::string> all{"/bin/sh", "-c", setup + R"( exec "$0" "$@")", SPLATLAS_PREPROCESS};
+    all.insert(all.end(), words.begin(), words.end());
+    return run_program(all, folder_.path());
+  }
+  TemporaryFolder folder_;
+};
+
+TEST_F(PreprocessOutput, NoOutputIsAnotherOne) {
+  namespace fs = std::filesystem;
+  refuses({"--labels", "a.nrrd", "--volume", "a.nrrd"}, 2, "a.nrrd");
+  refuses({"--labels", "a.nrrd", "--volume", "./a.nrrd"}, 2, "a.nrrd");
+  refuses({"--surface", "Sphere 1=s.stl", "--surface", "Sphere 2=s.stl"}, 2, "s.stl");
+  fs::create_symlink("s.stl", folder_.file("link.stl"));  // to what is not there yet
+  refuses({"--surface", "Sphere 1=s.stl", "--surface", "Sphere 2=link.stl"}, 2, "link.stl");
+  std::ofstream(folder_.file("one.nii")) << "kept";
+  fs::create_hard_link(folder_.file("one.nii"), folder_.file("two.nii"));
+  refuses({"--labels", "one.nii", "--volume", "two.nii"}, 2, "two.nii");
+  EXPECT_EQ(bytes("one.nii"), "kept");
+  refuses({"--labels", "masks/", "--surface", "Sphere 1=masks/s.stl"}, 2, "folder of masks");
+}
+
+TEST_F(PreprocessOutput, NoOutputIsTheAtlas) {
+  const std::string before = bytes("a.atlas");
+  std::filesystem::create_symlink("a.atlas", folder_.file("link.nii"));
+  std::filesystem::create_hard_link(folder_.file("a.atlas"), folder_.file("hard.nii"));
+  refuses({"--labels", "link.nii"}, 2, "link.nii");
+  refuses({"--volume", "hard.nii"}, 2, "hard.nii");
+  EXPECT_EQ(bytes("a.atlas"), before);
+}
+
+TEST_F(PreprocessOutput, AnAtlasGoesOverNoSource) {
+  const std::string labels = phantom_folder().file("labels.nrrd");
+  std::filesystem::create_symlink(labels, folder_.file("link.atlas"));
+  const ProgramResult result = run_program(
+      {SPLATLAS_PREPROCESS, "build", "-o", "link.atlas", "--labels", labels, "--progress", "none"},
+      folder_.path());
+  EXPECT_EQ(result.status, 2);
+  EXPECT_THAT(result.err, HasSubstr("is an input"));
+}
+
+TEST_F(PreprocessOutput, UnknownEndingsAreWrongUsageBeforeAnythingIsRead) {
+  std::ofstream(folder_.file("a.atlas"), std::ios::trunc) << "no atlas";
+  refuses({"--labels", "x.txt"}, 2, "x.txt");
+  refuses({"--labels", "x"}, 2, "no known type");
+  refuses({"--labels", "x\ny.txt"}, 2, "x?y.txt");
+  refuses({"--volume", "x.mhd"}, 2, "write .mha");
+  refuses({"--surface", "Sphere 1=x.foo"}, 2, "x.foo");
+  refuses({}, 2, "nothing to export");
+  refuses({"--labels", "x.nii"}, 3, "a.atlas");
+}
+
+TEST_F(PreprocessOutput, WhatCannotBeWrittenIsToldBeforeAnythingIsWritten) {
+  std::filesystem::create_directory(folder_.file("full"));
+  std::ofstream(folder_.file("full/file")) << "kept";
+  std::filesystem::create_directory(folder_.file("folder.nrrd"));
+  for (const std::string bad : {"missing/s.stl", "full/file/s.stl"}) {
+    refuses({"--labels", "l.nii.gz", "--volume", "v.mha", "--surface", "Sphere 1=" + bad}, 1,
+            "there is no folder");
+  }
+  refuses({"--labels", "l.nii.gz", "--volume", "folder.nrrd"}, 1, "it is a folder");
+  refuses({"--labels", "full/", "--volume", "v.mha"}, 1, "not an empty folder");
+  refuses({"--labels", "missing/masks/", "--volume", "v.mha"}, 1, "there is no folder");
+  refuses({"--labels", "l.nii", "--volume", std::string(300, 'x') + ".nii"}, 1, "File name too long");
+}
+
+TEST_F(PreprocessOutput, AFullDiskIsToldInOneLine) {
+  // Files may grow to one block of 512 bytes; the signal is ignored, so that writes fail as on a full disk.
+  const std::string full = "trap '' XFSZ; ulimit -f 1;";
+  for (const std::string ending : {".nii", ".nii.gz", ".mha", ".nrrd"}) {
+    const ProgramResult result = run_after(full, {"export", "a.atlas", "--volume", "out" + ending});
+    EXPECT_EQ(result.status, 1) << ending;
+    EXPECT_THAT(result.err, AllOf(HasSubstr("out" + ending + ": cannot be written"),
+                                  Not(HasSubstr(".splatlas")), Not(HasSubstr("0x"))));
+    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+  }
+  for (const std::string ending : {".stl", ".obj", ".ply", ".vtk"}) {
+    const ProgramResult result = run_after(full, {"export", "a.atlas", "--surface", "Sphere 1=out" + ending});
+    EXPECT_EQ(result.status, 1) << ending;
+    EXPECT_THAT(result.err, AllOf(HasSubstr("out" + ending + ": cannot be written"),
+                                  Not(HasSubstr(".splatlas")), Not(HasSubstr("0x"))));
+    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+  }
+  EXPECT_THAT(folder_.names(), ElementsAre("a.atlas"));
+}
+
+TEST_F(PreprocessOutput, AFullDiskLeavesNoFolderOfMasks) {
+  std::string voxels(24 * 24 * 24, '\0');  // noise: masks of more than a block
+  std::mt19937 random(1);
+  for (char& voxel : voxels) voxel = static_cast<char>(random() % 3);
+  std::ofstream(folder_.file("noise.mha"), std::ios::binary)
+      << "ObjectType = Image\nNDims = 3\nDimSize = 24 24 24\nElementType = MET_UCHAR\n"
+      << "ElementDataFile = LOCAL\n"
+      << voxels;
+  ASSERT_EQ(run_after("", {"build", "-o", "a.atlas", "--labels", "noise.mha"}).status, 0);
+  const ProgramResult result =
+      run_after("trap '' XFSZ; ulimit -f 1;", {"export", "a.atlas", "--labels", "masks/"});
+  EXPECT_EQ(result.status, 1);
+  EXPECT_THAT(result.err, HasSubstr("masks/Label_1.nii.gz: cannot be written"));
+  EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+  EXPECT_THAT(folder_.names(), ElementsAre("a.atlas", "noise.mha"));
+}
+
+TEST_F(PreprocessOutput, ALineThatCannotBeSaidIsAFailure) {
+  const auto full_device = [&](const std::vector<std::string>& words) {
+    std::vector<std::string> all{"/bin/sh", "-c", R"(exec "$0" "$@" >/dev/full)", SPLATLAS_PREPROCESS};
+    all.insert(all.end(), words.begin(), words.end());
+    const ProgramResult result = run_program(all, folder_.path());
+    EXPECT_EQ(result.status, 1);
+    EXPECT_THAT(result.err, HasSubstr("No space left on device"));
+  };
+  full_device({"export", "a.atlas", "--labels", "l.nii.gz"});
+  full_device(
+      {"build", "-o", "b.atlas", "--labels", phantom_folder().file("labels.nrrd"), "--progress", "none"});
+  full_device({"--help"});
+  full_device({"--version"});
+}
+
+}  // namespace
+}  // namespace splatlas
