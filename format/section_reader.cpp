@@ -39,17 +39,39 @@ Result<void> SectionReader::decode(const SectionLayout& section, std::size_t n,
 
 Result<std::shared_ptr<const SectionReader::Bytes>> SectionReader::decode_shared(const SectionLayout& section,
                                                                                  std::size_t n) const {
-  Shared& last = shared_[static_cast<std::size_t>(&section - layout_.sections.data())];
+  std::deque<Shared>& kept = shared_[static_cast<std::size_t>(&section - layout_.sections.data())];
   const std::size_t chunk = section.first_chunk + n;
+  const auto find = [&] { return std::ranges::find(kept, chunk, &Shared::chunk); };
   {
-    const std::lock_guard lock(shared_mutex_);
-    if (last.bytes && last.chunk == chunk) return last.bytes;
+    std::unique_lock lock(shared_mutex_);
+    shared_changed_.wait(lock, [&] { return find() == kept.end() || find()->bytes != nullptr; });
+    if (const auto found = find(); found != kept.end()) return found->bytes;
+    kept.push_back({chunk, nullptr});
   }
-  auto bytes = std::make_shared<Bytes>(section.chunk_begin[n + 1] - section.chunk_begin[n]);
-  SPLATLAS_RETURN_IF_ERROR(decode(section, n, *bytes));
-  const std::lock_guard lock(shared_mutex_);
-  last = {chunk, bytes};
-  return std::shared_ptr<const Bytes>(std::move(bytes));
+  std::shared_ptr<const Bytes> bytes;
+  const auto finish = [&] {  // with or without bytes: those who wait then try themselves
+    const std::lock_guard lock(shared_mutex_);
+    if (bytes) {
+      find()->bytes = bytes;
+    } else {
+      kept.erase(find());
+    }
+    const auto done =
+        std::ranges::find_if(kept, [](const Shared& shared) { return shared.bytes != nullptr; });
+    if (kept.size() > kSharedKept && done != kept.end()) kept.erase(done);
+    shared_changed_.notify_all();
+  };
+  try {
+    auto decoded = std::make_shared<Bytes>(section.chunk_begin[n + 1] - section.chunk_begin[n]);
+    const Result<void> result = decode(section, n, *decoded);
+    if (result) bytes = std::move(decoded);
+    finish();
+    if (!result) return tl::unexpected(result.error());
+  } catch (...) {
+    finish();
+    throw;
+  }
+  return bytes;
 }
 
 Result<SectionReader::Bytes> SectionReader::read_stream(const SectionLayout& section,

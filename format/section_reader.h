@@ -2,8 +2,10 @@
 #pragma once
 
 #include <atomic>
+#include <condition_variable>
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <memory>
 #include <mutex>
 #include <span>
@@ -34,14 +36,17 @@ class SectionReader {
 
  private:
   using Bytes = std::vector<std::byte>;
-  struct Shared {  // the shared chunk that was decoded last: its other streams are often next
+  /// A chunk of several streams that was decoded lately: its other streams are often next.
+  struct Shared {
     std::size_t chunk = 0;
-    std::shared_ptr<const Bytes> bytes;
+    std::shared_ptr<const Bytes> bytes;  // null while the thread that asked first is at it
   };
+  static constexpr std::size_t kSharedKept = 16;  // per section; more than threads are at once
 
   [[nodiscard]] Result<Bytes> read_stored(std::size_t chunk) const;
   [[nodiscard]] Result<void> decode(const SectionLayout& section, std::size_t n,
                                     std::span<std::byte> to) const;
+  /// Decodes a chunk once, however many threads ask for its streams.
   [[nodiscard]] Result<std::shared_ptr<const Bytes>> decode_shared(const SectionLayout& section,
                                                                    std::size_t n) const;
   /// "values of class 12", "runs_z of classes 4 to 9", "surfaces of structure 'ACC_L'".
@@ -53,7 +58,8 @@ class SectionReader {
   mutable std::vector<std::atomic<bool>> touched_;  // per chunk of the file
   mutable std::atomic<std::uint64_t> read_bytes_{0}, decoded_bytes_{0};
   mutable std::mutex shared_mutex_;
-  mutable std::vector<Shared> shared_;  // per section
+  mutable std::condition_variable shared_changed_;
+  mutable std::vector<std::deque<Shared>> shared_;  // per section, latest last
 };
 
 }  // namespace splatlas

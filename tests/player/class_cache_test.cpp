@@ -85,6 +85,24 @@ TEST(ClassCache, ReadsNothingTwiceAndNothingElse) {
   EXPECT_EQ(atlas->counters().decoded, other->counters().decoded);
 }
 
+/// Small classes share chunks: whichever thread comes first decodes them for all.
+TEST(ClassCache, DecodesAsMuchWithManyThreadsAsWithOne) {
+  const RandomScene scene = random_scene(3, 16);
+  const auto bytes = encode_atlas(scene.content);
+  ASSERT_TRUE(bytes);
+  std::vector<ClassId> all;
+  for (ClassId c = 1; c < scene.content.classes.size(); ++c) all.push_back(c);
+  const auto decoded = [&](unsigned threads) {
+    const auto atlas = *Atlas::open_bytes(*bytes);
+    ThreadPool pool(threads);
+    ClassCache cache(atlas);
+    EXPECT_TRUE(cache.require(all, Axis::kX, pool));
+    return atlas->counters().decoded;
+  };
+  const std::uint64_t expected = decoded(1);
+  for (int n = 0; n < 300; ++n) ASSERT_EQ(decoded(8), expected) << "try " << n;
+}
+
 TEST(ClassCache, DamageIsToldAndNothingOfTheDamagedClassIsKept) {
   const RandomScene scene = random_scene(3, 16);
   const auto bytes = encode_atlas(scene.content);
