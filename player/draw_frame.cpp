@@ -14,6 +14,11 @@ namespace {
 /// A sheet never has more pixels than this (2 GiB); a finer one is made coarser.
 constexpr std::int64_t kMaxSheetPixels = std::int64_t{1} << 27;
 
+/// What the rasteriser and the volume pass keep for a fragment, and for a sample with only one.
+constexpr std::size_t kBytesPerFragment = 200;
+/// Their numbers have 32 bits.
+constexpr std::size_t kMostFragments = 0xfffffffe;
+
 int sheet_scale(Quality quality, const Shear& shear) {
   const Affine2& map = shear.picture_to_sheet;
   const double voxels_per_pixel = std::min(std::hypot(map.xx, map.yx), std::hypot(map.xy, map.yy));
@@ -48,22 +53,24 @@ Result<FrameCounters> draw_frame(const FrameRequest& frame, FrameBuffers& buffer
   const RenderOptions& options = frame.options;
   FrameCounters counters;
   Stopwatch watch;
-  const std::size_t max_fragments = frame.max_memory_bytes / 4 / (sizeof(Fragment) + 2 * sizeof(Light) + 64);
-  SPLATLAS_ASSIGN_OR_RETURN(const RasterCounters raster,
-                            rasterize(frame.surfaces, frame.view, frame.shear, frame.grid, frame.lighting,
-                                      max_fragments, buffers.fragments, pool));
+  const std::size_t max_fragments =
+      std::min<std::size_t>(frame.max_memory_bytes / 4 / kBytesPerFragment, kMostFragments);
+  const RasterScene scene = raster_scene(frame.surfaces, frame.view, frame.shear, frame.grid, frame.lighting);
+  SPLATLAS_ASSIGN_OR_RETURN(
+      const RasterCounters raster,
+      buffers.rasterizer.draw(scene, {max_fragments, options.transmittance_floor}, buffers.fragments, pool));
   counters.triangles = raster.triangles;
   counters.rasterize = watch.lap();
 
   SPLATLAS_ASSIGN_OR_RETURN(const SheetWindow window, choose_window(frame.spans, frame.shear, options));
   const SplatKernels& kernels = options.simd ? best_kernels() : scalar_kernels();
-  const SheetCounters sheets =
-      render_sheets(frame.spans, frame.shear, window, options.size, frame.grid, kernels,
-                    options.transmittance_floor, buffers.fragments, buffers.sheet, pool);
+  buffers.order.build(buffers.fragments, frame.shear, window, options.size, frame.grid, pool);
+  const SheetCounters sheets = render_sheets(frame.spans, frame.shear, window, kernels,
+                                             options.transmittance_floor, buffers.order, buffers.sheet, pool);
   counters.voxels = sheets.voxels;
   counters.sheets = watch.lap();
 
-  resolve(buffers.sheet, frame.shear, buffers.fragments, options.size,
+  resolve(buffers.sheet, frame.shear, {buffers.fragments, buffers.order}, options.size,
           options.simd ? best_warp() : scalar_warp(), picture, pool);
   counters.resolve = watch.lap();
   return counters;

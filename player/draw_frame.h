@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <span>
 
+#include "player/fragment_order.h"
 #include "player/picture.h"
 #include "player/rasterize.h"
 #include "player/render_frame.h"
@@ -26,7 +27,9 @@ struct FrameRequest {
 
 /// Kept from frame to frame, so that their memory is.
 struct FrameBuffers {
+  Rasterizer rasterizer;
   FragmentList fragments;
+  FragmentOrder order;  ///< of the fragments, with the volume in front of them
   SheetImage sheet;
 };
 

@@ -15,18 +15,18 @@ Vec3 cross(const Vec3& a, const Vec3& b) {
 
 }  // namespace
 
-Facing::Facing(const ParallelView& view, const Grid& grid) {
+Facing::Facing(const Grid& grid) {
   const Affine to_lps = index_to_lps_mm(grid);
   std::array<Vec3, 3> rows{};
   for (std::size_t r = 0; r < 3; ++r) {
     for (std::size_t c = 0; c < 3; ++c) rows[r][c] = to_lps.linear[3 * r + c];
-    to_viewer_[r] = -view.forward_lps[r];
   }
   // (M a) x (M b) = cofactors(M) (a x b)
   for (std::size_t r = 0; r < 3; ++r) normal_to_lps_[r] = cross(rows[(r + 1) % 3], rows[(r + 2) % 3]);
 }
 
-bool Facing::shows_front(const SurfaceMesh& mesh, const std::array<std::uint32_t, 3>& corners) const {
+bool Facing::shows_front(const SurfaceMesh& mesh, const std::array<std::uint32_t, 3>& corners,
+                         bool clockwise) const {
   Vec3 first{};
   Vec3 second{};
   Vec3 front{};
@@ -41,7 +41,8 @@ bool Facing::shows_front(const SurfaceMesh& mesh, const std::array<std::uint32_t
                     dot(normal_to_lps_[2], normal_ijk)};
   const double to_front = dot(normal, front);
   if (!(std::abs(to_front) > 0)) return true;
-  return std::signbit(to_front) == std::signbit(dot(normal, to_viewer_));
+  // The triangle's own normal points to where its corners are seen counter-clockwise.
+  return std::signbit(to_front) == clockwise;
 }
 
 }  // namespace splatlas

@@ -5,7 +5,6 @@
 
 #include "format/grid.h"
 #include "format/surface.h"
-#include "player/camera.h"
 
 namespace splatlas {
 
@@ -14,14 +13,15 @@ namespace splatlas {
 /// front is still in view.
 class Facing {
  public:
-  Facing(const ParallelView& view, const Grid& grid);
+  explicit Facing(const Grid& grid);
 
-  /// True where the corners' normals do not tell the front (zero, not a number, along the triangle).
-  [[nodiscard]] bool shows_front(const SurfaceMesh& mesh, const std::array<std::uint32_t, 3>& corners) const;
+  /// `clockwise`: so the corners are seen, in their order. True where their normals do not tell the front
+  /// (zero, not a number, along the triangle).
+  [[nodiscard]] bool shows_front(const SurfaceMesh& mesh, const std::array<std::uint32_t, 3>& corners,
+                                 bool clockwise) const;
 
  private:
   std::array<Vec3, 3> normal_to_lps_{};  // rows: the cofactors of the grid's matrix
-  Vec3 to_viewer_{};
 };
 
 }  // namespace splatlas

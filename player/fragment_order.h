@@ -1,4 +1,4 @@
-// Fragments in the order in which the volume pass meets them.
+// Fragments in the order in which the volume pass meets them, and the volume in front of them.
 #pragma once
 
 #include <cstdint>
@@ -14,22 +14,22 @@ namespace splatlas {
 struct SheetWindow;
 
 /// For every row of the sheet, the fragments just below it (between it and the next row), front to back by
-/// slab.
+/// slab; and for each the volume in front of its slab and with it, which the volume pass fills in.
 class FragmentOrder {
  public:
   struct Entry {
-    std::uint32_t fragment = 0;
-    std::int32_t slab = 0;         ///< how many slabs the ray has met when it reaches the fragment's; from 0
-    float slab_part = 0;           ///< share of that slab in front of the fragment, [0, 1]
-    std::int32_t x = 0;            ///< sheet pixel to the left of it
-    float x_part = 0, y_part = 0;  ///< where between the pixel (and row) and the next, [0, 1)
+    std::int32_t slab = 0;      ///< how many slabs the ray has met when it reaches the fragment's; from 0
+    std::int32_t column = 0;    ///< of the sheet pixel to the left of it, in voxels
+    std::int32_t phase = 0;     ///< of that pixel
+    float left = 0, right = 0;  ///< weights of that pixel and the next; 0 beyond the sheet
+    float below = 0;            ///< weight of the next row
   };
-  static constexpr std::int32_t kBehindEverything = std::numeric_limits<std::int32_t>::max();
+  /// Place of fragments that no row of the sheet is near to: nothing is in front of them.
+  static constexpr std::uint32_t kNowhere = std::numeric_limits<std::uint32_t>::max();
 
-  /// Also sets every fragment's `above` and `below` to "nothing in front", for rows that the window does not
-  /// have.
-  FragmentOrder(FragmentList& fragments, const Shear& shear, const SheetWindow& window,
-                const PictureSize& size, const Grid& grid, ThreadPool& pool);
+  /// Keeps its memory from frame to frame. Cost: fragments, and rows of the sheet.
+  void build(const FragmentList& fragments, const Shear& shear, const SheetWindow& window,
+             const PictureSize& size, const Grid& grid, ThreadPool& pool);
 
   /// Entries of a row of the sheet, from -1 to fine_rows - 1.
   [[nodiscard]] std::size_t row_begin(std::int64_t fine_row) const {
@@ -39,6 +39,10 @@ class FragmentOrder {
     return first_of_row_[static_cast<std::size_t>(fine_row + 2)];
   }
   [[nodiscard]] const Entry& entry(std::size_t n) const { return entries_[n]; }
+  [[nodiscard]] SlabLight* lights(std::size_t n) { return lights_.data() + n; }
+
+  /// The volume in front of a fragment, exact for a slab of constant light.
+  [[nodiscard]] Light in_front_of(std::size_t fragment, float depth) const;
 
   /// The slab of slice `k` of the grid, counted from the viewer.
   [[nodiscard]] std::int32_t slab_of(std::int64_t k) const {
@@ -46,10 +50,33 @@ class FragmentOrder {
   }
 
  private:
-  bool ascending_;
-  std::int64_t slices_;
+  struct Unsorted {
+    std::uint32_t fragment = 0;
+    Entry entry;
+  };
+  /// A slab reaches from half a voxel in front of its slice to half a voxel behind it.
+  struct SlabPlace {
+    std::int32_t slab = 0;
+    float part = 0;  ///< share of the slab in front of the depth, [0, 1]
+  };
+  struct SamplePlace;
+
+  [[nodiscard]] SlabPlace slab_place(float depth) const;
+  void scatter(const FragmentList& fragments, const Shear& shear, const SheetWindow& window,
+               const PictureSize& size, ThreadPool& pool);
+  void sort_row(std::size_t n, std::vector<std::uint32_t>& next_of_slab);
+
+  bool ascending_ = true;
+  std::int64_t slices_ = 1;
   std::vector<std::size_t> first_of_row_;  // fine_rows + 2 offsets
+  std::vector<Unsorted> unsorted_;         // by row
   std::vector<Entry> entries_;
+  std::vector<SlabLight> lights_;     // of entries
+  std::vector<std::uint32_t> place_;  // of fragments among the entries
 };
+
+/// Share of a slab's light that its first part gives, where the whole slab absorbs `absorbed` of what passes
+/// through it and its light is constant: (1 - (1 - absorbed)^part) / absorbed.
+[[nodiscard]] float share_of_slab(float absorbed, float part);
 
 }  // namespace splatlas

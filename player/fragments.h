@@ -15,27 +15,42 @@ namespace splatlas {
 /// 1e-5.
 struct Light {
   std::array<float, 4> rgba{0, 0, 0, 0};
+
+  Light& operator+=(const Light& other) {
+    for (std::size_t c = 0; c < 4; ++c) rgba[c] += other.rgba[c];
+    return *this;
+  }
 };
 
-/// One surface sample at a pixel's centre.
+/// A surface where the ray of a sample crosses it.
 struct Fragment {
   float depth = 0;              ///< along the principal axis in voxels, growing away from the viewer
-  std::uint32_t pixel = 0;      ///< y * width + x
   std::array<float, 4> rgba{};  ///< premultiplied, linear
   StructureIndex structure = kNoStructure;
 };
 
-/// Fragments of a picture, by pixel, front to back within a pixel. The volume pass fills `above` and `below`:
-/// the volume in front of fragment n, as the two rows of the sheet next to it contribute (their sum is the
-/// volume in front of the fragment, interpolated as the warp will interpolate the finished sheet).
+/// A point of a pixel whose ray has been followed through the surfaces.
+struct Sample {
+  std::uint32_t pixel = 0;           ///< y * width + x
+  std::uint32_t first_fragment = 0;  ///< of its fragments, which end where the next sample's begin
+};
+
+/// The volume in front of a slab and with it: what the warp would show if the volume ended there.
+struct SlabLight {
+  Light before, behind;
+};
+
+/// Fragments of a picture by sample, front to back within a sample; samples by pixel. The last sample is one
+/// behind the end.
 struct FragmentList {
   std::vector<Fragment> fragments;
-  std::vector<std::uint32_t> first_of_row;  ///< height + 1 offsets, per picture row
-  std::vector<Light> above, below;
+  std::vector<Sample> samples{Sample{}};
+  std::vector<std::uint32_t> first_of_row;  ///< height + 1 offsets of samples, per picture row
 
-  [[nodiscard]] std::span<const Fragment> row(int y) const {
-    const auto n = static_cast<std::size_t>(y);
-    return std::span(fragments).subspan(first_of_row[n], first_of_row[n + 1] - first_of_row[n]);
+  [[nodiscard]] std::size_t sample_count() const { return samples.size() - 1; }
+  [[nodiscard]] std::span<const Fragment> of_sample(std::size_t n) const {
+    return std::span(fragments).subspan(samples[n].first_fragment,
+                                        samples[n + 1].first_fragment - samples[n].first_fragment);
   }
 };
 

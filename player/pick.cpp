@@ -62,8 +62,11 @@ std::optional<Pick> pick_structure(const PickScene& scene, const ParallelView& v
   const auto pixel = static_cast<std::uint32_t>(row * view.size.width + static_cast<int>(x));
 
   std::vector<Fragment> surfaces;
-  for (const Fragment& fragment : scene.fragments.row(row)) {
-    if (fragment.pixel == pixel) surfaces.push_back(fragment);
+  const FragmentList& list = scene.fragments;
+  for (std::uint32_t n = list.first_of_row[static_cast<std::size_t>(row)];
+       n < list.first_of_row[static_cast<std::size_t>(row) + 1]; ++n) {
+    if (list.samples[n].pixel != pixel) continue;
+    surfaces.assign(list.of_sample(n).begin(), list.of_sample(n).end());
   }
   std::size_t next_surface = 0;
   const double depth_sign = shear.ascending ? 1 : -1;

@@ -80,24 +80,26 @@ std::pair<int, int> covered(const SheetImage& sheet, const Affine2& map, double 
   return {static_cast<int>(first), static_cast<int>(last)};
 }
 
-/// The volume behind `fragments` is `whole`; composes all of it in order.
-std::array<float, 4> compose(const FragmentList& list, std::size_t first, std::size_t last,
-                             const Light& whole) {
-  std::array<float, 4> rgba{0, 0, 0, 0};
-  std::array<float, 4> before{0, 0, 0, 0};  // volume already composed
-  float through = 1;                        // what the surfaces so far let through
-  for (std::size_t n = first; n < last; ++n) {
+/// A sample: the volume up to the first fragment, the fragment, the volume up to the next one, and so on up
+/// to the `whole` volume.
+Light compose(const FragmentsInVolume& fragments, std::size_t sample, const Light& whole) {
+  Light sum;
+  Light before;       // volume already composed
+  float through = 1;  // what the surfaces so far let through
+  const FragmentList& list = fragments.list;
+  for (std::uint32_t n = list.samples[sample].first_fragment; n < list.samples[sample + 1].first_fragment;
+       ++n) {
     const Fragment& fragment = list.fragments[n];
-    const float volume_through = 1 - (list.above[n].rgba[3] + list.below[n].rgba[3]);
+    const Light volume = fragments.order.in_front_of(n, fragment.depth);
+    const float volume_through = 1 - volume.rgba[3];
     for (std::size_t c = 0; c < 4; ++c) {
-      const float volume = list.above[n].rgba[c] + list.below[n].rgba[c];
-      rgba[c] += through * (volume - before[c] + volume_through * fragment.rgba[c]);
-      before[c] = volume;
+      sum.rgba[c] += through * (volume.rgba[c] - before.rgba[c] + volume_through * fragment.rgba[c]);
     }
+    before = volume;
     through *= 1 - fragment.rgba[3];
   }
-  for (std::size_t c = 0; c < 4; ++c) rgba[c] += through * (whole.rgba[c] - before[c]);
-  return rgba;
+  for (std::size_t c = 0; c < 4; ++c) sum.rgba[c] += through * (whole.rgba[c] - before.rgba[c]);
+  return sum;
 }
 
 /// The warp of a row of picture pixels.
@@ -166,7 +168,7 @@ class RowWarp {
 
 }  // namespace
 
-void resolve(const SheetImage& sheet, const Shear& shear, const FragmentList& fragments,
+void resolve(const SheetImage& sheet, const Shear& shear, const FragmentsInVolume& fragments,
              const PictureSize& size, const WarpKernels& kernels, Picture& picture, ThreadPool& pool) {
   picture.size = size;
   picture.rgba.resize(4 * static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height));
@@ -183,14 +185,11 @@ void resolve(const SheetImage& sheet, const Shear& shear, const FragmentList& fr
     const RowWarp warp(sheet, map, samples, kernels, y, size.width);
     clear(0, warp.first());
     clear(warp.last(), size.width);
-    std::size_t next = fragments.first_of_row.empty() ? 0 : fragments.first_of_row[row];
-    const std::size_t end = fragments.first_of_row.empty() ? 0 : fragments.first_of_row[row + 1];
+    const FragmentList& list = fragments.list;
     int done = warp.first();
-    while (next < end) {
-      const std::size_t from = next;
-      const std::uint32_t pixel = fragments.fragments[from].pixel;
-      while (next < end && fragments.fragments[next].pixel == pixel) ++next;
-      const auto column = static_cast<int>(pixel - row * static_cast<std::size_t>(size.width));
+    for (std::uint32_t n = list.first_of_row[row]; n < list.first_of_row[row + 1]; ++n) {
+      const auto column =
+          static_cast<int>(list.samples[n].pixel - row * static_cast<std::size_t>(size.width));
       Light whole;
       if (column >= warp.first() && column < warp.last()) {
         warp.warp(done, column, out);
@@ -199,8 +198,8 @@ void resolve(const SheetImage& sheet, const Shear& shear, const FragmentList& fr
         const double x = column + 0.5;
         whole = sample(sheet, map.xx * x + map.xy * y + map.x0, map.yx * x + map.yy * y + map.y0);
       }
-      const std::array<float, 4> rgba = compose(fragments, from, next, whole);
-      std::copy(rgba.begin(), rgba.end(), out + std::ptrdiff_t{4} * column);
+      const Light light = compose(fragments, n, whole);
+      std::copy(light.rgba.begin(), light.rgba.end(), out + std::ptrdiff_t{4} * column);
     }
     warp.warp(done, warp.last(), out);
   });

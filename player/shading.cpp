@@ -50,19 +50,14 @@ float Lighting::diffuse(const std::array<float, 3>& normal_lps) const {
   return one_sided({-normal_lps[0], -normal_lps[1], -normal_lps[2]});
 }
 
-std::array<float, 3> Lighting::shade(const std::array<float, 3>& color,
-                                     const std::array<float, 3>& normal_lps) const {
-  const float factor = one_sided(normal_lps);
+SurfaceLight Lighting::on_surface(const std::array<float, 3>& normal_lps) const {
   const float length_squared = dot(normal_lps, normal_lps);
-  float highlight = 0;
-  if (length_squared > 0) {
-    highlight = std::max(0.0f, dot(normal_lps, half_)) / std::sqrt(length_squared);
-    for (int n = 0; n < kHighlightSquarings; ++n) highlight *= highlight;
-    highlight *= kHighlight;
-  }
-  std::array<float, 3> shaded{};
-  for (std::size_t c = 0; c < 3; ++c) shaded[c] = std::min(1.0f, color[c] * factor + highlight);
-  return shaded;
+  if (!(length_squared > 0)) return {one_sided(normal_lps), 0};
+  const float per_length = 1 / std::sqrt(length_squared);
+  const float facing = std::max(0.0f, dot(normal_lps, to_lamp_) * per_length);
+  float highlight = std::max(0.0f, dot(normal_lps, half_) * per_length);
+  for (int n = 0; n < kHighlightSquarings; ++n) highlight *= highlight;
+  return {kAmbient + (1.0f - kAmbient) * std::min(facing, 1.0f), kHighlight * highlight};
 }
 
 std::vector<float> Lighting::table() const {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "player/fragment_order.h"
+#include "player/sheet_fragments.h"
 
 namespace splatlas {
 namespace {
@@ -30,9 +30,8 @@ struct Pass {
   const Shear& shear;
   const SheetWindow& window;
   const SplatKernels& kernels;
-  const FragmentOrder& order;
   float floor;
-  FragmentList& fragments;
+  FragmentOrder& fragments;
   SheetImage& image;
 
   /// Floats of a plane of an image row: margins included, whole blocks.
@@ -41,36 +40,18 @@ struct Pass {
   }
 };
 
-/// What one plane of a slice shows in a pixel of the sheet: what the kernels splat there.
-float splatted(const SheetRow& row, Plane plane, std::int64_t x) {
-  const auto light = [&](std::span<const Span> spans, std::int64_t at) {
-    const auto after =
-        std::upper_bound(spans.begin(), spans.end(), at >> kBlockBits,
-                         [](std::int64_t block, const Span& span) { return block < span.first_block; });
-    if (after == spans.begin()) return 0.0f;
-    const Span& span = *(after - 1);
-    if (at >> kBlockBits >= static_cast<std::int64_t>(span.first_block) + span.blocks) return 0.0f;
-    return row.light[span.place(static_cast<std::uint32_t>(at)) + static_cast<std::size_t>(plane) * kBlock];
-  };
-  const auto mixed = [&](std::int64_t at) {
-    return row.near_weight * light(row.near, at) + row.far_weight * light(row.far, at);
-  };
-  return row.here * mixed(x - row.shift) + row.before * mixed(x - row.shift - 1);
-}
-
 /// Renders rows [first, last) of the window through all slices.
 class Band {
  public:
-  Band(const Pass& pass, std::int64_t first, std::int64_t last)
-      : pass_(pass), scale_(pass.window.scale), first_(first), last_(last), stride_(pass.stride()) {
-    const auto fine_rows = static_cast<std::size_t>((last - first) * scale_);
-    const auto image_rows = fine_rows * static_cast<std::size_t>(scale_);
+  Band(const Pass& pass, std::int64_t first, std::int64_t last, SheetFragments& fragments)
+      : pass_(pass),
+        scale_(pass.window.scale),
+        first_(first),
+        last_(last),
+        stride_(pass.stride()),
+        fragments_(fragments) {
+    const auto image_rows = static_cast<std::size_t>((last - first) * scale_ * scale_);
     image_.assign(image_rows * 4 * static_cast<std::size_t>(stride_), 0.0f);
-    cursors_.resize(fine_rows);
-    for (std::size_t n = 0; n < fine_rows; ++n) {
-      const std::int64_t row = first_ * scale_ + static_cast<std::int64_t>(n);
-      cursors_[n] = {pass.order.row_begin(row), pass.order.row_begin(row - 1)};
-    }
   }
 
   void render() {
@@ -80,7 +61,7 @@ class Band {
       if (!pass_.model.slices[static_cast<std::size_t>(slice)].spans.empty()) render_slice(slice);
     }
     for (std::int64_t row = first_ * scale_; row < last_ * scale_; ++row) {
-      take_fragments(row, FragmentOrder::kBehindEverything, nullptr);
+      fragments_.finish(row, accumulated(row));
     }
     store();
   }
@@ -88,9 +69,6 @@ class Band {
   [[nodiscard]] std::uint64_t voxels() const { return voxels_; }
 
  private:
-  struct Cursors {
-    std::size_t above = 0, below = 0;  ///< next fragments whose upper, lower neighbour this row is
-  };
   /// One row of a slice, for every phase.
   struct RowOfSlice {
     const SliceSpans& slice;
@@ -108,6 +86,7 @@ class Band {
   float* image_row(std::int64_t fine_row, std::int64_t phase) {
     return image_.data() + ((fine_row - first_ * scale_) * scale_ + phase) * 4 * stride_ + ImageRow::kMargin;
   }
+  AccumulatedRow accumulated(std::int64_t fine_row) { return {image_row(fine_row, 0), stride_, 4 * stride_}; }
 
   void render_slice(std::int64_t n) {
     const SliceSpans& slice = pass_.model.slices[static_cast<std::size_t>(n)];
@@ -133,8 +112,9 @@ class Band {
         if (near.empty() && far.empty()) continue;
         const RowOfSlice row_of_slice{slice, near, far, v.part, phases_};
         const std::int64_t fine_row = row * scale_ + sub_row;
-        take_fragments(fine_row, pass_.order.slab_of(slice_number), &row_of_slice);
+        fragments_.before_slab(fine_row, pass_.fragments.slab_of(slice_number), accumulated(fine_row));
         composite(row_of_slice, fine_row);
+        fragments_.behind_slab(fine_row, accumulated(fine_row));
       }
     }
   }
@@ -146,57 +126,6 @@ class Band {
           row.at_phase(phase), slab_mm, pass_.floor,
           {image_row(fine_row, phase), static_cast<std::size_t>(stride_), pass_.window.columns});
     }
-  }
-
-  /// Hands the volume in front of them to the fragments next to this row, up to and including those in
-  /// `slab`, which `row` (if any) is the light of.
-  void take_fragments(std::int64_t fine_row, std::int32_t slab, const RowOfSlice* row) {
-    Cursors& cursors = cursors_[static_cast<std::size_t>(fine_row - first_ * scale_)];
-    const FragmentOrder& order = pass_.order;
-    for (; cursors.above < order.row_end(fine_row) && order.entry(cursors.above).slab <= slab;
-         ++cursors.above) {
-      const FragmentOrder::Entry& entry = order.entry(cursors.above);
-      pass_.fragments.above[entry.fragment] =
-          light_before(entry, fine_row, 1.0f - entry.y_part, entry.slab == slab ? row : nullptr);
-    }
-    for (; cursors.below < order.row_end(fine_row - 1) && order.entry(cursors.below).slab <= slab;
-         ++cursors.below) {
-      const FragmentOrder::Entry& entry = order.entry(cursors.below);
-      pass_.fragments.below[entry.fragment] =
-          light_before(entry, fine_row, entry.y_part, entry.slab == slab ? row : nullptr);
-    }
-  }
-
-  /// This row's share (`weight`) of the volume in front of a fragment, its part of slab `row` included.
-  Light light_before(const FragmentOrder::Entry& entry, std::int64_t fine_row, float weight,
-                     const RowOfSlice* row) {
-    Light sum;
-    for (const std::int64_t side : {0, 1}) {
-      const float share = weight * (side == 0 ? 1.0f - entry.x_part : entry.x_part);
-      const Light pixel = pixel_before(entry.x + side, fine_row, entry.slab_part, row);
-      for (std::size_t c = 0; c < 4; ++c) sum.rgba[c] += share * pixel.rgba[c];
-    }
-    return sum;
-  }
-
-  Light pixel_before(std::int64_t x, std::int64_t fine_row, float part, const RowOfSlice* row) {
-    Light light;
-    if (x < 0 || x >= pass_.window.fine_columns()) return light;
-    const std::int64_t phase = x % scale_;
-    const float* image = image_row(fine_row, phase) + x / scale_;
-    light = {{image[0], image[stride_], image[2 * stride_], image[3 * stride_]}};
-    if (row == nullptr || part <= 0) return light;
-    const SheetRow sheet = row->at_phase(phase);
-    const float length = part * static_cast<float>(pass_.shear.slab_mm);
-    const float depth = splatted(sheet, Plane::kExtinction, x / scale_) * length;
-    if (depth <= 0) return light;
-    const float through = 1 - light.rgba[3];
-    const float absorbed = -std::expm1(-depth);
-    const float weight = through * length * (absorbed / depth);
-    for (std::size_t c = 0; c < 3; ++c)
-      light.rgba[c] += weight * splatted(sheet, static_cast<Plane>(c + 1), x / scale_);
-    light.rgba[3] += through * absorbed;
-    return light;
   }
 
   /// Interleaves the phases into the finished sheet.
@@ -216,9 +145,9 @@ class Band {
 
   const Pass& pass_;
   std::int64_t scale_, first_, last_, stride_;
-  std::vector<float> image_;      // [fine row][phase][red, green, blue, opacity][stride]
-  std::vector<Cursors> cursors_;  // per fine row
-  std::vector<Offset> phases_;    // of the current slice
+  std::vector<float> image_;    // [fine row][phase][red, green, blue, opacity][stride]
+  std::vector<Offset> phases_;  // of the current slice
+  SheetFragments& fragments_;
   std::uint64_t voxels_ = 0;
 };
 
@@ -262,24 +191,28 @@ SheetWindow sheet_window(const SpanModel& model, const Shear& shear, const Pictu
 }
 
 SheetCounters render_sheets(const SpanModel& model, const Shear& shear, const SheetWindow& window,
-                            const PictureSize& size, const Grid& grid, const SplatKernels& kernels,
-                            float floor, FragmentList& fragments, SheetImage& image, ThreadPool& pool) {
+                            const SplatKernels& kernels, float floor, FragmentOrder& fragments,
+                            SheetImage& image, ThreadPool& pool) {
   image.window = window;
   image.pixels.assign(static_cast<std::size_t>((window.fine_rows() + 2) * (window.fine_columns() + 2)),
                       Light{});
-  const FragmentOrder order(fragments, shear, window, size, grid, pool);
-  const Pass pass{model, shear, window, kernels, order, floor, fragments, image};
+  const Pass pass{model, shear, window, kernels, floor, fragments, image};
   const std::int64_t row_bytes = pass.stride() * window.scale * window.scale * std::int64_t{sizeof(Light)};
   const std::int64_t band_rows =
       std::clamp<std::int64_t>(kBandBytes / std::max<std::int64_t>(row_bytes, 1), 1, kMostBandRows);
-  const std::int64_t bands = (window.rows + band_rows - 1) / band_rows;
-  std::vector<std::uint64_t> voxels(static_cast<std::size_t>(bands), 0);
+  std::vector<SheetFragments> band_fragments;
+  for (std::int64_t row = 0; row < window.rows; row += band_rows) {
+    const std::int64_t last = std::min(row + band_rows, window.rows);
+    band_fragments.emplace_back(fragments, row * window.scale, last * window.scale, window.scale);
+  }
+  std::vector<std::uint64_t> voxels(band_fragments.size(), 0);
   pool.for_each(voxels.size(), [&](std::size_t n) {
     const std::int64_t first = static_cast<std::int64_t>(n) * band_rows;
-    Band band(pass, first, std::min(first + band_rows, window.rows));
+    Band band(pass, first, std::min(first + band_rows, window.rows), band_fragments[n]);
     band.render();
     voxels[n] = band.voxels();
   });
+  for (SheetFragments& of_band : band_fragments) of_band.merge();
   SheetCounters counters;
   for (const std::uint64_t v : voxels) counters.voxels += v;
   return counters;

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "player/fragments.h"
+#include "player/fragment_order.h"
 #include "player/shear.h"
 #include "player/span_model.h"
 #include "player/splat_kernels.h"
@@ -47,11 +47,10 @@ struct SheetCounters {
 
 /// Renders the volume in the window, and the volume in front of every fragment. Bands of rows run in parallel
 /// and share nothing: the result does not depend on the number of threads. Blocks of pixels that let through
-/// no more than `floor` are left as they are. Cost: voxels seen * scale^2, plus fragments, plus the window's
-/// pixels.
+/// no more than `floor` are left as they are. `fragments` are of the same window. Cost: voxels seen *
+/// scale^2, plus fragments, plus the window's pixels.
 [[nodiscard]] SheetCounters render_sheets(const SpanModel& model, const Shear& shear,
-                                          const SheetWindow& window, const PictureSize& size,
-                                          const Grid& grid, const SplatKernels& kernels, float floor,
-                                          FragmentList& fragments, SheetImage& image, ThreadPool& pool);
+                                          const SheetWindow& window, const SplatKernels& kernels, float floor,
+                                          FragmentOrder& fragments, SheetImage& image, ThreadPool& pool);
 
 }  // namespace splatlas

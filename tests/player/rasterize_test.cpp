@@ -16,8 +16,6 @@
 namespace splatlas {
 namespace {
 
-constexpr std::size_t kNoLimit = std::numeric_limits<std::size_t>::max();
-
 /// A view whose pixels are `mm_per_pixel` wide, with `center_lps_mm` in the middle.
 ParallelView view_from(double azimuth_deg, double elevation_deg, PictureSize size, double mm_per_pixel,
                        const Vec3& center_lps_mm) {
@@ -30,23 +28,48 @@ ParallelView view_from(double azimuth_deg, double elevation_deg, PictureSize siz
   return view;
 }
 
+struct PixelFragment : Fragment {
+  std::uint32_t pixel = 0;
+};
+
+/// A fragment list with every fragment's pixel.
+struct Drawn {
+  std::vector<PixelFragment> fragments;
+
+  Drawn(const FragmentList& list, const PictureSize& size) {
+    for (std::size_t n = 0; n < list.sample_count(); ++n) {
+      for (const Fragment& fragment : list.of_sample(n)) {
+        fragments.push_back({fragment, list.samples[n].pixel});
+      }
+    }
+    EXPECT_EQ(list.first_of_row.front(), 0u);
+    EXPECT_EQ(list.first_of_row.back(), list.sample_count());
+    for (std::uint32_t y = 0; y < static_cast<std::uint32_t>(size.height); ++y) {
+      for (std::uint32_t n = list.first_of_row[y]; n < list.first_of_row[y + 1]; ++n) {
+        EXPECT_EQ(list.samples[n].pixel / static_cast<std::uint32_t>(size.width), y);
+      }
+    }
+  }
+};
+
 /// The scene of one call.
 struct Drawing {
   ParallelView view;
   Grid grid{{16, 16, 16}, {1, 1, 1}, {0, 0, 0}, {1, 0, 0, 0, 1, 0, 0, 0, 1}};
-  std::size_t max_fragments = kNoLimit;
+  RasterOptions options{};
   unsigned threads = 1;
 
-  [[nodiscard]] Result<FragmentList> draw(std::span<const SurfaceDraw> surfaces) const {
+  [[nodiscard]] Result<Drawn> draw(std::span<const SurfaceDraw> surfaces) const {
     ThreadPool pool(threads);
     FragmentList list;
-    const auto counters =
-        rasterize(surfaces, view, factorise(view, grid), grid, Lighting(view), max_fragments, list, pool);
+    const Lighting lighting(view);
+    const auto counters = Rasterizer().draw(
+        raster_scene(surfaces, view, factorise(view, grid), grid, lighting), options, list, pool);
     if (!counters) return tl::unexpected<Error>(counters.error());
     std::size_t triangles = 0;
     for (const SurfaceDraw& surface : surfaces) triangles += surface.mesh->triangles.size();
     EXPECT_EQ(counters->triangles, triangles);
-    return list;
+    return Drawn(list, view.size);
   }
 };
 
@@ -66,9 +89,9 @@ SurfaceMesh flat_mesh(std::vector<std::array<float, 2>> corners_xz,
   return mesh;
 }
 
-std::map<std::uint32_t, int> fragments_per_pixel(const FragmentList& list) {
+std::map<std::uint32_t, int> fragments_per_pixel(const Drawn& list) {
   std::map<std::uint32_t, int> counts;
-  for (const Fragment& fragment : list.fragments) ++counts[fragment.pixel];
+  for (const PixelFragment& fragment : list.fragments) ++counts[fragment.pixel];
   return counts;
 }
 
@@ -89,7 +112,7 @@ TEST(Rasterize, CoversEachCentreOfAClosedSurfaceAnEvenNumberOfTimes) {
     const SurfaceMesh mesh = marching_tetrahedra(
         make_mask(drawing.grid.size, [&](auto...) { return real(0, 1) < 0.4; }), drawing.grid);
     const SurfaceDraw surface = translucent(mesh);
-    const FragmentList list = *drawing.draw({&surface, 1});
+    const Drawn list = *drawing.draw({&surface, 1});
     for (const auto& [pixel, count] : fragments_per_pixel(list)) {
       ASSERT_EQ(count % 2, 0) << "trial " << trial << ", pixel " << pixel % 64 << ", " << pixel / 64;
     }
@@ -104,9 +127,9 @@ TEST(Rasterize, GivesCentresOnEdgesToTheTriangleBelowOrRightOfThem) {
   const Drawing drawing{view_from(0, 0, {8, 6}, 1, {0.5, 0, 0.5})};
   const SurfaceMesh mesh = flat_mesh({{-2, -1}, {2, -1}, {2, 2}, {-2, 2}}, {{0, 1, 2}, {0, 2, 3}});
   const SurfaceDraw surface = translucent(mesh);
-  const FragmentList list = *drawing.draw({&surface, 1});
+  const Drawn list = *drawing.draw({&surface, 1});
   std::vector<std::uint32_t> pixels;
-  for (const Fragment& fragment : list.fragments) pixels.push_back(fragment.pixel);
+  for (const PixelFragment& fragment : list.fragments) pixels.push_back(fragment.pixel);
   // Centre of pixel (x, y) is at (x - 3, z = 3 - y): x from -2 to 1 and z from 2 down to 0.
   std::vector<std::uint32_t> expected;
   for (std::uint32_t y = 1; y <= 3; ++y) {
@@ -122,12 +145,12 @@ TEST(Rasterize, TakesDepthFromThePlane) {
   mesh.normals_lps.assign(3, {0, -1, 0});
   mesh.triangles = {{0, 1, 2}};
   const SurfaceDraw surface = translucent(mesh);
-  const FragmentList list = *drawing.draw({&surface, 1});
+  const Drawn list = *drawing.draw({&surface, 1});
   ASSERT_GT(list.fragments.size(), 200u);
   // n . p = n . p0 with n = (p1 - p0) x (p2 - p0) = (11, 3, 1) x (4, 8, 9).
   const Vec3 n{19, -95, 76};
   const Shear shear = factorise(drawing.view, drawing.grid);
-  for (const Fragment& fragment : list.fragments) {
+  for (const PixelFragment& fragment : list.fragments) {
     const Vec3 p = drawing.view.point_lps_mm(fragment.pixel % 40 + 0.5, fragment.pixel / 40 + 0.5);
     const Vec3& d = drawing.view.forward_lps;
     const double s = (n[0] * (2 - p[0]) + n[1] * (3 - p[1]) + n[2] * (4 - p[2])) /
@@ -168,10 +191,10 @@ TEST(Rasterize, LightsSurfacesWithoutAUsableNormalAsIfTheyFacedTheViewer) {
   const SurfaceDraw surface = translucent(mesh, 0, 1.0f);
   for (const float value : {0.0f, std::numeric_limits<float>::quiet_NaN()}) {
     mesh.normals_lps.assign(3, {value, value, value});
-    const FragmentList list = *drawing.draw({&surface, 1});
+    const Drawn list = *drawing.draw({&surface, 1});
     ASSERT_FALSE(list.fragments.empty());
     const float expected = Lighting(drawing.view).diffuse({0, -1, 0});
-    for (const Fragment& fragment : list.fragments) EXPECT_NEAR(fragment.rgba[0], expected, 1e-6f);
+    for (const PixelFragment& fragment : list.fragments) EXPECT_NEAR(fragment.rgba[0], expected, 1e-6f);
   }
 }
 
@@ -183,8 +206,8 @@ TEST(Rasterize, LightsTheSideOfATriangleThatIsSeenWhereverItsNormalsPoint) {
     const Drawing drawing{view_from(azimuth, 0, {40, 40}, 0.25, {0, 0, 0})};
     const SurfaceDraw surface{&mesh, 0, {0.8f, 0.8f, 0.8f}, 1};
     std::vector<float> bottom_row;
-    const FragmentList list = *drawing.draw({&surface, 1});
-    for (const Fragment& fragment : list.fragments) {
+    const Drawn list = *drawing.draw({&surface, 1});
+    for (const PixelFragment& fragment : list.fragments) {
       const double z = -(static_cast<double>(fragment.pixel / 40) + 0.5 - 20) * 0.25;
       const auto top = static_cast<float>((z + 4) / 8);  // share of the third corner
       const Vec3 normal{side * (1 - top) * 0.4f, side * ((1 - top) * 0.3f - top), side * (1 - top) * -0.8f};
@@ -217,7 +240,7 @@ TEST(Rasterize, LeavesOneStructureBeforeItEntersTheNextWhereTheyTouch) {
     const Drawing drawing{view_from(-75 + 3.7 * view, -60 + 2.9 * view, {96, 96}, 0.2, {8, 7.5, 7})};
     // The structure behind has the smaller number and comes first in the list.
     const std::array surfaces{translucent(far_front, 0), translucent(near_back, 1)};
-    const FragmentList list = *drawing.draw(surfaces);
+    const Drawn list = *drawing.draw(surfaces);
     for (std::size_t n = 0; n + 1 < list.fragments.size(); n += 2) {
       ASSERT_EQ(list.fragments[n].pixel, list.fragments[n + 1].pixel);
       ASSERT_EQ(list.fragments[n].structure, 1u) << "view " << view << ", pixel " << list.fragments[n].pixel;
@@ -236,7 +259,7 @@ TEST(Rasterize, SortsByDepthAndDropsWhatAnOpaqueSurfaceHides) {
   const Drawing drawing{view_from(0, 0, {8, 8}, 1, {0, 0, 0})};
   const std::array surfaces{translucent(planes[0], 0), translucent(planes[1], 1),
                             translucent(planes[2], 2, 1.0f), translucent(planes[3], 3)};
-  const FragmentList list = *drawing.draw(surfaces);
+  const Drawn list = *drawing.draw(surfaces);
   ASSERT_GT(list.fragments.size(), 60u);
   ASSERT_EQ(list.fragments.size() % 3, 0u);
   for (std::size_t n = 0; n < list.fragments.size(); n += 3) {
@@ -245,9 +268,6 @@ TEST(Rasterize, SortsByDepthAndDropsWhatAnOpaqueSurfaceHides) {
     EXPECT_EQ(list.fragments[n + 2].structure, 2u);
     EXPECT_EQ(list.fragments[n].pixel, list.fragments[n + 2].pixel);
   }
-  for (int y = 0; y < 8; ++y) {
-    for (const Fragment& fragment : list.row(y)) EXPECT_EQ(fragment.pixel / 8, static_cast<unsigned>(y));
-  }
 }
 
 TEST(Rasterize, RefusesMoreFragmentsThanAllowed) {
@@ -255,9 +275,9 @@ TEST(Rasterize, RefusesMoreFragmentsThanAllowed) {
   const SurfaceDraw surface = translucent(mesh);
   Drawing drawing{view_from(0, 0, {32, 32}, 0.5, {0, 0, 0})};
   const std::size_t fragments = drawing.draw({&surface, 1})->fragments.size();
-  drawing.max_fragments = fragments;
+  drawing.options.max_fragments = fragments;
   EXPECT_TRUE(drawing.draw({&surface, 1}).has_value());
-  drawing.max_fragments = fragments - 1;
+  drawing.options.max_fragments = fragments - 1;
   const auto refused = drawing.draw({&surface, 1});
   ASSERT_FALSE(refused.has_value());
   EXPECT_EQ(refused.error().code, ErrorCode::kLimit);
@@ -277,9 +297,9 @@ TEST(Rasterize, RefusesTheSamePicturesWithAnyNumberOfThreads) {
   for (const unsigned threads : {1u, 2u, 8u}) {
     drawing.threads = threads;
     for (int repeat = 0; repeat < 5; ++repeat) {
-      drawing.max_fragments = fragments;
+      drawing.options.max_fragments = fragments;
       EXPECT_TRUE(drawing.draw(surfaces).has_value());
-      drawing.max_fragments = fragments - 1;
+      drawing.options.max_fragments = fragments - 1;
       EXPECT_FALSE(drawing.draw(surfaces).has_value());
     }
   }
@@ -295,15 +315,15 @@ TEST(Rasterize, GivesTheSameFragmentsWithAnyNumberOfThreads) {
   }
   const std::array surfaces{translucent(meshes[0], 0), translucent(meshes[1], 1, 1.0f),
                             translucent(meshes[2], 2, 0.1f)};
-  const FragmentList one = *drawing.draw(surfaces);
+  const Drawn one = *drawing.draw(surfaces);
   ASSERT_GT(one.fragments.size(), 3000u);
   for (const unsigned threads : {2u, 8u}) {
     drawing.threads = threads;
-    const FragmentList several = *drawing.draw(surfaces);
-    ASSERT_EQ(several.first_of_row, one.first_of_row);
+    const Drawn several = *drawing.draw(surfaces);
+    ASSERT_EQ(several.fragments.size(), one.fragments.size());
     for (std::size_t n = 0; n < one.fragments.size(); ++n) {
-      const Fragment& a = one.fragments[n];
-      const Fragment& b = several.fragments[n];
+      const PixelFragment& a = one.fragments[n];
+      const PixelFragment& b = several.fragments[n];
       ASSERT_TRUE(a.depth == b.depth && a.pixel == b.pixel && a.rgba == b.rgba && a.structure == b.structure)
           << "fragment " << n;
     }

@@ -32,9 +32,9 @@ TEST(Shading, EqualsTheReferenceForAnyNormalAndView) {
       const Vec3 exact{normal[0], normal[1], normal[2]};
       EXPECT_NEAR(lighting.diffuse(normal), reference::diffuse(view, exact), 1e-6);
       const std::array<float, 3> color{0.2f, 0.7f, 1.0f};
-      const auto shaded = lighting.shade(color, normal);
+      const SurfaceLight light = lighting.on_surface(normal);
       const auto expected = reference::shade_surface(view, {0.2f, 0.7f, 1.0f}, exact);
-      for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(shaded[c], expected[c], 2e-6);
+      for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(light.on(color[c]), expected[c], 2e-6);
     }
   }
 }
@@ -54,7 +54,7 @@ TEST(Shading, LeavesNormalsOfSurfacesAsTheyAre) {
   for (std::size_t a = 0; a < 3; ++a) {
     from_lamp[a] = static_cast<float>(view.forward_lps[a] + 0.45 * view.right_lps[a] - 0.55 * view.up_lps[a]);
   }
-  EXPECT_FLOAT_EQ(lighting.shade({1, 1, 1}, from_lamp)[0], 0.15f);
+  EXPECT_FLOAT_EQ(lighting.on_surface(from_lamp).on(1), 0.15f);
   EXPECT_FLOAT_EQ(lighting.diffuse(from_lamp), 1.0f);
 }
 
@@ -69,8 +69,7 @@ TEST(Shading, LightStaysBetweenAmbientAndOne) {
     EXPECT_EQ(table[n], lighting.diffuse(unpack_normal(static_cast<PackedNormal>(n))));
     least = std::min(least, table[n]);
     most = std::max(most, table[n]);
-    const auto white = lighting.shade({1, 1, 1}, unpack_normal(static_cast<PackedNormal>(n)));
-    EXPECT_LE(white[0], 1.0f);
+    EXPECT_LE(lighting.on_surface(unpack_normal(static_cast<PackedNormal>(n))).on(1), 1.0f);
   }
   EXPECT_FLOAT_EQ(least, 0.15f);
   EXPECT_GT(most, 0.999f);

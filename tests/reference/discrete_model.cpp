@@ -25,6 +25,17 @@ void add_weighted(double weight, const RayLight& light, RayLight& sum) {
   sum.transmittance += weight * light.transmittance;
 }
 
+/// Between what is in front of a slab and with it, as if the light in the slab were constant.
+RayLight part_of_slab(const RayLight& before, const RayLight& behind, double part) {
+  const double absorbed = (before.transmittance - behind.transmittance) / before.transmittance;
+  if (!(absorbed > 0)) return before;
+  const double share = absorbed < 1 ? -std::expm1(part * std::log1p(-absorbed)) / absorbed : std::ceil(part);
+  RayLight light = before;
+  for (std::size_t c = 0; c < 3; ++c) light.color[c] += share * (behind.color[c] - before.color[c]);
+  light.transmittance += share * (behind.transmittance - before.transmittance);
+  return light;
+}
+
 /// How far a step of one pixel to the right, and one down, reaches in the middle slice, in voxels.
 std::array<double, 2> voxels_per_pixel(const ParallelView& view, const Grid& grid, Axis principal) {
   const ScanOrder axes = ScanOrder::of(principal);
@@ -128,8 +139,22 @@ std::vector<RayLight> DiscreteModel::warped(const Place& place, std::span<const 
   return sums;
 }
 
-std::vector<RayLight> DiscreteModel::at_pixel(int column, int row, std::span<const double> depths) const {
-  return warped(place_of(column + 0.5, row + 0.5), depths);
+std::vector<RayLight> DiscreteModel::at(double x, double y, std::span<const double> depths) const {
+  const double first_slab = per_mm_[axes_.slice_axis] > 0 ? -0.5 : 0.5 - static_cast<double>(slices_);
+  std::vector<double> borders;  // of the slabs that hold the depths
+  for (const double depth : depths) {
+    const double slab = std::clamp(std::floor(depth - first_slab), 0.0, static_cast<double>(slices_ - 1));
+    borders.push_back(first_slab + slab);
+    borders.push_back(first_slab + slab + 1);
+  }
+  const std::vector<RayLight> lights = warped(place_of(x, y), borders);
+  std::vector<RayLight> before;
+  for (std::size_t n = 0; n < depths.size(); ++n) {
+    const double part = std::clamp(depths[n] - borders[2 * n], 0.0, 1.0);
+    before.push_back(part_of_slab(lights[2 * n], lights[2 * n + 1], part));
+  }
+  before.push_back(lights.back());
+  return before;
 }
 
 RayLight DiscreteModel::pixel_mean(int column, int row) const {

@@ -25,8 +25,9 @@ class DiscreteModel {
   DiscreteModel(const LightField& field, const ParallelView& view, Axis principal, int pixels_per_voxel);
 
   /// The volume in front of every depth (along the principal axis in voxels, growing away from the viewer)
-  /// and all of it, last; at a pixel's centre.
-  [[nodiscard]] std::vector<RayLight> at_pixel(int column, int row, std::span<const double> depths) const;
+  /// and all of it, last; at picture coordinates. Within a slab the light is as if it were constant between
+  /// what the warp shows in front of the slab and behind it.
+  [[nodiscard]] std::vector<RayLight> at(double x, double y, std::span<const double> depths) const;
   /// All of the volume; the mean over the pixel where the sheet is finer than the picture.
   [[nodiscard]] RayLight pixel_mean(int column, int row) const;
 

@@ -75,7 +75,7 @@ ReferencePicture render_discrete(const ReferenceScene& scene, bool unlimited) {
     if (crossings.empty() && !unlimited) return model.pixel_mean(column, row);
     std::vector<double> depths;
     for (const Crossing& crossing : crossings) depths.push_back(crossing.depth);
-    return compose(crossings, model.at_pixel(column, row, depths));
+    return compose(crossings, model.at(column + 0.5, row + 0.5, depths));
   });
 }
 

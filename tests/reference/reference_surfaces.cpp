@@ -86,7 +86,7 @@ SurfacesInView::SurfacesInView(const AtlasContent& content, const Selection& sel
 
   const auto snapped = [&](double coordinate) {  // pixel centres are multiples
     if (coverage == Coverage::kExact) return coordinate;
-    return std::round((coordinate - 0.5) * kSubPixels) / kSubPixels + 0.5;
+    return std::nearbyint((coordinate - 0.5) * kSubPixels) / kSubPixels + 0.5;
   };
   const Affine to_lps = index_to_lps_mm(grid);
   const DrawPlan plan = DecisionTree(content.graph, content.classes).plan(selection);

@@ -1,0 +1,86 @@
+// The triangles of a band of picture rows, to sorted fragments.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "player/facing.h"
+#include "player/fragments.h"
+#include "player/projection.h"
+#include "player/shading.h"
+#include "player/shear.h"
+#include "player/triangle_bins.h"
+
+namespace splatlas {
+
+/// What is rasterised.
+struct RasterScene {
+  std::span<const SurfaceDraw> surfaces;
+  PictureSize size;
+  Projection projection;
+  Facing facing;
+  const Lighting& lighting;
+  std::size_t depth_axis = 2;  ///< of the grid: the principal one
+  double depth_sign = 1;       ///< depth is that times the index along the axis
+};
+[[nodiscard]] RasterScene raster_scene(std::span<const SurfaceDraw> surfaces, const ParallelView& view,
+                                       const Shear& shear, const Grid& grid, const Lighting& lighting);
+
+/// Samples the pixels of some rows of the picture. Keeps its memory from frame to frame.
+class BandRasterizer {
+ public:
+  /// Every pixel of rows [first_row, last_row) has one slot, its centre.
+  void begin(const RasterScene& scene, const TriangleBins& bins, int first_row, int last_row);
+  /// Opaque surfaces come first: what they hide is never shaded.
+  void draw(const TriangleRef& ref);
+  /// Sorts by slot and depth; leaves out what is behind an opaque fragment, and behind surfaces that let
+  /// through no more than `transmittance_floor` together.
+  void finish(float transmittance_floor);
+
+  /// Translucent crossings so far, and opaque ones that nothing hides once all is drawn.
+  [[nodiscard]] std::size_t crossings() const { return crossings_.size(); }
+
+  [[nodiscard]] std::size_t slots() const { return end_of_slot_.size(); }
+  /// Of a slot; after finish().
+  [[nodiscard]] std::size_t fragments(std::size_t slot) const { return kept_[slot]; }
+  /// Writes a slot's fragments, front to back.
+  void store(std::size_t slot, Fragment* out) const;
+
+ private:
+  /// A surface where it crosses the ray of a slot.
+  struct Crossing {
+    std::uint64_t order = 0;  ///< by depth; of those that coincide, first the ones that are left
+    std::uint32_t slot = 0;
+    float depth = 0;
+    std::uint32_t surface = kNone;
+    std::uint32_t triangle = 0;
+    /// Translucent: diffuse and highlight. Opaque: the weights of the triangle's second and third corner; it
+    /// is shaded when nothing can hide it any more.
+    std::array<float, 2> light{};
+  };
+  static constexpr std::uint32_t kNone = 0xffffffff;
+  struct Triangle;
+  class Attributes;
+
+  [[nodiscard]] bool in_front(const Crossing& a, const Crossing& b) const;
+  void add(const Triangle& triangle, const Attributes& attributes, std::uint32_t slot,
+           const std::array<float, 3>& weight, double depth);
+  [[nodiscard]] SurfaceLight lit(const SurfaceMesh& mesh, std::uint32_t triangle, bool front,
+                                 const std::array<float, 3>& weight) const;
+  void take_opaque();
+  void sort_by_slot();
+  void sort_slot(std::span<std::uint32_t> of_slot) const;
+
+  const RasterScene* scene_ = nullptr;
+  const TriangleBins* bins_ = nullptr;
+  std::int32_t width_ = 0, first_row_ = 0, last_row_ = 0;
+  std::vector<Crossing> nearest_;           // opaque, per slot; empty without opaque surfaces
+  std::vector<Crossing> crossings_;         // translucent
+  std::vector<std::uint32_t> end_of_slot_;  // in order_
+  std::vector<std::uint32_t> order_;        // crossings by slot and depth
+  std::vector<std::uint32_t> kept_;         // per slot
+};
+
+}  // namespace splatlas
