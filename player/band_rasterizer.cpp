@@ -9,11 +9,21 @@
 namespace splatlas {
 namespace {
 
+constexpr double kSubPixels = 1 << kSubPixelBits;
+constexpr std::int32_t kHalfPixel = 1 << (kSubPixelBits - 1);
 /// Surfaces coincide whose depths lie in the same 1/4096 voxel. The offset keeps the limits away from the
 /// depths that surfaces between voxels have, where rounding would decide.
 constexpr double kDepthSteps = 4096;
 constexpr double kDepthOffset = 0.3183;
+/// Voxels, and a share of the depth: more than coinciding depths and rounding come to.
+constexpr float kSurelyBehind = 2 / 4096.0f;
+constexpr float kRounding = 0x1p-22f;
 constexpr double kDepthBias = 0x1p40;  // steps: more than any grid is deep, to make all of them positive
+
+/// Positive where the corners are seen clockwise.
+std::int64_t doubled_area(const ScreenVertex& a, const ScreenVertex& b, const ScreenVertex& c) {
+  return std::int64_t{b.x - a.x} * (c.y - a.y) - std::int64_t{b.y - a.y} * (c.x - a.x);
+}
 
 /// Linear over the screen.
 struct ScreenPlane {
@@ -24,13 +34,16 @@ struct ScreenPlane {
 
 RasterScene raster_scene(std::span<const SurfaceDraw> surfaces, const ParallelView& view, const Shear& shear,
                          const Grid& grid, const Lighting& lighting) {
+  const Vec3 along = lps_mm_to_index(grid).apply_linear(view.forward_lps);
+  const double voxels_per_mm = std::abs(along[shear.scan.slice_axis]);
   return {surfaces,
           view.size,
           Projection(view, grid),
           Facing(grid),
           lighting,
           shear.scan.slice_axis,
-          shear.ascending ? 1.0 : -1.0};
+          shear.ascending ? 1.0 : -1.0,
+          static_cast<float>(view.mm_per_pixel * voxels_per_mm)};
 }
 
 /// A triangle's corners, turned so that the inside has positive edge functions.
@@ -38,32 +51,30 @@ struct BandRasterizer::Triangle {
   TriangleRef ref;
   std::array<ScreenVertex, 3> corner;
   std::int64_t area = 0;  ///< doubled; 0: leave it
+  /// 1 for edges whose points are outside, 0 for those whose points are inside.
+  std::array<std::int64_t, 3> opened{};
+  float nearest_depth = 0;  ///< of the corners, where there are opaque surfaces
 
   Triangle(const TriangleRef& triangle, std::array<ScreenVertex, 3> v) : ref(triangle), corner(v) {
-    area = edge(1, 2, v[0].x, v[0].y);
+    area = doubled_area(v[0], v[1], v[2]);
     turned_ = area < 0;
     if (turned_) {
       std::swap(corner[1], corner[2]);
       area = -area;
     }
+    // Points on an edge belong to the triangle whose left or top edge it is.
+    for (std::size_t n = 0; n < 3; ++n) {
+      const ScreenVertex& from = corner[(n + 1) % 3];
+      const ScreenVertex& to = corner[(n + 2) % 3];
+      opened[n] = to.y < from.y || (to.y == from.y && to.x > from.x) ? 0 : 1;
+    }
   }
-  /// Of the edge between two corners; positive on the inner side.
-  [[nodiscard]] std::int64_t edge(std::size_t from, std::size_t to, std::int64_t x, std::int64_t y) const {
-    return (corner[to].x - corner[from].x) * (y - corner[from].y) -
-           (corner[to].y - corner[from].y) * (x - corner[from].x);
-  }
-  /// Added to the edge function: what is then not negative is inside. Points on an edge belong to the
-  /// triangle whose left or top edge it is.
-  [[nodiscard]] std::int64_t bias(std::size_t from, std::size_t to) const {
-    const std::int32_t down = corner[to].y - corner[from].y;
-    return down < 0 || (down == 0 && corner[to].x > corner[from].x) ? 0 : -1;
-  }
-  /// Of the mesh's corners, from edge functions without bias.
+  /// Of the mesh's corners, from the edge functions.
   [[nodiscard]] std::array<float, 3> weights(const std::array<std::int64_t, 3>& edges) const {
     const double per_area = 1 / static_cast<double>(area);
     std::array<float, 3> weight{};
     for (std::size_t n = 0; n < 3; ++n) {
-      weight[n] = static_cast<float>(static_cast<double>(edges[n]) * per_area);
+      weight[n] = static_cast<float>(static_cast<double>(edges[n] + opened[n]) * per_area);
     }
     if (turned_) std::swap(weight[1], weight[2]);
     return weight;
@@ -71,6 +82,46 @@ struct BandRasterizer::Triangle {
 
  private:
   bool turned_ = false;
+};
+
+/// The edge functions of a triangle from pixel to pixel: edge n is opposite to corner n. Positive inside;
+/// less 1 for open edges, so that what is not negative is inside.
+class BandRasterizer::EdgeWalk {
+ public:
+  using Edges = std::array<std::int64_t, 3>;
+
+  EdgeWalk(const Triangle& t, std::int32_t x, std::int32_t y) {
+    const ScreenVertex center{x << kSubPixelBits, y << kSubPixelBits};
+    for (std::size_t n = 0; n < 3; ++n) {
+      const ScreenVertex& from = t.corner[(n + 1) % 3];
+      const ScreenVertex& to = t.corner[(n + 2) % 3];
+      first_[n] = doubled_area(from, to, center) - t.opened[n];
+      per_x_[n] = from.y - to.y;
+      per_y_[n] = to.x - from.x;
+      reach_[n] = (std::abs(per_x_[n]) + std::abs(per_y_[n])) * kHalfPixel;
+    }
+  }
+  [[nodiscard]] Edges row(std::int64_t down) const {
+    Edges edges = first_;
+    for (std::size_t n = 0; n < 3; ++n) edges[n] += (down << kSubPixelBits) * per_y_[n];
+    return edges;
+  }
+  void step(Edges& edges) const {
+    for (std::size_t n = 0; n < 3; ++n) edges[n] += per_x_[n] << kSubPixelBits;
+  }
+  [[nodiscard]] Edges moved(Edges edges, const SubPixel& by) const {
+    for (std::size_t n = 0; n < 3; ++n) edges[n] += by.x * per_x_[n] + by.y * per_y_[n];
+    return edges;
+  }
+  /// No point of the pixel around this centre is inside.
+  [[nodiscard]] bool misses_pixel(const Edges& at_center) const {
+    return ((at_center[0] + reach_[0]) | (at_center[1] + reach_[1]) | (at_center[2] + reach_[2])) < 0;
+  }
+  static bool inside(const Edges& edges) { return (edges[0] | edges[1] | edges[2]) >= 0; }
+
+ private:
+  Edges first_{}, per_x_{}, per_y_{};
+  Edges reach_{};  // how much more an edge function can be within half a pixel
 };
 
 /// What is worked out once the first sample of a triangle is found. From vertices that are not snapped, so
@@ -86,7 +137,6 @@ class BandRasterizer::Attributes {
       const std::array<float, 3>& position = mesh.positions_ijk[corners[n]];
       p[n] = scene.projection.on_screen(position);
       depth[n] = scene.depth_sign * static_cast<double>(position[scene.depth_axis]);
-      per_w_[n] = 1 / p[n].w;
     }
     std::tie(nearest_, furthest_) = std::minmax({depth[0], depth[1], depth[2]});
     x0_ = p[0].x;
@@ -97,15 +147,22 @@ class BandRasterizer::Attributes {
     const double y2 = p[2].y - y0_;
     const double area = x1 * y2 - y1 * x2;
     front_ = scene.facing.shows_front(mesh, corners, area > 0);
-    const auto plane_through = [&](double at_0, double at_1, double at_2) {
-      ScreenPlane plane{at_0, 0, 0};
-      if (area == 0) return plane;
-      plane.per_x = ((at_1 - at_0) * y2 - (at_2 - at_0) * y1) / area;
-      plane.per_y = ((at_2 - at_0) * x1 - (at_1 - at_0) * x2) / area;
-      return plane;
+    const double per_area = area == 0 ? 0 : 1 / area;
+    const auto plane_through = [&](const std::array<double, 3>& value) {
+      const double rise_1 = (value[1] - value[0]) * per_area;
+      const double rise_2 = (value[2] - value[0]) * per_area;
+      return ScreenPlane{value[0], rise_1 * y2 - rise_2 * y1, rise_2 * x1 - rise_1 * x2};
     };
-    depth_ = plane_through(depth[0] * per_w_[0], depth[1] * per_w_[1], depth[2] * per_w_[2]);
-    if (!parallel_) inverse_w_ = plane_through(per_w_[0], per_w_[1], per_w_[2]);
+    if (parallel_) {
+      depth_ = plane_through(depth);
+      return;
+    }
+    for (std::size_t n = 0; n < 3; ++n) {
+      per_w_[n] = 1 / p[n].w;
+      depth[n] *= per_w_[n];
+    }
+    depth_ = plane_through(depth);
+    inverse_w_ = plane_through(per_w_);
   }
 
   [[nodiscard]] bool front() const { return front_; }
@@ -143,8 +200,28 @@ void BandRasterizer::begin(const RasterScene& scene, const TriangleBins& bins, i
   width_ = scene.size.width;
   first_row_ = first_row;
   last_row_ = last_row;
-  const auto slots = static_cast<std::size_t>(width_) * static_cast<std::size_t>(last_row - first_row);
-  const bool any_opaque = std::any_of(scene.surfaces.begin(), scene.surfaces.end(),
+  slot_of_pixel_.clear();
+  pattern_ = kCentre;
+  clear(static_cast<std::size_t>(width_) * static_cast<std::size_t>(last_row - first_row));
+}
+
+void BandRasterizer::begin_edges(const RasterScene& scene, const TriangleBins& bins, int first_row,
+                                 int last_row, std::span<const std::uint8_t> wanted,
+                                 std::span<const SubPixel> pattern) {
+  begin(scene, bins, first_row, last_row);
+  slot_of_pixel_.assign(wanted.size(), kNone);
+  pattern_ = pattern;
+  std::uint32_t slots = 0;
+  for (std::size_t pixel = 0; pixel < wanted.size(); ++pixel) {
+    if (wanted[pixel] == 0) continue;
+    slot_of_pixel_[pixel] = slots;
+    slots += static_cast<std::uint32_t>(pattern.size());
+  }
+  clear(slots);
+}
+
+void BandRasterizer::clear(std::size_t slots) {
+  const bool any_opaque = std::any_of(scene_->surfaces.begin(), scene_->surfaces.end(),
                                       [](const SurfaceDraw& surface) { return surface.opacity >= 1; });
   nearest_.assign(any_opaque ? slots : 0, Crossing{});
   crossings_.clear();
@@ -155,28 +232,67 @@ void BandRasterizer::begin(const RasterScene& scene, const TriangleBins& bins, i
 void BandRasterizer::draw(const TriangleRef& ref) {
   const auto& corners = scene_->surfaces[ref.surface].mesh->triangles[ref.triangle];
   const std::span<const ScreenVertex> vertices = bins_->vertices(ref.surface);
-  const Triangle t(ref, {vertices[corners[0]], vertices[corners[1]], vertices[corners[2]]});
+  Triangle t(ref, {vertices[corners[0]], vertices[corners[1]], vertices[corners[2]]});
   if (t.area == 0) return;
-  const auto [x_low, x_high] = std::minmax({t.corner[0].x, t.corner[1].x, t.corner[2].x});
-  const auto [y_low, y_high] = std::minmax({t.corner[0].y, t.corner[1].y, t.corner[2].y});
-  const std::int32_t x_first = std::max(0, first_pixel(x_low));
-  const std::int32_t x_last = std::min(width_ - 1, last_pixel(x_high));
-  const std::int32_t y_first = std::max(first_row_, first_pixel(y_low));
-  const std::int32_t y_last = std::min(last_row_ - 1, last_pixel(y_high));
-  const std::array<std::int64_t, 3> bias{t.bias(1, 2), t.bias(2, 0), t.bias(0, 1)};
+  if (!nearest_.empty()) {
+    const auto& positions = scene_->surfaces[ref.surface].mesh->positions_ijk;
+    const auto depth = [&](std::size_t n) {
+      return static_cast<float>(scene_->depth_sign) * positions[corners[n]][scene_->depth_axis];
+    };
+    t.nearest_depth = std::min({depth(0), depth(1), depth(2)});
+  }
+  if (slot_of_pixel_.empty()) {
+    sample_centers(t);
+  } else {
+    sample_patterns(t);
+  }
+}
+
+void BandRasterizer::sample_centers(const Triangle& t) {
+  const PixelBox box = clipped(pixels_of(t.corner[0], t.corner[1], t.corner[2], 0));
+  const EdgeWalk walk(t, box.x_first, box.y_first);
   std::optional<Attributes> attributes;
-  for (std::int32_t y = y_first; y <= y_last; ++y) {
-    for (std::int32_t x = x_first; x <= x_last; ++x) {
-      const std::int64_t sub_x = std::int64_t{x} << kSubPixelBits;
-      const std::int64_t sub_y = std::int64_t{y} << kSubPixelBits;
-      const std::array<std::int64_t, 3> edges{t.edge(1, 2, sub_x, sub_y), t.edge(2, 0, sub_x, sub_y),
-                                              t.edge(0, 1, sub_x, sub_y)};
-      if (((edges[0] + bias[0]) | (edges[1] + bias[1]) | (edges[2] + bias[2])) < 0) continue;
-      if (!attributes) attributes.emplace(*scene_, ref);
-      add(t, *attributes, static_cast<std::uint32_t>((y - first_row_) * width_ + x), t.weights(edges),
-          attributes->depth_at(x, y));
+  for (std::int32_t y = box.y_first; y <= box.y_last; ++y) {
+    EdgeWalk::Edges edges = walk.row(y - box.y_first);
+    const auto slot = static_cast<std::uint32_t>((y - first_row_) * width_);
+    for (std::int32_t x = box.x_first; x <= box.x_last; ++x, walk.step(edges)) {
+      if (!EdgeWalk::inside(edges) || is_hidden(t, slot + static_cast<std::uint32_t>(x))) continue;
+      if (!attributes) attributes.emplace(*scene_, t.ref);
+      add(t, *attributes, slot + static_cast<std::uint32_t>(x), t.weights(edges), attributes->depth_at(x, y));
     }
   }
+}
+
+void BandRasterizer::sample_patterns(const Triangle& t) {
+  const PixelBox box = clipped(pixels_of(t.corner[0], t.corner[1], t.corner[2], kHalfPixel));
+  const EdgeWalk walk(t, box.x_first, box.y_first);
+  std::optional<Attributes> attributes;
+  for (std::int32_t y = box.y_first; y <= box.y_last; ++y) {
+    EdgeWalk::Edges at_center = walk.row(y - box.y_first);
+    const std::uint32_t* const slots = &slot_of_pixel_[static_cast<std::size_t>((y - first_row_) * width_)];
+    for (std::int32_t x = box.x_first; x <= box.x_last; ++x, walk.step(at_center)) {
+      if (slots[x] == kNone || walk.misses_pixel(at_center)) continue;
+      for (std::uint32_t n = 0; n < pattern_.size(); ++n) {
+        const EdgeWalk::Edges edges = walk.moved(at_center, pattern_[n]);
+        if (!EdgeWalk::inside(edges) || is_hidden(t, slots[x] + n)) continue;
+        if (!attributes) attributes.emplace(*scene_, t.ref);
+        add(t, *attributes, slots[x] + n, t.weights(edges),
+            attributes->depth_at(x + pattern_[n].x / kSubPixels, y + pattern_[n].y / kSubPixels));
+      }
+    }
+  }
+}
+
+/// All of the triangle is behind an opaque surface there.
+bool BandRasterizer::is_hidden(const Triangle& t, std::uint32_t slot) const {
+  if (nearest_.empty() || nearest_[slot].surface == kNone) return false;
+  const float depth = nearest_[slot].depth;
+  return t.nearest_depth > depth + kSurelyBehind + std::abs(depth) * kRounding;
+}
+
+PixelBox BandRasterizer::clipped(PixelBox box) const {
+  return {std::max(box.x_first, 0), std::min(box.x_last, width_ - 1), std::max(box.y_first, first_row_),
+          std::min(box.y_last, last_row_ - 1)};
 }
 
 bool BandRasterizer::in_front(const Crossing& a, const Crossing& b) const {
@@ -233,7 +349,7 @@ void BandRasterizer::finish(float transmittance_floor) {
     float through = 1;
     std::uint32_t kept = begin;
     while (kept < end && through > transmittance_floor) {
-      through *= 1 - scene_->surfaces[crossings_[order_[kept++]].surface].opacity;
+      through *= 1 - scene_->surfaces[sorted_[order_[kept++]].surface].opacity;
     }
     kept_[slot] = kept - begin;
     begin = end;
@@ -251,22 +367,25 @@ void BandRasterizer::take_opaque() {
   }
 }
 
-/// A counting sort of indices.
+/// A counting sort.
 void BandRasterizer::sort_by_slot() {
   std::fill(end_of_slot_.begin(), end_of_slot_.end(), 0);
   for (const Crossing& crossing : crossings_) ++end_of_slot_[crossing.slot];
   std::uint32_t begin = 0;
   for (std::uint32_t& end : end_of_slot_) begin += std::exchange(end, begin);
+  sorted_.resize(crossings_.size());
   order_.resize(crossings_.size());
-  for (std::uint32_t n = 0; n < crossings_.size(); ++n) order_[end_of_slot_[crossings_[n].slot]++] = n;
+  for (const Crossing& crossing : crossings_) {
+    const std::uint32_t n = end_of_slot_[crossing.slot]++;
+    sorted_[n] = crossing;
+    order_[n] = n;
+  }
 }
 
 /// Insertion: a slot has few crossings, often in order already.
 void BandRasterizer::sort_slot(std::span<std::uint32_t> of_slot) const {
   constexpr std::size_t kFew = 32;
-  const auto before = [&](std::uint32_t a, std::uint32_t b) {
-    return in_front(crossings_[a], crossings_[b]);
-  };
+  const auto before = [&](std::uint32_t a, std::uint32_t b) { return in_front(sorted_[a], sorted_[b]); };
   if (of_slot.size() > kFew) {
     std::sort(of_slot.begin(), of_slot.end(), before);
     return;
@@ -279,10 +398,27 @@ void BandRasterizer::sort_slot(std::span<std::uint32_t> of_slot) const {
   }
 }
 
+SurfacesSeen BandRasterizer::seen(std::size_t slot) const {
+  SurfacesSeen sum;
+  float through = 1;
+  const std::uint32_t begin = slot == 0 ? 0 : end_of_slot_[slot - 1];
+  for (std::uint32_t n = begin; n < begin + kept_[slot]; ++n) {
+    const Crossing& crossing = sorted_[order_[n]];
+    const SurfaceDraw& surface = scene_->surfaces[crossing.surface];
+    const SurfaceLight light{crossing.light[0], crossing.light[1]};
+    const float share = through * surface.opacity;
+    const auto side = (crossing.surface << 1) | static_cast<std::uint32_t>(crossing.order & 1);
+    sum.add(side, share, {light.on(surface.color[0]), light.on(surface.color[1]), light.on(surface.color[2])},
+            crossing.depth);
+    through -= share;
+  }
+  return sum;
+}
+
 void BandRasterizer::store(std::size_t slot, Fragment* out) const {
   const std::uint32_t begin = slot == 0 ? 0 : end_of_slot_[slot - 1];
   for (std::uint32_t n = begin; n < begin + kept_[slot]; ++n) {
-    const Crossing& crossing = crossings_[order_[n]];
+    const Crossing& crossing = sorted_[order_[n]];
     const SurfaceDraw& surface = scene_->surfaces[crossing.surface];
     const SurfaceLight light{crossing.light[0], crossing.light[1]};
     out->depth = crossing.depth;

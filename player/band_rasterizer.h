@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "player/edge_pixels.h"
 #include "player/facing.h"
 #include "player/fragments.h"
 #include "player/projection.h"
@@ -24,6 +25,7 @@ struct RasterScene {
   const Lighting& lighting;
   std::size_t depth_axis = 2;  ///< of the grid: the principal one
   double depth_sign = 1;       ///< depth is that times the index along the axis
+  float pixel_voxels = 1;      ///< a pixel's width along the axis
 };
 [[nodiscard]] RasterScene raster_scene(std::span<const SurfaceDraw> surfaces, const ParallelView& view,
                                        const Shear& shear, const Grid& grid, const Lighting& lighting);
@@ -33,6 +35,10 @@ class BandRasterizer {
  public:
   /// Every pixel of rows [first_row, last_row) has one slot, its centre.
   void begin(const RasterScene& scene, const TriangleBins& bins, int first_row, int last_row);
+  /// Pixels that are wanted (not 0; width * rows of them) have a slot for every point of `pattern`, others
+  /// have none. `pattern` must outlive the band.
+  void begin_edges(const RasterScene& scene, const TriangleBins& bins, int first_row, int last_row,
+                   std::span<const std::uint8_t> wanted, std::span<const SubPixel> pattern);
   /// Opaque surfaces come first: what they hide is never shaded.
   void draw(const TriangleRef& ref);
   /// Sorts by slot and depth; leaves out what is behind an opaque fragment, and behind surfaces that let
@@ -43,8 +49,11 @@ class BandRasterizer {
   [[nodiscard]] std::size_t crossings() const { return crossings_.size(); }
 
   [[nodiscard]] std::size_t slots() const { return end_of_slot_.size(); }
+  /// The points of a pixel that has slots, in their order.
+  [[nodiscard]] std::span<const SubPixel> pattern() const { return pattern_; }
   /// Of a slot; after finish().
   [[nodiscard]] std::size_t fragments(std::size_t slot) const { return kept_[slot]; }
+  [[nodiscard]] SurfacesSeen seen(std::size_t slot) const;
   /// Writes a slot's fragments, front to back.
   void store(std::size_t slot, Fragment* out) const;
 
@@ -62,8 +71,14 @@ class BandRasterizer {
   };
   static constexpr std::uint32_t kNone = 0xffffffff;
   struct Triangle;
+  class EdgeWalk;
   class Attributes;
 
+  void clear(std::size_t slots);
+  void sample_centers(const Triangle& t);
+  void sample_patterns(const Triangle& t);
+  [[nodiscard]] bool is_hidden(const Triangle& t, std::uint32_t slot) const;
+  [[nodiscard]] PixelBox clipped(PixelBox box) const;
   [[nodiscard]] bool in_front(const Crossing& a, const Crossing& b) const;
   void add(const Triangle& triangle, const Attributes& attributes, std::uint32_t slot,
            const std::array<float, 3>& weight, double depth);
@@ -76,11 +91,14 @@ class BandRasterizer {
   const RasterScene* scene_ = nullptr;
   const TriangleBins* bins_ = nullptr;
   std::int32_t width_ = 0, first_row_ = 0, last_row_ = 0;
-  std::vector<Crossing> nearest_;           // opaque, per slot; empty without opaque surfaces
-  std::vector<Crossing> crossings_;         // translucent
-  std::vector<std::uint32_t> end_of_slot_;  // in order_
-  std::vector<std::uint32_t> order_;        // crossings by slot and depth
-  std::vector<std::uint32_t> kept_;         // per slot
+  std::span<const SubPixel> pattern_;
+  std::vector<std::uint32_t> slot_of_pixel_;  // the first; empty: every pixel has one
+  std::vector<Crossing> nearest_;             // opaque, per slot; empty without opaque surfaces
+  std::vector<Crossing> crossings_;           // translucent
+  std::vector<Crossing> sorted_;              // by slot
+  std::vector<std::uint32_t> end_of_slot_;    // in sorted_
+  std::vector<std::uint32_t> order_;          // of sorted_, by depth within a slot
+  std::vector<std::uint32_t> kept_;           // per slot
 };
 
 }  // namespace splatlas

@@ -31,6 +31,11 @@ int sheet_scale(Quality quality, const Shear& shear) {
   return 1;
 }
 
+std::size_t edge_samples(const RenderOptions& options) {
+  if (!options.antialiasing || options.quality == Quality::kDraft) return 1;
+  return options.quality == Quality::kNormal ? kFourSamples.size() : kEightSamples.size();
+}
+
 Result<SheetWindow> choose_window(const SpanModel& model, const Shear& shear, const RenderOptions& options) {
   int scale = sheet_scale(options.quality, shear);
   while (true) {
@@ -58,7 +63,8 @@ Result<FrameCounters> draw_frame(const FrameRequest& frame, FrameBuffers& buffer
   const RasterScene scene = raster_scene(frame.surfaces, frame.view, frame.shear, frame.grid, frame.lighting);
   SPLATLAS_ASSIGN_OR_RETURN(
       const RasterCounters raster,
-      buffers.rasterizer.draw(scene, {max_fragments, options.transmittance_floor}, buffers.fragments, pool));
+      buffers.rasterizer.draw(scene, {max_fragments, options.transmittance_floor, edge_samples(options)},
+                              buffers.fragments, pool));
   counters.triangles = raster.triangles;
   counters.rasterize = watch.lap();
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "format/structure_graph.h"
+#include "player/sample_pattern.h"
 
 namespace splatlas {
 
@@ -33,6 +34,7 @@ struct Fragment {
 struct Sample {
   std::uint32_t pixel = 0;           ///< y * width + x
   std::uint32_t first_fragment = 0;  ///< of its fragments, which end where the next sample's begin
+  SubPixel place;                    ///< in the pixel
 };
 
 /// The volume in front of a slab and with it: what the warp would show if the volume ended there.
@@ -40,8 +42,8 @@ struct SlabLight {
   Light before, behind;
 };
 
-/// Fragments of a picture by sample, front to back within a sample; samples by pixel. The last sample is one
-/// behind the end.
+/// Fragments of a picture by sample, front to back within a sample; samples by pixel. A pixel is the mean of
+/// its samples, one or several; one without any shows no surface. The last sample is one behind the end.
 struct FragmentList {
   std::vector<Fragment> fragments;
   std::vector<Sample> samples{Sample{}};

@@ -50,6 +50,24 @@ class RayWalk {
   std::unordered_map<StructureIndex, Contribution> contributions_;
 };
 
+/// Fragments of the sample of a pixel that is nearest to picture coordinates (x, y).
+std::span<const Fragment> nearest_sample(const FragmentList& list, int row, std::uint32_t pixel, double x,
+                                         double y) {
+  std::span<const Fragment> nearest;
+  double least = HUGE_VAL;
+  const std::uint32_t end = list.first_of_row[static_cast<std::size_t>(row) + 1];
+  for (std::uint32_t n = list.first_of_row[static_cast<std::size_t>(row)]; n < end; ++n) {
+    const Sample& sample = list.samples[n];
+    if (sample.pixel != pixel) continue;
+    const double distance =
+        std::hypot(std::floor(x) + sample.place.right() - x, std::floor(y) + sample.place.down() - y);
+    if (distance >= least) continue;
+    least = distance;
+    nearest = list.of_sample(n);
+  }
+  return nearest;
+}
+
 }  // namespace
 
 std::optional<Pick> pick_structure(const PickScene& scene, const ParallelView& view, const Shear& shear,
@@ -61,13 +79,7 @@ std::optional<Pick> pick_structure(const PickScene& scene, const ParallelView& v
   const auto row = static_cast<int>(y);
   const auto pixel = static_cast<std::uint32_t>(row * view.size.width + static_cast<int>(x));
 
-  std::vector<Fragment> surfaces;
-  const FragmentList& list = scene.fragments;
-  for (std::uint32_t n = list.first_of_row[static_cast<std::size_t>(row)];
-       n < list.first_of_row[static_cast<std::size_t>(row) + 1]; ++n) {
-    if (list.samples[n].pixel != pixel) continue;
-    surfaces.assign(list.of_sample(n).begin(), list.of_sample(n).end());
-  }
+  const std::span<const Fragment> surfaces = nearest_sample(scene.fragments, row, pixel, x, y);
   std::size_t next_surface = 0;
   const double depth_sign = shear.ascending ? 1 : -1;
   RayWalk walk;

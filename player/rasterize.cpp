@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "player/edge_pixels.h"
+
 namespace splatlas {
 
 SurfaceDraw surface_draw(StructureIndex s, const StructureDraw& look, const SurfaceMesh& mesh) {
@@ -13,6 +15,17 @@ SurfaceDraw surface_draw(StructureIndex s, const StructureDraw& look, const Surf
           {srgb_to_linear(look.color.r), srgb_to_linear(look.color.g), srgb_to_linear(look.color.b)},
           look.opacity.value_or(1.0f)};
 }
+
+/// How many fragments there are already. Bands may be done in any order: only the sum decides.
+struct Rasterizer::Count {
+  std::size_t most = 0;
+  std::atomic<std::size_t> total{0};
+  std::atomic<bool> too_many{false};
+
+  void add(std::size_t more) {
+    if (total += more; total > most) too_many = true;
+  }
+};
 
 Result<RasterCounters> Rasterizer::draw(const RasterScene& scene, const RasterOptions& options,
                                         FragmentList& out, ThreadPool& pool) {
@@ -23,25 +36,9 @@ Result<RasterCounters> Rasterizer::draw(const RasterScene& scene, const RasterOp
   out.first_of_row.assign(static_cast<std::size_t>(scene.size.height) + 1, 0);
   if (counters.triangles == 0) return counters;
 
+  Count count{options.max_fragments};
   bins_.fill(scene.surfaces, scene.projection, scene.size, pool);
-  bands_.resize(bins_.bands());
-  std::atomic<std::size_t> total{0};
-  std::atomic<bool> too_many{false};
-  pool.for_each(bands_.size(), [&](std::size_t n) {
-    const int first_row = static_cast<int>(n) * TriangleBins::kBandRows;
-    BandRasterizer& band = bands_[n];
-    band.begin(scene, bins_, first_row, std::min(first_row + TriangleBins::kBandRows, scene.size.height));
-    for (const bool opaque : {true, false}) {
-      bins_.for_each(n, opaque, [&](const TriangleRef& ref) {
-        if (band.crossings() > options.max_fragments) too_many = true;
-        if (!too_many.load(std::memory_order_relaxed)) band.draw(ref);
-      });
-    }
-    if (too_many) return;
-    band.finish(options.transmittance_floor);
-    if (total += band.crossings(); total > options.max_fragments) too_many = true;
-  });
-  if (too_many) {
+  if (!draw_centers(scene, options, count, pool) || !draw_edges(scene, options, count, pool)) {
     return fail(
         ErrorCode::kLimit,
         fmt::format(
@@ -53,40 +50,110 @@ Result<RasterCounters> Rasterizer::draw(const RasterScene& scene, const RasterOp
   return counters;
 }
 
+bool Rasterizer::draw_centers(const RasterScene& scene, const RasterOptions& options, Count& count,
+                              ThreadPool& pool) {
+  const auto width = static_cast<std::size_t>(scene.size.width);
+  const bool finds_edges = options.edge_samples > 1;
+  centers_.resize(bins_.bands());
+  seen_.resize(finds_edges ? width * static_cast<std::size_t>(scene.size.height) : 0);
+  pool.for_each(centers_.size(), [&](std::size_t n) {
+    const int first_row = static_cast<int>(n) * TriangleBins::kBandRows;
+    BandRasterizer& band = centers_[n];
+    band.begin(scene, bins_, first_row, std::min(first_row + TriangleBins::kBandRows, scene.size.height));
+    if (!draw_band(n, band, options, count) || !finds_edges) return;
+    SurfacesSeen* seen = &seen_[n * TriangleBins::kBandRows * width];
+    for (std::size_t slot = 0; slot < band.slots(); ++slot) seen[slot] = band.seen(slot);
+  });
+  return !count.too_many;
+}
+
+bool Rasterizer::draw_edges(const RasterScene& scene, const RasterOptions& options, Count& count,
+                            ThreadPool& pool) {
+  edges_.resize(options.edge_samples > 1 ? bins_.bands() : 0);
+  if (edges_.empty()) return true;
+  find_edge_pixels(seen_, scene.size, scene.pixel_voxels, is_edge_, pool);
+  bins_.refill(is_edge_, scene.size, pool);
+  const auto width = static_cast<std::size_t>(scene.size.width);
+  pool.for_each(edges_.size(), [&](std::size_t n) {
+    const int first_row = static_cast<int>(n) * TriangleBins::kBandRows;
+    const int last_row = std::min(first_row + TriangleBins::kBandRows, scene.size.height);
+    const auto wanted = std::span<const std::uint8_t>(is_edge_).subspan(
+        static_cast<std::size_t>(first_row) * width, static_cast<std::size_t>(last_row - first_row) * width);
+    BandRasterizer& band = edges_[n];
+    band.begin_edges(scene, bins_, first_row, last_row, wanted, sample_pattern(options.edge_samples));
+    count.add(band.slots());
+    draw_band(n, band, options, count);
+  });
+  return !count.too_many;
+}
+
+/// False when it was given up because there are too many fragments.
+bool Rasterizer::draw_band(std::size_t n, BandRasterizer& band, const RasterOptions& options,
+                           Count& count) const {
+  for (const bool opaque : {true, false}) {
+    bins_.for_each(n, opaque, [&](const TriangleRef& ref) {
+      if (band.crossings() > count.most) count.too_many = true;
+      if (!count.too_many.load(std::memory_order_relaxed)) band.draw(ref);
+    });
+  }
+  if (count.too_many) return false;
+  band.finish(options.transmittance_floor);
+  count.add(band.crossings());
+  return true;
+}
+
+template <typename Visit>
+void Rasterizer::for_each_sample(std::size_t n, const RasterScene& scene, const Visit& visit) const {
+  const std::size_t first_pixel = n * TriangleBins::kBandRows * static_cast<std::size_t>(scene.size.width);
+  std::size_t edge_slot = 0;
+  for (std::size_t slot = 0; slot < centers_[n].slots(); ++slot) {
+    const std::size_t pixel = first_pixel + slot;
+    if (edges_.empty() || is_edge_[pixel] == 0) {
+      if (centers_[n].fragments(slot) > 0) visit(pixel, slot, SubPixel{}, centers_[n]);
+      continue;
+    }
+    for (const SubPixel& place : edges_[n].pattern()) visit(pixel, edge_slot++, place, edges_[n]);
+  }
+}
+
 /// Every band's samples and fragments to their places in the picture's.
-void Rasterizer::merge_bands(const RasterScene& scene, FragmentList& out, ThreadPool& pool) {
+void Rasterizer::merge_bands(const RasterScene& scene, FragmentList& out, ThreadPool& pool) const {
   struct Begin {
     std::size_t sample = 0, fragment = 0;
   };
-  std::vector<Begin> begin(bands_.size() + 1);
-  pool.for_each(bands_.size(), [&](std::size_t n) {
-    const BandRasterizer& band = bands_[n];
-    for (std::size_t slot = 0; slot < band.slots(); ++slot) {
-      begin[n + 1].sample += band.fragments(slot) > 0 ? 1 : 0;
-      begin[n + 1].fragment += band.fragments(slot);
-    }
+  std::vector<Begin> begin(centers_.size() + 1);
+  pool.for_each(centers_.size(), [&](std::size_t n) {
+    for_each_sample(n, scene,
+                    [&](std::size_t, std::size_t slot, const SubPixel&, const BandRasterizer& band) {
+                      ++begin[n + 1].sample;
+                      begin[n + 1].fragment += band.fragments(slot);
+                    });
   });
-  for (std::size_t n = 0; n < bands_.size(); ++n) {
+  for (std::size_t n = 0; n < centers_.size(); ++n) {
     begin[n + 1].sample += begin[n].sample;
     begin[n + 1].fragment += begin[n].fragment;
   }
   out.samples.resize(begin.back().sample + 1);
-  out.samples.back() = {0, static_cast<std::uint32_t>(begin.back().fragment)};
+  out.samples.back() = {0, static_cast<std::uint32_t>(begin.back().fragment), {}};
   out.fragments.resize(begin.back().fragment);
 
   const auto width = static_cast<std::size_t>(scene.size.width);
-  pool.for_each(bands_.size(), [&](std::size_t n) {
-    const BandRasterizer& band = bands_[n];
+  pool.for_each(centers_.size(), [&](std::size_t n) {
     auto [sample, fragment] = begin[n];
-    const std::size_t first_pixel_of_band = n * TriangleBins::kBandRows * width;
-    for (std::size_t slot = 0; slot < band.slots(); ++slot) {
-      const std::size_t pixel = first_pixel_of_band + slot;
-      if (pixel % width == 0) out.first_of_row[pixel / width] = static_cast<std::uint32_t>(sample);
-      if (band.fragments(slot) == 0) continue;
-      out.samples[sample++] = {static_cast<std::uint32_t>(pixel), static_cast<std::uint32_t>(fragment)};
-      band.store(slot, out.fragments.data() + fragment);
-      fragment += band.fragments(slot);
-    }
+    std::size_t row = n * TriangleBins::kBandRows;  // up to which all samples are counted
+    for_each_sample(
+        n, scene,
+        [&](std::size_t pixel, std::size_t slot, const SubPixel& place, const BandRasterizer& band) {
+          for (; row <= pixel / width; ++row) {
+            out.first_of_row[row] = static_cast<std::uint32_t>(sample);
+          }
+          out.samples[sample++] = {static_cast<std::uint32_t>(pixel), static_cast<std::uint32_t>(fragment),
+                                   place};
+          band.store(slot, out.fragments.data() + fragment);
+          fragment += band.fragments(slot);
+        });
+    const std::size_t end = std::min((n + 1) * TriangleBins::kBandRows, out.first_of_row.size() - 1);
+    for (; row < end; ++row) out.first_of_row[row] = static_cast<std::uint32_t>(sample);
   });
   out.first_of_row.back() = static_cast<std::uint32_t>(begin.back().sample);
 }

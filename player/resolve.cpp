@@ -8,6 +8,8 @@ namespace splatlas {
 namespace {
 
 constexpr int kMaxSamplesPerSide = 16;
+/// The volume in front of fragments lies about in memory.
+constexpr std::size_t kFragmentsAhead = 12;
 
 /// Picture coordinates to sheet pixels.
 Affine2 picture_to_pixels(const Shear& shear, const SheetWindow& window) {
@@ -90,6 +92,7 @@ Light compose(const FragmentsInVolume& fragments, std::size_t sample, const Ligh
   for (std::uint32_t n = list.samples[sample].first_fragment; n < list.samples[sample + 1].first_fragment;
        ++n) {
     const Fragment& fragment = list.fragments[n];
+    if (n + kFragmentsAhead < list.fragments.size()) fragments.order.prefetch(n + kFragmentsAhead);
     const Light volume = fragments.order.in_front_of(n, fragment.depth);
     const float volume_through = 1 - volume.rgba[3];
     for (std::size_t c = 0; c < 4; ++c) {
@@ -99,6 +102,27 @@ Light compose(const FragmentsInVolume& fragments, std::size_t sample, const Ligh
     through *= 1 - fragment.rgba[3];
   }
   for (std::size_t c = 0; c < 4; ++c) sum.rgba[c] += through * (whole.rgba[c] - before.rgba[c]);
+  return sum;
+}
+
+struct Pixel {
+  int column = 0, row = 0;
+};
+
+/// A pixel with samples [first, last).
+Light mean_of(const FragmentsInVolume& fragments, std::uint32_t first, std::uint32_t last,
+              const SheetImage& sheet, const Affine2& map, const Pixel& pixel) {
+  Light sum;
+  for (std::uint32_t n = first; n < last; ++n) {
+    // Fragments know the volume where they are: no mean over the pixel.
+    const SubPixel& place = fragments.list.samples[n].place;
+    const double x = pixel.column + place.right();
+    const double y = pixel.row + place.down();
+    const Light whole = sample(sheet, map.xx * x + map.xy * y + map.x0, map.yx * x + map.yy * y + map.y0);
+    sum += compose(fragments, n, whole);
+  }
+  const float share = 1.0f / static_cast<float>(last - first);
+  for (float& c : sum.rgba) c *= share;
   return sum;
 }
 
@@ -187,19 +211,19 @@ void resolve(const SheetImage& sheet, const Shear& shear, const FragmentsInVolum
     clear(warp.last(), size.width);
     const FragmentList& list = fragments.list;
     int done = warp.first();
-    for (std::uint32_t n = list.first_of_row[row]; n < list.first_of_row[row + 1]; ++n) {
+    const std::uint32_t end = list.first_of_row[row + 1];
+    for (std::uint32_t first = list.first_of_row[row]; first < end;) {
+      std::uint32_t last = first + 1;
+      while (last < end && list.samples[last].pixel == list.samples[first].pixel) ++last;
       const auto column =
-          static_cast<int>(list.samples[n].pixel - row * static_cast<std::size_t>(size.width));
-      Light whole;
+          static_cast<int>(list.samples[first].pixel - row * static_cast<std::size_t>(size.width));
       if (column >= warp.first() && column < warp.last()) {
         warp.warp(done, column, out);
         done = column + 1;
-        // Fragments know the volume at the pixel's centre only.
-        const double x = column + 0.5;
-        whole = sample(sheet, map.xx * x + map.xy * y + map.x0, map.yx * x + map.yy * y + map.y0);
       }
-      const Light light = compose(fragments, n, whole);
+      const Light light = mean_of(fragments, first, last, sheet, map, {column, static_cast<int>(row)});
       std::copy(light.rgba.begin(), light.rgba.end(), out + std::ptrdiff_t{4} * column);
+      first = last;
     }
     warp.warp(done, warp.last(), out);
   });

@@ -7,12 +7,17 @@
 
 namespace splatlas {
 
-/// From the centre of a pixel, in 1/256 pixel: vertices snap to the same grid, so that every sample is as
-/// watertight as the centres are.
-struct SubPixel {
-  std::int32_t x = 0, y = 0;
-};
 inline constexpr int kSubPixelBits = 8;
+
+/// A point of a pixel, from its centre, in 1/256 pixel: vertices snap to the same grid, so that every sample
+/// is as watertight as the centres are.
+struct SubPixel {
+  std::int16_t x = 0, y = 0;
+
+  /// From the pixel's left and upper border, in pixels.
+  [[nodiscard]] double right() const { return 0.5 + x / 256.0; }
+  [[nodiscard]] double down() const { return 0.5 + y / 256.0; }
+};
 
 /// The centre alone.
 inline constexpr std::array<SubPixel, 1> kCentre{{{0, 0}}};

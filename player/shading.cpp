@@ -8,14 +8,6 @@
 namespace splatlas {
 namespace {
 
-constexpr float kAmbient = 0.15f;
-constexpr float kHighlight = 0.10f;
-constexpr int kHighlightSquarings = 5;  // (n . h)^32
-
-float dot(const std::array<float, 3>& a, const std::array<float, 3>& b) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 std::array<float, 3> normalised(const Vec3& v) {
   const double length = std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
   return {static_cast<float>(v[0] / length), static_cast<float>(v[1] / length),
@@ -48,16 +40,6 @@ float Lighting::one_sided(const std::array<float, 3>& normal_lps) const {
 float Lighting::diffuse(const std::array<float, 3>& normal_lps) const {
   if (!(dot(normal_lps, to_viewer_) < 0)) return one_sided(normal_lps);
   return one_sided({-normal_lps[0], -normal_lps[1], -normal_lps[2]});
-}
-
-SurfaceLight Lighting::on_surface(const std::array<float, 3>& normal_lps) const {
-  const float length_squared = dot(normal_lps, normal_lps);
-  if (!(length_squared > 0)) return {one_sided(normal_lps), 0};
-  const float per_length = 1 / std::sqrt(length_squared);
-  const float facing = std::max(0.0f, dot(normal_lps, to_lamp_) * per_length);
-  float highlight = std::max(0.0f, dot(normal_lps, half_) * per_length);
-  for (int n = 0; n < kHighlightSquarings; ++n) highlight *= highlight;
-  return {kAmbient + (1.0f - kAmbient) * std::min(facing, 1.0f), kHighlight * highlight};
 }
 
 std::vector<float> Lighting::table() const {

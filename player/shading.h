@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <vector>
 
 #include "player/camera.h"
@@ -27,11 +28,26 @@ class Lighting {
   [[nodiscard]] float diffuse(const std::array<float, 3>& normal_lps) const;
   /// For surfaces. `normal_lps` is that of the side which is seen; where interpolation has turned it a little
   /// away from the viewer, it stays so.
-  [[nodiscard]] SurfaceLight on_surface(const std::array<float, 3>& normal_lps) const;
+  [[nodiscard]] SurfaceLight on_surface(const std::array<float, 3>& normal_lps) const {
+    const float length_squared = dot(normal_lps, normal_lps);
+    if (!(length_squared > 0)) return {one_sided(normal_lps), 0};
+    const float per_length = 1 / std::sqrt(length_squared);
+    const float facing = std::max(0.0f, dot(normal_lps, to_lamp_) * per_length);
+    float highlight = std::max(0.0f, dot(normal_lps, half_) * per_length);
+    for (int n = 0; n < kHighlightSquarings; ++n) highlight *= highlight;
+    return {kAmbient + (1.0f - kAmbient) * std::min(facing, 1.0f), kHighlight * highlight};
+  }
   /// diffuse() of every packed normal, for hybrid shading: 65536 entries.
   [[nodiscard]] std::vector<float> table() const;
 
  private:
+  static constexpr float kAmbient = 0.15f;
+  static constexpr float kHighlight = 0.10f;
+  static constexpr int kHighlightSquarings = 5;  // (n . h)^32
+
+  static float dot(const std::array<float, 3>& a, const std::array<float, 3>& b) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+  }
   [[nodiscard]] float one_sided(const std::array<float, 3>& normal_lps) const;
 
   std::array<float, 3> to_viewer_{}, to_lamp_{}, half_{};

@@ -11,6 +11,8 @@ constexpr double kSubPixels = 1 << kSubPixelBits;
 /// Pixels beside the picture: numbers then fit 29 bits, and edge functions 64.
 constexpr double kGuardBand = double{1 << 20};
 constexpr std::size_t kTrianglesPerChunk = 4096;
+/// In boxes of more it is not worth while to look for one that is wanted.
+constexpr std::int64_t kFewPixels = 64;
 constexpr std::size_t kVerticesPerChunk = 16384;
 
 /// To the nearest multiple of 1/256 (halfway: the even one), |value| < kGuardBand.
@@ -49,8 +51,25 @@ void TriangleBins::fill(std::span<const SurfaceDraw> surfaces, const Projection&
     ScreenVertex* out = vertices_.data() + first_vertex_[chunk.surface];
     for (std::size_t v = chunk.first; v < chunk.last; ++v) out[v] = screen_vertex(projection, positions[v]);
   });
+  pool.for_each(chunks_.size(), [&](std::size_t n) {
+    fill_chunk(chunks_[n], size, 0, [](const PixelBox&) { return true; });
+  });
+}
+
+void TriangleBins::refill(std::span<const std::uint8_t> wanted, const PictureSize& size, ThreadPool& pool) {
+  const auto any_in = [&](const PixelBox& box) {
+    if (std::int64_t{box.x_last - box.x_first} * (box.y_last - box.y_first) > kFewPixels) return true;
+    for (std::int32_t y = box.y_first; y <= box.y_last; ++y) {
+      const std::uint8_t* row = wanted.data() + std::ptrdiff_t{y} * size.width;
+      if (std::find_if(row + box.x_first, row + box.x_last + 1, [](std::uint8_t w) { return w != 0; }) !=
+          row + box.x_last + 1) {
+        return true;
+      }
+    }
+    return false;
+  };
   pool.for_each(chunks_.size(),
-                [&](std::size_t n) { fill_chunk(chunks_[n], *surfaces[chunks_[n].surface].mesh, size); });
+                [&](std::size_t n) { fill_chunk(chunks_[n], size, 1 << (kSubPixelBits - 1), any_in); });
 }
 
 /// Chunks do not depend on the number of threads.
@@ -66,6 +85,7 @@ void TriangleBins::list_chunks(std::span<const SurfaceDraw> surfaces) {
       if (chunks == chunks_.size()) chunks_.emplace_back();
       Chunk& chunk = chunks_[chunks++];
       chunk.surface = s;
+      chunk.mesh = surfaces[s].mesh;
       chunk.first = static_cast<std::uint32_t>(first);
       chunk.last = static_cast<std::uint32_t>(std::min(first + kTrianglesPerChunk, triangles));
       chunk.opaque = surfaces[s].opacity >= 1;
@@ -75,23 +95,25 @@ void TriangleBins::list_chunks(std::span<const SurfaceDraw> surfaces) {
   vertices_.resize(vertices);
 }
 
-void TriangleBins::fill_chunk(Chunk& chunk, const SurfaceMesh& mesh, const PictureSize& size) const {
+template <typename IsWanted>
+void TriangleBins::fill_chunk(Chunk& chunk, const PictureSize& size, std::int32_t reach,
+                              const IsWanted& is_wanted) const {
   chunk.of_band.resize(bands_);
   for (std::vector<std::uint32_t>& band : chunk.of_band) band.clear();
   const std::span<const ScreenVertex> vertices = this->vertices(chunk.surface);
   for (std::uint32_t t = chunk.first; t < chunk.last; ++t) {
-    const auto& corner = mesh.triangles[t];
+    const auto& corner = chunk.mesh->triangles[t];
     const ScreenVertex a = vertices[corner[0]];
     const ScreenVertex b = vertices[corner[1]];
     const ScreenVertex c = vertices[corner[2]];
     if (!a.is_on() || !b.is_on() || !c.is_on()) continue;
-    const auto [x_low, x_high] = std::minmax({a.x, b.x, c.x});
-    const auto [y_low, y_high] = std::minmax({a.y, b.y, c.y});
-    const std::int32_t y_first = std::max(0, first_pixel(y_low));
-    const std::int32_t y_last = std::min(size.height - 1, last_pixel(y_high));
-    if (std::max(0, first_pixel(x_low)) > std::min(size.width - 1, last_pixel(x_high))) continue;
-    if (y_first > y_last) continue;
-    for (std::int32_t band = y_first / kBandRows; band <= y_last / kBandRows; ++band) {
+    PixelBox box = pixels_of(a, b, c, reach);
+    box.x_first = std::max(box.x_first, 0);
+    box.x_last = std::min(box.x_last, size.width - 1);
+    box.y_first = std::max(box.y_first, 0);
+    box.y_last = std::min(box.y_last, size.height - 1);
+    if (box.x_first > box.x_last || box.y_first > box.y_last || !is_wanted(box)) continue;
+    for (std::int32_t band = box.y_first / kBandRows; band <= box.y_last / kBandRows; ++band) {
       chunk.of_band[static_cast<std::size_t>(band)].push_back(t);
     }
   }

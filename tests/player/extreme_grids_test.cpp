@@ -64,7 +64,7 @@ TEST(ExtremeGrids, AnisotropicVoxelsEqualTheModel) {
     const Selection selection = selection_of("ball:both(opacity=0.5) + half(opacity=0.2)", content.graph);
     for (Camera camera : cameras()) {
       camera.zoom = 12;
-      const RenderOptions options{.size = {11, 11}};
+      const RenderOptions options{.size = {11, 11}, .antialiasing = false};
       const Picture picture = render_or_throw(content, selection, camera, options);
       const auto d =
           reference::difference(picture, reference::render_model({content, selection, camera, options}));
@@ -81,7 +81,7 @@ TEST(ExtremeGrids, OneVoxelThickAtlasesEqualTheModel) {
     const AtlasContent content = make_content(volume_in({size, {1, 1, 1}, {0, 0, 0}, kStraight}));
     const Selection selection = selection_of("ball:both(opacity=0.7)", content.graph);
     for (const Camera& camera : cameras()) {
-      const RenderOptions options{.size = {30, 30}};
+      const RenderOptions options{.size = {30, 30}, .antialiasing = false};
       const Picture picture = render_or_throw(content, selection, camera, options);
       const auto d =
           reference::difference(picture, reference::render_model({content, selection, camera, options}));

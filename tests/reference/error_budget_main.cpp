@@ -50,6 +50,7 @@ void measure(const StandardScene& scene) {
     frame.camera.azimuth_deg = azimuth;
     frame.camera.elevation_deg = elevation;
     frame.options.size = kSize;
+    frame.options.antialiasing = false;  // rays are compared, not pixels
     const ReferencePicture truth = render_truth(frame);
     const ReferencePicture unlimited = render_slabs(frame);
     slabs.add(difference(unlimited, truth));

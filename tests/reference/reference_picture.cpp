@@ -62,48 +62,96 @@ RayLight compose(const std::vector<Crossing>& crossings, const std::vector<RayLi
   return sum;
 }
 
-ReferencePicture render_discrete(const ReferenceScene& scene, bool unlimited) {
-  const Setup setup(scene);
-  const int pixels_per_voxel = unlimited ? 0
-                                         : sheet_pixels_per_voxel(scene.options.quality, setup.view,
-                                                                  setup.field.grid, setup.principal);
-  const DiscreteModel model(setup.field, setup.view, setup.principal, pixels_per_voxel);
-  const SurfacesInView surfaces(scene.content, scene.selection, setup.view, setup.principal,
-                                Coverage::kSnapped);
-  return render(scene.options.size, [&](int column, int row) {
-    const std::vector<Crossing> crossings = surfaces.crossings(column, row);
-    if (crossings.empty() && !unlimited) return model.pixel_mean(column, row);
+/// What the renderer computes of a scene's points.
+class DiscreteScene {
+ public:
+  DiscreteScene(const ReferenceScene& scene, bool unlimited)
+      : setup_(scene),
+        unlimited_(unlimited),
+        model_(setup_.field, setup_.view, setup_.principal,
+               unlimited ? 0
+                         : sheet_pixels_per_voxel(scene.options.quality, setup_.view, setup_.field.grid,
+                                                  setup_.principal)),
+        surfaces_(scene.content, scene.selection, setup_.view, setup_.principal, Coverage::kSnapped) {}
+
+  [[nodiscard]] RayLight at(double x, double y) const { return compose_at(surfaces_.crossings(x, y), x, y); }
+  /// The mean over the pixel where there is no surface and the sheet is finer than the picture.
+  [[nodiscard]] RayLight pixel(int column, int row) const {
+    const std::vector<Crossing> crossings = surfaces_.crossings(column + 0.5, row + 0.5);
+    if (crossings.empty() && !unlimited_) return model_.pixel_mean(column, row);
+    return compose_at(crossings, column + 0.5, row + 0.5);
+  }
+
+ private:
+  [[nodiscard]] RayLight compose_at(const std::vector<Crossing>& crossings, double x, double y) const {
     std::vector<double> depths;
     for (const Crossing& crossing : crossings) depths.push_back(crossing.depth);
-    return compose(crossings, model.at(column + 0.5, row + 0.5, depths));
-  });
+    return compose(crossings, model_.at(x, y, depths));
+  }
+
+  Setup setup_;
+  bool unlimited_;
+  DiscreteModel model_;
+  SurfacesInView surfaces_;
+};
+
+RayLight truth_at(const Setup& setup, const SurfacesInView& surfaces, double x, double y) {
+  const Ray ray = ray_through(setup.view, setup.field.grid, x, y);
+  RayLight sum;
+  double from_mm = -kInfinity;
+  for (const Crossing& crossing : surfaces.crossings(x, y)) {
+    sum.add(integrate_ray(setup.field, ray, from_mm, crossing.s_mm));
+    sum.add_surface(crossing.rgba);
+    from_mm = crossing.s_mm;
+  }
+  sum.add(integrate_ray(setup.field, ray, from_mm, kInfinity));
+  return sum;
+}
+
+void add_share(double share, const RayLight& light, RayLight& sum) {
+  for (std::size_t c = 0; c < 3; ++c) sum.color[c] += share * light.color[c];
+  sum.transmittance += share * light.transmittance;
 }
 
 }  // namespace
 
 ReferencePicture render_truth(const ReferenceScene& scene) {
+  return render_mean_truth(scene, 1);
+}
+
+ReferencePicture render_mean_truth(const ReferenceScene& scene, int n) {
   const Setup setup(scene);
   const SurfacesInView surfaces(scene.content, scene.selection, setup.view, setup.principal,
                                 Coverage::kExact);
   return render(scene.options.size, [&](int column, int row) {
-    const Ray ray = ray_through(setup.view, setup.field.grid, column + 0.5, row + 0.5);
-    RayLight sum;
-    double from_mm = -kInfinity;
-    for (const Crossing& crossing : surfaces.crossings(column, row)) {
-      sum.add(integrate_ray(setup.field, ray, from_mm, crossing.s_mm));
-      sum.add_surface(crossing.rgba);
-      from_mm = crossing.s_mm;
+    RayLight mean{{0, 0, 0}, 0};
+    for (int place = 0; place < n * n; ++place) {
+      const double x = column + (place % n + 0.5) / n;
+      const double y = row + (place / n + 0.5) / n;
+      add_share(1.0 / (n * n), truth_at(setup, surfaces, x, y), mean);
     }
-    sum.add(integrate_ray(setup.field, ray, from_mm, kInfinity));
-    return sum;
+    return mean;
   });
 }
 
 ReferencePicture render_model(const ReferenceScene& scene) {
-  return render_discrete(scene, false);
+  const DiscreteScene discrete(scene, false);
+  return render(scene.options.size, [&](int column, int row) { return discrete.pixel(column, row); });
+}
+ReferencePicture render_model(const ReferenceScene& scene, std::span<const SubPixel> places) {
+  const DiscreteScene discrete(scene, false);
+  return render(scene.options.size, [&](int column, int row) {
+    RayLight mean{{0, 0, 0}, 0};
+    for (const SubPixel& place : places) {
+      const RayLight light = discrete.at(column + place.right(), row + place.down());
+      add_share(1.0 / static_cast<double>(places.size()), light, mean);
+    }
+    return mean;
+  });
 }
 ReferencePicture render_slabs(const ReferenceScene& scene) {
-  return render_discrete(scene, true);
+  const DiscreteScene discrete(scene, true);
+  return render(scene.options.size, [&](int column, int row) { return discrete.pixel(column, row); });
 }
 
 }  // namespace splatlas::reference

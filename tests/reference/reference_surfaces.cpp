@@ -161,10 +161,10 @@ void SurfacesInView::cross(const Surface& surface, std::uint32_t triangle, doubl
   out.push_back(crossing);
 }
 
-std::vector<Crossing> SurfacesInView::crossings(int column, int row) const {
+std::vector<Crossing> SurfacesInView::crossings(double x, double y) const {
   std::vector<Crossing> all;
-  for (const TriangleRef& ref : rows_[static_cast<std::size_t>(row)]) {
-    cross(surfaces_[ref.surface], ref.triangle, column + 0.5, row + 0.5, all);
+  for (const TriangleRef& ref : rows_[static_cast<std::size_t>(y)]) {
+    cross(surfaces_[ref.surface], ref.triangle, x, y, all);
   }
   const auto order = [](const Crossing& c) {
     const double step = std::floor(c.depth * kDepthSteps + kDepthOffset);

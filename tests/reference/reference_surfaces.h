@@ -36,10 +36,10 @@ class SurfacesInView {
   SurfacesInView(const AtlasContent& content, const Selection& selection, const ParallelView& view,
                  Axis principal, Coverage coverage);
 
-  /// Every crossing of the ray through the centre of pixel (column, row), front to back, up to the first
-  /// opaque one. A centre on an edge counts as slightly right of and below it. Where surfaces coincide, those
-  /// that the ray leaves come first. Cost: all triangles of the picture's row.
-  [[nodiscard]] std::vector<Crossing> crossings(int column, int row) const;
+  /// Every crossing of the ray through picture coordinates (x, y), within the picture, front to back, up to
+  /// the first opaque one. A point on an edge counts as slightly right of and below it. Where surfaces
+  /// coincide, those that the ray leaves come first. Cost: all triangles of the picture's row.
+  [[nodiscard]] std::vector<Crossing> crossings(double x, double y) const;
 
  private:
   struct Seen {

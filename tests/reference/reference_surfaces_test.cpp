@@ -68,7 +68,7 @@ TEST(ReferenceSurfaces, EqualMoellerAndTrumbore) {
     const SurfacesInView surfaces(scene.content, scene.selection, view, shear.principal, Coverage::kExact);
     for (int row = 0; row < 19; ++row) {
       for (int column = 0; column < 23; ++column) {
-        const auto crossings = surfaces.crossings(column, row);
+        const auto crossings = surfaces.crossings(column + 0.5, row + 0.5);
         const Ray ray = ray_through(view, scene.content.source_grid, column + 0.5, row + 0.5);
         const auto expected = crossings_of_ray(scene.content.surfaces[0], ray);
         ASSERT_EQ(crossings.size(), expected.size()) << "direction " << direction;
@@ -90,7 +90,7 @@ TEST(ReferenceSurfaces, EndAtTheFirstOpaqueOne) {
   scene.selection.structures[0].opacity = 1.0f;
   const ParallelView view = *parallel_view({}, {9, 9}, scene.content.display);
   const SurfacesInView surfaces(scene.content, scene.selection, view, Axis::kY, Coverage::kSnapped);
-  const auto crossings = surfaces.crossings(4, 4);
+  const auto crossings = surfaces.crossings(4.5, 4.5);
   ASSERT_EQ(crossings.size(), 1u);
   EXPECT_TRUE(crossings[0].entering);
   EXPECT_NEAR(crossings[0].depth, 0.5, 0.51);  // the near side: the ball begins at voxel 1
