@@ -12,6 +12,8 @@ std::span<const Bench> benches() {
             run_head_bench},
 #ifdef SPLATLAS_HAS_PEERS
       Bench{"error", "run time against error, ours at every quality beside VolPack and VTK", run_error_bench},
+      Bench{"hybrid", "surfaces mixed with volume, beside VTK's depth peeling and FixedPoint with surfaces",
+            run_hybrid_bench},
 #endif
   };
   return kBenches;
