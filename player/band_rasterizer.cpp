@@ -128,15 +128,21 @@ class BandRasterizer::EdgeWalk {
 /// that coplanar triangles agree wherever they cover the same sample, however each surface is cut.
 class BandRasterizer::Attributes {
  public:
-  Attributes(const RasterScene& scene, const TriangleRef& ref) : parallel_(scene.projection.is_parallel()) {
+  Attributes(const RasterScene& scene, const TriangleRef& ref)
+      : parallel_(scene.projection.is_parallel()), part_(ref.part) {
     const SurfaceMesh& mesh = *scene.surfaces[ref.surface].mesh;
     const auto& corners = mesh.triangles[ref.triangle];
     std::array<ScreenPoint, 3> p;
     std::array<double, 3> depth{};
     for (std::size_t n = 0; n < 3; ++n) {
       const std::array<float, 3>& position = mesh.positions_ijk[corners[n]];
-      p[n] = scene.projection.on_screen(position);
+      if (part_ == nullptr) p[n] = scene.projection.on_screen(position);
       depth[n] = scene.depth_sign * static_cast<double>(position[scene.depth_axis]);
+    }
+    if (part_ != nullptr) {
+      p = part_->corner;
+      const std::array<double, 3> of_triangle = depth;
+      for (std::size_t n = 0; n < 3; ++n) depth[n] = mixed(part_->weights[n], of_triangle);
     }
     std::tie(nearest_, furthest_) = std::minmax({depth[0], depth[1], depth[2]});
     x0_ = p[0].x;
@@ -171,15 +177,22 @@ class BandRasterizer::Attributes {
     const double depth = at(depth_, x, y) / (parallel_ ? 1 : at(inverse_w_, x, y));
     return std::clamp(depth, nearest_, furthest_);
   }
-  /// Weights over the screen to weights over the triangle.
+  /// Weights of the corners on the screen to weights of the mesh's corners.
   void correct(std::array<float, 3>& weight) const {
-    if (parallel_) return;
-    float sum = 0;
-    for (std::size_t n = 0; n < 3; ++n) {
-      weight[n] *= static_cast<float>(per_w_[n]);
-      sum += weight[n];
+    if (!parallel_) {
+      float sum = 0;
+      for (std::size_t n = 0; n < 3; ++n) {
+        weight[n] *= static_cast<float>(per_w_[n]);
+        sum += weight[n];
+      }
+      for (float& w : weight) w /= sum;
     }
-    for (float& w : weight) w /= sum;
+    if (part_ == nullptr) return;
+    const std::array<double, 3> of_part{weight[0], weight[1], weight[2]};
+    for (std::size_t n = 0; n < 3; ++n) {
+      weight[n] = static_cast<float>(
+          mixed(of_part, {part_->weights[0][n], part_->weights[1][n], part_->weights[2][n]}));
+    }
   }
 
  private:
@@ -187,7 +200,12 @@ class BandRasterizer::Attributes {
     return plane.at_origin + plane.per_x * (x - x0_) + plane.per_y * (y - y0_);
   }
 
+  static double mixed(const std::array<double, 3>& weights, const std::array<double, 3>& values) {
+    return weights[0] * values[0] + weights[1] * values[1] + weights[2] * values[2];
+  }
+
   bool parallel_;
+  const ClippedTriangle* part_;
   bool front_ = true;
   double x0_ = 0, y0_ = 0, nearest_ = 0, furthest_ = 0;
   std::array<double, 3> per_w_{1, 1, 1};
@@ -232,7 +250,10 @@ void BandRasterizer::clear(std::size_t slots) {
 void BandRasterizer::draw(const TriangleRef& ref) {
   const auto& corners = scene_->surfaces[ref.surface].mesh->triangles[ref.triangle];
   const std::span<const ScreenVertex> vertices = bins_->vertices(ref.surface);
-  Triangle t(ref, {vertices[corners[0]], vertices[corners[1]], vertices[corners[2]]});
+  Triangle t(ref, ref.part == nullptr
+                      ? std::array{vertices[corners[0]], vertices[corners[1]], vertices[corners[2]]}
+                      : std::array{snapped(ref.part->corner[0]), snapped(ref.part->corner[1]),
+                                   snapped(ref.part->corner[2])});
   if (t.area == 0) return;
   if (!nearest_.empty()) {
     const auto& positions = scene_->surfaces[ref.surface].mesh->positions_ijk;
@@ -303,7 +324,7 @@ bool BandRasterizer::in_front(const Crossing& a, const Crossing& b) const {
 }
 
 void BandRasterizer::add(const Triangle& triangle, const Attributes& attributes, std::uint32_t slot,
-                         const std::array<float, 3>& weight, double depth) {
+                         std::array<float, 3> weight, double depth) {
   const SurfaceDraw& surface = scene_->surfaces[triangle.ref.surface];
   Crossing crossing;
   const double step = std::floor(depth * kDepthSteps + kDepthOffset) + kDepthBias;
@@ -316,14 +337,14 @@ void BandRasterizer::add(const Triangle& triangle, const Attributes& attributes,
     Crossing& nearest = nearest_[slot];
     if (nearest.surface != kNone && !in_front(crossing, nearest)) return;
     if (surface.opacity >= 1) {
+      attributes.correct(weight);
       crossing.light = {weight[1], weight[2]};
       nearest = crossing;
       return;
     }
   }
-  std::array<float, 3> corrected = weight;
-  attributes.correct(corrected);
-  const SurfaceLight light = lit(*surface.mesh, triangle.ref.triangle, attributes.front(), corrected);
+  attributes.correct(weight);
+  const SurfaceLight light = lit(*surface.mesh, triangle.ref.triangle, attributes.front(), weight);
   crossing.light = {light.diffuse, light.highlight};
   crossings_.push_back(crossing);
 }

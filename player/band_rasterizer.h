@@ -81,7 +81,7 @@ class BandRasterizer {
   [[nodiscard]] PixelBox clipped(PixelBox box) const;
   [[nodiscard]] bool in_front(const Crossing& a, const Crossing& b) const;
   void add(const Triangle& triangle, const Attributes& attributes, std::uint32_t slot,
-           const std::array<float, 3>& weight, double depth);
+           std::array<float, 3> weight, double depth);
   [[nodiscard]] SurfaceLight lit(const SurfaceMesh& mesh, std::uint32_t triangle, bool front,
                                  const std::array<float, 3>& weight) const;
   void take_opaque();

@@ -8,8 +8,6 @@ namespace splatlas {
 namespace {
 
 constexpr double kSubPixels = 1 << kSubPixelBits;
-/// Pixels beside the picture: numbers then fit 29 bits, and edge functions 64.
-constexpr double kGuardBand = double{1 << 20};
 constexpr std::size_t kTrianglesPerChunk = 4096;
 /// In boxes of more it is not worth while to look for one that is wanted.
 constexpr std::int64_t kFewPixels = 64;
@@ -21,14 +19,12 @@ std::int32_t snapped(double value) {
   return static_cast<std::int32_t>(std::bit_cast<std::int64_t>(value * kSubPixels + kRounder));
 }
 
-ScreenVertex screen_vertex(const Projection& projection, const std::array<float, 3>& position) {
-  constexpr double kNearest = 1e-4;  // of the distance between eye and centre
-  const ScreenPoint point = projection.on_screen(position);
-  const bool on = point.w >= kNearest && std::abs(point.x) < kGuardBand && std::abs(point.y) < kGuardBand;
+}  // namespace
+
+ScreenVertex snapped(const ScreenPoint& point) {
+  const bool on = point.w >= kNearPlane && std::abs(point.x) < kGuardBand && std::abs(point.y) < kGuardBand;
   return on ? ScreenVertex{snapped(point.x), snapped(point.y)} : ScreenVertex{};
 }
-
-}  // namespace
 
 void TriangleBins::fill(std::span<const SurfaceDraw> surfaces, const Projection& projection,
                         const PictureSize& size, ThreadPool& pool) {
@@ -49,9 +45,12 @@ void TriangleBins::fill(std::span<const SurfaceDraw> surfaces, const Projection&
     const VertexChunk& chunk = vertex_chunks[n];
     const auto& positions = surfaces[chunk.surface].mesh->positions_ijk;
     ScreenVertex* out = vertices_.data() + first_vertex_[chunk.surface];
-    for (std::size_t v = chunk.first; v < chunk.last; ++v) out[v] = screen_vertex(projection, positions[v]);
+    for (std::size_t v = chunk.first; v < chunk.last; ++v) {
+      out[v] = snapped(projection.on_screen(positions[v]));
+    }
   });
   pool.for_each(chunks_.size(), [&](std::size_t n) {
+    clip_chunk(chunks_[n], projection);
     fill_chunk(chunks_[n], size, 0, [](const PixelBox&) { return true; });
   });
 }
@@ -95,11 +94,34 @@ void TriangleBins::list_chunks(std::span<const SurfaceDraw> surfaces) {
   vertices_.resize(vertices);
 }
 
+void TriangleBins::clip_chunk(Chunk& chunk, const Projection& projection) const {
+  const std::span<const ScreenVertex> vertices = this->vertices(chunk.surface);
+  chunk.parts.clear();
+  for (std::uint32_t t = chunk.first; t < chunk.last; ++t) {
+    const auto& [a, b, c] = chunk.mesh->triangles[t];
+    if (vertices[a].is_on() && vertices[b].is_on() && vertices[c].is_on()) continue;
+    clip_triangle(*chunk.mesh, t, projection, chunk.parts);
+  }
+}
+
 template <typename IsWanted>
 void TriangleBins::fill_chunk(Chunk& chunk, const PictureSize& size, std::int32_t reach,
                               const IsWanted& is_wanted) const {
-  chunk.of_band.resize(bands_);
-  for (std::vector<std::uint32_t>& band : chunk.of_band) band.clear();
+  using Bins = std::vector<std::vector<std::uint32_t>>;
+  for (Bins* bins : {&chunk.of_band, &chunk.parts_of_band}) {
+    bins->resize(bands_);
+    for (std::vector<std::uint32_t>& band : *bins) band.clear();
+  }
+  const auto sort_in = [&](PixelBox box, std::uint32_t number, Bins& bins) {
+    box.x_first = std::max(box.x_first, 0);
+    box.x_last = std::min(box.x_last, size.width - 1);
+    box.y_first = std::max(box.y_first, 0);
+    box.y_last = std::min(box.y_last, size.height - 1);
+    if (box.x_first > box.x_last || box.y_first > box.y_last || !is_wanted(box)) return;
+    for (std::int32_t band = box.y_first / kBandRows; band <= box.y_last / kBandRows; ++band) {
+      bins[static_cast<std::size_t>(band)].push_back(number);
+    }
+  };
   const std::span<const ScreenVertex> vertices = this->vertices(chunk.surface);
   for (std::uint32_t t = chunk.first; t < chunk.last; ++t) {
     const auto& corner = chunk.mesh->triangles[t];
@@ -107,15 +129,11 @@ void TriangleBins::fill_chunk(Chunk& chunk, const PictureSize& size, std::int32_
     const ScreenVertex b = vertices[corner[1]];
     const ScreenVertex c = vertices[corner[2]];
     if (!a.is_on() || !b.is_on() || !c.is_on()) continue;
-    PixelBox box = pixels_of(a, b, c, reach);
-    box.x_first = std::max(box.x_first, 0);
-    box.x_last = std::min(box.x_last, size.width - 1);
-    box.y_first = std::max(box.y_first, 0);
-    box.y_last = std::min(box.y_last, size.height - 1);
-    if (box.x_first > box.x_last || box.y_first > box.y_last || !is_wanted(box)) continue;
-    for (std::int32_t band = box.y_first / kBandRows; band <= box.y_last / kBandRows; ++band) {
-      chunk.of_band[static_cast<std::size_t>(band)].push_back(t);
-    }
+    sort_in(pixels_of(a, b, c, reach), t, chunk.of_band);
+  }
+  for (std::uint32_t n = 0; n < chunk.parts.size(); ++n) {
+    const auto& [a, b, c] = chunk.parts[n].corner;
+    sort_in(pixels_of(snapped(a), snapped(b), snapped(c), reach), n, chunk.parts_of_band);
   }
 }
 

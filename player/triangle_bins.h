@@ -10,6 +10,7 @@
 
 #include "format/structure_graph.h"
 #include "format/surface.h"
+#include "player/clip_triangle.h"
 #include "player/projection.h"
 #include "player/sample_pattern.h"
 #include "player/thread_pool.h"
@@ -30,9 +31,10 @@ struct ScreenVertex {
   static constexpr std::int32_t kOff = std::numeric_limits<std::int32_t>::min();
   std::int32_t x = kOff, y = kOff;
 
-  /// False for vertices behind the eye or too far beside the picture.
+  /// False for vertices before the near plane or beyond the guard band (player/clip_triangle.h).
   [[nodiscard]] bool is_on() const { return x != kOff; }
 };
+[[nodiscard]] ScreenVertex snapped(const ScreenPoint& point);
 
 /// Pixels [first, last] of either direction.
 struct PixelBox {
@@ -53,6 +55,7 @@ struct PixelBox {
 
 struct TriangleRef {
   std::uint32_t surface = 0, triangle = 0;
+  const ClippedTriangle* part = nullptr;  ///< of the triangle, where it had to be clipped
 };
 
 /// The triangles of a picture by bands of its rows. Keeps its memory from frame to frame.
@@ -85,6 +88,9 @@ class TriangleBins {
         }
         visit(TriangleRef{chunk.surface, triangles[n]});
       }
+      for (const std::uint32_t n : chunk.parts_of_band[band]) {
+        visit(TriangleRef{chunk.surface, chunk.parts[n].triangle, &chunk.parts[n]});
+      }
     }
   }
 
@@ -96,6 +102,8 @@ class TriangleBins {
     bool opaque = false;
     const SurfaceMesh* mesh = nullptr;
     std::vector<std::vector<std::uint32_t>> of_band;
+    std::vector<ClippedTriangle> parts;  ///< of those that had to be clipped
+    std::vector<std::vector<std::uint32_t>> parts_of_band;
   };
 
   /// A band has few of a chunk's triangles, strewn over the memory.
@@ -109,6 +117,7 @@ class TriangleBins {
   }
 
   void list_chunks(std::span<const SurfaceDraw> surfaces);
+  void clip_chunk(Chunk& chunk, const Projection& projection) const;
   template <typename IsWanted>
   void fill_chunk(Chunk& chunk, const PictureSize& size, std::int32_t reach, const IsWanted& is_wanted) const;
 

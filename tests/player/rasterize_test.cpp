@@ -170,8 +170,8 @@ TEST(Rasterize, LeavesNothingOfTrianglesWithoutAnArea) {
   const std::size_t good = drawing.draw({&surface, 1})->fragments.size();
   EXPECT_GT(good, 20u);
 
-  const std::vector<std::array<float, 3>> bad{{nan, 0, 0},       {0, nan, 0},       {0, 0, infinity},
-                                              {-infinity, 0, 0}, {3e38f, 0, 3e38f}, {-1e30f, 1e30f, 5}};
+  const std::vector<std::array<float, 3>> bad{
+      {nan, 0, 0}, {0, nan, 0}, {0, 0, infinity}, {-infinity, 0, 0}, {0, -infinity, nan}};
   for (const auto& position : bad) {
     mesh.positions_ijk.push_back(position);
     mesh.normals_lps.push_back({nan, nan, nan});
