@@ -51,6 +51,7 @@ void measure(const StandardScene& scene) {
     frame.camera.elevation_deg = elevation;
     frame.options.size = kSize;
     frame.options.antialiasing = false;  // rays are compared, not pixels
+    frame.options.transmittance_floor = 0;
     const ReferencePicture truth = render_truth(frame);
     const ReferencePicture unlimited = render_slabs(frame);
     slabs.add(difference(unlimited, truth));
