@@ -96,7 +96,7 @@ Result<std::vector<RendererCost>> measure_parallel(const ErrorTask& task, int vi
     SPLATLAS_ASSIGN_OR_RETURN(Participant volpack, volpack_participant(task, rounding));
     participants.push_back(std::move(volpack));
   }
-  const GreyTruth truth(task.model.volume, task.model.look, Classification::kBeforeInterpolation);
+  const GreyTruth truth(task.model.volume, task.model.look, Classification::kBefore);
   const auto truth_of = [&](const Camera& camera) -> Result<ReferencePicture> {
     SPLATLAS_ASSIGN_OR_RETURN(const ParallelView view,
                               parallel_view(camera, task.size, task.atlas->display()));
@@ -109,6 +109,8 @@ Result<std::vector<RendererCost>> measure_parallel(const ErrorTask& task, int vi
 Result<std::vector<RendererCost>> measure_perspective(const ErrorTask& task, const VtkSteps& steps,
                                                       int views_compared) {
   std::vector<Participant> participants;
+  SPLATLAS_RETURN_IF_ERROR(add_our_rays(task, 1, participants));
+  SPLATLAS_RETURN_IF_ERROR(add_our_rays(task, 2, participants));
   const auto add_vtk = [&](VtkVolumeMapper mapper, double step_mm) -> Result<void> {
     SPLATLAS_ASSIGN_OR_RETURN(Participant vtk, vtk_participant(task, mapper, step_mm));
     participants.push_back(std::move(vtk));
@@ -118,7 +120,7 @@ Result<std::vector<RendererCost>> measure_perspective(const ErrorTask& task, con
     SPLATLAS_RETURN_IF_ERROR(add_vtk(VtkVolumeMapper::kFixedPoint, step_mm));
   }
   for (const double step_mm : steps.gpu_mm) SPLATLAS_RETURN_IF_ERROR(add_vtk(VtkVolumeMapper::kGpu, step_mm));
-  const GreyTruth truth(task.model.volume, task.model.look, Classification::kAfterInterpolation);
+  const GreyTruth truth(task.model.volume, task.model.look, Classification::kAfter);
   const auto truth_of = [&](const Camera& camera) -> Result<ReferencePicture> {
     SPLATLAS_ASSIGN_OR_RETURN(const reference::PerspectiveView view, perspective_view(camera, task));
     return render_grey_truth(truth, task.model.volume.grid, view, 0);

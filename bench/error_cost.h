@@ -12,8 +12,8 @@ namespace splatlas {
 /// `views_compared` views, every second frame, against the truth in double precision.
 [[nodiscard]] Result<std::vector<RendererCost>> measure_parallel(const ErrorTask& task, int views_compared);
 
-/// Perspective projection, grey values classified after interpolation: VTK's two mappers at these distances
-/// between samples.
+/// Perspective projection, grey values classified after interpolation: ours at every quality with one and
+/// with two threads, and VTK's two mappers at these distances between samples.
 struct VtkSteps {
   std::vector<double> fixed_point_mm, gpu_mm;
 };

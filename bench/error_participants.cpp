@@ -39,6 +39,24 @@ struct Ours {
   }
 };
 
+void add_settings(const char* name, unsigned threads, const std::shared_ptr<Ours>& ours,
+                  std::vector<Participant>& participants) {
+  for (const Setting& setting : kSettings) {
+    Participant participant;
+    participant.cost = named(name, setting.name, threads);
+    participant.draw = [ours, &setting](const Camera& camera) { return ours->draw(camera, setting.quality); };
+    participant.picture = [ours] { return ours->latest; };
+    participant.stats = [ours] { return &ours->renderer.stats(); };
+    participants.push_back(std::move(participant));
+  }
+}
+
+Camera in_perspective(Camera camera) {
+  camera.projection = CameraProjection::kPerspective;
+  camera.field_of_view_deg = kVerticalFovDeg;
+  return camera;
+}
+
 }  // namespace
 
 Result<reference::PerspectiveView> perspective_view(const Camera& camera, const ErrorTask& task) {
@@ -60,13 +78,23 @@ Result<void> add_ours(const ErrorTask& task, unsigned threads, std::vector<Parti
     if (!prepared.insert(factorise(view, task.atlas->grid()).principal).second) continue;
     for (const Setting& setting : kSettings) SPLATLAS_RETURN_IF_ERROR(ours->draw(camera, setting.quality));
   }
+  add_settings("splatlas", threads, ours, participants);
+  return {};
+}
+
+Result<void> add_our_rays(const ErrorTask& task, unsigned threads, std::vector<Participant>& participants) {
+  RenderOptions options;
+  options.size = task.size;
+  options.hybrid_shading = false;
+  options.classification = Classification::kAfter;
+  const auto ours = std::make_shared<Ours>(Ours{Renderer(task.atlas, {.threads = threads}), options, {}});
+  SPLATLAS_RETURN_IF_ERROR(ours->renderer.select(task.model.selection));
   for (const Setting& setting : kSettings) {
-    Participant participant;
-    participant.cost = named("splatlas", setting.name, threads);
-    participant.draw = [ours, &setting](const Camera& camera) { return ours->draw(camera, setting.quality); };
-    participant.picture = [ours] { return ours->latest; };
-    participant.stats = [ours] { return &ours->renderer.stats(); };
-    participants.push_back(std::move(participant));
+    SPLATLAS_RETURN_IF_ERROR(ours->draw(in_perspective(task.camera(0)), setting.quality));
+  }
+  add_settings("splatlas rays", threads, ours, participants);
+  for (auto ours_at = participants.end() - kSettings.size(); ours_at != participants.end(); ++ours_at) {
+    ours_at->draw = [draw = ours_at->draw](const Camera& camera) { return draw(in_perspective(camera)); };
   }
   return {};
 }

@@ -18,7 +18,7 @@ namespace splatlas {
 
 /// One renderer at one setting, and what came out.
 struct RendererCost {
-  std::string renderer;  ///< "splatlas", "VolPack", "VTK FixedPoint", "VTK GPU"
+  std::string renderer;  ///< "splatlas", "splatlas rays", "VolPack", "VTK FixedPoint", "VTK GPU"
   std::string setting;   ///< quality, or distance between samples
   unsigned threads = 1;
   Elapsed frame;                       ///< medians over the frames
@@ -50,9 +50,13 @@ inline constexpr double kVerticalFovDeg = 30;
 [[nodiscard]] Result<reference::PerspectiveView> perspective_view(const Camera& camera,
                                                                   const ErrorTask& task);
 
-/// Adds ours at every quality, on `threads` threads. Draws once per principal axis and quality beforehand.
+/// Adds ours at every quality, on `threads` threads: in parallel projection, classified before interpolation;
+/// or in perspective, classified after it ("splatlas rays"). Draws once per principal axis and quality
+/// beforehand.
 [[nodiscard]] Result<void> add_ours(const ErrorTask& task, unsigned threads,
                                     std::vector<Participant>& participants);
+[[nodiscard]] Result<void> add_our_rays(const ErrorTask& task, unsigned threads,
+                                        std::vector<Participant>& participants);
 
 /// Classifies beforehand.
 [[nodiscard]] Result<Participant> volpack_participant(const ErrorTask& task, OpacityRounding rounding);

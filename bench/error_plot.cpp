@@ -45,7 +45,7 @@ std::string points_of(const Contents& contents, const std::string& scene, const 
   std::vector<std::pair<double, double>> points;
   for (const Row* row : contents.rows) {
     const Row& cell = *row;
-    const bool ours_on_one_thread = renderer == "splatlas" && cell["threads"] == 1;
+    const bool ours_on_one_thread = renderer.starts_with("splatlas") && cell["threads"] == 1;
     if (cell["scene"] != scene || cell["look"] != look || cell["renderer"] != renderer ||
         cell["size"] != contents.size || ours_on_one_thread) {
       continue;

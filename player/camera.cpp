@@ -38,6 +38,12 @@ std::optional<NamedView> named_view(std::string_view name) {
   return static_cast<NamedView>(found - kNames.begin());
 }
 
+std::optional<CameraProjection> named_projection(std::string_view name) {
+  if (name == "parallel") return CameraProjection::kParallel;
+  if (name == "perspective") return CameraProjection::kPerspective;
+  return std::nullopt;
+}
+
 Camera Camera::of(NamedView view) {
   Camera camera;
   switch (view) {
@@ -92,6 +98,30 @@ Result<ParallelView> parallel_view(const Camera& camera, const PictureSize& size
   view.mm_per_pixel = 2.0 * radius_mm / (kFit * std::min(size.width, size.height) * camera.zoom);
   view.size = size;
   return view;
+}
+
+Vec3 View::eye_lps_mm() const {
+  Vec3 eye = plane.center_lps_mm;
+  for (std::size_t a = 0; a < 3; ++a) eye[a] -= eye_mm.value_or(0) * plane.forward_lps[a];
+  return eye;
+}
+
+Result<View> view_of(const Camera& camera, const PictureSize& size, const Display& display) {
+  SPLATLAS_ASSIGN_OR_RETURN(const ParallelView plane, parallel_view(camera, size, display));
+  if (camera.projection == CameraProjection::kParallel) return View{plane};
+  const double degrees = camera.field_of_view_deg;
+  if (!(degrees >= kMinFieldOfView && degrees <= kMaxFieldOfView)) {
+    return fail(ErrorCode::kUsage, fmt::format("camera: field of view {} must be from {} to {} degrees",
+                                               degrees, kMinFieldOfView, kMaxFieldOfView));
+  }
+  const double half_height_mm = 0.5 * size.height * plane.mm_per_pixel;
+  const double eye_mm = half_height_mm / std::tan(degrees * std::numbers::pi / 360);
+  if (!std::isnormal(eye_mm)) {
+    return fail(ErrorCode::kUsage,
+                fmt::format("camera: the eye is {} mm from the point that it looks at; change zoom {}",
+                            eye_mm, camera.zoom));
+  }
+  return View{plane, eye_mm};
 }
 
 }  // namespace splatlas

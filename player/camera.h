@@ -15,6 +15,10 @@ namespace splatlas {
 enum class NamedView : std::uint8_t { kAnterior, kPosterior, kLeft, kRight, kSuperior, kInferior };
 [[nodiscard]] std::optional<NamedView> named_view(std::string_view name);
 
+enum class CameraProjection : std::uint8_t { kParallel, kPerspective };
+/// "parallel", "perspective".
+[[nodiscard]] std::optional<CameraProjection> named_projection(std::string_view name);
+
 /// A camera that turns around the atlas. Angles follow the contract: azimuth 0 looks at the anterior side, 90
 /// at the subject's left; a positive elevation looks down from above. Up on the picture is superior; straight
 /// from above or below it is where superior tends to as the elevation approaches 90 degrees.
@@ -24,6 +28,10 @@ struct Camera {
   double zoom = 1;  ///< 1 fits the ball around the atlas's structures into the picture
   std::optional<Vec3> center_lps_mm =
       std::nullopt;  ///< what the middle of the picture shows; the ball's centre when not set
+  /// In perspective the eye stands where it sees, in the plane of the centre, exactly what a parallel view
+  /// shows: zooming in brings it nearer, into the volume at last.
+  CameraProjection projection = CameraProjection::kParallel;
+  double field_of_view_deg = 30;  ///< of the picture's height, in perspective
 
   /// superior and inferior look along the body axis with anterior up, as anatomists hold an atlas.
   [[nodiscard]] static Camera of(NamedView view);
@@ -52,5 +60,21 @@ struct ParallelView {
 /// 1x1 or larger than kMaxPictureSide on a side. Allocates nothing.
 [[nodiscard]] Result<ParallelView> parallel_view(const Camera& camera, const PictureSize& size,
                                                  const Display& display);
+
+/// A view in either projection.
+struct View {
+  ParallelView plane;                           ///< what the plane of the centre looks like
+  std::optional<double> eye_mm = std::nullopt;  ///< from the eye to that plane; none: rays are parallel
+
+  /// Where all rays start, in perspective.
+  [[nodiscard]] Vec3 eye_lps_mm() const;
+};
+
+/// Narrowest and widest field of view, in degrees.
+inline constexpr double kMinFieldOfView = 1e-3, kMaxFieldOfView = 179;
+
+/// As parallel_view(). In perspective, also refuses fields of view that are not from kMinFieldOfView to
+/// kMaxFieldOfView, and an eye that would stand in the plane of the centre or infinitely far away.
+[[nodiscard]] Result<View> view_of(const Camera& camera, const PictureSize& size, const Display& display);
 
 }  // namespace splatlas

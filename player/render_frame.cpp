@@ -10,9 +10,11 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include "player/cast_rays.h"
 #include "player/class_cache.h"
 #include "player/draw_frame.h"
 #include "player/pick.h"
+#include "player/ray_volume.h"
 #include "player/selected_runs.h"
 #include "player/shading.h"
 #include "player/span_model.h"
@@ -40,6 +42,24 @@ std::uint64_t default_memory_limit() {
   return memory / 4 * 3;
 }
 
+/// How finely rays are sampled.
+CastOptions cast_options(const RenderOptions& options) {
+  CastOptions cast{.floor = options.transmittance_floor, .principal_axis = options.principal_axis};
+  switch (options.quality) {
+    case Quality::kDraft: break;
+    case Quality::kNormal:
+      cast.most_steps = 16;
+      cast.tolerance = 0.05f;
+      break;
+    case Quality::kHigh:
+      cast.least_steps = 8;
+      cast.most_steps = 64;
+      cast.tolerance = 0.003f;
+      break;
+  }
+  return cast;
+}
+
 }  // namespace
 
 std::optional<Quality> named_quality(std::string_view name) {
@@ -57,6 +77,15 @@ struct Renderer::Impl {
     std::optional<ParallelView> lit_for;  ///< view whose light the shaded voxels have; none: unshaded
   };
 
+  /// What rays march through, of the current selection.
+  struct Rays {
+    RayVolume volume;
+    Classification classification = Classification::kBefore;
+    bool shaded = false;
+    std::uint64_t runs = 0;
+    std::optional<ParallelView> lit_for;  ///< view whose light the shaded voxels have
+  };
+
   Impl(std::shared_ptr<const Atlas> opened, const RendererOptions& options)
       : atlas(std::move(opened)),
         pool(options.threads),
@@ -67,6 +96,8 @@ struct Renderer::Impl {
   [[nodiscard]] Result<void> decode(Axis axis);
   [[nodiscard]] Result<AxisSpans*> spans(Axis axis);
   void light_spans(AxisSpans& spans, const ParallelView& view, const Lighting& lighting, bool shade);
+  [[nodiscard]] Result<Rays*> ray_volume(const RenderOptions& options);
+  [[nodiscard]] Result<Picture> render_rays(const View& frame_view, const RenderOptions& options);
   [[nodiscard]] std::vector<SurfaceDraw> surface_draws() const;
 
   std::shared_ptr<const Atlas> atlas;
@@ -79,6 +110,7 @@ struct Renderer::Impl {
   std::uint64_t plan_bytes = 0;  // what the plan's spans may take
   VolumeLooks looks;             // of plan.classes
   std::array<std::optional<AxisSpans>, 3> axis_spans;
+  std::optional<Rays> rays;
 
   // Of the latest frame.
   FrameBuffers frame;
@@ -125,6 +157,65 @@ void Renderer::Impl::light_spans(AxisSpans& spans, const ParallelView& frame_vie
   spans.lit_for = frame_view;
 }
 
+/// What rays march through, once per selection and classification. Spans make room for it.
+Result<Renderer::Impl::Rays*> Renderer::Impl::ray_volume(const RenderOptions& options) {
+  if (!rays || rays->classification != options.classification || rays->shaded != options.hybrid_shading) {
+    rays.reset();
+    for (auto& spans : axis_spans) spans.reset();
+    SPLATLAS_ASSIGN_OR_RETURN(const SelectedRuns runs, merge_runs(plan, *atlas, cache, Axis::kZ));
+    const RayVolumeRequest request{.atlas = *atlas,
+                                   .selection = selection,
+                                   .plan = plan,
+                                   .looks = looks.looks(),
+                                   .runs = runs,
+                                   .cache = cache,
+                                   .classification = options.classification,
+                                   .shade = options.hybrid_shading,
+                                   .max_memory_bytes = max_memory_bytes - picture_bytes(options.size)};
+    SPLATLAS_ASSIGN_OR_RETURN(RayVolume volume, RayVolume::build(request, pool));
+    rays = Rays{std::move(volume), options.classification, options.hybrid_shading, runs.runs.size(),
+                std::nullopt};
+  }
+  return &*rays;
+}
+
+/// A frame of rays: in perspective, and wherever grey values are classified after interpolation.
+Result<Picture> Renderer::Impl::render_rays(const View& frame_view, const RenderOptions& options) {
+  if (!plan.surfaces.empty()) {
+    return fail(
+        ErrorCode::kUsage,
+        fmt::format("{}: the selection draws {} surfaces, which are drawn in parallel projection with "
+                    "classification before interpolation only; select volumes",
+                    atlas->name(), plan.surfaces.size()));
+  }
+  view.reset();  // nothing can be picked in a frame of rays
+  Stopwatch watch;
+  SPLATLAS_RETURN_IF_ERROR(decode(Axis::kZ));
+  stats.decode_ms = watch.lap().wall_ms;
+  SPLATLAS_ASSIGN_OR_RETURN(Rays* const cast, ray_volume(options));
+  stats.traversal = watch.lap();
+  stats.select_ms += stats.traversal.wall_ms;
+  if (cast->shaded && cast->volume.shaded() &&
+      !(cast->lit_for && cast->lit_for->forward_lps == frame_view.plane.forward_lps &&
+        cast->lit_for->up_lps == frame_view.plane.up_lps)) {
+    cast->volume.shade(Lighting(frame_view.plane).table(), pool);
+    cast->lit_for = frame_view.plane;
+  }
+  const Elapsed light = watch.lap();
+  stats.traversal += light;
+
+  Picture picture;
+  cast_rays(cast->volume, frame_view, atlas->grid(), cast_options(options),
+            options.simd ? best_march() : scalar_march(), picture, pool);
+  stats.runs_visited = cast->runs;
+  stats.voxels_visited = cast->volume.voxels();
+  stats.triangles = 0;
+  stats.sheets = watch.lap();
+  stats.rasterize = stats.resolve = {};
+  stats.render_ms = light.wall_ms + stats.sheets.wall_ms;
+  return picture;
+}
+
 std::vector<SurfaceDraw> Renderer::Impl::surface_draws() const {
   std::vector<SurfaceDraw> draws;
   for (const StructureIndex s : plan.surfaces) {
@@ -167,6 +258,7 @@ Result<void> Renderer::select(const Selection& selection) {
   r.plan_bytes = bytes;
   r.looks.select(r.plan, selection);
   for (auto& spans : r.axis_spans) spans.reset();
+  r.rays.reset();
   r.view.reset();
   r.stats = {};
   r.stats.volume_voxels = r.plan.volume_voxels;
@@ -182,7 +274,8 @@ Result<void> Renderer::select(const Selection& selection) {
 Result<Picture> Renderer::render(const Camera& camera, const RenderOptions& options) {
   Impl& r = *impl_;
   const Grid& grid = r.atlas->grid();
-  SPLATLAS_ASSIGN_OR_RETURN(const ParallelView view, parallel_view(camera, options.size, r.atlas->display()));
+  SPLATLAS_ASSIGN_OR_RETURN(const View frame_view, view_of(camera, options.size, r.atlas->display()));
+  const ParallelView& view = frame_view.plane;
   if (const std::uint64_t bytes = picture_bytes(options.size); bytes > r.max_memory_bytes - r.plan_bytes) {
     return fail(
         ErrorCode::kLimit,
@@ -191,6 +284,10 @@ Result<Picture> Renderer::render(const Camera& camera, const RenderOptions& opti
                     r.atlas->name(), options.size.width, options.size.height, bytes >> 20, r.plan_bytes >> 20,
                     r.max_memory_bytes >> 20));
   }
+  if (frame_view.eye_mm || options.classification == Classification::kAfter) {
+    return r.render_rays(frame_view, options);
+  }
+  r.rays.reset();
   const Shear shear = factorise(view, grid, options.principal_axis ? &*options.principal_axis : nullptr);
   if (!(std::abs(shear.slope_u) <= kMaxSlope && std::abs(shear.slope_v) <= kMaxSlope)) {
     return fail(ErrorCode::kUsage,

@@ -9,19 +9,22 @@
 #include "format/atlas_reader.h"
 #include "format/selection.h"
 #include "player/camera.h"
+#include "player/classification.h"
 #include "player/picture.h"
 #include "player/stopwatch.h"
 
 namespace splatlas {
 
-/// Sheet pixels per voxel: draft 1; normal about one per picture pixel, at most 4; high twice that, at
-/// most 8.
+/// Sheets, in parallel projection with voxels classified before interpolation: pixels per voxel are 1 in
+/// draft; in normal about one per picture pixel, at most 4; in high twice that, at most 8. Rays, in
+/// perspective and wherever grey values are classified after interpolation: samples per slab are 1, 2, 4.
 enum class Quality : std::uint8_t { kDraft, kNormal, kHigh };
 [[nodiscard]] std::optional<Quality> named_quality(std::string_view name);
 
 struct RenderOptions {
   PictureSize size{512, 512};
   Quality quality = Quality::kNormal;
+  Classification classification = Classification::kBefore;
   bool hybrid_shading = true;  ///< boundary voxels of volumes are shaded by their normals
   /// Pixels at edges of surfaces are the mean of several samples: 4 in normal, 8 in high quality, 1 in draft.
   bool antialiasing = true;

@@ -57,15 +57,16 @@ Result<PictureSize> parse_size(const std::string& text) {
 
 Result<Camera> parse_camera(const CLI::App& command, const RenderWords& words) {
   Camera camera;
-  if (words.projection != "parallel") {
-    return refuse("--projection", words.projection, "this version renders in parallel projection only");
-  }
+  const auto projection = named_projection(words.projection);
+  if (!projection) return refuse("--projection", words.projection, "must be parallel or perspective");
+  camera.projection = *projection;
   if (command.count("--view") > 0) {
     const auto view = named_view(words.view);
     if (!view) {
       return refuse("--view", words.view, "must be anterior, posterior, left, right, superior or inferior");
     }
     camera = Camera::of(*view);
+    camera.projection = *projection;
   }
   if (command.count("--azimuth") > 0) {
     SPLATLAS_ASSIGN_OR_RETURN(camera.azimuth_deg, parse_number("--azimuth", words.azimuth));
@@ -74,6 +75,10 @@ Result<Camera> parse_camera(const CLI::App& command, const RenderWords& words) {
     SPLATLAS_ASSIGN_OR_RETURN(camera.elevation_deg, parse_number("--elevation", words.elevation));
   }
   SPLATLAS_ASSIGN_OR_RETURN(camera.zoom, parse_number("--zoom", words.zoom));
+  SPLATLAS_ASSIGN_OR_RETURN(camera.field_of_view_deg, parse_number("--field-of-view", words.field_of_view));
+  if (command.count("--field-of-view") > 0 && *projection == CameraProjection::kParallel) {
+    return refuse("--field-of-view", words.field_of_view, "has a meaning with --projection perspective only");
+  }
   return camera;
 }
 
@@ -83,6 +88,9 @@ Result<RenderOptions> parse_options(const RenderWords& words) {
   const auto quality = named_quality(words.quality);
   if (!quality) return refuse("--quality", words.quality, "must be draft, normal or high");
   options.quality = *quality;
+  const auto classification = named_classification(words.classify);
+  if (!classification) return refuse("--classify", words.classify, "must be before or after");
+  options.classification = *classification;
   options.hybrid_shading = words.shading == "hybrid";
   if (words.shading != "hybrid" && words.shading != "none") {
     return refuse("--shading", words.shading, "must be hybrid or none");
@@ -104,7 +112,14 @@ CLI::App* add_render(CLI::App& app, RenderWords& words) {
                       "degrees around the superior axis: 0 anterior, 90 the subject's left");
   command->add_option("--elevation", words.elevation, "degrees above the horizon");
   command->add_option("--zoom", words.zoom, "1 fits the atlas into the picture")->capture_default_str();
-  command->add_option("--projection", words.projection, "parallel")->capture_default_str();
+  command->add_option("--projection", words.projection, "parallel or perspective")->capture_default_str();
+  command
+      ->add_option("--field-of-view", words.field_of_view, "degrees of the picture's height, in perspective")
+      ->capture_default_str();
+  command
+      ->add_option("--classify", words.classify,
+                   "transfer functions before or after interpolation between voxels")
+      ->capture_default_str();
   command->add_option("--quality", words.quality, "draft, normal or high")->capture_default_str();
   command->add_option("--shading", words.shading, "hybrid: boundary voxels are lit by their normals; none")
       ->capture_default_str();

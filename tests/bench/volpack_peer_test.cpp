@@ -75,7 +75,7 @@ TEST(VolpackPeer, ShowsABoxWhereItIs) {
   const GreyLook look{{{0, 0, {1, 1, 1}}, {255, 0.3, {1, 1, 1}}}};
   auto peer = VolpackPeer::classify(volume, look, OpacityRounding::kDown);
   ASSERT_TRUE(peer);
-  const GreyTruth truth(volume, look, Classification::kBeforeInterpolation);
+  const GreyTruth truth(volume, look, Classification::kBefore);
   for (const auto& [azimuth, elevation] : kViews) {
     for (const double zoom : {1.0, 2.5}) {
       const ParallelView view = view_at(azimuth, elevation, zoom);

@@ -85,7 +85,7 @@ TEST_P(VtkPeerTest, ShowsABoxWhereItIs) {
   MaskedVolume volume = empty_volume();
   put_box(volume, {0, 0, 0}, 6, 255);
   const GreyLook look{{{0, 0, {1, 0.5, 0.25}}, {255, 0.3, {1, 0.5, 0.25}}}};
-  const GreyTruth truth(volume, look, Classification::kAfterInterpolation);
+  const GreyTruth truth(volume, look, Classification::kAfter);
   VtkPeer peer({256, 200});
   peer.add_volume(volume, look, GetParam(), 0.25);
   for (const auto& [azimuth, elevation] : {std::array<double, 2>{0, 0}, {30, 20}, {120, -35}, {-60, 70}}) {

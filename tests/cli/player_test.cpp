@@ -42,6 +42,25 @@ TEST(PlayerRender, WritesEveryFormat) {
   EXPECT_EQ(folder.names(), (std::vector<std::string>{"a.exr", "a.jpg", "a.png", "a.tif"}));
 }
 
+TEST(PlayerRender, InBothProjectionsAndClassifications) {
+  const TemporaryFolder folder;
+  std::vector<std::vector<float>> pictures;
+  for (const std::string projection : {"parallel", "perspective"}) {
+    for (const std::string classify : {"before", "after"}) {
+      const ProgramResult result =
+          run_program({SPLATLAS_PLAYER, "render", phantom_atlas(), "-o", "a.png", "--size", "40x30",
+                       "--projection", projection, "--classify", classify, "--select", "*:volume"},
+                      folder.path());
+      ASSERT_EQ(result.status, 0) << result.err;
+      pictures.push_back(read_pixels(folder.file("a.png")));
+      const auto [least, most] = std::minmax_element(pictures.back().begin(), pictures.back().end());
+      EXPECT_EQ(*least, 0);
+      EXPECT_GT(*most, 0.2f);
+      for (std::size_t n = 0; n + 1 < pictures.size(); ++n) EXPECT_NE(pictures[n], pictures.back());
+    }
+  }
+}
+
 TEST(PlayerRender, PngAndTiffHoldTheSamePixels) {
   const TemporaryFolder folder;
   for (const std::string background : {"#204060", "transparent"}) {

@@ -49,11 +49,23 @@ TEST(PlayerUsage, TellsWhatIsWrong) {
   expect_refused({"render", atlas, "-o", "x.png", "--view", "top"}, 2, "superior");
   expect_refused({"render", atlas, "-o", "x.png", "--quality", "best"}, 2, "draft, normal or high");
   expect_refused({"render", atlas, "-o", "x.png", "--background", "blue"}, 2, "blue");
+  expect_refused({"render", atlas, "-o", "x.png", "--projection", "fisheye"}, 2, "parallel or perspective");
+  expect_refused({"render", atlas, "-o", "x.png", "--classify", "never"}, 2, "before or after");
+  for (const std::string degrees : {"0", "180", "nan", "-5"}) {
+    expect_refused(
+        {"render", atlas, "-o", "x.png", "--projection", "perspective", "--field-of-view", degrees}, 2,
+        "field of view " + degrees);
+  }
+  expect_refused({"render", atlas, "-o", "x.png", "--field-of-view", "40"}, 2, "--projection perspective");
+  expect_refused(
+      {"render", atlas, "-o", "x.png", "--projection", "perspective", "--select", "\"Sphere 1\":surface"}, 2,
+      "surfaces");
 }
 
 TEST(PlayerUsage, WordsThatSayNothingAreRefused) {
-  for (const std::string option : {"--size", "--view", "--azimuth", "--elevation", "--zoom", "--projection",
-                                   "--quality", "--shading", "--background", "--threads", "--stats"}) {
+  for (const std::string option :
+       {"--size", "--view", "--azimuth", "--elevation", "--zoom", "--projection", "--field-of-view",
+        "--classify", "--quality", "--shading", "--background", "--threads", "--stats"}) {
     expect_refused({"render", phantom_atlas(), "-o", "x.png", option, ""}, 2,
                    option == "--background" ? "color" : option);
   }

@@ -117,6 +117,52 @@ void expect_refused(const Camera& camera, PictureSize size, const std::string& w
   EXPECT_EQ(view.error().message.find('\n'), std::string::npos);
 }
 
+TEST(Camera, AnEyeSeesWhatTheParallelViewShowsInThePlaneOfTheCentre) {
+  Camera camera;
+  camera.azimuth_deg = 20;
+  camera.elevation_deg = -35;
+  const Display display{0, 1, {5, -6, 7}, 40};
+  EXPECT_FALSE(view_of(camera, {64, 48}, display)->eye_mm);
+  camera.projection = CameraProjection::kPerspective;
+  camera.field_of_view_deg = 50;
+  const View view = *view_of(camera, {64, 48}, display);
+  EXPECT_EQ(view.plane.forward_lps, view_of(camera).forward_lps);
+  const Vec3 eye = view.eye_lps_mm();
+  const Vec3 ahead = reference::minus(view.plane.center_lps_mm, eye);
+  EXPECT_NEAR(dot(ahead, view.plane.forward_lps), *view.eye_mm, 1e-9);
+  const Vec3 top = reference::minus(view.plane.point_lps_mm(32, 0), eye);
+  EXPECT_NEAR(dot(top, ahead) / std::sqrt(dot(top, top) * dot(ahead, ahead)), std::cos(25 * kDegree), 1e-12);
+  // Nearer when zoomed in.
+  camera.zoom = 100;
+  EXPECT_NEAR(*view_of(camera, {64, 48}, display)->eye_mm, *view.eye_mm / 100, 1e-9);
+}
+
+TEST(Camera, RefusesFieldsOfViewThatSeeNothing) {
+  Camera camera;
+  camera.projection = CameraProjection::kPerspective;
+  for (const double degrees : {0.0, -30.0, 1e-4, 179.5, 180.0, 360.0, kNan, kInfinity}) {
+    camera.field_of_view_deg = degrees;
+    const auto view = view_of(camera, {8, 8}, Display{});
+    ASSERT_FALSE(view.has_value()) << degrees;
+    EXPECT_EQ(view.error().code, ErrorCode::kUsage);
+    EXPECT_NE(view.error().message.find("field of view"), std::string::npos) << view.error().message;
+  }
+  camera.field_of_view_deg = 30;
+  EXPECT_TRUE(view_of(camera, {8, 8}, Display{}));
+  const auto at_the_point = view_of(camera, {8, 8}, {.radius_mm = 1e-310});
+  ASSERT_FALSE(at_the_point.has_value());
+  EXPECT_NE(at_the_point.error().message.find("the eye is"), std::string::npos);
+  camera.projection = CameraProjection::kParallel;
+  camera.field_of_view_deg = kNan;  // does not matter
+  EXPECT_TRUE(view_of(camera, {8, 8}, Display{}));
+}
+
+TEST(Camera, NamedProjections) {
+  EXPECT_EQ(named_projection("parallel"), CameraProjection::kParallel);
+  EXPECT_EQ(named_projection("perspective"), CameraProjection::kPerspective);
+  EXPECT_FALSE(named_projection("Perspective"));
+}
+
 TEST(Camera, RefusesWhatIsNotFiniteOrOutOfRange) {
   for (const double bad : {kNan, kInfinity, -kInfinity}) {
     Camera camera;

@@ -253,7 +253,7 @@ void GreyTruth::mark_visible_cells() {
         const auto [greys] = corners_of(i, j, k);
         const auto [low, high] = std::minmax_element(greys.begin(), greys.end());
         const bool shows =
-            classification_ == Classification::kAfterInterpolation
+            classification_ == Classification::kAfter
                 ? first_visible[*low] <= static_cast<double>(*high)
                 : std::any_of(greys.begin(), greys.end(), [&](std::uint8_t g) { return light_[g][0] > 0; });
         visible_[cell_number(i, j, k)] = shows ? 1 : 0;
@@ -269,7 +269,7 @@ RayLight GreyTruth::in_cell(const Corners& corners, const Ray& ray, const Index3
   for (std::size_t n = 0; n < 4; ++n) {
     weights[n] = corner_weights(ray.at(from_mm + length_mm * static_cast<double>(n) / 3), cell);
   }
-  if (classification_ == Classification::kAfterInterpolation) {
+  if (classification_ == Classification::kAfter) {
     std::array<double, 4> grey{};
     for (std::size_t n = 0; n < 4; ++n) {
       for (std::size_t c = 0; c < 8; ++c) grey[n] += weights[n][c] * corners.greys[c];

@@ -5,6 +5,7 @@
 #include <functional>
 #include <vector>
 
+#include "player/classification.h"
 #include "tests/reference/masked_volume.h"
 #include "tests/reference/perspective.h"
 #include "tests/reference/ray.h"
@@ -15,7 +16,7 @@ namespace splatlas::reference {
 
 /// Between voxel centres, either extinction and emission are trilinear, or the grey value is, and classified
 /// then.
-enum class Classification : std::uint8_t { kBeforeInterpolation, kAfterInterpolation };
+using splatlas::Classification;
 
 /// A ray caster as in reference_volume.h, for one look of grey values. Rays are cut at every plane of voxel
 /// centres and, where the grey value is classified after interpolation, where it passes a knot of the look;

@@ -78,7 +78,7 @@ TEST(GreyTruth, ClassifiedBeforehandEqualsTheOtherReference) {
     const Ray ray = random_ray(random);
     const double from_mm = n % 2 == 0 ? -kInfinity : 0;
     const RayLight expected = integrate_ray(field, ray, from_mm, kInfinity);
-    const RayLight light = GreyTruth(volume, look, Classification::kBeforeInterpolation).along(ray, from_mm);
+    const RayLight light = GreyTruth(volume, look, Classification::kBefore).along(ray, from_mm);
     EXPECT_NEAR(light.transmittance, expected.transmittance, 2e-7);
     for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(light.color[c], expected.color[c], 2e-7);
   }
@@ -103,7 +103,7 @@ TEST(GreyTruth, ClassifiedAfterwardsEqualsBruteForce) {
       expected.add(slab);
     }
     const RayLight light =
-        GreyTruth(volume, look, Classification::kAfterInterpolation).along(ray, n % 2 == 0 ? -kInfinity : 0);
+        GreyTruth(volume, look, Classification::kAfter).along(ray, n % 2 == 0 ? -kInfinity : 0);
     // The brute force puts each of a few dozen steps of the look a ten-thousandth of a mm off.
     EXPECT_NEAR(light.transmittance, expected.transmittance, 3e-4);
     for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(light.color[c], expected.color[c], 3e-4);
@@ -127,9 +127,9 @@ TEST(GreyTruth, ABoxIsAsLongAsItsClassificationSays) {
     EXPECT_NEAR(light.color[0], 1 - light.transmittance, 1e-9);
     return -std::log(light.transmittance);
   };
-  EXPECT_NEAR(depth(100, Classification::kBeforeInterpolation), 0.2 * 5, 1e-9);
-  EXPECT_NEAR(depth(100, Classification::kAfterInterpolation), 0.2 * 5, 1e-9);
-  EXPECT_NEAR(depth(50, Classification::kAfterInterpolation), 0.2 * 5.5, 1e-9);
+  EXPECT_NEAR(depth(100, Classification::kBefore), 0.2 * 5, 1e-9);
+  EXPECT_NEAR(depth(100, Classification::kAfter), 0.2 * 5, 1e-9);
+  EXPECT_NEAR(depth(50, Classification::kAfter), 0.2 * 5.5, 1e-9);
 }
 
 /// Grey values rise by 20 a voxel: extinction, in proportion to them, has an optical depth of half a square.
@@ -138,7 +138,7 @@ TEST(GreyTruth, ARampIsIntegratedExactly) {
   volume.grid.size = {11, 2, 2};
   for (int n = 0; n < 44; ++n) volume.greys.push_back(static_cast<std::uint8_t>(20 * (n % 11)));
   const GreyLook look{{{0, 0, {1, 1, 1}}, {200, 1, {1, 1, 1}}}};
-  for (const Classification c : {Classification::kBeforeInterpolation, Classification::kAfterInterpolation}) {
+  for (const Classification c : {Classification::kBefore, Classification::kAfter}) {
     const GreyTruth truth(volume, look, c);
     const Ray ray{{0, 0.5, 0.5}, {1, 0, 0}};
     // 10 mm of a ramp to 1/mm, then a mm from there to nothing.
@@ -161,7 +161,7 @@ TEST(GreyTruth, AnEyeInsideSeesWhatLiesAhead) {
   // The eye is at distance_mm() from the centre, on the left (+x): put it into the middle.
   view.in_plane.center_lps_mm = {-view.distance_mm(), 0, 0};
   EXPECT_NEAR(view.eye_lps_mm()[0], 0, 1e-12);
-  for (const Classification c : {Classification::kBeforeInterpolation, Classification::kAfterInterpolation}) {
+  for (const Classification c : {Classification::kBefore, Classification::kAfter}) {
     const ReferencePicture picture = render_grey_truth(GreyTruth(volume, look, c), volume.grid, view, 1);
     EXPECT_NEAR(picture.pixels[16 * 33 + 16][3], 1 - std::exp(-0.05 * 10.5), 1e-9);
     EXPECT_NEAR(picture.pixels[16 * 33 + 16][0], 1 - std::exp(-0.05 * 10.5), 1e-9);
@@ -176,7 +176,7 @@ TEST(GreyTruth, AnEyeInsideSeesWhatLiesAhead) {
 TEST(GreyTruth, PicturesDoNotDependOnThreads) {
   std::mt19937 random(3);
   const MaskedVolume volume = random_volume(random);
-  const GreyTruth truth(volume, stepped_look(), Classification::kAfterInterpolation);
+  const GreyTruth truth(volume, stepped_look(), Classification::kAfter);
   const ParallelView view = *parallel_view({.azimuth_deg = 33, .elevation_deg = -21}, {31, 17},
                                            {.center_lps_mm = {3, 2, 2.5}, .radius_mm = 6});
   const ReferencePicture one = render_grey_truth(truth, volume.grid, view, 1);

@@ -1,0 +1,115 @@
+// Rays in vectors, and the bricks that they come by. Compiled once for every instruction set.
+#if defined(SPLATLAS_PLAYER_MARCH_RAYS_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef SPLATLAS_PLAYER_MARCH_RAYS_INL_H_
+#undef SPLATLAS_PLAYER_MARCH_RAYS_INL_H_
+#else
+#define SPLATLAS_PLAYER_MARCH_RAYS_INL_H_
+#endif
+
+#include <hwy/highway.h>
+
+#include "player/march_kernels.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace splatlas::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+using Lanes = hn::CappedTag<float, kPacketRays>;
+using Ints = hn::RebindToSigned<Lanes>;
+using Bits = hn::RebindToUnsigned<Lanes>;
+using Vector = hn::Vec<Lanes>;
+using IntVector = hn::Vec<Ints>;
+
+/// The rays of a packet that fit a vector, as far as they are within one voxel of the voxels.
+struct Rays {
+  Vector origin[3], step[3], mm_per_t, from, to;
+
+  HWY_INLINE Rays(const MarchGrid& grid, const RayPacket& packet, std::size_t first) {
+    const Lanes d;
+    from = hn::Load(d, packet.from.data() + first);
+    to = hn::Load(d, packet.to.data() + first);
+    for (std::size_t a = 0; a < 3; ++a) {
+      origin[a] = hn::Load(d, packet.origin[a].data() + first);
+      step[a] = hn::Load(d, packet.step[a].data() + first);
+      Clip(origin[a], step[a], static_cast<float>(grid.size[a]) - 2.0f);
+    }
+    mm_per_t = hn::Load(d, packet.mm_per_t.data() + first);
+    const auto misses = hn::Not(Counts());
+    from = hn::IfThenZeroElse(misses, from);
+    to = hn::IfThenZeroElse(misses, to);
+    for (std::size_t a = 0; a < 3; ++a) {  // wait where nothing is
+      origin[a] = hn::IfThenElse(misses, hn::Set(d, 1.0f), origin[a]);
+      step[a] = hn::IfThenZeroElse(misses, step[a]);
+    }
+  }
+  HWY_INLINE hn::Mask<Lanes> Counts() const { return hn::Lt(from, to); }
+  HWY_INLINE Vector Clamped(float t) const { return hn::Min(hn::Max(hn::Set(Lanes(), t), from), to); }
+  HWY_INLINE Vector At(std::size_t axis, Vector t) const { return hn::MulAdd(step[axis], t, origin[axis]); }
+
+ private:
+  HWY_INLINE void Clip(Vector start, Vector per_t, float last) {
+    const Lanes d;
+    const auto tiny = hn::Set(d, 1e-20f);
+    const auto safe = hn::IfThenElse(hn::Lt(hn::Abs(per_t), tiny), tiny, per_t);
+    const auto low = hn::Div(hn::Sub(hn::Set(d, 1.0f), start), safe);
+    const auto high = hn::Div(hn::Sub(hn::Set(d, last), start), safe);
+    from = hn::Max(from, hn::Min(low, high));
+    to = hn::Min(to, hn::Max(low, high));
+  }
+};
+
+/// Active bricks in a box of bricks, both ends included.
+HWY_INLINE bool AnyActive(const std::uint32_t* sums, const MarchGrid& grid, const std::int32_t* first,
+                          const std::int32_t* last) {
+  const std::int64_t row = grid.bricks(0) + 1;
+  const std::int64_t slice = row * (grid.bricks(1) + 1);
+  const auto sum = [&](std::int64_t x, std::int64_t y, std::int64_t z) {
+    return sums[z * slice + y * row + x];
+  };
+  const auto plane = [&](std::int64_t z) {
+    return sum(last[0] + 1, last[1] + 1, z) - sum(first[0], last[1] + 1, z) - sum(last[0] + 1, first[1], z) +
+           sum(first[0], first[1], z);
+  };
+  return plane(last[2] + 1) != plane(first[2]);
+}
+
+/// Bounds of a packet's rays along one axis, linear in t: what is smallest of several straight lines lies
+/// above the chord between any two of its points, what is largest below.
+struct Bounds {
+  float first = 0;
+  float low[3] = {0, 0, 0}, low_step[3] = {0, 0, 0};
+  float high[3] = {0, 0, 0}, high_step[3] = {0, 0, 0};
+
+  HWY_INLINE Bounds(const Rays& rays, hn::Mask<Lanes> counts, float from, float to) : first(from) {
+    const Lanes d;
+    const auto most = hn::Set(d, 1e30f);
+    const float scale = 1.0f / (to - from);
+    for (std::size_t a = 0; a < 3; ++a) {
+      const auto start = rays.At(a, hn::Set(d, from));
+      const auto end = rays.At(a, hn::Set(d, to));
+      low[a] = hn::GetLane(hn::MinOfLanes(d, hn::IfThenElse(counts, start, most)));
+      high[a] = hn::GetLane(hn::MaxOfLanes(d, hn::IfThenElse(counts, start, hn::Neg(most))));
+      low_step[a] = (hn::GetLane(hn::MinOfLanes(d, hn::IfThenElse(counts, end, most))) - low[a]) * scale;
+      high_step[a] =
+          (hn::GetLane(hn::MaxOfLanes(d, hn::IfThenElse(counts, end, hn::Neg(most)))) - high[a]) * scale;
+    }
+  }
+
+  /// Bricks from t0 to t1, with room for rounding.
+  HWY_INLINE void Bricks(const MarchGrid& grid, float t0, float t1, std::int32_t* from,
+                         std::int32_t* to) const {
+    constexpr float kRounding = 1.0f / 64;
+    for (std::size_t a = 0; a < 3; ++a) {
+      const float least = low[a] + std::min(low_step[a] * (t0 - first), low_step[a] * (t1 - first));
+      const float most = high[a] + std::max(high_step[a] * (t0 - first), high_step[a] * (t1 - first));
+      const auto end = static_cast<float>(grid.size[a] - 1);
+      from[a] = static_cast<std::int32_t>(std::clamp(least - kRounding, 0.0f, end)) / MarchGrid::kBrick;
+      to[a] = static_cast<std::int32_t>(std::clamp(most + kRounding, 0.0f, end)) / MarchGrid::kBrick;
+    }
+  }
+};
+
+}  // namespace splatlas::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif  // SPLATLAS_PLAYER_MARCH_RAYS_INL_H_

@@ -1,0 +1,202 @@
+// What rays sample: grey values and light between voxels. Compiled once for every instruction set.
+#if defined(SPLATLAS_PLAYER_MARCH_SAMPLES_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef SPLATLAS_PLAYER_MARCH_SAMPLES_INL_H_
+#undef SPLATLAS_PLAYER_MARCH_SAMPLES_INL_H_
+#else
+#define SPLATLAS_PLAYER_MARCH_SAMPLES_INL_H_
+#endif
+
+#include <algorithm>
+
+#include <hwy/highway.h>
+
+#include "player/march_kernels.h"
+#include "player/march_rays-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace splatlas::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+/// Cells, and where in them.
+struct Places {
+  IntVector cell;
+  Vector part[3];
+
+  HWY_INLINE Places(const MarchGrid& grid, const Rays& rays, Vector t) {
+    const Lanes d;
+    const Ints di;
+    IntVector whole[3];
+    for (std::size_t a = 0; a < 3; ++a) {
+      const auto at = rays.At(a, t);  // a whole voxel of margin is left for rounding
+      whole[a] = hn::ConvertTo(di, at);
+      part[a] = hn::Sub(at, hn::ConvertTo(d, whole[a]));
+    }
+    const auto row = hn::Add(hn::Mul(whole[2], hn::Set(di, grid.size[1])), whole[1]);
+    cell = hn::Add(hn::Mul(row, hn::Set(di, grid.size[0])), whole[0]);
+  }
+};
+
+HWY_INLINE Vector Lerp(Vector a, Vector b, Vector part) {
+  return hn::MulAdd(part, hn::Sub(b, a), a);
+}
+
+template <int kByte>
+HWY_INLINE Vector Byte(hn::Vec<Bits> bits) {
+  const Bits du;
+  const auto byte = hn::And(hn::ShiftRight<8 * kByte>(bits), hn::Set(du, 255));
+  return hn::ConvertTo(Lanes(), hn::BitCast(Ints(), byte));
+}
+
+/// Bilinear in the four bytes of a face of a cell.
+HWY_INLINE Vector Face(hn::Vec<Bits> bits, const Places& places) {
+  const auto low = Lerp(Byte<0>(bits), Byte<1>(bits), places.part[0]);
+  const auto high = Lerp(Byte<2>(bits), Byte<3>(bits), places.part[0]);
+  return Lerp(low, high, places.part[1]);
+}
+
+/// The eight bytes of cells, those in front and those behind.
+struct Octants {
+  hn::Vec<Bits> front, back;
+
+  Octants() = default;
+  HWY_INLINE Octants(const std::uint64_t* octants, const Places& places) {
+    const hn::Repartition<std::int64_t, Lanes> dl;
+    const Bits du;
+    const hn::Half<Ints> half;
+    const auto* words = reinterpret_cast<const std::int64_t*>(octants);
+    const auto lower = hn::GatherIndex(dl, words, hn::PromoteTo(dl, hn::LowerHalf(half, places.cell)));
+    const auto upper = hn::GatherIndex(dl, words, hn::PromoteTo(dl, hn::UpperHalf(half, places.cell)));
+    front = hn::ConcatEven(du, hn::BitCast(du, upper), hn::BitCast(du, lower));
+    back = hn::ConcatOdd(du, hn::BitCast(du, upper), hn::BitCast(du, lower));
+  }
+
+  HWY_INLINE Vector Value(const Places& places) const {
+    return Lerp(Face(front, places), Face(back, places), places.part[2]);
+  }
+  HWY_INLINE Vector Low() const {
+    return Fold(hn::Min(Bytes(front), Bytes(back)), [](auto x, auto y) { return hn::Min(x, y); });
+  }
+  HWY_INLINE Vector High() const {
+    return Fold(hn::Max(Bytes(front), Bytes(back)), [](auto x, auto y) { return hn::Max(x, y); });
+  }
+  /// Of the lowest and the highest bytes of two cells.
+  HWY_INLINE Vector LowWith(const Octants& other) const {
+    const auto low =
+        hn::Min(hn::Min(Bytes(front), Bytes(back)), hn::Min(Bytes(other.front), Bytes(other.back)));
+    return Fold(low, [](auto x, auto y) { return hn::Min(x, y); });
+  }
+  HWY_INLINE Vector HighWith(const Octants& other) const {
+    const auto high =
+        hn::Max(hn::Max(Bytes(front), Bytes(back)), hn::Max(Bytes(other.front), Bytes(other.back)));
+    return Fold(high, [](auto x, auto y) { return hn::Max(x, y); });
+  }
+
+ private:
+  using ByteLanes = hn::Repartition<std::uint8_t, Lanes>;
+  using ByteVector = hn::Vec<ByteLanes>;
+
+  static HWY_INLINE ByteVector Bytes(hn::Vec<Bits> bits) { return hn::BitCast(ByteLanes(), bits); }
+  /// The choice among the four bytes of each lane.
+  template <typename Choose>
+  static HWY_INLINE Vector Fold(ByteVector bytes, const Choose& choose) {
+    const Bits du;
+    bytes = choose(bytes, Bytes(hn::ShiftRight<16>(hn::BitCast(du, bytes))));
+    bytes = choose(bytes, Bytes(hn::ShiftRight<8>(hn::BitCast(du, bytes))));
+    return Byte<0>(hn::BitCast(du, bytes));
+  }
+};
+
+/// A grey value between voxels, and the lowest and the highest of the eight around.
+struct Grey {
+  Vector value, low, high;
+};
+
+HWY_INLINE Grey SampleOctants(const std::uint64_t* octants, const Places& places) {
+  const Octants cells(octants, places);
+  return {cells.Value(places), cells.Low(), cells.High()};
+}
+
+HWY_INLINE Grey SampleGreys(const float* greys, const MarchGrid& grid, const Places& places) {
+  const Lanes d;
+  const std::ptrdiff_t row = grid.size[0];
+  const std::ptrdiff_t slice = row * grid.size[1];
+  Grey grey{hn::Zero(d), hn::GatherIndex(d, greys, places.cell), hn::Zero(d)};
+  grey.high = grey.low;
+  const auto edge = [&](std::ptrdiff_t offset) {
+    const auto left = hn::GatherIndex(d, greys + offset, places.cell);
+    const auto right = hn::GatherIndex(d, greys + offset + 1, places.cell);
+    grey.low = hn::Min(grey.low, hn::Min(left, right));
+    grey.high = hn::Max(grey.high, hn::Max(left, right));
+    return Lerp(left, right, places.part[0]);
+  };
+  const auto front = Lerp(edge(0), edge(row), places.part[1]);
+  const auto back = Lerp(edge(slice), edge(slice + row), places.part[1]);
+  grey.value = Lerp(front, back, places.part[2]);
+  return grey;
+}
+
+/// Four values between voxels.
+struct Four {
+  Vector of[4];
+};
+
+/// What four values per voxel are at the places of a vector, ray by ray.
+class FourSampler {
+ public:
+  HWY_INLINE FourSampler(const float* fours, const MarchGrid& grid, const Places& places)
+      : fours_(fours), row_(std::ptrdiff_t{4} * grid.size[0]), slice_(row_ * grid.size[1]) {
+    hn::Store(places.cell, Ints(), cells_);
+    for (std::size_t a = 0; a < 3; ++a) hn::Store(places.part[a], Lanes(), parts_[a]);
+  }
+
+  HWY_INLINE Four Between() const {
+    HWY_ALIGN float samples[4 * kPacketRays];
+    for (std::size_t n = 0; n < hn::Lanes(Lanes()); ++n) {
+      const float* corner = fours_ + std::ptrdiff_t{4} * cells_[n];
+      const auto front = Mix(Edge(corner, n), Edge(corner + row_, n), parts_[1][n]);
+      const auto back = Mix(Edge(corner + slice_, n), Edge(corner + slice_ + row_, n), parts_[1][n]);
+      hn::Store(Mix(front, back, parts_[2][n]), OfOne(), samples + 4 * n);
+    }
+    Four four;
+    hn::LoadInterleaved4(Lanes(), samples, four.of[0], four.of[1], four.of[2], four.of[3]);
+    return four;
+  }
+
+  /// The lowest and the highest first value of the eight around.
+  HWY_INLINE void Range(Vector& low, Vector& high) const {
+    HWY_ALIGN float lows[kPacketRays];
+    HWY_ALIGN float highs[kPacketRays];
+    for (std::size_t n = 0; n < hn::Lanes(Lanes()); ++n) {
+      const float* corner = fours_ + std::ptrdiff_t{4} * cells_[n];
+      lows[n] = highs[n] = corner[0];
+      for (const std::ptrdiff_t voxel :
+           {std::ptrdiff_t{4}, row_, row_ + 4, slice_, slice_ + 4, slice_ + row_, slice_ + row_ + 4}) {
+        lows[n] = std::min(lows[n], corner[voxel]);
+        highs[n] = std::max(highs[n], corner[voxel]);
+      }
+    }
+    low = hn::Load(Lanes(), lows);
+    high = hn::Load(Lanes(), highs);
+  }
+
+ private:
+  using OfOne = hn::FixedTag<float, 4>;
+  using OneVector = hn::Vec<OfOne>;
+
+  static HWY_INLINE OneVector Mix(OneVector a, OneVector b, float part) {
+    return hn::MulAdd(hn::Set(OfOne(), part), hn::Sub(b, a), a);
+  }
+  HWY_INLINE OneVector Edge(const float* corner, std::size_t n) const {
+    return Mix(hn::LoadU(OfOne(), corner), hn::LoadU(OfOne(), corner + 4), parts_[0][n]);
+  }
+
+  const float* fours_;
+  std::ptrdiff_t row_, slice_;
+  HWY_ALIGN std::int32_t cells_[kPacketRays];
+  HWY_ALIGN float parts_[3][kPacketRays];
+};
+
+}  // namespace splatlas::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif  // SPLATLAS_PLAYER_MARCH_SAMPLES_INL_H_

@@ -1,0 +1,120 @@
+#include "player/grey_curve.h"
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include <gtest/gtest.h>
+
+namespace splatlas {
+namespace {
+
+constexpr double kLength = 1.5;  // reference length, mm
+
+TransferCurve random_curve(std::mt19937& random, std::size_t points) {
+  std::uniform_real_distribution<double> step(0.5, 20);
+  std::uniform_real_distribution<float> share(0, 1);
+  TransferCurve curve;
+  double grey = 10;
+  for (std::size_t n = 0; n < points; ++n) {
+    curve.points.push_back({grey, n == 0 ? 0.0f : 0.9f * share(random), share(random)});
+    grey += step(random);
+  }
+  return curve;
+}
+
+std::size_t segment_of(const GreyCurve& curve, double grey) {
+  std::size_t segment = 0;
+  while (segment < curve.points() && grey >= curve.row(GreyCurve::kGrey)[segment + 1]) ++segment;
+  return segment;
+}
+
+TEST(GreyCurve, EverySegmentIsTheCurve) {
+  std::mt19937 random(1);
+  for (const std::size_t points : {1u, 2u, 5u, 16u, 256u}) {
+    const TransferCurve curve = random_curve(random, points);
+    const GreyCurve prepared(curve, {.bytes = true}, kLength);
+    ASSERT_EQ(prepared.points(), points);
+    const double last = curve.points.back().grey;
+    double steepest = 0;  // what rounding of grey values to floats is multiplied by
+    for (std::size_t s = 0; s <= points; ++s) {
+      steepest = std::max({steepest, std::abs(double{prepared.row(GreyCurve::kExtinctionSlope)[s]}),
+                           std::abs(double{prepared.row(GreyCurve::kShadeSlope)[s]})});
+    }
+    const double rounding = 1e-6 + 6e-8 * last * steepest;
+    for (int n = 0; n < 1000; ++n) {
+      const double grey = (last + 20) * n / 1000;
+      const std::size_t s = segment_of(prepared, grey);
+      const double above = grey - prepared.row(GreyCurve::kGrey)[s];
+      const TransferValue expected = evaluate(curve, grey, kLength);
+      EXPECT_NEAR(
+          prepared.row(GreyCurve::kExtinction)[s] + above * prepared.row(GreyCurve::kExtinctionSlope)[s],
+          expected.extinction_per_mm, rounding);
+      EXPECT_NEAR(prepared.row(GreyCurve::kShade)[s] + above * prepared.row(GreyCurve::kShadeSlope)[s],
+                  expected.shade, rounding);
+    }
+  }
+}
+
+TEST(GreyCurve, IntegralsAreSumsOverGreyValues) {
+  std::mt19937 random(2);
+  const TransferCurve curve = random_curve(random, 9);
+  const GreyCurve prepared(curve, {.bytes = true}, kLength);
+  double depth = 0, emission = 0, variation = 0;
+  constexpr int kSteps = 20000;
+  for (std::size_t p = 1; p < curve.points.size(); ++p) {
+    const double from = curve.points[p - 1].grey, width = curve.points[p].grey - from;
+    for (int n = 0; n < kSteps; ++n) {
+      const TransferValue value = evaluate(curve, from + width * (n + 0.5) / kSteps, kLength);
+      depth += width / kSteps * value.extinction_per_mm;
+      emission += width / kSteps * value.extinction_per_mm * value.shade;
+    }
+    variation += std::abs(evaluate(curve, from + width, kLength).extinction_per_mm -
+                          evaluate(curve, from, kLength).extinction_per_mm);
+    EXPECT_NEAR(prepared.row(GreyCurve::kDepth)[p + 1], depth, 1e-6 * (1 + depth));
+    EXPECT_NEAR(prepared.row(GreyCurve::kEmission)[p + 1], emission, 1e-6 * (1 + emission));
+    EXPECT_NEAR(prepared.row(GreyCurve::kVariation)[p + 1], variation, 1e-5);
+  }
+  EXPECT_NEAR(prepared.variation(), variation, 1e-5);
+}
+
+TEST(GreyCurve, TellsWhereItShows) {
+  const TransferCurve curve{{{10, 0, 1}, {20, 0, 1}, {30, 0.5f, 1}, {40, 0, 1}, {50, 0, 1}}};
+  const GreyCurve prepared(curve, {.bytes = true}, kLength);
+  EXPECT_FALSE(prepared.shows(0, 20));
+  EXPECT_TRUE(prepared.shows(0, 21));
+  EXPECT_TRUE(prepared.shows(22, 23));
+  EXPECT_TRUE(prepared.shows(0, 255));  // what shows lies in between
+  EXPECT_FALSE(prepared.shows(40, 255));
+  EXPECT_TRUE(prepared.shows(39, 39));
+}
+
+TEST(GreyCurve, WhatIsNotThereCountsAsZeroOrAsTheLowestPoint) {
+  const TransferCurve from_10{{{10, 0, 1}, {20, 0.5f, 1}}};
+  const TransferCurve from_minus_500{{{-500, 0, 1}, {100, 0.5f, 1}}};
+  const TransferCurve all{{{10, 0.5f, 1}}};
+  const TransferCurve falling{{{-100, 0.5f, 1}, {-50, 0, 1}}};
+
+  const auto bytes = grey_scale(from_10, VoxelType::kUInt8);
+  ASSERT_TRUE(bytes);
+  EXPECT_TRUE(bytes->bytes);
+  EXPECT_EQ(bytes->stored(77), 77);
+
+  const auto shorts = grey_scale(from_10, VoxelType::kInt16);
+  ASSERT_TRUE(shorts);
+  EXPECT_FALSE(shorts->bytes);
+  EXPECT_EQ(shorts->stored(0), 0);
+  EXPECT_EQ(shorts->stored(20) - shorts->stored(10), 255);
+
+  const auto hounsfield = grey_scale(from_minus_500, VoxelType::kInt16);  // shows 0
+  ASSERT_TRUE(hounsfield);
+  EXPECT_EQ(hounsfield->stored(-500), 0);
+  EXPECT_EQ(hounsfield->stored(100), 255);
+
+  EXPECT_EQ(grey_scale(falling, VoxelType::kInt16)->offset, 0);
+  EXPECT_FALSE(grey_scale(all, VoxelType::kUInt8));
+  EXPECT_FALSE(grey_scale(from_10, VoxelType::kNone));
+}
+
+}  // namespace
+}  // namespace splatlas
