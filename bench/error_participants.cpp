@@ -34,8 +34,7 @@ struct Ours {
 
   Result<void> draw(const Camera& camera, Quality quality) {
     options.quality = quality;
-    SPLATLAS_ASSIGN_OR_RETURN(latest, renderer.render(camera, options));
-    return {};
+    return renderer.render(camera, options, latest);
   }
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <utility>
 
 namespace splatlas {
@@ -26,13 +27,13 @@ class SliceVisit {
   }
 
   /// Spans with one entry of `first_span` per row of the grid.
-  SliceSpans visit(std::int64_t slice) {
+  SliceSpans visit(std::int64_t slice, int emissions) {
     for (std::int64_t row = 0; row < rows_; ++row) {
       first_visible_.push_back(visible_.size());
       visit_row(slice, row);
     }
     first_visible_.push_back(visible_.size());
-    return pack();
+    return pack(emissions);
   }
 
   /// Of the selected voxels, visible or not: rows in [0], positions along the scanline in [1].
@@ -68,8 +69,9 @@ class SliceVisit {
     }
   }
 
-  SliceSpans pack() const {
+  SliceSpans pack(int emissions) const {
     SliceSpans out;
+    out.emissions = emissions;
     if (visible_.empty()) return out;
     for (std::size_t row = 0; row < static_cast<std::size_t>(rows_); ++row) {
       out.first_span.push_back(static_cast<std::uint32_t>(out.spans.size()));
@@ -89,14 +91,10 @@ class SliceVisit {
   }
 
   void light(const VisibleVoxel& visible, const Span& span, SliceSpans& out) const {
-    const std::array<float, 3> rgb = selection_.looks[visible.draw].emission(visible.look);
-    const std::size_t place = span.place(visible.at);
-    float* light = &out.light[place];
-    light[0] = visible.look.extinction_per_mm;
-    for (std::size_t c = 0; c < 3; ++c) light[(c + 1) * kBlock] = rgb[c];
-    if (selection_.plan.classes[visible.draw].boundary) {
-      out.shaded.push_back({place, model_.normals[visible.voxel], rgb});
-    }
+    ShadedVoxel voxel = out.set_light(span, visible.at, selection_.looks[visible.draw], visible.look);
+    if (!selection_.plan.classes[visible.draw].boundary) return;
+    voxel.normal = model_.normals[visible.voxel];
+    out.shaded.push_back(voxel);
   }
 
   const VoxelModel& model_;
@@ -135,6 +133,7 @@ void trim(SpanModel& model, std::span<const IndexBox> selected) {
     if (slice.spans.empty()) continue;
     first_span.erase(first_span.begin() + box.last[1] + 2, first_span.end());
     first_span.erase(first_span.begin(), first_span.begin() + box.first[1]);
+    slice.find_rows();
   }
 }
 
@@ -146,11 +145,14 @@ SpanModel visit_voxels(const VoxelModel& model, const VoxelSelection& selection,
   const auto slices = static_cast<std::size_t>(model.grid.size[scan.slice_axis]);
   SpanModel spans;
   spans.axis = axis;
+  const std::optional<std::array<float, 3>> color = common_color(selection.plan, selection.looks);
+  spans.emissions = color ? 1 : 3;
+  spans.color = color.value_or(spans.color);
   spans.slices.resize(slices);
   std::vector<IndexBox> selected(slices);
   pool.for_each(slices, [&](std::size_t n) {
     SliceVisit visit(model, selection, scan);
-    spans.slices[n] = visit.visit(static_cast<std::int64_t>(n));
+    spans.slices[n] = visit.visit(static_cast<std::int64_t>(n), spans.emissions);
     selected[n] = visit.selected();
   });
   trim(spans, selected);

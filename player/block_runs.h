@@ -1,83 +1,112 @@
-// Where the spans of a row of sheet pixels lie: runs of blocks that the same spans reach.
+// Where the spans of two rows of voxels lie: runs of blocks that at least one of them reaches.
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <limits>
+#include <span>
 
 #include "player/splat_kernels.h"
 
 namespace splatlas {
 
-/// Blocks [first, last) of a scanline, and where the light of the first one stands in a span of each row;
-/// null where no span of that row reaches them.
-struct BlockRun {
+/// Consecutive blocks of one row: [first, last), and where the light of block 0 would stand.
+struct RowBlocks {
   std::int64_t first = 0, last = 0;
-  const float* near = nullptr;
-  const float* far = nullptr;
+  const float* origin = nullptr;
+
+  /// The light of a block; `nothing` outside.
+  [[nodiscard]] const float* light(std::int64_t block, std::int64_t block_floats,
+                                   const float* nothing) const {
+    return block >= first && block < last ? origin + block * block_floats : nothing;
+  }
 };
 
-/// Walks the runs of a row, in order, that reach pixels of the image or its margins.
+/// The light of a block without voxels.
+alignas(64) inline constexpr std::array<float, 4 * kBlock> kDarkBlock{};
+
+/// Blocks [first, last) of two scanlines. Every one is in at least one of both.
+struct BlockRun {
+  std::int64_t first = 0, last = 0;
+  RowBlocks upper, lower;
+};
+
+/// Walks the runs of a pair of rows, in order, that reach pixels of the image or its margins.
 class BlockRuns {
  public:
-  BlockRuns(const SheetRow& row, const ImageRow& image)
-      : light_(row.light),
-        // -kMargin <= block * kBlock + shift < columns
-        near_(row.near, -((row.shift + ImageRow::kMargin) >> kBlockBits),
-              (image.columns - row.shift + kBlock - 1) >> kBlockBits),
-        far_(row.far, near_.from, near_.until) {}
+  /// `pair` counts the pairs of `rows`.
+  BlockRuns(const SheetRows& rows, std::int64_t pair, const ImageRows& image)
+      : light_(rows.slice->light.get()),
+        block_floats_(rows.slice->block_floats()),
+        upper_(rows.slice->row(rows.upper + pair)),
+        lower_(rows.slice->row(rows.upper + pair + 1)) {
+    if (upper_.spans.empty() && lower_.spans.empty()) return;
+    std::int64_t shift = rows.phases[0].shift;
+    for (std::size_t n = 1; n < rows.phase_count; ++n) shift = std::min(shift, rows.phases[n].shift);
+    // Others reach margins only, in every phase: -kMargin <= block * kBlock + shift < columns.
+    from_ = -((shift + ImageRows::kMargin) >> kBlockBits);
+    until_ = (image.columns - shift + kBlock - 1) >> kBlockBits;
+    advance(upper_);
+    advance(lower_);
+  }
 
   /// False when there are no more.
   bool next(BlockRun& run) {
-    run.first = std::min(near_.first, far_.first);
-    if (run.first == Side::kEnd) return false;
-    run.last = std::min(near_.first == run.first ? near_.last : near_.first,
-                        far_.first == run.first ? far_.last : far_.first);
-    run.near = near_.first == run.first ? near_.take(light_, run.last) : nullptr;
-    run.far = far_.first == run.first ? far_.take(light_, run.last) : nullptr;
+    const bool upper_leads = upper_.blocks.first <= lower_.blocks.first;
+    Side& lead = upper_leads ? upper_ : lower_;
+    Side& other = upper_leads ? lower_ : upper_;
+    if (lead.blocks.first == kEnd) return false;
+    const bool both = other.blocks.first <= lead.blocks.last;
+    run.upper = upper_leads || both ? upper_.blocks : RowBlocks{};
+    run.lower = !upper_leads || both ? lower_.blocks : RowBlocks{};
+    run.first = lead.blocks.first;
+    run.last = lead.blocks.last;
+    if (!both) {
+      advance(lead);
+      return true;
+    }
+    // A run has one span of each row at most: it ends where the next one begins.
+    Side& shorter = lead.blocks.last <= other.blocks.last ? lead : other;
+    Side& longer = lead.blocks.last <= other.blocks.last ? other : lead;
+    run.last = longer.blocks.last;
+    advance(shorter);
+    if (shorter.blocks.first < run.last) {
+      run.last = longer.blocks.first = shorter.blocks.first;
+    } else {
+      advance(longer);
+    }
     return true;
   }
 
  private:
-  /// One row of voxels: the blocks that its current span still reaches.
-  class Side {
-   public:
-    static constexpr std::int64_t kEnd = std::numeric_limits<std::int64_t>::max();
-    const std::int64_t from, until;
-    std::int64_t first = kEnd, last = kEnd;
+  static constexpr std::int64_t kEnd = std::numeric_limits<std::int64_t>::max();
 
-    Side(std::span<const Span> spans, std::int64_t from_block, std::int64_t until_block)
-        : from(from_block), until(until_block), next_(spans.data()), end_(spans.data() + spans.size()) {
-      advance();
-    }
-    /// Blocks up to `taken` are taken: where their light is.
-    const float* take(const float* light, std::int64_t taken) {
-      const float* const block = light + (origin_ + first * kBlockFloats);
-      first = taken;
-      if (first == last) advance();
-      return block;
-    }
+  /// One row: what is left of its current span, and the spans after it.
+  struct Side {
+    std::span<const Span> spans;
+    RowBlocks blocks{kEnd, kEnd, nullptr};
 
-   private:
-    void advance() {
-      for (; next_ != end_; ++next_) {
-        first = std::max(from, static_cast<std::int64_t>(next_->first_block));
-        last = std::min(until, static_cast<std::int64_t>(next_->first_block) + next_->blocks);
-        if (first >= last) continue;
-        origin_ = static_cast<std::int64_t>(next_->offset) - next_->first_block * kBlockFloats;
-        ++next_;
-        return;
-      }
-      first = last = kEnd;
-    }
-
-    const Span* next_;
-    const Span* end_;
-    std::int64_t origin_ = 0;
+    explicit Side(std::span<const Span> all) : spans(all) {}
   };
 
+  /// On to the next span.
+  void advance(Side& side) const {
+    while (!side.spans.empty()) {
+      const Span& span = side.spans.front();
+      side.spans = side.spans.subspan(1);
+      const std::int64_t first = std::max<std::int64_t>(from_, span.first_block);
+      const std::int64_t last = std::min(until_, std::int64_t{span.first_block} + span.blocks);
+      if (first >= last) continue;
+      side.blocks = {first, last, light_ + (std::int64_t{span.offset} - span.first_block) * block_floats_};
+      return;
+    }
+    side.blocks = {kEnd, kEnd, nullptr};
+  }
+
   const float* light_;
-  Side near_, far_;
+  std::int64_t block_floats_, from_ = 0, until_ = 0;
+  Side upper_, lower_;
 };
 
 }  // namespace splatlas

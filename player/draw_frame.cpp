@@ -23,12 +23,24 @@ int sheet_scale(Quality quality, const Shear& shear) {
   const Affine2& map = shear.picture_to_sheet;
   const double voxels_per_pixel = std::min(std::hypot(map.xx, map.yx), std::hypot(map.xy, map.yy));
   const double pixels_per_voxel = std::min(1.0 / voxels_per_pixel, 1e3);
+  const auto fine = [&](double wanted, int least, int most) {
+    return std::clamp(static_cast<int>(std::ceil(wanted - 0.25)), least, most);
+  };
   switch (quality) {
-    case Quality::kNormal: return std::clamp(static_cast<int>(std::ceil(pixels_per_voxel - 0.25)), 1, 4);
-    case Quality::kHigh: return std::clamp(static_cast<int>(std::ceil(2 * pixels_per_voxel - 0.25)), 2, 8);
+    case Quality::kNormal: return fine(pixels_per_voxel, 1, 4);
+    case Quality::kHigh: return fine(2 * pixels_per_voxel, 2, 8);
     case Quality::kDraft: break;
   }
-  return 1;
+  return fine(pixels_per_voxel, 1, 2);
+}
+
+/// Along a slab a ray moves across the slice by (slope_u, slope_v), which smears what the slice shows: a tent
+/// of that length, whose covariance is a sixth of the product. Sheets know the slice at the slab's middle
+/// only; weights that are skewed smear as much where the sheet is sampled.
+float skew_of(const Shear& shear, int scale) {
+  constexpr double kMost = 0.25;
+  const double covariance = shear.slope_u * shear.slope_v / 6 * scale * scale;
+  return static_cast<float>(std::clamp(covariance, -kMost, kMost));
 }
 
 std::size_t edge_samples(const RenderOptions& options) {
@@ -39,7 +51,8 @@ std::size_t edge_samples(const RenderOptions& options) {
 Result<SheetWindow> choose_window(const SpanModel& model, const Shear& shear, const RenderOptions& options) {
   int scale = sheet_scale(options.quality, shear);
   while (true) {
-    const SheetWindow window = sheet_window(model, shear, options.size, scale);
+    SheetWindow window = sheet_window(model, shear, options.size, scale);
+    window.skew = skew_of(shear, scale);
     if (window.empty() || window.fine_rows() <= kMaxSheetPixels / window.fine_columns()) return window;
     if (scale == 1) {
       return fail(ErrorCode::kLimit,

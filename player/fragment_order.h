@@ -1,6 +1,7 @@
 // Fragments in the order in which the volume pass meets them, and the volume in front of them.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <vector>
@@ -18,11 +19,10 @@ struct SheetWindow;
 class FragmentOrder {
  public:
   struct Entry {
-    std::int32_t slab = 0;      ///< how many slabs the ray has met when it reaches the fragment's; from 0
-    std::int32_t column = 0;    ///< of the sheet pixel to the left of it, in voxels
-    std::int32_t phase = 0;     ///< of that pixel
-    float left = 0, right = 0;  ///< weights of that pixel and the next; 0 beyond the sheet
-    float below = 0;            ///< weight of the next row
+    std::int32_t slab = 0;    ///< how many slabs the ray has met when it reaches the fragment's; from 0
+    std::int32_t column = 0;  ///< of the sheet pixel to the left of it, in voxels
+    std::int32_t phase = 0;   ///< of that pixel
+    std::array<float, 4> weights{};  ///< of its four neighbours: sheet_weights(); 0 beyond the sheet
   };
   /// Place of fragments that no row of the sheet is near to: nothing is in front of them.
   static constexpr std::uint32_t kNowhere = std::numeric_limits<std::uint32_t>::max();
@@ -31,6 +31,7 @@ class FragmentOrder {
   void build(const FragmentList& fragments, const Shear& shear, const SheetWindow& window,
              const PictureSize& size, const Grid& grid, ThreadPool& pool);
 
+  [[nodiscard]] bool empty() const { return entries_.empty(); }
   /// Entries of a row of the sheet, from -1 to fine_rows - 1.
   [[nodiscard]] std::size_t row_begin(std::int64_t fine_row) const {
     return first_of_row_[static_cast<std::size_t>(fine_row + 1)];

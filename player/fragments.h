@@ -23,6 +23,11 @@ struct Light {
   }
 };
 
+/// Of a volume of one colour.
+[[nodiscard]] inline Light in_color(float white, float opacity, const std::array<float, 3>& color) {
+  return {{white * color[0], white * color[1], white * color[2], opacity}};
+}
+
 /// A surface where the ray of a sample crosses it.
 struct Fragment {
   float depth = 0;              ///< along the principal axis in voxels, growing away from the viewer

@@ -97,7 +97,8 @@ struct Renderer::Impl {
   [[nodiscard]] Result<AxisSpans*> spans(Axis axis);
   void light_spans(AxisSpans& spans, const ParallelView& view, const Lighting& lighting, bool shade);
   [[nodiscard]] Result<Rays*> ray_volume(const RenderOptions& options);
-  [[nodiscard]] Result<Picture> render_rays(const View& frame_view, const RenderOptions& options);
+  [[nodiscard]] Result<void> render_rays(const View& frame_view, const RenderOptions& options,
+                                         Picture& picture);
   [[nodiscard]] std::vector<SurfaceDraw> surface_draws() const;
 
   std::shared_ptr<const Atlas> atlas;
@@ -180,7 +181,8 @@ Result<Renderer::Impl::Rays*> Renderer::Impl::ray_volume(const RenderOptions& op
 }
 
 /// A frame of rays: in perspective, and wherever grey values are classified after interpolation.
-Result<Picture> Renderer::Impl::render_rays(const View& frame_view, const RenderOptions& options) {
+Result<void> Renderer::Impl::render_rays(const View& frame_view, const RenderOptions& options,
+                                         Picture& picture) {
   if (!plan.surfaces.empty()) {
     return fail(
         ErrorCode::kUsage,
@@ -204,7 +206,6 @@ Result<Picture> Renderer::Impl::render_rays(const View& frame_view, const Render
   const Elapsed light = watch.lap();
   stats.traversal += light;
 
-  Picture picture;
   cast_rays(cast->volume, frame_view, atlas->grid(), cast_options(options),
             options.simd ? best_march() : scalar_march(), picture, pool);
   stats.runs_visited = cast->runs;
@@ -213,7 +214,7 @@ Result<Picture> Renderer::Impl::render_rays(const View& frame_view, const Render
   stats.sheets = watch.lap();
   stats.rasterize = stats.resolve = {};
   stats.render_ms = light.wall_ms + stats.sheets.wall_ms;
-  return picture;
+  return {};
 }
 
 std::vector<SurfaceDraw> Renderer::Impl::surface_draws() const {
@@ -272,6 +273,12 @@ Result<void> Renderer::select(const Selection& selection) {
 }
 
 Result<Picture> Renderer::render(const Camera& camera, const RenderOptions& options) {
+  Picture picture;
+  SPLATLAS_RETURN_IF_ERROR(render(camera, options, picture));
+  return picture;
+}
+
+Result<void> Renderer::render(const Camera& camera, const RenderOptions& options, Picture& picture) {
   Impl& r = *impl_;
   const Grid& grid = r.atlas->grid();
   SPLATLAS_ASSIGN_OR_RETURN(const View frame_view, view_of(camera, options.size, r.atlas->display()));
@@ -285,7 +292,7 @@ Result<Picture> Renderer::render(const Camera& camera, const RenderOptions& opti
                     r.max_memory_bytes >> 20));
   }
   if (frame_view.eye_mm || options.classification == Classification::kAfter) {
-    return r.render_rays(frame_view, options);
+    return r.render_rays(frame_view, options, picture);
   }
   r.rays.reset();
   const Shear shear = factorise(view, grid, options.principal_axis ? &*options.principal_axis : nullptr);
@@ -310,7 +317,6 @@ Result<Picture> Renderer::render(const Camera& camera, const RenderOptions& opti
 
   const std::vector<SurfaceDraw> surfaces = r.surface_draws();
   r.view.reset();  // what the latest frame left is overwritten now, whether this one succeeds or not
-  Picture picture;
   SPLATLAS_ASSIGN_OR_RETURN(const FrameCounters drawn, draw_frame({.spans = spans->model,
                                                                    .surfaces = surfaces,
                                                                    .view = view,
@@ -329,7 +335,7 @@ Result<Picture> Renderer::render(const Camera& camera, const RenderOptions& opti
   r.stats.sheets = drawn.sheets;
   r.stats.resolve = drawn.resolve;
   r.stats.render_ms = light.wall_ms + watch.lap().wall_ms;
-  return picture;
+  return {};
 }
 
 std::optional<Pick> Renderer::pick(double x, double y) const {

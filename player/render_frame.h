@@ -15,9 +15,9 @@
 
 namespace splatlas {
 
-/// Sheets, in parallel projection with voxels classified before interpolation: pixels per voxel are 1 in
-/// draft; in normal about one per picture pixel, at most 4; in high twice that, at most 8. Rays, in
-/// perspective and wherever grey values are classified after interpolation: samples per slab are 1, 2, 4.
+/// Sheets, in parallel projection with voxels classified before interpolation: pixels per voxel are about one
+/// per picture pixel, at most 2 in drafts, 4 normally; high twice as many, at most 8. Rays, in perspective and
+/// wherever grey values are classified after interpolation: samples per slab are 1, 2, 4.
 enum class Quality : std::uint8_t { kDraft, kNormal, kHigh };
 [[nodiscard]] std::optional<Quality> named_quality(std::string_view name);
 
@@ -82,6 +82,9 @@ class Renderer {
   /// Cost: selected voxels in view * (sheet pixels per voxel), selected triangles, pixels; nothing
   /// unselected.
   [[nodiscard]] Result<Picture> render(const Camera& camera, const RenderOptions& options = {});
+  /// The same into a picture whose memory is reused: fresh pages cost as much as a small frame. On failure
+  /// the picture holds anything.
+  [[nodiscard]] Result<void> render(const Camera& camera, const RenderOptions& options, Picture& picture);
 
   /// Of the latest render().
   [[nodiscard]] const RenderStats& stats() const;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <tuple>
+#include <vector>
 
 namespace splatlas {
 namespace {
@@ -19,7 +20,7 @@ Affine2 picture_to_pixels(const Shear& shear, const SheetWindow& window) {
           map.yx * scale, map.yy * scale, (map.y0 - static_cast<double>(window.v0)) * scale};
 }
 
-/// Bilinear; nothing beyond the sheet's border.
+/// As the warp does; nothing beyond the sheet's border.
 Light sample(const SheetImage& sheet, double x, double y) {
   const SheetWindow& window = sheet.window;
   if (!(x > -1 && y > -1 && x < static_cast<double>(window.fine_columns()) &&
@@ -28,20 +29,16 @@ Light sample(const SheetImage& sheet, double x, double y) {
   }
   const double column = std::floor(x);
   const double row = std::floor(y);
-  const auto right = static_cast<float>(x - column);
-  const auto below = static_cast<float>(y - row);
-  const Light* upper = &sheet.at(static_cast<std::int64_t>(column), static_cast<std::int64_t>(row));
-  const Light* lower = upper + window.fine_columns() + 2;
-  const float w00 = (1 - right) * (1 - below);
-  const float w01 = right * (1 - below);
-  const float w10 = (1 - right) * below;
-  const float w11 = right * below;
+  const float* upper = sheet.at(static_cast<std::int64_t>(column), static_cast<std::int64_t>(row));
+  const float* lower = upper + sheet.stride() * sheet.channels;
+  const std::array<float, 4> weights =
+      sheet_weights(static_cast<float>(x - column), static_cast<float>(y - row), window.skew);
   Light light;
-  for (std::size_t c = 0; c < 4; ++c) {
-    light.rgba[c] =
-        w00 * upper[0].rgba[c] + w01 * upper[1].rgba[c] + w10 * lower[0].rgba[c] + w11 * lower[1].rgba[c];
+  for (std::int64_t c = 0; c < sheet.channels; ++c) {
+    light.rgba[static_cast<std::size_t>(c)] = weights[0] * upper[c] + weights[1] * upper[sheet.channels + c] +
+                                              weights[2] * lower[c] + weights[3] * lower[sheet.channels + c];
   }
-  return light;
+  return sheet.channels == 4 ? light : in_color(light.rgba[0], light.rgba[1], sheet.color);
 }
 
 /// Mean over a grid of samples within the pixel whose centre is (x, y).
@@ -164,7 +161,10 @@ class RowWarp {
   [[nodiscard]] WarpWalk walk_from(int column) const {
     const double x = column + 0.5;
     return {sheet_.pixels.data(),
-            sheet_.window.fine_columns() + 2,
+            sheet_.stride(),
+            sheet_.channels,
+            sheet_.color,
+            sheet_.window.skew,
             fixed(map_.xx * x + map_.xy * y_ + map_.x0 + 1),
             fixed(map_.yx * x + map_.yy * y_ + map_.y0 + 1),
             fixed(map_.xx),
@@ -190,42 +190,64 @@ class RowWarp {
   int first_ = 0, last_ = 0;
 };
 
+/// Rows [first, last) of the picture without surfaces: in tiles, for rows that are next to each other look at
+/// the same part of the sheet, which may lie across its rows.
+void warp_rows(const SheetImage& sheet, const Affine2& map, int samples, const WarpKernels& kernels,
+               std::size_t first, std::size_t last, Picture& picture) {
+  constexpr int kTileColumns = 64;
+  const int width = picture.size.width;
+  std::vector<RowWarp> rows;
+  rows.reserve(last - first);
+  for (std::size_t row = first; row < last; ++row)
+    rows.emplace_back(sheet, map, samples, kernels, static_cast<double>(row) + 0.5, width);
+  for (int tile = 0; tile < width; tile += kTileColumns) {
+    const int tile_end = std::min(tile + kTileColumns, width);
+    for (std::size_t row = first; row < last; ++row) {
+      const RowWarp& warp = rows[row - first];
+      float* out = &picture.rgba[4 * row * static_cast<std::size_t>(width)];
+      const int from = std::clamp(warp.first(), tile, tile_end);
+      const int to = std::clamp(warp.last(), from, tile_end);
+      std::fill(out + std::ptrdiff_t{4} * tile, out + std::ptrdiff_t{4} * from, 0.0f);
+      warp.warp(from, to, out);
+      std::fill(out + std::ptrdiff_t{4} * to, out + std::ptrdiff_t{4} * tile_end, 0.0f);
+    }
+  }
+}
+
+/// Pixels with fragments, in place of what the warp left there.
+void compose_row(const SheetImage& sheet, const Affine2& map, const FragmentsInVolume& fragments,
+                 std::size_t row, Picture& picture) {
+  const FragmentList& list = fragments.list;
+  const auto width = static_cast<std::size_t>(picture.size.width);
+  const std::uint32_t end = list.first_of_row[row + 1];
+  for (std::uint32_t first = list.first_of_row[row]; first < end;) {
+    std::uint32_t last = first + 1;
+    while (last < end && list.samples[last].pixel == list.samples[first].pixel) ++last;
+    const std::size_t pixel = list.samples[first].pixel;
+    const auto column = static_cast<int>(pixel - row * width);
+    const Light light = mean_of(fragments, first, last, sheet, map, {column, static_cast<int>(row)});
+    std::copy(light.rgba.begin(), light.rgba.end(), &picture.rgba[4 * pixel]);
+    first = last;
+  }
+}
+
 }  // namespace
 
 void resolve(const SheetImage& sheet, const Shear& shear, const FragmentsInVolume& fragments,
              const PictureSize& size, const WarpKernels& kernels, Picture& picture, ThreadPool& pool) {
+  constexpr std::size_t kBandRows = 16;
   picture.size = size;
-  picture.rgba.resize(4 * static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height));
+  const auto height = static_cast<std::size_t>(size.height);
+  picture.rgba.resize(4 * static_cast<std::size_t>(size.width) * height);
   const Affine2 map = picture_to_pixels(shear, sheet.window);
-  const double sheet_pixels = std::max(std::hypot(map.xx, map.yx), std::hypot(map.xy, map.yy));
-  const int samples = std::clamp(static_cast<int>(std::ceil(sheet_pixels - 0.25)), 1, kMaxSamplesPerSide);
-
-  pool.for_each(static_cast<std::size_t>(size.height), [&](std::size_t row) {
-    const double y = static_cast<double>(row) + 0.5;
-    float* out = &picture.rgba[4 * row * static_cast<std::size_t>(size.width)];
-    const auto clear = [&](int from, int to) {
-      if (from < to) std::fill(out + std::ptrdiff_t{4} * from, out + std::ptrdiff_t{4} * to, 0.0f);
-    };
-    const RowWarp warp(sheet, map, samples, kernels, y, size.width);
-    clear(0, warp.first());
-    clear(warp.last(), size.width);
-    const FragmentList& list = fragments.list;
-    int done = warp.first();
-    const std::uint32_t end = list.first_of_row[row + 1];
-    for (std::uint32_t first = list.first_of_row[row]; first < end;) {
-      std::uint32_t last = first + 1;
-      while (last < end && list.samples[last].pixel == list.samples[first].pixel) ++last;
-      const auto column =
-          static_cast<int>(list.samples[first].pixel - row * static_cast<std::size_t>(size.width));
-      if (column >= warp.first() && column < warp.last()) {
-        warp.warp(done, column, out);
-        done = column + 1;
-      }
-      const Light light = mean_of(fragments, first, last, sheet, map, {column, static_cast<int>(row)});
-      std::copy(light.rgba.begin(), light.rgba.end(), out + std::ptrdiff_t{4} * column);
-      first = last;
-    }
-    warp.warp(done, warp.last(), out);
+  // Finer sheets are no finer than what they show.
+  const double voxels = std::max(std::hypot(map.xx, map.yx), std::hypot(map.xy, map.yy)) / sheet.window.scale;
+  const int samples = std::clamp(static_cast<int>(std::ceil(voxels - 0.25)), 1, kMaxSamplesPerSide);
+  pool.for_each((height + kBandRows - 1) / kBandRows, [&](std::size_t band) {
+    const std::size_t first = band * kBandRows;
+    const std::size_t last = std::min(first + kBandRows, height);
+    warp_rows(sheet, map, samples, kernels, first, last, picture);
+    for (std::size_t row = first; row < last; ++row) compose_row(sheet, map, fragments, row, picture);
   });
 }
 

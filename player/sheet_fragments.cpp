@@ -1,12 +1,15 @@
 #include "player/sheet_fragments.h"
 
+#include "player/sheets.h"
+
 namespace splatlas {
 
 SheetFragments::SheetFragments(FragmentOrder& order, std::int64_t first, std::int64_t last,
-                               std::int32_t scale)
+                               const SheetWindow& window, const std::array<float, 3>& color)
     : order_(order),
       first_(first),
-      scale_(scale),
+      scale_(window.scale),
+      color_(color),
       cursors_(static_cast<std::size_t>(last - first)),
       apart_(order.row_end(first - 1) - order.row_begin(first - 1)) {
   for (std::int64_t row = first; row < last; ++row) {
@@ -55,18 +58,17 @@ void SheetFragments::leave(Cursor& cursor, const AccumulatedRow& row) {
 
 Light SheetFragments::share(const FragmentOrder::Entry& entry, bool row_is_below,
                             const AccumulatedRow& row) const {
-  const float weight = row_is_below ? entry.below : 1 - entry.below;
-  const float left = weight * entry.left;
-  const float right = weight * entry.right;
+  const float left = entry.weights[row_is_below ? 2 : 0];
+  const float right = entry.weights[row_is_below ? 3 : 1];
   const float* left_pixel = row.first + entry.phase * row.phase_stride + entry.column;
   const float* right_pixel =
       entry.phase + 1 < scale_ ? left_pixel + row.phase_stride : row.first + entry.column + 1;
   Light light;
-  for (std::size_t c = 0; c < 4; ++c) {
-    const auto plane = static_cast<std::int64_t>(c) * row.plane_stride;
-    light.rgba[c] = left * left_pixel[plane] + right * right_pixel[plane];
+  for (std::int64_t c = 0; c < row.planes; ++c) {
+    const std::int64_t plane = c * row.plane_stride;
+    light.rgba[static_cast<std::size_t>(c)] = left * left_pixel[plane] + right * right_pixel[plane];
   }
-  return light;
+  return row.planes == 4 ? light : in_color(light.rgba[0], light.rgba[1], color_);
 }
 
 void SheetFragments::merge() {

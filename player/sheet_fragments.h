@@ -10,10 +10,13 @@
 
 namespace splatlas {
 
-/// Where the accumulated light of a row of sheet pixels stands: red, green, blue, opacity in planes, the
-/// pixels of each phase together. Pixels one before and one behind the row can be read.
+struct SheetWindow;
+
+/// Where the accumulated light of a row of sheet pixels stands: red, green, blue (or white alone) and opacity
+/// in planes, the pixels of each phase together. Pixels one before and one behind the row can be read.
 struct AccumulatedRow {
-  const float* first = nullptr;  ///< pixel 0 of phase 0, red
+  const float* first = nullptr;  ///< pixel 0 of phase 0, first plane
+  std::int64_t planes = 4;       ///< 4 or 2
   std::int64_t plane_stride = 0, phase_stride = 0;
 };
 
@@ -21,9 +24,10 @@ struct AccumulatedRow {
 /// for nobody, so a fragment is visited only at its own slab.
 class SheetFragments {
  public:
-  /// Rows [first, last) of a sheet of `scale` phases. The fragments just above the first row belong to the
-  /// band above, too: what this one has to add to them is kept apart until merge().
-  SheetFragments(FragmentOrder& order, std::int64_t first, std::int64_t last, std::int32_t scale);
+  /// Rows [first, last) of the window's sheet; `color` is what white stands for. The fragments just above the
+  /// first row belong to the band above, too: what this one has to add to them is kept apart until merge().
+  SheetFragments(FragmentOrder& order, std::int64_t first, std::int64_t last, const SheetWindow& window,
+                 const std::array<float, 3>& color);
 
   /// Around the compositing of a slab onto a row; slabs come front to back.
   void before_slab(std::int64_t fine_row, std::int32_t slab, const AccumulatedRow& row) {
@@ -67,6 +71,7 @@ class SheetFragments {
   FragmentOrder& order_;
   std::int64_t first_;
   std::int32_t scale_;
+  std::array<float, 3> color_;
   std::vector<std::array<Cursor, 2>> cursors_;  // per row
   std::vector<SlabLight> apart_;                // of the fragments above the first row
 };

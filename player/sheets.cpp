@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
+#include "player/band_image.h"
 #include "player/sheet_fragments.h"
 
 namespace splatlas {
@@ -33,26 +35,72 @@ struct Pass {
   float floor;
   FragmentOrder& fragments;
   SheetImage& image;
+};
 
-  /// Floats of a plane of an image row: margins included, whole blocks.
-  [[nodiscard]] std::int64_t stride() const {
-    return (window.columns + 2 * ImageRow::kMargin + kBlock - 1) / kBlock * kBlock;
+/// out[n * streams + s] = stream s [n].
+template <std::size_t kStreams>
+void interleave(const float* const* streams, std::int64_t count, float* out) {
+  for (std::int64_t n = 0; n < count; ++n) {
+    for (std::size_t s = 0; s < kStreams; ++s)
+      out[static_cast<std::size_t>(n) * kStreams + s] = streams[s][n];
   }
+}
+
+void interleave(std::span<const float* const> streams, std::int64_t count, float* out) {
+  switch (streams.size()) {
+    case 2: return interleave<2>(streams.data(), count, out);
+    case 4: return interleave<4>(streams.data(), count, out);
+    case 8: return interleave<8>(streams.data(), count, out);
+    default: break;
+  }
+  for (std::size_t s = 0; s < streams.size(); ++s) {
+    for (std::int64_t n = 0; n < count; ++n)
+      out[static_cast<std::size_t>(n) * streams.size() + s] = streams[s][n];
+  }
+}
+
+/// Where the rows of voxels of a slice, counted from the model's first, lie among the fine rows: `scale` of
+/// these between any two of those.
+class SliceRows {
+ public:
+  SliceRows(const Pass& pass, double k) : scale_(pass.window.scale) {
+    // Fine row of the model's first row of voxels.
+    const double v = pass.shear.v_shift(k) - static_cast<double>(pass.window.v0 - pass.model.row_first);
+    const double fine = v * static_cast<double>(scale_);
+    first_ = static_cast<std::int64_t>(std::ceil(fine));
+    rest_ = static_cast<double>(first_) - fine;
+  }
+
+  /// The n-th fine row between a row of voxels and the one below.
+  [[nodiscard]] std::int64_t fine_row(std::int64_t upper, std::int64_t n) const {
+    return first_ + upper * scale_ + n;
+  }
+  /// The first row of voxels whose n-th fine row below is `row` or lies below that.
+  [[nodiscard]] std::int64_t upper_from(std::int64_t n, std::int64_t row) const {
+    const std::int64_t rows = row - n - first_;
+    return rows >= 0 ? (rows + scale_ - 1) / scale_ : -(-rows / scale_);
+  }
+  /// Of the lower row of voxels in the n-th fine row below the upper one.
+  [[nodiscard]] float lower_weight(std::int64_t n) const {
+    return static_cast<float>((rest_ + static_cast<double>(n)) / static_cast<double>(scale_));
+  }
+
+ private:
+  std::int64_t scale_, first_ = 0;
+  double rest_ = 0;
 };
 
 /// Renders rows [first, last) of the window through all slices.
 class Band {
  public:
-  Band(const Pass& pass, std::int64_t first, std::int64_t last, SheetFragments& fragments)
+  Band(const Pass& pass, std::int64_t first, std::int64_t last, SheetFragments& fragments,
+       std::vector<float>& floats)
       : pass_(pass),
         scale_(pass.window.scale),
         first_(first),
         last_(last),
-        stride_(pass.stride()),
-        fragments_(fragments) {
-    const auto image_rows = static_cast<std::size_t>((last - first) * scale_ * scale_);
-    image_.assign(image_rows * 4 * static_cast<std::size_t>(stride_), 0.0f);
-  }
+        image_(pass.window, pass.model.emissions, first, last, floats),
+        fragments_(fragments) {}
 
   void render() {
     const auto slices = static_cast<std::int64_t>(pass_.model.slices.size());
@@ -60,96 +108,136 @@ class Band {
       const std::int64_t slice = pass_.shear.ascending ? n : slices - 1 - n;
       if (!pass_.model.slices[static_cast<std::size_t>(slice)].spans.empty()) render_slice(slice);
     }
-    for (std::int64_t row = first_ * scale_; row < last_ * scale_; ++row) {
-      fragments_.finish(row, accumulated(row));
+    if (!pass_.fragments.empty()) {
+      for (std::int64_t row = image_.first_fine_row(); row < image_.last_fine_row(); ++row)
+        fragments_.finish(row, image_.accumulated(row));
     }
     store();
   }
 
-  [[nodiscard]] std::uint64_t voxels() const { return voxels_; }
-
  private:
-  /// One row of a slice, for every phase.
-  struct RowOfSlice {
-    const SliceSpans& slice;
-    std::span<const Span> near, far;
-    float v_part;
-    std::span<const Offset> phases;
-
-    [[nodiscard]] SheetRow at_phase(std::int64_t phase) const {
-      const Offset& u = phases[static_cast<std::size_t>(phase)];
-      return {slice.light.get(), near, far, 1.0f - v_part, v_part, 1.0f - u.part, u.part, u.whole};
-    }
-  };
-
-  /// Pixel 0 of the first plane.
-  float* image_row(std::int64_t fine_row, std::int64_t phase) {
-    return image_.data() + ((fine_row - first_ * scale_) * scale_ + phase) * 4 * stride_ + ImageRow::kMargin;
-  }
-  AccumulatedRow accumulated(std::int64_t fine_row) { return {image_row(fine_row, 0), stride_, 4 * stride_}; }
-
   void render_slice(std::int64_t n) {
-    const SliceSpans& slice = pass_.model.slices[static_cast<std::size_t>(n)];
-    const std::int64_t slice_number = pass_.model.slice_first + n;
-    const auto k = static_cast<double>(slice_number);
+    const auto k = static_cast<double>(pass_.model.slice_first + n);
     const double u_shift = pass_.shear.u_shift(k) - static_cast<double>(pass_.window.u0);
-    const double v_shift = pass_.shear.v_shift(k) - static_cast<double>(pass_.window.v0);
     phases_.clear();
     for (std::int64_t phase = 0; phase < scale_; ++phase) {
-      phases_.emplace_back(u_shift - static_cast<double>(phase) / static_cast<double>(scale_));
+      const Offset u(u_shift - static_cast<double>(phase) / static_cast<double>(scale_));
+      phases_.push_back({u.part, u.whole});
     }
-    for (std::int64_t sub_row = 0; sub_row < scale_; ++sub_row) {
-      const Offset v(v_shift - static_cast<double>(sub_row) / static_cast<double>(scale_));
-      // Voxel row j is seen between rows j + v.whole and j + v.whole + 1.
-      const std::int64_t first = std::max(first_, pass_.model.row_first + v.whole);
-      const std::int64_t last = std::min(last_, pass_.model.row_first + pass_.model.rows + v.whole + 1);
-      for (std::int64_t row = first; row < last; ++row) {
-        const auto near = pass_.model.row(slice, row - v.whole);
-        if (sub_row == 0) {
-          for (const Span& span : near) voxels_ += span.voxels;
-        }
-        const auto far = v.part > 0 ? pass_.model.row(slice, row - v.whole - 1) : std::span<const Span>();
-        if (near.empty() && far.empty()) continue;
-        const RowOfSlice row_of_slice{slice, near, far, v.part, phases_};
-        const std::int64_t fine_row = row * scale_ + sub_row;
-        fragments_.before_slab(fine_row, pass_.fragments.slab_of(slice_number), accumulated(fine_row));
-        composite(row_of_slice, fine_row);
-        fragments_.behind_slab(fine_row, accumulated(fine_row));
-      }
+    const SliceRows rows(pass_, k);
+    for (std::int64_t between = 0; between < scale_;) {
+      const std::int64_t count = std::min<std::int64_t>(SheetRows::kMostRows, scale_ - between);
+      render_rows(n, rows, between, count);
+      between += count;
     }
   }
 
-  void composite(const RowOfSlice& row, std::int64_t fine_row) {
-    const auto slab_mm = static_cast<float>(pass_.shear.slab_mm);
-    for (std::int64_t phase = 0; phase < scale_; ++phase) {
-      pass_.kernels.composite(
-          row.at_phase(phase), slab_mm, pass_.floor,
-          {image_row(fine_row, phase), static_cast<std::size_t>(stride_), pass_.window.columns});
+  /// `count` of the rows that lie between any two rows of voxels, from number `between` on. The band's first
+  /// and last rows may stand alone.
+  void render_rows(std::int64_t n, const SliceRows& rows, std::int64_t between, std::int64_t count) {
+    const SliceSpans& slice = pass_.model.slices[static_cast<std::size_t>(n)];
+    const auto upper_rows = [&](std::int64_t row) {
+      return std::pair(std::max(slice.first_row - 1, rows.upper_from(row, image_.first_fine_row())),
+                       std::min(slice.last_row, rows.upper_from(row, image_.last_fine_row())));
+    };
+    auto [first, last] = upper_rows(between);
+    for (std::int64_t row = between + 1; row < between + count; ++row) {
+      const auto [own_first, own_last] = upper_rows(row);
+      first = std::max(first, own_first);
+      last = std::min(last, own_last);
+    }
+    for (std::int64_t row = between; row < between + count; ++row) {
+      const auto [own_first, own_last] = upper_rows(row);
+      composite(n, rows, row, 1, own_first, std::min(first, own_last));
+      composite(n, rows, row, 1, std::max({first, last, own_first}), own_last);
+    }
+    composite(n, rows, between, count, first, last);
+  }
+
+  /// Upper rows of voxels [first, last).
+  void composite(std::int64_t n, const SliceRows& slice_rows, std::int64_t between, std::int64_t count,
+                 std::int64_t first, std::int64_t last) {
+    if (first >= last) return;
+    SheetRows rows;
+    rows.slice = &pass_.model.slices[static_cast<std::size_t>(n)];
+    rows.upper = first;
+    rows.pairs = last - first;
+    rows.rows_between = static_cast<std::size_t>(count);
+    for (std::int64_t row = 0; row < count; ++row)
+      rows.lower_weights[static_cast<std::size_t>(row)] = slice_rows.lower_weight(between + row);
+    const std::int64_t fine_row = slice_rows.fine_row(first, between);
+    const std::int32_t slab = pass_.fragments.slab_of(pass_.model.slice_first + n);
+    for_each_row_with_fragments(rows, fine_row, [&](std::int64_t row) {
+      fragments_.before_slab(row, slab, image_.accumulated(row));
+    });
+    for (std::size_t phase = 0; phase < phases_.size(); phase += rows.phase_count) {
+      rows.phase_count = std::min(SheetRows::kMostPhases, phases_.size() - phase);
+      std::copy_n(phases_.begin() + static_cast<std::ptrdiff_t>(phase), rows.phase_count,
+                  rows.phases.begin());
+      pass_.kernels.composite(rows, static_cast<float>(pass_.shear.slab_mm), pass_.floor,
+                              image_.rows(fine_row, static_cast<std::int64_t>(phase)));
+    }
+    for_each_row_with_fragments(
+        rows, fine_row, [&](std::int64_t row) { fragments_.behind_slab(row, image_.accumulated(row)); });
+  }
+
+  /// Calls body(fine row) for the rows of pixels that something is splatted on, if there are fragments at
+  /// all.
+  template <typename Body>
+  void for_each_row_with_fragments(const SheetRows& rows, std::int64_t fine_row, const Body& body) {
+    if (pass_.fragments.empty()) return;
+    for (std::int64_t pair = 0; pair < rows.pairs; ++pair) {
+      const std::int64_t upper = rows.upper + pair;
+      if (rows.slice->row(upper).empty() && rows.slice->row(upper + 1).empty()) continue;
+      for (std::size_t row = 0; row < rows.rows_between; ++row)
+        body(fine_row + pair * scale_ + static_cast<std::int64_t>(row));
     }
   }
 
-  /// Interleaves the phases into the finished sheet.
+  /// Interleaves phases and planes into the finished sheet.
   void store() {
-    const std::int64_t fine_columns = pass_.window.fine_columns();
-    for (std::int64_t fine_row = first_ * scale_; fine_row < last_ * scale_; ++fine_row) {
-      Light* out = &pass_.image.pixels[static_cast<std::size_t>((fine_row + 1) * (fine_columns + 2) + 1)];
+    SheetImage& sheet = pass_.image;
+    std::vector<const float*> streams;
+    for (std::int64_t row = first_ * scale_; row < last_ * scale_; ++row) {
+      streams.clear();
       for (std::int64_t phase = 0; phase < scale_; ++phase) {
-        const float* image = image_row(fine_row, phase);
-        for (std::int64_t x = 0; x < pass_.window.columns; ++x) {
-          out[x * scale_ + phase] = {
-              {image[x], image[stride_ + x], image[2 * stride_ + x], image[3 * stride_ + x]}};
-        }
+        for (std::int64_t plane = 0; plane < image_.planes(); ++plane)
+          streams.push_back(image_.row(row, phase) + plane * image_.plane_stride());
       }
+      float* out = &sheet.pixels[static_cast<std::size_t>((row + 1) * sheet.stride() * sheet.channels)];
+      std::fill_n(out, sheet.channels, 0.0f);
+      interleave(streams, pass_.window.columns, out + sheet.channels);
+      std::fill_n(out + (sheet.stride() - 1) * sheet.channels, sheet.channels, 0.0f);
     }
   }
 
   const Pass& pass_;
-  std::int64_t scale_, first_, last_, stride_;
-  std::vector<float> image_;    // [fine row][phase][red, green, blue, opacity][stride]
-  std::vector<Offset> phases_;  // of the current slice
+  std::int64_t scale_, first_, last_;
+  BandImage image_;
   SheetFragments& fragments_;
-  std::uint64_t voxels_ = 0;
+  std::vector<Phase> phases_;  // of the current slice
 };
+
+/// Voxels in the rows that the window sees.
+std::uint64_t count_voxels(const Pass& pass) {
+  std::uint64_t voxels = 0;
+  for (std::size_t n = 0; n < pass.model.slices.size(); ++n) {
+    const SliceSpans& slice = pass.model.slices[n];
+    if (slice.spans.empty()) continue;
+    const SliceRows rows(pass, static_cast<double>(pass.model.slice_first) + static_cast<double>(n));
+    // Their footprints reach from the fine row below the row of voxels before to the one above the row after.
+    const std::int64_t first = rows.upper_from(pass.window.scale - 1, 0);
+    const std::int64_t last = rows.upper_from(0, pass.window.fine_rows()) + 1;
+    if (first <= 0 && last >= pass.model.rows) {
+      voxels += slice.voxels;
+      continue;
+    }
+    for (std::int64_t row = std::max<std::int64_t>(first, 0); row < std::min(last, pass.model.rows); ++row) {
+      for (const Span& span : slice.row(row)) voxels += span.voxels;
+    }
+  }
+  return voxels;
+}
 
 }  // namespace
 
@@ -194,28 +282,30 @@ SheetCounters render_sheets(const SpanModel& model, const Shear& shear, const Sh
                             const SplatKernels& kernels, float floor, FragmentOrder& fragments,
                             SheetImage& image, ThreadPool& pool) {
   image.window = window;
-  image.pixels.assign(static_cast<std::size_t>((window.fine_rows() + 2) * (window.fine_columns() + 2)),
-                      Light{});
+  image.channels = 1 + model.emissions;
+  image.color = model.color;
+  const auto row_floats = static_cast<std::size_t>(image.stride() * image.channels);
+  image.pixels.resize(static_cast<std::size_t>(window.fine_rows() + 2) * row_floats);
+  std::fill_n(image.pixels.begin(), row_floats, 0.0f);
+  std::fill_n(image.pixels.end() - static_cast<std::ptrdiff_t>(row_floats), row_floats, 0.0f);
+
   const Pass pass{model, shear, window, kernels, floor, fragments, image};
-  const std::int64_t row_bytes = pass.stride() * window.scale * window.scale * std::int64_t{sizeof(Light)};
+  const std::int64_t row_bytes =
+      BandImage::stride(window) * window.scale * window.scale * image.channels * std::int64_t{sizeof(float)};
   const std::int64_t band_rows =
       std::clamp<std::int64_t>(kBandBytes / std::max<std::int64_t>(row_bytes, 1), 1, kMostBandRows);
   std::vector<SheetFragments> band_fragments;
   for (std::int64_t row = 0; row < window.rows; row += band_rows) {
     const std::int64_t last = std::min(row + band_rows, window.rows);
-    band_fragments.emplace_back(fragments, row * window.scale, last * window.scale, window.scale);
+    band_fragments.emplace_back(fragments, row * window.scale, last * window.scale, window, model.color);
   }
-  std::vector<std::uint64_t> voxels(band_fragments.size(), 0);
-  pool.for_each(voxels.size(), [&](std::size_t n) {
+  pool.for_each(band_fragments.size(), [&](std::size_t n) {
+    static thread_local std::vector<float> floats;  // fresh pages would cost more than the band
     const std::int64_t first = static_cast<std::int64_t>(n) * band_rows;
-    Band band(pass, first, std::min(first + band_rows, window.rows), band_fragments[n]);
-    band.render();
-    voxels[n] = band.voxels();
+    Band(pass, first, std::min(first + band_rows, window.rows), band_fragments[n], floats).render();
   });
   for (SheetFragments& of_band : band_fragments) of_band.merge();
-  SheetCounters counters;
-  for (const std::uint64_t v : voxels) counters.voxels += v;
-  return counters;
+  return {count_voxels(pass)};
 }
 
 }  // namespace splatlas

@@ -15,6 +15,7 @@ struct BuildContext {
   std::span<const VolumeLook> looks;
   const ClassCache& cache;
   bool shade;
+  int emissions;
   /// Memory steps of the grid, in voxels.
   std::size_t slice_stride, row_stride, scan_stride;
 
@@ -35,6 +36,11 @@ void cut_spans(std::span<const SelectedRun> runs, const VoxelLook* voxels, Slice
   }
 }
 
+void set_emission(SliceSpans& slice, std::size_t place, const std::array<float, 3>& emission, float factor) {
+  for (std::size_t c = 0; c < static_cast<std::size_t>(slice.emissions); ++c)
+    slice.light[place + (c + 1) * kBlock] = emission[c] * factor;
+}
+
 /// Writes the light of one scanline into the planes of its spans.
 void pack_spans(const BuildContext& context, std::int64_t slice, std::int64_t row,
                 std::span<const SelectedRun> runs, const VoxelLook* voxels, std::span<const Span> spans,
@@ -45,17 +51,13 @@ void pack_spans(const BuildContext& context, std::int64_t slice, std::int64_t ro
     const bool shaded = context.shade && context.plan.classes[run.draw].boundary;
     const std::size_t first_voxel = context.voxel(slice, row, run.start);
     for (std::uint32_t n = 0; n < run.length; ++n) {
-      const float extinction = voxels[n].extinction_per_mm;
-      if (extinction <= 0) continue;
+      if (voxels[n].extinction_per_mm <= 0) continue;
       const std::uint32_t at = run.start + n;
       while (at >> kBlockBits >= spans[s].first_block + spans[s].blocks) ++s;
-      const std::size_t place = spans[s].place(at);
-      const std::array<float, 3> rgb = look.emission(voxels[n]);
-      float* light = &out.light[place];
-      light[0] = extinction;
-      for (std::size_t c = 0; c < 3; ++c) light[(c + 1) * kBlock] = rgb[c];
-      if (shaded)
-        out.shaded.push_back({place, context.cache.normals()[first_voxel + n * context.scan_stride], rgb});
+      ShadedVoxel voxel = out.set_light(spans[s], at, look, voxels[n]);
+      if (!shaded) continue;
+      voxel.normal = context.cache.normals()[first_voxel + n * context.scan_stride];
+      out.shaded.push_back(voxel);
     }
     voxels += run.length;
   }
@@ -64,6 +66,7 @@ void pack_spans(const BuildContext& context, std::int64_t slice, std::int64_t ro
 SliceSpans build_slice(const BuildContext& context, std::int64_t slice) {
   const SelectedRuns& selected = context.selected;
   SliceSpans out;
+  out.emissions = context.emissions;
   const auto first_scanline = static_cast<std::size_t>((slice - selected.slice_first) * selected.rows);
   if (selected.first_run[first_scanline] ==
       selected.first_run[first_scanline + static_cast<std::size_t>(selected.rows)]) {
@@ -122,19 +125,37 @@ void SliceSpans::add_voxel(std::size_t first_of_row, std::uint32_t voxel) {
   ++voxels;
 }
 
+void SliceSpans::find_rows() {
+  const auto rows = static_cast<std::int64_t>(first_span.size()) - 1;
+  first_row = 0;
+  last_row = std::max<std::int64_t>(rows, 0);
+  while (first_row < last_row && row(first_row).empty()) ++first_row;
+  while (first_row < last_row && row(last_row - 1).empty()) --last_row;
+}
+
 void SliceSpans::allocate_light() {
-  std::size_t floats = 0;
+  std::uint32_t blocks = 0;
   for (Span& span : spans) {
-    span.offset = floats;
-    floats += std::size_t{span.blocks} * static_cast<std::size_t>(kBlockFloats);
+    span.offset = blocks;
+    blocks += span.blocks;
   }
-  light.reset(new (kLightAlignment) float[floats]());
+  light.reset(new (kLightAlignment) float[light_floats()]());
+  find_rows();
+}
+
+ShadedVoxel SliceSpans::set_light(const Span& span, std::uint32_t voxel, const VolumeLook& look,
+                                  const VoxelLook& seen) {
+  ShadedVoxel written{place(span, voxel), 0, look.emission(seen)};
+  if (emissions == 1) written.emission[0] = seen.extinction_per_mm * seen.shade;
+  light[written.place] = seen.extinction_per_mm;
+  set_emission(*this, written.place, written.emission, 1);
+  return written;
 }
 
 std::uint64_t span_model_bytes(std::uint64_t voxels, std::uint64_t runs) {
   // As if every voxel were shaded, and every run a span of its own with blocks that it hardly fills. Voxels
   // that grey values leave out make runs into several spans only where whole blocks are left out.
-  constexpr std::uint64_t kLight = kPlanes * sizeof(float);
+  constexpr std::uint64_t kLight = 4 * sizeof(float);
   return voxels * (kLight + sizeof(ShadedVoxel)) + runs * (2 * kBlock * kLight + sizeof(Span));
 }
 
@@ -143,8 +164,16 @@ SpanModel build_spans(const SelectedRuns& selected, const DrawPlan& plan, std::s
   const ScanOrder scan = ScanOrder::of(selected.axis);
   const std::array<std::size_t, 3> step{1, static_cast<std::size_t>(grid.size[0]),
                                         static_cast<std::size_t>(grid.size[0] * grid.size[1])};
-  const BuildContext context{
-      selected, plan, looks, cache, shade, step[scan.slice_axis], step[scan.row_axis], step[scan.scan_axis]};
+  const std::optional<std::array<float, 3>> color = common_color(plan, looks);
+  const BuildContext context{selected,
+                             plan,
+                             looks,
+                             cache,
+                             shade,
+                             color ? 1 : 3,
+                             step[scan.slice_axis],
+                             step[scan.row_axis],
+                             step[scan.scan_axis]};
   SpanModel model;
   model.axis = selected.axis;
   model.slice_first = selected.slice_first;
@@ -152,6 +181,8 @@ SpanModel build_spans(const SelectedRuns& selected, const DrawPlan& plan, std::s
   model.rows = selected.rows;
   model.scan_first = selected.scan_first;
   model.scan_voxels = selected.scan_voxels;
+  model.emissions = context.emissions;
+  model.color = color.value_or(model.color);
   model.slices.resize(static_cast<std::size_t>(selected.slices));
   pool.for_each(model.slices.size(), [&](std::size_t n) {
     model.slices[n] = build_slice(context, selected.slice_first + static_cast<std::int64_t>(n));
@@ -166,11 +197,8 @@ SpanModel build_spans(const SelectedRuns& selected, const DrawPlan& plan, std::s
 void shade_spans(SpanModel& model, std::span<const float> light, ThreadPool& pool) {
   pool.for_each(model.slices.size(), [&](std::size_t n) {
     SliceSpans& slice = model.slices[n];
-    for (const ShadedVoxel& voxel : slice.shaded) {
-      const float factor = light[voxel.normal];
-      float* light_of_voxel = &slice.light[voxel.place];
-      for (std::size_t c = 0; c < 3; ++c) light_of_voxel[(c + 1) * kBlock] = voxel.emission[c] * factor;
-    }
+    for (const ShadedVoxel& voxel : slice.shaded)
+      set_emission(slice, voxel.place, voxel.emission, light[voxel.normal]);
   });
 }
 

@@ -1,6 +1,8 @@
-// HOT LOOP: splatting a row of voxels into a sheet and compositing it, chosen once per frame for the machine.
+// HOT LOOP: splatting the rows of a slice into a sheet and compositing it, chosen once per frame for the
+// machine.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -9,38 +11,51 @@
 
 namespace splatlas {
 
-/// One row of sheet pixels at one slice. In the sheared grid every voxel of a slice has the same sub-pixel
-/// offset, so the footprint (a tent, one voxel to each side) has constant weights: with the mixed row
-///   m[i] = near_weight * near[i] + far_weight * far[i]
-/// of the two rows of voxels whose footprints reach the row, pixel x is here * m[x - shift] + before *
-/// m[x - shift - 1].
-struct SheetRow {
-  const float* light = nullptr;  ///< of the slice
-  std::span<const Span> near, far;
-  float near_weight = 0, far_weight = 0;
-  float here = 0, before = 0;
+/// Pixels of a row of the sheet that have one sub-pixel offset to the voxels of a slice: one per voxel. With
+/// the row of voxels m, pixel x is (1 - before) * m[x - shift] + before * m[x - shift - 1].
+struct Phase {
+  float before = 0;  ///< [0, 1)
   std::int64_t shift = 0;
 };
 
-/// What has been accumulated along the rays of one row of sheet pixels so far.
-struct ImageRow {
-  /// Pixels that may be read and written before the first one and behind the last one.
-  static constexpr std::int64_t kMargin = kBlock;
+/// Rows of sheet pixels at one slice. In the sheared grid every voxel of a slice has the same sub-pixel
+/// offset, so the footprint (a tent, one voxel to each side) has constant weights. Between two rows of voxels
+/// lie one or two rows of pixels, whose voxels are the mix (1 - lower_weight) * upper[i] + lower_weight *
+/// lower[i].
+struct SheetRows {
+  static constexpr std::size_t kMostRows = 2, kMostPhases = 2;
 
-  float* planes = nullptr;  ///< red, green, blue (premultiplied, linear), opacity; `stride` apart
-  std::size_t stride = 0;
+  const SliceSpans* slice = nullptr;
+  std::int64_t upper = 0;  ///< the first upper row of voxels, counted as slice->row() does
+  std::int64_t pairs = 0;  ///< of rows of voxels: (upper, upper + 1), (upper + 1, upper + 2), ...
+  std::array<float, kMostRows> lower_weights{};  ///< [0, 1), of the rows of pixels between a pair
+  std::size_t rows_between = 1;
+  std::array<Phase, kMostPhases> phases;  ///< their shifts differ by one at most
+  std::size_t phase_count = 1;
+};
+
+/// What has been accumulated along the rays so far. Each phase of each row has as many planes as the spans
+/// have emissions (premultiplied, linear), and then the opacity.
+struct ImageRows {
+  /// Pixels of a plane that may be read and written before the first one and behind the last one: a block
+  /// whose first pixel is the last of the plane in one phase, and behind it in the other.
+  static constexpr std::int64_t kMargin = kBlock + 1;
+
+  float* pixels = nullptr;  ///< pixel 0 of the first phase of the first row
   std::int64_t columns = 0;
+  /// In floats; the last one between the first rows of consecutive pairs.
+  std::int64_t plane_stride = 0, phase_stride = 0, row_stride = 0, pair_stride = 0;
 };
 
 struct SplatKernels {
   const char* name;  ///< "scalar", or the instruction set
 
-  /// Splats a row and composites it behind what is accumulated. Along a slab of `slab_mm` extinction k and
+  /// Splats rows and composites them behind what is accumulated. Along a slab of `slab_mm` extinction k and
   /// emission e are constant, so exactly
   ///   colour += (1 - opacity) * e * (1 - exp(-k d)) / k,   opacity += (1 - opacity) * (1 - exp(-k d)).
   /// Nothing is added to blocks that let through no more than `floor` everywhere. Cost: the blocks of the
   /// spans, opaque ones next to nothing.
-  void (*composite)(const SheetRow& row, float slab_mm, float floor, const ImageRow& image);
+  void (*composite)(const SheetRows& rows, float slab_mm, float floor, const ImageRows& image);
 };
 
 /// Plain C++, the twin that others are compared with.

@@ -22,15 +22,15 @@ using Vector = hn::Vec<Lanes>;
 /// Slabs of at most this depth take the short way.
 constexpr float kThin = 0.75f;
 
-/// (1 - exp(-depth)) / depth, 0 <= depth <= kThin, to 2e-8 relative: the polynomial through the Chebyshev
-/// nodes of that range.
+/// (1 - exp(-depth)) / depth, 0 <= depth <= kThin, to 1e-7 relative: 1 - depth / 2 + ..., the rest through
+/// the Chebyshev nodes of that range.
 HWY_INLINE Vector ThinMean(Vector depth) {
   const Lanes d;
-  auto mean = hn::Set(d, -1.011964663e-3f);
-  mean = hn::MulAdd(mean, depth, hn::Set(d, 8.033159332e-3f));
-  mean = hn::MulAdd(mean, depth, hn::Set(d, -4.155307680e-2f));
-  mean = hn::MulAdd(mean, depth, hn::Set(d, 1.666469833e-1f));
-  mean = hn::MulAdd(mean, depth, hn::Set(d, -4.999987434e-1f));
+  auto mean = hn::Set(d, -1.067719662e-03f);
+  mean = hn::MulAdd(mean, depth, hn::Set(d, 8.132654303e-03f));
+  mean = hn::MulAdd(mean, depth, hn::Set(d, -4.161409106e-02f));
+  mean = hn::MulAdd(mean, depth, hn::Set(d, 1.666617870e-01f));
+  mean = hn::MulAdd(mean, depth, hn::Set(d, -4.999999269e-01f));
   return hn::MulAdd(mean, depth, hn::Set(d, 1.0f));
 }
 
@@ -58,28 +58,6 @@ HWY_INLINE Vector Absorbed(Vector depth) {
   return hn::NegMulAdd(scale, expm1, hn::Sub(one, scale));
 }
 
-/// The weights of a row, in every lane.
-struct Weights {
-  Vector near, far, here, before;
-
-  HWY_INLINE explicit Weights(const SheetRow& row)
-      : near(hn::Set(Lanes(), row.near_weight)),
-        far(hn::Set(Lanes(), row.far_weight)),
-        here(hn::Set(Lanes(), row.here)),
-        before(hn::Set(Lanes(), row.before)) {}
-};
-
-/// The rows of voxels that reach a run of blocks.
-enum class Rows { kNear, kFar, kBoth };
-
-template <Rows kRows>
-HWY_INLINE Vector Mixed(const Weights& weights, const float* near, const float* far) {
-  const Lanes d;
-  if constexpr (kRows == Rows::kNear) return hn::Mul(weights.near, hn::Load(d, near));
-  if constexpr (kRows == Rows::kFar) return hn::Mul(weights.far, hn::Load(d, far));
-  return hn::MulAdd(weights.far, hn::Load(d, far), hn::Mul(weights.near, hn::Load(d, near)));
-}
-
 /// Turned vectors have their last lane first: what a vector hands on to the one behind it.
 HWY_INLINE Vector Turned(Vector mixed) {
   const Lanes d;
@@ -89,144 +67,210 @@ HWY_INLINE Vector Turned(Vector mixed) {
   return hn::TableLookupLanes(mixed, hn::IndicesFromVec(d, before));
 }
 
-/// The splat: a row of pixels is the mixed row convolved with two weights. `carry` is the mixed vector before
-/// this one, turned; this one's is left in it.
-HWY_INLINE Vector Splatted(const Weights& weights, Vector mixed, Vector& carry) {
-  const Lanes d;
-  const auto turned = Turned(mixed);
-  const auto before = hn::IfThenElse(hn::FirstN(d, 1), carry, turned);
-  carry = turned;
-  return hn::MulAdd(weights.before, before, hn::Mul(weights.here, mixed));
-}
-
-/// Turned mixed vectors of the block before, by plane.
-struct Carry {
-  Vector turned[kPlanes];
-
-  HWY_INLINE void Clear() {
-    for (Vector& t : turned) t = hn::Zero(Lanes());
-  }
-  /// From the last vectors of a block that was passed over.
-  HWY_INLINE void From(const Weights& weights, const float* near, const float* far) {
-    const Lanes d;
-    for (std::size_t plane = 0; plane < kPlanes; ++plane) {
-      const std::size_t at = (plane + 1) * kBlock - hn::Lanes(d);
-      auto mixed = hn::Zero(d);
-      if (near != nullptr) mixed = hn::Mul(weights.near, hn::Load(d, near + at));
-      if (far != nullptr) mixed = hn::MulAdd(weights.far, hn::Load(d, far + at), mixed);
-      turned[plane] = Turned(mixed);
-    }
-  }
-};
-
-/// Composites one block.
-template <Rows kRows>
-HWY_INLINE void CompositeBlock(const Weights& weights, const float* near, const float* far, Vector slab,
-                               float* pixels, std::size_t stride, Carry& carry) {
-  const Lanes d;
-  const auto one = hn::Set(d, 1.0f);
-  for (std::size_t n = 0; n < static_cast<std::size_t>(kBlock); n += hn::Lanes(d)) {
-    const auto extinction = Splatted(weights, Mixed<kRows>(weights, near + n, far + n), carry.turned[0]);
-    const auto depth = hn::Mul(slab, extinction);
-    const auto opacity = hn::LoadU(d, pixels + 3 * stride + n);
-    const auto through = hn::Sub(one, opacity);
-    Vector mean, absorbed;
-    if (HWY_LIKELY(hn::AllTrue(d, hn::Le(depth, hn::Set(d, kThin))))) {
-      mean = ThinMean(depth);
-      absorbed = hn::Mul(depth, mean);
-    } else {
-      absorbed = Absorbed(depth);
-      mean = hn::Div(absorbed, hn::Max(depth, hn::Set(d, 1e-30f)));
-    }
-    const auto weight = hn::Mul(hn::Mul(through, slab), mean);
-    for (std::size_t c = 0; c < 3; ++c) {
-      const std::size_t at = (c + 1) * kBlock + n;
-      const auto emission =
-          Splatted(weights, Mixed<kRows>(weights, near + at, far + at), carry.turned[c + 1]);
-      float* color = pixels + c * stride + n;
-      hn::StoreU(hn::MulAdd(weight, emission, hn::LoadU(d, color)), d, color);
-    }
-    hn::StoreU(hn::MulAdd(through, absorbed, opacity), d, pixels + 3 * stride + n);
-  }
-}
-
-HWY_INLINE bool Opaque(const float* opacity, float floor) {
-  const Lanes d;
-  auto least = hn::LoadU(d, opacity);
-  for (std::size_t n = hn::Lanes(d); n < static_cast<std::size_t>(kBlock); n += hn::Lanes(d)) {
-    least = hn::Min(least, hn::LoadU(d, opacity + n));
-  }
-  return hn::AllTrue(d, hn::Le(hn::Sub(hn::Set(d, 1.0f), least), hn::Set(d, floor)));
-}
-
 /// Rows come one after the other, but blocks are passed over: the machine's own prefetching falls behind.
+template <std::int64_t kFloats>
 HWY_INLINE void PrefetchAhead(const float* block) {
   constexpr std::int64_t kBlocksAhead = 8;
-  for (std::int64_t line = 0; line < kBlockFloats; line += 16)
-    hwy::Prefetch(block + kBlocksAhead * kBlockFloats + line);
+  for (std::int64_t line = 0; line < kFloats; line += 16)
+    hwy::Prefetch(block + kBlocksAhead * kFloats + line);
 }
 
-/// A row's walk over its blocks.
-struct RowWalk {
-  const SheetRow& row;
-  const ImageRow& image;
-  float floor;
-  Weights weights;
-  Vector slab;
-  Carry carry;
-  bool passed = false;  // the block before was passed over: the carry is still to be made
-  const float* passed_near = nullptr;
-  const float* passed_far = nullptr;
+/// Splats and composites `kRows` rows of pixels with `kPhases` phases and `kEmissions` emissions. Light is
+/// taken times the slab: depths instead of extinctions.
+template <int kEmissions, int kRows, int kPhases>
+class Splat {
+  static constexpr int kPlanes = 1 + kEmissions;
+  static constexpr std::int64_t kBlockFloats = kBlock * kPlanes;
+  static constexpr int kStreams = kRows * kPhases;  // of pixels: row by row, phase by phase
+  using Streams = float* const (&)[kStreams];
+  using Planes = const Vector (&)[kPlanes];
 
-  HWY_INLINE RowWalk(const SheetRow& sheet_row, float slab_mm, float opaque_floor, const ImageRow& image_row)
-      : row(sheet_row),
-        image(image_row),
-        floor(opaque_floor),
-        weights(sheet_row),
-        slab(hn::Set(Lanes(), slab_mm)) {
-    carry.Clear();
+ public:
+  HWY_INLINE Splat(const SheetRows& rows, float slab_mm, float floor, const ImageRows& image)
+      : rows_(rows),
+        image_(image),
+        slab_(hn::Set(Lanes(), slab_mm)),
+        opaque_(hn::Set(Lanes(), 1.0f - floor)) {
+    for (int row = 0; row < kRows; ++row)
+      lower_[row] = hn::Set(Lanes(), rows.lower_weights[static_cast<std::size_t>(row)]);
+    for (int phase = 0; phase < kPhases; ++phase)
+      before_[phase] = hn::Set(Lanes(), rows.phases[static_cast<std::size_t>(phase)].before);
+    ClearCarry();
   }
 
-  template <Rows kRows>
-  HWY_INLINE void Run(const BlockRun& run) {
-    const float* near = run.near;
-    const float* far = run.far;
-    for (std::int64_t block = run.first; block < run.last; ++block) {
-      float* pixels = image.planes + block * kBlock + row.shift;
-      if (HWY_UNLIKELY(Opaque(pixels + 3 * image.stride, floor))) {
-        passed = true;
-        passed_near = near;
-        passed_far = far;
-      } else {
-        PrefetchAhead(kRows == Rows::kFar ? far : near);
-        if (HWY_UNLIKELY(passed)) carry.From(weights, passed_near, passed_far);
-        passed = false;
-        CompositeBlock<kRows>(weights, near, far, slab, pixels, image.stride, carry);
+  HWY_INLINE void CompositePair(std::int64_t pair) {
+    BlockRuns runs(rows_, pair, image_);
+    std::int64_t next_block = std::numeric_limits<std::int64_t>::min();
+    for (BlockRun run; runs.next(run);) {
+      if (run.first != next_block) ClearCarry();
+      next_block = run.last;
+      float* streams[kStreams];
+      for (int n = 0; n < kStreams; ++n) {
+        const int row = n / kPhases, phase = n % kPhases;
+        streams[n] = image_.pixels + pair * image_.pair_stride + row * image_.row_stride +
+                     phase * image_.phase_stride + rows_.phases[static_cast<std::size_t>(phase)].shift +
+                     run.first * kBlock;
       }
-      if constexpr (kRows != Rows::kFar) near += kBlockFloats;
-      if constexpr (kRows != Rows::kNear) far += kBlockFloats;
+      CompositeRun(run, streams);
     }
   }
+
+ private:
+  HWY_INLINE void CompositeRun(const BlockRun& run, float* (&streams)[kStreams]) {
+    for (std::int64_t block = run.first; block < run.last; ++block) {
+      const float* upper = run.upper.light(block, kBlockFloats, kDarkBlock.data());
+      const float* lower = run.lower.light(block, kBlockFloats, kDarkBlock.data());
+      if (HWY_UNLIKELY(Opaque(streams))) {
+        passed_upper_ = upper;
+        passed_lower_ = lower;
+      } else {
+        PrefetchAhead<kBlockFloats>(lower);
+        if (HWY_UNLIKELY(passed_upper_ != nullptr)) CarryFromPassed();
+        CompositeBlock(upper, lower, streams);
+      }
+      for (float*& stream : streams) stream += kBlock;
+    }
+  }
+
+  HWY_INLINE bool Opaque(Streams streams) const {
+    const Lanes d;
+    auto least = hn::Set(d, 1.0f);
+    for (const float* stream : streams) {
+      for (std::int64_t n = 0; n < kBlock; n += static_cast<std::int64_t>(hn::Lanes(d)))
+        least = hn::Min(least, hn::LoadU(d, stream + kEmissions * image_.plane_stride + n));
+    }
+    return hn::AllTrue(d, hn::Ge(least, opaque_));
+  }
+
+  static HWY_INLINE bool IsThin(Vector depth) {
+    return hn::AllTrue(Lanes(), hn::Le(depth, hn::Set(Lanes(), kThin)));
+  }
+
+  HWY_INLINE void ClearCarry() {
+    for (auto& row : carry_) {
+      for (Vector& carry : row) carry = hn::Zero(Lanes());
+    }
+    thin_carry_ = true;
+    passed_upper_ = nullptr;
+  }
+
+  /// What the last block that was passed over hands on.
+  HWY_INLINE void CarryFromPassed() {
+    const Lanes d;
+    const std::int64_t last = kBlock - static_cast<std::int64_t>(hn::Lanes(d));
+    thin_carry_ = true;
+    for (int row = 0; row < kRows; ++row) {
+      Vector mixed[kPlanes];
+      Mix(passed_upper_ + last, passed_lower_ + last, row, mixed);
+      thin_carry_ = thin_carry_ && IsThin(mixed[0]);
+      for (int plane = 0; plane < kPlanes; ++plane) carry_[row][plane] = Turned(mixed[plane]);
+    }
+    passed_upper_ = nullptr;
+  }
+
+  HWY_INLINE void Mix(const float* upper, const float* lower, int row, Vector (&mixed)[kPlanes]) const {
+    const Lanes d;
+    for (int plane = 0; plane < kPlanes; ++plane) {
+      const auto above = hn::Mul(slab_, hn::Load(d, upper + plane * kBlock));
+      const auto below = hn::Mul(slab_, hn::Load(d, lower + plane * kBlock));
+      mixed[plane] = hn::MulAdd(lower_[row], hn::Sub(below, above), above);
+    }
+  }
+
+  HWY_INLINE void CompositeBlock(const float* upper, const float* lower, Streams streams) {
+    const Lanes d;
+    for (std::int64_t n = 0; n < kBlock; n += static_cast<std::int64_t>(hn::Lanes(d))) {
+      Vector here[kRows][kPlanes], step[kRows][kPlanes];  // to the voxel before
+      for (int row = 0; row < kRows; ++row) {
+        Mix(upper + n, lower + n, row, here[row]);
+        for (int plane = 0; plane < kPlanes; ++plane) {
+          const auto turned = Turned(here[row][plane]);
+          step[row][plane] =
+              hn::Sub(hn::IfThenElse(hn::FirstN(d, 1), carry_[row][plane], turned), here[row][plane]);
+          carry_[row][plane] = turned;
+        }
+      }
+      // Pixels are no denser than the voxels that they lie between.
+      auto densest = here[0][0];
+      for (int row = 1; row < kRows; ++row) densest = hn::Max(densest, here[row][0]);
+      const bool thin = IsThin(densest);
+      const bool all_thin = thin && thin_carry_;
+      thin_carry_ = thin;
+      for (int s = 0; s < kStreams; ++s) {
+        const int row = s / kPhases;
+        if (HWY_LIKELY(all_thin)) {
+          CompositeThin(before_[s % kPhases], here[row], step[row], streams[s] + n);
+        } else {
+          CompositeAny(before_[s % kPhases], here[row], step[row], streams[s] + n);
+        }
+      }
+    }
+  }
+
+  HWY_INLINE void CompositeThin(Vector before, Planes here, Planes step, float* pixels) const {
+    const Lanes d;
+    float* const opacities = pixels + kEmissions * image_.plane_stride;
+    const auto opacity = hn::LoadU(d, opacities);
+    const auto depth = hn::MulAdd(before, step[0], here[0]);
+    const auto weight = hn::Mul(hn::Sub(hn::Set(d, 1.0f), opacity), ThinMean(depth));
+    AddEmissions(weight, before, here, step, pixels);
+    hn::StoreU(hn::MulAdd(weight, depth, opacity), d, opacities);
+  }
+
+  HWY_INLINE void CompositeAny(Vector before, Planes here, Planes step, float* pixels) const {
+    const Lanes d;
+    float* const opacities = pixels + kEmissions * image_.plane_stride;
+    const auto opacity = hn::LoadU(d, opacities);
+    const auto depth = hn::MulAdd(before, step[0], here[0]);
+    const auto through = hn::Sub(hn::Set(d, 1.0f), opacity);
+    const auto absorbed = Absorbed(depth);
+    const auto mean =
+        hn::IfThenElse(hn::Le(depth, hn::Set(d, kThin)), ThinMean(depth), hn::Div(absorbed, depth));
+    AddEmissions(hn::Mul(through, mean), before, here, step, pixels);
+    hn::StoreU(hn::MulAdd(through, absorbed, opacity), d, opacities);
+  }
+
+  HWY_INLINE void AddEmissions(Vector weight, Vector before, Planes here, Planes step, float* pixels) const {
+    const Lanes d;
+    for (int emission = 0; emission < kEmissions; ++emission) {
+      float* const colors = pixels + emission * image_.plane_stride;
+      const auto splatted = hn::MulAdd(before, step[1 + emission], here[1 + emission]);
+      hn::StoreU(hn::MulAdd(weight, splatted, hn::LoadU(d, colors)), d, colors);
+    }
+  }
+
+  const SheetRows& rows_;
+  const ImageRows& image_;
+  Vector slab_, opaque_;
+  Vector lower_[kRows], before_[kPhases];
+  Vector carry_[kRows][kPlanes];  // turned mixed vectors of the block before
+  bool thin_carry_ = true;        // they are thin
+  // Of the block before where it was passed over: the carry is still to be made. Else null.
+  const float* passed_upper_ = nullptr;
+  const float* passed_lower_ = nullptr;
 };
 
-void Composite(const SheetRow& row, float slab_mm, float floor, const ImageRow& image) {
-  RowWalk walk(row, slab_mm, floor, image);
-  BlockRuns runs(row, image);
-  std::int64_t next_block = std::numeric_limits<std::int64_t>::min();
-  for (BlockRun run; runs.next(run);) {
-    if (run.first != next_block) {
-      walk.carry.Clear();
-      walk.passed = false;
-    }
-    next_block = run.last;
-    if (run.far == nullptr) {
-      walk.Run<Rows::kNear>(run);
-    } else if (run.near == nullptr) {
-      walk.Run<Rows::kFar>(run);
-    } else {
-      walk.Run<Rows::kBoth>(run);
-    }
+template <int kEmissions, int kRows, int kPhases>
+HWY_INLINE void CompositePairs(const SheetRows& rows, float slab_mm, float floor, const ImageRows& image) {
+  Splat<kEmissions, kRows, kPhases> splat(rows, slab_mm, floor, image);
+  for (std::int64_t pair = 0; pair < rows.pairs; ++pair) splat.CompositePair(pair);
+}
+
+template <int kEmissions>
+HWY_INLINE void CompositeEmissions(const SheetRows& rows, float slab_mm, float floor,
+                                   const ImageRows& image) {
+  if (rows.rows_between == 1) {
+    rows.phase_count == 1 ? CompositePairs<kEmissions, 1, 1>(rows, slab_mm, floor, image)
+                          : CompositePairs<kEmissions, 1, 2>(rows, slab_mm, floor, image);
+  } else {
+    rows.phase_count == 1 ? CompositePairs<kEmissions, 2, 1>(rows, slab_mm, floor, image)
+                          : CompositePairs<kEmissions, 2, 2>(rows, slab_mm, floor, image);
   }
+}
+
+void Composite(const SheetRows& rows, float slab_mm, float floor, const ImageRows& image) {
+  rows.slice->emissions == 1 ? CompositeEmissions<1>(rows, slab_mm, floor, image)
+                             : CompositeEmissions<3>(rows, slab_mm, floor, image);
 }
 
 }  // namespace splatlas::HWY_NAMESPACE
@@ -240,8 +284,8 @@ namespace {
 
 HWY_EXPORT(Composite);
 
-void composite(const SheetRow& row, float slab_mm, float floor, const ImageRow& image) {
-  HWY_DYNAMIC_DISPATCH(Composite)(row, slab_mm, floor, image);
+void composite(const SheetRows& rows, float slab_mm, float floor, const ImageRows& image) {
+  HWY_DYNAMIC_DISPATCH(Composite)(rows, slab_mm, floor, image);
 }
 
 }  // namespace

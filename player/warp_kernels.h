@@ -1,25 +1,28 @@
 // HOT LOOP: the warp's inner loop, chosen once per frame for the machine at hand.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
-
-#include "player/fragments.h"
 
 namespace splatlas {
 
 /// A straight walk over a sheet: where the first pixel looks and how far it is to the next, in sheet pixels,
 /// as 32.32 fixed point. Steps are shorter than 4 sheet pixels.
 struct WarpWalk {
-  const Light* pixels = nullptr;  ///< the sheet's border pixel (-1, -1)
+  const float* pixels = nullptr;  ///< the sheet's border pixel (-1, -1)
   std::int64_t stride = 0;        ///< pixels from one row to the next
+  int channels = 4;               ///< 4: red, green, blue, opacity; 2: white, opacity
+  std::array<float, 3> color{};   ///< what white stands for
+  float skew = 0;                 ///< see SheetWindow
   std::int64_t x = 0, y = 0;      ///< from that pixel on: not negative
   std::int64_t step_x = 0, step_y = 0;
 };
 
 struct WarpKernels {
   const char* name;
-  /// Bilinear samples at `count` places, to `count` pixels of 4 floats. Every place must have its four
+  /// Samples at `count` places, to `count` pixels of 4 floats: the four neighbours, with bilinear weights,
+  /// and `skew` taken from two and given to the two on the diagonal. Every place must have its four
   /// neighbours in the sheet.
   void (*warp)(const WarpWalk& walk, std::size_t count, float* out);
 };

@@ -48,27 +48,32 @@ std::vector<reference::VoxelLight> unpacked(const SpanModel& model, const Grid& 
     const SliceSpans& slice = model.slices[s];
     for (std::int64_t row = 0; row < grid.size[scan.row_axis]; ++row) {
       std::int64_t end_block = -1;
-      for (const Span& span : model.row(slice, row)) {
+      for (const Span& span : slice.row(row - model.row_first)) {
         EXPECT_GT(span.first_block, end_block) << "else one span";
         end_block = span.first_block + span.blocks;
         std::uint32_t counted = 0;
         for (std::int64_t n = span.first_block * kBlock; n < end_block * kBlock; ++n) {
-          const float* const light = &slice.light[span.place(static_cast<std::uint32_t>(n))];
+          const float* const light = &slice.light[slice.place(span, static_cast<std::uint32_t>(n))];
           if (n >= grid.size[scan.scan_axis]) {
-            for (std::int64_t p = 0; p < kBlockFloats; p += kBlock) EXPECT_EQ(light[p], 0);
+            for (std::int64_t p = 0; p < slice.block_floats(); p += kBlock) EXPECT_EQ(light[p], 0);
             continue;
           }
           Index3 at{};
           at[scan.slice_axis] = model.slice_first + static_cast<std::int64_t>(s);
           at[scan.row_axis] = row;
           at[scan.scan_axis] = n;
-          voxels[static_cast<std::size_t>(grid.offset(at[0], at[1], at[2]))] = {
-              light[0], {light[kBlock], light[2 * kBlock], light[3 * kBlock]}};
+          reference::VoxelLight& voxel = voxels[static_cast<std::size_t>(grid.offset(at[0], at[1], at[2]))];
+          voxel.extinction = light[0];
+          for (std::size_t c = 0; c < 3; ++c) {
+            voxel.emission[c] =
+                model.emissions == 1 ? light[kBlock] * model.color[c] : light[(c + 1) * kBlock];
+          }
           if (light[0] > 0) ++counted;
         }
         EXPECT_EQ(counted, span.voxels);
         const auto last_voxel = static_cast<std::uint32_t>(end_block * kBlock - 1);
-        EXPECT_EQ(slice.light[span.place(last_voxel)], 0) << "its footprint would end in another block";
+        EXPECT_EQ(slice.light[slice.place(span, last_voxel)], 0)
+            << "its footprint would end in another block";
         with_extinction += counted;
       }
     }

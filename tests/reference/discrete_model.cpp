@@ -27,9 +27,12 @@ void add_weighted(double weight, const RayLight& light, RayLight& sum) {
 
 /// Between what is in front of a slab and with it, as if the light in the slab were constant.
 RayLight part_of_slab(const RayLight& before, const RayLight& behind, double part) {
-  const double absorbed = (before.transmittance - behind.transmittance) / before.transmittance;
-  if (!(absorbed > 0)) return before;
-  const double share = absorbed < 1 ? -std::expm1(part * std::log1p(-absorbed)) / absorbed : std::ceil(part);
+  if (!(behind.transmittance < before.transmittance)) return before;
+  // Opaque slabs are taken to let that much through.
+  constexpr double kLeastThrough = 2e-4;
+  const double through = std::max(behind.transmittance, std::min(kLeastThrough, before.transmittance));
+  const double absorbed = 1 - through / before.transmittance;
+  const double share = absorbed > 0 ? -std::expm1(part * std::log1p(-absorbed)) / absorbed : part;
   RayLight light = before;
   for (std::size_t c = 0; c < 3; ++c) light.color[c] += share * (behind.color[c] - before.color[c]);
   light.transmittance += share * (behind.transmittance - before.transmittance);
@@ -61,7 +64,7 @@ int sheet_pixels_per_voxel(Quality quality, const ParallelView& view, const Grid
     case Quality::kHigh: return std::clamp(static_cast<int>(std::ceil(2 * pixels_per_voxel - 0.25)), 2, 8);
     case Quality::kDraft: break;
   }
-  return 1;
+  return std::clamp(static_cast<int>(std::ceil(pixels_per_voxel - 0.25)), 1, 2);
 }
 
 DiscreteModel::DiscreteModel(const LightField& field, const ParallelView& view, Axis principal,
@@ -128,15 +131,26 @@ std::vector<RayLight> DiscreteModel::warped(const Place& place, std::span<const 
   const double left = std::floor(x);
   const double upper = std::floor(y);
   std::vector<RayLight> sums(depths.size() + 1, RayLight{{0, 0, 0}, 0});
+  const auto bilinear = [&](int dx, int dy) {
+    return (dx == 1 ? x - left : 1 - (x - left)) * (dy == 1 ? y - upper : 1 - (y - upper));
+  };
+  const double skew = std::clamp(smear(), -std::min(bilinear(0, 0), bilinear(1, 1)),
+                                 std::min(bilinear(0, 1), bilinear(1, 0)));
   for (const int dx : {0, 1}) {
     for (const int dy : {0, 1}) {
-      const double weight = (dx == 1 ? x - left : 1 - (x - left)) * (dy == 1 ? y - upper : 1 - (y - upper));
+      const double weight = bilinear(dx, dy) + (dx == dy ? skew : -skew);
       const auto lights =
           along_ray({(left + dx) / pixels_per_voxel_, (upper + dy) / pixels_per_voxel_}, depths);
       for (std::size_t n = 0; n < sums.size(); ++n) add_weighted(weight, lights[n], sums[n]);
     }
   }
   return sums;
+}
+
+double DiscreteModel::smear() const {
+  const double along = per_mm_[axes_.slice_axis];
+  const double slopes = per_mm_[axes_.scan_axis] / along * per_mm_[axes_.row_axis] / along;
+  return std::clamp(slopes / 6 * pixels_per_voxel_ * pixels_per_voxel_, -0.25, 0.25);
 }
 
 std::vector<RayLight> DiscreteModel::at(double x, double y, std::span<const double> depths) const {
@@ -160,8 +174,8 @@ std::vector<RayLight> DiscreteModel::at(double x, double y, std::span<const doub
 RayLight DiscreteModel::pixel_mean(int column, int row) const {
   const auto axis = static_cast<Axis>(axes_.slice_axis);
   const auto reach = voxels_per_pixel(view_, field_.grid, axis);
-  const double sheet_pixels = std::max(reach[0], reach[1]) * std::max(1, pixels_per_voxel_);
-  const int samples = std::clamp(static_cast<int>(std::ceil(sheet_pixels - 0.25)), 1, kMaxSamplesPerSide);
+  const int samples =
+      std::clamp(static_cast<int>(std::ceil(std::max(reach[0], reach[1]) - 0.25)), 1, kMaxSamplesPerSide);
   RayLight sum{{0, 0, 0}, 0};
   for (int y = 0; y < samples; ++y) {
     for (int x = 0; x < samples; ++x) {

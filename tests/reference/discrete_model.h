@@ -28,7 +28,7 @@ class DiscreteModel {
   /// and all of it, last; at picture coordinates. Within a slab the light is as if it were constant between
   /// what the warp shows in front of the slab and behind it.
   [[nodiscard]] std::vector<RayLight> at(double x, double y, std::span<const double> depths) const;
-  /// All of the volume; the mean over the pixel where the sheet is finer than the picture.
+  /// All of the volume; the mean over the pixel where voxels are finer than the picture.
   [[nodiscard]] RayLight pixel_mean(int column, int row) const;
 
  private:
@@ -38,6 +38,8 @@ class DiscreteModel {
   [[nodiscard]] Place place_of(double x, double y) const;
   [[nodiscard]] std::vector<RayLight> along_ray(const Place& place, std::span<const double> depths) const;
   [[nodiscard]] std::vector<RayLight> warped(const Place& place, std::span<const double> depths) const;
+  /// What the warp's weights make up for: rays move across a slice along its slab.
+  [[nodiscard]] double smear() const;
   [[nodiscard]] VoxelLight in_slice(std::int64_t k, double scan, double row) const;
 
   const LightField& field_;
