@@ -13,6 +13,7 @@
 
 #include "bench/bench.h"
 #include "format/ascii_text.h"
+#include "format/check_writable.h"
 #include "format/interrupts.h"
 #include "format/output_file.h"
 #include "format/output_path.h"
@@ -40,6 +41,7 @@ Result<void> run_bench(const std::string& name, const BenchOptions& options, con
   }
   SPLATLAS_RETURN_IF_ERROR(
       check_outputs(std::vector<std::filesystem::path>{json}, std::vector{options.atlas}));
+  if (!json.empty()) SPLATLAS_RETURN_IF_ERROR(check_writable_file(json));
   SPLATLAS_ASSIGN_OR_RETURN(const Report report, bench->run(options));
   SPLATLAS_RETURN_IF_ERROR(print_text(report_text(report)));
   if (!json.empty()) {

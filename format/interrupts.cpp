@@ -50,6 +50,8 @@ void install_interrupt_handlers() {
     if (sigaction(signal, nullptr, &before) == 0 && before.sa_handler == SIG_IGN) continue;
     sigaction(signal, &action, nullptr);
   }
+  // A file that grows beyond the process's limit (ulimit -f) is a write that fails, not the end.
+  std::signal(SIGXFSZ, SIG_IGN);
 }
 
 DeferInterrupts::DeferInterrupts() {

@@ -8,7 +8,8 @@ namespace splatlas {
 
 /// From now on SIGINT, SIGTERM and SIGHUP wait for DeferInterrupts, remove what RemoveOnInterrupt names, and
 /// then end the program as they always do. A signal that the program was started to ignore (nohup) stays
-/// ignored. For programs; libraries only mark what needs it.
+/// ignored. A file that would grow beyond the process's limit (SIGXFSZ) is a write that fails. For programs;
+/// libraries only mark what needs it.
 void install_interrupt_handlers();
 
 /// Interrupts wait while one of these exists, on any thread.

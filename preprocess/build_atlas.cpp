@@ -6,11 +6,11 @@
 
 #include "format/atlas_reader.h"
 #include "format/atlas_writer.h"
+#include "format/check_writable.h"
 #include "format/interrupts.h"
 #include "format/output_file.h"
 #include "format/output_path.h"
 #include "preprocess/build_content.h"
-#include "preprocess/export/check_writable.h"
 
 namespace splatlas {
 namespace {

@@ -41,6 +41,9 @@ Result<void> run(int argc, char** argv) {
     app.exit(help_or_version, text);
     return print_text(text.str());
   } catch (const CLI::ParseError& error) {
+    if (argc > 1 && argv[1][0] != '-' && app.get_subcommands().empty()) {
+      return fail(ErrorCode::kUsage, fmt::format("{}: no such command; there are build and export", argv[1]));
+    }
     return fail(ErrorCode::kUsage, fmt::format("{}; see --help", error.what()));
   }
   install_interrupt_handlers();

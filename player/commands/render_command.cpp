@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "format/check_writable.h"
 #include "format/output_file.h"
 #include "format/output_path.h"
 #include "player/pictures/picture_encoder.h"
@@ -59,6 +60,8 @@ Result<void> run_render(const RenderRequest& request) {
   SPLATLAS_RETURN_IF_ERROR(PictureEncoder::check_ending(request.output));
   SPLATLAS_RETURN_IF_ERROR(
       check_outputs(std::vector{request.output, request.stats}, std::vector{request.atlas}));
+  SPLATLAS_RETURN_IF_ERROR(check_writable_file(request.output));
+  if (!request.stats.empty()) SPLATLAS_RETURN_IF_ERROR(check_writable_file(request.stats));
   // Whatever can be told without the atlas is told first.
   SPLATLAS_ASSIGN_OR_RETURN(const auto terms, parse_selection(request.select));
   SPLATLAS_RETURN_IF_ERROR(view_of(request.camera, request.options.size, Display{}));

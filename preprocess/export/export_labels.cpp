@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "format/check_writable.h"
 #include "format/interrupts.h"
-#include "preprocess/export/check_writable.h"
 #include "preprocess/export/temporary_output.h"
 #include "preprocess/export/write_image.h"
 #include "preprocess/surfaces/structure_crop.h"

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -98,6 +99,17 @@ VoxelBuffer to_storage_order(VoxelBuffer voxels, const Grid& source_grid) {
   VoxelBuffer stored{voxels.type, std::vector<std::byte>(voxels.bytes.size())};
   reorder_voxels(voxels.bytes.data(), source_grid.size, order, bytes_of(voxels.type), stored.bytes.data());
   return stored;
+}
+
+bool holds_several_values(const VoxelBuffer& voxels) {
+  return visit_voxel_type(voxels.type, [&]<typename T>(T) {
+    const std::span values(voxels.as<T>(), voxels.bytes.size() / sizeof(T));
+    const auto inside = [](T value) { return value > T(0) || value < T(0); };
+    const auto first = std::ranges::find_if(values, inside);
+    return first != values.end() && std::any_of(first, values.end(), [&](T value) {
+             return inside(value) && (value < *first || value > *first);
+           });
+  });
 }
 
 std::vector<std::uint8_t> mask_of(const VoxelBuffer& voxels) {

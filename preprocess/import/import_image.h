@@ -30,6 +30,9 @@ struct Image {
 /// Voxels in the grid of a source file, in the order in which an atlas stores that grid (storage_order).
 [[nodiscard]] VoxelBuffer to_storage_order(VoxelBuffer voxels, const Grid& source_grid);
 
+/// Whether voxels have more than one value besides 0 and NaN: then they are more than a mask.
+[[nodiscard]] bool holds_several_values(const VoxelBuffer& voxels);
+
 /// 1 where a voxel is not 0 (a NaN is 0), in the order that the voxels are in.
 [[nodiscard]] std::vector<std::uint8_t> mask_of(const VoxelBuffer& voxels);
 

@@ -164,6 +164,10 @@ Result<ImportedLabels> import_mask_folder(const fs::path& folder) {
       return fail(ErrorCode::kFailed,
                   fmt::format("{} and {} name the same structure", other->second.string(), file.string()));
     }
+    if (holds_several_values(image.voxels)) {
+      result.notes.push_back(fmt::format(
+          "{}: has more values than one besides 0; all of them are inside the structure", file.string()));
+    }
     counts.push_back(
         result.memberships.add(static_cast<StructureIndex>(counts.size()),
                                mask_of(to_storage_order(std::move(image.voxels), result.source_grid))));

@@ -133,6 +133,10 @@ TEST(ImportMasks, WhatIsNotZeroIsInside) {
   ASSERT_TRUE(masks) << masks.error().message;
   EXPECT_EQ(holder(*masks, 0), -1);
   for (std::size_t v = 1; v < 4; ++v) EXPECT_EQ(holder(*masks, v), 0);
+  EXPECT_THAT(masks->notes, testing::ElementsAre(AllOf(HasSubstr("liver.nrrd"), HasSubstr("more values"))));
+  ASSERT_TRUE(
+      write_image(row<float>(VoxelType::kFloat32, {0, 255, std::nanf(""), 255}), folder.file("liver.nrrd")));
+  EXPECT_THAT(import_mask_folder(folder.path())->notes, testing::IsEmpty());
   EXPECT_EQ(mask_of(row<float>(VoxelType::kFloat32, {std::nanf(""), 1}).voxels),
             (std::vector<std::uint8_t>{0, 1}));
 }

@@ -1,4 +1,4 @@
-#include "preprocess/export/check_writable.h"
+#include "format/check_writable.h"
 
 #include <cerrno>
 #include <cstring>
@@ -35,6 +35,7 @@ fs::path without_end_slash(const fs::path& folder) {
 }
 
 Result<void> check_writable_file(const fs::path& path) {
+  if (path.empty()) return fail(ErrorCode::kUsage, "\"\": the output must have a name");
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
   if (status.type() == fs::file_type::none) return cannot_write(path, error.message());

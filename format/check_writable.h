@@ -8,7 +8,7 @@
 namespace splatlas {
 
 /// kFailed, with the reason, when no file can be made or replaced at `path`: its folder is missing or may not
-/// be written to, or something that is no regular file stands there. Changes nothing.
+/// be written to, or something that is no regular file stands there; kUsage for no path. Changes nothing.
 [[nodiscard]] Result<void> check_writable_file(const std::filesystem::path& path);
 
 /// The same for a folder that is to appear: it must not exist yet, or be empty.
