@@ -53,7 +53,6 @@ struct BandRasterizer::Triangle {
   std::int64_t area = 0;  ///< doubled; 0: leave it
   /// 1 for edges whose points are outside, 0 for those whose points are inside.
   std::array<std::int64_t, 3> opened{};
-  float nearest_depth = 0;  ///< of the corners, where there are opaque surfaces
 
   Triangle(const TriangleRef& triangle, std::array<ScreenVertex, 3> v) : ref(triangle), corner(v) {
     area = doubled_area(v[0], v[1], v[2]);
@@ -250,18 +249,11 @@ void BandRasterizer::clear(std::size_t slots) {
 void BandRasterizer::draw(const TriangleRef& ref) {
   const auto& corners = scene_->surfaces[ref.surface].mesh->triangles[ref.triangle];
   const std::span<const ScreenVertex> vertices = bins_->vertices(ref.surface);
-  Triangle t(ref, ref.part == nullptr
-                      ? std::array{vertices[corners[0]], vertices[corners[1]], vertices[corners[2]]}
-                      : std::array{snapped(ref.part->corner[0]), snapped(ref.part->corner[1]),
-                                   snapped(ref.part->corner[2])});
+  const Triangle t(ref, ref.part == nullptr
+                            ? std::array{vertices[corners[0]], vertices[corners[1]], vertices[corners[2]]}
+                            : std::array{snapped(ref.part->corner[0]), snapped(ref.part->corner[1]),
+                                         snapped(ref.part->corner[2])});
   if (t.area == 0) return;
-  if (!nearest_.empty()) {
-    const auto& positions = scene_->surfaces[ref.surface].mesh->positions_ijk;
-    const auto depth = [&](std::size_t n) {
-      return static_cast<float>(scene_->depth_sign) * positions[corners[n]][scene_->depth_axis];
-    };
-    t.nearest_depth = std::min({depth(0), depth(1), depth(2)});
-  }
   if (slot_of_pixel_.empty()) {
     sample_centers(t);
   } else {
@@ -277,8 +269,11 @@ void BandRasterizer::sample_centers(const Triangle& t) {
     EdgeWalk::Edges edges = walk.row(y - box.y_first);
     const auto slot = static_cast<std::uint32_t>((y - first_row_) * width_);
     for (std::int32_t x = box.x_first; x <= box.x_last; ++x, walk.step(edges)) {
-      if (!EdgeWalk::inside(edges) || is_hidden(t, slot + static_cast<std::uint32_t>(x))) continue;
-      if (!attributes) attributes.emplace(*scene_, t.ref);
+      if (!EdgeWalk::inside(edges)) continue;
+      if (!attributes) {
+        if (is_hidden(t, slot + static_cast<std::uint32_t>(x))) continue;
+        attributes.emplace(*scene_, t.ref);
+      }
       add(t, *attributes, slot + static_cast<std::uint32_t>(x), t.weights(edges), attributes->depth_at(x, y));
     }
   }
@@ -295,8 +290,11 @@ void BandRasterizer::sample_patterns(const Triangle& t) {
       if (slots[x] == kNone || walk.misses_pixel(at_center)) continue;
       for (std::uint32_t n = 0; n < pattern_.size(); ++n) {
         const EdgeWalk::Edges edges = walk.moved(at_center, pattern_[n]);
-        if (!EdgeWalk::inside(edges) || is_hidden(t, slots[x] + n)) continue;
-        if (!attributes) attributes.emplace(*scene_, t.ref);
+        if (!EdgeWalk::inside(edges)) continue;
+        if (!attributes) {
+          if (is_hidden(t, slots[x] + n)) continue;
+          attributes.emplace(*scene_, t.ref);
+        }
         add(t, *attributes, slots[x] + n, t.weights(edges),
             attributes->depth_at(x + pattern_[n].x / kSubPixels, y + pattern_[n].y / kSubPixels));
       }
@@ -304,11 +302,16 @@ void BandRasterizer::sample_patterns(const Triangle& t) {
   }
 }
 
-/// All of the triangle is behind an opaque surface there.
+/// All of the triangle is behind an opaque surface there. Looked at before anything is worked out for it.
 bool BandRasterizer::is_hidden(const Triangle& t, std::uint32_t slot) const {
   if (nearest_.empty() || nearest_[slot].surface == kNone) return false;
-  const float depth = nearest_[slot].depth;
-  return t.nearest_depth > depth + kSurelyBehind + std::abs(depth) * kRounding;
+  const SurfaceMesh& mesh = *scene_->surfaces[t.ref.surface].mesh;
+  const auto& corners = mesh.triangles[t.ref.triangle];
+  const auto depth = [&](std::size_t n) {
+    return static_cast<float>(scene_->depth_sign) * mesh.positions_ijk[corners[n]][scene_->depth_axis];
+  };
+  const float nearest = nearest_[slot].depth;
+  return std::min({depth(0), depth(1), depth(2)}) > nearest + kSurelyBehind + std::abs(nearest) * kRounding;
 }
 
 PixelBox BandRasterizer::clipped(PixelBox box) const {
