@@ -243,7 +243,6 @@ void BandRasterizer::clear(std::size_t slots) {
   nearest_.assign(any_opaque ? slots : 0, Crossing{});
   crossings_.clear();
   end_of_slot_.assign(slots, 0);
-  kept_.assign(slots, 0);
 }
 
 void BandRasterizer::draw(const TriangleRef& ref) {
@@ -363,21 +362,41 @@ SurfaceLight BandRasterizer::lit(const SurfaceMesh& mesh, std::uint32_t triangle
   return scene_->lighting.on_surface(normal);
 }
 
-void BandRasterizer::finish(float transmittance_floor) {
+void BandRasterizer::finish(float transmittance_floor, BandFragments& out, std::span<SurfacesSeen> seen) {
   take_opaque();
   sort_by_slot();
+  out.fragments.resize(crossings_.size());
+  out.end_of_slot.resize(end_of_slot_.size());
+  std::uint32_t kept = 0;
   std::uint32_t begin = 0;
   for (std::size_t slot = 0; slot < end_of_slot_.size(); ++slot) {
-    const std::uint32_t end = end_of_slot_[slot];
-    if (end - begin > 1) sort_slot(std::span(order_).subspan(begin, end - begin));
+    const auto of_slot = std::span(order_).subspan(begin, end_of_slot_[slot] - begin);
+    begin = end_of_slot_[slot];
+    sort_slot(of_slot);
+    SurfacesSeen sum;
     float through = 1;
-    std::uint32_t kept = begin;
-    while (kept < end && through > transmittance_floor) {
-      through *= 1 - scene_->surfaces[sorted_[order_[kept++]].surface].opacity;
+    for (const std::uint32_t n : of_slot) {
+      if (through <= transmittance_floor) break;
+      const Crossing& crossing = sorted_[n];
+      const Fragment& last = out.fragments[kept++] = fragment(crossing);
+      if (!seen.empty()) {
+        const auto side = (crossing.surface << 1) | static_cast<std::uint32_t>(crossing.order & 1);
+        sum.add(side, through, last);
+      }
+      through *= 1 - last.rgba[3];
     }
-    kept_[slot] = kept - begin;
-    begin = end;
+    out.end_of_slot[slot] = kept;
+    if (!seen.empty()) seen[slot] = sum;
   }
+  out.fragments.resize(kept);
+}
+
+Fragment BandRasterizer::fragment(const Crossing& crossing) const {
+  const SurfaceDraw& surface = scene_->surfaces[crossing.surface];
+  const SurfaceLight light{crossing.light[0], crossing.light[1]};
+  Fragment fragment{crossing.depth, {0, 0, 0, surface.opacity}, surface.structure};
+  for (std::size_t c = 0; c < 3; ++c) fragment.rgba[c] = light.on(surface.color[c]) * surface.opacity;
+  return fragment;
 }
 
 void BandRasterizer::take_opaque() {
@@ -419,37 +438,6 @@ void BandRasterizer::sort_slot(std::span<std::uint32_t> of_slot) const {
     std::size_t to = n;
     for (; to > 0 && before(moved, of_slot[to - 1]); --to) of_slot[to] = of_slot[to - 1];
     of_slot[to] = moved;
-  }
-}
-
-SurfacesSeen BandRasterizer::seen(std::size_t slot) const {
-  SurfacesSeen sum;
-  float through = 1;
-  const std::uint32_t begin = slot == 0 ? 0 : end_of_slot_[slot - 1];
-  for (std::uint32_t n = begin; n < begin + kept_[slot]; ++n) {
-    const Crossing& crossing = sorted_[order_[n]];
-    const SurfaceDraw& surface = scene_->surfaces[crossing.surface];
-    const SurfaceLight light{crossing.light[0], crossing.light[1]};
-    const float share = through * surface.opacity;
-    const auto side = (crossing.surface << 1) | static_cast<std::uint32_t>(crossing.order & 1);
-    sum.add(side, share, {light.on(surface.color[0]), light.on(surface.color[1]), light.on(surface.color[2])},
-            crossing.depth);
-    through -= share;
-  }
-  return sum;
-}
-
-void BandRasterizer::store(std::size_t slot, Fragment* out) const {
-  const std::uint32_t begin = slot == 0 ? 0 : end_of_slot_[slot - 1];
-  for (std::uint32_t n = begin; n < begin + kept_[slot]; ++n) {
-    const Crossing& crossing = sorted_[order_[n]];
-    const SurfaceDraw& surface = scene_->surfaces[crossing.surface];
-    const SurfaceLight light{crossing.light[0], crossing.light[1]};
-    out->depth = crossing.depth;
-    for (std::size_t c = 0; c < 3; ++c) out->rgba[c] = light.on(surface.color[c]) * surface.opacity;
-    out->rgba[3] = surface.opacity;
-    out->structure = surface.structure;
-    ++out;
   }
 }
 

@@ -30,7 +30,18 @@ struct RasterScene {
 [[nodiscard]] RasterScene raster_scene(std::span<const SurfaceDraw> surfaces, const ParallelView& view,
                                        const Shear& shear, const Grid& grid, const Lighting& lighting);
 
-/// Samples the pixels of some rows of the picture. Keeps its memory from frame to frame.
+/// What is left of a band: the fragments of its slots, front to back.
+struct BandFragments {
+  std::vector<Fragment> fragments;
+  std::vector<std::uint32_t> end_of_slot;
+
+  [[nodiscard]] std::size_t begin_of(std::size_t slot) const { return slot == 0 ? 0 : end_of_slot[slot - 1]; }
+  [[nodiscard]] std::span<const Fragment> of_slot(std::size_t slot) const {
+    return std::span(fragments).subspan(begin_of(slot), end_of_slot[slot] - begin_of(slot));
+  }
+};
+
+/// Samples the pixels of some rows of the picture; one band after another, to keep its memory.
 class BandRasterizer {
  public:
   /// Every pixel of rows [first_row, last_row) has one slot, its centre.
@@ -42,20 +53,12 @@ class BandRasterizer {
   /// Opaque surfaces come first: what they hide is never shaded.
   void draw(const TriangleRef& ref);
   /// Sorts by slot and depth; leaves out what is behind an opaque fragment, and behind surfaces that let
-  /// through no more than `transmittance_floor` together.
-  void finish(float transmittance_floor);
+  /// through no more than `transmittance_floor` together. `seen` (of every slot) may be empty.
+  void finish(float transmittance_floor, BandFragments& out, std::span<SurfacesSeen> seen);
 
   /// Translucent crossings so far, and opaque ones that nothing hides once all is drawn.
   [[nodiscard]] std::size_t crossings() const { return crossings_.size(); }
-
   [[nodiscard]] std::size_t slots() const { return end_of_slot_.size(); }
-  /// The points of a pixel that has slots, in their order.
-  [[nodiscard]] std::span<const SubPixel> pattern() const { return pattern_; }
-  /// Of a slot; after finish().
-  [[nodiscard]] std::size_t fragments(std::size_t slot) const { return kept_[slot]; }
-  [[nodiscard]] SurfacesSeen seen(std::size_t slot) const;
-  /// Writes a slot's fragments, front to back.
-  void store(std::size_t slot, Fragment* out) const;
 
  private:
   /// A surface where it crosses the ray of a slot.
@@ -87,6 +90,7 @@ class BandRasterizer {
   void take_opaque();
   void sort_by_slot();
   void sort_slot(std::span<std::uint32_t> of_slot) const;
+  [[nodiscard]] Fragment fragment(const Crossing& crossing) const;
 
   const RasterScene* scene_ = nullptr;
   const TriangleBins* bins_ = nullptr;
@@ -98,7 +102,6 @@ class BandRasterizer {
   std::vector<Crossing> sorted_;              // by slot
   std::vector<std::uint32_t> end_of_slot_;    // in sorted_
   std::vector<std::uint32_t> order_;          // of sorted_, by depth within a slot
-  std::vector<std::uint32_t> kept_;           // per slot
 };
 
 }  // namespace splatlas

@@ -16,6 +16,8 @@ constexpr std::int64_t kMaxSheetPixels = std::int64_t{1} << 27;
 
 /// What the rasteriser and the volume pass keep for a fragment, and for a sample with only one.
 constexpr std::size_t kBytesPerFragment = 200;
+/// What finding edges takes for a pixel.
+constexpr std::uint64_t kBytesToFindEdges = 48;
 /// Their numbers have 32 bits.
 constexpr std::size_t kMostFragments = 0xfffffffe;
 
@@ -43,8 +45,11 @@ float skew_of(const Shear& shear, int scale) {
   return static_cast<float>(std::clamp(covariance, -kMost, kMost));
 }
 
-std::size_t edge_samples(const RenderOptions& options) {
+std::size_t edge_samples(const RenderOptions& options, std::uint64_t max_memory_bytes) {
   if (!options.antialiasing || options.quality == Quality::kDraft) return 1;
+  const auto pixels =
+      static_cast<std::uint64_t>(options.size.width) * static_cast<std::uint64_t>(options.size.height);
+  if (pixels > max_memory_bytes / 4 / kBytesToFindEdges) return 1;
   return options.quality == Quality::kNormal ? kFourSamples.size() : kEightSamples.size();
 }
 
@@ -76,8 +81,9 @@ Result<FrameCounters> draw_frame(const FrameRequest& frame, FrameBuffers& buffer
   const RasterScene scene = raster_scene(frame.surfaces, frame.view, frame.shear, frame.grid, frame.lighting);
   SPLATLAS_ASSIGN_OR_RETURN(
       const RasterCounters raster,
-      buffers.rasterizer.draw(scene, {max_fragments, options.transmittance_floor, edge_samples(options)},
-                              buffers.fragments, pool));
+      buffers.rasterizer.draw(
+          scene, {max_fragments, options.transmittance_floor, edge_samples(options, frame.max_memory_bytes)},
+          buffers.fragments, pool));
   counters.triangles = raster.triangles;
   counters.rasterize = watch.lap();
 

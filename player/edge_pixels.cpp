@@ -32,13 +32,13 @@ class EdgeBetween {
 
 }  // namespace
 
-void SurfacesSeen::add(std::uint32_t side, float share, const std::array<float, 3>& color, float at_depth) {
+void SurfacesSeen::add(std::uint32_t side, float through, const Fragment& fragment) {
   constexpr std::uint32_t kHashFactor = 0x9e3779b1;  // 2^32 over the golden ratio
-  if (light.rgba[3] == 0) depth = at_depth;
-  for (std::size_t c = 0; c < 3; ++c) light.rgba[c] += share * color[c];
-  light.rgba[3] += share;
+  if (light.rgba[3] == 0) depth = fragment.depth;
   const std::uint32_t hash = (side + 1) * kHashFactor;
+  const float share = through * fragment.rgba[3];
   for (std::size_t c = 0; c < 4; ++c) {
+    light.rgba[c] += through * fragment.rgba[c];
     layers[c] += share * static_cast<float>((hash >> (8 * c)) & 0xff) * (1.0f / 255);
   }
 }

@@ -20,8 +20,8 @@ struct SurfacesSeen {
   std::array<float, 4> layers{0, 0, 0, 0};
   float depth = 0;  ///< of the first
 
-  /// A surface of which `share` is seen, of those behind each other the front-most first. `side`: any number.
-  void add(std::uint32_t side, float share, const std::array<float, 3>& color, float at_depth);
+  /// The next one, behind surfaces that let `through` pass. `side`: a number for each side of a surface.
+  void add(std::uint32_t side, float through, const Fragment& fragment);
 };
 
 /// What makes an edge between two neighbours: their light differs by more than kEdgeContrast in any channel,

@@ -2,12 +2,22 @@
 
 #include <algorithm>
 #include <atomic>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "player/edge_pixels.h"
 
 namespace splatlas {
+namespace {
+
+/// First and last row (not included) of a band.
+std::pair<int, int> rows_of(std::size_t band, const RasterScene& scene) {
+  const int first = static_cast<int>(band) * TriangleBins::kBandRows;
+  return {first, std::min(first + TriangleBins::kBandRows, scene.size.height)};
+}
+
+}  // namespace
 
 SurfaceDraw surface_draw(StructureIndex s, const StructureDraw& look, const SurfaceMesh& mesh) {
   return {&mesh,
@@ -57,12 +67,18 @@ bool Rasterizer::draw_centers(const RasterScene& scene, const RasterOptions& opt
   centers_.resize(bins_.bands());
   seen_.resize(finds_edges ? width * static_cast<std::size_t>(scene.size.height) : 0);
   pool.for_each(centers_.size(), [&](std::size_t n) {
-    const int first_row = static_cast<int>(n) * TriangleBins::kBandRows;
-    BandRasterizer& band = centers_[n];
-    band.begin(scene, bins_, first_row, std::min(first_row + TriangleBins::kBandRows, scene.size.height));
-    if (!draw_band(n, band, options, count) || !finds_edges) return;
-    SurfacesSeen* seen = &seen_[n * TriangleBins::kBandRows * width];
-    for (std::size_t slot = 0; slot < band.slots(); ++slot) seen[slot] = band.seen(slot);
+    const auto [first_row, last_row] = rows_of(n, scene);
+    std::unique_ptr<BandRasterizer> worker = take_worker();
+    worker->begin(scene, bins_, first_row, last_row);
+    if (draw_band(n, *worker, count)) {
+      std::span<SurfacesSeen> seen;
+      if (finds_edges) {
+        seen = std::span(seen_).subspan(static_cast<std::size_t>(first_row) * width, worker->slots());
+      }
+      worker->finish(options.transmittance_floor, centers_[n], seen);
+      count.add(worker->crossings());
+    }
+    give_back(std::move(worker));
   });
   return !count.too_many;
 }
@@ -71,48 +87,62 @@ bool Rasterizer::draw_edges(const RasterScene& scene, const RasterOptions& optio
                             ThreadPool& pool) {
   edges_.resize(options.edge_samples > 1 ? bins_.bands() : 0);
   if (edges_.empty()) return true;
+  pattern_ = sample_pattern(options.edge_samples);
   find_edge_pixels(seen_, scene.size, scene.pixel_voxels, is_edge_, pool);
   bins_.refill(is_edge_, scene.size, pool);
   const auto width = static_cast<std::size_t>(scene.size.width);
   pool.for_each(edges_.size(), [&](std::size_t n) {
-    const int first_row = static_cast<int>(n) * TriangleBins::kBandRows;
-    const int last_row = std::min(first_row + TriangleBins::kBandRows, scene.size.height);
+    const auto [first_row, last_row] = rows_of(n, scene);
     const auto wanted = std::span<const std::uint8_t>(is_edge_).subspan(
         static_cast<std::size_t>(first_row) * width, static_cast<std::size_t>(last_row - first_row) * width);
-    BandRasterizer& band = edges_[n];
-    band.begin_edges(scene, bins_, first_row, last_row, wanted, sample_pattern(options.edge_samples));
-    count.add(band.slots());
-    draw_band(n, band, options, count);
+    std::unique_ptr<BandRasterizer> worker = take_worker();
+    worker->begin_edges(scene, bins_, first_row, last_row, wanted, pattern_);
+    count.add(worker->slots());
+    if (draw_band(n, *worker, count)) {
+      worker->finish(options.transmittance_floor, edges_[n], {});
+      count.add(worker->crossings());
+    }
+    give_back(std::move(worker));
   });
   return !count.too_many;
 }
 
 /// False when it was given up because there are too many fragments.
-bool Rasterizer::draw_band(std::size_t n, BandRasterizer& band, const RasterOptions& options,
-                           Count& count) const {
+bool Rasterizer::draw_band(std::size_t n, BandRasterizer& band, Count& count) const {
   for (const bool opaque : {true, false}) {
     bins_.for_each(n, opaque, [&](const TriangleRef& ref) {
       if (band.crossings() > count.most) count.too_many = true;
       if (!count.too_many.load(std::memory_order_relaxed)) band.draw(ref);
     });
   }
-  if (count.too_many) return false;
-  band.finish(options.transmittance_floor);
-  count.add(band.crossings());
-  return true;
+  return !count.too_many;
+}
+
+std::unique_ptr<BandRasterizer> Rasterizer::take_worker() {
+  const std::lock_guard lock(workers_->mutex);
+  if (workers_->idle.empty()) return std::make_unique<BandRasterizer>();
+  std::unique_ptr<BandRasterizer> worker = std::move(workers_->idle.back());
+  workers_->idle.pop_back();
+  return worker;
+}
+
+void Rasterizer::give_back(std::unique_ptr<BandRasterizer> worker) {
+  const std::lock_guard lock(workers_->mutex);
+  workers_->idle.push_back(std::move(worker));
 }
 
 template <typename Visit>
 void Rasterizer::for_each_sample(std::size_t n, const RasterScene& scene, const Visit& visit) const {
   const std::size_t first_pixel = n * TriangleBins::kBandRows * static_cast<std::size_t>(scene.size.width);
   std::size_t edge_slot = 0;
-  for (std::size_t slot = 0; slot < centers_[n].slots(); ++slot) {
+  for (std::size_t slot = 0; slot < centers_[n].end_of_slot.size(); ++slot) {
     const std::size_t pixel = first_pixel + slot;
     if (edges_.empty() || is_edge_[pixel] == 0) {
-      if (centers_[n].fragments(slot) > 0) visit(pixel, slot, SubPixel{}, centers_[n]);
+      const std::span<const Fragment> fragments = centers_[n].of_slot(slot);
+      if (!fragments.empty()) visit(pixel, SubPixel{}, fragments);
       continue;
     }
-    for (const SubPixel& place : edges_[n].pattern()) visit(pixel, edge_slot++, place, edges_[n]);
+    for (const SubPixel& place : pattern_) visit(pixel, place, edges_[n].of_slot(edge_slot++));
   }
 }
 
@@ -123,11 +153,10 @@ void Rasterizer::merge_bands(const RasterScene& scene, FragmentList& out, Thread
   };
   std::vector<Begin> begin(centers_.size() + 1);
   pool.for_each(centers_.size(), [&](std::size_t n) {
-    for_each_sample(n, scene,
-                    [&](std::size_t, std::size_t slot, const SubPixel&, const BandRasterizer& band) {
-                      ++begin[n + 1].sample;
-                      begin[n + 1].fragment += band.fragments(slot);
-                    });
+    for_each_sample(n, scene, [&](std::size_t, const SubPixel&, std::span<const Fragment> fragments) {
+      ++begin[n + 1].sample;
+      begin[n + 1].fragment += fragments.size();
+    });
   });
   for (std::size_t n = 0; n < centers_.size(); ++n) {
     begin[n + 1].sample += begin[n].sample;
@@ -140,20 +169,19 @@ void Rasterizer::merge_bands(const RasterScene& scene, FragmentList& out, Thread
   const auto width = static_cast<std::size_t>(scene.size.width);
   pool.for_each(centers_.size(), [&](std::size_t n) {
     auto [sample, fragment] = begin[n];
-    std::size_t row = n * TriangleBins::kBandRows;  // up to which all samples are counted
-    for_each_sample(
-        n, scene,
-        [&](std::size_t pixel, std::size_t slot, const SubPixel& place, const BandRasterizer& band) {
-          for (; row <= pixel / width; ++row) {
-            out.first_of_row[row] = static_cast<std::uint32_t>(sample);
-          }
-          out.samples[sample++] = {static_cast<std::uint32_t>(pixel), static_cast<std::uint32_t>(fragment),
-                                   place};
-          band.store(slot, out.fragments.data() + fragment);
-          fragment += band.fragments(slot);
-        });
-    const std::size_t end = std::min((n + 1) * TriangleBins::kBandRows, out.first_of_row.size() - 1);
-    for (; row < end; ++row) out.first_of_row[row] = static_cast<std::uint32_t>(sample);
+    auto [row, last_row] = rows_of(n, scene);  // samples before `row` are counted
+    for_each_sample(n, scene, [&](std::size_t pixel, const SubPixel& place, std::span<const Fragment> from) {
+      for (; static_cast<std::size_t>(row) <= pixel / width; ++row) {
+        out.first_of_row[static_cast<std::size_t>(row)] = static_cast<std::uint32_t>(sample);
+      }
+      out.samples[sample++] = {static_cast<std::uint32_t>(pixel), static_cast<std::uint32_t>(fragment),
+                               place};
+      std::copy(from.begin(), from.end(), out.fragments.begin() + static_cast<std::ptrdiff_t>(fragment));
+      fragment += from.size();
+    });
+    for (; row < last_row; ++row) {
+      out.first_of_row[static_cast<std::size_t>(row)] = static_cast<std::uint32_t>(sample);
+    }
   });
   out.first_of_row.back() = static_cast<std::uint32_t>(begin.back().sample);
 }

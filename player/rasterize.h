@@ -2,6 +2,8 @@
 #pragma once
 
 #include <limits>
+#include <memory>
+#include <mutex>
 #include <span>
 #include <vector>
 
@@ -49,16 +51,26 @@ class Rasterizer {
 
   bool draw_centers(const RasterScene& scene, const RasterOptions& options, Count& count, ThreadPool& pool);
   bool draw_edges(const RasterScene& scene, const RasterOptions& options, Count& count, ThreadPool& pool);
-  bool draw_band(std::size_t n, BandRasterizer& band, const RasterOptions& options, Count& count) const;
-  /// Calls visit(pixel, slot, place, band) for the samples of a band's pixels, in order.
+  bool draw_band(std::size_t n, BandRasterizer& band, Count& count) const;
+  /// Calls visit(pixel, place, fragments) for the samples of a band's pixels, in order.
   template <typename Visit>
   void for_each_sample(std::size_t band, const RasterScene& scene, const Visit& visit) const;
   void merge_bands(const RasterScene& scene, FragmentList& out, ThreadPool& pool) const;
+  [[nodiscard]] std::unique_ptr<BandRasterizer> take_worker();
+  void give_back(std::unique_ptr<BandRasterizer> worker);
+
+  /// As many as there are threads.
+  struct Workers {
+    std::mutex mutex;
+    std::vector<std::unique_ptr<BandRasterizer>> idle;
+  };
 
   TriangleBins bins_;
-  std::vector<BandRasterizer> centers_, edges_;  // by band; no edges: one sample a pixel
-  std::vector<SurfacesSeen> seen_;               // of pixels
-  std::vector<std::uint8_t> is_edge_;            // of pixels
+  std::unique_ptr<Workers> workers_ = std::make_unique<Workers>();
+  std::vector<BandFragments> centers_, edges_;  // by band; no edges: one sample a pixel
+  std::span<const SubPixel> pattern_;           // of edges
+  std::vector<SurfacesSeen> seen_;              // of pixels
+  std::vector<std::uint8_t> is_edge_;           // of pixels
 };
 
 }  // namespace splatlas

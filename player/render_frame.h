@@ -26,7 +26,8 @@ struct RenderOptions {
   Quality quality = Quality::kNormal;
   Classification classification = Classification::kBefore;
   bool hybrid_shading = true;  ///< boundary voxels of volumes are shaded by their normals
-  /// Pixels at edges of surfaces are the mean of several samples: 4 in normal, 8 in high quality, 1 in draft.
+  /// Pixels at edges of surfaces are the mean of several samples: 4 in normal, 8 in high quality, 1 in draft,
+  /// and in pictures for which finding edges would take more than a quarter of the memory allowed.
   bool antialiasing = true;
   bool simd = true;  ///< false: the scalar kernels
   /// Early termination: what would be seen through pixels that let through no more than this is left out, so

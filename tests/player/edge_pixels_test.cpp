@@ -9,7 +9,7 @@ constexpr PictureSize kSize{5, 4};
 
 SurfacesSeen seen(std::uint32_t side, float share, float grey, float depth) {
   SurfacesSeen pixel;
-  pixel.add(side, share, {grey, grey, grey}, depth);
+  pixel.add(side, 1, {depth, {grey * share, grey * share, grey * share, share}, 0});
   return pixel;
 }
 
@@ -53,10 +53,10 @@ TEST(EdgePixels, AreWhereASurfaceHidesAPartOfItselfFarBehind) {
 
 TEST(EdgePixels, TellTheOrderOfLayers) {
   SurfacesSeen first, second;
-  first.add(1, 0.5f, {1, 0, 0}, 3);
-  first.add(2, 0.25f, {0, 1, 0}, 4);
-  second.add(2, 0.5f, {0, 1, 0}, 3);
-  second.add(1, 0.25f, {1, 0, 0}, 4);
+  first.add(1, 1, {3, {0.5f, 0, 0, 0.5f}, 0});
+  first.add(2, 0.5f, {4, {0, 0.5f, 0, 0.5f}, 1});
+  second.add(2, 1, {3, {0, 0.5f, 0, 0.5f}, 1});
+  second.add(1, 0.5f, {4, {0.5f, 0, 0, 0.5f}, 0});
   std::vector<SurfacesSeen> pixels(20, first);
   pixels[0] = second;
   EXPECT_EQ(edges_of(pixels)[0], 1);
