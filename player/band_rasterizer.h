@@ -7,28 +7,13 @@
 #include <vector>
 
 #include "player/edge_pixels.h"
-#include "player/facing.h"
 #include "player/fragments.h"
-#include "player/projection.h"
-#include "player/shading.h"
-#include "player/shear.h"
+#include "player/raster_scene.h"
+#include "player/screen_triangle.h"
+#include "player/triangle_attributes.h"
 #include "player/triangle_bins.h"
 
 namespace splatlas {
-
-/// What is rasterised.
-struct RasterScene {
-  std::span<const SurfaceDraw> surfaces;
-  PictureSize size;
-  Projection projection;
-  Facing facing;
-  const Lighting& lighting;
-  std::size_t depth_axis = 2;  ///< of the grid: the principal one
-  double depth_sign = 1;       ///< depth is that times the index along the axis
-  float pixel_voxels = 1;      ///< a pixel's width along the axis
-};
-[[nodiscard]] RasterScene raster_scene(std::span<const SurfaceDraw> surfaces, const ParallelView& view,
-                                       const Shear& shear, const Grid& grid, const Lighting& lighting);
 
 /// What is left of a band: the fragments of its slots, front to back.
 struct BandFragments {
@@ -73,17 +58,14 @@ class BandRasterizer {
     std::array<float, 2> light{};
   };
   static constexpr std::uint32_t kNone = 0xffffffff;
-  struct Triangle;
-  class EdgeWalk;
-  class Attributes;
 
   void clear(std::size_t slots);
-  void sample_centers(const Triangle& t);
-  void sample_patterns(const Triangle& t);
-  [[nodiscard]] bool is_hidden(const Triangle& t, std::uint32_t slot) const;
+  void sample_centers(const ScreenTriangle& t);
+  void sample_patterns(const ScreenTriangle& t);
+  [[nodiscard]] bool is_hidden(const ScreenTriangle& t, std::uint32_t slot) const;
   [[nodiscard]] PixelBox clipped(PixelBox box) const;
   [[nodiscard]] bool in_front(const Crossing& a, const Crossing& b) const;
-  void add(const Triangle& triangle, const Attributes& attributes, std::uint32_t slot,
+  void add(const ScreenTriangle& triangle, const TriangleAttributes& attributes, std::uint32_t slot,
            std::array<float, 3> weight, double depth);
   [[nodiscard]] SurfaceLight lit(const SurfaceMesh& mesh, std::uint32_t triangle, bool front,
                                  const std::array<float, 3>& weight) const;
