@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "player/pixel_rays.h"
 #include "player/projection.h"
 
 namespace splatlas {
@@ -13,101 +14,6 @@ constexpr int kBlockSide = 4;  // pixels: a packet
 constexpr auto kSide = static_cast<std::size_t>(kBlockSide);
 static_assert(kSide * kSide == kPacketRays);
 constexpr int kTileSide = 32;  // pixels: what a thread takes
-constexpr float kFarAway = 1e9f;
-
-using Numbers = std::array<double, kPacketRays>;
-
-/// Rays of one packet: at s, a ray is at start + s * direction.
-struct Lines {
-  std::array<Numbers, 3> start{}, direction{};
-  Numbers direction_mm{};  // length of the direction
-};
-
-/// The rays of a view in positions of a ray volume, linear in picture coordinates.
-class PixelRays {
- public:
-  PixelRays(const View& view, const Grid& grid, const Index3& first) : perspective_(view.eye_mm.has_value()) {
-    Affine to_place = lps_mm_to_index(grid);
-    for (std::size_t a = 0; a < 3; ++a) to_place.offset[a] -= static_cast<double>(first[a]);
-    const ParallelView& plane = view.plane;
-    Vec3 right = plane.right_lps, down = plane.up_lps;
-    for (std::size_t a = 0; a < 3; ++a) {
-      right[a] *= plane.mm_per_pixel;
-      down[a] *= -plane.mm_per_pixel;
-    }
-    eye_ = to_place.apply(view.eye_lps_mm());
-    corner_ = to_place.apply(plane.point_lps_mm(0, 0));
-    right_ = to_place.apply_linear(right);
-    down_ = to_place.apply_linear(down);
-    forward_ = to_place.apply_linear(plane.forward_lps);
-    eye_mm_ = view.eye_mm.value_or(0);
-    mm_per_pixel_ = plane.mm_per_pixel;
-    middle_x_ = 0.5 * plane.size.width;
-    middle_y_ = 0.5 * plane.size.height;
-  }
-
-  [[nodiscard]] bool perspective() const { return perspective_; }
-
-  /// Through these picture coordinates.
-  [[nodiscard]] Lines through(const Numbers& x, const Numbers& y) const {
-    Lines lines;
-    for (std::size_t a = 0; a < 3; ++a) {
-      for (std::size_t n = 0; n < kPacketRays; ++n) {
-        const double point = corner_[a] + x[n] * right_[a] + y[n] * down_[a];
-        lines.start[a][n] = perspective_ ? eye_[a] : point;
-        lines.direction[a][n] = perspective_ ? point - eye_[a] : forward_[a];
-      }
-    }
-    for (std::size_t n = 0; n < kPacketRays; ++n) {
-      const double right_mm = (x[n] - middle_x_) * mm_per_pixel_;
-      const double down_mm = (y[n] - middle_y_) * mm_per_pixel_;
-      const double square = eye_mm_ * eye_mm_ + right_mm * right_mm + down_mm * down_mm;
-      lines.direction_mm[n] = perspective_ ? std::sqrt(square) : 1.0;
-    }
-    return lines;
-  }
-
- private:
-  bool perspective_;
-  Vec3 eye_{}, corner_{}, right_{}, down_{}, forward_{};
-  double eye_mm_ = 0, mm_per_pixel_ = 0, middle_x_ = 0, middle_y_ = 0;
-};
-
-/// Another axis than the best one is taken only where no more than so many voxels lie between its planes.
-constexpr double kMaxSlope = 100;
-
-/// The axis along which a ray passes most voxels, or the one that is forced.
-std::size_t principal_axis(const Lines& lines, std::size_t n, const std::optional<Axis>& forced) {
-  const auto voxels = [&](std::size_t axis) { return std::abs(lines.direction[axis][n]); };
-  std::size_t principal = 2;
-  for (const std::size_t axis : {1u, 0u}) {
-    if (voxels(axis) > voxels(principal)) principal = axis;
-  }
-  if (!forced) return principal;
-  const auto axis = static_cast<std::size_t>(*forced);
-  return voxels(axis) * kMaxSlope >= voxels(principal) ? axis : principal;
-}
-
-/// Rays [first, last) of a packet: t counts planes along their principal axis.
-void set_rays(const Lines& lines, std::size_t principal, bool from_start, std::size_t first, std::size_t last,
-              RayPacket& packet) {
-  for (std::size_t n = first; n < last; ++n) {
-    const double ahead = lines.direction[principal][n];
-    const double along = 1 / std::abs(ahead);
-    const double t_start = ahead > 0 ? lines.start[principal][n] : -lines.start[principal][n];
-    for (std::size_t a = 0; a < 3; ++a) {
-      const double step = lines.direction[a][n] * along;
-      packet.step[a][n] = static_cast<float>(step);
-      packet.origin[a][n] = static_cast<float>(lines.start[a][n] - step * t_start);
-    }
-    packet.step[principal][n] = ahead > 0 ? 1.0f : -1.0f;
-    packet.origin[principal][n] = 0;
-    packet.mm_per_t[n] = static_cast<float>(lines.direction_mm[n] * along);
-    packet.from[n] =
-        from_start ? static_cast<float>(std::clamp<double>(t_start, -kFarAway, kFarAway)) : -kFarAway;
-    packet.to[n] = kFarAway;
-  }
-}
 
 /// Pixels of the picture.
 struct PixelBox {
@@ -146,9 +52,8 @@ PixelBox shown_box(const RayVolume& volume, const View& view, const Grid& grid) 
 
 class Tile {
  public:
-  Tile(const PixelRays& rays, const MarchScene& scene, const MarchKernels& kernels,
-       const CastOptions& options, Picture& picture)
-      : rays_(rays), scene_(scene), kernels_(kernels), options_(options), picture_(picture) {}
+  Tile(const PixelRays& rays, const MarchScene& scene, const MarchKernels& kernels, Picture& picture)
+      : rays_(rays), scene_(scene), kernels_(kernels), picture_(picture) {}
 
   void render(const PixelBox& box) const {
     for (int y = box.top; y < box.bottom; y += kBlockSide) {
@@ -158,33 +63,13 @@ class Tile {
 
  private:
   void render_block(int left, int top) const {
-    Numbers x{}, y{};
+    RayNumbers x{}, y{};
     for (std::size_t n = 0; n < kPacketRays; ++n) {
       // Beyond the picture's edge, the ray of the pixel on it once more.
       x[n] = std::min(left + static_cast<int>(n) % kBlockSide, picture_.size.width - 1) + 0.5;
       y[n] = std::min(top + static_cast<int>(n) / kBlockSide, picture_.size.height - 1) + 0.5;
     }
-    const Lines lines = rays_.through(x, y);
-    const auto principal = [&](std::size_t n) { return principal_axis(lines, n, options_.principal_axis); };
-    const std::size_t first = principal(0);
-    // Directions closest to one end of an axis are a convex cone: what its corners are, the whole block is.
-    const bool same = [&] {
-      for (const std::size_t corner : {kSide - 1, kPacketRays - kSide, kPacketRays - 1}) {
-        if (principal(corner) != first ||
-            (lines.direction[first][corner] > 0) != (lines.direction[first][0] > 0)) {
-          return false;
-        }
-      }
-      return true;
-    }();
-    RayPacket packet;
-    if (same) {
-      set_rays(lines, first, rays_.perspective(), 0, kPacketRays, packet);
-    } else {
-      for (std::size_t n = 0; n < kPacketRays; ++n) {
-        set_rays(lines, principal(n), rays_.perspective(), n, n + 1, packet);
-      }
-    }
+    const RayPacket packet = rays_.through(x, y);
     LightPacket light;
     kernels_.march(scene_, packet, light);
     const int columns = std::min(kBlockSide, picture_.size.width - left);
@@ -203,7 +88,6 @@ class Tile {
   const PixelRays& rays_;
   const MarchScene& scene_;
   const MarchKernels& kernels_;
-  const CastOptions& options_;
   Picture& picture_;
 };
 
@@ -215,7 +99,7 @@ void cast_rays(const RayVolume& volume, const View& view, const Grid& grid, cons
   picture.size = size;
   picture.rgba.assign(4 * static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height), 0.0f);
   if (volume.empty()) return;
-  const PixelRays rays(view, grid, volume.first());
+  const PixelRays rays(view, grid, volume.first(), options.principal_axis);
   const MarchScene scene{.grid = volume.grid(),
                          .sources = volume.sources(),
                          .active = volume.active(),
@@ -223,7 +107,7 @@ void cast_rays(const RayVolume& volume, const View& view, const Grid& grid, cons
                          .least_steps = options.least_steps,
                          .most_steps = options.most_steps,
                          .tolerance = options.tolerance};
-  const Tile tile(rays, scene, kernels, options, picture);
+  const Tile tile(rays, scene, kernels, picture);
   const PixelBox shown = shown_box(volume, view, grid);
   const int columns = (shown.right - shown.left + kTileSide - 1) / kTileSide;
   const int rows = (shown.bottom - shown.top + kTileSide - 1) / kTileSide;

@@ -29,6 +29,9 @@ void MarchPacket(const MarchScene& scene, const RayPacket& packet, LightPacket& 
 namespace hn = hwy::HWY_NAMESPACE;
 
 constexpr std::size_t kSlabs = MarchGrid::kBrick;  // walked in one stride
+/// Share of the tolerance below which a whole stride is one step.
+constexpr float kFaintShare = 0.03f;
+constexpr std::size_t kPrefetchedLanes = 3;  // one of so many: their neighbours' cells share cache lines
 
 /// What has been added up along the rays.
 struct Sum {
@@ -66,7 +69,8 @@ class OneLook {
     for (std::size_t slab = 0; slab < kSlabs; ++slab) {
       const Places places(scene_.grid, rays_, rays_.Clamped(t + static_cast<float>(slab) + 0.5f));
       hn::Store(places.cell, Ints(), cells);
-      for (std::size_t n = 0; n < hn::Lanes(Lanes()); ++n) hwy::Prefetch(octants_ + cells[n]);
+      for (std::size_t n = 0; n < hn::Lanes(Lanes()); n += kPrefetchedLanes)
+        hwy::Prefetch(octants_ + cells[n]);
     }
   }
 
@@ -75,6 +79,13 @@ class OneLook {
     auto at = rays_.Clamped(t);
     if (!valid_) last_ = Take(at);
     valid_ = true;
+    if (IsFaint()) {
+      const auto end = rays_.Clamped(t + static_cast<float>(kSlabs));
+      const Taken taken = Take(end);
+      Step(hn::Sub(end, at), taken.classified);
+      last_ = taken;
+      return;
+    }
     Taken ends[kSlabs];
     for (std::size_t slab = 0; slab < kSlabs; ++slab) {
       ends[slab] = Take(rays_.Clamped(t + static_cast<float>(slab + 1)));
@@ -103,6 +114,13 @@ class OneLook {
     const Places places(scene_.grid, rays_, t);
     const Octants octants(octants_, places);
     return {octants, Classify(curve_, octants.Value(places))};
+  }
+
+  /// What is still seen of a stride is so little that one step does.
+  HWY_INLINE bool IsFaint() const {
+    const Lanes d;
+    const auto weight = hn::Mul(hn::Mul(sum_.Through(), rays_.mm_per_t), hn::Set(d, curve_.variation()));
+    return scene_.tolerance > 0 && hn::AllTrue(d, hn::Le(weight, hn::Set(d, kFaintShare * scene_.tolerance)));
   }
 
   HWY_INLINE void Slab(float begin, Vector at, Vector end, const Taken& taken) {

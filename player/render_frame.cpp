@@ -48,8 +48,8 @@ CastOptions cast_options(const RenderOptions& options) {
   switch (options.quality) {
     case Quality::kDraft: break;
     case Quality::kNormal:
-      cast.most_steps = 16;
-      cast.tolerance = 0.05f;
+      cast.most_steps = 32;
+      cast.tolerance = 0.045f;
       break;
     case Quality::kHigh:
       cast.least_steps = 8;
