@@ -93,6 +93,16 @@ class Tile {
 
 }  // namespace
 
+MarchScene march_scene(const RayVolume& volume, const CastOptions& options) {
+  return {.grid = volume.grid(),
+          .sources = volume.sources(),
+          .active = volume.active(),
+          .floor = options.floor,
+          .least_steps = options.least_steps,
+          .most_steps = options.most_steps,
+          .tolerance = options.tolerance};
+}
+
 void cast_rays(const RayVolume& volume, const View& view, const Grid& grid, const CastOptions& options,
                const MarchKernels& kernels, Picture& picture, ThreadPool& pool) {
   const PictureSize size = view.plane.size;
@@ -100,13 +110,7 @@ void cast_rays(const RayVolume& volume, const View& view, const Grid& grid, cons
   picture.rgba.assign(4 * static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height), 0.0f);
   if (volume.empty()) return;
   const PixelRays rays(view, grid, volume.first(), options.principal_axis);
-  const MarchScene scene{.grid = volume.grid(),
-                         .sources = volume.sources(),
-                         .active = volume.active(),
-                         .floor = options.floor,
-                         .least_steps = options.least_steps,
-                         .most_steps = options.most_steps,
-                         .tolerance = options.tolerance};
+  const MarchScene scene = march_scene(volume, options);
   const Tile tile(rays, scene, kernels, picture);
   const PixelBox shown = shown_box(volume, view, grid);
   const int columns = (shown.right - shown.left + kTileSide - 1) / kTileSide;

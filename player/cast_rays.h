@@ -21,6 +21,9 @@ struct CastOptions {
       std::nullopt;  ///< forced, to measure what the choice costs; the best one of each ray when not set
 };
 
+/// `volume` as the kernels take it; it must outlive the scene.
+[[nodiscard]] MarchScene march_scene(const RayVolume& volume, const CastOptions& options);
+
 /// Renders the volume. Each ray is sampled where it meets the planes of voxels normal to the axis along which
 /// it passes most of them, and in between where that changes the picture; in perspective it begins at the
 /// eye, wherever that is. Blocks of 4x4 pixels march together; pictures do not depend on the number of

@@ -71,19 +71,21 @@ Result<SheetWindow> choose_window(const SpanModel& model, const Shear& shear, co
 
 }  // namespace
 
+RasterOptions raster_options(const RenderOptions& options, std::uint64_t max_memory_bytes) {
+  const std::size_t max_fragments =
+      std::min<std::size_t>(max_memory_bytes / 4 / kBytesPerFragment, kMostFragments);
+  return {max_fragments, options.transmittance_floor, edge_samples(options, max_memory_bytes)};
+}
+
 Result<FrameCounters> draw_frame(const FrameRequest& frame, FrameBuffers& buffers, Picture& picture,
                                  ThreadPool& pool) {
   const RenderOptions& options = frame.options;
   FrameCounters counters;
   Stopwatch watch;
-  const std::size_t max_fragments =
-      std::min<std::size_t>(frame.max_memory_bytes / 4 / kBytesPerFragment, kMostFragments);
   const RasterScene scene = raster_scene(frame.surfaces, frame.view, frame.shear, frame.grid, frame.lighting);
-  SPLATLAS_ASSIGN_OR_RETURN(
-      const RasterCounters raster,
-      buffers.rasterizer.draw(
-          scene, {max_fragments, options.transmittance_floor, edge_samples(options, frame.max_memory_bytes)},
-          buffers.fragments, pool));
+  SPLATLAS_ASSIGN_OR_RETURN(const RasterCounters raster,
+                            buffers.rasterizer.draw(scene, raster_options(options, frame.max_memory_bytes),
+                                                    buffers.fragments, pool));
   counters.triangles = raster.triangles;
   counters.rasterize = watch.lap();
 

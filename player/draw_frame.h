@@ -39,6 +39,9 @@ struct FrameCounters {
   Elapsed rasterize, sheets, resolve;
 };
 
+/// How the rasteriser works at these options; fragments may take a quarter of the memory.
+[[nodiscard]] RasterOptions raster_options(const RenderOptions& options, std::uint64_t max_memory_bytes);
+
 /// Rasterises the surfaces, splats and composites the spans sheet by sheet, and resolves both into the
 /// picture. kLimit when the fragments or the sheet would be too many.
 [[nodiscard]] Result<FrameCounters> draw_frame(const FrameRequest& frame, FrameBuffers& buffers,

@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include "player/cast_rays.h"
+#include "player/cast_surfaces.h"
 #include "player/class_cache.h"
 #include "player/draw_frame.h"
 #include "player/pick.h"
@@ -183,13 +184,6 @@ Result<Renderer::Impl::Rays*> Renderer::Impl::ray_volume(const RenderOptions& op
 /// A frame of rays: in perspective, and wherever grey values are classified after interpolation.
 Result<void> Renderer::Impl::render_rays(const View& frame_view, const RenderOptions& options,
                                          Picture& picture) {
-  if (!plan.surfaces.empty()) {
-    return fail(
-        ErrorCode::kUsage,
-        fmt::format("{}: the selection draws {} surfaces, which are drawn in parallel projection with "
-                    "classification before interpolation only; select volumes",
-                    atlas->name(), plan.surfaces.size()));
-  }
   view.reset();  // nothing can be picked in a frame of rays
   Stopwatch watch;
   SPLATLAS_RETURN_IF_ERROR(decode(Axis::kZ));
@@ -197,23 +191,34 @@ Result<void> Renderer::Impl::render_rays(const View& frame_view, const RenderOpt
   SPLATLAS_ASSIGN_OR_RETURN(Rays* const cast, ray_volume(options));
   stats.traversal = watch.lap();
   stats.select_ms += stats.traversal.wall_ms;
+  const Lighting lighting(frame_view.plane);
   if (cast->shaded && cast->volume.shaded() &&
       !(cast->lit_for && cast->lit_for->forward_lps == frame_view.plane.forward_lps &&
         cast->lit_for->up_lps == frame_view.plane.up_lps)) {
-    cast->volume.shade(Lighting(frame_view.plane).table(), pool);
+    cast->volume.shade(lighting.table(), pool);
     cast->lit_for = frame_view.plane;
   }
   const Elapsed light = watch.lap();
   stats.traversal += light;
 
-  cast_rays(cast->volume, frame_view, atlas->grid(), cast_options(options),
-            options.simd ? best_march() : scalar_march(), picture, pool);
+  const std::vector<SurfaceDraw> surfaces = surface_draws();
+  SPLATLAS_ASSIGN_OR_RETURN(const RasterScene scene,
+                            raster_scene_of_rays(surfaces, frame_view, atlas->grid(), lighting));
+  SPLATLAS_ASSIGN_OR_RETURN(
+      const RasterCounters raster,
+      frame.rasterizer.draw(scene, raster_options(options, max_memory_bytes), frame.fragments, pool));
+  stats.triangles = raster.triangles;
+  stats.rasterize = watch.lap();
+
+  const MarchKernels& kernels = options.simd ? best_march() : scalar_march();
+  cast_rays(cast->volume, frame_view, atlas->grid(), cast_options(options), kernels, picture, pool);
+  stats.sheets = watch.lap();
+  cast_surfaces(cast->volume, frame_view, atlas->grid(), scene, frame.fragments, cast_options(options),
+                kernels, picture, pool);
+  stats.resolve = watch.lap();
   stats.runs_visited = cast->runs;
   stats.voxels_visited = cast->volume.voxels();
-  stats.triangles = 0;
-  stats.sheets = watch.lap();
-  stats.rasterize = stats.resolve = {};
-  stats.render_ms = light.wall_ms + stats.sheets.wall_ms;
+  stats.render_ms = light.wall_ms + stats.rasterize.wall_ms + stats.sheets.wall_ms + stats.resolve.wall_ms;
   return {};
 }
 

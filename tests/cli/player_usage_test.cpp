@@ -57,9 +57,9 @@ TEST(PlayerUsage, TellsWhatIsWrong) {
         "field of view " + degrees);
   }
   expect_refused({"render", atlas, "-o", "x.png", "--field-of-view", "40"}, 2, "--projection perspective");
-  expect_refused(
-      {"render", atlas, "-o", "x.png", "--projection", "perspective", "--select", "\"Sphere 1\":surface"}, 2,
-      "surfaces");
+  expect_refused({"render", atlas, "-o", "x.png", "--projection", "perspective", "--azimuth", "40",
+                  "--field-of-view", "150", "--select", "\"Sphere 1\":surface"},
+                 2, "too wide for surfaces");
 }
 
 TEST(PlayerUsage, WordsThatSayNothingAreRefused) {
