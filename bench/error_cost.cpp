@@ -10,7 +10,6 @@
 namespace splatlas {
 namespace {
 
-using reference::Classification;
 using reference::GreyTruth;
 using reference::PictureDifference;
 using reference::ReferencePicture;

@@ -93,7 +93,7 @@ void BandRasterizer::sample_patterns(const ScreenTriangle& t) {
   std::optional<TriangleAttributes> attributes;
   for (std::int32_t y = box.y_first; y <= box.y_last; ++y) {
     EdgeWalk::Edges at_center = walk.row(y - box.y_first);
-    const std::uint32_t* const slots = &slot_of_pixel_[static_cast<std::size_t>((y - first_row_) * width_)];
+    const std::uint32_t* const slots = slot_of_pixel_.data() + std::ptrdiff_t{y - first_row_} * width_;
     for (std::int32_t x = box.x_first; x <= box.x_last; ++x, walk.step(at_center)) {
       if (slots[x] == kNone || walk.misses_pixel(at_center)) continue;
       for (std::uint32_t n = 0; n < pattern_.size(); ++n) {

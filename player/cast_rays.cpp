@@ -79,7 +79,7 @@ class Tile {
                                            static_cast<std::size_t>(picture_.size.width) +
                                        static_cast<std::size_t>(left))];
       for (int column = 0; column < columns; ++column) {
-        const auto n = static_cast<std::size_t>(row * kBlockSide + column);
+        const std::size_t n = static_cast<std::size_t>(row) * kBlockSide + static_cast<std::size_t>(column);
         for (std::size_t c = 0; c < 4; ++c) *out++ = light.planes[c][n];
       }
     }

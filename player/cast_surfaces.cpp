@@ -32,8 +32,10 @@ class SamplePacket {
     RayNumbers x{}, y{};
     for (std::size_t n = 0; n < kPacketRays; ++n) {
       const Sample& sample = list_.samples[first_ + std::min(n, count_ - 1)];
-      x[n] = sample.pixel % static_cast<std::uint32_t>(width) + sample.place.right();
-      y[n] = sample.pixel / static_cast<std::uint32_t>(width) + sample.place.down();
+      const std::uint32_t column = sample.pixel % static_cast<std::uint32_t>(width);
+      const std::uint32_t row = sample.pixel / static_cast<std::uint32_t>(width);
+      x[n] = column + sample.place.right();
+      y[n] = row + sample.place.down();
     }
     packet_ = rays.through(x, y);
     end_ = packet_.to;

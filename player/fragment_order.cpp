@@ -30,8 +30,9 @@ class SheetPlaces {
   };
   /// Nothing for samples that no pixel of the sheet is near to.
   [[nodiscard]] std::optional<Place> of(const Sample& sample) const {
+    const std::uint32_t picture_row = sample.pixel / width_;
     const double x = static_cast<double>(sample.pixel % width_) + sample.place.right();
-    const double y = static_cast<double>(sample.pixel / width_) + sample.place.down();
+    const double y = static_cast<double>(picture_row) + sample.place.down();
     const double sheet_x =
         (map_.xx * x + map_.xy * y + map_.x0 - static_cast<double>(window_.u0)) * window_.scale;
     const double sheet_y =

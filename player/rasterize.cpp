@@ -168,8 +168,9 @@ void Rasterizer::merge_bands(const RasterScene& scene, FragmentList& out, Thread
 
   const auto width = static_cast<std::size_t>(scene.size.width);
   pool.for_each(centers_.size(), [&](std::size_t n) {
-    auto [sample, fragment] = begin[n];
-    auto [row, last_row] = rows_of(n, scene);  // samples before `row` are counted
+    std::size_t sample = begin[n].sample, fragment = begin[n].fragment;
+    const auto rows = rows_of(n, scene);
+    auto row = rows.first;  // samples before it are counted
     for_each_sample(n, scene, [&](std::size_t pixel, const SubPixel& place, std::span<const Fragment> from) {
       for (; static_cast<std::size_t>(row) <= pixel / width; ++row) {
         out.first_of_row[static_cast<std::size_t>(row)] = static_cast<std::uint32_t>(sample);
@@ -179,7 +180,7 @@ void Rasterizer::merge_bands(const RasterScene& scene, FragmentList& out, Thread
       std::copy(from.begin(), from.end(), out.fragments.begin() + static_cast<std::ptrdiff_t>(fragment));
       fragment += from.size();
     });
-    for (; row < last_row; ++row) {
+    for (; row < rows.second; ++row) {
       out.first_of_row[static_cast<std::size_t>(row)] = static_cast<std::uint32_t>(sample);
     }
   });
