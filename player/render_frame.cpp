@@ -50,7 +50,7 @@ CastOptions cast_options(const RenderOptions& options) {
     case Quality::kDraft: break;
     case Quality::kNormal:
       cast.most_steps = 32;
-      cast.tolerance = 0.04f;
+      cast.tolerance = 0.035f;
       break;
     case Quality::kHigh:
       cast.least_steps = 8;
