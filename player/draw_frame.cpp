@@ -74,7 +74,7 @@ Result<SheetWindow> choose_window(const SpanModel& model, const Shear& shear, co
 RasterOptions raster_options(const RenderOptions& options, std::uint64_t max_memory_bytes) {
   const std::size_t max_fragments =
       std::min<std::size_t>(max_memory_bytes / 4 / kBytesPerFragment, kMostFragments);
-  return {max_fragments, options.transmittance_floor, edge_samples(options, max_memory_bytes)};
+  return {max_fragments, transmittance_floor(options), edge_samples(options, max_memory_bytes)};
 }
 
 Result<FrameCounters> draw_frame(const FrameRequest& frame, FrameBuffers& buffers, Picture& picture,
@@ -93,7 +93,7 @@ Result<FrameCounters> draw_frame(const FrameRequest& frame, FrameBuffers& buffer
   const SplatKernels& kernels = options.simd ? best_kernels() : scalar_kernels();
   buffers.order.build(buffers.fragments, frame.shear, window, options.size, frame.grid, pool);
   const SheetCounters sheets = render_sheets(frame.spans, frame.shear, window, kernels,
-                                             options.transmittance_floor, buffers.order, buffers.sheet, pool);
+                                             transmittance_floor(options), buffers.order, buffers.sheet, pool);
   counters.voxels = sheets.voxels;
   counters.sheets = watch.lap();
 

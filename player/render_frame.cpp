@@ -45,7 +45,7 @@ std::uint64_t default_memory_limit() {
 
 /// How finely rays are sampled.
 CastOptions cast_options(const RenderOptions& options) {
-  CastOptions cast{.floor = options.transmittance_floor, .principal_axis = options.principal_axis};
+  CastOptions cast{.floor = transmittance_floor(options), .principal_axis = options.principal_axis};
   switch (options.quality) {
     case Quality::kDraft: break;
     case Quality::kNormal:

@@ -32,10 +32,16 @@ struct RenderOptions {
   bool simd = true;  ///< false: the scalar kernels
   /// Early termination: what would be seen through pixels that let through no more than this is left out, so
   /// no value is further off than that. 0 leaves nothing out.
-  float transmittance_floor = 1e-4f;
+  /// Not set: 1e-3 in drafts, 1e-4 otherwise.
+  std::optional<float> transmittance_floor = std::nullopt;
   /// Forced, to measure what the choice costs; the best one when not set.
   std::optional<Axis> principal_axis = std::nullopt;
 };
+
+/// The floor that counts.
+[[nodiscard]] inline float transmittance_floor(const RenderOptions& options) {
+  return options.transmittance_floor.value_or(options.quality == Quality::kDraft ? 1e-3f : 1e-4f);
+}
 
 struct RenderStats {
   std::uint64_t volume_voxels = 0, surface_voxels = 0,
