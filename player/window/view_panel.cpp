@@ -44,14 +44,27 @@ ViewPoint pointer_in(const ViewArea& area) {
           (mouse.y - area.min.y) / static_cast<double>(area.size.y)};
 }
 
+/// Whether the pointer has left the place where the button was pressed, now or before.
+bool has_travelled(ImGuiMouseButton button) {
+  const ImGuiIO& io = ImGui::GetIO();
+  const float x = io.MousePos.x - io.MouseClickedPos[button].x;
+  const float y = io.MousePos.y - io.MouseClickedPos[button].y;
+  return std::max(io.MouseDragMaxDistanceSqr[button], x * x + y * y) >=
+         io.MouseDragThreshold * io.MouseDragThreshold;
+}
+
+/// The last way of a drag and the release may come in one frame.
+bool is_dragged(ImGuiMouseButton button) {
+  return ImGui::IsMouseDragging(button) || (ImGui::IsMouseReleased(button) && has_travelled(button));
+}
+
 /// Turns or moves the camera while a button is held; true while it does.
 bool drag(Session& session, const ViewArea& area) {
   const ImGuiIO& io = ImGui::GetIO();
   const double scale = area.pixels_per_unit();
   const double dx = io.MouseDelta.x * scale, dy = io.MouseDelta.y * scale;
-  const bool left = ImGui::IsMouseDragging(ImGuiMouseButton_Left);
-  const bool other =
-      ImGui::IsMouseDragging(ImGuiMouseButton_Right) || ImGui::IsMouseDragging(ImGuiMouseButton_Middle);
+  const bool left = is_dragged(ImGuiMouseButton_Left);
+  const bool other = is_dragged(ImGuiMouseButton_Right) || is_dragged(ImGuiMouseButton_Middle);
   if (other || (left && io.KeyShift)) {
     session.set_camera(moved_by_drag(session.camera(), dx, dy, area.pixels, session.atlas().display()));
   } else if (left) {
@@ -64,7 +77,7 @@ void mouse(Session& session, const ViewArea& area) {
   ImGui::InvisibleButton("view", area.size,
                          ImGuiButtonFlags_MouseButtonLeft | ImGuiButtonFlags_MouseButtonRight |
                              ImGuiButtonFlags_MouseButtonMiddle);
-  const bool dragging = ImGui::IsItemActive() && drag(session, area);
+  const bool dragging = (ImGui::IsItemActive() || ImGui::IsItemDeactivated()) && drag(session, area);
   const bool hovered = ImGui::IsItemHovered();
   const ViewPoint point = pointer_in(area);
   session.point_at(hovered && !dragging ? std::optional(point) : std::nullopt);
@@ -72,8 +85,7 @@ void mouse(Session& session, const ViewArea& area) {
   const ImGuiIO& io = ImGui::GetIO();
   if (ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left)) {
     session.reset_view();
-  } else if (ImGui::IsMouseReleased(ImGuiMouseButton_Left) &&
-             io.MouseDragMaxDistanceSqr[0] < io.MouseDragThreshold * io.MouseDragThreshold) {
+  } else if (ImGui::IsMouseReleased(ImGuiMouseButton_Left) && !has_travelled(ImGuiMouseButton_Left)) {
     session.click_at(point);
   }
   if (io.MouseWheel != 0) {
