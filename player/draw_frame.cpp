@@ -92,8 +92,9 @@ Result<FrameCounters> draw_frame(const FrameRequest& frame, FrameBuffers& buffer
   SPLATLAS_ASSIGN_OR_RETURN(const SheetWindow window, choose_window(frame.spans, frame.shear, options));
   const SplatKernels& kernels = options.simd ? best_kernels() : scalar_kernels();
   buffers.order.build(buffers.fragments, frame.shear, window, options.size, frame.grid, pool);
-  const SheetCounters sheets = render_sheets(frame.spans, frame.shear, window, kernels,
-                                             transmittance_floor(options), buffers.order, buffers.sheet, pool);
+  const SheetCounters sheets =
+      render_sheets(frame.spans, frame.shear, window, kernels, transmittance_floor(options), buffers.order,
+                    buffers.sheet, pool);
   counters.voxels = sheets.voxels;
   counters.sheets = watch.lap();
 
