@@ -9,6 +9,7 @@
 
 #include <hwy/highway.h>
 
+#include "player/absorption-inl.h"
 #include "player/march_kernels.h"
 #include "player/march_samples-inl.h"
 
@@ -123,44 +124,6 @@ struct Means {
   }
 };
 
-/// Slabs of at most this depth take the short way.
-constexpr float kThin = 0.75f;
-
-/// (1 - exp(-depth)) / depth, 0 <= depth <= kThin, to 2e-8 relative: the polynomial through the Chebyshev
-/// nodes of that range.
-HWY_INLINE Vector ThinMean(Vector depth) {
-  const Lanes d;
-  auto mean = hn::Set(d, -1.011964663e-3f);
-  mean = hn::MulAdd(mean, depth, hn::Set(d, 8.033159332e-3f));
-  mean = hn::MulAdd(mean, depth, hn::Set(d, -4.155307680e-2f));
-  mean = hn::MulAdd(mean, depth, hn::Set(d, 1.666469833e-1f));
-  mean = hn::MulAdd(mean, depth, hn::Set(d, -4.999987434e-1f));
-  return hn::MulAdd(mean, depth, hn::Set(d, 1.0f));
-}
-
-/// 1 - exp(-depth) for depth >= 0 to about 1e-7 relative: exp(-depth) = 2^n * (1 + r * q(r)) with |r| <=
-/// ln(2) / 2, so that the difference from 1 never cancels for small depths.
-HWY_INLINE Vector Absorbed(Vector depth) {
-  const Lanes d;
-  const auto one = hn::Set(d, 1.0f);
-  const auto x = hn::Neg(hn::Min(depth, hn::Set(d, 87.0f)));
-  const auto n = hn::Round(hn::Mul(x, hn::Set(d, 1.44269504f)));
-  auto r = hn::NegMulAdd(n, hn::Set(d, 0.693359375f), x);
-  r = hn::NegMulAdd(n, hn::Set(d, -2.12194440e-4f), r);
-  // q(r) = (exp(r) - 1) / r, Taylor: the first term left out is below 2e-8.
-  auto q = hn::Set(d, 1.0f / 5040);
-  q = hn::MulAdd(q, r, hn::Set(d, 1.0f / 720));
-  q = hn::MulAdd(q, r, hn::Set(d, 1.0f / 120));
-  q = hn::MulAdd(q, r, hn::Set(d, 1.0f / 24));
-  q = hn::MulAdd(q, r, hn::Set(d, 1.0f / 6));
-  q = hn::MulAdd(q, r, hn::Set(d, 0.5f));
-  q = hn::MulAdd(q, r, one);
-  const Ints di;
-  const auto bits = hn::ShiftLeft<23>(hn::Add(hn::ConvertTo(di, n), hn::Set(di, 127)));
-  const auto scale = hn::BitCast(d, bits);
-  return hn::NegMulAdd(scale, hn::Mul(r, q), hn::Sub(one, scale));
-}
-
 /// A slab's absorbed share of the light, and the same over its depth.
 struct Absorption {
   Vector absorbed, mean;
@@ -168,10 +131,10 @@ struct Absorption {
   HWY_INLINE explicit Absorption(Vector depth) {
     const Lanes d;
     if (HWY_LIKELY(hn::AllTrue(d, hn::Le(depth, hn::Set(d, kThin))))) {
-      mean = ThinMean(depth);
+      mean = ThinMean(d, depth);
       absorbed = hn::Mul(depth, mean);
     } else {
-      absorbed = Absorbed(depth);
+      absorbed = Absorbed(d, depth);
       mean = hn::Div(absorbed, hn::Max(depth, hn::Set(d, 1e-30f)));
     }
   }

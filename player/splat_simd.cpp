@@ -9,6 +9,7 @@
 #include <hwy/cache_control.h>
 #include <hwy/highway.h>
 
+#include "player/absorption-inl.h"
 #include "player/block_runs.h"
 #include "player/splat_kernels.h"
 
@@ -18,45 +19,6 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 using Lanes = hn::CappedTag<float, kBlock>;
 using Vector = hn::Vec<Lanes>;
-
-/// Slabs of at most this depth take the short way.
-constexpr float kThin = 0.75f;
-
-/// (1 - exp(-depth)) / depth, 0 <= depth <= kThin, to 1e-7 relative: 1 - depth / 2 + ..., the rest through
-/// the Chebyshev nodes of that range.
-HWY_INLINE Vector ThinMean(Vector depth) {
-  const Lanes d;
-  auto mean = hn::Set(d, -1.067719662e-03f);
-  mean = hn::MulAdd(mean, depth, hn::Set(d, 8.132654303e-03f));
-  mean = hn::MulAdd(mean, depth, hn::Set(d, -4.161409106e-02f));
-  mean = hn::MulAdd(mean, depth, hn::Set(d, 1.666617870e-01f));
-  mean = hn::MulAdd(mean, depth, hn::Set(d, -4.999999269e-01f));
-  return hn::MulAdd(mean, depth, hn::Set(d, 1.0f));
-}
-
-/// 1 - exp(-depth) for depth >= 0 to about 1e-7 relative: exp(-depth) = 2^n * (1 + r * q(r)) with |r| <=
-/// ln(2) / 2, so that the difference from 1 never cancels for small depths.
-HWY_INLINE Vector Absorbed(Vector depth) {
-  const Lanes d;
-  const auto one = hn::Set(d, 1.0f);
-  const auto x = hn::Neg(hn::Min(depth, hn::Set(d, 87.0f)));
-  const auto n = hn::Round(hn::Mul(x, hn::Set(d, 1.44269504f)));
-  auto r = hn::NegMulAdd(n, hn::Set(d, 0.693359375f), x);
-  r = hn::NegMulAdd(n, hn::Set(d, -2.12194440e-4f), r);
-  // q(r) = (exp(r) - 1) / r, Taylor: the first term left out is below 2e-8.
-  auto q = hn::Set(d, 1.0f / 5040);
-  q = hn::MulAdd(q, r, hn::Set(d, 1.0f / 720));
-  q = hn::MulAdd(q, r, hn::Set(d, 1.0f / 120));
-  q = hn::MulAdd(q, r, hn::Set(d, 1.0f / 24));
-  q = hn::MulAdd(q, r, hn::Set(d, 1.0f / 6));
-  q = hn::MulAdd(q, r, hn::Set(d, 0.5f));
-  q = hn::MulAdd(q, r, one);
-  const hn::RebindToSigned<Lanes> di;
-  const auto bits = hn::ShiftLeft<23>(hn::Add(hn::ConvertTo(di, n), hn::Set(di, 127)));
-  const auto scale = hn::BitCast(d, bits);
-  const auto expm1 = hn::Mul(r, q);
-  return hn::NegMulAdd(scale, expm1, hn::Sub(one, scale));
-}
 
 /// Turned vectors have their last lane first: what a vector hands on to the one behind it.
 HWY_INLINE Vector Turned(Vector mixed) {
@@ -212,7 +174,7 @@ class Splat {
     float* const opacities = pixels + kEmissions * image_.plane_stride;
     const auto opacity = hn::LoadU(d, opacities);
     const auto depth = hn::MulAdd(before, step[0], here[0]);
-    const auto weight = hn::Mul(hn::Sub(hn::Set(d, 1.0f), opacity), ThinMean(depth));
+    const auto weight = hn::Mul(hn::Sub(hn::Set(d, 1.0f), opacity), ThinMean(d, depth));
     AddEmissions(weight, before, here, step, pixels);
     hn::StoreU(hn::MulAdd(weight, depth, opacity), d, opacities);
   }
@@ -223,9 +185,9 @@ class Splat {
     const auto opacity = hn::LoadU(d, opacities);
     const auto depth = hn::MulAdd(before, step[0], here[0]);
     const auto through = hn::Sub(hn::Set(d, 1.0f), opacity);
-    const auto absorbed = Absorbed(depth);
+    const auto absorbed = Absorbed(d, depth);
     const auto mean =
-        hn::IfThenElse(hn::Le(depth, hn::Set(d, kThin)), ThinMean(depth), hn::Div(absorbed, depth));
+        hn::IfThenElse(hn::Le(depth, hn::Set(d, kThin)), ThinMean(d, depth), hn::Div(absorbed, depth));
     AddEmissions(hn::Mul(through, mean), before, here, step, pixels);
     hn::StoreU(hn::MulAdd(through, absorbed, opacity), d, opacities);
   }

@@ -113,20 +113,18 @@ TEST_F(PreprocessOutput, WhatCannotBeWrittenIsToldBeforeAnythingIsWritten) {
 TEST_F(PreprocessOutput, AFullDiskIsToldInOneLine) {
   // Files may grow to one block of 512 bytes.
   const std::string full = "ulimit -f 1;";
-  for (const std::string ending : {".nii", ".nii.gz", ".mha", ".nrrd"}) {
-    const ProgramResult result = run_after(full, {"export", "a.atlas", "--volume", "out" + ending});
-    EXPECT_EQ(result.status, 1) << ending;
-    EXPECT_THAT(result.err, AllOf(HasSubstr("out" + ending + ": cannot be written"),
-                                  Not(HasSubstr(".splatlas")), Not(HasSubstr("0x"))));
+  const auto fills_the_disk = [&](const std::string& option, const std::string& before,
+                                  const std::string& output) {
+    const ProgramResult result = run_after(full, {"export", "a.atlas", option, before + output});
+    EXPECT_EQ(result.status, 1) << output;
+    EXPECT_THAT(result.err, AllOf(HasSubstr(output + ": cannot be written"), Not(HasSubstr(".splatlas")),
+                                  Not(HasSubstr("0x"))));
     EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
-  }
-  for (const std::string ending : {".stl", ".obj", ".ply", ".vtk"}) {
-    const ProgramResult result = run_after(full, {"export", "a.atlas", "--surface", "Sphere 1=out" + ending});
-    EXPECT_EQ(result.status, 1) << ending;
-    EXPECT_THAT(result.err, AllOf(HasSubstr("out" + ending + ": cannot be written"),
-                                  Not(HasSubstr(".splatlas")), Not(HasSubstr("0x"))));
-    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
-  }
+  };
+  for (const std::string ending : {".nii", ".nii.gz", ".mha", ".nrrd"})
+    fills_the_disk("--volume", "", "out" + ending);
+  for (const std::string ending : {".stl", ".obj", ".ply", ".vtk"})
+    fills_the_disk("--surface", "Sphere 1=", "out" + ending);
   EXPECT_THAT(folder_.names(), ElementsAre("a.atlas"));
 }
 

@@ -1,6 +1,7 @@
 #include "player/class_cache.h"
 
 #include <cstring>
+#include <numeric>
 
 #include <gtest/gtest.h>
 
@@ -85,18 +86,30 @@ TEST(ClassCache, ReadsNothingTwiceAndNothingElse) {
   EXPECT_EQ(atlas->counters().decoded, other->counters().decoded);
 }
 
+/// An atlas of many classes, and all of them but the empty one.
+struct EncodedScene {
+  AtlasContent content;
+  Result<std::vector<std::byte>> bytes;
+  std::vector<ClassId> all;
+};
+
+EncodedScene encoded_scene() {
+  AtlasContent content = random_scene(3, 16).content;
+  Result<std::vector<std::byte>> bytes = encode_atlas(content);
+  std::vector<ClassId> all(content.classes.size() - 1);
+  std::iota(all.begin(), all.end(), 1);
+  return {std::move(content), std::move(bytes), std::move(all)};
+}
+
 /// Small classes share chunks: whichever thread comes first decodes them for all.
 TEST(ClassCache, DecodesAsMuchWithManyThreadsAsWithOne) {
-  const RandomScene scene = random_scene(3, 16);
-  const auto bytes = encode_atlas(scene.content);
-  ASSERT_TRUE(bytes);
-  std::vector<ClassId> all;
-  for (ClassId c = 1; c < scene.content.classes.size(); ++c) all.push_back(c);
+  const EncodedScene scene = encoded_scene();
+  ASSERT_TRUE(scene.bytes);
   const auto decoded = [&](unsigned threads) {
-    const auto atlas = *Atlas::open_bytes(*bytes);
+    const auto atlas = *Atlas::open_bytes(*scene.bytes);
     ThreadPool pool(threads);
     ClassCache cache(atlas);
-    EXPECT_TRUE(cache.require(all, Axis::kX, pool));
+    EXPECT_TRUE(cache.require(scene.all, Axis::kX, pool));
     return atlas->counters().decoded;
   };
   const std::uint64_t expected = decoded(1);
@@ -104,11 +117,8 @@ TEST(ClassCache, DecodesAsMuchWithManyThreadsAsWithOne) {
 }
 
 TEST(ClassCache, DamageIsToldAndNothingOfTheDamagedClassIsKept) {
-  const RandomScene scene = random_scene(3, 16);
-  const auto bytes = encode_atlas(scene.content);
+  const auto [content, bytes, all] = encoded_scene();
   ASSERT_TRUE(bytes);
-  std::vector<ClassId> all;
-  for (ClassId c = 1; c < scene.content.classes.size(); ++c) all.push_back(c);
   ThreadPool pool(2);
   std::size_t failures = 0;
   for (std::size_t at = 0; at < bytes->size(); at += 1 + bytes->size() / 100) {
@@ -125,7 +135,7 @@ TEST(ClassCache, DamageIsToldAndNothingOfTheDamagedClassIsKept) {
         ++failures;
         EXPECT_EQ(first.error().code, ErrorCode::kInvalidAtlas);
       } else {
-        expect_equal(scene.content, cache, all, axis);
+        expect_equal(content, cache, all, axis);
       }
     }
   }
