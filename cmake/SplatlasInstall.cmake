@@ -1,5 +1,6 @@
 # Installs the programs, the light libraries (format, player) with their public headers, and the CMake package
-# `splatlas`, by which other projects link them: find_package(splatlas), splatlas::format, splatlas::player.
+# `splatlas`, by which other projects link them: find_package(splatlas), splatlas::format, splatlas::player. They include
+# <splatlas/player/render_frame.h>; the headers among themselves "player/render_frame.h", as in the source tree.
 
 include(CMakePackageConfigHelpers)
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/splatlas)
@@ -20,6 +21,7 @@ foreach(library splatlas_format splatlas_player)
   if(TARGET ${library})
     install(TARGETS ${library} EXPORT splatlasTargets
       ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
+      INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
       FILE_SET HEADERS DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/splatlas)
   endif()
 endforeach()

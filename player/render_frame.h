@@ -17,7 +17,7 @@ namespace splatlas {
 
 /// Sheets, in parallel projection with voxels classified before interpolation: pixels per voxel are about one
 /// per picture pixel, at most 2 in drafts, 4 normally; high twice as many, at most 8. Rays, in perspective
-/// and wherever grey values are classified after interpolation: samples per slab are 1, 2, 4.
+/// and wherever grey values are classified after interpolation: steps per slab are 1; 1 to 32; 8 to 64.
 enum class Quality : std::uint8_t { kDraft, kNormal, kHigh };
 [[nodiscard]] std::optional<Quality> named_quality(std::string_view name);
 

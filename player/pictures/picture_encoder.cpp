@@ -7,9 +7,9 @@
 
 #include <dlfcn.h>
 #include <fmt/format.h>
-#include <png.h>
 
 #include "player/pictures/picture_module.h"
+#include "player/write_png.h"
 
 namespace splatlas {
 namespace {
@@ -62,23 +62,7 @@ Pixels pixels_for(const std::string& ending, const Picture& picture, std::option
 
 using Bytes = std::vector<std::byte>;
 
-tl::expected<Bytes, std::string> encode_png(const Pixels& pixels) {
-  png_image image{};
-  image.version = PNG_IMAGE_VERSION;
-  image.width = static_cast<png_uint_32>(pixels.size.width);
-  image.height = static_cast<png_uint_32>(pixels.size.height);
-  image.format = pixels.channels == 3 ? PNG_FORMAT_RGB : PNG_FORMAT_RGBA;
-  png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(image);  // a little more than the pixels
-  Bytes bytes(size);
-  if (png_image_write_to_memory(&image, bytes.data(), &size, 0, pixels.data, 0, nullptr) == 0) {
-    return tl::unexpected<std::string>(image.message);
-  }
-  bytes.resize(size);
-  return bytes;
-}
-
-tl::expected<Bytes, std::string> encode_through_module(void* function, const std::string& ending,
-                                                       const Pixels& pixels) {
+Result<Bytes> encode_through_module(void* function, const std::string& ending, const Pixels& pixels) {
   const PixelsToEncode to_encode{ending.c_str(),  pixels.size.width,       pixels.size.height,
                                  pixels.channels, pixels.is_float ? 1 : 0, pixels.data};
   Bytes bytes;
@@ -89,7 +73,7 @@ tl::expected<Bytes, std::string> encode_through_module(void* function, const std
   std::array<char, 512> error{};
   const auto encode_pixels = reinterpret_cast<EncodePixels>(function);
   if (encode_pixels(&to_encode, take, &bytes, error.data(), error.size()) != 0) {
-    return tl::unexpected<std::string>(error.data());
+    return fail(ErrorCode::kFailed, error.data());
   }
   return bytes;
 }
@@ -109,14 +93,16 @@ Result<void> PictureEncoder::check_ending(const std::filesystem::path& path) {
 
 Result<std::vector<std::byte>> PictureEncoder::encode(const Picture& picture, std::optional<Rgb> background) {
   SPLATLAS_RETURN_IF_ERROR(check_ending(path_));
-  void* function = nullptr;
-  if (module_.valid()) {
-    SPLATLAS_ASSIGN_OR_RETURN(function, module_.get());
-  }
-  const Pixels pixels = pixels_for(ending_, picture, background);
-  auto bytes = function == nullptr ? encode_png(pixels) : encode_through_module(function, ending_, pixels);
-  if (bytes) return *std::move(bytes);
-  return fail(ErrorCode::kFailed, fmt::format("{}: cannot be encoded: {}", path_.string(), bytes.error()));
+  auto bytes = encode_pixels(picture, background);
+  if (bytes) return bytes;
+  return fail(ErrorCode::kFailed,
+              fmt::format("{}: cannot be encoded: {}", path_.string(), bytes.error().message));
+}
+
+Result<Bytes> PictureEncoder::encode_pixels(const Picture& picture, std::optional<Rgb> background) {
+  if (!module_.valid()) return encode_png(picture, background);
+  SPLATLAS_ASSIGN_OR_RETURN(void* const function, module_.get());
+  return encode_through_module(function, ending_, pixels_for(ending_, picture, background));
 }
 
 }  // namespace splatlas

@@ -31,6 +31,9 @@ class PictureEncoder {
   [[nodiscard]] Result<std::vector<std::byte>> encode(const Picture& picture, std::optional<Rgb> background);
 
  private:
+  [[nodiscard]] Result<std::vector<std::byte>> encode_pixels(const Picture& picture,
+                                                             std::optional<Rgb> background);
+
   std::filesystem::path path_;
   std::string ending_;
   std::future<Result<void*>> module_;  // the module's encode function

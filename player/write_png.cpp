@@ -1,0 +1,36 @@
+#include "player/write_png.h"
+
+#include <cstdint>
+
+#include <fmt/format.h>
+#include <png.h>
+
+#include "format/output_file.h"
+
+namespace splatlas {
+
+Result<std::vector<std::byte>> encode_png(const Picture& picture, std::optional<Rgb> background) {
+  const std::vector<std::uint8_t> pixels = background ? to_srgb8(picture, *background) : to_srgba8(picture);
+  png_image image{};
+  image.version = PNG_IMAGE_VERSION;
+  image.width = static_cast<png_uint_32>(picture.size.width);
+  image.height = static_cast<png_uint_32>(picture.size.height);
+  image.format = background ? PNG_FORMAT_RGB : PNG_FORMAT_RGBA;
+  png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(image);  // a little more than the pixels
+  std::vector<std::byte> bytes(size);
+  if (png_image_write_to_memory(&image, bytes.data(), &size, 0, pixels.data(), 0, nullptr) == 0) {
+    return fail(ErrorCode::kFailed, image.message);
+  }
+  bytes.resize(size);
+  return bytes;
+}
+
+Result<void> write_png(const Picture& picture, const std::filesystem::path& path,
+                       std::optional<Rgb> background) {
+  const auto bytes = encode_png(picture, background);
+  if (bytes) return write_file(path, *bytes);
+  return fail(ErrorCode::kFailed,
+              fmt::format("{}: cannot be encoded: {}", path.string(), bytes.error().message));
+}
+
+}  // namespace splatlas
