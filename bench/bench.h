@@ -31,5 +31,6 @@ struct Bench {
 // Built where the peers are installed.
 [[nodiscard]] Result<Report> run_error_bench(const BenchOptions& options);
 [[nodiscard]] Result<Report> run_hybrid_bench(const BenchOptions& options);
+[[nodiscard]] Result<Report> run_numerics_bench(const BenchOptions& options);
 
 }  // namespace splatlas

@@ -14,6 +14,8 @@ std::span<const Bench> benches() {
       Bench{"error", "run time against error, ours at every quality beside VolPack and VTK", run_error_bench},
       Bench{"hybrid", "surfaces mixed with volume, beside VTK's depth peeling and FixedPoint with surfaces",
             run_hybrid_bench},
+      Bench{"numerics", "bias, popping, ripple, threads, stress inputs, orders of convergence",
+            run_numerics_bench},
 #endif
   };
   return kBenches;

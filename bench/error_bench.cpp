@@ -36,10 +36,6 @@ const RendererCost& cost_of(const std::vector<RendererCost>& costs, const std::s
   });
 }
 
-void raise(nlohmann::ordered_json& summary, const std::string& key, double value) {
-  if (!summary.contains(key) || summary[key].get<double>() < value) summary[key] = value;
-}
-
 /// Draft with two threads by the wall clock, with one in CPU time: VolPack has one.
 void summarise_parallel(const std::vector<RendererCost>& costs, const std::string& look,
                         nlohmann::ordered_json& summary) {

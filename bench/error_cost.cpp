@@ -87,6 +87,17 @@ Result<std::vector<RendererCost>> take_times(std::vector<Participant> participan
 
 }  // namespace
 
+Result<void> compare_parallel(std::vector<Participant>& participants, const ErrorTask& task,
+                              int views_compared) {
+  const GreyTruth truth(task.model.volume, task.model.look, Classification::kBefore);
+  const auto truth_of = [&](const Camera& camera) -> Result<ReferencePicture> {
+    SPLATLAS_ASSIGN_OR_RETURN(const ParallelView view,
+                              parallel_view(camera, task.size, task.atlas->display()));
+    return render_grey_truth(truth, task.model.volume.grid, view, 0);
+  };
+  return compare(participants, task, truth_of, views_compared);
+}
+
 Result<std::vector<RendererCost>> measure_parallel(const ErrorTask& task, int views_compared) {
   std::vector<Participant> participants;
   SPLATLAS_RETURN_IF_ERROR(add_ours(task, 1, participants));
@@ -95,13 +106,7 @@ Result<std::vector<RendererCost>> measure_parallel(const ErrorTask& task, int vi
     SPLATLAS_ASSIGN_OR_RETURN(Participant volpack, volpack_participant(task, rounding));
     participants.push_back(std::move(volpack));
   }
-  const GreyTruth truth(task.model.volume, task.model.look, Classification::kBefore);
-  const auto truth_of = [&](const Camera& camera) -> Result<ReferencePicture> {
-    SPLATLAS_ASSIGN_OR_RETURN(const ParallelView view,
-                              parallel_view(camera, task.size, task.atlas->display()));
-    return render_grey_truth(truth, task.model.volume.grid, view, 0);
-  };
-  SPLATLAS_RETURN_IF_ERROR(compare(participants, task, truth_of, views_compared));
+  SPLATLAS_RETURN_IF_ERROR(compare_parallel(participants, task, views_compared));
   return take_times(std::move(participants), task);
 }
 

@@ -7,6 +7,12 @@
 
 namespace splatlas {
 
+/// Sets the errors (in full scales) of what draws in parallel projection, grey values classified before
+/// interpolation: over the first `views_compared` views, every second frame, against the truth in double
+/// precision.
+[[nodiscard]] Result<void> compare_parallel(std::vector<Participant>& participants, const ErrorTask& task,
+                                            int views_compared);
+
 /// Parallel projection, grey values classified before interpolation: ours at every quality with one and with
 /// two threads, and VolPack. Times are taken with frames interleaved, errors (in full scales) over the first
 /// `views_compared` views, every second frame, against the truth in double precision.

@@ -1,22 +1,15 @@
 #include "bench/error_participants.h"
 
-#include <array>
 #include <set>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "bench/qualities.h"
 #include "player/shear.h"
 
 namespace splatlas {
 namespace {
-
-struct Setting {
-  const char* name;
-  Quality quality;
-};
-constexpr std::array kSettings{Setting{"draft", Quality::kDraft}, Setting{"normal", Quality::kNormal},
-                               Setting{"high", Quality::kHigh}};
 
 RendererCost named(std::string renderer, std::string setting, unsigned threads) {
   RendererCost cost;
@@ -40,7 +33,7 @@ struct Ours {
 
 void add_settings(const char* name, unsigned threads, const std::shared_ptr<Ours>& ours,
                   std::vector<Participant>& participants) {
-  for (const Setting& setting : kSettings) {
+  for (const NamedQuality& setting : kQualities) {
     Participant participant;
     participant.cost = named(name, setting.name, threads);
     participant.draw = [ours, &setting](const Camera& camera) { return ours->draw(camera, setting.quality); };
@@ -75,7 +68,8 @@ Result<void> add_ours(const ErrorTask& task, unsigned threads, std::vector<Parti
     SPLATLAS_ASSIGN_OR_RETURN(const ParallelView view,
                               parallel_view(camera, task.size, task.atlas->display()));
     if (!prepared.insert(factorise(view, task.atlas->grid()).principal).second) continue;
-    for (const Setting& setting : kSettings) SPLATLAS_RETURN_IF_ERROR(ours->draw(camera, setting.quality));
+    for (const NamedQuality& setting : kQualities)
+      SPLATLAS_RETURN_IF_ERROR(ours->draw(camera, setting.quality));
   }
   add_settings("splatlas", threads, ours, participants);
   return {};
@@ -88,11 +82,11 @@ Result<void> add_our_rays(const ErrorTask& task, unsigned threads, std::vector<P
   options.classification = Classification::kAfter;
   const auto ours = std::make_shared<Ours>(Ours{Renderer(task.atlas, {.threads = threads}), options, {}});
   SPLATLAS_RETURN_IF_ERROR(ours->renderer.select(task.model.selection));
-  for (const Setting& setting : kSettings) {
+  for (const NamedQuality& setting : kQualities) {
     SPLATLAS_RETURN_IF_ERROR(ours->draw(in_perspective(task.camera(0)), setting.quality));
   }
   add_settings("splatlas rays", threads, ours, participants);
-  for (auto ours_at = participants.end() - kSettings.size(); ours_at != participants.end(); ++ours_at) {
+  for (auto ours_at = participants.end() - kQualities.size(); ours_at != participants.end(); ++ours_at) {
     ours_at->draw = [draw = ours_at->draw](const Camera& camera) { return draw(in_perspective(camera)); };
   }
   return {};

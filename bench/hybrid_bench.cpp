@@ -209,10 +209,6 @@ void add_rows(const HybridTask& task, const std::vector<HybridCost>& costs, Tabl
   }
 }
 
-void raise(nlohmann::ordered_json& summary, const std::string& key, double value) {
-  if (!summary.contains(key) || summary[key].get<double>() < value) summary[key] = value;
-}
-
 /// Our normal quality with two threads against VTK, by the wall clock.
 void summarise(const HybridTask& task, const std::vector<HybridCost>& costs,
                nlohmann::ordered_json& summary) {

@@ -1,9 +1,9 @@
 #include "bench/traversal_cost.h"
 
-#include <bit>
 #include <set>
 #include <utility>
 
+#include "bench/bits_differ.h"
 #include "format/selection.h"
 
 namespace splatlas {
@@ -20,12 +20,7 @@ struct Pictures {
   /// Numbers that are not the same bits as full traversal's.
   [[nodiscard]] std::uint64_t bits_differ() const {
     std::uint64_t differ = 0;
-    for (std::size_t way = 1; way < of.size(); ++way) {
-      if (of[way].size() != of[0].size()) return of[0].size();
-      for (std::size_t n = 0; n < of[0].size(); ++n) {
-        differ += std::bit_cast<std::uint32_t>(of[way][n]) != std::bit_cast<std::uint32_t>(of[0][n]);
-      }
-    }
+    for (std::size_t way = 1; way < of.size(); ++way) differ += splatlas::bits_differ(of[way], of[0]);
     return differ;
   }
 };

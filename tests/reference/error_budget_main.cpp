@@ -30,14 +30,6 @@ struct Budget {
   }
 };
 
-ReferencePicture as_reference(const Picture& picture) {
-  ReferencePicture result{picture.size, {}};
-  for (std::size_t n = 0; n < picture.rgba.size(); n += 4) {
-    result.pixels.push_back({picture.rgba[n], picture.rgba[n + 1], picture.rgba[n + 2], picture.rgba[n + 3]});
-  }
-  return result;
-}
-
 void measure(const StandardScene& scene) {
   const std::array<const char*, 3> names{"draft", "normal", "high"};
   Renderer renderer(open_in_memory(scene.content), {1, 0});
@@ -67,7 +59,7 @@ void measure(const StandardScene& scene) {
       frame.options.principal_axis = Axis::kX;
       const Picture from_x = render_or_throw(renderer, frame.camera, frame.options);
       frame.options.principal_axis = Axis::kY;
-      switched.add(difference(from_x, as_reference(render_or_throw(renderer, frame.camera, frame.options))));
+      switched.add(difference(from_x, render_or_throw(renderer, frame.camera, frame.options)));
     }
   }
   std::printf("\n%s\n\n| %-44s | %10s | %9s | %9s |\n|---|---:|---:|---:|\n", scene.name.c_str(),

@@ -6,6 +6,18 @@
 #include <sstream>
 
 namespace splatlas::reference {
+namespace {
+
+ReferencePicture as_reference(const Picture& picture) {
+  ReferencePicture converted{picture.size, {}};
+  for (std::size_t n = 0; n < picture.rgba.size(); n += 4) {
+    converted.pixels.push_back(
+        {picture.rgba[n], picture.rgba[n + 1], picture.rgba[n + 2], picture.rgba[n + 3]});
+  }
+  return converted;
+}
+
+}  // namespace
 
 PictureDifference difference(const ReferencePicture& a, const ReferencePicture& b) {
   PictureDifference result;
@@ -36,12 +48,11 @@ PictureDifference difference(const ReferencePicture& a, const ReferencePicture& 
 }
 
 PictureDifference difference(const Picture& picture, const ReferencePicture& reference) {
-  ReferencePicture converted{picture.size, {}};
-  for (std::size_t n = 0; n < picture.rgba.size(); n += 4) {
-    converted.pixels.push_back(
-        {picture.rgba[n], picture.rgba[n + 1], picture.rgba[n + 2], picture.rgba[n + 3]});
-  }
-  return difference(converted, reference);
+  return difference(as_reference(picture), reference);
+}
+
+PictureDifference difference(const Picture& a, const Picture& b) {
+  return difference(as_reference(a), as_reference(b));
 }
 
 std::string to_text(const PictureDifference& d) {

@@ -20,6 +20,7 @@ struct PictureDifference {
 /// Pictures of one size. A value that is not a number counts as an infinite difference.
 [[nodiscard]] PictureDifference difference(const Picture& picture, const ReferencePicture& reference);
 [[nodiscard]] PictureDifference difference(const ReferencePicture& a, const ReferencePicture& b);
+[[nodiscard]] PictureDifference difference(const Picture& a, const Picture& b);
 
 /// In 1/255, with the place of the largest.
 [[nodiscard]] std::string to_text(const PictureDifference& difference);

@@ -1,0 +1,188 @@
+#include "bench/convergence.h"
+
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "bench/decoded_selection.h"
+#include "bench/qualities.h"
+#include "bench/smooth_field.h"
+#include "player/cast_rays.h"
+#include "tests/reference/light_field.h"
+#include "tests/reference/perspective.h"
+#include "tests/reference/picture_difference.h"
+#include "tests/reference/reference_volume.h"
+#include "tests/support/render.h"
+
+namespace splatlas {
+namespace {
+
+using reference::ReferencePicture;
+
+/// A part of the field, seen so closely that every quality has its finest sheets on every grid: eight pixels
+/// to the largest voxel, four to the smallest.
+constexpr PictureSize kSize{40, 40};
+constexpr double kMmPerPixel = 0.1875;
+constexpr std::array kVoxelsMm{1.5, 1.0, 0.75};
+/// Off all symmetries; nearest to z, y and x.
+constexpr std::array<std::array<double, 2>, 3> kDirections{{{17, 62}, {25, 14}, {68, -21}}};
+
+/// RMS over several pictures.
+struct ErrorSum {
+  double squares = 0;
+  int pictures = 0;
+
+  void add(const reference::PictureDifference& d) {
+    squares += d.rms * d.rms;
+    ++pictures;
+  }
+  [[nodiscard]] double rms() const { return std::sqrt(squares / pictures); }
+};
+
+Camera camera_from(const std::array<double, 2>& direction, const Display& display,
+                   CameraProjection projection) {
+  Camera camera;
+  camera.azimuth_deg = direction[0];
+  camera.elevation_deg = direction[1];
+  camera.center_lps_mm = Vec3{0.3, -0.2, 0.1};
+  camera.zoom = zoom_for(display, kSize.width, kMmPerPixel);
+  camera.projection = projection;
+  return camera;
+}
+
+/// A renderer of ours that takes part in the refinement of the grid.
+struct GridRenderer {
+  const char* name;
+  CameraProjection projection;
+  Classification classification;
+  Quality quality;
+};
+constexpr std::array kGridRenderers{
+    GridRenderer{"sheets, draft", CameraProjection::kParallel, Classification::kBefore, Quality::kDraft},
+    GridRenderer{"sheets, normal", CameraProjection::kParallel, Classification::kBefore, Quality::kNormal},
+    GridRenderer{"sheets, high", CameraProjection::kParallel, Classification::kBefore, Quality::kHigh},
+    GridRenderer{"rays before, high", CameraProjection::kPerspective, Classification::kBefore,
+                 Quality::kHigh},
+    GridRenderer{"rays after, high", CameraProjection::kPerspective, Classification::kAfter, Quality::kHigh}};
+
+/// One row per renderer.
+Result<std::vector<Convergence>> refine_grid() {
+  std::vector<Convergence> rows;
+  for (const GridRenderer& ours : kGridRenderers) {
+    rows.push_back({.refined = "grid, against the field itself", .renderer = ours.name});
+  }
+  for (const double voxel_mm : kVoxelsMm) {
+    const AtlasContent content = sampled_field(voxel_mm);
+    Renderer renderer(open_in_memory(content), {.threads = 0});
+    SPLATLAS_RETURN_IF_ERROR(renderer.select(field_selection(content, voxel_mm)));
+    std::array<ErrorSum, kGridRenderers.size()> errors;
+    for (const auto& direction : kDirections) {
+      for (const CameraProjection projection :
+           {CameraProjection::kParallel, CameraProjection::kPerspective}) {
+        const Camera camera = camera_from(direction, content.display, projection);
+        SPLATLAS_ASSIGN_OR_RETURN(const View view, view_of(camera, kSize, content.display));
+        const ReferencePicture truth = field_truth(view);
+        for (std::size_t n = 0; n < kGridRenderers.size(); ++n) {
+          const GridRenderer& ours = kGridRenderers[n];
+          if (ours.projection != projection) continue;
+          RenderOptions options;
+          options.size = kSize;
+          options.quality = ours.quality;
+          options.classification = ours.classification;
+          options.hybrid_shading = false;
+          options.transmittance_floor = 0;
+          SPLATLAS_ASSIGN_OR_RETURN(const Picture picture, renderer.render(camera, options));
+          errors[n].add(difference(picture, truth));
+        }
+      }
+    }
+    for (std::size_t n = 0; n < rows.size(); ++n) {
+      rows[n].steps.push_back(voxel_mm);
+      rows[n].errors.push_back(errors[n].rms());
+    }
+  }
+  return rows;
+}
+
+/// What rays march through.
+Result<RayVolume> ray_volume(const std::shared_ptr<const Atlas>& atlas, const Selection& selection,
+                             Classification classification, ThreadPool& pool) {
+  SPLATLAS_ASSIGN_OR_RETURN(const DecodedSelection decoded,
+                            decode_selection(atlas, selection, Axis::kZ, pool));
+  return RayVolume::build({.atlas = *atlas,
+                           .selection = selection,
+                           .plan = decoded.plan,
+                           .looks = decoded.looks->looks(),
+                           .runs = decoded.runs,
+                           .cache = *decoded.cache,
+                           .classification = classification,
+                           .max_memory_bytes = std::uint64_t{1} << 30},
+                          pool);
+}
+
+/// The grid's own field, exactly.
+ReferencePicture grid_truth(const AtlasContent& content, const Selection& selection, const View& view,
+                            const Camera& camera) {
+  const reference::LightField field = reference::light_field(content, selection, view.plane, false);
+  ReferencePicture truth{kSize, {}};
+  for (int n = 0; n < kSize.width * kSize.height; ++n) {
+    const int column = n % kSize.width, row = n / kSize.width;
+    const reference::Ray ray = ray_through(reference::PerspectiveView{view.plane, camera.field_of_view_deg},
+                                           field.grid, column + 0.5, row + 0.5);
+    const reference::RayLight light = integrate_ray(field, ray, 0, std::numeric_limits<double>::infinity());
+    truth.pixels.push_back({light.color[0], light.color[1], light.color[2], 1 - light.transmittance});
+  }
+  return truth;
+}
+
+/// Twice the steps again and again, no tolerance: the order of the quadrature alone.
+Result<Convergence> refine_steps() {
+  Convergence row{.refined = "steps of a slab, against the grid's field", .renderer = "rays before"};
+  constexpr double kVoxelMm = 1.5;
+  const AtlasContent content = sampled_field(kVoxelMm);
+  const Selection selection = field_selection(content, kVoxelMm);
+  ThreadPool pool(0);
+  const auto atlas = open_in_memory(content);
+  SPLATLAS_ASSIGN_OR_RETURN(const RayVolume volume,
+                            ray_volume(atlas, selection, Classification::kBefore, pool));
+  const Camera camera = camera_from(kDirections[1], content.display, CameraProjection::kPerspective);
+  SPLATLAS_ASSIGN_OR_RETURN(const View view, view_of(camera, kSize, content.display));
+  const ReferencePicture truth = grid_truth(content, selection, view, camera);
+  for (const int steps : {1, 2, 4, 8}) {
+    Picture picture;
+    cast_rays(volume, view, atlas->grid(), {.least_steps = steps, .most_steps = steps}, best_march(), picture,
+              pool);
+    row.steps.push_back(1.0 / steps);
+    row.errors.push_back(reference::difference(picture, truth).rms);
+  }
+  return row;
+}
+
+}  // namespace
+
+double observed_order(std::span<const double> steps, std::span<const double> errors) {
+  double x_mean = 0, y_mean = 0;
+  const auto count = static_cast<double>(steps.size());
+  for (std::size_t n = 0; n < steps.size(); ++n) {
+    x_mean += std::log(steps[n]) / count;
+    y_mean += std::log(errors[n]) / count;
+  }
+  double xy = 0, xx = 0;
+  for (std::size_t n = 0; n < steps.size(); ++n) {
+    const double x = std::log(steps[n]) - x_mean;
+    xy += x * (std::log(errors[n]) - y_mean);
+    xx += x * x;
+  }
+  return xy / xx;
+}
+
+Result<std::vector<Convergence>> measure_convergence() {
+  SPLATLAS_ASSIGN_OR_RETURN(std::vector<Convergence> rows, refine_grid());
+  SPLATLAS_ASSIGN_OR_RETURN(Convergence steps, refine_steps());
+  rows.push_back(std::move(steps));
+  return rows;
+}
+
+}  // namespace splatlas

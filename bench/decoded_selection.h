@@ -1,0 +1,25 @@
+// A selection read from an atlas, as the player's stages take it.
+#pragma once
+
+#include <memory>
+
+#include "player/class_cache.h"
+#include "player/selected_runs.h"
+#include "player/volume_looks.h"
+
+namespace splatlas {
+
+/// What the player keeps of a selection's volumes before spans or rays are made of it.
+struct DecodedSelection {
+  DrawPlan plan;
+  std::unique_ptr<ClassCache> cache;
+  std::unique_ptr<VolumeLooks> looks;  ///< of the plan's classes
+  SelectedRuns runs;                   ///< of one axis
+};
+
+/// Reads and merges the selection's runs of one axis, and its voxels.
+[[nodiscard]] Result<DecodedSelection> decode_selection(const std::shared_ptr<const Atlas>& atlas,
+                                                        const Selection& selection, Axis axis,
+                                                        ThreadPool& pool);
+
+}  // namespace splatlas
