@@ -8,6 +8,9 @@ namespace {
 
 /// Curves over values that are no bytes are stretched to as many steps as bytes have.
 constexpr double kStoredWidth = 255;
+/// No point of a curve is stored further from 0 than this: floats tell 1/128 apart there. Curves so far away
+/// for their width are stretched to less.
+constexpr double kFurthestStored = 1e5;
 /// Share of a curve's width below which rounding of the integrals would show in their difference quotients.
 constexpr double kLeastShare = 2e-4;
 
@@ -30,7 +33,9 @@ std::optional<GreyScale> grey_scale(const TransferCurve& curve, VoxelType type) 
   }
   scale.offset = hides_zero ? 0 : first.grey;
   const double width = curve.points.back().grey - first.grey;
-  scale.scale = width > 0 ? kStoredWidth / width : 1;
+  const double furthest =
+      std::max(std::abs(first.grey - scale.offset), std::abs(curve.points.back().grey - scale.offset));
+  if (width > 0) scale.scale = std::min(kStoredWidth / width, kFurthestStored / furthest);
   return scale;
 }
 
@@ -38,7 +43,8 @@ GreyCurve::GreyCurve(const TransferCurve& curve, const GreyScale& scale, double 
     : points_(curve.points.size()) {
   const auto knot = [&](std::size_t n) {
     const TransferPoint& point = curve.points[n];
-    return Knot{scale.stored(point.grey), extinction_of(point.opacity, reference_length_mm), point.shade};
+    return Knot{static_cast<float>(scale.stored(point.grey)),
+                extinction_of(point.opacity, reference_length_mm), point.shade};
   };
   double depth = 0, emission = 0, variation = 0;
   for (std::size_t segment = 0; segment <= points_; ++segment) {
@@ -46,8 +52,9 @@ GreyCurve::GreyCurve(const TransferCurve& curve, const GreyScale& scale, double 
     const bool inner = segment > 0 && segment < points_;
     const Knot to = inner ? knot(segment) : from;
     const double width = to.grey - from.grey;
-    const double extinction_slope = inner ? (to.extinction - from.extinction) / width : 0;
-    const double shade_slope = inner ? (to.shade - from.shade) / width : 0;
+    const bool ramp = inner && width > 0;  // not a step
+    const double extinction_slope = ramp ? (to.extinction - from.extinction) / width : 0;
+    const double shade_slope = ramp ? (to.shade - from.shade) / width : 0;
     const std::array<double, kRows> column{from.grey,  from.extinction, extinction_slope,
                                            from.shade, shade_slope,     depth,
                                            emission,   variation,       std::abs(extinction_slope)};

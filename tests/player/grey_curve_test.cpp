@@ -116,5 +116,26 @@ TEST(GreyCurve, WhatIsNotThereCountsAsZeroOrAsTheLowestPoint) {
   EXPECT_FALSE(grey_scale(from_10, VoxelType::kNone));
 }
 
+/// However narrow a ramp is, and however far from 0, floats tell its sides apart, and it lies where it
+/// should.
+TEST(GreyCurve, NarrowRampsFarAwayAreSteps) {
+  for (const double low : {95.0, -95.0, 3e4, 1e9}) {
+    const double high = std::nextafter(low, HUGE_VAL);
+    const TransferCurve curve{{{low, low < 0 ? 0.5f : 0, 0}, {high, low < 0 ? 0 : 0.5f, 1}}};
+    const auto scale = grey_scale(curve, VoxelType::kFloat64);
+    ASSERT_TRUE(scale);
+    const GreyCurve prepared(curve, *scale, kLength);
+    for (std::size_t row = 0; row < GreyCurve::kRows; ++row) {
+      for (std::size_t n = 0; n < GreyCurve::kMostSegments; ++n) {
+        ASSERT_TRUE(std::isfinite(prepared.row(static_cast<GreyCurve::Row>(row))[n]));
+      }
+    }
+    const auto at = [&](double grey) { return static_cast<float>(scale->stored(grey)); };
+    EXPECT_FALSE(low < 0 ? prepared.shows(at(low / 2), 0) : prepared.shows(0, at(low * 0.9999))) << low;
+    EXPECT_TRUE(prepared.shows(at(low * 1.0001), at(low * 1.0001))) << low;
+    EXPECT_LE(std::abs(at(low)), 1e5f);
+  }
+}
+
 }  // namespace
 }  // namespace splatlas

@@ -17,7 +17,7 @@ namespace {
 /// between implementations.
 class SceneMaker {
  public:
-  SceneMaker(std::uint32_t number, std::int64_t max_side) : random_(number), max_side_(max_side) {}
+  SceneMaker(std::mt19937 random, std::int64_t max_side) : random_(random), max_side_(max_side) {}
 
   RandomScene make() {
     TestVolume volume;
@@ -34,6 +34,25 @@ class SceneMaker {
     volume.window_high = below(10) == 0 ? volume.window_low : volume.window_low + real(10, 200);
     RandomScene scene{make_content(volume), make_selection(structures), {}, {}};
     make_view(scene);
+    return scene;
+  }
+
+  /// With all that whole_scene() is about.
+  RandomScene make_whole() {
+    TestVolume volume;
+    volume.grid = make_grid();
+    stretch(volume.grid);
+    const std::size_t structures = 2 + below(6);
+    for (std::size_t s = 0; s < structures; ++s) volume.structures.push_back(make_node(s, volume.grid));
+    volume.values =
+        below(3) == 0 ? make_odd_values(volume.grid.voxels()) : make_grey_values(volume.grid.voxels());
+    volume.window_low = real(-20, 60);
+    volume.window_high = below(10) == 0 ? volume.window_low : volume.window_low + real(10, 200);
+    RandomScene scene{make_content(volume), {}, {}, {}};
+    scene.selection = below(2) == 0 ? make_selection(structures)
+                                    : selection_of(make_words(structures), scene.content.graph);
+    make_view(scene);
+    make_rays(scene);
     return scene;
   }
 
@@ -80,6 +99,60 @@ class SceneMaker {
     });
   }
 
+  /// Flat voxels, and grids far away, tiny and huge.
+  void stretch(Grid& grid) {
+    if (below(8) == 0) grid.spacing_mm[below(3)] *= 50;
+    const double scale = below(8) == 0 ? std::pow(10.0, real(-6, 6)) : 1;
+    const double away = below(8) == 0 ? 1000 : 1;
+    for (std::size_t a = 0; a < 3; ++a) {
+      grid.spacing_mm[a] *= scale;
+      grid.origin_lps_mm[a] *= scale * away;
+    }
+  }
+
+  /// A structure, a group, or an external surface; below up to three others.
+  TestStructure make_node(std::size_t s, const Grid& grid) {
+    TestStructure node{fmt::format("s{}", s), {}};
+    const std::size_t kind = below(6);
+    if (kind == 0) {
+      node.external = make_external(reordered(grid, storage_order(grid)).size);
+    } else if (kind > 1) {
+      node.mask = make_structure_mask(grid.size);
+    }
+    node.color = make_color();
+    for (StructureIndex parent = 0; parent < s; ++parent) {
+      if (node.parents.size() < 3 && below(s + 1) == 0) node.parents.push_back(parent);
+    }
+    return node;
+  }
+
+  /// Triangles all over the grid: any, slivers, along planes of voxels, without an area, twice.
+  SurfaceMesh make_external(const Index3& size) {
+    constexpr std::uint32_t kScale = 64;
+    SurfaceMesh mesh;
+    mesh.position_scale = kScale;
+    for (std::size_t triangles = 1 + below(40); triangles > 0; --triangles) {
+      const auto first = static_cast<std::uint32_t>(mesh.positions_ijk.size());
+      std::array<float, 3> voxel{};
+      for (std::size_t a = 0; a < 3; ++a)
+        voxel[a] = static_cast<float>(below(static_cast<std::size_t>(size[a])));
+      const std::size_t flat = below(6);  // along this axis, where there is one
+      for (std::uint32_t corner = 0; corner < 3; ++corner) {
+        std::array<float, 3> place{};
+        for (std::size_t a = 0; a < 3; ++a) {
+          const float within = static_cast<float>(below(kScale - 1)) / kScale - 31.0f / kScale;
+          place[a] = voxel[a] + (a == flat ? 0 : within);
+        }
+        if (corner > 0 && below(12) == 0) place = mesh.positions_ijk.back();
+        mesh.positions_ijk.push_back(place);
+        mesh.normals_lps.push_back(unpack_normal(static_cast<PackedNormal>(below(65536))));
+      }
+      mesh.triangles.push_back({first, first + 1, first + 2});
+      if (below(12) == 0) mesh.triangles.push_back(mesh.triangles.back());
+    }
+    return mesh;
+  }
+
   Rgb make_color() {
     const auto channel = [&] { return static_cast<std::uint8_t>(below(256)); };
     return {channel(), channel(), channel()};
@@ -105,6 +178,45 @@ class SceneMaker {
       values = make_values(values.type, typed);
     });
     return values;
+  }
+
+  /// Constant, denormal, infinite, and the least and largest values of the type.
+  VoxelBuffer make_odd_values(std::int64_t voxels) {
+    VoxelBuffer values;
+    values.type = static_cast<VoxelType>(1 + below(8));
+    const bool constant = below(3) == 0;
+    visit_voxel_type(values.type, [&](auto tag) {
+      using T = decltype(tag);
+      using Limits = std::numeric_limits<T>;
+      std::vector<T> odd{T{0}, T{1}, Limits::max(), Limits::lowest(), static_cast<T>(60)};
+      if constexpr (std::is_floating_point_v<T>) {
+        odd.insert(odd.end(), {Limits::denorm_min(), -Limits::denorm_min(), Limits::min(), Limits::infinity(),
+                               -Limits::infinity(), Limits::quiet_NaN(), T{-0.0f}, static_cast<T>(1e-30)});
+      }
+      std::vector<T> typed(static_cast<std::size_t>(voxels), odd[below(odd.size())]);
+      for (T& value : typed) {
+        if (!constant) value = below(2) == 0 ? odd[below(odd.size())] : static_cast<T>(real(0, 100));
+      }
+      values = make_values(values.type, typed);
+    });
+    return values;
+  }
+
+  /// Up to six terms, some of which remove.
+  std::string make_words(std::size_t structures) {
+    static constexpr std::array kModes{"", ":volume", ":surface", ":both", ":both"};
+    std::string words = below(3) == 0 ? "s*:both(opacity=0.4)" : "";
+    for (std::size_t terms = 1 + below(5); terms > 0; --terms) {
+      const bool remove = !words.empty() && below(3) == 0;
+      if (!words.empty()) words += remove ? " - " : " + ";
+      words += fmt::format("s{}{}", below(structures), kModes[below(kModes.size())]);
+      if (remove || below(3) == 0) continue;
+      words += fmt::format("(opacity={:.6f}", below(4) == 0 ? 1 : real(1e-6, 1));
+      if (below(3) == 0) words += fmt::format(",low={:.3f},high={:.3f}", real(-70, 50), real(51, 200));
+      if (below(4) == 0) words += below(2) == 0 ? ",profile=thin" : ",profile=hard";
+      words += ")";
+    }
+    return words;
   }
 
   Selection make_selection(std::size_t structures) {
@@ -178,6 +290,21 @@ class SceneMaker {
     scene.options.simd = below(4) != 0;
   }
 
+  /// Every other scene is drawn by rays.
+  void make_rays(RandomScene& scene) {
+    if (below(2) == 0) return;
+    scene.options.size.width = std::min(scene.options.size.width, 20);
+    scene.options.size.height = std::min(scene.options.size.height, 20);
+    if (below(3) != 0) {
+      scene.camera.projection = CameraProjection::kPerspective;
+      scene.camera.field_of_view_deg = std::array{0.01, 20.0, 50.0, 90.0, 150.0}[below(5)];
+    }
+    const bool after = scene.camera.projection == CameraProjection::kParallel || below(2) == 0;
+    if (!after) return;
+    scene.options.classification = Classification::kAfter;
+    scene.options.hybrid_shading = false;  // the reference is unlit
+  }
+
   std::mt19937 random_;
   std::int64_t max_side_;
 };
@@ -185,16 +312,25 @@ class SceneMaker {
 }  // namespace
 
 RandomScene random_scene(std::uint32_t number, std::int64_t max_side) {
-  return SceneMaker(number, max_side).make();
+  return SceneMaker(std::mt19937(number), max_side).make();
+}
+
+RandomScene whole_scene(std::uint32_t seed, std::uint32_t number) {
+  std::seed_seq both{seed, number};
+  return SceneMaker(std::mt19937(both), 10).make_whole();
 }
 
 std::string describe(const RandomScene& scene) {
   const Grid grid = storage_grid(scene.content);
   std::string text = fmt::format(
-      "{}x{}x{} voxels of {}, {}x{} pixels, quality {}, azimuth {} elevation {} zoom {};", grid.size[0],
+      "{}x{}x{} voxels of {}, {}x{} pixels, quality {}, azimuth {} elevation {} zoom {}{};", grid.size[0],
       grid.size[1], grid.size[2], name_of(scene.content.values.type), scene.options.size.width,
       scene.options.size.height, static_cast<int>(scene.options.quality), scene.camera.azimuth_deg,
-      scene.camera.elevation_deg, scene.camera.zoom);
+      scene.camera.elevation_deg, scene.camera.zoom,
+      scene.camera.projection == CameraProjection::kPerspective
+          ? fmt::format(" field of view {}", scene.camera.field_of_view_deg)
+          : "");
+  if (scene.options.classification == Classification::kAfter) text += " classified after interpolation;";
   for (const StructureDraw& draw : scene.selection.structures) {
     text += fmt::format(" {} {}", name_of(draw.mode), draw.opacity.value_or(-1));
     if (draw.volume != VolumeStyle{}) text += draw.volume.curve ? " curve" : " ramp";

@@ -27,9 +27,41 @@ std::vector<bool> stored_mask(const std::vector<bool>& mask, const Grid& source,
   return {to.begin(), to.end()};
 }
 
+/// The voxel of the storage grid that holds a triangle of an external surface.
+Index3 crossed_voxel(const SurfaceMesh& mesh, const std::array<std::uint32_t, 3>& corners) {
+  Index3 voxel{};
+  for (std::size_t a = 0; a < 3; ++a) {
+    double sum = 0;
+    for (const std::uint32_t corner : corners) sum += static_cast<double>(mesh.positions_ijk[corner][a]);
+    voxel[a] = std::llround(sum / 3);
+  }
+  return voxel;
+}
+
+/// Triangles in memory order of their voxels, as files keep them.
+SurfaceMesh sorted_by_voxel(SurfaceMesh mesh, const Grid& grid) {
+  const auto offset = [&](const std::array<std::uint32_t, 3>& corners) {
+    const Index3 voxel = crossed_voxel(mesh, corners);
+    return grid.offset(voxel[0], voxel[1], voxel[2]);
+  };
+  std::stable_sort(mesh.triangles.begin(), mesh.triangles.end(),
+                   [&](const auto& a, const auto& b) { return offset(a) < offset(b); });
+  return mesh;
+}
+
 class Classifier {
  public:
-  Classifier(const Grid& grid, std::vector<std::vector<bool>> masks) : grid_(grid), masks_(std::move(masks)) {
+  /// `external`: per structure; empty ones are fitted.
+  Classifier(const Grid& grid, std::vector<std::vector<bool>> masks, const std::vector<SurfaceMesh>& external)
+      : grid_(grid), masks_(std::move(masks)), crossed_(masks_.size()) {
+    for (std::size_t s = 0; s < crossed_.size(); ++s) {
+      if (external[s].empty()) continue;
+      crossed_[s].resize(static_cast<std::size_t>(grid.voxels()));
+      for (const auto& corners : external[s].triangles) {
+        const Index3 voxel = crossed_voxel(external[s], corners);
+        crossed_[s][static_cast<std::size_t>(grid.offset(voxel[0], voxel[1], voxel[2]))] = true;
+      }
+    }
     content_of_each_voxel();
   }
 
@@ -77,6 +109,7 @@ class Classifier {
       const Index3 at = voxel(n);
       std::vector<Membership> members;
       for (StructureIndex s = 0; s < masks_.size(); ++s) {
+        if (!crossed_[s].empty() && crossed_[s][n]) members.push_back({s, Part::kCrossed});
         if (!holds(masks_[s], at)) continue;
         bool boundary = false;
         for_each_neighbour(at, [&](const Index3& step, const Index3& neighbour) {
@@ -109,6 +142,7 @@ class Classifier {
 
   const Grid& grid_;
   std::vector<std::vector<bool>> masks_;
+  std::vector<std::vector<bool>> crossed_;  // empty: none
   ClassTable classes_;
   std::vector<ClassId> volume_;
 };
@@ -154,13 +188,16 @@ AtlasContent make_content(const TestVolume& volume) {
 
   std::vector<Structure> structures;
   std::vector<std::vector<bool>> masks;
+  std::vector<SurfaceMesh> external;
   for (const TestStructure& s : volume.structures) {
-    structures.push_back({s.id, s.id, s.color, std::nullopt, s.parents, false});
+    structures.push_back({s.id, s.id, s.color, std::nullopt, s.parents, !s.external.empty()});
     masks.push_back(stored_mask(s.mask, volume.grid, content.source_to_storage));
-    content.surfaces.push_back(marching_tetrahedra(masks.back(), grid));
+    external.push_back(sorted_by_voxel(s.external, grid));
+    content.surfaces.push_back(external.back().empty() ? marching_tetrahedra(masks.back(), grid)
+                                                       : external.back());
   }
   content.graph = value_or_throw(StructureGraph::build(std::move(structures)));
-  Classifier(grid, masks).fill(content);
+  Classifier(grid, masks, external).fill(content);
 
   content.values.type = volume.values.type;
   content.values.bytes.resize(volume.values.bytes.size());

@@ -18,6 +18,8 @@ struct TestStructure {
   std::vector<bool> mask;
   Rgb color{255, 255, 255};
   std::vector<StructureIndex> parents{};
+  /// Triangles in indices of the storage grid, each in one voxel; a structure that has some is external.
+  SurfaceMesh external{};
 };
 
 struct TestVolume {
@@ -47,8 +49,8 @@ template <typename T>
 }
 
 /// Classes by a brute-force look at all 18 neighbours, normals from the 26 around a boundary voxel, surfaces
-/// by marching tetrahedra. Structures may overlap. Normals are rounded to 16 bits already, so that the
-/// content read back from a file equals what was written.
+/// by marching tetrahedra; external ones as they are given. Structures may overlap. Normals are rounded to 16
+/// bits already, so that the content read back from a file equals what was written.
 [[nodiscard]] AtlasContent make_content(const TestVolume& volume);
 
 /// Encoded and opened again. Throws std::runtime_error with the library's message.

@@ -1,0 +1,126 @@
+#include "tests/reference/ray_surfaces.h"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+#include "format/decision_tree.h"
+#include "player/shear.h"
+#include "tests/reference/reference_light.h"
+
+namespace splatlas::reference {
+namespace {
+
+/// As in reference_surfaces.cpp: surfaces coincide whose depths lie in the same step.
+constexpr double kDepthSteps = 4096;
+constexpr double kDepthOffset = 0.3183;
+
+}  // namespace
+
+RaySurfaces::RaySurfaces(const AtlasContent& content, const Selection& selection, const View& view)
+    : plane_(view.plane) {
+  const Grid grid = storage_grid(content);
+  const Affine to_lps = index_to_lps_mm(grid);
+  to_lps_ = to_lps.linear;
+  const Shear shear = factorise(view.plane, grid);
+  depth_axis_ = shear.scan.slice_axis;
+  depth_sign_ = shear.ascending ? 1 : -1;
+  looks_.resize(content.graph.size());
+  for (const StructureIndex s : DecisionTree(content.graph, content.classes).plan(selection).surfaces) {
+    const StructureDraw& draw = selection.structures[s];
+    looks_[s] = {linear_of(draw.color), static_cast<double>(draw.opacity.value_or(1.0f))};
+    add(content.surfaces[s], s, to_lps);
+  }
+}
+
+void RaySurfaces::add(const SurfaceMesh& mesh, StructureIndex structure, const Affine& to_lps) {
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    Triangle triangle;
+    triangle.structure = structure;
+    triangle.number = t;
+    std::array<Vec3, 3> at{};
+    Vec3 outwards{0, 0, 0};
+    for (std::size_t n = 0; n < 3; ++n) {
+      const std::uint32_t corner = mesh.triangles[t][n];
+      for (std::size_t a = 0; a < 3; ++a) {
+        triangle.corner_ijk[n][a] = mesh.positions_ijk[corner][a];
+        triangle.normal_lps[n][a] = mesh.normals_lps[corner][a];
+        outwards[a] += triangle.normal_lps[n][a];
+      }
+      at[n] = to_lps.apply(triangle.corner_ijk[n]);
+    }
+    triangle.front_lps = cross(minus(at[1], at[0]), minus(at[2], at[0]));
+    if (dot(triangle.front_lps, outwards) < 0) {
+      for (double& x : triangle.front_lps) x = -x;
+    }
+    triangles_.push_back(triangle);
+  }
+}
+
+std::optional<RaySurfaces::Hit> RaySurfaces::hit(const Triangle& triangle, const Ray& ray) {
+  const Vec3& origin = triangle.corner_ijk[0];
+  const Vec3 p = minus(triangle.corner_ijk[1], origin);
+  const Vec3 q = minus(triangle.corner_ijk[2], origin);
+  const Vec3 across = cross(ray.per_mm, q);
+  const double volume = dot(p, across);
+  if (volume == 0) return std::nullopt;
+  const Vec3 from_origin = minus(ray.start, origin);
+  const Vec3 beside = cross(from_origin, p);
+  Hit hit{{0, dot(from_origin, across) / volume, dot(ray.per_mm, beside) / volume}, dot(q, beside) / volume};
+  hit.weight[0] = 1 - hit.weight[1] - hit.weight[2];
+  return hit;
+}
+
+bool RaySurfaces::near_edge(const Ray& ray, const Ray& beside, const Ray& below) const {
+  return std::any_of(triangles_.begin(), triangles_.end(), [&](const Triangle& triangle) {
+    const auto at = hit(triangle, ray), right = hit(triangle, beside), down = hit(triangle, below);
+    if (!at || !right || !down) return false;
+    bool on_edge = false;
+    for (std::size_t n = 0; n < 3; ++n) {
+      const double weight = at->weight[n];
+      const double change = std::abs(right->weight[n] - weight) + std::abs(down->weight[n] - weight);
+      if (weight < -change) return false;
+      on_edge = on_edge || weight < change;
+    }
+    return on_edge;
+  });
+}
+
+std::vector<Crossing> RaySurfaces::crossings(const Ray& ray, double from_mm) const {
+  Affine to_lps;
+  to_lps.linear = to_lps_;
+  const Vec3 along_lps = to_lps.apply_linear(ray.per_mm);
+  std::vector<Crossing> all;
+  for (const Triangle& triangle : triangles_) {
+    const std::optional<Hit> met = hit(triangle, ray);
+    if (!met) continue;
+    const auto& [weight, s_mm] = *met;
+    if (!(std::min({weight[0], weight[1], weight[2]}) >= 0) || !(s_mm >= from_mm)) continue;
+    Crossing crossing;
+    crossing.s_mm = s_mm;
+    crossing.depth = depth_sign_ * ray.at(s_mm)[depth_axis_];
+    crossing.structure = triangle.structure;
+    crossing.triangle = triangle.number;
+    crossing.entering = dot(triangle.front_lps, along_lps) <= 0;
+    Vec3 normal{0, 0, 0};  // of the side that is seen
+    for (std::size_t n = 0; n < 3; ++n) {
+      const double share = crossing.entering ? weight[n] : -weight[n];
+      for (std::size_t a = 0; a < 3; ++a) normal[a] += share * triangle.normal_lps[n][a];
+    }
+    const Look& look = looks_[triangle.structure];
+    const std::array<double, 3> color = shade_surface(plane_, look.color, normal);
+    for (std::size_t c = 0; c < 3; ++c) crossing.rgba[c] = color[c] * look.opacity;
+    crossing.rgba[3] = look.opacity;
+    all.push_back(crossing);
+  }
+  const auto order = [](const Crossing& c) {
+    return std::tuple(std::floor(c.depth * kDepthSteps + kDepthOffset), c.entering, c.structure, c.triangle);
+  };
+  std::sort(all.begin(), all.end(),
+            [&](const Crossing& a, const Crossing& b) { return order(a) < order(b); });
+  const auto opaque = std::find_if(all.begin(), all.end(), [](const Crossing& c) { return c.rgba[3] >= 1; });
+  if (opaque != all.end()) all.erase(opaque + 1, all.end());
+  return all;
+}
+
+}  // namespace splatlas::reference
