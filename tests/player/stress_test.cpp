@@ -1,0 +1,257 @@
+// Inputs that break renderers, as far as no other test has them: docs/rendering.md, "Stress cases".
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "tests/reference/picture_difference.h"
+#include "tests/support/render.h"
+#include "tests/support/standard_scenes.h"
+
+namespace splatlas {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// One structure "box" that fills `size` voxels of 1 mm, without grey values.
+AtlasContent box_content(const Index3& size) {
+  TestVolume volume;
+  volume.grid.size = size;
+  volume.structures = {{"box", make_mask(size, [](auto...) { return true; })}};
+  return make_content(volume);
+}
+
+Selection with_opacity(const AtlasContent& content, float opacity) {
+  Selection selection = selection_of("*:volume", content.graph);
+  for (StructureDraw& draw : selection.structures) draw.opacity = opacity;
+  return selection;
+}
+
+double opacity_through(double length, float per_length) {
+  return -std::expm1(length * std::log1p(-static_cast<double>(per_length)));
+}
+
+double rms(const Picture& a, const Picture& b) {
+  double squares = 0;
+  for (std::size_t n = 0; n < a.rgba.size(); ++n) {
+    squares += std::pow(static_cast<double>(a.rgba[n]) - static_cast<double>(b.rgba[n]), 2);
+  }
+  return 255 * std::sqrt(squares / static_cast<double>(a.rgba.size()));
+}
+
+RenderOptions by_rays(const PictureSize& size) {
+  return {.size = size, .classification = Classification::kAfter, .hybrid_shading = false};
+}
+
+TEST(Stress, ThousandsOfThinLayersAddUpAlongRays) {
+  constexpr int kLayers = 4000;
+  const AtlasContent content = box_content({5, 5, kLayers});
+  Renderer renderer(open_in_memory(content), {1, 0});
+  Camera camera = Camera::of(NamedView::kSuperior);
+  camera.zoom = kLayers / 5.0;
+  for (const float opacity : {1e-8f, 1e-6f, 1e-4f, 1e-2f}) {
+    ASSERT_TRUE(renderer.select(with_opacity(content, opacity)));
+    for (const bool simd : {false, true}) {
+      RenderOptions options = by_rays({9, 9});
+      options.simd = simd;
+      const double expected = opacity_through(kLayers, opacity);
+      // Floor of early termination; else every addition rounds by half a unit in the last place.
+      EXPECT_NEAR(render_or_throw(renderer, camera, options).at(4, 4)[3], expected,
+                  std::max(kLayers * 6e-8 * expected, expected > 0.999 ? 1e-4 : 0))
+          << opacity;
+    }
+  }
+}
+
+/// A plate between planes of voxels is a constant, whatever the angle, by rays, too.
+TEST(Stress, PlatesAreFlatAlongRays) {
+  const AtlasContent content = box_content({64, 7, 64});
+  const float opacity = 0.12f;
+  Renderer renderer(open_in_memory(content), {1, 0});
+  ASSERT_TRUE(renderer.select(with_opacity(content, opacity)));
+  for (const auto& [azimuth, elevation] :
+       {std::pair(0.0, 0.0), {1e-6, 0.0}, {17.3, 0.0}, {-31.0, 20.0}, {44.99, 0.0}, {0.0, -40.0}}) {
+    Camera camera;
+    camera.azimuth_deg = azimuth;
+    camera.elevation_deg = elevation;
+    camera.zoom = zoom_for(content.display, 15, 0.5);
+    camera.center_lps_mm = Vec3{31.77, 3.0, 31.41};
+    const Picture picture = render_or_throw(renderer, camera, by_rays({15, 15}));
+    const double length =
+        7 / (std::cos(azimuth * std::numbers::pi / 180) * std::cos(elevation * std::numbers::pi / 180));
+    for (int n = 0; n < 15 * 15; ++n) {
+      EXPECT_NEAR(picture.at(n % 15, n / 15)[3], opacity_through(length, opacity), 4e-6)
+          << "azimuth " << azimuth << ", elevation " << elevation;
+    }
+  }
+}
+
+/// A millionth of a radian to either side of where the principal axis switches, and there: numbers, and no
+/// further apart than what slicing along two axes costs a smooth field: 0.2/255, and 0.1/255 by rays.
+TEST(Stress, AnAxisSwitchIsSmall) {
+  const StandardScene scene = blobs_scene();
+  Renderer renderer(open_in_memory(scene.content), {1, 0});
+  ASSERT_TRUE(renderer.select(scene.selection));
+  for (const auto& [azimuth, elevation] : {std::pair(45.0, 0.0), {45.0, 15.0}, {0.0, 45.0}, {135.0, 25.0}}) {
+    for (const bool rays : {false, true}) {
+      RenderOptions options;
+      options.size = {48, 48};
+      options.classification = rays ? Classification::kAfter : Classification::kBefore;
+      Camera camera;
+      camera.azimuth_deg = azimuth;
+      camera.elevation_deg = elevation;
+      const Picture there = render_or_throw(renderer, camera, options);
+      for (const double aside : {-1e-6, 1e-6}) {
+        Camera beside = camera;
+        beside.azimuth_deg += elevation == 45.0 ? 0 : aside * 180 / std::numbers::pi;
+        beside.elevation_deg += elevation == 45.0 ? aside * 180 / std::numbers::pi : 0;
+        const Picture picture = render_or_throw(renderer, beside, options);
+        EXPECT_LE(reference::energy_violation(picture), 1e-6);
+        EXPECT_LE(rms(picture, there), rays ? 0.1 : 0.2) << azimuth << ' ' << elevation << ' ' << rays;
+      }
+    }
+  }
+}
+
+/// The longest run lists: a run per voxel. Pictures equal the model, and runs are counted exactly.
+TEST(Stress, CheckerboardsAndCombsEqualTheModel) {
+  const Index3 size{11, 9, 10};
+  TestVolume volume;
+  volume.grid.size = size;
+  volume.structures = {
+      {"black", make_mask(size, [](auto i, auto j, auto k) { return (i + j + k) % 2 == 0; }), {250, 20, 80}},
+      {"white", make_mask(size, [](auto i, auto j, auto k) { return (i + j + k) % 2 != 0; }), {20, 250, 80}},
+      {"comb", make_mask(size, [](auto i, auto, auto) { return i % 2 == 0; }), {80, 90, 250}}};
+  const AtlasContent content = make_content(volume);
+  for (const char* words : {"black(opacity=0.3)", "black:both(opacity=0.3) + white(opacity=0.9)",
+                            "comb:surface(opacity=0.4) + white(opacity=0.5)"}) {
+    const Selection selection = selection_of(words, content.graph);
+    Renderer renderer(open_in_memory(content), {1, 0});
+    ASSERT_TRUE(renderer.select(selection));
+    Camera camera;
+    camera.azimuth_deg = 33;
+    camera.elevation_deg = -17;
+    const RenderOptions options{.size = {30, 30}, .antialiasing = false};
+    const Picture picture = render_or_throw(renderer, camera, options);
+    const auto d =
+        reference::difference(picture, reference::render_model({content, selection, camera, options}));
+    EXPECT_LE(d.largest, 1e-4 + 2e-5) << words << ": " << to_text(d);  // early termination, rounding
+    EXPECT_GT(d.pixels, 300u);
+    const std::uint64_t runs = words == std::string("black(opacity=0.3)") ? 495 : 990;
+    EXPECT_LE(renderer.stats().runs_visited, runs) << words;
+    if (runs == 495) {
+      EXPECT_EQ(renderer.stats().runs_visited, runs);
+    }
+  }
+}
+
+/// All but one, said as a removal, as every other one, and as a complement: the same bits.
+TEST(Stress, AllNoneAndComplementsAreTheSameSelections) {
+  TestVolume volume;
+  volume.grid.size = {12, 12, 12};
+  volume.structures = {{"all", {}}};
+  for (int s = 0; s < 6; ++s) {
+    volume.structures.push_back({"part" + std::to_string(s),
+                                 make_mask(volume.grid.size, [s](auto i, auto, auto) { return i / 2 == s; }),
+                                 {static_cast<std::uint8_t>(40 * s), 200, 90},
+                                 {0}});
+  }
+  const AtlasContent content = make_content(volume);
+  Renderer renderer(open_in_memory(content), {1, 0});
+  const auto picture = [&](const char* words) {
+    EXPECT_TRUE(renderer.select(selection_of(words, content.graph)));
+    return render_or_throw(renderer, Camera{}, {.size = {24, 24}}).rgba;
+  };
+  const auto without = picture("all - part2");
+  EXPECT_EQ(picture("part0 + part1 + part3 + part4 + part5"), without);
+  EXPECT_EQ(picture("* - part2"), without);
+  EXPECT_EQ(picture("all + part2:surface - part2"), without);
+  EXPECT_EQ(picture("all - all"), std::vector<float>(4 * 24 * 24, 0.0f));
+  EXPECT_NE(picture("all"), without);
+}
+
+/// A thousand pixels for a voxel, and a hundred voxels for a pixel.
+TEST(Stress, ZoomsFromHundredthsToThousandsOfPixelsAVoxel) {
+  const AtlasContent plate = box_content({400, 7, 400});
+  const float opacity = 0.12f;
+  Renderer renderer(open_in_memory(plate), {1, 0});
+  ASSERT_TRUE(renderer.select(with_opacity(plate, opacity)));
+  for (const bool rays : {false, true}) {
+    for (const double pixels_per_voxel : {0.01, 0.1, 10.0, 1000.0}) {
+      RenderOptions options{.size = {3, 3}, .hybrid_shading = false};
+      if (rays) options = by_rays({3, 3});
+      Camera camera;
+      camera.zoom = zoom_for(plate.display, 3, 1 / pixels_per_voxel);
+      camera.center_lps_mm = Vec3{200.3, 3, 200.4};
+      const Picture picture = render_or_throw(renderer, camera, options);
+      EXPECT_NEAR(picture.at(1, 1)[3], opacity_through(7, opacity), 4e-6) << pixels_per_voxel << rays;
+      EXPECT_LE(reference::energy_violation(picture), 1e-6);
+    }
+  }
+}
+
+/// Steps of a hundredth of a degree, across 45 degrees: each changes as much as the one before, but for
+/// the switch of the principal axis.
+TEST(Stress, SlowTurnsAreSteady) {
+  const StandardScene scene = blobs_scene();
+  Renderer renderer(open_in_memory(scene.content), {1, 0});
+  ASSERT_TRUE(renderer.select(scene.selection));
+  const auto turned = [&](int step) {
+    Camera camera;
+    camera.azimuth_deg = 45.005 + 0.01 * step;
+    camera.elevation_deg = 12;
+    return render_or_throw(renderer, camera, {.size = {48, 48}});
+  };
+  Picture before = turned(-11);
+  for (int step = -10; step <= 10; ++step) {
+    Picture now = turned(step);
+    const double change = rms(before, now);
+    EXPECT_LE(change, step == 0 ? 0.2 : 0.05) << step;
+    EXPECT_GT(change, 0.0) << step;
+    before = std::move(now);
+  }
+}
+
+/// Whatever is wrong with a camera or a picture's size is told before anything is read or allocated.
+TEST(Stress, BadCamerasAndSizesAreRefusedAndNothingIsRead) {
+  const StandardScene scene = hybrid_scene();
+  const auto atlas = open_in_memory(scene.content);
+  Renderer renderer(atlas, {1, 0});
+  ASSERT_TRUE(renderer.select(scene.selection));
+  const std::uint64_t read = atlas->counters().read;
+  for (const CameraProjection projection : {CameraProjection::kParallel, CameraProjection::kPerspective}) {
+    for (const Classification classification : {Classification::kBefore, Classification::kAfter}) {
+      const auto refused = [&](Camera camera, const PictureSize& size) {
+        camera.projection = projection;
+        Picture picture;
+        const auto result =
+            renderer.render(camera, {.size = size, .classification = classification}, picture);
+        ASSERT_FALSE(result);
+        EXPECT_EQ(result.error().code, ErrorCode::kUsage) << result.error().message;
+        EXPECT_EQ(picture.rgba.capacity(), 0u);
+      };
+      for (const double bad : {kNan, kInfinity, -kInfinity}) {
+        refused({.azimuth_deg = bad}, {8, 8});
+        refused({.elevation_deg = bad}, {8, 8});
+        refused({.zoom = bad}, {8, 8});
+        refused({.center_lps_mm = Vec3{0, bad, 0}}, {8, 8});
+      }
+      refused({.zoom = 0}, {8, 8});
+      for (const PictureSize& size : {PictureSize{0, 0}, {0, 8}, {8, -1}, {100000, 100000}}) {
+        refused({}, size);
+      }
+      if (projection == CameraProjection::kParallel) continue;
+      for (const double bad : {kNan, kInfinity, 0.0, -30.0, 180.0}) {
+        refused({.field_of_view_deg = bad}, {8, 8});
+      }
+    }
+  }
+  EXPECT_EQ(atlas->counters().read, read);
+  EXPECT_EQ(atlas->counters().decoded, 0u);
+}
+
+}  // namespace
+}  // namespace splatlas
