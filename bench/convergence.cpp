@@ -115,7 +115,7 @@ Result<RayVolume> ray_volume(const std::shared_ptr<const Atlas>& atlas, const Se
                            .selection = selection,
                            .plan = decoded.plan,
                            .looks = decoded.looks->looks(),
-                           .runs = decoded.runs,
+                           .runs = *decoded.runs,
                            .cache = *decoded.cache,
                            .classification = classification,
                            .max_memory_bytes = std::uint64_t{1} << 30},

@@ -16,7 +16,7 @@ Result<DecodedSelection> decode_selection(const std::shared_ptr<const Atlas>& at
     if (draws_volume(draw.role)) classes.push_back(draw.id);
   }
   SPLATLAS_RETURN_IF_ERROR(decoded.cache->require(classes, axis, pool));
-  SPLATLAS_ASSIGN_OR_RETURN(decoded.runs, merge_runs(decoded.plan, *atlas, *decoded.cache, axis));
+  decoded.runs = std::make_unique<SelectedRuns>(decoded.plan, atlas->classes(), *decoded.cache, axis);
   return decoded;
 }
 

@@ -14,10 +14,10 @@ struct DecodedSelection {
   DrawPlan plan;
   std::unique_ptr<ClassCache> cache;
   std::unique_ptr<VolumeLooks> looks;  ///< of the plan's classes
-  SelectedRuns runs;                   ///< of one axis
+  std::unique_ptr<SelectedRuns> runs;  ///< of one axis
 };
 
-/// Reads and merges the selection's runs of one axis, and its voxels.
+/// Reads the selection's runs of one axis, and its voxels.
 [[nodiscard]] Result<DecodedSelection> decode_selection(const std::shared_ptr<const Atlas>& atlas,
                                                         const Selection& selection, Axis axis,
                                                         ThreadPool& pool);

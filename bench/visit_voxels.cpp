@@ -3,37 +3,29 @@
 #include <algorithm>
 #include <array>
 #include <optional>
-#include <utility>
+
+#include "player/span_writer.h"
 
 namespace splatlas {
 namespace {
 
-/// A selected voxel that absorbs.
-struct VisibleVoxel {
-  std::uint32_t at = 0;    // along the scanline
-  std::uint32_t draw = 0;  // index into the plan's classes
-  VoxelLook look;
-  std::size_t voxel = 0;  // in memory
-};
-
-/// One slice: first the visible voxels, row by row, then their spans.
+/// One slice, row by row.
 class SliceVisit {
  public:
-  SliceVisit(const VoxelModel& model, const VoxelSelection& selection, const ScanOrder& scan)
-      : model_(model), selection_(selection), scan_(scan), rows_(model.grid.size[scan.row_axis]) {
+  SliceVisit(const VoxelModel& model, const VoxelSelection& selection, const ScanOrder& scan, int emissions)
+      : model_(model), selection_(selection), scan_(scan), emissions_(emissions) {
     const Index3& size = model.grid.size;
     step_ = {1, static_cast<std::size_t>(size[0]), static_cast<std::size_t>(size[0] * size[1])};
-    looks_.resize(static_cast<std::size_t>(size[scan.scan_axis]));
   }
 
-  /// Spans with one entry of `first_span` per row of the grid.
-  SliceSpans visit(std::int64_t slice, int emissions) {
-    for (std::int64_t row = 0; row < rows_; ++row) {
-      first_visible_.push_back(visible_.size());
-      visit_row(slice, row);
+  void visit(std::int64_t slice, SliceSpans& out) {
+    const Index3& size = model_.grid.size;
+    SpanWriter writer(0, size[scan_.scan_axis], emissions_, out);
+    for (std::int64_t row = 0; row < size[scan_.row_axis]; ++row) {
+      visit_row(slice, row, writer);
+      writer.end_row(row);
     }
-    first_visible_.push_back(visible_.size());
-    return pack(emissions);
+    writer.finish();
   }
 
   /// Of the selected voxels, visible or not: rows in [0], positions along the scanline in [1].
@@ -44,67 +36,41 @@ class SliceVisit {
     return selection_.draw_of_class[model_.classes[voxel]];
   }
 
-  void visit_row(std::int64_t slice, std::int64_t row) {
+  void visit_row(std::int64_t slice, std::int64_t row, SpanWriter& writer) {
     const std::size_t start = static_cast<std::size_t>(slice) * step_[scan_.slice_axis] +
                               static_cast<std::size_t>(row) * step_[scan_.row_axis];
     const std::size_t step = step_[scan_.scan_axis];
-    for (std::size_t n = 0; n < looks_.size(); ++n) {
+    const auto voxels = static_cast<std::size_t>(model_.grid.size[scan_.scan_axis]);
+    for (std::size_t n = 0; n < voxels; ++n) {
       const std::uint32_t draw = draw_of(start + n * step);
       if (draw == VoxelSelection::kNotDrawn) continue;
       const std::size_t first = n;
-      while (n + 1 < looks_.size() && draw_of(start + (n + 1) * step) == draw) ++n;
-      take(row, start + first * step, first, n + 1 - first, draw);
+      while (n + 1 < voxels && draw_of(start + (n + 1) * step) == draw) ++n;
+      selected_.include(
+          IndexBox{{row, static_cast<std::int64_t>(first), 0}, {row, static_cast<std::int64_t>(n), 0}});
+      take(start + first * step, static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(n + 1 - first),
+           draw, writer);
     }
   }
 
-  /// Looks up the grey values of `count` voxels in a row that are drawn alike, and keeps those that absorb.
-  void take(std::int64_t row, std::size_t voxel, std::size_t first, std::size_t count, std::uint32_t draw) {
+  /// Looks up the grey values of `count` voxels in a row that are drawn alike.
+  void take(std::size_t voxel, std::uint32_t first, std::uint32_t count, std::uint32_t draw,
+            SpanWriter& writer) {
     const std::size_t step = step_[scan_.scan_axis];
-    selected_.include(IndexBox{{row, static_cast<std::int64_t>(first), 0},
-                               {row, static_cast<std::int64_t>(first + count) - 1, 0}});
-    selection_.looks[draw].look_up(model_.values.bytes.data(), voxel, step, count, looks_.data());
-    for (std::size_t n = 0; n < count; ++n) {
-      if (looks_[n].extinction_per_mm <= 0) continue;
-      visible_.push_back({static_cast<std::uint32_t>(first + n), draw, looks_[n], voxel + n * step});
-    }
-  }
-
-  SliceSpans pack(int emissions) const {
-    SliceSpans out;
-    out.emissions = emissions;
-    if (visible_.empty()) return out;
-    for (std::size_t row = 0; row < static_cast<std::size_t>(rows_); ++row) {
-      out.first_span.push_back(static_cast<std::uint32_t>(out.spans.size()));
-      const std::size_t first_of_row = out.spans.size();
-      for (std::size_t n = first_visible_[row]; n < first_visible_[row + 1]; ++n) {
-        out.add_voxel(first_of_row, visible_[n].at);
-      }
-    }
-    out.first_span.push_back(static_cast<std::uint32_t>(out.spans.size()));
-
-    out.allocate_light();
-    std::size_t n = 0;
-    for (const Span& span : out.spans) {
-      for (std::uint32_t v = 0; v < span.voxels; ++v) light(visible_[n++], span, out);
-    }
-    return out;
-  }
-
-  void light(const VisibleVoxel& visible, const Span& span, SliceSpans& out) const {
-    ShadedVoxel voxel = out.set_light(span, visible.at, selection_.looks[visible.draw], visible.look);
-    if (!selection_.plan.classes[visible.draw].boundary) return;
-    voxel.normal = model_.normals[visible.voxel];
-    out.shaded.push_back(voxel);
+    const VolumeLook& look = selection_.looks[draw];
+    writer.add(first, count);
+    look.look_up(model_.values.bytes.data(), voxel, step, count, writer.extinctions(first),
+                 writer.emissions(first, 0));
+    if (emissions_ == 3) writer.color(first, count, look.color);
+    if (selection_.plan.classes[draw].boundary)
+      writer.shade(first, count, model_.normals.data() + voxel, step);
   }
 
   const VoxelModel& model_;
   const VoxelSelection& selection_;
   ScanOrder scan_;
-  std::int64_t rows_;
+  int emissions_;
   std::array<std::size_t, 3> step_{};
-  std::vector<VoxelLook> looks_;  // of one scanline
-  std::vector<VisibleVoxel> visible_;
-  std::vector<std::size_t> first_visible_;  // per row, and the end
   IndexBox selected_;
 };
 
@@ -128,13 +94,6 @@ void trim(SpanModel& model, std::span<const IndexBox> selected) {
   model.rows = box.last[1] - box.first[1] + 1;
   model.scan_first = box.first[2];
   model.scan_voxels = box.last[2] - box.first[2] + 1;
-  for (SliceSpans& slice : model.slices) {
-    std::vector<std::uint32_t>& first_span = slice.first_span;
-    if (slice.spans.empty()) continue;
-    first_span.erase(first_span.begin() + box.last[1] + 2, first_span.end());
-    first_span.erase(first_span.begin(), first_span.begin() + box.first[1]);
-    slice.find_rows();
-  }
 }
 
 }  // namespace
@@ -151,8 +110,8 @@ SpanModel visit_voxels(const VoxelModel& model, const VoxelSelection& selection,
   spans.slices.resize(slices);
   std::vector<IndexBox> selected(slices);
   pool.for_each(slices, [&](std::size_t n) {
-    SliceVisit visit(model, selection, scan);
-    spans.slices[n] = visit.visit(static_cast<std::int64_t>(n), spans.emissions);
+    SliceVisit visit(model, selection, scan, spans.emissions);
+    visit.visit(static_cast<std::int64_t>(n), spans.slices[n]);
     selected[n] = visit.selected();
   });
   trim(spans, selected);

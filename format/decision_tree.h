@@ -14,6 +14,11 @@ namespace splatlas {
 /// What a selection draws of a class's voxels (the paper's categories, section 3).
 enum class VoxelRole : std::uint8_t { kNone, kVolume, kSurface, kHybrid };
 
+/// Whether voxels contribute to the volume.
+[[nodiscard]] constexpr bool draws_volume(VoxelRole role) {
+  return role == VoxelRole::kVolume || role == VoxelRole::kHybrid;
+}
+
 /// What to draw for one class. For volume and hybrid voxels `volume_of` gives colour and opacity; for surface
 /// and hybrid voxels the surfaces that cross them are those of every selected structure with a boundary here.
 struct ClassDraw {

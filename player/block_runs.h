@@ -37,7 +37,7 @@ class BlockRuns {
  public:
   /// `pair` counts the pairs of `rows`.
   BlockRuns(const SheetRows& rows, std::int64_t pair, const ImageRows& image)
-      : light_(rows.slice->light.get()),
+      : light_(rows.slice->light.data()),
         block_floats_(rows.slice->block_floats()),
         upper_(rows.slice->row(rows.upper + pair)),
         lower_(rows.slice->row(rows.upper + pair + 1)) {

@@ -43,39 +43,56 @@ Result<void> ClassCache::require(std::span<const ClassId> classes, Axis axis, Th
   if (normals_.data() == nullptr && !classes.empty()) {
     SPLATLAS_ASSIGN_OR_RETURN(normals_, SparseBytes::reserve(voxels * sizeof(PackedNormal)));
   }
-  std::vector<std::pair<ClassId, DecodedClass*>> missing;
+  struct Missing {
+    ClassId id = kEmptyClass;
+    DecodedClass* decoded = nullptr;
+    NewRuns runs;
+    Result<void> result;
+  };
+  std::vector<Missing> missing;
   for (const ClassId c : classes) {
     DecodedClass& decoded = classes_[c];
-    if (!decoded.has_voxels || !decoded.has_runs[static_cast<std::size_t>(axis)])
-      missing.emplace_back(c, &decoded);
+    if (!decoded.has_voxels || !decoded.run_count[static_cast<std::size_t>(axis)])
+      missing.push_back({c, &decoded, {}, {}});
   }
-  std::vector<Result<void>> results(missing.size());
-  pool.for_each(missing.size(),
-                [&](std::size_t n) { results[n] = decode(missing[n].first, axis, *missing[n].second); });
+  if (missing.empty()) return {};
+  pool.for_each(missing.size(), [&](std::size_t n) {
+    Missing& of = missing[n];
+    of.result = decode(of.id, axis, *of.decoded, of.runs);
+  });
   Result<void> first_failure;
-  for (std::size_t n = 0; n < missing.size(); ++n) {
-    if (results[n]) continue;
-    if (first_failure) first_failure = results[n];
-    classes_.erase(missing[n].first);
+  for (const Missing& of : missing) {
+    if (of.result) continue;
+    if (first_failure) first_failure = of.result;
+    if (!of.decoded->has_voxels) classes_.erase(of.id);
+  }
+  for (const Axis read : kAxes) {
+    const auto n = static_cast<std::size_t>(read);
+    std::vector<std::pair<ClassId, const ClassRuns*>> runs;
+    for (const Missing& of : missing) {
+      if (!of.result || !of.runs[n]) continue;
+      of.decoded->run_count[n] = of.runs[n]->size();
+      runs.emplace_back(of.id, &*of.runs[n]);
+    }
+    runs_[n].insert(runs, atlas_->grid().size[ScanOrder::of(read).row_axis], pool);
   }
   return first_failure;
 }
 
-Result<void> ClassCache::decode(ClassId c, Axis axis, DecodedClass& decoded) {
+Result<void> ClassCache::decode(ClassId c, Axis axis, DecodedClass& decoded, NewRuns& read) {
   const auto read_runs = [&](Axis wanted) -> Result<void> {
     const auto n = static_cast<std::size_t>(wanted);
-    if (decoded.has_runs[n]) return {};
-    SPLATLAS_ASSIGN_OR_RETURN(decoded.runs[n], atlas_->read_runs(c, wanted));
-    decoded.has_runs[n] = true;
+    if (decoded.run_count[n] || read[n]) return {};
+    SPLATLAS_ASSIGN_OR_RETURN(read[n], atlas_->read_runs(c, wanted));
     return {};
   };
-  if (!decoded.has_voxels) {
-    // Values and normals are stored in memory order, which is the order of the z model.
-    SPLATLAS_RETURN_IF_ERROR(read_runs(Axis::kZ));
-    SPLATLAS_RETURN_IF_ERROR(place_voxels(c, decoded.runs[static_cast<std::size_t>(Axis::kZ)]));
-    decoded.has_voxels = true;
-  }
-  return read_runs(axis);
+  SPLATLAS_RETURN_IF_ERROR(read_runs(axis));
+  if (decoded.has_voxels) return {};
+  // Values and normals are stored in memory order, which is the order of the z model.
+  SPLATLAS_RETURN_IF_ERROR(read_runs(Axis::kZ));
+  SPLATLAS_RETURN_IF_ERROR(place_voxels(c, *read[static_cast<std::size_t>(Axis::kZ)]));
+  decoded.has_voxels = true;
+  return {};
 }
 
 Result<void> ClassCache::place_voxels(ClassId c, const ClassRuns& z_runs) {
@@ -111,8 +128,8 @@ Result<void> ClassCache::require_surfaces(std::span<const StructureIndex> struct
   return {};
 }
 
-const ClassRuns& ClassCache::runs(ClassId c, Axis axis) const {
-  return classes_.at(c).runs[static_cast<std::size_t>(axis)];
+std::size_t ClassCache::run_count(ClassId c, Axis axis) const {
+  return *classes_.at(c).run_count[static_cast<std::size_t>(axis)];
 }
 
 const SurfaceMesh& ClassCache::surface(StructureIndex s) const {

@@ -15,14 +15,6 @@ struct Contribution {
   double total = 0, strongest = 0, slice = 0;
 };
 
-const SelectedRun* run_at(std::span<const SelectedRun> runs, std::int64_t scan) {
-  const auto after = std::upper_bound(runs.begin(), runs.end(), scan,
-                                      [](std::int64_t at, const SelectedRun& run) { return at < run.start; });
-  if (after == runs.begin()) return nullptr;
-  const SelectedRun& run = *(after - 1);
-  return scan < static_cast<std::int64_t>(run.start) + run.length ? &run : nullptr;
-}
-
 /// Front to back: who contributes how much.
 class RayWalk {
  public:
@@ -90,25 +82,26 @@ std::optional<Pick> pick_structure(const PickScene& scene, const ParallelView& v
     }
   };
 
-  for (std::int64_t n = 0; n < scene.runs.slices; ++n) {
-    const std::int64_t k = scene.runs.slice_first + (shear.ascending ? n : scene.runs.slices - 1 - n);
+  const IndexBox& box = scene.runs.box();
+  for (std::int64_t n = 0; n < scene.runs.slices(); ++n) {
+    const std::int64_t k = shear.ascending ? box.first[2] + n : box.last[2] - n;
     const auto slice = static_cast<double>(k);
     pass_surfaces(depth_sign * slice);
     const std::int64_t scan = std::llround(u - shear.u_shift(slice));
     const std::int64_t scan_row = std::llround(v - shear.v_shift(slice));
-    if (scan_row < scene.runs.row_first || scan_row >= scene.runs.row_first + scene.runs.rows) continue;
-    const SelectedRun* run = run_at(scene.runs.scanline(k, scan_row), scan);
+    const ClassRun* run = scene.runs.at(k, scan_row, scan);
     if (run == nullptr) continue;
     Index3 voxel{};
     voxel[shear.scan.slice_axis] = k;
     voxel[shear.scan.row_axis] = scan_row;
     voxel[shear.scan.scan_axis] = scan;
     VoxelLook look;
-    scene.looks[run->draw].look_up(scene.cache.values(),
-                                   static_cast<std::size_t>(scene.grid.offset(voxel[0], voxel[1], voxel[2])),
-                                   1, 1, &look);
+    const std::uint32_t draw = scene.runs.draw_of(run->id);
+    scene.looks[draw].look_up(scene.cache.values(),
+                              static_cast<std::size_t>(scene.grid.offset(voxel[0], voxel[1], voxel[2])), 1, 1,
+                              &look);
     const double depth = static_cast<double>(look.extinction_per_mm) * shear.slab_mm;
-    walk.add(scene.plan.classes[run->draw].volume_of, -std::expm1(-depth), slice);
+    walk.add(scene.plan.classes[draw].volume_of, -std::expm1(-depth), slice);
   }
   pass_surfaces(HUGE_VAL);
 

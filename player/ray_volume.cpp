@@ -88,7 +88,7 @@ class RayVolume::Builder {
 
   Result<void> build() {
     SPLATLAS_RETURN_IF_ERROR(find_sources());
-    if (volume_.sources_.empty() || request_.runs.runs.empty()) {
+    if (volume_.sources_.empty() || request_.runs.count() == 0) {
       volume_.sources_.clear();
       return {};
     }
@@ -110,7 +110,7 @@ class RayVolume::Builder {
     }
     volume_.active_ = brick_sums(any);
     for (const Source& source : volume_.sources_) volume_.views_.push_back(view_of_source(source));
-    for (const SelectedRun& run : request_.runs.runs) volume_.voxels_ += run.length;
+    request_.runs.for_each([&](const ClassRun& run, std::uint32_t) { volume_.voxels_ += run.length; });
     return {};
   }
 
@@ -180,8 +180,8 @@ class RayVolume::Builder {
 
   Result<void> place_box() {
     const SelectedRuns& runs = request_.runs;
-    const Index3 first{runs.scan_first, runs.row_first, runs.slice_first};
-    const Index3 size{runs.scan_voxels, runs.rows, runs.slices};
+    const Index3& first = runs.box().first;
+    const Index3 size{runs.scan_voxels(), runs.rows(), runs.slices()};
     std::uint64_t voxels = 1;
     for (std::size_t a = 0; a < 3; ++a) {
       volume_.first_[a] = first[a] - kMargin;
@@ -209,9 +209,9 @@ class RayVolume::Builder {
     for (const Source& source : volume_.sources_) {
       const auto of = [&](std::uint64_t voxel_bytes, std::uint64_t rows) {
         std::uint64_t touched = 0;
-        for (const SelectedRun& run : request_.runs.runs) {
-          if (source.draws[run.draw]) touched += rows * page_rounded((run.length + 1) * voxel_bytes);
-        }
+        request_.runs.for_each([&](const ClassRun& run, std::uint32_t draw) {
+          if (source.draws[draw]) touched += rows * page_rounded((run.length + 1) * voxel_bytes);
+        });
         return std::min(box_voxels * voxel_bytes, touched);
       };
       if (!source.curve) {
@@ -248,17 +248,13 @@ class RayVolume::Builder {
   /// Calls take(piece) for the runs of `source` in slice `z` of the box.
   template <typename Take>
   void for_each_piece(const Source& source, std::int64_t z, const Take& take) const {
-    const SelectedRuns& runs = request_.runs;
     const std::int64_t slice = z + volume_.first_[2];
-    if (slice < runs.slice_first || slice >= runs.slice_first + runs.slices) return;
     const Grid& grid = request_.atlas.grid();
-    for (std::int64_t row = runs.row_first; row < runs.row_first + runs.rows; ++row) {
-      for (const SelectedRun& run : runs.scanline(slice, row)) {
-        if (!source.draws[run.draw]) continue;
-        take(Piece{run.start - volume_.first_[0], row - volume_.first_[1], run.length,
-                   static_cast<std::size_t>(grid.offset(run.start, row, slice)), run.draw});
-      }
-    }
+    request_.runs.for_each(slice, [&](const ClassRun& run, std::uint32_t draw) {
+      if (!source.draws[draw]) return;
+      take(Piece{run.start - volume_.first_[0], run.row - volume_.first_[1], run.length,
+                 static_cast<std::size_t>(grid.offset(run.start, run.row, slice)), draw});
+    });
   }
   [[nodiscard]] std::size_t place(std::int64_t x, std::int64_t y, std::int64_t z) const {
     const auto& size = volume_.grid_.size;

@@ -10,15 +10,14 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include "player/axis_spans.h"
 #include "player/cast_rays.h"
 #include "player/cast_surfaces.h"
 #include "player/class_cache.h"
 #include "player/draw_frame.h"
 #include "player/pick.h"
 #include "player/ray_volume.h"
-#include "player/selected_runs.h"
 #include "player/shading.h"
-#include "player/span_model.h"
 #include "player/thread_pool.h"
 #include "player/volume_looks.h"
 
@@ -71,13 +70,6 @@ std::optional<Quality> named_quality(std::string_view name) {
 }
 
 struct Renderer::Impl {
-  /// One principal axis of the current selection.
-  struct AxisSpans {
-    SelectedRuns runs;
-    SpanModel model;
-    std::optional<ParallelView> lit_for;  ///< view whose light the shaded voxels have; none: unshaded
-  };
-
   /// What rays march through, of the current selection.
   struct Rays {
     RayVolume volume;
@@ -95,8 +87,8 @@ struct Renderer::Impl {
         looks(*atlas) {}
 
   [[nodiscard]] Result<void> decode(Axis axis);
-  [[nodiscard]] Result<AxisSpans*> spans(Axis axis);
-  void light_spans(AxisSpans& spans, const ParallelView& view, const Lighting& lighting, bool shade);
+  [[nodiscard]] AxisSpans& spans(Axis axis, bool shade);
+  void keep_spans();
   [[nodiscard]] Result<Rays*> ray_volume(const RenderOptions& options);
   [[nodiscard]] Result<void> render_rays(const View& frame_view, const RenderOptions& options,
                                          Picture& picture);
@@ -112,6 +104,7 @@ struct Renderer::Impl {
   std::uint64_t plan_bytes = 0;  // what the plan's spans may take
   VolumeLooks looks;             // of plan.classes
   std::array<std::optional<AxisSpans>, 3> axis_spans;
+  Axis latest_axis = Axis::kZ;
   std::optional<Rays> rays;
 
   // Of the latest frame.
@@ -131,32 +124,27 @@ Result<void> Renderer::Impl::decode(Axis axis) {
   return cache.require_surfaces(plan.surfaces, pool);
 }
 
-/// Merges the selection's runs into spans, once per selection and axis.
-Result<Renderer::Impl::AxisSpans*> Renderer::Impl::spans(Axis axis) {
+/// Once per selection and axis.
+AxisSpans& Renderer::Impl::spans(Axis axis, bool shade) {
+  latest_axis = axis;
   std::optional<AxisSpans>& built = axis_spans[static_cast<std::size_t>(axis)];
-  if (!built) {
-    SPLATLAS_ASSIGN_OR_RETURN(SelectedRuns runs, merge_runs(plan, *atlas, cache, axis));
-    SpanModel model = build_spans(runs, plan, looks.looks(), atlas->grid(), cache, true, pool);
-    built = AxisSpans{std::move(runs), std::move(model), std::nullopt};
-  }
-  return &*built;
+  if (!built) built.emplace();
+  if (!built->current(shade)) built->build(plan, looks, *atlas, cache, axis, shade, pool);
+  return *built;
 }
 
-/// Hybrid shading: light on boundary voxels changes only with the direction of view.
-void Renderer::Impl::light_spans(AxisSpans& spans, const ParallelView& frame_view, const Lighting& lighting,
-                                 bool shade) {
-  if (spans.model.shaded_voxels == 0) return;
-  if (!shade) {
-    if (spans.lit_for) shade_spans(spans.model, std::vector<float>(65536, 1.0f), pool);
-    spans.lit_for.reset();
-    return;
+/// What stays selected is not built again for the axis in use; spans of other axes go, and so do large ones.
+void Renderer::Impl::keep_spans() {
+  for (const Axis axis : kAxes) {
+    std::optional<AxisSpans>& built = axis_spans[static_cast<std::size_t>(axis)];
+    if (!built) continue;
+    const bool small = built->light_bytes() + plan_bytes <= max_memory_bytes / 2;
+    if (axis == latest_axis && small) {
+      built->outdate();
+    } else {
+      built.reset();
+    }
   }
-  if (spans.lit_for && spans.lit_for->forward_lps == frame_view.forward_lps &&
-      spans.lit_for->up_lps == frame_view.up_lps) {
-    return;
-  }
-  shade_spans(spans.model, lighting.table(), pool);
-  spans.lit_for = frame_view;
 }
 
 /// What rays march through, once per selection and classification. Spans make room for it.
@@ -164,7 +152,7 @@ Result<Renderer::Impl::Rays*> Renderer::Impl::ray_volume(const RenderOptions& op
   if (!rays || rays->classification != options.classification || rays->shaded != options.hybrid_shading) {
     rays.reset();
     for (auto& spans : axis_spans) spans.reset();
-    SPLATLAS_ASSIGN_OR_RETURN(const SelectedRuns runs, merge_runs(plan, *atlas, cache, Axis::kZ));
+    const SelectedRuns runs(plan, atlas->classes(), cache, Axis::kZ);
     const RayVolumeRequest request{.atlas = *atlas,
                                    .selection = selection,
                                    .plan = plan,
@@ -175,8 +163,8 @@ Result<Renderer::Impl::Rays*> Renderer::Impl::ray_volume(const RenderOptions& op
                                    .shade = options.hybrid_shading,
                                    .max_memory_bytes = max_memory_bytes - picture_bytes(options.size)};
     SPLATLAS_ASSIGN_OR_RETURN(RayVolume volume, RayVolume::build(request, pool));
-    rays = Rays{std::move(volume), options.classification, options.hybrid_shading, runs.runs.size(),
-                std::nullopt};
+    rays =
+        Rays{std::move(volume), options.classification, options.hybrid_shading, runs.count(), std::nullopt};
   }
   return &*rays;
 }
@@ -263,7 +251,7 @@ Result<void> Renderer::select(const Selection& selection) {
   r.plan = std::move(plan);
   r.plan_bytes = bytes;
   r.looks.select(r.plan, selection);
-  for (auto& spans : r.axis_spans) spans.reset();
+  r.keep_spans();
   r.rays.reset();
   r.view.reset();
   r.stats = {};
@@ -311,18 +299,18 @@ Result<void> Renderer::render(const Camera& camera, const RenderOptions& options
   SPLATLAS_RETURN_IF_ERROR(r.decode(shear.principal));
   r.stats.decode_ms = watch.lap().wall_ms;
 
-  SPLATLAS_ASSIGN_OR_RETURN(Impl::AxisSpans* const spans, r.spans(shear.principal));
+  AxisSpans& spans = r.spans(shear.principal, options.hybrid_shading);
   r.stats.traversal = watch.lap();
   r.stats.select_ms += r.stats.traversal.wall_ms;
 
   const Lighting lighting(view);
-  r.light_spans(*spans, view, lighting, options.hybrid_shading);
+  spans.light(view, lighting, options.hybrid_shading, r.pool);
   const Elapsed light = watch.lap();
   r.stats.traversal += light;
 
   const std::vector<SurfaceDraw> surfaces = r.surface_draws();
   r.view.reset();  // what the latest frame left is overwritten now, whether this one succeeds or not
-  SPLATLAS_ASSIGN_OR_RETURN(const FrameCounters drawn, draw_frame({.spans = spans->model,
+  SPLATLAS_ASSIGN_OR_RETURN(const FrameCounters drawn, draw_frame({.spans = spans.model(),
                                                                    .surfaces = surfaces,
                                                                    .view = view,
                                                                    .shear = shear,
@@ -333,7 +321,7 @@ Result<void> Renderer::render(const Camera& camera, const RenderOptions& options
                                                                   r.frame, picture, r.pool));
   r.view = view;
   r.shear = shear;
-  r.stats.runs_visited = spans->runs.runs.size();
+  r.stats.runs_visited = spans.runs().count();
   r.stats.voxels_visited = drawn.voxels;
   r.stats.triangles = drawn.triangles;
   r.stats.rasterize = drawn.rasterize;
@@ -347,8 +335,8 @@ std::optional<Pick> Renderer::pick(double x, double y) const {
   const Impl& r = *impl_;
   if (!r.view || !r.shear) return std::nullopt;
   const auto& spans = r.axis_spans[static_cast<std::size_t>(r.shear->principal)];
-  if (!spans) return std::nullopt;
-  const PickScene scene{r.atlas->grid(), spans->runs, r.plan, r.looks.looks(), r.cache, r.frame.fragments};
+  if (!spans || !spans->current(false)) return std::nullopt;
+  const PickScene scene{r.atlas->grid(), spans->runs(), r.plan, r.looks.looks(), r.cache, r.frame.fragments};
   return pick_structure(scene, *r.view, *r.shear, x, y);
 }
 

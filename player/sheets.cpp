@@ -59,14 +59,13 @@ void interleave(std::span<const float* const> streams, std::int64_t count, float
   }
 }
 
-/// Where the rows of voxels of a slice, counted from the model's first, lie among the fine rows: `scale` of
-/// these between any two of those.
+/// Where the rows of voxels of a slice lie among the fine rows: `scale` of these between any two of those.
 class SliceRows {
  public:
   SliceRows(const Pass& pass, double k) : scale_(pass.window.scale) {
-    // Fine row of the model's first row of voxels.
-    const double v = pass.shear.v_shift(k) - static_cast<double>(pass.window.v0 - pass.model.row_first);
-    const double fine = v * static_cast<double>(scale_);
+    // Fine row of voxel row 0.
+    const double fine =
+        (pass.shear.v_shift(k) - static_cast<double>(pass.window.v0)) * static_cast<double>(scale_);
     first_ = static_cast<std::int64_t>(std::ceil(fine));
     rest_ = static_cast<double>(first_) - fine;
   }
@@ -228,11 +227,11 @@ std::uint64_t count_voxels(const Pass& pass) {
     // Their footprints reach from the fine row below the row of voxels before to the one above the row after.
     const std::int64_t first = rows.upper_from(pass.window.scale - 1, 0);
     const std::int64_t last = rows.upper_from(0, pass.window.fine_rows()) + 1;
-    if (first <= 0 && last >= pass.model.rows) {
+    if (first <= slice.first_row && last >= slice.last_row) {
       voxels += slice.voxels;
       continue;
     }
-    for (std::int64_t row = std::max<std::int64_t>(first, 0); row < std::min(last, pass.model.rows); ++row) {
+    for (std::int64_t row = std::max(first, slice.first_row); row < std::min(last, slice.last_row); ++row) {
       for (const Span& span : slice.row(row)) voxels += span.voxels;
     }
   }

@@ -7,10 +7,9 @@
 #include <span>
 #include <vector>
 
+#include "format/grid.h"
 #include "format/unit_vector.h"
-#include "player/selected_runs.h"
 #include "player/thread_pool.h"
-#include "player/volume_looks.h"
 
 namespace splatlas {
 
@@ -38,24 +37,40 @@ struct ShadedVoxel {
   std::array<float, 3> emission{};  ///< unshaded, 1/mm; white's first where there is one
 };
 
-struct FreeLight {
-  void operator()(float* light) const;
+/// Floats aligned to cache lines. Keeps its memory when it is filled anew: fresh pages would cost more than
+/// what is written to them.
+class LightBuffer {
+ public:
+  [[nodiscard]] const float* data() const { return floats_.get(); }
+  [[nodiscard]] float* data() { return floats_.get(); }
+  [[nodiscard]] std::size_t size() const { return size_; }
+  [[nodiscard]] std::size_t capacity() const { return capacity_; }
+  void clear() { size_ = 0; }
+  /// Makes room for `floats` more, which are not set, and says where.
+  float* append(std::size_t floats);
+
+ private:
+  struct Free {
+    void operator()(float* light) const;
+  };
+  std::unique_ptr<float[], Free> floats_;
+  std::size_t size_ = 0, capacity_ = 0;
 };
 
-/// The spans of one slice.
+/// The spans of one slice. Made by SpanWriter.
 struct SliceSpans {
-  int emissions = 3;                          ///< 1 or 3
-  std::vector<std::uint32_t> first_span;      ///< rows + 1 offsets; empty when the slice has no span
-  std::int64_t first_row = 0, last_row = 0;   ///< spans are in rows [first_row, last_row)
-  std::vector<Span> spans;                    ///< by row, then place
-  std::unique_ptr<float[], FreeLight> light;  ///< of all blocks, aligned to cache lines
+  int emissions = 3;                         ///< 1 or 3
+  std::int64_t first_row = 0, last_row = 0;  ///< spans are in rows [first_row, last_row) of the grid
+  std::vector<std::uint32_t> first_span;     ///< last_row - first_row + 1 offsets; empty without spans
+  std::vector<Span> spans;                   ///< by row, then place
+  LightBuffer light;                         ///< of all blocks
   std::vector<ShadedVoxel> shaded;
   std::uint64_t voxels = 0;  ///< selected voxels with an extinction above 0
 
-  /// Of row n, counted from the model's first; empty outside.
+  /// Of a row of the grid.
   [[nodiscard]] std::span<const Span> row(std::int64_t n) const {
-    if (n < 0 || n + 1 >= static_cast<std::int64_t>(first_span.size())) return {};
-    const std::uint32_t* first = &first_span[static_cast<std::size_t>(n)];
+    if (n < first_row || n >= last_row) return {};
+    const std::uint32_t* first = &first_span[static_cast<std::size_t>(n - first_row)];
     return {spans.data() + first[0], spans.data() + first[1]};
   }
   /// Floats of light of a block.
@@ -67,26 +82,12 @@ struct SliceSpans {
     return std::size_t{block} * static_cast<std::size_t>(block_floats()) +
            (voxel & static_cast<std::uint32_t>(kBlock - 1));
   }
-
-  /// Adds a voxel to the latest row, whose spans begin with number `first_of_row`. Voxels come in order.
-  void add_voxel(std::size_t first_of_row, std::uint32_t voxel);
-  /// Gives every span its place, and makes room for the light, all zero.
-  void allocate_light();
-  /// Sets first_row and last_row, once `first_span` is complete.
-  void find_rows();
-  /// Writes the unshaded light of a voxel, and says where and what it is, the normal left out.
-  ShadedVoxel set_light(const Span& span, std::uint32_t voxel, const VolumeLook& look, const VoxelLook& seen);
-  /// Floats of light, once there is room for it.
-  [[nodiscard]] std::size_t light_floats() const {
-    if (spans.empty()) return 0;
-    return (std::size_t{spans.back().offset} + spans.back().blocks) *
-           static_cast<std::size_t>(block_floats());
-  }
 };
 
-/// All spans of a selection for one principal axis.
+/// All spans of a selection for one principal axis. Slices, rows and voxels are numbers of the grid.
 struct SpanModel {
   Axis axis = Axis::kZ;
+  /// The selection's box: slices [slice_first, slice_first + slices.size()), and so on.
   std::int64_t slice_first = 0, row_first = 0, rows = 0, scan_first = 0, scan_voxels = 0;
   int emissions = 3;                    ///< of every slice
   std::array<float, 3> color{1, 1, 1};  ///< linear; of the volume where it has one emission
@@ -97,14 +98,6 @@ struct SpanModel {
 
 /// Bytes that a model of `voxels` selected voxels in `runs` runs takes at most, offsets of rows left out.
 [[nodiscard]] std::uint64_t span_model_bytes(std::uint64_t voxels, std::uint64_t runs);
-
-/// Looks up what every selected voxel emits and absorbs (classified before interpolation) and packs it into
-/// spans. `looks` and the plan's classes correspond. With `shade`, boundary voxels are listed for
-/// shade_spans(). Cost: linear in the selected voxels; slices are built in parallel. Voxels without
-/// extinction are left out.
-[[nodiscard]] SpanModel build_spans(const SelectedRuns& selected, const DrawPlan& plan,
-                                    std::span<const VolumeLook> looks, const Grid& grid,
-                                    const ClassCache& cache, bool shade, ThreadPool& pool);
 
 /// Multiplies the emission of shaded voxels by `light[normal]` (65536 entries): once per change of view.
 void shade_spans(SpanModel& model, std::span<const float> light, ThreadPool& pool);

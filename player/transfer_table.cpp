@@ -66,29 +66,41 @@ TransferShare TransferTable::share_of(double grey) const {
                   of_low * low.shade + of_high * high.shade);
 }
 
-void TransferTable::look_up(const std::byte* values, std::size_t first, std::size_t stride, std::size_t count,
-                            float densest_per_mm, VoxelLook* voxels) const {
-  const auto look_of = [densest_per_mm](const TransferShare& share) {
-    return VoxelLook{densest_per_mm * share.extinction, share.shade};
-  };
+template <typename Take>
+void TransferTable::for_each_share(const std::byte* values, std::size_t first, std::size_t stride,
+                                   std::size_t count, const Take& take) const {
   if (type_ == VoxelType::kNone) {
-    std::fill_n(voxels, count, look_of(share_of(shape_.points.back().grey)));
+    const TransferShare share = share_of(shape_.points.back().grey);
+    for (std::size_t n = 0; n < count; ++n) take(n, share);
     return;
   }
   visit_voxel_type(type_, [&](auto tag) {
     using T = decltype(tag);
     if constexpr (sizeof(T) <= 2) {
       if (!table_.empty()) {
-        for (std::size_t n = 0; n < count; ++n) {
-          const T value = load<T>(values, first + n * stride);
-          voxels[n] = look_of(table_[static_cast<std::make_unsigned_t<T>>(value)]);
-        }
+        const TransferShare* const table = table_.data();
+        for (std::size_t n = 0; n < count; ++n)
+          take(n, table[static_cast<std::make_unsigned_t<T>>(load<T>(values, first + n * stride))]);
         return;
       }
     }
-    for (std::size_t n = 0; n < count; ++n) {
-      voxels[n] = look_of(share_of(static_cast<double>(load<T>(values, first + n * stride))));
-    }
+    for (std::size_t n = 0; n < count; ++n)
+      take(n, share_of(static_cast<double>(load<T>(values, first + n * stride))));
+  });
+}
+
+void TransferTable::look_up(const std::byte* values, std::size_t first, std::size_t stride, std::size_t count,
+                            float densest_per_mm, VoxelLook* voxels) const {
+  for_each_share(values, first, stride, count, [=](std::size_t n, const TransferShare& share) {
+    voxels[n] = {densest_per_mm * share.extinction, share.shade};
+  });
+}
+
+void TransferTable::look_up(const std::byte* values, std::size_t first, std::size_t stride, std::size_t count,
+                            float densest_per_mm, float* extinctions, float* emissions) const {
+  for_each_share(values, first, stride, count, [=](std::size_t n, const TransferShare& share) {
+    extinctions[n] = densest_per_mm * share.extinction;
+    emissions[n] = extinctions[n] * share.shade;
   });
 }
 

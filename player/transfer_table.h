@@ -48,10 +48,18 @@ class TransferTable {
   /// `densest_per_mm`: the extinction at the densest point.
   void look_up(const std::byte* values, std::size_t first, std::size_t stride, std::size_t count,
                float densest_per_mm, VoxelLook* voxels) const;
+  /// The same, apart: extinctions, and extinctions times shades.
+  void look_up(const std::byte* values, std::size_t first, std::size_t stride, std::size_t count,
+               float densest_per_mm, float* extinctions, float* emissions) const;
   /// NaN counts as lower than all.
   [[nodiscard]] TransferShare share_of(double grey) const;
 
  private:
+  /// Calls take(n, share) for `count` values.
+  template <typename Take>
+  void for_each_share(const std::byte* values, std::size_t first, std::size_t stride, std::size_t count,
+                      const Take& take) const;
+
   TransferShape shape_;
   VoxelType type_;
   std::vector<TransferShare> table_;  // by the value's bits; empty: evaluate

@@ -4,7 +4,6 @@
 #include <limits>
 
 #include "format/color.h"
-#include "player/selected_runs.h"
 #include "player/transfer_function.h"
 
 namespace splatlas {
@@ -47,6 +46,7 @@ VolumeLook VolumeLooks::look_of(const StructureDraw& draw) {
 void VolumeLooks::select(const DrawPlan& plan, const Selection& selection) {
   if (tables_.size() >= kMaxTables) {
     tables_.clear();
+    ++generation_;
     plain_ = &table_of(shape_of(transfer_curve({}, display_)));
   }
   constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <map>
 #include <optional>
 #include <span>
@@ -27,6 +28,12 @@ struct VolumeLook {
                VoxelLook* voxels) const {
     transfer->look_up(values, first, stride, count, extinction_per_mm, voxels);
   }
+  /// The same, apart.
+  void look_up(const std::byte* values, std::size_t first, std::size_t stride, std::size_t count,
+               float* extinctions, float* emissions) const {
+    transfer->look_up(values, first, stride, count, extinction_per_mm, extinctions, emissions);
+  }
+  friend bool operator==(const VolumeLook&, const VolumeLook&) = default;
   /// Colour times extinction, 1/mm.
   [[nodiscard]] std::array<float, 3> emission(const VoxelLook& voxel) const {
     const float share = voxel.extinction_per_mm * voxel.shade;
@@ -52,6 +59,8 @@ class VolumeLooks {
   void select(const DrawPlan& plan, const Selection& selection);
   /// Of the plan's classes, in their order. Valid until the next select().
   [[nodiscard]] std::span<const VolumeLook> looks() const { return looks_; }
+  /// Tables of looks of the same generation are equal where their addresses are.
+  [[nodiscard]] std::uint64_t generation() const { return generation_; }
 
  private:
   [[nodiscard]] VolumeLook look_of(const StructureDraw& draw);
@@ -63,6 +72,7 @@ class VolumeLooks {
   std::map<TransferShape, TransferTable> tables_;
   const TransferTable* plain_;  // of a structure without any words about it
   std::vector<VolumeLook> looks_;
+  std::uint64_t generation_ = 0;
 };
 
 }  // namespace splatlas

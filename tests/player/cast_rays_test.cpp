@@ -183,7 +183,7 @@ TEST(CastRays, TheErrorFallsWithTheSquareOfTheSteps) {
   std::vector<ClassId> classes;
   for (const ClassDraw& draw : plan.classes) classes.push_back(draw.id);
   ASSERT_TRUE(cache.require(classes, Axis::kZ, pool));
-  const SelectedRuns runs = *merge_runs(plan, *atlas, cache, Axis::kZ);
+  const SelectedRuns runs(plan, atlas->classes(), cache, Axis::kZ);
   const auto volume = RayVolume::build({.atlas = *atlas,
                                         .selection = scene.selection,
                                         .plan = plan,

@@ -1,6 +1,7 @@
 #include "player/class_cache.h"
 
 #include <cstring>
+#include <map>
 #include <numeric>
 
 #include <gtest/gtest.h>
@@ -29,7 +30,16 @@ void expect_equal(const AtlasContent& content, const ClassCache& cache, std::spa
       ASSERT_EQ(cache.normals()[n], content.boundary_normals[c][number]);
     }
   }
-  for (const ClassId c : classes) ASSERT_EQ(cache.runs(c, axis), model.classes[c]);
+  const auto rows = static_cast<std::uint64_t>(grid.size[ScanOrder::of(axis).row_axis]);
+  std::map<ClassId, ClassRuns> held;
+  for (std::int64_t slice = 0; slice < grid.size[ScanOrder::of(axis).slice_axis]; ++slice) {
+    for (const ClassRun& run : cache.runs(axis).slice(slice))
+      held[run.id].push_back({static_cast<std::uint64_t>(slice) * rows + run.row, run.start, run.length});
+  }
+  for (const ClassId c : classes) {
+    ASSERT_EQ(held[c], model.classes[c]);
+    ASSERT_EQ(cache.run_count(c, axis), model.classes[c].size());
+  }
 }
 
 TEST(ClassCache, HoldsWhatTheAtlasHolds) {

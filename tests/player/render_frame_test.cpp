@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <random>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -173,6 +174,34 @@ TEST(Renderer, GivesTheSameBitsWhateverWasRenderedBefore) {
     const Picture again = render_or_throw(used, camera, options);
     const Picture fresh = render_or_throw(content, current, camera, options);
     ASSERT_EQ(again.rgba, fresh.rgba) << "step " << step;
+  }
+}
+
+/// Spans of the selection before are built upon, shaded or not.
+TEST(Renderer, GivesTheSameBitsWhateverWasSelectedBefore) {
+  std::mt19937 random(1);
+  for (std::uint32_t number = 0; number < 40; ++number) {
+    const RandomScene scene = random_scene(number, 16);
+    const StructureGraph& graph = scene.content.graph;
+    Renderer used(open_in_memory(scene.content), {2, 0});
+    for (int step = 0; step < 8; ++step) {
+      Selection selection = scene.selection;
+      for (StructureDraw& draw : selection.structures) {
+        if (random() % 4 == 0) draw.mode = DrawMode::kOff;
+        if (random() % 4 == 0) draw.opacity = 0.25f;
+      }
+      ASSERT_EQ(selection.structures.size(), graph.size());
+      ASSERT_TRUE(used.select(selection));
+      Camera camera = scene.camera;
+      RenderOptions options = scene.options;
+      for (int frame = 0; frame < 2; ++frame) {
+        options.hybrid_shading = random() % 2 == 0;
+        if (random() % 3 == 0) camera.azimuth_deg += static_cast<double>(random() % 90);
+        const Picture again = render_or_throw(used, camera, options);
+        const Picture fresh = render_or_throw(scene.content, selection, camera, options);
+        ASSERT_EQ(again.rgba, fresh.rgba) << describe(scene) << ", step " << step;
+      }
+    }
   }
 }
 

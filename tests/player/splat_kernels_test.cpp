@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "player/span_model.h"
+#include "player/span_writer.h"
 
 namespace splatlas {
 namespace {
@@ -22,25 +22,20 @@ using Scanline = std::vector<Light4>;
 /// A slice with rows of voxels as the kernels read them.
 SliceSpans slice_of(const std::vector<Scanline>& rows, int emissions) {
   SliceSpans slice;
-  slice.emissions = emissions;
-  slice.first_span = {0};
-  for (const Scanline& row : rows) {
-    const std::size_t first = slice.spans.size();
-    for (std::uint32_t n = 0; n < row.size(); ++n) {
-      if (row[n][0] > 0) slice.add_voxel(first, n);
-    }
-    slice.first_span.push_back(static_cast<std::uint32_t>(slice.spans.size()));
-  }
-  slice.allocate_light();
+  std::size_t longest = 1;
+  for (const Scanline& row : rows) longest = std::max(longest, row.size());
+  SpanWriter writer(0, static_cast<std::int64_t>(longest), emissions, slice);
   for (std::size_t r = 0; r < rows.size(); ++r) {
-    for (const Span& span : slice.row(static_cast<std::int64_t>(r))) {
-      const std::uint32_t end = (span.first_block + span.blocks) << kBlockBits;
-      for (std::uint32_t n = span.first_block << kBlockBits; n < end && n < rows[r].size(); ++n) {
-        for (std::size_t plane = 0; plane <= static_cast<std::size_t>(emissions); ++plane)
-          slice.light[slice.place(span, n) + plane * kBlock] = rows[r][n][plane];
-      }
+    for (std::uint32_t n = 0; n < rows[r].size(); ++n) {
+      if (rows[r][n][0] <= 0) continue;
+      writer.add(n, 1);
+      *writer.extinctions(n) = rows[r][n][0];
+      for (int c = 0; c < emissions; ++c)
+        *writer.emissions(n, c) = rows[r][n][static_cast<std::size_t>(c) + 1];
     }
+    writer.end_row(static_cast<std::int64_t>(r));
   }
+  writer.finish();
   return slice;
 }
 

@@ -1,0 +1,25 @@
+#include "player/axis_spans.h"
+
+#include <vector>
+
+namespace splatlas {
+
+void AxisSpans::build(const DrawPlan& plan, const VolumeLooks& looks, const Atlas& atlas,
+                      const ClassCache& cache, Axis axis, bool shade, ThreadPool& pool) {
+  runs_.emplace(plan, atlas.classes(), cache, axis);
+  spans_.build({*runs_, plan, looks, atlas.classes(), atlas.grid(), cache, shade}, pool);
+  lists_shaded_ = shade;
+  partly_lit_ = lit_for_.has_value();
+}
+
+void AxisSpans::light(const ParallelView& view, const Lighting& lighting, bool shade, ThreadPool& pool) {
+  const bool same_view =
+      lit_for_ && lit_for_->forward_lps == view.forward_lps && lit_for_->up_lps == view.up_lps;
+  if (!partly_lit_ && (shade ? same_view : !lit_for_)) return;
+  if (model().shaded_voxels > 0)
+    shade_spans(spans_.model(), shade ? lighting.table() : std::vector<float>(65536, 1.0f), pool);
+  lit_for_ = shade ? std::optional(view) : std::nullopt;
+  partly_lit_ = false;
+}
+
+}  // namespace splatlas
