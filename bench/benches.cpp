@@ -10,6 +10,8 @@ std::span<const Bench> benches() {
             run_phantom_bench},
       Bench{"head", "the paper's tables 3 and 4 on the Colin 27 head: cost against full traversal",
             run_head_bench},
+      Bench{"scale", "1, 2, 4, 8 times the voxels around the same selection, and everything on finer grids",
+            run_scale_bench},
 #ifdef SPLATLAS_HAS_PEERS
       Bench{"error", "run time against error, ours at every quality beside VolPack and VTK", run_error_bench},
       Bench{"hybrid", "surfaces mixed with volume, beside VTK's depth peeling and FixedPoint with surfaces",

@@ -11,12 +11,6 @@
 namespace splatlas {
 namespace {
 
-/// Off every symmetry: neither slices nor rays line up with voxels.
-constexpr double kAzimuthDeg = 30;
-constexpr double kElevationDeg = 20;
-constexpr double kTurnDeg = 15;
-constexpr double kRepeatTurnDeg = 1;
-
 std::string selection_text(const ErrorScene& scene, const ErrorLook& look) {
   std::string text;
   std::string_view names = scene.structures;
@@ -86,17 +80,9 @@ Result<ErrorModel> error_model(const AtlasContent& content, const ErrorScene& sc
   SPLATLAS_ASSIGN_OR_RETURN(
       model.look,
       reference::grey_look(*drawn, content.display, std::cbrt(spacing[0] * spacing[1] * spacing[2])));
-  model.camera.azimuth_deg = kAzimuthDeg;
-  model.camera.elevation_deg = kElevationDeg;
+  model.camera = oblique_camera();
   if (scene.fills_picture) zoom_to(model.volume, content.display, model.camera);
   return model;
-}
-
-Camera turned(Camera camera, int turn, int frames) {
-  const int frame = turn % frames;
-  const int repeat = turn / frames;
-  camera.azimuth_deg += kTurnDeg * frame + kRepeatTurnDeg * repeat;
-  return camera;
 }
 
 }  // namespace splatlas

@@ -4,9 +4,9 @@
 #include <span>
 #include <string>
 
+#include "bench/turned_camera.h"
 #include "format/atlas_content.h"
 #include "format/selection.h"
-#include "player/camera.h"
 #include "tests/reference/masked_volume.h"
 
 namespace splatlas {
@@ -35,8 +35,5 @@ struct ErrorModel {
 };
 [[nodiscard]] Result<ErrorModel> error_model(const AtlasContent& content, const ErrorScene& scene,
                                              const ErrorLook& look);
-
-/// The camera of a turn: 15 degrees further each frame, a degree further each repeat.
-[[nodiscard]] Camera turned(Camera camera, int turn, int frames);
 
 }  // namespace splatlas

@@ -20,6 +20,26 @@ Elapsed median(std::span<const Elapsed> values) {
   return {median(std::move(wall)), median(std::move(cpu))};
 }
 
+std::vector<Elapsed> medians_by_frame(std::span<const Elapsed> turns, int frames) {
+  std::vector<std::vector<Elapsed>> by_frame(static_cast<std::size_t>(frames));
+  for (std::size_t turn = 0; turn < turns.size(); ++turn) {
+    by_frame[turn % by_frame.size()].push_back(turns[turn]);
+  }
+  std::vector<Elapsed> medians;
+  for (const std::vector<Elapsed>& repeats : by_frame) medians.push_back(median(repeats));
+  return medians;
+}
+
+Elapsed median_ratio(std::span<const Elapsed> turns, std::span<const Elapsed> unit, int frames) {
+  std::vector<Elapsed> ratios = medians_by_frame(turns, frames);
+  const std::vector<Elapsed> units = medians_by_frame(unit, frames);
+  for (std::size_t frame = 0; frame < ratios.size(); ++frame) {
+    ratios[frame].wall_ms /= units[frame].wall_ms;
+    ratios[frame].cpu_ms /= units[frame].cpu_ms;
+  }
+  return median(ratios);
+}
+
 Result<std::vector<StageTimes>> measure_interleaved(std::span<const Contender> contenders, int turns) {
   std::vector<StageTimes> times(contenders.size());
   for (int turn = 0; turn < turns; ++turn) {

@@ -15,6 +15,11 @@ namespace splatlas {
 /// Of wall clock and CPU time, each for itself.
 [[nodiscard]] Elapsed median(std::span<const Elapsed> values);
 
+/// Of times by turn, where turn n draws frame n % frames: the medians over the repeats of each frame.
+[[nodiscard]] std::vector<Elapsed> medians_by_frame(std::span<const Elapsed> turns, int frames);
+/// The cost of `turns` in units of `unit`: the median over frames of the ratio of the medians over repeats.
+[[nodiscard]] Elapsed median_ratio(std::span<const Elapsed> turns, std::span<const Elapsed> unit, int frames);
+
 /// Does its work once and tells what each stage of it took; always the same stages. What it does outside of
 /// the stages is not measured.
 using Contender = std::function<Result<std::vector<Elapsed>>(int turn)>;

@@ -4,13 +4,11 @@
 #include <utility>
 
 #include "bench/bits_differ.h"
+#include "bench/turned_camera.h"
 #include "format/selection.h"
 
 namespace splatlas {
 namespace {
-
-constexpr double kTurnDeg = 15;
-constexpr double kRepeatTurnDeg = 1;
 
 /// Pictures of one turn, to be compared.
 struct Pictures {
@@ -73,13 +71,7 @@ class Ways {
   [[nodiscard]] const RenderStats& stats() const { return turning_.stats(); }
 
  private:
-  [[nodiscard]] Camera camera(int turn) const {
-    Camera camera = figure_.camera;
-    const int frame = turn % effort_.frames;
-    const int repeat = turn / effort_.frames;
-    camera.azimuth_deg += kTurnDeg * frame + kRepeatTurnDeg * repeat;
-    return camera;
-  }
+  [[nodiscard]] Camera camera(int turn) const { return turned(figure_.camera, turn, effort_.frames); }
 
   Result<std::vector<Elapsed>> draw_full(int turn) {
     SPLATLAS_ASSIGN_OR_RETURN(FullTraversal::Frame frame, full_.render(camera(turn), options_));
@@ -112,17 +104,6 @@ class Ways {
   std::uint64_t bits_differ_ = 0;
 };
 
-/// Frame times of one way, by frame: medians over repeats.
-std::vector<Elapsed> medians_by_frame(const std::vector<Elapsed>& turns, int frames) {
-  std::vector<std::vector<Elapsed>> by_frame(static_cast<std::size_t>(frames));
-  for (std::size_t turn = 0; turn < turns.size(); ++turn) {
-    by_frame[turn % by_frame.size()].push_back(turns[turn]);
-  }
-  std::vector<Elapsed> medians;
-  for (const std::vector<Elapsed>& repeats : by_frame) medians.push_back(median(repeats));
-  return medians;
-}
-
 }  // namespace
 
 const char* name_of(Way way) {
@@ -150,17 +131,11 @@ Result<TraversalCost> measure_traversal(std::shared_ptr<const Atlas> atlas, cons
   cost.stats = ways.stats();
   cost.bits_differ = ways.bits_differ();
   constexpr auto kFrame = static_cast<std::size_t>(Stage::kFrame);
-  const std::vector<Elapsed> full = medians_by_frame(times[0][kFrame], effort.frames);
   for (std::size_t way = 0; way < kWays.size(); ++way) {
     for (std::size_t stage = 0; stage < kStages; ++stage) {
       cost.medians[way][stage] = median(times[way][stage]);
     }
-    std::vector<Elapsed> ratios = medians_by_frame(times[way][kFrame], effort.frames);
-    for (std::size_t frame = 0; frame < ratios.size(); ++frame) {
-      ratios[frame].wall_ms /= full[frame].wall_ms;
-      ratios[frame].cpu_ms /= full[frame].cpu_ms;
-    }
-    cost.ratios[way] = median(ratios);
+    cost.ratios[way] = median_ratio(times[way][kFrame], times[0][kFrame], effort.frames);
   }
   return cost;
 }

@@ -16,7 +16,7 @@ struct WriteOptions {
   bool compact = false;  ///< leave out what a reader derives in milliseconds: the run models of x and y
   unsigned threads = 0;  ///< for compression; 0: one per core. The bytes do not depend on it.
   /// Called now and then with the fraction done, 0..1, from the calling thread. May be empty.
-  std::function<void(double)> progress;
+  std::function<void(double)> progress = {};
 };
 
 /// The file's bytes, in memory. Refuses content that is not consistent (sizes, class numbers, counts,

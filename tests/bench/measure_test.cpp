@@ -20,6 +20,23 @@ TEST(Median, TakesWallAndCpuEachForItself) {
   EXPECT_EQ(middle.cpu_ms, 20);
 }
 
+TEST(MediansByFrame, TakesTheMiddleOfTheRepeatsOfEachFrame) {
+  const std::vector<Elapsed> turns{{1, 2}, {10, 20}, {3, 6}, {90, 20}, {2, 4}, {11, 30}};
+  const std::vector<Elapsed> medians = medians_by_frame(turns, 2);
+  ASSERT_EQ(medians.size(), 2u);
+  EXPECT_EQ(medians[0].wall_ms, 2);
+  EXPECT_EQ(medians[0].cpu_ms, 4);
+  EXPECT_EQ(medians[1].wall_ms, 11);
+  EXPECT_EQ(medians[1].cpu_ms, 20);
+}
+
+TEST(MedianRatio, IsThatOfTheFramesNotOfTheMedians) {
+  const std::vector<Elapsed> turns{{2, 2}, {30, 10}, {8, 1}};
+  const std::vector<Elapsed> unit{{1, 1}, {10, 10}, {1, 1}};
+  EXPECT_EQ(median_ratio(turns, unit, 3).wall_ms, 3);  // of 2, 3 and 8
+  EXPECT_EQ(median_ratio(turns, unit, 3).cpu_ms, 1);
+}
+
 TEST(MeasureInterleaved, TakesTurnsAndChangesWhoBegins) {
   std::string order;
   const auto contender = [&](char name, double ms) {

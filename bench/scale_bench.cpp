@@ -1,0 +1,252 @@
+// What grows with the voxels of an atlas: nothing for a selection that stays the same, time in proportion for
+// one that grows with them.
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "bench/atlases.h"
+#include "bench/bench.h"
+#include "bench/grown_content.h"
+#include "bench/measure.h"
+#include "bench/scratch_folder.h"
+#include "bench/turned_camera.h"
+#include "format/atlas_writer.h"
+#include "player/render_frame.h"
+
+namespace splatlas {
+namespace {
+
+constexpr int kSide = 512;  // of pictures, in pixels
+/// Pictures of one selection may differ by this (root mean square, 1/255): in a larger grid slices meet
+/// sheets at other places between pixels.
+constexpr double kMostRms = 1;
+
+/// One size of the atlas.
+struct Step {
+  int times = 1;  // as many voxels
+  Index3 along;   // and along each axis, where the atlas is surrounded
+};
+constexpr std::array kSteps{Step{1, {1, 1, 1}}, Step{2, {2, 1, 1}}, Step{4, {2, 2, 1}}, Step{8, {2, 2, 2}}};
+
+struct NamedSelection {
+  const char* name;
+  const char* selection;
+};
+constexpr std::array kSame{
+    NamedSelection{"brain",
+                   "\"Left hemisphere\":volume(color=#ffffff) + \"Right hemisphere\":volume(color=#ffffff)"},
+    NamedSelection{"left", "\"Left hemisphere\":volume(color=#ffffff)"},
+    NamedSelection{"one", "Hippocampus_L:volume(color=#ffffff) + Amygdala_L:volume(color=#ffffff)"}};
+constexpr const char* kAll = "Head:volume(color=#ffffff)";
+
+struct Effort {
+  int frames = 7;
+  int repeats = 5;
+};
+
+/// A selection in an atlas of one size, and the picture that is drawn of it.
+struct Contestant {
+  Step step;
+  std::shared_ptr<const Atlas> atlas;
+  Renderer renderer;
+  RenderOptions options;
+  Elapsed first;                 // frame of the selection, reading included
+  std::uint64_t read_bytes = 0;  // for that
+  Picture picture;               // of the latest frame
+
+  static Result<Contestant> make(const Step& step, const std::filesystem::path& path, const char* selection,
+                                 int side) {
+    SPLATLAS_ASSIGN_OR_RETURN(const std::shared_ptr<const Atlas> atlas, Atlas::open(path));
+    Contestant made{step, atlas, Renderer(atlas, {.threads = 1}), {}, {}, 0, {}};
+    made.options.size = {side, side};
+    made.options.hybrid_shading = false;  // there are no normals
+    SPLATLAS_ASSIGN_OR_RETURN(const Selection selected, select(selection, atlas->graph()));
+    Stopwatch watch;
+    SPLATLAS_RETURN_IF_ERROR(made.renderer.select(selected));
+    SPLATLAS_RETURN_IF_ERROR(made.draw(0, 1));
+    made.first = watch.lap();
+    made.read_bytes = atlas->counters().read;
+    return made;
+  }
+
+  Result<Elapsed> draw(int turn, int frames) {
+    const Camera camera = turned(oblique_camera(), turn, frames);
+    Stopwatch watch;
+    SPLATLAS_RETURN_IF_ERROR(renderer.render(camera, options, picture));
+    return watch.lap();
+  }
+};
+
+/// Times by turn, of every contestant. Frames of the first turns build spans of another axis: they are drawn
+/// once before anything is measured.
+Result<std::vector<std::vector<Elapsed>>> take_times(std::vector<Contestant>& contestants,
+                                                     const Effort& effort) {
+  std::vector<Contender> contenders;
+  for (Contestant& contestant : contestants) {
+    contenders.emplace_back([&contestant, &effort](int turn) -> Result<std::vector<Elapsed>> {
+      SPLATLAS_ASSIGN_OR_RETURN(const Elapsed elapsed, contestant.draw(turn, effort.frames));
+      return std::vector<Elapsed>{elapsed};
+    });
+  }
+  SPLATLAS_RETURN_IF_ERROR(measure_interleaved(contenders, effort.frames));
+  SPLATLAS_ASSIGN_OR_RETURN(const std::vector<StageTimes> stages,
+                            measure_interleaved(contenders, effort.frames * effort.repeats));
+  std::vector<std::vector<Elapsed>> times;
+  for (const StageTimes& contender : stages) times.push_back(contender[0]);
+  return times;
+}
+
+/// The atlas at every size, in files.
+class GrowingAtlas {
+ public:
+  static Result<GrowingAtlas> make(const BenchOptions& options) {
+    SPLATLAS_ASSIGN_OR_RETURN(const std::shared_ptr<const Atlas> atlas, open_colin27(options));
+    SPLATLAS_ASSIGN_OR_RETURN(const AtlasContent content, atlas->read_all());
+    SPLATLAS_ASSIGN_OR_RETURN(ScratchFolder folder, ScratchFolder::make());
+    GrowingAtlas growing(std::move(folder));
+    for (const Step& step : kSteps) {
+      options.tell(fmt::format("building atlases of {} times the voxels", step.times));
+      SPLATLAS_ASSIGN_OR_RETURN(const AtlasContent around, surrounded(content, step.along));
+      SPLATLAS_RETURN_IF_ERROR(write_atlas(around, growing.surrounded_path(step), {.level = 1}));
+      Index3 finer = storage_grid(content).size;
+      for (std::int64_t& n : finer) n = std::llround(static_cast<double>(n) * std::cbrt(step.times));
+      SPLATLAS_RETURN_IF_ERROR(
+          write_atlas(refined(content, finer), growing.refined_path(step), {.level = 1}));
+    }
+    return growing;
+  }
+
+  [[nodiscard]] std::filesystem::path surrounded_path(const Step& step) const {
+    return folder_.path() / fmt::format("surrounded_{}.atlas", step.times);
+  }
+  [[nodiscard]] std::filesystem::path refined_path(const Step& step) const {
+    return folder_.path() / fmt::format("refined_{}.atlas", step.times);
+  }
+
+ private:
+  explicit GrowingAtlas(ScratchFolder folder) : folder_(std::move(folder)) {}
+
+  ScratchFolder folder_;
+};
+
+/// Over the pixels of the whole picture, in 1/255.
+double rms_difference(const Picture& a, const Picture& b) {
+  double squares = 0;
+  for (std::size_t n = 0; n < a.rgba.size(); ++n)
+    squares += std::pow(double{a.rgba[n]} - double{b.rgba[n]}, 2);
+  return 255 * std::sqrt(squares / static_cast<double>(a.rgba.size()));
+}
+
+/// Why a contestant does not draw the same as the unit.
+std::string what_differs(const Contestant& contestant, const Contestant& unit, double rms) {
+  const RenderStats& ours = contestant.renderer.stats();
+  const RenderStats& units = unit.renderer.stats();
+  if (ours.runs_visited != units.runs_visited) {
+    return fmt::format("{} runs, not {}", ours.runs_visited, units.runs_visited);
+  }
+  if (ours.voxels_visited != units.voxels_visited) {
+    return fmt::format("{} voxels, not {}", ours.voxels_visited, units.voxels_visited);
+  }
+  return rms <= kMostRms ? "" : fmt::format("pictures differ by {}", rms);
+}
+
+Row row_of(const Contestant& contestant, const std::vector<Elapsed>& times) {
+  const Elapsed frame = median(times);
+  const Atlas& atlas = *contestant.atlas;
+  return {{"times", contestant.step.times},
+          {"voxels", atlas.grid().voxels()},
+          {"size", contestant.options.size.width},
+          {"runs", contestant.renderer.stats().runs_visited},
+          {"splatted", contestant.renderer.stats().voxels_visited},
+          {"wall_ms", frame.wall_ms},
+          {"cpu_ms", frame.cpu_ms}};
+}
+
+Result<void> add_same(const GrowingAtlas& growing, const Effort& effort, const BenchOptions& options,
+                      Report& report) {
+  Table table{"same",
+              "The same selection, more voxels around it: frames of 512x512, one thread",
+              {"growth: CPU time of frames over that in the atlas as it is",
+               "first_ms: from the selection to its first picture, reading included; read: bytes of the file",
+               "rms: of the last picture, against that in the atlas as it is, in 1/255"},
+              {}};
+  double largest = 0;
+  for (const NamedSelection& scene : kSame) {
+    options.tell(fmt::format("{}, surrounded", scene.name));
+    std::vector<Contestant> contestants;
+    for (const Step& step : kSteps) {
+      SPLATLAS_ASSIGN_OR_RETURN(
+          Contestant made, Contestant::make(step, growing.surrounded_path(step), scene.selection, kSide));
+      contestants.push_back(std::move(made));
+    }
+    SPLATLAS_ASSIGN_OR_RETURN(const auto times, take_times(contestants, effort));
+    for (std::size_t n = 0; n < contestants.size(); ++n) {
+      const Elapsed growth = median_ratio(times[n], times[0], effort.frames);
+      const double rms = rms_difference(contestants[n].picture, contestants[0].picture);
+      Row row{{"scene", scene.name}};
+      row.update(row_of(contestants[n], times[n]));
+      row.update({{"growth", growth.cpu_ms},
+                  {"growth_wall", growth.wall_ms},
+                  {"first_ms", contestants[n].first.wall_ms},
+                  {"read", contestants[n].read_bytes},
+                  {"rms", rms}});
+      table.rows.push_back(std::move(row));
+      if (const std::string what = what_differs(contestants[n], contestants[0], rms); !what.empty()) {
+        report.failures.push_back(
+            fmt::format("{} among {} times the voxels: {}", scene.name, contestants[n].step.times, what));
+      }
+      if (n + 1 == contestants.size()) largest = std::max(largest, growth.cpu_ms);
+    }
+  }
+  report.summary["same_selection_growth"] = largest;
+  report.tables.push_back(std::move(table));
+  return {};
+}
+
+Result<void> add_all(const GrowingAtlas& growing, const Effort& effort, const BenchOptions& options,
+                     Report& report) {
+  Table table{
+      "all",
+      "Everything selected, finer grids: one thread",
+      {"growth: CPU time a voxel of the grid over that of the atlas as it is; sizes that grow keep as many "
+       "pixels a voxel"},
+      {}};
+  for (const bool growing_picture : {true, false}) {
+    options.tell(fmt::format("everything, pictures that {}", growing_picture ? "grow" : "stay"));
+    std::vector<Contestant> contestants;
+    for (const Step& step : kSteps) {
+      const int side = growing_picture ? static_cast<int>(std::lround(kSide * std::cbrt(step.times))) : kSide;
+      SPLATLAS_ASSIGN_OR_RETURN(Contestant made,
+                                Contestant::make(step, growing.refined_path(step), kAll, side));
+      contestants.push_back(std::move(made));
+    }
+    SPLATLAS_ASSIGN_OR_RETURN(const auto times, take_times(contestants, effort));
+    const auto voxels = [&](std::size_t n) {
+      return static_cast<double>(contestants[n].atlas->grid().voxels());
+    };
+    for (std::size_t n = 0; n < contestants.size(); ++n) {
+      const double growth = median_ratio(times[n], times[0], effort.frames).cpu_ms * voxels(0) / voxels(n);
+      Row row = row_of(contestants[n], times[n]);
+      row.update({{"ns_per_voxel", 1e6 * median(times[n]).cpu_ms / voxels(n)}, {"growth", growth}});
+      table.rows.push_back(std::move(row));
+      if (growing_picture && n + 1 == contestants.size()) report.summary["all_growth_per_voxel"] = growth;
+    }
+  }
+  report.tables.push_back(std::move(table));
+  return {};
+}
+
+}  // namespace
+
+Result<Report> run_scale_bench(const BenchOptions& options) {
+  const Effort effort = options.quick ? Effort{3, 1} : Effort{};
+  Report report;
+  SPLATLAS_ASSIGN_OR_RETURN(const GrowingAtlas growing, GrowingAtlas::make(options));
+  SPLATLAS_RETURN_IF_ERROR(add_same(growing, effort, options, report));
+  SPLATLAS_RETURN_IF_ERROR(add_all(growing, effort, options, report));
+  return report;
+}
+
+}  // namespace splatlas
