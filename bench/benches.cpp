@@ -10,6 +10,9 @@ std::span<const Bench> benches() {
             run_phantom_bench},
       Bench{"head", "the paper's tables 3 and 4 on the Colin 27 head: cost against full traversal",
             run_head_bench},
+      Bench{"models",
+            "one run model, one per level of the tree, octrees: memory, and the first frame of selections",
+            run_models_bench},
       Bench{"scale", "1, 2, 4, 8 times the voxels around the same selection, and everything on finer grids",
             run_scale_bench},
 #ifdef SPLATLAS_HAS_PEERS

@@ -1,0 +1,83 @@
+// Frames of one selection through every model of an atlas: one run model, one per level, octrees.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "bench/class_octree.h"
+#include "bench/level_runs.h"
+#include "bench/run_collector.h"
+#include "player/class_cache.h"
+#include "player/draw_frame.h"
+#include "player/selected_runs.h"
+#include "player/stopwatch.h"
+#include "player/volume_looks.h"
+
+namespace splatlas {
+
+/// The ways from a selection to its runs.
+enum class Model : std::uint8_t { kRuns, kLevels, kVoxelOctree, kBrickOctree };
+inline constexpr std::array kModels{Model::kRuns, Model::kLevels, Model::kVoxelOctree, Model::kBrickOctree};
+[[nodiscard]] const char* name_of(Model model);
+
+/// The atlas in every model, decoded.
+struct Models {
+  std::shared_ptr<const Atlas> atlas;
+  ClassCache classes;  ///< runs of every class along every axis, values
+  LevelRuns levels;
+  ClassOctree voxel_octree, brick_octree;
+
+  [[nodiscard]] static Result<Models> make(std::shared_ptr<const Atlas> atlas, ThreadPool& pool);
+};
+
+/// The first frame of a selection, unlit; only the way to its runs differs. The player's own run model is
+/// walked as the player does; other models hand over lists of runs. From there on all is the same: the
+/// player's code, but that slices are gone through here, as SpanBuilder knows no other model. Pictures are
+/// compared with the player's.
+class ModelFrames {
+ public:
+  /// Both must outlive this.
+  ModelFrames(const Models& models, ThreadPool& pool);
+
+  [[nodiscard]] Result<void> select(std::string_view selection);
+
+  /// What draw() measures: other models' runs found; spans built (the run model's runs are found on the way);
+  /// both; the picture drawn of those; all of it.
+  enum Stage : std::uint8_t { kFind, kSpans, kTraversal, kDraw, kFrame };
+  /// A turn of an oblique view, 512x512, through one model. Every turn is drawn through all of them.
+  [[nodiscard]] Result<std::vector<Elapsed>> draw(Model model, int turn, int frames);
+
+  /// Of the latest frame: runs found, those that touch and look alike counted once; voxels with an
+  /// extinction.
+  [[nodiscard]] std::uint64_t runs() const { return runs_; }
+  [[nodiscard]] std::uint64_t voxels() const { return spans_.voxels; }
+  /// Numbers of all pictures that are not the same bits as the player's.
+  [[nodiscard]] std::uint64_t bits_differ() const { return bits_differ_; }
+
+ private:
+  [[nodiscard]] FoundRuns find(Model model, std::span<const std::uint32_t> draws, Axis axis) const;
+  template <typename Walk>
+  void build_spans(const SelectedRuns& selected, const Walk& walk);
+  template <typename Walk>
+  void build_slice(std::int64_t slice, const Walk& walk);
+  [[nodiscard]] Result<void> compare(const Camera& camera);
+
+  const Models& models_;
+  ThreadPool& pool_;
+  VolumeLooks looks_;
+  RenderOptions options_;
+  DrawPlan plan_;
+  SpanModel spans_;
+  FrameBuffers buffers_;
+  Picture picture_;
+  Renderer player_;
+  Picture players_picture_;
+  std::optional<Camera> players_camera_;
+  std::uint64_t runs_ = 0, bits_differ_ = 0;
+};
+
+}  // namespace splatlas

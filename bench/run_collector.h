@@ -1,0 +1,79 @@
+// Runs in any order to runs by scanline.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "format/class_table.h"
+#include "format/decision_tree.h"
+#include "format/run_model.h"
+
+namespace splatlas {
+
+/// The box of the voxels that a plan draws as volume.
+[[nodiscard]] IndexBox drawn_box(const DrawPlan& plan, const ClassTable& classes);
+
+/// Voxels of one scanline that are drawn alike.
+struct FoundRun {
+  std::uint32_t row = 0, start = 0, length = 0;
+  std::uint32_t draw = 0;  ///< index into a plan's classes
+};
+
+/// Runs by slice, row and start, all numbers of the grid.
+struct FoundRuns {
+  std::int64_t slice_first = 0;
+  std::vector<std::uint32_t> first_run;  ///< per slice, and the end; empty without runs
+  std::vector<FoundRun> runs;
+
+  [[nodiscard]] std::span<const FoundRun> slice(std::int64_t n) const {
+    const std::int64_t at = n - slice_first;
+    if (at < 0 || at + 1 >= std::ssize(first_run)) return {};
+    const std::uint32_t* const first = &first_run[static_cast<std::size_t>(at)];
+    return {runs.data() + first[0], runs.data() + first[1]};
+  }
+};
+
+/// Takes runs one by one, and sorts them by scanline. For models that are not the player's.
+class RunCollector {
+ public:
+  /// All runs lie in `box`, voxels of the grid.
+  RunCollector(const IndexBox& box, Axis axis);
+
+  [[nodiscard]] const ScanOrder& scan() const { return scan_; }
+
+  /// `slice` and `row` are numbers of the grid. Runs of different draws never share a voxel; those of one
+  /// draw may.
+  void add(std::int64_t slice, std::int64_t row, std::uint32_t start, std::uint32_t length,
+           std::uint32_t draw) {
+    const auto scanline = static_cast<std::uint32_t>((slice - slice_first_) * rows_ + row - row_first_);
+    collected_.push_back({scanline, {static_cast<std::uint32_t>(row), start, length, draw}});
+    ++first_run_[scanline + 1];
+  }
+
+  /// Every run of a list, of a grid of this size.
+  void add_list(std::span<const Run> runs, const Index3& size, std::uint32_t draw) {
+    const auto rows = static_cast<std::uint64_t>(size[scan_.row_axis]);
+    for (const Run& run : runs) {
+      add(static_cast<std::int64_t>(run.scanline / rows), static_cast<std::int64_t>(run.scanline % rows),
+          run.start, run.length, draw);
+    }
+  }
+
+  /// The runs by scanline and start; those of one draw that touch or overlap are one. Once. Cost: linear in
+  /// the runs that come in order within their scanlines, else those scanlines are sorted.
+  [[nodiscard]] FoundRuns finish();
+
+ private:
+  struct Collected {
+    std::uint32_t scanline = 0;
+    FoundRun run;
+  };
+
+  ScanOrder scan_;
+  std::int64_t slice_first_ = 0, slices_ = 0, row_first_ = 0, rows_ = 0;  // of the box
+  std::vector<std::uint32_t> first_run_;  // per scanline of the box, and the end
+  std::vector<Collected> collected_;
+};
+
+}  // namespace splatlas
