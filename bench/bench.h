@@ -34,5 +34,8 @@ struct Bench {
 [[nodiscard]] Result<Report> run_error_bench(const BenchOptions& options);
 [[nodiscard]] Result<Report> run_hybrid_bench(const BenchOptions& options);
 [[nodiscard]] Result<Report> run_numerics_bench(const BenchOptions& options);
+[[nodiscard]] Result<Report> run_limit_bench(const BenchOptions& options);
+[[nodiscard]] Result<Report> run_skip_bench(const BenchOptions& options);
+[[nodiscard]] Result<Report> run_select_bench(const BenchOptions& options);
 
 }  // namespace splatlas

@@ -21,6 +21,12 @@ std::span<const Bench> benches() {
             run_hybrid_bench},
       Bench{"numerics", "bias, popping, ripple, threads, stress inputs, orders of convergence",
             run_numerics_bench},
+      Bench{"limit", "samples composited against a dense SIMD kernel, two threads against one, traversal",
+            run_limit_bench},
+      Bench{"skip", "cost against what is selected; selections against atlases of nothing else",
+            run_skip_bench},
+      Bench{"select", "selection change to the first correct picture, beside VTK's FixedPoint and VolPack",
+            run_select_bench},
 #endif
   };
   return kBenches;

@@ -40,6 +40,17 @@ Elapsed median_ratio(std::span<const Elapsed> turns, std::span<const Elapsed> un
   return median(ratios);
 }
 
+std::vector<Elapsed> best_of_repeats(std::span<const Elapsed> turns, int frames) {
+  const auto count = std::min(turns.size(), static_cast<std::size_t>(frames));
+  std::vector<Elapsed> best(turns.begin(), turns.begin() + static_cast<std::ptrdiff_t>(count));
+  for (std::size_t turn = 0; turn < turns.size(); ++turn) {
+    Elapsed& least = best[turn % count];
+    least.wall_ms = std::min(least.wall_ms, turns[turn].wall_ms);
+    least.cpu_ms = std::min(least.cpu_ms, turns[turn].cpu_ms);
+  }
+  return best;
+}
+
 Result<std::vector<StageTimes>> measure_interleaved(std::span<const Contender> contenders, int turns) {
   std::vector<StageTimes> times(contenders.size());
   for (int turn = 0; turn < turns; ++turn) {

@@ -19,6 +19,8 @@ namespace splatlas {
 [[nodiscard]] std::vector<Elapsed> medians_by_frame(std::span<const Elapsed> turns, int frames);
 /// The cost of `turns` in units of `unit`: the median over frames of the ratio of the medians over repeats.
 [[nodiscard]] Elapsed median_ratio(std::span<const Elapsed> turns, std::span<const Elapsed> unit, int frames);
+/// As medians_by_frame(), the least of the repeats: what else the machine does only ever adds.
+[[nodiscard]] std::vector<Elapsed> best_of_repeats(std::span<const Elapsed> turns, int frames);
 
 /// Does its work once and tells what each stage of it took; always the same stages. What it does outside of
 /// the stages is not measured.

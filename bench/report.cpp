@@ -10,6 +10,10 @@ void raise(nlohmann::ordered_json& summary, const std::string& key, double value
   if (!summary.contains(key) || summary[key].get<double>() < value) summary[key] = value;
 }
 
+void lower(nlohmann::ordered_json& summary, const std::string& key, double value) {
+  if (!summary.contains(key) || summary[key].get<double>() > value) summary[key] = value;
+}
+
 std::string report_text(const Report& report) {
   std::string text;
   for (const Table& table : report.tables) text += to_text(table) + "\n";

@@ -19,6 +19,9 @@ struct Report {
 /// Sets a number of the summary to `value` where it has none yet, or a lower one.
 void raise(nlohmann::ordered_json& summary, const std::string& key, double value);
 
+/// The same to `value` where it has none yet, or a higher one.
+void lower(nlohmann::ordered_json& summary, const std::string& key, double value);
+
 /// The tables and the summary, with the machine.
 [[nodiscard]] std::string report_text(const Report& report);
 

@@ -149,6 +149,7 @@ struct VtkPeer::Impl {
   PictureSize size;
   vtkNew<vtkRenderWindow> window;
   vtkNew<vtkRenderer> renderer;
+  vtkSmartPointer<vtkVolumeMapper> volume_mapper;  // the latest
   vtkSmartPointer<vtkFixedPointVolumeRayCastMapper> fixed_point;
 
   void look(const ParallelView& view, const Vec3& eye) {
@@ -180,7 +181,7 @@ VtkPeer& VtkPeer::operator=(VtkPeer&&) noexcept = default;
 void VtkPeer::add_volume(const MaskedVolume& volume, const GreyLook& look, VtkVolumeMapper mapper,
                          double step_mm) {
   const auto step = static_cast<float>(step_mm);
-  vtkSmartPointer<vtkVolumeMapper> volume_mapper;
+  vtkSmartPointer<vtkVolumeMapper>& volume_mapper = impl_->volume_mapper;
   if (mapper == VtkVolumeMapper::kGpu) {
     volume_mapper = gpu_mapper(step);
   } else {
@@ -193,6 +194,10 @@ void VtkPeer::add_volume(const MaskedVolume& volume, const GreyLook& look, VtkVo
   prop->SetProperty(property_of(look));
   prop->SetUserMatrix(placement(volume.grid));
   impl_->renderer->AddVolume(prop);
+}
+
+void VtkPeer::replace_volume(const MaskedVolume& volume) {
+  impl_->volume_mapper->SetInputDataObject(padded_image(volume));
 }
 
 void VtkPeer::add_surface(const SurfaceMesh& mesh, const Grid& grid, const std::array<double, 3>& color,

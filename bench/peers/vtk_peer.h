@@ -32,6 +32,8 @@ class VtkPeer {
   /// Samples are `step_mm` apart.
   void add_volume(const reference::MaskedVolume& volume, const reference::GreyLook& look,
                   VtkVolumeMapper mapper, double step_mm);
+  /// Other voxels for the volume that was added last, in the same grid and look.
+  void replace_volume(const reference::MaskedVolume& volume);
   /// Unlit. `color`: linear light, taken as it is.
   void add_surface(const SurfaceMesh& mesh, const Grid& grid, const std::array<double, 3>& color,
                    double opacity);

@@ -37,6 +37,17 @@ TEST(MedianRatio, IsThatOfTheFramesNotOfTheMedians) {
   EXPECT_EQ(median_ratio(turns, unit, 3).cpu_ms, 1);
 }
 
+TEST(BestOfRepeats, IsTheLeastOfEachFrameInWallAndCpu) {
+  const std::vector<Elapsed> turns{{5, 9}, {7, 1}, {4, 10}, {8, 2}, {6, 8}};  // of 2 frames
+  const std::vector<Elapsed> best = best_of_repeats(turns, 2);
+  ASSERT_EQ(best.size(), 2u);
+  EXPECT_EQ(best[0].wall_ms, 4);
+  EXPECT_EQ(best[0].cpu_ms, 8);
+  EXPECT_EQ(best[1].wall_ms, 7);
+  EXPECT_EQ(best[1].cpu_ms, 1);
+  EXPECT_TRUE(best_of_repeats({}, 3).empty());
+}
+
 TEST(MeasureInterleaved, TakesTurnsAndChangesWhoBegins) {
   std::string order;
   const auto contender = [&](char name, double ms) {

@@ -99,6 +99,21 @@ TEST_P(VtkPeerTest, ShowsABoxWhereItIs) {
   }
 }
 
+TEST_P(VtkPeerTest, ShowsTheVolumeThatReplacesAnother) {
+  MaskedVolume first = empty_volume(), second = empty_volume();
+  put_box(first, {2, 2, 2}, 8, 255);
+  put_box(second, {10, 12, 14}, 6, 255);
+  const GreyLook look{{{0, 0, {1, 1, 1}}, {255, 0.3, {1, 1, 1}}}};
+  VtkPeer peer({128, 100});
+  peer.add_volume(first, look, GetParam(), 0.25);
+  const ParallelView view = *parallel_view(Camera{}, {128, 100}, kDisplay);
+  peer.render(view);
+  peer.replace_volume(second);
+  peer.render(view);
+  const GreyTruth truth(second, look, Classification::kAfter);
+  expect_same_place(peer.picture(), render_grey_truth(truth, second.grid, view, 1));
+}
+
 /// 10 mm of constant fog: colours are premultiplied.
 TEST_P(VtkPeerTest, ComposesAsTheClosedFormHasIt) {
   MaskedVolume volume = empty_volume();

@@ -1,0 +1,164 @@
+// How far the renderer is from the machine's limit.
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "bench/atlases.h"
+#include "bench/bench.h"
+#include "bench/error_participants.h"
+#include "bench/limit_task.h"
+#include "bench/measure.h"
+
+namespace splatlas {
+namespace {
+
+struct Effort {
+  std::vector<int> sizes{512, 1024};
+  int frames = 7, repeats = 3;
+
+  [[nodiscard]] int turns() const { return frames * repeats; }
+};
+
+/// White volumes have one colour to composite, those with colours of their own three.
+constexpr std::array kLooks{ErrorLook{"thin", "profile=thin,opacity=0.01,color=#ffffff"},
+                            ErrorLook{"soft", "opacity=0.3,color=#ffffff"},
+                            ErrorLook{"thin, coloured", "profile=thin,opacity=0.01"}};
+
+/// What a scene took: the least of each frame's repeats, and of that the median over frames.
+struct LimitCost {
+  Elapsed frame, rasterize, sheets, resolve, packed, dense;
+  double dense_ns = 0;     ///< per sample
+  double over_packed = 0;  ///< sheets over those of the packed voxels
+  Elapsed one, two;        ///< frames of one and of two threads
+  double two_thread_speedup = 0;
+};
+
+Elapsed middle_of_best(const std::vector<Elapsed>& turns, const Effort& effort) {
+  return median(best_of_repeats(turns, effort.frames));
+}
+
+Result<LimitCost> measure(LimitTask& task, const ErrorTask& error_task, const Effort& effort) {
+  SPLATLAS_RETURN_IF_ERROR(task.prepare(effort.turns()));
+  std::vector<Contender> contenders{[&](int turn) { return task.draw(turn); },
+                                    [&](int turn) { return task.draw_packed(turn); },
+                                    [&](int turn) { return task.draw_dense(turn); }};
+  std::vector<Participant> participants;
+  for (const unsigned threads : {1u, 2u}) {
+    SPLATLAS_RETURN_IF_ERROR(add_ours(error_task, threads, participants));
+  }
+  for (const Participant& participant : participants) {
+    if (participant.cost.setting != "normal") continue;
+    contenders.emplace_back([&](int turn) -> Result<std::vector<Elapsed>> {
+      Stopwatch watch;
+      SPLATLAS_RETURN_IF_ERROR(participant.draw(error_task.camera(turn)));
+      return std::vector{watch.lap()};
+    });
+  }
+  SPLATLAS_ASSIGN_OR_RETURN(const std::vector<StageTimes> times,
+                            measure_interleaved(contenders, effort.turns()));
+  const auto middle = [&](std::size_t contender, std::size_t stage) {
+    return middle_of_best(times[contender][stage], effort);
+  };
+  LimitCost cost;
+  cost.frame = middle(0, 0);
+  cost.rasterize = middle(0, 1);
+  cost.sheets = middle(0, 2);
+  cost.resolve = middle(0, 3);
+  cost.packed = middle(1, 0);
+  cost.dense = middle(2, 0);
+  cost.one = middle(3, 0);
+  cost.two = middle(4, 0);
+  std::vector<double> dense_ns, over_packed, speedups;
+  const auto best = [&](std::size_t contender, std::size_t stage) {
+    return best_of_repeats(times[contender][stage], effort.frames);
+  };
+  const auto sheets = best(0, 2), packed = best(1, 0), dense = best(2, 0), one = best(3, 0), two = best(4, 0);
+  for (int frame = 0; frame < effort.frames; ++frame) {
+    const auto n = static_cast<std::size_t>(frame);
+    SPLATLAS_ASSIGN_OR_RETURN(const std::uint64_t dense_samples, task.dense_samples(frame));
+    dense_ns.push_back(1e6 * dense[n].cpu_ms / static_cast<double>(dense_samples));
+    over_packed.push_back(sheets[n].cpu_ms / packed[n].cpu_ms);
+    speedups.push_back(one[n].wall_ms / two[n].wall_ms);
+  }
+  cost.dense_ns = median(dense_ns);
+  cost.over_packed = median(over_packed);
+  cost.two_thread_speedup = median(speedups);
+  return cost;
+}
+
+Row row_of(const LimitTask& task, const LimitCost& cost) {
+  const auto samples = static_cast<double>(task.scene_samples());
+  const double ours_ns = 1e6 * cost.sheets.cpu_ms / samples;
+  const Elapsed& frame = cost.frame;
+  const double staged = cost.rasterize.cpu_ms + cost.sheets.cpu_ms + cost.resolve.cpu_ms;
+  return {{"planes", task.planes()},
+          {"pixels_per_voxel", task.scale() * task.scale()},
+          {"samples_m", 1e-6 * samples},
+          {"fill", task.fill()},
+          {"frame_cpu", frame.cpu_ms},
+          {"sheets_cpu", cost.sheets.cpu_ms},
+          {"resolve_cpu", cost.resolve.cpu_ms},
+          {"other_share", std::max(0.0, 1 - staged / frame.cpu_ms)},
+          {"ns", ours_ns},
+          {"dense_ns", cost.dense_ns},
+          {"over_dense", ours_ns / cost.dense_ns},
+          {"packed_cpu", cost.packed.cpu_ms},
+          {"over_packed", cost.over_packed},
+          {"one_wall", cost.one.wall_ms},
+          {"two_wall", cost.two.wall_ms},
+          {"speedup", cost.two_thread_speedup}};
+}
+
+Table limit_table() {
+  return {
+      "limit",
+      "Samples composited against the machine's limit, parallel projection, normal quality",
+      {"ns: CPU time of one thread in sheets, per selected voxel that absorbs and pixel of the sheet that "
+       "it has; nothing is left out for being hidden",
+       "dense_ns: per sample of a plain SIMD loop (bilinear, under, no exponential) over a dense volume of "
+       "as many samples, planes and pixels of the sheet",
+       "packed_cpu: sheets of the same voxels in one array, in the same kernels: over_packed less 1 is what "
+       "traversal costs",
+       "fill: share of the spans' blocks of 16 that selected voxels fill",
+       "other_share: of a frame's CPU time that is neither sheets nor resolve nor rasterising",
+       "speedup: one thread over two by the wall clock, frames as users draw them (hidden blocks passed "
+       "over)",
+       "times: the least of a frame's repeats; medians over frames"},
+      {}};
+}
+
+}  // namespace
+
+Result<Report> run_limit_bench(const BenchOptions& options) {
+  Report report;
+  SPLATLAS_ASSIGN_OR_RETURN(const std::shared_ptr<const Atlas> atlas, open_colin27(options));
+  SPLATLAS_ASSIGN_OR_RETURN(const AtlasContent content, atlas->read_all());
+  const Effort effort = options.quick ? Effort{.sizes = {512}, .frames = 3} : Effort{};
+  Table table = limit_table();
+  for (const ErrorScene& scene : error_scenes()) {
+    for (const ErrorLook& look : kLooks) {
+      SPLATLAS_ASSIGN_OR_RETURN(const ErrorModel model, error_model(content, scene, look));
+      for (const int size : effort.sizes) {
+        options.tell(fmt::format("{}, {}, {}x{}", scene.name, look.name, size, size));
+        LimitTask task(atlas, model, size, effort.frames);
+        const ErrorTask error_task{atlas, model, {size, size}, effort.frames, effort.repeats};
+        SPLATLAS_ASSIGN_OR_RETURN(const LimitCost cost, measure(task, error_task, effort));
+        Row row{{"scene", scene.name}, {"look", look.name}, {"size", size}};
+        row.update(row_of(task, cost));
+        raise(report.summary, "over_dense", row["over_dense"].get<double>());
+        lower(report.summary, "two_thread_speedup", cost.two_thread_speedup);
+        raise(report.summary, "traversal_overhead", cost.over_packed - 1);
+        raise(report.summary, "other_share_max", row["other_share"].get<double>());
+        table.rows.push_back(std::move(row));
+      }
+    }
+  }
+  report.tables.push_back(std::move(table));
+  return report;
+}
+
+}  // namespace splatlas

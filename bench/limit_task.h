@@ -1,0 +1,72 @@
+// One scene drawn beside what bounds it: its voxels in one array, and a dense volume.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <vector>
+
+#include "bench/dense_kernel.h"
+#include "bench/error_scenes.h"
+#include "bench/packed_spans.h"
+#include "format/atlas_reader.h"
+#include "player/build_spans.h"
+#include "player/draw_frame.h"
+#include "player/stopwatch.h"
+
+namespace splatlas {
+
+/// One scene at one size, normal quality, on one thread, with nothing left out for being hidden: all three
+/// composite as many samples, onto sheets of the same size. A turn is a view.
+class LimitTask {
+ public:
+  LimitTask(std::shared_ptr<const Atlas> atlas, ErrorModel model, int size, int frames);
+
+  /// Makes the spans, packed voxels and dense volume of every axis that `turns` turns need, and draws once
+  /// with each.
+  [[nodiscard]] Result<void> prepare(int turns);
+
+  /// Frame, rasterising, sheets, resolve: as the player does.
+  [[nodiscard]] Result<std::vector<Elapsed>> draw(int turn);
+  /// Sheets of the same voxels in one array.
+  [[nodiscard]] Result<std::vector<Elapsed>> draw_packed(int turn);
+  /// The dense kernel.
+  [[nodiscard]] Result<std::vector<Elapsed>> draw_dense(int turn);
+
+  /// Sheet pixels per voxel of the latest draw().
+  [[nodiscard]] int scale() const { return buffers_.sheet.window.scale; }
+  /// Of the scene: voxels times sheet pixels per voxel. The same at every turn.
+  [[nodiscard]] std::uint64_t scene_samples() const;
+  /// Share of the blocks of spans that selected voxels fill.
+  [[nodiscard]] double fill() const;
+  /// Of the dense volume of a turn, rounded up to whole slices.
+  [[nodiscard]] Result<std::uint64_t> dense_samples(int turn) const;
+  /// Colours and opacity that are composited.
+  [[nodiscard]] int planes() const { return 1 + axes_.begin()->second.spans().emissions; }
+
+ private:
+  struct Frame {
+    ParallelView view;
+    Shear shear;
+  };
+  struct AxisModels {
+    SpanBuilder builder;
+    PackedSpans packed;
+    DenseVolume dense;
+    [[nodiscard]] const SpanModel& spans() const { return builder.model(); }
+  };
+  [[nodiscard]] Result<Frame> frame_of(int turn) const;
+
+  std::shared_ptr<const Atlas> atlas_;
+  ErrorModel model_;
+  int frames_;
+  RenderOptions options_;
+  ThreadPool pool_{1};
+  std::map<Axis, AxisModels> axes_;
+  FrameBuffers buffers_;
+  Picture picture_;
+  FragmentOrder no_fragments_;
+  SheetImage packed_sheet_;
+  DenseSheet dense_sheet_;
+};
+
+}  // namespace splatlas

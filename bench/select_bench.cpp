@@ -1,0 +1,302 @@
+// Selection change to the first correct picture.
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "bench/atlases.h"
+#include "bench/bench.h"
+#include "bench/bits_differ.h"
+#include "bench/error_participants.h"
+#include "bench/measure.h"
+#include "bench/peers/x_server.h"
+#include "bench/scratch_folder.h"
+#include "format/atlas_writer.h"
+
+namespace splatlas {
+namespace {
+
+constexpr PictureSize kSize{512, 512};
+constexpr unsigned kThreads = 2;  // as VTK has
+constexpr double kStepMm = 1;     // between VTK's samples: its default, a voxel
+
+/// Where the selection changes.
+constexpr ErrorLook kLook{"soft", "opacity=0.3,color=#ffffff"};
+
+RenderOptions render_options(Classification classification) {
+  RenderOptions options;
+  options.size = kSize;
+  options.hybrid_shading = false;
+  options.classification = classification;
+  return options;
+}
+
+/// How a picture is drawn: the default, and what is like VTK's.
+struct Way {
+  const char* name;
+  CameraProjection projection;
+  Classification classification;
+};
+constexpr std::array kWays{
+    Way{"parallel", CameraProjection::kParallel, Classification::kBefore},
+    Way{"perspective, classified after", CameraProjection::kPerspective, Classification::kAfter}};
+
+Camera in_way(Camera camera, const Way& way) {
+  camera.projection = way.projection;
+  camera.field_of_view_deg = kVerticalFovDeg;
+  return camera;
+}
+
+struct SelectTask {
+  std::vector<std::string> names;
+  std::vector<ErrorModel> models;  ///< scenes, and a view that is the same for all
+  Camera camera;
+};
+
+constexpr std::array kScenes{
+    ErrorScene{"head", "Head", false},
+    ErrorScene{"brain", "\"Left hemisphere\" + \"Right hemisphere\" + Vermis", false},
+    ErrorScene{"left", "\"Left hemisphere\"", false},
+    ErrorScene{"frontal", "\"Frontal lobe\"", false},
+    ErrorScene{"cerebellum", "Cerebellum", false},
+    ErrorScene{"one", "Hippocampus_L + Amygdala_L", false}};
+
+Result<SelectTask> make_task(const AtlasContent& content) {
+  SelectTask task;
+  for (const ErrorScene& scene : kScenes) {
+    SPLATLAS_ASSIGN_OR_RETURN(ErrorModel model, error_model(content, scene, kLook));
+    task.camera = model.camera;
+    task.names.emplace_back(scene.name);
+    task.models.push_back(std::move(model));
+  }
+  return task;
+}
+
+/// Selects a scene, and draws it: the first picture of it, and the next.
+struct Change {
+  Elapsed select_and_first, steady;
+  std::uint64_t bits_differ = 0;  ///< between the two
+};
+
+Result<Change> change_to(Renderer& renderer, const Selection& selection, const Camera& camera,
+                         const Way& way) {
+  const RenderOptions options = render_options(way.classification);
+  static thread_local Picture first, steady;  // pages are there already, as in a window
+  Change change;
+  Stopwatch watch;
+  SPLATLAS_RETURN_IF_ERROR(renderer.select(selection));
+  SPLATLAS_RETURN_IF_ERROR(renderer.render(in_way(camera, way), options, first));
+  change.select_and_first = watch.lap();
+  SPLATLAS_RETURN_IF_ERROR(renderer.render(in_way(camera, way), options, steady));
+  change.steady = watch.lap();
+  change.bits_differ = bits_differ(first.rgba, steady.rgba);
+  return change;
+}
+
+/// Contenders: a change to each scene, in turn. The renderer has decoded all of them.
+Result<Table> measure_decoded(const std::shared_ptr<const Atlas>& atlas, const SelectTask& task, int turns,
+                              Report& report) {
+  Table table{"decoded",
+              "Selection change among structures already decoded, Colin 27, soft, 512x512, normal quality, 2 "
+              "threads",
+              {"first: from select() to the first picture; steady: the next picture of the same view",
+               "ratio: by the wall clock, of the least of all turns (first_over_steady_max: in parallel "
+               "projection, the default)"},
+              {}};
+  for (const Way& way : kWays) {
+    Renderer renderer(atlas, {.threads = kThreads});
+    std::vector<Contender> contenders;
+    std::uint64_t differ = 0;
+    for (const ErrorModel& model : task.models) {
+      SPLATLAS_RETURN_IF_ERROR(change_to(renderer, model.selection, task.camera, way));
+      contenders.emplace_back([&](int) -> Result<std::vector<Elapsed>> {
+        SPLATLAS_ASSIGN_OR_RETURN(const Change change,
+                                  change_to(renderer, model.selection, task.camera, way));
+        differ += change.bits_differ;
+        return std::vector{change.select_and_first, change.steady};
+      });
+    }
+    SPLATLAS_ASSIGN_OR_RETURN(const std::vector<StageTimes> times, measure_interleaved(contenders, turns));
+    for (std::size_t n = 0; n < task.models.size(); ++n) {
+      const Elapsed first = best_of_repeats(times[n][0], 1)[0];
+      const Elapsed steady = best_of_repeats(times[n][1], 1)[0];
+      const double ratio = first.wall_ms / steady.wall_ms;
+      table.rows.push_back({{"way", way.name},
+                            {"scene", task.names[n]},
+                            {"first_ms", first.wall_ms},
+                            {"steady_ms", steady.wall_ms},
+                            {"ratio", ratio},
+                            {"first_cpu", first.cpu_ms},
+                            {"steady_cpu", steady.cpu_ms},
+                            {"cpu_ratio", first.cpu_ms / steady.cpu_ms}});
+      raise(report.summary,
+            way.projection == CameraProjection::kParallel ? "first_over_steady_max"
+                                                          : "rays_first_over_steady_max",
+            ratio);
+    }
+    if (differ > 0)
+      report.failures.push_back(fmt::format("{}: {} values of first pictures change", way.name, differ));
+  }
+  return table;
+}
+
+/// Which classes a selection draws as volume: what masking looks up.
+std::vector<std::uint8_t> drawn_classes(const AtlasContent& content, const Atlas& atlas,
+                                        const Selection& selection) {
+  std::vector<std::uint8_t> drawn(content.classes.size(), 0);
+  for (const ClassDraw& draw : atlas.tree().plan(selection).classes) {
+    if (draw.role == VoxelRole::kVolume || draw.role == VoxelRole::kHybrid) drawn[draw.id] = 0xff;
+  }
+  return drawn;
+}
+
+/// The peers' share of a change: the masked copy, one pass over all voxels.
+void mask(const AtlasContent& content, const std::vector<std::uint8_t>& drawn,
+          reference::MaskedVolume& volume) {
+  const auto* greys = content.values.as<std::uint8_t>();
+  for (std::size_t n = 0; n < volume.greys.size(); ++n) {
+    volume.greys[n] = static_cast<std::uint8_t>(greys[n] & drawn[content.class_volume[n]]);
+  }
+}
+
+/// A peer in use: it shows another selection when the clock starts.
+class Peers {
+ public:
+  Peers(const AtlasContent& content, const std::shared_ptr<const Atlas>& atlas, const SelectTask& task)
+      : content_(content), atlas_(atlas), task_(task), masked_(task.models[0].volume), vtk_(kSize) {
+    vtk_.add_volume(masked_, task.models[0].look, VtkVolumeMapper::kFixedPoint, kStepMm);
+  }
+
+  /// Mask; the masked copy handed over and drawn.
+  Result<std::vector<Elapsed>> change_vtk(const ErrorModel& model) {
+    SPLATLAS_ASSIGN_OR_RETURN(const ParallelView view, parallel_view(task_.camera, kSize, atlas_->display()));
+    const reference::PerspectiveView perspective{view, kVerticalFovDeg};
+    const std::vector<std::uint8_t> drawn = drawn_classes(content_, *atlas_, model.selection);
+    Stopwatch watch;
+    mask(content_, drawn, masked_);
+    vtk_.replace_volume(masked_);
+    vtk_.render(perspective);
+    const Elapsed first = watch.lap();
+    vtk_.render(perspective);
+    return std::vector{first, watch.lap()};
+  }
+
+  /// Mask; classified into runs and drawn.
+  Result<std::vector<Elapsed>> change_volpack(const ErrorModel& model) {
+    SPLATLAS_ASSIGN_OR_RETURN(const ParallelView view, parallel_view(task_.camera, kSize, atlas_->display()));
+    const std::vector<std::uint8_t> drawn = drawn_classes(content_, *atlas_, model.selection);
+    Stopwatch watch;
+    mask(content_, drawn, masked_);
+    SPLATLAS_ASSIGN_OR_RETURN(VolpackPeer volpack,
+                              VolpackPeer::classify(masked_, model.look, OpacityRounding::kDown));
+    SPLATLAS_RETURN_IF_ERROR(volpack.render(view));
+    const Elapsed first = watch.lap();
+    SPLATLAS_RETURN_IF_ERROR(volpack.render(view));
+    return std::vector{first, watch.lap()};
+  }
+
+ private:
+  const AtlasContent& content_;
+  std::shared_ptr<const Atlas> atlas_;
+  const SelectTask& task_;
+  reference::MaskedVolume masked_;
+  VtkPeer vtk_;
+};
+
+/// Of our two ways, VTK and VolPack, one scene.
+struct NewlyRead {
+  std::array<Elapsed, 4> first, steady;
+};
+
+Result<NewlyRead> measure_newly_read(const std::filesystem::path& path, const ErrorModel& model,
+                                     const SelectTask& task, Peers& peers, int turns) {
+  std::vector<Contender> contenders;
+  for (const Way& way : kWays) {
+    contenders.emplace_back([&](int) -> Result<std::vector<Elapsed>> {
+      // Open, but nothing of it read or decoded; as if another selection had been shown.
+      SPLATLAS_ASSIGN_OR_RETURN(const std::shared_ptr<const Atlas> atlas, Atlas::open(path));
+      Renderer renderer(atlas, {.threads = kThreads});
+      SPLATLAS_ASSIGN_OR_RETURN(const Change change, change_to(renderer, model.selection, task.camera, way));
+      return std::vector{change.select_and_first, change.steady};
+    });
+  }
+  contenders.emplace_back([&](int) { return peers.change_vtk(model); });
+  contenders.emplace_back([&](int) { return peers.change_volpack(model); });
+  SPLATLAS_ASSIGN_OR_RETURN(const std::vector<StageTimes> times, measure_interleaved(contenders, turns));
+  NewlyRead result;
+  for (std::size_t n = 0; n < times.size(); ++n) {
+    result.first[n] = best_of_repeats(times[n][0], 1)[0];
+    result.steady[n] = best_of_repeats(times[n][1], 1)[0];
+  }
+  return result;
+}
+
+void add_rows(const std::string& scene, const NewlyRead& taken, Table& table) {
+  constexpr std::array kRenderers{"splatlas, parallel", "splatlas, perspective, classified after",
+                                  "VTK FixedPoint", "VolPack"};
+  for (std::size_t n = 0; n < kRenderers.size(); ++n) {
+    table.rows.push_back({{"scene", scene},
+                          {"renderer", kRenderers[n]},
+                          {"first_ms", taken.first[n].wall_ms},
+                          {"first_cpu", taken.first[n].cpu_ms},
+                          {"steady_ms", taken.steady[n].wall_ms},
+                          {"over_fixedpoint", taken.first[n].wall_ms / taken.first[2].wall_ms},
+                          {"over_volpack", taken.first[n].wall_ms / taken.first[3].wall_ms}});
+  }
+}
+
+Result<Table> measure_reading(const AtlasContent& content, const std::shared_ptr<const Atlas>& atlas,
+                              const SelectTask& task, int turns, const BenchOptions& options,
+                              Report& report) {
+  Table table{
+      "newly read",
+      "Selection change to structures that are read from the file then, Colin 27, soft, 512x512",
+      {"first: from select() to the first picture, the file open and in the system's cache, nothing "
+       "decoded; peers: from masking to the first picture; least of all turns",
+       "VTK FixedPoint: mask, hand over, draw in perspective at steps of 1 mm; VolPack: mask, classify, "
+       "draw, one thread",
+       "select_vs_fixedpoint_max: our rays, which draw what VTK draws; select_vs_volpack_max: parallel, "
+       "as VolPack; by the wall clock"},
+      {}};
+  SPLATLAS_ASSIGN_OR_RETURN(const ScratchFolder folder, ScratchFolder::make());
+  const std::filesystem::path path = folder.path() / "select.atlas";
+  SPLATLAS_RETURN_IF_ERROR(write_atlas(content, path));
+  Peers peers(content, atlas, task);
+  for (std::size_t n = 0; n < task.models.size(); ++n) {
+    options.tell(fmt::format("newly read: {}", task.names[n]));
+    SPLATLAS_ASSIGN_OR_RETURN(const NewlyRead taken,
+                              measure_newly_read(path, task.models[n], task, peers, turns));
+    add_rows(task.names[n], taken, table);
+    const auto over = [&](std::size_t ours, std::size_t theirs) {
+      return taken.first[ours].wall_ms / taken.first[theirs].wall_ms;
+    };
+    raise(report.summary, "select_vs_fixedpoint_max", over(1, 2));
+    raise(report.summary, "select_parallel_vs_fixedpoint_max", over(0, 2));
+    raise(report.summary, "select_vs_volpack_max", over(0, 3));
+  }
+  return table;
+}
+
+}  // namespace
+
+Result<Report> run_select_bench(const BenchOptions& options) {
+  Report report;
+  SPLATLAS_ASSIGN_OR_RETURN(const XServer display, XServer::start_unless_there_is_one());
+  SPLATLAS_ASSIGN_OR_RETURN(const std::shared_ptr<const Atlas> atlas, open_colin27(options));
+  SPLATLAS_ASSIGN_OR_RETURN(const AtlasContent content, atlas->read_all());
+  SPLATLAS_ASSIGN_OR_RETURN(const SelectTask task, make_task(content));
+  options.tell("among decoded structures");
+  SPLATLAS_ASSIGN_OR_RETURN(Table decoded, measure_decoded(atlas, task, options.quick ? 7 : 31, report));
+  report.tables.push_back(std::move(decoded));
+  SPLATLAS_ASSIGN_OR_RETURN(Table reading,
+                            measure_reading(content, atlas, task, options.quick ? 3 : 9, options, report));
+  report.tables.push_back(std::move(reading));
+  return report;
+}
+
+}  // namespace splatlas
