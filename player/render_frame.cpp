@@ -14,10 +14,15 @@
 #include "player/cast_rays.h"
 #include "player/cast_surfaces.h"
 #include "player/class_cache.h"
+#include "player/depth_edges.h"
 #include "player/draw_frame.h"
 #include "player/pick.h"
+#include "player/ray_depths.h"
 #include "player/ray_volume.h"
 #include "player/shading.h"
+#include "player/span_depths.h"
+#include "player/span_model.h"
+#include "player/surface_depths.h"
 #include "player/thread_pool.h"
 #include "player/volume_looks.h"
 
@@ -40,6 +45,17 @@ std::uint64_t default_memory_limit() {
     }
   }
   return memory / 4 * 3;
+}
+
+bool cues_depth(const RenderOptions& options) {
+  return options.depth_cue == DepthCue::kEdges && options.depth_cue_strength > 0;
+}
+
+/// What a picture needs on its way to a file, and its depths.
+std::uint64_t frame_bytes(const RenderOptions& options) {
+  const std::uint64_t pixels =
+      static_cast<std::uint64_t>(options.size.width) * static_cast<std::uint64_t>(options.size.height);
+  return picture_bytes(options.size) + (cues_depth(options) ? pixels * sizeof(float) : 0);
 }
 
 /// How finely rays are sampled.
@@ -109,6 +125,7 @@ struct Renderer::Impl {
 
   // Of the latest frame.
   FrameBuffers frame;
+  DepthMap depths;
   std::optional<ParallelView> view;
   std::optional<Shear> shear;
   RenderStats stats;
@@ -161,7 +178,7 @@ Result<Renderer::Impl::Rays*> Renderer::Impl::ray_volume(const RenderOptions& op
                                    .cache = cache,
                                    .classification = options.classification,
                                    .shade = options.hybrid_shading,
-                                   .max_memory_bytes = max_memory_bytes - picture_bytes(options.size)};
+                                   .max_memory_bytes = max_memory_bytes - frame_bytes(options)};
     SPLATLAS_ASSIGN_OR_RETURN(RayVolume volume, RayVolume::build(request, pool));
     rays =
         Rays{std::move(volume), options.classification, options.hybrid_shading, runs.count(), std::nullopt};
@@ -204,9 +221,18 @@ Result<void> Renderer::Impl::render_rays(const View& frame_view, const RenderOpt
   cast_surfaces(cast->volume, frame_view, atlas->grid(), scene, frame.fragments, cast_options(options),
                 kernels, picture, pool);
   stats.resolve = watch.lap();
+  if (cues_depth(options)) {
+    const ViewDepth view_depth(frame_view, atlas->grid());
+    depths.clear(options.size);
+    add_surface_depths(frame.fragments, scene.depth_axis, scene.depth_sign, view_depth, depths);
+    add_ray_depths(cast->volume, frame_view, atlas->grid(), kernels, view_depth, depths, pool);
+    darken_edges(depths, depth_edges(frame_view.plane, options.depth_cue_strength), picture, pool);
+  }
+  stats.depth_cue = watch.lap();
   stats.runs_visited = cast->runs;
   stats.voxels_visited = cast->volume.voxels();
-  stats.render_ms = light.wall_ms + stats.rasterize.wall_ms + stats.sheets.wall_ms + stats.resolve.wall_ms;
+  stats.render_ms = light.wall_ms + stats.rasterize.wall_ms + stats.sheets.wall_ms + stats.resolve.wall_ms +
+                    stats.depth_cue.wall_ms;
   return {};
 }
 
@@ -276,7 +302,7 @@ Result<void> Renderer::render(const Camera& camera, const RenderOptions& options
   const Grid& grid = r.atlas->grid();
   SPLATLAS_ASSIGN_OR_RETURN(const View frame_view, view_of(camera, options.size, r.atlas->display()));
   const ParallelView& view = frame_view.plane;
-  if (const std::uint64_t bytes = picture_bytes(options.size); bytes > r.max_memory_bytes - r.plan_bytes) {
+  if (const std::uint64_t bytes = frame_bytes(options); bytes > r.max_memory_bytes - r.plan_bytes) {
     return fail(
         ErrorCode::kLimit,
         fmt::format("{}: a picture of {}x{} pixels takes {} MiB, and the selection's volumes up to {} "
@@ -319,6 +345,16 @@ Result<void> Renderer::render(const Camera& camera, const RenderOptions& options
                                                                    .options = options,
                                                                    .max_memory_bytes = r.max_memory_bytes},
                                                                   r.frame, picture, r.pool));
+  Stopwatch cue_watch;
+  if (cues_depth(options)) {
+    const ViewDepth view_depth(frame_view, grid);
+    r.depths.clear(options.size);
+    add_surface_depths(r.frame.fragments, shear.scan.slice_axis, shear.ascending ? 1 : -1, view_depth,
+                       r.depths);
+    add_span_depths(spans.model(), shear, view_depth, r.depths, r.pool);
+    darken_edges(r.depths, depth_edges(view, options.depth_cue_strength), picture, r.pool);
+  }
+  r.stats.depth_cue = cue_watch.lap();
   r.view = view;
   r.shear = shear;
   r.stats.runs_visited = spans.runs().count();

@@ -10,6 +10,7 @@
 #include "format/selection.h"
 #include "player/camera.h"
 #include "player/classification.h"
+#include "player/depth_cue.h"
 #include "player/picture.h"
 #include "player/stopwatch.h"
 
@@ -29,7 +30,10 @@ struct RenderOptions {
   /// Pixels at edges of surfaces are the mean of several samples: 4 in normal, 8 in high quality, 1 in draft,
   /// and in pictures for which finding edges would take more than a quarter of the memory allowed.
   bool antialiasing = true;
-  bool simd = true;  ///< false: the scalar kernels
+  /// What makes depth readable: none where colours are measured. Alpha and background never change.
+  DepthCue depth_cue = DepthCue::kNone;
+  float depth_cue_strength = 0.7f;  ///< 0: the same bits as without; 1: down to black
+  bool simd = true;                 ///< false: the scalar kernels
   /// Early termination: what would be seen through pixels that let through no more than this is left out, so
   /// no value is further off than that. 0 leaves nothing out.
   /// Not set: 1e-3 in drafts, 1e-4 otherwise.
@@ -52,8 +56,8 @@ struct RenderStats {
   std::uint64_t triangles = 0;       ///< projected
   double select_ms = 0, decode_ms = 0, render_ms = 0;
   /// Stages of the latest frame: runs merged to spans (once per selection and axis) and lit; surfaces to
-  /// fragments; spans to the finished sheet; sheet and fragments to the picture.
-  Elapsed traversal, rasterize, sheets, resolve;
+  /// fragments; spans to the finished sheet; sheet and fragments to the picture; depths and what they darken.
+  Elapsed traversal, rasterize, sheets, resolve, depth_cue;
 };
 
 struct RendererOptions {

@@ -95,6 +95,9 @@ Result<RenderOptions> parse_options(const RenderWords& words) {
   if (words.shading != "hybrid" && words.shading != "none") {
     return refuse("--shading", words.shading, "must be hybrid or none");
   }
+  const auto depth_cue = named_depth_cue(words.depth_cue);
+  if (!depth_cue) return refuse("--depth-cue", words.depth_cue, "must be none or edges");
+  options.depth_cue = *depth_cue;
   return options;
 }
 
@@ -122,6 +125,10 @@ CLI::App* add_render(CLI::App& app, RenderWords& words) {
       ->capture_default_str();
   command->add_option("--quality", words.quality, "draft, normal or high")->capture_default_str();
   command->add_option("--shading", words.shading, "hybrid: boundary voxels are lit by their normals; none")
+      ->capture_default_str();
+  command
+      ->add_option("--depth-cue", words.depth_cue,
+                   "edges: what lies behind something near it is darker there, and so are furrows; none")
       ->capture_default_str();
   command->add_option("--background", words.background, "#rrggbb or transparent")->capture_default_str();
   command->add_option("--threads", words.threads, "0: one per core; the picture does not depend on it")

@@ -16,7 +16,7 @@ namespace splatlas {
 struct RenderWords {
   std::string atlas, output, select = "*", stats;
   std::string size = "512x512", quality = "normal", projection = "parallel", shading = "hybrid";
-  std::string field_of_view = "30", classify = "before";
+  std::string field_of_view = "30", classify = "before", depth_cue = "none";
   std::string view, azimuth, elevation, zoom = "1";
   std::string background = "#000000", threads = "0";
 };

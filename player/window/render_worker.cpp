@@ -133,6 +133,7 @@ Result<Picture> RenderWorker::render(const FrameRequest& request, Quality qualit
   RenderOptions options;
   options.size = quality == Quality::kDraft ? draft_size(request.size) : request.size;
   options.quality = quality;
+  options.depth_cue = request.depth_cue;
   SPLATLAS_ASSIGN_OR_RETURN(Picture picture, renderer_.render(request.camera, options));
   rendered_ = picture.size;
   return picture;

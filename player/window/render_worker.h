@@ -24,6 +24,7 @@ struct FrameRequest {
   std::string text;  ///< of the selection
   Camera camera;
   PictureSize size;
+  DepthCue depth_cue = DepthCue::kNone;
 };
 
 /// A picture on its way to the screen.

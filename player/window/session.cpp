@@ -93,13 +93,13 @@ void Session::notice_selection() {
 }
 
 FrameRequest Session::wanted_frame() const {
-  return {selection_, editor_.text(), camera_, size_};
+  return {selection_, editor_.text(), camera_, size_, depth_cue_};
 }
 
 void Session::request_frame() {
   if (size_.width < 1 || size_.height < 1) return;
   if (requested_ && requested_->selection == selection_ && requested_->size == size_ &&
-      same_camera(requested_->camera, camera_)) {
+      requested_->depth_cue == depth_cue_ && same_camera(requested_->camera, camera_)) {
     return;
   }
   requested_ = wanted_frame();
@@ -125,7 +125,8 @@ void Session::handle(const FrameDone& done) {
   frame_ = done.frame;
   const FrameRequest& request = frame_->request;
   const bool latest = requested_ && requested_->selection == request.selection &&
-                      requested_->size == request.size && same_camera(requested_->camera, request.camera);
+                      requested_->size == request.size && requested_->depth_cue == request.depth_cue &&
+                      same_camera(requested_->camera, request.camera);
   refining_ = !(latest && done.final);
   good_text_ = request.text;
   asked_.reset();  // something else may be under the pointer now

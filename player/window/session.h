@@ -65,6 +65,8 @@ class Session {
   void look_from(NamedView view);
   /// The first view: anterior, everything in the picture.
   void reset_view() { camera_ = {}; }
+  [[nodiscard]] DepthCue depth_cue() const { return depth_cue_; }
+  void set_depth_cue(DepthCue cue) { depth_cue_ = cue; }
   /// Pixels of the view. Nothing is rendered before the first call.
   void resize(const PictureSize& size) { size_ = size; }
 
@@ -119,6 +121,7 @@ class Session {
   std::string good_text_;  // of the latest selection that could be rendered
   Camera camera_;
   PictureSize size_;
+  DepthCue depth_cue_ = DepthCue::kNone;
   std::optional<FrameRequest> requested_;
   std::shared_ptr<const Frame> frame_;
   bool refining_ = false;

@@ -25,6 +25,7 @@ constexpr std::array kHelp{
     Help{"Double click, Home", "first view"},
     Help{"Arrow keys", "turn by 15 degrees"},
     Help{"A  P  L  R  S  I", "anterior, posterior, left, right, superior, inferior"},
+    Help{"D", "depth: darker behind what is near, and in furrows"},
     Help{"Click", "choose a structure"},
     Help{"O", "isolate the chosen structure (only it)"},
     Help{"G", "ghost the others"},
@@ -97,6 +98,9 @@ bool handle_key(const SDL_KeyboardEvent& key, Session& session, UiState& ui) {
   switch (code) {
     case SDLK_SLASH: ui.focus_search = true; return true;
     case SDLK_b: ui.black_screen = true; return true;
+    case SDLK_d:
+      session.set_depth_cue(session.depth_cue() == DepthCue::kNone ? DepthCue::kEdges : DepthCue::kNone);
+      return true;
     case SDLK_ESCAPE:
       session.rows().searching() ? session.rows().search("") : session.choose_nothing();
       return true;

@@ -22,6 +22,11 @@ void view_toolbar(Session& session, UiState& ui, LayoutLog& layout) {
   if (ImGui::Button("Reset")) session.reset_view();
   layout.item("reset");
   if (ImGui::IsItemHovered()) ImGui::SetTooltip("first view, everything in the picture (Home)");
+  ImGui::SameLine();
+  bool edges = session.depth_cue() == DepthCue::kEdges;
+  if (ImGui::Checkbox("Depth", &edges)) session.set_depth_cue(edges ? DepthCue::kEdges : DepthCue::kNone);
+  layout.item("depth");
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("darker behind what is near, and in furrows (D)");
 
   const ImGuiStyle& style = ImGui::GetStyle();
   const float save = ImGui::CalcTextSize("Save picture").x + 2 * style.FramePadding.x;

@@ -65,7 +65,7 @@ TEST(PlayerUsage, TellsWhatIsWrong) {
 TEST(PlayerUsage, WordsThatSayNothingAreRefused) {
   for (const std::string option :
        {"--size", "--view", "--azimuth", "--elevation", "--zoom", "--projection", "--field-of-view",
-        "--classify", "--quality", "--shading", "--background", "--threads", "--stats"}) {
+        "--classify", "--quality", "--shading", "--depth-cue", "--background", "--threads", "--stats"}) {
     expect_refused({"render", phantom_atlas(), "-o", "x.png", option, ""}, 2,
                    option == "--background" ? "color" : option);
   }

@@ -159,6 +159,22 @@ TEST_F(SessionTest, TheLatestOfManyRequestsIsShown) {
   EXPECT_EQ(*desk->frame()->request.selection, desk->editor().selection());
 }
 
+TEST_F(SessionTest, TheDepthCueComesAndGoes) {
+  Desk desk(atlas());
+  desk->set_camera({.azimuth_deg = 60, .zoom = 2});
+  desk.until_done();
+  const auto without = desk->frame()->srgb8;
+  desk->set_depth_cue(DepthCue::kEdges);
+  desk->update();
+  EXPECT_TRUE(desk->refining());
+  desk.until_done();
+  EXPECT_EQ(desk->frame()->request.depth_cue, DepthCue::kEdges);
+  EXPECT_NE(desk->frame()->srgb8, without);
+  desk->set_depth_cue(DepthCue::kNone);
+  desk.until_done();
+  EXPECT_EQ(desk->frame()->srgb8, without);
+}
+
 TEST_F(SessionTest, AnEmptySelectionIsBlack) {
   Desk desk(atlas());
   desk->editor().hide_all();

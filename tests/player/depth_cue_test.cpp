@@ -1,0 +1,178 @@
+// Depths of pictures, and what they darken, in frames of sheets and of rays.
+#include "player/depth_cue.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "player/build_spans.h"
+#include "player/ray_depths.h"
+#include "player/span_depths.h"
+#include "player/surface_depths.h"
+#include "tests/support/render.h"
+#include "tests/support/standard_scenes.h"
+
+namespace splatlas {
+namespace {
+
+/// A wall, and a block in front of its middle: seen from anterior (along +y), 8 mm apart.
+AtlasContent wall_and_block() {
+  TestVolume volume;
+  volume.grid.size = {40, 20, 40};
+  volume.structures = {
+      {"wall", make_mask(volume.grid.size, [](auto, auto j, auto) { return j >= 14; }), {255, 255, 255}},
+      {"block",
+       make_mask(volume.grid.size,
+                 [](auto i, auto j, auto k) { return j < 6 && i >= 14 && i < 26 && k >= 14 && k < 26; }),
+       {255, 255, 255}}};
+  return make_content(volume);
+}
+
+struct Mode {
+  const char* name;
+  const char* selection;
+  CameraProjection projection;
+  Classification classification;
+};
+constexpr Mode kModes[] = {
+    {"sheets", "*:volume(opacity=1)", CameraProjection::kParallel, Classification::kBefore},
+    {"surfaces", "*:surface", CameraProjection::kParallel, Classification::kBefore},
+    {"both", "wall:volume(opacity=1) + block:surface", CameraProjection::kParallel, Classification::kBefore},
+    {"rays", "*:volume(opacity=1)", CameraProjection::kParallel, Classification::kAfter},
+    {"perspective", "wall:surface + block:volume(opacity=1)", CameraProjection::kPerspective,
+     Classification::kBefore}};
+
+RenderOptions options_of(const Mode& mode, DepthCue cue) {
+  RenderOptions options;
+  options.size = {96, 96};
+  options.classification = mode.classification;
+  options.hybrid_shading = false;
+  options.depth_cue = cue;
+  return options;
+}
+
+TEST(DepthCueOfFrames, DarkensTheWallAroundTheBlockAndNothingElse) {
+  const AtlasContent content = wall_and_block();
+  for (const Mode& mode : kModes) {
+    Camera camera = Camera::of(NamedView::kAnterior);
+    camera.projection = mode.projection;
+    camera.zoom = 1.2;
+    const Selection selection = selection_of(mode.selection, content.graph);
+    const Picture off = render_or_throw(content, selection, camera, options_of(mode, DepthCue::kNone));
+    RenderOptions options = options_of(mode, DepthCue::kEdges);
+    const Picture on = render_or_throw(content, selection, camera, options);
+    const double mm_per_pixel = view_of(camera, options.size, content.display)->plane.mm_per_pixel;
+    // The block's side is 6 mm from the middle; the picture's radius of the cue is 2 pixels.
+    const int edge = static_cast<int>(
+        std::ceil(6.6 / mm_per_pixel * (mode.projection == CameraProjection::kPerspective ? 1.08 : 1)));
+    EXPECT_EQ(on.at(48, 48), off.at(48, 48)) << mode.name;                        // the block
+    EXPECT_EQ(on.at(48 + edge + 9, 48), off.at(48 + edge + 9, 48)) << mode.name;  // the wall, further away
+    EXPECT_EQ(on.at(0, 0), off.at(0, 0)) << mode.name;
+    float least = 1;
+    for (int x = 48; x < 48 + edge + 9; ++x) {
+      ASSERT_GT(off.at(x, 48)[0], 0.01f) << mode.name << x;
+      least = std::min(least, on.at(x, 48)[0] / off.at(x, 48)[0]);
+      EXPECT_EQ(on.at(x, 48)[3], off.at(x, 48)[3]);
+    }
+    EXPECT_LT(least, 0.75f) << mode.name;
+    EXPECT_GE(least, 0.3f - 1e-6f) << mode.name;
+
+    options.depth_cue_strength = 0;
+    EXPECT_EQ(render_or_throw(content, selection, camera, options).rgba, off.rgba) << mode.name;
+    options.depth_cue_strength = 0.7f;
+    for (const unsigned threads : {2u, 8u}) {
+      EXPECT_EQ(render_or_throw(content, selection, camera, options, threads).rgba, on.rgba) << mode.name;
+    }
+  }
+}
+
+/// Where a slab lets through a half is known: in the middle of every pixel, for spans and rays.
+TEST(DepthCueOfFrames, VolumesAreWhereTheyLetThroughAHalf) {
+  TestVolume volume;
+  volume.grid = {{30, 24, 28}, {1, 1.5, 0.8}, {-15, -18, -11}, {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+  volume.structures = {{"box", make_mask(volume.grid.size, [](auto...) { return true; })}};
+  const AtlasContent content = make_content(volume);
+  const auto atlas = open_in_memory(content);
+  const Selection selection = selection_of("box(opacity=0.2)", content.graph);
+  const DrawPlan plan = atlas->tree().plan(selection);
+  ThreadPool pool(2);
+  ClassCache cache(atlas);
+  VolumeLooks looks(*atlas);
+  looks.select(plan, selection);
+  std::vector<ClassId> classes;
+  for (const ClassDraw& draw : plan.classes) classes.push_back(draw.id);
+  const double length = std::cbrt(1.2);
+  const double half_mm = std::log(0.5) / std::log(0.8) * length;
+  for (const double azimuth : {0.0, 20.0, -160.0}) {
+    Camera camera;
+    camera.azimuth_deg = azimuth;
+    camera.zoom = 4;
+    const PictureSize size{21, 19};
+    const View view = *view_of(camera, size, content.display);
+    const ViewDepth view_depth(view, atlas->grid());
+    const Shear shear = factorise(view.plane, atlas->grid());
+    ASSERT_EQ(shear.principal, Axis::kY);
+    DepthMap of_spans, of_rays;
+    of_spans.clear(size);
+    ASSERT_TRUE(cache.require(classes, Axis::kY, pool));
+    const SelectedRuns runs(plan, atlas->classes(), cache, Axis::kY);
+    SpanBuilder spans;
+    spans.build({runs, plan, looks, atlas->classes(), atlas->grid(), cache, false}, pool);
+    add_span_depths(spans.model(), shear, view_depth, of_spans, pool);
+    of_rays.clear(size);
+    ASSERT_TRUE(cache.require(classes, Axis::kZ, pool));
+    const SelectedRuns runs_z(plan, atlas->classes(), cache, Axis::kZ);
+    const auto rays = RayVolume::build({.atlas = *atlas,
+                                        .selection = selection,
+                                        .plan = plan,
+                                        .looks = looks.looks(),
+                                        .runs = runs_z,
+                                        .cache = cache,
+                                        .max_memory_bytes = std::uint64_t{1} << 30},
+                                       pool);
+    ASSERT_TRUE(rays);
+    add_ray_depths(*rays, view, atlas->grid(), best_march(), view_depth, of_rays, pool);
+    for (int y = 0; y < size.height; ++y) {
+      for (int x = 0; x < size.width; ++x) {
+        const auto n = static_cast<std::size_t>(y * size.width + x);
+        // Slabs begin half a voxel before the first slice; the trilinear field rises over a voxel around it.
+        const double front = azimuth == -160.0 ? 23.5 : -0.5;
+        const double expected = view_depth.mm(x + 0.5, y + 0.5, 1, front) + half_mm;
+        EXPECT_NEAR(of_spans.mm[n], expected, 0.15) << azimuth << ": " << x << ", " << y;
+        EXPECT_NEAR(of_rays.mm[n], expected, 0.15) << azimuth << ": " << x << ", " << y;
+      }
+    }
+  }
+}
+
+TEST(DepthCueOfFrames, ViewDepthGoesBothWays) {
+  const StandardScene scene = hybrid_scene();
+  Camera camera;
+  camera.azimuth_deg = 33;
+  camera.elevation_deg = 21;
+  const Grid grid = storage_grid(scene.content);
+  for (const CameraProjection projection : {CameraProjection::kParallel, CameraProjection::kPerspective}) {
+    camera.projection = projection;
+    const View view = *view_of(camera, {64, 48}, scene.content.display);
+    const ViewDepth depth(view, grid);
+    for (const double mm : {-9.0, 0.0, 12.5}) {
+      const Vec3 index = depth.index_at(13.25, 40.5, mm);
+      for (std::size_t a = 0; a < 3; ++a) EXPECT_NEAR(depth.mm(13.25, 40.5, a, index[a]), mm, 1e-9);
+      const Vec3 lps = index_to_lps_mm(grid).apply(index);
+      double along = 0;
+      for (std::size_t a = 0; a < 3; ++a) {
+        along += (lps[a] - view.plane.center_lps_mm[a]) * view.plane.forward_lps[a];
+      }
+      EXPECT_NEAR(along, mm, 1e-9);
+    }
+  }
+}
+
+TEST(DepthCueOfFrames, HaveNames) {
+  EXPECT_EQ(named_depth_cue("none"), DepthCue::kNone);
+  EXPECT_EQ(named_depth_cue("edges"), DepthCue::kEdges);
+  EXPECT_FALSE(named_depth_cue("Edges"));
+}
+
+}  // namespace
+}  // namespace splatlas
