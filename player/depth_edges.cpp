@@ -11,7 +11,7 @@ namespace {
 constexpr int kRings = 4;
 constexpr int kPairsOfRing = 8;
 constexpr std::size_t kPairs = 32;
-static_assert(kPairs == kRings * kPairsOfRing);
+static_assert(kPairs == std::size_t{kRings} * kPairsOfRing);
 constexpr std::size_t kRowsPerJob = 16;
 
 /// Of a picture's smaller side.

@@ -7,7 +7,7 @@
 #include "player/fragments.h"
 #include "player/render_frame.h"
 #include "player/selected_runs.h"
-#include "player/shear.h"
+#include "player/view_depth.h"
 #include "player/volume_looks.h"
 
 namespace splatlas {
@@ -20,11 +20,15 @@ struct PickScene {
   std::span<const VolumeLook> looks;
   const ClassCache& cache;
   const FragmentList& fragments;
+  std::size_t depth_axis = 2;  ///< fragments' depths are `depth_sign` times places along it
+  double depth_sign = 1;
 };
 
 /// Follows the ray through picture coordinates (x, y) front to back, from voxel to nearest voxel and fragment
 /// to fragment, and returns the structure that contributes most, at the depth where it contributes most.
-[[nodiscard]] std::optional<Pick> pick_structure(const PickScene& scene, const ParallelView& view,
-                                                 const Shear& shear, double x, double y);
+/// `axis`: of the grid, along which a voxel is looked at per plane; the one that the ray follows most when
+/// not set.
+[[nodiscard]] std::optional<Pick> pick_structure(const PickScene& scene, const View& view,
+                                                 const std::optional<Axis>& axis, double x, double y);
 
 }  // namespace splatlas

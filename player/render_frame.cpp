@@ -95,6 +95,14 @@ struct Renderer::Impl {
     std::optional<ParallelView> lit_for;  ///< view whose light the shaded voxels have
   };
 
+  /// A frame that something can be picked in.
+  struct Shown {
+    View view;
+    std::optional<Axis> sheets;  ///< slices are normal to it; none: a frame of rays
+    std::size_t depth_axis = 2;  ///< of the fragments
+    double depth_sign = 1;
+  };
+
   Impl(std::shared_ptr<const Atlas> opened, const RendererOptions& options)
       : atlas(std::move(opened)),
         pool(options.threads),
@@ -126,8 +134,7 @@ struct Renderer::Impl {
   // Of the latest frame.
   FrameBuffers frame;
   DepthMap depths;
-  std::optional<ParallelView> view;
-  std::optional<Shear> shear;
+  std::optional<Shown> shown;
   RenderStats stats;
 };
 
@@ -189,7 +196,7 @@ Result<Renderer::Impl::Rays*> Renderer::Impl::ray_volume(const RenderOptions& op
 /// A frame of rays: in perspective, and wherever grey values are classified after interpolation.
 Result<void> Renderer::Impl::render_rays(const View& frame_view, const RenderOptions& options,
                                          Picture& picture) {
-  view.reset();  // nothing can be picked in a frame of rays
+  shown.reset();  // what the latest frame left is overwritten now
   Stopwatch watch;
   SPLATLAS_RETURN_IF_ERROR(decode(Axis::kZ));
   stats.decode_ms = watch.lap().wall_ms;
@@ -229,6 +236,7 @@ Result<void> Renderer::Impl::render_rays(const View& frame_view, const RenderOpt
     darken_edges(depths, depth_edges(frame_view.plane, options.depth_cue_strength), picture, pool);
   }
   stats.depth_cue = watch.lap();
+  shown = Shown{frame_view, std::nullopt, scene.depth_axis, scene.depth_sign};
   stats.runs_visited = cast->runs;
   stats.voxels_visited = cast->volume.voxels();
   stats.render_ms = light.wall_ms + stats.rasterize.wall_ms + stats.sheets.wall_ms + stats.resolve.wall_ms +
@@ -279,7 +287,7 @@ Result<void> Renderer::select(const Selection& selection) {
   r.looks.select(r.plan, selection);
   r.keep_spans();
   r.rays.reset();
-  r.view.reset();
+  r.shown.reset();
   r.stats = {};
   r.stats.volume_voxels = r.plan.volume_voxels;
   r.stats.surface_voxels = r.plan.surface_voxels;
@@ -335,7 +343,7 @@ Result<void> Renderer::render(const Camera& camera, const RenderOptions& options
   r.stats.traversal += light;
 
   const std::vector<SurfaceDraw> surfaces = r.surface_draws();
-  r.view.reset();  // what the latest frame left is overwritten now, whether this one succeeds or not
+  r.shown.reset();  // what the latest frame left is overwritten now, whether this one succeeds or not
   SPLATLAS_ASSIGN_OR_RETURN(const FrameCounters drawn, draw_frame({.spans = spans.model(),
                                                                    .surfaces = surfaces,
                                                                    .view = view,
@@ -355,8 +363,7 @@ Result<void> Renderer::render(const Camera& camera, const RenderOptions& options
     darken_edges(r.depths, depth_edges(view, options.depth_cue_strength), picture, r.pool);
   }
   r.stats.depth_cue = cue_watch.lap();
-  r.view = view;
-  r.shear = shear;
+  r.shown = Impl::Shown{frame_view, shear.principal, shear.scan.slice_axis, shear.ascending ? 1.0 : -1.0};
   r.stats.runs_visited = spans.runs().count();
   r.stats.voxels_visited = drawn.voxels;
   r.stats.triangles = drawn.triangles;
@@ -369,11 +376,23 @@ Result<void> Renderer::render(const Camera& camera, const RenderOptions& options
 
 std::optional<Pick> Renderer::pick(double x, double y) const {
   const Impl& r = *impl_;
-  if (!r.view || !r.shear) return std::nullopt;
-  const auto& spans = r.axis_spans[static_cast<std::size_t>(r.shear->principal)];
+  if (!r.shown) return std::nullopt;
+  const Impl::Shown& shown = *r.shown;
+  const auto pick_among = [&](const SelectedRuns& runs) {
+    const PickScene scene{.grid = r.atlas->grid(),
+                          .runs = runs,
+                          .plan = r.plan,
+                          .looks = r.looks.looks(),
+                          .cache = r.cache,
+                          .fragments = r.frame.fragments,
+                          .depth_axis = shown.depth_axis,
+                          .depth_sign = shown.depth_sign};
+    return pick_structure(scene, shown.view, shown.sheets, x, y);
+  };
+  if (!shown.sheets) return pick_among(SelectedRuns(r.plan, r.atlas->classes(), r.cache, Axis::kZ));
+  const auto& spans = r.axis_spans[static_cast<std::size_t>(*shown.sheets)];
   if (!spans || !spans->current(false)) return std::nullopt;
-  const PickScene scene{r.atlas->grid(), spans->runs(), r.plan, r.looks.looks(), r.cache, r.frame.fragments};
-  return pick_structure(scene, *r.view, *r.shear, x, y);
+  return pick_among(spans->runs());
 }
 
 }  // namespace splatlas

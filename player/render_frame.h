@@ -101,7 +101,8 @@ class Renderer {
   [[nodiscard]] const RenderStats& stats() const;
 
   /// The structure that contributes most to the picture at picture coordinates (x, y) of the latest render(),
-  /// and where on the ray; nothing where the background shows. Cost: one look-up per slice.
+  /// and where on the ray; nothing where the background shows. In frames of sheets and of rays. Cost: one
+  /// look-up per slice.
   [[nodiscard]] std::optional<Pick> pick(double x, double y) const;
 
  private:

@@ -44,6 +44,7 @@ class Checker {
     const auto all = render(options, 1);
     if (!ended || !all) return report_;
     check_termination(*ended, *all);
+    check_depth_cue(options, *all);
     report_.rays ? check_rays(options) : check_sheets(options, *all);
     return report_;
   }
@@ -98,6 +99,19 @@ class Checker {
       const double left_out = static_cast<double>(all.rgba[n]) - static_cast<double>(ended.rgba[n]);
       if (left_out >= -more - 1e-6 && left_out <= floor + 1e-6) continue;
       fault(fmt::format("early termination leaves out {} of value {}", left_out, n));
+      return;
+    }
+  }
+
+  void check_depth_cue(RenderOptions options, const Picture& all) {
+    options.depth_cue = DepthCue::kEdges;
+    const auto one = render(options, 1), two = render(options, 2);
+    if (!one || !two) return;
+    if (one->rgba != two->rgba) fault("2 threads give other bits with a depth cue");
+    for (std::size_t n = 0; n < all.rgba.size(); ++n) {
+      const float darkest = n % 4 == 3 ? all.rgba[n] : (1 - options.depth_cue_strength) * all.rgba[n] - 1e-6f;
+      if (one->rgba[n] >= darkest && one->rgba[n] <= all.rgba[n]) continue;
+      fault(fmt::format("a depth cue makes value {} {}, from {}", n, one->rgba[n], all.rgba[n]));
       return;
     }
   }

@@ -22,6 +22,7 @@ struct SceneReport {
 ///   - values are numbers, 0 <= alpha <= 1 and 0 <= colour <= alpha;
 ///   - 1, 2 and 8 threads give equal bits;
 ///   - early termination changes no value by more than its floor, and adds no light to volumes alone;
+///   - a depth cue darkens colours by no more than its strength, and nothing else;
 ///   - sheets equal the discrete model to float rounding, and antialiased pixels the mean of their samples;
 ///   - rays at high quality show the truth, surfaces in order with the volume: to 1/255 RMS, 4/255 but for
 ///     one pixel in fifty where grey values are beyond all measure.
