@@ -36,12 +36,24 @@ int sheet_scale(Quality quality, const Shear& shear) {
   return fine(pixels_per_voxel, 1, 2);
 }
 
+/// Slabs per slice. The error along rays falls with their square.
+int slab_parts(Quality quality) {
+  switch (quality) {
+    case Quality::kNormal: return 3;
+    case Quality::kHigh: return 8;
+    case Quality::kDraft: break;
+  }
+  return 1;
+}
+
 /// Along a slab a ray moves across the slice by (slope_u, slope_v), which smears what the slice shows: a tent
 /// of that length, whose covariance is a sixth of the product. Sheets know the slice at the slab's middle
-/// only; weights that are skewed smear as much where the sheet is sampled.
-float skew_of(const Shear& shear, int scale) {
+/// only; weights that are skewed smear as much where the sheet is sampled. Slabs between slices are samples
+/// of that tent, and smear a little too much.
+float skew_of(const Shear& shear, int scale, int parts) {
   constexpr double kMost = 0.25;
-  const double covariance = shear.slope_u * shear.slope_v / 6 * scale * scale;
+  const double missing = parts == 1 ? 1.0 / 6 : -1.0 / (12 * parts * parts);
+  const double covariance = shear.slope_u * shear.slope_v * missing * scale * scale;
   return static_cast<float>(std::clamp(covariance, -kMost, kMost));
 }
 
@@ -54,10 +66,11 @@ std::size_t edge_samples(const RenderOptions& options, std::uint64_t max_memory_
 }
 
 Result<SheetWindow> choose_window(const SpanModel& model, const Shear& shear, const RenderOptions& options) {
+  const int parts = slab_parts(options.quality);
   int scale = sheet_scale(options.quality, shear);
   while (true) {
-    SheetWindow window = sheet_window(model, shear, options.size, scale);
-    window.skew = skew_of(shear, scale);
+    SheetWindow window = sheet_window(model, shear, options.size, scale, parts);
+    window.skew = skew_of(shear, scale, parts);
     if (window.empty() || window.fine_rows() <= kMaxSheetPixels / window.fine_columns()) return window;
     if (scale == 1) {
       return fail(ErrorCode::kLimit,

@@ -80,6 +80,7 @@ void FragmentOrder::build(const FragmentList& list, const Shear& shear, const Sh
                           const PictureSize& size, const Grid& grid, ThreadPool& pool) {
   ascending_ = shear.ascending;
   slices_ = grid.size[shear.scan.slice_axis];
+  slabs_ = Slabs::of(slices_, window.parts);
   const std::int64_t fine_rows = window.empty() ? 0 : window.fine_rows();
   first_of_row_.assign(static_cast<std::size_t>(fine_rows) + 2, 0);
   place_.resize(list.fragments.size());
@@ -144,7 +145,7 @@ void FragmentOrder::scatter(const FragmentList& list, const Shear& shear, const 
       for (std::uint32_t fragment = first; fragment < last; ++fragment) {
         Unsorted& to = unsorted_[next++];
         to = {fragment, place->entry};
-        to.entry.slab = slab_place(list.fragments[fragment].depth).slab;
+        to.entry.slab = slab_at(along(list.fragments[fragment].depth)).slab;
       }
     });
   });
@@ -155,7 +156,7 @@ void FragmentOrder::sort_row(std::size_t n, std::vector<std::uint32_t>& next_of_
   const std::size_t first = first_of_row_[n];
   const std::size_t last = first_of_row_[n + 1];
   if (first == last) return;
-  next_of_slab.assign(static_cast<std::size_t>(slices_) + 1, 0);
+  next_of_slab.assign(static_cast<std::size_t>(slabs_.count) + 1, 0);
   for (std::size_t e = first; e < last; ++e) {
     ++next_of_slab[static_cast<std::size_t>(unsorted_[e].entry.slab) + 1];
   }
@@ -171,10 +172,10 @@ void FragmentOrder::sort_row(std::size_t n, std::vector<std::uint32_t>& next_of_
   }
 }
 
-FragmentOrder::SlabPlace FragmentOrder::slab_place(float depth) const {
-  const double along = ascending_ ? depth : static_cast<double>(depth) + static_cast<double>(slices_ - 1);
-  const double slab = std::clamp(std::floor(along + 0.5), 0.0, static_cast<double>(slices_ - 1));
-  return {static_cast<std::int32_t>(slab), static_cast<float>(std::clamp(along + 0.5 - slab, 0.0, 1.0))};
+FragmentOrder::SlabPlace FragmentOrder::slab_at(double along) const {
+  const double slabs = (along - slabs_.begin) / slabs_.thickness;
+  const double slab = std::clamp(std::floor(slabs), 0.0, static_cast<double>(slabs_.count - 1));
+  return {static_cast<std::int32_t>(slab), static_cast<float>(std::clamp(slabs - slab, 0.0, 1.0))};
 }
 
 Light FragmentOrder::in_front_of(std::size_t fragment, float depth) const {
@@ -186,7 +187,8 @@ Light FragmentOrder::in_front_of(std::size_t fragment, float depth) const {
   // What little an opaque slab lets through is lost in the last digits of its opacity: no less than this
   // counts.
   const float most = through - kLeastThrough;
-  const float share = share_of_slab(std::min(added, std::max(most, 0.0f)) / through, slab_place(depth).part);
+  const float share =
+      share_of_slab(std::min(added, std::max(most, 0.0f)) / through, slab_at(along(depth)).part);
   Light light;
   for (std::size_t c = 0; c < 4; ++c) {
     light.rgba[c] = slab.before.rgba[c] + share * (slab.behind.rgba[c] - slab.before.rgba[c]);

@@ -14,6 +14,21 @@ namespace splatlas {
 
 struct SheetWindow;
 
+/// Cuts across the rays, counted from the viewer, along the principal axis. Places are in voxels from the
+/// slice that is nearest to the viewer. With one part a slice has one slab around it: from half a voxel in
+/// front of it to half a voxel behind it. With several, what lies between two slices, and in front of the
+/// first one and behind the last one as far as they reach, is cut into so many slabs of equal thickness.
+struct Slabs {
+  std::int64_t count = 1;
+  double begin = -0.5;   ///< of the first one
+  double thickness = 1;  ///< of each
+
+  [[nodiscard]] static Slabs of(std::int64_t slices, int parts) {
+    if (parts == 1) return {slices, -0.5, 1};
+    return {(slices + 1) * parts, -1, 1.0 / parts};
+  }
+};
+
 /// For every row of the sheet, the fragments just below it (between it and the next row), front to back by
 /// slab; and for each the volume in front of its slab and with it, which the volume pass fills in.
 class FragmentOrder {
@@ -49,30 +64,34 @@ class FragmentOrder {
   /// The volume in front of a fragment, exact for a slab of constant light.
   [[nodiscard]] Light in_front_of(std::size_t fragment, float depth) const;
 
-  /// The slab of slice `k` of the grid, counted from the viewer.
-  [[nodiscard]] std::int32_t slab_of(std::int64_t k) const {
-    return static_cast<std::int32_t>(ascending_ ? k : slices_ - 1 - k);
-  }
+  /// The slab that place `k` along the principal axis lies in (in voxels of the grid), counted from the
+  /// viewer.
+  [[nodiscard]] std::int32_t slab_of(double k) const { return slab_at(along(k)).slab; }
 
  private:
   struct Unsorted {
     std::uint32_t fragment = 0;
     Entry entry;
   };
-  /// A slab reaches from half a voxel in front of its slice to half a voxel behind it.
   struct SlabPlace {
     std::int32_t slab = 0;
     float part = 0;  ///< share of the slab in front of the depth, [0, 1]
   };
   struct SamplePlace;
 
-  [[nodiscard]] SlabPlace slab_place(float depth) const;
+  /// Voxels from the slice that is nearest to the viewer.
+  [[nodiscard]] double along(double k) const { return ascending_ ? k : static_cast<double>(slices_ - 1) - k; }
+  [[nodiscard]] double along(float depth) const {
+    return ascending_ ? depth : static_cast<double>(depth) + static_cast<double>(slices_ - 1);
+  }
+  [[nodiscard]] SlabPlace slab_at(double along) const;
   void scatter(const FragmentList& fragments, const Shear& shear, const SheetWindow& window,
                const PictureSize& size, ThreadPool& pool);
   void sort_row(std::size_t n, std::vector<std::uint32_t>& next_of_slab);
 
   bool ascending_ = true;
   std::int64_t slices_ = 1;
+  Slabs slabs_;
   std::vector<std::size_t> first_of_row_;  // fine_rows + 2 offsets
   std::vector<Unsorted> unsorted_;         // by row
   std::vector<Entry> entries_;

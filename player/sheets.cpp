@@ -6,6 +6,7 @@
 
 #include "player/band_image.h"
 #include "player/sheet_fragments.h"
+#include "player/slice_mix.h"
 
 namespace splatlas {
 namespace {
@@ -103,9 +104,13 @@ class Band {
 
   void render() {
     const auto slices = static_cast<std::int64_t>(pass_.model.slices.size());
-    for (std::int64_t n = 0; n < slices; ++n) {
-      const std::int64_t slice = pass_.shear.ascending ? n : slices - 1 - n;
-      if (!pass_.model.slices[static_cast<std::size_t>(slice)].spans.empty()) render_slice(slice);
+    const bool around_slices = pass_.window.parts == 1;
+    for (std::int64_t n = around_slices ? 0 : -1; n < slices; ++n) {
+      if (around_slices) {
+        render_slice(n);
+      } else {
+        render_between(n);
+      }
     }
     if (!pass_.fragments.empty()) {
       for (std::int64_t row = image_.first_fine_row(); row < image_.last_fine_row(); ++row)
@@ -115,8 +120,44 @@ class Band {
   }
 
  private:
+  /// The model's n-th slice, counted from the viewer; null before the first and behind the last one, and
+  /// where it is empty.
+  [[nodiscard]] const SliceSpans* slice(std::int64_t n) const {
+    const std::vector<SliceSpans>& slices = pass_.model.slices;
+    if (n < 0 || n >= std::ssize(slices)) return nullptr;
+    const SliceSpans& found =
+        slices[static_cast<std::size_t>(pass_.shear.ascending ? n : std::ssize(slices) - 1 - n)];
+    return found.spans.empty() ? nullptr : &found;
+  }
+  /// Its place, or one between, along the principal axis.
+  [[nodiscard]] double place_of(double n) const {
+    const double of_model =
+        pass_.shear.ascending ? n : static_cast<double>(pass_.model.slices.size()) - 1 - n;
+    return static_cast<double>(pass_.model.slice_first) + of_model;
+  }
+
   void render_slice(std::int64_t n) {
-    const auto k = static_cast<double>(pass_.model.slice_first + n);
+    if (slice(n) != nullptr) render_slab(*slice(n), place_of(static_cast<double>(n)));
+  }
+
+  /// Between slice n and the one behind it.
+  void render_between(std::int64_t n) {
+    static thread_local SliceSpans mixed;
+    SlicePair pair{slice(n), slice(n + 1), 0};
+    if (pair.before == nullptr && pair.behind == nullptr) return;
+    for (int part = 0; part < pass_.window.parts; ++part) {
+      const double middle = (part + 0.5) / pass_.window.parts;
+      const double k = place_of(static_cast<double>(n) + middle);
+      pair.behind_weight = static_cast<float>(middle);
+      const SliceRows rows(pass_, k);
+      mix_slices(pair, rows.upper_from(scale_ - 1, image_.first_fine_row()),
+                 rows.upper_from(0, image_.last_fine_row()) + 1, pass_.kernels, mixed);
+      if (!mixed.spans.empty()) render_slab(mixed, k);
+    }
+  }
+
+  /// `k`: place along the principal axis.
+  void render_slab(const SliceSpans& slice, double k) {
     const double u_shift = pass_.shear.u_shift(k) - static_cast<double>(pass_.window.u0);
     phases_.clear();
     for (std::int64_t phase = 0; phase < scale_; ++phase) {
@@ -126,15 +167,15 @@ class Band {
     const SliceRows rows(pass_, k);
     for (std::int64_t between = 0; between < scale_;) {
       const std::int64_t count = std::min<std::int64_t>(SheetRows::kMostRows, scale_ - between);
-      render_rows(n, rows, between, count);
+      render_rows(slice, k, rows, between, count);
       between += count;
     }
   }
 
   /// `count` of the rows that lie between any two rows of voxels, from number `between` on. The band's first
   /// and last rows may stand alone.
-  void render_rows(std::int64_t n, const SliceRows& rows, std::int64_t between, std::int64_t count) {
-    const SliceSpans& slice = pass_.model.slices[static_cast<std::size_t>(n)];
+  void render_rows(const SliceSpans& slice, double k, const SliceRows& rows, std::int64_t between,
+                   std::int64_t count) {
     const auto upper_rows = [&](std::int64_t row) {
       return std::pair(std::max(slice.first_row - 1, rows.upper_from(row, image_.first_fine_row())),
                        std::min(slice.last_row, rows.upper_from(row, image_.last_fine_row())));
@@ -147,25 +188,25 @@ class Band {
     }
     for (std::int64_t row = between; row < between + count; ++row) {
       const auto [own_first, own_last] = upper_rows(row);
-      composite(n, rows, row, 1, own_first, std::min(first, own_last));
-      composite(n, rows, row, 1, std::max({first, last, own_first}), own_last);
+      composite(slice, k, rows, row, 1, own_first, std::min(first, own_last));
+      composite(slice, k, rows, row, 1, std::max({first, last, own_first}), own_last);
     }
-    composite(n, rows, between, count, first, last);
+    composite(slice, k, rows, between, count, first, last);
   }
 
   /// Upper rows of voxels [first, last).
-  void composite(std::int64_t n, const SliceRows& slice_rows, std::int64_t between, std::int64_t count,
-                 std::int64_t first, std::int64_t last) {
+  void composite(const SliceSpans& slice, double k, const SliceRows& slice_rows, std::int64_t between,
+                 std::int64_t count, std::int64_t first, std::int64_t last) {
     if (first >= last) return;
     SheetRows rows;
-    rows.slice = &pass_.model.slices[static_cast<std::size_t>(n)];
+    rows.slice = &slice;
     rows.upper = first;
     rows.pairs = last - first;
     rows.rows_between = static_cast<std::size_t>(count);
     for (std::int64_t row = 0; row < count; ++row)
       rows.lower_weights[static_cast<std::size_t>(row)] = slice_rows.lower_weight(between + row);
     const std::int64_t fine_row = slice_rows.fine_row(first, between);
-    const std::int32_t slab = pass_.fragments.slab_of(pass_.model.slice_first + n);
+    const std::int32_t slab = pass_.fragments.slab_of(k);
     for_each_row_with_fragments(rows, fine_row, [&](std::int64_t row) {
       fragments_.before_slab(row, slab, image_.accumulated(row));
     });
@@ -173,7 +214,7 @@ class Band {
       rows.phase_count = std::min(SheetRows::kMostPhases, phases_.size() - phase);
       std::copy_n(phases_.begin() + static_cast<std::ptrdiff_t>(phase), rows.phase_count,
                   rows.phases.begin());
-      pass_.kernels.composite(rows, static_cast<float>(pass_.shear.slab_mm), pass_.floor,
+      pass_.kernels.composite(rows, static_cast<float>(pass_.shear.slab_mm / pass_.window.parts), pass_.floor,
                               image_.rows(fine_row, static_cast<std::int64_t>(phase)));
     }
     for_each_row_with_fragments(
@@ -240,17 +281,21 @@ std::uint64_t count_voxels(const Pass& pass) {
 
 }  // namespace
 
-SheetWindow sheet_window(const SpanModel& model, const Shear& shear, const PictureSize& size, int scale) {
+SheetWindow sheet_window(const SpanModel& model, const Shear& shear, const PictureSize& size, int scale,
+                         int parts) {
   SheetWindow window;
   window.scale = scale;
+  window.parts = parts;
   if (model.voxels == 0) return window;
   // Where voxels are seen: a footprint reaches one voxel to each side.
   const auto seen = [&](double first, double voxels, double shift_first, double shift_last) {
     return std::pair(first - 1 + std::min(shift_first, shift_last),
                      first + voxels + std::max(shift_first, shift_last));
   };
-  const auto k_first = static_cast<double>(model.slice_first);
-  const auto k_last = k_first + static_cast<double>(model.slices.size()) - 1;
+  const double reach = parts == 1 ? 0 : 1;  // of a slice along the principal axis, to places that are sampled
+  const double k_first = static_cast<double>(model.slice_first) - reach;
+  const double k_last =
+      static_cast<double>(model.slice_first) + static_cast<double>(model.slices.size()) - 1 + reach;
   auto [u_min, u_max] = seen(static_cast<double>(model.scan_first), static_cast<double>(model.scan_voxels),
                              shear.u_shift(k_first), shear.u_shift(k_last));
   auto [v_min, v_max] = seen(static_cast<double>(model.row_first), static_cast<double>(model.rows),

@@ -23,6 +23,7 @@ struct SheetWindow {
   std::int64_t u0 = 0, v0 = 0;
   std::int64_t columns = 0, rows = 0;  ///< in voxels
   int scale = 1;
+  int parts = 1;  ///< slabs per slice: see Slabs
   float skew = 0;
 
   [[nodiscard]] bool empty() const { return columns <= 0 || rows <= 0; }
@@ -43,7 +44,7 @@ struct SheetWindow {
 
 /// The window that covers where the model's voxels are seen, as far as the picture shows them.
 [[nodiscard]] SheetWindow sheet_window(const SpanModel& model, const Shear& shear, const PictureSize& size,
-                                       int scale);
+                                       int scale, int parts = 1);
 
 /// The finished sheet, with a border of one pixel that nothing covers.
 struct SheetImage {
@@ -66,8 +67,9 @@ struct SheetCounters {
 
 /// Renders the volume in the window, and the volume in front of every fragment. Bands of rows run in parallel
 /// and share nothing: the result does not depend on the number of threads. Blocks of pixels that let through
-/// no more than `floor` are left as they are. `fragments` are of the same window. Cost: voxels seen *
-/// scale^2, plus fragments, plus the window's pixels.
+/// no more than `floor` are left as they are. `fragments` are of the same window. Slabs around slices have
+/// their light; those between slices the light halfway through, interpolated. Cost: voxels seen * scale^2 *
+/// parts, plus fragments, plus the window's pixels.
 [[nodiscard]] SheetCounters render_sheets(const SpanModel& model, const Shear& shear,
                                           const SheetWindow& window, const SplatKernels& kernels, float floor,
                                           FragmentOrder& fragments, SheetImage& image, ThreadPool& pool);

@@ -47,6 +47,12 @@ struct ImageRows {
   std::int64_t plane_stride = 0, phase_stride = 0, row_stride = 0, pair_stride = 0;
 };
 
+/// Light with a weight; null is dark.
+struct WeighedLight {
+  const float* light = nullptr;  ///< aligned to cache lines
+  float weight = 0;
+};
+
 struct SplatKernels {
   const char* name;  ///< "scalar", or the instruction set
 
@@ -56,6 +62,10 @@ struct SplatKernels {
   /// Nothing is added to blocks that let through no more than `floor` everywhere. Cost: the blocks of the
   /// spans, opaque ones next to nothing.
   void (*composite)(const SheetRows& rows, float slab_mm, float floor, const ImageRows& image);
+
+  /// The sum of two, at least one of which is not null: `floats` of them, a multiple of kBlock, to `mixed`,
+  /// aligned as they are.
+  void (*mix)(const WeighedLight& a, const WeighedLight& b, std::size_t floats, float* mixed);
 };
 
 /// Plain C++, the twin that others are compared with.

@@ -104,10 +104,17 @@ void composite(const SheetRows& rows, float slab_mm, float floor, const ImageRow
     PairSplat(rows, slab_mm, floor, image, pair).composite();
 }
 
+void mix(const WeighedLight& a, const WeighedLight& b, std::size_t floats, float* mixed) {
+  for (std::size_t n = 0; n < floats; ++n) {
+    const float of_a = a.light != nullptr ? a.weight * a.light[n] : 0;
+    mixed[n] = b.light != nullptr ? of_a + b.weight * b.light[n] : of_a;
+  }
+}
+
 }  // namespace
 
 const SplatKernels& scalar_kernels() {
-  static constexpr SplatKernels kKernels{"scalar", composite};
+  static constexpr SplatKernels kKernels{"scalar", composite, mix};
   return kKernels;
 }
 

@@ -3,6 +3,7 @@
 #define HWY_TARGET_INCLUDE "player/splat_simd.cpp"
 #include <hwy/foreach_target.h>
 // Must come after foreach_target.h.
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 
@@ -235,6 +236,22 @@ void Composite(const SheetRows& rows, float slab_mm, float floor, const ImageRow
                              : CompositeEmissions<3>(rows, slab_mm, floor, image);
 }
 
+void Mix(const WeighedLight& a, const WeighedLight& b, std::size_t floats, float* mixed) {
+  const Lanes d;
+  const auto weight_a = hn::Set(d, a.weight), weight_b = hn::Set(d, b.weight);
+  if (a.light == nullptr || b.light == nullptr) {
+    const float* const light = a.light != nullptr ? a.light : b.light;
+    const auto weight = a.light != nullptr ? weight_a : weight_b;
+    for (std::size_t n = 0; n < floats; n += hn::Lanes(d))
+      hn::Store(hn::Mul(weight, hn::Load(d, light + n)), d, mixed + n);
+    return;
+  }
+  for (std::size_t n = 0; n < floats; n += hn::Lanes(d)) {
+    const auto of_a = hn::Mul(weight_a, hn::Load(d, a.light + n));
+    hn::Store(hn::MulAdd(weight_b, hn::Load(d, b.light + n), of_a), d, mixed + n);
+  }
+}
+
 }  // namespace splatlas::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -245,16 +262,21 @@ namespace splatlas {
 namespace {
 
 HWY_EXPORT(Composite);
+HWY_EXPORT(Mix);
 
 void composite(const SheetRows& rows, float slab_mm, float floor, const ImageRows& image) {
   HWY_DYNAMIC_DISPATCH(Composite)(rows, slab_mm, floor, image);
+}
+
+void mix(const WeighedLight& a, const WeighedLight& b, std::size_t floats, float* mixed) {
+  HWY_DYNAMIC_DISPATCH(Mix)(a, b, floats, mixed);
 }
 
 }  // namespace
 
 const SplatKernels& best_kernels() {
   static const SplatKernels kKernels =
-      scalar_is_forced() ? scalar_kernels() : SplatKernels{best_target(), composite};
+      scalar_is_forced() ? scalar_kernels() : SplatKernels{best_target(), composite, mix};
   return kKernels;
 }
 

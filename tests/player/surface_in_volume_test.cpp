@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "player/shear.h"
+#include "tests/reference/discrete_model.h"
 #include "tests/reference/picture_difference.h"
 #include "tests/reference/reference_light.h"
 #include "tests/support/render.h"
@@ -71,11 +72,13 @@ Selection fog_selection(const std::vector<Plane>& planes) {
 
 struct FogView {
   Camera camera;
-  RenderOptions options{.size = {7, 7}, .hybrid_shading = false};
+  RenderOptions options{.size = {7, 7}, .hybrid_shading = false, .transmittance_floor = 1e-4f};
   ParallelView view;
   double slab_mm = 1;
 
-  FogView(double azimuth_deg, double elevation_deg, const AtlasContent& content) {
+  FogView(double azimuth_deg, double elevation_deg, const AtlasContent& content,
+          Quality quality = Quality::kNormal) {
+    options.quality = quality;
     camera.azimuth_deg = azimuth_deg;
     camera.elevation_deg = elevation_deg;
     camera.zoom = zoom_for(content.display, 7, 0.83);
@@ -85,26 +88,44 @@ struct FogView {
   }
 };
 
-/// In closed form: fog from y = -0.5 to kDepth - 0.5, planes in the given order.
+/// Voxels of full fog in front of `at`. In drafts it fills slabs around the slices; else it rises and falls
+/// between the first two slices and behind the last one, and every slab has it as halfway through.
+double fog_until(double at, Quality quality) {
+  const int parts = reference::slabs_per_slice(quality);
+  const double thickness = 1.0 / parts;
+  const double first = parts == 1 ? -0.5 : -1;
+  const int slabs = parts == 1 ? kDepth : (kDepth + 1) * parts;
+  double voxels = 0;
+  for (int n = 0; n < slabs; ++n) {
+    const double begin = first + n * thickness;
+    const double middle = begin + 0.5 * thickness;
+    const double density = parts == 1 ? 1 : std::min({1.0, middle + 1, kDepth - middle});
+    voxels += density * std::clamp(at - begin, 0.0, thickness);
+  }
+  return voxels;
+}
+
+/// In closed form: fog, and planes in the given order.
 std::array<double, 4> expected_pixel(const std::vector<Plane>& in_order, const FogView& view) {
   const double extinction = -std::log1p(-static_cast<double>(kFogOpacity));
   const auto fog_color = reference::linear_of(kFogColor);
   reference::RayLight sum;
-  double from = -0.5;
+  double from = -1;
   const auto add_fog = [&](double to) {
-    const double depth = extinction * view.slab_mm * (to - from);
+    const double voxels = fog_until(to, view.options.quality) - fog_until(from, view.options.quality);
+    const double depth = extinction * view.slab_mm * voxels;
     const double opacity = -std::expm1(-depth);
     sum.add({{fog_color[0] * opacity, fog_color[1] * opacity, fog_color[2] * opacity}, 1 - opacity});
     from = to;
   };
   for (const Plane& plane : in_order) {
-    add_fog(std::clamp(plane.at, -0.5, kDepth - 0.5));
+    add_fog(plane.at);
     const auto color = reference::shade_surface(view.view, reference::linear_of(plane.color),
                                                 {0, view.view.forward_lps[1] < 0 ? 1.0 : -1.0, 0});
     const double opacity = plane.opacity;
     sum.add_surface({color[0] * opacity, color[1] * opacity, color[2] * opacity, opacity});
   }
-  add_fog(kDepth - 0.5);
+  add_fog(kDepth);
   return {sum.color[0], sum.color[1], sum.color[2], 1 - sum.transmittance};
 }
 
@@ -130,12 +151,14 @@ TEST(SurfaceInVolume, SweptPlanesFollowTheClosedForm) {
     Renderer renderer(open_in_memory(content), {1, 0});
     ASSERT_TRUE(renderer.select(fog_selection(planes)));
     for (const auto& [azimuth, elevation] : kDirections) {
-      const FogView view(azimuth, elevation, content);
-      std::vector<Plane> seen = planes;
-      // From behind, the fog is met the other way round.
-      if (view.view.forward_lps[1] < 0) seen[0].at = kDepth - 1 - seen[0].at;
-      expect_everywhere(render_or_throw(renderer, view.camera, view.options), expected_pixel(seen, view),
-                        fmt::format("plane at {}, azimuth {}", step / 16.0, azimuth));
+      for (const Quality quality : {Quality::kDraft, Quality::kNormal}) {
+        const FogView view(azimuth, elevation, content, quality);
+        std::vector<Plane> seen = planes;
+        // From behind, the fog is met the other way round.
+        if (view.view.forward_lps[1] < 0) seen[0].at = kDepth - 1 - seen[0].at;
+        expect_everywhere(render_or_throw(renderer, view.camera, view.options), expected_pixel(seen, view),
+                          fmt::format("plane at {}, azimuth {}", step / 16.0, azimuth));
+      }
     }
   }
 }

@@ -56,6 +56,15 @@ std::array<double, 2> voxels_per_pixel(const ParallelView& view, const Grid& gri
 
 }  // namespace
 
+int slabs_per_slice(Quality quality) {
+  switch (quality) {
+    case Quality::kNormal: return 3;
+    case Quality::kHigh: return 8;
+    case Quality::kDraft: break;
+  }
+  return 1;
+}
+
 int sheet_pixels_per_voxel(Quality quality, const ParallelView& view, const Grid& grid, Axis principal) {
   const std::array<double, 2> reach = voxels_per_pixel(view, grid, principal);
   const double pixels_per_voxel = std::min(1 / std::min(reach[0], reach[1]), 1e3);
@@ -68,11 +77,12 @@ int sheet_pixels_per_voxel(Quality quality, const ParallelView& view, const Grid
 }
 
 DiscreteModel::DiscreteModel(const LightField& field, const ParallelView& view, Axis principal,
-                             int pixels_per_voxel)
+                             int pixels_per_voxel, int parts)
     : field_(field),
       view_(view),
       axes_(ScanOrder::of(principal)),
       pixels_per_voxel_(pixels_per_voxel),
+      parts_(parts),
       slices_(field.grid.size[axes_.slice_axis]),
       middle_(0.5 * static_cast<double>(slices_ - 1)),
       per_mm_(ray_through(view, field.grid, 0, 0).per_mm) {}
@@ -101,24 +111,43 @@ VoxelLight DiscreteModel::in_slice(std::int64_t k, double scan, double row) cons
   return sum;
 }
 
-std::vector<RayLight> DiscreteModel::along_ray(const Place& place, std::span<const double> depths) const {
+double DiscreteModel::first_slab() const {
+  const double nearest = per_mm_[axes_.slice_axis] > 0 ? 0.0 : 1.0 - static_cast<double>(slices_);
+  return nearest - (parts_ == 1 ? 0.5 : 1.0);
+}
+
+DiscreteModel::SlabSample DiscreteModel::sample(std::int64_t n, const Place& place) const {
   const double along = per_mm_[axes_.slice_axis];
-  const double slab_mm = 1 / std::abs(along);
+  const double thickness = 1.0 / parts_;
+  SlabSample slab;
+  slab.begin = first_slab() + static_cast<double>(n) * thickness;
+  const double middle = slab.begin + 0.5 * thickness;
+  const double k = along > 0 ? middle : -middle;
+  const double scan = place.u + (k - middle_) * per_mm_[axes_.scan_axis] / along;
+  const double row = place.v + (k - middle_) * per_mm_[axes_.row_axis] / along;
+  if (parts_ == 1) {
+    slab.light = in_slice(std::llround(k), scan, row);
+  } else {
+    const double below = std::floor(k);
+    slab.light.add(1 - (k - below), in_slice(static_cast<std::int64_t>(below), scan, row));
+    slab.light.add(k - below, in_slice(static_cast<std::int64_t>(below) + 1, scan, row));
+  }
+  return slab;
+}
+
+std::vector<RayLight> DiscreteModel::along_ray(const Place& place, std::span<const double> depths) const {
+  const double thickness = 1.0 / parts_;
+  const double voxel_mm = 1 / std::abs(per_mm_[axes_.slice_axis]);
   std::vector<RayLight> before(depths.size() + 1);
   RayLight sum;
-  for (std::int64_t n = 0; n < slices_; ++n) {
-    const std::int64_t k = along > 0 ? n : slices_ - 1 - n;
-    const double slices = static_cast<double>(k) - middle_;
-    const VoxelLight light = in_slice(k, place.u + slices * per_mm_[axes_.scan_axis] / along,
-                                      place.v + slices * per_mm_[axes_.row_axis] / along);
-    // The slab reaches from half a voxel in front of the slice to half a voxel behind it.
-    const double slab_begin = (along > 0 ? static_cast<double>(k) : -static_cast<double>(k)) - 0.5;
+  for (std::int64_t n = 0; n < slabs(); ++n) {
+    const SlabSample sampled = sample(n, place);
     for (std::size_t d = 0; d < depths.size(); ++d) {
-      if (depths[d] < slab_begin) continue;
+      if (depths[d] < sampled.begin) continue;
       before[d] = sum;
-      before[d].add(slab(light, slab_mm * std::min(1.0, depths[d] - slab_begin)));
+      before[d].add(slab(sampled.light, voxel_mm * std::min(thickness, depths[d] - sampled.begin)));
     }
-    sum.add(slab(light, slab_mm));
+    sum.add(slab(sampled.light, voxel_mm * thickness));
   }
   before.back() = sum;
   return before;
@@ -150,21 +179,23 @@ std::vector<RayLight> DiscreteModel::warped(const Place& place, std::span<const 
 double DiscreteModel::smear() const {
   const double along = per_mm_[axes_.slice_axis];
   const double slopes = per_mm_[axes_.scan_axis] / along * per_mm_[axes_.row_axis] / along;
-  return std::clamp(slopes / 6 * pixels_per_voxel_ * pixels_per_voxel_, -0.25, 0.25);
+  const double missing = parts_ == 1 ? 1.0 / 6 : -1.0 / (12 * parts_ * parts_);
+  return std::clamp(slopes * missing * pixels_per_voxel_ * pixels_per_voxel_, -0.25, 0.25);
 }
 
 std::vector<RayLight> DiscreteModel::at(double x, double y, std::span<const double> depths) const {
-  const double first_slab = per_mm_[axes_.slice_axis] > 0 ? -0.5 : 0.5 - static_cast<double>(slices_);
+  const double thickness = 1.0 / parts_;
   std::vector<double> borders;  // of the slabs that hold the depths
   for (const double depth : depths) {
-    const double slab = std::clamp(std::floor(depth - first_slab), 0.0, static_cast<double>(slices_ - 1));
-    borders.push_back(first_slab + slab);
-    borders.push_back(first_slab + slab + 1);
+    const double slab =
+        std::clamp(std::floor((depth - first_slab()) / thickness), 0.0, static_cast<double>(slabs() - 1));
+    borders.push_back(first_slab() + slab * thickness);
+    borders.push_back(first_slab() + (slab + 1) * thickness);
   }
   const std::vector<RayLight> lights = warped(place_of(x, y), borders);
   std::vector<RayLight> before;
   for (std::size_t n = 0; n < depths.size(); ++n) {
-    const double part = std::clamp(depths[n] - borders[2 * n], 0.0, 1.0);
+    const double part = std::clamp((depths[n] - borders[2 * n]) / thickness, 0.0, 1.0);
     before.push_back(part_of_slab(lights[2 * n], lights[2 * n + 1], part));
   }
   before.push_back(lights.back());

@@ -14,6 +14,9 @@
 
 namespace splatlas::reference {
 
+/// Slabs per slice that the renderer documents for a quality.
+[[nodiscard]] int slabs_per_slice(Quality quality);
+
 /// Sheet pixels per voxel that the renderer documents for a quality.
 [[nodiscard]] int sheet_pixels_per_voxel(Quality quality, const ParallelView& view, const Grid& grid,
                                          Axis principal);
@@ -22,7 +25,10 @@ class DiscreteModel {
  public:
   /// Keeps references. `pixels_per_voxel`: of the sheet; 0 stands for a sheet of unlimited resolution, which
   /// leaves the slabs as the only approximation. `principal`: the axis that slices are normal to.
-  DiscreteModel(const LightField& field, const ParallelView& view, Axis principal, int pixels_per_voxel);
+  /// `parts`: slabs per slice. One lies around its slice; several between it and the next, each with the
+  /// light halfway through.
+  DiscreteModel(const LightField& field, const ParallelView& view, Axis principal, int pixels_per_voxel,
+                int parts = 1);
 
   /// The volume in front of every depth (along the principal axis in voxels, growing away from the viewer)
   /// and all of it, last; at picture coordinates. Within a slab the light is as if it were constant between
@@ -41,11 +47,19 @@ class DiscreteModel {
   /// What the warp's weights make up for: rays move across a slice along its slab.
   [[nodiscard]] double smear() const;
   [[nodiscard]] VoxelLight in_slice(std::int64_t k, double scan, double row) const;
+  /// Light of the middle of the n-th slab from the viewer, along a ray, and where the slab begins.
+  struct SlabSample {
+    VoxelLight light;
+    double begin = 0;  ///< depth, in voxels
+  };
+  [[nodiscard]] SlabSample sample(std::int64_t n, const Place& place) const;
+  [[nodiscard]] double first_slab() const;
+  [[nodiscard]] std::int64_t slabs() const { return parts_ == 1 ? slices_ : (slices_ + 1) * parts_; }
 
   const LightField& field_;
   const ParallelView& view_;
   ScanOrder axes_;
-  int pixels_per_voxel_;
+  int pixels_per_voxel_, parts_;
   std::int64_t slices_;
   double middle_;
   Vec3 per_mm_;

@@ -71,7 +71,8 @@ class DiscreteScene {
         model_(setup_.field, setup_.view, setup_.principal,
                unlimited ? 0
                          : sheet_pixels_per_voxel(scene.options.quality, setup_.view, setup_.field.grid,
-                                                  setup_.principal)),
+                                                  setup_.principal),
+               slabs_per_slice(scene.options.quality)),
         surfaces_(scene.content, scene.selection, setup_.view, setup_.principal, Coverage::kSnapped) {}
 
   [[nodiscard]] RayLight at(double x, double y) const { return compose_at(surfaces_.crossings(x, y), x, y); }
