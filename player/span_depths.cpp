@@ -47,7 +47,7 @@ class SheetDepths {
     });
   }
 
-  /// At (u, v), in voxels; kNowhere where the ray is let through by more.
+  /// At (u, v), in voxels; kNowhere where one of the four rays around is let through by more.
   [[nodiscard]] float at(double u, double v) const {
     const double column = std::floor(u), row = std::floor(v);
     const std::int64_t c = static_cast<std::int64_t>(column) - column_first_;
@@ -56,9 +56,8 @@ class SheetDepths {
     const float* upper = &places_[static_cast<std::size_t>(r * columns_ + c)];
     const float* lower = upper + columns_;
     const auto right = static_cast<float>(u - column), down = static_cast<float>(v - row);
-    if (std::max({upper[0], upper[1], lower[0], lower[1]}) == kNowhere) {
-      return (down < 0.5f ? upper : lower)[right < 0.5f ? 0 : 1];
-    }
+    // At a rim a voxel's depth alone would stand for a whole voxel, as a step.
+    if (std::max({upper[0], upper[1], lower[0], lower[1]}) == kNowhere) return kNowhere;
     const float above = upper[0] + right * (upper[1] - upper[0]);
     const float below = lower[0] + right * (lower[1] - lower[0]);
     return above + down * (below - above);
