@@ -266,9 +266,9 @@ std::vector<StressInput> curves() {
   volume.values = make_values(VoxelType::kUInt8, values);
   volume.window_low = 50;
   volume.window_high = 50;  // an empty window
-  return {input_of(volume, {kMixed, "*:volume(curve=7:0.5)", "*:volume(curve=0:0/0:0.9999)",
-                            "*:volume(curve=9:0:0/100:0.2:1/100:0.9:0/200:0)", "*:volume(profile=hard)",
-                            "*:volume(low=3,high=3.0000000001)"})};
+  return {input_of(volume, {kMixed, "*:volume(curve=7:0.5)", "*:volume(curve=0:0/1e-9:0.9999)",
+                            "*:volume(curve=9:0:0/100:0.2:1/100.000001:0.9:0/200:0)",
+                            "*:volume(profile=hard)", "*:volume(low=3,high=3.0000000001)"})};
 }
 
 }  // namespace
