@@ -47,6 +47,8 @@ std::vector<DrawingMode> drawing_modes() {
     options.classification = classification;
     return options;
   };
+  RenderOptions edges = with(Quality::kNormal);
+  edges.depth_cue = DepthCue::kEdges;
   return {
       {"draft", kVolume, kParallel, with(Quality::kDraft)},
       {"normal", kVolume, kParallel, with(Quality::kNormal)},
@@ -59,6 +61,8 @@ std::vector<DrawingMode> drawing_modes() {
       {"surfaces, perspective", kSurfaces, kPerspective, with(Quality::kNormal)},
       {"hybrid", kHybrid, kParallel, with(Quality::kNormal)},
       {"hybrid, perspective", kHybrid, kPerspective, with(Quality::kNormal)},
+      {"depth cue", kHybrid, kParallel, edges},
+      {"depth cue, perspective", kHybrid, kPerspective, edges},
   };
 }
 
