@@ -9,28 +9,10 @@
 #include "tests/phantom/two_spheres.h"
 #include "tests/reference/picture_difference.h"
 #include "tests/support/render.h"
+#include "tests/support/uniform_box.h"
 
 namespace splatlas {
 namespace {
-
-/// A box of `size` voxels of 1 mm, all of one structure "box", without grey values.
-AtlasContent box_content(const Index3& size) {
-  TestVolume volume;
-  volume.grid.size = size;
-  volume.structures = {{"box", make_mask(size, [](auto...) { return true; })}};
-  return make_content(volume);
-}
-
-Selection with_opacity(const AtlasContent& content, float opacity) {
-  Selection selection = selection_of("*:volume", content.graph);
-  for (StructureDraw& draw : selection.structures) draw.opacity = opacity;
-  return selection;
-}
-
-/// Opacity through `length` reference lengths of full value.
-double opacity_through(double length, float per_length) {
-  return -std::expm1(length * std::log1p(-static_cast<double>(per_length)));
-}
 
 TEST(ClosedForm, ThousandsOfThinLayersAddUp) {
   for (const int layers : {1000, 4000}) {

@@ -20,6 +20,18 @@
 namespace splatlas {
 namespace {
 
+/// What each structure adds, layer by layer, front to back.
+template <typename Layers>
+std::map<StructureIndex, double> shares_of(const Layers& layers) {
+  std::map<StructureIndex, double> shares;
+  double through = 1;
+  for (const auto& layer : layers) {
+    shares[layer.structure] += through * layer.opacity;
+    through *= 1 - layer.opacity;
+  }
+  return shares;
+}
+
 /// What each structure contributes to a pixel by brute force: nearest voxels, all crossings, sorted by depth.
 std::map<StructureIndex, double> contributions(const RandomScene& scene, int column, int row) {
   const Grid grid = storage_grid(scene.content);
@@ -56,13 +68,7 @@ std::map<StructureIndex, double> contributions(const RandomScene& scene, int col
   std::stable_sort(layers.begin(), layers.end(), [](const Layer& a, const Layer& b) {
     return a.depth != b.depth ? a.depth < b.depth : a.surface_first < b.surface_first;
   });
-  std::map<StructureIndex, double> shares;
-  double through = 1;
-  for (const Layer& layer : layers) {
-    shares[layer.structure] += through * layer.opacity;
-    through *= 1 - layer.opacity;
-  }
-  return shares;
+  return shares_of(layers);
 }
 
 TEST(Pick, NamesTheStructureThatContributesMost) {
@@ -142,13 +148,7 @@ std::optional<std::map<StructureIndex, double>> contributions_along(const Random
   }
   std::stable_sort(layers.begin(), layers.end(),
                    [](const Layer& a, const Layer& b) { return a.s_mm < b.s_mm; });
-  std::map<StructureIndex, double> shares;
-  double through = 1;
-  for (const Layer& layer : layers) {
-    shares[layer.structure] += through * layer.opacity;
-    through *= 1 - layer.opacity;
-  }
-  return shares;
+  return shares_of(layers);
 }
 
 TEST(Pick, NamesTheStructureThatContributesMostInFramesOfRays) {

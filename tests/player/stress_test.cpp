@@ -9,30 +9,13 @@
 #include "tests/reference/picture_difference.h"
 #include "tests/support/render.h"
 #include "tests/support/standard_scenes.h"
+#include "tests/support/uniform_box.h"
 
 namespace splatlas {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-/// One structure "box" that fills `size` voxels of 1 mm, without grey values.
-AtlasContent box_content(const Index3& size) {
-  TestVolume volume;
-  volume.grid.size = size;
-  volume.structures = {{"box", make_mask(size, [](auto...) { return true; })}};
-  return make_content(volume);
-}
-
-Selection with_opacity(const AtlasContent& content, float opacity) {
-  Selection selection = selection_of("*:volume", content.graph);
-  for (StructureDraw& draw : selection.structures) draw.opacity = opacity;
-  return selection;
-}
-
-double opacity_through(double length, float per_length) {
-  return -std::expm1(length * std::log1p(-static_cast<double>(per_length)));
-}
 
 double rms(const Picture& a, const Picture& b) {
   double squares = 0;

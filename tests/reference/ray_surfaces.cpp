@@ -2,21 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <tuple>
 
 #include "format/decision_tree.h"
 #include "player/shear.h"
 #include "tests/reference/reference_light.h"
 
 namespace splatlas::reference {
-namespace {
-
-/// As in reference_surfaces.cpp: surfaces coincide whose depths lie in the same step.
-constexpr double kDepthSteps = 4096;
-constexpr double kDepthOffset = 0.3183;
-
-}  // namespace
-
 RaySurfaces::RaySurfaces(const AtlasContent& content, const Selection& selection, const View& view)
     : plane_(view.plane) {
   const Grid grid = storage_grid(content);
@@ -113,13 +104,7 @@ std::vector<Crossing> RaySurfaces::crossings(const Ray& ray, double from_mm) con
     crossing.rgba[3] = look.opacity;
     all.push_back(crossing);
   }
-  const auto order = [](const Crossing& c) {
-    return std::tuple(std::floor(c.depth * kDepthSteps + kDepthOffset), c.entering, c.structure, c.triangle);
-  };
-  std::sort(all.begin(), all.end(),
-            [&](const Crossing& a, const Crossing& b) { return order(a) < order(b); });
-  const auto opaque = std::find_if(all.begin(), all.end(), [](const Crossing& c) { return c.rgba[3] >= 1; });
-  if (opaque != all.end()) all.erase(opaque + 1, all.end());
+  put_in_order(all);
   return all;
 }
 

@@ -161,11 +161,7 @@ void SurfacesInView::cross(const Surface& surface, std::uint32_t triangle, doubl
   out.push_back(crossing);
 }
 
-std::vector<Crossing> SurfacesInView::crossings(double x, double y) const {
-  std::vector<Crossing> all;
-  for (const TriangleRef& ref : rows_[static_cast<std::size_t>(y)]) {
-    cross(surfaces_[ref.surface], ref.triangle, x, y, all);
-  }
+void put_in_order(std::vector<Crossing>& all) {
   const auto order = [](const Crossing& c) {
     const double step = std::floor(c.depth * kDepthSteps + kDepthOffset);
     return std::tuple(step, c.entering, c.structure, c.triangle);
@@ -174,6 +170,14 @@ std::vector<Crossing> SurfacesInView::crossings(double x, double y) const {
             [&](const Crossing& a, const Crossing& b) { return order(a) < order(b); });
   const auto opaque = std::find_if(all.begin(), all.end(), [](const Crossing& c) { return c.rgba[3] >= 1; });
   if (opaque != all.end()) all.erase(opaque + 1, all.end());
+}
+
+std::vector<Crossing> SurfacesInView::crossings(double x, double y) const {
+  std::vector<Crossing> all;
+  for (const TriangleRef& ref : rows_[static_cast<std::size_t>(y)]) {
+    cross(surfaces_[ref.surface], ref.triangle, x, y, all);
+  }
+  put_in_order(all);
   return all;
 }
 

@@ -23,6 +23,10 @@ struct Crossing {
   bool entering = false;
 };
 
+/// Front to back, up to the first opaque one. Where surfaces coincide (within 1/4096 voxel), those that the
+/// ray leaves come first.
+void put_in_order(std::vector<Crossing>& crossings);
+
 /// Which triangles cover a pixel's centre, and how their normals are interpolated.
 enum class Coverage {
   kExact,   ///< the truth
