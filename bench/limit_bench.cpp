@@ -121,7 +121,8 @@ Table limit_table() {
   return {
       "limit",
       "Samples composited against the machine's limit, parallel projection, normal quality",
-      {"ns: CPU time of one thread in sheets, per selected voxel that absorbs and pixel of the sheet that "
+      {"ns: CPU time of one thread in sheets, per selected voxel that absorbs, slab and pixel of the sheet "
+       "that "
        "it has; nothing is left out for being hidden",
        "dense_ns: per sample of a plain SIMD loop (bilinear, under, no exponential) over a dense volume of "
        "as many samples, planes and pixels of the sheet",

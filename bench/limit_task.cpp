@@ -37,7 +37,9 @@ Result<void> LimitTask::prepare(int turns) {
     const auto per_slice = static_cast<std::uint64_t>(window.columns * window.rows);
     models.dense = DenseVolume::fog(
         window.columns, window.rows,
-        static_cast<std::int64_t>((models.spans().voxels + per_slice - 1) / per_slice), planes());
+        static_cast<std::int64_t>(
+            (models.spans().voxels * static_cast<std::uint64_t>(parts()) + per_slice - 1) / per_slice),
+        planes());
     SPLATLAS_RETURN_IF_ERROR(draw_packed(turn));
     SPLATLAS_RETURN_IF_ERROR(draw_dense(turn));
   }
@@ -90,7 +92,7 @@ Result<std::vector<Elapsed>> LimitTask::draw_dense(int turn) {
 }
 
 std::uint64_t LimitTask::scene_samples() const {
-  return axes_.begin()->second.spans().voxels * static_cast<std::uint64_t>(scale() * scale());
+  return axes_.begin()->second.spans().voxels * static_cast<std::uint64_t>(scale() * scale() * parts());
 }
 
 double LimitTask::fill() const {

@@ -34,7 +34,9 @@ class LimitTask {
 
   /// Sheet pixels per voxel of the latest draw().
   [[nodiscard]] int scale() const { return buffers_.sheet.window.scale; }
-  /// Of the scene: voxels times sheet pixels per voxel. The same at every turn.
+  /// Slabs per slice of the latest draw().
+  [[nodiscard]] int parts() const { return buffers_.sheet.window.parts; }
+  /// Of the scene: voxels times sheet pixels per voxel times slabs per slice. The same at every turn.
   [[nodiscard]] std::uint64_t scene_samples() const;
   /// Share of the blocks of spans that selected voxels fill.
   [[nodiscard]] double fill() const;
