@@ -50,10 +50,10 @@ int slab_parts(Quality quality) {
 /// of that length, whose covariance is a sixth of the product. Sheets know the slice at the slab's middle
 /// only; weights that are skewed smear as much where the sheet is sampled. Slabs between slices are samples
 /// of that tent, and smear a little too much.
-float skew_of(const Shear& shear, int scale, int parts) {
+float skew_of(const Shear& shear, const SheetSampling& sampling) {
   constexpr double kMost = 0.25;
-  const double missing = parts == 1 ? 1.0 / 6 : -1.0 / (12 * parts * parts);
-  const double covariance = shear.slope_u * shear.slope_v * missing * scale * scale;
+  const double missing = sampling.parts == 1 ? 1.0 / 6 : -1.0 / (12 * sampling.parts * sampling.parts);
+  const double covariance = shear.slope_u * shear.slope_v * missing * sampling.scale * sampling.scale;
   return static_cast<float>(std::clamp(covariance, -kMost, kMost));
 }
 
@@ -66,19 +66,19 @@ std::size_t edge_samples(const RenderOptions& options, std::uint64_t max_memory_
 }
 
 Result<SheetWindow> choose_window(const SpanModel& model, const Shear& shear, const RenderOptions& options) {
-  const int parts = slab_parts(options.quality);
-  int scale = sheet_scale(options.quality, shear);
+  SheetSampling sampling{sheet_scale(options.quality, shear), slab_parts(options.quality),
+                         options.quality != Quality::kDraft};
   while (true) {
-    SheetWindow window = sheet_window(model, shear, options.size, scale, parts);
-    window.skew = skew_of(shear, scale, parts);
+    SheetWindow window = sheet_window(model, shear, options.size, sampling);
+    window.skew = skew_of(shear, sampling);
     if (window.empty() || window.fine_rows() <= kMaxSheetPixels / window.fine_columns()) return window;
-    if (scale == 1) {
+    if (sampling.scale == 1) {
       return fail(ErrorCode::kLimit,
                   fmt::format("the selection covers {} x {} voxels on the picture, too many for one "
                               "sheet; zoom in or select less",
                               window.columns, window.rows));
     }
-    --scale;
+    --sampling.scale;
   }
 }
 

@@ -5,6 +5,8 @@
 #include <tuple>
 #include <vector>
 
+#include "player/warp_cubic.h"
+
 namespace splatlas {
 namespace {
 
@@ -48,8 +50,8 @@ Light sample_mean(const SheetImage& sheet, const Affine2& map, double x, double 
     for (int u = 0; u < samples; ++u) {
       const double sx = x + (u + 0.5) / samples - 0.5;
       const double sy = y + (v + 0.5) / samples - 0.5;
-      const Light light =
-          sample(sheet, map.xx * sx + map.xy * sy + map.x0, map.yx * sx + map.yy * sy + map.y0);
+      const double at_x = map.xx * sx + map.xy * sy + map.x0, at_y = map.yx * sx + map.yy * sy + map.y0;
+      const Light light = sheet.window.cubic ? sample_cubic(sheet, at_x, at_y) : sample(sheet, at_x, at_y);
       for (std::size_t c = 0; c < 4; ++c) sum.rgba[c] += light.rgba[c];
     }
   }
@@ -58,7 +60,7 @@ Light sample_mean(const SheetImage& sheet, const Affine2& map, double x, double 
   return sum;
 }
 
-/// Pixels of a row, [first, last), whose bilinear samples can lie within the sheet.
+/// Pixels of a row, [first, last), whose samples can lie within the sheet or `margin` sheet pixels beside it.
 std::pair<int, int> covered(const SheetImage& sheet, const Affine2& map, double y, int width, double margin) {
   double first = 0;
   double last = width;
@@ -128,11 +130,17 @@ class RowWarp {
  public:
   RowWarp(const SheetImage& sheet, const Affine2& map, int samples, const WarpKernels& kernels, double y,
           int width)
-      : sheet_(sheet), map_(map), samples_(samples), kernels_(kernels), y_(y) {
+      : sheet_(sheet),
+        map_(map),
+        samples_(samples),
+        cubic_(samples == 1 && sheet.window.cubic),
+        kernels_(kernels),
+        y_(y) {
     if (sheet.window.empty()) return;
     const double sheet_pixels = std::max(std::hypot(map.xx, map.yx), std::hypot(map.xy, map.yy));
-    std::tie(first_, last_) = covered(sheet, map, y, width, samples > 1 ? sheet_pixels : 0);
-    if (samples > 1) return;
+    const double margin = (samples > 1 ? sheet_pixels : 0) + (sheet.window.cubic ? 1 : 0);
+    std::tie(first_, last_) = covered(sheet, map, y, width, margin);
+    if (samples > 1 || cubic_) return;
     // To the last bit of the walk: every sample's four neighbours exist.
     while (first_ < last_ && !inside(first_, first_)) ++first_;
     while (first_ < last_ && !inside(first_, last_ - 1)) --last_;
@@ -145,6 +153,10 @@ class RowWarp {
   /// Columns [from, to), which must look into the sheet.
   void warp(int from, int to, float* out) const {
     if (from >= to) return;
+    if (cubic_) {
+      warp_cubic(sheet_, map_, y_, from, to, out);
+      return;
+    }
     if (samples_ == 1) {
       kernels_.warp(walk_from(from), static_cast<std::size_t>(to - from), out + std::ptrdiff_t{4} * from);
       return;
@@ -185,6 +197,7 @@ class RowWarp {
   const SheetImage& sheet_;
   const Affine2& map_;
   int samples_;
+  bool cubic_;
   const WarpKernels& kernels_;
   double y_;
   int first_ = 0, last_ = 0;

@@ -281,18 +281,20 @@ std::uint64_t count_voxels(const Pass& pass) {
 
 }  // namespace
 
-SheetWindow sheet_window(const SpanModel& model, const Shear& shear, const PictureSize& size, int scale,
-                         int parts) {
+SheetWindow sheet_window(const SpanModel& model, const Shear& shear, const PictureSize& size,
+                         const SheetSampling& sampling) {
   SheetWindow window;
-  window.scale = scale;
-  window.parts = parts;
+  window.scale = sampling.scale;
+  window.parts = sampling.parts;
+  window.cubic = sampling.cubic;
   if (model.voxels == 0) return window;
   // Where voxels are seen: a footprint reaches one voxel to each side.
   const auto seen = [&](double first, double voxels, double shift_first, double shift_last) {
     return std::pair(first - 1 + std::min(shift_first, shift_last),
                      first + voxels + std::max(shift_first, shift_last));
   };
-  const double reach = parts == 1 ? 0 : 1;  // of a slice along the principal axis, to places that are sampled
+  const double reach =
+      sampling.parts == 1 ? 0 : 1;  // of a slice along the principal axis, to places that are sampled
   const double k_first = static_cast<double>(model.slice_first) - reach;
   const double k_last =
       static_cast<double>(model.slice_first) + static_cast<double>(model.slices.size()) - 1 + reach;
@@ -300,13 +302,14 @@ SheetWindow sheet_window(const SpanModel& model, const Shear& shear, const Pictu
                              shear.u_shift(k_first), shear.u_shift(k_last));
   auto [v_min, v_max] = seen(static_cast<double>(model.row_first), static_cast<double>(model.rows),
                              shear.v_shift(k_first), shear.v_shift(k_last));
-  // What the picture shows, one voxel more for interpolation.
+  // What the picture shows, and a voxel or two more for interpolation.
+  const double around = sampling.cubic ? 2 : 1;
   const Affine2& map = shear.picture_to_sheet;
   const auto shown = [&](double per_x, double per_y, double origin) {
     const double x = per_x * size.width;
     const double y = per_y * size.height;
-    return std::pair(origin + std::min(x, 0.0) + std::min(y, 0.0) - 1,
-                     origin + std::max(x, 0.0) + std::max(y, 0.0) + 1);
+    return std::pair(origin + std::min(x, 0.0) + std::min(y, 0.0) - around,
+                     origin + std::max(x, 0.0) + std::max(y, 0.0) + around);
   };
   const auto [u_low, u_high] = shown(map.xx, map.xy, map.x0);
   const auto [v_low, v_high] = shown(map.yx, map.yy, map.y0);

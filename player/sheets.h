@@ -23,7 +23,8 @@ struct SheetWindow {
   std::int64_t u0 = 0, v0 = 0;
   std::int64_t columns = 0, rows = 0;  ///< in voxels
   int scale = 1;
-  int parts = 1;  ///< slabs per slice: see Slabs
+  int parts = 1;       ///< slabs per slice: see Slabs
+  bool cubic = false;  ///< where there are no fragments, places see 4 x 4 pixels: see warp_cubic()
   float skew = 0;
 
   [[nodiscard]] bool empty() const { return columns <= 0 || rows <= 0; }
@@ -42,9 +43,16 @@ struct SheetWindow {
   return {bilinear[0] + bounded, bilinear[1] - bounded, bilinear[2] - bounded, bilinear[3] + bounded};
 }
 
+/// How finely a volume is sampled: fields of SheetWindow.
+struct SheetSampling {
+  int scale = 1;
+  int parts = 1;
+  bool cubic = false;
+};
+
 /// The window that covers where the model's voxels are seen, as far as the picture shows them.
 [[nodiscard]] SheetWindow sheet_window(const SpanModel& model, const Shear& shear, const PictureSize& size,
-                                       int scale, int parts = 1);
+                                       const SheetSampling& sampling);
 
 /// The finished sheet, with a border of one pixel that nothing covers.
 struct SheetImage {

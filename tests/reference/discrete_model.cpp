@@ -39,6 +39,12 @@ RayLight part_of_slab(const RayLight& before, const RayLight& behind, double par
   return light;
 }
 
+double catmull_rom(double distance) {
+  const double d = std::abs(distance);
+  if (d < 1) return (1.5 * d - 2.5) * d * d + 1;
+  return d < 2 ? ((-0.5 * d + 2.5) * d - 4) * d + 2 : 0;
+}
+
 /// How far a step of one pixel to the right, and one down, reaches in the middle slice, in voxels.
 std::array<double, 2> voxels_per_pixel(const ParallelView& view, const Grid& grid, Axis principal) {
   const ScanOrder axes = ScanOrder::of(principal);
@@ -176,6 +182,22 @@ std::vector<RayLight> DiscreteModel::warped(const Place& place, std::span<const 
   return sums;
 }
 
+RayLight DiscreteModel::warped_cubic(const Place& place) const {
+  const double x = place.u * pixels_per_voxel_;
+  const double y = place.v * pixels_per_voxel_;
+  RayLight sum{{0, 0, 0}, 0};
+  for (int dx = -1; dx <= 2; ++dx) {
+    for (int dy = -1; dy <= 2; ++dy) {
+      const double column = std::floor(x) + dx, row = std::floor(y) + dy;
+      const double weight = catmull_rom(x - column) * catmull_rom(y - row);
+      add_weighted(weight, along_ray({column / pixels_per_voxel_, row / pixels_per_voxel_}, {}).back(), sum);
+    }
+  }
+  sum.transmittance = std::clamp(sum.transmittance, 0.0, 1.0);
+  for (double& color : sum.color) color = std::clamp(color, 0.0, 1 - sum.transmittance);
+  return sum;
+}
+
 double DiscreteModel::smear() const {
   const double along = per_mm_[axes_.slice_axis];
   const double slopes = per_mm_[axes_.scan_axis] / along * per_mm_[axes_.row_axis] / along;
@@ -207,11 +229,12 @@ RayLight DiscreteModel::pixel_mean(int column, int row) const {
   const auto reach = voxels_per_pixel(view_, field_.grid, axis);
   const int samples =
       std::clamp(static_cast<int>(std::ceil(std::max(reach[0], reach[1]) - 0.25)), 1, kMaxSamplesPerSide);
+  const bool cubic = parts_ > 1 && pixels_per_voxel_ > 0;
   RayLight sum{{0, 0, 0}, 0};
   for (int y = 0; y < samples; ++y) {
     for (int x = 0; x < samples; ++x) {
       const Place place = place_of(column + (x + 0.5) / samples, row + (y + 0.5) / samples);
-      add_weighted(1.0 / (samples * samples), warped(place, {}).back(), sum);
+      add_weighted(1.0 / (samples * samples), cubic ? warped_cubic(place) : warped(place, {}).back(), sum);
     }
   }
   return sum;

@@ -44,6 +44,8 @@ class DiscreteModel {
   [[nodiscard]] Place place_of(double x, double y) const;
   [[nodiscard]] std::vector<RayLight> along_ray(const Place& place, std::span<const double> depths) const;
   [[nodiscard]] std::vector<RayLight> warped(const Place& place, std::span<const double> depths) const;
+  /// Where there is the volume alone, in normal and high quality.
+  [[nodiscard]] RayLight warped_cubic(const Place& place) const;
   /// What the warp's weights make up for: rays move across a slice along its slab.
   [[nodiscard]] double smear() const;
   [[nodiscard]] VoxelLight in_slice(std::int64_t k, double scan, double row) const;
