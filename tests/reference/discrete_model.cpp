@@ -182,6 +182,16 @@ std::vector<RayLight> DiscreteModel::warped(const Place& place, std::span<const 
   return sums;
 }
 
+const RayLight& DiscreteModel::sheet_pixel(std::int64_t column, std::int64_t row) const {
+  const auto [found, is_new] = sheet_.try_emplace({column, row});
+  if (is_new) {
+    const Place place{static_cast<double>(column) / pixels_per_voxel_,
+                      static_cast<double>(row) / pixels_per_voxel_};
+    found->second = along_ray(place, {}).back();
+  }
+  return found->second;
+}
+
 RayLight DiscreteModel::warped_cubic(const Place& place) const {
   const double x = place.u * pixels_per_voxel_;
   const double y = place.v * pixels_per_voxel_;
@@ -190,7 +200,8 @@ RayLight DiscreteModel::warped_cubic(const Place& place) const {
     for (int dy = -1; dy <= 2; ++dy) {
       const double column = std::floor(x) + dx, row = std::floor(y) + dy;
       const double weight = catmull_rom(x - column) * catmull_rom(y - row);
-      add_weighted(weight, along_ray({column / pixels_per_voxel_, row / pixels_per_voxel_}, {}).back(), sum);
+      add_weighted(weight, sheet_pixel(static_cast<std::int64_t>(column), static_cast<std::int64_t>(row)),
+                   sum);
     }
   }
   sum.transmittance = std::clamp(sum.transmittance, 0.0, 1.0);

@@ -3,7 +3,10 @@
 // more than float rounding) from the error that the method has.
 #pragma once
 
+#include <cstdint>
+#include <map>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "format/run_model.h"
@@ -46,6 +49,8 @@ class DiscreteModel {
   [[nodiscard]] std::vector<RayLight> warped(const Place& place, std::span<const double> depths) const;
   /// Where there is the volume alone, in normal and high quality.
   [[nodiscard]] RayLight warped_cubic(const Place& place) const;
+  /// The whole volume at a pixel of the sheet; pictures ask for each again and again.
+  [[nodiscard]] const RayLight& sheet_pixel(std::int64_t column, std::int64_t row) const;
   /// What the warp's weights make up for: rays move across a slice along its slab.
   [[nodiscard]] double smear() const;
   [[nodiscard]] VoxelLight in_slice(std::int64_t k, double scan, double row) const;
@@ -65,6 +70,8 @@ class DiscreteModel {
   std::int64_t slices_;
   double middle_;
   Vec3 per_mm_;
+  mutable std::map<std::pair<std::int64_t, std::int64_t>, RayLight>
+      sheet_;  // as far as it has been asked for
 };
 
 }  // namespace splatlas::reference
