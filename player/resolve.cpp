@@ -5,8 +5,6 @@
 #include <tuple>
 #include <vector>
 
-#include "player/warp_cubic.h"
-
 namespace splatlas {
 namespace {
 
@@ -43,15 +41,34 @@ Light sample(const SheetImage& sheet, double x, double y) {
   return sheet.channels == 4 ? light : in_color(light.rgba[0], light.rgba[1], sheet.color);
 }
 
+CubicWalk cubic_walk(const SheetImage& sheet, double x, double y, double step_x, double step_y) {
+  return {sheet.at(0, 0),
+          sheet.window.fine_columns(),
+          sheet.window.fine_rows(),
+          sheet.stride(),
+          sheet.channels,
+          sheet.color,
+          x,
+          y,
+          step_x,
+          step_y};
+}
+
 /// Mean over a grid of samples within the pixel whose centre is (x, y).
-Light sample_mean(const SheetImage& sheet, const Affine2& map, double x, double y, int samples) {
+Light sample_mean(const SheetImage& sheet, const Affine2& map, double x, double y, int samples,
+                  const WarpKernels& kernels) {
   Light sum;
   for (int v = 0; v < samples; ++v) {
     for (int u = 0; u < samples; ++u) {
       const double sx = x + (u + 0.5) / samples - 0.5;
       const double sy = y + (v + 0.5) / samples - 0.5;
       const double at_x = map.xx * sx + map.xy * sy + map.x0, at_y = map.yx * sx + map.yy * sy + map.y0;
-      const Light light = sheet.window.cubic ? sample_cubic(sheet, at_x, at_y) : sample(sheet, at_x, at_y);
+      Light light;
+      if (sheet.window.cubic) {
+        kernels.cubic(cubic_walk(sheet, at_x, at_y, 0, 0), 1, light.rgba.data());
+      } else {
+        light = sample(sheet, at_x, at_y);
+      }
       for (std::size_t c = 0; c < 4; ++c) sum.rgba[c] += light.rgba[c];
     }
   }
@@ -154,7 +171,10 @@ class RowWarp {
   void warp(int from, int to, float* out) const {
     if (from >= to) return;
     if (cubic_) {
-      warp_cubic(sheet_, map_, y_, from, to, out);
+      const double x = from + 0.5;
+      const CubicWalk walk = cubic_walk(sheet_, map_.xx * x + map_.xy * y_ + map_.x0,
+                                        map_.yx * x + map_.yy * y_ + map_.y0, map_.xx, map_.yx);
+      kernels_.cubic(walk, static_cast<std::size_t>(to - from), out + std::ptrdiff_t{4} * from);
       return;
     }
     if (samples_ == 1) {
@@ -162,7 +182,7 @@ class RowWarp {
       return;
     }
     for (int column = from; column < to; ++column) {
-      const Light light = sample_mean(sheet_, map_, column + 0.5, y_, samples_);
+      const Light light = sample_mean(sheet_, map_, column + 0.5, y_, samples_, kernels_);
       std::copy(light.rgba.begin(), light.rgba.end(), out + std::ptrdiff_t{4} * column);
     }
   }

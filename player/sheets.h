@@ -24,7 +24,7 @@ struct SheetWindow {
   std::int64_t columns = 0, rows = 0;  ///< in voxels
   int scale = 1;
   int parts = 1;       ///< slabs per slice: see Slabs
-  bool cubic = false;  ///< where there are no fragments, places see 4 x 4 pixels: see warp_cubic()
+  bool cubic = false;  ///< where there are no fragments, places see 4 x 4 pixels: see WarpKernels::cubic
   float skew = 0;
 
   [[nodiscard]] bool empty() const { return columns <= 0 || rows <= 0; }

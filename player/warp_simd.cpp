@@ -185,12 +185,13 @@ void plain_warp(const WarpWalk& walk, std::size_t count, float* out) {
 }  // namespace
 
 const WarpKernels& scalar_warp() {
-  static constexpr WarpKernels kKernels{"scalar", plain_warp};
+  static constexpr WarpKernels kKernels{"scalar", plain_warp, plain_cubic};
   return kKernels;
 }
 
 const WarpKernels& best_warp() {
-  static const WarpKernels kKernels = scalar_is_forced() ? scalar_warp() : WarpKernels{best_target(), warp};
+  static const WarpKernels kKernels =
+      scalar_is_forced() ? scalar_warp() : WarpKernels{best_target(), warp, best_cubic};
   return kKernels;
 }
 

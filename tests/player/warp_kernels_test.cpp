@@ -1,6 +1,7 @@
 #include "player/warp_kernels.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <random>
 #include <vector>
@@ -83,6 +84,59 @@ TEST_P(BothWarps, WeighsFourNeighboursAndWritesNoMoreThanAsked) {
       for (std::size_t f = 4 * count; f < out.size(); ++f) ASSERT_EQ(out[f], -7.0f);
     }
   }
+}
+
+double catmull_rom(double distance) {
+  const double d = std::abs(distance);
+  if (d < 1) return (1.5 * d - 2.5) * d * d + 1;
+  return d < 2 ? ((-0.5 * d + 2.5) * d - 4) * d + 2 : 0;
+}
+
+/// Inside the sheet, across its border and beside it.
+TEST_P(BothWarps, CubicsWeighSixteenNeighboursAndStayInBounds) {
+  std::mt19937 random(2);
+  std::uniform_real_distribution<double> place(-4, kSide + 4), step(-0.7, 0.7);
+  std::size_t cut = 0;
+  for (const int channels : {2, 4}) {
+    std::vector<float> pixels = random_sheet(random, channels);
+    for (std::size_t n = 0; n < pixels.size(); ++n) {  // colours are no more than the opacity
+      const std::size_t opacity =
+          n / static_cast<std::size_t>(channels) * static_cast<std::size_t>(channels) +
+          static_cast<std::size_t>(channels) - 1;
+      if (n != opacity) pixels[n] *= pixels[opacity];
+    }
+    for (int n = 0; n < 300; ++n) {
+      const CubicWalk walk{pixels.data(),    kSide - 3,     kSide,         kSide,        channels,
+                           {0.25f, 0.5f, 1}, place(random), place(random), step(random), step(random)};
+      const std::size_t count = 1 + random() % 50;
+      std::vector<float> out(4 * (count + 2), -7.0f);
+      kernels().cubic(walk, count, out.data());
+      for (std::size_t pixel = 0; pixel < count; ++pixel) {
+        const double x = walk.x + static_cast<double>(pixel) * walk.step_x;
+        const double y = walk.y + static_cast<double>(pixel) * walk.step_y;
+        std::array<double, 4> expected{};
+        for (std::int64_t row = 0; row < walk.rows; ++row) {
+          for (std::int64_t column = 0; column < walk.columns; ++column) {
+            const double weight =
+                catmull_rom(x - static_cast<double>(column)) * catmull_rom(y - static_cast<double>(row));
+            if (weight == 0) continue;
+            const float* const from =
+                &pixels[static_cast<std::size_t>((row * walk.stride + column) * channels)];
+            for (std::size_t c = 0; c < 4; ++c) {
+              const double channel = channels == 4 ? from[c] : c == 3 ? from[1] : from[0] * walk.color[c];
+              expected[c] += weight * channel;
+            }
+          }
+        }
+        const double alpha = std::clamp(expected[3], 0.0, 1.0);
+        if (alpha != expected[3]) ++cut;
+        for (std::size_t c = 0; c < 4; ++c)
+          ASSERT_NEAR(out[4 * pixel + c], std::clamp(expected[c], 0.0, alpha), 2e-6) << x << ", " << y;
+      }
+      for (std::size_t c = 4 * count; c < out.size(); ++c) ASSERT_EQ(out[c], -7.0f);
+    }
+  }
+  EXPECT_GT(cut, 100u);
 }
 
 }  // namespace
