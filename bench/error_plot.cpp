@@ -75,7 +75,7 @@ std::string error_plot_script(std::span<const Table> tables, const std::filesyst
       "set terminal pngcairo size {},{} noenhanced font 'DejaVu Sans,10'\n"
       "set output {}\n"
       "set logscale xy\nset grid\nset xlabel 'wall clock, ms'\nset ylabel 'RMS error, 1/255'\n"
-      "set key top right font ',8'\nset multiplot layout {},{}\n",
+      "set key below maxrows 2 font ',8'\nset multiplot layout {},{}\n",
       380 * contents.scenes.size(), 320 * contents.looks.size(), quoted(png.string()), contents.looks.size(),
       contents.scenes.size());
   for (const std::string& look : contents.looks) {

@@ -150,7 +150,7 @@ std::vector<std::uint8_t> drawn_classes(const AtlasContent& content, const Atlas
                                         const Selection& selection) {
   std::vector<std::uint8_t> drawn(content.classes.size(), 0);
   for (const ClassDraw& draw : atlas.tree().plan(selection).classes) {
-    if (draw.role == VoxelRole::kVolume || draw.role == VoxelRole::kHybrid) drawn[draw.id] = 0xff;
+    if (draws_volume(draw.role)) drawn[draw.id] = 0xff;
   }
   return drawn;
 }

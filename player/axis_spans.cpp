@@ -1,13 +1,19 @@
 #include "player/axis_spans.h"
 
+#include <utility>
 #include <vector>
 
 namespace splatlas {
 
 void AxisSpans::build(const DrawPlan& plan, const VolumeLooks& looks, const Atlas& atlas,
                       const ClassCache& cache, Axis axis, bool shade, ThreadPool& pool) {
-  runs_.emplace(plan, atlas.classes(), cache, axis);
-  spans_.build({*runs_, plan, looks, atlas.classes(), atlas.grid(), cache, shade}, pool);
+  // Where memory runs out on the way, nothing is left that could be taken for finished.
+  runs_.reset();
+  SpanBuilder spans = std::exchange(spans_, {});
+  SelectedRuns runs(plan, atlas.classes(), cache, axis);
+  spans.build({runs, plan, looks, atlas.classes(), atlas.grid(), cache, shade}, pool);
+  spans_ = std::move(spans);
+  runs_.emplace(std::move(runs));
   lists_shaded_ = shade;
   partly_lit_ = lit_for_.has_value();
 }

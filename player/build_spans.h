@@ -27,7 +27,8 @@ class SpanBuilder {
  public:
   /// Looks up what every selected voxel emits and absorbs (classified before interpolation) and packs it into
   /// spans; voxels without extinction are left out. Slices in which no class looks otherwise than before are
-  /// kept as they are, with their shading; others are unshaded. All requests must be of one atlas and axis.
+  /// kept as they are, with their shading; others are unshaded. All requests must be of one atlas and axis,
+  /// and of one VolumeLooks.
   /// Cost: linear in the voxels of the slices that change, and in the runs there that are decoded; slices are
   /// built in parallel.
   void build(const SpanRequest& request, ThreadPool& pool);

@@ -70,13 +70,24 @@ Result<void> ClassCache::require(std::span<const ClassId> classes, Axis axis, Th
     const auto n = static_cast<std::size_t>(read);
     std::vector<std::pair<ClassId, const ClassRuns*>> runs;
     for (const Missing& of : missing) {
-      if (!of.result || !of.runs[n]) continue;
-      of.decoded->run_count[n] = of.runs[n]->size();
-      runs.emplace_back(of.id, &*of.runs[n]);
+      if (of.result && of.runs[n]) runs.emplace_back(of.id, &*of.runs[n]);
     }
-    runs_[n].insert(runs, atlas_->grid().size[ScanOrder::of(read).row_axis], pool);
+    keep_runs(read, runs, pool);
   }
   return first_failure;
+}
+
+void ClassCache::keep_runs(Axis axis, std::span<const std::pair<ClassId, const ClassRuns*>> runs,
+                           ThreadPool& pool) {
+  const auto n = static_cast<std::size_t>(axis);
+  try {
+    runs_[n].insert(runs, atlas_->grid().size[ScanOrder::of(axis).row_axis], pool);
+  } catch (...) {  // out of memory: some are there, some are not
+    runs_[n] = {};
+    for (auto& [id, decoded] : classes_) decoded.run_count[n].reset();
+    throw;
+  }
+  for (const auto& [id, of_class] : runs) classes_[id].run_count[n] = of_class->size();
 }
 
 Result<void> ClassCache::decode(ClassId c, Axis axis, DecodedClass& decoded, NewRuns& read) {

@@ -69,6 +69,7 @@ class ClassCache {
   /// Runs that have been read and are not kept yet.
   using NewRuns = std::array<std::optional<ClassRuns>, 3>;
   [[nodiscard]] Result<void> decode(ClassId c, Axis axis, DecodedClass& decoded, NewRuns& read);
+  void keep_runs(Axis axis, std::span<const std::pair<ClassId, const ClassRuns*>> runs, ThreadPool& pool);
   [[nodiscard]] Result<void> place_voxels(ClassId c, const ClassRuns& z_runs);
 
   std::shared_ptr<const Atlas> atlas_;

@@ -80,8 +80,9 @@ class RowDarkener {
 
   void add_pair(const Pair& pair, int row) {
     const float* here = row_of(row);
-    const float* one = row_of(row + pair.down) + pair.right;
-    const float* other = row_of(row - pair.down) - pair.right;
+    const float* below = row_of(row + pair.down);
+    const float* above = row_of(row - pair.down);
+    const int right = pair.right;
     const int aside = std::abs(pair.right);
     const auto scale = static_cast<float>(1 / edges_.range_mm);
     const auto least = static_cast<float>(edges_.least_mm / edges_.range_mm);
@@ -90,7 +91,7 @@ class RowDarkener {
     const int end = std::min(last_, depths_.size.width - aside);
     for (int x = std::max(first_, aside); x < end; ++x) {
       // With background, behind is -infinity or not a number: neither is above 0.
-      const float behind = (here[x] - 0.5f * (one[x] + other[x])) * scale - least;
+      const float behind = (here[x] - 0.5f * (below[x + right] + above[x - right])) * scale - least;
       const float share = behind > 0 ? behind : 0;
       shares[x] += weight * (share < 1 ? share : 1);
     }
@@ -104,6 +105,17 @@ class RowDarkener {
   std::vector<float> shares_;
 };
 
+/// Depths come from some tens of operations in float: what differs by less than this share of them does not.
+constexpr double kLeastOfDepth = 32.0 / (1 << 23);
+
+/// From the plane of the centre, to either side.
+double furthest_mm(const DepthMap& depths) {
+  float furthest = 0;
+  for (const float mm : depths.mm)
+    furthest = std::max(furthest, mm == DepthMap::kBackground ? 0 : std::abs(mm));
+  return static_cast<double>(furthest);
+}
+
 }  // namespace
 
 void DepthMap::clear(const PictureSize& picture_size) {
@@ -113,14 +125,16 @@ void DepthMap::clear(const PictureSize& picture_size) {
 
 DepthEdges depth_edges(const ParallelView& plane, float strength) {
   DepthEdges edges;
-  edges.strength = strength;
+  edges.strength = std::clamp(strength, 0.0f, 1.0f);
   edges.radius = std::max(kLeastRadius, kRadius * std::min(plane.size.width, plane.size.height));
   edges.range_mm = kRange * edges.radius * plane.mm_per_pixel;
   edges.least_mm = kLeastShare * edges.range_mm;
   return edges;
 }
 
-void darken_edges(const DepthMap& depths, const DepthEdges& edges, Picture& picture, ThreadPool& pool) {
+void darken_edges(const DepthMap& depths, const DepthEdges& asked, Picture& picture, ThreadPool& pool) {
+  DepthEdges edges = asked;
+  edges.least_mm = std::max(asked.least_mm, kLeastOfDepth * furthest_mm(depths));
   const auto rows = static_cast<std::size_t>(depths.size.height);
   pool.for_each((rows + kRowsPerJob - 1) / kRowsPerJob, [&](std::size_t job) {
     RowDarkener darkener(depths, edges, picture);

@@ -20,7 +20,7 @@ struct DepthMap {
 };
 
 struct DepthEdges {
-  float strength = 0.7f;  ///< 0: none; 1: down to black
+  float strength = 0.7f;  ///< 0: none; 1: down to black; not outside
   double radius = 10;     ///< pixels around
   double range_mm = 10;   ///< so far behind both sides' mean is as dark as it gets
   double least_mm = 0;    ///< so far behind it shows
@@ -34,8 +34,8 @@ struct DepthEdges {
 /// takes by how much the pixel lies behind the pair's mean, as a share of the range from 0 to 1, and the
 /// colour is multiplied by 1 - strength * (mean share, near pairs weigh more). So a plane stays as it is, at
 /// any slant and up to its border; of a step only the further side changes; hollows darken, ridges do not.
-/// Pairs with background or beyond the picture do not count, background and alpha stay. Cost: 32 pairs a
-/// pixel. The same bits with any number of threads.
+/// Pairs with background or beyond the picture do not count, background and alpha stay; nor does what the
+/// depths' digits cannot tell. Cost: 32 pairs a pixel. The same bits with any number of threads.
 void darken_edges(const DepthMap& depths, const DepthEdges& edges, Picture& picture, ThreadPool& pool);
 
 }  // namespace splatlas

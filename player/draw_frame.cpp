@@ -57,6 +57,11 @@ float skew_of(const Shear& shear, const SheetSampling& sampling) {
   return static_cast<float>(std::clamp(covariance, -kMost, kMost));
 }
 
+/// The cubic's weights above 0 add up to 1.28 at most: what sheets leave out may grow by that.
+float floor_of(const RenderOptions& options, const SheetWindow& window) {
+  return transmittance_floor(options) / (window.cubic ? 1.3f : 1.0f);
+}
+
 std::size_t edge_samples(const RenderOptions& options, std::uint64_t max_memory_bytes) {
   if (!options.antialiasing || options.quality == Quality::kDraft) return 1;
   const auto pixels =
@@ -105,9 +110,8 @@ Result<FrameCounters> draw_frame(const FrameRequest& frame, FrameBuffers& buffer
   SPLATLAS_ASSIGN_OR_RETURN(const SheetWindow window, choose_window(frame.spans, frame.shear, options));
   const SplatKernels& kernels = options.simd ? best_kernels() : scalar_kernels();
   buffers.order.build(buffers.fragments, frame.shear, window, options.size, frame.grid, pool);
-  const SheetCounters sheets =
-      render_sheets(frame.spans, frame.shear, window, kernels, transmittance_floor(options), buffers.order,
-                    buffers.sheet, pool);
+  const SheetCounters sheets = render_sheets(frame.spans, frame.shear, window, kernels,
+                                             floor_of(options, window), buffers.order, buffers.sheet, pool);
   counters.voxels = sheets.voxels;
   counters.sheets = watch.lap();
 

@@ -86,6 +86,8 @@ void FragmentOrder::build(const FragmentList& list, const Shear& shear, const Sh
   place_.resize(list.fragments.size());
   if (window.empty() || list.fragments.empty()) {
     std::fill(place_.begin(), place_.end(), kNowhere);
+    entries_.clear();
+    lights_.clear();
     return;
   }
   scatter(list, shear, window, size, pool);
@@ -145,7 +147,7 @@ void FragmentOrder::scatter(const FragmentList& list, const Shear& shear, const 
       for (std::uint32_t fragment = first; fragment < last; ++fragment) {
         Unsorted& to = unsorted_[next++];
         to = {fragment, place->entry};
-        to.entry.slab = slab_at(along(list.fragments[fragment].depth)).slab;
+        to.entry.slab = slab_at(along_of_depth(list.fragments[fragment].depth)).slab;
       }
     });
   });
@@ -188,7 +190,7 @@ Light FragmentOrder::in_front_of(std::size_t fragment, float depth) const {
   // counts.
   const float most = through - kLeastThrough;
   const float share =
-      share_of_slab(std::min(added, std::max(most, 0.0f)) / through, slab_at(along(depth)).part);
+      share_of_slab(std::min(added, std::max(most, 0.0f)) / through, slab_at(along_of_depth(depth)).part);
   Light light;
   for (std::size_t c = 0; c < 4; ++c) {
     light.rgba[c] = slab.before.rgba[c] + share * (slab.behind.rgba[c] - slab.before.rgba[c]);

@@ -66,7 +66,7 @@ class FragmentOrder {
 
   /// The slab that place `k` along the principal axis lies in (in voxels of the grid), counted from the
   /// viewer.
-  [[nodiscard]] std::int32_t slab_of(double k) const { return slab_at(along(k)).slab; }
+  [[nodiscard]] std::int32_t slab_of(double k) const { return slab_at(along_of_place(k)).slab; }
 
  private:
   struct Unsorted {
@@ -77,11 +77,12 @@ class FragmentOrder {
     std::int32_t slab = 0;
     float part = 0;  ///< share of the slab in front of the depth, [0, 1]
   };
-  struct SamplePlace;
 
   /// Voxels from the slice that is nearest to the viewer.
-  [[nodiscard]] double along(double k) const { return ascending_ ? k : static_cast<double>(slices_ - 1) - k; }
-  [[nodiscard]] double along(float depth) const {
+  [[nodiscard]] double along_of_place(double k) const {
+    return ascending_ ? k : static_cast<double>(slices_ - 1) - k;
+  }
+  [[nodiscard]] double along_of_depth(float depth) const {
     return ascending_ ? depth : static_cast<double>(depth) + static_cast<double>(slices_ - 1);
   }
   [[nodiscard]] SlabPlace slab_at(double along) const;

@@ -113,6 +113,7 @@ struct Renderer::Impl {
   [[nodiscard]] Result<void> decode(Axis axis);
   [[nodiscard]] AxisSpans& spans(Axis axis, bool shade);
   void keep_spans();
+  void drop_kept_spans(std::uint64_t frame_bytes);
   [[nodiscard]] Result<Rays*> ray_volume(const RenderOptions& options);
   [[nodiscard]] Result<void> render_rays(const View& frame_view, const RenderOptions& options,
                                          Picture& picture);
@@ -166,6 +167,16 @@ void Renderer::Impl::keep_spans() {
     if (axis == latest_axis && small) {
       built->outdate();
     } else {
+      built.reset();
+    }
+  }
+}
+
+/// Makes room: spans of a selection before are built upon only where there is memory for all.
+void Renderer::Impl::drop_kept_spans(std::uint64_t frame_bytes) {
+  for (std::optional<AxisSpans>& built : axis_spans) {
+    if (built && !built->current(false) &&
+        built->light_bytes() + plan_bytes + frame_bytes > max_memory_bytes) {
       built.reset();
     }
   }
@@ -310,6 +321,7 @@ Result<void> Renderer::render(const Camera& camera, const RenderOptions& options
   const Grid& grid = r.atlas->grid();
   SPLATLAS_ASSIGN_OR_RETURN(const View frame_view, view_of(camera, options.size, r.atlas->display()));
   const ParallelView& view = frame_view.plane;
+  r.drop_kept_spans(frame_bytes(options));
   if (const std::uint64_t bytes = frame_bytes(options); bytes > r.max_memory_bytes - r.plan_bytes) {
     return fail(
         ErrorCode::kLimit,

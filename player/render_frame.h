@@ -17,8 +17,10 @@
 namespace splatlas {
 
 /// Sheets, in parallel projection with voxels classified before interpolation: pixels per voxel are about one
-/// per picture pixel, at most 2 in drafts, 4 normally; high twice as many, at most 8. Rays, in perspective
-/// and wherever grey values are classified after interpolation: steps per slab are 1; 1 to 32; 8 to 64.
+/// per picture pixel, at most 2 in drafts, 4 normally; high twice as many, at most 8. Slabs per slice are 1,
+/// 3 and 8, and where there is volume alone, sheets are warped with a cubic but in drafts. Rays, in
+/// perspective and wherever grey values are classified after interpolation: steps per slab are 1; 1 to 32; 8
+/// to 64.
 enum class Quality : std::uint8_t { kDraft, kNormal, kHigh };
 [[nodiscard]] std::optional<Quality> named_quality(std::string_view name);
 
@@ -32,7 +34,7 @@ struct RenderOptions {
   bool antialiasing = true;
   /// What makes depth readable: none where colours are measured. Alpha and background never change.
   DepthCue depth_cue = DepthCue::kNone;
-  float depth_cue_strength = 0.7f;  ///< 0: the same bits as without; 1: down to black
+  float depth_cue_strength = 0.7f;  ///< 0 and less: the same bits as without; 1 and more: down to black
   bool simd = true;                 ///< false: the scalar kernels
   /// Early termination: what would be seen through pixels that let through no more than this is left out, so
   /// no value is further off than that. 0 leaves nothing out.
@@ -51,7 +53,7 @@ struct RenderStats {
   std::uint64_t volume_voxels = 0, surface_voxels = 0,
                 hybrid_voxels = 0;   ///< k_vol, k_sur, k_hyb (paper, table 2)
   double occupancy = 0;              ///< their sum over the grid's voxels
-  std::uint64_t runs_visited = 0;    ///< of selected classes; no other is ever visited
+  std::uint64_t runs_visited = 0;    ///< of selected classes
   std::uint64_t voxels_visited = 0;  ///< splatted
   std::uint64_t triangles = 0;       ///< projected
   double select_ms = 0, decode_ms = 0, render_ms = 0;
@@ -90,8 +92,8 @@ class Renderer {
 
   /// Renders the selection. Same selection, camera and options: same bits, with any number of threads.
   /// kLimit, before anything is read or allocated, when the picture would need more memory than allowed.
-  /// Cost: selected voxels in view * (sheet pixels per voxel), selected triangles, pixels; nothing
-  /// unselected.
+  /// Cost: selected voxels in view * sheet pixels per voxel * slabs per slice, selected triangles, pixels;
+  /// after a change of selection also the decoded runs in its box.
   [[nodiscard]] Result<Picture> render(const Camera& camera, const RenderOptions& options = {});
   /// The same into a picture whose memory is reused: fresh pages cost as much as a small frame. On failure
   /// the picture holds anything.

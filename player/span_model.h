@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "format/grid.h"
@@ -41,6 +42,18 @@ struct ShadedVoxel {
 /// what is written to them.
 class LightBuffer {
  public:
+  LightBuffer() = default;
+  LightBuffer(LightBuffer&& other) noexcept
+      : floats_(std::move(other.floats_)),
+        size_(std::exchange(other.size_, 0)),
+        capacity_(std::exchange(other.capacity_, 0)) {}
+  LightBuffer& operator=(LightBuffer&& other) noexcept {
+    floats_ = std::move(other.floats_);
+    size_ = std::exchange(other.size_, 0);
+    capacity_ = std::exchange(other.capacity_, 0);
+    return *this;
+  }
+  ~LightBuffer() = default;
   [[nodiscard]] const float* data() const { return floats_.get(); }
   [[nodiscard]] float* data() { return floats_.get(); }
   [[nodiscard]] std::size_t size() const { return size_; }

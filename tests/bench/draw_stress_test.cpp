@@ -54,6 +54,7 @@ TEST(StressKinds, AreAllMade) {
     }
   }
   EXPECT_GE(names.size(), 13u);
+  EXPECT_TRUE(names.contains("4000 layers"));
 }
 
 }  // namespace

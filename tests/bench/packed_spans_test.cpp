@@ -32,7 +32,7 @@ Sums sums_of(const SpanModel& model) {
 
 TEST(PackSpans, HoldsAllVoxelsInFullRows) {
   ThreadPool pool(1);
-  for (const StandardScene& scene : {phantom_scene(), labels_scene()}) {
+  for (const auto& [scene, parts] : {std::pair(phantom_scene(), 1), {labels_scene(), 3}}) {
     const auto atlas = open_in_memory(scene.content);
     for (const Axis axis : kAxes) {
       const auto decoded = decode_selection(atlas, scene.selection, axis, pool);
@@ -44,7 +44,7 @@ TEST(PackSpans, HoldsAllVoxelsInFullRows) {
       const SpanModel& model = builder.model();
       Shear shear;
       shear.principal = axis;
-      const SheetWindow window{-3, -2, 45, 37, 2, 0};
+      const SheetWindow window{.u0 = -3, .v0 = -2, .columns = 45, .rows = 37, .scale = 2, .parts = parts};
       const PackedSpans packed = pack_spans(model, shear, window);
       EXPECT_EQ(packed.window.columns, window.columns);
       EXPECT_EQ(packed.window.scale, window.scale);
@@ -66,6 +66,8 @@ TEST(PackSpans, HoldsAllVoxelsInFullRows) {
           render_sheets(packed.model, packed.shear, packed.window, best_kernels(), 0, order, sheet, pool)
               .voxels,
           model.voxels);
+      const auto lit = std::count_if(sheet.pixels.begin(), sheet.pixels.end(), [](float f) { return f > 0; });
+      EXPECT_GT(lit, 36 * 31) << "pixels of the slices, fully covered";
     }
   }
 }

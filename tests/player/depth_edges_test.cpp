@@ -50,6 +50,13 @@ TEST(DepthEdges, APlaneStaysAsItIsAtAnySlantUpToItsBorder) {
   }
 }
 
+/// Zoomed in so far that the range is a few of their last digits, depths are noise.
+TEST(DepthEdges, WhatTheDigitsOfDepthsCannotTellDoesNotShow) {
+  const DepthMap noisy = map_of([&](int x, int y) { return 200 + 1.5e-5 * ((7 * x + 3 * y) % 5); });
+  const DepthEdges edges{.strength = 0.8f, .radius = 8, .range_mm = 1e-4, .least_mm = 1e-4 / 32};
+  EXPECT_EQ(darkened(noisy, edges).rgba, grey_picture().rgba);
+}
+
 /// Beside a step, pairs that reach across it have their mean half a step nearer.
 TEST(DepthEdges, OfAStepTheFurtherSideDarkensByAKnownAmount) {
   for (const double step : {0.4, 2.0, 6.0, 300.0}) {
