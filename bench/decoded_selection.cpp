@@ -1,7 +1,5 @@
 #include "bench/decoded_selection.h"
 
-#include <vector>
-
 namespace splatlas {
 
 Result<DecodedSelection> decode_selection(const std::shared_ptr<const Atlas>& atlas,
@@ -11,11 +9,7 @@ Result<DecodedSelection> decode_selection(const std::shared_ptr<const Atlas>& at
                            std::make_unique<VolumeLooks>(*atlas),
                            {}};
   decoded.looks->select(decoded.plan, selection);
-  std::vector<ClassId> classes;
-  for (const ClassDraw& draw : decoded.plan.classes) {
-    if (draws_volume(draw.role)) classes.push_back(draw.id);
-  }
-  SPLATLAS_RETURN_IF_ERROR(decoded.cache->require(classes, axis, pool));
+  SPLATLAS_RETURN_IF_ERROR(decoded.cache->require(volume_classes(decoded.plan), axis, pool));
   decoded.runs = std::make_unique<SelectedRuns>(decoded.plan, atlas->classes(), *decoded.cache, axis);
   return decoded;
 }

@@ -8,6 +8,14 @@
 
 namespace splatlas {
 
+std::vector<ClassId> volume_classes(const DrawPlan& plan) {
+  std::vector<ClassId> classes;
+  for (const ClassDraw& draw : plan.classes) {
+    if (draws_volume(draw.role)) classes.push_back(draw.id);
+  }
+  return classes;
+}
+
 SparseBytes::SparseBytes(SparseBytes&& other) noexcept
     : data_(std::exchange(other.data_, nullptr)), size_(std::exchange(other.size_, 0)) {}
 

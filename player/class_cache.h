@@ -14,6 +14,9 @@
 
 namespace splatlas {
 
+/// Of a plan: those that contribute to the volume, in its order.
+[[nodiscard]] std::vector<ClassId> volume_classes(const DrawPlan& plan);
+
 /// One byte range per voxel of the grid, backed by memory only where it has been written.
 class SparseBytes {
  public:

@@ -10,6 +10,13 @@ constexpr float kFarAway = 1e9f;
 /// Another axis than the best one is taken only where no more than so many voxels lie between its planes.
 constexpr double kMaxSlope = 100;
 
+/// LPS mm to positions counted from voxel `first`.
+Affine to_place(const Grid& grid, const Index3& first) {
+  Affine map = lps_mm_to_index(grid);
+  for (std::size_t a = 0; a < 3; ++a) map.offset[a] -= static_cast<double>(first[a]);
+  return map;
+}
+
 }  // namespace
 
 /// At s, a ray is at start + s * direction.
@@ -20,33 +27,21 @@ struct PixelRays::Lines {
 
 PixelRays::PixelRays(const View& view, const Grid& grid, const Index3& first,
                      const std::optional<Axis>& principal_axis)
-    : perspective_(view.eye_mm.has_value()), forced_(principal_axis) {
-  Affine to_place = lps_mm_to_index(grid);
-  for (std::size_t a = 0; a < 3; ++a) to_place.offset[a] -= static_cast<double>(first[a]);
-  const ParallelView& plane = view.plane;
-  Vec3 right = plane.right_lps, down = plane.up_lps;
-  for (std::size_t a = 0; a < 3; ++a) {
-    right[a] *= plane.mm_per_pixel;
-    down[a] *= -plane.mm_per_pixel;
-  }
-  eye_ = to_place.apply(view.eye_lps_mm());
-  corner_ = to_place.apply(plane.point_lps_mm(0, 0));
-  right_ = to_place.apply_linear(right);
-  down_ = to_place.apply_linear(down);
-  forward_ = to_place.apply_linear(plane.forward_lps);
-  eye_mm_ = view.eye_mm.value_or(0);
-  mm_per_pixel_ = plane.mm_per_pixel;
-  middle_x_ = 0.5 * plane.size.width;
-  middle_y_ = 0.5 * plane.size.height;
-}
+    : perspective_(view.eye_mm.has_value()),
+      forced_(principal_axis),
+      frame_(view, to_place(grid, first)),
+      eye_mm_(view.eye_mm.value_or(0)),
+      mm_per_pixel_(view.plane.mm_per_pixel),
+      middle_x_(0.5 * view.plane.size.width),
+      middle_y_(0.5 * view.plane.size.height) {}
 
 PixelRays::Lines PixelRays::lines(const RayNumbers& x, const RayNumbers& y) const {
   Lines lines;
   for (std::size_t a = 0; a < 3; ++a) {
     for (std::size_t n = 0; n < kPacketRays; ++n) {
-      const double point = corner_[a] + x[n] * right_[a] + y[n] * down_[a];
-      lines.start[a][n] = perspective_ ? eye_[a] : point;
-      lines.direction[a][n] = perspective_ ? point - eye_[a] : forward_[a];
+      const double point = frame_.corner[a] + x[n] * frame_.right[a] + y[n] * frame_.down[a];
+      lines.start[a][n] = perspective_ ? frame_.eye[a] : point;
+      lines.direction[a][n] = perspective_ ? point - frame_.eye[a] : frame_.forward[a];
     }
   }
   for (std::size_t n = 0; n < kPacketRays; ++n) {

@@ -8,6 +8,7 @@
 #include "format/run_model.h"
 #include "player/camera.h"
 #include "player/march_kernels.h"
+#include "player/view_frame.h"
 
 namespace splatlas {
 
@@ -35,7 +36,7 @@ class PixelRays {
 
   bool perspective_;
   std::optional<Axis> forced_;
-  Vec3 eye_{}, corner_{}, right_{}, down_{}, forward_{};
+  ViewFrame frame_;  // voxels
   double eye_mm_ = 0, mm_per_pixel_ = 0, middle_x_ = 0, middle_y_ = 0;
 };
 

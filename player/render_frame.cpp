@@ -117,6 +117,9 @@ struct Renderer::Impl {
   [[nodiscard]] Result<Rays*> ray_volume(const RenderOptions& options);
   [[nodiscard]] Result<void> render_rays(const View& frame_view, const RenderOptions& options,
                                          Picture& picture);
+  template <typename AddVolumeDepths>
+  void cue_depth(const RenderOptions& options, const Shown& drawn, Picture& picture,
+                 const AddVolumeDepths& add_volume_depths);
   [[nodiscard]] std::vector<SurfaceDraw> surface_draws() const;
 
   std::shared_ptr<const Atlas> atlas;
@@ -141,11 +144,7 @@ struct Renderer::Impl {
 
 /// Reads and decodes what the selection needs and the cache does not have yet.
 Result<void> Renderer::Impl::decode(Axis axis) {
-  std::vector<ClassId> classes;
-  for (const ClassDraw& draw : plan.classes) {
-    if (draws_volume(draw.role)) classes.push_back(draw.id);
-  }
-  SPLATLAS_RETURN_IF_ERROR(cache.require(classes, axis, pool));
+  SPLATLAS_RETURN_IF_ERROR(cache.require(volume_classes(plan), axis, pool));
   return cache.require_surfaces(plan.surfaces, pool);
 }
 
@@ -158,13 +157,12 @@ AxisSpans& Renderer::Impl::spans(Axis axis, bool shade) {
   return *built;
 }
 
-/// What stays selected is not built again for the axis in use; spans of other axes go, and so do large ones.
+/// What stays selected is not built again for the axis in use; spans of other axes go.
 void Renderer::Impl::keep_spans() {
   for (const Axis axis : kAxes) {
     std::optional<AxisSpans>& built = axis_spans[static_cast<std::size_t>(axis)];
     if (!built) continue;
-    const bool small = built->light_bytes() + plan_bytes <= max_memory_bytes / 2;
-    if (axis == latest_axis && small) {
+    if (axis == latest_axis) {
       built->outdate();
     } else {
       built.reset();
@@ -216,8 +214,7 @@ Result<void> Renderer::Impl::render_rays(const View& frame_view, const RenderOpt
   stats.select_ms += stats.traversal.wall_ms;
   const Lighting lighting(frame_view.plane);
   if (cast->shaded && cast->volume.shaded() &&
-      !(cast->lit_for && cast->lit_for->forward_lps == frame_view.plane.forward_lps &&
-        cast->lit_for->up_lps == frame_view.plane.up_lps)) {
+      !(cast->lit_for && have_same_light(*cast->lit_for, frame_view.plane))) {
     cast->volume.shade(lighting.table(), pool);
     cast->lit_for = frame_view.plane;
   }
@@ -239,20 +236,31 @@ Result<void> Renderer::Impl::render_rays(const View& frame_view, const RenderOpt
   cast_surfaces(cast->volume, frame_view, atlas->grid(), scene, frame.fragments, cast_options(options),
                 kernels, picture, pool);
   stats.resolve = watch.lap();
-  if (cues_depth(options)) {
-    const ViewDepth view_depth(frame_view, atlas->grid());
-    depths.clear(options.size);
-    add_surface_depths(frame.fragments, scene.depth_axis, scene.depth_sign, view_depth, depths);
+  const Shown drawn{frame_view, std::nullopt, scene.depth_axis, scene.depth_sign};
+  cue_depth(options, drawn, picture, [&](const ViewDepth& view_depth) {
     add_ray_depths(cast->volume, frame_view, atlas->grid(), kernels, view_depth, depths, pool);
-    darken_edges(depths, depth_edges(frame_view.plane, options.depth_cue_strength), picture, pool);
-  }
-  stats.depth_cue = watch.lap();
-  shown = Shown{frame_view, std::nullopt, scene.depth_axis, scene.depth_sign};
+  });
+  shown = drawn;
   stats.runs_visited = cast->runs;
   stats.voxels_visited = cast->volume.voxels();
   stats.render_ms = light.wall_ms + stats.rasterize.wall_ms + stats.sheets.wall_ms + stats.resolve.wall_ms +
                     stats.depth_cue.wall_ms;
   return {};
+}
+
+/// `add_volume_depths(view_depth)` adds those of the volume to the surfaces'.
+template <typename AddVolumeDepths>
+void Renderer::Impl::cue_depth(const RenderOptions& options, const Shown& drawn, Picture& picture,
+                               const AddVolumeDepths& add_volume_depths) {
+  Stopwatch watch;
+  if (cues_depth(options)) {
+    const ViewDepth view_depth(drawn.view, atlas->grid());
+    depths.clear(options.size);
+    add_surface_depths(frame.fragments, drawn.depth_axis, drawn.depth_sign, view_depth, depths);
+    add_volume_depths(view_depth);
+    darken_edges(depths, depth_edges(drawn.view.plane, options.depth_cue_strength), picture, pool);
+  }
+  stats.depth_cue = watch.lap();
 }
 
 std::vector<SurfaceDraw> Renderer::Impl::surface_draws() const {
@@ -321,8 +329,9 @@ Result<void> Renderer::render(const Camera& camera, const RenderOptions& options
   const Grid& grid = r.atlas->grid();
   SPLATLAS_ASSIGN_OR_RETURN(const View frame_view, view_of(camera, options.size, r.atlas->display()));
   const ParallelView& view = frame_view.plane;
-  r.drop_kept_spans(frame_bytes(options));
-  if (const std::uint64_t bytes = frame_bytes(options); bytes > r.max_memory_bytes - r.plan_bytes) {
+  const std::uint64_t bytes = frame_bytes(options);
+  r.drop_kept_spans(bytes);
+  if (bytes > r.max_memory_bytes - r.plan_bytes) {
     return fail(
         ErrorCode::kLimit,
         fmt::format("{}: a picture of {}x{} pixels takes {} MiB, and the selection's volumes up to {} "
@@ -365,17 +374,11 @@ Result<void> Renderer::render(const Camera& camera, const RenderOptions& options
                                                                    .options = options,
                                                                    .max_memory_bytes = r.max_memory_bytes},
                                                                   r.frame, picture, r.pool));
-  Stopwatch cue_watch;
-  if (cues_depth(options)) {
-    const ViewDepth view_depth(frame_view, grid);
-    r.depths.clear(options.size);
-    add_surface_depths(r.frame.fragments, shear.scan.slice_axis, shear.ascending ? 1 : -1, view_depth,
-                       r.depths);
+  const Impl::Shown now{frame_view, shear.principal, shear.scan.slice_axis, shear.ascending ? 1.0 : -1.0};
+  r.cue_depth(options, now, picture, [&](const ViewDepth& view_depth) {
     add_span_depths(spans.model(), shear, view_depth, r.depths, r.pool);
-    darken_edges(r.depths, depth_edges(view, options.depth_cue_strength), picture, r.pool);
-  }
-  r.stats.depth_cue = cue_watch.lap();
-  r.shown = Impl::Shown{frame_view, shear.principal, shear.scan.slice_axis, shear.ascending ? 1.0 : -1.0};
+  });
+  r.shown = now;
   r.stats.runs_visited = spans.runs().count();
   r.stats.voxels_visited = drawn.voxels;
   r.stats.triangles = drawn.triangles;

@@ -53,4 +53,9 @@ class Lighting {
   std::array<float, 3> to_viewer_{}, to_lamp_{}, half_{};
 };
 
+/// Whether both views are lit alike: light changes only with the direction of view.
+[[nodiscard]] inline bool have_same_light(const ParallelView& a, const ParallelView& b) {
+  return a.forward_lps == b.forward_lps && a.up_lps == b.up_lps;
+}
+
 }  // namespace splatlas

@@ -6,6 +6,7 @@
 
 #include "format/grid.h"
 #include "player/camera.h"
+#include "player/view_frame.h"
 
 namespace splatlas {
 
@@ -17,9 +18,9 @@ class ViewDepth {
   /// In mm along the view, from the plane of the centre: of the ray through picture coordinates (x, y) where
   /// it is at `index` (continuous) along an axis of the grid.
   [[nodiscard]] double mm(double x, double y, std::size_t axis, double index) const {
-    const double on_plane = corner_[axis] + x * right_[axis] + y * down_[axis];
-    if (!perspective_) return (index - on_plane) / forward_[axis];
-    return ((index - eye_[axis]) / (on_plane - eye_[axis]) - 1) * eye_mm_;
+    const double on_plane = frame_.corner[axis] + x * frame_.right[axis] + y * frame_.down[axis];
+    if (!perspective_) return (index - on_plane) / frame_.forward[axis];
+    return ((index - frame_.eye[axis]) / (on_plane - frame_.eye[axis]) - 1) * eye_mm_;
   }
   /// The point of that ray at that depth, as continuous indices.
   [[nodiscard]] Vec3 index_at(double x, double y, double depth_mm) const;
@@ -27,7 +28,7 @@ class ViewDepth {
  private:
   bool perspective_;
   double eye_mm_;
-  Vec3 eye_, corner_, right_, down_, forward_;  // voxels, per pixel and per mm
+  ViewFrame frame_;  // voxels
 };
 
 }  // namespace splatlas

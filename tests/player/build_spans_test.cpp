@@ -15,14 +15,6 @@
 namespace splatlas {
 namespace {
 
-std::vector<ClassId> drawn_classes(const DrawPlan& plan) {
-  std::vector<ClassId> classes;
-  for (const ClassDraw& draw : plan.classes) {
-    if (draws_volume(draw.role)) classes.push_back(draw.id);
-  }
-  return classes;
-}
-
 /// What spans are built from, of a scene.
 struct Prepared {
   std::shared_ptr<const Atlas> atlas;
@@ -41,7 +33,7 @@ struct Prepared {
     looks.select(plan, selection);
   }
   void build(Axis axis, SpanBuilder& builder, bool shade = true) {
-    EXPECT_TRUE(cache.require(drawn_classes(plan), axis, pool));
+    EXPECT_TRUE(cache.require(volume_classes(plan), axis, pool));
     const SelectedRuns runs(plan, atlas->classes(), cache, axis);
     builder.build({runs, plan, looks, atlas->classes(), atlas->grid(), cache, shade}, pool);
   }

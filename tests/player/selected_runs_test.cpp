@@ -32,10 +32,7 @@ TEST(SelectedRuns, HoldEverySelectedVoxelOnceInScanlineOrder) {
     ClassCache cache(atlas);
     std::vector<ClassId> others;  // decoded, not selected
     for (ClassId c = 1; c < atlas->classes().size(); c += 2) others.push_back(c);
-    std::vector<ClassId> classes;
-    for (const ClassDraw& draw : plan.classes) {
-      if (draws_volume(draw.role)) classes.push_back(draw.id);
-    }
+    const std::vector<ClassId> classes = volume_classes(plan);
     const Grid& grid = atlas->grid();
     for (const Axis axis : kAxes) {
       ASSERT_TRUE(cache.require(others, axis, pool));

@@ -55,8 +55,7 @@ TEST(Stress, PlatesAreFlatAlongRays) {
   const float opacity = 0.12f;
   Renderer renderer(open_in_memory(content), {1, 0});
   ASSERT_TRUE(renderer.select(with_opacity(content, opacity)));
-  for (const auto& [azimuth, elevation] :
-       {std::pair(0.0, 0.0), {1e-6, 0.0}, {17.3, 0.0}, {-31.0, 20.0}, {44.99, 0.0}, {0.0, -40.0}}) {
+  for (const auto& [azimuth, elevation] : kPlateDirections) {
     Camera camera;
     camera.azimuth_deg = azimuth;
     camera.elevation_deg = elevation;

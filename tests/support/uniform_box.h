@@ -1,7 +1,9 @@
 // Boxes of one structure, whose opacity is known in closed form.
 #pragma once
 
+#include <array>
 #include <cmath>
+#include <utility>
 
 #include "tests/support/test_content.h"
 
@@ -14,6 +16,11 @@ namespace splatlas {
   volume.structures = {{"box", make_mask(size, [](auto...) { return true; })}};
   return make_content(volume);
 }
+
+/// Azimuths and elevations in which rays enter and leave a plate that is thin along y through its large
+/// faces.
+inline constexpr std::array<std::pair<double, double>, 6> kPlateDirections{
+    {{0.0, 0.0}, {1e-6, 0.0}, {17.3, 0.0}, {-31.0, 20.0}, {44.99, 0.0}, {0.0, -40.0}}};
 
 /// Everything as volume.
 [[nodiscard]] inline Selection with_opacity(const AtlasContent& content, float opacity) {
