@@ -1,10 +1,12 @@
 // The atlases that benches draw.
 #pragma once
 
+#include <filesystem>
 #include <memory>
 
 #include "bench/bench.h"
 #include "format/atlas_reader.h"
+#include "preprocess/import/import_sources.h"
 
 namespace splatlas {
 
@@ -16,5 +18,12 @@ namespace splatlas {
 
 /// Colin 27 with AAL's labels, of Debian's package mricron-data. kFailed names the file that is missing.
 [[nodiscard]] Result<std::shared_ptr<const Atlas>> open_colin27(const BenchOptions& options);
+
+/// Where mricron-data has its volumes.
+[[nodiscard]] std::filesystem::path templates_folder();
+/// The files and rules of open_colin27()'s atlas, as scripts/demo.sh has them: a tree, brain and head too.
+[[nodiscard]] Result<SourceFiles> colin27_sources();
+/// Colin 27's volume and AAL's labels and names: 116 structures and nothing else.
+[[nodiscard]] Result<SourceFiles> aal_sources();
 
 }  // namespace splatlas

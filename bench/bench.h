@@ -30,6 +30,8 @@ struct Bench {
 [[nodiscard]] Result<Report> run_head_bench(const BenchOptions& options);
 [[nodiscard]] Result<Report> run_models_bench(const BenchOptions& options);
 [[nodiscard]] Result<Report> run_scale_bench(const BenchOptions& options);
+[[nodiscard]] Result<Report> run_size_bench(const BenchOptions& options);
+[[nodiscard]] Result<Report> run_build_bench(const BenchOptions& options);
 // Built where the peers are installed.
 [[nodiscard]] Result<Report> run_error_bench(const BenchOptions& options);
 [[nodiscard]] Result<Report> run_hybrid_bench(const BenchOptions& options);

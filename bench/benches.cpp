@@ -15,6 +15,9 @@ std::span<const Bench> benches() {
             run_models_bench},
       Bench{"scale", "1, 2, 4, 8 times the voxels around the same selection, and everything on finer grids",
             run_scale_bench},
+      Bench{"size", "bytes of atlases, sections and single structures beside .nii.gz, Draco and crackle",
+            run_size_bench},
+      Bench{"build", "preprocessing: time by stage, over loading alone, memory", run_build_bench},
 #ifdef SPLATLAS_HAS_PEERS
       Bench{"error", "run time against error, ours at every quality beside VolPack and VTK", run_error_bench},
       Bench{"hybrid", "surfaces mixed with volume, beside VTK's depth peeling and FixedPoint with surfaces",

@@ -48,6 +48,7 @@ packages=(
 
   gnuplot-nox              # bench: plots
   libbenchmark-dev         # bench
+  libdraco-dev             # bench: Draco, a peer of stored surfaces
   libvolpack1-dev          # bench: VolPack, a peer (as is VTK, above, which draws under xvfb)
 
   mricron-data             # the Colin 27 brain: volume, AAL labels and names

@@ -1,0 +1,124 @@
+// What preprocessing costs: time by stage, run coding, memory.
+#include <algorithm>
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "bench/atlases.h"
+#include "bench/bench.h"
+#include "bench/measure.h"
+#include "bench/peak_memory.h"
+#include "bench/scratch_folder.h"
+#include "format/run_model.h"
+#include "preprocess/build_atlas.h"
+
+namespace splatlas {
+namespace {
+
+/// Builds in turns with loading alone; the first build is not counted: files come from the disk, memory is
+/// new.
+struct Builds {
+  std::vector<BuildReport> reports;
+  std::vector<double> build_seconds, load_seconds;
+  std::uint64_t peak_bytes = 0;
+};
+
+Result<Builds> build_in_turns(const SourceFiles& sources, const std::filesystem::path& output, int turns,
+                              const BenchOptions& options) {
+  Builds builds;
+  for (int turn = 0; turn <= turns; ++turn) {
+    options.tell(fmt::format("build {} of {}", turn, turns));
+    BuildOptions build;
+    build.sources = sources;
+    build.tool = "splatlas-bench";
+    build.output = output;
+    SPLATLAS_ASSIGN_OR_RETURN(const PeakMemory memory, PeakMemory::start());
+    Stopwatch watch;
+    SPLATLAS_ASSIGN_OR_RETURN(BuildReport report, build_atlas(build));
+    const double build_seconds = watch.lap().wall_ms / 1000;
+    SPLATLAS_ASSIGN_OR_RETURN(const std::uint64_t peak, memory.grown_bytes());
+    watch.lap();
+    SPLATLAS_RETURN_IF_ERROR(import_sources(sources));
+    const double load_seconds = watch.lap().wall_ms / 1000;
+    if (turn == 0) {
+      builds.peak_bytes = peak;  // of fresh memory: later builds reuse what this one gave back
+      continue;
+    }
+    builds.build_seconds.push_back(build_seconds);
+    builds.load_seconds.push_back(load_seconds);
+    builds.reports.push_back(std::move(report));
+  }
+  return builds;
+}
+
+Table stage_table(const Builds& builds) {
+  Table table{"stages", "Building Colin 27's atlas, stage by stage, seconds (medians)", {}, {}};
+  for (std::size_t stage = 0; stage < builds.reports[0].stages.size(); ++stage) {
+    std::vector<double> seconds;
+    for (const BuildReport& report : builds.reports) seconds.push_back(report.stages[stage].seconds);
+    table.rows.push_back({{"stage", builds.reports[0].stages[stage].name}, {"seconds", median(seconds)}});
+  }
+  return table;
+}
+
+/// The least of the repeats, in nanoseconds a voxel.
+Result<Table> measure_runs(const Atlas& atlas, int repeats, nlohmann::ordered_json& summary) {
+  Table table{"runs",
+              "Cutting the class volume into runs, one thread",
+              {"ns_per_voxel: CPU time, the least of the repeats"},
+              {}};
+  SPLATLAS_ASSIGN_OR_RETURN(const AtlasContent content, atlas.read_all());
+  const Index3 size = storage_grid(content).size;
+  double sum = 0;
+  for (const Axis axis : kAxes) {
+    double least = 0;
+    std::uint64_t runs = 0;
+    for (int repeat = 0; repeat < repeats; ++repeat) {
+      Stopwatch watch;
+      runs = encode_runs(content.class_volume, size, axis, content.classes.size()).runs();
+      const double ms = watch.lap().cpu_ms;
+      least = repeat == 0 ? ms : std::min(least, ms);
+    }
+    const double ns = least * 1e6 / static_cast<double>(content.class_volume.size());
+    table.rows.push_back({{"axis", std::string(1, static_cast<char>('x' + static_cast<int>(axis)))},
+                          {"runs", runs},
+                          {"ns_per_voxel", ns}});
+    sum += ns;
+  }
+  summary["runs_ns_per_voxel"] = sum;
+  return table;
+}
+
+}  // namespace
+
+Result<Report> run_build_bench(const BenchOptions& options) {
+  Report report;
+  SPLATLAS_ASSIGN_OR_RETURN(const SourceFiles sources, colin27_sources());
+  SPLATLAS_ASSIGN_OR_RETURN(const ScratchFolder folder, ScratchFolder::make());
+  const std::filesystem::path file = folder.path() / "build.atlas";
+  SPLATLAS_ASSIGN_OR_RETURN(const Builds builds,
+                            build_in_turns(sources, file, options.quick ? 1 : 5, options));
+  report.tables.push_back(stage_table(builds));
+  SPLATLAS_ASSIGN_OR_RETURN(const auto atlas, Atlas::open(file));
+  const double build = median(builds.build_seconds), load = median(builds.load_seconds);
+  report.tables.push_back(
+      {"build",
+       "Building Colin 27's atlas beside loading its files, all threads, wall clock",
+       {"load: reading and unpacking volume, labels and masks; peak: memory of the first build"},
+       {{{"build_seconds", build},
+         {"load_seconds", load},
+         {"peak_bytes", builds.peak_bytes},
+         {"file_bytes", builds.reports[0].bytes}}}});
+  report.summary["build_seconds"] = build;
+  report.summary["build_over_load"] = build / load;
+  SPLATLAS_ASSIGN_OR_RETURN(Table runs, measure_runs(*atlas, options.quick ? 2 : 9, report.summary));
+  report.tables.push_back(std::move(runs));
+  report.summary["peak_bytes_per_voxel"] =
+      static_cast<double>(builds.peak_bytes) / static_cast<double>(atlas->grid().voxels());
+  return report;
+}
+
+}  // namespace splatlas
