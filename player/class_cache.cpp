@@ -1,10 +1,9 @@
 #include "player/class_cache.h"
 
+#include <algorithm>
 #include <cstring>
+#include <functional>
 #include <utility>
-
-#include <fmt/format.h>
-#include <sys/mman.h>
 
 namespace splatlas {
 
@@ -16,78 +15,128 @@ std::vector<ClassId> volume_classes(const DrawPlan& plan) {
   return classes;
 }
 
-SparseBytes::SparseBytes(SparseBytes&& other) noexcept
-    : data_(std::exchange(other.data_, nullptr)), size_(std::exchange(other.size_, 0)) {}
+/// Of a class that has been required.
+struct ClassCache::Missing {
+  ClassId id = kEmptyClass;
+  bool runs = false, values = false, normals = false;
+  ClassRuns read;  // of the axis that is asked for
+  Result<void> result;
+};
 
-SparseBytes& SparseBytes::operator=(SparseBytes&& other) noexcept {
-  std::swap(data_, other.data_);
-  std::swap(size_, other.size_);
-  return *this;
-}
+namespace {
 
-SparseBytes::~SparseBytes() {
-  if (data_ != nullptr) munmap(data_, size_);
-}
-
-Result<SparseBytes> SparseBytes::reserve(std::size_t bytes) {
-  void* data =
-      mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
-  if (data == MAP_FAILED) {
-    return fail(ErrorCode::kLimit,
-                fmt::format("cannot reserve {} bytes of address space for grey values", bytes));
+/// Calls take(voxel of the grid, its place among the class's voxels in memory order, voxels) for the runs of
+/// a class along the z or the y axis. Both have their scanlines in common: along y, the runs of a row come in
+/// memory order, too, but slice by slice.
+template <typename Take>
+void for_each_in_memory(const ClassRuns& runs, Axis axis, const Index3& size, const Take& take) {
+  const auto row_voxels = static_cast<std::uint64_t>(size[0]);
+  if (axis == Axis::kZ) {
+    std::size_t place = 0;
+    for (const Run& run : runs) {
+      take(run.scanline * row_voxels + run.start, place, run.length);
+      place += run.length;
+    }
+    return;
   }
-  SparseBytes sparse;
-  sparse.data_ = static_cast<std::byte*>(data);
-  sparse.size_ = bytes;
-  return sparse;
-}
-
-Result<void> ClassCache::require(std::span<const ClassId> classes, Axis axis, ThreadPool& pool) {
-  const std::size_t value_bytes = bytes_of(atlas_->value_type());
-  const auto voxels = static_cast<std::size_t>(atlas_->grid().voxels());
-  if (value_bytes > 0 && values_.data() == nullptr && !classes.empty()) {
-    SPLATLAS_ASSIGN_OR_RETURN(values_, SparseBytes::reserve(voxels * value_bytes));
-  }
-  if (normals_.data() == nullptr && !classes.empty()) {
-    SPLATLAS_ASSIGN_OR_RETURN(normals_, SparseBytes::reserve(voxels * sizeof(PackedNormal)));
-  }
-  struct Missing {
-    ClassId id = kEmptyClass;
-    DecodedClass* decoded = nullptr;
-    NewRuns runs;
-    Result<void> result;
+  if (runs.empty()) return;
+  const auto rows = static_cast<std::uint64_t>(size[2]);  // planes k, of which each slice j has one row
+  const auto slices = static_cast<std::uint64_t>(size[1]);
+  const auto for_each = [&](const auto& each) {
+    std::uint64_t slice = runs.front().scanline / rows;
+    for (const Run& run : runs) {
+      while (run.scanline >= (slice + 1) * rows) ++slice;
+      each(run, slice, run.scanline - slice * rows);
+    }
   };
+  std::vector<std::size_t> next(rows + 1);  // place of the next run in each plane
+  for_each([&](const Run& run, std::uint64_t, std::uint64_t k) { next[k + 1] += run.length; });
+  for (std::size_t k = 1; k <= rows; ++k) next[k] += next[k - 1];
+  for_each([&](const Run& run, std::uint64_t slice, std::uint64_t k) {
+    take((k * slices + slice) * row_voxels + run.start, next[k], run.length);
+    next[k] += run.length;
+  });
+}
+
+}  // namespace
+
+std::vector<ClassCache::Missing> ClassCache::missing_of(std::span<const ClassId> classes, Axis axis,
+                                                        bool normals) const {
   std::vector<Missing> missing;
   for (const ClassId c : classes) {
-    DecodedClass& decoded = classes_[c];
-    if (!decoded.has_voxels || !decoded.run_count[static_cast<std::size_t>(axis)])
-      missing.push_back({c, &decoded, {}, {}});
+    const auto known = classes_.find(c);
+    const DecodedClass decoded = known == classes_.end() ? DecodedClass{} : known->second;
+    Missing lacks{.id = c,
+                  .runs = !decoded.run_count[static_cast<std::size_t>(axis)],
+                  .values = !decoded.has_values && atlas_->value_type() != VoxelType::kNone,
+                  .normals = !decoded.has_normals && normals,
+                  .read = {},
+                  .result = {}};
+    if (lacks.runs || lacks.values || lacks.normals) missing.push_back(std::move(lacks));
   }
+  return missing;
+}
+
+Result<void> ClassCache::reserve(std::span<const Missing> missing) {
+  const auto voxels = static_cast<std::size_t>(atlas_->grid().voxels());
+  std::uint64_t new_voxels = 0;
+  IndexBox box;
+  bool values = false, normals = false;
+  for (const Missing& of : missing) {
+    values = values || of.values;
+    normals = normals || of.normals;
+    if (!of.values && !of.normals) continue;
+    new_voxels += atlas_->classes().voxels(of.id);
+    box.include(atlas_->classes().box(of.id));
+  }
+  if (values && values_.data() == nullptr) {
+    SPLATLAS_ASSIGN_OR_RETURN(values_, SparseBytes::reserve(voxels * value_bytes()));
+  }
+  if (normals && normals_.data() == nullptr) {
+    SPLATLAS_ASSIGN_OR_RETURN(normals_, SparseBytes::reserve(voxels * sizeof(PackedNormal)));
+  }
+  if (box.empty()) return {};
+  // In memory, from the first slice of the box to the last.
+  constexpr std::uint64_t kSparse = 32;  // voxels for each that is wanted
+  const std::size_t slice = voxels / static_cast<std::size_t>(atlas_->grid().size[2]);
+  const std::size_t first = static_cast<std::size_t>(box.first[2]) * slice;
+  const std::size_t count = static_cast<std::size_t>(box.last[2] - box.first[2] + 1) * slice;
+  if (new_voxels < count / kSparse) return {};
+  if (values) values_.expect_dense(first * value_bytes(), count * value_bytes());
+  if (normals) normals_.expect_dense(first * sizeof(PackedNormal), count * sizeof(PackedNormal));
+  return {};
+}
+
+Result<void> ClassCache::require(std::span<const ClassId> classes, Axis axis, ThreadPool& pool,
+                                 bool normals) {
+  std::vector<Missing> missing = missing_of(classes, axis, normals);
   if (missing.empty()) return {};
-  pool.for_each(missing.size(), [&](std::size_t n) {
-    Missing& of = missing[n];
-    of.result = decode(of.id, axis, *of.decoded, of.runs);
-  });
+  SPLATLAS_RETURN_IF_ERROR(reserve(missing));
+  // The largest first, or threads would wait for one of them at the end.
+  std::ranges::stable_sort(missing, std::greater{},
+                           [&](const Missing& of) { return atlas_->classes().voxels(of.id); });
+  pool.for_each(missing.size(), [&](std::size_t n) { missing[n].result = decode(missing[n], axis); });
+  keep_runs(missing, axis, pool);
   Result<void> first_failure;
   for (const Missing& of : missing) {
-    if (of.result) continue;
-    if (first_failure) first_failure = of.result;
-    if (!of.decoded->has_voxels) classes_.erase(of.id);
-  }
-  for (const Axis read : kAxes) {
-    const auto n = static_cast<std::size_t>(read);
-    std::vector<std::pair<ClassId, const ClassRuns*>> runs;
-    for (const Missing& of : missing) {
-      if (of.result && of.runs[n]) runs.emplace_back(of.id, &*of.runs[n]);
+    if (!of.result) {
+      if (first_failure) first_failure = of.result;
+      continue;
     }
-    keep_runs(read, runs, pool);
+    DecodedClass& decoded = classes_[of.id];
+    if (of.runs) decoded.run_count[static_cast<std::size_t>(axis)] = of.read.size();
+    decoded.has_values = true;
+    decoded.has_normals = decoded.has_normals || of.normals;
   }
   return first_failure;
 }
 
-void ClassCache::keep_runs(Axis axis, std::span<const std::pair<ClassId, const ClassRuns*>> runs,
-                           ThreadPool& pool) {
+void ClassCache::keep_runs(std::span<const Missing> missing, Axis axis, ThreadPool& pool) {
   const auto n = static_cast<std::size_t>(axis);
+  std::vector<std::pair<ClassId, const ClassRuns*>> runs;
+  for (const Missing& of : missing) {
+    if (of.result && of.runs) runs.emplace_back(of.id, &of.read);
+  }
   try {
     runs_[n].insert(runs, atlas_->grid().size[ScanOrder::of(axis).row_axis], pool);
   } catch (...) {  // out of memory: some are there, some are not
@@ -95,41 +144,35 @@ void ClassCache::keep_runs(Axis axis, std::span<const std::pair<ClassId, const C
     for (auto& [id, decoded] : classes_) decoded.run_count[n].reset();
     throw;
   }
-  for (const auto& [id, of_class] : runs) classes_[id].run_count[n] = of_class->size();
 }
 
-Result<void> ClassCache::decode(ClassId c, Axis axis, DecodedClass& decoded, NewRuns& read) {
-  const auto read_runs = [&](Axis wanted) -> Result<void> {
-    const auto n = static_cast<std::size_t>(wanted);
-    if (decoded.run_count[n] || read[n]) return {};
-    SPLATLAS_ASSIGN_OR_RETURN(read[n], atlas_->read_runs(c, wanted));
-    return {};
-  };
-  SPLATLAS_RETURN_IF_ERROR(read_runs(axis));
-  if (decoded.has_voxels) return {};
-  // Values and normals are stored in memory order, which is the order of the z model.
-  SPLATLAS_RETURN_IF_ERROR(read_runs(Axis::kZ));
-  SPLATLAS_RETURN_IF_ERROR(place_voxels(c, *read[static_cast<std::size_t>(Axis::kZ)]));
-  decoded.has_voxels = true;
-  return {};
-}
-
-Result<void> ClassCache::place_voxels(ClassId c, const ClassRuns& z_runs) {
-  const auto row_voxels = static_cast<std::uint64_t>(atlas_->grid().size[0]);
-  const auto scatter = [&](const void* from, std::size_t voxel_bytes, std::byte* to) {
-    const auto* next = static_cast<const std::byte*>(from);
-    for (const Run& run : z_runs) {
-      const std::size_t bytes = run.length * voxel_bytes;
-      std::memcpy(to + (run.scanline * row_voxels + run.start) * voxel_bytes, next, bytes);
-      next += bytes;
-    }
-  };
-  if (atlas_->value_type() != VoxelType::kNone) {
-    SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::byte> values, atlas_->read_values(c));
-    scatter(values.data(), bytes_of(atlas_->value_type()), values_.data());
+/// Values and normals are stored in memory order, which the runs along z and y tell.
+Result<void> ClassCache::decode(Missing& missing, Axis axis) const {
+  const bool voxels = missing.values || missing.normals;
+  if (missing.runs || axis != Axis::kX) {
+    SPLATLAS_ASSIGN_OR_RETURN(missing.read, atlas_->read_runs(missing.id, axis));
   }
-  SPLATLAS_ASSIGN_OR_RETURN(const std::vector<PackedNormal> normals, atlas_->read_normals(c));
-  if (!normals.empty()) scatter(normals.data(), sizeof(PackedNormal), normals_.data());
+  if (!voxels) return {};
+  ClassRuns z_runs;
+  if (axis == Axis::kX) {
+    SPLATLAS_ASSIGN_OR_RETURN(z_runs, atlas_->read_runs(missing.id, Axis::kZ));
+  }
+  const auto scatter = [&](const void* from, std::size_t voxel_bytes, std::byte* to) {
+    const auto* stored = static_cast<const std::byte*>(from);
+    for_each_in_memory(axis == Axis::kX ? z_runs : missing.read, axis == Axis::kX ? Axis::kZ : axis,
+                       atlas_->grid().size, [&](std::uint64_t voxel, std::size_t place, std::size_t count) {
+                         std::memcpy(to + voxel * voxel_bytes, stored + place * voxel_bytes,
+                                     count * voxel_bytes);
+                       });
+  };
+  if (missing.values) {
+    SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::byte> values, atlas_->read_values(missing.id));
+    scatter(values.data(), value_bytes(), values_.data());
+  }
+  if (missing.normals) {
+    SPLATLAS_ASSIGN_OR_RETURN(const std::vector<PackedNormal> normals, atlas_->read_normals(missing.id));
+    if (!normals.empty()) scatter(normals.data(), sizeof(PackedNormal), normals_.data());
+  }
   return {};
 }
 

@@ -10,6 +10,7 @@
 
 #include "format/atlas_reader.h"
 #include "player/scanline_runs.h"
+#include "player/sparse_bytes.h"
 #include "player/thread_pool.h"
 
 namespace splatlas {
@@ -17,37 +18,20 @@ namespace splatlas {
 /// Of a plan: those that contribute to the volume, in its order.
 [[nodiscard]] std::vector<ClassId> volume_classes(const DrawPlan& plan);
 
-/// One byte range per voxel of the grid, backed by memory only where it has been written.
-class SparseBytes {
- public:
-  SparseBytes() = default;
-  SparseBytes(SparseBytes&& other) noexcept;
-  SparseBytes& operator=(SparseBytes&& other) noexcept;
-  ~SparseBytes();
-
-  /// Reserves address space, no memory. kLimit when the system refuses.
-  [[nodiscard]] static Result<SparseBytes> reserve(std::size_t bytes);
-  [[nodiscard]] std::byte* data() const { return data_; }
-  [[nodiscard]] std::size_t size() const { return size_; }
-
- private:
-  std::byte* data_ = nullptr;
-  std::size_t size_ = 0;
-};
-
 /// Reads classes from an atlas and keeps them. Values (and normals) of all decoded classes stand in one
 /// volume in memory order of the grid, of which only the pages of decoded classes exist.
 class ClassCache {
  public:
   explicit ClassCache(std::shared_ptr<const Atlas> atlas) : atlas_(std::move(atlas)) {}
 
-  /// Makes runs of `axis`, values and normals of every class in `classes` available; reads only what is
-  /// missing. On failure nothing that has been read of the failed classes is kept.
-  [[nodiscard]] Result<void> require(std::span<const ClassId> classes, Axis axis, ThreadPool& pool);
+  /// Makes runs of `axis` and values of every class in `classes` available, and normals if they are wanted;
+  /// reads only what is missing. On failure nothing that has been read of the failed classes is kept.
+  [[nodiscard]] Result<void> require(std::span<const ClassId> classes, Axis axis, ThreadPool& pool,
+                                     bool normals = true);
   /// The same for surfaces.
   [[nodiscard]] Result<void> require_surfaces(std::span<const StructureIndex> structures, ThreadPool& pool);
 
-  /// The runs of all classes that have been required for an axis; some are there that have not been.
+  /// The runs of all classes that have been required for an axis.
   [[nodiscard]] const ScanlineRuns& runs(Axis axis) const { return runs_[static_cast<std::size_t>(axis)]; }
   /// Only for classes, axes and structures that have been required.
   [[nodiscard]] std::size_t run_count(ClassId c, Axis axis) const;
@@ -58,7 +42,8 @@ class ClassCache {
   [[nodiscard]] std::size_t value_bytes() const { return bytes_of(atlas_->value_type()); }
   /// Of all values, wherever they are set.
   [[nodiscard]] std::size_t bytes_of_values() const { return values_.size(); }
-  /// Normals in memory order of the grid. Only boundary voxels of required classes are set.
+  /// Normals in memory order of the grid; null before any have been required. Only boundary voxels of classes
+  /// whose normals have been required are set.
   [[nodiscard]] const PackedNormal* normals() const {
     return reinterpret_cast<const PackedNormal*>(normals_.data());
   }
@@ -67,13 +52,15 @@ class ClassCache {
   /// What is known of a class: its runs are kept with those of others.
   struct DecodedClass {
     std::array<std::optional<std::size_t>, 3> run_count;
-    bool has_voxels = false;  // values and normals
+    bool has_values = false, has_normals = false;
   };
-  /// Runs that have been read and are not kept yet.
-  using NewRuns = std::array<std::optional<ClassRuns>, 3>;
-  [[nodiscard]] Result<void> decode(ClassId c, Axis axis, DecodedClass& decoded, NewRuns& read);
-  void keep_runs(Axis axis, std::span<const std::pair<ClassId, const ClassRuns*>> runs, ThreadPool& pool);
-  [[nodiscard]] Result<void> place_voxels(ClassId c, const ClassRuns& z_runs);
+  /// What a class lacks, and what has been read of that.
+  struct Missing;
+  [[nodiscard]] std::vector<Missing> missing_of(std::span<const ClassId> classes, Axis axis,
+                                                bool normals) const;
+  [[nodiscard]] Result<void> reserve(std::span<const Missing> missing);
+  [[nodiscard]] Result<void> decode(Missing& missing, Axis axis) const;
+  void keep_runs(std::span<const Missing> missing, Axis axis, ThreadPool& pool);
 
   std::shared_ptr<const Atlas> atlas_;
   std::unordered_map<ClassId, DecodedClass> classes_;

@@ -214,26 +214,44 @@ class RayVolume::Builder {
         });
         return std::min(box_voxels * voxel_bytes, touched);
       };
-      if (!source.curve) {
-        bytes += of(kFour * sizeof(float), 1);
-      } else {
-        bytes += source.scale.bytes ? of(sizeof(std::uint64_t), 4) : of(sizeof(float), 1);
-        if (source.many_colors) bytes += of(kFour * sizeof(float), 1);
-      }
+      bytes += of(value_bytes(source), source.curve && source.scale.bytes ? 4 : 1);
+      if (color_bytes(source) > 0) bytes += of(color_bytes(source), 1);
     }
     return bytes;
+  }
+
+  static std::uint64_t value_bytes(const Source& source) {
+    if (!source.curve) return kFour * sizeof(float);
+    return source.scale.bytes ? sizeof(std::uint64_t) : sizeof(float);
+  }
+  static std::uint64_t color_bytes(const Source& source) {
+    return source.curve && source.many_colors ? kFour * sizeof(float) : 0;
+  }
+
+  /// Whether large pages take little more memory than small ones would: each source is a good part of the
+  /// box, as far as can be told, and all of it is allowed for.
+  [[nodiscard]] bool fills_box(std::uint64_t box_voxels) const {
+    constexpr std::uint64_t kSparse = 32;
+    std::uint64_t selected = 0, voxel_bytes = 0;
+    for (const ClassDraw& draw : request_.plan.classes) {
+      if (draws_volume(draw.role)) selected += request_.atlas.classes().voxels(draw.id);
+    }
+    for (const Source& source : volume_.sources_) voxel_bytes += value_bytes(source) + color_bytes(source);
+    return selected * kSparse >= box_voxels * volume_.sources_.size() &&
+           box_voxels * voxel_bytes <= request_.max_memory_bytes;
   }
 
   Result<void> allocate(Source& source) {
     const auto& size = volume_.grid_.size;
     const std::size_t voxels = static_cast<std::size_t>(size[0]) * static_cast<std::size_t>(size[1]) *
                                static_cast<std::size_t>(size[2]);
-    const std::size_t bytes = !source.curve        ? kFour * sizeof(float)
-                              : source.scale.bytes ? sizeof(std::uint64_t)
-                                                   : sizeof(float);
-    SPLATLAS_ASSIGN_OR_RETURN(source.values, SparseBytes::reserve(voxels * bytes));
-    if (source.curve && source.many_colors) {
-      SPLATLAS_ASSIGN_OR_RETURN(source.colors, SparseBytes::reserve(voxels * kFour * sizeof(float)));
+    SPLATLAS_ASSIGN_OR_RETURN(source.values, SparseBytes::reserve(voxels * value_bytes(source)));
+    if (color_bytes(source) > 0) {
+      SPLATLAS_ASSIGN_OR_RETURN(source.colors, SparseBytes::reserve(voxels * color_bytes(source)));
+    }
+    if (fills_box(voxels)) {
+      source.values.expect_dense(0, source.values.size());
+      source.colors.expect_dense(0, source.colors.size());
     }
     source.shaded.resize(static_cast<std::size_t>(size[2]));
     return {};

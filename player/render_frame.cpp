@@ -110,7 +110,7 @@ struct Renderer::Impl {
         max_memory_bytes(options.max_memory_bytes > 0 ? options.max_memory_bytes : default_memory_limit()),
         looks(*atlas) {}
 
-  [[nodiscard]] Result<void> decode(Axis axis);
+  [[nodiscard]] Result<void> decode(Axis axis, bool shade);
   [[nodiscard]] AxisSpans& spans(Axis axis, bool shade);
   void keep_spans();
   void drop_kept_spans(std::uint64_t frame_bytes);
@@ -143,8 +143,8 @@ struct Renderer::Impl {
 };
 
 /// Reads and decodes what the selection needs and the cache does not have yet.
-Result<void> Renderer::Impl::decode(Axis axis) {
-  SPLATLAS_RETURN_IF_ERROR(cache.require(volume_classes(plan), axis, pool));
+Result<void> Renderer::Impl::decode(Axis axis, bool shade) {
+  SPLATLAS_RETURN_IF_ERROR(cache.require(volume_classes(plan), axis, pool, shade));
   return cache.require_surfaces(plan.surfaces, pool);
 }
 
@@ -207,7 +207,7 @@ Result<void> Renderer::Impl::render_rays(const View& frame_view, const RenderOpt
                                          Picture& picture) {
   shown.reset();  // what the latest frame left is overwritten now
   Stopwatch watch;
-  SPLATLAS_RETURN_IF_ERROR(decode(Axis::kZ));
+  SPLATLAS_RETURN_IF_ERROR(decode(Axis::kZ, options.hybrid_shading));
   stats.decode_ms = watch.lap().wall_ms;
   SPLATLAS_ASSIGN_OR_RETURN(Rays* const cast, ray_volume(options));
   stats.traversal = watch.lap();
@@ -351,7 +351,7 @@ Result<void> Renderer::render(const Camera& camera, const RenderOptions& options
   }
 
   Stopwatch watch;
-  SPLATLAS_RETURN_IF_ERROR(r.decode(shear.principal));
+  SPLATLAS_RETURN_IF_ERROR(r.decode(shear.principal, options.hybrid_shading));
   r.stats.decode_ms = watch.lap().wall_ms;
 
   AxisSpans& spans = r.spans(shear.principal, options.hybrid_shading);

@@ -1,28 +1,104 @@
 #include "player/scanline_runs.h"
 
 #include <algorithm>
+#include <bit>
 #include <limits>
+#include <tuple>
+#include <utility>
 
 namespace splatlas {
 namespace {
 
-/// Sorts by row, then start: rows by counting, the few runs of a row by comparing.
-void sort_runs(std::vector<ClassRun>& runs) {
-  const auto [lowest, highest] = std::minmax_element(
-      runs.begin(), runs.end(), [](const ClassRun& a, const ClassRun& b) { return a.row < b.row; });
-  const std::uint32_t first_row = lowest->row;
-  std::vector<std::uint32_t> next(highest->row - first_row + 2);  // place of the next run of each row
-  for (const ClassRun& run : runs) ++next[run.row - first_row + 1];
-  for (std::size_t row = 1; row < next.size(); ++row) next[row] += next[row - 1];
-  std::vector<ClassRun> sorted(runs.size());
-  for (const ClassRun& run : runs) sorted[next[run.row - first_row]++] = run;
-  auto begin = sorted.begin();
-  for (std::size_t row = 0; row + 1 < next.size(); ++row) {
-    const auto end = sorted.begin() + next[row];
-    std::sort(begin, end, [](const ClassRun& a, const ClassRun& b) { return a.start < b.start; });
-    begin = end;
+bool in_order(const ClassRun& a, const ClassRun& b) {
+  return std::tie(a.row, a.start) < std::tie(b.row, b.start);
+}
+
+/// Where runs of a slice begin, a bit per voxel: the place of a run is the number of bits before its own, so
+/// that runs of many classes are put in order without comparing any two of them.
+class RunPlaces {
+ public:
+  /// Of voxels [0, scan_voxels) in rows [first_row, last_row).
+  RunPlaces(std::uint32_t first_row, std::uint32_t last_row, std::uint32_t scan_voxels)
+      : first_row_(first_row),
+        row_words_(words_of(scan_voxels)),
+        words_((last_row - first_row) * row_words_) {}
+
+  static std::uint64_t words_of(std::uint32_t scan_voxels) { return (std::uint64_t{scan_voxels} + 63) / 64; }
+
+  void mark(const ClassRun& run) { words_[word_of(run)].begins |= std::uint64_t{1} << (run.start % 64); }
+  /// After the last mark(); says how many different places there are.
+  std::size_t number() {
+    std::size_t before = 0;
+    for (Word& word : words_) {
+      word.before = before;
+      before += static_cast<std::size_t>(std::popcount(word.begins));
+    }
+    return before;
   }
-  runs = std::move(sorted);
+  [[nodiscard]] std::size_t place_of(const ClassRun& run) const {
+    const Word& word = words_[word_of(run)];
+    const std::uint64_t earlier = (std::uint64_t{1} << (run.start % 64)) - 1;
+    return word.before + static_cast<std::size_t>(std::popcount(word.begins & earlier));
+  }
+
+ private:
+  struct Word {
+    std::uint64_t begins = 0;
+    std::size_t before = 0;
+  };
+  [[nodiscard]] std::size_t word_of(const ClassRun& run) const {
+    return (run.row - first_row_) * row_words_ + run.start / 64;
+  }
+
+  std::uint32_t first_row_;
+  std::uint64_t row_words_;
+  std::vector<Word> words_;
+};
+
+/// The runs of one class that are to be inserted, by slice.
+struct NewRuns {
+  ClassId id = kEmptyClass;
+  std::span<const Run> runs;
+  std::int64_t first_slice = 0;
+  std::vector<std::size_t> first_run;  // of each slice from the first on, and the end
+
+  NewRuns() = default;
+  NewRuns(ClassId of, std::span<const Run> all, std::uint64_t rows) : id(of), runs(all) {
+    if (all.empty()) return;
+    first_slice = static_cast<std::int64_t>(all.front().scanline / rows);
+    std::uint64_t slice_begins = static_cast<std::uint64_t>(first_slice) * rows;
+    for (std::size_t n = 0; n < all.size(); ++n) {
+      for (; all[n].scanline >= slice_begins; slice_begins += rows) first_run.push_back(n);
+    }
+    first_run.push_back(all.size());
+  }
+  [[nodiscard]] std::int64_t end_slice() const { return first_slice + std::ssize(first_run) - 1; }
+  [[nodiscard]] std::span<const Run> of_slice(std::int64_t slice) const {
+    if (runs.empty() || slice < first_slice || slice >= end_slice()) return {};
+    const std::size_t* const first = &first_run[static_cast<std::size_t>(slice - first_slice)];
+    return runs.subspan(first[0], first[1] - first[0]);
+  }
+};
+
+/// Puts runs in order; of any that begin at the same voxel, as no valid classes do, one stays.
+std::vector<ClassRun> ordered(std::vector<ClassRun> runs) {
+  std::uint32_t first_row = std::numeric_limits<std::uint32_t>::max(), last_row = 0, scan_voxels = 0;
+  for (const ClassRun& run : runs) {
+    first_row = std::min(first_row, run.row);
+    last_row = std::max(last_row, run.row + 1);
+    scan_voxels = std::max(scan_voxels, run.start + 1);
+  }
+  if ((last_row - first_row) * RunPlaces::words_of(scan_voxels) > 1024 + 4 * runs.size()) {
+    std::sort(runs.begin(), runs.end(), in_order);
+    const auto same = [](const ClassRun& a, const ClassRun& b) { return !in_order(a, b); };
+    runs.erase(std::unique(runs.begin(), runs.end(), same), runs.end());
+    return runs;
+  }
+  RunPlaces places(first_row, last_row, scan_voxels);
+  for (const ClassRun& run : runs) places.mark(run);
+  std::vector<ClassRun> sorted(places.number());
+  for (const ClassRun& run : runs) sorted[places.place_of(run)] = run;
+  return sorted;
 }
 
 }  // namespace
@@ -39,35 +115,35 @@ void ScanlineRuns::make_room(std::int64_t first, std::int64_t last) {
 
 void ScanlineRuns::insert(std::span<const std::pair<ClassId, const ClassRuns*>> classes, std::int64_t rows,
                           ThreadPool& pool) {
-  const auto slice_of = [rows](const Run& run) {
-    return static_cast<std::int64_t>(run.scanline / static_cast<std::uint64_t>(rows));
-  };
+  std::vector<NewRuns> inserted(classes.size());
+  pool.for_each(classes.size(), [&](std::size_t n) {
+    inserted[n] = NewRuns(classes[n].first, *classes[n].second, static_cast<std::uint64_t>(rows));
+  });
   std::int64_t first = std::numeric_limits<std::int64_t>::max(), last = 0;
-  for (const auto& [id, runs] : classes) {
-    if (runs->empty()) continue;
-    first = std::min(first, slice_of(runs->front()));
-    last = std::max(last, slice_of(runs->back()) + 1);
+  for (const NewRuns& of_class : inserted) {
+    if (of_class.runs.empty()) continue;
+    first = std::min(first, of_class.first_slice);
+    last = std::max(last, of_class.end_slice());
   }
   if (first >= last) return;
   make_room(first, last);
-
-  std::vector<std::uint8_t> touched(slices_.size());
-  for (const auto& [id, runs] : classes) {
-    std::size_t slice = 0;
-    std::uint64_t begin = 0, end = 0;  // scanlines of that slice
-    for (const Run& run : *runs) {
-      if (run.scanline >= end) {
-        const std::int64_t of_grid = slice_of(run);
-        slice = static_cast<std::size_t>(of_grid - first_);
-        begin = static_cast<std::uint64_t>(of_grid) * static_cast<std::uint64_t>(rows);
-        end = begin + static_cast<std::uint64_t>(rows);
-        touched[slice] = 1;
+  pool.for_each(static_cast<std::size_t>(last - first), [&](std::size_t n) {
+    const std::int64_t slice = first + static_cast<std::int64_t>(n);
+    std::vector<ClassRun>& held = slices_[static_cast<std::size_t>(slice - first_)];
+    std::size_t count = held.size();
+    for (const NewRuns& of_class : inserted) count += of_class.of_slice(slice).size();
+    if (count == held.size()) return;
+    std::vector<ClassRun> runs;
+    runs.reserve(count);
+    runs.insert(runs.end(), held.begin(), held.end());
+    const std::uint64_t first_scanline = static_cast<std::uint64_t>(slice * rows);
+    for (const NewRuns& of_class : inserted) {
+      for (const Run& run : of_class.of_slice(slice)) {
+        runs.push_back(
+            {static_cast<std::uint32_t>(run.scanline - first_scanline), run.start, run.length, of_class.id});
       }
-      slices_[slice].push_back({static_cast<std::uint32_t>(run.scanline - begin), run.start, run.length, id});
     }
-  }
-  pool.for_each(slices_.size(), [&](std::size_t n) {
-    if (touched[n] != 0) sort_runs(slices_[n]);
+    held = ordered(std::move(runs));
   });
 }
 

@@ -96,6 +96,31 @@ TEST(ClassCache, ReadsNothingTwiceAndNothingElse) {
   EXPECT_EQ(atlas->counters().decoded, other->counters().decoded);
 }
 
+/// What a picture does not need is not read: normals without shading, and along y no runs but those.
+TEST(ClassCache, ReadsNormalsOnlyWhereTheyAreWanted) {
+  const RandomScene scene = random_scene(3, 16);
+  const auto bytes = encode_atlas(scene.content);
+  ASSERT_TRUE(bytes);
+  const auto atlas = *Atlas::open_bytes(*bytes), other = *Atlas::open_bytes(*bytes);
+  std::vector<ClassId> all(atlas->classes().size() - 1);
+  std::iota(all.begin(), all.end(), 1);
+  ThreadPool pool(2);
+  ClassCache cache(atlas);
+  ASSERT_TRUE(cache.require(all, Axis::kY, pool, false));
+  EXPECT_EQ(cache.normals(), nullptr);
+  for (const ClassId c : all) {
+    (void)other->read_runs(c, Axis::kY);
+    (void)other->read_values(c);
+  }
+  EXPECT_EQ(atlas->counters().read, other->counters().read);
+  EXPECT_EQ(atlas->counters().decoded, other->counters().decoded);
+
+  for (const Axis axis : {Axis::kX, Axis::kY}) {  // along x, none are there yet
+    ASSERT_TRUE(cache.require(all, axis, pool, true));
+    expect_equal(scene.content, cache, all, axis);
+  }
+}
+
 /// An atlas of many classes, and all of them but the empty one.
 struct EncodedScene {
   AtlasContent content;
