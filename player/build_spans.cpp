@@ -24,6 +24,18 @@ struct Piece {
 /// Slices that a thread builds one after the other.
 constexpr std::size_t kSlicesAtOnce = 8;
 
+/// Light that is kept for the next selection, or that cannot be used because of light beside it: as much as
+/// is in use, or that.
+constexpr std::uint64_t kMostUnusedLight = std::uint64_t{64} << 20;
+
+std::uint64_t selected_voxels(const SpanRequest& request) {
+  std::uint64_t voxels = 0;
+  for (const ClassDraw& draw : request.plan.classes) {
+    if (draws_volume(draw.role)) voxels += request.classes.voxels(draw.id);
+  }
+  return voxels;
+}
+
 /// What the next slice will read: it is alike, and rows of it lie far apart.
 void prefetch(std::size_t voxel, std::size_t voxels, const ClassCache& cache) {
   constexpr std::size_t kLine = 64;
@@ -77,30 +89,37 @@ std::vector<bool> SpanBuilder::changed_slices(const SpanRequest& request, const 
   return changed;
 }
 
-/// Slices that both models have keep their place; others give their memory to those that are new, which count
-/// as changed.
+/// Slices that both models have keep their place; others count as changed. Light of what changes makes room.
 void SpanBuilder::take_over(SpanModel& before, std::vector<bool>& changed) {
-  std::vector<LightBuffer> spare;
   std::vector<bool> taken(model_.slices.size(), false);
   for (std::size_t n = 0; n < before.slices.size(); ++n) {
     const std::int64_t place = before.slice_first + static_cast<std::int64_t>(n) - model_.slice_first;
-    if (place >= 0 && place < std::ssize(model_.slices)) {
-      taken[static_cast<std::size_t>(place)] = true;
-      model_.slices[static_cast<std::size_t>(place)] = std::move(before.slices[n]);
-    } else if (before.slices[n].light.capacity() > 0) {
-      spare.push_back(std::move(before.slices[n].light));
-    }
+    if (place < 0 || place >= std::ssize(model_.slices)) continue;
+    taken[static_cast<std::size_t>(place)] = true;
+    model_.slices[static_cast<std::size_t>(place)] = std::move(before.slices[n]);
   }
+  before.slices.clear();
+  std::uint64_t kept = 0;
   for (std::size_t n = 0; n < model_.slices.size(); ++n) {
-    if (taken[n]) continue;
-    changed[n] = true;
-    if (spare.empty()) continue;
-    model_.slices[n].light = std::move(spare.back());
-    spare.pop_back();
+    if (!taken[n]) changed[n] = true;
+    if (changed[n]) model_.slices[n].light = {};
+    kept += model_.slices[n].light.size() * sizeof(float);
   }
+  // What little stays may be all over the memory that was used: it is built anew, then.
+  if (arena_.held_bytes() <= 2 * kept + kMostUnusedLight) return;
+  changed.assign(changed.size(), true);
+  for (SliceSpans& slice : model_.slices) slice.light = {};
 }
 
-void SpanBuilder::build_slice(const SpanRequest& request, std::int64_t slice, SliceSpans& out) const {
+/// Every block of the selection's box, and a dark one at the end of each row.
+std::size_t SpanBuilder::most_floats_of_slice() const {
+  const std::int64_t first_block = model_.scan_first >> kBlockBits;
+  const std::int64_t last_block = (model_.scan_first + model_.scan_voxels - 1) >> kBlockBits;
+  return static_cast<std::size_t>(model_.rows * (last_block - first_block + 2) * kBlock *
+                                  (1 + model_.emissions));
+}
+
+void SpanBuilder::write_slice(const SpanRequest& request, std::int64_t slice, SliceSpans& out) const {
   const ScanOrder scan = ScanOrder::of(model_.axis);
   const std::array<std::size_t, 3> step{
       1, static_cast<std::size_t>(request.grid.size[0]),
@@ -157,23 +176,23 @@ void SpanBuilder::build(const SpanRequest& request, ThreadPool& pool) {
   for (std::size_t n = 0; n < changed.size(); ++n) {
     if (changed[n]) to_build.push_back(n);
   }
+  arena_.expect(selected_voxels(request) * (1 + static_cast<std::uint64_t>(model_.emissions)) *
+                sizeof(float));
   pool.for_each((to_build.size() + kSlicesAtOnce - 1) / kSlicesAtOnce, [&](std::size_t part) {
     const std::size_t first = part * kSlicesAtOnce;
-    for (std::size_t n = first; n < std::min(first + kSlicesAtOnce, to_build.size()); ++n)
-      build_slice(request, model_.slice_first + static_cast<std::int64_t>(to_build[n]),
-                  model_.slices[to_build[n]]);
+    for (std::size_t n = first; n < std::min(first + kSlicesAtOnce, to_build.size()); ++n) {
+      SliceSpans& slice = model_.slices[to_build[n]];
+      slice.light = arena_.lend(most_floats_of_slice());
+      write_slice(request, model_.slice_first + static_cast<std::int64_t>(to_build[n]), slice);
+      arena_.settle(slice.light);
+    }
   });
   slices_built_ = to_build.size();
   for (const SliceSpans& slice : model_.slices) {
     model_.voxels += slice.voxels;
     model_.shaded_voxels += slice.shaded.size();
   }
-}
-
-std::uint64_t SpanBuilder::light_bytes() const {
-  std::uint64_t bytes = 0;
-  for (const SliceSpans& slice : model_.slices) bytes += slice.light.capacity() * sizeof(float);
-  return bytes;
+  arena_.trim(std::max(arena_.held_bytes(), kMostUnusedLight));
 }
 
 }  // namespace splatlas

@@ -38,7 +38,7 @@ class SpanBuilder {
   /// Slices that the latest build() has made anew.
   [[nodiscard]] std::size_t slices_built() const { return slices_built_; }
   /// Bytes of light, in use or kept for the next build().
-  [[nodiscard]] std::uint64_t light_bytes() const;
+  [[nodiscard]] std::uint64_t light_bytes() const { return arena_.bytes(); }
 
  private:
   static constexpr std::uint32_t kNotDrawn = SelectedRuns::kNotDrawn;
@@ -61,9 +61,11 @@ class SpanBuilder {
   [[nodiscard]] std::vector<bool> changed_slices(const SpanRequest& request, const SpanModel& before,
                                                  const ClassLooks& looks_before) const;
   void take_over(SpanModel& before, std::vector<bool>& changed);
-  void build_slice(const SpanRequest& request, std::int64_t slice, SliceSpans& out) const;
+  void write_slice(const SpanRequest& request, std::int64_t slice, SliceSpans& out) const;
+  [[nodiscard]] std::size_t most_floats_of_slice() const;
 
   SpanModel model_;
+  LightArena arena_;  // of the model's light
   ClassLooks looks_;
   std::size_t slices_built_ = 0;
 };

@@ -1,31 +1,6 @@
 #include "player/span_model.h"
 
-#include <algorithm>
-#include <new>
-
 namespace splatlas {
-namespace {
-
-constexpr std::align_val_t kLightAlignment{64};
-
-}  // namespace
-
-void LightBuffer::Free::operator()(float* light) const {
-  ::operator delete[](light, kLightAlignment);
-}
-
-float* LightBuffer::append(std::size_t floats) {
-  if (size_ + floats > capacity_) {
-    const std::size_t capacity = std::max(size_ + floats, capacity_ + capacity_ / 2);
-    std::unique_ptr<float[], Free> larger(new (kLightAlignment) float[capacity]);
-    std::copy_n(floats_.get(), size_, larger.get());
-    floats_ = std::move(larger);
-    capacity_ = capacity;
-  }
-  size_ += floats;
-  return floats_.get() + (size_ - floats);
-}
-
 std::uint64_t span_model_bytes(std::uint64_t voxels, std::uint64_t runs) {
   // As if every voxel were shaded, and every run a span of its own with blocks that it hardly fills. Voxels
   // that grey values leave out make runs into several spans only where whole blocks are left out.

@@ -3,13 +3,12 @@
 
 #include <array>
 #include <cstdint>
-#include <memory>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "format/grid.h"
 #include "format/unit_vector.h"
+#include "player/light_buffer.h"
 #include "player/thread_pool.h"
 
 namespace splatlas {
@@ -36,38 +35,6 @@ struct ShadedVoxel {
   std::size_t place = 0;  ///< of its extinction
   PackedNormal normal = 0;
   std::array<float, 3> emission{};  ///< unshaded, 1/mm; white's first where there is one
-};
-
-/// Floats aligned to cache lines. Keeps its memory when it is filled anew: fresh pages would cost more than
-/// what is written to them.
-class LightBuffer {
- public:
-  LightBuffer() = default;
-  LightBuffer(LightBuffer&& other) noexcept
-      : floats_(std::move(other.floats_)),
-        size_(std::exchange(other.size_, 0)),
-        capacity_(std::exchange(other.capacity_, 0)) {}
-  LightBuffer& operator=(LightBuffer&& other) noexcept {
-    floats_ = std::move(other.floats_);
-    size_ = std::exchange(other.size_, 0);
-    capacity_ = std::exchange(other.capacity_, 0);
-    return *this;
-  }
-  ~LightBuffer() = default;
-  [[nodiscard]] const float* data() const { return floats_.get(); }
-  [[nodiscard]] float* data() { return floats_.get(); }
-  [[nodiscard]] std::size_t size() const { return size_; }
-  [[nodiscard]] std::size_t capacity() const { return capacity_; }
-  void clear() { size_ = 0; }
-  /// Makes room for `floats` more, which are not set, and says where.
-  float* append(std::size_t floats);
-
- private:
-  struct Free {
-    void operator()(float* light) const;
-  };
-  std::unique_ptr<float[], Free> floats_;
-  std::size_t size_ = 0, capacity_ = 0;
 };
 
 /// The spans of one slice. Made by SpanWriter.
