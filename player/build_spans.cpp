@@ -36,7 +36,7 @@ std::uint64_t selected_voxels(const SpanRequest& request) {
   return voxels;
 }
 
-/// What the next slice will read: it is alike, and rows of it lie far apart.
+/// What a row further on will read, where rows lie far apart in memory: it is alike.
 void prefetch(std::size_t voxel, std::size_t voxels, const ClassCache& cache) {
   constexpr std::size_t kLine = 64;
   const std::size_t last = std::min((voxel + voxels) * cache.value_bytes(), cache.bytes_of_values());
@@ -126,13 +126,14 @@ void SpanBuilder::write_slice(const SpanRequest& request, std::int64_t slice, Sl
       static_cast<std::size_t>(request.grid.size[0] * request.grid.size[1])};
   const std::size_t row_step = step[scan.row_axis], scan_step = step[scan.scan_axis];
   const std::size_t first_voxel = static_cast<std::size_t>(slice) * step[scan.slice_axis];
+  constexpr std::size_t kRowsAhead = 2;
   SpanWriter writer(model_.scan_first, model_.scan_voxels, model_.emissions, out);
 
   const auto write = [&](const Piece& piece) {
     const SpanLook& look = looks_.looks[piece.look];
     const std::size_t voxel =
         first_voxel + static_cast<std::size_t>(piece.row) * row_step + piece.start * scan_step;
-    if (scan_step == 1) prefetch(voxel + step[scan.slice_axis], piece.length, request.cache);
+    if (model_.axis == Axis::kY) prefetch(voxel + kRowsAhead * row_step, piece.length, request.cache);
     writer.add(piece.start, piece.length);
     look.volume.look_up(request.cache.values(), voxel, scan_step, piece.length,
                         writer.extinctions(piece.start), writer.emissions(piece.start, 0));

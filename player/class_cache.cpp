@@ -112,9 +112,12 @@ Result<void> ClassCache::require(std::span<const ClassId> classes, Axis axis, Th
   std::vector<Missing> missing = missing_of(classes, axis, normals);
   if (missing.empty()) return {};
   SPLATLAS_RETURN_IF_ERROR(reserve(missing));
-  // The largest first, or threads would wait for one of them at the end.
-  std::ranges::stable_sort(missing, std::greater{},
-                           [&](const Missing& of) { return atlas_->classes().voxels(of.id); });
+  // The largest first, or threads would wait for one of them at the end; small ones share chunks with those
+  // before and behind them, and stay in order.
+  constexpr std::uint64_t kSmall = 16384;
+  std::ranges::stable_sort(missing, std::greater{}, [&](const Missing& of) {
+    return std::max(kSmall, atlas_->classes().voxels(of.id));
+  });
   pool.for_each(missing.size(), [&](std::size_t n) { missing[n].result = decode(missing[n], axis); });
   keep_runs(missing, axis, pool);
   Result<void> first_failure;
