@@ -29,7 +29,7 @@ int sheet_scale(Quality quality, const Shear& shear) {
     return std::clamp(static_cast<int>(std::ceil(wanted - 0.25)), least, most);
   };
   switch (quality) {
-    case Quality::kNormal: return fine(pixels_per_voxel, 1, 4);
+    case Quality::kNormal: return fine(1.5 * pixels_per_voxel, 1, 4);
     case Quality::kHigh: return fine(2 * pixels_per_voxel, 2, 8);
     case Quality::kDraft: break;
   }
@@ -39,7 +39,7 @@ int sheet_scale(Quality quality, const Shear& shear) {
 /// Slabs per slice. The error along rays falls with their square.
 int slab_parts(Quality quality) {
   switch (quality) {
-    case Quality::kNormal: return 3;
+    case Quality::kNormal: return 4;
     case Quality::kHigh: return 8;
     case Quality::kDraft: break;
   }

@@ -97,6 +97,7 @@ class Band {
        std::vector<float>& floats)
       : pass_(pass),
         scale_(pass.window.scale),
+        together_(static_cast<std::int64_t>(SheetRows::together(pass.window.scale))),
         first_(first),
         last_(last),
         image_(pass.window, pass.model.emissions, first, last, floats),
@@ -166,7 +167,7 @@ class Band {
     }
     const SliceRows rows(pass_, k);
     for (std::int64_t between = 0; between < scale_;) {
-      const std::int64_t count = std::min<std::int64_t>(SheetRows::kMostRows, scale_ - between);
+      const std::int64_t count = std::min<std::int64_t>(together_, scale_ - between);
       render_rows(slice, k, rows, between, count);
       between += count;
     }
@@ -211,7 +212,7 @@ class Band {
       fragments_.before_slab(row, slab, image_.accumulated(row));
     });
     for (std::size_t phase = 0; phase < phases_.size(); phase += rows.phase_count) {
-      rows.phase_count = std::min(SheetRows::kMostPhases, phases_.size() - phase);
+      rows.phase_count = std::min<std::size_t>(together_, phases_.size() - phase);
       std::copy_n(phases_.begin() + static_cast<std::ptrdiff_t>(phase), rows.phase_count,
                   rows.phases.begin());
       pass_.kernels.composite(rows, static_cast<float>(pass_.shear.slab_mm / pass_.window.parts), pass_.floor,
@@ -252,7 +253,7 @@ class Band {
   }
 
   const Pass& pass_;
-  std::int64_t scale_, first_, last_;
+  std::int64_t scale_, together_, first_, last_;
   BandImage image_;
   SheetFragments& fragments_;
   std::vector<Phase> phases_;  // of the current slice

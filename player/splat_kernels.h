@@ -20,10 +20,13 @@ struct Phase {
 
 /// Rows of sheet pixels at one slice. In the sheared grid every voxel of a slice has the same sub-pixel
 /// offset, so the footprint (a tent, one voxel to each side) has constant weights. Between two rows of voxels
-/// lie one or two rows of pixels, whose voxels are the mix (1 - lower_weight) * upper[i] + lower_weight *
+/// lie one or more rows of pixels, whose voxels are the mix (1 - lower_weight) * upper[i] + lower_weight *
 /// lower[i].
 struct SheetRows {
-  static constexpr std::size_t kMostRows = 2, kMostPhases = 2;
+  /// Three rows have one phase or three.
+  static constexpr std::size_t kMostRows = 3, kMostPhases = 3;
+  /// Rows, or phases, that are splatted together where a sheet has `scale` of them.
+  [[nodiscard]] static constexpr std::size_t together(int scale) { return scale % 3 == 0 ? 3 : 2; }
 
   const SliceSpans* slice = nullptr;
   std::int64_t upper = 0;  ///< the first upper row of voxels, counted as slice->row() does

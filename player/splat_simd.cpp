@@ -222,12 +222,14 @@ HWY_INLINE void CompositePairs(const SheetRows& rows, float slab_mm, float floor
 template <int kEmissions>
 HWY_INLINE void CompositeEmissions(const SheetRows& rows, float slab_mm, float floor,
                                    const ImageRows& image) {
-  if (rows.rows_between == 1) {
-    rows.phase_count == 1 ? CompositePairs<kEmissions, 1, 1>(rows, slab_mm, floor, image)
-                          : CompositePairs<kEmissions, 1, 2>(rows, slab_mm, floor, image);
-  } else {
-    rows.phase_count == 1 ? CompositePairs<kEmissions, 2, 1>(rows, slab_mm, floor, image)
-                          : CompositePairs<kEmissions, 2, 2>(rows, slab_mm, floor, image);
+  switch (10 * rows.rows_between + rows.phase_count) {
+    case 11: return CompositePairs<kEmissions, 1, 1>(rows, slab_mm, floor, image);
+    case 12: return CompositePairs<kEmissions, 1, 2>(rows, slab_mm, floor, image);
+    case 13: return CompositePairs<kEmissions, 1, 3>(rows, slab_mm, floor, image);
+    case 21: return CompositePairs<kEmissions, 2, 1>(rows, slab_mm, floor, image);
+    case 22: return CompositePairs<kEmissions, 2, 2>(rows, slab_mm, floor, image);
+    case 33: return CompositePairs<kEmissions, 3, 3>(rows, slab_mm, floor, image);
+    default: break;  // see SheetRows
   }
 }
 

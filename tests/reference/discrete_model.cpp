@@ -64,7 +64,7 @@ std::array<double, 2> voxels_per_pixel(const ParallelView& view, const Grid& gri
 
 int slabs_per_slice(Quality quality) {
   switch (quality) {
-    case Quality::kNormal: return 3;
+    case Quality::kNormal: return 4;
     case Quality::kHigh: return 8;
     case Quality::kDraft: break;
   }
@@ -75,7 +75,8 @@ int sheet_pixels_per_voxel(Quality quality, const ParallelView& view, const Grid
   const std::array<double, 2> reach = voxels_per_pixel(view, grid, principal);
   const double pixels_per_voxel = std::min(1 / std::min(reach[0], reach[1]), 1e3);
   switch (quality) {
-    case Quality::kNormal: return std::clamp(static_cast<int>(std::ceil(pixels_per_voxel - 0.25)), 1, 4);
+    case Quality::kNormal:
+      return std::clamp(static_cast<int>(std::ceil(1.5 * pixels_per_voxel - 0.25)), 1, 4);
     case Quality::kHigh: return std::clamp(static_cast<int>(std::ceil(2 * pixels_per_voxel - 0.25)), 2, 8);
     case Quality::kDraft: break;
   }
