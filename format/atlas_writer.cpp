@@ -24,7 +24,7 @@ namespace {
 constexpr std::uint32_t kChunkBytes = 256 * 1024;
 /// Streams up to this length share a chunk. Larger: fewer chunks and better compression of small classes;
 /// smaller: fewer bytes of others are read with them.
-constexpr std::uint32_t kSharedBytes = 4096;
+constexpr std::uint32_t kSharedBytes = 512;
 
 /// Share of a section's work that is not compression; for progress.
 constexpr double kGathering = 0.3;

@@ -131,7 +131,7 @@ TEST(Atlas, SharesChunksAmongSmallClassesOnly) {
   for (ClassId c = 0; c < content.classes.size(); ++c) {
     const std::uint64_t size = content.classes.voxels(c) * bytes_of(content.values.type);
     const std::uint64_t decoded = cost_of(parts, SectionKind::kValues, c).second;
-    EXPECT_LE(decoded, std::max<std::uint64_t>(size, 4096)) << "class " << c;
+    EXPECT_LE(decoded, std::max<std::uint64_t>(size, 512)) << "class " << c;
   }
 }
 
