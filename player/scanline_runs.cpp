@@ -1,7 +1,6 @@
 #include "player/scanline_runs.h"
 
 #include <algorithm>
-#include <bit>
 #include <limits>
 #include <tuple>
 #include <utility>
@@ -31,14 +30,13 @@ class RunPlaces {
     std::size_t before = 0;
     for (Word& word : words_) {
       word.before = before;
-      before += static_cast<std::size_t>(std::popcount(word.begins));
+      before += ones_of(word.begins);
     }
     return before;
   }
   [[nodiscard]] std::size_t place_of(const ClassRun& run) const {
     const Word& word = words_[word_of(run)];
-    const std::uint64_t earlier = (std::uint64_t{1} << (run.start % 64)) - 1;
-    return word.before + static_cast<std::size_t>(std::popcount(word.begins & earlier));
+    return word.before + ones_of(word.begins & ((std::uint64_t{1} << (run.start % 64)) - 1));
   }
 
  private:
@@ -46,6 +44,12 @@ class RunPlaces {
     std::uint64_t begins = 0;
     std::size_t before = 0;
   };
+  /// As std::popcount(), which is a call where the least of all processors has no instruction for it.
+  static std::size_t ones_of(std::uint64_t bits) {
+    bits -= (bits >> 1) & 0x5555555555555555;
+    bits = (bits & 0x3333333333333333) + ((bits >> 2) & 0x3333333333333333);
+    return (((bits + (bits >> 4)) & 0x0f0f0f0f0f0f0f0f) * 0x0101010101010101) >> 56;
+  }
   [[nodiscard]] std::size_t word_of(const ClassRun& run) const {
     return (run.row - first_row_) * row_words_ + run.start / 64;
   }
@@ -61,6 +65,7 @@ struct NewRuns {
   std::span<const Run> runs;
   std::int64_t first_slice = 0;
   std::vector<std::size_t> first_run;  // of each slice from the first on, and the end
+  std::uint32_t scan_voxels = 0;       // runs begin before that
 
   NewRuns() = default;
   NewRuns(ClassId of, std::span<const Run> all, std::uint64_t rows) : id(of), runs(all) {
@@ -69,6 +74,7 @@ struct NewRuns {
     std::uint64_t slice_begins = static_cast<std::uint64_t>(first_slice) * rows;
     for (std::size_t n = 0; n < all.size(); ++n) {
       for (; all[n].scanline >= slice_begins; slice_begins += rows) first_run.push_back(n);
+      scan_voxels = std::max(scan_voxels, all[n].start + 1);
     }
     first_run.push_back(all.size());
   }
@@ -80,26 +86,66 @@ struct NewRuns {
   }
 };
 
-/// Puts runs in order; of any that begin at the same voxel, as no valid classes do, one stays.
-std::vector<ClassRun> ordered(std::vector<ClassRun> runs) {
-  std::uint32_t first_row = std::numeric_limits<std::uint32_t>::max(), last_row = 0, scan_voxels = 0;
-  for (const ClassRun& run : runs) {
-    first_row = std::min(first_row, run.row);
-    last_row = std::max(last_row, run.row + 1);
-    scan_voxels = std::max(scan_voxels, run.start + 1);
+/// The runs that a slice holds, and those of classes that come to it.
+class SliceRuns {
+ public:
+  SliceRuns(std::span<const ClassRun> held, std::span<const NewRuns> classes, std::int64_t slice,
+            std::int64_t rows)
+      : held_(held), first_scanline_(static_cast<std::uint64_t>(slice * rows)) {
+    if (!held.empty()) include(held.front().row, held.back().row, held.size());
+    for (const ClassRun& run : held) scan_voxels_ = std::max(scan_voxels_, run.start + 1);
+    for (const NewRuns& of_class : classes) {
+      const std::span<const Run> runs = of_class.of_slice(slice);
+      if (runs.empty()) continue;
+      come_.push_back({of_class.id, runs});
+      include(row_of(runs.front()), row_of(runs.back()), runs.size());
+      scan_voxels_ = std::max(scan_voxels_, of_class.scan_voxels);
+    }
   }
-  if ((last_row - first_row) * RunPlaces::words_of(scan_voxels) > 1024 + 4 * runs.size()) {
-    std::sort(runs.begin(), runs.end(), in_order);
+  [[nodiscard]] bool changed() const { return !come_.empty(); }
+
+  /// All in order; of any that begin at the same voxel, as no valid classes do, one stays.
+  [[nodiscard]] std::vector<ClassRun> ordered() const {
+    if ((last_row_ - first_row_) * RunPlaces::words_of(scan_voxels_) > 1024 + 4 * count_) return sorted();
+    RunPlaces places(first_row_, last_row_, scan_voxels_);
+    for_each([&](const ClassRun& run) { places.mark(run); });
+    std::vector<ClassRun> runs(places.number());
+    for_each([&](const ClassRun& run) { runs[places.place_of(run)] = run; });
+    return runs;
+  }
+
+ private:
+  [[nodiscard]] std::uint32_t row_of(const Run& run) const {
+    return static_cast<std::uint32_t>(run.scanline - first_scanline_);
+  }
+  void include(std::uint32_t first_row, std::uint32_t last_row, std::size_t count) {
+    first_row_ = std::min(first_row_, first_row);
+    last_row_ = std::max(last_row_, last_row + 1);
+    count_ += count;
+  }
+  template <typename Take>
+  void for_each(const Take& take) const {
+    for (const ClassRun& run : held_) take(run);
+    for (const auto& [id, runs] : come_) {
+      for (const Run& run : runs) take(ClassRun{row_of(run), run.start, run.length, id});
+    }
+  }
+  /// Where runs are few and far between.
+  [[nodiscard]] std::vector<ClassRun> sorted() const {
+    std::vector<ClassRun> runs;
+    for_each([&](const ClassRun& run) { runs.push_back(run); });
+    std::stable_sort(runs.begin(), runs.end(), in_order);
     const auto same = [](const ClassRun& a, const ClassRun& b) { return !in_order(a, b); };
     runs.erase(std::unique(runs.begin(), runs.end(), same), runs.end());
     return runs;
   }
-  RunPlaces places(first_row, last_row, scan_voxels);
-  for (const ClassRun& run : runs) places.mark(run);
-  std::vector<ClassRun> sorted(places.number());
-  for (const ClassRun& run : runs) sorted[places.place_of(run)] = run;
-  return sorted;
-}
+
+  std::span<const ClassRun> held_;
+  std::uint64_t first_scanline_;
+  std::vector<std::pair<ClassId, std::span<const Run>>> come_;
+  std::uint32_t first_row_ = std::numeric_limits<std::uint32_t>::max(), last_row_ = 0, scan_voxels_ = 0;
+  std::size_t count_ = 0;
+};
 
 }  // namespace
 
@@ -130,20 +176,8 @@ void ScanlineRuns::insert(std::span<const std::pair<ClassId, const ClassRuns*>> 
   pool.for_each(static_cast<std::size_t>(last - first), [&](std::size_t n) {
     const std::int64_t slice = first + static_cast<std::int64_t>(n);
     std::vector<ClassRun>& held = slices_[static_cast<std::size_t>(slice - first_)];
-    std::size_t count = held.size();
-    for (const NewRuns& of_class : inserted) count += of_class.of_slice(slice).size();
-    if (count == held.size()) return;
-    std::vector<ClassRun> runs;
-    runs.reserve(count);
-    runs.insert(runs.end(), held.begin(), held.end());
-    const std::uint64_t first_scanline = static_cast<std::uint64_t>(slice * rows);
-    for (const NewRuns& of_class : inserted) {
-      for (const Run& run : of_class.of_slice(slice)) {
-        runs.push_back(
-            {static_cast<std::uint32_t>(run.scanline - first_scanline), run.start, run.length, of_class.id});
-      }
-    }
-    held = ordered(std::move(runs));
+    const SliceRuns runs(held, inserted, slice, rows);
+    if (runs.changed()) held = runs.ordered();
   });
 }
 
