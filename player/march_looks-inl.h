@@ -12,6 +12,7 @@
 #include "player/absorption-inl.h"
 #include "player/march_kernels.h"
 #include "player/march_samples-inl.h"
+#include "player/march_tolerance.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace splatlas::HWY_NAMESPACE {
@@ -122,6 +123,31 @@ struct Means {
     extinction = hn::IfThenElse(linear, extinction, depth);
     emission = hn::IfThenElse(linear, emission, hn::Min(light, depth));
   }
+
+  /// Where the grey value is `bend` above a straight line from a to b in the mean: to first order.
+  HWY_INLINE void Bend(const GreyCurve& curve, const Classified& a, const Classified& b, Vector bend) {
+    const Lanes d;
+    const auto half = hn::Set(d, 0.5f);
+    const auto same = hn::RebindMask(d, hn::Eq(a.segment, b.segment));
+    auto k_slope = LookUp(curve, GreyCurve::kExtinctionSlope, a.segment);
+    const auto shade = hn::Mul(half, hn::Add(a.shade, b.shade));
+    auto e_slope =
+        hn::MulAdd(extinction, LookUp(curve, GreyCurve::kShadeSlope, a.segment), hn::Mul(k_slope, shade));
+    if (HWY_UNLIKELY(!hn::AllTrue(d, same))) {
+      const auto difference = hn::Sub(b.grey, a.grey);
+      const auto close = hn::Le(hn::Abs(difference), hn::Set(d, curve.least_difference()));
+      const auto one = hn::Set(d, 1.0f);
+      const auto inverse = hn::IfThenZeroElse(close, hn::Div(one, hn::IfThenElse(close, one, difference)));
+      const auto k_rise = hn::Sub(b.extinction, a.extinction);
+      const auto e_rise = hn::NegMulAdd(a.extinction, a.shade, hn::Mul(b.extinction, b.shade));
+      k_slope = hn::IfThenElse(same, k_slope, hn::Mul(k_rise, inverse));
+      e_slope = hn::IfThenElse(same, e_slope, hn::Mul(e_rise, inverse));
+      const auto most = hn::Mul(half, hn::Abs(difference));
+      bend = hn::IfThenElse(same, bend, hn::Min(hn::Max(bend, hn::Neg(most)), most));
+    }
+    extinction = hn::Max(hn::MulAdd(k_slope, bend, extinction), hn::Zero(d));
+    emission = hn::Min(hn::Max(hn::MulAdd(e_slope, bend, emission), hn::Zero(d)), extinction);
+  }
 };
 
 /// A slab's absorbed share of the light, and the same over its depth.
@@ -138,6 +164,54 @@ struct Absorption {
       mean = hn::Div(absorbed, hn::Max(depth, hn::Set(d, 1e-30f)));
     }
   }
+};
+
+/// What has been added up along the rays.
+struct Sum {
+  Vector color[3], opacity;
+
+  HWY_INLINE Vector Through() const { return hn::Sub(hn::Set(Lanes(), 1.0f), opacity); }
+};
+
+/// Up to this optical depth what is emitted in front and behind is hidden alike.
+constexpr float kThinStep = 0.005f;
+
+/// Light of a step in which extinction and emission change from one end to the other.
+class StepLight {
+ public:
+  /// `mean`: of the extinction; `before`, `after`: at the ends.
+  HWY_INLINE StepLight(Vector mean, Vector before, Vector after, Vector length)
+      : slab_(hn::Mul(mean, length)), mean_(mean), before_(before), after_(after), length_(length) {
+    const Lanes d;
+    is_thin_ = hn::AllTrue(d, hn::Le(hn::Mul(mean, length), hn::Set(d, kThinStep)));
+    if (is_thin_) return;
+    both_ = hn::Max(hn::Add(before, after), hn::Mul(mean, hn::Set(d, kLeastEnds)));
+    const auto divisor = hn::Max(hn::Mul(mean, both_), hn::Set(d, 1e-30f));
+    inverse_ = hn::Div(hn::Set(d, 1.0f), divisor);
+    shift_ = hn::MulAdd(hn::Set(d, 0.5f), slab_.absorbed, hn::Sub(slab_.mean, hn::Set(d, 1.0f)));
+  }
+
+  HWY_INLINE Vector Absorbed() const { return slab_.absorbed; }
+
+  /// Light of an emission, likewise: what is emitted further in front is hidden less. With the share q of the
+  /// optical depth t for a coordinate, and a colour that is linear in q, the integral of colour(q) t exp(-t
+  /// q).
+  HWY_INLINE Vector Of(Vector mean, Vector before, Vector after) const {
+    const Lanes d;
+    const auto light = hn::Mul(hn::Mul(length_, slab_.mean), mean);
+    if (is_thin_) return light;
+    const auto color = hn::Mul(hn::Mul(mean, both_), inverse_);
+    const auto rise = hn::Sub(hn::NegMulAdd(after_, color, after), hn::NegMulAdd(before_, color, before));
+    const auto slope = hn::Mul(hn::Mul(hn::Add(rise, rise), mean_), inverse_);
+    const auto most = hn::Mul(hn::Max(color, hn::Set(d, 1.0f)), slab_.absorbed);
+    return hn::Min(hn::Max(hn::MulAdd(slope, shift_, light), hn::Zero(d)), most);
+  }
+
+ private:
+  Absorption slab_;
+  Vector mean_, before_, after_, length_;
+  Vector both_, inverse_, shift_;  // where it is not thin
+  bool is_thin_;
 };
 
 }  // namespace splatlas::HWY_NAMESPACE

@@ -73,6 +73,23 @@ struct Octants {
   HWY_INLINE Vector Value(const Places& places) const {
     return Lerp(Face(front, places), Face(back, places), places.part[2]);
   }
+  /// Control points of the cubic that the value is on the straight way from place `a` to place `b` of the
+  /// cells: what is linear along each axis at corners of the box between the two, averaged over the axes.
+  HWY_INLINE void ControlPoints(const Vector* a, const Vector* b, Vector* points) const {
+    Vector fronts[4], backs[4];  // at (a, a), (b, a), (a, b), (b, b) along x and y
+    FaceCorners(front, a, b, fronts);
+    FaceCorners(back, a, b, backs);
+    const auto third = hn::Set(Lanes(), 1.0f / 3);
+    points[0] = Lerp(fronts[0], backs[0], a[2]);
+    points[3] = Lerp(fronts[3], backs[3], b[2]);
+    const auto aab = Lerp(fronts[0], backs[0], b[2]);
+    const auto ones = hn::Add(Lerp(fronts[1], backs[1], a[2]), Lerp(fronts[2], backs[2], a[2]));
+    points[1] = hn::Mul(third, hn::Add(aab, ones));
+    const auto bba = Lerp(fronts[3], backs[3], a[2]);
+    const auto twos = hn::Add(Lerp(fronts[1], backs[1], b[2]), Lerp(fronts[2], backs[2], b[2]));
+    points[2] = hn::Mul(third, hn::Add(bba, twos));
+  }
+
   HWY_INLINE Vector Low() const {
     return Fold(hn::Min(Bytes(front), Bytes(back)), [](auto x, auto y) { return hn::Min(x, y); });
   }
@@ -92,6 +109,18 @@ struct Octants {
   }
 
  private:
+  /// Bilinear in the bytes of a face, at (a, a), (b, a), (a, b) and (b, b).
+  static HWY_INLINE void FaceCorners(hn::Vec<Bits> bits, const Vector* a, const Vector* b, Vector* corners) {
+    const auto low = Byte<0>(bits), high = Byte<2>(bits);
+    const auto low_step = hn::Sub(Byte<1>(bits), low), high_step = hn::Sub(Byte<3>(bits), high);
+    const auto low_a = hn::MulAdd(a[0], low_step, low), low_b = hn::MulAdd(b[0], low_step, low);
+    const auto step_a = hn::Sub(hn::MulAdd(a[0], high_step, high), low_a);
+    const auto step_b = hn::Sub(hn::MulAdd(b[0], high_step, high), low_b);
+    corners[0] = hn::MulAdd(a[1], step_a, low_a);
+    corners[1] = hn::MulAdd(a[1], step_b, low_b);
+    corners[2] = hn::MulAdd(b[1], step_a, low_a);
+    corners[3] = hn::MulAdd(b[1], step_b, low_b);
+  }
   using ByteLanes = hn::Repartition<std::uint8_t, Lanes>;
   using ByteVector = hn::Vec<ByteLanes>;
 

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "player/march_kernels.h"
+#include "player/march_tolerance.h"
 
 namespace splatlas {
 namespace {
@@ -27,11 +28,11 @@ struct LoneRay {
 /// A cell, and where in it.
 struct Place {
   std::array<std::ptrdiff_t, 8> corner{};  // numbers of the voxels around it
+  std::array<float, 3> part{};
   Weights weights{};
 
   Place(const MarchGrid& grid, const LoneRay& ray, float t) {
     std::array<std::ptrdiff_t, 3> whole{};
-    std::array<float, 3> part{};
     for (std::size_t a = 0; a < 3; ++a) {
       const float at = std::fma(ray.step[a], t, ray.origin[a]);  // a whole voxel of margin is for rounding
       whole[a] = static_cast<std::ptrdiff_t>(at);
@@ -112,6 +113,24 @@ std::array<float, 2> means(const GreyCurve& curve, const Classified& a, const Cl
   return {extinction, std::clamp((to_b[1] - to_a[1]) / difference, 0.0f, extinction)};
 }
 
+/// Means where the grey value is `bend` above a straight line from a to b in the mean: to first order.
+std::array<float, 2> bent(const GreyCurve& curve, const Classified& a, const Classified& b,
+                          const std::array<float, 2>& straight, float bend) {
+  const float difference = b.grey - a.grey;
+  const float shade = 0.5f * (a.shade + b.shade);
+  float k_slope = curve.row(GreyCurve::kExtinctionSlope)[a.segment];
+  float e_slope = straight[0] * curve.row(GreyCurve::kShadeSlope)[a.segment] + k_slope * shade;
+  if (a.segment != b.segment) {
+    if (std::abs(difference) <= curve.least_difference()) return straight;
+    k_slope = (b.extinction - a.extinction) / difference;
+    e_slope = (b.extinction * b.shade - a.extinction * a.shade) / difference;
+    const float most = 0.5f * std::abs(difference);
+    bend = std::clamp(bend, -most, most);
+  }
+  const float extinction = std::max(0.0f, straight[0] + k_slope * bend);
+  return {extinction, std::clamp(straight[1] + e_slope * bend, 0.0f, extinction)};
+}
+
 /// What the extinction rises and falls by up to a grey value.
 float variation(const GreyCurve& curve, float grey) {
   const Classified c = classify(curve, grey);
@@ -151,23 +170,55 @@ Samples sample(const MarchScene& scene, const LoneRay& ray, float t) {
   return samples;
 }
 
-/// Extinction, and emission in red, green and blue, of one source from `before` to `after`.
-std::array<float, 4> light_between(const MarchSource& source, const Sampled& before, const Sampled& after,
-                                   const Place& middle) {
-  std::array<float, 4> light{};
-  if (source.light != nullptr) {
-    for (std::size_t c = 0; c < 4; ++c) light[c] = 0.5f * (before.light[c] + after.light[c]);
-    return light;
+/// Extinction, and emission in red, green and blue.
+using Light = std::array<float, 4>;
+
+/// Means of a step, and at its ends.
+struct StepLight {
+  Light mean{}, before{}, after{};
+
+  /// Of one source.
+  void add(const MarchSource& source, const Sampled& from, const Sampled& to, const Place& middle) {
+    if (source.light != nullptr) {
+      for (std::size_t c = 0; c < 4; ++c) {
+        mean[c] += 0.5f * (from.light[c] + to.light[c]);
+        before[c] += from.light[c];
+        after[c] += to.light[c];
+      }
+      return;
+    }
+    const auto [extinction, emission] = means(*source.curve, from.classified, to.classified);
+    if (extinction <= 0) return;
+    Light color{source.color[0], source.color[1], source.color[2], 1};
+    if (source.colors != nullptr) color = middle.fours(source.colors);
+    const auto add_grey = [&](float k, float e, Light& sum) {
+      sum[0] += k;
+      for (std::size_t c = 0; c < 3; ++c) sum[c + 1] += e / std::max(color[3], 1e-12f) * color[c];
+    };
+    const Classified& a = from.classified;
+    const Classified& b = to.classified;
+    add_grey(extinction, emission, mean);
+    add_grey(a.extinction, a.extinction * a.shade, before);
+    add_grey(b.extinction, b.extinction * b.shade, after);
   }
-  const auto [extinction, emission] = means(*source.curve, before.classified, after.classified);
-  if (extinction <= 0) return light;
-  light[0] = extinction;
-  std::array<float, 4> color{source.color[0], source.color[1], source.color[2], 1};
-  if (source.colors != nullptr) color = middle.fours(source.colors);
-  const float share = emission / std::max(color[3], 1e-12f);
-  for (std::size_t c = 0; c < 3; ++c) light[c + 1] = share * color[c];
-  return light;
-}
+
+  /// What is emitted further in front is hidden less (StepLight of march_looks-inl.h).
+  void composite(float length, std::array<float, 4>& rgba) const {
+    const float depth = mean[0] * length;
+    if (depth <= 0) return;
+    const float through = 1 - rgba[3];
+    const float absorbed = -std::expm1(-depth);
+    const float shift = absorbed / depth - 1 + absorbed / 2;
+    const float ends = std::max(before[0] + after[0], kLeastEnds * mean[0]);
+    for (std::size_t c = 0; c < 3; ++c) {
+      const float color = mean[c + 1] / mean[0];
+      const float rise = (after[c + 1] - after[0] * color) - (before[c + 1] - before[0] * color);
+      const float light = absorbed * color + 2 * rise / ends * shift;
+      rgba[c] += through * std::clamp(light, 0.0f, absorbed * std::max(color, 1.0f));
+    }
+    rgba[3] += through * absorbed;
+  }
+};
 
 int steps_of(const MarchScene& scene, const Samples& before, const Samples& after, float weight) {
   if (scene.tolerance <= 0) return scene.least_steps;
@@ -179,7 +230,7 @@ int steps_of(const MarchScene& scene, const Samples& before, const Samples& afte
     varies +=
         source.light != nullptr ? high - low : variation(*source.curve, high) - variation(*source.curve, low);
   }
-  const float most = weight * varies / scene.tolerance;
+  const float most = weight * varies / (kEvenShare * scene.tolerance);
   const float steps = std::ceil(std::cbrt(most * most));
   return static_cast<int>(
       std::clamp(steps, static_cast<float>(scene.least_steps), static_cast<float>(scene.most_steps)));
@@ -189,18 +240,11 @@ int steps_of(const MarchScene& scene, const Samples& before, const Samples& afte
 void step(const MarchScene& scene, const LoneRay& ray, const Samples& before, const Samples& after, float at,
           float next, std::array<float, 4>& rgba) {
   const Place middle(scene.grid, ray, 0.5f * (at + next));
-  std::array<float, 4> light{};
+  StepLight light;
   for (std::size_t s = 0; s < scene.sources.size(); ++s) {
-    const std::array<float, 4> more = light_between(scene.sources[s], before[s], after[s], middle);
-    for (std::size_t c = 0; c < 4; ++c) light[c] += more[c];
+    light.add(scene.sources[s], before[s], after[s], middle);
   }
-  const float length = ray.mm_per_t * (next - at);
-  const float depth = light[0] * length;
-  if (depth <= 0) return;
-  const float through = 1 - rgba[3];
-  const float absorbed = -std::expm1(-depth);
-  for (std::size_t c = 0; c < 3; ++c) rgba[c] += through * length * (absorbed / depth) * light[c + 1];
-  rgba[3] += through * absorbed;
+  light.composite(ray.mm_per_t * (next - at), rgba);
 }
 
 /// As far as the ray is within one voxel of the voxels; false where it never is.
@@ -215,6 +259,165 @@ bool clip(const MarchGrid& grid, LoneRay& ray) {
   return ray.from < ray.to;
 }
 
+/// A slab in steps of equal lengths, from `before`, where the ray is at `at`, to `last`.
+void even_slab(const MarchScene& scene, const LoneRay& ray, float at, float end, Samples before,
+               const Samples& last, std::array<float, 4>& rgba) {
+  const int steps = steps_of(scene, before, last, (1 - rgba[3]) * ray.mm_per_t * (end - at));
+  const float begin = std::floor(at);
+  for (int n = 1; n <= steps; ++n) {
+    const float part = begin + static_cast<float>(n) / static_cast<float>(steps);
+    const float next = n == steps ? end : std::min(std::max(part, at), end);
+    const Samples after = n == steps ? last : sample(scene, ray, next);
+    step(scene, ray, before, after, at, next, rgba);
+    before = after;
+    at = next;
+  }
+}
+
+/// The grey value along a ray within a cell, up to `end`.
+struct Cubic {
+  std::array<float, 4> points{};
+  float end = 0;
+  int halvings = 0;
+
+  Cubic first_half(float at) {
+    const auto middle = [](float a, float b) { return 0.5f * (a + b); };
+    const auto [a, b, c, d] = points;
+    const float ab = middle(a, b), bc = middle(b, c), cd = middle(c, d);
+    const float at_middle = middle(middle(ab, bc), middle(bc, cd));
+    ++halvings;
+    points = {at_middle, middle(bc, cd), cd, d};
+    return {{a, ab, middle(ab, bc), at_middle}, middle(at, end), halvings};
+  }
+};
+
+/// A slab of grey values of bytes as march_tolerance.h says.
+class CutSlab {
+ public:
+  CutSlab(const MarchScene& scene, const LoneRay& ray, const Sampled& before, std::array<float, 4>& rgba)
+      : scene_(scene),
+        source_(scene.sources[0]),
+        curve_(*source_.curve),
+        ray_(ray),
+        before_(before),
+        rgba_(rgba) {}
+
+  void pass(float at, float end, const Sampled& last) {
+    const float low = std::min(before_.low, last.low), high = std::max(before_.high, last.high);
+    const float weight = (1 - rgba_[3]) * ray_.mm_per_t * (end - at) / scene_.tolerance;
+    switch (way(weight, low, high)) {
+      case SlabWay::kStraight: step(at, end, last.classified, 0); break;
+      case SlabWay::kBent: {
+        const float middle = Place(scene_.grid, ray_, 0.5f * (at + end)).grey(source_)[0];
+        const float straight = 0.5f * (before_.classified.grey + last.classified.grey);
+        step(at, end, last.classified, kSimpson * (middle - straight));
+        break;
+      }
+      case SlabWay::kCut: cut(at, end); break;
+    }
+  }
+
+ private:
+  [[nodiscard]] SlabWay way(float weight, float low, float high) const {
+    const float first = variation(curve_, low), last = variation(curve_, high);
+    const float varies = weight * (last - first);
+    if (varies <= 1) return SlabWay::kStraight;
+    if (varies > kMostVariation) return SlabWay::kCut;
+    if (segment(low) == segment(high)) return SlabWay::kBent;
+    const float kinks = weight * std::abs(first + last - 2 * variation(curve_, 0.5f * (low + high)));
+    return kinks <= kMostKinks ? SlabWay::kBent : SlabWay::kCut;
+  }
+  [[nodiscard]] std::size_t segment(float grey) const { return classify(curve_, grey).segment; }
+
+  void cut(float at, float end) {
+    std::array<float, 3> cuts{end, end, end};  // where the ray passes from cell to cell
+    for (std::size_t a = 0; a < 3; ++a) {
+      const float step = ray_.step[a];
+      const float place = std::fma(step, end, ray_.origin[a]);
+      const float plane = step > 0 ? std::floor(place) : std::ceil(place);
+      if (std::abs(step) < 1e-6f) continue;
+      const float t = (plane - ray_.origin[a]) / step;
+      if (t > at && t < end) cuts[a] = t;
+    }
+    std::sort(cuts.begin(), cuts.end());
+    cuts[2] = end;
+    for (const float next : cuts) {
+      if (next > at) cut_cell(at, next);
+      at = next;
+    }
+  }
+
+  void cut_cell(float at, float end) {
+    std::vector<Cubic> rest{cubic(at, end)};
+    while (!rest.empty()) {
+      Cubic& nearest = rest.back();
+      if (nearest.halvings < kMostHalvings && !is_straight(at, nearest)) {
+        const Cubic half = nearest.first_half(at);
+        rest.push_back(half);
+        continue;
+      }
+      const auto [a, b, c, d] = nearest.points;
+      step(at, nearest.end, classify(curve_, d), 0.25f * (b + c - a - d));
+      at = nearest.end;
+      rest.pop_back();
+    }
+  }
+
+  /// By the values at a third and two thirds of the way.
+  [[nodiscard]] Cubic cubic(float at, float end) const {
+    const Place middle(scene_.grid, ray_, 0.5f * (at + end));
+    const std::uint64_t octant = source_.octants[middle.corner[0]];
+    const auto value = [&](float t) {
+      float sum = 0;
+      for (std::size_t n = 0; n < 8; ++n) {
+        float weight = 1;
+        for (std::size_t a = 0; a < 3; ++a) {
+          const float part = middle.part[a] + ray_.step[a] * (t - 0.5f * (at + end));
+          weight *= (n >> a & 1) != 0 ? part : 1 - part;
+        }
+        sum += weight * static_cast<float>(octant >> (8 * n) & 255);
+      }
+      return sum;
+    };
+    const float a = value(at), d = value(end);
+    const float third = value(at + (end - at) / 3), two_thirds = value(end - (end - at) / 3);
+    return {{a, (18 * third - 9 * two_thirds - 5 * a + 2 * d) / 6,
+             (18 * two_thirds - 9 * third - 5 * d + 2 * a) / 6, d},
+            end};
+  }
+
+  [[nodiscard]] bool is_straight(float at, const Cubic& cubic) const {
+    const auto& p = cubic.points;
+    const auto [low, high] = std::minmax({p[0], p[1], p[2], p[3]});
+    if (segment(low) == segment(high)) return true;
+    const float third = (p[3] - p[0]) / 3;
+    const float deviation = std::max(std::abs(p[1] - p[0] - third), std::abs(p[3] - p[2] - third));
+    const float weight = (1 - rgba_[3]) * ray_.mm_per_t * (cubic.end - at);
+    return weight * (variation(curve_, high) - variation(curve_, low)) * deviation <=
+           kMostShift * scene_.tolerance * (high - low);
+  }
+
+  /// The grey value's mean is `bend` above the straight line's.
+  void step(float at, float next, const Classified& after, float bend) {
+    const Classified& before = before_.classified;
+    const std::array<float, 2> mean = bent(curve_, before, after, means(curve_, before, after), bend);
+    const auto light = [&](float k, float e) {
+      return Light{k, e * source_.color[0], e * source_.color[1], e * source_.color[2]};
+    };
+    const StepLight step{light(mean[0], mean[1]), light(before.extinction, before.extinction * before.shade),
+                         light(after.extinction, after.extinction * after.shade)};
+    step.composite(ray_.mm_per_t * (next - at), rgba_);
+    before_.classified = after;
+  }
+
+  const MarchScene& scene_;
+  const MarchSource& source_;
+  const GreyCurve& curve_;
+  const LoneRay& ray_;
+  Sampled before_;
+  std::array<float, 4>& rgba_;
+};
+
 void march_ray(const MarchScene& scene, LoneRay ray, std::array<float, 4>& rgba) {
   if (!clip(scene.grid, ray)) return;
   const auto clamped = [&](float t) { return std::min(std::max(t, ray.from), ray.to); };
@@ -223,14 +426,13 @@ void march_ray(const MarchScene& scene, LoneRay ray, std::array<float, 4>& rgba)
   for (float slab = std::floor(ray.from); at < ray.to && 1 - rgba[3] > scene.floor; ++slab) {
     const float end = clamped(slab + 1);
     const Samples last = sample(scene, ray, end);
-    const int steps = steps_of(scene, before, last, (1 - rgba[3]) * ray.mm_per_t * (end - at));
-    for (int n = 1; n <= steps; ++n) {
-      const float next = n == steps ? end : clamped(slab + static_cast<float>(n) / static_cast<float>(steps));
-      const Samples after = n == steps ? last : sample(scene, ray, next);
-      step(scene, ray, before, after, at, next, rgba);
-      before = after;
-      at = next;
+    if (cuts_cells(scene)) {
+      CutSlab(scene, ray, before[0], rgba).pass(at, end, last[0]);
+    } else {
+      even_slab(scene, ray, at, end, before, last, rgba);
     }
+    before = last;
+    at = end;
   }
 }
 

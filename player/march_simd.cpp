@@ -13,6 +13,7 @@
 #include "player/march_kernels.h"
 #if HWY_TARGET != HWY_SCALAR
 #include "player/march_looks-inl.h"
+#include "player/march_one_look-inl.h"
 #include "player/march_rays-inl.h"
 #include "player/march_samples-inl.h"
 #endif
@@ -27,150 +28,6 @@ void MarchPacket(const MarchScene& scene, const RayPacket& packet, LightPacket& 
 
 #else
 namespace hn = hwy::HWY_NAMESPACE;
-
-constexpr std::size_t kSlabs = MarchGrid::kBrick;  // walked in one stride
-/// Share of the tolerance below which a whole stride is one step.
-constexpr float kFaintShare = 0.03f;
-constexpr std::size_t kPrefetchedLanes = 3;  // one of so many: their neighbours' cells share cache lines
-
-/// What has been added up along the rays.
-struct Sum {
-  Vector color[3], opacity;
-
-  HWY_INLINE Vector Through() const { return hn::Sub(hn::Set(Lanes(), 1.0f), opacity); }
-};
-
-/// Steps of a slab: what may be wrong by `weight` at most, and falls with the square of the steps, or, at
-/// steps of the transfer function, with their power of 3/2.
-HWY_INLINE int StepsOf(const MarchScene& scene, Vector weight) {
-  const float most = hn::GetLane(hn::MaxOfLanes(Lanes(), weight)) / scene.tolerance;
-  const auto least = static_cast<float>(scene.least_steps);
-  if (most <= 1) return scene.least_steps;
-  const float steps = std::ceil(std::cbrt(most * most));
-  return static_cast<int>(std::clamp(steps, least, static_cast<float>(scene.most_steps)));
-}
-
-/// A selection with one transfer function and one colour, of bytes: the common case.
-class OneLook {
- public:
-  HWY_INLINE OneLook(const MarchScene& scene, const Rays& rays, Sum& sum)
-      : scene_(scene),
-        rays_(rays),
-        sum_(sum),
-        octants_(scene.sources[0].octants),
-        curve_(*scene.sources[0].curve),
-        emitted_(hn::Zero(Lanes())) {}
-
-  HWY_INLINE void Forget() { valid_ = false; }
-
-  /// Rays come by cells that no other has come by for long: the machine's own prefetching does not help.
-  HWY_INLINE void Prefetch(float t) const {
-    HWY_ALIGN std::int32_t cells[kPacketRays];
-    for (std::size_t slab = 0; slab < kSlabs; ++slab) {
-      const Places places(scene_.grid, rays_, rays_.Clamped(t + static_cast<float>(slab) + 0.5f));
-      hn::Store(places.cell, Ints(), cells);
-      for (std::size_t n = 0; n < hn::Lanes(Lanes()); n += kPrefetchedLanes)
-        hwy::Prefetch(octants_ + cells[n]);
-    }
-  }
-
-  /// From t on. All samples first: nothing that follows has to wait for memory.
-  HWY_INLINE void Stride(float t, const std::int32_t* /*from*/, const std::int32_t* /*to*/) {
-    auto at = rays_.Clamped(t);
-    if (!valid_) last_ = Take(at);
-    valid_ = true;
-    if (IsFaint()) {
-      const auto end = rays_.Clamped(t + static_cast<float>(kSlabs));
-      const Taken taken = Take(end);
-      Step(hn::Sub(end, at), taken.classified);
-      last_ = taken;
-      return;
-    }
-    Taken ends[kSlabs];
-    for (std::size_t slab = 0; slab < kSlabs; ++slab) {
-      ends[slab] = Take(rays_.Clamped(t + static_cast<float>(slab + 1)));
-    }
-    for (std::size_t slab = 0; slab < kSlabs; ++slab) {
-      const float begin = t + static_cast<float>(slab);
-      const auto end = rays_.Clamped(begin + 1);
-      Slab(begin, at, end, ends[slab]);
-      at = end;
-    }
-  }
-
-  HWY_INLINE void Finish() {
-    for (std::size_t c = 0; c < 3; ++c) {
-      const auto color = hn::Set(Lanes(), scene_.sources[0].color[c]);
-      sum_.color[c] = hn::MulAdd(color, emitted_, sum_.color[c]);
-    }
-  }
-
- private:
-  struct Taken {
-    Octants octants;
-    Classified classified;
-  };
-  HWY_INLINE Taken Take(Vector t) const {
-    const Places places(scene_.grid, rays_, t);
-    const Octants octants(octants_, places);
-    return {octants, Classify(curve_, octants.Value(places))};
-  }
-
-  /// What is still seen of a stride is so little that one step does.
-  HWY_INLINE bool IsFaint() const {
-    const Lanes d;
-    const auto weight = hn::Mul(hn::Mul(sum_.Through(), rays_.mm_per_t), hn::Set(d, curve_.variation()));
-    return scene_.tolerance > 0 && hn::AllTrue(d, hn::Le(weight, hn::Set(d, kFaintShare * scene_.tolerance)));
-  }
-
-  HWY_INLINE void Slab(float begin, Vector at, Vector end, const Taken& taken) {
-    const int steps = Steps(hn::Mul(rays_.mm_per_t, hn::Sub(end, at)), taken);
-    for (int n = 1; n < steps; ++n) {
-      const auto next = rays_.Clamped(begin + static_cast<float>(n) / static_cast<float>(steps));
-      const Places places(scene_.grid, rays_, next);
-      const Classified between = Classify(curve_, Octants(octants_, places).Value(places));
-      Step(hn::Sub(next, at), between);
-      last_.classified = between;
-      at = next;
-    }
-    if (steps > 0) Step(hn::Sub(end, at), taken.classified);
-    last_ = taken;
-  }
-
-  /// 0 where nothing shows.
-  HWY_INLINE int Steps(Vector length, const Taken& end) const {
-    if (scene_.tolerance <= 0) return scene_.least_steps;
-    const Lanes d;
-    const auto weight = hn::Mul(sum_.Through(), length);
-    const auto at_most = hn::Mul(weight, hn::Set(d, curve_.variation()));
-    if (hn::AllTrue(d, hn::Le(at_most, hn::Set(d, scene_.tolerance)))) return scene_.least_steps;
-    const auto low = VariationUpTo(curve_, last_.octants.LowWith(end.octants));
-    const auto high = VariationUpTo(curve_, last_.octants.HighWith(end.octants));
-    return StepsOf(scene_, hn::Mul(weight, hn::Sub(high, low)));
-  }
-
-  HWY_INLINE void Step(Vector part, const Classified& next) {
-    const Lanes d;
-    const auto most = hn::Max(last_.classified.extinction, next.extinction);
-    const auto crossed = hn::RebindMask(d, hn::Eq(last_.classified.segment, next.segment));
-    if (hn::AllTrue(d, hn::And(crossed, hn::Le(most, hn::Zero(d))))) return;
-    const Means means(curve_, last_.classified, next);
-    const auto length = hn::Mul(rays_.mm_per_t, part);
-    const Absorption slab(hn::Mul(means.extinction, length));
-    const auto through = sum_.Through();
-    emitted_ = hn::MulAdd(hn::Mul(hn::Mul(through, length), slab.mean), means.emission, emitted_);
-    sum_.opacity = hn::MulAdd(through, slab.absorbed, sum_.opacity);
-  }
-
-  const MarchScene& scene_;
-  const Rays& rays_;
-  Sum& sum_;
-  const std::uint64_t* octants_;
-  const GreyCurve& curve_;
-  Vector emitted_;  // in the colour
-  Taken last_;      // where the next step begins
-  bool valid_ = false;
-};
 
 /// Any selection.
 class ManyLooks {
@@ -276,17 +133,24 @@ class ManyLooks {
     return StepsOf(scene_, hn::Mul(hn::Mul(sum_.Through(), length), variation));
   }
 
-  /// Extinction, and emission in red, green and blue.
+  /// Extinction, and emission in red, green and blue: means of a step, and at its ends.
   struct Mixed {
-    Vector extinction, emission[3];
+    Four mean, before, after;
   };
 
   HWY_INLINE void AddLight(const Four& before, const Four& after, Mixed& mixed) const {
     const auto half = hn::Set(Lanes(), 0.5f);
-    mixed.extinction = hn::MulAdd(half, hn::Add(before.of[0], after.of[0]), mixed.extinction);
-    for (std::size_t n = 0; n < 3; ++n) {
-      mixed.emission[n] = hn::MulAdd(half, hn::Add(before.of[n + 1], after.of[n + 1]), mixed.emission[n]);
+    for (std::size_t n = 0; n < 4; ++n) {
+      mixed.mean.of[n] = hn::MulAdd(half, hn::Add(before.of[n], after.of[n]), mixed.mean.of[n]);
+      mixed.before.of[n] = hn::Add(mixed.before.of[n], before.of[n]);
+      mixed.after.of[n] = hn::Add(mixed.after.of[n], after.of[n]);
     }
+  }
+
+  /// Extinction, and emission in a colour per shade.
+  static HWY_INLINE void AddGrey(Vector extinction, Vector emission, const Vector* color, Four& sum) {
+    sum.of[0] = hn::Add(sum.of[0], extinction);
+    for (std::size_t n = 0; n < 3; ++n) sum.of[n + 1] = hn::MulAdd(emission, color[n], sum.of[n + 1]);
   }
 
   HWY_INLINE void AddGreys(const MarchSource& source, const Classified& before, const Classified& after,
@@ -294,25 +158,25 @@ class ManyLooks {
     const Lanes d;
     const Means means(*source.curve, before, after);
     if (hn::AllTrue(d, hn::Le(means.extinction, hn::Zero(d)))) return;
-    mixed.extinction = hn::Add(mixed.extinction, means.extinction);
+    Vector color[3];
     if (source.colors == nullptr) {
-      for (std::size_t n = 0; n < 3; ++n) {
-        mixed.emission[n] = hn::MulAdd(means.emission, hn::Set(d, source.color[n]), mixed.emission[n]);
-      }
-      return;
+      for (std::size_t n = 0; n < 3; ++n) color[n] = hn::Set(d, source.color[n]);
+    } else {
+      const Places places(scene_.grid, rays_, middle);
+      const Four sampled = FourSampler(source.colors, scene_.grid, places).Between();
+      const auto share = hn::Div(hn::Set(d, 1.0f), hn::Max(sampled.of[3], hn::Set(d, 1e-12f)));
+      for (std::size_t n = 0; n < 3; ++n) color[n] = hn::Mul(share, sampled.of[n]);
     }
-    const Places places(scene_.grid, rays_, middle);
-    const Four color = FourSampler(source.colors, scene_.grid, places).Between();
-    const auto share = hn::Div(means.emission, hn::Max(color.of[3], hn::Set(d, 1e-12f)));
-    for (std::size_t n = 0; n < 3; ++n) {
-      mixed.emission[n] = hn::MulAdd(share, color.of[n], mixed.emission[n]);
-    }
+    AddGrey(means.extinction, means.emission, color, mixed.mean);
+    AddGrey(before.extinction, hn::Mul(before.extinction, before.shade), color, mixed.before);
+    AddGrey(after.extinction, hn::Mul(after.extinction, after.shade), color, mixed.after);
   }
 
   /// From `at`, where the states are, to `next`, where they are `after`.
   HWY_INLINE void Step(Vector at, Vector next, const State* after) {
     const Lanes d;
-    Mixed mixed{hn::Zero(d), {hn::Zero(d), hn::Zero(d), hn::Zero(d)}};
+    const auto none = hn::Zero(d);
+    Mixed mixed{{none, none, none, none}, {none, none, none, none}, {none, none, none, none}};
     const auto middle = hn::Mul(hn::Set(d, 0.5f), hn::Add(at, next));
     for (std::size_t c = 0; c < chosen_count_; ++c) {
       const MarchSource& source = scene_.sources[chosen_[c]];
@@ -326,15 +190,14 @@ class ManyLooks {
       before = now;
     }
     const auto length = hn::Mul(rays_.mm_per_t, hn::Sub(next, at));
-    const auto depth = hn::Mul(mixed.extinction, length);
-    if (hn::AllTrue(d, hn::Le(depth, hn::Zero(d)))) return;
-    const Absorption slab(depth);
+    if (hn::AllTrue(d, hn::Le(hn::Mul(mixed.mean.of[0], length), hn::Zero(d)))) return;
+    const StepLight light(mixed.mean.of[0], mixed.before.of[0], mixed.after.of[0], length);
     const auto through = sum_.Through();
-    const auto weight = hn::Mul(hn::Mul(through, length), slab.mean);
     for (std::size_t n = 0; n < 3; ++n) {
-      sum_.color[n] = hn::MulAdd(weight, mixed.emission[n], sum_.color[n]);
+      const auto of_color = light.Of(mixed.mean.of[n + 1], mixed.before.of[n + 1], mixed.after.of[n + 1]);
+      sum_.color[n] = hn::MulAdd(through, of_color, sum_.color[n]);
     }
-    sum_.opacity = hn::MulAdd(through, slab.absorbed, sum_.opacity);
+    sum_.opacity = hn::MulAdd(through, light.Absorbed(), sum_.opacity);
   }
 
   const MarchScene& scene_;

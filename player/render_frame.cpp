@@ -65,12 +65,12 @@ CastOptions cast_options(const RenderOptions& options) {
     case Quality::kDraft: break;
     case Quality::kNormal:
       cast.most_steps = 32;
-      cast.tolerance = 0.035f;
+      cast.tolerance = 0.054f;
       break;
     case Quality::kHigh:
       cast.least_steps = 8;
       cast.most_steps = 64;
-      cast.tolerance = 0.003f;
+      cast.tolerance = 0.0046f;
       break;
   }
   return cast;
