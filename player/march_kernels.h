@@ -69,11 +69,11 @@ struct MarchKernels {
   /// voxels and taken at both ends of each step, linear in between: extinction and emission of a step are the
   /// transfer function's means over the grey values from one end to the other, so that the error falls with
   /// the square of the steps, also for steps in the transfer function. Each step's colour is composited
-  /// exactly for an emission in proportion to its extinction. A slab, the way from one plane of voxels to the
-  /// next, gets as many steps as keep
+  /// exactly where it is linear in the share of the step's optical depth. A slab, the way from one plane of
+  /// voxels to the next, is cut as march_tolerance.h says, or evenly: into as many steps as keep
   ///   (what is seen through) * (its length) * (what the extinction varies by among the voxels around)
-  /// below `tolerance` times their square, for the rays of a vector together. Cost: the samples in bricks
-  /// that show something and are not hidden.
+  /// below kEvenShare * `tolerance` times n^1.5, for the rays of a vector together. Cost: the samples in
+  /// bricks that show something and are not hidden.
   void (*march)(const MarchScene& scene, const RayPacket& rays, LightPacket& light);
 };
 

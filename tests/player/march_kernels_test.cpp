@@ -184,7 +184,7 @@ TEST(MarchKernels, WhatIsEmittedInFrontHidesWhatIsBehind) {
   grid.size = {8, 8, 8};
   constexpr float kOpacity = 0.9f;
   const GreyCurve curve({{{0, kOpacity, 0}, {200, kOpacity, 1}}}, {.bytes = true}, 1);
-  std::vector<std::uint64_t> octants(8 * 8 * 8, 0);
+  std::vector<std::uint64_t> octants(512, 0);
   for (std::size_t n = 0; n < octants.size(); ++n) {
     const std::uint64_t x = n % 8;
     for (std::size_t corner = 0; corner < 8; ++corner) {
