@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
+#include <mutex>
 #include <string>
 #include <utility>
 #include <vector>
@@ -12,6 +14,8 @@
 #include "format/file_layout.h"
 #include "format/input_file.h"
 #include "format/section_reader.h"
+#include "format/structure_crop.h"
+#include "format/value_groups.h"
 
 namespace splatlas {
 
@@ -23,6 +27,18 @@ struct Atlas::Impl {
   [[nodiscard]] Result<std::vector<std::byte>> read_stream(SectionKind kind, std::size_t stream) const;
   /// The runs of a class in a stored run model, checked against grid and class table.
   [[nodiscard]] Result<ClassRuns> read_stored_runs(ClassId c, Axis axis) const;
+  /// The voxels of a structure in a box; `around`: and as far away as normals in it depend on.
+  [[nodiscard]] Result<StructureCrop> read_crop(StructureIndex s, const IndexBox& box, bool around) const;
+  [[nodiscard]] Result<SurfaceMesh> fit_surface_of(StructureIndex s) const;
+  [[nodiscard]] Result<std::vector<PackedNormal>> fit_normals_of(ClassId c) const;
+  /// The voxels of a group of classes.
+  [[nodiscard]] Result<std::vector<ClassSpan>> read_spans(std::size_t group) const;
+  /// [class of the group]: its values.
+  using GroupValues = std::vector<std::vector<std::byte>>;
+  [[nodiscard]] Result<GroupValues> decode_group(std::size_t group) const;
+  [[nodiscard]] Result<std::vector<std::byte>> read_class_values(ClassId c) const;
+  /// Holds a group that was decoded, and lets go of the oldest ones beyond kMaxHeldBytes. Its mutex is held.
+  void hold(std::size_t group, GroupValues values) const;
   [[nodiscard]] Result<void> check_class(ClassId c) const;
   [[nodiscard]] Result<void> check_structure(StructureIndex s) const;
 
@@ -38,7 +54,20 @@ struct Atlas::Impl {
   FileLayout layout;
   DecisionTree tree;
   SectionReader sections;
+  ValueGroups groups;
   std::vector<std::uint32_t> surface_stream;  ///< [structure]: number of its stream
+
+  /// Values of a decoded group's classes that nobody has asked for yet: they are likely to be next.
+  struct HeldGroup {
+    std::mutex mutex;
+    GroupValues values;       // empty: not decoded, or all given away
+    std::vector<bool> taken;  // [class of the group]
+  };
+  static constexpr std::uint64_t kMaxHeldBytes = std::uint64_t{1} << 27;
+  mutable std::vector<HeldGroup> held;  // [group]
+  mutable std::mutex held_mutex;
+  mutable std::deque<std::size_t> held_groups;  // latest last; may name one twice
+  mutable std::uint64_t held_bytes = 0;
 };
 
 }  // namespace splatlas

@@ -11,7 +11,6 @@
 #include "format/atlas_impl.h"
 #include "format/checksum.h"
 #include "format/run_codec.h"
-#include "format/surface_codec.h"
 
 namespace splatlas {
 
@@ -57,7 +56,9 @@ Atlas::Impl::Impl(InputFile opened_file, const FileHeader& checked_header, Direc
       layout(std::move(file_layout)),
       tree(directory.graph, directory.classes),
       sections(file, directory, layout),
-      surface_stream(directory.graph.size()) {
+      groups(directory.classes),
+      surface_stream(directory.graph.size()),
+      held(groups.size()) {
   const auto preorder = directory.graph.preorder();
   for (std::uint32_t n = 0; n < preorder.size(); ++n) surface_stream[preorder[n]] = n;
 }
@@ -186,31 +187,6 @@ Result<ClassRuns> Atlas::read_runs(ClassId c, Axis axis) const {
   }
   SPLATLAS_ASSIGN_OR_RETURN(const ClassRuns runs, impl_->read_stored_runs(c, Axis::kZ));
   return convert_runs(runs, impl_->grid.size, Axis::kZ, axis);
-}
-
-Result<std::vector<std::byte>> Atlas::read_values(ClassId c) const {
-  SPLATLAS_RETURN_IF_ERROR(impl_->check_class(c));
-  return impl_->read_stream(SectionKind::kValues, c);
-}
-
-Result<std::vector<PackedNormal>> Atlas::read_normals(ClassId c) const {
-  SPLATLAS_RETURN_IF_ERROR(impl_->check_class(c));
-  SPLATLAS_ASSIGN_OR_RETURN(const auto bytes, impl_->read_stream(SectionKind::kNormals, c));
-  std::vector<PackedNormal> normals(bytes.size() / sizeof(PackedNormal));
-  if (!bytes.empty()) std::memcpy(normals.data(), bytes.data(), bytes.size());
-  return normals;
-}
-
-Result<SurfaceMesh> Atlas::read_surface(StructureIndex s) const {
-  SPLATLAS_RETURN_IF_ERROR(impl_->check_structure(s));
-  SPLATLAS_ASSIGN_OR_RETURN(const auto bytes,
-                            impl_->read_stream(SectionKind::kSurfaces, impl_->surface_stream[s]));
-  auto mesh = decode_surface(bytes, impl_->directory.surfaces[s], impl_->grid.size);
-  if (!mesh) {
-    return impl_->named({ErrorCode::kInvalidAtlas, fmt::format("invalid: surface of structure '{}': {}",
-                                                               graph()[s].id, mesh.error().message)});
-  }
-  return mesh;
 }
 
 std::vector<SectionSize> Atlas::sections() const {

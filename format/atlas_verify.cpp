@@ -119,6 +119,7 @@ Result<void> Atlas::verify() const {
     }
     SPLATLAS_RETURN_IF_ERROR(verify_order(*this));
     SPLATLAS_RETURN_IF_ERROR(RunVerifier(*this, impl_->layout).verify());
+    for (std::size_t g = 0; g < impl_->groups.size(); ++g) SPLATLAS_RETURN_IF_ERROR(impl_->decode_group(g));
     for (StructureIndex s = 0; s < graph().size(); ++s) SPLATLAS_RETURN_IF_ERROR(read_surface(s));
     return {};
   } catch (const std::bad_alloc&) {

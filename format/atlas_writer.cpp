@@ -4,6 +4,7 @@
 #include <cstring>
 #include <limits>
 #include <new>
+#include <numeric>
 
 #include <fmt/format.h>
 
@@ -11,11 +12,13 @@
 #include "format/content_check.h"
 #include "format/directory.h"
 #include "format/file_layout.h"
+#include "format/fitted_content.h"
 #include "format/output_file.h"
 #include "format/parallel.h"
 #include "format/run_codec.h"
 #include "format/run_model.h"
 #include "format/surface_codec.h"
+#include "format/value_codec.h"
 
 namespace splatlas {
 
@@ -44,6 +47,7 @@ class AtlasEncoder {
   [[nodiscard]] SectionBytes gather_values() const;
   [[nodiscard]] SectionBytes gather_normals() const;
   [[nodiscard]] Result<SectionBytes> gather_surfaces();
+  void leave_out_fitted_parts();
   void count_runs();
   void add_section(SectionKind kind, const SectionBytes& decoded);
   [[nodiscard]] Result<std::vector<std::byte>> assemble() const;
@@ -53,6 +57,7 @@ class AtlasEncoder {
   const WriteOptions& options_;
   const Index3 size_;
   Directory directory_;
+  std::vector<bool> fitted_surfaces_;           // [structure]
   std::vector<std::vector<std::byte>> chunks_;  // stored bytes, in file order
   double work_before_ = 0, work_now_ = 0, work_ = 0;
 };
@@ -67,6 +72,7 @@ Directory describe(const AtlasContent& content) {
   directory.graph = content.graph;
   directory.classes = content.classes;
   directory.run_bytes.resize(content.classes.size());
+  directory.normals_fitted.resize(content.classes.size());
   directory.surfaces.resize(content.graph.size());
   directory.scenes = content.scenes;
   directory.provenance = content.provenance;
@@ -107,6 +113,7 @@ AtlasEncoder::AtlasEncoder(const AtlasContent& content, const WriteOptions& opti
 
 Result<std::vector<std::byte>> AtlasEncoder::encode() {
   const std::vector<SectionKind> kinds = sections_of(content_, options_);
+  leave_out_fitted_parts();
   for (const SectionKind kind : kinds) work_ += work_of(kind, content_);
   for (const SectionKind kind : kinds) {
     work_now_ = work_of(kind, content_);
@@ -159,29 +166,66 @@ void AtlasEncoder::count_runs() {
   }
 }
 
-/// Sorts the voxels by class; within a class they stay in memory order.
+/// The values of spans, one after the other.
+std::vector<std::byte> pick_values(const VoxelBuffer& values, std::span<const ClassSpan> spans,
+                                   std::int64_t width) {
+  const std::size_t value_bytes = bytes_of(values.type);
+  std::vector<std::byte> picked;
+  for (const ClassSpan& span : spans) {
+    const std::uint64_t first = span.run.scanline * static_cast<std::uint64_t>(width) + span.run.start;
+    const std::byte* const from = values.bytes.data() + first * value_bytes;
+    picked.insert(picked.end(), from, from + span.run.length * value_bytes);
+  }
+  return picked;
+}
+
 SectionBytes AtlasEncoder::gather_values() const {
-  const std::size_t voxel_bytes = bytes_of(content_.values.type);
-  const std::vector<std::uint64_t> begins = begins_of(stream_sizes(directory_, SectionKind::kValues));
-  std::vector<std::uint64_t> next(begins.begin(), begins.end() - 1);
-  SectionBytes bytes(begins.back());
-  const std::byte* value = content_.values.bytes.data();
-  for (std::size_t v = 0; v < content_.class_volume.size();) {
-    const ClassId c = content_.class_volume[v];
-    std::size_t end = v + 1;
-    while (end < content_.class_volume.size() && content_.class_volume[end] == c) ++end;
-    const std::size_t run_bytes = (end - v) * voxel_bytes;
-    std::memcpy(bytes.data() + next[c], value + v * voxel_bytes, run_bytes);
-    next[c] += run_bytes;
-    v = end;
+  const RunModel model = encode_runs(content_.class_volume, size_, Axis::kZ, content_.classes.size());
+  const ValueGroups groups(content_.classes);
+  std::vector<std::vector<std::byte>> codes(groups.size());
+  parallel_for(
+      groups.size(), options_.threads,
+      [&](std::size_t g) {
+        const std::vector<ClassId>& of = groups.classes[g];
+        std::vector<ClassRuns> runs;
+        for (const ClassId c : of) runs.push_back(model.classes[c]);
+        std::vector<ClassSpan> spans = merge_runs(of, runs);
+        if (of.front() == kEmptyClass) {
+          std::vector<ClassId> all(content_.classes.size());
+          std::iota(all.begin(), all.end(), ClassId{0});
+          spans = gaps_between(merge_runs(all, model.classes), size_);
+        }
+        const GroupVoxels voxels{spans, group_voxels(groups, content_.classes, g),
+                                 group_box(groups, content_.classes, g, size_), size_[1]};
+        codes[g] = encode_values(voxels, content_.values.type, pick_values(content_.values, spans, size_[0]));
+      },
+      [&](std::size_t done) {
+        report(kGathering * static_cast<double>(done) / static_cast<double>(groups.size()));
+      });
+  SectionBytes bytes;
+  for (std::vector<std::byte>& code : codes) {
+    bytes.insert(bytes.end(), code.begin(), code.end());
+    code = {};
   }
   return bytes;
 }
 
+/// What readers find again from the voxels. Normals only where that takes no more voxels than are read with
+/// them, but in compact files.
+void AtlasEncoder::leave_out_fitted_parts() {
+  const FittedParts fitted = find_fitted_parts(content_, options_.threads);
+  fitted_surfaces_ = fitted.surfaces;
+  for (ClassId c = 0; c < fitted.normals.size(); ++c) {
+    directory_.normals_fitted[c] =
+        fitted.normals[c] && (options_.compact || owner_is_alike(content_.classes, c));
+  }
+}
+
 SectionBytes AtlasEncoder::gather_normals() const {
   SectionBytes bytes;
-  for (const auto& normals : content_.boundary_normals) {
-    const auto raw = std::as_bytes(std::span(normals));
+  for (ClassId c = 0; c < content_.classes.size(); ++c) {
+    if (!stores_normals(directory_, c)) continue;
+    const auto raw = std::as_bytes(std::span(content_.boundary_normals[c]));
     bytes.insert(bytes.end(), raw.begin(), raw.end());
   }
   return bytes;
@@ -192,7 +236,17 @@ Result<SectionBytes> AtlasEncoder::gather_surfaces() {
   std::vector<Result<EncodedSurface>> encoded(count);
   parallel_for(
       count, options_.threads,
-      [&](std::size_t s) { encoded[s] = encode_surface(content_.surfaces[s], size_); },
+      [&](std::size_t s) {
+        const SurfaceMesh& mesh = content_.surfaces[s];
+        if (fitted_surfaces_[s]) {
+          encoded[s] =
+              EncodedSurface{{static_cast<std::uint32_t>(mesh.positions_ijk.size()),
+                              static_cast<std::uint32_t>(mesh.triangles.size()), mesh.position_scale, 0},
+                             {}};
+        } else {
+          encoded[s] = encode_surface(mesh, size_);
+        }
+      },
       [&](std::size_t done) { report(kGathering * static_cast<double>(done) / static_cast<double>(count)); });
   for (StructureIndex s = 0; s < count; ++s) {
     if (!encoded[s]) {
@@ -223,7 +277,8 @@ void AtlasEncoder::add_section(SectionKind kind, const SectionBytes& decoded) {
       count, options_.threads,
       [&](std::size_t n) {
         EncodedChunk chunk =
-            encode_chunk(std::span(decoded).subspan(cuts[n], cuts[n + 1] - cuts[n]), options_.level);
+            encode_chunk(std::span(decoded).subspan(cuts[n], cuts[n + 1] - cuts[n]), options_.level,
+                         kind == SectionKind::kValues ? ChunkContent::kNoise : ChunkContent::kAny);
         directory_.chunks[first + n] = chunk.entry;
         chunks_[first + n] = std::move(chunk.bytes);
       },

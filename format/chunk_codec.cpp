@@ -90,12 +90,20 @@ Result<void> check_frame(std::span<const std::byte> stored, std::size_t decoded_
 
 }  // namespace
 
-EncodedChunk encode_chunk(std::span<const std::byte> decoded, int level) {
+EncodedChunk encode_chunk(std::span<const std::byte> decoded, int level, ChunkContent content) {
   EncodedChunk chunk;
   chunk.bytes.resize(ZSTD_compressBound(decoded.size()));
   const auto context = CompressContexts::take();
-  const std::size_t size = ZSTD_compressCCtx(context.get(), chunk.bytes.data(), chunk.bytes.size(),
-                                             decoded.data(), decoded.size(), level);
+  ZSTD_CCtx_reset(context.get(), ZSTD_reset_session_and_parameters);
+  ZSTD_CCtx_setParameter(context.get(), ZSTD_c_compressionLevel, level);
+  if (content == ChunkContent::kNoise) {
+    // Lower levels take chance repeats for a gain; this strategy weighs them, and finds where blocks should
+    // end.
+    ZSTD_CCtx_setParameter(context.get(), ZSTD_c_strategy, ZSTD_btultra);
+    ZSTD_CCtx_setParameter(context.get(), ZSTD_c_minMatch, 7);
+  }
+  const std::size_t size =
+      ZSTD_compress2(context.get(), chunk.bytes.data(), chunk.bytes.size(), decoded.data(), decoded.size());
   if (ZSTD_isError(size)) throw std::bad_alloc();  // the only way to fail with room for the worst case
   if (size < decoded.size()) {
     chunk.bytes.resize(size);

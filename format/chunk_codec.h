@@ -16,9 +16,16 @@ struct EncodedChunk {
   std::vector<std::byte> bytes;  ///< as stored
 };
 
+/// What an encoder should look for.
+enum class ChunkContent : std::uint8_t {
+  kAny,
+  kNoise,  ///< bytes of changing distribution in which hardly anything repeats
+};
+
 /// Compresses one chunk at a Zstandard level (1 to 22); stores it as it is where that is not smaller.
 /// Thread-safe. The same bytes for the same input, level and release of Zstandard.
-[[nodiscard]] EncodedChunk encode_chunk(std::span<const std::byte> decoded, int level);
+[[nodiscard]] EncodedChunk encode_chunk(std::span<const std::byte> decoded, int level,
+                                        ChunkContent content = ChunkContent::kAny);
 
 /// Checks the checksum and decodes into `decoded`, whose length comes from the directory, never from the
 /// frame: a chunk that holds more, less, several frames or needs a dictionary is refused (kInvalidAtlas).

@@ -135,6 +135,10 @@ bool has_normals(const ClassTable& classes, ClassId c) {
                              [](const Membership& m) { return m.part == Part::kBoundary; });
 }
 
+bool stores_normals(const Directory& directory, ClassId c) {
+  return has_normals(directory.classes, c) && !directory.normals_fitted[c];
+}
+
 Result<std::vector<std::byte>> encode_directory(const Directory& directory) {
   const Grid& grid = directory.source_grid;
   const schema::Grid grid_row(to_span(grid.spacing_mm), to_span(grid.origin_lps_mm),
@@ -170,7 +174,9 @@ Result<std::vector<std::byte>> encode_directory(const Directory& directory) {
           builder.CreateVector(classes.members), builder.CreateVectorOfStructs(scenes),
           static_cast<std::uint32_t>(directory.provenance.sources.size()), builder.CreateVector(text.ends()),
           builder.CreateVector(text.bytes()), builder.CreateVectorOfStructs(sections),
-          builder.CreateVectorOfStructs(chunks)),
+          builder.CreateVectorOfStructs(chunks),
+          builder.CreateVector(
+              std::vector<std::uint8_t>(directory.normals_fitted.begin(), directory.normals_fitted.end()))),
       schema::DirectoryIdentifier());
   const auto* begin = reinterpret_cast<const std::byte*>(builder.GetBufferPointer());
   return std::vector<std::byte>(begin, begin + builder.GetSize());
@@ -349,6 +355,7 @@ Result<Directory> decode_directory(std::span<const std::byte> bytes) {
   for (const schema::Surface* row : *d.surfaces()) {
     directory.surfaces.push_back({row->vertices(), row->triangles(), row->position_scale(), row->bytes()});
   }
+  for (const std::uint8_t fitted : *d.normals_fitted()) directory.normals_fitted.push_back(fitted != 0);
   read_scenes_and_sources(d, text, directory);
   SPLATLAS_RETURN_IF_ERROR(read_chunks(d, directory));
   return directory;

@@ -38,8 +38,13 @@ enum class SectionKind : std::uint32_t {
 
 struct SurfaceEntry {
   std::uint32_t vertices = 0, triangles = 0, position_scale = 2;
-  std::uint32_t bytes = 0;  ///< decoded length of the surface's stream
+  std::uint32_t bytes = 0;  ///< decoded length of the surface's stream; 0 with vertices: see is_fitted()
 };
+
+/// Whether a surface is not stored: it is what fit_surface() finds from the structure's voxels.
+[[nodiscard]] inline bool is_fitted(const SurfaceEntry& entry) {
+  return entry.vertices > 0 && entry.bytes == 0;
+}
 
 struct SectionEntry {
   std::uint32_t kind = 0;
@@ -66,6 +71,7 @@ struct Directory {
   ClassTable classes;
   std::vector<std::array<std::uint32_t, 3>> run_bytes;  ///< [class][axis], decoded; 0 where not stored
   std::array<std::uint64_t, 3> run_totals{};            ///< [axis], stored or not
+  std::vector<bool> normals_fitted;                     ///< [class]: not stored, fit_normals() finds them
   std::vector<SurfaceEntry> surfaces;                   ///< per structure
   std::vector<Scene> scenes;
   Provenance provenance;
@@ -75,6 +81,8 @@ struct Directory {
 
 /// Whether the class has a boundary membership: its voxels carry normals.
 [[nodiscard]] bool has_normals(const ClassTable& classes, ClassId c);
+/// Whether the file has them.
+[[nodiscard]] bool stores_normals(const Directory& directory, ClassId c);
 
 /// The directory's bytes. Same directory: same bytes.
 [[nodiscard]] Result<std::vector<std::byte>> encode_directory(const Directory& directory);

@@ -153,6 +153,19 @@ Result<void> check_runs(const Directory& d) {
   return {};
 }
 
+Result<void> check_normals(const Directory& d) {
+  if (d.normals_fitted.size() != d.classes.size()) {
+    return invalid(
+        fmt::format("normals of {} classes, there are {}", d.normals_fitted.size(), d.classes.size()));
+  }
+  for (ClassId c = 0; c < d.classes.size(); ++c) {
+    if (d.normals_fitted[c] && !has_normals(d.classes, c)) {
+      return invalid(fmt::format("class {} has fitted normals but no boundary", c));
+    }
+  }
+  return {};
+}
+
 Result<void> check_surfaces(const Directory& d, const Grid& grid) {
   if (d.surfaces.size() != d.graph.size()) {
     return invalid(fmt::format("{} surfaces of {} structures", d.surfaces.size(), d.graph.size()));
@@ -174,6 +187,7 @@ Result<void> validate(const Directory& d) {
   if (auto valid = validate(grid, "storage grid"); !valid) return invalid(valid.error().message);
   SPLATLAS_RETURN_IF_ERROR(check_classes(d, grid));
   SPLATLAS_RETURN_IF_ERROR(check_runs(d));
+  SPLATLAS_RETURN_IF_ERROR(check_normals(d));
   SPLATLAS_RETURN_IF_ERROR(check_surfaces(d, grid));
   return {};
 }

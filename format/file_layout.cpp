@@ -8,6 +8,8 @@
 #include <fmt/format.h>
 
 #include "format/checksum.h"
+#include "format/value_codec.h"
+#include "format/value_groups.h"
 
 namespace splatlas {
 
@@ -105,15 +107,24 @@ std::vector<std::uint64_t> stream_sizes(const Directory& directory, SectionKind 
     return sizes;
   }
   const ClassTable& classes = directory.classes;
+  if (kind == SectionKind::kValues) {
+    const Index3 size = reordered(directory.source_grid, directory.source_to_storage).size;
+    const ValueGroups groups(classes);
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+      sizes.push_back(value_code_bytes(directory.value_type, group_box(groups, classes, g, size),
+                                       group_voxels(groups, classes, g)));
+    }
+    return sizes;
+  }
   for (ClassId c = 0; c < classes.size(); ++c) {
     switch (kind) {
       case SectionKind::kRunsX: sizes.push_back(directory.run_bytes[c][0]); break;
       case SectionKind::kRunsY: sizes.push_back(directory.run_bytes[c][1]); break;
       case SectionKind::kRunsZ: sizes.push_back(directory.run_bytes[c][2]); break;
-      case SectionKind::kValues: sizes.push_back(classes.voxels(c) * bytes_of(directory.value_type)); break;
       case SectionKind::kNormals:
-        sizes.push_back(has_normals(classes, c) ? classes.voxels(c) * sizeof(PackedNormal) : 0);
+        sizes.push_back(stores_normals(directory, c) ? classes.voxels(c) * sizeof(PackedNormal) : 0);
         break;
+      case SectionKind::kValues:
       case SectionKind::kSurfaces: break;
     }
   }

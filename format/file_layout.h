@@ -72,8 +72,8 @@ struct FileLayout {
   [[nodiscard]] const SectionLayout* find(SectionKind kind) const;
 };
 
-/// The decoded length of every stream of a section: run lists, values and normals per class (in class order),
-/// surfaces per structure in preorder of the graph.
+/// The decoded length of every stream of a section: run lists and normals per class (in class order), values
+/// per group of classes (see ValueGroups), surfaces per structure in preorder of the graph.
 [[nodiscard]] std::vector<std::uint64_t> stream_sizes(const Directory& directory, SectionKind kind);
 
 /// Cuts streams that lie back to back (`stream_begin`: streams + 1 positions) into chunks: streams longer

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "format/chunk_codec.h"
+#include "format/value_groups.h"
 
 namespace splatlas {
 
@@ -118,6 +119,13 @@ std::string SectionReader::describe(const SectionLayout& section, std::size_t n)
     const auto id = [&](auto stream) { return directory_.graph[directory_.graph.preorder()[stream]].id; };
     return first == last ? fmt::format("{} of structure '{}'", where, id(first))
                          : fmt::format("{} of structures '{}' to '{}'", where, id(first), id(last));
+  }
+  if (section.kind == static_cast<std::uint32_t>(SectionKind::kValues)) {
+    const ValueGroups groups(directory_.classes);
+    const ClassId least = groups.classes[static_cast<std::size_t>(first)].front();
+    const ClassId most = groups.classes[static_cast<std::size_t>(last)].back();
+    return least == most ? fmt::format("{} of class {}", where, least)
+                         : fmt::format("{} of classes {} to {}", where, least, most);
   }
   return first == last ? fmt::format("{} of class {}", where, first)
                        : fmt::format("{} of classes {} to {}", where, first, last);

@@ -31,6 +31,8 @@ struct Vertex {
 };
 static_assert(sizeof(Vertex<std::uint16_t>) == 8 && sizeof(Vertex<std::uint32_t>) == 16);
 
+/// Vertices of fitted surfaces are midway between voxels.
+constexpr std::uint32_t kFittedPositionScale = 2;
 constexpr std::size_t kLengthsBytes = 2 * sizeof(std::uint32_t);
 
 std::uint64_t max_coordinate(std::int64_t size, std::uint32_t scale) {
@@ -277,6 +279,11 @@ Result<void> check_surface_entry(const SurfaceEntry& entry, const Index3& size) 
   if (entry.vertices == 0) {
     if (entry.triangles == 0 && entry.bytes == 0) return {};
     return invalid(fmt::format("no vertices, {} triangles, {} bytes", entry.triangles, entry.bytes));
+  }
+  if (is_fitted(entry)) {  // what it must be besides is told when it is fitted
+    if (entry.position_scale == kFittedPositionScale && entry.triangles > 0) return {};
+    return invalid(fmt::format("fitted, with position scale {} and {} triangles", entry.position_scale,
+                               entry.triangles));
   }
   const std::size_t vertex_bytes = fits_16_bits(size, entry.position_scale) ? sizeof(Vertex<std::uint16_t>)
                                                                             : sizeof(Vertex<std::uint32_t>);

@@ -5,9 +5,9 @@
 
 #include "format/check_writable.h"
 #include "format/interrupts.h"
+#include "format/structure_crop.h"
 #include "preprocess/export/temporary_output.h"
 #include "preprocess/export/write_image.h"
-#include "preprocess/surfaces/structure_crop.h"
 
 namespace splatlas {
 namespace {

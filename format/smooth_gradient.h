@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "preprocess/surfaces/structure_crop.h"
+#include "format/structure_crop.h"
 
 namespace splatlas {
 
@@ -28,8 +28,10 @@ class SmoothGradient {
     return {gradient_[0][n], gradient_[1][n], gradient_[2][n]};
   }
 
- private:
+  /// How far away voxels still count, along every axis.
   static constexpr std::int64_t kRadius = 3;
+
+ private:
   static constexpr std::int64_t kTaps = 2 * kRadius + 1;
   using Kernel = std::array<float, kTaps>;
   /// One slice after the passes along i and j: smoothed, d/dj and d/di of smoothed.

@@ -6,26 +6,35 @@
 #include <vector>
 
 #include "format/class_table.h"
+#include "format/run_model.h"
 
 namespace splatlas {
 
-/// The structure's box and one voxel more on every side, so that whatever the structure touches, the
-/// outermost voxels are outside. Those beyond the grid exist here too.
+/// How a box of voxels belongs to one structure. A whole structure's has one voxel more than its box on every
+/// side, so that the outermost voxels are outside; those beyond the grid exist here too.
 struct StructureCrop {
+  static constexpr std::uint8_t kOutside = 0, kInterior = 1, kBoundary = 2;
+
   Index3 first{0, 0, 0};  ///< of the grid's indices; -1 where the structure touches the border
   Index3 size{0, 0, 0};
-  std::vector<std::uint8_t> inside;  ///< 1 where the structure holds the voxel, else 0; i fastest
+  std::vector<std::uint8_t> parts;  ///< kOutside (or only crossed), kInterior or kBoundary; i fastest
 
   [[nodiscard]] std::size_t offset(std::int64_t i, std::int64_t j, std::int64_t k) const {
     return static_cast<std::size_t>((k * size[1] + j) * size[0] + i);
   }
 };
 
-/// How voxels of each class belong to `structure`: 0 not at all (or only crossed), 1 interior, 2 boundary.
+/// How voxels of each class belong to `structure`: kOutside, kInterior or kBoundary.
 [[nodiscard]] std::vector<std::uint8_t> parts_of(const ClassTable& classes, StructureIndex structure);
 
 /// Cuts out `box`, which must not be empty. `parts` is parts_of(...).
 [[nodiscard]] StructureCrop crop_structure(std::span<const ClassId> volume, const Index3& size,
                                            const IndexBox& box, std::span<const std::uint8_t> parts);
+
+/// `box` and one voxel more on every side, all outside: to be painted.
+[[nodiscard]] StructureCrop empty_crop(const IndexBox& box);
+/// Writes what of these runs (of principal axis z, valid in a grid with `rows` rows a slice) lies in the
+/// crop.
+void paint_runs(std::span<const Run> runs, std::int64_t rows, std::uint8_t part, StructureCrop& crop);
 
 }  // namespace splatlas

@@ -1,4 +1,4 @@
-#include "preprocess/surfaces/smooth_gradient.h"
+#include "format/smooth_gradient.h"
 
 #include <cmath>
 
@@ -22,7 +22,7 @@ std::array<double, 3> by_definition(const StructureCrop& crop, std::int64_t i, s
       for (std::int64_t di = -3; di <= 3; ++di) {
         const std::int64_t x = i + di, y = j + dj, z = k + dk;
         if (x < 0 || y < 0 || z < 0 || x >= crop.size[0] || y >= crop.size[1] || z >= crop.size[2]) continue;
-        if (crop.inside[crop.offset(x, y, z)] == 0) continue;
+        if (crop.parts[crop.offset(x, y, z)] == 0) continue;
         const double gauss = std::exp(-0.5 * static_cast<double>(di * di + dj * dj + dk * dk));
         const double scale = gauss / (sum * sum * moment);
         gradient[0] += scale * static_cast<double>(di);
@@ -37,7 +37,7 @@ std::array<double, 3> by_definition(const StructureCrop& crop, std::int64_t i, s
 RC_GTEST_PROP(SmoothGradient, IsTheConvolutionOfTheDefinition, ()) {
   StructureCrop crop;
   for (auto& n : crop.size) n = *rc::gen::inRange<std::int64_t>(1, 12);
-  crop.inside = *rc::gen::container<std::vector<std::uint8_t>>(
+  crop.parts = *rc::gen::container<std::vector<std::uint8_t>>(
       static_cast<std::size_t>(crop.size[0] * crop.size[1] * crop.size[2]),
       rc::gen::element<std::uint8_t>(0, 1));
   SmoothGradient gradient(crop);

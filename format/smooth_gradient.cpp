@@ -1,4 +1,4 @@
-#include "preprocess/surfaces/smooth_gradient.h"
+#include "format/smooth_gradient.h"
 
 #include <algorithm>
 #include <cmath>
@@ -44,8 +44,9 @@ SmoothGradient::SmoothGradient(const StructureCrop& crop) : crop_(crop) {
 
 void SmoothGradient::filter_row(std::int64_t j, std::int64_t k) {
   const auto width = static_cast<std::size_t>(crop_.size[0]);
-  const std::uint8_t* const mask = &crop_.inside[crop_.offset(0, j, k)];
-  std::copy(mask, mask + width, row_.begin() + kRadius);
+  const std::uint8_t* const parts = &crop_.parts[crop_.offset(0, j, k)];
+  for (std::size_t i = 0; i < width; ++i)
+    row_[i + kRadius] = parts[i] != StructureCrop::kOutside ? 1.0f : 0.0f;
   const std::size_t at = static_cast<std::size_t>(j + kRadius) * width;
   convolve(gauss_, row_.data(), 1, width, &rows_smooth_[at]);
   convolve(derivative_, row_.data(), 1, width, &rows_derived_[at]);

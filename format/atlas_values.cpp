@@ -1,0 +1,130 @@
+// Grey values: decoded group by group, handed out class by class.
+#include <algorithm>
+#include <cstring>
+#include <new>
+#include <numeric>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "format/atlas_impl.h"
+#include "format/value_codec.h"
+
+namespace splatlas {
+
+Result<std::vector<ClassSpan>> Atlas::Impl::read_spans(std::size_t group) const {
+  std::vector<ClassId> of = groups.classes[group];
+  const bool is_rest = of.front() == kEmptyClass;
+  if (is_rest) {
+    of.resize(directory.classes.size());
+    std::iota(of.begin(), of.end(), ClassId{0});
+  }
+  std::vector<ClassRuns> runs;
+  for (const ClassId c : of) {
+    SPLATLAS_ASSIGN_OR_RETURN(runs.emplace_back(), read_stored_runs(c, Axis::kZ));
+  }
+  std::vector<ClassSpan> spans = merge_runs(of, runs);
+  return is_rest ? gaps_between(spans, grid.size) : spans;
+}
+
+Result<Atlas::Impl::GroupValues> Atlas::Impl::decode_group(std::size_t group) const {
+  const std::vector<ClassId>& of = groups.classes[group];
+  SPLATLAS_ASSIGN_OR_RETURN(std::vector<std::byte> code, read_stream(SectionKind::kValues, group));
+  GroupValues values(of.size());
+  if (code.empty()) return values;
+  const std::uint64_t voxels = group_voxels(groups, directory.classes, group);
+  const IndexBox box = group_box(groups, directory.classes, group, grid.size);
+  if (of.size() == 1 && !predicts_values(directory.value_type, box, voxels)) {
+    values.front() = std::move(code);  // no need to know where the voxels are
+    return values;
+  }
+  SPLATLAS_ASSIGN_OR_RETURN(const std::vector<ClassSpan> spans, read_spans(group));
+  auto decoded = decode_values({spans, voxels, box, grid.size[1]}, directory.value_type, code);
+  if (!decoded) {
+    return named({ErrorCode::kInvalidAtlas,
+                  fmt::format("invalid: values of class {}: {}", of.front(), decoded.error().message)});
+  }
+  if (of.size() == 1) {
+    values.front() = std::move(*decoded);
+    return values;
+  }
+  const std::size_t value_bytes = bytes_of(directory.value_type);
+  for (std::size_t n = 0; n < of.size(); ++n)
+    values[n].reserve(directory.classes.voxels(of[n]) * value_bytes);
+  const std::byte* next = decoded->data();
+  for (const ClassSpan& span : spans) {
+    const auto n = static_cast<std::size_t>(std::ranges::lower_bound(of, span.of) - of.begin());
+    const std::byte* const end = next + span.run.length * value_bytes;
+    values[n].insert(values[n].end(), next, end);
+    next = end;
+  }
+  return values;
+}
+
+namespace {
+
+std::uint64_t bytes_of_all(const std::vector<std::vector<std::byte>>& values) {
+  std::uint64_t bytes = 0;
+  for (const std::vector<std::byte>& of_class : values) bytes += of_class.size();
+  return bytes;
+}
+
+}  // namespace
+
+void Atlas::Impl::hold(std::size_t group, GroupValues values) const {
+  HeldGroup& slot = held[group];
+  const std::lock_guard lock(held_mutex);
+  held_bytes += bytes_of_all(values);
+  held_bytes -= bytes_of_all(slot.values);
+  slot.values = std::move(values);
+  held_groups.push_back(group);
+  // The oldest go. A group that somebody is at now, this one too, is held a while longer.
+  for (std::size_t n = held_groups.size(); n > 0 && held_bytes > kMaxHeldBytes; --n) {
+    const std::size_t oldest = held_groups.front();
+    held_groups.pop_front();
+    const std::unique_lock oldest_lock = oldest == group
+                                             ? std::unique_lock<std::mutex>()
+                                             : std::unique_lock(held[oldest].mutex, std::try_to_lock);
+    if (!oldest_lock) {
+      held_groups.push_back(oldest);
+      continue;
+    }
+    held_bytes -= bytes_of_all(held[oldest].values);
+    held[oldest].values.clear();
+  }
+}
+
+Result<std::vector<std::byte>> Atlas::Impl::read_class_values(ClassId c) const {
+  const std::size_t group = groups.group_of[c];
+  const std::vector<ClassId>& of = groups.classes[group];
+  const auto n = static_cast<std::size_t>(std::ranges::lower_bound(of, c) - of.begin());
+  HeldGroup& slot = held[group];
+  const std::lock_guard lock(slot.mutex);  // whoever comes second waits for the first one's
+  if (slot.values.empty() || slot.taken[n]) {
+    SPLATLAS_ASSIGN_OR_RETURN(GroupValues decoded, decode_group(group));
+    hold(group, std::move(decoded));
+    slot.taken.assign(of.size(), false);
+  }
+  slot.taken[n] = true;
+  std::vector<std::byte> values = std::move(slot.values[n]);
+  slot.values[n].clear();
+  const bool all_taken = std::ranges::count(slot.taken, false) == 0;
+  if (all_taken) slot.values.clear();
+  const std::lock_guard held_lock(held_mutex);
+  held_bytes -= values.size();
+  if (all_taken) std::erase(held_groups, group);
+  return values;
+}
+
+Result<std::vector<std::byte>> Atlas::read_values(ClassId c) const {
+  SPLATLAS_RETURN_IF_ERROR(impl_->check_class(c));
+  try {
+    if (value_type() == VoxelType::kNone) return std::vector<std::byte>{};
+    return impl_->read_class_values(c);
+  } catch (const std::bad_alloc&) {
+    return impl_->named({ErrorCode::kLimit, fmt::format("out of memory for the values of class {}", c)});
+  }
+}
+
+}  // namespace splatlas

@@ -1,0 +1,138 @@
+#include "format/fitted_content.h"
+
+#include <algorithm>
+
+#include "format/directory.h"
+#include "format/fit_surface.h"
+#include "format/parallel.h"
+#include "format/structure_crop.h"
+
+namespace splatlas {
+namespace {
+
+bool holds(const Membership& member) {
+  return member.part != Part::kCrossed;
+}
+
+/// Compares what is fitted to one structure with what the content has.
+class FitComparer {
+ public:
+  explicit FitComparer(const AtlasContent& content)
+      : content_(content),
+        grid_(storage_grid(content)),
+        voxel_normals_(grid_),
+        normal_at_(content.class_volume.size()),
+        normals_differ_(content.classes.size(), 0) {
+    for (ClassId c = 0; c < content.classes.size(); ++c)
+      owners_.push_back(normal_owner(content.classes.members(c)));
+    std::vector<std::size_t> next(content.classes.size(), 0);
+    for (std::size_t v = 0; v < normal_at_.size(); ++v) {
+      const ClassId c = content.class_volume[v];
+      if (owners_[c] != kNoStructure) normal_at_[v] = content.boundary_normals[c][next[c]++];
+    }
+  }
+
+  /// For one structure at a time per thread: each class has one owner.
+  [[nodiscard]] bool surface_is_fitted(StructureIndex s) {
+    const IndexBox box = box_of(content_.classes, s);
+    const bool wanted = !content_.surfaces[s].empty() && content_.surfaces[s].position_scale == 2;
+    const bool fits = !box.empty() && crop_voxels(box) <= kMaxFittedVoxels;
+    if (!fits) differ_all(s);
+    if (!fits || (!wanted && std::ranges::find(owners_, s) == owners_.end())) return false;
+    const std::vector<std::uint8_t> parts = parts_of(content_.classes, s);
+    const StructureCrop crop = crop_structure(content_.class_volume, grid_.size, box, parts);
+    const SurfaceMesh mesh = fit_surface(crop, grid_, [&](const SmoothGradient& gradient, std::int64_t k) {
+      compare_normals(s, crop, gradient, k);
+    });
+    return mesh == content_.surfaces[s];
+  }
+
+  [[nodiscard]] bool normals_are_fitted(ClassId c) const {
+    return owners_[c] != kNoStructure && normals_differ_[c] == 0;
+  }
+
+ private:
+  void differ_all(StructureIndex s) {
+    for (ClassId c = 0; c < owners_.size(); ++c) {
+      if (owners_[c] == s) normals_differ_[c] = 1;
+    }
+  }
+
+  void compare_normals(StructureIndex s, const StructureCrop& crop, const SmoothGradient& gradient,
+                       std::int64_t k) {
+    for (std::int64_t j = 1; j + 1 < crop.size[1]; ++j) {
+      for (std::int64_t i = 1; i + 1 < crop.size[0]; ++i) {
+        if (crop.parts[crop.offset(i, j, k)] == StructureCrop::kOutside) continue;
+        const auto voxel =
+            static_cast<std::size_t>(grid_.offset(i + crop.first[0], j + crop.first[1], k + crop.first[2]));
+        const ClassId c = content_.class_volume[voxel];
+        if (owners_[c] != s || normals_differ_[c] != 0) continue;
+        if (voxel_normals_.normal(gradient.at(i, j)) != normal_at_[voxel]) normals_differ_[c] = 1;
+      }
+    }
+  }
+
+  const AtlasContent& content_;
+  const Grid grid_;
+  const VoxelNormals voxel_normals_;
+  std::vector<StructureIndex> owners_;        // [class]
+  std::vector<PackedNormal> normal_at_;       // [voxel]
+  std::vector<std::uint8_t> normals_differ_;  // [class]; bytes, so that threads do not meet
+};
+
+}  // namespace
+
+std::uint64_t crop_voxels(const IndexBox& box) {
+  std::uint64_t voxels = 1;
+  for (std::size_t a = 0; a < 3; ++a) {  // cannot wrap: a valid box has 2^40 voxels at most, 2^24 a side
+    voxels *= static_cast<std::uint64_t>(box.last[a] - box.first[a] + 1 + 2 * SmoothGradient::kRadius);
+  }
+  return voxels;
+}
+
+IndexBox box_of(const ClassTable& classes, StructureIndex structure) {
+  IndexBox box;
+  for (ClassId c = 0; c < classes.size(); ++c) {
+    for (const Membership& m : classes.members(c)) {
+      if (m.structure == structure && holds(m)) box.include(classes.box(c));
+    }
+  }
+  return box;
+}
+
+FittedParts find_fitted_parts(const AtlasContent& content, unsigned threads,
+                              const std::function<void(double)>& progress) {
+  const std::size_t count = content.graph.size();
+  FitComparer comparer(content);
+  std::vector<std::uint8_t> surfaces(count, 0);
+  parallel_for(
+      count, threads,
+      [&](std::size_t s) { surfaces[s] = comparer.surface_is_fitted(static_cast<StructureIndex>(s)); },
+      [&](std::size_t done) {
+        if (progress) progress(static_cast<double>(done) / static_cast<double>(count));
+      });
+  FittedParts parts;
+  parts.surfaces.assign(surfaces.begin(), surfaces.end());
+  for (ClassId c = 0; c < content.classes.size(); ++c)
+    parts.normals.push_back(comparer.normals_are_fitted(c));
+  return parts;
+}
+
+bool owner_is_alike(const ClassTable& classes, ClassId c) {
+  const auto structures_of = [&](ClassId of) {
+    std::vector<StructureIndex> structures;
+    for (const Membership& m : classes.members(of)) {
+      if (holds(m)) structures.push_back(m.structure);
+    }
+    return structures;
+  };
+  const StructureIndex owner = normal_owner(classes.members(c));
+  const std::vector<StructureIndex> structures = structures_of(c);
+  for (ClassId other = 0; other < classes.size(); ++other) {
+    const std::vector<StructureIndex> others = structures_of(other);
+    if (std::ranges::binary_search(others, owner) && others != structures) return false;
+  }
+  return owner != kNoStructure;
+}
+
+}  // namespace splatlas
