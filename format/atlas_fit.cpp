@@ -31,7 +31,16 @@ Result<StructureCrop> Atlas::Impl::read_crop(StructureIndex s, const IndexBox& b
   StructureCrop crop = around ? empty_crop_around(box) : empty_crop(box);
   const std::vector<std::uint8_t> parts = parts_of(directory.classes, s);
   for (ClassId c = 1; c < parts.size(); ++c) {
-    if (parts[c] == StructureCrop::kOutside || !overlap(directory.classes.box(c), crop)) continue;
+    if (parts[c] == StructureCrop::kOutside) continue;
+    if (shares_runs(c, Axis::kZ)) {  // both classes at once, which are of the same structures
+      const auto pair = run_streams.pair_of(c);
+      if (c != pair[0]) continue;
+      SPLATLAS_ASSIGN_OR_RETURN(const SplitRuns split, read_split_runs(c, Axis::kZ));
+      paint_runs(split.interior, grid.size[1], StructureCrop::kInterior, crop);
+      paint_runs(split.boundary, grid.size[1], StructureCrop::kBoundary, crop);
+      continue;
+    }
+    if (!overlap(directory.classes.box(c), crop)) continue;
     SPLATLAS_ASSIGN_OR_RETURN(const ClassRuns runs, read_stored_runs(c, Axis::kZ));
     paint_runs(runs, grid.size[1], parts[c], crop);
   }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "format/atlas_reader.h"
+#include "format/boundary_split.h"
 #include "format/decision_tree.h"
 #include "format/directory.h"
 #include "format/file_layout.h"
@@ -27,6 +28,11 @@ struct Atlas::Impl {
   [[nodiscard]] Result<std::vector<std::byte>> read_stream(SectionKind kind, std::size_t stream) const;
   /// The runs of a class in a stored run model, checked against grid and class table.
   [[nodiscard]] Result<ClassRuns> read_stored_runs(ClassId c, Axis axis) const;
+  /// Whether the class and another one have one list in a stored run model, and their runs from it.
+  [[nodiscard]] bool shares_runs(ClassId c, Axis axis) const;
+  [[nodiscard]] Result<SplitRuns> read_split_runs(ClassId c, Axis axis) const;
+  /// The list in a class's stream, which is of `voxels` voxels.
+  [[nodiscard]] Result<ClassRuns> read_run_list(ClassId c, Axis axis, std::uint64_t voxels) const;
   /// The voxels of a structure in a box; `around`: and as far away as normals in it depend on.
   [[nodiscard]] Result<StructureCrop> read_crop(StructureIndex s, const IndexBox& box, bool around) const;
   [[nodiscard]] Result<SurfaceMesh> fit_surface_of(StructureIndex s) const;
@@ -54,7 +60,8 @@ struct Atlas::Impl {
   FileLayout layout;
   DecisionTree tree;
   SectionReader sections;
-  ValueGroups groups;
+  RunStreams run_streams;
+  const ValueGroups& groups;
   std::vector<std::uint32_t> surface_stream;  ///< [structure]: number of its stream
 
   /// Values of a decoded group's classes that nobody has asked for yet: they are likely to be next.

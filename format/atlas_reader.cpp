@@ -56,7 +56,8 @@ Atlas::Impl::Impl(InputFile opened_file, const FileHeader& checked_header, Direc
       layout(std::move(file_layout)),
       tree(directory.graph, directory.classes),
       sections(file, directory, layout),
-      groups(directory.classes),
+      run_streams(directory.classes),
+      groups(run_streams.groups()),
       surface_stream(directory.graph.size()),
       held(groups.size()) {
   const auto preorder = directory.graph.preorder();
@@ -161,7 +162,37 @@ Result<std::vector<std::byte>> Atlas::Impl::read_stream(SectionKind kind, std::s
 }
 
 Result<ClassRuns> Atlas::Impl::read_stored_runs(ClassId c, Axis axis) const {
-  const std::uint64_t voxels = c == kEmptyClass ? 0 : directory.classes.voxels(c);
+  if (shares_runs(c, axis)) {
+    SPLATLAS_ASSIGN_OR_RETURN(SplitRuns split, read_split_runs(c, axis));
+    return c == run_streams.pair_of(c)[0] ? std::move(split.interior) : std::move(split.boundary);
+  }
+  return read_run_list(c, axis, c == kEmptyClass ? 0 : directory.classes.voxels(c));
+}
+
+bool Atlas::Impl::shares_runs(ClassId c, Axis axis) const {
+  return run_streams.is_shared(directory.classes, c, [&](ClassId of) {
+    return directory.run_bytes[of][static_cast<std::size_t>(axis)];
+  });
+}
+
+Result<SplitRuns> Atlas::Impl::read_split_runs(ClassId c, Axis axis) const {
+  const auto pair = run_streams.pair_of(c);
+  const std::uint64_t interior = directory.classes.voxels(pair[0]);
+  const std::uint64_t boundary = directory.classes.voxels(pair[1]);
+  SPLATLAS_ASSIGN_OR_RETURN(const ClassRuns runs, read_run_list(pair[0], axis, interior + boundary));
+  SplitRuns split = split_boundary(runs, grid.size, axis);
+  std::uint64_t found = 0;
+  for (const Run& run : split.interior) found += run.length;
+  if (found == interior) return split;
+  return named(
+      {ErrorCode::kInvalidAtlas,
+       fmt::format("invalid: {} of class {}: {} voxels have none but voxels of classes {} and {} around "
+                   "them, expected {}",
+                   section_name(static_cast<std::uint32_t>(run_section(axis))), pair[0], found, pair[0],
+                   pair[1], interior)});
+}
+
+Result<ClassRuns> Atlas::Impl::read_run_list(ClassId c, Axis axis, std::uint64_t voxels) const {
   SPLATLAS_ASSIGN_OR_RETURN(const auto bytes, read_stream(run_section(axis), c));
   auto runs = decode_run_list(bytes, voxels);
   const Result<void> valid =

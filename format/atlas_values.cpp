@@ -21,8 +21,13 @@ Result<std::vector<ClassSpan>> Atlas::Impl::read_spans(std::size_t group) const 
     std::iota(of.begin(), of.end(), ClassId{0});
   }
   std::vector<ClassRuns> runs;
-  for (const ClassId c : of) {
-    SPLATLAS_ASSIGN_OR_RETURN(runs.emplace_back(), read_stored_runs(c, Axis::kZ));
+  runs.reserve(of.size());
+  if (!is_rest && shares_runs(of.front(), Axis::kZ)) {
+    SPLATLAS_ASSIGN_OR_RETURN(SplitRuns split, read_split_runs(of.front(), Axis::kZ));
+    runs = {std::move(split.interior), std::move(split.boundary)};
+  }
+  for (std::size_t n = runs.size(); n < of.size(); ++n) {
+    SPLATLAS_ASSIGN_OR_RETURN(runs.emplace_back(), read_stored_runs(of[n], Axis::kZ));
   }
   std::vector<ClassSpan> spans = merge_runs(of, runs);
   return is_rest ? gaps_between(spans, grid.size) : spans;

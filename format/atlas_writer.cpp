@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "format/boundary_split.h"
 #include "format/chunk_codec.h"
 #include "format/content_check.h"
 #include "format/directory.h"
@@ -44,6 +45,7 @@ class AtlasEncoder {
  private:
   [[nodiscard]] Result<SectionBytes> gather(SectionKind kind);
   [[nodiscard]] Result<SectionBytes> gather_runs(Axis axis);
+  [[nodiscard]] ClassRuns joined_runs(const RunStreams& streams, const RunModel& model, ClassId c) const;
   [[nodiscard]] SectionBytes gather_values() const;
   [[nodiscard]] SectionBytes gather_normals() const;
   [[nodiscard]] Result<SectionBytes> gather_surfaces();
@@ -142,14 +144,35 @@ Result<SectionBytes> AtlasEncoder::gather(SectionKind kind) {
   return gather_surfaces();
 }
 
+/// One list for a class and its group's other one, where readers find from it which voxel is of which; else
+/// nothing.
+ClassRuns AtlasEncoder::joined_runs(const RunStreams& streams, const RunModel& model, ClassId c) const {
+  if (!streams.may_share(c)) return {};
+  const auto pair = streams.pair_of(c);
+  const ClassRuns& interior = model.classes[pair[0]];
+  const ClassRuns& boundary = model.classes[pair[1]];
+  if (c != pair[0] || boundary.empty()) return {};
+  ClassRuns both = join_runs(interior, boundary);
+  const SplitRuns split = split_boundary(both, size_, model.axis);
+  return split.interior == interior && split.boundary == boundary ? both : ClassRuns{};
+}
+
 Result<SectionBytes> AtlasEncoder::gather_runs(Axis axis) {
   const RunModel model = encode_runs(content_.class_volume, size_, axis, content_.classes.size());
   const auto a = static_cast<std::size_t>(axis);
   directory_.run_totals[a] = model.runs();
+  const RunStreams streams(content_.classes);
   SectionBytes bytes;
+  std::vector<bool> done(model.classes.size(), false);
   for (ClassId c = 0; c < model.classes.size(); ++c) {
+    if (done[c]) continue;
     const std::size_t begin = bytes.size();
-    append_run_list(model.classes[c], bytes);
+    if (const ClassRuns both = joined_runs(streams, model, c); !both.empty()) {
+      append_run_list(both, bytes);
+      done[streams.pair_of(c)[1]] = true;
+    } else {
+      append_run_list(model.classes[c], bytes);
+    }
     if (bytes.size() - begin > std::numeric_limits<std::uint32_t>::max()) {
       return fail(ErrorCode::kFailed, fmt::format("the run list of class {} is longer than 4 GiB", c));
     }

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "format/boundary_split.h"
 #include "format/directory.h"
 #include "format/run_codec.h"
 #include "format/surface_codec.h"
@@ -132,6 +133,7 @@ Result<void> check_classes(const Directory& d, const Grid& grid) {
 }
 
 Result<void> check_runs(const Directory& d) {
+  const RunStreams streams(d.classes);
   for (const Axis axis : kAxes) {
     const auto a = static_cast<std::size_t>(axis);
     const bool stored = std::ranges::count(d.sections, static_cast<std::uint32_t>(run_section(axis)),
@@ -141,9 +143,14 @@ Result<void> check_runs(const Directory& d) {
     if (d.run_totals[a] > held) {
       return invalid(fmt::format("run model {} has {} runs of {} voxels", a, d.run_totals[a], held));
     }
+    const auto bytes_of = [&](ClassId c) { return d.run_bytes[c][a]; };
     for (ClassId c = 0; c < d.classes.size(); ++c) {
-      const std::uint64_t bytes = d.run_bytes[c][a];
-      const std::uint64_t voxels = c == kEmptyClass || !stored ? 0 : d.classes.voxels(c);
+      const std::uint64_t bytes = bytes_of(c);
+      std::uint64_t voxels = c == kEmptyClass || !stored ? 0 : d.classes.voxels(c);
+      if (stored && streams.is_shared(d.classes, c, bytes_of)) {  // the first class's list is of both
+        const auto pair = streams.pair_of(c);
+        voxels = c == pair[0] ? voxels + d.classes.voxels(pair[1]) : 0;
+      }
       if (bytes < min_run_list_bytes(voxels) || bytes > max_run_list_bytes(voxels)) {
         return invalid(
             fmt::format("runs of class {} along axis {} take {} bytes for {} voxels", c, a, bytes, voxels));

@@ -38,6 +38,42 @@ constexpr std::array<unsigned, 4> face_corners(unsigned axis, bool far_side) {
                   : std::array<unsigned, 4>{at, at | c, at | b | c, at | b};
 }
 
+struct Loop {
+  std::array<CellEdge, kEdges> edges{};
+  std::size_t count = 0;
+
+  [[nodiscard]] constexpr std::array<CellEdge, 3> triangle(std::size_t start, std::size_t n) const {
+    return {edges[start], edges[(start + n + 1) % count], edges[(start + n + 2) % count]};
+  }
+};
+
+/// Whether all three corners lie in one face of the cell.
+constexpr bool lies_in_a_face(const std::array<CellEdge, 3>& triangle) {
+  for (unsigned axis = 0; axis < 3; ++axis) {
+    for (unsigned side = 0; side < 2; ++side) {
+      bool all = true;
+      for (const CellEdge& edge : triangle)
+        all = all && edge.axis != axis && (edge.corner >> axis & 1) == side;
+      if (all) return true;
+    }
+  }
+  return false;
+}
+
+/// From the first edge on from which no triangle lies in a face: the neighbouring cell could have it as well.
+constexpr void add_fan(const Loop& loop, CellCase& result) {
+  const auto fits = [&](std::size_t start) {
+    for (std::size_t n = 0; n + 2 < loop.count; ++n) {
+      if (lies_in_a_face(loop.triangle(start, n))) return false;
+    }
+    return true;
+  };
+  std::size_t start = 0;
+  while (start < loop.count && !fits(start)) ++start;
+  if (start == loop.count) start = 0;
+  for (std::size_t n = 0; n + 2 < loop.count; ++n) result.triangles[result.count++] = loop.triangle(start, n);
+}
+
 constexpr CellCase make_case(unsigned inside) {
   const auto is_inside = [&](unsigned corner) { return (inside >> corner & 1) != 0; };
   // Where the line goes on that arrives at an edge; kEdges where none does.
@@ -60,13 +96,10 @@ constexpr CellCase make_case(unsigned inside) {
   CellCase result;
   for (std::size_t first = 0; first < kEdges; ++first) {
     if (next[first] == kEdges) continue;
-    std::size_t second = std::exchange(next[first], kEdges);
-    while (true) {
-      const std::size_t third = std::exchange(next[second], kEdges);
-      if (third == first) break;
-      result.triangles[result.count++] = {edges[first], edges[second], edges[third]};
-      second = third;
-    }
+    Loop loop;
+    for (std::size_t edge = first; next[edge] != kEdges; edge = std::exchange(next[edge], kEdges))
+      loop.edges[loop.count++] = edges[edge];
+    add_fan(loop, result);
   }
   return result;
 }

@@ -20,7 +20,8 @@ struct CellEdge {
 /// counter-clockwise seen from outside. The table follows from rules (Lorensen and Cline 1987 for cells
 /// without ambiguous faces): on each face a line cuts off every maximal chain of inside corners, so that
 /// diagonal ones stay apart and neighbouring cells agree; lines join to loops; a loop becomes a fan around
-/// its first edge. Loops begin at their lowest edge (axis, then corner) and come by it.
+/// the first of its edges, from the lowest (axis, then corner) on, from which no triangle lies in a face of
+/// the cell. Loops come by their lowest edge.
 [[nodiscard]] std::span<const std::array<CellEdge, 3>> cell_triangles(std::uint8_t inside);
 
 struct MaskSurface {

@@ -1,5 +1,6 @@
 #include "format/marching_cubes.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <set>
@@ -27,6 +28,20 @@ TEST(CellTriangles, HaveTheirCornersOnEveryEdgeThatCrossesAndOnNoOther) {
       for (const CellEdge& edge : triangle) used.emplace(edge.corner, edge.axis);
     }
     EXPECT_EQ(used, crossed) << inside;
+  }
+}
+
+TEST(CellTriangles, DoNotLieInAFaceThatTwoCellsShare) {
+  for (unsigned inside = 0; inside < 256; ++inside) {
+    for (const auto& triangle : cell_triangles(static_cast<std::uint8_t>(inside))) {
+      for (unsigned axis = 0; axis < 3; ++axis) {
+        for (const unsigned side : {0u, 1u}) {
+          EXPECT_FALSE(std::ranges::all_of(triangle, [&](const CellEdge& edge) {
+            return edge.axis != axis && (edge.corner >> axis & 1) == side;
+          })) << inside;
+        }
+      }
+    }
   }
 }
 
