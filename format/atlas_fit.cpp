@@ -35,9 +35,9 @@ Result<StructureCrop> Atlas::Impl::read_crop(StructureIndex s, const IndexBox& b
     if (shares_runs(c, Axis::kZ)) {  // both classes at once, which are of the same structures
       const auto pair = run_streams.pair_of(c);
       if (c != pair[0]) continue;
-      SPLATLAS_ASSIGN_OR_RETURN(const SplitRuns split, read_split_runs(c, Axis::kZ));
-      paint_runs(split.interior, grid.size[1], StructureCrop::kInterior, crop);
-      paint_runs(split.boundary, grid.size[1], StructureCrop::kBoundary, crop);
+      SPLATLAS_ASSIGN_OR_RETURN(const SharedSplit split, read_split_runs(c, Axis::kZ));
+      paint_runs(split->interior, grid.size[1], StructureCrop::kInterior, crop);
+      paint_runs(split->boundary, grid.size[1], StructureCrop::kBoundary, crop);
       continue;
     }
     if (!overlap(directory.classes.box(c), crop)) continue;

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <memory>
 #include <mutex>
 #include <string>
 #include <utility>
@@ -30,7 +31,9 @@ struct Atlas::Impl {
   [[nodiscard]] Result<ClassRuns> read_stored_runs(ClassId c, Axis axis) const;
   /// Whether the class and another one have one list in a stored run model, and their runs from it.
   [[nodiscard]] bool shares_runs(ClassId c, Axis axis) const;
-  [[nodiscard]] Result<SplitRuns> read_split_runs(ClassId c, Axis axis) const;
+  using SharedSplit = std::shared_ptr<const SplitRuns>;
+  [[nodiscard]] Result<SharedSplit> read_split_runs(ClassId c, Axis axis) const;
+  [[nodiscard]] Result<SplitRuns> split_runs(ClassId c, Axis axis) const;
   /// The list in a class's stream, which is of `voxels` voxels.
   [[nodiscard]] Result<ClassRuns> read_run_list(ClassId c, Axis axis, std::uint64_t voxels) const;
   /// The voxels of a structure in a box; `around`: and as far away as normals in it depend on.
@@ -63,6 +66,16 @@ struct Atlas::Impl {
   RunStreams run_streams;
   const ValueGroups& groups;
   std::vector<std::uint32_t> surface_stream;  ///< [structure]: number of its stream
+
+  /// Runs that were split lately: those of the other class, and values and normals, are often next.
+  struct LateSplit {
+    ClassId first = kEmptyClass;
+    Axis axis = Axis::kZ;
+    SharedSplit runs;
+  };
+  static constexpr std::size_t kLateSplits = 16;  // more than threads are at once
+  mutable std::mutex late_mutex;
+  mutable std::deque<LateSplit> late_splits;  // latest last
 
   /// Values of a decoded group's classes that nobody has asked for yet: they are likely to be next.
   struct HeldGroup {

@@ -163,8 +163,8 @@ Result<std::vector<std::byte>> Atlas::Impl::read_stream(SectionKind kind, std::s
 
 Result<ClassRuns> Atlas::Impl::read_stored_runs(ClassId c, Axis axis) const {
   if (shares_runs(c, axis)) {
-    SPLATLAS_ASSIGN_OR_RETURN(SplitRuns split, read_split_runs(c, axis));
-    return c == run_streams.pair_of(c)[0] ? std::move(split.interior) : std::move(split.boundary);
+    SPLATLAS_ASSIGN_OR_RETURN(const SharedSplit split, read_split_runs(c, axis));
+    return c == run_streams.pair_of(c)[0] ? split->interior : split->boundary;
   }
   return read_run_list(c, axis, c == kEmptyClass ? 0 : directory.classes.voxels(c));
 }
@@ -175,7 +175,23 @@ bool Atlas::Impl::shares_runs(ClassId c, Axis axis) const {
   });
 }
 
-Result<SplitRuns> Atlas::Impl::read_split_runs(ClassId c, Axis axis) const {
+Result<Atlas::Impl::SharedSplit> Atlas::Impl::read_split_runs(ClassId c, Axis axis) const {
+  const ClassId first = run_streams.pair_of(c)[0];
+  {
+    const std::lock_guard lock(late_mutex);
+    for (const LateSplit& late : late_splits) {
+      if (late.first == first && late.axis == axis) return late.runs;
+    }
+  }
+  SPLATLAS_ASSIGN_OR_RETURN(SplitRuns split, split_runs(c, axis));
+  const SharedSplit shared = std::make_shared<const SplitRuns>(std::move(split));
+  const std::lock_guard lock(late_mutex);
+  late_splits.push_back({first, axis, shared});
+  if (late_splits.size() > kLateSplits) late_splits.pop_front();
+  return shared;
+}
+
+Result<SplitRuns> Atlas::Impl::split_runs(ClassId c, Axis axis) const {
   const auto pair = run_streams.pair_of(c);
   const std::uint64_t interior = directory.classes.voxels(pair[0]);
   const std::uint64_t boundary = directory.classes.voxels(pair[1]);

@@ -23,8 +23,8 @@ Result<std::vector<ClassSpan>> Atlas::Impl::read_spans(std::size_t group) const 
   std::vector<ClassRuns> runs;
   runs.reserve(of.size());
   if (!is_rest && shares_runs(of.front(), Axis::kZ)) {
-    SPLATLAS_ASSIGN_OR_RETURN(SplitRuns split, read_split_runs(of.front(), Axis::kZ));
-    runs = {std::move(split.interior), std::move(split.boundary)};
+    SPLATLAS_ASSIGN_OR_RETURN(const SharedSplit split, read_split_runs(of.front(), Axis::kZ));
+    runs = {split->interior, split->boundary};
   }
   for (std::size_t n = runs.size(); n < of.size(); ++n) {
     SPLATLAS_ASSIGN_OR_RETURN(runs.emplace_back(), read_stored_runs(of[n], Axis::kZ));

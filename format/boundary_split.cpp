@@ -32,7 +32,7 @@ class ScanlineWindow {
     std::size_t cursor = 0;
     for (std::int64_t d_slice = -1; d_slice <= 1; ++d_slice) {
       for (std::int64_t d_row = -1; d_row <= 1; ++d_row, ++cursor) {
-        if (d_slice == 0 && d_row == 0) continue;
+        if ((d_slice == 0 && d_row == 0) || kept_.empty()) continue;
         const std::int64_t other_row = row + d_row, other_slice = slice + d_slice;
         if (other_row < 0 || other_row >= rows_ || other_slice < 0 || other_slice >= slices_) {
           kept_.clear();

@@ -39,15 +39,23 @@ SmoothGradient::SmoothGradient(const StructureCrop& crop) : crop_(crop) {
   for (Plane& plane : ring_) {
     for (auto* values : {&plane.smooth, &plane.along_j, &plane.along_i}) values->resize(width * height);
   }
-  for (auto& values : gradient_) values.resize(width * height);
+  row_holds_.resize(height + kTaps - 1);
 }
 
 void SmoothGradient::filter_row(std::int64_t j, std::int64_t k) {
   const auto width = static_cast<std::size_t>(crop_.size[0]);
   const std::uint8_t* const parts = &crop_.parts[crop_.offset(0, j, k)];
+  const auto row = static_cast<std::size_t>(j + kRadius);
+  const std::size_t at = row * width;
+  row_holds_[row] =
+      std::any_of(parts, parts + width, [](std::uint8_t p) { return p != StructureCrop::kOutside; });
+  if (row_holds_[row] == 0) {
+    std::fill_n(&rows_smooth_[at], width, 0.f);
+    std::fill_n(&rows_derived_[at], width, 0.f);
+    return;
+  }
   for (std::size_t i = 0; i < width; ++i)
     row_[i + kRadius] = parts[i] != StructureCrop::kOutside ? 1.0f : 0.0f;
-  const std::size_t at = static_cast<std::size_t>(j + kRadius) * width;
   convolve(gauss_, row_.data(), 1, width, &rows_smooth_[at]);
   convolve(derivative_, row_.data(), 1, width, &rows_derived_[at]);
 }
@@ -61,31 +69,26 @@ void SmoothGradient::filter_plane(std::int64_t k) {
   }
   for (std::int64_t j = 0; j < crop_.size[1]; ++j) filter_row(j, k);
   const auto width = static_cast<std::size_t>(crop_.size[0]);
-  const std::size_t count = plane.smooth.size();
-  convolve(gauss_, rows_smooth_.data(), width, count, plane.smooth.data());
-  convolve(derivative_, rows_smooth_.data(), width, count, plane.along_j.data());
-  convolve(gauss_, rows_derived_.data(), width, count, plane.along_i.data());
+  for (std::size_t j = 0; j < static_cast<std::size_t>(crop_.size[1]); ++j) {
+    const auto first = row_holds_.begin() + static_cast<std::ptrdiff_t>(j);
+    const std::size_t at = j * width;
+    if (std::none_of(first, first + kTaps, [](std::uint8_t holds) { return holds != 0; })) {
+      for (auto* values : {&plane.smooth, &plane.along_j, &plane.along_i})
+        std::fill_n(&(*values)[at], width, 0.f);
+      continue;
+    }
+    convolve(gauss_, &rows_smooth_[at], width, width, &plane.smooth[at]);
+    convolve(derivative_, &rows_smooth_[at], width, width, &plane.along_j[at]);
+    convolve(gauss_, &rows_derived_[at], width, width, &plane.along_i[at]);
+  }
 }
 
 void SmoothGradient::next_slice() {
   for (; planes_made_ <= next_ + kRadius; ++planes_made_) filter_plane(planes_made_);
   // Planes before the first one were never made: their places in the ring still hold zeros.
-  std::array<const Plane*, kTaps> planes;
   for (std::int64_t t = 0; t < kTaps; ++t) {
-    planes[static_cast<std::size_t>(t)] =
+    planes_[static_cast<std::size_t>(t)] =
         &ring_[static_cast<std::size_t>((next_ + t - kRadius + kTaps) % kTaps)];
-  }
-  const std::size_t count = gradient_[0].size();
-  for (std::size_t n = 0; n < count; ++n) {
-    float di = 0, dj = 0, dk = 0;
-    for (std::size_t t = 0; t < kTaps; ++t) {
-      di += gauss_[t] * planes[t]->along_i[n];
-      dj += gauss_[t] * planes[t]->along_j[n];
-      dk += derivative_[t] * planes[t]->smooth[n];
-    }
-    gradient_[0][n] = di;
-    gradient_[1][n] = dj;
-    gradient_[2][n] = dk;
   }
   ++next_;
 }
