@@ -25,6 +25,17 @@ PackedNormal pack_codes(float x, float y) {
   return static_cast<PackedNormal>(code(x) | code(y) << 8);
 }
 
+/// The point of the octahedron |x| + |y| + |z| = 1 that a code stands for.
+std::array<float, 3> octahedron_point(PackedNormal packed) {
+  const auto side = [](unsigned bits) {  // -128 is never packed; it reads as -127
+    return std::max(static_cast<float>(static_cast<std::int8_t>(bits & 0xffu)) / kScale, -1.0f);
+  };
+  std::array<float, 2> p{side(packed), side(packed >> 8u)};
+  const float z = 1 - std::abs(p[0]) - std::abs(p[1]);
+  if (z < 0) p = folded(p[0], p[1]);
+  return {p[0], p[1], z};
+}
+
 }  // namespace
 
 PackedNormal pack_normal(const std::array<float, 3>& n) {
@@ -40,14 +51,17 @@ PackedNormal pack_normal(const std::array<float, 3>& n) {
   const float x = std::floor(std::clamp(p[0], -1.0f, 1.0f) * kScale);
   const float y = std::floor(std::clamp(p[1], -1.0f, 1.0f) * kScale);
   PackedNormal best = 0;
-  float best_cosine = -4;
+  float best_dot = -1, best_squared_length = 1;  // codes around a direction are less than a right angle off
   for (const float dy : {0.0f, 1.0f}) {
     for (const float dx : {0.0f, 1.0f}) {
       const PackedNormal code = pack_codes(std::min(x + dx, kScale), std::min(y + dy, kScale));
-      const std::array<float, 3> u = unpack_normal(code);
-      const float cosine = u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
-      if (cosine > best_cosine) {
-        best_cosine = cosine;
+      const std::array<float, 3> u = octahedron_point(code);
+      const float dot = u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
+      const float squared_length = u[0] * u[0] + u[1] * u[1] + u[2] * u[2];
+      // The larger cosine, without roots and quotients.
+      if (best_dot < 0 || dot * dot * best_squared_length > best_dot * best_dot * squared_length) {
+        best_dot = dot;
+        best_squared_length = squared_length;
         best = code;
       }
     }
@@ -56,14 +70,9 @@ PackedNormal pack_normal(const std::array<float, 3>& n) {
 }
 
 std::array<float, 3> unpack_normal(PackedNormal packed) {
-  const auto side = [](unsigned bits) {  // -128 is never packed; it reads as -127
-    return std::max(static_cast<float>(static_cast<std::int8_t>(bits & 0xffu)) / kScale, -1.0f);
-  };
-  std::array<float, 2> p{side(packed), side(packed >> 8u)};
-  const float z = 1 - std::abs(p[0]) - std::abs(p[1]);
-  if (z < 0) p = folded(p[0], p[1]);
-  const float length = std::sqrt(p[0] * p[0] + p[1] * p[1] + z * z);
-  return {p[0] / length, p[1] / length, z / length};
+  const auto [x, y, z] = octahedron_point(packed);
+  const float length = std::sqrt(x * x + y * y + z * z);
+  return {x / length, y / length, z / length};
 }
 
 }  // namespace splatlas
