@@ -73,7 +73,7 @@ struct Atlas::Impl {
     Axis axis = Axis::kZ;
     SharedSplit runs;
   };
-  static constexpr std::size_t kLateSplits = 16;  // more than threads are at once
+  static constexpr std::size_t kLateSplits = 256;
   mutable std::mutex late_mutex;
   mutable std::deque<LateSplit> late_splits;  // latest last
 

@@ -115,8 +115,13 @@ Result<void> ClassCache::require(std::span<const ClassId> classes, Axis axis, Th
   // The largest first, or threads would wait for one of them at the end; small ones share chunks with those
   // before and behind them, and stay in order.
   constexpr std::uint64_t kSmall = 16384;
+  // Boundaries come last: a structure's two classes are decoded together, threads at both would wait.
+  const auto is_boundary = [&](ClassId c) {
+    return std::ranges::any_of(atlas_->classes().members(c),
+                               [](const Membership& m) { return m.part == Part::kBoundary; });
+  };
   std::ranges::stable_sort(missing, std::greater{}, [&](const Missing& of) {
-    return std::max(kSmall, atlas_->classes().voxels(of.id));
+    return std::pair(!is_boundary(of.id), std::max(kSmall, atlas_->classes().voxels(of.id)));
   });
   pool.for_each(missing.size(), [&](std::size_t n) { missing[n].result = decode(missing[n], axis); });
   keep_runs(missing, axis, pool);
