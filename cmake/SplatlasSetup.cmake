@@ -18,9 +18,7 @@ set(CMAKE_INSTALL_RPATH "$ORIGIN/../${CMAKE_INSTALL_LIBDIR}")
 
 find_program(SPLATLAS_CCACHE ccache)
 if(SPLATLAS_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
-  # Precompiled headers are cached too, on condition that no source asks for the time.
-  set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros
-                                  ${SPLATLAS_CCACHE})
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${SPLATLAS_CCACHE})
 endif()
 
 # Flags of our own code only: never of the interface that others link.
