@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cstring>
 #include <new>
-#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -14,23 +13,17 @@
 namespace splatlas {
 
 Result<std::vector<ClassSpan>> Atlas::Impl::read_spans(std::size_t group) const {
-  std::vector<ClassId> of = groups.classes[group];
-  const bool is_rest = of.front() == kEmptyClass;
-  if (is_rest) {
-    of.resize(directory.classes.size());
-    std::iota(of.begin(), of.end(), ClassId{0});
-  }
+  const std::vector<ClassId> of = groups.told_by(group);
   std::vector<ClassRuns> runs;
   runs.reserve(of.size());
-  if (!is_rest && shares_runs(of.front(), Axis::kZ)) {
+  if (of.front() != kEmptyClass && shares_runs(of.front(), Axis::kZ)) {
     SPLATLAS_ASSIGN_OR_RETURN(const SharedSplit split, read_split_runs(of.front(), Axis::kZ));
     runs = {split->interior, split->boundary};
   }
   for (std::size_t n = runs.size(); n < of.size(); ++n) {
     SPLATLAS_ASSIGN_OR_RETURN(runs.emplace_back(), read_stored_runs(of[n], Axis::kZ));
   }
-  std::vector<ClassSpan> spans = merge_runs(of, runs);
-  return is_rest ? gaps_between(spans, grid.size) : spans;
+  return group_spans(groups, group, runs, grid.size);
 }
 
 Result<Atlas::Impl::GroupValues> Atlas::Impl::decode_group(std::size_t group) const {

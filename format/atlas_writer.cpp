@@ -4,7 +4,7 @@
 #include <cstring>
 #include <limits>
 #include <new>
-#include <numeric>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -60,6 +60,7 @@ class AtlasEncoder {
   const Index3 size_;
   Directory directory_;
   std::vector<bool> fitted_surfaces_;           // [structure]
+  RunModel z_runs_;                             // kept for the values, which come after them
   std::vector<std::vector<std::byte>> chunks_;  // stored bytes, in file order
   double work_before_ = 0, work_now_ = 0, work_ = 0;
 };
@@ -158,7 +159,7 @@ ClassRuns AtlasEncoder::joined_runs(const RunStreams& streams, const RunModel& m
 }
 
 Result<SectionBytes> AtlasEncoder::gather_runs(Axis axis) {
-  const RunModel model = encode_runs(content_.class_volume, size_, axis, content_.classes.size());
+  RunModel model = encode_runs(content_.class_volume, size_, axis, content_.classes.size());
   const auto a = static_cast<std::size_t>(axis);
   directory_.run_totals[a] = model.runs();
   const RunStreams streams(content_.classes);
@@ -178,6 +179,7 @@ Result<SectionBytes> AtlasEncoder::gather_runs(Axis axis) {
     }
     directory_.run_bytes[c][a] = static_cast<std::uint32_t>(bytes.size() - begin);
   }
+  if (axis == Axis::kZ) z_runs_ = std::move(model);
   return bytes;
 }
 
@@ -203,21 +205,14 @@ std::vector<std::byte> pick_values(const VoxelBuffer& values, std::span<const Cl
 }
 
 SectionBytes AtlasEncoder::gather_values() const {
-  const RunModel model = encode_runs(content_.class_volume, size_, Axis::kZ, content_.classes.size());
   const ValueGroups groups(content_.classes);
   std::vector<std::vector<std::byte>> codes(groups.size());
   parallel_for(
       groups.size(), options_.threads,
       [&](std::size_t g) {
-        const std::vector<ClassId>& of = groups.classes[g];
         std::vector<ClassRuns> runs;
-        for (const ClassId c : of) runs.push_back(model.classes[c]);
-        std::vector<ClassSpan> spans = merge_runs(of, runs);
-        if (of.front() == kEmptyClass) {
-          std::vector<ClassId> all(content_.classes.size());
-          std::iota(all.begin(), all.end(), ClassId{0});
-          spans = gaps_between(merge_runs(all, model.classes), size_);
-        }
+        for (const ClassId c : groups.told_by(g)) runs.push_back(z_runs_.classes[c]);
+        const std::vector<ClassSpan> spans = group_spans(groups, g, runs, size_);
         const GroupVoxels voxels{spans, group_voxels(groups, content_.classes, g),
                                  group_box(groups, content_.classes, g, size_), size_[1]};
         codes[g] = encode_values(voxels, content_.values.type, pick_values(content_.values, spans, size_[0]));

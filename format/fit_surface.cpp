@@ -194,4 +194,10 @@ StructureIndex normal_owner(std::span<const Membership> members) {
   return kNoStructure;
 }
 
+std::vector<StructureIndex> normal_owners(const ClassTable& classes) {
+  std::vector<StructureIndex> owners(classes.size());
+  for (ClassId c = 0; c < classes.size(); ++c) owners[c] = normal_owner(classes.members(c));
+  return owners;
+}
+
 }  // namespace splatlas

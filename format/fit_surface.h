@@ -48,5 +48,7 @@ using SliceVisitor = std::function<void(const SmoothGradient& gradient, std::int
 
 /// The structure whose normal a class's voxels take: the first of which they are boundary; else kNoStructure.
 [[nodiscard]] StructureIndex normal_owner(std::span<const Membership> members);
+/// [class]: normal_owner() of its members.
+[[nodiscard]] std::vector<StructureIndex> normal_owners(const ClassTable& classes);
 
 }  // namespace splatlas

@@ -22,9 +22,9 @@ class FitComparer {
         grid_(storage_grid(content)),
         voxel_normals_(grid_),
         normal_at_(content.class_volume.size()),
+        boxes_(structure_boxes(content.classes, content.graph.size())),
+        owners_(normal_owners(content.classes)),
         normals_differ_(content.classes.size(), 0) {
-    for (ClassId c = 0; c < content.classes.size(); ++c)
-      owners_.push_back(normal_owner(content.classes.members(c)));
     std::vector<std::size_t> next(content.classes.size(), 0);
     for (std::size_t v = 0; v < normal_at_.size(); ++v) {
       const ClassId c = content.class_volume[v];
@@ -34,7 +34,7 @@ class FitComparer {
 
   /// For one structure at a time per thread: each class has one owner.
   [[nodiscard]] bool surface_is_fitted(StructureIndex s) {
-    const IndexBox box = box_of(content_.classes, s);
+    const IndexBox& box = boxes_[s];
     const bool wanted = !content_.surfaces[s].empty() && content_.surfaces[s].position_scale == 2;
     const bool fits = !box.empty() && crop_voxels(box) <= kMaxFittedVoxels;
     if (!fits) differ_all(s);
@@ -60,23 +60,19 @@ class FitComparer {
 
   void compare_normals(StructureIndex s, const StructureCrop& crop, const SmoothGradient& gradient,
                        std::int64_t k) {
-    for (std::int64_t j = 1; j + 1 < crop.size[1]; ++j) {
-      for (std::int64_t i = 1; i + 1 < crop.size[0]; ++i) {
-        if (crop.parts[crop.offset(i, j, k)] == StructureCrop::kOutside) continue;
-        const auto voxel =
-            static_cast<std::size_t>(grid_.offset(i + crop.first[0], j + crop.first[1], k + crop.first[2]));
-        const ClassId c = content_.class_volume[voxel];
-        if (owners_[c] != s || normals_differ_[c] != 0) continue;
-        if (voxel_normals_.normal(gradient.at(i, j)) != normal_at_[voxel]) normals_differ_[c] = 1;
-      }
-    }
+    for_each_held(crop, k, grid_, [&](std::int64_t i, std::int64_t j, std::size_t voxel) {
+      const ClassId c = content_.class_volume[voxel];
+      if (owners_[c] != s || normals_differ_[c] != 0) return;
+      if (voxel_normals_.normal(gradient.at(i, j)) != normal_at_[voxel]) normals_differ_[c] = 1;
+    });
   }
 
   const AtlasContent& content_;
   const Grid grid_;
   const VoxelNormals voxel_normals_;
-  std::vector<StructureIndex> owners_;        // [class]
   std::vector<PackedNormal> normal_at_;       // [voxel]
+  std::vector<IndexBox> boxes_;               // [structure]
+  std::vector<StructureIndex> owners_;        // [class]
   std::vector<std::uint8_t> normals_differ_;  // [class]; bytes, so that threads do not meet
 };
 

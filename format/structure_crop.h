@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "format/class_table.h"
+#include "format/grid.h"
 #include "format/run_model.h"
 
 namespace splatlas {
@@ -23,6 +24,22 @@ struct StructureCrop {
     return static_cast<std::size_t>((k * size[1] + j) * size[0] + i);
   }
 };
+
+/// Calls visit(i, j, offset in the grid) for the voxels of slice k of a whole structure's crop that the
+/// structure holds; i and j are the crop's.
+template <typename Visit>
+void for_each_held(const StructureCrop& crop, std::int64_t k, const Grid& grid, const Visit& visit) {
+  for (std::int64_t j = 1; j + 1 < crop.size[1]; ++j) {
+    for (std::int64_t i = 1; i + 1 < crop.size[0]; ++i) {
+      if (crop.parts[crop.offset(i, j, k)] == StructureCrop::kOutside) continue;
+      visit(i, j,
+            static_cast<std::size_t>(grid.offset(i + crop.first[0], j + crop.first[1], k + crop.first[2])));
+    }
+  }
+}
+
+/// The box around the voxels that each of so many structures holds.
+[[nodiscard]] std::vector<IndexBox> structure_boxes(const ClassTable& classes, std::size_t structures);
 
 /// How voxels of each class belong to `structure`: kOutside, kInterior or kBoundary.
 [[nodiscard]] std::vector<std::uint8_t> parts_of(const ClassTable& classes, StructureIndex structure);

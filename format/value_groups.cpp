@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <numeric>
 #include <utility>
 
 namespace splatlas {
@@ -17,6 +18,13 @@ ValueGroups::ValueGroups(const ClassTable& table) {
     classes[found->second].push_back(c);
     group_of.push_back(found->second);
   }
+}
+
+std::vector<ClassId> ValueGroups::told_by(std::size_t group) const {
+  if (classes[group].front() != kEmptyClass) return classes[group];
+  std::vector<ClassId> all(group_of.size());
+  std::iota(all.begin(), all.end(), ClassId{0});
+  return all;
 }
 
 std::uint64_t group_voxels(const ValueGroups& groups, const ClassTable& table, std::size_t group) {
@@ -79,6 +87,12 @@ std::vector<ClassSpan> gaps_between(std::span<const ClassSpan> spans, const Inde
   }
   while (scanline < scanlines) next_scanline();
   return gaps;
+}
+
+std::vector<ClassSpan> group_spans(const ValueGroups& groups, std::size_t group,
+                                   std::span<const ClassRuns> runs, const Index3& size) {
+  std::vector<ClassSpan> spans = merge_runs(groups.told_by(group), runs);
+  return groups.classes[group].front() == kEmptyClass ? gaps_between(spans, size) : spans;
 }
 
 }  // namespace splatlas

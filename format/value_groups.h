@@ -20,6 +20,9 @@ struct ValueGroups {
 
   explicit ValueGroups(const ClassTable& table);
   [[nodiscard]] std::size_t size() const { return classes.size(); }
+  /// The classes whose runs tell where a group's voxels are: its own; for the empty class's group, which has
+  /// what the others leave, all.
+  [[nodiscard]] std::vector<ClassId> told_by(std::size_t group) const;
 };
 
 /// Voxels of one group.
@@ -40,5 +43,8 @@ struct ClassSpan {
                                                 std::span<const ClassRuns> runs);
 /// What `spans` leave of the grid, as the empty class's. Overlaps count once.
 [[nodiscard]] std::vector<ClassSpan> gaps_between(std::span<const ClassSpan> spans, const Index3& size);
+/// The voxels of a group in memory order, from the runs of the classes of told_by().
+[[nodiscard]] std::vector<ClassSpan> group_spans(const ValueGroups& groups, std::size_t group,
+                                                 std::span<const ClassRuns> runs, const Index3& size);
 
 }  // namespace splatlas

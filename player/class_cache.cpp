@@ -5,6 +5,8 @@
 #include <functional>
 #include <utility>
 
+#include "format/directory.h"
+
 namespace splatlas {
 
 std::vector<ClassId> volume_classes(const DrawPlan& plan) {
@@ -116,12 +118,9 @@ Result<void> ClassCache::require(std::span<const ClassId> classes, Axis axis, Th
   // before and behind them, and stay in order.
   constexpr std::uint64_t kSmall = 16384;
   // Boundaries come last: a structure's two classes are decoded together, threads at both would wait.
-  const auto is_boundary = [&](ClassId c) {
-    return std::ranges::any_of(atlas_->classes().members(c),
-                               [](const Membership& m) { return m.part == Part::kBoundary; });
-  };
   std::ranges::stable_sort(missing, std::greater{}, [&](const Missing& of) {
-    return std::pair(!is_boundary(of.id), std::max(kSmall, atlas_->classes().voxels(of.id)));
+    return std::pair(!has_normals(atlas_->classes(), of.id),
+                     std::max(kSmall, atlas_->classes().voxels(of.id)));
   });
   pool.for_each(missing.size(), [&](std::size_t n) { missing[n].result = decode(missing[n], axis); });
   keep_runs(missing, axis, pool);

@@ -1,6 +1,7 @@
 #include "player/span_model.h"
 
 namespace splatlas {
+
 std::uint64_t span_model_bytes(std::uint64_t voxels, std::uint64_t runs) {
   // As if every voxel were shaded, and every run a span of its own with blocks that it hardly fills. Voxels
   // that grey values leave out make runs into several spans only where whole blocks are left out.

@@ -32,15 +32,10 @@ class StructureExtractor {
  private:
   void write_voxel_normals(StructureIndex structure, const StructureCrop& crop,
                            const SmoothGradient& gradient, std::int64_t k) const {
-    for (std::int64_t j = 1; j + 1 < crop.size[1]; ++j) {
-      for (std::int64_t i = 1; i + 1 < crop.size[0]; ++i) {
-        if (crop.parts[crop.offset(i, j, k)] == StructureCrop::kOutside) continue;
-        const auto voxel =
-            static_cast<std::size_t>(grid_.offset(i + crop.first[0], j + crop.first[1], k + crop.first[2]));
-        if (normal_owner_[classification_.volume[voxel]] != structure) continue;
+    for_each_held(crop, k, grid_, [&](std::int64_t i, std::int64_t j, std::size_t voxel) {
+      if (normal_owner_[classification_.volume[voxel]] == structure)
         normals_[voxel] = voxel_normals_.normal(gradient.at(i, j));
-      }
-    }
+    });
   }
 
   const Classification& classification_;
@@ -50,21 +45,10 @@ class StructureExtractor {
   std::span<PackedNormal> normals_;
 };
 
-std::vector<StructureIndex> find_normal_owners(const ClassTable& classes) {
-  std::vector<StructureIndex> owners(classes.size());
-  for (ClassId c = 0; c < classes.size(); ++c) owners[c] = normal_owner(classes.members(c));
-  return owners;
-}
-
 /// Structures with voxels, those with the largest boxes first, so that threads end together.
 std::vector<std::pair<StructureIndex, IndexBox>> structures_to_extract(const ClassTable& classes,
                                                                        const StructureGraph& graph) {
-  std::vector<IndexBox> boxes(graph.size());
-  for (ClassId c = 0; c < classes.size(); ++c) {
-    for (const Membership& m : classes.members(c)) {
-      if (m.part != Part::kCrossed) boxes[m.structure].include(classes.box(c));
-    }
-  }
+  const std::vector<IndexBox> boxes = structure_boxes(classes, graph.size());
   std::vector<std::pair<StructureIndex, IndexBox>> result;
   for (StructureIndex s = 0; s < graph.size(); ++s) {
     if (!boxes[s].empty()) result.emplace_back(s, boxes[s]);
@@ -99,7 +83,7 @@ ExtractedSurfaces extract_surfaces(const Classification& classification, const S
                                    const std::function<void(double)>& progress) {
   ExtractedSurfaces result;
   result.surfaces.resize(graph.size());
-  const std::vector<StructureIndex> owners = find_normal_owners(classification.classes);
+  const std::vector<StructureIndex> owners = normal_owners(classification.classes);
   std::vector<PackedNormal> normals(classification.volume.size());
   const StructureExtractor extractor(classification, storage_grid, owners, normals);
   const auto structures = structures_to_extract(classification.classes, graph);
