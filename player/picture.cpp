@@ -6,8 +6,13 @@
 namespace splatlas {
 namespace {
 
-/// IEC 61966-2-1, rounded to 8 bits through a table: 12-bit steps near black are finer than a code value
-/// there.
+/// From 0 to 1; what is no number counts as 0.
+float unit(float value) {
+  return value > 0 ? std::min(value, 1.0f) : 0.0f;
+}
+
+/// IEC 61966-2-1, rounded to 8 bits through a table, whose steps are a tenth of a code value near black,
+/// where they are widest.
 class SrgbEncoder {
  public:
   SrgbEncoder() {
@@ -18,8 +23,7 @@ class SrgbEncoder {
     }
   }
   [[nodiscard]] std::uint8_t operator()(float linear) const {
-    const float clamped = std::clamp(linear, 0.0f, 1.0f);
-    return codes_[static_cast<std::size_t>(clamped * static_cast<float>(codes_.size() - 1) + 0.5f)];
+    return codes_[static_cast<std::size_t>(unit(linear) * static_cast<float>(codes_.size() - 1) + 0.5f)];
   }
 
  private:
@@ -52,9 +56,9 @@ std::vector<std::uint8_t> to_srgba8(const Picture& picture) {
   std::vector<std::uint8_t> bytes(4 * pixels);
   for (std::size_t n = 0; n < pixels; ++n) {
     const float* p = &picture.rgba[4 * n];
-    const float straight = p[3] > 0 ? 1.0f / p[3] : 0.0f;
-    for (std::size_t c = 0; c < 3; ++c) bytes[4 * n + c] = encode(p[c] * straight);
-    bytes[4 * n + 3] = static_cast<std::uint8_t>(std::lround(255.0f * std::clamp(p[3], 0.0f, 1.0f)));
+    // No product with a reciprocal: that of the smallest opacities is infinite.
+    for (std::size_t c = 0; c < 3; ++c) bytes[4 * n + c] = encode(p[3] > 0 ? p[c] / p[3] : 0.0f);
+    bytes[4 * n + 3] = static_cast<std::uint8_t>(std::lround(255.0f * unit(p[3])));
   }
   return bytes;
 }

@@ -29,7 +29,8 @@ struct Picture {
   return kBytesPerPixel * static_cast<std::uint64_t>(size.width) * static_cast<std::uint64_t>(size.height);
 }
 
-/// Over a background, as 8-bit sRGB triples. The only place where values are rounded.
+/// Over a background, as 8-bit sRGB triples. Here and in to_srgba8() values are rounded, and nowhere else;
+/// what is no number counts as 0.
 [[nodiscard]] std::vector<std::uint8_t> to_srgb8(const Picture& picture, Rgb background);
 
 /// As 8-bit sRGB with straight (not premultiplied) alpha, for files with a transparent background.

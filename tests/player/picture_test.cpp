@@ -1,9 +1,11 @@
 #include "player/picture.h"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <random>
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include "tests/reference/reference_light.h"
 
@@ -19,7 +21,7 @@ double exact_code(double linear) {
 /// Rounding to the nearest code, and up to a tenth of a code more where the table's steps are widest.
 constexpr double kRounding = 0.5 + 0.1;
 
-Picture picture_of(std::vector<std::array<float, 4>> pixels) {
+Picture picture_of(const std::vector<std::array<float, 4>>& pixels) {
   Picture picture{{static_cast<int>(pixels.size()), 1}, {}};
   for (const auto& pixel : pixels) picture.rgba.insert(picture.rgba.end(), pixel.begin(), pixel.end());
   return picture;
@@ -77,6 +79,28 @@ TEST(Picture, FilesWithAlphaHoldStraightColors) {
   EXPECT_EQ(bytes[8], 255);                                    // as faint as may be, the colour is kept
   EXPECT_EQ(bytes[11], 0);
   EXPECT_EQ(bytes[12], 255);  // more light than opacity is cut, not wrapped
+}
+
+TEST(Picture, OpacitiesWithoutAFiniteReciprocalKeepTheirColors) {
+  const float least = std::numeric_limits<float>::denorm_min();
+  const std::vector<std::uint8_t> bytes =
+      to_srgba8(picture_of({{0, 1e-39f, 5e-40f, 1e-39f}, {0, least, 0, least}}));
+  EXPECT_EQ(bytes[0], 0);
+  EXPECT_EQ(bytes[1], 255);
+  EXPECT_NEAR(bytes[2], exact_code(0.5), kRounding);
+  EXPECT_EQ(bytes[3], 0);
+  EXPECT_EQ(bytes[4], 0);
+  EXPECT_EQ(bytes[5], 255);
+  EXPECT_EQ(bytes[7], 0);
+}
+
+TEST(Picture, WhatIsNoNumberIsBlackAndClear) {
+  const float none = std::numeric_limits<float>::quiet_NaN();
+  const float infinity = std::numeric_limits<float>::infinity();
+  const Picture picture = picture_of({{none, infinity, -infinity, none}, {none, infinity, -infinity, 1}});
+  EXPECT_THAT(to_srgba8(picture), testing::ElementsAre(0, 0, 0, 0, 0, 255, 0, 255));
+  const std::vector<std::uint8_t> opaque = to_srgb8(picture, {9, 9, 9});
+  EXPECT_THAT(std::vector(opaque.begin() + 3, opaque.end()), testing::ElementsAre(0, 255, 0));
 }
 
 }  // namespace
