@@ -31,6 +31,8 @@ class Checker {
   SceneReport run() {
     const auto picture = render(scene_.options, 1);
     if (!picture) return report_;
+    for (std::size_t n = 3; n < picture->rgba.size(); n += 4)
+      report_.shows = report_.shows || picture->rgba[n] > 0;
     check_counts();
     check_invariants(*picture);
     for (const unsigned threads : {2u, 8u}) {
@@ -172,7 +174,9 @@ class Checker {
     const auto width = static_cast<std::size_t>(picture->size.width);
     for (std::size_t n = 0; n < picture->rgba.size() / 4; n += thorough_ ? 1 : 5) {
       const auto expected = truth.at(static_cast<int>(n % width), static_cast<int>(n / width));
+      ++report_.pixels;
       if (!expected) continue;  // rounding decides what is seen
+      ++report_.compared;
       double square = 0;
       for (std::size_t c = 0; c < 4; ++c) {
         square += std::pow(static_cast<double>(picture->rgba[4 * n + c]) - (*expected)[c], 2);

@@ -1,6 +1,7 @@
 // Everything that must hold for a picture of any scene.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,9 @@ struct SceneReport {
   double largest_from_model = 0;    ///< of sheets: any value less the model's in double precision
   double rms_from_truth = 0;        ///< of rays at high quality, 1/255
   bool rays = false;                ///< drawn by rays
+  bool shows = false;               ///< any pixel shows anything
+  std::uint32_t pixels = 0;         ///< of rays: those asked what the truth is
+  std::uint32_t compared = 0;       ///< of them, where rounding does not decide what is seen
   bool refused = false;             ///< a field of view that surfaces cannot be drawn in
 };
 

@@ -12,7 +12,8 @@
 namespace {
 
 struct Totals {
-  std::uint32_t rays = 0, refused = 0, failed = 0;
+  std::uint32_t scenes = 0, rays = 0, refused = 0, failed = 0, shows = 0;
+  std::uint64_t pixels = 0, compared = 0;
   double largest_from_model = 0, worst_rms = 0;
   std::uint32_t of_largest = 0, of_worst = 0;
 };
@@ -20,6 +21,9 @@ struct Totals {
 void run_scene(std::uint32_t seed, std::uint32_t number, Totals& totals) {
   const splatlas::RandomScene scene = splatlas::whole_scene(seed, number);
   const splatlas::SceneReport report = splatlas::check_scene(scene, number % 16 == 0);
+  totals.shows += report.shows ? 1 : 0;
+  totals.pixels += report.pixels;
+  totals.compared += report.compared;
   totals.rays += report.rays ? 1 : 0;
   totals.refused += report.refused ? 1 : 0;
   totals.failed += report.faults.empty() ? 0 : 1;
@@ -36,6 +40,15 @@ void run_scene(std::uint32_t seed, std::uint32_t number, Totals& totals) {
   }
 }
 
+/// A series that compares next to nothing proves nothing.
+bool proves_something(const Totals& totals) {
+  constexpr std::uint32_t kSeries = 50;  // scenes; fewer may happen to be empty
+  if (totals.scenes < kSeries) return true;
+  const bool sees = 2 * totals.shows > totals.scenes && 4 * totals.rays > totals.scenes &&
+                    4 * totals.rays < 3 * totals.scenes && 4 * totals.refused < totals.rays;
+  return sees && 4 * totals.compared > 3 * totals.pixels;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) try {
@@ -47,6 +60,7 @@ int main(int argc, char** argv) try {
       ->capture_default_str();
   CLI11_PARSE(app, argc, argv);
   Totals totals;
+  totals.scenes = scenes;
   for (std::uint32_t n = 0; n < scenes; ++n) {
     try {
       run_scene(seed, first + n, totals);
@@ -57,11 +71,17 @@ int main(int argc, char** argv) try {
     std::fflush(stdout);
   }
   fmt::print(
-      "{} scenes: {} failed; {} by sheets, {} by rays, of which {} were too wide for surfaces.\n"
+      "{} scenes: {} failed; {} by sheets, {} by rays, of which {} were too wide for surfaces. {} show "
+      "anything.\n"
       "Sheets: at most {:.2e} from the model (scene {}). Rays: at most {:.3f}/255 RMS from the truth (scene "
-      "{}).\n",
-      scenes, totals.failed, scenes - totals.rays, totals.rays, totals.refused, totals.largest_from_model,
-      totals.of_largest, totals.worst_rms, totals.of_worst);
+      "{}); {} of {} pixels compared.\n",
+      scenes, totals.failed, scenes - totals.rays, totals.rays, totals.refused, totals.shows,
+      totals.largest_from_model, totals.of_largest, totals.worst_rms, totals.of_worst, totals.compared,
+      totals.pixels);
+  if (!proves_something(totals)) {
+    fmt::print("Too few scenes show anything, or too few pixels are compared: that proves nothing.\n");
+    return 1;
+  }
   return totals.failed == 0 ? 0 : 1;
 } catch (const std::exception& error) {
   std::fprintf(stderr, "splatlas-random-scenes: %s\n", error.what());
