@@ -8,6 +8,8 @@
 #include <span>
 #include <vector>
 
+#include "player/sheets.h"
+
 namespace splatlas {
 namespace {
 
@@ -18,21 +20,14 @@ constexpr std::size_t kRowsPerJob = 8;
 /// Where every ray of a sheet of one pixel a voxel is let through by half: places along the principal axis.
 class SheetDepths {
  public:
-  SheetDepths(const SpanModel& model, const Shear& shear) : model_(model), shear_(shear) {
-    const auto slices = static_cast<double>(model.slices.size());
-    const auto first = static_cast<double>(model.slice_first);
-    const auto extent = [&](double start, double length, double slope, std::int64_t& from,
-                            std::int64_t& count) {
-      const double one = -slope * (first - shear_.k_ref);
-      const double other = -slope * (first + slices - shear_.k_ref);
-      from = static_cast<std::int64_t>(std::floor(start + std::min(one, other))) - 1;
-      count = static_cast<std::int64_t>(std::ceil(start + length + std::max(one, other))) + 2 - from;
-    };
-    extent(static_cast<double>(model.scan_first), static_cast<double>(model.scan_voxels), shear.slope_u,
-           column_first_, columns_);
-    extent(static_cast<double>(model.row_first), static_cast<double>(model.rows), shear.slope_v, row_first_,
-           rows_);
-  }
+  /// Of the rays in the window.
+  SheetDepths(const SpanModel& model, const Shear& shear, const SheetWindow& window)
+      : model_(model),
+        shear_(shear),
+        column_first_(window.u0),
+        columns_(window.columns),
+        row_first_(window.v0),
+        rows_(window.rows) {}
 
   void find(ThreadPool& pool) {
     places_.assign(static_cast<std::size_t>(rows_) * static_cast<std::size_t>(columns_), kNowhere);
@@ -141,7 +136,7 @@ class SheetDepths {
 
   const SpanModel& model_;
   const Shear& shear_;
-  std::int64_t column_first_ = 0, columns_ = 0, row_first_ = 0, rows_ = 0;
+  std::int64_t column_first_, columns_, row_first_, rows_;
   std::vector<float> places_;
 };
 
@@ -149,8 +144,9 @@ class SheetDepths {
 
 void add_span_depths(const SpanModel& model, const Shear& shear, const ViewDepth& view, DepthMap& depths,
                      ThreadPool& pool) {
-  if (model.voxels == 0) return;
-  SheetDepths sheet(model, shear);
+  const SheetWindow window = sheet_window(model, shear, depths.size, {});
+  if (window.empty()) return;
+  SheetDepths sheet(model, shear, window);
   sheet.find(pool);
   const Affine2& map = shear.picture_to_sheet;
   pool.for_each(static_cast<std::size_t>(depths.size.height), [&](std::size_t row) {

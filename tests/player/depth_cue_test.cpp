@@ -11,6 +11,7 @@
 #include "player/surface_depths.h"
 #include "tests/support/render.h"
 #include "tests/support/standard_scenes.h"
+#include "tests/support/uniform_box.h"
 
 namespace splatlas {
 namespace {
@@ -143,6 +144,23 @@ TEST(DepthCueOfFrames, VolumesAreWhereTheyLetThroughAHalf) {
       }
     }
   }
+}
+
+/// Depths are kept for what the picture shows: sheared as a whole, this row would cover 1e10 voxels.
+TEST(DepthCueOfFrames, LongRowsSeenFromNearbyTakeLittleMemory) {
+  const std::int64_t length = 100001;
+  const AtlasContent content = box_content({1, 1, length});
+  Camera camera;
+  camera.azimuth_deg = 45;
+  camera.elevation_deg = 35;
+  camera.zoom = zoom_for(content.display, 16, 0.25);
+  camera.center_lps_mm = Vec3{0, 0, 0.5 * length};
+  RenderOptions options;
+  options.size = {16, 16};
+  options.principal_axis = Axis::kZ;
+  options.depth_cue = DepthCue::kEdges;
+  const Picture picture = render_or_throw(content, with_opacity(content, 0.9f), camera, options);
+  EXPECT_GT(picture.at(8, 8)[3], 0.5f);
 }
 
 TEST(DepthCueOfFrames, ViewDepthGoesBothWays) {
