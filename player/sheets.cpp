@@ -284,10 +284,7 @@ std::uint64_t count_voxels(const Pass& pass) {
 
 SheetWindow sheet_window(const SpanModel& model, const Shear& shear, const PictureSize& size,
                          const SheetSampling& sampling) {
-  SheetWindow window;
-  window.scale = sampling.scale;
-  window.parts = sampling.parts;
-  window.cubic = sampling.cubic;
+  SheetWindow window{sampling};
   if (model.voxels == 0) return window;
   // Where voxels are seen: a footprint reaches one voxel to each side.
   const auto seen = [&](double first, double voxels, double shift_first, double shift_last) {

@@ -15,16 +15,20 @@
 
 namespace splatlas {
 
+/// How finely a volume is sampled.
+struct SheetSampling {
+  int scale = 1;       ///< pixels per voxel along each axis
+  int parts = 1;       ///< slabs per slice: see Slabs
+  bool cubic = false;  ///< where there are no fragments, places see 4 x 4 pixels: see WarpKernels::cubic
+};
+
 /// The part of the (u, v) plane that sheets cover. Sheet pixel (x, y) stands at u = u0 + x / scale,
 /// v = v0 + y / scale. A sheet of scale s is s * s interleaved sheets of one pixel per voxel ("phases"), each
 /// with one sub-pixel offset for all its pixels. Places between pixels see their four neighbours: see
 /// sheet_weights().
-struct SheetWindow {
+struct SheetWindow : SheetSampling {
   std::int64_t u0 = 0, v0 = 0;
   std::int64_t columns = 0, rows = 0;  ///< in voxels
-  int scale = 1;
-  int parts = 1;       ///< slabs per slice: see Slabs
-  bool cubic = false;  ///< where there are no fragments, places see 4 x 4 pixels: see WarpKernels::cubic
   float skew = 0;
 
   [[nodiscard]] bool empty() const { return columns <= 0 || rows <= 0; }
@@ -42,13 +46,6 @@ struct SheetWindow {
       std::clamp(skew, -std::min(bilinear[0], bilinear[3]), std::min(bilinear[1], bilinear[2]));
   return {bilinear[0] + bounded, bilinear[1] - bounded, bilinear[2] - bounded, bilinear[3] + bounded};
 }
-
-/// How finely a volume is sampled: fields of SheetWindow.
-struct SheetSampling {
-  int scale = 1;
-  int parts = 1;
-  bool cubic = false;
-};
 
 /// The window that covers where the model's voxels are seen, as far as the picture shows them.
 [[nodiscard]] SheetWindow sheet_window(const SpanModel& model, const Shear& shear, const PictureSize& size,

@@ -44,7 +44,7 @@ TEST(PackSpans, HoldsAllVoxelsInFullRows) {
       const SpanModel& model = builder.model();
       Shear shear;
       shear.principal = axis;
-      const SheetWindow window{.u0 = -3, .v0 = -2, .columns = 45, .rows = 37, .scale = 2, .parts = parts};
+      const SheetWindow window{{.scale = 2, .parts = parts}, -3, -2, 45, 37};
       const PackedSpans packed = pack_spans(model, shear, window);
       EXPECT_EQ(packed.window.columns, window.columns);
       EXPECT_EQ(packed.window.scale, window.scale);
