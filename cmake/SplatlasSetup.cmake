@@ -40,6 +40,7 @@ endmacro()
 
 splatlas_find(Threads)
 splatlas_find(fmt)
+splatlas_find(hwy)
 splatlas_find(meshoptimizer)
 splatlas_find(tl-expected)
 splatlas_find(zstd)

@@ -1,180 +1,54 @@
-// A voxel is predicted by the median of seven predictors (its three neighbours, the three planes through
-// them, and the trilinear one) from the voxels of its group that come before it in memory. How much these
-// differ from one another tells how far off that may be: residuals are sorted into buckets by it, so that
-// bytes of one distribution lie together. What the decoder needs, it has decoded.
+// A voxel is predicted from those around it that come before it in memory, by weights fitted to its group.
+// How far off these were themselves tells how far off it may be: residuals are sorted into buckets by it, so
+// that bytes of one distribution lie together. Neither needs the voxel before, but for one product: what the
+// decoder waits for is short. See docs/atlas_format.md, Values.
 #include "format/value_codec.h"
 
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cstdlib>
+#include <cmath>
 #include <cstring>
 #include <limits>
+
+#include "format/fit_weights.h"
+#include "format/value_window.h"
 
 namespace splatlas {
 namespace {
 
 constexpr std::size_t kBuckets = 16;
 constexpr std::size_t kCountsBytes = kBuckets * sizeof(std::uint32_t);
-constexpr std::int32_t kAbsent = -1;  // not in the group, or not decoded yet
-/// Of a slice of the box, with a voxel around it: two such slices are held.
-constexpr std::uint64_t kMaxSliceVoxels = std::uint64_t{1} << 24;
+/// The counts, the weights, how errors are shifted, and one byte that is 0.
+constexpr std::size_t kHeaderBytes = kCountsBytes + sizeof(ValueWeights) + 2;
+constexpr std::uint64_t kMaxWindowVoxels = std::uint64_t{1} << 24;
+constexpr std::uint8_t kMaxErrorShift = 15;
 
-std::uint64_t slice_voxels(const IndexBox& box) {
-  return static_cast<std::uint64_t>(box.last[0] - box.first[0] + 3) *
-         static_cast<std::uint64_t>(box.last[1] - box.first[1] + 3);
-}
-
-/// std::min() and std::max() of small numbers, never as branches: which of two predictors is less is
-/// anybody's guess, and a wrong guess costs more than the rest of a voxel.
-std::int32_t least(std::int32_t a, std::int32_t b) {
-  const std::int32_t difference = a - b;
-  return b + (difference & difference >> 31);
-}
-std::int32_t most(std::int32_t a, std::int32_t b) {
-  const std::int32_t difference = a - b;
-  return a - (difference & difference >> 31);
-}
-
-/// Sorts two.
-void order(std::int32_t& a, std::int32_t& b) {
-  const std::int32_t low = least(a, b);
-  b += a - low;
-  a = low;
-}
-
-/// The voxels that a prediction uses; named by what they are from it: i, j, k one less (ij: both), or one
-/// more along i or j (up).
-struct Neighbours {
-  std::int32_t i, j, k, ij, ik, jk, ijk, i_up_j, i_up_k, j_up_k;
-
-  [[nodiscard]] bool all_there() const {
-    return (i | j | k | ij | ik | jk | ijk | i_up_j | i_up_k | j_up_k) >= 0;
-  }
-};
-
-struct Prediction {
-  std::int32_t value;
-  std::size_t bucket;
-};
-
-/// Sums of differences from which on the last bucket takes all.
-constexpr std::uint32_t kManyDifferences = 128;
-
-/// Half octaves.
-constexpr std::uint8_t bucket_of(std::uint32_t differences) {
-  if (differences == 0) return 0;
-  const auto octave = static_cast<unsigned>(std::bit_width(differences)) - 1;
-  const unsigned half = octave == 0 ? 0 : differences >> (octave - 1) & 1;
-  return static_cast<std::uint8_t>(std::min<std::size_t>(2 * octave + half + 1, kBuckets - 1));
-}
+/// Half octaves of the errors around.
 constexpr auto kBucketOf = [] {
-  std::array<std::uint8_t, kManyDifferences + 1> buckets{};
-  for (std::uint32_t d = 0; d < buckets.size(); ++d) buckets[d] = bucket_of(d);
+  std::array<std::uint8_t, 256> buckets{};
+  for (unsigned errors = 1; errors < buckets.size(); ++errors) {
+    const auto octave = static_cast<unsigned>(std::bit_width(errors)) - 1;
+    const unsigned half = octave == 0 ? 0 : errors >> (octave - 1) & 1;
+    buckets[errors] = static_cast<std::uint8_t>(std::min<std::size_t>(2 * octave + half + 1, kBuckets - 1));
+  }
   return buckets;
 }();
-static_assert(bucket_of(kManyDifferences) == kBuckets - 1);
 
-/// The median of i, j, k, i + j - ij, i + k - ik, j + k - jk and i + j + k - ij - ik - jk + ijk. What does
-/// not need i, the voxel decoded last, is done first: four of the seven are i and more, three are without it,
-/// both are sorted, and of two sorted lists the fourth is the least of the ways to take four from them.
-Prediction predict_inside(const Neighbours& n, std::int32_t highest) {
-  std::int32_t a0 = 0, a1 = n.j - n.ij, a2 = n.k - n.ik, a3 = n.j + n.k - n.ij - n.ik - n.jk + n.ijk;
-  order(a0, a1), order(a2, a3), order(a0, a2), order(a1, a3), order(a1, a2);
-  std::int32_t b0 = n.j, b1 = n.k, b2 = n.j + n.k - n.jk;
-  order(b0, b1), order(b1, b2), order(b0, b1);
-  const std::int32_t value =
-      least(least(n.i + a3, most(n.i + a2, b0)), least(most(n.i + a1, b1), most(n.i + a0, b2)));
-  const std::int32_t without_i = std::abs(n.j - n.ij) + std::abs(n.k - n.ik) + std::abs(n.j - n.jk) +
-                                 std::abs(n.k - n.jk) + std::abs(n.i_up_j - n.j) + std::abs(n.i_up_k - n.k) +
-                                 std::abs(n.j_up_k - n.k);
-  const auto differences =
-      static_cast<std::uint32_t>(without_i + std::abs(n.i - n.ij) + std::abs(n.i - n.ik));
-  return {least(most(value, 0), highest), kBucketOf[std::min(differences, kManyDifferences)]};
-}
-
-/// Where the group ends, what is absent is made up from what is there.
-Prediction predict(Neighbours n, std::int32_t highest) {
-  if (n.all_there()) return predict_inside(n, highest);
-  const std::int32_t any = n.i >= 0 ? n.i : n.j >= 0 ? n.j : n.k;
-  if (any < 0) {
-    for (const std::int32_t diagonal : {n.i_up_j, n.ij, n.ik, n.jk}) {
-      if (diagonal >= 0) return {diagonal, kBuckets - 1};
+/// Calls code_run(window, begin, end) for the runs of the group, each as long as it can be.
+template <typename Lane, typename CodeRun>
+void walk(const GroupVoxels& group, ValueWindow<Lane>& window, CodeRun&& code_run) {
+  for (std::size_t n = 0; n < group.spans.size();) {
+    const Run& first = group.spans[n].run;
+    const auto scanline = static_cast<std::int64_t>(first.scanline);
+    std::int64_t end = std::int64_t{first.start} + first.length;
+    for (++n; n < group.spans.size(); ++n) {
+      const Run& next = group.spans[n].run;
+      if (next.scanline != first.scanline || next.start != end) break;
+      end += next.length;
     }
-    return {0, kBuckets - 1};
-  }
-  const auto fill = [](std::int32_t& value, std::int32_t with) {
-    if (value < 0) value = with;
-  };
-  fill(n.i, any), fill(n.j, any), fill(n.k, any);
-  fill(n.ij, (n.i + n.j) / 2), fill(n.ik, (n.i + n.k) / 2), fill(n.jk, (n.j + n.k) / 2);
-  fill(n.ijk, (n.ij + n.ik + n.jk) / 3);
-  fill(n.i_up_j, n.j), fill(n.i_up_k, n.k), fill(n.j_up_k, n.k);
-  return predict_inside(n, highest);
-}
-
-/// Two slices of the box, each with a voxel around it, kAbsent where nothing was put.
-class SliceWindow {
- public:
-  explicit SliceWindow(const IndexBox& box)
-      : box_(box), width_(box.last[0] - box.first[0] + 3), now_(slice_voxels(box), kAbsent), before_(now_) {}
-
-  /// The runs that follow lie in scanline (j, k); scanlines come in order.
-  void go_to(std::int64_t j, std::int64_t k) {
-    if (k != k_) {
-      clear(before_, rows_before_);
-      std::swap(now_, before_);
-      std::swap(rows_now_, rows_before_);
-      if (k != k_ + 1) clear(before_, rows_before_);
-      k_ = k;
-    }
-    j_ = (j - box_.first[1] + 1) * width_;
-    if (rows_now_.empty() || rows_now_.back() != j_) rows_now_.push_back(j_);
-  }
-
-  /// Puts code(prediction) at voxels begin to end - 1 of the scanline.
-  template <typename Code>
-  void code_run(std::int64_t begin, std::int64_t end, std::int32_t highest, Code&& code) {
-    std::int32_t* now = now_.data() + j_ + begin - box_.first[0] + 1;
-    const std::int32_t* const last = now + (end - begin);
-    const std::int32_t* above = now - width_;
-    const std::int32_t* back = before_.data() + (now - now_.data());
-    const std::int32_t* back_above = back - width_;
-    const std::int32_t* back_below = back + width_;
-    // What the next voxel has on one side the one after it has on the other.
-    Neighbours n{now[-1], 0, 0, above[-1], back[-1], 0, back_above[-1], above[0], back[0], 0};
-    for (; now != last; ++now) {
-      n.j = n.i_up_j, n.k = n.i_up_k, n.jk = *back_above++, n.j_up_k = *back_below++;
-      n.i_up_j = *++above, n.i_up_k = *++back;
-      const std::int32_t value = code(predict(n, highest));
-      *now = value;
-      n.i = value, n.ij = n.j, n.ik = n.k, n.ijk = n.jk;
-    }
-  }
-
- private:
-  /// Only what was written: boxes may be large and hold little.
-  void clear(std::vector<std::int32_t>& slice, std::vector<std::int64_t>& rows) const {
-    for (const std::int64_t row : rows) std::fill_n(slice.begin() + row, width_, kAbsent);
-    rows.clear();
-  }
-
-  const IndexBox box_;
-  const std::int64_t width_;
-  std::vector<std::int32_t> now_, before_;
-  std::vector<std::int64_t> rows_now_, rows_before_;  // where rows begin that were written
-  std::int64_t k_ = -2, j_ = 0;
-};
-
-/// Calls code(prediction) for every voxel; it gives the value.
-template <typename Code>
-void walk(const GroupVoxels& group, std::int32_t highest, Code&& code) {
-  SliceWindow window(group.box);
-  for (const ClassSpan& span : group.spans) {
-    const auto scanline = static_cast<std::int64_t>(span.run.scanline);
     window.go_to(scanline % group.rows, scanline / group.rows);
-    const std::int64_t begin = span.run.start;
-    window.code_run(begin, begin + span.run.length, highest, code);
+    code_run(std::int64_t{first.start}, end);
   }
 }
 
@@ -186,11 +60,9 @@ std::int32_t highest_of(VoxelType type) {
   return bytes_of(type) == 1 ? 0xff : 0xffff;
 }
 
-/// Small differences of either sign, modulo the type's range, as small numbers.
-std::uint32_t fold(std::int32_t difference, std::int32_t highest) {
-  const std::int32_t half = (highest + 1) / 2;
-  const std::int32_t d = ((difference + half) & highest) - half;
-  return static_cast<std::uint32_t>(d >= 0 ? 2 * d : -2 * d - 1);
+/// Small differences of either sign as small numbers.
+std::uint32_t fold(std::int32_t difference) {
+  return static_cast<std::uint32_t>(difference >= 0 ? 2 * difference : -2 * difference - 1);
 }
 std::int32_t unfold(std::uint32_t code) {
   return static_cast<std::int32_t>(code >> 1) ^ -static_cast<std::int32_t>(code & 1);
@@ -211,41 +83,80 @@ bool spans_fit(const GroupVoxels& group) {
   return voxels == group.voxels;
 }
 
-}  // namespace
+/// Values from 0 on, one after the other.
+class ValueReader {
+ public:
+  ValueReader(std::span<const std::byte> values, VoxelType type)
+      : next_(values.data()),
+        value_bytes_(bytes_of(type)),
+        offset_(offset_of(type)),
+        highest_(highest_of(type)) {}
 
-bool predicts_values(VoxelType type, const IndexBox& box, std::uint64_t voxels) {
-  const bool is_integer = type == VoxelType::kUInt8 || type == VoxelType::kInt8 ||
-                          type == VoxelType::kUInt16 || type == VoxelType::kInt16;
-  return is_integer && voxels > 0 && voxels <= std::numeric_limits<std::uint32_t>::max() &&
-         slice_voxels(box) <= kMaxSliceVoxels;
-}
-
-std::uint64_t value_code_bytes(VoxelType type, const IndexBox& box, std::uint64_t voxels) {
-  return voxels * bytes_of(type) + (predicts_values(type, box, voxels) ? kCountsBytes : 0);
-}
-
-std::vector<std::byte> encode_values(const GroupVoxels& group, VoxelType type,
-                                     std::span<const std::byte> values) {
-  if (!predicts_values(type, group.box, group.voxels)) return {values.begin(), values.end()};
-  const std::size_t value_bytes = bytes_of(type);
-  const std::int32_t highest = highest_of(type), offset = offset_of(type);
-  std::array<std::vector<std::uint16_t>, kBuckets> residuals;
-  const std::byte* next = values.data();
-  walk(group, highest, [&](const Prediction& prediction) {
+  std::int32_t read() {
     std::uint16_t bits = 0;
-    std::memcpy(&bits, next, value_bytes);
-    next += value_bytes;
-    const std::int32_t value = (bits + offset) & highest;
-    residuals[prediction.bucket].push_back(
-        static_cast<std::uint16_t>(fold(value - prediction.value, highest)));
-    return value;
+    std::memcpy(&bits, next_, value_bytes_);
+    next_ += value_bytes_;
+    return (bits + offset_) & highest_;
+  }
+
+ private:
+  const std::byte* next_;
+  const std::size_t value_bytes_;
+  const std::int32_t offset_, highest_;
+};
+
+/// A model for the group's values: tries kMeanWeights, and fits others where these go wrong.
+template <typename Lane>
+ValueModel fit_model(const GroupVoxels& group, VoxelType type, std::span<const std::byte> values) {
+  constexpr std::uint64_t kEnoughVoxels = std::uint64_t{1} << 17;
+  ValueModel model{kMeanWeights, 0, highest_of(type)};
+  ValueWindow<Lane> window(group.box, model);
+  WeightFit fit;
+  ValueReader reader(values, type);
+  const std::uint64_t every = group.voxels / kEnoughVoxels + 1;
+  std::uint64_t run = 0;
+  double errors = 0;
+  walk(group, window, [&](std::int64_t begin, std::int64_t end) {
+    const bool is_sample = run++ % every == 0;
+    window.code_run(begin, end, [&](const ValuePrediction& prediction) {
+      const std::int32_t value = reader.read();
+      errors += std::abs(ValueWindow<Lane>::difference(value, prediction.value, model.highest));
+      if (is_sample) {
+        const float weight = 1.0f / (4.0f + static_cast<float>(prediction.errors));
+        fit.add(window.from_before(prediction), static_cast<float>(value - prediction.before),
+                weight * std::sqrt(weight));
+      }
+      return value;
+    });
   });
-  std::vector<std::byte> code(kCountsBytes);
+  model.weights = fit.weights();
+  const double mean = errors / static_cast<double>(group.voxels);
+  while (model.error_shift < kMaxErrorShift && mean > (4 << model.error_shift)) ++model.error_shift;
+  return model;
+}
+
+template <typename Lane>
+std::vector<std::byte> encode(const GroupVoxels& group, VoxelType type, std::span<const std::byte> values) {
+  const ValueModel model = fit_model<Lane>(group, type, values);
+  ValueWindow<Lane> window(group.box, model);
+  std::array<std::vector<std::uint16_t>, kBuckets> residuals;
+  ValueReader reader(values, type);
+  walk(group, window, [&](std::int64_t begin, std::int64_t end) {
+    window.code_run(begin, end, [&](const ValuePrediction& prediction) {
+      const std::int32_t value = reader.read();
+      const std::int32_t residual = ValueWindow<Lane>::difference(value, prediction.value, model.highest);
+      residuals[kBucketOf[prediction.errors]].push_back(static_cast<std::uint16_t>(fold(residual)));
+      return value;
+    });
+  });
+  std::vector<std::byte> code(kHeaderBytes);
   for (std::size_t b = 0; b < kBuckets; ++b) {
     const auto count = static_cast<std::uint32_t>(residuals[b].size());
     std::memcpy(code.data() + b * sizeof count, &count, sizeof count);
   }
-  for (std::size_t byte = 0; byte < value_bytes; ++byte) {
+  std::memcpy(code.data() + kCountsBytes, model.weights.data(), sizeof model.weights);
+  code[kHeaderBytes - 2] = static_cast<std::byte>(model.error_shift);
+  for (std::size_t byte = 0; byte < bytes_of(type); ++byte) {
     for (const std::vector<std::uint16_t>& bucket : residuals) {
       for (const std::uint16_t residual : bucket)
         code.push_back(static_cast<std::byte>(residual >> 8 * byte));
@@ -254,47 +165,113 @@ std::vector<std::byte> encode_values(const GroupVoxels& group, VoxelType type,
   return code;
 }
 
-Result<std::vector<std::byte>> decode_values(const GroupVoxels& group, VoxelType type,
-                                             std::span<const std::byte> code) {
-  const auto invalid = [](const char* what) { return fail(ErrorCode::kInvalidAtlas, what); };
-  if (!spans_fit(group)) return invalid("boxes are not those of the runs");
-  if (!predicts_values(type, group.box, group.voxels))
-    return std::vector<std::byte>(code.begin(), code.end());
-  std::array<std::uint32_t, kBuckets> counts{};
-  std::memcpy(counts.data(), code.data(), kCountsBytes);
-  std::array<const std::byte*, kBuckets> next{}, end{};
-  std::uint64_t sum = 0;
-  for (std::size_t b = 0; b < kBuckets; ++b) {
-    if (counts[b] > group.voxels - sum) return invalid("buckets hold more than the voxels");
-    next[b] = code.data() + kCountsBytes + sum;
-    sum += counts[b];
-    end[b] = code.data() + kCountsBytes + sum;
-  }
-  if (sum != group.voxels) return invalid("buckets hold less than the voxels");
+tl::unexpected<Error> invalid(const char* what) {
+  return fail(ErrorCode::kInvalidAtlas, what);
+}
 
-  const std::size_t value_bytes = bytes_of(type);
-  const std::int32_t highest = highest_of(type), offset = offset_of(type);
-  const std::size_t to_high_byte = value_bytes == 2 ? group.voxels : 0;
-  std::vector<std::byte> values(group.voxels * value_bytes);
-  std::byte* to = values.data();
-  bool ran_out = false;
-  walk(group, highest, [&](const Prediction& prediction) {
-    const std::byte*& from = next[prediction.bucket];
-    if (from == end[prediction.bucket]) {
-      ran_out = true;
+/// Gives the residuals of every bucket one after the other.
+template <typename Lane>
+class ResidualReader {
+ public:
+  [[nodiscard]] Result<void> open(const GroupVoxels& group, std::span<const std::byte> code) {
+    std::array<std::uint32_t, kBuckets> counts{};
+    std::memcpy(counts.data(), code.data(), kCountsBytes);
+    std::uint64_t sum = 0;
+    for (std::size_t b = 0; b < kBuckets; ++b) {
+      if (counts[b] > group.voxels - sum) return invalid("buckets hold more than the voxels");
+      next_[b] = code.data() + kHeaderBytes + sum;
+      sum += counts[b];
+      end_[b] = code.data() + kHeaderBytes + sum;
+    }
+    if (sum != group.voxels) return invalid("buckets hold less than the voxels");
+    to_high_byte_ = group.voxels;
+    return {};
+  }
+
+  std::uint32_t read(std::size_t bucket) {
+    const std::byte*& from = next_[bucket];
+    if (from == end_[bucket]) {
+      ran_out_ = true;
       return 0;
     }
     auto residual = std::to_integer<std::uint32_t>(*from);
-    if (to_high_byte != 0) residual |= std::to_integer<std::uint32_t>(from[to_high_byte]) << 8;
+    if constexpr (sizeof(Lane) == 4) residual |= std::to_integer<std::uint32_t>(from[to_high_byte_]) << 8;
     ++from;
-    const std::int32_t value = (prediction.value + unfold(residual)) & highest;
+    return residual;
+  }
+  [[nodiscard]] bool ran_out() const { return ran_out_; }
+
+ private:
+  std::array<const std::byte*, kBuckets> next_{}, end_{};
+  std::size_t to_high_byte_ = 0;
+  bool ran_out_ = false;
+};
+
+/// Values less `offset` as bytes of their type.
+void put_values(std::span<const std::int16_t> values, std::int32_t offset, std::byte* to) {
+  for (std::size_t n = 0; n < values.size(); ++n) to[n] = static_cast<std::byte>(values[n] - offset);
+}
+void put_values(std::span<const std::int32_t> values, std::int32_t offset, std::byte* to) {
+  for (const std::int32_t value : values) {
     const auto bits = static_cast<std::uint16_t>(value - offset);
-    std::memcpy(to, &bits, value_bytes);
-    to += value_bytes;
-    return value;
+    std::memcpy(to, &bits, sizeof bits);
+    to += sizeof bits;
+  }
+}
+
+template <typename Lane>
+Result<std::vector<std::byte>> decode(const GroupVoxels& group, VoxelType type,
+                                      std::span<const std::byte> code) {
+  ResidualReader<Lane> residuals;
+  SPLATLAS_RETURN_IF_ERROR(residuals.open(group, code));
+  ValueModel model{{}, std::to_integer<std::uint8_t>(code[kHeaderBytes - 2]), highest_of(type)};
+  std::memcpy(model.weights.data(), code.data() + kCountsBytes, sizeof model.weights);
+  if (model.error_shift > kMaxErrorShift || code[kHeaderBytes - 1] != std::byte{0})
+    return invalid("no model of values");
+  constexpr std::size_t kValueBytes = sizeof(Lane) / 2;
+  const std::int32_t offset = offset_of(type);
+  std::vector<std::byte> values(group.voxels * kValueBytes);
+  std::byte* to = values.data();
+  ValueWindow<Lane> window(group.box, model);
+  walk(group, window, [&](std::int64_t begin, std::int64_t end) {
+    const auto run = window.code_run(begin, end, [&](const ValuePrediction& prediction) {
+      const std::uint32_t residual = residuals.read(kBucketOf[prediction.errors]);
+      return (prediction.value + unfold(residual)) & model.highest;
+    });
+    put_values(run, offset, to);
+    to += run.size() * kValueBytes;
   });
-  if (ran_out) return invalid("buckets do not hold what the voxels call for");
+  if (residuals.ran_out()) return invalid("buckets do not hold what the voxels call for");
   return values;
+}
+
+}  // namespace
+
+bool predicts_values(VoxelType type, const IndexBox& box, std::uint64_t voxels) {
+  const bool is_integer = type == VoxelType::kUInt8 || type == VoxelType::kInt8 ||
+                          type == VoxelType::kUInt16 || type == VoxelType::kInt16;
+  return is_integer && voxels > 0 && voxels <= std::numeric_limits<std::uint32_t>::max() &&
+         window_voxels(box) <= kMaxWindowVoxels;
+}
+
+std::uint64_t value_code_bytes(VoxelType type, const IndexBox& box, std::uint64_t voxels) {
+  return voxels * bytes_of(type) + (predicts_values(type, box, voxels) ? kHeaderBytes : 0);
+}
+
+std::vector<std::byte> encode_values(const GroupVoxels& group, VoxelType type,
+                                     std::span<const std::byte> values) {
+  if (!predicts_values(type, group.box, group.voxels)) return {values.begin(), values.end()};
+  return bytes_of(type) == 1 ? encode<std::int16_t>(group, type, values)
+                             : encode<std::int32_t>(group, type, values);
+}
+
+Result<std::vector<std::byte>> decode_values(const GroupVoxels& group, VoxelType type,
+                                             std::span<const std::byte> code) {
+  if (!spans_fit(group)) return invalid("boxes are not those of the runs");
+  if (!predicts_values(type, group.box, group.voxels))
+    return std::vector<std::byte>(code.begin(), code.end());
+  return bytes_of(type) == 1 ? decode<std::int16_t>(group, type, code)
+                             : decode<std::int32_t>(group, type, code);
 }
 
 }  // namespace splatlas
