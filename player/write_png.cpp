@@ -1,6 +1,7 @@
 #include "player/write_png.h"
 
 #include <cstdint>
+#include <limits>
 
 #include <fmt/format.h>
 #include <png.h>
@@ -8,6 +9,17 @@
 #include "format/output_file.h"
 
 namespace splatlas {
+
+Result<void> check_png_size(const PictureSize& size, bool alpha) {
+  const std::uint64_t row_bytes = static_cast<std::uint64_t>(size.width) * (alpha ? 4 : 3);
+  if (row_bytes * static_cast<std::uint64_t>(size.height) <= std::numeric_limits<std::uint32_t>::max())
+    return {};
+  return fail(
+      ErrorCode::kUsage,
+      fmt::format("picture size {}x{}: PNG with a transparent background holds less than 2^32 bytes of "
+                  "pixels; take a smaller size, a colour as background or .exr",
+                  size.width, size.height));
+}
 
 Result<std::vector<std::byte>> encode_png(const Picture& picture, std::optional<Rgb> background) {
   const std::vector<std::uint8_t> pixels = background ? to_srgb8(picture, *background) : to_srgba8(picture);

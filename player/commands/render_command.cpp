@@ -65,6 +65,8 @@ Result<void> run_render(const RenderRequest& request) {
   // Whatever can be told without the atlas is told first.
   SPLATLAS_ASSIGN_OR_RETURN(const auto terms, parse_selection(request.select));
   SPLATLAS_RETURN_IF_ERROR(view_of(request.camera, request.options.size, Display{}));
+  SPLATLAS_RETURN_IF_ERROR(
+      PictureEncoder::check_size(request.output, request.options.size, request.background));
 
   const auto start = std::chrono::steady_clock::now();
   SPLATLAS_ASSIGN_OR_RETURN(std::shared_ptr<const Atlas> atlas, Atlas::open(request.atlas));

@@ -91,6 +91,12 @@ Result<void> PictureEncoder::check_ending(const std::filesystem::path& path) {
                                              path.string(), path.extension().string()));
 }
 
+Result<void> PictureEncoder::check_size(const std::filesystem::path& path, const PictureSize& size,
+                                        std::optional<Rgb> background) {
+  if (known_ending(path) != ".png") return {};
+  return check_png_size(size, !background);
+}
+
 Result<std::vector<std::byte>> PictureEncoder::encode(const Picture& picture, std::optional<Rgb> background) {
   SPLATLAS_RETURN_IF_ERROR(check_ending(path_));
   auto bytes = encode_pixels(picture, background);

@@ -24,6 +24,10 @@ class PictureEncoder {
 
   /// Whether `path` ends in one of the known endings; kUsage, naming them, if not.
   [[nodiscard]] static Result<void> check_ending(const std::filesystem::path& path);
+  /// Whether the format that `path` ends in can hold so many pixels; kUsage, saying what to do, if not. The
+  /// ending is a known one.
+  [[nodiscard]] static Result<void> check_size(const std::filesystem::path& path, const PictureSize& size,
+                                               std::optional<Rgb> background);
 
   /// The whole file. Once. Over `background`, or with alpha where there is none (JPEG then is over black).
   /// EXR always keeps alpha and ignores the background. Writes nothing: what can go wrong is the module and

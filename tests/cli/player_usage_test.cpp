@@ -43,6 +43,8 @@ TEST(PlayerUsage, TellsWhatIsWrong) {
   expect_refused({"render", atlas, "-o", "nowhere/x.png"}, 1, "nowhere/x.png: cannot be written");
   expect_refused({"render", atlas, "-o", "x.png", "--size", "0x10"}, 2, "0x10");
   expect_refused({"render", atlas, "-o", "x.png", "--size", "100000x100000"}, 2, "100000x100000");
+  expect_refused({"render", atlas, "-o", "x.png", "--size", "32768x32768", "--background", "transparent"}, 2,
+                 "2^32");
   expect_refused({"render", atlas, "-o", "x.png", "--size", "10"}, 2, "WIDTHxHEIGHT");
   expect_refused({"render", atlas, "-o", "x.png", "--azimuth", "nan"}, 2, "azimuth");
   expect_refused({"render", atlas, "-o", "x.png", "--zoom", "0"}, 2, "zoom");

@@ -64,6 +64,15 @@ TEST(WritePng, TheFileIsWhatIsEncoded) {
   EXPECT_THAT(folder.names(), testing::ElementsAre("ramps.png"));
 }
 
+TEST(WritePng, SizesBeyondItsNumbersAreTold) {
+  EXPECT_TRUE(check_png_size({32768, 32768}, false));
+  EXPECT_TRUE(check_png_size({32768, 32767}, true));
+  const auto refused = check_png_size({32768, 32768}, true);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kUsage);
+  EXPECT_THAT(refused.error().message, testing::HasSubstr("32768x32768"));
+}
+
 TEST(WritePng, NamesTheFileThatCannotBeWritten) {
   const TemporaryFolder folder;
   const auto written = write_png(ramps(), folder.path() / "none" / "ramps.png");
