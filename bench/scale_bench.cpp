@@ -14,6 +14,7 @@
 #include "bench/turned_camera.h"
 #include "format/atlas_writer.h"
 #include "player/render_frame.h"
+#include "tests/reference/picture_difference.h"
 
 namespace splatlas {
 namespace {
@@ -131,14 +132,6 @@ class GrowingAtlas {
   ScratchFolder folder_;
 };
 
-/// Over the pixels of the whole picture, in 1/255.
-double rms_difference(const Picture& a, const Picture& b) {
-  double squares = 0;
-  for (std::size_t n = 0; n < a.rgba.size(); ++n)
-    squares += std::pow(double{a.rgba[n]} - double{b.rgba[n]}, 2);
-  return 255 * std::sqrt(squares / static_cast<double>(a.rgba.size()));
-}
-
 /// Why a contestant does not draw the same as the unit.
 std::string what_differs(const Contestant& contestant, const Contestant& unit, double rms) {
   const RenderStats& ours = contestant.renderer.stats();
@@ -184,7 +177,7 @@ Result<void> add_same(const GrowingAtlas& growing, const Effort& effort, const B
     SPLATLAS_ASSIGN_OR_RETURN(const auto times, take_times(contestants, effort));
     for (std::size_t n = 0; n < contestants.size(); ++n) {
       const Elapsed growth = median_ratio(times[n], times[0], effort.frames);
-      const double rms = rms_difference(contestants[n].picture, contestants[0].picture);
+      const double rms = reference::whole_picture_rms(contestants[n].picture, contestants[0].picture);
       Row row{{"scene", scene.name}};
       row.update(row_of(contestants[n], times[n]));
       row.update({{"growth", growth.cpu_ms},

@@ -36,6 +36,7 @@ struct Way {
   Quality quality;
 };
 /// What is like VTK's, the default, and what is like VolPack's.
+enum WayNumber : std::size_t { kRays, kSheets, kDrafts };
 constexpr std::array kWays{
     Way{"perspective, classified after", CameraProjection::kPerspective, Classification::kAfter,
         Quality::kNormal},
@@ -282,10 +283,10 @@ Result<Table> measure_reading(const AtlasContent& content, const std::shared_ptr
     const auto over = [&](std::size_t ours, std::size_t theirs) {
       return taken.first[ours].wall_ms / taken.first[theirs].wall_ms;
     };
-    raise(report.summary, "select_vs_fixedpoint_max", over(0, kVtk));
-    raise(report.summary, "select_parallel_vs_fixedpoint_max", over(1, kVtk));
-    raise(report.summary, "select_vs_volpack_max", over(2, kVolpack));
-    raise(report.summary, "select_normal_vs_volpack_max", over(1, kVolpack));
+    raise(report.summary, "select_vs_fixedpoint_max", over(kRays, kVtk));
+    raise(report.summary, "select_parallel_vs_fixedpoint_max", over(kSheets, kVtk));
+    raise(report.summary, "select_vs_volpack_max", over(kDrafts, kVolpack));
+    raise(report.summary, "select_normal_vs_volpack_max", over(kSheets, kVolpack));
   }
   return table;
 }

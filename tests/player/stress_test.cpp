@@ -17,14 +17,6 @@ namespace {
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-double rms(const Picture& a, const Picture& b) {
-  double squares = 0;
-  for (std::size_t n = 0; n < a.rgba.size(); ++n) {
-    squares += std::pow(static_cast<double>(a.rgba[n]) - static_cast<double>(b.rgba[n]), 2);
-  }
-  return 255 * std::sqrt(squares / static_cast<double>(a.rgba.size()));
-}
-
 RenderOptions by_rays(const PictureSize& size) {
   return {.size = size, .classification = Classification::kAfter, .hybrid_shading = false};
 }
@@ -92,7 +84,8 @@ TEST(Stress, AnAxisSwitchIsSmall) {
         beside.elevation_deg += elevation == 45.0 ? aside * 180 / std::numbers::pi : 0;
         const Picture picture = render_or_throw(renderer, beside, options);
         EXPECT_LE(reference::energy_violation(picture), 1e-6);
-        EXPECT_LE(rms(picture, there), rays ? 0.1 : 0.2) << azimuth << ' ' << elevation << ' ' << rays;
+        EXPECT_LE(reference::whole_picture_rms(picture, there), rays ? 0.1 : 0.2)
+            << azimuth << ' ' << elevation << ' ' << rays;
       }
     }
   }
@@ -190,7 +183,7 @@ TEST(Stress, SlowTurnsAreSteady) {
   Picture before = turned(-11);
   for (int step = -10; step <= 10; ++step) {
     Picture now = turned(step);
-    const double change = rms(before, now);
+    const double change = reference::whole_picture_rms(before, now);
     EXPECT_LE(change, step == 0 ? 0.2 : 0.05) << step;
     EXPECT_GT(change, 0.0) << step;
     before = std::move(now);

@@ -55,6 +55,15 @@ PictureDifference difference(const Picture& a, const Picture& b) {
   return difference(as_reference(a), as_reference(b));
 }
 
+double whole_picture_rms(const Picture& a, const Picture& b) {
+  double squares = 0;
+  for (std::size_t n = 0; n < a.rgba.size(); ++n) {
+    const double d = static_cast<double>(a.rgba[n]) - static_cast<double>(b.rgba[n]);
+    squares += d * d;
+  }
+  return 255 * std::sqrt(squares / static_cast<double>(a.rgba.size()));
+}
+
 std::string to_text(const PictureDifference& d) {
   std::ostringstream text;
   text << "RMS " << 255 * d.rms << "/255, largest " << 255 * d.largest << "/255 at (" << d.column << ", "

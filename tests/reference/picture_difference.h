@@ -22,6 +22,9 @@ struct PictureDifference {
 [[nodiscard]] PictureDifference difference(const ReferencePicture& a, const ReferencePicture& b);
 [[nodiscard]] PictureDifference difference(const Picture& a, const Picture& b);
 
+/// The root mean square over all pixels and channels, whether anything is shown there or not, in 1/255.
+[[nodiscard]] double whole_picture_rms(const Picture& a, const Picture& b);
+
 /// In 1/255, with the place of the largest.
 [[nodiscard]] std::string to_text(const PictureDifference& difference);
 
