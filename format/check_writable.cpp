@@ -4,6 +4,7 @@
 #include <cstring>
 #include <string>
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -42,6 +43,8 @@ Result<void> check_writable_file(const fs::path& path) {
   if (path.filename().empty() || fs::is_directory(status)) return cannot_write(path, "it is a folder");
   if (fs::exists(status) && !fs::is_regular_file(status))
     return cannot_write(path, "it is not a regular file");
+  if (fs::exists(status) && ::faccessat(AT_FDCWD, path.c_str(), W_OK, AT_EACCESS) != 0)
+    return cannot_write(path, std::strerror(errno));
   return check_folder_of(path);
 }
 

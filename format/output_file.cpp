@@ -1,20 +1,24 @@
 #include "format/output_file.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cerrno>
+#include <cstdint>
 #include <cstring>
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "format/checksum.h"
 #include "format/interrupts.h"
 #include "format/output_path.h"
+#include "format/sync_folder.h"
+#include "format/temporary_entry.h"
 
 namespace splatlas {
 namespace {
@@ -22,17 +26,21 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kMaxWriteBytes = std::size_t{1} << 26;
+constexpr std::size_t kReadBackBytes = std::size_t{1} << 20;
+constexpr mode_t kPermissions = 07777;
 
-/// Makes the rename last. File systems that cannot sync a folder say EINVAL; the file itself is complete by
-/// now.
-bool sync_folder(const fs::path& folder) {
-  const int descriptor = ::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (descriptor < 0) return errno == EACCES;  // a folder may be writable and not readable
-  const bool synced = ::fsync(descriptor) == 0 || errno == EINVAL || errno == ENOTSUP;
-  const int reason = errno;
-  ::close(descriptor);
-  errno = reason;
-  return synced;
+/// Whose the old file was, and what they may do. Only root can keep another owner; whoever cannot keep the
+/// group grants its rights to nobody else.
+bool keep_owner_and_mode(int descriptor, const struct stat& old) {
+  struct stat now {};
+  if (::fstat(descriptor, &now) != 0) return false;
+  mode_t mode = old.st_mode & kPermissions;
+  const bool other_owner = now.st_uid != old.st_uid || now.st_gid != old.st_gid;
+  if (other_owner && ::fchown(descriptor, old.st_uid, old.st_gid) != 0 && now.st_gid != old.st_gid &&
+      ::fchown(descriptor, static_cast<uid_t>(-1), old.st_gid) != 0) {
+    mode = (mode & ~(S_IRWXG | S_ISGID)) | (mode & S_IRWXO) << 3;
+  }
+  return ::fchmod(descriptor, mode) == 0;
 }
 
 }  // namespace
@@ -40,57 +48,43 @@ bool sync_folder(const fs::path& folder) {
 /// Functions that return bool leave the reason in errno.
 struct OutputFile::Impl {
   explicit Impl(fs::path output) : path(std::move(output)), target(resolve_output(path)) {}
-  ~Impl() {
-    const DeferInterrupts until_removed;
-    if (descriptor >= 0) ::close(descriptor);
-    if (remove) ::unlink(temporary.c_str());
-  }
-  Impl(const Impl&) = delete;
-  Impl& operator=(const Impl&) = delete;
 
   [[nodiscard]] tl::unexpected<Error> cannot_write(const std::string& reason) const {
     return fail(ErrorCode::kFailed, fmt::format("{}: cannot be written: {}", path.string(), reason));
   }
-  /// Takes a name that nobody has, beside the target: a rename must not cross file systems.
-  [[nodiscard]] bool open(std::string_view ending);
   /// Everything of it is on the disk, under its temporary name.
   [[nodiscard]] bool complete();
-  [[nodiscard]] bool rename();
+  /// The file holds what write() was given.
+  [[nodiscard]] Result<void> read_back() const;
 
-  fs::path path, target, temporary;
-  std::optional<mode_t> old_mode;
-  int descriptor = -1;
-  std::optional<RemoveOnInterrupt> remove;  // while there is a temporary file
+  fs::path path, target;
+  std::optional<struct stat> old;
+  TemporaryEntry temporary;
+  std::optional<RunningChecksum> written;  // where write() was called
+  std::uint64_t written_bytes = 0;
 };
 
-bool OutputFile::Impl::open(std::string_view ending) {
-  static std::atomic<unsigned> counter{0};
-  constexpr int kAttempts = 100;
-  const DeferInterrupts until_named;
-  for (int attempt = 0; attempt < kAttempts; ++attempt) {
-    temporary = target.parent_path() / fmt::format(".splatlas-{}-{}{}", ::getpid(), counter++, ending);
-    descriptor = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0666);
-    if (descriptor >= 0) {
-      remove.emplace(temporary);
-      return true;
-    }
-    if (errno != EEXIST) return false;
-  }
-  return false;
-}
-
 bool OutputFile::Impl::complete() {
-  if (::close(std::exchange(descriptor, -1)) != 0) return false;
-  // By its name: whoever wrote to a path may have put another file there.
-  descriptor = ::open(temporary.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
-  return descriptor >= 0 && (!old_mode || ::fchmod(descriptor, *old_mode) == 0) && ::fsync(descriptor) == 0;
+  return temporary.follow_name() && (!old || keep_owner_and_mode(temporary.descriptor(), *old)) &&
+         ::fsync(temporary.descriptor()) == 0;
 }
 
-bool OutputFile::Impl::rename() {
-  const DeferInterrupts until_renamed;
-  if (::rename(temporary.c_str(), target.c_str()) != 0) return false;
-  remove.reset();
-  return true;
+Result<void> OutputFile::Impl::read_back() const {
+  if (!written) return {};
+  // From the disk, not from memory, where the system can do that.
+  ::posix_fadvise(temporary.descriptor(), 0, 0, POSIX_FADV_DONTNEED);
+  RunningChecksum read;
+  std::vector<std::byte> piece(std::min<std::uint64_t>(kReadBackBytes, written_bytes + 1));
+  for (std::uint64_t offset = 0;;) {
+    const ssize_t got =
+        ::pread(temporary.descriptor(), piece.data(), piece.size(), static_cast<off_t>(offset));
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) return cannot_write(fmt::format("reading it back: {}", std::strerror(errno)));
+    if (got == 0 && offset == written_bytes && read.value() == written->value()) return {};
+    if (got == 0) return cannot_write("other bytes come back from the disk than were written");
+    offset += static_cast<std::uint64_t>(got);
+    read.add(std::span(piece).first(static_cast<std::size_t>(got)));
+  }
 }
 
 OutputFile::OutputFile(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -105,25 +99,34 @@ Result<OutputFile> OutputFile::create(const fs::path& target, std::string_view e
     if (!S_ISREG(old.st_mode)) {
       return impl->cannot_write(S_ISDIR(old.st_mode) ? "it is a folder" : "it is not a regular file");
     }
-    constexpr mode_t kPermissions = 07777;
-    impl->old_mode = old.st_mode & kPermissions;
+    if (::faccessat(AT_FDCWD, target.c_str(), W_OK, AT_EACCESS) != 0)
+      return impl->cannot_write(std::strerror(errno));
+    impl->old = old;
   } else if (errno != ENOENT) {
     return impl->cannot_write(std::strerror(errno));
   }
   if (target.filename().empty()) return impl->cannot_write("it names no file");
-  if (!impl->open(ending)) return impl->cannot_write(std::strerror(errno));
+  // Beside the target: a rename must not cross file systems.
+  const fs::path folder = impl->target.parent_path();
+  remove_stale_temporaries(folder.empty() ? "." : folder);
+  if (!impl->temporary.make(folder, TemporaryEntry::Kind::kFile, ending))
+    return impl->cannot_write(std::strerror(errno));
   return OutputFile(std::move(impl));
 }
 
 const fs::path& OutputFile::temporary() const {
-  return impl_->temporary;
+  return impl_->temporary.path();
 }
 
 Result<void> OutputFile::write(std::span<const std::byte> bytes) {
+  if (!impl_->written) impl_->written.emplace();
   while (!bytes.empty()) {
-    const ssize_t written = ::write(impl_->descriptor, bytes.data(), std::min(bytes.size(), kMaxWriteBytes));
+    const ssize_t written =
+        ::write(impl_->temporary.descriptor(), bytes.data(), std::min(bytes.size(), kMaxWriteBytes));
     if (written < 0 && errno == EINTR) continue;
     if (written <= 0) return impl_->cannot_write(std::strerror(errno));
+    impl_->written->add(bytes.first(static_cast<std::size_t>(written)));
+    impl_->written_bytes += static_cast<std::uint64_t>(written);
     bytes = bytes.subspan(static_cast<std::size_t>(written));
   }
   return {};
@@ -136,12 +139,13 @@ Result<void> OutputFile::commit() {
 Result<void> commit_files(std::span<OutputFile> files) {
   for (const OutputFile& file : files) {
     if (!file.impl_->complete()) return file.impl_->cannot_write(std::strerror(errno));
+    SPLATLAS_RETURN_IF_ERROR(file.impl_->read_back());
   }
   const DeferInterrupts all_or_none;
   for (const OutputFile& file : files) {
-    if (!file.impl_->rename() || !sync_folder(file.impl_->target.parent_path())) {
-      return file.impl_->cannot_write(std::strerror(errno));
-    }
+    OutputFile::Impl& impl = *file.impl_;
+    if (!impl.temporary.rename_to(impl.target)) return impl.cannot_write(std::strerror(errno));
+    SPLATLAS_RETURN_IF_ERROR(sync_folder_of(impl.target, impl.path));
   }
   return {};
 }

@@ -1,10 +1,10 @@
 #include "preprocess/export/export_labels.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include "format/check_writable.h"
 #include "format/interrupts.h"
+#include "format/output_folder.h"
 #include "format/structure_crop.h"
 #include "preprocess/export/temporary_output.h"
 #include "preprocess/export/write_image.h"
@@ -87,26 +87,17 @@ Result<void> export_label_map(const AtlasContent& content, const std::string& na
   return write_image({content.source_grid, to_source_order(stored, content)}, path);
 }
 
-Result<std::size_t> export_masks(const AtlasContent& content, const fs::path& folder) {
-  SPLATLAS_RETURN_IF_ERROR(check_writable_folder(folder));
-  const fs::path target = without_end_slash(folder);
-  const auto cannot_write = [&](const std::string& reason) {
-    return fail(ErrorCode::kFailed, fmt::format("{}: cannot be written: {}", folder.string(), reason));
-  };
+Result<std::size_t> export_masks(const AtlasContent& content, const fs::path& path) {
   // An interrupt waits for the mask that is being written; then nothing is left of the folder.
   const DeferInterrupts no_folder_left;
-  std::error_code error;
-  const fs::path temporary = target.parent_path() / fmt::format(".splatlas-{}", ::getpid());
-  if (!fs::create_directory(temporary, error))
-    return cannot_write(error ? error.message() : "a temporary exists");
-  Result<std::size_t> masks = write_masks(content, temporary);
-  if (masks) {
-    fs::rename(temporary, target, error);
-    if (error) masks = cannot_write(error.message());
+  SPLATLAS_ASSIGN_OR_RETURN(OutputFolder folder, OutputFolder::create(path));
+  const Result<std::size_t> masks = write_masks(content, folder.temporary());
+  if (!masks) {
+    return fail(masks.error().code,
+                with_path(masks.error().message, folder.temporary(), without_end_slash(path)));
   }
-  if (masks) return masks;
-  fs::remove_all(temporary, error);
-  return fail(masks.error().code, with_path(masks.error().message, temporary, target));
+  SPLATLAS_RETURN_IF_ERROR(folder.commit());
+  return masks;
 }
 
 }  // namespace splatlas

@@ -62,6 +62,66 @@ TEST_F(OutputFileTest, NewFilesFollowTheMask) {
   EXPECT_EQ(std::filesystem::status(path).permissions(), std::filesystem::perms{0640});
 }
 
+/// Tests may run as root, whom permissions do not stop.
+TEST_F(OutputFileTest, LeavesWhatMayNotBeWrittenTo) {
+  ASSERT_EQ(write(path, "one"), "");
+  ASSERT_EQ(::chmod(path.c_str(), 0444), 0);
+  const uid_t user = ::geteuid();
+  constexpr uid_t kNobody = 65534;
+  if (user == 0) {
+    ASSERT_EQ(::chown(folder.path().c_str(), kNobody, static_cast<gid_t>(-1)), 0);
+    ASSERT_EQ(::seteuid(kNobody), 0);
+  }
+  EXPECT_THAT(write(path, "two"), HasSubstr("Permission denied"));
+  ASSERT_EQ(::seteuid(user), 0);
+  EXPECT_EQ(read(path), "one");
+  EXPECT_THAT(folder.names(), ElementsAre("out.atlas"));
+}
+
+TEST_F(OutputFileTest, KeepsTheOwnerWhereThatMayBe) {
+  ASSERT_EQ(write(path, "one"), "");
+  struct stat before {};
+  // Root may give the file away, others to themselves alone.
+  const uid_t owner = ::geteuid() == 0 ? 1234 : ::geteuid();
+  ASSERT_EQ(::chown(path.c_str(), owner, static_cast<gid_t>(-1)), 0);
+  ASSERT_EQ(::stat(path.c_str(), &before), 0);
+  ASSERT_EQ(write(path, "two"), "");
+  struct stat after {};
+  ASSERT_EQ(::stat(path.c_str(), &after), 0);
+  EXPECT_EQ(after.st_uid, owner);
+  EXPECT_EQ(after.st_gid, before.st_gid);
+  EXPECT_EQ(after.st_mode, before.st_mode);
+}
+
+TEST_F(OutputFileTest, RemovesWhatKilledWritersLeft) {
+  std::ofstream(folder.path() / (".splatlas-" + std::to_string(::getpid()) + "-4000000.tmp")) << "half";
+  ASSERT_EQ(write(path, "one"), "");
+  EXPECT_THAT(folder.names(), ElementsAre("out.atlas"));
+}
+
+/// A disk that gives back other bytes than it was given: the temporary is changed after it was written.
+TEST_F(OutputFileTest, ReadsBackWhatItWrote) {
+  ASSERT_EQ(write(path, "old"), "");
+  const std::string text(3'000'000, 'x');
+  for (const bool shorter : {false, true}) {
+    auto file = OutputFile::create(path);
+    ASSERT_TRUE(file);
+    ASSERT_TRUE(file->write(std::as_bytes(std::span(text))));
+    if (shorter) {
+      std::filesystem::resize_file(file->temporary(), text.size() - 1);
+    } else {
+      std::fstream(file->temporary(), std::ios::in | std::ios::out | std::ios::binary).seekp(2'345'678)
+          << 'y';
+    }
+    const auto committed = file->commit();
+    ASSERT_FALSE(committed);
+    EXPECT_EQ(committed.error().message,
+              path.string() + ": cannot be written: other bytes come back from the disk than were written");
+  }
+  EXPECT_EQ(read(path), "old");
+  EXPECT_THAT(folder.names(), ElementsAre("out.atlas"));
+}
+
 TEST_F(OutputFileTest, FollowsLinks) {
   ASSERT_EQ(write(path, "one"), "");
   const auto link = folder.path() / "link";
