@@ -72,22 +72,22 @@ std::uint64_t bytes_of_all(const std::vector<std::vector<std::byte>>& values) {
 
 void Atlas::Impl::hold(std::size_t group, GroupValues values) const {
   HeldGroup& slot = held[group];
+  std::vector<bool> taken(values.size(), false);
   const std::lock_guard lock(held_mutex);
+  held_groups.push_back(group);  // out of memory: nothing has changed
   held_bytes += bytes_of_all(values);
   held_bytes -= bytes_of_all(slot.values);
   slot.values = std::move(values);
-  held_groups.push_back(group);
+  slot.taken = std::move(taken);
   // The oldest go. A group that somebody is at now, this one too, is held a while longer.
   for (std::size_t n = held_groups.size(); n > 0 && held_bytes > kMaxHeldBytes; --n) {
     const std::size_t oldest = held_groups.front();
-    held_groups.pop_front();
     const std::unique_lock oldest_lock = oldest == group
                                              ? std::unique_lock<std::mutex>()
                                              : std::unique_lock(held[oldest].mutex, std::try_to_lock);
-    if (!oldest_lock) {
-      held_groups.push_back(oldest);
-      continue;
-    }
+    if (!oldest_lock) held_groups.push_back(oldest);
+    held_groups.pop_front();
+    if (!oldest_lock) continue;
     held_bytes -= bytes_of_all(held[oldest].values);
     held[oldest].values.clear();
   }
@@ -102,7 +102,6 @@ Result<std::vector<std::byte>> Atlas::Impl::read_class_values(ClassId c) const {
   if (slot.values.empty() || slot.taken[n]) {
     SPLATLAS_ASSIGN_OR_RETURN(GroupValues decoded, decode_group(group));
     hold(group, std::move(decoded));
-    slot.taken.assign(of.size(), false);
   }
   slot.taken[n] = true;
   std::vector<std::byte> values = std::move(slot.values[n]);

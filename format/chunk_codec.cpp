@@ -53,6 +53,7 @@ class ContextPool {
         pool.idle_.pop_back();
         return Lease(pool, std::move(context));
       }
+      pool.idle_.reserve(++pool.made_);  // giving it back cannot fail
     }
     Context context(create());
     if (!context) throw std::bad_alloc();
@@ -62,6 +63,7 @@ class ContextPool {
  private:
   std::mutex mutex_;
   std::vector<Context> idle_;
+  std::size_t made_ = 0;  // at most; some could not be
 };
 using CompressContexts = ContextPool<CompressContext, ZSTD_createCCtx>;
 using DecompressContexts = ContextPool<DecompressContext, ZSTD_createDCtx>;

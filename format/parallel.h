@@ -6,7 +6,6 @@
 #include <cstddef>
 #include <exception>
 #include <mutex>
-#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -38,7 +37,7 @@ void parallel_for(std::size_t count, unsigned threads, Job&& job, Report&& repor
     for (std::size_t t = 1; t < std::min<std::size_t>(threads, count); ++t) {
       helpers.emplace_back([&] { work([](std::size_t) {}); });
     }
-  } catch (const std::system_error&) {
+  } catch (const std::exception&) {  // std::system_error, std::bad_alloc
     // No more threads to be had: those there are do the work.
   }
   work(report);

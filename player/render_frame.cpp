@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <new>
 #include <optional>
 #include <utility>
 
@@ -121,6 +122,9 @@ struct Renderer::Impl {
   void cue_depth(const RenderOptions& options, const Shown& drawn, Picture& picture,
                  const AddVolumeDepths& add_volume_depths);
   [[nodiscard]] std::vector<SurfaceDraw> surface_draws() const;
+  [[nodiscard]] tl::unexpected<Error> out_of_memory() const {
+    return fail(ErrorCode::kLimit, atlas->name() + ": out of memory; take a smaller size or select less");
+  }
 
   std::shared_ptr<const Atlas> atlas;
   ThreadPool pool;
@@ -284,7 +288,7 @@ const RenderStats& Renderer::stats() const {
   return impl_->stats;
 }
 
-Result<void> Renderer::select(const Selection& selection) {
+Result<void> Renderer::select(const Selection& selection) try {
   Stopwatch watch;
   Impl& r = *impl_;
   DrawPlan plan = r.atlas->tree().plan(selection);
@@ -316,6 +320,9 @@ Result<void> Renderer::select(const Selection& selection) {
       static_cast<double>(r.atlas->grid().voxels());
   r.stats.select_ms = watch.lap().wall_ms;
   return {};
+} catch (const std::bad_alloc&) {
+  impl_->plan = {};
+  return impl_->out_of_memory();
 }
 
 Result<Picture> Renderer::render(const Camera& camera, const RenderOptions& options) {
@@ -324,7 +331,7 @@ Result<Picture> Renderer::render(const Camera& camera, const RenderOptions& opti
   return picture;
 }
 
-Result<void> Renderer::render(const Camera& camera, const RenderOptions& options, Picture& picture) {
+Result<void> Renderer::render(const Camera& camera, const RenderOptions& options, Picture& picture) try {
   Impl& r = *impl_;
   const Grid& grid = r.atlas->grid();
   SPLATLAS_ASSIGN_OR_RETURN(const View frame_view, view_of(camera, options.size, r.atlas->display()));
@@ -387,6 +394,8 @@ Result<void> Renderer::render(const Camera& camera, const RenderOptions& options
   r.stats.resolve = drawn.resolve;
   r.stats.render_ms = light.wall_ms + watch.lap().wall_ms;
   return {};
+} catch (const std::bad_alloc&) {
+  return impl_->out_of_memory();
 }
 
 std::optional<Pick> Renderer::pick(double x, double y) const {

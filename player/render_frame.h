@@ -87,11 +87,12 @@ class Renderer {
   [[nodiscard]] const Atlas& atlas() const;
 
   /// Changes what is drawn. Reading and decoding wait until a view is rendered. kLimit, and the old selection
-  /// stays, when it would need more memory than allowed.
+  /// stays, when it would need more memory than allowed; kLimit, and nothing is selected, when there is none.
   [[nodiscard]] Result<void> select(const Selection& selection);
 
   /// Renders the selection. Same selection, camera and options: same bits, with any number of threads.
-  /// kLimit, before anything is read or allocated, when the picture would need more memory than allowed.
+  /// kLimit, before anything is read or allocated, when the picture would need more memory than allowed, and
+  /// when there is no more: the selection stays, and what was decoded.
   /// Cost: selected voxels in view * sheet pixels per voxel * slabs per slice, selected triangles, pixels;
   /// after a change of selection also the decoded runs in its box.
   [[nodiscard]] Result<Picture> render(const Camera& camera, const RenderOptions& options = {});

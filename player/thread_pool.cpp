@@ -1,7 +1,7 @@
 #include "player/thread_pool.h"
 
 #include <algorithm>
-#include <system_error>
+#include <exception>
 #include <utility>
 
 namespace splatlas {
@@ -12,7 +12,7 @@ ThreadPool::ThreadPool(unsigned threads) {
   workers_.reserve(threads - 1);
   try {
     for (unsigned n = 1; n < threads; ++n) workers_.emplace_back([this] { work(); });
-  } catch (const std::system_error&) {
+  } catch (const std::exception&) {  // std::system_error, std::bad_alloc
     // No more threads to be had: those there are do the work.
   }
 }

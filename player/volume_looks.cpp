@@ -45,10 +45,11 @@ VolumeLook VolumeLooks::look_of(const StructureDraw& draw) {
 
 void VolumeLooks::select(const DrawPlan& plan, const Selection& selection) {
   if (tables_.size() >= kMaxTables) {
+    plain_ = nullptr;
     tables_.clear();
     ++generation_;
-    plain_ = &table_of(shape_of(transfer_curve({}, display_)));
   }
+  if (plain_ == nullptr) plain_ = &table_of(shape_of(transfer_curve({}, display_)));
   constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
   std::vector<std::size_t> first_class(selection.structures.size(), kNone);  // that a structure draws
   looks_.assign(plan.classes.size(), {});

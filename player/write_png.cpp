@@ -31,7 +31,8 @@ Result<std::vector<std::byte>> encode_png(const Picture& picture, std::optional<
   png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(image);  // a little more than the pixels
   std::vector<std::byte> bytes(size);
   if (png_image_write_to_memory(&image, bytes.data(), &size, 0, pixels.data(), 0, nullptr) == 0) {
-    return fail(ErrorCode::kFailed, image.message);
+    // There is room for any picture: libpng has no memory, or there are no pixels.
+    return fail(pixels.empty() ? ErrorCode::kFailed : ErrorCode::kLimit, image.message);
   }
   bytes.resize(size);
   return bytes;
@@ -41,7 +42,7 @@ Result<void> write_png(const Picture& picture, const std::filesystem::path& path
                        std::optional<Rgb> background) {
   const auto bytes = encode_png(picture, background);
   if (bytes) return write_file(path, *bytes);
-  return fail(ErrorCode::kFailed,
+  return fail(bytes.error().code,
               fmt::format("{}: cannot be encoded: {}", path.string(), bytes.error().message));
 }
 

@@ -21,7 +21,7 @@ std::string contents(const std::filesystem::path& path) {
 }  // namespace
 
 ProgramResult run_program(const std::vector<std::string>& words, const std::filesystem::path& folder,
-                          const std::function<void(int)>& meanwhile) {
+                          const std::function<void(int)>& meanwhile, const std::function<void()>& before) {
   const TemporaryFolder temporary;
   const std::string out = temporary.file("out");
   const std::string err = temporary.file("err");
@@ -39,6 +39,7 @@ ProgramResult run_program(const std::vector<std::string>& words, const std::file
     dup2(in_file, 0);
     dup2(out_file, 1);
     dup2(err_file, 2);
+    if (before) before();
     execvp(arguments[0], arguments.data());
     _exit(127);
   }

@@ -14,10 +14,12 @@ struct ProgramResult {
 };
 
 /// Runs `words[0]` with the other words as arguments, no shell in between, in `folder`. `meanwhile` is called
-/// with the process's number while the program runs (or when it has ended already, but was not waited for).
+/// with the process's number while the program runs (or when it has ended already, but was not waited for);
+/// `before` is called in the new process, right before it becomes the program.
 [[nodiscard]] ProgramResult run_program(const std::vector<std::string>& words,
                                         const std::filesystem::path& folder = std::filesystem::current_path(),
-                                        const std::function<void(int)>& meanwhile = {});
+                                        const std::function<void(int)>& meanwhile = {},
+                                        const std::function<void()>& before = {});
 
 /// An empty folder of its own under the system's temporary one, removed with everything in it at the end.
 class TemporaryFolder {

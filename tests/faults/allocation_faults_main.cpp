@@ -1,0 +1,254 @@
+// Every allocation of opening, reading, rendering and writing an atlas fails once, and from there on: each
+// time there must be an error that says so, what is left must work when there is memory again, and nothing
+// leaks.
+
+#include <atomic>
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <memory>
+#include <new>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "format/atlas_writer.h"
+#include "format/checksum.h"
+#include "format/parallel.h"
+#include "player/render_frame.h"
+#include "player/thread_pool.h"
+#include "player/write_png.h"
+#include "tests/faults/failing_allocator.h"
+#include "tests/faults/small_atlas.h"
+#include "tests/support/run_program.h"
+
+namespace splatlas {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Does the work, or goes on where it failed before; what comes out, as a checksum.
+using Work = std::function<Result<std::uint64_t>()>;
+
+struct Scenario {
+  std::string name;
+  std::function<Work()> begin;
+};
+
+std::uint64_t checksum(const std::vector<std::byte>& bytes) {
+  return checksum_of(bytes);
+}
+
+/// Open, select, render, encode; afterwards all that is there stays for the next attempt.
+Work rendering(const fs::path& atlas_path, const std::string& selection_text, const Camera& camera,
+               const RenderOptions& options) {
+  const auto renderer = std::make_shared<std::optional<Renderer>>();
+  return [=]() -> Result<std::uint64_t> {
+    if (!*renderer) {
+      SPLATLAS_ASSIGN_OR_RETURN(const auto atlas, Atlas::open(atlas_path));
+      renderer->emplace(atlas, RendererOptions{.threads = 2});
+    }
+    SPLATLAS_ASSIGN_OR_RETURN(const Selection selection,
+                              select(selection_text, (*renderer)->atlas().graph()));
+    SPLATLAS_RETURN_IF_ERROR((*renderer)->select(selection));
+    SPLATLAS_ASSIGN_OR_RETURN(const Picture picture, (*renderer)->render(camera, options));
+    static_cast<void>((*renderer)->pick(options.size.width / 2.0, options.size.height / 2.0));
+    SPLATLAS_ASSIGN_OR_RETURN(const auto bytes, encode_png(picture));
+    return checksum(bytes);
+  };
+}
+
+/// Verify, then read everything.
+Work reading(const fs::path& atlas_path) {
+  return [=]() -> Result<std::uint64_t> {
+    SPLATLAS_ASSIGN_OR_RETURN(const auto atlas, Atlas::open(atlas_path));
+    SPLATLAS_RETURN_IF_ERROR(atlas->verify());
+    SPLATLAS_ASSIGN_OR_RETURN(const AtlasContent content, atlas->read_all());
+    return checksum(content.values.bytes);
+  };
+}
+
+Work writing(const AtlasContent& content, const fs::path& path, bool compact) {
+  return [&content, path, compact]() -> Result<std::uint64_t> {
+    SPLATLAS_RETURN_IF_ERROR(write_atlas(content, path, {.level = 3, .compact = compact, .threads = 2}));
+    return fs::file_size(path);
+  };
+}
+
+/// Loops on several threads, of both kinds.
+Work threading() {
+  return []() -> Result<std::uint64_t> {
+    std::atomic<std::uint64_t> sum = 0;
+    ThreadPool(4).for_each(8, [&](std::size_t n) { sum += n; });
+    parallel_for(
+        8, 4, [&](std::size_t n) { sum += n; }, [](std::size_t) {});
+    return sum.load();
+  };
+}
+
+std::vector<Scenario> scenarios(const AtlasContent& content, const fs::path& folder) {
+  const fs::path atlas = folder / "in.atlas", output = folder / "out.atlas";
+  const Camera turned{.azimuth_deg = 30, .elevation_deg = 20};
+  Camera perspective = turned;
+  perspective.projection = CameraProjection::kPerspective;
+  const RenderOptions small{.size = {40, 30}};
+  RenderOptions after = small, cued = small;
+  after.classification = Classification::kAfter;
+  cued.depth_cue = DepthCue::kEdges;
+  const auto render = [&](const std::string& text, const Camera& camera, const RenderOptions& options) {
+    return [=] { return rendering(atlas, text, camera, options); };
+  };
+  return {{"threads", threading},
+          {"surface", render("*:surface(opacity=0.5)", turned, small)},
+          {"volume", render("*:volume", turned, small)},
+          {"hybrid", render("*:both(opacity=0.4)", turned, cued)},
+          {"rays", render("*:both(opacity=0.4)", perspective, small)},
+          {"rays after", render("*:volume(profile=hard)", turned, after)},
+          {"verify, read all", [=] { return reading(atlas); }},
+          {"write", [=, &content] { return writing(content, output, false); }},
+          {"write compact", [=, &content] { return writing(content, output, true); }}};
+}
+
+struct Tally {
+  std::uint64_t points = 0, errors = 0, thrown = 0, done = 0, wrong = 0;
+};
+
+/// One attempt, with memory running out; kLimit for std::bad_alloc, too.
+struct Attempt {
+  Result<std::uint64_t> result = fail(ErrorCode::kLimit, "");
+  bool thrown = false, failed = false;
+};
+
+Attempt attempt(const Work& work, std::uint64_t number, bool lasting) {
+  Attempt outcome;
+  FailingAllocator::arm(number, lasting);
+  try {
+    outcome.result = work();
+  } catch (const std::bad_alloc&) {
+    outcome.thrown = true;
+  }
+  outcome.failed = FailingAllocator::count() > number;
+  FailingAllocator::disarm();
+  return outcome;
+}
+
+class Trial {
+ public:
+  Trial(const Scenario& scenario, const fs::path& folder) : scenario_(scenario), folder_(folder) {
+    for (int n = 0; n < 3; ++n) expected_ = scenario_.begin()().value();  // what stays for ever is there now
+    names_ = names();
+    live_ = FailingAllocator::live();
+  }
+
+  /// Whether there was an allocation of this number.
+  bool strike(std::uint64_t number, bool lasting) {
+    std::string complaint;
+    bool failed = false;
+    {
+      const Work work = scenario_.begin();
+      const Attempt outcome = attempt(work, number, lasting);
+      failed = outcome.failed;
+      if (!failed && outcome.result) return false;
+      complaint = judge(outcome, work);
+    }
+    ++tally_.points;
+    if (complaint.empty() && leaks(number, lasting)) complaint = "memory is lost";
+    if (complaint.empty() && names() != names_) complaint = "a file is left over";
+    if (!complaint.empty()) {
+      ++tally_.wrong;
+      fmt::print("  {}, allocation {}{}: {}\n", scenario_.name, number, lasting ? " and all after it" : "",
+                 complaint);
+    }
+    return failed;
+  }
+
+  [[nodiscard]] const Tally& tally() const { return tally_; }
+
+ private:
+  /// Whether there is more memory in use each time. Once is no leak: threads that happened to work at the
+  /// same time have a compressor each, and keep it.
+  [[nodiscard]] bool leaks(std::uint64_t number, bool lasting) {
+    constexpr int kTimes = 3;
+    int times = 0;
+    while (FailingAllocator::live() > live_ && times++ < kTimes) {
+      live_ = FailingAllocator::live();
+      const Work work = scenario_.begin();
+      static_cast<void>(attempt(work, number, lasting));
+      static_cast<void>(work());
+    }
+    return times > kTimes;
+  }
+
+  [[nodiscard]] std::string judge(const Attempt& outcome, const Work& work) {
+    ++(outcome.thrown ? tally_.thrown : outcome.result ? tally_.done : tally_.errors);
+    if (outcome.result && *outcome.result != expected_) return "success, and something else comes out";
+    if (!outcome.result && outcome.result.error().code != ErrorCode::kLimit)
+      return "the error is not want of memory: " + outcome.result.error().message;
+    const Result<std::uint64_t> again = work();
+    if (!again) return "with memory again: " + again.error().message;
+    return *again == expected_ ? "" : "with memory again, something else comes out";
+  }
+
+  [[nodiscard]] std::size_t names() const {
+    return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder_), fs::directory_iterator{}));
+  }
+
+  const Scenario& scenario_;
+  fs::path folder_;
+  std::uint64_t expected_ = 0;
+  std::size_t names_ = 0;
+  std::int64_t live_ = 0;
+  Tally tally_;
+};
+
+struct Words {
+  std::uint64_t every = 1, first = 0;
+  std::string only;
+};
+
+int run(const Words& words) {
+  const TemporaryFolder temporary;
+  const AtlasContent content = small_atlas();
+  if (const auto written = write_atlas(content, temporary.path() / "in.atlas"); !written)
+    throw std::runtime_error(written.error().message);
+  fmt::print("{:18} {:>8} {:>8} {:>8} {:>8} {:>8}\n", "", "points", "errors", "thrown", "done", "wrong");
+  Tally sum;
+  for (const Scenario& scenario : scenarios(content, temporary.path())) {
+    if (scenario.name.find(words.only) == std::string::npos) continue;
+    Trial trial(scenario, temporary.path());
+    for (const bool lasting : {false, true}) {
+      std::uint64_t number = words.first;
+      while (trial.strike(number, lasting)) number += words.every;
+    }
+    const Tally& tally = trial.tally();
+    fmt::print("{:18} {:8} {:8} {:8} {:8} {:8}\n", scenario.name, tally.points, tally.errors, tally.thrown,
+               tally.done, tally.wrong);
+    std::fflush(stdout);
+    sum.points += tally.points;
+    sum.wrong += tally.wrong;
+  }
+  fmt::print("{} points, {} wrong\n", sum.points, sum.wrong);
+  return sum.points > 0 && sum.wrong == 0 ? 0 : 1;
+}
+
+}  // namespace
+}  // namespace splatlas
+
+int main(int argc, char** argv) try {
+  splatlas::Words words;
+  CLI::App app{"Memory that runs out at every allocation", "splatlas-allocation-faults"};
+  app.add_option("--every", words.every, "take one of so many allocations")->check(CLI::PositiveNumber);
+  app.add_option("--first", words.first, "the first allocation to take");
+  app.add_option("--only", words.only, "scenarios with this in their name");
+  CLI11_PARSE(app, argc, argv);
+  return splatlas::run(words);
+} catch (const std::exception& exception) {
+  std::fprintf(stderr, "splatlas-allocation-faults: %s\n", exception.what());
+  return 1;
+}

@@ -1,0 +1,139 @@
+#include "tests/faults/failing_allocator.h"
+
+#include <atomic>
+#include <cerrno>
+#include <cstddef>
+#include <cstdlib>
+#include <limits>
+#include <new>
+
+#include <malloc.h>
+
+namespace splatlas {
+namespace {
+
+constexpr std::uint64_t kNever = std::numeric_limits<std::uint64_t>::max();
+
+// Constant initialisation: allocations come before any constructor has run.
+constinit std::atomic<std::uint64_t> made{0}, first_failure{kNever}, last_failure{kNever};
+constinit std::atomic<std::int64_t> alive{0};
+
+bool fails() {
+  const std::uint64_t number = made.fetch_add(1, std::memory_order_relaxed);
+  return number >= first_failure.load(std::memory_order_relaxed) &&
+         number <= last_failure.load(std::memory_order_relaxed);
+}
+
+}  // namespace
+
+void FailingAllocator::arm(std::uint64_t number, bool lasting) {
+  first_failure = kNever;
+  made = 0;
+  last_failure = lasting ? kNever : number;
+  first_failure = number;
+}
+
+void FailingAllocator::disarm() {
+  first_failure = kNever;
+}
+
+std::uint64_t FailingAllocator::count() {
+  return made;
+}
+
+std::int64_t FailingAllocator::live() {
+  return alive;
+}
+
+}  // namespace splatlas
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+
+namespace {
+
+void* allocate(std::size_t size, std::size_t alignment) {
+  void* const memory = splatlas::fails()
+                           ? nullptr
+                           : std::aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment);
+  if (memory == nullptr) throw std::bad_alloc();
+  return memory;
+}
+
+}  // namespace
+
+void* operator new(std::size_t size) {
+  return allocate(size, __STDCPP_DEFAULT_NEW_ALIGNMENT__);
+}
+void* operator new(std::size_t size, std::align_val_t alignment) {
+  return allocate(size, static_cast<std::size_t>(alignment));
+}
+void operator delete(void* memory) noexcept {
+  std::free(memory);
+}
+void operator delete(void* memory, std::size_t) noexcept {
+  std::free(memory);
+}
+void operator delete(void* memory, std::align_val_t) noexcept {
+  std::free(memory);
+}
+void operator delete(void* memory, std::size_t, std::align_val_t) noexcept {
+  std::free(memory);
+}
+
+#else
+
+// The C library's own, under the names that it keeps for whoever takes their place.
+extern "C" {
+void* __libc_malloc(std::size_t size);
+void* __libc_calloc(std::size_t count, std::size_t size);
+void* __libc_realloc(void* memory, std::size_t size);
+void* __libc_memalign(std::size_t alignment, std::size_t size);
+void __libc_free(void* memory);
+
+void* malloc(std::size_t size) noexcept {
+  void* const memory = splatlas::fails() ? nullptr : __libc_malloc(size);
+  memory == nullptr ? errno = ENOMEM : ++splatlas::alive;
+  return memory;
+}
+
+void* calloc(std::size_t count, std::size_t size) noexcept {
+  void* const memory = splatlas::fails() ? nullptr : __libc_calloc(count, size);
+  memory == nullptr ? errno = ENOMEM : ++splatlas::alive;
+  return memory;
+}
+
+void* realloc(void* old, std::size_t size) noexcept {
+  if (old == nullptr) return malloc(size);
+  void* const memory = splatlas::fails() && size > 0 ? nullptr : __libc_realloc(old, size);
+  if (size == 0) {
+    --splatlas::alive;
+  } else if (memory == nullptr) {
+    errno = ENOMEM;
+  }
+  return memory;
+}
+
+void* memalign(std::size_t alignment, std::size_t size) noexcept {
+  void* const memory = splatlas::fails() ? nullptr : __libc_memalign(alignment, size);
+  memory == nullptr ? errno = ENOMEM : ++splatlas::alive;
+  return memory;
+}
+
+void* aligned_alloc(std::size_t alignment, std::size_t size) noexcept {
+  return memalign(alignment, size);
+}
+
+int posix_memalign(void** to, std::size_t alignment, std::size_t size) noexcept {
+  void* const memory = memalign(alignment, size);
+  if (memory == nullptr) return ENOMEM;
+  *to = memory;
+  return 0;
+}
+
+void free(void* memory) noexcept {
+  if (memory != nullptr) --splatlas::alive;
+  __libc_free(memory);
+}
+}
+
+#endif

@@ -1,0 +1,225 @@
+// A file that others truncate, overwrite, replace or remove while it is opened, verified and rendered: each
+// time there must be the right picture, or an error that names the file.
+
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <optional>
+#include <random>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "format/atlas_writer.h"
+#include "player/render_frame.h"
+#include "tests/faults/small_atlas.h"
+#include "tests/support/run_program.h"
+
+namespace splatlas {
+namespace {
+
+namespace fs = std::filesystem;
+using Bytes = std::vector<std::byte>;
+
+enum class Attack : std::uint8_t { kTruncate, kOverwrite, kWriteOver, kReplace, kRemove, kGrow };
+constexpr std::array<const char*, 6> kAttacks{"truncated", "overwritten", "written over",
+                                              "replaced",  "removed",     "grown"};
+
+void put(const fs::path& path, const Bytes& bytes) {
+  std::ofstream(path, std::ios::binary)
+      .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+}
+
+/// How far the reader has come.
+enum Stage : int { kBegins, kOpened, kSelected, kSeen };
+
+/// What happens to the file: one thing, some time after the reader has come to a stage.
+class Attacker {
+ public:
+  Attacker(const fs::path& path, Attack kind, const Bytes& other, std::uint32_t seed)
+      : path_(path), kind_(kind), other_(other), random_(seed) {
+    put(prepared_, other_);
+    stage_ = static_cast<int>(random_() % kSeen);
+    thread_ = std::thread([this, own_seed = random_()] { wait_and_attack(own_seed); });
+  }
+  ~Attacker() {
+    reader_ = kSeen;
+    thread_.join();
+    std::error_code ignored;
+    fs::remove(prepared_, ignored);
+    ::close(descriptor_);
+  }
+  Attacker(const Attacker&) = delete;
+  Attacker& operator=(const Attacker&) = delete;
+
+  /// The reader tells. Half of the times it waits here until the thing is done.
+  void reached(Stage stage) {
+    reader_ = stage;
+    if (stage != stage_ || (random_() & 1) == 0) return;
+    while (!done_) std::this_thread::yield();
+  }
+
+ private:
+  static constexpr std::size_t kMostNoise = 64;
+
+  static void spin(std::chrono::steady_clock::duration time) {
+    for (const auto end = std::chrono::steady_clock::now() + time; std::chrono::steady_clock::now() < end;) {
+    }
+  }
+
+  void wait_and_attack(std::mt19937::result_type seed) {
+    std::mt19937 random(seed);
+    const auto place = static_cast<off_t>(random() % other_.size());
+    const auto length = 1 + random() % kMostNoise;
+    while (reader_ < stage_) std::this_thread::yield();
+    spin(std::chrono::microseconds(random() % 300));
+    change(place, length, random);
+    done_ = true;
+  }
+
+  void change(off_t place, std::size_t length, std::mt19937& random) const {
+    std::array<char, kMostNoise> noise{};
+    for (char& byte : noise) byte = static_cast<char>(random());
+    switch (kind_) {
+      case Attack::kTruncate: return checked(::ftruncate(descriptor_, place));
+      case Attack::kOverwrite: return checked(::pwrite(descriptor_, noise.data(), length, place));
+      case Attack::kWriteOver: return checked(::pwrite(descriptor_, other_.data(), other_.size(), 0));
+      case Attack::kReplace: return checked(::rename(prepared_.c_str(), path_.c_str()));
+      case Attack::kRemove: return checked(::unlink(path_.c_str()));
+      case Attack::kGrow: return checked(::pwrite(descriptor_, noise.data(), length, size_));
+    }
+  }
+
+  static void checked(ssize_t result) {
+    if (result < 0) throw std::runtime_error("cannot change the file");
+  }
+
+  const fs::path& path_;
+  Attack kind_;
+  const Bytes& other_;
+  std::mt19937 random_;
+  fs::path prepared_ = path_.string() + ".new";
+  int descriptor_ = ::open(path_.c_str(), O_WRONLY | O_CLOEXEC);
+  off_t size_ = static_cast<off_t>(fs::file_size(path_));
+  int stage_ = 0;
+  std::atomic<int> reader_{-1};
+  std::atomic<bool> done_{false};
+  std::thread thread_;
+};
+
+/// Surfaces first, then all of it: each reads what it needs when it needs it.
+Result<std::vector<Picture>> look_at(
+    const fs::path& path, bool verify, const std::function<void(Stage)>& reached = [](Stage) {}) {
+  reached(kBegins);
+  SPLATLAS_ASSIGN_OR_RETURN(const auto atlas, Atlas::open(path));
+  reached(kOpened);
+  if (verify) SPLATLAS_RETURN_IF_ERROR(atlas->verify());
+  Renderer renderer(atlas, {.threads = 2});
+  std::vector<Picture> pictures;
+  for (const char* text : {"left:surface + ball:surface", "*:both(opacity=0.3)"}) {
+    SPLATLAS_ASSIGN_OR_RETURN(const Selection selection, select(text, atlas->graph()));
+    SPLATLAS_RETURN_IF_ERROR(renderer.select(selection));
+    if (!pictures.empty()) reached(kSelected);
+    SPLATLAS_ASSIGN_OR_RETURN(pictures.emplace_back(),
+                              renderer.render({.azimuth_deg = 30}, {.size = {24, 24}}));
+  }
+  return pictures;
+}
+
+bool are_same(const std::vector<Picture>& a, const std::vector<Picture>& b) {
+  return a[0].rgba == b[0].rgba && a[1].rgba == b[1].rgba;
+}
+
+struct Tally {
+  std::uint64_t old_pictures = 0, new_pictures = 0, errors = 0, wrong = 0;
+};
+
+class Races {
+ public:
+  explicit Races(const fs::path& folder)
+      : path_(folder / "raced.atlas"),
+        atlas_(encode_atlas(small_atlas(1)).value()),
+        other_(encode_atlas(small_atlas(2)).value()) {
+    put(path_, other_);
+    new_pictures_ = look_at(path_, true).value();
+    put(path_, atlas_);
+    old_pictures_ = look_at(path_, true).value();
+    if (are_same(old_pictures_, new_pictures_)) throw std::runtime_error("both atlases look alike");
+  }
+
+  void run(std::uint32_t seed) {
+    const auto kind = static_cast<Attack>(seed % kAttacks.size());
+    fs::remove(path_);
+    put(path_, atlas_);
+    std::optional<Attacker> attacker(std::in_place, path_, kind, other_, seed);
+    const auto seen = look_at(path_, seed % 4 == 0, [&](Stage stage) { attacker->reached(stage); });
+    attacker.reset();
+    judge(seed, kind, seen);
+  }
+
+  [[nodiscard]] std::uint64_t report() const {
+    std::uint64_t wrong = 0;
+    fmt::print("{:14} {:>12} {:>12} {:>8} {:>8}\n", "the file is", "old pictures", "new pictures", "errors",
+               "wrong");
+    for (std::size_t n = 0; n < kAttacks.size(); ++n) {
+      const Tally& tally = tallies_[n];
+      fmt::print("{:14} {:12} {:12} {:8} {:8}\n", kAttacks[n], tally.old_pictures, tally.new_pictures,
+                 tally.errors, tally.wrong);
+      wrong += tally.wrong;
+    }
+    return wrong;
+  }
+
+ private:
+  void judge(std::uint32_t seed, Attack kind, const Result<std::vector<Picture>>& seen) {
+    Tally& tally = tallies_[static_cast<std::size_t>(kind)];
+    if (!seen && seen.error().message.find(path_.string() + ": ") == 0) {
+      ++tally.errors;
+    } else if (seen && are_same(*seen, old_pictures_)) {
+      ++tally.old_pictures;
+    } else if (seen && are_same(*seen, new_pictures_) &&
+               (kind == Attack::kReplace || kind == Attack::kWriteOver)) {
+      ++tally.new_pictures;
+    } else {
+      ++tally.wrong;
+      fmt::print("--first {} --races 1: {}: {}\n", seed, kAttacks[static_cast<std::size_t>(kind)],
+                 seen ? "a picture of neither atlas" : seen.error().message);
+    }
+  }
+
+  fs::path path_;
+  Bytes atlas_, other_;
+  std::vector<Picture> old_pictures_, new_pictures_;
+  std::array<Tally, kAttacks.size()> tallies_;
+};
+
+}  // namespace
+}  // namespace splatlas
+
+int main(int argc, char** argv) try {
+  CLI::App app{"Files that change while they are open", "splatlas-file-races"};
+  std::uint32_t races = 10000, first = 0;
+  app.add_option("--races", races, "how many")->capture_default_str();
+  app.add_option("--first", first, "number of the first one")->capture_default_str();
+  CLI11_PARSE(app, argc, argv);
+  const splatlas::TemporaryFolder folder;
+  splatlas::Races all(folder.path());
+  for (std::uint32_t n = 0; n < races; ++n) all.run(first + n);
+  const std::uint64_t wrong = all.report();
+  fmt::print("{} races, {} wrong\n", races, wrong);
+  return wrong == 0 ? 0 : 1;
+} catch (const std::exception& exception) {
+  std::fprintf(stderr, "splatlas-file-races: %s\n", exception.what());
+  return 1;
+}
