@@ -44,8 +44,10 @@ std::vector<std::uint8_t> random_mask(const Index3& size) {
 }
 
 RC_GTEST_PROP(SplitBoundary, IsTheDefinitionAlongEveryAxis, ()) {
-  const Index3 size{*rc::gen::inRange<std::int64_t>(1, 9), *rc::gen::inRange<std::int64_t>(1, 9),
-                    *rc::gen::inRange<std::int64_t>(1, 9)};
+  Index3 size{*rc::gen::inRange<std::int64_t>(1, 9), *rc::gen::inRange<std::int64_t>(1, 9),
+              *rc::gen::inRange<std::int64_t>(1, 9)};
+  // Scanlines of several words along one axis or another.
+  size[*rc::gen::inRange<std::size_t>(0, 3)] = *rc::gen::inRange<std::int64_t>(1, 200);
   const auto mask = random_mask(size);
   const std::vector<ClassId> parts = split_by_definition(mask, size);
   const std::vector<ClassId> whole(mask.begin(), mask.end());
