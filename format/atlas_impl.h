@@ -23,7 +23,7 @@ namespace splatlas {
 
 struct Atlas::Impl {
   Impl(InputFile opened_file, const FileHeader& checked_header, Directory checked_directory,
-       FileLayout file_layout);
+       RunStreams streams, FileLayout file_layout);
 
   /// A stream that the directory tells of; empty where the file has no such section.
   [[nodiscard]] Result<std::vector<std::byte>> read_stream(SectionKind kind, std::size_t stream) const;

@@ -22,6 +22,7 @@ constexpr std::uint64_t kMaxDerivedVoxels = std::uint64_t{1} << 32;
 struct OpenedDirectory {
   FileHeader header;
   Directory directory;
+  RunStreams streams;
   FileLayout layout;
 };
 
@@ -36,19 +37,20 @@ Result<OpenedDirectory> read_directory(const InputFile& file) {
     return fail(ErrorCode::kInvalidAtlas, "damaged: checksum of the directory");
   }
   SPLATLAS_ASSIGN_OR_RETURN(Directory directory, decode_directory(bytes));
-  SPLATLAS_RETURN_IF_ERROR(validate(directory));
-  SPLATLAS_ASSIGN_OR_RETURN(FileLayout layout, lay_out(directory, header.directory_bytes));
+  RunStreams streams(directory.classes);
+  SPLATLAS_RETURN_IF_ERROR(validate(directory, streams));
+  SPLATLAS_ASSIGN_OR_RETURN(FileLayout layout, lay_out(directory, streams.groups(), header.directory_bytes));
   if (layout.file_bytes() != header.file_bytes) {
     return fail(ErrorCode::kInvalidAtlas, fmt::format("invalid: chunks end at {}, the file has {} bytes",
                                                       layout.file_bytes(), header.file_bytes));
   }
-  return OpenedDirectory{header, std::move(directory), std::move(layout)};
+  return OpenedDirectory{header, std::move(directory), std::move(streams), std::move(layout)};
 }
 
 }  // namespace
 
 Atlas::Impl::Impl(InputFile opened_file, const FileHeader& checked_header, Directory checked_directory,
-                  FileLayout file_layout)
+                  RunStreams streams, FileLayout file_layout)
     : file(std::move(opened_file)),
       header(checked_header),
       directory(std::move(checked_directory)),
@@ -56,7 +58,7 @@ Atlas::Impl::Impl(InputFile opened_file, const FileHeader& checked_header, Direc
       layout(std::move(file_layout)),
       tree(directory.graph, directory.classes),
       sections(file, directory, layout),
-      run_streams(directory.classes),
+      run_streams(std::move(streams)),
       groups(run_streams.groups()),
       surface_stream(directory.graph.size()),
       held(groups.size()) {
@@ -81,7 +83,7 @@ Result<std::shared_ptr<const Atlas>> Atlas::open_file(InputFile file) {
     auto opened = read_directory(file);
     if (!opened) return fail(opened.error().code, file.name() + ": " + opened.error().message);
     auto impl = std::make_unique<Impl>(std::move(file), opened->header, std::move(opened->directory),
-                                       std::move(opened->layout));
+                                       std::move(opened->streams), std::move(opened->layout));
     return std::shared_ptr<const Atlas>(new Atlas(std::move(impl)));
   } catch (const std::bad_alloc&) {
     return fail(ErrorCode::kLimit, file.name() + ": out of memory");

@@ -251,6 +251,19 @@ Result<void> check_tables(const schema::Directory& d) {
   return {};
 }
 
+/// What is yes or no must be 1 or 0.
+Result<void> check_flags(const schema::Directory& d) {
+  for (const std::uint8_t flipped : *d.source_to_storage()->flipped()) {
+    if (flipped > 1) return invalid(fmt::format("invalid: an axis is reversed by {}", flipped));
+  }
+  for (flatbuffers::uoffset_t c = 0; c < d.normals_fitted()->size(); ++c) {
+    if (const std::uint8_t fitted = d.normals_fitted()->Get(c); fitted > 1) {
+      return invalid(fmt::format("invalid: normals of class {} are fitted by {}", c, fitted));
+    }
+  }
+  return {};
+}
+
 Result<StructureGraph> read_structures(const schema::Directory& d, TextReader& text) {
   std::vector<Structure> structures(d.structures()->size());
   std::uint32_t parent = 0;
@@ -272,9 +285,11 @@ Result<StructureGraph> read_structures(const schema::Directory& d, TextReader& t
 
 Result<void> read_classes(const schema::Directory& d, Directory& directory) {
   std::uint32_t member = 0;
+  directory.run_bytes.reserve(d.classes()->size());
   for (ClassId c = 0; c < d.classes()->size(); ++c) {
     const schema::Class& row = *d.classes()->Get(c);
     std::vector<Membership> members;
+    members.reserve(row.members_end() - member);
     for (; member < row.members_end(); ++member) {
       const std::uint32_t code = d.members()->Get(member);
       if (code / 4 >= directory.graph.size() || code % 4 > static_cast<std::uint32_t>(Part::kCrossed)) {
@@ -331,6 +346,7 @@ Result<Directory> decode_directory(std::span<const std::byte> bytes) {
     return invalid("invalid: directory is not a FlatBuffer of an atlas");
   const schema::Directory& d = *schema::GetDirectory(data);
   SPLATLAS_RETURN_IF_ERROR(check_tables(d));
+  SPLATLAS_RETURN_IF_ERROR(check_flags(d));
 
   Directory directory;
   const schema::Grid& grid = *d.source_grid();
@@ -352,6 +368,7 @@ Result<Directory> decode_directory(std::span<const std::byte> bytes) {
   }
   SPLATLAS_ASSIGN_OR_RETURN(directory.graph, read_structures(d, text));
   SPLATLAS_RETURN_IF_ERROR(read_classes(d, directory));
+  directory.surfaces.reserve(d.surfaces()->size());
   for (const schema::Surface* row : *d.surfaces()) {
     directory.surfaces.push_back({row->vertices(), row->triangles(), row->position_scale(), row->bytes()});
   }

@@ -17,6 +17,8 @@
 
 namespace splatlas {
 
+class RunStreams;
+
 /// Classes of one file.
 inline constexpr std::size_t kMaxClasses = std::size_t{1} << 24;
 
@@ -95,5 +97,7 @@ struct Directory {
 /// and voxel counts, stream lengths against what the geometry allows. kInvalidAtlas, naming the class or
 /// structure.
 [[nodiscard]] Result<void> validate(const Directory& directory);
+/// The same, with what readers have made of the classes already.
+[[nodiscard]] Result<void> validate(const Directory& directory, const RunStreams& streams);
 
 }  // namespace splatlas

@@ -43,14 +43,35 @@ std::size_t utf8_sequence(std::string_view text) {
   return 0;
 }
 
-/// Text that can be shown: UTF-8 without control characters but line feed and tab.
-Result<void> check_text(std::string_view text, std::string_view what) {
+/// Whether a sequence of UTF-8 is one of the characters that turn text around: embeddings, overrides and
+/// isolates (U+202A to U+202E, U+2066 to U+2069). With them a name reads as another one.
+bool turns_text(std::string_view sequence) {
+  return (sequence >= "\xe2\x80\xaa" && sequence <= "\xe2\x80\xae") ||
+         (sequence >= "\xe2\x81\xa6" && sequence <= "\xe2\x81\xa9");
+}
+
+/// Text that can be shown: UTF-8 without control characters but line feed and tab, and nothing that turns it.
+/// `name_it` tells what text it is.
+template <typename NameIt>
+Result<void> check_text(std::string_view text, const NameIt& name_it) {
+  bool plain = true;  // most text is, and this loop is of vectors
+  for (const char c : text) plain &= c >= ' ' && c <= '~';
+  if (plain) return {};
+  const std::string what = name_it();
   for (std::size_t n = 0; n < text.size();) {
     const std::size_t length = utf8_sequence(text.substr(n));
     if (length == 0) return invalid(fmt::format("{} is not UTF-8 (byte {})", what, n));
     const unsigned char c = static_cast<unsigned char>(text[n]);
     if ((c < 0x20 && c != '\n' && c != '\t') || c == 0x7f) {
       return invalid(fmt::format("{} has a control character (byte {} is {:#04x})", what, n, c));
+    }
+    const std::string_view sequence = text.substr(n, length);
+    if (sequence >= "\xc2\x80" && sequence <= "\xc2\x9f") {  // those of eight bits, which terminals obey, too
+      return invalid(fmt::format("{} has a control character (byte {} begins U+{:04X})", what, n,
+                                 static_cast<unsigned char>(sequence[1])));
+    }
+    if (turns_text(sequence)) {
+      return invalid(fmt::format("{} has a character that turns text around (byte {})", what, n));
     }
     n += length;
   }
@@ -60,20 +81,21 @@ Result<void> check_text(std::string_view text, std::string_view what) {
 Result<void> check_texts(const Directory& d) {
   const Provenance& p = d.provenance;
   for (const auto* text : {&p.title, &p.citation, &p.licence, &p.tool}) {
-    SPLATLAS_RETURN_IF_ERROR(check_text(*text, "provenance"));
+    SPLATLAS_RETURN_IF_ERROR(check_text(*text, [] { return std::string("provenance"); }));
   }
   for (const Source& source : p.sources) {
-    SPLATLAS_RETURN_IF_ERROR(check_text(source.role, "a source's role"));
-    SPLATLAS_RETURN_IF_ERROR(check_text(source.hash, "a source's hash"));
+    SPLATLAS_RETURN_IF_ERROR(check_text(source.role, [] { return std::string("a source's role"); }));
+    SPLATLAS_RETURN_IF_ERROR(check_text(source.hash, [] { return std::string("a source's hash"); }));
   }
   for (StructureIndex s = 0; s < d.graph.size(); ++s) {
-    SPLATLAS_RETURN_IF_ERROR(check_text(d.graph[s].id, fmt::format("id of structure {}", s)));
-    SPLATLAS_RETURN_IF_ERROR(check_text(d.graph[s].name, fmt::format("name of structure {}", s)));
+    SPLATLAS_RETURN_IF_ERROR(check_text(d.graph[s].id, [s] { return fmt::format("id of structure {}", s); }));
+    SPLATLAS_RETURN_IF_ERROR(
+        check_text(d.graph[s].name, [s] { return fmt::format("name of structure {}", s); }));
   }
   for (std::size_t n = 0; n < d.scenes.size(); ++n) {
     const Scene& scene = d.scenes[n];
     for (const auto* text : {&scene.name, &scene.caption, &scene.selection}) {
-      SPLATLAS_RETURN_IF_ERROR(check_text(*text, fmt::format("text of scene {}", n)));
+      SPLATLAS_RETURN_IF_ERROR(check_text(*text, [n] { return fmt::format("text of scene {}", n); }));
     }
     if (!all_finite({scene.azimuth_deg, scene.elevation_deg, scene.zoom}) || !(scene.zoom > 0)) {
       return invalid(fmt::format("camera of scene {}: azimuth {}, elevation {}, zoom {}", n,
@@ -132,8 +154,7 @@ Result<void> check_classes(const Directory& d, const Grid& grid) {
   return {};
 }
 
-Result<void> check_runs(const Directory& d) {
-  const RunStreams streams(d.classes);
+Result<void> check_runs(const Directory& d, const RunStreams& streams) {
   for (const Axis axis : kAxes) {
     const auto a = static_cast<std::size_t>(axis);
     const bool stored = std::ranges::count(d.sections, static_cast<std::uint32_t>(run_section(axis)),
@@ -188,12 +209,16 @@ Result<void> check_surfaces(const Directory& d, const Grid& grid) {
 }  // namespace
 
 Result<void> validate(const Directory& d) {
+  return validate(d, RunStreams(d.classes));
+}
+
+Result<void> validate(const Directory& d, const RunStreams& streams) {
   SPLATLAS_RETURN_IF_ERROR(check_geometry(d));
   SPLATLAS_RETURN_IF_ERROR(check_texts(d));
   const Grid grid = reordered(d.source_grid, d.source_to_storage);
   if (auto valid = validate(grid, "storage grid"); !valid) return invalid(valid.error().message);
   SPLATLAS_RETURN_IF_ERROR(check_classes(d, grid));
-  SPLATLAS_RETURN_IF_ERROR(check_runs(d));
+  SPLATLAS_RETURN_IF_ERROR(check_runs(d, streams));
   SPLATLAS_RETURN_IF_ERROR(check_normals(d));
   SPLATLAS_RETURN_IF_ERROR(check_surfaces(d, grid));
   return {};

@@ -9,7 +9,6 @@
 
 #include "format/checksum.h"
 #include "format/value_codec.h"
-#include "format/value_groups.h"
 
 namespace splatlas {
 
@@ -101,6 +100,11 @@ const SectionLayout* FileLayout::find(SectionKind kind) const {
 }
 
 std::vector<std::uint64_t> stream_sizes(const Directory& directory, SectionKind kind) {
+  return stream_sizes(directory, ValueGroups(directory.classes), kind);
+}
+
+std::vector<std::uint64_t> stream_sizes(const Directory& directory, const ValueGroups& groups,
+                                        SectionKind kind) {
   std::vector<std::uint64_t> sizes;
   if (kind == SectionKind::kSurfaces) {
     for (const StructureIndex s : directory.graph.preorder()) sizes.push_back(directory.surfaces[s].bytes);
@@ -109,7 +113,6 @@ std::vector<std::uint64_t> stream_sizes(const Directory& directory, SectionKind 
   const ClassTable& classes = directory.classes;
   if (kind == SectionKind::kValues) {
     const Index3 size = reordered(directory.source_grid, directory.source_to_storage).size;
-    const ValueGroups groups(classes);
     for (std::size_t g = 0; g < groups.size(); ++g) {
       sizes.push_back(value_code_bytes(directory.value_type, group_box(groups, classes, g, size),
                                        group_voxels(groups, classes, g)));
@@ -164,13 +167,14 @@ bool is_known(std::uint32_t kind) {
 }
 
 /// Cuts a known section's streams and compares with the chunks that it has.
-Result<void> lay_out_streams(const Directory& directory, const SectionEntry& entry, SectionLayout& section) {
+Result<void> lay_out_streams(const Directory& directory, const ValueGroups& groups, const SectionEntry& entry,
+                             SectionLayout& section) {
   if (entry.chunk_bytes < kMinChunkBytes || entry.chunk_bytes > kMaxChunkBytes ||
       entry.chunk_bytes % 8 != 0 || entry.shared_bytes > entry.chunk_bytes) {
     return invalid(fmt::format("invalid: section {} is cut every {} bytes, shared up to {}",
                                section_name(entry.kind), entry.chunk_bytes, entry.shared_bytes));
   }
-  section.stream_begin = begins_of(stream_sizes(directory, static_cast<SectionKind>(entry.kind)));
+  section.stream_begin = begins_of(stream_sizes(directory, groups, static_cast<SectionKind>(entry.kind)));
   auto cuts = cut_streams(section.stream_begin, entry.chunk_bytes, entry.shared_bytes, entry.chunks);
   if (!cuts || cuts->size() != std::size_t{entry.chunks} + 1) {
     return invalid(fmt::format("invalid: section {} has {} chunks, its streams of {} bytes need {}",
@@ -208,6 +212,11 @@ Result<void> check_presence(const Directory& directory, const FileLayout& layout
 }  // namespace
 
 Result<FileLayout> lay_out(const Directory& directory, std::uint64_t directory_bytes) {
+  return lay_out(directory, ValueGroups(directory.classes), directory_bytes);
+}
+
+Result<FileLayout> lay_out(const Directory& directory, const ValueGroups& groups,
+                           std::uint64_t directory_bytes) {
   FileLayout layout;
   std::uint64_t offset = sizeof(FileHeader) + directory_bytes;
   layout.chunk_offset.reserve(directory.chunks.size() + 1);
@@ -228,7 +237,7 @@ Result<FileLayout> lay_out(const Directory& directory, std::uint64_t directory_b
     SectionLayout section;
     section.kind = entry.kind;
     section.first_chunk = static_cast<std::uint32_t>(next_chunk);
-    if (is_known(entry.kind)) SPLATLAS_RETURN_IF_ERROR(lay_out_streams(directory, entry, section));
+    if (is_known(entry.kind)) SPLATLAS_RETURN_IF_ERROR(lay_out_streams(directory, groups, entry, section));
     section.stored_bytes = layout.chunk_offset[next_chunk + entry.chunks] - layout.chunk_offset[next_chunk];
     next_chunk += entry.chunks;
     layout.sections.push_back(std::move(section));

@@ -16,6 +16,7 @@
 
 #include "format/directory.h"
 #include "format/result.h"
+#include "format/value_groups.h"
 
 namespace splatlas {
 
@@ -76,6 +77,10 @@ struct FileLayout {
 /// per group of classes (see ValueGroups), surfaces per structure in preorder of the graph.
 [[nodiscard]] std::vector<std::uint64_t> stream_sizes(const Directory& directory, SectionKind kind);
 
+/// The same, with the groups that the classes are in.
+[[nodiscard]] std::vector<std::uint64_t> stream_sizes(const Directory& directory, const ValueGroups& groups,
+                                                      SectionKind kind);
+
 /// Cuts streams that lie back to back (`stream_begin`: streams + 1 positions) into chunks: streams longer
 /// than `shared_bytes` into pieces of `chunk_bytes` of their own; consecutive shorter ones together into
 /// chunks of up to `shared_bytes`. Returns chunks + 1 positions, or nothing when there would be more than
@@ -90,5 +95,8 @@ struct FileLayout {
 /// The layout of a file. Refuses (kInvalidAtlas) sections that repeat, lack a needed one, or whose chunks do
 /// not come to the streams that the directory describes. `directory` has passed validate().
 [[nodiscard]] Result<FileLayout> lay_out(const Directory& directory, std::uint64_t directory_bytes);
+/// The same, with the groups that the classes are in.
+[[nodiscard]] Result<FileLayout> lay_out(const Directory& directory, const ValueGroups& groups,
+                                         std::uint64_t directory_bytes);
 
 }  // namespace splatlas

@@ -4,6 +4,7 @@
 #include <limits>
 #include <string_view>
 #include <unordered_set>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -90,6 +91,23 @@ std::string describe_cycle(std::span<const Structure> structures, std::span<cons
 
 }  // namespace
 
+/// Everything below `starts` for which is_new() holds when it is met, in preorder.
+template <typename IsNew>
+std::vector<StructureIndex> StructureGraph::walk(std::span<const StructureIndex> starts,
+                                                 const IsNew& is_new) const {
+  std::vector<StructureIndex> visited;
+  std::vector<StructureIndex> stack(starts.rbegin(), starts.rend());
+  while (!stack.empty()) {
+    const StructureIndex s = stack.back();
+    stack.pop_back();
+    if (!is_new(s)) continue;
+    visited.push_back(s);
+    const auto below = children(s);
+    stack.insert(stack.end(), below.rbegin(), below.rend());
+  }
+  return visited;
+}
+
 Result<StructureGraph> StructureGraph::build(std::vector<Structure> structures) {
   if (structures.size() > kMaxStructures) {
     return refuse(fmt::format("{} structures; at most {} are allowed", structures.size(), kMaxStructures));
@@ -100,7 +118,9 @@ Result<StructureGraph> StructureGraph::build(std::vector<Structure> structures) 
   graph.structures_ = std::move(structures);
   graph.list_children();
   SPLATLAS_RETURN_IF_ERROR(graph.sort_topologically());
-  graph.preorder_ = graph.walk(graph.roots_);
+  std::vector<std::uint8_t> seen(graph.size());
+  graph.preorder_ =
+      graph.walk(graph.roots_, [&](StructureIndex s) { return std::exchange(seen[s], 1) == 0; });
   return graph;
 }
 
@@ -144,27 +164,13 @@ Result<void> StructureGraph::sort_topologically() {
   return {};
 }
 
-std::vector<StructureIndex> StructureGraph::walk(std::span<const StructureIndex> starts) const {
-  std::vector<StructureIndex> visited;
-  std::unordered_set<StructureIndex> seen;
-  std::vector<StructureIndex> stack(starts.rbegin(), starts.rend());
-  while (!stack.empty()) {
-    const StructureIndex s = stack.back();
-    stack.pop_back();
-    if (!seen.insert(s).second) continue;
-    visited.push_back(s);
-    const auto below = children(s);
-    stack.insert(stack.end(), below.rbegin(), below.rend());
-  }
-  return visited;
-}
-
 std::span<const StructureIndex> StructureGraph::children(StructureIndex s) const {
   return std::span(children_).subspan(first_child_[s], first_child_[s + 1] - first_child_[s]);
 }
 
 std::vector<StructureIndex> StructureGraph::descendants(StructureIndex s) const {
-  return walk({&s, 1});
+  std::unordered_set<StructureIndex> seen;  // not of all structures: few may lie below
+  return walk({&s, 1}, [&](StructureIndex below) { return seen.insert(below).second; });
 }
 
 std::vector<std::string> StructureGraph::paths(StructureIndex s, std::size_t limit) const {

@@ -63,7 +63,9 @@ class StructureGraph {
  private:
   void list_children();
   [[nodiscard]] Result<void> sort_topologically();
-  [[nodiscard]] std::vector<StructureIndex> walk(std::span<const StructureIndex> starts) const;
+  template <typename IsNew>
+  [[nodiscard]] std::vector<StructureIndex> walk(std::span<const StructureIndex> starts,
+                                                 const IsNew& is_new) const;
 
   std::vector<Structure> structures_;
   std::vector<std::uint32_t> first_child_;  // size + 1 offsets into children_
