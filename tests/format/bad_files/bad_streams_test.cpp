@@ -1,0 +1,418 @@
+// Bad files: what is wrong inside of chunks that are sound.
+#include <cstring>
+#include <limits>
+
+#include <gtest/gtest.h>
+#include <zstd.h>
+
+#include "tests/format/bad_files/bad_files.h"
+
+namespace splatlas {
+namespace {
+
+enum Class : std::size_t {
+  kEmpty,
+  kCoreInterior,
+  kCoreBoundary,
+  kCoreAndRim,
+  kRimBoundary,
+  kKnobInterior,
+  kKnobBoundary,
+  kNeedleCrossed
+};
+/// Streams of values: group by group.
+enum Group : std::size_t { kOfEmpty, kOfCore, kOfCoreAndRim, kOfRim, kOfKnob, kOfNeedle };
+/// Streams of surfaces: in preorder.
+enum Surface : std::size_t { kOfAllS, kOfCoreS, kRimSurface, kOfKnobS, kNeedleSurface };
+
+void put_u32(Bytes& bytes, std::size_t at, std::uint32_t value) {
+  std::memcpy(bytes.data() + at, &value, 4);
+}
+
+Bytes list(std::initializer_list<int> bytes) {
+  Bytes result;
+  for (const int b : bytes) result.push_back(static_cast<std::byte>(b));
+  return result;
+}
+
+// ---- Zstandard frames
+
+Bytes compressed(std::size_t bytes) {
+  Bytes frame(ZSTD_compressBound(bytes));
+  const Bytes content(bytes);
+  frame.resize(ZSTD_compress(frame.data(), frame.size(), content.data(), content.size(), 1));
+  return frame;
+}
+
+/// Puts a frame in place of the values, which are of 591 bytes decoded.
+template <typename Make>
+void set_frame(RawAtlas& a, const Make& make) {
+  a.set_chunk(SectionKind::kValues, 0, make());
+  a.chunk(SectionKind::kValues).codec = 1;
+}
+
+constexpr BadFile kFrames[] = {
+    {"no frame", [](RawAtlas& a) { set_frame(a, [] {
+                                     return list({1, 2, 3, 4, 5});
+                                   }); },
+     "F: damaged: not a Zstandard frame of values of classes 0 to 4"},
+    {"one byte", [](RawAtlas& a) { set_frame(a, [] { return list({0x28}); }); },
+     "F: damaged: not a Zstandard frame of values of classes 0 to 4"},
+    {"the magic number alone",
+     [](RawAtlas& a) { set_frame(a, [] {
+                         return list({0x28, 0xb5, 0x2f, 0xfd});
+                       }); },
+     "F: damaged: not one Zstandard frame of values of classes 0 to 4"},
+    {"half a frame",
+     [](RawAtlas& a) {
+       set_frame(a, [] {
+         Bytes f = compressed(300);
+         f.resize(f.size() / 2);
+         return f;
+       });
+     },
+     "F: damaged: not one Zstandard frame of values of classes 0 to 4"},
+    {"a byte behind the frame",
+     [](RawAtlas& a) {
+       set_frame(a, [] {
+         Bytes f = compressed(300);
+         f.push_back(std::byte{0});
+         return f;
+       });
+     },
+     "F: damaged: not one Zstandard frame of values of classes 0 to 4"},
+    {"two frames",
+     [](RawAtlas& a) {
+       set_frame(a, [] {
+         Bytes f = compressed(300);
+         const Bytes g = f;
+         f.insert(f.end(), g.begin(), g.end());
+         return f;
+       });
+     },
+     "F: damaged: not one Zstandard frame of values of classes 0 to 4"},
+    {"a skippable frame",
+     [](RawAtlas& a) { set_frame(a, [] {
+                         return list({0x50, 0x2a, 0x4d, 0x18, 4, 0, 0, 0, 1, 2, 3, 4});
+                       }); },
+     "F: damaged: not a Zstandard frame of values of classes 0 to 4"},
+    {"a skippable frame behind the frame",
+     [](RawAtlas& a) {
+       set_frame(a, [] {
+         Bytes f = compressed(300);
+         const Bytes g = list({0x50, 0x2a, 0x4d, 0x18, 0, 0, 0, 0});
+         f.insert(f.end(), g.begin(), g.end());
+         return f;
+       });
+     },
+     "F: damaged: not one Zstandard frame of values of classes 0 to 4"},
+    {"a frame of less content", [](RawAtlas& a) { set_frame(a, [] { return compressed(8); }); },
+     "F: damaged: its frame is not of the 423 bytes that the directory tells of values of classes 0 to 4"},
+    {"a frame of more content", [](RawAtlas& a) { set_frame(a, [] { return compressed(4096); }); },
+     "F: damaged: its frame is not of the 423 bytes that the directory tells of values of classes 0 to 4"},
+    {"a bomb of a gibibyte",
+     [](RawAtlas& a) {
+       set_frame(a, [] {
+         Bytes f = list({0x28, 0xb5, 0x2f, 0xfd, 0xa0, 0, 0, 0, 0x40});
+         for (int n = 0; n < 40; ++n) {
+           const Bytes block = list({n == 39, 0, 0x10, 0});
+           f.insert(f.end(), block.begin(), block.end());
+         }
+         return f;
+       });
+     },
+     "F: damaged: not one Zstandard frame of values of classes 0 to 4"},
+    {"a frame that does not tell its content",
+     [](RawAtlas& a) { set_frame(a, [] {
+                         return list({0x28, 0xb5, 0x2f, 0xfd, 0, 0x58, 1, 0, 0});
+                       }); },
+     "F: damaged: its frame is not of the 423 bytes that the directory tells of values of classes 0 to 4"},
+    {"a frame that needs a dictionary",
+     [](RawAtlas& a) {
+       set_frame(a, [] { return list({0x28, 0xb5, 0x2f, 0xfd, 0x61, 0x77, 0, 0, 1, 0, 0}); });
+     },
+     "F: damaged: its frame is not of the 423 bytes that the directory tells of values of classes 0 to 4"},
+};
+
+// ---- run lists
+
+constexpr BadFile kRunLists[] = {
+    {"no runs",
+     [](RawAtlas& a) {
+       a.edit_stream(SectionKind::kRunsZ, kCoreInterior, [](Bytes& b) { b = list({0, 0, 0, 0}); });
+     },
+     "F: invalid: runs_z of class 1: run list says it has 0 runs"},
+    {"more runs than voxels",
+     [](RawAtlas& a) {
+       a.edit_stream(SectionKind::kRunsZ, kCoreInterior, [](Bytes& b) { b[0] = std::byte{2}; });
+     },
+     "F: invalid: runs_z of class 1: run list says it has 2 runs"},
+    {"the most runs",
+     [](RawAtlas& a) {
+       a.edit_stream(SectionKind::kRunsX, kCoreBoundary, [](Bytes& b) {
+         b = list({0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 1});
+       });
+     },
+     "F: invalid: runs_x of class 2: run list says it has 18446744073709551615 runs"},
+    {"a number that does not end",
+     [](RawAtlas& a) {
+       a.edit_stream(SectionKind::kRunsY, kCoreInterior, [](Bytes& b) {
+         b = list({0x81, 0x80, 0x80, 0x80});
+       });
+     },
+     "F: invalid: runs_y of class 1: run list says it has 1 runs"},
+    {"a number of more than 64 bits",
+     [](RawAtlas& a) {
+       a.edit_stream(SectionKind::kRunsZ, kCoreBoundary, [](Bytes& b) {
+         b = list({0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 2, 0, 0, 0});
+       });
+     },
+     "F: invalid: runs_z of class 2: run list says it has 9223372036854775807 runs"},
+    {"bytes behind the list",
+     [](RawAtlas& a) {
+       a.edit_stream(SectionKind::kRunsZ, kCoreInterior, [](Bytes& b) { b.push_back(std::byte{0}); });
+     },
+     "F: invalid: runs_z of class 1: run list ends before its bytes do"},
+    {"one byte too few",
+     [](RawAtlas& a) { a.edit_stream(SectionKind::kRunsX, kCoreBoundary, [](Bytes& b) { b.pop_back(); }); },
+     "F: invalid: runs_x of class 2: not a run list (run 6)"},
+    {"a scanline beyond the grid",
+     [](RawAtlas& a) { a.edit_runs(Axis::kZ, kCoreInterior, [](ClassRuns& r) { r[0].scanline = 20; }); },
+     "F: invalid: runs_z of class 1: run of 1 voxels at 2 of scanline 20 is not inside 20 scanlines of 10 "
+     "voxels"},
+    {"a scanline beyond all grids",
+     [](RawAtlas& a) {
+       a.edit_runs(Axis::kZ, kCoreInterior, [](ClassRuns& r) { r[0].scanline = ~std::uint64_t{0}; });
+     },
+     "F: invalid: runs_z of class 1: not a run list (run 0)"},
+    {"a scanline twice, out of order",
+     [](RawAtlas& a) { a.edit_runs(Axis::kZ, kRimBoundary, [](ClassRuns& r) { r[1] = r[0]; }); },
+     "F: invalid: runs_z of class 4: run at 4 of scanline 1 is out of order, or not apart from the run "
+     "before it"},
+    {"a start beyond the row",
+     [](RawAtlas& a) { a.edit_runs(Axis::kZ, kCoreInterior, [](ClassRuns& r) { r[0].start = 10; }); },
+     "F: invalid: runs_z of class 1: run of 1 voxels at 10 of scanline 7 is not inside 20 scanlines of 10 "
+     "voxels"},
+    {"the largest start",
+     [](RawAtlas& a) { a.edit_runs(Axis::kY, kCoreInterior, [](ClassRuns& r) { r[0].start = 0xffffffff; }); },
+     "F: invalid: runs_y of class 1: run of 1 voxels at 4294967295 of scanline 9 is not inside 20 scanlines "
+     "of 10 voxels"},
+    {"an end beyond the row",
+     [](RawAtlas& a) { a.edit_runs(Axis::kZ, kRimBoundary, [](ClassRuns& r) { r[0].length = 9; }); },
+     "F: invalid: runs_z of class 4: run of 9 voxels at 4 of scanline 1 is not inside 20 scanlines of 10 "
+     "voxels"},
+    {"no length",
+     [](RawAtlas& a) { a.edit_runs(Axis::kZ, kRimBoundary, [](ClassRuns& r) { r[0].length = 0; }); },
+     "F: invalid: runs_z of class 4: run of 0 voxels at 4 of scanline 1 is not inside 20 scanlines of 10 "
+     "voxels"},
+    {"the largest length",
+     [](RawAtlas& a) { a.edit_runs(Axis::kX, kRimBoundary, [](ClassRuns& r) { r[0].length = 0xffffffff; }); },
+     "F: invalid: runs_x of class 4: run of 4294967295 voxels at 1 of scanline 16 is not inside 40 scanlines "
+     "of 5 voxels"},
+    {"a start below 0",
+     [](RawAtlas& a) {
+       a.edit_stream(SectionKind::kRunsZ, kCoreInterior, [](Bytes& b) { b.back() = std::byte{1}; });
+     },
+     "F: invalid: runs_z of class 1: not a run list (run 0)"},
+    {"a length below 0",
+     [](RawAtlas& a) {
+       a.edit_stream(SectionKind::kRunsZ, kCoreInterior, [](Bytes& b) { b[b.size() - 2] = std::byte{5}; });
+     },
+     "F: invalid: runs_z of class 1: not a run list (run 0)"},
+    {"one voxel too few",
+     [](RawAtlas& a) { a.edit_runs(Axis::kZ, kRimBoundary, [](ClassRuns& r) { r.pop_back(); }); },
+     "F: invalid: runs_z of class 4: runs cover 8 voxels, 9 expected"},
+    {"one voxel too many",
+     [](RawAtlas& a) { a.edit_runs(Axis::kY, kRimBoundary, [](ClassRuns& r) { ++r.back().length; }); },
+     "F: invalid: runs_y of class 4: runs cover 10 voxels, 9 expected"},
+    {"runs that touch",
+     [](RawAtlas& a) {
+       a.edit_runs(Axis::kZ, kNeedleCrossed, [](ClassRuns& r) { r = {{15, 0, 3}, {15, 3, 3}}; });
+     },
+     "F: invalid: runs_z of class 7: run at 3 of scanline 15 is out of order, or not apart from the run "
+     "before it"},
+    {"runs that overlap",
+     [](RawAtlas& a) {
+       a.edit_runs(Axis::kZ, kNeedleCrossed, [](ClassRuns& r) { r = {{15, 0, 3}, {15, 2, 3}}; });
+     },
+     "F: invalid: runs_z of class 7: run at 2 of scanline 15 is out of order, or not apart from the run "
+     "before it"},
+    {"along x elsewhere",
+     [](RawAtlas& a) { a.edit_runs(Axis::kX, kCoreInterior, [](ClassRuns& r) { ++r[0].scanline; }); },
+     "F: invalid: runs_x and runs_z of class 1 cover different voxels"},
+    {"along y elsewhere",
+     [](RawAtlas& a) { a.edit_runs(Axis::kY, kCoreInterior, [](ClassRuns& r) { ++r[0].start; }); },
+     "F: invalid: runs_y and runs_z of class 1 cover different voxels"},
+    {"along z out of the box",
+     [](RawAtlas& a) { a.edit_runs(Axis::kZ, kCoreInterior, [](ClassRuns& r) { ++r[0].start; }); },
+     "F: invalid: the box of class 1 is not that of its runs"},
+    {"along z over another class, its box moved too",
+     [](RawAtlas& a) {
+       a.directory.classes[kCoreInterior].box_first[0] = a.directory.classes[kCoreInterior].box_last[0] = 4;
+       for (const Axis axis : kAxes) {
+         a.edit_runs(axis, kCoreInterior, [](ClassRuns& r) {
+           r[0].start == 2 && r[0].scanline == 7 ? r[0].start = 4 : r[0].scanline;
+         });
+       }
+       a.edit_runs(Axis::kX, kCoreInterior, [](ClassRuns& r) { r[0].scanline += 2 * 4; });
+       a.edit_runs(Axis::kY, kCoreInterior, [](ClassRuns& r) { r[0].start = 4; });
+       a.edit_runs(Axis::kZ, kCoreInterior, [](ClassRuns& r) { r[0].start = 4; });
+     },
+     "F: invalid: runs_z of classes 1 and 4 overlap in scanline 7"},
+    {"of a shared list other voxels",
+     [](RawAtlas& a) { a.edit_runs(Axis::kZ, kKnobInterior, [](ClassRuns& r) { r[0].start = 5; }); },
+     "F: invalid: the box of class 6 is not that of its runs"},
+    {"of a shared list one voxel too few",
+     [](RawAtlas& a) { a.edit_runs(Axis::kX, kKnobInterior, [](ClassRuns& r) { --r.back().length; }); },
+     "F: invalid: runs_x of class 5: runs cover 26 voxels, 27 expected"},
+};
+
+// ---- values
+
+constexpr BadFile kValues[] = {
+    {"a bucket too large",
+     [](RawAtlas& a) { a.edit_stream(SectionKind::kValues, kOfCore, [](Bytes& b) { put_u32(b, 0, 1000); }); },
+     "F: invalid: values of class 1: buckets hold more than the voxels"},
+    {"the largest bucket",
+     [](RawAtlas& a) {
+       a.edit_stream(SectionKind::kValues, kOfCore, [](Bytes& b) { put_u32(b, 60, 0xffffffff); });
+     },
+     "F: invalid: values of class 1: buckets hold more than the voxels"},
+    {"buckets that wrap around",
+     [](RawAtlas& a) {
+       a.edit_stream(SectionKind::kValues, kOfRim, [](Bytes& b) {
+         put_u32(b, 0, 0x80000000);
+         put_u32(b, 4, 0x80000000);
+       });
+     },
+     "F: invalid: values of class 4: buckets hold more than the voxels"},
+    {"empty buckets",
+     [](RawAtlas& a) {
+       a.edit_stream(SectionKind::kValues, kOfKnob,
+                     [](Bytes& b) { std::fill(b.begin(), b.begin() + 64, std::byte{0}); });
+     },
+     "F: invalid: values of class 5: buckets hold less than the voxels"},
+    {"everything in the last bucket",
+     [](RawAtlas& a) {
+       a.edit_stream(SectionKind::kValues, kOfKnob, [](Bytes& b) {
+         std::fill(b.begin(), b.begin() + 64, std::byte{0});
+         put_u32(b, 60, 27);
+       });
+     },
+     "F: invalid: values of class 5: buckets do not hold what the voxels call for"},
+    {"of the empty class everything in the first bucket",
+     [](RawAtlas& a) {
+       a.edit_stream(SectionKind::kValues, kOfEmpty, [](Bytes& b) {
+         std::fill(b.begin(), b.begin() + 64, std::byte{0});
+         put_u32(b, 0, 131);
+       });
+     },
+     "F: invalid: values of class 0: buckets do not hold what the voxels call for"},
+    {"other residuals, which are other values",
+     [](RawAtlas& a) {
+       a.edit_stream(SectionKind::kValues, kOfNeedle,
+                     [](Bytes& b) { std::fill(b.begin() + 64, b.end(), std::byte{0}); });
+     },
+     ""},
+};
+
+// ---- surfaces
+
+constexpr BadFile kSurfaces[] = {
+    {"no lengths",
+     [](RawAtlas& a) {
+       a.edit_stream(SectionKind::kSurfaces, kRimSurface,
+                     [](Bytes& b) { std::fill(b.begin(), b.begin() + 8, std::byte{0}); });
+     },
+     "F: invalid: surface of structure 'rim': its rotations do not add up"},
+    {"vertices beyond the stream",
+     [](RawAtlas& a) {
+       a.edit_stream(SectionKind::kSurfaces, kRimSurface, [](Bytes& b) { put_u32(b, 0, 0xffffffff); });
+     },
+     "F: invalid: surface of structure 'rim': its parts do not add up"},
+    {"triangles beyond the stream",
+     [](RawAtlas& a) {
+       a.edit_stream(SectionKind::kSurfaces, kRimSurface, [](Bytes& b) { put_u32(b, 4, 0xffffffff); });
+     },
+     "F: invalid: surface of structure 'rim': its parts do not add up"},
+    {"lengths that wrap around",
+     [](RawAtlas& a) {
+       a.edit_stream(SectionKind::kSurfaces, kRimSurface, [](Bytes& b) {
+         put_u32(b, 0, 0x80000000);
+         put_u32(b, 4, 0x80000000);
+       });
+     },
+     "F: invalid: surface of structure 'rim': its parts do not add up"},
+    {"a byte of vertices given to the triangles",
+     [](RawAtlas& a) {
+       a.edit_stream(SectionKind::kSurfaces, kRimSurface, [](Bytes& b) {
+         b[0] = static_cast<std::byte>(std::to_integer<int>(b[0]) - 1);
+         b[4] = static_cast<std::byte>(std::to_integer<int>(b[4]) + 1);
+       });
+     },
+     "F: invalid: surface of structure 'rim': vertices do not decode"},
+    {"a byte more",
+     [](RawAtlas& a) {
+       a.edit_stream(SectionKind::kSurfaces, kRimSurface, [](Bytes& b) { b.push_back(std::byte{0}); });
+     },
+     "F: invalid: surface of structure 'rim': its rotations do not add up"},
+    {"two bytes of rotations too many",
+     [](RawAtlas& a) {
+       a.edit_stream(SectionKind::kSurfaces, kRimSurface,
+                     [](Bytes& b) { b.insert(b.end(), 2, std::byte{0}); });
+     },
+     "F: invalid: surface of structure 'rim': its rotations do not add up"},
+    {"vertices of another codec",
+     [](RawAtlas& a) {
+       a.edit_stream(SectionKind::kSurfaces, kRimSurface, [](Bytes& b) { b[8] ^= std::byte{0xff}; });
+     },
+     "F: invalid: surface of structure 'rim': vertices do not decode"},
+    {"triangles of another codec",
+     [](RawAtlas& a) {
+       a.edit_stream(SectionKind::kSurfaces, kRimSurface, [](Bytes& b) {
+         std::uint32_t vertices = 0;
+         std::memcpy(&vertices, b.data(), 4);
+         b[8 + vertices] ^= std::byte{0xff};
+       });
+     },
+     "F: invalid: surface of structure 'rim': triangles do not decode"},
+    {"a triangle with a vertex that is not there",
+     [](RawAtlas& a) {
+       a.edit_stream(SectionKind::kSurfaces, kRimSurface, [](Bytes& b) {
+         std::uint32_t vertices = 0;
+         std::memcpy(&vertices, b.data(), 4);
+         b[8 + vertices + 1] = std::byte{0xff};
+       });
+     },
+     "F: invalid: surface of structure 'rim': triangles do not decode"},
+    {"no vertices' bytes",
+     [](RawAtlas& a) {
+       a.edit_stream(SectionKind::kSurfaces, kNeedleSurface, [](Bytes& b) { put_u32(b, 0, 0); });
+     },
+     "F: invalid: surface of structure 'needle': its rotations do not add up"},
+    {"a vertex outside of the grid",
+     [](RawAtlas& a) {
+       a.edit_stream(SectionKind::kSurfaces, kNeedleSurface, [](Bytes& b) {
+         std::uint32_t vertices = 0;
+         std::memcpy(&vertices, b.data(), 4);
+         for (std::size_t n = 8 + vertices - 16; n < 8 + vertices; ++n) b[n] = std::byte{0xff};
+       });
+     },
+     "F: invalid: surface of structure 'needle': vertex 0 lies outside the grid"},
+};
+
+TEST(BadFiles, WithABadFrame) {
+  expect_refused(kFrames);
+}
+TEST(BadFiles, WithABadRunList) {
+  expect_refused(kRunLists);
+}
+TEST(BadFiles, WithBadValues) {
+  expect_refused(kValues);
+}
+TEST(BadFiles, WithABadSurface) {
+  expect_refused(kSurfaces);
+}
+
+}  // namespace
+}  // namespace splatlas
