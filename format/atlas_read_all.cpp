@@ -1,6 +1,7 @@
 // Atlas::read_all: the content as it was written.
 #include <cstring>
 #include <new>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -21,13 +22,9 @@ Result<std::vector<ClassId>> read_class_volume(const Atlas& atlas) {
 }
 
 /// Puts the values, which are sorted by class, back to where the class volume says.
-Result<VoxelBuffer> read_value_volume(const Atlas& atlas, const std::vector<ClassId>& class_volume) {
-  VoxelBuffer values{atlas.value_type(), {}};
-  if (values.empty()) return values;
-  std::vector<std::vector<std::byte>> of_class(atlas.classes().size());
-  for (ClassId c = 0; c < of_class.size(); ++c) {
-    SPLATLAS_ASSIGN_OR_RETURN(of_class[c], atlas.read_values(c));
-  }
+VoxelBuffer assemble_values(VoxelType type, const std::vector<std::vector<std::byte>>& of_class,
+                            std::span<const ClassId> class_volume) {
+  VoxelBuffer values{type, {}};
   const std::size_t voxel_bytes = bytes_of(values.type);
   values.bytes.resize(class_volume.size() * voxel_bytes);
   std::vector<std::size_t> next(of_class.size(), 0);
@@ -45,7 +42,7 @@ Result<VoxelBuffer> read_value_volume(const Atlas& atlas, const std::vector<Clas
 
 }  // namespace
 
-Result<AtlasContent> Atlas::read_all() const {
+Result<AtlasContent> Atlas::read_classes() const {
   try {
     AtlasContent content;
     content.source_grid = source_grid();
@@ -57,7 +54,29 @@ Result<AtlasContent> Atlas::read_all() const {
     content.scenes = scenes();
     content.provenance = provenance();
     SPLATLAS_ASSIGN_OR_RETURN(content.class_volume, read_class_volume(*this));
-    SPLATLAS_ASSIGN_OR_RETURN(content.values, read_value_volume(*this, content.class_volume));
+    return content;
+  } catch (const std::bad_alloc&) {
+    return impl_->named({ErrorCode::kLimit, "out of memory"});
+  }
+}
+
+Result<VoxelBuffer> Atlas::read_value_volume(std::span<const ClassId> class_volume) const {
+  try {
+    if (value_type() == VoxelType::kNone) return VoxelBuffer{};
+    std::vector<std::vector<std::byte>> of_class(classes().size());
+    for (ClassId c = 0; c < of_class.size(); ++c) {
+      SPLATLAS_ASSIGN_OR_RETURN(of_class[c], read_values(c));
+    }
+    return assemble_values(value_type(), of_class, class_volume);
+  } catch (const std::bad_alloc&) {
+    return impl_->named({ErrorCode::kLimit, "out of memory"});
+  }
+}
+
+Result<AtlasContent> Atlas::read_all() const {
+  try {
+    SPLATLAS_ASSIGN_OR_RETURN(AtlasContent content, read_classes());
+    SPLATLAS_ASSIGN_OR_RETURN(content.values, read_value_volume(content.class_volume));
     for (StructureIndex s = 0; s < graph().size(); ++s) {
       SPLATLAS_ASSIGN_OR_RETURN(SurfaceMesh mesh, read_surface(s));
       content.surfaces.push_back(std::move(mesh));

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -67,6 +68,10 @@ class Atlas {
 
   /// Everything, decoded, for export and rewriting: the content as it was written.
   [[nodiscard]] Result<AtlasContent> read_all() const;
+  /// The content without values, surfaces and normals, for which damage to these does no harm.
+  [[nodiscard]] Result<AtlasContent> read_classes() const;
+  /// The grey values of all voxels, given the class volume that read_classes() gave.
+  [[nodiscard]] Result<VoxelBuffer> read_value_volume(std::span<const ClassId> class_volume) const;
   /// Reads and checks every byte of the file. The first fault found, told with its section, or success.
   [[nodiscard]] Result<void> verify() const;
 

@@ -111,6 +111,7 @@ Result<void> ClassCache::reserve(std::span<const Missing> missing) {
 
 Result<void> ClassCache::require(std::span<const ClassId> classes, Axis axis, ThreadPool& pool,
                                  bool normals) {
+  failed_classes_.clear();
   std::vector<Missing> missing = missing_of(classes, axis, normals);
   if (missing.empty()) return {};
   SPLATLAS_RETURN_IF_ERROR(reserve(missing));
@@ -124,10 +125,9 @@ Result<void> ClassCache::require(std::span<const ClassId> classes, Axis axis, Th
   });
   pool.for_each(missing.size(), [&](std::size_t n) { missing[n].result = decode(missing[n], axis); });
   keep_runs(missing, axis, pool);
-  Result<void> first_failure;
   for (const Missing& of : missing) {
     if (!of.result) {
-      if (first_failure) first_failure = of.result;
+      failed_classes_.push_back({of.id, of.result.error()});
       continue;
     }
     DecodedClass& decoded = classes_[of.id];
@@ -135,7 +135,8 @@ Result<void> ClassCache::require(std::span<const ClassId> classes, Axis axis, Th
     decoded.has_values = true;
     decoded.has_normals = decoded.has_normals || of.normals;
   }
-  return first_failure;
+  if (failed_classes_.empty()) return {};
+  return tl::unexpected(failed_classes_.front().error);
 }
 
 void ClassCache::keep_runs(std::span<const Missing> missing, Axis axis, ThreadPool& pool) {
@@ -184,6 +185,7 @@ Result<void> ClassCache::decode(Missing& missing, Axis axis) const {
 }
 
 Result<void> ClassCache::require_surfaces(std::span<const StructureIndex> structures, ThreadPool& pool) {
+  failed_surfaces_.clear();
   std::vector<StructureIndex> missing;
   for (const StructureIndex s : structures) {
     if (!surfaces_.contains(s)) missing.push_back(s);
@@ -191,10 +193,14 @@ Result<void> ClassCache::require_surfaces(std::span<const StructureIndex> struct
   std::vector<Result<SurfaceMesh>> meshes(missing.size());
   pool.for_each(missing.size(), [&](std::size_t n) { meshes[n] = atlas_->read_surface(missing[n]); });
   for (std::size_t n = 0; n < missing.size(); ++n) {
-    if (!meshes[n]) return tl::unexpected<Error>(std::move(meshes[n]).error());
-    surfaces_.emplace(missing[n], std::move(*meshes[n]));
+    if (meshes[n]) {
+      surfaces_.emplace(missing[n], std::move(*meshes[n]));
+    } else {
+      failed_surfaces_.push_back({missing[n], std::move(meshes[n]).error()});
+    }
   }
-  return {};
+  if (failed_surfaces_.empty()) return {};
+  return tl::unexpected(failed_surfaces_.front().error);
 }
 
 std::size_t ClassCache::run_count(ClassId c, Axis axis) const {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "format/atlas_reader.h"
+#include "player/missing_parts.h"
 #include "player/scanline_runs.h"
 #include "player/sparse_bytes.h"
 #include "player/thread_pool.h"
@@ -25,11 +26,15 @@ class ClassCache {
   explicit ClassCache(std::shared_ptr<const Atlas> atlas) : atlas_(std::move(atlas)) {}
 
   /// Makes runs of `axis` and values of every class in `classes` available, and normals if they are wanted;
-  /// reads only what is missing. On failure nothing that has been read of the failed classes is kept.
+  /// reads only what is missing. On failure nothing that has been read of the failed classes is kept; the
+  /// others are there.
   [[nodiscard]] Result<void> require(std::span<const ClassId> classes, Axis axis, ThreadPool& pool,
                                      bool normals = true);
   /// The same for surfaces.
   [[nodiscard]] Result<void> require_surfaces(std::span<const StructureIndex> structures, ThreadPool& pool);
+  /// What could not be read when it was required last.
+  [[nodiscard]] std::span<const FailedClass> failed_classes() const { return failed_classes_; }
+  [[nodiscard]] std::span<const FailedSurface> failed_surfaces() const { return failed_surfaces_; }
 
   /// The runs of all classes that have been required for an axis.
   [[nodiscard]] const ScanlineRuns& runs(Axis axis) const { return runs_[static_cast<std::size_t>(axis)]; }
@@ -66,6 +71,8 @@ class ClassCache {
   std::unordered_map<ClassId, DecodedClass> classes_;
   std::array<ScanlineRuns, 3> runs_;
   std::unordered_map<StructureIndex, SurfaceMesh> surfaces_;
+  std::vector<FailedClass> failed_classes_;
+  std::vector<FailedSurface> failed_surfaces_;
   SparseBytes values_;
   SparseBytes normals_;
 };

@@ -5,6 +5,7 @@
 #include <new>
 #include <sstream>
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -59,6 +60,16 @@ Result<void> verify_file(const std::filesystem::path& path) {
                                 path.string(), atlas->counters().file));
 }
 
+/// A damaged atlas gives the picture of the rest, and an error all the same: scripts must notice.
+Result<void> render_picture(const RenderRequest& request) {
+  SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::string> missing, run_render(request));
+  if (missing.empty()) return {};
+  for (const std::string& line : missing)
+    std::fprintf(stderr, "splatlas-player: %s\n", printable(line).c_str());
+  return fail(ErrorCode::kInvalidAtlas, fmt::format("{}: damaged; {} was written without what is missing",
+                                                    request.atlas.string(), request.output.string()));
+}
+
 Result<void> open_window(const std::filesystem::path& path, [[maybe_unused]] unsigned threads) {
 #ifdef SPLATLAS_HAS_WINDOW
   return run_window(path, threads);
@@ -98,7 +109,7 @@ Result<void> run_command(const CommandLine& line) {
   if (line.render->parsed()) {
     SPLATLAS_ASSIGN_OR_RETURN(const RenderRequest request, render_request(*line.render, line.render_words));
     install_interrupt_handlers();
-    return run_render(request);
+    return render_picture(request);
   }
   if (line.info->parsed()) return print_info(line.atlas, line.json);
   if (line.verify->parsed()) return verify_file(line.atlas);

@@ -111,7 +111,9 @@ struct Renderer::Impl {
         max_memory_bytes(options.max_memory_bytes > 0 ? options.max_memory_bytes : default_memory_limit()),
         looks(*atlas) {}
 
+  void adopt(DrawPlan new_plan);
   [[nodiscard]] Result<void> decode(Axis axis, bool shade);
+  [[nodiscard]] Result<void> leave_out_damaged();
   [[nodiscard]] AxisSpans& spans(Axis axis, bool shade);
   void keep_spans();
   void drop_kept_spans(std::uint64_t frame_bytes);
@@ -134,7 +136,8 @@ struct Renderer::Impl {
   Selection selection;
   DrawPlan plan;
   std::uint64_t plan_bytes = 0;  // what the plan's spans may take
-  VolumeLooks looks;             // of plan.classes
+  std::vector<MissingPart> missing;
+  VolumeLooks looks;  // of plan.classes
   std::array<std::optional<AxisSpans>, 3> axis_spans;
   Axis latest_axis = Axis::kZ;
   std::optional<Rays> rays;
@@ -146,10 +149,60 @@ struct Renderer::Impl {
   RenderStats stats;
 };
 
+/// What is drawn from now on.
+void Renderer::Impl::adopt(DrawPlan new_plan) {
+  plan = std::move(new_plan);
+  looks.select(plan, selection);
+  keep_spans();
+  rays.reset();
+  shown.reset();
+  stats.volume_voxels = plan.volume_voxels;
+  stats.surface_voxels = plan.surface_voxels;
+  stats.hybrid_voxels = plan.hybrid_voxels;
+  stats.occupancy = static_cast<double>(plan.volume_voxels + plan.surface_voxels + plan.hybrid_voxels) /
+                    static_cast<double>(atlas->grid().voxels());
+}
+
 /// Reads and decodes what the selection needs and the cache does not have yet.
 Result<void> Renderer::Impl::decode(Axis axis, bool shade) {
-  SPLATLAS_RETURN_IF_ERROR(cache.require(volume_classes(plan), axis, pool, shade));
-  return cache.require_surfaces(plan.surfaces, pool);
+  const Result<void> classes = cache.require(volume_classes(plan), axis, pool, shade);
+  if (!classes && cache.failed_classes().empty()) return classes;
+  if (!cache.require_surfaces(plan.surfaces, pool) || !classes) SPLATLAS_RETURN_IF_ERROR(leave_out_damaged());
+  if (!missing.empty() && volume_classes(plan).empty() && plan.surfaces.empty()) {
+    return tl::unexpected(missing.front().error);
+  }
+  return {};
+}
+
+/// Goes on without what could not be read. Want of memory is no damage.
+Result<void> Renderer::Impl::leave_out_damaged() {
+  const auto check = [](const auto& failed) -> Result<void> {
+    for (const auto& of : failed) {
+      if (of.error.code == ErrorCode::kLimit) return tl::unexpected(of.error);
+    }
+    return {};
+  };
+  SPLATLAS_RETURN_IF_ERROR(check(cache.failed_classes()));
+  SPLATLAS_RETURN_IF_ERROR(check(cache.failed_surfaces()));
+  DrawPlan rest = plan;
+  for (MissingPart& part :
+       leave_out(cache.failed_classes(), cache.failed_surfaces(), atlas->classes(), rest)) {
+    const auto known = std::ranges::find_if(missing, [&](const MissingPart& other) {
+      return other.structure == part.structure && other.surface == part.surface;
+    });
+    if (known == missing.end()) {
+      missing.push_back(std::move(part));
+    } else {
+      known->voxels += part.voxels;
+    }
+  }
+  try {
+    adopt(std::move(rest));
+  } catch (const std::bad_alloc&) {
+    plan = {};  // nothing is left, which decode() tells
+    throw;
+  }
+  return {};
 }
 
 /// Once per selection and axis.
@@ -288,6 +341,10 @@ const RenderStats& Renderer::stats() const {
   return impl_->stats;
 }
 
+const std::vector<MissingPart>& Renderer::missing() const {
+  return impl_->missing;
+}
+
 Result<void> Renderer::select(const Selection& selection) try {
   Stopwatch watch;
   Impl& r = *impl_;
@@ -305,19 +362,10 @@ Result<void> Renderer::select(const Selection& selection) try {
             r.atlas->name(), voxels, bytes >> 20, r.max_memory_bytes >> 20));
   }
   r.selection = selection;
-  r.plan = std::move(plan);
   r.plan_bytes = bytes;
-  r.looks.select(r.plan, selection);
-  r.keep_spans();
-  r.rays.reset();
-  r.shown.reset();
+  r.missing.clear();
   r.stats = {};
-  r.stats.volume_voxels = r.plan.volume_voxels;
-  r.stats.surface_voxels = r.plan.surface_voxels;
-  r.stats.hybrid_voxels = r.plan.hybrid_voxels;
-  r.stats.occupancy =
-      static_cast<double>(r.plan.volume_voxels + r.plan.surface_voxels + r.plan.hybrid_voxels) /
-      static_cast<double>(r.atlas->grid().voxels());
+  r.adopt(std::move(plan));
   r.stats.select_ms = watch.lap().wall_ms;
   return {};
 } catch (const std::bad_alloc&) {

@@ -5,12 +5,14 @@
 #include <memory>
 #include <optional>
 #include <string_view>
+#include <vector>
 
 #include "format/atlas_reader.h"
 #include "format/selection.h"
 #include "player/camera.h"
 #include "player/classification.h"
 #include "player/depth_cue.h"
+#include "player/missing_parts.h"
 #include "player/picture.h"
 #include "player/stopwatch.h"
 
@@ -93,6 +95,7 @@ class Renderer {
   /// Renders the selection. Same selection, camera and options: same bits, with any number of threads.
   /// kLimit, before anything is read or allocated, when the picture would need more memory than allowed, and
   /// when there is no more: the selection stays, and what was decoded.
+  /// Where the file is damaged, the rest is drawn: see missing(). An error where nothing is left to draw.
   /// Cost: selected voxels in view * sheet pixels per voxel * slabs per slice, selected triangles, pixels;
   /// after a change of selection also the decoded runs in its box.
   [[nodiscard]] Result<Picture> render(const Camera& camera, const RenderOptions& options = {});
@@ -102,6 +105,9 @@ class Renderer {
 
   /// Of the latest render().
   [[nodiscard]] const RenderStats& stats() const;
+  /// What the pictures of the current selection lack, as far as it has been needed: empty but for damaged
+  /// files. Tried again after the next change of selection.
+  [[nodiscard]] const std::vector<MissingPart>& missing() const;
 
   /// The structure that contributes most to the picture at picture coordinates (x, y) of the latest render(),
   /// and where on the ray; nothing where the background shows. In frames of sheets and of rays. Cost: one

@@ -17,6 +17,17 @@
 namespace splatlas {
 namespace {
 
+nlohmann::ordered_json missing_json(const Renderer& renderer) {
+  auto json = nlohmann::ordered_json::array();
+  for (const MissingPart& part : renderer.missing()) {
+    json.push_back({{"structure", renderer.atlas().graph()[part.structure].id},
+                    {"part", part.surface ? "surface" : "volume"},
+                    {"voxels", part.voxels},
+                    {"why", part.error.message}});
+  }
+  return json;
+}
+
 nlohmann::ordered_json stats_json(const Renderer& renderer, double open_ms) {
   const RenderStats& stats = renderer.stats();
   const Atlas::Counters bytes = renderer.atlas().counters();
@@ -32,7 +43,8 @@ nlohmann::ordered_json stats_json(const Renderer& renderer, double open_ms) {
        {{"open", open_ms},
         {"select", stats.select_ms},
         {"decode", stats.decode_ms},
-        {"render", stats.render_ms}}}};
+        {"render", stats.render_ms}}},
+      {"missing", missing_json(renderer)}};
 }
 
 Result<OutputFile> written(const std::filesystem::path& path, std::span<const std::byte> bytes) {
@@ -56,7 +68,7 @@ Result<void> write_outputs(const RenderRequest& request, std::span<const std::by
 
 }  // namespace
 
-Result<void> run_render(const RenderRequest& request) {
+Result<std::vector<std::string>> run_render(const RenderRequest& request) {
   SPLATLAS_RETURN_IF_ERROR(PictureEncoder::check_ending(request.output));
   SPLATLAS_RETURN_IF_ERROR(
       check_outputs(std::vector{request.output, request.stats}, std::vector{request.atlas}));
@@ -79,7 +91,12 @@ Result<void> run_render(const RenderRequest& request) {
   SPLATLAS_RETURN_IF_ERROR(renderer.select(selection));
   SPLATLAS_ASSIGN_OR_RETURN(const Picture picture, renderer.render(request.camera, request.options));
   SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::byte> bytes, encoder.encode(picture, request.background));
-  return write_outputs(request, bytes, stats_json(renderer, open_ms).dump(2) + "\n");
+  SPLATLAS_RETURN_IF_ERROR(write_outputs(request, bytes, stats_json(renderer, open_ms).dump(2) + "\n"));
+  std::vector<std::string> missing;
+  for (const MissingPart& part : renderer.missing()) {
+    missing.push_back(describe(part, renderer.atlas().graph()));
+  }
+  return missing;
 }
 
 }  // namespace splatlas

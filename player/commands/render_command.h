@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "format/result.h"
 #include "player/render_frame.h"
@@ -20,6 +21,8 @@ struct RenderRequest {
   std::filesystem::path stats;                   ///< empty: none wanted
 };
 
-[[nodiscard]] Result<void> run_render(const RenderRequest& request);
+/// Writes the picture. Where the atlas is damaged, that of what can be read: returns what is missing from it
+/// and why, a line each; nothing as a rule.
+[[nodiscard]] Result<std::vector<std::string>> run_render(const RenderRequest& request);
 
 }  // namespace splatlas

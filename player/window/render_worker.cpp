@@ -139,11 +139,19 @@ Result<Picture> RenderWorker::render(const FrameRequest& request, Quality qualit
   return picture;
 }
 
+/// The first of what the latest picture lacks, and how many more.
+std::string RenderWorker::missing_text() const {
+  const std::vector<MissingPart>& missing = renderer_.missing();
+  if (missing.empty()) return {};
+  const std::string first = describe(missing.front(), renderer_.atlas().graph());
+  return missing.size() == 1 ? first : fmt::format("{} (and {} more)", first, missing.size() - 1);
+}
+
 void RenderWorker::render_frame(const FrameRequest& request, Quality quality) {
   const auto make_frame = [&]() -> Result<std::shared_ptr<const Frame>> {
     SPLATLAS_ASSIGN_OR_RETURN(const Picture picture, render(request, quality));
-    return std::make_shared<const Frame>(
-        Frame{request, picture.size, to_srgb8(picture, kBackground), quality, renderer_.stats()});
+    return std::make_shared<const Frame>(Frame{request, picture.size, to_srgb8(picture, kBackground), quality,
+                                               renderer_.stats(), missing_text()});
   };
   Result<std::shared_ptr<const Frame>> frame = guarded(make_frame);
   if (!frame) {

@@ -34,6 +34,7 @@ struct Frame {
   std::vector<std::uint8_t> srgb8;
   Quality quality = Quality::kDraft;
   RenderStats stats;
+  std::string missing;  ///< what it lacks for damage of the file, in one line; empty as a rule
 };
 
 // What the worker has to tell, in the order in which it happened.
@@ -97,6 +98,7 @@ class RenderWorker {
   void tell(WorkerEvent event);
   [[nodiscard]] Result<void> select(const FrameRequest& request);
   [[nodiscard]] Result<Picture> render(const FrameRequest& request, Quality quality);
+  [[nodiscard]] std::string missing_text() const;
   void render_frame(const FrameRequest& request, Quality quality);
   void answer(const Point& point);
   void save_picture(const SaveJob& job);

@@ -130,6 +130,7 @@ void Session::handle(const FrameDone& done) {
   refining_ = !(latest && done.final);
   good_text_ = request.text;
   asked_.reset();  // something else may be under the pointer now
+  if (latest && !frame_->missing.empty()) tell({frame_->missing, true});
   if (!log_.on()) return;
   log_.write("picture", {{"quality", frame_->quality == Quality::kDraft ? "draft" : "normal"},
                          {"final", !refining_},

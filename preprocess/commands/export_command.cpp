@@ -1,5 +1,7 @@
 #include "preprocess/commands/export_command.h"
 
+#include <fmt/format.h>
+
 #include "format/standard_output.h"
 #include "preprocess/commands/name_and_file.h"
 
@@ -33,9 +35,12 @@ Result<void> run_export(const ExportWords& words) {
   for (const std::string& text : words.surfaces) {
     SPLATLAS_ASSIGN_OR_RETURN(options.surfaces.emplace_back(), split_name_and_file("--surface", text));
   }
-  SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::string> written, export_atlas(options));
-  for (const std::string& line : written) SPLATLAS_RETURN_IF_ERROR(print_text(line + "\n"));
-  return {};
+  SPLATLAS_ASSIGN_OR_RETURN(const ExportedFiles files, export_atlas(options));
+  for (const std::string& line : files.written) SPLATLAS_RETURN_IF_ERROR(print_text(line + "\n"));
+  if (files.failures.empty()) return {};
+  Error error = files.failures.front();
+  if (files.failures.size() > 1) error.message += fmt::format("; nor are {} more", files.failures.size() - 1);
+  return tl::unexpected(std::move(error));
 }
 
 }  // namespace splatlas

@@ -39,15 +39,6 @@ Result<std::vector<std::vector<StructureIndex>>> find_surfaces(const Atlas& atla
   return result;
 }
 
-Result<void> export_surface(const Atlas& atlas, const std::vector<StructureIndex>& structures,
-                            const fs::path& path) {
-  std::vector<SurfaceMesh> surfaces;
-  for (const StructureIndex s : structures) {
-    SPLATLAS_ASSIGN_OR_RETURN(surfaces.emplace_back(), atlas.read_surface(s));
-  }
-  return write_mesh(surfaces, atlas.grid(), path);
-}
-
 bool is_folder_of_masks(const ExportOptions& options) {
   return options.labels.ends_with('/');
 }
@@ -95,40 +86,82 @@ Result<void> check_writable(const ExportOptions& options) {
   return {};
 }
 
+/// Labels, as a map or as masks.
+Result<std::string> export_labels(const AtlasContent& content, const Atlas& atlas,
+                                  const ExportOptions& options) {
+  if (is_folder_of_masks(options)) {
+    SPLATLAS_ASSIGN_OR_RETURN(const std::size_t masks, export_masks(content, options.labels));
+    return fmt::format("{}: {} masks", options.labels, masks);
+  }
+  SPLATLAS_RETURN_IF_ERROR(export_label_map(content, atlas.name(), options.labels));
+  return fmt::format("{}: labels, {}", options.labels, name_of(content.label_type));
+}
+
+Result<std::string> export_volume(const AtlasContent& content, const Atlas& atlas, const fs::path& path) {
+  SPLATLAS_ASSIGN_OR_RETURN(const VoxelBuffer values, atlas.read_value_volume(content.class_volume));
+  SPLATLAS_RETURN_IF_ERROR(write_image({content.source_grid, to_source_order(values, content)}, path));
+  return fmt::format("{}: volume, {}", path.string(), name_of(values.type));
+}
+
+Result<std::string> export_surface(const Atlas& atlas, const std::vector<StructureIndex>& structures,
+                                   const fs::path& path) {
+  std::vector<SurfaceMesh> surfaces;
+  std::uint64_t triangles = 0;
+  for (const StructureIndex s : structures) {
+    SPLATLAS_ASSIGN_OR_RETURN(surfaces.emplace_back(), atlas.read_surface(s));
+    triangles += surfaces.back().triangles.size();
+  }
+  SPLATLAS_RETURN_IF_ERROR(write_mesh(surfaces, atlas.grid(), path));
+  return fmt::format("{}: {} triangles", path.string(), triangles);
+}
+
+/// Goes on after damage; everything else ends the export.
+Result<void> note(Result<std::string> result, const std::string& output, ExportedFiles& files) {
+  if (result) {
+    files.written.push_back(*std::move(result));
+  } else if (result.error().code == ErrorCode::kInvalidAtlas) {
+    files.failures.push_back(
+        {result.error().code, result.error().message + "; " + output + " is not written"});
+  } else {
+    return tl::unexpected(std::move(result).error());
+  }
+  return {};
+}
+
+Result<void> export_voxels(const Atlas& atlas, const ExportOptions& options, ExportedFiles& files) {
+  const Result<AtlasContent> content = atlas.read_classes();
+  const auto from_content = [&](const auto& write) {
+    return content ? write(*content) : Result<std::string>(tl::unexpected(content.error()));
+  };
+  if (!options.labels.empty()) {
+    SPLATLAS_RETURN_IF_ERROR(
+        note(from_content([&](const AtlasContent& c) { return export_labels(c, atlas, options); }),
+             options.labels, files));
+  }
+  if (options.volume.empty()) return {};
+  return note(from_content([&](const AtlasContent& c) { return export_volume(c, atlas, options.volume); }),
+              options.volume.string(), files);
+}
+
 }  // namespace
 
-Result<std::vector<std::string>> export_atlas(const ExportOptions& options) {
+Result<ExportedFiles> export_atlas(const ExportOptions& options) {
   SPLATLAS_RETURN_IF_ERROR(check_words(options));
   SPLATLAS_RETURN_IF_ERROR(check_writable(options));
   SPLATLAS_ASSIGN_OR_RETURN(const std::shared_ptr<const Atlas> atlas, Atlas::open(options.atlas));
   SPLATLAS_ASSIGN_OR_RETURN(const auto structures, find_surfaces(*atlas, options));
-  std::vector<std::string> written;
+  if (!options.volume.empty() && atlas->value_type() == VoxelType::kNone) {
+    return fail(ErrorCode::kFailed, fmt::format("{}: holds no grey values to export", atlas->name()));
+  }
+  ExportedFiles files;
   if (!options.labels.empty() || !options.volume.empty()) {
-    SPLATLAS_ASSIGN_OR_RETURN(const AtlasContent content, atlas->read_all());
-    if (!options.volume.empty() && content.values.empty()) {
-      return fail(ErrorCode::kFailed, fmt::format("{}: holds no grey values to export", atlas->name()));
-    }
-    if (is_folder_of_masks(options)) {
-      SPLATLAS_ASSIGN_OR_RETURN(const std::size_t masks, export_masks(content, options.labels));
-      written.push_back(fmt::format("{}: {} masks", options.labels, masks));
-    } else if (!options.labels.empty()) {
-      SPLATLAS_RETURN_IF_ERROR(export_label_map(content, atlas->name(), options.labels));
-      written.push_back(fmt::format("{}: labels, {}", options.labels, name_of(content.label_type)));
-    }
-    if (!options.volume.empty()) {
-      SPLATLAS_RETURN_IF_ERROR(
-          write_image({content.source_grid, to_source_order(content.values, content)}, options.volume));
-      written.push_back(fmt::format("{}: volume, {}", options.volume.string(), name_of(content.values.type)));
-    }
+    SPLATLAS_RETURN_IF_ERROR(export_voxels(*atlas, options, files));
   }
   for (std::size_t n = 0; n < structures.size(); ++n) {
     const fs::path& path = options.surfaces[n].second;
-    SPLATLAS_RETURN_IF_ERROR(export_surface(*atlas, structures[n], path));
-    std::uint64_t triangles = 0;
-    for (const StructureIndex s : structures[n]) triangles += atlas->triangles(s);
-    written.push_back(fmt::format("{}: {} triangles", path.string(), triangles));
+    SPLATLAS_RETURN_IF_ERROR(note(export_surface(*atlas, structures[n], path), path.string(), files));
   }
-  return written;
+  return files;
 }
 
 }  // namespace splatlas

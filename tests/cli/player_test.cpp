@@ -175,6 +175,40 @@ TEST(PlayerRender, ATruncatedAtlasIsRefused) {
   }
 }
 
+/// The last chunk is that of Sphere 2's values.
+TEST(PlayerRender, DamageCostsItsStructureAndIsNoSuccess) {
+  const TemporaryFolder folder;
+  std::string bytes = bytes_of_file(phantom_atlas());
+  bytes.back() = static_cast<char>(bytes.back() ^ 1);
+  write_file(folder.file("bad.atlas"), bytes);
+  const auto render = [&](const std::string& atlas, const std::string& select) {
+    return run_program({SPLATLAS_PLAYER, "render", atlas, "-o", "x.png", "--select", select, "--size",
+                        "40x30", "--stats", "s.json"},
+                       folder.path());
+  };
+  const ProgramResult damaged = render("bad.atlas", "*");
+  EXPECT_EQ(damaged.status, 3);
+  EXPECT_EQ(
+      damaged.err,
+      "splatlas-player: \"Sphere_2\": its volume of 901 voxels is missing: bad.atlas: damaged: checksum of "
+      "values of classes 3 to 4\n"
+      "splatlas-player: bad.atlas: damaged; x.png was written without what is missing\n");
+  const nlohmann::json stats = nlohmann::json::parse(bytes_of_file(folder.file("s.json")));
+  EXPECT_EQ(stats["missing"].size(), 1u);
+  EXPECT_EQ(stats["missing"][0]["structure"], "Sphere_2");
+  EXPECT_EQ(stats["missing"][0]["part"], "volume");
+  EXPECT_EQ(stats["missing"][0]["voxels"], 901);
+  const std::vector<float> rest = read_pixels(folder.file("x.png"));
+  EXPECT_EQ(render(phantom_atlas(), "\"Sphere 1\"").status, 0);
+  EXPECT_EQ(read_pixels(folder.file("x.png")), rest);
+
+  // Nothing is left of it alone, and nothing is missing from the others.
+  std::filesystem::remove(folder.file("x.png"));
+  EXPECT_EQ(render("bad.atlas", "\"Sphere 2\"").status, 3);
+  EXPECT_FALSE(std::filesystem::exists(folder.file("x.png")));
+  EXPECT_EQ(render("bad.atlas", "\"Sphere 1\" + \"Sphere 2\":surface").status, 0);
+}
+
 TEST(PlayerVerify, FindsADamagedByte) {
   const TemporaryFolder folder;
   std::string bytes = bytes_of_file(phantom_atlas());

@@ -110,6 +110,21 @@ TEST_F(PreprocessOutput, WhatCannotBeWrittenIsToldBeforeAnythingIsWritten) {
   refuses({"--labels", "l.nii", "--volume", std::string(300, 'x') + ".nii"}, 1, "File name too long");
 }
 
+/// Values are damaged: labels and surfaces, which need none, are written all the same.
+TEST_F(PreprocessOutput, DamageCostsTheFilesThatNeedWhatIsDamaged) {
+  std::string damaged = bytes("a.atlas");
+  damaged.back() = static_cast<char>(damaged.back() ^ 1);
+  std::ofstream(folder_.file("a.atlas"), std::ios::binary) << damaged;
+  const ProgramResult result =
+      run_export({"--labels", "l.nrrd", "--volume", "v.nrrd", "--surface", "Sphere 2=s.ply"});
+  EXPECT_EQ(result.status, 3);
+  EXPECT_EQ(
+      result.err,
+      "splatlas-preprocess: a.atlas: damaged: checksum of values of classes 3 to 4; v.nrrd is not written\n");
+  EXPECT_EQ(std::count(result.out.begin(), result.out.end(), '\n'), 2) << result.out;
+  EXPECT_THAT(folder_.names(), ElementsAre("a.atlas", "l.nrrd", "s.ply"));
+}
+
 TEST_F(PreprocessOutput, AFullDiskIsToldInOneLine) {
   // Files may grow to one block of 512 bytes.
   const std::string full = "ulimit -f 1;";

@@ -245,6 +245,22 @@ TEST_F(SessionTest, ADamagedAtlasIsToldAndTheRestStillPlays) {
   EXPECT_FALSE(is_black(*desk->frame()));
 }
 
+TEST_F(SessionTest, WhatIsDamagedIsToldBesideThePictureOfTheRest) {
+  std::vector<std::byte> bytes = *encode_atlas(phantom_content());
+  bytes.back() ^= std::byte{1};  // of the last surface
+  Desk desk(*Atlas::open_bytes(std::move(bytes), "damaged.atlas"));
+  desk->apply_text("*:surface");
+  desk.until_done();
+  EXPECT_FALSE(is_black(*desk->frame()));
+  EXPECT_TRUE(desk->status().error);
+  EXPECT_EQ(desk->status().text,
+            "\"Sphere_2\": its surface is missing: damaged.atlas: damaged: checksum of surfaces of structure "
+            "'Sphere_2'");
+  desk->apply_text("Sphere_1:surface");
+  desk.until_done();
+  EXPECT_EQ(desk->status().text, "");
+}
+
 TEST_F(SessionTest, ChoosingTellsTheFacts) {
   Desk desk(atlas());
   desk->choose(kSphere1, true);
