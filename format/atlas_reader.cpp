@@ -10,6 +10,7 @@
 
 #include "format/atlas_impl.h"
 #include "format/checksum.h"
+#include "format/memory_limit.h"
 #include "format/run_codec.h"
 
 namespace splatlas {
@@ -153,12 +154,17 @@ Result<void> Atlas::Impl::check_structure(StructureIndex s) const {
 Result<std::vector<std::byte>> Atlas::Impl::read_stream(SectionKind kind, std::size_t stream) const {
   const SectionLayout* section = layout.find(kind);
   if (!section) return std::vector<std::byte>{};
+  const std::uint64_t size = section->stream_begin[stream + 1] - section->stream_begin[stream];
+  constexpr std::uint64_t kSmall = std::uint64_t{1} << 26;
+  if (const std::uint64_t limit = size <= kSmall ? kSmall : default_memory_limit(); size > limit) {
+    return named({ErrorCode::kLimit, fmt::format("{} needs a stream of {} MiB, {} MiB are allowed",
+                                                 section_name(section->kind), size >> 20, limit >> 20)});
+  }
   try {
     auto bytes = sections.read_stream(*section, stream);
     if (!bytes) return named(bytes.error());
     return bytes;
   } catch (const std::bad_alloc&) {
-    const std::uint64_t size = section->stream_begin[stream + 1] - section->stream_begin[stream];
     return named({ErrorCode::kLimit, fmt::format("out of memory for a stream of {} bytes", size)});
   }
 }

@@ -8,9 +8,8 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <sys/resource.h>
-#include <unistd.h>
 
+#include "format/memory_limit.h"
 #include "player/axis_spans.h"
 #include "player/cast_rays.h"
 #include "player/cast_surfaces.h"
@@ -32,21 +31,6 @@ namespace {
 
 /// A forced principal axis may not be closer than about half a degree to a right angle to the view.
 constexpr double kMaxSlope = 100;
-
-std::uint64_t default_memory_limit() {
-  const long pages = sysconf(_SC_PHYS_PAGES);
-  const long page_bytes = sysconf(_SC_PAGESIZE);
-  const bool known = pages > 0 && page_bytes > 0;
-  std::uint64_t memory = known ? static_cast<std::uint64_t>(pages) * static_cast<std::uint64_t>(page_bytes)
-                               : std::uint64_t{4} << 30;
-  for (const auto resource : {RLIMIT_AS, RLIMIT_DATA}) {
-    rlimit limit{};
-    if (getrlimit(resource, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY) {
-      memory = std::min<std::uint64_t>(memory, limit.rlim_cur);
-    }
-  }
-  return memory / 4 * 3;
-}
 
 bool cues_depth(const RenderOptions& options) {
   return options.depth_cue == DepthCue::kEdges && options.depth_cue_strength > 0;
@@ -165,7 +149,7 @@ void Renderer::Impl::adopt(DrawPlan new_plan) {
 
 /// Reads and decodes what the selection needs and the cache does not have yet.
 Result<void> Renderer::Impl::decode(Axis axis, bool shade) {
-  const Result<void> classes = cache.require(volume_classes(plan), axis, pool, shade);
+  Result<void> classes = cache.require(volume_classes(plan), axis, pool, shade);
   if (!classes && cache.failed_classes().empty()) return classes;
   if (!cache.require_surfaces(plan.surfaces, pool) || !classes) SPLATLAS_RETURN_IF_ERROR(leave_out_damaged());
   if (!missing.empty() && volume_classes(plan).empty() && plan.surfaces.empty()) {

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "format/value_groups.h"
+#include "tests/support/render.h"
 
 namespace splatlas {
 namespace {
@@ -37,16 +38,6 @@ Selection of_two(StructureIndex a, StructureIndex b, DrawMode mode, std::size_t 
   for (const StructureIndex s : {a, b}) {
     selection.structures[s].mode = mode;
     selection.structures[s].color = {255, 255, 255};
-  }
-  return selection;
-}
-
-/// The selection without what is missing.
-Selection without(Selection selection, const std::vector<MissingPart>& missing) {
-  for (const MissingPart& part : missing) {
-    DrawMode& mode = selection.structures[part.structure].mode;
-    const DrawMode other = part.surface ? DrawMode::kVolume : DrawMode::kSurface;
-    mode = mode == DrawMode::kBoth ? other : DrawMode::kOff;
   }
   return selection;
 }

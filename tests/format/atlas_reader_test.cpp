@@ -202,6 +202,31 @@ TEST(Atlas, ClassesAndStructuresOutOfRangeAreErrors) {
   EXPECT_EQ(atlas->read_surface(kNoStructure).error().code, ErrorCode::kUsage);
 }
 
+/// A file of 9 MB that speaks of eight tebibytes of values, in chunks of 16 MiB.
+TEST(Atlas, RefusesStreamsThatNeedMoreMemoryThanThereIs) {
+  AtlasParts parts;
+  Directory& directory = parts.directory;
+  directory.source_grid.size = {1 << 20, 1 << 20, 1};
+  directory.value_type = VoxelType::kFloat64;
+  directory.classes.count(kEmptyClass, std::uint64_t{1} << 40, {});
+  directory.normals_fitted.resize(1);
+  directory.run_bytes.resize(1);
+  constexpr std::uint32_t kChunks = 1u << 19, kChunkBytes = 1u << 24;
+  const Bytes stored{std::byte{0}};
+  parts.chunks.assign(kChunks, stored);
+  directory.chunks.assign(kChunks, {checksum_of(stored), 1, ChunkCodec::kStored, 0});
+  directory.sections = {
+      {3, 0, kChunkBytes, 0}, {4, kChunks, kChunkBytes, 0}, {5, 0, kChunkBytes, 0}, {6, 0, kChunkBytes, 0}};
+  const auto atlas = Atlas::open_bytes(put_together(parts));
+  ASSERT_TRUE(atlas) << atlas.error().message;
+  const auto values = (*atlas)->read_values(kEmptyClass);
+  ASSERT_FALSE(values);
+  EXPECT_EQ(values.error().code, ErrorCode::kLimit);
+  EXPECT_THAT(values.error().message, HasSubstr("(memory): values needs a stream of 8388608 MiB, "));
+  EXPECT_EQ((*atlas)->verify().error().message,
+            "(memory): damaged: 1 bytes, expected 16777216 of values of class 0");
+}
+
 TEST(Atlas, OpensFilesOfNewerMinorVersionsAndSkipsTheirSections) {
   std::mt19937 random(9);
   const AtlasContent content = random_content(random);

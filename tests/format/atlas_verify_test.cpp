@@ -213,6 +213,15 @@ TEST(AtlasVerify, FindsTotalsThatDoNotAddUp) {
   EXPECT_THAT(fault_of(put_together(parts)), HasSubstr("F: invalid: runs_y has "));
 }
 
+TEST(AtlasVerify, CountsTheRunsThatACompactFileLeavesOut) {
+  WriteOptions options;
+  options.compact = true;
+  AtlasParts parts = take_apart(encode_atlas(small_content(), options).value());
+  EXPECT_EQ(fault_of(put_together(parts)), "");
+  ++parts.directory.run_totals[0];
+  EXPECT_THAT(fault_of(put_together(parts)), HasSubstr("F: invalid: runs_x has "));
+}
+
 TEST(AtlasVerify, FindsClassesThatOverlap) {
   // Two classes of two voxels in a row of six, 0 1 1 2 2 0; then both in the same place.
   AtlasContent content;

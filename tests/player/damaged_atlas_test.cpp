@@ -126,16 +126,6 @@ TEST(DamagedAtlas, WhereNothingIsLeftItIsAnErrorEachTime) {
   EXPECT_EQ(renderer.missing().size(), 1u);
 }
 
-/// The selection without what is missing.
-Selection without(Selection selection, const std::vector<MissingPart>& missing) {
-  for (const MissingPart& part : missing) {
-    DrawMode& mode = selection.structures[part.structure].mode;
-    const DrawMode other = part.surface ? DrawMode::kVolume : DrawMode::kSurface;
-    mode = mode == DrawMode::kBoth ? other : DrawMode::kOff;
-  }
-  return selection;
-}
-
 /// Every byte of a file changed, one after the other: the picture is as before, or damage is told and the
 /// picture is that of the rest.
 TEST(DamagedAtlas, NoFlippedByteChangesAPictureWithoutAnError) {

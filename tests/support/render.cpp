@@ -23,4 +23,13 @@ double zoom_for(const Display& display, int picture_side, double mm_per_pixel) {
   return 2 * display.radius_mm / (0.96 * picture_side * mm_per_pixel);
 }
 
+Selection without(Selection selection, const std::vector<MissingPart>& missing) {
+  for (const MissingPart& part : missing) {
+    DrawMode& mode = selection.structures[part.structure].mode;
+    const DrawMode other = part.surface ? DrawMode::kVolume : DrawMode::kSurface;
+    mode = mode == DrawMode::kBoth ? other : DrawMode::kOff;
+  }
+  return selection;
+}
+
 }  // namespace splatlas

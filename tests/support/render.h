@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string_view>
+#include <vector>
 
 #include "player/render_frame.h"
 #include "tests/support/test_content.h"
@@ -17,5 +18,8 @@ namespace splatlas {
 
 /// The zoom at which a pixel of a square picture is `mm` wide.
 [[nodiscard]] double zoom_for(const Display& display, int picture_side, double mm_per_pixel);
+
+/// The selection without what a damaged file's picture of it lacks.
+[[nodiscard]] Selection without(Selection selection, const std::vector<MissingPart>& missing);
 
 }  // namespace splatlas

@@ -6,17 +6,7 @@
 namespace splatlas {
 namespace {
 
-/// Of the good atlas.
-enum Class : std::size_t {
-  kEmpty,
-  kCoreInterior,
-  kCoreBoundary,
-  kCoreAndRim,
-  kRimBoundary,
-  kKnobInterior,
-  kKnobBoundary,
-  kNeedleCrossed
-};
+using enum good::Class;
 
 constexpr BadFile kMembers[] = {
     {"members of class 0", [](RawAtlas& a) { a.directory.classes[0].members_end = 1; },
@@ -68,7 +58,7 @@ constexpr BadFile kMembers[] = {
                  a.directory.classes[kNeedleCrossed].members_end);
        std::swap(a.directory.members[4], a.directory.members[7]);
      },
-     "F: damaged: its frame is not of the 511 bytes that the directory tells of values of classes 0 to 6"},
+     "F: damaged: its frame is not of the 484 bytes that the directory tells of values of classes 0 to 4"},
 };
 
 constexpr BadFile kVoxels[] = {

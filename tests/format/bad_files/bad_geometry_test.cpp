@@ -145,7 +145,7 @@ constexpr BadFile kOrdersAndTypes[] = {
     {"no value type", [](RawAtlas& a) { a.directory.value_type = 0; },
      "F: invalid: section values has 2 chunks, its streams of 0 bytes need 0"},
     {"values of two bytes", [](RawAtlas& a) { a.directory.value_type = 3; },
-     "F: damaged: its frame is not of the 508 bytes that the directory tells of values of classes 0 to 3"},
+     "F: damaged: its frame is not of the 458 bytes that the directory tells of values of classes 0 to 2"},
     {"values of four bytes", [](RawAtlas& a) { a.directory.value_type = 5; },
      "F: damaged: its frame is not of the 524 bytes that the directory tells of values of class 0"},
     {"values of eight bytes", [](RawAtlas& a) { a.directory.value_type = 8; },

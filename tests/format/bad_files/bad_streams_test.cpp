@@ -10,16 +10,7 @@
 namespace splatlas {
 namespace {
 
-enum Class : std::size_t {
-  kEmpty,
-  kCoreInterior,
-  kCoreBoundary,
-  kCoreAndRim,
-  kRimBoundary,
-  kKnobInterior,
-  kKnobBoundary,
-  kNeedleCrossed
-};
+using enum good::Class;
 /// Streams of values: group by group.
 enum Group : std::size_t { kOfEmpty, kOfCore, kOfCoreAndRim, kOfRim, kOfKnob, kOfNeedle };
 /// Streams of surfaces: in preorder.
@@ -44,7 +35,7 @@ Bytes compressed(std::size_t bytes) {
   return frame;
 }
 
-/// Puts a frame in place of the values, which are of 591 bytes decoded.
+/// Puts a frame in place of the values, which are of fewer than 600 bytes decoded.
 template <typename Make>
 void set_frame(RawAtlas& a, const Make& make) {
   a.set_chunk(SectionKind::kValues, 0, make());
@@ -107,9 +98,9 @@ constexpr BadFile kFrames[] = {
      },
      "F: damaged: not one Zstandard frame of values of classes 0 to 4"},
     {"a frame of less content", [](RawAtlas& a) { set_frame(a, [] { return compressed(8); }); },
-     "F: damaged: its frame is not of the 423 bytes that the directory tells of values of classes 0 to 4"},
+     "F: damaged: its frame is not of the 487 bytes that the directory tells of values of classes 0 to 4"},
     {"a frame of more content", [](RawAtlas& a) { set_frame(a, [] { return compressed(4096); }); },
-     "F: damaged: its frame is not of the 423 bytes that the directory tells of values of classes 0 to 4"},
+     "F: damaged: its frame is not of the 487 bytes that the directory tells of values of classes 0 to 4"},
     {"a bomb of a gibibyte",
      [](RawAtlas& a) {
        set_frame(a, [] {
@@ -126,12 +117,12 @@ constexpr BadFile kFrames[] = {
      [](RawAtlas& a) { set_frame(a, [] {
                          return list({0x28, 0xb5, 0x2f, 0xfd, 0, 0x58, 1, 0, 0});
                        }); },
-     "F: damaged: its frame is not of the 423 bytes that the directory tells of values of classes 0 to 4"},
+     "F: damaged: its frame is not of the 487 bytes that the directory tells of values of classes 0 to 4"},
     {"a frame that needs a dictionary",
      [](RawAtlas& a) {
        set_frame(a, [] { return list({0x28, 0xb5, 0x2f, 0xfd, 0x61, 0x77, 0, 0, 1, 0, 0}); });
      },
-     "F: damaged: its frame is not of the 423 bytes that the directory tells of values of classes 0 to 4"},
+     "F: damaged: its frame is not of the 487 bytes that the directory tells of values of classes 0 to 4"},
 };
 
 // ---- run lists
@@ -308,6 +299,19 @@ constexpr BadFile kValues[] = {
        });
      },
      "F: invalid: values of class 0: buckets do not hold what the voxels call for"},
+    {"an error shift above the largest",
+     [](RawAtlas& a) {
+       a.edit_stream(SectionKind::kValues, kOfCore, [](Bytes& b) { b[78] = std::byte{16}; });
+     },
+     "F: invalid: values of class 1: no model of values"},
+    {"the largest number for an error shift",
+     [](RawAtlas& a) {
+       a.edit_stream(SectionKind::kValues, kOfEmpty, [](Bytes& b) { b[78] = std::byte{255}; });
+     },
+     "F: invalid: values of class 0: no model of values"},
+    {"a byte that must be 0",
+     [](RawAtlas& a) { a.edit_stream(SectionKind::kValues, kOfRim, [](Bytes& b) { b[79] = std::byte{1}; }); },
+     "F: invalid: values of class 4: no model of values"},
     {"other residuals, which are other values",
      [](RawAtlas& a) {
        a.edit_stream(SectionKind::kValues, kOfNeedle,
