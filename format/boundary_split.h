@@ -20,8 +20,8 @@ struct SplitRuns {
 [[nodiscard]] ClassRuns join_runs(std::span<const Run> a, std::span<const Run> b);
 
 /// Splits `runs`, which pass validate_runs(), into voxels all of whose 18 neighbours (sharing a face or an
-/// edge) are covered too, and the others; beyond the grid nothing is covered. Works on bits: cost linear in the
-/// runs and a 64th of their voxels, memory nine scanlines of bits.
+/// edge) are covered too, and the others; beyond the grid nothing is covered. Works on bits: cost linear in
+/// the runs and a 64th of their voxels, memory nine scanlines of bits.
 [[nodiscard]] SplitRuns split_boundary(std::span<const Run> runs, const Index3& size, Axis axis);
 
 /// [group]: whether it has just an interior and a boundary class, in this order, of structures that no other

@@ -1,0 +1,69 @@
+// Golden files: what was written once is read for ever.
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+#include <gtest/gtest.h>
+
+#include "format/atlas_reader.h"
+#include "format/atlas_writer.h"
+#include "tests/format/golden/content_text.h"
+#include "tests/format/golden/golden_contents.h"
+
+namespace splatlas {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string text_of_file(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
+/// Folders of SPLATLAS_GOLDEN, one per version.
+std::vector<fs::path> version_folders() {
+  std::vector<fs::path> folders;
+  for (const fs::directory_entry& entry : fs::directory_iterator(SPLATLAS_GOLDEN)) {
+    if (entry.is_directory()) folders.push_back(entry.path());
+  }
+  std::ranges::sort(folders);
+  return folders;
+}
+
+TEST(Golden, FilesOfEveryVersionHoldWhatTheyHeld) {
+  std::size_t files = 0;
+  for (const fs::path& folder : version_folders()) {
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+      if (entry.path().extension() != ".atlas") continue;
+      ++files;
+      const auto atlas = Atlas::open(entry.path());
+      ASSERT_TRUE(atlas) << atlas.error().message;
+      EXPECT_EQ((*atlas)->format_version(), folder.filename());
+      const auto valid = (*atlas)->verify();
+      EXPECT_TRUE(valid) << valid.error().message;
+      const auto content = (*atlas)->read_all();
+      ASSERT_TRUE(content) << content.error().message;
+      EXPECT_EQ(content_text(*content), text_of_file(fs::path(entry.path()).replace_extension(".txt")))
+          << entry.path();
+    }
+  }
+  EXPECT_EQ(files % golden_contents().size(), 0u);
+  EXPECT_GE(files, golden_contents().size());
+}
+
+/// What is written today is read today: golden files of this version can be made at any time.
+TEST(Golden, ContentsComeBackAsTheyWere) {
+  for (const GoldenContent& golden : golden_contents()) {
+    WriteOptions options;
+    options.compact = golden.compact;
+    const auto atlas = Atlas::open_bytes(encode_atlas(golden.content, options).value());
+    ASSERT_TRUE(atlas) << golden.name << ": " << atlas.error().message;
+    const auto valid = (*atlas)->verify();
+    EXPECT_TRUE(valid) << golden.name << ": " << valid.error().message;
+    EXPECT_EQ(content_text((*atlas)->read_all().value()), content_text(golden.content)) << golden.name;
+  }
+}
+
+}  // namespace
+}  // namespace splatlas

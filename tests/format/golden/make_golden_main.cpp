@@ -1,0 +1,37 @@
+// Writes golden files for this version of the format: splatlas-golden tests/format/golden/VERSION
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "format/atlas_reader.h"
+#include "format/atlas_writer.h"
+#include "format/output_file.h"
+#include "tests/format/golden/content_text.h"
+#include "tests/format/golden/golden_contents.h"
+
+namespace {
+
+void must(const splatlas::Result<void>& result) {
+  if (!result) throw std::runtime_error(result.error().message);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) try {
+  if (argc != 2) throw std::runtime_error("give the folder to write to");
+  const std::filesystem::path folder = argv[1];
+  std::filesystem::create_directories(folder);
+  for (const splatlas::GoldenContent& golden : splatlas::golden_contents()) {
+    splatlas::WriteOptions options;
+    options.compact = golden.compact;
+    must(splatlas::write_atlas(golden.content, folder / (golden.name + ".atlas"), options));
+    const std::string text = splatlas::content_text(golden.content);
+    must(splatlas::write_file(folder / (golden.name + ".txt"), std::as_bytes(std::span(text))));
+  }
+} catch (const std::exception& error) {
+  std::fprintf(stderr, "splatlas-golden: %s\n", error.what());
+  return 1;
+}

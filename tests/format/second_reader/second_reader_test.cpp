@@ -1,0 +1,48 @@
+// A reader written after the document reads what the first one reads.
+#include "tests/format/second_reader/second_reader.h"
+
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include "format/atlas_reader.h"
+#include "format/atlas_writer.h"
+#include "tests/format/golden/golden_contents.h"
+#include "tests/format/random_content.h"
+
+namespace splatlas {
+namespace {
+
+/// The first part in which the second reader differs from what was written; "" for none.
+std::string difference(const AtlasContent& content, const std::vector<std::byte>& file) {
+  const second::Atlas read = second::read_atlas(file);
+  if (read.size != storage_grid(content).size) return "size";
+  for (const auto& volume : read.class_volume) {
+    if (!volume.empty() && volume != content.class_volume) return "class volume";
+  }
+  if (read.class_volume[2] != content.class_volume) return "class volume along z";
+  if (read.values != content.values.bytes) return "values";
+  for (std::size_t c = 0; c < read.normals.size(); ++c) {
+    if (!read.normals[c].empty() && read.normals[c] != content.boundary_normals[c]) return "normals";
+  }
+  return "";
+}
+
+TEST(SecondReader, ReadsTheContentsOfGoldenFiles) {
+  for (const GoldenContent& golden : golden_contents()) {
+    WriteOptions options;
+    options.compact = golden.compact;
+    EXPECT_EQ(difference(golden.content, encode_atlas(golden.content, options).value()), "") << golden.name;
+  }
+}
+
+RC_GTEST_PROP(SecondReader, ReadsRandomAtlases, ()) {
+  auto random = *random_source();
+  const AtlasContent content = random_content(random, {9, 6, 20});
+  WriteOptions options;
+  options.level = 1;
+  options.compact = random() % 2 == 0;
+  RC_ASSERT(difference(content, encode_atlas(content, options).value()) == "");
+}
+
+}  // namespace
+}  // namespace splatlas
