@@ -41,6 +41,7 @@ may_include tests/damage format player tests
 may_include tests/player format player tests
 may_include tests/phantom format tests
 may_include tests/support format player tests
+may_include tests/fuzz format preprocess player tests
 may_include tests/reference format player tests
 
 must_not_include 'itk|vtk|gdcm|vnl' 'ITK and VTK belong to preprocess' \

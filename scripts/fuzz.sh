@@ -1,0 +1,77 @@
+#!/usr/bin/env bash
+# Fuzzes with libFuzzer, AddressSanitizer and UndefinedBehaviorSanitizer: builds the preset fuzz, runs its targets, and
+# tells how often each was executed. Findings and what was learnt (the corpus) are kept in build/fuzz/.
+#   fuzz.sh                       every target for 60 seconds
+#   fuzz.sh SECONDS [TARGET]...   these (see tests/fuzz/CMakeLists.txt) for longer
+# As many run at a time as FUZZ_JOBS says, else as there are processors.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+# shellcheck source=scripts/steps.sh
+source scripts/steps.sh
+
+seconds=${1:-60}
+((seconds > 0)) 2>/dev/null || { printf 'fuzz.sh: %s: must be a number of seconds\n' "$seconds" >&2; exit 2; }
+targets=("${@:2}")
+jobs=${FUZZ_JOBS:-$(nproc)}
+folder=build/fuzz/fuzzing
+
+build() {
+  configure fuzz
+  cmake --build --preset fuzz
+  mkdir -p "$folder/findings"
+  build/fuzz/bin/fuzz-seeds "$folder/seeds"
+}
+
+all_targets() {
+  local program
+  for program in build/fuzz/bin/fuzz-*; do
+    [[ $program == */fuzz-seeds ]] || printf '%s\n' "${program##*/fuzz-}"
+  done
+}
+
+# What a target learnt comes first: new inputs are kept there.
+fuzz() {
+  local target=$1 inputs=("$folder/corpus/$1") options=()
+  mkdir -p "$folder/corpus/$target"
+  [[ ! -d tests/fuzz/corpus/$target ]] || inputs+=("tests/fuzz/corpus/$target")
+  [[ ! -d $folder/seeds/$target ]] || inputs+=("$folder/seeds/$target")
+  [[ ! -f tests/fuzz/$target.dict ]] || options+=("-dict=tests/fuzz/$target.dict")
+  ASAN_OPTIONS=quarantine_size_mb=16:allocator_may_return_null=0 \
+    "build/fuzz/bin/fuzz-$target" -max_total_time="$seconds" -timeout=10 -rss_limit_mb=1024 -max_len=8192 \
+    -print_final_stats=1 -artifact_prefix="$folder/findings/$target-" "${options[@]}" "${inputs[@]}" \
+    >"$folder/$target.log" 2>&1
+}
+
+fuzz_all() {
+  local target running=0 failed=0
+  for target in "${targets[@]}"; do
+    if ((running >= jobs)); then
+      wait -n || failed=1
+      ((running -= 1))
+    fi
+    fuzz "$target" &
+    ((running += 1))
+  done
+  while ((running > 0)); do
+    wait -n || failed=1
+    ((running -= 1))
+  done
+  tell_executions
+  return "$failed"
+}
+
+# A target without a count stopped at a finding: the end of its log tells.
+tell_executions() {
+  local target count sum=0
+  for target in "${targets[@]}"; do
+    count=$(sed -nE 's/^stat::number_of_executed_units: *([0-9]+)$/\1/p' "$folder/$target.log")
+    printf '%-16s %10s executions\n' "$target" "${count:-no}"
+    sum=$((sum + ${count:-0}))
+    [[ -n $count ]] || grep -m 3 -E 'finding:|ERROR|runtime error' "$folder/$target.log" || tail -n 5 "$folder/$target.log"
+  done
+  printf '%-16s %10d executions\n' "all" "$sum"
+}
+
+step "Fuzzing: build" build
+((${#targets[@]} > 0)) || mapfile -t targets < <(all_targets)
+step "Fuzzing: $seconds s each of ${#targets[@]} targets, $jobs at a time" fuzz_all

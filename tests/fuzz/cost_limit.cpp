@@ -1,0 +1,63 @@
+#include "tests/fuzz/cost_limit.h"
+
+#include <algorithm>
+#include <atomic>
+#include <ctime>
+#include <mutex>
+
+#include <fmt/format.h>
+
+#include "tests/fuzz/require.h"
+
+// Of the sanitizers' allocator; null without one.
+extern "C" {
+__attribute__((weak)) int __sanitizer_install_malloc_and_free_hooks(void (*on_malloc)(const volatile void*,
+                                                                                      std::size_t),
+                                                                    void (*on_free)(const volatile void*));
+__attribute__((weak)) std::size_t __sanitizer_get_allocated_size(const volatile void* address);
+}
+
+namespace splatlas {
+namespace {
+
+std::atomic<std::int64_t> held{0}, most_held{0};
+
+void on_malloc(const volatile void*, std::size_t bytes) {
+  const std::int64_t now = held += static_cast<std::int64_t>(bytes);
+  if (now > most_held) most_held = now;  // races cost precision, nothing else
+}
+
+void on_free(const volatile void* address) {
+  if (address != nullptr) held -= static_cast<std::int64_t>(__sanitizer_get_allocated_size(address));
+}
+
+void install_hooks() {
+  static std::once_flag once;
+  std::call_once(once, [] {
+    if (__sanitizer_install_malloc_and_free_hooks != nullptr)
+      __sanitizer_install_malloc_and_free_hooks(on_malloc, on_free);
+  });
+}
+
+double processor_seconds() {
+  timespec time{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+}  // namespace
+
+CostLimit::CostLimit() : begun_seconds_(processor_seconds()) {
+  install_hooks();
+  held = 0;
+  most_held = 0;
+}
+
+CostLimit::~CostLimit() {
+  const double seconds = processor_seconds() - begun_seconds_;
+  require(seconds <= kMostSeconds, fmt::format("it took {:.2f} s", seconds));
+  const auto bytes = static_cast<std::size_t>(most_held.load());
+  require(bytes <= kMostBytes, fmt::format("it held {} MiB at once", bytes >> 20));
+}
+
+}  // namespace splatlas

@@ -1,0 +1,49 @@
+// Mesh files from strangers, through our checks and, where they pass, VTK's readers.
+// Input: a byte of choices, then the file.
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <string>
+
+#include "preprocess/import/check_mesh_file.h"
+#include "preprocess/import/import_mesh.h"
+#include "tests/fuzz/fuzz_input.h"
+#include "tests/fuzz/require.h"
+#include "tests/fuzz/scratch_file.h"
+
+namespace splatlas {
+namespace {
+
+void check_mesh(const TriangleMesh& mesh) {
+  require(!mesh.triangles.empty(), "a mesh without triangles");
+  require(mesh.normals_lps.empty() || mesh.normals_lps.size() == mesh.positions_lps_mm.size(),
+          "normals of other points");
+  for (const auto& triangle : mesh.triangles) {
+    for (const std::uint32_t corner : triangle) {
+      require(corner < mesh.positions_lps_mm.size(), "a corner that does not exist");
+      for (const double mm : mesh.positions_lps_mm[corner]) require(std::abs(mm) <= 1e9, "a corner far away");
+    }
+  }
+  for (const auto& normal : vertex_normals(mesh)) {
+    for (const float n : normal) require(std::abs(n) <= 1.0001f, "a normal that is none");
+  }
+}
+
+void fuzz(FuzzInput input) {
+  static const std::array<std::string, 3> kNames{"mesh.stl", "mesh.obj", "mesh.ply"};
+  const auto choices = input.number<std::uint8_t>();
+  const auto path = write_input_file(kNames[choices % 3], input.rest());
+  const auto sound = check_mesh_file(path);
+  const auto mesh = import_mesh(path, (choices & 0x80) != 0 ? MeshFrame::kRas : MeshFrame::kLps);
+  if (!mesh) return require_error(mesh.error(), {ErrorCode::kFailed});
+  require(sound.has_value(), "a file that is refused was read");
+  check_mesh(*mesh);
+}
+
+}  // namespace
+}  // namespace splatlas
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  splatlas::fuzz({data, size});
+  return 0;
+}

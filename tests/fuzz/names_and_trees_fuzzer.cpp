@@ -1,0 +1,73 @@
+// Names files and tree files as people write them.
+// Input: a names file, then, behind a line "----", a tree file.
+#include <cstdint>
+#include <optional>
+#include <set>
+#include <string>
+
+#include "preprocess/structures/build_graph.h"
+#include "preprocess/structures/read_names.h"
+#include "preprocess/structures/structure_name.h"
+#include "tests/fuzz/cost_limit.h"
+#include "tests/fuzz/fuzz_input.h"
+#include "tests/fuzz/require.h"
+#include "tests/fuzz/scratch_file.h"
+
+namespace splatlas {
+namespace {
+
+std::span<const std::byte> bytes_of(std::string_view text) {
+  return std::as_bytes(std::span(text.data(), text.size()));
+}
+
+/// Nothing, where the names are refused.
+std::optional<std::vector<SourceStructure>> read_sources(std::string_view text) {
+  const auto names = read_names(write_input_file("names.txt", bytes_of(text)));
+  if (!names) {
+    require_error(names.error(), {ErrorCode::kFailed});
+    return std::nullopt;
+  }
+  std::vector<SourceStructure> sources;
+  std::set<std::int64_t> labels;
+  std::set<std::string> keys;
+  for (const LabelName& name : *names) {
+    require(name.label > 0 && name.label <= 0xffffffff && labels.insert(name.label).second, "a label twice");
+    require(check_structure_name(name.name).has_value() && keys.insert(name_key(name.name)).second,
+            "a name twice");
+    sources.push_back({name.name, name.label, name.code, name.color});
+  }
+  return sources;
+}
+
+void check_placed(const PlacedStructures& placed, const std::vector<SourceStructure>& sources) {
+  require(placed.index_of_source.size() == sources.size(), "sources and their places differ in number");
+  std::set<StructureIndex> places;
+  for (std::size_t n = 0; n < sources.size(); ++n) {
+    const StructureIndex place = placed.index_of_source[n];
+    require(place < placed.graph.size() && places.insert(place).second, "a source has no place of its own");
+    require(placed.graph[place].name == sources[n].name && placed.graph[place].label == sources[n].label,
+            "a source is at another one's place");
+  }
+}
+
+void fuzz(std::string_view text) {
+  constexpr std::string_view kSeparator = "\n----\n";
+  const std::size_t end = text.find(kSeparator);
+  const std::string_view tree = end == std::string_view::npos ? "" : text.substr(end + kSeparator.size());
+  const CostLimit limit;
+  const auto lines = read_tree(write_input_file("tree.txt", bytes_of(tree)));
+  if (!lines) require_error(lines.error(), {ErrorCode::kFailed});
+  const auto sources = read_sources(text.substr(0, end));
+  if (!lines || !sources) return;
+  const auto placed = build_graph(*sources, *lines, "tree.txt");
+  if (!placed) return require_error(placed.error(), {ErrorCode::kFailed});
+  check_placed(*placed, *sources);
+}
+
+}  // namespace
+}  // namespace splatlas
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  splatlas::fuzz(splatlas::FuzzInput(data, size).rest_as_text());
+  return 0;
+}

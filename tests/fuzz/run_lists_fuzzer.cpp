@@ -1,0 +1,110 @@
+// Run lists from strangers, and all that is done with those that are valid, against voxels one by one.
+// Input: width, height and depth (a byte each), a byte of choices, then the code of a list, or voxels as
+// bits.
+#include <cstdint>
+#include <vector>
+
+#include "format/boundary_split.h"
+#include "format/run_codec.h"
+#include "format/run_fingerprint.h"
+#include "format/run_model.h"
+#include "tests/fuzz/fuzz_input.h"
+#include "tests/fuzz/require.h"
+
+namespace splatlas {
+namespace {
+
+constexpr std::size_t kMostVoxelsASide = 12;
+
+/// 0 outside, 1 where all 18 neighbours are covered, else 2.
+std::vector<ClassId> split_by_definition(const std::vector<ClassId>& mask, const Index3& size) {
+  Grid grid;
+  grid.size = size;
+  const auto covered = [&](std::int64_t i, std::int64_t j, std::int64_t k) {
+    return grid.contains(i, j, k) && mask[static_cast<std::size_t>(grid.offset(i, j, k))] != 0;
+  };
+  std::vector<ClassId> parts;
+  for (std::int64_t k = 0; k < size[2]; ++k) {
+    for (std::int64_t j = 0; j < size[1]; ++j) {
+      for (std::int64_t i = 0; i < size[0]; ++i) {
+        bool all = covered(i, j, k);
+        for (std::int64_t n = 0; all && n < 27; ++n) {
+          const std::int64_t x = n % 3 - 1, y = n / 3 % 3 - 1, z = n / 9 - 1;
+          if (x * x + y * y + z * z < 3) all = covered(i + x, j + y, k + z);
+        }
+        parts.push_back(!covered(i, j, k) ? 0u : all ? 1u : 2u);
+      }
+    }
+  }
+  return parts;
+}
+
+void check_code(const ClassRuns& runs, std::uint64_t voxels) {
+  std::vector<std::byte> code;
+  append_run_list(runs, code);
+  require(code.size() >= min_run_list_bytes(voxels) && code.size() <= max_run_list_bytes(voxels),
+          "a list's code is longer or shorter than its bounds");
+  require(require_value(decode_run_list(code, voxels)) == runs, "a list decodes to another one");
+}
+
+/// `runs` are valid and of principal axis `axis`.
+void check_valid_runs(const ClassRuns& runs, const Index3& size, Axis axis) {
+  const std::vector<ClassId> mask = require_value(decode_runs({axis, {{}, runs}}, size));
+  const std::vector<ClassId> parts = split_by_definition(mask, size);
+  const RunFingerprinter fingerprinter(size);
+  for (const Axis other : kAxes) {
+    const ClassRuns expected = encode_runs(mask, size, other, 2).classes[1];
+    const ClassRuns converted = convert_runs(runs, size, axis, other);
+    require(converted == expected, "converted runs cover other voxels");
+    require(fingerprinter.of(converted, other) == fingerprinter.of(runs, axis), "fingerprints differ");
+    const RunModel by_definition = encode_runs(parts, size, other, 3);
+    const SplitRuns split = split_boundary(converted, size, other);
+    require(split.interior == by_definition.classes[1] && split.boundary == by_definition.classes[2],
+            "boundary split at other voxels");
+    require(join_runs(split.interior, split.boundary) == converted, "split runs join to others");
+  }
+}
+
+/// One voxel a bit.
+std::vector<ClassId> mask_of(std::span<const std::byte> bits, std::size_t voxels) {
+  std::vector<ClassId> mask(voxels, 0);
+  for (std::size_t v = 0; v < voxels && v / 8 < bits.size(); ++v) {
+    mask[v] = std::to_integer<ClassId>(bits[v / 8] >> (v % 8) & std::byte{1});
+  }
+  return mask;
+}
+
+void fuzz(FuzzInput input) {
+  Index3 size{};
+  for (std::int64_t& n : size) n = 1 + static_cast<std::int64_t>(input.below(kMostVoxelsASide));
+  const auto choices = input.number<std::uint8_t>();
+  const Axis axis = kAxes[choices % 3];
+  const auto voxels = static_cast<std::uint64_t>(size[0] * size[1] * size[2]);
+
+  ClassRuns runs;
+  if (choices >= 0x80) {
+    runs = encode_runs(mask_of(input.rest(), voxels), size, axis, 2).classes[1];
+  } else {
+    auto decoded = decode_run_list(input.rest(), voxels);
+    if (!decoded) return require_error(decoded.error(), {ErrorCode::kInvalidAtlas});
+    runs = std::move(*decoded);
+  }
+  std::uint64_t covered = 0;
+  for (const Run& run : runs) covered += run.length;
+  if (const auto valid = validate_runs(runs, size, axis, covered); !valid) {
+    require(choices < 0x80, "encoded runs are not valid");
+    require_error(valid.error(), {ErrorCode::kInvalidAtlas});
+    return;
+  }
+  require(!validate_runs(runs, size, axis, covered + 1), "runs of one voxel less are valid");
+  check_code(runs, covered);
+  check_valid_runs(runs, size, axis);
+}
+
+}  // namespace
+}  // namespace splatlas
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  splatlas::fuzz({data, size});
+  return 0;
+}

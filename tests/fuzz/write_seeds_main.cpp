@@ -1,0 +1,111 @@
+// Writes what the fuzz targets of binary formats begin with: FOLDER/TARGET/NUMBER.
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "format/atlas_writer.h"
+#include "format/chunk_codec.h"
+#include "format/run_codec.h"
+#include "format/surface_codec.h"
+#include "tests/format/atlas_surgery.h"
+#include "tests/fuzz/seed_atlases.h"
+
+namespace splatlas {
+namespace {
+
+namespace fs = std::filesystem;
+
+class SeedWriter {
+ public:
+  explicit SeedWriter(fs::path folder) : folder_(std::move(folder)) {}
+
+  void write_of(const AtlasContent& content, const Bytes& file) {
+    write("atlases", file);
+    write("directories", directory_bytes(file));
+    for (ClassId c = 1; c < content.classes.size(); ++c) write_runs(content, c);
+    for (const SurfaceMesh& mesh : content.surfaces) write_surface(mesh, storage_grid(content).size);
+    write_chunks(take_apart(file));
+  }
+  [[nodiscard]] std::size_t count() const { return count_; }
+
+ private:
+  template <typename T>
+  static void append(const T& value, Bytes& bytes) {
+    const auto of = std::as_bytes(std::span(&value, 1));
+    bytes.insert(bytes.end(), of.begin(), of.end());
+  }
+  static void append(const Bytes& from, Bytes& bytes) { bytes.insert(bytes.end(), from.begin(), from.end()); }
+
+  void write_runs(const AtlasContent& content, ClassId c) {
+    const Index3 size = storage_grid(content).size;
+    for (const Axis axis : kAxes) {
+      Bytes seed;
+      for (const std::int64_t n : size) append(static_cast<std::uint8_t>(n - 1), seed);
+      append(static_cast<std::uint8_t>(axis), seed);
+      append_run_list(encode_runs(content.class_volume, size, axis, content.classes.size()).classes[c], seed);
+      write("run_lists", seed);
+    }
+  }
+
+  void write_surface(const SurfaceMesh& mesh, const Index3& size) {
+    const EncodedSurface encoded = encode_surface(mesh, size).value();
+    if (encoded.bytes.empty()) return;
+    Bytes seed;
+    for (const std::int64_t n : size) append(static_cast<std::uint16_t>(n - 1), seed);
+    append(encoded.entry.position_scale, seed);
+    append(static_cast<std::uint16_t>(encoded.entry.vertices), seed);
+    append(static_cast<std::uint16_t>(encoded.entry.triangles), seed);
+    append(encoded.bytes, seed);
+    write("surfaces", seed);
+  }
+
+  void write_chunks(const AtlasParts& parts) {
+    const FileLayout layout = lay_out(parts.directory, 0).value();
+    for (const SectionLayout& section : layout.sections) {
+      for (std::size_t n = 0; n + 1 < section.chunk_begin.size(); ++n) {
+        const std::size_t chunk = section.first_chunk + n;
+        Bytes seed;
+        append(static_cast<std::uint8_t>(static_cast<unsigned>(parts.directory.chunks[chunk].codec) << 2),
+               seed);
+        append(static_cast<std::uint16_t>(section.chunk_begin[n + 1] - section.chunk_begin[n]), seed);
+        append(static_cast<std::uint8_t>(n), seed);  // level
+        append(parts.chunks[chunk], seed);
+        write("chunks", seed);
+      }
+    }
+  }
+
+  void write(const std::string& target, const Bytes& bytes) {
+    fs::create_directories(folder_ / target);
+    std::ofstream file(folder_ / target / fmt::format("{:04}", count_++), std::ios::binary);
+    file.exceptions(std::ios::failbit | std::ios::badbit);
+    file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  }
+
+  fs::path folder_;
+  std::size_t count_ = 0;
+};
+
+}  // namespace
+}  // namespace splatlas
+
+int main(int argc, char** argv) {
+  using namespace splatlas;
+  if (argc != 2) {
+    fmt::print(stderr, "usage: {} FOLDER\n", argv[0]);
+    return 2;
+  }
+  constexpr std::size_t kAtlases = 12;
+  Random random(1);
+  SeedWriter writer(argv[1]);
+  for (std::size_t n = 0; n < kAtlases; ++n) {
+    const AtlasContent content = seed_content(random);
+    writer.write_of(content, encode_atlas(content, {.compact = n % 3 == 0, .threads = 1}).value());
+  }
+  fmt::print("{} seeds\n", writer.count());
+}
