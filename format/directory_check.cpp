@@ -9,6 +9,7 @@
 
 #include "format/boundary_split.h"
 #include "format/directory.h"
+#include "format/geometry_limits.h"
 #include "format/run_codec.h"
 #include "format/surface_codec.h"
 
@@ -114,9 +115,8 @@ Result<void> check_geometry(const Directory& d) {
     }
   }
   const Display& view = d.display;
-  if (!all_finite({view.window_low, view.window_high, view.center_lps_mm[0], view.center_lps_mm[1],
-                   view.center_lps_mm[2], view.radius_mm}) ||
-      view.radius_mm < 0) {
+  if (!all_finite({view.window_low, view.window_high}) || !is_within_reach(view.center_lps_mm) ||
+      !(view.radius_mm >= 0 && view.radius_mm <= kFurthestMm)) {
     return invalid(fmt::format("display: window {} to {}, ball at {}, {}, {} of radius {}", view.window_low,
                                view.window_high, view.center_lps_mm[0], view.center_lps_mm[1],
                                view.center_lps_mm[2], view.radius_mm));

@@ -8,6 +8,8 @@
 
 #include <fmt/format.h>
 
+#include "format/geometry_limits.h"
+
 namespace splatlas {
 namespace {
 
@@ -145,13 +147,23 @@ Result<void> validate(const Grid& grid, const std::string& what) {
   for (const double mm : grid.spacing_mm) {
     if (!std::isfinite(mm) || mm <= 0)
       return refuse(fmt::format("spacing {} mm must be positive and finite", mm));
+    if (mm < kMinSpacingMm || mm > kMaxSpacingMm)
+      return refuse(fmt::format("spacing {} mm must be from {} to {} mm", mm, kMinSpacingMm, kMaxSpacingMm));
   }
   if (!all_finite(grid.origin_lps_mm)) return refuse("the origin is not finite");
+  if (!is_within_reach(grid.origin_lps_mm))
+    return refuse(fmt::format("the origin ({} mm) must be within {} mm", fmt::join(grid.origin_lps_mm, ", "),
+                              kFurthestMm));
   if (!all_finite(grid.direction_lps)) return refuse("the direction is not finite");
   const double volume = std::abs(determinant(with_unit_columns(grid.direction_lps)));
   if (!(volume >= kSmallestDeterminant)) {  // also catches columns of length zero
     return refuse(fmt::format("the direction [{}] is singular: its axes must span space",
                               fmt::join(grid.direction_lps, " ")));
+  }
+  for (std::size_t a = 0; a < 3; ++a) {
+    const double length = column_length(grid.direction_lps, a);
+    if (length < kMinColumnLength || length > kMaxColumnLength)
+      return refuse(fmt::format("axis {} of the direction has length {}, expected 1", a, length));
   }
   return {};
 }

@@ -8,6 +8,8 @@
 
 #include <fmt/format.h>
 
+#include "format/geometry_limits.h"
+
 namespace splatlas {
 namespace {
 
@@ -82,8 +84,9 @@ Result<ParallelView> parallel_view(const Camera& camera, const PictureSize& size
     return fail(ErrorCode::kUsage, fmt::format("camera: zoom {} must be from 1e-6 to 1e6", camera.zoom));
   }
   const Vec3 center = camera.center_lps_mm.value_or(display.center_lps_mm);
-  if (!std::all_of(center.begin(), center.end(), [](double c) { return std::isfinite(c); })) {
-    return fail(ErrorCode::kUsage, "camera: the centre must be finite");
+  if (!is_within_reach(center)) {
+    return fail(ErrorCode::kUsage,
+                fmt::format("camera: the centre must be finite, and within {} mm", kFurthestMm));
   }
 
   const auto [sin_azimuth, cos_azimuth] = sin_cos_deg(camera.azimuth_deg);

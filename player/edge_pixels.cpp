@@ -58,10 +58,11 @@ void find_edge_pixels(std::span<const SurfacesSeen> seen, const PictureSize& siz
         if (edge_between(here[x - 1], here[x])) edge[x - 1] = edge[x] = 1;
       }
       // Each row looks up and down for itself: chunks write to their own rows only.
+      const SurfacesSeen* const above = row > 0 ? here - width : nullptr;
+      const SurfacesSeen* const below = row + 1 < height ? here + width : nullptr;
       for (std::size_t x = 0; x < width; ++x) {
-        const bool above = row > 0 && edge_between(here[x], here[x - width]);
-        const bool below = row + 1 < height && edge_between(here[x], here[x + width]);
-        if (above || below) edge[x] = 1;
+        if (above != nullptr && edge_between(here[x], above[x])) edge[x] = 1;
+        if (below != nullptr && edge_between(here[x], below[x])) edge[x] = 1;
       }
     }
   });

@@ -40,6 +40,8 @@ packages=(
   libgmock-dev             # tests
   libgtest-dev             # tests
   librapidcheck-dev        # tests: properties
+  clang                    # tests: compiles the fuzz targets
+  libclang-rt-dev          # tests: libFuzzer, and Clang's sanitizers
   fonts-dejavu-core        # tests and gallery: text in pictures
   libgl1-mesa-dri          # tests: OpenGL in software, under Xvfb
   libx11-dev               # tests: what a window manager and other programs do to a window

@@ -84,6 +84,8 @@ TEST(Directory, RefusesImpossibleGeometry) {
               HasSubstr("unknown voxel type 200"));
   EXPECT_THAT(fault_after([](Directory& d) { d.display.window_high = kNan; }), HasSubstr("display"));
   EXPECT_THAT(fault_after([](Directory& d) { d.display.center_lps_mm[2] = kNan; }), HasSubstr("display"));
+  EXPECT_THAT(fault_after([](Directory& d) { d.display.center_lps_mm[0] = -2e15; }), HasSubstr("display"));
+  EXPECT_THAT(fault_after([](Directory& d) { d.display.radius_mm = 2e15; }), HasSubstr("display"));
   EXPECT_THAT(fault_after([](Directory& d) { d.display.radius_mm = -1; }), HasSubstr("display"));
 }
 

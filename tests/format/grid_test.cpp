@@ -219,6 +219,8 @@ TEST(ValidateGrid, TakesWhatFilesHold) {
   EXPECT_TRUE(validate({.size = {kMaxAxisSize, 1 << 16, 1}}, "g"));
   EXPECT_TRUE(validate({.size = {181, 217, 181}, .direction_lps = {-1, 0, 0, 0, -1, 0, 0, 0, 1}}, "g"));
   EXPECT_TRUE(validate({.size = {2, 2, 2}, .spacing_mm = {1e-3, 1e3, 1}}, "g"));
+  EXPECT_TRUE(
+      validate({.size = {2, 2, 2}, .spacing_mm = {1e-9, 1e9, 1}, .origin_lps_mm = {1e15, -1e15, 0}}, "g"));
 }
 
 TEST(ValidateGrid, RefusesEachFaultAndNamesTheGrid) {
@@ -239,6 +241,14 @@ TEST(ValidateGrid, RefusesEachFaultAndNamesTheGrid) {
       {{.size = size, .spacing_mm = {1, kInfinity, 1}}, "spacing inf"},
       {{.size = size, .origin_lps_mm = {0, kNan, 0}}, "origin"},
       {{.size = size, .origin_lps_mm = {0, 0, -kInfinity}}, "origin"},
+      {{.size = size, .spacing_mm = {1, 9e-10, 1}}, "spacing 9e-10 mm must be from 1e-09 to 1000000000"},
+      {{.size = size, .spacing_mm = {1.1e9, 1, 1}}, "spacing 1100000000"},
+      {{.size = size, .origin_lps_mm = {0, -1.1e15, 0}},
+       "the origin (0, -1100000000000000, 0 mm) must be within"},
+      {{.size = size, .direction_lps = {1e4, 0, 0, 0, 1, 0, 0, 0, 1}},
+       "axis 0 of the direction has length 10000"},
+      {{.size = size, .direction_lps = {1, 0, 0, 0, 1, 0, 0, 0, 1e-4}},
+       "axis 2 of the direction has length 0.0001"},
       {{.size = size, .direction_lps = {1, 0, 0, 0, kNan, 0, 0, 0, 1}}, "direction is not finite"},
       {{.size = size, .direction_lps = {0, 0, 0, 0, 0, 0, 0, 0, 0}}, "singular"},
       {{.size = size, .direction_lps = {1, 1, 0, 0, 0, 0, 0, 0, 1}}, "singular"},

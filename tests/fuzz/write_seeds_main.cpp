@@ -1,7 +1,9 @@
 // Writes what the fuzz targets of binary formats begin with: FOLDER/TARGET/NUMBER.
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <span>
 #include <string>
 #include <vector>
@@ -12,6 +14,7 @@
 #include "format/chunk_codec.h"
 #include "format/run_codec.h"
 #include "format/surface_codec.h"
+#include "format/value_codec.h"
 #include "tests/format/atlas_surgery.h"
 #include "tests/fuzz/seed_atlases.h"
 
@@ -29,6 +32,7 @@ class SeedWriter {
     write("directories", directory_bytes(file));
     for (ClassId c = 1; c < content.classes.size(); ++c) write_runs(content, c);
     for (const SurfaceMesh& mesh : content.surfaces) write_surface(mesh, storage_grid(content).size);
+    write_values(content);
     write_chunks(take_apart(file));
   }
   [[nodiscard]] std::size_t count() const { return count_; }
@@ -36,10 +40,9 @@ class SeedWriter {
  private:
   template <typename T>
   static void append(const T& value, Bytes& bytes) {
-    const auto of = std::as_bytes(std::span(&value, 1));
-    bytes.insert(bytes.end(), of.begin(), of.end());
+    std::ranges::copy(std::as_bytes(std::span(&value, 1)), std::back_inserter(bytes));
   }
-  static void append(const Bytes& from, Bytes& bytes) { bytes.insert(bytes.end(), from.begin(), from.end()); }
+  static void append(const Bytes& from, Bytes& bytes) { std::ranges::copy(from, std::back_inserter(bytes)); }
 
   void write_runs(const AtlasContent& content, ClassId c) {
     const Index3 size = storage_grid(content).size;
@@ -62,6 +65,27 @@ class SeedWriter {
     append(static_cast<std::uint16_t>(encoded.entry.triangles), seed);
     append(encoded.bytes, seed);
     write("surfaces", seed);
+  }
+
+  /// Of all voxels: values as they are, and their code.
+  void write_values(const AtlasContent& content) {
+    if (content.values.empty()) return;
+    const Index3 size = storage_grid(content).size;
+    std::vector<ClassSpan> spans = gaps_between({}, size);
+    const GroupVoxels all{spans,
+                          static_cast<std::uint64_t>(storage_grid(content).voxels()),
+                          {{0, 0, 0}, {size[0] - 1, size[1] - 1, size[2] - 1}},
+                          size[1]};
+    const auto type = static_cast<std::uint8_t>(static_cast<unsigned>(content.values.type) - 1);
+    for (const bool coded : {false, true}) {
+      Bytes seed;
+      for (const std::int64_t n : size) append(static_cast<std::uint8_t>(n - 1), seed);
+      append(static_cast<std::uint8_t>(coded ? type : type | 0x80), seed);
+      append(std::uint8_t{0}, seed);  // stretches
+      append(coded ? encode_values(all, content.values.type, content.values.bytes) : content.values.bytes,
+             seed);
+      write("values", seed);
+    }
   }
 
   void write_chunks(const AtlasParts& parts) {

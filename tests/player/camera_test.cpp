@@ -181,6 +181,9 @@ TEST(Camera, RefusesWhatIsNotFiniteOrOutOfRange) {
       expect_refused(camera, {8, 8}, "centre");
     }
   }
+  Camera far;
+  far.center_lps_mm = Vec3{0, 1.1e15, 0};
+  expect_refused(far, {8, 8}, "centre");
   for (const double zoom : {0.0, -1.0, 9e-7, 1.1e6}) {
     Camera camera;
     camera.zoom = zoom;

@@ -83,13 +83,26 @@ constexpr BadFile kPlaces[] = {
      "F: invalid: source grid: the origin is not finite"},
     {"origin of z negative infinite", [](RawAtlas& a) { a.directory.source_grid.origin_lps_mm[2] = -kInf; },
      "F: invalid: source grid: the origin is not finite"},
-    {"an origin that overflows when axes are reversed",
+    {"spacing of x too small", [](RawAtlas& a) { a.directory.source_grid.spacing_mm[0] = 1e-10; },
+     "F: invalid: source grid: spacing 1e-10 mm must be from 1e-09 to 1000000000 mm"},
+    {"spacing of z too large", [](RawAtlas& a) { a.directory.source_grid.spacing_mm[2] = 2e9; },
+     "F: invalid: source grid: spacing 2000000000 mm must be from 1e-09 to 1000000000 mm"},
+    {"origin too far away",
      [](RawAtlas& a) {
-       a.directory.source_grid.origin_lps_mm[0] = 1.7e308;
-       a.directory.source_grid.spacing_mm[0] = 1e307;
+       a.directory.source_grid.origin_lps_mm = {0, -1.7e308, 0};
+     },
+     "F: invalid: source grid: the origin (0, -1.7e+308, 0 mm) must be within 1000000000000000 mm"},
+    {"an origin that is too far away when axes are reversed",
+     [](RawAtlas& a) {
+       a.directory.source_grid.origin_lps_mm = {1e15, 0, 0};
+       a.directory.source_grid.spacing_mm[0] = 1e9;
        a.directory.source_to_storage.flipped[0] = 1;
      },
-     "F: invalid: storage grid: the origin is not finite"},
+     "F: invalid: storage grid: the origin (1000009000000000, 0, 0 mm) must be within 1000000000000000 mm"},
+    {"direction too long", [](RawAtlas& a) { a.directory.source_grid.direction_lps[0] = 1e4; },
+     "F: invalid: source grid: axis 0 of the direction has length 10000, expected 1"},
+    {"direction too short", [](RawAtlas& a) { a.directory.source_grid.direction_lps[8] = 1e-4; },
+     "F: invalid: source grid: axis 2 of the direction has length 0.0001, expected 1"},
     {"direction with no number", [](RawAtlas& a) { a.directory.source_grid.direction_lps[4] = kNan; },
      "F: invalid: source grid: the direction is not finite"},
     {"direction infinite", [](RawAtlas& a) { a.directory.source_grid.direction_lps[8] = kInf; },
@@ -170,6 +183,10 @@ constexpr BadFile kDisplays[] = {
      "F: invalid: display: window 10 to 240, ball at 4, inf, 3 of radius 9"},
     {"centre's z no number", [](RawAtlas& a) { a.directory.display.center_lps_mm[2] = kNan; },
      "F: invalid: display: window 10 to 240, ball at 4, 3, nan of radius 9"},
+    {"centre's x too far away", [](RawAtlas& a) { a.directory.display.center_lps_mm[0] = 1.7e308; },
+     "F: invalid: display: window 10 to 240, ball at 1.7e+308, 3, 3 of radius 9"},
+    {"radius too large", [](RawAtlas& a) { a.directory.display.radius_mm = 1.7e308; },
+     "F: invalid: display: window 10 to 240, ball at 4, 3, 3 of radius 1.7e+308"},
     {"radius negative", [](RawAtlas& a) { a.directory.display.radius_mm = -1; },
      "F: invalid: display: window 10 to 240, ball at 4, 3, 3 of radius -1"},
     {"radius no number", [](RawAtlas& a) { a.directory.display.radius_mm = kNan; },
