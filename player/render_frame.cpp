@@ -102,6 +102,8 @@ struct Renderer::Impl {
   void keep_spans();
   void drop_kept_spans(std::uint64_t frame_bytes);
   [[nodiscard]] Result<Rays*> ray_volume(const RenderOptions& options);
+  [[nodiscard]] Result<void> render_sheets(const View& frame_view, const RenderOptions& options,
+                                           Picture& picture);
   [[nodiscard]] Result<void> render_rays(const View& frame_view, const RenderOptions& options,
                                          Picture& picture);
   template <typename AddVolumeDepths>
@@ -243,6 +245,58 @@ Result<Renderer::Impl::Rays*> Renderer::Impl::ray_volume(const RenderOptions& op
   return &*rays;
 }
 
+/// A frame of sheets: in parallel projection, voxels classified before interpolation.
+Result<void> Renderer::Impl::render_sheets(const View& frame_view, const RenderOptions& options,
+                                           Picture& picture) {
+  rays.reset();
+  const ParallelView& view = frame_view.plane;
+  const Grid& grid = atlas->grid();
+  const Shear shear = factorise(view, grid, options.principal_axis ? &*options.principal_axis : nullptr);
+  if (!(std::abs(shear.slope_u) <= kMaxSlope && std::abs(shear.slope_v) <= kMaxSlope)) {
+    return fail(ErrorCode::kUsage,
+                fmt::format("principal axis {}: the view runs along its slices; take another",
+                            "xyz"[static_cast<std::size_t>(shear.principal)]));
+  }
+
+  Stopwatch watch;
+  SPLATLAS_RETURN_IF_ERROR(decode(shear.principal, options.hybrid_shading));
+  stats.decode_ms = watch.lap().wall_ms;
+
+  AxisSpans& built = spans(shear.principal, options.hybrid_shading);
+  stats.traversal = watch.lap();
+  stats.select_ms += stats.traversal.wall_ms;
+
+  const Lighting lighting(view);
+  built.light(view, lighting, options.hybrid_shading, pool);
+  const Elapsed light = watch.lap();
+  stats.traversal += light;
+
+  const std::vector<SurfaceDraw> surfaces = surface_draws();
+  shown.reset();  // what the latest frame left is overwritten now, whether this one succeeds or not
+  SPLATLAS_ASSIGN_OR_RETURN(const FrameCounters drawn, draw_frame({.spans = built.model(),
+                                                                   .surfaces = surfaces,
+                                                                   .view = view,
+                                                                   .shear = shear,
+                                                                   .grid = grid,
+                                                                   .lighting = lighting,
+                                                                   .options = options,
+                                                                   .max_memory_bytes = max_memory_bytes},
+                                                                  frame, picture, pool));
+  const Shown now{frame_view, shear.principal, shear.scan.slice_axis, shear.ascending ? 1.0 : -1.0};
+  cue_depth(options, now, picture, [&](const ViewDepth& view_depth) {
+    add_span_depths(built.model(), shear, view_depth, depths, pool);
+  });
+  shown = now;
+  stats.runs_visited = built.runs().count();
+  stats.voxels_visited = drawn.voxels;
+  stats.triangles = drawn.triangles;
+  stats.rasterize = drawn.rasterize;
+  stats.sheets = drawn.sheets;
+  stats.resolve = drawn.resolve;
+  stats.render_ms = light.wall_ms + watch.lap().wall_ms;
+  return {};
+}
+
 /// A frame of rays: in perspective, and wherever grey values are classified after interpolation.
 Result<void> Renderer::Impl::render_rays(const View& frame_view, const RenderOptions& options,
                                          Picture& picture) {
@@ -365,9 +419,7 @@ Result<Picture> Renderer::render(const Camera& camera, const RenderOptions& opti
 
 Result<void> Renderer::render(const Camera& camera, const RenderOptions& options, Picture& picture) try {
   Impl& r = *impl_;
-  const Grid& grid = r.atlas->grid();
-  SPLATLAS_ASSIGN_OR_RETURN(const View frame_view, view_of(camera, options.size, r.atlas->display()));
-  const ParallelView& view = frame_view.plane;
+  SPLATLAS_ASSIGN_OR_RETURN(const View view, view_of(camera, options.size, r.atlas->display()));
   const std::uint64_t bytes = frame_bytes(options);
   r.drop_kept_spans(bytes);
   if (bytes > r.max_memory_bytes - r.plan_bytes) {
@@ -378,54 +430,8 @@ Result<void> Renderer::render(const Camera& camera, const RenderOptions& options
                     r.atlas->name(), options.size.width, options.size.height, bytes >> 20, r.plan_bytes >> 20,
                     r.max_memory_bytes >> 20));
   }
-  if (frame_view.eye_mm || options.classification == Classification::kAfter) {
-    return r.render_rays(frame_view, options, picture);
-  }
-  r.rays.reset();
-  const Shear shear = factorise(view, grid, options.principal_axis ? &*options.principal_axis : nullptr);
-  if (!(std::abs(shear.slope_u) <= kMaxSlope && std::abs(shear.slope_v) <= kMaxSlope)) {
-    return fail(ErrorCode::kUsage,
-                fmt::format("principal axis {}: the view runs along its slices; take another",
-                            "xyz"[static_cast<std::size_t>(shear.principal)]));
-  }
-
-  Stopwatch watch;
-  SPLATLAS_RETURN_IF_ERROR(r.decode(shear.principal, options.hybrid_shading));
-  r.stats.decode_ms = watch.lap().wall_ms;
-
-  AxisSpans& spans = r.spans(shear.principal, options.hybrid_shading);
-  r.stats.traversal = watch.lap();
-  r.stats.select_ms += r.stats.traversal.wall_ms;
-
-  const Lighting lighting(view);
-  spans.light(view, lighting, options.hybrid_shading, r.pool);
-  const Elapsed light = watch.lap();
-  r.stats.traversal += light;
-
-  const std::vector<SurfaceDraw> surfaces = r.surface_draws();
-  r.shown.reset();  // what the latest frame left is overwritten now, whether this one succeeds or not
-  SPLATLAS_ASSIGN_OR_RETURN(const FrameCounters drawn, draw_frame({.spans = spans.model(),
-                                                                   .surfaces = surfaces,
-                                                                   .view = view,
-                                                                   .shear = shear,
-                                                                   .grid = grid,
-                                                                   .lighting = lighting,
-                                                                   .options = options,
-                                                                   .max_memory_bytes = r.max_memory_bytes},
-                                                                  r.frame, picture, r.pool));
-  const Impl::Shown now{frame_view, shear.principal, shear.scan.slice_axis, shear.ascending ? 1.0 : -1.0};
-  r.cue_depth(options, now, picture, [&](const ViewDepth& view_depth) {
-    add_span_depths(spans.model(), shear, view_depth, r.depths, r.pool);
-  });
-  r.shown = now;
-  r.stats.runs_visited = spans.runs().count();
-  r.stats.voxels_visited = drawn.voxels;
-  r.stats.triangles = drawn.triangles;
-  r.stats.rasterize = drawn.rasterize;
-  r.stats.sheets = drawn.sheets;
-  r.stats.resolve = drawn.resolve;
-  r.stats.render_ms = light.wall_ms + watch.lap().wall_ms;
-  return {};
+  const bool by_rays = view.eye_mm || options.classification == Classification::kAfter;
+  return by_rays ? r.render_rays(view, options, picture) : r.render_sheets(view, options, picture);
 } catch (const std::bad_alloc&) {
   return impl_->out_of_memory();
 }
