@@ -36,6 +36,8 @@ struct Atlas::Impl {
   [[nodiscard]] Result<SplitRuns> split_runs(ClassId c, Axis axis) const;
   /// The list in a class's stream, which is of `voxels` voxels.
   [[nodiscard]] Result<ClassRuns> read_run_list(ClassId c, Axis axis, std::uint64_t voxels) const;
+  /// The box around the voxels in a class's stream.
+  [[nodiscard]] IndexBox list_box(ClassId c, Axis axis) const;
   /// The voxels of a structure in a box; `around`: and as far away as normals in it depend on.
   [[nodiscard]] Result<StructureCrop> read_crop(StructureIndex s, const IndexBox& box, bool around) const;
   [[nodiscard]] Result<SurfaceMesh> fit_surface_of(StructureIndex s) const;

@@ -10,6 +10,7 @@
 
 #include "format/atlas_impl.h"
 #include "format/checksum.h"
+#include "format/mask_codec.h"
 #include "format/memory_limit.h"
 #include "format/run_codec.h"
 
@@ -216,9 +217,17 @@ Result<SplitRuns> Atlas::Impl::split_runs(ClassId c, Axis axis) const {
                    pair[1], interior)});
 }
 
+IndexBox Atlas::Impl::list_box(ClassId c, Axis axis) const {
+  IndexBox box = directory.classes.box(c);
+  if (shares_runs(c, axis)) box.include(directory.classes.box(run_streams.pair_of(c)[1]));
+  return box;
+}
+
 Result<ClassRuns> Atlas::Impl::read_run_list(ClassId c, Axis axis, std::uint64_t voxels) const {
   SPLATLAS_ASSIGN_OR_RETURN(const auto bytes, read_stream(run_section(axis), c));
-  auto runs = decode_run_list(bytes, voxels);
+  const bool is_mask = !bytes.empty() && bytes.front() == kMaskMark;
+  auto runs = is_mask ? decode_mask(bytes, list_box(c, axis), grid.size, axis, voxels)
+                      : decode_run_list(bytes, voxels);
   const Result<void> valid =
       runs ? validate_runs(*runs, grid.size, axis, voxels) : tl::unexpected(runs.error());
   if (!valid) {

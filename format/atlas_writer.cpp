@@ -14,6 +14,7 @@
 #include "format/directory.h"
 #include "format/file_layout.h"
 #include "format/fitted_content.h"
+#include "format/mask_codec.h"
 #include "format/output_file.h"
 #include "format/parallel.h"
 #include "format/run_codec.h"
@@ -45,6 +46,7 @@ class AtlasEncoder {
  private:
   [[nodiscard]] Result<SectionBytes> gather(SectionKind kind);
   [[nodiscard]] Result<SectionBytes> gather_runs(Axis axis);
+  void append_runs(const ClassRuns& runs, const IndexBox& box, Axis axis, SectionBytes& bytes) const;
   [[nodiscard]] ClassRuns joined_runs(const RunStreams& streams, const RunModel& model, ClassId c) const;
   [[nodiscard]] SectionBytes gather_values() const;
   [[nodiscard]] SectionBytes gather_normals() const;
@@ -158,6 +160,21 @@ ClassRuns AtlasEncoder::joined_runs(const RunStreams& streams, const RunModel& m
   return split.interior == interior && split.boundary == boundary ? both : ClassRuns{};
 }
 
+/// As a list, which is read fastest, or in compact files as a mask where that is less.
+void AtlasEncoder::append_runs(const ClassRuns& runs, const IndexBox& box, Axis axis,
+                               SectionBytes& bytes) const {
+  std::vector<std::byte> list;
+  append_run_list(runs, list);
+  std::uint64_t voxels = 0;
+  for (const Run& run : runs) voxels += run.length;
+  if (options_.compact && codes_mask(box, voxels)) {
+    std::vector<std::byte> mask = encode_mask(runs, box, size_, axis);
+    const std::size_t list_bytes = encode_chunk(list, options_.level, ChunkContent::kAny).bytes.size();
+    if (mask.size() >= min_run_list_bytes(voxels) && mask.size() < list_bytes) list = std::move(mask);
+  }
+  bytes.insert(bytes.end(), list.begin(), list.end());
+}
+
 Result<SectionBytes> AtlasEncoder::gather_runs(Axis axis) {
   RunModel model = encode_runs(content_.class_volume, size_, axis, content_.classes.size());
   const auto a = static_cast<std::size_t>(axis);
@@ -168,11 +185,14 @@ Result<SectionBytes> AtlasEncoder::gather_runs(Axis axis) {
   for (ClassId c = 0; c < model.classes.size(); ++c) {
     if (done[c]) continue;
     const std::size_t begin = bytes.size();
+    IndexBox box = content_.classes.box(c);
     if (const ClassRuns both = joined_runs(streams, model, c); !both.empty()) {
-      append_run_list(both, bytes);
-      done[streams.pair_of(c)[1]] = true;
+      const ClassId other = streams.pair_of(c)[1];
+      box.include(content_.classes.box(other));
+      append_runs(both, box, axis, bytes);
+      done[other] = true;
     } else {
-      append_run_list(model.classes[c], bytes);
+      append_runs(model.classes[c], box, axis, bytes);
     }
     if (bytes.size() - begin > std::numeric_limits<std::uint32_t>::max()) {
       return fail(ErrorCode::kFailed, fmt::format("the run list of class {} is longer than 4 GiB", c));

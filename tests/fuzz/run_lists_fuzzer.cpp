@@ -1,10 +1,11 @@
 // Run lists from strangers, and all that is done with those that are valid, against voxels one by one.
-// Input: width, height and depth (a byte each), a byte of choices, then the code of a list, or voxels as
-// bits.
+// Input: width, height and depth (a byte each), a byte of choices, then the code of a list, or how many
+// voxels a mask has and its code, or voxels as bits.
 #include <cstdint>
 #include <vector>
 
 #include "format/boundary_split.h"
+#include "format/mask_codec.h"
 #include "format/run_codec.h"
 #include "format/run_fingerprint.h"
 #include "format/run_model.h"
@@ -37,6 +38,29 @@ std::vector<ClassId> split_by_definition(const std::vector<ClassId>& mask, const
     }
   }
   return parts;
+}
+
+IndexBox box_of(const ClassRuns& runs, const Index3& size, Axis axis) {
+  const ScanOrder order = ScanOrder::of(axis);
+  IndexBox box;
+  for (const Run& run : runs) {
+    const auto scanline = static_cast<std::int64_t>(run.scanline);
+    Index3 first{};
+    first[order.row_axis] = scanline % size[order.row_axis];
+    first[order.slice_axis] = scanline / size[order.row_axis];
+    first[order.scan_axis] = run.start;
+    Index3 last = first;
+    last[order.scan_axis] += run.length - std::int64_t{1};
+    box.include(IndexBox{first, last});
+  }
+  return box;
+}
+
+void check_mask(const ClassRuns& runs, const Index3& size, Axis axis, std::uint64_t voxels) {
+  const IndexBox box = box_of(runs, size, axis);
+  if (!codes_mask(box, voxels)) return;
+  const std::vector<std::byte> code = encode_mask(runs, box, size, axis);
+  require(require_value(decode_mask(code, box, size, axis, voxels)) == runs, "a mask decodes to another one");
 }
 
 void check_code(const ClassRuns& runs, std::uint64_t voxels) {
@@ -84,6 +108,13 @@ void fuzz(FuzzInput input) {
   ClassRuns runs;
   if (choices >= 0x80) {
     runs = encode_runs(mask_of(input.rest(), voxels), size, axis, 2).classes[1];
+  } else if (choices >= 0x40) {
+    const IndexBox grid{{0, 0, 0}, {size[0] - 1, size[1] - 1, size[2] - 1}};
+    const std::uint64_t of_mask = 1 + input.below(voxels);
+    auto decoded = decode_mask(input.rest(), grid, size, axis, of_mask);
+    if (!decoded) return require_error(decoded.error(), {ErrorCode::kInvalidAtlas});
+    runs = std::move(*decoded);
+    require(validate_runs(runs, size, axis, of_mask).has_value(), "a mask of other voxels is taken");
   } else {
     auto decoded = decode_run_list(input.rest(), voxels);
     if (!decoded) return require_error(decoded.error(), {ErrorCode::kInvalidAtlas});
@@ -98,6 +129,7 @@ void fuzz(FuzzInput input) {
   }
   require(!validate_runs(runs, size, axis, covered + 1), "runs of one voxel less are valid");
   check_code(runs, covered);
+  check_mask(runs, size, axis, covered);
   check_valid_runs(runs, size, axis);
 }
 

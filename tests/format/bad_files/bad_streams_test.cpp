@@ -128,11 +128,18 @@ constexpr BadFile kFrames[] = {
 // ---- run lists
 
 constexpr BadFile kRunLists[] = {
-    {"no runs",
+    {"a mask of less voxels",
      [](RawAtlas& a) {
-       a.edit_stream(SectionKind::kRunsZ, kCoreInterior, [](Bytes& b) { b = list({0, 0, 0, 0}); });
+       a.edit_stream(SectionKind::kRunsZ, kCoreInterior, [](Bytes& b) { b = list({0, 255, 255, 255}); });
      },
-     "F: invalid: runs_z of class 1: run list says it has 0 runs"},
+     "F: invalid: runs_z of class 1: not a mask of its voxels"},
+    {"a mask with bytes left",
+     [](RawAtlas& a) {
+       a.edit_stream(SectionKind::kRunsZ, kCoreInterior, [](Bytes& b) {
+         b = list({0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0});
+       });
+     },
+     "F: invalid: runs_z of class 1: not a mask of its voxels"},
     {"more runs than voxels",
      [](RawAtlas& a) {
        a.edit_stream(SectionKind::kRunsZ, kCoreInterior, [](Bytes& b) { b[0] = std::byte{2}; });

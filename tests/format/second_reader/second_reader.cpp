@@ -7,6 +7,7 @@
 #include <zstd.h>
 
 #include "tests/format/second_reader/flat_directory.h"
+#include "tests/format/second_reader/plain_mask.h"
 #include "tests/format/second_reader/plain_values.h"
 
 namespace splatlas::second {
@@ -224,6 +225,22 @@ bool shares_list(const FlatDirectory& directory, const std::vector<std::size_t>&
   return second.voxels > 0 && second.run_bytes[axis] == 0;
 }
 
+/// Which voxels the stream of a class covers: a list, or a mask of its box.
+std::vector<bool> covered_by(const Bytes& stream, const FlatDirectory& directory,
+                             const std::vector<std::size_t>& group, std::size_t c, std::size_t axis) {
+  if (stream.empty() || stream.front() != std::byte{0})
+    return covered(read_runs(stream), directory.size, axis);
+  auto first = directory.classes[c].box_first, last = directory.classes[c].box_last;
+  if (shares_list(directory, group, axis)) {
+    const ClassRow& second = directory.classes[group[1]];
+    for (std::size_t a = 0; a < 3; ++a) {
+      first[a] = std::min(first[a], second.box_first[a]);
+      last[a] = std::max(last[a], second.box_last[a]);
+    }
+  }
+  return decode_mask(stream, first, last, directory.size, axis);
+}
+
 std::vector<std::uint32_t> read_class_volume(const Sections& sections, const FlatDirectory& directory,
                                              std::size_t axis) {
   const auto kind = static_cast<std::uint32_t>(axis + 1);
@@ -236,7 +253,7 @@ std::vector<std::uint32_t> read_class_volume(const Sections& sections, const Fla
   for (const std::vector<std::size_t>& group : groups_of(directory)) {
     const bool shared = shares_list(directory, group, axis);
     for (const std::size_t c : group) {
-      const std::vector<bool> voxels = covered(read_runs(lists[c]), directory.size, axis);
+      const std::vector<bool> voxels = covered_by(lists[c], directory, group, c, axis);
       for (std::size_t v = 0; v < voxels.size(); ++v) {
         if (!voxels[v]) continue;
         must(volume[v] == 0, "classes overlap");
