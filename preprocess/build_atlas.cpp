@@ -1,6 +1,8 @@
 #include "preprocess/build_atlas.h"
 
 #include <array>
+#include <cstddef>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -17,8 +19,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-Result<BuildReport> report_on(const fs::path& output, std::uint64_t structures) {
-  SPLATLAS_ASSIGN_OR_RETURN(const std::shared_ptr<const Atlas> atlas, Atlas::open(output));
+/// Of an atlas that is to be written: one that does not open never takes an old one's place.
+Result<BuildReport> report_on(const std::vector<std::byte>& bytes, const fs::path& output,
+                              std::uint64_t structures) {
+  SPLATLAS_ASSIGN_OR_RETURN(const auto atlas, Atlas::open_bytes(bytes, output.string()));
   BuildReport report;
   report.structures = structures;
   report.classes = atlas->classes().size();
@@ -51,13 +55,13 @@ Result<BuildReport> build_atlas(const BuildOptions& options) {
   Result<std::vector<std::byte>> bytes = encode_atlas(content, writing);
   if (!bytes)
     return fail(bytes.error().code, fmt::format("{}: {}", options.output.string(), bytes.error().message));
+  SPLATLAS_ASSIGN_OR_RETURN(BuildReport report, report_on(*bytes, options.output, content.graph.size()));
   {
     const DeferInterrupts no_half_file;
     SPLATLAS_RETURN_IF_ERROR(write_file(options.output, *bytes));
   }
   clock.end();
 
-  SPLATLAS_ASSIGN_OR_RETURN(BuildReport report, report_on(options.output, content.graph.size()));
   report.stages = clock.stages();
   report.notes = std::move(notes);
   return report;

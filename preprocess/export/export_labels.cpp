@@ -91,7 +91,7 @@ Result<std::size_t> export_masks(const AtlasContent& content, const fs::path& pa
   // An interrupt waits for the mask that is being written; then nothing is left of the folder.
   const DeferInterrupts no_folder_left;
   SPLATLAS_ASSIGN_OR_RETURN(OutputFolder folder, OutputFolder::create(path));
-  const Result<std::size_t> masks = write_masks(content, folder.temporary());
+  Result<std::size_t> masks = write_masks(content, folder.temporary());
   if (!masks) {
     return fail(masks.error().code,
                 with_path(masks.error().message, folder.temporary(), without_end_slash(path)));

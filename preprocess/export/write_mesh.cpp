@@ -1,5 +1,7 @@
 #include "preprocess/export/write_mesh.h"
 
+#include <vector>
+
 #include <fmt/format.h>
 #include <vtkCellArray.h>
 #include <vtkFloatArray.h>
@@ -12,6 +14,7 @@
 #include <vtkPolyDataWriter.h>
 #include <vtkSTLWriter.h>
 
+#include "preprocess/export/compare_mesh.h"
 #include "preprocess/export/temporary_output.h"
 #include "preprocess/import/check_mesh_file.h"
 #include "preprocess/import/import_mesh.h"
@@ -46,6 +49,19 @@ vtkNew<vtkPolyData> to_polygons(std::span<const SurfaceMesh> surfaces, const Gri
   return polygons;
 }
 
+std::vector<Corners> corners_of(std::span<const SurfaceMesh> surfaces, const Grid& grid) {
+  const Affine to_mm = index_to_lps_mm(grid);
+  std::vector<Corners> corners;
+  for (const SurfaceMesh& surface : surfaces) {
+    const auto at = [&](std::uint32_t vertex) {
+      const auto& [i, j, k] = surface.positions_ijk[vertex];
+      return to_mm.apply({i, j, k});
+    };
+    for (const auto& [a, b, c] : surface.triangles) corners.push_back({at(a), at(b), at(c)});
+  }
+  return corners;
+}
+
 template <typename Writer>
 std::string write_with(vtkPolyData& polygons, const fs::path& path) {
   vtkNew<Writer> writer;
@@ -77,8 +93,10 @@ Result<void> write_mesh(std::span<const SurfaceMesh> surfaces, const Grid& grid,
   SPLATLAS_ASSIGN_OR_RETURN(const MeshFormat format, writable_mesh_format(path));
   return write_by_way_of_temporary(path, [&](const fs::path& temporary) -> Result<void> {
     const vtkNew<vtkPolyData> polygons = to_polygons(surfaces, grid);
-    // Read back: VTK notices a full disk in some formats only.
-    if (!write_as(format, *polygons, temporary).empty() || !import_mesh(temporary, MeshFrame::kLps)) {
+    const bool written = write_as(format, *polygons, temporary).empty();
+    // Read back: VTK notices a full disk in some formats only, and lost bytes in none.
+    const auto back = import_mesh(temporary, MeshFrame::kLps);
+    if (!written || !back || !holds_triangles(*back, corners_of(surfaces, grid))) {
       return fail(ErrorCode::kFailed,
                   fmt::format("{}: cannot be written whole; is the disk full?", path.string()));
     }

@@ -10,6 +10,7 @@
 #include "preprocess/import/check_image_file.h"
 #include "preprocess/import/image_io.h"
 #include "preprocess/import/itk_call.h"
+#include "preprocess/import/quiet_standard_error.h"
 #include "preprocess/import/read_nifti_file.h"
 
 namespace splatlas {
@@ -63,6 +64,7 @@ Result<Image> import_image(const fs::path& path) {
   SPLATLAS_RETURN_IF_ERROR(check_image_file(path));
   SPLATLAS_ASSIGN_OR_RETURN(const ImageFormat format, image_format(path));
   const std::string name = path.string();
+  const QuietStandardError quiet;
   return call_itk(name, [&] {
     return format == ImageFormat::kNifti ? read_nifti_file(path) : read_with(*make_image_io(format), name);
   });

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
+#include <string>
+#include <type_traits>
 
 #include <fmt/format.h>
 #include <vtkCellArray.h>
@@ -16,16 +19,32 @@
 #include <vtkSmartPointer.h>
 #include <vtkTriangleFilter.h>
 
+#include "format/input_file.h"
 #include "preprocess/import/check_mesh_file.h"
 #include "preprocess/import/quiet_vtk.h"
 
 namespace splatlas {
 namespace {
 
+/// All bytes of a file.
+Result<std::string> contents_of(const std::filesystem::path& path) {
+  SPLATLAS_ASSIGN_OR_RETURN(const InputFile file, InputFile::open(path));
+  std::string bytes(file.size(), '\0');
+  if (const auto read = file.read(0, std::as_writable_bytes(std::span(bytes))); !read)
+    return fail(ErrorCode::kFailed, fmt::format("{}: {}", path.string(), read.error().message));
+  return bytes;
+}
+
 template <typename Reader>
 Result<vtkSmartPointer<vtkPolyData>> read_with(const std::filesystem::path& path) {
   vtkNew<Reader> reader;
   reader->SetFileName(path.c_str());
+  if constexpr (std::is_same_v<Reader, vtkPLYReader>) {
+    // VTK 9.1 ends the program where it cannot read such a file to its end.
+    SPLATLAS_ASSIGN_OR_RETURN(const std::string bytes, contents_of(path));
+    reader->ReadFromInputStringOn();
+    reader->SetInputString(bytes);
+  }
   if (const std::string complaint = update_quietly(*reader); !complaint.empty()) {
     return fail(ErrorCode::kFailed, fmt::format("{}: {}", path.string(), complaint));
   }

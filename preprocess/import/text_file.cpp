@@ -47,12 +47,14 @@ Result<void> check_regular_file(const std::filesystem::path& path) {
 Result<std::vector<TextLine>> read_text_lines(const std::filesystem::path& path) {
   SPLATLAS_RETURN_IF_ERROR(check_regular_file(path));
   std::error_code error;
-  if (const auto bytes = std::filesystem::file_size(path, error); error || bytes > kMaxTextBytes) {
+  const std::uintmax_t bytes = std::filesystem::file_size(path, error);
+  if (error || bytes > kMaxTextBytes) {
     return fail(ErrorCode::kFailed,
                 fmt::format("{}: is larger than 16 MiB; a text file is needed here", path.string()));
   }
-  std::ifstream file(path, std::ios::binary);
-  std::string all{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  std::string all(bytes, '\0');
+  if (!std::ifstream(path, std::ios::binary).read(all.data(), static_cast<std::streamsize>(bytes)))
+    return fail(ErrorCode::kFailed, fmt::format("{}: cannot be read whole", path.string()));
   if (all.starts_with("\xef\xbb\xbf")) all.erase(0, 3);  // byte order mark
   if (!is_text(all))
     return fail(ErrorCode::kFailed, fmt::format("{}: is not a UTF-8 text file", path.string()));

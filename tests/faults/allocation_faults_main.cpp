@@ -15,7 +15,6 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "format/atlas_writer.h"
@@ -25,6 +24,7 @@
 #include "player/thread_pool.h"
 #include "player/write_png.h"
 #include "tests/faults/failing_allocator.h"
+#include "tests/faults/run_harness.h"
 #include "tests/faults/small_atlas.h"
 #include "tests/support/run_program.h"
 
@@ -207,12 +207,7 @@ class Trial {
   Tally tally_;
 };
 
-struct Words {
-  std::uint64_t every = 1, first = 0;
-  std::string only;
-};
-
-int run(const Words& words) {
+int run(const ChosenPoints& chosen) {
   const TemporaryFolder temporary;
   const AtlasContent content = small_atlas();
   if (const auto written = write_atlas(content, temporary.path() / "in.atlas"); !written)
@@ -220,11 +215,11 @@ int run(const Words& words) {
   fmt::print("{:18} {:>8} {:>8} {:>8} {:>8} {:>8}\n", "", "points", "errors", "thrown", "done", "wrong");
   Tally sum;
   for (const Scenario& scenario : scenarios(content, temporary.path())) {
-    if (scenario.name.find(words.only) == std::string::npos) continue;
+    if (scenario.name.find(chosen.only) == std::string::npos) continue;
     Trial trial(scenario, temporary.path());
     for (const bool lasting : {false, true}) {
-      std::uint64_t number = words.first;
-      while (trial.strike(number, lasting)) number += words.every;
+      std::uint64_t number = chosen.first;
+      while (trial.strike(number, lasting)) number += chosen.every;
     }
     const Tally& tally = trial.tally();
     fmt::print("{:18} {:8} {:8} {:8} {:8} {:8}\n", scenario.name, tally.points, tally.errors, tally.thrown,
@@ -240,15 +235,7 @@ int run(const Words& words) {
 }  // namespace
 }  // namespace splatlas
 
-int main(int argc, char** argv) try {
-  splatlas::Words words;
-  CLI::App app{"Memory that runs out at every allocation", "splatlas-allocation-faults"};
-  app.add_option("--every", words.every, "take one of so many allocations")->check(CLI::PositiveNumber);
-  app.add_option("--first", words.first, "the first allocation to take");
-  app.add_option("--only", words.only, "scenarios with this in their name");
-  CLI11_PARSE(app, argc, argv);
-  return splatlas::run(words);
-} catch (const std::exception& exception) {
-  std::fprintf(stderr, "splatlas-allocation-faults: %s\n", exception.what());
-  return 1;
+int main(int argc, char** argv) {
+  return splatlas::run_harness(argc, argv, "splatlas-allocation-faults",
+                               "Memory that runs out at every allocation", splatlas::run);
 }

@@ -3,8 +3,9 @@
 
 namespace splatlas {
 
-/// Nothing reaches standard error while this exists: NIfTI's library and MetaIO print there that a write
-/// failed, which their callers find out by reading the file back. It counts for the whole process.
+/// Nothing reaches standard error while this exists: NIfTI's library and MetaIO print there that they could
+/// not read or write, which their callers are told, or find out by reading the file back. It counts for the
+/// whole process.
 class QuietStandardError {
  public:
   QuietStandardError();

@@ -1,4 +1,4 @@
-#include "preprocess/export/quiet_standard_error.h"
+#include "preprocess/import/quiet_standard_error.h"
 
 #include <cstdio>
 #include <iostream>
