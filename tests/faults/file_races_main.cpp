@@ -133,6 +133,8 @@ Result<std::vector<Picture>> look_at(
     if (!pictures.empty()) reached(kSelected);
     SPLATLAS_ASSIGN_OR_RETURN(pictures.emplace_back(),
                               renderer.render({.azimuth_deg = 30}, {.size = {24, 24}}));
+    // A picture of the rest says so: as good as an error.
+    if (!renderer.missing().empty()) return tl::unexpected(renderer.missing().front().error);
   }
   return pictures;
 }
