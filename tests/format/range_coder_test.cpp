@@ -35,7 +35,7 @@ RC_GTEST_PROP(RangeCoder, GivesBitsBack, ()) {
       *rc::gen::inRange<std::size_t>(0, 4000),
       rc::gen::map(rc::gen::inRange(0u, rare), [](unsigned n) { return n == 0; }));
   const std::vector<std::byte> bytes = encode(bits, models);
-  RC_ASSERT(bytes.empty() || bytes.back() != std::byte{0});
+  if (!bytes.empty()) RC_ASSERT(bytes.back() != std::byte{0});
   std::vector<AdaptiveBit> of(models);
   RangeDecoder decoder(bytes);
   for (std::size_t n = 0; n < bits.size(); ++n) RC_ASSERT(decoder.decode(of[n % models]) == bits[n]);
