@@ -108,7 +108,7 @@ Result<OutputFile> OutputFile::create(const fs::path& target, std::string_view e
   if (target.filename().empty()) return impl->cannot_write("it names no file");
   // Beside the target: a rename must not cross file systems.
   const fs::path folder = impl->target.parent_path();
-  remove_stale_temporaries(folder.empty() ? "." : folder);
+  remove_stale_temporaries(folder);
   if (!impl->temporary.make(folder, TemporaryEntry::Kind::kFile, ending))
     return impl->cannot_write(std::strerror(errno));
   return OutputFile(std::move(impl));

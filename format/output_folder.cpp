@@ -36,7 +36,7 @@ Result<OutputFolder> OutputFolder::create(const fs::path& target) {
   SPLATLAS_RETURN_IF_ERROR(check_writable_folder(target));
   auto impl = std::make_unique<Impl>(target);
   const fs::path parent = impl->target.parent_path();
-  remove_stale_temporaries(parent.empty() ? "." : parent);
+  remove_stale_temporaries(parent);
   if (!impl->temporary.make(parent, TemporaryEntry::Kind::kFolder))
     return impl->cannot_write(std::strerror(errno));
   return OutputFolder(std::move(impl));

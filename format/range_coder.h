@@ -36,6 +36,9 @@ struct AdaptiveBit {
   }();
 };
 
+/// Ranges at or above it have 8 bits more than probabilities.
+inline constexpr std::uint32_t kLeastRange = std::uint32_t{1} << 24;
+
 class RangeEncoder {
  public:
   void encode(AdaptiveBit& model, bool bit) {
@@ -47,7 +50,7 @@ class RangeEncoder {
       range_ -= bound;
     }
     model.learn(bit);
-    for (; range_ < kTop; range_ <<= 8) shift_out();
+    for (; range_ < kLeastRange; range_ <<= 8) shift_out();
   }
 
   /// The code, without the zeros at its end.
@@ -59,18 +62,16 @@ class RangeEncoder {
   }
 
  private:
-  static constexpr std::uint32_t kTop = std::uint32_t{1} << 24;
-
   void shift_out() {
     constexpr std::uint64_t kCarry = std::uint64_t{1} << 32;
-    if (low_ < kCarry - kTop || low_ >= kCarry) {
+    if (low_ < kCarry - kLeastRange || low_ >= kCarry) {
       const auto carry = static_cast<std::uint8_t>(low_ >> 32);
       for (; pending_ > 0; --pending_, cache_ = 0xff)
         bytes_.push_back(static_cast<std::byte>(cache_ + carry));
       cache_ = static_cast<std::uint8_t>(low_ >> 24);
     }
     ++pending_;
-    low_ = (low_ & (kTop - 1)) << 8;
+    low_ = (low_ & (kLeastRange - 1)) << 8;
   }
 
   std::uint64_t low_ = 0;
@@ -97,7 +98,7 @@ class RangeDecoder {
       range_ -= bound;
     }
     model.learn(bit);
-    for (; range_ < kTop; range_ <<= 8) code_ = code_ << 8 | next();
+    for (; range_ < kLeastRange; range_ <<= 8) code_ = code_ << 8 | next();
     return bit;
   }
 
@@ -105,8 +106,6 @@ class RangeDecoder {
   [[nodiscard]] bool at_end() const { return at_ >= bytes_.size(); }
 
  private:
-  static constexpr std::uint32_t kTop = std::uint32_t{1} << 24;
-
   std::uint32_t next() {
     const std::size_t at = at_++;
     return at < bytes_.size() ? std::to_integer<std::uint32_t>(bytes_[at]) : 0;

@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "format/zigzag.h"
+
 namespace splatlas {
 
 namespace {
@@ -42,14 +44,6 @@ class VarintReader {
   const std::byte* next_;
   const std::byte* end_;
 };
-
-/// Small differences of either sign as small numbers: 0, -1, 1, -2, ... -> 0, 1, 2, 3, ...
-constexpr std::uint64_t zigzag(std::int64_t value) {
-  return (static_cast<std::uint64_t>(value) << 1) ^ static_cast<std::uint64_t>(value >> 63);
-}
-constexpr std::int64_t unzigzag(std::uint64_t code) {
-  return static_cast<std::int64_t>(code >> 1) ^ -static_cast<std::int64_t>(code & 1);
-}
 
 /// Walks a run list and knows, for each run, what it is predicted from.
 class Predictor {

@@ -140,7 +140,7 @@ bool TemporaryEntry::rename_to(const fs::path& target) {
 }
 
 void remove_stale_temporaries(const fs::path& folder) {
-  DIR* const open = ::opendir(folder.c_str());
+  DIR* const open = ::opendir(folder.empty() ? "." : folder.c_str());
   if (open == nullptr) return;
   const std::unique_ptr<DIR, int (*)(DIR*)> close_at_end(open, ::closedir);
   while (const dirent* entry = ::readdir(open)) {

@@ -42,8 +42,9 @@ class TemporaryEntry {
   std::optional<RemoveOnInterrupt> remove_on_interrupt_;
 };
 
-/// Removes temporaries in a folder whose writers are surely dead: named as above, the user's own, locked by
-/// nobody, and of no other process that is alive. What cannot be told stays, as does what cannot be removed.
+/// Removes temporaries in a folder (the current one for an empty path) whose writers are surely dead: named
+/// as above, the user's own, locked by nobody, and of no other process that is alive. What cannot be told
+/// stays, as does what cannot be removed.
 void remove_stale_temporaries(const std::filesystem::path& folder);
 
 }  // namespace splatlas

@@ -13,6 +13,7 @@
 
 #include "format/fit_weights.h"
 #include "format/value_window.h"
+#include "format/zigzag.h"
 
 namespace splatlas {
 namespace {
@@ -56,17 +57,9 @@ void walk(const GroupVoxels& group, ValueWindow<Lane>& window, CodeRun&& code_ru
 std::int32_t offset_of(VoxelType type) {
   return type == VoxelType::kInt8 ? 0x80 : type == VoxelType::kInt16 ? 0x8000 : 0;
 }
-std::int32_t highest_of(VoxelType type) {
-  return bytes_of(type) == 1 ? 0xff : 0xffff;
-}
-
-/// Small differences of either sign as small numbers.
-std::uint32_t fold(std::int32_t difference) {
-  return static_cast<std::uint32_t>(difference >= 0 ? 2 * difference : -2 * difference - 1);
-}
-std::int32_t unfold(std::uint32_t code) {
-  return static_cast<std::int32_t>(code >> 1) ^ -static_cast<std::int32_t>(code & 1);
-}
+/// Of a value that is computed with in a Lane.
+template <typename Lane>
+constexpr std::size_t kValueBytes = sizeof(Lane) / 2;
 
 bool spans_fit(const GroupVoxels& group) {
   const IndexBox& box = group.box;
@@ -84,35 +77,32 @@ bool spans_fit(const GroupVoxels& group) {
 }
 
 /// Values from 0 on, one after the other.
+template <typename Lane>
 class ValueReader {
  public:
   ValueReader(std::span<const std::byte> values, VoxelType type)
-      : next_(values.data()),
-        value_bytes_(bytes_of(type)),
-        offset_(offset_of(type)),
-        highest_(highest_of(type)) {}
+      : next_(values.data()), offset_(offset_of(type)) {}
 
   std::int32_t read() {
     std::uint16_t bits = 0;
-    std::memcpy(&bits, next_, value_bytes_);
-    next_ += value_bytes_;
-    return (bits + offset_) & highest_;
+    std::memcpy(&bits, next_, kValueBytes<Lane>);
+    next_ += kValueBytes<Lane>;
+    return (bits + offset_) & ValueWindow<Lane>::kHighest;
   }
 
  private:
   const std::byte* next_;
-  const std::size_t value_bytes_;
-  const std::int32_t offset_, highest_;
+  const std::int32_t offset_;
 };
 
 /// A model for the group's values: tries kMeanWeights, and fits others where these go wrong.
 template <typename Lane>
 ValueModel fit_model(const GroupVoxels& group, VoxelType type, std::span<const std::byte> values) {
   constexpr std::uint64_t kEnoughVoxels = std::uint64_t{1} << 17;
-  ValueModel model{kMeanWeights, 0, highest_of(type)};
+  ValueModel model{kMeanWeights, 0};
   ValueWindow<Lane> window(group.box, model);
   WeightFit fit;
-  ValueReader reader(values, type);
+  ValueReader<Lane> reader(values, type);
   const std::uint64_t every = group.voxels / kEnoughVoxels + 1;
   std::uint64_t run = 0;
   double errors = 0;
@@ -120,7 +110,7 @@ ValueModel fit_model(const GroupVoxels& group, VoxelType type, std::span<const s
     const bool is_sample = run++ % every == 0;
     window.code_run(begin, end, [&](const ValuePrediction& prediction) {
       const std::int32_t value = reader.read();
-      errors += std::abs(ValueWindow<Lane>::difference(value, prediction.value, model.highest));
+      errors += std::abs(ValueWindow<Lane>::difference(value, prediction.value));
       if (is_sample) {
         const float weight = 1.0f / (4.0f + static_cast<float>(prediction.errors));
         fit.add(window.from_before(prediction), static_cast<float>(value - prediction.before),
@@ -140,12 +130,12 @@ std::vector<std::byte> encode(const GroupVoxels& group, VoxelType type, std::spa
   const ValueModel model = fit_model<Lane>(group, type, values);
   ValueWindow<Lane> window(group.box, model);
   std::array<std::vector<std::uint16_t>, kBuckets> residuals;
-  ValueReader reader(values, type);
+  ValueReader<Lane> reader(values, type);
   walk(group, window, [&](std::int64_t begin, std::int64_t end) {
     window.code_run(begin, end, [&](const ValuePrediction& prediction) {
       const std::int32_t value = reader.read();
-      const std::int32_t residual = ValueWindow<Lane>::difference(value, prediction.value, model.highest);
-      residuals[kBucketOf[prediction.errors]].push_back(static_cast<std::uint16_t>(fold(residual)));
+      const std::int32_t residual = ValueWindow<Lane>::difference(value, prediction.value);
+      residuals[kBucketOf[prediction.errors]].push_back(static_cast<std::uint16_t>(zigzag(residual)));
       return value;
     });
   });
@@ -224,22 +214,21 @@ Result<std::vector<std::byte>> decode(const GroupVoxels& group, VoxelType type,
                                       std::span<const std::byte> code) {
   ResidualReader<Lane> residuals;
   SPLATLAS_RETURN_IF_ERROR(residuals.open(group, code));
-  ValueModel model{{}, std::to_integer<std::uint8_t>(code[kHeaderBytes - 2]), highest_of(type)};
+  ValueModel model{{}, std::to_integer<std::uint8_t>(code[kHeaderBytes - 2])};
   std::memcpy(model.weights.data(), code.data() + kCountsBytes, sizeof model.weights);
   if (model.error_shift > kMaxErrorShift || code[kHeaderBytes - 1] != std::byte{0})
     return invalid("no model of values");
-  constexpr std::size_t kValueBytes = sizeof(Lane) / 2;
   const std::int32_t offset = offset_of(type);
-  std::vector<std::byte> values(group.voxels * kValueBytes);
+  std::vector<std::byte> values(group.voxels * kValueBytes<Lane>);
   std::byte* to = values.data();
   ValueWindow<Lane> window(group.box, model);
   walk(group, window, [&](std::int64_t begin, std::int64_t end) {
     const auto run = window.code_run(begin, end, [&](const ValuePrediction& prediction) {
       const std::uint32_t residual = residuals.read(kBucketOf[prediction.errors]);
-      return (prediction.value + unfold(residual)) & model.highest;
+      return (prediction.value + unzigzag(residual)) & ValueWindow<Lane>::kHighest;
     });
     put_values(run, offset, to);
-    to += run.size() * kValueBytes;
+    to += run.size() * kValueBytes<Lane>;
   });
   if (residuals.ran_out()) return invalid("buckets do not hold what the voxels call for");
   return values;

@@ -25,7 +25,6 @@ namespace splatlas {
 struct ValueModel {
   ValueWeights weights{};
   std::uint8_t error_shift = 0;  ///< errors are kept over 2^error_shift
-  std::int32_t highest = 0;      ///< value: 255 or 65535
 };
 
 /// A voxel's prediction, and how far off those around it were (kErrorNeighbours of them, 255 at most).
@@ -40,6 +39,8 @@ struct ValuePrediction {
 template <typename Lane>
 class ValueWindow {
  public:
+  static constexpr std::int32_t kHighest = sizeof(Lane) == 2 ? 0xff : 0xffff;  ///< value
+
   ValueWindow(const IndexBox& box, const ValueModel& model)
       : box_(box), model_(model), width_(box.last[0] - box.first[0] + 3) {
     for (Slice& slice : slices_) {
@@ -75,13 +76,12 @@ class ValueWindow {
     }
     filter_run(input_, count, {sums_.data(), rest_.data(), errors_.data()});
     Lane* const values = slices_[0].values.data() + at;
-    const std::int32_t highest = model_.highest;
     std::int32_t before = value_before(values);
     for (std::size_t n = 0; n < count; ++n) {
       // Only the bits that are kept need to be right: sums may have wrapped around.
       const auto sum = static_cast<std::uint32_t>(sums_[n]) +
                        static_cast<std::uint32_t>(rest_[n]) * static_cast<std::uint32_t>(before);
-      const std::int32_t predicted = static_cast<std::int32_t>(sum >> kWeightBits) & highest;
+      const std::int32_t predicted = static_cast<std::int32_t>(sum >> kWeightBits) & kHighest;
       const std::int32_t value = code(ValuePrediction{predicted, errors_[n], before, n});
       values[n] = static_cast<Lane>(value);
       sums_[n] = static_cast<Lane>(value - predicted);
@@ -103,10 +103,9 @@ class ValueWindow {
   }
 
   /// value - predicted, brought into the half of either sign.
-  [[nodiscard]] static std::int32_t difference(std::int32_t value, std::int32_t predicted,
-                                               std::int32_t highest) {
-    const std::int32_t half = (highest + 1) / 2;
-    return ((value - predicted + half) & highest) - half;
+  [[nodiscard]] static std::int32_t difference(std::int32_t value, std::int32_t predicted) {
+    constexpr std::int32_t kHalf = (kHighest + 1) / 2;
+    return ((value - predicted + kHalf) & kHighest) - kHalf;
   }
 
  private:
@@ -139,9 +138,9 @@ class ValueWindow {
   /// From sums_, which has the differences.
   void keep_errors(std::uint8_t* errors, std::size_t count) const {
     const Lane* const differences = sums_.data();
-    const std::int32_t highest = model_.highest, shift = model_.error_shift;
+    const std::int32_t shift = model_.error_shift;
     for (std::size_t n = 0; n < count; ++n) {
-      const std::int32_t error = std::abs(difference(differences[n], 0, highest));
+      const std::int32_t error = std::abs(difference(differences[n], 0));
       errors[n] = static_cast<std::uint8_t>(std::min(error >> shift, 255));
     }
   }

@@ -7,15 +7,10 @@
 
 #include "format/value_groups.h"
 #include "tests/support/render.h"
+#include "tests/support/value_or_throw.h"
 
 namespace splatlas {
 namespace {
-
-template <typename T>
-T value_or_throw(Result<T> result) {
-  if (!result) throw std::runtime_error(result.error().message);
-  return *std::move(result);
-}
 
 std::size_t below(std::size_t n, std::mt19937& random) {
   return std::uniform_int_distribution<std::size_t>(0, n - 1)(random);

@@ -8,15 +8,10 @@
 
 #include "format/atlas_writer.h"
 #include "tests/support/marching_tetrahedra.h"
+#include "tests/support/value_or_throw.h"
 
 namespace splatlas {
 namespace {
-
-template <typename T>
-T value_or_throw(Result<T> result) {
-  if (!result) throw std::runtime_error(result.error().message);
-  return *std::move(result);
-}
 
 /// A mask in storage order; empty for a group.
 std::vector<bool> stored_mask(const std::vector<bool>& mask, const Grid& source, const AxisOrder& order) {
