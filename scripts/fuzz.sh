@@ -29,6 +29,9 @@ all_targets() {
   done
 }
 
+# Files that targets write for readers of files are in memory where that can be.
+[[ ! -d /dev/shm ]] || export TMPDIR=/dev/shm
+
 # What a target learnt comes first: new inputs are kept there. Weighing inputs by what is rare in them (-entropic) takes
 # most of the time where pictures are drawn.
 fuzz() {

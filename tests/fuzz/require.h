@@ -11,7 +11,7 @@ namespace splatlas {
 /// Ends the program, telling what does not hold: a finding.
 void require(bool holds, std::string_view what);
 
-/// Errors are of one of these kinds, and their messages one printable line.
+/// Errors are of one of these kinds, and say something.
 void require_error(const Error& error, std::initializer_list<ErrorCode> codes);
 
 /// The value; an error is a finding.

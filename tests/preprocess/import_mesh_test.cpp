@@ -107,6 +107,9 @@ TEST_F(ImportMesh, RefusesDamagedFiles) {
   EXPECT_THAT(error("a.stl", binary_stl(3, 4)), AllOf(HasSubstr("a.stl"), HasSubstr("truncated")));
   EXPECT_THAT(error("a.stl", binary_stl(3, 0xffffffff)), HasSubstr("truncated"));
   EXPECT_THAT(error("a.stl", "short"), HasSubstr("STL"));
+  // Text to us, but VTK would take these bytes for binary, and some of them for a count of triangles.
+  EXPECT_THAT(error("a.stl", "solid a\nfacet normal 0 0 1\n" + std::string(100, '\x9b')),
+              HasSubstr("truncated"));
   EXPECT_TRUE(import_bytes("a.stl", binary_stl(3, 3)));
   EXPECT_THAT(error("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n"),
               AllOf(HasSubstr("line 4"), HasSubstr("'4'")));
