@@ -11,6 +11,8 @@ constexpr double kStoredWidth = 255;
 /// No point of a curve is stored further from 0 than this: floats tell 1/128 apart there. Curves so far away
 /// for their width are stretched to less.
 constexpr double kFurthestStored = 1e5;
+/// Widths that are no more than doubles can tell are stretched to less, too: their scale would be infinite.
+constexpr double kLargestScale = 1e300;
 /// Share of a curve's width below which rounding of the integrals would show in their difference quotients.
 constexpr double kLeastShare = 2e-4;
 
@@ -35,7 +37,7 @@ std::optional<GreyScale> grey_scale(const TransferCurve& curve, VoxelType type) 
   const double width = curve.points.back().grey - first.grey;
   const double furthest =
       std::max(std::abs(first.grey - scale.offset), std::abs(curve.points.back().grey - scale.offset));
-  if (width > 0) scale.scale = std::min(kStoredWidth / width, kFurthestStored / furthest);
+  if (width > 0) scale.scale = std::min({kStoredWidth / width, kFurthestStored / furthest, kLargestScale});
   return scale;
 }
 

@@ -23,13 +23,18 @@ constexpr std::size_t kMaxHeaderBytes = 1u << 16;
 constexpr std::size_t kMaxLineBytes = 4000;    // VTK's reader has 4096 for a line
 constexpr std::uint64_t kMaxListLength = 255;  // and a byte for the corners of a face
 constexpr std::int64_t kMaxElements = std::int64_t{1} << 31;
+constexpr std::string_view kVertex = "vertex", kFace = "face", kCorners = "vertex_indices";
+
+struct ScalarType {
+  std::size_t bytes = 0;
+  enum class Kind : std::uint8_t { kSigned, kUnsigned, kFloat } kind = Kind::kSigned;
+};
 
 /// "property TYPE NAME" or "property list COUNT_TYPE TYPE NAME"; sizes in bytes.
 struct Property {
   std::string name;
   std::size_t count_bytes = 0;  ///< 0: no list
-  std::size_t bytes = 0;
-  bool is_float = false;
+  ScalarType type;
 };
 struct Element {
   std::string name;
@@ -49,17 +54,16 @@ struct PlyHeader {
   std::size_t bytes = 0;  ///< "end_header" and its line end included
 };
 
-struct ScalarType {
-  std::size_t bytes;
-  bool is_float;
-};
-
 const ScalarType* scalar_type(std::string_view name) {
+  constexpr auto kSigned = ScalarType::Kind::kSigned, kUnsigned = ScalarType::Kind::kUnsigned,
+                 kFloat = ScalarType::Kind::kFloat;
   static const std::map<std::string, ScalarType, std::less<>> kTypes{
-      {"char", {1, false}},  {"int8", {1, false}},   {"uchar", {1, false}},  {"uint8", {1, false}},
-      {"short", {2, false}}, {"int16", {2, false}},  {"ushort", {2, false}}, {"uint16", {2, false}},
-      {"int", {4, false}},   {"int32", {4, false}},  {"uint", {4, false}},   {"uint32", {4, false}},
-      {"float", {4, true}},  {"float32", {4, true}}, {"double", {8, true}},  {"float64", {8, true}}};
+      {"char", {1, kSigned}},     {"int8", {1, kSigned}},     {"uchar", {1, kUnsigned}},
+      {"uint8", {1, kUnsigned}},  {"short", {2, kSigned}},    {"int16", {2, kSigned}},
+      {"ushort", {2, kUnsigned}}, {"uint16", {2, kUnsigned}}, {"int", {4, kSigned}},
+      {"int32", {4, kSigned}},    {"uint", {4, kUnsigned}},   {"uint32", {4, kUnsigned}},
+      {"float", {4, kFloat}},     {"float32", {4, kFloat}},   {"double", {8, kFloat}},
+      {"float64", {8, kFloat}}};
   const auto found = kTypes.find(name);
   return found == kTypes.end() ? nullptr : &found->second;
 }
@@ -69,8 +73,9 @@ std::optional<Property> parse_property(const std::vector<std::string_view>& word
   if (!list && words.size() != 3) return std::nullopt;
   const ScalarType* const type = scalar_type(words[list ? 3 : 1]);
   const ScalarType* const count = list ? scalar_type(words[2]) : nullptr;
-  if (type == nullptr || (list && (count == nullptr || count->is_float))) return std::nullopt;
-  return Property{std::string(words.back()), list ? count->bytes : 0, type->bytes, type->is_float};
+  if (type == nullptr || (list && (count == nullptr || count->kind == ScalarType::Kind::kFloat)))
+    return std::nullopt;
+  return Property{std::string(words.back()), list ? count->bytes : 0, *type};
 }
 
 /// Nothing where a line is none that PLY has.
@@ -104,27 +109,32 @@ std::optional<PlyHeader> parse_header(std::string_view text) {
   return std::nullopt;
 }
 
-/// VTK takes for granted that vertices have x, y and z, and faces a list of corners.
+/// VTK takes for granted that vertices have x, y and z, that faces have a list of corners, and that vertices
+/// come first.
 bool has_what_vtk_needs(const PlyHeader& header) {
   bool vertices = false, faces = false;
   for (const Element& element : header.elements) {
-    if (element.name == "vertex") {
+    if (element.name == kVertex) {
+      if (vertices) return false;
       vertices = true;
       for (const char* axis : {"x", "y", "z"}) {
         const Property* const p = element.find(axis);
         if (p == nullptr || p->count_bytes != 0) return false;
       }
     }
-    if (element.name == "face") {
+    if (element.name == kFace) {
+      if (!vertices) return false;
       faces = true;
-      const Property* const corners = element.find("vertex_indices");
-      if (corners == nullptr || corners->count_bytes == 0 || corners->is_float) return false;
+      const Property* const corners = element.find(kCorners);
+      if (corners == nullptr || corners->count_bytes == 0 || corners->type.kind == ScalarType::Kind::kFloat)
+        return false;
     }
   }
   return vertices && faces;
 }
 
-/// Walks the elements behind the header; each reader returns whether the element is all there.
+/// Walks the elements behind the header; each reader returns whether the element is all there, and its
+/// corners are.
 class BodyWalker {
  public:
   BodyWalker(const fs::path& path, const PlyHeader& header)
@@ -135,6 +145,7 @@ class BodyWalker {
   bool walk() {
     const bool text = header_.format == "ascii";
     for (const Element& element : header_.elements) {
+      if (element.name == kVertex) vertices_ = element.count;
       if (!text && element.properties.empty()) continue;  // takes no bytes, however many there are
       for (std::uint64_t n = 0; n < element.count; ++n) {
         if (!(text ? read_line(element) : read_binary(element))) return false;
@@ -147,37 +158,68 @@ class BodyWalker {
   bool read_line(const Element& element) {
     if (!std::getline(file_, line_) || line_.size() > kMaxLineBytes) return false;
     const std::vector<std::string_view> words = split_blanks(trimmed(line_));
-    std::size_t needed = 0;
+    std::size_t at = 0;
     for (const Property& property : element.properties) {
-      ++needed;
-      if (property.count_bytes == 0) continue;
-      const auto length = needed <= words.size() ? parse_integer(words[needed - 1]) : std::nullopt;
-      if (!length || *length < 0 || *length > static_cast<std::int64_t>(kMaxListLength)) return false;
-      needed += static_cast<std::size_t>(*length);
+      std::size_t items = 1;
+      if (property.count_bytes != 0) {
+        const auto length = at < words.size() ? parse_integer(words[at]) : std::nullopt;
+        if (!length || *length < 0 || *length > static_cast<std::int64_t>(kMaxListLength)) return false;
+        items = static_cast<std::size_t>(*length);
+        ++at;
+      }
+      if (words.size() - at < items) return false;
+      for (const std::size_t end = at + items; at < end; ++at) {
+        if (!is_corner(element, property)) continue;
+        const auto corner = parse_integer(words[at]);
+        if (!corner || !vertex_exists(*corner)) return false;
+      }
     }
-    return words.size() >= needed;
+    return true;
   }
 
   bool read_binary(const Element& element) {
     for (const Property& property : element.properties) {
-      std::uint64_t items = 1;
+      std::int64_t items = 1;
       if (property.count_bytes != 0) {
-        std::array<char, 8> bytes{};
-        if (!file_.read(bytes.data(), static_cast<std::streamsize>(property.count_bytes))) return false;
-        if (big_endian_)
-          std::reverse(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(property.count_bytes));
-        std::memcpy(&items, bytes.data(), sizeof(items));
-        if (items > kMaxListLength) return false;
+        const auto length = read_integer({property.count_bytes, ScalarType::Kind::kUnsigned});
+        if (!length || *length > static_cast<std::int64_t>(kMaxListLength)) return false;
+        items = *length;
       }
-      const auto skip = static_cast<std::streamsize>(items * property.bytes);
+      if (is_corner(element, property)) {
+        for (; items > 0; --items) {
+          const auto corner = read_integer(property.type);
+          if (!corner || !vertex_exists(*corner)) return false;
+        }
+      }
+      const auto skip = static_cast<std::streamsize>(items * static_cast<std::int64_t>(property.type.bytes));
       if (file_.ignore(skip).gcount() != skip) return false;
     }
     return true;
   }
 
+  /// Of four bytes at most.
+  std::optional<std::int64_t> read_integer(const ScalarType& type) {
+    std::array<char, 8> bytes{};
+    if (!file_.read(bytes.data(), static_cast<std::streamsize>(type.bytes))) return std::nullopt;
+    if (big_endian_) std::reverse(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(type.bytes));
+    std::int64_t value = 0;
+    std::memcpy(&value, bytes.data(), sizeof(value));
+    const std::int64_t limit = std::int64_t{1} << (8 * type.bytes - 1);
+    return type.kind == ScalarType::Kind::kSigned && value >= limit ? value - 2 * limit : value;
+  }
+
+  static bool is_corner(const Element& element, const Property& property) {
+    return element.name == kFace && property.name == kCorners &&
+           property.type.kind != ScalarType::Kind::kFloat;
+  }
+  [[nodiscard]] bool vertex_exists(std::int64_t index) const {
+    return index >= 0 && static_cast<std::uint64_t>(index) < vertices_;
+  }
+
   const PlyHeader& header_;
   std::ifstream file_;
   std::string line_;
+  std::uint64_t vertices_ = 0;
   bool big_endian_;
 };
 
@@ -198,7 +240,8 @@ Result<void> check_ply_file(const fs::path& path) {
   }
   if (!BodyWalker(path, *header).walk()) {
     return fail(ErrorCode::kFailed,
-                fmt::format("{}: is truncated or damaged: not all of its elements are there", path.string()));
+                fmt::format("{}: is truncated or damaged: not all of its elements or corners are there",
+                            path.string()));
   }
   return {};
 }

@@ -123,6 +123,31 @@ TEST_F(ImportMesh, RefusesDamagedFiles) {
                     "property float y\nproperty float z\nelement face 9\n"
                     "property list uchar int vertex_indices\nend_header\n"),
               HasSubstr("truncated"));
+  const auto ply = [](const std::string& format, const std::string& corner_type, const std::string& body) {
+    return "ply\nformat " + format + " 1.0\nelement vertex 3\nproperty float x\nproperty float y\n" +
+           "property float z\nelement face 1\nproperty list uchar " + corner_type +
+           " vertex_indices\nend_header\n" + body;
+  };
+  const std::string zero(4, '\0'), one("\x3f\x80\0\0", 4);  // big endian
+  const std::string text = "0 0 0\n1 0 0\n0 1 0\n";
+  const std::string binary = zero + zero + zero + one + zero + zero + zero + one + zero;
+  EXPECT_TRUE(import_bytes("a.ply", ply("ascii", "int", text + "3 0 1 2\n")));
+  EXPECT_TRUE(
+      import_bytes("a.ply", ply("binary_big_endian", "char", binary + "\3" + std::string("\0\1\2", 3))));
+  for (const std::string corner : {"3", "-1", "4294967295", "x"}) {
+    EXPECT_THAT(error("a.ply", ply("ascii", "int", text + "3 0 1 " + corner + "\n")), HasSubstr("corners"));
+  }
+  for (const std::string corner : {"\3", "\xff"}) {
+    const std::string body = binary + "\3" + std::string("\0\1", 2) + corner;
+    EXPECT_THAT(error("a.ply", ply("binary_little_endian", "char", body)), HasSubstr("corners"));
+    EXPECT_THAT(error("a.ply", ply("binary_big_endian", "uchar", body)), HasSubstr("corners"));
+  }
+  EXPECT_THAT(error("a.ply",
+                    "ply\nformat ascii 1.0\nelement face 1\nproperty list uchar int vertex_indices\n"
+                    "element vertex 3\nproperty float x\nproperty float y\nproperty float z\nend_header\n"
+                    "3 0 1 2\n" +
+                        text),
+              HasSubstr("vertices"));
   EXPECT_THAT(error("a.vtk", "hello\n"), HasSubstr("VTK"));
   EXPECT_THAT(error("a.vtk",
                     "# vtk DataFile Version 3.0\nx\nASCII\nDATASET POLYDATA\nPOINTS 3 float\n"
