@@ -28,7 +28,8 @@ class RunVerifier {
       for (const Axis axis : {Axis::kX, Axis::kY}) SPLATLAS_RETURN_IF_ERROR(compare(c, runs, axis));
     }
     SPLATLAS_RETURN_IF_ERROR(check_totals());
-    return check_overlap();
+    SPLATLAS_RETURN_IF_ERROR(check_overlap());
+    return check_empty_class();
   }
 
  private:
@@ -92,6 +93,47 @@ class RunVerifier {
     if (overlap == spans_.end()) return {};
     return invalid(fmt::format("runs_z of classes {} and {} overlap in scanline {}", overlap->of,
                                (overlap + 1)->of, overlap->scanline));
+  }
+
+  /// Class 0 has the voxels that the others leave, and may leave its box out.
+  [[nodiscard]] Result<void> check_empty_class() const {
+    const IndexBox& box = atlas_.classes().box(kEmptyClass);
+    if (box.empty() || box == box_of_gaps()) return {};
+    return invalid("the box of class 0 is not that of the voxels that no other class has");
+  }
+
+  /// The box around what sorted spans leave of the grid.
+  [[nodiscard]] IndexBox box_of_gaps() const {
+    const Index3& size = atlas_.grid().size;
+    IndexBox box;
+    const auto include = [&](std::uint64_t scanline, std::int64_t first, std::int64_t end) {
+      const auto j = static_cast<std::int64_t>(scanline) % size[1];
+      const auto k = static_cast<std::int64_t>(scanline) / size[1];
+      if (first < end) box.include(IndexBox{{first, j, k}, {end - 1, j, k}});
+    };
+    std::uint64_t next = 0;  // scanline
+    // Of many whole scanlines the first, the last, and those around the last change of slices tell the box.
+    const auto include_until = [&](std::uint64_t end) {
+      if (next == end) return;
+      const std::uint64_t last = end - 1, slice = last - last % static_cast<std::uint64_t>(size[1]);
+      include(next, 0, size[0]);
+      include(last, 0, size[0]);
+      if (slice <= next) return;
+      include(slice - 1, 0, size[0]);
+      include(slice, 0, size[0]);
+    };
+    for (auto span = spans_.begin(); span != spans_.end(); ++next) {
+      include_until(span->scanline);
+      next = span->scanline;
+      std::int64_t at = 0;
+      for (; span != spans_.end() && span->scanline == next; ++span) {
+        include(next, at, span->start);
+        at = span->end;
+      }
+      include(next, at, size[0]);
+    }
+    include_until(static_cast<std::uint64_t>(size[1] * size[2]));
+    return box;
   }
 
   const Atlas& atlas_;
