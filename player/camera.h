@@ -72,6 +72,8 @@ struct View {
 
 /// Narrowest and widest field of view, in degrees.
 inline constexpr double kMinFieldOfView = 1e-3, kMaxFieldOfView = 179;
+/// From the point that it looks at: no product of the few that rays are made by vanishes.
+inline constexpr double kNearestEyeMm = 1e-100;
 
 /// As parallel_view(). In perspective, also refuses fields of view that are not from kMinFieldOfView to
 /// kMaxFieldOfView, and an eye that would stand in the plane of the centre or infinitely far away.

@@ -29,14 +29,14 @@ std::optional<GreyScale> grey_scale(const TransferCurve& curve, VoxelType type) 
   const TransferPoint& first = curve.points.front();
   if (!hides_zero && first.opacity > 0) return std::nullopt;
   GreyScale scale;
-  if (hides_zero && type == VoxelType::kUInt8) {
-    scale.bytes = true;
-    return scale;
-  }
   scale.offset = hides_zero ? 0 : first.grey;
   const double width = curve.points.back().grey - first.grey;
   const double furthest =
       std::max(std::abs(first.grey - scale.offset), std::abs(curve.points.back().grey - scale.offset));
+  if (hides_zero && type == VoxelType::kUInt8 && furthest <= kFurthestStored) {
+    scale.bytes = true;
+    return scale;
+  }
   if (width > 0) scale.scale = std::min({kStoredWidth / width, kFurthestStored / furthest, kLargestScale});
   return scale;
 }

@@ -77,12 +77,11 @@ class OneLook {
       ends[slab] = Take(rays_.Clamped(t + static_cast<float>(slab + 1)));
     }
     for (std::size_t slab = 0; slab < kSlabs; ++slab) {
-      const float begin = t + static_cast<float>(slab);
-      const auto end = rays_.Clamped(begin + 1);
+      const auto end = rays_.Clamped(t + static_cast<float>(slab + 1));
       if (cuts_cells(scene_)) {
         Slab(at, end, ends[slab]);
       } else {
-        EvenSlab(begin, at, end, ends[slab]);
+        EvenSlab(at, end, ends[slab]);
       }
       last_ = ends[slab];
       at = end;
@@ -119,10 +118,12 @@ class OneLook {
   }
 
   /// From one plane of voxels to the next in steps of equal lengths.
-  HWY_INLINE void EvenSlab(float begin, Vector at, Vector end, const Taken& taken) {
-    const int steps = Steps(hn::Mul(rays_.mm_per_t, hn::Sub(end, at)), taken);
+  HWY_INLINE void EvenSlab(Vector begin, Vector end, const Taken& taken) {
+    const auto length = hn::Sub(end, begin);
+    const int steps = Steps(hn::Mul(rays_.mm_per_t, length), taken);
+    auto at = begin;
     for (int n = 1; n < steps; ++n) {
-      const auto next = rays_.Clamped(begin + static_cast<float>(n) / static_cast<float>(steps));
+      const auto next = PartOf(begin, length, n, steps);
       const Classified between = Classify(curve_, GreyAt(next));
       Step(hn::Sub(next, at), between);
       last_.classified = between;

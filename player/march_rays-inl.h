@@ -58,6 +58,11 @@ struct Rays {
   }
 };
 
+/// Where the n-th of equal steps ends.
+HWY_INLINE Vector PartOf(Vector begin, Vector length, int n, int steps) {
+  return hn::MulAdd(hn::Set(Lanes(), static_cast<float>(n) / static_cast<float>(steps)), length, begin);
+}
+
 /// Active bricks in a box of bricks, both ends included.
 HWY_INLINE bool AnyActive(const std::uint32_t* sums, const MarchGrid& grid, const std::int32_t* first,
                           const std::int32_t* last) {

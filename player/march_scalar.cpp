@@ -259,14 +259,15 @@ bool clip(const MarchGrid& grid, LoneRay& ray) {
   return ray.from < ray.to;
 }
 
-/// A slab in steps of equal lengths, from `before`, where the ray is at `at`, to `last`.
-void even_slab(const MarchScene& scene, const LoneRay& ray, float at, float end, Samples before,
+/// A slab in steps of equal lengths, from `before`, where the ray is at `begin`, to `last`. Rays that enter
+/// or leave within a slab take all of them inside.
+void even_slab(const MarchScene& scene, const LoneRay& ray, float begin, float end, Samples before,
                const Samples& last, std::array<float, 4>& rgba) {
-  const int steps = steps_of(scene, before, last, (1 - rgba[3]) * ray.mm_per_t * (end - at));
-  const float begin = std::floor(at);
+  const int steps = steps_of(scene, before, last, (1 - rgba[3]) * ray.mm_per_t * (end - begin));
+  float at = begin;
   for (int n = 1; n <= steps; ++n) {
-    const float part = begin + static_cast<float>(n) / static_cast<float>(steps);
-    const float next = n == steps ? end : std::min(std::max(part, at), end);
+    const float part = static_cast<float>(n) / static_cast<float>(steps);
+    const float next = n == steps ? end : std::fma(part, end - begin, begin);
     const Samples after = n == steps ? last : sample(scene, ray, next);
     step(scene, ray, before, after, at, next, rgba);
     before = after;

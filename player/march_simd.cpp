@@ -48,9 +48,8 @@ class ManyLooks {
     auto at = rays_.Clamped(t);
     Begin(at);
     for (std::size_t slab = 0; slab < kSlabs; ++slab) {
-      const float begin = t + static_cast<float>(slab);
-      const auto end = rays_.Clamped(begin + 1);
-      Slab(begin, at, end);
+      const auto end = rays_.Clamped(t + static_cast<float>(slab + 1));
+      Slab(at, end);
       at = end;
     }
   }
@@ -100,12 +99,14 @@ class ManyLooks {
   }
 
   /// One slab, in as many steps as it takes.
-  HWY_INLINE void Slab(float begin, Vector at, Vector end) {
+  HWY_INLINE void Slab(Vector begin, Vector end) {
     const Places places(scene_.grid, rays_, end);
     for (std::size_t c = 0; c < chosen_count_; ++c) Take(chosen_[c], places, ends_[chosen_[c]]);
-    const int steps = Steps(hn::Mul(rays_.mm_per_t, hn::Sub(end, at)));
+    const auto length = hn::Sub(end, begin);
+    const int steps = Steps(hn::Mul(rays_.mm_per_t, length));
+    auto at = begin;
     for (int n = 1; n < steps; ++n) {
-      const auto next = rays_.Clamped(begin + static_cast<float>(n) / static_cast<float>(steps));
+      const auto next = PartOf(begin, length, n, steps);
       const Places between(scene_.grid, rays_, next);
       for (std::size_t c = 0; c < chosen_count_; ++c) Take(chosen_[c], between, nexts_[chosen_[c]]);
       Step(at, next, nexts_);

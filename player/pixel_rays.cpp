@@ -39,16 +39,21 @@ PixelRays::Lines PixelRays::lines(const RayNumbers& x, const RayNumbers& y) cons
   Lines lines;
   for (std::size_t a = 0; a < 3; ++a) {
     for (std::size_t n = 0; n < kPacketRays; ++n) {
-      const double point = frame_.corner[a] + x[n] * frame_.right[a] + y[n] * frame_.down[a];
-      lines.start[a][n] = perspective_ ? frame_.eye[a] : point;
-      lines.direction[a][n] = perspective_ ? point - frame_.eye[a] : frame_.forward[a];
+      if (!perspective_) {
+        lines.start[a][n] = frame_.corner[a] + x[n] * frame_.right[a] + y[n] * frame_.down[a];
+        lines.direction[a][n] = frame_.forward[a];
+        continue;
+      }
+      // No difference of places: near each other and far from the origin they are the same.
+      lines.start[a][n] = frame_.eye[a];
+      lines.direction[a][n] = eye_mm_ * frame_.forward[a] + (x[n] - middle_x_) * frame_.right[a] +
+                              (y[n] - middle_y_) * frame_.down[a];
     }
   }
   for (std::size_t n = 0; n < kPacketRays; ++n) {
-    const double right_mm = (x[n] - middle_x_) * mm_per_pixel_;
-    const double down_mm = (y[n] - middle_y_) * mm_per_pixel_;
-    const double square = eye_mm_ * eye_mm_ + right_mm * right_mm + down_mm * down_mm;
-    lines.direction_mm[n] = perspective_ ? std::sqrt(square) : 1.0;
+    const double right = (x[n] - middle_x_) * mm_per_pixel_ / eye_mm_;
+    const double down = (y[n] - middle_y_) * mm_per_pixel_ / eye_mm_;
+    lines.direction_mm[n] = perspective_ ? eye_mm_ * std::sqrt(1 + right * right + down * down) : 1.0;
   }
   return lines;
 }

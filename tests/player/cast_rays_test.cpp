@@ -123,6 +123,55 @@ TEST(CastRays, AnEyeInTheFogSeesWhatLiesAhead) {
   }
 }
 
+// Found by fuzzing: rays were differences of places that are the same for numbers so close.
+TEST(CastRays, AnEyeAtThePointThatItLooksAtSeesAsOneNearIt) {
+  AtlasContent content = fog();
+  content.display.center_lps_mm = {3.2, 1, -2};
+  const Selection selection = selection_of("fog:volume(opacity=0.05)", content.graph);
+  content.display.radius_mm = 1e-6;
+  const Picture near = render_or_throw(content, selection, perspective(60), accurate());
+  EXPECT_GT(near.at(0, 0)[3], 0.2);
+  EXPECT_GT(std::abs(near.at(0, 0)[3] - near.at(39, 35)[3]), 0.01);
+  content.display.radius_mm = 1e-60;
+  const Picture at = render_or_throw(content, selection, perspective(60), accurate());
+  for (std::size_t n = 0; n < at.rgba.size(); ++n) EXPECT_NEAR(at.rgba[n], near.rgba[n], 2e-6) << n;
+}
+
+/// Found by random scenes. What shows every trace of a structure fills all that is within one voxel of it:
+/// rays that cut off an edge are in it for a small part of a slab.
+TEST(CastRays, StepsAtABorderAreMetByRaysThatPassAnEdge) {
+  const AtlasContent content = fog();
+  const Selection selection = selection_of("fog:volume(curve=0:0/0.000001:0.5)", content.graph);
+  for (const CameraProjection projection : {CameraProjection::kParallel, CameraProjection::kPerspective}) {
+    Camera camera = perspective(90);
+    camera.projection = projection;
+    const RenderOptions options = accurate(Quality::kHigh);
+    const Picture picture = render_or_throw(content, selection, camera, options);
+    const View view = *view_of(camera, options.size, content.display);
+    const Grid grid = storage_grid(content);
+    int passed = 0;
+    for (int y = 0; y < options.size.height; ++y) {
+      for (int x = 0; x < options.size.width; ++x) {
+        const double px = x + 0.5, py = y + 0.5;
+        const reference::Ray ray =
+            view.eye_mm ? ray_through(PerspectiveView{view.plane, camera.field_of_view_deg}, grid, px, py)
+                        : reference::ray_through(view.plane, grid, px, py);
+        double from = -kInfinity, to = kInfinity;
+        for (std::size_t a = 0; a < 3; ++a) {
+          const double one = (-1 - ray.start[a]) / ray.per_mm[a], other = (21 - ray.start[a]) / ray.per_mm[a];
+          from = std::max(from, std::min(one, other));
+          to = std::min(to, std::max(one, other));
+        }
+        const double length = std::max(0.0, to - from);
+        passed += length > 0 && length < 0.5 ? 1 : 0;
+        EXPECT_NEAR(picture.at(x, y)[3], 1 - std::pow(0.5, length), 2e-3)
+            << x << ", " << y << ": " << length;
+      }
+    }
+    EXPECT_GT(passed, 3);
+  }
+}
+
 /// Around an eye in the middle, in every direction, whichever axis is the principal one.
 TEST(CastRays, AWideFieldOfViewIsSeamless) {
   const AtlasContent content = fog();

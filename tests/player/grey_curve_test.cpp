@@ -56,20 +56,22 @@ TEST(GreyCurve, EverySegmentIsTheCurve) {
   }
 }
 
-// Found by fuzzing: 255 over a width of the least number is infinite.
+// Found by fuzzing: 255 over the least width is infinite, and so is a float of the widest.
 TEST(GreyCurve, IsFiniteAtEveryWidth) {
   for (const double width : {5e-324, 1e-310, 1e-300, 1e-30, 1.0, 1e30, 1e300}) {
     for (const double low : {0.0, -width, 7.0, -1e300}) {
       const double high = std::max(low + width, std::nextafter(low, 1e308));
       const TransferCurve curve{{{low, 0, 0}, {high, 0.9f, 1}}};
-      const auto scale = grey_scale(curve, VoxelType::kFloat64);
-      ASSERT_TRUE(scale);
-      EXPECT_EQ(scale->stored(0), -scale->offset * scale->scale);
-      const GreyCurve prepared(curve, *scale, 1e-6);
-      for (std::size_t row = 0; row < GreyCurve::kRows; ++row) {
-        for (std::size_t s = 0; s <= prepared.points(); ++s) {
-          EXPECT_TRUE(std::isfinite(prepared.row(static_cast<GreyCurve::Row>(row))[s]))
-              << low << " to " << high << ", row " << row << ", segment " << s;
+      for (const VoxelType type : {VoxelType::kUInt8, VoxelType::kFloat64}) {
+        const auto scale = grey_scale(curve, type);
+        ASSERT_TRUE(scale);
+        EXPECT_EQ(scale->stored(0), -scale->offset * scale->scale);
+        const GreyCurve prepared(curve, *scale, 1e-6);
+        for (std::size_t row = 0; row < GreyCurve::kRows; ++row) {
+          for (std::size_t s = 0; s <= prepared.points(); ++s) {
+            EXPECT_TRUE(std::isfinite(prepared.row(static_cast<GreyCurve::Row>(row))[s]))
+                << low << " to " << high << ", row " << row << ", segment " << s;
+          }
         }
       }
     }
