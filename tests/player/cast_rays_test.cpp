@@ -164,8 +164,7 @@ TEST(CastRays, StepsAtABorderAreMetByRaysThatPassAnEdge) {
         }
         const double length = std::max(0.0, to - from);
         passed += length > 0 && length < 0.5 ? 1 : 0;
-        EXPECT_NEAR(picture.at(x, y)[3], 1 - std::pow(0.5, length), 2e-3)
-            << x << ", " << y << ": " << length;
+        EXPECT_NEAR(picture.at(x, y)[3], 1 - std::pow(0.5, length), 2e-3) << x << ", " << y << ": " << length;
       }
     }
     EXPECT_GT(passed, 3);
