@@ -1,5 +1,5 @@
-// Bytes against peers: whole atlases, their sections, the label partition, and what one structure costs to
-// read.
+// Bytes against peers: whole atlases, their sections, the label partition, what one structure costs to read,
+// and everything to decode.
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -12,6 +12,7 @@
 
 #include "bench/atlases.h"
 #include "bench/bench.h"
+#include "bench/decoding.h"
 #include "bench/measure.h"
 #include "bench/page_residency.h"
 #include "bench/scratch_folder.h"
@@ -77,10 +78,9 @@ Result<std::uint64_t> draco_bytes(const Atlas& atlas, int normal_bits) {
   std::uint64_t sum = 0;
   for (StructureIndex s = 0; s < atlas.graph().size(); ++s) {
     SPLATLAS_ASSIGN_OR_RETURN(const SurfaceMesh mesh, atlas.read_surface(s));
-    SPLATLAS_ASSIGN_OR_RETURN(
-        const std::uint64_t bytes,
-        draco_peer::encoded_bytes(mesh, {.position_bits = 11, .normal_bits = normal_bits}));
-    sum += bytes;
+    SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::byte> encoded,
+                              draco_peer::encode(mesh, {.position_bits = 11, .normal_bits = normal_bits}));
+    sum += encoded.size();
   }
   return sum;
 }
@@ -209,6 +209,8 @@ Result<Report> run_size_bench(const BenchOptions& options) {
   report.tables.push_back(std::move(labels));
   SPLATLAS_ASSIGN_OR_RETURN(Table reading, measure_reading(file, options, report.summary));
   report.tables.push_back(std::move(reading));
+  SPLATLAS_ASSIGN_OR_RETURN(Table decoding, measure_decoding(file, options, report.summary));
+  report.tables.push_back(std::move(decoding));
   return report;
 }
 

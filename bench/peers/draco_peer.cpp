@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include <draco/compression/decode.h>
 #include <draco/compression/encode.h>
 #include <draco/mesh/mesh.h>
 
@@ -21,8 +22,8 @@ void add_attribute(const std::vector<std::array<float, 3>>& values, draco::Geome
 
 }  // namespace
 
-Result<std::uint64_t> encoded_bytes(const SurfaceMesh& surface, const Settings& settings) {
-  if (surface.empty()) return std::uint64_t{0};
+Result<std::vector<std::byte>> encode(const SurfaceMesh& surface, const Settings& settings) {
+  if (surface.empty()) return std::vector<std::byte>{};
   draco::Mesh mesh;
   mesh.set_num_points(static_cast<std::uint32_t>(surface.positions_ijk.size()));
   add_attribute(surface.positions_ijk, draco::GeometryAttribute::POSITION, mesh);
@@ -42,7 +43,17 @@ Result<std::uint64_t> encoded_bytes(const SurfaceMesh& surface, const Settings& 
   if (const draco::Status status = encoder.EncodeMeshToBuffer(mesh, &buffer); !status.ok()) {
     return fail(ErrorCode::kFailed, "Draco: " + status.error_msg_string());
   }
-  return std::uint64_t{buffer.size()};
+  const auto* const bytes = reinterpret_cast<const std::byte*>(buffer.data());
+  return std::vector<std::byte>(bytes, bytes + buffer.size());
+}
+
+Result<std::uint64_t> decode(std::span<const std::byte> file) {
+  if (file.empty()) return std::uint64_t{0};
+  draco::DecoderBuffer buffer;
+  buffer.Init(reinterpret_cast<const char*>(file.data()), file.size());
+  auto mesh = draco::Decoder().DecodeMeshFromBuffer(&buffer);
+  if (!mesh.ok()) return fail(ErrorCode::kFailed, "Draco: " + mesh.status().error_msg_string());
+  return std::uint64_t{mesh.value()->num_faces()};
 }
 
 }  // namespace splatlas::draco_peer

@@ -26,19 +26,27 @@ SurfaceMesh plane(std::uint32_t n) {
 
 TEST(DracoPeer, CodesAPlaneInLessThanAByteATriangleAndNormalsBesides) {
   const SurfaceMesh mesh = plane(64);
-  const auto bytes = draco_peer::encoded_bytes(mesh, {});
-  ASSERT_TRUE(bytes.has_value());
-  EXPECT_GT(*bytes, 100u);
-  EXPECT_LT(*bytes, mesh.triangles.size());
-  const auto finer = draco_peer::encoded_bytes(mesh, {.position_bits = 14});
-  const auto with_normals = draco_peer::encoded_bytes(mesh, {.normal_bits = 8});
+  const auto file = draco_peer::encode(mesh, {});
+  ASSERT_TRUE(file.has_value());
+  EXPECT_GT(file->size(), 100u);
+  EXPECT_LT(file->size(), mesh.triangles.size());
+  EXPECT_EQ(*draco_peer::decode(*file), mesh.triangles.size());
+  const auto finer = draco_peer::encode(mesh, {.position_bits = 14});
+  const auto with_normals = draco_peer::encode(mesh, {.normal_bits = 8});
   ASSERT_TRUE(finer.has_value() && with_normals.has_value());
-  EXPECT_GT(*finer, *bytes);
-  EXPECT_GT(*with_normals, *bytes);
+  EXPECT_GT(finer->size(), file->size());
+  EXPECT_GT(with_normals->size(), file->size());
 }
 
 TEST(DracoPeer, TakesNothingForASurfaceWithoutTriangles) {
-  EXPECT_EQ(*draco_peer::encoded_bytes(SurfaceMesh{}, {}), 0u);
+  const auto file = draco_peer::encode(SurfaceMesh{}, {});
+  ASSERT_TRUE(file.has_value());
+  EXPECT_TRUE(file->empty());
+  EXPECT_EQ(*draco_peer::decode(*file), 0u);
+}
+
+TEST(DracoPeer, TellsWhatIsNoFileOfItsOwn) {
+  EXPECT_FALSE(draco_peer::decode(std::vector<std::byte>(100)).has_value());
 }
 
 }  // namespace
