@@ -37,7 +37,8 @@ std::optional<GreyScale> grey_scale(const TransferCurve& curve, VoxelType type) 
     scale.bytes = true;
     return scale;
   }
-  if (width > 0) scale.scale = std::min({kStoredWidth / width, kFurthestStored / furthest, kLargestScale});
+  const double stretch = width > 0 ? kStoredWidth / width : 1;
+  scale.scale = std::min({stretch, kFurthestStored / furthest, kLargestScale});
   return scale;
 }
 

@@ -275,7 +275,7 @@ void resolve(const SheetImage& sheet, const Shear& shear, const FragmentsInVolum
   const Affine2 map = picture_to_pixels(shear, sheet.window);
   // Finer sheets are no finer than what they show.
   const double voxels = std::max(std::hypot(map.xx, map.yx), std::hypot(map.xy, map.yy)) / sheet.window.scale;
-  const int samples = std::clamp(static_cast<int>(std::ceil(voxels - 0.25)), 1, kMaxSamplesPerSide);
+  const int samples = static_cast<int>(std::clamp(std::ceil(voxels - 0.25), 1.0, double{kMaxSamplesPerSide}));
   pool.for_each((height + kBandRows - 1) / kBandRows, [&](std::size_t band) {
     const std::size_t first = band * kBandRows;
     const std::size_t last = std::min(first + kBandRows, height);

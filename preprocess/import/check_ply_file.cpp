@@ -78,13 +78,21 @@ std::optional<Property> parse_property(const std::vector<std::string_view>& word
   return Property{std::string(words.back()), list ? count->bytes : 0, *type};
 }
 
+/// Without characters that VTK takes for something else than we do: a zero ends its lines.
+bool is_plain(std::string_view line) {
+  if (line.ends_with('\r')) line.remove_suffix(1);
+  return std::ranges::none_of(line, [](char c) { return static_cast<unsigned char>(c) < 0x20 && c != '\t'; });
+}
+
 /// Nothing where a line is none that PLY has.
 std::optional<PlyHeader> parse_header(std::string_view text) {
   PlyHeader header;
   for (std::size_t number = 1, start = 0; start < text.size(); ++number) {
     const std::size_t end = text.find('\n', start);
     if (end == std::string_view::npos || end - start > kMaxLineBytes) return std::nullopt;
-    const std::vector<std::string_view> words = split_blanks(trimmed(text.substr(start, end - start)));
+    const std::string_view line = text.substr(start, end - start);
+    if (!is_plain(line)) return std::nullopt;
+    const std::vector<std::string_view> words = split_blanks(trimmed(line));
     start = end + 1;
     if (number == 1 && (words.size() != 1 || words[0] != "ply")) return std::nullopt;
     if (number == 1 || (!words.empty() && (words[0] == "comment" || words[0] == "obj_info"))) continue;
@@ -156,7 +164,7 @@ class BodyWalker {
 
  private:
   bool read_line(const Element& element) {
-    if (!std::getline(file_, line_) || line_.size() > kMaxLineBytes) return false;
+    if (!std::getline(file_, line_) || line_.size() > kMaxLineBytes || !is_plain(line_)) return false;
     const std::vector<std::string_view> words = split_blanks(trimmed(line_));
     std::size_t at = 0;
     for (const Property& property : element.properties) {

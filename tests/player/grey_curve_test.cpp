@@ -78,6 +78,17 @@ TEST(GreyCurve, IsFiniteAtEveryWidth) {
   }
 }
 
+TEST(GreyCurve, IsFiniteForAPointFarAway) {
+  for (const double grey : {-7e278, 1e300}) {
+    const TransferCurve curve{{{grey, 0, 0}}};
+    const auto scale = grey_scale(curve, VoxelType::kInt16);
+    ASSERT_TRUE(scale);
+    const GreyCurve prepared(curve, *scale, 1);
+    EXPECT_NEAR(prepared.row(GreyCurve::kGrey)[1], std::copysign(1e5, grey), 1);
+    EXPECT_FALSE(prepared.shows(-1e5f, 1e5f));
+  }
+}
+
 TEST(GreyCurve, IntegralsAreSumsOverGreyValues) {
   std::mt19937 random(2);
   const TransferCurve curve = random_curve(random, 9);

@@ -137,6 +137,12 @@ TEST_F(ImportMesh, RefusesDamagedFiles) {
   for (const std::string corner : {"3", "-1", "4294967295", "x"}) {
     EXPECT_THAT(error("a.ply", ply("ascii", "int", text + "3 0 1 " + corner + "\n")), HasSubstr("corners"));
   }
+  for (const char control :
+       {'\0', '\1', '\r', '\v'}) {  // VTK may take what is behind for another line, or for none
+    EXPECT_THAT(error("a.ply", ply("ascii", "int", text + "3 0" + control + " 1 2\n")), HasSubstr("damaged"));
+    EXPECT_THAT(error("a.ply", ply("ascii", "int" + std::string(1, control), text + "3 0 1 2\n")),
+                HasSubstr("no PLY"));
+  }
   for (const std::string corner : {"\3", "\xff"}) {
     const std::string body = binary + "\3" + std::string("\0\1", 2) + corner;
     EXPECT_THAT(error("a.ply", ply("binary_little_endian", "char", body)), HasSubstr("corners"));
