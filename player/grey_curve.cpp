@@ -13,6 +13,8 @@ constexpr double kStoredWidth = 255;
 constexpr double kFurthestStored = 1e5;
 /// Widths that are no more than doubles can tell are stretched to less, too: their scale would be infinite.
 constexpr double kLargestScale = 1e300;
+/// Stored width below which a ramp is a step: floats do not have its slope.
+constexpr double kLeastRamp = 1e-20;
 /// Share of a curve's width below which rounding of the integrals would show in their difference quotients.
 constexpr double kLeastShare = 2e-4;
 
@@ -55,7 +57,7 @@ GreyCurve::GreyCurve(const TransferCurve& curve, const GreyScale& scale, double 
     const bool inner = segment > 0 && segment < points_;
     const Knot to = inner ? knot(segment) : from;
     const double width = to.grey - from.grey;
-    const bool ramp = inner && width > 0;  // not a step
+    const bool ramp = inner && width >= kLeastRamp;  // not a step
     const double extinction_slope = ramp ? (to.extinction - from.extinction) / width : 0;
     const double shade_slope = ramp ? (to.shade - from.shade) / width : 0;
     const std::array<double, kRows> column{from.grey,  from.extinction, extinction_slope,

@@ -78,6 +78,17 @@ TEST(GreyCurve, IsFiniteAtEveryWidth) {
   }
 }
 
+TEST(GreyCurve, RampsThatAreTooNarrowForFloatsAreSteps) {
+  const TransferCurve curve{{{0, 0, 0.25f}, {4e-44, 0, 0.5f}, {5e-44, 0.5f, 0.5f}, {255, 0.5f, 0.5f}}};
+  const GreyCurve prepared(curve, *grey_scale(curve, VoxelType::kUInt8), 1e-9);
+  for (std::size_t row = 0; row < GreyCurve::kRows; ++row) {
+    for (std::size_t s = 0; s <= prepared.points(); ++s)
+      EXPECT_TRUE(std::isfinite(prepared.row(static_cast<GreyCurve::Row>(row))[s])) << row << ", " << s;
+  }
+  EXPECT_FALSE(prepared.shows(0, 0));
+  EXPECT_EQ(prepared.row(GreyCurve::kExtinction)[3], static_cast<float>(extinction_of(0.5f, 1e-9)));
+}
+
 TEST(GreyCurve, IsFiniteForAPointFarAway) {
   for (const double grey : {-7e278, 1e300}) {
     const TransferCurve curve{{{grey, 0, 0}}};
