@@ -25,7 +25,8 @@ Result<void> check_folder_of(const fs::path& path) {
   std::error_code error;
   if (!fs::is_directory(folder, error))
     return cannot_write(path, fmt::format("there is no folder {}", folder.string()));
-  if (::access(folder.c_str(), W_OK | X_OK) != 0) return cannot_write(path, std::strerror(errno));
+  if (::faccessat(AT_FDCWD, folder.c_str(), W_OK | X_OK, AT_EACCESS) != 0)
+    return cannot_write(path, std::strerror(errno));
   return {};
 }
 

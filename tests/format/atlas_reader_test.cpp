@@ -227,6 +227,34 @@ TEST(Atlas, RefusesStreamsThatNeedMoreMemoryThanThereIs) {
             "(memory): damaged: 1 bytes, expected 16777216 of values of class 0");
 }
 
+/// A cube of 2^33 voxels in a file of a kilobyte.
+TEST(Atlas, RefusesToDeriveWhatTakesMemoryByTheVoxel) {
+  AtlasParts parts;
+  Directory& directory = parts.directory;
+  directory.source_grid.size = {1 << 11, 1 << 11, 1 << 11};
+  directory.graph = *StructureGraph::build({{"cube", "", {}, {}, {}, false}});
+  const ClassId cube = directory.classes.intern({{0, Part::kInterior}});
+  directory.classes.count(cube, std::uint64_t{1} << 33, {{0, 0, 0}, {2047, 2047, 2047}});
+  directory.run_totals = {1 << 22, 1 << 22, 1 << 22};
+  directory.surfaces = {{3, 1, 2, 0}};
+  directory.normals_fitted.resize(2);
+  parts.chunks = {Bytes(4)};
+  directory.run_bytes = {{}, {0, 0, 4}};
+  directory.chunks = {{checksum_of(parts.chunks[0]), 4, ChunkCodec::kStored, 0}};
+  directory.sections = {{3, 1, 262'144, 4}, {5, 0, 262'144, 4}, {6, 0, 262'144, 4}};
+  const auto atlas = Atlas::open_bytes(put_together(parts));
+  ASSERT_TRUE(atlas) << atlas.error().message;
+  const auto runs = (*atlas)->read_runs(cube, Axis::kX);
+  ASSERT_FALSE(runs);
+  EXPECT_EQ(runs.error().code, ErrorCode::kLimit);
+  EXPECT_EQ(runs.error().message,
+            "(memory): class 1 has 8589934592 voxels, too many to derive a run model from another");
+  const auto surface = (*atlas)->read_surface(0);
+  ASSERT_FALSE(surface);
+  EXPECT_EQ(surface.error().code, ErrorCode::kLimit);
+  EXPECT_EQ(surface.error().message, "(memory): structure 'cube' is too large to fit a surface to it");
+}
+
 TEST(Atlas, OpensFilesOfNewerMinorVersionsAndSkipsTheirSections) {
   std::mt19937 random(9);
   const AtlasContent content = random_content(random);

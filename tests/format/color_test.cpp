@@ -24,7 +24,7 @@ TEST(Color, ParsesLongAndShortForms) {
 
 TEST(Color, RefusesEverythingElse) {
   for (const char* text : {"", "#", "ff8800", "#ff880", "#ff88000", "#ff88gg", "#ggg", "#-10000", "red",
-                           "##fffff", "#ff 800", "#ffff", " #ff8800"}) {
+                           "##fffff", "#ff 800", "#ffff", " #ff8800", "ff80", "#0g0000", "#f0000g"}) {
     const auto color = parse_color(text);
     ASSERT_FALSE(color) << text;
     EXPECT_EQ(color.error().code, ErrorCode::kUsage);

@@ -11,6 +11,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "tests/format/ordinary_user.h"
 #include "tests/format/temporary_folder.h"
 
 namespace splatlas {
@@ -62,18 +63,14 @@ TEST_F(OutputFileTest, NewFilesFollowTheMask) {
   EXPECT_EQ(std::filesystem::status(path).permissions(), std::filesystem::perms{0640});
 }
 
-/// Tests may run as root, whom permissions do not stop.
 TEST_F(OutputFileTest, LeavesWhatMayNotBeWrittenTo) {
   ASSERT_EQ(write(path, "one"), "");
   ASSERT_EQ(::chmod(path.c_str(), 0444), 0);
-  const uid_t user = ::geteuid();
-  constexpr uid_t kNobody = 65534;
-  if (user == 0) {
-    ASSERT_EQ(::chown(folder.path().c_str(), kNobody, static_cast<gid_t>(-1)), 0);
-    ASSERT_EQ(::seteuid(kNobody), 0);
+  ASSERT_TRUE(give_to_ordinary_user(folder.path().c_str()));
+  {
+    const OrdinaryUser user;
+    EXPECT_THAT(write(path, "two"), HasSubstr("Permission denied"));
   }
-  EXPECT_THAT(write(path, "two"), HasSubstr("Permission denied"));
-  ASSERT_EQ(::seteuid(user), 0);
   EXPECT_EQ(read(path), "one");
   EXPECT_THAT(folder.names(), ElementsAre("out.atlas"));
 }
@@ -91,6 +88,44 @@ TEST_F(OutputFileTest, KeepsTheOwnerWhereThatMayBe) {
   EXPECT_EQ(after.st_uid, owner);
   EXPECT_EQ(after.st_gid, before.st_gid);
   EXPECT_EQ(after.st_mode, before.st_mode);
+}
+
+/// Here the group may do more than others; a new group must not.
+TEST_F(OutputFileTest, GrantsAnotherGroupWhatOthersMayDo) {
+  ASSERT_EQ(write(path, "one"), "");
+  const bool root = ::geteuid() == 0;  // who else is there cannot make a file of a foreign group
+  ASSERT_EQ(::chown(path.c_str(), root ? 1234 : ::geteuid(), root ? 1234 : ::getegid()), 0);
+  ASSERT_EQ(::chmod(path.c_str(), 02676), 0);
+  ASSERT_TRUE(give_to_ordinary_user(folder.path().c_str()));
+  {
+    const OrdinaryUser user;
+    EXPECT_EQ(write(path, "two"), "");
+  }
+  EXPECT_EQ(read(path), "two");
+  EXPECT_EQ(std::filesystem::status(path).permissions(), std::filesystem::perms(root ? 0666 : 02676));
+}
+
+TEST_F(OutputFileTest, WritesIntoFoldersThatMayNotBeListed) {
+  ASSERT_TRUE(give_to_ordinary_user(folder.path().c_str()));
+  ASSERT_EQ(::chmod(folder.path().c_str(), 0300), 0);
+  {
+    const OrdinaryUser user;
+    EXPECT_EQ(write(path, "one"), "");
+  }
+  EXPECT_EQ(read(path), "one");
+}
+
+TEST_F(OutputFileTest, LeavesAFolderThatAppearsMeanwhile) {
+  {
+    auto file = OutputFile::create(path);
+    ASSERT_TRUE(file);
+    std::filesystem::create_directory(path);
+    const auto committed = file->commit();
+    ASSERT_FALSE(committed);
+    EXPECT_EQ(committed.error().message, path.string() + ": cannot be written: Is a directory");
+  }
+  EXPECT_THAT(folder.names(), ElementsAre("out.atlas"));
+  EXPECT_TRUE(std::filesystem::is_directory(path));
 }
 
 TEST_F(OutputFileTest, RemovesWhatKilledWritersLeft) {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>
@@ -61,6 +62,23 @@ TEST_F(TemporaryEntryTest, WhatCannotBeMadeTellsWhy) {
   EXPECT_EQ(errno, ENOENT);
   EXPECT_FALSE(made.make(folder.path() / "none", TemporaryEntry::Kind::kFolder));
   EXPECT_EQ(errno, ENOENT);
+}
+
+/// Of containers with one folder, whose processes have the same numbers, for one.
+TEST_F(TemporaryEntryTest, NamesThatAreTakenArePassedOver) {
+  for (const auto kind : {TemporaryEntry::Kind::kFile, TemporaryEntry::Kind::kFolder}) {
+    TemporaryEntry first, second, third;
+    ASSERT_TRUE(first.make(folder.path(), kind));
+    const std::string before = first.path().filename().string();
+    const unsigned long number = std::stoul(before.substr(before.rfind('-') + 1));
+    const auto name_after = [&](unsigned long n) { return name(::getpid(), fmt::format("-{}", number + n)); };
+    put(name_after(1));
+    ASSERT_TRUE(second.make(folder.path(), kind));
+    EXPECT_EQ(second.path().filename(), name_after(2));
+    for (unsigned long n = 3; n < 103; ++n) put(name_after(n));
+    EXPECT_FALSE(third.make(folder.path(), kind));
+    EXPECT_EQ(errno, EEXIST);
+  }
 }
 
 TEST_F(TemporaryEntryTest, StaleOnesOfDeadProcessesAreRemoved) {

@@ -120,9 +120,11 @@ constexpr BadFile kFrames[] = {
      "F: damaged: its frame is not of the 487 bytes that the directory tells of values of classes 0 to 4"},
     {"a frame that needs a dictionary",
      [](RawAtlas& a) {
-       set_frame(a, [] { return list({0x28, 0xb5, 0x2f, 0xfd, 0x61, 0x77, 0, 0, 1, 0, 0}); });
+       set_frame(a, [] {  // 487 zeros
+         return list({0x28, 0xb5, 0x2f, 0xfd, 0x61, 0x77, 0xe7, 0, 0x3b, 0x0f, 0, 0});
+       });
      },
-     "F: damaged: its frame is not of the 487 bytes that the directory tells of values of classes 0 to 4"},
+     "F: damaged: its frame needs a dictionary of values of classes 0 to 4"},
 };
 
 // ---- run lists
