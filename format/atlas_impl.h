@@ -14,6 +14,7 @@
 #include "format/decision_tree.h"
 #include "format/directory.h"
 #include "format/file_layout.h"
+#include "format/held_values.h"
 #include "format/input_file.h"
 #include "format/section_reader.h"
 #include "format/structure_crop.h"
@@ -44,12 +45,8 @@ struct Atlas::Impl {
   [[nodiscard]] Result<std::vector<PackedNormal>> fit_normals_of(ClassId c) const;
   /// The voxels of a group of classes.
   [[nodiscard]] Result<std::vector<ClassSpan>> read_spans(std::size_t group) const;
-  /// [class of the group]: its values.
-  using GroupValues = std::vector<std::vector<std::byte>>;
-  [[nodiscard]] Result<GroupValues> decode_group(std::size_t group) const;
+  [[nodiscard]] Result<HeldValues::GroupValues> decode_group(std::size_t group) const;
   [[nodiscard]] Result<std::vector<std::byte>> read_class_values(ClassId c) const;
-  /// Holds a group that was decoded, and lets go of the oldest ones beyond kMaxHeldBytes. Its mutex is held.
-  void hold(std::size_t group, GroupValues values) const;
   [[nodiscard]] Result<void> check_class(ClassId c) const;
   [[nodiscard]] Result<void> check_structure(StructureIndex s) const;
 
@@ -79,17 +76,8 @@ struct Atlas::Impl {
   mutable std::mutex late_mutex;
   mutable std::deque<LateSplit> late_splits;  // latest last
 
-  /// Values of a decoded group's classes that nobody has asked for yet: they are likely to be next.
-  struct HeldGroup {
-    std::mutex mutex;
-    GroupValues values;       // empty: not decoded, or all given away
-    std::vector<bool> taken;  // [class of the group]
-  };
   static constexpr std::uint64_t kMaxHeldBytes = std::uint64_t{1} << 27;
-  mutable std::vector<HeldGroup> held;  // [group]
-  mutable std::mutex held_mutex;
-  mutable std::deque<std::size_t> held_groups;  // latest last; may name one twice
-  mutable std::uint64_t held_bytes = 0;
+  mutable HeldValues held_values;
 };
 
 }  // namespace splatlas

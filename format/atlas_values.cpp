@@ -26,10 +26,10 @@ Result<std::vector<ClassSpan>> Atlas::Impl::read_spans(std::size_t group) const 
   return group_spans(groups, group, runs, grid.size);
 }
 
-Result<Atlas::Impl::GroupValues> Atlas::Impl::decode_group(std::size_t group) const {
+Result<HeldValues::GroupValues> Atlas::Impl::decode_group(std::size_t group) const {
   const std::vector<ClassId>& of = groups.classes[group];
   SPLATLAS_ASSIGN_OR_RETURN(std::vector<std::byte> code, read_stream(SectionKind::kValues, group));
-  GroupValues values(of.size());
+  HeldValues::GroupValues values(of.size());
   if (code.empty()) return values;
   const std::uint64_t voxels = group_voxels(groups, directory.classes, group);
   const IndexBox box = group_box(groups, directory.classes, group, grid.size);
@@ -60,58 +60,11 @@ Result<Atlas::Impl::GroupValues> Atlas::Impl::decode_group(std::size_t group) co
   return values;
 }
 
-namespace {
-
-std::uint64_t bytes_of_all(const std::vector<std::vector<std::byte>>& values) {
-  std::uint64_t bytes = 0;
-  for (const std::vector<std::byte>& of_class : values) bytes += of_class.size();
-  return bytes;
-}
-
-}  // namespace
-
-void Atlas::Impl::hold(std::size_t group, GroupValues values) const {
-  HeldGroup& slot = held[group];
-  std::vector<bool> taken(values.size(), false);
-  const std::lock_guard lock(held_mutex);
-  held_groups.push_back(group);  // out of memory: nothing has changed
-  held_bytes += bytes_of_all(values);
-  held_bytes -= bytes_of_all(slot.values);
-  slot.values = std::move(values);
-  slot.taken = std::move(taken);
-  // The oldest go. A group that somebody is at now, this one too, is held a while longer.
-  for (std::size_t n = held_groups.size(); n > 0 && held_bytes > kMaxHeldBytes; --n) {
-    const std::size_t oldest = held_groups.front();
-    const std::unique_lock oldest_lock = oldest == group
-                                             ? std::unique_lock<std::mutex>()
-                                             : std::unique_lock(held[oldest].mutex, std::try_to_lock);
-    if (!oldest_lock) held_groups.push_back(oldest);
-    held_groups.pop_front();
-    if (!oldest_lock) continue;
-    held_bytes -= bytes_of_all(held[oldest].values);
-    held[oldest].values.clear();
-  }
-}
-
 Result<std::vector<std::byte>> Atlas::Impl::read_class_values(ClassId c) const {
   const std::size_t group = groups.group_of[c];
   const std::vector<ClassId>& of = groups.classes[group];
   const auto n = static_cast<std::size_t>(std::ranges::lower_bound(of, c) - of.begin());
-  HeldGroup& slot = held[group];
-  const std::lock_guard lock(slot.mutex);  // whoever comes second waits for the first one's
-  if (slot.values.empty() || slot.taken[n]) {
-    SPLATLAS_ASSIGN_OR_RETURN(GroupValues decoded, decode_group(group));
-    hold(group, std::move(decoded));
-  }
-  slot.taken[n] = true;
-  std::vector<std::byte> values = std::move(slot.values[n]);
-  slot.values[n].clear();
-  const bool all_taken = std::ranges::count(slot.taken, false) == 0;
-  if (all_taken) slot.values.clear();
-  const std::lock_guard held_lock(held_mutex);
-  held_bytes -= values.size();
-  if (all_taken) std::erase(held_groups, group);
-  return values;
+  return held_values.take(group, n, [&] { return decode_group(group); });
 }
 
 Result<std::vector<std::byte>> Atlas::read_values(ClassId c) const {
