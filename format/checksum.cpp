@@ -18,8 +18,6 @@ RunningChecksum::RunningChecksum() : state_(std::make_unique<State>()) {
   XXH3_64bits_reset(&state_->hash);
 }
 RunningChecksum::~RunningChecksum() = default;
-RunningChecksum::RunningChecksum(RunningChecksum&&) noexcept = default;
-RunningChecksum& RunningChecksum::operator=(RunningChecksum&&) noexcept = default;
 
 void RunningChecksum::add(std::span<const std::byte> bytes) {
   XXH3_64bits_update(&state_->hash, bytes.data(), bytes.size());

@@ -16,8 +16,8 @@ class RunningChecksum {
  public:
   RunningChecksum();
   ~RunningChecksum();
-  RunningChecksum(RunningChecksum&&) noexcept;
-  RunningChecksum& operator=(RunningChecksum&&) noexcept;
+  RunningChecksum(const RunningChecksum&) = delete;
+  RunningChecksum& operator=(const RunningChecksum&) = delete;
 
   void add(std::span<const std::byte> bytes);
   [[nodiscard]] std::uint64_t value() const;

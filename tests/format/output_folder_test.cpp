@@ -1,7 +1,9 @@
 #include "format/output_folder.h"
 
 #include <fstream>
+#include <string>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -57,6 +59,20 @@ TEST_F(OutputFolderTest, ReplacesNothing) {
   const auto committed = made->commit();
   ASSERT_FALSE(committed);
   EXPECT_THAT(committed.error().message, HasSubstr("masks: cannot be written: Directory not empty"));
+}
+
+/// All names that would be tried are taken, by what is not taken for stale.
+TEST_F(OutputFolderTest, WhatCannotBeMadeTellsWhy) {
+  const auto made = OutputFolder::create(path);
+  ASSERT_TRUE(made);
+  const std::string name = made->temporary().string();
+  const std::size_t digits = name.rfind('-') + 1;
+  const unsigned long number = std::stoul(name.substr(digits));
+  for (unsigned long n = 1; n <= 100; ++n)
+    std::filesystem::create_symlink("nowhere", fmt::format("{}{}", name.substr(0, digits), number + n));
+  const auto refused = OutputFolder::create(path);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().message, path.string() + ": cannot be written: File exists");
 }
 
 TEST_F(OutputFolderTest, RemovesWhatKilledWritersLeft) {
