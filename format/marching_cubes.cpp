@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstring>
 #include <numeric>
 #include <utility>
 
@@ -124,19 +125,17 @@ struct LedCell {
 /// Walks the cells, layer by layer.
 class CellWalker {
  public:
-  explicit CellWalker(const StructureCrop& crop)
-      : crop_(crop), slice_(static_cast<std::size_t>(crop.size[0] * crop.size[1])) {
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      for (std::vector<std::uint32_t>& vertices : vertex_of_edge_[axis]) vertices.assign(slice_, kNone);
+  explicit CellWalker(const StructureCrop& crop) : crop_(crop) {
+    const auto slice = static_cast<std::size_t>(crop.size[0] * crop.size[1]);
+    for (auto& edges_of_axis : edges_) {
+      for (LayerEdges& edges : edges_of_axis) edges.vertices.assign(slice, kNone);
     }
   }
 
   void walk() {
     for (std::int64_t k = 0; k + 1 < crop_.size[2]; ++k) {
       for (std::int64_t j = 0; j + 1 < crop_.size[1]; ++j) walk_row(j, k);
-      for (std::size_t axis = 0; axis < 2; ++axis)
-        std::swap(vertex_of_edge_[axis][0], vertex_of_edge_[axis][1]);
-      for (std::size_t axis = 0; axis < 3; ++axis) std::ranges::fill(vertex_of_edge_[axis][axis < 2], kNone);
+      go_to_next_layer();
     }
   }
 
@@ -153,12 +152,41 @@ class CellWalker {
       for (unsigned row = 0; row < 4; ++row) bits |= unsigned{rows[row][i] != 0} << (2 * row);
       return bits;
     };
+    const auto all_are = [&](std::int64_t first, std::uint64_t eight_voxels) {
+      return std::ranges::all_of(rows, [&](const std::uint8_t* row) {
+        std::uint64_t voxels = 0;
+        std::memcpy(&voxels, row + first, sizeof voxels);
+        return voxels == eight_voxels;
+      });
+    };
+    constexpr unsigned kAllInside = 0b01010101;
+    constexpr std::uint64_t kEightInterior = 0x0101010101010101 * StructureCrop::kInterior;
     unsigned before = column(0);
-    for (std::int64_t i = 0; i + 1 < crop_.size[0]; ++i) {
+    for (std::int64_t i = 0; i + 1 < crop_.size[0];) {
+      // Most cells are like those around them.
+      if (i + 8 < crop_.size[0] &&
+          ((before == 0 && all_are(i + 1, 0)) || (before == kAllInside && all_are(i + 1, kEightInterior)))) {
+        i += 8;
+        continue;
+      }
       const unsigned after = column(i + 1), inside = before | after << 1;
       before = after;
       if (inside != 0 && inside != 255) add_cell(i, j, k, inside);
+      ++i;
     }
+  }
+
+  /// What is of the upper slice is of the next layer's lower one.
+  void go_to_next_layer() {
+    const auto clear = [](LayerEdges& edges) {
+      if (edges.used) std::ranges::fill(edges.vertices, kNone);
+      edges.used = false;
+    };
+    for (std::size_t axis = 0; axis < 2; ++axis) {
+      std::swap(edges_[axis][0], edges_[axis][1]);
+      clear(edges_[axis][1]);
+    }
+    clear(edges_[2][0]);
   }
 
   void add_cell(std::int64_t i, std::int64_t j, std::int64_t k, unsigned inside) {
@@ -182,9 +210,10 @@ class CellWalker {
   std::uint32_t vertex_at(std::int64_t i, std::int64_t j, std::int64_t k, const CellEdge& edge) {
     const std::int64_t x = i + (edge.corner & 1), y = j + (edge.corner >> 1 & 1);
     const unsigned above = edge.corner >> 2;
-    std::uint32_t& vertex =
-        vertex_of_edge_[edge.axis][above][static_cast<std::size_t>(y * crop_.size[0] + x)];
+    LayerEdges& edges = edges_[edge.axis][above];
+    std::uint32_t& vertex = edges.vertices[static_cast<std::size_t>(y * crop_.size[0] + x)];
     if (vertex == kNone) {
+      edges.used = true;
       vertex = static_cast<std::uint32_t>(surface.positions_ijk.size());
       const Index3 at{x + crop_.first[0], y + crop_.first[1], k + above + crop_.first[2]};
       std::array<float, 3>& position = surface.positions_ijk.emplace_back();
@@ -194,10 +223,15 @@ class CellWalker {
     return vertex;
   }
 
+  /// The vertices on edges along one axis.
+  struct LayerEdges {
+    std::vector<std::uint32_t> vertices;
+    bool used = false;
+  };
+
   const StructureCrop& crop_;
-  std::size_t slice_;
   /// [axis][0: of this layer's lower slice, 1: of its upper one]; edges along k are the layer's own.
-  std::array<std::array<std::vector<std::uint32_t>, 2>, 3> vertex_of_edge_;
+  std::array<std::array<LayerEdges, 2>, 3> edges_;
 };
 
 /// Sorts cells by leading voxel, those of one in the order in which they were met.
