@@ -29,9 +29,7 @@ Result<StructureCrop> Atlas::Impl::read_crop(StructureIndex s, const IndexBox& b
                   fmt::format("structure '{}' is too large to fit a surface to it", directory.graph[s].id)});
   }
   StructureCrop crop = around ? empty_crop_around(box) : empty_crop(box);
-  const std::vector<std::uint8_t> parts = parts_of(directory.classes, s);
-  for (ClassId c = 1; c < parts.size(); ++c) {
-    if (parts[c] == StructureCrop::kOutside) continue;
+  for (const auto& [c, part] : held_classes.of(s)) {
     if (shares_runs(c, Axis::kZ)) {  // both classes at once, which are of the same structures
       const auto pair = run_streams.pair_of(c);
       if (c != pair[0]) continue;
@@ -42,14 +40,14 @@ Result<StructureCrop> Atlas::Impl::read_crop(StructureIndex s, const IndexBox& b
     }
     if (!overlap(directory.classes.box(c), crop)) continue;
     SPLATLAS_ASSIGN_OR_RETURN(const ClassRuns runs, read_stored_runs(c, Axis::kZ));
-    paint_runs(runs, grid.size[1], parts[c], crop);
+    paint_runs(runs, grid.size[1], StructureCrop::part_of(part), crop);
   }
   return crop;
 }
 
 Result<SurfaceMesh> Atlas::Impl::fit_surface_of(StructureIndex s) const {
   const SurfaceEntry& entry = directory.surfaces[s];
-  const IndexBox box = box_of(directory.classes, s);
+  const IndexBox box = box_of(directory.classes, held_classes.of(s));
   SurfaceMesh mesh;
   if (!box.empty()) {
     SPLATLAS_ASSIGN_OR_RETURN(const StructureCrop crop, read_crop(s, box, false));

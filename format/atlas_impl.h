@@ -65,6 +65,7 @@ struct Atlas::Impl {
   RunStreams run_streams;
   const ValueGroups& groups;
   std::vector<std::uint32_t> surface_stream;  ///< [structure]: number of its stream
+  HeldClasses held_classes;
 
   /// Runs that were split lately: those of the other class, and values and normals, are often next.
   struct LateSplit {

@@ -63,6 +63,7 @@ Atlas::Impl::Impl(InputFile opened_file, const FileHeader& checked_header, Direc
       run_streams(std::move(streams)),
       groups(run_streams.groups()),
       surface_stream(directory.graph.size()),
+      held_classes(directory.classes, directory.graph.size()),
       held_values(groups.size(), kMaxHeldBytes) {
   const auto preorder = directory.graph.preorder();
   for (std::uint32_t n = 0; n < preorder.size(); ++n) surface_stream[preorder[n]] = n;

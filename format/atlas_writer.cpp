@@ -13,6 +13,7 @@
 #include "format/content_check.h"
 #include "format/directory.h"
 #include "format/file_layout.h"
+#include "format/fit_surface.h"
 #include "format/fitted_content.h"
 #include "format/mask_codec.h"
 #include "format/output_file.h"
@@ -253,9 +254,12 @@ SectionBytes AtlasEncoder::gather_values() const {
 void AtlasEncoder::leave_out_fitted_parts() {
   const FittedParts fitted = find_fitted_parts(content_, options_.threads);
   fitted_surfaces_ = fitted.surfaces;
+  const ClassTable& classes = content_.classes;
+  const std::size_t structures = content_.graph.size();
+  const std::vector<bool> alike = find_alike(classes, HeldClasses(classes, structures), structures);
   for (ClassId c = 0; c < fitted.normals.size(); ++c) {
     directory_.normals_fitted[c] =
-        fitted.normals[c] && (options_.compact || owner_is_alike(content_.classes, c));
+        fitted.normals[c] && (options_.compact || alike[normal_owner(classes.members(c))]);
   }
 }
 

@@ -10,10 +10,6 @@
 namespace splatlas {
 namespace {
 
-bool holds(const Membership& member) {
-  return member.part != Part::kCrossed;
-}
-
 /// Compares what is fitted to one structure with what the content has.
 class FitComparer {
  public:
@@ -22,7 +18,7 @@ class FitComparer {
         grid_(storage_grid(content)),
         voxel_normals_(grid_),
         normal_at_(content.class_volume.size()),
-        boxes_(structure_boxes(content.classes, content.graph.size())),
+        held_(content.classes, content.graph.size()),
         owners_(normal_owners(content.classes)),
         normals_differ_(content.classes.size(), 0) {
     std::vector<std::size_t> next(content.classes.size(), 0);
@@ -34,12 +30,18 @@ class FitComparer {
 
   /// For one structure at a time per thread: each class has one owner.
   [[nodiscard]] bool surface_is_fitted(StructureIndex s) {
-    const IndexBox& box = boxes_[s];
+    const std::span<const HeldClass> held = held_.of(s);
+    const IndexBox box = box_of(content_.classes, held);
     const bool wanted = !content_.surfaces[s].empty() && content_.surfaces[s].position_scale == 2;
     const bool fits = !box.empty() && crop_voxels(box) <= kMaxFittedVoxels;
-    if (!fits) differ_all(s);
-    if (!fits || (!wanted && std::ranges::find(owners_, s) == owners_.end())) return false;
-    const std::vector<std::uint8_t> parts = parts_of(content_.classes, s);
+    const auto is_owned = [&](const HeldClass& h) { return owners_[h.id] == s; };
+    if (!fits) {
+      for (const HeldClass& h : held) {
+        if (is_owned(h)) normals_differ_[h.id] = 1;
+      }
+    }
+    if (!fits || (!wanted && std::ranges::none_of(held, is_owned))) return false;
+    const std::vector<std::uint8_t> parts = parts_of(held, owners_.size());
     const StructureCrop crop = crop_structure(content_.class_volume, grid_.size, box, parts);
     const SurfaceMesh mesh = fit_surface(crop, grid_, [&](const SmoothGradient& gradient, std::int64_t k) {
       compare_normals(s, crop, gradient, k);
@@ -52,12 +54,6 @@ class FitComparer {
   }
 
  private:
-  void differ_all(StructureIndex s) {
-    for (ClassId c = 0; c < owners_.size(); ++c) {
-      if (owners_[c] == s) normals_differ_[c] = 1;
-    }
-  }
-
   void compare_normals(StructureIndex s, const StructureCrop& crop, const SmoothGradient& gradient,
                        std::int64_t k) {
     for_each_held(crop, k, grid_, [&](std::int64_t i, std::int64_t j, std::size_t voxel) {
@@ -70,8 +66,8 @@ class FitComparer {
   const AtlasContent& content_;
   const Grid grid_;
   const VoxelNormals voxel_normals_;
-  std::vector<PackedNormal> normal_at_;       // [voxel]
-  std::vector<IndexBox> boxes_;               // [structure]
+  std::vector<PackedNormal> normal_at_;  // [voxel]
+  const HeldClasses held_;
   std::vector<StructureIndex> owners_;        // [class]
   std::vector<std::uint8_t> normals_differ_;  // [class]; bytes, so that threads do not meet
 };
@@ -84,16 +80,6 @@ std::uint64_t crop_voxels(const IndexBox& box) {
     voxels *= static_cast<std::uint64_t>(box.last[a] - box.first[a] + 1 + 2 * SmoothGradient::kRadius);
   }
   return voxels;
-}
-
-IndexBox box_of(const ClassTable& classes, StructureIndex structure) {
-  IndexBox box;
-  for (ClassId c = 0; c < classes.size(); ++c) {
-    for (const Membership& m : classes.members(c)) {
-      if (m.structure == structure && holds(m)) box.include(classes.box(c));
-    }
-  }
-  return box;
 }
 
 FittedParts find_fitted_parts(const AtlasContent& content, unsigned threads,
@@ -114,21 +100,22 @@ FittedParts find_fitted_parts(const AtlasContent& content, unsigned threads,
   return parts;
 }
 
-bool owner_is_alike(const ClassTable& classes, ClassId c) {
-  const auto structures_of = [&](ClassId of) {
-    std::vector<StructureIndex> structures;
-    for (const Membership& m : classes.members(of)) {
-      if (holds(m)) structures.push_back(m.structure);
+std::vector<bool> find_alike(const ClassTable& classes, const HeldClasses& held, std::size_t structures) {
+  const auto holders_of = [&](const HeldClass& h) {
+    std::vector<StructureIndex> holders;
+    for (const Membership& m : classes.members(h.id)) {
+      if (m.part != Part::kCrossed) holders.push_back(m.structure);
     }
-    return structures;
+    return holders;
   };
-  const StructureIndex owner = normal_owner(classes.members(c));
-  const std::vector<StructureIndex> structures = structures_of(c);
-  for (ClassId other = 0; other < classes.size(); ++other) {
-    const std::vector<StructureIndex> others = structures_of(other);
-    if (std::ranges::binary_search(others, owner) && others != structures) return false;
+  std::vector<bool> alike(structures, true);
+  for (StructureIndex s = 0; s < structures; ++s) {
+    const std::span<const HeldClass> all = held.of(s);
+    if (all.empty()) continue;
+    const std::vector<StructureIndex> holders = holders_of(all.front());
+    alike[s] = std::ranges::all_of(all, [&](const HeldClass& h) { return holders_of(h) == holders; });
   }
-  return owner != kNoStructure;
+  return alike;
 }
 
 }  // namespace splatlas

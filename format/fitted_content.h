@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "format/atlas_content.h"
+#include "format/held_classes.h"
 
 namespace splatlas {
 
@@ -13,9 +14,6 @@ namespace splatlas {
 inline constexpr std::uint64_t kMaxFittedVoxels = std::uint64_t{1} << 28;
 /// Voxels of empty_crop_around(box), the larger one of the crops.
 [[nodiscard]] std::uint64_t crop_voxels(const IndexBox& box);
-
-/// The box around the voxels that a structure holds.
-[[nodiscard]] IndexBox box_of(const ClassTable& classes, StructureIndex structure);
 
 struct FittedParts {
   std::vector<bool> surfaces;  ///< [structure]: its surface is exactly fit_surface()'s
@@ -26,8 +24,9 @@ struct FittedParts {
 [[nodiscard]] FittedParts find_fitted_parts(const AtlasContent& content, unsigned threads,
                                             const std::function<void(double)>& progress = {});
 
-/// Whether all voxels of the class's normal owner belong to the same structures as the class's: whoever reads
-/// the class needs no more to find its normals.
-[[nodiscard]] bool owner_is_alike(const ClassTable& classes, ClassId c);
+/// Of each structure whether all of its voxels belong to the same structures: whoever reads a class that it
+/// owns needs no more to find the normals of that. Cost: linear in the memberships.
+[[nodiscard]] std::vector<bool> find_alike(const ClassTable& classes, const HeldClasses& held,
+                                           std::size_t structures);
 
 }  // namespace splatlas

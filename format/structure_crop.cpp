@@ -4,24 +4,9 @@
 
 namespace splatlas {
 
-std::vector<IndexBox> structure_boxes(const ClassTable& classes, std::size_t structures) {
-  std::vector<IndexBox> boxes(structures);
-  for (ClassId c = 0; c < classes.size(); ++c) {
-    for (const Membership& m : classes.members(c)) {
-      if (m.part != Part::kCrossed) boxes[m.structure].include(classes.box(c));
-    }
-  }
-  return boxes;
-}
-
-std::vector<std::uint8_t> parts_of(const ClassTable& classes, StructureIndex structure) {
-  std::vector<std::uint8_t> parts(classes.size(), 0);
-  for (ClassId c = 0; c < classes.size(); ++c) {
-    for (const Membership& m : classes.members(c)) {
-      if (m.structure == structure && m.part != Part::kCrossed)
-        parts[c] = m.part == Part::kBoundary ? StructureCrop::kBoundary : StructureCrop::kInterior;
-    }
-  }
+std::vector<std::uint8_t> parts_of(std::span<const HeldClass> held, std::size_t classes) {
+  std::vector<std::uint8_t> parts(classes, StructureCrop::kOutside);
+  for (const HeldClass& h : held) parts[h.id] = StructureCrop::part_of(h.part);
   return parts;
 }
 

@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "format/class_table.h"
 #include "format/grid.h"
+#include "format/held_classes.h"
 #include "format/run_model.h"
 
 namespace splatlas {
@@ -20,6 +20,9 @@ struct StructureCrop {
   Index3 size{0, 0, 0};
   std::vector<std::uint8_t> parts;  ///< kOutside (or only crossed), kInterior or kBoundary; i fastest
 
+  [[nodiscard]] static std::uint8_t part_of(Part held) {
+    return held == Part::kBoundary ? kBoundary : kInterior;
+  }
   [[nodiscard]] std::size_t offset(std::int64_t i, std::int64_t j, std::int64_t k) const {
     return static_cast<std::size_t>((k * size[1] + j) * size[0] + i);
   }
@@ -38,11 +41,8 @@ void for_each_held(const StructureCrop& crop, std::int64_t k, const Grid& grid, 
   }
 }
 
-/// The box around the voxels that each of so many structures holds.
-[[nodiscard]] std::vector<IndexBox> structure_boxes(const ClassTable& classes, std::size_t structures);
-
-/// How voxels of each class belong to `structure`: kOutside, kInterior or kBoundary.
-[[nodiscard]] std::vector<std::uint8_t> parts_of(const ClassTable& classes, StructureIndex structure);
+/// How voxels of each of so many classes belong to the structure that holds some of them.
+[[nodiscard]] std::vector<std::uint8_t> parts_of(std::span<const HeldClass> held, std::size_t classes);
 
 /// Cuts out `box`, which must not be empty. `parts` is parts_of(...).
 [[nodiscard]] StructureCrop crop_structure(std::span<const ClassId> volume, const Index3& size,

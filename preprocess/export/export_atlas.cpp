@@ -153,6 +153,11 @@ Result<ExportedFiles> export_atlas(const ExportOptions& options) {
   if (!options.volume.empty() && atlas->value_type() == VoxelType::kNone) {
     return fail(ErrorCode::kFailed, fmt::format("{}: holds no grey values to export", atlas->name()));
   }
+  if (!options.labels.empty() && !is_folder_of_masks(options) && atlas->label_type() == VoxelType::kNone) {
+    return fail(
+        ErrorCode::kFailed,
+        fmt::format("{}: was not made from a label map; export masks: --labels FOLDER/", atlas->name()));
+  }
   ExportedFiles files;
   if (!options.labels.empty() || !options.volume.empty()) {
     SPLATLAS_RETURN_IF_ERROR(export_voxels(*atlas, options, files));

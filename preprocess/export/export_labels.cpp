@@ -36,20 +36,13 @@ Result<std::vector<std::int64_t>> labels_of_classes(const AtlasContent& content,
   return labels;
 }
 
-bool is_group(const StructureGraph& graph, const ClassTable& classes, StructureIndex s) {
-  for (ClassId c = 0; c < classes.size(); ++c) {
-    for (const Membership& m : classes.members(c)) {
-      if (m.structure == s) return false;
-    }
-  }
-  return !graph.children(s).empty();
-}
-
 Result<std::size_t> write_masks(const AtlasContent& content, const fs::path& folder) {
   std::size_t masks = 0;
+  const HeldClasses held(content.classes, content.graph.size());
   for (StructureIndex s = 0; s < content.graph.size(); ++s) {
-    if (content.graph[s].external || is_group(content.graph, content.classes, s)) continue;
-    const std::vector<std::uint8_t> parts = parts_of(content.classes, s);
+    const bool is_group = held.of(s).empty() && !content.graph.children(s).empty();
+    if (content.graph[s].external || is_group) continue;
+    const std::vector<std::uint8_t> parts = parts_of(held.of(s), content.classes.size());
     VoxelBuffer mask{VoxelType::kUInt8, std::vector<std::byte>(content.class_volume.size())};
     for (std::size_t v = 0; v < mask.bytes.size(); ++v)
       mask.bytes[v] = std::byte{parts[content.class_volume[v]] != 0};
@@ -71,10 +64,6 @@ VoxelBuffer to_source_order(const VoxelBuffer& stored, const AtlasContent& conte
 }
 
 Result<void> export_label_map(const AtlasContent& content, const std::string& name, const fs::path& path) {
-  if (content.label_type == VoxelType::kNone) {
-    return fail(ErrorCode::kFailed,
-                fmt::format("{}: was not made from a label map; export masks: --labels FOLDER/", name));
-  }
   SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::int64_t> labels, labels_of_classes(content, name));
   VoxelBuffer stored{content.label_type,
                      std::vector<std::byte>(content.class_volume.size() * bytes_of(content.label_type))};

@@ -12,9 +12,10 @@ namespace {
 /// Everything that is done for one structure.
 class StructureExtractor {
  public:
-  StructureExtractor(const Classification& classification, const Grid& grid,
+  StructureExtractor(const Classification& classification, const HeldClasses& held, const Grid& grid,
                      std::span<const StructureIndex> normal_owner, std::span<PackedNormal> normals)
       : classification_(classification),
+        held_(held),
         grid_(grid),
         voxel_normals_(grid),
         normal_owner_(normal_owner),
@@ -22,7 +23,7 @@ class StructureExtractor {
 
   /// The surface of a structure within `box`; writes the normals of the boundary voxels that it owns.
   [[nodiscard]] SurfaceMesh extract(StructureIndex structure, const IndexBox& box) const {
-    const std::vector<std::uint8_t> parts = parts_of(classification_.classes, structure);
+    const std::vector<std::uint8_t> parts = parts_of(held_.of(structure), classification_.classes.size());
     const StructureCrop crop = crop_structure(classification_.volume, grid_.size, box, parts);
     return fit_surface(crop, grid_, [&](const SmoothGradient& gradient, std::int64_t k) {
       write_voxel_normals(structure, crop, gradient, k);
@@ -39,6 +40,7 @@ class StructureExtractor {
   }
 
   const Classification& classification_;
+  const HeldClasses& held_;
   const Grid& grid_;
   VoxelNormals voxel_normals_;
   std::span<const StructureIndex> normal_owner_;
@@ -47,11 +49,12 @@ class StructureExtractor {
 
 /// Structures with voxels, those with the largest boxes first, so that threads end together.
 std::vector<std::pair<StructureIndex, IndexBox>> structures_to_extract(const ClassTable& classes,
+                                                                       const HeldClasses& held,
                                                                        const StructureGraph& graph) {
-  const std::vector<IndexBox> boxes = structure_boxes(classes, graph.size());
   std::vector<std::pair<StructureIndex, IndexBox>> result;
   for (StructureIndex s = 0; s < graph.size(); ++s) {
-    if (!boxes[s].empty()) result.emplace_back(s, boxes[s]);
+    const IndexBox box = box_of(classes, held.of(s));
+    if (!box.empty()) result.emplace_back(s, box);
   }
   const auto voxels = [](const IndexBox& box) {
     return (box.last[0] - box.first[0] + 1) * (box.last[1] - box.first[1] + 1) *
@@ -85,8 +88,9 @@ ExtractedSurfaces extract_surfaces(const Classification& classification, const S
   result.surfaces.resize(graph.size());
   const std::vector<StructureIndex> owners = normal_owners(classification.classes);
   std::vector<PackedNormal> normals(classification.volume.size());
-  const StructureExtractor extractor(classification, storage_grid, owners, normals);
-  const auto structures = structures_to_extract(classification.classes, graph);
+  const HeldClasses held(classification.classes, graph.size());
+  const StructureExtractor extractor(classification, held, storage_grid, owners, normals);
+  const auto structures = structures_to_extract(classification.classes, held, graph);
 
   parallel_for(
       structures.size(), threads,

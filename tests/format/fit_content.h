@@ -13,10 +13,11 @@ namespace splatlas {
 /// The content with what fits its voxels instead of its random surfaces and normals.
 [[nodiscard]] inline AtlasContent fitted(AtlasContent content) {
   const Grid grid = storage_grid(content);
+  const HeldClasses held(content.classes, content.graph.size());
   for (StructureIndex s = 0; s < content.graph.size(); ++s) {
-    const IndexBox box = box_of(content.classes, s);
+    const IndexBox box = box_of(content.classes, held.of(s));
     if (box.empty()) continue;
-    const auto parts = parts_of(content.classes, s);
+    const auto parts = parts_of(held.of(s), content.classes.size());
     const StructureCrop crop = crop_structure(content.class_volume, grid.size, box, parts);
     content.surfaces[s] = fit_surface(crop, grid, [&](const SmoothGradient& gradient, std::int64_t k) {
       for (ClassId c = 0; c < content.classes.size(); ++c) {

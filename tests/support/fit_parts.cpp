@@ -8,8 +8,9 @@ namespace splatlas {
 
 void fit_parts(AtlasContent& content, StructureIndex s) {
   const Grid grid = storage_grid(content);
-  const IndexBox box = structure_boxes(content.classes, content.graph.size())[s];
-  const std::vector<std::uint8_t> parts = parts_of(content.classes, s);
+  const HeldClasses held(content.classes, content.graph.size());
+  const IndexBox box = box_of(content.classes, held.of(s));
+  const std::vector<std::uint8_t> parts = parts_of(held.of(s), content.classes.size());
   content.surfaces[s] = fit_surface(crop_structure(content.class_volume, grid.size, box, parts), grid);
   const RunModel runs = encode_runs(content.class_volume, grid.size, Axis::kZ, content.classes.size());
   const std::vector<StructureIndex> owners = normal_owners(content.classes);

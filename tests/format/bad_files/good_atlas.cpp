@@ -81,8 +81,9 @@ void add_surfaces(AtlasContent& content) {
   content.surfaces[good::kRim] = one_triangle(2);
   content.surfaces[good::kNeedle] = one_triangle(8192);
   content.boundary_normals.resize(content.classes.size());
+  const HeldClasses held(content.classes, content.graph.size());
   for (const auto& [s, box] : {std::pair{good::kCore, kCoreBox}, std::pair{good::kKnob, kKnobBox}}) {
-    const std::vector<std::uint8_t> parts = parts_of(content.classes, s);
+    const std::vector<std::uint8_t> parts = parts_of(held.of(s), content.classes.size());
     const StructureCrop crop = crop_structure(content.class_volume, kSize, {box.first, box.last}, parts);
     content.surfaces[s] = fit_surface(crop, grid);
   }
@@ -95,7 +96,7 @@ void add_surfaces(AtlasContent& content) {
   }
   StructureCrop knob = empty_crop_around({kKnobBox.first, kKnobBox.last});
   const RunModel runs = encode_runs(content.class_volume, kSize, Axis::kZ, content.classes.size());
-  const std::vector<std::uint8_t> parts = parts_of(content.classes, good::kKnob);
+  const std::vector<std::uint8_t> parts = parts_of(held.of(good::kKnob), content.classes.size());
   for (ClassId c = 1; c < parts.size(); ++c) paint_runs(runs.classes[c], kSize[1], parts[c], knob);
   for (ClassId c = 1; c < parts.size(); ++c) {
     if (owners[c] == good::kKnob) content.boundary_normals[c] = fit_normals(knob, runs.classes[c], grid);
