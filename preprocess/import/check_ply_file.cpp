@@ -26,15 +26,17 @@ constexpr std::int64_t kMaxElements = std::int64_t{1} << 31;
 constexpr std::string_view kVertex = "vertex", kFace = "face", kCorners = "vertex_indices";
 
 struct ScalarType {
-  std::size_t bytes = 0;
+  std::size_t bytes = 0;  ///< 0: none
   enum class Kind : std::uint8_t { kSigned, kUnsigned, kFloat } kind = Kind::kSigned;
 };
 
 /// "property TYPE NAME" or "property list COUNT_TYPE TYPE NAME"; sizes in bytes.
 struct Property {
   std::string name;
-  std::size_t count_bytes = 0;  ///< 0: no list
+  ScalarType count;  ///< of a list's items; none where it is no list
   ScalarType type;
+
+  [[nodiscard]] bool is_list() const { return count.bytes != 0; }
 };
 struct Element {
   std::string name;
@@ -75,7 +77,7 @@ std::optional<Property> parse_property(const std::vector<std::string_view>& word
   const ScalarType* const count = list ? scalar_type(words[2]) : nullptr;
   if (type == nullptr || (list && (count == nullptr || count->kind == ScalarType::Kind::kFloat)))
     return std::nullopt;
-  return Property{std::string(words.back()), list ? count->bytes : 0, *type};
+  return Property{std::string(words.back()), list ? *count : ScalarType{}, *type};
 }
 
 /// Without characters that VTK takes for something else than we do: a zero ends its lines.
@@ -127,14 +129,14 @@ bool has_what_vtk_needs(const PlyHeader& header) {
       vertices = true;
       for (const char* axis : {"x", "y", "z"}) {
         const Property* const p = element.find(axis);
-        if (p == nullptr || p->count_bytes != 0) return false;
+        if (p == nullptr || p->is_list()) return false;
       }
     }
     if (element.name == kFace) {
       if (!vertices) return false;
       faces = true;
       const Property* const corners = element.find(kCorners);
-      if (corners == nullptr || corners->count_bytes == 0 || corners->type.kind == ScalarType::Kind::kFloat)
+      if (corners == nullptr || !corners->is_list() || corners->type.kind == ScalarType::Kind::kFloat)
         return false;
     }
   }
@@ -169,7 +171,7 @@ class BodyWalker {
     std::size_t at = 0;
     for (const Property& property : element.properties) {
       std::size_t items = 1;
-      if (property.count_bytes != 0) {
+      if (property.is_list()) {
         const auto length = at < words.size() ? parse_integer(words[at]) : std::nullopt;
         if (!length || *length < 0 || *length > static_cast<std::int64_t>(kMaxListLength)) return false;
         items = static_cast<std::size_t>(*length);
@@ -188,9 +190,9 @@ class BodyWalker {
   bool read_binary(const Element& element) {
     for (const Property& property : element.properties) {
       std::int64_t items = 1;
-      if (property.count_bytes != 0) {
-        const auto length = read_integer({property.count_bytes, ScalarType::Kind::kUnsigned});
-        if (!length || *length > static_cast<std::int64_t>(kMaxListLength)) return false;
+      if (property.is_list()) {
+        const auto length = read_integer(property.count);
+        if (!length || *length < 0 || *length > static_cast<std::int64_t>(kMaxListLength)) return false;
         items = *length;
       }
       if (is_corner(element, property)) {

@@ -148,6 +148,11 @@ TEST_F(ImportMesh, RefusesDamagedFiles) {
     EXPECT_THAT(error("a.ply", ply("binary_little_endian", "char", body)), HasSubstr("corners"));
     EXPECT_THAT(error("a.ply", ply("binary_big_endian", "uchar", body)), HasSubstr("corners"));
   }
+  for (const std::string count_type : {"char", "uchar"}) {  // of 200 corners, which is no char
+    std::string file = ply("binary_little_endian", "uchar", binary + "\xc8" + std::string(200, '\1'));
+    file.replace(file.find("list uchar"), 10, "list " + count_type);
+    EXPECT_THAT(error("a.ply", file), HasSubstr(count_type == "char" ? "damaged" : "no triangle"));
+  }
   EXPECT_THAT(error("a.ply",
                     "ply\nformat ascii 1.0\nelement face 1\nproperty list uchar int vertex_indices\n"
                     "element vertex 3\nproperty float x\nproperty float y\nproperty float z\nend_header\n"
