@@ -13,7 +13,9 @@ namespace splatlas {
 namespace {
 
 constexpr std::uint64_t kMaxSliceVoxels = std::uint64_t{1} << 24;
-constexpr std::uint64_t kMaxVoxelsOfBox = 64;  // for every voxel that is covered
+constexpr std::uint64_t kMaxBoxVoxels = std::uint64_t{1}
+                                        << 28;  // some seconds, and a mask may have few bytes
+constexpr std::uint64_t kMaxVoxelsOfBox = 64;   // for every voxel that is covered
 
 constexpr std::size_t kNeighbours = 12;
 /// How much a covered neighbour speaks for a covered voxel, in quarters of the log odds. In this order: the
@@ -123,7 +125,8 @@ bool codes_mask(const IndexBox& box, std::uint64_t voxels) {
   std::array<std::uint64_t, 3> extent{};
   for (std::size_t a = 0; a < 3; ++a) extent[a] = static_cast<std::uint64_t>(box.last[a] - box.first[a] + 4);
   const std::uint64_t slice = extent[0] * extent[1], sides = std::max(extent[0], extent[1]) * extent[2];
-  return std::max(slice, sides) <= kMaxSliceVoxels && slice * extent[2] / kMaxVoxelsOfBox <= voxels;
+  const std::uint64_t all = slice * extent[2];
+  return std::max(slice, sides) <= kMaxSliceVoxels && all <= kMaxBoxVoxels && all / kMaxVoxelsOfBox <= voxels;
 }
 
 std::vector<std::byte> encode_mask(std::span<const Run> runs, const IndexBox& box, const Index3& size,

@@ -105,6 +105,8 @@ TEST(MaskCodec, WantsBoxesThatAreFilledAndSlicesThatFitInMemory) {
   EXPECT_FALSE(codes_mask({{0, 0, 0}, {4093, 4092, 0}}, many));
   EXPECT_FALSE(codes_mask({{0, 0, 0}, {4092, 0, 4093}}, many));
   EXPECT_FALSE(codes_mask({{0, 0, 0}, {0, 4092, 4093}}, many));
+  EXPECT_TRUE(codes_mask({{0, 0, 0}, {1020, 1020, 252}}, many));  // 2^28
+  EXPECT_FALSE(codes_mask({{0, 0, 0}, {1020, 1020, 253}}, many));
 }
 
 TEST(MaskCodec, RefusesWhatIsNoMask) {
