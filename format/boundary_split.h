@@ -35,7 +35,7 @@ class RunStreams {
  public:
   explicit RunStreams(const ClassTable& table);
 
-  /// Whether a class has a list of its own, given the length of every class's list.
+  /// Whether a class has its list together with another one, given the length of every class's list.
   template <typename BytesOf>
   [[nodiscard]] bool is_shared(const ClassTable& table, ClassId c, BytesOf&& bytes_of) const {
     const std::vector<ClassId>& of = groups_.classes[groups_.group_of[c]];

@@ -19,7 +19,8 @@ namespace splatlas {
 /// reading is thread-safe.
 class InputFile {
  public:
-  /// kFailed when it cannot be opened; kInvalidAtlas for folders, pipes and devices, which are not opened.
+  /// kFailed when it cannot be opened; kInvalidAtlas for folders, pipes and devices, of which nothing is
+  /// read.
   [[nodiscard]] static Result<InputFile> open(const std::filesystem::path& path);
   InputFile(std::vector<std::byte> bytes, std::string name);
   InputFile(InputFile&& other) noexcept;

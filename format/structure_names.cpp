@@ -59,13 +59,15 @@ std::vector<StructureIndex> match_plainly(const StructureGraph& graph, std::stri
   return found;
 }
 
-/// Ids, names and whole paths. A structure can have more paths than could be listed, so the pattern's states
-/// are carried down the graph, all ways into a structure at once.
+/// Ids, names and paths: whole ones, or, as plain paths do, ends of them where the pattern has a "/". A
+/// structure can have more paths than could be listed, so the pattern's states are carried down the graph,
+/// all ways into a structure at once.
 std::vector<StructureIndex> match_wildcard(const StructureGraph& graph, std::string_view pattern) {
   const Glob glob(pattern);
+  const bool begins_anywhere = pattern.find('/') != std::string_view::npos;
   std::vector<Glob::States> after_path(graph.size());
   for (const StructureIndex s : graph.topological()) {
-    Glob::States before = graph[s].parents.empty() ? glob.start() : glob.none();
+    Glob::States before = begins_anywhere || graph[s].parents.empty() ? glob.start() : glob.none();
     for (const StructureIndex parent : graph[s].parents) {
       Glob::merge(glob.read(after_path[parent], "/"), before);
     }

@@ -95,7 +95,7 @@ class ValueReader {
   const std::int32_t offset_;
 };
 
-/// A model for the group's values: tries kMeanWeights, and fits others where these go wrong.
+/// A model for the group's values. Neighbours that go wrong by kMeanWeights weigh less in the fit.
 template <typename Lane>
 ValueModel fit_model(const GroupVoxels& group, VoxelType type, std::span<const std::byte> values) {
   constexpr std::uint64_t kEnoughVoxels = std::uint64_t{1} << 17;
