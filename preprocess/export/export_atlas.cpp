@@ -115,32 +115,28 @@ Result<std::string> export_surface(const Atlas& atlas, const std::vector<Structu
   return fmt::format("{}: {} triangles", path.string(), triangles);
 }
 
-/// Goes on after damage; everything else ends the export.
-Result<void> note(Result<std::string> result, const std::string& output, ExportedFiles& files) {
+/// Whether the export goes on: after damage it does; everything else ends it.
+bool note(Result<std::string> result, const std::string& output, ExportedFiles& files) {
   if (result) {
     files.written.push_back(*std::move(result));
-  } else if (result.error().code == ErrorCode::kInvalidAtlas) {
-    files.failures.push_back(
-        {result.error().code, result.error().message + "; " + output + " is not written"});
-  } else {
-    return tl::unexpected(std::move(result).error());
+    return true;
   }
-  return {};
+  Error error = std::move(result).error();
+  const bool is_damage = error.code == ErrorCode::kInvalidAtlas;
+  if (is_damage) error.message += "; " + output + " is not written";
+  files.failures.push_back(std::move(error));
+  return is_damage;
 }
 
-Result<void> export_voxels(const Atlas& atlas, const ExportOptions& options, ExportedFiles& files) {
+bool export_voxels(const Atlas& atlas, const ExportOptions& options, ExportedFiles& files) {
   const Result<AtlasContent> content = atlas.read_classes();
   const auto from_content = [&](const auto& write) {
     return content ? write(*content) : Result<std::string>(tl::unexpected(content.error()));
   };
-  if (!options.labels.empty()) {
-    SPLATLAS_RETURN_IF_ERROR(
-        note(from_content([&](const AtlasContent& c) { return export_labels(c, atlas, options); }),
-             options.labels, files));
-  }
-  if (options.volume.empty()) return {};
-  return note(from_content([&](const AtlasContent& c) { return export_volume(c, atlas, options.volume); }),
-              options.volume.string(), files);
+  const auto labels = [&](const AtlasContent& c) { return export_labels(c, atlas, options); };
+  const auto volume = [&](const AtlasContent& c) { return export_volume(c, atlas, options.volume); };
+  return (options.labels.empty() || note(from_content(labels), options.labels, files)) &&
+         (options.volume.empty() || note(from_content(volume), options.volume.string(), files));
 }
 
 }  // namespace
@@ -160,11 +156,11 @@ Result<ExportedFiles> export_atlas(const ExportOptions& options) {
   }
   ExportedFiles files;
   if (!options.labels.empty() || !options.volume.empty()) {
-    SPLATLAS_RETURN_IF_ERROR(export_voxels(*atlas, options, files));
+    if (!export_voxels(*atlas, options, files)) return files;
   }
   for (std::size_t n = 0; n < structures.size(); ++n) {
     const fs::path& path = options.surfaces[n].second;
-    SPLATLAS_RETURN_IF_ERROR(note(export_surface(*atlas, structures[n], path), path.string(), files));
+    if (!note(export_surface(*atlas, structures[n], path), path.string(), files)) break;
   }
   return files;
 }

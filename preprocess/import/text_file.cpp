@@ -8,6 +8,8 @@
 #include <fmt/format.h>
 #include <utf8cpp/utf8.h>
 
+#include "format/plain_text.h"
+
 namespace splatlas {
 namespace {
 
@@ -65,7 +67,12 @@ Result<std::vector<TextLine>> read_text_lines(const std::filesystem::path& path)
     const std::size_t end = std::min(all.find_first_of("\r\n", start), all.size());
     const std::string_view text = trimmed(std::string_view(all).substr(start, end - start));
     ++number;
-    if (!text.empty() && text.front() != '#') lines.push_back({number, std::string(text)});
+    if (!text.empty() && text.front() != '#') {
+      const std::string fault = fault_of_text(text);
+      if (!fault.empty())
+        return fail(ErrorCode::kFailed, fmt::format("{}: line {}: {}", path.string(), number, fault));
+      lines.push_back({number, std::string(text)});
+    }
     start = end + (all.compare(end, 2, "\r\n") == 0 ? 2 : 1);
   }
   return lines;

@@ -73,6 +73,8 @@ TEST_F(ReadNames, TellsTheLineOfAFault) {
   EXPECT_THAT(error("# nothing\n"), HasSubstr("names no label"));
   EXPECT_THAT(error(std::string("1 A\0B\n", 6)), HasSubstr("text"));
   EXPECT_THAT(error("1 \xff\xfe\n"), HasSubstr("UTF-8"));
+  EXPECT_THAT(error("1 A\n2 b\xe2\x80\xae c\n"),
+              AllOf(HasSubstr("names.txt: line 2"), HasSubstr("turns text around")));
   EXPECT_THAT(error("1 A\n\"2\"foo\n"), AllOf(HasSubstr("names.txt: line 2"), HasSubstr("'\"2\"foo'")));
   EXPECT_THAT(error("\"1\" A\n"), AllOf(HasSubstr("line 1"), HasSubstr("no label")));
   EXPECT_THAT(error("1 \"\"\n"), HasSubstr("label 1 has no name"));
