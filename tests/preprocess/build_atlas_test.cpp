@@ -2,12 +2,14 @@
 
 #include "preprocess/build_atlas.h"
 
+#include <csignal>
 #include <fstream>
 #include <random>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
+#include <sys/resource.h>
 
 #include "format/atlas_reader.h"
 #include "format/decision_tree.h"
@@ -225,6 +227,40 @@ TEST_F(BuildAtlas, OverlappingMasksComeBackAsMasks) {
     EXPECT_EQ(out->voxels, image->voxels);
   }
   EXPECT_THAT(export_atlas(back).error().message, HasSubstr("not an empty folder"));
+}
+
+/// A limit on the size of files stands for a full disk.
+TEST_F(BuildAtlas, AnExportThatEndsEarlyTellsWhatIsThere) {
+  Grid grid;
+  grid.size = {20, 20, 20};
+  const Image labels{grid, {VoxelType::kUInt8, std::vector<std::byte>(8000, std::byte{1})}};
+  const Image volume{grid, {VoxelType::kFloat64, std::vector<std::byte>(64000)}};
+  BuildOptions build = options();
+  build.sources.labels = write("l.nii.gz", labels);
+  build.sources.volume = write("v.nii.gz", volume);
+  ASSERT_TRUE(build_atlas(build));
+
+  ExportOptions back;
+  back.atlas = build.output;
+  back.labels = file("l2.nii");
+  back.volume = file("v2.nii");
+  back.surfaces = {{"*", file("s2.stl")}};
+  rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
+  const auto old_handler = std::signal(SIGXFSZ, SIG_IGN);
+  const rlimit small{20'000, before.rlim_max};
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &small), 0);
+  const auto files = export_atlas(back);
+  ::setrlimit(RLIMIT_FSIZE, &before);
+  std::signal(SIGXFSZ, old_handler);
+  ASSERT_TRUE(files) << files.error().message;
+  EXPECT_THAT(files->written, ElementsAre(HasSubstr("l2.nii: labels")));
+  ASSERT_EQ(files->failures.size(), 1u);
+  EXPECT_EQ(files->failures[0].code, ErrorCode::kFailed);
+  EXPECT_THAT(files->failures[0].message, HasSubstr("v2.nii"));
+  EXPECT_TRUE(std::filesystem::exists(back.labels));
+  EXPECT_FALSE(std::filesystem::exists(back.volume));
+  EXPECT_FALSE(std::filesystem::exists(file("s2.stl")));
 }
 
 TEST_F(BuildAtlas, SegmentsTakeWhatNoLabelHoldsAndLeaveLabelsAlone) {
