@@ -30,6 +30,8 @@ struct Atlas::Impl {
   [[nodiscard]] Result<std::vector<std::byte>> read_stream(SectionKind kind, std::size_t stream) const;
   /// The runs of a class in a stored run model, checked against grid and class table.
   [[nodiscard]] Result<ClassRuns> read_stored_runs(ClassId c, Axis axis) const;
+  /// The same in a run model that the file does not store, from that of z.
+  [[nodiscard]] Result<ClassRuns> derive_runs(ClassId c, Axis axis) const;
   /// Whether the class and another one have one list in a stored run model, and their runs from it.
   [[nodiscard]] bool shares_runs(ClassId c, Axis axis) const;
   using SharedSplit = std::shared_ptr<const SplitRuns>;

@@ -240,18 +240,26 @@ Result<ClassRuns> Atlas::Impl::read_run_list(ClassId c, Axis axis, std::uint64_t
   return runs;
 }
 
-Result<ClassRuns> Atlas::read_runs(ClassId c, Axis axis) const {
-  SPLATLAS_RETURN_IF_ERROR(impl_->check_class(c));
-  if (impl_->layout.find(run_section(axis))) return impl_->read_stored_runs(c, axis);
-  if (const std::uint64_t voxels = impl_->directory.classes.voxels(c);
+Result<ClassRuns> Atlas::Impl::derive_runs(ClassId c, Axis axis) const {
+  if (const std::uint64_t voxels = directory.classes.voxels(c);
       c != kEmptyClass && voxels > kMaxDerivedVoxels) {
-    return impl_->named(
+    return named(
         {ErrorCode::kLimit, fmt::format("class {} has {} voxels, too many to derive a run model from "
                                         "another",
                                         c, voxels)});
   }
-  SPLATLAS_ASSIGN_OR_RETURN(const ClassRuns runs, impl_->read_stored_runs(c, Axis::kZ));
-  return convert_runs(runs, impl_->grid.size, Axis::kZ, axis);
+  SPLATLAS_ASSIGN_OR_RETURN(const ClassRuns runs, read_stored_runs(c, Axis::kZ));
+  return convert_runs(runs, grid.size, Axis::kZ, axis);
+}
+
+Result<ClassRuns> Atlas::read_runs(ClassId c, Axis axis) const {
+  SPLATLAS_RETURN_IF_ERROR(impl_->check_class(c));
+  try {
+    return impl_->layout.find(run_section(axis)) ? impl_->read_stored_runs(c, axis)
+                                                 : impl_->derive_runs(c, axis);
+  } catch (const std::bad_alloc&) {
+    return impl_->named({ErrorCode::kLimit, fmt::format("out of memory for the runs of class {}", c)});
+  }
 }
 
 std::vector<SectionSize> Atlas::sections() const {

@@ -64,8 +64,10 @@ Result<std::uint64_t> payload_bytes(const fs::path& path, std::span<const std::i
   std::int64_t voxels = 1;
   for (const std::int64_t size : sizes) {
     if (size < 1 || size > kMaxAxisSize || voxels > kMaxVoxels / size) {
-      return fail(ErrorCode::kFailed,
-                  fmt::format("{}: has an impossible size of {} voxels along one axis", path.string(), size));
+      return fail(
+          ErrorCode::kFailed,
+          fmt::format("{}: has an impossible size of {} voxels: at most {} along an axis, and {} in all",
+                      path.string(), fmt::join(sizes, " x "), kMaxAxisSize, kMaxVoxels));
     }
     voxels *= size;
   }
