@@ -5,6 +5,18 @@
 #include <utility>
 
 namespace splatlas {
+namespace {
+
+/// Gives a moment to what other threads are about to do.
+template <typename IsDone>
+void wait_briefly(std::unique_lock<std::mutex>& lock, const IsDone& is_done) {
+  constexpr int kTries = 60;  // some 30 microseconds
+  lock.unlock();
+  for (int n = 0; n < kTries && !is_done(); ++n) std::this_thread::yield();
+  lock.lock();
+}
+
+}  // namespace
 
 ThreadPool::ThreadPool(unsigned threads) {
   if (threads == 0) threads = std::max(1u, std::thread::hardware_concurrency());
@@ -36,8 +48,10 @@ void ThreadPool::for_each(std::size_t count, const std::function<void(std::size_
   body_ = &body;
   count_ = count;
   next_ = 0;
+  ++loops_;
   start_.notify_all();
   take_items(body, lock);
+  if (running_ != 0) wait_briefly(lock, [this] { return running_ == 0; });
   done_.wait(lock, [this] { return running_ == 0; });
   body_ = nullptr;
   if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
@@ -46,6 +60,7 @@ void ThreadPool::for_each(std::size_t count, const std::function<void(std::size_
 void ThreadPool::work() {
   std::unique_lock lock(mutex_);
   while (true) {
+    wait_briefly(lock, [this, seen = loops_.load()] { return loops_ != seen; });
     start_.wait(lock, [this] { return stop_ || (body_ != nullptr && next_ < count_); });
     if (stop_) return;
     take_items(*body_, lock);

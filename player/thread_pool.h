@@ -1,6 +1,7 @@
 // A fixed set of worker threads for the loops of one frame.
 #pragma once
 
+#include <atomic>
 #include <condition_variable>
 #include <cstddef>
 #include <exception>
@@ -11,7 +12,8 @@
 
 namespace splatlas {
 
-/// Runs loops on a fixed number of threads (the caller is one of them). Threads sleep between loops.
+/// Runs loops on a fixed number of threads (the caller is one of them). Threads sleep between loops, but for
+/// the first microseconds: a frame's loops follow each other at once, and waking up takes longer.
 class ThreadPool {
  public:
   /// 0 means one per core. Never more than 64.
@@ -36,7 +38,8 @@ class ThreadPool {
   std::condition_variable start_, done_;
   const std::function<void(std::size_t)>* body_ = nullptr;
   std::exception_ptr failure_;
-  std::size_t count_ = 0, next_ = 0, running_ = 0;
+  std::size_t count_ = 0, next_ = 0;
+  std::atomic<std::size_t> running_ = 0, loops_ = 0;  // changed with the mutex held, watched without
   bool stop_ = false;
 };
 
