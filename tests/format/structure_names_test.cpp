@@ -167,9 +167,17 @@ std::vector<StructureIndex> find_slowly(const StructureGraph& graph, const std::
   };
   if (name.find('*') != std::string::npos) {
     const Glob glob(name);
+    const bool begins_anywhere = name.find('/') != std::string::npos;
+    const auto matches_path = [&](std::string path) {
+      for (;;) {
+        if (glob.matches(path)) return true;
+        const std::size_t slash = path.find('/');
+        if (!begins_anywhere || slash == std::string::npos) return false;
+        path.erase(0, slash + 1);
+      }
+    };
     return all_that([&](StructureIndex s) {
-      return glob.matches(graph[s].id) || glob.matches(graph[s].name) ||
-             any_path(s, [&](const std::string& path) { return glob.matches(path); });
+      return glob.matches(graph[s].id) || glob.matches(graph[s].name) || any_path(s, matches_path);
     });
   }
   auto result = all_that([&](StructureIndex s) { return equal_ignoring_case(graph[s].id, name); });
