@@ -68,7 +68,7 @@ std::vector<StructureIndex> find_by_definition(const StructureGraph& graph, cons
   };
   if (sought.find('*') != std::string::npos) {
     return all_that(graph, [&](StructureIndex s) {
-      std::set<std::string> texts = paths(s, true);
+      std::set<std::string> texts = paths(s, sought.find('/') == std::string::npos);
       texts.insert({to_lower(graph[s].id), to_lower(graph[s].name)});
       return std::ranges::any_of(texts, [&](const std::string& text) { return matches(sought, text); });
     });
