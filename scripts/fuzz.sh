@@ -51,27 +51,27 @@ fuzz_all() {
   for target in "${targets[@]}"; do
     if ((running >= jobs)); then
       wait -n || failed=1
-      ((running -= 1))
+      running=$((running - 1))
     fi
     fuzz "$target" &
     ((running += 1))
   done
   while ((running > 0)); do
     wait -n || failed=1
-    ((running -= 1))
+    running=$((running - 1))
   done
   tell_executions
   return "$failed"
 }
 
-# A target without a count stopped at a finding: the end of its log tells.
+# What a target found stands behind its count, or the end of its log where it stopped without one.
 tell_executions() {
   local target count sum=0
   for target in "${targets[@]}"; do
     count=$(sed -nE 's/^stat::number_of_executed_units: *([0-9]+)$/\1/p' "$folder/$target.log")
     printf '%-16s %10s executions\n' "$target" "${count:-no}"
     sum=$((sum + ${count:-0}))
-    [[ -n $count ]] || grep -m 3 -E 'finding:|ERROR|runtime error' "$folder/$target.log" || tail -n 5 "$folder/$target.log"
+    grep -m 3 -E 'finding:|ERROR|runtime error' "$folder/$target.log" || [[ -n $count ]] || tail -n 5 "$folder/$target.log"
   done
   printf '%-16s %10d executions\n' "all" "$sum"
 }
