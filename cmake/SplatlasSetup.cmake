@@ -46,6 +46,7 @@ splatlas_find(tl-expected)
 splatlas_find(zstd)
 # Headers only, inside the library: nobody else needs them.
 find_package(FlatBuffers CONFIG REQUIRED)
+find_package(utf8cpp REQUIRED)
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(xxhash REQUIRED IMPORTED_TARGET libxxhash)
 

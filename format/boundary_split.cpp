@@ -188,7 +188,7 @@ std::vector<bool> find_split_groups(const ValueGroups& groups, const ClassTable&
   std::vector<std::size_t> holder;  // [structure]: the group that holds it
   for (ClassId c = 0; c < table.size(); ++c) {
     for (const Membership& m : table.members(c)) {
-      if (m.part == Part::kCrossed) continue;
+      if (!m.holds()) continue;
       if (m.structure >= holder.size()) holder.resize(m.structure + std::size_t{1}, kNoGroup);
       std::size_t& of = holder[m.structure];
       of = of == kNoGroup || of == groups.group_of[c] ? groups.group_of[c] : kSeveral;

@@ -26,6 +26,7 @@ struct Membership {
   StructureIndex structure = kNoStructure;
   Part part = Part::kInterior;
   friend auto operator<=>(const Membership&, const Membership&) = default;
+  [[nodiscard]] bool holds() const { return part != Part::kCrossed; }
 };
 
 /// Voxels first..last, both included; empty when first > last.

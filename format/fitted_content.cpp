@@ -104,7 +104,7 @@ std::vector<bool> find_alike(const ClassTable& classes, const HeldClasses& held,
   const auto holders_of = [&](const HeldClass& h) {
     std::vector<StructureIndex> holders;
     for (const Membership& m : classes.members(h.id)) {
-      if (m.part != Part::kCrossed) holders.push_back(m.structure);
+      if (m.holds()) holders.push_back(m.structure);
     }
     return holders;
   };

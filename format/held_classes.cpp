@@ -10,7 +10,7 @@ template <typename Visit>
 void for_each_holding(const ClassTable& classes, const Visit& visit) {
   for (ClassId c = 0; c < classes.size(); ++c) {
     for (const Membership& m : classes.members(c)) {
-      if (m.part != Part::kCrossed) visit(c, m);
+      if (m.holds()) visit(c, m);
     }
   }
 }

@@ -13,9 +13,8 @@ namespace splatlas {
 namespace {
 
 constexpr std::uint64_t kMaxSliceVoxels = std::uint64_t{1} << 24;
-constexpr std::uint64_t kMaxBoxVoxels = std::uint64_t{1}
-                                        << 28;  // some seconds, and a mask may have few bytes
-constexpr std::uint64_t kMaxVoxelsOfBox = 64;   // for every voxel that is covered
+constexpr std::uint64_t kMaxBoxVoxels = std::uint64_t{1} << 28;  // some seconds: masks may have few bytes
+constexpr std::uint64_t kMaxVoxelsOfBox = 64;                    // for every voxel that is covered
 
 constexpr std::size_t kNeighbours = 12;
 /// How much a covered neighbour speaks for a covered voxel, in quarters of the log odds. In this order: the

@@ -12,7 +12,7 @@ ValueGroups::ValueGroups(const ClassTable& table) {
   for (ClassId c = 0; c < table.size(); ++c) {
     std::vector<std::uint64_t> key;
     for (const Membership& m : table.members(c))
-      key.push_back(std::uint64_t{m.structure} * 2 + (m.part == Part::kCrossed ? 1 : 0));
+      key.push_back(std::uint64_t{m.structure} * 2 + (m.holds() ? 0 : 1));
     const auto [found, is_new] = numbers.emplace(std::move(key), static_cast<std::uint32_t>(classes.size()));
     if (is_new) classes.emplace_back();
     classes[found->second].push_back(c);

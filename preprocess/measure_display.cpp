@@ -13,7 +13,7 @@ std::vector<bool> classes_to_window(const ClassTable& classes, const StructureGr
   std::vector<bool> counts(classes.size(), false);
   for (ClassId c = 0; c < classes.size(); ++c) {
     for (const Membership& m : classes.members(c)) {
-      if (m.part != Part::kCrossed && (!any_label || graph[m.structure].label)) counts[c] = true;
+      if (m.holds() && (!any_label || graph[m.structure].label)) counts[c] = true;
     }
   }
   return counts;

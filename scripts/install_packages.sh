@@ -19,12 +19,12 @@ packages=(
   flatbuffers-compiler     # flatc, for schemas/
   libfmt-dev               # messages
   libmeshoptimizer-dev     # surfaces in the atlas file
+  libutfcpp-dev            # texts of the atlas file, names and trees
   libxxhash-dev            # checksums of the atlas file
   libzstd-dev              # chunks of the atlas file
 
   libinsighttoolkit5-dev   # preprocess: readers, segmentation
   libvtk9-dev              # preprocess: marching cubes, mesh files
-  libutfcpp-dev            # preprocess: checks the text of names and trees
   zlib1g-dev               # preprocess: checks compressed images
 
   libcli11-dev             # command lines

@@ -21,7 +21,7 @@ Result<std::vector<std::int64_t>> labels_of_classes(const AtlasContent& content,
     const Structure* labelled = nullptr;
     for (const Membership& m : content.classes.members(c)) {
       const Structure& structure = content.graph[m.structure];
-      if (m.part == Part::kCrossed || !structure.label) continue;
+      if (!m.holds() || !structure.label) continue;
       if (labelled != nullptr) {
         return fail(
             ErrorCode::kFailed,

@@ -6,7 +6,6 @@
 #include <system_error>
 
 #include <fmt/format.h>
-#include <utf8cpp/utf8.h>
 
 #include "format/plain_text.h"
 
@@ -14,14 +13,6 @@ namespace splatlas {
 namespace {
 
 constexpr std::uintmax_t kMaxTextBytes = 16u << 20;
-
-bool is_text(std::string_view bytes) {
-  const auto unprintable = [](char c) {
-    const auto byte = static_cast<unsigned char>(c);
-    return (byte < 0x20 && c != '\t' && c != '\n' && c != '\r') || byte == 0x7f;
-  };
-  return std::none_of(bytes.begin(), bytes.end(), unprintable) && utf8::is_valid(bytes.begin(), bytes.end());
-}
 
 }  // namespace
 
@@ -58,8 +49,6 @@ Result<std::vector<TextLine>> read_text_lines(const std::filesystem::path& path)
   if (!std::ifstream(path, std::ios::binary).read(all.data(), static_cast<std::streamsize>(bytes)))
     return fail(ErrorCode::kFailed, fmt::format("{}: cannot be read whole", path.string()));
   if (all.starts_with("\xef\xbb\xbf")) all.erase(0, 3);  // byte order mark
-  if (!is_text(all))
-    return fail(ErrorCode::kFailed, fmt::format("{}: is not a UTF-8 text file", path.string()));
 
   std::vector<TextLine> lines;
   std::size_t number = 0;
@@ -67,12 +56,11 @@ Result<std::vector<TextLine>> read_text_lines(const std::filesystem::path& path)
     const std::size_t end = std::min(all.find_first_of("\r\n", start), all.size());
     const std::string_view text = trimmed(std::string_view(all).substr(start, end - start));
     ++number;
-    if (!text.empty() && text.front() != '#') {
-      const std::string fault = fault_of_text(text);
-      if (!fault.empty())
-        return fail(ErrorCode::kFailed, fmt::format("{}: line {}: {}", path.string(), number, fault));
-      lines.push_back({number, std::string(text)});
+    if (const std::string fault = fault_of_text(text); !fault.empty()) {
+      return fail(ErrorCode::kFailed, fmt::format("{}: line {} {}; a UTF-8 text file is needed here",
+                                                  path.string(), number, fault));
     }
+    if (!text.empty() && text.front() != '#') lines.push_back({number, std::string(text)});
     start = end + (all.compare(end, 2, "\r\n") == 0 ? 2 : 1);
   }
   return lines;

@@ -156,7 +156,7 @@ TEST(Directory, RefusesTextThatCannotBeShown) {
     EXPECT_THAT(title(bad), HasSubstr("not UTF-8"));
   }
   EXPECT_THAT(title(std::string(1, '\0')), HasSubstr("control character"));
-  EXPECT_THAT(title("\x1b[31m"), HasSubstr("control character (byte 0 is 0x1b)"));
+  EXPECT_THAT(title("\x1b[31m"), HasSubstr("control character (byte 0: U+001B)"));
   EXPECT_THAT(title("a\x7f"), HasSubstr("control character"));
   EXPECT_THAT(fault_after([](Directory& d) { d.scenes[0].caption = std::string("\xff"); }),
               HasSubstr("scene 0"));

@@ -15,7 +15,7 @@ namespace {
 std::set<StructureIndex> holders_of(const ClassTable& classes, ClassId c) {
   std::set<StructureIndex> holders;
   for (const Membership& m : classes.members(c)) {
-    if (m.part != Part::kCrossed) holders.insert(m.structure);
+    if (m.holds()) holders.insert(m.structure);
   }
   return holders;
 }
