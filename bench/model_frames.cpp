@@ -6,6 +6,7 @@
 #include "bench/bits_differ.h"
 #include "bench/class_draws.h"
 #include "bench/turned_camera.h"
+#include "player/build_spans.h"
 #include "player/span_writer.h"
 
 namespace splatlas {
@@ -85,10 +86,8 @@ void ModelFrames::build_slice(std::int64_t slice, const Walk& walk) {
 
 template <typename Walk>
 void ModelFrames::build_spans(const SelectedRuns& selected, const Walk& walk) {
-  const auto color = common_color(plan_, looks_.looks());
   spans_.axis = selected.axis();
-  spans_.emissions = color ? 1 : 3;
-  spans_.color = color.value_or(std::array<float, 3>{1, 1, 1});
+  set_looks(plan_, looks_.looks(), spans_);
   spans_.scan_first = selected.box().first[0];
   spans_.scan_voxels = selected.scan_voxels();
   spans_.row_first = selected.box().first[1];

@@ -4,6 +4,7 @@
 #include <array>
 #include <optional>
 
+#include "player/build_spans.h"
 #include "player/span_writer.h"
 
 namespace splatlas {
@@ -104,9 +105,7 @@ SpanModel visit_voxels(const VoxelModel& model, const VoxelSelection& selection,
   const auto slices = static_cast<std::size_t>(model.grid.size[scan.slice_axis]);
   SpanModel spans;
   spans.axis = axis;
-  const std::optional<std::array<float, 3>> color = common_color(selection.plan, selection.looks);
-  spans.emissions = color ? 1 : 3;
-  spans.color = color.value_or(spans.color);
+  set_looks(selection.plan, selection.looks, spans);
   spans.slices.resize(slices);
   std::vector<IndexBox> selected(slices);
   pool.for_each(slices, [&](std::size_t n) {

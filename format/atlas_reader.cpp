@@ -139,8 +139,7 @@ std::uint64_t Atlas::runs(Axis axis) const {
   return impl_->directory.run_totals[static_cast<std::size_t>(axis)];
 }
 double Atlas::reference_length_mm() const {
-  const Vec3& spacing = impl_->grid.spacing_mm;
-  return std::cbrt(spacing[0] * spacing[1] * spacing[2]);
+  return splatlas::reference_length_mm(impl_->grid);
 }
 
 Result<void> Atlas::Impl::check_class(ClassId c) const {

@@ -118,6 +118,10 @@ Vec3 Affine::apply_linear(const Vec3& x) const {
           linear[6] * x[0] + linear[7] * x[1] + linear[8] * x[2]};
 }
 
+double reference_length_mm(const Grid& grid) {
+  return std::cbrt(grid.spacing_mm[0] * grid.spacing_mm[1] * grid.spacing_mm[2]);
+}
+
 Affine index_to_lps_mm(const Grid& grid) {
   Affine map{grid.direction_lps, grid.origin_lps_mm};
   for (std::size_t n = 0; n < 9; ++n) map.linear[n] *= grid.spacing_mm[n % 3];

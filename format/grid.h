@@ -40,6 +40,9 @@ struct Grid {
   }
 };
 
+/// Cube root of a voxel's volume: the length that opacities of volumes are of.
+[[nodiscard]] double reference_length_mm(const Grid& grid);
+
 /// An affine map x -> linear * x + offset.
 struct Affine {
   Matrix3 linear{1, 0, 0, 0, 1, 0, 0, 0, 1};

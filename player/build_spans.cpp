@@ -156,20 +156,33 @@ void SpanBuilder::write_slice(const SpanRequest& request, std::int64_t slice, Sl
   writer.finish();
 }
 
+void set_looks(const DrawPlan& plan, std::span<const VolumeLook> looks, SpanModel& model) {
+  std::optional<std::array<float, 3>> color;
+  bool differ = false;
+  model.densest_per_mm = 0;
+  for (std::size_t n = 0; n < looks.size(); ++n) {
+    if (!draws_volume(plan.classes[n].role)) continue;
+    differ |= color && *color != looks[n].color;
+    color = looks[n].color;
+    model.densest_per_mm = std::max(model.densest_per_mm, looks[n].extinction_per_mm);
+  }
+  const bool one_color = color && !differ;
+  model.emissions = one_color ? 1 : 3;
+  model.color = one_color ? *color : std::array<float, 3>{1, 1, 1};
+}
+
 void SpanBuilder::build(const SpanRequest& request, ThreadPool& pool) {
   const SelectedRuns& runs = request.runs;
-  const std::optional<std::array<float, 3>> color = common_color(request.plan, request.looks.looks());
   SpanModel before = std::exchange(model_, {});
   model_.axis = runs.axis();
-  model_.emissions = color ? 1 : 3;
-  model_.color = color.value_or(model_.color);
+  set_looks(request.plan, request.looks.looks(), model_);
   model_.scan_first = runs.box().first[0];
   model_.scan_voxels = runs.scan_voxels();
   model_.row_first = runs.box().first[1];
   model_.rows = runs.rows();
   model_.slice_first = runs.box().first[2];
   model_.slices.resize(static_cast<std::size_t>(runs.slices()));
-  const ClassLooks looks_before = std::exchange(looks_, class_looks(request, !color));
+  const ClassLooks looks_before = std::exchange(looks_, class_looks(request, model_.emissions > 1));
   std::vector<bool> changed = changed_slices(request, before, looks_before);
   take_over(before, changed);
 

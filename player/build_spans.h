@@ -11,6 +11,10 @@
 
 namespace splatlas {
 
+/// Tells a model what the looks of a plan's volumes have in common: colour and highest extinction. `looks`
+/// and the plan's classes correspond.
+void set_looks(const DrawPlan& plan, std::span<const VolumeLook> looks, SpanModel& model);
+
 /// What spans are made from.
 struct SpanRequest {
   const SelectedRuns& runs;

@@ -21,7 +21,13 @@ constexpr std::uint64_t kBytesToFindEdges = 48;
 /// Their numbers have 32 bits.
 constexpr std::size_t kMostFragments = 0xfffffffe;
 
-int sheet_scale(Quality quality, const Shear& shear) {
+/// Whether what is selected can hide what is behind it within a voxel: its edges are sharp then, and take
+/// more pixels to look the same from all sides.
+bool has_sharp_edges(const SpanModel& model, const Grid& grid) {
+  return model.densest_per_mm * reference_length_mm(grid) >= 1;
+}
+
+int sheet_scale(Quality quality, const Shear& shear, bool sharp) {
   const Affine2& map = shear.picture_to_sheet;
   const double voxels_per_pixel = std::min(std::hypot(map.xx, map.yx), std::hypot(map.xy, map.yy));
   const double pixels_per_voxel = std::min(1.0 / voxels_per_pixel, 1e3);
@@ -29,8 +35,9 @@ int sheet_scale(Quality quality, const Shear& shear) {
     return std::clamp(static_cast<int>(std::ceil(wanted - 0.25)), least, most);
   };
   switch (quality) {
-    case Quality::kNormal: return fine(1.5 * pixels_per_voxel, 1, 4);
-    case Quality::kHigh: return fine(2 * pixels_per_voxel, 2, 8);
+    case Quality::kNormal:
+      return sharp ? fine(2.25 * pixels_per_voxel, 1, 6) : fine(1.5 * pixels_per_voxel, 1, 4);
+    case Quality::kHigh: return fine((sharp ? 2.5 : 2) * pixels_per_voxel, 2, 8);
     case Quality::kDraft: break;
   }
   return fine(pixels_per_voxel, 1, 2);
@@ -70,9 +77,10 @@ std::size_t edge_samples(const RenderOptions& options, std::uint64_t max_memory_
   return options.quality == Quality::kNormal ? kFourSamples.size() : kEightSamples.size();
 }
 
-Result<SheetWindow> choose_window(const SpanModel& model, const Shear& shear, const RenderOptions& options) {
-  SheetSampling sampling{sheet_scale(options.quality, shear), slab_parts(options.quality),
-                         options.quality != Quality::kDraft};
+Result<SheetWindow> choose_window(const SpanModel& model, const Shear& shear, const Grid& grid,
+                                  const RenderOptions& options) {
+  SheetSampling sampling{sheet_scale(options.quality, shear, has_sharp_edges(model, grid)),
+                         slab_parts(options.quality), options.quality != Quality::kDraft};
   while (true) {
     SheetWindow window = sheet_window(model, shear, options.size, sampling);
     window.skew = skew_of(shear, sampling);
@@ -107,7 +115,8 @@ Result<FrameCounters> draw_frame(const FrameRequest& frame, FrameBuffers& buffer
   counters.triangles = raster.triangles;
   counters.rasterize = watch.lap();
 
-  SPLATLAS_ASSIGN_OR_RETURN(const SheetWindow window, choose_window(frame.spans, frame.shear, options));
+  SPLATLAS_ASSIGN_OR_RETURN(const SheetWindow window,
+                            choose_window(frame.spans, frame.shear, frame.grid, options));
   const SplatKernels& kernels = options.simd ? best_kernels() : scalar_kernels();
   buffers.order.build(buffers.fragments, frame.shear, window, options.size, frame.grid, pool);
   const SheetCounters sheets = render_sheets(frame.spans, frame.shear, window, kernels,

@@ -15,16 +15,6 @@ constexpr std::size_t kMaxTables = 32;
 
 }  // namespace
 
-std::optional<std::array<float, 3>> common_color(const DrawPlan& plan, std::span<const VolumeLook> looks) {
-  std::optional<std::array<float, 3>> color;
-  for (std::size_t n = 0; n < looks.size(); ++n) {
-    if (!draws_volume(plan.classes[n].role)) continue;
-    if (color && *color != looks[n].color) return std::nullopt;
-    color = looks[n].color;
-  }
-  return color;
-}
-
 VolumeLooks::VolumeLooks(const Atlas& atlas)
     : type_(atlas.value_type()),
       display_(atlas.display()),

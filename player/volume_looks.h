@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -40,11 +39,6 @@ struct VolumeLook {
     return {share * color[0], share * color[1], share * color[2]};
   }
 };
-
-/// The colour that all volumes of a plan share; none when they differ or there are none. `looks` and the
-/// plan's classes correspond.
-[[nodiscard]] std::optional<std::array<float, 3>> common_color(const DrawPlan& plan,
-                                                               std::span<const VolumeLook> looks);
 
 /// The looks of all classes of one selection after another, and the tables that they share. Not for use by
 /// several threads at once, but for looks().

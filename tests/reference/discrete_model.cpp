@@ -71,16 +71,21 @@ int slabs_per_slice(Quality quality) {
   return 1;
 }
 
-int sheet_pixels_per_voxel(Quality quality, const ParallelView& view, const Grid& grid, Axis principal) {
-  const std::array<double, 2> reach = voxels_per_pixel(view, grid, principal);
+int sheet_pixels_per_voxel(Quality quality, const ParallelView& view, const LightField& field,
+                           Axis principal) {
+  const std::array<double, 2> reach = voxels_per_pixel(view, field.grid, principal);
   const double pixels_per_voxel = std::min(1 / std::min(reach[0], reach[1]), 1e3);
+  const auto rounded = [&](double per_pixel, int least, int most) {
+    return std::clamp(static_cast<int>(std::ceil(per_pixel * pixels_per_voxel - 0.25)), least, most);
+  };
+  const Vec3& spacing = field.grid.spacing_mm;
+  const bool sharp = field.densest * std::cbrt(spacing[0] * spacing[1] * spacing[2]) >= 1;
   switch (quality) {
-    case Quality::kNormal:
-      return std::clamp(static_cast<int>(std::ceil(1.5 * pixels_per_voxel - 0.25)), 1, 4);
-    case Quality::kHigh: return std::clamp(static_cast<int>(std::ceil(2 * pixels_per_voxel - 0.25)), 2, 8);
+    case Quality::kNormal: return sharp ? rounded(2.25, 1, 6) : rounded(1.5, 1, 4);
+    case Quality::kHigh: return rounded(sharp ? 2.5 : 2, 2, 8);
     case Quality::kDraft: break;
   }
-  return std::clamp(static_cast<int>(std::ceil(pixels_per_voxel - 0.25)), 1, 2);
+  return rounded(1, 1, 2);
 }
 
 DiscreteModel::DiscreteModel(const LightField& field, const ParallelView& view, Axis principal,

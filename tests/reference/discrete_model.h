@@ -21,7 +21,7 @@ namespace splatlas::reference {
 [[nodiscard]] int slabs_per_slice(Quality quality);
 
 /// Sheet pixels per voxel that the renderer documents for a quality.
-[[nodiscard]] int sheet_pixels_per_voxel(Quality quality, const ParallelView& view, const Grid& grid,
+[[nodiscard]] int sheet_pixels_per_voxel(Quality quality, const ParallelView& view, const LightField& field,
                                          Axis principal);
 
 class DiscreteModel {

@@ -1,5 +1,6 @@
 #include "tests/reference/light_field.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "format/decision_tree.h"
@@ -78,6 +79,8 @@ LightField light_field(const AtlasContent& content, const Selection& selection, 
       const auto normal = unpack_normal(content.boundary_normals[c][number_in_class]);
       shade *= diffuse(view, {normal[0], normal[1], normal[2]});
     }
+    for (const TransferPoint& point : curve.points)
+      field.densest = std::max(field.densest, extinction_of(point.opacity, reference_length_mm));
     VoxelLight& light = field.voxels[n];
     light.extinction = value.extinction_per_mm;
     for (std::size_t channel = 0; channel < 3; ++channel) {

@@ -70,7 +70,7 @@ class DiscreteScene {
         unlimited_(unlimited),
         model_(setup_.field, setup_.view, setup_.principal,
                unlimited ? 0
-                         : sheet_pixels_per_voxel(scene.options.quality, setup_.view, setup_.field.grid,
+                         : sheet_pixels_per_voxel(scene.options.quality, setup_.view, setup_.field,
                                                   setup_.principal),
                slabs_per_slice(scene.options.quality)),
         surfaces_(scene.content, scene.selection, setup_.view, setup_.principal, Coverage::kSnapped) {}
