@@ -53,8 +53,10 @@ float densest(const TransferCurve& curve) {
 }  // namespace
 
 float full_opacity(const StructureDraw& draw) {
+  const float own_opacity = draw.volume.curve ? densest(*draw.volume.curve) : 0;
+  if (draw.volume.curve && own_opacity == 0) return 0;
   if (draw.opacity) return std::min(*draw.opacity, kMaxVolumeOpacity);
-  if (draw.volume.curve) return densest(*draw.volume.curve);
+  if (draw.volume.curve) return own_opacity;
   switch (draw.volume.profile) {
     case TransferProfile::kThin: return kDefaultThinOpacity;
     case TransferProfile::kHard: return kDefaultHardOpacity;

@@ -17,7 +17,8 @@ inline constexpr float kDarkestShade = 0.25f;
 inline constexpr double kHardStepWidth = 0.01;
 
 /// Opacity where the volume of a structure is densest: what the selection says, else its curve's, else its
-/// profile's default; at most kMaxVolumeOpacity.
+/// profile's default; at most kMaxVolumeOpacity. 0 where a curve is clear all over, whatever the selection
+/// says.
 [[nodiscard]] float full_opacity(const StructureDraw& draw);
 
 /// The transfer function of a structure's volume in grey values.
