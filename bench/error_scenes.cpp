@@ -76,10 +76,8 @@ Result<ErrorModel> error_model(const AtlasContent& content, const ErrorScene& sc
   SPLATLAS_ASSIGN_OR_RETURN(model.volume, reference::masked_volume(content, model.selection));
   const auto drawn = std::find_if(model.selection.structures.begin(), model.selection.structures.end(),
                                   [](const StructureDraw& draw) { return draw.mode != DrawMode::kOff; });
-  const Vec3& spacing = model.volume.grid.spacing_mm;
   SPLATLAS_ASSIGN_OR_RETURN(
-      model.look,
-      reference::grey_look(*drawn, content.display, std::cbrt(spacing[0] * spacing[1] * spacing[2])));
+      model.look, reference::grey_look(*drawn, content.display, reference_length_mm(model.volume.grid)));
   model.camera = oblique_camera();
   if (scene.fills_picture) zoom_to(model.volume, content.display, model.camera);
   return model;

@@ -54,7 +54,8 @@ Result<FullTraversal::Frame> FullTraversal::render(const Camera& camera, const R
 
   Frame frame;
   Stopwatch watch;
-  SpanModel spans = visit_voxels(model_, {draw_of_class_, plan_, looks_.looks()}, shear.principal, pool_);
+  SpanModel spans = visit_voxels(model_, {draw_of_class_, plan_, looks_.looks(), atlas_->classes()},
+                                 shear.principal, pool_);
   if (options.hybrid_shading && spans.shaded_voxels > 0) shade_spans(spans, lighting.table(), pool_);
   visit_triangles();
   frame.traversal = watch.lap();

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 
 #include "format/decision_tree.h"
 
@@ -35,10 +34,8 @@ Result<HybridModel> hybrid_model(const AtlasContent& content, const HybridScene&
                                   [](const StructureDraw& draw) {
                                     return draw.mode == DrawMode::kVolume || draw.mode == DrawMode::kBoth;
                                   });
-  const Vec3& spacing = model.volume.grid.spacing_mm;
   SPLATLAS_ASSIGN_OR_RETURN(
-      model.look,
-      reference::grey_look(*drawn, content.display, std::cbrt(spacing[0] * spacing[1] * spacing[2])));
+      model.look, reference::grey_look(*drawn, content.display, reference_length_mm(model.volume.grid)));
   return model;
 }
 

@@ -87,7 +87,7 @@ void ModelFrames::build_slice(std::int64_t slice, const Walk& walk) {
 template <typename Walk>
 void ModelFrames::build_spans(const SelectedRuns& selected, const Walk& walk) {
   spans_.axis = selected.axis();
-  set_looks(plan_, looks_.looks(), spans_);
+  set_looks(plan_, looks_.looks(), models_.atlas->classes(), spans_);
   spans_.scan_first = selected.box().first[0];
   spans_.scan_voxels = selected.scan_voxels();
   spans_.row_first = selected.box().first[1];

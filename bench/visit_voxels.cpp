@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <optional>
 
 #include "player/build_spans.h"
 #include "player/span_writer.h"
@@ -105,7 +104,7 @@ SpanModel visit_voxels(const VoxelModel& model, const VoxelSelection& selection,
   const auto slices = static_cast<std::size_t>(model.grid.size[scan.slice_axis]);
   SpanModel spans;
   spans.axis = axis;
-  set_looks(selection.plan, selection.looks, spans);
+  set_looks(selection.plan, selection.looks, selection.classes, spans);
   spans.slices.resize(slices);
   std::vector<IndexBox> selected(slices);
   pool.for_each(slices, [&](std::size_t n) {

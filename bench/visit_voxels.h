@@ -20,6 +20,7 @@ struct VoxelSelection {
   std::span<const std::uint32_t> draw_of_class;  ///< index into plan.classes, or kNotDrawn
   const DrawPlan& plan;
   std::span<const VolumeLook> looks;  ///< of plan.classes
+  const ClassTable& classes;
 };
 
 /// The spans that the player builds from the run model, made by testing the class of every voxel of the grid,

@@ -1,7 +1,6 @@
 #include "format/atlas_reader.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstring>
 #include <limits>
 #include <new>

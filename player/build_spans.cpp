@@ -1,6 +1,8 @@
 #include "player/build_spans.h"
 
 #include <algorithm>
+#include <array>
+#include <optional>
 #include <utility>
 
 #include <hwy/cache_control.h>
@@ -156,26 +158,30 @@ void SpanBuilder::write_slice(const SpanRequest& request, std::int64_t slice, Sl
   writer.finish();
 }
 
-void set_looks(const DrawPlan& plan, std::span<const VolumeLook> looks, SpanModel& model) {
+void set_looks(const DrawPlan& plan, std::span<const VolumeLook> looks, const ClassTable& classes,
+               SpanModel& model) {
   std::optional<std::array<float, 3>> color;
   bool differ = false;
-  model.densest_per_mm = 0;
+  double voxels = 0, extinctions = 0;
   for (std::size_t n = 0; n < looks.size(); ++n) {
     if (!draws_volume(plan.classes[n].role)) continue;
     differ |= color && *color != looks[n].color;
     color = looks[n].color;
-    model.densest_per_mm = std::max(model.densest_per_mm, looks[n].extinction_per_mm);
+    const auto of_class = static_cast<double>(classes.voxels(plan.classes[n].id));
+    voxels += of_class;
+    extinctions += of_class * static_cast<double>(looks[n].extinction_per_mm);
   }
   const bool one_color = color && !differ;
   model.emissions = one_color ? 1 : 3;
   model.color = one_color ? *color : std::array<float, 3>{1, 1, 1};
+  model.mean_densest_per_mm = voxels > 0 ? extinctions / voxels : 0;
 }
 
 void SpanBuilder::build(const SpanRequest& request, ThreadPool& pool) {
   const SelectedRuns& runs = request.runs;
   SpanModel before = std::exchange(model_, {});
   model_.axis = runs.axis();
-  set_looks(request.plan, request.looks.looks(), model_);
+  set_looks(request.plan, request.looks.looks(), request.classes, model_);
   model_.scan_first = runs.box().first[0];
   model_.scan_voxels = runs.scan_voxels();
   model_.row_first = runs.box().first[1];

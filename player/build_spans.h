@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "player/selected_runs.h"
@@ -11,9 +12,10 @@
 
 namespace splatlas {
 
-/// Tells a model what the looks of a plan's volumes have in common: colour and highest extinction. `looks`
-/// and the plan's classes correspond.
-void set_looks(const DrawPlan& plan, std::span<const VolumeLook> looks, SpanModel& model);
+/// Tells a model about the looks of a plan's volumes: colours and extinctions. `looks` and the plan's classes
+/// correspond.
+void set_looks(const DrawPlan& plan, std::span<const VolumeLook> looks, const ClassTable& classes,
+               SpanModel& model);
 
 /// What spans are made from.
 struct SpanRequest {

@@ -21,10 +21,10 @@ constexpr std::uint64_t kBytesToFindEdges = 48;
 /// Their numbers have 32 bits.
 constexpr std::size_t kMostFragments = 0xfffffffe;
 
-/// Whether what is selected can hide what is behind it within a voxel: its edges are sharp then, and take
-/// more pixels to look the same from all sides.
+/// Whether most of what is selected can hide what is behind it within a voxel: its edges are sharp then, and
+/// take more pixels to look the same from all sides.
 bool has_sharp_edges(const SpanModel& model, const Grid& grid) {
-  return model.densest_per_mm * reference_length_mm(grid) >= 1;
+  return model.mean_densest_per_mm * reference_length_mm(grid) >= 1;
 }
 
 int sheet_scale(Quality quality, const Shear& shear, bool sharp) {

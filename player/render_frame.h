@@ -20,11 +20,11 @@ namespace splatlas {
 
 /// Sheets, in parallel projection with voxels classified before interpolation: pixels per voxel, along each
 /// axis, are about as many as the picture's in drafts, at most 2; 1.5 times as many normally, at most 4;
-/// twice as many in high quality, at most 8. Selections with opacities from 1 - 1/e a voxel on have sharp
-/// edges and get 2.25 times as many normally, at most 6, and 2.5 times as many in high quality. Slabs per
-/// slice are 1, 4 and 8, and where there is volume alone, sheets are warped with a cubic but in drafts. Rays,
-/// in perspective and wherever grey values are classified after interpolation: steps per slab are 1; 1 to 32;
-/// 8 to 64.
+/// twice as many in high quality, at most 8. Selections whose voxels absorb 1 and more where they are
+/// densest, on average (opacity 0.63), have sharp edges and get 2.25 times as many normally, at most 6, and
+/// 2.5 times as many in high quality. Slabs per slice are 1, 4 and 8, and where there is volume alone, sheets
+/// are warped with a cubic but in drafts. Rays, in perspective and wherever grey values are classified after
+/// interpolation: steps per slab are 1; 1 to 32; 8 to 64.
 enum class Quality : std::uint8_t { kDraft, kNormal, kHigh };
 [[nodiscard]] std::optional<Quality> named_quality(std::string_view name);
 

@@ -71,7 +71,8 @@ struct SpanModel {
   std::int64_t slice_first = 0, row_first = 0, rows = 0, scan_first = 0, scan_voxels = 0;
   int emissions = 3;                    ///< of every slice
   std::array<float, 3> color{1, 1, 1};  ///< linear; of the volume where it has one emission
-  float densest_per_mm = 0;             ///< extinction that no look of the selection exceeds
+  /// Extinction where looks are densest, 1/mm: the mean over the selected voxels.
+  double mean_densest_per_mm = 0;
   std::vector<SliceSpans> slices;
   std::uint64_t voxels = 0;
   std::uint64_t shaded_voxels = 0;  ///< whose colour depends on the view

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "format/ascii_text.h"
+#include "format/plain_text.h"
 #include "preprocess/build_atlas.h"
 #include "preprocess/commands/name_and_file.h"
 #include "preprocess/commands/progress_display.h"
@@ -62,6 +64,17 @@ Result<SourceFiles> sources_of(const BuildWords& words) {
   return sources;
 }
 
+/// What is kept in the atlas as it is typed.
+Result<void> check_texts(const BuildOptions& options) {
+  const std::pair<const char*, const std::string&> texts[] = {
+      {"--title", options.title}, {"--citation", options.citation}, {"--licence", options.licence}};
+  for (const auto& [option, text] : texts) {
+    if (const std::string fault = fault_of_text(text); !fault.empty())
+      return fail(ErrorCode::kUsage, fmt::format("{} {} {}", option, in_quotes(text), fault));
+  }
+  return {};
+}
+
 void print_summary(const BuildReport& report, const std::string& output) {
   double seconds = 0;
   for (const auto& stage : report.stages) seconds += stage.seconds;
@@ -113,6 +126,7 @@ Result<void> run_build(const BuildWords& words, const std::string& tool) {
   if (options.level < 1 || options.level > 22) {
     return fail(ErrorCode::kUsage, fmt::format("--level {}: must be 1 to 22", options.level));
   }
+  SPLATLAS_RETURN_IF_ERROR(check_texts(options));
   SPLATLAS_ASSIGN_OR_RETURN(options.sources, sources_of(words));
   SPLATLAS_ASSIGN_OR_RETURN(const ProgressMode mode, progress_mode(words.progress, stderr));
   ProgressDisplay display(mode, stderr);

@@ -54,10 +54,11 @@ Result<std::vector<TextLine>> read_text_lines(const std::filesystem::path& path)
   std::size_t number = 0;
   for (std::size_t start = 0; start < all.size();) {
     const std::size_t end = std::min(all.find_first_of("\r\n", start), all.size());
-    const std::string_view text = trimmed(std::string_view(all).substr(start, end - start));
+    const std::string_view line = std::string_view(all).substr(start, end - start);
+    const std::string_view text = trimmed(line);
     ++number;
-    if (const std::string fault = fault_of_text(text); !fault.empty()) {
-      return fail(ErrorCode::kFailed, fmt::format("{}: line {} {}; a UTF-8 text file is needed here",
+    if (const std::string fault = fault_of_text(line); !fault.empty()) {
+      return fail(ErrorCode::kFailed, fmt::format("{}: line {} {}; plain UTF-8 text is needed here",
                                                   path.string(), number, fault));
     }
     if (!text.empty() && text.front() != '#') lines.push_back({number, std::string(text)});

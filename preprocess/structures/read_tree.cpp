@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "preprocess/import/text_file.h"
+#include "preprocess/structures/structure_name.h"
 
 namespace splatlas {
 namespace {
@@ -33,6 +34,8 @@ Result<TreeLine> parse_line(std::string_view text) {
     if (last) {
       line.member = std::string(parts[n]);
     } else {
+      if (const auto fit = check_structure_name(parts[n]); !fit)
+        return fail(ErrorCode::kUsage, fit.error().message);
       line.groups.emplace_back(parts[n]);
     }
   }

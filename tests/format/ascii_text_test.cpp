@@ -47,6 +47,9 @@ TEST(AsciiText, BytesThatAreNotUtf8AreEscaped) {
   EXPECT_EQ(printable("\xc2\x9b"
                       "31m\n"),
             "?31m?");  // control characters
+  EXPECT_EQ(printable("a\xe2\x80\xae"
+                      "b\xe2\x81\xa6"),
+            "a?b?");  // characters that turn text around
   EXPECT_EQ(in_quotes("Left \xe9"), "\"Left \\xe9\"");
 }
 

@@ -99,6 +99,7 @@ TEST(BuildSpans, HoldsTheLightOfEverySelectedVoxelWithAndWithoutShading) {
         shade_spans(model, shade ? Lighting(view).table() : std::vector<float>(65536, 1.0f), prepared.pool);
         const reference::LightField field =
             reference::light_field(scene.content, scene.selection, view, shade);
+        ASSERT_NEAR(model.mean_densest_per_mm, field.mean_densest, 1e-6 * field.mean_densest);
         const std::vector<reference::VoxelLight> voxels = unpacked(model, prepared.atlas->grid());
         for (std::size_t n = 0; n < voxels.size(); ++n) {
           const double scale = field.voxels[n].extinction;

@@ -91,6 +91,27 @@ TEST(Stress, AnAxisSwitchIsSmall) {
   }
 }
 
+/// Cliffs from clear to all but opaque, where sheets are finer to look the same along both axes: with 1.5 and
+/// 2 pixels for one of the picture the largest would be 1.2 and 0.65.
+TEST(Stress, AnAxisSwitchIsSmallAtSharpEdges) {
+  const StandardScene scene = labels_scene();
+  Renderer renderer(open_in_memory(scene.content), {1, 0});
+  ASSERT_TRUE(renderer.select(scene.selection));
+  for (const auto& [quality, most] : {std::pair(Quality::kNormal, 0.8), {Quality::kHigh, 0.4}}) {
+    for (const double elevation : {5.0, 15.0, 25.0}) {
+      Camera camera;
+      camera.azimuth_deg = 45;
+      camera.elevation_deg = elevation;
+      RenderOptions options{.size = {72, 72}, .quality = quality};
+      options.principal_axis = Axis::kX;
+      const Picture along_x = render_or_throw(renderer, camera, options);
+      options.principal_axis = Axis::kY;
+      const Picture along_y = render_or_throw(renderer, camera, options);
+      EXPECT_LE(reference::whole_picture_rms(along_x, along_y), most) << elevation;
+    }
+  }
+}
+
 /// The longest run lists: a run per voxel. Pictures equal the model, and runs are counted exactly.
 TEST(Stress, CheckerboardsAndCombsEqualTheModel) {
   const Index3 size{11, 9, 10};

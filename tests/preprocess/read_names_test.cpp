@@ -72,8 +72,9 @@ TEST_F(ReadNames, TellsTheLineOfAFault) {
   EXPECT_THAT(error("5 A\n6 B\n5 C\n"), AllOf(HasSubstr("line 3"), HasSubstr("in line 1")));
   EXPECT_THAT(error("# nothing\n"), HasSubstr("names no label"));
   EXPECT_THAT(error(std::string("1 A\n2 B\0C\n", 10)),
-              HasSubstr("names.txt: line 2 has a control character (byte 3: U+0000); a UTF-8 text file is"));
-  EXPECT_THAT(error("# \xff\xfe\n1 A\n"), HasSubstr("names.txt: line 1 is not UTF-8 (byte 2); a UTF-8 text"));
+              HasSubstr("names.txt: line 2 has a control character (byte 3: U+0000); plain UTF-8 text"));
+  EXPECT_THAT(error("  # \xff\xfe\n1 A\n"),
+              HasSubstr("names.txt: line 1 is not UTF-8 (byte 4); plain UTF-8 text"));
   EXPECT_THAT(error("1 A\n2 b\xe2\x80\xae c\n"),
               AllOf(HasSubstr("names.txt: line 2"), HasSubstr("turns text around")));
   EXPECT_THAT(error("1 A\n\"2\"foo\n"), AllOf(HasSubstr("names.txt: line 2"), HasSubstr("'\"2\"foo'")));

@@ -17,6 +17,13 @@ double value_of(const VoxelBuffer& values, std::size_t n) {
   });
 }
 
+double densest_of(const TransferCurve& curve, double reference_length_mm) {
+  double densest = 0;
+  for (const TransferPoint& point : curve.points)
+    densest = std::max(densest, extinction_of(point.opacity, reference_length_mm));
+  return densest;
+}
+
 }  // namespace
 
 void VoxelLight::add(double weight, const VoxelLight& other) {
@@ -64,6 +71,7 @@ LightField light_field(const AtlasContent& content, const Selection& selection, 
     curve_of.push_back(transfer_curve(look, content.display));
   }
 
+  double drawn = 0;                                         // voxels
   std::vector<std::size_t> met(content.classes.size(), 0);  // voxels of each class so far
   for (std::size_t n = 0; n < field.voxels.size(); ++n) {
     const ClassId c = content.class_volume[n];
@@ -79,8 +87,7 @@ LightField light_field(const AtlasContent& content, const Selection& selection, 
       const auto normal = unpack_normal(content.boundary_normals[c][number_in_class]);
       shade *= diffuse(view, {normal[0], normal[1], normal[2]});
     }
-    for (const TransferPoint& point : curve.points)
-      field.densest = std::max(field.densest, extinction_of(point.opacity, reference_length_mm));
+    field.mean_densest += (densest_of(curve, reference_length_mm) - field.mean_densest) / ++drawn;
     VoxelLight& light = field.voxels[n];
     light.extinction = value.extinction_per_mm;
     for (std::size_t channel = 0; channel < 3; ++channel) {

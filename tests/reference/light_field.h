@@ -24,7 +24,7 @@ struct VoxelLight {
 struct LightField {
   Grid grid;
   std::vector<VoxelLight> voxels;
-  double densest = 0;  ///< of the transfer functions of all voxels that are drawn, 1/mm
+  double mean_densest = 0;  ///< of all voxels that are drawn, where their transfer function is densest, 1/mm
 
   /// Dark and clear beyond the grid.
   [[nodiscard]] VoxelLight at(std::int64_t i, std::int64_t j, std::int64_t k) const;
