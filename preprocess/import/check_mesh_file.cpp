@@ -61,7 +61,7 @@ bool references_exist(std::string_view corner, const std::array<std::int64_t, 3>
   const std::vector<std::string_view> parts = split(corner, '/');
   if (parts.size() > 3 || parts[0].empty()) return false;
   for (std::size_t n = 0; n < parts.size(); ++n) {
-    if (parts[n].empty()) continue;
+    if (parts[n].empty() && n == 1 && parts.size() == 3) continue;  // "1//3"
     const auto index = parse_integer(parts[n]);
     if (!index || *index == 0 || *index > counts[n] || *index < -counts[n]) return false;
   }

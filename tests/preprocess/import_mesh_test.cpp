@@ -116,6 +116,9 @@ TEST_F(ImportMesh, RefusesDamagedFiles) {
   EXPECT_THAT(error("a.obj", "v 0 0 0\nf 1/7 1 1\n"), HasSubstr("1/7"));
   EXPECT_THAT(error("a.obj", "v 0 0 0\nf 0 1 1\n"), HasSubstr("'0'"));
   EXPECT_THAT(error("a.obj", "v 0 0 0\nf -2 1 1\n"), HasSubstr("'-2'"));
+  // Found by fuzzing: VTK reads what a slash at the end stands before on the other side of the blank.
+  EXPECT_THAT(error("a.obj", "v 0 0 0\nf 1 1/ 1\n"), HasSubstr("corner '1/' does not exist"));
+  EXPECT_THAT(error("a.obj", "v 0 0 0\nf 1 1// 1\n"), HasSubstr("corner '1//' does not exist"));
   EXPECT_THAT(error("a.obj", "hello\n"), HasSubstr("OBJ"));
   EXPECT_THAT(error("a.ply", "hello\n"), HasSubstr("PLY"));
   EXPECT_THAT(error("a.ply",
