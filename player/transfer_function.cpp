@@ -50,19 +50,22 @@ float densest(const TransferCurve& curve) {
   return densest;
 }
 
-}  // namespace
-
-float full_opacity(const StructureDraw& draw) {
-  const float own_opacity = draw.volume.curve ? densest(*draw.volume.curve) : 0;
-  if (draw.volume.curve && own_opacity == 0) return 0;
-  if (draw.opacity) return std::min(*draw.opacity, kMaxVolumeOpacity);
-  if (draw.volume.curve) return own_opacity;
-  switch (draw.volume.profile) {
+/// Opacity where a selection names none.
+float opacity_of(const VolumeStyle& style) {
+  if (style.curve) return densest(*style.curve);
+  switch (style.profile) {
     case TransferProfile::kThin: return kDefaultThinOpacity;
     case TransferProfile::kHard: return kDefaultHardOpacity;
     case TransferProfile::kSoft: break;
   }
   return kDefaultVolumeOpacity;
+}
+
+}  // namespace
+
+float full_opacity(const StructureDraw& draw) {
+  const float own = opacity_of(draw.volume);
+  return draw.opacity && own > 0 ? std::min(*draw.opacity, kMaxVolumeOpacity) : own;
 }
 
 TransferCurve transfer_curve(const StructureDraw& draw, const Display& display) {
