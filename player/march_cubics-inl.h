@@ -20,14 +20,12 @@ namespace hn = hwy::HWY_NAMESPACE;
 /// apart, and none inside along the one that t counts: in order, `end` where there is none, and last.
 HWY_INLINE void Crossings(const Rays& rays, Vector at, Vector end, Vector* cuts) {
   const Lanes d;
-  const auto tiny = hn::Set(d, 1e-6f);
   for (std::size_t a = 0; a < 3; ++a) {
     const auto step = rays.step[a];
-    const auto still = hn::Lt(hn::Abs(step), tiny);
     const auto place = rays.At(a, end);
     const auto plane = hn::IfThenElse(hn::Gt(step, hn::Zero(d)), hn::Floor(place), hn::Ceil(place));
-    const auto t = hn::Div(hn::Sub(plane, rays.origin[a]), hn::IfThenElse(still, tiny, step));
-    const auto none = hn::Or(still, hn::Or(hn::Le(t, at), hn::Ge(t, end)));
+    const auto t = hn::Mul(hn::Sub(plane, rays.origin[a]), rays.t_per_voxel[a]);
+    const auto none = hn::Or(hn::Le(t, at), hn::Ge(t, end));
     cuts[a] = hn::IfThenElse(none, end, t);
   }
   const auto low = hn::Min(cuts[0], cuts[1]), high = hn::Max(cuts[0], cuts[1]);

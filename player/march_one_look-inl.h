@@ -49,42 +49,29 @@ class OneLook {
 
   HWY_INLINE void Forget() { valid_ = false; }
 
-  /// Rays come by cells that no other has come by for long: the machine's own prefetching does not help.
-  HWY_INLINE void Prefetch(float t) const {
-    HWY_ALIGN std::int32_t cells[kPacketRays];
-    for (std::size_t slab = 0; slab < kSlabs; ++slab) {
-      const Places places(scene_.grid, rays_, rays_.Clamped(t + static_cast<float>(slab) + 0.5f));
-      hn::Store(places.cell, Ints(), cells);
-      for (std::size_t n = 0; n < hn::Lanes(Lanes()); n += kPrefetchedLanes)
-        hwy::Prefetch(octants_ + cells[n]);
-    }
-  }
-
   /// From t on. All samples first: nothing that follows has to wait for memory.
   HWY_INLINE void Stride(float t, const std::int32_t* /*from*/, const std::int32_t* /*to*/) {
+    const Ends ends = ahead_from_ == t ? ahead_ : Ends(scene_.grid, rays_, t);
+    LookAhead(t + static_cast<float>(kSlabs));
     auto at = rays_.Clamped(t);
-    if (!valid_) last_ = Take(at);
+    if (!valid_) last_ = Take(Places(scene_.grid, rays_, at));
     valid_ = true;
     if (IsFaint()) {
-      const auto end = rays_.Clamped(t + static_cast<float>(kSlabs));
-      const Taken taken = Take(end);
-      Step(hn::Sub(end, at), taken.classified);
+      const Taken taken = Take(ends.places[kSlabs - 1]);
+      Step(hn::Sub(ends.t[kSlabs - 1], at), taken.classified);
       last_ = taken;
       return;
     }
-    Taken ends[kSlabs];
+    Taken taken[kSlabs];
+    for (std::size_t slab = 0; slab < kSlabs; ++slab) taken[slab] = Take(ends.places[slab]);
     for (std::size_t slab = 0; slab < kSlabs; ++slab) {
-      ends[slab] = Take(rays_.Clamped(t + static_cast<float>(slab + 1)));
-    }
-    for (std::size_t slab = 0; slab < kSlabs; ++slab) {
-      const auto end = rays_.Clamped(t + static_cast<float>(slab + 1));
       if (cuts_cells(scene_)) {
-        Slab(at, end, ends[slab]);
+        Slab(at, ends.t[slab], taken[slab]);
       } else {
-        EvenSlab(at, end, ends[slab]);
+        EvenSlab(at, ends.t[slab], taken[slab]);
       }
-      last_ = ends[slab];
-      at = end;
+      last_ = taken[slab];
+      at = ends.t[slab];
     }
   }
 
@@ -96,6 +83,19 @@ class OneLook {
   }
 
  private:
+  /// Where the slabs of a stride end.
+  struct Ends {
+    Vector t[kSlabs];
+    Places places[kSlabs];
+
+    Ends() = default;
+    HWY_INLINE Ends(const MarchGrid& grid, const Rays& rays, float from) {
+      for (std::size_t slab = 0; slab < kSlabs; ++slab) {
+        t[slab] = rays.Clamped(from + static_cast<float>(slab + 1));
+        places[slab] = Places(grid, rays, t[slab]);
+      }
+    }
+  };
   struct Taken {
     Octants octants;
     Classified classified;
@@ -104,10 +104,21 @@ class OneLook {
     const Places places(scene_.grid, rays_, t);
     return Octants(octants_, places).Value(places);
   }
-  HWY_INLINE Taken Take(Vector t) const {
-    const Places places(scene_.grid, rays_, t);
+  HWY_INLINE Taken Take(const Places& places) const {
     const Octants octants(octants_, places);
     return {octants, Classify(curve_, octants.Value(places))};
+  }
+
+  /// Rays come by cells that no other has come by for long: the machine's own prefetching does not help.
+  HWY_INLINE void LookAhead(float t) {
+    ahead_ = Ends(scene_.grid, rays_, t);
+    ahead_from_ = t;
+    HWY_ALIGN std::int32_t cells[kPacketRays];
+    for (const Places& places : ahead_.places) {
+      hn::Store(places.cell, Ints(), cells);
+      for (std::size_t n = 0; n < hn::Lanes(Lanes()); n += kPrefetchedLanes)
+        hwy::Prefetch(octants_ + cells[n]);
+    }
   }
 
   /// What is still seen of a stride is so little that one step does.
@@ -254,6 +265,8 @@ class OneLook {
   const GreyCurve& curve_;
   Vector emitted_;  // in the colour
   Taken last_;      // where the next step begins
+  Ends ahead_;      // of the stride from ahead_from_ on
+  float ahead_from_ = -1e30f;
   bool valid_ = false;
 };
 

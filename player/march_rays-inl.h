@@ -23,6 +23,7 @@ using IntVector = hn::Vec<Ints>;
 /// The rays of a packet that fit a vector, as far as they are within one voxel of the voxels.
 struct Rays {
   Vector origin[3], step[3], mm_per_t, from, to;
+  Vector t_per_voxel[3];  // very large where a ray does not move
 
   HWY_INLINE Rays(const MarchGrid& grid, const RayPacket& packet, std::size_t first) {
     const Lanes d;
@@ -31,7 +32,8 @@ struct Rays {
     for (std::size_t a = 0; a < 3; ++a) {
       origin[a] = hn::Load(d, packet.origin[a].data() + first);
       step[a] = hn::Load(d, packet.step[a].data() + first);
-      Clip(origin[a], step[a], static_cast<float>(grid.size[a]) - 2.0f);
+      t_per_voxel[a] = Inverse(step[a]);
+      Clip(a, static_cast<float>(grid.size[a]) - 2.0f);
     }
     mm_per_t = hn::Load(d, packet.mm_per_t.data() + first);
     const auto misses = hn::Not(Counts());
@@ -47,12 +49,15 @@ struct Rays {
   HWY_INLINE Vector At(std::size_t axis, Vector t) const { return hn::MulAdd(step[axis], t, origin[axis]); }
 
  private:
-  HWY_INLINE void Clip(Vector start, Vector per_t, float last) {
+  static HWY_INLINE Vector Inverse(Vector per_t) {
     const Lanes d;
     const auto tiny = hn::Set(d, 1e-20f);
-    const auto safe = hn::IfThenElse(hn::Lt(hn::Abs(per_t), tiny), tiny, per_t);
-    const auto low = hn::Div(hn::Sub(hn::Set(d, 1.0f), start), safe);
-    const auto high = hn::Div(hn::Sub(hn::Set(d, last), start), safe);
+    return hn::Div(hn::Set(d, 1.0f), hn::IfThenElse(hn::Lt(hn::Abs(per_t), tiny), tiny, per_t));
+  }
+  HWY_INLINE void Clip(std::size_t axis, float last) {
+    const Lanes d;
+    const auto low = hn::Mul(hn::Sub(hn::Set(d, 1.0f), origin[axis]), t_per_voxel[axis]);
+    const auto high = hn::Mul(hn::Sub(hn::Set(d, last), origin[axis]), t_per_voxel[axis]);
     from = hn::Max(from, hn::Min(low, high));
     to = hn::Min(to, hn::Max(low, high));
   }

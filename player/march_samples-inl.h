@@ -22,6 +22,7 @@ struct Places {
   IntVector cell;
   Vector part[3];
 
+  Places() = default;
   HWY_INLINE Places(const MarchGrid& grid, const Rays& rays, Vector t) {
     const Lanes d;
     const Ints di;

@@ -40,7 +40,6 @@ class ManyLooks {
   HWY_INLINE void Forget() {
     for (std::size_t n = 0; n < scene_.sources.size(); ++n) states_[n].valid = false;
   }
-  HWY_INLINE void Prefetch(float /*t*/) const {}
   HWY_INLINE void Finish() {}
 
   HWY_INLINE void Stride(float t, const std::int32_t* from, const std::int32_t* to) {
@@ -232,7 +231,6 @@ void March(const MarchScene& scene, const Rays& rays, Sum& sum) {
       looks.Forget();
       continue;
     }
-    looks.Prefetch(t + kStride);
     looks.Stride(t, from, to);
     const auto hidden = hn::Le(sum.Through(), hn::Set(d, scene.floor));
     if (hn::AllTrue(d, hn::Or(hidden, hn::Not(counts)))) break;
