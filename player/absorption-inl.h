@@ -12,7 +12,7 @@ HWY_BEFORE_NAMESPACE();
 namespace splatlas::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Slabs of at most this depth take the short way.
+/// Slabs of at most this depth take the short way: ThinMean().
 constexpr float kThin = 0.75f;
 
 /// (1 - exp(-depth)) / depth, 0 <= depth <= kThin, to 1.5e-7 relative: 1 - depth / 2 + ..., the rest
@@ -48,6 +48,41 @@ HWY_INLINE V Absorbed(D d, V depth) {
   const auto bits = hn::ShiftLeft<23>(hn::Add(hn::ConvertTo(di, n), hn::Set(di, 127)));
   const auto scale = hn::BitCast(d, bits);
   return hn::NegMulAdd(scale, hn::Mul(r, q), hn::Sub(one, scale));
+}
+
+/// What a slab absorbs of the light, 1 - exp(-depth), and the same over its depth.
+template <class V>
+struct Absorption {
+  V absorbed, mean;
+};
+
+constexpr int kDoublings = 3;
+/// Slabs of at most this depth take the middle way: ModerateAbsorption().
+constexpr float kModerate = kThin * (1 << kDoublings);
+
+/// For 0 <= depth <= kModerate, to 4e-7, in half the time of AnyAbsorption(): an eighth of the slab takes
+/// the short way and is doubled. Two slabs that absorb a each absorb (2 - a) a.
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE Absorption<V> ModerateAbsorption(D d, V depth) {
+  constexpr float kPart = 1.0f / (1 << kDoublings);
+  const auto mean_of_part = ThinMean(d, hn::Mul(hn::Set(d, kPart), depth));
+  Absorption<V> slab;
+  slab.mean = hn::Mul(hn::Set(d, kPart), mean_of_part);
+  slab.absorbed = hn::Mul(depth, slab.mean);
+  for (int n = 0; n < kDoublings; ++n) {
+    const auto of_two = hn::Sub(hn::Set(d, 2.0f), slab.absorbed);
+    slab.absorbed = hn::Mul(slab.absorbed, of_two);
+    slab.mean = hn::Mul(slab.mean, of_two);
+  }
+  return slab;
+}
+
+/// For depth >= 0, whatever it is.
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE Absorption<V> AnyAbsorption(D d, V depth) {
+  const auto absorbed = Absorbed(d, depth);
+  const auto thin = hn::Le(depth, hn::Set(d, kThin));
+  return {absorbed, hn::IfThenElse(thin, ThinMean(d, depth), hn::Div(absorbed, depth))};
 }
 
 }  // namespace splatlas::HWY_NAMESPACE

@@ -26,6 +26,7 @@ class BandImage {
         last_(last * window.scale),
         floats_(floats) {
     floats_.assign(static_cast<std::size_t>((last_ - first_) * row_stride()), 0.0f);
+    opaque_.resize(static_cast<std::size_t>((last_ - first_) * scale_));
   }
 
   /// Floats of a plane of a row: margins included, whole blocks.
@@ -50,7 +51,15 @@ class BandImage {
   [[nodiscard]] ImageRows rows(std::int64_t fine_row, std::int64_t phase) {
     float* pixels =
         floats_.data() + (fine_row - first_) * row_stride() + phase * phase_stride() + ImageRows::kMargin;
-    return {pixels, columns_, stride_, phase_stride(), row_stride(), row_stride() * scale_};
+    return {pixels,
+            columns_,
+            stride_,
+            phase_stride(),
+            row_stride(),
+            row_stride() * scale_,
+            opaque_.data() + (fine_row - first_) * scale_ + phase,
+            scale_,
+            scale_ * scale_};
   }
 
  private:
@@ -59,6 +68,7 @@ class BandImage {
 
   std::int64_t scale_, columns_, planes_, stride_, first_, last_;
   std::vector<float>& floats_;
+  std::vector<OpaquePixels> opaque_;  // row major: [fine row][phase]
 };
 
 }  // namespace splatlas

@@ -11,6 +11,21 @@
 
 namespace splatlas {
 
+/// Blocks [first, last) of a scanline.
+struct Blocks {
+  std::int64_t first = 0, last = 0;
+
+  [[nodiscard]] bool contains(std::int64_t block) const { return first <= block && block < last; }
+};
+
+/// Those that reach pixels of the image or its margins in any phase.
+[[nodiscard]] inline Blocks blocks_in_reach(const SheetRows& rows, const ImageRows& image) {
+  std::int64_t shift = rows.phases[0].shift;
+  for (std::size_t n = 1; n < rows.phase_count; ++n) shift = std::min(shift, rows.phases[n].shift);
+  // Others reach margins only, in every phase: -kMargin <= block * kBlock + shift < columns.
+  return {-((shift + ImageRows::kMargin) >> kBlockBits), (image.columns - shift + kBlock - 1) >> kBlockBits};
+}
+
 /// Consecutive blocks of one row: [first, last), and where the light of block 0 would stand.
 struct RowBlocks {
   std::int64_t first = 0, last = 0;
@@ -32,21 +47,16 @@ struct BlockRun {
   RowBlocks upper, lower;
 };
 
-/// Walks the runs of a pair of rows, in order, that reach pixels of the image or its margins.
+/// Walks the runs of a pair of rows, in order, as far as they are in reach.
 class BlockRuns {
  public:
   /// `pair` counts the pairs of `rows`.
-  BlockRuns(const SheetRows& rows, std::int64_t pair, const ImageRows& image)
+  BlockRuns(const SheetRows& rows, std::int64_t pair, const Blocks& reach)
       : light_(rows.slice->light.data()),
         block_floats_(rows.slice->block_floats()),
+        reach_(reach),
         upper_(rows.slice->row(rows.upper + pair)),
         lower_(rows.slice->row(rows.upper + pair + 1)) {
-    if (upper_.spans.empty() && lower_.spans.empty()) return;
-    std::int64_t shift = rows.phases[0].shift;
-    for (std::size_t n = 1; n < rows.phase_count; ++n) shift = std::min(shift, rows.phases[n].shift);
-    // Others reach margins only, in every phase: -kMargin <= block * kBlock + shift < columns.
-    from_ = -((shift + ImageRows::kMargin) >> kBlockBits);
-    until_ = (image.columns - shift + kBlock - 1) >> kBlockBits;
     advance(upper_);
     advance(lower_);
   }
@@ -95,8 +105,8 @@ class BlockRuns {
     while (!side.spans.empty()) {
       const Span& span = side.spans.front();
       side.spans = side.spans.subspan(1);
-      const std::int64_t first = std::max<std::int64_t>(from_, span.first_block);
-      const std::int64_t last = std::min(until_, std::int64_t{span.first_block} + span.blocks);
+      const std::int64_t first = std::max<std::int64_t>(reach_.first, span.first_block);
+      const std::int64_t last = std::min(reach_.last, std::int64_t{span.first_block} + span.blocks);
       if (first >= last) continue;
       side.blocks = {first, last, light_ + (std::int64_t{span.offset} - span.first_block) * block_floats_};
       return;
@@ -105,7 +115,8 @@ class BlockRuns {
   }
 
   const float* light_;
-  std::int64_t block_floats_, from_ = 0, until_ = 0;
+  std::int64_t block_floats_;
+  Blocks reach_;
   Side upper_, lower_;
 };
 

@@ -150,21 +150,15 @@ struct Means {
   }
 };
 
-/// A slab's absorbed share of the light, and the same over its depth.
-struct Absorption {
-  Vector absorbed, mean;
-
-  HWY_INLINE explicit Absorption(Vector depth) {
-    const Lanes d;
-    if (HWY_LIKELY(hn::AllTrue(d, hn::Le(depth, hn::Set(d, kThin))))) {
-      mean = ThinMean(d, depth);
-      absorbed = hn::Mul(depth, mean);
-    } else {
-      absorbed = Absorbed(d, depth);
-      mean = hn::Div(absorbed, hn::Max(depth, hn::Set(d, 1e-30f)));
-    }
+HWY_INLINE Absorption<Vector> AbsorptionOf(Vector depth) {
+  const Lanes d;
+  if (HWY_LIKELY(hn::AllTrue(d, hn::Le(depth, hn::Set(d, kThin))))) {
+    const auto mean = ThinMean(d, depth);
+    return {hn::Mul(depth, mean), mean};
   }
-};
+  if (HWY_LIKELY(hn::AllTrue(d, hn::Le(depth, hn::Set(d, kModerate))))) return ModerateAbsorption(d, depth);
+  return AnyAbsorption(d, depth);
+}
 
 /// What has been added up along the rays.
 struct Sum {
@@ -181,7 +175,11 @@ class StepLight {
  public:
   /// `mean`: of the extinction; `before`, `after`: at the ends.
   HWY_INLINE StepLight(Vector mean, Vector before, Vector after, Vector length)
-      : slab_(hn::Mul(mean, length)), mean_(mean), before_(before), after_(after), length_(length) {
+      : slab_(AbsorptionOf(hn::Mul(mean, length))),
+        mean_(mean),
+        before_(before),
+        after_(after),
+        length_(length) {
     const Lanes d;
     is_thin_ = hn::AllTrue(d, hn::Le(hn::Mul(mean, length), hn::Set(d, kThinStep)));
     if (is_thin_) return;
@@ -208,7 +206,7 @@ class StepLight {
   }
 
  private:
-  Absorption slab_;
+  Absorption<Vector> slab_;
   Vector mean_, before_, after_, length_;
   Vector both_, inverse_, shift_;  // where it is not thin
   bool is_thin_;

@@ -37,6 +37,11 @@ struct SheetRows {
   std::size_t phase_count = 1;
 };
 
+/// Pixels [first, last) of a row and phase that are known to let through no more than the floor.
+struct OpaquePixels {
+  std::int64_t first = 0, last = 0;
+};
+
 /// What has been accumulated along the rays so far. Each phase of each row has as many planes as the spans
 /// have emissions (premultiplied, linear), and then the opacity.
 struct ImageRows {
@@ -48,6 +53,9 @@ struct ImageRows {
   std::int64_t columns = 0;
   /// In floats; the last one between the first rows of consecutive pairs.
   std::int64_t plane_stride = 0, phase_stride = 0, row_stride = 0, pair_stride = 0;
+  /// One per row and phase, empty before the first slice: kernels add to them what they find. May be null.
+  OpaquePixels* opaque = nullptr;
+  std::int64_t opaque_row_stride = 0, opaque_pair_stride = 0;  ///< those of phases follow each other
 };
 
 /// Light with a weight; null is dark.
@@ -62,8 +70,8 @@ struct SplatKernels {
   /// Splats rows and composites them behind what is accumulated. Along a slab of `slab_mm` extinction k and
   /// emission e are constant, so exactly
   ///   colour += (1 - opacity) * e * (1 - exp(-k d)) / k,   opacity += (1 - opacity) * (1 - exp(-k d)).
-  /// Nothing is added to blocks that let through no more than `floor` everywhere. Cost: the blocks of the
-  /// spans, opaque ones next to nothing.
+  /// Pixels that let through no more than `floor` may be left as they are. Cost: the blocks of the spans;
+  /// those whose pixels are all opaque next to nothing, and nothing where `image.opaque` knows it.
   void (*composite)(const SheetRows& rows, float slab_mm, float floor, const ImageRows& image);
 
   /// The sum of two, at least one of which is not null: `floats` of them, a multiple of kBlock, to `mixed`,

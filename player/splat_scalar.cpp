@@ -19,7 +19,7 @@ class PairSplat {
       : rows_(rows), image_(image), slab_mm_(slab_mm), floor_(floor), pair_(pair) {}
 
   void composite() {
-    BlockRuns runs(rows_, pair_, image_);
+    BlockRuns runs(rows_, pair_, blocks_in_reach(rows_, image_));
     std::int64_t next_block = 0;
     for (BlockRun run; runs.next(run);) {
       if (run.first != next_block) before_ = {};

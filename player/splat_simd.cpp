@@ -3,6 +3,7 @@
 #define HWY_TARGET_INCLUDE "player/splat_simd.cpp"
 #include <hwy/foreach_target.h>
 // Must come after foreach_target.h.
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -38,6 +39,9 @@ HWY_INLINE void PrefetchAhead(const float* block) {
     hwy::Prefetch(block + kBlocksAhead * kFloats + line);
 }
 
+/// How what slabs absorb is computed: absorption-inl.h.
+enum class Way { kShort, kMiddle, kLong };
+
 /// Splats and composites `kRows` rows of pixels with `kPhases` phases and `kEmissions` emissions. Light is
 /// taken times the slab: depths instead of extinctions.
 template <int kEmissions, int kRows, int kPhases>
@@ -52,6 +56,8 @@ class Splat {
   HWY_INLINE Splat(const SheetRows& rows, float slab_mm, float floor, const ImageRows& image)
       : rows_(rows),
         image_(image),
+        reach_(blocks_in_reach(rows, image)),
+        next_hidden_(HiddenBlocks(0)),
         slab_(hn::Set(Lanes(), slab_mm)),
         opaque_(hn::Set(Lanes(), 1.0f - floor)) {
     for (int row = 0; row < kRows; ++row)
@@ -62,37 +68,120 @@ class Splat {
   }
 
   HWY_INLINE void CompositePair(std::int64_t pair) {
-    BlockRuns runs(rows_, pair, image_);
+    pair_ = pair;
+    const Blocks hidden = next_hidden_;
+    if (pair + 1 < rows_.pairs) {
+      next_hidden_ = HiddenBlocks(pair + 1);
+      if (next_hidden_.first != kNoBlock) PrefetchVisible(rows_.upper + pair + 2, next_hidden_);
+    }
+    BlockRuns runs(rows_, pair, reach_);
     std::int64_t next_block = std::numeric_limits<std::int64_t>::min();
     for (BlockRun run; runs.next(run);) {
       if (run.first != next_block) ClearCarry();
       next_block = run.last;
-      float* streams[kStreams];
-      for (int n = 0; n < kStreams; ++n) {
-        const int row = n / kPhases, phase = n % kPhases;
-        streams[n] = image_.pixels + pair * image_.pair_stride + row * image_.row_stride +
-                     phase * image_.phase_stride + rows_.phases[static_cast<std::size_t>(phase)].shift +
-                     run.first * kBlock;
+      for (std::int64_t block = run.first; block < run.last;) {
+        if (hidden.contains(block)) {
+          block = std::min(hidden.last, run.last);
+          PassOver(run, block - 1);
+          continue;
+        }
+        const std::int64_t last = block < hidden.first ? std::min(hidden.first, run.last) : run.last;
+        CompositeBlocks(run, {block, last});
+        block = last;
       }
-      CompositeRun(run, streams);
     }
   }
 
  private:
-  HWY_INLINE void CompositeRun(const BlockRun& run, float* (&streams)[kStreams]) {
-    for (std::int64_t block = run.first; block < run.last; ++block) {
+  static constexpr std::int64_t kNoBlock = std::numeric_limits<std::int64_t>::max();
+
+  [[nodiscard]] HWY_INLINE OpaquePixels& OpaqueOf(std::int64_t pair, int stream) const {
+    return image_.opaque[pair * image_.opaque_pair_stride + stream / kPhases * image_.opaque_row_stride +
+                         stream % kPhases];
+  }
+  [[nodiscard]] HWY_INLINE std::int64_t ShiftOf(int stream) const {
+    return rows_.phases[static_cast<std::size_t>(stream % kPhases)].shift;
+  }
+
+  /// Those whose pixels are known to be opaque in all streams.
+  HWY_INLINE Blocks HiddenBlocks(std::int64_t pair) const {
+    constexpr Blocks kNone{kNoBlock, kNoBlock};
+    if (image_.opaque == nullptr) return kNone;
+    Blocks hidden{-kNoBlock, kNoBlock};
+    for (int n = 0; n < kStreams; ++n) {
+      const OpaquePixels& opaque = OpaqueOf(pair, n);
+      if (opaque.first == opaque.last) return kNone;
+      hidden.first = std::max(hidden.first, (opaque.first - ShiftOf(n) + kBlock - 1) >> kBlockBits);
+      hidden.last = std::min(hidden.last, (opaque.last - ShiftOf(n)) >> kBlockBits);
+    }
+    return hidden.first < hidden.last ? hidden : kNone;
+  }
+
+  /// What is seen of a row beside the blocks that are hidden.
+  HWY_INLINE void PrefetchVisible(std::int64_t row, const Blocks& hidden) const {
+    for (const Span& span : rows_.slice->row(row)) {
+      const std::int64_t first = std::max<std::int64_t>(reach_.first, span.first_block);
+      const std::int64_t last = std::min(reach_.last, std::int64_t{span.first_block} + span.blocks);
+      const float* const origin =
+          rows_.slice->light.data() + (std::int64_t{span.offset} - span.first_block) * kBlockFloats;
+      Prefetch(origin, {first, std::min(last, hidden.first)});
+      Prefetch(origin, {std::max(first, hidden.last - 1), last});  // the last one hands on what it has
+    }
+  }
+  static HWY_INLINE void Prefetch(const float* origin, const Blocks& blocks) {
+    for (std::int64_t n = blocks.first * kBlockFloats; n < blocks.last * kBlockFloats; n += 16)
+      hwy::Prefetch(origin + n);
+  }
+
+  /// The longest stretch that is known is kept.
+  HWY_INLINE void KeepOpaque(const Blocks& blocks) const {
+    if (image_.opaque == nullptr) return;
+    for (int n = 0; n < kStreams; ++n) {
+      OpaquePixels& known = OpaqueOf(pair_, n);
+      const OpaquePixels found{blocks.first * kBlock + ShiftOf(n), blocks.last * kBlock + ShiftOf(n)};
+      if (found.first <= known.last && known.first <= found.last) {
+        known = {std::min(known.first, found.first), std::max(known.last, found.last)};
+      } else if (found.last - found.first > known.last - known.first) {
+        known = found;
+      }
+    }
+  }
+
+  HWY_INLINE void CompositeBlocks(const BlockRun& run, const Blocks& blocks) {
+    float* streams[kStreams];
+    for (int n = 0; n < kStreams; ++n) {
+      const int row = n / kPhases, phase = n % kPhases;
+      streams[n] = image_.pixels + pair_ * image_.pair_stride + row * image_.row_stride +
+                   phase * image_.phase_stride + ShiftOf(n) + blocks.first * kBlock;
+    }
+    const bool none_hidden = next_hidden_.first == kNoBlock;
+    const auto advance = [&streams] {
+      for (float*& stream : streams) stream += kBlock;
+    };
+    for (std::int64_t block = blocks.first; block < blocks.last; ++block) {
+      if (HWY_UNLIKELY(Opaque(streams))) {
+        const std::int64_t first = block;
+        do {
+          advance();
+          ++block;
+        } while (block < blocks.last && Opaque(streams));
+        KeepOpaque({first, block});
+        PassOver(run, block - 1);
+        if (block == blocks.last) return;
+      }
       const float* upper = run.upper.light(block, kBlockFloats, kDarkBlock.data());
       const float* lower = run.lower.light(block, kBlockFloats, kDarkBlock.data());
-      if (HWY_UNLIKELY(Opaque(streams))) {
-        passed_upper_ = upper;
-        passed_lower_ = lower;
-      } else {
-        PrefetchAhead<kBlockFloats>(lower);
-        if (HWY_UNLIKELY(passed_upper_ != nullptr)) CarryFromPassed();
-        CompositeBlock(upper, lower, streams);
-      }
-      for (float*& stream : streams) stream += kBlock;
+      if (none_hidden) PrefetchAhead<kBlockFloats>(lower);
+      if (HWY_UNLIKELY(passed_upper_ != nullptr)) CarryFromPassed();
+      CompositeBlock(upper, lower, streams);
+      advance();
     }
+  }
+
+  /// Up to this block, which hands on what it has where the next one is not passed over.
+  HWY_INLINE void PassOver(const BlockRun& run, std::int64_t block) {
+    passed_upper_ = run.upper.light(block, kBlockFloats, kDarkBlock.data());
+    passed_lower_ = run.lower.light(block, kBlockFloats, kDarkBlock.data());
   }
 
   HWY_INLINE bool Opaque(Streams streams) const {
@@ -105,15 +194,15 @@ class Splat {
     return hn::AllTrue(d, hn::Ge(least, opaque_));
   }
 
-  static HWY_INLINE bool IsThin(Vector depth) {
-    return hn::AllTrue(Lanes(), hn::Le(depth, hn::Set(Lanes(), kThin)));
+  static HWY_INLINE bool AllUpTo(float most, Vector depth) {
+    return hn::AllTrue(Lanes(), hn::Le(depth, hn::Set(Lanes(), most)));
   }
 
   HWY_INLINE void ClearCarry() {
     for (auto& row : carry_) {
       for (Vector& carry : row) carry = hn::Zero(Lanes());
     }
-    thin_carry_ = true;
+    densest_carry_ = hn::Zero(Lanes());
     passed_upper_ = nullptr;
   }
 
@@ -121,11 +210,11 @@ class Splat {
   HWY_INLINE void CarryFromPassed() {
     const Lanes d;
     const std::int64_t last = kBlock - static_cast<std::int64_t>(hn::Lanes(d));
-    thin_carry_ = true;
+    densest_carry_ = hn::Zero(d);
     for (int row = 0; row < kRows; ++row) {
       Vector mixed[kPlanes];
       Mix(passed_upper_ + last, passed_lower_ + last, row, mixed);
-      thin_carry_ = thin_carry_ && IsThin(mixed[0]);
+      densest_carry_ = hn::Max(densest_carry_, mixed[0]);
       for (int plane = 0; plane < kPlanes; ++plane) carry_[row][plane] = Turned(mixed[plane]);
     }
     passed_upper_ = nullptr;
@@ -156,41 +245,44 @@ class Splat {
       // Pixels are no denser than the voxels that they lie between.
       auto densest = here[0][0];
       for (int row = 1; row < kRows; ++row) densest = hn::Max(densest, here[row][0]);
-      const bool thin = IsThin(densest);
-      const bool all_thin = thin && thin_carry_;
-      thin_carry_ = thin;
-      for (int s = 0; s < kStreams; ++s) {
-        const int row = s / kPhases;
-        if (HWY_LIKELY(all_thin)) {
-          CompositeThin(before_[s % kPhases], here[row], step[row], streams[s] + n);
-        } else {
-          CompositeAny(before_[s % kPhases], here[row], step[row], streams[s] + n);
-        }
+      const auto densest_of_both = hn::Max(densest, densest_carry_);
+      densest_carry_ = densest;
+      if (HWY_LIKELY(AllUpTo(kThin, densest_of_both))) {
+        CompositeStreams<Way::kShort>(here, step, streams, n);
+      } else if (HWY_LIKELY(AllUpTo(kModerate, densest_of_both))) {
+        CompositeStreams<Way::kMiddle>(here, step, streams, n);
+      } else {
+        CompositeStreams<Way::kLong>(here, step, streams, n);
       }
     }
   }
 
-  HWY_INLINE void CompositeThin(Vector before, Planes here, Planes step, float* pixels) const {
-    const Lanes d;
-    float* const opacities = pixels + kEmissions * image_.plane_stride;
-    const auto opacity = hn::LoadU(d, opacities);
-    const auto depth = hn::MulAdd(before, step[0], here[0]);
-    const auto weight = hn::Mul(hn::Sub(hn::Set(d, 1.0f), opacity), ThinMean(d, depth));
-    AddEmissions(weight, before, here, step, pixels);
-    hn::StoreU(hn::MulAdd(weight, depth, opacity), d, opacities);
+  template <Way kWay>
+  HWY_INLINE void CompositeStreams(const Vector (&here)[kRows][kPlanes], const Vector (&step)[kRows][kPlanes],
+                                   Streams streams, std::int64_t n) const {
+    for (int s = 0; s < kStreams; ++s)
+      CompositePixels<kWay>(before_[s % kPhases], here[s / kPhases], step[s / kPhases], streams[s] + n);
   }
 
-  HWY_INLINE void CompositeAny(Vector before, Planes here, Planes step, float* pixels) const {
+  template <Way kWay>
+  HWY_INLINE void CompositePixels(Vector before, Planes here, Planes step, float* pixels) const {
     const Lanes d;
     float* const opacities = pixels + kEmissions * image_.plane_stride;
     const auto opacity = hn::LoadU(d, opacities);
     const auto depth = hn::MulAdd(before, step[0], here[0]);
     const auto through = hn::Sub(hn::Set(d, 1.0f), opacity);
-    const auto absorbed = Absorbed(d, depth);
-    const auto mean =
-        hn::IfThenElse(hn::Le(depth, hn::Set(d, kThin)), ThinMean(d, depth), hn::Div(absorbed, depth));
-    AddEmissions(hn::Mul(through, mean), before, here, step, pixels);
-    hn::StoreU(hn::MulAdd(through, absorbed, opacity), d, opacities);
+    if constexpr (kWay == Way::kShort) {
+      const auto weight = hn::Mul(through, ThinMean(d, depth));
+      AddEmissions(weight, before, here, step, pixels);
+      hn::StoreU(hn::MulAdd(weight, depth, opacity), d, opacities);
+    } else {
+      // Costs less than what follows, and at edges of what is dense most light falls on opaque pixels.
+      const auto hidden = hn::Or(hn::Le(depth, hn::Zero(d)), hn::Ge(opacity, opaque_));
+      if (hn::AllTrue(d, hidden)) return;
+      const auto slab = kWay == Way::kMiddle ? ModerateAbsorption(d, depth) : AnyAbsorption(d, depth);
+      AddEmissions(hn::Mul(through, slab.mean), before, here, step, pixels);
+      hn::StoreU(hn::MulAdd(through, slab.absorbed, opacity), d, opacities);
+    }
   }
 
   HWY_INLINE void AddEmissions(Vector weight, Vector before, Planes here, Planes step, float* pixels) const {
@@ -204,10 +296,13 @@ class Splat {
 
   const SheetRows& rows_;
   const ImageRows& image_;
+  Blocks reach_;
+  Blocks next_hidden_;
+  std::int64_t pair_ = 0;
   Vector slab_, opaque_;
   Vector lower_[kRows], before_[kPhases];
   Vector carry_[kRows][kPlanes];  // turned mixed vectors of the block before
-  bool thin_carry_ = true;        // they are thin
+  Vector densest_carry_;          // the densest of them
   // Of the block before where it was passed over: the carry is still to be made. Else null.
   const float* passed_upper_ = nullptr;
   const float* passed_lower_ = nullptr;

@@ -323,8 +323,11 @@ TEST(Renderer, EarlyTerminationStaysWithinItsBound) {
       {"box", make_mask(volume.grid.size, [](auto, auto, auto) { return true; }), {200, 180, 90}}};
   const AtlasContent content = make_content(volume);
   Renderer renderer(open_in_memory(content), {1, 0});
-  ASSERT_TRUE(renderer.select(selection_of("box:volume(opacity=0.2)", content.graph)));
-  for (const Quality quality : {Quality::kDraft, Quality::kNormal}) {
+  for (const auto& [quality, opacity] :
+       {std::pair{Quality::kDraft, "0.2"}, {Quality::kNormal, "0.2"}, {Quality::kDraft, "0.8"}}) {
+    SCOPED_TRACE(opacity);
+    const auto text = fmt::format("box:volume(opacity={})", opacity);
+    ASSERT_TRUE(renderer.select(selection_of(text, content.graph)));
     RenderOptions options{.size = {90, 30}, .quality = quality, .transmittance_floor = 0};
     const Picture all = render_or_throw(renderer, {}, options);
     for (const float floor : {1e-2f, 1e-3f}) {

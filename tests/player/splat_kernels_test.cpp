@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <random>
+#include <string_view>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -182,7 +183,7 @@ TEST_P(BothKernels, CompositeTheDefinition) {
   std::size_t compared = 0;
   for (int n = 0; n < 600; ++n) {
     const float most_extinction =
-        std::array{1e-8f, 1e-4f, 1e-2f, 1.0f, 10.0f, 1e4f}[static_cast<std::size_t>(n) % 6];
+        std::array{1e-8f, 1e-4f, 1e-2f, 1.0f, 5.0f, 10.0f, 1e4f}[static_cast<std::size_t>(n) % 7];
     const Case scene(random, most_extinction);
     Image image = scene.image(random);
     Image before = image;
@@ -278,6 +279,42 @@ TEST_P(BothKernels, OpaqueBlocksAreLeftAsTheyAreAndTheNextOneGetsItsFootprint) {
   for (std::int64_t x = 21; x <= 36; ++x) image.at(0, 1, x) = x == 30 ? 0.874f : 0.875f;
   kernels().composite(rows, 1.0f, kFloor, image.rows(1, 1));
   for (std::int64_t x = 21; x <= 36; ++x) EXPECT_GT(image.at(0, 0, x), 0) << "one pixel is not opaque";
+}
+
+/// Slice after slice at other places, until much is hidden: what is known of opaque pixels changes nothing,
+/// and is true.
+TEST_P(BothKernels, WhatIsKnownToBeOpaqueChangesNothing) {
+  constexpr float kFloor = 1e-3f;
+  std::mt19937 random(5);
+  std::int64_t known_pixels = 0;
+  for (int n = 0; n < 100; ++n) {
+    Case scene(random, 8.0f);
+    const std::size_t streams =
+        static_cast<std::size_t>(scene.rows.pairs) * scene.rows.rows_between * scene.rows.phase_count;
+    Image with(120, streams, 1 + static_cast<std::size_t>(scene.slice.emissions));
+    Image without = with;
+    std::vector<OpaquePixels> opaque(streams);
+    ImageRows rows = with.rows(scene.rows.phase_count, scene.rows.rows_between);
+    rows.opaque = opaque.data();
+    rows.opaque_row_stride = static_cast<std::int64_t>(scene.rows.phase_count);
+    rows.opaque_pair_stride = rows.opaque_row_stride * static_cast<std::int64_t>(scene.rows.rows_between);
+    for (int slice = 0; slice < 12; ++slice) {
+      kernels().composite(scene.rows, 0.9f, kFloor, rows);
+      scene.composite(kernels(), 0.9f, kFloor, without);
+      for (Phase& phase : scene.rows.phases) phase.shift += slice % 4 == 0 ? 1 : 0;
+    }
+    for (std::size_t s = 0; s < streams; ++s) {
+      for (std::size_t plane = 0; plane < with.planes(); ++plane) {
+        for (std::int64_t x = 0; x < with.columns(); ++x)
+          ASSERT_EQ(with.at(s, plane, x), without.at(s, plane, x)) << kernels().name << ", scene " << n;
+      }
+      for (std::int64_t x = opaque[s].first; x < opaque[s].last; ++x)
+        ASSERT_GE(with.at(s, with.planes() - 1, x), 1 - kFloor) << kernels().name << ", pixel " << x;
+      known_pixels += opaque[s].last - opaque[s].first;
+    }
+  }
+  const bool keeps = std::string_view(kernels().name) != scalar_kernels().name;  // the twin looks at all
+  EXPECT_EQ(known_pixels > 2000, keeps) << known_pixels;
 }
 
 TEST(SplatKernels, BestAgreesWithScalar) {
