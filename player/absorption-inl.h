@@ -60,8 +60,8 @@ constexpr int kDoublings = 3;
 /// Slabs of at most this depth take the middle way: ModerateAbsorption().
 constexpr float kModerate = kThin * (1 << kDoublings);
 
-/// For 0 <= depth <= kModerate, to 4e-7, in half the time of AnyAbsorption(): an eighth of the slab takes
-/// the short way and is doubled. Two slabs that absorb a each absorb (2 - a) a.
+/// For 0 <= depth <= kModerate, to 4e-7 relative, in half the time of AnyAbsorption(): an eighth of the slab
+/// takes the short way and is doubled. Two slabs that absorb a each absorb (2 - a) a.
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE Absorption<V> ModerateAbsorption(D d, V depth) {
   constexpr float kPart = 1.0f / (1 << kDoublings);

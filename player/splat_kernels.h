@@ -53,7 +53,8 @@ struct ImageRows {
   std::int64_t columns = 0;
   /// In floats; the last one between the first rows of consecutive pairs.
   std::int64_t plane_stride = 0, phase_stride = 0, row_stride = 0, pair_stride = 0;
-  /// One per row and phase, empty before the first slice: kernels add to them what they find. May be null.
+  /// One per row and phase, empty before the first slice: kernels add to them what they find. All slices have
+  /// the same floor then. May be null.
   OpaquePixels* opaque = nullptr;
   std::int64_t opaque_row_stride = 0, opaque_pair_stride = 0;  ///< those of phases follow each other
 };
@@ -82,7 +83,8 @@ struct SplatKernels {
 /// Plain C++, the twin that others are compared with.
 [[nodiscard]] const SplatKernels& scalar_kernels();
 /// The best that this machine runs (Highway, dispatched at run time). Agrees with the scalar twin to about
-/// 1e-6 of the largest value. SPLATLAS_SIMD=scalar in the environment forces the twin.
+/// 1e-6 of the largest value with a floor of 0, and to the floor otherwise. SPLATLAS_SIMD=scalar in the
+/// environment forces the twin.
 [[nodiscard]] const SplatKernels& best_kernels();
 
 }  // namespace splatlas

@@ -70,10 +70,8 @@ class Splat {
   HWY_INLINE void CompositePair(std::int64_t pair) {
     pair_ = pair;
     const Blocks hidden = next_hidden_;
-    if (pair + 1 < rows_.pairs) {
-      next_hidden_ = HiddenBlocks(pair + 1);
-      if (next_hidden_.first != kNoBlock) PrefetchVisible(rows_.upper + pair + 2, next_hidden_);
-    }
+    next_hidden_ = pair + 1 < rows_.pairs ? HiddenBlocks(pair + 1) : kNone;
+    if (next_hidden_.first != kNoBlock) PrefetchVisible(rows_.upper + pair + 2, next_hidden_);
     BlockRuns runs(rows_, pair, reach_);
     std::int64_t next_block = std::numeric_limits<std::int64_t>::min();
     for (BlockRun run; runs.next(run);) {
@@ -94,6 +92,7 @@ class Splat {
 
  private:
   static constexpr std::int64_t kNoBlock = std::numeric_limits<std::int64_t>::max();
+  static constexpr Blocks kNone{kNoBlock, kNoBlock};
 
   [[nodiscard]] HWY_INLINE OpaquePixels& OpaqueOf(std::int64_t pair, int stream) const {
     return image_.opaque[pair * image_.opaque_pair_stride + stream / kPhases * image_.opaque_row_stride +
@@ -105,7 +104,6 @@ class Splat {
 
   /// Those whose pixels are known to be opaque in all streams.
   HWY_INLINE Blocks HiddenBlocks(std::int64_t pair) const {
-    constexpr Blocks kNone{kNoBlock, kNoBlock};
     if (image_.opaque == nullptr) return kNone;
     Blocks hidden{-kNoBlock, kNoBlock};
     for (int n = 0; n < kStreams; ++n) {

@@ -141,6 +141,7 @@ CLI::App* add_render(CLI::App& app, RenderWords& words) {
 Result<RenderRequest> render_request(const CLI::App& command, const RenderWords& words) {
   RenderRequest request;
   request.atlas = words.atlas;
+  if (words.output.empty()) return refuse("--output", words.output, "must name a file");
   request.output = words.output;
   request.select = words.select;
   if (command.count("--stats") > 0 && words.stats.empty()) {
@@ -153,7 +154,9 @@ Result<RenderRequest> render_request(const CLI::App& command, const RenderWords&
   if (words.background == "transparent") {
     request.background.reset();
   } else {
-    SPLATLAS_ASSIGN_OR_RETURN(request.background, parse_color(words.background));
+    const auto color = parse_color(words.background);
+    if (!color) return refuse("--background", words.background, "must be #rrggbb or transparent");
+    request.background = *color;
   }
   return request;
 }

@@ -49,8 +49,10 @@ TEST(PlayerUsage, TellsWhatIsWrong) {
   expect_refused({"render", atlas, "-o", "x.png", "--azimuth", "nan"}, 2, "azimuth");
   expect_refused({"render", atlas, "-o", "x.png", "--zoom", "0"}, 2, "zoom");
   expect_refused({"render", atlas, "-o", "x.png", "--view", "top"}, 2, "superior");
+  expect_refused({"render", atlas, "-o", ""}, 2, "--output \"\": must name a file");
   expect_refused({"render", atlas, "-o", "x.png", "--quality", "best"}, 2, "draft, normal or high");
-  expect_refused({"render", atlas, "-o", "x.png", "--background", "blue"}, 2, "blue");
+  expect_refused({"render", atlas, "-o", "x.png", "--background", "blue"}, 2,
+                 "--background \"blue\": must be #rrggbb or transparent");
   expect_refused({"render", atlas, "-o", "x.png", "--projection", "fisheye"}, 2, "parallel or perspective");
   expect_refused({"render", atlas, "-o", "x.png", "--classify", "never"}, 2, "before or after");
   for (const std::string degrees : {"0", "180", "nan", "-5"}) {
@@ -68,8 +70,7 @@ TEST(PlayerUsage, WordsThatSayNothingAreRefused) {
   for (const std::string option :
        {"--size", "--view", "--azimuth", "--elevation", "--zoom", "--projection", "--field-of-view",
         "--classify", "--quality", "--shading", "--depth-cue", "--background", "--threads", "--stats"}) {
-    expect_refused({"render", phantom_atlas(), "-o", "x.png", option, ""}, 2,
-                   option == "--background" ? "color" : option);
+    expect_refused({"render", phantom_atlas(), "-o", "x.png", option, ""}, 2, option);
   }
   for (const std::string size :
        {" 10x10", "10x10 ", "10 x10", "10x", "x10", "10x10x", "+10x10", "0x1px", "99999999999x1"}) {

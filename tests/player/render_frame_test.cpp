@@ -325,7 +325,7 @@ TEST(Renderer, EarlyTerminationStaysWithinItsBound) {
   Renderer renderer(open_in_memory(content), {1, 0});
   for (const auto& [quality, opacity] :
        {std::pair{Quality::kDraft, "0.2"}, {Quality::kNormal, "0.2"}, {Quality::kDraft, "0.8"}}) {
-    SCOPED_TRACE(opacity);
+    SCOPED_TRACE(fmt::format("{}, quality {}", opacity, static_cast<int>(quality)));
     const auto text = fmt::format("box:volume(opacity={})", opacity);
     ASSERT_TRUE(renderer.select(selection_of(text, content.graph)));
     RenderOptions options{.size = {90, 30}, .quality = quality, .transmittance_floor = 0};
