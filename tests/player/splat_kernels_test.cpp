@@ -119,11 +119,13 @@ struct Case {
   Case& operator=(const Case&) = delete;
 
   [[nodiscard]] Image image(std::mt19937& random) const {
-    Image image(1 + random() % 120,
-                static_cast<std::size_t>(rows.pairs) * rows.rows_between * rows.phase_count,
-                1 + static_cast<std::size_t>(slice.emissions));
+    Image image = black_image(1 + random() % 120);
     image.fill(random);
     return image;
+  }
+  [[nodiscard]] Image black_image(std::int64_t columns = 120) const {
+    return {columns, static_cast<std::size_t>(rows.pairs) * rows.rows_between * rows.phase_count,
+            1 + static_cast<std::size_t>(slice.emissions)};
   }
   void composite(const SplatKernels& kernels, float slab_mm, float floor, Image& image) const {
     kernels.composite(rows, slab_mm, floor, image.rows(rows.phase_count, rows.rows_between));
@@ -289,11 +291,9 @@ TEST_P(BothKernels, WhatIsKnownToBeOpaqueChangesNothing) {
   std::int64_t known_pixels = 0;
   for (int n = 0; n < 100; ++n) {
     Case scene(random, 8.0f);
-    const std::size_t streams =
-        static_cast<std::size_t>(scene.rows.pairs) * scene.rows.rows_between * scene.rows.phase_count;
-    Image with(120, streams, 1 + static_cast<std::size_t>(scene.slice.emissions));
+    Image with = scene.black_image();
     Image without = with;
-    std::vector<OpaquePixels> opaque(streams);
+    std::vector<OpaquePixels> opaque(with.streams());
     ImageRows rows = with.rows(scene.rows.phase_count, scene.rows.rows_between);
     rows.opaque = opaque.data();
     rows.opaque_row_stride = static_cast<std::int64_t>(scene.rows.phase_count);
@@ -303,7 +303,7 @@ TEST_P(BothKernels, WhatIsKnownToBeOpaqueChangesNothing) {
       scene.composite(kernels(), 0.9f, kFloor, without);
       for (Phase& phase : scene.rows.phases) phase.shift += slice % 4 == 0 ? 1 : 0;
     }
-    for (std::size_t s = 0; s < streams; ++s) {
+    for (std::size_t s = 0; s < with.streams(); ++s) {
       for (std::size_t plane = 0; plane < with.planes(); ++plane) {
         for (std::int64_t x = 0; x < with.columns(); ++x)
           ASSERT_EQ(with.at(s, plane, x), without.at(s, plane, x)) << kernels().name << ", scene " << n;
@@ -343,16 +343,14 @@ TEST(SplatKernels, BestAgreesWithScalarToTheFloor) {
   float largest = 0;
   for (int n = 0; n < 100; ++n) {
     Case scene(random, 8.0f);
-    const std::size_t streams =
-        static_cast<std::size_t>(scene.rows.pairs) * scene.rows.rows_between * scene.rows.phase_count;
-    Image best(120, streams, 1 + static_cast<std::size_t>(scene.slice.emissions));
+    Image best = scene.black_image();
     Image scalar = best;
     for (int slice = 0; slice < 6; ++slice) {
       scene.composite(best_kernels(), 0.9f, kFloor, best);
       scene.composite(scalar_kernels(), 0.9f, kFloor, scalar);
       for (Phase& phase : scene.rows.phases) ++phase.shift;
     }
-    for (std::size_t s = 0; s < streams; ++s) {
+    for (std::size_t s = 0; s < best.streams(); ++s) {
       for (std::int64_t x = 0; x < best.columns(); ++x) {
         const float difference =
             std::abs(best.at(s, best.planes() - 1, x) - scalar.at(s, best.planes() - 1, x));
