@@ -38,6 +38,13 @@ struct RowBlocks {
   }
 };
 
+/// What of a span of the slice is in reach.
+[[nodiscard]] inline RowBlocks blocks_of(const SliceSpans& slice, const Span& span, const Blocks& reach) {
+  return {std::max<std::int64_t>(reach.first, span.first_block),
+          std::min(reach.last, std::int64_t{span.first_block} + span.blocks),
+          slice.light.data() + (std::int64_t{span.offset} - span.first_block) * slice.block_floats()};
+}
+
 /// The light of a block without voxels.
 alignas(64) inline constexpr std::array<float, 4 * kBlock> kDarkBlock{};
 
@@ -52,8 +59,7 @@ class BlockRuns {
  public:
   /// `pair` counts the pairs of `rows`.
   BlockRuns(const SheetRows& rows, std::int64_t pair, const Blocks& reach)
-      : light_(rows.slice->light.data()),
-        block_floats_(rows.slice->block_floats()),
+      : slice_(*rows.slice),
         reach_(reach),
         upper_(rows.slice->row(rows.upper + pair)),
         lower_(rows.slice->row(rows.upper + pair + 1)) {
@@ -103,19 +109,14 @@ class BlockRuns {
   /// On to the next span.
   void advance(Side& side) const {
     while (!side.spans.empty()) {
-      const Span& span = side.spans.front();
+      side.blocks = blocks_of(slice_, side.spans.front(), reach_);
       side.spans = side.spans.subspan(1);
-      const std::int64_t first = std::max<std::int64_t>(reach_.first, span.first_block);
-      const std::int64_t last = std::min(reach_.last, std::int64_t{span.first_block} + span.blocks);
-      if (first >= last) continue;
-      side.blocks = {first, last, light_ + (std::int64_t{span.offset} - span.first_block) * block_floats_};
-      return;
+      if (side.blocks.first < side.blocks.last) return;
     }
     side.blocks = {kEnd, kEnd, nullptr};
   }
 
-  const float* light_;
-  std::int64_t block_floats_;
+  const SliceSpans& slice_;
   Blocks reach_;
   Side upper_, lower_;
 };

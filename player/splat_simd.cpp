@@ -118,12 +118,10 @@ class Splat {
   /// What is seen of a row beside the blocks that are hidden.
   HWY_INLINE void PrefetchVisible(std::int64_t row, const Blocks& hidden) const {
     for (const Span& span : rows_.slice->row(row)) {
-      const std::int64_t first = std::max<std::int64_t>(reach_.first, span.first_block);
-      const std::int64_t last = std::min(reach_.last, std::int64_t{span.first_block} + span.blocks);
-      const float* const origin =
-          rows_.slice->light.data() + (std::int64_t{span.offset} - span.first_block) * kBlockFloats;
-      Prefetch(origin, {first, std::min(last, hidden.first)});
-      Prefetch(origin, {std::max(first, hidden.last - 1), last});  // the last one hands on what it has
+      const RowBlocks row_blocks = blocks_of(*rows_.slice, span, reach_);
+      Prefetch(row_blocks.origin, {row_blocks.first, std::min(row_blocks.last, hidden.first)});
+      // The last hidden one hands on what it has.
+      Prefetch(row_blocks.origin, {std::max(row_blocks.first, hidden.last - 1), row_blocks.last});
     }
   }
   static HWY_INLINE void Prefetch(const float* origin, const Blocks& blocks) {

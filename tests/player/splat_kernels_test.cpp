@@ -323,8 +323,8 @@ TEST(SplatKernels, BestAgreesWithScalar) {
     const Case scene(random, n % 3 == 0 ? 5.0f : 0.5f);
     Image best = scene.image(random);
     Image scalar = best;
-    scene.composite(best_kernels(), 1.7f, 0, best);
-    scene.composite(scalar_kernels(), 1.7f, 0, scalar);
+    scene.composite(best_kernels(), 1.7f, 1e-4f, best);
+    scene.composite(scalar_kernels(), 1.7f, 1e-4f, scalar);
     for (std::size_t s = 0; s < best.streams(); ++s) {
       for (std::size_t plane = 0; plane < best.planes(); ++plane) {
         for (std::int64_t x = 0; x < best.columns(); ++x) {
