@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 
 namespace splatlas {
 namespace {
 
-constexpr float kFarAway = 1e9f;
+constexpr double kFarAway = 1e9;
 /// Another axis than the best one is taken only where no more than so many voxels lie between its planes.
 constexpr double kMaxSlope = 100;
 
@@ -21,8 +23,8 @@ Affine to_place(const Grid& grid, const Index3& first) {
 
 /// At s, a ray is at start + s * direction.
 struct PixelRays::Lines {
-  std::array<RayNumbers, 3> start{}, direction{};
-  RayNumbers direction_mm{};  // length of the direction
+  std::array<RayNumbers, 3> start, direction;
+  RayNumbers direction_mm;  // length of the direction
 };
 
 PixelRays::PixelRays(const View& view, const Grid& grid, const Index3& first,
@@ -35,26 +37,31 @@ PixelRays::PixelRays(const View& view, const Grid& grid, const Index3& first,
       middle_x_(0.5 * view.plane.size.width),
       middle_y_(0.5 * view.plane.size.height) {}
 
-PixelRays::Lines PixelRays::lines(const RayNumbers& x, const RayNumbers& y) const {
+PixelRays::Lines PixelRays::from_eye(const RayNumbers& x, const RayNumbers& y) const {
   Lines lines;
   for (std::size_t a = 0; a < 3; ++a) {
-    for (std::size_t n = 0; n < kPacketRays; ++n) {
-      if (!perspective_) {
-        lines.start[a][n] = frame_.corner[a] + x[n] * frame_.right[a] + y[n] * frame_.down[a];
-        lines.direction[a][n] = frame_.forward[a];
-        continue;
-      }
-      // No difference of places: near each other and far from the origin they are the same.
-      lines.start[a][n] = frame_.eye[a];
-      lines.direction[a][n] = eye_mm_ * frame_.forward[a] + (x[n] - middle_x_) * frame_.right[a] +
-                              (y[n] - middle_y_) * frame_.down[a];
-    }
+    lines.start[a].fill(frame_.eye[a]);
+    // No difference of places: near each other and far from the origin they are the same.
+    const double ahead = eye_mm_ * frame_.forward[a], right = frame_.right[a], down = frame_.down[a];
+    for (std::size_t n = 0; n < kPacketRays; ++n)
+      lines.direction[a][n] = ahead + (x[n] - middle_x_) * right + (y[n] - middle_y_) * down;
   }
+  const double slope_per_pixel = mm_per_pixel_ / eye_mm_;
   for (std::size_t n = 0; n < kPacketRays; ++n) {
-    const double right = (x[n] - middle_x_) * mm_per_pixel_ / eye_mm_;
-    const double down = (y[n] - middle_y_) * mm_per_pixel_ / eye_mm_;
-    lines.direction_mm[n] = perspective_ ? eye_mm_ * std::sqrt(1 + right * right + down * down) : 1.0;
+    const double right = (x[n] - middle_x_) * slope_per_pixel, down = (y[n] - middle_y_) * slope_per_pixel;
+    lines.direction_mm[n] = eye_mm_ * std::sqrt(1 + right * right + down * down);
   }
+  return lines;
+}
+
+PixelRays::Lines PixelRays::side_by_side(const RayNumbers& x, const RayNumbers& y) const {
+  Lines lines;
+  for (std::size_t a = 0; a < 3; ++a) {
+    lines.direction[a].fill(frame_.forward[a]);
+    const double corner = frame_.corner[a], right = frame_.right[a], down = frame_.down[a];
+    for (std::size_t n = 0; n < kPacketRays; ++n) lines.start[a][n] = corner + x[n] * right + y[n] * down;
+  }
+  lines.direction_mm.fill(1.0);
   return lines;
 }
 
@@ -70,38 +77,52 @@ std::size_t PixelRays::principal_axis(const Lines& lines, std::size_t n) const {
   return voxels(axis) * kMaxSlope >= voxels(principal) ? axis : principal;
 }
 
+/// Whether this is the principal axis of all, and no other as good.
+bool PixelRays::is_principal(const Lines& lines, std::size_t axis) const {
+  if (forced_) return false;
+  std::int64_t others = 0;
+  for (const std::size_t other : {(axis + 1) % 3, (axis + 2) % 3}) {
+    for (std::size_t n = 0; n < kPacketRays; ++n)
+      others += std::abs(lines.direction[other][n]) >= std::abs(lines.direction[axis][n]) ? 1 : 0;
+  }
+  return others == 0;
+}
+
 /// Rays [first, last) of a packet.
 void PixelRays::set_rays(const Lines& lines, std::size_t principal, std::size_t first, std::size_t last,
                          RayPacket& packet) const {
+  const bool from_eye = perspective_;
+  RayNumbers along, t_start;
   for (std::size_t n = first; n < last; ++n) {
-    const double ahead = lines.direction[principal][n];
-    const double along = 1 / std::abs(ahead);
-    const double t_start = ahead > 0 ? lines.start[principal][n] : -lines.start[principal][n];
-    for (std::size_t a = 0; a < 3; ++a) {
-      const double step = lines.direction[a][n] * along;
+    const double ahead = lines.direction[principal][n], start = lines.start[principal][n];
+    along[n] = 1 / std::abs(ahead);
+    t_start[n] = ahead > 0 ? start : -start;
+    packet.mm_per_t[n] = static_cast<float>(lines.direction_mm[n] * along[n]);
+  }
+  for (std::size_t a = 0; a < 3; ++a) {
+    for (std::size_t n = first; n < last; ++n) {
+      const double step = lines.direction[a][n] * along[n];
       packet.step[a][n] = static_cast<float>(step);
-      packet.origin[a][n] = static_cast<float>(lines.start[a][n] - step * t_start);
+      packet.origin[a][n] = static_cast<float>(lines.start[a][n] - step * t_start[n]);
     }
-    packet.step[principal][n] = ahead > 0 ? 1.0f : -1.0f;
+  }
+  for (std::size_t n = first; n < last; ++n) {
+    packet.step[principal][n] = lines.direction[principal][n] > 0 ? 1.0f : -1.0f;
     packet.origin[principal][n] = 0;
-    packet.mm_per_t[n] = static_cast<float>(lines.direction_mm[n] * along);
-    packet.from[n] =
-        perspective_ ? static_cast<float>(std::clamp<double>(t_start, -kFarAway, kFarAway)) : -kFarAway;
+    const double eye = std::min(std::max(t_start[n], -kFarAway), kFarAway);
+    packet.from[n] = static_cast<float>(from_eye ? eye : -kFarAway);
     packet.to[n] = kFarAway;
   }
 }
 
 RayPacket PixelRays::through(const RayNumbers& x, const RayNumbers& y) const {
-  const Lines all = lines(x, y);
+  const Lines lines = perspective_ ? from_eye(x, y) : side_by_side(x, y);
   RayPacket packet;
-  std::size_t first = 0;
-  while (first < kPacketRays) {  // mostly all at once
-    const std::size_t principal = principal_axis(all, first);
-    std::size_t last = first + 1;
-    while (last < kPacketRays && principal_axis(all, last) == principal) ++last;
-    set_rays(all, principal, first, last, packet);
-    first = last;
+  if (const std::size_t principal = principal_axis(lines, 0); is_principal(lines, principal)) {
+    set_rays(lines, principal, 0, kPacketRays, packet);
+    return packet;
   }
+  for (std::size_t n = 0; n < kPacketRays; ++n) set_rays(lines, principal_axis(lines, n), n, n + 1, packet);
   return packet;
 }
 

@@ -29,8 +29,10 @@ class PixelRays {
 
  private:
   struct Lines;
-  [[nodiscard]] Lines lines(const RayNumbers& x, const RayNumbers& y) const;
+  [[nodiscard]] Lines from_eye(const RayNumbers& x, const RayNumbers& y) const;
+  [[nodiscard]] Lines side_by_side(const RayNumbers& x, const RayNumbers& y) const;
   [[nodiscard]] std::size_t principal_axis(const Lines& lines, std::size_t n) const;
+  [[nodiscard]] bool is_principal(const Lines& lines, std::size_t axis) const;
   void set_rays(const Lines& lines, std::size_t principal, std::size_t first, std::size_t last,
                 RayPacket& packet) const;
 
