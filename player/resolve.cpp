@@ -142,11 +142,21 @@ Light mean_of(const FragmentsInVolume& fragments, std::uint32_t first, std::uint
   return sum;
 }
 
+/// Sheet pixels that a step of one picture pixel passes at most, along its rows or columns.
+double longest_step(const Affine2& map) {
+  return std::max(std::hypot(map.xx, map.yx), std::hypot(map.xy, map.yy));
+}
+
+/// Beside the sheet, samples see so many of its pixels.
+double margin_of(const SheetImage& sheet, const Affine2& map, int samples) {
+  return (samples > 1 ? longest_step(map) : 0) + (sheet.window.cubic ? 1 : 0);
+}
+
 /// The warp of a row of picture pixels.
 class RowWarp {
  public:
-  RowWarp(const SheetImage& sheet, const Affine2& map, int samples, const WarpKernels& kernels, double y,
-          int width)
+  RowWarp(const SheetImage& sheet, const Affine2& map, int samples, double margin, const WarpKernels& kernels,
+          double y, int width)
       : sheet_(sheet),
         map_(map),
         samples_(samples),
@@ -154,8 +164,6 @@ class RowWarp {
         kernels_(kernels),
         y_(y) {
     if (sheet.window.empty()) return;
-    const double sheet_pixels = std::max(std::hypot(map.xx, map.yx), std::hypot(map.xy, map.yy));
-    const double margin = (samples > 1 ? sheet_pixels : 0) + (sheet.window.cubic ? 1 : 0);
     std::tie(first_, last_) = covered(sheet, map, y, width, margin);
     if (samples > 1 || cubic_) return;
     // To the last bit of the walk: every sample's four neighbours exist.
@@ -188,7 +196,9 @@ class RowWarp {
   }
 
  private:
-  static std::int64_t fixed(double value) { return std::llround(value * 4294967296.0); }
+  static std::int64_t fixed(double value) {
+    return static_cast<std::int64_t>(value * 4294967296.0 + (value < 0 ? -0.5 : 0.5));
+  }
 
   [[nodiscard]] WarpWalk walk_from(int column) const {
     const double x = column + 0.5;
@@ -231,8 +241,9 @@ void warp_rows(const SheetImage& sheet, const Affine2& map, int samples, const W
   const int width = picture.size.width;
   std::vector<RowWarp> rows;
   rows.reserve(last - first);
+  const double margin = margin_of(sheet, map, samples);
   for (std::size_t row = first; row < last; ++row)
-    rows.emplace_back(sheet, map, samples, kernels, static_cast<double>(row) + 0.5, width);
+    rows.emplace_back(sheet, map, samples, margin, kernels, static_cast<double>(row) + 0.5, width);
   for (int tile = 0; tile < width; tile += kTileColumns) {
     const int tile_end = std::min(tile + kTileColumns, width);
     for (std::size_t row = first; row < last; ++row) {
@@ -274,7 +285,7 @@ void resolve(const SheetImage& sheet, const Shear& shear, const FragmentsInVolum
   picture.rgba.resize(4 * static_cast<std::size_t>(size.width) * height);
   const Affine2 map = picture_to_pixels(shear, sheet.window);
   // Finer sheets are no finer than what they show.
-  const double voxels = std::max(std::hypot(map.xx, map.yx), std::hypot(map.xy, map.yy)) / sheet.window.scale;
+  const double voxels = longest_step(map) / sheet.window.scale;
   const int samples = static_cast<int>(std::clamp(std::ceil(voxels - 0.25), 1.0, double{kMaxSamplesPerSide}));
   pool.for_each((height + kBandRows - 1) / kBandRows, [&](std::size_t band) {
     const std::size_t first = band * kBandRows;

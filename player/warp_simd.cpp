@@ -91,58 +91,121 @@ HWY_INLINE void Sample4(const float* upper, const float* lower, float right, flo
 #endif
 }
 
-/// One sample of white and opacity; `color` ends with 1.
-HWY_INLINE void Sample2(const float* upper, const float* lower, float right, float below, float both,
-                        const float* HWY_RESTRICT color, float* out) {
-#if HWY_TARGET != HWY_SCALAR  // two pixels in a vector
-  const hn::FixedTag<float, 4> d;
-  const auto above = hn::LoadU(d, upper);
-  const auto down = hn::Sub(hn::LoadU(d, lower), above);
-  // Left pixel in the lower half: left + below * left_down; right one: right * beside + both * beside_down.
-  auto light = hn::MulAdd(hn::Set(d, below), down, above);
-  light = hn::MulAdd(hn::Set(d, right), hn::Sub(hn::Shuffle1032(above), above), light);
-  light = hn::MulAdd(hn::Set(d, both), hn::Sub(hn::Shuffle1032(down), down), light);
-  const auto white = hn::Broadcast<0>(light);
-  const auto opacity = hn::Broadcast<1>(light);
-  const auto last = hn::Eq(hn::Iota(d, 0), hn::Set(d, 3));
-  hn::StoreU(hn::Mul(hn::IfThenElse(last, opacity, white), hn::LoadU(d, color)), d, out);
+#if HWY_TARGET != HWY_SCALAR
+/// Pixels that fit a vector, each 4 floats.
+#if HWY_TARGET <= HWY_AVX3
+constexpr std::size_t kPixels = 4;
+#elif HWY_TARGET <= HWY_AVX2
+constexpr std::size_t kPixels = 2;
 #else
+constexpr std::size_t kPixels = 1;
+#endif
+using Pixels = hn::FixedTag<float, 4 * kPixels>;
+
+/// 4 floats from each of `kCount` places.
+template <std::size_t kCount>
+HWY_INLINE hn::Vec<hn::FixedTag<float, 4 * kCount>> LoadFours(const float* origin,
+                                                              const std::int32_t* offsets) {
+  const hn::FixedTag<float, 4 * kCount> d;
+  if constexpr (kCount == 1) {
+    return hn::LoadU(d, origin + offsets[0]);
+  } else {
+    return hn::Combine(d, LoadFours<kCount / 2>(origin, offsets + kCount / 2),
+                       LoadFours<kCount / 2>(origin, offsets));
+  }
+}
+
+/// Each of `kCount` numbers four times.
+template <std::size_t kCount>
+HWY_INLINE hn::Vec<hn::FixedTag<float, 4 * kCount>> FourTimes(const float* numbers) {
+  const hn::FixedTag<float, 4 * kCount> d;
+  if constexpr (kCount == 1) {
+    return hn::Set(d, numbers[0]);
+  } else if constexpr (kCount == 4) {
+    const auto pixel = hn::ShiftRight<2>(hn::Iota(hn::RebindToSigned<decltype(d)>(), 0));
+    return hn::TableLookupLanes(hn::LoadDup128(d, numbers), hn::IndicesFromVec(d, pixel));
+  } else {
+    return hn::Combine(d, FourTimes<kCount / 2>(numbers + kCount / 2), FourTimes<kCount / 2>(numbers));
+  }
+}
+
+/// Samples of white and opacity at kPixels places; `color`: red, green, blue and 1.
+HWY_INLINE void SampleWhite(const float* upper, const float* lower, const Places& places, std::size_t n,
+                            const float* HWY_RESTRICT color, float* out) {
+  const Pixels d;
+  const hn::RebindToSigned<Pixels> di;
+  const auto above = LoadFours<kPixels>(upper, places.offset + n);
+  const auto down = hn::Sub(LoadFours<kPixels>(lower, places.offset + n), above);
+  // Left pixel in the lower half: left + below * left_down; right one: right * beside + both * beside_down.
+  auto light = hn::MulAdd(FourTimes<kPixels>(places.below + n), down, above);
+  light = hn::MulAdd(FourTimes<kPixels>(places.right + n), hn::Sub(hn::Shuffle1032(above), above), light);
+  light = hn::MulAdd(FourTimes<kPixels>(places.both + n), hn::Sub(hn::Shuffle1032(down), down), light);
+  const auto three = hn::Set(di, 3);
+  const auto last = hn::RebindMask(d, hn::Eq(hn::And(hn::Iota(di, 0), three), three));
+  const auto shown = hn::IfThenElse(last, hn::Broadcast<1>(light), hn::Broadcast<0>(light));
+  hn::StoreU(hn::Mul(shown, hn::LoadDup128(d, color)), d, out);
+}
+#else
+constexpr std::size_t kPixels = 1;
+
+HWY_INLINE void SampleWhite(const float* upper, const float* lower, const Places& places, std::size_t n,
+                            const float* HWY_RESTRICT color, float* out) {
+  upper += places.offset[n];
+  lower += places.offset[n];
   float light[2];
   for (std::size_t c = 0; c < 2; ++c) {
     const float left_down = lower[c] - upper[c], beside_down = lower[2 + c] - upper[2 + c];
-    light[c] =
-        upper[c] + below * left_down + right * (upper[2 + c] - upper[c]) + both * (beside_down - left_down);
+    light[c] = upper[c] + places.below[n] * left_down + places.right[n] * (upper[2 + c] - upper[c]) +
+               places.both[n] * (beside_down - left_down);
   }
   for (std::size_t c = 0; c < 4; ++c) out[c] = color[c] * light[c == 3 ? 1 : 0];
-#endif
 }
+#endif
 
-template <int kChannels>
-HWY_INLINE void WarpChannels(const WarpWalk& walk, std::size_t count, float* out) {
+/// `sample(origin, places, n, out)` puts the n-th place of a batch, and as many after it as it takes at once.
+template <std::size_t kAtOnce, typename Sample>
+HWY_INLINE void ForEachPlace(const WarpWalk& walk, std::size_t count, float* out, const Sample& sample) {
+  static_assert(kBatch % kAtOnce == 0);
   Places places;
-  HWY_ALIGN const float color[4] = {walk.color[0], walk.color[1], walk.color[2], 1};
   std::int64_t x = walk.x, y = walk.y;
   for (std::size_t done = 0; done < count; done += kBatch) {
     FindPlaces(walk, x, y, places);
-    const float* origin = walk.pixels + ((y >> 32) * walk.stride + (x >> 32)) * kChannels;
+    const float* origin = walk.pixels + ((y >> 32) * walk.stride + (x >> 32)) * walk.channels;
     const std::size_t batch = std::min(kBatch, count - done);
-    for (std::size_t n = 0; n < batch; ++n) {
-      const float* upper = origin + places.offset[n];
-      const float* lower = upper + walk.stride * kChannels;
-      float* pixel = out + 4 * (done + n);
-      if constexpr (kChannels == 4) {
-        Sample4(upper, lower, places.right[n], places.below[n], places.both[n], pixel);
-      } else {
-        Sample2(upper, lower, places.right[n], places.below[n], places.both[n], color, pixel);
-      }
+    std::size_t n = 0;
+    for (; n + kAtOnce <= batch; n += kAtOnce) sample(origin, places, n, out + 4 * (done + n));
+    if (n < batch) {
+      // Behind the last place is none.
+      for (std::size_t last = batch; last < n + kAtOnce; ++last) places.offset[last] = places.offset[n];
+      HWY_ALIGN float rest[4 * kAtOnce];
+      sample(origin, places, n, rest);
+      std::copy_n(rest, 4 * (batch - n), out + 4 * (done + n));
     }
     x += static_cast<std::int64_t>(kBatch) * walk.step_x;
     y += static_cast<std::int64_t>(kBatch) * walk.step_y;
   }
 }
 
+HWY_INLINE void WarpColors(const WarpWalk& walk, std::size_t count, float* out) {
+  const std::int64_t row = walk.stride * 4;
+  ForEachPlace<1>(walk, count, out,
+                  [row](const float* origin, const Places& places, std::size_t n, float* pixel) {
+                    const float* upper = origin + places.offset[n];
+                    Sample4(upper, upper + row, places.right[n], places.below[n], places.both[n], pixel);
+                  });
+}
+
+HWY_INLINE void WarpWhite(const WarpWalk& walk, std::size_t count, float* out) {
+  const std::int64_t row = walk.stride * 2;
+  HWY_ALIGN const float color[4] = {walk.color[0], walk.color[1], walk.color[2], 1};
+  ForEachPlace<kPixels>(walk, count, out,
+                        [&](const float* origin, const Places& places, std::size_t n, float* pixels) {
+                          SampleWhite(origin, origin + row, places, n, color, pixels);
+                        });
+}
+
 void Warp(const WarpWalk& walk, std::size_t count, float* out) {
-  walk.channels == 2 ? WarpChannels<2>(walk, count, out) : WarpChannels<4>(walk, count, out);
+  walk.channels == 2 ? WarpWhite(walk, count, out) : WarpColors(walk, count, out);
 }
 
 }  // namespace splatlas::HWY_NAMESPACE
