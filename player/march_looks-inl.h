@@ -18,29 +18,50 @@ HWY_BEFORE_NAMESPACE();
 namespace splatlas::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
+/// A curve with so few points that a row of its table fits a vector: a look-up is a permutation.
+class ShortCurve {
+ public:
+  static HWY_INLINE bool fits(const GreyCurve& curve) { return curve.points() < hn::Lanes(Lanes()); }
+
+  HWY_INLINE explicit ShortCurve(const GreyCurve& curve) : curve_(curve) {}
+
+  [[nodiscard]] HWY_INLINE std::size_t points() const { return curve_.points(); }
+  [[nodiscard]] HWY_INLINE const float* row(GreyCurve::Row row) const { return curve_.row(row); }
+  [[nodiscard]] HWY_INLINE float least_difference() const { return curve_.least_difference(); }
+  [[nodiscard]] HWY_INLINE float variation() const { return curve_.variation(); }
+
+ private:
+  const GreyCurve& curve_;
+};
+
 /// A row of a curve's table at the segments given.
-HWY_INLINE Vector LookUp(const GreyCurve& curve, GreyCurve::Row row, IntVector segment) {
+HWY_INLINE Vector LookUp(const ShortCurve& curve, GreyCurve::Row row, IntVector segment) {
   const Lanes d;
-  const float* table = curve.row(row);
-  if (HWY_LIKELY(curve.points() < hn::Lanes(d))) {
-    return hn::TableLookupLanes(hn::Load(d, table), hn::IndicesFromVec(d, segment));
-  }
-  return hn::GatherIndex(d, table, segment);
+  return hn::TableLookupLanes(hn::Load(d, curve.row(row)), hn::IndicesFromVec(d, segment));
+}
+HWY_INLINE Vector LookUp(const GreyCurve& curve, GreyCurve::Row row, IntVector segment) {
+  if (HWY_LIKELY(ShortCurve::fits(curve))) return LookUp(ShortCurve(curve), row, segment);
+  return hn::GatherIndex(Lanes(), curve.row(row), segment);
 }
 
+HWY_INLINE IntVector SegmentOf(const ShortCurve& curve, Vector grey) {
+  const Lanes d;
+  const Ints di;
+  const float* greys = curve.row(GreyCurve::kGrey) + 1;
+  auto segment = hn::Zero(di);
+  for (std::size_t n = 0; n < curve.points(); ++n) {
+    const auto above = hn::RebindMask(di, hn::Ge(grey, hn::Set(d, greys[n])));
+    segment = hn::Sub(segment, hn::VecFromMask(di, above));
+  }
+  return segment;
+}
 HWY_INLINE IntVector SegmentOf(const GreyCurve& curve, Vector grey) {
+  if (HWY_LIKELY(ShortCurve::fits(curve))) return SegmentOf(ShortCurve(curve), grey);
   const Lanes d;
   const Ints di;
   const float* greys = curve.row(GreyCurve::kGrey) + 1;
   const auto points = static_cast<std::int32_t>(curve.points());
   auto segment = hn::Zero(di);
-  if (HWY_LIKELY(curve.points() < hn::Lanes(d))) {
-    for (std::int32_t n = 0; n < points; ++n) {
-      const auto above = hn::RebindMask(di, hn::Ge(grey, hn::Set(d, greys[n])));
-      segment = hn::IfThenElse(above, hn::Set(di, n + 1), segment);
-    }
-    return segment;
-  }
   for (std::int32_t step = 256; step > 0; step /= 2) {
     const auto next = hn::Add(segment, hn::Set(di, step));
     const auto beyond = hn::Gt(next, hn::Set(di, points));
@@ -57,15 +78,21 @@ struct Classified {
   IntVector segment;
 };
 
-/// What the extinction rises and falls by up to a grey value.
-HWY_INLINE Vector VariationUpTo(const GreyCurve& curve, Vector grey) {
-  const auto segment = SegmentOf(curve, grey);
+/// What the extinction rises and falls by up to a grey value of a segment.
+template <typename Curve>
+HWY_INLINE Vector VariationUpTo(const Curve& curve, Vector grey, IntVector segment) {
   const auto above = hn::Sub(grey, LookUp(curve, GreyCurve::kGrey, segment));
   return hn::MulAdd(LookUp(curve, GreyCurve::kVariationSlope, segment), above,
                     LookUp(curve, GreyCurve::kVariation, segment));
 }
 
-HWY_INLINE Classified Classify(const GreyCurve& curve, Vector grey) {
+template <typename Curve>
+HWY_INLINE Vector VariationUpTo(const Curve& curve, Vector grey) {
+  return VariationUpTo(curve, grey, SegmentOf(curve, grey));
+}
+
+template <typename Curve>
+HWY_INLINE Classified Classify(const Curve& curve, Vector grey) {
   const Lanes d;
   Classified c;
   c.grey = grey;
@@ -83,7 +110,8 @@ HWY_INLINE Classified Classify(const GreyCurve& curve, Vector grey) {
 struct Integrals {
   Vector depth, emission;
 
-  HWY_INLINE Integrals(const GreyCurve& curve, const Classified& c) {
+  template <typename Curve>
+  HWY_INLINE Integrals(const Curve& curve, const Classified& c) {
     const Lanes d;
     const auto above = hn::Sub(c.grey, LookUp(curve, GreyCurve::kGrey, c.segment));
     const auto k = LookUp(curve, GreyCurve::kExtinction, c.segment);
@@ -104,7 +132,8 @@ struct Integrals {
 struct Means {
   Vector extinction, emission;
 
-  HWY_INLINE Means(const GreyCurve& curve, const Classified& a, const Classified& b) {
+  template <typename Curve>
+  HWY_INLINE Means(const Curve& curve, const Classified& a, const Classified& b) {
     const Lanes d;
     // Within a segment both are linear: exact.
     extinction = hn::Mul(hn::Set(d, 0.5f), hn::Add(a.extinction, b.extinction));
@@ -125,7 +154,8 @@ struct Means {
   }
 
   /// Where the grey value is `bend` above a straight line from a to b in the mean: to first order.
-  HWY_INLINE void Bend(const GreyCurve& curve, const Classified& a, const Classified& b, Vector bend) {
+  template <typename Curve>
+  HWY_INLINE void Bend(const Curve& curve, const Classified& a, const Classified& b, Vector bend) {
     const Lanes d;
     const auto half = hn::Set(d, 0.5f);
     const auto same = hn::RebindMask(d, hn::Eq(a.segment, b.segment));

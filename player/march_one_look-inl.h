@@ -37,6 +37,8 @@ HWY_INLINE int StepsOf(const MarchScene& scene, Vector weight) {
   return static_cast<int>(std::clamp(steps, least, static_cast<float>(scene.most_steps)));
 }
 
+/// `Curve`: the transfer function, as march_looks-inl.h takes it.
+template <typename Curve>
 class OneLook {
  public:
   HWY_INLINE OneLook(const MarchScene& scene, const Rays& rays, Sum& sum)
@@ -51,7 +53,9 @@ class OneLook {
 
   /// From t on. All samples first: nothing that follows has to wait for memory.
   HWY_INLINE void Stride(float t, const std::int32_t* /*from*/, const std::int32_t* /*to*/) {
-    const Ends ends = ahead_from_ == t ? ahead_ : Ends(scene_.grid, rays_, t);
+    if (ahead_from_ != t) ends_[ahead_] = Ends(scene_.grid, rays_, t);
+    const Ends& ends = ends_[ahead_];
+    ahead_ = 1 - ahead_;
     LookAhead(t + static_cast<float>(kSlabs));
     auto at = rays_.Clamped(t);
     if (!valid_) last_ = Take(Places(scene_.grid, rays_, at));
@@ -111,13 +115,11 @@ class OneLook {
 
   /// Rays come by cells that no other has come by for long: the machine's own prefetching does not help.
   HWY_INLINE void LookAhead(float t) {
-    ahead_ = Ends(scene_.grid, rays_, t);
+    ends_[ahead_] = Ends(scene_.grid, rays_, t);
     ahead_from_ = t;
-    HWY_ALIGN std::int32_t cells[kPacketRays];
-    for (const Places& places : ahead_.places) {
-      hn::Store(places.cell, Ints(), cells);
+    for (const Places& places : ends_[ahead_].places) {
       for (std::size_t n = 0; n < hn::Lanes(Lanes()); n += kPrefetchedLanes)
-        hwy::Prefetch(octants_ + cells[n]);
+        hwy::Prefetch(octants_ + places.cells[n]);
     }
   }
 
@@ -179,8 +181,9 @@ class OneLook {
     if (hn::AllTrue(d, hn::Le(at_most, tolerance))) return SlabWay::kStraight;
     const auto low_grey = last_.octants.LowWith(end.octants);
     const auto high_grey = last_.octants.HighWith(end.octants);
-    const auto low = VariationUpTo(curve_, low_grey);
-    const auto high = VariationUpTo(curve_, high_grey);
+    const auto low_segment = SegmentOf(curve_, low_grey), high_segment = SegmentOf(curve_, high_grey);
+    const auto low = VariationUpTo(curve_, low_grey, low_segment);
+    const auto high = VariationUpTo(curve_, high_grey, high_segment);
     const auto varies = hn::Mul(weight, hn::Sub(high, low));
     if (hn::AllTrue(d, hn::Le(varies, tolerance))) return SlabWay::kStraight;
     const auto most = hn::Mul(hn::Set(d, kMostVariation), tolerance);
@@ -188,7 +191,7 @@ class OneLook {
     const auto middle = VariationUpTo(curve_, hn::Mul(hn::Set(d, 0.5f), hn::Add(low_grey, high_grey)));
     const auto kinks = hn::Mul(weight, hn::Abs(hn::Sub(hn::Add(low, high), hn::Add(middle, middle))));
     const auto few = hn::Le(kinks, hn::Mul(hn::Set(d, kMostKinks), tolerance));
-    const auto linear = hn::RebindMask(d, hn::Eq(SegmentOf(curve_, low_grey), SegmentOf(curve_, high_grey)));
+    const auto linear = hn::RebindMask(d, hn::Eq(low_segment, high_segment));
     return hn::AllTrue(d, hn::Or(few, linear)) ? SlabWay::kBent : SlabWay::kCut;
   }
 
@@ -223,9 +226,11 @@ class OneLook {
   HWY_INLINE bool IsStraight(Vector part, const Cubic& cubic) const {
     const Lanes d;
     const auto low = cubic.Low(), high = cubic.High();
-    const auto linear = hn::RebindMask(d, hn::Eq(SegmentOf(curve_, low), SegmentOf(curve_, high)));
+    const auto low_segment = SegmentOf(curve_, low), high_segment = SegmentOf(curve_, high);
+    const auto linear = hn::RebindMask(d, hn::Eq(low_segment, high_segment));
     if (hn::AllTrue(d, linear)) return true;
-    const auto variation = hn::Sub(VariationUpTo(curve_, high), VariationUpTo(curve_, low));
+    const auto variation =
+        hn::Sub(VariationUpTo(curve_, high, high_segment), VariationUpTo(curve_, low, low_segment));
     const auto weight = hn::Mul(hn::Mul(sum_.Through(), hn::Mul(rays_.mm_per_t, part)), variation);
     const auto most = hn::Mul(hn::Set(d, kMostShift * scene_.tolerance), hn::Sub(high, low));
     return hn::AllTrue(d, hn::Or(linear, hn::Le(hn::Mul(weight, cubic.Deviation()), most)));
@@ -262,10 +267,11 @@ class OneLook {
   const Rays& rays_;
   Sum& sum_;
   const std::uint64_t* octants_;
-  const GreyCurve& curve_;
+  Curve curve_;
   Vector emitted_;  // in the colour
   Taken last_;      // where the next step begins
-  Ends ahead_;      // of the stride from ahead_from_ on
+  Ends ends_[2];    // of this stride, and of the one ahead
+  int ahead_ = 0;   // which of them that is, and where it begins
   float ahead_from_ = -1e30f;
   bool valid_ = false;
 };

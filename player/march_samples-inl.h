@@ -7,6 +7,8 @@
 #endif
 
 #include <algorithm>
+#include <cstddef>
+#include <cstdint>
 
 #include <hwy/highway.h>
 
@@ -19,7 +21,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 /// Cells, and where in them.
 struct Places {
-  IntVector cell;
+  HWY_ALIGN std::int32_t cells[kPacketRays];
   Vector part[3];
 
   Places() = default;
@@ -33,7 +35,7 @@ struct Places {
       part[a] = hn::Sub(at, hn::ConvertTo(d, whole[a]));
     }
     const auto row = hn::Add(hn::Mul(whole[2], hn::Set(di, grid.size[1])), whole[1]);
-    cell = hn::Add(hn::Mul(row, hn::Set(di, grid.size[0])), whole[0]);
+    hn::Store(hn::Add(hn::Mul(row, hn::Set(di, grid.size[0])), whole[0]), di, cells);
   }
 };
 
@@ -55,18 +57,29 @@ HWY_INLINE Vector Face(hn::Vec<Bits> bits, const Places& places) {
   return Lerp(low, high, places.part[1]);
 }
 
+/// A vector of words from as many places: costs less than gathering them.
+template <std::size_t kCount>
+HWY_INLINE hn::Vec<hn::FixedTag<std::uint64_t, kCount>> LoadWords(const std::uint64_t* words,
+                                                                  const std::int32_t* places) {
+  const hn::FixedTag<std::uint64_t, kCount> d;
+  if constexpr (kCount == 1) {
+    return hn::LoadU(d, words + places[0]);
+  } else {
+    return hn::Combine(d, LoadWords<kCount / 2>(words, places + kCount / 2),
+                       LoadWords<kCount / 2>(words, places));
+  }
+}
+
 /// The eight bytes of cells, those in front and those behind.
 struct Octants {
   hn::Vec<Bits> front, back;
 
   Octants() = default;
   HWY_INLINE Octants(const std::uint64_t* octants, const Places& places) {
-    const hn::Repartition<std::int64_t, Lanes> dl;
     const Bits du;
-    const hn::Half<Ints> half;
-    const auto* words = reinterpret_cast<const std::int64_t*>(octants);
-    const auto lower = hn::GatherIndex(dl, words, hn::PromoteTo(dl, hn::LowerHalf(half, places.cell)));
-    const auto upper = hn::GatherIndex(dl, words, hn::PromoteTo(dl, hn::UpperHalf(half, places.cell)));
+    constexpr std::size_t kHalf = hn::MaxLanes(Lanes()) / 2;  // words are twice as wide as lanes
+    const auto lower = LoadWords<kHalf>(octants, places.cells);
+    const auto upper = LoadWords<kHalf>(octants, places.cells + kHalf);
     front = hn::ConcatEven(du, hn::BitCast(du, upper), hn::BitCast(du, lower));
     back = hn::ConcatOdd(du, hn::BitCast(du, upper), hn::BitCast(du, lower));
   }
@@ -150,11 +163,12 @@ HWY_INLINE Grey SampleGreys(const float* greys, const MarchGrid& grid, const Pla
   const Lanes d;
   const std::ptrdiff_t row = grid.size[0];
   const std::ptrdiff_t slice = row * grid.size[1];
-  Grey grey{hn::Zero(d), hn::GatherIndex(d, greys, places.cell), hn::Zero(d)};
+  const auto cell = hn::Load(Ints(), places.cells);
+  Grey grey{hn::Zero(d), hn::GatherIndex(d, greys, cell), hn::Zero(d)};
   grey.high = grey.low;
   const auto edge = [&](std::ptrdiff_t offset) {
-    const auto left = hn::GatherIndex(d, greys + offset, places.cell);
-    const auto right = hn::GatherIndex(d, greys + offset + 1, places.cell);
+    const auto left = hn::GatherIndex(d, greys + offset, cell);
+    const auto right = hn::GatherIndex(d, greys + offset + 1, cell);
     grey.low = hn::Min(grey.low, hn::Min(left, right));
     grey.high = hn::Max(grey.high, hn::Max(left, right));
     return Lerp(left, right, places.part[0]);
@@ -175,7 +189,7 @@ class FourSampler {
  public:
   HWY_INLINE FourSampler(const float* fours, const MarchGrid& grid, const Places& places)
       : fours_(fours), row_(std::ptrdiff_t{4} * grid.size[0]), slice_(row_ * grid.size[1]) {
-    hn::Store(places.cell, Ints(), cells_);
+    std::copy_n(places.cells, hn::Lanes(Lanes()), cells_);
     for (std::size_t a = 0; a < 3; ++a) hn::Store(places.part[a], Lanes(), parts_[a]);
   }
 

@@ -210,6 +210,12 @@ class ManyLooks {
   std::size_t chosen_count_ = 0;
 };
 
+HWY_INLINE bool AnyWithin(const MarchScene& scene, const Bounds& bounds, float t0, float t1) {
+  std::int32_t from[3], to[3];
+  bounds.Bricks(scene.grid, t0, t1, from, to);
+  return AnyActive(scene.active, scene.grid, from, to);
+}
+
 /// Walks the bricks that the rays come by.
 template <typename Looks>
 void March(const MarchScene& scene, const Rays& rays, Sum& sum) {
@@ -217,6 +223,7 @@ void March(const MarchScene& scene, const Rays& rays, Sum& sum) {
   const auto counts = rays.Counts();
   if (hn::AllFalse(d, counts)) return;
   constexpr auto kStride = static_cast<float>(kSlabs);
+  constexpr float kLeap = 4 * kStride;
   const auto never = hn::Set(d, 1e9f);
   const float enter = hn::GetLane(hn::MinOfLanes(d, hn::IfThenElse(counts, rays.from, never)));
   const float leave = hn::GetLane(hn::MaxOfLanes(d, hn::IfThenElse(counts, rays.to, hn::Neg(never))));
@@ -224,11 +231,15 @@ void March(const MarchScene& scene, const Rays& rays, Sum& sum) {
   const float last = std::ceil(leave / kStride) * kStride;
   const Bounds bounds(rays, counts, first, last);
   Looks looks(scene, rays, sum);
+  float leap_from = first;  // up to there something is within a leap
   for (float t = first; t < last; t += kStride) {
     std::int32_t from[3], to[3];
     bounds.Bricks(scene.grid, t, t + kStride, from, to);
     if (!AnyActive(scene.active, scene.grid, from, to)) {
       looks.Forget();
+      if (t < leap_from) continue;
+      while (t + kStride < last && !AnyWithin(scene, bounds, t + kStride, t + kStride + kLeap)) t += kLeap;
+      leap_from = t + kStride + kLeap;
       continue;
     }
     looks.Stride(t, from, to);
@@ -247,8 +258,10 @@ void MarchPacket(const MarchScene& scene, const RayPacket& packet, LightPacket& 
     Sum sum;
     for (std::size_t c = 0; c < 3; ++c) sum.color[c] = hn::Load(d, light.planes[c].data() + first);
     sum.opacity = hn::Load(d, light.planes[3].data() + first);
-    if (one_look) {
-      March<OneLook>(scene, rays, sum);
+    if (one_look && ShortCurve::fits(*scene.sources[0].curve)) {
+      March<OneLook<ShortCurve>>(scene, rays, sum);
+    } else if (one_look) {
+      March<OneLook<const GreyCurve&>>(scene, rays, sum);
     } else {
       March<ManyLooks>(scene, rays, sum);
     }
