@@ -25,7 +25,8 @@ namespace splatlas::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 constexpr std::size_t kSlabs = MarchGrid::kBrick;  // walked in one stride
-constexpr std::size_t kPrefetchedLanes = 3;  // one of so many: their neighbours' cells share cache lines
+/// Of 4 x 4 pixels: cells of the inner ones share cache lines with theirs.
+constexpr std::size_t kOuterLanes[] = {0, 1, 2, 3, 4, 7, 8, 11, 12, 13, 14, 15};
 
 /// Steps of a slab: what may be wrong by `weight` at most, and falls with the square of the steps, or, at
 /// steps of the transfer function, with their power of 3/2.
@@ -118,8 +119,9 @@ class OneLook {
     ends_[ahead_] = Ends(scene_.grid, rays_, t);
     ahead_from_ = t;
     for (const Places& places : ends_[ahead_].places) {
-      for (std::size_t n = 0; n < hn::Lanes(Lanes()); n += kPrefetchedLanes)
-        hwy::Prefetch(octants_ + places.cells[n]);
+      for (const std::size_t lane : kOuterLanes) {
+        if (lane < hn::Lanes(Lanes())) hwy::Prefetch(octants_ + places.cells[lane]);
+      }
     }
   }
 
