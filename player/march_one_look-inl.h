@@ -25,7 +25,7 @@ namespace splatlas::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 constexpr std::size_t kSlabs = MarchGrid::kBrick;  // walked in one stride
-/// Of 4 x 4 pixels: cells of the inner ones share cache lines with theirs.
+/// Of 4 x 4 pixels, as packets have them mostly: cells of the inner ones share cache lines with theirs.
 constexpr std::size_t kOuterLanes[] = {0, 1, 2, 3, 4, 7, 8, 11, 12, 13, 14, 15};
 
 /// Steps of a slab: what may be wrong by `weight` at most, and falls with the square of the steps, or, at
@@ -104,6 +104,7 @@ class OneLook {
   struct Taken {
     Octants octants;
     Classified classified;
+    IntVector cells;
   };
   HWY_INLINE Vector GreyAt(Vector t) const {
     const Places places(scene_.grid, rays_, t);
@@ -111,7 +112,14 @@ class OneLook {
   }
   HWY_INLINE Taken Take(const Places& places) const {
     const Octants octants(octants_, places);
-    return {octants, Classify(curve_, octants.Value(places))};
+    return {octants, Classify(curve_, octants.Value(places)), hn::Load(Ints(), places.cells)};
+  }
+
+  /// The cell of a slab that neither of both ends is in.
+  HWY_INLINE Octants Beside(const Taken& end) const {
+    HWY_ALIGN std::int32_t cells[kPacketRays];
+    hn::Store(rays_.CellInLayer(last_.cells, end.cells), Ints(), cells);
+    return {octants_, cells};
   }
 
   /// Rays come by cells that no other has come by for long: the machine's own prefetching does not help.
@@ -154,8 +162,9 @@ class OneLook {
     const auto at_most = hn::Mul(weight, hn::Set(d, curve_.variation()));
     const auto most = hn::Set(d, kEvenShare * scene_.tolerance);
     if (hn::AllTrue(d, hn::Le(at_most, most))) return scene_.least_steps;
-    const auto low = VariationUpTo(curve_, last_.octants.LowWith(end.octants));
-    const auto high = VariationUpTo(curve_, last_.octants.HighWith(end.octants));
+    const Octants beside = Beside(end);
+    const auto low = VariationUpTo(curve_, beside.LowWith(last_.octants, end.octants));
+    const auto high = VariationUpTo(curve_, beside.HighWith(last_.octants, end.octants));
     return StepsOf(scene_, hn::Mul(weight, hn::Sub(high, low)));
   }
 
@@ -181,8 +190,9 @@ class OneLook {
     const auto weight = hn::Mul(sum_.Through(), length);
     const auto at_most = hn::Mul(weight, hn::Set(d, curve_.variation()));
     if (hn::AllTrue(d, hn::Le(at_most, tolerance))) return SlabWay::kStraight;
-    const auto low_grey = last_.octants.LowWith(end.octants);
-    const auto high_grey = last_.octants.HighWith(end.octants);
+    const Octants beside = Beside(end);
+    const auto low_grey = beside.LowWith(last_.octants, end.octants);
+    const auto high_grey = beside.HighWith(last_.octants, end.octants);
     const auto low_segment = SegmentOf(curve_, low_grey), high_segment = SegmentOf(curve_, high_grey);
     const auto low = VariationUpTo(curve_, low_grey, low_segment);
     const auto high = VariationUpTo(curve_, high_grey, high_segment);

@@ -24,6 +24,9 @@ using IntVector = hn::Vec<Ints>;
 struct Rays {
   Vector origin[3], step[3], mm_per_t, from, to;
   Vector t_per_voxel[3];  // very large where a ray does not move
+  // Cells from one to the next: along the axis that t counts, and along both others.
+  IntVector layer, across[2];
+  hn::Mask<Ints> ascends;  // along that axis
 
   HWY_INLINE Rays(const MarchGrid& grid, const RayPacket& packet, std::size_t first) {
     const Lanes d;
@@ -36,6 +39,7 @@ struct Rays {
       Clip(a, static_cast<float>(grid.size[a]) - 2.0f);
     }
     mm_per_t = hn::Load(d, packet.mm_per_t.data() + first);
+    FindLayers(grid);
     const auto misses = hn::Not(Counts());
     from = hn::IfThenZeroElse(misses, from);
     to = hn::IfThenZeroElse(misses, to);
@@ -48,7 +52,32 @@ struct Rays {
   HWY_INLINE Vector Clamped(float t) const { return hn::Min(hn::Max(hn::Set(Lanes(), t), from), to); }
   HWY_INLINE Vector At(std::size_t axis, Vector t) const { return hn::MulAdd(step[axis], t, origin[axis]); }
 
+  /// A slab lies in one layer of cells, one of its ends in a cell of the next layer: the cell beside that,
+  /// in the slab's own layer. With both ends' cells it has all voxels around the ray but one pair, whose
+  /// weight is a quarter at most.
+  HWY_INLINE IntVector CellInLayer(IntVector begin, IntVector end) const {
+    const auto beside = hn::Sub(hn::IfThenElse(ascends, end, begin), layer);
+    return hn::Max(beside, hn::Zero(Ints()));
+  }
+
  private:
+  HWY_INLINE void FindLayers(const MarchGrid& grid) {
+    const Lanes d;
+    const Ints di;
+    const std::int32_t strides[3] = {1, grid.size[0], grid.size[0] * grid.size[1]};
+    layer = across[0] = across[1] = hn::Zero(di);
+    ascends = hn::MaskFromVec(hn::Zero(di));
+    for (std::size_t a = 0; a < 3; ++a) {
+      const auto is_unit = hn::Eq(hn::Abs(step[a]), hn::Set(d, 1.0f));
+      const auto counts = hn::RebindMask(di, hn::And(is_unit, hn::Eq(origin[a], hn::Zero(d))));
+      layer = hn::IfThenElse(counts, hn::Set(di, strides[a]), layer);
+      across[0] = hn::IfThenElse(counts, hn::Set(di, strides[a == 0 ? 1 : 0]), across[0]);
+      across[1] = hn::IfThenElse(counts, hn::Set(di, strides[a == 2 ? 1 : 2]), across[1]);
+      const auto up = hn::RebindMask(di, hn::Gt(step[a], hn::Zero(d)));
+      ascends =
+          hn::MaskFromVec(hn::IfThenElse(counts, hn::VecFromMask(di, up), hn::VecFromMask(di, ascends)));
+    }
+  }
   static HWY_INLINE Vector Inverse(Vector per_t) {
     const Lanes d;
     const auto tiny = hn::Set(d, 1e-20f);

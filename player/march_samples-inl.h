@@ -21,7 +21,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 /// Cells, and where in them.
 struct Places {
-  HWY_ALIGN std::int32_t cells[kPacketRays];
+  HWY_ALIGN std::int32_t cells[hn::MaxLanes(Lanes())];
   Vector part[3];
 
   Places() = default;
@@ -75,11 +75,12 @@ struct Octants {
   hn::Vec<Bits> front, back;
 
   Octants() = default;
-  HWY_INLINE Octants(const std::uint64_t* octants, const Places& places) {
+  HWY_INLINE Octants(const std::uint64_t* octants, const Places& places) : Octants(octants, places.cells) {}
+  HWY_INLINE Octants(const std::uint64_t* octants, const std::int32_t* cells) {
     const Bits du;
     constexpr std::size_t kHalf = hn::MaxLanes(Lanes()) / 2;  // words are twice as wide as lanes
-    const auto lower = LoadWords<kHalf>(octants, places.cells);
-    const auto upper = LoadWords<kHalf>(octants, places.cells + kHalf);
+    const auto lower = LoadWords<kHalf>(octants, cells);
+    const auto upper = LoadWords<kHalf>(octants, cells + kHalf);
     front = hn::ConcatEven(du, hn::BitCast(du, upper), hn::BitCast(du, lower));
     back = hn::ConcatOdd(du, hn::BitCast(du, upper), hn::BitCast(du, lower));
   }
@@ -105,20 +106,18 @@ struct Octants {
   }
 
   HWY_INLINE Vector Low() const {
-    return Fold(hn::Min(Bytes(front), Bytes(back)), [](auto x, auto y) { return hn::Min(x, y); });
+    return Fold(Lowest(), [](auto x, auto y) { return hn::Min(x, y); });
   }
   HWY_INLINE Vector High() const {
-    return Fold(hn::Max(Bytes(front), Bytes(back)), [](auto x, auto y) { return hn::Max(x, y); });
+    return Fold(Highest(), [](auto x, auto y) { return hn::Max(x, y); });
   }
-  /// Of the lowest and the highest bytes of two cells.
-  HWY_INLINE Vector LowWith(const Octants& other) const {
-    const auto low =
-        hn::Min(hn::Min(Bytes(front), Bytes(back)), hn::Min(Bytes(other.front), Bytes(other.back)));
+  /// Of the lowest and the highest bytes of three cells.
+  HWY_INLINE Vector LowWith(const Octants& a, const Octants& b) const {
+    const auto low = hn::Min(hn::Min(Lowest(), a.Lowest()), b.Lowest());
     return Fold(low, [](auto x, auto y) { return hn::Min(x, y); });
   }
-  HWY_INLINE Vector HighWith(const Octants& other) const {
-    const auto high =
-        hn::Max(hn::Max(Bytes(front), Bytes(back)), hn::Max(Bytes(other.front), Bytes(other.back)));
+  HWY_INLINE Vector HighWith(const Octants& a, const Octants& b) const {
+    const auto high = hn::Max(hn::Max(Highest(), a.Highest()), b.Highest());
     return Fold(high, [](auto x, auto y) { return hn::Max(x, y); });
   }
 
@@ -139,6 +138,8 @@ struct Octants {
   using ByteVector = hn::Vec<ByteLanes>;
 
   static HWY_INLINE ByteVector Bytes(hn::Vec<Bits> bits) { return hn::BitCast(ByteLanes(), bits); }
+  HWY_INLINE ByteVector Lowest() const { return hn::Min(Bytes(front), Bytes(back)); }
+  HWY_INLINE ByteVector Highest() const { return hn::Max(Bytes(front), Bytes(back)); }
   /// The choice among the four bytes of each lane.
   template <typename Choose>
   static HWY_INLINE Vector Fold(ByteVector bytes, const Choose& choose) {
@@ -177,6 +178,31 @@ HWY_INLINE Grey SampleGreys(const float* greys, const MarchGrid& grid, const Pla
   const auto back = Lerp(edge(slice), edge(slice + row), places.part[1]);
   grey.value = Lerp(front, back, places.part[2]);
   return grey;
+}
+
+/// The lowest and the highest of the four voxels around the face that cells begin with: they and their
+/// neighbours `across`, in both directions. Every voxel has `kEach` values, of which the first counts.
+template <std::ptrdiff_t kEach>
+HWY_INLINE void FaceRange(const float* values, IntVector cells, const IntVector* across, Vector& low,
+                          Vector& high) {
+  const Ints di;
+  HWY_ALIGN std::int32_t voxels[kPacketRays];
+  HWY_ALIGN std::int32_t right[kPacketRays];
+  HWY_ALIGN std::int32_t below[kPacketRays];
+  HWY_ALIGN float lows[kPacketRays];
+  HWY_ALIGN float highs[kPacketRays];
+  hn::Store(cells, di, voxels);
+  hn::Store(across[0], di, right);
+  hn::Store(across[1], di, below);
+  for (std::size_t n = 0; n < hn::Lanes(di); ++n) {
+    const float* const upper = values + kEach * voxels[n];
+    const float* const lower = upper + kEach * below[n];
+    const std::ptrdiff_t beside = kEach * right[n];
+    lows[n] = std::min(std::min(*upper, upper[beside]), std::min(*lower, lower[beside]));
+    highs[n] = std::max(std::max(*upper, upper[beside]), std::max(*lower, lower[beside]));
+  }
+  low = hn::Load(Lanes(), lows);
+  high = hn::Load(Lanes(), highs);
 }
 
 /// Four values between voxels.

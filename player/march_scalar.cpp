@@ -138,6 +138,33 @@ float variation(const GreyCurve& curve, float grey) {
          curve.row(GreyCurve::kVariation)[c.segment];
 }
 
+/// The lowest and the highest of the voxels around all cells that a ray passes from `at` to `end`, a slab
+/// apart at most: of those of the box around them.
+std::array<float, 2> range_between(const MarchGrid& grid, const MarchSource& source, const LoneRay& ray,
+                                   float at, float end) {
+  std::array<std::ptrdiff_t, 3> first{}, last{};
+  for (std::size_t a = 0; a < 3; ++a) {
+    const float from = std::fma(ray.step[a], at, ray.origin[a]),
+                to = std::fma(ray.step[a], end, ray.origin[a]);
+    first[a] = static_cast<std::ptrdiff_t>(std::min(from, to));
+    last[a] = static_cast<std::ptrdiff_t>(std::max(from, to)) + 1;
+  }
+  float low = std::numeric_limits<float>::max(), high = -low;
+  for (std::ptrdiff_t k = first[2]; k <= last[2]; ++k) {
+    for (std::ptrdiff_t j = first[1]; j <= last[1]; ++j) {
+      for (std::ptrdiff_t i = first[0]; i <= last[0]; ++i) {
+        const std::ptrdiff_t voxel = (k * grid.size[1] + j) * grid.size[0] + i;
+        const float value = source.light != nullptr     ? source.light[4 * voxel]
+                            : source.octants != nullptr ? static_cast<float>(source.octants[voxel] & 255)
+                                                        : source.greys[voxel];
+        low = std::min(low, value);
+        high = std::max(high, value);
+      }
+    }
+  }
+  return {low, high};
+}
+
 /// One source's sample.
 struct Sampled {
   Classified classified;         // of grey values
@@ -220,13 +247,12 @@ struct StepLight {
   }
 };
 
-int steps_of(const MarchScene& scene, const Samples& before, const Samples& after, float weight) {
+int steps_of(const MarchScene& scene, const LoneRay& ray, float at, float end, float weight) {
   if (scene.tolerance <= 0) return scene.least_steps;
   float varies = 0;
   for (std::size_t s = 0; s < scene.sources.size(); ++s) {
     const MarchSource& source = scene.sources[s];
-    const float low = std::min(before[s].low, after[s].low);
-    const float high = std::max(before[s].high, after[s].high);
+    const auto [low, high] = range_between(scene.grid, source, ray, at, end);
     varies +=
         source.light != nullptr ? high - low : variation(*source.curve, high) - variation(*source.curve, low);
   }
@@ -263,7 +289,7 @@ bool clip(const MarchGrid& grid, LoneRay& ray) {
 /// or leave within a slab take all of them inside.
 void even_slab(const MarchScene& scene, const LoneRay& ray, float begin, float end, Samples before,
                const Samples& last, std::array<float, 4>& rgba) {
-  const int steps = steps_of(scene, before, last, (1 - rgba[3]) * ray.mm_per_t * (end - begin));
+  const int steps = steps_of(scene, ray, begin, end, (1 - rgba[3]) * ray.mm_per_t * (end - begin));
   float at = begin;
   for (int n = 1; n <= steps; ++n) {
     const float part = static_cast<float>(n) / static_cast<float>(steps);
@@ -304,7 +330,7 @@ class CutSlab {
         rgba_(rgba) {}
 
   void pass(float at, float end, const Sampled& last) {
-    const float low = std::min(before_.low, last.low), high = std::max(before_.high, last.high);
+    const auto [low, high] = range_between(scene_.grid, source_, ray_, at, end);
     const float weight = (1 - rgba_[3]) * ray_.mm_per_t * (end - at) / scene_.tolerance;
     switch (way(weight, low, high)) {
       case SlabWay::kStraight: step(at, end, last.classified, 0); break;

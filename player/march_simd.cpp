@@ -76,6 +76,7 @@ class ManyLooks {
 
   HWY_INLINE void Begin(Vector at) {
     const Places places(scene_.grid, rays_, at);
+    cells_ = hn::Load(Ints(), places.cells);
     for (std::size_t c = 0; c < chosen_count_; ++c) {
       if (!states_[chosen_[c]].valid) Take(chosen_[c], places, states_[chosen_[c]]);
     }
@@ -102,7 +103,9 @@ class ManyLooks {
     const Places places(scene_.grid, rays_, end);
     for (std::size_t c = 0; c < chosen_count_; ++c) Take(chosen_[c], places, ends_[chosen_[c]]);
     const auto length = hn::Sub(end, begin);
-    const int steps = Steps(hn::Mul(rays_.mm_per_t, length));
+    const auto end_cells = hn::Load(Ints(), places.cells);
+    const int steps = Steps(hn::Mul(rays_.mm_per_t, length), rays_.CellInLayer(cells_, end_cells));
+    cells_ = end_cells;
     auto at = begin;
     for (int n = 1; n < steps; ++n) {
       const auto next = PartOf(begin, length, n, steps);
@@ -114,7 +117,8 @@ class ManyLooks {
     Step(at, end, ends_);
   }
 
-  HWY_INLINE int Steps(Vector length) const {
+  /// `beside`: the cells of the slab that neither end is in.
+  HWY_INLINE int Steps(Vector length, IntVector beside) const {
     if (scene_.tolerance <= 0) return scene_.least_steps;
     const Lanes d;
     auto variation = hn::Zero(d);
@@ -122,8 +126,10 @@ class ManyLooks {
       const MarchSource& source = scene_.sources[chosen_[c]];
       const State& before = states_[chosen_[c]];
       const State& after = ends_[chosen_[c]];
-      auto low = hn::Min(before.low, after.low);
-      auto high = hn::Max(before.high, after.high);
+      Vector low, high;
+      Range(source, beside, low, high);
+      low = hn::Min(low, hn::Min(before.low, after.low));
+      high = hn::Max(high, hn::Max(before.high, after.high));
       if (source.light == nullptr) {
         low = VariationUpTo(*source.curve, low);
         high = VariationUpTo(*source.curve, high);
@@ -131,6 +137,21 @@ class ManyLooks {
       variation = hn::Add(variation, hn::Sub(high, low));
     }
     return StepsOf(scene_, hn::Mul(hn::Mul(sum_.Through(), length), variation));
+  }
+
+  /// Of the voxels of a slab that are around these cells: the face that no neighbour shares.
+  HWY_INLINE void Range(const MarchSource& source, IntVector cells, Vector& low, Vector& high) const {
+    if (source.octants != nullptr) {
+      HWY_ALIGN std::int32_t stored[kPacketRays];
+      hn::Store(cells, Ints(), stored);
+      const Octants octants(source.octants, stored);
+      low = octants.Low();
+      high = octants.High();
+    } else if (source.greys != nullptr) {
+      FaceRange<1>(source.greys, cells, rays_.across, low, high);
+    } else {
+      FaceRange<4>(source.light, cells, rays_.across, low, high);
+    }
   }
 
   /// Extinction, and emission in red, green and blue: means of a step, and at its ends.
@@ -206,6 +227,7 @@ class ManyLooks {
   State states_[kMostSources];  // of the sources where the next step begins,
   State ends_[kMostSources];    // where the slab ends,
   State nexts_[kMostSources];   // and where the step does
+  IntVector cells_;             // where the slab begins
   std::size_t chosen_[kMostSources];
   std::size_t chosen_count_ = 0;
 };

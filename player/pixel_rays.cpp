@@ -77,7 +77,8 @@ std::size_t PixelRays::principal_axis(const Lines& lines, std::size_t n) const {
   return voxels(axis) * kMaxSlope >= voxels(principal) ? axis : principal;
 }
 
-/// Whether this is the principal axis of all, and no other as good.
+/// Whether this is the principal axis of all, and no other as good. Counts, so that the loop is made of
+/// vectors.
 bool PixelRays::is_principal(const Lines& lines, std::size_t axis) const {
   if (forced_) return false;
   std::int64_t others = 0;
@@ -91,7 +92,7 @@ bool PixelRays::is_principal(const Lines& lines, std::size_t axis) const {
 /// Rays [first, last) of a packet.
 void PixelRays::set_rays(const Lines& lines, std::size_t principal, std::size_t first, std::size_t last,
                          RayPacket& packet) const {
-  const bool from_eye = perspective_;
+  const bool begins_at_eye = perspective_;
   RayNumbers along, t_start;
   for (std::size_t n = first; n < last; ++n) {
     const double ahead = lines.direction[principal][n], start = lines.start[principal][n];
@@ -110,7 +111,7 @@ void PixelRays::set_rays(const Lines& lines, std::size_t principal, std::size_t 
     packet.step[principal][n] = lines.direction[principal][n] > 0 ? 1.0f : -1.0f;
     packet.origin[principal][n] = 0;
     const double eye = std::min(std::max(t_start[n], -kFarAway), kFarAway);
-    packet.from[n] = static_cast<float>(from_eye ? eye : -kFarAway);
+    packet.from[n] = static_cast<float>(begins_at_eye ? eye : -kFarAway);
     packet.to[n] = kFarAway;
   }
 }

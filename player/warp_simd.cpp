@@ -5,6 +5,7 @@
 // Must come after foreach_target.h.
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
 
 #include <hwy/highway.h>
@@ -19,16 +20,16 @@ namespace hn = hwy::HWY_NAMESPACE;
 constexpr std::size_t kBatch = 16;  // places found together
 constexpr int kFractionBits = 24;
 
-/// Places as the offset of their upper left neighbour, in floats, and the shares of the differences to the
-/// others: right, below, and both at once.
-struct Places {
+/// WarpPlaces as the offset of their upper left neighbour, in floats, and the shares of the differences to
+/// the others: right, below, and both at once.
+struct WarpPlaces {
   HWY_ALIGN std::int32_t offset[kBatch];
   HWY_ALIGN float right[kBatch];
   HWY_ALIGN float below[kBatch];
   HWY_ALIGN float both[kBatch];
 };
 
-HWY_INLINE void FindPlaces(const WarpWalk& walk, std::int64_t x, std::int64_t y, Places& places) {
+HWY_INLINE void FindPlaces(const WarpWalk& walk, std::int64_t x, std::int64_t y, WarpPlaces& places) {
   const hn::CappedTag<std::int32_t, kBatch> di;
   const hn::RebindToFloat<decltype(di)> df;
   const auto fraction = hn::Set(di, (1 << kFractionBits) - 1);
@@ -130,7 +131,7 @@ HWY_INLINE hn::Vec<hn::FixedTag<float, 4 * kCount>> FourTimes(const float* numbe
 }
 
 /// Samples of white and opacity at kPixels places; `color`: red, green, blue and 1.
-HWY_INLINE void SampleWhite(const float* upper, const float* lower, const Places& places, std::size_t n,
+HWY_INLINE void SampleWhite(const float* upper, const float* lower, const WarpPlaces& places, std::size_t n,
                             const float* HWY_RESTRICT color, float* out) {
   const Pixels d;
   const hn::RebindToSigned<Pixels> di;
@@ -148,7 +149,7 @@ HWY_INLINE void SampleWhite(const float* upper, const float* lower, const Places
 #else
 constexpr std::size_t kPixels = 1;
 
-HWY_INLINE void SampleWhite(const float* upper, const float* lower, const Places& places, std::size_t n,
+HWY_INLINE void SampleWhite(const float* upper, const float* lower, const WarpPlaces& places, std::size_t n,
                             const float* HWY_RESTRICT color, float* out) {
   upper += places.offset[n];
   lower += places.offset[n];
@@ -166,7 +167,7 @@ HWY_INLINE void SampleWhite(const float* upper, const float* lower, const Places
 template <std::size_t kAtOnce, typename Sample>
 HWY_INLINE void ForEachPlace(const WarpWalk& walk, std::size_t count, float* out, const Sample& sample) {
   static_assert(kBatch % kAtOnce == 0);
-  Places places;
+  WarpPlaces places;
   std::int64_t x = walk.x, y = walk.y;
   for (std::size_t done = 0; done < count; done += kBatch) {
     FindPlaces(walk, x, y, places);
@@ -189,7 +190,7 @@ HWY_INLINE void ForEachPlace(const WarpWalk& walk, std::size_t count, float* out
 HWY_INLINE void WarpColors(const WarpWalk& walk, std::size_t count, float* out) {
   const std::int64_t row = walk.stride * 4;
   ForEachPlace<1>(walk, count, out,
-                  [row](const float* origin, const Places& places, std::size_t n, float* pixel) {
+                  [row](const float* origin, const WarpPlaces& places, std::size_t n, float* pixel) {
                     const float* upper = origin + places.offset[n];
                     Sample4(upper, upper + row, places.right[n], places.below[n], places.both[n], pixel);
                   });
@@ -199,7 +200,7 @@ HWY_INLINE void WarpWhite(const WarpWalk& walk, std::size_t count, float* out) {
   const std::int64_t row = walk.stride * 2;
   HWY_ALIGN const float color[4] = {walk.color[0], walk.color[1], walk.color[2], 1};
   ForEachPlace<kPixels>(walk, count, out,
-                        [&](const float* origin, const Places& places, std::size_t n, float* pixels) {
+                        [&](const float* origin, const WarpPlaces& places, std::size_t n, float* pixels) {
                           SampleWhite(origin, origin + row, places, n, color, pixels);
                         });
 }

@@ -14,7 +14,8 @@ namespace {
 /// Random voxels in a box, as bytes, floats, colours and light.
 class RandomSources {
  public:
-  explicit RandomSources(std::uint32_t seed) : random_(seed) {
+  /// One of so many voxels is dark: or, where `sparse`, all but one of thirty.
+  explicit RandomSources(std::uint32_t seed, bool sparse = false) : random_(seed) {
     grid_.size = {13, 11, 14};
     const auto voxels = static_cast<std::size_t>(13 * 11 * 14);
     octants_.assign(voxels, 0);
@@ -27,7 +28,7 @@ class RandomSources {
     for (int z = 2; z < 12; ++z) {
       for (int y = 2; y < 9; ++y) {
         for (int x = 2; x < 11; ++x) {
-          if (random_() % 3 == 0) continue;
+          if (sparse ? random_() % 30 != 0 : random_() % 3 == 0) continue;
           const std::uint64_t grey = random_() % 256;
           greys_[place(x, y, z)] = static_cast<float>(grey);
           for (int n = 0; n < 8; ++n) {
@@ -274,6 +275,54 @@ TEST(MarchKernels, ToleranceBoundsWhatIsWrong) {
   const double rays = 20 * 2 * kPacketRays;
   EXPECT_GT(std::sqrt(coarse / rays), 1e-2);
   EXPECT_LT(std::sqrt(adapted / rays), 5e-4);
+}
+
+/// One ray in all lanes: none has a neighbour that asks for more steps.
+RayPacket lone(const RayPacket& rays, std::size_t n) {
+  RayPacket packet;
+  for (std::size_t a = 0; a < 3; ++a) {
+    packet.origin[a].fill(rays.origin[a][n]);
+    packet.step[a].fill(rays.step[a][n]);
+  }
+  packet.mm_per_t.fill(rays.mm_per_t[n]);
+  packet.from.fill(rays.from[n]);
+  packet.to.fill(rays.to[n]);
+  return packet;
+}
+
+/// Between both ends of a slab a ray may pass a cell that neither end is in.
+TEST(MarchKernels, ToleranceSeesCellsBetweenTheEndsOfASlab) {
+  constexpr float kTolerance = 0.02f;
+  float worst[2][4] = {};
+  for (std::uint32_t seed = 0; seed < 40; ++seed) {
+    RandomSources random(seed, true);
+    TransferCurve steep;
+    steep.points = {{30, 0, 1}, {40, 0.9f, 1}};
+    const GreyCurve curve(steep, {.bytes = true}, 1);
+    const std::vector<MarchSource> kinds{random.octants(curve), random.greys(curve), random.colored(curve),
+                                         random.light()};
+    const RayPacket rays = random.rays();
+    for (std::size_t n = 0; n < kPacketRays; ++n) {
+      const RayPacket ray = lone(rays, n);
+      for (std::size_t kind = 0; kind < kinds.size(); ++kind) {
+        const std::vector sources{kinds[kind]};
+        LightPacket truth;
+        scalar_march().march(random.scene(sources, 64), ray, truth);
+        MarchScene scene = random.scene(sources, 1);
+        scene.tolerance = kTolerance;
+        scene.most_steps = 64;
+        for (const bool best : {false, true}) {
+          LightPacket light;
+          (best ? best_march() : scalar_march()).march(scene, ray, light);
+          float& most = worst[best ? 1 : 0][kind];
+          most = std::max(most, std::abs(light.planes[3][0] - truth.planes[3][0]));
+        }
+      }
+    }
+  }
+  for (auto& of_kernels : worst) {
+    for (const float error : of_kernels) EXPECT_LT(error, 4 * kTolerance);
+  }
 }
 
 }  // namespace
