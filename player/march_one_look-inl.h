@@ -117,9 +117,7 @@ class OneLook {
 
   /// The cell of a slab that neither of both ends is in.
   HWY_INLINE Octants Beside(const Taken& end) const {
-    HWY_ALIGN std::int32_t cells[kPacketRays];
-    hn::Store(rays_.CellInLayer(last_.cells, end.cells), Ints(), cells);
-    return {octants_, cells};
+    return {octants_, rays_.CellInLayer(last_.cells, end.cells)};
   }
 
   /// Rays come by cells that no other has come by for long: the machine's own prefetching does not help.

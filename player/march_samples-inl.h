@@ -76,6 +76,11 @@ struct Octants {
 
   Octants() = default;
   HWY_INLINE Octants(const std::uint64_t* octants, const Places& places) : Octants(octants, places.cells) {}
+  HWY_INLINE Octants(const std::uint64_t* octants, IntVector cells) {
+    HWY_ALIGN std::int32_t stored[kPacketRays];
+    hn::Store(cells, Ints(), stored);
+    *this = Octants(octants, stored);
+  }
   HWY_INLINE Octants(const std::uint64_t* octants, const std::int32_t* cells) {
     const Bits du;
     constexpr std::size_t kHalf = hn::MaxLanes(Lanes()) / 2;  // words are twice as wide as lanes

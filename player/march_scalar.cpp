@@ -58,18 +58,16 @@ struct Place {
     }
     return sum;
   }
-  /// The grey value between voxels, and the lowest and the highest of the eight around.
-  [[nodiscard]] std::array<float, 3> grey(const MarchSource& source) const {
-    float sum = 0, low = std::numeric_limits<float>::max(), high = -low;
+  /// The grey value between voxels.
+  [[nodiscard]] float grey(const MarchSource& source) const {
+    float sum = 0;
     for (std::size_t n = 0; n < 8; ++n) {
       const float voxel = source.octants != nullptr
                               ? static_cast<float>(source.octants[corner[0]] >> (8 * n) & 255)
                               : source.greys[corner[n]];
       sum += weights[n] * voxel;
-      low = std::min(low, voxel);
-      high = std::max(high, voxel);
     }
-    return {sum, low, high};
+    return sum;
   }
 };
 
@@ -168,23 +166,14 @@ std::array<float, 2> range_between(const MarchGrid& grid, const MarchSource& sou
 /// One source's sample.
 struct Sampled {
   Classified classified;         // of grey values
-  float low = 0, high = 0;       // of the voxels around: greys, or extinction
   std::array<float, 4> light{};  // of light
 
   Sampled(const MarchSource& source, const Place& place) {
     if (source.light != nullptr) {
       light = place.fours(source.light);
-      low = high = source.light[4 * place.corner[0]];
-      for (const std::ptrdiff_t voxel : place.corner) {
-        low = std::min(low, source.light[4 * voxel]);
-        high = std::max(high, source.light[4 * voxel]);
-      }
-      return;
+    } else {
+      classified = classify(*source.curve, place.grey(source));
     }
-    const auto [grey, lowest, highest] = place.grey(source);
-    classified = classify(*source.curve, grey);
-    low = lowest;
-    high = highest;
   }
 };
 
@@ -335,7 +324,7 @@ class CutSlab {
     switch (way(weight, low, high)) {
       case SlabWay::kStraight: step(at, end, last.classified, 0); break;
       case SlabWay::kBent: {
-        const float middle = Place(scene_.grid, ray_, 0.5f * (at + end)).grey(source_)[0];
+        const float middle = Place(scene_.grid, ray_, 0.5f * (at + end)).grey(source_);
         const float straight = 0.5f * (before_.classified.grey + last.classified.grey);
         step(at, end, last.classified, kSimpson * (middle - straight));
         break;

@@ -142,9 +142,7 @@ class ManyLooks {
   /// Of the voxels of a slab that are around these cells: the face that no neighbour shares.
   HWY_INLINE void Range(const MarchSource& source, IntVector cells, Vector& low, Vector& high) const {
     if (source.octants != nullptr) {
-      HWY_ALIGN std::int32_t stored[kPacketRays];
-      hn::Store(cells, Ints(), stored);
-      const Octants octants(source.octants, stored);
+      const Octants octants(source.octants, cells);
       low = octants.Low();
       high = octants.High();
     } else if (source.greys != nullptr) {
@@ -232,8 +230,9 @@ class ManyLooks {
   std::size_t chosen_count_ = 0;
 };
 
-HWY_INLINE bool AnyWithin(const MarchScene& scene, const Bounds& bounds, float t0, float t1) {
-  std::int32_t from[3], to[3];
+/// Tells the bricks that the rays come by, too.
+HWY_INLINE bool AnyWithin(const MarchScene& scene, const Bounds& bounds, float t0, float t1,
+                          std::int32_t* from, std::int32_t* to) {
   bounds.Bricks(scene.grid, t0, t1, from, to);
   return AnyActive(scene.active, scene.grid, from, to);
 }
@@ -256,12 +255,13 @@ void March(const MarchScene& scene, const Rays& rays, Sum& sum) {
   float leap_from = first;  // up to there something is within a leap
   for (float t = first; t < last; t += kStride) {
     std::int32_t from[3], to[3];
-    bounds.Bricks(scene.grid, t, t + kStride, from, to);
-    if (!AnyActive(scene.active, scene.grid, from, to)) {
+    if (!AnyWithin(scene, bounds, t, t + kStride, from, to)) {
       looks.Forget();
       if (t < leap_from) continue;
-      while (t + kStride < last && !AnyWithin(scene, bounds, t + kStride, t + kStride + kLeap)) t += kLeap;
-      leap_from = t + kStride + kLeap;
+      float next = t + kStride;
+      while (next < last && !AnyWithin(scene, bounds, next, next + kLeap, from, to)) next += kLeap;
+      leap_from = next + kLeap;
+      t = next - kStride;
       continue;
     }
     looks.Stride(t, from, to);

@@ -14,7 +14,7 @@ namespace {
 /// Random voxels in a box, as bytes, floats, colours and light.
 class RandomSources {
  public:
-  /// One of so many voxels is dark: or, where `sparse`, all but one of thirty.
+  /// A third of the voxels are dark; where `sparse`, all but one of thirty.
   explicit RandomSources(std::uint32_t seed, bool sparse = false) : random_(seed) {
     grid_.size = {13, 11, 14};
     const auto voxels = static_cast<std::size_t>(13 * 11 * 14);
