@@ -18,12 +18,10 @@ HWY_BEFORE_NAMESPACE();
 namespace splatlas::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// A curve with so few points that a row of its table fits a vector: a look-up is a permutation.
-class ShortCurve {
+/// A curve by reference; of which kind it is tells how it is looked up.
+class LookedUpCurve {
  public:
-  static HWY_INLINE bool fits(const GreyCurve& curve) { return curve.points() < hn::Lanes(Lanes()); }
-
-  HWY_INLINE explicit ShortCurve(const GreyCurve& curve) : curve_(curve) {}
+  HWY_INLINE explicit LookedUpCurve(const GreyCurve& curve) : curve_(curve) {}
 
   [[nodiscard]] HWY_INLINE std::size_t points() const { return curve_.points(); }
   [[nodiscard]] HWY_INLINE const float* row(GreyCurve::Row row) const { return curve_.row(row); }
@@ -34,14 +32,32 @@ class ShortCurve {
   const GreyCurve& curve_;
 };
 
+/// With so few points that a row of its table fits a vector: a look-up is a permutation.
+class ShortCurve : public LookedUpCurve {
+ public:
+  static HWY_INLINE bool fits(const GreyCurve& curve) { return curve.points() < hn::Lanes(Lanes()); }
+
+  HWY_INLINE explicit ShortCurve(const GreyCurve& curve) : LookedUpCurve(curve) {}
+};
+
+/// With any number of points: a look-up is a gather.
+class LongCurve : public LookedUpCurve {
+ public:
+  HWY_INLINE explicit LongCurve(const GreyCurve& curve) : LookedUpCurve(curve) {}
+};
+
 /// A row of a curve's table at the segments given.
 HWY_INLINE Vector LookUp(const ShortCurve& curve, GreyCurve::Row row, IntVector segment) {
   const Lanes d;
   return hn::TableLookupLanes(hn::Load(d, curve.row(row)), hn::IndicesFromVec(d, segment));
 }
+HWY_INLINE Vector LookUp(const LongCurve& curve, GreyCurve::Row row, IntVector segment) {
+  return hn::GatherIndex(Lanes(), curve.row(row), segment);
+}
+/// Of one of several curves.
 HWY_INLINE Vector LookUp(const GreyCurve& curve, GreyCurve::Row row, IntVector segment) {
   if (HWY_LIKELY(ShortCurve::fits(curve))) return LookUp(ShortCurve(curve), row, segment);
-  return hn::GatherIndex(Lanes(), curve.row(row), segment);
+  return LookUp(LongCurve(curve), row, segment);
 }
 
 HWY_INLINE IntVector SegmentOf(const ShortCurve& curve, Vector grey) {
@@ -55,8 +71,7 @@ HWY_INLINE IntVector SegmentOf(const ShortCurve& curve, Vector grey) {
   }
   return segment;
 }
-HWY_INLINE IntVector SegmentOf(const GreyCurve& curve, Vector grey) {
-  if (HWY_LIKELY(ShortCurve::fits(curve))) return SegmentOf(ShortCurve(curve), grey);
+HWY_INLINE IntVector SegmentOf(const LongCurve& curve, Vector grey) {
   const Lanes d;
   const Ints di;
   const float* greys = curve.row(GreyCurve::kGrey) + 1;
@@ -70,6 +85,10 @@ HWY_INLINE IntVector SegmentOf(const GreyCurve& curve, Vector grey) {
     segment = hn::IfThenElse(hn::AndNot(beyond, above), next, segment);
   }
   return segment;
+}
+HWY_INLINE IntVector SegmentOf(const GreyCurve& curve, Vector grey) {
+  if (HWY_LIKELY(ShortCurve::fits(curve))) return SegmentOf(ShortCurve(curve), grey);
+  return SegmentOf(LongCurve(curve), grey);
 }
 
 /// A grey value and what it stands for.

@@ -283,7 +283,7 @@ void MarchPacket(const MarchScene& scene, const RayPacket& packet, LightPacket& 
     if (one_look && ShortCurve::fits(*scene.sources[0].curve)) {
       March<OneLook<ShortCurve>>(scene, rays, sum);
     } else if (one_look) {
-      March<OneLook<const GreyCurve&>>(scene, rays, sum);
+      March<OneLook<LongCurve>>(scene, rays, sum);
     } else {
       March<ManyLooks>(scene, rays, sum);
     }
