@@ -258,8 +258,10 @@ class FourSampler {
   using OfOne = hn::FixedTag<float, 4>;
   using OneVector = hn::Vec<OfOne>;
 
+  /// As a sum of what is not negative: what is next to nothing is right to its last places, too, so that
+  /// colours may be divided by their weight.
   static HWY_INLINE OneVector Mix(OneVector a, OneVector b, float part) {
-    return hn::MulAdd(hn::Set(OfOne(), part), hn::Sub(b, a), a);
+    return hn::MulAdd(hn::Set(OfOne(), part), b, hn::Mul(hn::Set(OfOne(), 1 - part), a));
   }
   HWY_INLINE OneVector Edge(const float* corner, std::size_t n) const {
     return Mix(hn::LoadU(OfOne(), corner), hn::LoadU(OfOne(), corner + 4), parts_[0][n]);

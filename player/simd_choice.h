@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <cstring>
 
+#include <hwy/highway.h>
 #include <hwy/targets.h>
 
 namespace splatlas {
@@ -15,9 +16,9 @@ inline bool scalar_is_forced() {
   return forced != nullptr && std::strcmp(forced, "scalar") == 0;
 }
 
-/// The name of the best one that this machine runs.
+/// The name of the best one that there are kernels for and that this machine runs.
 inline const char* best_target() {
-  const std::int64_t supported = hwy::SupportedTargets();
+  const std::int64_t supported = hwy::SupportedTargets() & HWY_TARGETS;
   return hwy::TargetName(supported & -supported);  // the best is the lowest bit
 }
 

@@ -8,6 +8,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/every_kernel.h"
+
 namespace splatlas {
 namespace {
 
@@ -44,14 +46,13 @@ double expected_at(const WarpWalk& walk, double x, double y, std::size_t c) {
   return walk.channels == 2 && c < 3 ? light * static_cast<double>(walk.color[c]) : light;
 }
 
-class BothWarps : public testing::TestWithParam<bool> {
+class WarpKernelsOf : public EveryKernel {
  protected:
-  [[nodiscard]] const WarpKernels& kernels() const { return GetParam() ? best_warp() : scalar_warp(); }
+  [[nodiscard]] static const WarpKernels& kernels() { return is_twin() ? scalar_warp() : best_warp(); }
 };
-INSTANTIATE_TEST_SUITE_P(Kernels, BothWarps, testing::Bool(),
-                         [](const auto& kernels) { return kernels.param ? "Best" : "Scalar"; });
+INSTANTIATE_TEST_SUITE_P(Every, WarpKernelsOf, testing::ValuesIn(kernel_targets()), kernel_name);
 
-TEST_P(BothWarps, WeighsFourNeighboursAndWritesNoMoreThanAsked) {
+TEST_P(WarpKernelsOf, WeighsFourNeighboursAndWritesNoMoreThanAsked) {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> place(0, kSide - 1.001);
   for (const int channels : {2, 4}) {
@@ -93,7 +94,7 @@ double catmull_rom(double distance) {
 }
 
 /// Inside the sheet, across its border and beside it.
-TEST_P(BothWarps, CubicsWeighSixteenNeighboursAndStayInBounds) {
+TEST_P(WarpKernelsOf, CubicsWeighSixteenNeighboursAndStayInBounds) {
   std::mt19937 random(2);
   std::uniform_real_distribution<double> place(-4, kSide + 4), step(-0.7, 0.7);
   std::size_t cut = 0;

@@ -1,0 +1,50 @@
+// Whole pictures of random scenes, by every instruction set and by the scalar twins.
+#include "tests/support/every_kernel.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/random_scene.h"
+
+namespace splatlas {
+namespace {
+
+/// What march_kernels.h and splat_kernels.h promise.
+double most_apart(const RandomScene& scene) {
+  const bool by_rays = scene.camera.projection == CameraProjection::kPerspective ||
+                       scene.options.classification == Classification::kAfter;
+  if (!by_rays || scene.options.quality == Quality::kDraft) return 2e-5;
+  return scene.options.quality == Quality::kNormal ? 4 * 0.054 : 4 * 0.0046;
+}
+
+class PicturesOf : public EveryKernel {};
+INSTANTIATE_TEST_SUITE_P(Every, PicturesOf, testing::ValuesIn(kernel_targets()), kernel_name);
+
+TEST_P(PicturesOf, RandomScenesAgreeWithTheScalarTwins) {
+  int compared = 0;
+  for (std::uint32_t number = 0; number < 400; ++number) {
+    RandomScene scene = whole_scene(11, number);
+    scene.options.transmittance_floor = 0;
+    Renderer renderer(open_in_memory(scene.content), {.threads = 1});
+    ASSERT_TRUE(renderer.select(scene.selection));
+    scene.options.simd = false;
+    const Result<Picture> twin = renderer.render(scene.camera, scene.options);
+    scene.options.simd = !is_twin();
+    const Result<Picture> picture = renderer.render(scene.camera, scene.options);
+    ASSERT_EQ(picture.has_value(), twin.has_value());
+    if (!twin) continue;  // a view that cannot be had
+    double largest = 0;
+    for (std::size_t n = 0; n < twin->rgba.size(); ++n) {
+      const double difference = static_cast<double>(picture->rgba[n]) - static_cast<double>(twin->rgba[n]);
+      largest = std::max(largest, std::abs(difference));
+    }
+    EXPECT_LE(largest, most_apart(scene)) << number << ": " << describe(scene);
+    ++compared;
+  }
+  EXPECT_GT(compared, 350);
+}
+
+}  // namespace
+}  // namespace splatlas

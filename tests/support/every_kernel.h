@@ -1,0 +1,45 @@
+// Tests of kernels, once for every instruction set.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <hwy/highway.h>
+#include <hwy/targets.h>
+
+namespace splatlas {
+
+/// Stands for the scalar twins among Highway's targets.
+inline constexpr std::int64_t kScalarTwin = 0;
+
+/// Those that the kernels are compiled for and this machine runs, and the scalar twins.
+inline std::vector<std::int64_t> kernel_targets() {
+  std::vector<std::int64_t> targets{kScalarTwin};
+  for (std::int64_t rest = hwy::SupportedTargets() & HWY_TARGETS; rest != 0; rest &= rest - 1)
+    targets.push_back(rest & -rest);
+  return targets;
+}
+
+inline std::string kernel_name(const testing::TestParamInfo<std::int64_t>& target) {
+  return target.param == kScalarTwin ? "Twin" : hwy::TargetName(target.param);
+}
+
+/// While a test runs, dispatch chooses its instruction set.
+class EveryKernel : public testing::TestWithParam<std::int64_t> {
+ protected:
+  void SetUp() override { dispatch_to(GetParam()); }
+  void TearDown() override { dispatch_to(0); }
+
+  [[nodiscard]] static bool is_twin() { return GetParam() == kScalarTwin; }
+
+ private:
+  /// 0: as ever.
+  static void dispatch_to(std::int64_t target) {
+    hwy::SetSupportedTargetsForTest(target);
+    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+  }
+};
+
+}  // namespace splatlas
