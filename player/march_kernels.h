@@ -79,11 +79,12 @@ struct MarchKernels {
 
 /// Plain C++, ray by ray, the twin that others are compared with. Passes over nothing.
 [[nodiscard]] const MarchKernels& scalar_march();
-/// The best that this machine runs. Agrees with the scalar twin to about 1e-5 where the tolerance is 0; but
-/// for colours of `MarchSource::colors` where they have next to no weight, which follow the last place of the
-/// ray. Else rays of a vector take the steps that any of them needs, and wide vectors are more exact than
-/// narrow ones: no ray is further from the twin's than 4 tolerances, and 0.1 in RMS. SPLATLAS_SIMD=scalar in
-/// the environment forces the twin.
+/// The best that this machine runs. Where the tolerance is 0 it agrees with the scalar twin to about 1e-5,
+/// and to the floor, but where the last place decides: for grey values that are a step of their transfer
+/// function, and for colours of `MarchSource::colors` that have next to no weight. Else rays of a vector take
+/// the steps that any of them needs, and wide vectors are more exact than narrow ones: they are within 4
+/// tolerances of the twin's, and 0.1 in RMS over many. SPLATLAS_SIMD=scalar in the environment forces the
+/// twin.
 [[nodiscard]] const MarchKernels& best_march();
 
 }  // namespace splatlas

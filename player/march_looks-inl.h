@@ -54,7 +54,7 @@ HWY_INLINE Vector LookUp(const ShortCurve& curve, GreyCurve::Row row, IntVector 
 HWY_INLINE Vector LookUp(const LongCurve& curve, GreyCurve::Row row, IntVector segment) {
   return hn::GatherIndex(Lanes(), curve.row(row), segment);
 }
-/// Of one of several curves.
+/// Of either kind.
 HWY_INLINE Vector LookUp(const GreyCurve& curve, GreyCurve::Row row, IntVector segment) {
   if (HWY_LIKELY(ShortCurve::fits(curve))) return LookUp(ShortCurve(curve), row, segment);
   return LookUp(LongCurve(curve), row, segment);

@@ -115,9 +115,18 @@ class OneLook {
     return {octants, Classify(curve_, octants.Value(places)), hn::Load(Ints(), places.cells)};
   }
 
-  /// The cell of a slab that neither of both ends is in.
-  HWY_INLINE Octants Beside(const Taken& end) const {
-    return {octants_, rays_.CellInLayer(last_.cells, end.cells)};
+  struct GreyRange {
+    Vector low, high;
+  };
+  /// Of the voxels around all cells of the slab from `at`, where the last step ended.
+  HWY_INLINE GreyRange RangeOf(Vector at, Vector end, const Taken& taken) const {
+    const auto between = rays_.CellsBetween(last_.cells, taken.cells, at, end);
+    const Octants beside(octants_, between.beside);
+    if (HWY_LIKELY(!between.has_corner))
+      return {beside.LowWith(last_.octants, taken.octants), beside.HighWith(last_.octants, taken.octants)};
+    const Octants corner(octants_, between.corner);
+    return {corner.LowWith(beside, last_.octants, taken.octants),
+            corner.HighWith(beside, last_.octants, taken.octants)};
   }
 
   /// Rays come by cells that no other has come by for long: the machine's own prefetching does not help.
@@ -141,7 +150,7 @@ class OneLook {
   /// From one plane of voxels to the next in steps of equal lengths.
   HWY_INLINE void EvenSlab(Vector begin, Vector end, const Taken& taken) {
     const auto length = hn::Sub(end, begin);
-    const int steps = Steps(hn::Mul(rays_.mm_per_t, length), taken);
+    const int steps = Steps(begin, end, taken);
     auto at = begin;
     for (int n = 1; n < steps; ++n) {
       const auto next = PartOf(begin, length, n, steps);
@@ -153,16 +162,20 @@ class OneLook {
     Step(hn::Sub(end, at), taken.classified);
   }
 
-  HWY_INLINE int Steps(Vector length, const Taken& end) const {
+  /// What is seen through, times the length.
+  HWY_INLINE Vector WeightOf(Vector at, Vector end) const {
+    return hn::Mul(sum_.Through(), hn::Mul(rays_.mm_per_t, hn::Sub(end, at)));
+  }
+
+  HWY_INLINE int Steps(Vector at, Vector end, const Taken& taken) const {
     if (scene_.tolerance <= 0) return scene_.least_steps;
     const Lanes d;
-    const auto weight = hn::Mul(sum_.Through(), length);
+    const auto weight = WeightOf(at, end);
     const auto at_most = hn::Mul(weight, hn::Set(d, curve_.variation()));
     const auto most = hn::Set(d, kEvenShare * scene_.tolerance);
     if (hn::AllTrue(d, hn::Le(at_most, most))) return scene_.least_steps;
-    const Octants beside = Beside(end);
-    const auto low = VariationUpTo(curve_, beside.LowWith(last_.octants, end.octants));
-    const auto high = VariationUpTo(curve_, beside.HighWith(last_.octants, end.octants));
+    const GreyRange greys = RangeOf(at, end, taken);
+    const auto low = VariationUpTo(curve_, greys.low), high = VariationUpTo(curve_, greys.high);
     return StepsOf(scene_, hn::Mul(weight, hn::Sub(high, low)));
   }
 
@@ -170,7 +183,7 @@ class OneLook {
   HWY_INLINE void Slab(Vector at, Vector end, const Taken& taken) {
     const Lanes d;
     const auto half = hn::Set(d, 0.5f);
-    switch (WayOf(hn::Mul(rays_.mm_per_t, hn::Sub(end, at)), taken)) {
+    switch (WayOf(at, end, taken)) {
       case SlabWay::kStraight: Step(hn::Sub(end, at), taken.classified); break;
       case SlabWay::kBent: {
         const auto straight = hn::Mul(half, hn::Add(last_.classified.grey, taken.classified.grey));
@@ -182,23 +195,21 @@ class OneLook {
     }
   }
 
-  HWY_INLINE SlabWay WayOf(Vector length, const Taken& end) const {
+  HWY_INLINE SlabWay WayOf(Vector at, Vector end, const Taken& taken) const {
     const Lanes d;
     const auto tolerance = hn::Set(d, scene_.tolerance);
-    const auto weight = hn::Mul(sum_.Through(), length);
+    const auto weight = WeightOf(at, end);
     const auto at_most = hn::Mul(weight, hn::Set(d, curve_.variation()));
     if (hn::AllTrue(d, hn::Le(at_most, tolerance))) return SlabWay::kStraight;
-    const Octants beside = Beside(end);
-    const auto low_grey = beside.LowWith(last_.octants, end.octants);
-    const auto high_grey = beside.HighWith(last_.octants, end.octants);
-    const auto low_segment = SegmentOf(curve_, low_grey), high_segment = SegmentOf(curve_, high_grey);
-    const auto low = VariationUpTo(curve_, low_grey, low_segment);
-    const auto high = VariationUpTo(curve_, high_grey, high_segment);
+    const GreyRange greys = RangeOf(at, end, taken);
+    const auto low_segment = SegmentOf(curve_, greys.low), high_segment = SegmentOf(curve_, greys.high);
+    const auto low = VariationUpTo(curve_, greys.low, low_segment);
+    const auto high = VariationUpTo(curve_, greys.high, high_segment);
     const auto varies = hn::Mul(weight, hn::Sub(high, low));
     if (hn::AllTrue(d, hn::Le(varies, tolerance))) return SlabWay::kStraight;
     const auto most = hn::Mul(hn::Set(d, kMostVariation), tolerance);
     if (!hn::AllTrue(d, hn::Le(varies, most))) return SlabWay::kCut;
-    const auto middle = VariationUpTo(curve_, hn::Mul(hn::Set(d, 0.5f), hn::Add(low_grey, high_grey)));
+    const auto middle = VariationUpTo(curve_, hn::Mul(hn::Set(d, 0.5f), hn::Add(greys.low, greys.high)));
     const auto kinks = hn::Mul(weight, hn::Abs(hn::Sub(hn::Add(low, high), hn::Add(middle, middle))));
     const auto few = hn::Le(kinks, hn::Mul(hn::Set(d, kMostKinks), tolerance));
     const auto linear = hn::RebindMask(d, hn::Eq(low_segment, high_segment));

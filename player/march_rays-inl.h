@@ -52,27 +52,71 @@ struct Rays {
   HWY_INLINE Vector Clamped(float t) const { return hn::Min(hn::Max(hn::Set(Lanes(), t), from), to); }
   HWY_INLINE Vector At(std::size_t axis, Vector t) const { return hn::MulAdd(step[axis], t, origin[axis]); }
 
-  /// A slab lies in one layer of cells, one of its ends in a cell of the next layer: the cell beside that,
-  /// in the slab's own layer. With both ends' cells it has all voxels around the ray but one pair, whose
-  /// weight is a quarter at most.
-  HWY_INLINE IntVector CellInLayer(IntVector begin, IntVector end) const {
-    const auto beside = hn::Sub(hn::IfThenElse(ascends, end, begin), layer);
-    return hn::Max(beside, hn::Zero(Ints()));
+  /// The cells of a slab that neither end is in. It lies in one layer of cells, its further end in a cell of
+  /// the next: there is the one beside that in the slab's own layer; and where it goes on by one cell along
+  /// both other axes, the one that it comes by on its way.
+  struct Between {
+    IntVector beside;
+    IntVector corner;  // any of the slab's where a ray has none
+    bool has_corner;   // any ray
+  };
+
+  /// `begin`, `end`: the cells where a slab is at `t0` and `t1`.
+  HWY_INLINE Between CellsBetween(IntVector begin, IntVector end, Vector t0, Vector t1) const {
+    const Ints di;
+    const auto none = hn::Zero(di);
+    const auto beside = hn::Max(hn::Sub(hn::IfThenElse(ascends, end, begin), layer), none);
+    const auto ends_within = IsDiagonal(hn::Sub(end, begin));
+    const auto first = hn::IfThenElse(hn::Or(ends_within, ascends), begin, beside);
+    const auto last = hn::IfThenElse(hn::Or(ends_within, hn::Not(ascends)), end, beside);
+    const auto way = hn::Sub(last, first);
+    const auto has_corner = IsDiagonal(way);
+    if (HWY_LIKELY(hn::AllFalse(di, has_corner))) return {beside, beside, false};
+    const auto along_1 = hn::IfThenElse(hn::Lt(way, none), hn::Sub(none, across[1]), across[1]);
+    const auto along_1_first = hn::RebindMask(di, hn::Lt(Passes(1, t0, t1), Passes(0, t0, t1)));
+    const auto corner = hn::IfThenElse(along_1_first, hn::Add(first, along_1), hn::Sub(last, along_1));
+    const auto in_box = hn::Min(hn::Max(corner, none), last_cell_);
+    return {beside, hn::IfThenElse(has_corner, in_box, beside), true};
   }
 
  private:
+  /// Where a ray passes from cell to cell along one of both other axes, if it does so once.
+  HWY_INLINE Vector Passes(std::size_t other, Vector t0, Vector t1) const {
+    const auto before = hn::MulAdd(across_step_[other], t0, across_origin_[other]);
+    const auto behind = hn::MulAdd(across_step_[other], t1, across_origin_[other]);
+    const auto plane = hn::Max(hn::Floor(before), hn::Floor(behind));
+    return hn::Mul(hn::Sub(plane, across_origin_[other]), t_per_across_[other]);
+  }
+  /// Of the way from cell to cell: one along both other axes, which rays without a principal axis do not
+  /// have.
+  HWY_INLINE hn::Mask<Ints> IsDiagonal(IntVector way) const {
+    const auto cells = hn::Abs(way);
+    const auto apart = hn::Sub(across[1], across[0]), together = hn::Add(across[1], across[0]);
+    return hn::And(hn::Gt(together, apart), hn::Or(hn::Eq(cells, apart), hn::Eq(cells, together)));
+  }
+
   HWY_INLINE void FindLayers(const MarchGrid& grid) {
     const Lanes d;
     const Ints di;
     const std::int32_t strides[3] = {1, grid.size[0], grid.size[0] * grid.size[1]};
+    last_cell_ = hn::Set(di, strides[2] * grid.size[2] - 1);
     layer = across[0] = across[1] = hn::Zero(di);
+    for (std::size_t other = 0; other < 2; ++other)
+      across_origin_[other] = across_step_[other] = t_per_across_[other] = hn::Zero(d);
     ascends = hn::MaskFromVec(hn::Zero(di));
     for (std::size_t a = 0; a < 3; ++a) {
       const auto is_unit = hn::Eq(hn::Abs(step[a]), hn::Set(d, 1.0f));
       const auto counts = hn::RebindMask(di, hn::And(is_unit, hn::Eq(origin[a], hn::Zero(d))));
       layer = hn::IfThenElse(counts, hn::Set(di, strides[a]), layer);
-      across[0] = hn::IfThenElse(counts, hn::Set(di, strides[a == 0 ? 1 : 0]), across[0]);
-      across[1] = hn::IfThenElse(counts, hn::Set(di, strides[a == 2 ? 1 : 2]), across[1]);
+      const auto is_principal = hn::RebindMask(d, counts);
+      const std::size_t others[2] = {a == 0 ? 1u : 0u, a == 2 ? 1u : 2u};
+      for (std::size_t other = 0; other < 2; ++other) {
+        const std::size_t axis = others[other];
+        across[other] = hn::IfThenElse(counts, hn::Set(di, strides[axis]), across[other]);
+        across_origin_[other] = hn::IfThenElse(is_principal, origin[axis], across_origin_[other]);
+        across_step_[other] = hn::IfThenElse(is_principal, step[axis], across_step_[other]);
+        t_per_across_[other] = hn::IfThenElse(is_principal, t_per_voxel[axis], t_per_across_[other]);
+      }
       const auto up = hn::RebindMask(di, hn::Gt(step[a], hn::Zero(d)));
       ascends =
           hn::MaskFromVec(hn::IfThenElse(counts, hn::VecFromMask(di, up), hn::VecFromMask(di, ascends)));
@@ -90,6 +134,10 @@ struct Rays {
     from = hn::Max(from, hn::Min(low, high));
     to = hn::Min(to, hn::Max(low, high));
   }
+
+  IntVector last_cell_;
+  // Along both other axes.
+  Vector across_origin_[2], across_step_[2], t_per_across_[2];
 };
 
 /// Where the n-th of equal steps ends.

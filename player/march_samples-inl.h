@@ -110,19 +110,17 @@ struct Octants {
     points[2] = hn::Mul(third, hn::Add(bba, twos));
   }
 
-  HWY_INLINE Vector Low() const {
-    return Fold(Lowest(), [](auto x, auto y) { return hn::Min(x, y); });
-  }
-  HWY_INLINE Vector High() const {
-    return Fold(Highest(), [](auto x, auto y) { return hn::Max(x, y); });
-  }
-  /// Of the lowest and the highest bytes of three cells.
-  HWY_INLINE Vector LowWith(const Octants& a, const Octants& b) const {
-    const auto low = hn::Min(hn::Min(Lowest(), a.Lowest()), b.Lowest());
+  /// Of the lowest and the highest bytes of these cells and others.
+  template <typename... Others>
+  HWY_INLINE Vector LowWith(const Others&... others) const {
+    auto low = Lowest();
+    ((low = hn::Min(low, others.Lowest())), ...);
     return Fold(low, [](auto x, auto y) { return hn::Min(x, y); });
   }
-  HWY_INLINE Vector HighWith(const Octants& a, const Octants& b) const {
-    const auto high = hn::Max(hn::Max(Highest(), a.Highest()), b.Highest());
+  template <typename... Others>
+  HWY_INLINE Vector HighWith(const Others&... others) const {
+    auto high = Highest();
+    ((high = hn::Max(high, others.Highest())), ...);
     return Fold(high, [](auto x, auto y) { return hn::Max(x, y); });
   }
 
@@ -162,7 +160,7 @@ struct Grey {
 
 HWY_INLINE Grey SampleOctants(const std::uint64_t* octants, const Places& places) {
   const Octants cells(octants, places);
-  return {cells.Value(places), cells.Low(), cells.High()};
+  return {cells.Value(places), cells.LowWith(), cells.HighWith()};
 }
 
 HWY_INLINE Grey SampleGreys(const float* greys, const MarchGrid& grid, const Places& places) {
@@ -185,11 +183,11 @@ HWY_INLINE Grey SampleGreys(const float* greys, const MarchGrid& grid, const Pla
   return grey;
 }
 
-/// The lowest and the highest of the four voxels around the face that cells begin with: they and their
-/// neighbours `across`, in both directions. Every voxel has `kEach` values, of which the first counts.
+/// A range by the values of the four voxels around the face that cells begin with: they and their neighbours
+/// `across`, in both directions. Every voxel has `kEach` values, of which the first counts.
 template <std::ptrdiff_t kEach>
-HWY_INLINE void FaceRange(const float* values, IntVector cells, const IntVector* across, Vector& low,
-                          Vector& high) {
+HWY_INLINE void WidenByFace(const float* values, IntVector cells, const IntVector* across, Vector& low,
+                            Vector& high) {
   const Ints di;
   HWY_ALIGN std::int32_t voxels[kPacketRays];
   HWY_ALIGN std::int32_t right[kPacketRays];
@@ -206,8 +204,8 @@ HWY_INLINE void FaceRange(const float* values, IntVector cells, const IntVector*
     lows[n] = std::min(std::min(*upper, upper[beside]), std::min(*lower, lower[beside]));
     highs[n] = std::max(std::max(*upper, upper[beside]), std::max(*lower, lower[beside]));
   }
-  low = hn::Load(Lanes(), lows);
-  high = hn::Load(Lanes(), highs);
+  low = hn::Min(low, hn::Load(Lanes(), lows));
+  high = hn::Max(high, hn::Load(Lanes(), highs));
 }
 
 /// Four values between voxels.

@@ -104,7 +104,8 @@ class ManyLooks {
     for (std::size_t c = 0; c < chosen_count_; ++c) Take(chosen_[c], places, ends_[chosen_[c]]);
     const auto length = hn::Sub(end, begin);
     const auto end_cells = hn::Load(Ints(), places.cells);
-    const int steps = Steps(hn::Mul(rays_.mm_per_t, length), rays_.CellInLayer(cells_, end_cells));
+    const int steps =
+        Steps(hn::Mul(rays_.mm_per_t, length), rays_.CellsBetween(cells_, end_cells, begin, end));
     cells_ = end_cells;
     auto at = begin;
     for (int n = 1; n < steps; ++n) {
@@ -117,8 +118,8 @@ class ManyLooks {
     Step(at, end, ends_);
   }
 
-  /// `beside`: the cells of the slab that neither end is in.
-  HWY_INLINE int Steps(Vector length, IntVector beside) const {
+  /// `between`: the cells of the slab that neither end is in.
+  HWY_INLINE int Steps(Vector length, const Rays::Between& between) const {
     if (scene_.tolerance <= 0) return scene_.least_steps;
     const Lanes d;
     auto variation = hn::Zero(d);
@@ -126,10 +127,8 @@ class ManyLooks {
       const MarchSource& source = scene_.sources[chosen_[c]];
       const State& before = states_[chosen_[c]];
       const State& after = ends_[chosen_[c]];
-      Vector low, high;
-      Range(source, beside, low, high);
-      low = hn::Min(low, hn::Min(before.low, after.low));
-      high = hn::Max(high, hn::Max(before.high, after.high));
+      auto low = hn::Min(before.low, after.low), high = hn::Max(before.high, after.high);
+      Widen(source, between, low, high);
       if (source.light == nullptr) {
         low = VariationUpTo(*source.curve, low);
         high = VariationUpTo(*source.curve, high);
@@ -139,17 +138,32 @@ class ManyLooks {
     return StepsOf(scene_, hn::Mul(hn::Mul(sum_.Through(), length), variation));
   }
 
-  /// Of the voxels of a slab that are around these cells: the face that no neighbour shares.
-  HWY_INLINE void Range(const MarchSource& source, IntVector cells, Vector& low, Vector& high) const {
+  /// A range of voxels' values by those of the voxels that no end's cell has.
+  HWY_INLINE void Widen(const MarchSource& source, const Rays::Between& between, Vector& low,
+                        Vector& high) const {
     if (source.octants != nullptr) {
-      const Octants octants(source.octants, cells);
-      low = octants.Low();
-      high = octants.High();
+      WidenByOctants(source.octants, between.beside, low, high);
+      if (between.has_corner) WidenByOctants(source.octants, between.corner, low, high);
     } else if (source.greys != nullptr) {
-      FaceRange<1>(source.greys, cells, rays_.across, low, high);
+      WidenByFaces<1>(source.greys, between, low, high);
     } else {
-      FaceRange<4>(source.light, cells, rays_.across, low, high);
+      WidenByFaces<4>(source.light, between, low, high);
     }
+  }
+  static HWY_INLINE void WidenByOctants(const std::uint64_t* octants, IntVector cells, Vector& low,
+                                        Vector& high) {
+    const Octants here(octants, cells);
+    low = hn::Min(low, here.LowWith());
+    high = hn::Max(high, here.HighWith());
+  }
+  /// Of the cell beside one at an end, the other face is that one's.
+  template <std::ptrdiff_t kEach>
+  HWY_INLINE void WidenByFaces(const float* values, const Rays::Between& between, Vector& low,
+                               Vector& high) const {
+    WidenByFace<kEach>(values, between.beside, rays_.across, low, high);
+    if (!between.has_corner) return;
+    WidenByFace<kEach>(values, between.corner, rays_.across, low, high);
+    WidenByFace<kEach>(values, hn::Add(between.corner, rays_.layer), rays_.across, low, high);
   }
 
   /// Extinction, and emission in red, green and blue: means of a step, and at its ends.

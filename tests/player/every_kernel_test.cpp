@@ -11,11 +11,15 @@
 namespace splatlas {
 namespace {
 
-/// What march_kernels.h and splat_kernels.h promise.
-double most_apart(const RandomScene& scene) {
+bool has_tolerance(const RandomScene& scene) {
   const bool by_rays = scene.camera.projection == CameraProjection::kPerspective ||
                        scene.options.classification == Classification::kAfter;
-  if (!by_rays || scene.options.quality == Quality::kDraft) return 2e-5;
+  return by_rays && scene.options.quality != Quality::kDraft;
+}
+
+/// What march_kernels.h and splat_kernels.h promise, with the tolerances of docs/rendering.md.
+double most_apart(const RandomScene& scene) {
+  if (!has_tolerance(scene)) return 2e-5;
   return scene.options.quality == Quality::kNormal ? 4 * 0.054 : 4 * 0.0046;
 }
 
@@ -23,15 +27,15 @@ class PicturesOf : public EveryKernel {};
 INSTANTIATE_TEST_SUITE_P(Every, PicturesOf, testing::ValuesIn(kernel_targets()), kernel_name);
 
 TEST_P(PicturesOf, RandomScenesAgreeWithTheScalarTwins) {
-  int compared = 0;
-  for (std::uint32_t number = 0; number < 400; ++number) {
+  int compared = 0, with_tolerance = 0;
+  for (std::uint32_t number = 400; number < 800; ++number) {
     RandomScene scene = whole_scene(11, number);
     scene.options.transmittance_floor = 0;
     Renderer renderer(open_in_memory(scene.content), {.threads = 1});
     ASSERT_TRUE(renderer.select(scene.selection));
     scene.options.simd = false;
     const Result<Picture> twin = renderer.render(scene.camera, scene.options);
-    scene.options.simd = !is_twin();
+    scene.options.simd = true;
     const Result<Picture> picture = renderer.render(scene.camera, scene.options);
     ASSERT_EQ(picture.has_value(), twin.has_value());
     if (!twin) continue;  // a view that cannot be had
@@ -42,8 +46,10 @@ TEST_P(PicturesOf, RandomScenesAgreeWithTheScalarTwins) {
     }
     EXPECT_LE(largest, most_apart(scene)) << number << ": " << describe(scene);
     ++compared;
+    with_tolerance += has_tolerance(scene) ? 1 : 0;
   }
   EXPECT_GT(compared, 350);
+  EXPECT_GT(with_tolerance, 50);
 }
 
 }  // namespace

@@ -21,7 +21,8 @@ struct Shape {
   std::array<std::int32_t, 3> size{13, 11, 14};  ///< the margin of two included
   std::uint32_t one_of = 3;                      ///< so many voxels is dark,
   bool sparse = false;                           ///< or is not
-  std::optional<std::size_t> gaps_along{};       ///< axis along which two thirds are dark, 20 by 20 voxels
+  std::optional<std::size_t> gaps_along{};       ///< axis along which two thirds are dark,
+  std::int32_t gaps = 20;                        ///< after so many voxels that are not
 };
 
 /// Random voxels in a box, as bytes, floats, colours and light.
@@ -41,7 +42,7 @@ class RandomSources {
     for (int z = 2; z < grid_.size[2] - 2; ++z) {
       for (int y = 2; y < grid_.size[1] - 2; ++y) {
         for (int x = 2; x < grid_.size[0] - 2; ++x) {
-          if (shape.gaps_along && std::array{x, y, z}[*shape.gaps_along] / 20 % 3 != 1) continue;
+          if (shape.gaps_along && std::array{x, y, z}[*shape.gaps_along] / shape.gaps % 3 != 1) continue;
           if ((random_() % shape.one_of == 0) != shape.sparse) continue;
           const std::uint64_t grey = random_() % 256;
           greys_[place(x, y, z)] = static_cast<float>(grey);
@@ -63,11 +64,12 @@ class RandomSources {
     active_ = brick_sums(shown);
   }
 
-  GreyCurve curve(std::size_t points) {
+  /// Of opacities up to 0.9, or a share of that.
+  GreyCurve curve(std::size_t points, float share = 1) {
     TransferCurve curve;
     for (std::size_t n = 0; n < points; ++n) {
       curve.points.push_back({20.0 + 200.0 * static_cast<double>(n) / static_cast<double>(points),
-                              n == 0 ? 0.0f : static_cast<float>(random_() % 90) / 100,
+                              n == 0 ? 0.0f : share * static_cast<float>(random_() % 90) / 100,
                               static_cast<float>(random_() % 100) / 100});
     }
     return {curve, {.bytes = true}, 1};
@@ -96,6 +98,27 @@ class RandomSources {
     for (std::size_t n = 0; n < kPacketRays; ++n) {
       const float sign = random_() % 2 == 0 ? 1.0f : -1.0f;
       place_ray(packet, n, random_() % 3, sign, {part(), part(), part()}, {slope(), slope(), slope()});
+    }
+    return packet;
+  }
+  /// Each all but along a diagonal of cells, from next to one edge of a cell to next to the opposite one.
+  RayPacket diagonals() {
+    RayPacket packet;
+    for (std::size_t n = 0; n < kPacketRays; ++n) {
+      const std::size_t axis = random_() % 3;
+      const float sign = random_() % 2 == 0 ? 1.0f : -1.0f;
+      place_ray(packet, n, axis, sign, {0, 0, 0}, {0, 0, 0});
+      const float middle = std::floor(static_cast<float>(grid_.size[axis]) / 2);
+      bool near_end = random_() % 2 == 0;
+      for (std::size_t a = 0; a < 3; ++a) {
+        if (a == axis) continue;
+        const float slope = (random_() % 2 == 0 ? 1.0f : -1.0f) * (1 - 0.1f * part());
+        const float whole = std::floor(3 + part() * static_cast<float>(grid_.size[a] - 6));
+        const float at = whole + (near_end == (slope > 0) ? 1 - 0.1f * part() : 0.1f * part());
+        packet.step[a][n] = slope;
+        packet.origin[a][n] = at - slope * middle * sign;
+        near_end = !near_end;
+      }
     }
     return packet;
   }
@@ -216,12 +239,12 @@ class MarchKernelsOf : public EveryKernel {
  protected:
   [[nodiscard]] static const MarchKernels& kernels() { return is_twin() ? scalar_march() : best_march(); }
 };
-INSTANTIATE_TEST_SUITE_P(Every, MarchKernelsOf, testing::ValuesIn(kernel_targets()), kernel_name);
+INSTANTIATE_TEST_SUITE_P(Every, MarchKernelsOf, testing::ValuesIn(targets_and_twin()), kernel_name);
 
 TEST_P(MarchKernelsOf, AgreeWithTheScalarTwin) {
   for (std::uint32_t seed = 0; seed < 40; ++seed) {
     RandomSources random(seed);
-    for (const std::size_t points : {2u, 4u, 9u, 30u}) {
+    for (const std::size_t points : {2u, 4u, 9u, 30u, 256u}) {
       const GreyCurve curve = random.curve(points), other = random.curve(3);
       for (const RayPacket& rays : {random.rays(), random.rays_of_all_axes()}) {
         const auto cases = all_kinds(random, curve, other);
@@ -241,10 +264,13 @@ TEST_P(MarchKernelsOf, AgreeWithTheScalarTwin) {
 TEST_P(MarchKernelsOf, PassOverEmptyBricksOnly) {
   for (std::uint32_t seed = 0; seed < 24; ++seed) {
     const std::size_t axis = seed % 3;
-    Shape shape{.one_of = seed % 2 == 0 ? 3u : 400u, .sparse = seed % 2 != 0, .gaps_along = axis};
+    Shape shape{.one_of = seed % 2 == 0 ? 3u : 400u,
+                .sparse = seed % 2 != 0,
+                .gaps_along = axis,
+                .gaps = 14 + static_cast<std::int32_t>(seed / 3)};
     shape.size[axis] = 150 + static_cast<std::int32_t>(seed);
     RandomSources random(seed, shape);
-    const GreyCurve curve = random.curve(4), other = random.curve(3);
+    const GreyCurve curve = random.curve(4, 0.01f), other = random.curve(3, 0.01f);
     for (const float most_slope : {0.02f, 0.2f, 1.0f}) {
       const RayPacket rays = random.bundle(axis, most_slope);
       const auto cases = all_kinds(random, curve, other);
@@ -261,25 +287,26 @@ TEST_P(MarchKernelsOf, PassOverEmptyBricksOnly) {
 /// What march_kernels.h promises where there is a tolerance: the rays of a vector take the steps that any of
 /// them needs, the twin's what each of them needs itself.
 TEST_P(MarchKernelsOf, AgreeWithTheScalarTwinWithinTheTolerance) {
-  constexpr float kTolerance = 0.054f;
-  float largest = 0;
-  double squares = 0, packets = 0;
-  for (std::uint32_t seed = 0; seed < 120; ++seed) {
-    RandomSources random(seed, {.one_of = seed % 2 == 0 ? 3u : 30u, .sparse = seed % 2 != 0});
-    const GreyCurve curve = random.curve(2 + seed % 5), other = random.curve(3);
-    const RayPacket rays = random.rays_of_all_axes();
-    for (const std::vector<MarchSource>& sources : all_kinds(random, curve, other)) {
-      MarchScene scene = random.scene(sources, 1);
-      scene.tolerance = kTolerance;
-      scene.most_steps = 32;
-      const Difference found = difference(scene, rays, kernels(), scalar_march());
-      largest = std::max(largest, found.largest);
-      squares += found.squares;
-      ++packets;
+  for (const float tolerance : {0.054f, 0.0046f}) {
+    float largest = 0;
+    double squares = 0, packets = 0;
+    for (std::uint32_t seed = 0; seed < 120; ++seed) {
+      RandomSources random(seed, {.one_of = seed % 2 == 0 ? 3u : 30u, .sparse = seed % 2 != 0});
+      const GreyCurve curve = random.curve(2 + seed % 5), other = random.curve(3);
+      const RayPacket rays = seed % 3 == 0 ? random.diagonals() : random.rays_of_all_axes();
+      for (const std::vector<MarchSource>& sources : all_kinds(random, curve, other)) {
+        MarchScene scene = random.scene(sources, 1);
+        scene.tolerance = tolerance;
+        scene.most_steps = 32;
+        const Difference found = difference(scene, rays, kernels(), scalar_march());
+        largest = std::max(largest, found.largest);
+        squares += found.squares;
+        ++packets;
+      }
     }
+    EXPECT_LE(largest, 4 * tolerance);
+    EXPECT_LE(std::sqrt(squares / packets), 0.1 * static_cast<double>(tolerance));
   }
-  EXPECT_LE(largest, 4 * kTolerance);
-  EXPECT_LE(std::sqrt(squares / packets), 0.1 * kTolerance);
 }
 
 /// Bytes and floats are the same volume.
@@ -407,20 +434,21 @@ RayPacket lone(const RayPacket& rays, std::size_t n) {
   return packet;
 }
 
-/// Between both ends of a slab a ray may pass a cell that neither end is in.
+/// Between both ends of a slab a ray may pass cells that neither end is in.
 TEST_P(MarchKernelsOf, ToleranceSeesCellsBetweenTheEndsOfASlab) {
   constexpr float kTolerance = 0.02f;
   std::array<float, 4> worst{};
-  for (std::uint32_t seed = 0; seed < 40; ++seed) {
+  for (std::uint32_t seed = 0; seed < 16; ++seed) {
     RandomSources random(seed, {.one_of = 30, .sparse = true});
     TransferCurve steep;
-    steep.points = {{30, 0, 1}, {40, 0.9f, 1}};
+    const double knot = seed % 2 == 0 ? 30 : 8;
+    steep.points = {{knot, 0, 1}, {1.3 * knot, 0.9f, 1}};
     const GreyCurve curve(steep, {.bytes = true}, 1);
     const std::vector<MarchSource> kinds{random.octants(curve), random.greys(curve), random.colored(curve),
                                          random.light()};
-    const RayPacket rays = seed % 2 == 0 ? random.rays() : random.rays_of_all_axes();
-    for (std::size_t n = 0; n < kPacketRays; ++n) {
-      const RayPacket ray = lone(rays, n);
+    const std::array all_rays{random.rays(), random.rays_of_all_axes(), random.diagonals()};
+    for (std::size_t n = 0; n < 3 * kPacketRays; ++n) {
+      const RayPacket ray = lone(all_rays[n / kPacketRays], n % kPacketRays);
       for (std::size_t kind = 0; kind < kinds.size(); ++kind) {
         const std::vector sources{kinds[kind]};
         LightPacket truth;

@@ -178,7 +178,7 @@ class SplatKernelsOf : public EveryKernel {
  protected:
   [[nodiscard]] static const SplatKernels& kernels() { return is_twin() ? scalar_kernels() : best_kernels(); }
 };
-INSTANTIATE_TEST_SUITE_P(Every, SplatKernelsOf, testing::ValuesIn(kernel_targets()), kernel_name);
+INSTANTIATE_TEST_SUITE_P(Every, SplatKernelsOf, testing::ValuesIn(targets_and_twin()), kernel_name);
 
 TEST_P(SplatKernelsOf, CompositeTheDefinition) {
   std::mt19937 random(1);
@@ -206,12 +206,12 @@ TEST_P(SplatKernelsOf, CompositeTheDefinition) {
           const double error = 6e-8 * expected + 8e-7 * added + added * depth_error +
                                weight * 2.5e-7 * scene.largest(s, x, c + 1);
           ASSERT_NEAR(image.at(s, c, x), expected, error)
-              << kernels().name << ", scene " << n << ", pixel " << x << ", depth " << depth;
+              << "scene " << n << ", pixel " << x << ", depth " << depth;
         }
         const double absorbed = -through * std::expm1(-depth);
         const double expected = static_cast<double>(before.at(s, opacity, x)) + absorbed;
         const double error = 6e-8 * expected + 8e-7 * absorbed + through * depth_error * std::exp(-depth);
-        ASSERT_NEAR(image.at(s, opacity, x), expected, error) << kernels().name << ", depth " << depth;
+        ASSERT_NEAR(image.at(s, opacity, x), expected, error) << "depth " << depth;
         ASSERT_LE(image.at(s, opacity, x), 1);
         ++compared;
       }
@@ -237,8 +237,8 @@ TEST_P(SplatKernelsOf, OpacityOfThinSlabsDoesNotCancel) {
     kernels().composite(upon(slice, {}), 1.0f, 0, image.rows(1, 1));
     const double expected = -std::expm1(-static_cast<double>(extinction));
     for (std::int64_t x = 0; x < 40; ++x) {
-      ASSERT_NEAR(image.at(0, 0, x) / expected, 1, 3e-7) << kernels().name << ", depth " << depth;
-      ASSERT_NEAR(image.at(0, 3, x) / expected, 1, 3e-7) << kernels().name << ", depth " << depth;
+      ASSERT_NEAR(image.at(0, 0, x) / expected, 1, 3e-7) << "depth " << depth;
+      ASSERT_NEAR(image.at(0, 3, x) / expected, 1, 3e-7) << "depth " << depth;
     }
   }
 }
@@ -275,7 +275,7 @@ TEST_P(SplatKernelsOf, OpaqueBlocksAreLeftAsTheyAreAndTheNextOneGetsItsFootprint
   kernels().composite(rows, 1.0f, kFloor, image.rows(1, 1));
   for (std::int64_t x = 0; x < 60; ++x) {
     const bool opaque = x >= 21 && x <= 36;
-    EXPECT_EQ(image.at(0, 0, x), opaque ? 0 : nowhere.at(0, 0, x)) << kernels().name << ' ' << x;
+    EXPECT_EQ(image.at(0, 0, x), opaque ? 0 : nowhere.at(0, 0, x)) << x;
   }
   image = Image(60, 1, 2);
   constexpr float kAlmost = 0.874f;
@@ -311,10 +311,10 @@ TEST_P(SplatKernelsOf, WhatIsKnownToBeOpaqueChangesNothing) {
     for (std::size_t s = 0; s < with.streams(); ++s) {
       for (std::size_t plane = 0; plane < with.planes(); ++plane) {
         for (std::int64_t x = 0; x < with.columns(); ++x)
-          ASSERT_EQ(with.at(s, plane, x), without.at(s, plane, x)) << kernels().name << ", scene " << n;
+          ASSERT_EQ(with.at(s, plane, x), without.at(s, plane, x)) << "scene " << n;
       }
       for (std::int64_t x = opaque[s].first; x < opaque[s].last; ++x)
-        ASSERT_GE(with.at(s, with.planes() - 1, x), 1 - kFloor) << kernels().name << ", pixel " << x;
+        ASSERT_GE(with.at(s, with.planes() - 1, x), 1 - kFloor) << "pixel " << x;
       known_pixels += opaque[s].last - opaque[s].first;
     }
   }

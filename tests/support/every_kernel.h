@@ -14,11 +14,18 @@ namespace splatlas {
 /// Stands for the scalar twins among Highway's targets.
 inline constexpr std::int64_t kScalarTwin = 0;
 
-/// Those that the kernels are compiled for and this machine runs, and the scalar twins.
+/// Those that the kernels are compiled for and this machine runs.
 inline std::vector<std::int64_t> kernel_targets() {
-  std::vector<std::int64_t> targets{kScalarTwin};
+  std::vector<std::int64_t> targets;
   for (std::int64_t rest = hwy::SupportedTargets() & HWY_TARGETS; rest != 0; rest &= rest - 1)
     targets.push_back(rest & -rest);
+  return targets;
+}
+
+/// The scalar twins, too.
+inline std::vector<std::int64_t> targets_and_twin() {
+  std::vector<std::int64_t> targets = kernel_targets();
+  targets.push_back(kScalarTwin);
   return targets;
 }
 
