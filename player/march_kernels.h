@@ -80,11 +80,11 @@ struct MarchKernels {
 /// Plain C++, ray by ray, the twin that others are compared with. Passes over nothing.
 [[nodiscard]] const MarchKernels& scalar_march();
 /// The best that this machine runs. Where the tolerance is 0 it agrees with the scalar twin to about 1e-5,
-/// and to the floor, but where the last place decides: for grey values that are a step of their transfer
-/// function, and for colours of `MarchSource::colors` that have next to no weight. Else rays of a vector take
-/// the steps that any of them needs, and wide vectors are more exact than narrow ones: they are within 4
-/// tolerances of the twin's, and 0.1 in RMS over many. SPLATLAS_SIMD=scalar in the environment forces the
-/// twin.
+/// and to the floor, but where the twin's own picture hangs on the last place of the view: grey values on a
+/// step of their transfer function do that, and colours of `MarchSource::colors` of next to no weight. Else
+/// rays of a vector take the steps that any of them needs, and wide vectors are more exact than narrow ones:
+/// they are within 4 tolerances of the twin's, and 0.1 in RMS over many. SPLATLAS_SIMD=scalar in the
+/// environment forces the twin.
 [[nodiscard]] const MarchKernels& best_march();
 
 }  // namespace splatlas
