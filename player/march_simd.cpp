@@ -104,8 +104,7 @@ class ManyLooks {
     for (std::size_t c = 0; c < chosen_count_; ++c) Take(chosen_[c], places, ends_[chosen_[c]]);
     const auto length = hn::Sub(end, begin);
     const auto end_cells = hn::Load(Ints(), places.cells);
-    const int steps =
-        Steps(hn::Mul(rays_.mm_per_t, length), rays_.CellsBetween(cells_, end_cells, begin, end));
+    const int steps = Steps(begin, end, end_cells);
     cells_ = end_cells;
     auto at = begin;
     for (int n = 1; n < steps; ++n) {
@@ -118,10 +117,11 @@ class ManyLooks {
     Step(at, end, ends_);
   }
 
-  /// `between`: the cells of the slab that neither end is in.
-  HWY_INLINE int Steps(Vector length, const Rays::Between& between) const {
+  HWY_INLINE int Steps(Vector begin, Vector end, IntVector end_cells) const {
     if (scene_.tolerance <= 0) return scene_.least_steps;
     const Lanes d;
+    const auto between = rays_.CellsBetween(cells_, end_cells, begin, end);
+    const auto length = hn::Mul(rays_.mm_per_t, hn::Sub(end, begin));
     auto variation = hn::Zero(d);
     for (std::size_t c = 0; c < chosen_count_; ++c) {
       const MarchSource& source = scene_.sources[chosen_[c]];
@@ -138,7 +138,7 @@ class ManyLooks {
     return StepsOf(scene_, hn::Mul(hn::Mul(sum_.Through(), length), variation));
   }
 
-  /// A range of voxels' values by those of the voxels that no end's cell has.
+  /// A range of voxels' values by those of the cells that neither end of a slab is in.
   HWY_INLINE void Widen(const MarchSource& source, const Rays::Between& between, Vector& low,
                         Vector& high) const {
     if (source.octants != nullptr) {

@@ -177,6 +177,8 @@ SheetRows upon(const SliceSpans& slice, const Phase& phase) {
 class SplatKernelsOf : public EveryKernel {
  protected:
   [[nodiscard]] static const SplatKernels& kernels() { return is_twin() ? scalar_kernels() : best_kernels(); }
+  /// What is hidden is left block by block; by narrower vectors also vector by vector.
+  [[nodiscard]] static bool leaves_whole_blocks() { return GetParam() <= HWY_AVX3; }
 };
 INSTANTIATE_TEST_SUITE_P(Every, SplatKernelsOf, testing::ValuesIn(targets_and_twin()), kernel_name);
 
@@ -282,7 +284,10 @@ TEST_P(SplatKernelsOf, OpaqueBlocksAreLeftAsTheyAreAndTheNextOneGetsItsFootprint
   for (std::int64_t x = 21; x <= 36; ++x) image.at(0, 1, x) = x == 30 ? kAlmost : 0.875f;
   kernels().composite(rows, 1.0f, kFloor, image.rows(1, 1));
   EXPECT_NEAR(image.at(0, 0, 30), (1 - kAlmost) * nowhere.at(0, 0, 30), 1e-7) << "it is not opaque";
-  for (std::int64_t x = 21; x <= 36; ++x) {  // others may be left, or not
+  for (std::int64_t x = 21; x <= 36; ++x) {
+    if (leaves_whole_blocks()) {
+      EXPECT_GT(image.at(0, 0, x), 0) << "one pixel is not opaque";
+    }
     if (x == 30 || image.at(0, 0, x) == 0) continue;
     EXPECT_NEAR(image.at(0, 0, x), 0.125f * nowhere.at(0, 0, x), 1e-7) << x;
   }
@@ -335,7 +340,8 @@ TEST_P(SplatKernelsOf, AgreeWithTheScalarTwin) {
       for (std::size_t plane = 0; plane < image.planes(); ++plane) {
         for (std::int64_t x = 0; x < image.columns(); ++x) {
           const float expected = scalar.at(s, plane, x);
-          ASSERT_NEAR(image.at(s, plane, x), expected, floor + 1e-6 * std::max(1.0f, expected));
+          const float left = leaves_whole_blocks() ? 0 : floor;
+          ASSERT_NEAR(image.at(s, plane, x), expected, left + 1e-6 * std::max(1.0f, expected));
         }
       }
     }
