@@ -6,7 +6,7 @@
 
 #include "bench/bench.h"
 #include "format/atlas_reader.h"
-#include "preprocess/import/import_sources.h"
+#include "preprocess/import_sources.h"
 
 namespace splatlas {
 

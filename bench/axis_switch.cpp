@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "player/shear.h"
+#include "player/view/shear.h"
 
 namespace splatlas {
 namespace {

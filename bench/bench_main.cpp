@@ -12,12 +12,12 @@
 #include <fmt/format.h>
 
 #include "bench/bench.h"
-#include "format/ascii_text.h"
-#include "format/check_writable.h"
-#include "format/interrupts.h"
-#include "format/output_file.h"
-#include "format/output_path.h"
-#include "format/standard_output.h"
+#include "format/system/ascii_text.h"
+#include "format/system/check_writable.h"
+#include "format/system/interrupts.h"
+#include "format/system/output_file.h"
+#include "format/system/output_path.h"
+#include "format/system/standard_output.h"
 
 namespace splatlas {
 namespace {

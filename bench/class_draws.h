@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "format/decision_tree.h"
-#include "player/selected_runs.h"
-#include "player/volume_looks.h"
+#include "player/spans/selected_runs.h"
+#include "player/transfer/volume_looks.h"
 
 namespace splatlas {
 

@@ -9,7 +9,7 @@
 #include "bench/decoded_selection.h"
 #include "bench/qualities.h"
 #include "bench/smooth_field.h"
-#include "player/cast_rays.h"
+#include "player/rays/cast_rays.h"
 #include "tests/reference/light_field.h"
 #include "tests/reference/perspective.h"
 #include "tests/reference/picture_difference.h"

@@ -3,9 +3,9 @@
 
 #include <memory>
 
-#include "player/class_cache.h"
-#include "player/selected_runs.h"
-#include "player/volume_looks.h"
+#include "player/spans/class_cache.h"
+#include "player/spans/selected_runs.h"
+#include "player/transfer/volume_looks.h"
 
 namespace splatlas {
 

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "bench/qualities.h"
-#include "player/shear.h"
+#include "player/view/shear.h"
 
 namespace splatlas {
 namespace {

@@ -7,9 +7,9 @@
 
 #include "bench/voxel_model.h"
 #include "format/decision_tree.h"
-#include "player/draw_frame.h"
-#include "player/thread_pool.h"
-#include "player/volume_looks.h"
+#include "format/system/thread_pool.h"
+#include "player/frame/draw_frame.h"
+#include "player/transfer/volume_looks.h"
 
 namespace splatlas {
 

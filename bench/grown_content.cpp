@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "format/directory.h"
+#include "format/file/directory.h"
 
 namespace splatlas {
 namespace {

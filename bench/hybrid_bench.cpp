@@ -16,7 +16,7 @@
 #include "bench/peers/x_server.h"
 #include "format/color.h"
 #include "player/render_frame.h"
-#include "player/shear.h"
+#include "player/view/shear.h"
 #include "tests/reference/picture_difference.h"
 #include "tests/reference/reference_picture.h"
 

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "bench/class_draws.h"
-#include "format/run_codec.h"
+#include "format/codec/run_codec.h"
 
 namespace splatlas {
 namespace {

@@ -9,8 +9,8 @@
 #include "bench/error_scenes.h"
 #include "bench/packed_spans.h"
 #include "format/atlas_reader.h"
-#include "player/build_spans.h"
-#include "player/draw_frame.h"
+#include "player/frame/draw_frame.h"
+#include "player/spans/build_spans.h"
 #include "player/stopwatch.h"
 
 namespace splatlas {

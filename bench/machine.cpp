@@ -8,7 +8,7 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
-#include "player/splat_kernels.h"
+#include "player/sheets/splat_kernels.h"
 
 namespace splatlas {
 namespace {

@@ -6,8 +6,8 @@
 #include "bench/bits_differ.h"
 #include "bench/class_draws.h"
 #include "bench/turned_camera.h"
-#include "player/build_spans.h"
-#include "player/span_writer.h"
+#include "player/spans/build_spans.h"
+#include "player/spans/span_writer.h"
 
 namespace splatlas {
 

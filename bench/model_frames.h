@@ -11,11 +11,12 @@
 #include "bench/class_octree.h"
 #include "bench/level_runs.h"
 #include "bench/run_collector.h"
-#include "player/class_cache.h"
-#include "player/draw_frame.h"
-#include "player/selected_runs.h"
+#include "player/frame/draw_frame.h"
+#include "player/render_frame.h"
+#include "player/spans/class_cache.h"
+#include "player/spans/selected_runs.h"
 #include "player/stopwatch.h"
-#include "player/volume_looks.h"
+#include "player/transfer/volume_looks.h"
 
 namespace splatlas {
 

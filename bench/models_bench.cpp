@@ -11,8 +11,8 @@
 #include "bench/bench.h"
 #include "bench/measure.h"
 #include "bench/model_frames.h"
-#include "format/chunk_codec.h"
-#include "format/run_codec.h"
+#include "format/codec/chunk_codec.h"
+#include "format/codec/run_codec.h"
 
 namespace splatlas {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "player/span_writer.h"
+#include "player/spans/span_writer.h"
 
 namespace splatlas {
 namespace {

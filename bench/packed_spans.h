@@ -1,9 +1,9 @@
 // The selected voxels of a model packed into one array: what compositing them costs with nothing to skip.
 #pragma once
 
-#include "player/shear.h"
-#include "player/sheets.h"
-#include "player/span_model.h"
+#include "player/sheets/sheets.h"
+#include "player/spans/span_model.h"
+#include "player/view/shear.h"
 
 namespace splatlas {
 

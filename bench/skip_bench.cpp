@@ -18,7 +18,7 @@
 #include "bench/turned_camera.h"
 #include "format/atlas_writer.h"
 #include "player/render_frame.h"
-#include "player/shear.h"
+#include "player/view/shear.h"
 
 namespace splatlas {
 namespace {

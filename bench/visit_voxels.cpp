@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <array>
 
-#include "player/build_spans.h"
-#include "player/span_writer.h"
+#include "player/spans/build_spans.h"
+#include "player/spans/span_writer.h"
 
 namespace splatlas {
 namespace {

@@ -7,9 +7,9 @@
 
 #include "bench/voxel_model.h"
 #include "format/decision_tree.h"
-#include "player/span_model.h"
-#include "player/thread_pool.h"
-#include "player/volume_looks.h"
+#include "format/system/thread_pool.h"
+#include "player/spans/span_model.h"
+#include "player/transfer/volume_looks.h"
 
 namespace splatlas {
 

@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "format/ascii_text.h"
+#include "format/system/ascii_text.h"
 
 namespace splatlas {
 namespace {

@@ -8,8 +8,6 @@
 
 #include <fmt/format.h>
 
-#include "format/geometry_limits.h"
-
 namespace splatlas {
 namespace {
 

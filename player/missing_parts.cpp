@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
-#include "format/ascii_text.h"
-#include "format/value_groups.h"
+#include "format/derive/value_groups.h"
+#include "format/system/ascii_text.h"
 
 namespace splatlas {
 namespace {

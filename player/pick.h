@@ -1,34 +1,15 @@
-// What is under the pointer.
+// Result of picking: the structure under a point of a picture.
 #pragma once
 
-#include <optional>
-#include <span>
-
-#include "player/fragments.h"
-#include "player/render_frame.h"
-#include "player/selected_runs.h"
-#include "player/view_depth.h"
-#include "player/volume_looks.h"
+#include "format/grid.h"
+#include "format/structure_graph.h"
 
 namespace splatlas {
 
-/// What the latest frame was made from.
-struct PickScene {
-  const Grid& grid;
-  const SelectedRuns& runs;
-  const DrawPlan& plan;
-  std::span<const VolumeLook> looks;
-  const ClassCache& cache;
-  const FragmentList& fragments;
-  std::size_t depth_axis = 2;  ///< fragments' depths are `depth_sign` times places along it
-  double depth_sign = 1;
+/// The structure that contributes most to a pixel, and the point on its ray with the largest contribution.
+struct Pick {
+  StructureIndex structure = kNoStructure;
+  Vec3 point_lps_mm{0, 0, 0};
 };
-
-/// Follows the ray through picture coordinates (x, y) front to back, from voxel to nearest voxel and fragment
-/// to fragment, and returns the structure that contributes most, at the depth where it contributes most.
-/// `axis`: of the grid, along which a voxel is looked at per plane; the one that the ray follows most when
-/// not set.
-[[nodiscard]] std::optional<Pick> pick_structure(const PickScene& scene, const View& view,
-                                                 const std::optional<Axis>& axis, double x, double y);
 
 }  // namespace splatlas

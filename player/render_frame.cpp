@@ -9,22 +9,22 @@
 
 #include <fmt/format.h>
 
-#include "format/memory_limit.h"
-#include "player/axis_spans.h"
-#include "player/cast_rays.h"
-#include "player/cast_surfaces.h"
-#include "player/class_cache.h"
-#include "player/depth_edges.h"
-#include "player/draw_frame.h"
-#include "player/pick.h"
-#include "player/ray_depths.h"
-#include "player/ray_volume.h"
-#include "player/shading.h"
-#include "player/span_depths.h"
-#include "player/span_model.h"
-#include "player/surface_depths.h"
-#include "player/thread_pool.h"
-#include "player/volume_looks.h"
+#include "format/system/memory_limit.h"
+#include "format/system/thread_pool.h"
+#include "player/depth_cue/depth_edges.h"
+#include "player/frame/draw_frame.h"
+#include "player/frame/pick_structure.h"
+#include "player/frame/surface_depths.h"
+#include "player/rays/cast_rays.h"
+#include "player/rays/cast_surfaces.h"
+#include "player/rays/ray_depths.h"
+#include "player/rays/ray_volume.h"
+#include "player/sheets/span_depths.h"
+#include "player/spans/axis_spans.h"
+#include "player/spans/class_cache.h"
+#include "player/spans/span_model.h"
+#include "player/transfer/shading.h"
+#include "player/transfer/volume_looks.h"
 
 namespace splatlas {
 namespace {
@@ -62,13 +62,6 @@ CastOptions cast_options(const RenderOptions& options) {
 }
 
 }  // namespace
-
-std::optional<Quality> named_quality(std::string_view name) {
-  if (name == "draft") return Quality::kDraft;
-  if (name == "normal") return Quality::kNormal;
-  if (name == "high") return Quality::kHigh;
-  return std::nullopt;
-}
 
 struct Renderer::Impl {
   /// What rays march through, of the current selection.

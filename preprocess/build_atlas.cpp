@@ -8,10 +8,10 @@
 
 #include "format/atlas_reader.h"
 #include "format/atlas_writer.h"
-#include "format/check_writable.h"
-#include "format/interrupts.h"
-#include "format/output_file.h"
-#include "format/output_path.h"
+#include "format/system/check_writable.h"
+#include "format/system/interrupts.h"
+#include "format/system/output_file.h"
+#include "format/system/output_path.h"
 #include "preprocess/build_content.h"
 
 namespace splatlas {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "preprocess/build_progress.h"
-#include "preprocess/import/import_sources.h"
+#include "preprocess/import_sources.h"
 
 namespace splatlas {
 

@@ -3,7 +3,7 @@
 
 #include "format/atlas_content.h"
 #include "preprocess/build_progress.h"
-#include "preprocess/import/import_sources.h"
+#include "preprocess/import_sources.h"
 
 namespace splatlas {
 

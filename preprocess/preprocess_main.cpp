@@ -7,9 +7,9 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "format/ascii_text.h"
-#include "format/interrupts.h"
-#include "format/standard_output.h"
+#include "format/system/ascii_text.h"
+#include "format/system/interrupts.h"
+#include "format/system/standard_output.h"
 #include "preprocess/commands/build_command.h"
 #include "preprocess/commands/export_command.h"
 

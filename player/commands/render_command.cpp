@@ -9,9 +9,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "format/check_writable.h"
-#include "format/output_file.h"
-#include "format/output_path.h"
+#include "format/system/check_writable.h"
+#include "format/system/output_file.h"
+#include "format/system/output_path.h"
 #include "player/pictures/picture_encoder.h"
 
 namespace splatlas {

@@ -7,7 +7,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "format/ascii_text.h"
+#include "format/system/ascii_text.h"
 
 namespace splatlas {
 namespace {

@@ -5,7 +5,7 @@
 #include <sstream>
 #include <utility>
 
-#include "format/ascii_text.h"
+#include "format/system/ascii_text.h"
 
 namespace splatlas {
 namespace {

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "format/parallel.h"
+#include "format/system/parallel.h"
 
 namespace splatlas {
 namespace {

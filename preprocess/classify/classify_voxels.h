@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "format/class_table.h"
-#include "preprocess/classify/membership_volume.h"
+#include "preprocess/membership_volume.h"
 
 namespace splatlas {
 

@@ -14,8 +14,8 @@
 #include <itkOtsuThresholdCalculator.h>
 #include <itkRelabelComponentImageFilter.h>
 
-#include "preprocess/import/itk_call.h"
-#include "preprocess/import/text_file.h"
+#include "preprocess/import/images/itk_call.h"
+#include "preprocess/import/tables/text_file.h"
 
 namespace splatlas {
 namespace {

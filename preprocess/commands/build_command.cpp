@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
-#include "format/ascii_text.h"
-#include "format/plain_text.h"
+#include "format/system/ascii_text.h"
+#include "format/system/plain_text.h"
 #include "preprocess/build_atlas.h"
 #include "preprocess/commands/name_and_file.h"
 #include "preprocess/commands/progress_display.h"

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "format/standard_output.h"
+#include "format/system/standard_output.h"
 #include "preprocess/commands/name_and_file.h"
 
 namespace splatlas {

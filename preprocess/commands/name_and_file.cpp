@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "preprocess/import/text_file.h"
+#include "preprocess/import/tables/text_file.h"
 
 namespace splatlas {
 

@@ -4,7 +4,7 @@
 #include <array>
 #include <span>
 
-#include "preprocess/import/import_mesh.h"
+#include "preprocess/import/meshes/import_mesh.h"
 
 namespace splatlas {
 

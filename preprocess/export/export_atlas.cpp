@@ -7,9 +7,9 @@
 #include <fmt/format.h>
 
 #include "format/atlas_reader.h"
-#include "format/check_writable.h"
-#include "format/output_path.h"
 #include "format/selection.h"
+#include "format/system/check_writable.h"
+#include "format/system/output_path.h"
 #include "preprocess/export/export_labels.h"
 #include "preprocess/export/write_image.h"
 #include "preprocess/export/write_mesh.h"

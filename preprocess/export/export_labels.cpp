@@ -2,10 +2,10 @@
 
 #include <fmt/format.h>
 
-#include "format/check_writable.h"
-#include "format/interrupts.h"
-#include "format/output_folder.h"
-#include "format/structure_crop.h"
+#include "format/derive/structure_crop.h"
+#include "format/system/check_writable.h"
+#include "format/system/interrupts.h"
+#include "format/system/output_folder.h"
 #include "preprocess/export/temporary_output.h"
 #include "preprocess/export/write_image.h"
 

@@ -1,7 +1,7 @@
 #include "preprocess/export/temporary_output.h"
 
-#include "format/ascii_text.h"
-#include "format/output_file.h"
+#include "format/system/ascii_text.h"
+#include "format/system/output_file.h"
 
 namespace splatlas {
 namespace {

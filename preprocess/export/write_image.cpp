@@ -2,11 +2,11 @@
 
 #include <fmt/format.h>
 
-#include "format/ascii_text.h"
+#include "format/system/ascii_text.h"
 #include "preprocess/export/temporary_output.h"
-#include "preprocess/import/check_image_file.h"
-#include "preprocess/import/image_io.h"
-#include "preprocess/import/itk_call.h"
+#include "preprocess/import/images/check_image_file.h"
+#include "preprocess/import/images/image_io.h"
+#include "preprocess/import/images/itk_call.h"
 #include "preprocess/import/quiet_standard_error.h"
 
 namespace splatlas {

@@ -3,8 +3,8 @@
 
 #include <filesystem>
 
-#include "preprocess/import/check_image_file.h"
-#include "preprocess/import/import_image.h"
+#include "preprocess/import/images/check_image_file.h"
+#include "preprocess/import/images/import_image.h"
 
 namespace splatlas {
 

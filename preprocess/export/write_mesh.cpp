@@ -16,9 +16,9 @@
 
 #include "preprocess/export/compare_mesh.h"
 #include "preprocess/export/temporary_output.h"
-#include "preprocess/import/check_mesh_file.h"
-#include "preprocess/import/import_mesh.h"
-#include "preprocess/import/quiet_vtk.h"
+#include "preprocess/import/meshes/check_mesh_file.h"
+#include "preprocess/import/meshes/import_mesh.h"
+#include "preprocess/import/meshes/quiet_vtk.h"
 
 namespace splatlas {
 namespace {

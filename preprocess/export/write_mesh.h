@@ -6,7 +6,7 @@
 
 #include "format/grid.h"
 #include "format/surface.h"
-#include "preprocess/import/check_mesh_file.h"
+#include "preprocess/import/meshes/check_mesh_file.h"
 
 namespace splatlas {
 

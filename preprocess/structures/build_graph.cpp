@@ -6,9 +6,9 @@
 
 #include <fmt/format.h>
 
-#include "format/ascii_text.h"
 #include "format/selection.h"
-#include "preprocess/import/text_file.h"
+#include "format/system/ascii_text.h"
+#include "preprocess/import/tables/text_file.h"
 
 namespace splatlas {
 namespace {

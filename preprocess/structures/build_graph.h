@@ -1,25 +1,15 @@
 // Structures and a tree file become the structure graph.
 #pragma once
 
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "format/structure_graph.h"
-#include "preprocess/structures/read_tree.h"
+#include "preprocess/import/tables/read_tree.h"
+#include "preprocess/source_structure.h"
 
 namespace splatlas {
-
-/// A structure as its source gives it, before the tree file places it. Its number in a list of these is its
-/// source number.
-struct SourceStructure {
-  std::string name;
-  std::optional<std::int64_t> label;
-  std::optional<std::int64_t> code;
-  std::optional<Rgb> color;
-  bool external = false;
-};
 
 struct PlacedStructures {
   StructureGraph graph;

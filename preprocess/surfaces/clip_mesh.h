@@ -6,7 +6,7 @@
 
 #include "format/grid.h"
 #include "format/surface.h"
-#include "preprocess/import/import_mesh.h"
+#include "preprocess/import/meshes/import_mesh.h"
 
 namespace splatlas {
 

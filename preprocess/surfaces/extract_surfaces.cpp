@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "format/fit_surface.h"
-#include "format/parallel.h"
-#include "format/structure_crop.h"
+#include "format/derive/fit_surface.h"
+#include "format/derive/structure_crop.h"
+#include "format/system/parallel.h"
 
 namespace splatlas {
 namespace {

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "bench/decoded_selection.h"
-#include "player/build_spans.h"
+#include "player/spans/build_spans.h"
 #include "tests/support/standard_scenes.h"
 
 namespace splatlas {

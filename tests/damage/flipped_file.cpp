@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "format/value_groups.h"
+#include "format/derive/value_groups.h"
 #include "tests/support/render.h"
 #include "tests/support/value_or_throw.h"
 

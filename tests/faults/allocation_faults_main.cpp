@@ -18,10 +18,10 @@
 #include <fmt/format.h>
 
 #include "format/atlas_writer.h"
-#include "format/checksum.h"
-#include "format/parallel.h"
+#include "format/system/checksum.h"
+#include "format/system/parallel.h"
+#include "format/system/thread_pool.h"
 #include "player/render_frame.h"
-#include "player/thread_pool.h"
 #include "player/write_png.h"
 #include "tests/faults/failing_allocator.h"
 #include "tests/faults/run_harness.h"

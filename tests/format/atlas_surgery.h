@@ -9,9 +9,9 @@
 #include <stdexcept>
 #include <vector>
 
-#include "format/chunk_codec.h"
-#include "format/directory.h"
-#include "format/file_layout.h"
+#include "format/codec/chunk_codec.h"
+#include "format/file/directory.h"
+#include "format/file/file_layout.h"
 
 namespace splatlas {
 

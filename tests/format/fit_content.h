@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "format/atlas_content.h"
-#include "format/fit_surface.h"
-#include "format/fitted_content.h"
+#include "format/derive/fit_surface.h"
+#include "format/file/fitted_content.h"
 
 namespace splatlas {
 

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "format/checksum.h"
-#include "format/chunk_codec.h"
+#include "format/codec/chunk_codec.h"
+#include "format/system/checksum.h"
 #include "tests/fuzz/fuzz_input.h"
 #include "tests/fuzz/require.h"
 

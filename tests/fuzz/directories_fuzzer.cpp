@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "format/directory.h"
-#include "format/file_layout.h"
+#include "format/file/directory.h"
+#include "format/file/file_layout.h"
 #include "tests/fuzz/cost_limit.h"
 #include "tests/fuzz/fuzz_input.h"
 #include "tests/fuzz/require.h"

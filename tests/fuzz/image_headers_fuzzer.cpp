@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-#include "preprocess/import/check_image_file.h"
+#include "preprocess/import/images/check_image_file.h"
 #include "tests/fuzz/cost_limit.h"
 #include "tests/fuzz/fuzz_input.h"
 #include "tests/fuzz/require.h"

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <string>
 
-#include "preprocess/import/check_mesh_file.h"
-#include "preprocess/import/import_mesh.h"
+#include "preprocess/import/meshes/check_mesh_file.h"
+#include "preprocess/import/meshes/import_mesh.h"
 #include "tests/fuzz/fuzz_input.h"
 #include "tests/fuzz/require.h"
 #include "tests/fuzz/scratch_file.h"

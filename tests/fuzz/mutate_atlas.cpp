@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "format/atlas_writer.h"
-#include "format/checksum.h"
+#include "format/system/checksum.h"
 #include "tests/format/atlas_surgery.h"
 #include "tests/fuzz/mutate_directory.h"
 #include "tests/fuzz/mutators.h"

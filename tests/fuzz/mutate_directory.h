@@ -1,7 +1,7 @@
 // Directories that say something else than they did, each entry on its own.
 #pragma once
 
-#include "format/directory.h"
+#include "format/file/directory.h"
 #include "tests/fuzz/mutate_number.h"
 
 namespace splatlas {

@@ -5,9 +5,9 @@
 #include <set>
 #include <string>
 
+#include "preprocess/import/tables/read_names.h"
+#include "preprocess/import/tables/structure_name.h"
 #include "preprocess/structures/build_graph.h"
-#include "preprocess/structures/read_names.h"
-#include "preprocess/structures/structure_name.h"
 #include "tests/fuzz/cost_limit.h"
 #include "tests/fuzz/fuzz_input.h"
 #include "tests/fuzz/require.h"

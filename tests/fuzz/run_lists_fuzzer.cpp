@@ -4,10 +4,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "format/boundary_split.h"
-#include "format/mask_codec.h"
-#include "format/run_codec.h"
-#include "format/run_fingerprint.h"
+#include "format/codec/mask_codec.h"
+#include "format/codec/run_codec.h"
+#include "format/derive/boundary_split.h"
+#include "format/derive/run_fingerprint.h"
 #include "format/run_model.h"
 #include "tests/fuzz/fuzz_input.h"
 #include "tests/fuzz/require.h"

@@ -8,8 +8,8 @@
 
 #include <fmt/format.h>
 
-#include "format/ascii_text.h"
 #include "format/selection.h"
+#include "format/system/ascii_text.h"
 #include "tests/fuzz/fuzz_input.h"
 #include "tests/fuzz/require.h"
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "format/surface_codec.h"
+#include "format/codec/surface_codec.h"
 #include "tests/fuzz/fuzz_input.h"
 #include "tests/fuzz/require.h"
 

@@ -7,9 +7,9 @@
 #include <memory>
 
 #include "format/transfer_curve.h"
-#include "player/grey_curve.h"
-#include "player/transfer_function.h"
-#include "player/transfer_table.h"
+#include "player/transfer/grey_curve.h"
+#include "player/transfer/transfer_function.h"
+#include "player/transfer/transfer_table.h"
 #include "tests/fuzz/fuzz_input.h"
 #include "tests/fuzz/require.h"
 

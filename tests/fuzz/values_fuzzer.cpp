@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "format/codec/value_codec.h"
 #include "format/run_model.h"
-#include "format/value_codec.h"
 #include "tests/fuzz/fuzz_input.h"
 #include "tests/fuzz/require.h"
 

@@ -11,10 +11,10 @@
 #include <fmt/format.h>
 
 #include "format/atlas_writer.h"
-#include "format/chunk_codec.h"
-#include "format/run_codec.h"
-#include "format/surface_codec.h"
-#include "format/value_codec.h"
+#include "format/codec/chunk_codec.h"
+#include "format/codec/run_codec.h"
+#include "format/codec/surface_codec.h"
+#include "format/codec/value_codec.h"
 #include "tests/format/atlas_surgery.h"
 #include "tests/fuzz/seed_atlases.h"
 

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "player/shear.h"
+#include "player/view/shear.h"
 #include "tests/phantom/two_spheres.h"
 #include "tests/reference/picture_difference.h"
 #include "tests/support/render.h"

@@ -1,14 +1,13 @@
 // Depths of pictures, and what they darken, in frames of sheets and of rays.
-#include "player/depth_cue.h"
-
 #include <cmath>
 
 #include <gtest/gtest.h>
 
-#include "player/build_spans.h"
-#include "player/ray_depths.h"
-#include "player/span_depths.h"
-#include "player/surface_depths.h"
+#include "player/frame/surface_depths.h"
+#include "player/rays/ray_depths.h"
+#include "player/render_options.h"
+#include "player/sheets/span_depths.h"
+#include "player/spans/build_spans.h"
 #include "tests/support/render.h"
 #include "tests/support/standard_scenes.h"
 #include "tests/support/uniform_box.h"

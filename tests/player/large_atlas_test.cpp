@@ -9,8 +9,8 @@
 #include <gtest/gtest.h>
 
 #include "format/atlas_writer.h"
-#include "format/checksum.h"
-#include "format/run_codec.h"
+#include "format/codec/run_codec.h"
+#include "format/system/checksum.h"
 #include "player/render_frame.h"
 #include "tests/format/atlas_surgery.h"
 #include "tests/format/temporary_folder.h"

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "player/rasterize.h"
+#include "player/surfaces/rasterize.h"
 #include "tests/reference/perspective.h"
 #include "tests/reference/reference_light.h"
 

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "format/atlas_writer.h"
-#include "player/span_model.h"
+#include "player/spans/span_model.h"
 #include "tests/phantom/two_spheres.h"
 #include "tests/reference/light_field.h"
 #include "tests/reference/picture_difference.h"

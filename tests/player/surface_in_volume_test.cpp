@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "player/shear.h"
+#include "player/view/shear.h"
 #include "tests/reference/discrete_model.h"
 #include "tests/reference/picture_difference.h"
 #include "tests/reference/reference_light.h"

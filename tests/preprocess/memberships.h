@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "preprocess/classify/membership_volume.h"
+#include "preprocess/membership_volume.h"
 #include "preprocess/structures/build_graph.h"
 
 namespace splatlas {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "preprocess/import/import_image.h"
+#include "preprocess/import/images/import_image.h"
 
 namespace splatlas {
 

@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <string>
 
-#include "format/standard_output.h"
+#include "format/system/standard_output.h"
 #include "tests/reference/picture_difference.h"
 #include "tests/support/render.h"
 #include "tests/support/standard_scenes.h"

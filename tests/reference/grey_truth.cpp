@@ -6,7 +6,7 @@
 #include <limits>
 #include <utility>
 
-#include "format/parallel.h"
+#include "format/system/parallel.h"
 #include "tests/reference/cubic.h"
 
 namespace splatlas::reference {

@@ -5,7 +5,7 @@
 #include <functional>
 #include <vector>
 
-#include "player/classification.h"
+#include "player/render_options.h"
 #include "tests/reference/masked_volume.h"
 #include "tests/reference/perspective.h"
 #include "tests/reference/ray.h"

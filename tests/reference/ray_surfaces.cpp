@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "format/decision_tree.h"
-#include "player/shear.h"
+#include "player/view/shear.h"
 #include "tests/reference/reference_light.h"
 
 namespace splatlas::reference {

@@ -8,7 +8,7 @@
 #include "format/atlas_content.h"
 #include "format/selection.h"
 #include "player/render_frame.h"
-#include "player/sample_pattern.h"
+#include "player/view/sample_pattern.h"
 
 namespace splatlas::reference {
 

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "player/shear.h"
+#include "player/view/shear.h"
 #include "tests/reference/ray.h"
 #include "tests/support/test_content.h"
 

@@ -9,7 +9,7 @@
 
 #include <fmt/format.h>
 
-#include "player/shear.h"
+#include "player/view/shear.h"
 #include "tests/reference/picture_difference.h"
 #include "tests/scenes/expected_counts.h"
 #include "tests/scenes/ray_truth.h"

@@ -5,7 +5,7 @@
 #include <limits>
 #include <vector>
 
-#include "player/clip_triangle.h"
+#include "player/surfaces/clip_triangle.h"
 #include "tests/reference/perspective.h"
 #include "tests/reference/reference_volume.h"
 

@@ -1,8 +1,8 @@
 #include "tests/support/fit_parts.h"
 
-#include "format/fit_surface.h"
+#include "format/derive/fit_surface.h"
+#include "format/derive/structure_crop.h"
 #include "format/run_model.h"
-#include "format/structure_crop.h"
 
 namespace splatlas {
 

@@ -4,9 +4,9 @@
 #include <utility>
 #include <vector>
 
-#include "format/fit_surface.h"
+#include "format/derive/fit_surface.h"
+#include "format/derive/structure_crop.h"
 #include "format/run_model.h"
-#include "format/structure_crop.h"
 
 namespace splatlas {
 namespace {

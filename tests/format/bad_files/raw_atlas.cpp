@@ -4,8 +4,8 @@
 #include <stdexcept>
 
 #include "format/atlas_writer.h"
-#include "format/checksum.h"
-#include "format/run_codec.h"
+#include "format/codec/run_codec.h"
+#include "format/system/checksum.h"
 #include "schemas/atlas_generated.h"
 
 namespace splatlas {

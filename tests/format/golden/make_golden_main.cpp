@@ -8,7 +8,7 @@
 
 #include "format/atlas_reader.h"
 #include "format/atlas_writer.h"
-#include "format/output_file.h"
+#include "format/system/output_file.h"
 #include "tests/format/golden/content_text.h"
 #include "tests/format/golden/golden_contents.h"
 

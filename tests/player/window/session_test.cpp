@@ -12,7 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "format/atlas_writer.h"
-#include "player/span_model.h"
+#include "player/spans/span_model.h"
 #include "player/window/camera_moves.h"
 #include "tests/support/phantom_content.h"
 #include "tests/support/run_program.h"

@@ -1,0 +1,152 @@
+#include "format/codec/chunk_codec.h"
+
+#include <cstring>
+#include <memory>
+#include <mutex>
+#include <new>
+#include <vector>
+
+#include <fmt/format.h>
+#include <zstd.h>
+
+#include "format/system/checksum.h"
+
+namespace splatlas {
+
+namespace {
+
+template <auto release>
+struct Release {
+  void operator()(auto* context) const { release(context); }
+};
+using CompressContext = std::unique_ptr<ZSTD_CCtx, Release<ZSTD_freeCCtx>>;
+using DecompressContext = std::unique_ptr<ZSTD_DCtx, Release<ZSTD_freeDCtx>>;
+
+/// Contexts to reuse: making one costs more than a small chunk. Not thread_local: a thread's first use of one
+/// with a destructor waits for the dynamic linker's lock, which a program that loads a module holds for long.
+template <typename Context, auto create>
+class ContextPool {
+ public:
+  /// A context for the caller alone, given back when the lease ends.
+  class Lease {
+   public:
+    Lease(ContextPool& pool, Context context) : pool_(pool), context_(std::move(context)) {}
+    ~Lease() {
+      const std::lock_guard lock(pool_.mutex_);
+      pool_.idle_.push_back(std::move(context_));
+    }
+    Lease(const Lease&) = delete;
+    Lease& operator=(const Lease&) = delete;
+    [[nodiscard]] auto* get() const { return context_.get(); }
+
+   private:
+    ContextPool& pool_;
+    Context context_;
+  };
+
+  [[nodiscard]] static Lease take() {
+    static ContextPool pool;
+    {
+      const std::lock_guard lock(pool.mutex_);
+      if (!pool.idle_.empty()) {
+        Context context = std::move(pool.idle_.back());
+        pool.idle_.pop_back();
+        return Lease(pool, std::move(context));
+      }
+      pool.idle_.reserve(++pool.made_);  // giving it back cannot fail
+    }
+    Context context(create());
+    if (!context) throw std::bad_alloc();
+    return Lease(pool, std::move(context));
+  }
+
+ private:
+  std::mutex mutex_;
+  std::vector<Context> idle_;
+  std::size_t made_ = 0;  // at most; some could not be
+};
+using CompressContexts = ContextPool<CompressContext, ZSTD_createCCtx>;
+using DecompressContexts = ContextPool<DecompressContext, ZSTD_createDCtx>;
+
+tl::unexpected<Error> damaged(std::string message) {
+  return fail(ErrorCode::kInvalidAtlas, std::move(message));
+}
+
+/// Exactly one frame, of exactly the expected content: Zstandard itself would take several, and skippable
+/// ones.
+Result<void> check_frame(std::span<const std::byte> stored, std::size_t decoded_bytes) {
+  constexpr std::uint32_t kMagic = ZSTD_MAGICNUMBER;
+  if (stored.size() < sizeof kMagic || std::memcmp(stored.data(), &kMagic, sizeof kMagic) != 0) {
+    return damaged("not a Zstandard frame");
+  }
+  const std::size_t frame_bytes = ZSTD_findFrameCompressedSize(stored.data(), stored.size());
+  if (ZSTD_isError(frame_bytes) || frame_bytes != stored.size()) return damaged("not one Zstandard frame");
+  const unsigned long long content = ZSTD_getFrameContentSize(stored.data(), stored.size());
+  if (content != decoded_bytes) {
+    return damaged(fmt::format("its frame is not of the {} bytes that the directory tells", decoded_bytes));
+  }
+  if (ZSTD_getDictID_fromFrame(stored.data(), stored.size()) != 0)
+    return damaged("its frame needs a dictionary");
+  return {};
+}
+
+}  // namespace
+
+EncodedChunk encode_chunk(std::span<const std::byte> decoded, int level, ChunkContent content) {
+  EncodedChunk chunk;
+  chunk.bytes.resize(ZSTD_compressBound(decoded.size()));
+  const auto context = CompressContexts::take();
+  ZSTD_CCtx_reset(context.get(), ZSTD_reset_session_and_parameters);
+  ZSTD_CCtx_setParameter(context.get(), ZSTD_c_compressionLevel, level);
+  if (content == ChunkContent::kNoise) {
+    // Lower levels take chance repeats for a gain; this strategy weighs them, and finds where blocks should
+    // end.
+    ZSTD_CCtx_setParameter(context.get(), ZSTD_c_strategy, ZSTD_btultra);
+    ZSTD_CCtx_setParameter(context.get(), ZSTD_c_minMatch, 7);
+  }
+  const std::size_t size =
+      ZSTD_compress2(context.get(), chunk.bytes.data(), chunk.bytes.size(), decoded.data(), decoded.size());
+  if (ZSTD_isError(size)) throw std::bad_alloc();  // the only way to fail with room for the worst case
+  if (size < decoded.size()) {
+    chunk.bytes.resize(size);
+    chunk.entry.codec = ChunkCodec::kZstd;
+  } else {
+    chunk.bytes.assign(decoded.begin(), decoded.end());
+    chunk.entry.codec = ChunkCodec::kStored;
+  }
+  chunk.bytes.shrink_to_fit();
+  chunk.entry.stored_bytes = static_cast<std::uint32_t>(chunk.bytes.size());
+  chunk.entry.checksum = checksum_of(chunk.bytes);
+  return chunk;
+}
+
+Result<void> check_chunk(std::span<const std::byte> stored, const ChunkEntry& entry) {
+  if (checksum_of(stored) != entry.checksum) return damaged("checksum");
+  return {};
+}
+
+Result<void> decode_chunk(std::span<const std::byte> stored, const ChunkEntry& entry,
+                          std::span<std::byte> decoded) {
+  SPLATLAS_RETURN_IF_ERROR(check_chunk(stored, entry));
+  if (entry.filter != 0) return damaged(fmt::format("filter {} is not known", entry.filter));
+  switch (entry.codec) {
+    case ChunkCodec::kStored:
+      if (stored.size() != decoded.size()) {
+        return damaged(fmt::format("{} bytes, expected {}", stored.size(), decoded.size()));
+      }
+      if (!decoded.empty()) std::memcpy(decoded.data(), stored.data(), stored.size());
+      return {};
+    case ChunkCodec::kZstd: {
+      SPLATLAS_RETURN_IF_ERROR(check_frame(stored, decoded.size()));
+      const auto context = DecompressContexts::take();
+      const std::size_t size =
+          ZSTD_decompressDCtx(context.get(), decoded.data(), decoded.size(), stored.data(), stored.size());
+      if (ZSTD_isError(size)) return damaged(fmt::format("Zstandard: {}", ZSTD_getErrorName(size)));
+      if (size != decoded.size()) return damaged(fmt::format("{} bytes, expected {}", size, decoded.size()));
+      return {};
+    }
+  }
+  return damaged(fmt::format("codec {} is not known", static_cast<unsigned>(entry.codec)));
+}
+
+}  // namespace splatlas

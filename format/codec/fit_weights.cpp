@@ -1,0 +1,42 @@
+#include "format/codec/fit_weights.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace splatlas {
+
+void WeightFit::add(const std::array<float, kSize>& from_before, float value, float weight) {
+  ++voxels_;
+  for (std::size_t a = 0; a < kSize; ++a) {
+    const float weighted = weight * from_before[a];
+    towards_[a] += weighted * value;
+    for (std::size_t b = 0; b <= a; ++b) products_[a][b] += weighted * from_before[b];
+  }
+}
+
+ValueWeights WeightFit::weights() const {
+  constexpr std::uint64_t kFewVoxels = 300;
+  if (voxels_ < kFewVoxels) return kMeanWeights;
+  // Cholesky's decomposition. A little on the diagonal keeps apart what the voxels do not.
+  std::array<std::array<double, kSize>, kSize> lower{};
+  std::array<double, kSize> solved{};
+  for (std::size_t a = 0; a < kSize; ++a) {
+    for (std::size_t b = 0; b <= a; ++b) {
+      double left = products_[a][b] + (a == b ? 1e-3 + 1e-6 * products_[a][a] : 0);
+      for (std::size_t c = 0; c < b; ++c) left -= lower[a][c] * lower[b][c];
+      lower[a][b] = a == b ? std::sqrt(std::max(left, 1e-9)) : left / lower[b][b];
+    }
+    solved[a] = towards_[a];
+    for (std::size_t c = 0; c < a; ++c) solved[a] -= lower[a][c] * solved[c];
+    solved[a] /= lower[a][a];
+  }
+  ValueWeights weights{};
+  for (std::size_t a = kSize; a-- > 0;) {
+    for (std::size_t c = a + 1; c < kSize; ++c) solved[a] -= lower[c][a] * solved[c];
+    solved[a] /= lower[a][a];
+    weights[a] = static_cast<std::int8_t>(std::lround(std::clamp(solved[a] * kWeightUnit, -128.0, 127.0)));
+  }
+  return weights;
+}
+
+}  // namespace splatlas

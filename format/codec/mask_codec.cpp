@@ -1,0 +1,189 @@
+// Like JBIG2's generic regions, in three dimensions: the twelve voxels around one that come before it choose
+// among 4096 adaptive probabilities. What these begin with is a formula of the twelve, so that small
+// structures need not learn first.
+#include "format/codec/mask_codec.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "format/codec/range_coder.h"
+
+namespace splatlas {
+namespace {
+
+constexpr std::uint64_t kMaxSliceVoxels = std::uint64_t{1} << 24;
+constexpr std::uint64_t kMaxBoxVoxels = std::uint64_t{1} << 28;  // some seconds: masks may have few bytes
+constexpr std::uint64_t kMaxVoxelsOfBox = 64;                    // for every voxel that is covered
+
+constexpr std::size_t kNeighbours = 12;
+/// How much a covered neighbour speaks for a covered voxel, in quarters of the log odds. In this order: the
+/// scanline's voxel before and the one before that; of the scanline above the voxel, the one before and the
+/// one behind; the one above that; of the slice before: the voxel, before, behind, above, below; the slice
+/// before that.
+constexpr std::array<int, kNeighbours> kVotes{9, -1, 7, -1, 4, -1, 5, -2, 3, -2, 5, -3};
+constexpr std::uint16_t kTrust = 4;  // bits that the formula counts for
+
+using Models = std::array<AdaptiveBit, std::size_t{1} << kNeighbours>;
+
+Models make_first_models() {
+  Models models;
+  for (std::size_t context = 0; context < models.size(); ++context) {
+    int votes = 0;
+    for (std::size_t n = 0; n < kNeighbours; ++n) votes += context >> n & 1 ? kVotes[n] : -kVotes[n];
+    const double probability = std::round(65536 / (1 + std::exp(-0.25 * votes)));
+    models[context].probability = static_cast<std::uint16_t>(std::clamp(probability, 64.0, 65472.0));
+    models[context].seen = kTrust;
+  }
+  return models;
+}
+
+const Models& first_models() {
+  static const Models kModels = make_first_models();
+  return kModels;
+}
+
+/// A box of voxels, scanline by scanline along an axis: what lies around a scanline, a byte a voxel.
+class MaskWindow {
+ public:
+  MaskWindow(const IndexBox& box, const Index3& size, Axis axis) : order_(ScanOrder::of(axis)), box_(box) {
+    rows_of_grid_ = static_cast<std::uint64_t>(size[order_.row_axis]);
+    width_ = extent(order_.scan_axis);
+    rows_ = extent(order_.row_axis);
+    slices_ = extent(order_.slice_axis);
+    // Two scanlines above and one below, two voxels before and one behind every scanline are never covered.
+    stride_ = width_ + 3;
+    for (auto& slice : around_) slice.assign(stride_ * (rows_ + 3), 0);
+    contexts_.resize(width_);
+  }
+
+  [[nodiscard]] std::size_t width() const { return width_; }
+  [[nodiscard]] std::size_t rows() const { return rows_; }
+  [[nodiscard]] std::size_t slices() const { return slices_; }
+
+  /// Of the grid.
+  [[nodiscard]] std::uint64_t scanline(std::size_t row, std::size_t slice) const {
+    return (static_cast<std::uint64_t>(box_.first[order_.slice_axis]) + slice) * rows_of_grid_ +
+           static_cast<std::uint64_t>(box_.first[order_.row_axis]) + row;
+  }
+  [[nodiscard]] std::uint32_t first_voxel() const {
+    return static_cast<std::uint32_t>(box_.first[order_.scan_axis]);
+  }
+
+  void next_slice() {
+    std::rotate(around_.begin(), around_.end() - 1, around_.end());
+    std::ranges::fill(around_[0], std::uint8_t{0});
+  }
+
+  /// Calls code(context) for every voxel of a scanline; it says whether the voxel is covered.
+  template <typename Code>
+  void code_scanline(std::size_t row, Code&& code) {
+    const std::size_t at = (row + 2) * stride_ + 2;
+    std::uint8_t* const now = around_[0].data() + at;
+    const std::uint8_t* const above = now - stride_;
+    const std::uint8_t* const above_that = above - stride_;
+    const std::uint8_t* const back = around_[1].data() + at;
+    const std::uint8_t* const back_above = back - stride_;
+    const std::uint8_t* const back_below = back + stride_;
+    const std::uint8_t* const back_that = around_[2].data() + at;
+    for (std::size_t n = 0; n < width_; ++n) {
+      contexts_[n] = static_cast<std::uint16_t>(above[n] << 2 | *(above + n - 1) << 3 | above[n + 1] << 4 |
+                                                above_that[n] << 5 | back[n] << 6 | *(back + n - 1) << 7 |
+                                                back[n + 1] << 8 | back_above[n] << 9 | back_below[n] << 10 |
+                                                back_that[n] << 11);
+    }
+    unsigned before = 0;  // the two voxels before
+    for (std::size_t n = 0; n < width_; ++n) {
+      const bool covered = code(contexts_[n] | before, n);
+      now[n] = covered ? 1 : 0;
+      before = (before << 1 & 2) | now[n];
+    }
+  }
+
+ private:
+  [[nodiscard]] std::size_t extent(std::uint8_t axis) const {
+    return static_cast<std::size_t>(box_.last[axis] - box_.first[axis] + 1);
+  }
+
+  const ScanOrder order_;
+  const IndexBox box_;
+  std::uint64_t rows_of_grid_ = 0;
+  std::size_t width_ = 0, rows_ = 0, slices_ = 0, stride_ = 0;
+  std::array<std::vector<std::uint8_t>, 3> around_;  // this slice, the one before, and the one before that
+  std::vector<std::uint16_t> contexts_;              // [voxel]: without the voxels before it
+};
+
+tl::unexpected<Error> not_a_mask() {
+  return fail(ErrorCode::kInvalidAtlas, "not a mask of its voxels");
+}
+
+}  // namespace
+
+bool codes_mask(const IndexBox& box, std::uint64_t voxels) {
+  if (box.empty()) return false;
+  std::array<std::uint64_t, 3> extent{};
+  for (std::size_t a = 0; a < 3; ++a) extent[a] = static_cast<std::uint64_t>(box.last[a] - box.first[a] + 4);
+  const std::uint64_t slice = extent[0] * extent[1], sides = std::max(extent[0], extent[1]) * extent[2];
+  const std::uint64_t all = slice * extent[2];
+  return std::max(slice, sides) <= kMaxSliceVoxels && all <= kMaxBoxVoxels && all / kMaxVoxelsOfBox <= voxels;
+}
+
+std::vector<std::byte> encode_mask(std::span<const Run> runs, const IndexBox& box, const Index3& size,
+                                   Axis axis) {
+  MaskWindow window(box, size, axis);
+  Models models = first_models();
+  RangeEncoder encoder;
+  auto next = runs.begin();
+  for (std::size_t slice = 0; slice < window.slices(); ++slice) {
+    window.next_slice();
+    for (std::size_t row = 0; row < window.rows(); ++row) {
+      const std::uint64_t scanline = window.scanline(row, slice);
+      window.code_scanline(row, [&](std::size_t context, std::size_t n) {
+        const std::uint64_t at = window.first_voxel() + n;
+        while (next != runs.end() && next->scanline == scanline &&
+               at >= std::uint64_t{next->start} + next->length)
+          ++next;
+        const bool covered = next != runs.end() && next->scanline == scanline && at >= next->start;
+        encoder.encode(models[context], covered);
+        return covered;
+      });
+      while (next != runs.end() && next->scanline == scanline) ++next;
+    }
+  }
+  std::vector<std::byte> bytes = encoder.finish();
+  bytes.insert(bytes.begin(), kMaskMark);
+  return bytes;
+}
+
+Result<ClassRuns> decode_mask(std::span<const std::byte> bytes, const IndexBox& box, const Index3& size,
+                              Axis axis, std::uint64_t voxels) {
+  if (bytes.empty() || bytes.front() != kMaskMark || !codes_mask(box, voxels)) return not_a_mask();
+  MaskWindow window(box, size, axis);
+  Models models = first_models();
+  RangeDecoder decoder(bytes.subspan(1));
+  ClassRuns runs;
+  std::uint64_t found = 0;
+  for (std::size_t slice = 0; slice < window.slices(); ++slice) {
+    window.next_slice();
+    for (std::size_t row = 0; row < window.rows(); ++row) {
+      bool was_covered = false;
+      window.code_scanline(row, [&](std::size_t context, std::size_t n) {
+        const bool covered = decoder.decode(models[context]);
+        if (covered) {
+          if (!was_covered)
+            runs.push_back(
+                {window.scanline(row, slice), window.first_voxel() + static_cast<std::uint32_t>(n), 0});
+          ++runs.back().length;
+          ++found;
+        }
+        was_covered = covered;
+        return covered;
+      });
+      if (found > voxels) return not_a_mask();
+    }
+  }
+  if (found != voxels || !decoder.at_end()) return not_a_mask();
+  return runs;
+}
+
+}  // namespace splatlas

@@ -1,0 +1,145 @@
+#include "format/codec/run_codec.h"
+
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "format/codec/zigzag.h"
+
+namespace splatlas {
+
+namespace {
+
+/// Scanlines are numbered below 2^40; anything beyond is refused before sums could wrap.
+constexpr std::uint64_t kMaxScanline = std::uint64_t{1} << 48;
+
+/// Little-endian base 128: seven bits a byte, the high bit set on all but the last.
+void append_varint(std::uint64_t value, std::vector<std::byte>& bytes) {
+  for (; value >= 0x80; value >>= 7) bytes.push_back(static_cast<std::byte>((value & 0x7f) | 0x80));
+  bytes.push_back(static_cast<std::byte>(value));
+}
+
+class VarintReader {
+ public:
+  explicit VarintReader(std::span<const std::byte> bytes) : next_(bytes.data()), end_(next_ + bytes.size()) {}
+
+  /// False at the end of the bytes, and for more than 64 bits.
+  bool read(std::uint64_t& value) {
+    if (next_ != end_ && *next_ < std::byte{0x80}) {  // nearly always
+      value = std::to_integer<std::uint64_t>(*next_++);
+      return true;
+    }
+    value = 0;
+    for (unsigned shift = 0; shift < 64 && next_ != end_; shift += 7) {
+      const auto byte = std::to_integer<std::uint64_t>(*next_++);
+      if (shift == 63 && byte > 1) return false;
+      value |= (byte & 0x7f) << shift;
+      if (byte < 0x80) return true;
+    }
+    return false;
+  }
+  [[nodiscard]] bool at_end() const { return next_ == end_; }
+
+ private:
+  const std::byte* next_;
+  const std::byte* end_;
+};
+
+/// Walks a run list and knows, for each run, what it is predicted from.
+class Predictor {
+ public:
+  explicit Predictor(std::span<const Run> runs) : runs_(runs) {}
+
+  /// Moves on to run n; runs come in order.
+  void advance(std::size_t n) {
+    n_ = n;
+    if (n == 0 || runs_[n].scanline == runs_[n - 1].scanline) return;
+    previous_ = current_;
+    current_ = n;
+  }
+  [[nodiscard]] std::int64_t length() const {
+    if (const Run* above = same_rank()) return above->length;
+    return n_ == 0 ? 1 : runs_[n_ - 1].length;
+  }
+  /// Needs the lengths of all runs.
+  [[nodiscard]] std::int64_t start() const {
+    if (const Run* above = same_rank()) return above->start;
+    if (n_ == current_) return 0;
+    return std::int64_t{runs_[n_ - 1].start} + runs_[n_ - 1].length + 1;
+  }
+
+ private:
+  /// The run of the same rank in the previous scanline that has any; null when that one has fewer.
+  [[nodiscard]] const Run* same_rank() const {
+    const std::size_t n = previous_ + (n_ - current_);
+    return n < current_ ? &runs_[n] : nullptr;
+  }
+
+  std::span<const Run> runs_;
+  std::size_t n_ = 0, current_ = 0, previous_ = 0;  // the scanlines' first runs
+};
+
+tl::unexpected<Error> not_a_run_list(std::uint64_t run) {
+  return fail(ErrorCode::kInvalidAtlas, fmt::format("not a run list (run {})", run));
+}
+
+}  // namespace
+
+void append_run_list(std::span<const Run> runs, std::vector<std::byte>& bytes) {
+  if (runs.empty()) return;
+  append_varint(runs.size(), bytes);
+  std::uint64_t scanline = 0;
+  for (const Run& run : runs) {
+    append_varint(run.scanline - scanline, bytes);
+    scanline = run.scanline;
+  }
+  Predictor lengths(runs);
+  for (std::size_t n = 0; n < runs.size(); ++n) {
+    lengths.advance(n);
+    append_varint(zigzag(runs[n].length - lengths.length()), bytes);
+  }
+  Predictor starts(runs);
+  for (std::size_t n = 0; n < runs.size(); ++n) {
+    starts.advance(n);
+    append_varint(zigzag(runs[n].start - starts.start()), bytes);
+  }
+}
+
+Result<ClassRuns> decode_run_list(std::span<const std::byte> bytes, std::uint64_t max_runs) {
+  if (bytes.empty()) return ClassRuns{};
+  VarintReader reader(bytes);
+  std::uint64_t count = 0, code = 0;
+  if (!reader.read(count) || count == 0 || count > max_runs || count > bytes.size() / 3) {
+    return fail(ErrorCode::kInvalidAtlas, fmt::format("run list says it has {} runs", count));
+  }
+  ClassRuns runs(count);
+  std::uint64_t scanline = 0;
+  for (std::uint64_t n = 0; n < count; ++n) {
+    if (!reader.read(code) || code > kMaxScanline) return not_a_run_list(n);
+    scanline += code;
+    if (scanline > kMaxScanline) return not_a_run_list(n);
+    runs[n].scanline = scanline;
+  }
+  constexpr std::int64_t kMax = std::numeric_limits<std::uint32_t>::max();
+  const auto read_difference = [&](std::int64_t predicted, std::uint32_t& value) {
+    if (!reader.read(code) || code > 4 * static_cast<std::uint64_t>(kMax)) return false;
+    const std::int64_t sum = predicted + unzigzag(code);
+    if (sum < 0 || sum > kMax) return false;
+    value = static_cast<std::uint32_t>(sum);
+    return true;
+  };
+  Predictor lengths(runs);
+  for (std::uint64_t n = 0; n < count; ++n) {
+    lengths.advance(n);
+    if (!read_difference(lengths.length(), runs[n].length)) return not_a_run_list(n);
+  }
+  Predictor starts(runs);
+  for (std::uint64_t n = 0; n < count; ++n) {
+    starts.advance(n);
+    if (!read_difference(starts.start(), runs[n].start)) return not_a_run_list(n);
+  }
+  if (!reader.at_end()) return fail(ErrorCode::kInvalidAtlas, "run list ends before its bytes do");
+  return runs;
+}
+
+}  // namespace splatlas

@@ -1,0 +1,266 @@
+// A voxel is predicted from those around it that come before it in memory, by weights fitted to its group.
+// How far off these were themselves tells how far off it may be: residuals are sorted into buckets by it, so
+// that bytes of one distribution lie together. Neither needs the voxel before, but for one product: what the
+// decoder waits for is short. See docs/atlas_format.md, Values.
+#include "format/codec/value_codec.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "format/codec/fit_weights.h"
+#include "format/codec/value_window.h"
+#include "format/codec/zigzag.h"
+
+namespace splatlas {
+namespace {
+
+constexpr std::size_t kBuckets = 16;
+constexpr std::size_t kCountsBytes = kBuckets * sizeof(std::uint32_t);
+/// The counts, the weights, how errors are shifted, and one byte that is 0.
+constexpr std::size_t kHeaderBytes = kCountsBytes + sizeof(ValueWeights) + 2;
+constexpr std::uint64_t kMaxWindowVoxels = std::uint64_t{1} << 24;
+constexpr std::uint8_t kMaxErrorShift = 15;
+
+/// Half octaves of the errors around.
+constexpr auto kBucketOf = [] {
+  std::array<std::uint8_t, 256> buckets{};
+  for (unsigned errors = 1; errors < buckets.size(); ++errors) {
+    const auto octave = static_cast<unsigned>(std::bit_width(errors)) - 1;
+    const unsigned half = octave == 0 ? 0 : errors >> (octave - 1) & 1;
+    buckets[errors] = static_cast<std::uint8_t>(std::min<std::size_t>(2 * octave + half + 1, kBuckets - 1));
+  }
+  return buckets;
+}();
+
+/// Calls code_run(window, begin, end) for the runs of the group, each as long as it can be.
+template <typename Lane, typename CodeRun>
+void walk(const GroupVoxels& group, ValueWindow<Lane>& window, CodeRun&& code_run) {
+  for (std::size_t n = 0; n < group.spans.size();) {
+    const Run& first = group.spans[n].run;
+    const auto scanline = static_cast<std::int64_t>(first.scanline);
+    std::int64_t end = std::int64_t{first.start} + first.length;
+    for (++n; n < group.spans.size(); ++n) {
+      const Run& next = group.spans[n].run;
+      if (next.scanline != first.scanline || next.start != end) break;
+      end += next.length;
+    }
+    window.go_to(scanline % group.rows, scanline / group.rows);
+    code_run(std::int64_t{first.start}, end);
+  }
+}
+
+/// Values from 0 on, whatever their type: signed ones begin at their least.
+std::int32_t offset_of(VoxelType type) {
+  return type == VoxelType::kInt8 ? 0x80 : type == VoxelType::kInt16 ? 0x8000 : 0;
+}
+/// Of a value that is computed with in a Lane.
+template <typename Lane>
+constexpr std::size_t kValueBytes = sizeof(Lane) / 2;
+
+bool spans_fit(const GroupVoxels& group) {
+  const IndexBox& box = group.box;
+  std::uint64_t voxels = 0;
+  for (const ClassSpan& span : group.spans) {
+    const auto scanline = static_cast<std::int64_t>(span.run.scanline);
+    const std::int64_t j = scanline % group.rows, k = scanline / group.rows;
+    if (span.run.start < box.first[0] || std::int64_t{span.run.start} + span.run.length - 1 > box.last[0] ||
+        j < box.first[1] || j > box.last[1] || k < box.first[2] || k > box.last[2]) {
+      return false;
+    }
+    voxels += span.run.length;
+  }
+  return voxels == group.voxels;
+}
+
+/// Values from 0 on, one after the other.
+template <typename Lane>
+class ValueReader {
+ public:
+  ValueReader(std::span<const std::byte> values, VoxelType type)
+      : next_(values.data()), offset_(offset_of(type)) {}
+
+  std::int32_t read() {
+    std::uint16_t bits = 0;
+    std::memcpy(&bits, next_, kValueBytes<Lane>);
+    next_ += kValueBytes<Lane>;
+    return (bits + offset_) & ValueWindow<Lane>::kHighest;
+  }
+
+ private:
+  const std::byte* next_;
+  const std::int32_t offset_;
+};
+
+/// A model for the group's values. Neighbours that go wrong by kMeanWeights weigh less in the fit.
+template <typename Lane>
+ValueModel fit_model(const GroupVoxels& group, VoxelType type, std::span<const std::byte> values) {
+  constexpr std::uint64_t kEnoughVoxels = std::uint64_t{1} << 17;
+  ValueModel model{kMeanWeights, 0};
+  ValueWindow<Lane> window(group.box, model);
+  WeightFit fit;
+  ValueReader<Lane> reader(values, type);
+  const std::uint64_t every = group.voxels / kEnoughVoxels + 1;
+  std::uint64_t run = 0;
+  double errors = 0;
+  walk(group, window, [&](std::int64_t begin, std::int64_t end) {
+    const bool is_sample = run++ % every == 0;
+    window.code_run(begin, end, [&](const ValuePrediction& prediction) {
+      const std::int32_t value = reader.read();
+      errors += std::abs(ValueWindow<Lane>::difference(value, prediction.value));
+      if (is_sample) {
+        const float weight = 1.0f / (4.0f + static_cast<float>(prediction.errors));
+        fit.add(window.from_before(prediction), static_cast<float>(value - prediction.before),
+                weight * std::sqrt(weight));
+      }
+      return value;
+    });
+  });
+  model.weights = fit.weights();
+  const double mean = errors / static_cast<double>(group.voxels);
+  while (model.error_shift < kMaxErrorShift && mean > (4 << model.error_shift)) ++model.error_shift;
+  return model;
+}
+
+template <typename Lane>
+std::vector<std::byte> encode(const GroupVoxels& group, VoxelType type, std::span<const std::byte> values) {
+  const ValueModel model = fit_model<Lane>(group, type, values);
+  ValueWindow<Lane> window(group.box, model);
+  std::array<std::vector<std::uint16_t>, kBuckets> residuals;
+  ValueReader<Lane> reader(values, type);
+  walk(group, window, [&](std::int64_t begin, std::int64_t end) {
+    window.code_run(begin, end, [&](const ValuePrediction& prediction) {
+      const std::int32_t value = reader.read();
+      const std::int32_t residual = ValueWindow<Lane>::difference(value, prediction.value);
+      residuals[kBucketOf[prediction.errors]].push_back(static_cast<std::uint16_t>(zigzag(residual)));
+      return value;
+    });
+  });
+  std::vector<std::byte> code(kHeaderBytes);
+  for (std::size_t b = 0; b < kBuckets; ++b) {
+    const auto count = static_cast<std::uint32_t>(residuals[b].size());
+    std::memcpy(code.data() + b * sizeof count, &count, sizeof count);
+  }
+  std::memcpy(code.data() + kCountsBytes, model.weights.data(), sizeof model.weights);
+  code[kHeaderBytes - 2] = static_cast<std::byte>(model.error_shift);
+  for (std::size_t byte = 0; byte < bytes_of(type); ++byte) {
+    for (const std::vector<std::uint16_t>& bucket : residuals) {
+      for (const std::uint16_t residual : bucket)
+        code.push_back(static_cast<std::byte>(residual >> 8 * byte));
+    }
+  }
+  return code;
+}
+
+tl::unexpected<Error> invalid(const char* what) {
+  return fail(ErrorCode::kInvalidAtlas, what);
+}
+
+/// Gives the residuals of every bucket one after the other.
+template <typename Lane>
+class ResidualReader {
+ public:
+  [[nodiscard]] Result<void> open(const GroupVoxels& group, std::span<const std::byte> code) {
+    std::array<std::uint32_t, kBuckets> counts{};
+    std::memcpy(counts.data(), code.data(), kCountsBytes);
+    std::uint64_t sum = 0;
+    for (std::size_t b = 0; b < kBuckets; ++b) {
+      if (counts[b] > group.voxels - sum) return invalid("buckets hold more than the voxels");
+      next_[b] = code.data() + kHeaderBytes + sum;
+      sum += counts[b];
+      end_[b] = code.data() + kHeaderBytes + sum;
+    }
+    if (sum != group.voxels) return invalid("buckets hold less than the voxels");
+    to_high_byte_ = group.voxels;
+    return {};
+  }
+
+  std::uint32_t read(std::size_t bucket) {
+    const std::byte*& from = next_[bucket];
+    if (from == end_[bucket]) {
+      ran_out_ = true;
+      return 0;
+    }
+    auto residual = std::to_integer<std::uint32_t>(*from);
+    if constexpr (sizeof(Lane) == 4) residual |= std::to_integer<std::uint32_t>(from[to_high_byte_]) << 8;
+    ++from;
+    return residual;
+  }
+  [[nodiscard]] bool ran_out() const { return ran_out_; }
+
+ private:
+  std::array<const std::byte*, kBuckets> next_{}, end_{};
+  std::size_t to_high_byte_ = 0;
+  bool ran_out_ = false;
+};
+
+/// Values less `offset` as bytes of their type.
+void put_values(std::span<const std::int16_t> values, std::int32_t offset, std::byte* to) {
+  for (std::size_t n = 0; n < values.size(); ++n) to[n] = static_cast<std::byte>(values[n] - offset);
+}
+void put_values(std::span<const std::int32_t> values, std::int32_t offset, std::byte* to) {
+  for (const std::int32_t value : values) {
+    const auto bits = static_cast<std::uint16_t>(value - offset);
+    std::memcpy(to, &bits, sizeof bits);
+    to += sizeof bits;
+  }
+}
+
+template <typename Lane>
+Result<std::vector<std::byte>> decode(const GroupVoxels& group, VoxelType type,
+                                      std::span<const std::byte> code) {
+  ResidualReader<Lane> residuals;
+  SPLATLAS_RETURN_IF_ERROR(residuals.open(group, code));
+  ValueModel model{{}, std::to_integer<std::uint8_t>(code[kHeaderBytes - 2])};
+  std::memcpy(model.weights.data(), code.data() + kCountsBytes, sizeof model.weights);
+  if (model.error_shift > kMaxErrorShift || code[kHeaderBytes - 1] != std::byte{0})
+    return invalid("no model of values");
+  const std::int32_t offset = offset_of(type);
+  std::vector<std::byte> values(group.voxels * kValueBytes<Lane>);
+  std::byte* to = values.data();
+  ValueWindow<Lane> window(group.box, model);
+  walk(group, window, [&](std::int64_t begin, std::int64_t end) {
+    const auto run = window.code_run(begin, end, [&](const ValuePrediction& prediction) {
+      const std::uint32_t residual = residuals.read(kBucketOf[prediction.errors]);
+      return (prediction.value + unzigzag(residual)) & ValueWindow<Lane>::kHighest;
+    });
+    put_values(run, offset, to);
+    to += run.size() * kValueBytes<Lane>;
+  });
+  if (residuals.ran_out()) return invalid("buckets do not hold what the voxels call for");
+  return values;
+}
+
+}  // namespace
+
+bool predicts_values(VoxelType type, const IndexBox& box, std::uint64_t voxels) {
+  const bool is_integer = type == VoxelType::kUInt8 || type == VoxelType::kInt8 ||
+                          type == VoxelType::kUInt16 || type == VoxelType::kInt16;
+  return is_integer && voxels > 0 && voxels <= std::numeric_limits<std::uint32_t>::max() &&
+         window_voxels(box) <= kMaxWindowVoxels;
+}
+
+std::uint64_t value_code_bytes(VoxelType type, const IndexBox& box, std::uint64_t voxels) {
+  return voxels * bytes_of(type) + (predicts_values(type, box, voxels) ? kHeaderBytes : 0);
+}
+
+std::vector<std::byte> encode_values(const GroupVoxels& group, VoxelType type,
+                                     std::span<const std::byte> values) {
+  if (!predicts_values(type, group.box, group.voxels)) return {values.begin(), values.end()};
+  return bytes_of(type) == 1 ? encode<std::int16_t>(group, type, values)
+                             : encode<std::int32_t>(group, type, values);
+}
+
+Result<std::vector<std::byte>> decode_values(const GroupVoxels& group, VoxelType type,
+                                             std::span<const std::byte> code) {
+  if (!spans_fit(group)) return invalid("boxes are not those of the runs");
+  if (!predicts_values(type, group.box, group.voxels))
+    return std::vector<std::byte>(code.begin(), code.end());
+  return bytes_of(type) == 1 ? decode<std::int16_t>(group, type, code)
+                             : decode<std::int32_t>(group, type, code);
+}
+
+}  // namespace splatlas

@@ -1,0 +1,203 @@
+#include "format/derive/fit_surface.h"
+
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+#include "format/derive/marching_cubes.h"
+
+namespace splatlas {
+namespace {
+
+using Vec3f = std::array<float, 3>;
+
+Vec3f cross(const Vec3f& a, const Vec3f& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+float dot(const Vec3f& a, const Vec3f& b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+Vec3f difference(const Vec3f& a, const Vec3f& b) {
+  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
+
+/// How vectors of index space look in LPS mm.
+class IndexFrame {
+ public:
+  explicit IndexFrame(const Grid& grid) : to_mm_(index_to_lps_mm(grid).linear) {}
+
+  /// Edges.
+  [[nodiscard]] Vec3f edge_to_lps(const Vec3f& e) const {
+    Vec3f result;
+    for (std::size_t r = 0; r < 3; ++r) {
+      result[r] =
+          static_cast<float>(to_mm_[3 * r] * e[0] + to_mm_[3 * r + 1] * e[1] + to_mm_[3 * r + 2] * e[2]);
+    }
+    return result;
+  }
+  /// Whether triangles that are counter-clockwise in index space are clockwise in LPS.
+  [[nodiscard]] bool mirrors() const {
+    const Matrix3& m = to_mm_;
+    return m[0] * (m[4] * m[8] - m[5] * m[7]) - m[1] * (m[3] * m[8] - m[5] * m[6]) +
+               m[2] * (m[3] * m[7] - m[4] * m[6]) <
+           0;
+  }
+
+ private:
+  Matrix3 to_mm_;
+};
+
+/// Every vertex lies midway between two voxels: those voxels, sorted by slice of the crop.
+struct VertexEnd {
+  std::uint32_t vertex;
+  std::uint32_t in_slice;  ///< offset within the slice
+};
+struct VertexEnds {
+  std::vector<VertexEnd> ends;
+  std::vector<std::size_t> first_of_slice;  ///< size + 1
+};
+
+VertexEnds ends_by_slice(const SurfaceMesh& mesh, const StructureCrop& crop) {
+  VertexEnds result;
+  result.first_of_slice.assign(static_cast<std::size_t>(crop.size[2]) + 1, 0);
+  const auto visit_ends = [&](auto&& visit) {
+    for (std::uint32_t v = 0; v < mesh.positions_ijk.size(); ++v) {
+      for (const float towards :
+           {-0.25f, 0.25f}) {  // rounds halves down, then up; leaves whole numbers alone
+        Index3 at;
+        for (std::size_t a = 0; a < 3; ++a) {
+          at[a] = static_cast<std::int64_t>(std::floor(mesh.positions_ijk[v][a] + towards + 0.5f)) -
+                  crop.first[a];
+        }
+        visit(static_cast<std::size_t>(at[2]),
+              VertexEnd{v, static_cast<std::uint32_t>(at[1] * crop.size[0] + at[0])});
+      }
+    }
+  };
+  visit_ends([&](std::size_t slice, const VertexEnd&) { ++result.first_of_slice[slice + 1]; });
+  std::partial_sum(result.first_of_slice.begin(), result.first_of_slice.end(), result.first_of_slice.begin());
+  result.ends.resize(result.first_of_slice.back());
+  std::vector<std::size_t> next = result.first_of_slice;
+  visit_ends([&](std::size_t slice, const VertexEnd& end) { result.ends[next[slice]++] = end; });
+  return result;
+}
+
+/// Area-weighted normals of the triangles around each vertex, in LPS.
+std::vector<Vec3f> face_normals(const SurfaceMesh& mesh, const IndexFrame& frame) {
+  std::vector<Vec3f> normals(mesh.positions_ijk.size(), Vec3f{0, 0, 0});
+  for (const auto& t : mesh.triangles) {
+    const Vec3f& corner = mesh.positions_ijk[t[0]];
+    const Vec3f normal = cross(frame.edge_to_lps(difference(mesh.positions_ijk[t[1]], corner)),
+                               frame.edge_to_lps(difference(mesh.positions_ijk[t[2]], corner)));
+    for (const std::uint32_t vertex : t) {
+      for (std::size_t a = 0; a < 3; ++a) normals[vertex][a] += normal[a];
+    }
+  }
+  return normals;
+}
+
+Vec3f unit_or_up(const Vec3f& v) {
+  const float length = std::sqrt(dot(v, v));
+  if (!(length > 0)) return {0, 0, 1};
+  return {v[0] / length, v[1] / length, v[2] / length};
+}
+
+/// Sums of the gradients at both ends of every vertex' edge.
+std::vector<Vec3f> vertex_gradients(const SurfaceMesh& mesh, const StructureCrop& crop,
+                                    const SliceVisitor& visit_slice) {
+  const VertexEnds ends = ends_by_slice(mesh, crop);
+  std::vector<Vec3f> gradients(mesh.positions_ijk.size(), Vec3f{0, 0, 0});
+  SmoothGradient gradient(crop);
+  for (std::int64_t k = 0; k < crop.size[2]; ++k) {
+    gradient.next_slice();
+    for (std::size_t n = ends.first_of_slice[static_cast<std::size_t>(k)];
+         n < ends.first_of_slice[static_cast<std::size_t>(k) + 1]; ++n) {
+      const auto [vertex, at] = ends.ends[n];
+      const Vec3f g = gradient.at(at % crop.size[0], at / crop.size[0]);
+      for (std::size_t a = 0; a < 3; ++a) gradients[vertex][a] += g[a];
+    }
+    if (visit_slice) visit_slice(gradient, k);
+  }
+  return gradients;
+}
+
+}  // namespace
+
+Vec3f VoxelNormals::to_lps(const Vec3f& g) const {
+  Vec3f result;
+  for (std::size_t c = 0; c < 3; ++c) {
+    result[c] = static_cast<float>(to_index_[c] * g[0] + to_index_[3 + c] * g[1] + to_index_[6 + c] * g[2]);
+  }
+  return result;
+}
+
+PackedNormal VoxelNormals::normal(const Vec3f& gradient) const {
+  const Vec3f inwards = to_lps(gradient);
+  return pack_normal({-inwards[0], -inwards[1], -inwards[2]});
+}
+
+SurfaceMesh fit_surface(const StructureCrop& crop, const Grid& grid, const SliceVisitor& visit_slice) {
+  const IndexFrame frame(grid);
+  MaskSurface surface = marching_cubes(crop);
+  SurfaceMesh mesh;
+  mesh.positions_ijk = std::move(surface.positions_ijk);
+  mesh.triangles = std::move(surface.triangles);
+  if (frame.mirrors()) {
+    for (auto& triangle : mesh.triangles) std::swap(triangle[1], triangle[2]);
+  }
+  const std::vector<Vec3f> gradients = vertex_gradients(mesh, crop, visit_slice);
+  mesh.normals_lps = face_normals(mesh, frame);
+  const VoxelNormals voxel_normals(grid);
+  for (std::size_t v = 0; v < gradients.size(); ++v) {
+    Vec3f& normal = mesh.normals_lps[v];
+    const Vec3f inwards = voxel_normals.to_lps(gradients[v]);
+    if (dot(inwards, normal) < 0) normal = {-inwards[0], -inwards[1], -inwards[2]};
+    normal = unpack_normal(pack_normal(unit_or_up(normal)));
+  }
+  return mesh;
+}
+
+StructureCrop empty_crop_around(const IndexBox& box) {
+  IndexBox wider = box;
+  for (std::size_t a = 0; a < 3; ++a) {
+    wider.first[a] -= SmoothGradient::kRadius - 1;
+    wider.last[a] += SmoothGradient::kRadius - 1;
+  }
+  return empty_crop(wider);  // a voxel wider on every side
+}
+
+std::vector<PackedNormal> fit_normals(const StructureCrop& crop, std::span<const Run> runs,
+                                      const Grid& grid) {
+  const VoxelNormals voxel_normals(grid);
+  std::vector<PackedNormal> normals;
+  SmoothGradient gradient(crop);
+  std::size_t n = 0;
+  for (std::int64_t k = 0; k < crop.size[2] && n < runs.size(); ++k) {
+    gradient.next_slice();
+    for (; n < runs.size(); ++n) {
+      const auto scanline = static_cast<std::int64_t>(runs[n].scanline);
+      if (scanline / grid.size[1] - crop.first[2] != k) break;
+      const std::int64_t j = scanline % grid.size[1] - crop.first[1];
+      for (std::uint32_t i = 0; i < runs[n].length; ++i) {
+        const std::int64_t at = std::int64_t{runs[n].start} + i - crop.first[0];
+        normals.push_back(voxel_normals.normal(gradient.at(at, j)));
+      }
+    }
+  }
+  return normals;
+}
+
+StructureIndex normal_owner(std::span<const Membership> members) {
+  for (const Membership& m : members) {
+    if (m.part == Part::kBoundary) return m.structure;
+  }
+  return kNoStructure;
+}
+
+std::vector<StructureIndex> normal_owners(const ClassTable& classes) {
+  std::vector<StructureIndex> owners(classes.size());
+  for (ClassId c = 0; c < classes.size(); ++c) owners[c] = normal_owner(classes.members(c));
+  return owners;
+}
+
+}  // namespace splatlas

@@ -1,0 +1,36 @@
+#include "format/derive/held_classes.h"
+
+#include <numeric>
+
+namespace splatlas {
+namespace {
+
+/// Calls visit(class, membership) for every class that a structure holds.
+template <typename Visit>
+void for_each_holding(const ClassTable& classes, const Visit& visit) {
+  for (ClassId c = 0; c < classes.size(); ++c) {
+    for (const Membership& m : classes.members(c)) {
+      if (m.holds()) visit(c, m);
+    }
+  }
+}
+
+}  // namespace
+
+HeldClasses::HeldClasses(const ClassTable& classes, std::size_t structures) : first_(structures + 1, 0) {
+  for_each_holding(classes, [&](ClassId, const Membership& m) { ++first_[m.structure + 1]; });
+  std::partial_sum(first_.begin(), first_.end(), first_.begin());
+  held_.resize(first_.back());
+  std::vector<std::size_t> next(first_.begin(), first_.end() - 1);
+  for_each_holding(classes, [&](ClassId c, const Membership& m) {
+    held_[next[m.structure]++] = {c, m.part};
+  });
+}
+
+IndexBox box_of(const ClassTable& classes, std::span<const HeldClass> held) {
+  IndexBox box;
+  for (const HeldClass& h : held) box.include(classes.box(h.id));
+  return box;
+}
+
+}  // namespace splatlas

@@ -1,0 +1,51 @@
+#include "format/derive/structure_crop.h"
+
+#include <algorithm>
+
+namespace splatlas {
+
+std::vector<std::uint8_t> parts_of(std::span<const HeldClass> held, std::size_t classes) {
+  std::vector<std::uint8_t> parts(classes, StructureCrop::kOutside);
+  for (const HeldClass& h : held) parts[h.id] = StructureCrop::part_of(h.part);
+  return parts;
+}
+
+StructureCrop crop_structure(std::span<const ClassId> volume, const Index3& size, const IndexBox& box,
+                             std::span<const std::uint8_t> parts) {
+  StructureCrop crop = empty_crop(box);
+  for (std::int64_t k = box.first[2]; k <= box.last[2]; ++k) {
+    for (std::int64_t j = box.first[1]; j <= box.last[1]; ++j) {
+      const ClassId* const from =
+          &volume[static_cast<std::size_t>((k * size[1] + j) * size[0] + box.first[0])];
+      std::uint8_t* const to = &crop.parts[crop.offset(1, j - crop.first[1], k - crop.first[2])];
+      const std::int64_t count = box.last[0] - box.first[0] + 1;
+      for (std::int64_t i = 0; i < count; ++i) to[i] = parts[from[i]];
+    }
+  }
+  return crop;
+}
+
+StructureCrop empty_crop(const IndexBox& box) {
+  StructureCrop crop;
+  for (std::size_t a = 0; a < 3; ++a) {
+    crop.first[a] = box.first[a] - 1;
+    crop.size[a] = box.last[a] - box.first[a] + 3;
+  }
+  crop.parts.resize(static_cast<std::size_t>(crop.size[0] * crop.size[1] * crop.size[2]),
+                    StructureCrop::kOutside);
+  return crop;
+}
+
+void paint_runs(std::span<const Run> runs, std::int64_t rows, std::uint8_t part, StructureCrop& crop) {
+  for (const Run& run : runs) {
+    const auto scanline = static_cast<std::int64_t>(run.scanline);
+    const std::int64_t j = scanline % rows - crop.first[1], k = scanline / rows - crop.first[2];
+    if (j < 0 || k < 0 || j >= crop.size[1] || k >= crop.size[2]) continue;
+    const std::int64_t begin = std::max<std::int64_t>(run.start - crop.first[0], 0);
+    const std::int64_t end =
+        std::min<std::int64_t>(std::int64_t{run.start} + run.length - crop.first[0], crop.size[0]);
+    if (begin < end) std::fill_n(&crop.parts[crop.offset(begin, j, k)], end - begin, part);
+  }
+}
+
+}  // namespace splatlas

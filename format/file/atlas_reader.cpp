@@ -1,0 +1,278 @@
+#include "format/atlas_reader.h"
+
+#include <algorithm>
+#include <cstring>
+#include <limits>
+#include <new>
+
+#include <fmt/format.h>
+
+#include "format/codec/mask_codec.h"
+#include "format/codec/run_codec.h"
+#include "format/file/atlas_impl.h"
+#include "format/system/checksum.h"
+#include "format/system/memory_limit.h"
+
+namespace splatlas {
+
+namespace {
+
+/// Deriving a run model takes memory in proportion to the voxels covered: more than these are refused.
+constexpr std::uint64_t kMaxDerivedVoxels = std::uint64_t{1} << 32;
+
+struct OpenedDirectory {
+  FileHeader header;
+  Directory directory;
+  RunStreams streams;
+  FileLayout layout;
+};
+
+/// Reads and checks header and directory. Both are copied from the file once and never looked at there again.
+Result<OpenedDirectory> read_directory(const InputFile& file) {
+  std::vector<std::byte> start(std::min<std::uint64_t>(file.size(), sizeof(FileHeader)));
+  SPLATLAS_RETURN_IF_ERROR(file.read(0, start));
+  SPLATLAS_ASSIGN_OR_RETURN(const FileHeader header, check_header(start, file.size()));
+  std::vector<std::byte> bytes(header.directory_bytes);  // new aligns to 16
+  SPLATLAS_RETURN_IF_ERROR(file.read(header.directory_offset, bytes));
+  if (checksum_of(bytes) != header.directory_checksum) {
+    return fail(ErrorCode::kInvalidAtlas, "damaged: checksum of the directory");
+  }
+  SPLATLAS_ASSIGN_OR_RETURN(Directory directory, decode_directory(bytes));
+  RunStreams streams(directory.classes);
+  SPLATLAS_RETURN_IF_ERROR(validate(directory, streams));
+  SPLATLAS_ASSIGN_OR_RETURN(FileLayout layout, lay_out(directory, streams.groups(), header.directory_bytes));
+  if (layout.file_bytes() != header.file_bytes) {
+    return fail(ErrorCode::kInvalidAtlas, fmt::format("invalid: chunks end at {}, the file has {} bytes",
+                                                      layout.file_bytes(), header.file_bytes));
+  }
+  return OpenedDirectory{header, std::move(directory), std::move(streams), std::move(layout)};
+}
+
+}  // namespace
+
+Atlas::Impl::Impl(InputFile opened_file, const FileHeader& checked_header, Directory checked_directory,
+                  RunStreams streams, FileLayout file_layout)
+    : file(std::move(opened_file)),
+      header(checked_header),
+      directory(std::move(checked_directory)),
+      grid(reordered(directory.source_grid, directory.source_to_storage)),
+      layout(std::move(file_layout)),
+      tree(directory.graph, directory.classes),
+      sections(file, directory, layout),
+      run_streams(std::move(streams)),
+      groups(run_streams.groups()),
+      surface_stream(directory.graph.size()),
+      held_classes(directory.classes, directory.graph.size()),
+      held_values(groups.size(), kMaxHeldBytes) {
+  const auto preorder = directory.graph.preorder();
+  for (std::uint32_t n = 0; n < preorder.size(); ++n) surface_stream[preorder[n]] = n;
+}
+
+Atlas::Atlas(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Atlas::~Atlas() = default;
+
+Result<std::shared_ptr<const Atlas>> Atlas::open(const std::filesystem::path& path) {
+  SPLATLAS_ASSIGN_OR_RETURN(InputFile file, InputFile::open(path));
+  return open_file(std::move(file));
+}
+
+Result<std::shared_ptr<const Atlas>> Atlas::open_bytes(std::vector<std::byte> bytes, std::string name) {
+  return open_file(InputFile(std::move(bytes), std::move(name)));
+}
+
+Result<std::shared_ptr<const Atlas>> Atlas::open_file(InputFile file) {
+  try {
+    auto opened = read_directory(file);
+    if (!opened) return fail(opened.error().code, file.name() + ": " + opened.error().message);
+    auto impl = std::make_unique<Impl>(std::move(file), opened->header, std::move(opened->directory),
+                                       std::move(opened->streams), std::move(opened->layout));
+    return std::shared_ptr<const Atlas>(new Atlas(std::move(impl)));
+  } catch (const std::bad_alloc&) {
+    return fail(ErrorCode::kLimit, file.name() + ": out of memory");
+  }
+}
+
+const std::string& Atlas::name() const {
+  return impl_->file.name();
+}
+std::string Atlas::format_version() const {
+  return fmt::format("{}.{}", impl_->header.major, impl_->header.minor);
+}
+const Grid& Atlas::grid() const {
+  return impl_->grid;
+}
+const Grid& Atlas::source_grid() const {
+  return impl_->directory.source_grid;
+}
+const AxisOrder& Atlas::source_to_storage() const {
+  return impl_->directory.source_to_storage;
+}
+const StructureGraph& Atlas::graph() const {
+  return impl_->directory.graph;
+}
+const ClassTable& Atlas::classes() const {
+  return impl_->directory.classes;
+}
+const DecisionTree& Atlas::tree() const {
+  return impl_->tree;
+}
+const Display& Atlas::display() const {
+  return impl_->directory.display;
+}
+const std::vector<Scene>& Atlas::scenes() const {
+  return impl_->directory.scenes;
+}
+const Provenance& Atlas::provenance() const {
+  return impl_->directory.provenance;
+}
+VoxelType Atlas::value_type() const {
+  return impl_->directory.value_type;
+}
+VoxelType Atlas::label_type() const {
+  return impl_->directory.label_type;
+}
+std::uint64_t Atlas::triangles(StructureIndex s) const {
+  return impl_->directory.surfaces[s].triangles;
+}
+std::uint64_t Atlas::runs(Axis axis) const {
+  return impl_->directory.run_totals[static_cast<std::size_t>(axis)];
+}
+double Atlas::reference_length_mm() const {
+  return splatlas::reference_length_mm(impl_->grid);
+}
+
+Result<void> Atlas::Impl::check_class(ClassId c) const {
+  if (c < directory.classes.size()) return {};
+  return fail(ErrorCode::kUsage, fmt::format("class {} of {}", c, directory.classes.size()));
+}
+
+Result<void> Atlas::Impl::check_structure(StructureIndex s) const {
+  if (s < directory.graph.size()) return {};
+  return fail(ErrorCode::kUsage, fmt::format("structure {} of {}", s, directory.graph.size()));
+}
+
+Result<std::vector<std::byte>> Atlas::Impl::read_stream(SectionKind kind, std::size_t stream) const {
+  const SectionLayout* section = layout.find(kind);
+  if (!section) return std::vector<std::byte>{};
+  const std::uint64_t size = section->stream_begin[stream + 1] - section->stream_begin[stream];
+  constexpr std::uint64_t kSmall = std::uint64_t{1} << 26;
+  if (const std::uint64_t limit = size <= kSmall ? kSmall : default_memory_limit(); size > limit) {
+    return named({ErrorCode::kLimit, fmt::format("{} needs a stream of {} MiB, {} MiB are allowed",
+                                                 section_name(section->kind), size >> 20, limit >> 20)});
+  }
+  try {
+    auto bytes = sections.read_stream(*section, stream);
+    if (!bytes) return named(bytes.error());
+    return bytes;
+  } catch (const std::bad_alloc&) {
+    return named({ErrorCode::kLimit, fmt::format("out of memory for a stream of {} bytes", size)});
+  }
+}
+
+Result<ClassRuns> Atlas::Impl::read_stored_runs(ClassId c, Axis axis) const {
+  if (shares_runs(c, axis)) {
+    SPLATLAS_ASSIGN_OR_RETURN(const SharedSplit split, read_split_runs(c, axis));
+    return c == run_streams.pair_of(c)[0] ? split->interior : split->boundary;
+  }
+  return read_run_list(c, axis, c == kEmptyClass ? 0 : directory.classes.voxels(c));
+}
+
+bool Atlas::Impl::shares_runs(ClassId c, Axis axis) const {
+  return run_streams.is_shared(directory.classes, c, [&](ClassId of) {
+    return directory.run_bytes[of][static_cast<std::size_t>(axis)];
+  });
+}
+
+Result<Atlas::Impl::SharedSplit> Atlas::Impl::read_split_runs(ClassId c, Axis axis) const {
+  const ClassId first = run_streams.pair_of(c)[0];
+  {
+    const std::lock_guard lock(late_mutex);
+    for (const LateSplit& late : late_splits) {
+      if (late.first == first && late.axis == axis) return late.runs;
+    }
+  }
+  SPLATLAS_ASSIGN_OR_RETURN(SplitRuns split, split_runs(c, axis));
+  const SharedSplit shared = std::make_shared<const SplitRuns>(std::move(split));
+  const std::lock_guard lock(late_mutex);
+  late_splits.push_back({first, axis, shared});
+  if (late_splits.size() > kLateSplits) late_splits.pop_front();
+  return shared;
+}
+
+Result<SplitRuns> Atlas::Impl::split_runs(ClassId c, Axis axis) const {
+  const auto pair = run_streams.pair_of(c);
+  const std::uint64_t interior = directory.classes.voxels(pair[0]);
+  const std::uint64_t boundary = directory.classes.voxels(pair[1]);
+  SPLATLAS_ASSIGN_OR_RETURN(const ClassRuns runs, read_run_list(pair[0], axis, interior + boundary));
+  SplitRuns split = split_boundary(runs, grid.size, axis);
+  std::uint64_t found = 0;
+  for (const Run& run : split.interior) found += run.length;
+  if (found == interior) return split;
+  return named(
+      {ErrorCode::kInvalidAtlas,
+       fmt::format("invalid: {} of class {}: {} voxels have none but voxels of classes {} and {} around "
+                   "them, expected {}",
+                   section_name(static_cast<std::uint32_t>(run_section(axis))), pair[0], found, pair[0],
+                   pair[1], interior)});
+}
+
+IndexBox Atlas::Impl::list_box(ClassId c, Axis axis) const {
+  IndexBox box = directory.classes.box(c);
+  if (shares_runs(c, axis)) box.include(directory.classes.box(run_streams.pair_of(c)[1]));
+  return box;
+}
+
+Result<ClassRuns> Atlas::Impl::read_run_list(ClassId c, Axis axis, std::uint64_t voxels) const {
+  SPLATLAS_ASSIGN_OR_RETURN(const auto bytes, read_stream(run_section(axis), c));
+  const bool is_mask = !bytes.empty() && bytes.front() == kMaskMark;
+  auto runs = is_mask ? decode_mask(bytes, list_box(c, axis), grid.size, axis, voxels)
+                      : decode_run_list(bytes, voxels);
+  const Result<void> valid =
+      runs ? validate_runs(*runs, grid.size, axis, voxels) : tl::unexpected(runs.error());
+  if (!valid) {
+    return named(
+        {ErrorCode::kInvalidAtlas,
+         fmt::format("invalid: {} of class {}: {}",
+                     section_name(static_cast<std::uint32_t>(run_section(axis))), c, valid.error().message)});
+  }
+  return runs;
+}
+
+Result<ClassRuns> Atlas::Impl::derive_runs(ClassId c, Axis axis) const {
+  if (const std::uint64_t voxels = directory.classes.voxels(c);
+      c != kEmptyClass && voxels > kMaxDerivedVoxels) {
+    return named(
+        {ErrorCode::kLimit, fmt::format("class {} has {} voxels, too many to derive a run model from "
+                                        "another",
+                                        c, voxels)});
+  }
+  SPLATLAS_ASSIGN_OR_RETURN(const ClassRuns runs, read_stored_runs(c, Axis::kZ));
+  return convert_runs(runs, grid.size, Axis::kZ, axis);
+}
+
+Result<ClassRuns> Atlas::read_runs(ClassId c, Axis axis) const {
+  SPLATLAS_RETURN_IF_ERROR(impl_->check_class(c));
+  try {
+    return impl_->layout.find(run_section(axis)) ? impl_->read_stored_runs(c, axis)
+                                                 : impl_->derive_runs(c, axis);
+  } catch (const std::bad_alloc&) {
+    return impl_->named({ErrorCode::kLimit, fmt::format("out of memory for the runs of class {}", c)});
+  }
+}
+
+std::vector<SectionSize> Atlas::sections() const {
+  std::vector<SectionSize> sizes{{"header", sizeof(FileHeader)},
+                                 {"directory", impl_->header.directory_bytes}};
+  for (const SectionLayout& section : impl_->layout.sections) {
+    sizes.push_back({section_name(section.kind), section.stored_bytes});
+  }
+  return sizes;
+}
+
+Atlas::Counters Atlas::counters() const {
+  return {impl_->header.file_bytes,
+          sizeof(FileHeader) + impl_->header.directory_bytes + impl_->sections.read_bytes(),
+          impl_->sections.decoded_bytes()};
+}
+
+}  // namespace splatlas

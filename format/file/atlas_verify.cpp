@@ -1,0 +1,173 @@
+// Atlas::verify: every byte of the file, and everything that one part of it says about another.
+#include <algorithm>
+#include <new>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "format/derive/run_fingerprint.h"
+#include "format/file/atlas_impl.h"
+
+namespace splatlas {
+
+namespace {
+
+/// Walks one class after another, so that memory holds the runs of the largest class (and 24 bytes for every
+/// run of the z model), never a volume.
+class RunVerifier {
+ public:
+  RunVerifier(const Atlas& atlas, const FileLayout& layout)
+      : atlas_(atlas), layout_(layout), fingerprinter_(atlas.grid().size) {}
+
+  [[nodiscard]] Result<void> verify() {
+    for (ClassId c = 1; c < atlas_.classes().size(); ++c) {
+      SPLATLAS_ASSIGN_OR_RETURN(const ClassRuns runs, atlas_.read_runs(c, Axis::kZ));
+      SPLATLAS_RETURN_IF_ERROR(check_box(c, runs));
+      add(c, runs);
+      for (const Axis axis : {Axis::kX, Axis::kY}) SPLATLAS_RETURN_IF_ERROR(compare(c, runs, axis));
+    }
+    SPLATLAS_RETURN_IF_ERROR(check_totals());
+    SPLATLAS_RETURN_IF_ERROR(check_overlap());
+    return check_empty_class();
+  }
+
+ private:
+  struct Span {
+    std::uint64_t scanline;
+    std::uint32_t start, end;
+    ClassId of;
+    friend auto operator<=>(const Span&, const Span&) = default;
+  };
+
+  [[nodiscard]] tl::unexpected<Error> invalid(std::string message) const {
+    return fail(ErrorCode::kInvalidAtlas, fmt::format("{}: invalid: {}", atlas_.name(), message));
+  }
+
+  [[nodiscard]] Result<void> check_box(ClassId c, const ClassRuns& runs) const {
+    IndexBox box;
+    const std::int64_t rows = atlas_.grid().size[1];
+    for (const Run& run : runs) {
+      const auto scanline = static_cast<std::int64_t>(run.scanline);
+      const std::int64_t j = scanline % rows, k = scanline / rows;
+      box.include(IndexBox{{run.start, j, k}, {std::int64_t{run.start} + run.length - 1, j, k}});
+    }
+    if (box == atlas_.classes().box(c)) return {};
+    return invalid(fmt::format("the box of class {} is not that of its runs", c));
+  }
+
+  void add(ClassId c, const ClassRuns& runs) {
+    for (const Run& run : runs) spans_.push_back({run.scanline, run.start, run.start + run.length, c});
+    totals_[2] += runs.size();
+  }
+
+  /// A run model covers the voxels of the z model: of one that is derived from that, the runs are counted
+  /// alone.
+  [[nodiscard]] Result<void> compare(ClassId c, const ClassRuns& runs_z, Axis axis) {
+    SPLATLAS_ASSIGN_OR_RETURN(const ClassRuns runs, atlas_.read_runs(c, axis));
+    totals_[static_cast<std::size_t>(axis)] += runs.size();
+    if (!layout_.find(run_section(axis))) return {};
+    if (fingerprinter_.of(runs, axis) == fingerprinter_.of(runs_z, Axis::kZ)) return {};
+    return invalid(fmt::format("{} and runs_z of class {} cover different voxels",
+                               section_name(static_cast<std::uint32_t>(run_section(axis))), c));
+  }
+
+  [[nodiscard]] Result<void> check_totals() const {
+    for (const Axis axis : kAxes) {
+      const std::uint64_t counted = totals_[static_cast<std::size_t>(axis)];
+      if (counted != atlas_.runs(axis)) {
+        return invalid(fmt::format("{} has {} runs, the directory says {}",
+                                   section_name(static_cast<std::uint32_t>(run_section(axis))), counted,
+                                   atlas_.runs(axis)));
+      }
+    }
+    return {};
+  }
+
+  /// Classes partition the voxels: no two hold the same one. (Their counts add up to the grid's by
+  /// validate().)
+  [[nodiscard]] Result<void> check_overlap() {
+    std::ranges::sort(spans_);
+    const auto overlap = std::ranges::adjacent_find(
+        spans_, [](const Span& a, const Span& b) { return a.scanline == b.scanline && a.end > b.start; });
+    if (overlap == spans_.end()) return {};
+    return invalid(fmt::format("runs_z of classes {} and {} overlap in scanline {}", overlap->of,
+                               (overlap + 1)->of, overlap->scanline));
+  }
+
+  /// Class 0 has the voxels that the others leave, and may leave its box out.
+  [[nodiscard]] Result<void> check_empty_class() const {
+    const IndexBox& box = atlas_.classes().box(kEmptyClass);
+    if (box.empty() || box == box_of_gaps()) return {};
+    return invalid("the box of class 0 is not that of the voxels that no other class has");
+  }
+
+  /// The box around what sorted spans leave of the grid.
+  [[nodiscard]] IndexBox box_of_gaps() const {
+    const Index3& size = atlas_.grid().size;
+    IndexBox box;
+    const auto include = [&](std::uint64_t scanline, std::int64_t first, std::int64_t end) {
+      const auto j = static_cast<std::int64_t>(scanline) % size[1];
+      const auto k = static_cast<std::int64_t>(scanline) / size[1];
+      if (first < end) box.include(IndexBox{{first, j, k}, {end - 1, j, k}});
+    };
+    std::uint64_t next = 0;  // scanline
+    // Of many whole scanlines the first, the last, and those around the last change of slices tell the box.
+    const auto include_until = [&](std::uint64_t end) {
+      if (next == end) return;
+      const std::uint64_t last = end - 1, slice = last - last % static_cast<std::uint64_t>(size[1]);
+      include(next, 0, size[0]);
+      include(last, 0, size[0]);
+      if (slice <= next) return;
+      include(slice - 1, 0, size[0]);
+      include(slice, 0, size[0]);
+    };
+    for (auto span = spans_.begin(); span != spans_.end(); ++next) {
+      include_until(span->scanline);
+      next = span->scanline;
+      std::int64_t at = 0;
+      for (; span != spans_.end() && span->scanline == next; ++span) {
+        include(next, at, span->start);
+        at = span->end;
+      }
+      include(next, at, size[0]);
+    }
+    include_until(static_cast<std::uint64_t>(size[1] * size[2]));
+    return box;
+  }
+
+  const Atlas& atlas_;
+  const FileLayout& layout_;
+  const RunFingerprinter fingerprinter_;
+  std::vector<Span> spans_;
+  std::array<std::uint64_t, 3> totals_{};
+};
+
+Result<void> verify_order(const Atlas& atlas) {
+  const std::vector<ClassId> order = storage_order(atlas.classes(), atlas.graph());
+  if (std::ranges::is_sorted(order)) return {};
+  return fail(ErrorCode::kInvalidAtlas, atlas.name() + ": invalid: classes are not in storage order");
+}
+
+}  // namespace
+
+Result<void> Atlas::verify() const {
+  try {
+    for (const SectionLayout& section : impl_->layout.sections) {
+      const auto n = static_cast<std::size_t>(&section - impl_->layout.sections.data());
+      for (std::uint32_t chunk = 0; chunk < impl_->directory.sections[n].chunks; ++chunk) {
+        if (auto sound = impl_->sections.check_chunk_of(section, chunk); !sound)
+          return impl_->named(sound.error());
+      }
+    }
+    SPLATLAS_RETURN_IF_ERROR(verify_order(*this));
+    SPLATLAS_RETURN_IF_ERROR(RunVerifier(*this, impl_->layout).verify());
+    for (std::size_t g = 0; g < impl_->groups.size(); ++g) SPLATLAS_RETURN_IF_ERROR(impl_->decode_group(g));
+    for (StructureIndex s = 0; s < graph().size(); ++s) SPLATLAS_RETURN_IF_ERROR(read_surface(s));
+    return {};
+  } catch (const std::bad_alloc&) {
+    return impl_->named({ErrorCode::kLimit, "out of memory"});
+  }
+}
+
+}  // namespace splatlas

@@ -1,0 +1,378 @@
+#include "format/atlas_writer.h"
+
+#include <algorithm>
+#include <cstring>
+#include <limits>
+#include <new>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "format/codec/chunk_codec.h"
+#include "format/codec/mask_codec.h"
+#include "format/codec/run_codec.h"
+#include "format/codec/surface_codec.h"
+#include "format/codec/value_codec.h"
+#include "format/derive/boundary_split.h"
+#include "format/derive/fit_surface.h"
+#include "format/file/content_check.h"
+#include "format/file/directory.h"
+#include "format/file/file_layout.h"
+#include "format/file/fitted_content.h"
+#include "format/run_model.h"
+#include "format/system/output_file.h"
+#include "format/system/parallel.h"
+
+namespace splatlas {
+
+namespace {
+
+constexpr std::uint32_t kChunkBytes = 256 * 1024;
+/// Streams up to this length share a chunk. Larger: fewer chunks and better compression of small classes;
+/// smaller: fewer bytes of others are read with them.
+constexpr std::uint32_t kSharedBytes = 512;
+
+/// Share of a section's work that is not compression; for progress.
+constexpr double kGathering = 0.3;
+
+/// The decoded bytes of a section: its streams back to back, their lengths in the directory.
+using SectionBytes = std::vector<std::byte>;
+
+/// Writes section after section: gathers the streams, cuts them, compresses the chunks, forgets the streams.
+class AtlasEncoder {
+ public:
+  AtlasEncoder(const AtlasContent& content, const WriteOptions& options);
+  [[nodiscard]] Result<std::vector<std::byte>> encode();
+
+ private:
+  [[nodiscard]] Result<SectionBytes> gather(SectionKind kind);
+  [[nodiscard]] Result<SectionBytes> gather_runs(Axis axis);
+  void append_runs(const ClassRuns& runs, const IndexBox& box, Axis axis, SectionBytes& bytes) const;
+  [[nodiscard]] ClassRuns joined_runs(const RunStreams& streams, const RunModel& model, ClassId c) const;
+  [[nodiscard]] SectionBytes gather_values() const;
+  [[nodiscard]] SectionBytes gather_normals() const;
+  [[nodiscard]] Result<SectionBytes> gather_surfaces();
+  void leave_out_fitted_parts();
+  void count_runs();
+  void add_section(SectionKind kind, const SectionBytes& decoded);
+  [[nodiscard]] Result<std::vector<std::byte>> assemble() const;
+  void report(double fraction_of_section) const;
+
+  const AtlasContent& content_;
+  const WriteOptions& options_;
+  const Index3 size_;
+  Directory directory_;
+  std::vector<bool> fitted_surfaces_;           // [structure]
+  RunModel z_runs_;                             // kept for the values, which come after them
+  std::vector<std::vector<std::byte>> chunks_;  // stored bytes, in file order
+  double work_before_ = 0, work_now_ = 0, work_ = 0;
+};
+
+Directory describe(const AtlasContent& content) {
+  Directory directory;
+  directory.source_grid = content.source_grid;
+  directory.source_to_storage = content.source_to_storage;
+  directory.value_type = content.values.type;
+  directory.label_type = content.label_type;
+  directory.display = content.display;
+  directory.graph = content.graph;
+  directory.classes = content.classes;
+  directory.run_bytes.resize(content.classes.size());
+  directory.normals_fitted.resize(content.classes.size());
+  directory.surfaces.resize(content.graph.size());
+  directory.scenes = content.scenes;
+  directory.provenance = content.provenance;
+  return directory;
+}
+
+std::vector<SectionKind> sections_of(const AtlasContent& content, const WriteOptions& options) {
+  std::vector<SectionKind> kinds;
+  if (!options.compact) kinds = {SectionKind::kRunsX, SectionKind::kRunsY};
+  kinds.push_back(SectionKind::kRunsZ);
+  if (!content.values.empty()) kinds.push_back(SectionKind::kValues);
+  kinds.push_back(SectionKind::kNormals);
+  kinds.push_back(SectionKind::kSurfaces);
+  return kinds;
+}
+
+/// Rough share of the writing time, for progress: bytes to compress.
+double work_of(SectionKind kind, const AtlasContent& content) {
+  const auto voxels = static_cast<double>(content.class_volume.size());
+  switch (kind) {
+    case SectionKind::kRunsX:
+    case SectionKind::kRunsY:
+    case SectionKind::kRunsZ: return voxels / 8;
+    case SectionKind::kValues: return static_cast<double>(content.values.bytes.size());
+    case SectionKind::kNormals: return voxels / 8;
+    case SectionKind::kSurfaces: break;
+  }
+  double triangles = 1;
+  for (const SurfaceMesh& mesh : content.surfaces) triangles += static_cast<double>(mesh.triangles.size());
+  return 8 * triangles;
+}
+
+AtlasEncoder::AtlasEncoder(const AtlasContent& content, const WriteOptions& options)
+    : content_(content),
+      options_(options),
+      size_(storage_grid(content).size),
+      directory_(describe(content)) {}
+
+Result<std::vector<std::byte>> AtlasEncoder::encode() {
+  const std::vector<SectionKind> kinds = sections_of(content_, options_);
+  leave_out_fitted_parts();
+  for (const SectionKind kind : kinds) work_ += work_of(kind, content_);
+  for (const SectionKind kind : kinds) {
+    work_now_ = work_of(kind, content_);
+    report(0);
+    SPLATLAS_ASSIGN_OR_RETURN(const SectionBytes decoded, gather(kind));
+    add_section(kind, decoded);
+    work_before_ += work_now_;
+  }
+  if (options_.compact) count_runs();
+  SPLATLAS_RETURN_IF_ERROR(validate(directory_));
+  auto file = assemble();
+  work_now_ = 0;
+  report(1);
+  return file;
+}
+
+Result<SectionBytes> AtlasEncoder::gather(SectionKind kind) {
+  switch (kind) {
+    case SectionKind::kRunsX: return gather_runs(Axis::kX);
+    case SectionKind::kRunsY: return gather_runs(Axis::kY);
+    case SectionKind::kRunsZ: return gather_runs(Axis::kZ);
+    case SectionKind::kValues: return gather_values();
+    case SectionKind::kNormals: return gather_normals();
+    case SectionKind::kSurfaces: break;
+  }
+  return gather_surfaces();
+}
+
+/// One list for a class and its group's other one, where readers find from it which voxel is of which; else
+/// nothing.
+ClassRuns AtlasEncoder::joined_runs(const RunStreams& streams, const RunModel& model, ClassId c) const {
+  if (!streams.may_share(c)) return {};
+  const auto pair = streams.pair_of(c);
+  const ClassRuns& interior = model.classes[pair[0]];
+  const ClassRuns& boundary = model.classes[pair[1]];
+  if (c != pair[0] || boundary.empty()) return {};
+  ClassRuns both = join_runs(interior, boundary);
+  const SplitRuns split = split_boundary(both, size_, model.axis);
+  return split.interior == interior && split.boundary == boundary ? both : ClassRuns{};
+}
+
+/// As a list, which is read fastest, or in compact files as a mask where that is less.
+void AtlasEncoder::append_runs(const ClassRuns& runs, const IndexBox& box, Axis axis,
+                               SectionBytes& bytes) const {
+  std::vector<std::byte> list;
+  append_run_list(runs, list);
+  std::uint64_t voxels = 0;
+  for (const Run& run : runs) voxels += run.length;
+  if (options_.compact && codes_mask(box, voxels)) {
+    std::vector<std::byte> mask = encode_mask(runs, box, size_, axis);
+    const std::size_t list_bytes = encode_chunk(list, options_.level, ChunkContent::kAny).bytes.size();
+    if (mask.size() >= min_run_list_bytes(voxels) && mask.size() < list_bytes) list = std::move(mask);
+  }
+  bytes.insert(bytes.end(), list.begin(), list.end());
+}
+
+Result<SectionBytes> AtlasEncoder::gather_runs(Axis axis) {
+  RunModel model = encode_runs(content_.class_volume, size_, axis, content_.classes.size());
+  const auto a = static_cast<std::size_t>(axis);
+  directory_.run_totals[a] = model.runs();
+  const RunStreams streams(content_.classes);
+  SectionBytes bytes;
+  std::vector<bool> done(model.classes.size(), false);
+  for (ClassId c = 0; c < model.classes.size(); ++c) {
+    if (done[c]) continue;
+    const std::size_t begin = bytes.size();
+    IndexBox box = content_.classes.box(c);
+    if (const ClassRuns both = joined_runs(streams, model, c); !both.empty()) {
+      const ClassId other = streams.pair_of(c)[1];
+      box.include(content_.classes.box(other));
+      append_runs(both, box, axis, bytes);
+      done[other] = true;
+    } else {
+      append_runs(model.classes[c], box, axis, bytes);
+    }
+    if (bytes.size() - begin > std::numeric_limits<std::uint32_t>::max()) {
+      return fail(ErrorCode::kFailed, fmt::format("the run list of class {} is longer than 4 GiB", c));
+    }
+    directory_.run_bytes[c][a] = static_cast<std::uint32_t>(bytes.size() - begin);
+  }
+  if (axis == Axis::kZ) z_runs_ = std::move(model);
+  return bytes;
+}
+
+/// The totals of the run models that a compact file leaves out.
+void AtlasEncoder::count_runs() {
+  for (const Axis axis : {Axis::kX, Axis::kY}) {
+    directory_.run_totals[static_cast<std::size_t>(axis)] =
+        encode_runs(content_.class_volume, size_, axis, content_.classes.size()).runs();
+  }
+}
+
+/// The values of spans, one after the other.
+std::vector<std::byte> pick_values(const VoxelBuffer& values, std::span<const ClassSpan> spans,
+                                   std::int64_t width) {
+  const std::size_t value_bytes = bytes_of(values.type);
+  std::vector<std::byte> picked;
+  for (const ClassSpan& span : spans) {
+    const std::uint64_t first = span.run.scanline * static_cast<std::uint64_t>(width) + span.run.start;
+    const std::byte* const from = values.bytes.data() + first * value_bytes;
+    picked.insert(picked.end(), from, from + span.run.length * value_bytes);
+  }
+  return picked;
+}
+
+SectionBytes AtlasEncoder::gather_values() const {
+  const ValueGroups groups(content_.classes);
+  std::vector<std::vector<std::byte>> codes(groups.size());
+  parallel_for(
+      groups.size(), options_.threads,
+      [&](std::size_t g) {
+        std::vector<ClassRuns> runs;
+        for (const ClassId c : groups.told_by(g)) runs.push_back(z_runs_.classes[c]);
+        const std::vector<ClassSpan> spans = group_spans(groups, g, runs, size_);
+        const GroupVoxels voxels{spans, group_voxels(groups, content_.classes, g),
+                                 group_box(groups, content_.classes, g, size_), size_[1]};
+        codes[g] = encode_values(voxels, content_.values.type, pick_values(content_.values, spans, size_[0]));
+      },
+      [&](std::size_t done) {
+        report(kGathering * static_cast<double>(done) / static_cast<double>(groups.size()));
+      });
+  SectionBytes bytes;
+  for (std::vector<std::byte>& code : codes) {
+    bytes.insert(bytes.end(), code.begin(), code.end());
+    code = {};
+  }
+  return bytes;
+}
+
+/// What readers find again from the voxels. Normals only where that takes no more voxels than are read with
+/// them, but in compact files.
+void AtlasEncoder::leave_out_fitted_parts() {
+  const FittedParts fitted = find_fitted_parts(content_, options_.threads);
+  fitted_surfaces_ = fitted.surfaces;
+  const ClassTable& classes = content_.classes;
+  const std::size_t structures = content_.graph.size();
+  const std::vector<bool> alike = find_alike(classes, HeldClasses(classes, structures), structures);
+  for (ClassId c = 0; c < fitted.normals.size(); ++c) {
+    directory_.normals_fitted[c] =
+        fitted.normals[c] && (options_.compact || alike[normal_owner(classes.members(c))]);
+  }
+}
+
+SectionBytes AtlasEncoder::gather_normals() const {
+  SectionBytes bytes;
+  for (ClassId c = 0; c < content_.classes.size(); ++c) {
+    if (!stores_normals(directory_, c)) continue;
+    const auto raw = std::as_bytes(std::span(content_.boundary_normals[c]));
+    bytes.insert(bytes.end(), raw.begin(), raw.end());
+  }
+  return bytes;
+}
+
+Result<SectionBytes> AtlasEncoder::gather_surfaces() {
+  const std::size_t count = content_.surfaces.size();
+  std::vector<Result<EncodedSurface>> encoded(count);
+  parallel_for(
+      count, options_.threads,
+      [&](std::size_t s) {
+        const SurfaceMesh& mesh = content_.surfaces[s];
+        if (fitted_surfaces_[s]) {
+          encoded[s] =
+              EncodedSurface{{static_cast<std::uint32_t>(mesh.positions_ijk.size()),
+                              static_cast<std::uint32_t>(mesh.triangles.size()), mesh.position_scale, 0},
+                             {}};
+        } else {
+          encoded[s] = encode_surface(mesh, size_);
+        }
+      },
+      [&](std::size_t done) { report(kGathering * static_cast<double>(done) / static_cast<double>(count)); });
+  for (StructureIndex s = 0; s < count; ++s) {
+    if (!encoded[s]) {
+      return fail(encoded[s].error().code, fmt::format("surface of structure '{}': {}", content_.graph[s].id,
+                                                       encoded[s].error().message));
+    }
+    directory_.surfaces[s] = encoded[s]->entry;
+  }
+  SectionBytes bytes;
+  for (const StructureIndex s : content_.graph.preorder()) {
+    bytes.insert(bytes.end(), encoded[s]->bytes.begin(), encoded[s]->bytes.end());
+  }
+  return bytes;
+}
+
+/// Cuts the streams into chunks and compresses these, on all threads: each chunk's bytes depend on its
+/// content alone.
+void AtlasEncoder::add_section(SectionKind kind, const SectionBytes& decoded) {
+  constexpr std::uint64_t kNoLimit = std::numeric_limits<std::uint32_t>::max();
+  const std::vector<std::uint64_t> begins = begins_of(stream_sizes(directory_, kind));
+  const std::vector<std::uint64_t> cuts = *cut_streams(begins, kChunkBytes, kSharedBytes, kNoLimit);
+  const std::size_t count = cuts.size() - 1, first = chunks_.size();
+  directory_.sections.push_back(
+      {static_cast<std::uint32_t>(kind), static_cast<std::uint32_t>(count), kChunkBytes, kSharedBytes});
+  directory_.chunks.resize(first + count);
+  chunks_.resize(first + count);
+  parallel_for(
+      count, options_.threads,
+      [&](std::size_t n) {
+        EncodedChunk chunk =
+            encode_chunk(std::span(decoded).subspan(cuts[n], cuts[n + 1] - cuts[n]), options_.level,
+                         kind == SectionKind::kValues ? ChunkContent::kNoise : ChunkContent::kAny);
+        directory_.chunks[first + n] = chunk.entry;
+        chunks_[first + n] = std::move(chunk.bytes);
+      },
+      [&](std::size_t done) {
+        report(kGathering + (1 - kGathering) * static_cast<double>(done) / static_cast<double>(count));
+      });
+}
+
+Result<std::vector<std::byte>> AtlasEncoder::assemble() const {
+  SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::byte> directory, encode_directory(directory_));
+  if (directory.size() > kMaxDirectoryBytes) {
+    return fail(ErrorCode::kFailed,
+                fmt::format("the directory takes {} bytes (limit {})", directory.size(), kMaxDirectoryBytes));
+  }
+  SPLATLAS_ASSIGN_OR_RETURN(const FileLayout layout, lay_out(directory_, directory.size()));
+  const FileHeader header = make_header(directory, layout.file_bytes());
+  std::vector<std::byte> file(layout.file_bytes());
+  std::memcpy(file.data(), &header, sizeof header);
+  std::ranges::copy(directory, file.begin() + sizeof header);
+  for (std::size_t n = 0; n < chunks_.size(); ++n) {
+    std::ranges::copy(chunks_[n], file.begin() + static_cast<std::ptrdiff_t>(layout.chunk_offset[n]));
+  }
+  return file;
+}
+
+void AtlasEncoder::report(double fraction_of_section) const {
+  if (options_.progress)
+    options_.progress(std::min(1.0, (work_before_ + work_now_ * fraction_of_section) / work_));
+}
+
+}  // namespace
+
+Result<std::vector<std::byte>> encode_atlas(const AtlasContent& content, const WriteOptions& options) {
+  if (options.level < 1 || options.level > 22) {
+    return fail(ErrorCode::kUsage,
+                fmt::format("compression level {} is not between 1 and 22", options.level));
+  }
+  try {
+    Result<void> checked = check_content(content);
+    auto file = checked ? AtlasEncoder(content, options).encode() : tl::unexpected(checked.error());
+    if (!file) return fail(ErrorCode::kFailed, "cannot write this atlas: " + file.error().message);
+    return file;
+  } catch (const std::bad_alloc&) {
+    return fail(ErrorCode::kLimit, "cannot write this atlas: out of memory");
+  }
+}
+
+Result<void> write_atlas(const AtlasContent& content, const std::filesystem::path& path,
+                         const WriteOptions& options) {
+  auto file = encode_atlas(content, options);
+  if (!file) return fail(file.error().code, path.string() + ": " + file.error().message);
+  return write_file(path, *file);
+}
+
+}  // namespace splatlas

@@ -1,0 +1,381 @@
+#include "format/file/directory.h"
+
+#include <algorithm>
+#include <string_view>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "schemas/atlas_generated.h"
+
+namespace splatlas {
+
+namespace {
+
+constexpr std::uint8_t kHasLabel = 1, kExternal = 2;
+
+template <std::size_t n, typename T, typename Source>
+std::array<T, n> to_array(const Source& source) {
+  std::array<T, n> values{};
+  for (std::size_t i = 0; i < n; ++i)
+    values[i] = static_cast<T>(source[static_cast<flatbuffers::uoffset_t>(i)]);
+  return values;
+}
+
+template <typename T, std::size_t n>
+flatbuffers::span<const T, n> to_span(const std::array<T, n>& values) {
+  return flatbuffers::span<const T, n>(values.data(), n);
+}
+
+tl::unexpected<Error> invalid(std::string message) {
+  return fail(ErrorCode::kInvalidAtlas, std::move(message));
+}
+
+// ---- writing
+// ----------------------------------------------------------------------------------------------------
+
+/// All strings back to back, in the order of docs/atlas_format.md.
+class TextWriter {
+ public:
+  void add(std::string_view text) {
+    bytes_.insert(bytes_.end(), text.begin(), text.end());
+    ends_.push_back(static_cast<std::uint32_t>(bytes_.size()));
+  }
+  [[nodiscard]] const std::vector<std::uint8_t>& bytes() const { return bytes_; }
+  [[nodiscard]] const std::vector<std::uint32_t>& ends() const { return ends_; }
+
+ private:
+  std::vector<std::uint8_t> bytes_;
+  std::vector<std::uint32_t> ends_;
+};
+
+TextWriter write_text(const Directory& directory) {
+  TextWriter text;
+  const Provenance& provenance = directory.provenance;
+  for (const auto* part : {&provenance.title, &provenance.citation, &provenance.licence, &provenance.tool}) {
+    text.add(*part);
+  }
+  for (const Structure& structure : directory.graph.structures()) {
+    text.add(structure.id);
+    text.add(structure.name);
+  }
+  for (const Scene& scene : directory.scenes) {
+    text.add(scene.name);
+    text.add(scene.caption);
+    text.add(scene.selection);
+  }
+  for (const Source& source : provenance.sources) {
+    text.add(source.role);
+    text.add(source.hash);
+  }
+  return text;
+}
+
+struct StructureTable {
+  std::vector<schema::Structure> structures;
+  std::vector<std::uint32_t> parents;
+};
+
+StructureTable write_structures(const StructureGraph& graph) {
+  StructureTable table;
+  for (const Structure& s : graph.structures()) {
+    table.parents.insert(table.parents.end(), s.parents.begin(), s.parents.end());
+    const std::array<std::uint8_t, 3> rgb{s.color.r, s.color.g, s.color.b};
+    const int flags = (s.label ? kHasLabel : 0) | (s.external ? kExternal : 0);
+    table.structures.emplace_back(s.label.value_or(0), static_cast<std::uint32_t>(table.parents.size()),
+                                  to_span(rgb), static_cast<std::uint8_t>(flags));
+  }
+  return table;
+}
+
+struct ClassRows {
+  std::vector<schema::Class> classes;
+  std::vector<std::uint32_t> members;
+};
+
+ClassRows write_classes(const Directory& directory) {
+  ClassRows rows;
+  for (ClassId c = 0; c < directory.classes.size(); ++c) {
+    for (const Membership& member : directory.classes.members(c)) {
+      rows.members.push_back(member.structure * 4 + static_cast<std::uint32_t>(member.part));
+    }
+    const IndexBox& box = directory.classes.box(c);
+    const auto first = to_array<3, std::int32_t>(box.first), last = to_array<3, std::int32_t>(box.last);
+    rows.classes.emplace_back(directory.classes.voxels(c), to_span(first), to_span(last),
+                              to_span(directory.run_bytes[c]),
+                              static_cast<std::uint32_t>(rows.members.size()));
+  }
+  return rows;
+}
+
+template <typename Row, typename Entry, typename Convert>
+std::vector<Row> convert_rows(const std::vector<Entry>& entries, Convert&& convert) {
+  std::vector<Row> rows;
+  rows.reserve(entries.size());
+  for (const Entry& entry : entries) rows.push_back(convert(entry));
+  return rows;
+}
+
+}  // namespace
+
+std::string section_name(std::uint32_t kind) {
+  switch (static_cast<SectionKind>(kind)) {
+    case SectionKind::kRunsX: return "runs_x";
+    case SectionKind::kRunsY: return "runs_y";
+    case SectionKind::kRunsZ: return "runs_z";
+    case SectionKind::kValues: return "values";
+    case SectionKind::kNormals: return "normals";
+    case SectionKind::kSurfaces: return "surfaces";
+  }
+  return fmt::format("section {}", kind);
+}
+
+bool has_normals(const ClassTable& classes, ClassId c) {
+  return std::ranges::any_of(classes.members(c),
+                             [](const Membership& m) { return m.part == Part::kBoundary; });
+}
+
+bool stores_normals(const Directory& directory, ClassId c) {
+  return has_normals(directory.classes, c) && !directory.normals_fitted[c];
+}
+
+Result<std::vector<std::byte>> encode_directory(const Directory& directory) {
+  const Grid& grid = directory.source_grid;
+  const schema::Grid grid_row(to_span(grid.spacing_mm), to_span(grid.origin_lps_mm),
+                              to_span(grid.direction_lps), to_span(grid.size));
+  const auto flipped = to_array<3, std::uint8_t>(directory.source_to_storage.flipped);
+  const schema::AxisOrder order_row(to_span(directory.source_to_storage.from), to_span(flipped));
+  const Display& display = directory.display;
+  const schema::Display display_row(display.window_low, display.window_high, to_span(display.center_lps_mm),
+                                    display.radius_mm);
+  const schema::RunTotals totals_row(to_span(directory.run_totals));
+  const TextWriter text = write_text(directory);
+  const StructureTable structures = write_structures(directory.graph);
+  const ClassRows classes = write_classes(directory);
+  const auto surfaces = convert_rows<schema::Surface>(directory.surfaces, [](const SurfaceEntry& s) {
+    return schema::Surface(s.vertices, s.triangles, s.position_scale, s.bytes);
+  });
+  const auto scenes = convert_rows<schema::Scene>(
+      directory.scenes, [](const Scene& s) { return schema::Scene(s.azimuth_deg, s.elevation_deg, s.zoom); });
+  const auto sections = convert_rows<schema::Section>(directory.sections, [](const SectionEntry& s) {
+    return schema::Section(s.kind, s.chunks, s.chunk_bytes, s.shared_bytes);
+  });
+  const auto chunks = convert_rows<schema::Chunk>(directory.chunks, [](const ChunkEntry& c) {
+    return schema::Chunk(c.checksum, c.stored_bytes, static_cast<std::uint8_t>(c.codec), c.filter, 0);
+  });
+
+  flatbuffers::FlatBufferBuilder builder;
+  builder.Finish(
+      schema::CreateDirectory(
+          builder, &grid_row, &order_row, static_cast<std::uint8_t>(directory.value_type),
+          static_cast<std::uint8_t>(directory.label_type), &display_row, &totals_row,
+          builder.CreateVectorOfStructs(structures.structures), builder.CreateVector(structures.parents),
+          builder.CreateVectorOfStructs(surfaces), builder.CreateVectorOfStructs(classes.classes),
+          builder.CreateVector(classes.members), builder.CreateVectorOfStructs(scenes),
+          static_cast<std::uint32_t>(directory.provenance.sources.size()), builder.CreateVector(text.ends()),
+          builder.CreateVector(text.bytes()), builder.CreateVectorOfStructs(sections),
+          builder.CreateVectorOfStructs(chunks),
+          builder.CreateVector(
+              std::vector<std::uint8_t>(directory.normals_fitted.begin(), directory.normals_fitted.end()))),
+      schema::DirectoryIdentifier());
+  const auto* begin = reinterpret_cast<const std::byte*>(builder.GetBufferPointer());
+  return std::vector<std::byte>(begin, begin + builder.GetSize());
+}
+
+// ---- reading
+// ----------------------------------------------------------------------------------------------------
+
+namespace {
+
+/// Walks the strings in the order in which TextWriter added them; the number of strings has been checked.
+class TextReader {
+ public:
+  explicit TextReader(const schema::Directory& directory) : directory_(directory) {}
+  std::string next() {
+    const std::uint32_t end = directory_.text_ends()->Get(n_++);
+    const auto* text = reinterpret_cast<const char*>(directory_.text()->data());
+    return std::string(text + std::exchange(begin_, end), text + end);
+  }
+
+ private:
+  const schema::Directory& directory_;
+  flatbuffers::uoffset_t n_ = 0;
+  std::uint32_t begin_ = 0;
+};
+
+/// Whether `ends` never fall and the last one is `total`: each range lies in the table it points into.
+template <typename Rows, typename End>
+bool ends_are_valid(const Rows& rows, End&& end, std::uint64_t total) {
+  std::uint64_t previous = 0;
+  for (flatbuffers::uoffset_t n = 0; n < rows.size(); ++n) {
+    if (end(rows, n) < previous) return false;
+    previous = end(rows, n);
+  }
+  return previous == total;
+}
+
+/// The verifier aligns vectors to their length, not to their elements.
+template <typename Row>
+bool is_aligned(const flatbuffers::Vector<const Row*>& rows) {
+  return rows.size() == 0 || reinterpret_cast<std::uintptr_t>(rows.Data()) % alignof(Row) == 0;
+}
+
+Result<void> check_tables(const schema::Directory& d) {
+  if (!is_aligned(*d.structures()) || !is_aligned(*d.surfaces()) || !is_aligned(*d.classes()) ||
+      !is_aligned(*d.scenes()) || !is_aligned(*d.sections()) || !is_aligned(*d.chunks())) {
+    return invalid("invalid: directory tables are not aligned");
+  }
+  const std::uint64_t strings = 4 + 2 * std::uint64_t{d.structures()->size()} +
+                                3 * std::uint64_t{d.scenes()->size()} + 2 * std::uint64_t{d.sources()};
+  if (d.text_ends()->size() != strings) {
+    return invalid(
+        fmt::format("invalid: directory has {} strings, expected {}", d.text_ends()->size(), strings));
+  }
+  const auto value = [](const auto& rows, auto n) { return rows.Get(n); };
+  if (!ends_are_valid(*d.text_ends(), value, d.text()->size())) {
+    return invalid("invalid: directory text does not add up");
+  }
+  const auto parents_end = [](const auto& rows, auto n) { return rows.Get(n)->parents_end(); };
+  if (!ends_are_valid(*d.structures(), parents_end, d.parents()->size())) {
+    return invalid("invalid: directory table of parents does not add up");
+  }
+  const auto members_end = [](const auto& rows, auto n) { return rows.Get(n)->members_end(); };
+  if (!ends_are_valid(*d.classes(), members_end, d.members()->size())) {
+    return invalid("invalid: directory table of class members does not add up");
+  }
+  if (d.structures()->size() > kMaxStructures || d.classes()->size() > kMaxClasses ||
+      d.classes()->size() == 0) {
+    return invalid(fmt::format("invalid: {} structures (limit {}) and {} classes (1 to {})",
+                               d.structures()->size(), kMaxStructures, d.classes()->size(), kMaxClasses));
+  }
+  return {};
+}
+
+/// What is yes or no must be 1 or 0.
+Result<void> check_flags(const schema::Directory& d) {
+  for (const std::uint8_t flipped : *d.source_to_storage()->flipped()) {
+    if (flipped > 1) return invalid(fmt::format("invalid: an axis is reversed by {}", flipped));
+  }
+  for (flatbuffers::uoffset_t c = 0; c < d.normals_fitted()->size(); ++c) {
+    if (const std::uint8_t fitted = d.normals_fitted()->Get(c); fitted > 1) {
+      return invalid(fmt::format("invalid: normals of class {} are fitted by {}", c, fitted));
+    }
+  }
+  return {};
+}
+
+Result<StructureGraph> read_structures(const schema::Directory& d, TextReader& text) {
+  std::vector<Structure> structures(d.structures()->size());
+  std::uint32_t parent = 0;
+  for (flatbuffers::uoffset_t n = 0; n < d.structures()->size(); ++n) {
+    const schema::Structure& row = *d.structures()->Get(n);
+    Structure& s = structures[n];
+    s.id = text.next();
+    s.name = text.next();
+    const auto rgb = to_array<3, std::uint8_t>(*row.color_rgb());
+    s.color = {rgb[0], rgb[1], rgb[2]};
+    if ((row.flags() & kHasLabel) != 0) s.label = row.label();
+    s.external = (row.flags() & kExternal) != 0;
+    for (; parent < row.parents_end(); ++parent) s.parents.push_back(d.parents()->Get(parent));
+  }
+  auto graph = StructureGraph::build(std::move(structures));
+  if (!graph) return invalid("invalid: " + graph.error().message);
+  return graph;
+}
+
+Result<void> read_classes(const schema::Directory& d, Directory& directory) {
+  std::uint32_t member = 0;
+  directory.run_bytes.reserve(d.classes()->size());
+  for (ClassId c = 0; c < d.classes()->size(); ++c) {
+    const schema::Class& row = *d.classes()->Get(c);
+    std::vector<Membership> members;
+    members.reserve(row.members_end() - member);
+    for (; member < row.members_end(); ++member) {
+      const std::uint32_t code = d.members()->Get(member);
+      if (code / 4 >= directory.graph.size() || code % 4 > static_cast<std::uint32_t>(Part::kCrossed)) {
+        return invalid(fmt::format("invalid: class {} has part {} of structure {}", c, code % 4, code / 4));
+      }
+      members.push_back({code / 4, static_cast<Part>(code % 4)});
+      if (members.size() > 1 && members[members.size() - 2].structure >= members.back().structure) {
+        return invalid(fmt::format("invalid: memberships of class {} are not in order", c));
+      }
+    }
+    if (directory.classes.intern(std::move(members)) != c) {
+      return invalid(fmt::format("invalid: class {} repeats another class", c));
+    }
+    directory.classes.count(
+        c, row.voxels(),
+        {to_array<3, std::int64_t>(*row.box_first()), to_array<3, std::int64_t>(*row.box_last())});
+    directory.run_bytes.push_back(to_array<3, std::uint32_t>(*row.run_bytes()));
+  }
+  return {};
+}
+
+void read_scenes_and_sources(const schema::Directory& d, TextReader& text, Directory& directory) {
+  for (const schema::Scene* row : *d.scenes()) {
+    Scene scene{text.next(), text.next(), text.next(), row->azimuth_deg(), row->elevation_deg(), row->zoom()};
+    directory.scenes.push_back(std::move(scene));
+  }
+  for (std::uint32_t n = 0; n < d.sources(); ++n) {
+    directory.provenance.sources.push_back({text.next(), text.next()});
+  }
+}
+
+Result<void> read_chunks(const schema::Directory& d, Directory& directory) {
+  for (const schema::Section* row : *d.sections()) {
+    directory.sections.push_back({row->kind(), row->chunks(), row->chunk_bytes(), row->shared_bytes()});
+  }
+  directory.chunks.reserve(d.chunks()->size());
+  for (const schema::Chunk* row : *d.chunks()) {
+    directory.chunks.push_back(
+        {row->checksum(), row->stored_bytes(), static_cast<ChunkCodec>(row->codec()), row->filter()});
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<Directory> decode_directory(std::span<const std::byte> bytes) {
+  // The verifier asserts where it should fail on 2 GiB, and takes alignment for granted.
+  if (bytes.size() < 16 || bytes.size() >= FLATBUFFERS_MAX_BUFFER_SIZE) {
+    return invalid(fmt::format("invalid: directory of {} bytes", bytes.size()));
+  }
+  const auto* data = reinterpret_cast<const std::uint8_t*>(bytes.data());
+  flatbuffers::Verifier verifier(data, bytes.size(), /*max_depth=*/4, /*max_tables=*/4);
+  if (!schema::VerifyDirectoryBuffer(verifier))
+    return invalid("invalid: directory is not a FlatBuffer of an atlas");
+  const schema::Directory& d = *schema::GetDirectory(data);
+  SPLATLAS_RETURN_IF_ERROR(check_tables(d));
+  SPLATLAS_RETURN_IF_ERROR(check_flags(d));
+
+  Directory directory;
+  const schema::Grid& grid = *d.source_grid();
+  directory.source_grid = {to_array<3, std::int64_t>(*grid.size()), to_array<3, double>(*grid.spacing_mm()),
+                           to_array<3, double>(*grid.origin_lps_mm()),
+                           to_array<9, double>(*grid.direction_lps())};
+  directory.source_to_storage = {to_array<3, std::uint8_t>(*d.source_to_storage()->from()),
+                                 to_array<3, bool>(*d.source_to_storage()->flipped())};
+  directory.value_type = static_cast<VoxelType>(d.value_type());
+  directory.label_type = static_cast<VoxelType>(d.label_type());
+  directory.display = {d.display()->window_low(), d.display()->window_high(),
+                       to_array<3, double>(*d.display()->center_lps_mm()), d.display()->radius_mm()};
+  directory.run_totals = to_array<3, std::uint64_t>(*d.run_totals()->runs());
+
+  TextReader text(d);
+  for (auto* part : {&directory.provenance.title, &directory.provenance.citation,
+                     &directory.provenance.licence, &directory.provenance.tool}) {
+    *part = text.next();
+  }
+  SPLATLAS_ASSIGN_OR_RETURN(directory.graph, read_structures(d, text));
+  SPLATLAS_RETURN_IF_ERROR(read_classes(d, directory));
+  directory.surfaces.reserve(d.surfaces()->size());
+  for (const schema::Surface* row : *d.surfaces()) {
+    directory.surfaces.push_back({row->vertices(), row->triangles(), row->position_scale(), row->bytes()});
+  }
+  for (const std::uint8_t fitted : *d.normals_fitted()) directory.normals_fitted.push_back(fitted != 0);
+  read_scenes_and_sources(d, text, directory);
+  SPLATLAS_RETURN_IF_ERROR(read_chunks(d, directory));
+  return directory;
+}
+
+}  // namespace splatlas

@@ -1,0 +1,181 @@
+// validate(Directory): what a directory must say to be believed. Writer and reader both ask.
+#include <algorithm>
+#include <cmath>
+#include <initializer_list>
+#include <span>
+#include <string_view>
+
+#include <fmt/format.h>
+
+#include "format/codec/run_codec.h"
+#include "format/codec/surface_codec.h"
+#include "format/derive/boundary_split.h"
+#include "format/file/directory.h"
+#include "format/system/plain_text.h"
+
+namespace splatlas {
+
+namespace {
+
+tl::unexpected<Error> invalid(std::string message) {
+  return fail(ErrorCode::kInvalidAtlas, "invalid: " + std::move(message));
+}
+
+bool all_finite(std::initializer_list<double> values) {
+  return std::ranges::all_of(values, [](double v) { return std::isfinite(v); });
+}
+
+/// `name_it` tells what text it is.
+template <typename NameIt>
+Result<void> check_text(std::string_view text, const NameIt& name_it) {
+  const std::string fault = fault_of_text(text);
+  if (fault.empty()) return {};
+  return invalid(name_it() + " " + fault);
+}
+
+Result<void> check_texts(const Directory& d) {
+  const Provenance& p = d.provenance;
+  for (const auto* text : {&p.title, &p.citation, &p.licence, &p.tool}) {
+    SPLATLAS_RETURN_IF_ERROR(check_text(*text, [] { return std::string("provenance"); }));
+  }
+  for (const Source& source : p.sources) {
+    SPLATLAS_RETURN_IF_ERROR(check_text(source.role, [] { return std::string("a source's role"); }));
+    SPLATLAS_RETURN_IF_ERROR(check_text(source.hash, [] { return std::string("a source's hash"); }));
+  }
+  for (StructureIndex s = 0; s < d.graph.size(); ++s) {
+    SPLATLAS_RETURN_IF_ERROR(check_text(d.graph[s].id, [s] { return fmt::format("id of structure {}", s); }));
+    SPLATLAS_RETURN_IF_ERROR(
+        check_text(d.graph[s].name, [s] { return fmt::format("name of structure {}", s); }));
+  }
+  for (std::size_t n = 0; n < d.scenes.size(); ++n) {
+    const Scene& scene = d.scenes[n];
+    for (const auto* text : {&scene.name, &scene.caption, &scene.selection}) {
+      SPLATLAS_RETURN_IF_ERROR(check_text(*text, [n] { return fmt::format("text of scene {}", n); }));
+    }
+    if (!all_finite({scene.azimuth_deg, scene.elevation_deg, scene.zoom}) || !(scene.zoom > 0)) {
+      return invalid(fmt::format("camera of scene {}: azimuth {}, elevation {}, zoom {}", n,
+                                 scene.azimuth_deg, scene.elevation_deg, scene.zoom));
+    }
+  }
+  return {};
+}
+
+Result<void> check_geometry(const Directory& d) {
+  if (auto valid = validate(d.source_grid, "source grid"); !valid) return invalid(valid.error().message);
+  if (!d.source_to_storage.is_permutation()) return invalid("axis order is not a permutation");
+  for (const VoxelType type : {d.value_type, d.label_type}) {
+    if (static_cast<unsigned>(type) > static_cast<unsigned>(VoxelType::kFloat64)) {
+      return invalid(fmt::format("unknown voxel type {}", static_cast<unsigned>(type)));
+    }
+  }
+  const Display& view = d.display;
+  if (!all_finite({view.window_low, view.window_high}) || !is_within_reach(view.center_lps_mm) ||
+      !(view.radius_mm >= 0 && view.radius_mm <= kFurthestMm)) {
+    return invalid(fmt::format("display: window {} to {}, ball at {}, {}, {} of radius {}", view.window_low,
+                               view.window_high, view.center_lps_mm[0], view.center_lps_mm[1],
+                               view.center_lps_mm[2], view.radius_mm));
+  }
+  return {};
+}
+
+/// The box lies in the grid and can hold the voxels. The empty class may leave its box out.
+bool box_fits(const IndexBox& box, std::uint64_t voxels, bool may_be_empty, const Index3& size) {
+  if (box == IndexBox{}) return voxels == 0 || may_be_empty;
+  std::uint64_t room = 1;
+  for (std::size_t a = 0; a < 3; ++a) {
+    if (box.first[a] < 0 || box.first[a] > box.last[a] || box.last[a] >= size[a]) return false;
+    room *= static_cast<std::uint64_t>(box.last[a] - box.first[a] + 1);
+  }
+  return voxels > 0 && voxels <= room;
+}
+
+Result<void> check_classes(const Directory& d, const Grid& grid) {
+  if (!d.classes.members(kEmptyClass).empty()) return invalid("class 0 has members");
+  std::uint64_t sum = 0;
+  const auto grid_voxels = static_cast<std::uint64_t>(grid.voxels());
+  for (ClassId c = 0; c < d.classes.size(); ++c) {
+    const std::uint64_t voxels = d.classes.voxels(c);
+    if (voxels > grid_voxels - sum)
+      return invalid(fmt::format("classes have more voxels than the grid's {}", grid_voxels));
+    sum += voxels;
+    if (!box_fits(d.classes.box(c), voxels, c == kEmptyClass, grid.size)) {
+      return invalid(fmt::format("box of class {} does not fit its {} voxels in the grid", c, voxels));
+    }
+  }
+  if (sum != grid_voxels) {
+    return invalid(fmt::format("classes have {} voxels, the grid has {}", sum, grid_voxels));
+  }
+  return {};
+}
+
+Result<void> check_runs(const Directory& d, const RunStreams& streams) {
+  for (const Axis axis : kAxes) {
+    const auto a = static_cast<std::size_t>(axis);
+    const bool stored = std::ranges::count(d.sections, static_cast<std::uint32_t>(run_section(axis)),
+                                           &SectionEntry::kind) != 0;
+    const std::uint64_t held =
+        static_cast<std::uint64_t>(d.source_grid.voxels()) - d.classes.voxels(kEmptyClass);
+    if (d.run_totals[a] > held) {
+      return invalid(fmt::format("run model {} has {} runs of {} voxels", a, d.run_totals[a], held));
+    }
+    const auto bytes_of = [&](ClassId c) { return d.run_bytes[c][a]; };
+    for (ClassId c = 0; c < d.classes.size(); ++c) {
+      const std::uint64_t bytes = bytes_of(c);
+      std::uint64_t voxels = c == kEmptyClass || !stored ? 0 : d.classes.voxels(c);
+      if (stored && streams.is_shared(d.classes, c, bytes_of)) {  // the first class's list is of both
+        const auto pair = streams.pair_of(c);
+        voxels = c == pair[0] ? voxels + d.classes.voxels(pair[1]) : 0;
+      }
+      if (bytes < min_run_list_bytes(voxels) || bytes > max_run_list_bytes(voxels)) {
+        return invalid(
+            fmt::format("runs of class {} along axis {} take {} bytes for {} voxels", c, a, bytes, voxels));
+      }
+    }
+  }
+  return {};
+}
+
+Result<void> check_normals(const Directory& d) {
+  if (d.normals_fitted.size() != d.classes.size()) {
+    return invalid(
+        fmt::format("normals of {} classes, there are {}", d.normals_fitted.size(), d.classes.size()));
+  }
+  for (ClassId c = 0; c < d.classes.size(); ++c) {
+    if (d.normals_fitted[c] && !has_normals(d.classes, c)) {
+      return invalid(fmt::format("class {} has fitted normals but no boundary", c));
+    }
+  }
+  return {};
+}
+
+Result<void> check_surfaces(const Directory& d, const Grid& grid) {
+  if (d.surfaces.size() != d.graph.size()) {
+    return invalid(fmt::format("{} surfaces of {} structures", d.surfaces.size(), d.graph.size()));
+  }
+  for (StructureIndex s = 0; s < d.graph.size(); ++s) {
+    if (auto fits = check_surface_entry(d.surfaces[s], grid.size); !fits) {
+      return invalid(fmt::format("surface of structure '{}': {}", d.graph[s].id, fits.error().message));
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<void> validate(const Directory& d) {
+  return validate(d, RunStreams(d.classes));
+}
+
+Result<void> validate(const Directory& d, const RunStreams& streams) {
+  SPLATLAS_RETURN_IF_ERROR(check_geometry(d));
+  SPLATLAS_RETURN_IF_ERROR(check_texts(d));
+  const Grid grid = reordered(d.source_grid, d.source_to_storage);
+  if (auto valid = validate(grid, "storage grid"); !valid) return invalid(valid.error().message);
+  SPLATLAS_RETURN_IF_ERROR(check_classes(d, grid));
+  SPLATLAS_RETURN_IF_ERROR(check_runs(d, streams));
+  SPLATLAS_RETURN_IF_ERROR(check_normals(d));
+  SPLATLAS_RETURN_IF_ERROR(check_surfaces(d, grid));
+  return {};
+}
+
+}  // namespace splatlas

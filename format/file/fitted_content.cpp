@@ -1,0 +1,121 @@
+#include "format/file/fitted_content.h"
+
+#include <algorithm>
+
+#include "format/derive/fit_surface.h"
+#include "format/derive/structure_crop.h"
+#include "format/file/directory.h"
+#include "format/system/parallel.h"
+
+namespace splatlas {
+namespace {
+
+/// Compares what is fitted to one structure with what the content has.
+class FitComparer {
+ public:
+  explicit FitComparer(const AtlasContent& content)
+      : content_(content),
+        grid_(storage_grid(content)),
+        voxel_normals_(grid_),
+        normal_at_(content.class_volume.size()),
+        held_(content.classes, content.graph.size()),
+        owners_(normal_owners(content.classes)),
+        normals_differ_(content.classes.size(), 0) {
+    std::vector<std::size_t> next(content.classes.size(), 0);
+    for (std::size_t v = 0; v < normal_at_.size(); ++v) {
+      const ClassId c = content.class_volume[v];
+      if (owners_[c] != kNoStructure) normal_at_[v] = content.boundary_normals[c][next[c]++];
+    }
+  }
+
+  /// For one structure at a time per thread: each class has one owner.
+  [[nodiscard]] bool surface_is_fitted(StructureIndex s) {
+    const std::span<const HeldClass> held = held_.of(s);
+    const IndexBox box = box_of(content_.classes, held);
+    const bool wanted = !content_.surfaces[s].empty() && content_.surfaces[s].position_scale == 2;
+    const bool fits = !box.empty() && crop_voxels(box) <= kMaxFittedVoxels;
+    const auto is_owned = [&](const HeldClass& h) { return owners_[h.id] == s; };
+    if (!fits) {
+      for (const HeldClass& h : held) {
+        if (is_owned(h)) normals_differ_[h.id] = 1;
+      }
+    }
+    if (!fits || (!wanted && std::ranges::none_of(held, is_owned))) return false;
+    const std::vector<std::uint8_t> parts = parts_of(held, owners_.size());
+    const StructureCrop crop = crop_structure(content_.class_volume, grid_.size, box, parts);
+    const SurfaceMesh mesh = fit_surface(crop, grid_, [&](const SmoothGradient& gradient, std::int64_t k) {
+      compare_normals(s, crop, gradient, k);
+    });
+    return mesh == content_.surfaces[s];
+  }
+
+  [[nodiscard]] bool normals_are_fitted(ClassId c) const {
+    return owners_[c] != kNoStructure && normals_differ_[c] == 0;
+  }
+
+ private:
+  void compare_normals(StructureIndex s, const StructureCrop& crop, const SmoothGradient& gradient,
+                       std::int64_t k) {
+    for_each_held(crop, k, grid_, [&](std::int64_t i, std::int64_t j, std::size_t voxel) {
+      const ClassId c = content_.class_volume[voxel];
+      if (owners_[c] != s || normals_differ_[c] != 0) return;
+      if (voxel_normals_.normal(gradient.at(i, j)) != normal_at_[voxel]) normals_differ_[c] = 1;
+    });
+  }
+
+  const AtlasContent& content_;
+  const Grid grid_;
+  const VoxelNormals voxel_normals_;
+  std::vector<PackedNormal> normal_at_;  // [voxel]
+  const HeldClasses held_;
+  std::vector<StructureIndex> owners_;        // [class]
+  std::vector<std::uint8_t> normals_differ_;  // [class]; bytes, so that threads do not meet
+};
+
+}  // namespace
+
+std::uint64_t crop_voxels(const IndexBox& box) {
+  std::uint64_t voxels = 1;
+  for (std::size_t a = 0; a < 3; ++a) {  // cannot wrap: a valid box has 2^40 voxels at most, 2^24 a side
+    voxels *= static_cast<std::uint64_t>(box.last[a] - box.first[a] + 1 + 2 * SmoothGradient::kRadius);
+  }
+  return voxels;
+}
+
+FittedParts find_fitted_parts(const AtlasContent& content, unsigned threads,
+                              const std::function<void(double)>& progress) {
+  const std::size_t count = content.graph.size();
+  FitComparer comparer(content);
+  std::vector<std::uint8_t> surfaces(count, 0);
+  parallel_for(
+      count, threads,
+      [&](std::size_t s) { surfaces[s] = comparer.surface_is_fitted(static_cast<StructureIndex>(s)); },
+      [&](std::size_t done) {
+        if (progress) progress(static_cast<double>(done) / static_cast<double>(count));
+      });
+  FittedParts parts;
+  parts.surfaces.assign(surfaces.begin(), surfaces.end());
+  for (ClassId c = 0; c < content.classes.size(); ++c)
+    parts.normals.push_back(comparer.normals_are_fitted(c));
+  return parts;
+}
+
+std::vector<bool> find_alike(const ClassTable& classes, const HeldClasses& held, std::size_t structures) {
+  const auto holders_of = [&](const HeldClass& h) {
+    std::vector<StructureIndex> holders;
+    for (const Membership& m : classes.members(h.id)) {
+      if (m.holds()) holders.push_back(m.structure);
+    }
+    return holders;
+  };
+  std::vector<bool> alike(structures, true);
+  for (StructureIndex s = 0; s < structures; ++s) {
+    const std::span<const HeldClass> all = held.of(s);
+    if (all.empty()) continue;
+    const std::vector<StructureIndex> holders = holders_of(all.front());
+    alike[s] = std::ranges::all_of(all, [&](const HeldClass& h) { return holders_of(h) == holders; });
+  }
+  return alike;
+}
+
+}  // namespace splatlas

@@ -1,0 +1,137 @@
+#include "format/selection.h"
+
+#include <algorithm>
+#include <array>
+
+#include <fmt/format.h>
+
+#include "format/selection/selection_terms.h"
+
+namespace splatlas {
+namespace {
+
+// Modes as sets of parts.
+constexpr unsigned kVolumePart = 1;
+constexpr unsigned kSurfacePart = 2;
+
+unsigned parts_of(DrawMode mode) {
+  switch (mode) {
+    case DrawMode::kVolume: return kVolumePart;
+    case DrawMode::kSurface: return kSurfacePart;
+    case DrawMode::kBoth: return kVolumePart | kSurfacePart;
+    case DrawMode::kOff: break;
+  }
+  return 0;
+}
+
+DrawMode mode_of(unsigned parts) {
+  constexpr std::array<DrawMode, 4> kModes{DrawMode::kOff, DrawMode::kVolume, DrawMode::kSurface,
+                                           DrawMode::kBoth};
+  return kModes[parts];
+}
+
+void remove(DrawMode mode, StructureDraw& draw) {
+  const unsigned parts = mode == DrawMode::kOff ? parts_of(DrawMode::kBoth) : parts_of(mode);
+  draw.mode = mode_of(parts_of(draw.mode) & ~parts);
+  if (draw.mode == DrawMode::kOff) draw = {};
+}
+
+void restyle(const SelectionTerm& term, VolumeStyle& style) {
+  if (term.curve) {
+    style = {};
+    style.curve = term.curve;
+    return;
+  }
+  if (term.profile || term.low || term.high) style.curve.reset();
+  if (term.profile) style.profile = *term.profile;
+  if (term.low) style.low = term.low;
+  if (term.high) style.high = term.high;
+  if (style.low && style.high && !(*style.low < *style.high)) (term.low ? style.high : style.low).reset();
+}
+
+void add(const SelectionTerm& term, std::uint32_t number, const Structure& structure, StructureDraw& draw) {
+  if (draw.mode == DrawMode::kOff) draw.color = structure.color;
+  const DrawMode mode = term.mode == DrawMode::kOff ? DrawMode::kVolume : term.mode;
+  draw.mode = mode_of(parts_of(draw.mode) | parts_of(mode));
+  if (term.opacity) draw.opacity = term.opacity;
+  if (term.color) draw.color = *term.color;
+  restyle(term, draw.volume);
+  draw.term = number;
+}
+
+/// `structures` and all below them, each once.
+std::vector<StructureIndex> with_descendants(const StructureGraph& graph,
+                                             std::span<const StructureIndex> structures) {
+  std::vector<StructureIndex> result;
+  for (const StructureIndex s : structures) {
+    const auto below = graph.descendants(s);
+    result.insert(result.end(), below.begin(), below.end());
+  }
+  std::sort(result.begin(), result.end());
+  result.erase(std::unique(result.begin(), result.end()), result.end());
+  return result;
+}
+
+}  // namespace
+
+const char* name_of(DrawMode mode) {
+  switch (mode) {
+    case DrawMode::kVolume: return "volume";
+    case DrawMode::kSurface: return "surface";
+    case DrawMode::kBoth: return "both";
+    case DrawMode::kOff: break;
+  }
+  return "off";
+}
+
+const char* name_of(TransferProfile profile) {
+  switch (profile) {
+    case TransferProfile::kThin: return "thin";
+    case TransferProfile::kHard: return "hard";
+    case TransferProfile::kSoft: break;
+  }
+  return "soft";
+}
+
+bool operator==(const VolumeStyle& a, const VolumeStyle& b) {
+  const bool same_curve = a.curve == b.curve || (a.curve && b.curve && *a.curve == *b.curve);
+  return same_curve && a.profile == b.profile && a.low == b.low && a.high == b.high;
+}
+
+bool Selection::empty() const {
+  return std::all_of(structures.begin(), structures.end(),
+                     [](const StructureDraw& draw) { return draw.mode == DrawMode::kOff; });
+}
+
+void apply_term(const SelectionTerm& term, std::uint32_t number, std::span<const StructureIndex> structures,
+                const StructureGraph& graph, Selection& selection) {
+  for (const StructureIndex s : structures) {
+    if (term.remove) {
+      remove(term.mode, selection.structures[s]);
+    } else {
+      add(term, number, graph[s], selection.structures[s]);
+    }
+  }
+}
+
+Result<Selection> resolve_selection(std::span<const SelectionTerm> terms, const StructureGraph& graph) {
+  Selection selection;
+  selection.structures.resize(graph.size());
+  for (std::uint32_t number = 0; number < terms.size(); ++number) {
+    const SelectionTerm& term = terms[number];
+    const auto named = find_structures(graph, term.name);
+    if (!named) {
+      return fail(named.error().code,
+                  fmt::format("selection, column {}: {}", term.column + 1, named.error().message));
+    }
+    apply_term(term, number, with_descendants(graph, *named), graph, selection);
+  }
+  return selection;
+}
+
+Result<Selection> select(std::string_view text, const StructureGraph& graph) {
+  SPLATLAS_ASSIGN_OR_RETURN(const std::vector<SelectionTerm> terms, parse_selection(text));
+  return resolve_selection(terms, graph);
+}
+
+}  // namespace splatlas

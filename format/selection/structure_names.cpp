@@ -1,0 +1,150 @@
+// Finds structures by what people call them.
+#include <algorithm>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "format/selection.h"
+#include "format/selection/glob.h"
+#include "format/system/ascii_text.h"
+
+namespace splatlas {
+namespace {
+
+constexpr std::size_t kListed = 5;  // names in a message
+/// Longer texts are never compared with names: bounds what a text costs, times the size of the graph.
+constexpr std::size_t kLongestPattern = 256;
+constexpr std::size_t kLongestCompared = 64;
+
+/// Does `path` (lowered) end one of the ways from a root to `s`, at a "/" or at the root?
+bool ends_a_path(const StructureGraph& graph, StructureIndex s, std::string_view path) {
+  // A name may hold "/" itself, so several splits are possible: each state is a structure and what is left of
+  // the path to match by it and its ancestors.
+  using State = std::pair<StructureIndex, std::size_t>;
+  std::set<State> seen;
+  std::vector<State> open{{s, path.size()}};
+  while (!open.empty()) {
+    const State state = open.back();
+    open.pop_back();
+    if (!seen.insert(state).second) continue;
+    const auto [here, length] = state;
+    const std::string& name = graph[here].name;
+    if (name.size() > length || !equal_ignoring_case(name, path.substr(length - name.size(), name.size())))
+      continue;
+    const std::size_t rest = length - name.size();
+    if (rest == 0) return true;
+    if (path[rest - 1] != '/') continue;
+    for (const StructureIndex parent : graph[here].parents) open.emplace_back(parent, rest - 1);
+  }
+  return false;
+}
+
+template <typename Matches>
+std::vector<StructureIndex> all_that(const StructureGraph& graph, const Matches& matches) {
+  std::vector<StructureIndex> result;
+  for (StructureIndex s = 0; s < graph.size(); ++s) {
+    if (matches(s)) result.push_back(s);
+  }
+  return result;
+}
+
+std::vector<StructureIndex> match_plainly(const StructureGraph& graph, std::string_view name) {
+  auto found = all_that(graph, [&](StructureIndex s) { return equal_ignoring_case(graph[s].id, name); });
+  if (found.empty()) {
+    found = all_that(graph, [&](StructureIndex s) { return equal_ignoring_case(graph[s].name, name); });
+  }
+  if (found.empty() && name.find('/') != std::string_view::npos) {
+    found = all_that(graph, [&](StructureIndex s) { return ends_a_path(graph, s, name); });
+  }
+  return found;
+}
+
+/// Ids, names and paths: whole ones, or, as plain paths do, ends of them where the pattern has a "/". A
+/// structure can have more paths than could be listed, so the pattern's states are carried down the graph,
+/// all ways into a structure at once.
+std::vector<StructureIndex> match_wildcard(const StructureGraph& graph, std::string_view pattern) {
+  const Glob glob(pattern);
+  const bool begins_anywhere = pattern.find('/') != std::string_view::npos;
+  std::vector<Glob::States> after_path(graph.size());
+  for (const StructureIndex s : graph.topological()) {
+    Glob::States before = begins_anywhere || graph[s].parents.empty() ? glob.start() : glob.none();
+    for (const StructureIndex parent : graph[s].parents) {
+      Glob::merge(glob.read(after_path[parent], "/"), before);
+    }
+    after_path[s] = glob.read(std::move(before), graph[s].name);
+  }
+  return all_that(graph, [&](StructureIndex s) {
+    return glob.accepts(after_path[s]) || glob.matches(graph[s].id) || glob.matches(graph[s].name);
+  });
+}
+
+/// Levenshtein's distance.
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t replaced = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
+      diagonal = row[j];
+      row[j] = std::min({replaced, row[j] + 1, row[j - 1] + 1});
+    }
+  }
+  return row.back();
+}
+
+/// Those that hold the text come first, then those with the fewest edits. Each structure once: by its name or
+/// by its id, whichever is nearer.
+std::vector<std::string> nearest_names(const StructureGraph& graph, std::string_view text) {
+  std::string sought = to_lower(text.substr(0, kLongestCompared));
+  std::erase(sought, '*');
+  const auto distance_to = [&](const std::string& name) -> std::size_t {
+    const std::string lowered = to_lower(std::string_view(name).substr(0, kLongestCompared));
+    if (sought.size() >= 3 && lowered.find(sought) != std::string::npos) return 0;
+    return edit_distance(sought, lowered);
+  };
+  std::set<std::pair<std::size_t, std::string>> nearest;
+  for (const Structure& s : graph.structures()) {
+    const std::size_t by_name = distance_to(s.name);
+    const std::size_t by_id = distance_to(s.id);
+    nearest.emplace(std::min(by_name, by_id), by_id < by_name ? s.id : s.name);
+    if (nearest.size() > kListed) nearest.erase(std::prev(nearest.end()));
+  }
+  std::vector<std::string> names;
+  names.reserve(nearest.size());
+  for (const auto& [distance, name] : nearest) names.push_back(in_quotes(name));
+  return names;
+}
+
+tl::unexpected<Error> not_found(const StructureGraph& graph, std::string_view name) {
+  const std::string nearest = fmt::format("{}", fmt::join(nearest_names(graph, name), ", "));
+  return fail(ErrorCode::kNotFound,
+              fmt::format("no structure is called {}; {}", in_quotes(name),
+                          nearest.empty() ? "there are none" : "the nearest: " + nearest));
+}
+
+tl::unexpected<Error> ambiguous(const StructureGraph& graph, std::string_view name,
+                                std::span<const StructureIndex> found) {
+  std::vector<std::string> candidates;
+  for (const StructureIndex s : found.first(std::min(found.size(), kListed))) {
+    candidates.push_back(fmt::format("{} (id {})", in_quotes(graph.paths(s, 1).front()), graph[s].id));
+  }
+  if (found.size() > kListed) candidates.push_back(fmt::format("{} more", found.size() - kListed));
+  return fail(ErrorCode::kNotFound,
+              fmt::format("{} stands for {} structures, write a longer path or an id: {}", in_quotes(name),
+                          found.size(), fmt::join(candidates, ", ")));
+}
+
+}  // namespace
+
+Result<std::vector<StructureIndex>> find_structures(const StructureGraph& graph, std::string_view name) {
+  const bool wildcard = name.find('*') != std::string_view::npos;
+  if (wildcard && name.size() > kLongestPattern) return not_found(graph, name);
+  auto found = wildcard ? match_wildcard(graph, name) : match_plainly(graph, name);
+  if (found.empty()) return not_found(graph, name);
+  if (!wildcard && found.size() > 1) return ambiguous(graph, name, found);
+  return found;
+}
+
+}  // namespace splatlas

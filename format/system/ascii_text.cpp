@@ -1,0 +1,71 @@
+#include "format/system/ascii_text.h"
+
+#include <algorithm>
+#include <cstdint>
+
+#include <fmt/format.h>
+#include <utf8cpp/utf8.h>
+
+#include "format/system/plain_text.h"
+
+namespace splatlas {
+namespace {
+
+/// The first character of `text`.
+struct Character {
+  std::size_t bytes = 1;
+  bool valid = true;  ///< UTF-8; else it is one byte
+  std::uint32_t code = 0;
+};
+
+Character first_character(std::string_view text) {
+  const auto* next = text.begin();
+  try {
+    const std::uint32_t code = utf8::next(next, text.end());
+    return {static_cast<std::size_t>(next - text.begin()), true, code};
+  } catch (const utf8::exception&) {
+    return {1, false, static_cast<unsigned char>(text.front())};
+  }
+}
+
+/// With what is left when `most` bytes were taken, cut between characters.
+std::string printable_start(std::string_view& text, std::size_t most) {
+  std::string result;
+  while (!text.empty()) {
+    const Character c = first_character(text);
+    if (c.bytes > most) break;
+    if (!c.valid) {
+      result += fmt::format("\\x{:02x}", c.code);
+    } else {
+      result += c.code < 0x20 || is_control(c.code) || turns_text(c.code) ? "?" : text.substr(0, c.bytes);
+    }
+    text.remove_prefix(c.bytes);
+    most -= c.bytes;
+  }
+  return result;
+}
+
+}  // namespace
+
+std::string to_lower(std::string_view text) {
+  std::string lowered(text);
+  for (char& c : lowered) c = to_lower(c);
+  return lowered;
+}
+
+bool equal_ignoring_case(std::string_view a, std::string_view b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](char x, char y) { return to_lower(x) == to_lower(y); });
+}
+
+std::string printable(std::string_view text) {
+  return printable_start(text, text.size());
+}
+
+std::string in_quotes(std::string_view text) {
+  constexpr std::size_t kLongest = 80;
+  const std::string start = printable_start(text, kLongest);
+  return '"' + start + (text.empty() ? "\"" : "...\"");
+}
+
+}  // namespace splatlas

@@ -1,0 +1,88 @@
+#include "format/system/interrupts.h"
+
+#include <array>
+#include <atomic>
+#include <csignal>
+#include <cstring>
+#include <string>
+
+#include <unistd.h>
+
+namespace splatlas {
+namespace {
+
+// A signal handler may touch lock-free atomics and plain bytes that they guard, nothing else.
+std::atomic<int> deferred{0};
+std::atomic<int> waiting_signal{0};
+
+struct FileToRemove {
+  std::atomic<bool> taken{false};
+  std::atomic<bool> named{false};
+  std::array<char, 4096> path{};
+};
+std::array<FileToRemove, 16> files_to_remove;
+
+void end_by(int signal) {
+  for (const FileToRemove& file : files_to_remove) {
+    if (file.named) ::unlink(file.path.data());
+  }
+  std::signal(signal, SIG_DFL);
+  std::raise(signal);
+}
+
+extern "C" void handle_interrupt(int signal) {
+  if (deferred > 0) {
+    waiting_signal = signal;
+  } else {
+    end_by(signal);
+  }
+}
+
+}  // namespace
+
+void install_interrupt_handlers() {
+  struct sigaction action {};
+  action.sa_handler = handle_interrupt;
+  action.sa_flags = SA_RESTART | SA_NODEFER;
+  sigemptyset(&action.sa_mask);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    struct sigaction before {};
+    if (sigaction(signal, nullptr, &before) == 0 && before.sa_handler == SIG_IGN) continue;
+    sigaction(signal, &action, nullptr);
+  }
+  // A file that grows beyond the process's limit (ulimit -f) is a write that fails, not the end.
+  std::signal(SIGXFSZ, SIG_IGN);
+}
+
+DeferInterrupts::DeferInterrupts() {
+  ++deferred;
+}
+
+DeferInterrupts::~DeferInterrupts() {
+  if (--deferred > 0) return;
+  if (const int signal = waiting_signal.exchange(0); signal != 0) end_by(signal);
+}
+
+bool interrupt_waits() {
+  return waiting_signal != 0;
+}
+
+RemoveOnInterrupt::RemoveOnInterrupt(const std::filesystem::path& path) : slot_(files_to_remove.size()) {
+  const std::string& bytes = path.native();
+  if (bytes.size() >= files_to_remove.front().path.size()) return;
+  for (slot_ = 0; slot_ < files_to_remove.size(); ++slot_) {
+    FileToRemove& file = files_to_remove[slot_];
+    if (file.taken.exchange(true)) continue;
+    std::memcpy(file.path.data(), bytes.c_str(), bytes.size() + 1);
+    file.named = true;
+    return;
+  }
+}
+
+RemoveOnInterrupt::~RemoveOnInterrupt() {
+  if (slot_ == files_to_remove.size()) return;
+  files_to_remove[slot_].named = false;
+  files_to_remove[slot_].taken = false;
+}
+
+}  // namespace splatlas

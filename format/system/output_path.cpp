@@ -1,0 +1,48 @@
+#include "format/system/output_path.h"
+
+#include <system_error>
+
+#include <fmt/format.h>
+
+namespace splatlas {
+
+namespace fs = std::filesystem;
+
+fs::path resolve_output(const fs::path& path) {
+  constexpr int kMostLinks = 40;  // as the kernel has it
+  fs::path target = path;
+  std::error_code error;
+  for (int n = 0; n < kMostLinks && fs::is_symlink(fs::symlink_status(target, error)); ++n) {
+    const fs::path link = fs::read_symlink(target, error);
+    if (error) return target;
+    target = target.parent_path() / link;  // or `link`, where it is absolute
+  }
+  const fs::path folder = fs::canonical(target.has_parent_path() ? target.parent_path() : ".", error);
+  return error ? target : folder / target.filename();
+}
+
+bool is_same_file(const fs::path& a, const fs::path& b) {
+  std::error_code error;
+  const bool same = fs::equivalent(a, b, error);
+  return (same && !error) || resolve_output(a) == resolve_output(b);
+}
+
+Result<void> check_outputs(std::span<const fs::path> outputs, std::span<const fs::path> inputs) {
+  for (std::size_t n = 0; n < outputs.size(); ++n) {
+    const fs::path& output = outputs[n];
+    if (output.empty()) continue;
+    for (const fs::path& input : inputs) {
+      if (input.empty() || !is_same_file(output, input)) continue;
+      return fail(ErrorCode::kUsage, fmt::format("{}: is an input ({}); write to another file",
+                                                 output.string(), input.string()));
+    }
+    for (const fs::path& other : outputs.first(n)) {
+      if (other.empty() || !is_same_file(output, other)) continue;
+      return fail(ErrorCode::kUsage, fmt::format("{}: is another output, too ({}); write to two files",
+                                                 output.string(), other.string()));
+    }
+  }
+  return {};
+}
+
+}  // namespace splatlas

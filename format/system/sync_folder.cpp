@@ -1,0 +1,33 @@
+#include "format/system/sync_folder.h"
+
+#include <cerrno>
+#include <cstring>
+#include <utility>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+namespace splatlas {
+namespace {
+
+/// File systems that cannot sync a folder say EINVAL. The reason of a failure is left in errno.
+bool sync_folder(const std::filesystem::path& folder) {
+  const int descriptor = ::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0) return errno == EACCES;  // a folder may be writable and not readable
+  const bool synced = ::fsync(descriptor) == 0 || errno == EINVAL || errno == ENOTSUP;
+  const int reason = errno;
+  ::close(descriptor);
+  errno = reason;
+  return synced;
+}
+
+}  // namespace
+
+Result<void> sync_folder_of(const std::filesystem::path& target, const std::filesystem::path& path) {
+  if (sync_folder(target.parent_path())) return {};
+  return fail(ErrorCode::kFailed, fmt::format("{}: is written whole, but its folder cannot be synced: {}",
+                                              path.string(), std::strerror(errno)));
+}
+
+}  // namespace splatlas

@@ -1,0 +1,160 @@
+// splatlas-player: plays atlases, in a window or headless.
+
+#include <cstdio>
+#include <filesystem>
+#include <new>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "format/system/ascii_text.h"
+#include "format/system/interrupts.h"
+#include "format/system/standard_output.h"
+#include "player/commands/info_command.h"
+#include "player/commands/render_command.h"
+#include "player/commands/render_words.h"
+#ifdef SPLATLAS_HAS_WINDOW
+#include "player/window/player_window.h"
+#endif
+
+namespace splatlas {
+namespace {
+
+constexpr const char* kDescription =
+    "Plays anatomy atlases: any selection of structures, each as surface, volume or both.\n"
+    "\n"
+    "  splatlas-player brain.atlas                 opens a window\n"
+    "  splatlas-player render brain.atlas -o picture.png --select 'Cerebellum:surface'\n"
+    "  splatlas-player info brain.atlas            lists structures and sizes";
+
+constexpr const char* kVersion = "splatlas-player " SPLATLAS_VERSION " (atlas format 1)";
+
+int report(const Error& error) {
+  std::fprintf(stderr, "splatlas-player: %s\n", printable(error.message).c_str());
+  return exit_status(error.code);
+}
+
+tl::unexpected<Error> wrong_usage(const CLI::App& app, const std::string& what) {
+  std::string program = "splatlas-player";
+  for (const CLI::App* command : app.get_subcommands()) program += " " + command->get_name();
+  return fail(ErrorCode::kUsage, fmt::format("{}; see {} --help", what, program));
+}
+
+tl::unexpected<Error> no_command_or_atlas(const CLI::App& app, const std::filesystem::path& word) {
+  return wrong_usage(app, fmt::format("{} is no command (render, info, verify) and no atlas file",
+                                      in_quotes(word.string())));
+}
+
+Result<void> print_info(const std::filesystem::path& path, bool json) {
+  SPLATLAS_ASSIGN_OR_RETURN(const auto atlas, Atlas::open(path));
+  return print_text(json ? info_json(*atlas) : info_text(*atlas));
+}
+
+Result<void> verify_file(const std::filesystem::path& path) {
+  SPLATLAS_ASSIGN_OR_RETURN(const auto atlas, Atlas::open(path));
+  SPLATLAS_RETURN_IF_ERROR(atlas->verify());
+  return print_text(fmt::format("{}: a valid atlas, {} bytes, every checksum and every number checked\n",
+                                path.string(), atlas->counters().file));
+}
+
+/// A damaged atlas gives the picture of the rest, and an error all the same: scripts must notice.
+Result<void> render_picture(const RenderRequest& request) {
+  SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::string> missing, run_render(request));
+  if (missing.empty()) return {};
+  for (const std::string& line : missing)
+    std::fprintf(stderr, "splatlas-player: %s\n", printable(line).c_str());
+  return fail(ErrorCode::kInvalidAtlas, fmt::format("{}: damaged; {} was written without what is missing",
+                                                    request.atlas.string(), request.output.string()));
+}
+
+Result<void> open_window(const std::filesystem::path& path, [[maybe_unused]] unsigned threads) {
+#ifdef SPLATLAS_HAS_WINDOW
+  return run_window(path, threads);
+#else
+  return fail(ErrorCode::kUsage,
+              fmt::format("{}: this player was built without a window; use 'render'", path.string()));
+#endif
+}
+
+/// Everything that can be typed.
+struct CommandLine {
+  CLI::App app{kDescription, "splatlas-player"};
+  std::filesystem::path atlas;  // of all commands but render
+  std::string window_threads = "0";
+  bool json = false;
+  RenderWords render_words;
+  CLI::App* render = nullptr;
+  CLI::App* info = nullptr;
+  CLI::App* verify = nullptr;
+
+  CommandLine() {
+    app.set_version_flag("--version", kVersion);
+    app.get_formatter()->column_width(28);
+    app.add_option("ATLAS", atlas, "atlas file to open in a window");
+    app.add_option("--threads", window_threads, "0: one per core")->capture_default_str();
+    render = add_render(app, render_words);
+    info = app.add_subcommand("info", "List grid, structures, counts and sizes");
+    info->add_option("ATLAS", atlas, "atlas file")->required();
+    info->add_flag("--json", json, "as a JSON document");
+    verify = app.add_subcommand("verify", "Check every byte of an atlas");
+    verify->add_option("ATLAS", atlas, "atlas file")->required();
+    app.require_subcommand(0, 1);
+  }
+};
+
+Result<void> run_command(const CommandLine& line) {
+  if (line.render->parsed()) {
+    SPLATLAS_ASSIGN_OR_RETURN(const RenderRequest request, render_request(*line.render, line.render_words));
+    install_interrupt_handlers();
+    return render_picture(request);
+  }
+  if (line.info->parsed()) return print_info(line.atlas, line.json);
+  if (line.verify->parsed()) return verify_file(line.atlas);
+  if (line.atlas.empty()) return wrong_usage(line.app, "no atlas file is given");
+  // A lone word is rather a command written wrongly than a file that is missing.
+  std::error_code ignored;
+  const bool is_word = !line.atlas.has_parent_path() && !line.atlas.has_extension();
+  if (is_word && !std::filesystem::exists(line.atlas, ignored))
+    return no_command_or_atlas(line.app, line.atlas);
+  SPLATLAS_ASSIGN_OR_RETURN(const unsigned threads, parse_threads(line.window_threads));
+  return open_window(line.atlas, threads);
+}
+
+Result<void> run(int argc, char** argv) {
+  CommandLine line;
+  try {
+    line.app.parse(argc, argv);
+  } catch (const CLI::Success& help_or_version) {
+    std::ostringstream text;
+    line.app.exit(help_or_version, text);
+    return print_text(text.str());
+  } catch (const CLI::ExtrasError& error) {
+    std::error_code ignored;
+    const bool has_command = !line.app.get_subcommands().empty();
+    if (has_command || line.atlas.empty() || std::filesystem::exists(line.atlas, ignored)) {
+      return wrong_usage(line.app, error.what());
+    }
+    return no_command_or_atlas(line.app, line.atlas);
+  } catch (const CLI::ParseError& error) {
+    return wrong_usage(line.app, error.what());
+  }
+  SPLATLAS_RETURN_IF_ERROR(run_command(line));
+  return finish_standard_output();
+}
+
+}  // namespace
+}  // namespace splatlas
+
+int main(int argc, char** argv) try {
+  const splatlas::Result<void> result = splatlas::run(argc, argv);
+  return result ? 0 : splatlas::report(result.error());
+} catch (const std::bad_alloc&) {
+  std::fputs("splatlas-player: out of memory: take a smaller --size or select less\n", stderr);
+  return 1;
+} catch (const std::exception& exception) {
+  std::fprintf(stderr, "splatlas-player: %s\n", exception.what());
+  return 1;
+}

@@ -1,0 +1,146 @@
+#include "player/depth_cue/depth_edges.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+namespace splatlas {
+namespace {
+
+constexpr int kRings = 4;
+constexpr int kPairsOfRing = 8;
+constexpr std::size_t kPairs = 32;
+static_assert(kPairs == std::size_t{kRings} * kPairsOfRing);
+constexpr std::size_t kRowsPerJob = 16;
+
+/// Of a picture's smaller side.
+constexpr double kRadius = 1.0 / 48;
+constexpr double kLeastRadius = 2;
+/// Of the radius: a step of one radius is as dark as it gets, the pair's mean being half way.
+constexpr double kRange = 0.5;
+/// Depths of voxels are told to a part of a voxel: less than this share of the range is not seen as a step.
+constexpr double kLeastShare = 1.0 / 32;
+
+/// Two pixels on opposite sides.
+struct Pair {
+  int right = 0, down = 0;
+  float weight = 0;
+};
+
+/// Rings of pairs, each turned against the one before. Weights fall off linearly and add up to 1.
+std::array<Pair, kPairs> pairs_of(double radius) {
+  std::array<Pair, kPairs> pairs;
+  std::size_t number = 0;
+  constexpr double kAll = kPairsOfRing * kRings * (kRings + 1) / 2.0;
+  for (int ring = 0; ring < kRings; ++ring) {
+    for (int n = 0; n < kPairsOfRing; ++n) {
+      const double angle = std::numbers::pi * (n + static_cast<double>(ring) / kRings) / kPairsOfRing;
+      const double away = radius * (ring + 1) / kRings;
+      pairs[number++] = {static_cast<int>(std::lround(away * std::cos(angle))),
+                         static_cast<int>(std::lround(away * std::sin(angle))),
+                         static_cast<float>((kRings - ring) / kAll)};
+    }
+  }
+  return pairs;
+}
+
+/// Darkens rows of a picture.
+class RowDarkener {
+ public:
+  RowDarkener(const DepthMap& depths, const DepthEdges& edges, Picture& picture)
+      : depths_(depths), edges_(edges), picture_(picture), pairs_(pairs_of(edges.radius)) {}
+
+  void darken(int row) {
+    const int width = depths_.size.width, height = depths_.size.height;
+    const float* here = row_of(row);
+    first_ = 0;
+    last_ = width;
+    while (first_ < last_ && here[first_] == DepthMap::kBackground) ++first_;
+    while (first_ < last_ && here[last_ - 1] == DepthMap::kBackground) --last_;
+    if (first_ == last_) return;
+    shares_.assign(static_cast<std::size_t>(width), 0.0f);
+    for (const Pair& pair : pairs_) {
+      if (row - pair.down < 0 || row + pair.down >= height) continue;
+      add_pair(pair, row);
+    }
+    float* row_rgba = &picture_.rgba[4 * static_cast<std::size_t>(row) * static_cast<std::size_t>(width)];
+    for (int x = first_; x < last_; ++x) {
+      if (here[x] == DepthMap::kBackground) continue;
+      float* rgba = row_rgba + 4 * static_cast<std::ptrdiff_t>(x);
+      const float light = 1 - edges_.strength * shares_[static_cast<std::size_t>(x)];
+      for (int c = 0; c < 3; ++c) rgba[c] *= light;
+    }
+  }
+
+ private:
+  [[nodiscard]] const float* row_of(int row) const {
+    return &depths_.mm[static_cast<std::size_t>(row) * static_cast<std::size_t>(depths_.size.width)];
+  }
+
+  void add_pair(const Pair& pair, int row) {
+    const float* here = row_of(row);
+    const float* below = row_of(row + pair.down);
+    const float* above = row_of(row - pair.down);
+    const int right = pair.right;
+    const int aside = std::abs(pair.right);
+    const auto scale = static_cast<float>(1 / edges_.range_mm);
+    const auto least = static_cast<float>(edges_.least_mm / edges_.range_mm);
+    const float weight = pair.weight;
+    float* shares = shares_.data();
+    const int end = std::min(last_, depths_.size.width - aside);
+    for (int x = std::max(first_, aside); x < end; ++x) {
+      // With background, behind is -infinity or not a number: neither is above 0.
+      const float behind = (here[x] - 0.5f * (below[x + right] + above[x - right])) * scale - least;
+      const float share = behind > 0 ? behind : 0;
+      shares[x] += weight * (share < 1 ? share : 1);
+    }
+  }
+
+  const DepthMap& depths_;
+  const DepthEdges& edges_;
+  Picture& picture_;
+  std::array<Pair, kPairs> pairs_;
+  int first_ = 0, last_ = 0;  // columns that are not all background
+  std::vector<float> shares_;
+};
+
+/// Depths come from some tens of operations in float: what differs by less than this share of them does not.
+constexpr double kLeastOfDepth = 32.0 / (1 << 23);
+
+/// From the plane of the centre, to either side.
+double furthest_mm(const DepthMap& depths) {
+  float furthest = 0;
+  for (const float mm : depths.mm)
+    furthest = std::max(furthest, mm == DepthMap::kBackground ? 0 : std::abs(mm));
+  return static_cast<double>(furthest);
+}
+
+}  // namespace
+
+void DepthMap::clear(const PictureSize& picture_size) {
+  size = picture_size;
+  mm.assign(static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height), kBackground);
+}
+
+DepthEdges depth_edges(const ParallelView& plane, float strength) {
+  DepthEdges edges;
+  edges.strength = std::clamp(strength, 0.0f, 1.0f);
+  edges.radius = std::max(kLeastRadius, kRadius * std::min(plane.size.width, plane.size.height));
+  edges.range_mm = kRange * edges.radius * plane.mm_per_pixel;
+  edges.least_mm = kLeastShare * edges.range_mm;
+  return edges;
+}
+
+void darken_edges(const DepthMap& depths, const DepthEdges& asked, Picture& picture, ThreadPool& pool) {
+  DepthEdges edges = asked;
+  edges.least_mm = std::max(asked.least_mm, kLeastOfDepth * furthest_mm(depths));
+  const auto rows = static_cast<std::size_t>(depths.size.height);
+  pool.for_each((rows + kRowsPerJob - 1) / kRowsPerJob, [&](std::size_t job) {
+    RowDarkener darkener(depths, edges, picture);
+    const std::size_t end = std::min(rows, (job + 1) * kRowsPerJob);
+    for (std::size_t row = job * kRowsPerJob; row < end; ++row) darkener.darken(static_cast<int>(row));
+  });
+}
+
+}  // namespace splatlas

@@ -1,0 +1,171 @@
+#include "player/frame/pick_structure.h"
+
+#include <algorithm>
+#include <cmath>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "format/run_model.h"
+
+namespace splatlas {
+namespace {
+
+/// A structure too faint to be meant: less than this share of the pixel.
+constexpr double kFaintest = 0.02;
+
+struct Contribution {
+  double total = 0, strongest = 0, plane = 0;
+};
+
+/// Front to back: who contributes how much.
+class RayWalk {
+ public:
+  void add(StructureIndex structure, double opacity, double plane) {
+    Contribution& c = contributions_[structure];
+    const double share = through_ * opacity;
+    c.total += share;
+    if (share > c.strongest) {
+      c.strongest = share;
+      c.plane = plane;
+    }
+    through_ *= 1 - opacity;
+  }
+  [[nodiscard]] std::optional<std::pair<StructureIndex, double>> winner() const {
+    const auto best =
+        std::max_element(contributions_.begin(), contributions_.end(), [](const auto& a, const auto& b) {
+          return a.second.total != b.second.total ? a.second.total < b.second.total : a.first > b.first;
+        });
+    if (best == contributions_.end() || best->second.total < kFaintest) return std::nullopt;
+    return std::pair(best->first, best->second.plane);
+  }
+
+ private:
+  double through_ = 1;
+  std::unordered_map<StructureIndex, Contribution> contributions_;
+};
+
+/// Fragments of the sample of a pixel that is nearest to picture coordinates (x, y).
+std::span<const Fragment> nearest_sample(const FragmentList& list, int row, std::uint32_t pixel, double x,
+                                         double y) {
+  std::span<const Fragment> nearest;
+  double least = HUGE_VAL;
+  const std::uint32_t end = list.first_of_row[static_cast<std::size_t>(row) + 1];
+  for (std::uint32_t n = list.first_of_row[static_cast<std::size_t>(row)]; n < end; ++n) {
+    const Sample& sample = list.samples[n];
+    if (sample.pixel != pixel) continue;
+    const double distance =
+        std::hypot(std::floor(x) + sample.place.right() - x, std::floor(y) + sample.place.down() - y);
+    if (distance >= least) continue;
+    least = distance;
+    nearest = list.of_sample(n);
+  }
+  return nearest;
+}
+
+/// A ray as a straight line: in plane k of voxels it is at origin + k * per_plane.
+struct PickRay {
+  std::size_t axis = 2;  // planes are normal to it
+  Vec3 origin{}, per_plane{};
+  double slab_mm = 0;  // length between two planes
+  double from = 0;     // the first place along the axis that is seen; infinite in parallel views
+  bool ascending = true;
+
+  PickRay(const Grid& grid, const View& view, const std::optional<Axis>& wanted, double x, double y) {
+    const ViewDepth depth(view, grid);
+    const Vec3 start = depth.index_at(x, y, 0);
+    const Vec3 further = depth.index_at(x, y, reach_mm(view));
+    Vec3 along{};
+    for (std::size_t a = 0; a < 3; ++a) along[a] = further[a] - start[a];
+    for (const std::size_t a : {1u, 0u}) {
+      if (std::abs(along[a]) > std::abs(along[axis])) axis = a;
+    }
+    if (wanted) axis = static_cast<std::size_t>(*wanted);
+    ascending = along[axis] > 0;
+    for (std::size_t a = 0; a < 3; ++a) {
+      per_plane[a] = along[a] / along[axis];
+      origin[a] = start[a] - start[axis] * per_plane[a];
+    }
+    origin[axis] = 0;
+    const Vec3 slab = index_to_lps_mm(grid).apply_linear(per_plane);
+    slab_mm = std::sqrt(slab[0] * slab[0] + slab[1] * slab[1] + slab[2] * slab[2]);
+    from = view.eye_mm ? depth.index_at(x, y, -*view.eye_mm)[axis] : ascending ? -HUGE_VAL : HUGE_VAL;
+  }
+
+  [[nodiscard]] Vec3 at(double plane) const {
+    Vec3 index{};
+    for (std::size_t a = 0; a < 3; ++a) index[a] = origin[a] + plane * per_plane[a];
+    return index;
+  }
+  [[nodiscard]] bool is_behind_eye(double plane) const { return ascending ? plane < from : plane > from; }
+
+ private:
+  /// A length in which the ray's direction shows.
+  static double reach_mm(const View& view) {
+    return view.eye_mm.value_or(view.plane.mm_per_pixel * (view.plane.size.width + view.plane.size.height));
+  }
+};
+
+/// Voxels of the selected runs' box along an axis of the grid.
+std::pair<std::int64_t, std::int64_t> planes_of(const SelectedRuns& runs, std::size_t axis) {
+  const ScanOrder order = ScanOrder::of(runs.axis());
+  const std::size_t n = axis == order.scan_axis ? 0 : axis == order.row_axis ? 1 : 2;
+  return {runs.box().first[n], runs.box().last[n]};
+}
+
+}  // namespace
+
+std::optional<Pick> pick_structure(const PickScene& scene, const View& view, const std::optional<Axis>& axis,
+                                   double x, double y) {
+  const PictureSize& size = view.plane.size;
+  if (!(x >= 0 && y >= 0 && x < size.width && y < size.height)) return std::nullopt;
+  const PickRay ray(scene.grid, view, axis, x, y);
+  const auto row = static_cast<int>(y);
+  const auto pixel = static_cast<std::uint32_t>(row * size.width + static_cast<int>(x));
+
+  const std::span<const Fragment> surfaces = nearest_sample(scene.fragments, row, pixel, x, y);
+  std::size_t next_surface = 0;
+  const double sign = ray.ascending ? 1 : -1;
+  const auto plane_of = [&](const Fragment& fragment) {
+    const std::size_t a = scene.depth_axis;
+    return (scene.depth_sign * static_cast<double>(fragment.depth) - ray.origin[a]) / ray.per_plane[a];
+  };
+  RayWalk walk;
+  const auto pass_surfaces = [&](double plane) {
+    for (; next_surface < surfaces.size(); ++next_surface) {
+      const Fragment& fragment = surfaces[next_surface];
+      if (sign * plane_of(fragment) > sign * plane) break;
+      walk.add(fragment.structure, fragment.rgba[3], plane_of(fragment));
+    }
+  };
+
+  const ScanOrder order = ScanOrder::of(scene.runs.axis());
+  const auto [first, last] = planes_of(scene.runs, ray.axis);
+  for (std::int64_t n = 0; n <= last - first; ++n) {
+    const std::int64_t k = ray.ascending ? first + n : last - n;
+    const auto plane = static_cast<double>(k);
+    if (ray.is_behind_eye(plane)) continue;
+    pass_surfaces(plane);
+    const Vec3 at = ray.at(plane);
+    Index3 voxel{std::llround(at[0]), std::llround(at[1]), std::llround(at[2])};
+    voxel[ray.axis] = k;
+    if (!scene.grid.contains(voxel[0], voxel[1], voxel[2])) continue;
+    const ClassRun* run =
+        scene.runs.at(voxel[order.slice_axis], voxel[order.row_axis], voxel[order.scan_axis]);
+    if (run == nullptr) continue;
+    VoxelLook look;
+    const std::uint32_t draw = scene.runs.draw_of(run->id);
+    scene.looks[draw].look_up(scene.cache.values(),
+                              static_cast<std::size_t>(scene.grid.offset(voxel[0], voxel[1], voxel[2])), 1, 1,
+                              &look);
+    const double depth = static_cast<double>(look.extinction_per_mm) * ray.slab_mm;
+    walk.add(scene.plan.classes[draw].volume_of, -std::expm1(-depth), plane);
+  }
+  pass_surfaces(sign * HUGE_VAL);
+
+  const auto winner = walk.winner();
+  if (!winner) return std::nullopt;
+  return Pick{winner->first, index_to_lps_mm(scene.grid).apply(ray.at(winner->second))};
+}
+
+}  // namespace splatlas

@@ -1,0 +1,127 @@
+#include "player/rays/cast_rays.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "player/rays/pixel_rays.h"
+#include "player/view/projection.h"
+
+namespace splatlas {
+namespace {
+
+constexpr int kBlockSide = 4;  // pixels: a packet
+constexpr auto kSide = static_cast<std::size_t>(kBlockSide);
+static_assert(kSide * kSide == kPacketRays);
+constexpr int kTileSide = 32;  // pixels: what a thread takes
+
+/// Pixels of the picture.
+struct PixelBox {
+  int left = 0, top = 0, right = 0, bottom = 0;  // right and bottom excluded
+};
+
+/// The pixels whose rays can come within one voxel of the volume's voxels.
+PixelBox shown_box(const RayVolume& volume, const View& view, const Grid& grid) {
+  const PictureSize& size = view.plane.size;
+  const PixelBox all{0, 0, size.width, size.height};
+  const Projection projection(view.plane, grid,
+                              view.eye_mm.value_or(std::numeric_limits<double>::infinity()));
+  double left = size.width, top = size.height, right = 0, bottom = 0;
+  for (std::size_t corner = 0; corner < 8; ++corner) {
+    std::array<float, 3> index{};
+    for (std::size_t a = 0; a < 3; ++a) {
+      const std::int64_t place = (corner >> a & 1) != 0 ? volume.grid().size[a] - 2 : 1;
+      index[a] = static_cast<float>(volume.first()[a] + place);
+    }
+    const ScreenPoint point = projection.homogeneous(index);
+    constexpr double kNear = 1e-3;  // the eye is inside the box, or it is next to it
+    if (point.w < kNear) return all;
+    left = std::min(left, point.x / point.w);
+    right = std::max(right, point.x / point.w);
+    top = std::min(top, point.y / point.w);
+    bottom = std::max(bottom, point.y / point.w);
+  }
+  constexpr double kRounding = 1;
+  const auto pixel = [](double at, int most) {
+    return static_cast<int>(std::clamp(at, 0.0, static_cast<double>(most)));
+  };
+  return {pixel(std::floor(left - kRounding), size.width), pixel(std::floor(top - kRounding), size.height),
+          pixel(std::ceil(right + kRounding) + 1, size.width),
+          pixel(std::ceil(bottom + kRounding) + 1, size.height)};
+}
+
+class Tile {
+ public:
+  Tile(const PixelRays& rays, const MarchScene& scene, const MarchKernels& kernels, Picture& picture)
+      : rays_(rays), scene_(scene), kernels_(kernels), picture_(picture) {}
+
+  void render(const PixelBox& box) const {
+    for (int y = box.top; y < box.bottom; y += kBlockSide) {
+      for (int x = box.left; x < box.right; x += kBlockSide) render_block(x, y);
+    }
+  }
+
+ private:
+  void render_block(int left, int top) const {
+    RayNumbers x{}, y{};
+    for (std::size_t n = 0; n < kPacketRays; ++n) {
+      // Beyond the picture's edge, the ray of the pixel on it once more.
+      x[n] = std::min(left + static_cast<int>(n) % kBlockSide, picture_.size.width - 1) + 0.5;
+      y[n] = std::min(top + static_cast<int>(n) / kBlockSide, picture_.size.height - 1) + 0.5;
+    }
+    const RayPacket packet = rays_.through(x, y);
+    LightPacket light;
+    kernels_.march(scene_, packet, light);
+    const int columns = std::min(kBlockSide, picture_.size.width - left);
+    const int rows = std::min(kBlockSide, picture_.size.height - top);
+    for (int row = 0; row < rows; ++row) {
+      float* out = &picture_.rgba[4 * (static_cast<std::size_t>(top + row) *
+                                           static_cast<std::size_t>(picture_.size.width) +
+                                       static_cast<std::size_t>(left))];
+      for (int column = 0; column < columns; ++column) {
+        const std::size_t n = static_cast<std::size_t>(row) * kBlockSide + static_cast<std::size_t>(column);
+        for (std::size_t c = 0; c < 4; ++c) *out++ = light.planes[c][n];
+      }
+    }
+  }
+
+  const PixelRays& rays_;
+  const MarchScene& scene_;
+  const MarchKernels& kernels_;
+  Picture& picture_;
+};
+
+}  // namespace
+
+MarchScene march_scene(const RayVolume& volume, const CastOptions& options) {
+  return {.grid = volume.grid(),
+          .sources = volume.sources(),
+          .active = volume.active(),
+          .floor = options.floor,
+          .least_steps = options.least_steps,
+          .most_steps = options.most_steps,
+          .tolerance = options.tolerance};
+}
+
+void cast_rays(const RayVolume& volume, const View& view, const Grid& grid, const CastOptions& options,
+               const MarchKernels& kernels, Picture& picture, ThreadPool& pool) {
+  const PictureSize size = view.plane.size;
+  picture.size = size;
+  picture.rgba.assign(4 * static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height), 0.0f);
+  if (volume.empty()) return;
+  const PixelRays rays(view, grid, volume.first(), options.principal_axis);
+  const MarchScene scene = march_scene(volume, options);
+  const Tile tile(rays, scene, kernels, picture);
+  const PixelBox shown = shown_box(volume, view, grid);
+  const int columns = (shown.right - shown.left + kTileSide - 1) / kTileSide;
+  const int rows = (shown.bottom - shown.top + kTileSide - 1) / kTileSide;
+  if (columns <= 0 || rows <= 0) return;
+  pool.for_each(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows), [&](std::size_t n) {
+    const int left = shown.left + static_cast<int>(n % static_cast<std::size_t>(columns)) * kTileSide;
+    const int top = shown.top + static_cast<int>(n / static_cast<std::size_t>(columns)) * kTileSide;
+    tile.render(
+        {left, top, std::min(left + kTileSide, shown.right), std::min(top + kTileSide, shown.bottom)});
+  });
+}
+
+}  // namespace splatlas

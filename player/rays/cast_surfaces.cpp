@@ -1,0 +1,146 @@
+#include "player/rays/cast_surfaces.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "player/rays/pixel_rays.h"
+
+namespace splatlas {
+namespace {
+
+/// Voxels along the depth axis for one along the principal one: below, depths would not tell where on a ray
+/// a fragment is.
+constexpr double kLeastSlope = 0.05;
+constexpr std::size_t kPacketsPerJob = 16;
+
+/// The rays of up to kPacketRays samples, and how far they have come.
+class SamplePacket {
+ public:
+  SamplePacket(const RayVolume& volume, const MarchScene& march, const MarchKernels& kernels,
+               const FragmentList& list, std::size_t first)
+      : volume_(volume),
+        march_(march),
+        kernels_(kernels),
+        list_(list),
+        first_(first),
+        count_(std::min(kPacketRays, list.sample_count() - first)) {}
+
+  void render(const PixelRays& rays, int width, const RasterScene& scene, Light* out) {
+    RayNumbers x{}, y{};
+    for (std::size_t n = 0; n < kPacketRays; ++n) {
+      const Sample& sample = list_.samples[first_ + std::min(n, count_ - 1)];
+      const std::uint32_t column = sample.pixel % static_cast<std::uint32_t>(width);
+      const std::uint32_t row = sample.pixel / static_cast<std::uint32_t>(width);
+      x[n] = column + sample.place.right();
+      y[n] = row + sample.place.down();
+    }
+    packet_ = rays.through(x, y);
+    end_ = packet_.to;
+    for (std::size_t n = count_; n < kPacketRays; ++n) end_[n] = packet_.from[n];
+    std::size_t layers = 0;
+    for (std::size_t n = 0; n < count_; ++n) {
+      layers = std::max(layers, list_.of_sample(first_ + n).size());
+    }
+    for (std::size_t layer = 0; layer < layers; ++layer) pass_layer(layer, scene);
+    march_to(end_);
+    for (std::size_t n = 0; n < count_; ++n) {
+      for (std::size_t c = 0; c < 4; ++c) out[n].rgba[c] = light_.planes[c][n];
+    }
+  }
+
+ private:
+  /// The volume up to every ray's fragment of this layer, and the fragment.
+  void pass_layer(std::size_t layer, const RasterScene& scene) {
+    auto to = packet_.from;
+    for (std::size_t n = 0; n < count_; ++n) {
+      const auto fragments = list_.of_sample(first_ + n);
+      if (layer < fragments.size()) to[n] = std::max(to[n], t_of(fragments[layer].depth, scene, n));
+    }
+    march_to(to);
+    for (std::size_t n = 0; n < count_; ++n) {
+      const auto fragments = list_.of_sample(first_ + n);
+      if (layer >= fragments.size()) continue;
+      const float through = 1 - light_.planes[3][n];
+      for (std::size_t c = 0; c < 4; ++c) light_.planes[c][n] += through * fragments[layer].rgba[c];
+      if (fragments[layer].rgba[3] >= 1) end_[n] = packet_.from[n];  // nothing behind is seen
+    }
+  }
+
+  void march_to(const std::array<float, kPacketRays>& to) {
+    packet_.to = to;
+    if (!volume_.empty()) kernels_.march(march_, packet_, light_);
+    packet_.from = to;
+  }
+
+  [[nodiscard]] float t_of(float depth, const RasterScene& scene, std::size_t n) const {
+    const std::size_t axis = scene.depth_axis;
+    const double place = scene.depth_sign * depth - static_cast<double>(volume_.first()[axis]);
+    return static_cast<float>((place - packet_.origin[axis][n]) / packet_.step[axis][n]);
+  }
+
+  const RayVolume& volume_;
+  const MarchScene& march_;
+  const MarchKernels& kernels_;
+  const FragmentList& list_;
+  std::size_t first_, count_;
+  RayPacket packet_;
+  LightPacket light_;
+  std::array<float, kPacketRays> end_{};
+};
+
+}  // namespace
+
+Result<RasterScene> raster_scene_of_rays(std::span<const SurfaceDraw> surfaces, const View& view,
+                                         const Grid& grid, const Lighting& lighting) {
+  RasterScene scene = raster_scene(surfaces, view.plane, factorise(view.plane, grid), grid, lighting);
+  if (!view.eye_mm || surfaces.empty()) return scene;
+  scene.projection = Projection(view.plane, grid, *view.eye_mm);
+  const Affine to_index = lps_mm_to_index(grid);
+  const Vec3 eye = view.eye_lps_mm();
+  for (const double x : {0, view.plane.size.width}) {
+    for (const double y : {0, view.plane.size.height}) {
+      Vec3 way = view.plane.point_lps_mm(x, y);
+      for (std::size_t a = 0; a < 3; ++a) way[a] -= eye[a];
+      way = to_index.apply_linear(way);
+      const double most = std::max({std::abs(way[0]), std::abs(way[1]), std::abs(way[2])});
+      if (scene.depth_sign * way[scene.depth_axis] >= kLeastSlope * most) continue;
+      return fail(ErrorCode::kUsage,
+                  "camera: the field of view is too wide for surfaces from this direction; make it narrower, "
+                  "or select volumes only");
+    }
+  }
+  return scene;
+}
+
+void cast_surfaces(const RayVolume& volume, const View& view, const Grid& grid, const RasterScene& scene,
+                   const FragmentList& fragments, const CastOptions& options, const MarchKernels& kernels,
+                   Picture& picture, ThreadPool& pool) {
+  const std::size_t samples = fragments.sample_count();
+  if (samples == 0) return;
+  const PixelRays rays(view, grid, volume.first(), options.principal_axis);
+  const MarchScene march = march_scene(volume, options);
+  std::vector<Light> lights(samples);
+  constexpr std::size_t kSamplesPerJob = kPacketsPerJob * kPacketRays;
+  pool.for_each((samples + kSamplesPerJob - 1) / kSamplesPerJob, [&](std::size_t job) {
+    const std::size_t last = std::min(samples, (job + 1) * kSamplesPerJob);
+    for (std::size_t first = job * kSamplesPerJob; first < last; first += kPacketRays) {
+      SamplePacket packet(volume, march, kernels, fragments, first);
+      packet.render(rays, picture.size.width, scene, &lights[first]);
+    }
+  });
+  for (std::size_t first = 0; first < samples;) {
+    const std::uint32_t pixel = fragments.samples[first].pixel;
+    std::size_t last = first;
+    Light sum;
+    for (; last < samples && fragments.samples[last].pixel == pixel; ++last) sum += lights[last];
+    for (std::size_t c = 0; c < 4; ++c) {
+      picture.rgba[4 * std::size_t{pixel} + c] = sum.rgba[c] / static_cast<float>(last - first);
+    }
+    first = last;
+  }
+}
+
+}  // namespace splatlas

@@ -1,0 +1,145 @@
+#include "player/rays/ray_depths.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace splatlas {
+namespace {
+
+constexpr int kBlockSide = 4;  // pixels: a packet
+constexpr float kSlabsAtOnce = 8;
+constexpr int kHalvings = 4;  // of these, to half a slab
+
+using PerRay = std::array<float, kPacketRays>;
+
+/// The part of every ray between the planes at both ends of the grid.
+void clip_to_grid(const MarchGrid& grid, RayPacket& rays) {
+  for (std::size_t n = 0; n < kPacketRays; ++n) {
+    for (std::size_t a = 0; a < 3; ++a) {
+      if (std::abs(rays.step[a][n]) < 1e-12f) continue;
+      const float one = -rays.origin[a][n] / rays.step[a][n];
+      const float other = (static_cast<float>(grid.size[a]) - rays.origin[a][n]) / rays.step[a][n];
+      rays.from[n] = std::max(rays.from[n], std::min(one, other));
+      rays.to[n] = std::min(rays.to[n], std::max(one, other));
+    }
+    if (!(rays.from[n] < rays.to[n])) rays.from[n] = rays.to[n] = 0;
+  }
+}
+
+/// Follows a packet, a few slabs at a time.
+class DepthSearch {
+ public:
+  DepthSearch(const MarchScene& scene, const RayPacket& rays, float through, const MarchKernels& kernels)
+      : scene_(scene), rays_(rays), opacity_(1 - through), kernels_(kernels) {
+    clip_to_grid(scene.grid, rays_);
+    found_.fill(DepthMap::kBackground);
+  }
+
+  PerRay run() {
+    const PerRay ends = rays_.to;
+    PerRay at = rays_.from;
+    LightPacket light;
+    while (true) {
+      PerRay next = at;
+      bool any = false;
+      for (std::size_t n = 0; n < kPacketRays; ++n) {
+        if (found_[n] != DepthMap::kBackground) continue;
+        next[n] = std::min(ends[n], at[n] + kSlabsAtOnce);
+        any = any || at[n] < next[n];
+      }
+      if (!any) return found_;
+      const LightPacket before = light;
+      march(at, next, light);
+      narrow(at, next, before, light);
+      at = next;
+    }
+  }
+
+ private:
+  void march(const PerRay& from, const PerRay& to, LightPacket& light) {
+    rays_.from = from;
+    rays_.to = to;
+    kernels_.march(scene_, rays_, light);
+  }
+
+  /// Rays that have become opaque enough from `from` to `to`: halves the part in which they have.
+  void narrow(PerRay from, PerRay to, LightPacket before, LightPacket behind) {
+    std::array<bool, kPacketRays> crosses{};
+    bool any = false;
+    for (std::size_t n = 0; n < kPacketRays; ++n) {
+      crosses[n] = from[n] < to[n] && behind.planes[3][n] >= opacity_;
+      any = any || crosses[n];
+      if (!crosses[n]) to[n] = from[n];
+    }
+    if (!any) return;
+    for (int halving = 0; halving < kHalvings; ++halving) {
+      PerRay middle = from;
+      for (std::size_t n = 0; n < kPacketRays; ++n) middle[n] = 0.5f * (from[n] + to[n]);
+      LightPacket light = before;
+      march(from, middle, light);
+      for (std::size_t n = 0; n < kPacketRays; ++n) {
+        const bool in_front = light.planes[3][n] >= opacity_;
+        (in_front ? to : from)[n] = middle[n];
+        for (std::size_t c = 0; c < 4; ++c) (in_front ? behind : before).planes[c][n] = light.planes[c][n];
+      }
+    }
+    for (std::size_t n = 0; n < kPacketRays; ++n) {
+      if (!crosses[n]) continue;
+      const float rise = behind.planes[3][n] - before.planes[3][n];
+      const float share = rise > 0 ? (opacity_ - before.planes[3][n]) / rise : 0.5f;
+      found_[n] = from[n] + std::clamp(share, 0.0f, 1.0f) * (to[n] - from[n]);
+    }
+  }
+
+  const MarchScene& scene_;
+  RayPacket rays_;
+  float opacity_;
+  const MarchKernels& kernels_;
+  PerRay found_{};
+};
+
+/// The axis whose planes a ray's places count.
+std::size_t axis_of(const RayPacket& rays, std::size_t n) {
+  std::size_t axis = 0;
+  while (axis < 2 && !(std::abs(rays.step[axis][n]) == 1.0f && rays.origin[axis][n] == 0.0f)) ++axis;
+  return axis;
+}
+
+}  // namespace
+
+std::array<float, kPacketRays> depths_along(const MarchScene& scene, const RayPacket& rays, float through,
+                                            const MarchKernels& kernels) {
+  return DepthSearch(scene, rays, through, kernels).run();
+}
+
+void add_ray_depths(const RayVolume& volume, const View& view, const Grid& grid, const MarchKernels& kernels,
+                    const ViewDepth& view_depth, DepthMap& depths, ThreadPool& pool) {
+  if (volume.empty()) return;
+  const PixelRays pixel_rays(view, grid, volume.first(), std::nullopt);
+  const MarchScene scene = march_scene(volume, {});
+  const int width = depths.size.width, height = depths.size.height;
+  const auto bands = static_cast<std::size_t>((height + kBlockSide - 1) / kBlockSide);
+  pool.for_each(bands, [&](std::size_t band) {
+    const int top = static_cast<int>(band) * kBlockSide;
+    for (int left = 0; left < width; left += kBlockSide) {
+      RayNumbers x{}, y{};
+      for (std::size_t n = 0; n < kPacketRays; ++n) {
+        x[n] = std::min(left + static_cast<int>(n) % kBlockSide, width - 1) + 0.5;
+        y[n] = std::min(top + static_cast<int>(n) / kBlockSide, height - 1) + 0.5;
+      }
+      const RayPacket rays = pixel_rays.through(x, y);
+      const PerRay places = depths_along(scene, rays, 0.5f, kernels);
+      for (std::size_t n = 0; n < kPacketRays; ++n) {
+        if (places[n] == DepthMap::kBackground) continue;
+        const std::size_t axis = axis_of(rays, n);
+        const double index =
+            static_cast<double>(rays.step[axis][n] * places[n]) + static_cast<double>(volume.first()[axis]);
+        float& mm = depths.mm[static_cast<std::size_t>(y[n]) * static_cast<std::size_t>(width) +
+                              static_cast<std::size_t>(x[n])];
+        mm = std::min(mm, static_cast<float>(view_depth.mm(x[n], y[n], axis, index)));
+      }
+    }
+  });
+}
+
+}  // namespace splatlas

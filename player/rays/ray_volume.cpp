@@ -1,0 +1,453 @@
+#include "player/rays/ray_volume.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "player/rays/brick_sums.h"
+#include "player/transfer/transfer_function.h"
+
+namespace splatlas {
+namespace {
+
+/// Voxels without anything around the selection's box.
+constexpr std::int64_t kMargin = 2;
+constexpr std::size_t kFour = 4;
+/// Stored grey values end here. The transfer function's own lie within 1e5 of 0, so what is lost shifts its
+/// points by no more than 1e-4 of the way between voxels.
+constexpr double kLargestStored = 1e9;
+
+std::uint64_t page_rounded(std::uint64_t bytes) {
+  constexpr std::uint64_t kPage = 4096;
+  return bytes + 2 * kPage;
+}
+
+/// Lowest and highest grey value around the cells of each brick of a slice of bricks.
+class BrickRanges {
+ public:
+  explicit BrickRanges(const MarchGrid& grid)
+      : columns_(grid.bricks(0)),
+        rows_(grid.bricks(1)),
+        ranges_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_)) {}
+
+  /// `count` voxels along x from (x, y) on; `grey(n)` of the n-th.
+  template <typename Grey>
+  void include(std::int64_t x, std::int64_t y, std::int64_t count, const Grey& grey) {
+    const std::int64_t last_row = std::min(y / kSide, rows_ - 1);
+    const std::int64_t first_row = y % kSide == 0 ? std::max<std::int64_t>(last_row - 1, 0) : last_row;
+    for (std::int64_t column = std::max<std::int64_t>((x - 1) / kSide, 0);
+         column < columns_ && column * kSide < x + count; ++column) {
+      const std::int64_t from = std::max(x, column * kSide);
+      const std::int64_t to = std::min(x + count, (column + 1) * kSide + 1);
+      if (from >= to) continue;
+      float low = std::numeric_limits<float>::max(), high = std::numeric_limits<float>::lowest();
+      for (std::int64_t at = from; at < to; ++at) {
+        const float g = grey(at - x);
+        low = std::min(low, g);
+        high = std::max(high, g);
+      }
+      for (std::int64_t row = first_row; row <= last_row; ++row) {
+        Range& range = ranges_[static_cast<std::size_t>(row * columns_ + column)];
+        range.low = std::min(range.low, low);
+        range.high = std::max(range.high, high);
+        range.voxels += static_cast<std::int32_t>(to - from);
+      }
+    }
+  }
+
+  /// What the brick's cells take values from; where voxels are missing, the value of nothing among them.
+  /// False where there is no voxel at all.
+  bool range(std::size_t brick, float& low, float& high) const {
+    constexpr std::int64_t kVoxels = (kSide + 1) * (kSide + 1) * (kSide + 1);
+    const Range& range = ranges_[brick];
+    low = range.voxels < kVoxels ? std::min(range.low, 0.0f) : range.low;
+    high = range.voxels < kVoxels ? std::max(range.high, 0.0f) : range.high;
+    return range.voxels > 0;
+  }
+
+ private:
+  static constexpr std::int64_t kSide = MarchGrid::kBrick;
+  struct Range {
+    float low = std::numeric_limits<float>::max(), high = std::numeric_limits<float>::lowest();
+    std::int32_t voxels = 0;
+  };
+  std::int64_t columns_, rows_;
+  std::vector<Range> ranges_;
+};
+
+}  // namespace
+
+/// Fills a ray volume.
+class RayVolume::Builder {
+ public:
+  Builder(const RayVolumeRequest& request, RayVolume& volume, ThreadPool& pool)
+      : request_(request), volume_(volume), pool_(pool) {}
+
+  Result<void> build() {
+    SPLATLAS_RETURN_IF_ERROR(find_sources());
+    if (volume_.sources_.empty() || request_.runs.count() == 0) {
+      volume_.sources_.clear();
+      return {};
+    }
+    SPLATLAS_RETURN_IF_ERROR(place_box());
+    BrickMask any(volume_.grid_);
+    for (Source& source : volume_.sources_) {
+      SPLATLAS_RETURN_IF_ERROR(allocate(source));
+      BrickMask mask(volume_.grid_);
+      if (source.curve) {
+        fill_greys(source);
+        mark_greys(source, mask);
+        if (source.many_colors) fill_colors(source);
+      } else {
+        fill_light(source, mask);
+      }
+      for (std::size_t n = 0; n < any.bricks.size(); ++n) any.bricks[n] |= mask.bricks[n];
+      source.active = brick_sums(mask);
+      for (const auto& slice : source.shaded) volume_.shaded_voxels_ += slice.size();
+    }
+    volume_.active_ = brick_sums(any);
+    for (const Source& source : volume_.sources_) volume_.views_.push_back(view_of_source(source));
+    request_.runs.for_each([&](const ClassRun& run, std::uint32_t) { volume_.voxels_ += run.length; });
+    return {};
+  }
+
+ private:
+  static MarchSource view_of_source(const Source& source) {
+    MarchSource view;
+    const std::byte* values = source.values.data();
+    if (!source.curve) {
+      view.light = reinterpret_cast<const float*>(values);
+    } else if (source.scale.bytes) {
+      view.octants = reinterpret_cast<const std::uint64_t*>(values);
+    } else {
+      view.greys = reinterpret_cast<const float*>(values);
+    }
+    view.curve = source.curve.get();
+    view.color = source.color;
+    if (source.many_colors) view.colors = reinterpret_cast<const float*>(source.colors.data());
+    view.active = source.active.data();
+    return view;
+  }
+
+  /// Classes with equal transfer functions share a source.
+  Result<void> find_sources() {
+    const std::vector<ClassDraw>& classes = request_.plan.classes;
+    constexpr std::size_t kUnknown = std::numeric_limits<std::size_t>::max();
+    std::vector<std::size_t> source_of(request_.selection.structures.size(), kUnknown);
+    std::vector<TransferCurve> curves;
+    for (std::size_t n = 0; n < classes.size(); ++n) {
+      if (!draws_volume(classes[n].role)) continue;
+      std::size_t& number = source_of[classes[n].volume_of];
+      if (number == kUnknown) number = source_of_structure(classes[n].volume_of, curves);
+      if (volume_.sources_.size() > kMostSources) {
+        return fail(ErrorCode::kLimit,
+                    fmt::format("{}: the selection has more than {} different transfer functions, too many "
+                                "to be classified after interpolation",
+                                request_.atlas.name(), kMostSources));
+      }
+      Source& source = volume_.sources_[number];
+      const bool first = std::none_of(source.draws.begin(), source.draws.end(), [](bool d) { return d; });
+      source.draws[n] = true;
+      if (first) source.color = request_.looks[n].color;
+      source.many_colors = source.many_colors || source.color != request_.looks[n].color ||
+                           (request_.shade && classes[n].boundary);
+    }
+    return {};
+  }
+
+  std::size_t source_of_structure(StructureIndex structure, std::vector<TransferCurve>& curves) {
+    TransferCurve curve;  // no points: light
+    std::optional<GreyScale> scale;
+    if (request_.classification == Classification::kAfter) {
+      curve = transfer_curve(request_.selection.structures[structure], request_.atlas.display());
+      scale = grey_scale(curve, request_.atlas.value_type());
+      if (!scale) curve.points.clear();
+    }
+    const auto known = std::find(curves.begin(), curves.end(), curve);
+    if (known != curves.end()) return static_cast<std::size_t>(known - curves.begin());
+    Source& source = volume_.sources_.emplace_back();
+    source.draws.resize(request_.plan.classes.size(), false);
+    if (scale) {
+      source.scale = *scale;
+      source.curve = std::make_unique<GreyCurve>(curve, *scale, request_.atlas.reference_length_mm());
+    }
+    curves.push_back(std::move(curve));
+    return curves.size() - 1;
+  }
+
+  Result<void> place_box() {
+    const SelectedRuns& runs = request_.runs;
+    const Index3& first = runs.box().first;
+    const Index3 size{runs.scan_voxels(), runs.rows(), runs.slices()};
+    std::uint64_t voxels = 1;
+    for (std::size_t a = 0; a < 3; ++a) {
+      volume_.first_[a] = first[a] - kMargin;
+      volume_.grid_.size[a] = static_cast<std::int32_t>(size[a] + 2 * kMargin);
+      voxels *= static_cast<std::uint64_t>(volume_.grid_.size[a]);
+      if (voxels > std::numeric_limits<std::int32_t>::max()) {
+        return fail(ErrorCode::kLimit,
+                    fmt::format("{}: the box around the selection has more than 2^31 voxels, too many for "
+                                "rays; select less",
+                                request_.atlas.name()));
+      }
+    }
+    if (const std::uint64_t bytes = bytes_needed(voxels); bytes > request_.max_memory_bytes) {
+      return fail(ErrorCode::kLimit,
+                  fmt::format("{}: the selection's grey values take up to {} MiB for rays; {} MiB are "
+                              "allowed. Select less",
+                              request_.atlas.name(), bytes >> 20, request_.max_memory_bytes >> 20));
+    }
+    return {};
+  }
+
+  /// Of the box, or where the selection is sparse in it, of the pages that its runs touch.
+  [[nodiscard]] std::uint64_t bytes_needed(std::uint64_t box_voxels) const {
+    std::uint64_t bytes = 0;
+    for (const Source& source : volume_.sources_) {
+      const auto of = [&](std::uint64_t voxel_bytes, std::uint64_t rows) {
+        std::uint64_t touched = 0;
+        request_.runs.for_each([&](const ClassRun& run, std::uint32_t draw) {
+          if (source.draws[draw]) touched += rows * page_rounded((run.length + 1) * voxel_bytes);
+        });
+        return std::min(box_voxels * voxel_bytes, touched);
+      };
+      bytes += of(value_bytes(source), source.curve && source.scale.bytes ? 4 : 1);
+      if (color_bytes(source) > 0) bytes += of(color_bytes(source), 1);
+    }
+    return bytes;
+  }
+
+  static std::uint64_t value_bytes(const Source& source) {
+    if (!source.curve) return kFour * sizeof(float);
+    return source.scale.bytes ? sizeof(std::uint64_t) : sizeof(float);
+  }
+  static std::uint64_t color_bytes(const Source& source) {
+    return source.curve && source.many_colors ? kFour * sizeof(float) : 0;
+  }
+
+  /// Whether large pages take little more memory than small ones would: each source is a good part of the
+  /// box, as far as can be told, and all of it is allowed for.
+  [[nodiscard]] bool fills_box(std::uint64_t box_voxels) const {
+    constexpr std::uint64_t kSparse = 32;
+    std::uint64_t selected = 0, voxel_bytes = 0;
+    for (const ClassDraw& draw : request_.plan.classes) {
+      if (draws_volume(draw.role)) selected += request_.atlas.classes().voxels(draw.id);
+    }
+    for (const Source& source : volume_.sources_) voxel_bytes += value_bytes(source) + color_bytes(source);
+    return selected * kSparse >= box_voxels * volume_.sources_.size() &&
+           box_voxels * voxel_bytes <= request_.max_memory_bytes;
+  }
+
+  Result<void> allocate(Source& source) {
+    const auto& size = volume_.grid_.size;
+    const std::size_t voxels = static_cast<std::size_t>(size[0]) * static_cast<std::size_t>(size[1]) *
+                               static_cast<std::size_t>(size[2]);
+    SPLATLAS_ASSIGN_OR_RETURN(source.values, SparseBytes::reserve(voxels * value_bytes(source)));
+    if (color_bytes(source) > 0) {
+      SPLATLAS_ASSIGN_OR_RETURN(source.colors, SparseBytes::reserve(voxels * color_bytes(source)));
+    }
+    if (fills_box(voxels)) {
+      source.values.expect_dense(0, source.values.size());
+      source.colors.expect_dense(0, source.colors.size());
+    }
+    source.shaded.resize(static_cast<std::size_t>(size[2]));
+    return {};
+  }
+
+  /// A run of one source's voxels: position in the box, and number of its first voxel in the grid's memory.
+  struct Piece {
+    std::int64_t x = 0, y = 0, length = 0;
+    std::size_t voxel = 0;
+    std::uint32_t draw = 0;
+  };
+  /// Calls take(piece) for the runs of `source` in slice `z` of the box.
+  template <typename Take>
+  void for_each_piece(const Source& source, std::int64_t z, const Take& take) const {
+    const std::int64_t slice = z + volume_.first_[2];
+    const Grid& grid = request_.atlas.grid();
+    request_.runs.for_each(slice, [&](const ClassRun& run, std::uint32_t draw) {
+      if (!source.draws[draw]) return;
+      take(Piece{run.start - volume_.first_[0], run.row - volume_.first_[1], run.length,
+                 static_cast<std::size_t>(grid.offset(run.start, run.row, slice)), draw});
+    });
+  }
+  [[nodiscard]] std::size_t place(std::int64_t x, std::int64_t y, std::int64_t z) const {
+    const auto& size = volume_.grid_.size;
+    return static_cast<std::size_t>((z * size[1] + y) * size[0] + x);
+  }
+
+  /// `stored(voxel)`: a grey value as the source stores it. NaN counts as the transfer function's lowest
+  /// point, infinity as its width beyond the last one.
+  template <typename T>
+  auto stored_greys(const Source& source) const {
+    const std::byte* values = request_.cache.values();
+    const GreyScale scale = source.scale;
+    const float* greys = source.curve->row(GreyCurve::kGrey);
+    const double lowest = greys[1], highest = greys[source.curve->points()];
+    const double width = highest - lowest;
+    return [values, scale, lowest, highest, width](std::size_t voxel) {
+      T value;
+      std::memcpy(&value, values + voxel * sizeof(T), sizeof(T));
+      const auto grey = static_cast<double>(value);
+      if (std::isnan(grey)) return static_cast<float>(lowest);
+      if (std::isinf(grey)) return static_cast<float>(grey > 0 ? highest + width : lowest - width);
+      return static_cast<float>(std::clamp(scale.stored(grey), -kLargestStored, kLargestStored));
+    };
+  }
+
+  void fill_greys(Source& source) {
+    const auto slices = static_cast<std::size_t>(volume_.grid_.size[2]);
+    if (source.scale.bytes) {
+      pool_.for_each(slices - 1, [&](std::size_t z) { fill_octants(source, static_cast<std::int64_t>(z)); });
+      return;
+    }
+    auto* greys = reinterpret_cast<float*>(source.values.data());
+    visit_voxel_type(request_.atlas.value_type(), [&](auto tag) {
+      const auto stored = stored_greys<decltype(tag)>(source);
+      pool_.for_each(slices, [&](std::size_t z) {
+        for_each_piece(source, static_cast<std::int64_t>(z), [&](const Piece& piece) {
+          float* row = greys + place(piece.x, piece.y, static_cast<std::int64_t>(z));
+          for (std::int64_t n = 0; n < piece.length; ++n)
+            row[n] = stored(piece.voxel + static_cast<std::size_t>(n));
+        });
+      });
+    });
+  }
+
+  /// The cells between slices z and z + 1: every voxel is a corner of four of them.
+  void fill_octants(Source& source, std::int64_t z) {
+    auto* octants = reinterpret_cast<std::uint8_t*>(source.values.data());
+    const auto* greys = reinterpret_cast<const std::uint8_t*>(request_.cache.values());
+    for (const std::int64_t behind : {0, 1}) {
+      for_each_piece(source, z + behind, [&](const Piece& piece) {
+        for (const std::int64_t below : {0, 1}) {
+          std::uint8_t* cell = octants + 8 * place(piece.x, piece.y - below, z) + 4 * behind + 2 * below;
+          const std::uint8_t* grey = greys + piece.voxel;
+          for (std::int64_t n = 0; n < piece.length; ++n) {
+            cell[8 * n] = grey[n];
+            cell[8 * n - 7] = grey[n];  // the voxel is on the right of the cell before
+          }
+        }
+      });
+    }
+  }
+
+  void mark_greys(const Source& source, BrickMask& mask) {
+    visit_voxel_type(request_.atlas.value_type(), [&](auto tag) {
+      const auto stored = stored_greys<decltype(tag)>(source);
+      pool_.for_each(static_cast<std::size_t>(mask.z), [&](std::size_t brick_slice) {
+        BrickRanges ranges(volume_.grid_);
+        const auto first = static_cast<std::int64_t>(brick_slice) * MarchGrid::kBrick;
+        for (std::int64_t z = first; z <= first + MarchGrid::kBrick; ++z) {
+          for_each_piece(source, z, [&](const Piece& piece) {
+            ranges.include(piece.x, piece.y, piece.length,
+                           [&](std::int64_t n) { return stored(piece.voxel + static_cast<std::size_t>(n)); });
+          });
+        }
+        const std::size_t bricks = static_cast<std::size_t>(mask.x) * static_cast<std::size_t>(mask.y);
+        for (std::size_t n = 0; n < bricks; ++n) {
+          float low = 0, high = 0;
+          const bool shows = ranges.range(n, low, high) && source.curve->shows(low, high);
+          mask.bricks[brick_slice * bricks + n] = shows ? 1 : 0;
+        }
+      });
+    });
+  }
+
+  void fill_colors(Source& source) {
+    auto* colors = reinterpret_cast<float*>(source.colors.data());
+    pool_.for_each(static_cast<std::size_t>(volume_.grid_.size[2]), [&](std::size_t slice) {
+      const auto z = static_cast<std::int64_t>(slice);
+      for_each_piece(source, z, [&](const Piece& piece) {
+        const std::array<float, 3>& color = request_.looks[piece.draw].color;
+        const std::size_t first = kFour * place(piece.x, piece.y, z);
+        for (std::int64_t n = 0; n < piece.length; ++n) {
+          const std::size_t at = first + kFour * static_cast<std::size_t>(n);
+          std::copy(color.begin(), color.end(), colors + at);
+          colors[at + 3] = 1;
+          remember_shaded(source, slice, piece, n, at, color);
+        }
+      });
+    });
+  }
+
+  void fill_light(Source& source, BrickMask& mask) {
+    auto* light = reinterpret_cast<float*>(source.values.data());
+    const auto slices = static_cast<std::size_t>(volume_.grid_.size[2]);
+    std::vector<std::vector<std::uint8_t>> visible(slices);  // bricks, by slice of voxels
+    pool_.for_each(slices, [&](std::size_t slice) {
+      const auto z = static_cast<std::int64_t>(slice);
+      visible[slice].resize(static_cast<std::size_t>(mask.x) * static_cast<std::size_t>(mask.y), 0);
+      std::vector<VoxelLook> voxels;
+      for_each_piece(source, z, [&](const Piece& piece) {
+        const VolumeLook& look = request_.looks[piece.draw];
+        voxels.resize(static_cast<std::size_t>(piece.length));
+        look.look_up(request_.cache.values(), piece.voxel, 1, voxels.size(), voxels.data());
+        const std::size_t first = kFour * place(piece.x, piece.y, z);
+        for (std::int64_t n = 0; n < piece.length; ++n) {
+          const VoxelLook& voxel = voxels[static_cast<std::size_t>(n)];
+          if (voxel.extinction_per_mm <= 0) continue;
+          const std::size_t at = first + kFour * static_cast<std::size_t>(n);
+          const std::array<float, 3> emission = look.emission(voxel);
+          light[at] = voxel.extinction_per_mm;
+          std::copy(emission.begin(), emission.end(), light + at + 1);
+          remember_shaded(source, slice, piece, n, at + 1, emission);
+          mark_around(mask, visible[slice], piece.x + n, piece.y);
+        }
+      });
+    });
+    // The cells before and behind a voxel.
+    const std::size_t bricks = static_cast<std::size_t>(mask.x) * static_cast<std::size_t>(mask.y);
+    for (std::size_t slice = 0; slice < slices; ++slice) {
+      const std::size_t to = slice / MarchGrid::kBrick;
+      const std::size_t from = slice == 0 ? 0 : (slice - 1) / MarchGrid::kBrick;
+      for (std::size_t k = from; k <= to; ++k) {
+        for (std::size_t n = 0; n < bricks; ++n) mask.bricks[k * bricks + n] |= visible[slice][n];
+      }
+    }
+  }
+
+  /// Bricks of the cells beside a voxel.
+  static void mark_around(const BrickMask& mask, std::vector<std::uint8_t>& bricks, std::int64_t x,
+                          std::int64_t y) {
+    for (std::int64_t j = (y - 1) / MarchGrid::kBrick; j <= y / MarchGrid::kBrick; ++j) {
+      for (std::int64_t i = (x - 1) / MarchGrid::kBrick; i <= x / MarchGrid::kBrick; ++i) {
+        bricks[static_cast<std::size_t>(j * mask.x + i)] = 1;
+      }
+    }
+  }
+
+  void remember_shaded(Source& source, std::size_t slice, const Piece& piece, std::int64_t n, std::size_t at,
+                       const std::array<float, 3>& color) const {
+    if (!request_.shade || !request_.plan.classes[piece.draw].boundary) return;
+    source.shaded[slice].push_back(
+        {at, request_.cache.normals()[piece.voxel + static_cast<std::size_t>(n)], color});
+  }
+
+  const RayVolumeRequest& request_;
+  RayVolume& volume_;
+  ThreadPool& pool_;
+};
+
+Result<RayVolume> RayVolume::build(const RayVolumeRequest& request, ThreadPool& pool) {
+  RayVolume volume;
+  SPLATLAS_RETURN_IF_ERROR(Builder(request, volume, pool).build());
+  return volume;
+}
+
+void RayVolume::shade(std::span<const float> light, ThreadPool& pool) {
+  for (Source& source : sources_) {
+    SparseBytes& bytes = source.curve ? source.colors : source.values;
+    auto* colors = reinterpret_cast<float*>(bytes.data());
+    pool.for_each(source.shaded.size(), [&](std::size_t slice) {
+      for (const ShadedVoxel& voxel : source.shaded[slice]) {
+        for (std::size_t c = 0; c < 3; ++c) colors[voxel.place + c] = voxel.color[c] * light[voxel.normal];
+      }
+    });
+  }
+}
+
+}  // namespace splatlas

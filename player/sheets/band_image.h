@@ -1,0 +1,74 @@
+// What a band of the sheet accumulates, slice after slice.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "player/sheets/sheet_fragments.h"
+#include "player/sheets/sheets.h"
+#include "player/sheets/splat_kernels.h"
+
+namespace splatlas {
+
+/// Rows [first, last) of a window: rows of voxels, each `scale` fine rows. A fine row keeps its phases apart,
+/// and those their planes: emissions, then opacity. Row major: [fine row][phase][plane][stride()].
+class BandImage {
+ public:
+  /// All black. Takes the memory of `floats`.
+  BandImage(const SheetWindow& window, int emissions, std::int64_t first, std::int64_t last,
+            std::vector<float>& floats)
+      : scale_(window.scale),
+        columns_(window.columns),
+        planes_(1 + emissions),
+        stride_(stride(window)),
+        first_(first * window.scale),
+        last_(last * window.scale),
+        floats_(floats) {
+    floats_.assign(static_cast<std::size_t>((last_ - first_) * row_stride()), 0.0f);
+    opaque_.resize(static_cast<std::size_t>((last_ - first_) * scale_));
+  }
+
+  /// Floats of a plane of a row: margins included, whole blocks.
+  static std::int64_t stride(const SheetWindow& window) {
+    return (window.columns + 2 * ImageRows::kMargin + kBlock - 1) / kBlock * kBlock;
+  }
+
+  [[nodiscard]] std::int64_t first_fine_row() const { return first_; }
+  [[nodiscard]] std::int64_t last_fine_row() const { return last_; }
+  [[nodiscard]] std::int64_t planes() const { return planes_; }
+  [[nodiscard]] std::int64_t plane_stride() const { return stride_; }
+
+  /// Pixel 0 of the first plane.
+  [[nodiscard]] const float* row(std::int64_t fine_row, std::int64_t phase) const {
+    return floats_.data() + (fine_row - first_) * row_stride() + phase * phase_stride() + ImageRows::kMargin;
+  }
+  /// All phases of a fine row.
+  [[nodiscard]] AccumulatedRow accumulated(std::int64_t fine_row) const {
+    return {row(fine_row, 0), planes_, stride_, phase_stride()};
+  }
+  /// From a fine row and a phase on; pairs of rows of voxels are `scale` fine rows apart.
+  [[nodiscard]] ImageRows rows(std::int64_t fine_row, std::int64_t phase) {
+    float* pixels =
+        floats_.data() + (fine_row - first_) * row_stride() + phase * phase_stride() + ImageRows::kMargin;
+    return {pixels,
+            columns_,
+            stride_,
+            phase_stride(),
+            row_stride(),
+            row_stride() * scale_,
+            opaque_.data() + (fine_row - first_) * scale_ + phase,
+            scale_,
+            scale_ * scale_};
+  }
+
+ private:
+  [[nodiscard]] std::int64_t phase_stride() const { return planes_ * stride_; }
+  [[nodiscard]] std::int64_t row_stride() const { return scale_ * phase_stride(); }
+
+  std::int64_t scale_, columns_, planes_, stride_, first_, last_;
+  std::vector<float>& floats_;
+  std::vector<OpaquePixels> opaque_;  // row major: [fine row][phase]
+};
+
+}  // namespace splatlas

@@ -1,0 +1,201 @@
+#include "player/sheets/fragment_order.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "player/sheets/sheets.h"
+
+namespace splatlas {
+namespace {
+
+/// Parts of the picture that are worked on at once; results do not depend on it.
+constexpr std::size_t kChunks = 32;
+/// With digits of 6e-8 it keeps the light in front of a fragment right to 1e-5.
+constexpr float kLeastThrough = 2e-4f;
+
+/// Where samples lie in the sheet.
+class SheetPlaces {
+ public:
+  SheetPlaces(const Shear& shear, const SheetWindow& window, const PictureSize& size)
+      : map_(shear.picture_to_sheet),
+        window_(window),
+        width_(static_cast<std::uint32_t>(size.width)),
+        columns_(static_cast<double>(window.fine_columns())),
+        rows_(static_cast<double>(window.fine_rows())) {}
+
+  struct Place {
+    std::int64_t row = 0;  ///< above it, from -1
+    FragmentOrder::Entry entry;
+  };
+  /// Nothing for samples that no pixel of the sheet is near to.
+  [[nodiscard]] std::optional<Place> of(const Sample& sample) const {
+    const std::uint32_t picture_row = sample.pixel / width_;
+    const double x = static_cast<double>(sample.pixel % width_) + sample.place.right();
+    const double y = static_cast<double>(picture_row) + sample.place.down();
+    const double sheet_x =
+        (map_.xx * x + map_.xy * y + map_.x0 - static_cast<double>(window_.u0)) * window_.scale;
+    const double sheet_y =
+        (map_.yx * x + map_.yy * y + map_.y0 - static_cast<double>(window_.v0)) * window_.scale;
+    if (!(sheet_x >= -1 && sheet_y >= -1 && sheet_x < columns_ && sheet_y < rows_)) return std::nullopt;
+    const double column = std::floor(sheet_x);
+    const double row = std::floor(sheet_y);
+    const auto right = static_cast<float>(sheet_x - column);
+    Place place;
+    place.row = static_cast<std::int64_t>(row);
+    const auto pixel = static_cast<std::int32_t>(column);
+    place.entry.column = pixel < 0 ? -1 : pixel / window_.scale;
+    place.entry.phase = pixel - place.entry.column * window_.scale;
+    place.entry.weights = sheet_weights(right, static_cast<float>(sheet_y - row), window_.skew);
+    if (pixel < 0) place.entry.weights[0] = place.entry.weights[2] = 0;
+    if (column + 1 >= columns_) place.entry.weights[1] = place.entry.weights[3] = 0;
+    return place;
+  }
+
+ private:
+  const Affine2& map_;
+  const SheetWindow& window_;
+  std::uint32_t width_;
+  double columns_, rows_;
+};
+
+}  // namespace
+
+float share_of_slab(float absorbed, float part) {
+  if (!(absorbed > 0) || part >= 1) return std::min(part, 1.0f);
+  if (absorbed < 0.125f) {
+    // The binomial series; what is left out is below 1e-7.
+    float share = 1 + absorbed * (5 - part) * (1.0f / 6);
+    share = 1 + absorbed * (4 - part) * (1.0f / 5) * share;
+    share = 1 + absorbed * (3 - part) * (1.0f / 4) * share;
+    share = 1 + absorbed * (2 - part) * (1.0f / 3) * share;
+    share = 1 + absorbed * (1 - part) * (1.0f / 2) * share;
+    return part * share;
+  }
+  if (absorbed >= 1) return part > 0 ? 1.0f : 0.0f;
+  return -std::expm1(part * std::log1p(-absorbed)) / absorbed;
+}
+
+void FragmentOrder::build(const FragmentList& list, const Shear& shear, const SheetWindow& window,
+                          const PictureSize& size, const Grid& grid, ThreadPool& pool) {
+  ascending_ = shear.ascending;
+  slices_ = grid.size[shear.scan.slice_axis];
+  slabs_ = Slabs::of(slices_, window.parts);
+  const std::int64_t fine_rows = window.empty() ? 0 : window.fine_rows();
+  first_of_row_.assign(static_cast<std::size_t>(fine_rows) + 2, 0);
+  place_.resize(list.fragments.size());
+  if (window.empty() || list.fragments.empty()) {
+    std::fill(place_.begin(), place_.end(), kNowhere);
+    entries_.clear();
+    lights_.clear();
+    return;
+  }
+  scatter(list, shear, window, size, pool);
+  entries_.resize(unsorted_.size());
+  lights_.resize(unsorted_.size());
+  const std::size_t rows = first_of_row_.size() - 1;
+  const std::size_t rows_per_chunk = (rows + kChunks - 1) / kChunks;
+  pool.for_each((rows + rows_per_chunk - 1) / rows_per_chunk, [&](std::size_t chunk) {
+    std::vector<std::uint32_t> next_of_slab;
+    const std::size_t first = chunk * rows_per_chunk;
+    for (std::size_t n = first; n < std::min(first + rows_per_chunk, rows); ++n) sort_row(n, next_of_slab);
+  });
+}
+
+/// Brings the fragments together by row of the sheet, each row's in the order of the picture.
+void FragmentOrder::scatter(const FragmentList& list, const Shear& shear, const SheetWindow& window,
+                            const PictureSize& size, ThreadPool& pool) {
+  const SheetPlaces places(shear, window, size);
+  const std::size_t rows = first_of_row_.size() - 1;
+  const std::size_t samples_per_chunk = (list.sample_count() + kChunks - 1) / kChunks;
+  const std::size_t chunks = (list.sample_count() + samples_per_chunk - 1) / samples_per_chunk;
+  const auto for_each_sample = [&](std::size_t chunk, const auto& body) {
+    const std::size_t first = chunk * samples_per_chunk;
+    for (std::size_t n = first; n < std::min(first + samples_per_chunk, list.sample_count()); ++n) body(n);
+  };
+
+  std::vector<std::vector<std::size_t>> next_of_row(chunks);
+  pool.for_each(chunks, [&](std::size_t chunk) {
+    next_of_row[chunk].assign(rows, 0);
+    for_each_sample(chunk, [&](std::size_t n) {
+      const auto place = places.of(list.samples[n]);
+      if (place) next_of_row[chunk][static_cast<std::size_t>(place->row + 1)] += list.of_sample(n).size();
+    });
+  });
+  std::size_t fragments = 0;
+  for (std::size_t row = 0; row < rows; ++row) {
+    first_of_row_[row] = fragments;
+    for (std::vector<std::size_t>& next : next_of_row) {
+      const std::size_t count = next[row];
+      next[row] = fragments;
+      fragments += count;
+    }
+  }
+  first_of_row_[rows] = fragments;
+
+  unsorted_.resize(fragments);
+  pool.for_each(chunks, [&](std::size_t chunk) {
+    for_each_sample(chunk, [&](std::size_t n) {
+      const std::uint32_t first = list.samples[n].first_fragment;
+      const std::uint32_t last = list.samples[n + 1].first_fragment;
+      const auto place = places.of(list.samples[n]);
+      if (!place) {
+        std::fill(place_.begin() + first, place_.begin() + last, kNowhere);
+        return;
+      }
+      std::size_t& next = next_of_row[chunk][static_cast<std::size_t>(place->row + 1)];
+      for (std::uint32_t fragment = first; fragment < last; ++fragment) {
+        Unsorted& to = unsorted_[next++];
+        to = {fragment, place->entry};
+        to.entry.slab = slab_at(along_of_depth(list.fragments[fragment].depth)).slab;
+      }
+    });
+  });
+}
+
+/// By slab: a counting sort.
+void FragmentOrder::sort_row(std::size_t n, std::vector<std::uint32_t>& next_of_slab) {
+  const std::size_t first = first_of_row_[n];
+  const std::size_t last = first_of_row_[n + 1];
+  if (first == last) return;
+  next_of_slab.assign(static_cast<std::size_t>(slabs_.count) + 1, 0);
+  for (std::size_t e = first; e < last; ++e) {
+    ++next_of_slab[static_cast<std::size_t>(unsorted_[e].entry.slab) + 1];
+  }
+  for (std::size_t slab = 1; slab < next_of_slab.size(); ++slab) {
+    next_of_slab[slab] += next_of_slab[slab - 1];
+  }
+  for (std::size_t e = first; e < last; ++e) {
+    const Unsorted& from = unsorted_[e];
+    const std::size_t to = first + next_of_slab[static_cast<std::size_t>(from.entry.slab)]++;
+    entries_[to] = from.entry;
+    lights_[to] = {};
+    place_[from.fragment] = static_cast<std::uint32_t>(to);
+  }
+}
+
+FragmentOrder::SlabPlace FragmentOrder::slab_at(double along) const {
+  const double slabs = (along - slabs_.begin) / slabs_.thickness;
+  const double slab = std::clamp(std::floor(slabs), 0.0, static_cast<double>(slabs_.count - 1));
+  return {static_cast<std::int32_t>(slab), static_cast<float>(std::clamp(slabs - slab, 0.0, 1.0))};
+}
+
+Light FragmentOrder::in_front_of(std::size_t fragment, float depth) const {
+  if (place_[fragment] == kNowhere) return {};
+  const SlabLight& slab = lights_[place_[fragment]];
+  const float through = 1 - slab.before.rgba[3];
+  const float added = slab.behind.rgba[3] - slab.before.rgba[3];
+  if (!(added > 0)) return slab.before;
+  // What little an opaque slab lets through is lost in the last digits of its opacity: no less than this
+  // counts.
+  const float most = through - kLeastThrough;
+  const float share =
+      share_of_slab(std::min(added, std::max(most, 0.0f)) / through, slab_at(along_of_depth(depth)).part);
+  Light light;
+  for (std::size_t c = 0; c < 4; ++c) {
+    light.rgba[c] = slab.before.rgba[c] + share * (slab.behind.rgba[c] - slab.before.rgba[c]);
+  }
+  return light;
+}
+
+}  // namespace splatlas

@@ -1,0 +1,356 @@
+#include "player/sheets/sheets.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "player/sheets/band_image.h"
+#include "player/sheets/sheet_fragments.h"
+#include "player/sheets/slice_mix.h"
+
+namespace splatlas {
+namespace {
+
+constexpr std::int64_t kMostBandRows = 16;  // voxels: enough bands to share out
+/// Bytes of accumulated image that a band works on: they stay in the second level cache.
+constexpr std::int64_t kBandBytes = std::int64_t{1} << 18;
+
+/// A shift split into whole pixels and the rest in [0, 1).
+struct Offset {
+  std::int64_t whole = 0;
+  float part = 0;
+
+  explicit Offset(double shift) {
+    const double floor = std::floor(shift);
+    whole = static_cast<std::int64_t>(floor);
+    part = static_cast<float>(shift - floor);
+  }
+};
+
+/// What all bands share.
+struct Pass {
+  const SpanModel& model;
+  const Shear& shear;
+  const SheetWindow& window;
+  const SplatKernels& kernels;
+  float floor;
+  FragmentOrder& fragments;
+  SheetImage& image;
+};
+
+/// out[n * streams + s] = stream s [n].
+template <std::size_t kStreams>
+void interleave(const float* const* streams, std::int64_t count, float* out) {
+  for (std::int64_t n = 0; n < count; ++n) {
+    for (std::size_t s = 0; s < kStreams; ++s)
+      out[static_cast<std::size_t>(n) * kStreams + s] = streams[s][n];
+  }
+}
+
+void interleave(std::span<const float* const> streams, std::int64_t count, float* out) {
+  switch (streams.size()) {
+    case 2: return interleave<2>(streams.data(), count, out);
+    case 4: return interleave<4>(streams.data(), count, out);
+    case 8: return interleave<8>(streams.data(), count, out);
+    default: break;
+  }
+  for (std::size_t s = 0; s < streams.size(); ++s) {
+    for (std::int64_t n = 0; n < count; ++n)
+      out[static_cast<std::size_t>(n) * streams.size() + s] = streams[s][n];
+  }
+}
+
+/// Where the rows of voxels of a slice lie among the fine rows: `scale` of these between any two of those.
+class SliceRows {
+ public:
+  SliceRows(const Pass& pass, double k) : scale_(pass.window.scale) {
+    // Fine row of voxel row 0.
+    const double fine =
+        (pass.shear.v_shift(k) - static_cast<double>(pass.window.v0)) * static_cast<double>(scale_);
+    first_ = static_cast<std::int64_t>(std::ceil(fine));
+    rest_ = static_cast<double>(first_) - fine;
+  }
+
+  /// The n-th fine row between a row of voxels and the one below.
+  [[nodiscard]] std::int64_t fine_row(std::int64_t upper, std::int64_t n) const {
+    return first_ + upper * scale_ + n;
+  }
+  /// The first row of voxels whose n-th fine row below is `row` or lies below that.
+  [[nodiscard]] std::int64_t upper_from(std::int64_t n, std::int64_t row) const {
+    const std::int64_t rows = row - n - first_;
+    return rows >= 0 ? (rows + scale_ - 1) / scale_ : -(-rows / scale_);
+  }
+  /// Of the lower row of voxels in the n-th fine row below the upper one.
+  [[nodiscard]] float lower_weight(std::int64_t n) const {
+    return static_cast<float>((rest_ + static_cast<double>(n)) / static_cast<double>(scale_));
+  }
+
+ private:
+  std::int64_t scale_, first_ = 0;
+  double rest_ = 0;
+};
+
+/// Renders rows [first, last) of the window through all slices.
+class Band {
+ public:
+  Band(const Pass& pass, std::int64_t first, std::int64_t last, SheetFragments& fragments,
+       std::vector<float>& floats)
+      : pass_(pass),
+        scale_(pass.window.scale),
+        together_(static_cast<std::int64_t>(SheetRows::together(pass.window.scale))),
+        first_(first),
+        last_(last),
+        image_(pass.window, pass.model.emissions, first, last, floats),
+        fragments_(fragments) {}
+
+  void render() {
+    const auto slices = static_cast<std::int64_t>(pass_.model.slices.size());
+    const bool around_slices = pass_.window.parts == 1;
+    for (std::int64_t n = around_slices ? 0 : -1; n < slices; ++n) {
+      if (around_slices) {
+        render_slice(n);
+      } else {
+        render_between(n);
+      }
+    }
+    if (!pass_.fragments.empty()) {
+      for (std::int64_t row = image_.first_fine_row(); row < image_.last_fine_row(); ++row)
+        fragments_.finish(row, image_.accumulated(row));
+    }
+    store();
+  }
+
+ private:
+  /// The model's n-th slice, counted from the viewer; null before the first and behind the last one, and
+  /// where it is empty.
+  [[nodiscard]] const SliceSpans* slice(std::int64_t n) const {
+    const std::vector<SliceSpans>& slices = pass_.model.slices;
+    if (n < 0 || n >= std::ssize(slices)) return nullptr;
+    const SliceSpans& found =
+        slices[static_cast<std::size_t>(pass_.shear.ascending ? n : std::ssize(slices) - 1 - n)];
+    return found.spans.empty() ? nullptr : &found;
+  }
+  /// Its place, or one between, along the principal axis.
+  [[nodiscard]] double place_of(double n) const {
+    const double of_model =
+        pass_.shear.ascending ? n : static_cast<double>(pass_.model.slices.size()) - 1 - n;
+    return static_cast<double>(pass_.model.slice_first) + of_model;
+  }
+
+  void render_slice(std::int64_t n) {
+    if (slice(n) != nullptr) render_slab(*slice(n), place_of(static_cast<double>(n)));
+  }
+
+  /// Between slice n and the one behind it.
+  void render_between(std::int64_t n) {
+    static thread_local SliceSpans mixed;
+    SlicePair pair{slice(n), slice(n + 1), 0};
+    if (pair.before == nullptr && pair.behind == nullptr) return;
+    for (int part = 0; part < pass_.window.parts; ++part) {
+      const double middle = (part + 0.5) / pass_.window.parts;
+      const double k = place_of(static_cast<double>(n) + middle);
+      pair.behind_weight = static_cast<float>(middle);
+      const SliceRows rows(pass_, k);
+      mix_slices(pair, rows.upper_from(scale_ - 1, image_.first_fine_row()),
+                 rows.upper_from(0, image_.last_fine_row()) + 1, pass_.kernels, mixed);
+      if (!mixed.spans.empty()) render_slab(mixed, k);
+    }
+  }
+
+  /// `k`: place along the principal axis.
+  void render_slab(const SliceSpans& slice, double k) {
+    const double u_shift = pass_.shear.u_shift(k) - static_cast<double>(pass_.window.u0);
+    phases_.clear();
+    for (std::int64_t phase = 0; phase < scale_; ++phase) {
+      const Offset u(u_shift - static_cast<double>(phase) / static_cast<double>(scale_));
+      phases_.push_back({u.part, u.whole});
+    }
+    const SliceRows rows(pass_, k);
+    for (std::int64_t between = 0; between < scale_;) {
+      const std::int64_t count = std::min<std::int64_t>(together_, scale_ - between);
+      render_rows(slice, k, rows, between, count);
+      between += count;
+    }
+  }
+
+  /// `count` of the rows that lie between any two rows of voxels, from number `between` on. The band's first
+  /// and last rows may stand alone.
+  void render_rows(const SliceSpans& slice, double k, const SliceRows& rows, std::int64_t between,
+                   std::int64_t count) {
+    const auto upper_rows = [&](std::int64_t row) {
+      return std::pair(std::max(slice.first_row - 1, rows.upper_from(row, image_.first_fine_row())),
+                       std::min(slice.last_row, rows.upper_from(row, image_.last_fine_row())));
+    };
+    auto [first, last] = upper_rows(between);
+    for (std::int64_t row = between + 1; row < between + count; ++row) {
+      const auto [own_first, own_last] = upper_rows(row);
+      first = std::max(first, own_first);
+      last = std::min(last, own_last);
+    }
+    for (std::int64_t row = between; row < between + count; ++row) {
+      const auto [own_first, own_last] = upper_rows(row);
+      composite(slice, k, rows, row, 1, own_first, std::min(first, own_last));
+      composite(slice, k, rows, row, 1, std::max({first, last, own_first}), own_last);
+    }
+    composite(slice, k, rows, between, count, first, last);
+  }
+
+  /// Upper rows of voxels [first, last).
+  void composite(const SliceSpans& slice, double k, const SliceRows& slice_rows, std::int64_t between,
+                 std::int64_t count, std::int64_t first, std::int64_t last) {
+    if (first >= last) return;
+    SheetRows rows;
+    rows.slice = &slice;
+    rows.upper = first;
+    rows.pairs = last - first;
+    rows.rows_between = static_cast<std::size_t>(count);
+    for (std::int64_t row = 0; row < count; ++row)
+      rows.lower_weights[static_cast<std::size_t>(row)] = slice_rows.lower_weight(between + row);
+    const std::int64_t fine_row = slice_rows.fine_row(first, between);
+    const std::int32_t slab = pass_.fragments.slab_of(k);
+    for_each_row_with_fragments(rows, fine_row, [&](std::int64_t row) {
+      fragments_.before_slab(row, slab, image_.accumulated(row));
+    });
+    for (std::size_t phase = 0; phase < phases_.size(); phase += rows.phase_count) {
+      rows.phase_count = std::min<std::size_t>(together_, phases_.size() - phase);
+      std::copy_n(phases_.begin() + static_cast<std::ptrdiff_t>(phase), rows.phase_count,
+                  rows.phases.begin());
+      pass_.kernels.composite(rows, static_cast<float>(pass_.shear.slab_mm / pass_.window.parts), pass_.floor,
+                              image_.rows(fine_row, static_cast<std::int64_t>(phase)));
+    }
+    for_each_row_with_fragments(
+        rows, fine_row, [&](std::int64_t row) { fragments_.behind_slab(row, image_.accumulated(row)); });
+  }
+
+  /// Calls body(fine row) for the rows of pixels that something is splatted on, if there are fragments at
+  /// all.
+  template <typename Body>
+  void for_each_row_with_fragments(const SheetRows& rows, std::int64_t fine_row, const Body& body) {
+    if (pass_.fragments.empty()) return;
+    for (std::int64_t pair = 0; pair < rows.pairs; ++pair) {
+      const std::int64_t upper = rows.upper + pair;
+      if (rows.slice->row(upper).empty() && rows.slice->row(upper + 1).empty()) continue;
+      for (std::size_t row = 0; row < rows.rows_between; ++row)
+        body(fine_row + pair * scale_ + static_cast<std::int64_t>(row));
+    }
+  }
+
+  /// Interleaves phases and planes into the finished sheet.
+  void store() {
+    SheetImage& sheet = pass_.image;
+    std::vector<const float*> streams;
+    for (std::int64_t row = first_ * scale_; row < last_ * scale_; ++row) {
+      streams.clear();
+      for (std::int64_t phase = 0; phase < scale_; ++phase) {
+        for (std::int64_t plane = 0; plane < image_.planes(); ++plane)
+          streams.push_back(image_.row(row, phase) + plane * image_.plane_stride());
+      }
+      float* out = &sheet.pixels[static_cast<std::size_t>((row + 1) * sheet.stride() * sheet.channels)];
+      std::fill_n(out, sheet.channels, 0.0f);
+      interleave(streams, pass_.window.columns, out + sheet.channels);
+      std::fill_n(out + (sheet.stride() - 1) * sheet.channels, sheet.channels, 0.0f);
+    }
+  }
+
+  const Pass& pass_;
+  std::int64_t scale_, together_, first_, last_;
+  BandImage image_;
+  SheetFragments& fragments_;
+  std::vector<Phase> phases_;  // of the current slice
+};
+
+/// Voxels in the rows that the window sees.
+std::uint64_t count_voxels(const Pass& pass) {
+  std::uint64_t voxels = 0;
+  for (std::size_t n = 0; n < pass.model.slices.size(); ++n) {
+    const SliceSpans& slice = pass.model.slices[n];
+    if (slice.spans.empty()) continue;
+    const SliceRows rows(pass, static_cast<double>(pass.model.slice_first) + static_cast<double>(n));
+    // Their footprints reach from the fine row below the row of voxels before to the one above the row after.
+    const std::int64_t first = rows.upper_from(pass.window.scale - 1, 0);
+    const std::int64_t last = rows.upper_from(0, pass.window.fine_rows()) + 1;
+    if (first <= slice.first_row && last >= slice.last_row) {
+      voxels += slice.voxels;
+      continue;
+    }
+    for (std::int64_t row = std::max(first, slice.first_row); row < std::min(last, slice.last_row); ++row) {
+      for (const Span& span : slice.row(row)) voxels += span.voxels;
+    }
+  }
+  return voxels;
+}
+
+}  // namespace
+
+SheetWindow sheet_window(const SpanModel& model, const Shear& shear, const PictureSize& size,
+                         const SheetSampling& sampling) {
+  SheetWindow window{sampling};
+  if (model.voxels == 0) return window;
+  // Where voxels are seen: a footprint reaches one voxel to each side.
+  const auto seen = [&](double first, double voxels, double shift_first, double shift_last) {
+    return std::pair(first - 1 + std::min(shift_first, shift_last),
+                     first + voxels + std::max(shift_first, shift_last));
+  };
+  const double reach =
+      sampling.parts == 1 ? 0 : 1;  // of a slice along the principal axis, to places that are sampled
+  const double k_first = static_cast<double>(model.slice_first) - reach;
+  const double k_last =
+      static_cast<double>(model.slice_first) + static_cast<double>(model.slices.size()) - 1 + reach;
+  auto [u_min, u_max] = seen(static_cast<double>(model.scan_first), static_cast<double>(model.scan_voxels),
+                             shear.u_shift(k_first), shear.u_shift(k_last));
+  auto [v_min, v_max] = seen(static_cast<double>(model.row_first), static_cast<double>(model.rows),
+                             shear.v_shift(k_first), shear.v_shift(k_last));
+  // What the picture shows, and a voxel or two more for interpolation.
+  const double around = sampling.cubic ? 2 : 1;
+  const Affine2& map = shear.picture_to_sheet;
+  const auto shown = [&](double per_x, double per_y, double origin) {
+    const double x = per_x * size.width;
+    const double y = per_y * size.height;
+    return std::pair(origin + std::min(x, 0.0) + std::min(y, 0.0) - around,
+                     origin + std::max(x, 0.0) + std::max(y, 0.0) + around);
+  };
+  const auto [u_low, u_high] = shown(map.xx, map.xy, map.x0);
+  const auto [v_low, v_high] = shown(map.yx, map.yy, map.y0);
+  u_min = std::max(u_min, u_low);
+  u_max = std::min(u_max, u_high);
+  v_min = std::max(v_min, v_low);
+  v_max = std::min(v_max, v_high);
+  if (!(u_min < u_max && v_min < v_max)) return window;
+  window.u0 = static_cast<std::int64_t>(std::floor(u_min));
+  window.v0 = static_cast<std::int64_t>(std::floor(v_min));
+  window.columns = static_cast<std::int64_t>(std::ceil(u_max)) - window.u0 + 1;
+  window.rows = static_cast<std::int64_t>(std::ceil(v_max)) - window.v0 + 1;
+  return window;
+}
+
+SheetCounters render_sheets(const SpanModel& model, const Shear& shear, const SheetWindow& window,
+                            const SplatKernels& kernels, float floor, FragmentOrder& fragments,
+                            SheetImage& image, ThreadPool& pool) {
+  image.window = window;
+  image.channels = 1 + model.emissions;
+  image.color = model.color;
+  const auto row_floats = static_cast<std::size_t>(image.stride() * image.channels);
+  image.pixels.resize(static_cast<std::size_t>(window.fine_rows() + 2) * row_floats);
+  std::fill_n(image.pixels.begin(), row_floats, 0.0f);
+  std::fill_n(image.pixels.end() - static_cast<std::ptrdiff_t>(row_floats), row_floats, 0.0f);
+
+  const Pass pass{model, shear, window, kernels, floor, fragments, image};
+  const std::int64_t row_bytes =
+      BandImage::stride(window) * window.scale * window.scale * image.channels * std::int64_t{sizeof(float)};
+  const std::int64_t band_rows =
+      std::clamp<std::int64_t>(kBandBytes / std::max<std::int64_t>(row_bytes, 1), 1, kMostBandRows);
+  std::vector<SheetFragments> band_fragments;
+  for (std::int64_t row = 0; row < window.rows; row += band_rows) {
+    const std::int64_t last = std::min(row + band_rows, window.rows);
+    band_fragments.emplace_back(fragments, row * window.scale, last * window.scale, window, model.color);
+  }
+  pool.for_each(band_fragments.size(), [&](std::size_t n) {
+    static thread_local std::vector<float> floats;  // fresh pages would cost more than the band
+    const std::int64_t first = static_cast<std::int64_t>(n) * band_rows;
+    Band(pass, first, std::min(first + band_rows, window.rows), band_fragments[n], floats).render();
+  });
+  for (SheetFragments& of_band : band_fragments) of_band.merge();
+  return {count_voxels(pass)};
+}
+
+}  // namespace splatlas

@@ -1,0 +1,165 @@
+#include "player/sheets/span_depths.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <span>
+#include <vector>
+
+#include "player/sheets/sheets.h"
+
+namespace splatlas {
+namespace {
+
+constexpr auto kHalf = static_cast<float>(std::numbers::ln2);  // optical depth that lets through a half
+constexpr float kNowhere = DepthMap::kBackground;
+constexpr std::size_t kRowsPerJob = 8;
+
+/// Where every ray of a sheet of one pixel a voxel is let through by half: places along the principal axis.
+class SheetDepths {
+ public:
+  /// Of the rays in the window.
+  SheetDepths(const SpanModel& model, const Shear& shear, const SheetWindow& window)
+      : model_(model),
+        shear_(shear),
+        column_first_(window.u0),
+        columns_(window.columns),
+        row_first_(window.v0),
+        rows_(window.rows) {}
+
+  void find(ThreadPool& pool) {
+    places_.assign(static_cast<std::size_t>(rows_) * static_cast<std::size_t>(columns_), kNowhere);
+    const auto rows = static_cast<std::size_t>(rows_);
+    pool.for_each((rows + kRowsPerJob - 1) / kRowsPerJob, [&](std::size_t job) {
+      std::vector<float> depths(static_cast<std::size_t>(columns_));
+      std::vector<float> mixed(static_cast<std::size_t>(columns_ + 3 * kBlock));
+      const std::size_t end = std::min(rows, (job + 1) * kRowsPerJob);
+      for (std::size_t row = job * kRowsPerJob; row < end; ++row) {
+        find_row(static_cast<std::int64_t>(row), depths, mixed);
+      }
+    });
+  }
+
+  /// At (u, v), in voxels; kNowhere where one of the four rays around is let through by more.
+  [[nodiscard]] float at(double u, double v) const {
+    const double column = std::floor(u), row = std::floor(v);
+    const std::int64_t c = static_cast<std::int64_t>(column) - column_first_;
+    const std::int64_t r = static_cast<std::int64_t>(row) - row_first_;
+    if (c < 0 || r < 0 || c + 1 >= columns_ || r + 1 >= rows_) return kNowhere;
+    const float* upper = &places_[static_cast<std::size_t>(r * columns_ + c)];
+    const float* lower = upper + columns_;
+    const auto right = static_cast<float>(u - column), down = static_cast<float>(v - row);
+    // At a rim a voxel's depth alone would stand for a whole voxel, as a step.
+    if (std::max({upper[0], upper[1], lower[0], lower[1]}) == kNowhere) return kNowhere;
+    const float above = upper[0] + right * (upper[1] - upper[0]);
+    const float below = lower[0] + right * (lower[1] - lower[0]);
+    return above + down * (below - above);
+  }
+
+ private:
+  /// One row of the sheet through all slices, front to back.
+  void find_row(std::int64_t row, std::vector<float>& depths, std::vector<float>& mixed) {
+    std::fill(depths.begin(), depths.end(), 0.0f);
+    float* places = &places_[static_cast<std::size_t>(row * columns_)];
+    const auto count = static_cast<std::int64_t>(model_.slices.size());
+    for (std::int64_t n = 0; n < count; ++n) {
+      const std::int64_t number = shear_.ascending ? n : count - 1 - n;
+      const SliceSpans& slice = model_.slices[static_cast<std::size_t>(number)];
+      if (slice.spans.empty()) continue;
+      const auto k = static_cast<double>(model_.slice_first + number);
+      const double v = static_cast<double>(row + row_first_) - shear_.v_shift(k);
+      const double above = std::floor(v);
+      const auto upper = static_cast<std::int64_t>(above);
+      std::int64_t from = 0, to = 0;
+      mix_rows(slice, upper, static_cast<float>(v - above), mixed, from, to);
+      if (from < to) pass_slice(k, mixed, from, to, depths, places);
+    }
+  }
+
+  /// Extinctions of two rows of voxels, mixed, voxels [from, to) of the scanline; a block of zeros around.
+  void mix_rows(const SliceSpans& slice, std::int64_t upper, float lower_share, std::vector<float>& mixed,
+                std::int64_t& from, std::int64_t& to) const {
+    const std::array<std::span<const Span>, 2> rows{slice.row(upper), slice.row(upper + 1)};
+    from = std::numeric_limits<std::int64_t>::max();
+    to = 0;
+    for (const auto& spans : rows) {
+      if (spans.empty()) continue;
+      from = std::min<std::int64_t>(from, spans.front().first_block * kBlock);
+      to =
+          std::max<std::int64_t>(to, (std::int64_t{spans.back().first_block} + spans.back().blocks) * kBlock);
+    }
+    if (from >= to) return;
+    const auto needed = static_cast<std::size_t>(to - from + 2 * kBlock);
+    if (mixed.size() < needed) mixed.resize(needed);
+    std::fill_n(mixed.begin(), needed, 0.0f);
+    for (std::size_t side = 0; side < 2; ++side) {
+      const float share = side == 0 ? 1 - lower_share : lower_share;
+      for (const Span& span : rows[side]) {
+        float* out = &mixed[static_cast<std::size_t>(span.first_block * kBlock - from + kBlock)];
+        const float* light = slice.light.data() + std::int64_t{span.offset} * slice.block_floats();
+        for (std::uint32_t block = 0; block < span.blocks; ++block, out += kBlock) {
+          for (std::int64_t i = 0; i < kBlock; ++i) out[i] += share * light[i];
+          light += slice.block_floats();
+        }
+      }
+    }
+  }
+
+  /// A slab in front of and behind which rays are let through by more and by less than a half.
+  void pass_slice(double k, const std::vector<float>& mixed, std::int64_t from, std::int64_t to,
+                  std::vector<float>& depths, float* places) const {
+    // Column c of the sheet shows voxel c + column_first - u_shift, and the one after it.
+    const double shift = static_cast<double>(column_first_) - shear_.u_shift(k);
+    const double whole = std::floor(shift);
+    const auto right_share = static_cast<float>(shift - whole);
+    const auto offset = static_cast<std::int64_t>(whole);
+    const std::int64_t first = std::max<std::int64_t>(0, from - 1 - offset);
+    const std::int64_t last = std::min(columns_, to - offset);
+    const auto slab = static_cast<float>(shear_.slab_mm);
+    const float sign = shear_.ascending ? 1 : -1;
+    const auto place = static_cast<float>(k);
+    if (first >= last) return;
+    const float* voxels = &mixed[static_cast<std::size_t>(first + offset - from + kBlock)];
+    float* sum = &depths[static_cast<std::size_t>(first)];
+    places += first;
+    for (std::int64_t c = 0; c < last - first; ++c) {
+      const float before = sum[c];
+      const float added = slab * (voxels[c] + right_share * (voxels[c + 1] - voxels[c]));
+      sum[c] = before + added;
+      const float here =
+          place + sign * ((kHalf - before) / added - 0.5f);  // any number where nothing is added
+      places[c] = before < kHalf && before + added >= kHalf ? here : places[c];
+    }
+  }
+
+  const SpanModel& model_;
+  const Shear& shear_;
+  std::int64_t column_first_, columns_, row_first_, rows_;
+  std::vector<float> places_;
+};
+
+}  // namespace
+
+void add_span_depths(const SpanModel& model, const Shear& shear, const ViewDepth& view, DepthMap& depths,
+                     ThreadPool& pool) {
+  const SheetWindow window = sheet_window(model, shear, depths.size, {});
+  if (window.empty()) return;
+  SheetDepths sheet(model, shear, window);
+  sheet.find(pool);
+  const Affine2& map = shear.picture_to_sheet;
+  pool.for_each(static_cast<std::size_t>(depths.size.height), [&](std::size_t row) {
+    const double y = static_cast<double>(row) + 0.5;
+    float* out = &depths.mm[row * static_cast<std::size_t>(depths.size.width)];
+    for (int column = 0; column < depths.size.width; ++column) {
+      const double x = column + 0.5;
+      const float place = sheet.at(map.xx * x + map.xy * y + map.x0, map.yx * x + map.yy * y + map.y0);
+      if (place == kNowhere) continue;
+      const auto mm = static_cast<float>(view.mm(x, y, shear.scan.slice_axis, static_cast<double>(place)));
+      out[column] = std::min(out[column], mm);
+    }
+  });
+}
+
+}  // namespace splatlas

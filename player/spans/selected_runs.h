@@ -1,0 +1,67 @@
+// The runs of the selected classes, read off those of all decoded classes.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "format/class_table.h"
+#include "format/decision_tree.h"
+#include "player/spans/class_cache.h"
+
+namespace splatlas {
+
+/// Runs of the volume and hybrid classes of a plan for one principal axis, by scanline. Holds no runs:
+/// walking it passes over those of classes that are decoded but not selected, within the slices and rows of
+/// the selection's box. Nothing outside that box, and nothing of classes that are not decoded, costs time.
+class SelectedRuns {
+ public:
+  static constexpr std::uint32_t kNotDrawn = std::numeric_limits<std::uint32_t>::max();
+
+  /// The plan's volume classes must have been required for `axis`. `cache` must outlive this, and what is
+  /// required later must not be selected. Cost: linear in the classes.
+  SelectedRuns(const DrawPlan& plan, const ClassTable& classes, const ClassCache& cache, Axis axis);
+
+  [[nodiscard]] Axis axis() const { return axis_; }
+  /// Voxels of the selected runs' boxes: a class's box counts whole. In scan order: x along the scanline, y
+  /// rows, z slices.
+  [[nodiscard]] const IndexBox& box() const { return box_; }
+  [[nodiscard]] std::int64_t slices() const { return box_.last[2] - box_.first[2] + 1; }
+  [[nodiscard]] std::int64_t rows() const { return box_.last[1] - box_.first[1] + 1; }
+  [[nodiscard]] std::int64_t scan_voxels() const { return box_.last[0] - box_.first[0] + 1; }
+  /// Runs of the selected classes.
+  [[nodiscard]] std::uint64_t count() const { return count_; }
+
+  /// Index into the plan's classes, or kNotDrawn.
+  [[nodiscard]] std::uint32_t draw_of(ClassId c) const { return draw_of_class_[c]; }
+
+  /// Calls take(run, index into the plan's classes) for the runs of a slice of the grid, in order.
+  template <typename Take>
+  void for_each(std::int64_t slice, const Take& take) const {
+    for (const ClassRun& run : decoded(slice)) {
+      if (const std::uint32_t draw = draw_of_class_[run.id]; draw != kNotDrawn) take(run, draw);
+    }
+  }
+  /// The same for all slices.
+  template <typename Take>
+  void for_each(const Take& take) const {
+    for (std::int64_t slice = box_.first[2]; slice <= box_.last[2]; ++slice) for_each(slice, take);
+  }
+  /// The run of a selected class that holds a voxel, by its slice, row and place along the scanline, any
+  /// numbers; null where there is none.
+  [[nodiscard]] const ClassRun* at(std::int64_t slice, std::int64_t row, std::int64_t scan) const;
+
+ private:
+  /// Runs of decoded classes in the box's rows of a slice.
+  [[nodiscard]] std::span<const ClassRun> decoded(std::int64_t slice) const;
+
+  Axis axis_;
+  const ScanlineRuns& runs_;
+  IndexBox box_;
+  std::uint64_t count_ = 0;
+  std::vector<std::uint32_t> draw_of_class_;
+};
+
+}  // namespace splatlas

@@ -1,0 +1,134 @@
+#include "player/spans/span_writer.h"
+
+#include <algorithm>
+#include <cstring>
+
+namespace splatlas {
+namespace {
+
+std::uint32_t block_of(std::int64_t voxel) {
+  return static_cast<std::uint32_t>(voxel >> kBlockBits);
+}
+
+/// Voxels of a block that absorb.
+std::uint32_t count_lit(const float* extinctions) {
+  std::uint32_t lit = 0;
+  for (std::int64_t n = 0; n < kBlock; ++n) lit += extinctions[n] > 0 ? 1 : 0;
+  return lit;
+}
+
+}  // namespace
+
+SpanWriter::SpanWriter(std::int64_t scan_first, std::int64_t scan_voxels, int emissions, SliceSpans& out)
+    : out_(out), origin_(block_of(scan_first) << kBlockBits) {
+  const std::uint32_t blocks = block_of(scan_first + scan_voxels - 1) + 1 - block_of(scan_first);
+  plane_floats_ = std::int64_t{blocks} << kBlockBits;
+  line_.resize(static_cast<std::size_t>(plane_floats_ * (1 + emissions)));
+  out.emissions = emissions;
+  out.first_row = out.last_row = 0;
+  out.first_span.clear();
+  out.spans.clear();
+  out.light.clear();
+  out.shaded.clear();
+  out.voxels = 0;
+}
+
+void SpanWriter::add(std::uint32_t first, std::uint32_t count) {
+  const std::uint32_t first_block = block_of(first), last_block = block_of(first + count - 1) + 1;
+  if (!blocks_.empty() && first_block <= blocks_.back().last) {
+    blocks_.back().last = last_block;
+  } else {
+    blocks_.push_back({first_block, last_block});
+  }
+}
+
+void SpanWriter::color(std::uint32_t first, std::uint32_t count, const std::array<float, 3>& color) {
+  const float* const white = emissions(first, 0);
+  for (const int c : {2, 1, 0}) {
+    float* const colored = emissions(first, c);
+    for (std::uint32_t n = 0; n < count; ++n) colored[n] = white[n] * color[static_cast<std::size_t>(c)];
+  }
+}
+
+void SpanWriter::shade(std::uint32_t first, std::uint32_t count, const PackedNormal* normals,
+                       std::size_t stride) {
+  shaded_.push_back({first, count, normals, stride});
+}
+
+void SpanWriter::end_row(std::int64_t row) {
+  const std::size_t first_of_row = out_.spans.size();
+  for (const Blocks& blocks : blocks_) {
+    for (std::uint32_t block = blocks.first; block < blocks.last; ++block) keep(block, first_of_row);
+  }
+  blocks_.clear();
+  end_span(first_of_row);
+  for (const ShadedRun& run : shaded_) list(run, first_of_row);
+  shaded_.clear();
+  if (out_.spans.size() == first_of_row) return;
+  if (out_.first_span.empty()) out_.first_row = row;
+  out_.first_span.resize(static_cast<std::size_t>(row - out_.first_row) + 1,
+                         static_cast<std::uint32_t>(first_of_row));
+  out_.last_row = row + 1;
+}
+
+void SpanWriter::finish() {
+  if (!out_.spans.empty()) out_.first_span.push_back(static_cast<std::uint32_t>(out_.spans.size()));
+}
+
+/// Appends a block of the line if anything in it absorbs.
+void SpanWriter::keep(std::uint32_t block, std::size_t first_of_row) {
+  float* const line = line_.data() + ((block << kBlockBits) - origin_);
+  const std::uint32_t lit = count_lit(line);
+  if (lit == 0) return;
+  std::vector<Span>& spans = out_.spans;
+  const auto reaches = [&] {
+    return spans.size() > first_of_row && spans.back().first_block + spans.back().blocks == block;
+  };
+  if (!reaches()) {
+    end_span(first_of_row);
+    if (!reaches()) {
+      const std::size_t floats = out_.light.size() / static_cast<std::size_t>(out_.block_floats());
+      spans.push_back({block, 0, 0, static_cast<std::uint32_t>(floats)});
+    }
+  }
+  append(line);
+  ++spans.back().blocks;
+  spans.back().voxels += lit;
+  out_.voxels += lit;
+  for (int plane = 0; plane <= out_.emissions; ++plane)
+    std::fill_n(line + plane * plane_floats_, kBlock, 0.0f);
+}
+
+void SpanWriter::append(const float* line) {
+  float* const light = out_.light.append(static_cast<std::size_t>(out_.block_floats()));
+  for (int plane = 0; plane <= out_.emissions; ++plane)  // of a length that the compiler knows: no calls
+    std::memcpy(light + plane * kBlock, line + plane * plane_floats_, kBlock * sizeof(float));
+}
+
+/// The footprint of a last voxel reaches the next block, which is dark.
+void SpanWriter::end_span(std::size_t first_of_row) {
+  if (out_.spans.size() == first_of_row) return;
+  const auto block_floats = static_cast<std::size_t>(out_.block_floats());
+  const float* const last = out_.light.data() + (out_.light.size() - block_floats);
+  if (last[kBlock - 1] <= 0) return;
+  std::fill_n(out_.light.append(block_floats), block_floats, 0.0f);
+  ++out_.spans.back().blocks;
+}
+
+void SpanWriter::list(const ShadedRun& run, std::size_t first_of_row) {
+  std::size_t s = first_of_row;
+  for (std::uint32_t n = 0; n < run.count; ++n) {
+    const std::uint32_t voxel = run.first + n;
+    while (s < out_.spans.size() && block_of(voxel) >= out_.spans[s].first_block + out_.spans[s].blocks) ++s;
+    if (s == out_.spans.size()) return;
+    if (block_of(voxel) < out_.spans[s].first_block) continue;
+    ShadedVoxel shaded{out_.place(out_.spans[s], voxel), run.normals[n * run.stride], {}};
+    const float* const light = out_.light.data() + shaded.place;
+    if (light[0] <= 0) continue;
+    for (int c = 0; c < out_.emissions; ++c)
+      shaded.emission[static_cast<std::size_t>(c)] = light[(c + 1) * kBlock];
+    out_.shaded.push_back(shaded);
+  }
+}
+
+}  // namespace splatlas

@@ -1,0 +1,98 @@
+// Triangles on the screen: their edge functions, exact integers.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <cstdlib>
+#include <utility>
+
+#include "player/surfaces/triangle_bins.h"
+
+namespace splatlas {
+
+inline constexpr std::int32_t kHalfPixel = 1 << (kSubPixelBits - 1);
+
+/// Doubled; positive where the corners are seen clockwise.
+[[nodiscard]] inline std::int64_t doubled_area(const ScreenVertex& a, const ScreenVertex& b,
+                                               const ScreenVertex& c) {
+  return std::int64_t{b.x - a.x} * (c.y - a.y) - std::int64_t{b.y - a.y} * (c.x - a.x);
+}
+
+/// A triangle's corners, turned so that the inside has positive edge functions.
+struct ScreenTriangle {
+  TriangleRef ref;
+  std::array<ScreenVertex, 3> corner;
+  std::int64_t area = 0;  ///< doubled; 0: leave it
+  /// 1 for edges whose points are outside, 0 for those whose points are inside.
+  std::array<std::int64_t, 3> opened{};
+
+  ScreenTriangle(const TriangleRef& triangle, std::array<ScreenVertex, 3> v) : ref(triangle), corner(v) {
+    area = doubled_area(v[0], v[1], v[2]);
+    turned_ = area < 0;
+    if (turned_) {
+      std::swap(corner[1], corner[2]);
+      area = -area;
+    }
+    // Points on an edge belong to the triangle whose left or top edge it is.
+    for (std::size_t n = 0; n < 3; ++n) {
+      const ScreenVertex& from = corner[(n + 1) % 3];
+      const ScreenVertex& to = corner[(n + 2) % 3];
+      opened[n] = to.y < from.y || (to.y == from.y && to.x > from.x) ? 0 : 1;
+    }
+  }
+  /// Of the mesh's corners, from the edge functions.
+  [[nodiscard]] std::array<float, 3> weights(const std::array<std::int64_t, 3>& edges) const {
+    const double per_area = 1 / static_cast<double>(area);
+    std::array<float, 3> weight{};
+    for (std::size_t n = 0; n < 3; ++n) {
+      weight[n] = static_cast<float>(static_cast<double>(edges[n] + opened[n]) * per_area);
+    }
+    if (turned_) std::swap(weight[1], weight[2]);
+    return weight;
+  }
+
+ private:
+  bool turned_ = false;
+};
+
+/// The edge functions of a triangle from pixel to pixel: edge n is opposite to corner n. Positive inside;
+/// less 1 for open edges, so that what is not negative is inside.
+class EdgeWalk {
+ public:
+  using Edges = std::array<std::int64_t, 3>;
+
+  EdgeWalk(const ScreenTriangle& t, std::int32_t x, std::int32_t y) {
+    const ScreenVertex center{x << kSubPixelBits, y << kSubPixelBits};
+    for (std::size_t n = 0; n < 3; ++n) {
+      const ScreenVertex& from = t.corner[(n + 1) % 3];
+      const ScreenVertex& to = t.corner[(n + 2) % 3];
+      first_[n] = doubled_area(from, to, center) - t.opened[n];
+      per_x_[n] = from.y - to.y;
+      per_y_[n] = to.x - from.x;
+      reach_[n] = (std::abs(per_x_[n]) + std::abs(per_y_[n])) * kHalfPixel;
+    }
+  }
+  [[nodiscard]] Edges row(std::int64_t down) const {
+    Edges edges = first_;
+    for (std::size_t n = 0; n < 3; ++n) edges[n] += (down << kSubPixelBits) * per_y_[n];
+    return edges;
+  }
+  void step(Edges& edges) const {
+    for (std::size_t n = 0; n < 3; ++n) edges[n] += per_x_[n] << kSubPixelBits;
+  }
+  [[nodiscard]] Edges moved(Edges edges, const SubPixel& by) const {
+    for (std::size_t n = 0; n < 3; ++n) edges[n] += by.x * per_x_[n] + by.y * per_y_[n];
+    return edges;
+  }
+  /// No point of the pixel around this centre is inside.
+  [[nodiscard]] bool misses_pixel(const Edges& at_center) const {
+    return ((at_center[0] + reach_[0]) | (at_center[1] + reach_[1]) | (at_center[2] + reach_[2])) < 0;
+  }
+  static bool inside(const Edges& edges) { return (edges[0] | edges[1] | edges[2]) >= 0; }
+
+ private:
+  Edges first_{}, per_x_{}, per_y_{};
+  Edges reach_{};  // how much more an edge function can be within half a pixel
+};
+
+}  // namespace splatlas

@@ -1,0 +1,130 @@
+// Vertices on the screen, and which triangles reach which part of it.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "format/structure_graph.h"
+#include "format/surface.h"
+#include "format/system/thread_pool.h"
+#include "player/surfaces/clip_triangle.h"
+#include "player/view/projection.h"
+#include "player/view/sample_pattern.h"
+
+namespace splatlas {
+
+/// A surface to draw.
+struct SurfaceDraw {
+  const SurfaceMesh* mesh = nullptr;
+  StructureIndex structure = kNoStructure;
+  std::array<float, 3> color{1, 1, 1};  ///< linear
+  float opacity = 1;                    ///< of each crossing; 1 hides what is behind
+};
+
+/// A vertex at the nearest 1/256 pixel; pixel centres are at multiples of 256. Edge functions of such are
+/// exact integers.
+struct ScreenVertex {
+  static constexpr std::int32_t kOff = std::numeric_limits<std::int32_t>::min();
+  std::int32_t x = kOff, y = kOff;
+
+  /// False for vertices before the near plane or beyond the guard band (player/clip_triangle.h).
+  [[nodiscard]] bool is_on() const { return x != kOff; }
+};
+[[nodiscard]] ScreenVertex snapped(const ScreenPoint& point);
+
+/// Pixels [first, last] of either direction.
+struct PixelBox {
+  std::int32_t x_first = 0, x_last = -1, y_first = 0, y_last = -1;
+};
+
+/// The pixels whose centres are no more than `reach` (1/256 pixel) beside the box around a triangle.
+[[nodiscard]] inline PixelBox pixels_of(const ScreenVertex& a, const ScreenVertex& b, const ScreenVertex& c,
+                                        std::int32_t reach) {
+  constexpr std::int32_t kUp = (1 << kSubPixelBits) - 1;
+  const std::int32_t x_low = std::min(std::min(a.x, b.x), c.x) - reach;
+  const std::int32_t x_high = std::max(std::max(a.x, b.x), c.x) + reach;
+  const std::int32_t y_low = std::min(std::min(a.y, b.y), c.y) - reach;
+  const std::int32_t y_high = std::max(std::max(a.y, b.y), c.y) + reach;
+  return {(x_low + kUp) >> kSubPixelBits, x_high >> kSubPixelBits, (y_low + kUp) >> kSubPixelBits,
+          y_high >> kSubPixelBits};
+}
+
+struct TriangleRef {
+  std::uint32_t surface = 0, triangle = 0;
+  const ClippedTriangle* part = nullptr;  ///< of the triangle, where it had to be clipped
+};
+
+/// The triangles of a picture by bands of its rows. Keeps its memory from frame to frame.
+class TriangleBins {
+ public:
+  static constexpr int kBandRows = 8;  ///< a band's crossings then stay in the second level cache
+
+  /// Projects every vertex once, and sorts the triangles that reach a pixel centre into the bands that they
+  /// reach. Surfaces and their triangles stay in order within a band.
+  void fill(std::span<const SurfaceDraw> surfaces, const Projection& projection, const PictureSize& size,
+            ThreadPool& pool);
+
+  /// Sorts those triangles instead that may reach a point of a pixel that is wanted (not 0; all pixels of the
+  /// picture), wherever in the pixel the point is.
+  void refill(std::span<const std::uint8_t> wanted, const PictureSize& size, ThreadPool& pool);
+
+  [[nodiscard]] std::size_t bands() const { return bands_; }
+  [[nodiscard]] std::span<const ScreenVertex> vertices(std::size_t surface) const {
+    return std::span(vertices_).subspan(first_vertex_[surface]);
+  }
+  /// Calls visit(TriangleRef) for the triangles of a band, those of opaque surfaces or the others.
+  template <typename Visit>
+  void for_each(std::size_t band, bool opaque, const Visit& visit) const {
+    for (const Chunk& chunk : chunks_) {
+      if (chunk.opaque != opaque) continue;
+      const std::vector<std::uint32_t>& triangles = chunk.of_band[band];
+      for (std::size_t n = 0; n < triangles.size(); ++n) {
+        if (n + 2 * kAhead < triangles.size()) {
+          prefetch(chunk, triangles[n + kAhead], triangles[n + 2 * kAhead]);
+        }
+        visit(TriangleRef{chunk.surface, triangles[n]});
+      }
+      for (const std::uint32_t n : chunk.parts_of_band[band]) {
+        visit(TriangleRef{chunk.surface, chunk.parts[n].triangle, &chunk.parts[n]});
+      }
+    }
+  }
+
+ private:
+  /// Some of the triangles of a surface.
+  struct Chunk {
+    std::uint32_t surface = 0;
+    std::uint32_t first = 0, last = 0;
+    bool opaque = false;
+    const SurfaceMesh* mesh = nullptr;
+    std::vector<std::vector<std::uint32_t>> of_band;
+    std::vector<ClippedTriangle> parts;  ///< of those that had to be clipped
+    std::vector<std::vector<std::uint32_t>> parts_of_band;
+  };
+
+  /// A band has few of a chunk's triangles, strewn over the memory.
+  static constexpr std::size_t kAhead = 8;
+  void prefetch(const Chunk& chunk, std::uint32_t soon, std::uint32_t later) const {
+    __builtin_prefetch(&chunk.mesh->triangles[later]);
+    const std::uint32_t corner = chunk.mesh->triangles[soon][0];
+    __builtin_prefetch(&vertices_[first_vertex_[chunk.surface] + corner]);
+    __builtin_prefetch(&chunk.mesh->positions_ijk[corner]);
+    __builtin_prefetch(&chunk.mesh->normals_lps[corner]);
+  }
+
+  void list_chunks(std::span<const SurfaceDraw> surfaces);
+  void clip_chunk(Chunk& chunk, const Projection& projection) const;
+  template <typename IsWanted>
+  void fill_chunk(Chunk& chunk, const PictureSize& size, std::int32_t reach, const IsWanted& is_wanted) const;
+
+  std::size_t bands_ = 0;
+  std::vector<std::size_t> first_vertex_;  // of each surface
+  std::vector<ScreenVertex> vertices_;
+  std::vector<Chunk> chunks_;
+};
+
+}  // namespace splatlas

@@ -1,0 +1,55 @@
+#include "player/transfer/volume_looks.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "format/color.h"
+#include "player/transfer/transfer_function.h"
+
+namespace splatlas {
+namespace {
+
+/// More transfer functions than that are evaluated voxel by voxel: their tables would cost more than they
+/// save (16 MiB for values of 16 bits).
+constexpr std::size_t kMaxTables = 32;
+
+}  // namespace
+
+VolumeLooks::VolumeLooks(const Atlas& atlas)
+    : type_(atlas.value_type()),
+      display_(atlas.display()),
+      reference_length_mm_(atlas.reference_length_mm()),
+      plain_(&table_of(shape_of(transfer_curve({}, display_)))) {}
+
+const TransferTable& VolumeLooks::table_of(const TransferShape& shape) {
+  return tables_.try_emplace(shape, shape, type_, tables_.size() < kMaxTables).first->second;
+}
+
+VolumeLook VolumeLooks::look_of(const StructureDraw& draw) {
+  VolumeLook look;
+  look.color = {srgb_to_linear(draw.color.r), srgb_to_linear(draw.color.g), srgb_to_linear(draw.color.b)};
+  look.extinction_per_mm = static_cast<float>(extinction_of(full_opacity(draw), reference_length_mm_));
+  look.transfer = draw.volume == VolumeStyle{} ? plain_ : &table_of(shape_of(transfer_curve(draw, display_)));
+  return look;
+}
+
+void VolumeLooks::select(const DrawPlan& plan, const Selection& selection) {
+  if (tables_.size() >= kMaxTables) {
+    plain_ = nullptr;
+    tables_.clear();
+    ++generation_;
+  }
+  if (plain_ == nullptr) plain_ = &table_of(shape_of(transfer_curve({}, display_)));
+  constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
+  std::vector<std::size_t> first_class(selection.structures.size(), kNone);  // that a structure draws
+  looks_.assign(plan.classes.size(), {});
+  for (std::size_t n = 0; n < looks_.size(); ++n) {
+    const ClassDraw& draw = plan.classes[n];
+    if (!draws_volume(draw.role)) continue;
+    std::size_t& first = first_class[draw.volume_of];
+    looks_[n] = first == kNone ? look_of(selection.structures[draw.volume_of]) : looks_[first];
+    first = std::min(first, n);
+  }
+}
+
+}  // namespace splatlas

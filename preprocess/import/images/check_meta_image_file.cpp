@@ -1,0 +1,168 @@
+#include <array>
+#include <cmath>
+#include <fstream>
+#include <map>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "format/system/ascii_text.h"
+#include "preprocess/import/images/check_image_file.h"
+#include "preprocess/import/images/image_payload.h"
+#include "preprocess/import/tables/text_file.h"
+
+namespace splatlas {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kMaxHeaderBytes = 1u << 16;
+constexpr std::size_t kMaxLineBytes = 4096;
+
+/// "Key = Value" lines up to and with ElementDataFile, after which the pixels may follow.
+struct MetaHeader {
+  std::map<std::string, std::string> fields;
+  std::uint64_t bytes = 0;  ///< length of the header
+
+  [[nodiscard]] std::string get(const std::string& key, const std::string& otherwise = "") const {
+    const auto found = fields.find(key);
+    return found == fields.end() ? otherwise : found->second;
+  }
+  [[nodiscard]] bool is_true(const std::string& key) const {
+    return get(key).starts_with('T') || get(key).starts_with('t') || get(key) == "1";
+  }
+};
+
+tl::unexpected<Error> bad(const fs::path& path, const std::string& what) {
+  return fail(ErrorCode::kFailed, fmt::format("{}: {}", path.string(), what));
+}
+
+Result<MetaHeader> read_header(const fs::path& path) {
+  std::string text(kMaxHeaderBytes, '\0');
+  std::ifstream file(path, std::ios::binary);
+  file.read(text.data(), static_cast<std::streamsize>(text.size()));
+  text.resize(static_cast<std::size_t>(file.gcount()));
+
+  MetaHeader header;
+  for (std::size_t start = 0; start < text.size();) {
+    const std::size_t end = std::min(text.find('\n', start), text.size());
+    const std::string_view line = std::string_view(text).substr(start, end - start);
+    const std::size_t equals = line.find('=');
+    if (line.size() > kMaxLineBytes || (equals == std::string_view::npos && !trimmed(line).empty())) break;
+    start = end + 1;
+    if (equals == std::string_view::npos) continue;
+    const std::string key(trimmed(line.substr(0, equals)));
+    if (!header.fields.emplace(key, trimmed(line.substr(equals + 1))).second) {
+      return bad(path, fmt::format("says '{}' twice in its header", key));
+    }
+    if (key != "ElementDataFile") continue;
+    header.bytes = start;
+    return header;
+  }
+  return bad(path, "is not a MetaImage file (no ElementDataFile in its header)");
+}
+
+/// `count` finite numbers of a field; nothing when they are not there or not such.
+std::optional<std::vector<double>> numbers(const std::string& text, std::size_t count) {
+  std::vector<double> values;
+  for (const std::string_view part : split_blanks(text)) {
+    const auto value = parse_number(part);
+    if (!value || !is_plausible(*value)) return std::nullopt;
+    values.push_back(*value);
+  }
+  if (values.size() != count) return std::nullopt;
+  return values;
+}
+
+int bytes_of_element(const std::string& type) {
+  static const std::map<std::string, int> kBytes{{"MET_UCHAR", 1}, {"MET_CHAR", 1},  {"MET_USHORT", 2},
+                                                 {"MET_SHORT", 2}, {"MET_UINT", 4},  {"MET_INT", 4},
+                                                 {"MET_FLOAT", 4}, {"MET_DOUBLE", 8}};
+  const auto found = kBytes.find(type);
+  return found == kBytes.end() ? 0 : found->second;
+}
+
+Result<void> check_geometry(const MetaHeader& header, std::size_t dimensions, const fs::path& path) {
+  for (const char* key : {"ElementSpacing", "ElementSize"}) {
+    if (!header.fields.contains(key)) continue;
+    const auto spacing = numbers(header.get(key), dimensions);
+    if (!spacing || *std::min_element(spacing->begin(), spacing->end()) <= 0) {
+      return bad(
+          path, fmt::format("has {} = {}; it must be {} positive numbers", key, header.get(key), dimensions));
+    }
+  }
+  for (const char* key : {"Offset", "Position", "Origin", "TransformMatrix", "Orientation", "Rotation"}) {
+    if (!header.fields.contains(key)) continue;
+    const bool matrix = std::string_view(key) != "Offset" && std::string_view(key) != "Position" &&
+                        std::string_view(key) != "Origin";
+    const std::size_t count = matrix ? dimensions * dimensions : dimensions;
+    if (!numbers(header.get(key), count)) {
+      return bad(path, fmt::format("has {} = {}; it must be {} finite numbers", key, header.get(key), count));
+    }
+  }
+  return {};
+}
+
+Result<std::uint64_t> expected_bytes(const MetaHeader& header, std::size_t dimensions, const fs::path& path) {
+  const auto sizes = numbers(header.get("DimSize"), dimensions);
+  if (!sizes)
+    return bad(path,
+               fmt::format("has DimSize = {}; it must be {} numbers", header.get("DimSize"), dimensions));
+  std::vector<std::int64_t> whole;
+  for (const double size : *sizes) {
+    if (std::floor(size) != size || std::abs(size) > 1e12)
+      return bad(path, "has a DimSize that is not whole");
+    whole.push_back(static_cast<std::int64_t>(size));
+  }
+  if (dimensions == 4 && whole[3] != 1) {
+    return bad(path, fmt::format("holds {} volumes; give one volume a file", whole[3]));
+  }
+  if (header.get("ElementNumberOfChannels", "1") != "1") {
+    return bad(path,
+               fmt::format("has {} values a voxel; one is needed", header.get("ElementNumberOfChannels")));
+  }
+  const int bytes = bytes_of_element(header.get("ElementType"));
+  if (bytes == 0) {
+    return bad(path,
+               fmt::format("has pixels of type {}; 8, 16 and 32-bit integers, float and double are read",
+                           header.get("ElementType", "(none)")));
+  }
+  return payload_bytes(path, whole, static_cast<std::uint64_t>(bytes));
+}
+
+Result<void> check_payload(const MetaHeader& header, std::uint64_t expected, const fs::path& path) {
+  const std::string name = header.get("ElementDataFile");
+  const bool local = to_lower(name) == "local";
+  if (name.empty() || to_lower(name).starts_with("list") || name.find('%') != std::string::npos) {
+    return bad(path, "spreads its pixels over several files; give one file");
+  }
+  fs::path pixels = path;
+  if (!local) {
+    SPLATLAS_ASSIGN_OR_RETURN(pixels, resolve_beside(path, name));
+  }
+  const std::uint64_t start = local ? header.bytes : 0;
+  if (header.is_true("CompressedData")) return check_deflated_payload(pixels, start, expected);
+  const auto skip = parse_integer(header.get("HeaderSize", "0"));
+  if (!skip || *skip < -1) return bad(path, fmt::format("has HeaderSize = {}", header.get("HeaderSize")));
+  return check_raw_payload(pixels, start + (*skip > 0 ? static_cast<std::uint64_t>(*skip) : 0), expected);
+}
+
+}  // namespace
+
+Result<void> check_meta_image_file(const fs::path& path) {
+  SPLATLAS_ASSIGN_OR_RETURN(const MetaHeader header, read_header(path));
+  const auto dimensions = parse_integer(header.get("NDims"));
+  if (!dimensions || *dimensions < 2 || *dimensions > 4) {
+    return bad(path,
+               fmt::format("has NDims = {}; a volume has 2 or 3 dimensions", header.get("NDims", "(none)")));
+  }
+  if (header.fields.contains("BinaryData") && !header.is_true("BinaryData")) {
+    return bad(path, "has its pixels as text; write them as binary data");
+  }
+  const auto axes = static_cast<std::size_t>(*dimensions);
+  SPLATLAS_RETURN_IF_ERROR(check_geometry(header, axes, path));
+  SPLATLAS_ASSIGN_OR_RETURN(const std::uint64_t expected, expected_bytes(header, axes, path));
+  return check_payload(header, expected, path);
+}
+
+}  // namespace splatlas

@@ -1,0 +1,175 @@
+#include "preprocess/import/meshes/import_mesh.h"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <string>
+#include <type_traits>
+
+#include <fmt/format.h>
+#include <vtkCellArray.h>
+#include <vtkDataArray.h>
+#include <vtkNew.h>
+#include <vtkOBJReader.h>
+#include <vtkPLYReader.h>
+#include <vtkPointData.h>
+#include <vtkPolyData.h>
+#include <vtkPolyDataReader.h>
+#include <vtkSTLReader.h>
+#include <vtkSmartPointer.h>
+#include <vtkTriangleFilter.h>
+
+#include "format/system/input_file.h"
+#include "preprocess/import/meshes/check_mesh_file.h"
+#include "preprocess/import/meshes/quiet_vtk.h"
+
+namespace splatlas {
+namespace {
+
+/// All bytes of a file.
+Result<std::string> contents_of(const std::filesystem::path& path) {
+  SPLATLAS_ASSIGN_OR_RETURN(const InputFile file, InputFile::open(path));
+  std::string bytes(file.size(), '\0');
+  if (const auto read = file.read(0, std::as_writable_bytes(std::span(bytes))); !read)
+    return fail(ErrorCode::kFailed, fmt::format("{}: {}", path.string(), read.error().message));
+  return bytes;
+}
+
+template <typename Reader>
+Result<vtkSmartPointer<vtkPolyData>> read_with(const std::filesystem::path& path) {
+  vtkNew<Reader> reader;
+  reader->SetFileName(path.c_str());
+  if constexpr (std::is_same_v<Reader, vtkPLYReader>) {
+    // VTK 9.1 ends the program where it cannot read such a file to its end.
+    SPLATLAS_ASSIGN_OR_RETURN(const std::string bytes, contents_of(path));
+    reader->ReadFromInputStringOn();
+    reader->SetInputString(bytes);
+  }
+  if (const std::string complaint = update_quietly(*reader); !complaint.empty()) {
+    return fail(ErrorCode::kFailed, fmt::format("{}: {}", path.string(), complaint));
+  }
+  return vtkSmartPointer<vtkPolyData>(reader->GetOutput());
+}
+
+Result<vtkSmartPointer<vtkPolyData>> read_polygons(const std::filesystem::path& path) {
+  SPLATLAS_ASSIGN_OR_RETURN(const MeshFormat format, mesh_format(path));
+  switch (format) {
+    case MeshFormat::kStl: return read_with<vtkSTLReader>(path);
+    case MeshFormat::kObj: return read_with<vtkOBJReader>(path);
+    case MeshFormat::kPly: return read_with<vtkPLYReader>(path);
+    case MeshFormat::kVtk: break;
+  }
+  return read_with<vtkPolyDataReader>(path);
+}
+
+/// Before any filter follows them.
+Result<void> check_corners(vtkPolyData& polygons, const std::filesystem::path& path) {
+  const vtkIdType points = polygons.GetNumberOfPoints();
+  for (vtkCellArray* cells : {polygons.GetPolys(), polygons.GetStrips()}) {
+    for (vtkIdType c = 0; c < cells->GetNumberOfCells(); ++c) {
+      vtkIdType corners = 0;
+      const vtkIdType* ids = nullptr;
+      cells->GetCellAtId(c, corners, ids);
+      for (vtkIdType n = 0; n < corners; ++n) {
+        if (ids[n] >= 0 && ids[n] < points) continue;
+        return fail(ErrorCode::kFailed, fmt::format("{}: polygon {} has corner {}, but there are {} points",
+                                                    path.string(), c, ids[n], points));
+      }
+    }
+  }
+  return {};
+}
+
+/// A thousand kilometres: beyond is no anatomy, and nothing below overflows.
+constexpr double kMaxCoordinateMm = 1e9;
+
+bool has_area(const std::array<Vec3, 3>& corners) {
+  Vec3 a, b;
+  for (std::size_t n = 0; n < 3; ++n) {
+    for (const Vec3& corner : corners) {
+      if (!(std::abs(corner[n]) <= kMaxCoordinateMm)) return false;
+    }
+    a[n] = corners[1][n] - corners[0][n];
+    b[n] = corners[2][n] - corners[0][n];
+  }
+  const double x = a[1] * b[2] - a[2] * b[1], y = a[2] * b[0] - a[0] * b[2], z = a[0] * b[1] - a[1] * b[0];
+  return x * x + y * y + z * z > 0;
+}
+
+/// A turn by 180 degrees around z: x and y change sign, the winding stays.
+double sign_of_axis(MeshFrame frame, std::size_t axis) {
+  return frame == MeshFrame::kRas && axis < 2 ? -1.0 : 1.0;
+}
+
+TriangleMesh copy_mesh(vtkPolyData& triangles, MeshFrame frame) {
+  TriangleMesh mesh;
+  const auto points = static_cast<std::size_t>(triangles.GetNumberOfPoints());
+  vtkDataArray* const normals = triangles.GetPointData()->GetNormals();
+  mesh.positions_lps_mm.resize(points);
+  if (normals != nullptr && normals->GetNumberOfComponents() == 3) mesh.normals_lps.resize(points);
+  for (std::size_t p = 0; p < points; ++p) {
+    const double* const at = triangles.GetPoint(static_cast<vtkIdType>(p));
+    for (std::size_t a = 0; a < 3; ++a) mesh.positions_lps_mm[p][a] = sign_of_axis(frame, a) * at[a];
+    if (mesh.normals_lps.empty()) continue;
+    const double* const normal = normals->GetTuple3(static_cast<vtkIdType>(p));
+    for (std::size_t a = 0; a < 3; ++a) {
+      const double finite = std::isfinite(normal[a]) ? normal[a] : 0.0;
+      mesh.normals_lps[p][a] = static_cast<float>(sign_of_axis(frame, a) * finite);
+    }
+  }
+  vtkCellArray* const cells = triangles.GetPolys();
+  for (vtkIdType c = 0; c < cells->GetNumberOfCells(); ++c) {
+    vtkIdType corners = 0;
+    const vtkIdType* ids = nullptr;
+    cells->GetCellAtId(c, corners, ids);
+    const auto id = [&](int n) { return static_cast<std::uint32_t>(ids[n]); };
+    const bool kept = corners == 3 && has_area({mesh.positions_lps_mm[id(0)], mesh.positions_lps_mm[id(1)],
+                                                mesh.positions_lps_mm[id(2)]});
+    if (kept) mesh.triangles.push_back({id(0), id(1), id(2)});
+    mesh.dropped += kept ? 0 : 1;
+  }
+  return mesh;
+}
+
+}  // namespace
+
+Result<TriangleMesh> import_mesh(const std::filesystem::path& path, MeshFrame frame) {
+  SPLATLAS_RETURN_IF_ERROR(check_mesh_file(path));
+  SPLATLAS_ASSIGN_OR_RETURN(const vtkSmartPointer<vtkPolyData> polygons, read_polygons(path));
+  SPLATLAS_RETURN_IF_ERROR(check_corners(*polygons, path));
+  vtkNew<vtkTriangleFilter> triangulate;
+  triangulate->SetInputData(polygons);
+  triangulate->PassLinesOff();
+  triangulate->PassVertsOff();
+  if (const std::string complaint = update_quietly(*triangulate); !complaint.empty()) {
+    return fail(ErrorCode::kFailed, fmt::format("{}: {}", path.string(), complaint));
+  }
+  TriangleMesh mesh = copy_mesh(*triangulate->GetOutput(), frame);
+  if (mesh.triangles.empty())
+    return fail(ErrorCode::kFailed, fmt::format("{}: holds no triangle", path.string()));
+  return mesh;
+}
+
+std::vector<std::array<float, 3>> vertex_normals(const TriangleMesh& mesh) {
+  std::vector<Vec3> sums(mesh.positions_lps_mm.size(), Vec3{0, 0, 0});
+  for (const auto& [a, b, c] : mesh.triangles) {
+    Vec3 u, v;
+    for (std::size_t n = 0; n < 3; ++n) {
+      u[n] = mesh.positions_lps_mm[b][n] - mesh.positions_lps_mm[a][n];
+      v[n] = mesh.positions_lps_mm[c][n] - mesh.positions_lps_mm[a][n];
+    }
+    const Vec3 normal{u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]};
+    for (const std::uint32_t vertex : {a, b, c}) {
+      for (std::size_t n = 0; n < 3; ++n) sums[vertex][n] += normal[n];
+    }
+  }
+  std::vector<std::array<float, 3>> normals(sums.size());
+  for (std::size_t p = 0; p < sums.size(); ++p) {
+    const double length = std::hypot(sums[p][0], sums[p][1], sums[p][2]);
+    for (std::size_t n = 0; n < 3; ++n)
+      normals[p][n] = length > 0 ? static_cast<float>(sums[p][n] / length) : 0.f;
+  }
+  return normals;
+}
+
+}  // namespace splatlas

@@ -1,0 +1,87 @@
+#include "preprocess/import/meshes/quiet_vtk.h"
+
+#include <algorithm>
+#include <cctype>
+#include <exception>
+#include <mutex>
+#include <utility>
+
+#include <vtkCallbackCommand.h>
+#include <vtkErrorCode.h>
+#include <vtkLogger.h>
+#include <vtkNew.h>
+#include <vtkObjectFactory.h>
+#include <vtkOutputWindow.h>
+
+namespace splatlas {
+namespace {
+
+/// What VTK said first since update_quietly began, on this thread.
+thread_local std::string first_complaint;
+
+/// "ERROR: In file.cxx, line 9\nvtkSTLReader (0x55): Cannot read\n\n" -> "Cannot read".
+std::string essence(const char* text) {
+  std::string message = text != nullptr ? text : "";
+  if (const std::size_t place = message.find(", line "); place != std::string::npos) {
+    message.erase(0, std::min(message.find('\n', place), message.size()));
+  }
+  if (const std::size_t address = message.find("): "); address != std::string::npos)
+    message.erase(0, address + 3);
+  std::string line;
+  for (const char c : message) {
+    const bool blank = std::isspace(static_cast<unsigned char>(c)) != 0;
+    if (!blank) line += c;
+    if (blank && !line.empty() && line.back() != ' ') line += ' ';
+  }
+  while (!line.empty() && (line.back() == ' ' || line.back() == '.')) line.pop_back();
+  return line.empty() ? "VTK gives no reason" : line;
+}
+
+void remember(const char* text) {
+  if (first_complaint.empty()) first_complaint = essence(text);
+}
+
+/// Takes what VTK's inner objects would print.
+class SilentWindow : public vtkOutputWindow {
+ public:
+  static SilentWindow* New();
+  vtkTypeMacro(SilentWindow, vtkOutputWindow) void DisplayText(const char* text) override { remember(text); }
+};
+vtkStandardNewMacro(SilentWindow);
+
+void silence() {
+  static std::once_flag once;
+  std::call_once(once, [] {
+    vtkNew<SilentWindow> window;
+    vtkOutputWindow::SetInstance(window);
+    vtkLogger::SetStderrVerbosity(vtkLogger::VERBOSITY_OFF);
+  });
+}
+
+void hear(vtkObject*, unsigned long, void*, void* text) {
+  remember(static_cast<const char*>(text));
+}
+
+}  // namespace
+
+std::string update_quietly(vtkAlgorithm& filter) {
+  silence();
+  first_complaint.clear();
+  vtkNew<vtkCallbackCommand> listener;
+  listener->SetCallback(hear);
+  const unsigned long errors = filter.AddObserver(vtkCommand::ErrorEvent, listener);
+  const unsigned long warnings = filter.AddObserver(vtkCommand::WarningEvent, listener);
+  try {
+    filter.Update();
+  } catch (const std::exception& error) {
+    remember(error.what());
+  }
+  filter.RemoveObserver(errors);
+  filter.RemoveObserver(warnings);
+  if (first_complaint.empty() && filter.GetErrorCode() != vtkErrorCode::NoError) {
+    remember(vtkErrorCode::GetStringFromErrorCode(filter.GetErrorCode()));
+  }
+  return std::move(first_complaint);
+}
+
+}  // namespace splatlas

@@ -1,0 +1,121 @@
+#include "preprocess/import/tables/read_names.h"
+
+#include <fstream>
+#include <map>
+
+#include <fmt/format.h>
+
+#include "preprocess/import/tables/structure_name.h"
+#include "preprocess/import/tables/text_file.h"
+
+namespace splatlas {
+namespace {
+
+constexpr std::int64_t kMaxLabel = 0xffffffff;
+
+/// The words of a line; a part in double quotes is one word, without them.
+struct Words {
+  std::vector<std::string_view> all;
+  bool last_is_quoted = false;
+};
+
+Words split_words(std::string_view line) {
+  Words words;
+  for (line = trimmed(line); !line.empty(); line = trimmed(line)) {
+    const bool is_quoted = line.front() == '"' && line.find('"', 1) != std::string_view::npos;
+    const std::size_t end = is_quoted ? line.find('"', 1) : std::min(line.find_first_of(" \t"), line.size());
+    words.all.push_back(is_quoted ? line.substr(1, end - 1) : line.substr(0, end));
+    words.last_is_quoted = is_quoted;
+    line.remove_prefix(is_quoted ? end + 1 : end);
+  }
+  return words;
+}
+
+std::optional<std::uint8_t> parse_channel(std::string_view text) {
+  const auto value = parse_integer(text);
+  if (!value || *value < 0 || *value > 255) return std::nullopt;
+  return static_cast<std::uint8_t>(*value);
+}
+
+/// `label R G B A visible mesh "name"`.
+std::optional<LabelName> parse_itk_snap(const Words& words) {
+  if (words.all.size() != 8 || !words.last_is_quoted) return std::nullopt;
+  const auto r = parse_channel(words.all[1]), g = parse_channel(words.all[2]),
+             b = parse_channel(words.all[3]);
+  if (!r || !g || !b) return std::nullopt;
+  LabelName result;
+  result.name = std::string(words.all[7]);
+  result.color = Rgb{*r, *g, *b};
+  return result;
+}
+
+/// `label name [code]`: a number at the end of two words or more is the code.
+LabelName parse_plain(std::string_view line, const Words& words) {
+  LabelName result;
+  std::string_view rest = trimmed(line.substr(line.find_first_of(" \t")));
+  const std::optional<std::int64_t> number = parse_integer(words.all.back());
+  if (words.all.size() > 2 && !words.last_is_quoted && number) {
+    result.code = number;
+    rest = trimmed(rest.substr(0, rest.find_last_of(" \t")));
+  }
+  if (rest.size() > 1 && rest.front() == '"' && rest.back() == '"') rest = rest.substr(1, rest.size() - 2);
+  result.name = std::string(trimmed(rest));
+  return result;
+}
+
+}  // namespace
+
+Result<std::vector<LabelName>> read_names(const std::filesystem::path& path) {
+  SPLATLAS_ASSIGN_OR_RETURN(const std::vector<TextLine> lines, read_text_lines(path));
+  std::vector<LabelName> names;
+  std::map<std::int64_t, std::size_t> line_of_label;
+  std::map<std::string, std::size_t> line_of_name;
+  for (const TextLine& line : lines) {
+    const auto refuse = [&](const std::string& what) {
+      return fail(ErrorCode::kFailed, fmt::format("{}: line {}: {}", path.string(), line.number, what));
+    };
+    const std::string_view first_word = split_blanks(line.text).front();
+    const auto label = parse_integer(first_word);
+    if (!label || *label < 0 || *label > kMaxLabel) {
+      return refuse(
+          fmt::format("'{}' is no label (0 to {}); a line is: label name [code]", first_word, kMaxLabel));
+    }
+    const Words words = split_words(line.text);
+    if (*label == 0) continue;
+    if (words.all.size() < 2) return refuse(fmt::format("label {} has no name", *label));
+    LabelName name = parse_itk_snap(words).value_or(parse_plain(line.text, words));
+    if (name.name.empty()) return refuse(fmt::format("label {} has no name", *label));
+    if (const auto fit = check_structure_name(name.name); !fit) return refuse(fit.error().message);
+    if (const auto [first, is_new] = line_of_name.emplace(name_key(name.name), line.number); !is_new) {
+      return refuse(fmt::format("the name '{}' is taken already, in line {}", name.name, first->second));
+    }
+    if (const auto [first, is_new] = line_of_label.emplace(*label, line.number); !is_new) {
+      return refuse(fmt::format("label {} has a name already, in line {}", *label, first->second));
+    }
+    name.label = *label;
+    name.line = line.number;
+    names.push_back(std::move(name));
+  }
+  if (names.empty()) return fail(ErrorCode::kFailed, fmt::format("{}: names no label", path.string()));
+  return names;
+}
+
+Result<std::array<Rgb, 256>> read_color_table(const std::filesystem::path& path) {
+  SPLATLAS_RETURN_IF_ERROR(check_regular_file(path));
+  std::ifstream file(path, std::ios::binary);
+  std::array<char, 769> bytes{};
+  file.read(bytes.data(), bytes.size());
+  if (file.gcount() != 768) {
+    return fail(ErrorCode::kFailed,
+                fmt::format("{}: is no colour table: it must be 768 bytes long (256 reds, greens, blues)",
+                            path.string()));
+  }
+  std::array<Rgb, 256> colors;
+  for (std::size_t n = 0; n < 256; ++n) {
+    colors[n] = {static_cast<std::uint8_t>(bytes[n]), static_cast<std::uint8_t>(bytes[256 + n]),
+                 static_cast<std::uint8_t>(bytes[512 + n])};
+  }
+  return colors;
+}
+
+}  // namespace splatlas

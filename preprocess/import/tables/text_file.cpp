@@ -1,0 +1,116 @@
+#include "preprocess/import/tables/text_file.h"
+
+#include <algorithm>
+#include <charconv>
+#include <fstream>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "format/system/plain_text.h"
+
+namespace splatlas {
+namespace {
+
+constexpr std::uintmax_t kMaxTextBytes = 16u << 20;
+
+}  // namespace
+
+Result<void> check_regular_file(const std::filesystem::path& path) {
+  std::error_code error;
+  const auto status = std::filesystem::status(path, error);
+  if (status.type() == std::filesystem::file_type::not_found) {
+    return fail(ErrorCode::kFailed, fmt::format("{}: no such file", path.string()));
+  }
+  if (status.type() == std::filesystem::file_type::directory) {
+    return fail(ErrorCode::kFailed, fmt::format("{}: is a folder; a file is needed here", path.string()));
+  }
+  if (status.type() == std::filesystem::file_type::none) {  // a name too long, a loop of links
+    return fail(ErrorCode::kFailed, fmt::format("{}: cannot be read: {}", path.string(), error.message()));
+  }
+  if (status.type() != std::filesystem::file_type::regular) {
+    return fail(ErrorCode::kFailed, fmt::format("{}: is not a regular file", path.string()));
+  }
+  if (!std::ifstream(path, std::ios::binary)) {
+    return fail(ErrorCode::kFailed, fmt::format("{}: cannot be opened for reading", path.string()));
+  }
+  return {};
+}
+
+Result<std::vector<TextLine>> read_text_lines(const std::filesystem::path& path) {
+  SPLATLAS_RETURN_IF_ERROR(check_regular_file(path));
+  std::error_code error;
+  const std::uintmax_t bytes = std::filesystem::file_size(path, error);
+  if (error || bytes > kMaxTextBytes) {
+    return fail(ErrorCode::kFailed,
+                fmt::format("{}: is larger than 16 MiB; a text file is needed here", path.string()));
+  }
+  std::string all(bytes, '\0');
+  if (!std::ifstream(path, std::ios::binary).read(all.data(), static_cast<std::streamsize>(bytes)))
+    return fail(ErrorCode::kFailed, fmt::format("{}: cannot be read whole", path.string()));
+  if (all.starts_with("\xef\xbb\xbf")) all.erase(0, 3);  // byte order mark
+
+  std::vector<TextLine> lines;
+  std::size_t number = 0;
+  for (std::size_t start = 0; start < all.size();) {
+    const std::size_t end = std::min(all.find_first_of("\r\n", start), all.size());
+    const std::string_view line = std::string_view(all).substr(start, end - start);
+    const std::string_view text = trimmed(line);
+    ++number;
+    if (const std::string fault = fault_of_text(line); !fault.empty()) {
+      return fail(ErrorCode::kFailed, fmt::format("{}: line {} {}; plain UTF-8 text is needed here",
+                                                  path.string(), number, fault));
+    }
+    if (!text.empty() && text.front() != '#') lines.push_back({number, std::string(text)});
+    start = end + (all.compare(end, 2, "\r\n") == 0 ? 2 : 1);
+  }
+  return lines;
+}
+
+std::string_view trimmed(std::string_view text) {
+  const std::size_t first = text.find_first_not_of(" \t\r\n");
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(" \t\r\n") - first + 1);
+}
+
+std::vector<std::string_view> split_blanks(std::string_view text) {
+  std::vector<std::string_view> parts;
+  for (std::size_t at = text.find_first_not_of(" \t"); at != std::string_view::npos;) {
+    const std::size_t end = std::min(text.find_first_of(" \t", at), text.size());
+    parts.push_back(text.substr(at, end - at));
+    at = text.find_first_not_of(" \t", end);
+  }
+  return parts;
+}
+
+std::vector<std::string_view> split(std::string_view text, char separator) {
+  std::vector<std::string_view> parts;
+  for (std::size_t start = 0;;) {
+    const std::size_t end = text.find(separator, start);
+    parts.push_back(trimmed(text.substr(start, end == std::string_view::npos ? end : end - start)));
+    if (end == std::string_view::npos) return parts;
+    start = end + 1;
+  }
+}
+
+namespace {
+
+template <typename Number>
+std::optional<Number> parse_whole(std::string_view text) {
+  if (text.starts_with('+')) text.remove_prefix(1);
+  Number value{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+}  // namespace
+
+std::optional<std::int64_t> parse_integer(std::string_view text) {
+  return parse_whole<std::int64_t>(text);
+}
+std::optional<double> parse_number(std::string_view text) {
+  return parse_whole<double>(text);
+}
+
+}  // namespace splatlas

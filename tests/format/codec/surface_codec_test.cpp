@@ -1,0 +1,168 @@
+#include "format/codec/surface_codec.h"
+
+#include <cmath>
+#include <limits>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include "format/unit_vector.h"
+#include "tests/format/random_content.h"
+
+namespace splatlas {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr Index3 kSize{10, 20, 30};
+
+/// A tetrahedron with a corner at each extreme that is allowed.
+SurfaceMesh tetrahedron() {
+  SurfaceMesh mesh;
+  mesh.positions_ijk = {{-1, -1, -1}, {10, 0, 0}, {0, 20, 0.5f}, {0, 0, 30}};
+  mesh.normals_lps.assign(4, {0, 0, 1});
+  mesh.triangles = {{0, 1, 2}, {3, 1, 0}, {2, 3, 0}, {1, 3, 2}};
+  return mesh;
+}
+
+std::string refusal(const SurfaceMesh& mesh) {
+  const auto encoded = encode_surface(mesh, kSize);
+  if (encoded) return "";
+  EXPECT_EQ(encoded.error().code, ErrorCode::kFailed);
+  return encoded.error().message;
+}
+
+TEST(SurfaceCodec, KeepsEverythingExactly) {
+  for (const std::uint32_t scale : {2u, 6u, 2000u, 65536u}) {  // positions in 16 and in 32 bits
+    SurfaceMesh mesh = tetrahedron();
+    mesh.position_scale = scale;
+    const EncodedSurface encoded = encode_surface(mesh, kSize).value();
+    EXPECT_EQ(encoded.entry.vertices, 4u);
+    EXPECT_EQ(encoded.entry.triangles, 4u);
+    EXPECT_EQ(encoded.entry.bytes, encoded.bytes.size());
+    EXPECT_TRUE(check_surface_entry(encoded.entry, kSize));
+    EXPECT_EQ(decode_surface(encoded.bytes, encoded.entry, kSize).value(), mesh) << scale;
+  }
+}
+
+TEST(SurfaceCodec, AnEmptySurfaceTakesNoBytes) {
+  const EncodedSurface encoded = encode_surface({}, kSize).value();
+  EXPECT_TRUE(encoded.bytes.empty());
+  EXPECT_TRUE(check_surface_entry(encoded.entry, kSize));
+  EXPECT_EQ(decode_surface({}, encoded.entry, kSize).value(), SurfaceMesh{});
+}
+
+TEST(SurfaceCodec, LeavesTheRotationsOutWhenTrianglesReadSmallestFirst) {
+  SurfaceMesh sorted = tetrahedron();
+  sorted.triangles = {{0, 1, 2}, {0, 3, 1}, {0, 2, 3}, {1, 3, 2}};
+  SurfaceMesh turned = sorted;
+  turned.triangles[2] = {2, 3, 0};
+  EXPECT_EQ(encode_surface(turned, kSize)->bytes.size(), encode_surface(sorted, kSize)->bytes.size() + 1);
+}
+
+RC_GTEST_PROP(SurfaceCodec, DecodesWhatWasEncoded, ()) {
+  auto random = *random_source();
+  const AtlasContent content = random_content(random, {12, 6, 2000});
+  const Index3 size = storage_grid(content).size;
+  for (const SurfaceMesh& mesh : content.surfaces) {
+    const EncodedSurface encoded = encode_surface(mesh, size).value();
+    RC_ASSERT(check_surface_entry(encoded.entry, size).has_value());
+    RC_ASSERT(decode_surface(encoded.bytes, encoded.entry, size).value() == mesh);
+  }
+}
+
+TEST(SurfaceCodec, PacksNormals) {
+  SurfaceMesh mesh = tetrahedron();
+  mesh.normals_lps[1] = {0.6f, 0, 0.8f};
+  mesh.normals_lps[2] = {0, -3, 0};
+  const EncodedSurface encoded = encode_surface(mesh, kSize).value();
+  const SurfaceMesh decoded = decode_surface(encoded.bytes, encoded.entry, kSize).value();
+  for (std::size_t v = 0; v < 4; ++v) {
+    EXPECT_EQ(decoded.normals_lps[v], unpack_normal(pack_normal(mesh.normals_lps[v])));
+  }
+}
+
+TEST(SurfaceCodec, RefusesMeshesThatCannotBeStored) {
+  SurfaceMesh mesh = tetrahedron();
+  mesh.positions_ijk[2][0] = 10.5f;
+  EXPECT_THAT(refusal(mesh), HasSubstr("vertex 2 at (10.5, 20, 0.5) lies outside the grid of 10x20x30"));
+  mesh.positions_ijk[2][0] = -1.5f;
+  EXPECT_THAT(refusal(mesh), HasSubstr("outside the grid"));
+  mesh.positions_ijk[2][0] = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_THAT(refusal(mesh), HasSubstr("outside the grid"));
+  mesh.positions_ijk[2][0] = std::numeric_limits<float>::infinity();
+  EXPECT_THAT(refusal(mesh), HasSubstr("outside the grid"));
+  mesh.positions_ijk[2][0] = 1.25f;
+  EXPECT_THAT(refusal(mesh), HasSubstr("not at multiples of 1/2 voxel"));
+
+  mesh = tetrahedron();
+  mesh.triangles[3][1] = 4;
+  EXPECT_THAT(refusal(mesh), HasSubstr("triangle 3 has vertex 4 of 4"));
+  mesh = tetrahedron();
+  mesh.normals_lps.pop_back();
+  EXPECT_THAT(refusal(mesh), HasSubstr("3 normals of 4 vertices"));
+  mesh = tetrahedron();
+  mesh.normals_lps[1][1] = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_THAT(refusal(mesh), HasSubstr("normal of vertex 1 is not finite"));
+  mesh = tetrahedron();
+  mesh.position_scale = 0;
+  EXPECT_THAT(refusal(mesh), HasSubstr("position scale 0"));
+  mesh.position_scale = 1u << 28;  // times 31 it is beyond 32 bits
+  EXPECT_THAT(refusal(mesh), HasSubstr("position scale 268435456"));
+}
+
+TEST(SurfaceCodec, RefusesEveryPrefixAndEveryExtraByte) {
+  SurfaceMesh mesh = tetrahedron();
+  for (const std::uint32_t scale : {2u, 65536u}) {
+    mesh.position_scale = scale;
+    EncodedSurface encoded = encode_surface(mesh, kSize).value();
+    for (std::size_t length = 0; length < encoded.bytes.size(); ++length) {
+      const auto decoded = decode_surface(std::span(encoded.bytes).first(length), encoded.entry, kSize);
+      // Without its last byte the stream is one of triangles that are not turned.
+      EXPECT_TRUE(!decoded || (length + 1 == encoded.bytes.size() && *decoded != mesh)) << length;
+    }
+    encoded.bytes.push_back(std::byte{0});
+    EXPECT_FALSE(decode_surface(encoded.bytes, encoded.entry, kSize));
+  }
+}
+
+RC_GTEST_PROP(SurfaceCodec, GivesSoundMeshesOrErrorsForDamagedBytes, ()) {
+  auto random = *random_source();
+  const AtlasContent content = random_content(random);
+  const Index3 size = storage_grid(content).size;
+  for (const SurfaceMesh& mesh : content.surfaces) {
+    EncodedSurface encoded = encode_surface(mesh, size).value();
+    if (encoded.bytes.empty()) continue;
+    for (int n = 0; n < 50; ++n) {
+      auto bytes = encoded.bytes;
+      bytes[random() % bytes.size()] = static_cast<std::byte>(random());
+      const auto decoded = decode_surface(bytes, encoded.entry, size);
+      if (!decoded) {
+        RC_ASSERT(decoded.error().code == ErrorCode::kInvalidAtlas);
+        continue;
+      }
+      RC_ASSERT(decoded->positions_ijk.size() == mesh.positions_ijk.size());
+      RC_ASSERT(decoded->triangles.size() == mesh.triangles.size());
+      RC_ASSERT(encode_surface(*decoded, size).has_value());  // inside the grid, indices in range, finite
+    }
+  }
+}
+
+TEST(SurfaceCodec, ChecksWhatTheDirectorySays) {
+  const EncodedSurface encoded = encode_surface(tetrahedron(), kSize).value();
+  const auto fits = [](SurfaceEntry entry) { return check_surface_entry(entry, kSize).has_value(); };
+  const SurfaceEntry& good = encoded.entry;
+  EXPECT_TRUE(fits(good));
+  EXPECT_FALSE(fits({0, good.triangles, 2, good.bytes}));
+  EXPECT_FALSE(fits({0, 0, 2, 1}));
+  EXPECT_FALSE(fits({good.vertices, good.triangles, 0, good.bytes}));
+  EXPECT_FALSE(fits({good.vertices, good.triangles, 1u << 28, good.bytes}));
+  EXPECT_FALSE(fits({good.vertices, good.bytes, 2, good.bytes}));       // more triangles than bytes allow
+  EXPECT_FALSE(fits({8 * good.bytes, good.triangles, 2, good.bytes}));  // more vertices than bytes allow
+  EXPECT_FALSE(fits({0xffffffff, 0xffffffff, 2, good.bytes}));
+  EXPECT_FALSE(fits({good.vertices, good.triangles, 2, 10'000}));
+}
+
+}  // namespace
+}  // namespace splatlas

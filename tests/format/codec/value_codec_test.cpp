@@ -1,0 +1,370 @@
+#include "format/codec/value_codec.h"
+
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <numeric>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include "format/atlas_reader.h"
+#include "format/atlas_writer.h"
+#include "format/codec/fit_weights.h"
+#include "tests/format/atlas_surgery.h"
+#include "tests/format/random_content.h"
+#include "tests/format/random_volume.h"
+
+namespace splatlas {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr std::size_t kCounts = 64;  // bytes of the buckets' counts
+constexpr std::size_t kHeader = 80;  // and of what else stands before the residuals
+
+/// All voxels of a box of its own.
+struct Block {
+  Index3 size;
+  std::vector<ClassSpan> spans;
+  GroupVoxels voxels;
+
+  explicit Block(const Index3& of) : size(of) {
+    for (std::int64_t line = 0; line < size[1] * size[2]; ++line) {
+      spans.push_back({{static_cast<std::uint64_t>(line), 0, static_cast<std::uint32_t>(size[0])}, 1});
+    }
+    voxels = {spans,
+              static_cast<std::uint64_t>(size[0] * size[1] * size[2]),
+              {{0, 0, 0}, {size[0] - 1, size[1] - 1, size[2] - 1}},
+              size[1]};
+  }
+};
+
+template <typename T>
+std::vector<std::byte> bytes_of_values(const std::vector<T>& values) {
+  const auto raw = std::as_bytes(std::span(values));
+  return {raw.begin(), raw.end()};
+}
+
+std::uint32_t count_at(const std::vector<std::byte>& code, std::size_t bucket) {
+  std::uint32_t count = 0;
+  std::memcpy(&count, &code[4 * bucket], sizeof count);
+  return count;
+}
+
+TEST(ValueCodec, ARampIsPredictedExactly) {
+  const Block block({8, 7, 6});
+  std::vector<std::uint8_t> values;
+  for (int n = 0; n < 8 * 7 * 6; ++n)
+    values.push_back(static_cast<std::uint8_t>(20 + n % 8 + n / 8 % 7 * 2 + n / 56));
+  const auto code = encode_values(block.voxels, VoxelType::kUInt8, bytes_of_values(values));
+  ASSERT_EQ(code.size(), value_code_bytes(VoxelType::kUInt8, block.voxels.box, values.size()));
+  ASSERT_EQ(code.size(), kHeader + values.size());
+  // The first voxels have little before them; where every neighbour is there, weights find a ramp.
+  const auto wrong =
+      std::count_if(code.begin() + kHeader, code.end(), [](std::byte b) { return b != std::byte{0}; });
+  EXPECT_LE(wrong, 8 * 7 * 6 - 6 * 4 * 4);
+  EXPECT_EQ(*decode_values(block.voxels, VoxelType::kUInt8, code), bytes_of_values(values));
+}
+
+TEST(ValueCodec, TheFirstVoxelsByHand) {
+  // 10 after nothing (residual 10, code 20), 12 after 10 (2, code 4), 11 after 12 (-1, code 1). Nothing is
+  // above or behind: errors of 8 * 4 are bucket 11's. Their mean of 13 / 3 is shifted by one.
+  const Block block({3, 1, 1});
+  const auto code =
+      encode_values(block.voxels, VoxelType::kUInt8, bytes_of_values<std::uint8_t>({10, 12, 11}));
+  std::vector<std::byte> expected(kHeader + 3);
+  expected[4 * 11] = std::byte{3};
+  std::memcpy(&expected[kCounts], kMeanWeights.data(), kMeanWeights.size());
+  expected[kHeader - 2] = std::byte{1};
+  expected[kHeader] = std::byte{20};
+  expected[kHeader + 1] = std::byte{4};
+  expected[kHeader + 2] = std::byte{1};
+  EXPECT_EQ(code, expected);
+  // Signed values count from their least.
+  const auto signed_code =
+      encode_values(block.voxels, VoxelType::kInt8, bytes_of_values<std::int8_t>({-118, -116, -117}));
+  EXPECT_EQ(signed_code, expected);
+}
+
+TEST(ValueCodec, TheSecondRowByHand) {
+  // 100 104 / 102 107: the second row's first voxel has 100 above and 104 above to the right, and for the
+  // voxel before it the first of these: 100 + (36 * 0 + 6 * 4) / 64 is 100, 2 less (code 4). Its last voxel
+  // has 104 above, 100 above to the left and 102 before: 102 + (36 * 2 + 15 * 2) / 64 is 104, 3 less (code
+  // 6).
+  const Block block({2, 2, 1});
+  const auto code =
+      encode_values(block.voxels, VoxelType::kUInt8, bytes_of_values<std::uint8_t>({100, 104, 102, 107}));
+  // Errors, halved three times: 12 and 0 of the first row. The first row has buckets of 32; then 12 + 0 and
+  // 6 * 4 make 36, 0 + 12 and 6 * 4 too: all four are in bucket 11.
+  EXPECT_EQ(count_at(code, 11), 4u);
+  EXPECT_EQ(code[kHeader - 2], std::byte{3});
+  const std::vector<std::byte> residuals(code.begin() + kHeader, code.end());
+  EXPECT_EQ(residuals, bytes_of_values<std::uint8_t>({200, 8, 4, 6}));
+}
+
+/// docs/atlas_format.md, Values, read word by word: codes blocks of one byte a voxel.
+class PlainCoder {
+ public:
+  PlainCoder(const Index3& size, const std::vector<std::byte>& values, std::span<const std::byte> model)
+      : size_(size), values_(values), model_(model.begin(), model.end()) {
+    for (std::int64_t k = 0; k < size[2]; ++k) {
+      for (std::int64_t j = 0; j < size[1]; ++j) {
+        for (std::int64_t i = 0; i < size[0]; ++i) code_voxel(i, j, k);
+      }
+    }
+  }
+
+  [[nodiscard]] std::vector<std::byte> code() const {
+    std::vector<std::byte> code(kHeader);
+    for (std::size_t b = 0; b < buckets_.size(); ++b) {
+      const auto count = static_cast<std::uint32_t>(buckets_[b].size());
+      std::memcpy(&code[4 * b], &count, sizeof count);
+    }
+    std::ranges::copy(model_, code.begin() + kCounts);
+    for (const std::vector<std::byte>& bucket : buckets_)
+      code.insert(code.end(), bucket.begin(), bucket.end());
+    return code;
+  }
+
+ private:
+  [[nodiscard]] int value_at(std::int64_t i, std::int64_t j, std::int64_t k) const {
+    if (i < 0 || j < 0 || k < 0 || i >= size_[0] || j >= size_[1] || k >= size_[2]) return -1;
+    return std::to_integer<int>(values_[static_cast<std::size_t>((k * size_[1] + j) * size_[0] + i)]);
+  }
+
+  void code_voxel(std::int64_t i, std::int64_t j, std::int64_t k) {
+    static constexpr int kOffsets[14][3] = {{0, -1, 0},  {0, 0, -1}, {1, -1, 0}, {-1, -1, 0}, {-1, 0, -1},
+                                            {0, -1, -1}, {1, 0, -1}, {0, 1, -1}, {1, -1, -1}, {-1, -1, -1},
+                                            {-1, 1, -1}, {1, 1, -1}, {0, -2, 0}, {0, 0, -2}};
+    const auto at = static_cast<std::size_t>((k * size_[1] + j) * size_[0] + i);
+    int before = at == 0 ? 0 : std::to_integer<int>(values_[at - 1]);
+    int sum = 32, rest = 64, errors = 0;
+    bool is_first = true;
+    for (std::size_t n = 0; n < 14; ++n) {
+      const int* const offset = kOffsets[n];
+      const int value = value_at(i + offset[0], j + offset[1], k + offset[2]);
+      const auto there =
+          at + static_cast<std::size_t>((offset[2] * size_[1] + offset[1]) * size_[0] + offset[0]);
+      if (n < 8) errors += value < 0 ? 4 : errors_[there];
+      if (value < 0) continue;
+      if (is_first && i == 0) before = value;
+      is_first = false;
+      const int weight = static_cast<std::int8_t>(model_[n]);
+      sum += weight * value;
+      rest -= weight;
+    }
+    const int prediction = static_cast<int>(std::floor((sum + rest * before) / 64.0));
+    int difference = (std::to_integer<int>(values_[at]) - prediction) % 256;
+    if (difference < -128) difference += 256;
+    if (difference > 127) difference -= 256;
+    errors_.push_back(std::abs(difference) >> std::to_integer<int>(model_[14]));
+    buckets_[bucket_of(errors)].push_back(
+        static_cast<std::byte>(difference >= 0 ? 2 * difference : -2 * difference - 1));
+  }
+
+  static std::size_t bucket_of(int errors) {
+    if (errors == 0) return 0;
+    const double octave = std::floor(std::log2(errors));
+    const int half = errors >= 1.5 * std::exp2(octave) && errors > 1 ? 1 : 0;
+    return static_cast<std::size_t>(std::min(15, 2 * static_cast<int>(octave) + half + 1));
+  }
+
+  const Index3 size_;
+  const std::vector<std::byte>& values_;
+  const std::vector<std::byte> model_;  // weights, shift, 0
+  std::vector<int> errors_;
+  std::array<std::vector<std::byte>, 16> buckets_;
+};
+
+std::vector<std::byte> random_values(std::mt19937& random, std::size_t voxels) {
+  const unsigned range = 1 + random() % 256;
+  std::vector<std::byte> values(voxels);
+  for (std::byte& value : values) value = static_cast<std::byte>(random() % range);
+  return values;
+}
+
+Index3 random_size(std::mt19937& random) {
+  return {1 + static_cast<std::int64_t>(random() % 70), 1 + static_cast<std::int64_t>(random() % 6),
+          1 + static_cast<std::int64_t>(random() % 6)};
+}
+
+RC_GTEST_PROP(ValueCodec, CodesAsTheDocumentSays, ()) {
+  auto random = *random_source();
+  const Block block(random_size(random));
+  const std::vector<std::byte> values = random_values(random, block.voxels.voxels);
+  const auto code = encode_values(block.voxels, VoxelType::kUInt8, values);
+  const PlainCoder plain(block.size, values, std::span(code).subspan(kCounts, kHeader - kCounts));
+  RC_ASSERT(plain.code() == code);
+}
+
+RC_GTEST_PROP(ValueCodec, DecodesAnyWeights, ()) {
+  // Sums wrap around at 16 bits: the bits that predictions take from them do not change by it.
+  auto random = *random_source();
+  const Block block(random_size(random));
+  const std::vector<std::byte> values = random_values(random, block.voxels.voxels);
+  std::vector<std::byte> model(kHeader - kCounts);
+  const auto way = random() % 3;
+  for (std::size_t n = 0; n < 14; ++n)
+    model[n] = static_cast<std::byte>(way == 0 ? 0x80 : way == 1 ? 0x7f : random());
+  model[14] = static_cast<std::byte>(random() % 4);
+  const PlainCoder plain(block.size, values, model);
+  RC_ASSERT(decode_values(block.voxels, VoxelType::kUInt8, plain.code()).value() == values);
+}
+
+RC_GTEST_PROP(ValueCodec, DecodesWhatWasEncodedOfEveryType, ()) {
+  auto random = *random_source();
+  const AtlasContent content = random_content(random, {10, 5, 10});
+  const Index3 size = storage_grid(content).size;
+  const RunModel model = encode_runs(content.class_volume, size, Axis::kZ, content.classes.size());
+  const ValueGroups groups(content.classes);
+  std::uint64_t voxels_of_all = 0;
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    std::vector<ClassRuns> runs;
+    for (const ClassId c : groups.classes[g]) runs.push_back(model.classes[c]);
+    std::vector<ClassSpan> spans = merge_runs(groups.classes[g], runs);
+    if (g == 0) {
+      std::vector<ClassId> all(content.classes.size());
+      std::iota(all.begin(), all.end(), ClassId{0});
+      spans = gaps_between(merge_runs(all, model.classes), size);
+    }
+    const GroupVoxels voxels{spans, group_voxels(groups, content.classes, g),
+                             group_box(groups, content.classes, g, size), size[1]};
+    std::uint64_t counted = 0, last = 0;
+    for (const ClassSpan& span : spans) {
+      const std::uint64_t at = span.run.scanline * static_cast<std::uint64_t>(size[0]) + span.run.start;
+      RC_ASSERT(counted == 0 || at >= last);  // in memory order, apart
+      last = at + span.run.length;
+      counted += span.run.length;
+      for (std::uint64_t v = at; v < last; ++v) RC_ASSERT(content.class_volume[v] == span.of);
+    }
+    RC_ASSERT(counted == voxels.voxels);
+    voxels_of_all += counted;
+    for (const VoxelType type : {VoxelType::kUInt8, VoxelType::kInt8, VoxelType::kUInt16, VoxelType::kInt16,
+                                 VoxelType::kInt32, VoxelType::kFloat64}) {
+      std::vector<std::byte> values(counted * bytes_of(type));
+      const bool noise = random() % 2 == 0;
+      for (std::byte& b : values) b = static_cast<std::byte>(noise ? random() : random() % 3);
+      const auto code = encode_values(voxels, type, values);
+      RC_ASSERT(code.size() == value_code_bytes(type, voxels.box, counted));
+      RC_ASSERT(decode_values(voxels, type, code).value() == values);
+    }
+  }
+  RC_ASSERT(voxels_of_all == content.class_volume.size());
+}
+
+RC_GTEST_PROP(ValueCodec, AnyBytesDecodeOrAreRefused, ()) {
+  auto random = *random_source();
+  const Block block({4, 3, 3});
+  std::vector<std::byte> code(kHeader + 2 * 36);
+  for (std::byte& byte : code) byte = static_cast<std::byte>(random());
+  code[kHeader - 2] &= std::byte{15};
+  code[kHeader - 1] = std::byte{0};
+  std::uint32_t left = 36;
+  for (std::size_t b = 0; b < 16; ++b) {
+    const auto count = b == 15 ? left : static_cast<std::uint32_t>(random() % (left + 1));
+    std::memcpy(&code[4 * b], &count, 4);
+    left -= count;
+  }
+  const auto decoded = decode_values(block.voxels, VoxelType::kUInt16, code);
+  if (decoded) {
+    RC_ASSERT(decoded->size() == 72u);
+  } else {
+    RC_ASSERT(decoded.error().code == ErrorCode::kInvalidAtlas);
+  }
+}
+
+TEST(ValueCodec, RefusesCountsAndSpansThatDoNotFit) {
+  const Block block({4, 3, 3});
+  std::vector<std::byte> code(kHeader + 36);
+  const auto refusal = [&](const GroupVoxels& voxels) {
+    const auto decoded = decode_values(voxels, VoxelType::kUInt8, code);
+    return decoded ? std::string() : decoded.error().message;
+  };
+  EXPECT_EQ(refusal(block.voxels), "buckets hold less than the voxels");
+  code[0] = std::byte{37};
+  EXPECT_EQ(refusal(block.voxels), "buckets hold more than the voxels");
+  code[0] = std::byte{36};
+  EXPECT_EQ(refusal(block.voxels), "buckets do not hold what the voxels call for");
+  code[kHeader - 1] = std::byte{1};
+  EXPECT_EQ(refusal(block.voxels), "no model of values");
+  code[kHeader - 1] = std::byte{0};
+  code[kHeader - 2] = std::byte{16};
+  EXPECT_EQ(refusal(block.voxels), "no model of values");
+  code[kHeader - 2] = std::byte{0};
+  GroupVoxels smaller = block.voxels;
+  for (std::size_t a = 0; a < 3; ++a) {
+    smaller.box = block.voxels.box;
+    --smaller.box.last[a];
+    EXPECT_EQ(refusal(smaller), "boxes are not those of the runs");
+    smaller.box = block.voxels.box;
+    ++smaller.box.first[a];
+    EXPECT_EQ(refusal(smaller), "boxes are not those of the runs");
+  }
+  smaller = block.voxels;
+  ++smaller.voxels;
+  EXPECT_EQ(refusal(smaller), "boxes are not those of the runs");
+}
+
+TEST(ValueCodec, ErrorsOfNoiseAreShiftedIntoTheBuckets) {
+  // 16 bit noise of +-1000: unshifted, all but the first voxels would be in the last bucket.
+  std::mt19937 random(5);
+  const Block block({40, 20, 20});
+  std::vector<std::int16_t> values(block.voxels.voxels);
+  for (std::int16_t& value : values) value = static_cast<std::int16_t>(random() % 2001 - 1000);
+  const auto code = encode_values(block.voxels, VoxelType::kInt16, bytes_of_values(values));
+  EXPECT_GE(code[kHeader - 2], std::byte{6});
+  EXPECT_LE(count_at(code, 15), 1600u);
+  EXPECT_EQ(*decode_values(block.voxels, VoxelType::kInt16, code), bytes_of_values(values));
+}
+
+TEST(ValueCodec, PredictsIntegersWhoseSlicesFitInMemory) {
+  const IndexBox box{{0, 0, 0}, {4093, 4092, 9}}, larger{{0, 0, 0}, {4094, 4092, 9}};
+  EXPECT_TRUE(predicts_values(VoxelType::kUInt8, box, 5));
+  EXPECT_FALSE(predicts_values(VoxelType::kUInt8, larger, 5));
+  EXPECT_FALSE(predicts_values(VoxelType::kUInt8, box, 0));
+  EXPECT_FALSE(predicts_values(VoxelType::kUInt8, box, std::uint64_t{1} << 32));
+  EXPECT_FALSE(predicts_values(VoxelType::kFloat32, box, 5));
+  EXPECT_EQ(value_code_bytes(VoxelType::kInt16, box, 5), kHeader + 10);
+  EXPECT_EQ(value_code_bytes(VoxelType::kInt16, larger, 5), 10u);
+}
+
+TEST(ValueGroups, HoldClassesThatDifferInTheirPartsOnly) {
+  ClassTable table;
+  table.intern({{0, Part::kInterior}});
+  table.intern({{0, Part::kInterior}, {1, Part::kBoundary}});
+  table.intern({{0, Part::kBoundary}});
+  table.intern({{0, Part::kBoundary}, {1, Part::kCrossed}});
+  table.intern({{1, Part::kCrossed}});
+  const ValueGroups groups(table);
+  EXPECT_EQ(groups.classes, (std::vector<std::vector<ClassId>>{{0}, {1, 3}, {2}, {4}, {5}}));
+  EXPECT_EQ(groups.group_of, (std::vector<std::uint32_t>{0, 1, 2, 1, 3, 4}));
+}
+
+TEST(ReadValues, GivesEveryClassItsOwnInAnyOrderAndAgain) {
+  std::mt19937 random(7);
+  AtlasContent content;
+  do content = random_content(random, {12, 6, 5});
+  while (content.values.empty() || content.classes.size() < 6);
+  const auto atlas = *Atlas::open_bytes(*encode_atlas(content, {.threads = 1}));
+  const std::size_t value_bytes = bytes_of(content.values.type);
+  std::vector<std::vector<std::byte>> expected(content.classes.size());
+  for (std::size_t v = 0; v < content.class_volume.size(); ++v) {
+    const std::byte* const value = &content.values.bytes[v * value_bytes];
+    auto& of = expected[content.class_volume[v]];
+    of.insert(of.end(), value, value + value_bytes);
+  }
+  for (int turn = 0; turn < 3; ++turn) {
+    for (std::size_t n = 0; n < expected.size(); ++n) {
+      const auto c = static_cast<ClassId>(turn == 1 ? expected.size() - 1 - n : n);
+      EXPECT_EQ(*atlas->read_values(c), expected[c]);
+      if (turn == 2) {
+        EXPECT_EQ(*atlas->read_values(c), expected[c]);
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace splatlas

@@ -1,0 +1,176 @@
+#include "format/derive/boundary_split.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include "format/atlas_reader.h"
+#include "format/atlas_writer.h"
+#include "tests/format/atlas_surgery.h"
+
+namespace splatlas {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// Voxel by voxel: 1 interior, 2 boundary.
+std::vector<ClassId> split_by_definition(const std::vector<std::uint8_t>& mask, const Index3& size) {
+  std::vector<ClassId> parts;
+  const auto covered = [&](std::int64_t i, std::int64_t j, std::int64_t k) {
+    return i >= 0 && j >= 0 && k >= 0 && i < size[0] && j < size[1] && k < size[2] &&
+           mask[static_cast<std::size_t>((k * size[1] + j) * size[0] + i)] != 0;
+  };
+  for (std::int64_t k = 0; k < size[2]; ++k) {
+    for (std::int64_t j = 0; j < size[1]; ++j) {
+      for (std::int64_t i = 0; i < size[0]; ++i) {
+        bool all = true;
+        for (std::int64_t n = 0; n < 27; ++n) {
+          const std::int64_t x = n % 3 - 1, y = n / 3 % 3 - 1, z = n / 9 - 1;
+          if (x * x + y * y + z * z < 3) all = all && covered(i + x, j + y, k + z);
+        }
+        parts.push_back(!covered(i, j, k) ? 0u : all ? 1u : 2u);
+      }
+    }
+  }
+  return parts;
+}
+
+/// Mostly covered, so that there is an interior.
+std::vector<std::uint8_t> random_mask(const Index3& size) {
+  auto mask = *rc::gen::container<std::vector<std::uint8_t>>(
+      static_cast<std::size_t>(size[0] * size[1] * size[2]), rc::gen::inRange<std::uint8_t>(0, 40));
+  for (std::uint8_t& m : mask) m = m != 0;
+  return mask;
+}
+
+RC_GTEST_PROP(SplitBoundary, IsTheDefinitionAlongEveryAxis, ()) {
+  Index3 size{*rc::gen::inRange<std::int64_t>(1, 9), *rc::gen::inRange<std::int64_t>(1, 9),
+              *rc::gen::inRange<std::int64_t>(1, 9)};
+  // Scanlines of several words along one axis or another.
+  size[*rc::gen::inRange<std::size_t>(0, 3)] = *rc::gen::inRange<std::int64_t>(1, 200);
+  const auto mask = random_mask(size);
+  const std::vector<ClassId> parts = split_by_definition(mask, size);
+  const std::vector<ClassId> whole(mask.begin(), mask.end());
+  for (const Axis axis : kAxes) {
+    const ClassRuns runs = encode_runs(whole, size, axis, 2).classes[1];
+    const RunModel expected = encode_runs(parts, size, axis, 3);
+    const SplitRuns split = split_boundary(runs, size, axis);
+    RC_ASSERT(split.interior == expected.classes[1]);
+    RC_ASSERT(split.boundary == expected.classes[2]);
+    RC_ASSERT(join_runs(split.interior, split.boundary) == runs);
+  }
+}
+
+TEST(FindSplitGroups, WantsAnInteriorAndABoundaryOfStructuresThatNoOtherGroupHolds) {
+  const auto split = [](const std::vector<std::vector<Membership>>& classes) {
+    ClassTable table;
+    for (const auto& members : classes) table.intern(members);
+    const ValueGroups groups(table);
+    return find_split_groups(groups, table);
+  };
+  constexpr Part in = Part::kInterior, on = Part::kBoundary, crossed = Part::kCrossed;
+  using Split = std::vector<bool>;  // [group]; group 0 is that of the empty class
+  EXPECT_EQ(split({{{0, in}}, {{0, on}}}), (Split{false, true}));
+  EXPECT_EQ(split({{{0, in}, {1, in}}, {{0, on}, {1, on}}}), (Split{false, true}));
+  EXPECT_EQ(split({{{0, in}}, {{0, on}}, {{1, crossed}}}), (Split{false, true, false}));
+  EXPECT_EQ(split({{{0, on}}}), (Split{false, false}));
+  EXPECT_EQ(split({{{0, on}}, {{0, in}}}), (Split{false, false}));
+  EXPECT_EQ(split({{{0, in}, {1, on}}, {{0, on}, {1, on}}}), (Split{false, false}));
+  EXPECT_EQ(split({{{0, in}}, {{0, on}}, {{0, on}, {1, on}}}), (Split{false, false, false}));
+}
+
+/// A block of one structure within a grid, its boundary as it must be.
+AtlasContent block() {
+  AtlasContent content;
+  content.source_grid.size = {8, 7, 6};
+  content.graph = *StructureGraph::build({{.id = "block"}});
+  content.classes.intern({{0, Part::kInterior}});
+  content.classes.intern({{0, Part::kBoundary}});
+  std::vector<std::uint8_t> mask;
+  for (int n = 0; n < 8 * 7 * 6; ++n) mask.push_back(n % 8 > 0 && n % 8 < 6 && n / 8 % 7 > 1 && n / 56 > 0);
+  content.class_volume = split_by_definition(mask, content.source_grid.size);
+  for (std::int64_t n = 0; n < 8 * 7 * 6; ++n) {
+    const Index3 at{n % 8, n / 8 % 7, n / 56};
+    content.classes.count(content.class_volume[static_cast<std::size_t>(n)], 1, {at, at});
+  }
+  content.surfaces.resize(1);
+  content.boundary_normals.resize(3);
+  content.boundary_normals[2].resize(content.classes.voxels(2));
+  return content;
+}
+
+TEST(SharedRuns, BothClassesComeFromOneList) {
+  const AtlasContent content = block();
+  ASSERT_GT(content.classes.voxels(1), 3u);
+  const Bytes file = *encode_atlas(content);
+  const AtlasParts parts = take_apart(file);
+  const auto atlas = *Atlas::open_bytes(file);
+  ASSERT_TRUE(atlas->verify().has_value());
+  for (const Axis axis : kAxes) {
+    EXPECT_GT(parts.directory.run_bytes[1][static_cast<std::size_t>(axis)], 0u);
+    EXPECT_EQ(parts.directory.run_bytes[2][static_cast<std::size_t>(axis)], 0u);
+    const RunModel model = encode_runs(content.class_volume, {8, 7, 6}, axis, 3);
+    for (const ClassId c : {1u, 2u}) EXPECT_EQ(*atlas->read_runs(c, axis), model.classes[c]);
+  }
+  EXPECT_EQ(atlas->read_all()->class_volume, content.class_volume);
+}
+
+TEST(SharedRuns, ABoundaryThatIsNoneHasAListOfItsOwn) {
+  AtlasContent content = block();
+  // An interior voxel that its author calls boundary.
+  const auto at = std::ranges::find(content.class_volume, ClassId{1});
+  ASSERT_NE(at, content.class_volume.end());
+  const auto n = at - content.class_volume.begin();
+  *at = 2;
+  ClassTable classes;
+  classes.intern({{0, Part::kInterior}});
+  classes.intern({{0, Part::kBoundary}});
+  for (std::int64_t v = 0; v < 8 * 7 * 6; ++v) {
+    const Index3 voxel{v % 8, v / 8 % 7, v / 56};
+    classes.count(content.class_volume[static_cast<std::size_t>(v)], 1, {voxel, voxel});
+  }
+  ASSERT_GT(n, 0);
+  content.classes = classes;
+  content.boundary_normals[2].resize(classes.voxels(2));
+  const Bytes file = *encode_atlas(content);
+  EXPECT_GT(take_apart(file).directory.run_bytes[2][2], 0u);
+  const auto atlas = *Atlas::open_bytes(file);
+  EXPECT_TRUE(atlas->verify().has_value());
+  EXPECT_EQ(atlas->read_all()->class_volume, content.class_volume);
+}
+
+TEST(SharedRuns, VoxelCountsThatTheListDoesNotGiveAreRefused) {
+  AtlasParts parts = take_apart(*encode_atlas(block()));
+  ClassTable& classes = parts.directory.classes;
+  const std::uint64_t interior = classes.voxels(1), boundary = classes.voxels(2);
+  ClassTable changed;
+  for (const ClassId c : {1u, 2u}) changed.intern({classes.members(c).begin(), classes.members(c).end()});
+  changed.count(0, classes.voxels(0), classes.box(0));
+  changed.count(1, interior - 1, classes.box(1));
+  changed.count(2, boundary + 1, classes.box(2));
+  classes = changed;
+  parts.directory.normals_fitted.assign(3, true);
+  parts.directory.normals_fitted[0] = parts.directory.normals_fitted[1] = false;
+  std::vector<SectionEntry>& sections = parts.directory.sections;
+  // The normals' chunks would be of another length: they are said to follow from the voxels.
+  for (std::size_t n = 0, chunk = 0; n < sections.size(); chunk += sections[n++].chunks) {
+    if (sections[n].kind != static_cast<std::uint32_t>(SectionKind::kNormals)) continue;
+    parts.chunks.erase(parts.chunks.begin() + static_cast<std::ptrdiff_t>(chunk),
+                       parts.chunks.begin() + static_cast<std::ptrdiff_t>(chunk + sections[n].chunks));
+    parts.directory.chunks.erase(
+        parts.directory.chunks.begin() + static_cast<std::ptrdiff_t>(chunk),
+        parts.directory.chunks.begin() + static_cast<std::ptrdiff_t>(chunk + sections[n].chunks));
+    sections[n].chunks = 0;
+  }
+  const auto atlas = Atlas::open_bytes(put_together(parts));
+  ASSERT_TRUE(atlas.has_value()) << atlas.error().message;
+  for (const ClassId c : {1u, 2u}) {
+    const auto runs = (*atlas)->read_runs(c, Axis::kZ);
+    ASSERT_FALSE(runs.has_value());
+    EXPECT_EQ(runs.error().code, ErrorCode::kInvalidAtlas);
+    EXPECT_THAT(runs.error().message, HasSubstr("runs_z of class 1"));
+  }
+}
+
+}  // namespace
+}  // namespace splatlas

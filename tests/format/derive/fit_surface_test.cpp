@@ -1,0 +1,166 @@
+#include "format/derive/fit_surface.h"
+
+#include <algorithm>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include "format/atlas_reader.h"
+#include "format/atlas_writer.h"
+#include "format/file/fitted_content.h"
+#include "tests/format/atlas_surgery.h"
+#include "tests/format/fit_content.h"
+#include "tests/format/random_content.h"
+#include "tests/format/random_volume.h"
+
+namespace splatlas {
+namespace {
+
+using ::testing::HasSubstr;
+
+std::uint64_t section_bytes(const Atlas& atlas, const std::string& name) {
+  for (const SectionSize& section : atlas.sections()) {
+    if (section.name == name) return section.bytes;
+  }
+  return 0;
+}
+
+RC_GTEST_PROP(FitSurface, WhatFollowsFromTheVoxelsIsNotStoredAndComesBack, ()) {
+  auto random = *random_source();
+  const AtlasContent content = fitted(random_content(random, {9, 5, 30}));
+  const FittedParts parts = find_fitted_parts(content, 1);
+  const HeldClasses held(content.classes, content.graph.size());
+  for (StructureIndex s = 0; s < content.graph.size(); ++s) {
+    const bool holds_voxels = !box_of(content.classes, held.of(s)).empty();
+    RC_ASSERT(parts.surfaces[s] == holds_voxels);
+  }
+  for (ClassId c = 0; c < content.classes.size(); ++c)
+    RC_ASSERT(parts.normals[c] == (normal_owner(content.classes.members(c)) != kNoStructure));
+  for (const bool compact : {false, true}) {
+    const auto atlas = *Atlas::open_bytes(*encode_atlas(content, {.compact = compact, .threads = 1}));
+    RC_ASSERT(atlas->verify().has_value());
+    if (compact) RC_ASSERT(section_bytes(*atlas, "normals") == 0);
+    const AtlasContent back = *atlas->read_all();
+    RC_ASSERT(back.surfaces == content.surfaces);
+    RC_ASSERT(back.boundary_normals == content.boundary_normals);
+  }
+}
+
+/// A ball of one structure in a grid of its own.
+AtlasContent ball() {
+  AtlasContent content;
+  content.source_grid.size = {12, 13, 14};
+  content.graph = *StructureGraph::build({{.id = "ball"}});
+  const auto holds = [](std::int64_t i, std::int64_t j, std::int64_t k) {
+    return (i - 5) * (i - 5) + (j - 6) * (j - 6) + (k - 6) * (k - 6) < 25;
+  };
+  const ClassId interior = content.classes.intern({{0, Part::kInterior}});
+  const ClassId boundary = content.classes.intern({{0, Part::kBoundary}});
+  for (std::int64_t k = 0; k < 14; ++k) {
+    for (std::int64_t j = 0; j < 13; ++j) {
+      for (std::int64_t i = 0; i < 12; ++i) {
+        bool all = true;
+        for (int n = 0; n < 27; ++n) {
+          const std::int64_t x = n % 3 - 1, y = n / 3 % 3 - 1, z = n / 9 - 1;
+          if (x * x + y * y + z * z < 3) all = all && holds(i + x, j + y, k + z);
+        }
+        const ClassId c = !holds(i, j, k) ? kEmptyClass : all ? interior : boundary;
+        content.class_volume.push_back(c);
+        content.classes.count(c, 1, {{i, j, k}, {i, j, k}});
+      }
+    }
+  }
+  content.surfaces.resize(1);
+  content.boundary_normals.resize(3);
+  content.boundary_normals[boundary].resize(content.classes.voxels(boundary));
+  return content;
+}
+
+TEST(FitSurface, ABallTakesNoBytesAndOneNormalThatDiffersCostsAllOfItsClass) {
+  AtlasContent content = fitted(ball());
+  const auto whole = *Atlas::open_bytes(*encode_atlas(content));
+  EXPECT_EQ(section_bytes(*whole, "surfaces"), 0u);
+  EXPECT_EQ(section_bytes(*whole, "normals"), 0u);
+  EXPECT_EQ(whole->triangles(0), content.surfaces[0].triangles.size());
+  EXPECT_GT(whole->triangles(0), 100u);
+
+  content.boundary_normals[2][3] ^= 1;
+  std::swap(content.surfaces[0].triangles[0], content.surfaces[0].triangles[1]);
+  const auto stored = *Atlas::open_bytes(*encode_atlas(content, {.compact = true}));
+  EXPECT_GT(section_bytes(*stored, "surfaces"), 0u);
+  EXPECT_GT(section_bytes(*stored, "normals"), 0u);
+  EXPECT_EQ(*stored->read_normals(2), content.boundary_normals[2]);
+  EXPECT_EQ(*stored->read_surface(0), content.surfaces[0]);
+}
+
+TEST(FitSurface, NormalsOfAClassNeedTheOwnersOtherClassesAround) {
+  const AtlasContent content = fitted(ball());
+  const Grid grid = storage_grid(content);
+  const RunModel runs = encode_runs(content.class_volume, grid.size, Axis::kZ, 3);
+  const auto normals = [&](bool with_interior) {
+    StructureCrop crop = empty_crop_around(content.classes.box(2));
+    if (with_interior) paint_runs(runs.classes[1], grid.size[1], StructureCrop::kInterior, crop);
+    paint_runs(runs.classes[2], grid.size[1], StructureCrop::kBoundary, crop);
+    return fit_normals(crop, runs.classes[2], grid);
+  };
+  EXPECT_EQ(normals(true), content.boundary_normals[2]);
+  EXPECT_NE(normals(false), content.boundary_normals[2]);
+}
+
+/// What opening the changed file and reading the surface and the normals says.
+template <typename Change>
+std::string refusal_after(const Change& change) {
+  AtlasParts parts = take_apart(*encode_atlas(fitted(ball())));
+  change(parts.directory);
+  const auto atlas = Atlas::open_bytes(put_together(parts), "changed");
+  if (!atlas) return atlas.error().message;
+  if (const auto normals = (*atlas)->read_normals(2); !normals) return normals.error().message;
+  if (const auto surface = (*atlas)->read_surface(0); !surface) return surface.error().message;
+  return "";
+}
+
+TEST(FitSurface, WhatTheVoxelsDoNotGiveIsRefused) {
+  EXPECT_EQ(refusal_after([](Directory&) {}), "");
+  EXPECT_THAT(refusal_after([](Directory& d) { ++d.surfaces[0].triangles; }), HasSubstr("its voxels give"));
+  EXPECT_THAT(refusal_after([](Directory& d) { --d.surfaces[0].vertices; }), HasSubstr("its voxels give"));
+  EXPECT_THAT(refusal_after([](Directory& d) { d.surfaces[0].triangles = 0; }), HasSubstr("fitted"));
+  EXPECT_THAT(refusal_after([](Directory& d) { d.surfaces[0].position_scale = 4; }), HasSubstr("fitted"));
+  EXPECT_THAT(refusal_after([](Directory& d) { d.normals_fitted.pop_back(); }),
+              HasSubstr("normals of 2 classes"));
+  EXPECT_THAT(refusal_after([](Directory& d) { d.normals_fitted[0] = true; }), HasSubstr("no boundary"));
+  EXPECT_THAT(refusal_after([](Directory& d) { d.normals_fitted[2] = false; }), HasSubstr("section normals"));
+  EXPECT_THAT(refusal_after([](Directory& d) {
+                ClassTable classes;
+                for (ClassId c = 1; c < d.classes.size(); ++c)
+                  classes.intern({d.classes.members(c).begin(), d.classes.members(c).end()});
+                for (ClassId c = 0; c < d.classes.size(); ++c) {
+                  IndexBox box = d.classes.box(c);
+                  if (c == 2) ++box.first[0], ++box.last[0];
+                  classes.count(c, d.classes.voxels(c), box);
+                }
+                d.classes = classes;
+              }),
+              HasSubstr("box of class 2"));
+}
+
+TEST(FitSurface, CropsAreCountedWithWhatNormalsDependOn) {
+  const IndexBox box{{0, 0, 0}, {0, 1, 2}};
+  EXPECT_EQ(crop_voxels(box), 7u * 8 * 9);
+  EXPECT_EQ(empty_crop_around(box).parts.size(), crop_voxels(box));
+}
+
+TEST(PaintRuns, ClipsAtTheCrop) {
+  StructureCrop crop = empty_crop({{2, 2, 2}, {3, 3, 3}});  // 1 to 4 on every axis
+  const ClassRuns runs{{2 * 9 + 2, 0, 3}, {2 * 9 + 3, 4, 8}, {0, 0, 9}, {2 * 9 + 8, 2, 1}, {8 * 9 + 2, 2, 1}};
+  paint_runs(runs, 9, StructureCrop::kBoundary, crop);
+  std::vector<std::size_t> painted;
+  for (std::size_t n = 0; n < crop.parts.size(); ++n) {
+    if (crop.parts[n] != StructureCrop::kOutside) painted.push_back(n);
+  }
+  EXPECT_EQ(painted,
+            (std::vector<std::size_t>{crop.offset(0, 1, 1), crop.offset(1, 1, 1), crop.offset(3, 2, 1)}));
+}
+
+}  // namespace
+}  // namespace splatlas

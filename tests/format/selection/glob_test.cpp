@@ -1,0 +1,68 @@
+#include "format/selection/glob.h"
+
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include "format/system/ascii_text.h"
+#include "tests/format/random_volume.h"
+
+namespace splatlas {
+namespace {
+
+TEST(Glob, StarStandsForAnyCharacters) {
+  EXPECT_TRUE(Glob("*").matches(""));
+  EXPECT_TRUE(Glob("*").matches("a/b c"));
+  EXPECT_TRUE(Glob("Vermis*").matches("vermis_4_5"));
+  EXPECT_TRUE(Glob("Vermis*").matches("Vermis"));
+  EXPECT_FALSE(Glob("Vermis*").matches("Cerebellum/Vermis"));
+  EXPECT_TRUE(Glob("*gyrus*l").matches("Frontal gyrus, left l"));
+  EXPECT_TRUE(Glob("a**b").matches("ab"));
+  EXPECT_FALSE(Glob("a*b").matches("a*bc"));
+  EXPECT_TRUE(Glob("a*b*c").matches("abbcbc"));
+  EXPECT_FALSE(Glob("").matches("a"));
+  EXPECT_TRUE(Glob("").matches(""));
+  EXPECT_TRUE(Glob("a*c").matches("a**c"));
+}
+
+TEST(Glob, ReadsPieceByPiece) {
+  const Glob glob("brain/*/left");
+  const auto start = glob.read(glob.start(), "Brain");
+  EXPECT_TRUE(glob.accepts(glob.read(start, "/x/Left")));
+  EXPECT_TRUE(glob.accepts(glob.read(glob.read(start, "/x"), "/left")));
+  EXPECT_FALSE(glob.accepts(glob.read(start, "/left")));
+  auto merged = glob.none();
+  EXPECT_FALSE(glob.accepts(merged));
+  Glob::merge(glob.read(start, "/nowhere"), merged);
+  Glob::merge(glob.read(start, "?"), merged);
+  EXPECT_TRUE(glob.accepts(glob.read(merged, "/left")));
+}
+
+/// The definition, by trying every length for every star; both in lower case.
+bool matches_slowly(std::string_view pattern, std::string_view text) {
+  if (pattern.empty()) return text.empty();
+  if (pattern[0] == '*') {
+    for (std::size_t n = 0; n <= text.size(); ++n) {
+      if (matches_slowly(pattern.substr(1), text.substr(n))) return true;
+    }
+    return false;
+  }
+  return !text.empty() && text[0] == pattern[0] && matches_slowly(pattern.substr(1), text.substr(1));
+}
+
+RC_GTEST_PROP(Glob, MatchesLikeTheSlowTwin, ()) {
+  const auto pattern = *rc::gen::container<std::string>(*uniform<std::size_t>(0, 8),
+                                                        rc::gen::element('a', 'B', '*', '*', '/'));
+  const auto text =
+      *rc::gen::container<std::string>(*uniform<std::size_t>(0, 10), rc::gen::element('a', 'A', 'b', '/'));
+  RC_ASSERT(Glob(pattern).matches(text) == matches_slowly(to_lower(pattern), to_lower(text)));
+}
+
+TEST(Glob, ManyStarsTakeNoLonger) {
+  // A backtracking matcher would try some 10^20 ways.
+  std::string pattern;
+  for (int n = 0; n < 30; ++n) pattern += "*a";
+  EXPECT_FALSE(Glob(pattern + "*b").matches(std::string(200, 'a')));
+}
+
+}  // namespace
+}  // namespace splatlas

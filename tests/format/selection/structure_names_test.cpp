@@ -1,0 +1,224 @@
+#include <functional>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include "format/selection.h"
+#include "format/selection/glob.h"
+#include "format/system/ascii_text.h"
+#include "tests/format/random_graph.h"
+
+namespace splatlas {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::Not;
+
+StructureGraph brain() {
+  return *StructureGraph::build({
+      {.id = "brain", .name = "Brain"},                               // 0
+      {.id = "cerebellum", .name = "Cerebellum", .parents = {0}},     // 1
+      {.id = "cb_l", .name = "Left", .parents = {1}},                 // 2
+      {.id = "cerebrum", .name = "Cerebrum", .parents = {0}},         // 3
+      {.id = "cr_l", .name = "Left", .parents = {3}},                 // 4
+      {.id = "right", .name = "Brain/Right", .parents = {3}},         // 5
+      {.id = "hc_l", .name = "Hippocampus left", .parents = {4, 7}},  // 6
+      {.id = "limbic", .name = "Limbic"},                             // 7
+      {.id = "Limb", .name = "cerebrum"},                             // 8: named like another's id
+  });
+}
+
+std::vector<StructureIndex> found(std::string_view name) {
+  const auto result = find_structures(brain(), name);
+  if (result) return *result;
+  ADD_FAILURE() << result.error().message;
+  return {};
+}
+
+std::string refusal(std::string_view name) {
+  const auto result = find_structures(brain(), name);
+  if (result) {
+    ADD_FAILURE() << name << " was found";
+    return {};
+  }
+  EXPECT_EQ(result.error().code, ErrorCode::kNotFound);
+  return result.error().message;
+}
+
+TEST(FindStructures, ByIdNameAndPathInAnyCase) {
+  EXPECT_THAT(found("CB_L"), ElementsAre(2));
+  EXPECT_THAT(found("hippocampus LEFT"), ElementsAre(6));
+  EXPECT_THAT(found("Brain/Cerebellum/Left"), ElementsAre(2));
+  EXPECT_THAT(found("cerebellum/left"), ElementsAre(2));
+  EXPECT_THAT(found("Cerebrum/Left"), ElementsAre(4));
+  EXPECT_THAT(found("left/hippocampus left"), ElementsAre(6));
+  EXPECT_THAT(found("limbic/hippocampus left"), ElementsAre(6));
+}
+
+TEST(FindStructures, IdsWinOverNamesAndNamesOverPaths) {
+  EXPECT_THAT(found("cerebrum"), ElementsAre(3));     // not structure 8 of that name
+  EXPECT_THAT(found("Brain/Right"), ElementsAre(5));  // a name with a "/" of its own
+  EXPECT_THAT(found("cerebrum/brain/right"), ElementsAre(5));
+}
+
+TEST(FindStructures, PathsEndAtComponents) {
+  EXPECT_THAT(refusal("bellum/Left"), HasSubstr("no structure is called \"bellum/Left\""));
+  refusal("Brain/Left");
+  refusal("Brain/Cerebellum/");
+  refusal("/Brain");
+  refusal("Brain/Cerebellum_Left");  // any other sign is no "/"
+  refusal("Cerebellum//Left");
+  refusal("");
+}
+
+TEST(FindStructures, WildcardsMatchIdsNamesAndPaths) {
+  EXPECT_THAT(found("cere*"), ElementsAre(1, 3, 8));
+  EXPECT_THAT(found("*_l"), ElementsAre(2, 4, 6));
+  EXPECT_THAT(found("Brain/*/Left"), ElementsAre(2, 4));
+  EXPECT_THAT(found("limbic/*"), ElementsAre(6));
+  EXPECT_THAT(found("*/hippo*"), ElementsAre(6));
+  EXPECT_THAT(found("left*"), ElementsAre(2, 4));
+  EXPECT_THAT(found("*"), ElementsAre(0, 1, 2, 3, 4, 5, 6, 7, 8));
+  EXPECT_THAT(refusal("xyz*"), HasSubstr("\"xyz*\""));
+  EXPECT_THAT(found("Cerebellum/*"), ElementsAre(2));  // as plain paths, from within
+  refusal("bellum/*");
+  refusal("*" + std::string(1000, 'a'));
+}
+
+TEST(FindStructures, AmbiguousNamesListTheCandidates) {
+  const std::string message = refusal("Left");
+  EXPECT_THAT(message, HasSubstr("\"Left\" stands for 2 structures"));
+  EXPECT_THAT(message, HasSubstr("\"Brain/Cerebellum/Left\" (id cb_l)"));
+  EXPECT_THAT(message, HasSubstr("\"Brain/Cerebrum/Left\" (id cr_l)"));
+}
+
+TEST(FindStructures, ListsOfCandidatesEnd) {
+  std::vector<Structure> structures(20);
+  for (std::size_t s = 0; s < structures.size(); ++s) {
+    structures[s].id = fmt::format("s{}", s);
+    structures[s].name = "Same";
+  }
+  const auto result = find_structures(*StructureGraph::build(structures), "same");
+  ASSERT_FALSE(result);
+  EXPECT_THAT(result.error().message, HasSubstr("stands for 20 structures"));
+  EXPECT_THAT(result.error().message, HasSubstr("\"Same\" (id s4), 15 more"));
+  EXPECT_THAT(result.error().message, Not(HasSubstr("id s5")));
+}
+
+TEST(FindStructures, UnknownNamesListTheNearest) {
+  EXPECT_THAT(refusal("cerebelum"), HasSubstr("the nearest: \"Cerebellum\", "));
+  EXPECT_THAT(refusal("hippocampus"),
+              HasSubstr("the nearest: \"Hippocampus left\", "));  // 5 edits, but holds it
+  EXPECT_THAT(refusal("LIMBID"), HasSubstr("the nearest: \"Limbic\", "));
+  const std::string message = refusal("zzz");
+  EXPECT_EQ(std::count(message.begin(), message.end(), '"'), 12) << message;  // the name and five others
+  const auto in_none = find_structures(StructureGraph{}, "x");
+  ASSERT_FALSE(in_none);
+  EXPECT_THAT(in_none.error().message, HasSubstr("no structure is called \"x\"; there are none"));
+  EXPECT_LT(refusal(std::string(100'000, 'x')).size(), 400u);
+}
+
+TEST(FindStructures, TheNearestListEachStructureOnce) {
+  std::vector<Structure> structures(2);
+  structures[0].id = "Left_cerebellum";
+  structures[0].name = "Left cerebellum";
+  structures[1].id = "v9";
+  structures[1].name = "Vermis IX";
+  const StructureGraph graph = *StructureGraph::build(structures);
+  const auto nearest = [&](const char* text) { return find_structures(graph, text).error().message; };
+  EXPECT_THAT(nearest("Left cerebelum"), HasSubstr("the nearest: \"Left cerebellum\", \"Vermis IX\""));
+  EXPECT_THAT(nearest("Left cerebelum"), Not(HasSubstr("_")));
+  EXPECT_THAT(nearest("Left_cerebelum"), HasSubstr("the nearest: \"Left_cerebellum\", "));
+  EXPECT_THAT(nearest("v8"), HasSubstr("the nearest: \"v9\", "));
+}
+
+TEST(FindStructures, ManyWaysToAStructureTakeNoLonger) {
+  std::vector<Structure> structures(200);  // 2^99 paths to the last
+  for (std::size_t s = 0; s < structures.size(); ++s) {
+    structures[s].id = fmt::format("s{}", s);
+    structures[s].name = "n";
+    const auto level = static_cast<StructureIndex>(s / 2 * 2);
+    if (s >= 2) structures[s].parents = {level - 2, level - 1};
+  }
+  structures.back().name = "last";
+  const StructureGraph graph = *StructureGraph::build(structures);
+  std::string path = "n";
+  for (int n = 1; n < 99; ++n) path += "/n";
+  EXPECT_THAT(*find_structures(graph, path + "/last"), ElementsAre(199));
+  EXPECT_THAT(*find_structures(graph, "n/*n/n/last"), ElementsAre(199));
+  EXPECT_FALSE(find_structures(graph, "x" + path + "/last"));
+  EXPECT_FALSE(find_structures(graph, "n/*x*/last"));
+}
+
+/// Straight from the definition, with all paths written out.
+std::vector<StructureIndex> find_slowly(const StructureGraph& graph, const std::string& name) {
+  const auto all_that = [&](const std::function<bool(StructureIndex)>& matches) {
+    std::vector<StructureIndex> result;
+    for (StructureIndex s = 0; s < graph.size(); ++s) {
+      if (matches(s)) result.push_back(s);
+    }
+    return result;
+  };
+  const auto any_path = [&](StructureIndex s, const std::function<bool(const std::string&)>& matches) {
+    const auto paths = graph.paths(s, 1'000'000);
+    return std::any_of(paths.begin(), paths.end(), matches);
+  };
+  if (name.find('*') != std::string::npos) {
+    const Glob glob(name);
+    const bool begins_anywhere = name.find('/') != std::string::npos;
+    const auto matches_path = [&](std::string path) {
+      for (;;) {
+        if (glob.matches(path)) return true;
+        const std::size_t slash = path.find('/');
+        if (!begins_anywhere || slash == std::string::npos) return false;
+        path.erase(0, slash + 1);
+      }
+    };
+    return all_that([&](StructureIndex s) {
+      return glob.matches(graph[s].id) || glob.matches(graph[s].name) || any_path(s, matches_path);
+    });
+  }
+  auto result = all_that([&](StructureIndex s) { return equal_ignoring_case(graph[s].id, name); });
+  if (result.empty())
+    result = all_that([&](StructureIndex s) { return equal_ignoring_case(graph[s].name, name); });
+  if (!result.empty()) return result;
+  const std::string end = "/" + to_lower(name);
+  return all_that([&](StructureIndex s) {
+    // Only as far up as names reach: a "/" inside a name is no place to begin.
+    return any_path(s, [&](const std::string& path) { return ("/" + to_lower(path)).ends_with(end); });
+  });
+}
+
+RC_GTEST_PROP(FindStructures, AgreesWithItsDefinition, ()) {
+  const auto count = *uniform<std::size_t>(1, 10);
+  auto random = *random_source();
+  // Plain names here: where a name holds "/", a suffix may begin inside it, which is not meant.
+  std::vector<Structure> structures(count);
+  const StructureGraph shape = random_graph(count, random);
+  for (StructureIndex s = 0; s < count; ++s) {
+    structures[s] = shape[s];
+    structures[s].name = std::vector{"Left", "Right", "lobe", "Gyrus of A", "x"}[random() % 5];
+  }
+  const StructureGraph graph = *StructureGraph::build(structures);
+
+  const auto s = static_cast<StructureIndex>(random() % count);
+  const auto paths = graph.paths(s);
+  std::string name = paths[random() % paths.size()];
+  if (random() % 3 == 0) name = graph[s].id;
+  if (random() % 2 == 0) name = name.substr(random() % name.size());
+  if (random() % 3 == 0) name[random() % name.size()] = '*';
+  if (random() % 4 == 0) name = name.substr(name.find('/') + 1);
+  RC_PRE(!name.empty());
+
+  const auto expected = find_slowly(graph, name);
+  const auto result = find_structures(graph, name);
+  const bool unique_or_wild = expected.size() == 1 || name.find('*') != std::string::npos;
+  RC_LOG() << name;
+  RC_ASSERT(result.has_value() == (!expected.empty() && unique_or_wild));
+  if (result) RC_ASSERT(*result == expected);
+}
+
+}  // namespace
+}  // namespace splatlas

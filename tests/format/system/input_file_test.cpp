@@ -1,0 +1,100 @@
+#include "format/system/input_file.h"
+
+#include <fstream>
+
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "tests/format/temporary_folder.h"
+
+namespace splatlas {
+namespace {
+
+using ::testing::HasSubstr;
+
+struct InputFileTest : ::testing::Test {
+  TemporaryFolder folder;
+  std::filesystem::path path = folder.path() / "file";
+
+  void write(const std::string& text) { std::ofstream(path, std::ios::binary) << text; }
+  static std::string read(const InputFile& file, std::uint64_t offset, std::size_t size) {
+    std::string text(size, '?');
+    const auto done = file.read(offset, std::as_writable_bytes(std::span(text)));
+    return done ? text : "error: " + done.error().message;
+  }
+};
+
+TEST_F(InputFileTest, ReadsRanges) {
+  write("0123456789");
+  InputFile file = InputFile::open(path).value();
+  EXPECT_EQ(file.size(), 10u);
+  EXPECT_EQ(file.name(), path.string());
+  EXPECT_EQ(read(file, 0, 10), "0123456789");
+  EXPECT_EQ(read(file, 3, 4), "3456");
+  EXPECT_EQ(read(file, 10, 0), "");
+  EXPECT_THAT(read(file, 8, 3), HasSubstr("truncated"));
+  EXPECT_THAT(read(file, 11, 0), HasSubstr("truncated"));
+  EXPECT_THAT(read(file, ~std::uint64_t{0}, 2), HasSubstr("truncated"));
+  const InputFile moved = std::move(file);
+  EXPECT_EQ(read(moved, 9, 1), "9");
+}
+
+TEST_F(InputFileTest, ReadsBytesInMemoryAlike) {
+  const InputFile file({std::byte{'a'}, std::byte{'b'}}, "name");
+  EXPECT_EQ(file.name(), "name");
+  EXPECT_EQ(read(file, 1, 1), "b");
+  EXPECT_THAT(read(file, 1, 2), HasSubstr("truncated"));
+}
+
+TEST_F(InputFileTest, ReadsPastFourGibibytes) {
+  write("begin");
+  std::filesystem::resize_file(path, (std::uint64_t{5} << 30) + 1);  // a hole, but for its ends
+  std::fstream(path, std::ios::binary | std::ios::in | std::ios::out).seekp(std::int64_t{5} << 30) << "e";
+  const InputFile file = InputFile::open(path).value();
+  EXPECT_EQ(file.size(), (std::uint64_t{5} << 30) + 1);
+  EXPECT_EQ(read(file, std::uint64_t{5} << 30, 1), "e");
+  EXPECT_EQ(read(file, std::uint64_t{1} << 32, 1), std::string(1, '\0'));
+  EXPECT_EQ(read(file, 0, 5), "begin");
+}
+
+TEST_F(InputFileTest, MissingFilesAreNoAtlasFault) {
+  const auto file = InputFile::open(path);
+  ASSERT_FALSE(file);
+  EXPECT_EQ(file.error().code, ErrorCode::kFailed);
+  EXPECT_EQ(file.error().message, path.string() + ": cannot be opened: No such file or directory");
+}
+
+TEST_F(InputFileTest, OpensRegularFilesOnly) {
+  const auto refusal = [](const std::filesystem::path& p) {
+    const auto file = InputFile::open(p);
+    EXPECT_EQ(file.error().code, ErrorCode::kInvalidAtlas);
+    return file.error().message;
+  };
+  EXPECT_THAT(refusal(folder.path()), HasSubstr("not an atlas (a folder)"));
+  ASSERT_EQ(::mkfifo(path.c_str(), 0600), 0);
+  EXPECT_THAT(refusal(path),
+              HasSubstr("not an atlas (not a regular file)"));  // and does not wait for a writer
+  EXPECT_THAT(refusal("/dev/zero"), HasSubstr("not an atlas (not a regular file)"));
+}
+
+TEST_F(InputFileTest, AFileThatBecomesShorterIsAnError) {
+  write(std::string(100'000, 'x'));
+  const InputFile file = InputFile::open(path).value();
+  std::filesystem::resize_file(path, 50'000);
+  EXPECT_EQ(read(file, 49'999, 1), "x");
+  EXPECT_THAT(read(file, 0, 100'000), HasSubstr("truncated while open: ends at 50000, had 100000 bytes"));
+}
+
+TEST_F(InputFileTest, AFileThatIsReplacedStaysTheOldOne) {
+  write("old");
+  const InputFile file = InputFile::open(path).value();
+  std::filesystem::rename(path, folder.path() / "aside");
+  write("new");
+  EXPECT_EQ(read(file, 0, 3), "old");
+}
+
+}  // namespace
+}  // namespace splatlas

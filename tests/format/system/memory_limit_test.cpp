@@ -1,0 +1,25 @@
+#include "format/system/memory_limit.h"
+
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+namespace splatlas {
+namespace {
+
+TEST(MemoryLimit, IsThreeQuartersOfWhatTheProcessMayHave) {
+  const std::uint64_t before = default_memory_limit();
+  EXPECT_GT(before, 0u);
+  for (const auto resource : {RLIMIT_AS, RLIMIT_DATA}) {
+    rlimit old{};
+    ASSERT_EQ(::getrlimit(resource, &old), 0);
+    const rlimit half{before / 2, old.rlim_max};
+    ASSERT_EQ(::setrlimit(resource, &half), 0);
+    const std::uint64_t limited = default_memory_limit();  // nothing else meanwhile: it might need memory
+    ::setrlimit(resource, &old);
+    EXPECT_EQ(limited, before / 2 / 4 * 3);
+    EXPECT_EQ(default_memory_limit(), before);
+  }
+}
+
+}  // namespace
+}  // namespace splatlas

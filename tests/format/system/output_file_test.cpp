@@ -1,0 +1,277 @@
+#include "format/system/output_file.h"
+
+#include <csignal>
+#include <fstream>
+#include <iterator>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "tests/format/ordinary_user.h"
+#include "tests/format/temporary_folder.h"
+
+namespace splatlas {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::EndsWith;
+using ::testing::HasSubstr;
+using ::testing::UnorderedElementsAre;
+
+struct OutputFileTest : ::testing::Test {
+  TemporaryFolder folder;
+  std::filesystem::path path = folder.path() / "out.atlas";
+
+  static std::string write(const std::filesystem::path& to, const std::string& text) {
+    const auto written = write_file(to, std::as_bytes(std::span(text)));
+    if (written) return "";
+    EXPECT_EQ(written.error().code, ErrorCode::kFailed);
+    EXPECT_THAT(written.error().message, HasSubstr(to.string() + ": cannot be written: "));
+    return written.error().message;
+  }
+  static std::string read(const std::filesystem::path& from) {
+    std::ifstream file(from, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), {}};
+  }
+};
+
+TEST_F(OutputFileTest, WritesAndReplaces) {
+  EXPECT_EQ(write(path, "one"), "");
+  EXPECT_EQ(read(path), "one");
+  EXPECT_EQ(write(path, std::string(3'000'000, 'x')), "");
+  EXPECT_EQ(read(path), std::string(3'000'000, 'x'));
+  EXPECT_EQ(write(path, ""), "");
+  EXPECT_EQ(read(path), "");
+  EXPECT_THAT(folder.names(), ElementsAre("out.atlas"));
+}
+
+TEST_F(OutputFileTest, KeepsPermissionsOfTheOldFile) {
+  ASSERT_EQ(write(path, "one"), "");
+  ASSERT_EQ(::chmod(path.c_str(), 0640), 0);
+  ASSERT_EQ(write(path, "two"), "");
+  EXPECT_EQ(std::filesystem::status(path).permissions(), std::filesystem::perms{0640});
+}
+
+TEST_F(OutputFileTest, NewFilesFollowTheMask) {
+  const mode_t old_mask = ::umask(027);
+  EXPECT_EQ(write(path, "one"), "");
+  ::umask(old_mask);
+  EXPECT_EQ(std::filesystem::status(path).permissions(), std::filesystem::perms{0640});
+}
+
+TEST_F(OutputFileTest, LeavesWhatMayNotBeWrittenTo) {
+  ASSERT_EQ(write(path, "one"), "");
+  ASSERT_EQ(::chmod(path.c_str(), 0444), 0);
+  ASSERT_TRUE(give_to_ordinary_user(folder.path().c_str()));
+  {
+    const OrdinaryUser user;
+    EXPECT_THAT(write(path, "two"), HasSubstr("Permission denied"));
+  }
+  EXPECT_EQ(read(path), "one");
+  EXPECT_THAT(folder.names(), ElementsAre("out.atlas"));
+}
+
+TEST_F(OutputFileTest, KeepsTheOwnerWhereThatMayBe) {
+  ASSERT_EQ(write(path, "one"), "");
+  struct stat before {};
+  // Root may give the file away, others to themselves alone.
+  const uid_t owner = ::geteuid() == 0 ? 1234 : ::geteuid();
+  ASSERT_EQ(::chown(path.c_str(), owner, static_cast<gid_t>(-1)), 0);
+  ASSERT_EQ(::stat(path.c_str(), &before), 0);
+  ASSERT_EQ(write(path, "two"), "");
+  struct stat after {};
+  ASSERT_EQ(::stat(path.c_str(), &after), 0);
+  EXPECT_EQ(after.st_uid, owner);
+  EXPECT_EQ(after.st_gid, before.st_gid);
+  EXPECT_EQ(after.st_mode, before.st_mode);
+}
+
+/// Here the group may do more than others; a new group must not.
+TEST_F(OutputFileTest, GrantsAnotherGroupWhatOthersMayDo) {
+  ASSERT_EQ(write(path, "one"), "");
+  const bool root = ::geteuid() == 0;  // who else is there cannot make a file of a foreign group
+  ASSERT_EQ(::chown(path.c_str(), root ? 1234 : ::geteuid(), root ? 1234 : ::getegid()), 0);
+  ASSERT_EQ(::chmod(path.c_str(), 02676), 0);
+  ASSERT_TRUE(give_to_ordinary_user(folder.path().c_str()));
+  {
+    const OrdinaryUser user;
+    EXPECT_EQ(write(path, "two"), "");
+  }
+  EXPECT_EQ(read(path), "two");
+  EXPECT_EQ(std::filesystem::status(path).permissions(), std::filesystem::perms(root ? 0666 : 02676));
+}
+
+TEST_F(OutputFileTest, WritesIntoFoldersThatMayNotBeListed) {
+  ASSERT_TRUE(give_to_ordinary_user(folder.path().c_str()));
+  ASSERT_EQ(::chmod(folder.path().c_str(), 0300), 0);
+  {
+    const OrdinaryUser user;
+    EXPECT_EQ(write(path, "one"), "");
+  }
+  EXPECT_EQ(read(path), "one");
+}
+
+TEST_F(OutputFileTest, LeavesAFolderThatAppearsMeanwhile) {
+  {
+    auto file = OutputFile::create(path);
+    ASSERT_TRUE(file);
+    std::filesystem::create_directory(path);
+    const auto committed = file->commit();
+    ASSERT_FALSE(committed);
+    EXPECT_EQ(committed.error().message, path.string() + ": cannot be written: Is a directory");
+  }
+  EXPECT_THAT(folder.names(), ElementsAre("out.atlas"));
+  EXPECT_TRUE(std::filesystem::is_directory(path));
+}
+
+TEST_F(OutputFileTest, RemovesWhatKilledWritersLeft) {
+  std::ofstream(folder.path() / (".splatlas-" + std::to_string(::getpid()) + "-4000000.tmp")) << "half";
+  ASSERT_EQ(write(path, "one"), "");
+  EXPECT_THAT(folder.names(), ElementsAre("out.atlas"));
+}
+
+/// A disk that gives back other bytes than it was given: the temporary is changed after it was written.
+TEST_F(OutputFileTest, ReadsBackWhatItWrote) {
+  ASSERT_EQ(write(path, "old"), "");
+  const std::string text(3'000'000, 'x');
+  for (const bool shorter : {false, true}) {
+    auto file = OutputFile::create(path);
+    ASSERT_TRUE(file);
+    ASSERT_TRUE(file->write(std::as_bytes(std::span(text))));
+    if (shorter) {
+      std::filesystem::resize_file(file->temporary(), text.size() - 1);
+    } else {
+      std::fstream(file->temporary(), std::ios::in | std::ios::out | std::ios::binary).seekp(2'345'678)
+          << 'y';
+    }
+    const auto committed = file->commit();
+    ASSERT_FALSE(committed);
+    EXPECT_EQ(committed.error().message,
+              path.string() + ": cannot be written: other bytes come back from the disk than were written");
+  }
+  EXPECT_EQ(read(path), "old");
+  EXPECT_THAT(folder.names(), ElementsAre("out.atlas"));
+}
+
+TEST_F(OutputFileTest, FollowsLinks) {
+  ASSERT_EQ(write(path, "one"), "");
+  const auto link = folder.path() / "link";
+  std::filesystem::create_symlink("out.atlas", link);
+  EXPECT_EQ(write(link, "two"), "");
+  EXPECT_TRUE(std::filesystem::is_symlink(link));
+  EXPECT_EQ(read(path), "two");
+}
+
+TEST_F(OutputFileTest, FollowsLinksToWhatIsNotThereYet) {
+  std::filesystem::create_symlink("out.atlas", folder.path() / "link");
+  std::filesystem::create_symlink("link", folder.path() / "link to link");
+  EXPECT_EQ(write(folder.path() / "link to link", "two"), "");
+  EXPECT_TRUE(std::filesystem::is_symlink(folder.path() / "link"));
+  EXPECT_EQ(read(path), "two");
+}
+
+TEST_F(OutputFileTest, RefusesLinksThatLeadNowhere) {
+  std::filesystem::create_symlink("none/out.atlas", folder.path() / "broken");
+  EXPECT_THAT(write(folder.path() / "broken", "x"), HasSubstr("No such file or directory"));
+  std::filesystem::create_symlink("loop", folder.path() / "loop");
+  EXPECT_THAT(write(folder.path() / "loop", "x"), HasSubstr("Too many levels of symbolic links"));
+  EXPECT_THAT(folder.names(), UnorderedElementsAre("broken", "loop"));
+}
+
+TEST_F(OutputFileTest, TakesNamesAsLongAsTheFileSystemAllows) {
+  EXPECT_EQ(write(folder.path() / std::string(255, 'n'), "one"), "");
+}
+
+TEST_F(OutputFileTest, RefusesWhatIsNotAFile) {
+  EXPECT_THAT(write(folder.path(), "x"), HasSubstr("it is a folder"));
+  EXPECT_THAT(write("/dev/null", "x"), HasSubstr("it is not a regular file"));
+  EXPECT_THAT(write(folder.path() / "none" / "out.atlas", "x"), HasSubstr("No such file or directory"));
+  EXPECT_THAT(write(path / "", "x"), HasSubstr("cannot be written"));
+  const auto pipe = folder.path() / "pipe";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_THAT(write(pipe, "x"), HasSubstr("it is not a regular file"));
+  EXPECT_TRUE(std::filesystem::is_fifo(pipe));
+  std::filesystem::remove(pipe);
+  ASSERT_EQ(write(path, "one"), "");
+  EXPECT_THAT(write(path / "below", "x"), HasSubstr("Not a directory"));
+  EXPECT_THAT(folder.names(), ElementsAre("out.atlas"));
+}
+
+/// A limit on the size of files stands for a full disk: the write after it comes up short, then fails.
+TEST_F(OutputFileTest, AFullDiskLeavesTheOldFileAndNoTemporary) {
+  ASSERT_EQ(write(path, "old"), "");
+  rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
+  const auto old_handler = std::signal(SIGXFSZ, SIG_IGN);
+  const rlimit small{5000, before.rlim_max};
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &small), 0);
+  const std::string message = write(path, std::string(10'000, 'x'));
+  ::setrlimit(RLIMIT_FSIZE, &before);
+  std::signal(SIGXFSZ, old_handler);
+  EXPECT_THAT(message, HasSubstr("File too large"));
+  EXPECT_EQ(read(path), "old");
+  EXPECT_THAT(folder.names(), ElementsAre("out.atlas"));
+}
+
+TEST_F(OutputFileTest, LibrariesWriteToItsPath) {
+  ASSERT_EQ(write(path, "old"), "");
+  ASSERT_EQ(::chmod(path.c_str(), 0640), 0);
+  for (const bool replace : {false, true}) {
+    auto file = OutputFile::create(path, ".nii.gz");
+    ASSERT_TRUE(file) << file.error().message;
+    EXPECT_EQ(file->temporary().parent_path(), std::filesystem::canonical(folder.path()));
+    EXPECT_THAT(file->temporary().string(), EndsWith(".nii.gz"));
+    if (replace) std::filesystem::remove(file->temporary());
+    std::ofstream(file->temporary()) << "new";
+    EXPECT_NE(read(path), "new");
+    ASSERT_TRUE(file->commit());
+    EXPECT_EQ(read(path), "new");
+    EXPECT_EQ(std::filesystem::status(path).permissions(), std::filesystem::perms{0640});
+    ASSERT_EQ(write(path, "old"), "");
+  }
+  EXPECT_THAT(folder.names(), ElementsAre("out.atlas"));
+}
+
+TEST_F(OutputFileTest, WhatIsNotCommittedIsRemoved) {
+  ASSERT_EQ(write(path, "old"), "");
+  {
+    auto file = OutputFile::create(path);
+    ASSERT_TRUE(file);
+    ASSERT_TRUE(file->write(std::as_bytes(std::span("half", 4))));
+    EXPECT_EQ(folder.names().size(), 2u);
+  }
+  EXPECT_EQ(read(path), "old");
+  EXPECT_THAT(folder.names(), ElementsAre("out.atlas"));
+}
+
+TEST_F(OutputFileTest, OfSeveralNoneIsRenamedBeforeAllAreComplete) {
+  ASSERT_EQ(write(path, "old"), "");
+  for (const bool fails : {true, false}) {
+    std::vector<OutputFile> files;
+    for (const char* name : {"out.atlas", "stats.json"}) {
+      auto file = OutputFile::create(folder.path() / name);
+      ASSERT_TRUE(file);
+      ASSERT_TRUE(file->write(std::as_bytes(std::span("new", 3))));
+      files.push_back(std::move(*file));
+    }
+    if (fails) std::filesystem::remove(files[1].temporary());
+    const auto committed = commit_files(files);
+    EXPECT_EQ(committed.has_value(), !fails);
+    if (fails) {
+      EXPECT_THAT(committed.error().message, HasSubstr("stats.json: cannot be written: No such file"));
+      files.clear();
+      EXPECT_EQ(read(path), "old");
+      EXPECT_THAT(folder.names(), ElementsAre("out.atlas"));
+    }
+  }
+  EXPECT_EQ(read(path), "new");
+  EXPECT_EQ(read(folder.path() / "stats.json"), "new");
+  EXPECT_THAT(folder.names(), UnorderedElementsAre("out.atlas", "stats.json"));
+}
+
+}  // namespace
+}  // namespace splatlas

@@ -1,0 +1,85 @@
+#include "format/system/standard_output.h"
+
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "tests/format/temporary_folder.h"
+
+namespace splatlas {
+namespace {
+
+/// Standard output goes elsewhere while this lives. Nothing may be expected meanwhile: that is printed, too.
+class StandardOutputTo {
+ public:
+  explicit StandardOutputTo(const std::filesystem::path& path) {
+    std::fflush(stdout);
+    go_to(path);
+  }
+  ~StandardOutputTo() {
+    std::fflush(stdout);
+    std::clearerr(stdout);
+    ::dup2(own_, STDOUT_FILENO);
+    ::close(own_);
+  }
+  StandardOutputTo(const StandardOutputTo&) = delete;
+  StandardOutputTo& operator=(const StandardOutputTo&) = delete;
+
+  static void go_to(const std::filesystem::path& path) {
+    const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
+    ::dup2(file, STDOUT_FILENO);
+    ::close(file);
+  }
+
+ private:
+  int own_ = ::dup(STDOUT_FILENO);
+};
+
+struct StandardOutputTest : ::testing::Test {
+  TemporaryFolder folder;
+  std::filesystem::path path = folder.path() / "said";
+
+  [[nodiscard]] std::string said() const {
+    std::ifstream file(path);
+    return {std::istreambuf_iterator<char>(file), {}};
+  }
+  static std::string message_of(const Result<void>& result) { return result ? "" : result.error().message; }
+};
+
+TEST_F(StandardOutputTest, IsHandedOnAtOnce) {
+  std::string message, at_once;
+  {
+    const StandardOutputTo file(path);
+    message = message_of(print_text("some text"));
+    at_once = said();
+  }
+  EXPECT_EQ(message, "");
+  EXPECT_EQ(at_once, "some text");
+}
+
+TEST_F(StandardOutputTest, AFullDiskIsTold) {
+  for (const std::size_t bytes : {10, 1'000'000}) {  // less than is kept back, and more
+    Result<void> printed, finished;
+    {
+      std::filesystem::remove(path);
+      const StandardOutputTo full("/dev/full");
+      printed = print_text(std::string(bytes, 'x'));
+      StandardOutputTo::go_to(path);
+      finished = finish_standard_output();
+    }
+    ASSERT_FALSE(printed);
+    EXPECT_EQ(printed.error().code, ErrorCode::kFailed);
+    EXPECT_EQ(printed.error().message, "standard output: cannot be written: No space left on device");
+    // Even where there is room again: something is missing.
+    EXPECT_EQ(message_of(finished), "standard output: cannot be written: an earlier write failed");
+  }
+}
+
+}  // namespace
+}  // namespace splatlas

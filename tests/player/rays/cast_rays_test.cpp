@@ -1,0 +1,392 @@
+// Pictures by rays: in perspective, and of grey values classified after interpolation.
+#include "player/rays/cast_rays.h"
+
+#include <cmath>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "tests/reference/grey_truth.h"
+#include "tests/reference/light_field.h"
+#include "tests/reference/picture_difference.h"
+#include "tests/reference/reference_volume.h"
+#include "tests/support/random_scene.h"
+#include "tests/support/render.h"
+#include "tests/support/standard_scenes.h"
+
+namespace splatlas {
+namespace {
+
+using reference::GreyTruth;
+using reference::PerspectiveView;
+using reference::PictureDifference;
+using reference::ReferencePicture;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// A cube of one grey value, 21 voxels of 1 mm a side, its middle at the origin.
+AtlasContent fog() {
+  TestVolume volume;
+  volume.grid.size = {21, 21, 21};
+  volume.grid.origin_lps_mm = {-10, -10, -10};
+  volume.structures = {{"fog", make_mask(volume.grid.size, [](auto...) { return true; }), {255, 255, 255}}};
+  volume.values = make_values(VoxelType::kUInt8, std::vector<std::uint8_t>(21 * 21 * 21, 200));
+  volume.window_high = 200;
+  return make_content(volume);
+}
+
+Camera perspective(double field_of_view_deg = 30) {
+  Camera camera;
+  camera.azimuth_deg = 33;
+  camera.elevation_deg = 21;
+  camera.projection = CameraProjection::kPerspective;
+  camera.field_of_view_deg = field_of_view_deg;
+  return camera;
+}
+
+/// Puts the eye at a point, whatever the size of the picture.
+Camera with_eye_at(const Vec3& eye, Camera camera, const PictureSize& size, const Display& display) {
+  camera.center_lps_mm = eye;
+  const View view = *view_of(camera, size, display);
+  for (std::size_t a = 0; a < 3; ++a) (*camera.center_lps_mm)[a] += *view.eye_mm * view.plane.forward_lps[a];
+  return camera;
+}
+
+RenderOptions accurate(Quality quality = Quality::kNormal) {
+  RenderOptions options;
+  options.size = {40, 36};
+  options.quality = quality;
+  options.classification = Classification::kAfter;
+  options.hybrid_shading = false;
+  return options;
+}
+
+/// The truth of a selection with one look of grey bytes.
+ReferencePicture truth_of(const StandardScene& scene, const Camera& camera, const PictureSize& size) {
+  const auto volume = reference::masked_volume(scene.content, scene.selection);
+  const Grid& grid = volume->grid;
+  const auto look = reference::grey_look(
+      *std::find_if(scene.selection.structures.begin(), scene.selection.structures.end(),
+                    [](const StructureDraw& draw) { return draw.mode != DrawMode::kOff; }),
+      scene.content.display, std::cbrt(grid.spacing_mm[0] * grid.spacing_mm[1] * grid.spacing_mm[2]));
+  const GreyTruth truth(*volume, *look, Classification::kAfter);
+  const View view = *view_of(camera, size, scene.content.display);
+  if (!view.eye_mm) return render_grey_truth(truth, grid, view.plane, 1);
+  return render_grey_truth(truth, grid, PerspectiveView{view.plane, camera.field_of_view_deg}, 1);
+}
+
+/// A smooth ball of bytes with a dent, cut out of nothing on one side.
+StandardScene smooth_bytes(const std::string& options) {
+  TestVolume volume;
+  volume.grid.size = {26, 24, 25};
+  volume.grid.spacing_mm = {1, 1.1, 0.9};
+  volume.structures = {{"ball",
+                        make_mask(volume.grid.size, [](std::int64_t i, auto, auto) { return i < 19; }),
+                        {255, 160, 90}}};
+  std::vector<std::uint8_t> greys;
+  for (int k = 0; k < 25; ++k) {
+    for (int j = 0; j < 24; ++j) {
+      for (int i = 0; i < 26; ++i) {
+        const double ball = std::exp(-(std::pow(i - 12, 2) + std::pow(j - 12, 2) + std::pow(k - 12, 2)) / 60);
+        const double dent = std::exp(-(std::pow(i - 9, 2) + std::pow(j - 8, 2) + std::pow(k - 15, 2)) / 12);
+        greys.push_back(static_cast<std::uint8_t>(std::lround(std::max(0.0, 230 * ball - 90 * dent))));
+      }
+    }
+  }
+  volume.values = make_values(VoxelType::kUInt8, greys);
+  volume.window_low = 40;
+  volume.window_high = 200;
+  StandardScene scene{"smooth", make_content(volume), {}};
+  scene.selection =
+      selection_of(options.empty() ? "ball:volume" : "ball:volume(" + options + ")", scene.content.graph);
+  return scene;
+}
+
+TEST(CastRays, AnEyeInTheFogSeesWhatLiesAhead) {
+  const AtlasContent content = fog();
+  const Selection selection = selection_of("fog:volume(opacity=0.05)", content.graph);
+  RenderOptions options = accurate(Quality::kHigh);
+  options.size = {33, 33};
+  for (const Classification classification : {Classification::kBefore, Classification::kAfter}) {
+    options.classification = classification;
+    Camera camera = perspective(60);
+    camera.azimuth_deg = 90;
+    camera.elevation_deg = 0;
+    for (const double ahead : {0.0, 3.25, 9.5, 30.0}) {
+      const Picture picture = render_or_throw(
+          content, selection, with_eye_at({ahead, 0, 0}, camera, options.size, content.display), options);
+      // Beside the last voxel's centre the soft ramp falls to nothing within a mm, linearly in both.
+      const double length = ahead > 11 ? 21 : 10.5 + std::min(ahead, 10.0);
+      const double depth = -std::log(1 - 0.05) * length;
+      EXPECT_NEAR(picture.at(16, 16)[3], 1 - std::exp(-depth), 2e-4) << ahead;
+    }
+  }
+}
+
+// Found by fuzzing: rays were differences of places that are the same for numbers so close.
+TEST(CastRays, AnEyeAtThePointThatItLooksAtSeesAsOneNearIt) {
+  AtlasContent content = fog();
+  content.display.center_lps_mm = {3.2, 1, -2};
+  const Selection selection = selection_of("fog:volume(opacity=0.05)", content.graph);
+  content.display.radius_mm = 1e-6;
+  const Picture near = render_or_throw(content, selection, perspective(60), accurate());
+  EXPECT_GT(near.at(0, 0)[3], 0.2);
+  EXPECT_GT(std::abs(near.at(0, 0)[3] - near.at(39, 35)[3]), 0.01);
+  content.display.radius_mm = 1e-60;
+  const Picture at = render_or_throw(content, selection, perspective(60), accurate());
+  for (std::size_t n = 0; n < at.rgba.size(); ++n) EXPECT_NEAR(at.rgba[n], near.rgba[n], 2e-6) << n;
+}
+
+/// Found by random scenes. What shows every trace of a structure fills all that is within one voxel of it:
+/// rays that cut off an edge are in it for a small part of a slab.
+TEST(CastRays, StepsAtABorderAreMetByRaysThatPassAnEdge) {
+  const AtlasContent content = fog();
+  const Selection selection = selection_of("fog:volume(curve=0:0/0.000001:0.5)", content.graph);
+  for (const CameraProjection projection : {CameraProjection::kParallel, CameraProjection::kPerspective}) {
+    Camera camera = perspective(90);
+    camera.projection = projection;
+    const RenderOptions options = accurate(Quality::kHigh);
+    const Picture picture = render_or_throw(content, selection, camera, options);
+    const View view = *view_of(camera, options.size, content.display);
+    const Grid grid = storage_grid(content);
+    int passed = 0;
+    for (int y = 0; y < options.size.height; ++y) {
+      for (int x = 0; x < options.size.width; ++x) {
+        const double px = x + 0.5, py = y + 0.5;
+        const reference::Ray ray =
+            view.eye_mm ? ray_through(PerspectiveView{view.plane, camera.field_of_view_deg}, grid, px, py)
+                        : reference::ray_through(view.plane, grid, px, py);
+        double from = -kInfinity, to = kInfinity;
+        for (std::size_t a = 0; a < 3; ++a) {
+          const double one = (-1 - ray.start[a]) / ray.per_mm[a], other = (21 - ray.start[a]) / ray.per_mm[a];
+          from = std::max(from, std::min(one, other));
+          to = std::min(to, std::max(one, other));
+        }
+        const double length = std::max(0.0, to - from);
+        passed += length > 0 && length < 0.5 ? 1 : 0;
+        EXPECT_NEAR(picture.at(x, y)[3], 1 - std::pow(0.5, length), 2e-3) << x << ", " << y << ": " << length;
+      }
+    }
+    EXPECT_GT(passed, 3);
+  }
+}
+
+/// Around an eye in the middle, in every direction, whichever axis is the principal one.
+TEST(CastRays, AWideFieldOfViewIsSeamless) {
+  const AtlasContent content = fog();
+  const Selection selection = selection_of("fog:volume(opacity=0.05)", content.graph);
+  RenderOptions options = accurate(Quality::kHigh);
+  options.size = {41, 41};
+  for (const double degrees : {90.0, 120.0, 170.0}) {
+    const Camera camera = with_eye_at({0, 0, 0}, perspective(degrees), options.size, content.display);
+    const View view = *view_of(camera, options.size, content.display);
+    const Picture picture = render_or_throw(content, selection, camera, options);
+    for (int y = 0; y < 41; ++y) {
+      for (int x = 0; x < 41; ++x) {
+        Vec3 way = reference::minus(view.plane.point_lps_mm(x + 0.5, y + 0.5), view.eye_lps_mm());
+        const double most = std::max({std::abs(way[0]), std::abs(way[1]), std::abs(way[2])});
+        const double per_mm = std::sqrt(reference::dot(way, way)) / most;
+        // 10 mm of fog and a border of one more that thins out: by half on the way through a side, and by
+        // more where edges and corners are near.
+        const double depth = -std::log(1 - 0.05) * per_mm;
+        EXPECT_GE(picture.at(x, y)[3], 1 - std::exp(-depth * 10) - 1e-4) << x << ' ' << y;
+        EXPECT_LE(picture.at(x, y)[3], 1 - std::exp(-depth * 10.5) + 1e-4) << x << ' ' << y;
+      }
+    }
+  }
+}
+
+TEST(CastRays, AreCloseToTheTruthAtEveryQuality) {
+  const PictureSize size = accurate().size;
+  for (const char* look : {"", "opacity=0.01,profile=thin", "profile=hard,opacity=0.95"}) {
+    const StandardScene scene = smooth_bytes(look);
+    for (const bool in_perspective : {false, true}) {
+      Camera camera = perspective();
+      if (!in_perspective) camera.projection = CameraProjection::kParallel;
+      const ReferencePicture truth = truth_of(scene, camera, size);
+      Renderer renderer(open_in_memory(scene.content), {1, 0});
+      ASSERT_TRUE(renderer.select(scene.selection));
+      const auto rms = [&](Quality quality) {
+        return 255 * reference::difference(render_or_throw(renderer, camera, accurate(quality)), truth).rms;
+      };
+      EXPECT_LE(rms(Quality::kNormal), 0.5) << look << (in_perspective ? ", perspective" : "");
+      EXPECT_LE(rms(Quality::kHigh), 0.1) << look << (in_perspective ? ", perspective" : "");
+      EXPECT_LE(rms(Quality::kHigh), rms(Quality::kDraft)) << look;
+    }
+  }
+}
+
+/// Twice the steps, a quarter of the error.
+TEST(CastRays, TheErrorFallsWithTheSquareOfTheSteps) {
+  const StandardScene scene = smooth_bytes("");
+  const Camera camera = perspective();
+  const PictureSize size{40, 36};
+  const ReferencePicture truth = truth_of(scene, camera, size);
+  const auto atlas = open_in_memory(scene.content);
+  ThreadPool pool(1);
+  ClassCache cache(atlas);
+  VolumeLooks looks(*atlas);
+  const DrawPlan plan = atlas->tree().plan(scene.selection);
+  looks.select(plan, scene.selection);
+  std::vector<ClassId> classes;
+  for (const ClassDraw& draw : plan.classes) classes.push_back(draw.id);
+  ASSERT_TRUE(cache.require(classes, Axis::kZ, pool));
+  const SelectedRuns runs(plan, atlas->classes(), cache, Axis::kZ);
+  const auto volume = RayVolume::build({.atlas = *atlas,
+                                        .selection = scene.selection,
+                                        .plan = plan,
+                                        .looks = looks.looks(),
+                                        .runs = runs,
+                                        .cache = cache,
+                                        .classification = Classification::kAfter,
+                                        .max_memory_bytes = std::uint64_t{1} << 30},
+                                       pool);
+  ASSERT_TRUE(volume);
+  const auto rms = [&](int steps) {
+    Picture picture;
+    cast_rays(*volume, *view_of(camera, size, atlas->display()), atlas->grid(),
+              {.least_steps = steps, .most_steps = steps}, best_march(), picture, pool);
+    return reference::difference(picture, truth).rms;
+  };
+  double before = rms(1);
+  for (const int steps : {2, 4, 8}) {
+    const double now = rms(steps);
+    EXPECT_NEAR(std::log2(before / now), 2.0, 0.2) << steps;
+    before = now;
+  }
+}
+
+/// Classified beforehand, lit voxels, any type of grey values, curves, several structures, any grid.
+TEST(CastRays, PerspectiveOfRandomScenesIsTheTruth) {
+  for (std::uint32_t number = 0; number < 60; ++number) {
+    RandomScene scene = random_scene(number);
+    for (StructureDraw& draw : scene.selection.structures) {
+      if (draw.mode != DrawMode::kOff) draw.mode = DrawMode::kVolume;
+    }
+    scene.camera.projection = CameraProjection::kPerspective;
+    scene.camera.field_of_view_deg = std::array{0.01, 30.0, 75.0, 120.0, 179.0}[number % 5];
+    scene.options.transmittance_floor = 0;
+    scene.options.quality = Quality::kHigh;
+    const Picture picture = render_or_throw(scene.content, scene.selection, scene.camera, scene.options);
+    EXPECT_LE(reference::energy_violation(picture), 1e-5) << number << ": " << describe(scene);
+    const View view = *view_of(scene.camera, scene.options.size, scene.content.display);
+    const Grid grid = storage_grid(scene.content);
+    const reference::LightField field =
+        reference::light_field(scene.content, scene.selection, view.plane, scene.options.hybrid_shading);
+    ReferencePicture truth{scene.options.size, {}};
+    for (int y = 0; y < scene.options.size.height; ++y) {
+      for (int x = 0; x < scene.options.size.width; ++x) {
+        const reference::Ray ray =
+            ray_through(PerspectiveView{view.plane, scene.camera.field_of_view_deg}, grid, x + 0.5, y + 0.5);
+        const reference::RayLight light = integrate_ray(field, ray, 0, kInfinity);
+        truth.pixels.push_back({light.color[0], light.color[1], light.color[2], 1 - light.transmittance});
+      }
+    }
+    const PictureDifference d = reference::difference(picture, truth);
+    EXPECT_LE(255 * d.rms, 1) << number << ": " << describe(scene) << ": " << to_text(d);
+  }
+}
+
+TEST(CastRays, ThreadsDoNotChangeABit) {
+  const StandardScene scene = phantom_scene();
+  for (const Classification classification : {Classification::kBefore, Classification::kAfter}) {
+    for (const bool shade : {false, true}) {
+      RenderOptions options = accurate();
+      options.size = {101, 77};
+      options.classification = classification;
+      options.hybrid_shading = shade;
+      const Picture one = render_or_throw(scene.content, scene.selection, perspective(), options, 1);
+      EXPECT_GT(one.at(50, 38)[3], 0.1);
+      for (const unsigned threads : {2u, 8u}) {
+        EXPECT_EQ(render_or_throw(scene.content, scene.selection, perspective(), options, threads).rgba,
+                  one.rgba);
+      }
+    }
+  }
+}
+
+TEST(CastRays, EarlyTerminationIsWithinItsFloorAndNeverMoreLight) {
+  const StandardScene scene = phantom_scene();
+  RenderOptions options = accurate();
+  options.transmittance_floor = 0;
+  const Picture all = render_or_throw(scene.content, scene.selection, perspective(), options);
+  options.transmittance_floor = 0.05f;
+  const Picture ended = render_or_throw(scene.content, scene.selection, perspective(), options);
+  float largest = 0;
+  for (std::size_t n = 0; n < all.rgba.size(); ++n) {
+    largest = std::max(largest, all.rgba[n] - ended.rgba[n]);
+    EXPECT_LE(ended.rgba[n], all.rgba[n] + 1e-6f);
+  }
+  EXPECT_LE(largest, 0.05f);
+  EXPECT_GT(largest, 1e-4f);
+}
+
+/// A narrow field of view from far away is a parallel view.
+TEST(CastRays, AFarEyeSeesInParallel) {
+  const StandardScene scene = blobs_scene();
+  Camera far = perspective(1e-3);
+  const Picture from_far = render_or_throw(scene.content, scene.selection, far, accurate(Quality::kHigh));
+  far.projection = CameraProjection::kParallel;
+  const Picture parallel = render_or_throw(scene.content, scene.selection, far, accurate(Quality::kHigh));
+  ASSERT_EQ(from_far.rgba.size(), parallel.rgba.size());
+  for (std::size_t n = 0; n < parallel.rgba.size(); ++n) {
+    EXPECT_NEAR(from_far.rgba[n], parallel.rgba[n], 1e-3);
+  }
+}
+
+/// Where structures differ by colour alone, their border is a blend of colours without a gap.
+TEST(CastRays, ColoursMeetWithoutAGap) {
+  TestVolume volume;
+  volume.grid.size = {8, 8, 8};
+  for (const bool left : {true, false}) {
+    volume.structures.push_back(
+        {left ? "a" : "b",
+         make_mask(volume.grid.size, [&](std::int64_t i, auto, auto) { return (i < 4) == left; }),
+         left ? Rgb{255, 0, 0} : Rgb{0, 0, 255}});
+  }
+  volume.values = make_values(VoxelType::kUInt8, std::vector<std::uint8_t>(512, 150));
+  volume.window_high = 200;
+  const AtlasContent content = make_content(volume);
+  Camera camera = Camera::of(NamedView::kAnterior);
+  camera.zoom = zoom_for(content.display, 41, 0.1);
+  RenderOptions options = accurate(Quality::kHigh);
+  options.size = {41, 41};
+  const Picture two = render_or_throw(content, selection_of("a + b", content.graph), camera, options);
+  for (int x = 0; x < 41; ++x) {
+    EXPECT_NEAR(two.at(x, 20)[3], two.at(0, 20)[3], 1e-5) << x;  // as opaque everywhere
+    EXPECT_NEAR(two.at(x, 20)[0] + two.at(x, 20)[2], two.at(0, 20)[0], 1e-5) << x;
+  }
+  EXPECT_NEAR(two.at(20, 20)[0], two.at(20, 20)[2], 1e-5);
+  EXPECT_NEAR(two.at(0, 20)[2], 0, 1e-6);
+  EXPECT_NEAR(two.at(40, 20)[0], 0, 1e-6);
+}
+
+TEST(CastRays, NothingSelectedIsAnEmptyPicture) {
+  const AtlasContent content = fog();
+  const Picture picture =
+      render_or_throw(content, Selection{std::vector<StructureDraw>(1)}, perspective(), accurate());
+  for (const float value : picture.rgba) EXPECT_EQ(value, 0);
+}
+
+/// Two voxels far apart: pages around them are counted, not the box between them.
+TEST(CastRays, MemoryIsBounded) {
+  TestVolume volume;
+  volume.grid.size = {120, 120, 120};
+  volume.structures = {{"ends", make_mask(volume.grid.size, [](auto i, auto j, auto k) {
+                          return (i == 0 && j == 0 && k == 0) || (i == 119 && j == 119 && k == 119);
+                        })}};
+  volume.values = make_values(VoxelType::kUInt8, std::vector<std::uint8_t>(120 * 120 * 120, 1));
+  const AtlasContent content = make_content(volume);
+  const auto picture_of = [&](std::uint64_t max_memory_bytes) {
+    Renderer renderer(open_in_memory(content), {1, max_memory_bytes});
+    EXPECT_TRUE(renderer.select(selection_of("ends", content.graph)));
+    return renderer.render(perspective(), accurate());
+  };
+  EXPECT_TRUE(picture_of(std::uint64_t{1} << 18));
+  const auto refused = picture_of(std::uint64_t{1} << 16);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kLimit);
+}
+
+}  // namespace
+}  // namespace splatlas

@@ -1,0 +1,113 @@
+// Surfaces between the parts of the volume, by rays.
+#include "player/rays/cast_surfaces.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "tests/reference/picture_difference.h"
+#include "tests/support/random_scene.h"
+#include "tests/support/render.h"
+#include "tests/support/standard_scenes.h"
+
+namespace splatlas {
+namespace {
+
+/// Without grey values there is no difference between the classifications: rays show the truth of volumes and
+/// surfaces, with every mode and opacity, in any grid.
+TEST(CastSurfaces, AreInOrderWithTheVolume) {
+  int surfaces = 0;
+  for (std::uint32_t number = 0; number < 80; ++number) {
+    RandomScene scene = random_scene(number);
+    scene.content.values = {};
+    scene.options.quality = Quality::kHigh;
+    scene.options.transmittance_floor = 0;
+    scene.options.antialiasing = false;
+    const reference::ReferencePicture truth =
+        reference::render_truth({scene.content, scene.selection, scene.camera, scene.options});
+    scene.options.classification = Classification::kAfter;
+    Renderer renderer(open_in_memory(scene.content), {1, 0});
+    ASSERT_TRUE(renderer.select(scene.selection));
+    const Picture picture = render_or_throw(renderer, scene.camera, scene.options);
+    surfaces += renderer.stats().triangles > 0 ? 1 : 0;
+    EXPECT_LE(reference::energy_violation(picture), 1e-5) << number << ": " << describe(scene);
+    // Edges are where vertices snapped to 1/256 pixel have them: a few centres may lie on the other side.
+    std::size_t wrong = 0;
+    for (std::size_t n = 0; n < truth.pixels.size(); ++n) {
+      double apart = 0;
+      for (std::size_t c = 0; c < 4; ++c) {
+        apart = std::max(apart, std::abs(picture.rgba[4 * n + c] - truth.pixels[n][c]));
+      }
+      wrong += apart > 0.02 ? 1 : 0;
+    }
+    EXPECT_LE(wrong, 1 + truth.pixels.size() / 50) << number << ": " << describe(scene);
+  }
+  EXPECT_GT(surfaces, 30);
+}
+
+/// A narrow field of view from far away is a parallel view, with edges antialiased, too.
+TEST(CastSurfaces, AFarEyeSeesInParallel) {
+  const StandardScene scene = hybrid_scene();
+  Camera camera;
+  camera.azimuth_deg = 33;
+  camera.elevation_deg = 21;
+  RenderOptions options;
+  options.size = {60, 50};
+  options.classification = Classification::kAfter;
+  const Picture parallel = render_or_throw(scene.content, scene.selection, camera, options);
+  camera.projection = CameraProjection::kPerspective;
+  camera.field_of_view_deg = 1e-2;
+  const Picture from_far = render_or_throw(scene.content, scene.selection, camera, options);
+  double squares = 0;
+  for (std::size_t n = 0; n < parallel.rgba.size(); ++n) {
+    squares += std::pow(parallel.rgba[n] - from_far.rgba[n], 2);
+  }
+  EXPECT_LE(255 * std::sqrt(squares / static_cast<double>(parallel.rgba.size())), 1);
+  EXPECT_GT(parallel.at(30, 25)[3], 0.5);
+}
+
+/// What lies on both sides of an eye lets through the square of what lies on one: fog, and the translucent
+/// surface of the hollow in which the eye is.
+TEST(CastSurfaces, AnEyeInsideSeesOneSideOfTheSurface) {
+  TestVolume volume;
+  volume.grid.size = {21, 21, 21};
+  volume.grid.origin_lps_mm = {-10, -10, -10};
+  volume.structures = {{"fog", make_mask(volume.grid.size, [](auto...) { return true; }), {255, 255, 255}},
+                       {"cube", make_mask(volume.grid.size, [](auto i, auto j, auto k) {
+                          return std::abs(i - 10) <= 4 && std::abs(j - 10) <= 4 && std::abs(k - 10) <= 4;
+                        })}};
+  const AtlasContent content = make_content(volume);
+  const Selection selection =
+      selection_of("cube:surface(opacity=0.5) + fog:volume(opacity=0.1)", content.graph);
+  RenderOptions options;
+  options.size = {33, 33};
+  options.quality = Quality::kHigh;
+  options.hybrid_shading = false;
+  options.transmittance_floor = 0;
+  options.classification = Classification::kAfter;
+  Camera camera;
+  camera.azimuth_deg = 90;
+  const double both_sides = 1 - render_or_throw(content, selection, camera, options).at(16, 16)[3];
+  camera.projection = CameraProjection::kPerspective;
+  const View view = *view_of(camera, options.size, content.display);
+  camera.center_lps_mm = Vec3{-*view.eye_mm, 0, 0};
+  const double one_side = 1 - render_or_throw(content, selection, camera, options).at(16, 16)[3];
+  EXPECT_LT(one_side, 0.5);
+  EXPECT_NEAR(both_sides, one_side * one_side, 1e-3);
+}
+
+TEST(CastSurfaces, ThreadsDoNotChangeABit) {
+  const StandardScene scene = hybrid_scene();
+  Camera camera;
+  camera.azimuth_deg = 33;
+  camera.projection = CameraProjection::kPerspective;
+  RenderOptions options;
+  options.size = {71, 57};
+  const Picture one = render_or_throw(scene.content, scene.selection, camera, options, 1);
+  for (const unsigned threads : {2u, 8u}) {
+    EXPECT_EQ(render_or_throw(scene.content, scene.selection, camera, options, threads).rgba, one.rgba);
+  }
+}
+
+}  // namespace
+}  // namespace splatlas

@@ -1,0 +1,380 @@
+#include "player/sheets/splat_kernels.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <random>
+#include <string_view>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "player/spans/span_writer.h"
+#include "tests/support/every_kernel.h"
+
+namespace splatlas {
+namespace {
+
+/// Light of one voxel: extinction, then emissions.
+using Light4 = std::array<float, 4>;
+/// A scanline: voxels without extinction are not selected.
+using Scanline = std::vector<Light4>;
+
+/// A slice with rows of voxels as the kernels read them.
+SliceSpans slice_of(const std::vector<Scanline>& rows, int emissions) {
+  SliceSpans slice;
+  std::size_t longest = 1;
+  for (const Scanline& row : rows) longest = std::max(longest, row.size());
+  SpanWriter writer(0, static_cast<std::int64_t>(longest), emissions, slice);
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    for (std::uint32_t n = 0; n < rows[r].size(); ++n) {
+      if (rows[r][n][0] <= 0) continue;
+      writer.add(n, 1);
+      *writer.extinctions(n) = rows[r][n][0];
+      for (int c = 0; c < emissions; ++c)
+        *writer.emissions(n, c) = rows[r][n][static_cast<std::size_t>(c) + 1];
+    }
+    writer.end_row(static_cast<std::int64_t>(r));
+  }
+  writer.finish();
+  return slice;
+}
+
+/// Streams of image pixels (a row and a phase each) with their margins, and guards around those.
+class Image {
+ public:
+  static constexpr std::int64_t kGuard = 8;
+
+  Image(std::int64_t columns, std::size_t streams, std::size_t planes)
+      : columns_(columns),
+        stride_(columns + 2 * (ImageRows::kMargin + kGuard)),
+        streams_(streams),
+        planes_(planes),
+        floats_(streams * planes * static_cast<std::size_t>(stride_)) {}
+
+  /// Rows between a pair follow each other, and their phases.
+  [[nodiscard]] ImageRows rows(std::size_t phases, std::size_t rows_between) {
+    const auto plane_floats = stride_ * static_cast<std::int64_t>(planes_);
+    const auto row_floats = plane_floats * static_cast<std::int64_t>(phases);
+    return {floats_.data() + kGuard + ImageRows::kMargin,        columns_, stride_, plane_floats, row_floats,
+            row_floats * static_cast<std::int64_t>(rows_between)};
+  }
+  [[nodiscard]] float& at(std::size_t stream, std::size_t plane, std::int64_t x) {
+    return floats_[(stream * planes_ + plane) * static_cast<std::size_t>(stride_) +
+                   static_cast<std::size_t>(kGuard + ImageRows::kMargin + x)];
+  }
+  [[nodiscard]] std::int64_t columns() const { return columns_; }
+  [[nodiscard]] std::size_t streams() const { return streams_; }
+  [[nodiscard]] std::size_t planes() const { return planes_; }
+
+  void fill(std::mt19937& random) {
+    std::uniform_real_distribution<float> value(0, 1);
+    for (float& f : floats_) f = value(random);
+  }
+
+ private:
+  std::int64_t columns_, stride_;
+  std::size_t streams_, planes_;
+  std::vector<float> floats_;
+};
+
+/// Stretches of voxels and gaps of any length.
+Scanline random_scanline(std::mt19937& random, float most_extinction) {
+  std::uniform_real_distribution<float> value(0, 1);
+  Scanline row(random() % 150);
+  bool selected = false;
+  std::size_t left = 0;
+  for (Light4& voxel : row) {
+    if (left-- == 0) {
+      selected = !selected;
+      left = random() % 40;
+    }
+    if (selected) voxel = {value(random) * most_extinction, value(random), value(random), value(random)};
+  }
+  return row;
+}
+
+/// Rows of voxels, and the rows of pixels between them; some pairs reach beyond the slice.
+struct Case {
+  std::vector<Scanline> voxels;
+  SliceSpans slice;
+  SheetRows rows;
+
+  Case(std::mt19937& random, float most_extinction) {
+    for (std::size_t n = random() % 4; n < 4; ++n) voxels.push_back(random_scanline(random, most_extinction));
+    slice = slice_of(voxels, random() % 2 == 0 ? 1 : 3);
+    rows.slice = &slice;
+    rows.upper = -1 + static_cast<std::int64_t>(random() % 2);
+    rows.pairs = static_cast<std::int64_t>(random() % (voxels.size() + 2));
+    constexpr std::array<std::array<std::size_t, 2>, 6> kTogether{
+        {{1, 1}, {1, 2}, {1, 3}, {2, 1}, {2, 2}, {3, 3}}};
+    const auto [rows_between, phases] = kTogether[random() % kTogether.size()];
+    rows.rows_between = rows_between;
+    rows.phase_count = phases;
+    for (float& weight : rows.lower_weights) weight = part(random);
+    const auto shift = static_cast<std::int64_t>(random() % 120) - 60;
+    for (Phase& phase : rows.phases) phase = {part(random), shift + static_cast<std::int64_t>(random() % 2)};
+  }
+  Case(const Case&) = delete;
+  Case& operator=(const Case&) = delete;
+
+  [[nodiscard]] Image image(std::mt19937& random) const {
+    Image image = black_image(1 + random() % 120);
+    image.fill(random);
+    return image;
+  }
+  [[nodiscard]] Image black_image(std::int64_t columns = 120) const {
+    return {columns, static_cast<std::size_t>(rows.pairs) * rows.rows_between * rows.phase_count,
+            1 + static_cast<std::size_t>(slice.emissions)};
+  }
+  void composite(const SplatKernels& kernels, float slab_mm, float floor, Image& image) const {
+    kernels.composite(rows, slab_mm, floor, image.rows(rows.phase_count, rows.rows_between));
+  }
+
+  /// From the definition.
+  [[nodiscard]] double splatted(std::size_t stream, std::int64_t x, std::size_t plane) const {
+    return weigh(stream, x, plane, [](double first, double second, double weight) {
+      return (1 - weight) * first + weight * second;
+    });
+  }
+  /// The largest of the voxels that are mixed: what rounding is relative to.
+  [[nodiscard]] double largest(std::size_t stream, std::int64_t x, std::size_t plane) const {
+    return weigh(stream, x, plane,
+                 [](double first, double second, double) { return std::max(first, second); });
+  }
+
+ private:
+  static float part(std::mt19937& random) { return static_cast<float>(random() % 1000) / 1000; }
+
+  [[nodiscard]] double voxel(std::int64_t row, std::int64_t n, std::size_t plane) const {
+    if (row < 0 || row >= static_cast<std::int64_t>(voxels.size()) || n < 0) return 0;
+    const Scanline& line = voxels[static_cast<std::size_t>(row)];
+    return n < static_cast<std::int64_t>(line.size()) ? line[static_cast<std::size_t>(n)][plane] : 0;
+  }
+  template <typename Mix>
+  [[nodiscard]] double weigh(std::size_t stream, std::int64_t x, std::size_t plane, const Mix& mix) const {
+    const Phase& phase = rows.phases[stream % rows.phase_count];
+    const std::size_t row = stream / rows.phase_count;
+    const float lower_weight = rows.lower_weights[row % rows.rows_between];
+    const std::int64_t upper = rows.upper + static_cast<std::int64_t>(row / rows.rows_between);
+    const auto mixed = [&](std::int64_t n) {
+      return mix(voxel(upper, n, plane), voxel(upper + 1, n, plane), static_cast<double>(lower_weight));
+    };
+    return mix(mixed(x - phase.shift), mixed(x - phase.shift - 1), static_cast<double>(phase.before));
+  }
+};
+
+/// One row of pixels upon one row of voxels.
+SheetRows upon(const SliceSpans& slice, const Phase& phase) {
+  SheetRows rows;
+  rows.slice = &slice;
+  rows.pairs = 1;
+  rows.phases[0] = phase;
+  return rows;
+}
+
+class SplatKernelsOf : public EveryKernel {
+ protected:
+  [[nodiscard]] static const SplatKernels& kernels() { return is_twin() ? scalar_kernels() : best_kernels(); }
+  /// What is hidden is left block by block; by narrower vectors also vector by vector.
+  [[nodiscard]] static bool leaves_whole_blocks() { return GetParam() <= HWY_AVX3; }
+};
+INSTANTIATE_TEST_SUITE_P(Every, SplatKernelsOf, testing::ValuesIn(targets_and_twin()), kernel_name);
+
+TEST_P(SplatKernelsOf, CompositeTheDefinition) {
+  std::mt19937 random(1);
+  std::size_t compared = 0;
+  for (int n = 0; n < 600; ++n) {
+    const float most_extinction =
+        std::array{1e-8f, 1e-4f, 1e-2f, 1.0f, 5.0f, 10.0f, 1e4f}[static_cast<std::size_t>(n) % 7];
+    const Case scene(random, most_extinction);
+    Image image = scene.image(random);
+    Image before = image;
+    const double slab_mm = 0.8f;
+    scene.composite(kernels(), 0.8f, 0, image);
+    const std::size_t opacity = image.planes() - 1;
+    for (std::size_t s = 0; s < image.streams(); ++s) {
+      for (std::int64_t x = 0; x < image.columns(); ++x) {
+        const double depth = scene.splatted(s, x, 0) * slab_mm;
+        const double through = 1 - static_cast<double>(before.at(s, opacity, x));
+        const double mean = depth > 0 ? -std::expm1(-depth) / depth : 1;
+        // Light is mixed in three steps, each rounded relative to the voxels mixed.
+        const double depth_error = 2.5e-7 * scene.largest(s, x, 0) * slab_mm;
+        for (std::size_t c = 0; c < opacity; ++c) {
+          const double weight = through * slab_mm * mean;
+          const double added = weight * scene.splatted(s, x, c + 1);
+          const double expected = static_cast<double>(before.at(s, c, x)) + added;
+          const double error = 6e-8 * expected + 8e-7 * added + added * depth_error +
+                               weight * 2.5e-7 * scene.largest(s, x, c + 1);
+          ASSERT_NEAR(image.at(s, c, x), expected, error)
+              << "scene " << n << ", pixel " << x << ", depth " << depth;
+        }
+        const double absorbed = -through * std::expm1(-depth);
+        const double expected = static_cast<double>(before.at(s, opacity, x)) + absorbed;
+        const double error = 6e-8 * expected + 8e-7 * absorbed + through * depth_error * std::exp(-depth);
+        ASSERT_NEAR(image.at(s, opacity, x), expected, error) << "depth " << depth;
+        ASSERT_LE(image.at(s, opacity, x), 1);
+        ++compared;
+      }
+      for (std::size_t plane = 0; plane < image.planes(); ++plane) {
+        for (std::int64_t g = 1; g <= Image::kGuard; ++g) {
+          ASSERT_EQ(image.at(s, plane, -ImageRows::kMargin - g),
+                    before.at(s, plane, -ImageRows::kMargin - g));
+          const std::int64_t behind = image.columns() + ImageRows::kMargin + g - 1;
+          ASSERT_EQ(image.at(s, plane, behind), before.at(s, plane, behind));
+        }
+      }
+    }
+  }
+  EXPECT_GT(compared, 100000u);
+}
+
+/// What is added to black: the opacity itself, without cancellation, to a few units in the last place.
+TEST_P(SplatKernelsOf, OpacityOfThinSlabsDoesNotCancel) {
+  for (double depth = 1e-12; depth < 200; depth *= 1.37) {
+    const auto extinction = static_cast<float>(depth);
+    const SliceSpans slice = slice_of({Scanline(40, Light4{extinction, extinction, 0, 0})}, 3);
+    Image image(40, 1, 4);
+    kernels().composite(upon(slice, {}), 1.0f, 0, image.rows(1, 1));
+    const double expected = -std::expm1(-static_cast<double>(extinction));
+    for (std::int64_t x = 0; x < 40; ++x) {
+      ASSERT_NEAR(image.at(0, 0, x) / expected, 1, 3e-7) << "depth " << depth;
+      ASSERT_NEAR(image.at(0, 3, x) / expected, 1, 3e-7) << "depth " << depth;
+    }
+  }
+}
+
+TEST_P(SplatKernelsOf, EmptyPixelsStayAsTheyAreBitForBit) {
+  std::mt19937 random(3);
+  Scanline voxels(40, Light4{});
+  voxels[20] = {1, 1, 1, 1};
+  const SliceSpans slice = slice_of({voxels}, 3);
+  Image image(40, 1, 4);
+  image.fill(random);
+  Image before = image;
+  kernels().composite(upon(slice, {0.5f, 0}), 3.0f, 0, image.rows(1, 1));
+  for (std::size_t plane = 0; plane < 4; ++plane) {
+    for (std::int64_t x = 0; x < 40; ++x) {
+      if (x == 20 || x == 21) {
+        EXPECT_NE(image.at(0, plane, x), before.at(0, plane, x));
+      } else {
+        EXPECT_EQ(image.at(0, plane, x), before.at(0, plane, x)) << plane << ' ' << x;
+      }
+    }
+  }
+}
+
+/// Blocks are those of the scanline: voxels 16 to 31 here, seen by pixels 21 to 36.
+TEST_P(SplatKernelsOf, OpaqueBlocksAreLeftAsTheyAreAndTheNextOneGetsItsFootprint) {
+  const SliceSpans slice = slice_of({Scanline(48, Light4{1, 1, 1, 1})}, 1);
+  const SheetRows rows = upon(slice, {0.75f, 5});
+  constexpr float kFloor = 0.125f;
+  Image nowhere(60, 1, 2);
+  kernels().composite(rows, 1.0f, kFloor, nowhere.rows(1, 1));
+  Image image(60, 1, 2);
+  for (std::int64_t x = 21; x <= 36; ++x) image.at(0, 1, x) = 0.875f;
+  kernels().composite(rows, 1.0f, kFloor, image.rows(1, 1));
+  for (std::int64_t x = 0; x < 60; ++x) {
+    const bool opaque = x >= 21 && x <= 36;
+    EXPECT_EQ(image.at(0, 0, x), opaque ? 0 : nowhere.at(0, 0, x)) << x;
+  }
+  image = Image(60, 1, 2);
+  constexpr float kAlmost = 0.874f;
+  for (std::int64_t x = 21; x <= 36; ++x) image.at(0, 1, x) = x == 30 ? kAlmost : 0.875f;
+  kernels().composite(rows, 1.0f, kFloor, image.rows(1, 1));
+  EXPECT_NEAR(image.at(0, 0, 30), (1 - kAlmost) * nowhere.at(0, 0, 30), 1e-7) << "it is not opaque";
+  for (std::int64_t x = 21; x <= 36; ++x) {
+    if (leaves_whole_blocks()) {
+      EXPECT_GT(image.at(0, 0, x), 0) << "one pixel is not opaque";
+    }
+    if (x == 30 || image.at(0, 0, x) == 0) continue;
+    EXPECT_NEAR(image.at(0, 0, x), 0.125f * nowhere.at(0, 0, x), 1e-7) << x;
+  }
+}
+
+/// Slice after slice at other places, until much is hidden: what is known of opaque pixels changes nothing,
+/// and is true.
+TEST_P(SplatKernelsOf, WhatIsKnownToBeOpaqueChangesNothing) {
+  constexpr float kFloor = 1e-3f;
+  std::mt19937 random(5);
+  std::int64_t known_pixels = 0;
+  for (int n = 0; n < 100; ++n) {
+    Case scene(random, 8.0f);
+    Image with = scene.black_image();
+    Image without = with;
+    std::vector<OpaquePixels> opaque(with.streams());
+    ImageRows rows = with.rows(scene.rows.phase_count, scene.rows.rows_between);
+    rows.opaque = opaque.data();
+    rows.opaque_row_stride = static_cast<std::int64_t>(scene.rows.phase_count);
+    rows.opaque_pair_stride = rows.opaque_row_stride * static_cast<std::int64_t>(scene.rows.rows_between);
+    for (int slice = 0; slice < 12; ++slice) {
+      kernels().composite(scene.rows, 0.9f, kFloor, rows);
+      scene.composite(kernels(), 0.9f, kFloor, without);
+      for (Phase& phase : scene.rows.phases) phase.shift += slice % 4 == 0 ? 1 : 0;
+    }
+    for (std::size_t s = 0; s < with.streams(); ++s) {
+      for (std::size_t plane = 0; plane < with.planes(); ++plane) {
+        for (std::int64_t x = 0; x < with.columns(); ++x)
+          ASSERT_EQ(with.at(s, plane, x), without.at(s, plane, x)) << "scene " << n;
+      }
+      for (std::int64_t x = opaque[s].first; x < opaque[s].last; ++x)
+        ASSERT_GE(with.at(s, with.planes() - 1, x), 1 - kFloor) << "pixel " << x;
+      known_pixels += opaque[s].last - opaque[s].first;
+    }
+  }
+  const bool keeps = std::string_view(kernels().name) != scalar_kernels().name;  // the twin looks at all
+  EXPECT_EQ(known_pixels > 2000, keeps) << known_pixels;
+}
+
+TEST_P(SplatKernelsOf, AgreeWithTheScalarTwin) {
+  std::mt19937 random(4);
+  for (int n = 0; n < 300; ++n) {
+    const Case scene(random, n % 3 == 0 ? 5.0f : 0.5f);
+    Image image = scene.image(random);
+    Image scalar = image;
+    const float floor = n % 2 == 0 ? 0 : 1e-4f;
+    scene.composite(kernels(), 1.7f, floor, image);
+    scene.composite(scalar_kernels(), 1.7f, floor, scalar);
+    for (std::size_t s = 0; s < image.streams(); ++s) {
+      for (std::size_t plane = 0; plane < image.planes(); ++plane) {
+        for (std::int64_t x = 0; x < image.columns(); ++x) {
+          const float expected = scalar.at(s, plane, x);
+          const float left = leaves_whole_blocks() ? 0 : floor;
+          ASSERT_NEAR(image.at(s, plane, x), expected, left + 1e-6 * std::max(1.0f, expected));
+        }
+      }
+    }
+  }
+}
+
+/// Each leaves out what it may: neither is further off than the floor.
+TEST_P(SplatKernelsOf, AgreeWithTheScalarTwinToTheFloor) {
+  constexpr float kFloor = 1e-2f;
+  std::mt19937 random(6);
+  float largest = 0;
+  for (int n = 0; n < 100; ++n) {
+    Case scene(random, 8.0f);
+    Image image = scene.black_image();
+    Image scalar = image;
+    for (int slice = 0; slice < 6; ++slice) {
+      scene.composite(kernels(), 0.9f, kFloor, image);
+      scene.composite(scalar_kernels(), 0.9f, kFloor, scalar);
+      for (Phase& phase : scene.rows.phases) ++phase.shift;
+    }
+    for (std::size_t s = 0; s < image.streams(); ++s) {
+      for (std::int64_t x = 0; x < image.columns(); ++x) {
+        const float difference =
+            std::abs(image.at(s, image.planes() - 1, x) - scalar.at(s, image.planes() - 1, x));
+        ASSERT_LE(difference, kFloor + 1e-6f) << "scene " << n << ", pixel " << x;
+        largest = std::max(largest, difference);
+      }
+    }
+  }
+  if (std::string_view(kernels().name) != scalar_kernels().name) {
+    EXPECT_GT(largest, kFloor / 10) << "nothing was left out: the test shows nothing";
+  }
+}
+
+}  // namespace
+}  // namespace splatlas

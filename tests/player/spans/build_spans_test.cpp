@@ -1,0 +1,265 @@
+#include "player/spans/build_spans.h"
+
+#include <array>
+#include <cmath>
+#include <random>
+#include <tuple>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "player/transfer/shading.h"
+#include "tests/reference/light_field.h"
+#include "tests/support/random_scene.h"
+
+namespace splatlas {
+namespace {
+
+/// What spans are built from, of a scene.
+struct Prepared {
+  std::shared_ptr<const Atlas> atlas;
+  DrawPlan plan;
+  VolumeLooks looks;
+  ThreadPool pool;
+  ClassCache cache;
+
+  explicit Prepared(const RandomScene& scene, unsigned threads = 1)
+      : atlas(open_in_memory(scene.content)), looks(*atlas), pool(threads), cache(atlas) {
+    select(scene.selection);
+  }
+
+  void select(const Selection& selection) {
+    plan = atlas->tree().plan(selection);
+    looks.select(plan, selection);
+  }
+  void build(Axis axis, SpanBuilder& builder, bool shade = true) {
+    EXPECT_TRUE(cache.require(volume_classes(plan), axis, pool));
+    const SelectedRuns runs(plan, atlas->classes(), cache, axis);
+    builder.build({runs, plan, looks, atlas->classes(), atlas->grid(), cache, shade}, pool);
+  }
+  SpanModel build(Axis axis) {
+    SpanBuilder builder;
+    build(axis, builder);
+    return std::move(builder.model());
+  }
+};
+
+/// Lays the spans out in a volume again, checks their order and blocks on the way.
+std::vector<reference::VoxelLight> unpacked(const SpanModel& model, const Grid& grid) {
+  std::vector<reference::VoxelLight> voxels(static_cast<std::size_t>(grid.voxels()));
+  const ScanOrder scan = ScanOrder::of(model.axis);
+  std::uint64_t with_extinction = 0;
+  for (std::size_t s = 0; s < model.slices.size(); ++s) {
+    const SliceSpans& slice = model.slices[s];
+    for (std::int64_t row = 0; row < grid.size[scan.row_axis]; ++row) {
+      std::int64_t end_block = -1;
+      for (const Span& span : slice.row(row)) {
+        EXPECT_GT(span.first_block, end_block) << "else one span";
+        end_block = span.first_block + span.blocks;
+        std::uint32_t counted = 0;
+        for (std::int64_t n = span.first_block * kBlock; n < end_block * kBlock; ++n) {
+          const float* const light = slice.light.data() + slice.place(span, static_cast<std::uint32_t>(n));
+          if (n >= grid.size[scan.scan_axis]) {
+            for (std::int64_t p = 0; p < slice.block_floats(); p += kBlock) EXPECT_EQ(light[p], 0);
+            continue;
+          }
+          Index3 at{};
+          at[scan.slice_axis] = model.slice_first + static_cast<std::int64_t>(s);
+          at[scan.row_axis] = row;
+          at[scan.scan_axis] = n;
+          reference::VoxelLight& voxel = voxels[static_cast<std::size_t>(grid.offset(at[0], at[1], at[2]))];
+          voxel.extinction = light[0];
+          for (std::size_t c = 0; c < 3; ++c) {
+            voxel.emission[c] =
+                model.emissions == 1 ? light[kBlock] * model.color[c] : light[(c + 1) * kBlock];
+          }
+          if (light[0] > 0) ++counted;
+        }
+        EXPECT_EQ(counted, span.voxels);
+        const auto last_voxel = static_cast<std::uint32_t>(end_block * kBlock - 1);
+        EXPECT_EQ(slice.light.data()[slice.place(span, last_voxel)], 0)
+            << "its footprint would end in another block";
+        with_extinction += counted;
+      }
+    }
+  }
+  EXPECT_EQ(with_extinction, model.voxels);
+  return voxels;
+}
+
+TEST(BuildSpans, HoldsTheLightOfEverySelectedVoxelWithAndWithoutShading) {
+  std::uint64_t compared = 0;
+  for (std::uint32_t number = 0; number < 50; ++number) {
+    const RandomScene scene = random_scene(number, 20);
+    const ParallelView view = *parallel_view(scene.camera, scene.options.size, scene.content.display);
+    Prepared prepared(scene);
+    for (const Axis axis : kAxes) {
+      SpanModel model = prepared.build(axis);
+      for (const bool shade : {false, true, false}) {
+        shade_spans(model, shade ? Lighting(view).table() : std::vector<float>(65536, 1.0f), prepared.pool);
+        const reference::LightField field =
+            reference::light_field(scene.content, scene.selection, view, shade);
+        ASSERT_NEAR(model.mean_densest_per_mm, field.mean_densest, 1e-6 * field.mean_densest);
+        const std::vector<reference::VoxelLight> voxels = unpacked(model, prepared.atlas->grid());
+        for (std::size_t n = 0; n < voxels.size(); ++n) {
+          const double scale = field.voxels[n].extinction;
+          // The float position and extinction round by 6e-8 each, the window's end to a few.
+          ASSERT_NEAR(voxels[n].extinction, scale, 4e-7 * scale + 1e-38) << "scene " << number;
+          for (std::size_t c = 0; c < 3; ++c) {
+            ASSERT_NEAR(voxels[n].emission[c], field.voxels[n].emission[c], 2e-6 * scale + 1e-38);
+          }
+        }
+      }
+      compared += model.voxels;
+    }
+  }
+  EXPECT_GT(compared, 20000u);
+}
+
+TEST(BuildSpans, DoesNotDependOnTheNumberOfThreads) {
+  const RandomScene scene = random_scene(4, 24);
+  Prepared one(scene, 1);
+  Prepared eight(scene, 8);
+  for (const Axis axis : kAxes) {
+    const SpanModel a = one.build(axis);
+    const SpanModel b = eight.build(axis);
+    ASSERT_EQ(a.voxels, b.voxels);
+    for (std::size_t s = 0; s < a.slices.size(); ++s) {
+      ASSERT_EQ(a.slices[s].light.size(), b.slices[s].light.size());
+      for (std::size_t n = 0; n < a.slices[s].light.size(); ++n)
+        ASSERT_EQ(a.slices[s].light.data()[n], b.slices[s].light.data()[n]);
+    }
+  }
+}
+
+/// Voxels of every distance from each other, and grey values that cut runs to pieces of every length.
+TEST(BuildSpans, TakesNoMoreMemoryThanItSays) {
+  for (const std::int64_t visible : {1, 2, 7, 8, 15, 16, 17, 31, 32, 33}) {
+    for (const std::int64_t gap : {1, 7, 8, 9, 10, 16, 17}) {
+      for (const bool by_value : {false, true}) {
+        TestVolume volume;
+        volume.grid.size = {150, 1, 2};
+        const auto mask =
+            make_mask(volume.grid.size, [&](auto i, auto, auto) { return i % (visible + gap) < visible; });
+        volume.structures = {{"a", by_value ? std::vector<bool>(mask.size(), true) : mask}};
+        volume.values = make_values(VoxelType::kUInt8, std::vector<std::uint8_t>(mask.begin(), mask.end()));
+        const AtlasContent content = make_content(volume);
+        const RandomScene scene{content, selection_of("a", content.graph), {}, {}};
+        Prepared prepared(scene);
+        const SpanModel model = prepared.build(Axis::kZ);
+        std::uint64_t bytes = 0;
+        for (const SliceSpans& slice : model.slices) {
+          bytes += slice.light.size() * sizeof(float) + slice.spans.size() * sizeof(Span) +
+                   slice.shaded.size() * sizeof(ShadedVoxel);
+        }
+        EXPECT_LE(bytes, span_model_bytes(prepared.plan.volume_voxels, prepared.atlas->runs(Axis::kZ)))
+            << visible << " visible, " << gap << " not";
+      }
+    }
+  }
+}
+
+void expect_equal(const SliceSpans& a, const SliceSpans& b) {
+  ASSERT_EQ(a.emissions, b.emissions);
+  ASSERT_EQ(a.first_row, b.first_row);
+  ASSERT_EQ(a.last_row, b.last_row);
+  ASSERT_EQ(a.first_span, b.first_span);
+  ASSERT_EQ(a.voxels, b.voxels);
+  ASSERT_EQ(a.spans.size(), b.spans.size());
+  for (std::size_t n = 0; n < a.spans.size(); ++n) {
+    ASSERT_EQ(a.spans[n].first_block, b.spans[n].first_block);
+    ASSERT_EQ(a.spans[n].blocks, b.spans[n].blocks);
+    ASSERT_EQ(a.spans[n].voxels, b.spans[n].voxels);
+    ASSERT_EQ(a.spans[n].offset, b.spans[n].offset);
+  }
+  ASSERT_TRUE(std::equal(a.light.data(), a.light.data() + a.light.size(), b.light.data(),
+                         b.light.data() + b.light.size()));
+  ASSERT_EQ(a.shaded.size(), b.shaded.size());
+  for (std::size_t n = 0; n < a.shaded.size(); ++n) {
+    ASSERT_EQ(a.shaded[n].place, b.shaded[n].place);
+    ASSERT_EQ(a.shaded[n].normal, b.shaded[n].normal);
+    ASSERT_EQ(a.shaded[n].emission, b.shaded[n].emission);
+  }
+}
+
+void expect_equal(const SpanModel& a, const SpanModel& b) {
+  ASSERT_EQ(a.voxels, b.voxels);
+  ASSERT_EQ(a.shaded_voxels, b.shaded_voxels);
+  ASSERT_EQ(a.color, b.color);
+  ASSERT_EQ(std::tuple(a.slice_first, a.row_first, a.rows, a.scan_first, a.scan_voxels),
+            std::tuple(b.slice_first, b.row_first, b.rows, b.scan_first, b.scan_voxels));
+  ASSERT_EQ(a.slices.size(), b.slices.size());
+  for (std::size_t n = 0; n < a.slices.size(); ++n) expect_equal(a.slices[n], b.slices[n]);
+}
+
+/// Some structures of a scene, with one of a few looks each.
+Selection some_structures(const StructureGraph& graph, std::mt19937& random) {
+  constexpr std::array<const char*, 5> kLooks{"", "(opacity=0.3)", "(color=#ff8800)", "(profile=hard)",
+                                              "(curve=0:0/3:0.5)"};
+  std::string text;
+  const char* const look = kLooks[random() % kLooks.size()];  // of all that have none of their own
+  for (StructureIndex s = 0; s < graph.size(); ++s) {
+    if (random() % 2 == 0) continue;
+    const char* const own = random() % 4 == 0 ? kLooks[random() % kLooks.size()] : look;
+    text += fmt::format("{}\"{}\":volume{}", text.empty() ? "" : " + ", graph.structures()[s].id, own);
+  }
+  const auto selection = select(text.empty() ? "*" : text, graph);
+  EXPECT_TRUE(selection) << text << ": " << (selection ? "" : selection.error().message);
+  return *selection;
+}
+
+TEST(BuildSpans, OneSelectionAfterAnotherGivesWhatEachWouldAlone) {
+  std::mt19937 random(1);
+  std::size_t kept = 0, built = 0;
+  for (std::uint32_t number = 0; number < 40; ++number) {
+    const RandomScene scene = random_scene(number, 16);
+    Prepared prepared(scene, 2);
+    const Axis axis = kAxes[random() % 3];
+    SpanBuilder builder;
+    for (int change = 0; change < 8; ++change) {
+      prepared.select(some_structures(prepared.atlas->graph(), random));
+      const bool shade = random() % 4 != 0;
+      prepared.build(axis, builder, shade);
+      SpanBuilder fresh;
+      prepared.build(axis, fresh, shade);
+      ASSERT_NO_FATAL_FAILURE(expect_equal(builder.model(), fresh.model())) << "scene " << number;
+      ASSERT_EQ(fresh.slices_built(), fresh.model().slices.size());
+      if (change == 0) continue;
+      built += builder.slices_built();
+      kept += builder.model().slices.size() - builder.slices_built();
+    }
+  }
+  EXPECT_GT(built, 500u);
+  EXPECT_GT(kept, 100u);
+}
+
+/// Boxes one behind the other: only the slices of what changes are built.
+TEST(BuildSpans, OnlySlicesThatChangeAreBuilt) {
+  TestVolume volume;
+  volume.grid.size = {20, 20, 30};
+  for (const int n : {0, 1, 2}) {
+    volume.structures.push_back(
+        {std::string(1, static_cast<char>('a' + n)), make_mask(volume.grid.size, [&](auto i, auto j, auto k) {
+           return i > 2 && i < 17 && j > 2 && j < 17 && k / 10 == n;
+         })});
+  }
+  const AtlasContent content = make_content(volume);
+  Prepared prepared({content, selection_of("*:volume(color=#ffffff)", content.graph), {}, {}});
+  SpanBuilder builder;
+  const auto built_for = [&](const std::string& text) {
+    prepared.select(selection_of(text, content.graph));
+    prepared.build(Axis::kZ, builder);
+    return builder.slices_built();
+  };
+  EXPECT_EQ(built_for("*:volume(color=#ffffff)"), 30u);
+  EXPECT_EQ(built_for("*:volume(color=#ffffff)"), 0u);
+  EXPECT_EQ(built_for("*:volume(color=#ffff00)"), 0u) << "the colour of all is no voxel's";
+  EXPECT_EQ(built_for("*:volume(color=#ffff00) - b"), 10u);
+  EXPECT_EQ(built_for("a:volume(color=#ffff00)"), 0u);
+  EXPECT_EQ(built_for("*:volume(color=#ffff00)"), 20u);
+  EXPECT_EQ(built_for("*:volume(color=#ffff00) + c:volume(color=#ffff00,opacity=0.5)"), 10u);
+  EXPECT_EQ(built_for("*:volume(color=#ffff00) + c:volume(color=#ff0000)"), 30u) << "three emissions";
+}
+
+}  // namespace
+}  // namespace splatlas

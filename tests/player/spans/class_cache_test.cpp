@@ -1,0 +1,181 @@
+#include "player/spans/class_cache.h"
+
+#include <cstring>
+#include <map>
+#include <numeric>
+
+#include <gtest/gtest.h>
+
+#include "format/atlas_writer.h"
+#include "tests/support/random_scene.h"
+
+namespace splatlas {
+namespace {
+
+/// The values, normals and runs of some classes equal the content's.
+void expect_equal(const AtlasContent& content, const ClassCache& cache, std::span<const ClassId> classes,
+                  Axis axis) {
+  const Grid grid = storage_grid(content);
+  const RunModel model = encode_runs(content.class_volume, grid.size, axis, content.classes.size());
+  const std::size_t bytes = bytes_of(content.values.type);
+  std::vector<std::size_t> met(content.classes.size(), 0);
+  for (std::size_t n = 0; n < content.class_volume.size(); ++n) {
+    const ClassId c = content.class_volume[n];
+    const std::size_t number = met[c]++;
+    if (std::find(classes.begin(), classes.end(), c) == classes.end()) continue;
+    if (bytes > 0) {
+      ASSERT_EQ(std::memcmp(cache.values() + n * bytes, content.values.bytes.data() + n * bytes, bytes), 0);
+    }
+    if (!content.boundary_normals[c].empty()) {
+      ASSERT_EQ(cache.normals()[n], content.boundary_normals[c][number]);
+    }
+  }
+  const auto rows = static_cast<std::uint64_t>(grid.size[ScanOrder::of(axis).row_axis]);
+  std::map<ClassId, ClassRuns> held;
+  for (std::int64_t slice = 0; slice < grid.size[ScanOrder::of(axis).slice_axis]; ++slice) {
+    for (const ClassRun& run : cache.runs(axis).slice(slice))
+      held[run.id].push_back({static_cast<std::uint64_t>(slice) * rows + run.row, run.start, run.length});
+  }
+  for (const ClassId c : classes) {
+    ASSERT_EQ(held[c], model.classes[c]);
+    ASSERT_EQ(cache.run_count(c, axis), model.classes[c].size());
+  }
+}
+
+TEST(ClassCache, HoldsWhatTheAtlasHolds) {
+  for (std::uint32_t number = 0; number < 60; ++number) {
+    const RandomScene scene = random_scene(number);
+    const auto atlas = open_in_memory(scene.content);
+    ThreadPool pool(3);
+    ClassCache cache(atlas);
+    std::vector<ClassId> some;
+    std::vector<ClassId> all;
+    for (ClassId c = 1; c < atlas->classes().size(); ++c) {
+      all.push_back(c);
+      if ((c + number) % 2 == 0) some.push_back(c);
+    }
+    for (const auto& [classes, axis] :
+         {std::pair(some, Axis::kY), {some, Axis::kX}, {all, Axis::kX}, {all, Axis::kZ}}) {
+      ASSERT_TRUE(cache.require(classes, axis, pool));
+      expect_equal(scene.content, cache, classes, axis);
+    }
+    std::vector<StructureIndex> structures;
+    for (StructureIndex s = 0; s < atlas->graph().size(); ++s) structures.push_back(s);
+    ASSERT_TRUE(cache.require_surfaces(structures, pool));
+    for (const StructureIndex s : structures) ASSERT_EQ(cache.surface(s), scene.content.surfaces[s]);
+  }
+}
+
+TEST(ClassCache, ReadsNothingTwiceAndNothingElse) {
+  const RandomScene scene = random_scene(3, 16);
+  const auto bytes = encode_atlas(scene.content);
+  ASSERT_TRUE(bytes);
+  const auto open = [&] { return *Atlas::open_bytes(*bytes); };
+  const auto atlas = open();
+  ASSERT_GE(atlas->classes().size(), 5u);
+  const std::vector<ClassId> some{2, 4};
+  ThreadPool pool(2);
+  ClassCache cache(atlas);
+  ASSERT_TRUE(cache.require(some, Axis::kZ, pool));
+  const Atlas::Counters first = atlas->counters();
+
+  // An atlas that is asked for exactly these parts.
+  const auto other = open();
+  for (const ClassId c : some) {
+    (void)other->read_runs(c, Axis::kZ);
+    (void)other->read_values(c);
+    (void)other->read_normals(c);
+  }
+  EXPECT_EQ(first.read, other->counters().read);
+  EXPECT_EQ(first.decoded, other->counters().decoded);
+
+  ASSERT_TRUE(cache.require(some, Axis::kZ, pool));
+  EXPECT_EQ(atlas->counters().decoded, first.decoded);
+  ASSERT_TRUE(cache.require(some, Axis::kX, pool));
+  for (const ClassId c : some) (void)other->read_runs(c, Axis::kX);
+  EXPECT_EQ(atlas->counters().decoded, other->counters().decoded);
+}
+
+/// What a picture does not need is not read: normals without shading, and along y no runs but those.
+TEST(ClassCache, ReadsNormalsOnlyWhereTheyAreWanted) {
+  const RandomScene scene = random_scene(3, 16);
+  const auto bytes = encode_atlas(scene.content);
+  ASSERT_TRUE(bytes);
+  const auto atlas = *Atlas::open_bytes(*bytes), other = *Atlas::open_bytes(*bytes);
+  std::vector<ClassId> all(atlas->classes().size() - 1);
+  std::iota(all.begin(), all.end(), 1);
+  ThreadPool pool(2);
+  ClassCache cache(atlas);
+  ASSERT_TRUE(cache.require(all, Axis::kY, pool, false));
+  EXPECT_EQ(cache.normals(), nullptr);
+  for (const ClassId c : all) {
+    (void)other->read_runs(c, Axis::kY);
+    (void)other->read_values(c);
+  }
+  EXPECT_EQ(atlas->counters().read, other->counters().read);
+  EXPECT_EQ(atlas->counters().decoded, other->counters().decoded);
+
+  for (const Axis axis : {Axis::kX, Axis::kY}) {  // along x, none are there yet
+    ASSERT_TRUE(cache.require(all, axis, pool, true));
+    expect_equal(scene.content, cache, all, axis);
+  }
+}
+
+/// An atlas of many classes, and all of them but the empty one.
+struct EncodedScene {
+  AtlasContent content;
+  Result<std::vector<std::byte>> bytes;
+  std::vector<ClassId> all;
+};
+
+EncodedScene encoded_scene() {
+  AtlasContent content = random_scene(3, 16).content;
+  Result<std::vector<std::byte>> bytes = encode_atlas(content);
+  std::vector<ClassId> all(content.classes.size() - 1);
+  std::iota(all.begin(), all.end(), 1);
+  return {std::move(content), std::move(bytes), std::move(all)};
+}
+
+/// Small classes share chunks: whichever thread comes first decodes them for all.
+TEST(ClassCache, DecodesAsMuchWithManyThreadsAsWithOne) {
+  const EncodedScene scene = encoded_scene();
+  ASSERT_TRUE(scene.bytes);
+  const auto decoded = [&](unsigned threads) {
+    const auto atlas = *Atlas::open_bytes(*scene.bytes);
+    ThreadPool pool(threads);
+    ClassCache cache(atlas);
+    EXPECT_TRUE(cache.require(scene.all, Axis::kX, pool));
+    return atlas->counters().decoded;
+  };
+  const std::uint64_t expected = decoded(1);
+  for (int n = 0; n < 300; ++n) ASSERT_EQ(decoded(8), expected) << "try " << n;
+}
+
+TEST(ClassCache, DamageIsToldAndNothingOfTheDamagedClassIsKept) {
+  const auto [content, bytes, all] = encoded_scene();
+  ASSERT_TRUE(bytes);
+  ThreadPool pool(2);
+  std::size_t failures = 0;
+  for (std::size_t at = 0; at < bytes->size(); at += 1 + bytes->size() / 100) {
+    auto damaged = *bytes;
+    damaged[at] ^= std::byte{0x10};
+    const auto atlas = Atlas::open_bytes(std::move(damaged));
+    if (!atlas) continue;
+    ClassCache cache(*atlas);
+    for (const Axis axis : kAxes) {
+      const auto first = cache.require(all, axis, pool);
+      const auto again = cache.require(all, axis, pool);
+      EXPECT_EQ(first.has_value(), again.has_value()) << "a damaged class was kept";
+      if (!first) {
+        ++failures;
+        EXPECT_EQ(first.error().code, ErrorCode::kInvalidAtlas);
+      } else {
+        expect_equal(content, cache, all, axis);
+      }
+    }
+  }
+  EXPECT_GT(failures, 5u);
+}
+
+}  // namespace
+}  // namespace splatlas

@@ -1,0 +1,334 @@
+#include "player/surfaces/rasterize.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <random>
+#include <utility>
+
+#include <gtest/gtest.h>
+
+#include "tests/reference/reference_light.h"
+#include "tests/support/marching_tetrahedra.h"
+#include "tests/support/test_content.h"
+
+namespace splatlas {
+namespace {
+
+/// A view whose pixels are `mm_per_pixel` wide, with `center_lps_mm` in the middle.
+ParallelView view_from(double azimuth_deg, double elevation_deg, PictureSize size, double mm_per_pixel,
+                       const Vec3& center_lps_mm) {
+  Camera camera;
+  camera.azimuth_deg = azimuth_deg;
+  camera.elevation_deg = elevation_deg;
+  camera.center_lps_mm = center_lps_mm;
+  ParallelView view = *parallel_view(camera, size, Display{});
+  view.mm_per_pixel = mm_per_pixel;
+  return view;
+}
+
+struct PixelFragment : Fragment {
+  std::uint32_t pixel = 0;
+};
+
+/// A fragment list with every fragment's pixel.
+struct Drawn {
+  std::vector<PixelFragment> fragments;
+
+  Drawn(const FragmentList& list, const PictureSize& size) {
+    for (std::size_t n = 0; n < list.sample_count(); ++n) {
+      for (const Fragment& fragment : list.of_sample(n)) {
+        fragments.push_back({fragment, list.samples[n].pixel});
+      }
+    }
+    EXPECT_EQ(list.first_of_row.front(), 0u);
+    EXPECT_EQ(list.first_of_row.back(), list.sample_count());
+    for (std::uint32_t y = 0; y < static_cast<std::uint32_t>(size.height); ++y) {
+      for (std::uint32_t n = list.first_of_row[y]; n < list.first_of_row[y + 1]; ++n) {
+        EXPECT_EQ(list.samples[n].pixel / static_cast<std::uint32_t>(size.width), y);
+      }
+    }
+  }
+};
+
+/// The scene of one call.
+struct Drawing {
+  ParallelView view;
+  Grid grid{{16, 16, 16}, {1, 1, 1}, {0, 0, 0}, {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+  RasterOptions options{};
+  unsigned threads = 1;
+
+  [[nodiscard]] Result<Drawn> draw(std::span<const SurfaceDraw> surfaces) const {
+    ThreadPool pool(threads);
+    FragmentList list;
+    const Lighting lighting(view);
+    const auto counters = Rasterizer().draw(
+        raster_scene(surfaces, view, factorise(view, grid), grid, lighting), options, list, pool);
+    if (!counters) return tl::unexpected<Error>(counters.error());
+    std::size_t triangles = 0;
+    for (const SurfaceDraw& surface : surfaces) triangles += surface.mesh->triangles.size();
+    EXPECT_EQ(counters->triangles, triangles);
+    return Drawn(list, view.size);
+  }
+};
+
+SurfaceDraw translucent(const SurfaceMesh& mesh, StructureIndex structure = 0, float opacity = 0.5f) {
+  return {&mesh, structure, {1, 1, 1}, opacity};
+}
+
+/// Triangles in the plane y = 0 (the picture's plane at azimuth 0), normals to the viewer.
+SurfaceMesh flat_mesh(std::vector<std::array<float, 2>> corners_xz,
+                      std::vector<std::array<std::uint32_t, 3>> triangles) {
+  SurfaceMesh mesh;
+  for (const auto& corner : corners_xz) {
+    mesh.positions_ijk.push_back({corner[0], 0, corner[1]});
+    mesh.normals_lps.push_back({0, -1, 0});
+  }
+  mesh.triangles = std::move(triangles);
+  return mesh;
+}
+
+std::map<std::uint32_t, int> fragments_per_pixel(const Drawn& list) {
+  std::map<std::uint32_t, int> counts;
+  for (const PixelFragment& fragment : list.fragments) ++counts[fragment.pixel];
+  return counts;
+}
+
+/// Opaque surfaces keep one fragment a pixel; these keep all.
+TEST(Rasterize, CoversEachCentreOfAClosedSurfaceAnEvenNumberOfTimes) {
+  std::mt19937 random(1);
+  const auto real = [&](double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random);
+  };
+  std::size_t covered = 0;
+  for (int trial = 0; trial < 60; ++trial) {
+    Drawing drawing{view_from(real(0, 360), real(-90, 90), {64, 64}, real(0.05, 0.6), {4, 4, 4})};
+    drawing.grid.size = {9, 9, 9};
+    if (trial % 3 == 0) {
+      // Straight on, pixel centres exactly on vertices and edges: the rule for shared edges decides.
+      drawing.view = view_from(90 * (trial % 4), 0, {64, 64}, trial % 2 == 0 ? 0.25 : 0.5, {4, 4, 4});
+    }
+    const SurfaceMesh mesh = marching_tetrahedra(
+        make_mask(drawing.grid.size, [&](auto...) { return real(0, 1) < 0.4; }), drawing.grid);
+    const SurfaceDraw surface = translucent(mesh);
+    const Drawn list = *drawing.draw({&surface, 1});
+    for (const auto& [pixel, count] : fragments_per_pixel(list)) {
+      ASSERT_EQ(count % 2, 0) << "trial " << trial << ", pixel " << pixel % 64 << ", " << pixel / 64;
+    }
+    covered += list.fragments.size();
+  }
+  EXPECT_GT(covered, 100000u);
+}
+
+TEST(Rasterize, GivesCentresOnEdgesToTheTriangleBelowOrRightOfThem) {
+  // 8 by 6 pixels of 1 mm whose centres lie on multiples of 1 mm: corners of the rectangle, both halves'
+  // shared edge and all outer edges pass through centres.
+  const Drawing drawing{view_from(0, 0, {8, 6}, 1, {0.5, 0, 0.5})};
+  const SurfaceMesh mesh = flat_mesh({{-2, -1}, {2, -1}, {2, 2}, {-2, 2}}, {{0, 1, 2}, {0, 2, 3}});
+  const SurfaceDraw surface = translucent(mesh);
+  const Drawn list = *drawing.draw({&surface, 1});
+  std::vector<std::uint32_t> pixels;
+  for (const PixelFragment& fragment : list.fragments) pixels.push_back(fragment.pixel);
+  // Centre of pixel (x, y) is at (x - 3, z = 3 - y): x from -2 to 1 and z from 2 down to 0.
+  std::vector<std::uint32_t> expected;
+  for (std::uint32_t y = 1; y <= 3; ++y) {
+    for (std::uint32_t x = 1; x <= 4; ++x) expected.push_back(8 * y + x);
+  }
+  EXPECT_EQ(pixels, expected);
+}
+
+TEST(Rasterize, TakesDepthFromThePlane) {
+  const Drawing drawing{view_from(30, 20, {40, 30}, 0.25, {8, 8, 8})};
+  SurfaceMesh mesh;
+  mesh.positions_ijk = {{2, 3, 4}, {13, 6, 5}, {6, 11, 13}};
+  mesh.normals_lps.assign(3, {0, -1, 0});
+  mesh.triangles = {{0, 1, 2}};
+  const SurfaceDraw surface = translucent(mesh);
+  const Drawn list = *drawing.draw({&surface, 1});
+  ASSERT_GT(list.fragments.size(), 200u);
+  // n . p = n . p0 with n = (p1 - p0) x (p2 - p0) = (11, 3, 1) x (4, 8, 9).
+  const Vec3 n{19, -95, 76};
+  const Shear shear = factorise(drawing.view, drawing.grid);
+  for (const PixelFragment& fragment : list.fragments) {
+    const Vec3 p = drawing.view.point_lps_mm(fragment.pixel % 40 + 0.5, fragment.pixel / 40 + 0.5);
+    const Vec3& d = drawing.view.forward_lps;
+    const double s = (n[0] * (2 - p[0]) + n[1] * (3 - p[1]) + n[2] * (4 - p[2])) /
+                     (n[0] * d[0] + n[1] * d[1] + n[2] * d[2]);
+    const std::size_t axis = shear.scan.slice_axis;
+    const double depth = (p[axis] + s * d[axis]) * (shear.ascending ? 1 : -1);
+    EXPECT_NEAR(fragment.depth, depth, 2e-6);  // float of about 10; not snapped
+  }
+}
+
+TEST(Rasterize, LeavesNothingOfTrianglesWithoutAnArea) {
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const float infinity = std::numeric_limits<float>::infinity();
+  SurfaceMesh mesh = flat_mesh({{-2, -1}, {2, -1}, {2, 2}}, {{0, 1, 2}});
+  const Drawing drawing{view_from(0, 0, {16, 12}, 0.4, {0, 0, 0})};
+  const SurfaceDraw surface = translucent(mesh);
+  const std::size_t good = drawing.draw({&surface, 1})->fragments.size();
+  EXPECT_GT(good, 20u);
+
+  const std::vector<std::array<float, 3>> bad{
+      {nan, 0, 0}, {0, nan, 0}, {0, 0, infinity}, {-infinity, 0, 0}, {0, -infinity, nan}};
+  for (const auto& position : bad) {
+    mesh.positions_ijk.push_back(position);
+    mesh.normals_lps.push_back({nan, nan, nan});
+    mesh.triangles.push_back({0, 1, static_cast<std::uint32_t>(mesh.positions_ijk.size() - 1)});
+  }
+  mesh.triangles.push_back({0, 0, 1});  // repeated corners
+  mesh.triangles.push_back({1, 1, 1});
+  mesh.positions_ijk.push_back({0, 0, -1});  // on the edge from 0 to 1
+  mesh.normals_lps.push_back({0, 0, 0});
+  mesh.triangles.push_back({0, 1, static_cast<std::uint32_t>(mesh.positions_ijk.size() - 1)});
+  EXPECT_EQ(drawing.draw({&surface, 1})->fragments.size(), good);
+}
+
+TEST(Rasterize, LightsSurfacesWithoutAUsableNormalAsIfTheyFacedTheViewer) {
+  SurfaceMesh mesh = flat_mesh({{-2, -1}, {2, -1}, {2, 2}}, {{0, 1, 2}});
+  const Drawing drawing{view_from(0, 0, {16, 12}, 0.4, {0, 0, 0})};
+  const SurfaceDraw surface = translucent(mesh, 0, 1.0f);
+  for (const float value : {0.0f, std::numeric_limits<float>::quiet_NaN()}) {
+    mesh.normals_lps.assign(3, {value, value, value});
+    const Drawn list = *drawing.draw({&surface, 1});
+    ASSERT_FALSE(list.fragments.empty());
+    const float expected = Lighting(drawing.view).diffuse({0, -1, 0});
+    for (const PixelFragment& fragment : list.fragments) EXPECT_NEAR(fragment.rgba[0], expected, 1e-6f);
+  }
+}
+
+/// At a silhouette normals point past the edge: dark is what it stays there, from either side.
+TEST(Rasterize, LightsTheSideOfATriangleThatIsSeenWhereverItsNormalsPoint) {
+  SurfaceMesh mesh = flat_mesh({{-4, -4}, {4, -4}, {0, 4}}, {{0, 1, 2}});
+  mesh.normals_lps[0] = mesh.normals_lps[1] = {0.4f, 0.3f, -0.8f};  // away from viewer and lamp
+  for (const auto& [azimuth, side] : {std::pair{0.0, 1.0f}, std::pair{180.0, -1.0f}}) {
+    const Drawing drawing{view_from(azimuth, 0, {40, 40}, 0.25, {0, 0, 0})};
+    const SurfaceDraw surface{&mesh, 0, {0.8f, 0.8f, 0.8f}, 1};
+    std::vector<float> bottom_row;
+    const Drawn list = *drawing.draw({&surface, 1});
+    for (const PixelFragment& fragment : list.fragments) {
+      const double z = -(static_cast<double>(fragment.pixel / 40) + 0.5 - 20) * 0.25;
+      const auto top = static_cast<float>((z + 4) / 8);  // share of the third corner
+      const Vec3 normal{side * (1 - top) * 0.4f, side * ((1 - top) * 0.3f - top), side * (1 - top) * -0.8f};
+      const auto expected = reference::shade_surface(drawing.view, {0.8f, 0.8f, 0.8f}, normal);
+      EXPECT_NEAR(fragment.rgba[0], expected[0], 1e-5) << "azimuth " << azimuth << ", z " << z;
+      if (fragment.pixel / 40 == 35) bottom_row.push_back(fragment.rgba[0]);
+    }
+    ASSERT_GT(bottom_row.size(), 25u);
+    if (side > 0) {
+      for (const float light : bottom_row) EXPECT_NEAR(light, 0.8f * 0.15f, 1e-6f);
+    }
+  }
+}
+
+/// Two structures share a face whose two meshes are cut along different diagonals. Whatever the view, the ray
+/// leaves the one before it enters the other.
+TEST(Rasterize, LeavesOneStructureBeforeItEntersTheNextWhereTheyTouch) {
+  const auto face = [](bool other_diagonal, float normal_y) {
+    SurfaceMesh mesh;
+    mesh.positions_ijk = {{2.5f, 7.5f, 1.5f}, {13.5f, 7.5f, 1.5f}, {13.5f, 7.5f, 12.5f}, {2.5f, 7.5f, 12.5f}};
+    mesh.normals_lps.assign(4, {0, normal_y, 0});
+    mesh.triangles = other_diagonal ? std::vector<std::array<std::uint32_t, 3>>{{1, 2, 3}, {3, 0, 1}}
+                                    : std::vector<std::array<std::uint32_t, 3>>{{0, 1, 2}, {0, 2, 3}};
+    return mesh;
+  };
+  const SurfaceMesh near_back = face(false, 1);
+  const SurfaceMesh far_front = face(true, -1);
+  std::size_t pairs = 0;
+  for (int view = 0; view < 40; ++view) {
+    const Drawing drawing{view_from(-75 + 3.7 * view, -60 + 2.9 * view, {96, 96}, 0.2, {8, 7.5, 7})};
+    // The structure behind has the smaller number and comes first in the list.
+    const std::array surfaces{translucent(far_front, 0), translucent(near_back, 1)};
+    const Drawn list = *drawing.draw(surfaces);
+    for (std::size_t n = 0; n + 1 < list.fragments.size(); n += 2) {
+      ASSERT_EQ(list.fragments[n].pixel, list.fragments[n + 1].pixel);
+      ASSERT_EQ(list.fragments[n].structure, 1u) << "view " << view << ", pixel " << list.fragments[n].pixel;
+      ++pairs;
+    }
+  }
+  EXPECT_GT(pairs, 20000u);
+}
+
+TEST(Rasterize, SortsByDepthAndDropsWhatAnOpaqueSurfaceHides) {
+  std::vector<SurfaceMesh> planes;
+  for (const float y : {9.0f, 1.0f, 5.0f, 3.0f}) {
+    planes.push_back(flat_mesh({{-9, -9}, {9, -9}, {0, 9}}, {{0, 1, 2}}));
+    for (auto& position : planes.back().positions_ijk) position[1] = y;
+  }
+  const Drawing drawing{view_from(0, 0, {8, 8}, 1, {0, 0, 0})};
+  const std::array surfaces{translucent(planes[0], 0), translucent(planes[1], 1),
+                            translucent(planes[2], 2, 1.0f), translucent(planes[3], 3)};
+  const Drawn list = *drawing.draw(surfaces);
+  ASSERT_GT(list.fragments.size(), 60u);
+  ASSERT_EQ(list.fragments.size() % 3, 0u);
+  for (std::size_t n = 0; n < list.fragments.size(); n += 3) {
+    EXPECT_EQ(list.fragments[n].structure, 1u);
+    EXPECT_EQ(list.fragments[n + 1].structure, 3u);
+    EXPECT_EQ(list.fragments[n + 2].structure, 2u);
+    EXPECT_EQ(list.fragments[n].pixel, list.fragments[n + 2].pixel);
+  }
+}
+
+TEST(Rasterize, RefusesMoreFragmentsThanAllowed) {
+  const SurfaceMesh mesh = flat_mesh({{-9, -9}, {9, -9}, {0, 9}}, {{0, 1, 2}});
+  const SurfaceDraw surface = translucent(mesh);
+  Drawing drawing{view_from(0, 0, {32, 32}, 0.5, {0, 0, 0})};
+  const std::size_t fragments = drawing.draw({&surface, 1})->fragments.size();
+  drawing.options.max_fragments = fragments;
+  EXPECT_TRUE(drawing.draw({&surface, 1}).has_value());
+  drawing.options.max_fragments = fragments - 1;
+  const auto refused = drawing.draw({&surface, 1});
+  ASSERT_FALSE(refused.has_value());
+  EXPECT_EQ(refused.error().code, ErrorCode::kLimit);
+}
+
+/// Whichever band is done first: refused are pictures of more fragments than allowed, and no others.
+TEST(Rasterize, RefusesTheSamePicturesWithAnyNumberOfThreads) {
+  std::mt19937 random(8);
+  Drawing drawing{view_from(33, 21, {80, 70}, 0.3, {8, 8, 8})};
+  std::vector<SurfaceMesh> meshes;
+  for (int n = 0; n < 2; ++n) {
+    meshes.push_back(marching_tetrahedra(
+        make_mask(drawing.grid.size, [&](auto...) { return random() % 5 == 0; }), drawing.grid));
+  }
+  const std::array surfaces{translucent(meshes[0], 0), translucent(meshes[1], 1, 1.0f)};
+  const std::size_t fragments = drawing.draw(surfaces)->fragments.size();
+  for (const unsigned threads : {1u, 2u, 8u}) {
+    drawing.threads = threads;
+    for (int repeat = 0; repeat < 5; ++repeat) {
+      drawing.options.max_fragments = fragments;
+      EXPECT_TRUE(drawing.draw(surfaces).has_value());
+      drawing.options.max_fragments = fragments - 1;
+      EXPECT_FALSE(drawing.draw(surfaces).has_value());
+    }
+  }
+}
+
+TEST(Rasterize, GivesTheSameFragmentsWithAnyNumberOfThreads) {
+  std::mt19937 random(7);
+  Drawing drawing{view_from(33, 21, {80, 70}, 0.3, {8, 8, 8})};
+  std::vector<SurfaceMesh> meshes;
+  for (int n = 0; n < 3; ++n) {
+    meshes.push_back(marching_tetrahedra(
+        make_mask(drawing.grid.size, [&](auto...) { return random() % 3 == 0; }), drawing.grid));
+  }
+  const std::array surfaces{translucent(meshes[0], 0), translucent(meshes[1], 1, 1.0f),
+                            translucent(meshes[2], 2, 0.1f)};
+  const Drawn one = *drawing.draw(surfaces);
+  ASSERT_GT(one.fragments.size(), 3000u);
+  for (const unsigned threads : {2u, 8u}) {
+    drawing.threads = threads;
+    const Drawn several = *drawing.draw(surfaces);
+    ASSERT_EQ(several.fragments.size(), one.fragments.size());
+    for (std::size_t n = 0; n < one.fragments.size(); ++n) {
+      const PixelFragment& a = one.fragments[n];
+      const PixelFragment& b = several.fragments[n];
+      ASSERT_TRUE(a.depth == b.depth && a.pixel == b.pixel && a.rgba == b.rgba && a.structure == b.structure)
+          << "fragment " << n;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace splatlas

@@ -1,0 +1,91 @@
+#include "player/transfer/shading.h"
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "format/unit_vector.h"
+#include "tests/reference/reference_light.h"
+
+namespace splatlas {
+namespace {
+
+ParallelView view_from(double azimuth_deg, double elevation_deg) {
+  Camera camera;
+  camera.azimuth_deg = azimuth_deg;
+  camera.elevation_deg = elevation_deg;
+  return *parallel_view(camera, {8, 8}, Display{});
+}
+
+TEST(Shading, EqualsTheReferenceForAnyNormalAndView) {
+  std::mt19937 random(1);
+  std::normal_distribution<float> gauss;
+  for (int view_number = 0; view_number < 20; ++view_number) {
+    const ParallelView view = view_from(gauss(random) * 100, gauss(random) * 40);
+    const Lighting lighting(view);
+    for (int n = 0; n < 500; ++n) {
+      const float length = std::exp(3 * gauss(random));
+      const std::array<float, 3> normal{length * gauss(random), length * gauss(random),
+                                        length * gauss(random)};
+      const Vec3 exact{normal[0], normal[1], normal[2]};
+      EXPECT_NEAR(lighting.diffuse(normal), reference::diffuse(view, exact), 1e-6);
+      const std::array<float, 3> color{0.2f, 0.7f, 1.0f};
+      const SurfaceLight light = lighting.on_surface(normal);
+      const auto expected = reference::shade_surface(view, {0.2f, 0.7f, 1.0f}, exact);
+      for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(light.on(color[c]), expected[c], 2e-6);
+    }
+  }
+}
+
+TEST(Shading, TurnsNormalsThatPointAway) {
+  const Lighting lighting(view_from(33, -12));
+  for (int n = 0; n < 65536; n += 7) {
+    const auto normal = unpack_normal(static_cast<PackedNormal>(n));
+    EXPECT_EQ(lighting.diffuse(normal), lighting.diffuse({-normal[0], -normal[1], -normal[2]}));
+  }
+}
+
+TEST(Shading, LeavesNormalsOfSurfacesAsTheyAre) {
+  const ParallelView view = view_from(33, -12);
+  const Lighting lighting(view);
+  std::array<float, 3> from_lamp{};
+  for (std::size_t a = 0; a < 3; ++a) {
+    from_lamp[a] = static_cast<float>(view.forward_lps[a] + 0.45 * view.right_lps[a] - 0.55 * view.up_lps[a]);
+  }
+  EXPECT_FLOAT_EQ(lighting.on_surface(from_lamp).on(1), 0.15f);
+  EXPECT_FLOAT_EQ(lighting.diffuse(from_lamp), 1.0f);
+}
+
+TEST(Shading, LightStaysBetweenAmbientAndOne) {
+  const ParallelView view = view_from(-70, 55);
+  const Lighting lighting(view);
+  const std::vector<float> table = lighting.table();
+  ASSERT_EQ(table.size(), 65536u);
+  float least = 1;
+  float most = 0;
+  for (std::size_t n = 0; n < table.size(); ++n) {
+    EXPECT_EQ(table[n], lighting.diffuse(unpack_normal(static_cast<PackedNormal>(n))));
+    least = std::min(least, table[n]);
+    most = std::max(most, table[n]);
+    EXPECT_LE(lighting.on_surface(unpack_normal(static_cast<PackedNormal>(n))).on(1), 1.0f);
+  }
+  EXPECT_FLOAT_EQ(least, 0.15f);
+  EXPECT_GT(most, 0.999f);
+  EXPECT_LE(most, 1.0f);
+}
+
+TEST(Shading, LightsNormalsThatAreNoneAsIfTheyFacedTheViewer) {
+  const ParallelView view = view_from(10, 20);
+  const Lighting lighting(view);
+  const std::array<float, 3> facing{static_cast<float>(-view.forward_lps[0]),
+                                    static_cast<float>(-view.forward_lps[1]),
+                                    static_cast<float>(-view.forward_lps[2])};
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_NEAR(lighting.diffuse({0, 0, 0}), lighting.diffuse(facing), 1e-6f);
+  EXPECT_NEAR(lighting.diffuse({nan, 0, 0}), lighting.diffuse(facing), 1e-6f);
+}
+
+}  // namespace
+}  // namespace splatlas

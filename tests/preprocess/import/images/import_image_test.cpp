@@ -1,0 +1,417 @@
+#include "preprocess/import/images/import_image.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <limits>
+#include <random>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include "tests/preprocess/raw_image_files.h"
+#include "tests/support/run_program.h"
+
+namespace splatlas {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+class ImportImage : public testing::Test {
+ protected:
+  Result<Image> import_bytes(const std::string& name, const std::string& bytes) const {
+    write_bytes(folder_.file(name), bytes);
+    return import_image(folder_.file(name));
+  }
+  /// Refused, in one line that names the file and holds `text`.
+  void refuses(const std::string& name, const std::string& bytes, const std::string& text) const {
+    const Result<Image> image = import_bytes(name, bytes);
+    ASSERT_FALSE(image) << name << " should be refused: " << text;
+    EXPECT_THAT(image.error().message, HasSubstr(text));
+    EXPECT_THAT(image.error().message, HasSubstr(name));
+    EXPECT_THAT(image.error().message, Not(HasSubstr("\n")));
+  }
+  TemporaryFolder folder_;
+};
+
+void expect_raw_image(const Image& image) {
+  EXPECT_EQ(image.grid.size, (Index3{8, 4, 2}));
+  EXPECT_EQ(image.grid.spacing_mm, (Vec3{1, 2, 3}));
+  ASSERT_EQ(image.voxels.type, VoxelType::kInt16);
+  const auto expected = RawImage::voxels();
+  ASSERT_EQ(image.voxels.bytes.size(), expected.size() * 2);
+  EXPECT_EQ(std::memcmp(image.voxels.bytes.data(), expected.data(), image.voxels.bytes.size()), 0);
+}
+
+TEST_F(ImportImage, ReadsEveryFormatAlike) {
+  for (const auto& [name, bytes] : {std::pair<const char*, std::string>{"a.mha", meta_image()},
+                                    {"b.mha", compressed_meta_image()},
+                                    {"a.nrrd", nrrd()},
+                                    {"b.nrrd", compressed_nrrd()}}) {
+    const Result<Image> image = import_bytes(name, bytes);
+    ASSERT_TRUE(image) << image.error().message;
+    expect_raw_image(*image);
+    EXPECT_EQ(image->grid.origin_lps_mm, (Vec3{10, 20, 30}));
+    EXPECT_EQ(image->grid.direction_lps, Matrix3({1, 0, 0, 0, 1, 0, 0, 0, 1}));
+  }
+}
+
+TEST_F(ImportImage, TurnsNiftiFromRasToLps) {
+  for (const auto& [name, bytes] :
+       {std::pair<const char*, std::string>{"a.nii", nifti()}, {"a.nii.gz", deflated(nifti(), true)}}) {
+    const Result<Image> image = import_bytes(name, bytes);
+    ASSERT_TRUE(image) << image.error().message;
+    expect_raw_image(*image);
+    EXPECT_EQ(image->grid.origin_lps_mm, (Vec3{-10, -20, 30}));
+    EXPECT_EQ(image->grid.direction_lps, Matrix3({-1, 0, 0, 0, -1, 0, 0, 0, 1}));
+  }
+}
+
+TEST_F(ImportImage, ReadsGzipFilesOfSeveralMembers) {
+  const std::string all = nifti();
+  const Result<Image> image =
+      import_bytes("a.nii.gz", deflated(all.substr(0, 400), true) + deflated(all.substr(400), true));
+  ASSERT_TRUE(image) << image.error().message;
+  expect_raw_image(*image);
+}
+
+TEST_F(ImportImage, TakesThePixelsOfTheFileThatIsNamed) {
+  // NIfTI's library would take those of a.nii for a.nii.gz.
+  std::string other = nifti();
+  other.replace(352, 4, "abcd");
+  write_bytes(folder_.file("a.nii"), other);
+  const Result<Image> image = import_bytes("a.nii.gz", deflated(nifti(), true));
+  ASSERT_TRUE(image) << image.error().message;
+  expect_raw_image(*image);
+  EXPECT_NE(import_image(folder_.file("a.nii"))->voxels, image->voxels);
+  // And its grid: a qform alone is read by ITK.
+  const auto with_qform = [](float x) {
+    const std::string alone = with_number<std::int16_t>(nifti(), 254, 0);
+    return with_number<float>(with_number<std::int16_t>(alone, 252, 1), 268, x);
+  };
+  write_bytes(folder_.file("a.nii"), with_qform(1));
+  EXPECT_EQ(import_bytes("a.nii.gz", deflated(with_qform(2), true))->grid.origin_lps_mm[0], -2);
+}
+
+TEST_F(ImportImage, ReadsDetachedPixelsBesideTheHeader) {
+  write_bytes(folder_.file("pixels.raw"), RawImage::payload());
+  const Result<Image> meta = import_bytes("a.mhd", meta_header("", "pixels.raw"));
+  ASSERT_TRUE(meta) << meta.error().message;
+  expect_raw_image(*meta);
+  const Result<Image> detached = import_bytes("a.nhdr", nrrd_header("raw", "data file: pixels.raw\n"));
+  ASSERT_TRUE(detached) << detached.error().message;
+  expect_raw_image(*detached);
+}
+
+TEST_F(ImportImage, ATwoDimensionalImageIsAVolumeOfOneSlice) {
+  const std::string header =
+      "NDims = 2\nDimSize = 3 2\nElementSpacing = 0.5 0.25\nElementType = MET_UCHAR\nElementDataFile = "
+      "LOCAL\n";
+  const Result<Image> image = import_bytes("a.mha", header + "abcdef");
+  ASSERT_TRUE(image) << image.error().message;
+  EXPECT_EQ(image->grid.size, (Index3{3, 2, 1}));
+  EXPECT_EQ(image->grid.spacing_mm, (Vec3{0.5, 0.25, 1}));
+  EXPECT_EQ(image->grid.direction_lps, Matrix3({1, 0, 0, 0, 1, 0, 0, 0, 1}));
+}
+
+TEST_F(ImportImage, AFourthDimensionOfOneIsNoDimension) {
+  const std::string four = with_number<std::int16_t>(nifti(), 40, 4);  // dim[4] is 1
+  const Result<Image> image = import_bytes("a.nii", four);
+  ASSERT_TRUE(image) << image.error().message;
+  expect_raw_image(*image);
+}
+
+TEST_F(ImportImage, RefusesEveryTruncation) {
+  for (const auto& [name, bytes] : {std::pair<const char*, std::string>{"a.nii", nifti()},
+                                    {"a.nii.gz", deflated(nifti(), true)},
+                                    {"a.mha", meta_image()},
+                                    {"b.mha", compressed_meta_image()},
+                                    {"a.nrrd", nrrd()},
+                                    {"b.nrrd", compressed_nrrd()}}) {
+    ASSERT_TRUE(import_bytes(name, bytes)) << name;
+    for (std::size_t length = 0; length < bytes.size(); ++length) {
+      ASSERT_FALSE(import_bytes(name, bytes.substr(0, length))) << name << " cut to " << length;
+    }
+  }
+}
+
+TEST_F(ImportImage, NoHeaderByteBringsItDown) {
+  // Many of these are legal headers of other images: what counts is that each returns.
+  for (const auto& [name, bytes, header] :
+       {std::tuple<const char*, std::string, std::size_t>{"a.nii", nifti(), 352},
+        {"a.mha", meta_image(), meta_header("CompressedData = False\n").size()},
+        {"a.nrrd", nrrd(), nrrd_header().size()}}) {
+    for (std::size_t at = 0; at < header; ++at) {
+      for (const int change : {0x01, 0x80, 0xff}) {
+        std::string damaged = bytes;
+        damaged[at] = static_cast<char>(damaged[at] ^ change);
+        const Result<Image> image = import_bytes(name, damaged);
+        EXPECT_TRUE(!image || validate(image->grid, name));
+      }
+    }
+  }
+}
+
+TEST_F(ImportImage, DamagedCompressedPixelsAreNoticed) {
+  for (const auto& [name, bytes] : {std::pair<const char*, std::string>{"a.nii.gz", deflated(nifti(), true)},
+                                    {"b.mha", compressed_meta_image()},
+                                    {"b.nrrd", compressed_nrrd()}}) {
+    std::string damaged = bytes;
+    damaged[bytes.size() - 20] = static_cast<char>(damaged[bytes.size() - 20] ^ 0x10);
+    EXPECT_FALSE(import_bytes(name, damaged)) << name;
+  }
+}
+
+TEST_F(ImportImage, RefusesImpossibleGeometry) {
+  const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
+  for (const float spacing : {0.f, -1.f, nan, inf}) {
+    refuses("a.nii", with_number(nifti(), 84, spacing), "spacing");
+  }
+  refuses("a.nii", with_number(nifti(), 280, nan), "orientation");  // sform: ITK would abort
+  refuses("a.nii", with_number(nifti(), 256, inf), "orientation");  // qform
+  refuses("a.nii", with_number(nifti(), 112, nan), "scale");
+  std::string singular = nifti();
+  for (std::size_t n = 0; n < 12; ++n) singular = with_number<float>(singular, 280 + 4 * n, 0);
+  EXPECT_FALSE(import_bytes("a.nii", singular) && !validate(import_bytes("a.nii", singular)->grid, ""));
+  for (const char* spacing : {"1 2 0", "1 2 -3", "1 2 nan", "1 2", "1 2 3 4", "a b c"}) {
+    std::string header = meta_header();
+    header.replace(header.find("= 1 2 3") + 2, 5, spacing);
+    refuses("a.mha", header + RawImage::payload(), "ElementSpacing");
+  }
+  std::string direction = nrrd_header();
+  direction.replace(direction.find("(0,0,3)"), 7, "(0,0,nan)");
+  refuses("a.nrrd", direction + RawImage::payload(), "space directions");
+  direction = nrrd_header();
+  direction.replace(direction.find("(0,0,3)"), 7, "(0,0,0)");
+  refuses("a.nrrd", direction + RawImage::payload(), "spacing");
+}
+
+TEST_F(ImportImage, RefusesSizesThatCannotBe) {
+  refuses("a.nii", with_number<std::int16_t>(nifti(), 42, 0), "size");
+  refuses("a.nii", with_number<std::int16_t>(nifti(), 42, -3), "size");
+  refuses("a.nii", with_number<std::int16_t>(nifti(), 42, 32767), "truncated");
+  refuses("a.nii", with_number<std::int16_t>(with_number<std::int16_t>(nifti(), 40, 4), 48, 7), "7 volumes");
+  refuses("a.nii", with_number<std::int16_t>(nifti(), 40, 1), "dimensions");
+  refuses("a.nii", with_number<float>(nifti(), 108, 1e30f), "byte");
+  refuses("a.nii", with_number<float>(nifti(), 108, -1.f), "byte");
+  refuses("a.nii", with_number<std::int16_t>(nifti(), 72, 8), "bits");
+  std::string huge = meta_header();
+  huge.replace(huge.find("8 4 2"), 5, "99999999 9 9");
+  refuses("a.mha", huge + RawImage::payload(), "size");
+  huge.replace(huge.find("99999999 9 9"), 12, "1000 1000 100");
+  refuses("a.mha", huge + RawImage::payload(), "truncated");
+  // A gigabyte that a kilobyte of gzip cannot hold: refused before any memory is taken.
+  std::string bomb = nrrd_header("gzip");
+  bomb.replace(bomb.find("8 4 2"), 5, "1024 1024 512");
+  refuses("a.nrrd", bomb + deflated(RawImage::payload(), true), "truncated");
+}
+
+TEST_F(ImportImage, RefusesPixelsThatAtlasesDoNotTake) {
+  refuses("a.nii", with_number<std::int16_t>(nifti(), 70, 1024), "type 1024");  // int64
+  refuses("a.nii", with_number<std::int16_t>(nifti(), 70, 128), "type 128");    // RGB
+  std::string type = nrrd();
+  type.replace(type.find("type: short"), 11, "type: int64");
+  refuses("a.nrrd", type, "int64");
+  std::string channels = meta_header("ElementNumberOfChannels = 3\n");
+  refuses("a.mha", channels + RawImage::payload() + RawImage::payload() + RawImage::payload(), "3 values");
+  std::string vectors = nrrd_header();
+  vectors.replace(vectors.find("sizes: 8 4 2"), 12, "sizes: 2 4 8");
+  vectors.replace(vectors.find("kinds: domain"), 13, "kinds: vector");
+  vectors.replace(vectors.find("(1,0,0)"), 7, "none   ");
+  EXPECT_FALSE(import_bytes("a.nrrd", vectors + RawImage::payload()));
+}
+
+TEST_F(ImportImage, RefusesPixelsElsewhere) {
+  write_bytes(folder_.file("pixels.raw"), RawImage::payload());
+  std::filesystem::create_directory(folder_.path() / "below");
+  for (const std::string& name :
+       {std::string("../pixels.raw"), folder_.file("pixels.raw"), std::string("/etc/passwd")}) {
+    refuses("below/a.mhd", meta_header("", name), "outside its own folder");
+    refuses("below/a.nhdr", nrrd_header("raw", "data file: " + name + "\n"), "outside its own folder");
+  }
+  std::filesystem::create_symlink(folder_.path() / "pixels.raw", folder_.path() / "below" / "link.raw");
+  refuses("below/a.mhd", meta_header("", "link.raw"), "outside its own folder");
+  refuses("a.mhd", meta_header("", "LIST"), "several files");
+  refuses("a.mhd", meta_header("", "slice%03d.raw 0 3 1"), "several files");
+  refuses("a.nhdr", nrrd_header("raw", "data file: LIST\n"), "several files");
+  EXPECT_FALSE(import_bytes("a.mhd", meta_header("", "missing.raw")));
+}
+
+TEST_F(ImportImage, RefusesWhatIsNoImage) {
+  refuses("a.nii.gz", "just some text", "NIfTI");
+  refuses("a.nii", std::string(1000, ' '), "NIfTI");
+  refuses("a.mha", "<html></html>\n", "MetaImage");
+  refuses("a.nrrd", "<html></html>\n", "NRRD");
+  refuses("a.nii", deflated(nifti(), true), "ending");
+  refuses("a.nii.gz", nifti(), "ending");
+  refuses("a.txt", "text", "no known type");
+  EXPECT_THAT(import_image(folder_.file("missing.nii")).error().message, HasSubstr("no such file"));
+  EXPECT_THAT(import_image(folder_.path()).error().message, HasSubstr("folder"));
+  ASSERT_EQ(mkfifo(folder_.file("pipe.nii").c_str(), 0600), 0);
+  EXPECT_THAT(import_image(folder_.file("pipe.nii")).error().message, HasSubstr("regular file"));
+}
+
+TEST_F(ImportImage, AScaledNiftiIsReadInItsValues) {
+  const std::string scaled = with_number<float>(with_number<float>(nifti(), 112, 0.5f), 116, 3.f);
+  const Result<Image> image = import_bytes("a.nii", scaled);
+  ASSERT_TRUE(image) << image.error().message;
+  visit_voxel_type(image->voxels.type, [&]<typename T>(T) {
+    for (std::size_t v = 0; v < RawImage::kVoxels; ++v) {
+      ASSERT_EQ(static_cast<double>(image->voxels.as<T>()[v]), 0.5 * (static_cast<double>(v) - 100) + 3);
+    }
+  });
+}
+
+/// nifti() with 64 pixels of another type.
+template <typename T>
+std::string nifti_of(std::int16_t datatype, const std::vector<T>& pixels) {
+  std::string bytes = with_number<std::int16_t>(nifti_header(), 70, datatype);
+  bytes = with_number<std::int16_t>(bytes, 72, static_cast<std::int16_t>(8 * sizeof(T)));
+  return bytes.append(reinterpret_cast<const char*>(pixels.data()), pixels.size() * sizeof(T));
+}
+
+template <typename T>
+std::vector<T> strange_pixels() {
+  using Limits = std::numeric_limits<T>;
+  std::vector<T> pixels(RawImage::kVoxels, T(1.5));
+  pixels[1] = Limits::quiet_NaN();
+  pixels[2] = -Limits::quiet_NaN();
+  pixels[3] = Limits::infinity();
+  pixels[4] = -Limits::infinity();
+  pixels[5] = -T(0);
+  pixels[6] = Limits::denorm_min();
+  pixels[7] = Limits::max();
+  return pixels;
+}
+
+TEST_F(ImportImage, NiftiKeepsEveryBitOfFloats) {
+  const auto expect_bits = [](const Result<Image>& image, const auto& pixels) {
+    ASSERT_TRUE(image) << image.error().message;
+    ASSERT_EQ(image->voxels.bytes.size(), pixels.size() * sizeof(pixels[0]));
+    EXPECT_EQ(std::memcmp(image->voxels.bytes.data(), pixels.data(), image->voxels.bytes.size()), 0);
+  };
+  const auto floats = strange_pixels<float>();
+  const auto doubles = strange_pixels<double>();
+  expect_bits(import_bytes("a.nii", nifti_of<float>(16, floats)), floats);
+  expect_bits(import_bytes("a.nii.gz", deflated(nifti_of<float>(16, floats), true)), floats);
+  expect_bits(import_bytes("a.nii", nifti_of<double>(64, doubles)), doubles);
+}
+
+TEST_F(ImportImage, ANiftiSlopeOfZeroScalesNothing) {
+  const Result<Image> image =
+      import_bytes("a.nii", with_number<float>(with_number<float>(nifti(), 112, 0), 116, 3));
+  ASSERT_TRUE(image) << image.error().message;
+  expect_raw_image(*image);
+}
+
+/// Every number of nifti() in the other byte order.
+std::string in_other_order(std::string bytes) {
+  const auto swap = [&](std::size_t offset, std::size_t size, std::size_t count) {
+    for (std::size_t n = 0; n < count; ++n) {
+      const auto first = bytes.begin() + static_cast<std::ptrdiff_t>(offset + n * size);
+      std::reverse(first, first + static_cast<std::ptrdiff_t>(size));
+    }
+  };
+  swap(0, 4, 1);     // sizeof_hdr
+  swap(40, 2, 8);    // dim
+  swap(70, 2, 2);    // datatype, bitpix
+  swap(76, 4, 11);   // pixdim, vox_offset, slope, intercept
+  swap(252, 2, 2);   // form codes
+  swap(256, 4, 18);  // qform, sform
+  swap(352, 2, RawImage::kVoxels);
+  return bytes;
+}
+
+TEST_F(ImportImage, ReadsNiftiInEitherByteOrder) {
+  const Result<Image> own = import_bytes("a.nii", nifti()),
+                      other = import_bytes("b.nii", in_other_order(nifti()));
+  ASSERT_TRUE(own && other);
+  expect_raw_image(*other);
+  EXPECT_EQ(own->grid, other->grid);
+}
+
+TEST_F(ImportImage, TakesEverySformThatIsARotationInFloats) {
+  std::mt19937 random(20);
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<float> spacing(0.1f, 5.f);
+  for (int n = 0; n < 1000; ++n) {
+    // A random quaternion, mirrored half of the time.
+    double a = normal(random), b = normal(random), c = normal(random), d = normal(random);
+    const double length = std::sqrt(a * a + b * b + c * c + d * d);
+    a /= length, b /= length, c /= length, d /= length;
+    const double mirror = n % 2 == 0 ? 1 : -1;
+    const Matrix3 ras{a * a + b * b - c * c - d * d,
+                      2 * (b * c - a * d),
+                      mirror * 2 * (b * d + a * c),
+                      2 * (b * c + a * d),
+                      a * a + c * c - b * b - d * d,
+                      mirror * 2 * (c * d - a * b),
+                      2 * (b * d - a * c),
+                      2 * (c * d + a * b),
+                      mirror * (a * a + d * d - b * b - c * c)};
+    std::string bytes = nifti();
+    Vec3 spacings;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const float mm = spacing(random);
+      spacings[axis] = double{mm};
+      bytes = with_number<float>(bytes, 80 + 4 * axis, mm);
+      for (std::size_t row = 0; row < 3; ++row) {
+        bytes = with_number<float>(bytes, 280 + 16 * row + 4 * axis,
+                                   static_cast<float>(ras[3 * row + axis] * double{mm}));
+      }
+    }
+    const Result<Image> image = import_bytes("a.nii", bytes);
+    ASSERT_TRUE(image) << n << ": " << image.error().message;
+    EXPECT_EQ(image->grid.spacing_mm, spacings);
+    EXPECT_EQ(image->grid.origin_lps_mm, (Vec3{-10, -20, 30}));
+    const Matrix3& direction = image->grid.direction_lps;
+    for (std::size_t row = 0; row < 3; ++row) {
+      for (std::size_t column = 0; column < 3; ++column) {
+        // To the rounding of floats as it was, and orthonormal in doubles.
+        EXPECT_NEAR(direction[3 * row + column], (row < 2 ? -1 : 1) * ras[3 * row + column], 2e-7);
+        double product = 0;
+        for (std::size_t k = 0; k < 3; ++k) product += direction[3 * k + row] * direction[3 * k + column];
+        EXPECT_NEAR(product, row == column ? 1 : 0, 1e-14);
+      }
+    }
+  }
+}
+
+TEST_F(ImportImage, RefusesAnSformThatShears) {
+  // Column i leans towards j by a thousandth.
+  refuses("a.nii", with_number<float>(nifti(), 296, 1e-3f), "orthonormal");
+}
+
+TEST_F(ImportImage, CountsThePixelsOfATruncatedFileAlike) {
+  const std::string cut = nifti().substr(0, 400);
+  refuses("cut.nii", cut, "promises 128 bytes of pixels, 48 are there");
+  refuses("cut.nii.gz", deflated(cut, true), "promises 128 bytes of pixels, 48 are there");
+}
+
+TEST(CheckSameGrid, GivesBothValues) {
+  Grid a;
+  a.size = {10, 20, 30};
+  a.spacing_mm = {1, 2, 3};
+  Grid b = a;
+  EXPECT_TRUE(check_same_grid(a, "a", b, "b"));
+  b.size[2] = 31;
+  EXPECT_THAT(check_same_grid(a, "a.nii", b, "b.nii").error().message,
+              testing::AllOf(HasSubstr("a.nii has 10x20x30"), HasSubstr("b.nii has 10x20x31")));
+  b = a;
+  b.origin_lps_mm[1] += 0.01;  // half a hundredth of a voxel
+  EXPECT_TRUE(check_same_grid(a, "a", b, "b"));
+  b.origin_lps_mm[1] += 0.02;
+  EXPECT_FALSE(check_same_grid(a, "a", b, "b"));
+  b = a;
+  b.spacing_mm[2] = 3.01;  // a tenth of a voxel at the far end
+  EXPECT_FALSE(check_same_grid(a, "a", b, "b"));
+  b = a;
+  b.direction_lps = {1, 0, 0, 0, -1, 0, 0, 0, 1};
+  EXPECT_FALSE(check_same_grid(a, "a", b, "b"));
+}
+
+}  // namespace
+}  // namespace splatlas

@@ -1,0 +1,47 @@
+#include "preprocess/import/tables/structure_name.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace splatlas {
+namespace {
+
+using testing::HasSubstr;
+
+TEST(StructureName, TakesWhatPeopleWrite) {
+  for (const std::string name : {"a", "Noyau caudé", "Left (upper) lobe, 2nd part", "脳", "7"}) {
+    EXPECT_TRUE(check_structure_name(name)) << name;
+  }
+}
+
+TEST(StructureName, CountsCharactersNotBytes) {
+  std::string umlauts;
+  for (std::size_t n = 0; n < kMaxNameCharacters; ++n) umlauts += "ü";
+  EXPECT_TRUE(check_structure_name(umlauts));
+  EXPECT_THAT(check_structure_name(umlauts + "x").error().message, HasSubstr("201 characters"));
+}
+
+TEST(StructureName, RefusesWhatNobodyCanType) {
+  const std::string blank = "holds a tab or a newline", control = "has a control character";
+  for (const auto& [name, what] : {std::pair<std::string, std::string>{"a\nb", blank},
+                                   {"a\tb", blank},
+                                   {"a\x7f", control + " (byte 1: U+007F)"},
+                                   {"\x1b[31m", control + " (byte 0: U+001B)"}}) {
+    const auto refused = check_structure_name(name);
+    ASSERT_FALSE(refused);
+    EXPECT_THAT(refused.error().message, HasSubstr(what));
+    EXPECT_EQ(refused.error().message.find_first_of("\n\t\x1b\x7f"), std::string::npos);
+  }
+  EXPECT_THAT(check_structure_name("").error().message, HasSubstr("empty"));
+  EXPECT_THAT(check_structure_name("  ").error().message, HasSubstr("empty"));
+  EXPECT_THAT(check_structure_name("caud\xe9").error().message, HasSubstr("UTF-8"));
+  EXPECT_THAT(check_structure_name("a\xe2\x80\xae").error().message, HasSubstr("turns text around"));
+}
+
+TEST(StructureName, KeysAreEqualForNamesThatLookupsConfuse) {
+  EXPECT_EQ(name_key(" Screw "), name_key("sCREW"));
+  EXPECT_NE(name_key("Screw 1"), name_key("Screw 2"));
+}
+
+}  // namespace
+}  // namespace splatlas
