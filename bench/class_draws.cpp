@@ -14,14 +14,16 @@ std::vector<std::uint32_t> draws_by_class(const DrawPlan& plan, std::size_t clas
   return draws;
 }
 
-std::vector<std::uint32_t> shared_draws_by_class(const DrawPlan& plan, std::span<const VolumeLook> looks,
+std::vector<std::uint32_t> shared_draws_by_class(const DrawPlan& plan,
+                                                 std::span<const VolumeAppearance> appearances,
                                                  std::size_t classes) {
   std::vector<std::uint32_t> draws = draws_by_class(plan, classes);
   std::map<std::tuple<std::array<float, 3>, float, const TransferTable*>, std::uint32_t> first;
   for (std::uint32_t& draw : draws) {
     if (draw == kNotDrawn) continue;
-    const VolumeLook& look = looks[draw];
-    draw = first.try_emplace({look.color, look.extinction_per_mm, look.transfer}, draw).first->second;
+    const VolumeAppearance& appearance = appearances[draw];
+    draw = first.try_emplace({appearance.color, appearance.extinction_per_mm, appearance.transfer}, draw)
+               .first->second;
   }
   return draws;
 }

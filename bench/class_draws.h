@@ -7,7 +7,7 @@
 
 #include "format/decision_tree.h"
 #include "player/spans/selected_runs.h"
-#include "player/transfer/volume_looks.h"
+#include "player/transfer/volume_appearances.h"
 
 namespace splatlas {
 
@@ -19,7 +19,7 @@ inline constexpr std::uint32_t kNotDrawn = SelectedRuns::kNotDrawn;
 /// The same, but classes that look the same share the first entry of them: to whoever does not shade
 /// boundaries they are one. `looks` and the plan's classes correspond.
 [[nodiscard]] std::vector<std::uint32_t> shared_draws_by_class(const DrawPlan& plan,
-                                                               std::span<const VolumeLook> looks,
+                                                               std::span<const VolumeAppearance> appearances,
                                                                std::size_t classes);
 
 }  // namespace splatlas

@@ -10,7 +10,7 @@
 #include "bench/qualities.h"
 #include "bench/smooth_field.h"
 #include "player/rays/cast_rays.h"
-#include "tests/reference/light_field.h"
+#include "tests/reference/optical_field.h"
 #include "tests/reference/perspective.h"
 #include "tests/reference/picture_difference.h"
 #include "tests/reference/reference_volume.h"
@@ -92,7 +92,7 @@ Result<std::vector<Convergence>> refine_grid() {
           options.quality = ours.quality;
           options.classification = ours.classification;
           options.hybrid_shading = false;
-          options.transmittance_floor = 0;
+          options.termination_threshold = 0;
           SPLATLAS_ASSIGN_OR_RETURN(const Picture picture, renderer.render(camera, options));
           errors[n].add(difference(picture, truth));
         }
@@ -114,7 +114,7 @@ Result<RayVolume> ray_volume(const std::shared_ptr<const Atlas>& atlas, const Se
   return RayVolume::build({.atlas = *atlas,
                            .selection = selection,
                            .plan = decoded.plan,
-                           .looks = decoded.looks->looks(),
+                           .appearances = decoded.appearances->appearances(),
                            .runs = *decoded.runs,
                            .cache = *decoded.cache,
                            .classification = classification,
@@ -125,13 +125,14 @@ Result<RayVolume> ray_volume(const std::shared_ptr<const Atlas>& atlas, const Se
 /// The grid's own field, exactly.
 ReferencePicture grid_truth(const AtlasContent& content, const Selection& selection, const View& view,
                             const Camera& camera) {
-  const reference::LightField field = reference::light_field(content, selection, view.plane, false);
+  const reference::OpticalField field = reference::optical_field(content, selection, view.plane, false);
   ReferencePicture truth{kSize, {}};
   for (int n = 0; n < kSize.width * kSize.height; ++n) {
     const int column = n % kSize.width, row = n / kSize.width;
     const reference::Ray ray = ray_through(reference::PerspectiveView{view.plane, camera.field_of_view_deg},
                                            field.grid, column + 0.5, row + 0.5);
-    const reference::RayLight light = integrate_ray(field, ray, 0, std::numeric_limits<double>::infinity());
+    const reference::RayRadiance light =
+        integrate_ray(field, ray, 0, std::numeric_limits<double>::infinity());
     truth.pixels.push_back({light.color[0], light.color[1], light.color[2], 1 - light.transmittance});
   }
   return truth;
@@ -152,7 +153,7 @@ Result<Convergence> refine_steps() {
   const ReferencePicture truth = grid_truth(content, selection, view, camera);
   for (const int steps : {1, 2, 4, 8}) {
     Picture picture;
-    cast_rays(volume, view, atlas->grid(), {.least_steps = steps, .most_steps = steps}, best_march(), picture,
+    cast_rays(volume, view, atlas->grid(), {.min_steps = steps, .max_steps = steps}, best_march(), picture,
               pool);
     row.steps.push_back(1.0 / steps);
     row.errors.push_back(reference::difference(picture, truth).rms);

@@ -5,7 +5,7 @@
 
 #include "player/spans/class_cache.h"
 #include "player/spans/selected_runs.h"
-#include "player/transfer/volume_looks.h"
+#include "player/transfer/volume_appearances.h"
 
 namespace splatlas {
 
@@ -13,8 +13,8 @@ namespace splatlas {
 struct DecodedSelection {
   DrawPlan plan;
   std::unique_ptr<ClassCache> cache;
-  std::unique_ptr<VolumeLooks> looks;  ///< of the plan's classes
-  std::unique_ptr<SelectedRuns> runs;  ///< of one axis
+  std::unique_ptr<VolumeAppearances> appearances;  ///< of the plan's classes
+  std::unique_ptr<SelectedRuns> runs;              ///< of one axis
 };
 
 /// Reads the selection's runs of one axis, and its voxels.

@@ -37,7 +37,7 @@ const RendererCost& cost_of(const std::vector<RendererCost>& costs, const std::s
 }
 
 /// Draft with two threads by the wall clock, with one in CPU time: VolPack has one.
-void summarise_parallel(const std::vector<RendererCost>& costs, const std::string& look,
+void summarise_parallel(const std::vector<RendererCost>& costs, const std::string& appearance,
                         nlohmann::ordered_json& summary) {
   const RendererCost& volpack = cost_of(costs, "VolPack", "classified", 1);
   const RendererCost& rounded = cost_of(costs, "VolPack", "rounded", 1);
@@ -45,8 +45,9 @@ void summarise_parallel(const std::vector<RendererCost>& costs, const std::strin
   const RendererCost& two = cost_of(costs, "splatlas", "draft", 2);
   raise(summary, "fast_vs_volpack_wall_max", two.frame.wall_ms / volpack.frame.wall_ms);
   raise(summary, "fast_vs_volpack_cpu_max", one.frame.cpu_ms / volpack.frame.cpu_ms);
-  raise(summary, fmt::format("fast_rmse_vs_volpack_{}_max", look), one.error.rms / volpack.error.rms);
-  raise(summary, fmt::format("fast_rmse_vs_rounded_volpack_{}_max", look), one.error.rms / rounded.error.rms);
+  raise(summary, fmt::format("fast_rmse_vs_volpack_{}_max", appearance), one.error.rms / volpack.error.rms);
+  raise(summary, fmt::format("fast_rmse_vs_rounded_volpack_{}_max", appearance),
+        one.error.rms / rounded.error.rms);
 }
 
 /// Normal quality with two threads, as VTK has; 512x512 only.
@@ -63,12 +64,12 @@ void summarise_perspective(const std::vector<RendererCost>& costs, const std::st
 }
 
 /// Ratios are to `unit`.
-void add_rows(const ErrorScene& scene, int size, const ErrorLook& look,
+void add_rows(const ErrorScene& scene, int size, const ErrorAppearance& appearance,
               const std::vector<RendererCost>& costs, const RendererCost& unit, Table& table) {
   for (const RendererCost& cost : costs) {
     table.rows.push_back({{"scene", scene.name},
                           {"size", size},
-                          {"look", look.name},
+                          {"look", appearance.name},
                           {"renderer", cost.renderer},
                           {"setting", cost.setting},
                           {"threads", cost.threads},
@@ -117,20 +118,21 @@ Result<Report> run_error_bench(const BenchOptions& options) {
   Table parallel = parallel_table();
   Table perspective = perspective_table();
   for (const ErrorScene& scene : error_scenes()) {
-    for (const ErrorLook& look : error_looks()) {
-      SPLATLAS_ASSIGN_OR_RETURN(const ErrorModel model, error_model(content, scene, look));
+    for (const ErrorAppearance& appearance : error_appearances()) {
+      SPLATLAS_ASSIGN_OR_RETURN(const ErrorModel model, error_model(content, scene, appearance));
       for (const int size : effort.sizes) {
-        options.tell(fmt::format("{}, {}, {}x{}", scene.name, look.name, size, size));
+        options.tell(fmt::format("{}, {}, {}x{}", scene.name, appearance.name, size, size));
         const bool smallest = size == effort.sizes.front();
         const ErrorTask task{atlas, model, {size, size}, effort.frames, smallest ? effort.repeats : 1};
         const int views = smallest ? effort.views_compared : 1;
         SPLATLAS_ASSIGN_OR_RETURN(const std::vector<RendererCost> fast, measure_parallel(task, views));
-        add_rows(scene, size, look, fast, cost_of(fast, "VolPack", "classified", 1), parallel);
-        summarise_parallel(fast, look.name, report.summary);
+        add_rows(scene, size, appearance, fast, cost_of(fast, "VolPack", "classified", 1), parallel);
+        summarise_parallel(fast, appearance.name, report.summary);
         const VtkSteps& steps = smallest ? effort.all_steps : effort.quoted_steps;
         SPLATLAS_ASSIGN_OR_RETURN(const std::vector<RendererCost> accurate,
                                   measure_perspective(task, steps, views));
-        add_rows(scene, size, look, accurate, cost_of(accurate, "VTK FixedPoint", "step 1", 2), perspective);
+        add_rows(scene, size, appearance, accurate, cost_of(accurate, "VTK FixedPoint", "step 1", 2),
+                 perspective);
         if (smallest) summarise_perspective(accurate, scene.name, report.summary);
       }
     }

@@ -89,7 +89,7 @@ Result<std::vector<RendererCost>> take_times(std::vector<Participant> participan
 
 Result<void> compare_parallel(std::vector<Participant>& participants, const ErrorTask& task,
                               int views_compared) {
-  const GreyTruth truth(task.model.volume, task.model.look, Classification::kBefore);
+  const GreyTruth truth(task.model.volume, task.model.appearance, Classification::kBefore);
   const auto truth_of = [&](const Camera& camera) -> Result<ReferencePicture> {
     SPLATLAS_ASSIGN_OR_RETURN(const ParallelView view,
                               parallel_view(camera, task.size, task.atlas->display()));
@@ -124,7 +124,7 @@ Result<std::vector<RendererCost>> measure_perspective(const ErrorTask& task, con
     SPLATLAS_RETURN_IF_ERROR(add_vtk(VtkVolumeMapper::kFixedPoint, step_mm));
   }
   for (const double step_mm : steps.gpu_mm) SPLATLAS_RETURN_IF_ERROR(add_vtk(VtkVolumeMapper::kGpu, step_mm));
-  const GreyTruth truth(task.model.volume, task.model.look, Classification::kAfter);
+  const GreyTruth truth(task.model.volume, task.model.appearance, Classification::kAfter);
   const auto truth_of = [&](const Camera& camera) -> Result<ReferencePicture> {
     SPLATLAS_ASSIGN_OR_RETURN(const reference::PerspectiveView view, perspective_view(camera, task));
     return render_grey_truth(truth, task.model.volume.grid, view, 0);

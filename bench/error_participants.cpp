@@ -94,7 +94,7 @@ Result<void> add_our_rays(const ErrorTask& task, unsigned threads, std::vector<P
 
 Result<Participant> volpack_participant(const ErrorTask& task, OpacityRounding rounding) {
   SPLATLAS_ASSIGN_OR_RETURN(VolpackPeer classified,
-                            VolpackPeer::classify(task.model.volume, task.model.look, rounding));
+                            VolpackPeer::classify(task.model.volume, task.model.appearance, rounding));
   const auto volpack = std::make_shared<VolpackPeer>(std::move(classified));
   Participant participant;
   participant.cost = named("VolPack", rounding == OpacityRounding::kDown ? "classified" : "rounded", 1);
@@ -109,7 +109,7 @@ Result<Participant> volpack_participant(const ErrorTask& task, OpacityRounding r
 
 Result<Participant> vtk_participant(const ErrorTask& task, VtkVolumeMapper mapper, double step_mm) {
   const auto vtk = std::make_shared<VtkPeer>(task.size);
-  vtk->add_volume(task.model.volume, task.model.look, mapper, step_mm);
+  vtk->add_volume(task.model.volume, task.model.appearance, mapper, step_mm);
   Participant participant;
   participant.cost = named(mapper == VtkVolumeMapper::kGpu ? "VTK GPU" : "VTK FixedPoint",
                            fmt::format("step {}", step_mm), 2);

@@ -19,7 +19,7 @@ void note(std::vector<std::string>& values, const std::string& value) {
 }
 
 struct Contents {
-  std::vector<std::string> scenes, looks, renderers;
+  std::vector<std::string> scenes, appearances, renderers;
   int size = 0;  ///< the smallest
   std::vector<const Row*> rows;
 };
@@ -31,7 +31,7 @@ Contents contents_of(std::span<const Table> tables) {
       const int size = row["size"].get<int>();
       contents.size = contents.size == 0 ? size : std::min(size, contents.size);
       note(contents.scenes, row["scene"].get<std::string>());
-      note(contents.looks, row["look"].get<std::string>());
+      note(contents.appearances, row["look"].get<std::string>());
       note(contents.renderers, row["renderer"].get<std::string>());
       contents.rows.push_back(&row);
     }
@@ -40,13 +40,13 @@ Contents contents_of(std::span<const Table> tables) {
 }
 
 /// A curve's points, fastest first.
-std::string points_of(const Contents& contents, const std::string& scene, const std::string& look,
+std::string points_of(const Contents& contents, const std::string& scene, const std::string& appearance,
                       const std::string& renderer) {
   std::vector<std::pair<double, double>> points;
   for (const Row* row : contents.rows) {
     const Row& cell = *row;
     const bool ours_on_one_thread = renderer.starts_with("splatlas") && cell["threads"] == 1;
-    if (cell["scene"] != scene || cell["look"] != look || cell["renderer"] != renderer ||
+    if (cell["scene"] != scene || cell["look"] != appearance || cell["renderer"] != renderer ||
         cell["size"] != contents.size || ours_on_one_thread) {
       continue;
     }
@@ -76,21 +76,21 @@ std::string error_plot_script(std::span<const Table> tables, const std::filesyst
       "set output {}\n"
       "set logscale xy\nset grid\nset xlabel 'wall clock, ms'\nset ylabel 'RMS error, 1/255'\n"
       "set key below maxrows 2 font ',8'\nset multiplot layout {},{}\n",
-      380 * contents.scenes.size(), 320 * contents.looks.size(), quoted(png.string()), contents.looks.size(),
-      contents.scenes.size());
-  for (const std::string& look : contents.looks) {
+      380 * contents.scenes.size(), 320 * contents.appearances.size(), quoted(png.string()),
+      contents.appearances.size(), contents.scenes.size());
+  for (const std::string& appearance : contents.appearances) {
     for (const std::string& scene : contents.scenes) {
       std::string curves;
       for (std::size_t n = 0; n < contents.renderers.size(); ++n) {
-        const std::string points = points_of(contents, scene, look, contents.renderers[n]);
+        const std::string points = points_of(contents, scene, appearance, contents.renderers[n]);
         if (points.empty()) continue;
         script += fmt::format("$curve{} << EOD\n{}EOD\n", n, points);
         curves += fmt::format("{}$curve{} with linespoints lw 2 pt 7 lc {} title {}",
                               curves.empty() ? "" : ", ", n, n + 1, quoted(contents.renderers[n]));
       }
-      script += fmt::format("set title {}\nplot {}\n",
-                            quoted(fmt::format("{}, {}, {}x{}", scene, look, contents.size, contents.size)),
-                            curves);
+      script += fmt::format(
+          "set title {}\nplot {}\n",
+          quoted(fmt::format("{}, {}, {}x{}", scene, appearance, contents.size, contents.size)), curves);
     }
   }
   return script + "unset multiplot\nset output\n";

@@ -11,12 +11,13 @@
 namespace splatlas {
 namespace {
 
-std::string selection_text(const ErrorScene& scene, const ErrorLook& look) {
+std::string selection_text(const ErrorScene& scene, const ErrorAppearance& appearance) {
   std::string text;
   std::string_view names = scene.structures;
   while (!names.empty()) {
     const std::size_t end = std::min(names.find(" + "), names.size());
-    text += fmt::format("{}{}:volume({})", text.empty() ? "" : " + ", names.substr(0, end), look.options);
+    text +=
+        fmt::format("{}{}:volume({})", text.empty() ? "" : " + ", names.substr(0, end), appearance.options);
     names.remove_prefix(std::min(end + 3, names.size()));
   }
   return text;
@@ -61,23 +62,25 @@ std::span<const ErrorScene> error_scenes() {
   return kScenes;
 }
 
-std::span<const ErrorLook> error_looks() {
-  static constexpr std::array kLooks{
-      ErrorLook{"soft", "opacity=0.3,color=#ffffff"},
-      ErrorLook{"thin", "profile=thin,opacity=0.01,color=#ffffff"},
-      ErrorLook{"hard", "profile=hard,opacity=0.95,color=#ffffff"},
+std::span<const ErrorAppearance> error_appearances() {
+  static constexpr std::array kAppearances{
+      ErrorAppearance{"soft", "opacity=0.3,color=#ffffff"},
+      ErrorAppearance{"thin", "profile=thin,opacity=0.01,color=#ffffff"},
+      ErrorAppearance{"hard", "profile=hard,opacity=0.95,color=#ffffff"},
   };
-  return kLooks;
+  return kAppearances;
 }
 
-Result<ErrorModel> error_model(const AtlasContent& content, const ErrorScene& scene, const ErrorLook& look) {
+Result<ErrorModel> error_model(const AtlasContent& content, const ErrorScene& scene,
+                               const ErrorAppearance& appearance) {
   ErrorModel model;
-  SPLATLAS_ASSIGN_OR_RETURN(model.selection, select(selection_text(scene, look), content.graph));
+  SPLATLAS_ASSIGN_OR_RETURN(model.selection, select(selection_text(scene, appearance), content.graph));
   SPLATLAS_ASSIGN_OR_RETURN(model.volume, reference::masked_volume(content, model.selection));
   const auto drawn = std::find_if(model.selection.structures.begin(), model.selection.structures.end(),
                                   [](const StructureDraw& draw) { return draw.mode != DrawMode::kOff; });
   SPLATLAS_ASSIGN_OR_RETURN(
-      model.look, reference::grey_look(*drawn, content.display, reference_length_mm(model.volume.grid)));
+      model.appearance,
+      reference::grey_appearance(*drawn, content.display, reference_length_mm(model.volume.grid)));
   model.camera = oblique_camera();
   if (scene.fills_picture) zoom_to(model.volume, content.display, model.camera);
   return model;

@@ -20,20 +20,20 @@ struct ErrorScene {
 [[nodiscard]] std::span<const ErrorScene> error_scenes();
 
 /// A transfer function: what is written behind a structure's name.
-struct ErrorLook {
+struct ErrorAppearance {
   const char* name;
   const char* options;  ///< of a selection text; colour and opacity
 };
-[[nodiscard]] std::span<const ErrorLook> error_looks();
+[[nodiscard]] std::span<const ErrorAppearance> error_appearances();
 
 /// One scene with one transfer function, as every renderer gets it.
 struct ErrorModel {
   Selection selection;
   reference::MaskedVolume volume;
-  reference::GreyLook look;
+  reference::GreyAppearance appearance;
   Camera camera;  ///< of the first frame
 };
 [[nodiscard]] Result<ErrorModel> error_model(const AtlasContent& content, const ErrorScene& scene,
-                                             const ErrorLook& look);
+                                             const ErrorAppearance& appearance);
 
 }  // namespace splatlas

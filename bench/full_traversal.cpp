@@ -8,14 +8,18 @@
 namespace splatlas {
 
 FullTraversal::FullTraversal(std::shared_ptr<const Atlas> atlas, const VoxelModel& model, unsigned threads)
-    : atlas_(std::move(atlas)), model_(model), pool_(threads), looks_(*atlas_), meshes_(model.surfaces) {
+    : atlas_(std::move(atlas)),
+      model_(model),
+      pool_(threads),
+      appearances_(*atlas_),
+      meshes_(model.surfaces) {
   for (StructureIndex s = 0; s < meshes_.size(); ++s) owners_.emplace_back(meshes_[s].triangles.size(), s);
 }
 
 void FullTraversal::select(const Selection& selection) {
   selection_ = selection;
   plan_ = atlas_->tree().plan(selection);
-  looks_.select(plan_, selection);
+  appearances_.select(plan_, selection);
   draw_of_class_.assign(atlas_->classes().size(), VoxelSelection::kNotDrawn);
   for (std::uint32_t n = 0; n < plan_.classes.size(); ++n) {
     const ClassDraw& draw = plan_.classes[n];
@@ -54,8 +58,8 @@ Result<FullTraversal::Frame> FullTraversal::render(const Camera& camera, const R
 
   Frame frame;
   Stopwatch watch;
-  SpanModel spans = visit_voxels(model_, {draw_of_class_, plan_, looks_.looks(), atlas_->classes()},
-                                 shear.principal, pool_);
+  SpanModel spans = visit_voxels(
+      model_, {draw_of_class_, plan_, appearances_.appearances(), atlas_->classes()}, shear.principal, pool_);
   if (options.hybrid_shading && spans.shaded_voxels > 0) shade_spans(spans, lighting.table(), pool_);
   visit_triangles();
   frame.traversal = watch.lap();

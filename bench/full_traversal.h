@@ -9,7 +9,7 @@
 #include "format/decision_tree.h"
 #include "format/system/thread_pool.h"
 #include "player/frame/draw_frame.h"
-#include "player/transfer/volume_looks.h"
+#include "player/transfer/volume_appearances.h"
 
 namespace splatlas {
 
@@ -43,7 +43,7 @@ class FullTraversal {
 
   Selection selection_;
   DrawPlan plan_;
-  VolumeLooks looks_;                         // of plan_.classes
+  VolumeAppearances appearances_;             // of plan_.classes
   std::vector<std::uint32_t> draw_of_class_;  // index into plan_.classes, or VoxelSelection::kNotDrawn
   std::vector<bool> draws_surface_;           // per structure
 

@@ -90,7 +90,7 @@ Contender ours(Renderer& renderer, const HybridTask& task, const Setting& settin
 
 VtkPeer vtk_peer(const HybridTask& task) {
   VtkPeer vtk(PictureSize{task.size, task.size});
-  vtk.add_volume(task.model.volume, task.model.look, task.scene.mapper, kStepMm);
+  vtk.add_volume(task.model.volume, task.model.appearance, task.scene.mapper, kStepMm);
   for (const StructureIndex s : task.model.surfaces) {
     const StructureDraw& draw = task.model.selection.structures[s];
     const std::array<double, 3> color{srgb_to_linear(draw.color.r), srgb_to_linear(draw.color.g),

@@ -35,7 +35,8 @@ Result<HybridModel> hybrid_model(const AtlasContent& content, const HybridScene&
                                     return draw.mode == DrawMode::kVolume || draw.mode == DrawMode::kBoth;
                                   });
   SPLATLAS_ASSIGN_OR_RETURN(
-      model.look, reference::grey_look(*drawn, content.display, reference_length_mm(model.volume.grid)));
+      model.appearance,
+      reference::grey_appearance(*drawn, content.display, reference_length_mm(model.volume.grid)));
   return model;
 }
 

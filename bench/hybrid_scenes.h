@@ -26,7 +26,7 @@ struct HybridModel {
   std::vector<StructureIndex> surfaces;
   std::uint64_t triangles = 0;
   reference::MaskedVolume volume;
-  reference::GreyLook look;
+  reference::GreyAppearance appearance;
 };
 [[nodiscard]] Result<HybridModel> hybrid_model(const AtlasContent& content, const HybridScene& scene);
 

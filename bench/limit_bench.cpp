@@ -25,9 +25,9 @@ struct Effort {
 };
 
 /// White volumes have one colour to composite, those with colours of their own three.
-constexpr std::array kLooks{ErrorLook{"thin", "profile=thin,opacity=0.01,color=#ffffff"},
-                            ErrorLook{"soft", "opacity=0.3,color=#ffffff"},
-                            ErrorLook{"thin, coloured", "profile=thin,opacity=0.01"}};
+constexpr std::array kAppearances{ErrorAppearance{"thin", "profile=thin,opacity=0.01,color=#ffffff"},
+                                  ErrorAppearance{"soft", "opacity=0.3,color=#ffffff"},
+                                  ErrorAppearance{"thin, coloured", "profile=thin,opacity=0.01"}};
 
 /// What a scene took: the least of each frame's repeats, and of that the median over frames.
 struct LimitCost {
@@ -145,15 +145,15 @@ Result<Report> run_limit_bench(const BenchOptions& options) {
   const Effort effort = options.quick ? Effort{.sizes = {512}, .frames = 3, .thread_repeats = 6} : Effort{};
   Table table = limit_table();
   for (const ErrorScene& scene : error_scenes()) {
-    for (const ErrorLook& look : kLooks) {
-      SPLATLAS_ASSIGN_OR_RETURN(const ErrorModel model, error_model(content, scene, look));
+    for (const ErrorAppearance& appearance : kAppearances) {
+      SPLATLAS_ASSIGN_OR_RETURN(const ErrorModel model, error_model(content, scene, appearance));
       for (const int size : effort.sizes) {
-        options.tell(fmt::format("{}, {}, {}x{}", scene.name, look.name, size, size));
+        options.tell(fmt::format("{}, {}, {}x{}", scene.name, appearance.name, size, size));
         LimitTask task(atlas, model, size, effort.frames);
         const ErrorTask error_task{atlas, model, {size, size}, effort.frames, effort.repeats};
         SPLATLAS_ASSIGN_OR_RETURN(LimitCost cost, measure(task, effort));
         SPLATLAS_RETURN_IF_ERROR(measure_threads(error_task, effort.thread_repeats, cost));
-        Row row{{"scene", scene.name}, {"look", look.name}, {"size", size}};
+        Row row{{"scene", scene.name}, {"look", appearance.name}, {"size", size}};
         row.update(row_of(task, cost));
         raise(report.summary, "over_dense", row["over_dense"].get<double>());
         lower(report.summary, "two_thread_speedup", cost.two_thread_speedup);

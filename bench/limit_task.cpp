@@ -12,7 +12,7 @@ LimitTask::LimitTask(std::shared_ptr<const Atlas> atlas, ErrorModel model, int s
     : atlas_(std::move(atlas)), model_(std::move(model)), frames_(frames) {
   options_.size = {size, size};
   options_.hybrid_shading = false;
-  options_.transmittance_floor = 0.0f;
+  options_.termination_threshold = 0.0f;
 }
 
 Result<LimitTask::Frame> LimitTask::frame_of(int turn) const {
@@ -28,8 +28,8 @@ Result<void> LimitTask::prepare(int turns) {
     SPLATLAS_ASSIGN_OR_RETURN(const DecodedSelection decoded,
                               decode_selection(atlas_, model_.selection, frame.shear.principal, pool_));
     AxisModels& models = axes_[frame.shear.principal];
-    models.builder.build({*decoded.runs, decoded.plan, *decoded.looks, atlas_->classes(), atlas_->grid(),
-                          *decoded.cache, false},
+    models.builder.build({*decoded.runs, decoded.plan, *decoded.appearances, atlas_->classes(),
+                          atlas_->grid(), *decoded.cache, false},
                          pool_);
     SPLATLAS_RETURN_IF_ERROR(draw(turn));
     const SheetWindow& window = buffers_.sheet.window;

@@ -36,7 +36,7 @@ Result<Models> Models::make(std::shared_ptr<const Atlas> atlas, ThreadPool& pool
 }
 
 ModelFrames::ModelFrames(const Models& models, ThreadPool& pool)
-    : models_(models), pool_(pool), looks_(*models.atlas), player_(models.atlas, {.threads = 1}) {
+    : models_(models), pool_(pool), appearances_(*models.atlas), player_(models.atlas, {.threads = 1}) {
   options_.size = {512, 512};
   options_.hybrid_shading = false;  // only the lowest level knows boundaries
 }
@@ -44,7 +44,7 @@ ModelFrames::ModelFrames(const Models& models, ThreadPool& pool)
 Result<void> ModelFrames::select(std::string_view selection) {
   SPLATLAS_ASSIGN_OR_RETURN(const Selection selected, splatlas::select(selection, models_.atlas->graph()));
   plan_ = models_.atlas->tree().plan(selected);
-  looks_.select(plan_, selected);
+  appearances_.select(plan_, selected);
   players_camera_.reset();
   return player_.select(selected);
 }
@@ -61,13 +61,13 @@ void ModelFrames::build_slice(std::int64_t slice, const Walk& walk) {
   FoundRun whole;
   const auto write = [&] {
     if (whole.length == 0) return;
-    const VolumeLook& look = looks_.looks()[whole.draw];
+    const VolumeAppearance& appearance = appearances_.appearances()[whole.draw];
     const std::size_t voxel = static_cast<std::size_t>(slice) * step[scan.slice_axis] +
                               whole.row * step[scan.row_axis] + whole.start * step[scan.scan_axis];
     writer.add(whole.start, whole.length);
-    look.look_up(models_.classes.values(), voxel, step[scan.scan_axis], whole.length,
-                 writer.extinctions(whole.start), writer.emissions(whole.start, 0));
-    if (spans_.emissions == 3) writer.color(whole.start, whole.length, look.color);
+    appearance.look_up(models_.classes.values(), voxel, step[scan.scan_axis], whole.length,
+                       writer.extinctions(whole.start), writer.emissions(whole.start, 0));
+    if (spans_.emissions == 3) writer.color(whole.start, whole.length, appearance.color);
     ++runs_;
   };
   walk(slice, [&](const FoundRun& run) {
@@ -87,7 +87,7 @@ void ModelFrames::build_slice(std::int64_t slice, const Walk& walk) {
 template <typename Walk>
 void ModelFrames::build_spans(const SelectedRuns& selected, const Walk& walk) {
   spans_.axis = selected.axis();
-  set_looks(plan_, looks_.looks(), models_.atlas->classes(), spans_);
+  set_appearances(plan_, appearances_.appearances(), models_.atlas->classes(), spans_);
   spans_.scan_first = selected.box().first[0];
   spans_.scan_voxels = selected.scan_voxels();
   spans_.row_first = selected.box().first[1];
@@ -110,7 +110,7 @@ Result<std::vector<Elapsed>> ModelFrames::draw(Model model, int turn, int frames
 
   Stopwatch watch;
   const std::vector<std::uint32_t> draws =
-      shared_draws_by_class(plan_, looks_.looks(), atlas.classes().size());
+      shared_draws_by_class(plan_, appearances_.appearances(), atlas.classes().size());
   const SelectedRuns selected(plan_, atlas.classes(), models_.classes, shear.principal);
   const FoundRuns found = find(model, draws, shear.principal);
   const Elapsed finding = watch.lap();

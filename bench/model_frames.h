@@ -16,7 +16,7 @@
 #include "player/spans/class_cache.h"
 #include "player/spans/selected_runs.h"
 #include "player/stopwatch.h"
-#include "player/transfer/volume_looks.h"
+#include "player/transfer/volume_appearances.h"
 
 namespace splatlas {
 
@@ -69,7 +69,7 @@ class ModelFrames {
 
   const Models& models_;
   ThreadPool& pool_;
-  VolumeLooks looks_;
+  VolumeAppearances appearances_;
   RenderOptions options_;
   DrawPlan plan_;
   SpanModel spans_;

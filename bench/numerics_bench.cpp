@@ -64,9 +64,9 @@ Result<void> measure_pictures(const std::shared_ptr<const Atlas>& atlas, const E
              "pop_soft, pop_hard: the largest of our normal quality"},
             {}};
   for (const ErrorScene& scene : error_scenes()) {
-    for (const ErrorLook& look : error_looks()) {
-      options.tell(fmt::format("bias and popping: {}, {}", scene.name, look.name));
-      SPLATLAS_ASSIGN_OR_RETURN(const ErrorModel model, error_model(content, scene, look));
+    for (const ErrorAppearance& appearance : error_appearances()) {
+      options.tell(fmt::format("bias and popping: {}, {}", scene.name, appearance.name));
+      SPLATLAS_ASSIGN_OR_RETURN(const ErrorModel model, error_model(content, scene, appearance));
       const ErrorTask task{atlas, model, {effort.size, effort.size}};
       std::vector<Participant> participants;
       SPLATLAS_RETURN_IF_ERROR(add_ours(task, 2, participants));
@@ -75,16 +75,16 @@ Result<void> measure_pictures(const std::shared_ptr<const Atlas>& atlas, const E
       SPLATLAS_RETURN_IF_ERROR(compare_parallel(participants, task, effort.views_compared));
       SPLATLAS_ASSIGN_OR_RETURN(const std::vector<AxisSwitch> switches,
                                 axis_switches(model.camera, atlas->grid(), atlas->display()));
-      const std::string look_name = look.name;
+      const std::string appearance_name = appearance.name;
       for (const Participant& participant : participants) {
         const RendererCost& cost = participant.cost;
         const Row row{{"scene", scene.name},
-                      {"look", look.name},
+                      {"look", appearance.name},
                       {"renderer", cost.renderer},
                       {"setting", cost.setting}};
         bias.rows.push_back(row);
         bias.rows.back().update({{"mean", 255 * cost.error.mean}, {"rmse", 255 * cost.error.rms}});
-        if (is_quoted(cost) && look_name != "hard")
+        if (is_quoted(cost) && appearance_name != "hard")
           raise(report.summary, "bias_max", 255 * std::abs(cost.error.mean));
         pop.rows.push_back(row);
         double largest = 0;
@@ -92,7 +92,8 @@ Result<void> measure_pictures(const std::shared_ptr<const Atlas>& atlas, const E
           SPLATLAS_ASSIGN_OR_RETURN(const reference::PictureDifference d, pop_of(participant, across));
           pop.rows.back()[across.name] = 255 * d.rms;
           largest = std::max(largest, d.largest);
-          if (is_quoted(cost) && look_name != "thin") raise(report.summary, "pop_" + look_name, 255 * d.rms);
+          if (is_quoted(cost) && appearance_name != "thin")
+            raise(report.summary, "pop_" + appearance_name, 255 * d.rms);
         }
         pop.rows.back()["largest"] = 255 * largest;
       }

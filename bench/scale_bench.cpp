@@ -22,7 +22,7 @@ namespace {
 constexpr int kSide = 512;  // of pictures, in pixels
 /// Pictures of one selection may differ by this (root mean square, 1/255): in a larger grid slices meet
 /// sheets at other places between pixels.
-constexpr double kMostRms = 1;
+constexpr double kMaxRms = 1;
 
 /// One size of the atlas.
 struct Step {
@@ -142,7 +142,7 @@ std::string what_differs(const Contestant& contestant, const Contestant& unit, d
   if (ours.voxels_visited != units.voxels_visited) {
     return fmt::format("{} voxels, not {}", ours.voxels_visited, units.voxels_visited);
   }
-  return rms <= kMostRms ? "" : fmt::format("pictures differ by {}", rms);
+  return rms <= kMaxRms ? "" : fmt::format("pictures differ by {}", rms);
 }
 
 Row row_of(const Contestant& contestant, const std::vector<Elapsed>& times) {

@@ -26,7 +26,7 @@ constexpr unsigned kThreads = 2;  // as VTK has
 constexpr double kStepMm = 1;     // between VTK's samples: its default, a voxel
 
 /// Where the selection changes.
-constexpr ErrorLook kLook{"soft", "opacity=0.3,color=#ffffff"};
+constexpr ErrorAppearance kAppearance{"soft", "opacity=0.3,color=#ffffff"};
 
 /// How a picture is drawn.
 struct Way {
@@ -78,7 +78,7 @@ constexpr std::array kScenes{
 Result<SelectTask> make_task(const AtlasContent& content) {
   SelectTask task;
   for (const ErrorScene& scene : kScenes) {
-    SPLATLAS_ASSIGN_OR_RETURN(ErrorModel model, error_model(content, scene, kLook));
+    SPLATLAS_ASSIGN_OR_RETURN(ErrorModel model, error_model(content, scene, kAppearance));
     task.camera = model.camera;
     task.names.emplace_back(scene.name);
     task.models.push_back(std::move(model));
@@ -175,7 +175,7 @@ class Peers {
  public:
   Peers(const AtlasContent& content, const std::shared_ptr<const Atlas>& atlas, const SelectTask& task)
       : content_(content), atlas_(atlas), task_(task), masked_(task.models[0].volume), vtk_(kSize) {
-    vtk_.add_volume(masked_, task.models[0].look, VtkVolumeMapper::kFixedPoint, kStepMm);
+    vtk_.add_volume(masked_, task.models[0].appearance, VtkVolumeMapper::kFixedPoint, kStepMm);
   }
 
   /// Mask; the masked copy handed over and drawn.
@@ -199,7 +199,7 @@ class Peers {
     Stopwatch watch;
     mask(content_, drawn, masked_);
     SPLATLAS_ASSIGN_OR_RETURN(VolpackPeer volpack,
-                              VolpackPeer::classify(masked_, model.look, OpacityRounding::kDown));
+                              VolpackPeer::classify(masked_, model.appearance, OpacityRounding::kDown));
     SPLATLAS_RETURN_IF_ERROR(volpack.render(view));
     const Elapsed first = watch.lap();
     SPLATLAS_RETURN_IF_ERROR(volpack.render(view));

@@ -13,7 +13,7 @@
 namespace splatlas {
 namespace {
 
-constexpr double kMostGrey = 2;  // where the transfer function ends
+constexpr double kMaxGrey = 2;  // where the transfer function ends
 constexpr double kTruthStepMm = 0.05;
 
 struct Blob {
@@ -26,17 +26,17 @@ constexpr std::array kBlobs{Blob{{-3, 2, -1}, 4}, Blob{{3, -3, 2}, 3.5}, Blob{{1
 /// Where nothing is left beyond: the corners of the cube.
 const double kReachMm = 0.5 * std::sqrt(3.0) * kFieldSideMm;
 
-reference::RayLight light_along(const Vec3& from_mm, const Vec3& direction, double length_mm) {
-  reference::RayLight light;
+reference::RayRadiance light_along(const Vec3& from_mm, const Vec3& direction, double length_mm) {
+  reference::RayRadiance light;
   const auto steps = static_cast<int>(std::ceil(length_mm / kTruthStepMm));
   const double step = length_mm / steps;
   for (int n = 0; n < steps; ++n) {
     Vec3 at{};
     for (std::size_t a = 0; a < 3; ++a) at[a] = from_mm[a] + (n + 0.5) * step * direction[a];
     const double grey = smooth_field(at);
-    reference::RayLight slab;
+    reference::RayRadiance slab;
     slab.transmittance = std::exp(-kFieldExtinctionPerMm * grey * step);
-    const double shade = grey / kMostGrey;
+    const double shade = grey / kMaxGrey;
     slab.color.fill(shade * (1 - slab.transmittance));
     light.add(slab);
   }
@@ -69,13 +69,13 @@ AtlasContent sampled_field(double voxel_mm) {
                           return true;
                         })}};
   volume.values = make_values(VoxelType::kFloat32, greys);
-  volume.window_high = kMostGrey;
+  volume.window_high = kMaxGrey;
   return make_content(volume);
 }
 
 Selection field_selection(const AtlasContent& content, double voxel_mm) {
-  const double opacity = -std::expm1(-kFieldExtinctionPerMm * kMostGrey * voxel_mm);
-  return selection_of(fmt::format("field:volume(color=#ffffff,curve=0:0:0/{}:{:.12f}:1)", kMostGrey, opacity),
+  const double opacity = -std::expm1(-kFieldExtinctionPerMm * kMaxGrey * voxel_mm);
+  return selection_of(fmt::format("field:volume(color=#ffffff,curve=0:0:0/{}:{:.12f}:1)", kMaxGrey, opacity),
                       content.graph);
 }
 
@@ -97,7 +97,7 @@ reference::ReferencePicture field_truth(const View& view) {
       } else {
         for (std::size_t a = 0; a < 3; ++a) from[a] -= kReachMm * direction[a];
       }
-      const reference::RayLight light = light_along(from, direction, length);
+      const reference::RayRadiance light = light_along(from, direction, length);
       truth.pixels.push_back({light.color[0], light.color[1], light.color[2], 1 - light.transmittance});
     }
   }

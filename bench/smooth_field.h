@@ -4,8 +4,8 @@
 #include "format/atlas_content.h"
 #include "format/selection.h"
 #include "player/camera.h"
-#include "tests/reference/reference_light.h"
 #include "tests/reference/reference_picture.h"
+#include "tests/reference/reference_radiance.h"
 
 namespace splatlas {
 

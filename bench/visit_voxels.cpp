@@ -53,15 +53,15 @@ class SliceVisit {
     }
   }
 
-  /// Looks up the grey values of `count` voxels in a row that are drawn alike.
+  /// Appearances up the grey values of `count` voxels in a row that are drawn alike.
   void take(std::size_t voxel, std::uint32_t first, std::uint32_t count, std::uint32_t draw,
             SpanWriter& writer) {
     const std::size_t step = step_[scan_.scan_axis];
-    const VolumeLook& look = selection_.looks[draw];
+    const VolumeAppearance& appearance = selection_.appearances[draw];
     writer.add(first, count);
-    look.look_up(model_.values.bytes.data(), voxel, step, count, writer.extinctions(first),
-                 writer.emissions(first, 0));
-    if (emissions_ == 3) writer.color(first, count, look.color);
+    appearance.look_up(model_.values.bytes.data(), voxel, step, count, writer.extinctions(first),
+                       writer.emissions(first, 0));
+    if (emissions_ == 3) writer.color(first, count, appearance.color);
     if (selection_.plan.classes[draw].boundary)
       writer.shade(first, count, model_.normals.data() + voxel, step);
   }
@@ -104,7 +104,7 @@ SpanModel visit_voxels(const VoxelModel& model, const VoxelSelection& selection,
   const auto slices = static_cast<std::size_t>(model.grid.size[scan.slice_axis]);
   SpanModel spans;
   spans.axis = axis;
-  set_looks(selection.plan, selection.looks, selection.classes, spans);
+  set_appearances(selection.plan, selection.appearances, selection.classes, spans);
   spans.slices.resize(slices);
   std::vector<IndexBox> selected(slices);
   pool.for_each(slices, [&](std::size_t n) {

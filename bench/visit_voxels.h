@@ -9,7 +9,7 @@
 #include "format/decision_tree.h"
 #include "format/system/thread_pool.h"
 #include "player/spans/span_model.h"
-#include "player/transfer/volume_looks.h"
+#include "player/transfer/volume_appearances.h"
 
 namespace splatlas {
 
@@ -19,7 +19,7 @@ struct VoxelSelection {
 
   std::span<const std::uint32_t> draw_of_class;  ///< index into plan.classes, or kNotDrawn
   const DrawPlan& plan;
-  std::span<const VolumeLook> looks;  ///< of plan.classes
+  std::span<const VolumeAppearance> appearances;  ///< of plan.classes
   const ClassTable& classes;
 };
 

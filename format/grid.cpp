@@ -154,8 +154,8 @@ Result<void> validate(const Grid& grid, const std::string& what) {
   }
   if (!all_finite(grid.origin_lps_mm)) return refuse("the origin is not finite");
   if (!is_within_reach(grid.origin_lps_mm))
-    return refuse(fmt::format("the origin ({} mm) must be within {} mm", fmt::join(grid.origin_lps_mm, ", "),
-                              kFurthestMm));
+    return refuse(
+        fmt::format("the origin ({} mm) must be within {} mm", fmt::join(grid.origin_lps_mm, ", "), kMaxMm));
   if (!all_finite(grid.direction_lps)) return refuse("the direction is not finite");
   const double volume = std::abs(determinant(with_unit_columns(grid.direction_lps)));
   if (!(volume >= kSmallestDeterminant)) {  // also catches columns of length zero

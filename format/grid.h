@@ -22,15 +22,15 @@ inline constexpr std::int64_t kMaxAxisSize = std::int64_t{1} << 24;
 /// Largest number of voxels of a grid (2^40); far below what 64-bit byte counts can hold.
 inline constexpr std::int64_t kMaxVoxels = std::int64_t{1} << 40;
 
-/// Spacings of a valid grid are from the first to the second, places at most kFurthestMm from LPS's origin
+/// Spacings of a valid grid are from the first to the second, places at most kMaxMm from LPS's origin
 /// along each axis: more than is ever scanned, and no product of the few that geometry multiplies overflows
 /// or vanishes.
-inline constexpr double kMinSpacingMm = 1e-9, kMaxSpacingMm = 1e9, kFurthestMm = 1e15;
+inline constexpr double kMinSpacingMm = 1e-9, kMaxSpacingMm = 1e9, kMaxMm = 1e15;
 /// Columns of a grid's direction, whose length should be 1.
 inline constexpr double kMinColumnLength = 1e-3, kMaxColumnLength = 1e3;
 
 [[nodiscard]] inline bool is_within_reach(const Vec3& place_lps_mm) {
-  return std::ranges::all_of(place_lps_mm, [](double mm) { return std::abs(mm) <= kFurthestMm; });
+  return std::ranges::all_of(place_lps_mm, [](double mm) { return std::abs(mm) <= kMaxMm; });
 }
 
 /// A regular grid of voxels in LPS millimetres, as ITK has it: voxel (i, j, k) is centred at

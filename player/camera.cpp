@@ -84,7 +84,7 @@ Result<ParallelView> parallel_view(const Camera& camera, const PictureSize& size
   const Vec3 center = camera.center_lps_mm.value_or(display.center_lps_mm);
   if (!is_within_reach(center)) {
     return fail(ErrorCode::kUsage,
-                fmt::format("camera: the centre must be finite, and within {} mm", kFurthestMm));
+                fmt::format("camera: the centre must be finite, and within {} mm", kMaxMm));
   }
 
   const auto [sin_azimuth, cos_azimuth] = sin_cos_deg(camera.azimuth_deg);

@@ -24,7 +24,7 @@
 #include "player/spans/class_cache.h"
 #include "player/spans/span_model.h"
 #include "player/transfer/shading.h"
-#include "player/transfer/volume_looks.h"
+#include "player/transfer/volume_appearances.h"
 
 namespace splatlas {
 namespace {
@@ -45,16 +45,16 @@ std::uint64_t frame_bytes(const RenderOptions& options) {
 
 /// How finely rays are sampled.
 CastOptions cast_options(const RenderOptions& options) {
-  CastOptions cast{.floor = transmittance_floor(options), .principal_axis = options.principal_axis};
+  CastOptions cast{.floor = termination_threshold(options), .principal_axis = options.principal_axis};
   switch (options.quality) {
     case Quality::kDraft: break;
     case Quality::kNormal:
-      cast.most_steps = 32;
+      cast.max_steps = 32;
       cast.tolerance = 0.054f;
       break;
     case Quality::kHigh:
-      cast.least_steps = 8;
-      cast.most_steps = 64;
+      cast.min_steps = 8;
+      cast.max_steps = 64;
       cast.tolerance = 0.0046f;
       break;
   }
@@ -86,7 +86,7 @@ struct Renderer::Impl {
         pool(options.threads),
         cache(atlas),
         max_memory_bytes(options.max_memory_bytes > 0 ? options.max_memory_bytes : default_memory_limit()),
-        looks(*atlas) {}
+        appearances(*atlas) {}
 
   void adopt(DrawPlan new_plan);
   [[nodiscard]] Result<void> decode(Axis axis, bool shade);
@@ -116,7 +116,7 @@ struct Renderer::Impl {
   DrawPlan plan;
   std::uint64_t plan_bytes = 0;  // what the plan's spans may take
   std::vector<MissingPart> missing;
-  VolumeLooks looks;  // of plan.classes
+  VolumeAppearances appearances;  // of plan.classes
   std::array<std::optional<AxisSpans>, 3> axis_spans;
   Axis latest_axis = Axis::kZ;
   std::optional<Rays> rays;
@@ -131,7 +131,7 @@ struct Renderer::Impl {
 /// What is drawn from now on.
 void Renderer::Impl::adopt(DrawPlan new_plan) {
   plan = std::move(new_plan);
-  looks.select(plan, selection);
+  appearances.select(plan, selection);
   keep_spans();
   rays.reset();
   shown.reset();
@@ -189,7 +189,7 @@ AxisSpans& Renderer::Impl::spans(Axis axis, bool shade) {
   latest_axis = axis;
   std::optional<AxisSpans>& built = axis_spans[static_cast<std::size_t>(axis)];
   if (!built) built.emplace();
-  if (!built->current(shade)) built->build(plan, looks, *atlas, cache, axis, shade, pool);
+  if (!built->current(shade)) built->build(plan, appearances, *atlas, cache, axis, shade, pool);
   return *built;
 }
 
@@ -210,7 +210,7 @@ void Renderer::Impl::keep_spans() {
 void Renderer::Impl::drop_kept_spans(std::uint64_t frame_bytes) {
   for (std::optional<AxisSpans>& built : axis_spans) {
     if (built && !built->current(false) &&
-        built->light_bytes() + plan_bytes + frame_bytes > max_memory_bytes) {
+        built->optical_bytes() + plan_bytes + frame_bytes > max_memory_bytes) {
       built.reset();
     }
   }
@@ -225,7 +225,7 @@ Result<Renderer::Impl::Rays*> Renderer::Impl::ray_volume(const RenderOptions& op
     const RayVolumeRequest request{.atlas = *atlas,
                                    .selection = selection,
                                    .plan = plan,
-                                   .looks = looks.looks(),
+                                   .appearances = appearances.appearances(),
                                    .runs = runs,
                                    .cache = cache,
                                    .classification = options.classification,
@@ -437,7 +437,7 @@ std::optional<Pick> Renderer::pick(double x, double y) const {
     const PickScene scene{.grid = r.atlas->grid(),
                           .runs = runs,
                           .plan = r.plan,
-                          .looks = r.looks.looks(),
+                          .appearances = r.appearances.appearances(),
                           .cache = r.cache,
                           .fragments = r.frame.fragments,
                           .depth_axis = shown.depth_axis,

@@ -52,14 +52,14 @@ struct RenderOptions {
   /// Early termination: what would be seen through pixels that let through no more than this is left out, so
   /// no value is further off than that. 0 leaves nothing out.
   /// Not set: 1e-3 in drafts, 1e-4 otherwise.
-  std::optional<float> transmittance_floor = std::nullopt;
+  std::optional<float> termination_threshold = std::nullopt;
   /// Forced, to measure what the choice costs; the best one when not set.
   std::optional<Axis> principal_axis = std::nullopt;
 };
 
 /// The floor that counts.
-[[nodiscard]] inline float transmittance_floor(const RenderOptions& options) {
-  return options.transmittance_floor.value_or(options.quality == Quality::kDraft ? 1e-3f : 1e-4f);
+[[nodiscard]] inline float termination_threshold(const RenderOptions& options) {
+  return options.termination_threshold.value_or(options.quality == Quality::kDraft ? 1e-3f : 1e-4f);
 }
 
 struct RenderStats {

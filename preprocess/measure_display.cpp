@@ -22,10 +22,10 @@ std::vector<bool> classes_to_window(const ClassTable& classes, const StructureGr
 /// Grey values of the classes that count; every n-th where there are very many.
 std::vector<double> sample_values(const Classification& classification, const std::vector<bool>& counts,
                                   const VoxelBuffer& values) {
-  constexpr std::uint64_t kMostSamples = std::uint64_t{1} << 22;
+  constexpr std::uint64_t kMaxSamples = std::uint64_t{1} << 22;
   std::uint64_t voxels = 0;
   for (ClassId c = 0; c < counts.size(); ++c) voxels += counts[c] ? classification.classes.voxels(c) : 0;
-  const std::uint64_t step = std::max<std::uint64_t>(1, voxels / kMostSamples);
+  const std::uint64_t step = std::max<std::uint64_t>(1, voxels / kMaxSamples);
   std::vector<double> samples;
   samples.reserve(voxels / step + 1);
   visit_voxel_type(values.type, [&]<typename T>(T) {

@@ -11,7 +11,7 @@
 namespace splatlas {
 namespace {
 
-using reference::GreyLook;
+using reference::GreyAppearance;
 using reference::MaskedVolume;
 
 constexpr double kMaxRayOpacity = 0.999;
@@ -77,10 +77,10 @@ struct VolpackPeer::Impl {
   PictureSize size;
   std::vector<std::uint8_t> rgba;
 
-  void set_look(const GreyLook& look, OpacityRounding rounding) {
+  void set_appearance(const GreyAppearance& appearance, OpacityRounding rounding) {
     const Vec3& spacing = grid.spacing_mm;
     for (std::size_t grey = 0; grey < opacity.size(); ++grey) {
-      const GreyLook::Knot knot = look.at(static_cast<double>(grey));
+      const GreyAppearance::Knot knot = appearance.at(static_cast<double>(grey));
       const double exact = -std::expm1(-knot.extinction_per_mm * spacing[0]);
       opacity[grey] = static_cast<float>(rounding == OpacityRounding::kDown ? exact : nearest_255th(exact));
       for (std::size_t c = 0; c < 3; ++c) color[grey][c] = static_cast<float>(255 * knot.color[c]);
@@ -131,7 +131,7 @@ VolpackPeer::~VolpackPeer() = default;
 VolpackPeer::VolpackPeer(VolpackPeer&&) noexcept = default;
 VolpackPeer& VolpackPeer::operator=(VolpackPeer&&) noexcept = default;
 
-Result<VolpackPeer> VolpackPeer::classify(const MaskedVolume& volume, const GreyLook& look,
+Result<VolpackPeer> VolpackPeer::classify(const MaskedVolume& volume, const GreyAppearance& appearance,
                                           OpacityRounding rounding) {
   const Grid& grid = volume.grid;
   const Vec3& spacing = grid.spacing_mm;
@@ -147,7 +147,7 @@ Result<VolpackPeer> VolpackPeer::classify(const MaskedVolume& volume, const Grey
   }
   auto impl = std::make_unique<Impl>();
   impl->grid = grid;
-  impl->set_look(look, rounding);
+  impl->set_appearance(appearance, rounding);
   SPLATLAS_RETURN_IF_ERROR(impl->set_up());
   SPLATLAS_RETURN_IF_ERROR(impl->classify(volume));
   return VolpackPeer(std::move(impl));

@@ -30,7 +30,7 @@ class VolpackPeer {
   /// Classifies: opacity 1 - exp(-extinction * voxel) and colour of every grey value. kFailed when voxels are
   /// no cubes, or a side has more than VolPack's 1024. Keeps no reference to the volume.
   [[nodiscard]] static Result<VolpackPeer> classify(const reference::MaskedVolume& volume,
-                                                    const reference::GreyLook& look,
+                                                    const reference::GreyAppearance& appearance,
                                                     OpacityRounding rounding);
   ~VolpackPeer();
   VolpackPeer(VolpackPeer&&) noexcept;

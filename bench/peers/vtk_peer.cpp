@@ -30,7 +30,7 @@
 namespace splatlas {
 namespace {
 
-using reference::GreyLook;
+using reference::GreyAppearance;
 using reference::MaskedVolume;
 
 constexpr int kThreads = 2;
@@ -70,16 +70,16 @@ vtkSmartPointer<vtkMatrix4x4> placement(const Grid& grid) {
 
 /// Opacities per mm: not linear where extinctions are, so there is a point for every grey value, and for
 /// every knot.
-vtkSmartPointer<vtkVolumeProperty> property_of(const GreyLook& look) {
+vtkSmartPointer<vtkVolumeProperty> property_of(const GreyAppearance& appearance) {
   vtkNew<vtkPiecewiseFunction> opacity;
   vtkNew<vtkColorTransferFunction> color;
   const auto add = [&](double grey) {
-    const GreyLook::Knot knot = look.at(grey);
+    const GreyAppearance::Knot knot = appearance.at(grey);
     opacity->AddPoint(grey, -std::expm1(-knot.extinction_per_mm));
     color->AddRGBPoint(grey, knot.color[0], knot.color[1], knot.color[2]);
   };
   for (int grey = 0; grey <= 255; ++grey) add(grey);
-  for (const GreyLook::Knot& knot : look.knots) add(knot.grey);
+  for (const GreyAppearance::Knot& knot : appearance.knots) add(knot.grey);
   vtkNew<vtkVolumeProperty> property;
   property->SetScalarOpacity(opacity);
   property->SetColor(color);
@@ -152,7 +152,7 @@ struct VtkPeer::Impl {
   vtkSmartPointer<vtkVolumeMapper> volume_mapper;  // the latest
   vtkSmartPointer<vtkFixedPointVolumeRayCastMapper> fixed_point;
 
-  void look(const ParallelView& view, const Vec3& eye) {
+  void appearance(const ParallelView& view, const Vec3& eye) {
     vtkCamera* camera = renderer->GetActiveCamera();
     camera->SetPosition(eye.data());
     camera->SetFocalPoint(view.center_lps_mm.data());
@@ -178,7 +178,7 @@ VtkPeer::~VtkPeer() = default;
 VtkPeer::VtkPeer(VtkPeer&&) noexcept = default;
 VtkPeer& VtkPeer::operator=(VtkPeer&&) noexcept = default;
 
-void VtkPeer::add_volume(const MaskedVolume& volume, const GreyLook& look, VtkVolumeMapper mapper,
+void VtkPeer::add_volume(const MaskedVolume& volume, const GreyAppearance& appearance, VtkVolumeMapper mapper,
                          double step_mm) {
   const auto step = static_cast<float>(step_mm);
   vtkSmartPointer<vtkVolumeMapper>& volume_mapper = impl_->volume_mapper;
@@ -191,7 +191,7 @@ void VtkPeer::add_volume(const MaskedVolume& volume, const GreyLook& look, VtkVo
   volume_mapper->SetInputDataObject(padded_image(volume));
   vtkNew<vtkVolume> prop;
   prop->SetMapper(volume_mapper);
-  prop->SetProperty(property_of(look));
+  prop->SetProperty(property_of(appearance));
   prop->SetUserMatrix(placement(volume.grid));
   impl_->renderer->AddVolume(prop);
 }
@@ -227,14 +227,14 @@ void VtkPeer::render(const ParallelView& view) {
   // Anywhere in front of everything.
   Vec3 eye = view.center_lps_mm;
   for (std::size_t a = 0; a < 3; ++a) eye[a] -= 1000 * view.forward_lps[a];
-  impl_->look(view, eye);
+  impl_->appearance(view, eye);
 }
 
 void VtkPeer::render(const reference::PerspectiveView& view) {
   vtkCamera* camera = impl_->renderer->GetActiveCamera();
   camera->ParallelProjectionOff();
   camera->SetViewAngle(view.vertical_fov_deg);
-  impl_->look(view.in_plane, view.eye_lps_mm());
+  impl_->appearance(view.in_plane, view.eye_lps_mm());
 }
 
 Picture VtkPeer::picture() const {

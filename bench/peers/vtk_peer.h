@@ -30,7 +30,7 @@ class VtkPeer {
 
   /// Copies the volume, with a layer of 0 around it: beyond its grid there is nothing, as everywhere else.
   /// Samples are `step_mm` apart.
-  void add_volume(const reference::MaskedVolume& volume, const reference::GreyLook& look,
+  void add_volume(const reference::MaskedVolume& volume, const reference::GreyAppearance& appearance,
                   VtkVolumeMapper mapper, double step_mm);
   /// Other voxels for the volume that was added last, in the same grid and look.
   void replace_volume(const reference::MaskedVolume& volume);

@@ -14,22 +14,22 @@ namespace splatlas {
 /// The probability of a bit to be set, in 65536ths, and how many bits it has seen.
 struct AdaptiveBit {
   static constexpr std::int64_t kLeast = 16, kMost = 65536 - kLeast;
-  static constexpr std::uint16_t kMostSeen = 255;
+  static constexpr std::uint16_t kMaxSeen = 255;
 
   std::uint16_t probability = 32768;
   std::uint16_t seen = 0;
 
   void learn(bool bit) {
-    // The mean of all bits seen, of the latest kMostSeen or so in the end.
+    // The mean of all bits seen, of the latest kMaxSeen or so in the end.
     const std::int64_t difference = (bit ? 65535 : 0) - std::int64_t{probability};
     const std::int64_t moved = probability + (difference * kShares[seen] >> 16);
     probability = static_cast<std::uint16_t>(std::clamp(moved, kLeast, kMost));
-    seen = static_cast<std::uint16_t>(seen + (seen < kMostSeen ? 1 : 0));
+    seen = static_cast<std::uint16_t>(seen + (seen < kMaxSeen ? 1 : 0));
   }
 
  private:
   static constexpr auto kShares = [] {  // 1 / (seen + 1), in 65536ths
-    std::array<std::int32_t, kMostSeen + 1> shares{};
+    std::array<std::int32_t, kMaxSeen + 1> shares{};
     for (std::size_t n = 0; n < shares.size(); ++n)
       shares[n] = static_cast<std::int32_t>(32768 / (n + 1) * 2);
     return shares;
@@ -37,7 +37,7 @@ struct AdaptiveBit {
 };
 
 /// Ranges at or above it have 8 bits more than probabilities.
-inline constexpr std::uint32_t kLeastRange = std::uint32_t{1} << 24;
+inline constexpr std::uint32_t kMinRange = std::uint32_t{1} << 24;
 
 class RangeEncoder {
  public:
@@ -50,7 +50,7 @@ class RangeEncoder {
       range_ -= bound;
     }
     model.learn(bit);
-    for (; range_ < kLeastRange; range_ <<= 8) shift_out();
+    for (; range_ < kMinRange; range_ <<= 8) shift_out();
   }
 
   /// The code, without the zeros at its end.
@@ -64,14 +64,14 @@ class RangeEncoder {
  private:
   void shift_out() {
     constexpr std::uint64_t kCarry = std::uint64_t{1} << 32;
-    if (low_ < kCarry - kLeastRange || low_ >= kCarry) {
+    if (low_ < kCarry - kMinRange || low_ >= kCarry) {
       const auto carry = static_cast<std::uint8_t>(low_ >> 32);
       for (; pending_ > 0; --pending_, cache_ = 0xff)
         bytes_.push_back(static_cast<std::byte>(cache_ + carry));
       cache_ = static_cast<std::uint8_t>(low_ >> 24);
     }
     ++pending_;
-    low_ = (low_ & (kLeastRange - 1)) << 8;
+    low_ = (low_ & (kMinRange - 1)) << 8;
   }
 
   std::uint64_t low_ = 0;
@@ -98,7 +98,7 @@ class RangeDecoder {
       range_ -= bound;
     }
     model.learn(bit);
-    for (; range_ < kLeastRange; range_ <<= 8) code_ = code_ << 8 | next();
+    for (; range_ < kMinRange; range_ <<= 8) code_ = code_ << 8 | next();
     return bit;
   }
 

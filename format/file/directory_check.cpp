@@ -70,7 +70,7 @@ Result<void> check_geometry(const Directory& d) {
   }
   const Display& view = d.display;
   if (!all_finite({view.window_low, view.window_high}) || !is_within_reach(view.center_lps_mm) ||
-      !(view.radius_mm >= 0 && view.radius_mm <= kFurthestMm)) {
+      !(view.radius_mm >= 0 && view.radius_mm <= kMaxMm)) {
     return invalid(fmt::format("display: window {} to {}, ball at {}, {}, {} of radius {}", view.window_low,
                                view.window_high, view.center_lps_mm[0], view.center_lps_mm[1],
                                view.center_lps_mm[2], view.radius_mm));

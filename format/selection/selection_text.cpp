@@ -23,7 +23,7 @@ std::string text_of(const SelectionTerm& term) {
   return text;
 }
 
-bool looks_alike(const StructureDraw& a, const StructureDraw& b) {
+bool have_same_appearance(const StructureDraw& a, const StructureDraw& b) {
   if (a.mode == DrawMode::kOff && b.mode == DrawMode::kOff) return true;
   return a.mode == b.mode && a.opacity == b.opacity && a.color == b.color && a.volume == b.volume;
 }
@@ -76,11 +76,11 @@ class TermFinder {
   void put_right(StructureIndex s) {
     const StructureDraw& wanted = wanted_.structures[s];
     const StructureDraw& reached = reached_.structures[s];
-    if (looks_alike(wanted, reached)) return;
+    if (have_same_appearance(wanted, reached)) return;
     if (wanted.mode == DrawMode::kOff || must_start_over(s)) remove(s, DrawMode::kOff);
     if (reached.mode == DrawMode::kBoth && wanted.mode == DrawMode::kVolume) remove(s, DrawMode::kSurface);
     if (reached.mode == DrawMode::kBoth && wanted.mode == DrawMode::kSurface) remove(s, DrawMode::kVolume);
-    if (!looks_alike(wanted, reached)) add(s);
+    if (!have_same_appearance(wanted, reached)) add(s);
   }
 
   /// No term takes an opacity or the end of a ramp back, nor the colors of a subtree, nor swaps volume for

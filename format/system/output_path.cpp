@@ -9,10 +9,10 @@ namespace splatlas {
 namespace fs = std::filesystem;
 
 fs::path resolve_output(const fs::path& path) {
-  constexpr int kMostLinks = 40;  // as the kernel has it
+  constexpr int kMaxLinks = 40;  // as the kernel has it
   fs::path target = path;
   std::error_code error;
-  for (int n = 0; n < kMostLinks && fs::is_symlink(fs::symlink_status(target, error)); ++n) {
+  for (int n = 0; n < kMaxLinks && fs::is_symlink(fs::symlink_status(target, error)); ++n) {
     const fs::path link = fs::read_symlink(target, error);
     if (error) return target;
     target = target.parent_path() / link;  // or `link`, where it is absolute

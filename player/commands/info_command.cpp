@@ -86,12 +86,12 @@ std::string info_text(const Atlas& atlas) {
   fmt::format_to(out, "\n{:<50} {:>10} {:>10} {:>10}\n", "structure (again under every parent)", "interior",
                  "boundary", "triangles");
   // Depth first with an explicit stack; each structure under every parent, as a selection by path sees it.
-  constexpr std::size_t kMostLines = 10000;
+  constexpr std::size_t kMaxLines = 10000;
   std::size_t lines = 0;
   std::vector<std::pair<StructureIndex, std::size_t>> stack;
   const auto roots = atlas.graph().roots();
   for (auto root = roots.rbegin(); root != roots.rend(); ++root) stack.emplace_back(*root, 0);
-  while (!stack.empty() && lines < kMostLines) {
+  while (!stack.empty() && lines < kMaxLines) {
     const auto [s, depth] = stack.back();
     stack.pop_back();
     ++lines;
@@ -104,7 +104,7 @@ std::string info_text(const Atlas& atlas) {
       stack.emplace_back(*child, depth + 1);
   }
   if (!stack.empty())
-    fmt::format_to(out, "... (more than {} lines; --json lists every structure once)\n", kMostLines);
+    fmt::format_to(out, "... (more than {} lines; --json lists every structure once)\n", kMaxLines);
   return text;
 }
 

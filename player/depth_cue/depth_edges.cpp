@@ -16,11 +16,11 @@ constexpr std::size_t kRowsPerJob = 16;
 
 /// Of a picture's smaller side.
 constexpr double kRadius = 1.0 / 48;
-constexpr double kLeastRadius = 2;
+constexpr double kMinRadius = 2;
 /// Of the radius: a step of one radius is as dark as it gets, the pair's mean being half way.
 constexpr double kRange = 0.5;
 /// Depths of voxels are told to a part of a voxel: less than this share of the range is not seen as a step.
-constexpr double kLeastShare = 1.0 / 32;
+constexpr double kMinShare = 1.0 / 32;
 
 /// Two pixels on opposite sides.
 struct Pair {
@@ -85,7 +85,7 @@ class RowDarkener {
     const int right = pair.right;
     const int aside = std::abs(pair.right);
     const auto scale = static_cast<float>(1 / edges_.range_mm);
-    const auto least = static_cast<float>(edges_.least_mm / edges_.range_mm);
+    const auto least = static_cast<float>(edges_.min_mm / edges_.range_mm);
     const float weight = pair.weight;
     float* shares = shares_.data();
     const int end = std::min(last_, depths_.size.width - aside);
@@ -106,7 +106,7 @@ class RowDarkener {
 };
 
 /// Depths come from some tens of operations in float: what differs by less than this share of them does not.
-constexpr double kLeastOfDepth = 32.0 / (1 << 23);
+constexpr double kMinOfDepth = 32.0 / (1 << 23);
 
 /// From the plane of the centre, to either side.
 double furthest_mm(const DepthMap& depths) {
@@ -126,15 +126,15 @@ void DepthMap::clear(const PictureSize& picture_size) {
 DepthEdges depth_edges(const ParallelView& plane, float strength) {
   DepthEdges edges;
   edges.strength = std::clamp(strength, 0.0f, 1.0f);
-  edges.radius = std::max(kLeastRadius, kRadius * std::min(plane.size.width, plane.size.height));
+  edges.radius = std::max(kMinRadius, kRadius * std::min(plane.size.width, plane.size.height));
   edges.range_mm = kRange * edges.radius * plane.mm_per_pixel;
-  edges.least_mm = kLeastShare * edges.range_mm;
+  edges.min_mm = kMinShare * edges.range_mm;
   return edges;
 }
 
 void darken_edges(const DepthMap& depths, const DepthEdges& asked, Picture& picture, ThreadPool& pool) {
   DepthEdges edges = asked;
-  edges.least_mm = std::max(asked.least_mm, kLeastOfDepth * furthest_mm(depths));
+  edges.min_mm = std::max(asked.min_mm, kMinOfDepth * furthest_mm(depths));
   const auto rows = static_cast<std::size_t>(depths.size.height);
   pool.for_each((rows + kRowsPerJob - 1) / kRowsPerJob, [&](std::size_t job) {
     RowDarkener darkener(depths, edges, picture);

@@ -23,7 +23,7 @@ struct DepthEdges {
   float strength = 0.7f;  ///< 0: none; 1: down to black; not outside
   double radius = 10;     ///< pixels around
   double range_mm = 10;   ///< so far behind both sides' mean is as dark as it gets
-  double least_mm = 0;    ///< so far behind it shows
+  double min_mm = 0;      ///< so far behind it shows
 };
 
 /// For a picture: shapes of about a fiftieth of it, whatever the zoom.

@@ -19,7 +19,7 @@ constexpr std::size_t kBytesPerFragment = 200;
 /// What finding edges takes for a pixel.
 constexpr std::uint64_t kBytesToFindEdges = 48;
 /// Their numbers have 32 bits.
-constexpr std::size_t kMostFragments = 0xfffffffe;
+constexpr std::size_t kMaxFragments = 0xfffffffe;
 
 /// Whether most of what is selected can hide what is behind it within a voxel: its edges are sharp then, and
 /// take more pixels to look the same from all sides.
@@ -65,8 +65,8 @@ float skew_of(const Shear& shear, const SheetSampling& sampling) {
 }
 
 /// The cubic's weights above 0 add up to 1.28 at most: what sheets leave out may grow by that.
-float floor_of(const RenderOptions& options, const SheetWindow& window) {
-  return transmittance_floor(options) / (window.cubic ? 1.3f : 1.0f);
+float threshold_of(const RenderOptions& options, const SheetWindow& window) {
+  return termination_threshold(options) / (window.cubic ? 1.3f : 1.0f);
 }
 
 std::size_t edge_samples(const RenderOptions& options, std::uint64_t max_memory_bytes) {
@@ -99,8 +99,8 @@ Result<SheetWindow> choose_window(const SpanModel& model, const Shear& shear, co
 
 RasterOptions raster_options(const RenderOptions& options, std::uint64_t max_memory_bytes) {
   const std::size_t max_fragments =
-      std::min<std::size_t>(max_memory_bytes / 4 / kBytesPerFragment, kMostFragments);
-  return {max_fragments, transmittance_floor(options), edge_samples(options, max_memory_bytes)};
+      std::min<std::size_t>(max_memory_bytes / 4 / kBytesPerFragment, kMaxFragments);
+  return {max_fragments, termination_threshold(options), edge_samples(options, max_memory_bytes)};
 }
 
 Result<FrameCounters> draw_frame(const FrameRequest& frame, FrameBuffers& buffers, Picture& picture,
@@ -119,8 +119,9 @@ Result<FrameCounters> draw_frame(const FrameRequest& frame, FrameBuffers& buffer
                             choose_window(frame.spans, frame.shear, frame.grid, options));
   const SplatKernels& kernels = options.simd ? best_kernels() : scalar_kernels();
   buffers.order.build(buffers.fragments, frame.shear, window, options.size, frame.grid, pool);
-  const SheetCounters sheets = render_sheets(frame.spans, frame.shear, window, kernels,
-                                             floor_of(options, window), buffers.order, buffers.sheet, pool);
+  const SheetCounters sheets =
+      render_sheets(frame.spans, frame.shear, window, kernels, threshold_of(options, window), buffers.order,
+                    buffers.sheet, pool);
   counters.voxels = sheets.voxels;
   counters.sheets = watch.lap();
 

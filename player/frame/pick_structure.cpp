@@ -153,12 +153,12 @@ std::optional<Pick> pick_structure(const PickScene& scene, const View& view, con
     const ClassRun* run =
         scene.runs.at(voxel[order.slice_axis], voxel[order.row_axis], voxel[order.scan_axis]);
     if (run == nullptr) continue;
-    VoxelLook look;
+    ClassifiedVoxel appearance;
     const std::uint32_t draw = scene.runs.draw_of(run->id);
-    scene.looks[draw].look_up(scene.cache.values(),
-                              static_cast<std::size_t>(scene.grid.offset(voxel[0], voxel[1], voxel[2])), 1, 1,
-                              &look);
-    const double depth = static_cast<double>(look.extinction_per_mm) * ray.slab_mm;
+    scene.appearances[draw].look_up(scene.cache.values(),
+                                    static_cast<std::size_t>(scene.grid.offset(voxel[0], voxel[1], voxel[2])),
+                                    1, 1, &appearance);
+    const double depth = static_cast<double>(appearance.extinction_per_mm) * ray.slab_mm;
     walk.add(scene.plan.classes[draw].volume_of, -std::expm1(-depth), plane);
   }
   pass_surfaces(sign * HUGE_VAL);

@@ -7,7 +7,7 @@
 #include "player/pick.h"
 #include "player/spans/selected_runs.h"
 #include "player/surfaces/fragments.h"
-#include "player/transfer/volume_looks.h"
+#include "player/transfer/volume_appearances.h"
 #include "player/view/view_depth.h"
 
 namespace splatlas {
@@ -17,7 +17,7 @@ struct PickScene {
   const Grid& grid;
   const SelectedRuns& runs;
   const DrawPlan& plan;
-  std::span<const VolumeLook> looks;
+  std::span<const VolumeAppearance> appearances;
   const ClassCache& cache;
   const FragmentList& fragments;
   std::size_t depth_axis = 2;  ///< fragments' depths are `depth_sign` times places along it

@@ -70,7 +70,7 @@ class Tile {
       y[n] = std::min(top + static_cast<int>(n) / kBlockSide, picture_.size.height - 1) + 0.5;
     }
     const RayPacket packet = rays_.through(x, y);
-    LightPacket light;
+    RadiancePacket light;
     kernels_.march(scene_, packet, light);
     const int columns = std::min(kBlockSide, picture_.size.width - left);
     const int rows = std::min(kBlockSide, picture_.size.height - top);
@@ -98,8 +98,8 @@ MarchScene march_scene(const RayVolume& volume, const CastOptions& options) {
           .sources = volume.sources(),
           .active = volume.active(),
           .floor = options.floor,
-          .least_steps = options.least_steps,
-          .most_steps = options.most_steps,
+          .min_steps = options.min_steps,
+          .max_steps = options.max_steps,
           .tolerance = options.tolerance};
 }
 

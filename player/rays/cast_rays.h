@@ -14,7 +14,7 @@ namespace splatlas {
 
 /// How rays march.
 struct CastOptions {
-  int least_steps = 1, most_steps = 1;  ///< per slab, the space between two planes of voxels
+  int min_steps = 1, max_steps = 1;  ///< per slab, the space between two planes of voxels
   float tolerance = 0;  ///< where more than the least are taken (MarchKernels::march); 0: nowhere
   float floor = 0;      ///< rays that let through no more are ended: no value is further off than that
   std::optional<Axis> principal_axis =

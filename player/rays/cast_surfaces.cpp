@@ -13,7 +13,7 @@ namespace {
 
 /// Voxels along the depth axis for one along the principal one: below, depths would not tell where on a ray
 /// a fragment is.
-constexpr double kLeastSlope = 0.05;
+constexpr double kMinSlope = 0.05;
 constexpr std::size_t kPacketsPerJob = 16;
 
 /// The rays of up to kPacketRays samples, and how far they have come.
@@ -87,7 +87,7 @@ class SamplePacket {
   const FragmentList& list_;
   std::size_t first_, count_;
   RayPacket packet_;
-  LightPacket light_;
+  RadiancePacket light_;
   std::array<float, kPacketRays> end_{};
 };
 
@@ -106,7 +106,7 @@ Result<RasterScene> raster_scene_of_rays(std::span<const SurfaceDraw> surfaces, 
       for (std::size_t a = 0; a < 3; ++a) way[a] -= eye[a];
       way = to_index.apply_linear(way);
       const double most = std::max({std::abs(way[0]), std::abs(way[1]), std::abs(way[2])});
-      if (scene.depth_sign * way[scene.depth_axis] >= kLeastSlope * most) continue;
+      if (scene.depth_sign * way[scene.depth_axis] >= kMinSlope * most) continue;
       return fail(ErrorCode::kUsage,
                   "camera: the field of view is too wide for surfaces from this direction; make it narrower, "
                   "or select volumes only");

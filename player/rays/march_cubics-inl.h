@@ -9,7 +9,7 @@
 #include <hwy/highway.h>
 
 #include "player/rays/march_kernels.h"
-#include "player/rays/march_rays-inl.h"
+#include "player/rays/march_packet-inl.h"
 #include "player/rays/march_samples-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -42,7 +42,7 @@ struct Cubic {
 
   Cubic() = default;
   /// From `at` to `end`, which lie in one cell.
-  HWY_INLINE Cubic(const std::uint64_t* octants, const MarchGrid& grid, const Rays& rays, Vector at,
+  HWY_INLINE Cubic(const std::uint64_t* cell_corners, const MarchGrid& grid, const Rays& rays, Vector at,
                    Vector end)
       : t(end) {
     const auto middle = hn::Mul(hn::Set(Lanes(), 0.5f), hn::Add(at, end));
@@ -53,11 +53,11 @@ struct Cubic {
       before[a] = hn::NegMulAdd(half, rays.step[a], places.part[a]);
       after[a] = hn::MulAdd(half, rays.step[a], places.part[a]);
     }
-    Octants(octants, places).ControlPoints(before, after, points);
+    CellCorners(cell_corners, places).ControlPoints(before, after, points);
   }
 
   /// The first half, from `at` on; the second one stays.
-  HWY_INLINE Cubic FirstHalf(Vector at) {
+  HWY_INLINE Cubic SplitFirstHalf(Vector at) {
     const auto middle = [](Vector a, Vector b) { return hn::Mul(hn::Set(Lanes(), 0.5f), hn::Add(a, b)); };
     Cubic first;
     first.points[0] = points[0];

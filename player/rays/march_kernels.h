@@ -6,14 +6,14 @@
 #include <cstdint>
 #include <span>
 
-#include "player/transfer/grey_curve.h"
+#include "player/transfer/preintegrated_transfer.h"
 
 namespace splatlas {
 
 /// Rays that march together.
 inline constexpr std::size_t kPacketRays = 16;
 /// Sources that one selection may have.
-inline constexpr std::size_t kMostSources = 64;
+inline constexpr std::size_t kMaxSources = 64;
 
 /// Where rays march: the box around the selected voxels with two more on every side, in which nothing is.
 /// Positions are counted in voxels from its first one. Cells lie between eight voxels; bricks are kBrick^3
@@ -28,11 +28,11 @@ struct MarchGrid {
 /// What rays sample: one of octants, greys and light is set.
 struct MarchSource {
   /// Classified after interpolation. The grey values of a cell's eight voxels, a byte each, x fastest.
-  const std::uint64_t* octants = nullptr;
-  const float* greys = nullptr;      ///< the same for values that are no bytes: one per voxel
-  const GreyCurve* curve = nullptr;  ///< of both
-  std::array<float, 3> color{};      ///< of both, where there are no colours
-  const float* colors = nullptr;     ///< per voxel: red, green, blue, 1; all 0 where nothing is
+  const std::uint64_t* cell_corners = nullptr;
+  const float* greys = nullptr;                  ///< the same for values that are no bytes: one per voxel
+  const PreintegratedTransfer* curve = nullptr;  ///< of both
+  std::array<float, 3> color{};                  ///< of both, where there are no colours
+  const float* colors = nullptr;                 ///< per voxel: red, green, blue, 1; all 0 where nothing is
   /// Classified before interpolation. Per voxel: extinction, and emission in red, green and blue, 1/mm.
   const float* light = nullptr;
   /// Bricks in which something is visible, as a summed-area table: (bricks + 1)^3 counts, x fastest.
@@ -44,7 +44,7 @@ struct MarchScene {
   std::span<const MarchSource> sources;
   const std::uint32_t* active = nullptr;  ///< of all sources together
   float floor = 0;                        ///< rays that let through no more are ended
-  int least_steps = 1, most_steps = 1;    ///< per slab
+  int min_steps = 1, max_steps = 1;       ///< per slab
   float tolerance = 0;                    ///< of a step; 0: always the least
 };
 
@@ -58,7 +58,7 @@ struct RayPacket {
 };
 
 /// Light along rays: red, green, blue (premultiplied, linear), opacity.
-struct LightPacket {
+struct RadiancePacket {
   alignas(64) std::array<std::array<float, kPacketRays>, 4> planes{};
 };
 
@@ -74,7 +74,7 @@ struct MarchKernels {
   ///   (what is seen through) * (its length) * (what the extinction varies by among the voxels around)
   /// below kEvenShare * `tolerance` times n^1.5, for the rays of a vector together. Cost: the samples in
   /// bricks that show something and are not hidden.
-  void (*march)(const MarchScene& scene, const RayPacket& rays, LightPacket& light);
+  void (*march)(const MarchScene& scene, const RayPacket& rays, RadiancePacket& light);
 };
 
 /// Plain C++, ray by ray, the twin that others are compared with. Passes over nothing.

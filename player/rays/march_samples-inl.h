@@ -13,7 +13,7 @@
 #include <hwy/highway.h>
 
 #include "player/rays/march_kernels.h"
-#include "player/rays/march_rays-inl.h"
+#include "player/rays/march_packet-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace splatlas::HWY_NAMESPACE {
@@ -71,21 +71,22 @@ HWY_INLINE hn::Vec<hn::FixedTag<std::uint64_t, kCount>> LoadWords(const std::uin
 }
 
 /// The eight bytes of cells, those in front and those behind.
-struct Octants {
+struct CellCorners {
   hn::Vec<Bits> front, back;
 
-  Octants() = default;
-  HWY_INLINE Octants(const std::uint64_t* octants, const Places& places) : Octants(octants, places.cells) {}
-  HWY_INLINE Octants(const std::uint64_t* octants, IntVector cells) {
+  CellCorners() = default;
+  HWY_INLINE CellCorners(const std::uint64_t* cell_corners, const Places& places)
+      : CellCorners(cell_corners, places.cells) {}
+  HWY_INLINE CellCorners(const std::uint64_t* cell_corners, IntVector cells) {
     HWY_ALIGN std::int32_t stored[kPacketRays];
     hn::Store(cells, Ints(), stored);
-    *this = Octants(octants, stored);
+    *this = CellCorners(cell_corners, stored);
   }
-  HWY_INLINE Octants(const std::uint64_t* octants, const std::int32_t* cells) {
+  HWY_INLINE CellCorners(const std::uint64_t* cell_corners, const std::int32_t* cells) {
     const Bits du;
     constexpr std::size_t kHalf = hn::MaxLanes(Lanes()) / 2;  // words are twice as wide as lanes
-    const auto lower = LoadWords<kHalf>(octants, cells);
-    const auto upper = LoadWords<kHalf>(octants, cells + kHalf);
+    const auto lower = LoadWords<kHalf>(cell_corners, cells);
+    const auto upper = LoadWords<kHalf>(cell_corners, cells + kHalf);
     front = hn::ConcatEven(du, hn::BitCast(du, upper), hn::BitCast(du, lower));
     back = hn::ConcatOdd(du, hn::BitCast(du, upper), hn::BitCast(du, lower));
   }
@@ -158,8 +159,8 @@ struct Grey {
   Vector value, low, high;
 };
 
-HWY_INLINE Grey SampleOctants(const std::uint64_t* octants, const Places& places) {
-  const Octants cells(octants, places);
+HWY_INLINE Grey SampleCellCorners(const std::uint64_t* cell_corners, const Places& places) {
+  const CellCorners cells(cell_corners, places);
   return {cells.Value(places), cells.LowWith(), cells.HighWith()};
 }
 

@@ -62,8 +62,8 @@ struct Place {
   [[nodiscard]] float grey(const MarchSource& source) const {
     float sum = 0;
     for (std::size_t n = 0; n < 8; ++n) {
-      const float voxel = source.octants != nullptr
-                              ? static_cast<float>(source.octants[corner[0]] >> (8 * n) & 255)
+      const float voxel = source.cell_corners != nullptr
+                              ? static_cast<float>(source.cell_corners[corner[0]] >> (8 * n) & 255)
                               : source.greys[corner[n]];
       sum += weights[n] * voxel;
     }
@@ -76,33 +76,36 @@ struct Classified {
   std::size_t segment = 0;
 };
 
-Classified classify(const GreyCurve& curve, float grey) {
-  const float* greys = curve.row(GreyCurve::kGrey);
+Classified classify(const PreintegratedTransfer& curve, float grey) {
+  const float* greys = curve.row(PreintegratedTransfer::kGrey);
   Classified c;
   c.grey = grey;
   while (c.segment < curve.points() && grey >= greys[c.segment + 1]) ++c.segment;
   const float above = grey - greys[c.segment];
-  c.extinction = std::max(0.0f, curve.row(GreyCurve::kExtinctionSlope)[c.segment] * above +
-                                    curve.row(GreyCurve::kExtinction)[c.segment]);
-  c.shade = curve.row(GreyCurve::kShadeSlope)[c.segment] * above + curve.row(GreyCurve::kShade)[c.segment];
+  c.extinction = std::max(0.0f, curve.row(PreintegratedTransfer::kExtinctionSlope)[c.segment] * above +
+                                    curve.row(PreintegratedTransfer::kExtinction)[c.segment]);
+  c.shade = curve.row(PreintegratedTransfer::kShadeSlope)[c.segment] * above +
+            curve.row(PreintegratedTransfer::kShade)[c.segment];
   return c;
 }
 
 /// Integrals of a curve up to a grey value: of the extinction, and of extinction times shade.
-std::array<float, 2> integrals(const GreyCurve& curve, const Classified& c) {
-  const auto value = [&](GreyCurve::Row row) { return curve.row(row)[c.segment]; };
-  const float above = c.grey - value(GreyCurve::kGrey);
-  const float k = value(GreyCurve::kExtinction), k_slope = value(GreyCurve::kExtinctionSlope);
-  const float s = value(GreyCurve::kShade), s_slope = value(GreyCurve::kShadeSlope);
+std::array<float, 2> integrals(const PreintegratedTransfer& curve, const Classified& c) {
+  const auto value = [&](PreintegratedTransfer::Row row) { return curve.row(row)[c.segment]; };
+  const float above = c.grey - value(PreintegratedTransfer::kGrey);
+  const float k = value(PreintegratedTransfer::kExtinction),
+              k_slope = value(PreintegratedTransfer::kExtinctionSlope);
+  const float s = value(PreintegratedTransfer::kShade), s_slope = value(PreintegratedTransfer::kShadeSlope);
   const float linear = 0.5f * (k * s_slope + k_slope * s);
-  return {value(GreyCurve::kDepth) + above * (k + 0.5f * k_slope * above),
-          value(GreyCurve::kEmission) + above * (k * s + above * (linear + above * k_slope * s_slope / 3))};
+  return {value(PreintegratedTransfer::kDepth) + above * (k + 0.5f * k_slope * above),
+          value(PreintegratedTransfer::kEmission) +
+              above * (k * s + above * (linear + above * k_slope * s_slope / 3))};
 }
 
 /// Means of extinction, and of extinction times shade, over the grey values from a to b.
-std::array<float, 2> means(const GreyCurve& curve, const Classified& a, const Classified& b) {
+std::array<float, 2> means(const PreintegratedTransfer& curve, const Classified& a, const Classified& b) {
   const float difference = b.grey - a.grey;
-  if (a.segment == b.segment || std::abs(difference) <= curve.least_difference()) {
+  if (a.segment == b.segment || std::abs(difference) <= curve.min_difference()) {
     return {0.5f * (a.extinction + b.extinction),
             (a.extinction * (2 * a.shade + b.shade) + b.extinction * (2 * b.shade + a.shade)) / 6};
   }
@@ -112,14 +115,14 @@ std::array<float, 2> means(const GreyCurve& curve, const Classified& a, const Cl
 }
 
 /// Means where the grey value is `bend` above a straight line from a to b in the mean: to first order.
-std::array<float, 2> bent(const GreyCurve& curve, const Classified& a, const Classified& b,
+std::array<float, 2> bent(const PreintegratedTransfer& curve, const Classified& a, const Classified& b,
                           const std::array<float, 2>& straight, float bend) {
   const float difference = b.grey - a.grey;
   const float shade = 0.5f * (a.shade + b.shade);
-  float k_slope = curve.row(GreyCurve::kExtinctionSlope)[a.segment];
-  float e_slope = straight[0] * curve.row(GreyCurve::kShadeSlope)[a.segment] + k_slope * shade;
+  float k_slope = curve.row(PreintegratedTransfer::kExtinctionSlope)[a.segment];
+  float e_slope = straight[0] * curve.row(PreintegratedTransfer::kShadeSlope)[a.segment] + k_slope * shade;
   if (a.segment != b.segment) {
-    if (std::abs(difference) <= curve.least_difference()) return straight;
+    if (std::abs(difference) <= curve.min_difference()) return straight;
     k_slope = (b.extinction - a.extinction) / difference;
     e_slope = (b.extinction * b.shade - a.extinction * a.shade) / difference;
     const float most = 0.5f * std::abs(difference);
@@ -130,10 +133,11 @@ std::array<float, 2> bent(const GreyCurve& curve, const Classified& a, const Cla
 }
 
 /// What the extinction rises and falls by up to a grey value.
-float variation(const GreyCurve& curve, float grey) {
+float variation(const PreintegratedTransfer& curve, float grey) {
   const Classified c = classify(curve, grey);
-  return curve.row(GreyCurve::kVariationSlope)[c.segment] * (grey - curve.row(GreyCurve::kGrey)[c.segment]) +
-         curve.row(GreyCurve::kVariation)[c.segment];
+  return curve.row(PreintegratedTransfer::kVariationSlope)[c.segment] *
+             (grey - curve.row(PreintegratedTransfer::kGrey)[c.segment]) +
+         curve.row(PreintegratedTransfer::kVariation)[c.segment];
 }
 
 /// The lowest and the highest of the voxels around all cells that a ray passes from `at` to `end`, a slab
@@ -152,9 +156,10 @@ std::array<float, 2> range_between(const MarchGrid& grid, const MarchSource& sou
     for (std::ptrdiff_t j = first[1]; j <= last[1]; ++j) {
       for (std::ptrdiff_t i = first[0]; i <= last[0]; ++i) {
         const std::ptrdiff_t voxel = (k * grid.size[1] + j) * grid.size[0] + i;
-        const float value = source.light != nullptr     ? source.light[4 * voxel]
-                            : source.octants != nullptr ? static_cast<float>(source.octants[voxel] & 255)
-                                                        : source.greys[voxel];
+        const float value = source.light != nullptr ? source.light[4 * voxel]
+                            : source.cell_corners != nullptr
+                                ? static_cast<float>(source.cell_corners[voxel] & 255)
+                                : source.greys[voxel];
         low = std::min(low, value);
         high = std::max(high, value);
       }
@@ -218,14 +223,14 @@ struct StepLight {
     add_grey(b.extinction, b.extinction * b.shade, after);
   }
 
-  /// What is emitted further in front is hidden less (StepLight of march_looks-inl.h).
+  /// What is emitted further in front is hidden less (StepLight of march_optics-inl.h).
   void composite(float length, std::array<float, 4>& rgba) const {
     const float depth = mean[0] * length;
     if (depth <= 0) return;
     const float through = 1 - rgba[3];
     const float absorbed = -std::expm1(-depth);
     const float shift = absorbed / depth - 1 + absorbed / 2;
-    const float ends = std::max(before[0] + after[0], kLeastEnds * mean[0]);
+    const float ends = std::max(before[0] + after[0], kMinEnds * mean[0]);
     for (std::size_t c = 0; c < 3; ++c) {
       const float color = mean[c + 1] / mean[0];
       const float rise = (after[c + 1] - after[0] * color) - (before[c + 1] - before[0] * color);
@@ -237,7 +242,7 @@ struct StepLight {
 };
 
 int steps_of(const MarchScene& scene, const LoneRay& ray, float at, float end, float weight) {
-  if (scene.tolerance <= 0) return scene.least_steps;
+  if (scene.tolerance <= 0) return scene.min_steps;
   float varies = 0;
   for (std::size_t s = 0; s < scene.sources.size(); ++s) {
     const MarchSource& source = scene.sources[s];
@@ -248,7 +253,7 @@ int steps_of(const MarchScene& scene, const LoneRay& ray, float at, float end, f
   const float most = weight * varies / (kEvenShare * scene.tolerance);
   const float steps = std::ceil(std::cbrt(most * most));
   return static_cast<int>(
-      std::clamp(steps, static_cast<float>(scene.least_steps), static_cast<float>(scene.most_steps)));
+      std::clamp(steps, static_cast<float>(scene.min_steps), static_cast<float>(scene.max_steps)));
 }
 
 /// Composites the way between two samples.
@@ -322,26 +327,26 @@ class CutSlab {
     const auto [low, high] = range_between(scene_.grid, source_, ray_, at, end);
     const float weight = (1 - rgba_[3]) * ray_.mm_per_t * (end - at) / scene_.tolerance;
     switch (way(weight, low, high)) {
-      case SlabWay::kStraight: step(at, end, last.classified, 0); break;
-      case SlabWay::kBent: {
+      case SlabMethod::kStraight: step(at, end, last.classified, 0); break;
+      case SlabMethod::kBent: {
         const float middle = Place(scene_.grid, ray_, 0.5f * (at + end)).grey(source_);
         const float straight = 0.5f * (before_.classified.grey + last.classified.grey);
         step(at, end, last.classified, kSimpson * (middle - straight));
         break;
       }
-      case SlabWay::kCut: cut(at, end); break;
+      case SlabMethod::kCut: cut(at, end); break;
     }
   }
 
  private:
-  [[nodiscard]] SlabWay way(float weight, float low, float high) const {
+  [[nodiscard]] SlabMethod way(float weight, float low, float high) const {
     const float first = variation(curve_, low), last = variation(curve_, high);
     const float varies = weight * (last - first);
-    if (varies <= 1) return SlabWay::kStraight;
-    if (varies > kMostVariation) return SlabWay::kCut;
-    if (segment(low) == segment(high)) return SlabWay::kBent;
+    if (varies <= 1) return SlabMethod::kStraight;
+    if (varies > kMaxVariation) return SlabMethod::kCut;
+    if (segment(low) == segment(high)) return SlabMethod::kBent;
     const float kinks = weight * std::abs(first + last - 2 * variation(curve_, 0.5f * (low + high)));
-    return kinks <= kMostKinks ? SlabWay::kBent : SlabWay::kCut;
+    return kinks <= kMaxKinks ? SlabMethod::kBent : SlabMethod::kCut;
   }
   [[nodiscard]] std::size_t segment(float grey) const { return classify(curve_, grey).segment; }
 
@@ -367,7 +372,7 @@ class CutSlab {
     std::vector<Cubic> rest{cubic(at, end)};
     while (!rest.empty()) {
       Cubic& nearest = rest.back();
-      if (nearest.halvings < kMostHalvings && !is_straight(at, nearest)) {
+      if (nearest.halvings < kMaxHalvings && !is_straight(at, nearest)) {
         const Cubic half = nearest.first_half(at);
         rest.push_back(half);
         continue;
@@ -382,7 +387,7 @@ class CutSlab {
   /// By the values at a third and two thirds of the way.
   [[nodiscard]] Cubic cubic(float at, float end) const {
     const Place middle(scene_.grid, ray_, 0.5f * (at + end));
-    const std::uint64_t octant = source_.octants[middle.corner[0]];
+    const std::uint64_t cell_corners_of_voxel = source_.cell_corners[middle.corner[0]];
     const auto value = [&](float t) {
       float sum = 0;
       for (std::size_t n = 0; n < 8; ++n) {
@@ -391,7 +396,7 @@ class CutSlab {
           const float part = middle.part[a] + ray_.step[a] * (t - 0.5f * (at + end));
           weight *= (n >> a & 1) != 0 ? part : 1 - part;
         }
-        sum += weight * static_cast<float>(octant >> (8 * n) & 255);
+        sum += weight * static_cast<float>(cell_corners_of_voxel >> (8 * n) & 255);
       }
       return sum;
     };
@@ -410,7 +415,7 @@ class CutSlab {
     const float deviation = std::max(std::abs(p[1] - p[0] - third), std::abs(p[3] - p[2] - third));
     const float weight = (1 - rgba_[3]) * ray_.mm_per_t * (cubic.end - at);
     return weight * (variation(curve_, high) - variation(curve_, low)) * deviation <=
-           kMostShift * scene_.tolerance * (high - low);
+           kMaxShift * scene_.tolerance * (high - low);
   }
 
   /// The grey value's mean is `bend` above the straight line's.
@@ -428,7 +433,7 @@ class CutSlab {
 
   const MarchScene& scene_;
   const MarchSource& source_;
-  const GreyCurve& curve_;
+  const PreintegratedTransfer& curve_;
   const LoneRay& ray_;
   Sampled before_;
   std::array<float, 4>& rgba_;
@@ -452,7 +457,7 @@ void march_ray(const MarchScene& scene, LoneRay ray, std::array<float, 4>& rgba)
   }
 }
 
-void march(const MarchScene& scene, const RayPacket& rays, LightPacket& light) {
+void march(const MarchScene& scene, const RayPacket& rays, RadiancePacket& light) {
   for (std::size_t n = 0; n < kPacketRays; ++n) {
     std::array<float, 4> rgba{};
     for (std::size_t c = 0; c < 4; ++c) rgba[c] = light.planes[c][n];

@@ -12,17 +12,17 @@
 
 #include "player/rays/march_kernels.h"
 #if HWY_TARGET != HWY_SCALAR
-#include "player/rays/march_looks-inl.h"
-#include "player/rays/march_one_look-inl.h"
-#include "player/rays/march_rays-inl.h"
+#include "player/rays/march_optics-inl.h"
+#include "player/rays/march_packet-inl.h"
 #include "player/rays/march_samples-inl.h"
+#include "player/rays/march_single_appearance-inl.h"
 #endif
 
 HWY_BEFORE_NAMESPACE();
 namespace splatlas::HWY_NAMESPACE {
 #if HWY_TARGET == HWY_SCALAR
 
-void MarchPacket(const MarchScene& scene, const RayPacket& packet, LightPacket& light) {
+void MarchPacket(const MarchScene& scene, const RayPacket& packet, RadiancePacket& light) {
   scalar_march().march(scene, packet, light);
 }
 
@@ -30,9 +30,9 @@ void MarchPacket(const MarchScene& scene, const RayPacket& packet, LightPacket& 
 namespace hn = hwy::HWY_NAMESPACE;
 
 /// Any selection.
-class ManyLooks {
+class MultiAppearance {
  public:
-  HWY_INLINE ManyLooks(const MarchScene& scene, const Rays& rays, Sum& sum)
+  HWY_INLINE MultiAppearance(const MarchScene& scene, const Rays& rays, Sum& sum)
       : scene_(scene), rays_(rays), sum_(sum) {
     Forget();
   }
@@ -91,8 +91,8 @@ class ManyLooks {
       if (scene_.tolerance > 0) sampler.Range(state.low, state.high);
       return;
     }
-    const Grey grey = source.octants != nullptr ? SampleOctants(source.octants, places)
-                                                : SampleGreys(source.greys, scene_.grid, places);
+    const Grey grey = source.cell_corners != nullptr ? SampleCellCorners(source.cell_corners, places)
+                                                     : SampleGreys(source.greys, scene_.grid, places);
     state.classified = Classify(*source.curve, grey.value);
     state.low = grey.low;
     state.high = grey.high;
@@ -118,7 +118,7 @@ class ManyLooks {
   }
 
   HWY_INLINE int Steps(Vector begin, Vector end, IntVector end_cells) const {
-    if (scene_.tolerance <= 0) return scene_.least_steps;
+    if (scene_.tolerance <= 0) return scene_.min_steps;
     const Lanes d;
     const auto between = rays_.CellsBetween(cells_, end_cells, begin, end);
     const auto length = hn::Mul(rays_.mm_per_t, hn::Sub(end, begin));
@@ -141,18 +141,18 @@ class ManyLooks {
   /// A range of voxels' values by those of the cells that neither end of a slab is in.
   HWY_INLINE void Widen(const MarchSource& source, const Rays::Between& between, Vector& low,
                         Vector& high) const {
-    if (source.octants != nullptr) {
-      WidenByOctants(source.octants, between.beside, low, high);
-      if (between.has_corner) WidenByOctants(source.octants, between.corner, low, high);
+    if (source.cell_corners != nullptr) {
+      WidenByCellCorners(source.cell_corners, between.beside, low, high);
+      if (between.has_corner) WidenByCellCorners(source.cell_corners, between.corner, low, high);
     } else if (source.greys != nullptr) {
       WidenByFaces<1>(source.greys, between, low, high);
     } else {
       WidenByFaces<4>(source.light, between, low, high);
     }
   }
-  static HWY_INLINE void WidenByOctants(const std::uint64_t* octants, IntVector cells, Vector& low,
-                                        Vector& high) {
-    const Octants here(octants, cells);
+  static HWY_INLINE void WidenByCellCorners(const std::uint64_t* cell_corners, IntVector cells, Vector& low,
+                                            Vector& high) {
+    const CellCorners here(cell_corners, cells);
     low = hn::Min(low, here.LowWith());
     high = hn::Max(high, here.HighWith());
   }
@@ -236,11 +236,11 @@ class ManyLooks {
   const MarchScene& scene_;
   const Rays& rays_;
   Sum& sum_;
-  State states_[kMostSources];  // of the sources where the next step begins,
-  State ends_[kMostSources];    // where the slab ends,
-  State nexts_[kMostSources];   // and where the step does
-  IntVector cells_;             // where the slab begins
-  std::size_t chosen_[kMostSources];
+  State states_[kMaxSources];  // of the sources where the next step begins,
+  State ends_[kMaxSources];    // where the slab ends,
+  State nexts_[kMaxSources];   // and where the step does
+  IntVector cells_;            // where the slab begins
+  std::size_t chosen_[kMaxSources];
   std::size_t chosen_count_ = 0;
 };
 
@@ -252,7 +252,7 @@ HWY_INLINE bool AnyWithin(const MarchScene& scene, const Bounds& bounds, float t
 }
 
 /// Walks the bricks that the rays come by.
-template <typename Looks>
+template <typename Appearances>
 void March(const MarchScene& scene, const Rays& rays, Sum& sum) {
   const Lanes d;
   const auto counts = rays.Counts();
@@ -265,12 +265,12 @@ void March(const MarchScene& scene, const Rays& rays, Sum& sum) {
   const float first = std::floor(enter / kStride) * kStride;
   const float last = std::ceil(leave / kStride) * kStride;
   const Bounds bounds(rays, counts, first, last);
-  Looks looks(scene, rays, sum);
+  Appearances appearances(scene, rays, sum);
   float leap_from = first;  // up to there something is within a leap
   for (float t = first; t < last; t += kStride) {
     std::int32_t from[3], to[3];
     if (!AnyWithin(scene, bounds, t, t + kStride, from, to)) {
-      looks.Forget();
+      appearances.Forget();
       if (t < leap_from) continue;
       float next = t + kStride;
       while (next < last && !AnyWithin(scene, bounds, next, next + kLeap, from, to)) next += kLeap;
@@ -278,28 +278,28 @@ void March(const MarchScene& scene, const Rays& rays, Sum& sum) {
       t = next - kStride;
       continue;
     }
-    looks.Stride(t, from, to);
+    appearances.Stride(t, from, to);
     const auto hidden = hn::Le(sum.Through(), hn::Set(d, scene.floor));
     if (hn::AllTrue(d, hn::Or(hidden, hn::Not(counts)))) break;
   }
-  looks.Finish();
+  appearances.Finish();
 }
 
-void MarchPacket(const MarchScene& scene, const RayPacket& packet, LightPacket& light) {
+void MarchPacket(const MarchScene& scene, const RayPacket& packet, RadiancePacket& light) {
   const Lanes d;
-  const bool one_look =
-      scene.sources.size() == 1 && scene.sources[0].octants != nullptr && scene.sources[0].colors == nullptr;
+  const bool single_appearance = scene.sources.size() == 1 && scene.sources[0].cell_corners != nullptr &&
+                                 scene.sources[0].colors == nullptr;
   for (std::size_t first = 0; first < kPacketRays; first += hn::Lanes(d)) {
     const Rays rays(scene.grid, packet, first);
     Sum sum;
     for (std::size_t c = 0; c < 3; ++c) sum.color[c] = hn::Load(d, light.planes[c].data() + first);
     sum.opacity = hn::Load(d, light.planes[3].data() + first);
-    if (one_look && ShortCurve::fits(*scene.sources[0].curve)) {
-      March<OneLook<ShortCurve>>(scene, rays, sum);
-    } else if (one_look) {
-      March<OneLook<LongCurve>>(scene, rays, sum);
+    if (single_appearance && ShortCurve::fits(*scene.sources[0].curve)) {
+      March<SingleAppearance<ShortCurve>>(scene, rays, sum);
+    } else if (single_appearance) {
+      March<SingleAppearance<LongCurve>>(scene, rays, sum);
     } else {
-      March<ManyLooks>(scene, rays, sum);
+      March<MultiAppearance>(scene, rays, sum);
     }
     for (std::size_t c = 0; c < 3; ++c) hn::Store(sum.color[c], d, light.planes[c].data() + first);
     hn::Store(sum.opacity, d, light.planes[3].data() + first);
@@ -318,7 +318,7 @@ namespace {
 
 HWY_EXPORT(MarchPacket);
 
-void march(const MarchScene& scene, const RayPacket& rays, LightPacket& light) {
+void march(const MarchScene& scene, const RayPacket& rays, RadiancePacket& light) {
   HWY_DYNAMIC_DISPATCH(MarchPacket)(scene, rays, light);
 }
 

@@ -38,7 +38,7 @@ class DepthSearch {
   PerRay run() {
     const PerRay ends = rays_.to;
     PerRay at = rays_.from;
-    LightPacket light;
+    RadiancePacket light;
     while (true) {
       PerRay next = at;
       bool any = false;
@@ -48,7 +48,7 @@ class DepthSearch {
         any = any || at[n] < next[n];
       }
       if (!any) return found_;
-      const LightPacket before = light;
+      const RadiancePacket before = light;
       march(at, next, light);
       narrow(at, next, before, light);
       at = next;
@@ -56,14 +56,14 @@ class DepthSearch {
   }
 
  private:
-  void march(const PerRay& from, const PerRay& to, LightPacket& light) {
+  void march(const PerRay& from, const PerRay& to, RadiancePacket& light) {
     rays_.from = from;
     rays_.to = to;
     kernels_.march(scene_, rays_, light);
   }
 
   /// Rays that have become opaque enough from `from` to `to`: halves the part in which they have.
-  void narrow(PerRay from, PerRay to, LightPacket before, LightPacket behind) {
+  void narrow(PerRay from, PerRay to, RadiancePacket before, RadiancePacket behind) {
     std::array<bool, kPacketRays> crosses{};
     bool any = false;
     for (std::size_t n = 0; n < kPacketRays; ++n) {
@@ -75,7 +75,7 @@ class DepthSearch {
     for (int halving = 0; halving < kHalvings; ++halving) {
       PerRay middle = from;
       for (std::size_t n = 0; n < kPacketRays; ++n) middle[n] = 0.5f * (from[n] + to[n]);
-      LightPacket light = before;
+      RadiancePacket light = before;
       march(from, middle, light);
       for (std::size_t n = 0; n < kPacketRays; ++n) {
         const bool in_front = light.planes[3][n] >= opacity_;

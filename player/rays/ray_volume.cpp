@@ -121,7 +121,7 @@ class RayVolume::Builder {
     if (!source.curve) {
       view.light = reinterpret_cast<const float*>(values);
     } else if (source.scale.bytes) {
-      view.octants = reinterpret_cast<const std::uint64_t*>(values);
+      view.cell_corners = reinterpret_cast<const std::uint64_t*>(values);
     } else {
       view.greys = reinterpret_cast<const float*>(values);
     }
@@ -142,17 +142,17 @@ class RayVolume::Builder {
       if (!draws_volume(classes[n].role)) continue;
       std::size_t& number = source_of[classes[n].volume_of];
       if (number == kUnknown) number = source_of_structure(classes[n].volume_of, curves);
-      if (volume_.sources_.size() > kMostSources) {
+      if (volume_.sources_.size() > kMaxSources) {
         return fail(ErrorCode::kLimit,
                     fmt::format("{}: the selection has more than {} different transfer functions, too many "
                                 "to be classified after interpolation",
-                                request_.atlas.name(), kMostSources));
+                                request_.atlas.name(), kMaxSources));
       }
       Source& source = volume_.sources_[number];
       const bool first = std::none_of(source.draws.begin(), source.draws.end(), [](bool d) { return d; });
       source.draws[n] = true;
-      if (first) source.color = request_.looks[n].color;
-      source.many_colors = source.many_colors || source.color != request_.looks[n].color ||
+      if (first) source.color = request_.appearances[n].color;
+      source.many_colors = source.many_colors || source.color != request_.appearances[n].color ||
                            (request_.shade && classes[n].boundary);
     }
     return {};
@@ -172,7 +172,8 @@ class RayVolume::Builder {
     source.draws.resize(request_.plan.classes.size(), false);
     if (scale) {
       source.scale = *scale;
-      source.curve = std::make_unique<GreyCurve>(curve, *scale, request_.atlas.reference_length_mm());
+      source.curve =
+          std::make_unique<PreintegratedTransfer>(curve, *scale, request_.atlas.reference_length_mm());
     }
     curves.push_back(std::move(curve));
     return curves.size() - 1;
@@ -285,7 +286,7 @@ class RayVolume::Builder {
   auto stored_greys(const Source& source) const {
     const std::byte* values = request_.cache.values();
     const GreyScale scale = source.scale;
-    const float* greys = source.curve->row(GreyCurve::kGrey);
+    const float* greys = source.curve->row(PreintegratedTransfer::kGrey);
     const double lowest = greys[1], highest = greys[source.curve->points()];
     const double width = highest - lowest;
     return [values, scale, lowest, highest, width](std::size_t voxel) {
@@ -301,7 +302,8 @@ class RayVolume::Builder {
   void fill_greys(Source& source) {
     const auto slices = static_cast<std::size_t>(volume_.grid_.size[2]);
     if (source.scale.bytes) {
-      pool_.for_each(slices - 1, [&](std::size_t z) { fill_octants(source, static_cast<std::int64_t>(z)); });
+      pool_.for_each(slices - 1,
+                     [&](std::size_t z) { fill_cell_corners(source, static_cast<std::int64_t>(z)); });
       return;
     }
     auto* greys = reinterpret_cast<float*>(source.values.data());
@@ -318,13 +320,13 @@ class RayVolume::Builder {
   }
 
   /// The cells between slices z and z + 1: every voxel is a corner of four of them.
-  void fill_octants(Source& source, std::int64_t z) {
-    auto* octants = reinterpret_cast<std::uint8_t*>(source.values.data());
+  void fill_cell_corners(Source& source, std::int64_t z) {
+    auto* cell_corners = reinterpret_cast<std::uint8_t*>(source.values.data());
     const auto* greys = reinterpret_cast<const std::uint8_t*>(request_.cache.values());
     for (const std::int64_t behind : {0, 1}) {
       for_each_piece(source, z + behind, [&](const Piece& piece) {
         for (const std::int64_t below : {0, 1}) {
-          std::uint8_t* cell = octants + 8 * place(piece.x, piece.y - below, z) + 4 * behind + 2 * below;
+          std::uint8_t* cell = cell_corners + 8 * place(piece.x, piece.y - below, z) + 4 * behind + 2 * below;
           const std::uint8_t* grey = greys + piece.voxel;
           for (std::int64_t n = 0; n < piece.length; ++n) {
             cell[8 * n] = grey[n];
@@ -362,7 +364,7 @@ class RayVolume::Builder {
     pool_.for_each(static_cast<std::size_t>(volume_.grid_.size[2]), [&](std::size_t slice) {
       const auto z = static_cast<std::int64_t>(slice);
       for_each_piece(source, z, [&](const Piece& piece) {
-        const std::array<float, 3>& color = request_.looks[piece.draw].color;
+        const std::array<float, 3>& color = request_.appearances[piece.draw].color;
         const std::size_t first = kFour * place(piece.x, piece.y, z);
         for (std::int64_t n = 0; n < piece.length; ++n) {
           const std::size_t at = first + kFour * static_cast<std::size_t>(n);
@@ -381,17 +383,17 @@ class RayVolume::Builder {
     pool_.for_each(slices, [&](std::size_t slice) {
       const auto z = static_cast<std::int64_t>(slice);
       visible[slice].resize(static_cast<std::size_t>(mask.x) * static_cast<std::size_t>(mask.y), 0);
-      std::vector<VoxelLook> voxels;
+      std::vector<ClassifiedVoxel> voxels;
       for_each_piece(source, z, [&](const Piece& piece) {
-        const VolumeLook& look = request_.looks[piece.draw];
+        const VolumeAppearance& appearance = request_.appearances[piece.draw];
         voxels.resize(static_cast<std::size_t>(piece.length));
-        look.look_up(request_.cache.values(), piece.voxel, 1, voxels.size(), voxels.data());
+        appearance.look_up(request_.cache.values(), piece.voxel, 1, voxels.size(), voxels.data());
         const std::size_t first = kFour * place(piece.x, piece.y, z);
         for (std::int64_t n = 0; n < piece.length; ++n) {
-          const VoxelLook& voxel = voxels[static_cast<std::size_t>(n)];
+          const ClassifiedVoxel& voxel = voxels[static_cast<std::size_t>(n)];
           if (voxel.extinction_per_mm <= 0) continue;
           const std::size_t at = first + kFour * static_cast<std::size_t>(n);
-          const std::array<float, 3> emission = look.emission(voxel);
+          const std::array<float, 3> emission = appearance.emission(voxel);
           light[at] = voxel.extinction_per_mm;
           std::copy(emission.begin(), emission.end(), light + at + 1);
           remember_shaded(source, slice, piece, n, at + 1, emission);

@@ -14,7 +14,7 @@
 #include "player/render_options.h"
 #include "player/spans/class_cache.h"
 #include "player/spans/selected_runs.h"
-#include "player/transfer/volume_looks.h"
+#include "player/transfer/volume_appearances.h"
 
 namespace splatlas {
 
@@ -23,8 +23,8 @@ struct RayVolumeRequest {
   const Atlas& atlas;
   const Selection& selection;
   const DrawPlan& plan;
-  std::span<const VolumeLook> looks;  ///< of the plan's classes
-  const SelectedRuns& runs;           ///< of the z axis
+  std::span<const VolumeAppearance> appearances;  ///< of the plan's classes
+  const SelectedRuns& runs;                       ///< of the z axis
   const ClassCache& cache;
   Classification classification = Classification::kBefore;
   bool shade = false;  ///< boundary voxels can be lit by their normals
@@ -37,7 +37,7 @@ struct RayVolumeRequest {
 /// before it, all together.
 class RayVolume {
  public:
-  /// kLimit when it would take more memory than allowed, there are more than kMostSources different transfer
+  /// kLimit when it would take more memory than allowed, there are more than kMaxSources different transfer
   /// functions, or the box has more than 2^31 voxels. Cost: linear in the selected voxels and in the bricks
   /// of their box; nothing of an unselected class is read.
   [[nodiscard]] static Result<RayVolume> build(const RayVolumeRequest& request, ThreadPool& pool);
@@ -64,7 +64,7 @@ class RayVolume {
     std::array<float, 3> color{};  // unshaded
   };
   struct Source {
-    std::unique_ptr<GreyCurve> curve;  // none: light
+    std::unique_ptr<PreintegratedTransfer> curve;  // none: light
     GreyScale scale;
     std::vector<bool> draws;  // classes of the plan that belong to it
     std::array<float, 3> color{};

@@ -12,7 +12,7 @@ namespace {
 /// Parts of the picture that are worked on at once; results do not depend on it.
 constexpr std::size_t kChunks = 32;
 /// With digits of 6e-8 it keeps the light in front of a fragment right to 1e-5.
-constexpr float kLeastThrough = 2e-4f;
+constexpr float kMinThrough = 2e-4f;
 
 /// Where samples lie in the sheet.
 class SheetPlaces {
@@ -182,13 +182,13 @@ FragmentOrder::SlabPlace FragmentOrder::slab_at(double along) const {
 
 Light FragmentOrder::in_front_of(std::size_t fragment, float depth) const {
   if (place_[fragment] == kNowhere) return {};
-  const SlabLight& slab = lights_[place_[fragment]];
+  const SlabRadiance& slab = lights_[place_[fragment]];
   const float through = 1 - slab.before.rgba[3];
   const float added = slab.behind.rgba[3] - slab.before.rgba[3];
   if (!(added > 0)) return slab.before;
   // What little an opaque slab lets through is lost in the last digits of its opacity: no less than this
   // counts.
-  const float most = through - kLeastThrough;
+  const float most = through - kMinThrough;
   const float share =
       share_of_slab(std::min(added, std::max(most, 0.0f)) / through, slab_at(along_of_depth(depth)).part);
   Light light;

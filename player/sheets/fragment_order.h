@@ -55,7 +55,7 @@ class FragmentOrder {
     return first_of_row_[static_cast<std::size_t>(fine_row + 2)];
   }
   [[nodiscard]] const Entry& entry(std::size_t n) const { return entries_[n]; }
-  [[nodiscard]] SlabLight* lights(std::size_t n) { return lights_.data() + n; }
+  [[nodiscard]] SlabRadiance* lights(std::size_t n) { return lights_.data() + n; }
 
   /// Has what in_front_of() will read brought near.
   void prefetch(std::size_t fragment) const {
@@ -96,7 +96,7 @@ class FragmentOrder {
   std::vector<std::size_t> first_of_row_;  // fine_rows + 2 offsets
   std::vector<Unsorted> unsorted_;         // by row
   std::vector<Entry> entries_;
-  std::vector<SlabLight> lights_;     // of entries
+  std::vector<SlabRadiance> lights_;  // of entries
   std::vector<std::uint32_t> place_;  // of fragments among the entries
 };
 

@@ -37,7 +37,7 @@ void SheetFragments::set_next(Cursor& cursor, std::size_t next) const {
 void SheetFragments::reach(Cursor& cursor, std::int32_t slab, const AccumulatedRow& row) {
   std::size_t n = cursor.next;
   for (; n < cursor.end && order_.entry(n).slab < slab; ++n) {
-    SlabLight& light = cursor.lights[n - cursor.first];
+    SlabRadiance& light = cursor.lights[n - cursor.first];
     const Light share = this->share(order_.entry(n), cursor.row_is_below, row);
     light.before += share;
     light.behind += share;
@@ -74,7 +74,7 @@ Light SheetFragments::share(const FragmentOrder::Entry& entry, bool row_is_below
 void SheetFragments::merge() {
   const std::size_t first = order_.row_begin(first_ - 1);
   for (std::size_t n = 0; n < apart_.size(); ++n) {
-    SlabLight& light = *order_.lights(first + n);
+    SlabRadiance& light = *order_.lights(first + n);
     light.before += apart_[n].before;
     light.behind += apart_[n].behind;
   }

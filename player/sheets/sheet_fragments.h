@@ -58,7 +58,7 @@ class SheetFragments {
     bool row_is_below = false;                   ///< the fragments
     std::size_t waiting = 0, next = 0, end = 0;  ///< entries; from `waiting` on their slab is not left yet
     std::size_t first = 0;                       ///< entry
-    SlabLight* lights = nullptr;                 ///< of the first entry
+    SlabRadiance* lights = nullptr;              ///< of the first entry
   };
 
   void set_next(Cursor& cursor, std::size_t next) const;
@@ -73,7 +73,7 @@ class SheetFragments {
   std::int32_t scale_;
   std::array<float, 3> color_;
   std::vector<std::array<Cursor, 2>> cursors_;  // per row
-  std::vector<SlabLight> apart_;                // of the fragments above the first row
+  std::vector<SlabRadiance> apart_;             // of the fragments above the first row
 };
 
 }  // namespace splatlas

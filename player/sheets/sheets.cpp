@@ -11,7 +11,7 @@
 namespace splatlas {
 namespace {
 
-constexpr std::int64_t kMostBandRows = 16;  // voxels: enough bands to share out
+constexpr std::int64_t kMaxBandRows = 16;  // voxels: enough bands to share out
 /// Bytes of accumulated image that a band works on: they stay in the second level cache.
 constexpr std::int64_t kBandBytes = std::int64_t{1} << 18;
 
@@ -338,7 +338,7 @@ SheetCounters render_sheets(const SpanModel& model, const Shear& shear, const Sh
   const std::int64_t row_bytes =
       BandImage::stride(window) * window.scale * window.scale * image.channels * std::int64_t{sizeof(float)};
   const std::int64_t band_rows =
-      std::clamp<std::int64_t>(kBandBytes / std::max<std::int64_t>(row_bytes, 1), 1, kMostBandRows);
+      std::clamp<std::int64_t>(kBandBytes / std::max<std::int64_t>(row_bytes, 1), 1, kMaxBandRows);
   std::vector<SheetFragments> band_fragments;
   for (std::int64_t row = 0; row < window.rows; row += band_rows) {
     const std::int64_t last = std::min(row + band_rows, window.rows);

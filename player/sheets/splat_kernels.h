@@ -24,16 +24,16 @@ struct Phase {
 /// lower[i].
 struct SheetRows {
   /// Three rows have one phase or three.
-  static constexpr std::size_t kMostRows = 3, kMostPhases = 3;
+  static constexpr std::size_t kMaxRows = 3, kMaxPhases = 3;
   /// Rows, or phases, that are splatted together where a sheet has `scale` of them.
   [[nodiscard]] static constexpr std::size_t together(int scale) { return scale % 3 == 0 ? 3 : 2; }
 
   const SliceSpans* slice = nullptr;
   std::int64_t upper = 0;  ///< the first upper row of voxels, counted as slice->row() does
   std::int64_t pairs = 0;  ///< of rows of voxels: (upper, upper + 1), (upper + 1, upper + 2), ...
-  std::array<float, kMostRows> lower_weights{};  ///< [0, 1), of the rows of pixels between a pair
+  std::array<float, kMaxRows> lower_weights{};  ///< [0, 1), of the rows of pixels between a pair
   std::size_t rows_between = 1;
-  std::array<Phase, kMostPhases> phases;  ///< their shifts differ by one at most
+  std::array<Phase, kMaxPhases> phases;  ///< their shifts differ by one at most
   std::size_t phase_count = 1;
 };
 
@@ -60,7 +60,7 @@ struct ImageRows {
 };
 
 /// Light with a weight; null is dark.
-struct WeighedLight {
+struct WeightedOptics {
   const float* light = nullptr;  ///< aligned to cache lines
   float weight = 0;
 };
@@ -77,7 +77,7 @@ struct SplatKernels {
 
   /// The sum of two, at least one of which is not null: `floats` of them, a multiple of kBlock, to `mixed`,
   /// aligned as they are.
-  void (*mix)(const WeighedLight& a, const WeighedLight& b, std::size_t floats, float* mixed);
+  void (*mix)(const WeightedOptics& a, const WeightedOptics& b, std::size_t floats, float* mixed);
 };
 
 /// Plain C++, the twin that others are compared with.

@@ -96,7 +96,7 @@ class PairSplat {
   const ImageRows& image_;
   float slab_mm_, floor_;
   std::int64_t pair_;
-  std::array<Mixed, SheetRows::kMostRows> before_{};  // the voxel before
+  std::array<Mixed, SheetRows::kMaxRows> before_{};  // the voxel before
 };
 
 void composite(const SheetRows& rows, float slab_mm, float floor, const ImageRows& image) {
@@ -104,7 +104,7 @@ void composite(const SheetRows& rows, float slab_mm, float floor, const ImageRow
     PairSplat(rows, slab_mm, floor, image, pair).composite();
 }
 
-void mix(const WeighedLight& a, const WeighedLight& b, std::size_t floats, float* mixed) {
+void mix(const WeightedOptics& a, const WeightedOptics& b, std::size_t floats, float* mixed) {
   for (std::size_t n = 0; n < floats; ++n) {
     const float of_a = a.light != nullptr ? a.weight * a.light[n] : 0;
     mixed[n] = b.light != nullptr ? of_a + b.weight * b.light[n] : of_a;

@@ -329,7 +329,7 @@ void Composite(const SheetRows& rows, float slab_mm, float floor, const ImageRow
                              : CompositeEmissions<3>(rows, slab_mm, floor, image);
 }
 
-void Mix(const WeighedLight& a, const WeighedLight& b, std::size_t floats, float* mixed) {
+void Mix(const WeightedOptics& a, const WeightedOptics& b, std::size_t floats, float* mixed) {
   const Lanes d;
   const auto weight_a = hn::Set(d, a.weight), weight_b = hn::Set(d, b.weight);
   if (a.light == nullptr || b.light == nullptr) {
@@ -361,7 +361,7 @@ void composite(const SheetRows& rows, float slab_mm, float floor, const ImageRow
   HWY_DYNAMIC_DISPATCH(Composite)(rows, slab_mm, floor, image);
 }
 
-void mix(const WeighedLight& a, const WeighedLight& b, std::size_t floats, float* mixed) {
+void mix(const WeightedOptics& a, const WeightedOptics& b, std::size_t floats, float* mixed) {
   HWY_DYNAMIC_DISPATCH(Mix)(a, b, floats, mixed);
 }
 

@@ -25,7 +25,7 @@ struct CubicPlace {
   CubicPlace(const CubicWalk& walk, std::size_t n) {
     const double x = walk.x + static_cast<double>(n) * walk.step_x;
     const double y = walk.y + static_cast<double>(n) * walk.step_y;
-    const std::int64_t column = floor_of(x), row = floor_of(y);
+    const std::int64_t column = threshold_of(x), row = threshold_of(y);
     left = column - 1;
     upper = row - 1;
     right = static_cast<float>(x - static_cast<double>(column));
@@ -37,7 +37,7 @@ struct CubicPlace {
 
  private:
   /// std::floor() is a call on the oldest machines.
-  static std::int64_t floor_of(double value) {
+  static std::int64_t threshold_of(double value) {
     const auto whole = static_cast<std::int64_t>(value);
     return whole - (value < static_cast<double>(whole) ? 1 : 0);
   }

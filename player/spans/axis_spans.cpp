@@ -5,13 +5,13 @@
 
 namespace splatlas {
 
-void AxisSpans::build(const DrawPlan& plan, const VolumeLooks& looks, const Atlas& atlas,
+void AxisSpans::build(const DrawPlan& plan, const VolumeAppearances& appearances, const Atlas& atlas,
                       const ClassCache& cache, Axis axis, bool shade, ThreadPool& pool) {
   // Where memory runs out on the way, nothing is left that could be taken for finished.
   runs_.reset();
   SpanBuilder spans = std::exchange(spans_, {});
   SelectedRuns runs(plan, atlas.classes(), cache, axis);
-  spans.build({runs, plan, looks, atlas.classes(), atlas.grid(), cache, shade}, pool);
+  spans.build({runs, plan, appearances, atlas.classes(), atlas.grid(), cache, shade}, pool);
   spans_ = std::move(spans);
   runs_.emplace(std::move(runs));
   lists_shaded_ = shade;

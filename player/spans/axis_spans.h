@@ -18,15 +18,15 @@ class AxisSpans {
   /// From now on they are those of a selection before.
   void outdate() { runs_.reset(); }
   /// Makes them current; arguments as those of SpanRequest.
-  void build(const DrawPlan& plan, const VolumeLooks& looks, const Atlas& atlas, const ClassCache& cache,
-             Axis axis, bool shade, ThreadPool& pool);
+  void build(const DrawPlan& plan, const VolumeAppearances& appearances, const Atlas& atlas,
+             const ClassCache& cache, Axis axis, bool shade, ThreadPool& pool);
   /// Hybrid shading: the light on boundary voxels changes only with the direction of view.
   void light(const ParallelView& view, const Lighting& lighting, bool shade, ThreadPool& pool);
 
   /// Only while current.
   [[nodiscard]] const SelectedRuns& runs() const { return *runs_; }
   [[nodiscard]] const SpanModel& model() const { return spans_.model(); }
-  [[nodiscard]] std::uint64_t light_bytes() const { return spans_.light_bytes(); }
+  [[nodiscard]] std::uint64_t optical_bytes() const { return spans_.optical_bytes(); }
 
  private:
   std::optional<SelectedRuns> runs_;

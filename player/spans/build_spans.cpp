@@ -16,10 +16,10 @@ namespace {
 struct Piece {
   std::int64_t row = 0;
   std::uint32_t start = 0, length = 0;
-  std::uint32_t look = SelectedRuns::kNotDrawn;
+  std::uint32_t appearance = SelectedRuns::kNotDrawn;
 
-  [[nodiscard]] bool goes_on(const ClassRun& run, std::uint32_t look_of_run) const {
-    return run.row == row && run.start == start + length && look_of_run == look;
+  [[nodiscard]] bool goes_on(const ClassRun& run, std::uint32_t appearance_of_run) const {
+    return run.row == row && run.start == start + length && appearance_of_run == appearance;
   }
 };
 
@@ -28,7 +28,7 @@ constexpr std::size_t kSlicesAtOnce = 8;
 
 /// Light that is kept for the next selection, or that cannot be used because of light beside it: as much as
 /// is in use, or that.
-constexpr std::uint64_t kMostUnusedLight = std::uint64_t{64} << 20;
+constexpr std::uint64_t kMaxUnusedLight = std::uint64_t{64} << 20;
 
 std::uint64_t selected_voxels(const SpanRequest& request) {
   std::uint64_t voxels = 0;
@@ -48,43 +48,44 @@ void prefetch(std::size_t voxel, std::size_t voxels, const ClassCache& cache) {
 
 }  // namespace
 
-bool SpanBuilder::ClassLooks::differ(const ClassLooks& other, ClassId c) const {
+bool SpanBuilder::ClassAppearances::differ(const ClassAppearances& other, ClassId c) const {
   const std::uint32_t mine = of_class[c], theirs = other.of_class[c];
   if (mine == kNotDrawn || theirs == kNotDrawn) return mine != theirs;
-  return looks[mine] != other.looks[theirs];
+  return appearances[mine] != other.appearances[theirs];
 }
 
 /// Classes of one structure follow each other mostly, and so do equal looks.
-SpanBuilder::ClassLooks SpanBuilder::class_looks(const SpanRequest& request, bool colored) {
-  ClassLooks found{
-      {}, std::vector<std::uint32_t>(request.classes.size(), kNotDrawn), request.looks.generation()};
+SpanBuilder::ClassAppearances SpanBuilder::class_appearances(const SpanRequest& request, bool colored) {
+  ClassAppearances found{
+      {}, std::vector<std::uint32_t>(request.classes.size(), kNotDrawn), request.appearances.generation()};
   for (std::size_t n = 0; n < request.plan.classes.size(); ++n) {
     const ClassDraw& draw = request.plan.classes[n];
     if (!draws_volume(draw.role)) continue;
-    SpanLook look{request.looks.looks()[n], request.shade && draw.boundary};
-    if (!colored) look.volume.color = {1, 1, 1};
+    SpanAppearance appearance{request.appearances.appearances()[n], request.shade && draw.boundary};
+    if (!colored) appearance.volume.color = {1, 1, 1};
     // Others than the latest two, interior and boundary as a rule, may come twice: no harm.
-    auto known = std::find(found.looks.end() - std::min<std::ptrdiff_t>(2, std::ssize(found.looks)),
-                           found.looks.end(), look);
-    if (known == found.looks.end()) known = found.looks.insert(known, look);
-    found.of_class[draw.id] = static_cast<std::uint32_t>(known - found.looks.begin());
+    auto known =
+        std::find(found.appearances.end() - std::min<std::ptrdiff_t>(2, std::ssize(found.appearances)),
+                  found.appearances.end(), appearance);
+    if (known == found.appearances.end()) known = found.appearances.insert(known, appearance);
+    found.of_class[draw.id] = static_cast<std::uint32_t>(known - found.appearances.begin());
   }
   return found;
 }
 
 /// By slices of the model.
 std::vector<bool> SpanBuilder::changed_slices(const SpanRequest& request, const SpanModel& before,
-                                              const ClassLooks& looks_before) const {
-  const bool other_kind = before.emissions != model_.emissions || looks_before.of_class.empty() ||
-                          looks_before.generation != looks_.generation;
+                                              const ClassAppearances& appearances_before) const {
+  const bool other_kind = before.emissions != model_.emissions || appearances_before.of_class.empty() ||
+                          appearances_before.generation != appearances_.generation;
   std::vector<bool> changed(model_.slices.size(), other_kind);
   if (other_kind) return changed;
   const std::uint8_t slice_axis = ScanOrder::of(model_.axis).slice_axis;
   const auto in_model = [&](std::int64_t slice) {
     return changed.begin() + std::clamp<std::int64_t>(slice - model_.slice_first, 0, std::ssize(changed));
   };
-  for (ClassId c = 0; c < looks_.of_class.size(); ++c) {
-    if (!looks_.differ(looks_before, c)) continue;
+  for (ClassId c = 0; c < appearances_.of_class.size(); ++c) {
+    if (!appearances_.differ(appearances_before, c)) continue;
     const IndexBox& box = request.classes.box(c);
     std::fill(in_model(box.first[slice_axis]), in_model(box.last[slice_axis] + 1), true);
   }
@@ -108,13 +109,13 @@ void SpanBuilder::take_over(SpanModel& before, std::vector<bool>& changed) {
     kept += model_.slices[n].light.size() * sizeof(float);
   }
   // What little stays may be all over the memory that was used: it is built anew, then.
-  if (arena_.held_bytes() <= 2 * kept + kMostUnusedLight) return;
+  if (arena_.held_bytes() <= 2 * kept + kMaxUnusedLight) return;
   changed.assign(changed.size(), true);
   for (SliceSpans& slice : model_.slices) slice.light = {};
 }
 
 /// Every block of the selection's box, and a dark one at the end of each row.
-std::size_t SpanBuilder::most_floats_of_slice() const {
+std::size_t SpanBuilder::max_floats_of_slice() const {
   const std::int64_t first_block = model_.scan_first >> kBlockBits;
   const std::int64_t last_block = (model_.scan_first + model_.scan_voxels - 1) >> kBlockBits;
   return static_cast<std::size_t>(model_.rows * (last_block - first_block + 2) * kBlock *
@@ -132,44 +133,45 @@ void SpanBuilder::write_slice(const SpanRequest& request, std::int64_t slice, Sl
   SpanWriter writer(model_.scan_first, model_.scan_voxels, model_.emissions, out);
 
   const auto write = [&](const Piece& piece) {
-    const SpanLook& look = looks_.looks[piece.look];
+    const SpanAppearance& appearance = appearances_.appearances[piece.appearance];
     const std::size_t voxel =
         first_voxel + static_cast<std::size_t>(piece.row) * row_step + piece.start * scan_step;
     if (model_.axis == Axis::kY) prefetch(voxel + kRowsAhead * row_step, piece.length, request.cache);
     writer.add(piece.start, piece.length);
-    look.volume.look_up(request.cache.values(), voxel, scan_step, piece.length,
-                        writer.extinctions(piece.start), writer.emissions(piece.start, 0));
-    if (model_.emissions == 3) writer.color(piece.start, piece.length, look.volume.color);
-    if (look.shaded) writer.shade(piece.start, piece.length, request.cache.normals() + voxel, scan_step);
+    appearance.volume.look_up(request.cache.values(), voxel, scan_step, piece.length,
+                              writer.extinctions(piece.start), writer.emissions(piece.start, 0));
+    if (model_.emissions == 3) writer.color(piece.start, piece.length, appearance.volume.color);
+    if (appearance.shaded)
+      writer.shade(piece.start, piece.length, request.cache.normals() + voxel, scan_step);
   };
   Piece piece;
   request.runs.for_each(slice, [&](const ClassRun& run, std::uint32_t) {
-    const std::uint32_t look = looks_.of_class[run.id];
-    if (piece.goes_on(run, look)) {
+    const std::uint32_t appearance = appearances_.of_class[run.id];
+    if (piece.goes_on(run, appearance)) {
       piece.length += run.length;
       return;
     }
     if (piece.length > 0) write(piece);
     if (run.row != piece.row) writer.end_row(piece.row);
-    piece = {run.row, run.start, run.length, look};
+    piece = {run.row, run.start, run.length, appearance};
   });
   if (piece.length > 0) write(piece);
   writer.end_row(piece.row);
   writer.finish();
 }
 
-void set_looks(const DrawPlan& plan, std::span<const VolumeLook> looks, const ClassTable& classes,
-               SpanModel& model) {
+void set_appearances(const DrawPlan& plan, std::span<const VolumeAppearance> appearances,
+                     const ClassTable& classes, SpanModel& model) {
   std::optional<std::array<float, 3>> color;
   bool differ = false;
   double voxels = 0, extinctions = 0;
-  for (std::size_t n = 0; n < looks.size(); ++n) {
+  for (std::size_t n = 0; n < appearances.size(); ++n) {
     if (!draws_volume(plan.classes[n].role)) continue;
-    differ |= color && *color != looks[n].color;
-    color = looks[n].color;
+    differ |= color && *color != appearances[n].color;
+    color = appearances[n].color;
     const auto of_class = static_cast<double>(classes.voxels(plan.classes[n].id));
     voxels += of_class;
-    extinctions += of_class * static_cast<double>(looks[n].extinction_per_mm);
+    extinctions += of_class * static_cast<double>(appearances[n].extinction_per_mm);
   }
   const bool one_color = color && !differ;
   model.emissions = one_color ? 1 : 3;
@@ -181,15 +183,16 @@ void SpanBuilder::build(const SpanRequest& request, ThreadPool& pool) {
   const SelectedRuns& runs = request.runs;
   SpanModel before = std::exchange(model_, {});
   model_.axis = runs.axis();
-  set_looks(request.plan, request.looks.looks(), request.classes, model_);
+  set_appearances(request.plan, request.appearances.appearances(), request.classes, model_);
   model_.scan_first = runs.box().first[0];
   model_.scan_voxels = runs.scan_voxels();
   model_.row_first = runs.box().first[1];
   model_.rows = runs.rows();
   model_.slice_first = runs.box().first[2];
   model_.slices.resize(static_cast<std::size_t>(runs.slices()));
-  const ClassLooks looks_before = std::exchange(looks_, class_looks(request, model_.emissions > 1));
-  std::vector<bool> changed = changed_slices(request, before, looks_before);
+  const ClassAppearances appearances_before =
+      std::exchange(appearances_, class_appearances(request, model_.emissions > 1));
+  std::vector<bool> changed = changed_slices(request, before, appearances_before);
   take_over(before, changed);
 
   std::vector<std::size_t> to_build;
@@ -202,7 +205,7 @@ void SpanBuilder::build(const SpanRequest& request, ThreadPool& pool) {
     const std::size_t first = part * kSlicesAtOnce;
     for (std::size_t n = first; n < std::min(first + kSlicesAtOnce, to_build.size()); ++n) {
       SliceSpans& slice = model_.slices[to_build[n]];
-      slice.light = arena_.lend(most_floats_of_slice());
+      slice.light = arena_.lend(max_floats_of_slice());
       write_slice(request, model_.slice_first + static_cast<std::int64_t>(to_build[n]), slice);
       arena_.settle(slice.light);
     }
@@ -212,7 +215,7 @@ void SpanBuilder::build(const SpanRequest& request, ThreadPool& pool) {
     model_.voxels += slice.voxels;
     model_.shaded_voxels += slice.shaded.size();
   }
-  arena_.trim(std::max(arena_.held_bytes(), kMostUnusedLight));
+  arena_.trim(std::max(arena_.held_bytes(), kMaxUnusedLight));
 }
 
 }  // namespace splatlas

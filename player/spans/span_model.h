@@ -9,7 +9,7 @@
 #include "format/grid.h"
 #include "format/system/thread_pool.h"
 #include "format/unit_vector.h"
-#include "player/spans/light_buffer.h"
+#include "player/spans/optical_buffer.h"
 
 namespace splatlas {
 
@@ -43,7 +43,7 @@ struct SliceSpans {
   std::int64_t first_row = 0, last_row = 0;  ///< spans are in rows [first_row, last_row) of the grid
   std::vector<std::uint32_t> first_span;     ///< last_row - first_row + 1 offsets; empty without spans
   std::vector<Span> spans;                   ///< by row, then place
-  LightBuffer light;                         ///< of all blocks
+  OpticalBuffer light;                       ///< of all blocks
   std::vector<ShadedVoxel> shaded;
   std::uint64_t voxels = 0;  ///< selected voxels with an extinction above 0
 

@@ -155,13 +155,13 @@ void BandRasterizer::add(const ScreenTriangle& triangle, const TriangleAttribute
     }
   }
   attributes.correct(weight);
-  const SurfaceLight light = lit(*surface.mesh, triangle.ref.triangle, attributes.front(), weight);
+  const SurfaceShading light = lit(*surface.mesh, triangle.ref.triangle, attributes.front(), weight);
   crossing.light = {light.diffuse, light.highlight};
   crossings_.push_back(crossing);
 }
 
-SurfaceLight BandRasterizer::lit(const SurfaceMesh& mesh, std::uint32_t triangle, bool front,
-                                 const std::array<float, 3>& weight) const {
+SurfaceShading BandRasterizer::lit(const SurfaceMesh& mesh, std::uint32_t triangle, bool front,
+                                   const std::array<float, 3>& weight) const {
   const auto& corners = mesh.triangles[triangle];
   std::array<float, 3> normal{};
   for (std::size_t n = 0; n < 3; ++n) {
@@ -171,7 +171,7 @@ SurfaceLight BandRasterizer::lit(const SurfaceMesh& mesh, std::uint32_t triangle
   return scene_->lighting.on_surface(normal);
 }
 
-void BandRasterizer::finish(float transmittance_floor, BandFragments& out, std::span<SurfacesSeen> seen) {
+void BandRasterizer::finish(float termination_threshold, BandFragments& out, std::span<SurfacesSeen> seen) {
   take_opaque();
   sort_by_slot();
   out.fragments.resize(crossings_.size());
@@ -185,7 +185,7 @@ void BandRasterizer::finish(float transmittance_floor, BandFragments& out, std::
     SurfacesSeen sum;
     float through = 1;
     for (const std::uint32_t n : of_slot) {
-      if (through <= transmittance_floor) break;
+      if (through <= termination_threshold) break;
       const Crossing& crossing = sorted_[n];
       const Fragment& last = out.fragments[kept++] = fragment(crossing);
       if (!seen.empty()) {
@@ -202,7 +202,7 @@ void BandRasterizer::finish(float transmittance_floor, BandFragments& out, std::
 
 Fragment BandRasterizer::fragment(const Crossing& crossing) const {
   const SurfaceDraw& surface = scene_->surfaces[crossing.surface];
-  const SurfaceLight light{crossing.light[0], crossing.light[1]};
+  const SurfaceShading light{crossing.light[0], crossing.light[1]};
   Fragment fragment{crossing.depth, {0, 0, 0, surface.opacity}, surface.structure};
   for (std::size_t c = 0; c < 3; ++c) fragment.rgba[c] = light.on(surface.color[c]) * surface.opacity;
   return fragment;
@@ -212,8 +212,8 @@ void BandRasterizer::take_opaque() {
   for (const Crossing& nearest : nearest_) {
     if (nearest.surface == kNone) continue;
     const auto [second, third] = nearest.light;
-    const SurfaceLight light = lit(*scene_->surfaces[nearest.surface].mesh, nearest.triangle,
-                                   (nearest.order & 1) != 0, {1 - second - third, second, third});
+    const SurfaceShading light = lit(*scene_->surfaces[nearest.surface].mesh, nearest.triangle,
+                                     (nearest.order & 1) != 0, {1 - second - third, second, third});
     crossings_.push_back(nearest);
     crossings_.back().light = {light.diffuse, light.highlight};
   }

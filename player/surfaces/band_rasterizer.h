@@ -39,7 +39,7 @@ class BandRasterizer {
   void draw(const TriangleRef& ref);
   /// Sorts by slot and depth; leaves out what is behind an opaque fragment, and behind surfaces that let
   /// through no more than `transmittance_floor` together. `seen` (of every slot) may be empty.
-  void finish(float transmittance_floor, BandFragments& out, std::span<SurfacesSeen> seen);
+  void finish(float termination_threshold, BandFragments& out, std::span<SurfacesSeen> seen);
 
   /// Translucent crossings so far, and opaque ones that nothing hides once all is drawn.
   [[nodiscard]] std::size_t crossings() const { return crossings_.size(); }
@@ -67,8 +67,8 @@ class BandRasterizer {
   [[nodiscard]] bool in_front(const Crossing& a, const Crossing& b) const;
   void add(const ScreenTriangle& triangle, const TriangleAttributes& attributes, std::uint32_t slot,
            std::array<float, 3> weight, double depth);
-  [[nodiscard]] SurfaceLight lit(const SurfaceMesh& mesh, std::uint32_t triangle, bool front,
-                                 const std::array<float, 3>& weight) const;
+  [[nodiscard]] SurfaceShading lit(const SurfaceMesh& mesh, std::uint32_t triangle, bool front,
+                                   const std::array<float, 3>& weight) const;
   void take_opaque();
   void sort_by_slot();
   void sort_slot(std::span<std::uint32_t> of_slot) const;

@@ -11,10 +11,10 @@ constexpr std::size_t kRowsPerChunk = 16;
 /// Whether there is an edge between two pixels.
 class EdgeBetween {
  public:
-  explicit EdgeBetween(float most_depth) : most_depth_(most_depth) {}
+  explicit EdgeBetween(float max_depth) : max_depth_(max_depth) {}
 
   bool operator()(const SurfacesSeen& a, const SurfacesSeen& b) const {
-    if (largest(a.layers, b.layers) <= kEdgeLayers && !(std::abs(a.depth - b.depth) > most_depth_)) {
+    if (largest(a.layers, b.layers) <= kEdgeLayers && !(std::abs(a.depth - b.depth) > max_depth_)) {
       return false;
     }
     return largest(a.light.rgba, b.light.rgba) > kEdgeContrast;
@@ -27,7 +27,7 @@ class EdgeBetween {
     return most;
   }
 
-  float most_depth_;
+  float max_depth_;
 };
 
 }  // namespace

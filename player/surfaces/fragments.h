@@ -43,7 +43,7 @@ struct Sample {
 };
 
 /// The volume in front of a slab and with it: what the warp would show if the volume ended there.
-struct SlabLight {
+struct SlabRadiance {
   Light before, behind;
 };
 

@@ -19,11 +19,12 @@ std::pair<int, int> rows_of(std::size_t band, const RasterScene& scene) {
 
 }  // namespace
 
-SurfaceDraw surface_draw(StructureIndex s, const StructureDraw& look, const SurfaceMesh& mesh) {
+SurfaceDraw surface_draw(StructureIndex s, const StructureDraw& appearance, const SurfaceMesh& mesh) {
   return {&mesh,
           s,
-          {srgb_to_linear(look.color.r), srgb_to_linear(look.color.g), srgb_to_linear(look.color.b)},
-          look.opacity.value_or(1.0f)};
+          {srgb_to_linear(appearance.color.r), srgb_to_linear(appearance.color.g),
+           srgb_to_linear(appearance.color.b)},
+          appearance.opacity.value_or(1.0f)};
 }
 
 /// How many fragments there are already. Bands may be done in any order: only the sum decides.
@@ -75,7 +76,7 @@ bool Rasterizer::draw_centers(const RasterScene& scene, const RasterOptions& opt
       if (finds_edges) {
         seen = std::span(seen_).subspan(static_cast<std::size_t>(first_row) * width, worker->slots());
       }
-      worker->finish(options.transmittance_floor, centers_[n], seen);
+      worker->finish(options.termination_threshold, centers_[n], seen);
       count.add(worker->crossings());
     }
     give_back(std::move(worker));
@@ -99,7 +100,7 @@ bool Rasterizer::draw_edges(const RasterScene& scene, const RasterOptions& optio
     worker->begin_edges(scene, bins_, first_row, last_row, wanted, pattern_);
     count.add(worker->slots());
     if (draw_band(n, *worker, count)) {
-      worker->finish(options.transmittance_floor, edges_[n], {});
+      worker->finish(options.termination_threshold, edges_[n], {});
       count.add(worker->crossings());
     }
     give_back(std::move(worker));

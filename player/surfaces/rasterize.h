@@ -17,12 +17,13 @@
 namespace splatlas {
 
 /// A surface as a selection draws it; `mesh` must outlive it.
-[[nodiscard]] SurfaceDraw surface_draw(StructureIndex s, const StructureDraw& look, const SurfaceMesh& mesh);
+[[nodiscard]] SurfaceDraw surface_draw(StructureIndex s, const StructureDraw& appearance,
+                                       const SurfaceMesh& mesh);
 
 struct RasterOptions {
   std::size_t max_fragments = std::numeric_limits<std::size_t>::max();
   /// Fragments behind surfaces that let through no more than this together are left out.
-  float transmittance_floor = 0;
+  float termination_threshold = 0;
   /// Of pixels at edges (player/edge_pixels.h): 1, 4 or 8.
   std::size_t edge_samples = 1;
 };

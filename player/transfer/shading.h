@@ -11,7 +11,7 @@
 namespace splatlas {
 
 /// The light on a point of a surface: a share of its colour, and a faint white highlight.
-struct SurfaceLight {
+struct SurfaceShading {
   float diffuse = 1, highlight = 0;
 
   [[nodiscard]] float on(float color) const { return std::min(1.0f, color * diffuse + highlight); }
@@ -28,7 +28,7 @@ class Lighting {
   [[nodiscard]] float diffuse(const std::array<float, 3>& normal_lps) const;
   /// For surfaces. `normal_lps` is that of the side which is seen; where interpolation has turned it a little
   /// away from the viewer, it stays so.
-  [[nodiscard]] SurfaceLight on_surface(const std::array<float, 3>& normal_lps) const {
+  [[nodiscard]] SurfaceShading on_surface(const std::array<float, 3>& normal_lps) const {
     const float length_squared = dot(normal_lps, normal_lps);
     if (!(length_squared > 0)) return {one_sided(normal_lps), 0};
     const float per_length = 1 / std::sqrt(length_squared);

@@ -90,7 +90,7 @@ void TransferTable::for_each_share(const std::byte* values, std::size_t first, s
 }
 
 void TransferTable::look_up(const std::byte* values, std::size_t first, std::size_t stride, std::size_t count,
-                            float densest_per_mm, VoxelLook* voxels) const {
+                            float densest_per_mm, ClassifiedVoxel* voxels) const {
   for_each_share(values, first, stride, count, [=](std::size_t n, const TransferShare& share) {
     voxels[n] = {densest_per_mm * share.extinction, share.shade};
   });

@@ -31,23 +31,23 @@ struct TransferShare {
 };
 
 /// One voxel's place on a transfer function.
-struct VoxelLook {
+struct ClassifiedVoxel {
   float extinction_per_mm = 0;
   float shade = 0;
 };
 
-/// Looks grey values up. Values of 8 and 16 bits come from a table, made at construction (0.5 MiB for 16
-/// bits), unless there shall be none; others are evaluated one by one. Const members are safe to call from
+/// Appearances grey values up. Values of 8 and 16 bits come from a table, made at construction (0.5 MiB for
+/// 16 bits), unless there shall be none; others are evaluated one by one. Const members are safe to call from
 /// several threads.
 class TransferTable {
  public:
   TransferTable(const TransferShape& shape, VoxelType type, bool tabulated = true);
 
-  /// Looks of `count` values (of the type given at construction): numbers `first`, `first + stride`, ... of
-  /// `values`, which is not read when the type is kNone: volumes without grey values are at the last point.
-  /// `densest_per_mm`: the extinction at the densest point.
+  /// Appearances of `count` values (of the type given at construction): numbers `first`, `first + stride`,
+  /// ... of `values`, which is not read when the type is kNone: volumes without grey values are at the last
+  /// point. `densest_per_mm`: the extinction at the densest point.
   void look_up(const std::byte* values, std::size_t first, std::size_t stride, std::size_t count,
-               float densest_per_mm, VoxelLook* voxels) const;
+               float densest_per_mm, ClassifiedVoxel* voxels) const;
   /// The same, apart: extinctions, and extinctions times shades.
   void look_up(const std::byte* values, std::size_t first, std::size_t stride, std::size_t count,
                float densest_per_mm, float* extinctions, float* emissions) const;

@@ -12,7 +12,7 @@ constexpr std::array<NamedView, 6> kNamedViews{NamedView::kAnterior, NamedView::
                                                NamedView::kSuperior, NamedView::kInferior};
 constexpr double kDegreesPerSide = 180;
 /// A direction is also called after an axis when its component along it is at least this: sin 22.5 degrees.
-constexpr double kLeastComponent = 0.3827;
+constexpr double kMinComponent = 0.3827;
 
 }  // namespace
 
@@ -32,7 +32,7 @@ Camera turned_by_drag(const Camera& camera, double dx, double dy, const PictureS
 Camera zoomed_at(const Camera& camera, double factor, double x, double y, const PictureSize& size,
                  const Display& display) {
   Camera result = camera;
-  result.zoom = std::clamp(camera.zoom * factor, kLeastZoom, kMostZoom);
+  result.zoom = std::clamp(camera.zoom * factor, kMinZoom, kMaxZoom);
   const auto before = parallel_view(camera, size, display);
   const auto after = parallel_view(result, size, display);
   if (!before || !after) return camera;
@@ -64,7 +64,7 @@ std::string orientation_letters(const Vec3& direction_lps) {
   });
   std::string letters;
   for (const std::size_t a : axes) {
-    if (std::abs(direction_lps[a]) >= kLeastComponent) letters += kLetters[a][direction_lps[a] < 0 ? 1 : 0];
+    if (std::abs(direction_lps[a]) >= kMinComponent) letters += kLetters[a][direction_lps[a] < 0 ? 1 : 0];
   }
   return letters;
 }

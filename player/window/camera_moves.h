@@ -9,8 +9,8 @@
 
 namespace splatlas {
 
-inline constexpr double kLeastZoom = 0.1;
-inline constexpr double kMostZoom = 60;
+inline constexpr double kMinZoom = 0.1;
+inline constexpr double kMaxZoom = 60;
 
 /// Turned by angles; azimuth kept in (-180, 180], elevation in [-90, 90].
 [[nodiscard]] Camera turned(const Camera& camera, double azimuth_deg, double elevation_deg);

@@ -16,7 +16,7 @@ namespace {
 constexpr std::chrono::milliseconds kStill{120};
 /// Drafts slower than this get fewer pixels, drafts quicker than that more again.
 constexpr double kSlowDraftMs = 70, kQuickDraftMs = 20;
-constexpr int kMostDraftDivisor = 4;
+constexpr int kMaxDraftDivisor = 4;
 constexpr Rgb kBackground{0, 0, 0};
 
 /// Runs what may throw for want of memory; the window goes on.
@@ -191,7 +191,7 @@ PictureSize RenderWorker::draft_size(const PictureSize& size) const {
 }
 
 void RenderWorker::adapt_drafts(double ms) {
-  if (ms > kSlowDraftMs) draft_divisor_ = std::min(draft_divisor_ + 1, kMostDraftDivisor);
+  if (ms > kSlowDraftMs) draft_divisor_ = std::min(draft_divisor_ + 1, kMaxDraftDivisor);
   if (ms < kQuickDraftMs) draft_divisor_ = std::max(draft_divisor_ - 1, 1);
 }
 

@@ -6,7 +6,7 @@
 namespace splatlas {
 namespace {
 
-constexpr std::size_t kMostUndoSteps = 200;
+constexpr std::size_t kMaxUndoSteps = 200;
 
 std::string_view trimmed(std::string_view text) {
   constexpr std::string_view kBlanks = " \t\r\n";
@@ -41,7 +41,7 @@ SelectionEditor::SelectionEditor(const StructureGraph& graph, std::vector<bool> 
   if (auto selection = select(text, graph)) show(text, std::move(*selection));
 }
 
-std::optional<StructureDraw> SelectionEditor::look(StructureIndex s) const {
+std::optional<StructureDraw> SelectionEditor::appearance(StructureIndex s) const {
   for (const StructureIndex d : graph_.descendants(s)) {
     if (drawable_[d] && is_on(selection_.structures[d])) return selection_.structures[d];
   }
@@ -160,7 +160,7 @@ void SelectionEditor::settle_groups(Selection& wanted) const {
 
 void SelectionEditor::remember() {
   undo_.push_back(text_);
-  if (undo_.size() > kMostUndoSteps) undo_.pop_front();
+  if (undo_.size() > kMaxUndoSteps) undo_.pop_front();
   redo_.clear();
 }
 

@@ -50,7 +50,7 @@ class SelectionEditor {
   /// Modes among the drawable structures of `s` and its descendants; of `s` itself when none is drawable.
   [[nodiscard]] ModeSet modes(StructureIndex s) const { return modes_[s]; }
   /// The looks of the first drawn structure of the subtree, to start an edit from; none when all are off.
-  [[nodiscard]] std::optional<StructureDraw> look(StructureIndex s) const;
+  [[nodiscard]] std::optional<StructureDraw> appearance(StructureIndex s) const;
 
   // All edits reach the whole subtree of `s`, and the same structures under their other parents.
 

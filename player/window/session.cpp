@@ -13,7 +13,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int kMostPictures = 9999;
+constexpr int kMaxPictures = 9999;
 
 std::vector<bool> drawable_structures(const Atlas& atlas) {
   std::vector<bool> drawable(atlas.graph().size());
@@ -25,7 +25,7 @@ std::vector<bool> drawable_structures(const Atlas& atlas) {
 }
 
 StructureFacts facts_of(const Atlas& atlas, StructureIndex s) {
-  StructureFacts facts{.structure = s, .paths = atlas.graph().paths(s, kMostPaths)};
+  StructureFacts facts{.structure = s, .paths = atlas.graph().paths(s, kMaxPaths)};
   const DecisionTree::VoxelCounts counts = atlas.tree().voxel_counts(s);
   facts.voxels = counts.interior + counts.boundary;
   for (const StructureIndex d : atlas.graph().descendants(s)) facts.triangles += atlas.triangles(d);
@@ -39,13 +39,13 @@ Result<std::filesystem::path> next_picture_path(const std::filesystem::path& atl
   std::filesystem::path folder = atlas.parent_path();
   if (folder.empty()) folder = ".";
   if (access(folder.c_str(), W_OK) != 0) folder = ".";
-  while (n <= kMostPictures) {
+  while (n <= kMaxPictures) {
     std::filesystem::path path = folder / fmt::format("{}-{}.png", atlas.stem().string(), n++);
     std::error_code ignored;
     if (!std::filesystem::exists(path, ignored)) return path;
   }
   return fail(ErrorCode::kFailed, fmt::format("{}: already holds {} pictures of {}; move them away",
-                                              folder.string(), kMostPictures, atlas.stem().string()));
+                                              folder.string(), kMaxPictures, atlas.stem().string()));
 }
 
 bool same_camera(const Camera& a, const Camera& b) {
@@ -166,7 +166,7 @@ void Session::handle(const PictureSaved& saved) {
   }
 }
 
-void Session::look_from(NamedView view) {
+void Session::appearance_from(NamedView view) {
   const Camera named = Camera::of(view);
   camera_.azimuth_deg = named.azimuth_deg;
   camera_.elevation_deg = named.elevation_deg;

@@ -27,11 +27,11 @@ struct Status {
 /// A structure with what there is to say about it.
 struct StructureFacts {
   StructureIndex structure = kNoStructure;
-  std::vector<std::string> paths;  ///< at most kMostPaths
+  std::vector<std::string> paths;  ///< at most kMaxPaths
   std::uint64_t voxels = 0, triangles = 0;
   double millilitres = 0;
 };
-inline constexpr std::size_t kMostPaths = 6;
+inline constexpr std::size_t kMaxPaths = 6;
 
 /// A place in the view, as fractions of its width and height from the top left.
 struct ViewPoint {
@@ -62,7 +62,7 @@ class Session {
   [[nodiscard]] const Camera& camera() const { return camera_; }
   void set_camera(const Camera& camera) { camera_ = camera; }
   /// Turned to a named view; zoom and centre stay.
-  void look_from(NamedView view);
+  void appearance_from(NamedView view);
   /// The first view: anterior, everything in the picture.
   void reset_view() { camera_ = {}; }
   [[nodiscard]] DepthCue depth_cue() const { return depth_cue_; }

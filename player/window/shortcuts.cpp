@@ -44,26 +44,26 @@ bool turn(Session& session, double azimuth_deg, double elevation_deg) {
   return true;
 }
 
-bool look(Session& session, NamedView view) {
-  session.look_from(view);
+bool appearance(Session& session, NamedView view) {
+  session.appearance_from(view);
   return true;
 }
 
 bool zoom(Session& session, double factor) {
   Camera camera = session.camera();
-  camera.zoom = std::clamp(camera.zoom * factor, kLeastZoom, kMostZoom);
+  camera.zoom = std::clamp(camera.zoom * factor, kMinZoom, kMaxZoom);
   session.set_camera(camera);
   return true;
 }
 
 bool camera_key(SDL_Keycode key, Session& session) {
   switch (key) {
-    case SDLK_a: return look(session, NamedView::kAnterior);
-    case SDLK_p: return look(session, NamedView::kPosterior);
-    case SDLK_l: return look(session, NamedView::kLeft);
-    case SDLK_r: return look(session, NamedView::kRight);
-    case SDLK_s: return look(session, NamedView::kSuperior);
-    case SDLK_i: return look(session, NamedView::kInferior);
+    case SDLK_a: return appearance(session, NamedView::kAnterior);
+    case SDLK_p: return appearance(session, NamedView::kPosterior);
+    case SDLK_l: return appearance(session, NamedView::kLeft);
+    case SDLK_r: return appearance(session, NamedView::kRight);
+    case SDLK_s: return appearance(session, NamedView::kSuperior);
+    case SDLK_i: return appearance(session, NamedView::kInferior);
     case SDLK_LEFT: return turn(session, kKeyTurnDeg, 0);
     case SDLK_RIGHT: return turn(session, -kKeyTurnDeg, 0);
     case SDLK_UP: return turn(session, 0, -kKeyTurnDeg);

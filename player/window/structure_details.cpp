@@ -31,13 +31,13 @@ void facts_lines(const StructureFacts& facts) {
   }
 }
 
-void opacity_control(SelectionEditor& editor, StructureIndex s, const std::optional<StructureDraw>& look,
-                     LayoutLog& layout) {
-  const bool surface = look && look->mode == DrawMode::kSurface;
-  const bool is_default = !look || !look->opacity;
-  float opacity = !is_default ? *look->opacity
+void opacity_control(SelectionEditor& editor, StructureIndex s,
+                     const std::optional<StructureDraw>& appearance, LayoutLog& layout) {
+  const bool surface = appearance && appearance->mode == DrawMode::kSurface;
+  const bool is_default = !appearance || !appearance->opacity;
+  float opacity = !is_default ? *appearance->opacity
                   : surface   ? 1.0f
-                              : full_opacity(look.value_or(StructureDraw{}));
+                              : full_opacity(appearance.value_or(StructureDraw{}));
   ImGui::AlignTextToFramePadding();
   ImGui::TextDisabled("Opacity");
   ImGui::SameLine();
@@ -72,12 +72,12 @@ void color_control(SelectionEditor& editor, StructureIndex s, Rgb color) {
 }
 
 /// Opacity and colour of what is drawn; greyed out when nothing is.
-void look_controls(Session& session, StructureIndex s, LayoutLog& layout) {
-  const auto look = session.editor().look(s);
-  ImGui::BeginDisabled(!look);
-  opacity_control(session.editor(), s, look, layout);
+void appearance_controls(Session& session, StructureIndex s, LayoutLog& layout) {
+  const auto appearance = session.editor().appearance(s);
+  ImGui::BeginDisabled(!appearance);
+  opacity_control(session.editor(), s, appearance, layout);
   ImGui::SameLine();
-  color_control(session.editor(), s, look ? look->color : session.graph()[s].color);
+  color_control(session.editor(), s, appearance ? appearance->color : session.graph()[s].color);
   ImGui::EndDisabled();
 }
 
@@ -111,7 +111,7 @@ void structure_details(Session& session, const Fonts& fonts, LayoutLog& layout) 
   ImGui::PushFont(fonts.small);
   facts_lines(facts);
   ImGui::PopFont();
-  look_controls(session, facts.structure, layout);
+  appearance_controls(session, facts.structure, layout);
   action_buttons(session, facts.structure, layout);
 }
 

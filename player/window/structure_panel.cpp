@@ -10,10 +10,10 @@
 namespace splatlas {
 namespace {
 
-constexpr std::size_t kMostSearchBytes = 128;
+constexpr std::size_t kMaxSearchBytes = 128;
 
 void search_field(Session& session, UiState& ui, LayoutLog& layout) {
-  std::array<char, kMostSearchBytes> text{};
+  std::array<char, kMaxSearchBytes> text{};
   session.rows().search_text().copy(text.data(), text.size() - 1);
   if (std::exchange(ui.focus_search, false)) ImGui::SetKeyboardFocusHere();
   ImGui::SetNextItemWidth(-FLT_MIN);

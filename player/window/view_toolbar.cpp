@@ -12,7 +12,7 @@ void view_toolbar(Session& session, UiState& ui, LayoutLog& layout) {
     const std::string title(title_of(view));
     const bool active = current == view;
     if (active) ImGui::PushStyleColor(ImGuiCol_Button, kAccentColor);
-    if (ImGui::Button(title.c_str())) session.look_from(view);
+    if (ImGui::Button(title.c_str())) session.appearance_from(view);
     if (active) ImGui::PopStyleColor();
     layout.item(title);
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("key %c", title.front());

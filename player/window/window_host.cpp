@@ -15,7 +15,7 @@ namespace splatlas {
 namespace {
 
 constexpr int kWidth = 1360, kHeight = 860;
-constexpr int kLeastWidth = 640, kLeastHeight = 420;
+constexpr int kMinWidth = 640, kMinHeight = 420;
 constexpr float kReferenceDotsPerInch = 96;
 
 tl::unexpected<Error> cannot_open(std::string_view reason) {
@@ -79,7 +79,7 @@ Result<void> WindowHost::start(const std::string& title) {
                              std::min(scaled(kWidth), room.w), std::min(scaled(kHeight), room.h),
                              SDL_WINDOW_OPENGL | SDL_WINDOW_RESIZABLE | SDL_WINDOW_ALLOW_HIGHDPI);
   if (window_ == nullptr) return cannot_open(SDL_GetError());
-  SDL_SetWindowMinimumSize(window_, kLeastWidth, kLeastHeight);
+  SDL_SetWindowMinimumSize(window_, kMinWidth, kMinHeight);
   context_ = SDL_GL_CreateContext(window_);
   if (context_ == nullptr) return cannot_open(SDL_GetError());
   SDL_GL_SetSwapInterval(1);  // where it can; drawing is event-driven anyway

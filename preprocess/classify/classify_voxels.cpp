@@ -165,8 +165,8 @@ struct Band {
 };
 
 std::vector<Band> cut_into_bands(std::int64_t slices) {
-  constexpr std::int64_t kMostBands = 32;  // enough to keep several threads busy to the end
-  const std::int64_t count = std::min(slices, kMostBands);
+  constexpr std::int64_t kMaxBands = 32;  // enough to keep several threads busy to the end
+  const std::int64_t count = std::min(slices, kMaxBands);
   std::vector<Band> bands(static_cast<std::size_t>(count));
   for (std::int64_t n = 0; n < count; ++n) {
     bands[static_cast<std::size_t>(n)].first_slice = slices * n / count;
@@ -254,12 +254,12 @@ class BandCounter {
 Result<Classification> classify_voxels(const MembershipVolume& memberships,
                                        std::span<const CrossedVoxel> crossed, const StructureGraph& graph,
                                        unsigned threads) {
-  constexpr std::size_t kMostHolders = 64;  // bits of Combination::boundary
+  constexpr std::size_t kMaxHolders = 64;  // bits of Combination::boundary
   for (const auto& set : memberships.sets()) {
-    if (set.size() > kMostHolders) {
+    if (set.size() > kMaxHolders) {
       return fail(ErrorCode::kLimit,
                   fmt::format("{} structures hold one voxel ('{}' among them); at most {} may", set.size(),
-                              graph[set.front()].name, kMostHolders));
+                              graph[set.front()].name, kMaxHolders));
     }
   }
   // Number the combinations of every voxel, band by band.

@@ -38,7 +38,7 @@ TEST(PackSpans, HoldsAllVoxelsInFullRows) {
       const auto decoded = decode_selection(atlas, scene.selection, axis, pool);
       ASSERT_TRUE(decoded);
       SpanBuilder builder;
-      builder.build({*decoded->runs, decoded->plan, *decoded->looks, atlas->classes(), atlas->grid(),
+      builder.build({*decoded->runs, decoded->plan, *decoded->appearances, atlas->classes(), atlas->grid(),
                      *decoded->cache, false},
                     pool);
       const SpanModel& model = builder.model();

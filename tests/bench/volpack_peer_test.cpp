@@ -12,7 +12,7 @@ namespace splatlas {
 namespace {
 
 using reference::Classification;
-using reference::GreyLook;
+using reference::GreyAppearance;
 using reference::GreyTruth;
 using reference::MaskedVolume;
 using reference::ReferencePicture;
@@ -72,10 +72,10 @@ constexpr std::array<std::array<double, 2>, 7> kViews{
 TEST(VolpackPeer, ShowsABoxWhereItIs) {
   MaskedVolume volume = empty_volume();
   put_box(volume, {5, 10, 12}, 3, 255);
-  const GreyLook look{{{0, 0, {1, 1, 1}}, {255, 0.3, {1, 1, 1}}}};
-  auto peer = VolpackPeer::classify(volume, look, OpacityRounding::kDown);
+  const GreyAppearance appearance{{{0, 0, {1, 1, 1}}, {255, 0.3, {1, 1, 1}}}};
+  auto peer = VolpackPeer::classify(volume, appearance, OpacityRounding::kDown);
   ASSERT_TRUE(peer);
-  const GreyTruth truth(volume, look, Classification::kBefore);
+  const GreyTruth truth(volume, appearance, Classification::kBefore);
   for (const auto& [azimuth, elevation] : kViews) {
     for (const double zoom : {1.0, 2.5}) {
       const ParallelView view = view_at(azimuth, elevation, zoom);
@@ -102,8 +102,9 @@ TEST(VolpackPeer, HidesWhatIsBehind) {
   MaskedVolume volume = empty_volume();
   put_box(volume, {14, 8, 24}, 12, 100);   // anterior
   put_box(volume, {14, 30, 24}, 12, 200);  // posterior
-  const GreyLook look{{{0, 0, {1, 0, 0}}, {99, 3, {1, 0, 0}}, {101, 3, {1, 0, 0}}, {199, 3, {0, 1, 0}}}};
-  auto peer = VolpackPeer::classify(volume, look, OpacityRounding::kDown);
+  const GreyAppearance appearance{
+      {{0, 0, {1, 0, 0}}, {99, 3, {1, 0, 0}}, {101, 3, {1, 0, 0}}, {199, 3, {0, 1, 0}}}};
+  auto peer = VolpackPeer::classify(volume, appearance, OpacityRounding::kDown);
   ASSERT_TRUE(peer);
   const auto middle_of = [&](double azimuth) {
     Camera camera;
@@ -119,9 +120,9 @@ TEST(VolpackPeer, HidesWhatIsBehind) {
 TEST(VolpackPeer, RoundsThinOpacitiesAsTold) {
   MaskedVolume volume = empty_volume();
   put_box(volume, {10, 15, 20}, 20, 255);
-  const GreyLook look{{{0, 0, {1, 1, 1}}, {255, -std::log1p(-1.6 / 255), {1, 1, 1}}}};
+  const GreyAppearance appearance{{{0, 0, {1, 1, 1}}, {255, -std::log1p(-1.6 / 255), {1, 1, 1}}}};
   const auto middle_with = [&](OpacityRounding rounding) {
-    auto peer = VolpackPeer::classify(volume, look, rounding);
+    auto peer = VolpackPeer::classify(volume, appearance, rounding);
     EXPECT_TRUE(peer);
     EXPECT_TRUE(peer->render(*parallel_view(Camera{}, {100, 100}, kDisplay)));
     return peer->picture().at(50, 50)[3];
@@ -132,26 +133,26 @@ TEST(VolpackPeer, RoundsThinOpacitiesAsTold) {
 
 TEST(VolpackPeer, ClassifiesOnlyWhatIsVisible) {
   MaskedVolume volume = empty_volume();
-  const GreyLook look{{{9, 0, {1, 1, 1}}, {10, 0.3, {1, 1, 1}}}};
+  const GreyAppearance appearance{{{9, 0, {1, 1, 1}}, {10, 0.3, {1, 1, 1}}}};
   put_box(volume, {2, 2, 2}, 20, 9);  // clear
-  const auto clear = VolpackPeer::classify(volume, look, OpacityRounding::kDown);
+  const auto clear = VolpackPeer::classify(volume, appearance, OpacityRounding::kDown);
   put_box(volume, {10, 15, 20}, 20, 10);
-  const auto fog = VolpackPeer::classify(volume, look, OpacityRounding::kDown);
+  const auto fog = VolpackPeer::classify(volume, appearance, OpacityRounding::kDown);
   ASSERT_TRUE(clear && fog);
   EXPECT_GE(fog->classified_bytes(), clear->classified_bytes() + 3 * 4 * 8000);  // 4 bytes a voxel and axis
 }
 
 TEST(VolpackPeer, RefusesWhatItCannotDrawRight) {
-  const GreyLook look{{{0, 0, {1, 1, 1}}, {255, 1, {1, 1, 1}}}};
+  const GreyAppearance appearance{{{0, 0, {1, 1, 1}}, {255, 1, {1, 1, 1}}}};
   MaskedVolume flat = empty_volume();
   flat.grid.spacing_mm = {1, 1, 2};
-  const auto anisotropic = VolpackPeer::classify(flat, look, OpacityRounding::kDown);
+  const auto anisotropic = VolpackPeer::classify(flat, appearance, OpacityRounding::kDown);
   ASSERT_FALSE(anisotropic);
   EXPECT_THAT(anisotropic.error().message, testing::HasSubstr("1 x 1 x 2 mm"));
   MaskedVolume lengthy;
   lengthy.grid.size = {2000, 1, 1};
   lengthy.greys.assign(2000, 0);
-  const auto too_long = VolpackPeer::classify(lengthy, look, OpacityRounding::kDown);
+  const auto too_long = VolpackPeer::classify(lengthy, appearance, OpacityRounding::kDown);
   ASSERT_FALSE(too_long);
   EXPECT_THAT(too_long.error().message, testing::HasSubstr("2000 x 1 x 1"));
 }

@@ -12,7 +12,7 @@ namespace splatlas {
 namespace {
 
 using reference::Classification;
-using reference::GreyLook;
+using reference::GreyAppearance;
 using reference::GreyTruth;
 using reference::MaskedVolume;
 using reference::PerspectiveView;
@@ -84,10 +84,10 @@ void expect_same_place(const Picture& picture, const ReferencePicture& expected)
 TEST_P(VtkPeerTest, ShowsABoxWhereItIs) {
   MaskedVolume volume = empty_volume();
   put_box(volume, {0, 0, 0}, 6, 255);
-  const GreyLook look{{{0, 0, {1, 0.5, 0.25}}, {255, 0.3, {1, 0.5, 0.25}}}};
-  const GreyTruth truth(volume, look, Classification::kAfter);
+  const GreyAppearance appearance{{{0, 0, {1, 0.5, 0.25}}, {255, 0.3, {1, 0.5, 0.25}}}};
+  const GreyTruth truth(volume, appearance, Classification::kAfter);
   VtkPeer peer({256, 200});
-  peer.add_volume(volume, look, GetParam(), 0.25);
+  peer.add_volume(volume, appearance, GetParam(), 0.25);
   for (const auto& [azimuth, elevation] : {std::array<double, 2>{0, 0}, {30, 20}, {120, -35}, {-60, 70}}) {
     const Camera camera{.azimuth_deg = azimuth, .elevation_deg = elevation};
     const PerspectiveView view{*parallel_view(camera, {256, 200}, kDisplay), 40};
@@ -103,14 +103,14 @@ TEST_P(VtkPeerTest, ShowsTheVolumeThatReplacesAnother) {
   MaskedVolume first = empty_volume(), second = empty_volume();
   put_box(first, {2, 2, 2}, 8, 255);
   put_box(second, {10, 12, 14}, 6, 255);
-  const GreyLook look{{{0, 0, {1, 1, 1}}, {255, 0.3, {1, 1, 1}}}};
+  const GreyAppearance appearance{{{0, 0, {1, 1, 1}}, {255, 0.3, {1, 1, 1}}}};
   VtkPeer peer({128, 100});
-  peer.add_volume(first, look, GetParam(), 0.25);
+  peer.add_volume(first, appearance, GetParam(), 0.25);
   const ParallelView view = *parallel_view(Camera{}, {128, 100}, kDisplay);
   peer.render(view);
   peer.replace_volume(second);
   peer.render(view);
-  const GreyTruth truth(second, look, Classification::kAfter);
+  const GreyTruth truth(second, appearance, Classification::kAfter);
   expect_same_place(peer.picture(), render_grey_truth(truth, second.grid, view, 1));
 }
 
@@ -118,9 +118,9 @@ TEST_P(VtkPeerTest, ShowsTheVolumeThatReplacesAnother) {
 TEST_P(VtkPeerTest, ComposesAsTheClosedFormHasIt) {
   MaskedVolume volume = empty_volume();
   put_box(volume, {4, 8, 12}, 10, 200);
-  const GreyLook look{{{199, 0, {0.5, 0.25, 1}}, {200, 0.1, {0.5, 0.25, 1}}}};
+  const GreyAppearance appearance{{{199, 0, {0.5, 0.25, 1}}, {200, 0.1, {0.5, 0.25, 1}}}};
   VtkPeer peer({64, 64});
-  peer.add_volume(volume, look, GetParam(), 0.1);
+  peer.add_volume(volume, appearance, GetParam(), 0.1);
   Camera camera;
   camera.center_lps_mm = index_to_lps_mm(volume.grid).apply({8.5, 12.5, 16.5});
   peer.render(*parallel_view(camera, {64, 64}, kDisplay));
@@ -142,7 +142,7 @@ INSTANTIATE_TEST_SUITE_P(Mappers, VtkPeerTest,
 TEST_F(VtkPeerTest, PeelsSurfacesAndVolumeInOrder) {
   MaskedVolume volume = empty_volume();
   put_box(volume, {0, 10, 0}, 9, 255);
-  const GreyLook look{{{254, 0, {0, 0, 1}}, {255, 0.2, {0, 0, 1}}}};
+  const GreyAppearance appearance{{{254, 0, {0, 0, 1}}, {255, 0.2, {0, 0, 1}}}};
   const auto square_at = [](float j) {
     SurfaceMesh mesh;
     mesh.positions_ijk = {{0, j, 0}, {9, j, 0}, {9, j, 9}, {0, j, 9}};
@@ -152,7 +152,7 @@ TEST_F(VtkPeerTest, PeelsSurfacesAndVolumeInOrder) {
   VtkPeer peer({64, 64});
   peer.add_surface(square_at(2), volume.grid, {1, 0, 0}, 0.5);  // posterior: j grows to anterior
   peer.add_surface(square_at(27), volume.grid, {0, 1, 0}, 0.5);
-  peer.add_volume(volume, look, VtkVolumeMapper::kGpu, 0.1);
+  peer.add_volume(volume, appearance, VtkVolumeMapper::kGpu, 0.1);
   peer.peel_depths();
   Camera camera;
   camera.center_lps_mm = index_to_lps_mm(volume.grid).apply({4, 14, 4});

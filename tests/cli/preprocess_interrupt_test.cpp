@@ -79,8 +79,8 @@ class PreprocessInterrupt : public testing::Test {
   }
 
  private:
-  void await_hidden_file(std::chrono::steady_clock::duration at_most) const {
-    const auto end = std::chrono::steady_clock::now() + at_most;
+  void await_hidden_file(std::chrono::steady_clock::duration upper_bound) const {
+    const auto end = std::chrono::steady_clock::now() + upper_bound;
     while (std::chrono::steady_clock::now() < end) {
       for (const std::string& name : folder_.names()) {
         if (name.front() == '.') return;

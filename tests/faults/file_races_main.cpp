@@ -71,7 +71,7 @@ class Attacker {
   }
 
  private:
-  static constexpr std::size_t kMostNoise = 64;
+  static constexpr std::size_t kMaxNoise = 64;
 
   static void spin(std::chrono::steady_clock::duration time) {
     for (const auto end = std::chrono::steady_clock::now() + time; std::chrono::steady_clock::now() < end;) {
@@ -81,7 +81,7 @@ class Attacker {
   void wait_and_attack(std::mt19937::result_type seed) {
     std::mt19937 random(seed);
     const auto place = static_cast<off_t>(random() % other_.size());
-    const auto length = 1 + random() % kMostNoise;
+    const auto length = 1 + random() % kMaxNoise;
     while (reader_ < stage_) std::this_thread::yield();
     spin(std::chrono::microseconds(random() % 300));
     change(place, length, random);
@@ -89,7 +89,7 @@ class Attacker {
   }
 
   void change(off_t place, std::size_t length, std::mt19937& random) const {
-    std::array<char, kMostNoise> noise{};
+    std::array<char, kMaxNoise> noise{};
     for (char& byte : noise) byte = static_cast<char>(random());
     switch (kind_) {
       case Attack::kTruncate: return checked(::ftruncate(descriptor_, place));

@@ -63,14 +63,14 @@ TEST(DecisionTree, TheLatestTermThenTheHigherIndexGivesTheLook) {
   ClassTable classes;
   const ClassId shared = classes.intern({{0, Part::kInterior}, {1, Part::kBoundary}, {2, Part::kInterior}});
   const DecisionTree tree(graph, classes);
-  const auto look = [&](const char* text) { return tree.plan(*select(text, graph)).classes.at(0); };
-  EXPECT_EQ(look("whole"), (ClassDraw{shared, VoxelRole::kVolume, 1, true}));
-  EXPECT_EQ(look("*"), (ClassDraw{shared, VoxelRole::kVolume, 2, false}));
-  EXPECT_EQ(look("other + whole"), (ClassDraw{shared, VoxelRole::kVolume, 1, true}));
-  EXPECT_EQ(look("whole + other"), (ClassDraw{shared, VoxelRole::kVolume, 2, false}));
-  EXPECT_EQ(look("whole + other:surface"), (ClassDraw{shared, VoxelRole::kVolume, 1, true}));
-  EXPECT_EQ(look("other + part:surface"), (ClassDraw{shared, VoxelRole::kHybrid, 2, false}));
-  EXPECT_EQ(look("part:surface"), (ClassDraw{shared, VoxelRole::kSurface, kNoStructure, false}));
+  const auto appearance = [&](const char* text) { return tree.plan(*select(text, graph)).classes.at(0); };
+  EXPECT_EQ(appearance("whole"), (ClassDraw{shared, VoxelRole::kVolume, 1, true}));
+  EXPECT_EQ(appearance("*"), (ClassDraw{shared, VoxelRole::kVolume, 2, false}));
+  EXPECT_EQ(appearance("other + whole"), (ClassDraw{shared, VoxelRole::kVolume, 1, true}));
+  EXPECT_EQ(appearance("whole + other"), (ClassDraw{shared, VoxelRole::kVolume, 2, false}));
+  EXPECT_EQ(appearance("whole + other:surface"), (ClassDraw{shared, VoxelRole::kVolume, 1, true}));
+  EXPECT_EQ(appearance("other + part:surface"), (ClassDraw{shared, VoxelRole::kHybrid, 2, false}));
+  EXPECT_EQ(appearance("part:surface"), (ClassDraw{shared, VoxelRole::kSurface, kNoStructure, false}));
 }
 
 TEST(DecisionTree, ExternalSurfacesAreDrawnInEveryMode) {
@@ -121,16 +121,16 @@ ClassDraw draw_of(const Members& members, const Selection& selection) {
   ClassDraw draw;
   std::uint32_t latest = 0;
   for (const auto& [s, part] : members) {  // in index order
-    const StructureDraw& look = selection.structures[s];
-    if (look.mode == DrawMode::kOff) continue;
-    const bool as_surface = look.mode == DrawMode::kSurface || look.mode == DrawMode::kBoth;
-    const bool as_volume = look.mode == DrawMode::kVolume || look.mode == DrawMode::kBoth;
+    const StructureDraw& appearance = selection.structures[s];
+    if (appearance.mode == DrawMode::kOff) continue;
+    const bool as_surface = appearance.mode == DrawMode::kSurface || appearance.mode == DrawMode::kBoth;
+    const bool as_volume = appearance.mode == DrawMode::kVolume || appearance.mode == DrawMode::kBoth;
     if (part == Part::kCrossed || (part == Part::kBoundary && as_surface)) surface = true;
     if (part == Part::kCrossed || !as_volume) continue;
-    if (!volume || look.term >= latest) {
+    if (!volume || appearance.term >= latest) {
       draw.volume_of = s;
       draw.boundary = part == Part::kBoundary;
-      latest = look.term;
+      latest = appearance.term;
     }
     volume = true;
   }

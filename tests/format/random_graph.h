@@ -95,7 +95,7 @@ inline VolumeStyle random_style(std::mt19937& random) {
   return style;
 }
 
-/// Looks that tend to be those of a parent, so that whole subtrees are alike.
+/// Appearances that tend to be those of a parent, so that whole subtrees are alike.
 inline Selection random_selection(const StructureGraph& graph, std::mt19937& random) {
   const auto below = [&random](std::size_t m) {
     return std::uniform_int_distribution<std::size_t>(0, m - 1)(random);

@@ -20,11 +20,11 @@ __attribute__((weak)) std::size_t __sanitizer_get_allocated_size(const volatile 
 namespace splatlas {
 namespace {
 
-std::atomic<std::int64_t> held{0}, most_held{0};
+std::atomic<std::int64_t> held{0}, max_held{0};
 
 void on_malloc(const volatile void*, std::size_t bytes) {
   const std::int64_t now = held += static_cast<std::int64_t>(bytes);
-  if (now > most_held) most_held = now;  // races cost precision, nothing else
+  if (now > max_held) max_held = now;  // races cost precision, nothing else
 }
 
 void on_free(const volatile void* address) {
@@ -50,14 +50,14 @@ double processor_seconds() {
 CostLimit::CostLimit() : begun_seconds_(processor_seconds()) {
   install_hooks();
   held = 0;
-  most_held = 0;
+  max_held = 0;
 }
 
 CostLimit::~CostLimit() {
   const double seconds = processor_seconds() - begun_seconds_;
-  require(seconds <= kMostSeconds, fmt::format("it took {:.2f} s", seconds));
-  const auto bytes = static_cast<std::size_t>(most_held.load());
-  require(bytes <= kMostBytes, fmt::format("it held {} MiB at once", bytes >> 20));
+  require(seconds <= kMaxSeconds, fmt::format("it took {:.2f} s", seconds));
+  const auto bytes = static_cast<std::size_t>(max_held.load());
+  require(bytes <= kMaxBytes, fmt::format("it held {} MiB at once", bytes >> 20));
 }
 
 }  // namespace splatlas

@@ -16,8 +16,8 @@ class CostLimit {
   CostLimit(const CostLimit&) = delete;
   CostLimit& operator=(const CostLimit&) = delete;
 
-  static constexpr double kMostSeconds = 1;
-  static constexpr std::size_t kMostBytes = std::size_t{256} << 20;
+  static constexpr double kMaxSeconds = 1;
+  static constexpr std::size_t kMaxBytes = std::size_t{256} << 20;
 
  private:
   double begun_seconds_;

@@ -15,7 +15,7 @@
 namespace splatlas {
 namespace {
 
-constexpr std::size_t kMostVoxelsASide = 12;
+constexpr std::size_t kMaxVoxelsASide = 12;
 
 /// 0 outside, 1 where all 18 neighbours are covered, else 2.
 std::vector<ClassId> split_by_definition(const std::vector<ClassId>& mask, const Index3& size) {
@@ -100,7 +100,7 @@ std::vector<ClassId> mask_of(std::span<const std::byte> bits, std::size_t voxels
 
 void fuzz(FuzzInput input) {
   Index3 size{};
-  for (std::int64_t& n : size) n = 1 + static_cast<std::int64_t>(input.below(kMostVoxelsASide));
+  for (std::int64_t& n : size) n = 1 + static_cast<std::int64_t>(input.below(kMaxVoxelsASide));
   const auto choices = input.number<std::uint8_t>();
   const Axis axis = kAxes[choices % 3];
   const auto voxels = static_cast<std::uint64_t>(size[0] * size[1] * size[2]);

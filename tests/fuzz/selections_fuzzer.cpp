@@ -43,7 +43,7 @@ void check_terms(const std::vector<SelectionTerm>& terms, std::string_view text)
 }
 
 /// Equal but for the numbers of terms.
-bool looks_alike(Selection a, const Selection& b) {
+bool have_same_appearance(Selection a, const Selection& b) {
   for (std::size_t s = 0; s < a.structures.size(); ++s) a.structures[s].term = b.structures[s].term;
   return a == b;
 }
@@ -57,7 +57,7 @@ void fuzz(FuzzInput input) {
   const auto selection = resolve_selection(*terms, graph);
   if (!selection) return require_error(selection.error(), {ErrorCode::kNotFound, ErrorCode::kUsage});
   const std::string again = to_text(*selection, graph);
-  require(looks_alike(require_value(select(again, graph)), *selection),
+  require(have_same_appearance(require_value(select(again, graph)), *selection),
           "a selection's text selects another one");
 }
 

@@ -16,12 +16,12 @@
 namespace splatlas {
 namespace {
 
-constexpr std::size_t kMostStructures = 7;
+constexpr std::size_t kMaxFuzzedStructures = 7;
 /// A third of the text that an input looks for is of these too: they meet often.
 constexpr std::string_view kLetters = "aB/*s 1_";
 
 StructureGraph read_graph(FuzzInput& input) {
-  std::vector<Structure> structures(1 + input.below(kMostStructures));
+  std::vector<Structure> structures(1 + input.below(kMaxFuzzedStructures));
   for (std::size_t s = 0; s < structures.size(); ++s) {
     structures[s].id = fmt::format("s{}", s);
     const std::size_t parents = input.below(256);

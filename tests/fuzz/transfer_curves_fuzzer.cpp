@@ -7,7 +7,7 @@
 #include <memory>
 
 #include "format/transfer_curve.h"
-#include "player/transfer/grey_curve.h"
+#include "player/transfer/preintegrated_transfer.h"
 #include "player/transfer/transfer_function.h"
 #include "player/transfer/transfer_table.h"
 #include "tests/fuzz/fuzz_input.h"
@@ -52,9 +52,9 @@ void check_values(const TransferCurve& curve, double grey) {
 void check_table(const TransferCurve& curve, VoxelType type) {
   const std::optional<GreyScale> scale = grey_scale(curve, type);
   if (!scale) return;
-  const GreyCurve table(curve, *scale, 1);
-  for (std::size_t row = 0; row < GreyCurve::kRows; ++row) {
-    const float* numbers = table.row(static_cast<GreyCurve::Row>(row));
+  const PreintegratedTransfer table(curve, *scale, 1);
+  for (std::size_t row = 0; row < PreintegratedTransfer::kRows; ++row) {
+    const float* numbers = table.row(static_cast<PreintegratedTransfer::Row>(row));
     for (std::size_t n = 0; n <= table.points(); ++n)
       require(std::isfinite(numbers[n]), "a number of the table is not finite");
   }

@@ -97,8 +97,8 @@ TEST(DepthCueOfFrames, VolumesAreWhereTheyLetThroughAHalf) {
   const DrawPlan plan = atlas->tree().plan(selection);
   ThreadPool pool(2);
   ClassCache cache(atlas);
-  VolumeLooks looks(*atlas);
-  looks.select(plan, selection);
+  VolumeAppearances appearances(*atlas);
+  appearances.select(plan, selection);
   std::vector<ClassId> classes;
   for (const ClassDraw& draw : plan.classes) classes.push_back(draw.id);
   const double length = std::cbrt(1.2);
@@ -117,7 +117,7 @@ TEST(DepthCueOfFrames, VolumesAreWhereTheyLetThroughAHalf) {
     ASSERT_TRUE(cache.require(classes, Axis::kY, pool));
     const SelectedRuns runs(plan, atlas->classes(), cache, Axis::kY);
     SpanBuilder spans;
-    spans.build({runs, plan, looks, atlas->classes(), atlas->grid(), cache, false}, pool);
+    spans.build({runs, plan, appearances, atlas->classes(), atlas->grid(), cache, false}, pool);
     add_span_depths(spans.model(), shear, view_depth, of_spans, pool);
     of_rays.clear(size);
     ASSERT_TRUE(cache.require(classes, Axis::kZ, pool));
@@ -125,7 +125,7 @@ TEST(DepthCueOfFrames, VolumesAreWhereTheyLetThroughAHalf) {
     const auto rays = RayVolume::build({.atlas = *atlas,
                                         .selection = selection,
                                         .plan = plan,
-                                        .looks = looks.looks(),
+                                        .appearances = appearances.appearances(),
                                         .runs = runs_z,
                                         .cache = cache,
                                         .max_memory_bytes = std::uint64_t{1} << 30},

@@ -18,7 +18,7 @@ bool has_tolerance(const RandomScene& scene) {
 }
 
 /// What march_kernels.h and splat_kernels.h promise, with the tolerances of docs/rendering.md.
-double most_apart(const RandomScene& scene) {
+double max_difference(const RandomScene& scene) {
   if (!has_tolerance(scene)) return 2e-5;
   return scene.options.quality == Quality::kNormal ? 4 * 0.054 : 4 * 0.0046;
 }
@@ -30,7 +30,7 @@ TEST_P(PicturesOf, RandomScenesAgreeWithTheScalarTwins) {
   int compared = 0, with_tolerance = 0;
   for (std::uint32_t number = 400; number < 800; ++number) {
     RandomScene scene = whole_scene(11, number);
-    scene.options.transmittance_floor = 0;
+    scene.options.termination_threshold = 0;
     Renderer renderer(open_in_memory(scene.content), {.threads = 1});
     ASSERT_TRUE(renderer.select(scene.selection));
     scene.options.simd = false;
@@ -44,7 +44,7 @@ TEST_P(PicturesOf, RandomScenesAgreeWithTheScalarTwins) {
       const double difference = static_cast<double>(picture->rgba[n]) - static_cast<double>(twin->rgba[n]);
       largest = std::max(largest, std::abs(difference));
     }
-    EXPECT_LE(largest, most_apart(scene)) << number << ": " << describe(scene);
+    EXPECT_LE(largest, max_difference(scene)) << number << ": " << describe(scene);
     ++compared;
     with_tolerance += has_tolerance(scene) ? 1 : 0;
   }

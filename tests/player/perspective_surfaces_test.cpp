@@ -8,7 +8,7 @@
 
 #include "player/surfaces/rasterize.h"
 #include "tests/reference/perspective.h"
-#include "tests/reference/reference_light.h"
+#include "tests/reference/reference_radiance.h"
 
 namespace splatlas {
 namespace {

@@ -7,7 +7,7 @@
 
 #include <gmock/gmock.h>
 
-#include "tests/reference/reference_light.h"
+#include "tests/reference/reference_radiance.h"
 
 namespace splatlas {
 namespace {

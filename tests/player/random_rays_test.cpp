@@ -38,7 +38,7 @@ RandomScene volume_scene(std::uint32_t number) {
   scene.options.size.height = std::min(scene.options.size.height, 14);
   scene.options.quality = Quality::kHigh;
   scene.options.hybrid_shading = false;
-  scene.options.transmittance_floor = 0;
+  scene.options.termination_threshold = 0;
   if (number % 3 != 0) {
     scene.camera.projection = CameraProjection::kPerspective;
     scene.camera.field_of_view_deg = std::array{0.01, 30.0, 75.0, 120.0, 170.0}[number % 5];
@@ -82,7 +82,7 @@ TEST(RandomRays, AreWhatTheDefinitionSays) {
         const reference::Ray ray = rays.through(column, row);
         // From a far eye on, only what is around the grid.
         const double from = view->eye_mm ? std::max(0.0, reach - 200) : -reach;
-        const reference::RayLight light = truth.along(ray, from, reach, 4000);
+        const reference::RayRadiance light = truth.along(ray, from, reach, 4000);
         expected.pixels.push_back({light.color[0], light.color[1], light.color[2], 1 - light.transmittance});
       }
     }

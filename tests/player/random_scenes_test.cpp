@@ -33,7 +33,7 @@ TEST(RandomScenes, EqualTheDiscreteModel) {
   double largest = 0;
   for (std::uint32_t n = 0; n < scene_count(); ++n) {
     RandomScene scene = random_scene(n);
-    scene.options.transmittance_floor = 0;
+    scene.options.termination_threshold = 0;
     scene.options.antialiasing = false;
     const Picture picture = render_scene(scene);
     const auto model = reference::render_model({scene.content, scene.selection, scene.camera, scene.options});
@@ -56,7 +56,7 @@ TEST(RandomScenes, AntialiasedPixelsAreTheMeanOfTheirSamples) {
   std::size_t antialiased = 0;
   for (std::uint32_t n = 0; n < scene_count(); n += 6) {
     RandomScene scene = random_scene(n);
-    scene.options.transmittance_floor = 0;
+    scene.options.termination_threshold = 0;
     const Picture picture = render_scene(scene);
     const reference::ReferenceScene of_reference{scene.content, scene.selection, scene.camera, scene.options};
     const std::size_t samples = scene.options.quality == Quality::kDraft    ? 1

@@ -10,7 +10,7 @@
 #include "format/atlas_writer.h"
 #include "player/spans/span_model.h"
 #include "tests/phantom/two_spheres.h"
-#include "tests/reference/light_field.h"
+#include "tests/reference/optical_field.h"
 #include "tests/reference/picture_difference.h"
 #include "tests/support/random_scene.h"
 #include "tests/support/render.h"
@@ -77,10 +77,10 @@ TEST(Renderer, VisitsTheSelectedRunsAndVisibleVoxels) {
     for (const Axis axis : kAxes) {
       scene.options.principal_axis = axis;
       const auto view = parallel_view(scene.camera, scene.options.size, atlas->display());
-      const reference::LightField field =
-          reference::light_field(scene.content, scene.selection, *view, false);
+      const reference::OpticalField field =
+          reference::optical_field(scene.content, scene.selection, *view, false);
       std::uint64_t visible = 0;
-      for (const reference::VoxelLight& voxel : field.voxels) visible += voxel.extinction > 0 ? 1 : 0;
+      for (const reference::VoxelOptics& voxel : field.voxels) visible += voxel.extinction > 0 ? 1 : 0;
       std::uint64_t runs = 0;
       for (const ClassDraw& draw : plan.classes) {
         if (draw.role != VoxelRole::kSurface) runs += atlas->read_runs(draw.id, axis)->size();
@@ -328,10 +328,10 @@ TEST(Renderer, EarlyTerminationStaysWithinItsBound) {
     SCOPED_TRACE(fmt::format("{}, quality {}", opacity, static_cast<int>(quality)));
     const auto text = fmt::format("box:volume(opacity={})", opacity);
     ASSERT_TRUE(renderer.select(selection_of(text, content.graph)));
-    RenderOptions options{.size = {90, 30}, .quality = quality, .transmittance_floor = 0};
+    RenderOptions options{.size = {90, 30}, .quality = quality, .termination_threshold = 0};
     const Picture all = render_or_throw(renderer, {}, options);
     for (const float floor : {1e-2f, 1e-3f}) {
-      options.transmittance_floor = floor;
+      options.termination_threshold = floor;
       const Picture picture = render_or_throw(renderer, {}, options);
       float largest = 0;
       for (std::size_t n = 0; n < all.rgba.size(); ++n) {

@@ -9,7 +9,7 @@
 #include "player/view/shear.h"
 #include "tests/reference/discrete_model.h"
 #include "tests/reference/picture_difference.h"
-#include "tests/reference/reference_light.h"
+#include "tests/reference/reference_radiance.h"
 #include "tests/support/render.h"
 
 namespace splatlas {
@@ -72,7 +72,7 @@ Selection fog_selection(const std::vector<Plane>& planes) {
 
 struct FogView {
   Camera camera;
-  RenderOptions options{.size = {7, 7}, .hybrid_shading = false, .transmittance_floor = 1e-4f};
+  RenderOptions options{.size = {7, 7}, .hybrid_shading = false, .termination_threshold = 1e-4f};
   ParallelView view;
   double slab_mm = 1;
 
@@ -109,7 +109,7 @@ double fog_until(double at, Quality quality) {
 std::array<double, 4> expected_pixel(const std::vector<Plane>& in_order, const FogView& view) {
   const double extinction = -std::log1p(-static_cast<double>(kFogOpacity));
   const auto fog_color = reference::linear_of(kFogColor);
-  reference::RayLight sum;
+  reference::RayRadiance sum;
   double from = -1;
   const auto add_fog = [&](double to) {
     const double voxels = fog_until(to, view.options.quality) - fog_until(from, view.options.quality);

@@ -44,7 +44,7 @@ void expect_picture(VoxelType type, const std::string& options, const std::vecto
   camera.zoom = std::max(1.0, static_cast<double>(layers.size()) / 5);
   const Picture picture = render_or_throw(
       content, selection_of("box(" + options + ")", content.graph), camera,
-      {.size = {9, 9}, .quality = Quality::kDraft, .hybrid_shading = false, .transmittance_floor = 1e-4f});
+      {.size = {9, 9}, .quality = Quality::kDraft, .hybrid_shading = false, .termination_threshold = 1e-4f});
   double through = 1;  // in drafts every layer is a slab of its own
   double light = 0;
   for (const Layer& layer : layers) {

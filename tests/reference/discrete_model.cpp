@@ -10,8 +10,8 @@ namespace {
 constexpr int kMaxSamplesPerSide = 16;
 
 /// A slab with constant light; exact.
-RayLight slab(const VoxelLight& light, double length_mm) {
-  RayLight out;
+RayRadiance slab(const VoxelOptics& light, double length_mm) {
+  RayRadiance out;
   if (light.extinction <= 0) return out;
   const double depth = light.extinction * length_mm;
   for (std::size_t c = 0; c < 3; ++c)
@@ -20,20 +20,20 @@ RayLight slab(const VoxelLight& light, double length_mm) {
   return out;
 }
 
-void add_weighted(double weight, const RayLight& light, RayLight& sum) {
+void add_weighted(double weight, const RayRadiance& light, RayRadiance& sum) {
   for (std::size_t c = 0; c < 3; ++c) sum.color[c] += weight * light.color[c];
   sum.transmittance += weight * light.transmittance;
 }
 
 /// Between what is in front of a slab and with it, as if the light in the slab were constant.
-RayLight part_of_slab(const RayLight& before, const RayLight& behind, double part) {
+RayRadiance part_of_slab(const RayRadiance& before, const RayRadiance& behind, double part) {
   if (!(behind.transmittance < before.transmittance)) return before;
   // Opaque slabs are taken to let that much through.
-  constexpr double kLeastThrough = 2e-4;
-  const double through = std::max(behind.transmittance, std::min(kLeastThrough, before.transmittance));
+  constexpr double kMinThrough = 2e-4;
+  const double through = std::max(behind.transmittance, std::min(kMinThrough, before.transmittance));
   const double absorbed = 1 - through / before.transmittance;
   const double share = absorbed > 0 ? -std::expm1(part * std::log1p(-absorbed)) / absorbed : part;
-  RayLight light = before;
+  RayRadiance light = before;
   for (std::size_t c = 0; c < 3; ++c) light.color[c] += share * (behind.color[c] - before.color[c]);
   light.transmittance += share * (behind.transmittance - before.transmittance);
   return light;
@@ -71,7 +71,7 @@ int slabs_per_slice(Quality quality) {
   return 1;
 }
 
-int sheet_pixels_per_voxel(Quality quality, const ParallelView& view, const LightField& field,
+int sheet_pixels_per_voxel(Quality quality, const ParallelView& view, const OpticalField& field,
                            Axis principal) {
   const std::array<double, 2> reach = voxels_per_pixel(view, field.grid, principal);
   const double pixels_per_voxel = std::min(1 / std::min(reach[0], reach[1]), 1e3);
@@ -88,7 +88,7 @@ int sheet_pixels_per_voxel(Quality quality, const ParallelView& view, const Ligh
   return rounded(1, 1, 2);
 }
 
-DiscreteModel::DiscreteModel(const LightField& field, const ParallelView& view, Axis principal,
+DiscreteModel::DiscreteModel(const OpticalField& field, const ParallelView& view, Axis principal,
                              int pixels_per_voxel, int parts)
     : field_(field),
       view_(view),
@@ -105,10 +105,10 @@ DiscreteModel::Place DiscreteModel::place_of(double x, double y) const {
   return {met[axes_.scan_axis], met[axes_.row_axis]};
 }
 
-VoxelLight DiscreteModel::in_slice(std::int64_t k, double scan, double row) const {
+VoxelOptics DiscreteModel::in_slice(std::int64_t k, double scan, double row) const {
   const double left = std::floor(scan);
   const double upper = std::floor(row);
-  VoxelLight sum;
+  VoxelOptics sum;
   for (const int x : {0, 1}) {
     for (const int y : {0, 1}) {
       std::array<std::int64_t, 3> at{};
@@ -147,11 +147,11 @@ DiscreteModel::SlabSample DiscreteModel::sample(std::int64_t n, const Place& pla
   return slab;
 }
 
-std::vector<RayLight> DiscreteModel::along_ray(const Place& place, std::span<const double> depths) const {
+std::vector<RayRadiance> DiscreteModel::along_ray(const Place& place, std::span<const double> depths) const {
   const double thickness = 1.0 / parts_;
   const double voxel_mm = 1 / std::abs(per_mm_[axes_.slice_axis]);
-  std::vector<RayLight> before(depths.size() + 1);
-  RayLight sum;
+  std::vector<RayRadiance> before(depths.size() + 1);
+  RayRadiance sum;
   for (std::int64_t n = 0; n < slabs(); ++n) {
     const SlabSample sampled = sample(n, place);
     for (std::size_t d = 0; d < depths.size(); ++d) {
@@ -165,13 +165,13 @@ std::vector<RayLight> DiscreteModel::along_ray(const Place& place, std::span<con
   return before;
 }
 
-std::vector<RayLight> DiscreteModel::warped(const Place& place, std::span<const double> depths) const {
+std::vector<RayRadiance> DiscreteModel::warped(const Place& place, std::span<const double> depths) const {
   if (pixels_per_voxel_ == 0) return along_ray(place, depths);
   const double x = place.u * pixels_per_voxel_;
   const double y = place.v * pixels_per_voxel_;
   const double left = std::floor(x);
   const double upper = std::floor(y);
-  std::vector<RayLight> sums(depths.size() + 1, RayLight{{0, 0, 0}, 0});
+  std::vector<RayRadiance> sums(depths.size() + 1, RayRadiance{{0, 0, 0}, 0});
   const auto bilinear = [&](int dx, int dy) {
     return (dx == 1 ? x - left : 1 - (x - left)) * (dy == 1 ? y - upper : 1 - (y - upper));
   };
@@ -188,7 +188,7 @@ std::vector<RayLight> DiscreteModel::warped(const Place& place, std::span<const 
   return sums;
 }
 
-const RayLight& DiscreteModel::sheet_pixel(std::int64_t column, std::int64_t row) const {
+const RayRadiance& DiscreteModel::sheet_pixel(std::int64_t column, std::int64_t row) const {
   const auto [found, is_new] = sheet_.try_emplace({column, row});
   if (is_new) {
     const Place place{static_cast<double>(column) / pixels_per_voxel_,
@@ -198,10 +198,10 @@ const RayLight& DiscreteModel::sheet_pixel(std::int64_t column, std::int64_t row
   return found->second;
 }
 
-RayLight DiscreteModel::warped_cubic(const Place& place) const {
+RayRadiance DiscreteModel::warped_cubic(const Place& place) const {
   const double x = place.u * pixels_per_voxel_;
   const double y = place.v * pixels_per_voxel_;
-  RayLight sum{{0, 0, 0}, 0};
+  RayRadiance sum{{0, 0, 0}, 0};
   for (int dx = -1; dx <= 2; ++dx) {
     for (int dy = -1; dy <= 2; ++dy) {
       const double column = std::floor(x) + dx, row = std::floor(y) + dy;
@@ -222,7 +222,7 @@ double DiscreteModel::smear() const {
   return std::clamp(slopes * missing * pixels_per_voxel_ * pixels_per_voxel_, -0.25, 0.25);
 }
 
-std::vector<RayLight> DiscreteModel::at(double x, double y, std::span<const double> depths) const {
+std::vector<RayRadiance> DiscreteModel::at(double x, double y, std::span<const double> depths) const {
   const double thickness = 1.0 / parts_;
   std::vector<double> borders;  // of the slabs that hold the depths
   for (const double depth : depths) {
@@ -231,8 +231,8 @@ std::vector<RayLight> DiscreteModel::at(double x, double y, std::span<const doub
     borders.push_back(first_slab() + slab * thickness);
     borders.push_back(first_slab() + (slab + 1) * thickness);
   }
-  const std::vector<RayLight> lights = warped(place_of(x, y), borders);
-  std::vector<RayLight> before;
+  const std::vector<RayRadiance> lights = warped(place_of(x, y), borders);
+  std::vector<RayRadiance> before;
   for (std::size_t n = 0; n < depths.size(); ++n) {
     const double part = std::clamp((depths[n] - borders[2 * n]) / thickness, 0.0, 1.0);
     before.push_back(part_of_slab(lights[2 * n], lights[2 * n + 1], part));
@@ -241,13 +241,13 @@ std::vector<RayLight> DiscreteModel::at(double x, double y, std::span<const doub
   return before;
 }
 
-RayLight DiscreteModel::pixel_mean(int column, int row) const {
+RayRadiance DiscreteModel::pixel_mean(int column, int row) const {
   const auto axis = static_cast<Axis>(axes_.slice_axis);
   const auto reach = voxels_per_pixel(view_, field_.grid, axis);
   const int samples =
       std::clamp(static_cast<int>(std::ceil(std::max(reach[0], reach[1]) - 0.25)), 1, kMaxSamplesPerSide);
   const bool cubic = parts_ > 1 && pixels_per_voxel_ > 0;
-  RayLight sum{{0, 0, 0}, 0};
+  RayRadiance sum{{0, 0, 0}, 0};
   for (int y = 0; y < samples; ++y) {
     for (int x = 0; x < samples; ++x) {
       const Place place = place_of(column + (x + 0.5) / samples, row + (y + 0.5) / samples);

@@ -42,7 +42,7 @@ void measure(const StandardScene& scene) {
     frame.camera.elevation_deg = elevation;
     frame.options.size = kSize;
     frame.options.antialiasing = false;  // rays are compared, not pixels
-    frame.options.transmittance_floor = 0;
+    frame.options.termination_threshold = 0;
     const ReferencePicture truth = render_truth(frame);
     for (std::size_t q = 0; q < 3; ++q) {
       frame.options.quality = static_cast<Quality>(q);

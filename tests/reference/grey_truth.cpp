@@ -30,9 +30,9 @@ constexpr std::array<Node, 4> kNodes{{{0.06943184420297371, 0.17392742256872693}
 /// Light of the part [t0, t1] of a piece of ray `length_mm` long, where extinction is one cubic and
 /// emission(t) smooth.
 template <typename Emission>
-RayLight integrate(const Cubic& extinction, const Emission& emission, double t0, double t1,
-                   double length_mm) {
-  RayLight sum;
+RayRadiance integrate(const Cubic& extinction, const Emission& emission, double t0, double t1,
+                      double length_mm) {
+  RayRadiance sum;
   const double depth_before = extinction.integral(t0);
   const double depth = length_mm * (extinction.integral(t1) - depth_before);
   if (!(depth > 0)) return sum;
@@ -119,19 +119,20 @@ class CellWalk {
 
 /// Extinction and colour are linear in the grey value here.
 struct Segment {
-  GreyLook::Knot at_0;  // extrapolated to a grey value of 0
-  GreyLook::Knot per_grey;
+  GreyAppearance::Knot at_0;  // extrapolated to a grey value of 0
+  GreyAppearance::Knot per_grey;
 };
 
-Segment segment_at(const GreyLook& look, double grey) {
-  const auto above = std::upper_bound(look.knots.begin(), look.knots.end(), grey,
-                                      [](double g, const GreyLook::Knot& knot) { return g < knot.grey; });
+Segment segment_at(const GreyAppearance& appearance, double grey) {
+  const auto above =
+      std::upper_bound(appearance.knots.begin(), appearance.knots.end(), grey,
+                       [](double g, const GreyAppearance::Knot& knot) { return g < knot.grey; });
   Segment segment;
-  if (above == look.knots.begin() || above == look.knots.end()) {
-    segment.at_0 = above == look.knots.begin() ? look.knots.front() : look.knots.back();
+  if (above == appearance.knots.begin() || above == appearance.knots.end()) {
+    segment.at_0 = above == appearance.knots.begin() ? appearance.knots.front() : appearance.knots.back();
     return segment;
   }
-  const GreyLook::Knot& below = *(above - 1);
+  const GreyAppearance::Knot& below = *(above - 1);
   const double width = above->grey - below.grey;
   segment.per_grey.extinction_per_mm = (above->extinction_per_mm - below.extinction_per_mm) / width;
   segment.at_0.extinction_per_mm = below.extinction_per_mm - segment.per_grey.extinction_per_mm * below.grey;
@@ -152,9 +153,9 @@ double crossing(const Cubic& cubic, double value, double t0, double t1) {
   return 0.5 * (t0 + t1);
 }
 
-RayLight integrate_classified(const Cubic& grey, const GreyLook& look, double t0, double t1,
-                              double length_mm) {
-  const Segment segment = segment_at(look, grey(0.5 * (t0 + t1)));
+RayRadiance integrate_classified(const Cubic& grey, const GreyAppearance& appearance, double t0, double t1,
+                                 double length_mm) {
+  const Segment segment = segment_at(appearance, grey(0.5 * (t0 + t1)));
   const double slope = segment.per_grey.extinction_per_mm;
   const Cubic extinction{{segment.at_0.extinction_per_mm + slope * grey.a[0], slope * grey.a[1],
                           slope * grey.a[2], slope * grey.a[3]}};
@@ -169,15 +170,15 @@ RayLight integrate_classified(const Cubic& grey, const GreyLook& look, double t0
 }
 
 /// The grey value is one cubic, which the look's knots cut into parts.
-RayLight classify_after(const Cubic& grey, const GreyLook& look, double lowest, double highest,
-                        double length_mm) {
+RayRadiance classify_after(const Cubic& grey, const GreyAppearance& appearance, double lowest, double highest,
+                           double length_mm) {
   std::vector<double> passed;  // knots that may be passed at all
-  for (const GreyLook::Knot& knot : look.knots) {
+  for (const GreyAppearance::Knot& knot : appearance.knots) {
     if (knot.grey > lowest && knot.grey < highest && (passed.empty() || passed.back() != knot.grey)) {
       passed.push_back(knot.grey);
     }
   }
-  if (passed.empty()) return integrate_classified(grey, look, 0, 1, length_mm);
+  if (passed.empty()) return integrate_classified(grey, appearance, 0, 1, length_mm);
   std::vector<double> cuts{0};
   for (int part = 0; part < kPartsPerCell; ++part) {
     const double t0 = static_cast<double>(part) / kPartsPerCell;
@@ -190,9 +191,10 @@ RayLight classify_after(const Cubic& grey, const GreyLook& look, double lowest, 
   }
   cuts.push_back(1);
   std::sort(cuts.begin(), cuts.end());
-  RayLight sum;
+  RayRadiance sum;
   for (std::size_t n = 1; n < cuts.size(); ++n) {
-    if (cuts[n] > cuts[n - 1]) sum.add(integrate_classified(grey, look, cuts[n - 1], cuts[n], length_mm));
+    if (cuts[n] > cuts[n - 1])
+      sum.add(integrate_classified(grey, appearance, cuts[n - 1], cuts[n], length_mm));
   }
   return sum;
 }
@@ -203,10 +205,10 @@ struct GreyTruth::Corners {
   std::array<std::uint8_t, 8> greys;
 };
 
-GreyTruth::GreyTruth(const MaskedVolume& volume, GreyLook look, Classification classification)
-    : volume_(volume), look_(std::move(look)), classification_(classification), light_(256) {
+GreyTruth::GreyTruth(const MaskedVolume& volume, GreyAppearance appearance, Classification classification)
+    : volume_(volume), appearance_(std::move(appearance)), classification_(classification), light_(256) {
   for (std::size_t grey = 0; grey < light_.size(); ++grey) {
-    const GreyLook::Knot knot = look_.at(static_cast<double>(grey));
+    const GreyAppearance::Knot knot = appearance_.at(static_cast<double>(grey));
     light_[grey] = {knot.extinction_per_mm, knot.extinction_per_mm * knot.color[0],
                     knot.extinction_per_mm * knot.color[1], knot.extinction_per_mm * knot.color[2]};
   }
@@ -240,7 +242,7 @@ void GreyTruth::mark_visible_cells() {
   for (std::size_t grey = 256; grey-- > 0;) {
     const auto here = static_cast<double>(grey);
     bool above = grey < 255 && light_[grey + 1][0] > 0;
-    for (const GreyLook::Knot& knot : look_.knots) {
+    for (const GreyAppearance::Knot& knot : appearance_.knots) {
       above = above || (knot.grey > here && knot.grey < here + 1 && knot.extinction_per_mm > 0);
     }
     first_visible[grey] = light_[grey][0] > 0 ? here : above ? here + 0.5 : first_visible[grey + 1];
@@ -262,8 +264,8 @@ void GreyTruth::mark_visible_cells() {
   }
 }
 
-RayLight GreyTruth::in_cell(const Corners& corners, const Ray& ray, const Index3& cell, double from_mm,
-                            double to_mm) const {
+RayRadiance GreyTruth::in_cell(const Corners& corners, const Ray& ray, const Index3& cell, double from_mm,
+                               double to_mm) const {
   const double length_mm = to_mm - from_mm;
   std::array<std::array<double, 8>, 4> weights;
   for (std::size_t n = 0; n < 4; ++n) {
@@ -275,7 +277,8 @@ RayLight GreyTruth::in_cell(const Corners& corners, const Ray& ray, const Index3
       for (std::size_t c = 0; c < 8; ++c) grey[n] += weights[n][c] * corners.greys[c];
     }
     const auto [low, high] = std::minmax_element(corners.greys.begin(), corners.greys.end());
-    return classify_after(Cubic::through(grey[0], grey[1], grey[2], grey[3]), look_, *low, *high, length_mm);
+    return classify_after(Cubic::through(grey[0], grey[1], grey[2], grey[3]), appearance_, *low, *high,
+                          length_mm);
   }
   std::array<std::array<double, 4>, 4> light{};
   for (std::size_t c = 0; c < 8; ++c) {
@@ -294,8 +297,8 @@ RayLight GreyTruth::in_cell(const Corners& corners, const Ray& ray, const Index3
   return integrate(cubics[0], emission, 0, 1, length_mm);
 }
 
-RayLight GreyTruth::along(const Ray& ray, double from_mm) const {
-  RayLight sum;
+RayRadiance GreyTruth::along(const Ray& ray, double from_mm) const {
+  RayRadiance sum;
   for (CellWalk walk(volume_.grid.size, ray, from_mm); walk.inside(); walk.next()) {
     const Index3& cell = walk.cell();
     if (visible_[cell_number(cell[0], cell[1], cell[2])] == 0 || !(walk.to_mm() > walk.from_mm())) continue;
@@ -312,7 +315,7 @@ ReferencePicture render_grey_truth(const GreyTruth& truth, const PictureSize& si
   picture.pixels.resize(width * static_cast<std::size_t>(size.height));
   const auto render_row = [&](std::size_t row) {
     for (std::size_t column = 0; column < width; ++column) {
-      const RayLight light =
+      const RayRadiance light =
           truth.along(ray(static_cast<double>(column) + 0.5, static_cast<double>(row) + 0.5), from_mm);
       picture.pixels[row * width + column] = {light.color[0], light.color[1], light.color[2],
                                               1 - light.transmittance};

@@ -9,8 +9,8 @@
 #include "tests/reference/masked_volume.h"
 #include "tests/reference/perspective.h"
 #include "tests/reference/ray.h"
-#include "tests/reference/reference_light.h"
 #include "tests/reference/reference_picture.h"
+#include "tests/reference/reference_radiance.h"
 
 namespace splatlas::reference {
 
@@ -26,22 +26,22 @@ using splatlas::Classification;
 class GreyTruth {
  public:
   /// Keeps a reference to `volume`. Cost: one pass over the voxels; a byte per voxel.
-  GreyTruth(const MaskedVolume& volume, GreyLook look, Classification classification);
+  GreyTruth(const MaskedVolume& volume, GreyAppearance appearance, Classification classification);
 
   /// Light along a ray from `from_mm` on. Cost: the cells that the ray passes; empty ones take a few
   /// nanoseconds.
-  [[nodiscard]] RayLight along(const Ray& ray, double from_mm) const;
+  [[nodiscard]] RayRadiance along(const Ray& ray, double from_mm) const;
 
  private:
   struct Corners;
   [[nodiscard]] std::size_t cell_number(std::int64_t i, std::int64_t j, std::int64_t k) const;
   [[nodiscard]] Corners corners_of(std::int64_t i, std::int64_t j, std::int64_t k) const;
   void mark_visible_cells();
-  [[nodiscard]] RayLight in_cell(const Corners& corners, const Ray& ray, const Index3& cell, double from_mm,
-                                 double to_mm) const;
+  [[nodiscard]] RayRadiance in_cell(const Corners& corners, const Ray& ray, const Index3& cell,
+                                    double from_mm, double to_mm) const;
 
   const MaskedVolume& volume_;
-  GreyLook look_;
+  GreyAppearance appearance_;
   Classification classification_;
   std::vector<std::array<double, 4>> light_;  // of whole grey values: extinction, emission
   std::vector<std::uint8_t> visible_;         // per cell, from one before the first voxel on

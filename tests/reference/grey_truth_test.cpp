@@ -25,7 +25,7 @@ MaskedVolume random_volume(std::mt19937& random) {
 }
 
 /// A ramp, a plateau, a step down and a step up.
-GreyLook stepped_look() {
+GreyAppearance stepped_appearance() {
   return {{{20, 0, {0.1, 0.2, 0.3}},
            {90, 0.8, {1, 0.5, 0.2}},
            {120, 0.8, {0.2, 0.5, 1}},
@@ -67,18 +67,18 @@ TEST(GreyTruth, ClassifiedBeforehandEqualsTheOtherReference) {
   std::mt19937 random(1);
   for (int n = 0; n < 50; ++n) {
     const MaskedVolume volume = random_volume(random);
-    const GreyLook look = stepped_look();
-    LightField field{volume.grid, {}};
+    const GreyAppearance appearance = stepped_appearance();
+    OpticalField field{volume.grid, {}};
     for (const std::uint8_t grey : volume.greys) {
-      const GreyLook::Knot knot = look.at(grey);
-      VoxelLight light{knot.extinction_per_mm, knot.color};
+      const GreyAppearance::Knot knot = appearance.at(grey);
+      VoxelOptics light{knot.extinction_per_mm, knot.color};
       for (double& emission : light.emission) emission *= knot.extinction_per_mm;
       field.voxels.push_back(light);
     }
     const Ray ray = random_ray(random);
     const double from_mm = n % 2 == 0 ? -kInfinity : 0;
-    const RayLight expected = integrate_ray(field, ray, from_mm, kInfinity);
-    const RayLight light = GreyTruth(volume, look, Classification::kBefore).along(ray, from_mm);
+    const RayRadiance expected = integrate_ray(field, ray, from_mm, kInfinity);
+    const RayRadiance light = GreyTruth(volume, appearance, Classification::kBefore).along(ray, from_mm);
     EXPECT_NEAR(light.transmittance, expected.transmittance, 2e-7);
     for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(light.color[c], expected.color[c], 2e-7);
   }
@@ -88,22 +88,23 @@ TEST(GreyTruth, ClassifiedAfterwardsEqualsBruteForce) {
   std::mt19937 random(2);
   for (int n = 0; n < 50; ++n) {
     const MaskedVolume volume = random_volume(random);
-    const GreyLook look = stepped_look();
+    const GreyAppearance appearance = stepped_appearance();
     const Ray ray = random_ray(random);
     constexpr int kSteps = 200000;
     constexpr double kReach = 12;
     const double start = n % 2 == 0 ? -kReach : 0;
     const double step_mm = (kReach - start) / kSteps;
-    RayLight expected;
+    RayRadiance expected;
     for (int step = 0; step < kSteps; ++step) {
-      const GreyLook::Knot knot = look.at(trilinear_grey(volume, ray.at(start + (step + 0.5) * step_mm)));
+      const GreyAppearance::Knot knot =
+          appearance.at(trilinear_grey(volume, ray.at(start + (step + 0.5) * step_mm)));
       const double absorbed = -std::expm1(-knot.extinction_per_mm * step_mm);
-      RayLight slab{knot.color, 1 - absorbed};
+      RayRadiance slab{knot.color, 1 - absorbed};
       for (double& color : slab.color) color *= absorbed;
       expected.add(slab);
     }
-    const RayLight light =
-        GreyTruth(volume, look, Classification::kAfter).along(ray, n % 2 == 0 ? -kInfinity : 0);
+    const RayRadiance light =
+        GreyTruth(volume, appearance, Classification::kAfter).along(ray, n % 2 == 0 ? -kInfinity : 0);
     // The brute force puts each of a few dozen steps of the look a ten-thousandth of a mm off.
     EXPECT_NEAR(light.transmittance, expected.transmittance, 3e-4);
     for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(light.color[c], expected.color[c], 3e-4);
@@ -121,9 +122,9 @@ TEST(GreyTruth, ABoxIsAsLongAsItsClassificationSays) {
     for (std::int64_t n = 0; n < 9; ++n) volume.greys[static_cast<std::size_t>(n * 12 + i)] = 200;
   }
   const auto depth = [&](double step_at, Classification classification) {
-    const GreyLook look{{{step_at, 0, {1, 1, 1}}, {step_at, 0.2, {1, 1, 1}}}};
+    const GreyAppearance appearance{{{step_at, 0, {1, 1, 1}}, {step_at, 0.2, {1, 1, 1}}}};
     const Ray ray{{0, 1, 1}, {1, 0, 0}};
-    const RayLight light = GreyTruth(volume, look, classification).along(ray, -kInfinity);
+    const RayRadiance light = GreyTruth(volume, appearance, classification).along(ray, -kInfinity);
     EXPECT_NEAR(light.color[0], 1 - light.transmittance, 1e-9);
     return -std::log(light.transmittance);
   };
@@ -137,9 +138,9 @@ TEST(GreyTruth, ARampIsIntegratedExactly) {
   MaskedVolume volume;
   volume.grid.size = {11, 2, 2};
   for (int n = 0; n < 44; ++n) volume.greys.push_back(static_cast<std::uint8_t>(20 * (n % 11)));
-  const GreyLook look{{{0, 0, {1, 1, 1}}, {200, 1, {1, 1, 1}}}};
+  const GreyAppearance appearance{{{0, 0, {1, 1, 1}}, {200, 1, {1, 1, 1}}}};
   for (const Classification c : {Classification::kBefore, Classification::kAfter}) {
-    const GreyTruth truth(volume, look, c);
+    const GreyTruth truth(volume, appearance, c);
     const Ray ray{{0, 0.5, 0.5}, {1, 0, 0}};
     // 10 mm of a ramp to 1/mm, then a mm from there to nothing.
     EXPECT_NEAR(-std::log(truth.along(ray, -kInfinity).transmittance), 5 + 0.5, 1e-9);
@@ -155,14 +156,15 @@ TEST(GreyTruth, AnEyeInsideSeesWhatLiesAhead) {
   volume.grid.size = {21, 21, 21};
   volume.grid.origin_lps_mm = {-10, -10, -10};
   volume.greys.assign(21 * 21 * 21, 255);
-  const GreyLook look{{{0, 0, {1, 1, 1}}, {255, 0.05, {1, 1, 1}}}};
+  const GreyAppearance appearance{{{0, 0, {1, 1, 1}}, {255, 0.05, {1, 1, 1}}}};
   const Camera camera{.azimuth_deg = 90};
   PerspectiveView view{*parallel_view(camera, {33, 33}, {.center_lps_mm = {-6, 0, 0}, .radius_mm = 4}), 60};
   // The eye is at distance_mm() from the centre, on the left (+x): put it into the middle.
   view.in_plane.center_lps_mm = {-view.distance_mm(), 0, 0};
   EXPECT_NEAR(view.eye_lps_mm()[0], 0, 1e-12);
   for (const Classification c : {Classification::kBefore, Classification::kAfter}) {
-    const ReferencePicture picture = render_grey_truth(GreyTruth(volume, look, c), volume.grid, view, 1);
+    const ReferencePicture picture =
+        render_grey_truth(GreyTruth(volume, appearance, c), volume.grid, view, 1);
     EXPECT_NEAR(picture.pixels[16 * 33 + 16][3], 1 - std::exp(-0.05 * 10.5), 1e-9);
     EXPECT_NEAR(picture.pixels[16 * 33 + 16][0], 1 - std::exp(-0.05 * 10.5), 1e-9);
   }
@@ -176,7 +178,7 @@ TEST(GreyTruth, AnEyeInsideSeesWhatLiesAhead) {
 TEST(GreyTruth, PicturesDoNotDependOnThreads) {
   std::mt19937 random(3);
   const MaskedVolume volume = random_volume(random);
-  const GreyTruth truth(volume, stepped_look(), Classification::kAfter);
+  const GreyTruth truth(volume, stepped_appearance(), Classification::kAfter);
   const ParallelView view = *parallel_view({.azimuth_deg = 33, .elevation_deg = -21}, {31, 17},
                                            {.center_lps_mm = {3, 2, 2.5}, .radius_mm = 6});
   const ReferencePicture one = render_grey_truth(truth, volume.grid, view, 1);

@@ -83,8 +83,8 @@ std::array<double, 4> InterpolatedGreys::at(const Field& field, const Vec3& inde
   return light;
 }
 
-RayLight InterpolatedGreys::along(const Ray& ray, double from_mm, double to_mm, int steps) const {
-  RayLight sum;
+RayRadiance InterpolatedGreys::along(const Ray& ray, double from_mm, double to_mm, int steps) const {
+  RayRadiance sum;
   const double step_mm = (to_mm - from_mm) / steps;
   for (int n = 0; n < steps; ++n) {
     std::array<double, 4> light{};
@@ -95,7 +95,7 @@ RayLight InterpolatedGreys::along(const Ray& ray, double from_mm, double to_mm, 
     }
     if (light[0] <= 0) continue;
     const double absorbed = -std::expm1(-light[0] * step_mm);
-    RayLight slab{{light[1], light[2], light[3]}, 1 - absorbed};
+    RayRadiance slab{{light[1], light[2], light[3]}, 1 - absorbed};
     for (double& color : slab.color) color *= absorbed / light[0];
     sum.add(slab);
   }

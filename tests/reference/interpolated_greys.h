@@ -7,7 +7,7 @@
 #include "format/selection.h"
 #include "player/transfer/transfer_function.h"
 #include "tests/reference/ray.h"
-#include "tests/reference/reference_light.h"
+#include "tests/reference/reference_radiance.h"
 
 namespace splatlas::reference {
 
@@ -21,7 +21,7 @@ class InterpolatedGreys {
   InterpolatedGreys(const AtlasContent& content, const Selection& selection);
 
   /// Light along a ray from `from_mm` to `to_mm`, as `steps` slabs of what is in their middle. Slow.
-  [[nodiscard]] RayLight along(const Ray& ray, double from_mm, double to_mm, int steps) const;
+  [[nodiscard]] RayRadiance along(const Ray& ray, double from_mm, double to_mm, int steps) const;
 
  private:
   struct Field {

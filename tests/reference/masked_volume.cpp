@@ -4,7 +4,7 @@
 
 #include "format/decision_tree.h"
 #include "player/transfer/transfer_function.h"
-#include "tests/reference/reference_light.h"
+#include "tests/reference/reference_radiance.h"
 
 namespace splatlas::reference {
 
@@ -24,7 +24,7 @@ Result<MaskedVolume> masked_volume(const AtlasContent& content, const Selection&
   return volume;
 }
 
-GreyLook::Knot GreyLook::at(double grey) const {
+GreyAppearance::Knot GreyAppearance::at(double grey) const {
   const auto above = std::upper_bound(knots.begin(), knots.end(), grey,
                                       [](double g, const Knot& knot) { return g < knot.grey; });
   if (above == knots.begin()) return knots.front();
@@ -38,20 +38,21 @@ GreyLook::Knot GreyLook::at(double grey) const {
   return knot;
 }
 
-Result<GreyLook> grey_look(const StructureDraw& draw, const Display& display, double reference_length_mm) {
+Result<GreyAppearance> grey_appearance(const StructureDraw& draw, const Display& display,
+                                       double reference_length_mm) {
   const std::array<double, 3> color = linear_of(draw.color);
-  GreyLook look;
+  GreyAppearance appearance;
   for (const TransferPoint& point : transfer_curve(draw, display).points) {
     const double shade = point.shade;
-    look.knots.push_back({point.grey,
-                          extinction_of(point.opacity, reference_length_mm),
-                          {shade * color[0], shade * color[1], shade * color[2]}});
+    appearance.knots.push_back({point.grey,
+                                extinction_of(point.opacity, reference_length_mm),
+                                {shade * color[0], shade * color[1], shade * color[2]}});
   }
-  if (look.at(0).extinction_per_mm > 0) {
+  if (appearance.at(0).extinction_per_mm > 0) {
     return fail(ErrorCode::kFailed,
                 "the transfer function shows a grey value of 0, which stands for nothing in a masked copy");
   }
-  return look;
+  return appearance;
 }
 
 }  // namespace splatlas::reference

@@ -27,7 +27,7 @@ struct MaskedVolume {
 
 /// Extinction and colour as functions of the grey value: piecewise linear between knots, constant beyond the
 /// first and the last.
-struct GreyLook {
+struct GreyAppearance {
   struct Knot {
     double grey = 0;
     double extinction_per_mm = 0;
@@ -41,7 +41,7 @@ struct GreyLook {
 
 /// The transfer function of a structure's volume (docs/rendering.md). kFailed where it shows a grey value of
 /// 0: what is not selected would be seen in a masked copy.
-[[nodiscard]] Result<GreyLook> grey_look(const StructureDraw& draw, const Display& display,
-                                         double reference_length_mm);
+[[nodiscard]] Result<GreyAppearance> grey_appearance(const StructureDraw& draw, const Display& display,
+                                                     double reference_length_mm);
 
 }  // namespace splatlas::reference

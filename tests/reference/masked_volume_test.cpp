@@ -45,35 +45,36 @@ TEST(MaskedVolume, NeedsGreyValuesOf8Bits) {
   EXPECT_FALSE(masked_volume(content, selection_of("high", content.graph)));
 }
 
-TEST(GreyLook, IsLinearBetweenKnotsAndConstantBeyond) {
-  const GreyLook look{{{10, 0, {0, 0, 0}}, {20, 1, {1, 0.5, 0}}, {20, 3, {1, 1, 1}}, {30, 4, {0, 0, 1}}}};
-  EXPECT_EQ(look.at(-5).extinction_per_mm, 0);
-  EXPECT_DOUBLE_EQ(look.at(15).extinction_per_mm, 0.5);
-  EXPECT_DOUBLE_EQ(look.at(15).color[1], 0.25);
-  EXPECT_EQ(look.at(20).extinction_per_mm, 3);
-  EXPECT_DOUBLE_EQ(look.at(25).extinction_per_mm, 3.5);
-  EXPECT_EQ(look.at(99).extinction_per_mm, 4);
+TEST(GreyAppearance, IsLinearBetweenKnotsAndConstantBeyond) {
+  const GreyAppearance appearance{
+      {{10, 0, {0, 0, 0}}, {20, 1, {1, 0.5, 0}}, {20, 3, {1, 1, 1}}, {30, 4, {0, 0, 1}}}};
+  EXPECT_EQ(appearance.at(-5).extinction_per_mm, 0);
+  EXPECT_DOUBLE_EQ(appearance.at(15).extinction_per_mm, 0.5);
+  EXPECT_DOUBLE_EQ(appearance.at(15).color[1], 0.25);
+  EXPECT_EQ(appearance.at(20).extinction_per_mm, 3);
+  EXPECT_DOUBLE_EQ(appearance.at(25).extinction_per_mm, 3.5);
+  EXPECT_EQ(appearance.at(99).extinction_per_mm, 4);
 }
 
-TEST(GreyLook, IsTheTransferFunctionInExtinctions) {
+TEST(GreyAppearance, IsTheTransferFunctionInExtinctions) {
   StructureDraw draw{.mode = DrawMode::kVolume, .opacity = 0.5f, .color = {255, 255, 255}};
   const Display display{.window_low = 40, .window_high = 140};
-  const auto soft = grey_look(draw, display, 2.0);
+  const auto soft = grey_appearance(draw, display, 2.0);
   ASSERT_TRUE(soft);
   EXPECT_EQ(soft->at(40).extinction_per_mm, 0);
   EXPECT_DOUBLE_EQ(soft->at(90).extinction_per_mm, 0.5 * std::log(2.0) / 2);
   EXPECT_DOUBLE_EQ(soft->at(90).color[2], 0.25 + 0.75 * 0.5);
   EXPECT_DOUBLE_EQ(soft->at(255).extinction_per_mm, std::log(2.0) / 2);
   draw.volume.profile = TransferProfile::kHard;
-  const auto hard = grey_look(draw, display, 2.0);
+  const auto hard = grey_appearance(draw, display, 2.0);
   ASSERT_TRUE(hard);
   EXPECT_EQ(hard->at(89).extinction_per_mm, 0);
   EXPECT_DOUBLE_EQ(hard->at(91).extinction_per_mm, std::log(2.0) / 2);
 }
 
-TEST(GreyLook, LeavesTheBackgroundClear) {
+TEST(GreyAppearance, LeavesTheBackgroundClear) {
   const StructureDraw draw{.mode = DrawMode::kVolume, .opacity = 0.5f, .color = {255, 255, 255}};
-  EXPECT_FALSE(grey_look(draw, {.window_low = -3, .window_high = 140}, 2.0));
+  EXPECT_FALSE(grey_appearance(draw, {.window_low = -3, .window_high = 140}, 2.0));
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 
 #include "format/decision_tree.h"
 #include "player/view/shear.h"
-#include "tests/reference/reference_light.h"
+#include "tests/reference/reference_radiance.h"
 
 namespace splatlas::reference {
 RaySurfaces::RaySurfaces(const AtlasContent& content, const Selection& selection, const View& view)
@@ -16,10 +16,10 @@ RaySurfaces::RaySurfaces(const AtlasContent& content, const Selection& selection
   const Shear shear = factorise(view.plane, grid);
   depth_axis_ = shear.scan.slice_axis;
   depth_sign_ = shear.ascending ? 1 : -1;
-  looks_.resize(content.graph.size());
+  appearances_.resize(content.graph.size());
   for (const StructureIndex s : DecisionTree(content.graph, content.classes).plan(selection).surfaces) {
     const StructureDraw& draw = selection.structures[s];
-    looks_[s] = {linear_of(draw.color), static_cast<double>(draw.opacity.value_or(1.0f))};
+    appearances_[s] = {linear_of(draw.color), static_cast<double>(draw.opacity.value_or(1.0f))};
     add(content.surfaces[s], s, to_lps);
   }
 }
@@ -98,10 +98,10 @@ std::vector<Crossing> RaySurfaces::crossings(const Ray& ray, double from_mm) con
       const double share = crossing.entering ? weight[n] : -weight[n];
       for (std::size_t a = 0; a < 3; ++a) normal[a] += share * triangle.normal_lps[n][a];
     }
-    const Look& look = looks_[triangle.structure];
-    const std::array<double, 3> color = shade_surface(plane_, look.color, normal);
-    for (std::size_t c = 0; c < 3; ++c) crossing.rgba[c] = color[c] * look.opacity;
-    crossing.rgba[3] = look.opacity;
+    const Appearance& appearance = appearances_[triangle.structure];
+    const std::array<double, 3> color = shade_surface(plane_, appearance.color, normal);
+    for (std::size_t c = 0; c < 3; ++c) crossing.rgba[c] = color[c] * appearance.opacity;
+    crossing.rgba[3] = appearance.opacity;
     all.push_back(crossing);
   }
   put_in_order(all);

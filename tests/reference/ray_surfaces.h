@@ -35,7 +35,7 @@ class RaySurfaces {
     StructureIndex structure = kNoStructure;
     std::uint32_t number = 0;
   };
-  struct Look {
+  struct Appearance {
     std::array<double, 3> color{};
     double opacity = 1;
   };
@@ -52,7 +52,7 @@ class RaySurfaces {
   std::size_t depth_axis_;
   double depth_sign_;
   std::vector<Triangle> triangles_;
-  std::vector<Look> looks_;  // per structure
+  std::vector<Appearance> appearances_;  // per structure
 };
 
 }  // namespace splatlas::reference

@@ -17,13 +17,13 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 struct Setup {
   ParallelView view;
   Axis principal;
-  LightField field;
+  OpticalField field;
 
   explicit Setup(const ReferenceScene& scene)
       : view(view_of(scene)),
         principal(
             scene.options.principal_axis.value_or(factorise(view, storage_grid(scene.content)).principal)),
-        field(light_field(scene.content, scene.selection, view, scene.options.hybrid_shading)) {}
+        field(optical_field(scene.content, scene.selection, view, scene.options.hybrid_shading)) {}
 
   static ParallelView view_of(const ReferenceScene& scene) {
     const auto view = parallel_view(scene.camera, scene.options.size, scene.content.display);
@@ -37,7 +37,7 @@ ReferencePicture render(const PictureSize& size, const PixelLight& light_of) {
   ReferencePicture picture{size, {}};
   for (int row = 0; row < size.height; ++row) {
     for (int column = 0; column < size.width; ++column) {
-      const RayLight light = light_of(column, row);
+      const RayRadiance light = light_of(column, row);
       picture.pixels.push_back({light.color[0], light.color[1], light.color[2], 1 - light.transmittance});
     }
   }
@@ -46,12 +46,12 @@ ReferencePicture render(const PictureSize& size, const PixelLight& light_of) {
 
 /// The volume up to the first surface, the surface, the volume from there to the next one, and so on. The
 /// volume between two depths is what is in front of the further one and not in front of the nearer one.
-RayLight compose(const std::vector<Crossing>& crossings, const std::vector<RayLight>& volume_before) {
-  RayLight sum;
+RayRadiance compose(const std::vector<Crossing>& crossings, const std::vector<RayRadiance>& volume_before) {
+  RayRadiance sum;
   double through = 1;  // all surfaces so far
-  RayLight nearer;
+  RayRadiance nearer;
   for (std::size_t n = 0; n < volume_before.size(); ++n) {
-    const RayLight& volume = volume_before[n];
+    const RayRadiance& volume = volume_before[n];
     for (std::size_t c = 0; c < 3; ++c) sum.color[c] += through * (volume.color[c] - nearer.color[c]);
     sum.transmittance = through * volume.transmittance;
     nearer = volume;
@@ -75,16 +75,18 @@ class DiscreteScene {
                slabs_per_slice(scene.options.quality)),
         surfaces_(scene.content, scene.selection, setup_.view, setup_.principal, Coverage::kSnapped) {}
 
-  [[nodiscard]] RayLight at(double x, double y) const { return compose_at(surfaces_.crossings(x, y), x, y); }
+  [[nodiscard]] RayRadiance at(double x, double y) const {
+    return compose_at(surfaces_.crossings(x, y), x, y);
+  }
   /// The mean over the pixel where there is no surface and the sheet is finer than the picture.
-  [[nodiscard]] RayLight pixel(int column, int row) const {
+  [[nodiscard]] RayRadiance pixel(int column, int row) const {
     const std::vector<Crossing> crossings = surfaces_.crossings(column + 0.5, row + 0.5);
     if (crossings.empty() && !unlimited_) return model_.pixel_mean(column, row);
     return compose_at(crossings, column + 0.5, row + 0.5);
   }
 
  private:
-  [[nodiscard]] RayLight compose_at(const std::vector<Crossing>& crossings, double x, double y) const {
+  [[nodiscard]] RayRadiance compose_at(const std::vector<Crossing>& crossings, double x, double y) const {
     std::vector<double> depths;
     for (const Crossing& crossing : crossings) depths.push_back(crossing.depth);
     return compose(crossings, model_.at(x, y, depths));
@@ -96,9 +98,9 @@ class DiscreteScene {
   SurfacesInView surfaces_;
 };
 
-RayLight truth_at(const Setup& setup, const SurfacesInView& surfaces, double x, double y) {
+RayRadiance truth_at(const Setup& setup, const SurfacesInView& surfaces, double x, double y) {
   const Ray ray = ray_through(setup.view, setup.field.grid, x, y);
-  RayLight sum;
+  RayRadiance sum;
   double from_mm = -kInfinity;
   for (const Crossing& crossing : surfaces.crossings(x, y)) {
     sum.add(integrate_ray(setup.field, ray, from_mm, crossing.s_mm));
@@ -109,7 +111,7 @@ RayLight truth_at(const Setup& setup, const SurfacesInView& surfaces, double x, 
   return sum;
 }
 
-void add_share(double share, const RayLight& light, RayLight& sum) {
+void add_share(double share, const RayRadiance& light, RayRadiance& sum) {
   for (std::size_t c = 0; c < 3; ++c) sum.color[c] += share * light.color[c];
   sum.transmittance += share * light.transmittance;
 }
@@ -125,7 +127,7 @@ ReferencePicture render_mean_truth(const ReferenceScene& scene, int n) {
   const SurfacesInView surfaces(scene.content, scene.selection, setup.view, setup.principal,
                                 Coverage::kExact);
   return render(scene.options.size, [&](int column, int row) {
-    RayLight mean{{0, 0, 0}, 0};
+    RayRadiance mean{{0, 0, 0}, 0};
     for (int place = 0; place < n * n; ++place) {
       const double x = column + (place % n + 0.5) / n;
       const double y = row + (place / n + 0.5) / n;
@@ -142,9 +144,9 @@ ReferencePicture render_model(const ReferenceScene& scene) {
 ReferencePicture render_model(const ReferenceScene& scene, std::span<const SubPixel> places) {
   const DiscreteScene discrete(scene, false);
   return render(scene.options.size, [&](int column, int row) {
-    RayLight mean{{0, 0, 0}, 0};
+    RayRadiance mean{{0, 0, 0}, 0};
     for (const SubPixel& place : places) {
-      const RayLight light = discrete.at(column + place.right(), row + place.down());
+      const RayRadiance light = discrete.at(column + place.right(), row + place.down());
       add_share(1.0 / static_cast<double>(places.size()), light, mean);
     }
     return mean;

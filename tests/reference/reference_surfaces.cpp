@@ -7,7 +7,7 @@
 
 #include "format/decision_tree.h"
 #include "tests/reference/ray.h"
-#include "tests/reference/reference_light.h"
+#include "tests/reference/reference_radiance.h"
 
 namespace splatlas::reference {
 namespace {
@@ -91,9 +91,9 @@ SurfacesInView::SurfacesInView(const AtlasContent& content, const Selection& sel
   const Affine to_lps = index_to_lps_mm(grid);
   const DrawPlan plan = DecisionTree(content.graph, content.classes).plan(selection);
   for (const StructureIndex s : plan.surfaces) {
-    const StructureDraw& look = selection.structures[s];
-    Surface surface{&content.surfaces[s], s, linear_of(look.color), 1, {}};
-    if (look.opacity) surface.opacity = static_cast<double>(*look.opacity);
+    const StructureDraw& appearance = selection.structures[s];
+    Surface surface{&content.surfaces[s], s, linear_of(appearance.color), 1, {}};
+    if (appearance.opacity) surface.opacity = static_cast<double>(*appearance.opacity);
     for (const auto& p : content.surfaces[s].positions_ijk) {
       const Vec3 from_center = minus(to_lps.apply({p[0], p[1], p[2]}), view.center_lps_mm);
       const double x = 0.5 * view.size.width + dot(from_center, view.right_lps) / view.mm_per_pixel;

@@ -26,7 +26,7 @@ constexpr std::array<Node, 6> kNodes{{{0.03376524289842399, 0.08566224618958517}
                                       {0.96623475710157601, 0.08566224618958517}}};
 
 /// Where the ray crosses planes of voxel centres, ends included.
-std::vector<double> cuts_of(const LightField& field, const Ray& ray, double from_mm, double to_mm) {
+std::vector<double> cuts_of(const OpticalField& field, const Ray& ray, double from_mm, double to_mm) {
   for (std::size_t a = 0; a < 3; ++a) {  // nothing beyond one voxel outside the grid
     const auto last = static_cast<double>(field.grid.size[a]);
     if (ray.per_mm[a] == 0) {
@@ -52,24 +52,25 @@ std::vector<double> cuts_of(const LightField& field, const Ray& ray, double from
 }
 
 /// A piece of the ray within one cell.
-RayLight integrate_piece(const LightField& field, const Ray& ray, double from_mm, double to_mm) {
+RayRadiance integrate_piece(const OpticalField& field, const Ray& ray, double from_mm, double to_mm) {
   const double length_mm = to_mm - from_mm;
-  std::array<VoxelLight, 4> light;
+  std::array<VoxelOptics, 4> light;
   for (std::size_t n = 0; n < 4; ++n) {
     light[n] = field.trilinear(ray.at(from_mm + length_mm * static_cast<double>(n) / 3));
   }
   const auto cubic = [&](const auto& channel) {
     return Cubic::through(channel(light[0]), channel(light[1]), channel(light[2]), channel(light[3]));
   };
-  const Cubic extinction = cubic([](const VoxelLight& v) { return v.extinction; });
+  const Cubic extinction = cubic([](const VoxelOptics& v) { return v.extinction; });
   std::array<Cubic, 3> emission{};
-  for (std::size_t c = 0; c < 3; ++c) emission[c] = cubic([c](const VoxelLight& v) { return v.emission[c]; });
+  for (std::size_t c = 0; c < 3; ++c)
+    emission[c] = cubic([c](const VoxelOptics& v) { return v.emission[c]; });
 
   const double most =
       std::max({light[0].extinction, light[1].extinction, light[2].extinction, light[3].extinction});
   if (most == 0) return {};  // a cubic that is zero at four points
   const int steps = 1 + static_cast<int>(most * length_mm / kLargestDepthPerStep);
-  RayLight sum;
+  RayRadiance sum;
   for (int step = 0; step < steps; ++step) {
     for (const Node& node : kNodes) {
       const double t = (step + node.at) / steps;
@@ -83,8 +84,8 @@ RayLight integrate_piece(const LightField& field, const Ray& ray, double from_mm
 
 }  // namespace
 
-RayLight integrate_ray(const LightField& field, const Ray& ray, double from_mm, double to_mm) {
-  RayLight sum;
+RayRadiance integrate_ray(const OpticalField& field, const Ray& ray, double from_mm, double to_mm) {
+  RayRadiance sum;
   const std::vector<double> cuts = cuts_of(field, ray, from_mm, to_mm);
   for (std::size_t n = 1; n < cuts.size(); ++n) {
     if (cuts[n] > cuts[n - 1]) sum.add(integrate_piece(field, ray, cuts[n - 1], cuts[n]));
@@ -92,7 +93,7 @@ RayLight integrate_ray(const LightField& field, const Ray& ray, double from_mm, 
   return sum;
 }
 
-RayLight integrate_ray(const LightField& field, const Ray& ray) {
+RayRadiance integrate_ray(const OpticalField& field, const Ray& ray) {
   return integrate_ray(field, ray, -kInfinity, kInfinity);
 }
 

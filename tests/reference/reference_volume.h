@@ -1,9 +1,9 @@
 // The truth for volumes: a ray caster in double precision.
 #pragma once
 
-#include "tests/reference/light_field.h"
+#include "tests/reference/optical_field.h"
 #include "tests/reference/ray.h"
-#include "tests/reference/reference_light.h"
+#include "tests/reference/reference_radiance.h"
 
 namespace splatlas::reference {
 
@@ -12,9 +12,10 @@ namespace splatlas::reference {
 /// Between two planes of voxel centres the field is a cubic along the ray, so the ray is cut at every plane;
 /// the optical depth is then a polynomial of degree four, taken exactly, and the colour a smooth integrand,
 /// taken by Gauss-Legendre's rule on steps of an optical depth of at most 1/4: exact to about 1e-12.
-[[nodiscard]] RayLight integrate_ray(const LightField& field, const Ray& ray, double from_mm, double to_mm);
+[[nodiscard]] RayRadiance integrate_ray(const OpticalField& field, const Ray& ray, double from_mm,
+                                        double to_mm);
 
 /// All of the ray.
-[[nodiscard]] RayLight integrate_ray(const LightField& field, const Ray& ray);
+[[nodiscard]] RayRadiance integrate_ray(const OpticalField& field, const Ray& ray);
 
 }  // namespace splatlas::reference

@@ -17,11 +17,11 @@ ParallelView view_of(const RandomScene& scene) {
 }
 
 /// The same integral without any thought: very many steps of constant light.
-RayLight brute_force(const LightField& field, const Ray& ray, double from_mm, double to_mm, int steps) {
-  RayLight sum;
+RayRadiance brute_force(const OpticalField& field, const Ray& ray, double from_mm, double to_mm, int steps) {
+  RayRadiance sum;
   const double step_mm = (to_mm - from_mm) / steps;
   for (int n = 0; n < steps; ++n) {
-    const VoxelLight light = field.trilinear(ray.at(from_mm + (n + 0.5) * step_mm));
+    const VoxelOptics light = field.trilinear(ray.at(from_mm + (n + 0.5) * step_mm));
     const double absorbed = -std::expm1(-light.extinction * step_mm);
     const double mean = light.extinction > 0 ? absorbed / light.extinction : step_mm;
     sum.add({{light.emission[0] * mean, light.emission[1] * mean, light.emission[2] * mean}, 1 - absorbed});
@@ -34,15 +34,15 @@ TEST(ReferenceVolume, EqualsBruteForce) {
   for (std::uint32_t number = 0; number < 40; ++number) {
     const RandomScene scene = random_scene(number, 7);
     const ParallelView view = view_of(scene);
-    const LightField field = light_field(scene.content, scene.selection, view, true);
+    const OpticalField field = optical_field(scene.content, scene.selection, view, true);
     const Ray ray = ray_through(view, field.grid, 0.5 * view.size.width, 0.47 * view.size.height);
-    const RayLight exact = integrate_ray(field, ray);
+    const RayRadiance exact = integrate_ray(field, ray);
     if (exact.transmittance > 0.999) continue;
     const double reach =
         2 * scene.content.display.radius_mm +
         std::abs(dot(minus(view.center_lps_mm, scene.content.display.center_lps_mm), view.forward_lps)) +
         10 * scene.content.source_grid.spacing_mm[0];
-    const RayLight expected = brute_force(field, ray, -reach, reach, 100000);
+    const RayRadiance expected = brute_force(field, ray, -reach, reach, 100000);
     for (std::size_t c = 0; c < 3; ++c) {
       // Steps of 1e-4 to 1e-3 voxels: their square, times the field's curvature, is what the brute force
       // errs.
@@ -56,11 +56,11 @@ TEST(ReferenceVolume, EqualsBruteForce) {
 
 /// A box of N voxels along a ray through their centres: partition of unity makes it N voxels of fog.
 TEST(ReferenceVolume, ABoxIsAsLongAsItsVoxels) {
-  LightField field;
+  OpticalField field;
   field.grid.size = {3, 9, 3};
   field.voxels.assign(81, {0.3, {0.3, 0.15, 0}});
   const Ray ray{{1, -7, 1}, {0, 1, 0}};
-  const RayLight all = integrate_ray(field, ray);
+  const RayRadiance all = integrate_ray(field, ray);
   EXPECT_NEAR(all.transmittance, std::exp(-0.3 * 9), 1e-13);
   EXPECT_NEAR(all.color[0], -std::expm1(-0.3 * 9), 1e-13);
   EXPECT_NEAR(all.color[1], -0.5 * std::expm1(-0.3 * 9), 1e-13);
@@ -75,10 +75,10 @@ TEST(ReferenceVolume, PartsAddUp) {
   for (std::uint32_t number = 0; number < 60; ++number) {
     const RandomScene scene = random_scene(number);
     const ParallelView view = view_of(scene);
-    const LightField field = light_field(scene.content, scene.selection, view, true);
+    const OpticalField field = optical_field(scene.content, scene.selection, view, true);
     const Ray ray = ray_through(view, field.grid, 0.4 * view.size.width, 0.6 * view.size.height);
-    const RayLight whole = integrate_ray(field, ray);
-    RayLight sum;
+    const RayRadiance whole = integrate_ray(field, ray);
+    RayRadiance sum;
     double from = -kInfinity;
     for (const double to : {-3.3, -1.0, 0.0, 0.01, 2.7, kInfinity}) {
       sum.add(integrate_ray(field, ray, from, to));

@@ -42,7 +42,7 @@ class Checker {
     RenderOptions options = scene_.options;
     options.antialiasing = false;
     const auto ended = render(options, 1);
-    options.transmittance_floor = 0;
+    options.termination_threshold = 0;
     const auto all = render(options, 1);
     if (!ended || !all) return report_;
     check_termination(*ended, *all);
@@ -94,7 +94,7 @@ class Checker {
   }
 
   void check_termination(const Picture& ended, const Picture& all) {
-    const double floor = static_cast<double>(transmittance_floor(scene_.options));
+    const double floor = static_cast<double>(termination_threshold(scene_.options));
     // Behind surfaces that let through no more than the floor, volumes are seen without the surfaces in them.
     const double more = stats_.triangles > 0 ? floor : 0;
     for (std::size_t n = 0; n < all.rgba.size(); ++n) {

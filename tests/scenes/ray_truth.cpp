@@ -36,7 +36,7 @@ RayTruth::RayTruth(const RandomScene& scene, bool hybrid_shading)
   if (scene.options.classification == Classification::kAfter) {
     greys_.emplace(scene.content, scene.selection);
   } else {
-    field_ = reference::light_field(scene.content, scene.selection, view_.plane, hybrid_shading);
+    field_ = reference::optical_field(scene.content, scene.selection, view_.plane, hybrid_shading);
   }
 }
 
@@ -47,7 +47,7 @@ Ray RayTruth::ray_through(double x, double y) const {
 }
 
 /// Only what is within one voxel of the grid emits or absorbs.
-reference::RayLight RayTruth::volume(const Ray& ray, double from_mm, double to_mm) const {
+reference::RayRadiance RayTruth::volume(const Ray& ray, double from_mm, double to_mm) const {
   if (field_) return integrate_ray(*field_, ray, from_mm, to_mm);
   double voxels_per_mm = 0;
   for (std::size_t a = 0; a < 3; ++a) {
@@ -73,7 +73,7 @@ std::optional<std::array<double, 4>> RayTruth::at(int column, int row) const {
       if (!alike(crossings, surfaces_.crossings(beside, nearest_mm_))) return std::nullopt;
     }
   }
-  reference::RayLight sum;
+  reference::RayRadiance sum;
   double from_mm = view_.eye_mm ? 0 : -kInfinity;
   for (const Crossing& crossing : crossings) {
     sum.add(volume(ray, from_mm, crossing.s_mm));

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "tests/reference/interpolated_greys.h"
-#include "tests/reference/light_field.h"
+#include "tests/reference/optical_field.h"
 #include "tests/reference/ray_surfaces.h"
 #include "tests/support/random_scene.h"
 
@@ -21,14 +21,14 @@ class RayTruth {
 
  private:
   [[nodiscard]] reference::Ray ray_through(double x, double y) const;
-  [[nodiscard]] reference::RayLight volume(const reference::Ray& ray, double from_mm, double to_mm) const;
+  [[nodiscard]] reference::RayRadiance volume(const reference::Ray& ray, double from_mm, double to_mm) const;
 
   const RandomScene& scene_;
   View view_;
   Grid grid_;
   double nearest_mm_ = 0;  // of what is seen of surfaces
   reference::RaySurfaces surfaces_;
-  std::optional<reference::LightField> field_;
+  std::optional<reference::OpticalField> field_;
   std::optional<reference::InterpolatedGreys> greys_;
 };
 

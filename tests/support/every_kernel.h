@@ -12,7 +12,7 @@
 namespace splatlas {
 
 /// Stands for the scalar twins among Highway's targets.
-inline constexpr std::int64_t kScalarTwin = 0;
+inline constexpr std::int64_t kScalarReference = 0;
 
 /// Those that the kernels are compiled for and this machine runs.
 inline std::vector<std::int64_t> kernel_targets() {
@@ -23,14 +23,14 @@ inline std::vector<std::int64_t> kernel_targets() {
 }
 
 /// The scalar twins, too.
-inline std::vector<std::int64_t> targets_and_twin() {
+inline std::vector<std::int64_t> targets_and_reference() {
   std::vector<std::int64_t> targets = kernel_targets();
-  targets.push_back(kScalarTwin);
+  targets.push_back(kScalarReference);
   return targets;
 }
 
 inline std::string kernel_name(const testing::TestParamInfo<std::int64_t>& target) {
-  return target.param == kScalarTwin ? "Twin" : hwy::TargetName(target.param);
+  return target.param == kScalarReference ? "Twin" : hwy::TargetName(target.param);
 }
 
 /// While a test runs, dispatch chooses its instruction set.
@@ -39,7 +39,7 @@ class EveryKernel : public testing::TestWithParam<std::int64_t> {
   void SetUp() override { dispatch_to(GetParam()); }
   void TearDown() override { dispatch_to(0); }
 
-  [[nodiscard]] static bool is_twin() { return GetParam() == kScalarTwin; }
+  [[nodiscard]] static bool is_reference() { return GetParam() == kScalarReference; }
 
  private:
   /// 0: as ever.

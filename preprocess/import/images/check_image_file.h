@@ -1,4 +1,4 @@
-// Looks at an image file's header before ITK does.
+// Appearances at an image file's header before ITK does.
 //
 // ITK's readers take truncated NIfTI and MetaImage files for whole ones, follow detached headers to any file
 // of the machine, replace impossible spacings silently, and abort on a NaN in an orientation. Each of these

@@ -1,4 +1,4 @@
-// Looks at a mesh file before VTK does: its readers believe every count and every index.
+// Appearances at a mesh file before VTK does: its readers believe every count and every index.
 #pragma once
 
 #include <filesystem>

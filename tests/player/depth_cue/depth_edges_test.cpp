@@ -9,7 +9,7 @@ namespace splatlas {
 namespace {
 
 constexpr PictureSize kSize{61, 47};
-constexpr DepthEdges kEdges{.strength = 0.8f, .radius = 8, .range_mm = 5, .least_mm = 0.25};
+constexpr DepthEdges kEdges{.strength = 0.8f, .radius = 8, .range_mm = 5, .min_mm = 0.25};
 
 /// `mm(x, y)` of every pixel.
 template <typename Depth>
@@ -53,7 +53,7 @@ TEST(DepthEdges, APlaneStaysAsItIsAtAnySlantUpToItsBorder) {
 /// Zoomed in so far that the range is a few of their last digits, depths are noise.
 TEST(DepthEdges, WhatTheDigitsOfDepthsCannotTellDoesNotShow) {
   const DepthMap noisy = map_of([&](int x, int y) { return 200 + 1.5e-5 * ((7 * x + 3 * y) % 5); });
-  const DepthEdges edges{.strength = 0.8f, .radius = 8, .range_mm = 1e-4, .least_mm = 1e-4 / 32};
+  const DepthEdges edges{.strength = 0.8f, .radius = 8, .range_mm = 1e-4, .min_mm = 1e-4 / 32};
   EXPECT_EQ(darkened(noisy, edges).rgba, grey_picture().rgba);
 }
 
@@ -61,7 +61,7 @@ TEST(DepthEdges, WhatTheDigitsOfDepthsCannotTellDoesNotShow) {
 TEST(DepthEdges, OfAStepTheFurtherSideDarkensByAKnownAmount) {
   for (const double step : {0.4, 2.0, 6.0, 300.0}) {
     const Picture picture = darkened(map_of([&](int x, int) { return x < 30 ? 10.0 : 10.0 + step; }));
-    const double share = std::clamp((step / 2 - kEdges.least_mm) / kEdges.range_mm, 0.0, 1.0);
+    const double share = std::clamp((step / 2 - kEdges.min_mm) / kEdges.range_mm, 0.0, 1.0);
     double before = 0;
     for (int x = 0; x < kSize.width; ++x) {
       const double light = picture.at(x, 23)[0] / 0.5;

@@ -9,7 +9,7 @@
 
 #include "player/surfaces/clip_triangle.h"
 #include "player/view/shear.h"
-#include "tests/reference/light_field.h"
+#include "tests/reference/optical_field.h"
 #include "tests/reference/perspective.h"
 #include "tests/reference/ray.h"
 #include "tests/reference/ray_surfaces.h"
@@ -37,7 +37,7 @@ std::map<StructureIndex, double> contributions(const RandomScene& scene, int col
   const Grid grid = storage_grid(scene.content);
   const ParallelView view = *parallel_view(scene.camera, scene.options.size, scene.content.display);
   const Shear shear = factorise(view, grid);
-  const reference::LightField field = reference::light_field(scene.content, scene.selection, view, false);
+  const reference::OpticalField field = reference::optical_field(scene.content, scene.selection, view, false);
   const DrawPlan plan = DecisionTree(scene.content.graph, scene.content.classes).plan(scene.selection);
   struct Layer {
     double depth;
@@ -130,8 +130,8 @@ std::optional<std::map<StructureIndex, double>> contributions_along(const Random
        surfaces.crossings(ray, view.eye_mm ? kNearPlane * *view.eye_mm : -HUGE_VAL)) {
     layers.push_back({crossing.s_mm, crossing.rgba[3], crossing.structure});
   }
-  const reference::LightField field =
-      reference::light_field(scene.content, scene.selection, view.plane, false);
+  const reference::OpticalField field =
+      reference::optical_field(scene.content, scene.selection, view.plane, false);
   const DrawPlan plan = DecisionTree(scene.content.graph, scene.content.classes).plan(scene.selection);
   for (std::int64_t k = 0; k < grid.size[axis]; ++k) {
     const double s_mm = (static_cast<double>(k) - ray.start[axis]) / ray.per_mm[axis];

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/reference/grey_truth.h"
-#include "tests/reference/light_field.h"
+#include "tests/reference/optical_field.h"
 #include "tests/reference/picture_difference.h"
 #include "tests/reference/reference_volume.h"
 #include "tests/support/random_scene.h"
@@ -65,11 +65,11 @@ RenderOptions accurate(Quality quality = Quality::kNormal) {
 ReferencePicture truth_of(const StandardScene& scene, const Camera& camera, const PictureSize& size) {
   const auto volume = reference::masked_volume(scene.content, scene.selection);
   const Grid& grid = volume->grid;
-  const auto look = reference::grey_look(
+  const auto appearance = reference::grey_appearance(
       *std::find_if(scene.selection.structures.begin(), scene.selection.structures.end(),
                     [](const StructureDraw& draw) { return draw.mode != DrawMode::kOff; }),
       scene.content.display, std::cbrt(grid.spacing_mm[0] * grid.spacing_mm[1] * grid.spacing_mm[2]));
-  const GreyTruth truth(*volume, *look, Classification::kAfter);
+  const GreyTruth truth(*volume, *appearance, Classification::kAfter);
   const View view = *view_of(camera, size, scene.content.display);
   if (!view.eye_mm) return render_grey_truth(truth, grid, view.plane, 1);
   return render_grey_truth(truth, grid, PerspectiveView{view.plane, camera.field_of_view_deg}, 1);
@@ -198,8 +198,8 @@ TEST(CastRays, AWideFieldOfViewIsSeamless) {
 
 TEST(CastRays, AreCloseToTheTruthAtEveryQuality) {
   const PictureSize size = accurate().size;
-  for (const char* look : {"", "opacity=0.01,profile=thin", "profile=hard,opacity=0.95"}) {
-    const StandardScene scene = smooth_bytes(look);
+  for (const char* appearance : {"", "opacity=0.01,profile=thin", "profile=hard,opacity=0.95"}) {
+    const StandardScene scene = smooth_bytes(appearance);
     for (const bool in_perspective : {false, true}) {
       Camera camera = perspective();
       if (!in_perspective) camera.projection = CameraProjection::kParallel;
@@ -209,9 +209,9 @@ TEST(CastRays, AreCloseToTheTruthAtEveryQuality) {
       const auto rms = [&](Quality quality) {
         return 255 * reference::difference(render_or_throw(renderer, camera, accurate(quality)), truth).rms;
       };
-      EXPECT_LE(rms(Quality::kNormal), 0.5) << look << (in_perspective ? ", perspective" : "");
-      EXPECT_LE(rms(Quality::kHigh), 0.1) << look << (in_perspective ? ", perspective" : "");
-      EXPECT_LE(rms(Quality::kHigh), rms(Quality::kDraft)) << look;
+      EXPECT_LE(rms(Quality::kNormal), 0.5) << appearance << (in_perspective ? ", perspective" : "");
+      EXPECT_LE(rms(Quality::kHigh), 0.1) << appearance << (in_perspective ? ", perspective" : "");
+      EXPECT_LE(rms(Quality::kHigh), rms(Quality::kDraft)) << appearance;
     }
   }
 }
@@ -225,9 +225,9 @@ TEST(CastRays, TheErrorFallsWithTheSquareOfTheSteps) {
   const auto atlas = open_in_memory(scene.content);
   ThreadPool pool(1);
   ClassCache cache(atlas);
-  VolumeLooks looks(*atlas);
+  VolumeAppearances appearances(*atlas);
   const DrawPlan plan = atlas->tree().plan(scene.selection);
-  looks.select(plan, scene.selection);
+  appearances.select(plan, scene.selection);
   std::vector<ClassId> classes;
   for (const ClassDraw& draw : plan.classes) classes.push_back(draw.id);
   ASSERT_TRUE(cache.require(classes, Axis::kZ, pool));
@@ -235,7 +235,7 @@ TEST(CastRays, TheErrorFallsWithTheSquareOfTheSteps) {
   const auto volume = RayVolume::build({.atlas = *atlas,
                                         .selection = scene.selection,
                                         .plan = plan,
-                                        .looks = looks.looks(),
+                                        .appearances = appearances.appearances(),
                                         .runs = runs,
                                         .cache = cache,
                                         .classification = Classification::kAfter,
@@ -245,7 +245,7 @@ TEST(CastRays, TheErrorFallsWithTheSquareOfTheSteps) {
   const auto rms = [&](int steps) {
     Picture picture;
     cast_rays(*volume, *view_of(camera, size, atlas->display()), atlas->grid(),
-              {.least_steps = steps, .most_steps = steps}, best_march(), picture, pool);
+              {.min_steps = steps, .max_steps = steps}, best_march(), picture, pool);
     return reference::difference(picture, truth).rms;
   };
   double before = rms(1);
@@ -265,20 +265,20 @@ TEST(CastRays, PerspectiveOfRandomScenesIsTheTruth) {
     }
     scene.camera.projection = CameraProjection::kPerspective;
     scene.camera.field_of_view_deg = std::array{0.01, 30.0, 75.0, 120.0, 179.0}[number % 5];
-    scene.options.transmittance_floor = 0;
+    scene.options.termination_threshold = 0;
     scene.options.quality = Quality::kHigh;
     const Picture picture = render_or_throw(scene.content, scene.selection, scene.camera, scene.options);
     EXPECT_LE(reference::energy_violation(picture), 1e-5) << number << ": " << describe(scene);
     const View view = *view_of(scene.camera, scene.options.size, scene.content.display);
     const Grid grid = storage_grid(scene.content);
-    const reference::LightField field =
-        reference::light_field(scene.content, scene.selection, view.plane, scene.options.hybrid_shading);
+    const reference::OpticalField field =
+        reference::optical_field(scene.content, scene.selection, view.plane, scene.options.hybrid_shading);
     ReferencePicture truth{scene.options.size, {}};
     for (int y = 0; y < scene.options.size.height; ++y) {
       for (int x = 0; x < scene.options.size.width; ++x) {
         const reference::Ray ray =
             ray_through(PerspectiveView{view.plane, scene.camera.field_of_view_deg}, grid, x + 0.5, y + 0.5);
-        const reference::RayLight light = integrate_ray(field, ray, 0, kInfinity);
+        const reference::RayRadiance light = integrate_ray(field, ray, 0, kInfinity);
         truth.pixels.push_back({light.color[0], light.color[1], light.color[2], 1 - light.transmittance});
       }
     }
@@ -308,9 +308,9 @@ TEST(CastRays, ThreadsDoNotChangeABit) {
 TEST(CastRays, EarlyTerminationIsWithinItsFloorAndNeverMoreLight) {
   const StandardScene scene = phantom_scene();
   RenderOptions options = accurate();
-  options.transmittance_floor = 0;
+  options.termination_threshold = 0;
   const Picture all = render_or_throw(scene.content, scene.selection, perspective(), options);
-  options.transmittance_floor = 0.05f;
+  options.termination_threshold = 0.05f;
   const Picture ended = render_or_throw(scene.content, scene.selection, perspective(), options);
   float largest = 0;
   for (std::size_t n = 0; n < all.rgba.size(); ++n) {

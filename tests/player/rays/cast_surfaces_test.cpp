@@ -21,7 +21,7 @@ TEST(CastSurfaces, AreInOrderWithTheVolume) {
     RandomScene scene = random_scene(number);
     scene.content.values = {};
     scene.options.quality = Quality::kHigh;
-    scene.options.transmittance_floor = 0;
+    scene.options.termination_threshold = 0;
     scene.options.antialiasing = false;
     const reference::ReferencePicture truth =
         reference::render_truth({scene.content, scene.selection, scene.camera, scene.options});
@@ -83,7 +83,7 @@ TEST(CastSurfaces, AnEyeInsideSeesOneSideOfTheSurface) {
   options.size = {33, 33};
   options.quality = Quality::kHigh;
   options.hybrid_shading = false;
-  options.transmittance_floor = 0;
+  options.termination_threshold = 0;
   options.classification = Classification::kAfter;
   Camera camera;
   camera.azimuth_deg = 90;

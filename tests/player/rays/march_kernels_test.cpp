@@ -31,7 +31,7 @@ class RandomSources {
   explicit RandomSources(std::uint32_t seed, const Shape& shape = {}) : random_(seed) {
     grid_.size = shape.size;
     const auto voxels = static_cast<std::size_t>(shape.size[0] * shape.size[1] * shape.size[2]);
-    octants_.assign(voxels, 0);
+    cell_corners_.assign(voxels, 0);
     greys_.assign(voxels, 0);
     fours_.assign(4 * voxels, 0);
     light_ = fours_;
@@ -48,7 +48,7 @@ class RandomSources {
           greys_[place(x, y, z)] = static_cast<float>(grey);
           for (int n = 0; n < 8; ++n) {
             const int i = x - (n & 1), j = y - (n >> 1 & 1), k = z - (n >> 2);
-            octants_[place(i, j, k)] |= grey << (8 * n);
+            cell_corners_[place(i, j, k)] |= grey << (8 * n);
             constexpr int kBrick = MarchGrid::kBrick;
             shown.bricks[shown.number(i / kBrick, j / kBrick, k / kBrick)] = 1;
           }
@@ -65,7 +65,7 @@ class RandomSources {
   }
 
   /// Of opacities up to 0.9, or a share of that.
-  GreyCurve curve(std::size_t points, float share = 1) {
+  PreintegratedTransfer curve(std::size_t points, float share = 1) {
     TransferCurve curve;
     for (std::size_t n = 0; n < points; ++n) {
       curve.points.push_back({20.0 + 200.0 * static_cast<double>(n) / static_cast<double>(points),
@@ -123,11 +123,11 @@ class RandomSources {
     return packet;
   }
   /// Side by side, as those of a few pixels are.
-  RayPacket bundle(std::size_t axis, float most_slope) {
+  RayPacket bundle(std::size_t axis, float max_slope) {
     RayPacket packet;
     const float sign = random_() % 2 == 0 ? 1.0f : -1.0f;
     const std::array places{part(), part(), part()};
-    const std::array slopes{slope() * most_slope, slope() * most_slope, slope() * most_slope};
+    const std::array slopes{slope() * max_slope, slope() * max_slope, slope() * max_slope};
     for (std::size_t n = 0; n < kPacketRays; ++n) {
       std::array own_places = places, own_slopes = slopes;
       for (std::size_t a = 0; a < 3; ++a) {
@@ -139,22 +139,22 @@ class RandomSources {
     return packet;
   }
 
-  MarchSource octants(const GreyCurve& curve) const {
+  MarchSource cell_corners(const PreintegratedTransfer& curve) const {
     MarchSource source;
-    source.octants = octants_.data();
+    source.cell_corners = cell_corners_.data();
     source.curve = &curve;
     source.color = {0.9f, 0.5f, 0.1f};
     source.active = active_.data();
     return source;
   }
-  MarchSource greys(const GreyCurve& curve) const {
-    MarchSource source = octants(curve);
-    source.octants = nullptr;
+  MarchSource greys(const PreintegratedTransfer& curve) const {
+    MarchSource source = cell_corners(curve);
+    source.cell_corners = nullptr;
     source.greys = greys_.data();
     return source;
   }
-  MarchSource colored(const GreyCurve& curve) const {
-    MarchSource source = octants(curve);
+  MarchSource colored(const PreintegratedTransfer& curve) const {
+    MarchSource source = cell_corners(curve);
     source.colors = fours_.data();
     return source;
   }
@@ -169,8 +169,8 @@ class RandomSources {
             .sources = sources,
             .active = active_.data(),
             .floor = 0,
-            .least_steps = steps,
-            .most_steps = steps};
+            .min_steps = steps,
+            .max_steps = steps};
   }
 
  private:
@@ -192,7 +192,7 @@ class RandomSources {
 
   std::mt19937 random_;
   MarchGrid grid_;
-  std::vector<std::uint64_t> octants_;
+  std::vector<std::uint64_t> cell_corners_;
   std::vector<float> greys_, fours_, light_;
   std::vector<std::uint32_t> active_;
 };
@@ -206,7 +206,7 @@ struct Difference {
 /// For packets that start with light already.
 Difference difference(const MarchScene& scene, const RayPacket& rays, const MarchKernels& a,
                       const MarchKernels& b) {
-  LightPacket of_a, of_b;
+  RadiancePacket of_a, of_b;
   for (std::size_t n = 0; n < kPacketRays; n += 2) {
     of_a.planes[3][n] = of_b.planes[3][n] = 0.5f;
     of_a.planes[1][n] = of_b.planes[1][n] = 0.25f;
@@ -226,26 +226,29 @@ Difference difference(const MarchScene& scene, const RayPacket& rays, const Marc
 }
 
 /// All kinds of sources, and several together.
-std::vector<std::vector<MarchSource>> all_kinds(const RandomSources& random, const GreyCurve& curve,
-                                                const GreyCurve& other) {
-  return {{random.octants(curve)},
+std::vector<std::vector<MarchSource>> all_kinds(const RandomSources& random,
+                                                const PreintegratedTransfer& curve,
+                                                const PreintegratedTransfer& other) {
+  return {{random.cell_corners(curve)},
           {random.greys(curve)},
           {random.colored(curve)},
           {random.light()},
-          {random.octants(curve), random.greys(other), random.light(), random.colored(other)}};
+          {random.cell_corners(curve), random.greys(other), random.light(), random.colored(other)}};
 }
 
 class MarchKernelsOf : public EveryKernel {
  protected:
-  [[nodiscard]] static const MarchKernels& kernels() { return is_twin() ? scalar_march() : best_march(); }
+  [[nodiscard]] static const MarchKernels& kernels() {
+    return is_reference() ? scalar_march() : best_march();
+  }
 };
-INSTANTIATE_TEST_SUITE_P(Every, MarchKernelsOf, testing::ValuesIn(targets_and_twin()), kernel_name);
+INSTANTIATE_TEST_SUITE_P(Every, MarchKernelsOf, testing::ValuesIn(targets_and_reference()), kernel_name);
 
 TEST_P(MarchKernelsOf, AgreeWithTheScalarTwin) {
   for (std::uint32_t seed = 0; seed < 40; ++seed) {
     RandomSources random(seed);
     for (const std::size_t points : {2u, 4u, 9u, 30u, 256u}) {
-      const GreyCurve curve = random.curve(points), other = random.curve(3);
+      const PreintegratedTransfer curve = random.curve(points), other = random.curve(3);
       for (const RayPacket& rays : {random.rays(), random.rays_of_all_axes()}) {
         const auto cases = all_kinds(random, curve, other);
         for (std::size_t n = 0; n < cases.size(); ++n) {
@@ -270,9 +273,9 @@ TEST_P(MarchKernelsOf, PassOverEmptyBricksOnly) {
                 .gaps = 14 + static_cast<std::int32_t>(seed / 3)};
     shape.size[axis] = 150 + static_cast<std::int32_t>(seed);
     RandomSources random(seed, shape);
-    const GreyCurve curve = random.curve(4, 0.01f), other = random.curve(3, 0.01f);
-    for (const float most_slope : {0.02f, 0.2f, 1.0f}) {
-      const RayPacket rays = random.bundle(axis, most_slope);
+    const PreintegratedTransfer curve = random.curve(4, 0.01f), other = random.curve(3, 0.01f);
+    for (const float max_slope : {0.02f, 0.2f, 1.0f}) {
+      const RayPacket rays = random.bundle(axis, max_slope);
       const auto cases = all_kinds(random, curve, other);
       for (std::size_t n = 0; n < cases.size(); ++n) {
         for (const int steps : {1, 2}) {
@@ -292,12 +295,12 @@ TEST_P(MarchKernelsOf, AgreeWithTheScalarTwinWithinTheTolerance) {
     double squares = 0, packets = 0;
     for (std::uint32_t seed = 0; seed < 120; ++seed) {
       RandomSources random(seed, {.one_of = seed % 2 == 0 ? 3u : 30u, .sparse = seed % 2 != 0});
-      const GreyCurve curve = random.curve(2 + seed % 5), other = random.curve(3);
+      const PreintegratedTransfer curve = random.curve(2 + seed % 5), other = random.curve(3);
       const RayPacket rays = seed % 3 == 0 ? random.diagonals() : random.rays_of_all_axes();
       for (const std::vector<MarchSource>& sources : all_kinds(random, curve, other)) {
         MarchScene scene = random.scene(sources, 1);
         scene.tolerance = tolerance;
-        scene.most_steps = 32;
+        scene.max_steps = 32;
         const Difference found = difference(scene, rays, kernels(), scalar_march());
         largest = std::max(largest, found.largest);
         squares += found.squares;
@@ -313,10 +316,10 @@ TEST_P(MarchKernelsOf, AgreeWithTheScalarTwinWithinTheTolerance) {
 TEST_P(MarchKernelsOf, BytesAreAsGoodAsFloats) {
   for (std::uint32_t seed = 0; seed < 20; ++seed) {
     RandomSources random(seed);
-    const GreyCurve curve = random.curve(5);
+    const PreintegratedTransfer curve = random.curve(5);
     const RayPacket rays = random.rays();
-    const std::vector bytes{random.octants(curve)}, floats{random.greys(curve)};
-    LightPacket of_bytes, of_floats;
+    const std::vector bytes{random.cell_corners(curve)}, floats{random.greys(curve)};
+    RadiancePacket of_bytes, of_floats;
     kernels().march(random.scene(bytes, 2), rays, of_bytes);
     kernels().march(random.scene(floats, 2), rays, of_floats);
     for (std::size_t c = 0; c < 4; ++c) {
@@ -334,19 +337,19 @@ TEST_P(MarchKernelsOf, WhatIsEmittedInFrontHidesWhatIsBehind) {
   MarchGrid grid;
   grid.size = {8, 8, 8};
   constexpr float kOpacity = 0.9f;
-  const GreyCurve curve({{{0, kOpacity, 0}, {200, kOpacity, 1}}}, {.bytes = true}, 1);
-  std::vector<std::uint64_t> octants(512, 0);
-  for (std::size_t n = 0; n < octants.size(); ++n) {
+  const PreintegratedTransfer curve({{{0, kOpacity, 0}, {200, kOpacity, 1}}}, {.bytes = true}, 1);
+  std::vector<std::uint64_t> cell_corners(512, 0);
+  for (std::size_t n = 0; n < cell_corners.size(); ++n) {
     const std::uint64_t x = n % 8;
     for (std::size_t corner = 0; corner < 8; ++corner) {
-      octants[n] |= std::min<std::uint64_t>(25 * (x + corner % 2), 200) << (8 * corner);
+      cell_corners[n] |= std::min<std::uint64_t>(25 * (x + corner % 2), 200) << (8 * corner);
     }
   }
   BrickMask all(grid);
   std::fill(all.bricks.begin(), all.bricks.end(), std::uint8_t{1});
   const std::vector<std::uint32_t> active = brick_sums(all);
   MarchSource source;
-  source.octants = octants.data();
+  source.cell_corners = cell_corners.data();
   source.curve = &curve;
   source.color = {1, 1, 1};
   source.active = active.data();
@@ -365,7 +368,7 @@ TEST_P(MarchKernelsOf, WhatIsEmittedInFrontHidesWhatIsBehind) {
     const double k = extinction_of(kOpacity, 1), slope = sign * 25.0 / 200, s0 = forward ? 0.25 : 0.625;
     const double clear = std::exp(-3 * k);
     const double expected = s0 * (1 - clear) + slope * ((1 - clear) / k - 3 * clear);
-    LightPacket light;
+    RadiancePacket light;
     kernels().march(scene, rays, light);
     for (std::size_t n = 0; n < kPacketRays; ++n) {
       EXPECT_NEAR(light.planes[0][n], expected, 1e-5) << "forward: " << forward;
@@ -380,10 +383,10 @@ TEST_P(MarchKernelsOf, CutCellsConverge) {
   double squares = 0, rays_compared = 0;
   for (std::uint32_t seed = 0; seed < 20; ++seed) {
     RandomSources random(seed);
-    const GreyCurve curve = random.curve(2);
-    const std::vector sources{random.octants(curve)};
+    const PreintegratedTransfer curve = random.curve(2);
+    const std::vector sources{random.cell_corners(curve)};
     RayPacket rays = random.rays();
-    LightPacket light[2];
+    RadiancePacket light[2];
     kernels().march(random.scene(sources, 64), rays, light[0]);
     MarchScene scene = random.scene(sources, 1);
     scene.tolerance = 1e-5f;
@@ -401,15 +404,15 @@ TEST_P(MarchKernelsOf, ToleranceBoundsWhatIsWrong) {
   double coarse = 0, adapted = 0;
   for (std::uint32_t seed = 0; seed < 20; ++seed) {
     RandomSources random(seed);
-    const GreyCurve curve = random.curve(4);
-    const std::vector sources{random.octants(curve)};
+    const PreintegratedTransfer curve = random.curve(4);
+    const std::vector sources{random.cell_corners(curve)};
     const RayPacket rays = random.rays();
-    LightPacket light[3];
+    RadiancePacket light[3];
     kernels().march(random.scene(sources, 64), rays, light[0]);
     kernels().march(random.scene(sources, 1), rays, light[1]);
     MarchScene scene = random.scene(sources, 1);
     scene.tolerance = 0.01f;
-    scene.most_steps = 64;
+    scene.max_steps = 64;
     kernels().march(scene, rays, light[2]);
     for (std::size_t n = 0; n < kPacketRays; ++n) {
       coarse += std::pow(light[1].planes[3][n] - light[0].planes[3][n], 2);
@@ -443,20 +446,20 @@ TEST_P(MarchKernelsOf, ToleranceSeesCellsBetweenTheEndsOfASlab) {
     TransferCurve steep;
     const double knot = seed % 2 == 0 ? 30 : 8;
     steep.points = {{knot, 0, 1}, {1.3 * knot, 0.9f, 1}};
-    const GreyCurve curve(steep, {.bytes = true}, 1);
-    const std::vector<MarchSource> kinds{random.octants(curve), random.greys(curve), random.colored(curve),
-                                         random.light()};
+    const PreintegratedTransfer curve(steep, {.bytes = true}, 1);
+    const std::vector<MarchSource> kinds{random.cell_corners(curve), random.greys(curve),
+                                         random.colored(curve), random.light()};
     const std::array all_rays{random.rays(), random.rays_of_all_axes(), random.diagonals()};
     for (std::size_t n = 0; n < 3 * kPacketRays; ++n) {
       const RayPacket ray = lone(all_rays[n / kPacketRays], n % kPacketRays);
       for (std::size_t kind = 0; kind < kinds.size(); ++kind) {
         const std::vector sources{kinds[kind]};
-        LightPacket truth;
+        RadiancePacket truth;
         scalar_march().march(random.scene(sources, 64), ray, truth);
         MarchScene scene = random.scene(sources, 1);
         scene.tolerance = kTolerance;
-        scene.most_steps = 64;
-        LightPacket light;
+        scene.max_steps = 64;
+        RadiancePacket light;
         kernels().march(scene, ray, light);
         worst[kind] = std::max(worst[kind], std::abs(light.planes[3][0] - truth.planes[3][0]));
       }

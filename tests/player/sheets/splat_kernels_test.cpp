@@ -80,7 +80,7 @@ class Image {
 };
 
 /// Stretches of voxels and gaps of any length.
-Scanline random_scanline(std::mt19937& random, float most_extinction) {
+Scanline random_scanline(std::mt19937& random, float max_extinction) {
   std::uniform_real_distribution<float> value(0, 1);
   Scanline row(random() % 150);
   bool selected = false;
@@ -90,7 +90,7 @@ Scanline random_scanline(std::mt19937& random, float most_extinction) {
       selected = !selected;
       left = random() % 40;
     }
-    if (selected) voxel = {value(random) * most_extinction, value(random), value(random), value(random)};
+    if (selected) voxel = {value(random) * max_extinction, value(random), value(random), value(random)};
   }
   return row;
 }
@@ -101,8 +101,8 @@ struct Case {
   SliceSpans slice;
   SheetRows rows;
 
-  Case(std::mt19937& random, float most_extinction) {
-    for (std::size_t n = random() % 4; n < 4; ++n) voxels.push_back(random_scanline(random, most_extinction));
+  Case(std::mt19937& random, float max_extinction) {
+    for (std::size_t n = random() % 4; n < 4; ++n) voxels.push_back(random_scanline(random, max_extinction));
     slice = slice_of(voxels, random() % 2 == 0 ? 1 : 3);
     rows.slice = &slice;
     rows.upper = -1 + static_cast<std::int64_t>(random() % 2);
@@ -176,19 +176,21 @@ SheetRows upon(const SliceSpans& slice, const Phase& phase) {
 
 class SplatKernelsOf : public EveryKernel {
  protected:
-  [[nodiscard]] static const SplatKernels& kernels() { return is_twin() ? scalar_kernels() : best_kernels(); }
+  [[nodiscard]] static const SplatKernels& kernels() {
+    return is_reference() ? scalar_kernels() : best_kernels();
+  }
   /// What is hidden is left block by block; by narrower vectors also vector by vector.
   [[nodiscard]] static bool leaves_whole_blocks() { return GetParam() <= HWY_AVX3; }
 };
-INSTANTIATE_TEST_SUITE_P(Every, SplatKernelsOf, testing::ValuesIn(targets_and_twin()), kernel_name);
+INSTANTIATE_TEST_SUITE_P(Every, SplatKernelsOf, testing::ValuesIn(targets_and_reference()), kernel_name);
 
 TEST_P(SplatKernelsOf, CompositeTheDefinition) {
   std::mt19937 random(1);
   std::size_t compared = 0;
   for (int n = 0; n < 600; ++n) {
-    const float most_extinction =
+    const float max_extinction =
         std::array{1e-8f, 1e-4f, 1e-2f, 1.0f, 5.0f, 10.0f, 1e4f}[static_cast<std::size_t>(n) % 7];
-    const Case scene(random, most_extinction);
+    const Case scene(random, max_extinction);
     Image image = scene.image(random);
     Image before = image;
     const double slab_mm = 0.8f;

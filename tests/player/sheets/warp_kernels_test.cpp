@@ -48,9 +48,9 @@ double expected_at(const WarpWalk& walk, double x, double y, std::size_t c) {
 
 class WarpKernelsOf : public EveryKernel {
  protected:
-  [[nodiscard]] static const WarpKernels& kernels() { return is_twin() ? scalar_warp() : best_warp(); }
+  [[nodiscard]] static const WarpKernels& kernels() { return is_reference() ? scalar_warp() : best_warp(); }
 };
-INSTANTIATE_TEST_SUITE_P(Every, WarpKernelsOf, testing::ValuesIn(targets_and_twin()), kernel_name);
+INSTANTIATE_TEST_SUITE_P(Every, WarpKernelsOf, testing::ValuesIn(targets_and_reference()), kernel_name);
 
 TEST_P(WarpKernelsOf, WeighsFourNeighboursAndWritesNoMoreThanAsked) {
   std::mt19937 random(1);

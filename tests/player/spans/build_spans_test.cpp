@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "player/transfer/shading.h"
-#include "tests/reference/light_field.h"
+#include "tests/reference/optical_field.h"
 #include "tests/support/random_scene.h"
 
 namespace splatlas {
@@ -19,23 +19,23 @@ namespace {
 struct Prepared {
   std::shared_ptr<const Atlas> atlas;
   DrawPlan plan;
-  VolumeLooks looks;
+  VolumeAppearances appearances;
   ThreadPool pool;
   ClassCache cache;
 
   explicit Prepared(const RandomScene& scene, unsigned threads = 1)
-      : atlas(open_in_memory(scene.content)), looks(*atlas), pool(threads), cache(atlas) {
+      : atlas(open_in_memory(scene.content)), appearances(*atlas), pool(threads), cache(atlas) {
     select(scene.selection);
   }
 
   void select(const Selection& selection) {
     plan = atlas->tree().plan(selection);
-    looks.select(plan, selection);
+    appearances.select(plan, selection);
   }
   void build(Axis axis, SpanBuilder& builder, bool shade = true) {
     EXPECT_TRUE(cache.require(volume_classes(plan), axis, pool));
     const SelectedRuns runs(plan, atlas->classes(), cache, axis);
-    builder.build({runs, plan, looks, atlas->classes(), atlas->grid(), cache, shade}, pool);
+    builder.build({runs, plan, appearances, atlas->classes(), atlas->grid(), cache, shade}, pool);
   }
   SpanModel build(Axis axis) {
     SpanBuilder builder;
@@ -45,8 +45,8 @@ struct Prepared {
 };
 
 /// Lays the spans out in a volume again, checks their order and blocks on the way.
-std::vector<reference::VoxelLight> unpacked(const SpanModel& model, const Grid& grid) {
-  std::vector<reference::VoxelLight> voxels(static_cast<std::size_t>(grid.voxels()));
+std::vector<reference::VoxelOptics> unpacked(const SpanModel& model, const Grid& grid) {
+  std::vector<reference::VoxelOptics> voxels(static_cast<std::size_t>(grid.voxels()));
   const ScanOrder scan = ScanOrder::of(model.axis);
   std::uint64_t with_extinction = 0;
   for (std::size_t s = 0; s < model.slices.size(); ++s) {
@@ -67,7 +67,7 @@ std::vector<reference::VoxelLight> unpacked(const SpanModel& model, const Grid& 
           at[scan.slice_axis] = model.slice_first + static_cast<std::int64_t>(s);
           at[scan.row_axis] = row;
           at[scan.scan_axis] = n;
-          reference::VoxelLight& voxel = voxels[static_cast<std::size_t>(grid.offset(at[0], at[1], at[2]))];
+          reference::VoxelOptics& voxel = voxels[static_cast<std::size_t>(grid.offset(at[0], at[1], at[2]))];
           voxel.extinction = light[0];
           for (std::size_t c = 0; c < 3; ++c) {
             voxel.emission[c] =
@@ -97,10 +97,10 @@ TEST(BuildSpans, HoldsTheLightOfEverySelectedVoxelWithAndWithoutShading) {
       SpanModel model = prepared.build(axis);
       for (const bool shade : {false, true, false}) {
         shade_spans(model, shade ? Lighting(view).table() : std::vector<float>(65536, 1.0f), prepared.pool);
-        const reference::LightField field =
-            reference::light_field(scene.content, scene.selection, view, shade);
+        const reference::OpticalField field =
+            reference::optical_field(scene.content, scene.selection, view, shade);
         ASSERT_NEAR(model.mean_densest_per_mm, field.mean_densest, 1e-6 * field.mean_densest);
-        const std::vector<reference::VoxelLight> voxels = unpacked(model, prepared.atlas->grid());
+        const std::vector<reference::VoxelOptics> voxels = unpacked(model, prepared.atlas->grid());
         for (std::size_t n = 0; n < voxels.size(); ++n) {
           const double scale = field.voxels[n].extinction;
           // The float position and extinction round by 6e-8 each, the window's end to a few.
@@ -194,13 +194,14 @@ void expect_equal(const SpanModel& a, const SpanModel& b) {
 
 /// Some structures of a scene, with one of a few looks each.
 Selection some_structures(const StructureGraph& graph, std::mt19937& random) {
-  constexpr std::array<const char*, 5> kLooks{"", "(opacity=0.3)", "(color=#ff8800)", "(profile=hard)",
-                                              "(curve=0:0/3:0.5)"};
+  constexpr std::array<const char*, 5> kAppearances{"", "(opacity=0.3)", "(color=#ff8800)", "(profile=hard)",
+                                                    "(curve=0:0/3:0.5)"};
   std::string text;
-  const char* const look = kLooks[random() % kLooks.size()];  // of all that have none of their own
+  const char* const appearance =
+      kAppearances[random() % kAppearances.size()];  // of all that have none of their own
   for (StructureIndex s = 0; s < graph.size(); ++s) {
     if (random() % 2 == 0) continue;
-    const char* const own = random() % 4 == 0 ? kLooks[random() % kLooks.size()] : look;
+    const char* const own = random() % 4 == 0 ? kAppearances[random() % kAppearances.size()] : appearance;
     text += fmt::format("{}\"{}\":volume{}", text.empty() ? "" : " + ", graph.structures()[s].id, own);
   }
   const auto selection = select(text.empty() ? "*" : text, graph);

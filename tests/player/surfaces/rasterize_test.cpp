@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/reference/reference_light.h"
+#include "tests/reference/reference_radiance.h"
 #include "tests/support/marching_tetrahedra.h"
 #include "tests/support/test_content.h"
 

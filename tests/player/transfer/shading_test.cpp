@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "format/unit_vector.h"
-#include "tests/reference/reference_light.h"
+#include "tests/reference/reference_radiance.h"
 
 namespace splatlas {
 namespace {
@@ -32,7 +32,7 @@ TEST(Shading, EqualsTheReferenceForAnyNormalAndView) {
       const Vec3 exact{normal[0], normal[1], normal[2]};
       EXPECT_NEAR(lighting.diffuse(normal), reference::diffuse(view, exact), 1e-6);
       const std::array<float, 3> color{0.2f, 0.7f, 1.0f};
-      const SurfaceLight light = lighting.on_surface(normal);
+      const SurfaceShading light = lighting.on_surface(normal);
       const auto expected = reference::shade_surface(view, {0.2f, 0.7f, 1.0f}, exact);
       for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(light.on(color[c]), expected[c], 2e-6);
     }

@@ -8,7 +8,7 @@
 #include <rapidcheck/gtest.h>
 
 #include "tests/format/random_graph.h"
-#include "tests/reference/reference_light.h"
+#include "tests/reference/reference_radiance.h"
 #include "tests/support/test_content.h"
 
 namespace splatlas {
@@ -79,16 +79,17 @@ TYPED_TEST(TransferTableOf, FollowsTheCurveForEveryValue) {
     }
     for (const bool tabulated : {true, false}) {
       const TransferTable table(shape, buffer.type, tabulated);
-      std::vector<VoxelLook> looks(values.size());
-      table.look_up(buffer.bytes.data(), 0, 1, values.size(), static_cast<float>(densest), looks.data());
+      std::vector<ClassifiedVoxel> appearances(values.size());
+      table.look_up(buffer.bytes.data(), 0, 1, values.size(), static_cast<float>(densest),
+                    appearances.data());
       for (std::size_t n = 0; n < values.size(); ++n) {
         const auto grey = static_cast<double>(values[n]);
         const TransferValue expected = reference::transfer(curve, grey, 2);
         // Two floats rounded and multiplied.
-        ASSERT_NEAR(looks[n].extinction_per_mm, expected.extinction_per_mm,
+        ASSERT_NEAR(appearances[n].extinction_per_mm, expected.extinction_per_mm,
                     2e-7 * expected.extinction_per_mm + 1e-44)
             << grey;
-        ASSERT_NEAR(looks[n].shade, expected.shade, 6e-8) << grey;
+        ASSERT_NEAR(appearances[n].shade, expected.shade, 6e-8) << grey;
         const TransferValue evaluated = evaluate(curve, grey, 2);
         ASSERT_NEAR(evaluated.extinction_per_mm, expected.extinction_per_mm,
                     1e-14 * expected.extinction_per_mm);
@@ -104,23 +105,23 @@ TYPED_TEST(TransferTableOf, StridesThroughTheValues) {
   const VoxelBuffer buffer = make_values(TestFixture::type(), values);
   const TransferShape ramp{{{0, 0, 0}, {100, 1, 1}}};
   for (const bool tabulated : {true, false}) {
-    std::vector<VoxelLook> looks(9, {-1, -1});
-    TransferTable(ramp, buffer.type, tabulated).look_up(buffer.bytes.data(), 5, 12, 8, 2, looks.data());
+    std::vector<ClassifiedVoxel> appearances(9, {-1, -1});
+    TransferTable(ramp, buffer.type, tabulated).look_up(buffer.bytes.data(), 5, 12, 8, 2, appearances.data());
     for (std::size_t n = 0; n < 8; ++n) {
-      EXPECT_FLOAT_EQ(looks[n].extinction_per_mm, static_cast<float>(5 + 12 * n) / 50.0f);
-      EXPECT_FLOAT_EQ(looks[n].shade, static_cast<float>(5 + 12 * n) / 100.0f);
+      EXPECT_FLOAT_EQ(appearances[n].extinction_per_mm, static_cast<float>(5 + 12 * n) / 50.0f);
+      EXPECT_FLOAT_EQ(appearances[n].shade, static_cast<float>(5 + 12 * n) / 100.0f);
     }
-    EXPECT_EQ(looks[8].extinction_per_mm, -1);
+    EXPECT_EQ(appearances[8].extinction_per_mm, -1);
   }
 }
 
 TEST(TransferTable, IsAtTheLastPointWithoutValues) {
   const TransferShape shape{{{0, 1, 1}, {10, 0.5, 0.25}}};
-  std::vector<VoxelLook> looks(3, {-1, -1});
-  TransferTable(shape, VoxelType::kNone).look_up(nullptr, 7, 3, 3, 4, looks.data());
-  for (const VoxelLook& look : looks) {
-    EXPECT_EQ(look.extinction_per_mm, 2);
-    EXPECT_EQ(look.shade, 0.25f);
+  std::vector<ClassifiedVoxel> appearances(3, {-1, -1});
+  TransferTable(shape, VoxelType::kNone).look_up(nullptr, 7, 3, 3, 4, appearances.data());
+  for (const ClassifiedVoxel& appearance : appearances) {
+    EXPECT_EQ(appearance.extinction_per_mm, 2);
+    EXPECT_EQ(appearance.shade, 0.25f);
   }
 }
 

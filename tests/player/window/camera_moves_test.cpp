@@ -53,8 +53,8 @@ TEST(CameraMovesTest, ZoomingKeepsWhatIsUnderThePointer) {
 }
 
 TEST(CameraMovesTest, ZoomHasLimits) {
-  EXPECT_EQ(zoomed_at(Camera{}, 1e9, 320, 240, kSize, kDisplay).zoom, kMostZoom);
-  EXPECT_EQ(zoomed_at(Camera{}, 1e-9, 320, 240, kSize, kDisplay).zoom, kLeastZoom);
+  EXPECT_EQ(zoomed_at(Camera{}, 1e9, 320, 240, kSize, kDisplay).zoom, kMaxZoom);
+  EXPECT_EQ(zoomed_at(Camera{}, 1e-9, 320, 240, kSize, kDisplay).zoom, kMinZoom);
 }
 
 TEST(CameraMovesTest, MovingTakesThePointUnderThePointerAlong) {

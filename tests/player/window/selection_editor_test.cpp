@@ -82,13 +82,13 @@ TEST_F(SelectionEditorTest, LooksSurviveAChangeOfModeButNotOff) {
   editor_.set_opacity(Index::kStem, 0.5f);
   editor_.set_color(Index::kStem, {1, 2, 3});
   editor_.set_mode(Index::kStem, kSurface);
-  EXPECT_EQ(editor_.look(Index::kStem)->opacity, 0.5f);
-  EXPECT_EQ(editor_.look(Index::kStem)->color, (Rgb{1, 2, 3}));
+  EXPECT_EQ(editor_.appearance(Index::kStem)->opacity, 0.5f);
+  EXPECT_EQ(editor_.appearance(Index::kStem)->color, (Rgb{1, 2, 3}));
   editor_.set_mode(Index::kStem, kOff);
-  EXPECT_EQ(editor_.look(Index::kStem), std::nullopt);
+  EXPECT_EQ(editor_.appearance(Index::kStem), std::nullopt);
   editor_.set_mode(Index::kStem, kSurface);
-  EXPECT_EQ(editor_.look(Index::kStem)->opacity, std::nullopt);
-  EXPECT_EQ(editor_.look(Index::kStem)->color, graph_[Index::kStem].color);
+  EXPECT_EQ(editor_.appearance(Index::kStem)->opacity, std::nullopt);
+  EXPECT_EQ(editor_.appearance(Index::kStem)->color, graph_[Index::kStem].color);
 }
 
 TEST_F(SelectionEditorTest, TransferFunctionsSurviveEditsOfOtherThings) {
@@ -99,9 +99,9 @@ TEST_F(SelectionEditorTest, TransferFunctionsSurviveEditsOfOtherThings) {
   editor_.set_mode(Index::kStem, kSurface);
   editor_.set_mode(Index::kStem, kBoth);
   editor_.set_color(Index::kStem, {1, 2, 3});
-  EXPECT_EQ(editor_.look(Index::kStem)->volume.low, 3.0);
+  EXPECT_EQ(editor_.appearance(Index::kStem)->volume.low, 3.0);
   editor_.undo();
-  EXPECT_EQ(editor_.look(Index::kStem)->volume.low, 3.0);
+  EXPECT_EQ(editor_.appearance(Index::kStem)->volume.low, 3.0);
   editor_.isolate(Index::kLeft);
   EXPECT_EQ(editor_.text(), "left(profile=thin,low=3)");
 }
@@ -135,12 +135,12 @@ TEST_F(SelectionEditorTest, ADraggedSliderIsOneStepOfUndo) {
   for (const float opacity : {0.4f, 0.5f}) editor_.set_opacity(Index::kStem, opacity);
   editor_.end_gesture();
   editor_.undo();
-  EXPECT_EQ(editor_.look(Index::kStem)->opacity, 0.1f);
+  EXPECT_EQ(editor_.appearance(Index::kStem)->opacity, 0.1f);
   editor_.undo();
   EXPECT_EQ(editor_.text(), "*");
   EXPECT_FALSE(editor_.can_undo());
   editor_.redo();
-  EXPECT_EQ(editor_.look(Index::kStem)->opacity, 0.1f);
+  EXPECT_EQ(editor_.appearance(Index::kStem)->opacity, 0.1f);
 }
 
 TEST_F(SelectionEditorTest, AnEditThatChangesNothingIsNoStep) {

@@ -11,23 +11,23 @@
 namespace splatlas {
 
 /// Floats aligned to cache lines. Keeps its memory when it is filled anew.
-class LightBuffer {
+class OpticalBuffer {
  public:
-  LightBuffer() = default;
+  OpticalBuffer() = default;
   /// Without floats, with room for some.
-  LightBuffer(std::shared_ptr<float> room, std::size_t capacity)
+  OpticalBuffer(std::shared_ptr<float> room, std::size_t capacity)
       : floats_(std::move(room)), capacity_(capacity) {}
-  LightBuffer(LightBuffer&& other) noexcept
+  OpticalBuffer(OpticalBuffer&& other) noexcept
       : floats_(std::move(other.floats_)),
         size_(std::exchange(other.size_, 0)),
         capacity_(std::exchange(other.capacity_, 0)) {}
-  LightBuffer& operator=(LightBuffer&& other) noexcept {
+  OpticalBuffer& operator=(OpticalBuffer&& other) noexcept {
     floats_ = std::move(other.floats_);
     size_ = std::exchange(other.size_, 0);
     capacity_ = std::exchange(other.capacity_, 0);
     return *this;
   }
-  ~LightBuffer() = default;
+  ~OpticalBuffer() = default;
   [[nodiscard]] const float* data() const { return floats_.get(); }
   [[nodiscard]] float* data() { return floats_.get(); }
   [[nodiscard]] std::size_t size() const { return size_; }
@@ -51,24 +51,24 @@ class LightBuffer {
 
 /// Memory that the light of one selection after another is written to. Fresh pages would cost more than what
 /// is written to them: pages stay, and many slices share those that are large.
-class LightArena {
+class OpticalArena {
  public:
-  LightArena() = default;
-  LightArena(LightArena&& other) noexcept : chunks_(std::move(other.chunks_)), large_(other.large_) {}
-  LightArena& operator=(LightArena&& other) noexcept {
+  OpticalArena() = default;
+  OpticalArena(OpticalArena&& other) noexcept : chunks_(std::move(other.chunks_)), large_(other.large_) {}
+  OpticalArena& operator=(OpticalArena&& other) noexcept {
     chunks_ = std::move(other.chunks_);
     large_ = other.large_;
     return *this;
   }
-  ~LightArena() = default;
+  ~OpticalArena() = default;
 
   /// Before buffers are lent for about `bytes` in all: decides what pages these get.
   void expect(std::uint64_t bytes) { large_ = bytes >= kLargePages; }
   /// A buffer with room for `floats` at least, and maybe for many more: to be given to settle() when it holds
   /// what it is to hold. Throws std::bad_alloc. Safe to call from several threads.
-  [[nodiscard]] LightBuffer lend(std::size_t floats);
+  [[nodiscard]] OpticalBuffer lend(std::size_t floats);
   /// What the buffer has left over is lent again. Safe to call from several threads.
-  void settle(LightBuffer& buffer);
+  void settle(OpticalBuffer& buffer);
 
   /// Bytes that have been written to, whether they are in use or not.
   [[nodiscard]] std::uint64_t bytes() const;

@@ -1,4 +1,4 @@
-#include "player/transfer/volume_looks.h"
+#include "player/transfer/volume_appearances.h"
 
 #include <algorithm>
 #include <limits>
@@ -15,25 +15,27 @@ constexpr std::size_t kMaxTables = 32;
 
 }  // namespace
 
-VolumeLooks::VolumeLooks(const Atlas& atlas)
+VolumeAppearances::VolumeAppearances(const Atlas& atlas)
     : type_(atlas.value_type()),
       display_(atlas.display()),
       reference_length_mm_(atlas.reference_length_mm()),
       plain_(&table_of(shape_of(transfer_curve({}, display_)))) {}
 
-const TransferTable& VolumeLooks::table_of(const TransferShape& shape) {
+const TransferTable& VolumeAppearances::table_of(const TransferShape& shape) {
   return tables_.try_emplace(shape, shape, type_, tables_.size() < kMaxTables).first->second;
 }
 
-VolumeLook VolumeLooks::look_of(const StructureDraw& draw) {
-  VolumeLook look;
-  look.color = {srgb_to_linear(draw.color.r), srgb_to_linear(draw.color.g), srgb_to_linear(draw.color.b)};
-  look.extinction_per_mm = static_cast<float>(extinction_of(full_opacity(draw), reference_length_mm_));
-  look.transfer = draw.volume == VolumeStyle{} ? plain_ : &table_of(shape_of(transfer_curve(draw, display_)));
-  return look;
+VolumeAppearance VolumeAppearances::appearance_of(const StructureDraw& draw) {
+  VolumeAppearance appearance;
+  appearance.color = {srgb_to_linear(draw.color.r), srgb_to_linear(draw.color.g),
+                      srgb_to_linear(draw.color.b)};
+  appearance.extinction_per_mm = static_cast<float>(extinction_of(full_opacity(draw), reference_length_mm_));
+  appearance.transfer =
+      draw.volume == VolumeStyle{} ? plain_ : &table_of(shape_of(transfer_curve(draw, display_)));
+  return appearance;
 }
 
-void VolumeLooks::select(const DrawPlan& plan, const Selection& selection) {
+void VolumeAppearances::select(const DrawPlan& plan, const Selection& selection) {
   if (tables_.size() >= kMaxTables) {
     plain_ = nullptr;
     tables_.clear();
@@ -42,12 +44,13 @@ void VolumeLooks::select(const DrawPlan& plan, const Selection& selection) {
   if (plain_ == nullptr) plain_ = &table_of(shape_of(transfer_curve({}, display_)));
   constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
   std::vector<std::size_t> first_class(selection.structures.size(), kNone);  // that a structure draws
-  looks_.assign(plan.classes.size(), {});
-  for (std::size_t n = 0; n < looks_.size(); ++n) {
+  appearances_.assign(plan.classes.size(), {});
+  for (std::size_t n = 0; n < appearances_.size(); ++n) {
     const ClassDraw& draw = plan.classes[n];
     if (!draws_volume(draw.role)) continue;
     std::size_t& first = first_class[draw.volume_of];
-    looks_[n] = first == kNone ? look_of(selection.structures[draw.volume_of]) : looks_[first];
+    appearances_[n] =
+        first == kNone ? appearance_of(selection.structures[draw.volume_of]) : appearances_[first];
     first = std::min(first, n);
   }
 }

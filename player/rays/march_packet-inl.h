@@ -1,9 +1,9 @@
 // Rays in vectors, and the bricks that they come by. Compiled once for every instruction set.
-#if defined(SPLATLAS_PLAYER_MARCH_RAYS_INL_H_) == defined(HWY_TARGET_TOGGLE)
-#ifdef SPLATLAS_PLAYER_MARCH_RAYS_INL_H_
-#undef SPLATLAS_PLAYER_MARCH_RAYS_INL_H_
+#if defined(SPLATLAS_PLAYER_MARCH_PACKET_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef SPLATLAS_PLAYER_MARCH_PACKET_INL_H_
+#undef SPLATLAS_PLAYER_MARCH_PACKET_INL_H_
 #else
-#define SPLATLAS_PLAYER_MARCH_RAYS_INL_H_
+#define SPLATLAS_PLAYER_MARCH_PACKET_INL_H_
 #endif
 
 #include <hwy/highway.h>
@@ -199,4 +199,4 @@ struct Bounds {
 }  // namespace splatlas::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
-#endif  // SPLATLAS_PLAYER_MARCH_RAYS_INL_H_
+#endif  // SPLATLAS_PLAYER_MARCH_PACKET_INL_H_

@@ -1,10 +1,10 @@
 // From grey values along a ray to what a step of it emits and absorbs. Compiled once for every instruction
 // set.
-#if defined(SPLATLAS_PLAYER_MARCH_LOOKS_INL_H_) == defined(HWY_TARGET_TOGGLE)
-#ifdef SPLATLAS_PLAYER_MARCH_LOOKS_INL_H_
-#undef SPLATLAS_PLAYER_MARCH_LOOKS_INL_H_
+#if defined(SPLATLAS_PLAYER_MARCH_OPTICS_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef SPLATLAS_PLAYER_MARCH_OPTICS_INL_H_
+#undef SPLATLAS_PLAYER_MARCH_OPTICS_INL_H_
 #else
-#define SPLATLAS_PLAYER_MARCH_LOOKS_INL_H_
+#define SPLATLAS_PLAYER_MARCH_OPTICS_INL_H_
 #endif
 
 #include <hwy/highway.h>
@@ -21,41 +21,44 @@ namespace hn = hwy::HWY_NAMESPACE;
 /// A curve by reference; of which kind it is tells how it is looked up.
 class LookedUpCurve {
  public:
-  HWY_INLINE explicit LookedUpCurve(const GreyCurve& curve) : curve_(curve) {}
+  HWY_INLINE explicit LookedUpCurve(const PreintegratedTransfer& curve) : curve_(curve) {}
 
   [[nodiscard]] HWY_INLINE std::size_t points() const { return curve_.points(); }
-  [[nodiscard]] HWY_INLINE const float* row(GreyCurve::Row row) const { return curve_.row(row); }
-  [[nodiscard]] HWY_INLINE float least_difference() const { return curve_.least_difference(); }
+  [[nodiscard]] HWY_INLINE const float* row(PreintegratedTransfer::Row row) const { return curve_.row(row); }
+  [[nodiscard]] HWY_INLINE float min_difference() const { return curve_.min_difference(); }
   [[nodiscard]] HWY_INLINE float variation() const { return curve_.variation(); }
 
  private:
-  const GreyCurve& curve_;
+  const PreintegratedTransfer& curve_;
 };
 
 /// With so few points that a row of its table fits a vector: a look-up is a permutation.
 class ShortCurve : public LookedUpCurve {
  public:
-  static HWY_INLINE bool fits(const GreyCurve& curve) { return curve.points() < hn::Lanes(Lanes()); }
+  static HWY_INLINE bool fits(const PreintegratedTransfer& curve) {
+    return curve.points() < hn::Lanes(Lanes());
+  }
 
-  HWY_INLINE explicit ShortCurve(const GreyCurve& curve) : LookedUpCurve(curve) {}
+  HWY_INLINE explicit ShortCurve(const PreintegratedTransfer& curve) : LookedUpCurve(curve) {}
 };
 
 /// With any number of points: a look-up is a gather.
 class LongCurve : public LookedUpCurve {
  public:
-  HWY_INLINE explicit LongCurve(const GreyCurve& curve) : LookedUpCurve(curve) {}
+  HWY_INLINE explicit LongCurve(const PreintegratedTransfer& curve) : LookedUpCurve(curve) {}
 };
 
 /// A row of a curve's table at the segments given.
-HWY_INLINE Vector LookUp(const ShortCurve& curve, GreyCurve::Row row, IntVector segment) {
+HWY_INLINE Vector LookUp(const ShortCurve& curve, PreintegratedTransfer::Row row, IntVector segment) {
   const Lanes d;
   return hn::TableLookupLanes(hn::Load(d, curve.row(row)), hn::IndicesFromVec(d, segment));
 }
-HWY_INLINE Vector LookUp(const LongCurve& curve, GreyCurve::Row row, IntVector segment) {
+HWY_INLINE Vector LookUp(const LongCurve& curve, PreintegratedTransfer::Row row, IntVector segment) {
   return hn::GatherIndex(Lanes(), curve.row(row), segment);
 }
 /// Of either kind.
-HWY_INLINE Vector LookUp(const GreyCurve& curve, GreyCurve::Row row, IntVector segment) {
+HWY_INLINE Vector LookUp(const PreintegratedTransfer& curve, PreintegratedTransfer::Row row,
+                         IntVector segment) {
   if (HWY_LIKELY(ShortCurve::fits(curve))) return LookUp(ShortCurve(curve), row, segment);
   return LookUp(LongCurve(curve), row, segment);
 }
@@ -63,7 +66,7 @@ HWY_INLINE Vector LookUp(const GreyCurve& curve, GreyCurve::Row row, IntVector s
 HWY_INLINE IntVector SegmentOf(const ShortCurve& curve, Vector grey) {
   const Lanes d;
   const Ints di;
-  const float* greys = curve.row(GreyCurve::kGrey) + 1;
+  const float* greys = curve.row(PreintegratedTransfer::kGrey) + 1;
   auto segment = hn::Zero(di);
   for (std::size_t n = 0; n < curve.points(); ++n) {
     const auto above = hn::RebindMask(di, hn::Ge(grey, hn::Set(d, greys[n])));
@@ -74,7 +77,7 @@ HWY_INLINE IntVector SegmentOf(const ShortCurve& curve, Vector grey) {
 HWY_INLINE IntVector SegmentOf(const LongCurve& curve, Vector grey) {
   const Lanes d;
   const Ints di;
-  const float* greys = curve.row(GreyCurve::kGrey) + 1;
+  const float* greys = curve.row(PreintegratedTransfer::kGrey) + 1;
   const auto points = static_cast<std::int32_t>(curve.points());
   auto segment = hn::Zero(di);
   for (std::int32_t step = 256; step > 0; step /= 2) {
@@ -86,7 +89,7 @@ HWY_INLINE IntVector SegmentOf(const LongCurve& curve, Vector grey) {
   }
   return segment;
 }
-HWY_INLINE IntVector SegmentOf(const GreyCurve& curve, Vector grey) {
+HWY_INLINE IntVector SegmentOf(const PreintegratedTransfer& curve, Vector grey) {
   if (HWY_LIKELY(ShortCurve::fits(curve))) return SegmentOf(ShortCurve(curve), grey);
   return SegmentOf(LongCurve(curve), grey);
 }
@@ -100,9 +103,9 @@ struct Classified {
 /// What the extinction rises and falls by up to a grey value of a segment.
 template <typename Curve>
 HWY_INLINE Vector VariationUpTo(const Curve& curve, Vector grey, IntVector segment) {
-  const auto above = hn::Sub(grey, LookUp(curve, GreyCurve::kGrey, segment));
-  return hn::MulAdd(LookUp(curve, GreyCurve::kVariationSlope, segment), above,
-                    LookUp(curve, GreyCurve::kVariation, segment));
+  const auto above = hn::Sub(grey, LookUp(curve, PreintegratedTransfer::kGrey, segment));
+  return hn::MulAdd(LookUp(curve, PreintegratedTransfer::kVariationSlope, segment), above,
+                    LookUp(curve, PreintegratedTransfer::kVariation, segment));
 }
 
 template <typename Curve>
@@ -116,12 +119,12 @@ HWY_INLINE Classified Classify(const Curve& curve, Vector grey) {
   Classified c;
   c.grey = grey;
   c.segment = SegmentOf(curve, grey);
-  const auto above = hn::Sub(grey, LookUp(curve, GreyCurve::kGrey, c.segment));
-  c.extinction = hn::MulAdd(LookUp(curve, GreyCurve::kExtinctionSlope, c.segment), above,
-                            LookUp(curve, GreyCurve::kExtinction, c.segment));
+  const auto above = hn::Sub(grey, LookUp(curve, PreintegratedTransfer::kGrey, c.segment));
+  c.extinction = hn::MulAdd(LookUp(curve, PreintegratedTransfer::kExtinctionSlope, c.segment), above,
+                            LookUp(curve, PreintegratedTransfer::kExtinction, c.segment));
   c.extinction = hn::Max(c.extinction, hn::Zero(d));
-  c.shade = hn::MulAdd(LookUp(curve, GreyCurve::kShadeSlope, c.segment), above,
-                       LookUp(curve, GreyCurve::kShade, c.segment));
+  c.shade = hn::MulAdd(LookUp(curve, PreintegratedTransfer::kShadeSlope, c.segment), above,
+                       LookUp(curve, PreintegratedTransfer::kShade, c.segment));
   return c;
 }
 
@@ -132,18 +135,18 @@ struct Integrals {
   template <typename Curve>
   HWY_INLINE Integrals(const Curve& curve, const Classified& c) {
     const Lanes d;
-    const auto above = hn::Sub(c.grey, LookUp(curve, GreyCurve::kGrey, c.segment));
-    const auto k = LookUp(curve, GreyCurve::kExtinction, c.segment);
-    const auto k_slope = LookUp(curve, GreyCurve::kExtinctionSlope, c.segment);
-    const auto s = LookUp(curve, GreyCurve::kShade, c.segment);
-    const auto s_slope = LookUp(curve, GreyCurve::kShadeSlope, c.segment);
+    const auto above = hn::Sub(c.grey, LookUp(curve, PreintegratedTransfer::kGrey, c.segment));
+    const auto k = LookUp(curve, PreintegratedTransfer::kExtinction, c.segment);
+    const auto k_slope = LookUp(curve, PreintegratedTransfer::kExtinctionSlope, c.segment);
+    const auto s = LookUp(curve, PreintegratedTransfer::kShade, c.segment);
+    const auto s_slope = LookUp(curve, PreintegratedTransfer::kShadeSlope, c.segment);
     const auto half = hn::Set(d, 0.5f);
     depth = hn::MulAdd(above, hn::MulAdd(hn::Mul(half, k_slope), above, k),
-                       LookUp(curve, GreyCurve::kDepth, c.segment));
+                       LookUp(curve, PreintegratedTransfer::kDepth, c.segment));
     const auto square = hn::Mul(hn::Set(d, 1.0f / 3), hn::Mul(k_slope, s_slope));
     const auto linear = hn::Mul(half, hn::MulAdd(k, s_slope, hn::Mul(k_slope, s)));
     emission = hn::MulAdd(above, hn::MulAdd(above, hn::MulAdd(above, square, linear), hn::Mul(k, s)),
-                          LookUp(curve, GreyCurve::kEmission, c.segment));
+                          LookUp(curve, PreintegratedTransfer::kEmission, c.segment));
   }
 };
 
@@ -162,7 +165,7 @@ struct Means {
     const auto same = hn::RebindMask(d, hn::Eq(a.segment, b.segment));
     if (HWY_LIKELY(hn::AllTrue(d, same))) return;
     const auto difference = hn::Sub(b.grey, a.grey);
-    const auto close = hn::Le(hn::Abs(difference), hn::Set(d, curve.least_difference()));
+    const auto close = hn::Le(hn::Abs(difference), hn::Set(d, curve.min_difference()));
     const auto linear = hn::Or(same, close);
     const auto divisor = hn::IfThenElse(linear, hn::Set(d, 1.0f), difference);
     const Integrals to_a(curve, a), to_b(curve, b);
@@ -178,13 +181,13 @@ struct Means {
     const Lanes d;
     const auto half = hn::Set(d, 0.5f);
     const auto same = hn::RebindMask(d, hn::Eq(a.segment, b.segment));
-    auto k_slope = LookUp(curve, GreyCurve::kExtinctionSlope, a.segment);
+    auto k_slope = LookUp(curve, PreintegratedTransfer::kExtinctionSlope, a.segment);
     const auto shade = hn::Mul(half, hn::Add(a.shade, b.shade));
-    auto e_slope =
-        hn::MulAdd(extinction, LookUp(curve, GreyCurve::kShadeSlope, a.segment), hn::Mul(k_slope, shade));
+    auto e_slope = hn::MulAdd(extinction, LookUp(curve, PreintegratedTransfer::kShadeSlope, a.segment),
+                              hn::Mul(k_slope, shade));
     if (HWY_UNLIKELY(!hn::AllTrue(d, same))) {
       const auto difference = hn::Sub(b.grey, a.grey);
-      const auto close = hn::Le(hn::Abs(difference), hn::Set(d, curve.least_difference()));
+      const auto close = hn::Le(hn::Abs(difference), hn::Set(d, curve.min_difference()));
       const auto one = hn::Set(d, 1.0f);
       const auto inverse = hn::IfThenZeroElse(close, hn::Div(one, hn::IfThenElse(close, one, difference)));
       const auto k_rise = hn::Sub(b.extinction, a.extinction);
@@ -232,7 +235,7 @@ class StepLight {
     const Lanes d;
     is_thin_ = hn::AllTrue(d, hn::Le(hn::Mul(mean, length), hn::Set(d, kThinStep)));
     if (is_thin_) return;
-    both_ = hn::Max(hn::Add(before, after), hn::Mul(mean, hn::Set(d, kLeastEnds)));
+    both_ = hn::Max(hn::Add(before, after), hn::Mul(mean, hn::Set(d, kMinEnds)));
     const auto divisor = hn::Max(hn::Mul(mean, both_), hn::Set(d, 1e-30f));
     inverse_ = hn::Div(hn::Set(d, 1.0f), divisor);
     shift_ = hn::MulAdd(hn::Set(d, 0.5f), slab_.absorbed, hn::Sub(slab_.mean, hn::Set(d, 1.0f)));
@@ -264,4 +267,4 @@ class StepLight {
 }  // namespace splatlas::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
-#endif  // SPLATLAS_PLAYER_MARCH_LOOKS_INL_H_
+#endif  // SPLATLAS_PLAYER_MARCH_OPTICS_INL_H_

@@ -28,7 +28,7 @@ struct GreyScale {
 /// A transfer function over stored grey values, with its integrals. In each segment between two points
 /// extinction and shade are linear, from the segment's first point on; the segment of a grey value is the
 /// number of points that are not above it.
-class GreyCurve {
+class PreintegratedTransfer {
  public:
   /// Rows of the table, each with a number per segment.
   enum Row : std::uint8_t {
@@ -43,16 +43,16 @@ class GreyCurve {
     kVariationSlope,  ///< per stored grey value
   };
   static constexpr std::size_t kRows = 9;
-  static constexpr std::size_t kMostSegments = (kMaxTransferPoints + 16) / 16 * 16;
+  static constexpr std::size_t kMaxSegments = (kMaxTransferPoints + 16) / 16 * 16;
 
   /// `curve` is one that check_curve() passes.
-  GreyCurve(const TransferCurve& curve, const GreyScale& scale, double reference_length_mm);
+  PreintegratedTransfer(const TransferCurve& curve, const GreyScale& scale, double reference_length_mm);
 
   [[nodiscard]] std::size_t points() const { return points_; }
-  /// kMostSegments numbers, aligned for vectors.
+  /// kMaxSegments numbers, aligned for vectors.
   [[nodiscard]] const float* row(Row row) const { return table_[row].data(); }
   /// Grey values closer together than this have no difference quotient worth the name.
-  [[nodiscard]] float least_difference() const { return least_difference_; }
+  [[nodiscard]] float min_difference() const { return min_difference_; }
   /// What the extinction rises and falls by over all grey values, 1/mm.
   [[nodiscard]] float variation() const { return table_[kVariation][points_]; }
   /// Whether anything is visible from `low` to `high` (stored grey values).
@@ -62,8 +62,8 @@ class GreyCurve {
   [[nodiscard]] float extinction_at(float grey) const;
 
   std::size_t points_ = 0;
-  float least_difference_ = 0;
-  alignas(64) std::array<std::array<float, kMostSegments>, kRows> table_{};
+  float min_difference_ = 0;
+  alignas(64) std::array<std::array<float, kMaxSegments>, kRows> table_{};
 };
 
 }  // namespace splatlas

@@ -1,4 +1,4 @@
-#include "player/transfer/grey_curve.h"
+#include "player/transfer/preintegrated_transfer.h"
 
 #include <algorithm>
 #include <cmath>
@@ -23,41 +23,43 @@ TransferCurve random_curve(std::mt19937& random, std::size_t points) {
   return curve;
 }
 
-std::size_t segment_of(const GreyCurve& curve, double grey) {
+std::size_t segment_of(const PreintegratedTransfer& curve, double grey) {
   std::size_t segment = 0;
-  while (segment < curve.points() && grey >= curve.row(GreyCurve::kGrey)[segment + 1]) ++segment;
+  while (segment < curve.points() && grey >= curve.row(PreintegratedTransfer::kGrey)[segment + 1]) ++segment;
   return segment;
 }
 
-TEST(GreyCurve, EverySegmentIsTheCurve) {
+TEST(PreintegratedTransfer, EverySegmentIsTheCurve) {
   std::mt19937 random(1);
   for (const std::size_t points : {1u, 2u, 5u, 16u, 256u}) {
     const TransferCurve curve = random_curve(random, points);
-    const GreyCurve prepared(curve, {.bytes = true}, kLength);
+    const PreintegratedTransfer prepared(curve, {.bytes = true}, kLength);
     ASSERT_EQ(prepared.points(), points);
     const double last = curve.points.back().grey;
     double steepest = 0;  // what rounding of grey values to floats is multiplied by
     for (std::size_t s = 0; s <= points; ++s) {
-      steepest = std::max({steepest, std::abs(double{prepared.row(GreyCurve::kExtinctionSlope)[s]}),
-                           std::abs(double{prepared.row(GreyCurve::kShadeSlope)[s]})});
+      steepest =
+          std::max({steepest, std::abs(double{prepared.row(PreintegratedTransfer::kExtinctionSlope)[s]}),
+                    std::abs(double{prepared.row(PreintegratedTransfer::kShadeSlope)[s]})});
     }
     const double rounding = 1e-6 + 6e-8 * last * steepest;
     for (int n = 0; n < 1000; ++n) {
       const double grey = (last + 20) * n / 1000;
       const std::size_t s = segment_of(prepared, grey);
-      const double above = grey - prepared.row(GreyCurve::kGrey)[s];
+      const double above = grey - prepared.row(PreintegratedTransfer::kGrey)[s];
       const TransferValue expected = evaluate(curve, grey, kLength);
-      EXPECT_NEAR(
-          prepared.row(GreyCurve::kExtinction)[s] + above * prepared.row(GreyCurve::kExtinctionSlope)[s],
-          expected.extinction_per_mm, rounding);
-      EXPECT_NEAR(prepared.row(GreyCurve::kShade)[s] + above * prepared.row(GreyCurve::kShadeSlope)[s],
+      EXPECT_NEAR(prepared.row(PreintegratedTransfer::kExtinction)[s] +
+                      above * prepared.row(PreintegratedTransfer::kExtinctionSlope)[s],
+                  expected.extinction_per_mm, rounding);
+      EXPECT_NEAR(prepared.row(PreintegratedTransfer::kShade)[s] +
+                      above * prepared.row(PreintegratedTransfer::kShadeSlope)[s],
                   expected.shade, rounding);
     }
   }
 }
 
 // Found by fuzzing: 255 over the least width is infinite, and so is a float of the widest.
-TEST(GreyCurve, IsFiniteAtEveryWidth) {
+TEST(PreintegratedTransfer, IsFiniteAtEveryWidth) {
   for (const double width : {5e-324, 1e-310, 1e-300, 1e-30, 1.0, 1e30, 1e300}) {
     for (const double low : {0.0, -width, 7.0, -1e300}) {
       const double high = std::max(low + width, std::nextafter(low, 1e308));
@@ -66,10 +68,10 @@ TEST(GreyCurve, IsFiniteAtEveryWidth) {
         const auto scale = grey_scale(curve, type);
         ASSERT_TRUE(scale);
         EXPECT_EQ(scale->stored(0), -scale->offset * scale->scale);
-        const GreyCurve prepared(curve, *scale, 1e-6);
-        for (std::size_t row = 0; row < GreyCurve::kRows; ++row) {
+        const PreintegratedTransfer prepared(curve, *scale, 1e-6);
+        for (std::size_t row = 0; row < PreintegratedTransfer::kRows; ++row) {
           for (std::size_t s = 0; s <= prepared.points(); ++s) {
-            EXPECT_TRUE(std::isfinite(prepared.row(static_cast<GreyCurve::Row>(row))[s]))
+            EXPECT_TRUE(std::isfinite(prepared.row(static_cast<PreintegratedTransfer::Row>(row))[s]))
                 << low << " to " << high << ", row " << row << ", segment " << s;
           }
         }
@@ -78,32 +80,34 @@ TEST(GreyCurve, IsFiniteAtEveryWidth) {
   }
 }
 
-TEST(GreyCurve, RampsThatAreTooNarrowForFloatsAreSteps) {
+TEST(PreintegratedTransfer, RampsThatAreTooNarrowForFloatsAreSteps) {
   const TransferCurve curve{{{0, 0, 0.25f}, {4e-44, 0, 0.5f}, {5e-44, 0.5f, 0.5f}, {255, 0.5f, 0.5f}}};
-  const GreyCurve prepared(curve, *grey_scale(curve, VoxelType::kUInt8), 1e-9);
-  for (std::size_t row = 0; row < GreyCurve::kRows; ++row) {
+  const PreintegratedTransfer prepared(curve, *grey_scale(curve, VoxelType::kUInt8), 1e-9);
+  for (std::size_t row = 0; row < PreintegratedTransfer::kRows; ++row) {
     for (std::size_t s = 0; s <= prepared.points(); ++s)
-      EXPECT_TRUE(std::isfinite(prepared.row(static_cast<GreyCurve::Row>(row))[s])) << row << ", " << s;
+      EXPECT_TRUE(std::isfinite(prepared.row(static_cast<PreintegratedTransfer::Row>(row))[s]))
+          << row << ", " << s;
   }
   EXPECT_FALSE(prepared.shows(0, 0));
-  EXPECT_EQ(prepared.row(GreyCurve::kExtinction)[3], static_cast<float>(extinction_of(0.5f, 1e-9)));
+  EXPECT_EQ(prepared.row(PreintegratedTransfer::kExtinction)[3],
+            static_cast<float>(extinction_of(0.5f, 1e-9)));
 }
 
-TEST(GreyCurve, IsFiniteForAPointFarAway) {
+TEST(PreintegratedTransfer, IsFiniteForAPointFarAway) {
   for (const double grey : {-7e278, 1e300}) {
     const TransferCurve curve{{{grey, 0, 0}}};
     const auto scale = grey_scale(curve, VoxelType::kInt16);
     ASSERT_TRUE(scale);
-    const GreyCurve prepared(curve, *scale, 1);
-    EXPECT_NEAR(prepared.row(GreyCurve::kGrey)[1], std::copysign(1e5, grey), 1);
+    const PreintegratedTransfer prepared(curve, *scale, 1);
+    EXPECT_NEAR(prepared.row(PreintegratedTransfer::kGrey)[1], std::copysign(1e5, grey), 1);
     EXPECT_FALSE(prepared.shows(-1e5f, 1e5f));
   }
 }
 
-TEST(GreyCurve, IntegralsAreSumsOverGreyValues) {
+TEST(PreintegratedTransfer, IntegralsAreSumsOverGreyValues) {
   std::mt19937 random(2);
   const TransferCurve curve = random_curve(random, 9);
-  const GreyCurve prepared(curve, {.bytes = true}, kLength);
+  const PreintegratedTransfer prepared(curve, {.bytes = true}, kLength);
   double depth = 0, emission = 0, variation = 0;
   constexpr int kSteps = 20000;
   for (std::size_t p = 1; p < curve.points.size(); ++p) {
@@ -115,16 +119,16 @@ TEST(GreyCurve, IntegralsAreSumsOverGreyValues) {
     }
     variation += std::abs(evaluate(curve, from + width, kLength).extinction_per_mm -
                           evaluate(curve, from, kLength).extinction_per_mm);
-    EXPECT_NEAR(prepared.row(GreyCurve::kDepth)[p + 1], depth, 1e-6 * (1 + depth));
-    EXPECT_NEAR(prepared.row(GreyCurve::kEmission)[p + 1], emission, 1e-6 * (1 + emission));
-    EXPECT_NEAR(prepared.row(GreyCurve::kVariation)[p + 1], variation, 1e-5);
+    EXPECT_NEAR(prepared.row(PreintegratedTransfer::kDepth)[p + 1], depth, 1e-6 * (1 + depth));
+    EXPECT_NEAR(prepared.row(PreintegratedTransfer::kEmission)[p + 1], emission, 1e-6 * (1 + emission));
+    EXPECT_NEAR(prepared.row(PreintegratedTransfer::kVariation)[p + 1], variation, 1e-5);
   }
   EXPECT_NEAR(prepared.variation(), variation, 1e-5);
 }
 
-TEST(GreyCurve, TellsWhereItShows) {
+TEST(PreintegratedTransfer, TellsWhereItShows) {
   const TransferCurve curve{{{10, 0, 1}, {20, 0, 1}, {30, 0.5f, 1}, {40, 0, 1}, {50, 0, 1}}};
-  const GreyCurve prepared(curve, {.bytes = true}, kLength);
+  const PreintegratedTransfer prepared(curve, {.bytes = true}, kLength);
   EXPECT_FALSE(prepared.shows(0, 20));
   EXPECT_TRUE(prepared.shows(0, 21));
   EXPECT_TRUE(prepared.shows(22, 23));
@@ -133,7 +137,7 @@ TEST(GreyCurve, TellsWhereItShows) {
   EXPECT_TRUE(prepared.shows(39, 39));
 }
 
-TEST(GreyCurve, WhatIsNotThereCountsAsZeroOrAsTheLowestPoint) {
+TEST(PreintegratedTransfer, WhatIsNotThereCountsAsZeroOrAsTheLowestPoint) {
   const TransferCurve from_10{{{10, 0, 1}, {20, 0.5f, 1}}};
   const TransferCurve from_minus_500{{{-500, 0, 1}, {100, 0.5f, 1}}};
   const TransferCurve all{{{10, 0.5f, 1}}};
@@ -162,16 +166,16 @@ TEST(GreyCurve, WhatIsNotThereCountsAsZeroOrAsTheLowestPoint) {
 
 /// However narrow a ramp is, and however far from 0, floats tell its sides apart, and it lies where it
 /// should.
-TEST(GreyCurve, NarrowRampsFarAwayAreSteps) {
+TEST(PreintegratedTransfer, NarrowRampsFarAwayAreSteps) {
   for (const double low : {95.0, -95.0, 3e4, 1e9}) {
     const double high = std::nextafter(low, HUGE_VAL);
     const TransferCurve curve{{{low, low < 0 ? 0.5f : 0, 0}, {high, low < 0 ? 0 : 0.5f, 1}}};
     const auto scale = grey_scale(curve, VoxelType::kFloat64);
     ASSERT_TRUE(scale);
-    const GreyCurve prepared(curve, *scale, kLength);
-    for (std::size_t row = 0; row < GreyCurve::kRows; ++row) {
-      for (std::size_t n = 0; n < GreyCurve::kMostSegments; ++n) {
-        ASSERT_TRUE(std::isfinite(prepared.row(static_cast<GreyCurve::Row>(row))[n]));
+    const PreintegratedTransfer prepared(curve, *scale, kLength);
+    for (std::size_t row = 0; row < PreintegratedTransfer::kRows; ++row) {
+      for (std::size_t n = 0; n < PreintegratedTransfer::kMaxSegments; ++n) {
+        ASSERT_TRUE(std::isfinite(prepared.row(static_cast<PreintegratedTransfer::Row>(row))[n]));
       }
     }
     const auto at = [&](double grey) { return static_cast<float>(scale->stored(grey)); };

@@ -1,4 +1,4 @@
-#include "player/spans/light_buffer.h"
+#include "player/spans/optical_buffer.h"
 
 #include <algorithm>
 #include <new>
@@ -19,7 +19,7 @@ std::shared_ptr<float> allocate(std::size_t floats) {
 
 }  // namespace
 
-void LightBuffer::grow(std::size_t floats) {
+void OpticalBuffer::grow(std::size_t floats) {
   const std::size_t capacity = std::max(floats, capacity_ + capacity_ / 2);
   std::shared_ptr<float> larger = allocate(capacity);
   std::copy_n(floats_.get(), size_, larger.get());
@@ -28,7 +28,7 @@ void LightBuffer::grow(std::size_t floats) {
 }
 
 /// In floats. Buffers share its ownership.
-struct LightArena::Chunk {
+struct OpticalArena::Chunk {
   SparseBytes memory;
   std::size_t size = 0, used = 0, touched = 0;
   bool lent = false;
@@ -36,12 +36,12 @@ struct LightArena::Chunk {
   [[nodiscard]] float* data() const { return reinterpret_cast<float*>(memory.data()); }
 };
 
-LightBuffer LightArena::lend(std::size_t floats) {
+OpticalBuffer OpticalArena::lend(std::size_t floats) {
   const std::lock_guard lock(mutex_);
   const auto lend_rest = [&](const std::shared_ptr<Chunk>& chunk) {
     chunk->lent = true;
     if (large_) chunk->memory.expect_dense(0, chunk->memory.size());
-    return LightBuffer({chunk, chunk->data() + chunk->used}, chunk->size - chunk->used);
+    return OpticalBuffer({chunk, chunk->data() + chunk->used}, chunk->size - chunk->used);
   };
   for (const std::shared_ptr<Chunk>& chunk : chunks_) {
     if (chunk.use_count() == 1) {
@@ -59,7 +59,7 @@ LightBuffer LightArena::lend(std::size_t floats) {
   return lend_rest(chunk);
 }
 
-void LightArena::settle(LightBuffer& buffer) {
+void OpticalArena::settle(OpticalBuffer& buffer) {
   const std::lock_guard lock(mutex_);
   for (const std::shared_ptr<Chunk>& chunk : chunks_) {
     if (!chunk->lent || buffer.data() != chunk->data() + chunk->used) continue;
@@ -73,14 +73,14 @@ void LightArena::settle(LightBuffer& buffer) {
   }
 }
 
-std::uint64_t LightArena::bytes() const {
+std::uint64_t OpticalArena::bytes() const {
   const std::lock_guard lock(mutex_);
   std::uint64_t floats = 0;
   for (const std::shared_ptr<Chunk>& chunk : chunks_) floats += chunk->touched;
   return floats * sizeof(float);
 }
 
-std::uint64_t LightArena::held_bytes() const {
+std::uint64_t OpticalArena::held_bytes() const {
   const std::lock_guard lock(mutex_);
   std::uint64_t floats = 0;
   for (const std::shared_ptr<Chunk>& chunk : chunks_) {
@@ -89,7 +89,7 @@ std::uint64_t LightArena::held_bytes() const {
   return floats * sizeof(float);
 }
 
-void LightArena::trim(std::uint64_t bytes) {
+void OpticalArena::trim(std::uint64_t bytes) {
   const std::lock_guard lock(mutex_);
   std::uint64_t kept = 0;
   std::erase_if(chunks_, [&](const std::shared_ptr<Chunk>& chunk) {

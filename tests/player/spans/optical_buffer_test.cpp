@@ -1,4 +1,4 @@
-#include "player/spans/light_buffer.h"
+#include "player/spans/optical_buffer.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -13,20 +13,20 @@ namespace {
 constexpr std::size_t kMiB = (std::size_t{1} << 20) / sizeof(float);  // in floats
 
 /// A buffer that holds so many floats, all of one value.
-LightBuffer filled(LightArena& arena, std::size_t floats, float value) {
-  LightBuffer buffer = arena.lend(floats);
+OpticalBuffer filled(OpticalArena& arena, std::size_t floats, float value) {
+  OpticalBuffer buffer = arena.lend(floats);
   EXPECT_GE(buffer.capacity(), floats);
   std::fill_n(buffer.append(floats), floats, value);
   arena.settle(buffer);
   return buffer;
 }
 
-bool holds(const LightBuffer& buffer, float value) {
+bool holds(const OpticalBuffer& buffer, float value) {
   return std::all_of(buffer.data(), buffer.data() + buffer.size(), [=](float f) { return f == value; });
 }
 
-TEST(LightBuffer, KeepsWhatItHoldsWhereItGrows) {
-  LightBuffer buffer;
+TEST(OpticalBuffer, KeepsWhatItHoldsWhereItGrows) {
+  OpticalBuffer buffer;
   for (std::size_t n = 0; n < 3000; ++n) {
     *buffer.append(1) = static_cast<float>(n);
     ASSERT_EQ(buffer.size(), n + 1);
@@ -36,9 +36,9 @@ TEST(LightBuffer, KeepsWhatItHoldsWhereItGrows) {
   for (std::size_t n = 0; n < 3000; ++n) ASSERT_EQ(buffer.data()[n], static_cast<float>(n));
 }
 
-TEST(LightArena, BuffersLieApartAndAligned) {
-  LightArena arena;
-  std::vector<LightBuffer> buffers;
+TEST(OpticalArena, BuffersLieApartAndAligned) {
+  OpticalArena arena;
+  std::vector<OpticalBuffer> buffers;
   for (std::size_t n = 0; n < 300; ++n) buffers.push_back(filled(arena, 1 + n * n, static_cast<float>(n)));
   for (std::size_t n = 0; n < buffers.size(); ++n) {
     EXPECT_EQ(buffers[n].size(), 1 + n * n);
@@ -46,7 +46,7 @@ TEST(LightArena, BuffersLieApartAndAligned) {
     EXPECT_EQ(reinterpret_cast<std::uintptr_t>(buffers[n].data()) % 64, 0u);
   }
   // Two that are lent at the same time, as two threads have them.
-  LightBuffer a = arena.lend(100), b = arena.lend(100);
+  OpticalBuffer a = arena.lend(100), b = arena.lend(100);
   std::fill_n(a.append(100), 100, 1.0f);
   std::fill_n(b.append(100), 100, 2.0f);
   arena.settle(b);
@@ -54,14 +54,14 @@ TEST(LightArena, BuffersLieApartAndAligned) {
   EXPECT_TRUE(holds(a, 1) && holds(b, 2));
 }
 
-TEST(LightArena, MemoryIsUsedAgainWhenNothingInItIsHeld) {
-  LightArena arena;
+TEST(OpticalArena, MemoryIsUsedAgainWhenNothingInItIsHeld) {
+  OpticalArena arena;
   const auto fill = [&] {
-    std::vector<LightBuffer> buffers;
+    std::vector<OpticalBuffer> buffers;
     for (int n = 0; n < 40; ++n) buffers.push_back(filled(arena, kMiB / 3, static_cast<float>(n)));
     return buffers;
   };
-  std::vector<LightBuffer> buffers = fill();
+  std::vector<OpticalBuffer> buffers = fill();
   const std::uint64_t bytes = arena.bytes();
   EXPECT_EQ(arena.held_bytes(), bytes);
   for (int again = 0; again < 5; ++again) {
@@ -71,7 +71,7 @@ TEST(LightArena, MemoryIsUsedAgainWhenNothingInItIsHeld) {
     EXPECT_EQ(arena.bytes(), bytes);
   }
   // One that stays keeps others away from what lies beside it, and is not overwritten.
-  LightBuffer stays = std::move(buffers[20]);
+  OpticalBuffer stays = std::move(buffers[20]);
   buffers.clear();
   EXPECT_GE(arena.held_bytes(), stays.size() * sizeof(float));
   EXPECT_LT(arena.held_bytes(), bytes / 3);
@@ -79,11 +79,11 @@ TEST(LightArena, MemoryIsUsedAgainWhenNothingInItIsHeld) {
   EXPECT_TRUE(holds(stays, 20));
 }
 
-TEST(LightArena, GivesBackWhatNobodyUses) {
-  LightArena arena;
-  const LightBuffer used = filled(arena, kMiB, 1);
+TEST(OpticalArena, GivesBackWhatNobodyUses) {
+  OpticalArena arena;
+  const OpticalBuffer used = filled(arena, kMiB, 1);
   {
-    const LightBuffer dropped = filled(arena, 8 * kMiB, 2);  // too much to share memory
+    const OpticalBuffer dropped = filled(arena, 8 * kMiB, 2);  // too much to share memory
   }
   const std::uint64_t bytes = arena.bytes();
   arena.trim(bytes);
@@ -95,20 +95,20 @@ TEST(LightArena, GivesBackWhatNobodyUses) {
 }
 
 /// More than it was lent for: it goes elsewhere, and nothing of others is overwritten.
-TEST(LightArena, ABufferMayOutgrowItsRoom) {
-  LightArena arena;
-  const LightBuffer before = filled(arena, 1000, 1);
-  LightBuffer grown = arena.lend(10);
+TEST(OpticalArena, ABufferMayOutgrowItsRoom) {
+  OpticalArena arena;
+  const OpticalBuffer before = filled(arena, 1000, 1);
+  OpticalBuffer grown = arena.lend(10);
   const std::size_t floats = grown.capacity() + 5;
   std::fill_n(grown.append(floats), floats, 2.0f);
   arena.settle(grown);
-  const LightBuffer behind = filled(arena, 1000, 3);
+  const OpticalBuffer behind = filled(arena, 1000, 3);
   EXPECT_TRUE(holds(before, 1) && holds(grown, 2) && holds(behind, 3));
 }
 
-TEST(LightArena, WhatHoldsNothingKeepsNothing) {
-  LightArena arena;
-  const LightBuffer empty = filled(arena, 0, 0);
+TEST(OpticalArena, WhatHoldsNothingKeepsNothing) {
+  OpticalArena arena;
+  const OpticalBuffer empty = filled(arena, 0, 0);
   EXPECT_EQ(empty.capacity(), 0u);
   EXPECT_EQ(arena.held_bytes(), 0u);
 }

@@ -1,11 +1,11 @@
-#include "tests/reference/light_field.h"
+#include "tests/reference/optical_field.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "format/decision_tree.h"
 #include "player/transfer/transfer_function.h"
-#include "tests/reference/reference_light.h"
+#include "tests/reference/reference_radiance.h"
 
 namespace splatlas::reference {
 namespace {
@@ -26,24 +26,24 @@ double densest_of(const TransferCurve& curve, double reference_length_mm) {
 
 }  // namespace
 
-void VoxelLight::add(double weight, const VoxelLight& other) {
+void VoxelOptics::add(double weight, const VoxelOptics& other) {
   extinction += weight * other.extinction;
   for (std::size_t c = 0; c < 3; ++c) emission[c] += weight * other.emission[c];
 }
 
-VoxelLight LightField::at(std::int64_t i, std::int64_t j, std::int64_t k) const {
+VoxelOptics OpticalField::at(std::int64_t i, std::int64_t j, std::int64_t k) const {
   if (!grid.contains(i, j, k)) return {};
   return voxels[static_cast<std::size_t>(grid.offset(i, j, k))];
 }
 
-VoxelLight LightField::trilinear(const Vec3& index) const {
+VoxelOptics OpticalField::trilinear(const Vec3& index) const {
   std::array<std::int64_t, 3> low{};
   Vec3 part{};
   for (std::size_t a = 0; a < 3; ++a) {
     low[a] = static_cast<std::int64_t>(std::floor(index[a]));
     part[a] = index[a] - std::floor(index[a]);
   }
-  VoxelLight sum;
+  VoxelOptics sum;
   for (const int x : {0, 1}) {
     for (const int y : {0, 1}) {
       for (const int z : {0, 1}) {
@@ -56,9 +56,9 @@ VoxelLight LightField::trilinear(const Vec3& index) const {
   return sum;
 }
 
-LightField light_field(const AtlasContent& content, const Selection& selection, const ParallelView& view,
-                       bool hybrid_shading) {
-  LightField field{storage_grid(content), {}};
+OpticalField optical_field(const AtlasContent& content, const Selection& selection, const ParallelView& view,
+                           bool hybrid_shading) {
+  OpticalField field{storage_grid(content), {}};
   field.voxels.resize(content.class_volume.size());
   const Vec3& spacing = field.grid.spacing_mm;
   const double reference_length_mm = std::cbrt(spacing[0] * spacing[1] * spacing[2]);
@@ -67,8 +67,8 @@ LightField light_field(const AtlasContent& content, const Selection& selection, 
   for (const ClassDraw& draw : plan.classes) draw_of[draw.id] = &draw;
 
   std::vector<TransferCurve> curve_of;  // of structures
-  for (const StructureDraw& look : selection.structures) {
-    curve_of.push_back(transfer_curve(look, content.display));
+  for (const StructureDraw& appearance : selection.structures) {
+    curve_of.push_back(transfer_curve(appearance, content.display));
   }
 
   double drawn = 0;                                         // voxels
@@ -78,7 +78,7 @@ LightField light_field(const AtlasContent& content, const Selection& selection, 
     const std::size_t number_in_class = met[c]++;
     const ClassDraw* draw = draw_of[c];
     if (draw == nullptr || (draw->role != VoxelRole::kVolume && draw->role != VoxelRole::kHybrid)) continue;
-    const StructureDraw& look = selection.structures[draw->volume_of];
+    const StructureDraw& appearance = selection.structures[draw->volume_of];
     const TransferCurve& curve = curve_of[draw->volume_of];
     const double grey = content.values.empty() ? HUGE_VAL : value_of(content.values, n);
     const TransferValue value = transfer(curve, grey, reference_length_mm);
@@ -88,10 +88,10 @@ LightField light_field(const AtlasContent& content, const Selection& selection, 
       shade *= diffuse(view, {normal[0], normal[1], normal[2]});
     }
     field.mean_densest += (densest_of(curve, reference_length_mm) - field.mean_densest) / ++drawn;
-    VoxelLight& light = field.voxels[n];
+    VoxelOptics& light = field.voxels[n];
     light.extinction = value.extinction_per_mm;
     for (std::size_t channel = 0; channel < 3; ++channel) {
-      light.emission[channel] = light.extinction * shade * linear_of(look.color)[channel];
+      light.emission[channel] = light.extinction * shade * linear_of(appearance.color)[channel];
     }
   }
   return field;

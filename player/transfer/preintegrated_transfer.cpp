@@ -1,4 +1,4 @@
-#include "player/transfer/grey_curve.h"
+#include "player/transfer/preintegrated_transfer.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,13 +10,13 @@ namespace {
 constexpr double kStoredWidth = 255;
 /// No point of a curve is stored further from 0 than this: floats tell 1/128 apart there. Curves so far away
 /// for their width are stretched to less.
-constexpr double kFurthestStored = 1e5;
+constexpr double kMaxStored = 1e5;
 /// Widths that are no more than doubles can tell are stretched to less, too: their scale would be infinite.
 constexpr double kLargestScale = 1e300;
 /// Stored width below which a ramp is a step: floats do not have its slope.
-constexpr double kLeastRamp = 1e-20;
+constexpr double kMinRamp = 1e-20;
 /// Share of a curve's width below which rounding of the integrals would show in their difference quotients.
-constexpr double kLeastShare = 2e-4;
+constexpr double kMinShare = 2e-4;
 
 /// A point with stored grey values, in double precision.
 struct Knot {
@@ -35,16 +35,17 @@ std::optional<GreyScale> grey_scale(const TransferCurve& curve, VoxelType type) 
   const double width = curve.points.back().grey - first.grey;
   const double furthest =
       std::max(std::abs(first.grey - scale.offset), std::abs(curve.points.back().grey - scale.offset));
-  if (hides_zero && type == VoxelType::kUInt8 && furthest <= kFurthestStored) {
+  if (hides_zero && type == VoxelType::kUInt8 && furthest <= kMaxStored) {
     scale.bytes = true;
     return scale;
   }
   const double stretch = width > 0 ? kStoredWidth / width : 1;
-  scale.scale = std::min({stretch, kFurthestStored / furthest, kLargestScale});
+  scale.scale = std::min({stretch, kMaxStored / furthest, kLargestScale});
   return scale;
 }
 
-GreyCurve::GreyCurve(const TransferCurve& curve, const GreyScale& scale, double reference_length_mm)
+PreintegratedTransfer::PreintegratedTransfer(const TransferCurve& curve, const GreyScale& scale,
+                                             double reference_length_mm)
     : points_(curve.points.size()) {
   const auto knot = [&](std::size_t n) {
     const TransferPoint& point = curve.points[n];
@@ -57,7 +58,7 @@ GreyCurve::GreyCurve(const TransferCurve& curve, const GreyScale& scale, double 
     const bool inner = segment > 0 && segment < points_;
     const Knot to = inner ? knot(segment) : from;
     const double width = to.grey - from.grey;
-    const bool ramp = inner && width >= kLeastRamp;  // not a step
+    const bool ramp = inner && width >= kMinRamp;  // not a step
     const double extinction_slope = ramp ? (to.extinction - from.extinction) / width : 0;
     const double shade_slope = ramp ? (to.shade - from.shade) / width : 0;
     const std::array<double, kRows> column{from.grey,  from.extinction, extinction_slope,
@@ -69,10 +70,10 @@ GreyCurve::GreyCurve(const TransferCurve& curve, const GreyScale& scale, double 
     emission += width * ((from.extinction * from.shade + to.extinction * to.shade) / 3 +
                          (from.extinction * to.shade + to.extinction * from.shade) / 6);
   }
-  least_difference_ = static_cast<float>(kLeastShare * (knot(points_ - 1).grey - knot(0).grey));
+  min_difference_ = static_cast<float>(kMinShare * (knot(points_ - 1).grey - knot(0).grey));
 }
 
-float GreyCurve::extinction_at(float grey) const {
+float PreintegratedTransfer::extinction_at(float grey) const {
   const auto& greys = table_[kGrey];
   const auto segment = static_cast<std::size_t>(
       std::upper_bound(greys.begin() + 1, greys.begin() + 1 + static_cast<std::ptrdiff_t>(points_), grey) -
@@ -80,7 +81,7 @@ float GreyCurve::extinction_at(float grey) const {
   return table_[kExtinction][segment] + table_[kExtinctionSlope][segment] * (grey - table_[kGrey][segment]);
 }
 
-bool GreyCurve::shows(float low, float high) const {
+bool PreintegratedTransfer::shows(float low, float high) const {
   if (extinction_at(low) > 0 || extinction_at(high) > 0) return true;
   for (std::size_t n = 1; n <= points_; ++n) {
     if (table_[kGrey][n] > low && table_[kGrey][n] < high && table_[kExtinction][n] > 0) return true;

@@ -23,12 +23,12 @@ namespace splatlas::reference {
                                                   const std::array<double, 3>& color, const Vec3& normal_lps);
 
 /// The light along some part of a ray: what it sends to the viewer, and what shines through it.
-struct RayLight {
+struct RayRadiance {
   std::array<double, 3> color{0, 0, 0};
   double transmittance = 1;
 
   /// Puts `further` behind.
-  void add(const RayLight& further);
+  void add(const RayRadiance& further);
   void add_surface(const std::array<double, 4>& premultiplied);
 };
 

@@ -1,10 +1,10 @@
 // Through a selection with one transfer function and one colour, of bytes: the common case. Compiled once
 // for every instruction set.
-#if defined(SPLATLAS_PLAYER_MARCH_ONE_LOOK_INL_H_) == defined(HWY_TARGET_TOGGLE)
-#ifdef SPLATLAS_PLAYER_MARCH_ONE_LOOK_INL_H_
-#undef SPLATLAS_PLAYER_MARCH_ONE_LOOK_INL_H_
+#if defined(SPLATLAS_PLAYER_MARCH_SINGLE_APPEARANCE_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef SPLATLAS_PLAYER_MARCH_SINGLE_APPEARANCE_INL_H_
+#undef SPLATLAS_PLAYER_MARCH_SINGLE_APPEARANCE_INL_H_
 #else
-#define SPLATLAS_PLAYER_MARCH_ONE_LOOK_INL_H_
+#define SPLATLAS_PLAYER_MARCH_SINGLE_APPEARANCE_INL_H_
 #endif
 
 #include <algorithm>
@@ -15,8 +15,8 @@
 
 #include "player/rays/march_cubics-inl.h"
 #include "player/rays/march_kernels.h"
-#include "player/rays/march_looks-inl.h"
-#include "player/rays/march_rays-inl.h"
+#include "player/rays/march_optics-inl.h"
+#include "player/rays/march_packet-inl.h"
 #include "player/rays/march_samples-inl.h"
 #include "player/rays/march_tolerance.h"
 
@@ -32,21 +32,21 @@ constexpr std::size_t kOuterLanes[] = {0, 1, 2, 3, 4, 7, 8, 11, 12, 13, 14, 15};
 /// steps of the transfer function, with their power of 3/2.
 HWY_INLINE int StepsOf(const MarchScene& scene, Vector weight) {
   const float most = hn::GetLane(hn::MaxOfLanes(Lanes(), weight)) / (kEvenShare * scene.tolerance);
-  const auto least = static_cast<float>(scene.least_steps);
-  if (most <= 1) return scene.least_steps;
+  const auto least = static_cast<float>(scene.min_steps);
+  if (most <= 1) return scene.min_steps;
   const float steps = std::ceil(std::cbrt(most * most));
-  return static_cast<int>(std::clamp(steps, least, static_cast<float>(scene.most_steps)));
+  return static_cast<int>(std::clamp(steps, least, static_cast<float>(scene.max_steps)));
 }
 
-/// `Curve`: the transfer function, as march_looks-inl.h takes it.
+/// `Curve`: the transfer function, as march_optics-inl.h takes it.
 template <typename Curve>
-class OneLook {
+class SingleAppearance {
  public:
-  HWY_INLINE OneLook(const MarchScene& scene, const Rays& rays, Sum& sum)
+  HWY_INLINE SingleAppearance(const MarchScene& scene, const Rays& rays, Sum& sum)
       : scene_(scene),
         rays_(rays),
         sum_(sum),
-        octants_(scene.sources[0].octants),
+        cell_corners_(scene.sources[0].cell_corners),
         curve_(*scene.sources[0].curve),
         emitted_(hn::Zero(Lanes())) {}
 
@@ -102,17 +102,17 @@ class OneLook {
     }
   };
   struct Taken {
-    Octants octants;
+    CellCorners cell_corners;
     Classified classified;
     IntVector cells;
   };
   HWY_INLINE Vector GreyAt(Vector t) const {
     const Places places(scene_.grid, rays_, t);
-    return Octants(octants_, places).Value(places);
+    return CellCorners(cell_corners_, places).Value(places);
   }
   HWY_INLINE Taken Take(const Places& places) const {
-    const Octants octants(octants_, places);
-    return {octants, Classify(curve_, octants.Value(places)), hn::Load(Ints(), places.cells)};
+    const CellCorners cell_corners(cell_corners_, places);
+    return {cell_corners, Classify(curve_, cell_corners.Value(places)), hn::Load(Ints(), places.cells)};
   }
 
   struct GreyRange {
@@ -121,12 +121,13 @@ class OneLook {
   /// Of the voxels around all cells of the slab from `at`, where the last step ended.
   HWY_INLINE GreyRange RangeOf(Vector at, Vector end, const Taken& taken) const {
     const auto between = rays_.CellsBetween(last_.cells, taken.cells, at, end);
-    const Octants beside(octants_, between.beside);
+    const CellCorners beside(cell_corners_, between.beside);
     if (HWY_LIKELY(!between.has_corner))
-      return {beside.LowWith(last_.octants, taken.octants), beside.HighWith(last_.octants, taken.octants)};
-    const Octants corner(octants_, between.corner);
-    return {corner.LowWith(beside, last_.octants, taken.octants),
-            corner.HighWith(beside, last_.octants, taken.octants)};
+      return {beside.LowWith(last_.cell_corners, taken.cell_corners),
+              beside.HighWith(last_.cell_corners, taken.cell_corners)};
+    const CellCorners corner(cell_corners_, between.corner);
+    return {corner.LowWith(beside, last_.cell_corners, taken.cell_corners),
+            corner.HighWith(beside, last_.cell_corners, taken.cell_corners)};
   }
 
   /// Rays come by cells that no other has come by for long: the machine's own prefetching does not help.
@@ -135,7 +136,7 @@ class OneLook {
     ahead_from_ = t;
     for (const Places& places : ends_[ahead_].places) {
       for (const std::size_t lane : kOuterLanes) {
-        if (lane < hn::Lanes(Lanes())) hwy::Prefetch(octants_ + places.cells[lane]);
+        if (lane < hn::Lanes(Lanes())) hwy::Prefetch(cell_corners_ + places.cells[lane]);
       }
     }
   }
@@ -168,12 +169,12 @@ class OneLook {
   }
 
   HWY_INLINE int Steps(Vector at, Vector end, const Taken& taken) const {
-    if (scene_.tolerance <= 0) return scene_.least_steps;
+    if (scene_.tolerance <= 0) return scene_.min_steps;
     const Lanes d;
     const auto weight = WeightOf(at, end);
-    const auto at_most = hn::Mul(weight, hn::Set(d, curve_.variation()));
+    const auto upper_bound = hn::Mul(weight, hn::Set(d, curve_.variation()));
     const auto most = hn::Set(d, kEvenShare * scene_.tolerance);
-    if (hn::AllTrue(d, hn::Le(at_most, most))) return scene_.least_steps;
+    if (hn::AllTrue(d, hn::Le(upper_bound, most))) return scene_.min_steps;
     const GreyRange greys = RangeOf(at, end, taken);
     const auto low = VariationUpTo(curve_, greys.low), high = VariationUpTo(curve_, greys.high);
     return StepsOf(scene_, hn::Mul(weight, hn::Sub(high, low)));
@@ -184,36 +185,36 @@ class OneLook {
     const Lanes d;
     const auto half = hn::Set(d, 0.5f);
     switch (WayOf(at, end, taken)) {
-      case SlabWay::kStraight: Step(hn::Sub(end, at), taken.classified); break;
-      case SlabWay::kBent: {
+      case SlabMethod::kStraight: Step(hn::Sub(end, at), taken.classified); break;
+      case SlabMethod::kBent: {
         const auto straight = hn::Mul(half, hn::Add(last_.classified.grey, taken.classified.grey));
         const auto above = hn::Sub(GreyAt(hn::Mul(half, hn::Add(at, end))), straight);
         Step(hn::Sub(end, at), taken.classified, hn::Mul(hn::Set(d, kSimpson), above));
         break;
       }
-      case SlabWay::kCut: Cut(at, end); break;
+      case SlabMethod::kCut: Cut(at, end); break;
     }
   }
 
-  HWY_INLINE SlabWay WayOf(Vector at, Vector end, const Taken& taken) const {
+  HWY_INLINE SlabMethod WayOf(Vector at, Vector end, const Taken& taken) const {
     const Lanes d;
     const auto tolerance = hn::Set(d, scene_.tolerance);
     const auto weight = WeightOf(at, end);
-    const auto at_most = hn::Mul(weight, hn::Set(d, curve_.variation()));
-    if (hn::AllTrue(d, hn::Le(at_most, tolerance))) return SlabWay::kStraight;
+    const auto upper_bound = hn::Mul(weight, hn::Set(d, curve_.variation()));
+    if (hn::AllTrue(d, hn::Le(upper_bound, tolerance))) return SlabMethod::kStraight;
     const GreyRange greys = RangeOf(at, end, taken);
     const auto low_segment = SegmentOf(curve_, greys.low), high_segment = SegmentOf(curve_, greys.high);
     const auto low = VariationUpTo(curve_, greys.low, low_segment);
     const auto high = VariationUpTo(curve_, greys.high, high_segment);
     const auto varies = hn::Mul(weight, hn::Sub(high, low));
-    if (hn::AllTrue(d, hn::Le(varies, tolerance))) return SlabWay::kStraight;
-    const auto most = hn::Mul(hn::Set(d, kMostVariation), tolerance);
-    if (!hn::AllTrue(d, hn::Le(varies, most))) return SlabWay::kCut;
+    if (hn::AllTrue(d, hn::Le(varies, tolerance))) return SlabMethod::kStraight;
+    const auto most = hn::Mul(hn::Set(d, kMaxVariation), tolerance);
+    if (!hn::AllTrue(d, hn::Le(varies, most))) return SlabMethod::kCut;
     const auto middle = VariationUpTo(curve_, hn::Mul(hn::Set(d, 0.5f), hn::Add(greys.low, greys.high)));
     const auto kinks = hn::Mul(weight, hn::Abs(hn::Sub(hn::Add(low, high), hn::Add(middle, middle))));
-    const auto few = hn::Le(kinks, hn::Mul(hn::Set(d, kMostKinks), tolerance));
+    const auto few = hn::Le(kinks, hn::Mul(hn::Set(d, kMaxKinks), tolerance));
     const auto linear = hn::RebindMask(d, hn::Eq(low_segment, high_segment));
-    return hn::AllTrue(d, hn::Or(few, linear)) ? SlabWay::kBent : SlabWay::kCut;
+    return hn::AllTrue(d, hn::Or(few, linear)) ? SlabMethod::kBent : SlabMethod::kCut;
   }
 
   HWY_NOINLINE void Cut(Vector at, Vector end) {
@@ -227,13 +228,13 @@ class OneLook {
 
   /// Halves what is not straight enough again and again.
   HWY_INLINE void CutCell(Vector at, Vector end) {
-    Cubic rest[kMostHalvings + 1];  // what is ahead, the nearest last
-    rest[0] = Cubic(octants_, scene_.grid, rays_, at, end);
+    Cubic rest[kMaxHalvings + 1];  // what is ahead, the nearest last
+    rest[0] = Cubic(cell_corners_, scene_.grid, rays_, at, end);
     std::size_t count = 1;
     while (count > 0) {
       Cubic& cubic = rest[count - 1];
-      if (cubic.halvings < kMostHalvings && !IsStraight(hn::Sub(cubic.t, at), cubic)) {
-        rest[count++] = cubic.FirstHalf(at);
+      if (cubic.halvings < kMaxHalvings && !IsStraight(hn::Sub(cubic.t, at), cubic)) {
+        rest[count++] = cubic.SplitFirstHalf(at);
         continue;
       }
       const Classified next = Classify(curve_, cubic.points[3]);
@@ -253,7 +254,7 @@ class OneLook {
     const auto variation =
         hn::Sub(VariationUpTo(curve_, high, high_segment), VariationUpTo(curve_, low, low_segment));
     const auto weight = hn::Mul(hn::Mul(sum_.Through(), hn::Mul(rays_.mm_per_t, part)), variation);
-    const auto most = hn::Mul(hn::Set(d, kMostShift * scene_.tolerance), hn::Sub(high, low));
+    const auto most = hn::Mul(hn::Set(d, kMaxShift * scene_.tolerance), hn::Sub(high, low));
     return hn::AllTrue(d, hn::Or(linear, hn::Le(hn::Mul(weight, cubic.Deviation()), most)));
   }
 
@@ -287,7 +288,7 @@ class OneLook {
   const MarchScene& scene_;
   const Rays& rays_;
   Sum& sum_;
-  const std::uint64_t* octants_;
+  const std::uint64_t* cell_corners_;
   Curve curve_;
   Vector emitted_;  // in the colour
   Taken last_;      // where the next step begins
@@ -300,4 +301,4 @@ class OneLook {
 }  // namespace splatlas::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
-#endif  // SPLATLAS_PLAYER_MARCH_ONE_LOOK_INL_H_
+#endif  // SPLATLAS_PLAYER_MARCH_SINGLE_APPEARANCE_INL_H_

@@ -1,4 +1,4 @@
-#include "tests/reference/reference_light.h"
+#include "tests/reference/reference_radiance.h"
 
 #include <algorithm>
 #include <cmath>
@@ -85,12 +85,12 @@ std::array<double, 3> shade_surface(const ParallelView& view, const std::array<d
   return shaded;
 }
 
-void RayLight::add(const RayLight& further) {
+void RayRadiance::add(const RayRadiance& further) {
   for (std::size_t c = 0; c < 3; ++c) color[c] += transmittance * further.color[c];
   transmittance *= further.transmittance;
 }
 
-void RayLight::add_surface(const std::array<double, 4>& premultiplied) {
+void RayRadiance::add_surface(const std::array<double, 4>& premultiplied) {
   add({{premultiplied[0], premultiplied[1], premultiplied[2]}, 1 - premultiplied[3]});
 }
 
