@@ -45,7 +45,8 @@ std::uint64_t frame_bytes(const RenderOptions& options) {
 
 /// How finely rays are sampled.
 CastOptions cast_options(const RenderOptions& options) {
-  CastOptions cast{.floor = termination_threshold(options), .principal_axis = options.principal_axis};
+  CastOptions cast{.termination_threshold = termination_threshold(options),
+                   .principal_axis = options.principal_axis};
   switch (options.quality) {
     case Quality::kDraft: break;
     case Quality::kNormal:

@@ -97,7 +97,7 @@ MarchScene march_scene(const RayVolume& volume, const CastOptions& options) {
   return {.grid = volume.grid(),
           .sources = volume.sources(),
           .active = volume.active(),
-          .floor = options.floor,
+          .termination_threshold = options.termination_threshold,
           .min_steps = options.min_steps,
           .max_steps = options.max_steps,
           .tolerance = options.tolerance};

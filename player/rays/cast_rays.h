@@ -15,8 +15,8 @@ namespace splatlas {
 /// How rays march.
 struct CastOptions {
   int min_steps = 1, max_steps = 1;  ///< per slab, the space between two planes of voxels
-  float tolerance = 0;  ///< where more than the least are taken (MarchKernels::march); 0: nowhere
-  float floor = 0;      ///< rays that let through no more are ended: no value is further off than that
+  float tolerance = 0;              ///< where more than the least are taken (MarchKernels::march); 0: nowhere
+  float termination_threshold = 0;  ///< early ray termination; also bounds the error of a value
   std::optional<Axis> principal_axis =
       std::nullopt;  ///< forced, to measure what the choice costs; the best one of each ray when not set
 };

@@ -1,5 +1,5 @@
-// From grey values along a ray to what a step of it emits and absorbs. Compiled once for every instruction
-// set.
+// Pre-integrated transfer functions (Engel et al. 2001) and the radiance of ray segments. Compiled once for
+// every instruction set.
 #if defined(SPLATLAS_PLAYER_MARCH_OPTICS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SPLATLAS_PLAYER_MARCH_OPTICS_INL_H_
 #undef SPLATLAS_PLAYER_MARCH_OPTICS_INL_H_
@@ -16,251 +16,274 @@
 
 HWY_BEFORE_NAMESPACE();
 namespace splatlas::HWY_NAMESPACE {
-namespace hn = hwy::HWY_NAMESPACE;
 
-/// A curve by reference; of which kind it is tells how it is looked up.
-class LookedUpCurve {
+/// A transfer function by reference. The derived type selects the look-up.
+class TransferView {
  public:
-  HWY_INLINE explicit LookedUpCurve(const PreintegratedTransfer& curve) : curve_(curve) {}
+  HWY_INLINE explicit TransferView(const PreintegratedTransfer& transfer) : transfer_(transfer) {}
 
-  [[nodiscard]] HWY_INLINE std::size_t points() const { return curve_.points(); }
-  [[nodiscard]] HWY_INLINE const float* row(PreintegratedTransfer::Row row) const { return curve_.row(row); }
-  [[nodiscard]] HWY_INLINE float min_difference() const { return curve_.min_difference(); }
-  [[nodiscard]] HWY_INLINE float variation() const { return curve_.variation(); }
-
- private:
-  const PreintegratedTransfer& curve_;
-};
-
-/// With so few points that a row of its table fits a vector: a look-up is a permutation.
-class ShortCurve : public LookedUpCurve {
- public:
-  static HWY_INLINE bool fits(const PreintegratedTransfer& curve) {
-    return curve.points() < hn::Lanes(Lanes());
+  [[nodiscard]] HWY_INLINE std::size_t points() const { return transfer_.points(); }
+  [[nodiscard]] HWY_INLINE const float* row(PreintegratedTransfer::Row row) const {
+    return transfer_.row(row);
   }
+  [[nodiscard]] HWY_INLINE float min_difference() const { return transfer_.min_difference(); }
+  [[nodiscard]] HWY_INLINE float variation() const { return transfer_.variation(); }
 
-  HWY_INLINE explicit ShortCurve(const PreintegratedTransfer& curve) : LookedUpCurve(curve) {}
+ protected:
+  const PreintegratedTransfer& transfer_;
 };
 
-/// With any number of points: a look-up is a gather.
-class LongCurve : public LookedUpCurve {
+/// Any number of points: look-ups are gathers.
+class LongTransfer : public TransferView {
  public:
-  HWY_INLINE explicit LongCurve(const PreintegratedTransfer& curve) : LookedUpCurve(curve) {}
+  static HWY_INLINE bool fits(const PreintegratedTransfer& /*transfer*/) { return true; }
+
+  HWY_INLINE explicit LongTransfer(const PreintegratedTransfer& transfer) : TransferView(transfer) {}
 };
 
-/// A row of a curve's table at the segments given.
-HWY_INLINE Vector LookUp(const ShortCurve& curve, PreintegratedTransfer::Row row, IntVector segment) {
-  const Lanes d;
-  return hn::TableLookupLanes(hn::Load(d, curve.row(row)), hn::IndicesFromVec(d, segment));
+/// A row of the table at the segments given.
+HWY_INLINE Vector LookUp(const LongTransfer& transfer, PreintegratedTransfer::Row row, IntVector segment) {
+  return GatherIndex(Lanes(), transfer.row(row), segment);
 }
-HWY_INLINE Vector LookUp(const LongCurve& curve, PreintegratedTransfer::Row row, IntVector segment) {
-  return hn::GatherIndex(Lanes(), curve.row(row), segment);
-}
-/// Of either kind.
-HWY_INLINE Vector LookUp(const PreintegratedTransfer& curve, PreintegratedTransfer::Row row,
-                         IntVector segment) {
-  if (HWY_LIKELY(ShortCurve::fits(curve))) return LookUp(ShortCurve(curve), row, segment);
-  return LookUp(LongCurve(curve), row, segment);
-}
-
-HWY_INLINE IntVector SegmentOf(const ShortCurve& curve, Vector grey) {
+/// Segment of the transfer function that a grey value lies in.
+HWY_INLINE IntVector SegmentOf(const LongTransfer& transfer, Vector grey) {
   const Lanes d;
   const Ints di;
-  const float* greys = curve.row(PreintegratedTransfer::kGrey) + 1;
-  auto segment = hn::Zero(di);
-  for (std::size_t n = 0; n < curve.points(); ++n) {
-    const auto above = hn::RebindMask(di, hn::Ge(grey, hn::Set(d, greys[n])));
-    segment = hn::Sub(segment, hn::VecFromMask(di, above));
-  }
-  return segment;
-}
-HWY_INLINE IntVector SegmentOf(const LongCurve& curve, Vector grey) {
-  const Lanes d;
-  const Ints di;
-  const float* greys = curve.row(PreintegratedTransfer::kGrey) + 1;
-  const auto points = static_cast<std::int32_t>(curve.points());
-  auto segment = hn::Zero(di);
+  const float* greys = transfer.row(PreintegratedTransfer::kGrey) + 1;
+  const auto points = static_cast<std::int32_t>(transfer.points());
+  auto segment = Zero(di);
   for (std::int32_t step = 256; step > 0; step /= 2) {
-    const auto next = hn::Add(segment, hn::Set(di, step));
-    const auto beyond = hn::Gt(next, hn::Set(di, points));
-    const auto at = hn::Sub(hn::Min(next, hn::Set(di, points)), hn::Set(di, 1));
-    const auto above = hn::RebindMask(di, hn::Ge(grey, hn::GatherIndex(d, greys, at)));
-    segment = hn::IfThenElse(hn::AndNot(beyond, above), next, segment);
+    const auto next = Add(segment, Set(di, step));
+    const auto beyond = Gt(next, Set(di, points));
+    const auto at = Sub(Min(next, Set(di, points)), Set(di, 1));
+    const auto above = RebindMask(di, Ge(grey, GatherIndex(d, greys, at)));
+    segment = IfThenElse(AndNot(beyond, above), next, segment);
   }
   return segment;
 }
-HWY_INLINE IntVector SegmentOf(const PreintegratedTransfer& curve, Vector grey) {
-  if (HWY_LIKELY(ShortCurve::fits(curve))) return SegmentOf(ShortCurve(curve), grey);
-  return SegmentOf(LongCurve(curve), grey);
+#if HWY_TARGET == HWY_SCALAR
+using ShortTransfer = LongTransfer;
+using AnyTransfer = LongTransfer;
+#else
+
+/// So few points that a row of the table fits a native vector: look-ups are permutations.
+class ShortTransfer : public TransferView {
+ public:
+  static HWY_INLINE bool fits(const PreintegratedTransfer& transfer) {
+    return transfer.points() < hn::MaxLanes(hn::CappedTag<float, kPacketRays>());
+  }
+
+  HWY_INLINE explicit ShortTransfer(const PreintegratedTransfer& transfer) : TransferView(transfer) {}
+};
+
+template <class V>
+HWY_INLINE auto Permute(const float* row, V indices) {
+  const hn::Rebind<float, hn::DFromV<V>> d;
+  return hn::TableLookupLanes(hn::Load(d, row), hn::IndicesFromVec(d, indices));
+}
+template <class V>
+HWY_INLINE auto Permute(const float* row, const Pair<V>& indices) {
+  return MakePair(Permute(row, indices.low), Permute(row, indices.high));
+}
+HWY_INLINE Vector LookUp(const ShortTransfer& transfer, PreintegratedTransfer::Row row, IntVector segment) {
+  return Permute(transfer.row(row), segment);
+}
+HWY_INLINE IntVector SegmentOf(const ShortTransfer& transfer, Vector grey) {
+  const Lanes d;
+  const Ints di;
+  const float* greys = transfer.row(PreintegratedTransfer::kGrey) + 1;
+  auto segment = Zero(di);
+  for (std::size_t n = 0; n < transfer.points(); ++n) {
+    const auto above = RebindMask(di, Ge(grey, Set(d, greys[n])));
+    segment = Sub(segment, VecFromMask(di, above));
+  }
+  return segment;
 }
 
-/// A grey value and what it stands for.
+/// Chooses at run time.
+class AnyTransfer : public TransferView {
+ public:
+  HWY_INLINE explicit AnyTransfer(const PreintegratedTransfer& transfer) : TransferView(transfer) {}
+  [[nodiscard]] HWY_INLINE bool is_short() const { return ShortTransfer::fits(transfer()); }
+  [[nodiscard]] HWY_INLINE const PreintegratedTransfer& transfer() const { return transfer_; }
+};
+
+HWY_INLINE Vector LookUp(const AnyTransfer& any, PreintegratedTransfer::Row row, IntVector segment) {
+  if (HWY_LIKELY(any.is_short())) return LookUp(ShortTransfer(any.transfer()), row, segment);
+  return LookUp(LongTransfer(any.transfer()), row, segment);
+}
+HWY_INLINE IntVector SegmentOf(const AnyTransfer& any, Vector grey) {
+  if (HWY_LIKELY(any.is_short())) return SegmentOf(ShortTransfer(any.transfer()), grey);
+  return SegmentOf(LongTransfer(any.transfer()), grey);
+}
+
+#endif  // HWY_TARGET == HWY_SCALAR
+
+/// A grey value and its optical properties: extinction in 1/mm, shade as a factor of the colour.
 struct Classified {
   Vector grey, extinction, shade;
   IntVector segment;
 };
 
-/// What the extinction rises and falls by up to a grey value of a segment.
-template <typename Curve>
-HWY_INLINE Vector VariationUpTo(const Curve& curve, Vector grey, IntVector segment) {
-  const auto above = hn::Sub(grey, LookUp(curve, PreintegratedTransfer::kGrey, segment));
-  return hn::MulAdd(LookUp(curve, PreintegratedTransfer::kVariationSlope, segment), above,
-                    LookUp(curve, PreintegratedTransfer::kVariation, segment));
+/// Total variation of the extinction up to a grey value of a segment, 1/mm.
+template <typename Transfer>
+HWY_INLINE Vector VariationUpTo(const Transfer& transfer, Vector grey, IntVector segment) {
+  const auto above = Sub(grey, LookUp(transfer, PreintegratedTransfer::kGrey, segment));
+  return MulAdd(LookUp(transfer, PreintegratedTransfer::kVariationSlope, segment), above,
+                LookUp(transfer, PreintegratedTransfer::kVariation, segment));
 }
 
-template <typename Curve>
-HWY_INLINE Vector VariationUpTo(const Curve& curve, Vector grey) {
-  return VariationUpTo(curve, grey, SegmentOf(curve, grey));
+template <typename Transfer>
+HWY_INLINE Vector VariationUpTo(const Transfer& transfer, Vector grey) {
+  return VariationUpTo(transfer, grey, SegmentOf(transfer, grey));
 }
 
-template <typename Curve>
-HWY_INLINE Classified Classify(const Curve& curve, Vector grey) {
+template <typename Transfer>
+HWY_INLINE Classified Classify(const Transfer& transfer, Vector grey) {
   const Lanes d;
   Classified c;
   c.grey = grey;
-  c.segment = SegmentOf(curve, grey);
-  const auto above = hn::Sub(grey, LookUp(curve, PreintegratedTransfer::kGrey, c.segment));
-  c.extinction = hn::MulAdd(LookUp(curve, PreintegratedTransfer::kExtinctionSlope, c.segment), above,
-                            LookUp(curve, PreintegratedTransfer::kExtinction, c.segment));
-  c.extinction = hn::Max(c.extinction, hn::Zero(d));
-  c.shade = hn::MulAdd(LookUp(curve, PreintegratedTransfer::kShadeSlope, c.segment), above,
-                       LookUp(curve, PreintegratedTransfer::kShade, c.segment));
+  c.segment = SegmentOf(transfer, grey);
+  const auto above = Sub(grey, LookUp(transfer, PreintegratedTransfer::kGrey, c.segment));
+  c.extinction = MulAdd(LookUp(transfer, PreintegratedTransfer::kExtinctionSlope, c.segment), above,
+                        LookUp(transfer, PreintegratedTransfer::kExtinction, c.segment));
+  c.extinction = Max(c.extinction, Zero(d));
+  c.shade = MulAdd(LookUp(transfer, PreintegratedTransfer::kShadeSlope, c.segment), above,
+                   LookUp(transfer, PreintegratedTransfer::kShade, c.segment));
   return c;
 }
 
-/// Integrals of a curve up to a grey value.
-struct Integrals {
+/// Integrals of extinction and emission over the grey values up to one.
+struct PrefixIntegrals {
   Vector depth, emission;
 
-  template <typename Curve>
-  HWY_INLINE Integrals(const Curve& curve, const Classified& c) {
+  template <typename Transfer>
+  HWY_INLINE PrefixIntegrals(const Transfer& transfer, const Classified& c) {
     const Lanes d;
-    const auto above = hn::Sub(c.grey, LookUp(curve, PreintegratedTransfer::kGrey, c.segment));
-    const auto k = LookUp(curve, PreintegratedTransfer::kExtinction, c.segment);
-    const auto k_slope = LookUp(curve, PreintegratedTransfer::kExtinctionSlope, c.segment);
-    const auto s = LookUp(curve, PreintegratedTransfer::kShade, c.segment);
-    const auto s_slope = LookUp(curve, PreintegratedTransfer::kShadeSlope, c.segment);
-    const auto half = hn::Set(d, 0.5f);
-    depth = hn::MulAdd(above, hn::MulAdd(hn::Mul(half, k_slope), above, k),
-                       LookUp(curve, PreintegratedTransfer::kDepth, c.segment));
-    const auto square = hn::Mul(hn::Set(d, 1.0f / 3), hn::Mul(k_slope, s_slope));
-    const auto linear = hn::Mul(half, hn::MulAdd(k, s_slope, hn::Mul(k_slope, s)));
-    emission = hn::MulAdd(above, hn::MulAdd(above, hn::MulAdd(above, square, linear), hn::Mul(k, s)),
-                          LookUp(curve, PreintegratedTransfer::kEmission, c.segment));
+    const auto above = Sub(c.grey, LookUp(transfer, PreintegratedTransfer::kGrey, c.segment));
+    const auto k = LookUp(transfer, PreintegratedTransfer::kExtinction, c.segment);
+    const auto k_slope = LookUp(transfer, PreintegratedTransfer::kExtinctionSlope, c.segment);
+    const auto s = LookUp(transfer, PreintegratedTransfer::kShade, c.segment);
+    const auto s_slope = LookUp(transfer, PreintegratedTransfer::kShadeSlope, c.segment);
+    const auto half = Set(d, 0.5f);
+    depth = MulAdd(above, MulAdd(Mul(half, k_slope), above, k),
+                   LookUp(transfer, PreintegratedTransfer::kDepth, c.segment));
+    const auto square = Mul(Set(d, 1.0f / 3), Mul(k_slope, s_slope));
+    const auto linear = Mul(half, MulAdd(k, s_slope, Mul(k_slope, s)));
+    emission = MulAdd(above, MulAdd(above, MulAdd(above, square, linear), Mul(k, s)),
+                      LookUp(transfer, PreintegratedTransfer::kEmission, c.segment));
   }
 };
 
-/// Means of extinction, and of extinction times shade, over the grey values from a to b.
-struct Means {
+/// Extinction and emission (extinction * shade) of a ray segment: their means over the grey values from one
+/// end to the other (Engel et al. 2001).
+struct PreintegratedMeans {
   Vector extinction, emission;
 
-  template <typename Curve>
-  HWY_INLINE Means(const Curve& curve, const Classified& a, const Classified& b) {
+  template <typename Transfer>
+  HWY_INLINE PreintegratedMeans(const Transfer& transfer, const Classified& a, const Classified& b) {
     const Lanes d;
-    // Within a segment both are linear: exact.
-    extinction = hn::Mul(hn::Set(d, 0.5f), hn::Add(a.extinction, b.extinction));
-    const auto of_a = hn::Mul(a.extinction, hn::MulAdd(hn::Set(d, 2.0f), a.shade, b.shade));
-    const auto of_b = hn::MulAdd(b.extinction, hn::MulAdd(hn::Set(d, 2.0f), b.shade, a.shade), of_a);
-    emission = hn::Mul(hn::Set(d, 1.0f / 6), of_b);
-    const auto same = hn::RebindMask(d, hn::Eq(a.segment, b.segment));
-    if (HWY_LIKELY(hn::AllTrue(d, same))) return;
-    const auto difference = hn::Sub(b.grey, a.grey);
-    const auto close = hn::Le(hn::Abs(difference), hn::Set(d, curve.min_difference()));
-    const auto linear = hn::Or(same, close);
-    const auto divisor = hn::IfThenElse(linear, hn::Set(d, 1.0f), difference);
-    const Integrals to_a(curve, a), to_b(curve, b);
-    const auto depth = hn::Max(hn::Div(hn::Sub(to_b.depth, to_a.depth), divisor), hn::Zero(d));
-    const auto light = hn::Max(hn::Div(hn::Sub(to_b.emission, to_a.emission), divisor), hn::Zero(d));
-    extinction = hn::IfThenElse(linear, extinction, depth);
-    emission = hn::IfThenElse(linear, emission, hn::Min(light, depth));
+    // Both are linear within a segment of the transfer function: exact.
+    extinction = Mul(Set(d, 0.5f), Add(a.extinction, b.extinction));
+    const auto of_a = Mul(a.extinction, MulAdd(Set(d, 2.0f), a.shade, b.shade));
+    const auto of_b = MulAdd(b.extinction, MulAdd(Set(d, 2.0f), b.shade, a.shade), of_a);
+    emission = Mul(Set(d, 1.0f / 6), of_b);
+    const auto same = RebindMask(d, Eq(a.segment, b.segment));
+    if (HWY_LIKELY(AllTrue(d, same))) return;
+    // Elsewhere: difference quotients of the prefix integrals.
+    const auto difference = Sub(b.grey, a.grey);
+    const auto close = Le(Abs(difference), Set(d, transfer.min_difference()));
+    const auto linear = Or(same, close);
+    const auto divisor = IfThenElse(linear, Set(d, 1.0f), difference);
+    const PrefixIntegrals to_a(transfer, a), to_b(transfer, b);
+    const auto mean_k = Max(Div(Sub(to_b.depth, to_a.depth), divisor), Zero(d));
+    const auto mean_e = Max(Div(Sub(to_b.emission, to_a.emission), divisor), Zero(d));
+    extinction = IfThenElse(linear, extinction, mean_k);
+    emission = IfThenElse(linear, emission, Min(mean_e, mean_k));
   }
 
-  /// Where the grey value is `bend` above a straight line from a to b in the mean: to first order.
-  template <typename Curve>
-  HWY_INLINE void Bend(const Curve& curve, const Classified& a, const Classified& b, Vector bend) {
+  /// Corrects the means, to first order, for a mean grey value that lies `shift` above the chord from a to b.
+  template <typename Transfer>
+  HWY_INLINE void ShiftGrey(const Transfer& transfer, const Classified& a, const Classified& b,
+                            Vector shift) {
     const Lanes d;
-    const auto half = hn::Set(d, 0.5f);
-    const auto same = hn::RebindMask(d, hn::Eq(a.segment, b.segment));
-    auto k_slope = LookUp(curve, PreintegratedTransfer::kExtinctionSlope, a.segment);
-    const auto shade = hn::Mul(half, hn::Add(a.shade, b.shade));
-    auto e_slope = hn::MulAdd(extinction, LookUp(curve, PreintegratedTransfer::kShadeSlope, a.segment),
-                              hn::Mul(k_slope, shade));
-    if (HWY_UNLIKELY(!hn::AllTrue(d, same))) {
-      const auto difference = hn::Sub(b.grey, a.grey);
-      const auto close = hn::Le(hn::Abs(difference), hn::Set(d, curve.min_difference()));
-      const auto one = hn::Set(d, 1.0f);
-      const auto inverse = hn::IfThenZeroElse(close, hn::Div(one, hn::IfThenElse(close, one, difference)));
-      const auto k_rise = hn::Sub(b.extinction, a.extinction);
-      const auto e_rise = hn::NegMulAdd(a.extinction, a.shade, hn::Mul(b.extinction, b.shade));
-      k_slope = hn::IfThenElse(same, k_slope, hn::Mul(k_rise, inverse));
-      e_slope = hn::IfThenElse(same, e_slope, hn::Mul(e_rise, inverse));
-      const auto most = hn::Mul(half, hn::Abs(difference));
-      bend = hn::IfThenElse(same, bend, hn::Min(hn::Max(bend, hn::Neg(most)), most));
+    const auto half = Set(d, 0.5f);
+    const auto same = RebindMask(d, Eq(a.segment, b.segment));
+    auto k_slope = LookUp(transfer, PreintegratedTransfer::kExtinctionSlope, a.segment);
+    const auto shade = Mul(half, Add(a.shade, b.shade));
+    auto e_slope = MulAdd(extinction, LookUp(transfer, PreintegratedTransfer::kShadeSlope, a.segment),
+                          Mul(k_slope, shade));
+    if (HWY_UNLIKELY(!AllTrue(d, same))) {
+      const auto difference = Sub(b.grey, a.grey);
+      const auto close = Le(Abs(difference), Set(d, transfer.min_difference()));
+      const auto one = Set(d, 1.0f);
+      const auto inverse = IfThenZeroElse(close, Div(one, IfThenElse(close, one, difference)));
+      const auto k_rise = Sub(b.extinction, a.extinction);
+      const auto e_rise = NegMulAdd(a.extinction, a.shade, Mul(b.extinction, b.shade));
+      k_slope = IfThenElse(same, k_slope, Mul(k_rise, inverse));
+      e_slope = IfThenElse(same, e_slope, Mul(e_rise, inverse));
+      const auto limit = Mul(half, Abs(difference));
+      shift = IfThenElse(same, shift, Min(Max(shift, Neg(limit)), limit));
     }
-    extinction = hn::Max(hn::MulAdd(k_slope, bend, extinction), hn::Zero(d));
-    emission = hn::Min(hn::Max(hn::MulAdd(e_slope, bend, emission), hn::Zero(d)), extinction);
+    extinction = Max(MulAdd(k_slope, shift, extinction), Zero(d));
+    emission = Min(Max(MulAdd(e_slope, shift, emission), Zero(d)), extinction);
   }
 };
 
 HWY_INLINE Absorption<Vector> AbsorptionOf(Vector depth) {
   const Lanes d;
-  if (HWY_LIKELY(hn::AllTrue(d, hn::Le(depth, hn::Set(d, kThin))))) {
+  if (HWY_LIKELY(AllTrue(d, Le(depth, Set(d, kThin))))) {
     const auto mean = ThinMean(d, depth);
-    return {hn::Mul(depth, mean), mean};
+    return {Mul(depth, mean), mean};
   }
-  if (HWY_LIKELY(hn::AllTrue(d, hn::Le(depth, hn::Set(d, kModerate))))) return ModerateAbsorption(d, depth);
+  if (HWY_LIKELY(AllTrue(d, Le(depth, Set(d, kModerate))))) return ModerateAbsorption(d, depth);
   return AnyAbsorption(d, depth);
 }
 
-/// What has been added up along the rays.
-struct Sum {
+/// Radiance and opacity composited so far, front to back.
+struct Accumulated {
   Vector color[3], opacity;
 
-  HWY_INLINE Vector Through() const { return hn::Sub(hn::Set(Lanes(), 1.0f), opacity); }
+  HWY_INLINE Vector Transmittance() const { return Sub(Set(Lanes(), 1.0f), opacity); }
 };
 
-/// Up to this optical depth what is emitted in front and behind is hidden alike.
-constexpr float kThinStep = 0.005f;
+/// Optical depth up to which attenuation within a segment is negligible.
+constexpr float kThinSegment = 0.005f;
 
-/// Light of a step in which extinction and emission change from one end to the other.
-class StepLight {
+/// Radiance of a ray segment with extinction and emission that change from one end to the other.
+class SegmentRadiance {
  public:
-  /// `mean`: of the extinction; `before`, `after`: at the ends.
-  HWY_INLINE StepLight(Vector mean, Vector before, Vector after, Vector length)
-      : slab_(AbsorptionOf(hn::Mul(mean, length))),
-        mean_(mean),
-        before_(before),
-        after_(after),
-        length_(length) {
+  /// `mean` extinction, and the extinction `before` and `after`: at the ends.
+  HWY_INLINE SegmentRadiance(Vector mean, Vector before, Vector after, Vector length)
+      : slab_(AbsorptionOf(Mul(mean, length))), mean_(mean), before_(before), after_(after), length_(length) {
     const Lanes d;
-    is_thin_ = hn::AllTrue(d, hn::Le(hn::Mul(mean, length), hn::Set(d, kThinStep)));
+    is_thin_ = AllTrue(d, Le(Mul(mean, length), Set(d, kThinSegment)));
     if (is_thin_) return;
-    both_ = hn::Max(hn::Add(before, after), hn::Mul(mean, hn::Set(d, kMinEnds)));
-    const auto divisor = hn::Max(hn::Mul(mean, both_), hn::Set(d, 1e-30f));
-    inverse_ = hn::Div(hn::Set(d, 1.0f), divisor);
-    shift_ = hn::MulAdd(hn::Set(d, 0.5f), slab_.absorbed, hn::Sub(slab_.mean, hn::Set(d, 1.0f)));
+    both_ = Max(Add(before, after), Mul(mean, Set(d, kMinEnds)));
+    const auto divisor = Max(Mul(mean, both_), Set(d, 1e-30f));
+    inverse_ = Div(Set(d, 1.0f), divisor);
+    shift_ = MulAdd(Set(d, 0.5f), slab_.absorbed, Sub(slab_.mean, Set(d, 1.0f)));
   }
 
-  HWY_INLINE Vector Absorbed() const { return slab_.absorbed; }
+  HWY_INLINE Vector Opacity() const { return slab_.absorbed; }
 
-  /// Light of an emission, likewise: what is emitted further in front is hidden less. With the share q of the
-  /// optical depth t for a coordinate, and a colour that is linear in q, the integral of colour(q) t exp(-t
-  /// q).
+  /// Radiance of an emission, given like the extinction. The integral of colour(q) tau exp(-tau q) over the
+  /// share q of the optical depth tau, for a colour that is linear in q: the far end is attenuated more.
   HWY_INLINE Vector Of(Vector mean, Vector before, Vector after) const {
     const Lanes d;
-    const auto light = hn::Mul(hn::Mul(length_, slab_.mean), mean);
-    if (is_thin_) return light;
-    const auto color = hn::Mul(hn::Mul(mean, both_), inverse_);
-    const auto rise = hn::Sub(hn::NegMulAdd(after_, color, after), hn::NegMulAdd(before_, color, before));
-    const auto slope = hn::Mul(hn::Mul(hn::Add(rise, rise), mean_), inverse_);
-    const auto most = hn::Mul(hn::Max(color, hn::Set(d, 1.0f)), slab_.absorbed);
-    return hn::Min(hn::Max(hn::MulAdd(slope, shift_, light), hn::Zero(d)), most);
+    const auto uniform = Mul(Mul(length_, slab_.mean), mean);
+    if (is_thin_) return uniform;
+    const auto color = Mul(Mul(mean, both_), inverse_);
+    const auto rise = Sub(NegMulAdd(after_, color, after), NegMulAdd(before_, color, before));
+    const auto slope = Mul(Mul(Add(rise, rise), mean_), inverse_);
+    const auto limit = Mul(Max(color, Set(d, 1.0f)), slab_.absorbed);
+    return Min(Max(MulAdd(slope, shift_, uniform), Zero(d)), limit);
   }
 
  private:
   Absorption<Vector> slab_;
   Vector mean_, before_, after_, length_;
-  Vector both_, inverse_, shift_;  // where it is not thin
+  Vector both_, inverse_, shift_;  // unset for thin segments
   bool is_thin_;
 };
 

@@ -1,4 +1,4 @@
-// What rays sample: grey values and light between voxels. Compiled once for every instruction set.
+// Trilinear samples of grey values and optical properties. Compiled once for every instruction set.
 #if defined(SPLATLAS_PLAYER_MARCH_SAMPLES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SPLATLAS_PLAYER_MARCH_SAMPLES_INL_H_
 #undef SPLATLAS_PLAYER_MARCH_SAMPLES_INL_H_
@@ -17,11 +17,10 @@
 
 HWY_BEFORE_NAMESPACE();
 namespace splatlas::HWY_NAMESPACE {
-namespace hn = hwy::HWY_NAMESPACE;
 
-/// Cells, and where in them.
+/// Positions on rays: the cell and the fractional coordinates within it.
 struct Places {
-  HWY_ALIGN std::int32_t cells[hn::MaxLanes(Lanes())];
+  HWY_ALIGN std::int32_t cells[kPacketRays];
   Vector part[3];
 
   Places() = default;
@@ -30,137 +29,197 @@ struct Places {
     const Ints di;
     IntVector whole[3];
     for (std::size_t a = 0; a < 3; ++a) {
-      const auto at = rays.At(a, t);  // a whole voxel of margin is left for rounding
-      whole[a] = hn::ConvertTo(di, at);
-      part[a] = hn::Sub(at, hn::ConvertTo(d, whole[a]));
+      const auto at = rays.At(a, t);  // a margin of one voxel absorbs rounding
+      whole[a] = ConvertTo(di, at);
+      part[a] = Sub(at, ConvertTo(d, whole[a]));
     }
-    const auto row = hn::Add(hn::Mul(whole[2], hn::Set(di, grid.size[1])), whole[1]);
-    hn::Store(hn::Add(hn::Mul(row, hn::Set(di, grid.size[0])), whole[0]), di, cells);
+    const auto row = Add(Mul(whole[2], Set(di, grid.size[1])), whole[1]);
+    Store(Add(Mul(row, Set(di, grid.size[0])), whole[0]), di, cells);
   }
 };
 
 HWY_INLINE Vector Lerp(Vector a, Vector b, Vector part) {
-  return hn::MulAdd(part, hn::Sub(b, a), a);
+  return MulAdd(part, Sub(b, a), a);
 }
 
 template <int kByte>
-HWY_INLINE Vector Byte(hn::Vec<Bits> bits) {
+HWY_INLINE Vector Byte(BitVector bits) {
   const Bits du;
-  const auto byte = hn::And(hn::ShiftRight<8 * kByte>(bits), hn::Set(du, 255));
-  return hn::ConvertTo(Lanes(), hn::BitCast(Ints(), byte));
+  const auto byte = And(ShiftBitsRight<8 * kByte>(bits), Set(du, 255u));
+  return ConvertTo(Lanes(), BitCast(Ints(), byte));
 }
 
 /// Bilinear in the four bytes of a face of a cell.
-HWY_INLINE Vector Face(hn::Vec<Bits> bits, const Places& places) {
+HWY_INLINE Vector Face(BitVector bits, const Places& places) {
   const auto low = Lerp(Byte<0>(bits), Byte<1>(bits), places.part[0]);
   const auto high = Lerp(Byte<2>(bits), Byte<3>(bits), places.part[0]);
   return Lerp(low, high, places.part[1]);
 }
 
-/// A vector of words from as many places: costs less than gathering them.
+/// The lower and the upper halves of 64-bit words.
+template <class V>
+struct SplitWords {
+  V lower, upper;
+};
+
+#if HWY_TARGET == HWY_SCALAR
+
+template <class D>
+HWY_INLINE SplitWords<WideVec<D>> LoadWords(D, const std::uint64_t* words, const std::int32_t* indices) {
+  SplitWords<WideVec<D>> split;
+  for (std::size_t n = 0; n < D::kLanes; ++n) {
+    split.lower.lane[n] = static_cast<std::uint32_t>(words[indices[n]]);
+    split.upper.lane[n] = static_cast<std::uint32_t>(words[indices[n]] >> 32);
+  }
+  return split;
+}
+
+/// Lane by lane and byte by byte.
+template <class V, class Choose>
+HWY_INLINE V ChooseBytes(const V& a, const V& b, const Choose& choose) {
+  V chosen{};
+  for (std::size_t n = 0; n < kPacketRays; ++n) {
+    for (int bit = 0; bit < 32; bit += 8)
+      chosen.lane[n] |= choose(a.lane[n] >> bit & 255, b.lane[n] >> bit & 255) << bit;
+  }
+  return chosen;
+}
+template <class V>
+HWY_INLINE V MinBytes(const V& a, const V& b) {
+  return ChooseBytes(a, b, [](std::uint32_t x, std::uint32_t y) { return std::min(x, y); });
+}
+template <class V>
+HWY_INLINE V MaxBytes(const V& a, const V& b) {
+  return ChooseBytes(a, b, [](std::uint32_t x, std::uint32_t y) { return std::max(x, y); });
+}
+
+#else
+
+/// A native vector of words: single loads cost less than a gather.
 template <std::size_t kCount>
-HWY_INLINE hn::Vec<hn::FixedTag<std::uint64_t, kCount>> LoadWords(const std::uint64_t* words,
-                                                                  const std::int32_t* places) {
+HWY_INLINE hn::Vec<hn::FixedTag<std::uint64_t, kCount>> GatherWords(const std::uint64_t* words,
+                                                                    const std::int32_t* indices) {
   const hn::FixedTag<std::uint64_t, kCount> d;
   if constexpr (kCount == 1) {
-    return hn::LoadU(d, words + places[0]);
+    return hn::LoadU(d, words + indices[0]);
   } else {
-    return hn::Combine(d, LoadWords<kCount / 2>(words, places + kCount / 2),
-                       LoadWords<kCount / 2>(words, places));
+    return hn::Combine(d, GatherWords<kCount / 2>(words, indices + kCount / 2),
+                       GatherWords<kCount / 2>(words, indices));
   }
 }
 
-/// The eight bytes of cells, those in front and those behind.
+template <class D>
+HWY_INLINE SplitWords<hn::Vec<D>> LoadWords(D d, const std::uint64_t* words, const std::int32_t* indices) {
+  constexpr std::size_t kHalf = hn::MaxLanes(D()) / 2;  // words are twice as wide as lanes
+  const auto first = hn::BitCast(d, GatherWords<kHalf>(words, indices));
+  const auto second = hn::BitCast(d, GatherWords<kHalf>(words, indices + kHalf));
+  return {hn::ConcatEven(d, second, first), hn::ConcatOdd(d, second, first)};
+}
+
+template <class V>
+HWY_INLINE V MinBytes(V a, V b) {
+  const hn::Repartition<std::uint8_t, hn::DFromV<V>> bytes;
+  return hn::BitCast(hn::DFromV<V>(), hn::Min(hn::BitCast(bytes, a), hn::BitCast(bytes, b)));
+}
+template <class V>
+HWY_INLINE V MaxBytes(V a, V b) {
+  const hn::Repartition<std::uint8_t, hn::DFromV<V>> bytes;
+  return hn::BitCast(hn::DFromV<V>(), hn::Max(hn::BitCast(bytes, a), hn::BitCast(bytes, b)));
+}
+
+template <class D>
+HWY_INLINE SplitWords<WideVec<PairTag<D>>> LoadWords(PairTag<D>, const std::uint64_t* words,
+                                                     const std::int32_t* indices) {
+  const auto low = LoadWords(D(), words, indices), high = LoadWords(D(), words, indices + kLanesOf<D>);
+  return {{low.lower, high.lower}, {low.upper, high.upper}};
+}
+template <class V>
+HWY_INLINE Pair<V> MinBytes(const Pair<V>& a, const Pair<V>& b) {
+  return {MinBytes(a.low, b.low), MinBytes(a.high, b.high)};
+}
+template <class V>
+HWY_INLINE Pair<V> MaxBytes(const Pair<V>& a, const Pair<V>& b) {
+  return {MaxBytes(a.low, b.low), MaxBytes(a.high, b.high)};
+}
+
+#endif  // HWY_TARGET == HWY_SCALAR
+
+/// The grey values of the eight corners of cells, a byte each: front faces and back faces.
 struct CellCorners {
-  hn::Vec<Bits> front, back;
+  BitVector front, back;
 
   CellCorners() = default;
-  HWY_INLINE CellCorners(const std::uint64_t* cell_corners, const Places& places)
-      : CellCorners(cell_corners, places.cells) {}
-  HWY_INLINE CellCorners(const std::uint64_t* cell_corners, IntVector cells) {
+  HWY_INLINE CellCorners(const std::uint64_t* corners, const Places& places)
+      : CellCorners(corners, places.cells) {}
+  HWY_INLINE CellCorners(const std::uint64_t* corners, IntVector cells) {
     HWY_ALIGN std::int32_t stored[kPacketRays];
-    hn::Store(cells, Ints(), stored);
-    *this = CellCorners(cell_corners, stored);
+    Store(cells, Ints(), stored);
+    *this = CellCorners(corners, stored);
   }
-  HWY_INLINE CellCorners(const std::uint64_t* cell_corners, const std::int32_t* cells) {
-    const Bits du;
-    constexpr std::size_t kHalf = hn::MaxLanes(Lanes()) / 2;  // words are twice as wide as lanes
-    const auto lower = LoadWords<kHalf>(cell_corners, cells);
-    const auto upper = LoadWords<kHalf>(cell_corners, cells + kHalf);
-    front = hn::ConcatEven(du, hn::BitCast(du, upper), hn::BitCast(du, lower));
-    back = hn::ConcatOdd(du, hn::BitCast(du, upper), hn::BitCast(du, lower));
+  HWY_INLINE CellCorners(const std::uint64_t* corners, const std::int32_t* cells) {
+    const auto faces = LoadWords(Bits(), corners, cells);
+    front = faces.lower;
+    back = faces.upper;
   }
 
   HWY_INLINE Vector Value(const Places& places) const {
     return Lerp(Face(front, places), Face(back, places), places.part[2]);
   }
-  /// Control points of the cubic that the value is on the straight way from place `a` to place `b` of the
-  /// cells: what is linear along each axis at corners of the box between the two, averaged over the axes.
+  /// Bezier control points of the cubic that a trilinear value is along the segment from `a` to `b`
+  /// (fractional coordinates): the blossom at (a, a, a), (a, a, b), (a, b, b) and (b, b, b).
   HWY_INLINE void ControlPoints(const Vector* a, const Vector* b, Vector* points) const {
     Vector fronts[4], backs[4];  // at (a, a), (b, a), (a, b), (b, b) along x and y
     FaceCorners(front, a, b, fronts);
     FaceCorners(back, a, b, backs);
-    const auto third = hn::Set(Lanes(), 1.0f / 3);
+    const auto third = Set(Lanes(), 1.0f / 3);
     points[0] = Lerp(fronts[0], backs[0], a[2]);
     points[3] = Lerp(fronts[3], backs[3], b[2]);
     const auto aab = Lerp(fronts[0], backs[0], b[2]);
-    const auto ones = hn::Add(Lerp(fronts[1], backs[1], a[2]), Lerp(fronts[2], backs[2], a[2]));
-    points[1] = hn::Mul(third, hn::Add(aab, ones));
+    const auto ones = Add(Lerp(fronts[1], backs[1], a[2]), Lerp(fronts[2], backs[2], a[2]));
+    points[1] = Mul(third, Add(aab, ones));
     const auto bba = Lerp(fronts[3], backs[3], a[2]);
-    const auto twos = hn::Add(Lerp(fronts[1], backs[1], b[2]), Lerp(fronts[2], backs[2], b[2]));
-    points[2] = hn::Mul(third, hn::Add(bba, twos));
+    const auto twos = Add(Lerp(fronts[1], backs[1], b[2]), Lerp(fronts[2], backs[2], b[2]));
+    points[2] = Mul(third, Add(bba, twos));
   }
 
-  /// Of the lowest and the highest bytes of these cells and others.
+  /// The lowest grey value among the corners of these cells and others.
   template <typename... Others>
   HWY_INLINE Vector LowWith(const Others&... others) const {
-    auto low = Lowest();
-    ((low = hn::Min(low, others.Lowest())), ...);
-    return Fold(low, [](auto x, auto y) { return hn::Min(x, y); });
+    auto low = MinBytes(front, back);
+    ((low = MinBytes(low, MinBytes(others.front, others.back))), ...);
+    low = MinBytes(low, ShiftBitsRight<16>(low));
+    return Byte<0>(MinBytes(low, ShiftBitsRight<8>(low)));
   }
   template <typename... Others>
   HWY_INLINE Vector HighWith(const Others&... others) const {
-    auto high = Highest();
-    ((high = hn::Max(high, others.Highest())), ...);
-    return Fold(high, [](auto x, auto y) { return hn::Max(x, y); });
+    auto high = MaxBytes(front, back);
+    ((high = MaxBytes(high, MaxBytes(others.front, others.back))), ...);
+    high = MaxBytes(high, ShiftBitsRight<16>(high));
+    return Byte<0>(MaxBytes(high, ShiftBitsRight<8>(high)));
   }
 
  private:
   /// Bilinear in the bytes of a face, at (a, a), (b, a), (a, b) and (b, b).
-  static HWY_INLINE void FaceCorners(hn::Vec<Bits> bits, const Vector* a, const Vector* b, Vector* corners) {
+  static HWY_INLINE void FaceCorners(BitVector bits, const Vector* a, const Vector* b, Vector* corners) {
     const auto low = Byte<0>(bits), high = Byte<2>(bits);
-    const auto low_step = hn::Sub(Byte<1>(bits), low), high_step = hn::Sub(Byte<3>(bits), high);
-    const auto low_a = hn::MulAdd(a[0], low_step, low), low_b = hn::MulAdd(b[0], low_step, low);
-    const auto step_a = hn::Sub(hn::MulAdd(a[0], high_step, high), low_a);
-    const auto step_b = hn::Sub(hn::MulAdd(b[0], high_step, high), low_b);
-    corners[0] = hn::MulAdd(a[1], step_a, low_a);
-    corners[1] = hn::MulAdd(a[1], step_b, low_b);
-    corners[2] = hn::MulAdd(b[1], step_a, low_a);
-    corners[3] = hn::MulAdd(b[1], step_b, low_b);
-  }
-  using ByteLanes = hn::Repartition<std::uint8_t, Lanes>;
-  using ByteVector = hn::Vec<ByteLanes>;
-
-  static HWY_INLINE ByteVector Bytes(hn::Vec<Bits> bits) { return hn::BitCast(ByteLanes(), bits); }
-  HWY_INLINE ByteVector Lowest() const { return hn::Min(Bytes(front), Bytes(back)); }
-  HWY_INLINE ByteVector Highest() const { return hn::Max(Bytes(front), Bytes(back)); }
-  /// The choice among the four bytes of each lane.
-  template <typename Choose>
-  static HWY_INLINE Vector Fold(ByteVector bytes, const Choose& choose) {
-    const Bits du;
-    bytes = choose(bytes, Bytes(hn::ShiftRight<16>(hn::BitCast(du, bytes))));
-    bytes = choose(bytes, Bytes(hn::ShiftRight<8>(hn::BitCast(du, bytes))));
-    return Byte<0>(hn::BitCast(du, bytes));
+    const auto low_step = Sub(Byte<1>(bits), low), high_step = Sub(Byte<3>(bits), high);
+    const auto low_a = MulAdd(a[0], low_step, low), low_b = MulAdd(b[0], low_step, low);
+    const auto step_a = Sub(MulAdd(a[0], high_step, high), low_a);
+    const auto step_b = Sub(MulAdd(b[0], high_step, high), low_b);
+    corners[0] = MulAdd(a[1], step_a, low_a);
+    corners[1] = MulAdd(a[1], step_b, low_b);
+    corners[2] = MulAdd(b[1], step_a, low_a);
+    corners[3] = MulAdd(b[1], step_b, low_b);
   }
 };
 
-/// A grey value between voxels, and the lowest and the highest of the eight around.
+/// A trilinear grey value, and the minimum and maximum of the eight corners around it.
 struct Grey {
   Vector value, low, high;
 };
 
-HWY_INLINE Grey SampleCellCorners(const std::uint64_t* cell_corners, const Places& places) {
-  const CellCorners cells(cell_corners, places);
+HWY_INLINE Grey SampleCellCorners(const std::uint64_t* corners, const Places& places) {
+  const CellCorners cells(corners, places);
   return {cells.Value(places), cells.LowWith(), cells.HighWith()};
 }
 
@@ -168,14 +227,14 @@ HWY_INLINE Grey SampleGreys(const float* greys, const MarchGrid& grid, const Pla
   const Lanes d;
   const std::ptrdiff_t row = grid.size[0];
   const std::ptrdiff_t slice = row * grid.size[1];
-  const auto cell = hn::Load(Ints(), places.cells);
-  Grey grey{hn::Zero(d), hn::GatherIndex(d, greys, cell), hn::Zero(d)};
+  const auto cell = Load(Ints(), places.cells);
+  Grey grey{Zero(d), GatherIndex(d, greys, cell), Zero(d)};
   grey.high = grey.low;
-  const auto edge = [&](std::ptrdiff_t offset) {
-    const auto left = hn::GatherIndex(d, greys + offset, cell);
-    const auto right = hn::GatherIndex(d, greys + offset + 1, cell);
-    grey.low = hn::Min(grey.low, hn::Min(left, right));
-    grey.high = hn::Max(grey.high, hn::Max(left, right));
+  const auto edge = [&](std::ptrdiff_t offset) HWY_ATTR {
+    const auto left = GatherIndex(d, greys + offset, cell);
+    const auto right = GatherIndex(d, greys + offset + 1, cell);
+    grey.low = Min(grey.low, Min(left, right));
+    grey.high = Max(grey.high, Max(left, right));
     return Lerp(left, right, places.part[0]);
   };
   const auto front = Lerp(edge(0), edge(row), places.part[1]);
@@ -184,8 +243,8 @@ HWY_INLINE Grey SampleGreys(const float* greys, const MarchGrid& grid, const Pla
   return grey;
 }
 
-/// A range by the values of the four voxels around the face that cells begin with: they and their neighbours
-/// `across`, in both directions. Every voxel has `kEach` values, of which the first counts.
+/// Extends a range by the four corners of the face that cells begin with: a voxel and its neighbours
+/// `across`. Voxels have `kEach` values, of which the first counts.
 template <std::ptrdiff_t kEach>
 HWY_INLINE void WidenByFace(const float* values, IntVector cells, const IntVector* across, Vector& low,
                             Vector& high) {
@@ -195,52 +254,52 @@ HWY_INLINE void WidenByFace(const float* values, IntVector cells, const IntVecto
   HWY_ALIGN std::int32_t below[kPacketRays];
   HWY_ALIGN float lows[kPacketRays];
   HWY_ALIGN float highs[kPacketRays];
-  hn::Store(cells, di, voxels);
-  hn::Store(across[0], di, right);
-  hn::Store(across[1], di, below);
-  for (std::size_t n = 0; n < hn::Lanes(di); ++n) {
+  Store(cells, di, voxels);
+  Store(across[0], di, right);
+  Store(across[1], di, below);
+  for (std::size_t n = 0; n < kPacketRays; ++n) {
     const float* const upper = values + kEach * voxels[n];
     const float* const lower = upper + kEach * below[n];
     const std::ptrdiff_t beside = kEach * right[n];
     lows[n] = std::min(std::min(*upper, upper[beside]), std::min(*lower, lower[beside]));
     highs[n] = std::max(std::max(*upper, upper[beside]), std::max(*lower, lower[beside]));
   }
-  low = hn::Min(low, hn::Load(Lanes(), lows));
-  high = hn::Max(high, hn::Load(Lanes(), highs));
+  low = Min(low, Load(Lanes(), lows));
+  high = Max(high, Load(Lanes(), highs));
 }
 
-/// Four values between voxels.
+/// Four interpolated values, each a vector.
 struct Four {
   Vector of[4];
 };
 
-/// What four values per voxel are at the places of a vector, ray by ray.
+/// Samples four values per voxel at the positions of a packet, ray by ray.
 class FourSampler {
  public:
   HWY_INLINE FourSampler(const float* fours, const MarchGrid& grid, const Places& places)
       : fours_(fours), row_(std::ptrdiff_t{4} * grid.size[0]), slice_(row_ * grid.size[1]) {
-    std::copy_n(places.cells, hn::Lanes(Lanes()), cells_);
-    for (std::size_t a = 0; a < 3; ++a) hn::Store(places.part[a], Lanes(), parts_[a]);
+    std::copy_n(places.cells, kPacketRays, cells_);
+    for (std::size_t a = 0; a < 3; ++a) Store(places.part[a], Lanes(), parts_[a]);
   }
 
   HWY_INLINE Four Between() const {
     HWY_ALIGN float samples[4 * kPacketRays];
-    for (std::size_t n = 0; n < hn::Lanes(Lanes()); ++n) {
+    for (std::size_t n = 0; n < kPacketRays; ++n) {
       const float* corner = fours_ + std::ptrdiff_t{4} * cells_[n];
       const auto front = Mix(Edge(corner, n), Edge(corner + row_, n), parts_[1][n]);
       const auto back = Mix(Edge(corner + slice_, n), Edge(corner + slice_ + row_, n), parts_[1][n]);
-      hn::Store(Mix(front, back, parts_[2][n]), OfOne(), samples + 4 * n);
+      Store(Mix(front, back, parts_[2][n]), OneTag(), samples + 4 * n);
     }
     Four four;
-    hn::LoadInterleaved4(Lanes(), samples, four.of[0], four.of[1], four.of[2], four.of[3]);
+    LoadInterleaved4(Lanes(), samples, four.of[0], four.of[1], four.of[2], four.of[3]);
     return four;
   }
 
-  /// The lowest and the highest first value of the eight around.
+  /// The minimum and maximum of the first value among the eight corners.
   HWY_INLINE void Range(Vector& low, Vector& high) const {
     HWY_ALIGN float lows[kPacketRays];
     HWY_ALIGN float highs[kPacketRays];
-    for (std::size_t n = 0; n < hn::Lanes(Lanes()); ++n) {
+    for (std::size_t n = 0; n < kPacketRays; ++n) {
       const float* corner = fours_ + std::ptrdiff_t{4} * cells_[n];
       lows[n] = highs[n] = corner[0];
       for (const std::ptrdiff_t voxel :
@@ -249,21 +308,20 @@ class FourSampler {
         highs[n] = std::max(highs[n], corner[voxel]);
       }
     }
-    low = hn::Load(Lanes(), lows);
-    high = hn::Load(Lanes(), highs);
+    low = Load(Lanes(), lows);
+    high = Load(Lanes(), highs);
   }
 
  private:
-  using OfOne = hn::FixedTag<float, 4>;
-  using OneVector = hn::Vec<OfOne>;
+  using OneTag = WideTag<float, 4>;
+  using OneVector = WideVec<OneTag>;
 
-  /// As a sum of what is not negative: what is next to nothing is right to its last places, too, so that
-  /// colours may be divided by their weight.
+  /// Written as a sum of non-negative terms, which avoids cancellation: colours are divided by their weight.
   static HWY_INLINE OneVector Mix(OneVector a, OneVector b, float part) {
-    return hn::MulAdd(hn::Set(OfOne(), part), b, hn::Mul(hn::Set(OfOne(), 1 - part), a));
+    return FusedMulAdd(OneTag(), Set(OneTag(), part), b, Mul(Set(OneTag(), 1 - part), a));
   }
   HWY_INLINE OneVector Edge(const float* corner, std::size_t n) const {
-    return Mix(hn::LoadU(OfOne(), corner), hn::LoadU(OfOne(), corner + 4), parts_[0][n]);
+    return Mix(LoadU(OneTag(), corner), LoadU(OneTag(), corner + 4), parts_[0][n]);
   }
 
   const float* fours_;

@@ -1,5 +1,5 @@
-// Through a selection with one transfer function and one colour, of bytes: the common case. Compiled once
-// for every instruction set.
+// Ray marching through byte grey values with one transfer function and one colour, the common case. Compiled
+// once for every instruction set.
 #if defined(SPLATLAS_PLAYER_MARCH_SINGLE_APPEARANCE_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SPLATLAS_PLAYER_MARCH_SINGLE_APPEARANCE_INL_H_
 #undef SPLATLAS_PLAYER_MARCH_SINGLE_APPEARANCE_INL_H_
@@ -22,73 +22,73 @@
 
 HWY_BEFORE_NAMESPACE();
 namespace splatlas::HWY_NAMESPACE {
-namespace hn = hwy::HWY_NAMESPACE;
 
-constexpr std::size_t kSlabs = MarchGrid::kBrick;  // walked in one stride
-/// Of 4 x 4 pixels, as packets have them mostly: cells of the inner ones share cache lines with theirs.
-constexpr std::size_t kOuterLanes[] = {0, 1, 2, 3, 4, 7, 8, 11, 12, 13, 14, 15};
+constexpr std::size_t kSlabs = MarchGrid::kBrick;  // per batch
+/// Outer rays of a packet of 4 x 4 pixels. Cells of the inner rays share cache lines with theirs.
+constexpr std::size_t kOuterRays[] = {0, 1, 2, 3, 4, 7, 8, 11, 12, 13, 14, 15};
 
-/// Steps of a slab: what may be wrong by `weight` at most, and falls with the square of the steps, or, at
-/// steps of the transfer function, with their power of 3/2.
+/// Steps of a slab for an error bound `weight` that falls with the power 3/2 of the step size, the rate at
+/// discontinuities of the transfer function.
 HWY_INLINE int StepsOf(const MarchScene& scene, Vector weight) {
-  const float most = hn::GetLane(hn::MaxOfLanes(Lanes(), weight)) / (kEvenShare * scene.tolerance);
+  const float ratio = MaxLane(Lanes(), weight) / (kEvenShare * scene.tolerance);
   const auto least = static_cast<float>(scene.min_steps);
-  if (most <= 1) return scene.min_steps;
-  const float steps = std::ceil(std::cbrt(most * most));
+  if (ratio <= 1) return scene.min_steps;
+  const float steps = std::ceil(std::cbrt(ratio * ratio));
   return static_cast<int>(std::clamp(steps, least, static_cast<float>(scene.max_steps)));
 }
 
-/// `Curve`: the transfer function, as march_optics-inl.h takes it.
-template <typename Curve>
+/// `Transfer`: ShortTransfer or LongTransfer.
+template <typename Transfer>
 class SingleAppearance {
  public:
-  HWY_INLINE SingleAppearance(const MarchScene& scene, const Rays& rays, Sum& sum)
+  HWY_INLINE SingleAppearance(const MarchScene& scene, const Rays& rays, Accumulated& sum)
       : scene_(scene),
         rays_(rays),
-        sum_(sum),
+        accumulated_(sum),
         cell_corners_(scene.sources[0].cell_corners),
-        curve_(*scene.sources[0].curve),
-        emitted_(hn::Zero(Lanes())) {}
+        transfer_(*scene.sources[0].transfer),
+        radiance_(Zero(Lanes())) {}
 
-  HWY_INLINE void Forget() { valid_ = false; }
+  /// The next batch does not begin at the end of the last one.
+  HWY_INLINE void Invalidate() { valid_ = false; }
 
-  /// From t on. All samples first: nothing that follows has to wait for memory.
-  HWY_INLINE void Stride(float t, const std::int32_t* /*from*/, const std::int32_t* /*to*/) {
+  /// Integrates kSlabs slabs from t on. Takes all samples first, so that memory accesses overlap.
+  HWY_INLINE void MarchBatch(float t, const std::int32_t* /*from*/, const std::int32_t* /*to*/) {
     if (ahead_from_ != t) ends_[ahead_] = Ends(scene_.grid, rays_, t);
     const Ends& ends = ends_[ahead_];
     ahead_ = 1 - ahead_;
     LookAhead(t + static_cast<float>(kSlabs));
     auto at = rays_.Clamped(t);
-    if (!valid_) last_ = Take(Places(scene_.grid, rays_, at));
+    if (!valid_) last_ = Sample(Places(scene_.grid, rays_, at));
     valid_ = true;
     if (IsFaint()) {
-      const Taken taken = Take(ends.places[kSlabs - 1]);
-      Step(hn::Sub(ends.t[kSlabs - 1], at), taken.classified);
-      last_ = taken;
+      const Sampled sample = Sample(ends.places[kSlabs - 1]);
+      Step(Sub(ends.t[kSlabs - 1], at), sample.classified);
+      last_ = sample;
       return;
     }
-    Taken taken[kSlabs];
-    for (std::size_t slab = 0; slab < kSlabs; ++slab) taken[slab] = Take(ends.places[slab]);
+    Sampled samples[kSlabs];
+    for (std::size_t slab = 0; slab < kSlabs; ++slab) samples[slab] = Sample(ends.places[slab]);
     for (std::size_t slab = 0; slab < kSlabs; ++slab) {
-      if (cuts_cells(scene_)) {
-        Slab(at, ends.t[slab], taken[slab]);
+      if (subdivides_cells(scene_)) {
+        Slab(at, ends.t[slab], samples[slab]);
       } else {
-        EvenSlab(at, ends.t[slab], taken[slab]);
+        EvenSlab(at, ends.t[slab], samples[slab]);
       }
-      last_ = taken[slab];
+      last_ = samples[slab];
       at = ends.t[slab];
     }
   }
 
   HWY_INLINE void Finish() {
     for (std::size_t c = 0; c < 3; ++c) {
-      const auto color = hn::Set(Lanes(), scene_.sources[0].color[c]);
-      sum_.color[c] = hn::MulAdd(color, emitted_, sum_.color[c]);
+      const auto color = Set(Lanes(), scene_.sources[0].color[c]);
+      accumulated_.color[c] = MulAdd(color, radiance_, accumulated_.color[c]);
     }
   }
 
  private:
-  /// Where the slabs of a stride end.
+  /// Ends of the slabs of a batch.
   struct Ends {
     Vector t[kSlabs];
     Places places[kSlabs];
@@ -101,7 +101,7 @@ class SingleAppearance {
       }
     }
   };
-  struct Taken {
+  struct Sampled {
     CellCorners cell_corners;
     Classified classified;
     IntVector cells;
@@ -110,135 +110,133 @@ class SingleAppearance {
     const Places places(scene_.grid, rays_, t);
     return CellCorners(cell_corners_, places).Value(places);
   }
-  HWY_INLINE Taken Take(const Places& places) const {
+  HWY_INLINE Sampled Sample(const Places& places) const {
     const CellCorners cell_corners(cell_corners_, places);
-    return {cell_corners, Classify(curve_, cell_corners.Value(places)), hn::Load(Ints(), places.cells)};
+    return {cell_corners, Classify(transfer_, cell_corners.Value(places)), Load(Ints(), places.cells)};
   }
 
   struct GreyRange {
     Vector low, high;
   };
-  /// Of the voxels around all cells of the slab from `at`, where the last step ended.
-  HWY_INLINE GreyRange RangeOf(Vector at, Vector end, const Taken& taken) const {
-    const auto between = rays_.CellsBetween(last_.cells, taken.cells, at, end);
+  /// Range over the corners of all cells that the slab from `at` crosses; the last step ended at `at`.
+  HWY_INLINE GreyRange RangeOf(Vector at, Vector end, const Sampled& sample) const {
+    const auto between = rays_.CellsBetween(last_.cells, sample.cells, at, end);
     const CellCorners beside(cell_corners_, between.beside);
     if (HWY_LIKELY(!between.has_corner))
-      return {beside.LowWith(last_.cell_corners, taken.cell_corners),
-              beside.HighWith(last_.cell_corners, taken.cell_corners)};
+      return {beside.LowWith(last_.cell_corners, sample.cell_corners),
+              beside.HighWith(last_.cell_corners, sample.cell_corners)};
     const CellCorners corner(cell_corners_, between.corner);
-    return {corner.LowWith(beside, last_.cell_corners, taken.cell_corners),
-            corner.HighWith(beside, last_.cell_corners, taken.cell_corners)};
+    return {corner.LowWith(beside, last_.cell_corners, sample.cell_corners),
+            corner.HighWith(beside, last_.cell_corners, sample.cell_corners)};
   }
 
-  /// Rays come by cells that no other has come by for long: the machine's own prefetching does not help.
+  /// Prefetches the cells of the next batch: hardware prefetchers do not predict them.
   HWY_INLINE void LookAhead(float t) {
     ends_[ahead_] = Ends(scene_.grid, rays_, t);
     ahead_from_ = t;
     for (const Places& places : ends_[ahead_].places) {
-      for (const std::size_t lane : kOuterLanes) {
-        if (lane < hn::Lanes(Lanes())) hwy::Prefetch(cell_corners_ + places.cells[lane]);
-      }
+      for (const std::size_t ray : kOuterRays) hwy::Prefetch(cell_corners_ + places.cells[ray]);
     }
   }
 
-  /// What is still seen of a stride is so little that one step does.
+  /// Whether the transmittance is so low that one step integrates a batch.
   HWY_INLINE bool IsFaint() const {
     const Lanes d;
-    const auto weight = hn::Mul(hn::Mul(sum_.Through(), rays_.mm_per_t), hn::Set(d, curve_.variation()));
-    return scene_.tolerance > 0 && hn::AllTrue(d, hn::Le(weight, hn::Set(d, kFaintShare * scene_.tolerance)));
+    const auto weight = Mul(Mul(accumulated_.Transmittance(), rays_.mm_per_t), Set(d, transfer_.variation()));
+    return scene_.tolerance > 0 && AllTrue(d, Le(weight, Set(d, kFaintShare * scene_.tolerance)));
   }
 
-  /// From one plane of voxels to the next in steps of equal lengths.
-  HWY_INLINE void EvenSlab(Vector begin, Vector end, const Taken& taken) {
-    const auto length = hn::Sub(end, begin);
-    const int steps = Steps(begin, end, taken);
+  /// A slab in steps of equal lengths.
+  HWY_INLINE void EvenSlab(Vector begin, Vector end, const Sampled& sample) {
+    const auto length = Sub(end, begin);
+    const int steps = Steps(begin, end, sample);
     auto at = begin;
     for (int n = 1; n < steps; ++n) {
       const auto next = PartOf(begin, length, n, steps);
-      const Classified between = Classify(curve_, GreyAt(next));
-      Step(hn::Sub(next, at), between);
+      const Classified between = Classify(transfer_, GreyAt(next));
+      Step(Sub(next, at), between);
       last_.classified = between;
       at = next;
     }
-    Step(hn::Sub(end, at), taken.classified);
+    Step(Sub(end, at), sample.classified);
   }
 
-  /// What is seen through, times the length.
+  /// Transmittance times segment length, mm.
   HWY_INLINE Vector WeightOf(Vector at, Vector end) const {
-    return hn::Mul(sum_.Through(), hn::Mul(rays_.mm_per_t, hn::Sub(end, at)));
+    return Mul(accumulated_.Transmittance(), Mul(rays_.mm_per_t, Sub(end, at)));
   }
 
-  HWY_INLINE int Steps(Vector at, Vector end, const Taken& taken) const {
+  HWY_INLINE int Steps(Vector at, Vector end, const Sampled& sample) const {
     if (scene_.tolerance <= 0) return scene_.min_steps;
     const Lanes d;
     const auto weight = WeightOf(at, end);
-    const auto upper_bound = hn::Mul(weight, hn::Set(d, curve_.variation()));
-    const auto most = hn::Set(d, kEvenShare * scene_.tolerance);
-    if (hn::AllTrue(d, hn::Le(upper_bound, most))) return scene_.min_steps;
-    const GreyRange greys = RangeOf(at, end, taken);
-    const auto low = VariationUpTo(curve_, greys.low), high = VariationUpTo(curve_, greys.high);
-    return StepsOf(scene_, hn::Mul(weight, hn::Sub(high, low)));
+    const auto upper_bound = Mul(weight, Set(d, transfer_.variation()));
+    const auto limit = Set(d, kEvenShare * scene_.tolerance);
+    if (AllTrue(d, Le(upper_bound, limit))) return scene_.min_steps;
+    const GreyRange greys = RangeOf(at, end, sample);
+    const auto low = VariationUpTo(transfer_, greys.low), high = VariationUpTo(transfer_, greys.high);
+    return StepsOf(scene_, Mul(weight, Sub(high, low)));
   }
 
-  /// From one plane of voxels to the next as march_tolerance.h says.
-  HWY_INLINE void Slab(Vector at, Vector end, const Taken& taken) {
+  /// A slab by the method that march_tolerance.h defines.
+  HWY_INLINE void Slab(Vector at, Vector end, const Sampled& sample) {
     const Lanes d;
-    const auto half = hn::Set(d, 0.5f);
-    switch (WayOf(at, end, taken)) {
-      case SlabMethod::kStraight: Step(hn::Sub(end, at), taken.classified); break;
-      case SlabMethod::kBent: {
-        const auto straight = hn::Mul(half, hn::Add(last_.classified.grey, taken.classified.grey));
-        const auto above = hn::Sub(GreyAt(hn::Mul(half, hn::Add(at, end))), straight);
-        Step(hn::Sub(end, at), taken.classified, hn::Mul(hn::Set(d, kSimpson), above));
+    const auto half = Set(d, 0.5f);
+    switch (MethodFor(at, end, sample)) {
+      case SlabMethod::kLinear: Step(Sub(end, at), sample.classified); break;
+      case SlabMethod::kSimpson: {
+        const auto straight = Mul(half, Add(last_.classified.grey, sample.classified.grey));
+        const auto above = Sub(GreyAt(Mul(half, Add(at, end))), straight);
+        Step(Sub(end, at), sample.classified, Mul(Set(d, kSimpsonShare), above));
         break;
       }
-      case SlabMethod::kCut: Cut(at, end); break;
+      case SlabMethod::kSubdivide: SubdivideSlab(at, end); break;
     }
   }
 
-  HWY_INLINE SlabMethod WayOf(Vector at, Vector end, const Taken& taken) const {
+  HWY_INLINE SlabMethod MethodFor(Vector at, Vector end, const Sampled& sample) const {
     const Lanes d;
-    const auto tolerance = hn::Set(d, scene_.tolerance);
+    const auto tolerance = Set(d, scene_.tolerance);
     const auto weight = WeightOf(at, end);
-    const auto upper_bound = hn::Mul(weight, hn::Set(d, curve_.variation()));
-    if (hn::AllTrue(d, hn::Le(upper_bound, tolerance))) return SlabMethod::kStraight;
-    const GreyRange greys = RangeOf(at, end, taken);
-    const auto low_segment = SegmentOf(curve_, greys.low), high_segment = SegmentOf(curve_, greys.high);
-    const auto low = VariationUpTo(curve_, greys.low, low_segment);
-    const auto high = VariationUpTo(curve_, greys.high, high_segment);
-    const auto varies = hn::Mul(weight, hn::Sub(high, low));
-    if (hn::AllTrue(d, hn::Le(varies, tolerance))) return SlabMethod::kStraight;
-    const auto most = hn::Mul(hn::Set(d, kMaxVariation), tolerance);
-    if (!hn::AllTrue(d, hn::Le(varies, most))) return SlabMethod::kCut;
-    const auto middle = VariationUpTo(curve_, hn::Mul(hn::Set(d, 0.5f), hn::Add(greys.low, greys.high)));
-    const auto kinks = hn::Mul(weight, hn::Abs(hn::Sub(hn::Add(low, high), hn::Add(middle, middle))));
-    const auto few = hn::Le(kinks, hn::Mul(hn::Set(d, kMaxKinks), tolerance));
-    const auto linear = hn::RebindMask(d, hn::Eq(low_segment, high_segment));
-    return hn::AllTrue(d, hn::Or(few, linear)) ? SlabMethod::kBent : SlabMethod::kCut;
+    const auto upper_bound = Mul(weight, Set(d, transfer_.variation()));
+    if (AllTrue(d, Le(upper_bound, tolerance))) return SlabMethod::kLinear;
+    const GreyRange greys = RangeOf(at, end, sample);
+    const auto low_segment = SegmentOf(transfer_, greys.low), high_segment = SegmentOf(transfer_, greys.high);
+    const auto low = VariationUpTo(transfer_, greys.low, low_segment);
+    const auto high = VariationUpTo(transfer_, greys.high, high_segment);
+    const auto varies = Mul(weight, Sub(high, low));
+    if (AllTrue(d, Le(varies, tolerance))) return SlabMethod::kLinear;
+    const auto limit = Mul(Set(d, kMaxVariation), tolerance);
+    if (!AllTrue(d, Le(varies, limit))) return SlabMethod::kSubdivide;
+    const auto middle = VariationUpTo(transfer_, Mul(Set(d, 0.5f), Add(greys.low, greys.high)));
+    const auto kinks = Mul(weight, Abs(Sub(Add(low, high), Add(middle, middle))));
+    const auto few = Le(kinks, Mul(Set(d, kMaxKinks), tolerance));
+    const auto linear = RebindMask(d, Eq(low_segment, high_segment));
+    return AllTrue(d, Or(few, linear)) ? SlabMethod::kSimpson : SlabMethod::kSubdivide;
   }
 
-  HWY_NOINLINE void Cut(Vector at, Vector end) {
+  HWY_NOINLINE void SubdivideSlab(Vector at, Vector end) {
     Vector cuts[3];
     Crossings(rays_, at, end, cuts);
     for (const Vector& cut : cuts) {
-      if (!hn::AllTrue(Lanes(), hn::Le(cut, at))) CutCell(at, cut);
+      if (!AllTrue(Lanes(), Le(cut, at))) SubdivideCell(at, cut);
       at = cut;
     }
   }
 
-  /// Halves what is not straight enough again and again.
-  HWY_INLINE void CutCell(Vector at, Vector end) {
-    Cubic rest[kMaxHalvings + 1];  // what is ahead, the nearest last
+  /// Subdivides the cubic of a cell until its parts are straight enough.
+  HWY_INLINE void SubdivideCell(Vector at, Vector end) {
+    Cubic rest[kMaxSubdivisions + 1];  // parts ahead, the nearest last
     rest[0] = Cubic(cell_corners_, scene_.grid, rays_, at, end);
     std::size_t count = 1;
     while (count > 0) {
       Cubic& cubic = rest[count - 1];
-      if (cubic.halvings < kMaxHalvings && !IsStraight(hn::Sub(cubic.t, at), cubic)) {
+      if (cubic.depth < kMaxSubdivisions && !IsStraight(Sub(cubic.t, at), cubic)) {
         rest[count++] = cubic.SplitFirstHalf(at);
         continue;
       }
-      const Classified next = Classify(curve_, cubic.points[3]);
-      Step(hn::Sub(cubic.t, at), next, cubic.Bend());
+      const Classified next = Classify(transfer_, cubic.points[3]);
+      Step(Sub(cubic.t, at), next, cubic.MeanAboveChord());
       last_.classified = next;
       at = cubic.t;
       --count;
@@ -248,52 +246,53 @@ class SingleAppearance {
   HWY_INLINE bool IsStraight(Vector part, const Cubic& cubic) const {
     const Lanes d;
     const auto low = cubic.Low(), high = cubic.High();
-    const auto low_segment = SegmentOf(curve_, low), high_segment = SegmentOf(curve_, high);
-    const auto linear = hn::RebindMask(d, hn::Eq(low_segment, high_segment));
-    if (hn::AllTrue(d, linear)) return true;
+    const auto low_segment = SegmentOf(transfer_, low), high_segment = SegmentOf(transfer_, high);
+    const auto linear = RebindMask(d, Eq(low_segment, high_segment));
+    if (AllTrue(d, linear)) return true;
     const auto variation =
-        hn::Sub(VariationUpTo(curve_, high, high_segment), VariationUpTo(curve_, low, low_segment));
-    const auto weight = hn::Mul(hn::Mul(sum_.Through(), hn::Mul(rays_.mm_per_t, part)), variation);
-    const auto most = hn::Mul(hn::Set(d, kMaxShift * scene_.tolerance), hn::Sub(high, low));
-    return hn::AllTrue(d, hn::Or(linear, hn::Le(hn::Mul(weight, cubic.Deviation()), most)));
+        Sub(VariationUpTo(transfer_, high, high_segment), VariationUpTo(transfer_, low, low_segment));
+    const auto weight = Mul(Mul(accumulated_.Transmittance(), Mul(rays_.mm_per_t, part)), variation);
+    const auto limit = Mul(Set(d, kMaxShift * scene_.tolerance), Sub(high, low));
+    return AllTrue(d, Or(linear, Le(Mul(weight, cubic.Deviation()), limit)));
   }
 
   HWY_INLINE void Step(Vector part, const Classified& next) {
     if (IsEmpty(next)) return;
-    Add(part, next, Means(curve_, last_.classified, next));
+    Composite(part, next, PreintegratedMeans(transfer_, last_.classified, next));
   }
-  /// The grey value's mean is `bend` above the straight line's.
-  HWY_INLINE void Step(Vector part, const Classified& next, Vector bend) {
+  /// For a mean grey value that lies `shift` above the chord.
+  HWY_INLINE void Step(Vector part, const Classified& next, Vector shift) {
     if (IsEmpty(next)) return;
-    Means means(curve_, last_.classified, next);
-    means.Bend(curve_, last_.classified, next, bend);
-    Add(part, next, means);
+    PreintegratedMeans means(transfer_, last_.classified, next);
+    means.ShiftGrey(transfer_, last_.classified, next, shift);
+    Composite(part, next, means);
   }
   HWY_INLINE bool IsEmpty(const Classified& next) const {
     const Lanes d;
-    const auto most = hn::Max(last_.classified.extinction, next.extinction);
-    const auto same = hn::RebindMask(d, hn::Eq(last_.classified.segment, next.segment));
-    return hn::AllTrue(d, hn::And(same, hn::Le(most, hn::Zero(d))));
+    const auto limit = Max(last_.classified.extinction, next.extinction);
+    const auto same = RebindMask(d, Eq(last_.classified.segment, next.segment));
+    return AllTrue(d, And(same, Le(limit, Zero(d))));
   }
-  HWY_INLINE void Add(Vector part, const Classified& next, const Means& means) {
+  HWY_INLINE void Composite(Vector part, const Classified& next, const PreintegratedMeans& means) {
     const Classified& last = last_.classified;
-    const StepLight light(means.extinction, last.extinction, next.extinction, hn::Mul(rays_.mm_per_t, part));
-    const auto before = hn::Mul(last.extinction, last.shade);
-    const auto after = hn::Mul(next.extinction, next.shade);
-    const auto through = sum_.Through();
-    emitted_ = hn::MulAdd(through, light.Of(means.emission, before, after), emitted_);
-    sum_.opacity = hn::MulAdd(through, light.Absorbed(), sum_.opacity);
+    const SegmentRadiance radiance(means.extinction, last.extinction, next.extinction,
+                                   Mul(rays_.mm_per_t, part));
+    const auto before = Mul(last.extinction, last.shade);
+    const auto after = Mul(next.extinction, next.shade);
+    const auto transmittance = accumulated_.Transmittance();
+    radiance_ = MulAdd(transmittance, radiance.Of(means.emission, before, after), radiance_);
+    accumulated_.opacity = MulAdd(transmittance, radiance.Opacity(), accumulated_.opacity);
   }
 
   const MarchScene& scene_;
   const Rays& rays_;
-  Sum& sum_;
+  Accumulated& accumulated_;
   const std::uint64_t* cell_corners_;
-  Curve curve_;
-  Vector emitted_;  // in the colour
-  Taken last_;      // where the next step begins
-  Ends ends_[2];    // of this stride, and of the one ahead
-  int ahead_ = 0;   // which of them that is, and where it begins
+  Transfer transfer_;
+  Vector radiance_;  // per unit of the colour
+  Sampled last_;     // at the beginning of the next step
+  Ends ends_[2];     // of this batch and the next
+  int ahead_ = 0;    // index of the next batch, which begins at `ahead_from_`
   float ahead_from_ = -1e30f;
   bool valid_ = false;
 };

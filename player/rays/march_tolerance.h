@@ -1,4 +1,4 @@
-// How a march with a tolerance spends its steps, in vectors as ray by ray.
+// Step control of ray marching with an error tolerance.
 #pragma once
 
 #include <cstddef>
@@ -8,39 +8,38 @@
 
 namespace splatlas {
 
-/// Whether slabs are cut from cell to cell where it pays, not evenly: grey values of bytes with one transfer
-/// function and one colour, where one step is enough elsewhere.
-[[nodiscard]] inline bool cuts_cells(const MarchScene& scene) {
+/// Whether slabs are subdivided by cells, not evenly. Holds for byte grey values with one transfer function
+/// and one colour, as long as one step per slab is allowed.
+[[nodiscard]] inline bool subdivides_cells(const MarchScene& scene) {
   return scene.tolerance > 0 && scene.min_steps == 1 && scene.sources.size() == 1 &&
          scene.sources[0].cell_corners != nullptr && scene.sources[0].colors == nullptr;
 }
 
-/// How a slab that may be cut is passed.
+/// Integration of a slab, chosen for all rays of a packet together.
 enum class SlabMethod : std::uint8_t {
-  kStraight,  ///< in one step, the grey value on a straight line
-  kBent,      ///< in one step, its mean by Simpson's rule: where the transfer function is all but linear
-  kCut,       ///< cell by cell: where the grey value is a cubic, halved until it is straight enough
+  kLinear,     ///< one step, grey value linear
+  kSimpson,    ///< one step, mean grey value by Simpson's rule: the transfer function is nearly linear
+  kSubdivide,  ///< cell by cell, the cubic subdivided until it is straight enough
 };
 
-// What a slab or a part of it may be wrong by, in tolerances. All is what is seen through, times the length,
-// times the part of the extinction's variation that counts:
-inline constexpr float kMaxVariation = 3;  ///< kBent: all of it
-inline constexpr float kMaxKinks = 1;      ///< kBent: what it is off a straight line, halfway
-/// A part of a cell: as much as shifting the grey value by its distance from a straight line moves.
+// Error bounds of a slab or a part of it, in tolerances. All are multiplied by transmittance, segment length
+// and the relevant part of the extinction's variation.
+inline constexpr float kMaxVariation = 3;  ///< kSimpson: total variation
+inline constexpr float kMaxKinks = 1;      ///< kSimpson: distance from a straight line at the middle
+/// Part of a cell: the effect of shifting the grey value by its distance from the chord.
 inline constexpr float kMaxShift = 0.7f;
-inline constexpr int kMaxHalvings = 5;
-/// What is seen of a stride of slabs, in tolerances, below which it is one step.
+inline constexpr int kMaxSubdivisions = 5;
+/// Weight of several slabs, in tolerances, below which one step integrates them all.
 inline constexpr float kFaintShare = 0.02f;
 
-/// The extinction at both ends of a step together, of its mean: at least so much tells where in it the light
-/// is.
+/// Lower bound of the extinction at both ends of a segment together, as a share of the mean: it locates the
+/// emission within the segment.
 inline constexpr float kMinEnds = 1e-3f;
 
-/// What a step of a slab that is cut evenly may be wrong by, in tolerances: nothing is known of what is in
-/// between.
+/// Error bound of a step in a slab that is divided evenly, in tolerances: the field in between is unknown.
 inline constexpr float kEvenShare = 0.65f;
 
-/// Simpson's rule: share of a middle's height above the chord that is the mean's.
-inline constexpr float kSimpson = 2.0f / 3;
+/// Simpson's rule: mean height above the chord as a share of the height at the middle.
+inline constexpr float kSimpsonShare = 2.0f / 3;
 
 }  // namespace splatlas

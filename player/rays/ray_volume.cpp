@@ -119,13 +119,13 @@ class RayVolume::Builder {
     MarchSource view;
     const std::byte* values = source.values.data();
     if (!source.curve) {
-      view.light = reinterpret_cast<const float*>(values);
+      view.optics = reinterpret_cast<const float*>(values);
     } else if (source.scale.bytes) {
       view.cell_corners = reinterpret_cast<const std::uint64_t*>(values);
     } else {
       view.greys = reinterpret_cast<const float*>(values);
     }
-    view.curve = source.curve.get();
+    view.transfer = source.curve.get();
     view.color = source.color;
     if (source.many_colors) view.colors = reinterpret_cast<const float*>(source.colors.data());
     view.active = source.active.data();

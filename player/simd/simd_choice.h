@@ -1,25 +1,44 @@
-// Which instruction set the kernels take.
+// Choice of the instruction set of the kernels.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <cstdlib>
-#include <cstring>
+#include <string_view>
+#include <utility>
 
 #include <hwy/highway.h>
 #include <hwy/targets.h>
 
 namespace splatlas {
 
-/// SPLATLAS_SIMD=scalar in the environment.
-inline bool scalar_is_forced() {
-  const char* forced = std::getenv("SPLATLAS_SIMD");
-  return forced != nullptr && std::strcmp(forced, "scalar") == 0;
+/// SPLATLAS_SIMD in the environment, for comparisons: "scalar" forces the scalar reference kernels; "sse4",
+/// "avx2" and "avx3" the instruction sets of these names, where the machine has them. Other values are
+/// ignored.
+inline std::string_view forced_simd() {
+  const char* const forced = std::getenv("SPLATLAS_SIMD");
+  return forced != nullptr ? forced : "";
 }
 
-/// The name of the best one that there are kernels for and that this machine runs.
+inline bool scalar_is_forced() {
+  return forced_simd() == "scalar";
+}
+
+/// The name of the instruction set that kernels are dispatched to. Applies SPLATLAS_SIMD, once.
 inline const char* best_target() {
+  static const bool kApplied = [] {
+    constexpr std::array<std::pair<std::string_view, std::int64_t>, 3> kNames{
+        {{"sse4", HWY_SSE4}, {"avx2", HWY_AVX2}, {"avx3", HWY_AVX3}}};
+    for (const auto& [name, target] : kNames) {
+      if (forced_simd() != name || (hwy::SupportedTargets() & target) == 0) continue;
+      hwy::DisableTargets(target - 1);  // better targets are lower bits
+      hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+    }
+    return true;
+  }();
+  static_cast<void>(kApplied);
   const std::int64_t supported = hwy::SupportedTargets() & HWY_TARGETS;
-  return hwy::TargetName(supported & -supported);  // the best is the lowest bit
+  return hwy::TargetName(supported & -supported);
 }
 
 }  // namespace splatlas

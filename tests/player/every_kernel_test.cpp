@@ -1,4 +1,4 @@
-// Whole pictures of random scenes, by every instruction set and by the scalar twins.
+// Pictures of random scenes: every instruction set against the scalar reference kernels.
 #include "tests/support/every_kernel.h"
 
 #include <algorithm>
@@ -11,45 +11,40 @@
 namespace splatlas {
 namespace {
 
-bool has_tolerance(const RandomScene& scene) {
+bool has_adaptive_rays(const RandomScene& scene) {
   const bool by_rays = scene.camera.projection == CameraProjection::kPerspective ||
                        scene.options.classification == Classification::kAfter;
   return by_rays && scene.options.quality != Quality::kDraft;
 }
 
-/// What march_kernels.h and splat_kernels.h promise, with the tolerances of docs/rendering.md.
-double max_difference(const RandomScene& scene) {
-  if (!has_tolerance(scene)) return 2e-5;
-  return scene.options.quality == Quality::kNormal ? 4 * 0.054 : 4 * 0.0046;
-}
-
 class PicturesOf : public EveryKernel {};
 INSTANTIATE_TEST_SUITE_P(Every, PicturesOf, testing::ValuesIn(kernel_targets()), kernel_name);
 
-TEST_P(PicturesOf, RandomScenesAgreeWithTheScalarTwins) {
-  int compared = 0, with_tolerance = 0;
+TEST_P(PicturesOf, RandomScenesAgreeWithTheScalarReference) {
+  int compared = 0, adaptive = 0;
   for (std::uint32_t number = 400; number < 800; ++number) {
     RandomScene scene = whole_scene(11, number);
     scene.options.termination_threshold = 0;
     Renderer renderer(open_in_memory(scene.content), {.threads = 1});
     ASSERT_TRUE(renderer.select(scene.selection));
     scene.options.simd = false;
-    const Result<Picture> twin = renderer.render(scene.camera, scene.options);
+    const Result<Picture> reference = renderer.render(scene.camera, scene.options);
     scene.options.simd = true;
     const Result<Picture> picture = renderer.render(scene.camera, scene.options);
-    ASSERT_EQ(picture.has_value(), twin.has_value());
-    if (!twin) continue;  // a view that cannot be had
+    ASSERT_EQ(picture.has_value(), reference.has_value());
+    if (!reference) continue;  // an invalid view
     double largest = 0;
-    for (std::size_t n = 0; n < twin->rgba.size(); ++n) {
-      const double difference = static_cast<double>(picture->rgba[n]) - static_cast<double>(twin->rgba[n]);
+    for (std::size_t n = 0; n < reference->rgba.size(); ++n) {
+      const double difference =
+          static_cast<double>(picture->rgba[n]) - static_cast<double>(reference->rgba[n]);
       largest = std::max(largest, std::abs(difference));
     }
-    EXPECT_LE(largest, max_difference(scene)) << number << ": " << describe(scene);
+    EXPECT_LE(largest, 2e-5) << number << ": " << describe(scene);
     ++compared;
-    with_tolerance += has_tolerance(scene) ? 1 : 0;
+    adaptive += has_adaptive_rays(scene) ? 1 : 0;
   }
   EXPECT_GT(compared, 350);
-  EXPECT_GT(with_tolerance, 50);
+  EXPECT_GT(adaptive, 50);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Tests of kernels, once for every instruction set.
+// Fixture of kernel tests, once for every instruction set.
 #pragma once
 
 #include <cstdint>
@@ -11,10 +11,10 @@
 
 namespace splatlas {
 
-/// Stands for the scalar twins among Highway's targets.
+/// Stands for the scalar references among Highway's targets.
 inline constexpr std::int64_t kScalarReference = 0;
 
-/// Those that the kernels are compiled for and this machine runs.
+/// Targets that the kernels are compiled for and that this machine runs.
 inline std::vector<std::int64_t> kernel_targets() {
   std::vector<std::int64_t> targets;
   for (std::int64_t rest = hwy::SupportedTargets() & HWY_TARGETS; rest != 0; rest &= rest - 1)
@@ -22,7 +22,14 @@ inline std::vector<std::int64_t> kernel_targets() {
   return targets;
 }
 
-/// The scalar twins, too.
+/// The same without Highway's scalar target, for kernels whose scalar reference is just that.
+inline std::vector<std::int64_t> simd_targets() {
+  std::vector<std::int64_t> targets = kernel_targets();
+  std::erase(targets, std::int64_t{HWY_SCALAR});
+  return targets;
+}
+
+/// The scalar references, too.
 inline std::vector<std::int64_t> targets_and_reference() {
   std::vector<std::int64_t> targets = kernel_targets();
   targets.push_back(kScalarReference);
@@ -30,7 +37,7 @@ inline std::vector<std::int64_t> targets_and_reference() {
 }
 
 inline std::string kernel_name(const testing::TestParamInfo<std::int64_t>& target) {
-  return target.param == kScalarReference ? "Twin" : hwy::TargetName(target.param);
+  return target.param == kScalarReference ? "ScalarReference" : hwy::TargetName(target.param);
 }
 
 /// While a test runs, dispatch chooses its instruction set.

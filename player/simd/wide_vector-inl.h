@@ -1,0 +1,308 @@
+// Vectors of a fixed number of lanes, made of native vectors. Compiled once for every instruction set.
+#if defined(SPLATLAS_PLAYER_WIDE_VECTOR_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef SPLATLAS_PLAYER_WIDE_VECTOR_INL_H_
+#undef SPLATLAS_PLAYER_WIDE_VECTOR_INL_H_
+#else
+#define SPLATLAS_PLAYER_WIDE_VECTOR_INL_H_
+#endif
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+
+#include <hwy/highway.h>
+
+#if HWY_TARGET == HWY_SCALAR
+#include "player/simd/scalar_vector.h"
+#endif
+
+// A wide vector is a native vector where one has enough lanes, else a pair of vectors of half the lanes.
+// Highway's scalar target has plain arrays instead. Code calls the operations of Highway without `hn::`:
+// argument-dependent lookup finds Highway's own or those below. Results have the same bits on every
+// instruction set: multiplications and additions round as written (files that include this header are
+// compiled with -ffp-contract=off), and MulAdd rounds once everywhere.
+
+HWY_BEFORE_NAMESPACE();
+namespace splatlas::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+namespace detail {
+
+template <class D>
+struct TagTraits {
+  static constexpr std::size_t kLanes = hn::MaxLanes(D());
+  using Signed = hn::RebindToSigned<D>;
+  using Unsigned = hn::RebindToUnsigned<D>;
+  using Vector = hn::Vec<D>;
+  using Mask = hn::Mask<D>;
+};
+
+}  // namespace detail
+
+template <class D>
+using SignedTag = typename detail::TagTraits<D>::Signed;
+template <class D>
+using UnsignedTag = typename detail::TagTraits<D>::Unsigned;
+template <class D>
+using WideVec = typename detail::TagTraits<D>::Vector;
+template <class D>
+using WideMask = typename detail::TagTraits<D>::Mask;
+template <class D>
+inline constexpr std::size_t kLanesOf = detail::TagTraits<D>::kLanes;
+
+template <int kBits, class V>
+HWY_INLINE V ShiftBitsLeft(V v) {
+  return hn::ShiftLeft<kBits>(v);
+}
+template <int kBits, class V>
+HWY_INLINE V ShiftBitsRight(V v) {
+  return hn::ShiftRight<kBits>(v);
+}
+
+#if HWY_TARGET == HWY_SCALAR
+
+namespace detail {
+
+template <typename T, std::size_t kCount>
+struct TagTraits<ScalarTag<T, kCount>> {
+  static constexpr std::size_t kLanes = kCount;
+  using Signed = ScalarTag<std::int32_t, kCount>;
+  using Unsigned = ScalarTag<std::uint32_t, kCount>;
+  using Vector = ScalarVec<T, kCount>;
+  using Mask = ScalarVec<bool, kCount>;
+};
+
+}  // namespace detail
+
+template <typename T, std::size_t kLanes>
+using WideTag = ScalarTag<T, kLanes>;
+
+#else
+
+template <class V>
+struct Pair {
+  V low, high;
+};
+template <class V>
+HWY_INLINE Pair<V> MakePair(V low, V high) {
+  return {low, high};
+}
+
+template <class D>
+struct PairTag {};
+
+namespace detail {
+
+template <class D>
+struct TagTraits<PairTag<D>> {
+  using Half = TagTraits<D>;
+  static constexpr std::size_t kLanes = 2 * Half::kLanes;
+  using Signed = PairTag<typename Half::Signed>;
+  using Unsigned = PairTag<typename Half::Unsigned>;
+  using Vector = Pair<typename Half::Vector>;
+  using Mask = Pair<typename Half::Mask>;
+};
+
+template <typename T, std::size_t kLanes, std::size_t kNative>
+struct WideTagOf {
+  using type = PairTag<typename WideTagOf<T, kLanes / 2, kNative>::type>;
+};
+template <typename T, std::size_t kLanes>
+struct WideTagOf<T, kLanes, kLanes> {
+  using type = hn::CappedTag<T, kLanes>;
+};
+
+}  // namespace detail
+
+/// Tag of a vector of exactly `kLanes` lanes of T.
+template <typename T, std::size_t kLanes>
+using WideTag = typename detail::WideTagOf<T, kLanes, hn::MaxLanes(hn::CappedTag<T, kLanes>())>::type;
+// Arithmetic, comparisons and masks, half by half.
+#define SPLATLAS_WIDE_1(Name)                   \
+  template <class V>                            \
+  HWY_INLINE auto Name(const Pair<V>& a) {      \
+    return MakePair(Name(a.low), Name(a.high)); \
+  }
+#define SPLATLAS_WIDE_2(Name)                                  \
+  template <class V>                                           \
+  HWY_INLINE auto Name(const Pair<V>& a, const Pair<V>& b) {   \
+    return MakePair(Name(a.low, b.low), Name(a.high, b.high)); \
+  }
+#define SPLATLAS_WIDE_MASKED(Name)                                 \
+  template <class M, class V>                                      \
+  HWY_INLINE Pair<V> Name(const Pair<M>& mask, const Pair<V>& a) { \
+    return {Name(mask.low, a.low), Name(mask.high, a.high)};       \
+  }
+SPLATLAS_WIDE_1(Abs)
+SPLATLAS_WIDE_1(Ceil)
+SPLATLAS_WIDE_1(Floor)
+SPLATLAS_WIDE_1(Neg)
+SPLATLAS_WIDE_1(Not)
+SPLATLAS_WIDE_1(Round)
+SPLATLAS_WIDE_1(MaskFromVec)
+SPLATLAS_WIDE_2(Add)
+SPLATLAS_WIDE_2(And)
+SPLATLAS_WIDE_2(AndNot)
+SPLATLAS_WIDE_2(Div)
+SPLATLAS_WIDE_2(Eq)
+SPLATLAS_WIDE_2(Ge)
+SPLATLAS_WIDE_2(Gt)
+SPLATLAS_WIDE_2(Le)
+SPLATLAS_WIDE_2(Lt)
+SPLATLAS_WIDE_2(Max)
+SPLATLAS_WIDE_2(Min)
+SPLATLAS_WIDE_2(Mul)
+SPLATLAS_WIDE_2(Or)
+SPLATLAS_WIDE_2(Sub)
+SPLATLAS_WIDE_MASKED(IfThenElseZero)
+SPLATLAS_WIDE_MASKED(IfThenZeroElse)
+#undef SPLATLAS_WIDE_1
+#undef SPLATLAS_WIDE_2
+#undef SPLATLAS_WIDE_MASKED
+
+template <class M, class V>
+HWY_INLINE Pair<V> IfThenElse(const Pair<M>& mask, const Pair<V>& yes, const Pair<V>& no) {
+  return {IfThenElse(mask.low, yes.low, no.low), IfThenElse(mask.high, yes.high, no.high)};
+}
+template <int kBits, class V>
+HWY_INLINE Pair<V> ShiftBitsLeft(const Pair<V>& v) {
+  return {ShiftBitsLeft<kBits>(v.low), ShiftBitsLeft<kBits>(v.high)};
+}
+template <int kBits, class V>
+HWY_INLINE Pair<V> ShiftBitsRight(const Pair<V>& v) {
+  return {ShiftBitsRight<kBits>(v.low), ShiftBitsRight<kBits>(v.high)};
+}
+
+/// factor * x + addend, rounded once, on native vectors. Without an instruction for it: by way of double,
+/// which holds the product exactly, so that one result in 2^28 or so is rounded twice.
+template <class D>
+HWY_INLINE hn::Vec<D> FusedMulAdd(D d, hn::Vec<D> factor, hn::Vec<D> x, hn::Vec<D> addend) {
+#if HWY_TARGET == HWY_SSSE3 || HWY_TARGET == HWY_SSE4 || HWY_TARGET == HWY_EMU128
+  const hn::Half<D> half;
+  const hn::Rebind<double, decltype(half)> wide;
+  const auto lower = hn::Add(
+      hn::Mul(hn::PromoteTo(wide, hn::LowerHalf(half, factor)), hn::PromoteTo(wide, hn::LowerHalf(half, x))),
+      hn::PromoteTo(wide, hn::LowerHalf(half, addend)));
+  const auto upper = hn::Add(
+      hn::Mul(hn::PromoteTo(wide, hn::UpperHalf(half, factor)), hn::PromoteTo(wide, hn::UpperHalf(half, x))),
+      hn::PromoteTo(wide, hn::UpperHalf(half, addend)));
+  return hn::Combine(d, hn::DemoteTo(half, upper), hn::DemoteTo(half, lower));
+#else
+  (void)d;
+  return hn::MulAdd(factor, x, addend);
+#endif
+}
+
+template <class D, class V>
+HWY_INLINE Pair<V> FusedMulAdd(PairTag<D>, const Pair<V>& factor, const Pair<V>& x, const Pair<V>& addend) {
+  return {FusedMulAdd(D(), factor.low, x.low, addend.low),
+          FusedMulAdd(D(), factor.high, x.high, addend.high)};
+}
+
+namespace detail {
+
+template <class V>
+HWY_INLINE V MulAddPart(V factor, V x, V addend) {
+  return FusedMulAdd(hn::DFromV<V>(), factor, x, addend);
+}
+template <class V>
+HWY_INLINE Pair<V> MulAddPart(const Pair<V>& factor, const Pair<V>& x, const Pair<V>& addend) {
+  return {MulAddPart(factor.low, x.low, addend.low), MulAddPart(factor.high, x.high, addend.high)};
+}
+
+}  // namespace detail
+
+/// factor * x + addend, rounded once.
+template <class V>
+HWY_INLINE Pair<V> MulAdd(const Pair<V>& factor, const Pair<V>& x, const Pair<V>& addend) {
+  return detail::MulAddPart(factor, x, addend);
+}
+/// addend - factor * x, rounded once.
+template <class V>
+HWY_INLINE Pair<V> NegMulAdd(const Pair<V>& factor, const Pair<V>& x, const Pair<V>& addend) {
+  return detail::MulAddPart(Neg(factor), x, addend);
+}
+
+// Memory and conversions.
+template <class D, typename T>
+HWY_INLINE WideVec<PairTag<D>> Set(PairTag<D>, T value) {
+  return {Set(D(), value), Set(D(), value)};
+}
+template <class D>
+HWY_INLINE WideVec<PairTag<D>> Zero(PairTag<D>) {
+  return {Zero(D()), Zero(D())};
+}
+template <class D, typename T>
+HWY_INLINE WideVec<PairTag<D>> Load(PairTag<D>, const T* values) {
+  return {Load(D(), values), Load(D(), values + kLanesOf<D>)};
+}
+template <class D, typename T>
+HWY_INLINE WideVec<PairTag<D>> LoadU(PairTag<D>, const T* values) {
+  return {LoadU(D(), values), LoadU(D(), values + kLanesOf<D>)};
+}
+template <class V, class D, typename T>
+HWY_INLINE void Store(const Pair<V>& v, PairTag<D>, T* values) {
+  Store(v.low, D(), values);
+  Store(v.high, D(), values + kLanesOf<D>);
+}
+template <class D, typename T, class V>
+HWY_INLINE WideVec<PairTag<D>> GatherIndex(PairTag<D>, const T* values, const Pair<V>& indices) {
+  return {GatherIndex(D(), values, indices.low), GatherIndex(D(), values, indices.high)};
+}
+template <class D, class V>
+HWY_INLINE WideVec<PairTag<D>> ConvertTo(PairTag<D>, const Pair<V>& v) {
+  return {ConvertTo(D(), v.low), ConvertTo(D(), v.high)};
+}
+template <class D, class V>
+HWY_INLINE WideVec<PairTag<D>> BitCast(PairTag<D>, const Pair<V>& v) {
+  return {BitCast(D(), v.low), BitCast(D(), v.high)};
+}
+template <class D, class M>
+HWY_INLINE WideMask<PairTag<D>> RebindMask(PairTag<D>, const Pair<M>& mask) {
+  return {RebindMask(D(), mask.low), RebindMask(D(), mask.high)};
+}
+template <class D, class M>
+HWY_INLINE WideVec<PairTag<D>> VecFromMask(PairTag<D>, const Pair<M>& mask) {
+  return {VecFromMask(D(), mask.low), VecFromMask(D(), mask.high)};
+}
+/// Element n of each of four vectors, for every n: values[4 * n] to values[4 * n + 3].
+template <class D, typename T, class V>
+HWY_INLINE void LoadInterleaved4(PairTag<D>, const T* values, Pair<V>& a, Pair<V>& b, Pair<V>& c,
+                                 Pair<V>& e) {
+  LoadInterleaved4(D(), values, a.low, b.low, c.low, e.low);
+  LoadInterleaved4(D(), values + 4 * kLanesOf<D>, a.high, b.high, c.high, e.high);
+}
+
+// Reductions.
+template <class D, class M>
+HWY_INLINE bool AllTrue(PairTag<D>, const Pair<M>& mask) {
+  return AllTrue(D(), And(mask.low, mask.high));
+}
+template <class D, class M>
+HWY_INLINE bool AllFalse(PairTag<D>, const Pair<M>& mask) {
+  return AllFalse(D(), Or(mask.low, mask.high));
+}
+template <class D>
+HWY_INLINE float MinLane(D d, hn::Vec<D> v) {
+  return hn::GetLane(hn::MinOfLanes(d, v));
+}
+template <class D, class V>
+HWY_INLINE float MinLane(PairTag<D>, const Pair<V>& v) {
+  return MinLane(D(), Min(v.low, v.high));
+}
+template <class D>
+HWY_INLINE float MaxLane(D d, hn::Vec<D> v) {
+  return hn::GetLane(hn::MaxOfLanes(d, v));
+}
+template <class D, class V>
+HWY_INLINE float MaxLane(PairTag<D>, const Pair<V>& v) {
+  return MaxLane(D(), Max(v.low, v.high));
+}
+
+#endif  // HWY_TARGET == HWY_SCALAR
+
+}  // namespace splatlas::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif  // SPLATLAS_PLAYER_WIDE_VECTOR_INL_H_
