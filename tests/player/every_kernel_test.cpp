@@ -17,7 +17,7 @@ bool has_tolerance(const RandomScene& scene) {
   return by_rays && scene.options.quality != Quality::kDraft;
 }
 
-/// What march_kernels.h and splat_kernels.h promise, with the tolerances of docs/rendering.md.
+/// What march_kernels.h and splat_kernels.h promise, with the tolerances of docs/renderer.md.
 double most_apart(const RandomScene& scene) {
   if (!has_tolerance(scene)) return 2e-5;
   return scene.options.quality == Quality::kNormal ? 4 * 0.054 : 4 * 0.0046;
