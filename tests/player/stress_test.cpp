@@ -1,4 +1,4 @@
-// Inputs that break renderers, as far as no other test has them: docs/rendering.md, "Stress cases".
+// Inputs that break renderers, as far as no other test has them: docs/renderer.md, "Stress cases".
 #include <algorithm>
 #include <cmath>
 #include <limits>

@@ -1,4 +1,4 @@
-// Prints what docs/rendering.md says about errors: how much each approximation costs, measured.
+// Prints what docs/renderer.md says about errors: how much each approximation costs, measured.
 #include <cmath>
 #include <cstdio>
 #include <string>

@@ -39,7 +39,7 @@ struct GreyAppearance {
   [[nodiscard]] Knot at(double grey) const;
 };
 
-/// The transfer function of a structure's volume (docs/rendering.md). kFailed where it shows a grey value of
+/// The transfer function of a structure's volume (docs/model.md). kFailed where it shows a grey value of
 /// 0: what is not selected would be seen in a masked copy.
 [[nodiscard]] Result<GreyAppearance> grey_appearance(const StructureDraw& draw, const Display& display,
                                                      double reference_length_mm);
