@@ -19,7 +19,7 @@ void AxisSpans::build(const DrawPlan& plan, const VolumeAppearances& appearances
 }
 
 void AxisSpans::light(const ParallelView& view, const Lighting& lighting, bool shade, ThreadPool& pool) {
-  const bool same_view = lit_for_ && have_same_light(*lit_for_, view);
+  const bool same_view = lit_for_ && have_same_lighting(*lit_for_, view);
   if (!partly_lit_ && (shade ? same_view : !lit_for_)) return;
   if (model().shaded_voxels > 0)
     shade_spans(spans_.model(), shade ? lighting.table() : std::vector<float>(65536, 1.0f), pool);
