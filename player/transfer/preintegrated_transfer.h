@@ -51,7 +51,7 @@ class PreintegratedTransfer {
   [[nodiscard]] std::size_t points() const { return points_; }
   /// kMaxSegments numbers, aligned for SIMD loads.
   [[nodiscard]] const float* row(Row row) const { return table_[row].data(); }
-  /// Smallest difference of grey values for which difference quotients of the integrals are accurate.
+  /// Smallest difference of grey values with accurate difference quotients of the integrals.
   [[nodiscard]] float min_difference() const { return min_difference_; }
   /// Total variation of the extinction over all grey values, 1/mm.
   [[nodiscard]] float variation() const { return table_[kVariation][points_]; }

@@ -13,9 +13,10 @@ struct Affine2 {
   double yx = 0, yy = 1, y0 = 0;  ///< y' = yx * x + yy * y + y0
 };
 
-/// Sheared object space (Lacroute and Levoy 1994). Voxel (scan i, row j) of slice k lies at
-/// u = i - slope_u * (k - k_ref), v = j - slope_v * (k - k_ref). Points on one ray share (u, v), in voxels.
-/// The ray crosses the most slices along the principal axis, so that slopes are within [-1, 1].
+/// Sheared object space (Lacroute and Levoy 1994), in voxels. Voxel (scan i, row j) of slice k lies at
+///   u = i - slope_u * (k - k_ref),   v = j - slope_v * (k - k_ref).
+/// Points on one ray share (u, v). The principal axis maximises the number of slices that a ray crosses, so
+/// that slopes are within [-1, 1].
 struct Shear {
   Axis principal = Axis::kZ;
   ScanOrder scan = ScanOrder::of(Axis::kZ);
