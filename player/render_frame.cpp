@@ -260,7 +260,7 @@ Result<void> Renderer::Impl::render_sheets(const View& frame_view, const RenderO
   stats.select_ms += stats.traversal.wall_ms;
 
   const Lighting lighting(view);
-  built.light(view, lighting, options.hybrid_shading, pool);
+  built.update_lighting(view, lighting, options.hybrid_shading, pool);
   const Elapsed light = watch.lap();
   stats.traversal += light;
 
