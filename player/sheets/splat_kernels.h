@@ -22,7 +22,6 @@ struct Phase {
 /// side, are therefore constant. A row of pixels between two voxel rows splats the interpolated voxel row (1
 /// - lower_weight) * upper[i] + lower_weight * lower[i].
 struct SheetRows {
-  /// Three rows have one phase or three.
   static constexpr std::size_t kMaxRows = 3, kMaxPhases = 3;
   /// Maximum number of rows, or phases, per kernel call for a sheet of `scale` pixels per voxel.
   [[nodiscard]] static constexpr std::size_t group_size(int scale) { return scale % 3 == 0 ? 3 : 2; }
@@ -85,8 +84,9 @@ struct SplatKernels {
 /// Scalar reference kernels.
 [[nodiscard]] const SplatKernels& scalar_kernels();
 /// The fastest kernels for this CPU (Highway, dispatched at run time). They agree with the scalar reference
-/// kernels to about 1e-6 of the largest value for a termination threshold of 0, else to the threshold. SPLATLAS_SIMD=scalar
-/// in the environment selects the scalar kernels.
+/// kernels to about 1e-6 of the largest value for a termination threshold of 0, else to the threshold. They
+/// are specialised for the combinations of rows and phases that sheets need, and fall back to the scalar
+/// kernel for others. SPLATLAS_SIMD=scalar in the environment selects the scalar kernels.
 [[nodiscard]] const SplatKernels& best_kernels();
 
 }  // namespace splatlas

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <cmath>
 #include <utility>
 
@@ -106,6 +107,8 @@ class PairSplat {
 };
 
 void composite(const SheetRows& rows, float slab_mm, float termination_threshold, const ImageRows& image) {
+  assert(rows.rows_between >= 1 && rows.rows_between <= SheetRows::kMaxRows);
+  assert(rows.phase_count >= 1 && rows.phase_count <= SheetRows::kMaxPhases);
   for (std::int64_t pair = 0; pair < rows.pairs; ++pair)
     PairSplat(rows, slab_mm, termination_threshold, image, pair).composite();
 }

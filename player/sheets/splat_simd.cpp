@@ -330,7 +330,7 @@ HWY_INLINE void CompositeEmissions(const SheetRows& rows, float slab_mm, float t
     case 21: return CompositePairs<kEmissions, 2, 1>(rows, slab_mm, termination_threshold, image);
     case 22: return CompositePairs<kEmissions, 2, 2>(rows, slab_mm, termination_threshold, image);
     case 33: return CompositePairs<kEmissions, 3, 3>(rows, slab_mm, termination_threshold, image);
-    default: break;
+    default: return scalar_kernels().composite(rows, slab_mm, termination_threshold, image);
   }
 }
 
