@@ -40,7 +40,7 @@ HWY_INLINE void PrefetchAhead(const float* block) {
 }
 
 /// Approximation of absorption by the range of optical depths (absorption-inl.h).
-enum class AbsorptionMethod { kThin, kModerate, kAny };
+enum class AbsorptionMethod { kThinSlab, kModerateSlab, kAnySlab };
 
 /// Splatting and compositing of `kRows` rows of pixels with `kPhases` phases and `kEmissions` emissions.
 /// Optical properties are scaled by the slab length on load: optical depths instead of extinctions.
@@ -252,11 +252,11 @@ class Splat {
       const auto max_depth_of_both = hn::Max(max_depth, max_depth_carry_);
       max_depth_carry_ = max_depth;
       if (HWY_LIKELY(AllUpTo(kThin, max_depth_of_both))) {
-        CompositeStreams<AbsorptionMethod::kThin>(here, step, streams, n);
+        CompositeStreams<AbsorptionMethod::kThinSlab>(here, step, streams, n);
       } else if (HWY_LIKELY(AllUpTo(kModerate, max_depth_of_both))) {
-        CompositeStreams<AbsorptionMethod::kModerate>(here, step, streams, n);
+        CompositeStreams<AbsorptionMethod::kModerateSlab>(here, step, streams, n);
       } else {
-        CompositeStreams<AbsorptionMethod::kAny>(here, step, streams, n);
+        CompositeStreams<AbsorptionMethod::kAnySlab>(here, step, streams, n);
       }
     }
   }
@@ -275,7 +275,7 @@ class Splat {
     const auto opacity = hn::LoadU(d, opacities);
     const auto depth = hn::MulAdd(before, step[0], here[0]);
     const auto transmittance = hn::Sub(hn::Set(d, 1.0f), opacity);
-    if constexpr (kMethod == AbsorptionMethod::kThin) {
+    if constexpr (kMethod == AbsorptionMethod::kThinSlab) {
       const auto weight = hn::Mul(transmittance, ThinMean(d, depth));
       AddEmissions(weight, before, here, step, pixels);
       hn::StoreU(hn::MulAdd(weight, depth, opacity), d, opacities);
@@ -284,7 +284,7 @@ class Splat {
       const auto hidden = hn::Or(hn::Le(depth, hn::Zero(d)), hn::Ge(opacity, opaque_));
       if (hn::AllTrue(d, hidden)) return;
       const auto slab =
-          kMethod == AbsorptionMethod::kModerate ? ModerateAbsorption(d, depth) : AnyAbsorption(d, depth);
+          kMethod == AbsorptionMethod::kModerateSlab ? ModerateAbsorption(d, depth) : AnyAbsorption(d, depth);
       AddEmissions(hn::Mul(transmittance, slab.mean), before, here, step, pixels);
       hn::StoreU(hn::MulAdd(transmittance, slab.absorbed, opacity), d, opacities);
     }
