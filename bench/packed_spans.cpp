@@ -18,10 +18,10 @@ std::vector<Planes> all_voxels(const SpanModel& model) {
     for (const Span& span : slice.spans) {
       for (std::uint32_t n = 0; n < span.blocks << kBlockBits; ++n) {
         const std::size_t place = slice.place(span, (span.first_block << kBlockBits) + n);
-        if (slice.light.data()[place] <= 0) continue;
-        Planes& light = voxels.emplace_back();
+        if (slice.optics.data()[place] <= 0) continue;
+        Planes& optics = voxels.emplace_back();
         for (std::size_t plane = 0; plane <= static_cast<std::size_t>(slice.emissions); ++plane)
-          light[plane] = slice.light.data()[place + plane * kBlock];
+          optics[plane] = slice.optics.data()[place + plane * kBlock];
       }
     }
   }

@@ -261,7 +261,7 @@ Result<void> Renderer::Impl::render_sheets(const View& frame_view, const RenderO
   stats.select_ms += stats.traversal.wall_ms;
 
   const Lighting lighting(view);
-  built.light(view, lighting, options.hybrid_shading, pool);
+  built.update_lighting(view, lighting, options.hybrid_shading, pool);
   const Elapsed light = watch.lap();
   stats.traversal += light;
 
@@ -303,7 +303,7 @@ Result<void> Renderer::Impl::render_rays(const View& frame_view, const RenderOpt
   stats.select_ms += stats.traversal.wall_ms;
   const Lighting lighting(frame_view.plane);
   if (cast->shaded && cast->volume.shaded() &&
-      !(cast->lit_for && have_same_light(*cast->lit_for, frame_view.plane))) {
+      !(cast->lit_for && have_same_lighting(*cast->lit_for, frame_view.plane))) {
     cast->volume.shade(lighting.table(), pool);
     cast->lit_for = frame_view.plane;
   }

@@ -14,21 +14,22 @@ constexpr std::size_t kPairs = 32;
 static_assert(kPairs == std::size_t{kRings} * kPairsOfRing);
 constexpr std::size_t kRowsPerJob = 16;
 
-/// Of a picture's smaller side.
+/// Filter radius, relative to a picture's smaller side; at least kMinRadius pixels.
 constexpr double kRadius = 1.0 / 48;
 constexpr double kMinRadius = 2;
-/// Of the radius: a step of one radius is as dark as it gets, the pair's mean being half way.
+/// Range relative to the radius: a depth step of one radius, halved by the mean of a pair, saturates.
 constexpr double kRange = 0.5;
-/// Depths of voxels are told to a part of a voxel: less than this share of the range is not seen as a step.
+/// Smaller differences, relative to the range, are within the error of voxel depths.
 constexpr double kMinShare = 1.0 / 32;
 
-/// Two pixels on opposite sides.
+/// Offset to one of two opposite pixels.
 struct Pair {
   int right = 0, down = 0;
   float weight = 0;
 };
 
-/// Rings of pairs, each turned against the one before. Weights fall off linearly and add up to 1.
+/// Concentric rings of pairs, each rotated relative to the previous one. Weights fall off linearly with the
+/// radius; their sum is 1.
 std::array<Pair, kPairs> pairs_of(double radius) {
   std::array<Pair, kPairs> pairs;
   std::size_t number = 0;
@@ -45,13 +46,14 @@ std::array<Pair, kPairs> pairs_of(double radius) {
   return pairs;
 }
 
-/// Darkens rows of a picture.
+/// Depth darkening of picture rows.
 class RowDarkener {
  public:
   RowDarkener(const DepthMap& depths, const DepthEdges& edges, Picture& picture)
       : depths_(depths), edges_(edges), picture_(picture), pairs_(pairs_of(edges.radius)) {}
 
   void darken(int row) {
+    // Find the extent of the foreground
     const int width = depths_.size.width, height = depths_.size.height;
     const float* here = row_of(row);
     first_ = 0;
@@ -59,17 +61,21 @@ class RowDarkener {
     while (first_ < last_ && here[first_] == DepthMap::kBackground) ++first_;
     while (first_ < last_ && here[last_ - 1] == DepthMap::kBackground) --last_;
     if (first_ == last_) return;
+
+    // Accumulate the weighted pairs
     shares_.assign(static_cast<std::size_t>(width), 0.0f);
     for (const Pair& pair : pairs_) {
       if (row - pair.down < 0 || row + pair.down >= height) continue;
       add_pair(pair, row);
     }
+
+    // Darken the foreground
     float* row_rgba = &picture_.rgba[4 * static_cast<std::size_t>(row) * static_cast<std::size_t>(width)];
     for (int x = first_; x < last_; ++x) {
       if (here[x] == DepthMap::kBackground) continue;
       float* rgba = row_rgba + 4 * static_cast<std::ptrdiff_t>(x);
-      const float light = 1 - edges_.strength * shares_[static_cast<std::size_t>(x)];
-      for (int c = 0; c < 3; ++c) rgba[c] *= light;
+      const float factor = 1 - edges_.strength * shares_[static_cast<std::size_t>(x)];
+      for (int c = 0; c < 3; ++c) rgba[c] *= factor;
     }
   }
 
@@ -85,13 +91,13 @@ class RowDarkener {
     const int right = pair.right;
     const int aside = std::abs(pair.right);
     const auto scale = static_cast<float>(1 / edges_.range_mm);
-    const auto least = static_cast<float>(edges_.min_mm / edges_.range_mm);
+    const auto offset = static_cast<float>(edges_.min_mm / edges_.range_mm);
     const float weight = pair.weight;
     float* shares = shares_.data();
     const int end = std::min(last_, depths_.size.width - aside);
     for (int x = std::max(first_, aside); x < end; ++x) {
-      // With background, behind is -infinity or not a number: neither is above 0.
-      const float behind = (here[x] - 0.5f * (below[x + right] + above[x - right])) * scale - least;
+      // Background yields -infinity or NaN, which fails the comparison below.
+      const float behind = (here[x] - 0.5f * (below[x + right] + above[x - right])) * scale - offset;
       const float share = behind > 0 ? behind : 0;
       shares[x] += weight * (share < 1 ? share : 1);
     }
@@ -101,19 +107,19 @@ class RowDarkener {
   const DepthEdges& edges_;
   Picture& picture_;
   std::array<Pair, kPairs> pairs_;
-  int first_ = 0, last_ = 0;  // columns that are not all background
+  int first_ = 0, last_ = 0;  // extent of the foreground in columns
   std::vector<float> shares_;
 };
 
-/// Depths come from some tens of operations in float: what differs by less than this share of them does not.
+/// Rounding error of depths, relative to the maximum depth: some tens of operations in single precision.
 constexpr double kMinOfDepth = 32.0 / (1 << 23);
 
-/// From the plane of the centre, to either side.
-double furthest_mm(const DepthMap& depths) {
-  float furthest = 0;
+/// Maximum magnitude of the depths.
+double max_depth_mm(const DepthMap& depths) {
+  float max_depth = 0;
   for (const float mm : depths.mm)
-    furthest = std::max(furthest, mm == DepthMap::kBackground ? 0 : std::abs(mm));
-  return static_cast<double>(furthest);
+    max_depth = std::max(max_depth, mm == DepthMap::kBackground ? 0 : std::abs(mm));
+  return static_cast<double>(max_depth);
 }
 
 }  // namespace
@@ -132,9 +138,9 @@ DepthEdges depth_edges(const ParallelView& plane, float strength) {
   return edges;
 }
 
-void darken_edges(const DepthMap& depths, const DepthEdges& asked, Picture& picture, ThreadPool& pool) {
-  DepthEdges edges = asked;
-  edges.min_mm = std::max(asked.min_mm, kMinOfDepth * furthest_mm(depths));
+void darken_edges(const DepthMap& depths, const DepthEdges& requested, Picture& picture, ThreadPool& pool) {
+  DepthEdges edges = requested;
+  edges.min_mm = std::max(requested.min_mm, kMinOfDepth * max_depth_mm(depths));
   const auto rows = static_cast<std::size_t>(depths.size.height);
   pool.for_each((rows + kRowsPerJob - 1) / kRowsPerJob, [&](std::size_t job) {
     RowDarkener darkener(depths, edges, picture);

@@ -1,4 +1,4 @@
-// Depth-darkened edges: what lies behind something near it in the picture is darker there.
+// Depth darkening by unsharp masking of the depth buffer (Luft et al. 2006).
 #pragma once
 
 #include <limits>
@@ -9,33 +9,35 @@
 
 namespace splatlas {
 
-/// How far away what a pixel shows is, in mm along the view, from the plane of the centre; top row first.
+/// Depth of each pixel in mm along the view direction, from the plane through the view's centre; top row
+/// first.
 struct DepthMap {
   static constexpr float kBackground = std::numeric_limits<float>::infinity();
   PictureSize size;
   std::vector<float> mm;
 
-  /// Background all over.
+  /// Sets all pixels to background.
   void clear(const PictureSize& picture_size);
 };
 
+/// Parameters of depth darkening.
 struct DepthEdges {
-  float strength = 0.7f;  ///< 0: none; 1: down to black; not outside
-  double radius = 10;     ///< pixels around
-  double range_mm = 10;   ///< so far behind both sides' mean is as dark as it gets
-  double min_mm = 0;      ///< so far behind it shows
+  float strength = 0.7f;  ///< 0 (none) to 1 (down to black)
+  double radius = 10;     ///< filter radius in pixels
+  double range_mm = 10;   ///< depth difference at which darkening saturates
+  double min_mm = 0;      ///< depth difference at which darkening begins
 };
 
-/// For a picture: shapes of about a fiftieth of it, whatever the zoom.
+/// Parameters for shapes of about a fiftieth of the picture, at any zoom.
 [[nodiscard]] DepthEdges depth_edges(const ParallelView& plane, float strength);
 
-/// An unsharp mask of the depths (Luft, Colditz, Deussen 2006, "Image enhancement by unsharp masking the
-/// depth buffer"), from pairs of opposite pixels around each one instead of a blurred copy: of every pair it
-/// takes by how much the pixel lies behind the pair's mean, as a share of the range from 0 to 1, and the
-/// colour is multiplied by 1 - strength * (mean share, near pairs weigh more). So a plane stays as it is, at
-/// any slant and up to its border; of a step only the further side changes; hollows darken, ridges do not.
-/// Pairs with background or beyond the picture do not count, background and alpha stay; nor does what the
-/// depths' digits cannot tell. Cost: 32 pairs a pixel. The same bits with any number of threads.
+/// Darkens pixels behind nearby surfaces, by an unsharp mask of the depth buffer (Luft, Colditz and Deussen
+/// 2006). Instead of a blurred copy it uses pairs of opposite pixels. The share of a pair is the depth behind
+/// the pair's mean, relative to the range and clamped to [0, 1]. Colours are multiplied by
+/// 1 - strength * (weighted mean of the shares). Planes remain unchanged at any slant, up to their border. Of
+/// a step, only the further side darkens. Concave regions darken, ridges do not. Pairs with background or
+/// outside the picture do not count; background, alpha and differences within the rounding error remain
+/// unchanged. Cost: 32 pairs per pixel, in parallel. The result is independent of the number of threads.
 void darken_edges(const DepthMap& depths, const DepthEdges& edges, Picture& picture, ThreadPool& pool);
 
 }  // namespace splatlas

@@ -14,7 +14,7 @@
 namespace splatlas {
 namespace {
 
-/// The ending in lower case, one spelling per format; empty when it is not known.
+/// The file extension in lower case and in one spelling per format; empty if it is unknown.
 std::string known_ending(const std::filesystem::path& path) {
   std::string ending = path.extension().string();
   std::transform(ending.begin(), ending.end(), ending.begin(),
@@ -42,7 +42,7 @@ Result<void*> load_module() {
   return function;
 }
 
-/// Pixels as a file needs them.
+/// Pixels in the layout of a file format.
 struct Pixels {
   PictureSize size;
   int channels = 4;

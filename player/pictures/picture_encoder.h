@@ -1,4 +1,4 @@
-// Pictures to the bytes of picture files.
+// Encoder of picture files.
 #pragma once
 
 #include <cstddef>
@@ -13,25 +13,25 @@
 
 namespace splatlas {
 
-/// Encodes one picture: .png, .jpg, .tif (8-bit sRGB) or .exr (float, linear, premultiplied). PNG goes
-/// through libpng. The others go through OpenImageIO, which brings some 260 libraries with it: loading them
-/// takes 0.2 s, longer than most pictures do, so it stands in a module of its own that is loaded on a thread
-/// while the picture is being rendered, and not at all where nobody asks for it.
+/// Encodes one picture as .png, .jpg, .tif (8-bit sRGB) or .exr (float, linear, premultiplied). libpng writes
+/// PNG, OpenImageIO the others. OpenImageIO depends on about 260 libraries, which take 0.2 s to load, longer
+/// than rendering most pictures. It is in a module of its own, loaded on demand and concurrently with
+/// rendering.
 class PictureEncoder {
  public:
-  /// For a file of this name. Starts to load the module where it is needed.
+  /// Prepares for a file of this name, and begins to load the module if needed.
   explicit PictureEncoder(std::filesystem::path path);
 
-  /// Whether `path` ends in one of the known endings; kUsage, naming them, if not.
+  /// kUsage, with the supported extensions, unless `path` has one of them.
   [[nodiscard]] static Result<void> check_ending(const std::filesystem::path& path);
-  /// Whether the format that `path` ends in can hold so many pixels; kUsage, saying what to do, if not. The
-  /// ending is a known one.
+  /// kUsage, with a remedy, if the format of `path` does not support pictures of this size. The extension
+  /// must be supported.
   [[nodiscard]] static Result<void> check_size(const std::filesystem::path& path, const PictureSize& size,
                                                std::optional<Rgb> background);
 
-  /// The whole file. Once. Over `background`, or with alpha where there is none (JPEG then is over black).
-  /// EXR always keeps alpha and ignores the background. Writes nothing: what can go wrong is the module and
-  /// the libraries. Takes at most picture_bytes() beside the picture.
+  /// The bytes of the file; to call once. Composites over `background`, or keeps alpha without one (JPEG is
+  /// then over black). EXR always keeps alpha and ignores the background. kFailed for errors of the module
+  /// and its libraries. Memory: at most picture_bytes() in addition to the picture.
   [[nodiscard]] Result<std::vector<std::byte>> encode(const Picture& picture, std::optional<Rgb> background);
 
  private:

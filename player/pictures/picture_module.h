@@ -1,12 +1,12 @@
-// The C boundary of the module that holds OpenImageIO.
+// C interface of the OpenImageIO module.
 #pragma once
 
 #include <cstddef>
 
 namespace splatlas {
 
-/// `channels` interleaved, floats when `is_float`, else bytes; rows top to bottom. The format is that of
-/// `ending` (".exr"). All pointers are the caller's, and used during the call only.
+/// Interleaved pixels, floats if `is_float`, else bytes; top row first. `ending` is the file extension
+/// (".exr"). The caller owns all pointers, which are used only during the call.
 struct PixelsToEncode {
   const char* ending;
   int width, height, channels;
@@ -14,10 +14,10 @@ struct PixelsToEncode {
   const void* pixels;
 };
 
-/// Where the module hands the bytes of the file, all at once.
+/// Receives all bytes of the file in one call.
 using TakeBytes = void (*)(void* context, const void* bytes, std::size_t size);
 
-/// Returns 0, or 1 with one line of text in `error`, of `error_size` bytes.
+/// Returns 0, or 1 with one line of text in `error`, a buffer of `error_size` bytes.
 using EncodePixels = int (*)(const PixelsToEncode* pixels, TakeBytes take, void* context, char* error,
                              std::size_t error_size);
 

@@ -28,7 +28,7 @@ class SamplePacket {
         first_(first),
         count_(std::min(kPacketRays, list.sample_count() - first)) {}
 
-  void render(const PixelRays& rays, int width, const RasterScene& scene, Light* out) {
+  void render(const PixelRays& rays, int width, const RasterScene& scene, Radiance* out) {
     RayNumbers x{}, y{};
     for (std::size_t n = 0; n < kPacketRays; ++n) {
       const Sample& sample = list_.samples[first_ + std::min(n, count_ - 1)];
@@ -122,20 +122,20 @@ void cast_surfaces(const RayVolume& volume, const View& view, const Grid& grid, 
   if (samples == 0) return;
   const PixelRays rays(view, grid, volume.first(), options.principal_axis);
   const MarchScene march = march_scene(volume, options);
-  std::vector<Light> lights(samples);
+  std::vector<Radiance> radiances(samples);
   constexpr std::size_t kSamplesPerJob = kPacketsPerJob * kPacketRays;
   pool.for_each((samples + kSamplesPerJob - 1) / kSamplesPerJob, [&](std::size_t job) {
     const std::size_t last = std::min(samples, (job + 1) * kSamplesPerJob);
     for (std::size_t first = job * kSamplesPerJob; first < last; first += kPacketRays) {
       SamplePacket packet(volume, march, kernels, fragments, first);
-      packet.render(rays, picture.size.width, scene, &lights[first]);
+      packet.render(rays, picture.size.width, scene, &radiances[first]);
     }
   });
   for (std::size_t first = 0; first < samples;) {
     const std::uint32_t pixel = fragments.samples[first].pixel;
     std::size_t last = first;
-    Light sum;
-    for (; last < samples && fragments.samples[last].pixel == pixel; ++last) sum += lights[last];
+    Radiance sum;
+    for (; last < samples && fragments.samples[last].pixel == pixel; ++last) sum += radiances[last];
     for (std::size_t c = 0; c < 4; ++c) {
       picture.rgba[4 * std::size_t{pixel} + c] = sum.rgba[c] / static_cast<float>(last - first);
     }

@@ -1,4 +1,4 @@
-// What a band of the sheet accumulates, slice after slice.
+// Accumulation buffer of a band of the sheet.
 #pragma once
 
 #include <cstddef>
@@ -11,11 +11,11 @@
 
 namespace splatlas {
 
-/// Rows [first, last) of a window: rows of voxels, each `scale` fine rows. A fine row keeps its phases apart,
-/// and those their planes: emissions, then opacity. Row major: [fine row][phase][plane][stride()].
+/// Radiance and opacity of rows [first, last) of a window, in voxels; each row has `scale` fine rows. Layout:
+/// [fine row][phase][plane][stride()], with planes of emissions, then opacity.
 class BandImage {
  public:
-  /// All black. Takes the memory of `floats`.
+  /// A transparent image in the memory of `floats`, which must outlive it.
   BandImage(const SheetWindow& window, int emissions, std::int64_t first, std::int64_t last,
             std::vector<float>& floats)
       : scale_(window.scale),
@@ -29,7 +29,7 @@ class BandImage {
     opaque_.resize(static_cast<std::size_t>((last_ - first_) * scale_));
   }
 
-  /// Floats of a plane of a row: margins included, whole blocks.
+  /// Floats of a plane of a row, with margins, rounded up to whole blocks.
   static std::int64_t stride(const SheetWindow& window) {
     return (window.columns + 2 * ImageRows::kMargin + kBlock - 1) / kBlock * kBlock;
   }
@@ -47,7 +47,7 @@ class BandImage {
   [[nodiscard]] AccumulatedRow accumulated(std::int64_t fine_row) const {
     return {row(fine_row, 0), planes_, stride_, phase_stride()};
   }
-  /// From a fine row and a phase on; pairs of rows of voxels are `scale` fine rows apart.
+  /// Kernel access from a fine row and a phase on. Pairs of voxel rows are `scale` fine rows apart.
   [[nodiscard]] ImageRows rows(std::int64_t fine_row, std::int64_t phase) {
     float* pixels =
         floats_.data() + (fine_row - first_) * row_stride() + phase * phase_stride() + ImageRows::kMargin;

@@ -1,4 +1,4 @@
-// Where the spans of two rows of voxels lie: runs of blocks that at least one of them reaches.
+// Union of the spans of two adjacent voxel rows, as runs of blocks.
 #pragma once
 
 #include <algorithm>
@@ -18,46 +18,46 @@ struct Blocks {
   [[nodiscard]] bool contains(std::int64_t block) const { return first <= block && block < last; }
 };
 
-/// Those that reach pixels of the image or its margins in any phase.
+/// Blocks to composite: all that overlap pixels of the image in any phase. They stay within its margins.
 [[nodiscard]] inline Blocks blocks_in_reach(const SheetRows& rows, const ImageRows& image) {
   std::int64_t shift = rows.phases[0].shift;
   for (std::size_t n = 1; n < rows.phase_count; ++n) shift = std::min(shift, rows.phases[n].shift);
-  // Others reach margins only, in every phase: -kMargin <= block * kBlock + shift < columns.
+  // Solve -kMargin <= block * kBlock + shift < columns; all other blocks overlap margins only.
   return {-((shift + ImageRows::kMargin) >> kBlockBits), (image.columns - shift + kBlock - 1) >> kBlockBits};
 }
 
-/// Consecutive blocks of one row: [first, last), and where the light of block 0 would stand.
+/// Blocks [first, last) of one row, and the address that block 0 would have.
 struct RowBlocks {
   std::int64_t first = 0, last = 0;
   const float* origin = nullptr;
 
-  /// The light of a block; `nothing` outside.
-  [[nodiscard]] const float* light(std::int64_t block, std::int64_t block_floats,
-                                   const float* nothing) const {
+  /// Optical properties of a block; `nothing` outside.
+  [[nodiscard]] const float* optics(std::int64_t block, std::int64_t block_floats,
+                                    const float* nothing) const {
     return block >= first && block < last ? origin + block * block_floats : nothing;
   }
 };
 
-/// What of a span of the slice is in reach.
+/// Blocks of a span within `reach`.
 [[nodiscard]] inline RowBlocks blocks_of(const SliceSpans& slice, const Span& span, const Blocks& reach) {
   return {std::max<std::int64_t>(reach.first, span.first_block),
           std::min(reach.last, std::int64_t{span.first_block} + span.blocks),
-          slice.light.data() + (std::int64_t{span.offset} - span.first_block) * slice.block_floats()};
+          slice.optics.data() + (std::int64_t{span.offset} - span.first_block) * slice.block_floats()};
 }
 
-/// The light of a block without voxels.
-alignas(64) inline constexpr std::array<float, 4 * kBlock> kDarkBlock{};
+/// Optical properties of an empty block.
+alignas(64) inline constexpr std::array<float, 4 * kBlock> kEmptyBlock{};
 
-/// Blocks [first, last) of two scanlines. Every one is in at least one of both.
+/// Blocks [first, last) of two scanlines, each of them present in at least one.
 struct BlockRun {
   std::int64_t first = 0, last = 0;
   RowBlocks upper, lower;
 };
 
-/// Walks the runs of a pair of rows, in order, as far as they are in reach.
+/// Iterator over the block runs of a pair of rows within reach, in order.
 class BlockRuns {
  public:
-  /// `pair` counts the pairs of `rows`.
+  /// `pair` is an index into the pairs of `rows`.
   BlockRuns(const SheetRows& rows, std::int64_t pair, const Blocks& reach)
       : slice_(*rows.slice),
         reach_(reach),
@@ -67,8 +67,9 @@ class BlockRuns {
     advance(lower_);
   }
 
-  /// False when there are no more.
+  /// Advances to the next run; false at the end.
   bool next(BlockRun& run) {
+    // Begin with the row whose blocks come first
     const bool upper_leads = upper_.blocks.first <= lower_.blocks.first;
     Side& lead = upper_leads ? upper_ : lower_;
     Side& other = upper_leads ? lower_ : upper_;
@@ -82,7 +83,8 @@ class BlockRuns {
       advance(lead);
       return true;
     }
-    // A run has one span of each row at most: it ends where the next one begins.
+
+    // A run has at most one span of each row: end it at the next span of the shorter row
     Side& shorter = lead.blocks.last <= other.blocks.last ? lead : other;
     Side& longer = lead.blocks.last <= other.blocks.last ? other : lead;
     run.last = longer.blocks.last;
@@ -98,7 +100,7 @@ class BlockRuns {
  private:
   static constexpr std::int64_t kEnd = std::numeric_limits<std::int64_t>::max();
 
-  /// One row: what is left of its current span, and the spans after it.
+  /// State of one row: the rest of its current span, and the spans after it.
   struct Side {
     std::span<const Span> spans;
     RowBlocks blocks{kEnd, kEnd, nullptr};
@@ -106,7 +108,7 @@ class BlockRuns {
     explicit Side(std::span<const Span> all) : spans(all) {}
   };
 
-  /// On to the next span.
+  /// Advances to the next span within reach.
   void advance(Side& side) const {
     while (!side.spans.empty()) {
       side.blocks = blocks_of(slice_, side.spans.front(), reach_);

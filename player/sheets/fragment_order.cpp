@@ -9,12 +9,13 @@
 namespace splatlas {
 namespace {
 
-/// Parts of the picture that are worked on at once; results do not depend on it.
+/// Parallel tasks per frame; the result is independent of their number.
 constexpr std::size_t kChunks = 32;
-/// With digits of 6e-8 it keeps the light in front of a fragment right to 1e-5.
-constexpr float kMinThrough = 2e-4f;
+/// Lower bound of transmittance. With a float resolution of 6e-8 it limits the error of the radiance in front
+/// of a fragment to 1e-5.
+constexpr float kMinTransmittance = 2e-4f;
 
-/// Where samples lie in the sheet.
+/// Map from samples to positions in the sheet.
 class SheetPlaces {
  public:
   SheetPlaces(const Shear& shear, const SheetWindow& window, const PictureSize& size)
@@ -25,11 +26,12 @@ class SheetPlaces {
         rows_(static_cast<double>(window.fine_rows())) {}
 
   struct Place {
-    std::int64_t row = 0;  ///< above it, from -1
+    std::int64_t row = 0;  ///< fine row above the sample, from -1
     FragmentOrder::Entry entry;
   };
-  /// Nothing for samples that no pixel of the sheet is near to.
+  /// nullopt for samples without a neighbouring pixel of the sheet.
   [[nodiscard]] std::optional<Place> of(const Sample& sample) const {
+    // Warp picture coordinates to sheet pixels
     const std::uint32_t picture_row = sample.pixel / width_;
     const double x = static_cast<double>(sample.pixel % width_) + sample.place.right();
     const double y = static_cast<double>(picture_row) + sample.place.down();
@@ -38,6 +40,8 @@ class SheetPlaces {
     const double sheet_y =
         (map_.yx * x + map_.yy * y + map_.y0 - static_cast<double>(window_.v0)) * window_.scale;
     if (!(sheet_x >= -1 && sheet_y >= -1 && sheet_x < columns_ && sheet_y < rows_)) return std::nullopt;
+
+    // Find the upper left neighbour and the interpolation weights
     const double column = std::floor(sheet_x);
     const double row = std::floor(sheet_y);
     const auto right = static_cast<float>(sheet_x - column);
@@ -64,7 +68,7 @@ class SheetPlaces {
 float share_of_slab(float absorbed, float part) {
   if (!(absorbed > 0) || part >= 1) return std::min(part, 1.0f);
   if (absorbed < 0.125f) {
-    // The binomial series; what is left out is below 1e-7.
+    // Sum the binomial series, with a truncation error below 1e-7
     float share = 1 + absorbed * (5 - part) * (1.0f / 6);
     share = 1 + absorbed * (4 - part) * (1.0f / 5) * share;
     share = 1 + absorbed * (3 - part) * (1.0f / 4) * share;
@@ -87,12 +91,12 @@ void FragmentOrder::build(const FragmentList& list, const Shear& shear, const Sh
   if (window.empty() || list.fragments.empty()) {
     std::fill(place_.begin(), place_.end(), kNowhere);
     entries_.clear();
-    lights_.clear();
+    radiance_.clear();
     return;
   }
   scatter(list, shear, window, size, pool);
   entries_.resize(unsorted_.size());
-  lights_.resize(unsorted_.size());
+  radiance_.resize(unsorted_.size());
   const std::size_t rows = first_of_row_.size() - 1;
   const std::size_t rows_per_chunk = (rows + kChunks - 1) / kChunks;
   pool.for_each((rows + rows_per_chunk - 1) / rows_per_chunk, [&](std::size_t chunk) {
@@ -102,7 +106,7 @@ void FragmentOrder::build(const FragmentList& list, const Shear& shear, const Sh
   });
 }
 
-/// Brings the fragments together by row of the sheet, each row's in the order of the picture.
+/// Counting sort of the fragments by row of the sheet; within a row they keep the order of the picture.
 void FragmentOrder::scatter(const FragmentList& list, const Shear& shear, const SheetWindow& window,
                             const PictureSize& size, ThreadPool& pool) {
   const SheetPlaces places(shear, window, size);
@@ -114,6 +118,7 @@ void FragmentOrder::scatter(const FragmentList& list, const Shear& shear, const 
     for (std::size_t n = first; n < std::min(first + samples_per_chunk, list.sample_count()); ++n) body(n);
   };
 
+  // Count fragments per chunk and row
   std::vector<std::vector<std::size_t>> next_of_row(chunks);
   pool.for_each(chunks, [&](std::size_t chunk) {
     next_of_row[chunk].assign(rows, 0);
@@ -122,6 +127,8 @@ void FragmentOrder::scatter(const FragmentList& list, const Shear& shear, const 
       if (place) next_of_row[chunk][static_cast<std::size_t>(place->row + 1)] += list.of_sample(n).size();
     });
   });
+
+  // Compute prefix sums
   std::size_t fragments = 0;
   for (std::size_t row = 0; row < rows; ++row) {
     first_of_row_[row] = fragments;
@@ -133,6 +140,7 @@ void FragmentOrder::scatter(const FragmentList& list, const Shear& shear, const 
   }
   first_of_row_[rows] = fragments;
 
+  // Scatter the fragments
   unsorted_.resize(fragments);
   pool.for_each(chunks, [&](std::size_t chunk) {
     for_each_sample(chunk, [&](std::size_t n) {
@@ -153,7 +161,7 @@ void FragmentOrder::scatter(const FragmentList& list, const Shear& shear, const 
   });
 }
 
-/// By slab: a counting sort.
+/// Counting sort of a row's fragments by slab.
 void FragmentOrder::sort_row(std::size_t n, std::vector<std::uint32_t>& next_of_slab) {
   const std::size_t first = first_of_row_[n];
   const std::size_t last = first_of_row_[n + 1];
@@ -169,7 +177,7 @@ void FragmentOrder::sort_row(std::size_t n, std::vector<std::uint32_t>& next_of_
     const Unsorted& from = unsorted_[e];
     const std::size_t to = first + next_of_slab[static_cast<std::size_t>(from.entry.slab)]++;
     entries_[to] = from.entry;
-    lights_[to] = {};
+    radiance_[to] = {};
     place_[from.fragment] = static_cast<std::uint32_t>(to);
   }
 }
@@ -180,22 +188,21 @@ FragmentOrder::SlabPlace FragmentOrder::slab_at(double along) const {
   return {static_cast<std::int32_t>(slab), static_cast<float>(std::clamp(slabs - slab, 0.0, 1.0))};
 }
 
-Light FragmentOrder::in_front_of(std::size_t fragment, float depth) const {
+Radiance FragmentOrder::in_front_of(std::size_t fragment, float depth) const {
   if (place_[fragment] == kNowhere) return {};
-  const SlabRadiance& slab = lights_[place_[fragment]];
-  const float through = 1 - slab.before.rgba[3];
+  const SlabRadiance& slab = radiance_[place_[fragment]];
+  const float transmittance = 1 - slab.before.rgba[3];
   const float added = slab.behind.rgba[3] - slab.before.rgba[3];
   if (!(added > 0)) return slab.before;
-  // What little an opaque slab lets through is lost in the last digits of its opacity: no less than this
-  // counts.
-  const float most = through - kMinThrough;
-  const float share =
-      share_of_slab(std::min(added, std::max(most, 0.0f)) / through, slab_at(along_of_depth(depth)).part);
-  Light light;
+  // Limit the opacity of the slab: rounding leaves too few digits of the transmittance behind it.
+  const float max_added = transmittance - kMinTransmittance;
+  const float share = share_of_slab(std::min(added, std::max(max_added, 0.0f)) / transmittance,
+                                    slab_at(along_of_depth(depth)).part);
+  Radiance radiance;
   for (std::size_t c = 0; c < 4; ++c) {
-    light.rgba[c] = slab.before.rgba[c] + share * (slab.behind.rgba[c] - slab.before.rgba[c]);
+    radiance.rgba[c] = slab.before.rgba[c] + share * (slab.behind.rgba[c] - slab.before.rgba[c]);
   }
-  return light;
+  return radiance;
 }
 
 }  // namespace splatlas

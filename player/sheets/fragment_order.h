@@ -1,4 +1,4 @@
-// Fragments in the order in which the volume pass meets them, and the volume in front of them.
+// Surface fragments sorted by sheet row and slab, with the radiance of the volume in front of them.
 #pragma once
 
 #include <array>
@@ -14,14 +14,14 @@ namespace splatlas {
 
 struct SheetWindow;
 
-/// Cuts across the rays, counted from the viewer, along the principal axis. Places are in voxels from the
-/// slice that is nearest to the viewer. With one part a slice has one slab around it: from half a voxel in
-/// front of it to half a voxel behind it. With several, what lies between two slices, and in front of the
-/// first one and behind the last one as far as they reach, is cut into so many slabs of equal thickness.
+/// Slabs across the principal axis, in front-to-back order. Positions are in voxels from the slice nearest to
+/// the viewer. With one part, each slice is the centre of a slab one voxel thick. With more parts, each
+/// interval between two slices has `parts` slabs of equal thickness. The intervals in front of the first
+/// slice and behind the last one count, too.
 struct Slabs {
   std::int64_t count = 1;
-  double begin = -0.5;   ///< of the first one
-  double thickness = 1;  ///< of each
+  double begin = -0.5;   ///< position of the first slab
+  double thickness = 1;  ///< in voxels
 
   [[nodiscard]] static Slabs of(std::int64_t slices, int parts) {
     if (parts == 1) return {slices, -0.5, 1};
@@ -29,25 +29,26 @@ struct Slabs {
   }
 };
 
-/// For every row of the sheet, the fragments just below it (between it and the next row), front to back by
-/// slab; and for each the volume in front of its slab and with it, which the volume pass fills in.
+/// Fragments between each row of the sheet and the next one, front to back by slab. The volume pass fills in
+/// the radiance of the volume in front of each fragment's slab, without and with the slab.
 class FragmentOrder {
  public:
   struct Entry {
-    std::int32_t slab = 0;    ///< how many slabs the ray has met when it reaches the fragment's; from 0
-    std::int32_t column = 0;  ///< of the sheet pixel to the left of it, in voxels
-    std::int32_t phase = 0;   ///< of that pixel
-    std::array<float, 4> weights{};  ///< of its four neighbours: sheet_weights(); 0 beyond the sheet
+    std::int32_t slab = 0;           ///< index from the viewer
+    std::int32_t column = 0;         ///< of the sheet pixel to the left, in voxels
+    std::int32_t phase = 0;          ///< of that pixel
+    std::array<float, 4> weights{};  ///< of the four neighbours: sheet_weights(); 0 outside the sheet
   };
-  /// Place of fragments that no row of the sheet is near to: nothing is in front of them.
+  /// Place of fragments without a neighbouring row of the sheet, with no volume in front of them.
   static constexpr std::uint32_t kNowhere = std::numeric_limits<std::uint32_t>::max();
 
-  /// Keeps its memory from frame to frame. Cost: fragments, and rows of the sheet.
+  /// Sorts the fragments of a frame. Keeps its memory from frame to frame. Cost: linear in fragments and rows
+  /// of the sheet.
   void build(const FragmentList& fragments, const Shear& shear, const SheetWindow& window,
              const PictureSize& size, const Grid& grid, ThreadPool& pool);
 
   [[nodiscard]] bool empty() const { return entries_.empty(); }
-  /// Entries of a row of the sheet, from -1 to fine_rows - 1.
+  /// Range of the entries of a row of the sheet, -1 to fine_rows - 1.
   [[nodiscard]] std::size_t row_begin(std::int64_t fine_row) const {
     return first_of_row_[static_cast<std::size_t>(fine_row + 1)];
   }
@@ -55,17 +56,16 @@ class FragmentOrder {
     return first_of_row_[static_cast<std::size_t>(fine_row + 2)];
   }
   [[nodiscard]] const Entry& entry(std::size_t n) const { return entries_[n]; }
-  [[nodiscard]] SlabRadiance* lights(std::size_t n) { return lights_.data() + n; }
+  [[nodiscard]] SlabRadiance* radiance(std::size_t n) { return radiance_.data() + n; }
 
-  /// Has what in_front_of() will read brought near.
+  /// Prefetches the input of in_front_of().
   void prefetch(std::size_t fragment) const {
-    if (place_[fragment] != kNowhere) __builtin_prefetch(lights_.data() + place_[fragment]);
+    if (place_[fragment] != kNowhere) __builtin_prefetch(radiance_.data() + place_[fragment]);
   }
-  /// The volume in front of a fragment, exact for a slab of constant light.
-  [[nodiscard]] Light in_front_of(std::size_t fragment, float depth) const;
+  /// Radiance of the volume in front of a fragment, exact for a slab of constant optical properties.
+  [[nodiscard]] Radiance in_front_of(std::size_t fragment, float depth) const;
 
-  /// The slab that place `k` along the principal axis lies in (in voxels of the grid), counted from the
-  /// viewer.
+  /// Index of the slab that contains position `k` along the principal axis, in voxels of the grid.
   [[nodiscard]] std::int32_t slab_of(double k) const { return slab_at(along_of_place(k)).slab; }
 
  private:
@@ -78,7 +78,7 @@ class FragmentOrder {
     float part = 0;  ///< share of the slab in front of the depth, [0, 1]
   };
 
-  /// Voxels from the slice that is nearest to the viewer.
+  /// Position in voxels from the slice nearest to the viewer.
   [[nodiscard]] double along_of_place(double k) const {
     return ascending_ ? k : static_cast<double>(slices_ - 1) - k;
   }
@@ -96,12 +96,12 @@ class FragmentOrder {
   std::vector<std::size_t> first_of_row_;  // fine_rows + 2 offsets
   std::vector<Unsorted> unsorted_;         // by row
   std::vector<Entry> entries_;
-  std::vector<SlabRadiance> lights_;  // of entries
-  std::vector<std::uint32_t> place_;  // of fragments among the entries
+  std::vector<SlabRadiance> radiance_;  // of entries
+  std::vector<std::uint32_t> place_;    // index of each fragment's entry
 };
 
-/// Share of a slab's light that its first part gives, where the whole slab absorbs `absorbed` of what passes
-/// through it and its light is constant: (1 - (1 - absorbed)^part) / absorbed.
+/// Share of a homogeneous slab's radiance that its front `part` contributes. With `absorbed`, the opacity of
+/// the whole slab, it is (1 - (1 - absorbed)^part) / absorbed.
 [[nodiscard]] float share_of_slab(float absorbed, float part);
 
 }  // namespace splatlas

@@ -9,7 +9,7 @@ namespace splatlas {
 namespace {
 
 constexpr int kMaxSamplesPerSide = 16;
-/// The volume in front of fragments lies about in memory.
+/// Prefetch distance: the radiance in front of fragments is scattered in memory.
 constexpr std::size_t kFragmentsAhead = 12;
 
 /// Picture coordinates to sheet pixels.
@@ -20,8 +20,8 @@ Affine2 picture_to_pixels(const Shear& shear, const SheetWindow& window) {
           map.yx * scale, map.yy * scale, (map.y0 - static_cast<double>(window.v0)) * scale};
 }
 
-/// As the warp does; nothing beyond the sheet's border.
-Light sample(const SheetImage& sheet, double x, double y) {
+/// One bilinear sample, as in the warp; zero outside the sheet's border.
+Radiance sample(const SheetImage& sheet, double x, double y) {
   const SheetWindow& window = sheet.window;
   if (!(x > -1 && y > -1 && x < static_cast<double>(window.fine_columns()) &&
         y < static_cast<double>(window.fine_rows()))) {
@@ -33,12 +33,13 @@ Light sample(const SheetImage& sheet, double x, double y) {
   const float* lower = upper + sheet.stride() * sheet.channels;
   const std::array<float, 4> weights =
       sheet_weights(static_cast<float>(x - column), static_cast<float>(y - row), window.skew);
-  Light light;
+  Radiance radiance;
   for (std::int64_t c = 0; c < sheet.channels; ++c) {
-    light.rgba[static_cast<std::size_t>(c)] = weights[0] * upper[c] + weights[1] * upper[sheet.channels + c] +
-                                              weights[2] * lower[c] + weights[3] * lower[sheet.channels + c];
+    radiance.rgba[static_cast<std::size_t>(c)] =
+        weights[0] * upper[c] + weights[1] * upper[sheet.channels + c] + weights[2] * lower[c] +
+        weights[3] * lower[sheet.channels + c];
   }
-  return sheet.channels == 4 ? light : in_color(light.rgba[0], light.rgba[1], sheet.color);
+  return sheet.channels == 4 ? radiance : in_color(radiance.rgba[0], radiance.rgba[1], sheet.color);
 }
 
 CubicWalk cubic_walk(const SheetImage& sheet, double x, double y, double step_x, double step_y) {
@@ -54,22 +55,22 @@ CubicWalk cubic_walk(const SheetImage& sheet, double x, double y, double step_x,
           step_y};
 }
 
-/// Mean over a grid of samples within the pixel whose centre is (x, y).
-Light sample_mean(const SheetImage& sheet, const Affine2& map, double x, double y, int samples,
-                  const WarpKernels& kernels) {
-  Light sum;
+/// Box filter: mean over a grid of samples within the pixel with centre (x, y).
+Radiance sample_mean(const SheetImage& sheet, const Affine2& map, double x, double y, int samples,
+                     const WarpKernels& kernels) {
+  Radiance sum;
   for (int v = 0; v < samples; ++v) {
     for (int u = 0; u < samples; ++u) {
       const double sx = x + (u + 0.5) / samples - 0.5;
       const double sy = y + (v + 0.5) / samples - 0.5;
       const double at_x = map.xx * sx + map.xy * sy + map.x0, at_y = map.yx * sx + map.yy * sy + map.y0;
-      Light light;
+      Radiance radiance;
       if (sheet.window.cubic) {
-        kernels.cubic(cubic_walk(sheet, at_x, at_y, 0, 0), 1, light.rgba.data());
+        kernels.cubic(cubic_walk(sheet, at_x, at_y, 0, 0), 1, radiance.rgba.data());
       } else {
-        light = sample(sheet, at_x, at_y);
+        radiance = sample(sheet, at_x, at_y);
       }
-      for (std::size_t c = 0; c < 4; ++c) sum.rgba[c] += light.rgba[c];
+      for (std::size_t c = 0; c < 4; ++c) sum.rgba[c] += radiance.rgba[c];
     }
   }
   const float scale = 1.0f / static_cast<float>(samples * samples);
@@ -77,12 +78,12 @@ Light sample_mean(const SheetImage& sheet, const Affine2& map, double x, double 
   return sum;
 }
 
-/// Pixels of a row, [first, last), whose samples can lie within the sheet or `margin` sheet pixels beside it.
+/// Pixels [first, last) of a row whose samples may overlap the sheet, padded by `margin` sheet pixels.
 std::pair<int, int> covered(const SheetImage& sheet, const Affine2& map, double y, int width, double margin) {
   double first = 0;
   double last = width;
   const auto clip = [&](double per_x, double at_zero, double extent) {
-    // -1 - margin < per_x * x + at_zero < extent + margin
+    // Solve -1 - margin < per_x * x + at_zero < extent + margin
     const double low = -1 - margin - at_zero;
     const double high = extent + margin - at_zero;
     if (per_x == 0) {
@@ -98,26 +99,27 @@ std::pair<int, int> covered(const SheetImage& sheet, const Affine2& map, double 
   return {static_cast<int>(first), static_cast<int>(last)};
 }
 
-/// A sample: the volume up to the first fragment, the fragment, the volume up to the next one, and so on up
-/// to the `whole` volume.
-Light compose(const FragmentsInVolume& fragments, std::size_t sample, const Light& whole) {
-  Light sum;
-  Light before;       // volume already composed
-  float through = 1;  // what the surfaces so far let through
+/// Composites the fragments of a sample with the segments of the volume between them, front to back (Porter
+/// and Duff 1984). `whole` is the radiance of the whole volume.
+Radiance compose(const FragmentsInVolume& fragments, std::size_t sample, const Radiance& whole) {
+  Radiance sum;
+  Radiance before;          // of the volume in front of the previous fragment
+  float transmittance = 1;  // of the surfaces so far
   const FragmentList& list = fragments.list;
   for (std::uint32_t n = list.samples[sample].first_fragment; n < list.samples[sample + 1].first_fragment;
        ++n) {
     const Fragment& fragment = list.fragments[n];
     if (n + kFragmentsAhead < list.fragments.size()) fragments.order.prefetch(n + kFragmentsAhead);
-    const Light volume = fragments.order.in_front_of(n, fragment.depth);
-    const float volume_through = 1 - volume.rgba[3];
+    const Radiance volume = fragments.order.in_front_of(n, fragment.depth);
+    const float volume_transmittance = 1 - volume.rgba[3];
     for (std::size_t c = 0; c < 4; ++c) {
-      sum.rgba[c] += through * (volume.rgba[c] - before.rgba[c] + volume_through * fragment.rgba[c]);
+      sum.rgba[c] +=
+          transmittance * (volume.rgba[c] - before.rgba[c] + volume_transmittance * fragment.rgba[c]);
     }
     before = volume;
-    through *= 1 - fragment.rgba[3];
+    transmittance *= 1 - fragment.rgba[3];
   }
-  for (std::size_t c = 0; c < 4; ++c) sum.rgba[c] += through * (whole.rgba[c] - before.rgba[c]);
+  for (std::size_t c = 0; c < 4; ++c) sum.rgba[c] += transmittance * (whole.rgba[c] - before.rgba[c]);
   return sum;
 }
 
@@ -125,16 +127,16 @@ struct Pixel {
   int column = 0, row = 0;
 };
 
-/// A pixel with samples [first, last).
-Light mean_of(const FragmentsInVolume& fragments, std::uint32_t first, std::uint32_t last,
-              const SheetImage& sheet, const Affine2& map, const Pixel& pixel) {
-  Light sum;
+/// Mean of the samples [first, last) of a pixel.
+Radiance mean_of(const FragmentsInVolume& fragments, std::uint32_t first, std::uint32_t last,
+                 const SheetImage& sheet, const Affine2& map, const Pixel& pixel) {
+  Radiance sum;
   for (std::uint32_t n = first; n < last; ++n) {
-    // Fragments know the volume where they are: no mean over the pixel.
+    // Point-sample the volume: the radiance in front of fragments is a point sample, too.
     const SubPixel& place = fragments.list.samples[n].place;
     const double x = pixel.column + place.right();
     const double y = pixel.row + place.down();
-    const Light whole = sample(sheet, map.xx * x + map.xy * y + map.x0, map.yx * x + map.yy * y + map.y0);
+    const Radiance whole = sample(sheet, map.xx * x + map.xy * y + map.x0, map.yx * x + map.yy * y + map.y0);
     sum += compose(fragments, n, whole);
   }
   const float share = 1.0f / static_cast<float>(last - first);
@@ -142,12 +144,12 @@ Light mean_of(const FragmentsInVolume& fragments, std::uint32_t first, std::uint
   return sum;
 }
 
-/// Sheet pixels that a step of one picture pixel passes at most, along its rows or columns.
+/// Maximum distance in the sheet, in its pixels, of adjacent picture pixels.
 double longest_step(const Affine2& map) {
   return std::max(std::hypot(map.xx, map.yx), std::hypot(map.xy, map.yy));
 }
 
-/// Beside the sheet, samples see so many of its pixels.
+/// Support of a pixel's filter beyond bilinear interpolation, in sheet pixels.
 double margin_of(const SheetImage& sheet, const Affine2& map, int samples) {
   return (samples > 1 ? longest_step(map) : 0) + (sheet.window.cubic ? 1 : 0);
 }
@@ -166,16 +168,16 @@ class RowWarp {
     if (sheet.window.empty()) return;
     std::tie(first_, last_) = covered(sheet, map, y, width, margin);
     if (samples > 1 || cubic_) return;
-    // To the last bit of the walk: every sample's four neighbours exist.
+    // Shrink by the fixed-point positions of the walk, so that all four neighbours of every sample exist.
     while (first_ < last_ && !inside(first_, first_)) ++first_;
     while (first_ < last_ && !inside(first_, last_ - 1)) --last_;
   }
 
-  /// Columns [first, last) look into the sheet.
+  /// Columns [first, last) overlap the sheet.
   [[nodiscard]] int first() const { return first_; }
   [[nodiscard]] int last() const { return last_; }
 
-  /// Columns [from, to), which must look into the sheet.
+  /// Warps columns [from, to), which must overlap the sheet.
   void warp(int from, int to, float* out) const {
     if (from >= to) return;
     if (cubic_) {
@@ -190,8 +192,8 @@ class RowWarp {
       return;
     }
     for (int column = from; column < to; ++column) {
-      const Light light = sample_mean(sheet_, map_, column + 0.5, y_, samples_, kernels_);
-      std::copy(light.rgba.begin(), light.rgba.end(), out + std::ptrdiff_t{4} * column);
+      const Radiance radiance = sample_mean(sheet_, map_, column + 0.5, y_, samples_, kernels_);
+      std::copy(radiance.rgba.begin(), radiance.rgba.end(), out + std::ptrdiff_t{4} * column);
     }
   }
 
@@ -212,7 +214,7 @@ class RowWarp {
             fixed(map_.xx),
             fixed(map_.yx)};
   }
-  /// A walk from `from` on is inside the sheet at `column`, with room for the rounding of its steps.
+  /// True if a walk from `from` is inside the sheet at `column`, with a margin for accumulated rounding.
   [[nodiscard]] bool inside(int from, int column) const {
     constexpr std::int64_t kRounding = std::int64_t{1} << 16;
     const WarpWalk walk = walk_from(from);
@@ -233,8 +235,8 @@ class RowWarp {
   int first_ = 0, last_ = 0;
 };
 
-/// Rows [first, last) of the picture without surfaces: in tiles, for rows that are next to each other look at
-/// the same part of the sheet, which may lie across its rows.
+/// Warps rows [first, last) of the picture without surfaces. Tiles improve locality: adjacent rows sample the
+/// same part of the sheet, at any rotation.
 void warp_rows(const SheetImage& sheet, const Affine2& map, int samples, const WarpKernels& kernels,
                std::size_t first, std::size_t last, Picture& picture) {
   constexpr int kTileColumns = 64;
@@ -258,7 +260,7 @@ void warp_rows(const SheetImage& sheet, const Affine2& map, int samples, const W
   }
 }
 
-/// Pixels with fragments, in place of what the warp left there.
+/// Replaces the warped pixels of a row that have fragments.
 void compose_row(const SheetImage& sheet, const Affine2& map, const FragmentsInVolume& fragments,
                  std::size_t row, Picture& picture) {
   const FragmentList& list = fragments.list;
@@ -269,8 +271,8 @@ void compose_row(const SheetImage& sheet, const Affine2& map, const FragmentsInV
     while (last < end && list.samples[last].pixel == list.samples[first].pixel) ++last;
     const std::size_t pixel = list.samples[first].pixel;
     const auto column = static_cast<int>(pixel - row * width);
-    const Light light = mean_of(fragments, first, last, sheet, map, {column, static_cast<int>(row)});
-    std::copy(light.rgba.begin(), light.rgba.end(), &picture.rgba[4 * pixel]);
+    const Radiance radiance = mean_of(fragments, first, last, sheet, map, {column, static_cast<int>(row)});
+    std::copy(radiance.rgba.begin(), radiance.rgba.end(), &picture.rgba[4 * pixel]);
     first = last;
   }
 }
@@ -284,7 +286,7 @@ void resolve(const SheetImage& sheet, const Shear& shear, const FragmentsInVolum
   const auto height = static_cast<std::size_t>(size.height);
   picture.rgba.resize(4 * static_cast<std::size_t>(size.width) * height);
   const Affine2 map = picture_to_pixels(shear, sheet.window);
-  // Finer sheets are no finer than what they show.
+  // Choose samples per side by the pixel width in voxels: finer sheets add no detail.
   const double voxels = longest_step(map) / sheet.window.scale;
   const int samples = static_cast<int>(std::clamp(std::ceil(voxels - 0.25), 1.0, double{kMaxSamplesPerSide}));
   pool.for_each((height + kBandRows - 1) / kBandRows, [&](std::size_t band) {

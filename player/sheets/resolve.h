@@ -1,4 +1,4 @@
-// The last pass: the finished sheet is warped into the picture, surfaces between the parts of the volume.
+// Warp of the sheet into the picture, composited with surface fragments.
 #pragma once
 
 #include "format/system/thread_pool.h"
@@ -10,15 +10,15 @@
 
 namespace splatlas {
 
-/// The surfaces of a picture, and the volume in front of each.
+/// Surface fragments, and the radiance of the volume in front of each.
 struct FragmentsInVolume {
   const FragmentList& list;
   const FragmentOrder& order;
 };
 
-/// Every pixel: the volume up to the first fragment, the fragment, the volume up to the next one, and so on;
-/// exactly in order, because the volume in front of a fragment is known where the fragment is. Bilinear in
-/// the sheet; where the sheet is finer than the picture, the mean of several samples. Cost: pixels plus
+/// Warps the sheet (Lacroute and Levoy 1994) and composites fragments with the segments of the volume between
+/// them, in exact depth order. Interpolation in the sheet is bilinear, or cubic for pixels without fragments
+/// if the window asks for it. Minified pixels are the mean of several samples. Cost: linear in pixels and
 /// fragments.
 void resolve(const SheetImage& sheet, const Shear& shear, const FragmentsInVolume& fragments,
              const PictureSize& size, const WarpKernels& kernels, Picture& picture, ThreadPool& pool);

@@ -11,7 +11,7 @@ SheetFragments::SheetFragments(FragmentOrder& order, std::int64_t first, std::in
       scale_(window.scale),
       color_(color),
       cursors_(static_cast<std::size_t>(last - first)),
-      apart_(order.row_end(first - 1) - order.row_begin(first - 1)) {
+      deferred_(order.row_end(first - 1) - order.row_begin(first - 1)) {
   for (std::int64_t row = first; row < last; ++row) {
     auto& cursors = cursors_[static_cast<std::size_t>(row - first)];
     for (const bool below : {false, true}) {
@@ -20,8 +20,8 @@ SheetFragments::SheetFragments(FragmentOrder& order, std::int64_t first, std::in
       cursor.row_is_below = below;
       cursor.waiting = order.row_begin(fragments_row);
       cursor.end = order.row_end(fragments_row);
-      const bool apart = below && row == first;
-      cursor.lights = apart ? apart_.data() : order.lights(cursor.waiting);
+      const bool deferred = below && row == first;
+      cursor.radiance = deferred ? deferred_.data() : order.radiance(cursor.waiting);
       cursor.first = cursor.waiting;
       set_next(cursor, cursor.waiting);
     }
@@ -33,50 +33,51 @@ void SheetFragments::set_next(Cursor& cursor, std::size_t next) const {
   cursor.next_slab = next < cursor.end ? order_.entry(next).slab : kNoMore;
 }
 
-/// Fragments in front of `slab` have nothing behind what is there now; those in it wait for its end.
+/// Fragments in front of `slab` get the current radiance for both ends of their slab. Fragments within it get
+/// it for the front, and wait for the end of the slab.
 void SheetFragments::reach(Cursor& cursor, std::int32_t slab, const AccumulatedRow& row) {
   std::size_t n = cursor.next;
   for (; n < cursor.end && order_.entry(n).slab < slab; ++n) {
-    SlabRadiance& light = cursor.lights[n - cursor.first];
-    const Light share = this->share(order_.entry(n), cursor.row_is_below, row);
-    light.before += share;
-    light.behind += share;
+    SlabRadiance& radiance = cursor.radiance[n - cursor.first];
+    const Radiance share = this->share(order_.entry(n), cursor.row_is_below, row);
+    radiance.before += share;
+    radiance.behind += share;
   }
   cursor.waiting = n;
   for (; n < cursor.end && order_.entry(n).slab == slab; ++n) {
-    cursor.lights[n - cursor.first].before += share(order_.entry(n), cursor.row_is_below, row);
+    cursor.radiance[n - cursor.first].before += share(order_.entry(n), cursor.row_is_below, row);
   }
   set_next(cursor, n);
 }
 
 void SheetFragments::leave(Cursor& cursor, const AccumulatedRow& row) {
   for (; cursor.waiting < cursor.next; ++cursor.waiting) {
-    cursor.lights[cursor.waiting - cursor.first].behind +=
+    cursor.radiance[cursor.waiting - cursor.first].behind +=
         share(order_.entry(cursor.waiting), cursor.row_is_below, row);
   }
 }
 
-Light SheetFragments::share(const FragmentOrder::Entry& entry, bool row_is_below,
-                            const AccumulatedRow& row) const {
+Radiance SheetFragments::share(const FragmentOrder::Entry& entry, bool row_is_below,
+                               const AccumulatedRow& row) const {
   const float left = entry.weights[row_is_below ? 2 : 0];
   const float right = entry.weights[row_is_below ? 3 : 1];
   const float* left_pixel = row.first + entry.phase * row.phase_stride + entry.column;
   const float* right_pixel =
       entry.phase + 1 < scale_ ? left_pixel + row.phase_stride : row.first + entry.column + 1;
-  Light light;
+  Radiance radiance;
   for (std::int64_t c = 0; c < row.planes; ++c) {
     const std::int64_t plane = c * row.plane_stride;
-    light.rgba[static_cast<std::size_t>(c)] = left * left_pixel[plane] + right * right_pixel[plane];
+    radiance.rgba[static_cast<std::size_t>(c)] = left * left_pixel[plane] + right * right_pixel[plane];
   }
-  return row.planes == 4 ? light : in_color(light.rgba[0], light.rgba[1], color_);
+  return row.planes == 4 ? radiance : in_color(radiance.rgba[0], radiance.rgba[1], color_);
 }
 
 void SheetFragments::merge() {
   const std::size_t first = order_.row_begin(first_ - 1);
-  for (std::size_t n = 0; n < apart_.size(); ++n) {
-    SlabRadiance& light = *order_.lights(first + n);
-    light.before += apart_[n].before;
-    light.behind += apart_[n].behind;
+  for (std::size_t n = 0; n < deferred_.size(); ++n) {
+    SlabRadiance& radiance = *order_.radiance(first + n);
+    radiance.before += deferred_[n].before;
+    radiance.behind += deferred_[n].behind;
   }
 }
 

@@ -11,11 +11,11 @@
 namespace splatlas {
 namespace {
 
-constexpr std::int64_t kMaxBandRows = 16;  // voxels: enough bands to share out
-/// Bytes of accumulated image that a band works on: they stay in the second level cache.
+constexpr std::int64_t kMaxBandRows = 16;  // in voxels; small enough for load balance
+/// Maximum size of a band's accumulation buffer, which should fit the L2 cache.
 constexpr std::int64_t kBandBytes = std::int64_t{1} << 18;
 
-/// A shift split into whole pixels and the rest in [0, 1).
+/// A shift split into whole pixels and a fraction in [0, 1).
 struct Offset {
   std::int64_t whole = 0;
   float part = 0;
@@ -27,18 +27,18 @@ struct Offset {
   }
 };
 
-/// What all bands share.
+/// Arguments of render_sheets(), shared by all bands.
 struct Pass {
   const SpanModel& model;
   const Shear& shear;
   const SheetWindow& window;
   const SplatKernels& kernels;
-  float floor;
+  float termination_threshold;
   FragmentOrder& fragments;
   SheetImage& image;
 };
 
-/// out[n * streams + s] = stream s [n].
+/// out[n * kStreams + s] = streams[s][n].
 template <std::size_t kStreams>
 void interleave(const float* const* streams, std::int64_t count, float* out) {
   for (std::int64_t n = 0; n < count; ++n) {
@@ -60,27 +60,27 @@ void interleave(std::span<const float* const> streams, std::int64_t count, float
   }
 }
 
-/// Where the rows of voxels of a slice lie among the fine rows: `scale` of these between any two of those.
+/// Positions of a slice's voxel rows among the fine rows. There are `scale` fine rows per voxel row.
 class SliceRows {
  public:
   SliceRows(const Pass& pass, double k) : scale_(pass.window.scale) {
-    // Fine row of voxel row 0.
+    // Find the continuous fine row of voxel row 0
     const double fine =
         (pass.shear.v_shift(k) - static_cast<double>(pass.window.v0)) * static_cast<double>(scale_);
     first_ = static_cast<std::int64_t>(std::ceil(fine));
     rest_ = static_cast<double>(first_) - fine;
   }
 
-  /// The n-th fine row between a row of voxels and the one below.
+  /// The n-th fine row between voxel rows `upper` and `upper` + 1.
   [[nodiscard]] std::int64_t fine_row(std::int64_t upper, std::int64_t n) const {
     return first_ + upper * scale_ + n;
   }
-  /// The first row of voxels whose n-th fine row below is `row` or lies below that.
+  /// The first voxel row whose n-th fine row is at or below `row`.
   [[nodiscard]] std::int64_t upper_from(std::int64_t n, std::int64_t row) const {
     const std::int64_t rows = row - n - first_;
     return rows >= 0 ? (rows + scale_ - 1) / scale_ : -(-rows / scale_);
   }
-  /// Of the lower row of voxels in the n-th fine row below the upper one.
+  /// Weight of the lower voxel row at the n-th fine row.
   [[nodiscard]] float lower_weight(std::int64_t n) const {
     return static_cast<float>((rest_ + static_cast<double>(n)) / static_cast<double>(scale_));
   }
@@ -90,14 +90,14 @@ class SliceRows {
   double rest_ = 0;
 };
 
-/// Renders rows [first, last) of the window through all slices.
+/// Rendering of rows [first, last) of the window through all slices, front to back.
 class Band {
  public:
   Band(const Pass& pass, std::int64_t first, std::int64_t last, SheetFragments& fragments,
        std::vector<float>& floats)
       : pass_(pass),
         scale_(pass.window.scale),
-        together_(static_cast<std::int64_t>(SheetRows::together(pass.window.scale))),
+        group_(static_cast<std::int64_t>(SheetRows::group_size(pass.window.scale))),
         first_(first),
         last_(last),
         image_(pass.window, pass.model.emissions, first, last, floats),
@@ -121,8 +121,7 @@ class Band {
   }
 
  private:
-  /// The model's n-th slice, counted from the viewer; null before the first and behind the last one, and
-  /// where it is empty.
+  /// The model's n-th slice from the viewer; null if it is empty or outside the model.
   [[nodiscard]] const SliceSpans* slice(std::int64_t n) const {
     const std::vector<SliceSpans>& slices = pass_.model.slices;
     if (n < 0 || n >= std::ssize(slices)) return nullptr;
@@ -130,7 +129,7 @@ class Band {
         slices[static_cast<std::size_t>(pass_.shear.ascending ? n : std::ssize(slices) - 1 - n)];
     return found.spans.empty() ? nullptr : &found;
   }
-  /// Its place, or one between, along the principal axis.
+  /// Position along the principal axis of slice n from the viewer; n may be fractional.
   [[nodiscard]] double place_of(double n) const {
     const double of_model =
         pass_.shear.ascending ? n : static_cast<double>(pass_.model.slices.size()) - 1 - n;
@@ -141,7 +140,7 @@ class Band {
     if (slice(n) != nullptr) render_slab(*slice(n), place_of(static_cast<double>(n)));
   }
 
-  /// Between slice n and the one behind it.
+  /// Renders the interpolated slabs between slice n and the next one.
   void render_between(std::int64_t n) {
     static thread_local SliceSpans mixed;
     SlicePair pair{slice(n), slice(n + 1), 0};
@@ -157,26 +156,30 @@ class Band {
     }
   }
 
-  /// `k`: place along the principal axis.
+  /// Splats and composites a slab at position `k` along the principal axis.
   void render_slab(const SliceSpans& slice, double k) {
+    // Find the sub-pixel offset of each phase
     const double u_shift = pass_.shear.u_shift(k) - static_cast<double>(pass_.window.u0);
     phases_.clear();
     for (std::int64_t phase = 0; phase < scale_; ++phase) {
       const Offset u(u_shift - static_cast<double>(phase) / static_cast<double>(scale_));
       phases_.push_back({u.part, u.whole});
     }
+
+    // Render the fine rows in groups
     const SliceRows rows(pass_, k);
     for (std::int64_t between = 0; between < scale_;) {
-      const std::int64_t count = std::min<std::int64_t>(together_, scale_ - between);
+      const std::int64_t count = std::min<std::int64_t>(group_, scale_ - between);
       render_rows(slice, k, rows, between, count);
       between += count;
     }
   }
 
-  /// `count` of the rows that lie between any two rows of voxels, from number `between` on. The band's first
-  /// and last rows may stand alone.
+  /// Renders fine rows [between, between + count) of every pair of voxel rows. Rows at the border of the band
+  /// may lack the others of their group.
   void render_rows(const SliceSpans& slice, double k, const SliceRows& rows, std::int64_t between,
                    std::int64_t count) {
+    // Find the pairs whose fine rows are all within the band
     const auto upper_rows = [&](std::int64_t row) {
       return std::pair(std::max(slice.first_row - 1, rows.upper_from(row, image_.first_fine_row())),
                        std::min(slice.last_row, rows.upper_from(row, image_.last_fine_row())));
@@ -187,6 +190,8 @@ class Band {
       first = std::max(first, own_first);
       last = std::min(last, own_last);
     }
+
+    // Composite single rows at the border, then all complete groups
     for (std::int64_t row = between; row < between + count; ++row) {
       const auto [own_first, own_last] = upper_rows(row);
       composite(slice, k, rows, row, 1, own_first, std::min(first, own_last));
@@ -195,7 +200,7 @@ class Band {
     composite(slice, k, rows, between, count, first, last);
   }
 
-  /// Upper rows of voxels [first, last).
+  /// Composites `count` fine rows of the pairs with upper voxel rows [first, last).
   void composite(const SliceSpans& slice, double k, const SliceRows& slice_rows, std::int64_t between,
                  std::int64_t count, std::int64_t first, std::int64_t last) {
     if (first >= last) return;
@@ -206,24 +211,26 @@ class Band {
     rows.rows_between = static_cast<std::size_t>(count);
     for (std::int64_t row = 0; row < count; ++row)
       rows.lower_weights[static_cast<std::size_t>(row)] = slice_rows.lower_weight(between + row);
+
+    // Composite groups of phases between updates of the fragments
     const std::int64_t fine_row = slice_rows.fine_row(first, between);
     const std::int32_t slab = pass_.fragments.slab_of(k);
     for_each_row_with_fragments(rows, fine_row, [&](std::int64_t row) {
       fragments_.before_slab(row, slab, image_.accumulated(row));
     });
     for (std::size_t phase = 0; phase < phases_.size(); phase += rows.phase_count) {
-      rows.phase_count = std::min<std::size_t>(together_, phases_.size() - phase);
+      rows.phase_count = std::min<std::size_t>(group_, phases_.size() - phase);
       std::copy_n(phases_.begin() + static_cast<std::ptrdiff_t>(phase), rows.phase_count,
                   rows.phases.begin());
-      pass_.kernels.composite(rows, static_cast<float>(pass_.shear.slab_mm / pass_.window.parts), pass_.floor,
+      pass_.kernels.composite(rows, static_cast<float>(pass_.shear.slab_mm / pass_.window.parts),
+                              pass_.termination_threshold,
                               image_.rows(fine_row, static_cast<std::int64_t>(phase)));
     }
     for_each_row_with_fragments(
         rows, fine_row, [&](std::int64_t row) { fragments_.behind_slab(row, image_.accumulated(row)); });
   }
 
-  /// Calls body(fine row) for the rows of pixels that something is splatted on, if there are fragments at
-  /// all.
+  /// Calls body(fine row) for rows that receive footprints, if there are any fragments.
   template <typename Body>
   void for_each_row_with_fragments(const SheetRows& rows, std::int64_t fine_row, const Body& body) {
     if (pass_.fragments.empty()) return;
@@ -253,20 +260,20 @@ class Band {
   }
 
   const Pass& pass_;
-  std::int64_t scale_, together_, first_, last_;
+  std::int64_t scale_, group_, first_, last_;
   BandImage image_;
   SheetFragments& fragments_;
   std::vector<Phase> phases_;  // of the current slice
 };
 
-/// Voxels in the rows that the window sees.
+/// Number of voxels in the rows that overlap the window.
 std::uint64_t count_voxels(const Pass& pass) {
   std::uint64_t voxels = 0;
   for (std::size_t n = 0; n < pass.model.slices.size(); ++n) {
     const SliceSpans& slice = pass.model.slices[n];
     if (slice.spans.empty()) continue;
     const SliceRows rows(pass, static_cast<double>(pass.model.slice_first) + static_cast<double>(n));
-    // Their footprints reach from the fine row below the row of voxels before to the one above the row after.
+    // The footprint of a voxel row extends to its neighbours: include one row on either side.
     const std::int64_t first = rows.upper_from(pass.window.scale - 1, 0);
     const std::int64_t last = rows.upper_from(0, pass.window.fine_rows()) + 1;
     if (first <= slice.first_row && last >= slice.last_row) {
@@ -286,13 +293,12 @@ SheetWindow sheet_window(const SpanModel& model, const Shear& shear, const Pictu
                          const SheetSampling& sampling) {
   SheetWindow window{sampling};
   if (model.voxels == 0) return window;
-  // Where voxels are seen: a footprint reaches one voxel to each side.
+  // Bound the voxels' projections; a footprint extends one voxel to each side
   const auto seen = [&](double first, double voxels, double shift_first, double shift_last) {
     return std::pair(first - 1 + std::min(shift_first, shift_last),
                      first + voxels + std::max(shift_first, shift_last));
   };
-  const double reach =
-      sampling.parts == 1 ? 0 : 1;  // of a slice along the principal axis, to places that are sampled
+  const double reach = sampling.parts == 1 ? 0 : 1;  // support of a slice along the principal axis
   const double k_first = static_cast<double>(model.slice_first) - reach;
   const double k_last =
       static_cast<double>(model.slice_first) + static_cast<double>(model.slices.size()) - 1 + reach;
@@ -300,7 +306,8 @@ SheetWindow sheet_window(const SpanModel& model, const Shear& shear, const Pictu
                              shear.u_shift(k_first), shear.u_shift(k_last));
   auto [v_min, v_max] = seen(static_cast<double>(model.row_first), static_cast<double>(model.rows),
                              shear.v_shift(k_first), shear.v_shift(k_last));
-  // What the picture shows, and a voxel or two more for interpolation.
+
+  // Intersect with the picture, padded for interpolation
   const double around = sampling.cubic ? 2 : 1;
   const Affine2& map = shear.picture_to_sheet;
   const auto shown = [&](double per_x, double per_y, double origin) {
@@ -324,8 +331,9 @@ SheetWindow sheet_window(const SpanModel& model, const Shear& shear, const Pictu
 }
 
 SheetCounters render_sheets(const SpanModel& model, const Shear& shear, const SheetWindow& window,
-                            const SplatKernels& kernels, float floor, FragmentOrder& fragments,
-                            SheetImage& image, ThreadPool& pool) {
+                            const SplatKernels& kernels, float termination_threshold,
+                            FragmentOrder& fragments, SheetImage& image, ThreadPool& pool) {
+  // Clear the border of the sheet
   image.window = window;
   image.channels = 1 + model.emissions;
   image.color = model.color;
@@ -334,7 +342,8 @@ SheetCounters render_sheets(const SpanModel& model, const Shear& shear, const Sh
   std::fill_n(image.pixels.begin(), row_floats, 0.0f);
   std::fill_n(image.pixels.end() - static_cast<std::ptrdiff_t>(row_floats), row_floats, 0.0f);
 
-  const Pass pass{model, shear, window, kernels, floor, fragments, image};
+  // Split the window into bands
+  const Pass pass{model, shear, window, kernels, termination_threshold, fragments, image};
   const std::int64_t row_bytes =
       BandImage::stride(window) * window.scale * window.scale * image.channels * std::int64_t{sizeof(float)};
   const std::int64_t band_rows =
@@ -344,8 +353,10 @@ SheetCounters render_sheets(const SpanModel& model, const Shear& shear, const Sh
     const std::int64_t last = std::min(row + band_rows, window.rows);
     band_fragments.emplace_back(fragments, row * window.scale, last * window.scale, window, model.color);
   }
+
+  // Render bands in parallel
   pool.for_each(band_fragments.size(), [&](std::size_t n) {
-    static thread_local std::vector<float> floats;  // fresh pages would cost more than the band
+    static thread_local std::vector<float> floats;  // reused: page faults would cost more than the band
     const std::int64_t first = static_cast<std::int64_t>(n) * band_rows;
     Band(pass, first, std::min(first + band_rows, window.rows), band_fragments[n], floats).render();
   });

@@ -7,22 +7,22 @@
 namespace splatlas {
 namespace {
 
-/// One slice's row, block by block.
+/// Cursor over the blocks of a slice's row.
 class RowCursor {
  public:
   RowCursor(const SliceSpans* slice, std::int64_t row) : slice_(slice) {
     if (slice != nullptr) spans_ = slice->row(row);
   }
 
-  /// The first block at or behind `block` that the row has.
+  /// The first existing block at or after `block`; kNone at the end.
   [[nodiscard]] std::uint32_t next_from(std::uint32_t block) {
     while (!spans_.empty() && end() <= block) spans_ = spans_.subspan(1);
     return spans_.empty() ? kNone : std::max(block, spans_.front().first_block);
   }
-  /// From a block that next_from() has returned on: how many follow each other.
+  /// Number of consecutive blocks from `block`, a result of next_from().
   [[nodiscard]] std::uint32_t count_from(std::uint32_t block) const { return end() - block; }
-  [[nodiscard]] const float* light(std::uint32_t block) const {
-    return slice_->light.data() + slice_->place(spans_.front(), block << kBlockBits);
+  [[nodiscard]] const float* optics(std::uint32_t block) const {
+    return slice_->optics.data() + slice_->place(spans_.front(), block << kBlockBits);
   }
 
   static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
@@ -34,14 +34,14 @@ class RowCursor {
   std::span<const Span> spans_;
 };
 
-/// Blocks `first` and so on, of the current row of `mixed`.
+/// Appends blocks [first, first + count) to the current row of `mixed`.
 void open_blocks(std::uint32_t first, std::uint32_t count, std::size_t first_of_row, SliceSpans& mixed) {
   std::vector<Span>& spans = mixed.spans;
   if (spans.size() > first_of_row && spans.back().first_block + spans.back().blocks == first) {
     spans.back().blocks += count;
     return;
   }
-  const std::size_t blocks = mixed.light.size() / static_cast<std::size_t>(mixed.block_floats());
+  const std::size_t blocks = mixed.optics.size() / static_cast<std::size_t>(mixed.block_floats());
   spans.push_back({first, count, 0, static_cast<std::uint32_t>(blocks)});
 }
 
@@ -53,17 +53,20 @@ void mix_row(const SlicePair& pair, std::int64_t row, const SplatKernels& kernel
     const std::uint32_t next_before = before.next_from(block), next_behind = behind.next_from(block);
     block = std::min(next_before, next_behind);
     if (block == RowCursor::kNone) return;
-    // As far as it stays the same who has blocks.
+
+    // Find the run of blocks with the same set of slices
     std::uint32_t count = RowCursor::kNone;
     for (const auto& [cursor, next] : {std::pair(&before, next_before), {&behind, next_behind}}) {
       if (next != RowCursor::kNone)
         count = std::min(count, next == block ? cursor->count_from(block) : next - block);
     }
+
+    // Interpolate the run
     open_blocks(block, count, first_of_row, mixed);
     const std::size_t floats = count * block_floats;
-    float* const light = mixed.light.append(floats);
-    kernels.mix({next_before == block ? before.light(block) : nullptr, 1 - pair.behind_weight},
-                {next_behind == block ? behind.light(block) : nullptr, pair.behind_weight}, floats, light);
+    float* const optics = mixed.optics.append(floats);
+    kernels.mix({next_before == block ? before.optics(block) : nullptr, 1 - pair.behind_weight},
+                {next_behind == block ? behind.optics(block) : nullptr, pair.behind_weight}, floats, optics);
     block += count;
   }
 }
@@ -83,7 +86,7 @@ void mix_slices(const SlicePair& pair, std::int64_t first, std::int64_t last, co
   mixed.last_row = std::max(mixed.first_row, std::min(last, last_row));
   mixed.first_span.clear();
   mixed.spans.clear();
-  mixed.light.clear();
+  mixed.optics.clear();
   for (std::int64_t row = mixed.first_row; row < mixed.last_row; ++row) {
     mixed.first_span.push_back(static_cast<std::uint32_t>(mixed.spans.size()));
     mix_row(pair, row, kernels, mixed);

@@ -1,4 +1,4 @@
-// The light between two slices.
+// Linear interpolation of optical properties between two slices.
 #pragma once
 
 #include <cstdint>
@@ -8,16 +8,16 @@
 
 namespace splatlas {
 
-/// Two neighbouring slices and a place between them; either may be null, where the volume ends.
+/// Two neighbouring slices and a position between them. Either is null at the ends of the volume.
 struct SlicePair {
   const SliceSpans* before = nullptr;
   const SliceSpans* behind = nullptr;
-  float behind_weight = 0;  ///< linear: 0 at the slice before, 1 at the one behind
+  float behind_weight = 0;  ///< 0 at the slice before, 1 at the slice behind
 };
 
-/// Interpolates rows [first, last) of the grid. `mixed` is overwritten, its memory used again; its spans are
-/// the union of both slices', their voxels are not counted and none is listed as shaded. Cost: the blocks of
-/// those rows.
+/// Interpolates rows [first, last) of the grid. `mixed` is overwritten and keeps its capacity. Its spans are
+/// the union of both slices' spans, without voxel counts and shaded voxels. Cost: linear in the blocks of the
+/// rows.
 void mix_slices(const SlicePair& pair, std::int64_t first, std::int64_t last, const SplatKernels& kernels,
                 SliceSpans& mixed);
 

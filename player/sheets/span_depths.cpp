@@ -13,14 +13,15 @@
 namespace splatlas {
 namespace {
 
-constexpr auto kHalf = static_cast<float>(std::numbers::ln2);  // optical depth that lets through a half
+constexpr auto kHalf = static_cast<float>(std::numbers::ln2);  // optical depth at a transmittance of 1/2
 constexpr float kNowhere = DepthMap::kBackground;
 constexpr std::size_t kRowsPerJob = 8;
 
-/// Where every ray of a sheet of one pixel a voxel is let through by half: places along the principal axis.
+/// Positions along the principal axis of a transmittance of 1/2, for the rays of a sheet of one pixel per
+/// voxel.
 class SheetDepths {
  public:
-  /// Of the rays in the window.
+  /// Covers the rays of the window.
   SheetDepths(const SpanModel& model, const Shear& shear, const SheetWindow& window)
       : model_(model),
         shear_(shear),
@@ -42,7 +43,7 @@ class SheetDepths {
     });
   }
 
-  /// At (u, v), in voxels; kNowhere where one of the four rays around is let through by more.
+  /// Position at (u, v), bilinear, in voxels; kNowhere if any of the four neighbours has none.
   [[nodiscard]] float at(double u, double v) const {
     const double column = std::floor(u), row = std::floor(v);
     const std::int64_t c = static_cast<std::int64_t>(column) - column_first_;
@@ -51,7 +52,7 @@ class SheetDepths {
     const float* upper = &places_[static_cast<std::size_t>(r * columns_ + c)];
     const float* lower = upper + columns_;
     const auto right = static_cast<float>(u - column), down = static_cast<float>(v - row);
-    // At a rim a voxel's depth alone would stand for a whole voxel, as a step.
+    // At a silhouette, fewer neighbours would extend a depth by up to a voxel, as a step.
     if (std::max({upper[0], upper[1], lower[0], lower[1]}) == kNowhere) return kNowhere;
     const float above = upper[0] + right * (upper[1] - upper[0]);
     const float below = lower[0] + right * (lower[1] - lower[0]);
@@ -59,7 +60,7 @@ class SheetDepths {
   }
 
  private:
-  /// One row of the sheet through all slices, front to back.
+  /// Traverses all slices for one row of the sheet, front to back.
   void find_row(std::int64_t row, std::vector<float>& depths, std::vector<float>& mixed) {
     std::fill(depths.begin(), depths.end(), 0.0f);
     float* places = &places_[static_cast<std::size_t>(row * columns_)];
@@ -74,13 +75,15 @@ class SheetDepths {
       const auto upper = static_cast<std::int64_t>(above);
       std::int64_t from = 0, to = 0;
       mix_rows(slice, upper, static_cast<float>(v - above), mixed, from, to);
-      if (from < to) pass_slice(k, mixed, from, to, depths, places);
+      if (from < to) accumulate_slice(k, mixed, from, to, depths, places);
     }
   }
 
-  /// Extinctions of two rows of voxels, mixed, voxels [from, to) of the scanline; a block of zeros around.
+  /// Interpolates the extinctions of two voxel rows, for voxels [from, to) of the scanline and a block of
+  /// zeros on either side.
   void mix_rows(const SliceSpans& slice, std::int64_t upper, float lower_share, std::vector<float>& mixed,
                 std::int64_t& from, std::int64_t& to) const {
+    // Find the extent of both rows' spans
     const std::array<std::span<const Span>, 2> rows{slice.row(upper), slice.row(upper + 1)};
     from = std::numeric_limits<std::int64_t>::max();
     to = 0;
@@ -91,6 +94,8 @@ class SheetDepths {
           std::max<std::int64_t>(to, (std::int64_t{spans.back().first_block} + spans.back().blocks) * kBlock);
     }
     if (from >= to) return;
+
+    // Add the weighted extinctions
     const auto needed = static_cast<std::size_t>(to - from + 2 * kBlock);
     if (mixed.size() < needed) mixed.resize(needed);
     std::fill_n(mixed.begin(), needed, 0.0f);
@@ -98,19 +103,20 @@ class SheetDepths {
       const float share = side == 0 ? 1 - lower_share : lower_share;
       for (const Span& span : rows[side]) {
         float* out = &mixed[static_cast<std::size_t>(span.first_block * kBlock - from + kBlock)];
-        const float* light = slice.light.data() + std::int64_t{span.offset} * slice.block_floats();
+        const float* optics = slice.optics.data() + std::int64_t{span.offset} * slice.block_floats();
         for (std::uint32_t block = 0; block < span.blocks; ++block, out += kBlock) {
-          for (std::int64_t i = 0; i < kBlock; ++i) out[i] += share * light[i];
-          light += slice.block_floats();
+          for (std::int64_t i = 0; i < kBlock; ++i) out[i] += share * optics[i];
+          optics += slice.block_floats();
         }
       }
     }
   }
 
-  /// A slab in front of and behind which rays are let through by more and by less than a half.
-  void pass_slice(double k, const std::vector<float>& mixed, std::int64_t from, std::int64_t to,
-                  std::vector<float>& depths, float* places) const {
-    // Column c of the sheet shows voxel c + column_first - u_shift, and the one after it.
+  /// Adds the optical depths of a slab, and stores the position of rays that reach a transmittance of 1/2 in
+  /// it.
+  void accumulate_slice(double k, const std::vector<float>& mixed, std::int64_t from, std::int64_t to,
+                        std::vector<float>& depths, float* places) const {
+    // Clip the columns to the voxels: column c interpolates at voxel c + column_first - u_shift
     const double shift = static_cast<double>(column_first_) - shear_.u_shift(k);
     const double whole = std::floor(shift);
     const auto right_share = static_cast<float>(shift - whole);
@@ -121,6 +127,8 @@ class SheetDepths {
     const float sign = shear_.ascending ? 1 : -1;
     const auto place = static_cast<float>(k);
     if (first >= last) return;
+
+    // Accumulate optical depth per column
     const float* voxels = &mixed[static_cast<std::size_t>(first + offset - from + kBlock)];
     float* sum = &depths[static_cast<std::size_t>(first)];
     places += first;
@@ -128,8 +136,7 @@ class SheetDepths {
       const float before = sum[c];
       const float added = slab * (voxels[c] + right_share * (voxels[c + 1] - voxels[c]));
       sum[c] = before + added;
-      const float here =
-          place + sign * ((kHalf - before) / added - 0.5f);  // any number where nothing is added
+      const float here = place + sign * ((kHalf - before) / added - 0.5f);  // unused where nothing is added
       places[c] = before < kHalf && before + added >= kHalf ? here : places[c];
     }
   }

@@ -1,4 +1,4 @@
-// How far away volumes are, in frames of sheets.
+// Depth map of volumes that are rendered by sheets.
 #pragma once
 
 #include "player/depth_cue/depth_edges.h"
@@ -8,10 +8,10 @@
 
 namespace splatlas {
 
-/// Takes volumes into `depths` where they are nearer: where they let through no more than a half. Told to
-/// about a tenth of a voxel at a sheet of one pixel a voxel, and in between bilinear where all four
-/// neighbours have a depth. Takes 4 bytes for each voxel of a sheet that the picture shows. Cost: in the rows
-/// of that, the box around the spans of each slice, a nanosecond or so per voxel.
+/// Merges volumes into `depths`, by minimum. The depth of a ray is that of a transmittance of 1/2, accurate
+/// to about 0.1 voxel. Depths are found in a sheet of one pixel per voxel, and interpolated bilinearly if all
+/// four neighbours have one. Memory: 4 bytes per pixel of the sheet. Cost: about a nanosecond per voxel of
+/// the spans' bounding box in each row.
 void add_span_depths(const SpanModel& model, const Shear& shear, const ViewDepth& view, DepthMap& depths,
                      ThreadPool& pool);
 

@@ -1,5 +1,4 @@
-// HOT LOOP: splatting the rows of a slice into a sheet and compositing it, chosen once per frame for the
-// machine.
+// Splatting and compositing kernels of a slice (hot loop).
 #pragma once
 
 #include <array>
@@ -11,80 +10,83 @@
 
 namespace splatlas {
 
-/// Pixels of a row of the sheet that have one sub-pixel offset to the voxels of a slice: one per voxel. With
-/// the row of voxels m, pixel x is (1 - before) * m[x - shift] + before * m[x - shift - 1].
+/// The pixels of a sheet row with one common sub-pixel offset to the voxels of a slice, one per voxel. For a
+/// voxel row m, pixel x is (1 - before) * m[x - shift] + before * m[x - shift - 1].
 struct Phase {
   float before = 0;  ///< [0, 1)
   std::int64_t shift = 0;
 };
 
-/// Rows of sheet pixels at one slice. In the sheared grid every voxel of a slice has the same sub-pixel
-/// offset, so the footprint (a tent, one voxel to each side) has constant weights. Between two rows of voxels
-/// lie one or more rows of pixels, whose voxels are the mix (1 - lower_weight) * upper[i] + lower_weight *
-/// lower[i].
+/// Rows of sheet pixels and the slice to splat. In sheared object space all voxels of a slice have the same
+/// sub-pixel offset (Lacroute and Levoy 1994). The weights of the footprint, a tent of one voxel to each
+/// side, are therefore constant. A row of pixels between two voxel rows splats the interpolated voxel row (1
+/// - lower_weight) * upper[i] + lower_weight * lower[i].
 struct SheetRows {
-  /// Three rows have one phase or three.
   static constexpr std::size_t kMaxRows = 3, kMaxPhases = 3;
-  /// Rows, or phases, that are splatted together where a sheet has `scale` of them.
-  [[nodiscard]] static constexpr std::size_t together(int scale) { return scale % 3 == 0 ? 3 : 2; }
+  /// Maximum number of rows, or phases, per kernel call for a sheet of `scale` pixels per voxel.
+  [[nodiscard]] static constexpr std::size_t group_size(int scale) { return scale % 3 == 0 ? 3 : 2; }
 
   const SliceSpans* slice = nullptr;
-  std::int64_t upper = 0;  ///< the first upper row of voxels, counted as slice->row() does
-  std::int64_t pairs = 0;  ///< of rows of voxels: (upper, upper + 1), (upper + 1, upper + 2), ...
+  std::int64_t upper = 0;  ///< the first upper voxel row, an argument of slice->row()
+  std::int64_t pairs = 0;  ///< pairs of voxel rows: (upper, upper + 1), (upper + 1, upper + 2), ...
   std::array<float, kMaxRows> lower_weights{};  ///< [0, 1), of the rows of pixels between a pair
-  std::size_t rows_between = 1;
-  std::array<Phase, kMaxPhases> phases;  ///< their shifts differ by one at most
-  std::size_t phase_count = 1;
+  std::size_t rows_between = 1;                 ///< 1 to kMaxRows
+  std::array<Phase, kMaxPhases> phases;         ///< their shifts differ by at most one
+  std::size_t phase_count = 1;                  ///< 1 to kMaxPhases
 };
 
-/// Pixels [first, last) of a row and phase that are known to let through no more than the floor.
+/// Pixels [first, last) of a row and phase with a transmittance of at most the termination threshold.
 struct OpaquePixels {
   std::int64_t first = 0, last = 0;
 };
 
-/// What has been accumulated along the rays so far. Each phase of each row has as many planes as the spans
-/// have emissions (premultiplied, linear), and then the opacity.
+/// Accumulated radiance along the rays. Each phase of each row has one plane per emission of the spans
+/// (premultiplied, linear), followed by the opacity.
 struct ImageRows {
-  /// Pixels of a plane that may be read and written before the first one and behind the last one: a block
-  /// whose first pixel is the last of the plane in one phase, and behind it in the other.
+  /// Accessible pixels before and after each plane. A block may begin at the last pixel of a plane in one
+  /// phase, and one pixel further in another.
   static constexpr std::int64_t kMargin = kBlock + 1;
 
   float* pixels = nullptr;  ///< pixel 0 of the first phase of the first row
   std::int64_t columns = 0;
-  /// In floats; the last one between the first rows of consecutive pairs.
+  /// In floats; `pair_stride` is that between the first rows of consecutive pairs.
   std::int64_t plane_stride = 0, phase_stride = 0, row_stride = 0, pair_stride = 0;
-  /// One per row and phase, empty before the first slice: kernels add to them what they find. All slices have
-  /// the same floor then. May be null.
+  /// Known opaque pixels of each row and phase, empty before the first slice and extended by kernels.
+  /// Requires the same termination threshold for all slices. May be null.
   OpaquePixels* opaque = nullptr;
-  std::int64_t opaque_row_stride = 0, opaque_pair_stride = 0;  ///< those of phases follow each other
+  std::int64_t opaque_row_stride = 0, opaque_pair_stride = 0;  ///< phases are adjacent
 };
 
-/// Light with a weight; null is dark.
+/// Optical properties with a weight; null counts as zero.
 struct WeightedOptics {
-  const float* light = nullptr;  ///< aligned to cache lines
+  const float* optics = nullptr;  ///< aligned to cache lines
   float weight = 0;
 };
 
+/// Kernels for one instruction set. Thread-safe for disjoint images.
 struct SplatKernels {
   const char* name;  ///< "scalar", or the instruction set
 
-  /// Splats rows and composites them behind what is accumulated. Along a slab of `slab_mm` extinction k and
-  /// emission e are constant, so exactly
+  /// Splats rows (Westover 1990) and composites them behind the accumulated radiance. With constant
+  /// extinction k and emission e along a slab of length d = `slab_mm`, the exact update is
   ///   colour += (1 - opacity) * e * (1 - exp(-k d)) / k,   opacity += (1 - opacity) * (1 - exp(-k d)).
-  /// Pixels that let through no more than `floor` may be left as they are. Cost: the blocks of the spans;
-  /// those whose pixels are all opaque next to nothing, and nothing where `image.opaque` knows it.
-  void (*composite)(const SheetRows& rows, float slab_mm, float floor, const ImageRows& image);
+  /// Early ray termination: pixels with a transmittance of at most `termination_threshold` may remain
+  /// unchanged. Cost: linear in the blocks of the spans. Opaque blocks cost a test of their pixels, or
+  /// nothing if they are known in `image.opaque`.
+  void (*composite)(const SheetRows& rows, float slab_mm, float termination_threshold,
+                    const ImageRows& image);
 
-  /// The sum of two, at least one of which is not null: `floats` of them, a multiple of kBlock, to `mixed`,
-  /// aligned as they are.
+  /// Weighted sum of `floats` values, a multiple of kBlock. At least one input is not null; `mixed` is
+  /// aligned to cache lines, too.
   void (*mix)(const WeightedOptics& a, const WeightedOptics& b, std::size_t floats, float* mixed);
 };
 
-/// Plain C++, the twin that others are compared with.
+/// Scalar reference kernels.
 [[nodiscard]] const SplatKernels& scalar_kernels();
-/// The best that this machine runs (Highway, dispatched at run time). Agrees with the scalar twin to about
-/// 1e-6 of the largest value with a floor of 0, and to the floor otherwise. SPLATLAS_SIMD=scalar in the
-/// environment forces the twin.
+/// The fastest kernels for this CPU (Highway, dispatched at run time). They agree with the scalar reference
+/// kernels to about 1e-6 of the largest value for a termination threshold of 0, else to the threshold. They
+/// are specialised for the combinations of rows and phases that sheets need, and fall back to the scalar
+/// kernel for others. SPLATLAS_SIMD=scalar in the environment selects the scalar kernels.
 [[nodiscard]] const SplatKernels& best_kernels();
 
 }  // namespace splatlas

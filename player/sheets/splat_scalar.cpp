@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <cmath>
 #include <utility>
 
@@ -9,14 +10,19 @@
 namespace splatlas {
 namespace {
 
-/// Light of one voxel of the mixed row: extinction, then emissions.
+/// Optical properties of one voxel of the interpolated row: extinction, then emissions.
 using Mixed = std::array<float, 4>;
 
-/// The rows of pixels between one pair of rows of voxels.
+/// Splatting of the rows of pixels between one pair of voxel rows.
 class PairSplat {
  public:
-  PairSplat(const SheetRows& rows, float slab_mm, float floor, const ImageRows& image, std::int64_t pair)
-      : rows_(rows), image_(image), slab_mm_(slab_mm), floor_(floor), pair_(pair) {}
+  PairSplat(const SheetRows& rows, float slab_mm, float termination_threshold, const ImageRows& image,
+            std::int64_t pair)
+      : rows_(rows),
+        image_(image),
+        slab_mm_(slab_mm),
+        termination_threshold_(termination_threshold),
+        pair_(pair) {}
 
   void composite() {
     BlockRuns runs(rows_, pair_, blocks_in_reach(rows_, image_));
@@ -36,21 +42,22 @@ class PairSplat {
            static_cast<std::int64_t>(phase) * image_.phase_stride + block * kBlock +
            rows_.phases[phase].shift;
   }
-  /// In all rows and phases.
+  /// True if the block's pixels are opaque in all rows and phases.
   [[nodiscard]] bool opaque(std::int64_t block) const {
     for (std::size_t row = 0; row < rows_.rows_between; ++row) {
       for (std::size_t phase = 0; phase < rows_.phase_count; ++phase) {
         const float* opacity = pixels(row, phase, block) + rows_.slice->emissions * image_.plane_stride;
-        if (!std::all_of(opacity, opacity + kBlock, [&](float o) { return o >= 1 - floor_; })) return false;
+        if (!std::all_of(opacity, opacity + kBlock, [&](float o) { return o >= 1 - termination_threshold_; }))
+          return false;
       }
     }
     return true;
   }
 
   void composite_block(const BlockRun& run, std::int64_t block) {
-    const float* upper = run.upper.light(block, rows_.slice->block_floats(), kDarkBlock.data());
-    const float* lower = run.lower.light(block, rows_.slice->block_floats(), kDarkBlock.data());
-    const bool passed_over = opaque(block);
+    const float* upper = run.upper.optics(block, rows_.slice->block_floats(), kEmptyBlock.data());
+    const float* lower = run.lower.optics(block, rows_.slice->block_floats(), kEmptyBlock.data());
+    const bool skipped = opaque(block);
     for (std::size_t row = 0; row < rows_.rows_between; ++row) {
       const float weight = rows_.lower_weights[row];
       for (std::int64_t n = 0; n < kBlock; ++n) {
@@ -58,11 +65,11 @@ class PairSplat {
           const std::size_t at = static_cast<std::size_t>(n) + plane * kBlock;
           return std::pair(upper[at], lower[at]);
         });
-        for (std::size_t phase = 0; phase < rows_.phase_count && !passed_over; ++phase) {
-          const auto light = mix(rows_.phases[phase].before, [&](std::size_t plane) {
+        for (std::size_t phase = 0; phase < rows_.phase_count && !skipped; ++phase) {
+          const auto optics = mix(rows_.phases[phase].before, [&](std::size_t plane) {
             return std::pair(here[plane], before_[row][plane]);
           });
-          composite_pixel(light, pixels(row, phase, block) + n);
+          composite_pixel(optics, pixels(row, phase, block) + n);
         }
         before_[row] = here;
       }
@@ -72,42 +79,44 @@ class PairSplat {
   /// (1 - weight) * first + weight * second, for all planes.
   template <typename PairOf>
   [[nodiscard]] Mixed mix(float weight, const PairOf& pair_of) const {
-    Mixed light{};
+    Mixed optics{};
     for (std::size_t plane = 0; plane < planes(); ++plane) {
       const auto [first, second] = pair_of(plane);
-      light[plane] = (1 - weight) * first + weight * second;
+      optics[plane] = (1 - weight) * first + weight * second;
     }
-    return light;
+    return optics;
   }
 
-  void composite_pixel(const Mixed& light, float* pixel) const {
-    const float depth = light[0] * slab_mm_;
+  void composite_pixel(const Mixed& optics, float* pixel) const {
+    const float depth = optics[0] * slab_mm_;
     if (depth <= 0) return;
     float& opacity = pixel[rows_.slice->emissions * image_.plane_stride];
-    const float through = 1 - opacity;
+    const float transmittance = 1 - opacity;
     const float absorbed = -std::expm1(-depth);  // without cancellation for thin slabs
-    const float weight = through * slab_mm_ * (absorbed / depth);
+    const float weight = transmittance * slab_mm_ * (absorbed / depth);
     for (std::size_t plane = 1; plane < planes(); ++plane)
-      pixel[(static_cast<std::int64_t>(plane) - 1) * image_.plane_stride] += weight * light[plane];
-    opacity += through * absorbed;
+      pixel[(static_cast<std::int64_t>(plane) - 1) * image_.plane_stride] += weight * optics[plane];
+    opacity += transmittance * absorbed;
   }
 
   const SheetRows& rows_;
   const ImageRows& image_;
-  float slab_mm_, floor_;
+  float slab_mm_, termination_threshold_;
   std::int64_t pair_;
-  std::array<Mixed, SheetRows::kMaxRows> before_{};  // the voxel before
+  std::array<Mixed, SheetRows::kMaxRows> before_{};  // the previous voxel
 };
 
-void composite(const SheetRows& rows, float slab_mm, float floor, const ImageRows& image) {
+void composite(const SheetRows& rows, float slab_mm, float termination_threshold, const ImageRows& image) {
+  assert(rows.rows_between >= 1 && rows.rows_between <= SheetRows::kMaxRows);
+  assert(rows.phase_count >= 1 && rows.phase_count <= SheetRows::kMaxPhases);
   for (std::int64_t pair = 0; pair < rows.pairs; ++pair)
-    PairSplat(rows, slab_mm, floor, image, pair).composite();
+    PairSplat(rows, slab_mm, termination_threshold, image, pair).composite();
 }
 
 void mix(const WeightedOptics& a, const WeightedOptics& b, std::size_t floats, float* mixed) {
   for (std::size_t n = 0; n < floats; ++n) {
-    const float of_a = a.light != nullptr ? a.weight * a.light[n] : 0;
-    mixed[n] = b.light != nullptr ? of_a + b.weight * b.light[n] : of_a;
+    const float of_a = a.optics != nullptr ? a.weight * a.optics[n] : 0;
+    mixed[n] = b.optics != nullptr ? of_a + b.weight * b.optics[n] : of_a;
   }
 }
 

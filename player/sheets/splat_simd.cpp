@@ -1,4 +1,4 @@
-// The kernels once for every instruction set: Highway compiles this file again and again.
+// SIMD splatting kernels. Highway compiles this file once for every instruction set.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "player/sheets/splat_simd.cpp"
 #include <hwy/foreach_target.h>
@@ -22,8 +22,8 @@ namespace hn = hwy::HWY_NAMESPACE;
 using Lanes = hn::CappedTag<float, kBlock>;
 using Vector = hn::Vec<Lanes>;
 
-/// Turned vectors have their last lane first: what a vector hands on to the one behind it.
-HWY_INLINE Vector Turned(Vector mixed) {
+/// Rotates lanes upwards by one, so that lane 0 is the carry to the next vector.
+HWY_INLINE Vector Rotated(Vector mixed) {
   const Lanes d;
   const hn::RebindToSigned<Lanes> di;
   const auto lanes = static_cast<std::int32_t>(hn::Lanes(d));
@@ -31,7 +31,7 @@ HWY_INLINE Vector Turned(Vector mixed) {
   return hn::TableLookupLanes(mixed, hn::IndicesFromVec(d, before));
 }
 
-/// Rows come one after the other, but blocks are passed over: the machine's own prefetching falls behind.
+/// Software prefetch: skipped blocks defeat the hardware prefetcher.
 template <std::int64_t kFloats>
 HWY_INLINE void PrefetchAhead(const float* block) {
   constexpr std::int64_t kBlocksAhead = 8;
@@ -39,11 +39,11 @@ HWY_INLINE void PrefetchAhead(const float* block) {
     hwy::Prefetch(block + kBlocksAhead * kFloats + line);
 }
 
-/// How what slabs absorb is computed: absorption-inl.h.
-enum class Way { kShort, kMiddle, kLong };
+/// Approximation of absorption by the range of optical depths (absorption-inl.h).
+enum class AbsorptionMethod { kThinSlab, kModerateSlab, kAnySlab };
 
-/// Splats and composites `kRows` rows of pixels with `kPhases` phases and `kEmissions` emissions. Light is
-/// taken times the slab: depths instead of extinctions.
+/// Splatting and compositing of `kRows` rows of pixels with `kPhases` phases and `kEmissions` emissions.
+/// Optical properties are scaled by the slab length on load: optical depths instead of extinctions.
 template <int kEmissions, int kRows, int kPhases>
 class Splat {
   static constexpr int kPlanes = 1 + kEmissions;
@@ -53,13 +53,13 @@ class Splat {
   using Planes = const Vector (&)[kPlanes];
 
  public:
-  HWY_INLINE Splat(const SheetRows& rows, float slab_mm, float floor, const ImageRows& image)
+  HWY_INLINE Splat(const SheetRows& rows, float slab_mm, float termination_threshold, const ImageRows& image)
       : rows_(rows),
         image_(image),
         reach_(blocks_in_reach(rows, image)),
         next_hidden_(HiddenBlocks(0)),
         slab_(hn::Set(Lanes(), slab_mm)),
-        opaque_(hn::Set(Lanes(), 1.0f - floor)) {
+        opaque_(hn::Set(Lanes(), 1.0f - termination_threshold)) {
     for (int row = 0; row < kRows; ++row)
       lower_[row] = hn::Set(Lanes(), rows.lower_weights[static_cast<std::size_t>(row)]);
     for (int phase = 0; phase < kPhases; ++phase)
@@ -68,10 +68,13 @@ class Splat {
   }
 
   HWY_INLINE void CompositePair(std::int64_t pair) {
+    // Find hidden blocks one pair ahead, to prefetch visible ones
     pair_ = pair;
     const Blocks hidden = next_hidden_;
     next_hidden_ = pair + 1 < rows_.pairs ? HiddenBlocks(pair + 1) : kNone;
     if (next_hidden_.first != kNoBlock) PrefetchVisible(rows_.upper + pair + 2, next_hidden_);
+
+    // Composite visible blocks run by run
     BlockRuns runs(rows_, pair, reach_);
     std::int64_t next_block = std::numeric_limits<std::int64_t>::min();
     for (BlockRun run; runs.next(run);) {
@@ -80,7 +83,7 @@ class Splat {
       for (std::int64_t block = run.first; block < run.last;) {
         if (hidden.contains(block)) {
           block = std::min(hidden.last, run.last);
-          PassOver(run, block - 1);
+          SkipTo(run, block - 1);
           continue;
         }
         const std::int64_t last = block < hidden.first ? std::min(hidden.first, run.last) : run.last;
@@ -102,7 +105,7 @@ class Splat {
     return rows_.phases[static_cast<std::size_t>(stream % kPhases)].shift;
   }
 
-  /// Those whose pixels are known to be opaque in all streams.
+  /// Blocks whose pixels are known to be opaque in all streams.
   HWY_INLINE Blocks HiddenBlocks(std::int64_t pair) const {
     if (image_.opaque == nullptr) return kNone;
     Blocks hidden{-kNoBlock, kNoBlock};
@@ -115,12 +118,12 @@ class Splat {
     return hidden.first < hidden.last ? hidden : kNone;
   }
 
-  /// What is seen of a row beside the blocks that are hidden.
+  /// Prefetches the blocks of a row that are not hidden.
   HWY_INLINE void PrefetchVisible(std::int64_t row, const Blocks& hidden) const {
     for (const Span& span : rows_.slice->row(row)) {
       const RowBlocks row_blocks = blocks_of(*rows_.slice, span, reach_);
       Prefetch(row_blocks.origin, {row_blocks.first, std::min(row_blocks.last, hidden.first)});
-      // The last hidden one hands on what it has.
+      // The last hidden block supplies the carry.
       Prefetch(row_blocks.origin, {std::max(row_blocks.first, hidden.last - 1), row_blocks.last});
     }
   }
@@ -129,7 +132,7 @@ class Splat {
       hwy::Prefetch(origin + n);
   }
 
-  /// The longest stretch that is known is kept.
+  /// Extends the known opaque pixels, or replaces them by a longer interval.
   HWY_INLINE void KeepOpaque(const Blocks& blocks) const {
     if (image_.opaque == nullptr) return;
     for (int n = 0; n < kStreams; ++n) {
@@ -144,6 +147,7 @@ class Splat {
   }
 
   HWY_INLINE void CompositeBlocks(const BlockRun& run, const Blocks& blocks) {
+    // Find the pixels of each stream
     float* streams[kStreams];
     for (int n = 0; n < kStreams; ++n) {
       const int row = n / kPhases, phase = n % kPhases;
@@ -154,6 +158,8 @@ class Splat {
     const auto advance = [&streams] {
       for (float*& stream : streams) stream += kBlock;
     };
+
+    // Composite blocks, and skip opaque ones
     for (std::int64_t block = blocks.first; block < blocks.last; ++block) {
       if (HWY_UNLIKELY(Opaque(streams))) {
         const std::int64_t first = block;
@@ -162,58 +168,58 @@ class Splat {
           ++block;
         } while (block < blocks.last && Opaque(streams));
         KeepOpaque({first, block});
-        PassOver(run, block - 1);
+        SkipTo(run, block - 1);
         if (block == blocks.last) return;
       }
-      const float* upper = run.upper.light(block, kBlockFloats, kDarkBlock.data());
-      const float* lower = run.lower.light(block, kBlockFloats, kDarkBlock.data());
+      const float* upper = run.upper.optics(block, kBlockFloats, kEmptyBlock.data());
+      const float* lower = run.lower.optics(block, kBlockFloats, kEmptyBlock.data());
       if (none_hidden) PrefetchAhead<kBlockFloats>(lower);
-      if (HWY_UNLIKELY(passed_upper_ != nullptr)) CarryFromPassed();
+      if (HWY_UNLIKELY(skipped_upper_ != nullptr)) CarryFromSkipped();
       CompositeBlock(upper, lower, streams);
       advance();
     }
   }
 
-  /// Up to this block, which hands on what it has where the next one is not passed over.
-  HWY_INLINE void PassOver(const BlockRun& run, std::int64_t block) {
-    passed_upper_ = run.upper.light(block, kBlockFloats, kDarkBlock.data());
-    passed_lower_ = run.lower.light(block, kBlockFloats, kDarkBlock.data());
+  /// Skips up to and including this block, which supplies the carry if the next block is composited.
+  HWY_INLINE void SkipTo(const BlockRun& run, std::int64_t block) {
+    skipped_upper_ = run.upper.optics(block, kBlockFloats, kEmptyBlock.data());
+    skipped_lower_ = run.lower.optics(block, kBlockFloats, kEmptyBlock.data());
   }
 
   HWY_INLINE bool Opaque(Streams streams) const {
     const Lanes d;
-    auto least = hn::Set(d, 1.0f);
+    auto min_opacity = hn::Set(d, 1.0f);
     for (const float* stream : streams) {
       for (std::int64_t n = 0; n < kBlock; n += static_cast<std::int64_t>(hn::Lanes(d)))
-        least = hn::Min(least, hn::LoadU(d, stream + kEmissions * image_.plane_stride + n));
+        min_opacity = hn::Min(min_opacity, hn::LoadU(d, stream + kEmissions * image_.plane_stride + n));
     }
-    return hn::AllTrue(d, hn::Ge(least, opaque_));
+    return hn::AllTrue(d, hn::Ge(min_opacity, opaque_));
   }
 
-  static HWY_INLINE bool AllUpTo(float most, Vector depth) {
-    return hn::AllTrue(Lanes(), hn::Le(depth, hn::Set(Lanes(), most)));
+  static HWY_INLINE bool AllUpTo(float limit, Vector depth) {
+    return hn::AllTrue(Lanes(), hn::Le(depth, hn::Set(Lanes(), limit)));
   }
 
   HWY_INLINE void ClearCarry() {
     for (auto& row : carry_) {
       for (Vector& carry : row) carry = hn::Zero(Lanes());
     }
-    densest_carry_ = hn::Zero(Lanes());
-    passed_upper_ = nullptr;
+    max_depth_carry_ = hn::Zero(Lanes());
+    skipped_upper_ = nullptr;
   }
 
-  /// What the last block that was passed over hands on.
-  HWY_INLINE void CarryFromPassed() {
+  /// Computes the carry of the last skipped block.
+  HWY_INLINE void CarryFromSkipped() {
     const Lanes d;
     const std::int64_t last = kBlock - static_cast<std::int64_t>(hn::Lanes(d));
-    densest_carry_ = hn::Zero(d);
+    max_depth_carry_ = hn::Zero(d);
     for (int row = 0; row < kRows; ++row) {
       Vector mixed[kPlanes];
-      Mix(passed_upper_ + last, passed_lower_ + last, row, mixed);
-      densest_carry_ = hn::Max(densest_carry_, mixed[0]);
-      for (int plane = 0; plane < kPlanes; ++plane) carry_[row][plane] = Turned(mixed[plane]);
+      Mix(skipped_upper_ + last, skipped_lower_ + last, row, mixed);
+      max_depth_carry_ = hn::Max(max_depth_carry_, mixed[0]);
+      for (int plane = 0; plane < kPlanes; ++plane) carry_[row][plane] = Rotated(mixed[plane]);
     }
-    passed_upper_ = nullptr;
+    skipped_upper_ = nullptr;
   }
 
   HWY_INLINE void Mix(const float* upper, const float* lower, int row, Vector (&mixed)[kPlanes]) const {
@@ -228,56 +234,59 @@ class Splat {
   HWY_INLINE void CompositeBlock(const float* upper, const float* lower, Streams streams) {
     const Lanes d;
     for (std::int64_t n = 0; n < kBlock; n += static_cast<std::int64_t>(hn::Lanes(d))) {
-      Vector here[kRows][kPlanes], step[kRows][kPlanes];  // to the voxel before
+      // Interpolate the voxel rows, and find differences to the previous voxel
+      Vector here[kRows][kPlanes], step[kRows][kPlanes];
       for (int row = 0; row < kRows; ++row) {
         Mix(upper + n, lower + n, row, here[row]);
         for (int plane = 0; plane < kPlanes; ++plane) {
-          const auto turned = Turned(here[row][plane]);
+          const auto rotated = Rotated(here[row][plane]);
           step[row][plane] =
-              hn::Sub(hn::IfThenElse(hn::FirstN(d, 1), carry_[row][plane], turned), here[row][plane]);
-          carry_[row][plane] = turned;
+              hn::Sub(hn::IfThenElse(hn::FirstN(d, 1), carry_[row][plane], rotated), here[row][plane]);
+          carry_[row][plane] = rotated;
         }
       }
-      // Pixels are no denser than the voxels that they lie between.
-      auto densest = here[0][0];
-      for (int row = 1; row < kRows; ++row) densest = hn::Max(densest, here[row][0]);
-      const auto densest_of_both = hn::Max(densest, densest_carry_);
-      densest_carry_ = densest;
-      if (HWY_LIKELY(AllUpTo(kThin, densest_of_both))) {
-        CompositeStreams<Way::kShort>(here, step, streams, n);
-      } else if (HWY_LIKELY(AllUpTo(kModerate, densest_of_both))) {
-        CompositeStreams<Way::kMiddle>(here, step, streams, n);
+
+      // Choose the absorption method: pixels are no denser than both of their voxels
+      auto max_depth = here[0][0];
+      for (int row = 1; row < kRows; ++row) max_depth = hn::Max(max_depth, here[row][0]);
+      const auto max_depth_of_both = hn::Max(max_depth, max_depth_carry_);
+      max_depth_carry_ = max_depth;
+      if (HWY_LIKELY(AllUpTo(kThin, max_depth_of_both))) {
+        CompositeStreams<AbsorptionMethod::kThinSlab>(here, step, streams, n);
+      } else if (HWY_LIKELY(AllUpTo(kModerate, max_depth_of_both))) {
+        CompositeStreams<AbsorptionMethod::kModerateSlab>(here, step, streams, n);
       } else {
-        CompositeStreams<Way::kLong>(here, step, streams, n);
+        CompositeStreams<AbsorptionMethod::kAnySlab>(here, step, streams, n);
       }
     }
   }
 
-  template <Way kWay>
+  template <AbsorptionMethod kMethod>
   HWY_INLINE void CompositeStreams(const Vector (&here)[kRows][kPlanes], const Vector (&step)[kRows][kPlanes],
                                    Streams streams, std::int64_t n) const {
     for (int s = 0; s < kStreams; ++s)
-      CompositePixels<kWay>(before_[s % kPhases], here[s / kPhases], step[s / kPhases], streams[s] + n);
+      CompositePixels<kMethod>(before_[s % kPhases], here[s / kPhases], step[s / kPhases], streams[s] + n);
   }
 
-  template <Way kWay>
+  template <AbsorptionMethod kMethod>
   HWY_INLINE void CompositePixels(Vector before, Planes here, Planes step, float* pixels) const {
     const Lanes d;
     float* const opacities = pixels + kEmissions * image_.plane_stride;
     const auto opacity = hn::LoadU(d, opacities);
     const auto depth = hn::MulAdd(before, step[0], here[0]);
-    const auto through = hn::Sub(hn::Set(d, 1.0f), opacity);
-    if constexpr (kWay == Way::kShort) {
-      const auto weight = hn::Mul(through, ThinMean(d, depth));
+    const auto transmittance = hn::Sub(hn::Set(d, 1.0f), opacity);
+    if constexpr (kMethod == AbsorptionMethod::kThinSlab) {
+      const auto weight = hn::Mul(transmittance, ThinMean(d, depth));
       AddEmissions(weight, before, here, step, pixels);
       hn::StoreU(hn::MulAdd(weight, depth, opacity), d, opacities);
     } else {
-      // Costs less than what follows, and at edges of what is dense most light falls on opaque pixels.
+      // Skip hidden vectors: at the edges of dense structures most pixels are opaque
       const auto hidden = hn::Or(hn::Le(depth, hn::Zero(d)), hn::Ge(opacity, opaque_));
       if (hn::AllTrue(d, hidden)) return;
-      const auto slab = kWay == Way::kMiddle ? ModerateAbsorption(d, depth) : AnyAbsorption(d, depth);
-      AddEmissions(hn::Mul(through, slab.mean), before, here, step, pixels);
-      hn::StoreU(hn::MulAdd(through, slab.absorbed, opacity), d, opacities);
+      const auto slab =
+          kMethod == AbsorptionMethod::kModerateSlab ? ModerateAbsorption(d, depth) : AnyAbsorption(d, depth);
+      AddEmissions(hn::Mul(transmittance, slab.mean), before, here, step, pixels);
+      hn::StoreU(hn::MulAdd(transmittance, slab.absorbed, opacity), d, opacities);
     }
   }
 
@@ -297,51 +306,52 @@ class Splat {
   std::int64_t pair_ = 0;
   Vector slab_, opaque_;
   Vector lower_[kRows], before_[kPhases];
-  Vector carry_[kRows][kPlanes];  // turned mixed vectors of the block before
-  Vector densest_carry_;          // the densest of them
-  // Of the block before where it was passed over: the carry is still to be made. Else null.
-  const float* passed_upper_ = nullptr;
-  const float* passed_lower_ = nullptr;
+  Vector carry_[kRows][kPlanes];  // rotated vectors of the previous block
+  Vector max_depth_carry_;        // their maximum depth
+  // Optical properties of the previous block if it was skipped and the carry is pending, else null.
+  const float* skipped_upper_ = nullptr;
+  const float* skipped_lower_ = nullptr;
 };
 
 template <int kEmissions, int kRows, int kPhases>
-HWY_INLINE void CompositePairs(const SheetRows& rows, float slab_mm, float floor, const ImageRows& image) {
-  Splat<kEmissions, kRows, kPhases> splat(rows, slab_mm, floor, image);
+HWY_INLINE void CompositePairs(const SheetRows& rows, float slab_mm, float termination_threshold,
+                               const ImageRows& image) {
+  Splat<kEmissions, kRows, kPhases> splat(rows, slab_mm, termination_threshold, image);
   for (std::int64_t pair = 0; pair < rows.pairs; ++pair) splat.CompositePair(pair);
 }
 
 template <int kEmissions>
-HWY_INLINE void CompositeEmissions(const SheetRows& rows, float slab_mm, float floor,
+HWY_INLINE void CompositeEmissions(const SheetRows& rows, float slab_mm, float termination_threshold,
                                    const ImageRows& image) {
   switch (10 * rows.rows_between + rows.phase_count) {
-    case 11: return CompositePairs<kEmissions, 1, 1>(rows, slab_mm, floor, image);
-    case 12: return CompositePairs<kEmissions, 1, 2>(rows, slab_mm, floor, image);
-    case 13: return CompositePairs<kEmissions, 1, 3>(rows, slab_mm, floor, image);
-    case 21: return CompositePairs<kEmissions, 2, 1>(rows, slab_mm, floor, image);
-    case 22: return CompositePairs<kEmissions, 2, 2>(rows, slab_mm, floor, image);
-    case 33: return CompositePairs<kEmissions, 3, 3>(rows, slab_mm, floor, image);
-    default: break;  // see SheetRows
+    case 11: return CompositePairs<kEmissions, 1, 1>(rows, slab_mm, termination_threshold, image);
+    case 12: return CompositePairs<kEmissions, 1, 2>(rows, slab_mm, termination_threshold, image);
+    case 13: return CompositePairs<kEmissions, 1, 3>(rows, slab_mm, termination_threshold, image);
+    case 21: return CompositePairs<kEmissions, 2, 1>(rows, slab_mm, termination_threshold, image);
+    case 22: return CompositePairs<kEmissions, 2, 2>(rows, slab_mm, termination_threshold, image);
+    case 33: return CompositePairs<kEmissions, 3, 3>(rows, slab_mm, termination_threshold, image);
+    default: return scalar_kernels().composite(rows, slab_mm, termination_threshold, image);
   }
 }
 
-void Composite(const SheetRows& rows, float slab_mm, float floor, const ImageRows& image) {
-  rows.slice->emissions == 1 ? CompositeEmissions<1>(rows, slab_mm, floor, image)
-                             : CompositeEmissions<3>(rows, slab_mm, floor, image);
+void Composite(const SheetRows& rows, float slab_mm, float termination_threshold, const ImageRows& image) {
+  rows.slice->emissions == 1 ? CompositeEmissions<1>(rows, slab_mm, termination_threshold, image)
+                             : CompositeEmissions<3>(rows, slab_mm, termination_threshold, image);
 }
 
 void Mix(const WeightedOptics& a, const WeightedOptics& b, std::size_t floats, float* mixed) {
   const Lanes d;
   const auto weight_a = hn::Set(d, a.weight), weight_b = hn::Set(d, b.weight);
-  if (a.light == nullptr || b.light == nullptr) {
-    const float* const light = a.light != nullptr ? a.light : b.light;
-    const auto weight = a.light != nullptr ? weight_a : weight_b;
+  if (a.optics == nullptr || b.optics == nullptr) {
+    const float* const optics = a.optics != nullptr ? a.optics : b.optics;
+    const auto weight = a.optics != nullptr ? weight_a : weight_b;
     for (std::size_t n = 0; n < floats; n += hn::Lanes(d))
-      hn::Store(hn::Mul(weight, hn::Load(d, light + n)), d, mixed + n);
+      hn::Store(hn::Mul(weight, hn::Load(d, optics + n)), d, mixed + n);
     return;
   }
   for (std::size_t n = 0; n < floats; n += hn::Lanes(d)) {
-    const auto of_a = hn::Mul(weight_a, hn::Load(d, a.light + n));
-    hn::Store(hn::MulAdd(weight_b, hn::Load(d, b.light + n), of_a), d, mixed + n);
+    const auto of_a = hn::Mul(weight_a, hn::Load(d, a.optics + n));
+    hn::Store(hn::MulAdd(weight_b, hn::Load(d, b.optics + n), of_a), d, mixed + n);
   }
 }
 
@@ -357,8 +367,8 @@ namespace {
 HWY_EXPORT(Composite);
 HWY_EXPORT(Mix);
 
-void composite(const SheetRows& rows, float slab_mm, float floor, const ImageRows& image) {
-  HWY_DYNAMIC_DISPATCH(Composite)(rows, slab_mm, floor, image);
+void composite(const SheetRows& rows, float slab_mm, float termination_threshold, const ImageRows& image) {
+  HWY_DYNAMIC_DISPATCH(Composite)(rows, slab_mm, termination_threshold, image);
 }
 
 void mix(const WeightedOptics& a, const WeightedOptics& b, std::size_t floats, float* mixed) {

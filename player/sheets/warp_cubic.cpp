@@ -1,4 +1,4 @@
-// The cubic warp once for every instruction set: Highway compiles this file again and again.
+// Bicubic warp kernel. Highway compiles this file once for every instruction set.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "player/sheets/warp_cubic.cpp"
 #include <hwy/foreach_target.h>
@@ -17,7 +17,7 @@ namespace splatlas {
 
 constexpr int kTaps = 4;  // along each axis
 
-/// Where a sample is: the first of its 4 x 4 pixels, and how far it is from the second to the third.
+/// Position of a sample: the first of its 4 x 4 pixels, and the fraction from the second to the third.
 struct CubicPlace {
   std::int64_t left = 0, upper = 0;
   float right = 0, below = 0;
@@ -25,7 +25,7 @@ struct CubicPlace {
   CubicPlace(const CubicWalk& walk, std::size_t n) {
     const double x = walk.x + static_cast<double>(n) * walk.step_x;
     const double y = walk.y + static_cast<double>(n) * walk.step_y;
-    const std::int64_t column = threshold_of(x), row = threshold_of(y);
+    const std::int64_t column = floor_of(x), row = floor_of(y);
     left = column - 1;
     upper = row - 1;
     right = static_cast<float>(x - static_cast<double>(column));
@@ -36,25 +36,25 @@ struct CubicPlace {
   }
 
  private:
-  /// std::floor() is a call on the oldest machines.
-  static std::int64_t threshold_of(double value) {
+  /// std::floor() is a function call for baseline x86-64.
+  static std::int64_t floor_of(double value) {
     const auto whole = static_cast<std::int64_t>(value);
     return whole - (value < static_cast<double>(whole) ? 1 : 0);
   }
 };
 
-/// Catmull and Rom's: of the two pixels before a place and the two behind it.
+/// Catmull-Rom weights (1974) of the two pixels before and the two after a position.
 inline std::array<float, kTaps> cubic_weights(float part) {
   const float rest = 1 - part;
   return {-0.5f * part * rest * rest, 1 + part * part * (1.5f * part - 2.5f),
           1 + rest * rest * (1.5f * rest - 2.5f), -0.5f * rest * part * part};
 }
 
-/// One sample anywhere; nothing is outside the sheet.
+/// One sample at any position; pixels outside the sheet are zero.
 inline void sample_plainly(const CubicWalk& walk, const CubicPlace& place, float* out) {
   const std::array<float, kTaps> across = cubic_weights(place.right), down = cubic_weights(place.below);
   const auto channels = static_cast<std::size_t>(walk.channels);
-  std::array<float, 4> light{};
+  std::array<float, 4> rgba{};
   for (std::int64_t v = 0; v < kTaps; ++v) {
     const std::int64_t row = place.upper + v;
     if (row < 0 || row >= walk.rows) continue;
@@ -63,13 +63,13 @@ inline void sample_plainly(const CubicWalk& walk, const CubicPlace& place, float
       if (column < 0 || column >= walk.columns) continue;
       const float* const pixel = walk.pixels + (row * walk.stride + column) * walk.channels;
       const float weight = down[static_cast<std::size_t>(v)] * across[static_cast<std::size_t>(u)];
-      for (std::size_t c = 0; c < channels; ++c) light[c] += weight * pixel[c];
+      for (std::size_t c = 0; c < channels; ++c) rgba[c] += weight * pixel[c];
     }
   }
   if (channels == 2)
-    light = {light[0] * walk.color[0], light[0] * walk.color[1], light[0] * walk.color[2], light[1]};
-  const float alpha = std::clamp(light[3], 0.0f, 1.0f);
-  for (std::size_t c = 0; c < 4; ++c) out[c] = std::clamp(light[c], 0.0f, alpha);
+    rgba = {rgba[0] * walk.color[0], rgba[0] * walk.color[1], rgba[0] * walk.color[2], rgba[1]};
+  const float alpha = std::clamp(rgba[3], 0.0f, 1.0f);
+  for (std::size_t c = 0; c < 4; ++c) out[c] = std::clamp(rgba[c], 0.0f, alpha);
 }
 
 }  // namespace splatlas
@@ -83,7 +83,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 using Four = hn::FixedTag<float, 4>;
 using FourFloats = hn::Vec<Four>;
 
-/// The four weights of cubic_weights(), each as often as a pixel has channels: polynomials in `part`.
+/// Polynomials in `part` by Horner's scheme: cubic_weights(), repeated for each channel of a pixel.
 HWY_INLINE FourFloats CubicWeights(const float (&powers)[4][4], float part) {
   const Four d;
   const auto t = hn::Set(d, part);
@@ -92,7 +92,7 @@ HWY_INLINE FourFloats CubicWeights(const float (&powers)[4][4], float part) {
   return hn::MulAdd(weights, t, hn::LoadU(d, powers[0]));
 }
 
-/// Channels summed over 4 x 4 pixels: red, green, blue, opacity.
+/// Weighted sum of 4 x 4 pixels: red, green, blue, opacity.
 HWY_INLINE FourFloats Sum4(const float* pixels, std::int64_t row_floats, const CubicPlace& place) {
   const Four d;
   const std::array<float, kTaps> across = cubic_weights(place.right), down = cubic_weights(place.below);
@@ -106,10 +106,10 @@ HWY_INLINE FourFloats Sum4(const float* pixels, std::int64_t row_floats, const C
   return sum;
 }
 
-/// The same of white and opacity; `color` ends with 1.
+/// The same for pixels of white and opacity; `color` ends with 1.
 HWY_INLINE FourFloats Sum2(const float* pixels, std::int64_t row_floats, const CubicPlace& place,
                            FourFloats color) {
-  // By power of the place, for two pixels of two channels: the first two and the last two.
+  // Coefficients by power, for two pixels of two channels: the first two and the last two pixels.
   static constexpr float kFirst[4][4] = {
       {0, 0, 1, 1}, {-0.5f, -0.5f, 0, 0}, {1, 1, -2.5f, -2.5f}, {-0.5f, -0.5f, 1.5f, 1.5f}};
   static constexpr float kLast[4][4] = {
@@ -142,14 +142,14 @@ HWY_INLINE void WarpChannels(const CubicWalk& walk, std::size_t count, float* ou
       continue;
     }
     const float* const pixels = walk.pixels + (place.upper * walk.stride + place.left) * kChannels;
-    FourFloats light;
+    FourFloats rgba;
     if constexpr (kChannels == 2) {
-      light = Sum2(pixels, walk.stride * kChannels, place, color);
+      rgba = Sum2(pixels, walk.stride * kChannels, place, color);
     } else {
-      light = Sum4(pixels, walk.stride * kChannels, place);
+      rgba = Sum4(pixels, walk.stride * kChannels, place);
     }
-    const auto alpha = hn::Min(hn::Max(hn::Broadcast<3>(light), zero), one);
-    hn::StoreU(hn::Min(hn::Max(light, zero), alpha), d, out + 4 * n);
+    const auto alpha = hn::Min(hn::Max(hn::Broadcast<3>(rgba), zero), one);
+    hn::StoreU(hn::Min(hn::Max(rgba, zero), alpha), d, out + 4 * n);
   }
 }
 

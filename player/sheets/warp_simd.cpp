@@ -1,4 +1,4 @@
-// The warp once for every instruction set: Highway compiles this file again and again.
+// SIMD warp kernel. Highway compiles this file once for every instruction set.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "player/sheets/warp_simd.cpp"
 #include <hwy/foreach_target.h>
@@ -17,11 +17,11 @@ HWY_BEFORE_NAMESPACE();
 namespace splatlas::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-constexpr std::size_t kBatch = 16;  // places found together
+constexpr std::size_t kBatch = 16;  // positions per batch
 constexpr int kFractionBits = 24;
 
-/// WarpPlaces as the offset of their upper left neighbour, in floats, and the shares of the differences to
-/// the others: right, below, and both at once.
+/// Sample positions of a batch. `offset` is that of the upper left neighbour, in floats; the others are the
+/// weights of the differences to the right, to below, and of the mixed difference.
 struct WarpPlaces {
   HWY_ALIGN std::int32_t offset[kBatch];
   HWY_ALIGN float right[kBatch];
@@ -30,6 +30,7 @@ struct WarpPlaces {
 };
 
 HWY_INLINE void FindPlaces(const WarpWalk& walk, std::int64_t x, std::int64_t y, WarpPlaces& places) {
+  // Convert start and step to fixed point of kFractionBits
   const hn::CappedTag<std::int32_t, kBatch> di;
   const hn::RebindToFloat<decltype(di)> df;
   const auto fraction = hn::Set(di, (1 << kFractionBits) - 1);
@@ -44,6 +45,8 @@ HWY_INLINE void FindPlaces(const WarpWalk& walk, std::int64_t x, std::int64_t y,
   const auto dx = hn::Set(di, step(walk.step_x)), dy = hn::Set(di, step(walk.step_y));
   const auto row_floats = hn::Set(di, static_cast<std::int32_t>(walk.stride * walk.channels));
   const auto pixel_floats = hn::Set(di, walk.channels);
+
+  // Split positions into pixels and fractions
   for (std::size_t n = 0; n < kBatch; n += hn::Lanes(di)) {
     const auto lane = hn::Iota(di, static_cast<std::int32_t>(n));
     const auto px = hn::Add(x0, hn::Mul(dx, lane));
@@ -55,17 +58,18 @@ HWY_INLINE void FindPlaces(const WarpWalk& walk, std::int64_t x, std::int64_t y,
     const auto below = hn::Mul(hn::ConvertTo(df, hn::And(py, fraction)), unit);
     hn::Store(right, df, places.right + n);
     hn::Store(below, df, places.below + n);
-    // As far as no weight falls below 0.
+
+    // Clamp the skew so that no weight is negative
     const auto both = hn::Mul(right, below);
     const auto other_both = hn::Sub(hn::Sub(hn::Set(df, 1.0f), right), hn::Sub(below, both));
-    const auto most = hn::Min(hn::Sub(right, both), hn::Sub(below, both));
-    const auto least = hn::Neg(hn::Min(both, other_both));
-    const auto skew = hn::Min(hn::Max(hn::Set(df, walk.skew), least), most);
+    const auto max_skew = hn::Min(hn::Sub(right, both), hn::Sub(below, both));
+    const auto min_skew = hn::Neg(hn::Min(both, other_both));
+    const auto skew = hn::Min(hn::Max(hn::Set(df, walk.skew), min_skew), max_skew);
     hn::Store(hn::Add(both, skew), df, places.both + n);
   }
 }
 
-/// One sample of 4 channels: `upper` and the pixel after it, and the two one row below.
+/// One sample of 4 channels from the pixel at `upper`, its right neighbour, and the two pixels at `lower`.
 HWY_INLINE void Sample4(const float* upper, const float* lower, float right, float below, float both,
                         float* out) {
 #if HWY_TARGET <= HWY_AVX2  // two pixels in a vector
@@ -74,26 +78,26 @@ HWY_INLINE void Sample4(const float* upper, const float* lower, float right, flo
   const auto above = hn::LoadU(dd, upper);
   const auto down = hn::Sub(hn::LoadU(dd, lower), above);
   const auto left = hn::LowerHalf(d, above), left_down = hn::LowerHalf(d, down);
-  auto light = hn::MulAdd(hn::Set(d, below), left_down, left);
-  light = hn::MulAdd(hn::Set(d, right), hn::Sub(hn::UpperHalf(d, above), left), light);
-  light = hn::MulAdd(hn::Set(d, both), hn::Sub(hn::UpperHalf(d, down), left_down), light);
-  hn::StoreU(light, d, out);
+  auto rgba = hn::MulAdd(hn::Set(d, below), left_down, left);
+  rgba = hn::MulAdd(hn::Set(d, right), hn::Sub(hn::UpperHalf(d, above), left), rgba);
+  rgba = hn::MulAdd(hn::Set(d, both), hn::Sub(hn::UpperHalf(d, down), left_down), rgba);
+  hn::StoreU(rgba, d, out);
 #else
   const hn::CappedTag<float, 4> d;
   for (std::size_t c = 0; c < 4; c += hn::Lanes(d)) {
     const auto left = hn::LoadU(d, upper + c), beside = hn::LoadU(d, upper + 4 + c);
     const auto left_down = hn::Sub(hn::LoadU(d, lower + c), left);
     const auto beside_down = hn::Sub(hn::LoadU(d, lower + 4 + c), beside);
-    auto light = hn::MulAdd(hn::Set(d, below), left_down, left);
-    light = hn::MulAdd(hn::Set(d, right), hn::Sub(beside, left), light);
-    light = hn::MulAdd(hn::Set(d, both), hn::Sub(beside_down, left_down), light);
-    hn::StoreU(light, d, out + c);
+    auto rgba = hn::MulAdd(hn::Set(d, below), left_down, left);
+    rgba = hn::MulAdd(hn::Set(d, right), hn::Sub(beside, left), rgba);
+    rgba = hn::MulAdd(hn::Set(d, both), hn::Sub(beside_down, left_down), rgba);
+    hn::StoreU(rgba, d, out + c);
   }
 #endif
 }
 
 #if HWY_TARGET != HWY_SCALAR
-/// Pixels that fit a vector, each 4 floats.
+/// Pixels of 4 floats per vector.
 #if HWY_TARGET <= HWY_AVX3
 constexpr std::size_t kPixels = 4;
 #elif HWY_TARGET <= HWY_AVX2
@@ -103,7 +107,7 @@ constexpr std::size_t kPixels = 1;
 #endif
 using Pixels = hn::FixedTag<float, 4 * kPixels>;
 
-/// 4 floats from each of `kCount` places.
+/// Gathers 4 floats from each of `kCount` offsets.
 template <std::size_t kCount>
 HWY_INLINE hn::Vec<hn::FixedTag<float, 4 * kCount>> LoadFours(const float* origin,
                                                               const std::int32_t* offsets) {
@@ -116,7 +120,7 @@ HWY_INLINE hn::Vec<hn::FixedTag<float, 4 * kCount>> LoadFours(const float* origi
   }
 }
 
-/// Each of `kCount` numbers four times.
+/// Repeats each of `kCount` numbers four times.
 template <std::size_t kCount>
 HWY_INLINE hn::Vec<hn::FixedTag<float, 4 * kCount>> FourTimes(const float* numbers) {
   const hn::FixedTag<float, 4 * kCount> d;
@@ -130,20 +134,20 @@ HWY_INLINE hn::Vec<hn::FixedTag<float, 4 * kCount>> FourTimes(const float* numbe
   }
 }
 
-/// Samples of white and opacity at kPixels places; `color`: red, green, blue and 1.
+/// Samples of white and opacity at kPixels positions; `color` is red, green, blue and 1.
 HWY_INLINE void SampleWhite(const float* upper, const float* lower, const WarpPlaces& places, std::size_t n,
                             const float* HWY_RESTRICT color, float* out) {
   const Pixels d;
   const hn::RebindToSigned<Pixels> di;
   const auto above = LoadFours<kPixels>(upper, places.offset + n);
   const auto down = hn::Sub(LoadFours<kPixels>(lower, places.offset + n), above);
-  // Left pixel in the lower half: left + below * left_down; right one: right * beside + both * beside_down.
-  auto light = hn::MulAdd(FourTimes<kPixels>(places.below + n), down, above);
-  light = hn::MulAdd(FourTimes<kPixels>(places.right + n), hn::Sub(hn::Shuffle1032(above), above), light);
-  light = hn::MulAdd(FourTimes<kPixels>(places.both + n), hn::Sub(hn::Shuffle1032(down), down), light);
+  // Each group of 4 lanes has the left pixel in its lower half, the right one in its upper half.
+  auto rgba = hn::MulAdd(FourTimes<kPixels>(places.below + n), down, above);
+  rgba = hn::MulAdd(FourTimes<kPixels>(places.right + n), hn::Sub(hn::Shuffle1032(above), above), rgba);
+  rgba = hn::MulAdd(FourTimes<kPixels>(places.both + n), hn::Sub(hn::Shuffle1032(down), down), rgba);
   const auto three = hn::Set(di, 3);
   const auto last = hn::RebindMask(d, hn::Eq(hn::And(hn::Iota(di, 0), three), three));
-  const auto shown = hn::IfThenElse(last, hn::Broadcast<1>(light), hn::Broadcast<0>(light));
+  const auto shown = hn::IfThenElse(last, hn::Broadcast<1>(rgba), hn::Broadcast<0>(rgba));
   hn::StoreU(hn::Mul(shown, hn::LoadDup128(d, color)), d, out);
 }
 #else
@@ -153,17 +157,17 @@ HWY_INLINE void SampleWhite(const float* upper, const float* lower, const WarpPl
                             const float* HWY_RESTRICT color, float* out) {
   upper += places.offset[n];
   lower += places.offset[n];
-  float light[2];
+  float rgba[2];
   for (std::size_t c = 0; c < 2; ++c) {
     const float left_down = lower[c] - upper[c], beside_down = lower[2 + c] - upper[2 + c];
-    light[c] = upper[c] + places.below[n] * left_down + places.right[n] * (upper[2 + c] - upper[c]) +
-               places.both[n] * (beside_down - left_down);
+    rgba[c] = upper[c] + places.below[n] * left_down + places.right[n] * (upper[2 + c] - upper[c]) +
+              places.both[n] * (beside_down - left_down);
   }
-  for (std::size_t c = 0; c < 4; ++c) out[c] = color[c] * light[c == 3 ? 1 : 0];
+  for (std::size_t c = 0; c < 4; ++c) out[c] = color[c] * rgba[c == 3 ? 1 : 0];
 }
 #endif
 
-/// `sample(origin, places, n, out)` puts the n-th place of a batch, and as many after it as it takes at once.
+/// Calls sample(origin, places, n, out) for groups of kAtOnce positions, the first of which is n.
 template <std::size_t kAtOnce, typename Sample>
 HWY_INLINE void ForEachPlace(const WarpWalk& walk, std::size_t count, float* out, const Sample& sample) {
   static_assert(kBatch % kAtOnce == 0);
@@ -176,7 +180,7 @@ HWY_INLINE void ForEachPlace(const WarpWalk& walk, std::size_t count, float* out
     std::size_t n = 0;
     for (; n + kAtOnce <= batch; n += kAtOnce) sample(origin, places, n, out + 4 * (done + n));
     if (n < batch) {
-      // Behind the last place is none.
+      // Pad the last group
       for (std::size_t last = batch; last < n + kAtOnce; ++last) places.offset[last] = places.offset[n];
       HWY_ALIGN float rest[4 * kAtOnce];
       sample(origin, places, n, rest);
@@ -235,14 +239,14 @@ void plain_warp(const WarpWalk& walk, std::size_t count, float* out) {
     const float* upper = walk.pixels + ((y >> 32) * walk.stride + (x >> 32)) * channels;
     const float* lower = upper + walk.stride * channels;
     const std::array<float, 4> weights = sheet_weights(right, below, walk.skew);
-    std::array<float, 4> light{};
+    std::array<float, 4> rgba{};
     for (std::int64_t c = 0; c < channels; ++c) {
-      light[static_cast<std::size_t>(c)] = weights[0] * upper[c] + weights[1] * upper[channels + c] +
-                                           weights[2] * lower[c] + weights[3] * lower[channels + c];
+      rgba[static_cast<std::size_t>(c)] = weights[0] * upper[c] + weights[1] * upper[channels + c] +
+                                          weights[2] * lower[c] + weights[3] * lower[channels + c];
     }
     if (channels == 2)
-      light = {light[0] * walk.color[0], light[0] * walk.color[1], light[0] * walk.color[2], light[1]};
-    std::copy(light.begin(), light.end(), out + 4 * n);
+      rgba = {rgba[0] * walk.color[0], rgba[0] * walk.color[1], rgba[0] * walk.color[2], rgba[1]};
+    std::copy(rgba.begin(), rgba.end(), out + 4 * n);
   }
 }
 

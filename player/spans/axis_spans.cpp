@@ -7,7 +7,7 @@ namespace splatlas {
 
 void AxisSpans::build(const DrawPlan& plan, const VolumeAppearances& appearances, const Atlas& atlas,
                       const ClassCache& cache, Axis axis, bool shade, ThreadPool& pool) {
-  // Where memory runs out on the way, nothing is left that could be taken for finished.
+  // If an allocation throws, no incomplete spans remain marked as current.
   runs_.reset();
   SpanBuilder spans = std::exchange(spans_, {});
   SelectedRuns runs(plan, atlas.classes(), cache, axis);
@@ -15,16 +15,17 @@ void AxisSpans::build(const DrawPlan& plan, const VolumeAppearances& appearances
   spans_ = std::move(spans);
   runs_.emplace(std::move(runs));
   lists_shaded_ = shade;
-  partly_lit_ = lit_for_.has_value();
+  partly_shaded_ = shaded_for_.has_value();
 }
 
-void AxisSpans::light(const ParallelView& view, const Lighting& lighting, bool shade, ThreadPool& pool) {
-  const bool same_view = lit_for_ && have_same_light(*lit_for_, view);
-  if (!partly_lit_ && (shade ? same_view : !lit_for_)) return;
+void AxisSpans::update_lighting(const ParallelView& view, const Lighting& lighting, bool shade,
+                                ThreadPool& pool) {
+  const bool same_view = shaded_for_ && have_same_lighting(*shaded_for_, view);
+  if (!partly_shaded_ && (shade ? same_view : !shaded_for_)) return;
   if (model().shaded_voxels > 0)
     shade_spans(spans_.model(), shade ? lighting.table() : std::vector<float>(65536, 1.0f), pool);
-  lit_for_ = shade ? std::optional(view) : std::nullopt;
-  partly_lit_ = false;
+  shaded_for_ = shade ? std::optional(view) : std::nullopt;
+  partly_shaded_ = false;
 }
 
 }  // namespace splatlas

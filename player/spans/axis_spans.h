@@ -1,4 +1,4 @@
-// The spans of one principal axis, from selection to selection and from view to view.
+// Span cache of one principal axis.
 #pragma once
 
 #include <optional>
@@ -9,21 +9,20 @@
 
 namespace splatlas {
 
-/// Spans of the current selection or of one before it, and the view whose light they have. Not for use by
-/// several threads at once.
+/// Spans of the current or an earlier selection, with the lighting of one view. Not thread-safe.
 class AxisSpans {
  public:
-  /// Whether the spans are those of the current selection, boundary voxels listed if they are to be shaded.
+  /// True if the spans are those of the current selection; with `shade`, also if boundary voxels are listed.
   [[nodiscard]] bool current(bool shade) const { return runs_ && (lists_shaded_ || !shade); }
-  /// From now on they are those of a selection before.
+  /// Marks the spans as those of an earlier selection.
   void outdate() { runs_.reset(); }
-  /// Makes them current; arguments as those of SpanRequest.
+  /// Makes the spans current; arguments as for SpanRequest. Throws std::bad_alloc.
   void build(const DrawPlan& plan, const VolumeAppearances& appearances, const Atlas& atlas,
              const ClassCache& cache, Axis axis, bool shade, ThreadPool& pool);
-  /// Hybrid shading: the light on boundary voxels changes only with the direction of view.
-  void light(const ParallelView& view, const Lighting& lighting, bool shade, ThreadPool& pool);
+  /// Hybrid shading: applies the lighting of `view` to boundary voxels if it has changed.
+  void update_lighting(const ParallelView& view, const Lighting& lighting, bool shade, ThreadPool& pool);
 
-  /// Only while current.
+  /// The selected runs, while the spans are current.
   [[nodiscard]] const SelectedRuns& runs() const { return *runs_; }
   [[nodiscard]] const SpanModel& model() const { return spans_.model(); }
   [[nodiscard]] std::uint64_t optical_bytes() const { return spans_.optical_bytes(); }
@@ -32,8 +31,8 @@ class AxisSpans {
   std::optional<SelectedRuns> runs_;
   SpanBuilder spans_;
   bool lists_shaded_ = false;
-  std::optional<ParallelView> lit_for_;  // none: unshaded
-  bool partly_lit_ = false;              // some slices have been built after that, and are unshaded
+  std::optional<ParallelView> shaded_for_;  // nullopt if unshaded
+  bool partly_shaded_ = false;              // some slices were rebuilt since, and are unshaded
 };
 
 }  // namespace splatlas

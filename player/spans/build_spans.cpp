@@ -12,7 +12,7 @@
 namespace splatlas {
 namespace {
 
-/// Runs of one scanline that follow each other and look alike.
+/// Adjacent runs of one scanline with the same appearance.
 struct Piece {
   std::int64_t row = 0;
   std::uint32_t start = 0, length = 0;
@@ -23,12 +23,11 @@ struct Piece {
   }
 };
 
-/// Slices that a thread builds one after the other.
+/// Slices per parallel task.
 constexpr std::size_t kSlicesAtOnce = 8;
 
-/// Light that is kept for the next selection, or that cannot be used because of light beside it: as much as
-/// is in use, or that.
-constexpr std::uint64_t kMaxUnusedLight = std::uint64_t{64} << 20;
+/// Limit for idle and fragmented arena memory, unless the model itself uses more.
+constexpr std::uint64_t kMaxUnusedBytes = std::uint64_t{64} << 20;
 
 std::uint64_t selected_voxels(const SpanRequest& request) {
   std::uint64_t voxels = 0;
@@ -38,7 +37,8 @@ std::uint64_t selected_voxels(const SpanRequest& request) {
   return voxels;
 }
 
-/// What a row further on will read, where rows lie far apart in memory: it is alike.
+/// Prefetches grey values of a following row, whose runs are usually similar; rows may be far apart in
+/// memory.
 void prefetch(std::size_t voxel, std::size_t voxels, const ClassCache& cache) {
   constexpr std::size_t kLine = 64;
   const std::size_t last = std::min((voxel + voxels) * cache.value_bytes(), cache.bytes_of_values());
@@ -54,7 +54,7 @@ bool SpanBuilder::ClassAppearances::differ(const ClassAppearances& other, ClassI
   return appearances[mine] != other.appearances[theirs];
 }
 
-/// Classes of one structure follow each other mostly, and so do equal looks.
+/// Classes of one structure are usually adjacent, and so are equal appearances.
 SpanBuilder::ClassAppearances SpanBuilder::class_appearances(const SpanRequest& request, bool colored) {
   ClassAppearances found{
       {}, std::vector<std::uint32_t>(request.classes.size(), kNotDrawn), request.appearances.generation()};
@@ -63,7 +63,7 @@ SpanBuilder::ClassAppearances SpanBuilder::class_appearances(const SpanRequest& 
     if (!draws_volume(draw.role)) continue;
     SpanAppearance appearance{request.appearances.appearances()[n], request.shade && draw.boundary};
     if (!colored) appearance.volume.color = {1, 1, 1};
-    // Others than the latest two, interior and boundary as a rule, may come twice: no harm.
+    // Search only the latest two, usually interior and boundary. Earlier duplicates are harmless.
     auto known =
         std::find(found.appearances.end() - std::min<std::ptrdiff_t>(2, std::ssize(found.appearances)),
                   found.appearances.end(), appearance);
@@ -73,7 +73,7 @@ SpanBuilder::ClassAppearances SpanBuilder::class_appearances(const SpanRequest& 
   return found;
 }
 
-/// By slices of the model.
+/// Flags of the model's slices.
 std::vector<bool> SpanBuilder::changed_slices(const SpanRequest& request, const SpanModel& before,
                                               const ClassAppearances& appearances_before) const {
   const bool other_kind = before.emissions != model_.emissions || appearances_before.of_class.empty() ||
@@ -92,7 +92,8 @@ std::vector<bool> SpanBuilder::changed_slices(const SpanRequest& request, const 
   return changed;
 }
 
-/// Slices that both models have keep their place; others count as changed. Light of what changes makes room.
+/// Moves unchanged slices from `before`. Slices without a predecessor become changed; changed slices free
+/// their memory.
 void SpanBuilder::take_over(SpanModel& before, std::vector<bool>& changed) {
   std::vector<bool> taken(model_.slices.size(), false);
   for (std::size_t n = 0; n < before.slices.size(); ++n) {
@@ -105,16 +106,16 @@ void SpanBuilder::take_over(SpanModel& before, std::vector<bool>& changed) {
   std::uint64_t kept = 0;
   for (std::size_t n = 0; n < model_.slices.size(); ++n) {
     if (!taken[n]) changed[n] = true;
-    if (changed[n]) model_.slices[n].light = {};
-    kept += model_.slices[n].light.size() * sizeof(float);
+    if (changed[n]) model_.slices[n].optics = {};
+    kept += model_.slices[n].optics.size() * sizeof(float);
   }
-  // What little stays may be all over the memory that was used: it is built anew, then.
-  if (arena_.held_bytes() <= 2 * kept + kMaxUnusedLight) return;
+  // Rebuild everything if the remaining slices leave the arena fragmented.
+  if (arena_.bytes_in_use() <= 2 * kept + kMaxUnusedBytes) return;
   changed.assign(changed.size(), true);
-  for (SliceSpans& slice : model_.slices) slice.light = {};
+  for (SliceSpans& slice : model_.slices) slice.optics = {};
 }
 
-/// Every block of the selection's box, and a dark one at the end of each row.
+/// All blocks of the selection's bounding box, and an empty block at the end of each row.
 std::size_t SpanBuilder::max_floats_of_slice() const {
   const std::int64_t first_block = model_.scan_first >> kBlockBits;
   const std::int64_t last_block = (model_.scan_first + model_.scan_voxels - 1) >> kBlockBits;
@@ -132,6 +133,7 @@ void SpanBuilder::write_slice(const SpanRequest& request, std::int64_t slice, Sl
   constexpr std::size_t kRowsAhead = 2;
   SpanWriter writer(model_.scan_first, model_.scan_voxels, model_.emissions, out);
 
+  // Classify the grey values of a piece
   const auto write = [&](const Piece& piece) {
     const SpanAppearance& appearance = appearances_.appearances[piece.appearance];
     const std::size_t voxel =
@@ -144,6 +146,8 @@ void SpanBuilder::write_slice(const SpanRequest& request, std::int64_t slice, Sl
     if (appearance.shaded)
       writer.shade(piece.start, piece.length, request.cache.normals() + voxel, scan_step);
   };
+
+  // Merge adjacent runs into pieces
   Piece piece;
   request.runs.for_each(slice, [&](const ClassRun& run, std::uint32_t) {
     const std::uint32_t appearance = appearances_.of_class[run.id];
@@ -180,6 +184,7 @@ void set_appearances(const DrawPlan& plan, std::span<const VolumeAppearance> app
 }
 
 void SpanBuilder::build(const SpanRequest& request, ThreadPool& pool) {
+  // Set the model's frame and appearances
   const SelectedRuns& runs = request.runs;
   SpanModel before = std::exchange(model_, {});
   model_.axis = runs.axis();
@@ -192,30 +197,35 @@ void SpanBuilder::build(const SpanRequest& request, ThreadPool& pool) {
   model_.slices.resize(static_cast<std::size_t>(runs.slices()));
   const ClassAppearances appearances_before =
       std::exchange(appearances_, class_appearances(request, model_.emissions > 1));
+
+  // Find the slices to rebuild
   std::vector<bool> changed = changed_slices(request, before, appearances_before);
   take_over(before, changed);
-
   std::vector<std::size_t> to_build;
   for (std::size_t n = 0; n < changed.size(); ++n) {
     if (changed[n]) to_build.push_back(n);
   }
+
+  // Build slices in parallel
   arena_.expect(selected_voxels(request) * (1 + static_cast<std::uint64_t>(model_.emissions)) *
                 sizeof(float));
   pool.for_each((to_build.size() + kSlicesAtOnce - 1) / kSlicesAtOnce, [&](std::size_t part) {
     const std::size_t first = part * kSlicesAtOnce;
     for (std::size_t n = first; n < std::min(first + kSlicesAtOnce, to_build.size()); ++n) {
       SliceSpans& slice = model_.slices[to_build[n]];
-      slice.light = arena_.lend(max_floats_of_slice());
+      slice.optics = arena_.lend(max_floats_of_slice());
       write_slice(request, model_.slice_first + static_cast<std::int64_t>(to_build[n]), slice);
-      arena_.settle(slice.light);
+      arena_.settle(slice.optics);
     }
   });
+
+  // Update counters and free unused memory
   slices_built_ = to_build.size();
   for (const SliceSpans& slice : model_.slices) {
     model_.voxels += slice.voxels;
     model_.shaded_voxels += slice.shaded.size();
   }
-  arena_.trim(std::max(arena_.held_bytes(), kMaxUnusedLight));
+  arena_.trim(std::max(arena_.bytes_in_use(), kMaxUnusedBytes));
 }
 
 }  // namespace splatlas

@@ -1,4 +1,4 @@
-// From selected runs to spans, and from the spans of one selection to those of the next.
+// Incremental construction of spans from selected runs.
 #pragma once
 
 #include <cstdint>
@@ -12,12 +12,11 @@
 
 namespace splatlas {
 
-/// Tells a model about the looks of a plan's volumes: colours and extinctions. `looks` and the plan's classes
-/// correspond.
+/// Sets the emissions, colour and mean extinction of a model. `appearances` are those of the plan's classes.
 void set_appearances(const DrawPlan& plan, std::span<const VolumeAppearance> appearances,
                      const ClassTable& classes, SpanModel& model);
 
-/// What spans are made from.
+/// Input of SpanBuilder::build().
 struct SpanRequest {
   const SelectedRuns& runs;
   const DrawPlan& plan;
@@ -28,36 +27,36 @@ struct SpanRequest {
   bool shade = true;  ///< list boundary voxels for shade_spans()
 };
 
-/// The spans of one selection after another, for one principal axis. Not for use by several threads at once.
+/// Builder of the spans of successive selections, for one principal axis. Not thread-safe.
 class SpanBuilder {
  public:
-  /// Appearances up what every selected voxel emits and absorbs (classified before interpolation) and packs
-  /// it into spans; voxels without extinction are left out. Slices in which no class looks otherwise than
-  /// before are kept as they are, with their shading; others are unshaded. All requests must be of one atlas
-  /// and axis, and of one VolumeAppearances. Cost: linear in the voxels of the slices that change, and in the
-  /// runs there that are decoded; slices are built in parallel.
+  /// Looks up the optical properties of every selected voxel (pre-classification) and packs them into spans.
+  /// Voxels without extinction are omitted. Slices whose classes keep their appearance remain unchanged, with
+  /// their shading; rebuilt slices are unshaded. All requests must share one atlas, axis and
+  /// VolumeAppearances. Cost: linear in the selected voxels and decoded runs of the changed slices, which are
+  /// built in parallel. Throws std::bad_alloc.
   void build(const SpanRequest& request, ThreadPool& pool);
 
   [[nodiscard]] const SpanModel& model() const { return model_; }
   [[nodiscard]] SpanModel& model() { return model_; }
-  /// Slices that the latest build() has made anew.
+  /// Number of slices that the latest build() rebuilt.
   [[nodiscard]] std::size_t slices_built() const { return slices_built_; }
-  /// Bytes of light, in use or kept for the next build().
+  /// Bytes of optical properties, in use or kept for the next build().
   [[nodiscard]] std::uint64_t optical_bytes() const { return arena_.bytes(); }
 
  private:
   static constexpr std::uint32_t kNotDrawn = SelectedRuns::kNotDrawn;
 
-  /// How the voxels of some classes are drawn.
+  /// Appearance of the voxels of some classes.
   struct SpanAppearance {
     VolumeAppearance volume;
     bool shaded = false;
     friend bool operator==(const SpanAppearance&, const SpanAppearance&) = default;
   };
-  /// Which class is drawn how.
+  /// Map from classes to appearances.
   struct ClassAppearances {
     std::vector<SpanAppearance> appearances;
-    std::vector<std::uint32_t> of_class;  // index into `looks`, or kNotDrawn
+    std::vector<std::uint32_t> of_class;  // index into `appearances`, or kNotDrawn
     std::uint64_t generation = 0;         // of the transfer functions
 
     [[nodiscard]] bool differ(const ClassAppearances& other, ClassId c) const;
@@ -70,7 +69,7 @@ class SpanBuilder {
   [[nodiscard]] std::size_t max_floats_of_slice() const;
 
   SpanModel model_;
-  OpticalArena arena_;  // of the model's light
+  OpticalArena arena_;  // of the model's optical properties
   ClassAppearances appearances_;
   std::size_t slices_built_ = 0;
 };

@@ -17,19 +17,19 @@ std::vector<ClassId> volume_classes(const DrawPlan& plan) {
   return classes;
 }
 
-/// Of a class that has been required.
+/// Missing parts of a required class, and the result of reading them.
 struct ClassCache::Missing {
   ClassId id = kEmptyClass;
   bool runs = false, values = false, normals = false;
-  ClassRuns read;  // of the axis that is asked for
+  ClassRuns read;  // of the required axis
   Result<void> result;
 };
 
 namespace {
 
-/// Calls take(voxel of the grid, its place among the class's voxels in memory order, voxels) for the runs of
-/// a class along the z or the y axis. Both have their scanlines in common: along y, the runs of a row come in
-/// memory order, too, but slice by slice.
+/// Calls take(voxel of the grid, index among the class's voxels in memory order, voxels) for each run of a
+/// class along the z or the y axis. Scanlines of both axes run along x. Traversal order along y differs from
+/// memory order: a counting sort by plane finds the index of each run.
 template <typename Take>
 void for_each_in_memory(const ClassRuns& runs, Axis axis, const Index3& size, const Take& take) {
   const auto row_voxels = static_cast<std::uint64_t>(size[0]);
@@ -42,7 +42,9 @@ void for_each_in_memory(const ClassRuns& runs, Axis axis, const Index3& size, co
     return;
   }
   if (runs.empty()) return;
-  const auto rows = static_cast<std::uint64_t>(size[2]);  // planes k, of which each slice j has one row
+
+  // Count the voxels of each plane k, of which each slice j has one row
+  const auto rows = static_cast<std::uint64_t>(size[2]);
   const auto slices = static_cast<std::uint64_t>(size[1]);
   const auto for_each = [&](const auto& each) {
     std::uint64_t slice = runs.front().scanline / rows;
@@ -51,9 +53,11 @@ void for_each_in_memory(const ClassRuns& runs, Axis axis, const Index3& size, co
       each(run, slice, run.scanline - slice * rows);
     }
   };
-  std::vector<std::size_t> next(rows + 1);  // place of the next run in each plane
+  std::vector<std::size_t> next(rows + 1);  // index of the next run in each plane
   for_each([&](const Run& run, std::uint64_t, std::uint64_t k) { next[k + 1] += run.length; });
   for (std::size_t k = 1; k <= rows; ++k) next[k] += next[k - 1];
+
+  // Visit the runs at their prefix sums
   for_each([&](const Run& run, std::uint64_t slice, std::uint64_t k) {
     take((k * slices + slice) * row_voxels + run.start, next[k], run.length);
     next[k] += run.length;
@@ -98,8 +102,9 @@ Result<void> ClassCache::reserve(std::span<const Missing> missing) {
     SPLATLAS_ASSIGN_OR_RETURN(normals_, SparseBytes::reserve(voxels * sizeof(PackedNormal)));
   }
   if (box.empty()) return {};
-  // In memory, from the first slice of the box to the last.
-  constexpr std::uint64_t kSparse = 32;  // voxels for each that is wanted
+
+  // Request large pages between the first and the last slice of the box, unless voxels are sparse
+  constexpr std::uint64_t kSparse = 32;  // voxels of the grid per required voxel
   const std::size_t slice = voxels / static_cast<std::size_t>(atlas_->grid().size[2]);
   const std::size_t first = static_cast<std::size_t>(box.first[2]) * slice;
   const std::size_t count = static_cast<std::size_t>(box.last[2] - box.first[2] + 1) * slice;
@@ -115,14 +120,16 @@ Result<void> ClassCache::require(std::span<const ClassId> classes, Axis axis, Th
   std::vector<Missing> missing = missing_of(classes, axis, normals);
   if (missing.empty()) return {};
   SPLATLAS_RETURN_IF_ERROR(reserve(missing));
-  // The largest first, or threads would wait for one of them at the end; small ones share chunks with those
-  // before and behind them, and stay in order.
+
+  // Sort the largest classes first for load balance. Small classes share chunks and stay in order. Boundary
+  // classes come last: a structure's two classes are decoded together, so that concurrent threads would wait.
   constexpr std::uint64_t kSmall = 16384;
-  // Boundaries come last: a structure's two classes are decoded together, threads at both would wait.
   std::ranges::stable_sort(missing, std::greater{}, [&](const Missing& of) {
     return std::pair(!has_normals(atlas_->classes(), of.id),
                      std::max(kSmall, atlas_->classes().voxels(of.id)));
   });
+
+  // Decode in parallel and record the results
   pool.for_each(missing.size(), [&](std::size_t n) { missing[n].result = decode(missing[n], axis); });
   keep_runs(missing, axis, pool);
   for (const Missing& of : missing) {
@@ -147,14 +154,14 @@ void ClassCache::keep_runs(std::span<const Missing> missing, Axis axis, ThreadPo
   }
   try {
     runs_[n].insert(runs, atlas_->grid().size[ScanOrder::of(axis).row_axis], pool);
-  } catch (...) {  // out of memory: some are there, some are not
+  } catch (...) {  // out of memory: discard the partial insertion
     runs_[n] = {};
     for (auto& [id, decoded] : classes_) decoded.run_count[n].reset();
     throw;
   }
 }
 
-/// Values and normals are stored in memory order, which the runs along z and y tell.
+/// Values and normals are stored in memory order; the runs along z or y give their voxels.
 Result<void> ClassCache::decode(Missing& missing, Axis axis) const {
   const bool voxels = missing.values || missing.normals;
   if (missing.runs || axis != Axis::kX) {

@@ -27,7 +27,7 @@ void OpticalBuffer::grow(std::size_t floats) {
   capacity_ = capacity;
 }
 
-/// In floats. Buffers share its ownership.
+/// Chunk of memory whose ownership its buffers share. Sizes are in floats.
 struct OpticalArena::Chunk {
   SparseBytes memory;
   std::size_t size = 0, used = 0, touched = 0;
@@ -80,7 +80,7 @@ std::uint64_t OpticalArena::bytes() const {
   return floats * sizeof(float);
 }
 
-std::uint64_t OpticalArena::held_bytes() const {
+std::uint64_t OpticalArena::bytes_in_use() const {
   const std::lock_guard lock(mutex_);
   std::uint64_t floats = 0;
   for (const std::shared_ptr<Chunk>& chunk : chunks_) {

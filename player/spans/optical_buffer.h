@@ -1,4 +1,4 @@
-// Memory for the light of spans.
+// Arena memory for the optical properties of spans.
 #pragma once
 
 #include <cstddef>
@@ -10,11 +10,11 @@
 
 namespace splatlas {
 
-/// Floats aligned to cache lines. Keeps its memory when it is filled anew.
+/// Growable array of floats, aligned to cache lines. clear() keeps its capacity.
 class OpticalBuffer {
  public:
   OpticalBuffer() = default;
-  /// Without floats, with room for some.
+  /// An empty buffer on existing memory of `capacity` floats.
   OpticalBuffer(std::shared_ptr<float> room, std::size_t capacity)
       : floats_(std::move(room)), capacity_(capacity) {}
   OpticalBuffer(OpticalBuffer&& other) noexcept
@@ -33,13 +33,13 @@ class OpticalBuffer {
   [[nodiscard]] std::size_t size() const { return size_; }
   [[nodiscard]] std::size_t capacity() const { return capacity_; }
   void clear() { size_ = 0; }
-  /// Makes room for `floats` more, which are not set, and says where.
+  /// Appends uninitialised floats and returns a pointer to them. Throws std::bad_alloc.
   float* append(std::size_t floats) {
     if (size_ + floats > capacity_) grow(size_ + floats);
     size_ += floats;
     return floats_.get() + (size_ - floats);
   }
-  /// Leaves the room behind the last float to others.
+  /// Reduces the capacity to the size; the memory beyond belongs to the arena again.
   void fit() { capacity_ = size_; }
 
  private:
@@ -49,8 +49,8 @@ class OpticalBuffer {
   std::size_t size_ = 0, capacity_ = 0;
 };
 
-/// Memory that the light of one selection after another is written to. Fresh pages would cost more than what
-/// is written to them: pages stay, and many slices share those that are large.
+/// Arena of the buffers of successive selections. Page faults would cost more than writing, so that chunks
+/// are reused. Many slices share a chunk, which may be backed by large pages.
 class OpticalArena {
  public:
   OpticalArena() = default;
@@ -62,19 +62,19 @@ class OpticalArena {
   }
   ~OpticalArena() = default;
 
-  /// Before buffers are lent for about `bytes` in all: decides what pages these get.
+  /// Announces the total size of the next buffers, which decides their page size.
   void expect(std::uint64_t bytes) { large_ = bytes >= kLargePages; }
-  /// A buffer with room for `floats` at least, and maybe for many more: to be given to settle() when it holds
-  /// what it is to hold. Throws std::bad_alloc. Safe to call from several threads.
+  /// An empty buffer with a capacity of at least `floats`. The caller fills it and passes it to settle().
+  /// Throws std::bad_alloc. Thread-safe.
   [[nodiscard]] OpticalBuffer lend(std::size_t floats);
-  /// What the buffer has left over is lent again. Safe to call from several threads.
+  /// Returns the unused capacity of a buffer to the arena. Thread-safe.
   void settle(OpticalBuffer& buffer);
 
-  /// Bytes that have been written to, whether they are in use or not.
+  /// Bytes written so far, in use or not.
   [[nodiscard]] std::uint64_t bytes() const;
-  /// Of those, what cannot be lent again because buffers beside it are in use, these included.
-  [[nodiscard]] std::uint64_t held_bytes() const;
-  /// Gives back memory that nobody uses, as far as it is more than that.
+  /// Bytes that cannot be reused: those of chunks with at least one live buffer.
+  [[nodiscard]] std::uint64_t bytes_in_use() const;
+  /// Frees unused chunks until at most `bytes` of them remain.
   void trim(std::uint64_t bytes);
 
  private:

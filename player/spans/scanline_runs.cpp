@@ -12,11 +12,11 @@ bool in_order(const ClassRun& a, const ClassRun& b) {
   return std::tie(a.row, a.start) < std::tie(b.row, b.start);
 }
 
-/// Where runs of a slice begin, a bit per voxel: the place of a run is the number of bits before its own, so
-/// that runs of many classes are put in order without comparing any two of them.
+/// Bitmap of the first voxels of a slice's runs, with prefix sums. The rank of its bit is the index of a run,
+/// so that the runs of many classes merge without comparisons.
 class RunPlaces {
  public:
-  /// Of voxels [0, scan_voxels) in rows [first_row, last_row).
+  /// Covers voxels [0, scan_voxels) of rows [first_row, last_row).
   RunPlaces(std::uint32_t first_row, std::uint32_t last_row, std::uint32_t scan_voxels)
       : first_row_(first_row),
         row_words_(words_of(scan_voxels)),
@@ -25,7 +25,7 @@ class RunPlaces {
   static std::uint64_t words_of(std::uint32_t scan_voxels) { return (std::uint64_t{scan_voxels} + 63) / 64; }
 
   void mark(const ClassRun& run) { words_[word_of(run)].begins |= std::uint64_t{1} << (run.start % 64); }
-  /// After the last mark(); says how many different places there are.
+  /// Computes the prefix sums, after the last mark(); returns the number of distinct first voxels.
   std::size_t number() {
     std::size_t before = 0;
     for (Word& word : words_) {
@@ -44,7 +44,7 @@ class RunPlaces {
     std::uint64_t begins = 0;
     std::size_t before = 0;
   };
-  /// As std::popcount(), which is a call where the least of all processors has no instruction for it.
+  /// Population count. std::popcount() is a function call for baseline x86-64.
   static std::size_t ones_of(std::uint64_t bits) {
     bits -= (bits >> 1) & 0x5555555555555555;
     bits = (bits & 0x3333333333333333) + ((bits >> 2) & 0x3333333333333333);
@@ -59,13 +59,13 @@ class RunPlaces {
   std::vector<Word> words_;
 };
 
-/// The runs of one class that are to be inserted, by slice.
+/// The runs of a class to insert, indexed by slice.
 struct NewRuns {
   ClassId id = kEmptyClass;
   std::span<const Run> runs;
   std::int64_t first_slice = 0;
-  std::vector<std::size_t> first_run;  // of each slice from the first on, and the end
-  std::uint32_t scan_voxels = 0;       // runs begin before that
+  std::vector<std::size_t> first_run;  // of each slice from first_slice on, and the end
+  std::uint32_t scan_voxels = 0;       // upper bound of the first voxels of runs
 
   NewRuns() = default;
   NewRuns(ClassId of, std::span<const Run> all, std::uint64_t rows) : id(of), runs(all) {
@@ -86,25 +86,25 @@ struct NewRuns {
   }
 };
 
-/// The runs that a slice holds, and those of classes that come to it.
+/// The existing runs of a slice and the runs to insert.
 class SliceRuns {
  public:
-  SliceRuns(std::span<const ClassRun> held, std::span<const NewRuns> classes, std::int64_t slice,
+  SliceRuns(std::span<const ClassRun> existing, std::span<const NewRuns> classes, std::int64_t slice,
             std::int64_t rows)
-      : held_(held), first_scanline_(static_cast<std::uint64_t>(slice * rows)) {
-    if (!held.empty()) include(held.front().row, held.back().row, held.size());
-    for (const ClassRun& run : held) scan_voxels_ = std::max(scan_voxels_, run.start + 1);
+      : existing_(existing), first_scanline_(static_cast<std::uint64_t>(slice * rows)) {
+    if (!existing.empty()) include(existing.front().row, existing.back().row, existing.size());
+    for (const ClassRun& run : existing) scan_voxels_ = std::max(scan_voxels_, run.start + 1);
     for (const NewRuns& of_class : classes) {
       const std::span<const Run> runs = of_class.of_slice(slice);
       if (runs.empty()) continue;
-      come_.push_back({of_class.id, runs});
+      added_.push_back({of_class.id, runs});
       include(row_of(runs.front()), row_of(runs.back()), runs.size());
       scan_voxels_ = std::max(scan_voxels_, of_class.scan_voxels);
     }
   }
-  [[nodiscard]] bool changed() const { return !come_.empty(); }
+  [[nodiscard]] bool changed() const { return !added_.empty(); }
 
-  /// All in order; of any that begin at the same voxel, as no valid classes do, one stays.
+  /// All runs in order. Of runs with the same first voxel, which valid classes never have, one remains.
   [[nodiscard]] std::vector<ClassRun> ordered() const {
     if ((last_row_ - first_row_) * RunPlaces::words_of(scan_voxels_) > 1024 + 4 * count_) return sorted();
     RunPlaces places(first_row_, last_row_, scan_voxels_);
@@ -125,12 +125,12 @@ class SliceRuns {
   }
   template <typename Take>
   void for_each(const Take& take) const {
-    for (const ClassRun& run : held_) take(run);
-    for (const auto& [id, runs] : come_) {
+    for (const ClassRun& run : existing_) take(run);
+    for (const auto& [id, runs] : added_) {
       for (const Run& run : runs) take(ClassRun{row_of(run), run.start, run.length, id});
     }
   }
-  /// Where runs are few and far between.
+  /// Comparison sort for sparse runs.
   [[nodiscard]] std::vector<ClassRun> sorted() const {
     std::vector<ClassRun> runs;
     for_each([&](const ClassRun& run) { runs.push_back(run); });
@@ -140,16 +140,16 @@ class SliceRuns {
     return runs;
   }
 
-  std::span<const ClassRun> held_;
+  std::span<const ClassRun> existing_;
   std::uint64_t first_scanline_;
-  std::vector<std::pair<ClassId, std::span<const Run>>> come_;
+  std::vector<std::pair<ClassId, std::span<const Run>>> added_;
   std::uint32_t first_row_ = std::numeric_limits<std::uint32_t>::max(), last_row_ = 0, scan_voxels_ = 0;
   std::size_t count_ = 0;
 };
 
 }  // namespace
 
-/// Slices [first, last) of the grid.
+/// Extends the range to include slices [first, last) of the grid.
 void ScanlineRuns::make_room(std::int64_t first, std::int64_t last) {
   if (slices_.empty()) first_ = first;
   if (first < first_) {
@@ -161,6 +161,7 @@ void ScanlineRuns::make_room(std::int64_t first, std::int64_t last) {
 
 void ScanlineRuns::insert(std::span<const std::pair<ClassId, const ClassRuns*>> classes, std::int64_t rows,
                           ThreadPool& pool) {
+  // Index the new runs by slice
   std::vector<NewRuns> inserted(classes.size());
   pool.for_each(classes.size(), [&](std::size_t n) {
     inserted[n] = NewRuns(classes[n].first, *classes[n].second, static_cast<std::uint64_t>(rows));
@@ -173,11 +174,13 @@ void ScanlineRuns::insert(std::span<const std::pair<ClassId, const ClassRuns*>> 
   }
   if (first >= last) return;
   make_room(first, last);
+
+  // Merge slices in parallel
   pool.for_each(static_cast<std::size_t>(last - first), [&](std::size_t n) {
     const std::int64_t slice = first + static_cast<std::int64_t>(n);
-    std::vector<ClassRun>& held = slices_[static_cast<std::size_t>(slice - first_)];
-    const SliceRuns runs(held, inserted, slice, rows);
-    if (runs.changed()) held = runs.ordered();
+    std::vector<ClassRun>& existing = slices_[static_cast<std::size_t>(slice - first_)];
+    const SliceRuns runs(existing, inserted, slice, rows);
+    if (runs.changed()) existing = runs.ordered();
   });
 }
 

@@ -1,4 +1,4 @@
-// Runs of many classes, brought together scanline by scanline.
+// Runs of all decoded classes, merged by scanline.
 #pragma once
 
 #include <cstdint>
@@ -11,23 +11,23 @@
 
 namespace splatlas {
 
-/// One run of a class in its slice.
+/// A run of a class within a slice.
 struct ClassRun {
   std::uint32_t row = 0, start = 0, length = 0;
   ClassId id = kEmptyClass;
 };
 
-/// The runs of all classes that have been inserted, for one principal axis, slice by slice, each by row, then
-/// start. Selections are read off it in order: nothing is sorted when a selection changes.
+/// The runs of all inserted classes for one principal axis, by slice, row and start. A change of selection
+/// needs no sorting: traversal filters the runs in order.
 class ScanlineRuns {
  public:
-  /// Adds classes that are not there yet, each with its runs in traversal order; `rows` are those of a slice
-  /// of the grid, the same in every call. Cost: linear in the new runs and in the runs of the slices that
-  /// these lie in; slices are worked on in parallel. Not for use by several threads at once.
+  /// Adds new classes, each with its runs in traversal order. `rows` is the number of rows of a slice of the
+  /// grid, the same in every call. Cost: linear in the new runs and in the existing runs of their slices,
+  /// which are merged in parallel. Not thread-safe. Throws std::bad_alloc.
   void insert(std::span<const std::pair<ClassId, const ClassRuns*>> classes, std::int64_t rows,
               ThreadPool& pool);
 
-  /// Of a slice of the grid; empty where nothing has been inserted.
+  /// The runs of a slice of the grid; empty for slices without insertions.
   [[nodiscard]] std::span<const ClassRun> slice(std::int64_t n) const {
     if (n < first_ || n - first_ >= static_cast<std::int64_t>(slices_.size())) return {};
     return slices_[static_cast<std::size_t>(n - first_)];
@@ -36,7 +36,7 @@ class ScanlineRuns {
  private:
   void make_room(std::int64_t first, std::int64_t last);
 
-  std::int64_t first_ = 0;  // slice of the grid that slices_ begins with
+  std::int64_t first_ = 0;  // slice of the grid of slices_[0]
   std::vector<std::vector<ClassRun>> slices_;
 };
 

@@ -45,8 +45,8 @@ const ClassRun* SelectedRuns::at(std::int64_t slice, std::int64_t row, std::int6
                                           [&](const ClassRun& run) { return before(run, row, scan + 1); });
   if (after == all.begin()) return nullptr;
   const ClassRun& run = *(after - 1);
-  const bool holds = run.row == row && scan < std::int64_t{run.start} + run.length;
-  return holds && draw_of_class_[run.id] != kNotDrawn ? &run : nullptr;
+  const bool contains = run.row == row && scan < std::int64_t{run.start} + run.length;
+  return contains && draw_of_class_[run.id] != kNotDrawn ? &run : nullptr;
 }
 
 }  // namespace splatlas

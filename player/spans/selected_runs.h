@@ -1,4 +1,4 @@
-// The runs of the selected classes, read off those of all decoded classes.
+// Runs of the selected classes: a filtered view of the runs of all decoded classes.
 #pragma once
 
 #include <algorithm>
@@ -13,25 +13,24 @@
 
 namespace splatlas {
 
-/// Runs of the volume and hybrid classes of a plan for one principal axis, by scanline. Holds no runs:
-/// walking it passes over those of classes that are decoded but not selected, within the slices and rows of
-/// the selection's box. Nothing outside that box, and nothing of classes that are not decoded, costs time.
+/// Runs of the volume and hybrid classes of a plan for one principal axis, by scanline. Stores no runs.
+/// Traversal filters the decoded runs within the slices and rows of the selection's bounding box; runs
+/// outside the box and classes that are not decoded cost no time.
 class SelectedRuns {
  public:
   static constexpr std::uint32_t kNotDrawn = std::numeric_limits<std::uint32_t>::max();
 
-  /// The plan's volume classes must have been required for `axis`. `cache` must outlive this, and what is
-  /// required later must not be selected. Cost: linear in the classes.
+  /// The plan's volume classes must have been required for `axis`. `cache` must outlive this object. Cost:
+  /// linear in the classes.
   SelectedRuns(const DrawPlan& plan, const ClassTable& classes, const ClassCache& cache, Axis axis);
 
   [[nodiscard]] Axis axis() const { return axis_; }
-  /// Voxels of the selected runs' boxes: a class's box counts whole. In scan order: x along the scanline, y
-  /// rows, z slices.
+  /// Union of the selected classes' bounding boxes, in scan order: x along the scanline, y rows, z slices.
   [[nodiscard]] const IndexBox& box() const { return box_; }
   [[nodiscard]] std::int64_t slices() const { return box_.last[2] - box_.first[2] + 1; }
   [[nodiscard]] std::int64_t rows() const { return box_.last[1] - box_.first[1] + 1; }
   [[nodiscard]] std::int64_t scan_voxels() const { return box_.last[0] - box_.first[0] + 1; }
-  /// Runs of the selected classes.
+  /// Number of runs of the selected classes.
   [[nodiscard]] std::uint64_t count() const { return count_; }
 
   /// Index into the plan's classes, or kNotDrawn.
@@ -49,8 +48,8 @@ class SelectedRuns {
   void for_each(const Take& take) const {
     for (std::int64_t slice = box_.first[2]; slice <= box_.last[2]; ++slice) for_each(slice, take);
   }
-  /// The run of a selected class that holds a voxel, by its slice, row and place along the scanline, any
-  /// numbers; null where there is none.
+  /// The run of a selected class that contains a voxel, given by slice, row and position along the scanline;
+  /// null if there is none. The position may be outside the grid.
   [[nodiscard]] const ClassRun* at(std::int64_t slice, std::int64_t row, std::int64_t scan) const;
 
  private:

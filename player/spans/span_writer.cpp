@@ -10,11 +10,11 @@ std::uint32_t block_of(std::int64_t voxel) {
   return static_cast<std::uint32_t>(voxel >> kBlockBits);
 }
 
-/// Voxels of a block that absorb.
-std::uint32_t count_lit(const float* extinctions) {
-  std::uint32_t lit = 0;
-  for (std::int64_t n = 0; n < kBlock; ++n) lit += extinctions[n] > 0 ? 1 : 0;
-  return lit;
+/// Number of voxels of a block with positive extinction.
+std::uint32_t count_absorbing(const float* extinctions) {
+  std::uint32_t absorbing = 0;
+  for (std::int64_t n = 0; n < kBlock; ++n) absorbing += extinctions[n] > 0 ? 1 : 0;
+  return absorbing;
 }
 
 }  // namespace
@@ -28,7 +28,7 @@ SpanWriter::SpanWriter(std::int64_t scan_first, std::int64_t scan_voxels, int em
   out.first_row = out.last_row = 0;
   out.first_span.clear();
   out.spans.clear();
-  out.light.clear();
+  out.optics.clear();
   out.shaded.clear();
   out.voxels = 0;
 }
@@ -75,11 +75,11 @@ void SpanWriter::finish() {
   if (!out_.spans.empty()) out_.first_span.push_back(static_cast<std::uint32_t>(out_.spans.size()));
 }
 
-/// Appends a block of the line if anything in it absorbs.
+/// Appends a block of the scanline buffer unless it is transparent, and clears it.
 void SpanWriter::keep(std::uint32_t block, std::size_t first_of_row) {
   float* const line = line_.data() + ((block << kBlockBits) - origin_);
-  const std::uint32_t lit = count_lit(line);
-  if (lit == 0) return;
+  const std::uint32_t absorbing = count_absorbing(line);
+  if (absorbing == 0) return;
   std::vector<Span>& spans = out_.spans;
   const auto reaches = [&] {
     return spans.size() > first_of_row && spans.back().first_block + spans.back().blocks == block;
@@ -87,31 +87,31 @@ void SpanWriter::keep(std::uint32_t block, std::size_t first_of_row) {
   if (!reaches()) {
     end_span(first_of_row);
     if (!reaches()) {
-      const std::size_t floats = out_.light.size() / static_cast<std::size_t>(out_.block_floats());
+      const std::size_t floats = out_.optics.size() / static_cast<std::size_t>(out_.block_floats());
       spans.push_back({block, 0, 0, static_cast<std::uint32_t>(floats)});
     }
   }
   append(line);
   ++spans.back().blocks;
-  spans.back().voxels += lit;
-  out_.voxels += lit;
+  spans.back().voxels += absorbing;
+  out_.voxels += absorbing;
   for (int plane = 0; plane <= out_.emissions; ++plane)
     std::fill_n(line + plane * plane_floats_, kBlock, 0.0f);
 }
 
 void SpanWriter::append(const float* line) {
-  float* const light = out_.light.append(static_cast<std::size_t>(out_.block_floats()));
-  for (int plane = 0; plane <= out_.emissions; ++plane)  // of a length that the compiler knows: no calls
-    std::memcpy(light + plane * kBlock, line + plane * plane_floats_, kBlock * sizeof(float));
+  float* const optics = out_.optics.append(static_cast<std::size_t>(out_.block_floats()));
+  for (int plane = 0; plane <= out_.emissions; ++plane)  // memcpy of constant size compiles inline
+    std::memcpy(optics + plane * kBlock, line + plane * plane_floats_, kBlock * sizeof(float));
 }
 
-/// The footprint of a last voxel reaches the next block, which is dark.
+/// Appends an empty block if the footprint of the last voxel reaches it.
 void SpanWriter::end_span(std::size_t first_of_row) {
   if (out_.spans.size() == first_of_row) return;
   const auto block_floats = static_cast<std::size_t>(out_.block_floats());
-  const float* const last = out_.light.data() + (out_.light.size() - block_floats);
+  const float* const last = out_.optics.data() + (out_.optics.size() - block_floats);
   if (last[kBlock - 1] <= 0) return;
-  std::fill_n(out_.light.append(block_floats), block_floats, 0.0f);
+  std::fill_n(out_.optics.append(block_floats), block_floats, 0.0f);
   ++out_.spans.back().blocks;
 }
 
@@ -123,10 +123,10 @@ void SpanWriter::list(const ShadedRun& run, std::size_t first_of_row) {
     if (s == out_.spans.size()) return;
     if (block_of(voxel) < out_.spans[s].first_block) continue;
     ShadedVoxel shaded{out_.place(out_.spans[s], voxel), run.normals[n * run.stride], {}};
-    const float* const light = out_.light.data() + shaded.place;
-    if (light[0] <= 0) continue;
+    const float* const optics = out_.optics.data() + shaded.place;
+    if (optics[0] <= 0) continue;
     for (int c = 0; c < out_.emissions; ++c)
-      shaded.emission[static_cast<std::size_t>(c)] = light[(c + 1) * kBlock];
+      shaded.emission[static_cast<std::size_t>(c)] = optics[(c + 1) * kBlock];
     out_.shaded.push_back(shaded);
   }
 }

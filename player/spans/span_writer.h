@@ -1,4 +1,4 @@
-// From the light of a scanline's voxels to its spans.
+// Writer of the spans of a slice.
 #pragma once
 
 #include <array>
@@ -10,27 +10,28 @@
 
 namespace splatlas {
 
-/// Makes the spans of one slice, row by row: voxels get their light in a dense line, of which the blocks that
-/// absorb anything are then kept. Cost: linear in the voxels that are set and the rows of the slice.
+/// Writes the spans of one slice, row by row. The caller fills a dense scanline buffer with optical
+/// properties; end_row() keeps the blocks with positive extinction. Cost: linear in the added voxels and the
+/// rows of the slice.
 class SpanWriter {
  public:
-  /// Voxels are in [scan_first, scan_first + scan_voxels). `out` is emptied; its memory is used again.
+  /// Voxels are in [scan_first, scan_first + scan_voxels). `out` is cleared and keeps its capacity.
   SpanWriter(std::int64_t scan_first, std::int64_t scan_voxels, int emissions, SliceSpans& out);
 
-  /// `count` voxels from `first` on, which follow those before: the caller sets their extinctions and then
-  /// their emissions, 0 where there is no extinction.
+  /// Adds `count` voxels from `first` on, in ascending order. The caller sets their extinctions and
+  /// emissions; the emission of a voxel without extinction must be 0.
   void add(std::uint32_t first, std::uint32_t count);
   [[nodiscard]] float* extinctions(std::uint32_t first) { return line_.data() + (first - origin_); }
   [[nodiscard]] float* emissions(std::uint32_t first, int n) {
     return extinctions(first) + (1 + n) * plane_floats_;
   }
-  /// Makes colours of white emissions, of voxels that have the first emission only as yet.
+  /// Multiplies emission 0, that of white, by a colour to get all three emissions.
   void color(std::uint32_t first, std::uint32_t count, const std::array<float, 3>& color);
-  /// Some that have been added are shaded: by normals[0], normals[stride], ... Others are not.
+  /// Lists added voxels as shaded, with normals[0], normals[stride], ...
   void shade(std::uint32_t first, std::uint32_t count, const PackedNormal* normals, std::size_t stride);
-  /// Keeps the row; `row` is a number of the grid and grows from call to call.
+  /// Appends the row's spans. Rows of the grid come in ascending order.
   void end_row(std::int64_t row);
-  /// After the last row.
+  /// Completes the offsets, after the last row.
   void finish();
 
  private:
@@ -48,9 +49,9 @@ class SpanWriter {
   void list(const ShadedRun& run, std::size_t first_of_row);
 
   SliceSpans& out_;
-  std::uint32_t origin_;  // voxel that the line begins with, of a block
+  std::uint32_t origin_;  // first voxel of line_, at a block boundary
   std::int64_t plane_floats_;
-  std::vector<float> line_;  // planes: extinction, emissions; zero outside `blocks_`
+  std::vector<float> line_;  // planes: extinction, emissions; zero outside blocks_
   std::vector<Blocks> blocks_;
   std::vector<ShadedRun> shaded_;
 };

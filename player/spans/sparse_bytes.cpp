@@ -33,7 +33,7 @@ SparseBytes::~SparseBytes() {
 }
 
 Result<SparseBytes> SparseBytes::reserve(std::size_t bytes) {
-  // Whole large pages, wherever the range begins.
+  // Reserve slack to align the range to large pages.
   const std::size_t mapped_bytes = bytes + 2 * kLargePage;
   void* const mapped =
       mmap(nullptr, mapped_bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
@@ -55,7 +55,7 @@ void SparseBytes::expect_dense(std::size_t first, std::size_t bytes) {
   if (first >= last) return;
   const std::size_t from = first / kLargePage * kLargePage;
   const std::size_t to = (last + kLargePage - 1) / kLargePage * kLargePage;
-  // Refused where the kernel has no large pages: small ones do.
+  // A hint: kernels without large pages refuse it.
   static_cast<void>(madvise(data_ + from, to - from, MADV_HUGEPAGE));
 }
 

@@ -1,4 +1,4 @@
-// Bytes of which most may never be written.
+// Sparse zero-initialised memory.
 #pragma once
 
 #include <cstddef>
@@ -7,7 +7,7 @@
 
 namespace splatlas {
 
-/// A range of zeros, backed by memory only where it has been written.
+/// A range of zeros in virtual memory. Only written pages are resident.
 class SparseBytes {
  public:
   SparseBytes() = default;
@@ -15,10 +15,10 @@ class SparseBytes {
   SparseBytes& operator=(SparseBytes&& other) noexcept;
   ~SparseBytes();
 
-  /// Reserves address space, no memory. kLimit when the system refuses.
+  /// Reserves address space without memory. kLimit if the system refuses.
   [[nodiscard]] static Result<SparseBytes> reserve(std::size_t bytes);
-  /// Much of a part will be written: it may be backed by large pages (2 MiB), of which the first touch costs
-  /// a third of what it costs by small ones. Nothing where the system has none.
+  /// Announces dense writes to a part, which may then be backed by large pages (2 MiB). Their page faults
+  /// cost a third per byte. A hint: no effect on systems without large pages.
   void expect_dense(std::size_t first, std::size_t bytes);
   [[nodiscard]] std::byte* data() const { return data_; }
   [[nodiscard]] std::size_t size() const { return size_; }
@@ -26,7 +26,7 @@ class SparseBytes {
  private:
   std::byte* mapped_ = nullptr;
   std::size_t mapped_bytes_ = 0;
-  std::byte* data_ = nullptr;  // at the begin of a large page
+  std::byte* data_ = nullptr;  // aligned to a large page
   std::size_t size_ = 0;
 };
 

@@ -9,14 +9,14 @@ namespace splatlas {
 namespace {
 
 constexpr double kSubPixels = 1 << kSubPixelBits;
-/// Surfaces coincide whose depths lie in the same 1/4096 voxel. The offset keeps the limits away from the
-/// depths that surfaces between voxels have, where rounding would decide.
+/// Surfaces coincide if their depths lie in the same bin of 1/4096 voxel. The offset moves bin limits away
+/// from common surface depths such as half voxels, where rounding would decide.
 constexpr double kDepthSteps = 4096;
 constexpr double kDepthOffset = 0.3183;
-/// Voxels, and a share of the depth: more than coinciding depths and rounding come to.
+/// Margins of the occlusion test, in voxels and relative to the depth, above bin width and rounding.
 constexpr float kSurelyBehind = 2 / 4096.0f;
 constexpr float kRounding = 0x1p-22f;
-constexpr double kDepthBias = 0x1p40;  // steps: more than any grid is deep, to make all of them positive
+constexpr double kDepthBias = 0x1p40;  // bins; exceeds the depth of any grid, so that all bins are positive
 
 }  // namespace
 
@@ -110,7 +110,8 @@ void BandRasterizer::sample_patterns(const ScreenTriangle& t) {
   }
 }
 
-/// All of the triangle is behind an opaque surface there. Looked at before anything is worked out for it.
+/// True if the whole triangle is behind the opaque surface of the slot. A test of vertex depths, before the
+/// set-up of attributes.
 bool BandRasterizer::is_hidden(const ScreenTriangle& t, std::uint32_t slot) const {
   if (nearest_.empty() || nearest_[slot].surface == kNone) return false;
   const SurfaceMesh& mesh = *scene_->surfaces[t.ref.surface].mesh;
@@ -136,6 +137,7 @@ bool BandRasterizer::in_front(const Crossing& a, const Crossing& b) const {
 
 void BandRasterizer::add(const ScreenTriangle& triangle, const TriangleAttributes& attributes,
                          std::uint32_t slot, std::array<float, 3> weight, double depth) {
+  // Quantise the depth into the sort key
   const SurfaceDraw& surface = scene_->surfaces[triangle.ref.surface];
   Crossing crossing;
   const double step = std::floor(depth * kDepthSteps + kDepthOffset) + kDepthBias;
@@ -144,24 +146,28 @@ void BandRasterizer::add(const ScreenTriangle& triangle, const TriangleAttribute
   crossing.depth = static_cast<float>(depth);
   crossing.surface = triangle.ref.surface;
   crossing.triangle = triangle.ref.triangle;
+
+  // Test against the nearest opaque crossing; opaque surfaces are shaded later
   if (!nearest_.empty()) {
     Crossing& nearest = nearest_[slot];
     if (nearest.surface != kNone && !in_front(crossing, nearest)) return;
     if (surface.opacity >= 1) {
       attributes.correct(weight);
-      crossing.light = {weight[1], weight[2]};
+      crossing.shading = {weight[1], weight[2]};
       nearest = crossing;
       return;
     }
   }
+
+  // Shade a translucent crossing
   attributes.correct(weight);
-  const SurfaceShading light = lit(*surface.mesh, triangle.ref.triangle, attributes.front(), weight);
-  crossing.light = {light.diffuse, light.highlight};
+  const SurfaceShading shading = shade(*surface.mesh, triangle.ref.triangle, attributes.front(), weight);
+  crossing.shading = {shading.diffuse, shading.highlight};
   crossings_.push_back(crossing);
 }
 
-SurfaceShading BandRasterizer::lit(const SurfaceMesh& mesh, std::uint32_t triangle, bool front,
-                                   const std::array<float, 3>& weight) const {
+SurfaceShading BandRasterizer::shade(const SurfaceMesh& mesh, std::uint32_t triangle, bool front,
+                                     const std::array<float, 3>& weight) const {
   const auto& corners = mesh.triangles[triangle];
   std::array<float, 3> normal{};
   for (std::size_t n = 0; n < 3; ++n) {
@@ -172,8 +178,11 @@ SurfaceShading BandRasterizer::lit(const SurfaceMesh& mesh, std::uint32_t triang
 }
 
 void BandRasterizer::finish(float termination_threshold, BandFragments& out, std::span<SurfacesSeen> seen) {
+  // Shade the visible opaque crossings and sort all by slot
   take_opaque();
   sort_by_slot();
+
+  // Composite each slot front to back until the termination threshold
   out.fragments.resize(crossings_.size());
   out.end_of_slot.resize(end_of_slot_.size());
   std::uint32_t kept = 0;
@@ -183,16 +192,16 @@ void BandRasterizer::finish(float termination_threshold, BandFragments& out, std
     begin = end_of_slot_[slot];
     sort_slot(of_slot);
     SurfacesSeen sum;
-    float through = 1;
+    float transmittance = 1;
     for (const std::uint32_t n : of_slot) {
-      if (through <= termination_threshold) break;
+      if (transmittance <= termination_threshold) break;
       const Crossing& crossing = sorted_[n];
       const Fragment& last = out.fragments[kept++] = fragment(crossing);
       if (!seen.empty()) {
         const auto side = (crossing.surface << 1) | static_cast<std::uint32_t>(crossing.order & 1);
-        sum.add(side, through, last);
+        sum.add(side, transmittance, last);
       }
-      through *= 1 - last.rgba[3];
+      transmittance *= 1 - last.rgba[3];
     }
     out.end_of_slot[slot] = kept;
     if (!seen.empty()) seen[slot] = sum;
@@ -202,24 +211,24 @@ void BandRasterizer::finish(float termination_threshold, BandFragments& out, std
 
 Fragment BandRasterizer::fragment(const Crossing& crossing) const {
   const SurfaceDraw& surface = scene_->surfaces[crossing.surface];
-  const SurfaceShading light{crossing.light[0], crossing.light[1]};
+  const SurfaceShading shading{crossing.shading[0], crossing.shading[1]};
   Fragment fragment{crossing.depth, {0, 0, 0, surface.opacity}, surface.structure};
-  for (std::size_t c = 0; c < 3; ++c) fragment.rgba[c] = light.on(surface.color[c]) * surface.opacity;
+  for (std::size_t c = 0; c < 3; ++c) fragment.rgba[c] = shading.on(surface.color[c]) * surface.opacity;
   return fragment;
 }
 
 void BandRasterizer::take_opaque() {
   for (const Crossing& nearest : nearest_) {
     if (nearest.surface == kNone) continue;
-    const auto [second, third] = nearest.light;
-    const SurfaceShading light = lit(*scene_->surfaces[nearest.surface].mesh, nearest.triangle,
-                                     (nearest.order & 1) != 0, {1 - second - third, second, third});
+    const auto [second, third] = nearest.shading;
+    const SurfaceShading shading = shade(*scene_->surfaces[nearest.surface].mesh, nearest.triangle,
+                                         (nearest.order & 1) != 0, {1 - second - third, second, third});
     crossings_.push_back(nearest);
-    crossings_.back().light = {light.diffuse, light.highlight};
+    crossings_.back().shading = {shading.diffuse, shading.highlight};
   }
 }
 
-/// A counting sort.
+/// Counting sort.
 void BandRasterizer::sort_by_slot() {
   std::fill(end_of_slot_.begin(), end_of_slot_.end(), 0);
   for (const Crossing& crossing : crossings_) ++end_of_slot_[crossing.slot];
@@ -234,7 +243,7 @@ void BandRasterizer::sort_by_slot() {
   }
 }
 
-/// Insertion: a slot has few crossings, often in order already.
+/// Insertion sort: a slot has few crossings, which are often in order.
 void BandRasterizer::sort_slot(std::span<std::uint32_t> of_slot) const {
   constexpr std::size_t kFew = 32;
   const auto before = [&](std::uint32_t a, std::uint32_t b) { return in_front(sorted_[a], sorted_[b]); };

@@ -1,4 +1,4 @@
-// The triangles of a band of picture rows, to sorted fragments.
+// A-buffer rasteriser of a band of picture rows (Carpenter 1984).
 #pragma once
 
 #include <array>
@@ -15,7 +15,7 @@
 
 namespace splatlas {
 
-/// What is left of a band: the fragments of its slots, front to back.
+/// The visible fragments of a band by slot, front to back.
 struct BandFragments {
   std::vector<Fragment> fragments;
   std::vector<std::uint32_t> end_of_slot;
@@ -26,36 +26,38 @@ struct BandFragments {
   }
 };
 
-/// Samples the pixels of some rows of the picture; one band after another, to keep its memory.
+/// Rasteriser of one band after another; keeps its memory between bands. A slot is a sample position with a
+/// list of crossings. Not thread-safe.
 class BandRasterizer {
  public:
-  /// Every pixel of rows [first_row, last_row) has one slot, its centre.
+  /// Begins a band with one slot per pixel of rows [first_row, last_row), at its centre.
   void begin(const RasterScene& scene, const TriangleBins& bins, int first_row, int last_row);
-  /// Pixels that are wanted (not 0; width * rows of them) have a slot for every point of `pattern`, others
-  /// have none. `pattern` must outlive the band.
+  /// Begins a band with one slot per point of `pattern` in every pixel whose `wanted` flag is not 0. `wanted`
+  /// has width * rows flags. `pattern` must outlive the band.
   void begin_edges(const RasterScene& scene, const TriangleBins& bins, int first_row, int last_row,
                    std::span<const std::uint8_t> wanted, std::span<const SubPixel> pattern);
-  /// Opaque surfaces come first: what they hide is never shaded.
+  /// Rasterises a triangle. Opaque surfaces should come first, so that hidden crossings are never shaded.
   void draw(const TriangleRef& ref);
-  /// Sorts by slot and depth; leaves out what is behind an opaque fragment, and behind surfaces that let
-  /// through no more than `transmittance_floor` together. `seen` (of every slot) may be empty.
+  /// Sorts fragments by slot and depth. A slot ends once its transmittance is at most
+  /// `termination_threshold`, such as behind an opaque fragment. `seen` receives a summary of every slot
+  /// unless it is empty.
   void finish(float termination_threshold, BandFragments& out, std::span<SurfacesSeen> seen);
 
-  /// Translucent crossings so far, and opaque ones that nothing hides once all is drawn.
+  /// Number of translucent crossings so far; after finish(), with the visible opaque ones.
   [[nodiscard]] std::size_t crossings() const { return crossings_.size(); }
   [[nodiscard]] std::size_t slots() const { return end_of_slot_.size(); }
 
  private:
-  /// A surface where it crosses the ray of a slot.
+  /// Intersection of a surface with the ray of a slot.
   struct Crossing {
-    std::uint64_t order = 0;  ///< by depth; of those that coincide, first the ones that are left
+    std::uint64_t order = 0;  ///< sort key: depth bin, then back faces before front faces
     std::uint32_t slot = 0;
     float depth = 0;
     std::uint32_t surface = kNone;
     std::uint32_t triangle = 0;
-    /// Translucent: diffuse and highlight. Opaque: the weights of the triangle's second and third corner; it
-    /// is shaded when nothing can hide it any more.
-    std::array<float, 2> light{};
+    /// Diffuse and highlight. For opaque crossings until take_opaque(): the barycentric weights of the second
+    /// and third corner, as shading is deferred.
+    std::array<float, 2> shading{};
   };
   static constexpr std::uint32_t kNone = 0xffffffff;
 
@@ -67,8 +69,8 @@ class BandRasterizer {
   [[nodiscard]] bool in_front(const Crossing& a, const Crossing& b) const;
   void add(const ScreenTriangle& triangle, const TriangleAttributes& attributes, std::uint32_t slot,
            std::array<float, 3> weight, double depth);
-  [[nodiscard]] SurfaceShading lit(const SurfaceMesh& mesh, std::uint32_t triangle, bool front,
-                                   const std::array<float, 3>& weight) const;
+  [[nodiscard]] SurfaceShading shade(const SurfaceMesh& mesh, std::uint32_t triangle, bool front,
+                                     const std::array<float, 3>& weight) const;
   void take_opaque();
   void sort_by_slot();
   void sort_slot(std::span<std::uint32_t> of_slot) const;
@@ -78,8 +80,8 @@ class BandRasterizer {
   const TriangleBins* bins_ = nullptr;
   std::int32_t width_ = 0, first_row_ = 0, last_row_ = 0;
   std::span<const SubPixel> pattern_;
-  std::vector<std::uint32_t> slot_of_pixel_;  // the first; empty: every pixel has one
-  std::vector<Crossing> nearest_;             // opaque, per slot; empty without opaque surfaces
+  std::vector<std::uint32_t> slot_of_pixel_;  // first slot; empty if every pixel has one slot
+  std::vector<Crossing> nearest_;             // opaque crossing of each slot; empty without opaque surfaces
   std::vector<Crossing> crossings_;           // translucent
   std::vector<Crossing> sorted_;              // by slot
   std::vector<std::uint32_t> end_of_slot_;    // in sorted_

@@ -5,8 +5,9 @@
 namespace splatlas {
 namespace {
 
-/// A little inside, so that what has been cut is on the screen for certain.
-constexpr double kWidest = kGuardBand - 2;
+/// Limits slightly inside the guard band and the near plane, so that clipped corners satisfy both despite
+/// rounding.
+constexpr double kClipExtent = kGuardBand - 2;
 constexpr double kNearest = kNearPlane * (1 + 1e-9);
 
 struct Corner {
@@ -14,14 +15,14 @@ struct Corner {
   std::array<double, 3> weights{};
 };
 
-/// A plane that bounds what is drawn: inside is >= 0.
+/// A clip plane: points with a value >= 0 are inside.
 using Side = double (*)(const ScreenPoint& p);
 constexpr std::array<Side, 5> kSides{
     [](const ScreenPoint& p) { return p.w - kNearest; },
-    [](const ScreenPoint& p) { return kWidest * p.w - p.x; },
-    [](const ScreenPoint& p) { return kWidest * p.w + p.x; },
-    [](const ScreenPoint& p) { return kWidest * p.w - p.y; },
-    [](const ScreenPoint& p) { return kWidest * p.w + p.y; },
+    [](const ScreenPoint& p) { return kClipExtent * p.w - p.x; },
+    [](const ScreenPoint& p) { return kClipExtent * p.w + p.x; },
+    [](const ScreenPoint& p) { return kClipExtent * p.w - p.y; },
+    [](const ScreenPoint& p) { return kClipExtent * p.w + p.y; },
 };
 
 Corner between(const Corner& a, const Corner& b, double share) {
@@ -40,7 +41,7 @@ std::vector<Corner> clip(const std::vector<Corner>& polygon, Side side) {
     const double of_a = side(a.point);
     const double of_b = side(b.point);
     if (of_a >= 0) inside.push_back(a);
-    // From the inner end to the outer one, whichever way round the triangle runs.
+    // Interpolate from the inner to the outer end, for the same result in both neighbours of the edge.
     if (of_a >= 0 && of_b < 0) inside.push_back(between(a, b, of_a / (of_a - of_b)));
     if (of_a < 0 && of_b >= 0) inside.push_back(between(b, a, of_b / (of_b - of_a)));
   }
@@ -58,10 +59,14 @@ void clip_triangle(const SurfaceMesh& mesh, std::uint32_t triangle, const Projec
     if (!std::isfinite(x) || !std::isfinite(y) || !std::isfinite(w)) return;
     polygon[n].weights[n] = 1;
   }
+
+  // Clip against each plane
   for (const Side side : kSides) {
     polygon = clip(polygon, side);
     if (polygon.size() < 3) return;
   }
+
+  // Split the convex polygon into a fan of triangles
   for (std::size_t n = 2; n < polygon.size(); ++n) {
     ClippedTriangle& part = parts.emplace_back();
     part.triangle = triangle;

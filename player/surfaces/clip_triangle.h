@@ -1,4 +1,4 @@
-// Triangles that reach behind the eye or far beside the picture.
+// Clipping of triangles against the near plane and the guard band.
 #pragma once
 
 #include <array>
@@ -10,22 +10,21 @@
 
 namespace splatlas {
 
-/// Nothing is drawn nearer to the eye than this share of its distance from the centre of the view.
+/// Near plane, relative to the distance from the eye to the view's centre.
 inline constexpr double kNearPlane = 1e-4;
-/// Pixels beside the picture: vertices in 1/256 pixel then fit 29 bits, and edge functions 64.
+/// Limit of screen coordinates in pixels: vertices in 1/256 pixel fit 29 bits, and edge functions 64 bits.
 inline constexpr double kGuardBand = double{1 << 20};
 
-/// A part of a triangle that can be rasterised.
+/// Part of a triangle inside the clip planes.
 struct ClippedTriangle {
   std::uint32_t triangle = 0;
   std::array<ScreenPoint, 3> corner;
-  std::array<std::array<double, 3>, 3> weights{};  ///< of the triangle's corners, for each corner
+  std::array<std::array<double, 3>, 3> weights{};  ///< barycentric coordinates of each corner
 };
 
-/// Adds what of a triangle is before the near plane and within the guard band, wound as the triangle is; at
-/// most six parts. Triangles with a corner that is not finite leave nothing. Neighbours stay watertight: what
-/// is cut off an edge does not depend on the triangle. (Sutherland and Hodgman 1974, in homogeneous
-/// coordinates.)
+/// Clips a triangle against the near plane and the guard band in homogeneous coordinates (Sutherland and
+/// Hodgman 1974). Appends at most six parts, with the winding of the triangle. Triangles with a corner that
+/// is not finite yield none. Shared edges stay watertight: their clipping is independent of the triangle.
 void clip_triangle(const SurfaceMesh& mesh, std::uint32_t triangle, const Projection& projection,
                    std::vector<ClippedTriangle>& parts);
 

@@ -8,23 +8,23 @@ namespace {
 
 constexpr std::size_t kRowsPerChunk = 16;
 
-/// Whether there is an edge between two pixels.
+/// Edge criterion of two neighbouring pixels.
 class EdgeBetween {
  public:
   explicit EdgeBetween(float max_depth) : max_depth_(max_depth) {}
 
   bool operator()(const SurfacesSeen& a, const SurfacesSeen& b) const {
-    if (largest(a.layers, b.layers) <= kEdgeLayers && !(std::abs(a.depth - b.depth) > max_depth_)) {
+    if (max_difference(a.layers, b.layers) <= kEdgeLayers && !(std::abs(a.depth - b.depth) > max_depth_)) {
       return false;
     }
-    return largest(a.light.rgba, b.light.rgba) > kEdgeContrast;
+    return max_difference(a.radiance.rgba, b.radiance.rgba) > kEdgeContrast;
   }
 
  private:
-  static float largest(const std::array<float, 4>& a, const std::array<float, 4>& b) {
-    float most = 0;
-    for (std::size_t c = 0; c < 4; ++c) most = std::max(most, std::abs(a[c] - b[c]));
-    return most;
+  static float max_difference(const std::array<float, 4>& a, const std::array<float, 4>& b) {
+    float max = 0;
+    for (std::size_t c = 0; c < 4; ++c) max = std::max(max, std::abs(a[c] - b[c]));
+    return max;
   }
 
   float max_depth_;
@@ -32,13 +32,13 @@ class EdgeBetween {
 
 }  // namespace
 
-void SurfacesSeen::add(std::uint32_t side, float through, const Fragment& fragment) {
+void SurfacesSeen::add(std::uint32_t side, float transmittance, const Fragment& fragment) {
   constexpr std::uint32_t kHashFactor = 0x9e3779b1;  // 2^32 over the golden ratio
-  if (light.rgba[3] == 0) depth = fragment.depth;
+  if (radiance.rgba[3] == 0) depth = fragment.depth;
   const std::uint32_t hash = (side + 1) * kHashFactor;
-  const float share = through * fragment.rgba[3];
+  const float share = transmittance * fragment.rgba[3];
   for (std::size_t c = 0; c < 4; ++c) {
-    light.rgba[c] += through * fragment.rgba[c];
+    radiance.rgba[c] += transmittance * fragment.rgba[c];
     layers[c] += share * static_cast<float>((hash >> (8 * c)) & 0xff) * (1.0f / 255);
   }
 }
@@ -57,7 +57,7 @@ void find_edge_pixels(std::span<const SurfacesSeen> seen, const PictureSize& siz
       for (std::size_t x = 1; x < width; ++x) {
         if (edge_between(here[x - 1], here[x])) edge[x - 1] = edge[x] = 1;
       }
-      // Each row looks up and down for itself: chunks write to their own rows only.
+      // Test both vertical neighbours, so that a chunk writes only to its own rows
       const SurfacesSeen* const above = row > 0 ? here - width : nullptr;
       const SurfacesSeen* const below = row + 1 < height ? here + width : nullptr;
       for (std::size_t x = 0; x < width; ++x) {

@@ -1,4 +1,4 @@
-// Which pixels need more than one sample.
+// Detection of surface edges for adaptive supersampling.
 #pragma once
 
 #include <array>
@@ -12,26 +12,28 @@
 
 namespace splatlas {
 
-/// What a pixel's centre shows of the surfaces, without the volume.
+/// Summary of the surfaces at a pixel centre, without the volume.
 struct SurfacesSeen {
-  Light light;
-  /// How much each side of each surface shows, summed up with four weights of its own: alike where the same
-  /// is seen in the same order, whatever the light on it.
+  Radiance radiance;
+  /// Signature of the visible layers: contributions of all surface sides, each weighted by its own four hash
+  /// values. Pixels with the same layers in the same order have the same signature under any lighting.
   std::array<float, 4> layers{0, 0, 0, 0};
-  float depth = 0;  ///< of the first
+  float depth = 0;  ///< of the first fragment
 
-  /// The next one, behind surfaces that let `through` pass. `side`: a number for each side of a surface.
-  void add(std::uint32_t side, float through, const Fragment& fragment);
+  /// Adds the next fragment behind surfaces of the given transmittance. `side` identifies the surface and its
+  /// side.
+  void add(std::uint32_t side, float transmittance, const Fragment& fragment);
 };
 
-/// What makes an edge between two neighbours: their light differs by more than kEdgeContrast in any channel,
-/// and so do their layers by more than kEdgeLayers or their depths by more than kEdgeSlope pixels.
+/// Thresholds of an edge between two neighbours. Their radiance must differ by more than kEdgeContrast in any
+/// channel. Also, their layers must differ by more than kEdgeLayers, or their depths by more than kEdgeSlope
+/// pixels.
 inline constexpr float kEdgeContrast = 1.0f / 32;
 inline constexpr float kEdgeLayers = 1.0f / 16;
 inline constexpr float kEdgeSlope = 4;
 
-/// 1 for every pixel at an edge of the surfaces (left, right, above or below of it), else 0: silhouettes,
-/// borders and intersections alike, where they show. `pixel_voxels`: of a pixel along the depth axis. Cost:
+/// Sets `edges` to 1 for every pixel with an edge to one of its four neighbours, else to 0. Edges are visible
+/// silhouettes, borders and intersections. `pixel_voxels` is RasterScene::pixel_voxels. Cost: linear in the
 /// pixels.
 void find_edge_pixels(std::span<const SurfacesSeen> seen, const PictureSize& size, float pixel_voxels,
                       std::vector<std::uint8_t>& edges, ThreadPool& pool);

@@ -1,4 +1,4 @@
-// Surface fragments: what a triangle leaves in one pixel.
+// A-buffer fragments (Carpenter 1984).
 #pragma once
 
 #include <array>
@@ -11,44 +11,43 @@
 
 namespace splatlas {
 
-/// The image of everything in front of some depth: premultiplied linear colour, and opacity. Opacity, not
-/// what still shines through, because small opacities keep their digits: a thousand layers of 1e-8 add up to
-/// 1e-5.
-struct Light {
+/// Radiance and opacity accumulated up to some depth: linear RGB, premultiplied, and alpha. Opacity instead
+/// of transmittance keeps the precision of small values: a thousand layers of 1e-8 add up to 1e-5.
+struct Radiance {
   std::array<float, 4> rgba{0, 0, 0, 0};
 
-  Light& operator+=(const Light& other) {
+  Radiance& operator+=(const Radiance& other) {
     for (std::size_t c = 0; c < 4; ++c) rgba[c] += other.rgba[c];
     return *this;
   }
 };
 
-/// Of a volume of one colour.
-[[nodiscard]] inline Light in_color(float white, float opacity, const std::array<float, 3>& color) {
+/// Radiance of a volume of one colour, from that of white.
+[[nodiscard]] inline Radiance in_color(float white, float opacity, const std::array<float, 3>& color) {
   return {{white * color[0], white * color[1], white * color[2], opacity}};
 }
 
-/// A surface where the ray of a sample crosses it.
+/// Intersection of a surface with the ray of a sample.
 struct Fragment {
   float depth = 0;              ///< along the principal axis in voxels, growing away from the viewer
   std::array<float, 4> rgba{};  ///< premultiplied, linear
   StructureIndex structure = kNoStructure;
 };
 
-/// A point of a pixel whose ray has been followed through the surfaces.
+/// Sample position of a pixel, with its fragments.
 struct Sample {
   std::uint32_t pixel = 0;           ///< y * width + x
-  std::uint32_t first_fragment = 0;  ///< of its fragments, which end where the next sample's begin
-  SubPixel place;                    ///< in the pixel
+  std::uint32_t first_fragment = 0;  ///< its fragments end at the first one of the next sample
+  SubPixel place;                    ///< within the pixel
 };
 
-/// The volume in front of a slab and with it: what the warp would show if the volume ended there.
+/// Radiance of the volume in front of a slab, without (`before`) and with the slab (`behind`).
 struct SlabRadiance {
-  Light before, behind;
+  Radiance before, behind;
 };
 
-/// Fragments of a picture by sample, front to back within a sample; samples by pixel. A pixel is the mean of
-/// its samples, one or several; one without any shows no surface. The last sample is one behind the end.
+/// Fragments of a picture, front to back within each sample; samples in pixel order. A pixel is the mean of
+/// its samples; pixels without surfaces have none. The last element of `samples` is a sentinel.
 struct FragmentList {
   std::vector<Fragment> fragments;
   std::vector<Sample> samples{Sample{}};

@@ -1,4 +1,4 @@
-// What the rasteriser draws, and how it is seen.
+// Scene description for the rasteriser.
 #pragma once
 
 #include <cstddef>
@@ -18,10 +18,11 @@ struct RasterScene {
   Projection projection;
   Facing facing;
   const Lighting& lighting;
-  std::size_t depth_axis = 2;  ///< of the grid: the principal one
-  double depth_sign = 1;       ///< depth is that times the index along the axis
-  float pixel_voxels = 1;      ///< a pixel's width along the axis
+  std::size_t depth_axis = 2;  ///< principal axis of the view, an axis of the grid
+  double depth_sign = 1;       ///< depth is depth_sign * index along depth_axis
+  float pixel_voxels = 1;      ///< width of a pixel in voxels of depth_axis
 };
+/// The scene of a parallel view; arguments must outlive it.
 [[nodiscard]] RasterScene raster_scene(std::span<const SurfaceDraw> surfaces, const ParallelView& view,
                                        const Shear& shear, const Grid& grid, const Lighting& lighting);
 

@@ -11,7 +11,7 @@
 namespace splatlas {
 namespace {
 
-/// First and last row (not included) of a band.
+/// Picture rows [first, last) of a band.
 std::pair<int, int> rows_of(std::size_t band, const RasterScene& scene) {
   const int first = static_cast<int>(band) * TriangleBins::kBandRows;
   return {first, std::min(first + TriangleBins::kBandRows, scene.size.height)};
@@ -27,14 +27,15 @@ SurfaceDraw surface_draw(StructureIndex s, const StructureDraw& appearance, cons
           appearance.opacity.value_or(1.0f)};
 }
 
-/// How many fragments there are already. Bands may be done in any order: only the sum decides.
+/// Number of fragments so far. The limit applies to the sum over all bands, so that their order is
+/// irrelevant.
 struct Rasterizer::Count {
-  std::size_t most = 0;
+  std::size_t limit = 0;
   std::atomic<std::size_t> total{0};
   std::atomic<bool> too_many{false};
 
   void add(std::size_t more) {
-    if (total += more; total > most) too_many = true;
+    if (total += more; total > limit) too_many = true;
   }
 };
 
@@ -108,11 +109,11 @@ bool Rasterizer::draw_edges(const RasterScene& scene, const RasterOptions& optio
   return !count.too_many;
 }
 
-/// False when it was given up because there are too many fragments.
+/// False if there are too many fragments.
 bool Rasterizer::draw_band(std::size_t n, BandRasterizer& band, Count& count) const {
   for (const bool opaque : {true, false}) {
     bins_.for_each(n, opaque, [&](const TriangleRef& ref) {
-      if (band.crossings() > count.most) count.too_many = true;
+      if (band.crossings() > count.limit) count.too_many = true;
       if (!count.too_many.load(std::memory_order_relaxed)) band.draw(ref);
     });
   }
@@ -147,8 +148,9 @@ void Rasterizer::for_each_sample(std::size_t n, const RasterScene& scene, const 
   }
 }
 
-/// Every band's samples and fragments to their places in the picture's.
+/// Concatenates the samples and fragments of all bands.
 void Rasterizer::merge_bands(const RasterScene& scene, FragmentList& out, ThreadPool& pool) const {
+  // Count samples and fragments of each band, and compute prefix sums
   struct Begin {
     std::size_t sample = 0, fragment = 0;
   };
@@ -167,11 +169,12 @@ void Rasterizer::merge_bands(const RasterScene& scene, FragmentList& out, Thread
   out.samples.back() = {0, static_cast<std::uint32_t>(begin.back().fragment), {}};
   out.fragments.resize(begin.back().fragment);
 
+  // Copy in parallel and set the offsets of picture rows
   const auto width = static_cast<std::size_t>(scene.size.width);
   pool.for_each(centers_.size(), [&](std::size_t n) {
     std::size_t sample = begin[n].sample, fragment = begin[n].fragment;
     const auto rows = rows_of(n, scene);
-    auto row = rows.first;  // samples before it are counted
+    auto row = rows.first;  // next row without an offset
     for_each_sample(n, scene, [&](std::size_t pixel, const SubPixel& place, std::span<const Fragment> from) {
       for (; static_cast<std::size_t>(row) <= pixel / width; ++row) {
         out.first_of_row[static_cast<std::size_t>(row)] = static_cast<std::uint32_t>(sample);

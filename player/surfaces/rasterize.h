@@ -1,4 +1,4 @@
-// Triangles to fragments.
+// Rasteriser of translucent surfaces into an A-buffer.
 #pragma once
 
 #include <limits>
@@ -16,38 +16,36 @@
 
 namespace splatlas {
 
-/// A surface as a selection draws it; `mesh` must outlive it.
+/// A surface with the colour and opacity of a selection; `mesh` must outlive it.
 [[nodiscard]] SurfaceDraw surface_draw(StructureIndex s, const StructureDraw& appearance,
                                        const SurfaceMesh& mesh);
 
 struct RasterOptions {
   std::size_t max_fragments = std::numeric_limits<std::size_t>::max();
-  /// Fragments behind surfaces that let through no more than this together are left out.
+  /// Fragments behind surfaces of at most this transmittance are omitted.
   float termination_threshold = 0;
-  /// Of pixels at edges (player/edge_pixels.h): 1, 4 or 8.
+  /// Samples of pixels at edges (player/surfaces/edge_pixels.h): 1, 4 or 8.
   std::size_t edge_samples = 1;
 };
 
 struct RasterCounters {
-  std::uint64_t triangles = 0;  ///< looked at
+  std::uint64_t triangles = 0;  ///< of all surfaces
 };
 
-/// Samples triangles at the pixel centres that they cover (top-left rule: a closed surface covers each centre
-/// once per crossing, without cracks), shades the side that is seen (player/facing.h), and sorts the
-/// fragments by pixel and depth. Of opaque fragments only the front-most of a pixel is kept, and nothing
-/// behind it. Where two surfaces coincide, the one that the ray leaves comes before the one that it enters.
-/// Degenerate triangles leave nothing. Pixels at edges are then sampled again, at the points of a pattern,
-/// each as the centres are. Keeps its memory from frame to frame.
+/// A-buffer rasteriser (Carpenter 1984). Triangles cover pixel centres by the top-left rule, which makes
+/// closed surfaces watertight. The visible side is shaded (player/transfer/facing.h), and fragments are
+/// sorted by pixel and depth. Nothing behind the front-most opaque fragment is kept. Where two surfaces
+/// coincide, back faces precede front faces. Degenerate triangles yield no fragments. Edge pixels are then
+/// rasterised again with a supersampling pattern. Keeps its memory from frame to frame. Not thread-safe.
 class Rasterizer {
  public:
-  /// kLimit when there would be more than `max_fragments`, samples of edges included. The same fragments with
-  /// any number of threads. Cost: vertices, triangles, and the fragments that no opaque surface hides; those
-  /// at edges times their samples.
+  /// Rasterises all surfaces; kLimit for more than `max_fragments`, with the samples of edges. The result is
+  /// independent of the number of threads. Cost: linear in vertices, triangles and visible fragments; those
+  /// at edges count once per sample.
   [[nodiscard]] Result<RasterCounters> draw(const RasterScene& scene, const RasterOptions& options,
                                             FragmentList& out, ThreadPool& pool);
 
  private:
-  /// A fragment list in the making.
   struct Count;
 
   bool draw_centers(const RasterScene& scene, const RasterOptions& options, Count& count, ThreadPool& pool);
@@ -60,7 +58,7 @@ class Rasterizer {
   [[nodiscard]] std::unique_ptr<BandRasterizer> take_worker();
   void give_back(std::unique_ptr<BandRasterizer> worker);
 
-  /// As many as there are threads.
+  /// Idle band rasterisers, at most one per thread.
   struct Workers {
     std::mutex mutex;
     std::vector<std::unique_ptr<BandRasterizer>> idle;
@@ -68,10 +66,10 @@ class Rasterizer {
 
   TriangleBins bins_;
   std::unique_ptr<Workers> workers_ = std::make_unique<Workers>();
-  std::vector<BandFragments> centers_, edges_;  // by band; no edges: one sample a pixel
-  std::span<const SubPixel> pattern_;           // of edges
-  std::vector<SurfacesSeen> seen_;              // of pixels
-  std::vector<std::uint8_t> is_edge_;           // of pixels
+  std::vector<BandFragments> centers_, edges_;  // by band; edges_ is empty without supersampling
+  std::span<const SubPixel> pattern_;           // of edge pixels
+  std::vector<SurfacesSeen> seen_;              // by pixel
+  std::vector<std::uint8_t> is_edge_;           // by pixel
 };
 
 }  // namespace splatlas

@@ -1,4 +1,4 @@
-// Triangles on the screen: their edge functions, exact integers.
+// Exact integer edge functions of a triangle in screen space (Pineda 1988).
 #pragma once
 
 #include <array>
@@ -12,18 +12,18 @@ namespace splatlas {
 
 inline constexpr std::int32_t kHalfPixel = 1 << (kSubPixelBits - 1);
 
-/// Doubled; positive where the corners are seen clockwise.
+/// Twice the signed area; positive for clockwise winding on the screen.
 [[nodiscard]] inline std::int64_t doubled_area(const ScreenVertex& a, const ScreenVertex& b,
                                                const ScreenVertex& c) {
   return std::int64_t{b.x - a.x} * (c.y - a.y) - std::int64_t{b.y - a.y} * (c.x - a.x);
 }
 
-/// A triangle's corners, turned so that the inside has positive edge functions.
+/// A triangle with clockwise winding, so that edge functions are positive inside.
 struct ScreenTriangle {
   TriangleRef ref;
   std::array<ScreenVertex, 3> corner;
-  std::int64_t area = 0;  ///< doubled; 0: leave it
-  /// 1 for edges whose points are outside, 0 for those whose points are inside.
+  std::int64_t area = 0;  ///< twice the area; 0 if degenerate
+  /// Top-left rule: 0 for left and top edges, whose points are inside, else 1.
   std::array<std::int64_t, 3> opened{};
 
   ScreenTriangle(const TriangleRef& triangle, std::array<ScreenVertex, 3> v) : ref(triangle), corner(v) {
@@ -33,14 +33,13 @@ struct ScreenTriangle {
       std::swap(corner[1], corner[2]);
       area = -area;
     }
-    // Points on an edge belong to the triangle whose left or top edge it is.
     for (std::size_t n = 0; n < 3; ++n) {
       const ScreenVertex& from = corner[(n + 1) % 3];
       const ScreenVertex& to = corner[(n + 2) % 3];
       opened[n] = to.y < from.y || (to.y == from.y && to.x > from.x) ? 0 : 1;
     }
   }
-  /// Of the mesh's corners, from the edge functions.
+  /// Barycentric weights of the mesh's corners from the edge functions.
   [[nodiscard]] std::array<float, 3> weights(const std::array<std::int64_t, 3>& edges) const {
     const double per_area = 1 / static_cast<double>(area);
     std::array<float, 3> weight{};
@@ -55,8 +54,8 @@ struct ScreenTriangle {
   bool turned_ = false;
 };
 
-/// The edge functions of a triangle from pixel to pixel: edge n is opposite to corner n. Positive inside;
-/// less 1 for open edges, so that what is not negative is inside.
+/// Incremental edge functions of a triangle; edge n is opposite corner n. Open edges are biased by -1, so
+/// that a point is inside if no edge function is negative.
 class EdgeWalk {
  public:
   using Edges = std::array<std::int64_t, 3>;
@@ -84,7 +83,7 @@ class EdgeWalk {
     for (std::size_t n = 0; n < 3; ++n) edges[n] += by.x * per_x_[n] + by.y * per_y_[n];
     return edges;
   }
-  /// No point of the pixel around this centre is inside.
+  /// True if no point of the pixel is inside.
   [[nodiscard]] bool misses_pixel(const Edges& at_center) const {
     return ((at_center[0] + reach_[0]) | (at_center[1] + reach_[1]) | (at_center[2] + reach_[2])) < 0;
   }
@@ -92,7 +91,7 @@ class EdgeWalk {
 
  private:
   Edges first_{}, per_x_{}, per_y_{};
-  Edges reach_{};  // how much more an edge function can be within half a pixel
+  Edges reach_{};  // maximum increase of an edge function within half a pixel
 };
 
 }  // namespace splatlas

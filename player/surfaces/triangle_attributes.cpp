@@ -6,6 +6,7 @@ namespace splatlas {
 
 TriangleAttributes::TriangleAttributes(const RasterScene& scene, const TriangleRef& ref)
     : parallel_(scene.projection.is_parallel()), part_(ref.part) {
+  // Find screen coordinates and depths of the corners
   const SurfaceMesh& mesh = *scene.surfaces[ref.surface].mesh;
   const auto& corners = mesh.triangles[ref.triangle];
   std::array<ScreenPoint, 3> p;
@@ -21,6 +22,8 @@ TriangleAttributes::TriangleAttributes(const RasterScene& scene, const TriangleR
     for (std::size_t n = 0; n < 3; ++n) depth[n] = mixed(part_->weights[n], of_triangle);
   }
   std::tie(nearest_, furthest_) = std::minmax({depth[0], depth[1], depth[2]});
+
+  // Decide the visible side
   x0_ = p[0].x;
   y0_ = p[0].y;
   const double x1 = p[1].x - x0_;
@@ -29,6 +32,8 @@ TriangleAttributes::TriangleAttributes(const RasterScene& scene, const TriangleR
   const double y2 = p[2].y - y0_;
   const double area = x1 * y2 - y1 * x2;
   front_ = scene.facing.shows_front(mesh, corners, area > 0);
+
+  // Set up planes in screen space: depth, or depth / w and 1 / w in a perspective view
   const double per_area = area == 0 ? 0 : 1 / area;
   const auto plane_through = [&](const std::array<double, 3>& value) {
     const double rise_1 = (value[1] - value[0]) * per_area;

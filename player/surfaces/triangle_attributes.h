@@ -1,4 +1,4 @@
-// What is interpolated over a triangle: depth, and the weights of its corners.
+// Perspective-correct interpolation of depth and barycentric weights over a triangle.
 #pragma once
 
 #include <algorithm>
@@ -8,19 +8,20 @@
 
 namespace splatlas {
 
-/// What is worked out once the first sample of a triangle is found. From vertices that are not snapped, so
-/// that coplanar triangles agree wherever they cover the same sample, however each surface is cut.
+/// Attribute set-up of a triangle, done at its first covered sample. It uses vertices before snapping, so
+/// that coplanar triangles have equal depths at the same sample, whatever their tessellation.
 class TriangleAttributes {
  public:
   TriangleAttributes(const RasterScene& scene, const TriangleRef& ref);
 
   [[nodiscard]] bool front() const { return front_; }
-  /// Snapping lets a triangle cover samples that are just beside it: clamped to the depths of its corners.
+  /// Depth at picture coordinates (x, y) with integer pixel centres, clamped to the depths of the corners.
+  /// Snapped triangles may cover samples just outside the original one.
   [[nodiscard]] double depth_at(double x, double y) const {
     const double depth = at(depth_, x, y) / (parallel_ ? 1 : at(inverse_w_, x, y));
     return std::clamp(depth, nearest_, furthest_);
   }
-  /// Weights of the corners on the screen to weights of the mesh's corners.
+  /// Converts screen-space weights of the rasterised corners to barycentric weights of the mesh's corners.
   void correct(std::array<float, 3>& weight) const {
     if (!parallel_) {
       float sum = 0;
@@ -39,7 +40,7 @@ class TriangleAttributes {
   }
 
  private:
-  /// Linear over the screen.
+  /// Linear function in screen space.
   struct ScreenPlane {
     double at_origin = 0, per_x = 0, per_y = 0;
   };

@@ -9,13 +9,13 @@ namespace {
 
 constexpr double kSubPixels = 1 << kSubPixelBits;
 constexpr std::size_t kTrianglesPerChunk = 4096;
-/// In boxes of more it is not worth while to look for one that is wanted.
+/// Larger bounding boxes are not searched for wanted pixels.
 constexpr std::int64_t kFewPixels = 64;
 constexpr std::size_t kVerticesPerChunk = 16384;
 
-/// To the nearest multiple of 1/256 (halfway: the even one), |value| < kGuardBand.
+/// Rounds to the nearest multiple of 1/256, ties to even, for |value| < kGuardBand.
 std::int32_t snapped(double value) {
-  constexpr double kRounder = 0x1.8p52;  // doubles around it are whole numbers, their lowest bits count up
+  constexpr double kRounder = 0x1.8p52;  // doubles around it are consecutive integers
   return static_cast<std::int32_t>(std::bit_cast<std::int64_t>(value * kSubPixels + kRounder));
 }
 
@@ -28,6 +28,7 @@ ScreenVertex snapped(const ScreenPoint& point) {
 
 void TriangleBins::fill(std::span<const SurfaceDraw> surfaces, const Projection& projection,
                         const PictureSize& size, ThreadPool& pool) {
+  // Split vertices into chunks
   bands_ = (static_cast<std::size_t>(size.height) + kBandRows - 1) / kBandRows;
   list_chunks(surfaces);
 
@@ -41,6 +42,8 @@ void TriangleBins::fill(std::span<const SurfaceDraw> surfaces, const Projection&
       vertex_chunks.push_back({s, first, std::min(first + kVerticesPerChunk, vertices)});
     }
   }
+
+  // Project and snap vertices
   pool.for_each(vertex_chunks.size(), [&](std::size_t n) {
     const VertexChunk& chunk = vertex_chunks[n];
     const auto& positions = surfaces[chunk.surface].mesh->positions_ijk;
@@ -49,6 +52,8 @@ void TriangleBins::fill(std::span<const SurfaceDraw> surfaces, const Projection&
       out[v] = snapped(projection.on_screen(positions[v]));
     }
   });
+
+  // Clip triangles and sort them into bins
   pool.for_each(chunks_.size(), [&](std::size_t n) {
     clip_chunk(chunks_[n], projection);
     fill_chunk(chunks_[n], size, 0, [](const PixelBox&) { return true; });
@@ -71,7 +76,7 @@ void TriangleBins::refill(std::span<const std::uint8_t> wanted, const PictureSiz
                 [&](std::size_t n) { fill_chunk(chunks_[n], size, 1 << (kSubPixelBits - 1), any_in); });
 }
 
-/// Chunks do not depend on the number of threads.
+/// Chunks are independent of the number of threads.
 void TriangleBins::list_chunks(std::span<const SurfaceDraw> surfaces) {
   first_vertex_.clear();
   std::size_t vertices = 0;

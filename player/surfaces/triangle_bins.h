@@ -1,4 +1,4 @@
-// Vertices on the screen, and which triangles reach which part of it.
+// Rasteriser bins: snapped vertices, and the triangles of each band of picture rows.
 #pragma once
 
 #include <algorithm>
@@ -17,31 +17,31 @@
 
 namespace splatlas {
 
-/// A surface to draw.
+/// A surface with its material.
 struct SurfaceDraw {
   const SurfaceMesh* mesh = nullptr;
   StructureIndex structure = kNoStructure;
   std::array<float, 3> color{1, 1, 1};  ///< linear
-  float opacity = 1;                    ///< of each crossing; 1 hides what is behind
+  float opacity = 1;                    ///< of each crossing
 };
 
-/// A vertex at the nearest 1/256 pixel; pixel centres are at multiples of 256. Edge functions of such are
-/// exact integers.
+/// A vertex snapped to 1/256 pixel, so that edge functions are exact integers. Pixel centres are at multiples
+/// of 256.
 struct ScreenVertex {
   static constexpr std::int32_t kOff = std::numeric_limits<std::int32_t>::min();
   std::int32_t x = kOff, y = kOff;
 
-  /// False for vertices before the near plane or beyond the guard band (player/clip_triangle.h).
+  /// False for vertices outside the near plane or the guard band (player/surfaces/clip_triangle.h).
   [[nodiscard]] bool is_on() const { return x != kOff; }
 };
 [[nodiscard]] ScreenVertex snapped(const ScreenPoint& point);
 
-/// Pixels [first, last] of either direction.
+/// Bounding box of pixels, with both ends included.
 struct PixelBox {
   std::int32_t x_first = 0, x_last = -1, y_first = 0, y_last = -1;
 };
 
-/// The pixels whose centres are no more than `reach` (1/256 pixel) beside the box around a triangle.
+/// Pixels with centres in the bounding box of a triangle, padded by `reach` (1/256 pixel).
 [[nodiscard]] inline PixelBox pixels_of(const ScreenVertex& a, const ScreenVertex& b, const ScreenVertex& c,
                                         std::int32_t reach) {
   constexpr std::int32_t kUp = (1 << kSubPixelBits) - 1;
@@ -53,23 +53,24 @@ struct PixelBox {
           y_high >> kSubPixelBits};
 }
 
+/// A triangle of a surface, or a clipped part of it.
 struct TriangleRef {
   std::uint32_t surface = 0, triangle = 0;
-  const ClippedTriangle* part = nullptr;  ///< of the triangle, where it had to be clipped
+  const ClippedTriangle* part = nullptr;  ///< null if the triangle is not clipped
 };
 
-/// The triangles of a picture by bands of its rows. Keeps its memory from frame to frame.
+/// Bins of triangles by band of picture rows. Keeps its memory from frame to frame.
 class TriangleBins {
  public:
-  static constexpr int kBandRows = 8;  ///< a band's crossings then stay in the second level cache
+  static constexpr int kBandRows = 8;  ///< the crossings of a band fit the L2 cache
 
-  /// Projects every vertex once, and sorts the triangles that reach a pixel centre into the bands that they
-  /// reach. Surfaces and their triangles stay in order within a band.
+  /// Projects every vertex once. Sorts each triangle into the bands of the pixel centres in its bounding box.
+  /// Surfaces and their triangles stay in order within a band.
   void fill(std::span<const SurfaceDraw> surfaces, const Projection& projection, const PictureSize& size,
             ThreadPool& pool);
 
-  /// Sorts those triangles instead that may reach a point of a pixel that is wanted (not 0; all pixels of the
-  /// picture), wherever in the pixel the point is.
+  /// Replaces the bins by the triangles that may overlap a wanted pixel at any of its points. `wanted` has a
+  /// flag for every pixel of the picture.
   void refill(std::span<const std::uint8_t> wanted, const PictureSize& size, ThreadPool& pool);
 
   [[nodiscard]] std::size_t bands() const { return bands_; }
@@ -95,18 +96,18 @@ class TriangleBins {
   }
 
  private:
-  /// Some of the triangles of a surface.
+  /// A range of triangles of a surface.
   struct Chunk {
     std::uint32_t surface = 0;
     std::uint32_t first = 0, last = 0;
     bool opaque = false;
     const SurfaceMesh* mesh = nullptr;
     std::vector<std::vector<std::uint32_t>> of_band;
-    std::vector<ClippedTriangle> parts;  ///< of those that had to be clipped
+    std::vector<ClippedTriangle> parts;  ///< of clipped triangles
     std::vector<std::vector<std::uint32_t>> parts_of_band;
   };
 
-  /// A band has few of a chunk's triangles, strewn over the memory.
+  /// Prefetch distance: a band's triangles of a chunk are scattered in memory.
   static constexpr std::size_t kAhead = 8;
   void prefetch(const Chunk& chunk, std::uint32_t soon, std::uint32_t later) const {
     __builtin_prefetch(&chunk.mesh->triangles[later]);

@@ -41,7 +41,7 @@ bool Facing::shows_front(const SurfaceMesh& mesh, const std::array<std::uint32_t
                     dot(normal_to_lps_[2], normal_ijk)};
   const double to_front = dot(normal, front);
   if (!(std::abs(to_front) > 0)) return true;
-  // The triangle's own normal points to where its corners are seen counter-clockwise.
+  // The geometric normal points to the side that sees the corners counter-clockwise.
   return std::signbit(to_front) == clockwise;
 }
 

@@ -1,4 +1,4 @@
-// Which side of a triangle is seen.
+// Front and back faces of a triangle.
 #pragma once
 
 #include <array>
@@ -8,15 +8,14 @@
 
 namespace splatlas {
 
-/// Front is where the normals of a triangle's corners point. The side that is seen is told by the triangle
-/// itself, not by the interpolated normal: at a silhouette that one points past the edge already while the
-/// front is still in view.
+/// Two-sided facing test. Vertex normals define the front face, and the geometric normal decides the visible
+/// side. An interpolated normal would fail at silhouettes: it turns away while the front is still visible.
 class Facing {
  public:
   explicit Facing(const Grid& grid);
 
-  /// `clockwise`: so the corners are seen, in their order. True where their normals do not tell the front
-  /// (zero, not a number, along the triangle).
+  /// True if the front face is visible; `clockwise` is the winding of the corners on the screen. Also true
+  /// where the vertex normals define no front (zero, NaN, in the plane of the triangle).
   [[nodiscard]] bool shows_front(const SurfaceMesh& mesh, const std::array<std::uint32_t, 3>& corners,
                                  bool clockwise) const;
 

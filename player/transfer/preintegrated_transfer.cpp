@@ -6,19 +6,19 @@
 namespace splatlas {
 namespace {
 
-/// Curves over values that are no bytes are stretched to as many steps as bytes have.
+/// Curves over other types than bytes are scaled to the range of bytes.
 constexpr double kStoredWidth = 255;
-/// No point of a curve is stored further from 0 than this: floats tell 1/128 apart there. Curves so far away
-/// for their width are stretched to less.
+/// Largest magnitude of a stored control point: floats resolve 1/128 there. Distant, narrow curves get a
+/// smaller scale.
 constexpr double kMaxStored = 1e5;
-/// Widths that are no more than doubles can tell are stretched to less, too: their scale would be infinite.
-constexpr double kLargestScale = 1e300;
-/// Stored width below which a ramp is a step: floats do not have its slope.
+/// Limit for curves as narrow as the resolution of doubles, whose scale would be infinite.
+constexpr double kMaxScale = 1e300;
+/// Narrower ramps are steps, in stored grey values: a float cannot represent their slope.
 constexpr double kMinRamp = 1e-20;
-/// Share of a curve's width below which rounding of the integrals would show in their difference quotients.
+/// Share of a curve's width below which cancellation dominates the difference quotients of the integrals.
 constexpr double kMinShare = 2e-4;
 
-/// A point with stored grey values, in double precision.
+/// A control point over stored grey values, in double precision.
 struct Knot {
   double grey = 0, extinction = 0, shade = 0;
 };
@@ -33,14 +33,14 @@ std::optional<GreyScale> grey_scale(const TransferCurve& curve, VoxelType type) 
   GreyScale scale;
   scale.offset = hides_zero ? 0 : first.grey;
   const double width = curve.points.back().grey - first.grey;
-  const double furthest =
+  const double max_distance =
       std::max(std::abs(first.grey - scale.offset), std::abs(curve.points.back().grey - scale.offset));
-  if (hides_zero && type == VoxelType::kUInt8 && furthest <= kMaxStored) {
+  if (hides_zero && type == VoxelType::kUInt8 && max_distance <= kMaxStored) {
     scale.bytes = true;
     return scale;
   }
   const double stretch = width > 0 ? kStoredWidth / width : 1;
-  scale.scale = std::min({stretch, kMaxStored / furthest, kLargestScale});
+  scale.scale = std::min({stretch, kMaxStored / max_distance, kMaxScale});
   return scale;
 }
 
@@ -52,6 +52,7 @@ PreintegratedTransfer::PreintegratedTransfer(const TransferCurve& curve, const G
     return Knot{static_cast<float>(scale.stored(point.grey)),
                 extinction_of(point.opacity, reference_length_mm), point.shade};
   };
+  // Tabulate each segment and accumulate the integrals to its first point
   double depth = 0, emission = 0, variation = 0;
   for (std::size_t segment = 0; segment <= points_; ++segment) {
     const Knot from = knot(segment == 0 ? 0 : segment - 1);

@@ -1,4 +1,4 @@
-// A transfer function made ready for grey values between voxels: classification after interpolation.
+// Pre-integrated transfer function (Engel et al. 2001) for post-classification.
 #pragma once
 
 #include <array>
@@ -11,8 +11,8 @@
 
 namespace splatlas {
 
-/// How grey values are stored where rays sample them: (grey - offset) * scale, so that 0 stands for
-/// "not there". Bytes are stored as they are.
+/// Affine map from grey values to the stored values that rays sample: (grey - offset) * scale. A stored 0
+/// stands for a voxel that is not selected. Bytes are stored unchanged.
 struct GreyScale {
   double offset = 0, scale = 1;
   bool bytes = false;
@@ -20,42 +20,42 @@ struct GreyScale {
   [[nodiscard]] double stored(double grey) const { return (grey - offset) * scale; }
 };
 
-/// What voxels that are not drawn count as, next to voxels of this curve: grey value 0, as in a masked copy;
-/// where the curve shows that, its lowest point's. None where the curve shows that as well, or the volume has
-/// no grey values: such volumes can only be classified before interpolation.
+/// Scale with a transparent background value for voxels that are not selected. The background is grey value
+/// 0, as in a masked copy, or else the curve's first point. nullopt if both are visible or the volume has no
+/// grey values: such volumes need pre-classification.
 [[nodiscard]] std::optional<GreyScale> grey_scale(const TransferCurve& curve, VoxelType type);
 
-/// A transfer function over stored grey values, with its integrals. In each segment between two points
-/// extinction and shade are linear, from the segment's first point on; the segment of a grey value is the
-/// number of points that are not above it.
+/// Piecewise linear transfer function over stored grey values, with the integrals that pre-integrated
+/// classification needs (Engel et al. 2001). Extinction and shade are linear within a segment between two
+/// points. The segment of a grey value is the number of points at or below it.
 class PreintegratedTransfer {
  public:
-  /// Rows of the table, each with a number per segment.
+  /// Rows of the table, each with one number per segment. Slopes are per stored grey value.
   enum Row : std::uint8_t {
-    kGrey,             ///< stored grey value that the segment is told from
-    kExtinction,       ///< there, 1/mm
-    kExtinctionSlope,  ///< per stored grey value
-    kShade,            ///< there
-    kShadeSlope,
-    kDepth,           ///< integral of the extinction over grey values, from the first point to there
-    kEmission,        ///< integral of extinction * shade
-    kVariation,       ///< what the extinction has risen and fallen by, from the first point to there
-    kVariationSlope,  ///< per stored grey value
+    kGrey,             ///< stored grey value at the begin of the segment
+    kExtinction,       ///< at kGrey, 1/mm
+    kExtinctionSlope,  ///< within the segment
+    kShade,            ///< at kGrey
+    kShadeSlope,       ///< within the segment
+    kDepth,            ///< integral of the extinction over grey values, from the first point to kGrey
+    kEmission,         ///< integral of extinction * shade, likewise
+    kVariation,        ///< total variation of the extinction, likewise
+    kVariationSlope,   ///< within the segment
   };
   static constexpr std::size_t kRows = 9;
   static constexpr std::size_t kMaxSegments = (kMaxTransferPoints + 16) / 16 * 16;
 
-  /// `curve` is one that check_curve() passes.
+  /// `curve` must satisfy check_curve().
   PreintegratedTransfer(const TransferCurve& curve, const GreyScale& scale, double reference_length_mm);
 
   [[nodiscard]] std::size_t points() const { return points_; }
-  /// kMaxSegments numbers, aligned for vectors.
+  /// kMaxSegments numbers, aligned for SIMD loads.
   [[nodiscard]] const float* row(Row row) const { return table_[row].data(); }
-  /// Grey values closer together than this have no difference quotient worth the name.
+  /// Smallest difference of grey values with accurate difference quotients of the integrals.
   [[nodiscard]] float min_difference() const { return min_difference_; }
-  /// What the extinction rises and falls by over all grey values, 1/mm.
+  /// Total variation of the extinction over all grey values, 1/mm.
   [[nodiscard]] float variation() const { return table_[kVariation][points_]; }
-  /// Whether anything is visible from `low` to `high` (stored grey values).
+  /// True if the extinction is positive anywhere in [low, high] (stored grey values).
   [[nodiscard]] bool shows(float low, float high) const;
 
  private:

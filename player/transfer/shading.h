@@ -1,4 +1,4 @@
-// Light on surfaces and boundary voxels.
+// Blinn-Phong lighting of surfaces and boundary voxels.
 #pragma once
 
 #include <algorithm>
@@ -10,34 +10,34 @@
 
 namespace splatlas {
 
-/// The light on a point of a surface: a share of its colour, and a faint white highlight.
+/// Lighting of a surface point: a factor of its colour and a faint white highlight.
 struct SurfaceShading {
   float diffuse = 1, highlight = 0;
 
   [[nodiscard]] float on(float color) const { return std::min(1.0f, color * diffuse + highlight); }
 };
 
-/// A lamp over the viewer's left shoulder. Normals need not be of unit length; a zero normal (or one that is
-/// not a number) is lit as if it faced the viewer.
+/// One directional light over the viewer's left shoulder, Blinn-Phong (Blinn 1977). Normals need not have
+/// unit length. A zero or NaN normal counts as one towards the viewer.
 class Lighting {
  public:
   explicit Lighting(const ParallelView& view);
 
-  /// Diffuse share of a structure's colour, in [0, 1], for voxels, which have no back: a normal that points
-  /// away from the viewer is turned round.
+  /// Ambient and diffuse factor of a voxel's colour, in [0, 1]. Voxels are two-sided: a normal that points
+  /// away from the viewer is negated.
   [[nodiscard]] float diffuse(const std::array<float, 3>& normal_lps) const;
-  /// For surfaces. `normal_lps` is that of the side which is seen; where interpolation has turned it a little
-  /// away from the viewer, it stays so.
+  /// Lighting of a surface. `normal_lps` is the interpolated normal of the visible side; it is not negated
+  /// where it points away from the viewer near a silhouette.
   [[nodiscard]] SurfaceShading on_surface(const std::array<float, 3>& normal_lps) const {
     const float length_squared = dot(normal_lps, normal_lps);
     if (!(length_squared > 0)) return {one_sided(normal_lps), 0};
     const float per_length = 1 / std::sqrt(length_squared);
-    const float facing = std::max(0.0f, dot(normal_lps, to_lamp_) * per_length);
+    const float facing = std::max(0.0f, dot(normal_lps, to_light_) * per_length);
     float highlight = std::max(0.0f, dot(normal_lps, half_) * per_length);
     for (int n = 0; n < kHighlightSquarings; ++n) highlight *= highlight;
     return {kAmbient + (1.0f - kAmbient) * std::min(facing, 1.0f), kHighlight * highlight};
   }
-  /// diffuse() of every packed normal, for hybrid shading: 65536 entries.
+  /// diffuse() of all 65536 packed normals, for hybrid shading.
   [[nodiscard]] std::vector<float> table() const;
 
  private:
@@ -50,11 +50,11 @@ class Lighting {
   }
   [[nodiscard]] float one_sided(const std::array<float, 3>& normal_lps) const;
 
-  std::array<float, 3> to_viewer_{}, to_lamp_{}, half_{};
+  std::array<float, 3> to_viewer_{}, to_light_{}, half_{};
 };
 
-/// Whether both views are lit alike: light changes only with the direction of view.
-[[nodiscard]] inline bool have_same_light(const ParallelView& a, const ParallelView& b) {
+/// True if both views have the same lighting, which depends only on the view's orientation.
+[[nodiscard]] inline bool have_same_lighting(const ParallelView& a, const ParallelView& b) {
   return a.forward_lps == b.forward_lps && a.up_lps == b.up_lps;
 }
 

@@ -7,7 +7,7 @@
 namespace splatlas {
 namespace {
 
-/// Grey values of a ramp's ends.
+/// Grey values at the ends of a ramp.
 struct Ramp {
   double low = 0, high = 0;
 
@@ -38,21 +38,20 @@ TransferCurve curve_of(TransferProfile profile, const Ramp& ramp, float opacity)
   if (profile != TransferProfile::kHard) return {{low, high}};
   const TransferPoint before = ramp.point(0.5 - 0.5 * kHardStepWidth, 0);
   const TransferPoint behind = ramp.point(0.5 + 0.5 * kHardStepWidth, opacity);
-  // Between neighbouring numbers there is no room for a step: it is the ramp then.
+  // Keep the ramp where neighbouring doubles leave no room for a step.
   const bool has_room = low.grey < before.grey && before.grey < behind.grey && behind.grey < high.grey;
   return has_room ? TransferCurve{{low, before, behind, high}} : TransferCurve{{low, high}};
 }
 
-/// Opacity where the curve is densest.
-float densest(const TransferCurve& curve) {
-  float densest = 0;
-  for (const TransferPoint& point : curve.points) densest = std::max(densest, point.opacity);
-  return densest;
+float max_opacity(const TransferCurve& curve) {
+  float opacity = 0;
+  for (const TransferPoint& point : curve.points) opacity = std::max(opacity, point.opacity);
+  return opacity;
 }
 
-/// Opacity where a selection names none.
+/// Opacity of a selection without an explicit one.
 float opacity_of(const VolumeStyle& style) {
-  if (style.curve) return densest(*style.curve);
+  if (style.curve) return max_opacity(*style.curve);
   switch (style.profile) {
     case TransferProfile::kThin: return kDefaultThinOpacity;
     case TransferProfile::kHard: return kDefaultHardOpacity;
@@ -72,7 +71,7 @@ TransferCurve transfer_curve(const StructureDraw& draw, const Display& display) 
   const float opacity = full_opacity(draw);
   if (!draw.volume.curve) return curve_of(draw.volume.profile, ramp_of(draw.volume, display), opacity);
   TransferCurve curve = *draw.volume.curve;
-  const float own_opacity = densest(curve);
+  const float own_opacity = max_opacity(curve);
   if (!draw.opacity || own_opacity == 0) return curve;
   const double scale = extinction_of(opacity, 1) / extinction_of(own_opacity, 1);
   for (TransferPoint& point : curve.points) {

@@ -1,4 +1,4 @@
-// Transfer functions: from a selection's words to curves over grey values.
+// Transfer function of a selected structure.
 #pragma once
 
 #include "format/atlas_content.h"
@@ -7,28 +7,26 @@
 
 namespace splatlas {
 
-/// Opacities of a volume over one reference length where a selection names none: soft, thin, hard.
+/// Default opacities of a volume over one reference length, for the soft, thin and hard profiles.
 inline constexpr float kDefaultVolumeOpacity = 0.3f;
 inline constexpr float kDefaultThinOpacity = 0.01f;
 inline constexpr float kDefaultHardOpacity = 0.95f;
-/// Share of a structure's colour that a voxel at the low end of a ramp shows; 1 at the high end.
+/// Shade at the low end of a ramp; the shade at the high end is 1.
 inline constexpr float kDarkestShade = 0.25f;
 /// Width of the step of TransferProfile::kHard, as a share of its ramp.
 inline constexpr double kHardStepWidth = 0.01;
 
-/// Opacity where the volume of a structure is densest: what the selection says, else its curve's, else its
-/// profile's default; at most kMaxVolumeOpacity. 0 where a curve is clear all over, whatever the selection
-/// says.
+/// Maximum opacity of a structure's volume: the selection's, else its curve's, else its profile's default; at
+/// most kMaxVolumeOpacity. A curve that is transparent everywhere has 0, whatever the selection's opacity.
 [[nodiscard]] float full_opacity(const StructureDraw& draw);
 
-/// The transfer function of a structure's volume in grey values.
-///   - a ramp rises from clear and kDarkestShade at its low end to full_opacity() and shade 1 at its high
-///   end;
-///     an end that the selection leaves open is the display window's, or where that lies on the wrong side of
-///     the other end, as far from it as the window is wide;
-///   - a ramp without width (an empty window, one that is not finite) is full everywhere: one point;
-///   - a curve is taken as it is, its extinctions scaled so that it reaches the selection's opacity, if any.
-/// Volumes without grey values are at the last point all over. The result passes check_curve().
+/// The transfer function of a structure's volume over grey values. It satisfies check_curve().
+///   - A ramp rises from opacity 0 and kDarkestShade at its low end to full_opacity() and shade 1 at its high
+///     end. An end without a value is that of the display window. If the window's end lies on the wrong side
+///     of the given end, it is one window width away from the given end.
+///   - A ramp of zero or infinite width is constant at full_opacity(): one point.
+///   - A curve is kept, with its extinctions scaled to the selection's opacity, if any.
+/// Volumes without grey values have the optical properties of the last point.
 [[nodiscard]] TransferCurve transfer_curve(const StructureDraw& draw, const Display& display);
 
 }  // namespace splatlas

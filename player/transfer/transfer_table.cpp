@@ -51,7 +51,7 @@ TransferShare TransferTable::share_of(double grey) const {
     return TransferShare{static_cast<float>(extinction), static_cast<float>(shade)};
   };
   const std::vector<Point>& points = shape_.points;
-  // Written so that NaN comes before all points.
+  // The negated comparison sorts NaN before all points.
   const auto above =
       std::upper_bound(points.begin(), points.end(), grey,
                        [](double value, const Point& point) { return !(value >= point.grey); });
@@ -59,7 +59,7 @@ TransferShare TransferTable::share_of(double grey) const {
   const Point& low = *(above - 1);
   if (above == points.end()) return to_share(low.extinction, low.shade);
   const Point& high = *above;
-  // As evaluate() does it.
+  // Interpolate linearly, with the operations of evaluate().
   const double of_high = (grey - low.grey) / (high.grey - low.grey);
   const double of_low = (high.grey - grey) / (high.grey - low.grey);
   return to_share(of_low * low.extinction + of_high * high.extinction,

@@ -1,4 +1,4 @@
-// A transfer function made ready for millions of grey values of one type.
+// Lookup table of a transfer function for one voxel type.
 #pragma once
 
 #include <cstddef>
@@ -9,11 +9,11 @@
 
 namespace splatlas {
 
-/// A transfer function relative to its densest point. Volumes that differ by their opacity only share it.
+/// A transfer function relative to its maximum extinction. Volumes that differ only by opacity share it.
 struct TransferShape {
   struct Point {
     double grey = 0;
-    double extinction = 0;  ///< share of the densest point's, 0 to 1
+    double extinction = 0;  ///< share of the maximum, 0 to 1
     double shade = 1;
     friend auto operator<=>(const Point&, const Point&) = default;
   };
@@ -21,37 +21,36 @@ struct TransferShape {
   friend auto operator<=>(const TransferShape&, const TransferShape&) = default;
 };
 
-/// `curve` is one that check_curve() passes.
+/// `curve` must satisfy check_curve().
 [[nodiscard]] TransferShape shape_of(const TransferCurve& curve);
 
-/// What a grey value leaves of a volume at its densest.
+/// Extinction, relative to the maximum, and shade of a grey value.
 struct TransferShare {
   float extinction = 0;
   float shade = 0;
 };
 
-/// One voxel's place on a transfer function.
+/// A voxel after classification.
 struct ClassifiedVoxel {
   float extinction_per_mm = 0;
   float shade = 0;
 };
 
-/// Appearances grey values up. Values of 8 and 16 bits come from a table, made at construction (0.5 MiB for
-/// 16 bits), unless there shall be none; others are evaluated one by one. Const members are safe to call from
-/// several threads.
+/// Classification of grey values. Values of 8 and 16 bits are looked up in a table (0.5 MiB for 16 bits)
+/// unless `tabulated` is false. Other values are evaluated one by one. Const members are thread-safe.
 class TransferTable {
  public:
   TransferTable(const TransferShape& shape, VoxelType type, bool tabulated = true);
 
-  /// Appearances of `count` values (of the type given at construction): numbers `first`, `first + stride`,
-  /// ... of `values`, which is not read when the type is kNone: volumes without grey values are at the last
-  /// point. `densest_per_mm`: the extinction at the densest point.
+  /// Classifies `count` elements `first`, `first + stride`, ... of `values`, which have the type given at
+  /// construction. `densest_per_mm` is the maximum extinction. Volumes of type kNone have the optical
+  /// properties of the last point; `values` is not read.
   void look_up(const std::byte* values, std::size_t first, std::size_t stride, std::size_t count,
                float densest_per_mm, ClassifiedVoxel* voxels) const;
-  /// The same, apart: extinctions, and extinctions times shades.
+  /// The same with separate outputs: extinctions, and emissions of white (extinction * shade), 1/mm.
   void look_up(const std::byte* values, std::size_t first, std::size_t stride, std::size_t count,
                float densest_per_mm, float* extinctions, float* emissions) const;
-  /// NaN counts as lower than all.
+  /// The transfer function at `grey`; NaN sorts before all points.
   [[nodiscard]] TransferShare share_of(double grey) const;
 
  private:
@@ -62,7 +61,7 @@ class TransferTable {
 
   TransferShape shape_;
   VoxelType type_;
-  std::vector<TransferShare> table_;  // by the value's bits; empty: evaluate
+  std::vector<TransferShare> table_;  // by the value's bits; empty if values are evaluated one by one
 };
 
 }  // namespace splatlas

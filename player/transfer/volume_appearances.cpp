@@ -9,8 +9,8 @@
 namespace splatlas {
 namespace {
 
-/// More transfer functions than that are evaluated voxel by voxel: their tables would cost more than they
-/// save (16 MiB for values of 16 bits).
+/// Further transfer functions are evaluated voxel by voxel: their tables would cost more than they save
+/// (16 MiB in all for values of 16 bits).
 constexpr std::size_t kMaxTables = 32;
 
 }  // namespace
@@ -43,7 +43,7 @@ void VolumeAppearances::select(const DrawPlan& plan, const Selection& selection)
   }
   if (plain_ == nullptr) plain_ = &table_of(shape_of(transfer_curve({}, display_)));
   constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
-  std::vector<std::size_t> first_class(selection.structures.size(), kNone);  // that a structure draws
+  std::vector<std::size_t> first_class(selection.structures.size(), kNone);  // of each structure
   appearances_.assign(plan.classes.size(), {});
   for (std::size_t n = 0; n < appearances_.size(); ++n) {
     const ClassDraw& draw = plan.classes[n];

@@ -1,4 +1,4 @@
-// From grey values to light: what one voxel emits and absorbs.
+// Appearance of the selected volumes: colour, opacity and transfer function.
 #pragma once
 
 #include <array>
@@ -15,45 +15,44 @@
 
 namespace splatlas {
 
-/// How the volume of one structure looks: linear light, extinction in 1/mm.
+/// Appearance of the volume of one structure.
 struct VolumeAppearance {
-  std::array<float, 3> color{1, 1, 1};
-  float extinction_per_mm = 0;              ///< where the transfer function is densest
-  const TransferTable* transfer = nullptr;  ///< of classes that are drawn as volume
+  std::array<float, 3> color{1, 1, 1};      ///< linear RGB
+  float extinction_per_mm = 0;              ///< maximum of the transfer function
+  const TransferTable* transfer = nullptr;  ///< null for classes that are not drawn as volume
 
-  /// Of `count` voxels, by their grey values; arguments as those of TransferTable::look_up().
-  /// The look has a transfer function.
+  /// Classifies `count` voxels; arguments as for TransferTable::look_up(). `transfer` must not be null.
   void look_up(const std::byte* values, std::size_t first, std::size_t stride, std::size_t count,
                ClassifiedVoxel* voxels) const {
     transfer->look_up(values, first, stride, count, extinction_per_mm, voxels);
   }
-  /// The same, apart.
+  /// The same with separate outputs.
   void look_up(const std::byte* values, std::size_t first, std::size_t stride, std::size_t count,
                float* extinctions, float* emissions) const {
     transfer->look_up(values, first, stride, count, extinction_per_mm, extinctions, emissions);
   }
   friend bool operator==(const VolumeAppearance&, const VolumeAppearance&) = default;
-  /// Colour times extinction, 1/mm.
+  /// Emission: extinction * shade * colour, 1/mm.
   [[nodiscard]] std::array<float, 3> emission(const ClassifiedVoxel& voxel) const {
     const float share = voxel.extinction_per_mm * voxel.shade;
     return {share * color[0], share * color[1], share * color[2]};
   }
 };
 
-/// The looks of all classes of one selection after another, and the tables that they share. Not for use by
-/// several threads at once, but for looks().
+/// Appearances of the classes of the current selection, and the lookup tables that they share. Not
+/// thread-safe, except for appearances().
 class VolumeAppearances {
  public:
   explicit VolumeAppearances(const Atlas& atlas);
   VolumeAppearances(const VolumeAppearances&) = delete;
   VolumeAppearances& operator=(const VolumeAppearances&) = delete;
 
-  /// Cost: linear in the classes, plus a table for each transfer function (up to opacity) that has none yet.
-  /// `plan` is that of `selection`, a selection of the atlas's graph.
+  /// Changes the selection; `plan` must be its plan. Cost: linear in the classes, plus a table for each new
+  /// transfer function; transfer functions that differ only by opacity share one.
   void select(const DrawPlan& plan, const Selection& selection);
-  /// Of the plan's classes, in their order. Valid until the next select().
+  /// Appearances of the plan's classes, in order. Valid until the next select().
   [[nodiscard]] std::span<const VolumeAppearance> appearances() const { return appearances_; }
-  /// Tables of looks of the same generation are equal where their addresses are.
+  /// Within one generation, tables are equal if and only if their addresses are.
   [[nodiscard]] std::uint64_t generation() const { return generation_; }
 
  private:
@@ -64,7 +63,7 @@ class VolumeAppearances {
   Display display_;
   double reference_length_mm_;
   std::map<TransferShape, TransferTable> tables_;
-  const TransferTable* plain_;  // of a structure without any words about it
+  const TransferTable* plain_;  // of the default volume style
   std::vector<VolumeAppearance> appearances_;
   std::uint64_t generation_ = 0;
 };

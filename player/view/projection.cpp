@@ -6,6 +6,7 @@ namespace splatlas {
 
 Projection::Projection(const ParallelView& view, const Grid& grid, double eye_mm)
     : parallel_(!std::isfinite(eye_mm)) {
+  // Express pixel offsets from the view's centre as affine functions of the index
   const Affine to_lps = index_to_lps_mm(grid);
   for (std::size_t a = 0; a < 3; ++a) {
     for (std::size_t b = 0; b < 3; ++b) {
@@ -18,7 +19,7 @@ Projection::Projection(const ParallelView& view, const Grid& grid, double eye_mm
     y0_ -= view.up_lps[a] * from_center / view.mm_per_pixel;
     if (!parallel_) w0_ += view.forward_lps[a] * from_center / eye_mm;
   }
-  // The middle of the picture, in pixels whose centres are whole numbers, is at w times that.
+  // Move the origin from the picture's middle to its top left pixel centre
   const double middle_x = 0.5 * view.size.width - 0.5;
   const double middle_y = 0.5 * view.size.height - 0.5;
   for (std::size_t a = 0; a < 3; ++a) {

@@ -1,4 +1,4 @@
-// Where the picture shows a point: the projection of triangles.
+// Projection from continuous voxel indices to screen space.
 #pragma once
 
 #include <array>
@@ -9,28 +9,27 @@
 
 namespace splatlas {
 
-/// A point as the picture shows it.
+/// A point in screen space.
 struct ScreenPoint {
-  double x = 0, y = 0;  ///< in pixels; pixel centres are whole numbers
-  double w = 1;         ///< distance from the eye over the centre's; 1 in a parallel view
+  double x = 0, y = 0;  ///< in pixels; pixel centres are integers
+  double w = 1;         ///< depth from the eye relative to the view's centre; 1 in a parallel view
 };
 
-/// Continuous voxel indices to the picture. A perspective view shows what the parallel view shows, exactly so
-/// in the plane of its centre, from an eye `eye_mm` in front of that plane; a parallel view's eye is
-/// infinitely far away.
+/// Parallel or perspective projection. The eye of a perspective view is `eye_mm` in front of the plane
+/// through the view's centre; both projections agree in that plane. An infinite `eye_mm` is a parallel view.
 class Projection {
  public:
   Projection(const ParallelView& view, const Grid& grid,
              double eye_mm = std::numeric_limits<double>::infinity());
 
   [[nodiscard]] bool is_parallel() const { return parallel_; }
-  /// (w * x, w * y, w): linear in the point, whatever is behind the eye.
+  /// Homogeneous coordinates (w * x, w * y, w): affine in `p`, also behind the eye.
   [[nodiscard]] ScreenPoint homogeneous(const std::array<float, 3>& p) const {
     return {x_[0] * p[0] + x_[1] * p[1] + x_[2] * p[2] + x0_,
             y_[0] * p[0] + y_[1] * p[1] + y_[2] * p[2] + y0_,
             parallel_ ? 1 : w_[0] * p[0] + w_[1] * p[1] + w_[2] * p[2] + w0_};
   }
-  /// For points in front of the eye.
+  /// Screen coordinates after the perspective division, for points in front of the eye.
   [[nodiscard]] ScreenPoint on_screen(const std::array<float, 3>& p) const {
     const ScreenPoint point = homogeneous(p);
     return parallel_ ? point : ScreenPoint{point.x / point.w, point.y / point.w, point.w};

@@ -1,4 +1,4 @@
-// The shear-warp factorisation of a parallel view: slices are only shifted, one warp makes the picture.
+// Shear-warp factorisation of a parallel view.
 #pragma once
 
 #include "format/grid.h"
@@ -13,23 +13,25 @@ struct Affine2 {
   double yx = 0, yy = 1, y0 = 0;  ///< y' = yx * x + yy * y + y0
 };
 
-/// Sheared object space (Lacroute and Levoy 1994). Voxel (scan i, row j) of slice k is seen at
-/// u = i - slope_u * (k - k_ref), v = j - slope_v * (k - k_ref): points on one ray share (u, v), in voxels.
-/// The principal axis is the one along which the ray passes most slices, so slopes are within [-1, 1].
+/// Sheared object space (Lacroute and Levoy 1994), in voxels. Voxel (scan i, row j) of slice k lies at
+///   u = i - slope_u * (k - k_ref),   v = j - slope_v * (k - k_ref).
+/// Points on one ray share (u, v). The principal axis maximises the number of slices that a ray crosses, so
+/// that slopes are within [-1, 1].
 struct Shear {
   Axis principal = Axis::kZ;
   ScanOrder scan = ScanOrder::of(Axis::kZ);
-  bool ascending = true;  ///< slices are met in ascending order, front to back
+  bool ascending = true;  ///< front-to-back order of slices is ascending
   double slope_u = 0, slope_v = 0;
-  double k_ref = 0;
+  double k_ref = 0;          ///< slice that the shear leaves in place
   double slab_mm = 1;        ///< length of a ray between two slices
-  Affine2 picture_to_sheet;  ///< picture coordinates (pixels) to (u, v)
+  Affine2 picture_to_sheet;  ///< the inverse warp: picture coordinates (pixels) to (u, v)
 
   [[nodiscard]] double u_shift(double k) const { return -slope_u * (k - k_ref); }
   [[nodiscard]] double v_shift(double k) const { return -slope_v * (k - k_ref); }
 };
 
-/// `forced` overrides the principal axis (to measure what the choice costs); slopes may then exceed 1.
+/// Factorises a view of `grid`. `forced` overrides the principal axis, for measurements; slopes may then
+/// exceed 1.
 [[nodiscard]] Shear factorise(const ParallelView& view, const Grid& grid, const Axis* forced = nullptr);
 
 }  // namespace splatlas

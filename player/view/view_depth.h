@@ -1,4 +1,4 @@
-// From a place along a grid's axis to how far away it is.
+// Depth of points on the rays of a view.
 #pragma once
 
 #include <array>
@@ -10,19 +10,20 @@
 
 namespace splatlas {
 
-/// Depths of points on the rays of a view.
+/// Conversion between depth along a ray and continuous voxel indices. Depths are in mm along the view
+/// direction, 0 in the plane through the view's centre.
 class ViewDepth {
  public:
   ViewDepth(const View& view, const Grid& grid);
 
-  /// In mm along the view, from the plane of the centre: of the ray through picture coordinates (x, y) where
-  /// it is at `index` (continuous) along an axis of the grid.
+  /// Depth at which the ray through picture coordinates (x, y) reaches the continuous `index` along a grid
+  /// axis.
   [[nodiscard]] double mm(double x, double y, std::size_t axis, double index) const {
     const double on_plane = frame_.corner[axis] + x * frame_.right[axis] + y * frame_.down[axis];
     if (!perspective_) return (index - on_plane) / frame_.forward[axis];
     return ((index - frame_.eye[axis]) / (on_plane - frame_.eye[axis]) - 1) * eye_mm_;
   }
-  /// The point of that ray at that depth, as continuous indices.
+  /// Continuous voxel index of the point on that ray at `depth_mm`.
   [[nodiscard]] Vec3 index_at(double x, double y, double depth_mm) const;
 
  private:

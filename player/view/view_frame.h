@@ -1,4 +1,4 @@
-// Where the pixels of a view lie in a frame of the grid's.
+// View frame in object space.
 #pragma once
 
 #include "format/grid.h"
@@ -6,12 +6,13 @@
 
 namespace splatlas {
 
-/// A view in a frame that LPS mm are mapped to, voxels as a rule. The point of the plane of the centre that
-/// picture coordinates (x, y) show is corner + x * right + y * down.
+/// Eye, image plane and direction of a view after the map `from_lps_mm`, usually to voxel indices. Picture
+/// coordinates (x, y) correspond to corner + x * right + y * down in the plane through the view's centre.
 struct ViewFrame {
-  Vec3 eye{};                      ///< View::eye_lps_mm()
-  Vec3 corner{}, right{}, down{};  ///< of the picture; per pixel
-  Vec3 forward{};                  ///< per mm
+  Vec3 eye{};            ///< View::eye_lps_mm()
+  Vec3 corner{};         ///< top left corner of the picture
+  Vec3 right{}, down{};  ///< per pixel
+  Vec3 forward{};        ///< per mm
 
   ViewFrame(const View& view, const Affine& from_lps_mm);
 };

@@ -20,11 +20,11 @@ struct Sums {
 Sums sums_of(const SpanModel& model) {
   Sums sums;
   for (const SliceSpans& slice : model.slices) {
-    for (std::size_t n = 0; n < slice.light.size(); ++n) {
+    for (std::size_t n = 0; n < slice.optics.size(); ++n) {
       const std::size_t plane =
           n / static_cast<std::size_t>(kBlock) % static_cast<std::size_t>(1 + slice.emissions);
-      sums.planes[plane] += slice.light.data()[n];
-      if (plane == 0 && slice.light.data()[n] > 0) ++sums.voxels;
+      sums.planes[plane] += slice.optics.data()[n];
+      if (plane == 0 && slice.optics.data()[n] > 0) ++sums.voxels;
     }
   }
   return sums;

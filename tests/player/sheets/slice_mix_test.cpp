@@ -56,16 +56,16 @@ Dense voxels_of(const SliceSpans& slice) {
     for (const Span& span : slice.row(row)) {
       EXPECT_GT(span.first_block, end);
       end = span.first_block + span.blocks;
-      const float* light = slice.light.data() + slice.place(span, span.first_block << kBlockBits);
-      for (std::int64_t n = span.first_block * kBlock; n < end * kBlock; ++n, ++light) {
-        if (n % kBlock == 0 && n > span.first_block * kBlock) light += kBlock;  // emissions
+      const float* optics = slice.optics.data() + slice.place(span, span.first_block << kBlockBits);
+      for (std::int64_t n = span.first_block * kBlock; n < end * kBlock; ++n, ++optics) {
+        if (n % kBlock == 0 && n > span.first_block * kBlock) optics += kBlock;  // emissions
         if (n < kVoxels) {
-          voxels[static_cast<std::size_t>(row * kVoxels + n)] = {light[0], light[kBlock]};
+          voxels[static_cast<std::size_t>(row * kVoxels + n)] = {optics[0], optics[kBlock]};
         } else {
-          EXPECT_EQ(light[0], 0);
+          EXPECT_EQ(optics[0], 0);
         }
       }
-      EXPECT_EQ(light[-1], 0) << "its footprint would end in another block";
+      EXPECT_EQ(optics[-1], 0) << "its footprint would end in another block";
     }
   }
   return voxels;

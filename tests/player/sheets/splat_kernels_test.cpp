@@ -107,11 +107,8 @@ struct Case {
     rows.slice = &slice;
     rows.upper = -1 + static_cast<std::int64_t>(random() % 2);
     rows.pairs = static_cast<std::int64_t>(random() % (voxels.size() + 2));
-    constexpr std::array<std::array<std::size_t, 2>, 6> kTogether{
-        {{1, 1}, {1, 2}, {1, 3}, {2, 1}, {2, 2}, {3, 3}}};
-    const auto [rows_between, phases] = kTogether[random() % kTogether.size()];
-    rows.rows_between = rows_between;
-    rows.phase_count = phases;
+    rows.rows_between = 1 + random() % SheetRows::kMaxRows;
+    rows.phase_count = 1 + random() % SheetRows::kMaxPhases;
     for (float& weight : rows.lower_weights) weight = part(random);
     const auto shift = static_cast<std::int64_t>(random() % 120) - 60;
     for (Phase& phase : rows.phases) phase = {part(random), shift + static_cast<std::int64_t>(random() % 2)};

@@ -58,9 +58,9 @@ std::vector<reference::VoxelOptics> unpacked(const SpanModel& model, const Grid&
         end_block = span.first_block + span.blocks;
         std::uint32_t counted = 0;
         for (std::int64_t n = span.first_block * kBlock; n < end_block * kBlock; ++n) {
-          const float* const light = slice.light.data() + slice.place(span, static_cast<std::uint32_t>(n));
+          const float* const optics = slice.optics.data() + slice.place(span, static_cast<std::uint32_t>(n));
           if (n >= grid.size[scan.scan_axis]) {
-            for (std::int64_t p = 0; p < slice.block_floats(); p += kBlock) EXPECT_EQ(light[p], 0);
+            for (std::int64_t p = 0; p < slice.block_floats(); p += kBlock) EXPECT_EQ(optics[p], 0);
             continue;
           }
           Index3 at{};
@@ -68,16 +68,16 @@ std::vector<reference::VoxelOptics> unpacked(const SpanModel& model, const Grid&
           at[scan.row_axis] = row;
           at[scan.scan_axis] = n;
           reference::VoxelOptics& voxel = voxels[static_cast<std::size_t>(grid.offset(at[0], at[1], at[2]))];
-          voxel.extinction = light[0];
+          voxel.extinction = optics[0];
           for (std::size_t c = 0; c < 3; ++c) {
             voxel.emission[c] =
-                model.emissions == 1 ? light[kBlock] * model.color[c] : light[(c + 1) * kBlock];
+                model.emissions == 1 ? optics[kBlock] * model.color[c] : optics[(c + 1) * kBlock];
           }
-          if (light[0] > 0) ++counted;
+          if (optics[0] > 0) ++counted;
         }
         EXPECT_EQ(counted, span.voxels);
         const auto last_voxel = static_cast<std::uint32_t>(end_block * kBlock - 1);
-        EXPECT_EQ(slice.light.data()[slice.place(span, last_voxel)], 0)
+        EXPECT_EQ(slice.optics.data()[slice.place(span, last_voxel)], 0)
             << "its footprint would end in another block";
         with_extinction += counted;
       }
@@ -125,9 +125,9 @@ TEST(BuildSpans, DoesNotDependOnTheNumberOfThreads) {
     const SpanModel b = eight.build(axis);
     ASSERT_EQ(a.voxels, b.voxels);
     for (std::size_t s = 0; s < a.slices.size(); ++s) {
-      ASSERT_EQ(a.slices[s].light.size(), b.slices[s].light.size());
-      for (std::size_t n = 0; n < a.slices[s].light.size(); ++n)
-        ASSERT_EQ(a.slices[s].light.data()[n], b.slices[s].light.data()[n]);
+      ASSERT_EQ(a.slices[s].optics.size(), b.slices[s].optics.size());
+      for (std::size_t n = 0; n < a.slices[s].optics.size(); ++n)
+        ASSERT_EQ(a.slices[s].optics.data()[n], b.slices[s].optics.data()[n]);
     }
   }
 }
@@ -149,7 +149,7 @@ TEST(BuildSpans, TakesNoMoreMemoryThanItSays) {
         const SpanModel model = prepared.build(Axis::kZ);
         std::uint64_t bytes = 0;
         for (const SliceSpans& slice : model.slices) {
-          bytes += slice.light.size() * sizeof(float) + slice.spans.size() * sizeof(Span) +
+          bytes += slice.optics.size() * sizeof(float) + slice.spans.size() * sizeof(Span) +
                    slice.shaded.size() * sizeof(ShadedVoxel);
         }
         EXPECT_LE(bytes, span_model_bytes(prepared.plan.volume_voxels, prepared.atlas->runs(Axis::kZ)))
@@ -172,8 +172,8 @@ void expect_equal(const SliceSpans& a, const SliceSpans& b) {
     ASSERT_EQ(a.spans[n].voxels, b.spans[n].voxels);
     ASSERT_EQ(a.spans[n].offset, b.spans[n].offset);
   }
-  ASSERT_TRUE(std::equal(a.light.data(), a.light.data() + a.light.size(), b.light.data(),
-                         b.light.data() + b.light.size()));
+  ASSERT_TRUE(std::equal(a.optics.data(), a.optics.data() + a.optics.size(), b.optics.data(),
+                         b.optics.data() + b.optics.size()));
   ASSERT_EQ(a.shaded.size(), b.shaded.size());
   for (std::size_t n = 0; n < a.shaded.size(); ++n) {
     ASSERT_EQ(a.shaded[n].place, b.shaded[n].place);

@@ -63,18 +63,18 @@ TEST(OpticalArena, MemoryIsUsedAgainWhenNothingInItIsHeld) {
   };
   std::vector<OpticalBuffer> buffers = fill();
   const std::uint64_t bytes = arena.bytes();
-  EXPECT_EQ(arena.held_bytes(), bytes);
+  EXPECT_EQ(arena.bytes_in_use(), bytes);
   for (int again = 0; again < 5; ++again) {
     buffers.clear();
-    EXPECT_EQ(arena.held_bytes(), 0u);
+    EXPECT_EQ(arena.bytes_in_use(), 0u);
     buffers = fill();
     EXPECT_EQ(arena.bytes(), bytes);
   }
   // One that stays keeps others away from what lies beside it, and is not overwritten.
   OpticalBuffer stays = std::move(buffers[20]);
   buffers.clear();
-  EXPECT_GE(arena.held_bytes(), stays.size() * sizeof(float));
-  EXPECT_LT(arena.held_bytes(), bytes / 3);
+  EXPECT_GE(arena.bytes_in_use(), stays.size() * sizeof(float));
+  EXPECT_LT(arena.bytes_in_use(), bytes / 3);
   buffers = fill();
   EXPECT_TRUE(holds(stays, 20));
 }
@@ -89,7 +89,7 @@ TEST(OpticalArena, GivesBackWhatNobodyUses) {
   arena.trim(bytes);
   EXPECT_EQ(arena.bytes(), bytes);
   arena.trim(0);
-  EXPECT_EQ(arena.bytes(), arena.held_bytes());
+  EXPECT_EQ(arena.bytes(), arena.bytes_in_use());
   EXPECT_LT(arena.bytes(), bytes);
   EXPECT_TRUE(holds(used, 1));
 }
@@ -110,7 +110,7 @@ TEST(OpticalArena, WhatHoldsNothingKeepsNothing) {
   OpticalArena arena;
   const OpticalBuffer empty = filled(arena, 0, 0);
   EXPECT_EQ(empty.capacity(), 0u);
-  EXPECT_EQ(arena.held_bytes(), 0u);
+  EXPECT_EQ(arena.bytes_in_use(), 0u);
 }
 
 }  // namespace

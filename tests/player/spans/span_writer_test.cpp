@@ -52,14 +52,14 @@ TEST(SpanWriter, KeepsTheBlocksThatAbsorb) {
   EXPECT_EQ(slice.row(8).size(), 0u);
   EXPECT_EQ(slice.row(9).size(), 1u);
   EXPECT_EQ(slice.row(10).size(), 0u);
-  ASSERT_EQ(slice.light.size(), 7u * 32);
+  ASSERT_EQ(slice.optics.size(), 7u * 32);
   for (std::uint32_t n = 0; n < 80; ++n) {  // of the second span
     const std::uint32_t voxel = 32 + n;
     if (voxel >= 96) break;
-    const float* const light = slice.light.data() + slice.place(slice.spans[1], voxel);
+    const float* const optics = slice.optics.data() + slice.place(slice.spans[1], voxel);
     const bool lit = (voxel > 32 && voxel < 64) || voxel == 80 || voxel == 81;
-    EXPECT_EQ(light[0], lit ? 1.0f : 0.0f) << voxel;
-    EXPECT_EQ(light[kBlock], lit ? static_cast<float>(voxel) : 0.0f) << voxel;
+    EXPECT_EQ(optics[0], lit ? 1.0f : 0.0f) << voxel;
+    EXPECT_EQ(optics[kBlock], lit ? static_cast<float>(voxel) : 0.0f) << voxel;
   }
 }
 
@@ -72,8 +72,9 @@ TEST(SpanWriter, SpansEndInTheDark) {
   writer.end_row(0);
   writer.finish();
   EXPECT_EQ(layout(slice), (Layout{{1, 2, 16, 0}}));
-  ASSERT_EQ(slice.light.size(), 2u * 64);
-  EXPECT_TRUE(std::all_of(slice.light.data() + 64, slice.light.data() + 128, [](float f) { return f == 0; }));
+  ASSERT_EQ(slice.optics.size(), 2u * 64);
+  EXPECT_TRUE(
+      std::all_of(slice.optics.data() + 64, slice.optics.data() + 128, [](float f) { return f == 0; }));
 }
 
 TEST(SpanWriter, ListsShadedVoxelsThatAbsorb) {
@@ -107,12 +108,12 @@ TEST(SpanWriter, ASliceIsWrittenAnew) {
     writer.finish();
   };
   write(60);
-  const std::size_t capacity = slice.light.capacity();
-  const float* const memory = slice.light.data();
+  const std::size_t capacity = slice.optics.capacity();
+  const float* const memory = slice.optics.data();
   write(10);
   EXPECT_EQ(layout(slice), (Layout{{0, 1, 10, 0}}));
-  EXPECT_EQ(slice.light.capacity(), capacity);
-  EXPECT_EQ(slice.light.data(), memory);
+  EXPECT_EQ(slice.optics.capacity(), capacity);
+  EXPECT_EQ(slice.optics.data(), memory);
   write(0);
   EXPECT_TRUE(slice.spans.empty() && slice.first_span.empty());
   EXPECT_EQ(slice.first_row, slice.last_row);
