@@ -5,7 +5,7 @@
 namespace splatlas {
 namespace {
 
-/// Calls visit(class, membership) for every class that a structure holds.
+/// Calls visit(class, membership) for every membership inside a structure.
 template <typename Visit>
 void for_each_holding(const ClassTable& classes, const Visit& visit) {
   for (ClassId c = 0; c < classes.size(); ++c) {

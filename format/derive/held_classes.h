@@ -1,4 +1,4 @@
-// The classes that each structure is made of.
+// Index of the classes inside each structure.
 #pragma once
 
 #include <span>
@@ -8,30 +8,30 @@
 
 namespace splatlas {
 
-/// A class whose voxels a structure holds: Part::kInterior or Part::kBoundary.
+/// A class inside a structure: Part::kInterior or Part::kBoundary.
 struct HeldClass {
   ClassId id = kEmptyClass;
   Part part = Part::kInterior;
 };
 
-/// Memberships by structure, so that what is asked of one structure costs its own classes, not all of them.
-/// Cost: 8 bytes a membership, and two walks over them.
+/// Memberships by structure. A lookup costs only the classes of one structure. Memory: 8 bytes per
+/// membership. Construction: linear in the memberships.
 class HeldClasses {
  public:
-  /// Members' structures must be below `structures`.
+  /// All structures of memberships must be below `structures`.
   HeldClasses(const ClassTable& classes, std::size_t structures);
 
-  /// By rising number; classes that the structure's surface merely crosses are left out.
+  /// Classes inside the structure in ascending order, without those that only its surface crosses.
   [[nodiscard]] std::span<const HeldClass> of(StructureIndex structure) const {
     return std::span(held_).subspan(first_[structure], first_[structure + 1] - first_[structure]);
   }
 
  private:
   std::vector<HeldClass> held_;
-  std::vector<std::size_t> first_;  // [structure], and the end
+  std::vector<std::size_t> first_;  // [structure], size + 1 offsets
 };
 
-/// The box around the voxels of these classes.
+/// Bounding box of the voxels of these classes.
 [[nodiscard]] IndexBox box_of(const ClassTable& classes, std::span<const HeldClass> held);
 
 }  // namespace splatlas

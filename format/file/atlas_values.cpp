@@ -13,7 +13,7 @@
 namespace splatlas {
 
 Result<std::vector<ClassSpan>> Atlas::Impl::read_spans(std::size_t group) const {
-  const std::vector<ClassId> of = groups.told_by(group);
+  const std::vector<ClassId> of = groups.locating_classes(group);
   std::vector<ClassRuns> runs;
   runs.reserve(of.size());
   if (of.front() != kEmptyClass && shares_runs(of.front(), Axis::kZ)) {

@@ -232,7 +232,7 @@ SectionBytes AtlasEncoder::gather_values() const {
       groups.size(), options_.threads,
       [&](std::size_t g) {
         std::vector<ClassRuns> runs;
-        for (const ClassId c : groups.told_by(g)) runs.push_back(z_runs_.classes[c]);
+        for (const ClassId c : groups.locating_classes(g)) runs.push_back(z_runs_.classes[c]);
         const std::vector<ClassSpan> spans = group_spans(groups, g, runs, size_);
         const GroupVoxels voxels{spans, group_voxels(groups, content_.classes, g),
                                  group_box(groups, content_.classes, g, size_), size_[1]};
