@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "format/derive/held_classes.h"
+#include "format/derive/structure_classes.h"
 #include "format/grid.h"
 #include "format/run_model.h"
 
@@ -42,7 +42,7 @@ void for_each_held(const StructureCrop& crop, std::int64_t k, const Grid& grid, 
 }
 
 /// [class]: its part of the structure with classes `held`, for `classes` classes.
-[[nodiscard]] std::vector<std::uint8_t> parts_of(std::span<const HeldClass> held, std::size_t classes);
+[[nodiscard]] std::vector<std::uint8_t> parts_of(std::span<const StructureClass> held, std::size_t classes);
 
 /// Crops the class volume to `box`, which must not be empty, padded by one voxel. `parts` is from parts_of().
 [[nodiscard]] StructureCrop crop_structure(std::span<const ClassId> volume, const Index3& size,

@@ -59,7 +59,7 @@ Result<void> check_members(const AtlasContent& content) {
   return {};
 }
 
-/// Counts the class volume and compares with the class table.
+/// Compares voxel counts and boxes of the class volume with the class table.
 Result<void> check_class_volume(const AtlasContent& content, const Index3& size) {
   const ClassTable& classes = content.classes;
   std::vector<std::uint64_t> voxels(classes.size(), 0);

@@ -38,7 +38,7 @@ Result<std::vector<std::int64_t>> labels_of_classes(const AtlasContent& content,
 
 Result<std::size_t> write_masks(const AtlasContent& content, const fs::path& folder) {
   std::size_t masks = 0;
-  const HeldClasses held(content.classes, content.graph.size());
+  const StructureClasses held(content.classes, content.graph.size());
   for (StructureIndex s = 0; s < content.graph.size(); ++s) {
     const bool is_group = held.of(s).empty() && !content.graph.children(s).empty();
     if (content.graph[s].external || is_group) continue;
