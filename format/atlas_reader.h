@@ -28,8 +28,8 @@ struct SectionSize {
 /// on demand and verify their checksums. Every size, offset and index is checked before use: untrusted files
 /// are safe, and so are files that are truncated, replaced or overwritten while open. Thread-safe.
 ///
-/// Errors of all functions: kFailed if the file cannot be read, kInvalidAtlas if it is damaged, kUsage for a class or
-/// structure out of range, kLimit if memory does not suffice.
+/// Errors of all functions: kFailed if the file cannot be read, kInvalidAtlas if it is damaged, kUsage for a
+/// class or structure out of range, kLimit if memory does not suffice.
 class Atlas {
  public:
   /// Opens a file. kInvalidAtlas also if it is not an atlas or its version is too new.

@@ -13,16 +13,13 @@
 //
 // Matching ignores the case of ASCII letters. Blanks between tokens are ignored. Terms apply from left to
 // right, each to the structures that match its NAME and to all their descendants:
-//   - An added term adds its mode (default: volume) to the current mode: "A:volume + A:surface" is "A:both",
-//   and
-//     "A:both - A:surface" is "A:volume".
+//   - An added term adds its mode (default: volume) to the current mode. "A:volume + A:surface" is "A:both",
+//     and "A:both - A:surface" is "A:volume".
 //   - Options override those of earlier terms; omitted options keep their value. A curve replaces profile,
-//   low
-//     and high; any of these replaces a curve. A new low at or above an earlier high resets that high, and
-//     vice versa.
-//   - "- NAME" and "- NAME:both" remove structures and reset their options; "- NAME:surface" and "-
-//   NAME:volume"
-//     remove only that part. Removals have no options.
+//     low and high; any of these replaces a curve.
+//   - A new low at or above an earlier high resets that high, and vice versa.
+//   - "- NAME" and "- NAME:both" remove structures and reset their options.
+//   - "- NAME:surface" and "- NAME:volume" remove only that part. Removals have no options.
 #pragma once
 
 #include <cstdint>

@@ -43,9 +43,8 @@ struct TransferCurve {
 /// empty. Cost: logarithmic in the number of points.
 [[nodiscard]] TransferValue evaluate(const TransferCurve& curve, double grey, double reference_length_mm);
 
-/// kUsage with the first fault and the number of its point (from 1): no points or more than
-/// kMaxTransferPoints; grey values that are not finite, not strictly increasing, or with an infinite
-/// difference; opacities and shades out of range.
+/// kUsage with the first fault and the number of its point (from 1). Requires 1 to kMaxTransferPoints points
+/// and strictly increasing grey values with finite differences. Opacities and shades must be in range.
 [[nodiscard]] Result<void> check_curve(const TransferCurve& curve);
 
 }  // namespace splatlas

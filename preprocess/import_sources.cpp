@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Fills a SourceModel, one kind of file after the other.
+/// Imports the files into a SourceModel, kind by kind.
 class SourceImporter {
  public:
   SourceImporter(const SourceFiles& files, const std::function<void(double)>& progress)
@@ -47,7 +47,7 @@ class SourceImporter {
     return {};
   }
 
-  /// The first volume gives the grid, every other one must be on it.
+  /// The first volume determines the grid; all others must match it.
   Result<void> join_grid(const Grid& grid, const std::string& file) {
     if (grid_file_.empty()) {
       model_.source_grid = grid;
@@ -57,7 +57,7 @@ class SourceImporter {
     return check_same_grid(model_.source_grid, grid_file_, grid, file);
   }
 
-  /// Of segments and meshes; each must have its own.
+  /// Checks that the names of segments and meshes are unique.
   Result<void> collect_names() {
     for (const SegmentRule& rule : files_.segments)
       SPLATLAS_RETURN_IF_ERROR(collect_name("--segment", rule.name));
@@ -98,7 +98,7 @@ class SourceImporter {
 
   Result<void> import_labels() {
     if (files_.labels.empty()) return {};
-    std::error_code unreadable;  // which the importer tells
+    std::error_code unreadable;  // the importer reports it
     const bool masks = fs::is_directory(files_.labels, unreadable);
     SPLATLAS_ASSIGN_OR_RETURN(ImportedLabels labels,
                               masks ? import_mask_folder(files_.labels) : import_label_map(files_.labels));
@@ -152,7 +152,7 @@ class SourceImporter {
       model_.structures.push_back(std::move(structure));
       model_.segments.push_back(std::move(segment));
     }
-    // Without labels the memberships start empty, on the grid that the volume or the first mask gave.
+    // Without labels, start with empty memberships on the grid of the volume or the first mask.
     if (files_.labels.empty()) model_.memberships = MembershipVolume(storage_grid().size);
     return {};
   }

@@ -17,10 +17,10 @@ constexpr std::uint64_t kMaxBoxVoxels = std::uint64_t{1} << 28;  // limits decod
 constexpr std::uint64_t kMaxBoxVoxelsPerVoxel = 64;              // box voxels per covered voxel
 
 constexpr std::size_t kNeighbours = 12;
-/// Contribution of a covered neighbour to the log odds of a covered voxel, in quarters. With (i, j, k) along
-/// scanline, rows and slices: (-1, 0, 0), (-2, 0, 0); (0, -1, 0), (-1, -1, 0), (1, -1, 0); (0, -2, 0); (0, 0,
-/// -1),
-/// (-1, 0, -1), (1, 0, -1), (0, -1, -1), (0, 1, -1); (0, 0, -2).
+/// Contribution of a covered neighbour to the log odds of a covered voxel, in quarters. Offsets of the
+/// neighbours along scanline, rows and slices:
+///   (-1, 0, 0), (-2, 0, 0), (0, -1, 0), (-1, -1, 0), (1, -1, 0), (0, -2, 0),
+///   (0, 0, -1), (-1, 0, -1), (1, 0, -1), (0, -1, -1), (0, 1, -1), (0, 0, -2)
 constexpr std::array<int, kNeighbours> kVotes{9, -1, 7, -1, 4, -1, 5, -2, 3, -2, 5, -3};
 constexpr std::uint16_t kTrust = 4;  // initial probabilities count as this many observed bits
 

@@ -30,9 +30,8 @@ struct EncodedSurface {
 };
 
 /// Encodes a surface in a grid of `size` voxels with meshoptimizer. Lossless except for the packed normals.
-/// kFailed for positions that are not multiples of 1 / position_scale or more than one voxel outside the
-/// outer voxel centres, for normals that are not finite or not one per position, and for indices out of
-/// range.
+/// Positions must be multiples of 1 / position_scale, at most one voxel outside the outer voxel centres.
+/// Normals must be finite, one per position; indices must be in range. kFailed otherwise.
 [[nodiscard]] Result<EncodedSurface> encode_surface(const SurfaceMesh& mesh, const Index3& size);
 
 /// Decodes a surface. kInvalidAtlas for invalid streams, indices or positions. Safe on untrusted bytes.

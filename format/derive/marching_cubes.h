@@ -19,12 +19,9 @@ struct CellEdge {
 /// Triangles of a cell with inside corners `inside` (bit c: corner c). Vertices are edge midpoints,
 /// counter-clockwise seen from outside. Without ambiguous faces this is the table of Lorensen and Cline 1987.
 ///   - On each face, one line separates every maximal chain of inside corners. Diagonal inside corners thus
-///   stay
-///     separate, and neighbouring cells agree.
+///     stay separate, and neighbouring cells agree.
 ///   - Lines form loops, ordered by their lowest edge (axis, then corner).
-///   - A loop becomes a fan around the first edge for which no triangle lies in a face of the cell, starting
-///   at the
-///     lowest edge.
+///   - A loop becomes a fan around its first edge, from the lowest, without triangles in a face of the cell.
 [[nodiscard]] std::span<const std::array<CellEdge, 3>> cell_triangles(std::uint8_t inside);
 
 /// A mesh without normals.

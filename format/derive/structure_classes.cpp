@@ -17,7 +17,8 @@ void for_each_holding(const ClassTable& classes, const Visit& visit) {
 
 }  // namespace
 
-StructureClasses::StructureClasses(const ClassTable& classes, std::size_t structures) : first_(structures + 1, 0) {
+StructureClasses::StructureClasses(const ClassTable& classes, std::size_t structures)
+    : first_(structures + 1, 0) {
   for_each_holding(classes, [&](ClassId, const Membership& m) { ++first_[m.structure + 1]; });
   std::partial_sum(first_.begin(), first_.end(), first_.begin());
   held_.resize(first_.back());

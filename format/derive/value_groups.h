@@ -11,16 +11,16 @@
 
 namespace splatlas {
 
-/// Groups of classes in the same structures, which differ only between interior and boundary: grey values are
-/// continuous across them. Numbered by their first class. The empty class is in group 0.
+/// Groups of classes in the same structures. Grey values are continuous across the classes of a group, which
+/// differ only between interior and boundary. Numbered by their first class; the empty class is in group 0.
 struct ValueGroups {
   std::vector<std::uint32_t> group_of;        ///< [class]
   std::vector<std::vector<ClassId>> classes;  ///< [group], ascending
 
   explicit ValueGroups(const ClassTable& table);
   [[nodiscard]] std::size_t size() const { return classes.size(); }
-  /// The classes whose runs determine the voxels of a group: its own, or all for the group of the empty
-  /// class, which is the complement of the others.
+  /// The classes whose runs determine the voxels of a group: its own classes. For the group of the empty
+  /// class, the complement of the others: all classes.
   [[nodiscard]] std::vector<ClassId> locating_classes(std::size_t group) const;
 };
 

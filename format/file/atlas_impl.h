@@ -16,8 +16,8 @@
 #include "format/derive/value_groups.h"
 #include "format/file/directory.h"
 #include "format/file/file_layout.h"
-#include "format/file/value_cache.h"
 #include "format/file/section_reader.h"
+#include "format/file/value_cache.h"
 #include "format/system/input_file.h"
 
 namespace splatlas {
@@ -32,7 +32,8 @@ struct Atlas::Impl {
   [[nodiscard]] Result<ClassRuns> read_stored_runs(ClassId c, Axis axis) const;
   /// The runs of a class in a run model that is not stored, derived from the z model.
   [[nodiscard]] Result<ClassRuns> derive_runs(ClassId c, Axis axis) const;
-  /// True if the class shares its list in a stored run model with another one. read_split_runs() splits that list.
+  /// True if the class shares its list in a stored run model with another one. read_split_runs() splits that
+  /// list.
   [[nodiscard]] bool shares_runs(ClassId c, Axis axis) const;
   using SharedSplit = std::shared_ptr<const SplitRuns>;
   [[nodiscard]] Result<SharedSplit> read_split_runs(ClassId c, Axis axis) const;

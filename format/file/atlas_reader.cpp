@@ -17,7 +17,7 @@ namespace splatlas {
 
 namespace {
 
-/// Limit of derive_runs(), for which memory may grow with the number of voxels.
+/// Limit of derive_runs(): its memory may grow with the number of voxels.
 constexpr std::uint64_t kMaxDerivedVoxels = std::uint64_t{1} << 32;
 
 struct OpenedDirectory {
@@ -27,7 +27,8 @@ struct OpenedDirectory {
   FileLayout layout;
 };
 
-/// Reads and checks header and directory. Each is read once, so that later changes of the file have no effect.
+/// Reads and checks header and directory. Each is read once, so that later changes of the file have no
+/// effect.
 Result<OpenedDirectory> read_directory(const InputFile& file) {
   std::vector<std::byte> start(std::min<std::uint64_t>(file.size(), sizeof(FileHeader)));
   SPLATLAS_RETURN_IF_ERROR(file.read(0, start));
@@ -210,8 +211,7 @@ Result<SplitRuns> Atlas::Impl::split_runs(ClassId c, Axis axis) const {
   if (found == interior) return split;
   return named(
       {ErrorCode::kInvalidAtlas,
-       fmt::format("invalid: {} of class {}: {} voxels have none but voxels of classes {} and {} around "
-                   "them, expected {}",
+       fmt::format("invalid: {} of class {}: {} voxels are interior to classes {} and {}, expected {}",
                    section_name(static_cast<std::uint32_t>(run_section(axis))), pair[0], found, pair[0],
                    pair[1], interior)});
 }

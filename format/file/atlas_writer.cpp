@@ -28,8 +28,8 @@ namespace splatlas {
 namespace {
 
 constexpr std::uint32_t kChunkBytes = 256 * 1024;
-/// Streams up to this length share a chunk. Larger values compress small classes better; smaller values read fewer
-/// unneeded bytes.
+/// Streams up to this length share a chunk. Larger values compress small classes better; smaller values read
+/// fewer unneeded bytes.
 constexpr std::uint32_t kSharedBytes = 512;
 
 /// Fraction of a section's work before compression, for progress.
@@ -148,7 +148,8 @@ Result<SectionBytes> AtlasEncoder::gather(SectionKind kind) {
   return gather_surfaces();
 }
 
-/// The merged runs of an interior class and its boundary class, if split_boundary() restores both; else empty.
+/// The merged runs of an interior class and its boundary class, if split_boundary() restores both; else
+/// empty.
 ClassRuns AtlasEncoder::joined_runs(const RunStreams& streams, const RunModel& model, ClassId c) const {
   if (!streams.may_share(c)) return {};
   const auto pair = streams.pair_of(c);
@@ -248,8 +249,8 @@ SectionBytes AtlasEncoder::gather_values() const {
   return bytes;
 }
 
-/// Marks surfaces and normals that readers can fit. Outside compact files, normals are fitted only if that needs
-/// no voxels of other classes.
+/// Marks surfaces and normals that readers can fit. Outside compact files, normals are fitted only if that
+/// needs no voxels of other classes.
 void AtlasEncoder::leave_out_fitted_parts() {
   const FittedParts fitted = find_fitted_parts(content_, options_.threads);
   fitted_surfaces_ = fitted.surfaces;
@@ -303,7 +304,8 @@ Result<SectionBytes> AtlasEncoder::gather_surfaces() {
   return bytes;
 }
 
-/// Divides the streams into chunks and compresses these in parallel. The bytes of a chunk depend only on its content.
+/// Divides the streams into chunks and compresses these in parallel. The bytes of a chunk depend only on its
+/// content.
 void AtlasEncoder::add_section(SectionKind kind, const SectionBytes& decoded) {
   constexpr std::uint64_t kNoLimit = std::numeric_limits<std::uint32_t>::max();
   const std::vector<std::uint64_t> begins = begins_of(stream_sizes(directory_, kind));

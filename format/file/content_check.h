@@ -6,8 +6,8 @@
 
 namespace splatlas {
 
-/// kFailed if sizes, class ids, counts, boxes or the order of classes are inconsistent. validate(Directory) checks the
-/// directory, and encode_surface() checks surfaces. Cost: one pass over the class volume.
+/// kFailed if sizes, class ids, counts, boxes or the order of classes are inconsistent. validate(Directory)
+/// checks the directory, and encode_surface() checks surfaces. Cost: one pass over the class volume.
 [[nodiscard]] Result<void> check_content(const AtlasContent& content);
 
 }  // namespace splatlas

@@ -75,8 +75,8 @@ struct Directory {
 /// Encodes a directory. Deterministic.
 [[nodiscard]] Result<std::vector<std::byte>> encode_directory(const Directory& directory);
 
-/// Decodes an untrusted directory and checks its tables, structures and classes: kInvalidAtlas. validate() checks
-/// the rest. `bytes` must be aligned to 8.
+/// Decodes an untrusted directory and checks its tables, structures and classes: kInvalidAtlas. validate()
+/// checks the rest. `bytes` must be aligned to 8.
 [[nodiscard]] Result<Directory> decode_directory(std::span<const std::byte> bytes);
 
 /// Checks the grid, types, finite numbers, text, class boxes, voxel counts and stream lengths of a directory.

@@ -1,4 +1,5 @@
-// File layout of an atlas: header, and offsets of sections, chunks and streams, for the writer and the reader.
+// File layout of an atlas: header, and offsets of sections, chunks and streams, for the writer and the
+// reader.
 //
 //   0                     FileHeader, 64 bytes
 //   64                    directory (FlatBuffers, schemas/atlas.fbs)
@@ -51,8 +52,8 @@ static_assert(offsetof(FileHeader, header_checksum) == 56);
 
 /// The complete header of a file, with checksums.
 [[nodiscard]] FileHeader make_header(std::span<const std::byte> directory, std::uint64_t file_bytes);
-/// Checks the header of a file of `file_bytes` bytes. `start` has its first 64 bytes, or all of a shorter file.
-/// kInvalidAtlas if it is not an atlas, damaged, truncated, too long, or of a newer version.
+/// Checks the header of a file of `file_bytes` bytes. `start` has its first 64 bytes, or all of a shorter
+/// file. kInvalidAtlas if it is not an atlas, damaged, truncated, too long, or of a newer version.
 [[nodiscard]] Result<FileHeader> check_header(std::span<const std::byte> start, std::uint64_t file_bytes);
 
 /// Streams and chunks of a section as intervals of its decoded bytes. Neither have gaps.
@@ -72,8 +73,8 @@ struct FileLayout {
   [[nodiscard]] const SectionLayout* find(SectionKind kind) const;
 };
 
-/// Decoded lengths of the streams of a section: run lists and normals per class, values per group of classes (see
-/// ValueGroups), surfaces per structure in preorder of the graph.
+/// Decoded lengths of the streams of a section: run lists and normals per class, values per group of classes
+/// (see ValueGroups), surfaces per structure in preorder of the graph.
 [[nodiscard]] std::vector<std::uint64_t> stream_sizes(const Directory& directory, SectionKind kind);
 
 /// The same with precomputed groups.
@@ -81,8 +82,8 @@ struct FileLayout {
                                                       SectionKind kind);
 
 /// Divides concatenated streams (`stream_begin`: streams + 1 offsets) into chunks. Streams longer than
-/// `shared_bytes` are split every `chunk_bytes`; consecutive shorter streams share chunks of up to `shared_bytes`.
-/// Returns chunks + 1 offsets, or nullopt for more than `max_chunks` chunks.
+/// `shared_bytes` are split every `chunk_bytes`; consecutive shorter streams share chunks of up to
+/// `shared_bytes`. Returns chunks + 1 offsets, or nullopt for more than `max_chunks` chunks.
 [[nodiscard]] std::optional<std::vector<std::uint64_t>> cut_streams(
     std::span<const std::uint64_t> stream_begin, std::uint64_t chunk_bytes, std::uint64_t shared_bytes,
     std::uint64_t max_chunks);
@@ -90,8 +91,8 @@ struct FileLayout {
 /// Prefix sums of `sizes`: begin offsets, and the end of the last.
 [[nodiscard]] std::vector<std::uint64_t> begins_of(std::span<const std::uint64_t> sizes);
 
-/// Computes the layout of a file. kInvalidAtlas for duplicate or missing sections, and for chunks that do not match
-/// the streams of the directory. `directory` must pass validate().
+/// Computes the layout of a file. kInvalidAtlas for duplicate or missing sections, and for chunks that do not
+/// match the streams of the directory. `directory` must pass validate().
 [[nodiscard]] Result<FileLayout> lay_out(const Directory& directory, std::uint64_t directory_bytes);
 /// The same with precomputed groups.
 [[nodiscard]] Result<FileLayout> lay_out(const Directory& directory, const ValueGroups& groups,

@@ -28,8 +28,8 @@ class FitComparer {
     }
   }
 
-  /// Compares the surface, and the normals of the classes owned by s. Threads may process different structures
-  /// concurrently, because each class has one owner.
+  /// Compares the surface, and the normals of the classes owned by s. Threads may process different
+  /// structures concurrently, because each class has one owner.
   [[nodiscard]] bool surface_is_fitted(StructureIndex s) {
     const std::span<const StructureClass> held = held_.of(s);
     const IndexBox box = box_of(content_.classes, held);
@@ -77,7 +77,8 @@ class FitComparer {
 
 std::uint64_t crop_voxels(const IndexBox& box) {
   std::uint64_t voxels = 1;
-  for (std::size_t a = 0; a < 3; ++a) {  // cannot overflow: a valid box has at most 2^40 voxels, 2^24 per axis
+  for (std::size_t a = 0; a < 3;
+       ++a) {  // cannot overflow: a valid box has at most 2^40 voxels, 2^24 per axis
     voxels *= static_cast<std::uint64_t>(box.last[a] - box.first[a] + 1 + 2 * SmoothGradient::kRadius);
   }
   return voxels;
@@ -101,7 +102,8 @@ FittedParts find_fitted_parts(const AtlasContent& content, unsigned threads,
   return parts;
 }
 
-std::vector<bool> find_uniform(const ClassTable& classes, const StructureClasses& held, std::size_t structures) {
+std::vector<bool> find_uniform(const ClassTable& classes, const StructureClasses& held,
+                               std::size_t structures) {
   const auto holders_of = [&](const StructureClass& h) {
     std::vector<StructureIndex> holders;
     for (const Membership& m : classes.members(h.id)) {

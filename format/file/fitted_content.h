@@ -21,14 +21,14 @@ struct FittedParts {
   std::vector<bool> normals;   ///< [class]: its normals equal fit_normals() of its normal_owner()
 };
 
-/// Fits all surfaces and normals and compares, on `threads` threads (0: one per core). Cost: that of extracting all
-/// surfaces.
+/// Fits all surfaces and normals and compares, on `threads` threads (0: one per core). Cost: that of
+/// extracting all surfaces.
 [[nodiscard]] FittedParts find_fitted_parts(const AtlasContent& content, unsigned threads,
                                             const std::function<void(double)>& progress = {});
 
-/// [structure]: true if all its voxels belong to the same set of structures. Fitting the normals of such a class
-/// needs no voxels of other groups. Cost: linear in the memberships.
+/// [structure]: true if all its voxels belong to the same set of structures. Fitting the normals of such a
+/// class needs no voxels of other groups. Cost: linear in the memberships.
 [[nodiscard]] std::vector<bool> find_uniform(const ClassTable& classes, const StructureClasses& held,
-                                           std::size_t structures);
+                                             std::size_t structures);
 
 }  // namespace splatlas

@@ -21,9 +21,9 @@ class ValueCache {
   /// Evicts the groups decoded first while the cache exceeds `max_bytes`.
   ValueCache(std::size_t groups, std::uint64_t max_bytes) : max_bytes_(max_bytes), slots_(groups) {}
 
-  /// Returns the values of the n-th class of a group and removes them from the cache. On a miss, decodes the group;
-  /// other threads that request it wait. Returns the errors of `decode`. The cache is unchanged on errors and
-  /// exceptions.
+  /// Returns the values of the n-th class of a group and removes them from the cache. On a miss, decodes the
+  /// group; other threads that request it wait. Returns the errors of `decode`. The cache is unchanged on
+  /// errors and exceptions.
   [[nodiscard]] Result<std::vector<std::byte>> take(std::size_t group, std::size_t n,
                                                     const std::function<Result<GroupValues>()>& decode);
 

@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The label of every class; 0 for none.
+/// [class]: its label, or 0.
 Result<std::vector<std::int64_t>> labels_of_classes(const AtlasContent& content, const std::string& name) {
   std::vector<std::int64_t> labels(content.classes.size(), 0);
   for (ClassId c = 0; c < labels.size(); ++c) {
@@ -77,7 +77,7 @@ Result<void> export_label_map(const AtlasContent& content, const std::string& na
 }
 
 Result<std::size_t> export_masks(const AtlasContent& content, const fs::path& path) {
-  // An interrupt waits for the mask that is being written; then nothing is left of the folder.
+  // An interrupt waits for the current mask; then the temporary folder is removed.
   const DeferInterrupts no_folder_left;
   SPLATLAS_ASSIGN_OR_RETURN(OutputFolder folder, OutputFolder::create(path));
   Result<std::size_t> masks = write_masks(content, folder.temporary());

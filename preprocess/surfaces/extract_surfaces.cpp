@@ -9,7 +9,7 @@
 namespace splatlas {
 namespace {
 
-/// Everything that is done for one structure.
+/// Extracts the surface and the boundary normals of single structures.
 class StructureExtractor {
  public:
   StructureExtractor(const Classification& classification, const StructureClasses& held, const Grid& grid,
@@ -47,7 +47,7 @@ class StructureExtractor {
   std::span<PackedNormal> normals_;
 };
 
-/// Structures with voxels, those with the largest boxes first, so that threads end together.
+/// Structures with voxels, largest boxes first for load balancing.
 std::vector<std::pair<StructureIndex, IndexBox>> structures_to_extract(const ClassTable& classes,
                                                                        const StructureClasses& held,
                                                                        const StructureGraph& graph) {
