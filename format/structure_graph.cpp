@@ -159,7 +159,7 @@ Result<void> StructureGraph::sort_topologically() {
     }
   }
   if (topological_.size() < size()) {
-    return refuse("structures contain one another in a circle: " + describe_cycle(structures_, waiting));
+    return refuse("structures form a cycle: " + describe_cycle(structures_, waiting));
   }
   return {};
 }

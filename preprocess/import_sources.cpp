@@ -164,18 +164,15 @@ class SourceImporter {
       Result<ClippedMesh> clipped = clip_mesh(mesh, storage_grid());
       if (!clipped) return fail(clipped.error().code, fmt::format("{}: {}", file, clipped.error().message));
       if (clipped->crossed.empty()) {
-        return fail(ErrorCode::kFailed,
-                    fmt::format("{}: lies beyond the volume altogether; is --mesh-frame right?", file));
+        return fail(ErrorCode::kFailed, fmt::format("{}: is outside the volume; check --mesh-frame", file));
       }
       if (mesh.dropped > 0) {
-        model_.notes.push_back(
-            fmt::format("{}: {} triangles without area or place are left out", file, mesh.dropped));
+        model_.notes.push_back(fmt::format("{}: {} degenerate triangles are dropped", file, mesh.dropped));
       }
       constexpr double kNegligible = 1e-6;
       if (clipped->outside > kNegligible) {
-        model_.notes.push_back(
-            fmt::format("{}: {:.1f} % of the surface lies beyond the volume and is left out", file,
-                        100 * clipped->outside));
+        model_.notes.push_back(fmt::format("{}: {:.1f} % of the surface is outside the volume and dropped",
+                                           file, 100 * clipped->outside));
       }
       SourceStructure structure;
       structure.name = source.name;
@@ -202,7 +199,7 @@ class SourceImporter {
 
 Result<SourceModel> import_sources(const SourceFiles& files, const std::function<void(double)>& progress) {
   if (files.labels.empty() && files.segments.empty()) {
-    return fail(ErrorCode::kUsage, "nothing says what the structures are: give --labels, or a --segment");
+    return fail(ErrorCode::kUsage, "no structures: give --labels or a --segment");
   }
   if (files.labels.empty() && (!files.names.empty() || !files.colors.empty())) {
     return fail(ErrorCode::kUsage, "--names and --colors need --labels");

@@ -83,7 +83,7 @@ Result<void> check_frame(std::span<const std::byte> stored, std::size_t decoded_
   if (ZSTD_isError(frame_bytes) || frame_bytes != stored.size()) return damaged("not one Zstandard frame");
   const unsigned long long content = ZSTD_getFrameContentSize(stored.data(), stored.size());
   if (content != decoded_bytes) {
-    return damaged(fmt::format("its frame is not of the {} bytes that the directory tells", decoded_bytes));
+    return damaged(fmt::format("wrong frame length (expected {} bytes)", decoded_bytes));
   }
   if (ZSTD_getDictID_fromFrame(stored.data(), stored.size()) != 0)
     return damaged("its frame needs a dictionary");
@@ -127,7 +127,7 @@ Result<void> check_chunk(std::span<const std::byte> stored, const ChunkEntry& en
 Result<void> decode_chunk(std::span<const std::byte> stored, const ChunkEntry& entry,
                           std::span<std::byte> decoded) {
   SPLATLAS_RETURN_IF_ERROR(check_chunk(stored, entry));
-  if (entry.filter != 0) return damaged(fmt::format("filter {} is not known", entry.filter));
+  if (entry.filter != 0) return damaged(fmt::format("unknown filter {}", entry.filter));
   switch (entry.codec) {
     case ChunkCodec::kStored:
       if (stored.size() != decoded.size()) {
@@ -145,7 +145,7 @@ Result<void> decode_chunk(std::span<const std::byte> stored, const ChunkEntry& e
       return {};
     }
   }
-  return damaged(fmt::format("codec {} is not known", static_cast<unsigned>(entry.codec)));
+  return damaged(fmt::format("unknown codec {}", static_cast<unsigned>(entry.codec)));
 }
 
 }  // namespace splatlas

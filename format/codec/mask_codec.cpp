@@ -114,7 +114,7 @@ class MaskWindow {
 };
 
 tl::unexpected<Error> not_a_mask() {
-  return fail(ErrorCode::kInvalidAtlas, "not a mask of its voxels");
+  return fail(ErrorCode::kInvalidAtlas, "invalid mask");
 }
 
 }  // namespace

@@ -138,7 +138,7 @@ Result<ClassRuns> decode_run_list(std::span<const std::byte> bytes, std::uint64_
     starts.advance(n);
     if (!read_difference(starts.start(), runs[n].start)) return not_a_run_list(n);
   }
-  if (!reader.at_end()) return fail(ErrorCode::kInvalidAtlas, "run list ends before its bytes do");
+  if (!reader.at_end()) return fail(ErrorCode::kInvalidAtlas, "trailing bytes after the run list");
   return runs;
 }
 

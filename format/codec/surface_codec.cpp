@@ -170,7 +170,7 @@ Result<void> decode_vertices(std::span<const std::byte> code, std::uint32_t coun
   std::vector<Vertex<Coordinate>> vertices(count);
   if (meshopt_decodeVertexBuffer(vertices.data(), count, sizeof(Vertex<Coordinate>),
                                  reinterpret_cast<const unsigned char*>(code.data()), code.size()) != 0) {
-    return invalid("vertices do not decode");
+    return invalid("vertices cannot be decoded");
   }
   mesh.positions_ijk.resize(count);
   mesh.normals_lps.resize(count);
@@ -196,7 +196,7 @@ Result<void> decode_triangles(std::span<const std::byte> code, std::span<const s
   if (triangles.empty()) return {};
   if (meshopt_decodeIndexBuffer(triangles.front().data(), triangles.size() * 3, sizeof(std::uint32_t),
                                 reinterpret_cast<const unsigned char*>(code.data()), code.size()) != 0) {
-    return invalid("triangles do not decode");
+    return invalid("triangles cannot be decoded");
   }
   for (std::size_t t = 0; t < triangles.size(); ++t) {
     if (std::ranges::max(triangles[t]) >= entry.vertices) {
@@ -205,7 +205,7 @@ Result<void> decode_triangles(std::span<const std::byte> code, std::span<const s
     }
     const unsigned by =
         rotations.empty() ? 0 : (std::to_integer<unsigned>(rotations[t / 4]) >> (t % 4 * 2)) & 3;
-    if (by == 3) return invalid(fmt::format("triangle {} is turned by 3", t));
+    if (by == 3) return invalid(fmt::format("triangle {} has rotation 3", t));
     triangles[t] = rotated(smallest_rotation(triangles[t]), by);
   }
   return {};
@@ -250,11 +250,11 @@ Result<SurfaceMesh> decode_surface(std::span<const std::byte> bytes, const Surfa
   std::memcpy(lengths.data(), bytes.data(), kLengthsBytes);
   bytes = bytes.subspan(kLengthsBytes);
   if (lengths[0] > bytes.size() || lengths[1] > bytes.size() - lengths[0])
-    return invalid("its parts do not add up");
+    return invalid("wrong length of its parts");
   const auto vertices = bytes.first(lengths[0]), indices = bytes.subspan(lengths[0], lengths[1]);
   const auto rotations = bytes.subspan(std::size_t{lengths[0]} + lengths[1]);
   if (!rotations.empty() && rotations.size() != rotation_bytes(entry.triangles)) {
-    return invalid("its rotations do not add up");
+    return invalid("wrong length of the rotations");
   }
   if (fits_16_bits(size, entry.position_scale)) {
     SPLATLAS_RETURN_IF_ERROR(decode_vertices<std::uint16_t>(vertices, entry.vertices, size, mesh));

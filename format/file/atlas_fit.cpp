@@ -77,7 +77,7 @@ Result<std::vector<PackedNormal>> Atlas::Impl::fit_normals_of(ClassId c) const {
     together.include(line);
     if (together != directory.classes.box(c)) {
       return named(
-          {ErrorCode::kInvalidAtlas, fmt::format("invalid: the box of class {} is not that of its runs", c)});
+          {ErrorCode::kInvalidAtlas, fmt::format("invalid: the box of class {} does not match its runs", c)});
     }
   }
   return fit_normals(crop, runs, grid);

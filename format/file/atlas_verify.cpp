@@ -53,7 +53,7 @@ class RunVerifier {
       box.include(IndexBox{{run.start, j, k}, {std::int64_t{run.start} + run.length - 1, j, k}});
     }
     if (box == atlas_.classes().box(c)) return {};
-    return invalid(fmt::format("the box of class {} is not that of its runs", c));
+    return invalid(fmt::format("the box of class {} does not match its runs", c));
   }
 
   void add(ClassId c, const ClassRuns& runs) {
@@ -97,7 +97,7 @@ class RunVerifier {
   [[nodiscard]] Result<void> check_empty_class() const {
     const IndexBox& box = atlas_.classes().box(kEmptyClass);
     if (box.empty() || box == box_of_gaps()) return {};
-    return invalid("the box of class 0 is not that of the voxels that no other class has");
+    return invalid("the box of class 0 does not match its voxels");
   }
 
   /// Bounding box of the complement of the sorted spans.

@@ -85,7 +85,7 @@ Result<void> check_class_volume(const AtlasContent& content, const Index3& size)
           fmt::format("class {} has {} voxels, its table says {}", c, voxels[c], classes.voxels(c)));
     }
     if (boxes[c] != classes.box(c) && (c != kEmptyClass || !classes.box(c).empty())) {
-      return refuse(fmt::format("the box of class {} is not that of its voxels", c));
+      return refuse(fmt::format("the box of class {} does not match its voxels", c));
     }
   }
   return {};

@@ -227,15 +227,15 @@ Result<void> check_tables(const schema::Directory& d) {
   }
   const auto value = [](const auto& rows, auto n) { return rows.Get(n); };
   if (!ends_are_valid(*d.text_ends(), value, d.text()->size())) {
-    return invalid("invalid: directory text does not add up");
+    return invalid("invalid: inconsistent offsets of directory text");
   }
   const auto parents_end = [](const auto& rows, auto n) { return rows.Get(n)->parents_end(); };
   if (!ends_are_valid(*d.structures(), parents_end, d.parents()->size())) {
-    return invalid("invalid: directory table of parents does not add up");
+    return invalid("invalid: inconsistent offsets of directory table of parents");
   }
   const auto members_end = [](const auto& rows, auto n) { return rows.Get(n)->members_end(); };
   if (!ends_are_valid(*d.classes(), members_end, d.members()->size())) {
-    return invalid("invalid: directory table of class members does not add up");
+    return invalid("invalid: inconsistent offsets of directory table of class members");
   }
   if (d.structures()->size() > kMaxStructures || d.classes()->size() > kMaxClasses ||
       d.classes()->size() == 0) {

@@ -232,7 +232,7 @@ Result<FileLayout> lay_out(const Directory& directory, const ValueGroups& groups
                                  entry.chunks, directory.chunks.size() - next_chunk));
     }
     if (std::ranges::count(layout.sections, entry.kind, &SectionLayout::kind) != 0) {
-      return invalid(fmt::format("invalid: section {} is there twice", section_name(entry.kind)));
+      return invalid(fmt::format("invalid: section {} occurs twice", section_name(entry.kind)));
     }
     SectionLayout section;
     section.kind = entry.kind;

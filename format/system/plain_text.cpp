@@ -16,7 +16,7 @@ std::string fault_of_text(std::string_view text) {
     const std::uint32_t c = utf8::unchecked::next(next);
     if (is_control(c)) return fmt::format("has a control character (byte {}: U+{:04X})", byte, c);
     if (is_bidi_control(c))
-      return fmt::format("has a character that turns text around (byte {}: U+{:04X})", byte, c);
+      return fmt::format("has a bidirectional control character (byte {}: U+{:04X})", byte, c);
   }
   return invalid == text.end() ? "" : fmt::format("is not UTF-8 (byte {})", invalid - text.begin());
 }

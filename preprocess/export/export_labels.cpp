@@ -23,11 +23,9 @@ Result<std::vector<std::int64_t>> labels_of_classes(const AtlasContent& content,
       const Structure& structure = content.graph[m.structure];
       if (!m.holds() || !structure.label) continue;
       if (labelled != nullptr) {
-        return fail(
-            ErrorCode::kFailed,
-            fmt::format(
-                "{}: '{}' and '{}' overlap, which no label map can hold; export masks: --labels FOLDER/",
-                name, labelled->name, structure.name));
+        return fail(ErrorCode::kFailed, fmt::format("{}: '{}' and '{}' overlap; a label map cannot represent "
+                                                    "this; export masks: --labels FOLDER/",
+                                                    name, labelled->name, structure.name));
       }
       labelled = &structure;
       labels[c] = *structure.label;

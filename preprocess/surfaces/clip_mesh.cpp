@@ -90,7 +90,7 @@ class MeshClipper {
       }
       split(polygon, 0, {0, 0, 0});
       if (pieces_.size() > kMaxPieces) {
-        return fail(ErrorCode::kLimit, fmt::format("the surface falls into more than {} pieces", kMaxPieces));
+        return fail(ErrorCode::kLimit, fmt::format("clipping gives more than {} triangles", kMaxPieces));
       }
     }
     return finish();
