@@ -1,4 +1,4 @@
-// Opens an atlas file and reads the parts that are asked for.
+// Random-access reader of atlas files.
 #pragma once
 
 #include <atomic>
@@ -18,20 +18,23 @@ namespace splatlas {
 
 class InputFile;
 
+/// Size of one part of the file.
 struct SectionSize {
   std::string name;  ///< "header", "directory", "runs_x", "runs_y", "runs_z", "values", "normals", "surfaces"
   std::uint64_t bytes = 0;
 };
 
-/// An open atlas. open() reads and checks the header and the directory and nothing else; every other byte is
-/// read, and its checksum checked, when it is first asked for. Every size, offset and index is checked before
-/// use: safe to open from strangers, and safe when the file is truncated, replaced or overwritten meanwhile.
-/// All members are const and safe to call from several threads.
+/// An open atlas. open() reads and checks only the header and the directory. The read functions load chunks
+/// on demand and verify their checksums. Every size, offset and index is checked before use: untrusted files
+/// are safe, and so are files that are truncated, replaced or overwritten while open. Thread-safe.
+///
+/// Errors of all functions: kFailed if the file cannot be read, kInvalidAtlas if it is damaged, kUsage for a
+/// class or structure out of range, kLimit if memory does not suffice.
 class Atlas {
  public:
-  /// kFailed when the file cannot be read, kInvalidAtlas when it is not an atlas, damaged, or too new.
+  /// Opens a file. kInvalidAtlas also if it is not an atlas or its version is too new.
   [[nodiscard]] static Result<std::shared_ptr<const Atlas>> open(const std::filesystem::path& path);
-  /// The same from bytes in memory. `name` stands for the file in messages.
+  /// Opens an atlas in memory. Messages call it `name`.
   [[nodiscard]] static Result<std::shared_ptr<const Atlas>> open_bytes(std::vector<std::byte> bytes,
                                                                        std::string name = "(memory)");
   ~Atlas();
@@ -41,7 +44,7 @@ class Atlas {
   [[nodiscard]] const std::string& name() const;     ///< the path, for messages
   [[nodiscard]] std::string format_version() const;  ///< "1.0"
   [[nodiscard]] const Grid& grid() const;            ///< storage grid
-  [[nodiscard]] const Grid& source_grid() const;     ///< as the source file had it, exactly
+  [[nodiscard]] const Grid& source_grid() const;     ///< of the source file, unchanged
   [[nodiscard]] const AxisOrder& source_to_storage() const;
   [[nodiscard]] const StructureGraph& graph() const;
   [[nodiscard]] const ClassTable& classes() const;
@@ -49,34 +52,35 @@ class Atlas {
   [[nodiscard]] const Display& display() const;
   [[nodiscard]] const std::vector<Scene>& scenes() const;
   [[nodiscard]] const Provenance& provenance() const;
-  [[nodiscard]] VoxelType value_type() const;  ///< kNone: the atlas has no grey values
+  [[nodiscard]] VoxelType value_type() const;  ///< kNone if the atlas has no grey values
   [[nodiscard]] VoxelType label_type() const;  ///< of the source label map
   [[nodiscard]] std::uint64_t triangles(StructureIndex s) const;
-  [[nodiscard]] std::uint64_t runs(Axis axis) const;  ///< all runs of that run model
-  [[nodiscard]] double reference_length_mm() const;   ///< cube root of a voxel's volume
+  [[nodiscard]] std::uint64_t runs(Axis axis) const;  ///< number of runs in that run model
+  [[nodiscard]] double reference_length_mm() const;   ///< cube root of the volume of a voxel
 
-  /// Runs of one class, checked. Derived from the z model where a compact file leaves out the axis. None for
-  /// the empty class: it is what remains.
+  /// Reads and validates the runs of one class; none for the empty class. If a compact file does not store
+  /// the axis, derives them from the z model.
   [[nodiscard]] Result<ClassRuns> read_runs(ClassId c, Axis axis) const;
-  /// Grey values of a class's voxels (the empty class too), in memory order: voxels(c) *
-  /// bytes_of(value_type()).
+  /// Grey values of the voxels of a class (including the empty class) in memory order:
+  /// voxels(c) * bytes_of(value_type()) bytes.
   [[nodiscard]] Result<std::vector<std::byte>> read_values(ClassId c) const;
   /// Normals of a class with a boundary membership, in memory order; empty for other classes.
   [[nodiscard]] Result<std::vector<PackedNormal>> read_normals(ClassId c) const;
   /// The surface of one structure; empty for a group.
   [[nodiscard]] Result<SurfaceMesh> read_surface(StructureIndex s) const;
 
-  /// Everything, decoded, for export and rewriting: the content as it was written.
+  /// Decodes the whole content for export and rewriting, exactly as written.
   [[nodiscard]] Result<AtlasContent> read_all() const;
-  /// The content without values, surfaces and normals, for which damage to these does no harm.
+  /// The content without values, surfaces and normals; succeeds even if these are damaged.
   [[nodiscard]] Result<AtlasContent> read_classes() const;
-  /// The grey values of all voxels, given the class volume that read_classes() gave.
+  /// The grey values of all voxels. `class_volume` is the one of read_classes().
   [[nodiscard]] Result<VoxelBuffer> read_value_volume(std::span<const ClassId> class_volume) const;
-  /// Reads and checks every byte of the file. The first fault found, told with its section, or success.
+  /// Reads and checks every byte of the file. Returns the first fault, with its section, or success.
   [[nodiscard]] Result<void> verify() const;
 
   [[nodiscard]] std::vector<SectionSize> sections() const;
-  /// Bytes: of the file; of it touched so far (header, directory and chunks, each once); decoded from chunks.
+  /// Bytes of the file, bytes read so far (header, directory and each chunk once) and bytes decoded from
+  /// chunks.
   struct Counters {
     std::uint64_t file = 0, read = 0, decoded = 0;
   };

@@ -1,4 +1,4 @@
-// Writes an atlas file.
+// Writer of atlas files.
 #pragma once
 
 #include <cstddef>
@@ -11,21 +11,23 @@
 
 namespace splatlas {
 
+/// Trade-offs of size and time.
 struct WriteOptions {
   int level = 12;        ///< Zstandard level, 1 (fast) to 22 (small)
-  bool compact = false;  ///< leave out what a reader derives in milliseconds: the run models of x and y
-  unsigned threads = 0;  ///< for compression; 0: one per core. The bytes do not depend on it.
-  /// Called now and then with the fraction done, 0..1, from the calling thread. May be empty.
+  bool compact = false;  ///< omit the run models of x and y; readers derive them in milliseconds
+  unsigned threads = 0;  ///< for compression; 0: one per core. The output does not depend on it.
+  /// Called at intervals with the fraction done, 0 to 1, on the calling thread. May be empty.
   std::function<void(double)> progress = {};
 };
 
-/// The file's bytes, in memory. Refuses content that is not consistent (sizes, class numbers, counts,
-/// indices). Same content and options: same bytes, on every machine and with any number of threads.
+/// Encodes an atlas in memory. Refuses inconsistent content (sizes, class ids, counts, indices).
+/// Deterministic: the same content and options give the same bytes on every machine and with any number of
+/// threads.
 [[nodiscard]] Result<std::vector<std::byte>> encode_atlas(const AtlasContent& content,
                                                           const WriteOptions& options = {});
 
-/// Writes to a temporary file beside `path`, syncs it, and renames it: `path` is the old file or the complete
-/// new one, never anything else, and no temporary is left behind on failure.
+/// Encodes an atlas and replaces `path` atomically: writes a temporary file in its folder, syncs and renames
+/// it. On failure `path` keeps its old content and the temporary file is removed.
 [[nodiscard]] Result<void> write_atlas(const AtlasContent& content, const std::filesystem::path& path,
                                        const WriteOptions& options = {});
 

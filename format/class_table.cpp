@@ -7,8 +7,8 @@
 namespace splatlas {
 namespace {
 
-/// Sorted by structure, each structure once. Parts that differ merge to boundary: the voxel is held, and
-/// something of the structure's surface passes through it.
+/// Sorts by structure and merges duplicates. Different parts merge to kBoundary: the voxel is inside the
+/// structure, and the structure's surface crosses it.
 void normalize(std::vector<Membership>& members) {
   std::sort(members.begin(), members.end());
   std::size_t kept = 0;
@@ -79,7 +79,7 @@ std::vector<ClassId> storage_order(const ClassTable& classes, const StructureGra
   std::vector<std::uint32_t> rank(graph.size());
   for (std::uint32_t n = 0; n < rank.size(); ++n) rank[graph.preorder()[n]] = n;
 
-  // Whole combinations are compared, so that the order does not depend on who was interned first.
+  // Compare whole combinations, so that the order does not depend on the order of intern() calls.
   using Key = std::vector<std::pair<std::uint32_t, Part>>;
   std::vector<Key> keys(classes.size());
   for (ClassId c = 0; c < keys.size(); ++c) {

@@ -1,4 +1,4 @@
-// Classes: the distinct combinations of structures and surfaces that a voxel can belong to.
+// Voxel classes: the distinct combinations of structures and surfaces at a voxel.
 #pragma once
 
 #include <cstdint>
@@ -11,17 +11,19 @@
 
 namespace splatlas {
 
-/// Classes partition the voxels, so that one run model serves every selection (paper, section 3, figure 3).
+/// Classes partition the voxels, so that one run model serves every selection ("Using a classification tree
+/// to speed up rendering of hybrid surface and volume models", WSCG 2004, section 3).
 using ClassId = std::uint32_t;
-inline constexpr ClassId kEmptyClass = 0;  ///< voxels that no structure holds and no surface crosses
+inline constexpr ClassId kEmptyClass = 0;  ///< voxels outside all structures and surfaces
 
-/// How a voxel of a class belongs to a structure.
+/// Relation of a voxel to a structure. Neighbourhoods have 18 voxels; voxels beyond the grid are outside.
 enum class Part : std::uint8_t {
-  kInterior = 0,  ///< held, with all 18 neighbours held too
-  kBoundary = 1,  ///< held, and at least one of the 18 neighbours is outside (beyond the grid is outside)
-  kCrossed = 2,   ///< not held: crossed by the structure's external surface
+  kInterior = 0,  ///< inside, with all 18 neighbours inside
+  kBoundary = 1,  ///< inside, with at least one of the 18 neighbours outside
+  kCrossed = 2,   ///< outside, but crossed by the structure's external surface
 };
 
+/// A structure at a voxel. holds(): the voxel is inside the structure, not only crossed by its surface.
 struct Membership {
   StructureIndex structure = kNoStructure;
   Part part = Part::kInterior;
@@ -29,7 +31,7 @@ struct Membership {
   [[nodiscard]] bool holds() const { return part != Part::kCrossed; }
 };
 
-/// Voxels first..last, both included; empty when first > last.
+/// Axis-aligned box of voxels from `first` to `last` inclusive; empty if first > last.
 struct IndexBox {
   Index3 first{0, 0, 0};
   Index3 last{-1, -1, -1};
@@ -39,15 +41,16 @@ struct IndexBox {
   void include(const IndexBox& other);
 };
 
-/// For every class: its memberships (sorted by structure), voxel count and box. Class 0 is the empty class.
+/// Memberships (sorted by structure), voxel count and bounding box of every class. Class 0 is the empty
+/// class.
 class ClassTable {
  public:
   ClassTable();
 
-  /// The class of a combination; a new one the first time. `members` need not be sorted; repeats are merged
-  /// (to boundary where their parts differ). Cost: logarithmic in the classes.
+  /// Returns the class of a combination and creates it if it is new. `members` may be unsorted. Duplicate
+  /// structures are merged, to kBoundary if their parts differ. Cost: logarithmic in the number of classes.
   ClassId intern(std::vector<Membership> members);
-  /// Adds voxels to a class's count and box.
+  /// Adds voxels to the count and the bounding box of a class.
   void count(ClassId c, std::uint64_t voxels, const IndexBox& box);
 
   [[nodiscard]] std::size_t size() const { return voxels_.size(); }
@@ -55,7 +58,7 @@ class ClassTable {
   [[nodiscard]] std::uint64_t voxels(ClassId c) const { return voxels_[c]; }
   [[nodiscard]] const IndexBox& box(ClassId c) const { return boxes_[c]; }
 
-  /// The same classes under new numbers: `order[n]` is the old number of new class n; order[0] must be 0.
+  /// The table with permuted classes: new class n is old class `order[n]`; order[0] must be 0.
   [[nodiscard]] ClassTable renumbered(std::span<const ClassId> order) const;
 
  private:
@@ -66,10 +69,9 @@ class ClassTable {
   std::map<std::vector<Membership>, ClassId> index_;
 };
 
-/// Class numbers in the order in which the file stores their streams: class 0, then every other class at the
-/// first of its structures in the graph's preorder, interior before boundary; then by the others, so that the
-/// order depends on the combinations alone. A subtree is then one range. `graph` must hold every member's
-/// structure.
+/// Class ids in the storage order of their streams: lexicographic by (preorder rank of the structure, part)
+/// of their memberships, class 0 first. The order depends on the combinations alone, and groups the classes
+/// of a subtree. `graph` must contain the structure of every membership.
 [[nodiscard]] std::vector<ClassId> storage_order(const ClassTable& classes, const StructureGraph& graph);
 
 }  // namespace splatlas

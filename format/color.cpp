@@ -8,7 +8,7 @@
 namespace splatlas {
 namespace {
 
-/// Value of a hexadecimal digit; -1 for anything else.
+/// Value of a hexadecimal digit, or -1.
 int hex_digit(char c) {
   if (c >= '0' && c <= '9') return c - '0';
   if (c >= 'a' && c <= 'f') return c - 'a' + 10;
@@ -16,7 +16,7 @@ int hex_digit(char c) {
   return -1;
 }
 
-/// Hue, saturation and value, each 0..1, to sRGB.
+/// Converts hue, saturation and value, each 0 to 1, to sRGB.
 Rgb from_hsv(double hue, double saturation, double value) {
   const auto channel = [&](double n) {
     const double k = std::fmod(n + hue * 6, 6);
@@ -37,7 +37,7 @@ Result<Rgb> parse_color(std::string_view text) {
     return fail(ErrorCode::kUsage, fmt::format("\"{}\" is not a color: write #rrggbb", text));
   };
   if ((text.size() != 4 && text.size() != 7) || text[0] != '#') return refuse();
-  const std::size_t digits = text.size() / 3;  // of a channel
+  const std::size_t digits = text.size() / 3;  // per channel
   std::array<std::uint8_t, 3> channels{};
   for (std::size_t n = 0; n < 3; ++n) {
     const int high = hex_digit(text[1 + n * digits]);
@@ -49,8 +49,8 @@ Result<Rgb> parse_color(std::string_view text) {
 }
 
 Rgb default_color(std::size_t n) {
-  // 2^64 over the golden ratio: the product's high bits step around the hue circle and never fall close
-  // together.
+  // 2^64 / golden ratio: the high bits of the product spread evenly around the hue circle (Fibonacci
+  // hashing).
   const std::uint64_t turn = static_cast<std::uint64_t>(n) * 0x9e3779b97f4a7c15u;
   const double hue = static_cast<double>(turn >> 11) * 0x1p-53;
   constexpr std::array<double, 3> kSaturation{0.62, 0.45, 0.8};

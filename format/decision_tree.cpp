@@ -13,7 +13,7 @@ bool has_surface(DrawMode mode) {
   return mode == DrawMode::kSurface || mode == DrawMode::kBoth;
 }
 
-/// What the structures selected so far draw of one class.
+/// Draw requests for one class by the structures selected so far.
 struct ClassDemand {
   bool volume = false;
   bool surface = false;
@@ -21,10 +21,10 @@ struct ClassDemand {
   bool boundary = false;
 };
 
-/// Adds what one selected structure draws of its voxels of one part.
+/// Adds the request of one selected structure for its voxels of one part.
 void add_demand(const Selection& selection, StructureIndex s, Part part, ClassDemand& demand) {
   const DrawMode mode = selection.structures[s].mode;
-  if (part == Part::kCrossed) {  // nothing inside to fill: every mode draws the surface
+  if (part == Part::kCrossed) {  // no interior: every mode draws the surface
     demand.surface = true;
     return;
   }
@@ -43,8 +43,8 @@ VoxelRole role_of(const ClassDemand& demand) {
   return demand.surface ? VoxelRole::kSurface : VoxelRole::kNone;
 }
 
-/// Turns counts into offsets: offsets[n + 1] holds how many are in list n before, where list n ends after.
-void sum_up(std::vector<std::uint32_t>& offsets) {
+/// In-place prefix sum: counts[n + 1] of list n become its end offset.
+void prefix_sum(std::vector<std::uint32_t>& offsets) {
   for (std::size_t n = 1; n < offsets.size(); ++n) offsets[n] += offsets[n - 1];
 }
 
@@ -62,8 +62,8 @@ DecisionTree::DecisionTree(const StructureGraph& graph, const ClassTable& classe
       ++(m.part == Part::kInterior ? first_interior_ : first_boundary_)[m.structure + 1];
     }
   }
-  sum_up(first_interior_);
-  sum_up(first_boundary_);
+  prefix_sum(first_interior_);
+  prefix_sum(first_boundary_);
   interior_.resize(first_interior_.back());
   boundary_.resize(first_boundary_.back());
   crossed_.resize(first_boundary_.back());
@@ -124,12 +124,12 @@ DecisionTree::VoxelCounts DecisionTree::voxel_counts(StructureIndex s) const {
     interior.insert(interior.end(), in.begin(), in.end());
     boundary.insert(boundary.end(), on.begin(), on.end());
   }
-  const auto keep_one_of_each = [](std::vector<ClassId>& classes) {
+  const auto sort_unique = [](std::vector<ClassId>& classes) {
     std::sort(classes.begin(), classes.end());
     classes.erase(std::unique(classes.begin(), classes.end()), classes.end());
   };
-  keep_one_of_each(interior);
-  keep_one_of_each(boundary);
+  sort_unique(interior);
+  sort_unique(boundary);
   VoxelCounts counts;
   for (const ClassId c : boundary) counts.boundary += classes_.voxels(c);
   for (const ClassId c : interior) {

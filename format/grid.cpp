@@ -11,8 +11,8 @@
 namespace splatlas {
 namespace {
 
-/// A direction whose columns, made unit, span less than this volume cannot be inverted with any accuracy.
-constexpr double kSmallestDeterminant = 1e-6;
+/// Minimum determinant of a direction with normalized columns; below, its inverse is inaccurate.
+constexpr double kMinDeterminant = 1e-6;
 
 double determinant(const Matrix3& m) {
   return m[0] * (m[4] * m[8] - m[5] * m[7]) - m[1] * (m[3] * m[8] - m[5] * m[6]) +
@@ -30,7 +30,7 @@ double column_length(const Matrix3& m, std::size_t column) {
   return std::hypot(m[column], m[3 + column], m[6 + column]);
 }
 
-Matrix3 with_unit_columns(Matrix3 m) {
+Matrix3 normalized_columns(Matrix3 m) {
   for (std::size_t column = 0; column < 3; ++column) {
     const double length = column_length(m, column);
     for (std::size_t row = 0; row < 3; ++row) m[3 * row + column] /= length;
@@ -42,10 +42,10 @@ bool all_finite(std::span<const double> values) {
   return std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
 }
 
-/// Where the voxels of a reordered volume lie in the old one, counted in voxels.
+/// Strides of the new axes in the old volume, in voxels.
 struct OldStrides {
-  std::array<std::ptrdiff_t, 3> along;  ///< from a voxel to the next along each new axis
-  std::ptrdiff_t first = 0;             ///< of new voxel (0, 0, 0)
+  std::array<std::ptrdiff_t, 3> along;  ///< per new axis
+  std::ptrdiff_t first = 0;             ///< offset of new voxel (0, 0, 0)
 };
 
 OldStrides old_strides(const Index3& old_size, const AxisOrder& order) {
@@ -79,8 +79,8 @@ struct AnyVoxelCopier {
   }
 };
 
-/// Copies in tiles of the new i axis and of the new axis that runs along the old i axis, so that the cache
-/// lines of both buffers are used up while they are at hand.
+/// Copies in tiles over the new i axis and the new axis along the old i axis, for cache locality in both
+/// buffers.
 template <typename Copier>
 void copy_in_tiles(const OldStrides& strides, const Index3& size, std::size_t old_i_axis,
                    const Copier& copy) {
@@ -157,8 +157,8 @@ Result<void> validate(const Grid& grid, const std::string& what) {
     return refuse(
         fmt::format("the origin ({} mm) must be within {} mm", fmt::join(grid.origin_lps_mm, ", "), kMaxMm));
   if (!all_finite(grid.direction_lps)) return refuse("the direction is not finite");
-  const double volume = std::abs(determinant(with_unit_columns(grid.direction_lps)));
-  if (!(volume >= kSmallestDeterminant)) {  // also catches columns of length zero
+  const double volume = std::abs(determinant(normalized_columns(grid.direction_lps)));
+  if (!(volume >= kMinDeterminant)) {  // also catches columns of length zero
     return refuse(fmt::format("the direction [{}] is singular: its axes must span space",
                               fmt::join(grid.direction_lps, " ")));
   }
@@ -171,7 +171,7 @@ Result<void> validate(const Grid& grid, const std::string& what) {
 }
 
 AxisOrder storage_order(const Grid& source) {
-  const Matrix3 cosines = with_unit_columns(source.direction_lps);
+  const Matrix3 cosines = normalized_columns(source.direction_lps);
   AxisOrder best;
   double best_sum = -1;
   std::array<std::uint8_t, 3> from{0, 1, 2};

@@ -1,4 +1,4 @@
-// Errors as values: every library function that can fail returns Result<T>.
+// Result<T>: error handling without exceptions.
 #pragma once
 
 #include <string>
@@ -8,31 +8,31 @@
 
 namespace splatlas {
 
-/// What kind of failure happened. Programs map these to exit statuses with exit_status().
+/// Kind of a failure. Programs map it to an exit status with exit_status().
 enum class ErrorCode {
-  kFailed,        ///< could not be done: a file is missing, unreadable, unwritable, of the wrong type
-  kUsage,         ///< the caller's words are wrong: an option, a value out of range, selection syntax
-  kInvalidAtlas,  ///< not an atlas, a damaged one, or one of a version that is too new
-  kNotFound,      ///< a structure's name is unknown or ambiguous
-  kLimit,         ///< would need more memory or a larger picture than allowed; nothing was allocated
+  kFailed,        ///< the operation failed: a file is missing, unreadable, unwritable or of the wrong type
+  kUsage,         ///< wrong usage: an option, a value out of range, selection syntax
+  kInvalidAtlas,  ///< not an atlas, a damaged one, or one of a newer format version
+  kNotFound,      ///< the name of a structure is unknown or ambiguous
+  kLimit,         ///< needs more memory or a larger picture than allowed; nothing was allocated
 };
 
-/// One failure, told in one line: which file, what is wrong, the value, what to do.
+/// A failure. The message is one line: file, fault, value, remedy.
 struct Error {
   ErrorCode code = ErrorCode::kFailed;
   std::string message;
 };
 
-/// A value or an Error. Callers must look before they take the value.
+/// A value or an Error. Callers must check before they access the value.
 template <typename T>
 using Result = tl::expected<T, Error>;
 
-/// Makes the failing side of any Result.
+/// Makes an error that converts to any Result.
 [[nodiscard]] inline tl::unexpected<Error> fail(ErrorCode code, std::string message) {
   return tl::unexpected<Error>(Error{code, std::move(message)});
 }
 
-/// The documented exit status of a program that ends with this error: 1, 2, 3 or 4.
+/// Exit status of a program that ends with this error: 1, 2, 3 or 4.
 [[nodiscard]] constexpr int exit_status(ErrorCode code) {
   switch (code) {
     case ErrorCode::kUsage: return 2;
@@ -46,7 +46,7 @@ using Result = tl::expected<T, Error>;
 
 }  // namespace splatlas
 
-/// Returns the error of `expression` (a Result) to the caller, if it has one.
+/// Returns the error of `expression` (a Result), if any, from the enclosing function.
 #define SPLATLAS_RETURN_IF_ERROR(expression)                                          \
   do {                                                                                \
     if (auto splatlas_result = (expression); !splatlas_result) {                      \
@@ -57,7 +57,8 @@ using Result = tl::expected<T, Error>;
 #define SPLATLAS_CONCAT_(a, b) a##b
 #define SPLATLAS_CONCAT(a, b) SPLATLAS_CONCAT_(a, b)
 
-/// `SPLATLAS_ASSIGN_OR_RETURN(auto x, f());` : x gets the value of f(), or the caller returns its error.
+/// `SPLATLAS_ASSIGN_OR_RETURN(auto x, f());` assigns the value of f() to x, or returns its error from the
+/// enclosing function.
 #define SPLATLAS_ASSIGN_OR_RETURN(declaration, expression) \
   SPLATLAS_ASSIGN_OR_RETURN_(SPLATLAS_CONCAT(splatlas_result_, __LINE__), declaration, expression)
 #define SPLATLAS_ASSIGN_OR_RETURN_(result, declaration, expression)                   \

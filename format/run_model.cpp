@@ -9,10 +9,10 @@
 namespace splatlas {
 namespace {
 
-/// Sizes and memory steps of the scanlines of one principal axis.
+/// Sizes and memory strides of the scanlines of one principal axis.
 struct Scanlines {
   std::int64_t slices, rows, length;
-  std::int64_t slice_step, row_step, scan_step;  // voxels
+  std::int64_t slice_stride, row_stride, scan_stride;  // strides in voxels
 
   Scanlines(const Index3& size, Axis axis) {
     const std::array<std::int64_t, 3> step{1, size[0], size[0] * size[1]};
@@ -20,9 +20,9 @@ struct Scanlines {
     slices = size[order.slice_axis];
     rows = size[order.row_axis];
     length = size[order.scan_axis];
-    slice_step = step[order.slice_axis];
-    row_step = step[order.row_axis];
-    scan_step = step[order.scan_axis];
+    slice_stride = step[order.slice_axis];
+    row_stride = step[order.row_axis];
+    scan_stride = step[order.scan_axis];
   }
 
   [[nodiscard]] std::uint64_t count() const {
@@ -31,11 +31,11 @@ struct Scanlines {
   /// Memory offset of the first voxel of a scanline.
   [[nodiscard]] std::int64_t offset(std::uint64_t scanline) const {
     const auto n = static_cast<std::int64_t>(scanline);
-    return n / rows * slice_step + n % rows * row_step;
+    return n / rows * slice_stride + n % rows * row_stride;
   }
 };
 
-/// Calls emit(class, start, length) for the runs of one scanline, the empty class left out.
+/// Calls emit(class, start, length) for the runs of one scanline, except those of the empty class.
 template <typename Emit>
 void cut_scanline(const ClassId* voxels, std::uint32_t length, const Emit& emit) {
   for (std::uint32_t start = 0; start < length;) {
@@ -58,7 +58,7 @@ void encode_along_i(std::span<const ClassId> volume, const Scanlines& lines, Run
   }
 }
 
-/// Scanlines along j, sixteen slices i at a time: one cache line of each row of voxels serves them all.
+/// Scanlines along j, in blocks of sixteen slices i: one cache line of class ids covers the block.
 void encode_along_j(std::span<const ClassId> volume, const Scanlines& lines, RunModel& model) {
   constexpr std::int64_t kBlock = 16;
   struct ClassRun {
@@ -67,13 +67,13 @@ void encode_along_j(std::span<const ClassId> volume, const Scanlines& lines, Run
   };
   const auto length = static_cast<std::size_t>(lines.length);
   std::vector<ClassId> block(kBlock * length);
-  std::array<std::vector<ClassRun>, kBlock> waiting;  // of each slice, until the slices before it are done
+  std::array<std::vector<ClassRun>, kBlock> pending;  // per slice, until all earlier slices are done
   for (std::int64_t first = 0; first < lines.slices; first += kBlock) {
     const auto width = static_cast<std::size_t>(std::min(kBlock, lines.slices - first));
     for (std::int64_t k = 0; k < lines.rows; ++k) {
-      const ClassId* plane = volume.data() + k * lines.row_step + first;
+      const ClassId* plane = volume.data() + k * lines.row_stride + first;
       for (std::size_t j = 0; j < length; ++j) {
-        const ClassId* row = plane + static_cast<std::int64_t>(j) * lines.scan_step;
+        const ClassId* row = plane + static_cast<std::int64_t>(j) * lines.scan_stride;
         for (std::size_t i = 0; i < width; ++i) block[i * length + j] = row[i];
       }
       for (std::size_t i = 0; i < width; ++i) {
@@ -81,11 +81,11 @@ void encode_along_j(std::span<const ClassId> volume, const Scanlines& lines, Run
             static_cast<std::uint64_t>((first + static_cast<std::int64_t>(i)) * lines.rows + k);
         cut_scanline(&block[i * length], static_cast<std::uint32_t>(length),
                      [&](ClassId c, std::uint32_t start, std::uint32_t n) {
-                       waiting[i].push_back({c, {scanline, start, n}});
+                       pending[i].push_back({c, {scanline, start, n}});
                      });
       }
     }
-    for (auto& slice : waiting) {
+    for (auto& slice : pending) {
       for (const auto& [c, run] : slice) model.classes[c].push_back(run);
       slice.clear();
     }
@@ -107,9 +107,10 @@ tl::unexpected<Error> out_of_order(const Run& run) {
                           run.start, run.scanline));
 }
 
-/// Stable sort by a key below 2^48. Linear where the keys lie as close as the runs, as those of a class do.
+/// Stable sort by a key below 2^48. Counting sort, in linear time, if the keys are dense, as they are for
+/// most classes.
 template <typename Key>
-void sort_stably(ClassRuns& runs, const Key& key) {
+void stable_sort_by(ClassRuns& runs, const Key& key) {
   if (runs.empty()) return;
   const auto by_key = [&](const Run& a, const Run& b) { return key(a) < key(b); };
   const auto [smallest, largest] = std::minmax_element(runs.begin(), runs.end(), by_key);
@@ -127,8 +128,8 @@ void sort_stably(ClassRuns& runs, const Key& key) {
   runs.swap(sorted);
 }
 
-/// From runs along b in the order (plane k, a, b) to the same voxels as runs along a in the order (k, start,
-/// b). A scanline is k * 2^32 + a at first, k * 2^32 + b in the result.
+/// Transposes each plane k: runs along b, ordered by (k, a, b), become runs along a, ordered by (k, start,
+/// b). Scanline numbers are k * 2^32 + a before and k * 2^32 + b after.
 ClassRuns transpose_planes(const ClassRuns& runs) {
   std::uint32_t first = std::numeric_limits<std::uint32_t>::max();
   std::uint32_t last = 0;
@@ -137,19 +138,19 @@ ClassRuns transpose_planes(const ClassRuns& runs) {
     last = std::max(last, run.start + run.length);
   }
   constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
-  std::vector<std::size_t> open(runs.empty() ? 0 : last - first, kNone);  // per b: the newest run in `result`
+  std::vector<std::size_t> open(runs.empty() ? 0 : last - first, kNone);  // per b: its latest run in `result`
   ClassRuns result;
   for (const Run& run : runs) {
     const std::uint64_t k = run.scanline >> 32u;
     const auto a = static_cast<std::uint32_t>(run.scanline);
     for (std::uint32_t b = run.start; b < run.start + run.length; ++b) {
-      std::size_t& newest = open[b - first];
+      std::size_t& latest = open[b - first];
       const std::uint64_t scanline = k << 32u | b;
-      if (newest != kNone && result[newest].scanline == scanline &&
-          result[newest].start + result[newest].length == a) {
-        ++result[newest].length;
+      if (latest != kNone && result[latest].scanline == scanline &&
+          result[latest].start + result[latest].length == a) {
+        ++result[latest].length;
       } else {
-        newest = result.size();
+        latest = result.size();
         result.push_back({scanline, a, 1});
       }
     }
@@ -169,7 +170,7 @@ RunModel encode_runs(std::span<const ClassId> volume, const Index3& size, Axis a
                      std::size_t class_count) {
   RunModel model{axis, std::vector<ClassRuns>(class_count)};
   const Scanlines lines(size, axis);
-  if (lines.scan_step == 1) {
+  if (lines.scan_stride == 1) {
     encode_along_i(volume, lines, model);
   } else {
     encode_along_j(volume, lines, model);
@@ -189,8 +190,8 @@ Result<std::vector<ClassId>> decode_runs(const RunModel& model, const Index3& si
       SPLATLAS_RETURN_IF_ERROR(check_inside(run, lines));
       if (before && run < *before) return out_of_order(run);
       before = &run;
-      ClassId* voxel = volume.data() + lines.offset(run.scanline) + run.start * lines.scan_step;
-      for (std::uint32_t n = 0; n < run.length; ++n, voxel += lines.scan_step) {
+      ClassId* voxel = volume.data() + lines.offset(run.scanline) + run.start * lines.scan_stride;
+      for (std::uint32_t n = 0; n < run.length; ++n, voxel += lines.scan_stride) {
         if (*voxel != kEmptyClass) {
           return fail(
               ErrorCode::kInvalidAtlas,
@@ -216,7 +217,7 @@ Result<void> validate_runs(std::span<const Run> runs, const Index3& size, Axis a
       if (!after) return out_of_order(run);
     }
     before = &run;
-    sum += run.length;  // in order inside the grid: cannot exceed its voxels
+    sum += run.length;  // cannot overflow: ordered runs inside the grid
   }
   if (sum != voxels) {
     return fail(ErrorCode::kInvalidAtlas, fmt::format("runs cover {} voxels, {} expected", sum, voxels));
@@ -228,7 +229,7 @@ ClassRuns convert_runs(std::span<const Run> runs, const Index3& size, Axis from,
   ClassRuns result(runs.begin(), runs.end());
   if (from == to) return result;
 
-  // Every scan order has two of (plane k, other index); split the scanline so that k is in the high half.
+  // A scanline number combines index k and another index: move k to the high 32 bits.
   const auto low = [](const Run& run) { return run.scanline & 0xffffffffu; };
   const auto high = [](const Run& run) { return run.scanline >> 32u; };
   const auto rows_of = [&](Axis axis) {
@@ -241,14 +242,14 @@ ClassRuns convert_runs(std::span<const Run> runs, const Index3& size, Axis from,
     run.scanline = from == Axis::kZ ? slice << 32u | row : row << 32u | slice;
   }
   if (from == Axis::kX || to == Axis::kX) {
-    if (from != Axis::kZ) sort_stably(result, high);
+    if (from != Axis::kZ) stable_sort_by(result, high);
     result = transpose_planes(result);
-    sort_stably(result, low);
-    if (to == Axis::kZ) sort_stably(result, high);
+    stable_sort_by(result, low);
+    if (to == Axis::kZ) stable_sort_by(result, high);
   } else if (to == Axis::kZ) {
-    sort_stably(result, high);
+    stable_sort_by(result, high);
   } else {
-    sort_stably(result, low);
+    stable_sort_by(result, low);
   }
   const std::uint64_t to_rows = rows_of(to);
   for (Run& run : result) {

@@ -1,4 +1,4 @@
-// Run models: for each principal axis, the runs of equal class along every scanline (paper, section 3).
+// Run-length encoding of the class volume, one model per principal axis.
 #pragma once
 
 #include <cstdint>
@@ -10,10 +10,11 @@
 
 namespace splatlas {
 
-/// How a volume is walked for one principal axis: slices normal to it, scanlines within a slice, voxels along
-/// a scanline. Scanlines run along i where they can, so that values are contiguous in memory: principal z:
-/// slices k, scanlines j, along i; principal y: slices j, scanlines k, along i; principal x: slices i,
-/// scanlines k, along j.
+/// Traversal order for one principal axis: slices normal to it, scanlines of a slice, voxels of a scanline.
+/// Scanlines run along i if possible, for contiguous memory access:
+///   principal z: slices k, scanlines j, along i
+///   principal y: slices j, scanlines k, along i
+///   principal x: slices i, scanlines k, along j
 struct ScanOrder {
   std::uint8_t slice_axis, row_axis, scan_axis;
 
@@ -27,7 +28,7 @@ struct ScanOrder {
   }
 };
 
-/// `length` voxels of one class, from `start` along scanline number `scanline` = slice * rows + row.
+/// `length` voxels of one class from voxel `start` of scanline number `scanline` = slice * rows + row.
 struct Run {
   std::uint64_t scanline = 0;
   std::uint32_t start = 0;
@@ -35,12 +36,12 @@ struct Run {
   friend auto operator<=>(const Run&, const Run&) = default;
 };
 
-/// Everything that one class covers, in traversal order of one principal axis. Runs are maximal: two runs of
-/// a class never touch in a scanline.
+/// All runs of one class in traversal order of one principal axis. Runs are maximal: no two are adjacent in a
+/// scanline.
 using ClassRuns = std::vector<Run>;
 
-/// The run model of one principal axis: one list per class; the list of class 0 (empty) is left out, it is
-/// what remains. A selection merges the lists of its classes and never sees any other run.
+/// Run model of one principal axis: one list of runs per class (WSCG 2004, section 3; see ClassId). The list
+/// of class 0 (empty) has no runs. A selection merges the lists of its classes and accesses no other run.
 struct RunModel {
   Axis axis = Axis::kZ;
   std::vector<ClassRuns> classes;
@@ -49,22 +50,22 @@ struct RunModel {
   [[nodiscard]] std::uint64_t runs() const;
 };
 
-/// Cuts a class volume (i fastest, `size` voxels, classes below `class_count`) into runs. Pure; one pass.
+/// Run-length encodes a class volume (i fastest, `size` voxels, classes below `class_count`) in one pass.
 [[nodiscard]] RunModel encode_runs(std::span<const ClassId> volume, const Index3& size, Axis axis,
                                    std::size_t class_count);
 
-/// The class volume again; `size` must be that of a valid grid. Refuses (kInvalidAtlas) runs outside the
-/// grid, out of order, empty, of class 0, or overlapping. Memory: one ClassId a voxel.
+/// Decodes the class volume; `size` must be that of a valid grid. kInvalidAtlas for runs that are outside the
+/// grid, out of order, empty, of class 0, or overlapping. Memory: one ClassId per voxel.
 [[nodiscard]] Result<std::vector<ClassId>> decode_runs(const RunModel& model, const Index3& size);
 
-/// Checks one class's list: in order, maximal, inside the (valid) grid, and `voxels` voxels in all; else
-/// kInvalidAtlas. Safe with any numbers in the runs. Cost: linear in the runs.
+/// Validates the runs of one class: in order, maximal, inside the (valid) grid, with `voxels` voxels in
+/// total; else kInvalidAtlas. Safe with untrusted runs. Cost: linear in the runs.
 [[nodiscard]] Result<void> validate_runs(std::span<const Run> runs, const Index3& size, Axis axis,
                                          std::uint64_t voxels);
 
-/// The same voxels as runs of another principal axis. `runs` must pass validate_runs. Cost: linear in the
-/// runs when both axes share scanlines (y and z), else in the voxels covered and the sides of their box;
-/// memory: of the runs.
+/// Converts runs to another principal axis. `runs` must pass validate_runs. Cost: linear in the runs if both
+/// axes share scanlines (y and z), else in the voxels covered and the side lengths of their bounding box.
+/// Memory: linear in the runs.
 [[nodiscard]] ClassRuns convert_runs(std::span<const Run> runs, const Index3& size, Axis from, Axis to);
 
 }  // namespace splatlas

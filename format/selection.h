@@ -1,4 +1,4 @@
-// The selection language: one text for the command line, scenes and the window.
+// Selection language of the command line, scenes and the window.
 //
 //   selection := term { ("+" | "-") term }
 //   term      := NAME [":surface" | ":volume" | ":both"] [ "(" option { "," option } ")" ]
@@ -6,22 +6,20 @@
 //              | "profile=" ("soft" | "thin" | "hard")  |  "low=" grey value  |  "high=" grey value
 //              | "curve=" point { "/" point }
 //   point     := grey value ":" opacity from 0 to 0.9999 [":" shade from 0 to 1]
-//   NAME      := a structure's id, name or path ("Brain/Cerebellum/Left"); "*" stands for any characters, "/"
-//   too;
-//                in double quotes where it holds anything but letters, digits, "_", ".", "/", "*", "'" and
-//                characters beyond ASCII; a double quote inside quotes is written twice
+//   NAME      := id, name or path of a structure ("Brain/Cerebellum/Left")
 //
-// Names, modes and options are compared without regard to the case of ASCII letters. Blanks between the parts
-// do not count. Terms apply from left to right, each to the structures its NAME stands for and all their
-// descendants:
-//   - a term that adds gives them its mode (volume where none is written) beside those that they have:
-//     "A:volume + A:surface" is "A:both"; "A:both - A:surface" takes the surface away again;
-//   - its options replace those of earlier terms; where it has none, theirs stay. A curve replaces profile,
-//     low and high, and each of them replaces a curve; a low that is not below the high of an earlier term
-//     forgets that high, and the other way round;
-//   - "- NAME" and "- NAME:both" remove a structure and forget its looks, "- NAME:surface" and "-
-//   NAME:volume"
-//     only that part. Removals take no options.
+// In a NAME, "*" matches any characters, including "/". Unquoted names consist of letters, digits, non-ASCII
+// characters and _ . / * '. Other names are in double quotes; a double quote in them is doubled.
+//
+// Matching ignores the case of ASCII letters. Blanks between tokens are ignored. Terms apply from left to
+// right, each to the structures that match its NAME and to all their descendants:
+//   - An added term adds its mode (default: volume) to the current mode. "A:volume + A:surface" is "A:both",
+//     and "A:both - A:surface" is "A:volume".
+//   - Options override those of earlier terms; omitted options keep their value. A curve replaces profile,
+//     low and high; any of these replaces a curve.
+//   - A new low at or above an earlier high resets that high, and vice versa.
+//   - "- NAME" and "- NAME:both" remove structures and reset their options.
+//   - "- NAME:surface" and "- NAME:volume" remove only that part. Removals have no options.
 #pragma once
 
 #include <cstdint>
@@ -44,86 +42,85 @@ enum class DrawMode : std::uint8_t { kOff, kVolume, kSurface, kBoth };
 /// "off", "volume", "surface", "both".
 [[nodiscard]] const char* name_of(DrawMode mode);
 
-/// The shape of a volume's ramp from clear at its low end to its opacity at the high end. Shades rise alike.
+/// Shape of a transfer function's ramp from transparent at `low` to the full opacity at `high`. The shade
+/// rises with it.
 enum class TransferProfile : std::uint8_t {
-  kSoft,  ///< from end to end
-  kThin,  ///< the same, all but clear by default
-  kHard,  ///< a step in the middle, one hundredth of the ramp wide
+  kSoft,  ///< linear over the whole interval
+  kThin,  ///< like kSoft, with a very low default opacity
+  kHard,  ///< a step in the middle, one hundredth of the interval wide
 };
 
 /// "soft", "thin", "hard".
 [[nodiscard]] const char* name_of(TransferProfile profile);
 
-/// The transfer function of one structure's volume as a selection words it: a ramp, or a curve. The player
-/// makes a TransferCurve of it (player/transfer_function.h). Surfaces have none.
+/// Specification of the transfer function of one structure's volume: a ramp or a curve. The player converts
+/// it to a TransferCurve (player/transfer/transfer_function.h).
 struct VolumeStyle {
   TransferProfile profile = TransferProfile::kSoft;
-  /// Grey values of the ramp's ends, finite; low < high where both are set. Not set: the display window's.
+  /// Grey values of the ramp's ends, finite, low < high. Defaults: those of the display window.
   std::optional<double> low = std::nullopt, high = std::nullopt;
-  /// Instead of a ramp; the others are as they are by default then. Passes check_curve().
+  /// Replaces the ramp; then all other members have their defaults. Must pass check_curve().
   std::shared_ptr<const TransferCurve> curve = nullptr;
-  /// Curves are compared by their points.
+  /// Compares curves by their points.
   friend bool operator==(const VolumeStyle& a, const VolumeStyle& b);
 };
 
-/// One term as written.
+/// One parsed term.
 struct SelectionTerm {
   bool remove = false;
   std::string name;
-  DrawMode mode = DrawMode::kOff;  ///< kOff: none was written
+  DrawMode mode = DrawMode::kOff;  ///< kOff if not given
   std::optional<float> opacity = std::nullopt;
   std::optional<Rgb> color = std::nullopt;
   std::optional<TransferProfile> profile = std::nullopt;
   std::optional<double> low = std::nullopt, high = std::nullopt;
-  std::shared_ptr<const TransferCurve> curve = nullptr;  ///< then neither profile nor low nor high
-  std::size_t column = 0;  ///< where the term starts in the text, from 0; for messages
+  std::shared_ptr<const TransferCurve> curve = nullptr;  ///< excludes profile, low and high
+  std::size_t column = 0;  ///< byte offset of the term in the text, for messages
 };
 
-/// How one structure is drawn; StructureDraw{} when it is not.
+/// Draw mode and appearance of one structure; StructureDraw{} if it is not selected.
 struct StructureDraw {
   DrawMode mode = DrawMode::kOff;
-  /// Surfaces: of each crossing. Volumes: of one reference length (Atlas::reference_length_mm) at full value,
-  /// which is where the transfer function is densest. Not set: the renderer's default for the mode and
-  /// profile, a curve's own.
+  /// Opacity per crossing of a surface. For volumes, opacity per reference length
+  /// (Atlas::reference_length_mm) at the maximum of the transfer function. Default: that of the mode and
+  /// profile, or that of the curve.
   std::optional<float> opacity = std::nullopt;
   Rgb color = {};
-  std::uint32_t term =
-      0;  ///< number of the latest term that selected it: later terms win where looks compete
+  std::uint32_t term = 0;  ///< latest term that selected it: the later term's appearance takes precedence
   VolumeStyle volume = {};
   friend bool operator==(const StructureDraw&, const StructureDraw&) = default;
 };
 
-/// What to draw of every structure (index = StructureIndex). Only structures themselves, no inheritance: the
-/// descendants of a selected node are selected one by one.
+/// Draw mode and appearance of every structure, by StructureIndex. Nothing is inherited: the descendants of a
+/// selected structure have entries of their own.
 struct Selection {
   std::vector<StructureDraw> structures;
   friend bool operator==(const Selection&, const Selection&) = default;
   [[nodiscard]] bool empty() const;
 };
 
-/// Syntax only; kUsage with the column (bytes, from 1) of the first fault. An empty or blank text has no
-/// terms.
+/// Parses selection text without resolving names. A blank text has no terms. kUsage with the column (bytes,
+/// from 1) of the first fault.
 [[nodiscard]] Result<std::vector<SelectionTerm>> parse_selection(std::string_view text);
 
-/// The structures that a name, id, path or wildcard pattern stands for (without descendants), in index order.
-/// An id wins over names, a name over paths. A path may start at a root or further down ("Cerebellum/Left").
-/// A wildcard matches ids, names and whole paths. kNotFound when nothing matches, or when a name or path
-/// without a wildcard matches several structures; the message lists the nearest names, or the candidates'
-/// paths and ids. Cost: linear in the structures, their parents and names, times the length of a wildcard
-/// pattern (at most 256).
+/// Finds the structures of an id, name, path or wildcard pattern, without descendants, in index order. Ids
+/// take precedence over names, names over paths. A path may start at any structure ("Cerebellum/Left"). A
+/// wildcard pattern matches ids, names and paths. kNotFound if nothing matches, or if a name or path without
+/// a wildcard is ambiguous. The message lists the nearest names, or the paths and ids of the candidates.
+/// Cost: linear in the structures, their parents and the total length of names, times the length of a pattern
+/// (at most 256).
 [[nodiscard]] Result<std::vector<StructureIndex>> find_structures(const StructureGraph& graph,
                                                                   std::string_view name);
 
-/// Applies the terms to the graph. kNotFound, with the term's column, when a name is unknown or ambiguous.
+/// Applies the terms to the graph. kNotFound, with the column of the term, if a name is unknown or ambiguous.
 [[nodiscard]] Result<Selection> resolve_selection(std::span<const SelectionTerm> terms,
                                                   const StructureGraph& graph);
-/// parse_selection and resolve_selection in one.
+/// parse_selection() followed by resolve_selection().
 [[nodiscard]] Result<Selection> select(std::string_view text, const StructureGraph& graph);
 
-/// A short text that selects exactly this: a whole subtree that is drawn alike becomes one term, what is
-/// missing from it a removal. select(to_text(s, g), g) gives `s` again but for term numbers. `selection` is
-/// one of this graph, its opacities in (0, 1], its
-/// styles as VolumeStyle has them.
+/// Writes short selection text: one term per uniform subtree, removals for exceptions. select(to_text(s, g),
+/// g) equals `s` except for term numbers. `selection` must belong to this graph, with opacities in (0, 1] and
+/// valid styles (see VolumeStyle).
 [[nodiscard]] std::string to_text(const Selection& selection, const StructureGraph& graph);
 
 }  // namespace splatlas

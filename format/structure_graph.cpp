@@ -67,9 +67,9 @@ Result<void> check_parents(std::span<const Structure> structures) {
   return {};
 }
 
-/// Names a cycle. `waiting[s] > 0` for structures that have a parent which is on a cycle or below one.
+/// Describes a cycle. `waiting[s]` counts the parents of s that are on or below a cycle.
 std::string describe_cycle(std::span<const Structure> structures, std::span<const std::uint32_t> waiting) {
-  // Climbing from parent to waiting parent must come back to a structure seen before: that one is on a cycle.
+  // Follow waiting parents upwards: the first structure that repeats is on a cycle.
   const auto waiting_parent = [&](StructureIndex s) {
     const auto& parents = structures[s].parents;
     return *std::find_if(parents.begin(), parents.end(), [&](StructureIndex p) { return waiting[p] > 0; });
@@ -91,7 +91,7 @@ std::string describe_cycle(std::span<const Structure> structures, std::span<cons
 
 }  // namespace
 
-/// Everything below `starts` for which is_new() holds when it is met, in preorder.
+/// Depth-first preorder from `starts` over the structures for which is_new() returns true when visited.
 template <typename IsNew>
 std::vector<StructureIndex> StructureGraph::walk(std::span<const StructureIndex> starts,
                                                  const IsNew& is_new) const {
@@ -140,7 +140,7 @@ void StructureGraph::list_children() {
 }
 
 Result<void> StructureGraph::sort_topologically() {
-  // Kahn's algorithm, level by level: a structure is due when its last parent is done.
+  // Kahn's algorithm, level by level. `waiting` counts the parents of a structure that are not yet sorted.
   std::vector<std::uint32_t> waiting(size());
   for (StructureIndex s = 0; s < size(); ++s)
     waiting[s] = static_cast<std::uint32_t>(structures_[s].parents.size());
@@ -159,7 +159,7 @@ Result<void> StructureGraph::sort_topologically() {
     }
   }
   if (topological_.size() < size()) {
-    return refuse("structures contain one another in a circle: " + describe_cycle(structures_, waiting));
+    return refuse("structures form a cycle: " + describe_cycle(structures_, waiting));
   }
   return {};
 }
@@ -169,7 +169,7 @@ std::span<const StructureIndex> StructureGraph::children(StructureIndex s) const
 }
 
 std::vector<StructureIndex> StructureGraph::descendants(StructureIndex s) const {
-  std::unordered_set<StructureIndex> seen;  // not of all structures: few may lie below
+  std::unordered_set<StructureIndex> seen;  // a set, because a subtree may be small
   return walk({&s, 1}, [&](StructureIndex below) { return seen.insert(below).second; });
 }
 
@@ -179,22 +179,22 @@ std::vector<std::string> StructureGraph::paths(StructureIndex s, std::size_t lim
     std::size_t next_parent;
   };
   std::vector<std::string> result;
-  std::vector<Step> way{{s, 0}};  // from s upwards; parents are tried in order
-  while (!way.empty() && result.size() < limit) {
-    auto& [here, next_parent] = way.back();
+  std::vector<Step> stack{{s, 0}};  // depth-first stack from s upwards, parents in order
+  while (!stack.empty() && result.size() < limit) {
+    auto& [here, next_parent] = stack.back();
     const auto& parents = structures_[here].parents;
     if (next_parent < parents.size()) {
       const StructureIndex parent = parents[next_parent++];
-      way.push_back({parent, 0});
+      stack.push_back({parent, 0});
       continue;
     }
     if (parents.empty()) {
       std::string path = structures_[here].name;
-      for (auto step = way.rbegin() + 1; step != way.rend(); ++step)
+      for (auto step = stack.rbegin() + 1; step != stack.rend(); ++step)
         path += "/" + structures_[step->structure].name;
       result.push_back(std::move(path));
     }
-    way.pop_back();
+    stack.pop_back();
   }
   return result;
 }

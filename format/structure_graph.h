@@ -1,4 +1,4 @@
-// Anatomical structures and how they contain one another.
+// Directed acyclic graph of anatomical structures.
 #pragma once
 
 #include <cstdint>
@@ -16,32 +16,32 @@ namespace splatlas {
 using StructureIndex = std::uint32_t;
 inline constexpr StructureIndex kNoStructure = 0xffffffffu;
 
-/// Limits that keep a stranger's graph from costing more than its bytes.
+/// Limits that bound the cost of untrusted graphs.
 inline constexpr std::size_t kMaxStructures = 1u << 20;
 inline constexpr std::size_t kMaxGraphDepth = 256;
 
-/// An anatomical entity. A structure with a label, a segmentation or a surface file of its own holds voxels
-/// or triangles; a structure without is a group: it stands for its descendants.
+/// An anatomical structure, or a group without voxels and triangles of its own that represents its
+/// descendants.
 struct Structure {
-  std::string id;  ///< stable, unique in the atlas without regard to case; letters, digits, "_", "-", "."
-  std::string name = {};  ///< as shown; need not be unique
+  std::string id;         ///< stable and unique, ignoring case; letters, digits, "_", "-" and "."
+  std::string name = {};  ///< display name; may be ambiguous
   Rgb color = {};
-  std::optional<std::int64_t> label =
-      std::nullopt;                          ///< its value in the source label map, if it came from one
-  std::vector<StructureIndex> parents = {};  ///< several allowed: one gyrus belongs to a side and to a lobe
-  bool external = false;  ///< its surface came from a file of its own (an implant, a needle)
+  std::optional<std::int64_t> label = std::nullopt;  ///< value in the source label map, if any
+  std::vector<StructureIndex> parents =
+      {};                 ///< may be several: a gyrus belongs to a hemisphere and to a lobe
+  bool external = false;  ///< surface from a mesh file (an implant, a needle)
 
   friend bool operator==(const Structure&, const Structure&) = default;
 };
 
-/// A directed acyclic graph of structures. Immutable once built; safe to share between threads.
+/// A directed acyclic graph of structures. Immutable and thread-safe.
 class StructureGraph {
  public:
   StructureGraph() = default;
 
-  /// Refuses (kInvalidAtlas) empty, malformed or repeated ids, parents that do not exist or repeat, cycles, a
-  /// depth above kMaxGraphDepth and more than kMaxStructures structures. Cost: linear in structures and
-  /// parents.
+  /// Builds and validates the graph. kInvalidAtlas for empty, malformed or duplicate ids, missing or
+  /// duplicate parents, cycles, a depth above kMaxGraphDepth, and more than kMaxStructures structures. Cost:
+  /// linear in structures and parents.
   [[nodiscard]] static Result<StructureGraph> build(std::vector<Structure> structures);
 
   [[nodiscard]] std::size_t size() const { return structures_.size(); }
@@ -49,15 +49,15 @@ class StructureGraph {
   [[nodiscard]] std::span<const Structure> structures() const { return structures_; }
   [[nodiscard]] std::span<const StructureIndex> children(StructureIndex s) const;
   [[nodiscard]] std::span<const StructureIndex> roots() const { return roots_; }
-  /// Every structure once, parents' first visit before children: the order in which streams are stored, so
-  /// that a subtree of the first hierarchy is one contiguous range.
+  /// Depth-first preorder from the roots, each structure once. Streams are stored in this order, so that a
+  /// subtree of the first hierarchy is contiguous.
   [[nodiscard]] std::span<const StructureIndex> preorder() const { return preorder_; }
-  /// Every structure once, all its parents before it; roots first.
+  /// Topological order: roots first, every structure after all its parents.
   [[nodiscard]] std::span<const StructureIndex> topological() const { return topological_; }
-  /// `s` and everything below it, each once, in the preorder of a walk that starts at `s`. Cost: linear in
-  /// what it returns and the parents of that.
+  /// `s` and its descendants, each once, in depth-first preorder from `s`. Cost: linear in the result and its
+  /// edges.
   [[nodiscard]] std::vector<StructureIndex> descendants(StructureIndex s) const;
-  /// One path per way from a root, names joined by "/"; at most `limit` of them, by first parents first.
+  /// Paths of names from the roots to `s`, joined by "/"; at most `limit`, in the order of parents.
   [[nodiscard]] std::vector<std::string> paths(StructureIndex s, std::size_t limit = 64) const;
 
  private:
@@ -75,8 +75,8 @@ class StructureGraph {
   std::vector<StructureIndex> topological_;
 };
 
-/// A stable id from a display name: ASCII letters and digits kept, all between them one "_" ("Left
-/// hemisphere" becomes "Left_hemisphere"); "structure" when nothing is left. Not made unique.
+/// Derives an id from a display name: replaces other characters between ASCII letters and digits by one "_"
+/// ("Left hemisphere" becomes "Left_hemisphere"). "structure" if nothing remains. The id may not be unique.
 [[nodiscard]] std::string id_from_name(std::string_view name);
 
 }  // namespace splatlas

@@ -16,11 +16,11 @@ TransferValue evaluate(const TransferCurve& curve, double grey, double reference
   const TransferValue at_low{extinction_of(low.opacity, reference_length_mm), low.shade};
   if (&low == &high) return at_low;
   const TransferValue at_high{extinction_of(high.opacity, reference_length_mm), high.shade};
-  // Both weights from differences: near a point that is clear, what is left is exact.
-  const double of_high = (grey - low.grey) / (high.grey - low.grey);
-  const double of_low = (high.grey - grey) / (high.grey - low.grey);
-  return {of_low * at_low.extinction_per_mm + of_high * at_high.extinction_per_mm,
-          of_low * at_low.shade + of_high * at_high.shade};
+  // Compute both weights from differences to avoid cancellation near a transparent point.
+  const double high_weight = (grey - low.grey) / (high.grey - low.grey);
+  const double low_weight = (high.grey - grey) / (high.grey - low.grey);
+  return {low_weight * at_low.extinction_per_mm + high_weight * at_high.extinction_per_mm,
+          low_weight * at_low.shade + high_weight * at_high.shade};
 }
 
 Result<void> check_curve(const TransferCurve& curve) {

@@ -8,14 +8,14 @@
 namespace splatlas {
 namespace {
 
-/// Codes -127..127 stand for -1..1: symmetric, so that the six axes are exact.
+/// Codes -127 to 127 represent -1 to 1: symmetric, so that the six axes are exact.
 constexpr float kScale = 127.0f;
 
 float sign_of(float x) {
   return x < 0 ? -1.0f : 1.0f;
 }
 
-/// Folds the lower half of the octahedron out over the upper half's square, or back.
+/// Unfolds the lower half of the octahedron around the square of the upper half, or folds it back.
 std::array<float, 2> folded(float x, float y) {
   return {(1 - std::abs(y)) * sign_of(x), (1 - std::abs(x)) * sign_of(y)};
 }
@@ -25,12 +25,12 @@ PackedNormal pack_codes(float x, float y) {
   return static_cast<PackedNormal>(code(x) | code(y) << 8);
 }
 
-/// The point of the octahedron |x| + |y| + |z| = 1 that a code stands for.
+/// The point of a code on the octahedron |x| + |y| + |z| = 1.
 std::array<float, 3> octahedron_point(PackedNormal packed) {
-  const auto side = [](unsigned bits) {  // -128 is never packed; it reads as -127
+  const auto component = [](unsigned bits) {  // code -128, never written, decodes as -127
     return std::max(static_cast<float>(static_cast<std::int8_t>(bits & 0xffu)) / kScale, -1.0f);
   };
-  std::array<float, 2> p{side(packed), side(packed >> 8u)};
+  std::array<float, 2> p{component(packed), component(packed >> 8u)};
   const float z = 1 - std::abs(p[0]) - std::abs(p[1]);
   if (z < 0) p = folded(p[0], p[1]);
   return {p[0], p[1], z};
@@ -46,19 +46,19 @@ PackedNormal pack_normal(const std::array<float, 3>& n) {
   std::array<float, 2> p{v[0] / sum, v[1] / sum};
   if (v[2] < 0) p = folded(p[0], p[1]);
 
-  // The nearest of the four codes around the exact point: rounding each side alone is up to 0.3 degrees
-  // worse.
+  // Choose the nearest of the four codes around the exact point: rounding each component separately adds up
+  // to 0.3 degrees.
   const float x = std::floor(std::clamp(p[0], -1.0f, 1.0f) * kScale);
   const float y = std::floor(std::clamp(p[1], -1.0f, 1.0f) * kScale);
   PackedNormal best = 0;
-  float best_dot = -1, best_squared_length = 1;  // codes around a direction are less than a right angle off
+  float best_dot = -1, best_squared_length = 1;  // all four codes are within 90 degrees of the direction
   for (const float dy : {0.0f, 1.0f}) {
     for (const float dx : {0.0f, 1.0f}) {
       const PackedNormal code = pack_codes(std::min(x + dx, kScale), std::min(y + dy, kScale));
       const std::array<float, 3> u = octahedron_point(code);
       const float dot = u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
       const float squared_length = u[0] * u[0] + u[1] * u[1] + u[2] * u[2];
-      // The larger cosine, without roots and quotients.
+      // Compare cosines without square roots and divisions.
       if (best_dot < 0 || dot * dot * best_squared_length > best_dot * best_dot * squared_length) {
         best_dot = dot;
         best_squared_length = squared_length;

@@ -1,4 +1,4 @@
-// The scalar types of grey values and labels.
+// Scalar types of grey values and labels.
 #pragma once
 
 #include <cstddef>
@@ -7,7 +7,7 @@
 
 namespace splatlas {
 
-/// Stored in files: values must not change.
+/// Numbers are part of the file format and must not change.
 enum class VoxelType : std::uint8_t {
   kNone = 0,
   kUInt8 = 1,
@@ -50,7 +50,7 @@ enum class VoxelType : std::uint8_t {
   return "none";
 }
 
-/// Calls `visit` with a value of the C++ type of `type` (a tag: only its type matters); kNone is not allowed.
+/// Calls `visit` with a value-initialized object of the C++ type of `type`, as a tag; not for kNone.
 template <typename Visitor>
 decltype(auto) visit_voxel_type(VoxelType type, Visitor&& visit) {
   switch (type) {
@@ -67,7 +67,7 @@ decltype(auto) visit_voxel_type(VoxelType type, Visitor&& visit) {
   return visit(std::uint8_t{});
 }
 
-/// Voxels of one type, i fastest, in a grid that stands elsewhere.
+/// Voxels of one type, i fastest. The grid is stored separately.
 struct VoxelBuffer {
   VoxelType type = VoxelType::kNone;
   std::vector<std::byte> bytes;

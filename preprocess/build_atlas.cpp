@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Of an atlas that is to be written: one that does not open never takes an old one's place.
+/// Reopens the encoded atlas before writing, so that an invalid one never replaces an old file.
 Result<BuildReport> report_on(const std::vector<std::byte>& bytes, const fs::path& output,
                               std::uint64_t structures) {
   SPLATLAS_ASSIGN_OR_RETURN(const auto atlas, Atlas::open_bytes(bytes, output.string()));

@@ -1,4 +1,4 @@
-// The whole way from files to an atlas file.
+// Build pipeline from source files to an atlas file.
 #pragma once
 
 #include <array>
@@ -11,28 +11,30 @@
 
 namespace splatlas {
 
+/// Inputs and options of a build.
 struct BuildOptions {
   SourceFiles sources;
   std::filesystem::path output;
-  std::string title, citation, licence;  ///< kept as given
+  std::string title, citation, licence;  ///< stored unchanged
   std::string tool;                      ///< name and version of the program, for provenance
-  int level = 12;                        ///< Zstandard's, 1 (fast) to 22 (small)
+  int level = 12;                        ///< Zstandard level, 1 (fast) to 22 (small)
   bool compact = false;                  ///< see WriteOptions
-  unsigned threads = 0;                  ///< 0: all cores. The file does not depend on it.
+  unsigned threads = 0;                  ///< 0: one per core. The file does not depend on it.
   ProgressFunction progress;             ///< may be empty
 };
 
+/// Statistics of a finished build.
 struct BuildReport {
   std::size_t structures = 0, classes = 0;
-  std::array<std::uint64_t, 3> runs{};  ///< of the models of x, y, z
+  std::array<std::uint64_t, 3> runs{};  ///< of the run models of x, y, z
   std::uint64_t triangles = 0;
   std::uint64_t bytes = 0;  ///< of the file
   std::vector<StageClock::Stage> stages;
-  std::vector<std::string> notes;  ///< oddities that are no errors, one line each
+  std::vector<std::string> notes;  ///< notes and warnings, one line each
 };
 
-/// Builds an atlas. Refuses an output that is one of the inputs or cannot be a file, before anything is read.
-/// On any error the output is what it was.
+/// Builds an atlas. Refuses an output that is an input or cannot be written before reading any input. On
+/// errors the old output file is unchanged.
 [[nodiscard]] Result<BuildReport> build_atlas(const BuildOptions& options);
 
 }  // namespace splatlas

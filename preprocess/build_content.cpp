@@ -9,7 +9,7 @@
 namespace splatlas {
 namespace {
 
-/// Source numbers are: labels or masks, segments, meshes.
+/// Source numbers are in the order labels or masks, segments, meshes.
 std::size_t first_mesh(const SourceModel& model) {
   return model.structures.size() - model.meshes.size();
 }
@@ -17,7 +17,7 @@ std::size_t first_segment(const SourceModel& model) {
   return first_mesh(model) - model.segments.size();
 }
 
-/// Each segment takes of its voxels those that nothing holds yet.
+/// Adds the segments. A segment gets only voxels that no structure contains yet.
 Result<void> segment(SourceModel& model, const Grid& grid, StageClock& clock,
                      std::vector<std::string>& notes) {
   for (std::size_t n = 0; n < model.segments.size(); ++n) {
@@ -25,11 +25,11 @@ Result<void> segment(SourceModel& model, const Grid& grid, StageClock& clock,
     if (rule.kind != SegmentRule::Kind::kMask) {
       SPLATLAS_ASSIGN_OR_RETURN(mask, segment_volume(model.values, grid, rule));
     }
-    const auto held = model.memberships.voxels();
-    for (std::size_t v = 0; v < mask.size(); ++v) mask[v] = mask[v] != 0 && held[v] == 0;
+    const auto sets = model.memberships.voxels();
+    for (std::size_t v = 0; v < mask.size(); ++v) mask[v] = mask[v] != 0 && sets[v] == 0;
     const auto structure = static_cast<StructureIndex>(first_segment(model) + n);
     if (model.memberships.add(structure, mask) == 0) {
-      notes.push_back("segment '" + rule.name + "' holds no voxel that is not held already");
+      notes.push_back("segment '" + rule.name + "' has no voxel outside the other structures");
     }
     mask = {};
     clock.update(static_cast<double>(n + 1) / static_cast<double>(model.segments.size()));

@@ -1,4 +1,4 @@
-// From sources in memory to the content of an atlas.
+// Conversion of imported sources to atlas content.
 #pragma once
 
 #include "format/atlas_content.h"
@@ -7,9 +7,9 @@
 
 namespace splatlas {
 
-/// Places the structures in the graph, segments what is to be segmented, classifies the voxels, and fits the
-/// surfaces. Provenance keeps the sources' hashes only: titles and the like are the caller's. Adds to
-/// `notes`. The content does not depend on `threads` (0: all cores). Stages are reported to `clock`.
+/// Builds the structure graph, runs segmentations, classifies the voxels and extracts surfaces. Fills only
+/// the hashes of the provenance. Appends to `notes` and reports stages to `clock`. The content does not
+/// depend on `threads` (0: one per core).
 [[nodiscard]] Result<AtlasContent> build_content(SourceModel model, unsigned threads, StageClock& clock,
                                                  std::vector<std::string>& notes);
 

@@ -1,4 +1,4 @@
-// Where a build is.
+// Progress reports and stage timing of a build.
 #pragma once
 
 #include <chrono>
@@ -8,35 +8,36 @@
 
 namespace splatlas {
 
-/// Sent when a stage begins (fraction 0), now and then while it runs, and once when it has ended.
+/// Progress report: sent at the beginning of a stage (fraction 0), at intervals, and once at its end.
 struct BuildProgress {
   std::string stage;          ///< "read", "segment", "classify", "surfaces", "write"
-  double stage_fraction = 0;  ///< of this stage, 0..1
-  double total_fraction = 0;  ///< of the whole build, by the usual cost of stages
-  double stage_seconds = 0;   ///< spent on this stage so far
-  double total_seconds = 0;
+  double stage_fraction = 0;  ///< of this stage, 0 to 1
+  double total_fraction = 0;  ///< of the whole build, estimated from typical costs of stages
+  double stage_seconds = 0;   ///< elapsed in this stage
+  double total_seconds = 0;   ///< elapsed in the build
   bool stage_ended = false;
 };
 
 using ProgressFunction = std::function<void(const BuildProgress&)>;
 
-/// Keeps the time of stages and reports them. For one thread.
+/// Measures and reports the stages of a build. Not thread-safe.
 class StageClock {
  public:
   /// `listen` may be empty.
   explicit StageClock(ProgressFunction listen) : listen_(std::move(listen)), start_(Clock::now()) {}
 
-  /// Ends the stage before. `weight` is this stage's share of a usual build; all shares should add up to 1.
+  /// Ends the current stage and begins the next. `weight` is its fraction of a typical build; weights should
+  /// sum to 1.
   void begin(const std::string& stage, double weight);
   void update(double stage_fraction);
   void end();
 
-  /// What ended, and how long it took.
+  /// A finished stage.
   struct Stage {
     std::string name;
     double seconds = 0;
   };
-  [[nodiscard]] const std::vector<Stage>& stages() const { return stages_; }  ///< those that ended
+  [[nodiscard]] const std::vector<Stage>& stages() const { return stages_; }  ///< finished stages
 
  private:
   using Clock = std::chrono::steady_clock;

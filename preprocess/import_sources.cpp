@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Fills a SourceModel, one kind of file after the other.
+/// Imports the files into a SourceModel, kind by kind.
 class SourceImporter {
  public:
   SourceImporter(const SourceFiles& files, const std::function<void(double)>& progress)
@@ -47,7 +47,7 @@ class SourceImporter {
     return {};
   }
 
-  /// The first volume gives the grid, every other one must be on it.
+  /// The first volume determines the grid; all others must match it.
   Result<void> join_grid(const Grid& grid, const std::string& file) {
     if (grid_file_.empty()) {
       model_.source_grid = grid;
@@ -57,7 +57,7 @@ class SourceImporter {
     return check_same_grid(model_.source_grid, grid_file_, grid, file);
   }
 
-  /// Of segments and meshes; each must have its own.
+  /// Checks that the names of segments and meshes are unique.
   Result<void> collect_names() {
     for (const SegmentRule& rule : files_.segments)
       SPLATLAS_RETURN_IF_ERROR(collect_name("--segment", rule.name));
@@ -98,7 +98,7 @@ class SourceImporter {
 
   Result<void> import_labels() {
     if (files_.labels.empty()) return {};
-    std::error_code unreadable;  // which the importer tells
+    std::error_code unreadable;  // the importer reports it
     const bool masks = fs::is_directory(files_.labels, unreadable);
     SPLATLAS_ASSIGN_OR_RETURN(ImportedLabels labels,
                               masks ? import_mask_folder(files_.labels) : import_label_map(files_.labels));
@@ -152,7 +152,7 @@ class SourceImporter {
       model_.structures.push_back(std::move(structure));
       model_.segments.push_back(std::move(segment));
     }
-    // Without labels the memberships start empty, on the grid that the volume or the first mask gave.
+    // Without labels, start with empty memberships on the grid of the volume or the first mask.
     if (files_.labels.empty()) model_.memberships = MembershipVolume(storage_grid().size);
     return {};
   }
@@ -164,18 +164,15 @@ class SourceImporter {
       Result<ClippedMesh> clipped = clip_mesh(mesh, storage_grid());
       if (!clipped) return fail(clipped.error().code, fmt::format("{}: {}", file, clipped.error().message));
       if (clipped->crossed.empty()) {
-        return fail(ErrorCode::kFailed,
-                    fmt::format("{}: lies beyond the volume altogether; is --mesh-frame right?", file));
+        return fail(ErrorCode::kFailed, fmt::format("{}: is outside the volume; check --mesh-frame", file));
       }
       if (mesh.dropped > 0) {
-        model_.notes.push_back(
-            fmt::format("{}: {} triangles without area or place are left out", file, mesh.dropped));
+        model_.notes.push_back(fmt::format("{}: {} degenerate triangles are dropped", file, mesh.dropped));
       }
       constexpr double kNegligible = 1e-6;
       if (clipped->outside > kNegligible) {
-        model_.notes.push_back(
-            fmt::format("{}: {:.1f} % of the surface lies beyond the volume and is left out", file,
-                        100 * clipped->outside));
+        model_.notes.push_back(fmt::format("{}: {:.1f} % of the surface is outside the volume and dropped",
+                                           file, 100 * clipped->outside));
       }
       SourceStructure structure;
       structure.name = source.name;
@@ -202,7 +199,7 @@ class SourceImporter {
 
 Result<SourceModel> import_sources(const SourceFiles& files, const std::function<void(double)>& progress) {
   if (files.labels.empty() && files.segments.empty()) {
-    return fail(ErrorCode::kUsage, "nothing says what the structures are: give --labels, or a --segment");
+    return fail(ErrorCode::kUsage, "no structures: give --labels or a --segment");
   }
   if (files.labels.empty() && (!files.names.empty() || !files.colors.empty())) {
     return fail(ErrorCode::kUsage, "--names and --colors need --labels");

@@ -1,4 +1,4 @@
-// Reads everything that a build starts from.
+// Import of all source files of a build.
 #pragma once
 
 #include <string>
@@ -12,7 +12,7 @@
 
 namespace splatlas {
 
-/// What the author names on the command line. Empty paths: not given.
+/// Source files from the command line. Empty paths are not given.
 struct SourceFiles {
   std::filesystem::path labels;  ///< a label map, or a folder of masks
   std::filesystem::path volume, names, colors, tree;
@@ -26,18 +26,18 @@ struct SourceFiles {
   bool allow_empty = false;
 };
 
-/// Everything that the files hold, in memory. Volumes are in the storage order of `source_grid`. Structures
-/// have source numbers: those of labels or masks first, then the segments, then the meshes.
+/// Imported sources. Volumes are in the storage order of `source_grid`. Source numbers of structures: labels
+/// or masks first, then segments, then meshes.
 struct SourceModel {
   Grid source_grid;
   VoxelBuffer values;  ///< empty() without a volume
   VoxelType label_type = VoxelType::kNone;
-  MembershipVolume memberships{Index3{0, 0, 0}};  ///< of labels or masks; segments come later
+  MembershipVolume memberships{Index3{0, 0, 0}};  ///< of labels or masks; build_content() adds segments
   std::vector<SourceStructure> structures;
 
   struct Segment {
     SegmentRule rule;
-    std::vector<std::uint8_t> mask;  ///< what a mask rule's file holds; else empty
+    std::vector<std::uint8_t> mask;  ///< from the file of a mask rule; else empty
   };
   std::vector<Segment> segments;
   std::vector<ClippedMesh> meshes;
@@ -45,15 +45,16 @@ struct SourceModel {
   std::vector<TreeLine> tree;
   std::string tree_file;
   std::vector<Source> provenance;
-  std::vector<std::string> notes;  ///< oddities that are no errors, one line each
+  std::vector<std::string> notes;  ///< notes and warnings, one line each
 };
 
-/// Reads and checks the files, each with an error of one line (see the importers). All volumes must be on one
-/// grid, and no two structures share a name (case aside). `progress` gets the fraction done and may be empty.
+/// Reads and checks the files; errors are those of the importers. All volumes must have the same grid, and
+/// names of structures must be unique (ignoring case). `progress` receives the fraction done and may be
+/// empty.
 [[nodiscard]] Result<SourceModel> import_sources(const SourceFiles& files,
                                                  const std::function<void(double)>& progress = {});
 
-/// Every file that import_sources would read, folders listed.
+/// All files that import_sources() would read, including those in folders.
 [[nodiscard]] std::vector<std::filesystem::path> list_files(const SourceFiles& files);
 
 }  // namespace splatlas

@@ -6,7 +6,7 @@
 namespace splatlas {
 namespace {
 
-/// Per class: whether its grey values count for the window.
+/// [class]: true if its grey values contribute to the window.
 std::vector<bool> classes_to_window(const ClassTable& classes, const StructureGraph& graph) {
   const bool any_label = std::any_of(graph.structures().begin(), graph.structures().end(),
                                      [](const Structure& s) { return s.label.has_value(); });
@@ -19,7 +19,7 @@ std::vector<bool> classes_to_window(const ClassTable& classes, const StructureGr
   return counts;
 }
 
-/// Grey values of the classes that count; every n-th where there are very many.
+/// Finite grey values of the contributing classes, subsampled regularly if there are many.
 std::vector<double> sample_values(const Classification& classification, const std::vector<bool>& counts,
                                   const VoxelBuffer& values) {
   constexpr std::uint64_t kMaxSamples = std::uint64_t{1} << 22;
@@ -59,7 +59,7 @@ void visit_rows(const std::vector<ClassId>& volume, const Index3& size, Visit&& 
   }
 }
 
-void measure_ball(const std::vector<ClassId>& volume, const Grid& grid, Display& display) {
+void measure_sphere(const std::vector<ClassId>& volume, const Grid& grid, Display& display) {
   IndexBox box;
   visit_rows(volume, grid.size, [&](std::int64_t k, std::int64_t j, std::int64_t first, std::int64_t last) {
     box.include(IndexBox{{first, j, k}, {last, j, k}});
@@ -82,7 +82,7 @@ void measure_ball(const std::vector<ClassId>& volume, const Grid& grid, Display&
     }
   };
   visit_rows(volume, grid.size, [&](std::int64_t k, std::int64_t j, std::int64_t first, std::int64_t last) {
-    include_voxel(first, j, k);  // a ball is convex: the ends of a row decide
+    include_voxel(first, j, k);  // a sphere is convex: the ends of a row suffice
     include_voxel(last, j, k);
   });
   if (nothing) {
@@ -97,7 +97,7 @@ void measure_ball(const std::vector<ClassId>& volume, const Grid& grid, Display&
 Display measure_display(const Classification& classification, const StructureGraph& graph,
                         const VoxelBuffer& values, const Grid& storage_grid) {
   Display display;
-  measure_ball(classification.volume, storage_grid, display);
+  measure_sphere(classification.volume, storage_grid, display);
   if (values.empty()) return display;
   std::vector<double> samples =
       sample_values(classification, classes_to_window(classification.classes, graph), values);

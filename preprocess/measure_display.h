@@ -1,4 +1,4 @@
-// What a player shows by default: the window of grey values, and the ball that a camera frames.
+// Default display window and bounding sphere of an atlas.
 #pragma once
 
 #include "format/atlas_content.h"
@@ -6,10 +6,10 @@
 
 namespace splatlas {
 
-/// The window spans the 1st to the 99.5th percentile of the finite grey values in structures that came from a
-/// label map (in all structures when none did), of four million voxels at most, evenly picked. The ball is
-/// around the centre of the box of all voxels of structures and reaches the farthest corner of one of them;
-/// without such voxels it is the grid's. `values` is in the storage grid and may be empty.
+/// The window is the 1st to the 99.5th percentile of finite grey values in labelled structures (in all
+/// structures if none has a label), from a regular subsample of large volumes. The sphere is centred on the
+/// bounding box of all structures' voxels and contains their corners; without such voxels it is that of the
+/// grid. `values` is in the storage grid and may be empty.
 [[nodiscard]] Display measure_display(const Classification& classification, const StructureGraph& graph,
                                       const VoxelBuffer& values, const Grid& storage_grid);
 

@@ -20,7 +20,7 @@ bool MembershipVolume::disjoint() const {
 
 std::uint64_t MembershipVolume::add(StructureIndex structure, std::span<const std::uint8_t> mask) {
   constexpr SetId kUnknown = 0xffffffff;
-  std::vector<SetId> extended(sets_.size(), kUnknown);  // the set with `structure` as well
+  std::vector<SetId> extended(sets_.size(), kUnknown);  // [set]: its union with `structure`
   std::uint64_t count = 0;
   for (std::size_t v = 0; v < voxels_.size(); ++v) {
     if (mask[v] == 0) continue;

@@ -1,4 +1,4 @@
-// Which structures hold each voxel.
+// Volume of structure sets per voxel.
 #pragma once
 
 #include <cstdint>
@@ -11,27 +11,27 @@
 
 namespace splatlas {
 
-/// A set of structures per voxel. Label maps give sets of one structure, masks any; there are few distinct
-/// sets, so a voxel stores a set's number.
+/// The set of structures that contain each voxel. There are few distinct sets, so that voxels store set ids.
+/// Label maps have sets of at most one structure.
 class MembershipVolume {
  public:
   using SetId = std::uint32_t;  ///< 0 is the empty set
 
-  /// No structure holds any voxel.
+  /// All sets are empty.
   explicit MembershipVolume(const Index3& size);
-  /// `sets[n]` (sorted, without repeats) is set n; sets[0] must be empty, and all must differ.
+  /// `sets[n]` is set n, sorted and unique. All sets must differ, and sets[0] must be empty.
   MembershipVolume(const Index3& size, std::vector<std::vector<StructureIndex>> sets,
                    std::vector<SetId> voxels);
 
   [[nodiscard]] const Index3& size() const { return size_; }
   [[nodiscard]] std::span<const SetId> voxels() const { return voxels_; }  ///< i fastest
   [[nodiscard]] std::span<const std::vector<StructureIndex>> sets() const { return sets_; }
-  /// Whether no voxel is held by two structures.
+  /// True if no voxel is in two structures.
   [[nodiscard]] bool disjoint() const;
 
-  /// `structure` holds every voxel whose `mask` is not 0 as well. Returns how many. Cost: one pass.
+  /// Adds `structure` to the sets of all voxels with non-zero `mask`. Returns their number. Cost: one pass.
   std::uint64_t add(StructureIndex structure, std::span<const std::uint8_t> mask);
-  /// Structure n becomes `new_numbers[n]`. Cost: linear in the sets.
+  /// Replaces structure n by `new_numbers[n]`. Cost: linear in the sets.
   void renumber(std::span<const StructureIndex> new_numbers);
 
  private:

@@ -1,4 +1,4 @@
-// splatlas-preprocess: makes atlases, and takes them apart again.
+// splatlas-preprocess: builds atlases from volumes and exports their content.
 
 #include <cstdio>
 #include <sstream>
@@ -24,7 +24,7 @@ constexpr const char* kDescription =
     "  splatlas-preprocess build -o brain.atlas --labels aal.nii.gz --names aal.nii.txt --volume ch2.nii.gz\n"
     "  splatlas-preprocess export brain.atlas --labels labels.nii.gz\n"
     "\n"
-    "COMMAND --help tells everything about a command.";
+    "COMMAND --help lists the options of a command.";
 
 Result<void> run(int argc, char** argv) {
   CLI::App app{kDescription, "splatlas-preprocess"};

@@ -1,4 +1,4 @@
-// A structure as an input file describes it.
+// Structure description from an input file.
 #pragma once
 
 #include <cstdint>
@@ -9,8 +9,7 @@
 
 namespace splatlas {
 
-/// A structure as its source gives it, before the tree file places it. Its number in a list of these is its
-/// source number.
+/// A structure before its placement in the graph. Its index in the list of these is its source number.
 struct SourceStructure {
   std::string name;
   std::optional<std::int64_t> label;

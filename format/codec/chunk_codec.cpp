@@ -22,12 +22,12 @@ struct Release {
 using CompressContext = std::unique_ptr<ZSTD_CCtx, Release<ZSTD_freeCCtx>>;
 using DecompressContext = std::unique_ptr<ZSTD_DCtx, Release<ZSTD_freeDCtx>>;
 
-/// Contexts to reuse: making one costs more than a small chunk. Not thread_local: a thread's first use of one
-/// with a destructor waits for the dynamic linker's lock, which a program that loads a module holds for long.
+/// Pool of reusable contexts: creating one costs more than a small chunk. Not thread_local: the first use of
+/// a thread_local with a destructor takes the dynamic linker's lock, which loading a module holds for long.
 template <typename Context, auto create>
 class ContextPool {
  public:
-  /// A context for the caller alone, given back when the lease ends.
+  /// Exclusive use of a context. Returns it to the pool on destruction.
   class Lease {
    public:
     Lease(ContextPool& pool, Context context) : pool_(pool), context_(std::move(context)) {}
@@ -53,7 +53,7 @@ class ContextPool {
         pool.idle_.pop_back();
         return Lease(pool, std::move(context));
       }
-      pool.idle_.reserve(++pool.made_);  // giving it back cannot fail
+      pool.idle_.reserve(++pool.made_);  // returning the context cannot throw
     }
     Context context(create());
     if (!context) throw std::bad_alloc();
@@ -63,7 +63,7 @@ class ContextPool {
  private:
   std::mutex mutex_;
   std::vector<Context> idle_;
-  std::size_t made_ = 0;  // at most; some could not be
+  std::size_t made_ = 0;  // upper bound: includes contexts that could not be created
 };
 using CompressContexts = ContextPool<CompressContext, ZSTD_createCCtx>;
 using DecompressContexts = ContextPool<DecompressContext, ZSTD_createDCtx>;
@@ -72,8 +72,8 @@ tl::unexpected<Error> damaged(std::string message) {
   return fail(ErrorCode::kInvalidAtlas, std::move(message));
 }
 
-/// Exactly one frame, of exactly the expected content: Zstandard itself would take several, and skippable
-/// ones.
+/// Checks for exactly one frame of the expected decoded length. Zstandard itself would accept several frames
+/// and skippable ones.
 Result<void> check_frame(std::span<const std::byte> stored, std::size_t decoded_bytes) {
   constexpr std::uint32_t kMagic = ZSTD_MAGICNUMBER;
   if (stored.size() < sizeof kMagic || std::memcmp(stored.data(), &kMagic, sizeof kMagic) != 0) {
@@ -83,7 +83,7 @@ Result<void> check_frame(std::span<const std::byte> stored, std::size_t decoded_
   if (ZSTD_isError(frame_bytes) || frame_bytes != stored.size()) return damaged("not one Zstandard frame");
   const unsigned long long content = ZSTD_getFrameContentSize(stored.data(), stored.size());
   if (content != decoded_bytes) {
-    return damaged(fmt::format("its frame is not of the {} bytes that the directory tells", decoded_bytes));
+    return damaged(fmt::format("wrong frame length (expected {} bytes)", decoded_bytes));
   }
   if (ZSTD_getDictID_fromFrame(stored.data(), stored.size()) != 0)
     return damaged("its frame needs a dictionary");
@@ -99,14 +99,13 @@ EncodedChunk encode_chunk(std::span<const std::byte> decoded, int level, ChunkCo
   ZSTD_CCtx_reset(context.get(), ZSTD_reset_session_and_parameters);
   ZSTD_CCtx_setParameter(context.get(), ZSTD_c_compressionLevel, level);
   if (content == ChunkContent::kNoise) {
-    // Lower levels take chance repeats for a gain; this strategy weighs them, and finds where blocks should
-    // end.
+    // Lower strategies use unprofitable matches. This one estimates their cost and splits blocks.
     ZSTD_CCtx_setParameter(context.get(), ZSTD_c_strategy, ZSTD_btultra);
     ZSTD_CCtx_setParameter(context.get(), ZSTD_c_minMatch, 7);
   }
   const std::size_t size =
       ZSTD_compress2(context.get(), chunk.bytes.data(), chunk.bytes.size(), decoded.data(), decoded.size());
-  if (ZSTD_isError(size)) throw std::bad_alloc();  // the only way to fail with room for the worst case
+  if (ZSTD_isError(size)) throw std::bad_alloc();  // the only possible failure with a worst-case buffer
   if (size < decoded.size()) {
     chunk.bytes.resize(size);
     chunk.entry.codec = ChunkCodec::kZstd;
@@ -128,7 +127,7 @@ Result<void> check_chunk(std::span<const std::byte> stored, const ChunkEntry& en
 Result<void> decode_chunk(std::span<const std::byte> stored, const ChunkEntry& entry,
                           std::span<std::byte> decoded) {
   SPLATLAS_RETURN_IF_ERROR(check_chunk(stored, entry));
-  if (entry.filter != 0) return damaged(fmt::format("filter {} is not known", entry.filter));
+  if (entry.filter != 0) return damaged(fmt::format("unknown filter {}", entry.filter));
   switch (entry.codec) {
     case ChunkCodec::kStored:
       if (stored.size() != decoded.size()) {
@@ -146,7 +145,7 @@ Result<void> decode_chunk(std::span<const std::byte> stored, const ChunkEntry& e
       return {};
     }
   }
-  return damaged(fmt::format("codec {} is not known", static_cast<unsigned>(entry.codec)));
+  return damaged(fmt::format("unknown codec {}", static_cast<unsigned>(entry.codec)));
 }
 
 }  // namespace splatlas

@@ -1,4 +1,4 @@
-// One chunk of the file: bytes in, bytes out, with a checksum. Zstandard stays inside.
+// Compression and checksums of file chunks.
 #pragma once
 
 #include <cstddef>
@@ -12,6 +12,7 @@ namespace splatlas {
 
 enum class ChunkCodec : std::uint8_t { kStored = 0, kZstd = 1 };
 
+/// Directory entry of a chunk.
 struct ChunkEntry {
   std::uint64_t checksum = 0;  ///< XXH3-64 of the stored bytes
   std::uint32_t stored_bytes = 0;
@@ -19,29 +20,30 @@ struct ChunkEntry {
   std::uint8_t filter = 0;  ///< 0: none; others are reserved
 };
 
+/// A compressed chunk and its directory entry.
 struct EncodedChunk {
   ChunkEntry entry;
   std::vector<std::byte> bytes;  ///< as stored
 };
 
-/// What an encoder should look for.
+/// Hint for the encoder.
 enum class ChunkContent : std::uint8_t {
   kAny,
-  kNoise,  ///< bytes of changing distribution in which hardly anything repeats
+  kNoise,  ///< few repeats, varying distribution: entropy coding gains more than matching
 };
 
-/// Compresses one chunk at a Zstandard level (1 to 22); stores it as it is where that is not smaller.
-/// Thread-safe. The same bytes for the same input, level and release of Zstandard.
+/// Compresses one chunk at a Zstandard level (1 to 22), or stores it uncompressed if that is no larger.
+/// Thread-safe. Deterministic for the same input, level and Zstandard version.
 [[nodiscard]] EncodedChunk encode_chunk(std::span<const std::byte> decoded, int level,
                                         ChunkContent content = ChunkContent::kAny);
 
-/// Checks the checksum and decodes into `decoded`, whose length comes from the directory, never from the
-/// frame: a chunk that holds more, less, several frames or needs a dictionary is refused (kInvalidAtlas).
-/// Allocates nothing that depends on the bytes. Thread-safe.
+/// Verifies the checksum and decodes into `decoded`, sized by the directory, not by the frame. kInvalidAtlas
+/// for a chunk of another decoded length, with several frames or with a dictionary. Memory does not depend on
+/// the chunk's bytes. Thread-safe.
 [[nodiscard]] Result<void> decode_chunk(std::span<const std::byte> stored, const ChunkEntry& entry,
                                         std::span<std::byte> decoded);
 
-/// The checksum alone, for chunks of sections that this version does not know.
+/// Verifies only the checksum, for chunks of unknown sections.
 [[nodiscard]] Result<void> check_chunk(std::span<const std::byte> stored, const ChunkEntry& entry);
 
 }  // namespace splatlas

@@ -9,15 +9,15 @@ void WeightFit::add(const std::array<float, kSize>& from_before, float value, fl
   ++voxels_;
   for (std::size_t a = 0; a < kSize; ++a) {
     const float weighted = weight * from_before[a];
-    towards_[a] += weighted * value;
+    right_side_[a] += weighted * value;
     for (std::size_t b = 0; b <= a; ++b) products_[a][b] += weighted * from_before[b];
   }
 }
 
 ValueWeights WeightFit::weights() const {
-  constexpr std::uint64_t kFewVoxels = 300;
-  if (voxels_ < kFewVoxels) return kMeanWeights;
-  // Cholesky's decomposition. A little on the diagonal keeps apart what the voxels do not.
+  constexpr std::uint64_t kMinVoxels = 300;
+  if (voxels_ < kMinVoxels) return kMeanWeights;
+  // Cholesky decomposition of the normal matrix, regularized on the diagonal (Tikhonov).
   std::array<std::array<double, kSize>, kSize> lower{};
   std::array<double, kSize> solved{};
   for (std::size_t a = 0; a < kSize; ++a) {
@@ -26,7 +26,7 @@ ValueWeights WeightFit::weights() const {
       for (std::size_t c = 0; c < b; ++c) left -= lower[a][c] * lower[b][c];
       lower[a][b] = a == b ? std::sqrt(std::max(left, 1e-9)) : left / lower[b][b];
     }
-    solved[a] = towards_[a];
+    solved[a] = right_side_[a];
     for (std::size_t c = 0; c < a; ++c) solved[a] -= lower[a][c] * solved[c];
     solved[a] /= lower[a][a];
   }

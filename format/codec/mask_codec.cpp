@@ -1,6 +1,6 @@
-// Like JBIG2's generic regions, in three dimensions: the twelve voxels around one that come before it choose
-// among 4096 adaptive probabilities. What these begin with is a formula of the twelve, so that small
-// structures need not learn first.
+// A 3D variant of JBIG2's generic region coding: twelve preceding neighbours of a voxel select one of 4096
+// adaptive probabilities. A formula of the neighbours gives the initial probabilities, so that small
+// structures compress well, too.
 #include "format/codec/mask_codec.h"
 
 #include <algorithm>
@@ -13,16 +13,16 @@ namespace splatlas {
 namespace {
 
 constexpr std::uint64_t kMaxSliceVoxels = std::uint64_t{1} << 24;
-constexpr std::uint64_t kMaxBoxVoxels = std::uint64_t{1} << 28;  // some seconds: masks may have few bytes
-constexpr std::uint64_t kMaxVoxelsOfBox = 64;                    // for every voxel that is covered
+constexpr std::uint64_t kMaxBoxVoxels = std::uint64_t{1} << 28;  // limits decoding to seconds, for any mask
+constexpr std::uint64_t kMaxBoxVoxelsPerVoxel = 64;              // box voxels per covered voxel
 
 constexpr std::size_t kNeighbours = 12;
-/// How much a covered neighbour speaks for a covered voxel, in quarters of the log odds. In this order: the
-/// scanline's voxel before and the one before that; of the scanline above the voxel, the one before and the
-/// one behind; the one above that; of the slice before: the voxel, before, behind, above, below; the slice
-/// before that.
+/// Contribution of a covered neighbour to the log odds of a covered voxel, in quarters. Offsets of the
+/// neighbours along scanline, rows and slices:
+///   (-1, 0, 0), (-2, 0, 0), (0, -1, 0), (-1, -1, 0), (1, -1, 0), (0, -2, 0),
+///   (0, 0, -1), (-1, 0, -1), (1, 0, -1), (0, -1, -1), (0, 1, -1), (0, 0, -2)
 constexpr std::array<int, kNeighbours> kVotes{9, -1, 7, -1, 4, -1, 5, -2, 3, -2, 5, -3};
-constexpr std::uint16_t kTrust = 4;  // bits that the formula counts for
+constexpr std::uint16_t kTrust = 4;  // initial probabilities count as this many observed bits
 
 using Models = std::array<AdaptiveBit, std::size_t{1} << kNeighbours>;
 
@@ -43,7 +43,7 @@ const Models& first_models() {
   return kModels;
 }
 
-/// A box of voxels, scanline by scanline along an axis: what lies around a scanline, a byte a voxel.
+/// Sliding window of three slices of a box, coded scanline by scanline along an axis; one byte per voxel.
 class MaskWindow {
  public:
   MaskWindow(const IndexBox& box, const Index3& size, Axis axis) : order_(ScanOrder::of(axis)), box_(box) {
@@ -51,7 +51,7 @@ class MaskWindow {
     width_ = extent(order_.scan_axis);
     rows_ = extent(order_.row_axis);
     slices_ = extent(order_.slice_axis);
-    // Two scanlines above and one below, two voxels before and one behind every scanline are never covered.
+    // Pad rows by two before and one after, and scanlines by two voxels before and one after.
     stride_ = width_ + 3;
     for (auto& slice : around_) slice.assign(stride_ * (rows_ + 3), 0);
     contexts_.resize(width_);
@@ -61,7 +61,7 @@ class MaskWindow {
   [[nodiscard]] std::size_t rows() const { return rows_; }
   [[nodiscard]] std::size_t slices() const { return slices_; }
 
-  /// Of the grid.
+  /// Scanline number in the grid.
   [[nodiscard]] std::uint64_t scanline(std::size_t row, std::size_t slice) const {
     return (static_cast<std::uint64_t>(box_.first[order_.slice_axis]) + slice) * rows_of_grid_ +
            static_cast<std::uint64_t>(box_.first[order_.row_axis]) + row;
@@ -75,7 +75,7 @@ class MaskWindow {
     std::ranges::fill(around_[0], std::uint8_t{0});
   }
 
-  /// Calls code(context) for every voxel of a scanline; it says whether the voxel is covered.
+  /// Calls code(context, n) for every voxel n of a scanline. It returns true for covered voxels.
   template <typename Code>
   void code_scanline(std::size_t row, Code&& code) {
     const std::size_t at = (row + 2) * stride_ + 2;
@@ -110,11 +110,11 @@ class MaskWindow {
   std::uint64_t rows_of_grid_ = 0;
   std::size_t width_ = 0, rows_ = 0, slices_ = 0, stride_ = 0;
   std::array<std::vector<std::uint8_t>, 3> around_;  // this slice, the one before, and the one before that
-  std::vector<std::uint16_t> contexts_;              // [voxel]: without the voxels before it
+  std::vector<std::uint16_t> contexts_;              // [voxel]: without its scanline
 };
 
 tl::unexpected<Error> not_a_mask() {
-  return fail(ErrorCode::kInvalidAtlas, "not a mask of its voxels");
+  return fail(ErrorCode::kInvalidAtlas, "invalid mask");
 }
 
 }  // namespace
@@ -125,7 +125,8 @@ bool codes_mask(const IndexBox& box, std::uint64_t voxels) {
   for (std::size_t a = 0; a < 3; ++a) extent[a] = static_cast<std::uint64_t>(box.last[a] - box.first[a] + 4);
   const std::uint64_t slice = extent[0] * extent[1], sides = std::max(extent[0], extent[1]) * extent[2];
   const std::uint64_t all = slice * extent[2];
-  return std::max(slice, sides) <= kMaxSliceVoxels && all <= kMaxBoxVoxels && all / kMaxVoxelsOfBox <= voxels;
+  return std::max(slice, sides) <= kMaxSliceVoxels && all <= kMaxBoxVoxels &&
+         all / kMaxBoxVoxelsPerVoxel <= voxels;
 }
 
 std::vector<std::byte> encode_mask(std::span<const Run> runs, const IndexBox& box, const Index3& size,

@@ -1,5 +1,4 @@
-// Adaptive binary arithmetic coding: bits whose probability is learnt from those before take what they tell.
-// After Martin, "Range encoding" (1979), with the carry as LZMA propagates it. Internal.
+// Adaptive binary range coder (Martin 1979, "Range encoding"), with LZMA's carry propagation.
 #pragma once
 
 #include <algorithm>
@@ -11,24 +10,24 @@
 
 namespace splatlas {
 
-/// The probability of a bit to be set, in 65536ths, and how many bits it has seen.
+/// Adaptive probability of a set bit, in units of 1/65536, and the number of observed bits.
 struct AdaptiveBit {
-  static constexpr std::int64_t kLeast = 16, kMost = 65536 - kLeast;
+  static constexpr std::int64_t kMin = 16, kMax = 65536 - kMin;
   static constexpr std::uint16_t kMaxSeen = 255;
 
   std::uint16_t probability = 32768;
   std::uint16_t seen = 0;
 
   void learn(bool bit) {
-    // The mean of all bits seen, of the latest kMaxSeen or so in the end.
+    // Running mean of the first kMaxSeen bits, then an exponential moving average.
     const std::int64_t difference = (bit ? 65535 : 0) - std::int64_t{probability};
     const std::int64_t moved = probability + (difference * kShares[seen] >> 16);
-    probability = static_cast<std::uint16_t>(std::clamp(moved, kLeast, kMost));
+    probability = static_cast<std::uint16_t>(std::clamp(moved, kMin, kMax));
     seen = static_cast<std::uint16_t>(seen + (seen < kMaxSeen ? 1 : 0));
   }
 
  private:
-  static constexpr auto kShares = [] {  // 1 / (seen + 1), in 65536ths
+  static constexpr auto kShares = [] {  // 1 / (seen + 1), in units of 1/65536
     std::array<std::int32_t, kMaxSeen + 1> shares{};
     for (std::size_t n = 0; n < shares.size(); ++n)
       shares[n] = static_cast<std::int32_t>(32768 / (n + 1) * 2);
@@ -36,7 +35,7 @@ struct AdaptiveBit {
   }();
 };
 
-/// Ranges at or above it have 8 bits more than probabilities.
+/// Renormalization threshold: ranges keep at least 8 bits more than probabilities.
 inline constexpr std::uint32_t kMinRange = std::uint32_t{1} << 24;
 
 class RangeEncoder {
@@ -53,7 +52,7 @@ class RangeEncoder {
     for (; range_ < kMinRange; range_ <<= 8) shift_out();
   }
 
-  /// The code, without the zeros at its end.
+  /// Flushes the code, without its trailing zeros. The encoder cannot be used afterwards.
   [[nodiscard]] std::vector<std::byte> finish() {
     for (int n = 0; n < 5; ++n) shift_out();
     bytes_.erase(bytes_.begin());  // always 0
@@ -81,7 +80,7 @@ class RangeEncoder {
   std::vector<std::byte> bytes_;
 };
 
-/// Safe with any bytes; after their end come zeros.
+/// Decoder. Safe on untrusted bytes; reads zeros after their end.
 class RangeDecoder {
  public:
   explicit RangeDecoder(std::span<const std::byte> bytes) : bytes_(bytes) {
@@ -102,7 +101,7 @@ class RangeDecoder {
     return bit;
   }
 
-  /// Whether all bytes were taken.
+  /// True if all bytes were read.
   [[nodiscard]] bool at_end() const { return at_ >= bytes_.size(); }
 
  private:

@@ -10,10 +10,10 @@ namespace splatlas {
 
 namespace {
 
-/// Scanlines are numbered below 2^40; anything beyond is refused before sums could wrap.
+/// Valid scanline numbers are below 2^40. Refusing larger values prevents overflow of sums.
 constexpr std::uint64_t kMaxScanline = std::uint64_t{1} << 48;
 
-/// Little-endian base 128: seven bits a byte, the high bit set on all but the last.
+/// LEB128 varint: seven bits per byte, the high bit set on all bytes but the last.
 void append_varint(std::uint64_t value, std::vector<std::byte>& bytes) {
   for (; value >= 0x80; value >>= 7) bytes.push_back(static_cast<std::byte>((value & 0x7f) | 0x80));
   bytes.push_back(static_cast<std::byte>(value));
@@ -23,9 +23,9 @@ class VarintReader {
  public:
   explicit VarintReader(std::span<const std::byte> bytes) : next_(bytes.data()), end_(next_ + bytes.size()) {}
 
-  /// False at the end of the bytes, and for more than 64 bits.
+  /// False at the end of the bytes, or if the varint exceeds 64 bits.
   bool read(std::uint64_t& value) {
-    if (next_ != end_ && *next_ < std::byte{0x80}) {  // nearly always
+    if (next_ != end_ && *next_ < std::byte{0x80}) {  // fast path
       value = std::to_integer<std::uint64_t>(*next_++);
       return true;
     }
@@ -45,12 +45,12 @@ class VarintReader {
   const std::byte* end_;
 };
 
-/// Walks a run list and knows, for each run, what it is predicted from.
+/// Predicts the length and start of each run from previous runs.
 class Predictor {
  public:
   explicit Predictor(std::span<const Run> runs) : runs_(runs) {}
 
-  /// Moves on to run n; runs come in order.
+  /// Advances to run n. Call in order for all runs.
   void advance(std::size_t n) {
     n_ = n;
     if (n == 0 || runs_[n].scanline == runs_[n - 1].scanline) return;
@@ -61,7 +61,7 @@ class Predictor {
     if (const Run* above = same_rank()) return above->length;
     return n_ == 0 ? 1 : runs_[n_ - 1].length;
   }
-  /// Needs the lengths of all runs.
+  /// Requires the lengths of all runs.
   [[nodiscard]] std::int64_t start() const {
     if (const Run* above = same_rank()) return above->start;
     if (n_ == current_) return 0;
@@ -69,14 +69,14 @@ class Predictor {
   }
 
  private:
-  /// The run of the same rank in the previous scanline that has any; null when that one has fewer.
+  /// The run of the same rank in the previous non-empty scanline, or null.
   [[nodiscard]] const Run* same_rank() const {
     const std::size_t n = previous_ + (n_ - current_);
     return n < current_ ? &runs_[n] : nullptr;
   }
 
   std::span<const Run> runs_;
-  std::size_t n_ = 0, current_ = 0, previous_ = 0;  // the scanlines' first runs
+  std::size_t n_ = 0, current_ = 0, previous_ = 0;  // run; first runs of its scanline and the previous one
 };
 
 tl::unexpected<Error> not_a_run_list(std::uint64_t run) {
@@ -138,7 +138,7 @@ Result<ClassRuns> decode_run_list(std::span<const std::byte> bytes, std::uint64_
     starts.advance(n);
     if (!read_difference(starts.start(), runs[n].start)) return not_a_run_list(n);
   }
-  if (!reader.at_end()) return fail(ErrorCode::kInvalidAtlas, "run list ends before its bytes do");
+  if (!reader.at_end()) return fail(ErrorCode::kInvalidAtlas, "trailing bytes after the run list");
   return runs;
 }
 

@@ -1,4 +1,4 @@
-// The run lists of the file, as bytes: one class along one principal axis.
+// Encoding of run lists: the runs of one class along one principal axis.
 #pragma once
 
 #include <cstddef>
@@ -11,17 +11,17 @@
 
 namespace splatlas {
 
-/// Appends the code of a run list (valid, see validate_runs()) to `bytes`; nothing for an empty list.
-/// Variable-length integers in columns: number of runs, scanline steps, lengths, starts. Lengths and starts
-/// are differences to the run of the same rank in the class's previous scanline, which is where the other
-/// edge of the shape is.
+/// Appends an encoded run list (valid, see validate_runs()) to `bytes`; nothing for an empty list. The code
+/// is a sequence of varints, column by column: number of runs, scanline differences, lengths, starts. Lengths
+/// and starts are differences from the run of the same rank in the previous scanline of the class.
 void append_run_list(std::span<const Run> runs, std::vector<std::byte>& bytes);
 
-/// The list again. kInvalidAtlas when the bytes are not exactly a code of at most `max_runs` runs. The runs
-/// still have to be checked against the grid. Memory: 16 bytes a run, three bytes of code at least each.
+/// Decodes a run list. kInvalidAtlas unless the bytes are exactly one list of at most `max_runs` runs. The
+/// caller must validate the runs against the grid. Memory: 16 bytes per run; every run has at least 3 bytes
+/// of code.
 [[nodiscard]] Result<ClassRuns> decode_run_list(std::span<const std::byte> bytes, std::uint64_t max_runs);
 
-/// Bounds of the length of a list that covers `voxels` voxels.
+/// Bounds of the encoded length of a list that covers `voxels` voxels.
 [[nodiscard]] constexpr std::uint64_t min_run_list_bytes(std::uint64_t voxels) {
   return voxels == 0 ? 0 : 4;
 }

@@ -1,8 +1,8 @@
 // Layout of a stream, which is empty for a surface without vertices:
 //   u32 length of the vertex code, u32 length of the index code, vertex code, index code, rotations
-// Vertices are u16 or u32 x, y, z and a u16 normal. meshoptimizer's index code keeps triangles and their
-// order but may turn a triangle's corners; the rotations, two bits a triangle, turn them back. They are left
-// out when every triangle begins so that it reads smallest, as meshes do that were written with that in mind.
+// Vertices are u16 or u32 x, y, z and a u16 normal. meshoptimizer's index codec keeps the order of triangles
+// but may rotate the corners of a triangle. The rotations, two bits per triangle, restore them. They are
+// omitted if every triangle is in its lexicographically smallest rotation.
 #include "format/codec/surface_codec.h"
 
 #include <algorithm>
@@ -23,7 +23,7 @@ namespace {
 using Triangle = std::array<std::uint32_t, 3>;
 static_assert(sizeof(Triangle) == 12);
 
-/// x, y, z as integers of 1 / position_scale voxel, counted from one voxel before the first voxel's centre.
+/// Position in units of 1 / position_scale voxel, relative to voxel index -1.
 template <typename Coordinate>
 struct Vertex {
   std::array<Coordinate, 3> position;
@@ -31,7 +31,7 @@ struct Vertex {
 };
 static_assert(sizeof(Vertex<std::uint16_t>) == 8 && sizeof(Vertex<std::uint32_t>) == 16);
 
-/// Vertices of fitted surfaces are midway between voxels.
+/// Vertices of fitted surfaces are midpoints of cell edges.
 constexpr std::uint32_t kFittedPositionScale = 2;
 constexpr std::size_t kLengthsBytes = 2 * sizeof(std::uint32_t);
 
@@ -56,7 +56,7 @@ Triangle smallest_rotation(const Triangle& t) {
   return std::min({t, rotated(t, 1), rotated(t, 2)});
 }
 
-/// How far the smallest rotation has to be turned to give `t`.
+/// Number of rotations from the smallest rotation of `t` to `t`.
 unsigned turns(const Triangle& t) {
   const Triangle smallest = smallest_rotation(t);
   for (unsigned by = 1; by < 3; ++by) {
@@ -65,7 +65,7 @@ unsigned turns(const Triangle& t) {
   return 0;
 }
 
-/// meshoptimizer keeps the version to write in globals: set them once, to what this format says.
+/// Sets meshoptimizer's global encoder versions to those of this format.
 void set_mesh_code_versions() {
   static std::once_flag once;
   std::call_once(once, [] {
@@ -73,9 +73,6 @@ void set_mesh_code_versions() {
     meshopt_encodeIndexVersion(1);
   });
 }
-
-// ---- encoding
-// ---------------------------------------------------------------------------------------------------
 
 template <typename Coordinate>
 Result<std::vector<Vertex<Coordinate>>> quantize(const SurfaceMesh& mesh, const Index3& size) {
@@ -126,7 +123,7 @@ std::vector<std::byte> encode_indices(const SurfaceMesh& mesh) {
   return code;
 }
 
-/// Two bits a triangle, the first in the lowest bits; nothing when none is turned.
+/// Two bits per triangle, the first in the lowest bits; empty if all are 0.
 std::vector<std::byte> encode_rotations(std::span<const Triangle> triangles) {
   std::vector<std::byte> bytes(rotation_bytes(triangles.size()));
   bool any = false;
@@ -163,9 +160,6 @@ Result<void> check_mesh(const SurfaceMesh& mesh, const Index3& size) {
   return {};
 }
 
-// ---- decoding
-// ---------------------------------------------------------------------------------------------------
-
 tl::unexpected<Error> invalid(std::string message) {
   return fail(ErrorCode::kInvalidAtlas, std::move(message));
 }
@@ -176,7 +170,7 @@ Result<void> decode_vertices(std::span<const std::byte> code, std::uint32_t coun
   std::vector<Vertex<Coordinate>> vertices(count);
   if (meshopt_decodeVertexBuffer(vertices.data(), count, sizeof(Vertex<Coordinate>),
                                  reinterpret_cast<const unsigned char*>(code.data()), code.size()) != 0) {
-    return invalid("vertices do not decode");
+    return invalid("vertices cannot be decoded");
   }
   mesh.positions_ijk.resize(count);
   mesh.normals_lps.resize(count);
@@ -202,7 +196,7 @@ Result<void> decode_triangles(std::span<const std::byte> code, std::span<const s
   if (triangles.empty()) return {};
   if (meshopt_decodeIndexBuffer(triangles.front().data(), triangles.size() * 3, sizeof(std::uint32_t),
                                 reinterpret_cast<const unsigned char*>(code.data()), code.size()) != 0) {
-    return invalid("triangles do not decode");
+    return invalid("triangles cannot be decoded");
   }
   for (std::size_t t = 0; t < triangles.size(); ++t) {
     if (std::ranges::max(triangles[t]) >= entry.vertices) {
@@ -211,7 +205,7 @@ Result<void> decode_triangles(std::span<const std::byte> code, std::span<const s
     }
     const unsigned by =
         rotations.empty() ? 0 : (std::to_integer<unsigned>(rotations[t / 4]) >> (t % 4 * 2)) & 3;
-    if (by == 3) return invalid(fmt::format("triangle {} is turned by 3", t));
+    if (by == 3) return invalid(fmt::format("triangle {} has rotation 3", t));
     triangles[t] = rotated(smallest_rotation(triangles[t]), by);
   }
   return {};
@@ -256,11 +250,11 @@ Result<SurfaceMesh> decode_surface(std::span<const std::byte> bytes, const Surfa
   std::memcpy(lengths.data(), bytes.data(), kLengthsBytes);
   bytes = bytes.subspan(kLengthsBytes);
   if (lengths[0] > bytes.size() || lengths[1] > bytes.size() - lengths[0])
-    return invalid("its parts do not add up");
+    return invalid("wrong length of its parts");
   const auto vertices = bytes.first(lengths[0]), indices = bytes.subspan(lengths[0], lengths[1]);
   const auto rotations = bytes.subspan(std::size_t{lengths[0]} + lengths[1]);
   if (!rotations.empty() && rotations.size() != rotation_bytes(entry.triangles)) {
-    return invalid("its rotations do not add up");
+    return invalid("wrong length of the rotations");
   }
   if (fits_16_bits(size, entry.position_scale)) {
     SPLATLAS_RETURN_IF_ERROR(decode_vertices<std::uint16_t>(vertices, entry.vertices, size, mesh));
@@ -280,20 +274,20 @@ Result<void> check_surface_entry(const SurfaceEntry& entry, const Index3& size) 
     if (entry.triangles == 0 && entry.bytes == 0) return {};
     return invalid(fmt::format("no vertices, {} triangles, {} bytes", entry.triangles, entry.bytes));
   }
-  if (is_fitted(entry)) {  // what it must be besides is told when it is fitted
+  if (is_fitted(entry)) {  // fitting checks the counts
     if (entry.position_scale == kFittedPositionScale && entry.triangles > 0) return {};
     return invalid(fmt::format("fitted, with position scale {} and {} triangles", entry.position_scale,
                                entry.triangles));
   }
   const std::size_t vertex_bytes = fits_16_bits(size, entry.position_scale) ? sizeof(Vertex<std::uint16_t>)
                                                                             : sizeof(Vertex<std::uint32_t>);
-  // The codes spend at least a byte a triangle and, on eight lanes of bytes, a bit a vertex.
-  const std::uint64_t least = kLengthsBytes + std::uint64_t{entry.triangles} + entry.vertices / 8;
-  const std::uint64_t most =
+  // The codecs use at least one byte per triangle and, with eight byte lanes, one bit per vertex.
+  const std::uint64_t min_bytes = kLengthsBytes + std::uint64_t{entry.triangles} + entry.vertices / 8;
+  const std::uint64_t max_bytes =
       kLengthsBytes + meshopt_encodeVertexBufferBound(entry.vertices, vertex_bytes) +
       meshopt_encodeIndexBufferBound(std::size_t{entry.triangles} * 3, entry.vertices) +
       rotation_bytes(entry.triangles);
-  if (entry.bytes < least || entry.bytes > most) {
+  if (entry.bytes < min_bytes || entry.bytes > max_bytes) {
     return invalid(fmt::format("{} bytes for {} vertices and {} triangles", entry.bytes, entry.vertices,
                                entry.triangles));
   }

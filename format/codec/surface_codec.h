@@ -1,4 +1,4 @@
-// The surface of one structure, as bytes: integer positions and packed normals, then triangles.
+// Mesh compression of structure surfaces: quantized positions, packed normals and triangle indices.
 #pragma once
 
 #include <cstddef>
@@ -12,35 +12,34 @@
 
 namespace splatlas {
 
-/// A surface as the directory records it.
+/// Directory entry of a surface.
 struct SurfaceEntry {
   std::uint32_t vertices = 0, triangles = 0, position_scale = 2;
-  std::uint32_t bytes = 0;  ///< decoded length of the surface's stream; 0 with vertices: see is_fitted()
+  std::uint32_t bytes = 0;  ///< decoded length of the stream; 0 also for fitted surfaces, see is_fitted()
 };
 
-/// Whether a surface is not stored: it is what fit_surface() finds from the structure's voxels.
+/// True if the surface is not stored: readers derive it from the structure's voxels by fit_surface().
 [[nodiscard]] inline bool is_fitted(const SurfaceEntry& entry) {
   return entry.vertices > 0 && entry.bytes == 0;
 }
 
-/// A surface's directory entry and its stream.
+/// Directory entry and stream of a surface.
 struct EncodedSurface {
   SurfaceEntry entry;
   std::vector<std::byte> bytes;
 };
 
-/// Codes a surface in a grid of `size` voxels. Everything but the normals, which are packed, comes back
-/// exactly. kFailed for positions that are not multiples of 1 / position_scale or lie more than a voxel
-/// beyond the outer voxel centres (where marching cubes closes a surface), for normals that are not finite or
-/// not one per position, and for indices out of range.
+/// Encodes a surface in a grid of `size` voxels with meshoptimizer. Lossless except for the packed normals.
+/// Positions must be multiples of 1 / position_scale, at most one voxel outside the outer voxel centres.
+/// Normals must be finite, one per position; indices must be in range. kFailed otherwise.
 [[nodiscard]] Result<EncodedSurface> encode_surface(const SurfaceMesh& mesh, const Index3& size);
 
-/// Safe on bytes from strangers: every index and position is checked. kInvalidAtlas.
-/// `entry` has passed check_surface_entry().
+/// Decodes a surface. kInvalidAtlas for invalid streams, indices or positions. Safe on untrusted bytes.
+/// `entry` must pass check_surface_entry().
 [[nodiscard]] Result<SurfaceMesh> decode_surface(std::span<const std::byte> bytes, const SurfaceEntry& entry,
                                                  const Index3& size);
 
-/// Whether counts, scale and length of a surface can belong together. kInvalidAtlas.
+/// kInvalidAtlas if counts, scale and stream length of a surface are inconsistent.
 [[nodiscard]] Result<void> check_surface_entry(const SurfaceEntry& entry, const Index3& size);
 
 }  // namespace splatlas

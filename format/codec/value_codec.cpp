@@ -1,7 +1,6 @@
-// A voxel is predicted from those around it that come before it in memory, by weights fitted to its group.
-// How far off these were themselves tells how far off it may be: residuals are sorted into buckets by it, so
-// that bytes of one distribution lie together. Neither needs the voxel before, but for one product: what the
-// decoder waits for is short. See docs/atlas_format.md, Values.
+// A voxel is predicted from preceding neighbours by a linear filter fitted to its group. Residuals are sorted
+// into buckets by the prediction errors of the neighbours, so that each bucket has one distribution. The
+// decoder's dependency on the previous voxel is only one product. See docs/atlas_format.md, Values.
 #include "format/codec/value_codec.h"
 
 #include <algorithm>
@@ -20,12 +19,12 @@ namespace {
 
 constexpr std::size_t kBuckets = 16;
 constexpr std::size_t kCountsBytes = kBuckets * sizeof(std::uint32_t);
-/// The counts, the weights, how errors are shifted, and one byte that is 0.
+/// Bucket counts, weights, error shift and one byte that is 0.
 constexpr std::size_t kHeaderBytes = kCountsBytes + sizeof(ValueWeights) + 2;
 constexpr std::uint64_t kMaxWindowVoxels = std::uint64_t{1} << 24;
 constexpr std::uint8_t kMaxErrorShift = 15;
 
-/// Half octaves of the errors around.
+/// Bucket by neighbour error: half octaves.
 constexpr auto kBucketOf = [] {
   std::array<std::uint8_t, 256> buckets{};
   for (unsigned errors = 1; errors < buckets.size(); ++errors) {
@@ -36,7 +35,7 @@ constexpr auto kBucketOf = [] {
   return buckets;
 }();
 
-/// Calls code_run(window, begin, end) for the runs of the group, each as long as it can be.
+/// Calls code_run(begin, end) for the maximal runs of the group: merges adjacent spans.
 template <typename Lane, typename CodeRun>
 void walk(const GroupVoxels& group, ValueWindow<Lane>& window, CodeRun&& code_run) {
   for (std::size_t n = 0; n < group.spans.size();) {
@@ -53,11 +52,11 @@ void walk(const GroupVoxels& group, ValueWindow<Lane>& window, CodeRun&& code_ru
   }
 }
 
-/// Values from 0 on, whatever their type: signed ones begin at their least.
+/// Offset that maps signed values to 0 and above.
 std::int32_t offset_of(VoxelType type) {
   return type == VoxelType::kInt8 ? 0x80 : type == VoxelType::kInt16 ? 0x8000 : 0;
 }
-/// Of a value that is computed with in a Lane.
+/// Stored bytes of a value that is computed in a Lane.
 template <typename Lane>
 constexpr std::size_t kValueBytes = sizeof(Lane) / 2;
 
@@ -76,7 +75,7 @@ bool spans_fit(const GroupVoxels& group) {
   return voxels == group.voxels;
 }
 
-/// Values from 0 on, one after the other.
+/// Sequential reader of values with their offset added.
 template <typename Lane>
 class ValueReader {
  public:
@@ -87,7 +86,7 @@ class ValueReader {
     std::uint16_t bits = 0;
     std::memcpy(&bits, next_, kValueBytes<Lane>);
     next_ += kValueBytes<Lane>;
-    return (bits + offset_) & ValueWindow<Lane>::kHighest;
+    return (bits + offset_) & ValueWindow<Lane>::kMaxValue;
   }
 
  private:
@@ -95,15 +94,15 @@ class ValueReader {
   const std::int32_t offset_;
 };
 
-/// A model for the group's values. Neighbours that go wrong by kMeanWeights weigh less in the fit.
+/// Fits a model to the group's values. Voxels weigh less near large prediction errors of kMeanWeights.
 template <typename Lane>
 ValueModel fit_model(const GroupVoxels& group, VoxelType type, std::span<const std::byte> values) {
-  constexpr std::uint64_t kEnoughVoxels = std::uint64_t{1} << 17;
+  constexpr std::uint64_t kMaxSampleVoxels = std::uint64_t{1} << 17;
   ValueModel model{kMeanWeights, 0};
   ValueWindow<Lane> window(group.box, model);
   WeightFit fit;
   ValueReader<Lane> reader(values, type);
-  const std::uint64_t every = group.voxels / kEnoughVoxels + 1;
+  const std::uint64_t every = group.voxels / kMaxSampleVoxels + 1;
   std::uint64_t run = 0;
   double errors = 0;
   walk(group, window, [&](std::int64_t begin, std::int64_t end) {
@@ -159,7 +158,7 @@ tl::unexpected<Error> invalid(const char* what) {
   return fail(ErrorCode::kInvalidAtlas, what);
 }
 
-/// Gives the residuals of every bucket one after the other.
+/// Sequential reader of the residuals of every bucket.
 template <typename Lane>
 class ResidualReader {
  public:
@@ -168,12 +167,12 @@ class ResidualReader {
     std::memcpy(counts.data(), code.data(), kCountsBytes);
     std::uint64_t sum = 0;
     for (std::size_t b = 0; b < kBuckets; ++b) {
-      if (counts[b] > group.voxels - sum) return invalid("buckets hold more than the voxels");
+      if (counts[b] > group.voxels - sum) return invalid("buckets contain more residuals than voxels");
       next_[b] = code.data() + kHeaderBytes + sum;
       sum += counts[b];
       end_[b] = code.data() + kHeaderBytes + sum;
     }
-    if (sum != group.voxels) return invalid("buckets hold less than the voxels");
+    if (sum != group.voxels) return invalid("buckets contain fewer residuals than voxels");
     to_high_byte_ = group.voxels;
     return {};
   }
@@ -197,7 +196,7 @@ class ResidualReader {
   bool ran_out_ = false;
 };
 
-/// Values less `offset` as bytes of their type.
+/// Stores values minus `offset` as bytes of their type.
 void put_values(std::span<const std::int16_t> values, std::int32_t offset, std::byte* to) {
   for (std::size_t n = 0; n < values.size(); ++n) to[n] = static_cast<std::byte>(values[n] - offset);
 }
@@ -217,7 +216,7 @@ Result<std::vector<std::byte>> decode(const GroupVoxels& group, VoxelType type,
   ValueModel model{{}, std::to_integer<std::uint8_t>(code[kHeaderBytes - 2])};
   std::memcpy(model.weights.data(), code.data() + kCountsBytes, sizeof model.weights);
   if (model.error_shift > kMaxErrorShift || code[kHeaderBytes - 1] != std::byte{0})
-    return invalid("no model of values");
+    return invalid("invalid value model");
   const std::int32_t offset = offset_of(type);
   std::vector<std::byte> values(group.voxels * kValueBytes<Lane>);
   std::byte* to = values.data();
@@ -225,12 +224,12 @@ Result<std::vector<std::byte>> decode(const GroupVoxels& group, VoxelType type,
   walk(group, window, [&](std::int64_t begin, std::int64_t end) {
     const auto run = window.code_run(begin, end, [&](const ValuePrediction& prediction) {
       const std::uint32_t residual = residuals.read(kBucketOf[prediction.errors]);
-      return (prediction.value + unzigzag(residual)) & ValueWindow<Lane>::kHighest;
+      return (prediction.value + unzigzag(residual)) & ValueWindow<Lane>::kMaxValue;
     });
     put_values(run, offset, to);
     to += run.size() * kValueBytes<Lane>;
   });
-  if (residuals.ran_out()) return invalid("buckets do not hold what the voxels call for");
+  if (residuals.ran_out()) return invalid("a bucket has too few residuals");
   return values;
 }
 
@@ -256,7 +255,7 @@ std::vector<std::byte> encode_values(const GroupVoxels& group, VoxelType type,
 
 Result<std::vector<std::byte>> decode_values(const GroupVoxels& group, VoxelType type,
                                              std::span<const std::byte> code) {
-  if (!spans_fit(group)) return invalid("boxes are not those of the runs");
+  if (!spans_fit(group)) return invalid("runs do not match the box");
   if (!predicts_values(type, group.box, group.voxels))
     return std::vector<std::byte>(code.begin(), code.end());
   return bytes_of(type) == 1 ? decode<std::int16_t>(group, type, code)

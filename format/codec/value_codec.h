@@ -1,4 +1,4 @@
-// Grey values of one group of classes as bytes: each predicted from those before it in the group.
+// Predictive coding of the grey values of a group of classes.
 #pragma once
 
 #include <cstddef>
@@ -13,27 +13,27 @@
 
 namespace splatlas {
 
-/// The voxels of a group: `spans` in memory order, all inside `box`.
+/// The voxels of a group: `spans` in memory order, inside `box`.
 struct GroupVoxels {
   std::span<const ClassSpan> spans;
-  std::uint64_t voxels = 0;  ///< of the spans
+  std::uint64_t voxels = 0;  ///< total of the spans
   IndexBox box;
-  std::int64_t rows = 0;  ///< scanlines a slice of the grid
+  std::int64_t rows = 0;  ///< scanlines per slice of the grid
 };
 
-/// Whether values of this type in this box are predicted: integers of 8 and 16 bits, in boxes whose slices
-/// can be held in memory. Others are kept as they are.
+/// True if values are predicted: 8-bit and 16-bit integers in boxes with slices of limited size. Other values
+/// are stored unchanged.
 [[nodiscard]] bool predicts_values(VoxelType type, const IndexBox& box, std::uint64_t voxels);
-/// The length of their code.
+/// Encoded length in bytes.
 [[nodiscard]] std::uint64_t value_code_bytes(VoxelType type, const IndexBox& box, std::uint64_t voxels);
 
-/// `values`: of the voxels, in memory order, bytes_of(type) each.
+/// Encodes the values of the voxels in memory order, bytes_of(type) each.
 [[nodiscard]] std::vector<std::byte> encode_values(const GroupVoxels& group, VoxelType type,
                                                    std::span<const std::byte> values);
 
-/// The values again. kInvalidAtlas for spans outside the box and for code that does not fit the voxels; safe
-/// with any bytes of the length that value_code_bytes() gives. Cost: linear in voxels and spans; memory: two
-/// slices of the box.
+/// Decodes the values. kInvalidAtlas for spans outside the box and for code that does not match the voxels.
+/// Safe on untrusted bytes; `code` must have value_code_bytes() bytes. Cost: linear in voxels and spans.
+/// Memory: three slices of the box.
 [[nodiscard]] Result<std::vector<std::byte>> decode_values(const GroupVoxels& group, VoxelType type,
                                                            std::span<const std::byte> code);
 

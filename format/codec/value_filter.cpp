@@ -1,4 +1,4 @@
-// The filters once for every instruction set: Highway compiles this file again and again.
+// Highway compiles this file once for every instruction set.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "format/codec/value_filter.cpp"
 #include <hwy/foreach_target.h>

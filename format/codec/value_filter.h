@@ -1,5 +1,4 @@
-// The part of a prediction of grey values that does not wait for the voxel before: sums over the neighbours
-// in lines above and in slices before. Internal: the kernel of value_window.h.
+// SIMD kernel of grey value prediction: weighted sums over neighbours in previous rows and slices.
 #pragma once
 
 #include <array>
@@ -8,7 +7,7 @@
 
 namespace splatlas {
 
-/// Where a voxel's neighbours are from it, the nearest first: all come before it in memory order.
+/// Offset of a neighbour. All neighbours precede the voxel in memory order; nearest first.
 struct NeighbourOffset {
   std::int64_t i, j, k;
 };
@@ -26,33 +25,34 @@ inline constexpr std::array<NeighbourOffset, 14> kNeighbours{{{0, -1, 0},
                                                               {1, 1, -1},
                                                               {0, -2, 0},
                                                               {0, 0, -2}}};
-/// Of these, the first ones also tell how well voxels around were predicted.
+/// Number of leading neighbours with prediction errors in the context.
 inline constexpr std::size_t kErrorNeighbours = 8;
 
-/// Weights of the neighbours; what is missing to kWeightUnit is the weight of the voxel before.
+/// Weights of the neighbours in units of 1 / kWeightUnit. The previous voxel has the rest of the unit.
 using ValueWeights = std::array<std::int8_t, kNeighbours.size()>;
 inline constexpr int kWeightBits = 6;
 inline constexpr int kWeightUnit = 1 << kWeightBits;
 
-/// Filters work on whole vectors: so many elements after the last may be read and written.
+/// Padding of the arrays: filters read and write whole vectors.
 inline constexpr std::size_t kFilterPadding = 64;
 
-/// A run and what is around it. Values below 0 are absent.
+/// Neighbours of a run. Negative values are absent.
 template <typename Lane>
 struct FilterInput {
-  std::array<const Lane*, kNeighbours.size()> values;        ///< [neighbour]: of the run's first voxel
-  std::array<const std::uint8_t*, kErrorNeighbours> errors;  ///< likewise
+  std::array<const Lane*, kNeighbours.size()> values;        ///< [neighbour] of the run's first voxel
+  std::array<const std::uint8_t*, kErrorNeighbours> errors;  ///< [neighbour] of the run's first voxel
   std::array<Lane, kNeighbours.size()> weights;
 };
+/// Results per voxel of the run.
 template <typename Lane>
 struct FilterOutput {
-  Lane* sums;            ///< [voxel]: weights times values of neighbours that are there, and half a unit
-  Lane* rest;            ///< [voxel]: what their weights leave of a unit
-  std::uint8_t* errors;  ///< [voxel]: sum of the errors, 255 at most
+  Lane* sums;            ///< weighted sum of the present neighbours, plus half a unit for rounding
+  Lane* rest;            ///< kWeightUnit minus the weights of the present neighbours
+  std::uint8_t* errors;  ///< sum of the errors, at most 255
 };
 
-/// Filters a run of `count` voxels. Sums wrap around at the lane's range: 16 bits are enough for the bits
-/// that predictions of 8 bit values take from them, 32 for 16 bit values.
+/// Filters a run of `count` voxels. Sums wrap around in the lane type. Predictions use only bits that fit: 16
+/// bits for 8-bit values, 32 bits for 16-bit values.
 void filter_run(const FilterInput<std::int16_t>& input, std::size_t count,
                 const FilterOutput<std::int16_t>& output);
 void filter_run(const FilterInput<std::int32_t>& input, std::size_t count,

@@ -1,5 +1,5 @@
-// Grey values around the voxel that is coded next: three slices of a group's box, and how well their voxels
-// were predicted. Internal: shared by the two directions of value_codec.cpp.
+// Sliding window of grey values and prediction errors: three slices of a group's box. Shared by the encoder
+// and the decoder of value_codec.cpp.
 #pragma once
 
 #include <algorithm>
@@ -15,31 +15,31 @@
 
 namespace splatlas {
 
-/// Voxels of a slice of the box with those around it that neighbours may reach.
+/// Voxels of a slice of the box, padded by the reach of the neighbours.
 [[nodiscard]] inline std::uint64_t window_voxels(const IndexBox& box) {
   return static_cast<std::uint64_t>(box.last[0] - box.first[0] + 3) *
          static_cast<std::uint64_t>(box.last[1] - box.first[1] + 4);
 }
 
-/// How a group's voxels are predicted.
+/// Prediction parameters of a group.
 struct ValueModel {
   ValueWeights weights{};
-  std::uint8_t error_shift = 0;  ///< errors are kept over 2^error_shift
+  std::uint8_t error_shift = 0;  ///< errors are stored divided by 2^error_shift
 };
 
-/// A voxel's prediction, and how far off those around it were (kErrorNeighbours of them, 255 at most).
+/// Prediction of a voxel.
 struct ValuePrediction {
   std::int32_t value;
-  std::uint8_t errors;
-  std::int32_t before;  ///< the value before it
-  std::size_t in_run;   ///< its place in the run
+  std::uint8_t errors;  ///< sum of the errors of kErrorNeighbours neighbours, at most 255
+  std::int32_t before;  ///< value of the previous voxel
+  std::size_t in_run;   ///< index of the voxel in the run
 };
 
-/// Lane: int16_t for values of 8 bits, int32_t for values of 16.
+/// Lane: int16_t for 8-bit values, int32_t for 16-bit values.
 template <typename Lane>
 class ValueWindow {
  public:
-  static constexpr std::int32_t kHighest = sizeof(Lane) == 2 ? 0xff : 0xffff;  ///< value
+  static constexpr std::int32_t kMaxValue = sizeof(Lane) == 2 ? 0xff : 0xffff;
 
   ValueWindow(const IndexBox& box, const ValueModel& model)
       : box_(box), model_(model), width_(box.last[0] - box.first[0] + 3) {
@@ -53,7 +53,7 @@ class ValueWindow {
     std::copy(model.weights.begin(), model.weights.end(), input_.weights.begin());
   }
 
-  /// The runs that follow lie in scanline (j, k); scanlines come in order.
+  /// Moves to scanline (j, k). Call in scanline order.
   void go_to(std::int64_t j, std::int64_t k) {
     for (std::int64_t slices = std::min<std::int64_t>(k - k_, 3); slices > 0; --slices) {
       std::rotate(slices_.begin(), slices_.end() - 1, slices_.end());
@@ -65,7 +65,7 @@ class ValueWindow {
     if (rows.empty() || rows.back() != row_) rows.push_back(row_);
   }
 
-  /// Puts code(prediction) at voxels begin to end - 1 of the scanline, and gives what it put.
+  /// Assigns code(prediction) to voxels begin to end - 1 of the scanline. Returns the values.
   template <typename Code>
   std::span<const Lane> code_run(std::int64_t begin, std::int64_t end, Code&& code) {
     const std::int64_t at = row_ + begin - box_.first[0] + 1;
@@ -78,10 +78,10 @@ class ValueWindow {
     Lane* const values = slices_[0].values.data() + at;
     std::int32_t before = value_before(values);
     for (std::size_t n = 0; n < count; ++n) {
-      // Only the bits that are kept need to be right: sums may have wrapped around.
+      // Sums may wrap around: only the bits below kMaxValue after the shift matter.
       const auto sum = static_cast<std::uint32_t>(sums_[n]) +
                        static_cast<std::uint32_t>(rest_[n]) * static_cast<std::uint32_t>(before);
-      const std::int32_t predicted = static_cast<std::int32_t>(sum >> kWeightBits) & kHighest;
+      const std::int32_t predicted = static_cast<std::int32_t>(sum >> kWeightBits) & kMaxValue;
       const std::int32_t value = code(ValuePrediction{predicted, errors_[n], before, n});
       values[n] = static_cast<Lane>(value);
       sums_[n] = static_cast<Lane>(value - predicted);
@@ -92,7 +92,8 @@ class ValueWindow {
     return {values, count};
   }
 
-  /// The neighbours' values less that of the voxel before, while that voxel is coded; 0 for absent ones.
+  /// Values of the neighbours relative to the previous voxel, 0 for absent ones. Only within
+  /// code(prediction).
   [[nodiscard]] std::array<float, kNeighbours.size()> from_before(const ValuePrediction& prediction) const {
     std::array<float, kNeighbours.size()> values{};
     for (std::size_t q = 0; q < values.size(); ++q) {
@@ -102,10 +103,10 @@ class ValueWindow {
     return values;
   }
 
-  /// value - predicted, brought into the half of either sign.
+  /// value - predicted, wrapped to the signed range of the value type.
   [[nodiscard]] static std::int32_t difference(std::int32_t value, std::int32_t predicted) {
-    constexpr std::int32_t kHalf = (kHighest + 1) / 2;
-    return ((value - predicted + kHalf) & kHighest) - kHalf;
+    constexpr std::int32_t kHalf = (kMaxValue + 1) / 2;
+    return ((value - predicted + kHalf) & kMaxValue) - kHalf;
   }
 
  private:
@@ -115,7 +116,7 @@ class ValueWindow {
   struct Slice {
     std::vector<Lane> values;
     std::vector<std::uint8_t> errors;
-    std::vector<std::int64_t> rows;  // where rows begin that were written
+    std::vector<std::int64_t> rows;  // offsets of the rows in use
   };
 
   [[nodiscard]] const Slice& neighbour(std::size_t q) const {
@@ -125,8 +126,8 @@ class ValueWindow {
     return kNeighbours[q].j * width_ + kNeighbours[q].i;
   }
 
-  /// What stands for the voxel before the run's first one: it or, where the group does not have it, the
-  /// nearest neighbour, or the voxel coded last.
+  /// Previous value for the first voxel of a run: the voxel before it, else the nearest neighbour in the
+  /// group, else the last coded voxel.
   [[nodiscard]] std::int32_t value_before(const Lane* values) const {
     if (values[-1] >= 0) return values[-1];
     for (const Lane* value : input_.values) {
@@ -135,7 +136,7 @@ class ValueWindow {
     return before_;
   }
 
-  /// From sums_, which has the differences.
+  /// Stores the errors of a run. sums_ contains its differences.
   void keep_errors(std::uint8_t* errors, std::size_t count) const {
     const Lane* const differences = sums_.data();
     const std::int32_t shift = model_.error_shift;
@@ -145,7 +146,7 @@ class ValueWindow {
     }
   }
 
-  /// Only what was written: boxes may be large and hold little.
+  /// Clears only the rows in use: boxes may be large and sparse.
   void clear(Slice& slice) const {
     for (const std::int64_t row : slice.rows) {
       std::fill_n(slice.values.begin() + row, width_, kAbsent);
@@ -159,7 +160,7 @@ class ValueWindow {
   const std::int64_t width_;
   std::array<Slice, 3> slices_;  // this one, the one before, and the one before that
   std::int64_t k_ = -4, row_ = 0;
-  std::int32_t before_ = 0;  // value coded last
+  std::int32_t before_ = 0;  // last coded value
   FilterInput<Lane> input_{};
   std::vector<Lane> sums_, rest_;
   std::vector<std::uint8_t> errors_;

@@ -1,4 +1,4 @@
-// Small numbers of either sign as small numbers without one.
+// Zigzag encoding of signed integers.
 #pragma once
 
 #include <concepts>
@@ -7,7 +7,7 @@
 
 namespace splatlas {
 
-/// 0, -1, 1, -2, ... -> 0, 1, 2, 3, ...
+/// Maps 0, -1, 1, -2, ... to 0, 1, 2, 3, ...
 template <std::signed_integral T>
 [[nodiscard]] constexpr std::make_unsigned_t<T> zigzag(T value) {
   using Unsigned = std::make_unsigned_t<T>;

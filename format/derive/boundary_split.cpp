@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::uint32_t kWordBits = 64;
 
-/// The voxels of a scanline as bits, with a word more before and after it.
+/// Bit mask of the voxels of a scanline, padded by one word on both sides.
 class ScanlineBits {
  public:
   explicit ScanlineBits(std::int64_t width) : words_(static_cast<std::size_t>(width) / kWordBits + 3) {}
@@ -20,7 +20,7 @@ class ScanlineBits {
   [[nodiscard]] std::uint64_t scanline() const { return scanline_; }
   [[nodiscard]] const std::uint64_t* words() const { return words_.data() + 1; }
 
-  /// Takes the runs of another scanline. Cost: linear in them, and a 64th of their voxels.
+  /// Replaces the content by the runs of another scanline. Cost: linear in runs and in voxels / 64.
   void load(std::uint64_t scanline, std::span<const Run> runs) {
     for (const Run& run : runs_)
       for_each_word(run, [&](std::size_t word, std::uint64_t) { words_[word] = 0; });
@@ -47,7 +47,7 @@ class ScanlineBits {
   std::uint64_t scanline_ = std::numeric_limits<std::uint64_t>::max();
 };
 
-/// The scanlines around one as bits, and which of its voxels they leave interior.
+/// Bit masks of the 3 x 3 scanlines around the current one, and its interior voxels.
 class ScanlineWindow {
  public:
   ScanlineWindow(std::span<const Run> runs, const Index3& size, Axis axis) : runs_(runs) {
@@ -59,8 +59,7 @@ class ScanlineWindow {
     interior_.resize(static_cast<std::size_t>(width) / kWordBits + 1);
   }
 
-  /// Goes to a scanline; scanlines come in order. False where it lies at the grid's border: nothing is
-  /// interior.
+  /// Moves to a scanline. Call in scanline order. False at the border of the grid: no voxel is interior.
   bool go_to(std::uint64_t scanline) {
     const auto row = static_cast<std::int64_t>(scanline) % rows_,
                slice = static_cast<std::int64_t>(scanline) / rows_;
@@ -74,7 +73,7 @@ class ScanlineWindow {
     return true;
   }
 
-  /// Calls visit(begin, end) for what of a run of that scanline is interior, in order.
+  /// Calls visit(begin, end) for the interior intervals of a run of that scanline, in order.
   template <typename Visit>
   void for_each_interior(const Run& run, Visit&& visit) {
     const std::uint64_t stop = std::uint64_t{run.start} + run.length;
@@ -88,7 +87,7 @@ class ScanlineWindow {
   }
 
  private:
-  /// Scanlines of one slice come in order: each is loaded once for every slice that it is next to.
+  /// Bits of a scanline. Scanlines of each slice come in order, so that each is loaded once per d_slice.
   const std::uint64_t* load(std::size_t d_slice, std::uint64_t scanline) {
     ScanlineBits& line = lines_[3 * d_slice + scanline % 3];
     if (line.scanline() != scanline) {
@@ -101,12 +100,13 @@ class ScanlineWindow {
     return line.words();
   }
 
-  /// Those that share a face and are covered.
+  /// Voxels that are covered, with covered face neighbours in the adjacent rows and slices.
   [[nodiscard]] std::uint64_t cross(std::ptrdiff_t word) const {
     return around_[1][1][word] & around_[0][1][word] & around_[2][1][word] & around_[1][0][word] &
            around_[1][2][word];
   }
-  /// Of three voxels along the scanline all must have a covered cross, and the four at edges be covered.
+  /// Interior voxels: cross() of the voxel and both neighbours in the scanline, and the four remaining edge
+  /// neighbours.
   [[nodiscard]] std::uint64_t interior(std::uint64_t at) const {
     const auto word = static_cast<std::ptrdiff_t>(at);
     const std::uint64_t here = cross(word);
@@ -117,7 +117,7 @@ class ScanlineWindow {
            (here >> 1 | cross(word + 1) << (kWordBits - 1)) & edges;
   }
 
-  /// The first voxel from `at` on whose bit is not that of `same`; `stop` if there is none.
+  /// The first voxel from `at` with a bit other than in `same`, or `stop`.
   [[nodiscard]] std::uint64_t find(std::uint64_t at, std::uint64_t stop, std::uint64_t same) const {
     while (at < stop) {
       const std::uint64_t bits = (interior_[at / kWordBits] ^ same) >> at % kWordBits;
@@ -129,10 +129,10 @@ class ScanlineWindow {
 
   std::span<const Run> runs_;
   std::int64_t rows_ = 0, slices_ = 0;
-  std::vector<ScanlineBits> lines_;  // [slice and row modulo 3]: of the slice before, this one and the next
+  std::vector<ScanlineBits> lines_;  // [3 * d_slice + scanline % 3]
   std::array<std::size_t, 3> cursors_{};
   std::array<std::array<const std::uint64_t*, 3>, 3> around_{};  // [slice][row]
-  std::vector<std::uint64_t> interior_;                          // [word]: of the run in hand
+  std::vector<std::uint64_t> interior_;                          // [word] of the current run
 };
 
 void add_run(std::uint64_t scanline, std::int64_t begin, std::int64_t end, ClassRuns& runs) {
@@ -185,7 +185,7 @@ RunStreams::RunStreams(const ClassTable& table) : groups_(table), split_(find_sp
 std::vector<bool> find_split_groups(const ValueGroups& groups, const ClassTable& table) {
   constexpr std::size_t kNoGroup = std::numeric_limits<std::size_t>::max();
   constexpr std::size_t kSeveral = kNoGroup - 1;
-  std::vector<std::size_t> holder;  // [structure]: the group that holds it
+  std::vector<std::size_t> holder;  // [structure]: its group, or kSeveral
   for (ClassId c = 0; c < table.size(); ++c) {
     for (const Membership& m : table.members(c)) {
       if (!m.holds()) continue;

@@ -21,12 +21,11 @@ Vec3f difference(const Vec3f& a, const Vec3f& b) {
   return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
 }
 
-/// How vectors of index space look in LPS mm.
+/// Transform of vectors from index space to LPS mm.
 class IndexFrame {
  public:
   explicit IndexFrame(const Grid& grid) : to_mm_(index_to_lps_mm(grid).linear) {}
 
-  /// Edges.
   [[nodiscard]] Vec3f edge_to_lps(const Vec3f& e) const {
     Vec3f result;
     for (std::size_t r = 0; r < 3; ++r) {
@@ -35,7 +34,7 @@ class IndexFrame {
     }
     return result;
   }
-  /// Whether triangles that are counter-clockwise in index space are clockwise in LPS.
+  /// True if the transform reverses orientation (negative determinant).
   [[nodiscard]] bool mirrors() const {
     const Matrix3& m = to_mm_;
     return m[0] * (m[4] * m[8] - m[5] * m[7]) - m[1] * (m[3] * m[8] - m[5] * m[6]) +
@@ -47,14 +46,15 @@ class IndexFrame {
   Matrix3 to_mm_;
 };
 
-/// Every vertex lies midway between two voxels: those voxels, sorted by slice of the crop.
+/// One of the two voxels at the ends of a vertex's cell edge.
 struct VertexEnd {
   std::uint32_t vertex;
   std::uint32_t in_slice;  ///< offset within the slice
 };
+/// The end voxels of all vertices, sorted by slice of the crop.
 struct VertexEnds {
   std::vector<VertexEnd> ends;
-  std::vector<std::size_t> first_of_slice;  ///< size + 1
+  std::vector<std::size_t> first_of_slice;  ///< size + 1 offsets
 };
 
 VertexEnds ends_by_slice(const SurfaceMesh& mesh, const StructureCrop& crop) {
@@ -62,8 +62,7 @@ VertexEnds ends_by_slice(const SurfaceMesh& mesh, const StructureCrop& crop) {
   result.first_of_slice.assign(static_cast<std::size_t>(crop.size[2]) + 1, 0);
   const auto visit_ends = [&](auto&& visit) {
     for (std::uint32_t v = 0; v < mesh.positions_ijk.size(); ++v) {
-      for (const float towards :
-           {-0.25f, 0.25f}) {  // rounds halves down, then up; leaves whole numbers alone
+      for (const float towards : {-0.25f, 0.25f}) {  // rounds halves down, then up; keeps integers
         Index3 at;
         for (std::size_t a = 0; a < 3; ++a) {
           at[a] = static_cast<std::int64_t>(std::floor(mesh.positions_ijk[v][a] + towards + 0.5f)) -
@@ -102,7 +101,7 @@ Vec3f unit_or_up(const Vec3f& v) {
   return {v[0] / length, v[1] / length, v[2] / length};
 }
 
-/// Sums of the gradients at both ends of every vertex' edge.
+/// Sums of the gradients at both ends of every vertex's cell edge.
 std::vector<Vec3f> vertex_gradients(const SurfaceMesh& mesh, const StructureCrop& crop,
                                     const SliceVisitor& visit_slice) {
   const VertexEnds ends = ends_by_slice(mesh, crop);
@@ -163,7 +162,7 @@ StructureCrop empty_crop_around(const IndexBox& box) {
     wider.first[a] -= SmoothGradient::kRadius - 1;
     wider.last[a] += SmoothGradient::kRadius - 1;
   }
-  return empty_crop(wider);  // a voxel wider on every side
+  return empty_crop(wider);  // adds the last voxel of padding
 }
 
 std::vector<PackedNormal> fit_normals(const StructureCrop& crop, std::span<const Run> runs,

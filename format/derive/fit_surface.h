@@ -1,4 +1,4 @@
-// The surface and the normals of a structure, from its voxels alone: files need not store what this gives.
+// Surface and normals derived from the voxels of a structure, so that files need not store them.
 #pragma once
 
 #include <functional>
@@ -15,40 +15,41 @@
 
 namespace splatlas {
 
-/// The normal of a boundary voxel: against the gradient of the structure's smoothed mask (see
-/// SmoothGradient), brought into LPS.
+/// Normals of boundary voxels: the negative gradient of the structure's smoothed mask (SmoothGradient), in
+/// LPS.
 class VoxelNormals {
  public:
   explicit VoxelNormals(const Grid& grid) : to_index_(lps_mm_to_index(grid).linear) {}
   /// `gradient` is per voxel along i, j, k.
   [[nodiscard]] PackedNormal normal(const std::array<float, 3>& gradient) const;
-  /// Gradients go by the inverse's transpose.
+  /// Transforms a gradient by the inverse transpose of the index-to-LPS matrix.
   [[nodiscard]] std::array<float, 3> to_lps(const std::array<float, 3>& gradient) const;
 
  private:
   Matrix3 to_index_;
 };
 
-/// Sees a slice's gradients, slice by slice of the crop.
+/// Called with the gradients of each slice k of the crop, in order.
 using SliceVisitor = std::function<void(const SmoothGradient& gradient, std::int64_t k)>;
 
-/// Marching cubes on a whole structure's crop, with the normals of the smoothed mask: those of the voxels at
-/// either end of each vertex' edge, added; the triangles' own where those point inwards. Normals are as files
-/// keep them, unpack_normal(pack_normal(n)): so the same comes back from a file that stores the surface.
-/// `visit_slice` may be empty. Cost: linear in the crop's voxels.
+/// Marching cubes (Lorensen and Cline 1987) on the crop of a whole structure. The normal of a vertex is the
+/// sum of the smoothed gradients at both ends of its cell edge, or the face normal if that sum points
+/// inwards. Normals are rounded to unpack_normal(pack_normal(n)), as in files. `visit_slice` may be empty.
+/// Cost: linear in the voxels of the crop.
 [[nodiscard]] SurfaceMesh fit_surface(const StructureCrop& crop, const Grid& grid,
                                       const SliceVisitor& visit_slice = {});
 
-/// The part of a structure that the normals of voxels in `box` depend on: to be painted.
+/// An empty crop of `box`, padded by the support of the normals of its voxels. Fill it with paint_runs().
 [[nodiscard]] StructureCrop empty_crop_around(const IndexBox& box);
-/// Normals of the voxels of `runs` (of principal axis z), in memory order. `crop` is painted, and made by
-/// empty_crop_around() of a box that holds them all.
+/// Normals of the voxels of `runs` (principal axis z), in memory order. `crop` is a painted
+/// empty_crop_around() of a box that contains the runs.
 [[nodiscard]] std::vector<PackedNormal> fit_normals(const StructureCrop& crop, std::span<const Run> runs,
                                                     const Grid& grid);
 
-/// The structure whose normal a class's voxels take: the first of which they are boundary; else kNoStructure.
+/// The structure that determines the normals of a class: the first with a boundary membership, or
+/// kNoStructure.
 [[nodiscard]] StructureIndex normal_owner(std::span<const Membership> members);
-/// [class]: normal_owner() of its members.
+/// [class]: normal_owner() of its memberships.
 [[nodiscard]] std::vector<StructureIndex> normal_owners(const ClassTable& classes);
 
 }  // namespace splatlas

@@ -11,12 +11,11 @@ namespace {
 
 constexpr std::uint32_t kNone = 0xffffffff;
 
-// ---- the table
-// ----------------------------------------------------------------------------------------------------
+// Case table
 
 constexpr std::size_t kEdges = 12, kMaxTriangles = 10;
 
-/// Edges by axis, then by corner.
+/// Edge number: by axis, then by corner.
 constexpr std::size_t number_of(const CellEdge& edge) {
   const auto above = static_cast<std::size_t>(edge.corner >> (edge.axis + 1));
   const auto below = edge.corner & ((1u << edge.axis) - 1);
@@ -48,7 +47,7 @@ struct Loop {
   }
 };
 
-/// Whether all three corners lie in one face of the cell.
+/// True if all three vertices are in one face of the cell.
 constexpr bool lies_in_a_face(const std::array<CellEdge, 3>& triangle) {
   for (unsigned axis = 0; axis < 3; ++axis) {
     for (unsigned side = 0; side < 2; ++side) {
@@ -61,7 +60,8 @@ constexpr bool lies_in_a_face(const std::array<CellEdge, 3>& triangle) {
   return false;
 }
 
-/// From the first edge on from which no triangle lies in a face: the neighbouring cell could have it as well.
+/// Triangulates a loop as a fan. Avoids triangles in a face of the cell: the neighbouring cell could contain
+/// them, too.
 constexpr void add_fan(const Loop& loop, CellCase& result) {
   const auto fits = [&](std::size_t start) {
     for (std::size_t n = 0; n + 2 < loop.count; ++n) {
@@ -77,7 +77,7 @@ constexpr void add_fan(const Loop& loop, CellCase& result) {
 
 constexpr CellCase make_case(unsigned inside) {
   const auto is_inside = [&](unsigned corner) { return (inside >> corner & 1) != 0; };
-  // Where the line goes on that arrives at an edge; kEdges where none does.
+  // Successor of each edge in its loop, or kEdges.
   std::array<std::size_t, kEdges> next{};
   std::array<CellEdge, kEdges> edges{};
   next.fill(kEdges);
@@ -85,7 +85,7 @@ constexpr CellCase make_case(unsigned inside) {
     const std::array<unsigned, 4> corners = face_corners(face / 2, face % 2 == 1);
     for (unsigned n = 0; n < 4; ++n) {
       if (is_inside(corners[n]) || !is_inside(corners[(n + 1) % 4])) continue;
-      // Here a chain of inside corners begins; it ends where the next one is outside.
+      // Find the end of the chain of inside corners that begins here.
       unsigned last = n + 1;
       while (is_inside(corners[(last + 1) % 4])) ++last;
       const CellEdge enters = edge_between(corners[n], corners[(n + 1) % 4]);
@@ -112,17 +112,15 @@ constexpr std::array<CellCase, 256> make_cases() {
 }
 const std::array<CellCase, 256> kCases = make_cases();
 
-// ---- the surface
-// ----------------------------------------------------------------------------------------------------
+// Surface extraction
 
-/// Triangles of cells with one leading voxel lie together: cells are met in memory order, leading voxels are
-/// not far behind.
+/// A cell with triangles, with the leading voxel by which triangles are sorted.
 struct LedCell {
   std::int64_t leading = 0;  ///< offset in the crop
   std::uint32_t first_triangle = 0, triangles = 0;
 };
 
-/// Walks the cells, layer by layer.
+/// Traverses the cells layer by layer and collects vertices and triangles.
 class CellWalker {
  public:
   explicit CellWalker(const StructureCrop& crop) : crop_(crop) {
@@ -163,7 +161,7 @@ class CellWalker {
     constexpr std::uint64_t kEightInterior = 0x0101010101010101 * StructureCrop::kInterior;
     unsigned before = column(0);
     for (std::int64_t i = 0; i + 1 < crop_.size[0];) {
-      // Most cells are like those around them.
+      // Skip eight cells without a surface.
       if (i + 8 < crop_.size[0] &&
           ((before == 0 && all_are(i + 1, 0)) || (before == kAllInside && all_are(i + 1, kEightInterior)))) {
         i += 8;
@@ -176,7 +174,7 @@ class CellWalker {
     }
   }
 
-  /// What is of the upper slice is of the next layer's lower one.
+  /// The upper slice of a layer is the lower slice of the next.
   void go_to_next_layer() {
     const auto clear = [](LayerEdges& edges) {
       if (edges.used) std::ranges::fill(edges.vertices, kNone);
@@ -200,11 +198,11 @@ class CellWalker {
   }
 
   [[nodiscard]] std::int64_t leading_voxel(std::int64_t i, std::int64_t j, std::int64_t k) const {
-    for (unsigned corner = 0; corner < 8; ++corner) {  // by rising offset
+    for (unsigned corner = 0; corner < 8; ++corner) {  // in ascending memory order
       const std::size_t at = crop_.offset(i + (corner & 1), j + (corner >> 1 & 1), k + (corner >> 2));
       if (crop_.parts[at] == StructureCrop::kBoundary) return static_cast<std::int64_t>(at);
     }
-    return 0;  // cannot be: a cell with a triangle has a voxel inside next to one outside
+    return 0;  // unreachable: a cell with a triangle has an inside voxel next to an outside voxel
   }
 
   std::uint32_t vertex_at(std::int64_t i, std::int64_t j, std::int64_t k, const CellEdge& edge) {
@@ -223,18 +221,18 @@ class CellWalker {
     return vertex;
   }
 
-  /// The vertices on edges along one axis.
+  /// Vertex indices on the edges along one axis.
   struct LayerEdges {
     std::vector<std::uint32_t> vertices;
     bool used = false;
   };
 
   const StructureCrop& crop_;
-  /// [axis][0: of this layer's lower slice, 1: of its upper one]; edges along k are the layer's own.
+  /// [axis][0: lower, 1: upper slice of the layer]. Edges along k use only [2][0].
   std::array<std::array<LayerEdges, 2>, 3> edges_;
 };
 
-/// Sorts cells by leading voxel, those of one in the order in which they were met.
+/// Stable sort of cells by leading voxel: counting sort by row, then a sort within rows.
 std::vector<LedCell> by_leading_voxel(const std::vector<LedCell>& cells, const StructureCrop& crop) {
   const std::int64_t width = crop.size[0];
   std::vector<std::size_t> next(static_cast<std::size_t>(crop.size[1] * crop.size[2]) + 1, 0);
@@ -243,7 +241,7 @@ std::vector<LedCell> by_leading_voxel(const std::vector<LedCell>& cells, const S
   std::vector<LedCell> sorted(cells.size());
   for (const LedCell& cell : cells) sorted[next[static_cast<std::size_t>(cell.leading / width)]++] = cell;
   std::size_t begin = 0;
-  for (const std::size_t end : next) {  // now where each row ends
+  for (const std::size_t end : next) {  // now the end of each row
     std::stable_sort(sorted.begin() + static_cast<std::ptrdiff_t>(begin),
                      sorted.begin() + static_cast<std::ptrdiff_t>(end),
                      [](const LedCell& a, const LedCell& b) { return a.leading < b.leading; });
@@ -252,7 +250,7 @@ std::vector<LedCell> by_leading_voxel(const std::vector<LedCell>& cells, const S
   return sorted;
 }
 
-/// Triangles in the order of the cells, vertices in the order of first use.
+/// Reorders triangles by cell and renumbers vertices by first use.
 MaskSurface in_order(const MaskSurface& surface, const std::vector<LedCell>& cells) {
   MaskSurface ordered;
   ordered.triangles.reserve(surface.triangles.size());

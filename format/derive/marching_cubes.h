@@ -1,4 +1,4 @@
-// Marching cubes on masks: the surface between a structure's voxels and the rest.
+// Marching cubes on binary masks (Lorensen and Cline 1987).
 #pragma once
 
 #include <array>
@@ -10,29 +10,30 @@
 
 namespace splatlas {
 
-/// An edge of a cell, from `corner` (bit a is set where the corner lies further along axis a) along `axis`.
+/// An edge of a cell from `corner` along `axis`. Bit a of `corner` is its coordinate (0 or 1) along axis a.
 struct CellEdge {
   std::uint8_t corner = 0, axis = 0;
   friend bool operator==(const CellEdge&, const CellEdge&) = default;
 };
 
-/// Triangles of a cell whose corners `inside` (bit c: corner c) lie inside: corners are midpoints of edges,
-/// counter-clockwise seen from outside. The table follows from rules (Lorensen and Cline 1987 for cells
-/// without ambiguous faces): on each face a line cuts off every maximal chain of inside corners, so that
-/// diagonal ones stay apart and neighbouring cells agree; lines join to loops; a loop becomes a fan around
-/// the first of its edges, from the lowest (axis, then corner) on, from which no triangle lies in a face of
-/// the cell. Loops come by their lowest edge.
+/// Triangles of a cell with inside corners `inside` (bit c: corner c). Vertices are edge midpoints,
+/// counter-clockwise seen from outside. Without ambiguous faces this is the table of Lorensen and Cline 1987.
+///   - On each face, one line separates every maximal chain of inside corners. Diagonal inside corners thus
+///     stay separate, and neighbouring cells agree.
+///   - Lines form loops, ordered by their lowest edge (axis, then corner).
+///   - A loop becomes a fan around its first edge, from the lowest, without triangles in a face of the cell.
 [[nodiscard]] std::span<const std::array<CellEdge, 3>> cell_triangles(std::uint8_t inside);
 
+/// A mesh without normals.
 struct MaskSurface {
   std::vector<std::array<float, 3>>
-      positions_ijk;  ///< in the grid's indices; one coordinate of each ends in .5
+      positions_ijk;  ///< in voxel indices of the grid; one coordinate ends in .5
   std::vector<std::array<std::uint32_t, 3>> triangles;  ///< counter-clockwise from outside, in index space
 };
 
-/// Closed; equal vertices are one. Triangles are sorted as surface.h says: by the boundary voxel of smallest
-/// offset in their cell, cells in memory order within that, triangles as cell_triangles() has them; vertices
-/// are numbered in the order of first use. Cost: linear in the crop's voxels and the triangles.
+/// Extracts the closed surface of a crop with shared vertices. Triangles are sorted by the first boundary
+/// voxel of their cell (see SurfaceMesh), then by cell in memory order, then as in cell_triangles(). Vertices
+/// are numbered by first use. Cost: linear in the voxels of the crop and in the triangles.
 [[nodiscard]] MaskSurface marching_cubes(const StructureCrop& crop);
 
 }  // namespace splatlas

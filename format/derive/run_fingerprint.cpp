@@ -5,7 +5,7 @@ namespace splatlas {
 namespace {
 
 constexpr std::uint64_t kPrime = (std::uint64_t{1} << 61) - 1;
-/// Two points without any structure: digits of pi and of e, below the prime.
+/// Evaluation points: digits of pi and of e, reduced by the prime.
 constexpr std::array<std::uint64_t, 2> kBases{0x0'243f'6a88'85a3'08d3 % kPrime,
                                               0x0'2b7e'1516'28ae'd2a6 % kPrime};
 
@@ -78,7 +78,7 @@ VoxelSetFingerprint RunFingerprinter::of(std::span<const Run> runs, Axis axis) c
   for (const Run& run : runs) {
     const std::uint64_t slice = run.scanline / rows, row = run.scanline % rows;
     const std::uint64_t first = slice * slice_stride + row * row_stride + run.start * stride;
-    // The sum of a geometric series: base^first + base^(first + stride) + ...
+    // Sum the geometric series base^first + base^(first + stride) + ...
     for (std::size_t p = 0; p < points_.size(); ++p) {
       const Point& point = points_[p];
       const std::uint64_t difference =

@@ -1,4 +1,4 @@
-// Whether two run lists, perhaps of different axes, cover the same voxels: without decoding either to voxels.
+// Fingerprints of voxel sets, for comparing run lists of different axes without decoding them.
 #pragma once
 
 #include <array>
@@ -11,21 +11,20 @@
 
 namespace splatlas {
 
-/// A fingerprint of a set of voxels: the polynomial whose exponents are the voxels' memory offsets, evaluated
-/// at two fixed points of the field of 2^61 - 1 elements. Two different sets agree at one point with a chance
-/// of at most voxels / 2^61 (Schwartz and Zippel), at both with its square: below 2^-42 for the largest
-/// grids.
+/// Fingerprint of a set of voxels: a polynomial with the memory offsets of voxels as exponents, evaluated at
+/// two fixed points of the prime field of order 2^61 - 1. Two different sets collide with probability at most
+/// (voxels / 2^61)^2 (Schwartz-Zippel lemma): below 2^-42 for the largest grids.
 using VoxelSetFingerprint = std::array<std::uint64_t, 2>;
 
-/// Computes fingerprints in time and memory of the runs, however many voxels they cover.
+/// Computes fingerprints in time linear in the runs, independent of their lengths. Thread-safe.
 class RunFingerprinter {
  public:
   explicit RunFingerprinter(const Index3& size);
-  /// `runs` are valid (see validate_runs()) and of principal axis `axis`.
+  /// Fingerprint of valid runs (see validate_runs()) of principal axis `axis`.
   [[nodiscard]] VoxelSetFingerprint of(std::span<const Run> runs, Axis axis) const;
 
  private:
-  /// Powers of one base, of any exponent below 2^45 with four multiplications.
+  /// Table of the powers of one base: four multiplications for any exponent below 2^45.
   class Powers {
    public:
     explicit Powers(std::uint64_t base);

@@ -39,7 +39,7 @@ SmoothGradient::SmoothGradient(const StructureCrop& crop) : crop_(crop) {
   for (Plane& plane : ring_) {
     for (auto* values : {&plane.smooth, &plane.along_j, &plane.along_i}) values->resize(width * height);
   }
-  row_holds_.resize(height + kTaps - 1);
+  row_occupied_.resize(height + kTaps - 1);
 }
 
 void SmoothGradient::filter_row(std::int64_t j, std::int64_t k) {
@@ -47,9 +47,9 @@ void SmoothGradient::filter_row(std::int64_t j, std::int64_t k) {
   const std::uint8_t* const parts = &crop_.parts[crop_.offset(0, j, k)];
   const auto row = static_cast<std::size_t>(j + kRadius);
   const std::size_t at = row * width;
-  row_holds_[row] =
+  row_occupied_[row] =
       std::any_of(parts, parts + width, [](std::uint8_t p) { return p != StructureCrop::kOutside; });
-  if (row_holds_[row] == 0) {
+  if (row_occupied_[row] == 0) {
     std::fill_n(&rows_smooth_[at], width, 0.f);
     std::fill_n(&rows_derived_[at], width, 0.f);
     return;
@@ -62,7 +62,7 @@ void SmoothGradient::filter_row(std::int64_t j, std::int64_t k) {
 
 void SmoothGradient::filter_plane(std::int64_t k) {
   Plane& plane = ring_[static_cast<std::size_t>(k % kTaps)];
-  if (k >= crop_.size[2]) {  // beyond the crop all is outside
+  if (k >= crop_.size[2]) {  // outside the crop
     for (auto* values : {&plane.smooth, &plane.along_j, &plane.along_i})
       std::fill(values->begin(), values->end(), 0.f);
     return;
@@ -70,9 +70,9 @@ void SmoothGradient::filter_plane(std::int64_t k) {
   for (std::int64_t j = 0; j < crop_.size[1]; ++j) filter_row(j, k);
   const auto width = static_cast<std::size_t>(crop_.size[0]);
   for (std::size_t j = 0; j < static_cast<std::size_t>(crop_.size[1]); ++j) {
-    const auto first = row_holds_.begin() + static_cast<std::ptrdiff_t>(j);
+    const auto first = row_occupied_.begin() + static_cast<std::ptrdiff_t>(j);
     const std::size_t at = j * width;
-    if (std::none_of(first, first + kTaps, [](std::uint8_t holds) { return holds != 0; })) {
+    if (std::none_of(first, first + kTaps, [](std::uint8_t occupied) { return occupied != 0; })) {
       for (auto* values : {&plane.smooth, &plane.along_j, &plane.along_i})
         std::fill_n(&(*values)[at], width, 0.f);
       continue;
@@ -85,7 +85,7 @@ void SmoothGradient::filter_plane(std::int64_t k) {
 
 void SmoothGradient::next_slice() {
   for (; planes_made_ <= next_ + kRadius; ++planes_made_) filter_plane(planes_made_);
-  // Planes before the first one were never made: their places in the ring still hold zeros.
+  // Planes before the first one are still zero in the ring.
   for (std::int64_t t = 0; t < kTaps; ++t) {
     planes_[static_cast<std::size_t>(t)] =
         &ring_[static_cast<std::size_t>((next_ + t - kRadius + kTaps) % kTaps)];

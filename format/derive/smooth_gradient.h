@@ -1,4 +1,4 @@
-// The gradient of a structure's mask after Gaussian smoothing: where normals come from.
+// Gradient of a structure's Gaussian-smoothed mask.
 #pragma once
 
 #include <array>
@@ -9,19 +9,19 @@
 
 namespace splatlas {
 
-/// Convolves a crop with the derivatives of a Gaussian whose sigma is one voxel along every axis. In index
-/// space that is isotropic; turned into mm by the grid's inverse transpose it is the gradient of a mask
-/// smoothed as coarsely as the voxels are, which keeps planes' normals exact whatever the spacing. Slices are
-/// filtered along i and j one after the other, seven of them are kept; along k where somebody asks. Memory:
-/// that of 21 slices of the crop. Cost: 5 passes of 7 taps a voxel in rows near the structure, vectorised.
+/// Convolves a crop with the derivatives of a Gaussian with a sigma of one voxel along every axis. The filter
+/// is isotropic in index space; the inverse transpose of the grid's matrix transforms gradients to mm. The
+/// normals of planes are thus exact for any spacing. Slices are filtered along i and j in sequence, into a
+/// ring of seven; at() filters along k. Memory: 21 slices of floats. Cost: 5 passes of 7 taps per voxel in
+/// rows near the structure.
 class SmoothGradient {
  public:
   /// `crop` must outlive this.
   explicit SmoothGradient(const StructureCrop& crop);
-  SmoothGradient(const SmoothGradient&) = delete;  // its planes are named by where they are
+  SmoothGradient(const SmoothGradient&) = delete;  // planes_ points into ring_
   SmoothGradient& operator=(const SmoothGradient&) = delete;
 
-  /// Makes the next slice's gradients (k = 0 first) and lets the accessors show them.
+  /// Advances to the next slice, first to k = 0.
   void next_slice();
 
   /// Gradient at (i, j) of the current slice, per voxel along i, j, k. Cost: 21 taps.
@@ -36,13 +36,13 @@ class SmoothGradient {
     return gradient;
   }
 
-  /// How far away voxels still count, along every axis.
+  /// Filter radius in voxels along every axis.
   static constexpr std::int64_t kRadius = 3;
 
  private:
   static constexpr std::int64_t kTaps = 2 * kRadius + 1;
   using Kernel = std::array<float, kTaps>;
-  /// One slice after the passes along i and j: smoothed, d/dj and d/di of smoothed.
+  /// One slice after the passes along i and j: smoothed mask and its derivatives d/dj and d/di.
   struct Plane {
     std::vector<float> smooth, along_j, along_i;
   };
@@ -52,13 +52,14 @@ class SmoothGradient {
 
   const StructureCrop& crop_;
   Kernel gauss_{}, derivative_{};
-  std::int64_t next_ = 0;                          // slice that next_slice() makes
-  std::int64_t planes_made_ = 0;                   // planes below this number are or were in the ring
-  std::vector<float> row_;                         // one row of the mask with zeros at both ends
-  std::vector<float> rows_smooth_, rows_derived_;  // the slice after the pass along i, zero rows at both ends
+  std::int64_t next_ = 0;         // next slice
+  std::int64_t planes_made_ = 0;  // number of planes filtered so far
+  std::vector<float> row_;        // one row of the mask, zero-padded
+  std::vector<float> rows_smooth_,
+      rows_derived_;  // the slice after the pass along i, with zero rows as padding
   std::array<Plane, kTaps> ring_;
-  std::array<const Plane*, kTaps> planes_{};  // of the current slice and those around it
-  std::vector<std::uint8_t> row_holds_;       // whether the structure holds voxels of the row; rows as above
+  std::array<const Plane*, kTaps> planes_{};  // the current slice and its neighbours
+  std::vector<std::uint8_t> row_occupied_;    // 1 for rows (padded as above) with voxels of the structure
 };
 
 }  // namespace splatlas

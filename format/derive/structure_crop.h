@@ -1,24 +1,24 @@
-// The part of the class volume around one structure.
+// Cropped class volume around one structure.
 #pragma once
 
 #include <cstdint>
 #include <span>
 #include <vector>
 
-#include "format/derive/held_classes.h"
+#include "format/derive/structure_classes.h"
 #include "format/grid.h"
 #include "format/run_model.h"
 
 namespace splatlas {
 
-/// How a box of voxels belongs to one structure. A whole structure's has one voxel more than its box on every
-/// side, so that the outermost voxels are outside; those beyond the grid exist here too.
+/// Parts of one structure in a box of voxels. The crop of a whole structure is its bounding box padded by one
+/// voxel of outside, also beyond the grid.
 struct StructureCrop {
   static constexpr std::uint8_t kOutside = 0, kInterior = 1, kBoundary = 2;
 
-  Index3 first{0, 0, 0};  ///< of the grid's indices; -1 where the structure touches the border
+  Index3 first{0, 0, 0};  ///< grid index of the first voxel; -1 if the structure touches the border
   Index3 size{0, 0, 0};
-  std::vector<std::uint8_t> parts;  ///< kOutside (or only crossed), kInterior or kBoundary; i fastest
+  std::vector<std::uint8_t> parts;  ///< kOutside (also if only crossed), kInterior or kBoundary; i fastest
 
   [[nodiscard]] static std::uint8_t part_of(Part held) {
     return held == Part::kBoundary ? kBoundary : kInterior;
@@ -28,8 +28,8 @@ struct StructureCrop {
   }
 };
 
-/// Calls visit(i, j, offset in the grid) for the voxels of slice k of a whole structure's crop that the
-/// structure holds; i and j are the crop's.
+/// Calls visit(i, j, grid offset) for the structure's voxels in slice k of the crop of a whole structure. i
+/// and j are crop indices.
 template <typename Visit>
 void for_each_held(const StructureCrop& crop, std::int64_t k, const Grid& grid, const Visit& visit) {
   for (std::int64_t j = 1; j + 1 < crop.size[1]; ++j) {
@@ -41,17 +41,16 @@ void for_each_held(const StructureCrop& crop, std::int64_t k, const Grid& grid, 
   }
 }
 
-/// How voxels of each of so many classes belong to the structure that holds some of them.
-[[nodiscard]] std::vector<std::uint8_t> parts_of(std::span<const HeldClass> held, std::size_t classes);
+/// [class]: its part of the structure with classes `held`, for `classes` classes.
+[[nodiscard]] std::vector<std::uint8_t> parts_of(std::span<const StructureClass> held, std::size_t classes);
 
-/// Cuts out `box`, which must not be empty. `parts` is parts_of(...).
+/// Crops the class volume to `box`, which must not be empty, padded by one voxel. `parts` is from parts_of().
 [[nodiscard]] StructureCrop crop_structure(std::span<const ClassId> volume, const Index3& size,
                                            const IndexBox& box, std::span<const std::uint8_t> parts);
 
-/// `box` and one voxel more on every side, all outside: to be painted.
+/// A crop of `box`, padded by one voxel, with all voxels outside. Fill it with paint_runs().
 [[nodiscard]] StructureCrop empty_crop(const IndexBox& box);
-/// Writes what of these runs (of principal axis z, valid in a grid with `rows` rows a slice) lies in the
-/// crop.
+/// Paints runs (principal axis z, valid in a grid with `rows` rows per slice), clipped to the crop.
 void paint_runs(std::span<const Run> runs, std::int64_t rows, std::uint8_t part, StructureCrop& crop);
 
 }  // namespace splatlas

@@ -20,7 +20,7 @@ ValueGroups::ValueGroups(const ClassTable& table) {
   }
 }
 
-std::vector<ClassId> ValueGroups::told_by(std::size_t group) const {
+std::vector<ClassId> ValueGroups::locating_classes(std::size_t group) const {
   if (classes[group].front() != kEmptyClass) return classes[group];
   std::vector<ClassId> all(group_of.size());
   std::iota(all.begin(), all.end(), ClassId{0});
@@ -50,7 +50,7 @@ std::vector<ClassSpan> merge_runs(std::span<const ClassId> classes, std::span<co
     ends.push_back(static_cast<std::ptrdiff_t>(spans.size()));
   }
   const auto before = [](const ClassSpan& a, const ClassSpan& b) { return a.run < b.run; };
-  while (ends.size() > 2) {  // neighbours in pairs
+  while (ends.size() > 2) {  // merge adjacent lists in pairs
     std::vector<std::ptrdiff_t> merged{0};
     for (std::size_t n = 0; n + 1 < ends.size(); n += 2) {
       const std::ptrdiff_t last = ends[std::min(n + 2, ends.size() - 1)];
@@ -67,7 +67,7 @@ std::vector<ClassSpan> gaps_between(std::span<const ClassSpan> spans, const Inde
   const auto width = static_cast<std::uint64_t>(size[0]);
   const auto scanlines = static_cast<std::uint64_t>(size[1] * size[2]);
   std::uint64_t scanline = 0, at = 0;
-  // The gap from (scanline, at) to the end of its scanline or to `end`.
+  // Adds the gap from `at` to `end` in the scanline.
   const auto close = [&](std::uint64_t end) {
     if (at < end) {
       gaps.push_back(
@@ -91,7 +91,7 @@ std::vector<ClassSpan> gaps_between(std::span<const ClassSpan> spans, const Inde
 
 std::vector<ClassSpan> group_spans(const ValueGroups& groups, std::size_t group,
                                    std::span<const ClassRuns> runs, const Index3& size) {
-  std::vector<ClassSpan> spans = merge_runs(groups.told_by(group), runs);
+  std::vector<ClassSpan> spans = merge_runs(groups.locating_classes(group), runs);
   return groups.classes[group].front() == kEmptyClass ? gaps_between(spans, size) : spans;
 }
 

@@ -1,4 +1,4 @@
-// Classes whose voxels belong to the same structures: their grey values are coded together.
+// Groups of classes for the coding of grey values.
 #pragma once
 
 #include <cstdint>
@@ -11,39 +11,38 @@
 
 namespace splatlas {
 
-/// Groups of classes that differ in no more than which voxels are boundary: a structure's interior and its
-/// boundary, on which grey values go on smoothly. Numbered by their first classes; the empty class is in
-/// group 0.
+/// Groups of classes in the same structures. Grey values are continuous across the classes of a group, which
+/// differ only between interior and boundary. Numbered by their first class; the empty class is in group 0.
 struct ValueGroups {
   std::vector<std::uint32_t> group_of;        ///< [class]
-  std::vector<std::vector<ClassId>> classes;  ///< [group], rising
+  std::vector<std::vector<ClassId>> classes;  ///< [group], ascending
 
   explicit ValueGroups(const ClassTable& table);
   [[nodiscard]] std::size_t size() const { return classes.size(); }
-  /// The classes whose runs tell where a group's voxels are: its own; for the empty class's group, which has
-  /// what the others leave, all.
-  [[nodiscard]] std::vector<ClassId> told_by(std::size_t group) const;
+  /// The classes whose runs determine the voxels of a group: its own classes. For the group of the empty
+  /// class, the complement of the others: all classes.
+  [[nodiscard]] std::vector<ClassId> locating_classes(std::size_t group) const;
 };
 
-/// Voxels of one group.
+/// Number of voxels of one group.
 [[nodiscard]] std::uint64_t group_voxels(const ValueGroups& groups, const ClassTable& table,
                                          std::size_t group);
-/// The box around them; all of the grid for the empty class's group.
+/// Bounding box of one group; the whole grid for the group of the empty class.
 [[nodiscard]] IndexBox group_box(const ValueGroups& groups, const ClassTable& table, std::size_t group,
                                  const Index3& size);
 
-/// A run in principal axis z, with the class that it is of.
+/// A run in principal axis z and its class.
 struct ClassSpan {
   Run run;
   ClassId of = kEmptyClass;
 };
 
-/// Runs of several classes in memory order. Cost: runs times the logarithm of classes.
+/// Merges the runs of several classes in memory order. Cost: O(runs * log(classes)).
 [[nodiscard]] std::vector<ClassSpan> merge_runs(std::span<const ClassId> classes,
                                                 std::span<const ClassRuns> runs);
-/// What `spans` leave of the grid, as the empty class's. Overlaps count once.
+/// The complement of `spans` in the grid, as spans of the empty class. `spans` may overlap.
 [[nodiscard]] std::vector<ClassSpan> gaps_between(std::span<const ClassSpan> spans, const Index3& size);
-/// The voxels of a group in memory order, from the runs of the classes of told_by().
+/// The voxels of a group in memory order, from the runs of locating_classes().
 [[nodiscard]] std::vector<ClassSpan> group_spans(const ValueGroups& groups, std::size_t group,
                                                  std::span<const ClassRuns> runs, const Index3& size);
 

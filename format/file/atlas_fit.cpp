@@ -1,4 +1,4 @@
-// Surfaces and normals that a file leaves to be found from the voxels.
+// Reading of surfaces and normals, stored or fitted to the voxels.
 #include <cstring>
 #include <new>
 #include <utility>
@@ -29,8 +29,8 @@ Result<StructureCrop> Atlas::Impl::read_crop(StructureIndex s, const IndexBox& b
                   fmt::format("structure '{}' is too large to fit a surface to it", directory.graph[s].id)});
   }
   StructureCrop crop = around ? empty_crop_around(box) : empty_crop(box);
-  for (const auto& [c, part] : held_classes.of(s)) {
-    if (shares_runs(c, Axis::kZ)) {  // both classes at once, which are of the same structures
+  for (const auto& [c, part] : structure_classes.of(s)) {
+    if (shares_runs(c, Axis::kZ)) {  // paint both classes at once: they are in the same structures
       const auto pair = run_streams.pair_of(c);
       if (c != pair[0]) continue;
       SPLATLAS_ASSIGN_OR_RETURN(const SharedSplit split, read_split_runs(c, Axis::kZ));
@@ -47,7 +47,7 @@ Result<StructureCrop> Atlas::Impl::read_crop(StructureIndex s, const IndexBox& b
 
 Result<SurfaceMesh> Atlas::Impl::fit_surface_of(StructureIndex s) const {
   const SurfaceEntry& entry = directory.surfaces[s];
-  const IndexBox box = box_of(directory.classes, held_classes.of(s));
+  const IndexBox box = box_of(directory.classes, structure_classes.of(s));
   SurfaceMesh mesh;
   if (!box.empty()) {
     SPLATLAS_ASSIGN_OR_RETURN(const StructureCrop crop, read_crop(s, box, false));
@@ -67,7 +67,7 @@ Result<std::vector<PackedNormal>> Atlas::Impl::fit_normals_of(ClassId c) const {
   if (directory.classes.box(c).empty()) return std::vector<PackedNormal>{};
   SPLATLAS_ASSIGN_OR_RETURN(const ClassRuns runs, read_stored_runs(c, Axis::kZ));
   SPLATLAS_ASSIGN_OR_RETURN(const StructureCrop crop, read_crop(owner, directory.classes.box(c), true));
-  // Runs outside of the class's box are told by verify(); here they must do no harm.
+  // verify() reports runs outside the class's box. Refuse them here for memory safety.
   for (const Run& run : runs) {
     const auto scanline = static_cast<std::int64_t>(run.scanline);
     const IndexBox line{
@@ -77,7 +77,7 @@ Result<std::vector<PackedNormal>> Atlas::Impl::fit_normals_of(ClassId c) const {
     together.include(line);
     if (together != directory.classes.box(c)) {
       return named(
-          {ErrorCode::kInvalidAtlas, fmt::format("invalid: the box of class {} is not that of its runs", c)});
+          {ErrorCode::kInvalidAtlas, fmt::format("invalid: the box of class {} does not match its runs", c)});
     }
   }
   return fit_normals(crop, runs, grid);

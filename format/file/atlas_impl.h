@@ -1,4 +1,4 @@
-// What an open Atlas holds. Internal: included by the sources of Atlas only.
+// Private state of Atlas, included only by its sources.
 #pragma once
 
 #include <cstdint>
@@ -16,8 +16,8 @@
 #include "format/derive/value_groups.h"
 #include "format/file/directory.h"
 #include "format/file/file_layout.h"
-#include "format/file/held_values.h"
 #include "format/file/section_reader.h"
+#include "format/file/value_cache.h"
 #include "format/system/input_file.h"
 
 namespace splatlas {
@@ -26,33 +26,34 @@ struct Atlas::Impl {
   Impl(InputFile opened_file, const FileHeader& checked_header, Directory checked_directory,
        RunStreams streams, FileLayout file_layout);
 
-  /// A stream that the directory tells of; empty where the file has no such section.
+  /// Reads and decodes a stream; empty if the file has no such section.
   [[nodiscard]] Result<std::vector<std::byte>> read_stream(SectionKind kind, std::size_t stream) const;
   /// The runs of a class in a stored run model, checked against grid and class table.
   [[nodiscard]] Result<ClassRuns> read_stored_runs(ClassId c, Axis axis) const;
-  /// The same in a run model that the file does not store, from that of z.
+  /// The runs of a class in a run model that is not stored, derived from the z model.
   [[nodiscard]] Result<ClassRuns> derive_runs(ClassId c, Axis axis) const;
-  /// Whether the class and another one have one list in a stored run model, and their runs from it.
+  /// True if the class shares its list in a stored run model with another one. read_split_runs() splits that
+  /// list.
   [[nodiscard]] bool shares_runs(ClassId c, Axis axis) const;
   using SharedSplit = std::shared_ptr<const SplitRuns>;
   [[nodiscard]] Result<SharedSplit> read_split_runs(ClassId c, Axis axis) const;
   [[nodiscard]] Result<SplitRuns> split_runs(ClassId c, Axis axis) const;
-  /// The list in a class's stream, which is of `voxels` voxels.
+  /// The run list in the stream of a class, with `voxels` voxels.
   [[nodiscard]] Result<ClassRuns> read_run_list(ClassId c, Axis axis, std::uint64_t voxels) const;
-  /// The box around the voxels in a class's stream.
+  /// Bounding box of the voxels in the stream of a class.
   [[nodiscard]] IndexBox list_box(ClassId c, Axis axis) const;
-  /// The voxels of a structure in a box; `around`: and as far away as normals in it depend on.
+  /// The voxels of a structure in a box; with `around`, padded by the support of normals.
   [[nodiscard]] Result<StructureCrop> read_crop(StructureIndex s, const IndexBox& box, bool around) const;
   [[nodiscard]] Result<SurfaceMesh> fit_surface_of(StructureIndex s) const;
   [[nodiscard]] Result<std::vector<PackedNormal>> fit_normals_of(ClassId c) const;
   /// The voxels of a group of classes.
   [[nodiscard]] Result<std::vector<ClassSpan>> read_spans(std::size_t group) const;
-  [[nodiscard]] Result<HeldValues::GroupValues> decode_group(std::size_t group) const;
+  [[nodiscard]] Result<ValueCache::GroupValues> decode_group(std::size_t group) const;
   [[nodiscard]] Result<std::vector<std::byte>> read_class_values(ClassId c) const;
   [[nodiscard]] Result<void> check_class(ClassId c) const;
   [[nodiscard]] Result<void> check_structure(StructureIndex s) const;
 
-  /// The error again with the file's name before it.
+  /// Prefixes the message of an error with the file name.
   [[nodiscard]] tl::unexpected<Error> named(const Error& error) const {
     return fail(error.code, file.name() + ": " + error.message);
   }
@@ -66,21 +67,21 @@ struct Atlas::Impl {
   SectionReader sections;
   RunStreams run_streams;
   const ValueGroups& groups;
-  std::vector<std::uint32_t> surface_stream;  ///< [structure]: number of its stream
-  HeldClasses held_classes;
+  std::vector<std::uint32_t> surface_stream;  ///< [structure]: index of its stream
+  StructureClasses structure_classes;
 
-  /// Runs that were split lately: those of the other class, and values and normals, are often next.
-  struct LateSplit {
+  /// Cache of split runs: the other class, its values and normals are often read next.
+  struct RecentSplit {
     ClassId first = kEmptyClass;
     Axis axis = Axis::kZ;
     SharedSplit runs;
   };
-  static constexpr std::size_t kLateSplits = 256;
-  mutable std::mutex late_mutex;
-  mutable std::deque<LateSplit> late_splits;  // latest last
+  static constexpr std::size_t kMaxRecentSplits = 256;
+  mutable std::mutex recent_mutex;
+  mutable std::deque<RecentSplit> recent_splits;  // most recent last
 
-  static constexpr std::uint64_t kMaxHeldBytes = std::uint64_t{1} << 27;
-  mutable HeldValues held_values;
+  static constexpr std::uint64_t kMaxCachedBytes = std::uint64_t{1} << 27;
+  mutable ValueCache value_cache;
 };
 
 }  // namespace splatlas

@@ -1,4 +1,4 @@
-// Atlas::read_all: the content as it was written.
+// Decoding of whole atlases: Atlas::read_all, read_classes and read_value_volume.
 #include <cstring>
 #include <new>
 #include <span>
@@ -21,7 +21,7 @@ Result<std::vector<ClassId>> read_class_volume(const Atlas& atlas) {
   return volume;
 }
 
-/// Puts the values, which are sorted by class, back to where the class volume says.
+/// Scatters values sorted by class to the voxels of the class volume.
 VoxelBuffer assemble_values(VoxelType type, const std::vector<std::vector<std::byte>>& of_class,
                             std::span<const ClassId> class_volume) {
   VoxelBuffer values{type, {}};

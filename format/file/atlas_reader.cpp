@@ -17,7 +17,7 @@ namespace splatlas {
 
 namespace {
 
-/// Deriving a run model takes memory in proportion to the voxels covered: more than these are refused.
+/// Limit of derive_runs(): its memory may grow with the number of voxels.
 constexpr std::uint64_t kMaxDerivedVoxels = std::uint64_t{1} << 32;
 
 struct OpenedDirectory {
@@ -27,12 +27,13 @@ struct OpenedDirectory {
   FileLayout layout;
 };
 
-/// Reads and checks header and directory. Both are copied from the file once and never looked at there again.
+/// Reads and checks header and directory. Each is read once, so that later changes of the file have no
+/// effect.
 Result<OpenedDirectory> read_directory(const InputFile& file) {
   std::vector<std::byte> start(std::min<std::uint64_t>(file.size(), sizeof(FileHeader)));
   SPLATLAS_RETURN_IF_ERROR(file.read(0, start));
   SPLATLAS_ASSIGN_OR_RETURN(const FileHeader header, check_header(start, file.size()));
-  std::vector<std::byte> bytes(header.directory_bytes);  // new aligns to 16
+  std::vector<std::byte> bytes(header.directory_bytes);  // allocated with 16-byte alignment
   SPLATLAS_RETURN_IF_ERROR(file.read(header.directory_offset, bytes));
   if (checksum_of(bytes) != header.directory_checksum) {
     return fail(ErrorCode::kInvalidAtlas, "damaged: checksum of the directory");
@@ -62,8 +63,8 @@ Atlas::Impl::Impl(InputFile opened_file, const FileHeader& checked_header, Direc
       run_streams(std::move(streams)),
       groups(run_streams.groups()),
       surface_stream(directory.graph.size()),
-      held_classes(directory.classes, directory.graph.size()),
-      held_values(groups.size(), kMaxHeldBytes) {
+      structure_classes(directory.classes, directory.graph.size()),
+      value_cache(groups.size(), kMaxCachedBytes) {
   const auto preorder = directory.graph.preorder();
   for (std::uint32_t n = 0; n < preorder.size(); ++n) surface_stream[preorder[n]] = n;
 }
@@ -186,16 +187,16 @@ bool Atlas::Impl::shares_runs(ClassId c, Axis axis) const {
 Result<Atlas::Impl::SharedSplit> Atlas::Impl::read_split_runs(ClassId c, Axis axis) const {
   const ClassId first = run_streams.pair_of(c)[0];
   {
-    const std::lock_guard lock(late_mutex);
-    for (const LateSplit& late : late_splits) {
-      if (late.first == first && late.axis == axis) return late.runs;
+    const std::lock_guard lock(recent_mutex);
+    for (const RecentSplit& recent : recent_splits) {
+      if (recent.first == first && recent.axis == axis) return recent.runs;
     }
   }
   SPLATLAS_ASSIGN_OR_RETURN(SplitRuns split, split_runs(c, axis));
   const SharedSplit shared = std::make_shared<const SplitRuns>(std::move(split));
-  const std::lock_guard lock(late_mutex);
-  late_splits.push_back({first, axis, shared});
-  if (late_splits.size() > kLateSplits) late_splits.pop_front();
+  const std::lock_guard lock(recent_mutex);
+  recent_splits.push_back({first, axis, shared});
+  if (recent_splits.size() > kMaxRecentSplits) recent_splits.pop_front();
   return shared;
 }
 
@@ -210,8 +211,7 @@ Result<SplitRuns> Atlas::Impl::split_runs(ClassId c, Axis axis) const {
   if (found == interior) return split;
   return named(
       {ErrorCode::kInvalidAtlas,
-       fmt::format("invalid: {} of class {}: {} voxels have none but voxels of classes {} and {} around "
-                   "them, expected {}",
+       fmt::format("invalid: {} of class {}: {} voxels are interior to classes {} and {}, expected {}",
                    section_name(static_cast<std::uint32_t>(run_section(axis))), pair[0], found, pair[0],
                    pair[1], interior)});
 }

@@ -1,4 +1,4 @@
-// Grey values: decoded group by group, handed out class by class.
+// Reading of grey values: decoded by group, returned by class.
 #include <algorithm>
 #include <cstring>
 #include <new>
@@ -13,7 +13,7 @@
 namespace splatlas {
 
 Result<std::vector<ClassSpan>> Atlas::Impl::read_spans(std::size_t group) const {
-  const std::vector<ClassId> of = groups.told_by(group);
+  const std::vector<ClassId> of = groups.locating_classes(group);
   std::vector<ClassRuns> runs;
   runs.reserve(of.size());
   if (of.front() != kEmptyClass && shares_runs(of.front(), Axis::kZ)) {
@@ -26,15 +26,15 @@ Result<std::vector<ClassSpan>> Atlas::Impl::read_spans(std::size_t group) const 
   return group_spans(groups, group, runs, grid.size);
 }
 
-Result<HeldValues::GroupValues> Atlas::Impl::decode_group(std::size_t group) const {
+Result<ValueCache::GroupValues> Atlas::Impl::decode_group(std::size_t group) const {
   const std::vector<ClassId>& of = groups.classes[group];
   SPLATLAS_ASSIGN_OR_RETURN(std::vector<std::byte> code, read_stream(SectionKind::kValues, group));
-  HeldValues::GroupValues values(of.size());
+  ValueCache::GroupValues values(of.size());
   if (code.empty()) return values;
   const std::uint64_t voxels = group_voxels(groups, directory.classes, group);
   const IndexBox box = group_box(groups, directory.classes, group, grid.size);
   if (of.size() == 1 && !predicts_values(directory.value_type, box, voxels)) {
-    values.front() = std::move(code);  // no need to know where the voxels are
+    values.front() = std::move(code);  // stored unchanged: no runs needed
     return values;
   }
   SPLATLAS_ASSIGN_OR_RETURN(const std::vector<ClassSpan> spans, read_spans(group));
@@ -64,7 +64,7 @@ Result<std::vector<std::byte>> Atlas::Impl::read_class_values(ClassId c) const {
   const std::size_t group = groups.group_of[c];
   const std::vector<ClassId>& of = groups.classes[group];
   const auto n = static_cast<std::size_t>(std::ranges::lower_bound(of, c) - of.begin());
-  return held_values.take(group, n, [&] { return decode_group(group); });
+  return value_cache.take(group, n, [&] { return decode_group(group); });
 }
 
 Result<std::vector<std::byte>> Atlas::read_values(ClassId c) const {

@@ -1,4 +1,4 @@
-// Atlas::verify: every byte of the file, and everything that one part of it says about another.
+// Atlas::verify: checksums of all chunks and consistency of all sections.
 #include <algorithm>
 #include <new>
 #include <utility>
@@ -13,8 +13,8 @@ namespace splatlas {
 
 namespace {
 
-/// Walks one class after another, so that memory holds the runs of the largest class (and 24 bytes for every
-/// run of the z model), never a volume.
+/// Verifies the run models class by class. Memory: the runs of the largest class and 24 bytes per run of the
+/// z model, but no volume.
 class RunVerifier {
  public:
   RunVerifier(const Atlas& atlas, const FileLayout& layout)
@@ -53,7 +53,7 @@ class RunVerifier {
       box.include(IndexBox{{run.start, j, k}, {std::int64_t{run.start} + run.length - 1, j, k}});
     }
     if (box == atlas_.classes().box(c)) return {};
-    return invalid(fmt::format("the box of class {} is not that of its runs", c));
+    return invalid(fmt::format("the box of class {} does not match its runs", c));
   }
 
   void add(ClassId c, const ClassRuns& runs) {
@@ -61,8 +61,7 @@ class RunVerifier {
     totals_[2] += runs.size();
   }
 
-  /// A run model covers the voxels of the z model: of one that is derived from that, the runs are counted
-  /// alone.
+  /// Checks that a stored run model covers the voxels of the z model. Counts the runs of derived models, too.
   [[nodiscard]] Result<void> compare(ClassId c, const ClassRuns& runs_z, Axis axis) {
     SPLATLAS_ASSIGN_OR_RETURN(const ClassRuns runs, atlas_.read_runs(c, axis));
     totals_[static_cast<std::size_t>(axis)] += runs.size();
@@ -84,8 +83,7 @@ class RunVerifier {
     return {};
   }
 
-  /// Classes partition the voxels: no two hold the same one. (Their counts add up to the grid's by
-  /// validate().)
+  /// Checks that no two classes contain the same voxel. validate() has checked the total number of voxels.
   [[nodiscard]] Result<void> check_overlap() {
     std::ranges::sort(spans_);
     const auto overlap = std::ranges::adjacent_find(
@@ -95,14 +93,14 @@ class RunVerifier {
                                (overlap + 1)->of, overlap->scanline));
   }
 
-  /// Class 0 has the voxels that the others leave, and may leave its box out.
+  /// Checks the box of class 0, the complement of the other classes. An empty box is valid.
   [[nodiscard]] Result<void> check_empty_class() const {
     const IndexBox& box = atlas_.classes().box(kEmptyClass);
     if (box.empty() || box == box_of_gaps()) return {};
-    return invalid("the box of class 0 is not that of the voxels that no other class has");
+    return invalid("the box of class 0 does not match its voxels");
   }
 
-  /// The box around what sorted spans leave of the grid.
+  /// Bounding box of the complement of the sorted spans.
   [[nodiscard]] IndexBox box_of_gaps() const {
     const Index3& size = atlas_.grid().size;
     IndexBox box;
@@ -112,7 +110,8 @@ class RunVerifier {
       if (first < end) box.include(IndexBox{{first, j, k}, {end - 1, j, k}});
     };
     std::uint64_t next = 0;  // scanline
-    // Of many whole scanlines the first, the last, and those around the last change of slices tell the box.
+    // The box of consecutive whole scanlines follows from the first, the last, and both sides of a slice
+    // boundary.
     const auto include_until = [&](std::uint64_t end) {
       if (next == end) return;
       const std::uint64_t last = end - 1, slice = last - last % static_cast<std::uint64_t>(size[1]);

@@ -28,17 +28,17 @@ namespace splatlas {
 namespace {
 
 constexpr std::uint32_t kChunkBytes = 256 * 1024;
-/// Streams up to this length share a chunk. Larger: fewer chunks and better compression of small classes;
-/// smaller: fewer bytes of others are read with them.
+/// Streams up to this length share a chunk. Larger values compress small classes better; smaller values read
+/// fewer unneeded bytes.
 constexpr std::uint32_t kSharedBytes = 512;
 
-/// Share of a section's work that is not compression; for progress.
+/// Fraction of a section's work before compression, for progress.
 constexpr double kGathering = 0.3;
 
-/// The decoded bytes of a section: its streams back to back, their lengths in the directory.
+/// Decoded bytes of a section: its streams, concatenated.
 using SectionBytes = std::vector<std::byte>;
 
-/// Writes section after section: gathers the streams, cuts them, compresses the chunks, forgets the streams.
+/// Encodes section by section: gathers the streams, divides them into chunks and compresses these.
 class AtlasEncoder {
  public:
   AtlasEncoder(const AtlasContent& content, const WriteOptions& options);
@@ -63,7 +63,7 @@ class AtlasEncoder {
   const Index3 size_;
   Directory directory_;
   std::vector<bool> fitted_surfaces_;           // [structure]
-  RunModel z_runs_;                             // kept for the values, which come after them
+  RunModel z_runs_;                             // for the values, which are encoded later
   std::vector<std::vector<std::byte>> chunks_;  // stored bytes, in file order
   double work_before_ = 0, work_now_ = 0, work_ = 0;
 };
@@ -95,7 +95,7 @@ std::vector<SectionKind> sections_of(const AtlasContent& content, const WriteOpt
   return kinds;
 }
 
-/// Rough share of the writing time, for progress: bytes to compress.
+/// Estimated work of a section, for progress: bytes to compress.
 double work_of(SectionKind kind, const AtlasContent& content) {
   const auto voxels = static_cast<double>(content.class_volume.size());
   switch (kind) {
@@ -148,8 +148,8 @@ Result<SectionBytes> AtlasEncoder::gather(SectionKind kind) {
   return gather_surfaces();
 }
 
-/// One list for a class and its group's other one, where readers find from it which voxel is of which; else
-/// nothing.
+/// The merged runs of an interior class and its boundary class, if split_boundary() restores both; else
+/// empty.
 ClassRuns AtlasEncoder::joined_runs(const RunStreams& streams, const RunModel& model, ClassId c) const {
   if (!streams.may_share(c)) return {};
   const auto pair = streams.pair_of(c);
@@ -161,7 +161,7 @@ ClassRuns AtlasEncoder::joined_runs(const RunStreams& streams, const RunModel& m
   return split.interior == interior && split.boundary == boundary ? both : ClassRuns{};
 }
 
-/// As a list, which is read fastest, or in compact files as a mask where that is less.
+/// Encodes runs as a list, which is fastest to read, or in compact files as a mask if that is smaller.
 void AtlasEncoder::append_runs(const ClassRuns& runs, const IndexBox& box, Axis axis,
                                SectionBytes& bytes) const {
   std::vector<std::byte> list;
@@ -204,7 +204,7 @@ Result<SectionBytes> AtlasEncoder::gather_runs(Axis axis) {
   return bytes;
 }
 
-/// The totals of the run models that a compact file leaves out.
+/// Computes the totals of the run models that a compact file omits.
 void AtlasEncoder::count_runs() {
   for (const Axis axis : {Axis::kX, Axis::kY}) {
     directory_.run_totals[static_cast<std::size_t>(axis)] =
@@ -212,7 +212,7 @@ void AtlasEncoder::count_runs() {
   }
 }
 
-/// The values of spans, one after the other.
+/// Concatenates the values of spans.
 std::vector<std::byte> pick_values(const VoxelBuffer& values, std::span<const ClassSpan> spans,
                                    std::int64_t width) {
   const std::size_t value_bytes = bytes_of(values.type);
@@ -232,7 +232,7 @@ SectionBytes AtlasEncoder::gather_values() const {
       groups.size(), options_.threads,
       [&](std::size_t g) {
         std::vector<ClassRuns> runs;
-        for (const ClassId c : groups.told_by(g)) runs.push_back(z_runs_.classes[c]);
+        for (const ClassId c : groups.locating_classes(g)) runs.push_back(z_runs_.classes[c]);
         const std::vector<ClassSpan> spans = group_spans(groups, g, runs, size_);
         const GroupVoxels voxels{spans, group_voxels(groups, content_.classes, g),
                                  group_box(groups, content_.classes, g, size_), size_[1]};
@@ -249,17 +249,17 @@ SectionBytes AtlasEncoder::gather_values() const {
   return bytes;
 }
 
-/// What readers find again from the voxels. Normals only where that takes no more voxels than are read with
-/// them, but in compact files.
+/// Marks surfaces and normals that readers can fit. Outside compact files, normals are fitted only if that
+/// needs no voxels of other classes.
 void AtlasEncoder::leave_out_fitted_parts() {
   const FittedParts fitted = find_fitted_parts(content_, options_.threads);
   fitted_surfaces_ = fitted.surfaces;
   const ClassTable& classes = content_.classes;
   const std::size_t structures = content_.graph.size();
-  const std::vector<bool> alike = find_alike(classes, HeldClasses(classes, structures), structures);
+  const std::vector<bool> uniform = find_uniform(classes, StructureClasses(classes, structures), structures);
   for (ClassId c = 0; c < fitted.normals.size(); ++c) {
     directory_.normals_fitted[c] =
-        fitted.normals[c] && (options_.compact || alike[normal_owner(classes.members(c))]);
+        fitted.normals[c] && (options_.compact || uniform[normal_owner(classes.members(c))]);
   }
 }
 
@@ -304,8 +304,8 @@ Result<SectionBytes> AtlasEncoder::gather_surfaces() {
   return bytes;
 }
 
-/// Cuts the streams into chunks and compresses these, on all threads: each chunk's bytes depend on its
-/// content alone.
+/// Divides the streams into chunks and compresses these in parallel. The bytes of a chunk depend only on its
+/// content.
 void AtlasEncoder::add_section(SectionKind kind, const SectionBytes& decoded) {
   constexpr std::uint64_t kNoLimit = std::numeric_limits<std::uint32_t>::max();
   const std::vector<std::uint64_t> begins = begins_of(stream_sizes(directory_, kind));

@@ -59,7 +59,7 @@ Result<void> check_members(const AtlasContent& content) {
   return {};
 }
 
-/// Counts the class volume and compares with the class table.
+/// Compares voxel counts and boxes of the class volume with the class table.
 Result<void> check_class_volume(const AtlasContent& content, const Index3& size) {
   const ClassTable& classes = content.classes;
   std::vector<std::uint64_t> voxels(classes.size(), 0);
@@ -85,7 +85,7 @@ Result<void> check_class_volume(const AtlasContent& content, const Index3& size)
           fmt::format("class {} has {} voxels, its table says {}", c, voxels[c], classes.voxels(c)));
     }
     if (boxes[c] != classes.box(c) && (c != kEmptyClass || !classes.box(c).empty())) {
-      return refuse(fmt::format("the box of class {} is not that of its voxels", c));
+      return refuse(fmt::format("the box of class {} does not match its voxels", c));
     }
   }
   return {};

@@ -1,4 +1,4 @@
-// What the writer asks of content before it writes a byte.
+// Consistency check of atlas content before writing.
 #pragma once
 
 #include "format/atlas_content.h"
@@ -6,9 +6,8 @@
 
 namespace splatlas {
 
-/// Checks that the parts of the content fit together: sizes, class numbers, counts, boxes and order. What a
-/// directory can tell by itself is checked by validate(Directory); surfaces by encode_surface(). kFailed.
-/// Cost: one pass over the class volume.
+/// kFailed if sizes, class ids, counts, boxes or the order of classes are inconsistent. validate(Directory)
+/// checks the directory, and encode_surface() checks surfaces. Cost: one pass over the class volume.
 [[nodiscard]] Result<void> check_content(const AtlasContent& content);
 
 }  // namespace splatlas

@@ -31,10 +31,7 @@ tl::unexpected<Error> invalid(std::string message) {
   return fail(ErrorCode::kInvalidAtlas, std::move(message));
 }
 
-// ---- writing
-// ----------------------------------------------------------------------------------------------------
-
-/// All strings back to back, in the order of docs/atlas_format.md.
+/// Concatenates all strings in the order of docs/atlas_format.md.
 class TextWriter {
  public:
   void add(std::string_view text) {
@@ -182,12 +179,9 @@ Result<std::vector<std::byte>> encode_directory(const Directory& directory) {
   return std::vector<std::byte>(begin, begin + builder.GetSize());
 }
 
-// ---- reading
-// ----------------------------------------------------------------------------------------------------
-
 namespace {
 
-/// Walks the strings in the order in which TextWriter added them; the number of strings has been checked.
+/// Reads the strings in the order of TextWriter. check_tables() has checked their number.
 class TextReader {
  public:
   explicit TextReader(const schema::Directory& directory) : directory_(directory) {}
@@ -203,7 +197,7 @@ class TextReader {
   std::uint32_t begin_ = 0;
 };
 
-/// Whether `ends` never fall and the last one is `total`: each range lies in the table it points into.
+/// True if end offsets are non-decreasing and the last one is `total`.
 template <typename Rows, typename End>
 bool ends_are_valid(const Rows& rows, End&& end, std::uint64_t total) {
   std::uint64_t previous = 0;
@@ -214,7 +208,7 @@ bool ends_are_valid(const Rows& rows, End&& end, std::uint64_t total) {
   return previous == total;
 }
 
-/// The verifier aligns vectors to their length, not to their elements.
+/// Checks the alignment of elements: the FlatBuffers verifier checks only that of the length field.
 template <typename Row>
 bool is_aligned(const flatbuffers::Vector<const Row*>& rows) {
   return rows.size() == 0 || reinterpret_cast<std::uintptr_t>(rows.Data()) % alignof(Row) == 0;
@@ -233,15 +227,15 @@ Result<void> check_tables(const schema::Directory& d) {
   }
   const auto value = [](const auto& rows, auto n) { return rows.Get(n); };
   if (!ends_are_valid(*d.text_ends(), value, d.text()->size())) {
-    return invalid("invalid: directory text does not add up");
+    return invalid("invalid: inconsistent offsets of directory text");
   }
   const auto parents_end = [](const auto& rows, auto n) { return rows.Get(n)->parents_end(); };
   if (!ends_are_valid(*d.structures(), parents_end, d.parents()->size())) {
-    return invalid("invalid: directory table of parents does not add up");
+    return invalid("invalid: inconsistent offsets of directory table of parents");
   }
   const auto members_end = [](const auto& rows, auto n) { return rows.Get(n)->members_end(); };
   if (!ends_are_valid(*d.classes(), members_end, d.members()->size())) {
-    return invalid("invalid: directory table of class members does not add up");
+    return invalid("invalid: inconsistent offsets of directory table of class members");
   }
   if (d.structures()->size() > kMaxStructures || d.classes()->size() > kMaxClasses ||
       d.classes()->size() == 0) {
@@ -251,7 +245,7 @@ Result<void> check_tables(const schema::Directory& d) {
   return {};
 }
 
-/// What is yes or no must be 1 or 0.
+/// Checks that boolean fields are 0 or 1.
 Result<void> check_flags(const schema::Directory& d) {
   for (const std::uint8_t flipped : *d.source_to_storage()->flipped()) {
     if (flipped > 1) return invalid(fmt::format("invalid: an axis is reversed by {}", flipped));
@@ -336,7 +330,7 @@ Result<void> read_chunks(const schema::Directory& d, Directory& directory) {
 }  // namespace
 
 Result<Directory> decode_directory(std::span<const std::byte> bytes) {
-  // The verifier asserts where it should fail on 2 GiB, and takes alignment for granted.
+  // The verifier asserts instead of failing at 2 GiB.
   if (bytes.size() < 16 || bytes.size() >= FLATBUFFERS_MAX_BUFFER_SIZE) {
     return invalid(fmt::format("invalid: directory of {} bytes", bytes.size()));
   }

@@ -1,4 +1,4 @@
-// The directory of an atlas file, as plain structs. FlatBuffers stays inside directory.cpp.
+// Directory of an atlas file, and its FlatBuffers encoding.
 #pragma once
 
 #include <array>
@@ -21,10 +21,10 @@ namespace splatlas {
 
 class RunStreams;
 
-/// Classes of one file.
+/// Maximum number of classes of one file.
 inline constexpr std::size_t kMaxClasses = std::size_t{1} << 24;
 
-/// Stored in files: values must not change. Other values are sections of newer versions.
+/// Numbers are part of the file format and must not change. Other numbers are sections of newer versions.
 enum class SectionKind : std::uint32_t {
   kRunsX = 1,
   kRunsY = 2,
@@ -33,19 +33,22 @@ enum class SectionKind : std::uint32_t {
   kNormals = 5,
   kSurfaces = 6,
 };
-/// "runs_x", ..., "surfaces"; "section 17" for a kind of a newer version.
+/// "runs_x", ..., "surfaces"; "section 17" for an unknown kind.
 [[nodiscard]] std::string section_name(std::uint32_t kind);
+/// The section of the run model of an axis.
 [[nodiscard]] constexpr SectionKind run_section(Axis axis) {
   return static_cast<SectionKind>(static_cast<std::uint32_t>(SectionKind::kRunsX) +
                                   static_cast<std::uint32_t>(axis));
 }
 
+/// Directory entry of a section.
 struct SectionEntry {
   std::uint32_t kind = 0;
   std::uint32_t chunks = 0;
   std::uint32_t chunk_bytes = 0, shared_bytes = 0;  ///< see cut_streams()
 };
 
+/// Decoded directory.
 struct Directory {
   Grid source_grid;
   AxisOrder source_to_storage;
@@ -54,9 +57,9 @@ struct Directory {
   Display display;
   StructureGraph graph;
   ClassTable classes;
-  std::vector<std::array<std::uint32_t, 3>> run_bytes;  ///< [class][axis], decoded; 0 where not stored
+  std::vector<std::array<std::uint32_t, 3>> run_bytes;  ///< [class][axis], decoded length; 0 if not stored
   std::array<std::uint64_t, 3> run_totals{};            ///< [axis], stored or not
-  std::vector<bool> normals_fitted;                     ///< [class]: not stored, fit_normals() finds them
+  std::vector<bool> normals_fitted;                     ///< [class]: not stored, derived by fit_normals()
   std::vector<SurfaceEntry> surfaces;                   ///< per structure
   std::vector<Scene> scenes;
   Provenance provenance;
@@ -64,23 +67,22 @@ struct Directory {
   std::vector<ChunkEntry> chunks;      ///< of all sections, in file order
 };
 
-/// Whether the class has a boundary membership: its voxels carry normals.
+/// True if the voxels of a class have normals: it has a boundary membership.
 [[nodiscard]] bool has_normals(const ClassTable& classes, ClassId c);
-/// Whether the file has them.
+/// True if the file stores the normals of a class.
 [[nodiscard]] bool stores_normals(const Directory& directory, ClassId c);
 
-/// The directory's bytes. Same directory: same bytes.
+/// Encodes a directory. Deterministic.
 [[nodiscard]] Result<std::vector<std::byte>> encode_directory(const Directory& directory);
 
-/// Reads a directory from a stranger: `bytes` must be aligned to 8 and must not change meanwhile. Structures
-/// and classes are checked as they are built; what the fields mean is checked by validate(). kInvalidAtlas.
+/// Decodes an untrusted directory and checks its tables, structures and classes: kInvalidAtlas. validate()
+/// checks the rest. `bytes` must be aligned to 8.
 [[nodiscard]] Result<Directory> decode_directory(std::span<const std::byte> bytes);
 
-/// Checks everything that a directory says about itself: the grid, types, finite numbers, text, class boxes
-/// and voxel counts, stream lengths against what the geometry allows. kInvalidAtlas, naming the class or
-/// structure.
+/// Checks the grid, types, finite numbers, text, class boxes, voxel counts and stream lengths of a directory.
+/// kInvalidAtlas with the class or structure in the message.
 [[nodiscard]] Result<void> validate(const Directory& directory);
-/// The same, with what readers have made of the classes already.
+/// The same with precomputed streams of its classes.
 [[nodiscard]] Result<void> validate(const Directory& directory, const RunStreams& streams);
 
 }  // namespace splatlas

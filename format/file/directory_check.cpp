@@ -1,4 +1,4 @@
-// validate(Directory): what a directory must say to be believed. Writer and reader both ask.
+// validate(Directory), used by the writer and the reader.
 #include <algorithm>
 #include <cmath>
 #include <initializer_list>
@@ -25,12 +25,12 @@ bool all_finite(std::initializer_list<double> values) {
   return std::ranges::all_of(values, [](double v) { return std::isfinite(v); });
 }
 
-/// `name_it` tells what text it is.
-template <typename NameIt>
-Result<void> check_text(std::string_view text, const NameIt& name_it) {
+/// `describe` returns the name of the text for the message.
+template <typename Describe>
+Result<void> check_text(std::string_view text, const Describe& describe) {
   const std::string fault = fault_of_text(text);
   if (fault.empty()) return {};
-  return invalid(name_it() + " " + fault);
+  return invalid(describe() + " " + fault);
 }
 
 Result<void> check_texts(const Directory& d) {
@@ -78,7 +78,7 @@ Result<void> check_geometry(const Directory& d) {
   return {};
 }
 
-/// The box lies in the grid and can hold the voxels. The empty class may leave its box out.
+/// True if the box is inside the grid and large enough for the voxels. The empty class may have no box.
 bool box_fits(const IndexBox& box, std::uint64_t voxels, bool may_be_empty, const Index3& size) {
   if (box == IndexBox{}) return voxels == 0 || may_be_empty;
   std::uint64_t room = 1;
@@ -113,16 +113,16 @@ Result<void> check_runs(const Directory& d, const RunStreams& streams) {
     const auto a = static_cast<std::size_t>(axis);
     const bool stored = std::ranges::count(d.sections, static_cast<std::uint32_t>(run_section(axis)),
                                            &SectionEntry::kind) != 0;
-    const std::uint64_t held =
+    const std::uint64_t covered =
         static_cast<std::uint64_t>(d.source_grid.voxels()) - d.classes.voxels(kEmptyClass);
-    if (d.run_totals[a] > held) {
-      return invalid(fmt::format("run model {} has {} runs of {} voxels", a, d.run_totals[a], held));
+    if (d.run_totals[a] > covered) {
+      return invalid(fmt::format("run model {} has {} runs of {} voxels", a, d.run_totals[a], covered));
     }
     const auto bytes_of = [&](ClassId c) { return d.run_bytes[c][a]; };
     for (ClassId c = 0; c < d.classes.size(); ++c) {
       const std::uint64_t bytes = bytes_of(c);
       std::uint64_t voxels = c == kEmptyClass || !stored ? 0 : d.classes.voxels(c);
-      if (stored && streams.is_shared(d.classes, c, bytes_of)) {  // the first class's list is of both
+      if (stored && streams.is_shared(d.classes, c, bytes_of)) {  // the list of the first class covers both
         const auto pair = streams.pair_of(c);
         voxels = c == pair[0] ? voxels + d.classes.voxels(pair[1]) : 0;
       }

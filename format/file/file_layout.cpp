@@ -13,12 +13,12 @@
 namespace splatlas {
 
 static_assert(std::endian::native == std::endian::little,
-              "atlas files are little-endian and copied as they are");
+              "atlas files are little-endian and copied without conversion");
 
 namespace {
 
 constexpr std::size_t kChecksummedHeaderBytes = offsetof(FileHeader, header_checksum);
-/// Chunks are decoded into memory whole: no file may ask for larger or, except its last, for tiny ones.
+/// Limits of chunk_bytes, because chunks are decoded as a whole.
 constexpr std::uint32_t kMinChunkBytes = 4096, kMaxChunkBytes = 1u << 24;
 
 std::uint64_t header_checksum(const FileHeader& header) {
@@ -29,7 +29,7 @@ tl::unexpected<Error> invalid(std::string message) {
   return fail(ErrorCode::kInvalidAtlas, std::move(message));
 }
 
-/// Says what a file that does not begin with the magic seems to be.
+/// Message for a file without the magic number.
 std::string foreign_file(std::span<const std::byte> start) {
   if (start.empty()) return "not an atlas (the file is empty)";
   std::string first;
@@ -143,7 +143,7 @@ std::vector<std::uint64_t> begins_of(std::span<const std::uint64_t> sizes) {
 std::optional<std::vector<std::uint64_t>> cut_streams(std::span<const std::uint64_t> stream_begin,
                                                       std::uint64_t chunk_bytes, std::uint64_t shared_bytes,
                                                       std::uint64_t max_chunks) {
-  std::vector<std::uint64_t> cuts{0};  // the last one begins the chunk that is being filled
+  std::vector<std::uint64_t> cuts{0};  // the last one is the begin of the current chunk
   const auto full = [&] { return cuts.size() > max_chunks + 1; };
   for (std::size_t n = 0; n + 1 < stream_begin.size(); ++n) {
     const std::uint64_t begin = stream_begin[n], end = stream_begin[n + 1];
@@ -166,7 +166,7 @@ bool is_known(std::uint32_t kind) {
          kind <= static_cast<std::uint32_t>(SectionKind::kSurfaces);
 }
 
-/// Cuts a known section's streams and compares with the chunks that it has.
+/// Divides the streams of a known section and compares with its chunks.
 Result<void> lay_out_streams(const Directory& directory, const ValueGroups& groups, const SectionEntry& entry,
                              SectionLayout& section) {
   if (entry.chunk_bytes < kMinChunkBytes || entry.chunk_bytes > kMaxChunkBytes ||
@@ -193,7 +193,7 @@ Result<void> lay_out_streams(const Directory& directory, const ValueGroups& grou
   return {};
 }
 
-/// Which sections a file must have, may have and must not have.
+/// Checks for missing and unexpected sections.
 Result<void> check_presence(const Directory& directory, const FileLayout& layout) {
   const bool has_values = directory.value_type != VoxelType::kNone;
   const auto require = [&](SectionKind kind) -> Result<void> {
@@ -222,7 +222,7 @@ Result<FileLayout> lay_out(const Directory& directory, const ValueGroups& groups
   layout.chunk_offset.reserve(directory.chunks.size() + 1);
   layout.chunk_offset.push_back(offset);
   for (const ChunkEntry& chunk : directory.chunks) {
-    offset += chunk.stored_bytes;  // 2^26 chunks of 2^32 bytes at most: cannot wrap
+    offset += chunk.stored_bytes;  // cannot overflow: at most 2^26 chunks of 2^32 bytes
     layout.chunk_offset.push_back(offset);
   }
   std::size_t next_chunk = 0;
@@ -232,7 +232,7 @@ Result<FileLayout> lay_out(const Directory& directory, const ValueGroups& groups
                                  entry.chunks, directory.chunks.size() - next_chunk));
     }
     if (std::ranges::count(layout.sections, entry.kind, &SectionLayout::kind) != 0) {
-      return invalid(fmt::format("invalid: section {} is there twice", section_name(entry.kind)));
+      return invalid(fmt::format("invalid: section {} occurs twice", section_name(entry.kind)));
     }
     SectionLayout section;
     section.kind = entry.kind;

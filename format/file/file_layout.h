@@ -1,9 +1,9 @@
-// Where everything is in an atlas file. The only place where offsets are computed: writer and reader both
-// call it.
+// File layout of an atlas: header, and offsets of sections, chunks and streams, for the writer and the
+// reader.
 //
 //   0                     FileHeader, 64 bytes
 //   64                    directory (FlatBuffers, schemas/atlas.fbs)
-//   64 + directory_bytes  chunks of the first section, of the second, ... : back to back, up to the last byte
+//   64 + directory_bytes  chunks of all sections in order, without gaps, up to the end of the file
 #pragma once
 
 #include <array>
@@ -22,14 +22,14 @@ namespace splatlas {
 
 inline constexpr std::uint16_t kFormatMajor = 1;
 inline constexpr std::uint16_t kFormatMinor = 0;
-/// Feature bits that this version knows. A file that requires another one is refused.
+/// Supported feature bits. Files that require others are refused.
 inline constexpr std::uint32_t kKnownRequiredFeatures = 0;
-/// A directory larger than this is refused before a byte of it is read (FlatBuffers itself ends at 2 GiB).
+/// Maximum size of a directory, below the limit of FlatBuffers (2 GiB).
 inline constexpr std::uint64_t kMaxDirectoryBytes = std::uint64_t{1} << 30;
-/// A high bit, a control character and both line ends: transfers that change bytes are seen at once.
+/// As in PNG, a high bit and CR LF detect transfers that alter bytes.
 inline constexpr std::array<std::uint8_t, 8> kMagic{0x89, 'S', 'P', 'L', 'A', 'T', '\r', '\n'};
 
-/// The first 64 bytes, little-endian. Its layout is the same in every version of the format.
+/// The first 64 bytes, little-endian. The layout is the same in all versions of the format.
 struct FileHeader {
   std::array<std::uint8_t, 8> magic = kMagic;
   std::uint16_t major = kFormatMajor;
@@ -50,52 +50,51 @@ static_assert(offsetof(FileHeader, file_bytes) == 24 && offsetof(FileHeader, dir
 static_assert(offsetof(FileHeader, directory_bytes) == 40 && offsetof(FileHeader, directory_checksum) == 48);
 static_assert(offsetof(FileHeader, header_checksum) == 56);
 
-/// A complete header for a directory and a file length, checksums included.
+/// The complete header of a file, with checksums.
 [[nodiscard]] FileHeader make_header(std::span<const std::byte> directory, std::uint64_t file_bytes);
-/// Checks the header of a file of `file_bytes` bytes. `start` holds its first 64 bytes, or all of a shorter
-/// file. kInvalidAtlas: not an atlas, damaged, truncated, trailing bytes, too new.
+/// Checks the header of a file of `file_bytes` bytes. `start` has its first 64 bytes, or all of a shorter
+/// file. kInvalidAtlas if it is not an atlas, damaged, truncated, too long, or of a newer version.
 [[nodiscard]] Result<FileHeader> check_header(std::span<const std::byte> start, std::uint64_t file_bytes);
 
-/// Where a section's streams and chunks are. Streams lie back to back in the decoded section; so do the
-/// chunks' decoded bytes: both are ranges of one decoded address space.
+/// Streams and chunks of a section as intervals of its decoded bytes. Neither have gaps.
 struct SectionLayout {
   std::uint32_t kind = 0;
-  std::uint32_t first_chunk = 0;            ///< number of its first chunk in the file
-  std::vector<std::uint64_t> stream_begin;  ///< streams + 1 decoded positions; empty for unknown kinds
-  std::vector<std::uint64_t> chunk_begin;   ///< chunks + 1 decoded positions; empty for unknown kinds
+  std::uint32_t first_chunk = 0;            ///< index of its first chunk in the file
+  std::vector<std::uint64_t> stream_begin;  ///< streams + 1 decoded offsets; empty for unknown kinds
+  std::vector<std::uint64_t> chunk_begin;   ///< chunks + 1 decoded offsets; empty for unknown kinds
   std::uint64_t stored_bytes = 0;
 };
 
+/// Sections and chunk offsets of a file.
 struct FileLayout {
   std::vector<SectionLayout> sections;      ///< in file order
-  std::vector<std::uint64_t> chunk_offset;  ///< chunks + 1 positions in the file
+  std::vector<std::uint64_t> chunk_offset;  ///< chunks + 1 offsets in the file
   [[nodiscard]] std::uint64_t file_bytes() const { return chunk_offset.back(); }
   [[nodiscard]] const SectionLayout* find(SectionKind kind) const;
 };
 
-/// The decoded length of every stream of a section: run lists and normals per class (in class order), values
-/// per group of classes (see ValueGroups), surfaces per structure in preorder of the graph.
+/// Decoded lengths of the streams of a section: run lists and normals per class, values per group of classes
+/// (see ValueGroups), surfaces per structure in preorder of the graph.
 [[nodiscard]] std::vector<std::uint64_t> stream_sizes(const Directory& directory, SectionKind kind);
 
-/// The same, with the groups that the classes are in.
+/// The same with precomputed groups.
 [[nodiscard]] std::vector<std::uint64_t> stream_sizes(const Directory& directory, const ValueGroups& groups,
                                                       SectionKind kind);
 
-/// Cuts streams that lie back to back (`stream_begin`: streams + 1 positions) into chunks: streams longer
-/// than `shared_bytes` into pieces of `chunk_bytes` of their own; consecutive shorter ones together into
-/// chunks of up to `shared_bytes`. Returns chunks + 1 positions, or nothing when there would be more than
-/// `max_chunks`.
+/// Divides concatenated streams (`stream_begin`: streams + 1 offsets) into chunks. Streams longer than
+/// `shared_bytes` are split every `chunk_bytes`; consecutive shorter streams share chunks of up to
+/// `shared_bytes`. Returns chunks + 1 offsets, or nullopt for more than `max_chunks` chunks.
 [[nodiscard]] std::optional<std::vector<std::uint64_t>> cut_streams(
     std::span<const std::uint64_t> stream_begin, std::uint64_t chunk_bytes, std::uint64_t shared_bytes,
     std::uint64_t max_chunks);
 
-/// Positions where values of these sizes begin, and where the last ends.
+/// Prefix sums of `sizes`: begin offsets, and the end of the last.
 [[nodiscard]] std::vector<std::uint64_t> begins_of(std::span<const std::uint64_t> sizes);
 
-/// The layout of a file. Refuses (kInvalidAtlas) sections that repeat, lack a needed one, or whose chunks do
-/// not come to the streams that the directory describes. `directory` has passed validate().
+/// Computes the layout of a file. kInvalidAtlas for duplicate or missing sections, and for chunks that do not
+/// match the streams of the directory. `directory` must pass validate().
 [[nodiscard]] Result<FileLayout> lay_out(const Directory& directory, std::uint64_t directory_bytes);
-/// The same, with the groups that the classes are in.
+/// The same with precomputed groups.
 [[nodiscard]] Result<FileLayout> lay_out(const Directory& directory, const ValueGroups& groups,
                                          std::uint64_t directory_bytes);
 

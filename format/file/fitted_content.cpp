@@ -10,7 +10,7 @@
 namespace splatlas {
 namespace {
 
-/// Compares what is fitted to one structure with what the content has.
+/// Compares fitted surfaces and normals with those of the content.
 class FitComparer {
  public:
   explicit FitComparer(const AtlasContent& content)
@@ -28,15 +28,16 @@ class FitComparer {
     }
   }
 
-  /// For one structure at a time per thread: each class has one owner.
+  /// Compares the surface, and the normals of the classes owned by s. Threads may process different
+  /// structures concurrently, because each class has one owner.
   [[nodiscard]] bool surface_is_fitted(StructureIndex s) {
-    const std::span<const HeldClass> held = held_.of(s);
+    const std::span<const StructureClass> held = held_.of(s);
     const IndexBox box = box_of(content_.classes, held);
     const bool wanted = !content_.surfaces[s].empty() && content_.surfaces[s].position_scale == 2;
     const bool fits = !box.empty() && crop_voxels(box) <= kMaxFittedVoxels;
-    const auto is_owned = [&](const HeldClass& h) { return owners_[h.id] == s; };
+    const auto is_owned = [&](const StructureClass& h) { return owners_[h.id] == s; };
     if (!fits) {
-      for (const HeldClass& h : held) {
+      for (const StructureClass& h : held) {
         if (is_owned(h)) normals_differ_[h.id] = 1;
       }
     }
@@ -67,16 +68,17 @@ class FitComparer {
   const Grid grid_;
   const VoxelNormals voxel_normals_;
   std::vector<PackedNormal> normal_at_;  // [voxel]
-  const HeldClasses held_;
+  const StructureClasses held_;
   std::vector<StructureIndex> owners_;        // [class]
-  std::vector<std::uint8_t> normals_differ_;  // [class]; bytes, so that threads do not meet
+  std::vector<std::uint8_t> normals_differ_;  // [class]; bytes, for concurrent writes
 };
 
 }  // namespace
 
 std::uint64_t crop_voxels(const IndexBox& box) {
   std::uint64_t voxels = 1;
-  for (std::size_t a = 0; a < 3; ++a) {  // cannot wrap: a valid box has 2^40 voxels at most, 2^24 a side
+  for (std::size_t a = 0; a < 3;
+       ++a) {  // cannot overflow: a valid box has at most 2^40 voxels, 2^24 per axis
     voxels *= static_cast<std::uint64_t>(box.last[a] - box.first[a] + 1 + 2 * SmoothGradient::kRadius);
   }
   return voxels;
@@ -100,22 +102,23 @@ FittedParts find_fitted_parts(const AtlasContent& content, unsigned threads,
   return parts;
 }
 
-std::vector<bool> find_alike(const ClassTable& classes, const HeldClasses& held, std::size_t structures) {
-  const auto holders_of = [&](const HeldClass& h) {
+std::vector<bool> find_uniform(const ClassTable& classes, const StructureClasses& held,
+                               std::size_t structures) {
+  const auto holders_of = [&](const StructureClass& h) {
     std::vector<StructureIndex> holders;
     for (const Membership& m : classes.members(h.id)) {
       if (m.holds()) holders.push_back(m.structure);
     }
     return holders;
   };
-  std::vector<bool> alike(structures, true);
+  std::vector<bool> uniform(structures, true);
   for (StructureIndex s = 0; s < structures; ++s) {
-    const std::span<const HeldClass> all = held.of(s);
+    const std::span<const StructureClass> all = held.of(s);
     if (all.empty()) continue;
     const std::vector<StructureIndex> holders = holders_of(all.front());
-    alike[s] = std::ranges::all_of(all, [&](const HeldClass& h) { return holders_of(h) == holders; });
+    uniform[s] = std::ranges::all_of(all, [&](const StructureClass& h) { return holders_of(h) == holders; });
   }
-  return alike;
+  return uniform;
 }
 
 }  // namespace splatlas

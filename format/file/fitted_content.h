@@ -1,4 +1,4 @@
-// Which surfaces and normals of a content a reader finds again from the voxels.
+// Detection of surfaces and normals that readers can derive from the voxels.
 #pragma once
 
 #include <cstdint>
@@ -6,27 +6,29 @@
 #include <vector>
 
 #include "format/atlas_content.h"
-#include "format/derive/held_classes.h"
+#include "format/derive/structure_classes.h"
 
 namespace splatlas {
 
-/// Crops of more voxels than this are not fitted to when a file is read: such surfaces are stored.
+/// Maximum size of a crop for fitting on reading; surfaces of larger structures are stored.
 inline constexpr std::uint64_t kMaxFittedVoxels = std::uint64_t{1} << 28;
-/// Voxels of empty_crop_around(box), the larger one of the crops.
+/// Number of voxels of empty_crop_around(box), the larger of the two crops.
 [[nodiscard]] std::uint64_t crop_voxels(const IndexBox& box);
 
+/// Surfaces and normals that need not be stored.
 struct FittedParts {
-  std::vector<bool> surfaces;  ///< [structure]: its surface is exactly fit_surface()'s
-  std::vector<bool> normals;   ///< [class]: its normals are exactly fit_normals()'s, from its normal_owner()
+  std::vector<bool> surfaces;  ///< [structure]: its surface equals fit_surface()
+  std::vector<bool> normals;   ///< [class]: its normals equal fit_normals() of its normal_owner()
 };
 
-/// Fits everything again and compares, on `threads` threads. Cost: as of extracting all surfaces.
+/// Fits all surfaces and normals and compares, on `threads` threads (0: one per core). Cost: that of
+/// extracting all surfaces.
 [[nodiscard]] FittedParts find_fitted_parts(const AtlasContent& content, unsigned threads,
                                             const std::function<void(double)>& progress = {});
 
-/// Of each structure whether all of its voxels belong to the same structures: whoever reads a class that it
-/// owns needs no more to find the normals of that. Cost: linear in the memberships.
-[[nodiscard]] std::vector<bool> find_alike(const ClassTable& classes, const HeldClasses& held,
-                                           std::size_t structures);
+/// [structure]: true if all its voxels belong to the same set of structures. Fitting the normals of such a
+/// class needs no voxels of other groups. Cost: linear in the memberships.
+[[nodiscard]] std::vector<bool> find_uniform(const ClassTable& classes, const StructureClasses& held,
+                                             std::size_t structures);
 
 }  // namespace splatlas

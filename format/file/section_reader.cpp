@@ -50,7 +50,7 @@ Result<std::shared_ptr<const SectionReader::Bytes>> SectionReader::decode_shared
     kept.push_back({chunk, nullptr});
   }
   std::shared_ptr<const Bytes> bytes;
-  const auto finish = [&] {  // with or without bytes: those who wait then try themselves
+  const auto finish = [&] {  // without bytes on failure: waiting threads then retry
     const std::lock_guard lock(shared_mutex_);
     if (bytes) {
       find()->bytes = bytes;
@@ -82,7 +82,7 @@ Result<SectionReader::Bytes> SectionReader::read_stream(const SectionLayout& sec
   if (bytes.empty()) return bytes;
   const auto& cuts = section.chunk_begin;
   auto n = static_cast<std::size_t>(std::ranges::upper_bound(cuts, begin) - cuts.begin()) - 1;
-  if (cuts[n] < begin || cuts[n + 1] > end) {  // streams of their own chunks begin and end with these
+  if (cuts[n] < begin || cuts[n + 1] > end) {  // the chunk contains other streams, too
     SPLATLAS_ASSIGN_OR_RETURN(const auto shared, decode_shared(section, n));
     std::memcpy(bytes.data(), shared->data() + (begin - cuts[n]), bytes.size());
     return bytes;
@@ -109,26 +109,26 @@ Result<void> SectionReader::check_chunk_of(const SectionLayout& section, std::ui
 }
 
 std::string SectionReader::describe(const SectionLayout& section, std::size_t n) const {
-  std::string where = section_name(section.kind);
-  if (section.chunk_begin.empty()) return fmt::format("{} chunk {}", where, n);
-  // The first and the last stream with bytes in the chunk.
+  const std::string name = section_name(section.kind);
+  if (section.chunk_begin.empty()) return fmt::format("{} chunk {}", name, n);
+  // Find the first and the last stream with bytes in the chunk.
   const auto& begins = section.stream_begin;
   const auto first = std::ranges::upper_bound(begins, section.chunk_begin[n]) - begins.begin() - 1;
   const auto last = std::ranges::lower_bound(begins, section.chunk_begin[n + 1]) - begins.begin() - 1;
   if (section.kind == static_cast<std::uint32_t>(SectionKind::kSurfaces)) {
     const auto id = [&](auto stream) { return directory_.graph[directory_.graph.preorder()[stream]].id; };
-    return first == last ? fmt::format("{} of structure '{}'", where, id(first))
-                         : fmt::format("{} of structures '{}' to '{}'", where, id(first), id(last));
+    return first == last ? fmt::format("{} of structure '{}'", name, id(first))
+                         : fmt::format("{} of structures '{}' to '{}'", name, id(first), id(last));
   }
   if (section.kind == static_cast<std::uint32_t>(SectionKind::kValues)) {
     const ValueGroups groups(directory_.classes);
-    const ClassId least = groups.classes[static_cast<std::size_t>(first)].front();
-    const ClassId most = groups.classes[static_cast<std::size_t>(last)].back();
-    return least == most ? fmt::format("{} of class {}", where, least)
-                         : fmt::format("{} of classes {} to {}", where, least, most);
+    const ClassId first_class = groups.classes[static_cast<std::size_t>(first)].front();
+    const ClassId last_class = groups.classes[static_cast<std::size_t>(last)].back();
+    return first_class == last_class ? fmt::format("{} of class {}", name, first_class)
+                                     : fmt::format("{} of classes {} to {}", name, first_class, last_class);
   }
-  return first == last ? fmt::format("{} of class {}", where, first)
-                       : fmt::format("{} of classes {} to {}", where, first, last);
+  return first == last ? fmt::format("{} of class {}", name, first)
+                       : fmt::format("{} of classes {} to {}", name, first, last);
 }
 
 }  // namespace splatlas

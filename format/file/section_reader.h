@@ -1,4 +1,4 @@
-// Streams of the open file: reads, checks and decodes their chunks, and counts the bytes.
+// Reader of the streams of an open file.
 #pragma once
 
 #include <atomic>
@@ -19,34 +19,35 @@
 
 namespace splatlas {
 
-/// Reads streams by section and number. Thread-safe; holds references.
+/// Reads, checks and decodes streams by section and index. Counts bytes. Thread-safe. Keeps references to all
+/// arguments of the constructor.
 class SectionReader {
  public:
   SectionReader(const InputFile& file, const Directory& directory, const FileLayout& layout);
 
-  /// A whole stream, decoded. kInvalidAtlas for damage, telling which stream of which section.
+  /// Decodes a whole stream. kInvalidAtlas for damage, with the section and stream in the message.
   [[nodiscard]] Result<std::vector<std::byte>> read_stream(const SectionLayout& section,
                                                            std::size_t stream) const;
-  /// Reads a section's n-th chunk, checks its checksum, and decodes it where the section is known.
+  /// Reads the n-th chunk of a section and verifies its checksum. Decodes chunks of known sections.
   [[nodiscard]] Result<void> check_chunk_of(const SectionLayout& section, std::uint32_t n) const;
 
-  /// Stored bytes of the chunks touched so far, each once; and bytes decoded, each time.
+  /// Stored bytes of the chunks read so far, each counted once, and decoded bytes, counted every time.
   [[nodiscard]] std::uint64_t read_bytes() const { return read_bytes_; }
   [[nodiscard]] std::uint64_t decoded_bytes() const { return decoded_bytes_; }
 
  private:
   using Bytes = std::vector<std::byte>;
-  /// A chunk of several streams that was decoded lately: its other streams are often next.
+  /// Cached chunk of several streams: its other streams are often read next.
   struct Shared {
     std::size_t chunk = 0;
-    std::shared_ptr<const Bytes> bytes;  // null while the thread that asked first is at it
+    std::shared_ptr<const Bytes> bytes;  // null while another thread decodes it
   };
-  static constexpr std::size_t kSharedKept = 16;  // per section; more than threads are at once
+  static constexpr std::size_t kSharedKept = 16;  // per section
 
   [[nodiscard]] Result<Bytes> read_stored(std::size_t chunk) const;
   [[nodiscard]] Result<void> decode(const SectionLayout& section, std::size_t n,
                                     std::span<std::byte> to) const;
-  /// Decodes a chunk once, however many threads ask for its streams.
+  /// Decodes a chunk once, even if several threads request its streams.
   [[nodiscard]] Result<std::shared_ptr<const Bytes>> decode_shared(const SectionLayout& section,
                                                                    std::size_t n) const;
   /// "values of class 12", "runs_z of classes 4 to 9", "surfaces of structure 'ACC_L'".
@@ -59,7 +60,7 @@ class SectionReader {
   mutable std::atomic<std::uint64_t> read_bytes_{0}, decoded_bytes_{0};
   mutable std::mutex shared_mutex_;
   mutable std::condition_variable shared_changed_;
-  mutable std::vector<std::deque<Shared>> shared_;  // per section, latest last
+  mutable std::vector<std::deque<Shared>> shared_;  // per section, most recent last
 };
 
 }  // namespace splatlas

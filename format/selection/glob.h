@@ -1,4 +1,4 @@
-// Patterns with "*".
+// Wildcard matching as a nondeterministic finite automaton.
 #pragma once
 
 #include <cstdint>
@@ -8,12 +8,12 @@
 
 namespace splatlas {
 
-/// A pattern in which "*" stands for any characters, none and "/" included. The case of ASCII letters does
-/// not count. Works as an automaton, so that a text can be read piece by piece: no backtracking, and several
-/// texts with a common end can be read together.
+/// A pattern in which "*" matches any characters, including none and "/". Ignores the case of ASCII letters.
+/// The automaton reads text in pieces, without backtracking, and can read texts with a common suffix
+/// together.
 class Glob {
  public:
-  /// Per position in the pattern: can it be reached by what was read so far?
+  /// Active states of the automaton, one flag per position in the pattern.
   using States = std::vector<std::uint8_t>;
 
   explicit Glob(std::string_view pattern);
@@ -23,17 +23,17 @@ class Glob {
   /// Cost: length of the text times length of the pattern.
   [[nodiscard]] States read(States states, std::string_view text) const;
   [[nodiscard]] bool accepts(const States& states) const { return states.back() != 0; }
-  /// The whole text.
+  /// True if the pattern matches the whole text.
   [[nodiscard]] bool matches(std::string_view text) const { return accepts(read(start(), text)); }
 
   /// Adds the states in `from` to `into`.
   static void merge(const States& from, States& into);
 
  private:
-  /// A "*" may stand for nothing.
+  /// Epsilon transitions: "*" matches the empty string.
   void skip_stars(States& states) const;
 
-  std::string pattern_;  // lowered
+  std::string pattern_;  // lower case
 };
 
 }  // namespace splatlas

@@ -10,7 +10,7 @@
 namespace splatlas {
 namespace {
 
-// Modes as sets of parts.
+// Draw modes as bit sets of parts.
 constexpr unsigned kVolumePart = 1;
 constexpr unsigned kSurfacePart = 2;
 
@@ -59,7 +59,7 @@ void add(const SelectionTerm& term, std::uint32_t number, const Structure& struc
   draw.term = number;
 }
 
-/// `structures` and all below them, each once.
+/// `structures` and their descendants, sorted, each once.
 std::vector<StructureIndex> with_descendants(const StructureGraph& graph,
                                              std::span<const StructureIndex> structures) {
   std::vector<StructureIndex> result;

@@ -16,7 +16,7 @@ tl::unexpected<OptionFault> fault(std::string what, std::size_t offset = 0) {
   return tl::unexpected<OptionFault>({offset, std::move(what)});
 }
 
-/// A finite number and nothing else.
+/// Parses text that is exactly one finite number.
 template <typename Number>
 std::optional<Number> number_of(std::string_view text) {
   Number number = 0;
@@ -41,14 +41,14 @@ OptionResult read_color(std::string_view value, SelectionTerm& term) {
   return {};
 }
 
-/// A curve says all by itself.
-OptionResult belongs_to_ramp(const SelectionTerm& term, std::string_view name) {
+/// Refuses an option of ramps in a term with a curve.
+OptionResult check_no_curve(const SelectionTerm& term, std::string_view name) {
   if (!term.curve) return {};
   return fault(fmt::format("{} does not go with curve: leave out one of them", name));
 }
 
 OptionResult read_profile(std::string_view value, SelectionTerm& term) {
-  if (auto alone = belongs_to_ramp(term, "profile"); !alone) return alone;
+  if (auto checked = check_no_curve(term, "profile"); !checked) return checked;
   for (const TransferProfile profile :
        {TransferProfile::kSoft, TransferProfile::kThin, TransferProfile::kHard}) {
     if (!equal_ignoring_case(value, name_of(profile))) continue;
@@ -60,7 +60,7 @@ OptionResult read_profile(std::string_view value, SelectionTerm& term) {
 
 OptionResult read_end(std::string_view value, std::string_view name, std::optional<double>& end,
                       SelectionTerm& term) {
-  if (auto alone = belongs_to_ramp(term, name); !alone) return alone;
+  if (auto checked = check_no_curve(term, name); !checked) return checked;
   const auto grey = number_of<double>(value);
   if (!grey) return fault(fmt::format("{} {} is not a grey value: write a number", name, in_quotes(value)));
   end = grey;
@@ -77,7 +77,7 @@ OptionResult read_high(std::string_view value, SelectionTerm& term) {
   return read_end(value, "high", term.high, term);
 }
 
-/// "grey:opacity" or "grey:opacity:shade".
+/// Parses "grey:opacity" or "grey:opacity:shade".
 std::optional<TransferPoint> point_of(std::string_view text) {
   const auto part = [&text] {
     const std::size_t end = std::min(text.find(':'), text.size());
@@ -111,7 +111,7 @@ OptionResult read_curve(std::string_view value, SelectionTerm& term) {
           start);
     }
     curve.points.push_back(*point);
-    // With every point, so that the first fault is the one that is told, and where it is.
+    // Check after every point, to report the first fault and its offset.
     if (const auto checked = check_curve(curve); !checked) return fault(checked.error().message, start);
     start = end + 1;
   }

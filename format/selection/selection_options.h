@@ -1,4 +1,4 @@
-// The options of a term, each with how it is read and written.
+// Table of the options of a selection term, with parsers and formatters.
 #pragma once
 
 #include <cstddef>
@@ -12,24 +12,26 @@
 
 namespace splatlas {
 
+/// A syntax or range error in the value of an option.
 struct OptionFault {
-  std::size_t offset = 0;  ///< in the value
+  std::size_t offset = 0;  ///< byte offset in the value
   std::string what;
 };
 using OptionResult = tl::expected<void, OptionFault>;
 
+/// One option.
 struct SelectionOption {
   std::string_view name;
   bool (*is_given)(const SelectionTerm& term);
-  /// The term keeps what it had when the value is refused.
+  /// Parses a value. Leaves the term unchanged on error.
   OptionResult (*read)(std::string_view value, SelectionTerm& term);
-  /// The value, for a term that has one: read() gives it back exactly.
+  /// Formats the value of a term with this option. read() restores it exactly.
   std::string (*write)(const SelectionTerm& term);
 };
 
-/// In the order in which they are written.
+/// All options in output order.
 [[nodiscard]] std::span<const SelectionOption> selection_options();
-/// Without regard to the case of ASCII letters; null when there is none of this name.
+/// Finds an option by name, ignoring the case of ASCII letters; null if there is none.
 [[nodiscard]] const SelectionOption* find_option(std::string_view name);
 
 }  // namespace splatlas

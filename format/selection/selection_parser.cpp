@@ -1,4 +1,4 @@
-// Reads selection text.
+// Recursive descent parser of selection text.
 #include <fmt/format.h>
 
 #include "format/selection.h"
@@ -13,7 +13,7 @@ bool is_blank(char c) {
   return c == ' ' || c == '\t' || c == '\n' || c == '\r';
 }
 
-/// Recursive descent over the grammar of selection.h; each function reads one of its rules.
+/// One function per rule of the grammar in selection.h.
 class Parser {
  public:
   explicit Parser(std::string_view text) : text_(text) {}
@@ -90,7 +90,7 @@ class Parser {
                     fmt::format("{} is not a mode: write volume, surface or both", in_quotes(written)));
   }
 
-  /// After the opening bracket, up to and with the closing one.
+  /// Options after the opening parenthesis, through the closing one.
   Result<void> options(SelectionTerm& term) {
     do {
       SPLATLAS_RETURN_IF_ERROR(option(term));
@@ -119,7 +119,7 @@ class Parser {
     return {};
   }
 
-  /// Letters, digits and the like; empty where there are none.
+  /// The longest sequence of name characters; may be empty.
   std::string_view word() {
     const std::size_t start = at_;
     while (!at_end() && is_name_character(text_[at_])) ++at_;
@@ -131,7 +131,7 @@ class Parser {
   void skip_blanks() {
     while (!at_end() && is_blank(text_[at_])) ++at_;
   }
-  /// Skips blanks, and `c` if it comes next.
+  /// Skips blanks, then `c` if it is next. Returns true if it was.
   bool skip(char c) {
     skip_blanks();
     if (!next_is(c)) return false;

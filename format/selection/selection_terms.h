@@ -1,4 +1,4 @@
-// What one term of a selection does; shared by those who read and who write selection text.
+// Semantics of a selection term, shared by the parser and the formatter.
 #pragma once
 
 #include <cstdint>
@@ -8,11 +8,11 @@
 
 namespace splatlas {
 
-/// Applies a term to `structures`, descendants included by the caller. `number` is the term's, from 0.
+/// Applies term `number` (from 0) to `structures`. The caller includes descendants.
 void apply_term(const SelectionTerm& term, std::uint32_t number, std::span<const StructureIndex> structures,
                 const StructureGraph& graph, Selection& selection);
 
-/// Can this character stand in a name that is not quoted?
+/// True if unquoted names may contain the character.
 [[nodiscard]] bool is_name_character(char c);
 
 }  // namespace splatlas

@@ -1,4 +1,4 @@
-// Writes selection text.
+// Formatter of selection text.
 #include <algorithm>
 
 #include <fmt/format.h>
@@ -12,9 +12,9 @@ namespace {
 
 std::string text_of(const SelectionTerm& term) {
   const bool plain = std::all_of(term.name.begin(), term.name.end(), is_name_character);
-  std::string text = plain ? term.name : '"' + term.name + '"';  // ids and "*" hold no quotes
-  const bool mode_goes_without_saying = term.mode == (term.remove ? DrawMode::kOff : DrawMode::kVolume);
-  if (!mode_goes_without_saying) text += fmt::format(":{}", name_of(term.mode));
+  std::string text = plain ? term.name : '"' + term.name + '"';  // ids and "*" contain no quotes
+  const bool is_default_mode = term.mode == (term.remove ? DrawMode::kOff : DrawMode::kVolume);
+  if (!is_default_mode) text += fmt::format(":{}", name_of(term.mode));
   std::vector<std::string> options;
   for (const SelectionOption& option : selection_options()) {
     if (option.is_given(term)) options.push_back(fmt::format("{}={}", option.name, option.write(term)));
@@ -28,12 +28,12 @@ bool have_same_appearance(const StructureDraw& a, const StructureDraw& b) {
   return a.mode == b.mode && a.opacity == b.opacity && a.color == b.color && a.volume == b.volume;
 }
 
-/// Terms replace the parts of a ramp one by one, curves and ramps as a whole.
+/// The ramp on which a term's ramp options act. A ramp option replaces a curve by the default ramp.
 VolumeStyle ramp_of(const VolumeStyle& style) {
   return style.curve ? VolumeStyle{} : style;
 }
 
-/// The words that turn one style into another; see cannot_restyle().
+/// Sets the options of `term` that turn one style into another, unless cannot_restyle().
 void restyle(const VolumeStyle& reached, const VolumeStyle& wanted, SelectionTerm& term) {
   if (reached == wanted) return;
   if (wanted.curve) {
@@ -46,21 +46,21 @@ void restyle(const VolumeStyle& reached, const VolumeStyle& wanted, SelectionTer
   if (wanted.profile != ramp.profile || wanted == ramp) term.profile = wanted.profile;
 }
 
-/// No term takes an end of a ramp back.
+/// True if no term can make the change: terms cannot reset an end of a ramp.
 bool cannot_restyle(const VolumeStyle& reached, const VolumeStyle& wanted) {
   const VolumeStyle ramp = ramp_of(reached);
   return !wanted.curve && ((ramp.low && !wanted.low) || (ramp.high && !wanted.high));
 }
 
-/// Finds terms that turn an empty selection into a wanted one. Structures are put right parents first; a term
-/// reaches only what is below, so that nothing which is right is touched again.
+/// Finds terms that turn an empty selection into the wanted one. Visits structures in topological order. A
+/// term affects only descendants, so that it never changes a finished structure.
 class TermFinder {
  public:
   TermFinder(const Selection& wanted, const StructureGraph& graph) : wanted_(wanted), graph_(graph) {
     reached_.structures.resize(graph.size());
   }
 
-  /// Terms that begin with everything in the looks of `draw`.
+  /// Starts with a term that selects all structures with the appearance of `draw`.
   void begin_with_all(const StructureDraw& draw) {
     SelectionTerm term{.name = "*", .mode = draw.mode, .opacity = draw.opacity};
     restyle({}, draw.volume, term);
@@ -68,24 +68,24 @@ class TermFinder {
   }
 
   std::vector<SelectionTerm> find() {
-    for (const StructureIndex s : graph_.topological()) put_right(s);
+    for (const StructureIndex s : graph_.topological()) update(s);
     return std::move(terms_);
   }
 
  private:
-  void put_right(StructureIndex s) {
+  void update(StructureIndex s) {
     const StructureDraw& wanted = wanted_.structures[s];
     const StructureDraw& reached = reached_.structures[s];
     if (have_same_appearance(wanted, reached)) return;
-    if (wanted.mode == DrawMode::kOff || must_start_over(s)) remove(s, DrawMode::kOff);
+    if (wanted.mode == DrawMode::kOff || must_remove_first(s)) remove(s, DrawMode::kOff);
     if (reached.mode == DrawMode::kBoth && wanted.mode == DrawMode::kVolume) remove(s, DrawMode::kSurface);
     if (reached.mode == DrawMode::kBoth && wanted.mode == DrawMode::kSurface) remove(s, DrawMode::kVolume);
     if (!have_same_appearance(wanted, reached)) add(s);
   }
 
-  /// No term takes an opacity or the end of a ramp back, nor the colors of a subtree, nor swaps volume for
-  /// surface.
-  [[nodiscard]] bool must_start_over(StructureIndex s) const {
+  /// True if a removal must precede the new term: terms cannot reset an opacity, an end of a ramp or the
+  /// colors of a subtree, nor replace volume by surface.
+  [[nodiscard]] bool must_remove_first(StructureIndex s) const {
     const StructureDraw& wanted = wanted_.structures[s];
     const StructureDraw& reached = reached_.structures[s];
     if (reached.mode == DrawMode::kOff) return false;
@@ -127,7 +127,7 @@ class TermFinder {
 std::string to_text(const Selection& selection, const StructureGraph& graph) {
   std::vector<SelectionTerm> terms = TermFinder(selection, graph).find();
 
-  // Where most is on, all but a few is shorter.
+  // "All but a few" is shorter if most structures are selected.
   const auto is_on = [&](StructureIndex s) { return selection.structures[s].mode != DrawMode::kOff; };
   const auto root = std::find_if(graph.roots().begin(), graph.roots().end(), is_on);
   if (root != graph.roots().end()) {

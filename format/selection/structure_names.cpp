@@ -1,4 +1,4 @@
-// Finds structures by what people call them.
+// Structure lookup by id, name, path or wildcard pattern.
 #include <algorithm>
 #include <set>
 
@@ -11,15 +11,15 @@
 namespace splatlas {
 namespace {
 
-constexpr std::size_t kListed = 5;  // names in a message
-/// Longer texts are never compared with names: bounds what a text costs, times the size of the graph.
-constexpr std::size_t kLongestPattern = 256;
-constexpr std::size_t kLongestCompared = 64;
+constexpr std::size_t kMaxListed = 5;  // names in a message
+/// Length limits in bytes, which bound the cost of matching and of edit distances.
+constexpr std::size_t kMaxPattern = 256;
+constexpr std::size_t kMaxCompared = 64;
 
-/// Does `path` (lowered) end one of the ways from a root to `s`, at a "/" or at the root?
-bool ends_a_path(const StructureGraph& graph, StructureIndex s, std::string_view path) {
-  // A name may hold "/" itself, so several splits are possible: each state is a structure and what is left of
-  // the path to match by it and its ancestors.
+/// True if `path` is a suffix of a path from a root to `s`, at a "/" or in whole.
+bool is_path_suffix(const StructureGraph& graph, StructureIndex s, std::string_view path) {
+  // Names may contain "/", so that several splits are possible. A state is a structure and the length of the
+  // path that remains for it and its ancestors.
   using State = std::pair<StructureIndex, std::size_t>;
   std::set<State> seen;
   std::vector<State> open{{s, path.size()}};
@@ -40,7 +40,7 @@ bool ends_a_path(const StructureGraph& graph, StructureIndex s, std::string_view
 }
 
 template <typename Matches>
-std::vector<StructureIndex> all_that(const StructureGraph& graph, const Matches& matches) {
+std::vector<StructureIndex> filter_structures(const StructureGraph& graph, const Matches& matches) {
   std::vector<StructureIndex> result;
   for (StructureIndex s = 0; s < graph.size(); ++s) {
     if (matches(s)) result.push_back(s);
@@ -48,20 +48,21 @@ std::vector<StructureIndex> all_that(const StructureGraph& graph, const Matches&
   return result;
 }
 
-std::vector<StructureIndex> match_plainly(const StructureGraph& graph, std::string_view name) {
-  auto found = all_that(graph, [&](StructureIndex s) { return equal_ignoring_case(graph[s].id, name); });
+std::vector<StructureIndex> match_exact(const StructureGraph& graph, std::string_view name) {
+  auto found =
+      filter_structures(graph, [&](StructureIndex s) { return equal_ignoring_case(graph[s].id, name); });
   if (found.empty()) {
-    found = all_that(graph, [&](StructureIndex s) { return equal_ignoring_case(graph[s].name, name); });
+    found =
+        filter_structures(graph, [&](StructureIndex s) { return equal_ignoring_case(graph[s].name, name); });
   }
   if (found.empty() && name.find('/') != std::string_view::npos) {
-    found = all_that(graph, [&](StructureIndex s) { return ends_a_path(graph, s, name); });
+    found = filter_structures(graph, [&](StructureIndex s) { return is_path_suffix(graph, s, name); });
   }
   return found;
 }
 
-/// Ids, names and paths: whole ones, or, as plain paths do, ends of them where the pattern has a "/". A
-/// structure can have more paths than could be listed, so the pattern's states are carried down the graph,
-/// all ways into a structure at once.
+/// Matches ids, names and paths; path suffixes, too, if the pattern contains a "/". Propagates the states of
+/// the automaton down the graph, merged over parents, because the number of paths may be exponential.
 std::vector<StructureIndex> match_wildcard(const StructureGraph& graph, std::string_view pattern) {
   const Glob glob(pattern);
   const bool begins_anywhere = pattern.find('/') != std::string_view::npos;
@@ -73,12 +74,12 @@ std::vector<StructureIndex> match_wildcard(const StructureGraph& graph, std::str
     }
     after_path[s] = glob.read(std::move(before), graph[s].name);
   }
-  return all_that(graph, [&](StructureIndex s) {
+  return filter_structures(graph, [&](StructureIndex s) {
     return glob.accepts(after_path[s]) || glob.matches(graph[s].id) || glob.matches(graph[s].name);
   });
 }
 
-/// Levenshtein's distance.
+/// Levenshtein distance.
 std::size_t edit_distance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> row(b.size() + 1);
   for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
@@ -94,22 +95,22 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return row.back();
 }
 
-/// Those that hold the text come first, then those with the fewest edits. Each structure once: by its name or
-/// by its id, whichever is nearer.
+/// Names that contain the text, then names by edit distance. Each structure has one entry, the nearer of its
+/// name and id.
 std::vector<std::string> nearest_names(const StructureGraph& graph, std::string_view text) {
-  std::string sought = to_lower(text.substr(0, kLongestCompared));
-  std::erase(sought, '*');
+  std::string query = to_lower(text.substr(0, kMaxCompared));
+  std::erase(query, '*');
   const auto distance_to = [&](const std::string& name) -> std::size_t {
-    const std::string lowered = to_lower(std::string_view(name).substr(0, kLongestCompared));
-    if (sought.size() >= 3 && lowered.find(sought) != std::string::npos) return 0;
-    return edit_distance(sought, lowered);
+    const std::string lowered = to_lower(std::string_view(name).substr(0, kMaxCompared));
+    if (query.size() >= 3 && lowered.find(query) != std::string::npos) return 0;
+    return edit_distance(query, lowered);
   };
   std::set<std::pair<std::size_t, std::string>> nearest;
   for (const Structure& s : graph.structures()) {
     const std::size_t by_name = distance_to(s.name);
     const std::size_t by_id = distance_to(s.id);
     nearest.emplace(std::min(by_name, by_id), by_id < by_name ? s.id : s.name);
-    if (nearest.size() > kListed) nearest.erase(std::prev(nearest.end()));
+    if (nearest.size() > kMaxListed) nearest.erase(std::prev(nearest.end()));
   }
   std::vector<std::string> names;
   names.reserve(nearest.size());
@@ -127,10 +128,10 @@ tl::unexpected<Error> not_found(const StructureGraph& graph, std::string_view na
 tl::unexpected<Error> ambiguous(const StructureGraph& graph, std::string_view name,
                                 std::span<const StructureIndex> found) {
   std::vector<std::string> candidates;
-  for (const StructureIndex s : found.first(std::min(found.size(), kListed))) {
+  for (const StructureIndex s : found.first(std::min(found.size(), kMaxListed))) {
     candidates.push_back(fmt::format("{} (id {})", in_quotes(graph.paths(s, 1).front()), graph[s].id));
   }
-  if (found.size() > kListed) candidates.push_back(fmt::format("{} more", found.size() - kListed));
+  if (found.size() > kMaxListed) candidates.push_back(fmt::format("{} more", found.size() - kMaxListed));
   return fail(ErrorCode::kNotFound,
               fmt::format("{} stands for {} structures, write a longer path or an id: {}", in_quotes(name),
                           found.size(), fmt::join(candidates, ", ")));
@@ -140,8 +141,8 @@ tl::unexpected<Error> ambiguous(const StructureGraph& graph, std::string_view na
 
 Result<std::vector<StructureIndex>> find_structures(const StructureGraph& graph, std::string_view name) {
   const bool wildcard = name.find('*') != std::string_view::npos;
-  if (wildcard && name.size() > kLongestPattern) return not_found(graph, name);
-  auto found = wildcard ? match_wildcard(graph, name) : match_plainly(graph, name);
+  if (wildcard && name.size() > kMaxPattern) return not_found(graph, name);
+  auto found = wildcard ? match_wildcard(graph, name) : match_exact(graph, name);
   if (found.empty()) return not_found(graph, name);
   if (!wildcard && found.size() > 1) return ambiguous(graph, name, found);
   return found;

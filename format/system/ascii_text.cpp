@@ -14,7 +14,7 @@ namespace {
 /// The first character of `text`.
 struct Character {
   std::size_t bytes = 1;
-  bool valid = true;  ///< UTF-8; else it is one byte
+  bool valid = true;  ///< false for a byte that is not UTF-8
   std::uint32_t code = 0;
 };
 
@@ -28,19 +28,21 @@ Character first_character(std::string_view text) {
   }
 }
 
-/// With what is left when `most` bytes were taken, cut between characters.
-std::string printable_start(std::string_view& text, std::size_t most) {
+/// Consumes up to `max_bytes` bytes of whole characters from the start of `text`; returns them in printable
+/// form.
+std::string printable_start(std::string_view& text, std::size_t max_bytes) {
   std::string result;
   while (!text.empty()) {
     const Character c = first_character(text);
-    if (c.bytes > most) break;
+    if (c.bytes > max_bytes) break;
     if (!c.valid) {
       result += fmt::format("\\x{:02x}", c.code);
     } else {
-      result += c.code < 0x20 || is_control(c.code) || turns_text(c.code) ? "?" : text.substr(0, c.bytes);
+      result +=
+          c.code < 0x20 || is_control(c.code) || is_bidi_control(c.code) ? "?" : text.substr(0, c.bytes);
     }
     text.remove_prefix(c.bytes);
-    most -= c.bytes;
+    max_bytes -= c.bytes;
   }
   return result;
 }
@@ -63,8 +65,8 @@ std::string printable(std::string_view text) {
 }
 
 std::string in_quotes(std::string_view text) {
-  constexpr std::size_t kLongest = 80;
-  const std::string start = printable_start(text, kLongest);
+  constexpr std::size_t kMaxBytes = 80;
+  const std::string start = printable_start(text, kMaxBytes);
   return '"' + start + (text.empty() ? "\"" : "...\"");
 }
 

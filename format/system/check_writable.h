@@ -1,4 +1,4 @@
-// Whether an output can be written, told before any work is done.
+// Early checks that outputs can be written.
 #pragma once
 
 #include <filesystem>
@@ -7,14 +7,14 @@
 
 namespace splatlas {
 
-/// kFailed, with the reason, when no file can be made or replaced at `path`: its folder is missing or may not
-/// be written to, or something that is no regular file stands there; kUsage for no path. Changes nothing.
+/// Checks that a file can be created or replaced. kFailed, with the reason, if its folder is missing or
+/// read-only, or if `path` is not a regular file; kUsage for an empty path. Changes nothing.
 [[nodiscard]] Result<void> check_writable_file(const std::filesystem::path& path);
 
-/// The same for a folder that is to appear: it must not exist yet, or be empty.
+/// Checks that a folder can be created. It must not exist, or be empty. Errors as above.
 [[nodiscard]] Result<void> check_writable_folder(const std::filesystem::path& path);
 
-/// "masks" for "masks/".
+/// Removes a trailing slash: "masks" for "masks/".
 [[nodiscard]] std::filesystem::path without_end_slash(const std::filesystem::path& folder);
 
 }  // namespace splatlas

@@ -1,6 +1,6 @@
 #include "format/system/checksum.h"
 
-// Compiled in, so that whoever links the library does not have to link xxHash.
+// Inlined, so that users of the library need not link xxHash.
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 

@@ -1,4 +1,4 @@
-// The checksum of headers, directories and chunks.
+// XXH3 checksums of headers, directories and chunks.
 #pragma once
 
 #include <cstddef>
@@ -8,10 +8,10 @@
 
 namespace splatlas {
 
-/// XXH3, 64 bits, seed 0. Tells damage, not forgery.
+/// XXH3 with 64 bits and seed 0. Detects corruption, not tampering.
 [[nodiscard]] std::uint64_t checksum_of(std::span<const std::byte> bytes);
 
-/// The same of bytes that come piece by piece.
+/// Incremental form of checksum_of().
 class RunningChecksum {
  public:
   RunningChecksum();

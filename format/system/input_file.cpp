@@ -14,9 +14,9 @@ namespace splatlas {
 
 namespace {
 
-/// pread takes at most about 2 GiB; smaller pieces also keep the file's lock short.
+/// pread transfers at most about 2 GiB. Smaller blocks also hold the file's lock for a shorter time.
 constexpr std::size_t kMaxReadBytes = std::size_t{1} << 26;
-/// Whoever has asked for this part of a file is likely to ask for much of the rest.
+/// Read-ahead is enabled after this fraction (1/16) of the file was requested.
 constexpr std::uint64_t kReadAheadFraction = 16;
 
 }  // namespace
@@ -24,7 +24,7 @@ constexpr std::uint64_t kReadAheadFraction = 16;
 Result<InputFile> InputFile::open(const std::filesystem::path& path) {
   InputFile file;
   file.name_ = path.string();
-  // Not blocking: opening a pipe would wait for somebody to write.
+  // O_NONBLOCK: opening a pipe would otherwise wait for a writer.
   file.descriptor_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
   if (file.descriptor_ < 0) {
     return fail(ErrorCode::kFailed,

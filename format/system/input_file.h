@@ -1,4 +1,4 @@
-// A file, or bytes in memory, to read ranges from.
+// Random-access input from a file or from memory.
 #pragma once
 
 #include <atomic>
@@ -13,30 +13,27 @@
 
 namespace splatlas {
 
-/// Read with pread, not mapped: a mapped file that somebody truncates ends the process with SIGBUS, a short
-/// read is an error like any other (docs/atlas_format.md has the figures). The system reads ahead only once a
-/// good part of the file has been asked for: a small selection costs its own pages. Moves, does not copy;
-/// reading is thread-safe.
+/// Reads with pread, not mmap: truncation of a mapped file ends the process with SIGBUS, a short read is an
+/// ordinary error. Enables read-ahead only after a large part of the file was requested, so that small
+/// selections read only their pages. Movable, not copyable. Reading is thread-safe.
 class InputFile {
  public:
-  /// kFailed when it cannot be opened; kInvalidAtlas for folders, pipes and devices, of which nothing is
-  /// read.
+  /// kFailed if the file cannot be opened; kInvalidAtlas, without reading, for folders, pipes and devices.
   [[nodiscard]] static Result<InputFile> open(const std::filesystem::path& path);
   InputFile(std::vector<std::byte> bytes, std::string name);
   InputFile(InputFile&& other) noexcept;
   ~InputFile();
 
   [[nodiscard]] const std::string& name() const { return name_; }
-  /// When it was opened.
+  /// Size in bytes at the time of opening.
   [[nodiscard]] std::uint64_t size() const { return size_; }
-  /// Fills `to` from `offset` on. kInvalidAtlas when the file has become shorter, kFailed when it cannot be
-  /// read.
+  /// Fills `to` from `offset`. kInvalidAtlas if the file was truncated, kFailed if it cannot be read.
   [[nodiscard]] Result<void> read(std::uint64_t offset, std::span<std::byte> to) const;
 
  private:
   InputFile() = default;
 
-  int descriptor_ = -1;  // -1: in memory
+  int descriptor_ = -1;  // -1 for bytes in memory
   std::vector<std::byte> bytes_;
   std::uint64_t size_ = 0;
   std::string name_;

@@ -11,7 +11,7 @@
 namespace splatlas {
 namespace {
 
-// A signal handler may touch lock-free atomics and plain bytes that they guard, nothing else.
+// Signal handlers may access only lock-free atomics and plain bytes guarded by them.
 std::atomic<int> deferred{0};
 std::atomic<int> waiting_signal{0};
 
@@ -50,7 +50,7 @@ void install_interrupt_handlers() {
     if (sigaction(signal, nullptr, &before) == 0 && before.sa_handler == SIG_IGN) continue;
     sigaction(signal, &action, nullptr);
   }
-  // A file that grows beyond the process's limit (ulimit -f) is a write that fails, not the end.
+  // Beyond the file size limit (ulimit -f), writes fail instead of ending the process.
   std::signal(SIGXFSZ, SIG_IGN);
 }
 

@@ -1,4 +1,4 @@
-// Ctrl-C and kill leave nothing half-written behind.
+// Signal handling: cleanup of unfinished output on SIGINT, SIGTERM and SIGHUP.
 #pragma once
 
 #include <cstddef>
@@ -6,13 +6,12 @@
 
 namespace splatlas {
 
-/// From now on SIGINT, SIGTERM and SIGHUP wait for DeferInterrupts, remove what RemoveOnInterrupt names, and
-/// then end the program as they always do. A signal that the program was started to ignore (nohup) stays
-/// ignored. A file that would grow beyond the process's limit (SIGXFSZ) is a write that fails. For programs;
-/// libraries only mark what needs it.
+/// Installs handlers for SIGINT, SIGTERM and SIGHUP: they wait for DeferInterrupts, remove the files of
+/// RemoveOnInterrupt and end the program with the default action. Ignored signals (nohup) stay ignored. Also
+/// ignores SIGXFSZ, so that writes beyond the file size limit fail. Only for programs, not for libraries.
 void install_interrupt_handlers();
 
-/// Interrupts wait while one of these exists, on any thread.
+/// Defers interrupts during its lifetime, on all threads.
 class DeferInterrupts {
  public:
   DeferInterrupts();
@@ -21,11 +20,11 @@ class DeferInterrupts {
   DeferInterrupts& operator=(const DeferInterrupts&) = delete;
 };
 
-/// Whether an interrupt waits for the last DeferInterrupts: long work ends early, and cleans up.
+/// True if a deferred interrupt is pending. Long operations should then stop early and clean up.
 [[nodiscard]] bool interrupt_waits();
 
-/// An interrupt removes this file while this exists. For up to 16 files at once, with paths of up to 4095
-/// bytes; others are left. Any thread.
+/// Removes a file on interrupts during its lifetime. Supports 16 files at a time with paths of up to 4095
+/// bytes; others are not removed. Thread-safe.
 class RemoveOnInterrupt {
  public:
   explicit RemoveOnInterrupt(const std::filesystem::path& path);

@@ -1,13 +1,12 @@
-// How much memory there is.
+// Default memory limit of one task.
 #pragma once
 
 #include <cstdint>
 
 namespace splatlas {
 
-/// Bytes that one task may take: three quarters of the machine's memory, or of what the process may have
-/// (RLIMIT_AS, RLIMIT_DATA) where that is less. What asks for more is refused before it is allocated: the
-/// system would grant it and end the process later.
+/// Bytes that one task may allocate: three quarters of physical memory, or of RLIMIT_AS or RLIMIT_DATA if
+/// lower. Larger requests are refused up front, because the system overcommits and ends the process later.
 [[nodiscard]] std::uint64_t default_memory_limit();
 
 }  // namespace splatlas

@@ -29,8 +29,8 @@ constexpr std::size_t kMaxWriteBytes = std::size_t{1} << 26;
 constexpr std::size_t kReadBackBytes = std::size_t{1} << 20;
 constexpr mode_t kPermissions = 07777;
 
-/// Whose the old file was, and what they may do. Only root can keep another owner; whoever cannot keep the
-/// group grants its rights to nobody else.
+/// Copies owner, group and permissions of the old file. Only root can keep another owner. If the group cannot
+/// be kept, the new group gets the permissions of others.
 bool keep_owner_and_mode(int descriptor, const struct stat& old) {
   struct stat now {};
   if (::fstat(descriptor, &now) != 0) return false;
@@ -45,22 +45,22 @@ bool keep_owner_and_mode(int descriptor, const struct stat& old) {
 
 }  // namespace
 
-/// Functions that return bool leave the reason in errno.
+/// Functions that return bool set errno on failure.
 struct OutputFile::Impl {
   explicit Impl(fs::path output) : path(std::move(output)), target(resolve_output(path)) {}
 
   [[nodiscard]] tl::unexpected<Error> cannot_write(const std::string& reason) const {
     return fail(ErrorCode::kFailed, fmt::format("{}: cannot be written: {}", path.string(), reason));
   }
-  /// Everything of it is on the disk, under its temporary name.
+  /// Sets owner and permissions and syncs the temporary file.
   [[nodiscard]] bool complete();
-  /// The file holds what write() was given.
+  /// Verifies that the file contains the bytes of write().
   [[nodiscard]] Result<void> read_back() const;
 
   fs::path path, target;
   std::optional<struct stat> old;
   TemporaryEntry temporary;
-  std::optional<RunningChecksum> written;  // where write() was called
+  std::optional<RunningChecksum> written;  // of the bytes of write(), if it was called
   std::uint64_t written_bytes = 0;
 };
 
@@ -71,7 +71,7 @@ bool OutputFile::Impl::complete() {
 
 Result<void> OutputFile::Impl::read_back() const {
   if (!written) return {};
-  // From the disk, not from memory, where the system can do that.
+  // Drop cached pages, so that reads come from the disk if possible.
   ::posix_fadvise(temporary.descriptor(), 0, 0, POSIX_FADV_DONTNEED);
   RunningChecksum read;
   std::vector<std::byte> piece(std::min<std::uint64_t>(kReadBackBytes, written_bytes + 1));
@@ -106,7 +106,7 @@ Result<OutputFile> OutputFile::create(const fs::path& target, std::string_view e
     return impl->cannot_write(std::strerror(errno));
   }
   if (target.filename().empty()) return impl->cannot_write("it names no file");
-  // Beside the target: a rename must not cross file systems.
+  // Create it in the target's folder: a rename must not cross file systems.
   const fs::path folder = impl->target.parent_path();
   remove_stale_temporaries(folder);
   if (!impl->temporary.make(folder, TemporaryEntry::Kind::kFile, ending))

@@ -1,4 +1,4 @@
-// Writes whole files, or none.
+// Atomic replacement of files.
 #pragma once
 
 #include <cstddef>
@@ -11,31 +11,29 @@
 
 namespace splatlas {
 
-/// A file under a temporary name, in the folder of the one that it becomes. Until it is committed, and
-/// whenever something fails, the target is what it was; a file that is not committed is removed, on
-/// interrupts too (format/interrupts.h), and what killed processes left in the folder is removed by the next
-/// create() there (format/temporary_entry.h). A link is followed; an old file's permissions, group and owner
-/// are kept as far as may be; other hard links to it keep the old file. All errors are kFailed and name the
-/// target and the reason.
+/// A temporary file in the folder of its target. The target is unchanged until commit() and on all errors.
+/// Files without commit() are removed, on interrupts, too (format/system/interrupts.h). The next create()
+/// removes files of killed processes (format/system/temporary_entry.h). Follows links. Keeps permissions,
+/// group and owner of the old file if possible; other hard links keep the old file. All errors are kFailed,
+/// with target and reason.
 class OutputFile {
  public:
-  /// Makes the temporary file, empty. Its name ends in `ending`, for libraries that choose formats by it.
-  /// Refuses a target that is anything but a regular file (a folder, a pipe, a device), and one that may not
-  /// be written to.
+  /// Creates the empty temporary file, with a name that ends in `ending`. Refuses an existing target that is
+  /// not a regular file or is read-only.
   [[nodiscard]] static Result<OutputFile> create(const std::filesystem::path& target,
                                                  std::string_view ending = ".tmp");
   ~OutputFile();
   OutputFile(OutputFile&&) noexcept;
   OutputFile& operator=(OutputFile&&) noexcept;
 
-  /// For libraries that write to a path.
+  /// Path of the temporary file, for libraries that write to a path.
   [[nodiscard]] const std::filesystem::path& temporary() const;
-  /// Appends.
+  /// Appends bytes.
   [[nodiscard]] Result<void> write(std::span<const std::byte> bytes);
 
-  /// Syncs the temporary file, reads what write() wrote back from the disk and compares its checksum, renames
-  /// it to the target, and syncs the folder. Of an error in this last step alone the message says that the
-  /// target is the new file.
+  /// Syncs the temporary file, verifies the checksum of the bytes of write() by reading them back, renames
+  /// the file to the target, and syncs the folder. If only the last step fails, the target is the new file,
+  /// and the message says so.
   [[nodiscard]] Result<void> commit();
 
  private:
@@ -45,7 +43,7 @@ class OutputFile {
   std::unique_ptr<Impl> impl_;
 };
 
-/// commit() of several: none is renamed before all are complete on the disk.
+/// Commits several files: renames them only after all are complete on disk.
 [[nodiscard]] Result<void> commit_files(std::span<OutputFile> files);
 
 /// Creates, writes and commits one file.

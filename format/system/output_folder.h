@@ -1,4 +1,4 @@
-// Writes whole folders, or none.
+// Atomic creation of folders.
 #pragma once
 
 #include <filesystem>
@@ -8,19 +8,19 @@
 
 namespace splatlas {
 
-/// A folder under a temporary name, beside the one that it becomes; as OutputFile is for files. Interrupts
-/// must wait while one exists (DeferInterrupts).
+/// A temporary folder beside its target, analogous to OutputFile. Requires DeferInterrupts during its
+/// lifetime.
 class OutputFolder {
  public:
-  /// kFailed as check_writable_folder() has it, or when the temporary cannot be made.
+  /// Creates the temporary folder. kFailed if this fails, or as in check_writable_folder().
   [[nodiscard]] static Result<OutputFolder> create(const std::filesystem::path& target);
   ~OutputFolder();
   OutputFolder(OutputFolder&&) noexcept;
   OutputFolder& operator=(OutputFolder&&) noexcept;
 
-  /// To write files into.
+  /// The temporary folder, for writing files.
   [[nodiscard]] const std::filesystem::path& temporary() const;
-  /// Renames it to the target, which must not be there or be an empty folder. Its files are committed by now.
+  /// Renames it to the target, which must not exist or be an empty folder. Its files must be committed.
   [[nodiscard]] Result<void> commit();
 
  private:

@@ -9,13 +9,13 @@ namespace splatlas {
 namespace fs = std::filesystem;
 
 fs::path resolve_output(const fs::path& path) {
-  constexpr int kMaxLinks = 40;  // as the kernel has it
+  constexpr int kMaxLinks = 40;  // limit of the Linux kernel
   fs::path target = path;
   std::error_code error;
   for (int n = 0; n < kMaxLinks && fs::is_symlink(fs::symlink_status(target, error)); ++n) {
     const fs::path link = fs::read_symlink(target, error);
     if (error) return target;
-    target = target.parent_path() / link;  // or `link`, where it is absolute
+    target = target.parent_path() / link;  // `link` if it is absolute
   }
   const fs::path folder = fs::canonical(target.has_parent_path() ? target.parent_path() : ".", error);
   return error ? target : folder / target.filename();

@@ -1,4 +1,4 @@
-// Where output goes, and that it does not go over something else.
+// Resolution of output paths, and detection of conflicts with inputs and other outputs.
 #pragma once
 
 #include <filesystem>
@@ -8,14 +8,14 @@
 
 namespace splatlas {
 
-/// The file that writing to `path` makes or replaces: links are followed, also those to files that are not
-/// there yet. Absolute, unless its folder does not exist.
+/// Resolves links to the file that writing to `path` creates or replaces; the file need not exist. Absolute,
+/// unless its folder does not exist.
 [[nodiscard]] std::filesystem::path resolve_output(const std::filesystem::path& path);
 
-/// The same file, by whatever path: through links, hard links, and also when it is not there yet.
+/// True for two paths to the same file, through links or hard links. The file need not exist.
 [[nodiscard]] bool is_same_file(const std::filesystem::path& a, const std::filesystem::path& b);
 
-/// kUsage when an output is an input or another output. Reads nothing. Empty paths are none.
+/// kUsage if an output is an input or another output. Ignores empty paths. Opens no file.
 [[nodiscard]] Result<void> check_outputs(std::span<const std::filesystem::path> outputs,
                                          std::span<const std::filesystem::path> inputs);
 

@@ -7,7 +7,7 @@
 
 namespace splatlas {
 std::string fault_of_text(std::string_view text) {
-  bool plain = true;  // most text is, and this loop is of vectors
+  bool plain = true;  // fast path for ASCII; the loop vectorizes
   for (const char c : text) plain &= c >= ' ' && c <= '~';
   if (plain) return {};
   const auto* const invalid = utf8::find_invalid(text.begin(), text.end());
@@ -15,8 +15,8 @@ std::string fault_of_text(std::string_view text) {
     const auto byte = next - text.begin();
     const std::uint32_t c = utf8::unchecked::next(next);
     if (is_control(c)) return fmt::format("has a control character (byte {}: U+{:04X})", byte, c);
-    if (turns_text(c))
-      return fmt::format("has a character that turns text around (byte {}: U+{:04X})", byte, c);
+    if (is_bidi_control(c))
+      return fmt::format("has a bidirectional control character (byte {}: U+{:04X})", byte, c);
   }
   return invalid == text.end() ? "" : fmt::format("is not UTF-8 (byte {})", invalid - text.begin());
 }

@@ -1,4 +1,4 @@
-// That what a program said has arrived.
+// Checked writes to standard output.
 #pragma once
 
 #include <string_view>
@@ -7,11 +7,11 @@
 
 namespace splatlas {
 
-/// Writes text and hands it on at once; kFailed, with the reason, when that cannot be done.
+/// Writes text and flushes; kFailed, with the reason, on error.
 [[nodiscard]] Result<void> print_text(std::string_view text);
 
-/// Hands on what standard output still holds; kFailed when that, or anything before, could not be written.
-/// What every program does last: text that nobody got is no success.
+/// Flushes standard output; kFailed if this or any earlier write failed. Programs call it last, to report
+/// lost output.
 [[nodiscard]] Result<void> finish_standard_output();
 
 }  // namespace splatlas

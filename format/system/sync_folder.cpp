@@ -11,7 +11,7 @@
 namespace splatlas {
 namespace {
 
-/// File systems that cannot sync a folder say EINVAL. The reason of a failure is left in errno.
+/// Ignores EINVAL, the result of file systems that cannot sync folders. Sets errno on failure.
 bool sync_folder(const std::filesystem::path& folder) {
   const int descriptor = ::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (descriptor < 0) return errno == EACCES;  // a folder may be writable and not readable

@@ -1,4 +1,4 @@
-// Makes a rename last.
+// Durable renames: fsync of folders.
 #pragma once
 
 #include <filesystem>
@@ -7,7 +7,7 @@
 
 namespace splatlas {
 
-/// Syncs the folder of `target`, which has just got this name and is whole. `path` is its name for messages.
+/// Syncs the folder of the renamed, complete file `target`. Messages call it `path`.
 [[nodiscard]] Result<void> sync_folder_of(const std::filesystem::path& target,
                                           const std::filesystem::path& path);
 

@@ -27,20 +27,21 @@ bool is_same(const struct stat& a, const struct stat& b) {
   return a.st_dev == b.st_dev && a.st_ino == b.st_ino;
 }
 
-/// Whether the open entry is still what has the name.
+/// True if the open entry is still the one at `path`.
 bool has_name(int descriptor, const fs::path& path) {
   struct stat open {
   }, named{};
   return ::fstat(descriptor, &open) == 0 && ::lstat(path.c_str(), &named) == 0 && is_same(open, named);
 }
 
-/// Waits for those who look whether it is stale. File systems without locks: nobody will take it for stale.
+/// Waits for processes in remove_if_unlocked(). On file systems without locks these cannot lock it either, so
+/// that it is never stale.
 void lock(int descriptor) {
   while (::flock(descriptor, LOCK_EX) != 0 && errno == EINTR) {
   }
 }
 
-/// The process in a temporary's name; none in other names.
+/// The process id in the name of a temporary; nullopt for other names.
 std::optional<pid_t> writer_of(std::string_view name) {
   if (!name.starts_with(kPrefix)) return std::nullopt;
   const char* const end = name.data() + name.size();
@@ -53,14 +54,14 @@ std::optional<pid_t> writer_of(std::string_view name) {
   return process;
 }
 
-/// This process locks what it writes: an entry with its number that nobody has locked is of an earlier one.
+/// False for this process, too: it locks its entries, so that an unlocked one belongs to an earlier process.
 bool may_be_alive(pid_t process) {
   return process != ::getpid() && (::kill(process, 0) == 0 || errno != ESRCH);
 }
 
-// Not std::filesystem here: libstdc++ ends the program where its directory iterators find no memory.
+// Not std::filesystem: directory iterators of libstdc++ end the program when out of memory.
 
-/// A file, or a folder with all that is in it. What cannot be removed is left to later writers.
+/// Removes a file, or a folder with its content. Ignores errors; later writers try again.
 void remove_whole(const fs::path& path) {
   constexpr int kOpenFolders = 8;
   const auto remove_one = [](const char* name, const struct stat*, int, FTW*) {
@@ -111,7 +112,7 @@ bool TemporaryEntry::make(const fs::path& folder, Kind kind, std::string_view en
     if (create(kind)) {
       lock(descriptor_);
       if (has_name(descriptor_, path_)) return true;
-      // Somebody took it for stale before it was locked.
+      // Another process removed it as stale before it was locked.
       exists_ = false;
       remove_on_interrupt_.reset();
       ::close(std::exchange(descriptor_, -1));

@@ -1,4 +1,4 @@
-// Files and folders under a temporary name, and what is left of those whose writers died.
+// Locked temporary files and folders, and removal of stale ones.
 #pragma once
 
 #include <filesystem>
@@ -9,9 +9,9 @@
 
 namespace splatlas {
 
-/// A new file or folder ".splatlas-PROCESS-NUMBER[ENDING]", locked (flock) while this exists, so that others
-/// can tell it from one whose writer died. Removed with all that is in it when this ends before it was
-/// renamed; files on interrupts, too.
+/// A new file or folder ".splatlas-PROCESS-NUMBER[ENDING]", locked (flock) during the object's lifetime to
+/// distinguish it from stale entries. The destructor removes it with its content, unless it was renamed.
+/// Interrupts remove files, too.
 class TemporaryEntry {
  public:
   enum class Kind { kFile, kFolder };
@@ -21,16 +21,15 @@ class TemporaryEntry {
   TemporaryEntry(const TemporaryEntry&) = delete;
   TemporaryEntry& operator=(const TemporaryEntry&) = delete;
 
-  /// Once. Takes a name that nobody has. false: it cannot be made; errno has the reason.
+  /// Creates the entry under an unused name. Call once. False, with errno set, on failure.
   [[nodiscard]] bool make(const std::filesystem::path& folder, Kind kind, std::string_view ending = "");
-  /// Opens what has the name now, where whoever wrote to the path put another file there. errno has the
-  /// reason.
+  /// Reopens the path if a library has replaced the file there. False, with errno set, on failure.
   [[nodiscard]] bool follow_name();
-  /// Gives it its lasting name. errno has the reason.
+  /// Renames it to its final name. False, with errno set, on failure.
   [[nodiscard]] bool rename_to(const std::filesystem::path& target);
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
-  /// Files: for reading and writing (reading, after another file was put there). Folders: for syncing.
+  /// Open for reading and writing; read-only for folders and after follow_name() reopened the file.
   [[nodiscard]] int descriptor() const { return descriptor_; }
 
  private:
@@ -42,9 +41,8 @@ class TemporaryEntry {
   std::optional<RemoveOnInterrupt> remove_on_interrupt_;
 };
 
-/// Removes temporaries in a folder (the current one for an empty path) whose writers are surely dead: named
-/// as above, the user's own, locked by nobody, and of no other process that is alive. What cannot be told
-/// stays, as does what cannot be removed.
+/// Removes stale temporaries in a folder (empty path: the current one): entries with a name as above that
+/// belong to the user, are not locked, and have no living process. Keeps doubtful entries. Ignores errors.
 void remove_stale_temporaries(const std::filesystem::path& folder);
 
 }  // namespace splatlas

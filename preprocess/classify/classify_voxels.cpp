@@ -14,12 +14,11 @@ namespace {
 
 using SetId = MembershipVolume::SetId;
 
-/// A combination before it has a class: which structures hold the voxel, of which of them it is boundary (bit
-/// n: of the set's n-th), and which surfaces cross it (0: none).
+/// A combination of memberships, before classes are assigned.
 struct Combination {
-  SetId set = 0;
-  std::uint32_t crossing = 0;
-  std::uint64_t boundary = 0;
+  SetId set = 0;               ///< structures that contain the voxel
+  std::uint32_t crossing = 0;  ///< number of the set of crossing surfaces; 0: none
+  std::uint64_t boundary = 0;  ///< bit n: boundary of the n-th structure of `set`
   friend auto operator<=>(const Combination&, const Combination&) = default;
 };
 
@@ -30,7 +29,7 @@ struct CombinationHash {
   }
 };
 
-/// Numbers combinations in the order in which they turn up. One per band of slices.
+/// Numbers combinations by first occurrence. One table per band of slices.
 class CombinationTable {
  public:
   std::uint32_t number(const Combination& c) {
@@ -46,10 +45,10 @@ class CombinationTable {
   std::uint32_t last_ = 0;
 };
 
-/// The 18 neighbours as rows: the row's offset, and how far to look along it.
+/// One of the nine rows that contain the 18 neighbours of a voxel.
 struct NeighbourRow {
   int dj, dk;
-  bool diagonal;  ///< sharing an edge with the voxel's own row: only the voxel at the same i is a neighbour
+  bool diagonal;  ///< dj and dk are not 0: only the voxel at the same i is a neighbour
 };
 constexpr std::array<NeighbourRow, 9> kNeighbourRows{{{0, 0, false},
                                                       {-1, 0, false},
@@ -61,7 +60,7 @@ constexpr std::array<NeighbourRow, 9> kNeighbourRows{{{0, 0, false},
                                                       {-1, 1, true},
                                                       {1, 1, true}}};
 
-/// Finds the combinations of a band of slices.
+/// Determines the combinations of a band of slices.
 class BandClassifier {
  public:
   explicit BandClassifier(const MembershipVolume& memberships)
@@ -94,8 +93,8 @@ class BandClassifier {
     }
   }
 
-  /// differs_[i] != 0 where any of the 18 neighbours is in another set or beyond the grid. Written so that
-  /// the compiler vectorises each row.
+  /// Sets differs_[i] != 0 if any of the 18 neighbours is in another set or beyond the grid. The loops
+  /// vectorize.
   void find_differences(std::int64_t j, std::int64_t k) {
     const SetId* const own = &voxels_[offset(j, k)];
     const std::size_t n = differs_.size();
@@ -115,7 +114,7 @@ class BandClassifier {
     }
   }
 
-  /// Bit n: some neighbour is not held by the n-th structure of `set`.
+  /// Bit n: some neighbour is outside the n-th structure of `set`.
   std::uint64_t boundary_of_each(std::int64_t i, std::int64_t j, std::int64_t k, SetId set) {
     std::uint64_t boundary = 0;
     for (const NeighbourRow& row : kNeighbourRows) {
@@ -129,14 +128,14 @@ class BandClassifier {
     return boundary;
   }
 
-  /// Bit n: the n-th structure of `set` is not in `other`.
+  /// Bit n: the n-th structure of `set` is not in `other`. Memoized.
   std::uint64_t missing(SetId set, SetId other) {
     const auto [entry, is_new] = missing_.try_emplace(std::uint64_t{set} << 32 | other, 0);
     if (is_new) {
       for (std::size_t n = 0; n < sets_[set].size(); ++n) {
         const auto& others = sets_[other];
-        const bool held = std::binary_search(others.begin(), others.end(), sets_[set][n]);
-        entry->second |= std::uint64_t{!held} << n;
+        const bool found = std::binary_search(others.begin(), others.end(), sets_[set][n]);
+        entry->second |= std::uint64_t{!found} << n;
       }
     }
     return entry->second;
@@ -157,15 +156,15 @@ class BandClassifier {
   std::unordered_map<std::uint64_t, std::uint64_t> missing_;
 };
 
-/// A run of slices that one thread works on at a time.
+/// Consecutive slices, the unit of parallel work.
 struct Band {
   std::int64_t first_slice = 0, end_slice = 0;
   std::vector<Combination> combinations;
-  std::vector<ClassId> class_of;  ///< of each combination
+  std::vector<ClassId> class_of;  ///< [combination]
 };
 
 std::vector<Band> cut_into_bands(std::int64_t slices) {
-  constexpr std::int64_t kMaxBands = 32;  // enough to keep several threads busy to the end
+  constexpr std::int64_t kMaxBands = 32;  // enough for load balancing
   const std::int64_t count = std::min(slices, kMaxBands);
   std::vector<Band> bands(static_cast<std::size_t>(count));
   for (std::int64_t n = 0; n < count; ++n) {
@@ -175,15 +174,15 @@ std::vector<Band> cut_into_bands(std::int64_t slices) {
   return bands;
 }
 
-/// Adds the crossing surfaces to the combinations of the voxels concerned. Crossing number n + 1 stands for
-/// the n-th entry of what it returns.
+/// Adds crossing surfaces to the combinations of crossed voxels. Returns the sets of surfaces;
+/// Combination::crossing is their index plus 1.
 std::vector<std::vector<StructureIndex>> add_crossings(std::span<const CrossedVoxel> crossed,
                                                        std::int64_t voxels_per_slice,
                                                        std::vector<Band>& bands, std::span<ClassId> numbers) {
   std::vector<std::vector<StructureIndex>> crossings;
   std::map<std::vector<StructureIndex>, std::uint32_t> index;
   std::size_t band = 0;
-  std::map<Combination, std::uint32_t> number_of;  // in the current band, those with a crossing
+  std::map<Combination, std::uint32_t> number_of;  // combinations of the current band with a crossing
   for (std::size_t n = 0; n < crossed.size();) {
     const std::int64_t voxel = crossed[n].voxel;
     std::vector<StructureIndex> surfaces;
@@ -216,7 +215,7 @@ std::vector<Membership> members_of(const Combination& c, std::span<const std::ve
   return members;
 }
 
-/// Which combinations of a band still have a voxel, now that crossings have taken some.
+/// True for the combinations of a band that still have voxels after add_crossings().
 std::vector<bool> find_used(const Band& band, std::int64_t voxels_per_slice,
                             std::span<const ClassId> numbers) {
   std::vector<bool> used(band.combinations.size(), false);
@@ -226,7 +225,7 @@ std::vector<bool> find_used(const Band& band, std::int64_t voxels_per_slice,
   return used;
 }
 
-/// Replaces a band's combination numbers by classes and counts them, run by run.
+/// Replaces the combination numbers of a band by classes and counts their voxels.
 class BandCounter {
  public:
   explicit BandCounter(std::size_t classes) : voxels(classes), boxes(classes) {}
@@ -254,15 +253,15 @@ class BandCounter {
 Result<Classification> classify_voxels(const MembershipVolume& memberships,
                                        std::span<const CrossedVoxel> crossed, const StructureGraph& graph,
                                        unsigned threads) {
-  constexpr std::size_t kMaxHolders = 64;  // bits of Combination::boundary
+  constexpr std::size_t kMaxStructuresPerVoxel = 64;  // bits of Combination::boundary
   for (const auto& set : memberships.sets()) {
-    if (set.size() > kMaxHolders) {
+    if (set.size() > kMaxStructuresPerVoxel) {
       return fail(ErrorCode::kLimit,
                   fmt::format("{} structures hold one voxel ('{}' among them); at most {} may", set.size(),
-                              graph[set.front()].name, kMaxHolders));
+                              graph[set.front()].name, kMaxStructuresPerVoxel));
     }
   }
-  // Number the combinations of every voxel, band by band.
+  // Number the combinations of all voxels, band by band.
   const Index3& size = memberships.size();
   Classification result;
   result.volume.resize(memberships.voxels().size());
@@ -277,7 +276,7 @@ Result<Classification> classify_voxels(const MembershipVolume& memberships,
       [](std::size_t) {});
   const auto crossings = add_crossings(crossed, size[0] * size[1], bands, result.volume);
 
-  // Combinations become classes in the order of the file, whichever band met them first.
+  // Convert combinations to classes in storage order, independent of bands.
   ClassTable found;
   for (Band& band : bands) {
     const std::vector<bool> used = find_used(band, size[0] * size[1], result.volume);
@@ -292,7 +291,7 @@ Result<Classification> classify_voxels(const MembershipVolume& memberships,
   for (ClassId n = 0; n < order.size(); ++n) new_number[order[n]] = n;
   result.classes = found.renumbered(order);
 
-  // Write the classes and count them.
+  // Write classes to the volume and count voxels.
   std::vector<BandCounter> counters(bands.size(), BandCounter(order.size()));
   parallel_for(
       bands.size(), threads,

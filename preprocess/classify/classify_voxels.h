@@ -1,4 +1,4 @@
-// Memberships become classes: the distinct combinations of structures and of how voxels belong to them.
+// Classification of voxels by their structures, boundaries and crossing surfaces.
 #pragma once
 
 #include <cstdint>
@@ -10,23 +10,24 @@
 
 namespace splatlas {
 
-/// A voxel that the external surface of a structure crosses.
+/// A voxel crossed by the external surface of a structure.
 struct CrossedVoxel {
-  std::int64_t voxel = 0;  ///< offset in memory
+  std::int64_t voxel = 0;  ///< memory offset
   StructureIndex structure = kNoStructure;
   friend auto operator<=>(const CrossedVoxel&, const CrossedVoxel&) = default;
 };
 
+/// Class table and class volume.
 struct Classification {
-  ClassTable classes;           ///< counted, in storage_order
+  ClassTable classes;           ///< with counts and boxes, in storage_order()
   std::vector<ClassId> volume;  ///< class per voxel, i fastest
 };
 
-/// Finds every voxel's class (paper, section 3, figure 3). For each structure that holds it, a voxel is
-/// boundary when one of its 18 neighbours (sharing a face or an edge) is not held by that structure or is
-/// beyond the grid. `memberships` are numbered as in `graph`; `crossed` is sorted, without repeats. kLimit
-/// when more than 64 structures hold one voxel. Cost: two passes; 18 vectorised comparisons a voxel. The
-/// result does not depend on `threads` (0: all cores).
+/// Determines the class of every voxel (WSCG 2004, section 3; see ClassId). A voxel is boundary of a
+/// structure if one of its 18 neighbours (sharing a face or an edge) is outside the structure or beyond the
+/// grid. `memberships` must use the indices of `graph`; `crossed` must be sorted and unique. kLimit if more
+/// than 64 structures contain one voxel. Cost: two passes with 18 vectorized comparisons per voxel. The
+/// result does not depend on `threads` (0: one per core).
 [[nodiscard]] Result<Classification> classify_voxels(const MembershipVolume& memberships,
                                                      std::span<const CrossedVoxel> crossed,
                                                      const StructureGraph& graph, unsigned threads = 0);

@@ -34,8 +34,8 @@ typename itk::Image<T, 3>::Pointer make_image(const Index3& size) {
   return image;
 }
 
-/// Values as Real, which holds every value of the source exactly. What is not finite becomes the lowest
-/// value.
+/// Converts values to Real, which represents the source type exactly. Values that are not finite become
+/// lowest().
 template <typename Real>
 typename itk::Image<Real, 3>::Pointer real_image(const VoxelBuffer& values, const Index3& size) {
   auto image = make_image<Real>(size);
@@ -51,7 +51,7 @@ typename itk::Image<Real, 3>::Pointer real_image(const VoxelBuffer& values, cons
   return image;
 }
 
-/// Otsu's threshold over the finite values, in 256 bins.
+/// Otsu's threshold of the finite values, from a histogram of 256 bins.
 template <typename Real>
 double otsu_threshold(const itk::Image<Real, 3>& image) {
   using Histogram = itk::Statistics::Histogram<double>;
@@ -94,12 +94,12 @@ MaskImage::Pointer threshold(const VoxelBuffer& values, const Index3& size, cons
   const typename Image::Pointer image = real_image<Real>(values, size);
   const double low = rule.kind == SegmentRule::Kind::kOtsu ? otsu_threshold<Real>(*image) : rule.low;
   const auto clamped = [](double value) {
-    constexpr double kMost = std::numeric_limits<Real>::max();
-    return static_cast<Real>(std::clamp(value, -kMost, kMost));
+    constexpr double kMax = std::numeric_limits<Real>::max();
+    return static_cast<Real>(std::clamp(value, -kMax, kMax));
   };
   auto filter = itk::BinaryThresholdImageFilter<Image, MaskImage>::New();
   filter->SetInput(image);
-  // Above the lowest value of all, which stands for what is not a number.
+  // Exclude lowest(), which marks values that are not finite.
   filter->SetLowerThreshold(
       std::max(clamped(low), std::nextafter(std::numeric_limits<Real>::lowest(), Real(0))));
   filter->SetUpperThreshold(clamped(rule.high));
@@ -109,13 +109,13 @@ MaskImage::Pointer threshold(const VoxelBuffer& values, const Index3& size, cons
   return filter->GetOutput();
 }
 
-MaskImage::Pointer largest_piece(const MaskImage& mask) {
-  using Pieces = itk::Image<std::uint32_t, 3>;
-  auto pieces = itk::ConnectedComponentImageFilter<MaskImage, Pieces>::New();
-  pieces->SetInput(&mask);
-  auto by_size = itk::RelabelComponentImageFilter<Pieces, Pieces>::New();
-  by_size->SetInput(pieces->GetOutput());
-  auto largest = itk::BinaryThresholdImageFilter<Pieces, MaskImage>::New();
+MaskImage::Pointer largest_component(const MaskImage& mask) {
+  using Components = itk::Image<std::uint32_t, 3>;
+  auto components = itk::ConnectedComponentImageFilter<MaskImage, Components>::New();
+  components->SetInput(&mask);
+  auto by_size = itk::RelabelComponentImageFilter<Components, Components>::New();
+  by_size->SetInput(components->GetOutput());
+  auto largest = itk::BinaryThresholdImageFilter<Components, MaskImage>::New();
   largest->SetInput(by_size->GetOutput());
   largest->SetLowerThreshold(1);
   largest->SetUpperThreshold(1);
@@ -125,7 +125,7 @@ MaskImage::Pointer largest_piece(const MaskImage& mask) {
   return largest->GetOutput();
 }
 
-/// Background that the mask encloses becomes mask.
+/// Fills enclosed background.
 template <unsigned kDimension>
 typename itk::Image<std::uint8_t, kDimension>::Pointer without_holes(
     const itk::Image<std::uint8_t, kDimension>& mask) {
@@ -136,7 +136,7 @@ typename itk::Image<std::uint8_t, kDimension>::Pointer without_holes(
   return filter->GetOutput();
 }
 
-/// Morphological closing with a ball: gaps up to twice its radius wide become mask.
+/// Morphological closing with a ball.
 MaskImage::Pointer with_gaps_closed(const MaskImage& mask, const Grid& grid, double radius_mm) {
   using Ball = itk::BinaryBallStructuringElement<std::uint8_t, 3>;
   Ball ball;
@@ -154,8 +154,8 @@ MaskImage::Pointer with_gaps_closed(const MaskImage& mask, const Grid& grid, dou
   return filter->GetOutput();
 }
 
-/// A scan ends somewhere: the skull of a head that is cut at the neck is open there. Closes, on each of the
-/// six faces of the grid, what the mask encloses within the face.
+/// Fills the background that the mask encloses within each of the six faces of the grid. Structures may be
+/// open where the scan ends, such as the skull at the neck.
 void close_at_border(MaskImage& mask) {
   using Face = itk::Image<std::uint8_t, 2>;
   const auto size = mask.GetBufferedRegion().GetSize();
@@ -186,7 +186,7 @@ Result<std::vector<std::uint8_t>> run_filters(const VoxelBuffer& values, const G
   const bool needs_double = bytes_of(values.type) > 2 && values.type != VoxelType::kFloat32;
   MaskImage::Pointer mask =
       needs_double ? threshold<double>(values, grid.size, rule) : threshold<float>(values, grid.size, rule);
-  mask = largest_piece(*mask);
+  mask = largest_component(*mask);
   if (rule.close_mm > 0) mask = with_gaps_closed(*mask, grid, rule.close_mm);
   close_at_border(*mask);
   mask = without_holes<3>(*mask);

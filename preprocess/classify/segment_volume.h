@@ -1,4 +1,4 @@
-// Structures that no label map gives: segmented with ITK.
+// Segmentation of additional structures by masks and thresholds, with ITK.
 #pragma once
 
 #include <cstdint>
@@ -14,25 +14,25 @@
 
 namespace splatlas {
 
-/// One --segment: a structure and where its voxels come from.
+/// Rule of one --segment option.
 struct SegmentRule {
   enum class Kind { kMask, kThreshold, kOtsu };
   std::string name;
   Kind kind = Kind::kThreshold;
-  std::filesystem::path mask;                             ///< kMask: what is not 0 in this file
-  double low = 0;                                         ///< kThreshold: grey values from low ...
-  double high = std::numeric_limits<double>::infinity();  ///< ... to high, both included
-  double close_mm = 0;  ///< thresholds: gaps up to twice this wide are closed before holes are filled
+  std::filesystem::path mask;                             ///< kMask: file with non-zero voxels inside
+  double low = 0;                                         ///< kThreshold: lower threshold, inclusive
+  double high = std::numeric_limits<double>::infinity();  ///< kThreshold: upper threshold, inclusive
+  double close_mm = 0;  ///< thresholds: radius of the morphological closing before holes are filled
 };
 
-/// Reads NAME=mask:FILE or NAME=threshold:LOW[:HIGH][:close=MM], LOW a number or "otsu"; kUsage tells what is
-/// wrong.
+/// Parses NAME=mask:FILE or NAME=threshold:LOW[:HIGH][:close=MM] with LOW a number or "otsu"; kUsage
+/// otherwise.
 [[nodiscard]] Result<SegmentRule> parse_segment(std::string_view text);
 
-/// Voxels within the rule's thresholds (Otsu's finds its own), of these the largest connected piece (faces
-/// connect), with its holes filled, those too that only the end of the grid cuts open: 1 inside, 0 outside.
-/// `rule` must not be kMask. Voxels whose value is not a number are outside. ITK does it on all cores.
-/// kFailed when nothing is within the thresholds.
+/// Segments by threshold (fixed, or Otsu 1979): the largest face-connected component, optionally closed, with
+/// filled holes. Also fills holes that are open only at the border of the grid. Returns 1 inside, 0 outside;
+/// NaN voxels are outside. `rule` must not be kMask. Uses all cores. kFailed if no voxel is within the
+/// thresholds.
 [[nodiscard]] Result<std::vector<std::uint8_t>> segment_volume(const VoxelBuffer& values, const Grid& grid,
                                                                const SegmentRule& rule);
 

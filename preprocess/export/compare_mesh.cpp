@@ -6,16 +6,16 @@
 namespace splatlas {
 namespace {
 
-/// VTK writes six digits.
+/// Compares within the precision of VTK's text output, six digits.
 bool is_same(const Vec3& a, const Vec3& b) {
-  constexpr double kDigits = 1e-5;
+  constexpr double kTolerance = 1e-5;
   for (std::size_t n = 0; n < 3; ++n) {
-    if (!(std::abs(a[n] - b[n]) <= kDigits * std::max(1.0, std::abs(a[n])))) return false;
+    if (!(std::abs(a[n] - b[n]) <= kTolerance * std::max(1.0, std::abs(a[n])))) return false;
   }
   return true;
 }
 
-/// Of which six digits may leave nothing.
+/// True for triangles that may degenerate when rounded to six digits.
 bool is_thin(const Corners& corners) {
   constexpr double kThinness = 1e-4;
   Vec3 a, b;

@@ -1,4 +1,4 @@
-// Whether a mesh file holds what was written to it.
+// Verification of written mesh files.
 #pragma once
 
 #include <array>
@@ -11,8 +11,8 @@ namespace splatlas {
 /// Corners of a triangle, LPS mm.
 using Corners = std::array<Vec3, 3>;
 
-/// Whether the triangles of a file are those that were written, in their order, to the digits that text files
-/// have. Those without area, which importers drop, may be missing.
+/// True if the file contains the written triangles in order, within the precision of text files. Degenerate
+/// triangles, which importers drop, may be missing.
 [[nodiscard]] bool holds_triangles(const TriangleMesh& file, std::span<const Corners> written);
 
 }  // namespace splatlas

@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The structures of each requested surface, found before anything is written.
+/// The structures of each requested surface.
 Result<std::vector<std::vector<StructureIndex>>> find_surfaces(const Atlas& atlas,
                                                                const ExportOptions& options) {
   std::vector<std::vector<StructureIndex>> result;
@@ -43,7 +43,7 @@ bool is_folder_of_masks(const ExportOptions& options) {
   return options.labels.ends_with('/');
 }
 
-/// Endings, and that nothing goes over something else: wrong usage.
+/// Checks file types, and conflicts between outputs and inputs: kUsage.
 Result<void> check_words(const ExportOptions& options) {
   std::vector<fs::path> outputs;
   if (is_folder_of_masks(options)) {
@@ -74,7 +74,7 @@ Result<void> check_words(const ExportOptions& options) {
   return check_outputs(outputs, std::array{options.atlas});
 }
 
-/// That every output can be written, before the first one is.
+/// Checks that all outputs can be written.
 Result<void> check_writable(const ExportOptions& options) {
   if (is_folder_of_masks(options)) {
     SPLATLAS_RETURN_IF_ERROR(check_writable_folder(options.labels));
@@ -86,7 +86,7 @@ Result<void> check_writable(const ExportOptions& options) {
   return {};
 }
 
-/// Labels, as a map or as masks.
+/// Exports labels as a label map or as masks.
 Result<std::string> export_labels(const AtlasContent& content, const Atlas& atlas,
                                   const ExportOptions& options) {
   if (is_folder_of_masks(options)) {
@@ -115,7 +115,7 @@ Result<std::string> export_surface(const Atlas& atlas, const std::vector<Structu
   return fmt::format("{}: {} triangles", path.string(), triangles);
 }
 
-/// Whether the export goes on: after damage it does; everything else ends it.
+/// Records the result of one output. Returns true if the export continues: on success and after damage.
 bool note(Result<std::string> result, const std::string& output, ExportedFiles& files) {
   if (result) {
     files.written.push_back(*std::move(result));

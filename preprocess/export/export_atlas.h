@@ -1,4 +1,4 @@
-// The way back: what an atlas was made from.
+// Export of labels, volumes and surfaces from an atlas.
 #pragma once
 
 #include <filesystem>
@@ -10,26 +10,27 @@
 
 namespace splatlas {
 
+/// Atlas and outputs of an export. Empty paths are not written.
 struct ExportOptions {
   std::filesystem::path atlas;
-  std::string labels;            ///< a volume file; a folder for one mask per structure when it ends in "/"
+  std::string labels;            ///< a volume file, or a folder of masks if it ends in "/"
   std::filesystem::path volume;  ///< a volume file
-  /// Structures (names, ids, paths or patterns; a group stands for what is below it) and mesh files.
+  /// Structures (names, ids, paths or patterns; with descendants) and their mesh files.
   std::vector<std::pair<std::string, std::filesystem::path>> surfaces;
 };
 
+/// Result of an export.
 struct ExportedFiles {
   std::vector<std::string> written;  ///< one line per file
-  /// One per file that could not be made for damage of the atlas, or the one that ended the export.
+  /// One error per file that could not be written because of damage, or the error that ended the export.
   std::vector<Error> failures;
 };
 
-/// Writes what is asked for; empty paths are not. Volumes have the grid, order of axes and pixel type of the
-/// source. Before anything is read: kUsage for endings of unknown types and when an output is the atlas or
-/// another output (by whatever path), kFailed for outputs that cannot be written. Before anything is written:
-/// kNotFound for unknown structures, kFailed when the atlas holds no grey values, no labels or no surface.
-/// Each file is written whole or not at all; damage of the atlas costs the files that need what is
-/// damaged, and no others.
+/// Exports files. Volumes have the grid, axis order and pixel type of the source. Before reading: kUsage for
+/// unknown file types and for outputs that are the atlas or another output; kFailed for outputs that cannot
+/// be written. Before writing: kNotFound for unknown structures; kFailed for an atlas without the requested
+/// grey values, labels or surface. Writes each file atomically. Damage affects only the files that need the
+/// damaged data.
 [[nodiscard]] Result<ExportedFiles> export_atlas(const ExportOptions& options);
 
 }  // namespace splatlas

@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The label of every class; 0 for none.
+/// [class]: its label, or 0.
 Result<std::vector<std::int64_t>> labels_of_classes(const AtlasContent& content, const std::string& name) {
   std::vector<std::int64_t> labels(content.classes.size(), 0);
   for (ClassId c = 0; c < labels.size(); ++c) {
@@ -23,11 +23,9 @@ Result<std::vector<std::int64_t>> labels_of_classes(const AtlasContent& content,
       const Structure& structure = content.graph[m.structure];
       if (!m.holds() || !structure.label) continue;
       if (labelled != nullptr) {
-        return fail(
-            ErrorCode::kFailed,
-            fmt::format(
-                "{}: '{}' and '{}' overlap, which no label map can hold; export masks: --labels FOLDER/",
-                name, labelled->name, structure.name));
+        return fail(ErrorCode::kFailed, fmt::format("{}: '{}' and '{}' overlap; a label map cannot represent "
+                                                    "this; export masks: --labels FOLDER/",
+                                                    name, labelled->name, structure.name));
       }
       labelled = &structure;
       labels[c] = *structure.label;
@@ -38,7 +36,7 @@ Result<std::vector<std::int64_t>> labels_of_classes(const AtlasContent& content,
 
 Result<std::size_t> write_masks(const AtlasContent& content, const fs::path& folder) {
   std::size_t masks = 0;
-  const HeldClasses held(content.classes, content.graph.size());
+  const StructureClasses held(content.classes, content.graph.size());
   for (StructureIndex s = 0; s < content.graph.size(); ++s) {
     const bool is_group = held.of(s).empty() && !content.graph.children(s).empty();
     if (content.graph[s].external || is_group) continue;
@@ -77,7 +75,7 @@ Result<void> export_label_map(const AtlasContent& content, const std::string& na
 }
 
 Result<std::size_t> export_masks(const AtlasContent& content, const fs::path& path) {
-  // An interrupt waits for the mask that is being written; then nothing is left of the folder.
+  // An interrupt waits for the current mask; then the temporary folder is removed.
   const DeferInterrupts no_folder_left;
   SPLATLAS_ASSIGN_OR_RETURN(OutputFolder folder, OutputFolder::create(path));
   Result<std::size_t> masks = write_masks(content, folder.temporary());

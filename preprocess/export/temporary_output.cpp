@@ -8,7 +8,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// ".nii.gz" is one ending.
+/// File extension; ".nii.gz" counts as one.
 std::string ending_of(const fs::path& path) {
   const std::string last = path.extension().string();
   return to_lower(last) == ".gz" ? path.stem().extension().string() + last : last;
@@ -16,8 +16,8 @@ std::string ending_of(const fs::path& path) {
 
 }  // namespace
 
-Result<void> write_by_way_of_temporary(const fs::path& path,
-                                       const std::function<Result<void>(const fs::path&)>& write) {
+Result<void> write_atomically(const fs::path& path,
+                              const std::function<Result<void>(const fs::path&)>& write) {
   SPLATLAS_ASSIGN_OR_RETURN(OutputFile file, OutputFile::create(path, ending_of(path)));
   SPLATLAS_RETURN_IF_ERROR(write(file.temporary()));
   return file.commit();

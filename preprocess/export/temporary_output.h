@@ -1,4 +1,4 @@
-// A file under a temporary name until it is complete.
+// Atomic file output for libraries that write to a path.
 #pragma once
 
 #include <filesystem>
@@ -9,13 +9,13 @@
 
 namespace splatlas {
 
-/// An OutputFile for libraries that write to a path and choose formats by its ending: calls write(temporary),
-/// and commits when that succeeds. `path` is the old file or the complete new one.
-[[nodiscard]] Result<void> write_by_way_of_temporary(
+/// Calls write(temporary) with a path of the same extension, and replaces `path` atomically on success
+/// (OutputFile).
+[[nodiscard]] Result<void> write_atomically(
     const std::filesystem::path& path,
     const std::function<Result<void>(const std::filesystem::path&)>& write);
 
-/// `message` with `path` wherever it names the temporary file: what users see is what they asked for.
+/// Replaces the temporary path in `message` by `path`.
 [[nodiscard]] std::string with_path(std::string message, const std::filesystem::path& temporary,
                                     const std::filesystem::path& path);
 

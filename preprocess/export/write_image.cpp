@@ -31,7 +31,7 @@ Result<void> write_with(itk::ImageIOBase& io, const Image& image, const fs::path
   io.SetPixelType(itk::IOPixelEnum::SCALAR);
   io.SetNumberOfComponents(1);
   io.SetComponentType(component_of(image.voxels.type));
-  io.SetUseCompression(true);  // NIfTI goes by its ending
+  io.SetUseCompression(true);  // ignored by NIfTI, which compresses by file extension
   io.Write(image.voxels.bytes.data());
   return {};
 }
@@ -41,20 +41,20 @@ tl::unexpected<Error> cannot_write_whole(const fs::path& path) {
               fmt::format("{}: cannot be written whole; is the disk full?", path.string()));
 }
 
-/// Writes `temporary`; `path` is the name for messages.
+/// Writes `temporary`. Messages call it `path`.
 Result<void> write_quietly(ImageFormat format, const Image& image, const fs::path& temporary,
                            const fs::path& path) {
   const QuietStandardError quiet;
   Result<void> written = call_itk(path.string() + ": cannot be written",
                                   [&] { return write_with(*make_image_io(format), image, temporary); });
-  // NRRD's library gives a stack of calls for a reason; others, whose geometry has limits, a sentence.
+  // Replace the messages of the NRRD library, which are call stacks.
   if (!written && written.error().code == ErrorCode::kFailed && format == ImageFormat::kNrrd)
     return cannot_write_whole(path);
   if (!written) return fail(written.error().code, with_path(written.error().message, temporary, path));
   return written;
 }
 
-/// What stands in `file` against what should; `path` is the name for messages.
+/// Compares `file` with the image. Messages call it `path`.
 Result<void> compare(const Image& image, const fs::path& file, const fs::path& path) {
   const Result<Image> back = import_image(file);
   if (!back) return cannot_write_whole(path);
@@ -88,7 +88,7 @@ Result<ImageFormat> writable_image_format(const fs::path& path) {
 
 Result<void> write_image(const Image& image, const fs::path& path) {
   SPLATLAS_ASSIGN_OR_RETURN(const ImageFormat format, writable_image_format(path));
-  return write_by_way_of_temporary(path, [&](const fs::path& temporary) -> Result<void> {
+  return write_atomically(path, [&](const fs::path& temporary) -> Result<void> {
     SPLATLAS_RETURN_IF_ERROR(write_quietly(format, image, temporary, path));
     return compare(image, temporary, path);
   });

@@ -1,4 +1,4 @@
-// Writes one volume file through ITK.
+// Writer of volume files, through ITK.
 #pragma once
 
 #include <filesystem>
@@ -8,13 +8,11 @@
 
 namespace splatlas {
 
-/// By the ending of a file that is to be written; kUsage for endings of unknown types, and of formats that
-/// take two files.
+/// Output format by file extension; kUsage for unknown extensions and formats with two files.
 [[nodiscard]] Result<ImageFormat> writable_image_format(const std::filesystem::path& path);
 
-/// Writes .nii, .nii.gz, .nrrd or .mha, by the ending of `path`; whole or not at all. The file is read back
-/// and compared before it gets its name: ITK's writers do not notice a full disk, and not every format holds
-/// every geometry.
+/// Writes .nii, .nii.gz, .nrrd or .mha, atomically. Reads the file back and compares before the rename: ITK's
+/// writers do not detect a full disk, and some formats cannot represent every geometry.
 [[nodiscard]] Result<void> write_image(const Image& image, const std::filesystem::path& path);
 
 }  // namespace splatlas

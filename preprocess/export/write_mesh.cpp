@@ -91,10 +91,10 @@ Result<MeshFormat> writable_mesh_format(const fs::path& path) {
 
 Result<void> write_mesh(std::span<const SurfaceMesh> surfaces, const Grid& grid, const fs::path& path) {
   SPLATLAS_ASSIGN_OR_RETURN(const MeshFormat format, writable_mesh_format(path));
-  return write_by_way_of_temporary(path, [&](const fs::path& temporary) -> Result<void> {
+  return write_atomically(path, [&](const fs::path& temporary) -> Result<void> {
     const vtkNew<vtkPolyData> polygons = to_polygons(surfaces, grid);
     const bool written = write_as(format, *polygons, temporary).empty();
-    // Read back: VTK notices a full disk in some formats only, and lost bytes in none.
+    // Read back: VTK detects a full disk only for some formats, and lost bytes for none.
     const auto back = import_mesh(temporary, MeshFrame::kLps);
     if (!written || !back || !holds_triangles(*back, corners_of(surfaces, grid))) {
       return fail(ErrorCode::kFailed,

@@ -1,4 +1,4 @@
-// Writes surfaces through VTK.
+// Writer of mesh files, through VTK.
 #pragma once
 
 #include <filesystem>
@@ -10,11 +10,11 @@
 
 namespace splatlas {
 
-/// By the ending of a file that is to be written; kUsage for endings of unknown types.
+/// Output format by file extension; kUsage for unknown extensions.
 [[nodiscard]] Result<MeshFormat> writable_mesh_format(const std::filesystem::path& path);
 
-/// Writes the surfaces, in LPS mm, into one .stl, .ply, .vtk (all binary) or .obj file, with normals where
-/// the format has them; whole or not at all. `grid` is the storage grid.
+/// Writes all surfaces, in LPS mm, to one .stl, .ply, .vtk (all binary) or .obj file, atomically; with
+/// normals if the format supports them. `grid` is the storage grid.
 [[nodiscard]] Result<void> write_mesh(std::span<const SurfaceMesh> surfaces, const Grid& grid,
                                       const std::filesystem::path& path);
 

@@ -1,4 +1,4 @@
-// Says which bytes an atlas was made from.
+// File hashes for provenance.
 #pragma once
 
 #include <filesystem>
@@ -8,7 +8,8 @@
 
 namespace splatlas {
 
-/// "xxh64:" and the 16 hexadecimal digits that `xxh64sum FILE` prints. Cost: reads the file once.
+/// "xxh64:" and 16 hexadecimal digits, as printed by `xxh64sum FILE`. Reads the file once. kFailed if it
+/// cannot be read.
 [[nodiscard]] Result<std::string> hash_file(const std::filesystem::path& path);
 
 }  // namespace splatlas

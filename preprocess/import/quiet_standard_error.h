@@ -1,11 +1,10 @@
-// Libraries that print when they should return.
+// Suppression of messages that libraries print to standard error.
 #pragma once
 
 namespace splatlas {
 
-/// Nothing reaches standard error while this exists: NIfTI's library and MetaIO print there that they could
-/// not read or write, which their callers are told, or find out by reading the file back. It counts for the
-/// whole process.
+/// Redirects standard error of the whole process to /dev/null during its lifetime. The NIfTI library and
+/// MetaIO print errors there that their callers detect and report.
 class QuietStandardError {
  public:
   QuietStandardError();
@@ -14,7 +13,7 @@ class QuietStandardError {
   QuietStandardError& operator=(const QuietStandardError&) = delete;
 
  private:
-  int kept_;  // the descriptor of standard error, or negative when there is none
+  int kept_;  // duplicate of standard error, or negative if it was closed
 };
 
 }  // namespace splatlas

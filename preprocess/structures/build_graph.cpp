@@ -13,7 +13,7 @@
 namespace splatlas {
 namespace {
 
-/// "Thalamus", and "Thalamus_2" where that is taken.
+/// "Thalamus", or "Thalamus_2" if that is taken.
 std::string unique_id(const std::string& name, std::set<std::string>& taken) {
   const std::string base = id_from_name(name);
   std::string id = base;
@@ -21,7 +21,7 @@ std::string unique_id(const std::string& name, std::set<std::string>& taken) {
   return id;
 }
 
-/// The sources as structures without parents, for lookups by name and by pattern.
+/// Graph of the sources without parents, for lookups by name and pattern.
 Result<StructureGraph> graph_of_sources(std::span<const SourceStructure> sources,
                                         std::set<std::string>& taken) {
   std::vector<Structure> structures;
@@ -37,7 +37,7 @@ Result<StructureGraph> graph_of_sources(std::span<const SourceStructure> sources
   return StructureGraph::build(std::move(structures));
 }
 
-/// Numbers structures in the order in which the tree mentions them, and collects their parents.
+/// Numbers structures by first mention in the tree and collects their parents.
 class GraphBuilder {
  public:
   GraphBuilder(std::span<const SourceStructure> sources, StructureGraph flat, std::set<std::string> taken)
@@ -46,7 +46,7 @@ class GraphBuilder {
         taken_(std::move(taken)),
         index_of_source_(sources.size(), kNoStructure) {}
 
-  /// Groups first: a last part may name a group that is made further down.
+  /// Call first: a member may name a group that a later line defines.
   void collect_group_names(std::span<const TreeLine> lines) {
     for (const TreeLine& line : lines) {
       for (const std::string& group : line.groups) {
@@ -91,7 +91,7 @@ class GraphBuilder {
             mix(range.first.b, range.last.b)};
   }
 
-  /// The one source of this name or id, if there is one. Plain names only, no patterns.
+  /// The source with this name or id, if unique. Nullopt for patterns.
   std::optional<StructureIndex> source_named(const std::string& name) const {
     if (name.find('*') != std::string::npos) return std::nullopt;
     const auto found = find_structures(flat_, name);
@@ -140,7 +140,7 @@ class GraphBuilder {
     return found;
   }
 
-  /// By code where codes are asked for, else in the order of the sources.
+  /// Sources that match a condition: sorted by code for "code:...", else in source order.
   [[nodiscard]] Result<std::vector<StructureIndex>> find_sources(std::string_view condition) const {
     constexpr std::string_view kCode = "code:";
     if (condition.starts_with(kCode)) return sources_with_codes(condition.substr(kCode.size()));
@@ -149,7 +149,7 @@ class GraphBuilder {
     return found;
   }
 
-  /// "2001-2999,3001": sources with such codes, by code.
+  /// Sources with codes in a list such as "2001-2999,3001", sorted by code.
   Result<std::vector<StructureIndex>> sources_with_codes(std::string_view list) const {
     std::vector<std::pair<std::int64_t, StructureIndex>> found;
     for (const std::string_view range : split(list, ',')) {

@@ -1,4 +1,4 @@
-// Structures and a tree file become the structure graph.
+// Construction of the structure graph from sources and a tree file.
 #pragma once
 
 #include <span>
@@ -11,14 +11,15 @@
 
 namespace splatlas {
 
+/// The graph, with the mapping from sources.
 struct PlacedStructures {
   StructureGraph graph;
-  std::vector<StructureIndex> index_of_source;  ///< source number -> structure
+  std::vector<StructureIndex> index_of_source;  ///< [source number]: structure
 };
 
-/// Gives every structure a unique id and its place, as kTreeFormat says; without lines, all are roots. `file`
-/// stands for the tree file in messages. kFailed names the line of a last part that fits nothing or is
-/// ambiguous, of a code list that is malformed, and tells of cycles.
+/// Assigns unique ids and places the structures by the tree file (see kTreeFormat); without lines, all are
+/// roots. kFailed, with the line, for members that match nothing or are ambiguous and for malformed code
+/// lists; kFailed for cycles. Messages call the tree file `file`.
 [[nodiscard]] Result<PlacedStructures> build_graph(std::span<const SourceStructure> sources,
                                                    std::span<const TreeLine> lines, const std::string& file);
 

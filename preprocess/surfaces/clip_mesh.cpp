@@ -21,26 +21,27 @@ struct Corner {
 };
 using Polygon = std::vector<Corner>;  ///< convex
 
-double quantised(double x) {
+double quantized(double x) {
   return std::round(x * kPositionScale) / kPositionScale;
 }
 
-/// Where the edge meets a plane. The same for both directions of the edge, so that neighbours stay joined.
+/// Intersection of an edge with a plane. Identical for both directions of the edge, so that adjacent
+/// triangles share vertices.
 Corner cut_edge(const Corner& from, const Corner& to, std::size_t axis, double plane) {
   const bool forwards = from.index < to.index;
   const Corner &a = forwards ? from : to, &b = forwards ? to : from;
   const double t = (plane - a.index[axis]) / (b.index[axis] - a.index[axis]);
   Corner cut;
   for (std::size_t n = 0; n < 3; ++n) {
-    cut.index[n] = quantised(a.index[n] + t * (b.index[n] - a.index[n]));
+    cut.index[n] = quantized(a.index[n] + t * (b.index[n] - a.index[n]));
     cut.normal[n] = a.normal[n] + static_cast<float>(t) * (b.normal[n] - a.normal[n]);
   }
   cut.index[axis] = plane;
   return cut;
 }
 
-/// Splits a convex polygon at a plane; corners in the plane go to both sides, a polygon in it to neither
-/// twice: what is not below stays above.
+/// Splits a convex polygon at a plane. Corners in the plane belong to both parts; a polygon in the plane is
+/// `above`.
 void cut_polygon(const Polygon& polygon, std::size_t axis, double plane, Polygon& below, Polygon& above) {
   below.clear();
   above.clear();
@@ -62,7 +63,7 @@ void cut_polygon(const Polygon& polygon, std::size_t axis, double plane, Polygon
   if (!any_above && any_below) above.clear();
 }
 
-/// A triangle after cutting, its corners numbered as in the surface.
+/// A clipped triangle with vertex indices of the surface.
 struct Piece {
   std::int64_t voxel;
   std::array<std::uint32_t, 3> corners;
@@ -85,11 +86,11 @@ class MeshClipper {
       clip_to_grid(polygon);
       kept_area_ += area_of(polygon);
       for (Corner& corner : polygon) {
-        for (double& x : corner.index) x = quantised(x);
+        for (double& x : corner.index) x = quantized(x);
       }
       split(polygon, 0, {0, 0, 0});
       if (pieces_.size() > kMaxPieces) {
-        return fail(ErrorCode::kLimit, fmt::format("the surface falls into more than {} pieces", kMaxPieces));
+        return fail(ErrorCode::kLimit, fmt::format("clipping gives more than {} triangles", kMaxPieces));
       }
     }
     return finish();
@@ -113,7 +114,7 @@ class MeshClipper {
     return 0.5 * std::hypot(sum[0], sum[1], sum[2]);
   }
 
-  /// Before quantisation: far away corners never meet a whole number that does not fit.
+  /// Call before quantization, to prevent integer overflow of distant corners.
   void clip_to_grid(Polygon& polygon) {
     for (std::size_t a = 0; a < 3 && !polygon.empty(); ++a) {
       cut_polygon(polygon, a, -0.5, below_[a], above_[a]);
@@ -128,7 +129,7 @@ class MeshClipper {
     }
   }
 
-  /// Cuts along `axis` and the ones after it; `voxel` is known for the ones before.
+  /// Splits recursively along `axis` and the following axes; `voxel` has the indices of the preceding axes.
   void split(Polygon& polygon, std::size_t axis, Index3 voxel) {
     if (polygon.size() < 3) return;
     if (axis == 3) return emit(polygon, voxel);
@@ -148,7 +149,8 @@ class MeshClipper {
     split(rest, axis + 1, voxel);
   }
 
-  /// Quantised cuts may leave a triangle in the very plane to the next voxel, which it then belongs to.
+  /// The voxel of a triangle. Quantization may move it into the plane of the next voxel, to which it then
+  /// belongs.
   [[nodiscard]] std::int64_t voxel_of(const Polygon& triangle, Index3 voxel) const {
     for (std::size_t a = 0; a < 3; ++a) {
       const double plane = static_cast<double>(voxel[a]) + 0.5;
@@ -159,7 +161,7 @@ class MeshClipper {
     return grid_.offset(voxel[0], voxel[1], voxel[2]);
   }
 
-  /// A fan of triangles; those that quantisation has left without area are dropped.
+  /// Triangulates a polygon as a fan. Drops triangles without area after quantization.
   void emit(const Polygon& polygon, const Index3& voxel) {
     for (std::size_t n = 2; n < polygon.size(); ++n) {
       const Polygon triangle{polygon[0], polygon[n - 1], polygon[n]};
@@ -169,7 +171,7 @@ class MeshClipper {
     }
   }
 
-  /// One vertex for equal positions and (as far as the file tells them apart) equal normals.
+  /// Vertex index of a corner. Merges corners with equal positions and equal packed normals.
   std::uint32_t number(const Corner& corner) {
     Key key{};
     for (std::size_t a = 0; a < 3; ++a) key[a] = std::lround(corner.index[a] * kPositionScale);

@@ -1,4 +1,4 @@
-// Cuts an external surface along the voxels of a grid, so that it is played like a fitted one.
+// Clipping of external meshes to the voxels of a grid.
 #pragma once
 
 #include <cstdint>
@@ -10,17 +10,17 @@
 
 namespace splatlas {
 
+/// A mesh of triangles that each lie in one voxel.
 struct ClippedMesh {
-  SurfaceMesh surface;  ///< each triangle within one voxel, sorted by voxel; positions in 1/1024 voxel
-  std::vector<std::int64_t>
-      crossed;         ///< memory offsets of the voxels with a triangle; sorted, without repeats
-  double outside = 0;  ///< fraction of the area that lies beyond the grid and was dropped
+  SurfaceMesh surface;                ///< triangles sorted by voxel; positions in units of 1/1024 voxel
+  std::vector<std::int64_t> crossed;  ///< memory offsets of the voxels with triangles; sorted, unique
+  double outside = 0;                 ///< fraction of the area outside the grid, which is dropped
 };
 
-/// Clips every triangle against the voxel boxes (planes at half-integer indices; paper, section 3).
-/// Neighbouring triangles stay joined: what they share is cut at the same places. A triangle in the very
-/// plane between two voxels goes to the upper one. Normals are the file's, or vertex_normals, interpolated
-/// where edges are cut. kLimit above 2^26 pieces. Cost: linear in the pieces.
+/// Clips every triangle at the voxel faces, planes at half-integer indices (Sutherland and Hodgman 1974).
+/// Cuts of shared edges are identical, so that adjacent triangles share vertices. A triangle in the plane
+/// between two voxels belongs to the upper one. Uses the normals of the file or vertex_normals(),
+/// interpolated linearly at cuts. kLimit above 2^26 pieces. Cost: linear in the pieces.
 [[nodiscard]] Result<ClippedMesh> clip_mesh(const TriangleMesh& mesh, const Grid& grid);
 
 }  // namespace splatlas

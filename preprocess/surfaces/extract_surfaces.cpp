@@ -9,10 +9,10 @@
 namespace splatlas {
 namespace {
 
-/// Everything that is done for one structure.
+/// Extracts the surface and the boundary normals of single structures.
 class StructureExtractor {
  public:
-  StructureExtractor(const Classification& classification, const HeldClasses& held, const Grid& grid,
+  StructureExtractor(const Classification& classification, const StructureClasses& held, const Grid& grid,
                      std::span<const StructureIndex> normal_owner, std::span<PackedNormal> normals)
       : classification_(classification),
         held_(held),
@@ -40,16 +40,16 @@ class StructureExtractor {
   }
 
   const Classification& classification_;
-  const HeldClasses& held_;
+  const StructureClasses& held_;
   const Grid& grid_;
   VoxelNormals voxel_normals_;
   std::span<const StructureIndex> normal_owner_;
   std::span<PackedNormal> normals_;
 };
 
-/// Structures with voxels, those with the largest boxes first, so that threads end together.
+/// Structures with voxels, largest boxes first for load balancing.
 std::vector<std::pair<StructureIndex, IndexBox>> structures_to_extract(const ClassTable& classes,
-                                                                       const HeldClasses& held,
+                                                                       const StructureClasses& held,
                                                                        const StructureGraph& graph) {
   std::vector<std::pair<StructureIndex, IndexBox>> result;
   for (StructureIndex s = 0; s < graph.size(); ++s) {
@@ -88,7 +88,7 @@ ExtractedSurfaces extract_surfaces(const Classification& classification, const S
   result.surfaces.resize(graph.size());
   const std::vector<StructureIndex> owners = normal_owners(classification.classes);
   std::vector<PackedNormal> normals(classification.volume.size());
-  const HeldClasses held(classification.classes, graph.size());
+  const StructureClasses held(classification.classes, graph.size());
   const StructureExtractor extractor(classification, held, storage_grid, owners, normals);
   const auto structures = structures_to_extract(classification.classes, held, graph);
 

@@ -1,4 +1,4 @@
-// Fits a surface to every structure that holds voxels, and gives boundary voxels their normals.
+// Extraction of structure surfaces and boundary normals.
 #pragma once
 
 #include <functional>
@@ -11,17 +11,18 @@
 
 namespace splatlas {
 
+/// Surfaces and normals of all structures.
 struct ExtractedSurfaces {
-  std::vector<SurfaceMesh> surfaces;  ///< per structure, as surface.h says; empty where it holds no voxel
-  std::vector<std::vector<PackedNormal>> boundary_normals;  ///< per class, as AtlasContent says
+  std::vector<SurfaceMesh> surfaces;                        ///< per structure; empty without voxels
+  std::vector<std::vector<PackedNormal>> boundary_normals;  ///< per class, as in AtlasContent
 };
 
-/// Marching cubes on each structure's own voxels, closed at the border of the grid. Normals, of vertices and
-/// of boundary voxels, are those of the structure's mask smoothed with a Gaussian of one voxel; a boundary
-/// voxel of several structures takes the first one's (lowest index). `progress` (may be empty) gets the
-/// fraction done, from the calling thread. Structures are worked on in parallel; the result does not depend
-/// on `threads` (0: all cores). Memory: a byte for every voxel of the largest structures' boxes, one per
-/// thread, and two a voxel of the grid.
+/// Extracts the surface of each structure's own voxels by fit_surface() (marching cubes, Lorensen and Cline
+/// 1987), closed at the border of the grid. Normals come from the mask smoothed with a Gaussian of one voxel.
+/// A boundary voxel of several structures has the normal of the lowest index. `progress` receives the
+/// fraction done on the calling thread and may be empty. Parallel over structures; the result does not depend
+/// on `threads` (0: one per core). Memory per thread: one byte per voxel of a structure's box; total: two
+/// bytes per voxel of the grid.
 [[nodiscard]] ExtractedSurfaces extract_surfaces(const Classification& classification,
                                                  const StructureGraph& graph, const Grid& storage_grid,
                                                  unsigned threads = 0,

@@ -13,7 +13,7 @@ namespace splatlas {
 /// The content with what fits its voxels instead of its random surfaces and normals.
 [[nodiscard]] inline AtlasContent fitted(AtlasContent content) {
   const Grid grid = storage_grid(content);
-  const HeldClasses held(content.classes, content.graph.size());
+  const StructureClasses held(content.classes, content.graph.size());
   for (StructureIndex s = 0; s < content.graph.size(); ++s) {
     const IndexBox box = box_of(content.classes, held.of(s));
     if (box.empty()) continue;

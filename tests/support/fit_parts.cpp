@@ -8,7 +8,7 @@ namespace splatlas {
 
 void fit_parts(AtlasContent& content, StructureIndex s) {
   const Grid grid = storage_grid(content);
-  const HeldClasses held(content.classes, content.graph.size());
+  const StructureClasses held(content.classes, content.graph.size());
   const IndexBox box = box_of(content.classes, held.of(s));
   const std::vector<std::uint8_t> parts = parts_of(held.of(s), content.classes.size());
   content.surfaces[s] = fit_surface(crop_structure(content.class_volume, grid.size, box, parts), grid);

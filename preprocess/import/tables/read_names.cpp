@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::int64_t kMaxLabel = 0xffffffff;
 
-/// The words of a line; a part in double quotes is one word, without them.
+/// Words of a line. Text in double quotes is one word, without the quotes.
 struct Words {
   std::vector<std::string_view> all;
   bool last_is_quoted = false;
@@ -37,7 +37,7 @@ std::optional<std::uint8_t> parse_channel(std::string_view text) {
   return static_cast<std::uint8_t>(*value);
 }
 
-/// `label R G B A visible mesh "name"`.
+/// Parses `label R G B A visible mesh "name"`.
 std::optional<LabelName> parse_itk_snap(const Words& words) {
   if (words.all.size() != 8 || !words.last_is_quoted) return std::nullopt;
   const auto r = parse_channel(words.all[1]), g = parse_channel(words.all[2]),
@@ -49,7 +49,7 @@ std::optional<LabelName> parse_itk_snap(const Words& words) {
   return result;
 }
 
-/// `label name [code]`: a number at the end of two words or more is the code.
+/// Parses `label name [code]`: a number after the name is the code.
 LabelName parse_plain(std::string_view line, const Words& words) {
   LabelName result;
   std::string_view rest = trimmed(line.substr(line.find_first_of(" \t")));

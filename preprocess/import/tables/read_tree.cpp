@@ -8,7 +8,7 @@
 namespace splatlas {
 namespace {
 
-/// "#rrggbb" or "#rrggbb-#rrggbb".
+/// Parses "#rrggbb" or "#rrggbb-#rrggbb".
 Result<ColorRange> parse_color_range(std::string_view text) {
   const std::size_t dash = text.find('-');
   SPLATLAS_ASSIGN_OR_RETURN(const Rgb first, parse_color(text.substr(0, dash)));

@@ -1,4 +1,4 @@
-// What a structure may be called.
+// Validation of structure names.
 #pragma once
 
 #include <string>
@@ -10,11 +10,11 @@ namespace splatlas {
 
 inline constexpr std::size_t kMaxNameCharacters = 200;
 
-/// Refuses an empty name, one of more than kMaxNameCharacters, control characters (newlines, tabs), and what
-/// is not UTF-8. The message (kFailed) holds the name; callers say where it stands.
+/// kFailed for empty names, more than kMaxNameCharacters characters, control characters (including tabs and
+/// newlines), and invalid UTF-8. The message contains the name; callers add the location.
 [[nodiscard]] Result<void> check_structure_name(std::string_view name);
 
-/// Equal for names that lookups cannot tell apart: without blanks at the ends and without regard to case.
+/// Normalized name for comparisons: trimmed, ASCII letters in lower case.
 [[nodiscard]] std::string name_key(std::string_view name);
 
 }  // namespace splatlas

@@ -25,7 +25,7 @@ Result<void> check_regular_file(const std::filesystem::path& path) {
   if (status.type() == std::filesystem::file_type::directory) {
     return fail(ErrorCode::kFailed, fmt::format("{}: is a folder; a file is needed here", path.string()));
   }
-  if (status.type() == std::filesystem::file_type::none) {  // a name too long, a loop of links
+  if (status.type() == std::filesystem::file_type::none) {  // for example a name too long, or a loop of links
     return fail(ErrorCode::kFailed, fmt::format("{}: cannot be read: {}", path.string(), error.message()));
   }
   if (status.type() != std::filesystem::file_type::regular) {

@@ -1,4 +1,4 @@
-// Small text files that people write: names, trees, headers.
+// Line-based reader of small text files, and text parsing helpers.
 #pragma once
 
 #include <cstddef>
@@ -12,30 +12,31 @@
 
 namespace splatlas {
 
+/// A non-blank line of a text file.
 struct TextLine {
-  std::size_t number = 0;  ///< from 1, as editors count
-  std::string text;        ///< without blanks at both ends; never empty
+  std::size_t number = 0;  ///< from 1
+  std::string text;        ///< trimmed
 };
 
-/// The lines of a UTF-8 file (at most 16 MiB), any line ends, without blank lines and without lines that
-/// start with "#". kFailed when it cannot be read or is not text.
+/// Reads the lines of a UTF-8 file of at most 16 MiB with any line endings. Skips blank lines and lines that
+/// start with "#". kFailed if it cannot be read or is not plain text.
 [[nodiscard]] Result<std::vector<TextLine>> read_text_lines(const std::filesystem::path& path);
 
-/// Refuses anything but a regular file that can be opened: folders, devices and pipes never reach a reader.
+/// kFailed unless `path` is a regular file that can be opened for reading.
 [[nodiscard]] Result<void> check_regular_file(const std::filesystem::path& path);
 
-/// Without blanks at both ends.
+/// Removes white space at both ends.
 [[nodiscard]] std::string_view trimmed(std::string_view text);
-/// The parts between blanks; they live as long as `text` does.
+/// Splits at white space. The parts refer to `text`.
 [[nodiscard]] std::vector<std::string_view> split_blanks(std::string_view text);
 std::vector<std::string_view> split_blanks(std::string&& text) = delete;
-/// The parts between `separator`, trimmed; "a,,b" has three. They live as long as `text` does.
+/// Splits at `separator` into trimmed parts; "a,,b" has three. The parts refer to `text`.
 [[nodiscard]] std::vector<std::string_view> split(std::string_view text, char separator);
 std::vector<std::string_view> split(std::string&& text, char separator) = delete;
 
-/// A whole text as a number; nothing when any character is left over or the value does not fit.
+/// Parses the whole text as a number; nullopt if characters remain or the value is out of range.
 [[nodiscard]] std::optional<std::int64_t> parse_integer(std::string_view text);
-/// "nan" and "inf" are numbers here: callers check what they allow.
+/// The same for floating-point numbers. Accepts "nan" and "inf".
 [[nodiscard]] std::optional<double> parse_number(std::string_view text);
 
 }  // namespace splatlas

@@ -29,15 +29,15 @@ constexpr BadFile kMembers[] = {
     {"the empty class twice", [](RawAtlas& a) { a.directory.classes[1].members_end = 0; },
      "F: invalid: class 1 repeats another class"},
     {"ends of members that fall", [](RawAtlas& a) { a.directory.classes[3].members_end = 1; },
-     "F: invalid: directory table of class members does not add up"},
+     "F: invalid: inconsistent offsets of directory table of class members"},
     {"an end of members beyond them", [](RawAtlas& a) { ++a.directory.classes.back().members_end; },
-     "F: invalid: directory table of class members does not add up"},
+     "F: invalid: inconsistent offsets of directory table of class members"},
     {"the largest end of members", [](RawAtlas& a) { a.directory.classes[2].members_end = 0xffffffff; },
-     "F: invalid: directory table of class members does not add up"},
+     "F: invalid: inconsistent offsets of directory table of class members"},
     {"one membership too many", [](RawAtlas& a) { a.directory.members.push_back(0); },
-     "F: invalid: directory table of class members does not add up"},
+     "F: invalid: inconsistent offsets of directory table of class members"},
     {"one membership too few", [](RawAtlas& a) { a.directory.members.pop_back(); },
-     "F: invalid: directory table of class members does not add up"},
+     "F: invalid: inconsistent offsets of directory table of class members"},
     {"no classes",
      [](RawAtlas& a) {
        a.directory.classes.clear();
@@ -58,7 +58,7 @@ constexpr BadFile kMembers[] = {
                  a.directory.classes[kNeedleCrossed].members_end);
        std::swap(a.directory.members[4], a.directory.members[7]);
      },
-     "F: damaged: its frame is not of the 484 bytes that the directory tells of values of classes 0 to 4"},
+     "F: damaged: wrong frame length (expected 484 bytes) of values of classes 0 to 4"},
 };
 
 constexpr BadFile kVoxels[] = {
@@ -98,8 +98,7 @@ constexpr BadFile kVoxels[] = {
        a.directory.classes[kKnobBoundary].voxels = 25;
        a.directory.classes[kKnobInterior].box_last = {8, 2, 1};
      },
-     "F: invalid: runs_z of class 5: 1 voxels have none but voxels of classes 5 and 6 around them, expected "
-     "2"},
+     "F: invalid: runs_z of class 5: 1 voxels are interior to classes 5 and 6, expected 2"},
 };
 
 constexpr BadFile kBoxes[] = {
@@ -131,16 +130,16 @@ constexpr BadFile kBoxes[] = {
     {"of the empty class beyond the grid", [](RawAtlas& a) { a.directory.classes[0].box_last[0] = 10; },
      "F: invalid: box of class 0 does not fit its 131 voxels in the grid"},
     {"not tight", [](RawAtlas& a) { a.directory.classes[1].box_last[0] = 9; },
-     "F: invalid: the box of class 1 is not that of its runs"},
+     "F: invalid: the box of class 1 does not match its runs"},
     {"elsewhere",
      [](RawAtlas& a) {
        a.directory.classes[1].box_first = {0, 0, 0};
        a.directory.classes[1].box_last = {0, 0, 0};
      },
-     "F: invalid: the box of class 1 is not that of its runs"},
+     "F: invalid: the box of class 1 does not match its runs"},
     {"of a stored normal's class not tight",
      [](RawAtlas& a) { a.directory.classes[kCoreAndRim].box_last[0] = 9; },
-     "F: invalid: the box of class 3 is not that of its runs"},
+     "F: invalid: the box of class 3 does not match its runs"},
     {"none for the empty class, which may be",
      [](RawAtlas& a) {
        a.directory.classes[0].box_first = {0, 0, 0};
@@ -167,18 +166,18 @@ constexpr BadFile kRunBytes[] = {
     {"the longest list", [](RawAtlas& a) { a.directory.classes[7].run_bytes[2] = 0xffffffff; },
      "F: invalid: runs of class 7 along axis 2 take 4294967295 bytes for 6 voxels"},
     {"a list one byte longer", [](RawAtlas& a) { ++a.directory.classes[2].run_bytes[0]; },
-     "F: damaged: its frame is not of the 94 bytes that the directory tells of runs_x of classes 1 to 7"},
+     "F: damaged: wrong frame length (expected 94 bytes) of runs_x of classes 1 to 7"},
     {"a list one byte shorter", [](RawAtlas& a) { --a.directory.classes[2].run_bytes[0]; },
-     "F: damaged: its frame is not of the 92 bytes that the directory tells of runs_x of classes 1 to 7"},
+     "F: damaged: wrong frame length (expected 92 bytes) of runs_x of classes 1 to 7"},
     {"a byte moved to the next list",
      [](RawAtlas& a) {
        ++a.directory.classes[2].run_bytes[2];
        --a.directory.classes[3].run_bytes[2];
      },
-     "F: invalid: runs_z of class 2: run list ends before its bytes do"},
+     "F: invalid: runs_z of class 2: trailing bytes after the run list"},
     {"a list for the second class of a shared one",
      [](RawAtlas& a) { a.directory.classes[kKnobBoundary].run_bytes[0] = 4; },
-     "F: damaged: its frame is not of the 97 bytes that the directory tells of runs_x of classes 1 to 7"},
+     "F: damaged: wrong frame length (expected 97 bytes) of runs_x of classes 1 to 7"},
     {"one list for classes that may share none",
      [](RawAtlas& a) {
        a.directory.classes[kCoreInterior].run_bytes[2] += a.directory.classes[kCoreBoundary].run_bytes[2];

@@ -243,7 +243,7 @@ TEST(BadFiles, WhoseTablesLieOverOneAnother) {
     const std::size_t members = vector_at(d, D::VT_MEMBERS), parents = field_at(d, D::VT_PARENTS);
     put(d, parents, static_cast<std::uint32_t>(members - parents));
   };
-  EXPECT_EQ(fault_of_file(file_of(atlas)), "F: invalid: directory table of parents does not add up");
+  EXPECT_EQ(fault_of_file(file_of(atlas)), "F: invalid: inconsistent offsets of directory table of parents");
 }
 
 }  // namespace

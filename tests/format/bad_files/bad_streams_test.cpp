@@ -98,9 +98,9 @@ constexpr BadFile kFrames[] = {
      },
      "F: damaged: not one Zstandard frame of values of classes 0 to 4"},
     {"a frame of less content", [](RawAtlas& a) { set_frame(a, [] { return compressed(8); }); },
-     "F: damaged: its frame is not of the 487 bytes that the directory tells of values of classes 0 to 4"},
+     "F: damaged: wrong frame length (expected 487 bytes) of values of classes 0 to 4"},
     {"a frame of more content", [](RawAtlas& a) { set_frame(a, [] { return compressed(4096); }); },
-     "F: damaged: its frame is not of the 487 bytes that the directory tells of values of classes 0 to 4"},
+     "F: damaged: wrong frame length (expected 487 bytes) of values of classes 0 to 4"},
     {"a bomb of a gibibyte",
      [](RawAtlas& a) {
        set_frame(a, [] {
@@ -117,7 +117,7 @@ constexpr BadFile kFrames[] = {
      [](RawAtlas& a) { set_frame(a, [] {
                          return list({0x28, 0xb5, 0x2f, 0xfd, 0, 0x58, 1, 0, 0});
                        }); },
-     "F: damaged: its frame is not of the 487 bytes that the directory tells of values of classes 0 to 4"},
+     "F: damaged: wrong frame length (expected 487 bytes) of values of classes 0 to 4"},
     {"a frame that needs a dictionary",
      [](RawAtlas& a) {
        set_frame(a, [] {  // 487 zeros
@@ -134,14 +134,14 @@ constexpr BadFile kRunLists[] = {
      [](RawAtlas& a) {
        a.edit_stream(SectionKind::kRunsZ, kCoreInterior, [](Bytes& b) { b = list({0, 255, 255, 255}); });
      },
-     "F: invalid: runs_z of class 1: not a mask of its voxels"},
+     "F: invalid: runs_z of class 1: invalid mask"},
     {"a mask with bytes left",
      [](RawAtlas& a) {
        a.edit_stream(SectionKind::kRunsZ, kCoreInterior, [](Bytes& b) {
          b = list({0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0});
        });
      },
-     "F: invalid: runs_z of class 1: not a mask of its voxels"},
+     "F: invalid: runs_z of class 1: invalid mask"},
     {"more runs than voxels",
      [](RawAtlas& a) {
        a.edit_stream(SectionKind::kRunsZ, kCoreInterior, [](Bytes& b) { b[0] = std::byte{2}; });
@@ -172,7 +172,7 @@ constexpr BadFile kRunLists[] = {
      [](RawAtlas& a) {
        a.edit_stream(SectionKind::kRunsZ, kCoreInterior, [](Bytes& b) { b.push_back(std::byte{0}); });
      },
-     "F: invalid: runs_z of class 1: run list ends before its bytes do"},
+     "F: invalid: runs_z of class 1: trailing bytes after the run list"},
     {"one byte too few",
      [](RawAtlas& a) { a.edit_stream(SectionKind::kRunsX, kCoreBoundary, [](Bytes& b) { b.pop_back(); }); },
      "F: invalid: runs_x of class 2: not a run list (run 6)"},
@@ -245,7 +245,7 @@ constexpr BadFile kRunLists[] = {
      "F: invalid: runs_y and runs_z of class 1 cover different voxels"},
     {"along z out of the box",
      [](RawAtlas& a) { a.edit_runs(Axis::kZ, kCoreInterior, [](ClassRuns& r) { ++r[0].start; }); },
-     "F: invalid: the box of class 1 is not that of its runs"},
+     "F: invalid: the box of class 1 does not match its runs"},
     {"along z over another class, its box moved too",
      [](RawAtlas& a) {
        a.directory.classes[kCoreInterior].box_first[0] = a.directory.classes[kCoreInterior].box_last[0] = 4;
@@ -261,7 +261,7 @@ constexpr BadFile kRunLists[] = {
      "F: invalid: runs_z of classes 1 and 4 overlap in scanline 7"},
     {"of a shared list other voxels",
      [](RawAtlas& a) { a.edit_runs(Axis::kZ, kKnobInterior, [](ClassRuns& r) { r[0].start = 5; }); },
-     "F: invalid: the box of class 6 is not that of its runs"},
+     "F: invalid: the box of class 6 does not match its runs"},
     {"of a shared list one voxel too few",
      [](RawAtlas& a) { a.edit_runs(Axis::kX, kKnobInterior, [](ClassRuns& r) { --r.back().length; }); },
      "F: invalid: runs_x of class 5: runs cover 26 voxels, 27 expected"},
@@ -272,12 +272,12 @@ constexpr BadFile kRunLists[] = {
 constexpr BadFile kValues[] = {
     {"a bucket too large",
      [](RawAtlas& a) { a.edit_stream(SectionKind::kValues, kOfCore, [](Bytes& b) { put_u32(b, 0, 1000); }); },
-     "F: invalid: values of class 1: buckets hold more than the voxels"},
+     "F: invalid: values of class 1: buckets contain more residuals than voxels"},
     {"the largest bucket",
      [](RawAtlas& a) {
        a.edit_stream(SectionKind::kValues, kOfCore, [](Bytes& b) { put_u32(b, 60, 0xffffffff); });
      },
-     "F: invalid: values of class 1: buckets hold more than the voxels"},
+     "F: invalid: values of class 1: buckets contain more residuals than voxels"},
     {"buckets that wrap around",
      [](RawAtlas& a) {
        a.edit_stream(SectionKind::kValues, kOfRim, [](Bytes& b) {
@@ -285,13 +285,13 @@ constexpr BadFile kValues[] = {
          put_u32(b, 4, 0x80000000);
        });
      },
-     "F: invalid: values of class 4: buckets hold more than the voxels"},
+     "F: invalid: values of class 4: buckets contain more residuals than voxels"},
     {"empty buckets",
      [](RawAtlas& a) {
        a.edit_stream(SectionKind::kValues, kOfKnob,
                      [](Bytes& b) { std::fill(b.begin(), b.begin() + 64, std::byte{0}); });
      },
-     "F: invalid: values of class 5: buckets hold less than the voxels"},
+     "F: invalid: values of class 5: buckets contain fewer residuals than voxels"},
     {"everything in the last bucket",
      [](RawAtlas& a) {
        a.edit_stream(SectionKind::kValues, kOfKnob, [](Bytes& b) {
@@ -299,7 +299,7 @@ constexpr BadFile kValues[] = {
          put_u32(b, 60, 27);
        });
      },
-     "F: invalid: values of class 5: buckets do not hold what the voxels call for"},
+     "F: invalid: values of class 5: a bucket has too few residuals"},
     {"of the empty class everything in the first bucket",
      [](RawAtlas& a) {
        a.edit_stream(SectionKind::kValues, kOfEmpty, [](Bytes& b) {
@@ -307,20 +307,20 @@ constexpr BadFile kValues[] = {
          put_u32(b, 0, 131);
        });
      },
-     "F: invalid: values of class 0: buckets do not hold what the voxels call for"},
+     "F: invalid: values of class 0: a bucket has too few residuals"},
     {"an error shift above the largest",
      [](RawAtlas& a) {
        a.edit_stream(SectionKind::kValues, kOfCore, [](Bytes& b) { b[78] = std::byte{16}; });
      },
-     "F: invalid: values of class 1: no model of values"},
+     "F: invalid: values of class 1: invalid value model"},
     {"the largest number for an error shift",
      [](RawAtlas& a) {
        a.edit_stream(SectionKind::kValues, kOfEmpty, [](Bytes& b) { b[78] = std::byte{255}; });
      },
-     "F: invalid: values of class 0: no model of values"},
+     "F: invalid: values of class 0: invalid value model"},
     {"a byte that must be 0",
      [](RawAtlas& a) { a.edit_stream(SectionKind::kValues, kOfRim, [](Bytes& b) { b[79] = std::byte{1}; }); },
-     "F: invalid: values of class 4: no model of values"},
+     "F: invalid: values of class 4: invalid value model"},
     {"other residuals, which are other values",
      [](RawAtlas& a) {
        a.edit_stream(SectionKind::kValues, kOfNeedle,
@@ -337,17 +337,17 @@ constexpr BadFile kSurfaces[] = {
        a.edit_stream(SectionKind::kSurfaces, kRimSurface,
                      [](Bytes& b) { std::fill(b.begin(), b.begin() + 8, std::byte{0}); });
      },
-     "F: invalid: surface of structure 'rim': its rotations do not add up"},
+     "F: invalid: surface of structure 'rim': wrong length of the rotations"},
     {"vertices beyond the stream",
      [](RawAtlas& a) {
        a.edit_stream(SectionKind::kSurfaces, kRimSurface, [](Bytes& b) { put_u32(b, 0, 0xffffffff); });
      },
-     "F: invalid: surface of structure 'rim': its parts do not add up"},
+     "F: invalid: surface of structure 'rim': wrong length of its parts"},
     {"triangles beyond the stream",
      [](RawAtlas& a) {
        a.edit_stream(SectionKind::kSurfaces, kRimSurface, [](Bytes& b) { put_u32(b, 4, 0xffffffff); });
      },
-     "F: invalid: surface of structure 'rim': its parts do not add up"},
+     "F: invalid: surface of structure 'rim': wrong length of its parts"},
     {"lengths that wrap around",
      [](RawAtlas& a) {
        a.edit_stream(SectionKind::kSurfaces, kRimSurface, [](Bytes& b) {
@@ -355,7 +355,7 @@ constexpr BadFile kSurfaces[] = {
          put_u32(b, 4, 0x80000000);
        });
      },
-     "F: invalid: surface of structure 'rim': its parts do not add up"},
+     "F: invalid: surface of structure 'rim': wrong length of its parts"},
     {"a byte of vertices given to the triangles",
      [](RawAtlas& a) {
        a.edit_stream(SectionKind::kSurfaces, kRimSurface, [](Bytes& b) {
@@ -363,23 +363,23 @@ constexpr BadFile kSurfaces[] = {
          b[4] = static_cast<std::byte>(std::to_integer<int>(b[4]) + 1);
        });
      },
-     "F: invalid: surface of structure 'rim': vertices do not decode"},
+     "F: invalid: surface of structure 'rim': vertices cannot be decoded"},
     {"a byte more",
      [](RawAtlas& a) {
        a.edit_stream(SectionKind::kSurfaces, kRimSurface, [](Bytes& b) { b.push_back(std::byte{0}); });
      },
-     "F: invalid: surface of structure 'rim': its rotations do not add up"},
+     "F: invalid: surface of structure 'rim': wrong length of the rotations"},
     {"two bytes of rotations too many",
      [](RawAtlas& a) {
        a.edit_stream(SectionKind::kSurfaces, kRimSurface,
                      [](Bytes& b) { b.insert(b.end(), 2, std::byte{0}); });
      },
-     "F: invalid: surface of structure 'rim': its rotations do not add up"},
+     "F: invalid: surface of structure 'rim': wrong length of the rotations"},
     {"vertices of another codec",
      [](RawAtlas& a) {
        a.edit_stream(SectionKind::kSurfaces, kRimSurface, [](Bytes& b) { b[8] ^= std::byte{0xff}; });
      },
-     "F: invalid: surface of structure 'rim': vertices do not decode"},
+     "F: invalid: surface of structure 'rim': vertices cannot be decoded"},
     {"triangles of another codec",
      [](RawAtlas& a) {
        a.edit_stream(SectionKind::kSurfaces, kRimSurface, [](Bytes& b) {
@@ -388,7 +388,7 @@ constexpr BadFile kSurfaces[] = {
          b[8 + vertices] ^= std::byte{0xff};
        });
      },
-     "F: invalid: surface of structure 'rim': triangles do not decode"},
+     "F: invalid: surface of structure 'rim': triangles cannot be decoded"},
     {"a triangle with a vertex that is not there",
      [](RawAtlas& a) {
        a.edit_stream(SectionKind::kSurfaces, kRimSurface, [](Bytes& b) {
@@ -397,12 +397,12 @@ constexpr BadFile kSurfaces[] = {
          b[8 + vertices + 1] = std::byte{0xff};
        });
      },
-     "F: invalid: surface of structure 'rim': triangles do not decode"},
+     "F: invalid: surface of structure 'rim': triangles cannot be decoded"},
     {"no vertices' bytes",
      [](RawAtlas& a) {
        a.edit_stream(SectionKind::kSurfaces, kNeedleSurface, [](Bytes& b) { put_u32(b, 0, 0); });
      },
-     "F: invalid: surface of structure 'needle': its rotations do not add up"},
+     "F: invalid: surface of structure 'needle': wrong length of the rotations"},
     {"a vertex outside of the grid",
      [](RawAtlas& a) {
        a.edit_stream(SectionKind::kSurfaces, kNeedleSurface, [](Bytes& b) {

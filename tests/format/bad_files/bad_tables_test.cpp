@@ -74,18 +74,18 @@ constexpr BadFile kSurfaces[] = {
      [](RawAtlas& a) { a.directory.surfaces[good::kRim].bytes = 100000; },
      "F: invalid: surface of structure 'rim': 100000 bytes for 4 vertices and 2 triangles"},
     {"one byte more", [](RawAtlas& a) { ++a.directory.surfaces[good::kRim].bytes; },
-     "F: damaged: its frame is not of the 181 bytes that the directory tells of surfaces of structures 'rim' "
+     "F: damaged: wrong frame length (expected 181 bytes) of surfaces of structures 'rim' "
      "to 'needle'"},
     {"one vertex more, which decodes", [](RawAtlas& a) { ++a.directory.surfaces[good::kRim].vertices; }, ""},
     {"one vertex less", [](RawAtlas& a) { --a.directory.surfaces[good::kRim].vertices; },
      "F: invalid: surface of structure 'rim': triangle 1 has vertex 3 of 3"},
     {"one triangle more", [](RawAtlas& a) { ++a.directory.surfaces[good::kRim].triangles; },
-     "F: invalid: surface of structure 'rim': triangles do not decode"},
+     "F: invalid: surface of structure 'rim': triangles cannot be decoded"},
     {"one triangle less", [](RawAtlas& a) { --a.directory.surfaces[good::kRim].triangles; },
-     "F: invalid: surface of structure 'rim': triangles do not decode"},
+     "F: invalid: surface of structure 'rim': triangles cannot be decoded"},
     {"a position scale of other vertices",
      [](RawAtlas& a) { a.directory.surfaces[good::kRim].position_scale = 8192; },
-     "F: invalid: surface of structure 'rim': vertices do not decode"},
+     "F: invalid: surface of structure 'rim': vertices cannot be decoded"},
 };
 
 constexpr BadFile kScenes[] = {
@@ -137,18 +137,18 @@ constexpr BadFile kSections[] = {
     {"runs along x twice", [](RawAtlas& a) { a.section(SectionKind::kRunsY).kind = 1; },
      "F: invalid: runs of class 1 along axis 1 take 4 bytes for 0 voxels"},
     {"runs along z twice", [](RawAtlas& a) { a.section(SectionKind::kValues).kind = 3; },
-     "F: invalid: section runs_z is there twice"},
+     "F: invalid: section runs_z occurs twice"},
     {"normals twice",
      [](RawAtlas& a) {
        a.directory.sections.push_back({5, 0, 262144, 512});
      },
-     "F: invalid: section normals is there twice"},
+     "F: invalid: section normals occurs twice"},
     {"an unknown section twice",
      [](RawAtlas& a) {
        a.directory.sections.push_back({77, 0, 0, 0});
        a.directory.sections.push_back({77, 0, 0, 0});
      },
-     "F: invalid: section section 77 is there twice"},
+     "F: invalid: section section 77 occurs twice"},
     {"no sections", [](RawAtlas& a) { a.directory.sections.clear(); },
      "F: invalid: runs of class 1 along axis 0 take 4 bytes for 0 voxels"},
     {"no sections and no chunks",
@@ -221,13 +221,13 @@ constexpr BadFile kChunks[] = {
      },
      "F: damaged: checksum of runs_x of classes 1 to 7"},
     {"of runs along x codec 2", [](RawAtlas& a) { a.chunk(SectionKind::kRunsX).codec = 2; },
-     "F: damaged: codec 2 is not known of runs_x of classes 1 to 7"},
+     "F: damaged: unknown codec 2 of runs_x of classes 1 to 7"},
     {"of values codec 255", [](RawAtlas& a) { a.chunk(SectionKind::kValues).codec = 255; },
-     "F: damaged: codec 255 is not known of values of classes 0 to 4"},
+     "F: damaged: unknown codec 255 of values of classes 0 to 4"},
     {"of runs along z filter 1", [](RawAtlas& a) { a.chunk(SectionKind::kRunsZ).filter = 1; },
-     "F: damaged: filter 1 is not known of runs_z of classes 1 to 7"},
+     "F: damaged: unknown filter 1 of runs_z of classes 1 to 7"},
     {"of surfaces filter 255", [](RawAtlas& a) { a.chunk(SectionKind::kSurfaces).filter = 255; },
-     "F: damaged: filter 255 is not known of surfaces of structures 'rim' to 'needle'"},
+     "F: damaged: unknown filter 255 of surfaces of structures 'rim' to 'needle'"},
     {"of surfaces fewer bytes than decoded, and stored",
      [](RawAtlas& a) {
        a.set_chunk(SectionKind::kSurfaces, 0, Bytes(7));
@@ -243,7 +243,7 @@ constexpr BadFile kChunks[] = {
        std::swap(a.chunks[0], a.chunks[1]);
        std::swap(a.directory.chunks[0], a.directory.chunks[1]);
      },
-     "F: damaged: its frame is not of the 93 bytes that the directory tells of runs_x of classes 1 to 7"},
+     "F: damaged: wrong frame length (expected 93 bytes) of runs_x of classes 1 to 7"},
     {"one too few", [](RawAtlas& a) { a.chunks.pop_back(); },
      "F: invalid: chunks end at {0}, the file has {1} bytes"},
     {"none", [](RawAtlas& a) { a.chunks.clear(); }, "F: invalid: chunks end at {0}, the file has {1} bytes"},

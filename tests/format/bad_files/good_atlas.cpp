@@ -81,7 +81,7 @@ void add_surfaces(AtlasContent& content) {
   content.surfaces[good::kRim] = one_triangle(2);
   content.surfaces[good::kNeedle] = one_triangle(8192);
   content.boundary_normals.resize(content.classes.size());
-  const HeldClasses held(content.classes, content.graph.size());
+  const StructureClasses held(content.classes, content.graph.size());
   for (const auto& [s, box] : {std::pair{good::kCore, kCoreBox}, std::pair{good::kKnob, kKnobBox}}) {
     const std::vector<std::uint8_t> parts = parts_of(held.of(s), content.classes.size());
     const StructureCrop crop = crop_structure(content.class_volume, kSize, {box.first, box.last}, parts);

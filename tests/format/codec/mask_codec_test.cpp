@@ -80,7 +80,7 @@ RC_GTEST_PROP(MaskCodec, RefusesOtherBytesOrGivesRunsOfItsVoxels, ()) {
   if (runs) {
     RC_ASSERT(validate_runs(*runs, shape.size, shape.axis, shape.voxels).has_value());
   } else {
-    RC_ASSERT(runs.error().message == "not a mask of its voxels");
+    RC_ASSERT(runs.error().message == "invalid mask");
   }
 }
 

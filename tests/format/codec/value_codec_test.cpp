@@ -282,29 +282,29 @@ TEST(ValueCodec, RefusesCountsAndSpansThatDoNotFit) {
     const auto decoded = decode_values(voxels, VoxelType::kUInt8, code);
     return decoded ? std::string() : decoded.error().message;
   };
-  EXPECT_EQ(refusal(block.voxels), "buckets hold less than the voxels");
+  EXPECT_EQ(refusal(block.voxels), "buckets contain fewer residuals than voxels");
   code[0] = std::byte{37};
-  EXPECT_EQ(refusal(block.voxels), "buckets hold more than the voxels");
+  EXPECT_EQ(refusal(block.voxels), "buckets contain more residuals than voxels");
   code[0] = std::byte{36};
-  EXPECT_EQ(refusal(block.voxels), "buckets do not hold what the voxels call for");
+  EXPECT_EQ(refusal(block.voxels), "a bucket has too few residuals");
   code[kHeader - 1] = std::byte{1};
-  EXPECT_EQ(refusal(block.voxels), "no model of values");
+  EXPECT_EQ(refusal(block.voxels), "invalid value model");
   code[kHeader - 1] = std::byte{0};
   code[kHeader - 2] = std::byte{16};
-  EXPECT_EQ(refusal(block.voxels), "no model of values");
+  EXPECT_EQ(refusal(block.voxels), "invalid value model");
   code[kHeader - 2] = std::byte{0};
   GroupVoxels smaller = block.voxels;
   for (std::size_t a = 0; a < 3; ++a) {
     smaller.box = block.voxels.box;
     --smaller.box.last[a];
-    EXPECT_EQ(refusal(smaller), "boxes are not those of the runs");
+    EXPECT_EQ(refusal(smaller), "runs do not match the box");
     smaller.box = block.voxels.box;
     ++smaller.box.first[a];
-    EXPECT_EQ(refusal(smaller), "boxes are not those of the runs");
+    EXPECT_EQ(refusal(smaller), "runs do not match the box");
   }
   smaller = block.voxels;
   ++smaller.voxels;
-  EXPECT_EQ(refusal(smaller), "boxes are not those of the runs");
+  EXPECT_EQ(refusal(smaller), "runs do not match the box");
 }
 
 TEST(ValueCodec, ErrorsOfNoiseAreShiftedIntoTheBuckets) {

@@ -30,7 +30,7 @@ RC_GTEST_PROP(FitSurface, WhatFollowsFromTheVoxelsIsNotStoredAndComesBack, ()) {
   auto random = *random_source();
   const AtlasContent content = fitted(random_content(random, {9, 5, 30}));
   const FittedParts parts = find_fitted_parts(content, 1);
-  const HeldClasses held(content.classes, content.graph.size());
+  const StructureClasses held(content.classes, content.graph.size());
   for (StructureIndex s = 0; s < content.graph.size(); ++s) {
     const bool holds_voxels = !box_of(content.classes, held.of(s)).empty();
     RC_ASSERT(parts.surfaces[s] == holds_voxels);

@@ -204,7 +204,7 @@ TEST(AtlasVerify, FindsBoxesThatAreNotTight) {
   AtlasParts parts = take_apart(small_file());
   const Index3 size = storage_grid(small_content()).size;
   parts.directory.classes.count(2, 0, {{0, 0, 0}, {size[0] - 1, size[1] - 1, size[2] - 1}});
-  EXPECT_EQ(fault_of(put_together(parts)), "F: invalid: the box of class 2 is not that of its runs");
+  EXPECT_EQ(fault_of(put_together(parts)), "F: invalid: the box of class 2 does not match its runs");
 }
 
 // Found by fuzzing: such a file was sound, but could not be written again.
@@ -223,8 +223,7 @@ TEST(AtlasVerify, FindsABoxOfTheEmptyClassThatIsNotTight) {
     ++grown;
     AtlasParts parts = take_apart(file);
     parts.directory.classes.count(kEmptyClass, 0, grid);
-    EXPECT_EQ(fault_of(put_together(parts)),
-              "F: invalid: the box of class 0 is not that of the voxels that no other class has");
+    EXPECT_EQ(fault_of(put_together(parts)), "F: invalid: the box of class 0 does not match its voxels");
   }
   EXPECT_GT(grown, 50);
 }

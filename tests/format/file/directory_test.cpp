@@ -178,7 +178,7 @@ TEST(Directory, RefusesSectionsThatDoNotHoldTheStreams) {
     return layout ? std::string() : layout.error().message;
   };
   EXPECT_EQ(fault([](Directory&) {}), "");
-  EXPECT_THAT(fault([](Directory& d) { d.sections[3].kind = 3; }), HasSubstr("runs_z is there twice"));
+  EXPECT_THAT(fault([](Directory& d) { d.sections[3].kind = 3; }), HasSubstr("runs_z occurs twice"));
   EXPECT_THAT(fault([](Directory& d) { d.sections[2].kind = 77; }), HasSubstr("section runs_z is missing"));
   EXPECT_THAT(fault([](Directory& d) { d.sections[3].kind = 77; }), HasSubstr("section values is missing"));
   EXPECT_THAT(fault([](Directory& d) { d.value_type = VoxelType::kNone; }),

@@ -1,11 +1,11 @@
-#include "format/derive/held_classes.h"
+#include "format/derive/structure_classes.h"
 
 #include <numeric>
 
 namespace splatlas {
 namespace {
 
-/// Calls visit(class, membership) for every class that a structure holds.
+/// Calls visit(class, membership) for every membership inside a structure.
 template <typename Visit>
 void for_each_holding(const ClassTable& classes, const Visit& visit) {
   for (ClassId c = 0; c < classes.size(); ++c) {
@@ -17,7 +17,8 @@ void for_each_holding(const ClassTable& classes, const Visit& visit) {
 
 }  // namespace
 
-HeldClasses::HeldClasses(const ClassTable& classes, std::size_t structures) : first_(structures + 1, 0) {
+StructureClasses::StructureClasses(const ClassTable& classes, std::size_t structures)
+    : first_(structures + 1, 0) {
   for_each_holding(classes, [&](ClassId, const Membership& m) { ++first_[m.structure + 1]; });
   std::partial_sum(first_.begin(), first_.end(), first_.begin());
   held_.resize(first_.back());
@@ -27,9 +28,9 @@ HeldClasses::HeldClasses(const ClassTable& classes, std::size_t structures) : fi
   });
 }
 
-IndexBox box_of(const ClassTable& classes, std::span<const HeldClass> held) {
+IndexBox box_of(const ClassTable& classes, std::span<const StructureClass> held) {
   IndexBox box;
-  for (const HeldClass& h : held) box.include(classes.box(h.id));
+  for (const StructureClass& h : held) box.include(classes.box(h.id));
   return box;
 }
 

@@ -1,4 +1,4 @@
-#include "format/derive/held_classes.h"
+#include "format/derive/structure_classes.h"
 
 #include <set>
 
@@ -20,13 +20,13 @@ std::set<StructureIndex> holders_of(const ClassTable& classes, ClassId c) {
   return holders;
 }
 
-RC_GTEST_PROP(HeldClasses, AreThoseThatNameTheStructure, ()) {
+RC_GTEST_PROP(StructureClasses, AreThoseThatNameTheStructure, ()) {
   std::mt19937 random(*rc::gen::arbitrary<std::uint32_t>());
   const AtlasContent content = random_content(random, {9, 6, 3});
   const ClassTable& classes = content.classes;
   const std::size_t structures = content.graph.size();
-  const HeldClasses held(classes, structures);
-  const std::vector<bool> alike = find_alike(classes, held, structures);
+  const StructureClasses held(classes, structures);
+  const std::vector<bool> alike = find_uniform(classes, held, structures);
   for (StructureIndex s = 0; s < structures; ++s) {
     IndexBox box;
     std::set<std::set<StructureIndex>> combinations;

@@ -1,4 +1,4 @@
-#include "format/file/held_values.h"
+#include "format/file/value_cache.h"
 
 #include <atomic>
 #include <string>
@@ -12,15 +12,15 @@ namespace {
 using Values = std::vector<std::byte>;
 
 /// Groups of two classes with four bytes each; counts how often each is decoded.
-struct HeldValuesTest : ::testing::Test {
+struct ValueCacheTest : ::testing::Test {
   static constexpr std::size_t kGroups = 4;
-  HeldValues held{kGroups, 10};  // two groups of which a class was taken each: 8 bytes
+  ValueCache held{kGroups, 10};  // two groups of which a class was taken each: 8 bytes
   std::vector<std::atomic<int>> decoded = std::vector<std::atomic<int>>(kGroups);
 
   static Values values_of(std::size_t group, std::size_t n) {
     return Values(4, static_cast<std::byte>(10 * group + n));
   }
-  HeldValues::GroupValues decode(std::size_t group) {
+  ValueCache::GroupValues decode(std::size_t group) {
     ++decoded[group];
     return {values_of(group, 0), values_of(group, 1)};
   }
@@ -32,7 +32,7 @@ struct HeldValuesTest : ::testing::Test {
   }
 };
 
-TEST_F(HeldValuesTest, AGroupIsDecodedOnceForAllItsClasses) {
+TEST_F(ValueCacheTest, AGroupIsDecodedOnceForAllItsClasses) {
   EXPECT_EQ(take(0, 1), 1);
   EXPECT_EQ(take(0, 0), 1);
   EXPECT_EQ(take(0, 0), 2);  // all were given away
@@ -40,14 +40,14 @@ TEST_F(HeldValuesTest, AGroupIsDecodedOnceForAllItsClasses) {
   EXPECT_EQ(take(0, 1), 3);
 }
 
-TEST_F(HeldValuesTest, TheOldestGoWhereTheyHoldTooMuch) {
+TEST_F(ValueCacheTest, TheOldestGoWhereTheyHoldTooMuch) {
   EXPECT_EQ(take(0, 0), 1);  // 4 bytes are held
   EXPECT_EQ(take(1, 0), 1);  // for a moment 12, then without group 0: 4
   EXPECT_EQ(take(0, 1), 2);  // without group 1
   EXPECT_EQ(take(1, 1), 2);
 }
 
-TEST_F(HeldValuesTest, WhatWasTakenCountsNoLonger) {
+TEST_F(ValueCacheTest, WhatWasTakenCountsNoLonger) {
   for (int round = 1; round <= 3; ++round) {
     EXPECT_EQ(take(0, 0), round);
     EXPECT_EQ(take(0, 1), round);
@@ -56,15 +56,15 @@ TEST_F(HeldValuesTest, WhatWasTakenCountsNoLonger) {
   }
 }
 
-TEST_F(HeldValuesTest, AGroupThatIsTooLargeIsHeldAllTheSame) {
-  HeldValues few(kGroups, 1);
+TEST_F(ValueCacheTest, AGroupThatIsTooLargeIsHeldAllTheSame) {
+  ValueCache few(kGroups, 1);
   const auto decode_0 = [&] { return decode(0); };
   EXPECT_EQ(few.take(0, 0, decode_0).value(), values_of(0, 0));
   EXPECT_EQ(few.take(0, 1, decode_0).value(), values_of(0, 1));
   EXPECT_EQ(decoded[0], 1);
 }
 
-TEST_F(HeldValuesTest, AGroupThatSomebodyIsAtStays) {
+TEST_F(ValueCacheTest, AGroupThatSomebodyIsAtStays) {
   EXPECT_EQ(take(0, 0), 1);
   const auto values = held.take(0, 0, [&] {
     std::thread([&] { EXPECT_EQ(take(1, 0), 1); }).join();  // 12 bytes: group 0 cannot go now
@@ -75,7 +75,7 @@ TEST_F(HeldValuesTest, AGroupThatSomebodyIsAtStays) {
   EXPECT_EQ(take(1, 1), 2);
 }
 
-TEST_F(HeldValuesTest, FailuresChangeNothing) {
+TEST_F(ValueCacheTest, FailuresChangeNothing) {
   const auto failing = [] { return fail(ErrorCode::kInvalidAtlas, "damaged"); };
   EXPECT_EQ(held.take(0, 0, failing).error().message, "damaged");
   EXPECT_EQ(take(0, 0), 1);
