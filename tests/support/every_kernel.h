@@ -1,4 +1,4 @@
-// Tests of kernels, once for every instruction set.
+// Test fixture that runs a kernel test on every instruction set.
 #pragma once
 
 #include <cstdint>
@@ -11,10 +11,10 @@
 
 namespace splatlas {
 
-/// Stands for the scalar twins among Highway's targets.
+/// The scalar reference kernels, among the targets of Highway.
 inline constexpr std::int64_t kScalarReference = 0;
 
-/// Those that the kernels are compiled for and this machine runs.
+/// The compiled targets that this machine supports.
 inline std::vector<std::int64_t> kernel_targets() {
   std::vector<std::int64_t> targets;
   for (std::int64_t rest = hwy::SupportedTargets() & HWY_TARGETS; rest != 0; rest &= rest - 1)
@@ -22,7 +22,7 @@ inline std::vector<std::int64_t> kernel_targets() {
   return targets;
 }
 
-/// The scalar twins, too.
+/// kernel_targets() and the scalar reference.
 inline std::vector<std::int64_t> targets_and_reference() {
   std::vector<std::int64_t> targets = kernel_targets();
   targets.push_back(kScalarReference);
@@ -30,10 +30,10 @@ inline std::vector<std::int64_t> targets_and_reference() {
 }
 
 inline std::string kernel_name(const testing::TestParamInfo<std::int64_t>& target) {
-  return target.param == kScalarReference ? "Twin" : hwy::TargetName(target.param);
+  return target.param == kScalarReference ? "Scalar" : hwy::TargetName(target.param);
 }
 
-/// While a test runs, dispatch chooses its instruction set.
+/// Restricts dispatch to one target while a test runs.
 class EveryKernel : public testing::TestWithParam<std::int64_t> {
  protected:
   void SetUp() override { dispatch_to(GetParam()); }
@@ -42,7 +42,7 @@ class EveryKernel : public testing::TestWithParam<std::int64_t> {
   [[nodiscard]] static bool is_reference() { return GetParam() == kScalarReference; }
 
  private:
-  /// 0: as ever.
+  /// 0: no restriction.
   static void dispatch_to(std::int64_t target) {
     hwy::SetSupportedTargetsForTest(target);
     hwy::GetChosenTarget().Update(hwy::SupportedTargets());

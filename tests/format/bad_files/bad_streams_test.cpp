@@ -1,4 +1,4 @@
-// Bad files: what is wrong inside of chunks that are sound.
+// Invalid files: streams in intact chunks.
 #include <cstring>
 #include <limits>
 
@@ -11,9 +11,9 @@ namespace splatlas {
 namespace {
 
 using enum good::Class;
-/// Streams of values: group by group.
+/// Streams of values, by group.
 enum Group : std::size_t { kOfEmpty, kOfCore, kOfCoreAndRim, kOfRim, kOfKnob, kOfNeedle };
-/// Streams of surfaces: in preorder.
+/// Streams of surfaces, in preorder.
 enum Surface : std::size_t { kOfAllS, kOfCoreS, kRimSurface, kOfKnobS, kNeedleSurface };
 
 void put_u32(Bytes& bytes, std::size_t at, std::uint32_t value) {
@@ -35,7 +35,7 @@ Bytes compressed(std::size_t bytes) {
   return frame;
 }
 
-/// Puts a frame in place of the values, which are of fewer than 600 bytes decoded.
+/// Replaces the values, fewer than 600 bytes when decoded, by a frame.
 template <typename Make>
 void set_frame(RawAtlas& a, const Make& make) {
   a.set_chunk(SectionKind::kValues, 0, make());
@@ -147,7 +147,7 @@ constexpr BadFile kRunLists[] = {
        a.edit_stream(SectionKind::kRunsZ, kCoreInterior, [](Bytes& b) { b[0] = std::byte{2}; });
      },
      "F: invalid: runs_z of class 1: run list says it has 2 runs"},
-    {"the most runs",
+    {"the maximum number of runs",
      [](RawAtlas& a) {
        a.edit_stream(SectionKind::kRunsX, kCoreBoundary, [](Bytes& b) {
          b = list({0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 1});

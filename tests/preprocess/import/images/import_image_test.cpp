@@ -26,7 +26,7 @@ class ImportImage : public testing::Test {
     write_bytes(folder_.file(name), bytes);
     return import_image(folder_.file(name));
   }
-  /// Refused, in one line that names the file and holds `text`.
+  /// Expects an error of one line that names the file and contains `text`.
   void refuses(const std::string& name, const std::string& bytes, const std::string& text) const {
     const Result<Image> image = import_bytes(name, bytes);
     ASSERT_FALSE(image) << name << " should be refused: " << text;
@@ -79,7 +79,7 @@ TEST_F(ImportImage, ReadsGzipFilesOfSeveralMembers) {
 }
 
 TEST_F(ImportImage, TakesThePixelsOfTheFileThatIsNamed) {
-  // NIfTI's library would take those of a.nii for a.nii.gz.
+  // The NIfTI library would read a.nii in place of a.nii.gz.
   std::string other = nifti();
   other.replace(352, 4, "abcd");
   write_bytes(folder_.file("a.nii"), other);
@@ -87,7 +87,7 @@ TEST_F(ImportImage, TakesThePixelsOfTheFileThatIsNamed) {
   ASSERT_TRUE(image) << image.error().message;
   expect_raw_image(*image);
   EXPECT_NE(import_image(folder_.file("a.nii"))->voxels, image->voxels);
-  // And its grid: a qform alone is read by ITK.
+  // And its geometry: ITK reads a qform alone.
   const auto with_qform = [](float x) {
     const std::string alone = with_number<std::int16_t>(nifti(), 254, 0);
     return with_number<float>(with_number<std::int16_t>(alone, 252, 1), 268, x);
@@ -139,7 +139,7 @@ TEST_F(ImportImage, RefusesEveryTruncation) {
 }
 
 TEST_F(ImportImage, NoHeaderByteBringsItDown) {
-  // Many of these are legal headers of other images: what counts is that each returns.
+  // Many of these are valid headers of other images: the test is that each call returns.
   for (const auto& [name, bytes, header] :
        {std::tuple<const char*, std::string, std::size_t>{"a.nii", nifti(), 352},
         {"a.mha", meta_image(), meta_header("CompressedData = False\n").size()},
@@ -203,7 +203,7 @@ TEST_F(ImportImage, RefusesSizesThatCannotBe) {
   refuses("a.mha", huge + RawImage::payload(), "size");
   huge.replace(huge.find("99999999 9 9"), 12, "1000 1000 100");
   refuses("a.mha", huge + RawImage::payload(), "truncated");
-  // A gigabyte that a kilobyte of gzip cannot hold: refused before any memory is taken.
+  // A gigabyte cannot come from a kilobyte of gzip: refused ahead of allocation.
   std::string bomb = nrrd_header("gzip");
   bomb.replace(bomb.find("8 4 2"), 5, "1024 1024 512");
   refuses("a.nrrd", bomb + deflated(RawImage::payload(), true), "truncated");
@@ -370,7 +370,7 @@ TEST_F(ImportImage, TakesEverySformThatIsARotationInFloats) {
     const Matrix3& direction = image->grid.direction_lps;
     for (std::size_t row = 0; row < 3; ++row) {
       for (std::size_t column = 0; column < 3; ++column) {
-        // To the rounding of floats as it was, and orthonormal in doubles.
+        // Equal to float rounding, and orthonormal in doubles.
         EXPECT_NEAR(direction[3 * row + column], (row < 2 ? -1 : 1) * ras[3 * row + column], 2e-7);
         double product = 0;
         for (std::size_t k = 0; k < 3; ++k) product += direction[3 * k + row] * direction[3 * k + column];
