@@ -8,7 +8,7 @@
 namespace splatlas {
 namespace {
 
-/// Of one voxel: extinction, emissions.
+/// One voxel: extinction, emissions.
 using Planes = std::array<float, 4>;
 
 std::vector<Planes> all_voxels(const SpanModel& model) {
@@ -19,16 +19,16 @@ std::vector<Planes> all_voxels(const SpanModel& model) {
       for (std::uint32_t n = 0; n < span.blocks << kBlockBits; ++n) {
         const std::size_t place = slice.place(span, (span.first_block << kBlockBits) + n);
         if (slice.light.data()[place] <= 0) continue;
-        Planes& light = voxels.emplace_back();
+        Planes& voxel = voxels.emplace_back();
         for (std::size_t plane = 0; plane <= static_cast<std::size_t>(slice.emissions); ++plane)
-          light[plane] = slice.light.data()[place + plane * kBlock];
+          voxel[plane] = slice.light.data()[place + plane * kBlock];
       }
     }
   }
   return voxels;
 }
 
-/// Takes voxels from `first` on, row by row, as many as there are and fit in.
+/// Packs voxels from `first` on, row by row, as many as fit.
 void pack_slice(const std::vector<Planes>& voxels, std::size_t first, const SpanModel& model,
                 SliceSpans& slice) {
   SpanWriter writer(model.scan_first, model.scan_voxels, model.emissions, slice);
@@ -52,7 +52,7 @@ PackedSpans pack_spans(const SpanModel& model, const Shear& shear, const SheetWi
   PackedSpans packed{{}, window, shear};
   packed.window.u0 = packed.window.v0 = 0;
   packed.shear.slope_u = packed.shear.slope_v = 0.01;
-  packed.shear.k_ref = -50;  // slices stand half a voxel off, and next to nothing beside each other
+  packed.shear.k_ref = -50;  // slices are half a voxel off, with almost no shift between them
   SpanModel& into = packed.model;
   into.axis = model.axis;
   into.emissions = model.emissions;
