@@ -43,7 +43,7 @@ RandomScene volume_scene(std::uint32_t number) {
 
 TEST(RandomScenes, RaysThroughVolumesEqualTheReference) {
   for (std::uint32_t n = 0; n < 60; ++n)
-    expect_no_faults(n, volume_scene(n), {.thorough = true, .max_ray_rms = 0.5});
+    expect_no_faults(n, volume_scene(n), {.thorough = true, .max_visible_rms = 0.5});
 }
 
 }  // namespace

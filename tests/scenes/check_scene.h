@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -10,8 +11,9 @@
 namespace splatlas {
 
 struct SceneChecks {
-  bool thorough = false;   ///< also the slow checks: antialiased sheets, every pixel of rays
-  double max_ray_rms = 1;  ///< RMS error of rays at high quality, 1/255
+  bool thorough = false;  ///< also the slow checks: antialiasing, every pixel of rays
+  /// Maximum RMS error of rays at high quality over the pixels that picture or reference show, 1/255.
+  double max_visible_rms = std::numeric_limits<double>::infinity();
 };
 
 struct SceneReport {
@@ -33,8 +35,9 @@ struct SceneReport {
 ///   - early ray termination: no value changes by more than the threshold, and none of volumes alone grows;
 ///   - depth cue: colours darken by at most its strength, opacities stay;
 ///   - sheets: the discrete model to float rounding; antialiased pixels: the mean of the model's samples;
-///   - rays at high quality: the reference, with surfaces in order with the volume, to `max_ray_rms`. Where
-///     huge grey values turn transfer functions into steps: to 4/255, without the worst pixel in fifty.
+///   - rays at high quality: the reference, with surfaces in order with the volume, to 1/255 RMS.
+///     Where huge grey values turn transfer functions into steps: to 4/255, without the worst pixel in fifty.
+///     Antialiasing changes no volume.
 [[nodiscard]] SceneReport check_scene(const RandomScene& scene, const SceneChecks& checks);
 
 }  // namespace splatlas
