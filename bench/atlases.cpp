@@ -11,7 +11,7 @@
 namespace splatlas {
 namespace {
 
-/// The folder may go when this returns: an open atlas needs its file's name no more.
+/// The folder may be removed on return: an open atlas needs no path.
 Result<std::shared_ptr<const Atlas>> build_and_open(const SourceFiles& sources, const char* title,
                                                     const ScratchFolder& folder,
                                                     const BenchOptions& options) {

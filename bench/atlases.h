@@ -1,4 +1,4 @@
-// The atlases that benches draw.
+// Atlases of benches.
 #pragma once
 
 #include <filesystem>
@@ -10,20 +10,20 @@
 
 namespace splatlas {
 
-// Both open options.atlas where it is given; else they build the atlas through the preprocess library into a
-// temporary file, which is removed as soon as it is open.
+// Both open options.atlas if it is set. Otherwise they build the atlas through the preprocess library into a
+// temporary file, which they remove once it is open.
 
 /// The golden phantom.
 [[nodiscard]] Result<std::shared_ptr<const Atlas>> open_phantom(const BenchOptions& options);
 
-/// Colin 27 with AAL's labels, of Debian's package mricron-data. kFailed names the file that is missing.
+/// Colin 27 with AAL labels, from Debian's package mricron-data. kFailed names a missing file.
 [[nodiscard]] Result<std::shared_ptr<const Atlas>> open_colin27(const BenchOptions& options);
 
-/// Where mricron-data has its volumes.
+/// The folder of the volumes of mricron-data.
 [[nodiscard]] std::filesystem::path templates_folder();
-/// The files and rules of open_colin27()'s atlas, as scripts/demo.sh has them: a tree, brain and head too.
+/// Sources of the atlas of open_colin27(), as in scripts/demo.sh: labels, tree, brain and head.
 [[nodiscard]] Result<SourceFiles> colin27_sources();
-/// Colin 27's volume and AAL's labels and names: 116 structures and nothing else.
+/// The Colin 27 volume with AAL labels and names only: 116 structures.
 [[nodiscard]] Result<SourceFiles> aal_sources();
 
 }  // namespace splatlas

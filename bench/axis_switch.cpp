@@ -12,14 +12,14 @@ namespace {
 
 constexpr double kOffDeg = 1e-6 * 180 / std::numbers::pi;
 
-/// A direction of view that two axes share, and which angle leads across.
+/// A view direction shared by two axes, and the angle that crosses it.
 struct Direction {
   const char* axes;
   double azimuth_deg, elevation_deg;
   bool turns_azimuth;
 };
 
-/// Directions of view have components (sin az cos el, cos az cos el, sin el), but for signs.
+/// View directions have components (sin az cos el, cos az cos el, sin el), up to signs.
 std::vector<Direction> shared_directions() {
   const auto elevation_of = [](double along) { return std::atan(along) * 180 / std::numbers::pi; };
   constexpr double kTurnDeg = 20;

@@ -1,4 +1,4 @@
-// Where the principal axis switches: views between which a picture may pop.
+// Views at switches of the principal axis, where pictures may pop.
 #pragma once
 
 #include <string>
@@ -10,17 +10,15 @@
 
 namespace splatlas {
 
-/// Two views, a millionth of a radian to either side of a direction that passes as many slices along one axis
-/// as along another, and off all symmetries.
+/// Two views, 1e-6 rad to either side of a direction midway between two principal axes, off all symmetries.
 struct AxisSwitch {
-  std::string name;  ///< "x/y 15": the axes, and an angle that tells switches apart
+  std::string name;  ///< "x/y 15": the axes, and an angle that identifies the switch
   Camera before, after;
-  Axis axis_before = Axis::kX, axis_after = Axis::kX;  ///< ours; they differ
+  Axis axis_before = Axis::kX, axis_after = Axis::kX;  ///< principal axes of the player; they differ
 };
 
-/// Of a grid with equal spacings along LPS: between x and y as in reference measurements at azimuth 45,
-/// elevations 15 and 25; between y and z, and x and z, off their symmetry as well. kFailed where the axis
-/// does not switch.
+/// Axis switches of a grid with equal spacings along LPS: between x and y at azimuth 45, elevations 15 and
+/// 25; between y and z and between x and z off their symmetry. kFailed if the axis does not switch.
 [[nodiscard]] Result<std::vector<AxisSwitch>> axis_switches(const Camera& camera, const Grid& grid,
                                                             const Display& display);
 

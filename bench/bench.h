@@ -1,4 +1,4 @@
-// The benches: one small file each, registered in one table (benches.cpp).
+// Interface of benches, one file each, registered in benches.cpp.
 #pragma once
 
 #include <filesystem>
@@ -13,14 +13,14 @@ namespace splatlas {
 
 struct BenchOptions {
   bool quick = false;           ///< fewer frames and repeats; counts are the same
-  std::filesystem::path atlas;  ///< drawn instead of building one; empty: build
-  std::filesystem::path plot;   ///< a PNG of time against error is drawn here (error); empty: none
-  std::function<void(const std::string&)> tell = [](const std::string&) {};  ///< what is being done now
+  std::filesystem::path atlas;  ///< used instead of building one; empty: build
+  std::filesystem::path plot;   ///< output PNG of time against error (bench error); empty: none
+  std::function<void(const std::string&)> tell = [](const std::string&) {};  ///< reports progress
 };
 
 struct Bench {
   const char* name;
-  const char* shows;  ///< one line for --help
+  const char* shows;  ///< description for --help
   Result<Report> (*run)(const BenchOptions& options);
 };
 
@@ -32,7 +32,7 @@ struct Bench {
 [[nodiscard]] Result<Report> run_scale_bench(const BenchOptions& options);
 [[nodiscard]] Result<Report> run_size_bench(const BenchOptions& options);
 [[nodiscard]] Result<Report> run_build_bench(const BenchOptions& options);
-// Built where the peers are installed.
+// Built if the peers are installed.
 [[nodiscard]] Result<Report> run_error_bench(const BenchOptions& options);
 [[nodiscard]] Result<Report> run_hybrid_bench(const BenchOptions& options);
 [[nodiscard]] Result<Report> run_numerics_bench(const BenchOptions& options);

@@ -1,4 +1,4 @@
-// splatlas-bench: the tables that the project's claims stand on.
+// splatlas-bench: benchmarks behind the published figures.
 
 #include <algorithm>
 #include <cstdio>

@@ -1,4 +1,4 @@
-// Pictures compared bit for bit.
+// Bitwise comparison of pictures.
 #pragma once
 
 #include <cstdint>
@@ -6,7 +6,7 @@
 
 namespace splatlas {
 
-/// Values that are not the same bits; all of the longer one where lengths differ.
+/// Number of values that differ in their bits; with unequal lengths, the length of the longer.
 [[nodiscard]] std::uint64_t bits_differ(std::span<const float> a, std::span<const float> b);
 
 }  // namespace splatlas

@@ -1,4 +1,4 @@
-// What preprocessing costs: time by stage, run coding, memory.
+// Bench `build`: time of preprocessing by stage, run encoding, memory.
 #include <algorithm>
 #include <cstdint>
 #include <string>
@@ -18,8 +18,8 @@
 namespace splatlas {
 namespace {
 
-/// Builds in turns with loading alone; the first build is not counted: files come from the disk, memory is
-/// new.
+/// Alternates builds and plain loading. The first build does not count: it reads from disk and takes new
+/// memory.
 struct Builds {
   std::vector<BuildReport> reports;
   std::vector<double> build_seconds, load_seconds;
@@ -44,7 +44,7 @@ Result<Builds> build_in_turns(const SourceFiles& sources, const std::filesystem:
     SPLATLAS_RETURN_IF_ERROR(import_sources(sources));
     const double load_seconds = watch.lap().wall_ms / 1000;
     if (turn == 0) {
-      builds.peak_bytes = peak;  // of fresh memory: later builds reuse what this one gave back
+      builds.peak_bytes = peak;  // from fresh memory, which later builds reuse
       continue;
     }
     builds.build_seconds.push_back(build_seconds);
@@ -64,25 +64,25 @@ Table stage_table(const Builds& builds) {
   return table;
 }
 
-/// The least of the repeats, in nanoseconds a voxel.
+/// The minimum over repeats, in ns per voxel.
 Result<Table> measure_runs(const Atlas& atlas, int repeats, nlohmann::ordered_json& summary) {
   Table table{"runs",
-              "Cutting the class volume into runs, one thread",
-              {"ns_per_voxel: CPU time, the least of the repeats"},
+              "Run encoding of the class volume, one thread",
+              {"ns_per_voxel: CPU time, minimum over repeats"},
               {}};
   SPLATLAS_ASSIGN_OR_RETURN(const AtlasContent content, atlas.read_all());
   const Index3 size = storage_grid(content).size;
   double sum = 0;
   for (const Axis axis : kAxes) {
-    double least = 0;
+    double min_ms = 0;
     std::uint64_t runs = 0;
     for (int repeat = 0; repeat < repeats; ++repeat) {
       Stopwatch watch;
       runs = encode_runs(content.class_volume, size, axis, content.classes.size()).runs();
       const double ms = watch.lap().cpu_ms;
-      least = repeat == 0 ? ms : std::min(least, ms);
+      min_ms = repeat == 0 ? ms : std::min(min_ms, ms);
     }
-    const double ns = least * 1e6 / static_cast<double>(content.class_volume.size());
+    const double ns = min_ms * 1e6 / static_cast<double>(content.class_volume.size());
     table.rows.push_back({{"axis", std::string(1, static_cast<char>('x' + static_cast<int>(axis)))},
                           {"runs", runs},
                           {"ns_per_voxel", ns}});

@@ -1,4 +1,4 @@
-// Which voxels a selection draws, and how, as flat tables by class.
+// Draws of a selection, as flat tables by class.
 #pragma once
 
 #include <cstdint>
@@ -13,11 +13,11 @@ namespace splatlas {
 
 inline constexpr std::uint32_t kNotDrawn = SelectedRuns::kNotDrawn;
 
-/// Per class, which entry of the plan draws its volume, or kNotDrawn.
+/// Per class, the index of the plan entry that draws its volume, or kNotDrawn.
 [[nodiscard]] std::vector<std::uint32_t> draws_by_class(const DrawPlan& plan, std::size_t classes);
 
-/// The same, but classes that look the same share the first entry of them: to whoever does not shade
-/// boundaries they are one. `looks` and the plan's classes correspond.
+/// As draws_by_class(), but classes of equal appearance share their first entry: without boundary shading
+/// they are one. `appearances` correspond to the classes of the plan.
 [[nodiscard]] std::vector<std::uint32_t> shared_draws_by_class(const DrawPlan& plan,
                                                                std::span<const VolumeAppearance> appearances,
                                                                std::size_t classes);

@@ -12,7 +12,7 @@
 namespace splatlas {
 namespace {
 
-using ClassSet = std::vector<ClassId>;  // ascending, each once
+using ClassSet = std::vector<ClassId>;  // ascending and unique
 
 void make_set(ClassSet& classes) {
   std::sort(classes.begin(), classes.end());
@@ -51,7 +51,7 @@ class ClassOctree::Builder {
   }
 
  private:
-  /// Beyond the grid all is empty.
+  /// Outside the grid, voxels are empty.
   Node build(const Index3& corner, std::int64_t side) {
     const Index3& size = tree_.size_;
     if (corner[0] >= size[0] || corner[1] >= size[1] || corner[2] >= size[2])
@@ -107,11 +107,11 @@ class ClassOctree::Builder {
   ClassOctree& tree_;
   std::span<const ClassId> volume_;
   std::map<ClassSet, std::uint32_t> numbers_;
-  std::vector<const ClassSet*> sets_;  // by number
+  std::vector<const ClassSet*> sets_;  // by index
   ClassSet brick_;
 };
 
-/// One selection's walk.
+/// Traversal for one selection.
 class ClassOctree::Walk {
  public:
   Walk(const ClassOctree& tree, std::span<const std::uint32_t> draw_of_class, RunCollector& runs)
@@ -129,7 +129,7 @@ class ClassOctree::Walk {
     } else if (side == tree_.leaf_side_) {
       visit_brick(&tree_.bricks_[node.first * tree_.brick_voxels()], corner);
     } else {
-      // By slice, row, then place: every scanline gets its runs in order.
+      // Order: slice, row, then position, so that each scanline gets sorted runs.
       for (unsigned n = 0; n < 8; ++n) {
         const unsigned child = (n >> 2u & 1u) << scan_.slice_axis | (n >> 1u & 1u) << scan_.row_axis |
                                (n & 1u) << scan_.scan_axis;
@@ -141,7 +141,7 @@ class ClassOctree::Walk {
  private:
   static constexpr std::uint32_t kMixed = kNotDrawn - 1, kUnknown = kNotDrawn - 2;
 
-  /// The draw that all classes of a set share, kNotDrawn where none has one; remembered.
+  /// The common draw of all classes of a set, kNotDrawn if there is none; cached.
   std::uint32_t draw_of(std::uint32_t set) {
     std::uint32_t& known = draw_of_set_[set];
     if (known != kUnknown) return known;

@@ -1,4 +1,4 @@
-// An octree over the classes of the voxels: what the run model is compared with (paper, section 5).
+// Octree over the classes of voxels, the alternative to the run model (paper, section 5).
 #pragma once
 
 #include <cstdint>
@@ -10,32 +10,32 @@
 
 namespace splatlas {
 
-/// A cube of voxels whose side is a power of two, halved along every axis until one class fills a node, or
-/// until it is a brick. Every node knows the set of the classes in it, so a walk enters only nodes that hold
-/// something selected, and passes over nothing else; one tree serves the three principal axes. Immutable.
+/// A cube of voxels with a power of two as side, subdivided until one class fills a node, or down to a brick.
+/// Every node stores the set of its classes, so that a traversal enters only nodes with selected voxels. One
+/// tree serves all principal axes. Immutable.
 class ClassOctree {
  public:
-  /// `volume` has `size` voxels, i fastest. Nodes of `leaf_side` voxels a side (a power of two) keep the
-  /// class of every voxel where they are not of one class; 1 halves down to single voxels. Cost: linear in
-  /// the voxels, times the logarithm of the sets of classes that occur.
+  /// `volume` has `size` voxels, i fastest. Mixed nodes of `leaf_side` voxels a side (a power of two) store
+  /// the class of every voxel; 1 subdivides down to voxels. Cost: linear in the voxels, times the logarithm
+  /// of the number of distinct sets.
   ClassOctree(std::span<const ClassId> volume, const Index3& size, std::int64_t leaf_side);
 
-  /// Adds the runs of every class with a draw; nodes in which all is drawn alike are not entered. Within a
-  /// scanline the runs come in order. `draw_of_class` is one of draws_by_class(). Cost: nodes that hold
-  /// something selected, and the rows of those that are filled.
+  /// Adds the runs of every class with a draw. Does not enter nodes with a single draw. Runs within a
+  /// scanline are sorted. `draw_of_class` comes from draws_by_class(). Cost: nodes with selected voxels, and
+  /// the rows of filled ones.
   void collect(std::span<const std::uint32_t> draw_of_class, RunCollector& runs) const;
 
   [[nodiscard]] std::size_t nodes() const { return nodes_.size() + 1; }
   [[nodiscard]] std::size_t bricks() const { return bricks_.size() / brick_voxels(); }
-  /// Memory.
+  /// Memory in bytes.
   [[nodiscard]] std::size_t bytes() const;
-  /// What a file would have to hold: the set of every node in the order of the walk, bricks, and the sets.
+  /// File representation: the set of every node in traversal order, bricks, and sets.
   [[nodiscard]] std::vector<std::byte> encoded() const;
 
  private:
   struct Node {
-    std::uint32_t first = 0;  // of eight children, or number of a brick; nothing in nodes of one class
-    std::uint32_t set = 0;    // of classes
+    std::uint32_t first = 0;  // first of eight children, or index of a brick; unused in nodes of one class
+    std::uint32_t set = 0;    // set of classes
   };
   class Builder;
   class Walk;
@@ -49,11 +49,11 @@ class ClassOctree {
 
   Index3 size_;
   std::int64_t leaf_side_;
-  std::int64_t side_ = 1;  // of the root, in voxels
+  std::int64_t side_ = 1;  // side of the root, in voxels
   Node root_;
-  std::vector<Node> nodes_;       // but for the root; child n has bit a set in the upper half of axis a
+  std::vector<Node> nodes_;       // without the root; bit a of child n selects the upper half of axis a
   std::vector<ClassId> bricks_;   // i fastest
-  std::vector<ClassId> members_;  // of the sets, ascending
+  std::vector<ClassId> members_;  // members of the sets, ascending
   std::vector<std::uint32_t> first_member_;  // per set, and the end
 };
 

@@ -21,12 +21,12 @@ namespace {
 
 using reference::ReferencePicture;
 
-/// A part of the field, seen so closely that every quality has its finest sheets on every grid: eight pixels
-/// to the largest voxel, four to the smallest.
+/// A close-up, in which every quality has its finest sheets on every grid: eight pixels per voxel of the
+/// coarsest grid, four of the finest.
 constexpr PictureSize kSize{40, 40};
 constexpr double kMmPerPixel = 0.1875;
 constexpr std::array kVoxelsMm{1.5, 1.0, 0.75};
-/// Off all symmetries; nearest to z, y and x.
+/// Off all symmetries; principal axes z, y and x.
 constexpr std::array<std::array<double, 2>, 3> kDirections{{{17, 62}, {25, 14}, {68, -21}}};
 
 /// RMS over several pictures.
@@ -52,7 +52,7 @@ Camera camera_from(const std::array<double, 2>& direction, const Display& displa
   return camera;
 }
 
-/// A renderer of ours that takes part in the refinement of the grid.
+/// A renderer in the refinement of the grid.
 struct GridRenderer {
   const char* name;
   CameraProjection projection;
@@ -106,7 +106,7 @@ Result<std::vector<Convergence>> refine_grid() {
   return rows;
 }
 
-/// What rays march through.
+/// The volume of the ray caster.
 Result<RayVolume> ray_volume(const std::shared_ptr<const Atlas>& atlas, const Selection& selection,
                              Classification classification, ThreadPool& pool) {
   SPLATLAS_ASSIGN_OR_RETURN(const DecodedSelection decoded,
@@ -122,7 +122,7 @@ Result<RayVolume> ray_volume(const std::shared_ptr<const Atlas>& atlas, const Se
                           pool);
 }
 
-/// The grid's own field, exactly.
+/// Ground truth of the trilinear field of the grid.
 ReferencePicture grid_truth(const AtlasContent& content, const Selection& selection, const View& view,
                             const Camera& camera) {
   const reference::OpticalField field = reference::optical_field(content, selection, view.plane, false);
@@ -131,14 +131,12 @@ ReferencePicture grid_truth(const AtlasContent& content, const Selection& select
     const int column = n % kSize.width, row = n / kSize.width;
     const reference::Ray ray = ray_through(reference::PerspectiveView{view.plane, camera.field_of_view_deg},
                                            field.grid, column + 0.5, row + 0.5);
-    const reference::RayRadiance light =
-        integrate_ray(field, ray, 0, std::numeric_limits<double>::infinity());
-    truth.pixels.push_back({light.color[0], light.color[1], light.color[2], 1 - light.transmittance});
+    truth.pixels.push_back(integrate_ray(field, ray, 0, std::numeric_limits<double>::infinity()).rgba());
   }
   return truth;
 }
 
-/// Twice the steps again and again, no tolerance: the order of the quadrature alone.
+/// Doubles the steps without a tolerance, to isolate the order of the quadrature.
 Result<Convergence> refine_steps() {
   Convergence row{.refined = "steps of a slab, against the grid's field", .renderer = "rays before"};
   constexpr double kVoxelMm = 1.5;

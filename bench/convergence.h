@@ -1,4 +1,4 @@
-// Orders of convergence: how fast errors fall as sampling gets finer, against theory.
+// Observed orders of convergence under refined sampling.
 #pragma once
 
 #include <span>
@@ -9,26 +9,25 @@
 
 namespace splatlas {
 
-/// The slope of log(error) over log(step), by least squares: 2 where half the step leaves a quarter of the
-/// error. At least two steps, all numbers above 0.
+/// Least-squares slope of log(error) over log(step): 2 if halving the step quarters the error. Needs at least
+/// two steps and positive numbers.
 [[nodiscard]] double observed_order(std::span<const double> steps, std::span<const double> errors);
 
-/// One way to refine a picture of a smooth field (four Gaussians, no borders).
+/// One refinement of a picture of a smooth field (four Gaussians, no borders).
 struct Convergence {
-  std::string refined;           ///< what gets finer, and against which truth
-  std::string renderer;          ///< ours, with its quality
-  double theory = 2;             ///< order that the method must have
-  std::vector<double> steps{};   ///< in mm, or in slabs
-  std::vector<double> errors{};  ///< RMS in full scales
+  std::string refined;           ///< the refined quantity, and the ground truth
+  std::string renderer;          ///< renderer and quality
+  double theory = 2;             ///< order of the method
+  std::vector<double> steps{};   ///< mm, or slabs per step
+  std::vector<double> errors{};  ///< RMS of full scale
 
   [[nodiscard]] double order() const { return observed_order(steps, errors); }
 };
 
-/// The grid: the field itself, integrated in double precision, against its samples on finer and finer grids;
-/// sheets at every quality and rays. Reconstruction (trilinear) and slabs (constant) are both of second
-/// order. The step: rays of a grid with more and more equal steps to the slab, against the exact integral of
-/// the grid's own field, classified before and after interpolation; grey values and light are linear along a
-/// step, second order.
+/// Refines the grid: sheets at every quality and rays on finer and finer samples, against the field itself,
+/// integrated in double precision. Trilinear reconstruction and constant slabs are of second order.
+/// Refines the steps: rays with more equal steps per slab, against the exact integral of the trilinear field,
+/// pre- and post-classified. Grey values and optical properties are linear along a step: second order.
 [[nodiscard]] Result<std::vector<Convergence>> measure_convergence();
 
 }  // namespace splatlas

@@ -1,4 +1,4 @@
-// A selection read from an atlas, as the player's stages take it.
+// Decoded selection, as input of the stages of the player.
 #pragma once
 
 #include <memory>
@@ -9,15 +9,15 @@
 
 namespace splatlas {
 
-/// What the player keeps of a selection's volumes before spans or rays are made of it.
+/// The decoded state of the volumes of a selection, ahead of spans and rays.
 struct DecodedSelection {
   DrawPlan plan;
   std::unique_ptr<ClassCache> cache;
-  std::unique_ptr<VolumeAppearances> appearances;  ///< of the plan's classes
-  std::unique_ptr<SelectedRuns> runs;              ///< of one axis
+  std::unique_ptr<VolumeAppearances> appearances;  ///< per class of the plan
+  std::unique_ptr<SelectedRuns> runs;              ///< along one axis
 };
 
-/// Reads the selection's runs of one axis, and its voxels.
+/// Reads the runs of a selection along one axis, and its voxels.
 [[nodiscard]] Result<DecodedSelection> decode_selection(const std::shared_ptr<const Atlas>& atlas,
                                                         const Selection& selection, Axis axis,
                                                         ThreadPool& pool);

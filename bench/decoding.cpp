@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 enum Part : std::size_t { kLabels, kValues, kSurfaces, kNormals, kAllParts };
 constexpr std::array kPartNames{"labels", "values", "surfaces", "normals at boundaries"};
 
-/// As read_all() does it, part by part.
+/// Part by part, as in read_all().
 Result<std::vector<Elapsed>> decode_atlas(const fs::path& file) {
   std::vector<Elapsed> parts(kAllParts);
   Stopwatch watch;
@@ -50,7 +50,7 @@ Result<void> gunzip(const fs::path& path) {
   return {};
 }
 
-/// Surfaces as Draco would store them; none where Draco is not there.
+/// Draco files of the surfaces; empty without Draco.
 using DracoFiles = std::vector<std::vector<std::byte>>;
 
 Result<DracoFiles> draco_files([[maybe_unused]] const fs::path& atlas_file) {
@@ -86,8 +86,8 @@ Result<std::vector<Elapsed>> decode_parts(const SourceFiles& sources,
 Result<Table> measure_decoding(const fs::path& file, const BenchOptions& options,
                                nlohmann::ordered_json& summary) {
   Table table{"decoding",
-              "Decoding all of Colin 27 with AAL: the atlas, against gunzip and Draco of its parts",
-              {"CPU time of one thread, the median of the turns; parts have no normals at boundaries"},
+              "Decoding of Colin 27 with AAL: the whole atlas, against gunzip and Draco of its parts",
+              {"CPU time of one thread, median of turns; parts have no boundary normals"},
               {}};
   options.tell("decoding everything");
   SPLATLAS_ASSIGN_OR_RETURN(const SourceFiles sources, aal_sources());

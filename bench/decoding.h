@@ -1,4 +1,4 @@
-// What decoding a whole atlas takes, beside the files that people exchange instead.
+// Time to decode a whole atlas, against common exchange files.
 #pragma once
 
 #include <filesystem>
@@ -7,8 +7,8 @@
 
 namespace splatlas {
 
-/// All of the atlas of aal_sources() against gunzip of its volume and labels and, where Draco is there, its
-/// decoder of the atlas's surfaces; opened anew for each turn, one thread each. CPU time.
+/// Decodes the whole atlas of aal_sources(), against gunzip of its volume and labels and, if available, the
+/// Draco decoder of its surfaces. Reopens files in each turn. CPU time of one thread.
 [[nodiscard]] Result<Table> measure_decoding(const std::filesystem::path& file, const BenchOptions& options,
                                              nlohmann::ordered_json& summary);
 

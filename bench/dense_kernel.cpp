@@ -17,7 +17,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 /// Bilinear weights of the voxels at (x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1).
 using Weights = std::array<float, 4>;
 
-/// One row of pixels, all planes: `upper` and `lower` are rows of voxels, `out` of the sheet.
+/// One row of pixels, all planes. `upper` and `lower` are voxel rows, `out` a row of the sheet.
 template <int kPlanes>
 void CompositeRow(const float* upper, const float* lower, const Weights& weights, std::int64_t columns,
                   std::int64_t stride, float* HWY_RESTRICT out) {
@@ -27,7 +27,7 @@ void CompositeRow(const float* upper, const float* lower, const Weights& weights
   for (std::int64_t x = 0; x < columns; x += static_cast<std::int64_t>(hn::Lanes(d))) {
     float* const alphas = out + (kPlanes - 1) * stride + x;
     const auto alpha = hn::LoadU(d, alphas);
-    const auto through = hn::Sub(hn::Set(d, 1.0f), alpha);
+    const auto transmittance = hn::Sub(hn::Set(d, 1.0f), alpha);
     for (int plane = 0; plane < kPlanes; ++plane) {
       const std::int64_t at = plane * stride + x;
       auto value = hn::Mul(w00, hn::LoadU(d, upper + at));
@@ -35,7 +35,7 @@ void CompositeRow(const float* upper, const float* lower, const Weights& weights
       value = hn::MulAdd(w01, hn::LoadU(d, lower + at), value);
       value = hn::MulAdd(w11, hn::LoadU(d, lower + at + 1), value);
       const auto before = plane == kPlanes - 1 ? alpha : hn::LoadU(d, out + at);
-      hn::StoreU(hn::MulAdd(through, value, before), d, out + at);
+      hn::StoreU(hn::MulAdd(transmittance, value, before), d, out + at);
     }
   }
 }
@@ -76,7 +76,7 @@ namespace {
 HWY_EXPORT(Composite);
 
 constexpr std::int64_t kBandBytes = std::int64_t{1}
-                                    << 17;  // of the sheet: well within the second level cache
+                                    << 17;  // band of the sheet: well within the second-level cache
 
 }  // namespace
 

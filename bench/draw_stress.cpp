@@ -21,8 +21,8 @@ void draw(Renderer& renderer, const Camera& camera, const RenderOptions& options
   }
 }
 
-/// In both projections, classified before and after interpolation.
-void draw_all_ways(Renderer& renderer, Camera camera, RenderOptions options, StressOutcome& outcome) {
+/// In both projections and classifications.
+void draw_all_modes(Renderer& renderer, Camera camera, RenderOptions options, StressOutcome& outcome) {
   for (const CameraProjection projection : {CameraProjection::kParallel, CameraProjection::kPerspective}) {
     for (const Classification classification : {Classification::kBefore, Classification::kAfter}) {
       camera.projection = projection;
@@ -73,7 +73,7 @@ StressOutcome draw_stress(const StressInput& input) {
     for (RenderOptions options : input.options) {
       for (const NamedQuality& quality : kQualities) {
         options.quality = quality.quality;
-        for (const Camera& camera : input.cameras) draw_all_ways(renderer, camera, options, outcome);
+        for (const Camera& camera : input.cameras) draw_all_modes(renderer, camera, options, outcome);
       }
     }
   }
@@ -90,7 +90,7 @@ StressOutcome draw_random_scenes(std::uint32_t count) {
       ++outcome.refused;
       continue;
     }
-    draw_all_ways(renderer, scene.camera, scene.options, outcome);
+    draw_all_modes(renderer, scene.camera, scene.options, outcome);
   }
   return outcome;
 }

@@ -1,4 +1,4 @@
-// Time against error: ours at every quality beside the peers, in every scene.
+// Bench `error`: run time against error at every quality, beside the peers.
 #include <algorithm>
 #include <string>
 #include <vector>
@@ -20,7 +20,7 @@ struct Effort {
   int repeats = 2;                                        // at the smallest size; 1 at others
   int views_compared = 2;                                 // likewise
   VtkSteps all_steps{{2, 1, 0.5, 0.25}, {1, 0.5, 0.25}};  // likewise
-  VtkSteps quoted_steps{{1}, {0.5}};                      // what our accurate mode is compared with
+  VtkSteps quoted_steps{{1}, {0.5}};                      // peers of our accurate mode
 };
 
 Effort quick_effort() {
@@ -36,7 +36,7 @@ const RendererCost& cost_of(const std::vector<RendererCost>& costs, const std::s
   });
 }
 
-/// Draft with two threads by the wall clock, with one in CPU time: VolPack has one.
+/// Draft: wall clock with two threads, CPU time with one, as VolPack has one.
 void summarise_parallel(const std::vector<RendererCost>& costs, const std::string& appearance,
                         nlohmann::ordered_json& summary) {
   const RendererCost& volpack = cost_of(costs, "VolPack", "classified", 1);
@@ -63,13 +63,13 @@ void summarise_perspective(const std::vector<RendererCost>& costs, const std::st
   raise(summary, "accurate_vs_vtkgpu_max", ours.frame.wall_ms / gpu.frame.wall_ms);
 }
 
-/// Ratios are to `unit`.
+/// Ratios are relative to `unit`.
 void add_rows(const ErrorScene& scene, int size, const ErrorAppearance& appearance,
               const std::vector<RendererCost>& costs, const RendererCost& unit, Table& table) {
   for (const RendererCost& cost : costs) {
     table.rows.push_back({{"scene", scene.name},
                           {"size", size},
-                          {"look", appearance.name},
+                          {"transfer", appearance.name},
                           {"renderer", cost.renderer},
                           {"setting", cost.setting},
                           {"threads", cost.threads},
@@ -90,20 +90,18 @@ void add_rows(const ErrorScene& scene, int size, const ErrorAppearance& appearan
 
 Table parallel_table() {
   return {"parallel",
-          "Time and error, parallel projection, grey values classified before interpolation",
+          "Time and error, parallel projection, pre-classified",
           {"wall_ratio, cpu_ratio, rmse_ratio: against VolPack, which has one thread",
-           "rmse, largest, mean: against the truth in double precision, in 1/255 of linear light, all four "
-           "channels",
-           "VolPack rounded: opacities handed over as the 255ths nearest to them, for VolPack itself rounds "
-           "down"},
+           "rmse, largest, mean: against ground truth in double precision, in 1/255, linear RGBA",
+           "VolPack rounded: opacities rounded to the nearest 255th, as VolPack itself rounds down"},
           {}};
 }
 
 Table perspective_table() {
   return {"perspective",
-          "Time and error, perspective projection, grey values classified after interpolation",
+          "Time and error, perspective projection, post-classified",
           {"wall_ratio, cpu_ratio, rmse_ratio: against VTK FixedPoint at a step of 1 mm",
-           "VTK's pictures have 8 bits, which alone is an error of 0.29"},
+           "VTK pictures have 8 bits, which costs an error of 0.29 alone"},
           {}};
 }
 

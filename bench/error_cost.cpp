@@ -16,7 +16,7 @@ using reference::ReferencePicture;
 
 using TruthOf = std::function<Result<ReferencePicture>(const Camera& camera)>;
 
-/// Sums up differences of several views.
+/// Accumulates differences of several views.
 class ErrorSum {
  public:
   void add(const PictureDifference& d) {

@@ -7,19 +7,17 @@
 
 namespace splatlas {
 
-/// Sets the errors (in full scales) of what draws in parallel projection, grey values classified before
-/// interpolation: over the first `views_compared` views, every second frame, against the truth in double
-/// precision.
+/// Sets the errors (of full scale) of renderers in parallel projection with pre-classification, over
+/// `views_compared` views, which are every second frame, against ground truth in double precision.
 [[nodiscard]] Result<void> compare_parallel(std::vector<Participant>& participants, const ErrorTask& task,
                                             int views_compared);
 
-/// Parallel projection, grey values classified before interpolation: ours at every quality with one and with
-/// two threads, and VolPack. Times are taken with frames interleaved, errors (in full scales) over the first
-/// `views_compared` views, every second frame, against the truth in double precision.
+/// Parallel projection, pre-classified: Splatlas at every quality with one and two threads, and VolPack.
+/// Frames are interleaved. Errors (of full scale) as in compare_parallel().
 [[nodiscard]] Result<std::vector<RendererCost>> measure_parallel(const ErrorTask& task, int views_compared);
 
-/// Perspective projection, grey values classified after interpolation: ours at every quality with one and
-/// with two threads, and VTK's two mappers at these distances between samples.
+/// Perspective projection, post-classified: Splatlas at every quality with one and two threads, and both VTK
+/// mappers at these sample distances.
 struct VtkSteps {
   std::vector<double> fixed_point_mm, gpu_mm;
 };

@@ -19,7 +19,7 @@ RendererCost named(std::string renderer, std::string setting, unsigned threads) 
   return cost;
 }
 
-/// One renderer of ours, with its latest picture.
+/// A renderer of ours with its latest picture.
 struct Ours {
   Renderer renderer;
   RenderOptions options;

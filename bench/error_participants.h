@@ -1,4 +1,4 @@
-// The renderers whose time is set against their error.
+// Renderers of the bench `error`.
 #pragma once
 
 #include <functional>
@@ -16,25 +16,25 @@
 
 namespace splatlas {
 
-/// One renderer at one setting, and what came out.
+/// Result of one renderer at one setting.
 struct RendererCost {
   std::string renderer;  ///< "splatlas", "splatlas rays", "VolPack", "VTK FixedPoint", "VTK GPU"
-  std::string setting;   ///< quality, or distance between samples
+  std::string setting;   ///< quality, or sample distance
   unsigned threads = 1;
-  Elapsed frame;                       ///< medians over the frames
-  Elapsed traversal, sheets, resolve;  ///< of which, where the renderer tells (ours)
-  reference::PictureDifference error;  ///< over the views that were compared
+  Elapsed frame;                       ///< medians over frames
+  Elapsed traversal, sheets, resolve;  ///< parts of it, if the renderer reports them (ours)
+  reference::PictureDifference error;  ///< over the compared views
 };
 
-/// A renderer that takes part: selected, decoded, classified, uploaded before it is called.
+/// A renderer, with selection, decoding, classification and upload done.
 struct Participant {
   RendererCost cost;
   std::function<Result<void>(const Camera& camera)> draw;
-  std::function<Picture()> picture;                     ///< the latest
-  std::function<const RenderStats*()> stats = nullptr;  ///< of the latest, where there are any
+  std::function<Picture()> picture;                     ///< latest picture
+  std::function<const RenderStats*()> stats = nullptr;  ///< statistics of the latest picture; may be empty
 };
 
-/// What all of them draw. References must outlive the participants.
+/// Inputs of all participants. References must outlive them.
 struct ErrorTask {
   const std::shared_ptr<const Atlas>& atlas;
   const ErrorModel& model;
@@ -45,23 +45,23 @@ struct ErrorTask {
   [[nodiscard]] Camera camera(int turn) const { return turned(model.camera, turn, frames); }
 };
 
-/// Vertical field of view of the perspective pictures, in degrees.
+/// Vertical field of view of perspective pictures, degrees.
 inline constexpr double kVerticalFovDeg = 30;
 [[nodiscard]] Result<reference::PerspectiveView> perspective_view(const Camera& camera,
                                                                   const ErrorTask& task);
 
-/// Adds ours at every quality, on `threads` threads: in parallel projection, classified before interpolation;
-/// or in perspective, classified after it ("splatlas rays"). Draws once per principal axis and quality
-/// beforehand.
+/// Adds Splatlas at every quality, on `threads` threads: in parallel projection with pre-classification, or
+/// in perspective with post-classification ("splatlas rays"). Draws once per principal axis and quality in
+/// advance.
 [[nodiscard]] Result<void> add_ours(const ErrorTask& task, unsigned threads,
                                     std::vector<Participant>& participants);
 [[nodiscard]] Result<void> add_our_rays(const ErrorTask& task, unsigned threads,
                                         std::vector<Participant>& participants);
 
-/// Classifies beforehand.
+/// Classifies in advance.
 [[nodiscard]] Result<Participant> volpack_participant(const ErrorTask& task, OpacityRounding rounding);
 
-/// In perspective. Draws once beforehand.
+/// In perspective. Draws once in advance.
 [[nodiscard]] Result<Participant> vtk_participant(const ErrorTask& task, VtkVolumeMapper mapper,
                                                   double step_mm);
 

@@ -13,14 +13,14 @@
 namespace splatlas {
 namespace {
 
-/// Values in the order in which they first occur.
+/// Appends a new value, in order of first occurrence.
 void note(std::vector<std::string>& values, const std::string& value) {
   if (std::find(values.begin(), values.end(), value) == values.end()) values.push_back(value);
 }
 
 struct Contents {
   std::vector<std::string> scenes, appearances, renderers;
-  int size = 0;  ///< the smallest
+  int size = 0;  ///< smallest size
   std::vector<const Row*> rows;
 };
 
@@ -31,7 +31,7 @@ Contents contents_of(std::span<const Table> tables) {
       const int size = row["size"].get<int>();
       contents.size = contents.size == 0 ? size : std::min(size, contents.size);
       note(contents.scenes, row["scene"].get<std::string>());
-      note(contents.appearances, row["look"].get<std::string>());
+      note(contents.appearances, row["transfer"].get<std::string>());
       note(contents.renderers, row["renderer"].get<std::string>());
       contents.rows.push_back(&row);
     }
@@ -39,14 +39,14 @@ Contents contents_of(std::span<const Table> tables) {
   return contents;
 }
 
-/// A curve's points, fastest first.
+/// Points of a curve, fastest first.
 std::string points_of(const Contents& contents, const std::string& scene, const std::string& appearance,
                       const std::string& renderer) {
   std::vector<std::pair<double, double>> points;
   for (const Row* row : contents.rows) {
     const Row& cell = *row;
     const bool ours_on_one_thread = renderer.starts_with("splatlas") && cell["threads"] == 1;
-    if (cell["scene"] != scene || cell["look"] != appearance || cell["renderer"] != renderer ||
+    if (cell["scene"] != scene || cell["transfer"] != appearance || cell["renderer"] != renderer ||
         cell["size"] != contents.size || ours_on_one_thread) {
       continue;
     }
@@ -100,7 +100,7 @@ Result<void> write_error_plot(std::span<const Table> tables, const std::filesyst
   std::filesystem::path partial = png;
   partial += fmt::format(".{}.part", getpid());
   const std::string script = error_plot_script(tables, partial);
-  const auto before = std::signal(SIGPIPE, SIG_IGN);  // no gnuplot is an error, not the end
+  const auto before = std::signal(SIGPIPE, SIG_IGN);  // a missing gnuplot is an error, not a signal
   FILE* gnuplot = popen("gnuplot >/dev/null 2>&1", "w");
   bool written = gnuplot != nullptr && std::fwrite(script.data(), 1, script.size(), gnuplot) == script.size();
   if (gnuplot != nullptr) written = pclose(gnuplot) == 0 && written;

@@ -1,4 +1,4 @@
-// Run time against error, as a picture.
+// Plot of run time against error.
 #pragma once
 
 #include <filesystem>
@@ -10,13 +10,13 @@
 
 namespace splatlas {
 
-/// The gnuplot script: one panel per scene (columns) and look (rows) at the smallest size, both axes
-/// logarithmic; one curve per renderer through its settings, ours with two threads. Rows are those of the
-/// `error` bench.
+/// The gnuplot script: one panel per scene (columns) and transfer function (rows) at the smallest size, with
+/// logarithmic axes; one curve per renderer through its settings, ours with two threads. `tables` come from
+/// the bench `error`.
 [[nodiscard]] std::string error_plot_script(std::span<const Table> tables, const std::filesystem::path& png);
 
-/// Runs it through gnuplot (Debian's package gnuplot-nox). kFailed when there is none, or it cannot write the
-/// file; then no file is left behind.
+/// Runs the script through gnuplot (Debian package gnuplot-nox). kFailed without gnuplot, or if it cannot
+/// write the file; leaves no partial file.
 [[nodiscard]] Result<void> write_error_plot(std::span<const Table> tables, const std::filesystem::path& png);
 
 }  // namespace splatlas

@@ -23,7 +23,7 @@ std::string selection_text(const ErrorScene& scene, const ErrorAppearance& appea
   return text;
 }
 
-/// Frames the ball around the box of all voxels that are not 0.
+/// Frames the bounding ball of the bounding box of all voxels that are not 0.
 void zoom_to(const reference::MaskedVolume& volume, const Display& display, Camera& camera) {
   const Grid& grid = volume.grid;
   Index3 low = grid.size, high{-1, -1, -1};

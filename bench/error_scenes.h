@@ -1,4 +1,4 @@
-// The scenes in which time is set against error.
+// Scenes of the bench `error`.
 #pragma once
 
 #include <span>
@@ -14,24 +14,24 @@ namespace splatlas {
 /// A part of the Colin 27 head.
 struct ErrorScene {
   const char* name;
-  const char* structures;  ///< as names of a selection text, parted by " + "
-  bool fills_picture;      ///< zoomed to; else seen from where the whole head is
+  const char* structures;  ///< structure names of a selection text, separated by " + "
+  bool fills_picture;      ///< zoomed in; else the view of the whole head
 };
 [[nodiscard]] std::span<const ErrorScene> error_scenes();
 
-/// A transfer function: what is written behind a structure's name.
+/// A transfer function, as options of a selection text.
 struct ErrorAppearance {
   const char* name;
-  const char* options;  ///< of a selection text; colour and opacity
+  const char* options;  ///< options of a selection text; colour and opacity
 };
 [[nodiscard]] std::span<const ErrorAppearance> error_appearances();
 
-/// One scene with one transfer function, as every renderer gets it.
+/// One scene with one transfer function, in the form that all renderers take.
 struct ErrorModel {
   Selection selection;
   reference::MaskedVolume volume;
   reference::GreyAppearance appearance;
-  Camera camera;  ///< of the first frame
+  Camera camera;  ///< camera of the first frame
 };
 [[nodiscard]] Result<ErrorModel> error_model(const AtlasContent& content, const ErrorScene& scene,
                                              const ErrorAppearance& appearance);

@@ -30,7 +30,7 @@ void FullTraversal::select(const Selection& selection) {
   for (const StructureIndex s : plan_.surfaces) draws_surface_[s] = true;
 }
 
-/// Collects the selected triangles of the frame, each after a test of its own.
+/// Collects the selected triangles of the frame, testing each.
 void FullTraversal::visit_triangles() {
   pool_.for_each(meshes_.size(), [&](std::size_t s) {
     const std::vector<std::array<std::uint32_t, 3>>& all = model_.surfaces[s].triangles;

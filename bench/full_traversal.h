@@ -1,5 +1,5 @@
-// The paper's unit of cost (section 4): "a non-optimized version of the traversal algorithm using the
-// original voxel model without RDT and RL".
+// Full traversal, the unit of cost of the paper (section 4): "a non-optimized version of the traversal
+// algorithm using the original voxel model without RDT and RL".
 #pragma once
 
 #include <memory>
@@ -13,22 +13,21 @@
 
 namespace splatlas {
 
-/// Every frame visits every voxel of the volume and every triangle of every structure, to test whether it is
-/// selected. What is selected is then drawn by the player's own code, so that only the traversal differs, and
-/// the pictures are the player's bit for bit. Not for use by several threads at once; works on its own
-/// threads inside.
+/// Every frame tests every voxel and every triangle of every structure for selection. The code of the player
+/// then draws the selected ones, so that only the traversal differs and pictures equal those of the player
+/// bit for bit. Not thread-safe; uses its own threads.
 class FullTraversal {
  public:
-  /// `model` is the atlas's and must outlive this. 0 threads: one per core.
+  /// `model` belongs to the atlas and must outlive this. 0 threads: one per core.
   FullTraversal(std::shared_ptr<const Atlas> atlas, const VoxelModel& model, unsigned threads);
 
-  /// Which classes and structures are drawn: a flag each, which is all that the traversal knows of them.
-  /// `selection` is one of the atlas's graph.
+  /// Sets one flag per class and structure, the only input of the traversal. `selection` belongs to the graph
+  /// of the atlas.
   void select(const Selection& selection);
 
   struct Frame {
     Picture picture;
-    Elapsed traversal;  ///< voxels, light and triangles
+    Elapsed traversal;  ///< voxels, optical properties and triangles
     FrameCounters drawn;
   };
   [[nodiscard]] Result<Frame> render(const Camera& camera, const RenderOptions& options);
@@ -43,12 +42,12 @@ class FullTraversal {
 
   Selection selection_;
   DrawPlan plan_;
-  VolumeAppearances appearances_;             // of plan_.classes
+  VolumeAppearances appearances_;             // per class of plan_
   std::vector<std::uint32_t> draw_of_class_;  // index into plan_.classes, or VoxelSelection::kNotDrawn
   std::vector<bool> draws_surface_;           // per structure
 
-  std::vector<std::vector<StructureIndex>> owners_;  // per structure and triangle: whose it is
-  std::vector<SurfaceMesh> meshes_;                  // per structure: its vertices, the frame's triangles
+  std::vector<std::vector<StructureIndex>> owners_;  // owner of each triangle, per structure
+  std::vector<SurfaceMesh> meshes_;  // per structure: its vertices and the triangles of the frame
   FrameBuffers buffers_;
 };
 

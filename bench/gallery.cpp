@@ -9,7 +9,7 @@
 namespace splatlas {
 namespace {
 
-/// "--azimuth 30 --elevation 20 --zoom 2", any of them.
+/// Camera options such as "--azimuth 30 --elevation 20 --zoom 2".
 std::optional<Camera> parse_camera(const std::string& text) {
   Camera camera;
   std::istringstream words(text);
@@ -24,7 +24,7 @@ std::optional<Camera> parse_camera(const std::string& text) {
   return camera;
 }
 
-/// Name, atlas, view and selection, parted by tabs.
+/// Name, atlas, view and selection, separated by tabs.
 std::optional<Figure> parse_figure(const std::string& line) {
   std::istringstream columns(line);
   Figure figure;
@@ -53,7 +53,7 @@ Result<std::vector<Figure>> read_gallery(const std::filesystem::path& path, cons
     if (!figure) {
       return fail(
           ErrorCode::kFailed,
-          fmt::format("{}: line {}: must be NAME, ATLAS, VIEW and SELECTION, parted by tabs, the view "
+          fmt::format("{}: line {}: must be NAME, ATLAS, VIEW and SELECTION, separated by tabs, the view "
                       "of --azimuth, --elevation and --zoom",
                       path.string(), number));
     }

@@ -1,4 +1,4 @@
-// The figures of the gallery: scripts/gallery.tsv, which the demo renders, is what the benches measure.
+// Figures of the gallery, scripts/gallery.tsv, which the demo renders and benches measure.
 #pragma once
 
 #include <filesystem>
@@ -11,18 +11,18 @@
 namespace splatlas {
 
 struct Figure {
-  std::string name;       ///< the paper's: "5a"
+  std::string name;       ///< number in the paper: "5a"
   std::string atlas;      ///< "phantom" or "colin27"
-  Camera camera;          ///< where the picture of the gallery is taken from
+  Camera camera;          ///< camera of the gallery picture
   std::string selection;  ///< selection text
 };
 
-/// The figures of one atlas, in the order of the file. kFailed names file and line of what cannot be read,
-/// and tells when there is none.
+/// The figures of one atlas, in file order. kFailed names file and line of an invalid entry, or reports that
+/// there are none.
 [[nodiscard]] Result<std::vector<Figure>> read_gallery(const std::filesystem::path& path,
                                                        const std::string& atlas);
 
-/// The gallery of the source tree that this program was built from.
+/// The gallery of the source tree of this build.
 [[nodiscard]] Result<std::vector<Figure>> read_gallery(const std::string& atlas);
 
 }  // namespace splatlas

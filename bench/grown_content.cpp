@@ -12,14 +12,14 @@
 namespace splatlas {
 namespace {
 
-/// Which voxel a new one is a copy of, along one axis, and whether it is that voxel itself.
+/// Source of a new voxel along one axis, and whether the new voxel is the original.
 struct Origin {
   std::int64_t voxel = 0;
   bool own = true;
 };
 using Origins = std::array<std::vector<Origin>, 3>;
 
-/// The structures, and behind them as many once more, for copies.
+/// The structures, followed by as many copies.
 Result<StructureGraph> with_copies(const StructureGraph& graph) {
   std::vector<Structure> structures(graph.structures().begin(), graph.structures().end());
   const auto count = static_cast<StructureIndex>(graph.size());
@@ -34,7 +34,7 @@ Result<StructureGraph> with_copies(const StructureGraph& graph) {
   return StructureGraph::build(std::move(structures));
 }
 
-/// Fills in everything that depends on the voxels.
+/// Fills in everything that depends on voxels.
 class Growth {
  public:
   Growth(const AtlasContent& from, const Origins& origins) : from_(from), origins_(origins) {}
@@ -54,7 +54,7 @@ class Growth {
   }
 
  private:
-  /// Values, and classes that are still numbered as in the source, copies behind them; counts those.
+  /// Copies values and classes, still numbered as in the source with copies after them, and counts them.
   void copy_voxels(AtlasContent& to) {
     const auto classes = static_cast<ClassId>(from_.classes.size());
     const Index3 size{std::ssize(origins_[0]), std::ssize(origins_[1]), std::ssize(origins_[2])};
@@ -87,7 +87,7 @@ class Growth {
     }
   }
 
-  /// Classes that have voxels, in storage order.
+  /// Numbers classes with voxels in storage order.
   void number_classes(AtlasContent& to) const {
     const auto classes = static_cast<ClassId>(from_.classes.size());
     ClassTable table;
@@ -111,7 +111,7 @@ class Growth {
 
   const AtlasContent& from_;
   const Origins& origins_;
-  std::vector<std::uint64_t> counts_;  // of source classes, and of their copies
+  std::vector<std::uint64_t> counts_;  // per source class, then per copy
   std::vector<IndexBox> boxes_;
 };
 
@@ -120,7 +120,7 @@ class Growth {
 Result<AtlasContent> surrounded(const AtlasContent& content, const Index3& times) {
   Grid grid = storage_grid(content);
   Origins origins;
-  Vec3 first{};  // of the new grid, in voxels of the old one
+  Vec3 first{};  // origin of the new grid, in old voxels
   for (std::size_t a = 0; a < 3; ++a) {
     const std::int64_t n = grid.size[a];
     const std::int64_t before = n * (times[a] - 1) / 2;

@@ -1,19 +1,18 @@
-// The same atlas with more voxels: for measuring what grows with them.
+// Enlarged atlases for measurements of scaling.
 #pragma once
 
 #include "format/atlas_content.h"
 
 namespace splatlas {
 
-/// `times` as many voxels along each axis: the atlas's own in the middle, where they were in mm, mirrored
-/// copies of it all around. The copies belong to structures of their own, "around_ID", which come last.
-/// Surfaces are left out, normals are all +z; the display stays, so that cameras frame the same. `content` is
-/// one that an atlas can be written of. Cost: linear in the voxels made. kInvalidAtlas when a structure has
-/// such an id already.
+/// `times` as many voxels along each axis: the atlas at its place, surrounded by mirrored copies. Copies
+/// belong to their own structures "around_ID", which come last. Without surfaces; all normals are +z. The
+/// display stays, and with it the framing of cameras. `content` must be valid for an atlas. Cost: linear in
+/// the new voxels. kInvalidAtlas if such an id exists.
 [[nodiscard]] Result<AtlasContent> surrounded(const AtlasContent& content, const Index3& times);
 
-/// The same structures on a finer grid, `size` voxels, no fewer than there are: each voxel is the nearest
-/// one. Else as surrounded().
+/// The same structures on a finer grid of `size` voxels by nearest neighbour, otherwise as surrounded(). No
+/// side may shrink.
 [[nodiscard]] AtlasContent refined(const AtlasContent& content, const Index3& size);
 
 }  // namespace splatlas

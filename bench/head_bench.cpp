@@ -1,4 +1,4 @@
-// The paper's tables 3 and 4, on the Colin 27 head with AAL's labels.
+// Bench `head`: tables 3 and 4 of the paper, on the Colin 27 head with AAL labels.
 #include <fmt/format.h>
 
 #include "bench/atlases.h"

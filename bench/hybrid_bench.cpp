@@ -1,4 +1,4 @@
-// Surfaces mixed with volume, in exact order: ours beside VTK's.
+// Bench `hybrid`: surfaces mixed with volume in exact order, beside VTK.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -23,14 +23,14 @@
 namespace splatlas {
 namespace {
 
-constexpr double kStepMm = 1;  // between VTK's samples: its default, a voxel
+constexpr double kStepMm = 1;  // VTK sample distance: its default, one voxel
 constexpr int kTilePixels = 48;
-constexpr int kRaysPerSide = 3;  // of a pixel, for the mean that antialiasing is compared with
+constexpr int kRaysPerSide = 3;  // per pixel, for the reference of antialiasing
 
 struct Setting {
   const char* name;
   Quality quality;
-  bool antialiasing;  ///< VTK has none here
+  bool antialiasing;  ///< off in VTK
 };
 constexpr std::array kSettings{
     Setting{"draft", Quality::kDraft, false}, Setting{"normal", Quality::kNormal, false},
@@ -50,21 +50,21 @@ struct HybridTask {
     options.size = {size, size};
     options.quality = setting.quality;
     options.antialiasing = setting.antialiasing;
-    options.hybrid_shading = false;  // nor does VTK shade
+    options.hybrid_shading = false;  // VTK does not shade either
     return options;
   }
 };
 
-/// What a renderer took, and what came out.
+/// Cost and error of a renderer.
 struct HybridCost {
   std::string renderer, setting;
   unsigned threads = 2;
   Elapsed frame;
   Elapsed rasterize, sheets, resolve;  // ours
-  double rmse = -1;                    // where it was compared
+  double rmse = -1;                    // if compared
 };
 
-/// Draws once per principal axis beforehand, so that no span is built while the clock runs.
+/// Draws once per principal axis in advance, so that no span build is timed.
 Result<void> prepare(Renderer& renderer, const HybridTask& task) {
   SPLATLAS_RETURN_IF_ERROR(renderer.select(task.model.selection));
   std::set<Axis> prepared;
@@ -146,7 +146,7 @@ Result<std::vector<HybridCost>> take_times(const HybridTask& task) {
   return costs;
 }
 
-/// A part of a picture, `kTilePixels` wide and high, with pixels as large as the picture's.
+/// Camera of a tile of a picture, `kTilePixels` wide and high, with the pixel size of the picture.
 Result<Camera> tile_camera(const HybridTask& task, double x, double y) {
   SPLATLAS_ASSIGN_OR_RETURN(const ParallelView view, view_of(0, task));
   Camera camera = hybrid_camera(0);
@@ -155,8 +155,8 @@ Result<Camera> tile_camera(const HybridTask& task, double x, double y) {
   return camera;
 }
 
-/// Root mean square differences from the list of every pixel's fragments and the volume between them, in
-/// double precision: over the pixels that either shows and all channels, at every quality, in 1/255.
+/// RMS differences from fragment lists composited with the volume between them in double precision: over the
+/// union of pixels and all channels, at every quality, in 1/255.
 Result<std::array<double, kSettings.size()>> measure_errors(const HybridTask& task, int tiles_per_side) {
   Renderer renderer(task.atlas, {.threads = 2});
   SPLATLAS_RETURN_IF_ERROR(renderer.select(task.model.selection));
@@ -209,7 +209,7 @@ void add_rows(const HybridTask& task, const std::vector<HybridCost>& costs, Tabl
   }
 }
 
-/// Our normal quality with two threads against VTK, by the wall clock.
+/// Wall clock of normal quality with two threads, against VTK.
 void summarise(const HybridTask& task, const std::vector<HybridCost>& costs,
                nlohmann::ordered_json& summary) {
   const bool peeled = task.scene.mapper == VtkVolumeMapper::kGpu;
@@ -235,7 +235,7 @@ Result<Report> run_hybrid_bench(const BenchOptions& options) {
   Table table{
       "hybrid",
       "Surfaces mixed with volume, in exact order",
-      {"wall_ratio, cpu_ratio: against VTK, which peels depths where surfaces are translucent",
+      {"wall_ratio, cpu_ratio: against VTK, with depth peeling for translucent surfaces",
        "rmse: of tiles of 48x48 pixels against the fragments on the ray of every pixel's centre and the "
        "volume between them in double precision, in 1/255 of linear light; edges: against the mean of 9 "
        "rays a pixel"},

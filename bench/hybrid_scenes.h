@@ -1,4 +1,4 @@
-// Surfaces mixed with volume: the scenes of the bench `hybrid`.
+// Scenes of the bench `hybrid`: surfaces mixed with volume.
 #pragma once
 
 #include <span>
@@ -12,15 +12,15 @@
 
 namespace splatlas {
 
-/// Parts of the Colin 27 head, and which renderer of VTK's they are compared with.
+/// Parts of the Colin 27 head, and the VTK renderer to compare.
 struct HybridScene {
   const char* name;
-  const char* selection;   ///< all volumes look alike
-  VtkVolumeMapper mapper;  ///< kGpu: surfaces are translucent, and VTK peels depths
+  const char* selection;   ///< all volumes have one appearance
+  VtkVolumeMapper mapper;  ///< kGpu: translucent surfaces, with depth peeling
 };
 [[nodiscard]] std::span<const HybridScene> hybrid_scenes();
 
-/// A scene as every renderer gets it.
+/// A scene, in the form that all renderers take.
 struct HybridModel {
   Selection selection;
   std::vector<StructureIndex> surfaces;
@@ -30,7 +30,7 @@ struct HybridModel {
 };
 [[nodiscard]] Result<HybridModel> hybrid_model(const AtlasContent& content, const HybridScene& scene);
 
-/// The camera of a turn: 15 degrees further each.
+/// The camera of a turn, in steps of 15 degrees.
 [[nodiscard]] Camera hybrid_camera(int turn);
 
 }  // namespace splatlas

@@ -8,7 +8,7 @@
 namespace splatlas {
 namespace {
 
-/// Old numbers to new ones; kNoStructure for those that are not drawn.
+/// Old to new structure indices; kNoStructure for those not drawn.
 std::vector<StructureIndex> numbers_of_drawn(const Selection& selection) {
   std::vector<StructureIndex> numbers;
   StructureIndex next = 0;
@@ -45,7 +45,7 @@ bool has_boundary(std::span<const Membership> members) {
                      [](const Membership& member) { return member.part == Part::kBoundary; });
 }
 
-/// Classes in storage order, and which one each old class became.
+/// Classes in storage order, and the new class of each old one.
 struct KeptClasses {
   ClassTable table;
   std::vector<ClassId> of_old;
@@ -68,7 +68,7 @@ KeptClasses keep_classes(const AtlasContent& content, const StructureGraph& grap
   return kept;
 }
 
-/// Classes, normals and grey values voxel by voxel.
+/// Copies classes, normals and grey values voxel by voxel.
 void keep_voxels(const AtlasContent& content, const KeptClasses& kept, AtlasContent& out) {
   const std::size_t value_bytes = bytes_of(content.values.type);
   std::vector<std::size_t> next_normal(content.classes.size());

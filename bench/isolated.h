@@ -1,4 +1,4 @@
-// An atlas of a few structures of another one.
+// Atlas of a subset of structures.
 #pragma once
 
 #include "format/atlas_content.h"
@@ -6,9 +6,9 @@
 
 namespace splatlas {
 
-/// The content with the structures that the selection draws and no others: no class, surface or grey value of
-/// the rest (0 instead), groups without a drawn structure above them. The grid and the display stay, so that
-/// pictures of the selection, unlit, are the same. `selection` gets the new structures' numbers.
+/// The content reduced to the structures of the selection: no other class, surface or grey value (0 instead),
+/// and no parents that are not drawn. Grid and display stay, so that unlit pictures of the selection are
+/// equal. `selection` gets the new structure indices.
 [[nodiscard]] Result<AtlasContent> isolated(const AtlasContent& content, const Selection& selection,
                                             Selection& isolated_selection);
 

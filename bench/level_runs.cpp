@@ -9,7 +9,7 @@
 namespace splatlas {
 namespace {
 
-/// The classes of which `s` or a descendant holds the voxels.
+/// The classes with voxels of `s` or a descendant.
 std::vector<ClassId> held_below(const StructureGraph& graph, const ClassTable& classes, StructureIndex s) {
   std::vector<bool> below(graph.size(), false);
   for (const StructureIndex d : graph.descendants(s)) below[d] = true;
@@ -25,7 +25,7 @@ std::vector<ClassId> held_below(const StructureGraph& graph, const ClassTable& c
   return held;
 }
 
-/// The runs of several classes as runs of one.
+/// The union of the runs of several classes.
 ClassRuns united(std::span<const ClassId> classes, const std::vector<ClassRuns>& of_class) {
   ClassRuns runs;
   for (const ClassId c : classes) runs.insert(runs.end(), of_class[c].begin(), of_class[c].end());

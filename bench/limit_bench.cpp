@@ -1,4 +1,4 @@
-// How far the renderer is from the machine's limit.
+// Bench `limit`: distance of the renderer from the limit of the machine.
 #include <algorithm>
 #include <array>
 #include <memory>
@@ -24,17 +24,17 @@ struct Effort {
   [[nodiscard]] int turns() const { return frames * repeats; }
 };
 
-/// White volumes have one colour to composite, those with colours of their own three.
+/// White volumes have one colour to composite, coloured ones three.
 constexpr std::array kAppearances{ErrorAppearance{"thin", "profile=thin,opacity=0.01,color=#ffffff"},
                                   ErrorAppearance{"soft", "opacity=0.3,color=#ffffff"},
                                   ErrorAppearance{"thin, coloured", "profile=thin,opacity=0.01"}};
 
-/// What a scene took: the least of each frame's repeats, and of that the median over frames.
+/// Cost of a scene: minimum over repeats of each frame, median over frames.
 struct LimitCost {
   Elapsed frame, rasterize, sheets, resolve, packed, dense;
   double dense_ns = 0;     ///< per sample
-  double over_packed = 0;  ///< sheets over those of the packed voxels
-  Elapsed one, two;        ///< frames of one and of two threads
+  double over_packed = 0;  ///< sheets over those of packed voxels
+  Elapsed one, two;        ///< frames of one and two threads
   double two_thread_speedup = 0;
 };
 
@@ -68,8 +68,8 @@ Result<LimitCost> measure(LimitTask& task, const Effort& effort) {
   return cost;
 }
 
-/// One thread beside two, by the wall clock: whatever else runs takes a core from the second one, so this has
-/// many more repeats.
+/// Speedup of two threads by the wall clock. Other load takes a core from the second thread: many more
+/// repeats.
 Result<void> measure_threads(const ErrorTask& task, int repeats, LimitCost& cost) {
   std::vector<Participant> participants;
   for (const unsigned threads : {1u, 2u}) SPLATLAS_RETURN_IF_ERROR(add_ours(task, threads, participants));
@@ -120,19 +120,17 @@ Row row_of(const LimitTask& task, const LimitCost& cost) {
 Table limit_table() {
   return {
       "limit",
-      "Samples composited against the machine's limit, parallel projection, normal quality",
-      {"ns: CPU time of one thread in sheets, per selected voxel that absorbs, slab and pixel of the sheet "
-       "that "
-       "it has; nothing is left out for being hidden",
+      "Composited samples against the limit of the machine, parallel projection, normal quality",
+      {"ns: CPU time of one thread in sheets, per absorbing voxel, slab and sheet pixel, without early ray "
+       "termination",
        "dense_ns: per sample of a plain SIMD loop (bilinear, under, no exponential) over a dense volume of "
        "as many samples, planes and pixels of the sheet",
-       "packed_cpu: sheets of the same voxels in one array, in the same kernels: over_packed less 1 is what "
-       "traversal costs",
-       "fill: share of the spans' blocks of 16 that selected voxels fill",
-       "other_share: of a frame's CPU time that is neither sheets nor resolve nor rasterising",
-       "speedup: one thread over two by the wall clock, frames as users draw them (hidden blocks passed "
-       "over)",
-       "times: the least of a frame's repeats; medians over frames"},
+       "packed_cpu: sheets of the same voxels packed into one array: over_packed - 1 is the cost of "
+       "traversal",
+       "fill: share of the span blocks of 16 voxels that selected voxels fill",
+       "other_share: share of CPU time outside sheets, resolve and rasterising",
+       "speedup: one thread over two, wall clock, with early ray termination",
+       "times: minimum over repeats of a frame; medians over frames"},
       {}};
 }
 
@@ -153,7 +151,7 @@ Result<Report> run_limit_bench(const BenchOptions& options) {
         const ErrorTask error_task{atlas, model, {size, size}, effort.frames, effort.repeats};
         SPLATLAS_ASSIGN_OR_RETURN(LimitCost cost, measure(task, effort));
         SPLATLAS_RETURN_IF_ERROR(measure_threads(error_task, effort.thread_repeats, cost));
-        Row row{{"scene", scene.name}, {"look", appearance.name}, {"size", size}};
+        Row row{{"scene", scene.name}, {"transfer", appearance.name}, {"size", size}};
         row.update(row_of(task, cost));
         raise(report.summary, "over_dense", row["over_dense"].get<double>());
         lower(report.summary, "two_thread_speedup", cost.two_thread_speedup);

@@ -1,4 +1,4 @@
-// One scene drawn beside what bounds it: its voxels in one array, and a dense volume.
+// One scene beside its limits: its voxels packed into one array, and a dense volume.
 #pragma once
 
 #include <map>
@@ -15,19 +15,19 @@
 
 namespace splatlas {
 
-/// One scene at one size, normal quality, on one thread, with nothing left out for being hidden: all three
-/// composite as many samples, onto sheets of the same size. A turn is a view.
+/// One scene at one size, normal quality, one thread, without early ray termination: all three composite as
+/// many samples onto sheets of equal size. Each turn is a view.
 class LimitTask {
  public:
   LimitTask(std::shared_ptr<const Atlas> atlas, ErrorModel model, int size, int frames);
 
-  /// Makes the spans, packed voxels and dense volume of every axis that `turns` turns need, and draws once
-  /// with each.
+  /// Prepares spans, packed voxels and dense volume for every axis of `turns` turns, and draws once with
+  /// each.
   [[nodiscard]] Result<void> prepare(int turns);
 
-  /// Frame, rasterising, sheets, resolve: as the player does.
+  /// Frame, rasterising, sheets, resolve, as in the player.
   [[nodiscard]] Result<std::vector<Elapsed>> draw(int turn);
-  /// Sheets of the same voxels in one array.
+  /// Sheets of the packed voxels.
   [[nodiscard]] Result<std::vector<Elapsed>> draw_packed(int turn);
   /// The dense kernel.
   [[nodiscard]] Result<std::vector<Elapsed>> draw_dense(int turn);
@@ -36,13 +36,13 @@ class LimitTask {
   [[nodiscard]] int scale() const { return buffers_.sheet.window.scale; }
   /// Slabs per slice of the latest draw().
   [[nodiscard]] int parts() const { return buffers_.sheet.window.parts; }
-  /// Of the scene: voxels times sheet pixels per voxel times slabs per slice. The same at every turn.
+  /// Samples of the scene: voxels times sheet pixels per voxel times slabs per slice. Equal for all turns.
   [[nodiscard]] std::uint64_t scene_samples() const;
-  /// Share of the blocks of spans that selected voxels fill.
+  /// Share of span blocks that selected voxels fill.
   [[nodiscard]] double fill() const;
-  /// Of the dense volume of a turn, rounded up to whole slices.
+  /// Samples of the dense volume of a turn, rounded up to whole slices.
   [[nodiscard]] Result<std::uint64_t> dense_samples(int turn) const;
-  /// Colours and opacity that are composited.
+  /// Composited colours and opacity.
   [[nodiscard]] int planes() const { return 1 + axes_.begin()->second.spans().emissions; }
 
  private:

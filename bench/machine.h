@@ -1,11 +1,11 @@
-// The machine and the build that measured.
+// Description of the machine and the build.
 #pragma once
 
 #include <nlohmann/json.hpp>
 
 namespace splatlas {
 
-/// {"cpu", "cores", "simd" (the kernels that are chosen here), "compiler", "build_type", "date" (UTC)}.
+/// {"cpu", "cores", "simd" (the selected kernels), "compiler", "build_type", "date" (UTC)}.
 [[nodiscard]] nlohmann::ordered_json describe_machine();
 
 }  // namespace splatlas

@@ -44,9 +44,9 @@ std::vector<Elapsed> best_of_repeats(std::span<const Elapsed> turns, int frames)
   const auto count = std::min(turns.size(), static_cast<std::size_t>(frames));
   std::vector<Elapsed> best(turns.begin(), turns.begin() + static_cast<std::ptrdiff_t>(count));
   for (std::size_t turn = 0; turn < turns.size(); ++turn) {
-    Elapsed& least = best[turn % count];
-    least.wall_ms = std::min(least.wall_ms, turns[turn].wall_ms);
-    least.cpu_ms = std::min(least.cpu_ms, turns[turn].cpu_ms);
+    Elapsed& min = best[turn % count];
+    min.wall_ms = std::min(min.wall_ms, turns[turn].wall_ms);
+    min.cpu_ms = std::min(min.cpu_ms, turns[turn].cpu_ms);
   }
   return best;
 }

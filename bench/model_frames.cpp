@@ -38,7 +38,7 @@ Result<Models> Models::make(std::shared_ptr<const Atlas> atlas, ThreadPool& pool
 ModelFrames::ModelFrames(const Models& models, ThreadPool& pool)
     : models_(models), pool_(pool), appearances_(*models.atlas), player_(models.atlas, {.threads = 1}) {
   options_.size = {512, 512};
-  options_.hybrid_shading = false;  // only the lowest level knows boundaries
+  options_.hybrid_shading = false;  // only the lowest level separates boundaries
 }
 
 Result<void> ModelFrames::select(std::string_view selection) {
@@ -49,7 +49,7 @@ Result<void> ModelFrames::select(std::string_view selection) {
   return player_.select(selected);
 }
 
-/// Writes the spans of one slice as SpanBuilder does: what follows on and looks alike is looked up at once.
+/// Writes the spans of one slice as SpanBuilder does. Adjacent runs of equal appearance share one look-up.
 template <typename Walk>
 void ModelFrames::build_slice(std::int64_t slice, const Walk& walk) {
   const Grid& grid = models_.atlas->grid();
@@ -93,7 +93,7 @@ void ModelFrames::build_spans(const SelectedRuns& selected, const Walk& walk) {
   spans_.row_first = selected.box().first[1];
   spans_.rows = selected.rows();
   spans_.slice_first = selected.box().first[2];
-  spans_.slices.resize(static_cast<std::size_t>(selected.slices()));  // others keep their memory
+  spans_.slices.resize(static_cast<std::size_t>(selected.slices()));  // slices keep their memory
   spans_.voxels = 0;
   runs_ = 0;
   for (std::int64_t slice = selected.box().first[2]; slice <= selected.box().last[2]; ++slice)

@@ -1,4 +1,4 @@
-// Frames of one selection through every model of an atlas: one run model, one per level, octrees.
+// Frames of one selection through every model of an atlas: run model, run models per level, octrees.
 #pragma once
 
 #include <array>
@@ -20,7 +20,7 @@
 
 namespace splatlas {
 
-/// The ways from a selection to its runs.
+/// Models that yield the runs of a selection.
 enum class Model : std::uint8_t { kRuns, kLevels, kVoxelOctree, kBrickOctree };
 inline constexpr std::array kModels{Model::kRuns, Model::kLevels, Model::kVoxelOctree, Model::kBrickOctree};
 [[nodiscard]] const char* name_of(Model model);
@@ -28,17 +28,16 @@ inline constexpr std::array kModels{Model::kRuns, Model::kLevels, Model::kVoxelO
 /// The atlas in every model, decoded.
 struct Models {
   std::shared_ptr<const Atlas> atlas;
-  ClassCache classes;  ///< runs of every class along every axis, values
+  ClassCache classes;  ///< runs of every class along every axis, and values
   LevelRuns levels;
   ClassOctree voxel_octree, brick_octree;
 
   [[nodiscard]] static Result<Models> make(std::shared_ptr<const Atlas> atlas, ThreadPool& pool);
 };
 
-/// The first frame of a selection, unlit; only the way to its runs differs. The player's own run model is
-/// walked as the player does; other models hand over lists of runs. From there on all is the same: the
-/// player's code, but that slices are gone through here, as SpanBuilder knows no other model. Pictures are
-/// compared with the player's.
+/// The first frame of a selection, unlit; only the retrieval of runs differs. The run model is traversed as
+/// in the player; other models return lists of runs. The rest is the code of the player, except for the loop
+/// over slices, as SpanBuilder knows no other model. Pictures are compared with those of the player.
 class ModelFrames {
  public:
   /// Both must outlive this.
@@ -46,17 +45,16 @@ class ModelFrames {
 
   [[nodiscard]] Result<void> select(std::string_view selection);
 
-  /// What draw() measures: other models' runs found; spans built (the run model's runs are found on the way);
-  /// both; the picture drawn of those; all of it.
+  /// Stages of draw(): retrieval of runs from other models; span build (includes retrieval for the run
+  /// model); both; drawing; all.
   enum Stage : std::uint8_t { kFind, kSpans, kTraversal, kDraw, kFrame };
-  /// A turn of an oblique view, 512x512, through one model. Every turn is drawn through all of them.
+  /// Draws a turn of an oblique view, 512x512, through one model. Every turn must use all models.
   [[nodiscard]] Result<std::vector<Elapsed>> draw(Model model, int turn, int frames);
 
-  /// Of the latest frame: runs found, those that touch and look alike counted once; voxels with an
-  /// extinction.
+  /// Of the latest frame: runs (adjacent ones of equal appearance count once), and voxels with extinction.
   [[nodiscard]] std::uint64_t runs() const { return runs_; }
   [[nodiscard]] std::uint64_t voxels() const { return spans_.voxels; }
-  /// Numbers of all pictures that are not the same bits as the player's.
+  /// Number of values whose bits differ from the pictures of the player.
   [[nodiscard]] std::uint64_t bits_differ() const { return bits_differ_; }
 
  private:

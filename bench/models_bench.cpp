@@ -1,5 +1,5 @@
-// What other models would cost (paper, section 5): one run model for all selections, one per level of the
-// tree, and octrees over the same classes.
+// Bench `models`: cost of other models (paper, section 5): run models per level of the tree, and octrees over
+// the classes.
 #include <algorithm>
 #include <array>
 #include <span>
@@ -33,7 +33,7 @@ constexpr std::array kScenes{
     NamedSelection{"gyrus", "Precentral_L:volume(color=#ffffff)"},
     NamedSelection{"one", "Hippocampus_L:volume(color=#ffffff) + Amygdala_L:volume(color=#ffffff)"}};
 
-/// Bytes of what a file would hold.
+/// Compressed size of a file representation.
 std::uint64_t compressed(std::span<const std::byte> bytes) {
   return encode_chunk(bytes, kZstdLevel).bytes.size();
 }
@@ -41,7 +41,7 @@ std::uint64_t compressed(std::span<const std::byte> bytes) {
 Result<Table> memory_table(const Models& models) {
   Table table{
       "memory",
-      "What the models take, along all three axes",
+      "Size of the models, all three axes",
       {"bytes: in memory; per_voxel: of the grid; zstd: run lists as an atlas file codes them, an octree",
        "as columns of its arrays, in one chunk each"},
       {}};
@@ -76,7 +76,7 @@ Result<Table> memory_table(const Models& models) {
   return table;
 }
 
-/// Frame times of a scene in units of the run model's, per model.
+/// Frame times of a scene relative to the run model, per model.
 using Ratios = std::array<double, kModels.size()>;
 
 Result<Ratios> measure_scene(ModelFrames& task, const NamedSelection& scene, bool quick, Table& table,
@@ -88,7 +88,7 @@ Result<Ratios> measure_scene(ModelFrames& task, const NamedSelection& scene, boo
   for (const Model model : kModels) {
     contenders.emplace_back([&task, model, frames](int turn) { return task.draw(model, turn, frames); });
   }
-  SPLATLAS_RETURN_IF_ERROR(measure_interleaved(contenders, 1));  // memory is fresh
+  SPLATLAS_RETURN_IF_ERROR(measure_interleaved(contenders, 1));  // fresh memory
   SPLATLAS_ASSIGN_OR_RETURN(const std::vector<StageTimes> times,
                             measure_interleaved(contenders, frames * repeats));
   Ratios ratios{};
@@ -130,7 +130,7 @@ Result<Report> run_models_bench(const BenchOptions& options) {
   Table table{
       "time",
       "The first frame of a selection through each model, 512x512, one thread",
-      {"find: runs of other models; spans: from runs to light, the run model's being found on the way; draw:",
+      {"find: runs of other models; spans: from runs to spans, retrieval included for the run model; draw:",
        "from spans to the picture; ratios: CPU time over that of one run model; traversal is find and spans",
        "later frames of a selection draw only, and the same spans with every model",
        "pictures are the same, bit for bit"},
@@ -145,7 +145,7 @@ Result<Report> run_models_bench(const BenchOptions& options) {
   }
   report.tables.push_back(std::move(table));
   const auto ratio = [&](Model model) { return median(ratios[static_cast<std::size_t>(model)]); };
-  // The better one of the octrees.
+  // The better of the two octrees.
   report.summary["octree_over_runs_time_median"] =
       std::min(ratio(Model::kVoxelOctree), ratio(Model::kBrickOctree));
   report.summary["levels_over_runs_time_median"] = ratio(Model::kLevels);

@@ -1,4 +1,4 @@
-// The stress cases as figures: bias, popping, ripple, threads, numbers that are none, orders of convergence.
+// Bench `numerics`: bias, popping, ripple, threads, stress inputs, orders of convergence.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -21,8 +21,8 @@
 namespace splatlas {
 namespace {
 
-constexpr std::array kThreads{2u, 8u};  // beside one
-/// What users get when they ask for nothing: the quality that the summary tells of.
+constexpr std::array kThreads{2u, 8u};  // compared with one
+/// The default quality, reported in the summary.
 constexpr const char* kQuoted = "normal";
 
 struct Effort {
@@ -47,7 +47,7 @@ Result<reference::PictureDifference> pop_of(const Participant& participant, cons
   return reference::difference(before, participant.picture());
 }
 
-/// Ours at every quality and VolPack, in parallel projection, errors and pops.
+/// Splatlas at every quality and VolPack in parallel projection: errors and pops.
 Result<void> measure_pictures(const std::shared_ptr<const Atlas>& atlas, const Effort& effort,
                               const BenchOptions& options, Report& report) {
   SPLATLAS_ASSIGN_OR_RETURN(const AtlasContent content, atlas->read_all());
@@ -55,10 +55,10 @@ Result<void> measure_pictures(const std::shared_ptr<const Atlas>& atlas, const E
       "bias",
       "Mean signed error, parallel projection, grey values classified before interpolation",
       {"mean, rmse: against the truth in double precision, in 1/255 of linear light, all four channels",
-       "bias_max: the largest mean, without its sign, of our normal quality, soft and thin"},
+       "bias_max: the largest absolute mean of our normal quality, soft and thin"},
       {}};
   Table pop{"pop",
-            "Popping: what changes where the principal axis switches, 2e-6 rad apart",
+            "Popping: differences across a switch of the principal axis, 2e-6 rad apart",
             {"between the axes named, at this elevation: RMS over what either picture shows, all four "
              "channels, in 1/255 of linear light; largest: of any pixel of any of them",
              "pop_soft, pop_hard: the largest of our normal quality"},
@@ -79,7 +79,7 @@ Result<void> measure_pictures(const std::shared_ptr<const Atlas>& atlas, const E
       for (const Participant& participant : participants) {
         const RendererCost& cost = participant.cost;
         const Row row{{"scene", scene.name},
-                      {"look", appearance.name},
+                      {"transfer", appearance.name},
                       {"renderer", cost.renderer},
                       {"setting", cost.setting}};
         bias.rows.push_back(row);
@@ -107,7 +107,7 @@ Result<void> measure_pictures(const std::shared_ptr<const Atlas>& atlas, const E
 Result<void> measure_ripples(const Effort& effort, Report& report) {
   Table table{
       "ripple",
-      "Ripple: the largest difference of a plate of constant density to its closed form",
+      "Ripple: the largest error of a plate of constant density against its closed form",
       {"in 1/255 of linear light; any direction, zoom and shift below a voxel, opacities 0.03 and 0.3 a "
        "voxel",
        "faces_of_slices: rays enter and leave through faces that slices are parallel to, so that what is "
@@ -154,7 +154,7 @@ void measure_stress(const Effort& effort, const BenchOptions& options, Report& r
   Table table{
       "stress",
       "Stress inputs at every quality, in both projections, classified before and after interpolation",
-      {"nan_pixels: pixels with a value that is no finite number",
+      {"nan_pixels: pixels with a value that is not finite",
        "unphysical: pixels without 0 <= colour <= alpha <= 1, to 1e-5",
        "refused: pictures that ended with an error, as views that are not finite must"},
       {}};
@@ -186,7 +186,7 @@ Result<void> measure_orders(Report& report) {
   Table table{"order",
               "Orders of convergence on a smooth field: the slope of the error's logarithm",
               {"errors: RMS in 1/255, coarse to fine (grid: 1.5, 1, 0.75 mm; steps: 1, 2, 4, 8 to a slab)",
-               "order_error_max: the largest distance of an observed order from the method's"},
+               "order_error_max: the largest deviation of an observed order from that of the method"},
               {}};
   SPLATLAS_ASSIGN_OR_RETURN(const std::vector<Convergence> rows, measure_convergence());
   for (const Convergence& row : rows) {

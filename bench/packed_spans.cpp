@@ -8,7 +8,7 @@
 namespace splatlas {
 namespace {
 
-/// Of one voxel: extinction, emissions.
+/// One voxel: extinction, emissions.
 using Planes = std::array<float, 4>;
 
 std::vector<Planes> all_voxels(const SpanModel& model) {
@@ -28,7 +28,7 @@ std::vector<Planes> all_voxels(const SpanModel& model) {
   return voxels;
 }
 
-/// Takes voxels from `first` on, row by row, as many as there are and fit in.
+/// Packs voxels from `first` on, row by row, as many as fit.
 void pack_slice(const std::vector<Planes>& voxels, std::size_t first, const SpanModel& model,
                 SliceSpans& slice) {
   SpanWriter writer(model.scan_first, model.scan_voxels, model.emissions, slice);
@@ -52,7 +52,7 @@ PackedSpans pack_spans(const SpanModel& model, const Shear& shear, const SheetWi
   PackedSpans packed{{}, window, shear};
   packed.window.u0 = packed.window.v0 = 0;
   packed.shear.slope_u = packed.shear.slope_v = 0.01;
-  packed.shear.k_ref = -50;  // slices stand half a voxel off, and next to nothing beside each other
+  packed.shear.k_ref = -50;  // slices are half a voxel off, with almost no shift between them
   SpanModel& into = packed.model;
   into.axis = model.axis;
   into.emissions = model.emissions;

@@ -1,4 +1,4 @@
-// The selected voxels of a model packed into one array: what compositing them costs with nothing to skip.
+// Selected voxels packed into one array: the cost of compositing without skipping.
 #pragma once
 
 #include "player/sheets/sheets.h"
@@ -7,15 +7,15 @@
 
 namespace splatlas {
 
-/// Spans that hold the light of the same voxels in the same order, one after the other: whole rows of a
-/// window, slice after slice, without a gap but the last voxel of each row. They composite to nonsense.
+/// Spans with the optical properties of the same voxels, in the same order, packed: full rows of a window,
+/// slice after slice, without gaps except for the last voxel of each row. The picture is meaningless.
 struct PackedSpans {
   SpanModel model;
-  SheetWindow window;  ///< as large and as fine as the one it is made for
-  Shear shear;         ///< every slice at the same place, off the pixels' own
+  SheetWindow window;  ///< as large and fine as the original
+  Shear shear;         ///< every slice at the same place, off the pixel grid
 };
 
-/// Packs what `model` shows through `window`.
+/// Packs the part of `model` inside `window`.
 [[nodiscard]] PackedSpans pack_spans(const SpanModel& model, const Shear& shear, const SheetWindow& window);
 
 }  // namespace splatlas

@@ -41,7 +41,7 @@ Result<std::uint64_t> resident_bytes(const std::filesystem::path& path) {
   if (size == 0) return std::uint64_t{0};
   const auto bytes = static_cast<std::size_t>(size);
   const auto page = static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
-  // Mapping touches nothing; no byte of it is looked at.
+  // Mapping touches no page; no byte of it is read.
   void* const mapped = ::mmap(nullptr, bytes, PROT_READ, MAP_SHARED, file.number(), 0);
   if (mapped == MAP_FAILED) return failed(path, "cannot be mapped");
   std::vector<unsigned char> resident((bytes + page - 1) / page);

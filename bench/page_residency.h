@@ -1,4 +1,4 @@
-// Which pages of a file the system has in memory.
+// Residency of file pages in the page cache.
 #pragma once
 
 #include <cstdint>
@@ -8,11 +8,11 @@
 
 namespace splatlas {
 
-/// Bytes of the file's pages that are in the page cache now; the last page counts to the file's end.
+/// Bytes of the pages of the file in the page cache; the last page counts to the end of the file.
 [[nodiscard]] Result<std::uint64_t> resident_bytes(const std::filesystem::path& path);
 
-/// Drops a file's pages from the page cache, unwritten ones after they are written. kFailed when some stay:
-/// the file is mapped, or lies in a file system without a disk below it.
+/// Drops the pages of a file from the page cache, after writing dirty ones. kFailed if some stay: the file is
+/// mapped, or its file system has no disk.
 [[nodiscard]] Result<void> evict(const std::filesystem::path& path);
 
 }  // namespace splatlas

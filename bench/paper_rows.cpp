@@ -35,11 +35,11 @@ Row traversal_row(const paper::Traversal& paper_row, std::uint64_t paper_voxels,
           {"k_hyb", one.stats.hybrid_voxels},
           {"occupancy", one.stats.occupancy},
           {"paper_occupancy", paper::occupancy(paper_row, paper_voxels)},
-          {"cost_ratio", one.ratio(Way::kTurning).cpu_ms},
+          {"cost_ratio", one.ratio(Method::kTurning).cpu_ms},
           {"paper_cost_ratio", paper_row.cost_ratio},
-          {"wall_ratio", one.ratio(Way::kTurning).wall_ms},
-          {"wall_ratio_2t", two.ratio(Way::kTurning).wall_ms},
-          {"first_ratio", one.ratio(Way::kNewSelection).cpu_ms},
+          {"wall_ratio", one.ratio(Method::kTurning).wall_ms},
+          {"wall_ratio_2t", two.ratio(Method::kTurning).wall_ms},
+          {"first_ratio", one.ratio(Method::kNewSelection).cpu_ms},
           {"bits_differ", one.bits_differ + two.bits_differ}};
 }
 
@@ -84,7 +84,7 @@ Result<void> add_traversal_tables(const std::shared_ptr<const Atlas>& atlas, con
     costs.notes.push_back(fmt::format("{}  {}", figure.name, figure.selection));
     append_stage_rows(figure.name, 1, one, stages);
     append_stage_rows(figure.name, 2, two, stages);
-    report.summary["cost_ratio_" + figure.name] = one.ratio(Way::kTurning).cpu_ms;
+    report.summary["cost_ratio_" + figure.name] = one.ratio(Method::kTurning).cpu_ms;
     report.summary["occupancy_" + figure.name] = one.stats.occupancy;
     if (const std::uint64_t differ = one.bits_differ + two.bits_differ; differ > 0) {
       report.failures.push_back(fmt::format(

@@ -1,4 +1,4 @@
-// Our numbers beside the paper's, row by row.
+// Our numbers beside those of the paper, row by row.
 #pragma once
 
 #include <memory>
@@ -15,20 +15,20 @@ namespace splatlas {
 [[nodiscard]] Result<Table> region_table(const Atlas& atlas, std::span<const paper::Region> regions,
                                          const std::string& name, const std::string& title);
 
-/// What add_traversal_tables measures.
+/// Inputs of add_traversal_tables().
 struct TraversalTable {
   std::string name, title;
   std::span<const paper::Traversal> rows;
-  std::uint64_t paper_voxels = 0;  ///< that the paper's occupancy is relative to
+  std::uint64_t paper_voxels = 0;  ///< denominator of the occupancy in the paper
   std::span<const Figure> figures;
 };
 
-/// Tables 2 and 4: measures every row's figure with one thread and with two, and adds to the report
-///   - a table of counts, occupancy and cost ratios beside the paper's,
-///   - a table of what the stages take ("NAME stages"),
+/// Tables 2 and 4: measures the figure of every row with one and two threads, and adds to the report
+///   - a table of counts, occupancy and cost ratios beside the paper,
+///   - a table of stage times ("NAME stages"),
 ///   - cost_ratio_FIGURE and occupancy_FIGURE to the summary,
-///   - a failure for every figure whose pictures differ from full traversal's.
-/// The cost ratio is CPU time with one thread, of a frame of the turning model.
+///   - a failure for every figure whose pictures differ from those of full traversal.
+/// The cost ratio is CPU time of one thread, for a frame of the turning model.
 [[nodiscard]] Result<void> add_traversal_tables(const std::shared_ptr<const Atlas>& atlas,
                                                 const TraversalTable& table, const BenchOptions& options,
                                                 Report& report);

@@ -1,4 +1,4 @@
-// What the paper measured (section 4, tables 1 to 4), with its slips set right where its own numbers tell.
+// Measurements of the paper (section 4, tables 1 to 4), corrected where its own numbers reveal slips.
 #pragma once
 
 #include <array>
@@ -8,8 +8,8 @@ namespace splatlas::paper {
 
 /// A region of table 1 or 3.
 struct Region {
-  const char* name;       ///< in the paper
-  const char* structure;  ///< the id or name of ours that stands for it
+  const char* name;       ///< name in the paper
+  const char* structure;  ///< id or name of our structure
   std::uint64_t interior, boundary, triangles;
 };
 
@@ -20,7 +20,7 @@ struct Traversal {
   double printed_occupancy, cost_ratio;
 };
 
-/// Occupancy by the row's own counts.
+/// Occupancy by the counts of the row.
 [[nodiscard]] constexpr double occupancy(const Traversal& row, std::uint64_t voxels) {
   return static_cast<double>(row.volume + row.surface + row.hybrid) / static_cast<double>(voxels);
 }
@@ -31,8 +31,8 @@ inline constexpr std::array<Region, 2> kTable1{{
     {"Sphere 1", "Sphere 1", 2705, 1440, 3704},
     {"Sphere 2", "Sphere 2", 437, 464, 1352},
 }};
-/// Rows 3 and 4 are printed with the two subtrees exchanged, and the printed occupancy of row 2 counts
-/// interior voxels only.
+/// Rows 3 and 4 are printed with the two subtrees exchanged. The printed occupancy of row 2 counts interior
+/// voxels only.
 inline constexpr std::array<Traversal, 4> kTable2{{
     {"4a", 0, 1904, 0, 0.058, 0.283},
     {"4b", 5046, 0, 0, 0.095, 0.359},
@@ -41,7 +41,7 @@ inline constexpr std::array<Traversal, 4> kTable2{{
 }};
 
 inline constexpr std::uint64_t kHeadVoxels = std::uint64_t{190} * 220 * 178;
-/// AAL divides the cortex; what it leaves of the brain ("Rest of brain", both sides) stands for white matter.
+/// AAL divides the cortex; the remainder of the brain ("Rest of brain", both sides) stands for white matter.
 inline constexpr std::array<Region, 8> kTable3{{
     {"Right cerebral cortex", "Right cerebrum", 511036, 77792, 382609},
     {"Right cerebral white matter", "Rest of brain", 165956, 103513, 256691},
@@ -52,8 +52,8 @@ inline constexpr std::array<Region, 8> kTable3{{
     {"Left cerebellum cortex", "Left cerebellum", 60484, 16664, 53871},
     {"Non-brain head region", "Non-brain head", 4423855, 464540, 958439},
 }};
-/// Rows 5a and 6a are printed with their surface voxels (16664 and 166951, by table 3) among the volume
-/// voxels; row 5b's printed occupancy is ten times too large.
+/// Rows 5a and 6a include their surface voxels (16664 and 166951, by table 3) in the volume voxels. The
+/// printed occupancy of row 5b is ten times too large.
 inline constexpr std::array<Traversal, 6> kTable4{{
     {"5a", 862461, 16664, 0, 0.118, 0.294},
     {"5b", 0, 166951, 0, 0.224, 0.194},

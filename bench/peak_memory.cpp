@@ -6,7 +6,7 @@
 namespace splatlas {
 namespace {
 
-/// A line of /proc/self/status that is given in kB, in bytes.
+/// A field of /proc/self/status in kB, converted to bytes.
 Result<std::uint64_t> status_bytes(const std::string& name) {
   std::ifstream status("/proc/self/status");
   for (std::string key; status >> key; status.ignore(1 << 16, '\n')) {
@@ -19,7 +19,7 @@ Result<std::uint64_t> status_bytes(const std::string& name) {
 
 Result<PeakMemory> PeakMemory::start() {
   std::ofstream peak("/proc/self/clear_refs");
-  peak << "5" << std::flush;  // sets the peak back to what is resident now
+  peak << "5" << std::flush;  // resets the peak to the current resident size
   if (!peak) return fail(ErrorCode::kFailed, "/proc/self/clear_refs: the peak of memory cannot be set back");
   SPLATLAS_ASSIGN_OR_RETURN(const std::uint64_t before, status_bytes("VmRSS"));
   return PeakMemory(before);

@@ -1,4 +1,4 @@
-// The most memory that the process holds at once.
+// Peak resident memory of the process.
 #pragma once
 
 #include <cstdint>
@@ -7,12 +7,12 @@
 
 namespace splatlas {
 
-/// Counts from start() on. One at a time: the system keeps one peak per process.
+/// Counts from start() on. One instance at a time: the system keeps one peak per process.
 class PeakMemory {
  public:
-  /// kFailed where the system keeps no peak that can be set back (Linux does).
+  /// kFailed if the system has no peak that can be reset (Linux has).
   [[nodiscard]] static Result<PeakMemory> start();
-  /// Resident bytes at the peak since then, less those at the start.
+  /// Peak resident bytes since start(), minus those at the start.
   [[nodiscard]] Result<std::uint64_t> grown_bytes() const;
 
  private:

@@ -1,4 +1,4 @@
-// The paper's tables 1 and 2.
+// Bench `phantom`: tables 1 and 2 of the paper.
 #include <fmt/format.h>
 
 #include "bench/atlases.h"
@@ -8,7 +8,7 @@
 namespace splatlas {
 namespace {
 
-/// The phantom is exact: whatever is not the paper's number is wrong.
+/// The phantom is exact: any other number than that of the paper is a failure.
 void expect(const std::string& what, std::uint64_t ours, std::uint64_t papers, Report& report) {
   if (ours != papers) report.failures.push_back(fmt::format("{}: {}, must be {}", what, ours, papers));
 }

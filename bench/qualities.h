@@ -1,4 +1,4 @@
-// The renderer's qualities by name, for rows of tables.
+// Named qualities of the renderer, for table rows.
 #pragma once
 
 #include <array>

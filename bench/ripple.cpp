@@ -12,9 +12,9 @@ namespace splatlas {
 namespace {
 
 constexpr std::int64_t kWide = 72, kThick = 7;  // voxels of 1 mm
-constexpr std::array kOpacities{0.03f, 0.3f};   // of a voxel
+constexpr std::array kOpacities{0.03f, 0.3f};   // per voxel
 constexpr PictureSize kSize{15, 15};
-/// Of a ray to the border of the large faces: footprints reach one voxel.
+/// Margin of rays to the border of the large faces: footprints reach one voxel.
 constexpr double kMarginMm = 2;
 constexpr double kFieldOfViewDeg = 10;
 
@@ -27,7 +27,7 @@ AtlasContent plate(std::size_t axis) {
   return make_content(volume);
 }
 
-/// Own arithmetic on the generator's bits: the standard library's distributions differ.
+/// Derives numbers from the bits of the generator, as standard distributions differ between implementations.
 class RandomViews {
  public:
   explicit RandomViews(std::uint32_t seed) : random_(seed) {}
@@ -58,23 +58,23 @@ struct PlateView {
   std::size_t axis;
   View view;
 
-  /// Of pixel (x, y), in voxels: start and a direction of 1 mm.
+  /// The ray of pixel (x, y) in voxels, with a direction of 1 mm.
   [[nodiscard]] reference::Ray ray(int x, int y) const {
-    const reference::Ray through = reference::ray_through(view.plane, grid, x + 0.5, y + 0.5);
-    if (!view.eye_mm) return through;
+    const reference::Ray parallel = reference::ray_through(view.plane, grid, x + 0.5, y + 0.5);
+    if (!view.eye_mm) return parallel;
     const Vec3 eye = lps_mm_to_index(grid).apply(view.eye_lps_mm());
-    reference::Ray ray{eye, reference::minus(through.start, eye)};
-    const double length = std::sqrt(reference::dot(ray.per_mm, ray.per_mm));  // voxels have 1 mm
+    reference::Ray ray{eye, reference::minus(parallel.start, eye)};
+    const double length = std::sqrt(reference::dot(ray.per_mm, ray.per_mm));  // voxels of 1 mm
     for (double& step : ray.per_mm) step /= length;
     return ray;
   }
 
-  /// Whether the ray passes both large faces, their borders well left out.
+  /// Whether the ray crosses both large faces, well inside their borders.
   [[nodiscard]] bool crosses_faces(const reference::Ray& ray) const {
     if (std::abs(ray.per_mm[axis]) < 0.2) return false;
     for (const double face : {-1.0, static_cast<double>(kThick)}) {
       const double along_mm = (face - ray.start[axis]) / ray.per_mm[axis];
-      if (view.eye_mm && along_mm < 0) return false;  // the eye stands in the plate, or behind it
+      if (view.eye_mm && along_mm < 0) return false;  // the eye is inside or behind the plate
       const Vec3 at = ray.at(along_mm);
       for (std::size_t a = 0; a < 3; ++a) {
         if (a != axis && (at[a] < kMarginMm || at[a] > static_cast<double>(kWide - 1) - kMarginMm)) {
@@ -90,7 +90,7 @@ struct PlateView {
   }
 };
 
-/// Differences to the closed form, sorted by what rays follow.
+/// Errors against the closed form, by the main axis of the ray.
 void compare(const Picture& picture, const PlateView& plate_view, float opacity, Ripple& ripple) {
   for (int y = 0; y < kSize.height; ++y) {
     for (int x = 0; x < kSize.width; ++x) {

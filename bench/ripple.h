@@ -1,4 +1,4 @@
-// Ripple: how far from flat a constant volume is.
+// Ripple: deviation of a constant volume from flatness.
 #pragma once
 
 #include <cstdint>
@@ -8,23 +8,22 @@
 
 namespace splatlas {
 
-/// A plate of one grey value, wide in two directions, is flat where rays enter and leave through its two
-/// large faces: all of them take the same way through it. It is seen from directions, at zooms and at shifts
-/// below a voxel that are random, but the same in every run.
+/// A wide plate of one grey value is flat where rays cross its two large faces: all of them have the same
+/// length inside it. Views have random directions, zooms and subvoxel shifts, equal in every run.
 struct RippleOptions {
   Quality quality = Quality::kNormal;
   CameraProjection projection = CameraProjection::kParallel;
-  int views = 60;  ///< of each of three plates, normal to x, y and z
+  int views = 60;  ///< per plate; three plates, normal to x, y and z
 };
 
-/// Largest differences of any channel of any pixel to the closed form, in full scales.
+/// Largest error of any channel of any pixel against the closed form, of full scale.
 struct Ripple {
-  double faces_of_slices = 0;  ///< where rays follow the plate's normal most: slices are parallel to faces
-  double side_faces = 0;       ///< where rays follow another axis most: slices cut through the faces
-  std::uint64_t pixels = 0, side_pixels = 0;  ///< that each of the two was found in
+  double faces_of_slices = 0;  ///< rays along the normal of the plate: slices are parallel to faces
+  double side_faces = 0;       ///< rays along another axis: slices cut through the faces
+  std::uint64_t pixels = 0, side_pixels = 0;  ///< pixels of either kind
 };
 
-/// In perspective a narrow one: the way through the plate is each ray's own.
+/// Uses a narrow field of view in perspective, with the length of each ray.
 [[nodiscard]] Result<Ripple> measure_ripple(const RippleOptions& options);
 
 }  // namespace splatlas

@@ -9,7 +9,7 @@ bool starts_before(const FoundRun& a, const FoundRun& b) {
   return a.start < b.start;
 }
 
-/// Makes touching and overlapping runs of one draw one; returns the new end.
+/// Merges touching and overlapping runs of one draw. Returns the new end.
 FoundRun* unite(FoundRun* first, FoundRun* last) {
   if (first == last) return last;
   FoundRun* united = first;

@@ -1,4 +1,4 @@
-// Runs in any order to runs by scanline.
+// Collector that sorts runs by scanline.
 #pragma once
 
 #include <cstdint>
@@ -11,16 +11,16 @@
 
 namespace splatlas {
 
-/// The box of the voxels that a plan draws as volume.
+/// Bounding box of the voxels that a plan draws as volume.
 [[nodiscard]] IndexBox drawn_box(const DrawPlan& plan, const ClassTable& classes);
 
-/// Voxels of one scanline that are drawn alike.
+/// Adjacent voxels of one scanline with one draw.
 struct FoundRun {
   std::uint32_t row = 0, start = 0, length = 0;
-  std::uint32_t draw = 0;  ///< index into a plan's classes
+  std::uint32_t draw = 0;  ///< index into the classes of a plan
 };
 
-/// Runs by slice, row and start, all numbers of the grid.
+/// Runs sorted by slice, row and start, in grid indices.
 struct FoundRuns {
   std::int64_t slice_first = 0;
   std::vector<std::uint32_t> first_run;  ///< per slice, and the end; empty without runs
@@ -34,16 +34,15 @@ struct FoundRuns {
   }
 };
 
-/// Takes runs one by one, and sorts them by scanline. For models that are not the player's.
+/// Collects runs and sorts them by scanline, for models other than the run model.
 class RunCollector {
  public:
-  /// All runs lie in `box`, voxels of the grid.
+  /// All runs must lie in `box`, in voxels of the grid.
   RunCollector(const IndexBox& box, Axis axis);
 
   [[nodiscard]] const ScanOrder& scan() const { return scan_; }
 
-  /// `slice` and `row` are numbers of the grid. Runs of different draws never share a voxel; those of one
-  /// draw may.
+  /// `slice` and `row` are grid indices. Runs of different draws never overlap; those of one draw may.
   void add(std::int64_t slice, std::int64_t row, std::uint32_t start, std::uint32_t length,
            std::uint32_t draw) {
     const auto scanline = static_cast<std::uint32_t>((slice - slice_first_) * rows_ + row - row_first_);
@@ -51,7 +50,7 @@ class RunCollector {
     ++first_run_[scanline + 1];
   }
 
-  /// Every run of a list, of a grid of this size.
+  /// Adds every run of a list, for a grid of this size.
   void add_list(std::span<const Run> runs, const Index3& size, std::uint32_t draw) {
     const auto rows = static_cast<std::uint64_t>(size[scan_.row_axis]);
     for (const Run& run : runs) {
@@ -60,8 +59,8 @@ class RunCollector {
     }
   }
 
-  /// The runs by scanline and start; those of one draw that touch or overlap are one. Once. Cost: linear in
-  /// the runs that come in order within their scanlines, else those scanlines are sorted.
+  /// The runs by scanline and start, with touching or overlapping runs of one draw merged. Call once. Cost:
+  /// linear in runs added in order; other scanlines are sorted.
   [[nodiscard]] FoundRuns finish();
 
  private:

@@ -1,5 +1,5 @@
-// What grows with the voxels of an atlas: nothing for a selection that stays the same, time in proportion for
-// one that grows with them.
+// Bench `scale`: growth of cost with the voxels of an atlas: none for a fixed selection, proportional for one
+// that grows.
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -19,15 +19,15 @@
 namespace splatlas {
 namespace {
 
-constexpr int kSide = 512;  // of pictures, in pixels
-/// Pictures of one selection may differ by this (root mean square, 1/255): in a larger grid slices meet
-/// sheets at other places between pixels.
+constexpr int kSide = 512;  // pixels
+/// Maximum RMS difference between pictures of one selection, 1/255: in a larger grid, slices meet sheets at
+/// other subpixel positions.
 constexpr double kMaxRms = 1;
 
 /// One size of the atlas.
 struct Step {
-  int times = 1;  // as many voxels
-  Index3 along;   // and along each axis, where the atlas is surrounded
+  int times = 1;  // factor of voxels
+  Index3 along;   // factor along each axis, for surrounded atlases
 };
 constexpr std::array kSteps{Step{1, {1, 1, 1}}, Step{2, {2, 1, 1}}, Step{4, {2, 2, 1}}, Step{8, {2, 2, 2}}};
 
@@ -47,14 +47,14 @@ struct Effort {
   int repeats = 5;
 };
 
-/// A selection in an atlas of one size, and the picture that is drawn of it.
+/// A selection in an atlas of one size, with its latest picture.
 struct Contestant {
   Step step;
   std::shared_ptr<const Atlas> atlas;
   Renderer renderer;
   RenderOptions options;
   Elapsed first;                 // frame of the selection, reading included
-  std::uint64_t read_bytes = 0;  // for that
+  std::uint64_t read_bytes = 0;  // bytes read for it
   Picture picture;               // of the latest frame
 
   static Result<Contestant> make(const Step& step, const std::filesystem::path& path, const char* selection,
@@ -62,7 +62,7 @@ struct Contestant {
     SPLATLAS_ASSIGN_OR_RETURN(const std::shared_ptr<const Atlas> atlas, Atlas::open(path));
     Contestant made{step, atlas, Renderer(atlas, {.threads = 1}), {}, {}, 0, {}};
     made.options.size = {side, side};
-    made.options.hybrid_shading = false;  // there are no normals
+    made.options.hybrid_shading = false;  // the atlas has no normals
     SPLATLAS_ASSIGN_OR_RETURN(const Selection selected, select(selection, atlas->graph()));
     Stopwatch watch;
     SPLATLAS_RETURN_IF_ERROR(made.renderer.select(selected));
@@ -80,8 +80,8 @@ struct Contestant {
   }
 };
 
-/// Times by turn, of every contestant. Frames of the first turns build spans of another axis: they are drawn
-/// once before anything is measured.
+/// Times by turn, of every contestant. First turns build spans of another axis: they are drawn once ahead of
+/// measurements.
 Result<std::vector<std::vector<Elapsed>>> take_times(std::vector<Contestant>& contestants,
                                                      const Effort& effort) {
   std::vector<Contender> contenders;
@@ -132,7 +132,7 @@ class GrowingAtlas {
   ScratchFolder folder_;
 };
 
-/// Why a contestant does not draw the same as the unit.
+/// The difference between a contestant and the unit; "" for none.
 std::string what_differs(const Contestant& contestant, const Contestant& unit, double rms) {
   const RenderStats& ours = contestant.renderer.stats();
   const RenderStats& units = unit.renderer.stats();
@@ -161,9 +161,9 @@ Result<void> add_same(const GrowingAtlas& growing, const Effort& effort, const B
                       Report& report) {
   Table table{"same",
               "The same selection, more voxels around it: frames of 512x512, one thread",
-              {"growth: CPU time of frames over that in the atlas as it is",
+              {"growth: CPU time of frames over that in the original atlas",
                "first_ms: from the selection to its first picture, reading included; read: bytes of the file",
-               "rms: of the last picture, against that in the atlas as it is, in 1/255"},
+               "rms: of the last picture, against that of the original atlas, in 1/255"},
               {}};
   double largest = 0;
   for (const NamedSelection& scene : kSame) {
@@ -203,8 +203,8 @@ Result<void> add_all(const GrowingAtlas& growing, const Effort& effort, const Be
   Table table{
       "all",
       "Everything selected, finer grids: one thread",
-      {"growth: CPU time a voxel of the grid over that of the atlas as it is; sizes that grow keep as many "
-       "pixels a voxel"},
+      {"growth: CPU time per grid voxel over that of the original atlas; growing pictures keep their pixels "
+       "per voxel"},
       {}};
   for (const bool growing_picture : {true, false}) {
     options.tell(fmt::format("everything, pictures that {}", growing_picture ? "grow" : "stay"));

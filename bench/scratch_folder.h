@@ -1,4 +1,4 @@
-// A folder that goes when its owner does.
+// Temporary folder of a bench, removed by its owner.
 #pragma once
 
 #include <filesystem>
@@ -7,8 +7,8 @@
 
 namespace splatlas {
 
-/// Made empty in the system's folder for temporary files, readable by this user only; removed with everything
-/// in it at the end.
+/// A new folder below the system temporary folder, readable by this user only; removed with its contents at
+/// the end.
 class ScratchFolder {
  public:
   [[nodiscard]] static Result<ScratchFolder> make();
@@ -21,7 +21,7 @@ class ScratchFolder {
  private:
   explicit ScratchFolder(std::filesystem::path path) : path_(std::move(path)) {}
 
-  std::filesystem::path path_;  // empty: moved away
+  std::filesystem::path path_;  // empty after a move
 };
 
 }  // namespace splatlas

@@ -1,4 +1,4 @@
-// Selection change to the first correct picture.
+// Bench `select`: time from a selection change to the first correct picture.
 #include <algorithm>
 #include <array>
 #include <memory>
@@ -23,47 +23,47 @@ namespace {
 
 constexpr PictureSize kSize{512, 512};
 constexpr unsigned kThreads = 2;  // as VTK has
-constexpr double kStepMm = 1;     // between VTK's samples: its default, a voxel
+constexpr double kStepMm = 1;     // VTK sample distance: its default, one voxel
 
-/// Where the selection changes.
+/// Transfer function of the changing selection.
 constexpr ErrorAppearance kAppearance{"soft", "opacity=0.3,color=#ffffff"};
 
-/// How a picture is drawn.
-struct Way {
+/// Rendering method: projection, classification and quality.
+struct Method {
   const char* name;
   CameraProjection projection;
   Classification classification;
   Quality quality;
 };
-/// What is like VTK's, the default, and what is like VolPack's.
-enum WayNumber : std::size_t { kRays, kSheets, kDrafts };
-constexpr std::array kWays{
-    Way{"perspective, classified after", CameraProjection::kPerspective, Classification::kAfter,
-        Quality::kNormal},
-    Way{"parallel", CameraProjection::kParallel, Classification::kBefore, Quality::kNormal},
-    Way{"parallel, draft", CameraProjection::kParallel, Classification::kBefore, Quality::kDraft}};
-/// Of a change among decoded structures, by way.
+/// Methods: as VTK, the default, and as VolPack.
+enum MethodNumber : std::size_t { kRays, kSheets, kDrafts };
+constexpr std::array kMethods{
+    Method{"perspective, post-classified", CameraProjection::kPerspective, Classification::kAfter,
+           Quality::kNormal},
+    Method{"parallel", CameraProjection::kParallel, Classification::kBefore, Quality::kNormal},
+    Method{"parallel, draft", CameraProjection::kParallel, Classification::kBefore, Quality::kDraft}};
+/// Summary keys of changes among decoded structures, by method.
 constexpr std::array kFirstOverSteady{"rays_first_over_steady_max", "first_over_steady_max",
                                       "draft_first_over_steady_max"};
 
-RenderOptions render_options(const Way& way) {
+RenderOptions render_options(const Method& method) {
   RenderOptions options;
   options.size = kSize;
   options.hybrid_shading = false;
-  options.classification = way.classification;
-  options.quality = way.quality;
+  options.classification = method.classification;
+  options.quality = method.quality;
   return options;
 }
 
-Camera in_way(Camera camera, const Way& way) {
-  camera.projection = way.projection;
+Camera with_method(Camera camera, const Method& method) {
+  camera.projection = method.projection;
   camera.field_of_view_deg = kVerticalFovDeg;
   return camera;
 }
 
 struct SelectTask {
   std::vector<std::string> names;
-  std::vector<ErrorModel> models;  ///< scenes, and a view that is the same for all
+  std::vector<ErrorModel> models;  ///< scenes with a common view
   Camera camera;
 };
 
@@ -86,46 +86,46 @@ Result<SelectTask> make_task(const AtlasContent& content) {
   return task;
 }
 
-/// Selects a scene, and draws it: the first picture of it, and the next.
+/// Selects a scene and draws its first picture and the next one.
 struct Change {
   Elapsed select_and_first, steady;
-  std::uint64_t bits_differ = 0;  ///< between the two
+  std::uint64_t bits_differ = 0;  ///< between the two pictures
 };
 
 Result<Change> change_to(Renderer& renderer, const Selection& selection, const Camera& camera,
-                         const Way& way) {
-  const RenderOptions options = render_options(way);
-  static thread_local Picture first, steady;  // pages are there already, as in a window
+                         const Method& method) {
+  const RenderOptions options = render_options(method);
+  static thread_local Picture first, steady;  // pages exist, as in a window
   Change change;
   Stopwatch watch;
   SPLATLAS_RETURN_IF_ERROR(renderer.select(selection));
-  SPLATLAS_RETURN_IF_ERROR(renderer.render(in_way(camera, way), options, first));
+  SPLATLAS_RETURN_IF_ERROR(renderer.render(with_method(camera, method), options, first));
   change.select_and_first = watch.lap();
-  SPLATLAS_RETURN_IF_ERROR(renderer.render(in_way(camera, way), options, steady));
+  SPLATLAS_RETURN_IF_ERROR(renderer.render(with_method(camera, method), options, steady));
   change.steady = watch.lap();
   change.bits_differ = bits_differ(first.rgba, steady.rgba);
   return change;
 }
 
-/// Contenders: a change to each scene, in turn. The renderer has decoded all of them.
+/// Contenders: changes to each scene in turn. The renderer has decoded all of them.
 Result<Table> measure_decoded(const std::shared_ptr<const Atlas>& atlas, const SelectTask& task, int turns,
                               Report& report) {
   Table table{"decoded",
               "Selection change among structures already decoded, Colin 27, soft, 512x512, 2 threads",
               {"first: from select() to the first picture; steady: the next picture of the same view",
-               "ratio: by the wall clock, of the least of all turns (first_over_steady_max: in parallel "
+               "ratio: by the wall clock, of minima over turns (first_over_steady_max: in parallel "
                "projection and normal quality, the default)"},
               {}};
-  for (std::size_t w = 0; w < kWays.size(); ++w) {
-    const Way& way = kWays[w];
+  for (std::size_t w = 0; w < kMethods.size(); ++w) {
+    const Method& method = kMethods[w];
     Renderer renderer(atlas, {.threads = kThreads});
     std::vector<Contender> contenders;
     std::uint64_t differ = 0;
     for (const ErrorModel& model : task.models) {
-      SPLATLAS_RETURN_IF_ERROR(change_to(renderer, model.selection, task.camera, way));
+      SPLATLAS_RETURN_IF_ERROR(change_to(renderer, model.selection, task.camera, method));
       contenders.emplace_back([&](int) -> Result<std::vector<Elapsed>> {
         SPLATLAS_ASSIGN_OR_RETURN(const Change change,
-                                  change_to(renderer, model.selection, task.camera, way));
+                                  change_to(renderer, model.selection, task.camera, method));
         differ += change.bits_differ;
         return std::vector{change.select_and_first, change.steady};
       });
@@ -135,7 +135,7 @@ Result<Table> measure_decoded(const std::shared_ptr<const Atlas>& atlas, const S
       const Elapsed first = best_of_repeats(times[n][0], 1)[0];
       const Elapsed steady = best_of_repeats(times[n][1], 1)[0];
       const double ratio = first.wall_ms / steady.wall_ms;
-      table.rows.push_back({{"way", way.name},
+      table.rows.push_back({{"method", method.name},
                             {"scene", task.names[n]},
                             {"first_ms", first.wall_ms},
                             {"steady_ms", steady.wall_ms},
@@ -146,12 +146,12 @@ Result<Table> measure_decoded(const std::shared_ptr<const Atlas>& atlas, const S
       raise(report.summary, kFirstOverSteady[w], ratio);
     }
     if (differ > 0)
-      report.failures.push_back(fmt::format("{}: {} values of first pictures change", way.name, differ));
+      report.failures.push_back(fmt::format("{}: {} values of first pictures change", method.name, differ));
   }
   return table;
 }
 
-/// Which classes a selection draws as volume: what masking looks up.
+/// The classes that a selection draws as volume: look-up table of masking.
 std::vector<std::uint8_t> drawn_classes(const AtlasContent& content, const Atlas& atlas,
                                         const Selection& selection) {
   std::vector<std::uint8_t> drawn(content.classes.size(), 0);
@@ -161,7 +161,7 @@ std::vector<std::uint8_t> drawn_classes(const AtlasContent& content, const Atlas
   return drawn;
 }
 
-/// The peers' share of a change: the masked copy, one pass over all voxels.
+/// Share of the peers in a change: the masked copy, one pass over all voxels.
 void mask(const AtlasContent& content, const std::vector<std::uint8_t>& drawn,
           reference::MaskedVolume& volume) {
   const auto* greys = content.values.as<std::uint8_t>();
@@ -170,7 +170,7 @@ void mask(const AtlasContent& content, const std::vector<std::uint8_t>& drawn,
   }
 }
 
-/// A peer in use: it shows another selection when the clock starts.
+/// Peers in use, showing another selection at the start of the clock.
 class Peers {
  public:
   Peers(const AtlasContent& content, const std::shared_ptr<const Atlas>& atlas, const SelectTask& task)
@@ -178,7 +178,7 @@ class Peers {
     vtk_.add_volume(masked_, task.models[0].appearance, VtkVolumeMapper::kFixedPoint, kStepMm);
   }
 
-  /// Mask; the masked copy handed over and drawn.
+  /// Masks, uploads the masked copy and draws.
   Result<std::vector<Elapsed>> change_vtk(const ErrorModel& model) {
     SPLATLAS_ASSIGN_OR_RETURN(const ParallelView view, parallel_view(task_.camera, kSize, atlas_->display()));
     const reference::PerspectiveView perspective{view, kVerticalFovDeg};
@@ -192,7 +192,7 @@ class Peers {
     return std::vector{first, watch.lap()};
   }
 
-  /// Mask; classified into runs and drawn.
+  /// Masks, classifies into runs and draws.
   Result<std::vector<Elapsed>> change_volpack(const ErrorModel& model) {
     SPLATLAS_ASSIGN_OR_RETURN(const ParallelView view, parallel_view(task_.camera, kSize, atlas_->display()));
     const std::vector<std::uint8_t> drawn = drawn_classes(content_, *atlas_, model.selection);
@@ -214,21 +214,22 @@ class Peers {
   VtkPeer vtk_;
 };
 
-/// Of our ways, VTK and VolPack, one scene.
-constexpr std::size_t kVtk = kWays.size(), kVolpack = kVtk + 1;
+/// One scene by our methods, VTK and VolPack.
+constexpr std::size_t kVtk = kMethods.size(), kVolpack = kVtk + 1;
 struct NewlyRead {
-  std::array<Elapsed, kWays.size() + 2> first, steady;
+  std::array<Elapsed, kMethods.size() + 2> first, steady;
 };
 
 Result<NewlyRead> measure_newly_read(const std::filesystem::path& path, const ErrorModel& model,
                                      const SelectTask& task, Peers& peers, int turns) {
   std::vector<Contender> contenders;
-  for (const Way& way : kWays) {
+  for (const Method& method : kMethods) {
     contenders.emplace_back([&](int) -> Result<std::vector<Elapsed>> {
-      // Open, but nothing of it read or decoded; as if another selection had been shown.
+      // Open, with nothing read or decoded; as after another selection.
       SPLATLAS_ASSIGN_OR_RETURN(const std::shared_ptr<const Atlas> atlas, Atlas::open(path));
       Renderer renderer(atlas, {.threads = kThreads});
-      SPLATLAS_ASSIGN_OR_RETURN(const Change change, change_to(renderer, model.selection, task.camera, way));
+      SPLATLAS_ASSIGN_OR_RETURN(const Change change,
+                                change_to(renderer, model.selection, task.camera, method));
       return std::vector{change.select_and_first, change.steady};
     });
   }
@@ -246,10 +247,10 @@ Result<NewlyRead> measure_newly_read(const std::filesystem::path& path, const Er
 void add_rows(const std::string& scene, const NewlyRead& taken, Table& table) {
   constexpr std::array kPeers{"VTK FixedPoint", "VolPack"};
   for (std::size_t n = 0; n < taken.first.size(); ++n) {
-    const bool is_peer = n >= kWays.size();
+    const bool is_peer = n >= kMethods.size();
     table.rows.push_back({{"scene", scene},
-                          {"renderer", is_peer ? kPeers[n - kWays.size()] : "splatlas"},
-                          {"way", is_peer ? "" : kWays[n].name},
+                          {"renderer", is_peer ? kPeers[n - kMethods.size()] : "splatlas"},
+                          {"method", is_peer ? "" : kMethods[n].name},
                           {"first_ms", taken.first[n].wall_ms},
                           {"first_cpu", taken.first[n].cpu_ms},
                           {"steady_ms", taken.steady[n].wall_ms},
@@ -263,10 +264,10 @@ Result<Table> measure_reading(const AtlasContent& content, const std::shared_ptr
                               Report& report) {
   Table table{
       "newly read",
-      "Selection change to structures that are read from the file then, Colin 27, soft, 512x512",
+      "Selection change to structures not yet read from the file, Colin 27, soft, 512x512",
       {"first: from select() to the first picture, the file open and in the system's cache, nothing "
-       "decoded; peers: from masking to the first picture; least of all turns",
-       "VTK FixedPoint: mask, hand over, draw in perspective at steps of 1 mm; VolPack: mask, classify, "
+       "decoded; peers: from masking to the first picture; minima over turns",
+       "VTK FixedPoint: mask, upload, draw in perspective at steps of 1 mm; VolPack: mask, classify, "
        "draw, one thread",
        "select_vs_fixedpoint_max: our rays, which draw what VTK draws; select_vs_volpack_max: our drafts, as "
        "VolPack in parallel projection and more accurate (bench error); by the wall clock"},

@@ -1,5 +1,5 @@
-// Bytes against peers: whole atlases, their sections, the label partition, what one structure costs to read,
-// and everything to decode.
+// Bench `size`: bytes against peers: whole atlases, their sections, the label partition, reads of single
+// structures, and full decoding.
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -29,10 +29,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The same parts with smoothed surfaces, measured elsewhere with Draco 1.5: 1.36 M triangles, 11 bits.
+/// The same parts with smoothed surfaces, measured separately with Draco 1.5: 1.36 M triangles, 11 bits.
 constexpr std::uint64_t kAnchorSurfaceBytes = 1299047;
 
-/// Label maps, and what crackle (its best variant, then Zstandard 19) makes of them, measured elsewhere.
+/// Label maps, and their size by crackle (best variant, then Zstandard 19), measured separately.
 struct LabelMap {
   const char* file;
   std::uint64_t crackle_bytes;
@@ -86,7 +86,7 @@ Result<std::uint64_t> draco_bytes(const Atlas& atlas, int normal_bits) {
 }
 #endif
 
-/// What the same content takes as files that people exchange, with the surfaces in several ways.
+/// The same content in common exchange files, with several variants of surfaces.
 Result<Table> compare_with_parts(const Atlas& full, const Atlas& compact, nlohmann::ordered_json& summary) {
   Table table{
       "parts",
@@ -148,8 +148,7 @@ Result<Table> measure_labels(const fs::path& folder, const BenchOptions& options
   return table;
 }
 
-/// Draws each structure's volume from a file of which no page is in memory, and counts the pages that then
-/// are.
+/// Draws the volume of each structure from an evicted file, then counts its resident pages.
 Result<Table> measure_reading(const fs::path& file, const BenchOptions& options,
                               nlohmann::ordered_json& summary) {
   Table table{"reading",

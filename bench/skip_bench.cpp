@@ -1,4 +1,4 @@
-// Cost against what is selected, and selections against atlases of nothing else.
+// Bench `skip`: cost against the selected fraction, and selections against atlases of nothing else.
 #include <algorithm>
 #include <array>
 #include <memory>
@@ -24,9 +24,9 @@ namespace splatlas {
 namespace {
 
 constexpr PictureSize kSize{512, 512};
-constexpr std::size_t kAtOnce = 16;  // selections that are measured interleaved with all and with nothing
+constexpr std::size_t kAtOnce = 16;  // selections measured interleaved with all and with nothing
 
-/// How many times as many turns two atlases get, whose difference is to be told from noise.
+/// Factor of turns for comparisons of two atlases, to separate their difference from noise.
 constexpr int kIsolationTurns = 6;
 
 struct Effort {
@@ -48,7 +48,7 @@ Camera camera_of(int turn, const Effort& effort) {
   return turned(oblique_camera(), turn, effort.frames);
 }
 
-/// A selection that turns, on one thread: spans of all axes are there before the clock starts.
+/// A turning selection on one thread. Spans of all axes exist ahead of measurements.
 class Turning {
  public:
   Turning(const std::shared_ptr<const Atlas>& atlas, const Effort& effort)
@@ -85,7 +85,7 @@ Contender contender(Turning& turning) {
   return [&turning](int turn) { return turning.draw(turn); };
 }
 
-/// Medians over frames of the ratio of the least CPU times.
+/// Median over frames of the ratio of minimum CPU times.
 double ratio(const StageTimes& times, const StageTimes& unit, const Effort& effort) {
   const auto ours = best_of_repeats(times[0], effort.frames);
   const auto theirs = best_of_repeats(unit[0], effort.frames);
@@ -95,7 +95,7 @@ double ratio(const StageTimes& times, const StageTimes& unit, const Effort& effo
   return median(ratios);
 }
 
-/// One batch of selections beside everything and nothing.
+/// One batch of selections, beside everything and nothing.
 Result<void> measure_batch(const std::shared_ptr<const Atlas>& atlas, const Selection& all,
                            std::span<const NamedSelection> batch, const Effort& effort, Table& table,
                            nlohmann::ordered_json& summary) {
@@ -135,7 +135,7 @@ Result<Table> measure_skipping(const std::shared_ptr<const Atlas>& atlas, const 
   Table table{
       "skip",
       "Cost against what is selected: volumes of Colin 27, soft, 512x512, normal quality, one thread",
-      {"over_all: CPU time over that of the whole head, the least of each frame's repeats, median over "
+      {"over_all: CPU time over that of the whole head, minimum over repeats of each frame, median over "
        "frames; empty_over_all: the same of nothing",
        "excess: over_all less 1.15 x visible_fraction less empty_over_all; the largest first"},
       {}};
@@ -175,7 +175,7 @@ constexpr std::array kIsolated{"Head",
                                "Thalamus_L",
                                "Vermis"};
 
-/// An atlas of the selection's structures alone, in memory.
+/// An in-memory atlas of the structures of the selection alone.
 Result<std::shared_ptr<const Atlas>> isolate(const AtlasContent& content, const Selection& selection,
                                              Selection& isolated_selection) {
   SPLATLAS_ASSIGN_OR_RETURN(const AtlasContent alone, isolated(content, selection, isolated_selection));
@@ -183,7 +183,7 @@ Result<std::shared_ptr<const Atlas>> isolate(const AtlasContent& content, const 
   return Atlas::open_bytes(std::move(bytes), "(isolated)");
 }
 
-/// Bytes of the chunks that a first picture touches.
+/// Bytes of the chunks that a first picture reads.
 Result<std::uint64_t> chunk_bytes_read(const Atlas& untouched, Turning& turning, const Selection& selection) {
   const std::uint64_t before = untouched.counters().read;
   SPLATLAS_RETURN_IF_ERROR(turning.select(selection));

@@ -1,4 +1,4 @@
-// Many selections of one atlas.
+// Set of selections of one atlas for the bench `skip`.
 #pragma once
 
 #include <cstdint>
@@ -15,8 +15,8 @@ struct NamedSelection {
   Selection selection;
 };
 
-/// Every structure for itself, groups with what is below them, all volumes that look like `draw`; and
-/// `unions` of 2, 4, 8 ... random leaves, the same in every run.
+/// Every structure alone, groups with their descendants, all volumes with the appearance of `draw`; and
+/// `unions` of 2, 4, 8 ... random leaves, equal in every run.
 [[nodiscard]] std::vector<NamedSelection> many_selections(const StructureGraph& graph,
                                                           const StructureDraw& draw, std::size_t unions);
 

@@ -13,7 +13,7 @@
 namespace splatlas {
 namespace {
 
-constexpr double kMaxGrey = 2;  // where the transfer function ends
+constexpr double kMaxGrey = 2;  // end of the transfer function
 constexpr double kTruthStepMm = 0.05;
 
 struct Blob {
@@ -23,11 +23,11 @@ struct Blob {
 constexpr std::array kBlobs{Blob{{-3, 2, -1}, 4}, Blob{{3, -3, 2}, 3.5}, Blob{{1, 4, 3}, 3},
                             Blob{{-2, -4, -4}, 3}};
 
-/// Where nothing is left beyond: the corners of the cube.
+/// Reach of the field: the corners of the cube.
 const double kReachMm = 0.5 * std::sqrt(3.0) * kFieldSideMm;
 
-reference::RayRadiance light_along(const Vec3& from_mm, const Vec3& direction, double length_mm) {
-  reference::RayRadiance light;
+reference::RayRadiance radiance_along(const Vec3& from_mm, const Vec3& direction, double length_mm) {
+  reference::RayRadiance sum;
   const auto steps = static_cast<int>(std::ceil(length_mm / kTruthStepMm));
   const double step = length_mm / steps;
   for (int n = 0; n < steps; ++n) {
@@ -38,9 +38,9 @@ reference::RayRadiance light_along(const Vec3& from_mm, const Vec3& direction, d
     slab.transmittance = std::exp(-kFieldExtinctionPerMm * grey * step);
     const double shade = grey / kMaxGrey;
     slab.color.fill(shade * (1 - slab.transmittance));
-    light.add(slab);
+    sum.add(slab);
   }
-  return light;
+  return sum;
 }
 
 }  // namespace
@@ -97,8 +97,7 @@ reference::ReferencePicture field_truth(const View& view) {
       } else {
         for (std::size_t a = 0; a < 3; ++a) from[a] -= kReachMm * direction[a];
       }
-      const reference::RayRadiance light = light_along(from, direction, length);
-      truth.pixels.push_back({light.color[0], light.color[1], light.color[2], 1 - light.transmittance});
+      truth.pixels.push_back(radiance_along(from, direction, length).rgba());
     }
   }
   return truth;

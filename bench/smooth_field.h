@@ -1,4 +1,4 @@
-// A smooth field without borders, known everywhere: what orders of convergence are measured on.
+// Smooth analytic field without borders, for orders of convergence.
 #pragma once
 
 #include "format/atlas_content.h"
@@ -9,20 +9,20 @@
 
 namespace splatlas {
 
-/// Four Gaussians around the origin of a cube of kFieldSideMm, at whose faces nothing is left of them. Grey
-/// values are from 0 to about 1.
+/// Four Gaussians around the origin of a cube of kFieldSideMm, which vanish at its faces. Grey values range
+/// from 0 to about 1.
 inline constexpr double kFieldSideMm = 48;
-/// Of a grey value of 1, 1/mm; in proportion to it up to 2, beyond all that there are.
+/// Extinction of grey value 1, 1/mm; proportional up to 2, above all grey values.
 inline constexpr double kFieldExtinctionPerMm = 0.15;
 [[nodiscard]] double smooth_field(const Vec3& at_mm);
 
-/// The field's samples at the centres of cubic voxels, as the grey values of one structure, "field".
+/// Samples of the field at the centres of cubic voxels, as the grey values of one structure, "field".
 [[nodiscard]] AtlasContent sampled_field(double voxel_mm);
 
-/// Extinction and shade in proportion to the grey value; the same per mm whatever the voxels' size.
+/// Extinction and shade proportional to the grey value, per mm, for any voxel size.
 [[nodiscard]] Selection field_selection(const AtlasContent& content, double voxel_mm);
 
-/// The picture of the field itself, in double precision.
+/// Ground truth of the field itself, in double precision.
 [[nodiscard]] reference::ReferencePicture field_truth(const View& view);
 
 }  // namespace splatlas

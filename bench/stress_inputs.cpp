@@ -34,7 +34,7 @@ std::vector<Camera> usual_views() {
   return {looking(0, 0), looking(33, 21), looking(-160, -70), Camera::of(NamedView::kSuperior)};
 }
 
-/// Two structures that overlap, one of them at a border of the grid.
+/// Two overlapping structures, one at a border of the grid.
 TestVolume two_structures(const Grid& grid) {
   TestVolume volume;
   volume.grid = grid;
@@ -218,7 +218,7 @@ std::vector<StressInput> labels() {
   return inputs;
 }
 
-/// Triangles without an area, and some that are nothing but slivers, in every plane of voxels.
+/// Degenerate triangles and slivers, in every plane of voxels.
 std::vector<StressInput> triangles() {
   TestVolume volume = two_structures(small_grid());
   StressInput input{make_content(volume),
@@ -229,12 +229,12 @@ std::vector<StressInput> triangles() {
   const auto vertices = static_cast<std::uint32_t>(mesh.positions_ijk.size());
   for (std::size_t n = 0; n + 2 < mesh.triangles.size(); n += 7) {
     auto& triangle = mesh.triangles[n];
-    if (n % 2 == 0) triangle[1] = triangle[0];                   // two corners in one
-    if (n % 3 == 0) triangle[2] = triangle[1];                   // or all three
+    if (n % 2 == 0) triangle[1] = triangle[0];                   // two equal vertices
+    if (n % 3 == 0) triangle[2] = triangle[1];                   // three equal vertices
     if (n % 5 == 0) triangle = {0, vertices / 2, vertices - 1};  // across many slices
   }
   for (std::size_t n = 0; n < mesh.positions_ijk.size(); n += 3) {
-    for (auto& place : mesh.positions_ijk[n]) place = std::round(place);  // on sheets
+    for (auto& place : mesh.positions_ijk[n]) place = std::round(place);  // in planes of voxel centres
   }
   return {input};
 }
@@ -247,7 +247,7 @@ std::vector<StressInput> zooms() {
   return {input};
 }
 
-/// Rows of 1 to 17 voxels: what vectors leave over.
+/// Rows of 1 to 17 voxels: remainders of vectors.
 std::vector<StressInput> tails() {
   std::vector<StressInput> inputs;
   for (std::int64_t width = 1; width <= 17; ++width) {

@@ -1,4 +1,4 @@
-// Inputs that break renderers: numbers of every size, volumes of every shape, views from everywhere.
+// Stress inputs of the renderer: extreme numbers, volume shapes and views.
 #pragma once
 
 #include <cstdint>
@@ -11,15 +11,15 @@
 
 namespace splatlas {
 
-/// A volume with the selections and the views that it is drawn in.
+/// A volume with its selections and views.
 struct StressInput {
   AtlasContent content;
   std::vector<std::string> selections;
   std::vector<Camera> cameras;
-  std::vector<RenderOptions> options;  ///< each camera with each of these
+  std::vector<RenderOptions> options;  ///< combined with every camera
 };
 
-/// Inputs of one kind, made when they are asked for: some are large.
+/// Inputs of one kind, made on demand: some are large.
 struct StressKind {
   const char* name;
   std::function<std::vector<StressInput>()> make;

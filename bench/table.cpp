@@ -29,7 +29,7 @@ std::vector<std::string> column_names(const Table& table) {
   return names;
 }
 
-/// Heading and cells of one column, padded to one width.
+/// Heading and cells of one column, padded to equal width.
 std::vector<std::string> column_cells(const Table& table, const std::string& name) {
   std::vector<std::string> cells{name};
   bool words = true;

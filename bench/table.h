@@ -1,4 +1,4 @@
-// Tables for people and for programs.
+// Tables as text and JSON.
 #pragma once
 
 #include <string>
@@ -8,19 +8,19 @@
 
 namespace splatlas {
 
-/// One row: named cells in the order of the columns; numbers, strings, or null where there is nothing to say.
+/// One row: named cells in column order; numbers, strings, or null for empty cells.
 using Row = nlohmann::ordered_json;
 
-/// Rows of one kind. Columns are the keys of the rows in the order in which they first occur.
+/// A table. Columns are the keys of the rows, in order of first occurrence.
 struct Table {
   std::string name;                ///< short; in JSON every row carries it as "table"
-  std::string title;               ///< what the table shows
+  std::string title;               ///< subject of the table
   std::vector<std::string> notes;  ///< lines below it, in text only
   std::vector<Row> rows;
 };
 
-/// Title, aligned columns (numbers to the right) and notes. Numbers that are no integers are given with three
-/// to four significant digits.
+/// Title, aligned columns (numbers to the right) and notes. Non-integers have three to four significant
+/// digits.
 [[nodiscard]] std::string to_text(const Table& table);
 
 }  // namespace splatlas

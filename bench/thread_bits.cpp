@@ -6,7 +6,7 @@
 namespace splatlas {
 namespace {
 
-constexpr PictureSize kSize{253, 211};  // neither bands nor vectors nor packets come out even
+constexpr PictureSize kSize{253, 211};  // no multiple of bands, vectors or packets
 
 constexpr const char* kVolume = "Brain:volume(opacity=0.3)";
 constexpr const char* kHard = "Head:volume(profile=hard)";
@@ -56,7 +56,7 @@ std::vector<DrawingMode> drawing_modes() {
       {"hard, normal", kHard, kParallel, with(Quality::kNormal)},
       {"classified after", kHard, kParallel, with(Quality::kNormal, Classification::kAfter)},
       {"perspective", kVolume, kPerspective, with(Quality::kNormal)},
-      {"perspective, classified after", kHard, kPerspective, with(Quality::kNormal, Classification::kAfter)},
+      {"perspective, post-classified", kHard, kPerspective, with(Quality::kNormal, Classification::kAfter)},
       {"surfaces", kSurfaces, kParallel, with(Quality::kNormal)},
       {"surfaces, perspective", kSurfaces, kPerspective, with(Quality::kNormal)},
       {"hybrid", kHybrid, kParallel, with(Quality::kNormal)},

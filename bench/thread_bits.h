@@ -1,4 +1,4 @@
-// Whether pictures depend on the number of threads.
+// Dependence of pictures on the number of threads.
 #pragma once
 
 #include <cstdint>
@@ -12,16 +12,16 @@
 
 namespace splatlas {
 
-/// A way to draw, of all that there are.
+/// A mode of drawing.
 struct DrawingMode {
   const char* name;
-  const char* selection;  ///< of the Colin 27 atlas
+  const char* selection;  ///< for the Colin 27 atlas
   CameraProjection projection = CameraProjection::kParallel;
   RenderOptions options{};
 };
 [[nodiscard]] std::vector<DrawingMode> drawing_modes();
 
-/// Values of all pictures whose bits are not those that one thread draws. `views` views, 25 degrees apart.
+/// Number of values whose bits differ from those of one thread. `views` views, 25 degrees apart.
 [[nodiscard]] Result<std::uint64_t> thread_bits_differ(const std::shared_ptr<const Atlas>& atlas,
                                                        const DrawingMode& mode,
                                                        std::span<const unsigned> threads, int views);

@@ -10,15 +10,16 @@
 namespace splatlas {
 namespace {
 
-/// Pictures of one turn, to be compared.
+/// Pictures of one turn, for comparison.
 struct Pictures {
-  std::array<std::vector<float>, kWays.size()> of;
+  std::array<std::vector<float>, kMethods.size()> of;
 
-  std::vector<float>& operator[](Way way) { return of[static_cast<std::size_t>(way)]; }
-  /// Numbers that are not the same bits as full traversal's.
+  std::vector<float>& operator[](Method method) { return of[static_cast<std::size_t>(method)]; }
+  /// Number of values whose bits differ from those of full traversal.
   [[nodiscard]] std::uint64_t bits_differ() const {
     std::uint64_t differ = 0;
-    for (std::size_t way = 1; way < of.size(); ++way) differ += splatlas::bits_differ(of[way], of[0]);
+    for (std::size_t method = 1; method < of.size(); ++method)
+      differ += splatlas::bits_differ(of[method], of[0]);
     return differ;
   }
 };
@@ -28,11 +29,11 @@ std::vector<Elapsed> stages_of(const Elapsed& traversal, const Elapsed& rasteriz
   return {traversal, rasterize, sheets, resolve, traversal + rasterize + sheets + resolve};
 }
 
-/// The three ways to draw the frames of one figure.
-class Ways {
+/// The three methods to draw the frames of one figure.
+class MethodRunner {
  public:
-  Ways(std::shared_ptr<const Atlas> atlas, const VoxelModel& model, const Figure& figure,
-       const TraversalEffort& effort, unsigned threads)
+  MethodRunner(std::shared_ptr<const Atlas> atlas, const VoxelModel& model, const Figure& figure,
+               const TraversalEffort& effort, unsigned threads)
       : figure_(figure),
         effort_(effort),
         full_(atlas, model, threads),
@@ -41,13 +42,13 @@ class Ways {
 
   [[nodiscard]] int turns() const { return effort_.frames * effort_.repeats; }
 
-  /// Selects, and draws one frame per principal axis with both renderers, so that all they need is decoded.
+  /// Selects, and draws one frame per principal axis with both renderers, so that everything is decoded.
   Result<void> prepare() {
     SPLATLAS_ASSIGN_OR_RETURN(selection_, select(figure_.selection, turning_.atlas().graph()));
     full_.select(selection_);
     SPLATLAS_RETURN_IF_ERROR(fresh_.select(selection_));
     SPLATLAS_RETURN_IF_ERROR(turning_.select(selection_));
-    RenderOptions unlit;  // light that no frame keeps
+    RenderOptions unlit;  // lighting that no frame keeps
     unlit.hybrid_shading = false;
     std::set<Axis> prepared;
     for (int turn = 0; turn < turns(); ++turn) {
@@ -60,10 +61,10 @@ class Ways {
     return {};
   }
 
-  Result<std::vector<Elapsed>> draw(Way way, int turn) {
+  Result<std::vector<Elapsed>> draw(Method method, int turn) {
     SPLATLAS_ASSIGN_OR_RETURN(const std::vector<Elapsed> stages,
-                              way == Way::kFullTraversal ? draw_full(turn) : draw_player(way, turn));
-    if (++drawn_ % kWays.size() == 0) bits_differ_ += pictures_.bits_differ();
+                              method == Method::kFullTraversal ? draw_full(turn) : draw_player(method, turn));
+    if (++drawn_ % kMethods.size() == 0) bits_differ_ += pictures_.bits_differ();
     return stages;
   }
 
@@ -75,20 +76,20 @@ class Ways {
 
   Result<std::vector<Elapsed>> draw_full(int turn) {
     SPLATLAS_ASSIGN_OR_RETURN(FullTraversal::Frame frame, full_.render(camera(turn), options_));
-    pictures_[Way::kFullTraversal] = std::move(frame.picture.rgba);
+    pictures_[Method::kFullTraversal] = std::move(frame.picture.rgba);
     return stages_of(frame.traversal, frame.drawn.rasterize, frame.drawn.sheets, frame.drawn.resolve);
   }
 
-  Result<std::vector<Elapsed>> draw_player(Way way, int turn) {
-    Renderer& renderer = way == Way::kTurning ? turning_ : fresh_;
+  Result<std::vector<Elapsed>> draw_player(Method method, int turn) {
+    Renderer& renderer = method == Method::kTurning ? turning_ : fresh_;
     Elapsed selecting;
-    if (way == Way::kNewSelection) {
+    if (method == Method::kNewSelection) {
       Stopwatch watch;
       SPLATLAS_RETURN_IF_ERROR(renderer.select(selection_));
       selecting = watch.lap();
     }
     SPLATLAS_ASSIGN_OR_RETURN(Picture picture, renderer.render(camera(turn), options_));
-    pictures_[way] = std::move(picture.rgba);
+    pictures_[method] = std::move(picture.rgba);
     const RenderStats& stats = renderer.stats();
     return stages_of(selecting + stats.traversal, stats.rasterize, stats.sheets, stats.resolve);
   }
@@ -106,11 +107,11 @@ class Ways {
 
 }  // namespace
 
-const char* name_of(Way way) {
-  switch (way) {
-    case Way::kFullTraversal: return "full traversal";
-    case Way::kNewSelection: return "new selection";
-    case Way::kTurning: break;
+const char* name_of(Method method) {
+  switch (method) {
+    case Method::kFullTraversal: return "full traversal";
+    case Method::kNewSelection: return "new selection";
+    case Method::kTurning: break;
   }
   return "turning";
 }
@@ -118,34 +119,34 @@ const char* name_of(Way way) {
 Result<TraversalCost> measure_traversal(std::shared_ptr<const Atlas> atlas, const VoxelModel& model,
                                         const Figure& figure, unsigned threads,
                                         const TraversalEffort& effort) {
-  Ways ways(std::move(atlas), model, figure, effort, threads);
-  SPLATLAS_RETURN_IF_ERROR(ways.prepare());
+  MethodRunner methods(std::move(atlas), model, figure, effort, threads);
+  SPLATLAS_RETURN_IF_ERROR(methods.prepare());
   std::vector<Contender> contenders;
-  for (const Way way : kWays) {
-    contenders.emplace_back([&ways, way](int turn) { return ways.draw(way, turn); });
+  for (const Method method : kMethods) {
+    contenders.emplace_back([&methods, method](int turn) { return methods.draw(method, turn); });
   }
   SPLATLAS_ASSIGN_OR_RETURN(const std::vector<StageTimes> times,
-                            measure_interleaved(contenders, ways.turns()));
+                            measure_interleaved(contenders, methods.turns()));
 
   TraversalCost cost;
-  cost.stats = ways.stats();
-  cost.bits_differ = ways.bits_differ();
+  cost.stats = methods.stats();
+  cost.bits_differ = methods.bits_differ();
   constexpr auto kFrame = static_cast<std::size_t>(Stage::kFrame);
-  for (std::size_t way = 0; way < kWays.size(); ++way) {
+  for (std::size_t method = 0; method < kMethods.size(); ++method) {
     for (std::size_t stage = 0; stage < kStages; ++stage) {
-      cost.medians[way][stage] = median(times[way][stage]);
+      cost.medians[method][stage] = median(times[method][stage]);
     }
-    cost.ratios[way] = median_ratio(times[way][kFrame], times[0][kFrame], effort.frames);
+    cost.ratios[method] = median_ratio(times[method][kFrame], times[0][kFrame], effort.frames);
   }
   return cost;
 }
 
 void append_stage_rows(const std::string& figure, unsigned threads, const TraversalCost& cost, Table& table) {
-  for (const Way way : kWays) {
-    Row row{{"figure", figure}, {"threads", threads}, {"way", name_of(way)}};
+  for (const Method method : kMethods) {
+    Row row{{"figure", figure}, {"threads", threads}, {"method", name_of(method)}};
     const auto add = [&](const std::string& stage, Stage number) {
-      row[stage + "_ms"] = cost.of(way, number).wall_ms;
-      row[stage + "_cpu"] = cost.of(way, number).cpu_ms;
+      row[stage + "_ms"] = cost.of(method, number).wall_ms;
+      row[stage + "_cpu"] = cost.of(method, number).cpu_ms;
     };
     add("traversal", Stage::kTraversal);
     add("raster", Stage::kRasterize);

@@ -1,15 +1,15 @@
-// Where the frames of a bench are seen from.
+// Cameras of bench frames.
 #pragma once
 
 #include "player/camera.h"
 
 namespace splatlas {
 
-/// Off every symmetry: neither slices nor rays line up with voxels.
+/// Off all symmetries: neither slices nor rays align with voxels.
 [[nodiscard]] Camera oblique_camera();
 
-/// The camera of a turn, which draws frame `turn % frames`: 15 degrees further each frame, a degree further
-/// each repeat, so that no view is drawn twice.
+/// The camera of a turn, which draws frame `turn % frames`: 15 degrees per frame, and a further degree per
+/// repeat, so that no view repeats.
 [[nodiscard]] Camera turned(Camera camera, int turn, int frames);
 
 }  // namespace splatlas

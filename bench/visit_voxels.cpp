@@ -28,7 +28,7 @@ class SliceVisit {
     writer.finish();
   }
 
-  /// Of the selected voxels, visible or not: rows in [0], positions along the scanline in [1].
+  /// Bounds of the selected voxels, visible or not: rows in [0], positions along the scanline in [1].
   [[nodiscard]] const IndexBox& selected() const { return selected_; }
 
  private:
@@ -74,7 +74,7 @@ class SliceVisit {
   IndexBox selected_;
 };
 
-/// Cuts the model down to the box of what is selected, which is where the player's model stands.
+/// Crops the model to the bounding box of the selection, as in the player.
 void trim(SpanModel& model, std::span<const IndexBox> selected) {
   IndexBox box;  // slices, rows, positions along the scanline
   for (std::size_t n = 0; n < selected.size(); ++n) {

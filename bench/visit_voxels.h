@@ -1,4 +1,4 @@
-// Finds the selected voxels of one frame by looking at all of them.
+// Brute-force search for the selected voxels of a frame.
 #pragma once
 
 #include <cstdint>
@@ -13,19 +13,19 @@
 
 namespace splatlas {
 
-/// What the visit knows of a selection: per class, which entry of the plan draws its volume.
+/// Selection in the form of the visit.
 struct VoxelSelection {
   static constexpr std::uint32_t kNotDrawn = std::numeric_limits<std::uint32_t>::max();
 
   std::span<const std::uint32_t> draw_of_class;  ///< index into plan.classes, or kNotDrawn
   const DrawPlan& plan;
-  std::span<const VolumeAppearance> appearances;  ///< of plan.classes
+  std::span<const VolumeAppearance> appearances;  ///< per class of plan
   const ClassTable& classes;
 };
 
-/// The spans that the player builds from the run model, made by testing the class of every voxel of the grid,
-/// slice by slice and scanline by scanline; light is looked up for selected voxels only. The same numbers as
-/// the player's, bit for bit. Cost: all voxels, plus the selected ones; slices are visited in parallel.
+/// The spans of the player, built by testing the class of every voxel of the grid, slice by slice and
+/// scanline by scanline; optical properties are looked up for selected voxels only. Equal to those of the
+/// player bit for bit. Cost: all voxels, plus the selected ones; slices run in parallel.
 [[nodiscard]] SpanModel visit_voxels(const VoxelModel& model, const VoxelSelection& selection, Axis axis,
                                      ThreadPool& pool);
 

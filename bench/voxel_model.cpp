@@ -12,7 +12,7 @@ Result<VoxelModel> read_voxel_model(const Atlas& atlas) {
   model.values = std::move(content.values);
   model.surfaces = std::move(content.surfaces);
 
-  // Normals are listed class by class, each class in memory order.
+  // Normals are stored per class, each class in memory order.
   model.normals.assign(model.classes.size(), 0);
   std::vector<std::size_t> next(content.boundary_normals.size(), 0);
   for (std::size_t voxel = 0; voxel < model.classes.size(); ++voxel) {

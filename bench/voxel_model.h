@@ -1,4 +1,4 @@
-// The atlas as it was before it had classes and runs: dense volumes and all surfaces.
+// Atlas without classes and runs: dense volumes and all surfaces.
 #pragma once
 
 #include <vector>
@@ -7,12 +7,12 @@
 
 namespace splatlas {
 
-/// Every voxel in memory order of the grid, nothing left out.
+/// All voxels in memory order of the grid.
 struct VoxelModel {
   Grid grid;
   std::vector<ClassId> classes;
-  VoxelBuffer values;                 ///< type kNone and no bytes where the atlas has none
-  std::vector<PackedNormal> normals;  ///< of boundary voxels; 0 elsewhere
+  VoxelBuffer values;                 ///< kNone and empty if the atlas has none
+  std::vector<PackedNormal> normals;  ///< boundary voxels; 0 elsewhere
   std::vector<SurfaceMesh> surfaces;  ///< per structure
 };
 

@@ -1,4 +1,4 @@
-// Surfaces as Draco (Galligan et al. 2017) would store them.
+// Draco (Galligan et al. 2017) as a peer for surface compression.
 #pragma once
 
 #include <cstddef>
@@ -12,15 +12,15 @@
 namespace splatlas::draco_peer {
 
 struct Settings {
-  int position_bits = 11;  ///< of the surface's own box
-  int normal_bits = 0;     ///< a side of the octahedral map; 0: without normals
+  int position_bits = 11;  ///< relative to the bounding box of the surface
+  int normal_bits = 0;     ///< per side of the octahedral map; 0: without normals
 };
 
-/// One surface's Draco file, edgebreaker connectivity, the smallest that Draco makes (its speed 0). Empty
-/// without triangles. Thread-safe.
+/// The Draco file of a surface: edgebreaker connectivity, smallest setting (speed 0). Empty without
+/// triangles. Thread-safe.
 [[nodiscard]] Result<std::vector<std::byte>> encode(const SurfaceMesh& mesh, const Settings& settings);
 
-/// Reads such a file again and gives its triangles.
+/// Decodes such a file and returns its number of triangles.
 [[nodiscard]] Result<std::uint64_t> decode(std::span<const std::byte> file);
 
 }  // namespace splatlas::draco_peer

@@ -15,10 +15,10 @@ using reference::GreyAppearance;
 using reference::MaskedVolume;
 
 constexpr double kMaxRayOpacity = 0.999;
-/// Only what is clear is left out.
+/// Skips only fully transparent voxels.
 constexpr double kMinVoxelOpacity = 0;
 
-/// A voxel as VolPack wants it: the field that colours are looked up by has two bytes and comes first.
+/// Voxel layout of VolPack: the two-byte field of the colour look-up comes first.
 struct RawVoxel {
   std::uint16_t color_index;
   std::uint8_t grey;
@@ -36,27 +36,26 @@ Result<void> check(vpContext* context, vpResult code, const char* what) {
               fmt::format("VolPack: {}: {}", what, vpGetErrorString(vpGetError(context))));
 }
 
-/// A little above it, so that rounding it down leaves it as it is.
+/// Slightly above the nearest 255th, so that rounding down keeps it.
 double nearest_255th(double opacity) {
   const double steps = std::round(255 * opacity);
   return steps == 0 ? 0 : std::min(1.0, (steps + 0.01) / 255);
 }
 
-/// VolPack's object coordinates to eye coordinates in mm. The longest side of the volume goes from -1/2 to
-/// 1/2. The picture's first row is the one at the window's bottom, so the eye's second axis points down.
+/// VolPack object coordinates to eye coordinates in mm. The longest side of the volume spans -1/2 to 1/2. The
+/// first picture row is at the bottom of the window, so that the second eye axis points down.
 void eye_from_object(const Grid& grid, const ParallelView& view, vpMatrix4 matrix) {
   const Affine to_lps = index_to_lps_mm(grid);
   const Vec3 down_lps{-view.up_lps[0], -view.up_lps[1], -view.up_lps[2]};
   const std::array<const Vec3*, 3> rows{&view.right_lps, &down_lps, &view.forward_lps};
   const auto longest = static_cast<double>(*std::max_element(grid.size.begin(), grid.size.end()));
   vpIdentity4(matrix);
-  Vec3
-      middle_voxel{};  // VolPack has it at object coordinates 0: a voxel spans from its index to the next one
+  Vec3 middle_voxel{};  // origin of the object coordinates; voxels span from their index to the next
   for (std::size_t a = 0; a < 3; ++a) middle_voxel[a] = 0.5 * static_cast<double>(grid.size[a]);
   const Vec3 middle = to_lps.apply(middle_voxel);
   for (std::size_t row = 0; row < 3; ++row) {
     const Vec3& direction = *rows[row];
-    if (row < 2) matrix[row][3] = -0.5 * view.mm_per_pixel;  // VolPack samples a pixel at its corner
+    if (row < 2) matrix[row][3] = -0.5 * view.mm_per_pixel;  // VolPack samples pixels at their corners
     for (std::size_t a = 0; a < 3; ++a) {
       Vec3 step{0, 0, 0};
       step[a] = longest;

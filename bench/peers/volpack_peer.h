@@ -1,5 +1,4 @@
-// VolPack, Lacroute's own shear-warp renderer, as a peer: the fastest volume renderer on a plain CPU that
-// Debian has.
+// VolPack, Lacroute's shear-warp renderer, as a peer: the fastest CPU volume renderer in Debian.
 #pragma once
 
 #include <array>
@@ -14,21 +13,19 @@
 
 namespace splatlas {
 
-/// VolPack keeps opacities as whole 255ths, rounded down: thin fog turns into less fog, or none.
+/// VolPack stores opacities as 255ths, rounded down: thin fog gets thinner, or vanishes.
 enum class OpacityRounding : std::uint8_t {
-  kDown,     ///< VolPack as it is documented
-  kNearest,  ///< opacities are handed over as the 255ths that they are nearest to: the best that VolPack can
-             ///< do
+  kDown,     ///< as VolPack is documented
+  kNearest,  ///< opacities passed as the nearest 255ths, the best that VolPack can do
 };
 
-/// VolPack 1.0 in its fastest way: classified beforehand into runs along all three axes, shaded through a
-/// look-up table, opacities corrected for the direction of the view, rays given up at an opacity of 0.999 (or
-/// what is asked for). It works on one thread, in parallel projection, and keeps opacities and colours in 8
-/// bits.
+/// VolPack 1.0 in its fastest mode: pre-classified runs along all three axes, look-up shading, opacities
+/// corrected for the view direction, early ray termination at an opacity of 0.999 (or as requested). One
+/// thread, parallel projection, 8-bit opacities and colours.
 class VolpackPeer {
  public:
-  /// Classifies: opacity 1 - exp(-extinction * voxel) and colour of every grey value. kFailed when voxels are
-  /// no cubes, or a side has more than VolPack's 1024. Keeps no reference to the volume.
+  /// Classifies: opacity 1 - exp(-extinction * voxel) and colour of every grey value. kFailed if voxels are
+  /// no cubes, or a side exceeds the 1024 voxels of VolPack. Keeps no reference to the volume.
   [[nodiscard]] static Result<VolpackPeer> classify(const reference::MaskedVolume& volume,
                                                     const reference::GreyAppearance& appearance,
                                                     OpacityRounding rounding);
@@ -36,12 +33,12 @@ class VolpackPeer {
   VolpackPeer(VolpackPeer&&) noexcept;
   VolpackPeer& operator=(VolpackPeer&&) noexcept;
 
-  /// Draws into its own picture of 8 bits.
+  /// Draws into its own 8-bit picture.
   [[nodiscard]] Result<void> render(const ParallelView& view);
   /// The latest picture, as floats.
   [[nodiscard]] Picture picture() const;
 
-  /// Of the runs along all axes, classified voxels included.
+  /// Bytes of the runs along all axes, classified voxels included.
   [[nodiscard]] std::uint64_t classified_bytes() const;
 
  private:

@@ -36,7 +36,7 @@ using reference::MaskedVolume;
 constexpr int kThreads = 2;
 constexpr int kMaxPeels = 100;
 
-/// With a layer of 0 all around.
+/// The volume padded by a layer of 0.
 vtkSmartPointer<vtkImageData> padded_image(const MaskedVolume& volume) {
   const Index3& size = volume.grid.size;
   vtkNew<vtkImageData> image;
@@ -55,7 +55,7 @@ vtkSmartPointer<vtkImageData> padded_image(const MaskedVolume& volume) {
   return image;
 }
 
-/// The grid's position and direction; spacing is the image's.
+/// Position and direction of the grid; the image has the spacing.
 vtkSmartPointer<vtkMatrix4x4> placement(const Grid& grid) {
   vtkNew<vtkMatrix4x4> matrix;
   for (std::size_t row = 0; row < 3; ++row) {
@@ -68,8 +68,7 @@ vtkSmartPointer<vtkMatrix4x4> placement(const Grid& grid) {
   return matrix;
 }
 
-/// Opacities per mm: not linear where extinctions are, so there is a point for every grey value, and for
-/// every knot.
+/// Opacities per mm. They are not linear where extinctions are: one point per grey value and per knot.
 vtkSmartPointer<vtkVolumeProperty> property_of(const GreyAppearance& appearance) {
   vtkNew<vtkPiecewiseFunction> opacity;
   vtkNew<vtkColorTransferFunction> color;
@@ -108,7 +107,7 @@ vtkSmartPointer<vtkFixedPointVolumeRayCastMapper> fixed_point_mapper(float step)
   return mapper;
 }
 
-/// What the rays came to: the part of the picture that the volume's box covers, bottom row first.
+/// The result of the rays: the part of the picture that the volume box covers, bottom row first.
 Picture cast_image(vtkFixedPointVolumeRayCastMapper& mapper, const PictureSize& size) {
   constexpr float kOne = 32767;
   vtkFixedPointRayCastImage& image = *mapper.GetRayCastImage();
@@ -149,7 +148,7 @@ struct VtkPeer::Impl {
   PictureSize size;
   vtkNew<vtkRenderWindow> window;
   vtkNew<vtkRenderer> renderer;
-  vtkSmartPointer<vtkVolumeMapper> volume_mapper;  // the latest
+  vtkSmartPointer<vtkVolumeMapper> volume_mapper;  // latest mapper
   vtkSmartPointer<vtkFixedPointVolumeRayCastMapper> fixed_point;
 
   void appearance(const ParallelView& view, const Vec3& eye) {
@@ -224,7 +223,7 @@ void VtkPeer::render(const ParallelView& view) {
   vtkCamera* camera = impl_->renderer->GetActiveCamera();
   camera->ParallelProjectionOn();
   camera->SetParallelScale(0.5 * view.size.height * view.mm_per_pixel);
-  // Anywhere in front of everything.
+  // Anywhere in front of the scene.
   Vec3 eye = view.center_lps_mm;
   for (std::size_t a = 0; a < 3; ++a) eye[a] -= 1000 * view.forward_lps[a];
   impl_->appearance(view, eye);

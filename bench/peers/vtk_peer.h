@@ -1,4 +1,4 @@
-// VTK as a peer: its two volume renderers, and surfaces with depth peeling.
+// VTK as a peer: its two volume mappers, and surfaces with depth peeling.
 #pragma once
 
 #include <array>
@@ -15,12 +15,12 @@ namespace splatlas {
 
 enum class VtkVolumeMapper : std::uint8_t {
   kFixedPoint,  ///< vtkFixedPointVolumeRayCastMapper: on the CPU, two threads, 15 bits
-  kGpu,         ///< vtkOpenGLGPUVolumeRayCastMapper, here on whatever OpenGL the display has
+  kGpu,         ///< vtkOpenGLGPUVolumeRayCastMapper, on the OpenGL of the display
 };
 
-/// A window of VTK's, off screen, with volumes and surfaces in it. Nothing is shaded, nothing is adjusted for
-/// the sake of frame rates, there is no multisampling. Needs a display (x_server.h). Both mappers interpolate
-/// grey values trilinearly and classify them afterwards.
+/// An off-screen VTK window with volumes and surfaces. No shading, no adjustment for frame rates, no
+/// multisampling. Needs a display (x_server.h). Both mappers interpolate grey values trilinearly and
+/// post-classify them.
 class VtkPeer {
  public:
   explicit VtkPeer(const PictureSize& size);
@@ -28,23 +28,23 @@ class VtkPeer {
   VtkPeer(VtkPeer&&) noexcept;
   VtkPeer& operator=(VtkPeer&&) noexcept;
 
-  /// Copies the volume, with a layer of 0 around it: beyond its grid there is nothing, as everywhere else.
-  /// Samples are `step_mm` apart.
+  /// Copies the volume with a layer of 0 around it, as the volume is empty outside its grid. Samples are
+  /// `step_mm` apart.
   void add_volume(const reference::MaskedVolume& volume, const reference::GreyAppearance& appearance,
                   VtkVolumeMapper mapper, double step_mm);
-  /// Other voxels for the volume that was added last, in the same grid and look.
+  /// Replaces the voxels of the latest volume; grid and appearance stay.
   void replace_volume(const reference::MaskedVolume& volume);
-  /// Unlit. `color`: linear light, taken as it is.
+  /// Unlit. `color`: linear RGB, used as is.
   void add_surface(const SurfaceMesh& mesh, const Grid& grid, const std::array<double, 3>& color,
                    double opacity);
-  /// Translucent surfaces in exact order, by dual depth peeling (at most 100 layers), volumes among them.
+  /// Composites translucent surfaces and volumes in exact order by dual depth peeling (at most 100 layers).
   void peel_depths();
 
-  /// Draws, and waits until it is done.
+  /// Draws, and waits for completion.
   void render(const ParallelView& view);
   void render(const reference::PerspectiveView& view);
-  /// The latest picture, of 8 bits, as floats. Where there is only a volume drawn by FixedPoint, the picture
-  /// of 15 bits that it casts its rays into: on its way to the window VTK stretches it by about a pixel.
+  /// The latest picture, of 8 bits, as floats. For a single FixedPoint volume, the 15-bit image of its rays:
+  /// VTK stretches it by about a pixel on the way to the window.
   [[nodiscard]] Picture picture() const;
 
  private:

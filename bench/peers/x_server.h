@@ -1,4 +1,4 @@
-// A display for VTK, which draws nowhere without one.
+// Virtual X display for VTK, which cannot draw without one.
 #pragma once
 
 #include <sys/types.h>
@@ -7,10 +7,11 @@
 
 namespace splatlas {
 
-/// Xvfb (Debian's package xvfb) at a free display number, which DISPLAY names while it lives. One at a time.
+/// Xvfb (Debian package xvfb) at a free display number, which DISPLAY names during its lifetime. One instance
+/// at a time.
 class XServer {
  public:
-  /// Starts nothing where DISPLAY is set already. kFailed when there is no Xvfb.
+  /// Starts nothing if DISPLAY is set. kFailed without Xvfb.
   [[nodiscard]] static Result<XServer> start_unless_there_is_one();
   ~XServer();
   XServer(XServer&& other) noexcept;
@@ -18,7 +19,7 @@ class XServer {
 
  private:
   explicit XServer(pid_t server) : server_(server) {}
-  pid_t server_;  // -1: not ours
+  pid_t server_;  // -1: not started
 };
 
 }  // namespace splatlas

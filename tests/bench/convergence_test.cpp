@@ -25,14 +25,13 @@ TEST(ObservedOrder, FitsAllSteps) {
   EXPECT_NEAR(observed_order(steps, errors), 2.0, 1e-12);
 }
 
-/// Beyond the middle plane of a symmetric part of the field: integrals of Gaussians are known.
+/// Rays in the symmetry plane of the field, where integrals of Gaussians are known.
 TEST(SmoothField, TruthIsTheIntegralOfTheField) {
   const View view = *view_of(Camera{}, {3, 3}, {.center_lps_mm = {0, 0, 0}, .radius_mm = 8});
   const reference::ReferencePicture truth = field_truth(view);
   for (int n = 0; n < 9; ++n) {
     const Vec3 through = view.plane.point_lps_mm(n % 3 + 0.5, n / 3 + 0.5);
-    double depth =
-        0;  // by the trapezoidal rule, which is exact to rounding where nothing is left at the ends
+    double depth = 0;  // trapezoidal rule: exact to rounding, as the field vanishes at both ends
     constexpr double kStep = 0.25;
     for (double s = -40; s <= 40; s += kStep) {
       Vec3 at = through;
@@ -43,8 +42,8 @@ TEST(SmoothField, TruthIsTheIntegralOfTheField) {
   }
 }
 
-/// Samples, selection and truth are of one field: where grey values are at voxels, the light is that of the
-/// field, whatever the voxels' size.
+/// Samples, selection and ground truth belong to one field: at voxels, its optical properties are exact for
+/// every voxel size.
 TEST(SmoothField, SamplesHoldTheFieldAtVoxels) {
   for (const double voxel_mm : {3.0, 6.0}) {
     const AtlasContent content = sampled_field(voxel_mm);

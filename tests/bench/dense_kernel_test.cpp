@@ -7,7 +7,7 @@
 namespace splatlas {
 namespace {
 
-/// A volume of one value has the same pixels everywhere: (1 - (1 - a)^n), whatever the weights.
+/// Every pixel of a constant volume is 1 - (1 - a)^n, for any weights.
 TEST(CompositeDense, OfAConstantVolumeIsTheClosedForm) {
   constexpr float kOpacity = 0.02f;
   for (const int planes : {2, 4}) {
@@ -36,7 +36,7 @@ TEST(CompositeDense, SplatsEveryVoxelOnFourPixels) {
   composite_dense(volume, sheet);
   double sum = 0;
   for (const float value : sheet.pixels) sum += value;
-  // Two by two pixels per voxel, of which the tent sees 3 x 3: 1, 4 halves, 4 quarters.
+  // Two by two pixels per voxel: the tent covers 3 x 3 pixels: 1, 4 halves, 4 quarters.
   EXPECT_NEAR(sum, 1 + 4 * 0.5 + 4 * 0.25, 1e-6);
   EXPECT_EQ(samples(volume, 2), 20u * 6 * 4);
 }

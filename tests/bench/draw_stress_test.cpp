@@ -46,7 +46,7 @@ TEST(StressKinds, AreAllMade) {
   std::set<std::string> names;
   for (const StressKind& kind : stress_kinds()) {
     EXPECT_TRUE(names.insert(kind.name).second) << kind.name;
-    if (kind.name != std::string("4000 layers")) continue;  // the others take longer to make
+    if (kind.name != std::string("4000 layers")) continue;  // the others are slow to build
     for (const StressInput& input : kind.make()) {
       EXPECT_FALSE(input.selections.empty());
       EXPECT_FALSE(input.cameras.empty());

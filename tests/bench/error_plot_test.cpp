@@ -16,7 +16,7 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 
 Row row(const char* renderer, int size, int threads, double wall_ms, double rmse) {
-  return {{"scene", "left"},    {"size", size},       {"look", "soft"}, {"renderer", renderer},
+  return {{"scene", "left"},    {"size", size},       {"transfer", "soft"}, {"renderer", renderer},
           {"threads", threads}, {"wall_ms", wall_ms}, {"rmse", rmse}};
 }
 

@@ -35,7 +35,7 @@ void for_each_voxel(const Index3& size, const Visit& visit) {
   }
 }
 
-/// The voxel of `content` whose place is nearest to that of voxel `at` of `grid`; it may be outside.
+/// The voxel of `content` nearest to voxel `at` of `grid`; it may lie outside.
 Index3 nearest(const AtlasContent& content, const Grid& grid, const Index3& at) {
   const Vec3 lps = index_to_lps_mm(grid).apply({double(at[0]), double(at[1]), double(at[2])});
   const Vec3 index = lps_mm_to_index(storage_grid(content)).apply(lps);
@@ -48,7 +48,7 @@ RC_GTEST_PROP(GrownContent, SurroundedKeepsWhatIsInTheMiddle, ()) {
   const Index3 times{*rc::gen::inRange(1, 4), *rc::gen::inRange(1, 4), *rc::gen::inRange(1, 4)};
   const auto grown = surrounded(content, times);
   RC_ASSERT(grown.has_value());
-  RC_ASSERT(encode_atlas(*grown).has_value());  // which checks counts, boxes, order and normals
+  RC_ASSERT(encode_atlas(*grown).has_value());  // checks counts, boxes, order and normals
   const Grid grid = storage_grid(*grown);
   const Grid old = storage_grid(content);
   std::int64_t own = 0;
@@ -75,7 +75,7 @@ RC_GTEST_PROP(GrownContent, RefinedTakesTheNearestVoxel, ()) {
   const AtlasContent content = random_content(random, {.max_side = 7});
   const Grid old = storage_grid(content);
   Index3 size{};
-  // Odd multiples, so that no place is half way between two voxels.
+  // Odd multiples: no place lies midway between two voxels.
   for (std::size_t a = 0; a < 3; ++a) size[a] = old.size[a] * (1 + 2 * *rc::gen::inRange(0, 2));
   const AtlasContent grown = refined(content, size);
   RC_ASSERT(encode_atlas(grown).has_value());

@@ -23,7 +23,7 @@ TEST(Isolated, HoldsOnlyWhatIsDrawn) {
   EXPECT_EQ(content->graph[1].id, "core");
   ASSERT_EQ(alone.structures.size(), 2u);
   EXPECT_EQ(content->surfaces[0], scene.content.surfaces[1]);
-  // A voxel has a class where it was in one of the two, and none elsewhere.
+  // A voxel has a class if it was in one of the two structures, else none.
   std::size_t held = 0;
   for (std::size_t n = 0; n < scene.content.class_volume.size(); ++n) {
     const auto members = scene.content.classes.members(scene.content.class_volume[n]);
@@ -35,8 +35,9 @@ TEST(Isolated, HoldsOnlyWhatIsDrawn) {
   EXPECT_GT(held, 0u);
 }
 
-/// Pictures, volumes and surfaces, are those of the full atlas, whatever is overlapped, nested, crossed.
-TEST(Isolated, LooksAsInTheFullAtlas) {
+/// Pictures of volumes and surfaces equal those of the full atlas, for overlapping, nested and crossed
+/// structures.
+TEST(Isolated, RendersAsInTheFullAtlas) {
   std::size_t drawn = 0;
   for (std::uint32_t number = 0; number < 60; ++number) {
     RandomScene scene = random_scene(number);

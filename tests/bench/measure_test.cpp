@@ -37,7 +37,7 @@ TEST(MedianRatio, IsThatOfTheFramesNotOfTheMedians) {
   EXPECT_EQ(median_ratio(turns, unit, 3).cpu_ms, 1);
 }
 
-TEST(BestOfRepeats, IsTheLeastOfEachFrameInWallAndCpu) {
+TEST(BestOfRepeats, IsTheMinimumOfEachFrameInWallAndCpu) {
   const std::vector<Elapsed> turns{{5, 9}, {7, 1}, {4, 10}, {8, 2}, {6, 8}};  // of 2 frames
   const std::vector<Elapsed> best = best_of_repeats(turns, 2);
   ASSERT_EQ(best.size(), 2u);

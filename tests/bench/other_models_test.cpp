@@ -1,4 +1,4 @@
-// Octrees and run models by level find exactly what the one run model finds.
+// Octrees and per-level run models against the single run model.
 #include <algorithm>
 #include <array>
 
@@ -14,7 +14,7 @@
 namespace splatlas {
 namespace {
 
-/// The draw of every voxel of the grid, by a look at each.
+/// The draw of every voxel of the grid, by brute force.
 std::vector<std::uint32_t> draws_by_voxel(const AtlasContent& content,
                                           const std::vector<std::uint32_t>& draw_of_class) {
   std::vector<std::uint32_t> draws;
@@ -22,8 +22,7 @@ std::vector<std::uint32_t> draws_by_voxel(const AtlasContent& content,
   return draws;
 }
 
-/// The same from runs; those must come in order within their scanline, be maximal, and be the collector's
-/// all.
+/// The draws from runs, which must be ordered within their scanline, maximal and complete.
 std::vector<std::uint32_t> draws_by_voxel(const FoundRuns& found, const Grid& grid, Axis axis) {
   std::vector<std::uint32_t> draws(static_cast<std::size_t>(grid.voxels()), kNotDrawn);
   const ScanOrder scan = ScanOrder::of(axis);
@@ -52,7 +51,7 @@ std::vector<std::uint32_t> draws_by_voxel(const FoundRuns& found, const Grid& gr
   return draws;
 }
 
-/// One draw for several classes at times, as looks that are the same give.
+/// Random draws, at times shared by several classes, as for equal appearances.
 std::vector<std::uint32_t> random_draws(const DrawPlan& plan, std::size_t classes, std::mt19937& random) {
   std::vector<std::uint32_t> draws = draws_by_class(plan, classes);
   const auto kinds = static_cast<std::uint32_t>(1 + random() % 4);
@@ -90,7 +89,7 @@ RC_GTEST_PROP(OtherModels, FindTheVoxelsThatARunModelFinds, ()) {
   }
 }
 
-/// A cube of 16 voxels a side, of which one corner of `side` voxels is of class 1.
+/// A cube of 16 voxels a side with a corner of `side` voxels of class 1.
 ClassOctree corner_octree(std::int64_t side, std::int64_t leaf_side) {
   std::vector<ClassId> volume;
   for (std::int64_t k = 0; k < 16; ++k) {

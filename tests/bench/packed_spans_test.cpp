@@ -11,7 +11,7 @@
 namespace splatlas {
 namespace {
 
-/// Voxels with an extinction, and the sums of all planes.
+/// Voxels with extinction, and sums of all planes.
 struct Sums {
   std::uint64_t voxels = 0;
   std::array<double, 4> planes{};
@@ -56,7 +56,7 @@ TEST(PackSpans, HoldsAllVoxelsInFullRows) {
       for (std::size_t n = 0; n + 1 < packed.model.slices.size(); ++n)
         EXPECT_EQ(packed.model.slices[n].voxels, 36u * 31u);  // 45 columns hold two blocks, less one voxel
 
-      // They lie within the sheet, so that all of them are composited.
+      // They lie within the sheet: all of them are composited.
       SheetImage sheet;
       FragmentOrder order;
       FragmentList none;

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "tests/format/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace splatlas {
 namespace {
@@ -19,7 +19,7 @@ TEST(PageResidency, CountsExactlyThePagesThatWereRead) {
   const auto path = folder.path() / "pages";
   std::ofstream(path) << std::string(10 * kPage + 7, 'x');
   if (const Result<void> evicted = evict(path); !evicted) {
-    // A file system in memory (TMPDIR on tmpfs): then the bench must say so.
+    // File system in memory (TMPDIR on tmpfs): the bench must report it.
     EXPECT_NE(evicted.error().message.find("stay in memory"), std::string::npos);
     EXPECT_EQ(*resident_bytes(path), 10 * kPage + 7);
     return;
@@ -31,7 +31,7 @@ TEST(PageResidency, CountsExactlyThePagesThatWereRead) {
   std::vector<char> bytes(2);
   ASSERT_EQ(::pread(file, bytes.data(), 2, 3 * kPage - 1), 2);  // pages 2 and 3
   EXPECT_EQ(*resident_bytes(path), 2 * kPage);
-  ASSERT_EQ(::pread(file, bytes.data(), 1, 10 * kPage + 6), 1);  // the last one, of 7 bytes
+  ASSERT_EQ(::pread(file, bytes.data(), 1, 10 * kPage + 6), 1);  // the last page, of 7 bytes
   EXPECT_EQ(*resident_bytes(path), 2 * kPage + 7);
   ::close(file);
   ASSERT_TRUE(evict(path).has_value());

@@ -19,7 +19,7 @@ TEST(PeakMemory, CountsWhatWasHeldAtOnceAndStartsAnew) {
   const auto grown = first->grown_bytes();
   ASSERT_TRUE(grown.has_value());
   EXPECT_GT(*grown, kBytes - kBytes / 16);  // the system counts pages in batches
-  EXPECT_LT(*grown, 2 * kBytes);            // one after the other, not both
+  EXPECT_LT(*grown, 2 * kBytes);            // consecutive, not simultaneous
   const Result<PeakMemory> second = PeakMemory::start();
   ASSERT_TRUE(second.has_value());
   EXPECT_LT(*second->grown_bytes(), kBytes);

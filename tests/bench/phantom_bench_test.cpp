@@ -1,4 +1,4 @@
-// The program, as a user runs it.
+// splatlas-bench from the command line.
 
 #include <fstream>
 

@@ -5,7 +5,7 @@
 namespace splatlas {
 namespace {
 
-/// Footprints add up to one everywhere: what is left is rounding in float.
+/// Footprints add up to one: only float rounding remains.
 TEST(Ripple, IsNoneWhereSlicesAreParallelToTheFaces) {
   for (const Quality quality : {Quality::kDraft, Quality::kNormal, Quality::kHigh}) {
     const auto ripple = measure_ripple({.quality = quality, .views = 4});
@@ -16,8 +16,8 @@ TEST(Ripple, IsNoneWhereSlicesAreParallelToTheFaces) {
   }
 }
 
-/// Slices that cut through the faces sample their slopes: the bench must see that.
-TEST(Ripple, IsSeenWhereSlicesCutThroughTheFaces) {
+/// Slices that cut through the faces sample their slopes: the bench must detect it.
+TEST(Ripple, IsDetectedWhereSlicesCutThroughTheFaces) {
   const auto ripple = measure_ripple({.quality = Quality::kNormal, .views = 8});
   ASSERT_TRUE(ripple);
   EXPECT_GE(ripple->side_pixels, 225u);

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "bench/peers/x_server.h"
+#include "tests/bench/peer_pictures.h"
 #include "tests/reference/grey_truth.h"
 
 namespace splatlas {
@@ -29,7 +30,7 @@ class VtkPeerTest : public testing::TestWithParam<VtkVolumeMapper> {
 
 const Display kDisplay{.center_lps_mm = {-9, -14, 30}, .radius_mm = 40};
 
-/// Turned and moved, as the Colin 27 head is.
+/// Rotated and translated, as the Colin 27 head is.
 MaskedVolume empty_volume() {
   MaskedVolume volume;
   volume.grid.size = {20, 30, 40};
@@ -39,48 +40,7 @@ MaskedVolume empty_volume() {
   return volume;
 }
 
-void put_box(MaskedVolume& volume, const Index3& low, std::int64_t side, std::uint8_t grey) {
-  for (std::int64_t k = low[2]; k < low[2] + side; ++k) {
-    for (std::int64_t j = low[1]; j < low[1] + side; ++j) {
-      for (std::int64_t i = low[0]; i < low[0] + side; ++i) {
-        volume.greys[static_cast<std::size_t>(volume.grid.offset(i, j, k))] = grey;
-      }
-    }
-  }
-}
-
-struct Blob {
-  double sum = 0, x = 0, y = 0;
-};
-template <typename AlphaAt>
-Blob blob(const PictureSize& size, const AlphaAt& alpha_at) {
-  Blob blob;
-  for (int y = 0; y < size.height; ++y) {
-    for (int x = 0; x < size.width; ++x) {
-      const double alpha = alpha_at(x, y);
-      blob.sum += alpha;
-      blob.x += alpha * x;
-      blob.y += alpha * y;
-    }
-  }
-  blob.x /= blob.sum;
-  blob.y /= blob.sum;
-  return blob;
-}
-
-void expect_same_place(const Picture& picture, const ReferencePicture& expected) {
-  ASSERT_EQ(picture.size, expected.size);
-  const Blob there = blob(expected.size, [&](int x, int y) {
-    return expected.pixels[static_cast<std::size_t>(y * expected.size.width + x)][3];
-  });
-  const Blob here =
-      blob(expected.size, [&](int x, int y) { return static_cast<double>(picture.at(x, y)[3]); });
-  EXPECT_NEAR(here.x, there.x, 0.05);
-  EXPECT_NEAR(here.y, there.y, 0.05);
-  EXPECT_NEAR(here.sum, there.sum, 0.04 * there.sum);
-}
-
-/// A box at a corner of the grid, whose outermost layer VTK would cut off if there were no zeros around it.
+/// A box at a corner of the grid, whose outermost layer VTK would cut without padding.
 TEST_P(VtkPeerTest, ShowsABoxWhereItIs) {
   MaskedVolume volume = empty_volume();
   put_box(volume, {0, 0, 0}, 6, 255);
@@ -93,9 +53,9 @@ TEST_P(VtkPeerTest, ShowsABoxWhereItIs) {
     const PerspectiveView view{*parallel_view(camera, {256, 200}, kDisplay), 40};
     SCOPED_TRACE(azimuth);
     peer.render(view.in_plane);
-    expect_same_place(peer.picture(), render_grey_truth(truth, volume.grid, view.in_plane, 1));
+    expect_same_blob(peer.picture(), render_grey_truth(truth, volume.grid, view.in_plane, 1), 0.05, 0.04);
     peer.render(view);
-    expect_same_place(peer.picture(), render_grey_truth(truth, volume.grid, view, 1));
+    expect_same_blob(peer.picture(), render_grey_truth(truth, volume.grid, view, 1), 0.05, 0.04);
   }
 }
 
@@ -111,10 +71,10 @@ TEST_P(VtkPeerTest, ShowsTheVolumeThatReplacesAnother) {
   peer.replace_volume(second);
   peer.render(view);
   const GreyTruth truth(second, appearance, Classification::kAfter);
-  expect_same_place(peer.picture(), render_grey_truth(truth, second.grid, view, 1));
+  expect_same_blob(peer.picture(), render_grey_truth(truth, second.grid, view, 1), 0.05, 0.04);
 }
 
-/// 10 mm of constant fog: colours are premultiplied.
+/// 10 mm of constant fog; premultiplied colours.
 TEST_P(VtkPeerTest, ComposesAsTheClosedFormHasIt) {
   MaskedVolume volume = empty_volume();
   put_box(volume, {4, 8, 12}, 10, 200);
@@ -124,8 +84,7 @@ TEST_P(VtkPeerTest, ComposesAsTheClosedFormHasIt) {
   Camera camera;
   camera.center_lps_mm = index_to_lps_mm(volume.grid).apply({8.5, 12.5, 16.5});
   peer.render(*parallel_view(camera, {64, 64}, kDisplay));
-  // Grey values reach 200 at the outermost voxels' centres only: the fog is 9 mm long, and a little of a
-  // ramp.
+  // Grey values reach 200 at the outermost voxel centres only: 9 mm of fog, and a little of a ramp.
   const float alpha = static_cast<float>(1 - std::exp(-0.1 * 9));
   EXPECT_THAT(peer.picture().at(32, 32),
               testing::Pointwise(testing::FloatNear(0.03f), {0.5f * alpha, 0.25f * alpha, alpha, alpha}));

@@ -1,6 +1,6 @@
-// One brain in all 48 orders and directions of axes is one atlas. Runs where SPLATLAS_TEST_DATA names a
-// folder that has nifti-orient48 (one NIfTI file per order); elsewhere the same is tested on made volumes
-// (tests/preprocess).
+// Atlases of one brain in all 48 axis orders and directions.
+// Needs SPLATLAS_TEST_DATA, a folder with nifti-orient48 (one NIfTI file per order). tests/preprocess tests
+// the same with synthetic volumes.
 
 #include <algorithm>
 #include <cmath>
@@ -22,12 +22,12 @@ float largest_difference(const std::vector<float>& a, const std::vector<float>& 
   return largest;
 }
 
-/// What does not depend on how the source was laid out.
+/// The parts of `info --json` that do not depend on the axis order of the source.
 nlohmann::json content(const std::string& atlas) {
   const ProgramResult result = run_program({SPLATLAS_PLAYER, "info", atlas, "--json"});
   EXPECT_EQ(result.status, 0) << result.err;
   nlohmann::json info = nlohmann::json::parse(result.out);
-  // Origins are rounded to 32 bits in every one of the files, each at another corner of the volume.
+  // Every file rounds another corner of the volume to 32-bit floats.
   for (nlohmann::json& origin : info["storage_grid"]["origin_lps_mm"]) {
     origin = std::round(origin.get<double>() * 1e4) / 1e4;
   }

@@ -1,4 +1,4 @@
-// The golden phantom built through the command line, once for all tests of a program.
+// Golden phantom built through the command line, shared by the tests of a program.
 #pragma once
 
 #include <string>
@@ -10,7 +10,7 @@
 
 namespace splatlas {
 
-/// phantom.atlas and the files it was made from, in a folder that lives as long as the program.
+/// phantom.atlas and its source files, in a folder that lives as long as the program.
 inline const TemporaryFolder& phantom_folder() {
   static const TemporaryFolder folder;
   static const bool built = [] {

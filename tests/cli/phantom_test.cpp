@@ -1,4 +1,4 @@
-// The paper's tables 1 and 2, from NRRD files to counts, through the programs alone.
+// The paper's tables 1 and 2, from NRRD files to counts, through the command line.
 
 #include <fstream>
 

@@ -1,4 +1,4 @@
-// What splatlas-player writes: whole, over nothing that it reads, or not at all.
+// Output files of splatlas-player: complete or absent, and never over an input.
 
 #include <filesystem>
 #include <fstream>
@@ -21,7 +21,7 @@ std::string bytes_of_file(const fs::path& path) {
   return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
 }
 
-/// A folder with an atlas in it under several names.
+/// A folder with one atlas under several names.
 struct PlayerOutput : testing::Test {
   TemporaryFolder folder;
   PlayerOutput() {
@@ -84,7 +84,7 @@ TEST_F(PlayerOutput, IsAllOrNothing) {
   EXPECT_EQ(bytes_of_file(folder.file("s.json")), "old");
 }
 
-/// A limit on the size of files stands for a full disk.
+/// A file size limit simulates a full disk.
 TEST_F(PlayerOutput, IsNotLeftHalfWrittenByAFullDisk) {
   for (const std::string name : {"x.png", "x.jpg", "x.tif", "x.exr"}) {
     const ProgramResult result = run_program({"sh", "-c", "ulimit -f 1; exec \"$0\" \"$@\"", SPLATLAS_PLAYER,

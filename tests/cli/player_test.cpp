@@ -1,4 +1,4 @@
-// splatlas-player: pictures and documents.
+// Pictures and documents of splatlas-player.
 
 #include <algorithm>
 #include <array>
@@ -53,9 +53,9 @@ TEST(PlayerRender, InBothProjectionsAndClassifications) {
                       folder.path());
       ASSERT_EQ(result.status, 0) << result.err;
       pictures.push_back(read_pixels(folder.file("a.png")));
-      const auto [least, most] = std::minmax_element(pictures.back().begin(), pictures.back().end());
-      EXPECT_EQ(*least, 0);
-      EXPECT_GT(*most, 0.2f);
+      const auto [min, max] = std::minmax_element(pictures.back().begin(), pictures.back().end());
+      EXPECT_EQ(*min, 0);
+      EXPECT_GT(*max, 0.2f);
       for (std::size_t n = 0; n + 1 < pictures.size(); ++n) EXPECT_NE(pictures[n], pictures.back());
     }
   }
@@ -143,11 +143,11 @@ TEST(PlayerRender, ReadsOnlyWhatIsSelected) {
   const auto one = stats_of("\"Sphere 1\":volume");
   const auto two = stats_of("\"Sphere 2\":volume");
   const auto both = stats_of("\"Sphere 1\":volume + \"Sphere 2\":volume");
-  // Header and directory are shared, and in a file this small chunks are, too; nothing is read twice.
+  // The header, the directory and, in a file this small, chunks are shared. Nothing is read twice.
   EXPECT_LT(read(none), read(two));
   EXPECT_LE(read(two), read(both));
   EXPECT_LE(read(both) - read(none), read(one) - read(none) + read(two) - read(none));
-  // Splatted are the voxels above the low end of the grey window, of the selected balls only.
+  // Only the selected balls are splatted, above the low end of the grey window.
   EXPECT_LE(one["voxels_visited"].get<int>(), 2705 + 1440);
   EXPECT_GT(one["voxels_visited"].get<int>(), 2705);
   EXPECT_LE(two["voxels_visited"].get<int>(), 437 + 464);
@@ -175,7 +175,7 @@ TEST(PlayerRender, ATruncatedAtlasIsRefused) {
   }
 }
 
-/// The last chunk is that of Sphere 2's values.
+/// The last chunk holds Sphere 2's values.
 TEST(PlayerRender, DamageCostsItsStructureAndIsNoSuccess) {
   const TemporaryFolder folder;
   std::string bytes = bytes_of_file(phantom_atlas());
@@ -202,7 +202,7 @@ TEST(PlayerRender, DamageCostsItsStructureAndIsNoSuccess) {
   EXPECT_EQ(render(phantom_atlas(), "\"Sphere 1\"").status, 0);
   EXPECT_EQ(read_pixels(folder.file("x.png")), rest);
 
-  // Nothing is left of it alone, and nothing is missing from the others.
+  // Sphere 2 alone leaves nothing to draw; the other structures are complete.
   std::filesystem::remove(folder.file("x.png"));
   EXPECT_EQ(render("bad.atlas", "\"Sphere 2\"").status, 3);
   EXPECT_FALSE(std::filesystem::exists(folder.file("x.png")));

@@ -1,4 +1,4 @@
-// splatlas-player: one clear line for everything that is typed wrongly.
+// Usage errors of splatlas-player: one clear line each.
 
 #include <algorithm>
 
@@ -14,8 +14,8 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::StartsWith;
 
-/// `words` after the program's name fail with `status` and one line that holds `text`; nothing is left in the
-/// folder.
+/// Runs the program with `words`: it must fail with `status` and one line that contains `text`, and leave the
+/// folder empty.
 void expect_refused(const std::vector<std::string>& words, int status, const std::string& text) {
   const TemporaryFolder folder;
   std::vector<std::string> all{SPLATLAS_PLAYER};
@@ -92,7 +92,7 @@ TEST(PlayerUsage, BytesThatAreNoTextAreEscaped) {
   expect_refused({"render", "a.atlas", "-o", "x.png", "--no\n\xff"}, 2, "--no?\\xff");
 }
 
-/// The line, word for word.
+/// The exact line.
 void expect_line(const std::vector<std::string>& words, const std::string& line) {
   std::vector<std::string> all{SPLATLAS_PLAYER};
   all.insert(all.end(), words.begin(), words.end());

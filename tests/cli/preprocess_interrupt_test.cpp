@@ -1,4 +1,4 @@
-// splatlas-preprocess: Ctrl-C, kill and a closed terminal leave whole files, and nothing else.
+// Interrupted runs of splatlas-preprocess: Ctrl-C, SIGTERM and SIGHUP leave complete files only.
 
 #include <array>
 #include <chrono>
@@ -17,7 +17,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// labels.mha, 64 blocks of 16x16x16 voxels, volume.mha, noise, and cubes.atlas, made from them.
+/// labels.mha (64 blocks of 16x16x16 voxels), volume.mha (noise) and cubes.atlas, built from them.
 const TemporaryFolder& cubes() {
   static const TemporaryFolder folder;
   static const bool built = [] {
@@ -48,8 +48,8 @@ constexpr std::array kSignals{SIGINT, SIGTERM, SIGHUP};
 
 class PreprocessInterrupt : public testing::Test {
  protected:
-  /// Runs `words` once to its end and then again and again, interrupted at moments all over that time and as
-  /// soon as something hidden appears in the folder. Each time only `output` may be left; then it is removed.
+  /// Runs `words` once to its end, then repeatedly with an interrupt: at times spread over the run, and as
+  /// soon as a hidden file appears in the folder. Each run may leave only `output`, which is then removed.
   void interrupt(const std::vector<std::string>& words, const std::string& output) const {
     const auto start = std::chrono::steady_clock::now();
     ASSERT_EQ(run_program(words, folder_.path()).status, 0);

@@ -1,4 +1,4 @@
-// splatlas-preprocess: where output goes, and what is said when it cannot go there.
+// Output paths of splatlas-preprocess and the errors about them.
 
 #include <algorithm>
 #include <fstream>
@@ -19,7 +19,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
 
-/// phantom.atlas in a folder of its own.
+/// phantom.atlas in its own folder.
 class PreprocessOutput : public testing::Test {
  protected:
   PreprocessOutput() { std::filesystem::copy_file(phantom_atlas(), folder_.file("a.atlas")); }
@@ -29,7 +29,7 @@ class PreprocessOutput : public testing::Test {
     all.insert(all.end(), words.begin(), words.end());
     return run_program(all, folder_.path());
   }
-  /// One line that holds `text`, and nothing written.
+  /// Expects one line that contains `text`, and no new file.
   void refuses(const std::vector<std::string>& words, int status, const std::string& text) const {
     const std::vector<std::string> before = folder_.names();
     const ProgramResult result = run_export(words);
@@ -43,7 +43,7 @@ class PreprocessOutput : public testing::Test {
     std::ifstream file(folder_.file(name), std::ios::binary);
     return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
   }
-  /// The shell runs `setup` before it becomes splatlas-preprocess with `words`.
+  /// The shell runs `setup`, then replaces itself by splatlas-preprocess with `words`.
   ProgramResult run_after(const std::string& setup, const std::vector<std::string>& words) const {
     std::vector<std::string> all{"/bin/sh", "-c", setup + R"( exec "$0" "$@")", SPLATLAS_PREPROCESS};
     all.insert(all.end(), words.begin(), words.end());
@@ -57,7 +57,7 @@ TEST_F(PreprocessOutput, NoOutputIsAnotherOne) {
   refuses({"--labels", "a.nrrd", "--volume", "a.nrrd"}, 2, "a.nrrd");
   refuses({"--labels", "a.nrrd", "--volume", "./a.nrrd"}, 2, "a.nrrd");
   refuses({"--surface", "Sphere 1=s.stl", "--surface", "Sphere 2=s.stl"}, 2, "s.stl");
-  fs::create_symlink("s.stl", folder_.file("link.stl"));  // to what is not there yet
+  fs::create_symlink("s.stl", folder_.file("link.stl"));  // dangling link
   refuses({"--surface", "Sphere 1=s.stl", "--surface", "Sphere 2=link.stl"}, 2, "link.stl");
   std::ofstream(folder_.file("one.nii")) << "kept";
   fs::create_hard_link(folder_.file("one.nii"), folder_.file("two.nii"));
@@ -110,7 +110,7 @@ TEST_F(PreprocessOutput, WhatCannotBeWrittenIsToldBeforeAnythingIsWritten) {
   refuses({"--labels", "l.nii", "--volume", std::string(300, 'x') + ".nii"}, 1, "File name too long");
 }
 
-/// Values are damaged: labels and surfaces, which need none, are written all the same.
+/// Damaged values do not keep labels and surfaces from being written.
 TEST_F(PreprocessOutput, DamageCostsTheFilesThatNeedWhatIsDamaged) {
   std::string damaged = bytes("a.atlas");
   damaged.back() = static_cast<char>(damaged.back() ^ 1);
@@ -126,7 +126,7 @@ TEST_F(PreprocessOutput, DamageCostsTheFilesThatNeedWhatIsDamaged) {
 }
 
 TEST_F(PreprocessOutput, AFullDiskIsToldInOneLine) {
-  // Files may grow to one block of 512 bytes.
+  // File size limit: one block of 512 bytes.
   const std::string full = "ulimit -f 1;";
   const auto fills_the_disk = [&](const std::string& option, const std::string& before,
                                   const std::string& output) {
@@ -144,7 +144,7 @@ TEST_F(PreprocessOutput, AFullDiskIsToldInOneLine) {
 }
 
 TEST_F(PreprocessOutput, AFullDiskLeavesNoFolderOfMasks) {
-  std::string voxels(24 * 24 * 24, '\0');  // noise: masks of more than a block
+  std::string voxels(24 * 24 * 24, '\0');  // noise, so that masks exceed a block
   std::mt19937 random(1);
   for (char& voxel : voxels) voxel = static_cast<char>(random() % 3);
   std::ofstream(folder_.file("noise.mha"), std::ios::binary)

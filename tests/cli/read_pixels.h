@@ -1,4 +1,4 @@
-// Pictures as other programs see them: read back through OpenImageIO.
+// Pictures read back through OpenImageIO.
 #pragma once
 
 #include <cstddef>
@@ -9,7 +9,7 @@
 
 namespace splatlas {
 
-/// Interleaved, as stored (8-bit values from 0 to 1); empty when the file cannot be read.
+/// Interleaved channels as stored (8-bit values scaled to [0, 1]); empty when the file cannot be read.
 inline std::vector<float> read_pixels(const std::string& path) {
   OIIO::ImageSpec as_stored;
   as_stored.attribute("oiio:UnassociatedAlpha", 1);

@@ -1,4 +1,4 @@
-// Damages an atlas in many places, one after the other, and looks what becomes of it: see flipped_file.h.
+// splatlas-flip-bytes: opens and draws damaged copies of an atlas (flipped_file.h).
 #include <algorithm>
 #include <array>
 #include <cstdio>
@@ -29,7 +29,7 @@ Bytes bytes_of_file(const std::string& path) {
   return Bytes(bytes.begin(), bytes.end());
 }
 
-/// Counts what became of the files, and what CPU time the slowest took.
+/// Counts outcomes and keeps the maximum CPU time of a file.
 class Tally {
  public:
   template <typename Damage>

@@ -16,7 +16,7 @@ std::size_t below(std::size_t n, std::mt19937& random) {
   return std::uniform_int_distribution<std::size_t>(0, n - 1)(random);
 }
 
-/// The streams that have bytes in a chunk.
+/// The streams with bytes in a chunk.
 std::vector<std::size_t> streams_in(const SectionLayout& section, std::size_t chunk) {
   std::vector<std::size_t> streams;
   for (std::size_t n = 0; n + 1 < section.stream_begin.size(); ++n) {
@@ -68,7 +68,7 @@ Outcome FlippedFiles::flip(std::size_t byte, std::uint8_t mask, std::mt19937& ra
     const bool is_start = byte < layout_.chunk_offset.front();
     return is_start && atlas.error().code == ErrorCode::kInvalidAtlas ? Outcome::kRefused : wrong(remark_);
   }
-  if (!drawing) {  // the empty class's values: no selection draws them
+  if (!drawing) {  // the empty class's values: never drawn
     const auto values = (*atlas)->read_values(kEmptyClass);
     if (values) return wrong("damaged values of the empty class were read");
     remark_ = values.error().message;

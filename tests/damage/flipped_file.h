@@ -1,5 +1,4 @@
-// One damaged file after the other, opened and drawn: damage must be told, and no picture may change without
-// that.
+// Damaged copies of an atlas, opened and drawn: an error must accompany every changed picture.
 #pragma once
 
 #include <cstdint>
@@ -15,29 +14,29 @@
 
 namespace splatlas {
 
-/// What became of a damaged file.
+/// Outcome of opening and drawing a damaged file.
 enum class Outcome : std::uint8_t {
-  kRefused,   ///< it could not be opened
-  kNothing,   ///< nothing of the selection could be drawn: an error
-  kRest,      ///< the picture of the rest, which is exactly that, and a word about what is missing
-  kUnharmed,  ///< the picture as it should be: the damage is elsewhere
+  kRefused,   ///< opening failed
+  kNothing,   ///< an error: nothing of the selection can be drawn
+  kRest,      ///< exactly the picture of the undamaged parts, with the missing ones listed
+  kUnharmed,  ///< the correct picture: the damage lies elsewhere
   kWrong,     ///< anything else
 };
 
-/// Damages a good file, and draws what lies where the damage is. Its structures must not overlap: what is
-/// left of one of them could not be told by a selection.
+/// Damages a valid file and draws the damaged structure. Structures must not overlap: no selection could
+/// otherwise name the undamaged rest.
 class FlippedFiles {
  public:
-  /// Throws std::runtime_error when the file is not good.
+  /// Throws std::runtime_error when the file is invalid.
   explicit FlippedFiles(Bytes good);
 
   [[nodiscard]] std::size_t bytes() const { return good_.size(); }
-  /// Changes one byte, opens the file, and draws a structure whose chunk it is, with another one, as chance
-  /// will have it.
+  /// Flips bits of one byte, opens the file and draws the structure of the damaged chunk, at random together
+  /// with another one.
   [[nodiscard]] Outcome flip(std::size_t byte, std::uint8_t mask, std::mt19937& random);
-  /// Opens the first bytes of the file, fewer than all.
+  /// Opens the file truncated to `length` bytes, fewer than it has.
   [[nodiscard]] Outcome truncate(std::size_t length);
-  /// What was wrong with the latest file; or what was said about it.
+  /// The fault of the latest file, or the message about its damage.
   [[nodiscard]] const std::string& remark() const { return remark_; }
 
  private:

@@ -1,6 +1,6 @@
-// Every allocation of opening, reading, rendering and writing an atlas fails once, and from there on: each
-// time there must be an error that says so, what is left must work when there is memory again, and nothing
-// leaks.
+// splatlas-allocation-faults: failing allocations in opening, reading, rendering and writing.
+// Each allocation fails once, then it and all later ones. Each time the program must report kLimit, work
+// again once memory is back, and leak nothing.
 
 #include <atomic>
 #include <cstdint>
@@ -33,7 +33,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Does the work, or goes on where it failed before; what comes out, as a checksum.
+/// Does the work, or resumes it after a failure. Returns a checksum of the result.
 using Work = std::function<Result<std::uint64_t>()>;
 
 struct Scenario {
@@ -45,7 +45,7 @@ std::uint64_t checksum(const std::vector<std::byte>& bytes) {
   return checksum_of(bytes);
 }
 
-/// Open, select, render, encode; afterwards all that is there stays for the next attempt.
+/// Open, select, render and encode. The next attempt reuses all objects that were made.
 Work rendering(const fs::path& atlas_path, const std::string& selection_text, const Camera& camera,
                const RenderOptions& options) {
   const auto renderer = std::make_shared<std::optional<Renderer>>();
@@ -64,7 +64,7 @@ Work rendering(const fs::path& atlas_path, const std::string& selection_text, co
   };
 }
 
-/// Verify, then read everything.
+/// Verifies, then reads everything.
 Work reading(const fs::path& atlas_path) {
   return [=]() -> Result<std::uint64_t> {
     SPLATLAS_ASSIGN_OR_RETURN(const auto atlas, Atlas::open(atlas_path));
@@ -81,7 +81,7 @@ Work writing(const AtlasContent& content, const fs::path& path, bool compact) {
   };
 }
 
-/// Loops on several threads, of both kinds.
+/// Parallel loops of both kinds.
 Work threading() {
   return []() -> Result<std::uint64_t> {
     std::atomic<std::uint64_t> sum = 0;
@@ -119,7 +119,7 @@ struct Tally {
   std::uint64_t points = 0, errors = 0, thrown = 0, done = 0, wrong = 0;
 };
 
-/// One attempt, with memory running out; kLimit for std::bad_alloc, too.
+/// One attempt under memory faults; std::bad_alloc counts as kLimit.
 struct Attempt {
   Result<std::uint64_t> result = fail(ErrorCode::kLimit, "");
   bool thrown = false, failed = false;
@@ -141,12 +141,12 @@ Attempt attempt(const Work& work, std::uint64_t number, bool lasting) {
 class Trial {
  public:
   Trial(const Scenario& scenario, const fs::path& folder) : scenario_(scenario), folder_(folder) {
-    for (int n = 0; n < 3; ++n) expected_ = scenario_.begin()().value();  // what stays for ever is there now
+    for (int n = 0; n < 3; ++n) expected_ = scenario_.begin()().value();  // permanent allocations exist now
     names_ = names();
     live_ = FailingAllocator::live();
   }
 
-  /// Whether there was an allocation of this number.
+  /// Whether the work makes an allocation of this number.
   bool strike(std::uint64_t number, bool lasting) {
     std::string complaint;
     bool failed = false;
@@ -171,8 +171,8 @@ class Trial {
   [[nodiscard]] const Tally& tally() const { return tally_; }
 
  private:
-  /// Whether there is more memory in use each time. Once is no leak: threads that happened to work at the
-  /// same time have a compressor each, and keep it.
+  /// Whether memory in use grows each time. Growth once is no leak: each thread that takes part keeps a
+  /// compressor.
   [[nodiscard]] bool leaks(std::uint64_t number, bool lasting) {
     constexpr int kTimes = 3;
     int times = 0;

@@ -1,5 +1,6 @@
-// Every system call on a file of every command that writes: killed, failing, cut short. After each of these
-// the output must be the old file or the complete new one, with an exit status and a message that fit.
+// splatlas-disk-faults: every system call on a file, of every command that writes, killed, failing or cut
+// short.
+// Afterwards the output must be the old file or the complete new one, and exit status and message must match.
 
 #include <algorithm>
 #include <array>
@@ -30,7 +31,7 @@ std::string contents(const fs::path& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-/// Names and bytes of everything below a file or folder; empty when it is not there.
+/// Names and bytes of everything below a file or folder; empty when it does not exist.
 std::map<std::string, std::string> tree_of(const fs::path& path) {
   std::map<std::string, std::string> tree;
   if (!fs::is_directory(path)) {
@@ -42,7 +43,7 @@ std::map<std::string, std::string> tree_of(const fs::path& path) {
   return tree;
 }
 
-/// What can go wrong at a call.
+/// The faults to inject at a call.
 std::vector<Fault> faults_at(const FileCall& call) {
   std::vector<Fault> faults{{Kind::kKill, 0, false, "kill -9"},
                             {Kind::kError, EIO, false, "EIO"},
@@ -63,12 +64,12 @@ std::vector<Fault> faults_at(const FileCall& call) {
   return faults;
 }
 
-/// How the points of a scenario ended.
+/// Outcomes of the points of a scenario.
 struct Tally {
   std::size_t calls = 0, points = 0, old_kept = 0, new_whole = 0, killed = 0, wrong = 0;
 };
 
-/// One command, again and again over the same old output.
+/// One command, repeated over the same old output.
 class Rehearsal {
  public:
   Rehearsal(const FaultScenario& scenario, fs::path folder)
@@ -110,12 +111,12 @@ class Rehearsal {
     return names;
   }
 
-  /// What is wrong after a run; nothing: empty.
+  /// The fault after a run; empty: none.
   [[nodiscard]] std::string judge(const ProgramResult& result, const Fault& fault) {
     const auto found = tree_of(output_);
     const bool is_new = found == new_, is_old = found == old_;
     const bool kills = fault.kind == Kind::kKill || fault.kind == Kind::kTear;
-    // What cannot be read of an atlas costs its structures: a picture of the rest says so.
+    // Unreadable chunks cost their structures: the program draws the rest and says so.
     const bool is_rest = result.status == 3 && result.err.ends_with("was written without what is missing\n");
     ++(result.status == kKilled ? tally_.killed : is_new || is_rest ? tally_.new_whole : tally_.old_kept);
     if (is_rest) return judge_debris(fault.lasts);
@@ -131,7 +132,7 @@ class Rehearsal {
     return judge_debris(kills || fault.lasts);
   }
 
-  /// Nothing is left over, or (where cleaning up could not be done) nothing after the next run.
+  /// Temporaries must be gone, or, where cleaning up may have failed, gone after the next run.
   [[nodiscard]] std::string judge_debris(bool may_leave) const {
     const auto is_known = [&](const std::string& name) { return std::ranges::binary_search(names_, name); };
     if (std::ranges::all_of(names(), is_known)) return "";

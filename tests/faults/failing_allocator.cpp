@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::uint64_t kNever = std::numeric_limits<std::uint64_t>::max();
 
-// Constant initialisation: allocations come before any constructor has run.
+// Constant initialisation: allocations precede all constructors.
 constinit std::atomic<std::uint64_t> made{0}, first_failure{kNever}, last_failure{kNever};
 constinit std::atomic<std::int64_t> alive{0};
 
@@ -64,7 +64,7 @@ void* allocate_or_throw(std::size_t size, std::size_t alignment = __STDCPP_DEFAU
 
 }  // namespace
 
-// All of them: a sanitizer's own would not be freed by these.
+// All forms are replaced: these could not free blocks of a sanitizer.
 void* operator new(std::size_t size) {
   return allocate_or_throw(size);
 }
@@ -116,7 +116,7 @@ void operator delete[](void* memory, const std::nothrow_t&) noexcept {
 
 #else
 
-// The C library's own, under the names that it keeps for whoever takes their place.
+// The C library's allocator, under the names that it reserves for replacements.
 extern "C" {
 void* __libc_malloc(std::size_t size);
 void* __libc_calloc(std::size_t count, std::size_t size);

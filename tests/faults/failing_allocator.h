@@ -1,21 +1,21 @@
-// Memory that runs out at a chosen moment.
+// Allocator that fails at a chosen allocation.
 #pragma once
 
 #include <cstdint>
 
 namespace splatlas {
 
-/// Every allocation of the program is counted, on all threads: by malloc and its kin, and so by operator new
-/// and by libraries. With sanitizers, which have a malloc of their own, those by operator new alone.
+/// Counts all allocations of the program, on all threads: malloc and its relatives, and thus operator new and
+/// libraries. Sanitizers replace malloc: with them, only operator new counts.
 class FailingAllocator {
  public:
-  /// From now on, allocation `number` (from 0) fails; `lasting`: and all after it.
+  /// Makes allocation `number` (from 0) fail from now on; `lasting`: and all later ones.
   static void arm(std::uint64_t number, bool lasting);
-  /// No more failures.
+  /// Ends the failures.
   static void disarm();
-  /// Since arm().
+  /// Allocations since arm().
   [[nodiscard]] static std::uint64_t count();
-  /// Blocks that are allocated now; 0 with sanitizers: AddressSanitizer finds leaks itself.
+  /// Blocks in use; 0 with sanitizers (AddressSanitizer detects leaks itself).
   [[nodiscard]] static std::int64_t live();
 };
 

@@ -13,7 +13,7 @@ namespace {
 
 constexpr unsigned kSize = 20;
 
-/// Two structures, one in each half, and noise.
+/// Two structures, one in each half of the grid, and noise as grey values.
 void write_sources(const std::filesystem::path& folder) {
   const std::string header = fmt::format(
       "ObjectType = Image\nNDims = 3\nDimSize = {0} {0} {0}\nElementType = MET_UCHAR\n"

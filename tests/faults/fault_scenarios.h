@@ -1,4 +1,4 @@
-// Commands of both programs that write files, each over an old one.
+// Commands of both programs that write files, each over an existing output.
 #pragma once
 
 #include <filesystem>
@@ -9,15 +9,15 @@ namespace splatlas {
 
 struct FaultScenario {
   std::string name;
-  std::vector<std::string> words;  ///< of the command, to be run in the folder
-  std::string output;              ///< the file or folder that it makes or replaces
-  bool replaces = true;            ///< there is an old output
+  std::vector<std::string> words;  ///< command line, to be run in the folder
+  std::string output;              ///< file or folder that it creates or replaces
+  bool replaces = true;            ///< an old output exists
 };
 
-/// Writes a small volume with its labels, and an atlas of them, into the folder.
+/// Writes a small volume, its labels and an atlas of them into the folder.
 void prepare_inputs(const std::filesystem::path& folder);
 
-/// Builds, exports of every kind and renderings to every kind of picture.
+/// Builds, exports of every kind and pictures in every format.
 [[nodiscard]] std::vector<FaultScenario> fault_scenarios();
 
 }  // namespace splatlas

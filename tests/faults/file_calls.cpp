@@ -21,7 +21,7 @@ struct KnownCall {
   const char* name;
   Effect effect;
   int path_argument;        ///< -1: the first argument is a descriptor
-  int flags_argument = -1;  ///< of calls that open: O_CREAT and others make them store
+  int flags_argument = -1;  ///< of open calls: O_CREAT and others make them store
   bool transfers = false, has_position = false;
 };
 
@@ -57,10 +57,10 @@ constexpr std::array kCalls{
     KnownCall{SYS_close, "close", Effect::kChanges, -1},
 };
 
-/// The text at an address of another process; empty when there is none.
+/// The string at an address of another process; empty when there is none.
 std::string text_at(pid_t process, std::uint64_t address) {
   std::array<char, 4096> text{};
-  constexpr std::size_t kPage = 4096;  // the text may end right before a page that is not there
+  constexpr std::size_t kPage = 4096;  // the string may end right before an unmapped page
   std::size_t got = 0;
   while (got < text.size()) {
     iovec to{text.data() + got, std::min(text.size() - got, kPage - (address + got) % kPage)};
@@ -112,7 +112,7 @@ std::optional<FileCall> file_call_of(const seccomp_notif& request, const fs::pat
     const auto flags = request.data.args[static_cast<std::size_t>(call->flags_argument)];
     if ((flags & (O_CREAT | O_TRUNC | O_WRONLY | O_RDWR)) != 0) effect = Effect::kStores;
   }
-  // Whoever looks for libraries tries many names.
+  // The loader probes many names for libraries.
   if (call->path_argument >= 0 && effect == Effect::kReads && !fs::exists(file)) return std::nullopt;
   return FileCall{call->name, effect, call->transfers, call->has_position};
 }

@@ -1,4 +1,4 @@
-// The system calls that read or change files, and which of them are about the files of one folder.
+// System calls on files, and the selection of those on the files of one folder.
 #pragma once
 
 #include <cstddef>
@@ -12,24 +12,24 @@
 
 namespace splatlas {
 
-/// One system call of a watched program, on a file of the folder (or on the folder).
+/// System call of a traced process on the folder or a file in it.
 struct FileCall {
   enum class Effect : std::uint8_t {
     kReads,
-    kStores,   ///< may find the disk full: writes, new names, syncs
+    kStores,   ///< may fail on a full disk: writes, new names, syncs
     kChanges,  ///< the rest: removes, closes, permissions
   };
   std::string name;
   Effect effect = Effect::kReads;
-  bool transfers = false;     ///< read and write with a buffer: may do less than asked
-  bool has_position = false;  ///< ... at a position of its own
+  bool transfers = false;     ///< reads or writes a buffer: may transfer less than requested
+  bool has_position = false;  ///< ... at an explicit position
 };
 
-/// The numbers of all these calls, for a filter.
+/// The numbers of all these system calls, for a seccomp filter.
 [[nodiscard]] std::span<const int> file_call_numbers();
 
-/// The call that a process waits in, when it is about the folder's files. `folder` is canonical, and the
-/// process's working directory.
+/// The call that a process is stopped in, if it concerns files of the folder. `folder` is canonical and the
+/// working directory of the process.
 [[nodiscard]] std::optional<FileCall> file_call_of(const seccomp_notif& request,
                                                    const std::filesystem::path& folder);
 

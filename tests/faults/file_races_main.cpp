@@ -1,5 +1,6 @@
-// A file that others truncate, overwrite, replace or remove while it is opened, verified and rendered: each
-// time there must be the right picture, or an error that names the file.
+// splatlas-file-races: atlases that others truncate, overwrite, replace or remove during opening, verifying
+// and rendering.
+// Each time the picture must be right, or an error must name the file.
 
 #include <array>
 #include <atomic>
@@ -41,10 +42,10 @@ void put(const fs::path& path, const Bytes& bytes) {
       .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
 }
 
-/// How far the reader has come.
+/// Progress of the reader.
 enum Stage : int { kBegins, kOpened, kSelected, kSeen };
 
-/// What happens to the file: one thing, some time after the reader has come to a stage.
+/// Attacks the file once, some time after the reader reaches a stage.
 class Attacker {
  public:
   Attacker(const fs::path& path, Attack kind, const Bytes& other, std::uint32_t seed)
@@ -63,7 +64,7 @@ class Attacker {
   Attacker(const Attacker&) = delete;
   Attacker& operator=(const Attacker&) = delete;
 
-  /// The reader tells. Half of the times it waits here until the thing is done.
+  /// Called by the reader. Every other time it waits here until the attack is over.
   void reached(Stage stage) {
     reader_ = stage;
     if (stage != stage_ || (random_() & 1) == 0) return;
@@ -118,8 +119,8 @@ class Attacker {
   std::thread thread_;
 };
 
-/// Surfaces first, then all of it: each reads what it needs when it needs it.
-Result<std::vector<Picture>> look_at(
+/// Draws the surfaces, then everything: each picture reads its parts on demand.
+Result<std::vector<Picture>> draw_pictures(
     const fs::path& path, bool verify, const std::function<void(Stage)>& reached = [](Stage) {}) {
   reached(kBegins);
   SPLATLAS_ASSIGN_OR_RETURN(const auto atlas, Atlas::open(path));
@@ -133,7 +134,7 @@ Result<std::vector<Picture>> look_at(
     if (!pictures.empty()) reached(kSelected);
     SPLATLAS_ASSIGN_OR_RETURN(pictures.emplace_back(),
                               renderer.render({.azimuth_deg = 30}, {.size = {24, 24}}));
-    // A picture of the rest says so: as good as an error.
+    // A partial picture reports its missing parts: it counts as an error.
     if (!renderer.missing().empty()) return tl::unexpected(renderer.missing().front().error);
   }
   return pictures;
@@ -154,10 +155,11 @@ class Races {
         atlas_(encode_atlas(small_atlas(1)).value()),
         other_(encode_atlas(small_atlas(2)).value()) {
     put(path_, other_);
-    new_pictures_ = look_at(path_, true).value();
+    new_pictures_ = draw_pictures(path_, true).value();
     put(path_, atlas_);
-    old_pictures_ = look_at(path_, true).value();
-    if (are_same(old_pictures_, new_pictures_)) throw std::runtime_error("both atlases look alike");
+    old_pictures_ = draw_pictures(path_, true).value();
+    if (are_same(old_pictures_, new_pictures_))
+      throw std::runtime_error("both atlases draw the same pictures");
   }
 
   void run(std::uint32_t seed) {
@@ -165,7 +167,7 @@ class Races {
     fs::remove(path_);
     put(path_, atlas_);
     std::optional<Attacker> attacker(std::in_place, path_, kind, other_, seed);
-    const auto seen = look_at(path_, seed % 4 == 0, [&](Stage stage) { attacker->reached(stage); });
+    const auto seen = draw_pictures(path_, seed % 4 == 0, [&](Stage stage) { attacker->reached(stage); });
     attacker.reset();
     judge(seed, kind, seen);
   }

@@ -1,4 +1,4 @@
-// What the harnesses that count points have in common.
+// Command line shared by the harnesses that count points of failure.
 #pragma once
 
 #include <cstdint>
@@ -7,13 +7,13 @@
 
 namespace splatlas {
 
-/// Which of all points are taken: the first, and each so-many-th after it, in what has `only` in its name.
+/// The points to run: `first` and every `every`-th after it, in scenarios whose name contains `only`.
 struct ChosenPoints {
   std::uint64_t every = 1, first = 0;
   std::string only;
 };
 
-/// Reads --every, --first and --only, and runs; the program's exit status.
+/// Parses --every, --first and --only, and runs. Returns the exit status of the program.
 [[nodiscard]] int run_harness(int argc, char** argv, const std::string& name, const std::string& what,
                               const std::function<int(const ChosenPoints&)>& run);
 

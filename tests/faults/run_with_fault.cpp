@@ -22,7 +22,7 @@
 namespace splatlas {
 namespace {
 
-/// Sends a descriptor to the other end of a socket pair, and receives it there.
+/// Message that passes a descriptor through a socket pair.
 union OneDescriptor {
   cmsghdr header;
   std::array<char, CMSG_SPACE(sizeof(int))> space;
@@ -59,7 +59,7 @@ int receive_descriptor(int socket) {
   return descriptor;
 }
 
-/// In the process that is to be watched: from now on it waits at every call that file_call_numbers() names.
+/// For the traced process: from now on it stops at every call of file_call_numbers().
 int watch_this_process() {
   std::vector<sock_filter> filter;
   filter.push_back(BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(seccomp_data, nr)));
@@ -76,7 +76,7 @@ int watch_this_process() {
   return static_cast<int>(listener);
 }
 
-/// Does half of a read or write in another process's place; what that gave.
+/// Does half of a read or write on behalf of another process. Returns its result.
 seccomp_notif_resp transfer_half(const seccomp_notif& request, const FileCall& call, int process) {
   const auto descriptor =
       static_cast<int>(::syscall(SYS_pidfd_getfd, process, static_cast<int>(request.data.args[0]), 0));
@@ -123,7 +123,8 @@ class Supervisor {
     while (::poll(&waiting, 1, -1) >= 0 || errno == EINTR) {
       if ((waiting.revents & POLLIN) == 0) break;
       seccomp_notif request{};
-      if (::ioctl(listener_, SECCOMP_IOCTL_NOTIF_RECV, &request) != 0) continue;  // it was killed meanwhile
+      if (::ioctl(listener_, SECCOMP_IOCTL_NOTIF_RECV, &request) != 0)
+        continue;  // the process was killed meanwhile
       seccomp_notif_resp answer = answer_to(request);
       ::ioctl(listener_, SECCOMP_IOCTL_NOTIF_SEND, &answer);
     }
@@ -178,7 +179,7 @@ FaultyRun run_with_fault(const std::vector<std::string>& words, const std::files
   std::array<int, 2> sockets{};
   if (::socketpair(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0, sockets.data()) != 0)
     throw std::runtime_error("cannot make a socket pair");
-  const timeval patience{10, 0};  // for a system that refuses the filter
+  const timeval patience{10, 0};  // timeout, for systems that refuse the filter
   ::setsockopt(sockets[0], SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
   FaultyRun run;
   const auto supervise = [&](int child) {

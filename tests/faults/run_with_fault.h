@@ -1,4 +1,4 @@
-// Runs a program in which one system call on a file goes wrong.
+// Fault injection into one system call of a program.
 #pragma once
 
 #include <cstddef>
@@ -13,30 +13,30 @@
 
 namespace splatlas {
 
-/// What happens at a call, which is told by its number among the calls on files of the folder.
+/// Fault at a call. Calls are numbered among those on files of the folder.
 struct Fault {
   enum class Kind : std::uint8_t {
     kKill,   ///< SIGKILL before the call
-    kTear,   ///< SIGKILL after half of what the call was to transfer
+    kTear,   ///< SIGKILL after half of the transfer
     kError,  ///< the call fails
-    kShort,  ///< the call transfers half of what it was asked to
+    kShort,  ///< the call transfers half of the request
   };
   Kind kind = Kind::kKill;
-  int error = 0;       ///< of kError; after kShort: how later calls fail, 0: they do not
-  bool lasts = false;  ///< so do later calls that read (or: store and change; for ENOSPC: store)
-  std::string name;    ///< for people: "EIO, lasting"
+  int error = 0;       ///< of kError; of kShort: the error of later calls, 0 for none
+  bool lasts = false;  ///< later calls that read fail, too (or: store and change; with ENOSPC: store)
+  std::string name;    ///< description: "EIO, lasting"
 };
 
 struct FaultyRun {
   ProgramResult result;
-  std::vector<FileCall> calls;  ///< on files of the folder, as far as the program came
+  std::vector<FileCall> calls;  ///< on files of the folder, up to the end of the run
 };
 
 /// No call has this number.
 inline constexpr std::size_t kNoCall = std::numeric_limits<std::size_t>::max();
 
-/// Runs `words` in `folder`, which must be canonical, with the fault at the call of this number. Needs Linux
-/// 5.9 (seccomp's user notification): it sees every call, of libraries too, whatever way it is made.
+/// Runs `words` in `folder`, a canonical path, with the fault at the call of this number. Needs Linux 5.9:
+/// the user notification of seccomp covers all calls, those of libraries included.
 [[nodiscard]] FaultyRun run_with_fault(const std::vector<std::string>& words,
                                        const std::filesystem::path& folder, std::size_t number = kNoCall,
                                        const Fault& fault = {});

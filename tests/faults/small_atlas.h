@@ -1,12 +1,12 @@
-// An atlas of 1000 voxels that has everything an atlas can have.
+// Atlas of 1000 voxels with every feature of the format.
 #pragma once
 
 #include "format/atlas_content.h"
 
 namespace splatlas {
 
-/// A group of two boxes, one with a surface and normals that follow from its voxels, a ball that overlaps
-/// both, and grey values that depend on `seed`; with any other seed, the same places in the file.
+/// A group of two boxes, one of them with a surface and normals derived from its voxels, and a ball that
+/// overlaps both. Grey values depend on `seed`; the file layout does not.
 [[nodiscard]] AtlasContent small_atlas(unsigned seed = 1);
 
 }  // namespace splatlas

@@ -1,5 +1,4 @@
-// Takes atlas files apart and puts them together again, changed and with right checksums: files as a careful
-// enemy would write them.
+// Atlas files taken apart, edited and reassembled with right checksums, as an attacker would.
 #pragma once
 
 #include <algorithm>
@@ -17,7 +16,7 @@ namespace splatlas {
 
 using Bytes = std::vector<std::byte>;
 
-/// An atlas file in parts. Change them at will: put_together() believes everything.
+/// Parts of an atlas file. Change them at will: put_together() checks nothing.
 struct AtlasParts {
   FileHeader header;
   Directory directory;
@@ -39,7 +38,7 @@ inline AtlasParts take_apart(const Bytes& file) {
   return parts;
 }
 
-/// Header, these bytes as the directory, and the chunks, with right lengths and checksums in the header.
+/// A file of this directory and these chunks, with right lengths and checksums in the header.
 inline Bytes put_together(const Bytes& directory, const std::vector<Bytes>& chunks) {
   std::size_t size = sizeof(FileHeader) + directory.size();
   for (const Bytes& chunk : chunks) size += chunk.size();
@@ -55,7 +54,7 @@ inline Bytes put_together(const AtlasParts& parts) {
   return put_together(encode_directory(parts.directory).value(), parts.chunks);
 }
 
-/// The directory's bytes of a file.
+/// The directory bytes of a file.
 inline Bytes directory_bytes(const Bytes& file) {
   FileHeader header;
   std::memcpy(&header, file.data(), sizeof header);
@@ -82,8 +81,8 @@ inline std::vector<Bytes> decode_streams(const AtlasParts& parts, SectionKind ki
   return streams;
 }
 
-/// Puts other streams into a section: cuts and compresses them as the writer does. Their lengths in the
-/// directory are the caller's business.
+/// Replaces the streams of a section, cut and compressed as by the writer. The caller adjusts their lengths
+/// in the directory.
 inline void replace_streams(AtlasParts& parts, SectionKind kind, const std::vector<Bytes>& streams) {
   std::size_t first = 0;
   for (SectionEntry& section : parts.directory.sections) {

@@ -115,7 +115,7 @@ TEST(ClassStorageOrder, FollowsThePreorderInteriorBeforeBoundary) {
   std::vector<std::size_t> first_seen(expected.size() - 1);
   std::iota(first_seen.begin(), first_seen.end(), 1u);
   std::mt19937 random(1);
-  for (int n = 0; n < 20; ++n) {  // whatever the order in which they were met
+  for (int n = 0; n < 20; ++n) {  // in any order of insertion
     std::shuffle(first_seen.begin(), first_seen.end(), random);
     ClassTable table;
     for (const std::size_t e : first_seen) table.intern(expected[e]);
@@ -154,7 +154,7 @@ RC_GTEST_PROP(ClassStorageOrder, DependsOnTheCombinationsAlone, ()) {
   std::shuffle(combinations.begin(), combinations.end(), random);
   RC_ASSERT(stored() == first);
 
-  // A subtree's classes are those of a range, as far as their first structure goes.
+  // The classes of a subtree are a range, by their first structure.
   std::vector<std::size_t> rank(n);
   for (std::size_t place = 0; place < n; ++place) rank[graph.preorder()[place]] = place;
   std::size_t before = 0;

@@ -12,7 +12,7 @@ namespace {
 
 using Members = std::vector<Membership>;
 
-/// The paper's phantom: two balls apart in 32x32x32 (table 1).
+/// The paper's phantom: two disjoint balls in 32x32x32 voxels (table 1).
 struct Phantom {
   StructureGraph graph = *StructureGraph::build({{.id = "large"}, {.id = "small"}});
   ClassTable classes;
@@ -57,7 +57,7 @@ TEST(DecisionTree, ListsClassesAndSurfacesToDraw) {
   EXPECT_TRUE(tree.plan(*select("*", phantom.graph)).surfaces.empty());
 }
 
-TEST(DecisionTree, TheLatestTermThenTheHigherIndexGivesTheLook) {
+TEST(DecisionTree, TheLatestTermThenTheHigherIndexGivesTheAppearance) {
   const auto graph =
       *StructureGraph::build({{.id = "whole"}, {.id = "part", .parents = {0}}, {.id = "other"}});
   ClassTable classes;
@@ -89,7 +89,7 @@ TEST(DecisionTree, ExternalSurfacesAreDrawnInEveryMode) {
   EXPECT_EQ(both.classes[1], (ClassDraw{in_bone, VoxelRole::kHybrid, 0, false}));
 }
 
-/// Voxels with their own lists of memberships, as a brute force evaluation wants them.
+/// Voxels with their memberships, for brute-force evaluation.
 struct Voxels {
   std::vector<Members> members;
   std::vector<ClassId> classes;
@@ -114,7 +114,7 @@ Voxels random_voxels(const StructureGraph& graph, std::mt19937& random) {
   return voxels;
 }
 
-/// What the contract says of one voxel: one structure after the other.
+/// The rules for one voxel, structure by structure.
 ClassDraw draw_of(const Members& members, const Selection& selection) {
   bool volume = false;
   bool surface = false;

@@ -1,4 +1,4 @@
-// Content whose surfaces and normals follow from its voxels.
+// Content with derived surfaces and normals.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +10,7 @@
 
 namespace splatlas {
 
-/// The content with what fits its voxels instead of its random surfaces and normals.
+/// The content with surfaces and normals derived from its voxels.
 [[nodiscard]] inline AtlasContent fitted(AtlasContent content) {
   const Grid grid = storage_grid(content);
   const StructureClasses held(content.classes, content.graph.size());

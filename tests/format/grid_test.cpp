@@ -12,26 +12,16 @@
 #include <rapidcheck/gtest.h>
 
 #include "tests/format/random_volume.h"
+#include "tests/support/axis_orders.h"
 
 namespace splatlas {
 namespace {
-
-std::vector<AxisOrder> all_axis_orders() {
-  std::vector<AxisOrder> orders;
-  std::array<std::uint8_t, 3> from{0, 1, 2};
-  do {
-    for (unsigned flips = 0; flips < 8; ++flips) {
-      orders.push_back({from, {(flips & 1u) != 0, (flips & 2u) != 0, (flips & 4u) != 0}});
-    }
-  } while (std::next_permutation(from.begin(), from.end()));
-  return orders;
-}
 
 double real(std::mt19937& random, double low, double high) {
   return std::uniform_real_distribution<double>(low, high)(random);
 }
 
-/// Axes turned by any angles, mirrored half of the time.
+/// Axes rotated by any angles, mirrored half of the time.
 Matrix3 random_direction(std::mt19937& random) {
   const double a = real(random, -3.2, 3.2);
   const double b = real(random, -3.2, 3.2);
@@ -57,7 +47,7 @@ Grid random_grid(std::mt19937& random) {
   return grid;
 }
 
-/// The old voxel that lies at a new voxel's place.
+/// The old voxel at the place of a new voxel.
 Index3 old_voxel(const Index3& voxel, const Index3& old_size, const AxisOrder& order) {
   Index3 old{};
   for (std::size_t a = 0; a < 3; ++a) {
@@ -168,7 +158,7 @@ RC_GTEST_PROP(Grid, VoxelsAreReorderedAsTheGridIs, ()) {
 }
 
 TEST(AxisStorageOrder, EveryAxisOrderOfAVolumeIsStoredAlike) {
-  // Oblique, but each axis is nearest to another anatomical one.
+  // Oblique, with each axis nearest to another anatomical axis.
   const double c = std::cos(0.3);
   const double s = std::sin(0.3);
   const Grid stored{{5, 6, 7}, {1, 2, 3}, {-90, -126, -72}, {c, -s, 0, s, c, 0, 0, 0, 1}};
@@ -203,7 +193,7 @@ TEST(AxisStorageOrder, RasIsFlippedTwice) {
 }
 
 TEST(AxisStorageOrder, TiesGoToTheFirstPermutation) {
-  // i and j lie exactly between L and P: both orders are as close.
+  // i and j lie midway between L and P: both orders are equally near.
   const double h = std::numbers::sqrt2 / 2;
   const Grid grid{.size = {2, 3, 4}, .direction_lps = {h, h, 0, h, -h, 0, 0, 0, 1}};
   EXPECT_EQ(storage_order(grid), (AxisOrder{{0, 1, 2}, {false, true, false}}));

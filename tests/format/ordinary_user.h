@@ -1,4 +1,4 @@
-// Whom permissions stop: tests may run as root, whom they do not.
+// Unprivileged user for permission tests, which may run as root.
 #pragma once
 
 #include <cstdlib>
@@ -8,7 +8,7 @@
 
 namespace splatlas {
 
-/// Root is nobody while this lives; others stay who they are.
+/// Root acts as "nobody" during its lifetime. Other users stay as they are.
 class OrdinaryUser {
  public:
   static constexpr uid_t kNobody = 65534;
@@ -28,7 +28,7 @@ class OrdinaryUser {
   gid_t group_ = ::getegid();
 };
 
-/// Gives a file or folder to whom OrdinaryUser makes of this process; whether that could be done.
+/// Gives a file or folder to the user of OrdinaryUser. Returns success.
 [[nodiscard]] inline bool give_to_ordinary_user(const char* path) {
   return ::geteuid() != 0 || ::chown(path, OrdinaryUser::kNobody, static_cast<gid_t>(-1)) == 0;
 }

@@ -1,5 +1,4 @@
-// Small random atlases of every feature, and their comparison. For property tests of whatever takes or gives
-// AtlasContent.
+// Small random atlases of every feature, and their comparison, for property tests.
 #pragma once
 
 #include <algorithm>
@@ -14,18 +13,19 @@
 
 #include "format/atlas_content.h"
 #include "tests/format/random_graph.h"
+#include "tests/support/neighbours.h"
 
 namespace splatlas {
 
-/// What a random atlas may hold at most.
+/// Limits of random atlases.
 struct ContentLimits {
   std::int64_t max_side = 12;      ///< voxels
-  std::size_t max_structures = 8;  ///< none at all occurs
-  std::size_t max_vertices = 60;   ///< of a surface
+  std::size_t max_structures = 8;  ///< may be 0
+  std::size_t max_vertices = 60;   ///< per surface
 };
 
-/// Builds one random atlas. Structures are boxes and balls that overlap at will; some are groups, some empty,
-/// some external with crossed voxels; several parents are common.
+/// Builds one random atlas. Structures are overlapping boxes and balls; some are groups, empty, or external
+/// with crossed voxels. Several parents are common.
 class RandomContent {
  public:
   RandomContent(std::mt19937& random, const ContentLimits& limits) : random_(random), limits_(limits) {}
@@ -58,7 +58,7 @@ class RandomContent {
     std::array<std::size_t, 3> axes{0, 1, 2};
     std::shuffle(axes.begin(), axes.end(), random_);
     grid.direction_lps = {};
-    for (std::size_t a = 0; a < 3; ++a) {  // a signed permutation, somewhat oblique
+    for (std::size_t a = 0; a < 3; ++a) {  // a signed permutation, slightly sheared
       for (std::size_t row = 0; row < 3; ++row) grid.direction_lps[3 * row + a] = real(-0.1, 0.1);
       grid.direction_lps[3 * axes[a] + a] = below(2) == 0 ? 1 : -1;
     }
@@ -75,7 +75,7 @@ class RandomContent {
     content_.graph = *StructureGraph::build(std::move(structures));
   }
 
-  /// The voxels of one structure: none, a ball or a box, which may reach beyond the grid.
+  /// The voxels of one structure: none, a ball or a box, which may exceed the grid.
   std::vector<bool> make_mask() {
     const std::size_t kind = below(4);  // 0: empty
     std::array<double, 3> center{}, radius{};
@@ -105,23 +105,6 @@ class RandomContent {
     }
   }
 
-  [[nodiscard]] bool holds(const std::vector<bool>& mask, const Index3& at) const {
-    for (std::size_t a = 0; a < 3; ++a) {
-      if (at[a] < 0 || at[a] >= size_[a]) return false;
-    }
-    return mask[static_cast<std::size_t>((at[2] * size_[1] + at[1]) * size_[0] + at[0])];
-  }
-
-  /// One of the 18 neighbours that share a face or an edge is outside.
-  [[nodiscard]] bool is_boundary(const std::vector<bool>& mask, const Index3& at) const {
-    for (std::int64_t n = 0; n < 27; ++n) {
-      const Index3 step{n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1};
-      if (std::abs(step[0]) + std::abs(step[1]) + std::abs(step[2]) > 2) continue;
-      if (!holds(mask, {at[0] + step[0], at[1] + step[1], at[2] + step[2]})) return true;
-    }
-    return false;
-  }
-
   void make_classes() {
     const StructureGraph& graph = content_.graph;
     std::vector<std::vector<bool>> masks;
@@ -130,8 +113,9 @@ class RandomContent {
     for_each_voxel([&](const Index3& at) {
       std::vector<Membership> members;
       for (StructureIndex s = 0; s < graph.size(); ++s) {
-        if (!holds(masks[s], at)) continue;
-        const bool boundary = is_boundary(masks[s], at);
+        const auto holds = holds_in(masks[s], size_);
+        if (!holds(at)) continue;
+        const bool boundary = is_boundary(at, holds);
         if (graph[s].external) {
           if (boundary) members.push_back({s, Part::kCrossed});
         } else {
@@ -157,7 +141,7 @@ class RandomContent {
     }
   }
 
-  /// Any bytes will do, not-a-numbers with payloads included; runs of equal ones, too.
+  /// Any bytes, including not-a-number with payloads and runs of equal values.
   void make_values() {
     VoxelBuffer& values = content_.values;
     values.type = static_cast<VoxelType>(below(9));
@@ -224,7 +208,7 @@ inline bool same_classes(const ClassTable& a, const ClassTable& b) {
   return true;
 }
 
-/// The first part in which two atlases differ; "" when they are equal. Values are compared by their bytes.
+/// The first part in which two atlases differ; "" if they are equal. Values are compared bytewise.
 inline std::string difference(const AtlasContent& a, const AtlasContent& b) {
   if (a.source_grid != b.source_grid) return "source_grid";
   if (a.source_to_storage != b.source_to_storage) return "source_to_storage";

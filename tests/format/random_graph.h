@@ -38,13 +38,13 @@ inline void showValue(const Selection& selection, std::ostream& out) {
   }
 }
 
-/// A directed acyclic graph of `n` structures in no particular order: forests, trees and structures with
-/// several parents; names repeat, ids hold "-" and capitals.
+/// A directed acyclic graph of `n` structures in any order: forests, trees and several parents. Names repeat;
+/// ids contain "-" and capitals.
 inline StructureGraph random_graph(std::size_t n, std::mt19937& random) {
   const auto below = [&random](std::size_t m) {
     return std::uniform_int_distribution<std::size_t>(0, m - 1)(random);
   };
-  std::vector<StructureIndex> at(n);  // place in the graph's order -> index
+  std::vector<StructureIndex> at(n);  // place in graph order -> index
   std::iota(at.begin(), at.end(), StructureIndex{0});
   std::shuffle(at.begin(), at.end(), random);
   const std::vector<std::string> names{"Left", "Right", "lobe", "Gyrus of A", "x", "white/grey", "Kern*"};
@@ -65,7 +65,7 @@ inline StructureGraph random_graph(std::size_t n, std::mt19937& random) {
   return *StructureGraph::build(std::move(structures));
 }
 
-/// Points of random bits and of plain numbers.
+/// Points of random bits or of plain numbers.
 inline TransferCurve random_curve(std::mt19937& random) {
   const auto real = [&random](double low, double high) {
     return std::uniform_real_distribution<double>(low, high)(random);
@@ -80,7 +80,7 @@ inline TransferCurve random_curve(std::mt19937& random) {
   return curve;
 }
 
-/// Few enough different ones that a parent's and a child's are often half alike.
+/// Few distinct styles, so that parent and child often share parts.
 inline VolumeStyle random_style(std::mt19937& random) {
   VolumeStyle style;
   if (random() % 3 == 0) return style;
@@ -95,7 +95,7 @@ inline VolumeStyle random_style(std::mt19937& random) {
   return style;
 }
 
-/// Appearances that tend to be those of a parent, so that whole subtrees are alike.
+/// Appearances often equal those of a parent, so that whole subtrees match.
 inline Selection random_selection(const StructureGraph& graph, std::mt19937& random) {
   const auto below = [&random](std::size_t m) {
     return std::uniform_int_distribution<std::size_t>(0, m - 1)(random);

@@ -23,19 +23,19 @@ inline void showValue(const ClassVolume& v, std::ostream& out) {
   for (const ClassId c : v.classes) out << " " << c;
 }
 
-/// A number of [first, last], as likely large as small from the first test case on.
+/// A number in [first, last], uniform from the first test case on.
 template <typename T>
 rc::Gen<T> uniform(T first, T last) {
   return rc::gen::resize(rc::kNominalSize, rc::gen::inRange<T>(first, static_cast<T>(last + 1)));
 }
 
-/// A source of everything else that a property needs; its seed does not shrink.
+/// A random source for everything else; its seed does not shrink.
 inline rc::Gen<std::mt19937> random_source() {
   return rc::gen::map(rc::gen::noShrink(uniform<std::uint32_t>(0, 0x7fffffff)),
                       [](std::uint32_t seed) { return std::mt19937(seed); });
 }
 
-/// Noise, runs that ignore the scanlines' ends, or a checkerboard.
+/// Noise, runs that ignore the ends of scanlines, or a checkerboard.
 inline std::vector<ClassId> random_classes(const Index3& size, ClassId class_count, std::mt19937& random) {
   const auto below = [&random](ClassId n) {
     return std::uniform_int_distribution<ClassId>(0, n - 1)(random);
@@ -55,7 +55,7 @@ inline std::vector<ClassId> random_classes(const Index3& size, ClassId class_cou
   return classes;
 }
 
-/// Sides of 1 are common, sides of several blocks of 16 occur. Shrinks the sides, not the voxels.
+/// Sides of 1 are common; sides of several blocks of 16 occur. Shrinks the sides, not the voxels.
 inline rc::Gen<ClassVolume> random_class_volume() {
   return rc::gen::exec([] {
     ClassVolume v;

@@ -10,7 +10,7 @@
 namespace splatlas {
 namespace {
 
-/// Slow and obvious: runs of every scanline, voxel by voxel.
+/// Brute force: the runs of every scanline, voxel by voxel.
 RunModel encode_slowly(const std::vector<ClassId>& volume, const Index3& size, Axis axis,
                        std::size_t classes) {
   RunModel model{axis, std::vector<ClassRuns>(classes)};
@@ -36,7 +36,7 @@ RunModel encode_slowly(const std::vector<ClassId>& volume, const Index3& size, A
   return model;
 }
 
-RC_GTEST_PROP(RunModel, EncodesLikeTheSlowTwin, ()) {
+RC_GTEST_PROP(RunModel, EncodesLikeBruteForce, ()) {
   const auto v = *random_class_volume();
   for (const Axis axis : kAxes) {
     RC_ASSERT(encode_runs(v.classes, v.size, axis, v.class_count) ==
@@ -92,7 +92,7 @@ TEST(RunModel, ConvertsRunsThatLieFarApart) {
 }
 
 TEST(RunModel, CutsEachAxisAlongItsScanline) {
-  // j runs down, i to the right; two slices k.
+  // j points down, i to the right; two slices k.
   const std::vector<ClassId> volume{1, 1, 2, 1, 0, 2,
 
                                     1, 1, 1, 0, 2, 2};
@@ -171,7 +171,7 @@ RC_GTEST_PROP(ValidateRuns, NeverTrustsANumber, (const std::vector<std::array<st
   }
   for (const Axis axis : kAxes) {
     if (!validate_runs(runs, kSize, axis, voxels_of(runs))) continue;
-    RC_ASSERT(decode_runs({axis, {{}, runs}}, kSize).has_value());  // what passes must be safe to use
+    RC_ASSERT(decode_runs({axis, {{}, runs}}, kSize).has_value());  // accepted runs must be safe to use
   }
 }
 

@@ -123,7 +123,7 @@ TEST(StructureGraph, HostileDepthAndLengthAreOnlyErrors) {
 }
 
 TEST(StructureGraph, ManyWaysCostNothingUntilTheyAreListed) {
-  // 100 levels of two structures, each in both above: 2^99 ways to the last.
+  // 100 levels of two structures, each below both of the previous level: 2^99 paths.
   std::vector<Structure> structures(200);
   for (std::size_t s = 0; s < structures.size(); ++s) {
     structures[s].id = structures[s].name = fmt::format("s{}", s);
@@ -142,7 +142,7 @@ RC_GTEST_PROP(StructureGraph, OrdersFollowTheirDefinitions, ()) {
   auto random = *random_source();
   const StructureGraph graph = random_graph(n, random);
 
-  // Recursive twins of the iterative walks.
+  // Recursive versions of the iterative traversals.
   std::vector<StructureIndex> visited;
   const std::function<void(StructureIndex)> visit = [&](StructureIndex s) {
     if (std::find(visited.begin(), visited.end(), s) != visited.end()) return;

@@ -25,7 +25,7 @@ TEST(TransferCurve, ExtinctionReachesTheOpacityOverTheReferenceLength) {
   }
 }
 
-/// A triangle of opacities with a plateau of shades, at half a millimetre.
+/// Triangular opacity with a plateau of shade, for a reference length of half a millimetre.
 TEST(TransferCurve, IsLinearInExtinctionAndShadeBetweenPoints) {
   const TransferCurve curve{{{-10, 0, 0.25f}, {10, 0.5f, 1}, {30, 0.75f, 1}}};
   const double ln2 = std::log(2.0);  // opacity 1/2 is ln 2 of depth, 3/4 is 2 ln 2

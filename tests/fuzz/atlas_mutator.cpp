@@ -1,4 +1,4 @@
-// libFuzzer's way in to mutate_atlas().
+// libFuzzer entry point of mutate_atlas().
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
@@ -10,9 +10,9 @@ extern "C" std::size_t LLVMFuzzerMutate(std::uint8_t* data, std::size_t size, st
 extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size, std::size_t max_size,
                                                unsigned int seed) {
   using namespace splatlas;
-  const auto mutate_bytes = [](Bytes& bytes, std::size_t most) {
+  const auto mutate_bytes = [](Bytes& bytes, std::size_t max_bytes) {
     const std::size_t size_before = bytes.size();
-    bytes.resize(std::max<std::size_t>(most, 1));
+    bytes.resize(std::max<std::size_t>(max_bytes, 1));
     bytes.resize(LLVMFuzzerMutate(reinterpret_cast<std::uint8_t*>(bytes.data()),
                                   std::min(size_before, bytes.size()), bytes.size()));
   };

@@ -1,6 +1,6 @@
-// Whole atlases from strangers, checksums right or wrong: opened, verified, read and rendered within bounds
-// of time and memory. Input: the file. Its reserved header field, which readers do not look at, says what is
-// rendered.
+// Fuzz target: untrusted atlas files, with right or wrong checksums, opened, verified, read and rendered.
+// Time and memory must stay bounded. Input: the file. Its reserved header field, which readers ignore,
+// chooses the frame.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -21,8 +21,8 @@
 namespace splatlas {
 namespace {
 
-/// A file may say that it holds much more than this in few bytes, and is believed until it is read: then time
-/// and memory follow what it says, which is no finding. Of such files only opening is bounded.
+/// Small files may declare much larger contents. Readers believe them until they read, and then take the
+/// declared time and memory: no finding. For such files only opening is bounded.
 constexpr std::int64_t kSmallGridVoxels = 1 << 15;
 constexpr std::uint64_t kSmallTriangles = 1 << 14;
 constexpr std::uint64_t kRenderBytes = std::uint64_t{64} << 20;
@@ -33,7 +33,7 @@ bool is_small(const Atlas& atlas) {
   return atlas.grid().voxels() <= kSmallGridVoxels && triangles <= kSmallTriangles;
 }
 
-/// Numbers out of the header's field.
+/// Random choices from the header field.
 class Choices {
  public:
   explicit Choices(std::uint32_t bits) : bits_(bits) {}
@@ -53,14 +53,13 @@ struct Frame {
   RenderOptions options;
 };
 
-/// Sheets or rays, in any quality, near or far, at any angle.
+/// Sheets or rays, at any quality, zoom and angle.
 Frame read_frame(Choices& choices) {
   Frame frame;
   frame.options.size = {std::array{1, 5, 12}[choices.below(3)], 7};
   frame.options.quality = static_cast<Quality>(choices.below(3));
   frame.options.classification = choices.flag() ? Classification::kAfter : Classification::kBefore;
-  frame.options.hybrid_shading =
-      choices.below(8) == 0;  // makes a table of all normals, which takes most of the time
+  frame.options.hybrid_shading = choices.below(8) == 0;  // builds a table of all normals, most of the time
   frame.options.depth_cue = choices.flag() ? DepthCue::kEdges : DepthCue::kNone;
   frame.options.simd = choices.flag();
   frame.camera.projection = choices.flag() ? CameraProjection::kPerspective : CameraProjection::kParallel;
@@ -82,7 +81,7 @@ Selection read_selection(Choices& choices, const Atlas& atlas) {
   return require_value(select(kTexts[choice % kTexts.size()], atlas.graph()));
 }
 
-/// Colours are at most as strong as they are opaque.
+/// Premultiplied colours are at most alpha.
 void check_pixels(const Picture& picture) {
   constexpr float kRounding = 1e-5f;
   for (std::size_t p = 0; p + 3 < picture.rgba.size(); p += 4) {
@@ -94,7 +93,7 @@ void check_pixels(const Picture& picture) {
   }
 }
 
-/// Files that verify() finds sound can be drawn; others may fail, in words.
+/// Files that pass verify() must render. Others may fail, with a message.
 void check_pictures(const std::shared_ptr<const Atlas>& atlas, bool sound, Choices& choices) {
   if (atlas->graph().size() == 0) return;
   const Selection selection = read_selection(choices, *atlas);
@@ -112,12 +111,12 @@ void check_pictures(const std::shared_ptr<const Atlas>& atlas, bool sound, Choic
   check_pixels(*picture);
   if (choices.below(4) != 0) return;
   frame.options.simd = !frame.options.simd;
-  const Picture twin = require_value(renderer.render(frame.camera, frame.options));
-  for (std::size_t n = 0; n < twin.rgba.size(); ++n)
-    require(std::abs(twin.rgba[n] - picture->rgba[n]) <= 1e-3f, "vectors and scalars draw two pictures");
+  const Picture reference = require_value(renderer.render(frame.camera, frame.options));
+  for (std::size_t n = 0; n < reference.rgba.size(); ++n)
+    require(std::abs(reference.rgba[n] - picture->rgba[n]) <= 1e-3f, "SIMD and scalar pictures differ");
 }
 
-/// Everything that a sound file holds can be read, and written again so that it is read as before.
+/// Everything in a valid file can be read, and survives a round trip.
 void check_rewriting(const Atlas& atlas) {
   const auto content = atlas.read_all();
   if (!content) return require_error(content.error(), {ErrorCode::kLimit});

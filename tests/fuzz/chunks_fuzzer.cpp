@@ -1,4 +1,4 @@
-// Chunks from strangers, whose checksums are right: decoded or refused, never more than the directory says.
+// Fuzz target: untrusted chunks with right checksums, decoded to the declared length or refused.
 // Input: a byte of choices, the decoded length (u16), a level (u8), stored bytes.
 #include <algorithm>
 #include <cstdint>
@@ -12,7 +12,7 @@
 namespace splatlas {
 namespace {
 
-/// What was compressed comes back; one flipped bit does not.
+/// Compressed bytes come back; a flipped bit is detected.
 void check_round_trip(std::span<const std::byte> content, int level, ChunkContent kind) {
   EncodedChunk chunk = encode_chunk(content, level, kind);
   require(chunk.bytes.size() <= content.size() && chunk.bytes.size() == chunk.entry.stored_bytes,

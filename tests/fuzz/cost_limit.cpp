@@ -9,7 +9,7 @@
 
 #include "tests/fuzz/require.h"
 
-// Of the sanitizers' allocator; null without one.
+// Provided by the allocator of sanitizers; null without one.
 extern "C" {
 __attribute__((weak)) int __sanitizer_install_malloc_and_free_hooks(void (*on_malloc)(const volatile void*,
                                                                                       std::size_t),
@@ -24,7 +24,7 @@ std::atomic<std::int64_t> held{0}, max_held{0};
 
 void on_malloc(const volatile void*, std::size_t bytes) {
   const std::int64_t now = held += static_cast<std::int64_t>(bytes);
-  if (now > max_held) max_held = now;  // races cost precision, nothing else
+  if (now > max_held) max_held = now;  // a race costs precision only
 }
 
 void on_free(const volatile void* address) {

@@ -1,4 +1,4 @@
-// How much a small input may cost.
+// Limits on CPU time and heap memory of one fuzz input.
 #pragma once
 
 #include <cstddef>
@@ -6,9 +6,9 @@
 
 namespace splatlas {
 
-/// From its beginning to its end, more than a second of processor time, or more than 256 MiB of heap at once,
-/// is a finding. Heap is counted where a sanitizer's allocator is in use, and time always; sanitizers make it
-/// five to ten times as long, which is on the safe side.
+/// More than a second of CPU time, or more than 256 MiB of heap at once, between construction and destruction
+/// is a finding. Heap is counted with sanitizers only. They slow programs down five to ten times, so that
+/// their time limit is stricter.
 class CostLimit {
  public:
   CostLimit();

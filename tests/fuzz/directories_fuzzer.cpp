@@ -1,5 +1,5 @@
-// Directories from strangers: refused, or sound enough to be laid out and written again.
-// Input: the FlatBuffer's bytes.
+// Fuzz target: untrusted directories, refused or valid enough to be laid out and written again.
+// Input: the bytes of the FlatBuffer.
 #include <cstdint>
 #include <vector>
 
@@ -27,7 +27,7 @@ void check_layout(const Directory& directory, std::uint64_t directory_bytes) {
   }
 }
 
-/// What was read is written, and read again, as it was.
+/// A directory survives a round trip.
 void check_rewriting(const Directory& directory) {
   const auto bytes = require_value(encode_directory(directory));
   const Directory again = require_value(decode_directory(bytes));

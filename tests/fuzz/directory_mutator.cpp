@@ -1,4 +1,4 @@
-// libFuzzer's way in to mutate_directory().
+// libFuzzer entry point of mutate_directory().
 #include <algorithm>
 #include <cstdint>
 #include <cstring>

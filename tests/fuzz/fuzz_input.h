@@ -1,4 +1,4 @@
-// A fuzzer's bytes, taken apart from the front.
+// Reader of a fuzz input, from its front.
 #pragma once
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 
 namespace splatlas {
 
-/// Numbers, texts and what is left; zeros where there are no more bytes.
+/// Numbers, strings and the rest; zeros past the end.
 class FuzzInput {
  public:
   FuzzInput(const std::uint8_t* data, std::size_t size)
@@ -28,7 +28,7 @@ class FuzzInput {
     if (!from.empty()) std::memcpy(&value, from.data(), from.size());
     return value;
   }
-  /// Below `n`, which is not 0: of one byte where that will do, of two otherwise.
+  /// Below `n`, which is not 0: from one byte where possible, else from two.
   [[nodiscard]] std::size_t below(std::size_t n) {
     return (n <= 256 ? number<std::uint8_t>() : number<std::uint16_t>()) % n;
   }

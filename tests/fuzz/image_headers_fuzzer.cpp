@@ -1,4 +1,4 @@
-// Image files from strangers, as far as we look at them before ITK does.
+// Fuzz target: the checks of untrusted image files ahead of ITK.
 // Input: a byte of choices, then the file.
 #include <array>
 #include <cstdint>

@@ -29,7 +29,7 @@ std::optional<AtlasParts> parts_of_file(const Bytes& file) {
   return take_apart(file);
 }
 
-/// With what is drawn, which the header tells, kept.
+/// Keeps the frame choices of the header.
 Bytes put_together_again(const Bytes& directory, const std::vector<Bytes>& chunks, std::uint32_t choices) {
   Bytes file = put_together(directory, chunks);
   std::memcpy(&file[offsetof(FileHeader, reserved)], &choices, sizeof choices);
@@ -56,18 +56,20 @@ void mutate_header(Bytes& file, Random& random) {
   std::memcpy(file.data(), &header, sizeof header);
 }
 
-/// Stored bytes of a chunk, before they are decompressed.
-void mutate_stored(AtlasParts& parts, std::size_t most, Random& random, const MutateBytes& mutate_bytes) {
+/// Mutates stored bytes of a chunk, ahead of decompression.
+void mutate_stored(AtlasParts& parts, std::size_t max_bytes, Random& random,
+                   const MutateBytes& mutate_bytes) {
   if (parts.chunks.empty()) return;
   const std::size_t n = below(parts.chunks.size(), random);
   Bytes& stored = parts.chunks[n];
-  mutate_bytes(stored, std::min(most, stored.size() + 8));
+  mutate_bytes(stored, std::min(max_bytes, stored.size() + 8));
   parts.directory.chunks[n].stored_bytes = static_cast<std::uint32_t>(stored.size());
   parts.directory.chunks[n].checksum = checksum_of(stored);
 }
 
-/// One decoded stream; run lists and surfaces may change their lengths, others may not.
-void mutate_stream(AtlasParts& parts, std::size_t most, Random& random, const MutateBytes& mutate_bytes) {
+/// Mutates one decoded stream. Only run lists and surfaces may change their length.
+void mutate_stream(AtlasParts& parts, std::size_t max_bytes, Random& random,
+                   const MutateBytes& mutate_bytes) {
   if (parts.directory.sections.empty()) return;
   const auto kind = static_cast<SectionKind>(any_of(parts.directory.sections, random).kind);
   if (kind < SectionKind::kRunsX || kind > SectionKind::kSurfaces) return;
@@ -80,7 +82,7 @@ void mutate_stream(AtlasParts& parts, std::size_t most, Random& random, const Mu
   const std::size_t n = any_of(full, random);
   Bytes& stream = streams[n];
   const std::size_t before = stream.size();
-  mutate_bytes(stream, std::min(most, before + 16));
+  mutate_bytes(stream, std::min(max_bytes, before + 16));
   const auto now = static_cast<std::uint32_t>(stream.size());
   if (kind <= SectionKind::kRunsZ) {
     parts.directory.run_bytes[n][static_cast<std::size_t>(kind) - 1] = now;
@@ -92,52 +94,53 @@ void mutate_stream(AtlasParts& parts, std::size_t most, Random& random, const Mu
   replace_streams(parts, kind, streams);
 }
 
-Bytes mutate_parts(AtlasParts parts, std::size_t most, Random& random, const MutateBytes& mutate_bytes) {
+Bytes mutate_parts(AtlasParts parts, std::size_t max_bytes, Random& random, const MutateBytes& mutate_bytes) {
   std::uint32_t choices = parts.header.reserved;
   if (below(2, random) == 0)
     choices = static_cast<std::uint32_t>(random()) * 4 + static_cast<std::uint32_t>(random() % 4);
   for (std::size_t n = 1 + below(2, random); n > 0; --n) {
     switch (below(10, random)) {
-      case 0: mutate_stored(parts, most, random, mutate_bytes); break;
+      case 0: mutate_stored(parts, max_bytes, random, mutate_bytes); break;
       case 1:
       case 2:
       case 3:
       case 4:
         mutate_directory(parts.directory, random);
         return put_together_again(encode_directory(parts.directory).value(), parts.chunks, choices);
-      default: mutate_stream(parts, most, random, mutate_bytes); break;
+      default: mutate_stream(parts, max_bytes, random, mutate_bytes); break;
     }
   }
   return put_together_again(encode_directory(parts.directory).value(), parts.chunks, choices);
 }
 
-/// The bytes of the directory, whatever they are.
-Bytes mutate_directory_bytes(const Bytes& file, std::size_t most, const MutateBytes& mutate_bytes) {
+/// Mutates the raw bytes of the directory.
+Bytes mutate_directory_bytes(const Bytes& file, std::size_t max_bytes, const MutateBytes& mutate_bytes) {
   FileHeader header;
   std::memcpy(&header, file.data(), sizeof header);
   const std::size_t length = std::min<std::uint64_t>(header.directory_bytes, file.size() - sizeof header);
   const auto begin = file.begin() + sizeof header, end = begin + static_cast<std::ptrdiff_t>(length);
   Bytes directory(begin, end);
-  mutate_bytes(directory, std::min(most, length + 64));
+  mutate_bytes(directory, std::min(max_bytes, length + 64));
   return put_together_again(directory, {Bytes(end, file.end())}, header.reserved);
 }
 
 }  // namespace
 
-Bytes mutate_atlas(Bytes file, std::size_t most, Random& random, const MutateBytes& mutate_bytes) {
+Bytes mutate_atlas(Bytes file, std::size_t max_bytes, Random& random, const MutateBytes& mutate_bytes) {
   if (file.size() < sizeof(FileHeader) || below(50, random) == 0) return seed_atlas(random);
   switch (below(16, random)) {
     case 0: mutate_header(file, random); return file;
-    case 1: mutate_bytes(file, most); return file;
-    case 2: return mutate_directory_bytes(file, most, mutate_bytes);
+    case 1: mutate_bytes(file, max_bytes); return file;
+    case 2: return mutate_directory_bytes(file, max_bytes, mutate_bytes);
     default: break;
   }
   try {
-    if (auto parts = parts_of_file(file)) return mutate_parts(std::move(*parts), most, random, mutate_bytes);
+    if (auto parts = parts_of_file(file))
+      return mutate_parts(std::move(*parts), max_bytes, random, mutate_bytes);
   } catch (const std::exception&) {
-    // Its streams cannot be decoded: an earlier mutation saw to that.
+    // An earlier mutation made the streams undecodable.
   }
-  return below(2, random) == 0 ? seed_atlas(random) : mutate_directory_bytes(file, most, mutate_bytes);
+  return below(2, random) == 0 ? seed_atlas(random) : mutate_directory_bytes(file, max_bytes, mutate_bytes);
 }
 
 }  // namespace splatlas

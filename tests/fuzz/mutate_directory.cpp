@@ -47,7 +47,7 @@ void mutate_type(VoxelType& type, Random& random) {
   type = static_cast<VoxelType>(below(10, random));
 }
 
-/// Graphs that cannot be built are left as they are.
+/// Leaves graphs that cannot be built as they are.
 void mutate_structures(Directory& d, Random& random) {
   std::vector<Structure> structures(d.graph.structures().begin(), d.graph.structures().end());
   if (structures.empty()) return;
@@ -87,8 +87,8 @@ void mutate_row(ClassRow& row, std::size_t structures, Random& random) {
   }
 }
 
-/// Half of the time the empty class makes up for voxels, so that they add up. Tables that repeat a class are
-/// left as they are.
+/// Half of the time the empty class absorbs the difference in voxels, so that the sum stays. Tables that
+/// repeat a class stay as they are.
 void mutate_classes(Directory& d, Random& random) {
   std::vector<ClassRow> rows;
   for (ClassId c = 0; c < d.classes.size(); ++c) {

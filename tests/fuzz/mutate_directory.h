@@ -1,4 +1,4 @@
-// Directories that say something else than they did, each entry on its own.
+// Mutations of single directory entries.
 #pragma once
 
 #include "format/file/directory.h"
@@ -6,7 +6,7 @@
 
 namespace splatlas {
 
-/// Changes one to three entries, of any table; what they say may be sound or not.
+/// Changes one to three entries of any table, to valid or invalid values.
 void mutate_directory(Directory& directory, Random& random);
 
 }  // namespace splatlas

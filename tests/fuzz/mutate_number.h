@@ -1,4 +1,4 @@
-// Numbers as a careful enemy would choose them.
+// Mutations of numbers towards corner cases.
 #pragma once
 
 #include <cmath>
@@ -17,7 +17,7 @@ using Random = std::minstd_rand;
   return random() % n;
 }
 
-/// Next to what it was, a power of two, an extreme, or anything.
+/// A neighbour of the old value, a power of two, an extreme, or any value.
 template <std::integral T>
 void mutate_number(T& number, Random& random) {
   using Limits = std::numeric_limits<T>;
@@ -49,7 +49,7 @@ void mutate_number(T& number, Random& random) {
   }
 }
 
-/// An entry of a table that has some.
+/// A random entry of a table that is not empty.
 template <typename T>
 [[nodiscard]] T& any_of(std::vector<T>& entries, Random& random) {
   return entries[below(entries.size(), random)];

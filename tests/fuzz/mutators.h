@@ -1,4 +1,4 @@
-// Mutations that keep checksums and sizes right: what checksums guard is reached, too.
+// Mutations that keep checksums and sizes right, to reach the code behind them.
 #pragma once
 
 #include <cstddef>
@@ -10,13 +10,12 @@
 namespace splatlas {
 
 using Bytes = std::vector<std::byte>;
-/// Changes bytes as libFuzzer does, to at most `most` of them.
-using MutateBytes = std::function<void(Bytes& bytes, std::size_t most)>;
+/// Mutates bytes as libFuzzer does, to at most `max_bytes` of them.
+using MutateBytes = std::function<void(Bytes& bytes, std::size_t max_bytes)>;
 
-/// A file made of an atlas: other entries in its directory, other bytes in its streams or chunks, other
-/// numbers in its header, or another atlas altogether. Of what is no atlas, it makes one. May come out longer
-/// than `most`.
-[[nodiscard]] Bytes mutate_atlas(Bytes file, std::size_t most, Random& random,
+/// A mutated atlas: other directory entries, stream or chunk bytes or header fields, or another atlas. Input
+/// that is no atlas becomes one. The result may exceed `max_bytes`.
+[[nodiscard]] Bytes mutate_atlas(Bytes file, std::size_t max_bytes, Random& random,
                                  const MutateBytes& mutate_bytes);
 
 }  // namespace splatlas

@@ -1,5 +1,5 @@
-// Names files and tree files as people write them.
-// Input: a names file, then, behind a line "----", a tree file.
+// Fuzz target: names files and tree files.
+// Input: a names file, a line "----", a tree file.
 #include <cstdint>
 #include <optional>
 #include <set>
@@ -20,7 +20,7 @@ std::span<const std::byte> bytes_of(std::string_view text) {
   return std::as_bytes(std::span(text.data(), text.size()));
 }
 
-/// Nothing, where the names are refused.
+/// Nothing if the names are refused.
 std::optional<std::vector<SourceStructure>> read_sources(std::string_view text) {
   const auto names = read_names(write_input_file("names.txt", bytes_of(text)));
   if (!names) {

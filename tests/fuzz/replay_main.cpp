@@ -1,4 +1,4 @@
-// Runs a fuzz target on files and on all files of folders, without libFuzzer: its corpus as a test.
+// Replays files and folders through a fuzz target, without libFuzzer: its corpus as a test.
 #include <algorithm>
 #include <cstdint>
 #include <filesystem>
@@ -37,7 +37,7 @@ int main(int argc, char** argv) {
         return 1;
       }
       const std::string bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-      // A copy of its own length, so that sanitizers see a read beyond it.
+      // An exact-size copy, so that sanitizers detect reads past its end.
       const std::vector<std::uint8_t> input(bytes.begin(), bytes.end());
       fmt::print("{}\n", path.string());
       std::fflush(stdout);

@@ -1,4 +1,4 @@
-// What every fuzz target asks of what it calls.
+// Requirements of fuzz targets.
 #pragma once
 
 #include <initializer_list>
@@ -8,13 +8,13 @@
 
 namespace splatlas {
 
-/// Ends the program, telling what does not hold: a finding.
+/// Aborts with a message, a finding, unless `holds`.
 void require(bool holds, std::string_view what);
 
-/// Errors are of one of these kinds, and say something.
+/// Requires one of these error codes and a message.
 void require_error(const Error& error, std::initializer_list<ErrorCode> codes);
 
-/// The value; an error is a finding.
+/// The value. An error is a finding.
 template <typename T>
 [[nodiscard]] T require_value(Result<T> result) {
   require(result.has_value(), result ? std::string_view() : std::string_view(result.error().message));

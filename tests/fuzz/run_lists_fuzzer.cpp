@@ -1,6 +1,6 @@
-// Run lists from strangers, and all that is done with those that are valid, against voxels one by one.
-// Input: width, height and depth (a byte each), a byte of choices, then the code of a list, or how many
-// voxels a mask has and its code, or voxels as bits.
+// Fuzz target: untrusted run lists; operations on valid ones, checked voxel by voxel.
+// Input: width, height and depth (a byte each), a byte of choices, then an encoded list, or the number of
+// voxels of a mask and its code, or voxels as bits.
 #include <cstdint>
 #include <vector>
 
@@ -11,34 +11,12 @@
 #include "format/run_model.h"
 #include "tests/fuzz/fuzz_input.h"
 #include "tests/fuzz/require.h"
+#include "tests/support/neighbours.h"
 
 namespace splatlas {
 namespace {
 
 constexpr std::size_t kMaxVoxelsASide = 12;
-
-/// 0 outside, 1 where all 18 neighbours are covered, else 2.
-std::vector<ClassId> split_by_definition(const std::vector<ClassId>& mask, const Index3& size) {
-  Grid grid;
-  grid.size = size;
-  const auto covered = [&](std::int64_t i, std::int64_t j, std::int64_t k) {
-    return grid.contains(i, j, k) && mask[static_cast<std::size_t>(grid.offset(i, j, k))] != 0;
-  };
-  std::vector<ClassId> parts;
-  for (std::int64_t k = 0; k < size[2]; ++k) {
-    for (std::int64_t j = 0; j < size[1]; ++j) {
-      for (std::int64_t i = 0; i < size[0]; ++i) {
-        bool all = covered(i, j, k);
-        for (std::int64_t n = 0; all && n < 27; ++n) {
-          const std::int64_t x = n % 3 - 1, y = n / 3 % 3 - 1, z = n / 9 - 1;
-          if (x * x + y * y + z * z < 3) all = covered(i + x, j + y, k + z);
-        }
-        parts.push_back(!covered(i, j, k) ? 0u : all ? 1u : 2u);
-      }
-    }
-  }
-  return parts;
-}
 
 IndexBox box_of(const ClassRuns& runs, const Index3& size, Axis axis) {
   const ScanOrder order = ScanOrder::of(axis);
@@ -71,7 +49,7 @@ void check_code(const ClassRuns& runs, std::uint64_t voxels) {
   require(require_value(decode_run_list(code, voxels)) == runs, "a list decodes to another one");
 }
 
-/// `runs` are valid and of principal axis `axis`.
+/// Requires valid runs along scanlines of principal axis `axis`.
 void check_valid_runs(const ClassRuns& runs, const Index3& size, Axis axis) {
   const std::vector<ClassId> mask = require_value(decode_runs({axis, {{}, runs}}, size));
   const std::vector<ClassId> parts = split_by_definition(mask, size);
@@ -89,7 +67,7 @@ void check_valid_runs(const ClassRuns& runs, const Index3& size, Axis axis) {
   }
 }
 
-/// One voxel a bit.
+/// One bit per voxel.
 std::vector<ClassId> mask_of(std::span<const std::byte> bits, std::size_t voxels) {
   std::vector<ClassId> mask(voxels, 0);
   for (std::size_t v = 0; v < voxels && v / 8 < bits.size(); ++v) {

@@ -1,4 +1,4 @@
-// A fuzzer's bytes as a file, for readers that want a path.
+// Fuzz input as a file, for readers that take a path.
 #pragma once
 
 #include <cstddef>
@@ -8,8 +8,8 @@
 
 namespace splatlas {
 
-/// Writes `bytes` to a file called `name` in a folder of this process's own, over what was there. The folder
-/// goes when the process ends as it should.
+/// Writes `bytes` to the file `name` in a folder of this process, over an earlier one. A regular exit removes
+/// the folder.
 [[nodiscard]] std::filesystem::path write_input_file(const std::string& name,
                                                      std::span<const std::byte> bytes);
 

@@ -1,4 +1,4 @@
-// Small atlases to begin with.
+// Seed atlases of fuzz targets.
 #pragma once
 
 #include <cstddef>
@@ -9,10 +9,10 @@
 
 namespace splatlas {
 
-/// Everything that atlases may hold, in a few voxels: surfaces and normals as they fit the voxels, or any.
+/// Every feature in a few voxels. Surfaces and normals are random or derived from the voxels.
 [[nodiscard]] AtlasContent seed_content(Random& random);
 
-/// The same as a file, compact or not.
+/// Such an atlas as a file, compact or not.
 [[nodiscard]] std::vector<std::byte> seed_atlas(Random& random);
 
 }  // namespace splatlas

@@ -1,4 +1,4 @@
-// Selection text as anybody may type it, on a graph that has what makes names difficult.
+// Fuzz target: selection text, on a graph with difficult names.
 // Input: the text.
 #include <cstdint>
 #include <string>
@@ -11,7 +11,7 @@
 namespace splatlas {
 namespace {
 
-/// Several parents, names that repeat, and names that must be quoted.
+/// Several parents, repeated names, and names that need quotes.
 StructureGraph make_graph() {
   std::vector<Structure> structures(9);
   const std::array<const char*, 9> ids{"Brain", "Left", "Right", "G1", "g-2", "g.3", "Lobe", "x", "Needle"};
@@ -32,7 +32,7 @@ StructureGraph make_graph() {
   return require_value(StructureGraph::build(std::move(structures)));
 }
 
-/// "column 12: ..." lies in the text, or right behind it.
+/// Requires that positions ("column 12: ...") lie within the text or right behind it.
 void check_terms(const std::vector<SelectionTerm>& terms, std::string_view text) {
   for (const SelectionTerm& term : terms) {
     require(term.column < text.size(), "a term begins behind the text");
@@ -42,7 +42,7 @@ void check_terms(const std::vector<SelectionTerm>& terms, std::string_view text)
   }
 }
 
-/// Equal but for the numbers of terms.
+/// Equal up to the term numbers.
 bool have_same_appearance(Selection a, const Selection& b) {
   for (std::size_t s = 0; s < a.structures.size(); ++s) a.structures[s].term = b.structures[s].term;
   return a == b;

@@ -1,6 +1,6 @@
-// Names, ids, paths and patterns in graphs of any shape, against all paths written out.
+// Fuzz target: look-up of names, ids, paths and patterns in any graph, against an enumeration of all paths.
 // Input: the number of structures, for each a byte of parents and a name of up to three letters, then the
-// text that is looked for.
+// query.
 #include <cstdint>
 #include <set>
 #include <string>
@@ -17,7 +17,7 @@ namespace splatlas {
 namespace {
 
 constexpr std::size_t kMaxFuzzedStructures = 7;
-/// A third of the text that an input looks for is of these too: they meet often.
+/// Letters of names and of a third of the queries, so that they often match.
 constexpr std::string_view kLetters = "aB/*s 1_";
 
 StructureGraph read_graph(FuzzInput& input) {
@@ -34,7 +34,7 @@ StructureGraph read_graph(FuzzInput& input) {
   return require_value(StructureGraph::build(std::move(structures)));
 }
 
-/// By trying every length that a "*" may stand for. Both lowered.
+/// Brute force over the length of each "*". Both arguments are in lower case.
 bool matches(std::string_view pattern, std::string_view text) {
   if (pattern.empty()) return text.empty();
   if (pattern[0] == '*')
@@ -42,7 +42,7 @@ bool matches(std::string_view pattern, std::string_view text) {
   return !text.empty() && pattern[0] == text[0] && matches(pattern.substr(1), text.substr(1));
 }
 
-/// Every way from any structure above (roots alone if `whole`) down to `s`, lowered.
+/// Every path from any structure above (roots only if `whole`) down to `s`, in lower case.
 void collect_paths(const StructureGraph& graph, StructureIndex s, const std::string& below, bool whole,
                    std::set<std::string>& paths) {
   const std::string path = to_lower(graph[s].name) + below;
@@ -59,7 +59,7 @@ std::vector<StructureIndex> all_that(const StructureGraph& graph, const Fits& fi
   return found;
 }
 
-/// As selection.h says.
+/// The definition in selection.h.
 std::vector<StructureIndex> find_by_definition(const StructureGraph& graph, const std::string& sought) {
   const auto paths = [&](StructureIndex s, bool whole) {
     std::set<std::string> all;
@@ -89,7 +89,7 @@ void fuzz(FuzzInput input) {
     const auto byte = std::to_integer<std::size_t>(b);
     sought += of_letters ? kLetters[byte % kLetters.size()] : static_cast<char>(byte);
   }
-  if (std::ranges::count(sought, '*') > 6) return;  // trying every length takes too long
+  if (std::ranges::count(sought, '*') > 6) return;  // brute force takes too long
   const auto expected = find_by_definition(graph, to_lower(sought));
   const auto found = find_structures(graph, sought);
   const bool is_pattern = sought.find('*') != std::string::npos;

@@ -1,4 +1,4 @@
-// Surface streams from strangers: a sound mesh or an error.
+// Fuzz target: untrusted surface streams, decoded to a valid mesh or refused.
 // Input: width, height, depth (u16 each), position scale (u32), vertices and triangles (u16 each), the
 // stream.
 #include <algorithm>

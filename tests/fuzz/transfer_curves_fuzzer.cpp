@@ -1,4 +1,4 @@
-// Transfer functions of any numbers: what a selection's words and a stranger's display window come to.
+// Fuzz target: transfer functions of arbitrary numbers, from selections and display windows.
 // Input: a byte of choices, window (2 f64), opacity (f32), low and high (f64), a grey value (f64), then
 // points (f64 grey, f32 opacity, f32 shade).
 #include <algorithm>
@@ -25,7 +25,7 @@ bool has_rising_greys(const TransferCurve& curve) {
   return true;
 }
 
-/// As transfer_curve.h says.
+/// The definition in transfer_curve.h.
 bool is_curve(const TransferCurve& curve) {
   const auto in_range = [](const TransferPoint& p) {
     return p.opacity >= 0 && p.opacity <= kMaxVolumeOpacity && p.shade >= 0 && p.shade <= 1;
@@ -34,7 +34,7 @@ bool is_curve(const TransferCurve& curve) {
          std::ranges::all_of(curve.points, in_range) && has_rising_greys(curve);
 }
 
-/// Values lie between those of the points.
+/// Values stay within those of the points.
 void check_values(const TransferCurve& curve, double grey) {
   const TransferValue value = evaluate(curve, grey, 1);
   double densest = 0;
@@ -48,7 +48,7 @@ void check_values(const TransferCurve& curve, double grey) {
           "a table tells another value than the curve");
 }
 
-/// The table of rays.
+/// The pre-integrated table of ray casting.
 void check_table(const TransferCurve& curve, VoxelType type) {
   const std::optional<GreyScale> scale = grey_scale(curve, type);
   if (!scale) return;
@@ -66,7 +66,7 @@ void fuzz(FuzzInput input) {
   display.window_low = input.number<double>();
   display.window_high = input.number<double>();
   if (!std::isfinite(display.window_low) || !std::isfinite(display.window_high))
-    return;  // no directory says so
+    return;  // a directory cannot hold it
   StructureDraw draw{.mode = DrawMode::kVolume};
   draw.volume.profile = static_cast<TransferProfile>(choices % 3);
   const float opacity = input.number<float>();

@@ -1,6 +1,6 @@
-// Codes of grey values from strangers: values, or an error; and values of any kind, which come back.
-// Input: width, height, depth and a byte of choices; a number of stretches, then as many lengths, of voxels
-// by turns outside and inside the group; then the code or the values.
+// Fuzz target: untrusted codes of grey values, decoded or refused; round trips of any values.
+// Input: width, height, depth and a byte of choices; a number of runs and their lengths, in voxels
+// alternately outside and inside the group; then the code or the values.
 #include <algorithm>
 #include <cstdint>
 #include <vector>
@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t kMaxVoxelsASide = 12;
 
-/// What remains of `bytes`, cut or with zeros.
+/// The rest of `bytes`, truncated or padded with zeros.
 std::vector<std::byte> bytes_of_length(std::span<const std::byte> bytes, std::size_t length) {
   std::vector<std::byte> result(bytes.begin(), bytes.end());
   result.resize(length);
@@ -30,7 +30,7 @@ std::vector<ClassId> read_mask(FuzzInput& input, std::size_t voxels) {
   return mask;
 }
 
-/// The group of all voxels of class 1; spans lie in `spans`.
+/// The group of all voxels of class 1. `spans` owns its spans.
 GroupVoxels group_of(const std::vector<ClassId>& mask, const Index3& size, std::vector<ClassSpan>& spans) {
   GroupVoxels group;
   group.rows = size[1];

@@ -1,4 +1,4 @@
-// Writes what the fuzz targets of binary formats begin with: FOLDER/TARGET/NUMBER.
+// fuzz-seeds: writes the seeds of binary formats, FOLDER/TARGET/NUMBER.
 #include <algorithm>
 #include <cstdint>
 #include <filesystem>
@@ -67,7 +67,7 @@ class SeedWriter {
     write("surfaces", seed);
   }
 
-  /// Of all voxels: values as they are, and their code.
+  /// All voxels: raw values and their code.
   void write_values(const AtlasContent& content) {
     if (content.values.empty()) return;
     const Index3 size = storage_grid(content).size;
@@ -81,7 +81,7 @@ class SeedWriter {
       Bytes seed;
       for (const std::int64_t n : size) append(static_cast<std::uint8_t>(n - 1), seed);
       append(static_cast<std::uint8_t>(coded ? type : type | 0x80), seed);
-      append(std::uint8_t{0}, seed);  // stretches
+      append(std::uint8_t{0}, seed);  // runs
       append(coded ? encode_values(all, content.values.type, content.values.bytes) : content.values.bytes,
              seed);
       write("values", seed);

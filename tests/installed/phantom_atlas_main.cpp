@@ -1,4 +1,4 @@
-// splatlas-phantom-atlas FILE: writes the golden phantom as an atlas, without ITK and VTK.
+// splatlas-phantom-atlas FILE: the golden phantom as an atlas, without ITK and VTK.
 #include <cstdio>
 
 #include "format/atlas_writer.h"

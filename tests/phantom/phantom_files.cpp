@@ -38,7 +38,7 @@ std::string nrrd(const std::vector<std::uint8_t>& voxels) {
   return bytes;
 }
 
-/// One line a ball: label and name, quoted because it ends in a number.
+/// One line per ball: label and name, quoted because it ends in a digit.
 constexpr std::string_view kNames = R"(1 "Sphere 1"
 2 "Sphere 2"
 )";

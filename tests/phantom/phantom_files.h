@@ -1,4 +1,4 @@
-// The golden phantom as the files that splatlas-preprocess takes.
+// Source files of the golden phantom for splatlas-preprocess.
 #pragma once
 
 #include <filesystem>
@@ -8,8 +8,8 @@
 namespace splatlas::phantom {
 
 /// Writes labels.nrrd, volume.nrrd (uint8, raw, LPS, 1 mm), names.txt and phantom.tree into `folder`, which
-/// is made where it is missing. By plain streams, so that readers are tested against bytes that no library of
-/// theirs wrote. kFailed names the file that could not be written.
+/// is created if missing. Uses plain streams, so that no library tests its own output. kFailed names a file
+/// that could not be written.
 [[nodiscard]] Result<void> write_files(const std::filesystem::path& folder);
 
 }  // namespace splatlas::phantom

@@ -1,4 +1,4 @@
-// The golden phantom: two voxelised balls in 32x32x32 (paper, section 4, table 1), in closed form.
+// Golden phantom: two voxelised balls in 32x32x32 voxels (paper, section 4, table 1), in closed form.
 #pragma once
 
 #include <array>
@@ -12,7 +12,7 @@ namespace splatlas::phantom {
 inline constexpr int kSize = 32;  ///< voxels along each axis, 1 mm apart
 inline constexpr std::size_t kVoxels = std::size_t{kSize} * kSize * kSize;
 
-/// The voxels nearer to the centre than `radius`, and the six at exactly `radius` along an axis (the poles).
+/// Voxels nearer to the centre than `radius`, and the six poles at exactly `radius` along an axis.
 struct Ball {
   std::string_view name;
   std::array<int, 3> center;
@@ -30,14 +30,13 @@ struct Ball {
   }
 };
 
-/// Disjoint, no voxel of one next to a voxel of the other, and none at the border of the grid.
+/// Disjoint, not adjacent, and clear of the border of the grid.
 inline constexpr std::array<Ball, 2> kBalls{
     Ball{"Sphere 1", {11, 11, 11}, 10, 1},
     Ball{"Sphere 2", {23, 23, 23}, 6, 2},
 };
 
-/// What table 1 of the paper says of each ball. Voxels are boundary when one of their 18 neighbours is
-/// outside.
+/// Table 1 of the paper, for a ball. A voxel is boundary if one of its 18 neighbours is outside.
 struct Description {
   std::uint64_t interior, boundary, triangles;
 };
@@ -65,7 +64,7 @@ inline constexpr std::uint64_t kEmptyVoxels = 27722;
   return 0;
 }
 
-/// `voxel_at(i, j, k)` of every voxel, i fastest.
+/// `voxel_at(i, j, k)` for every voxel, i fastest.
 template <typename VoxelAt>
 [[nodiscard]] std::vector<std::uint8_t> fill_volume(VoxelAt voxel_at) {
   std::vector<std::uint8_t> volume;

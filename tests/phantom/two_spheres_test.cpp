@@ -9,8 +9,7 @@
 namespace splatlas::phantom {
 namespace {
 
-/// Whether every voxel that shares a face or an edge with (i, j, k) has its label. The phantom keeps clear of
-/// the grid's border, which is asserted here rather than handled.
+/// Whether all 18 neighbours of (i, j, k) have its label. Asserts that the phantom stays clear of the border.
 bool is_interior(const std::vector<std::uint8_t>& labels, int i, int j, int k) {
   const auto at = [&](int x, int y, int z) {
     return labels.at(static_cast<std::size_t>((z * kSize + y) * kSize + x));
@@ -56,7 +55,7 @@ TEST(TwoSpheres, TouchNeitherEachOtherNorTheBorder) {
       EXPECT_LE(center + ball.radius, kSize - 2);
     }
   }
-  // No 26-neighbours: along one axis at least, two voxels lie between the balls' voxels.
+  // No 26-neighbours: at least two voxels lie between the balls along some axis.
   for (int k = 1; k < kSize - 1; ++k) {
     for (int j = 1; j < kSize - 1; ++j) {
       for (int i = 1; i < kSize - 1; ++i) {

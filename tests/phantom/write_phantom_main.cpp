@@ -1,4 +1,4 @@
-// splatlas-phantom FOLDER: writes the golden phantom's files, for the demo and the command line tests.
+// splatlas-phantom FOLDER: source files of the golden phantom, for the demo and command-line tests.
 #include <cstdio>
 #include <string>
 

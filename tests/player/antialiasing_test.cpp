@@ -1,4 +1,4 @@
-// Edges of surfaces against closed forms and a finely sampled truth.
+// Antialiased edges of surfaces, against closed forms and supersampled ground truth.
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@
 namespace splatlas {
 namespace {
 
-/// A translucent ball, and a box half inside it.
+/// A ball, and a box half inside it.
 AtlasContent ball_and_box() {
   TestVolume volume;
   volume.grid.size = {17, 17, 17};
@@ -54,7 +54,7 @@ TEST(Antialiasing, ComesCloserToTheMeanOfThePixel) {
   }
 }
 
-/// Where there is no edge, nothing changes, to the bit; draft never antialiases.
+/// Without an edge nothing changes, to the bit. Drafts are never antialiased.
 TEST(Antialiasing, LeavesTheInsideAsItIs) {
   const AtlasContent content = ball_and_box();
   const Selection selection = selection_of("ball:surface", content.graph);
@@ -89,7 +89,7 @@ TEST(Antialiasing, LeavesTheInsideAsItIs) {
   EXPECT_EQ(render_or_throw(content, selection, {}, options).rgba, draft.rgba);
 }
 
-/// An edge that moves across a pixel by 1/16 at a time: its light follows the covered share, 1/8 off at most.
+/// An edge moves across a pixel in steps of 1/16. The pixel follows its coverage to 1/8.
 TEST(Antialiasing, FollowsTheCoveredShareOfAPixel) {
   SurfaceMesh mesh;
   mesh.normals_lps.assign(3, {0, -1, 0});

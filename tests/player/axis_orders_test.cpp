@@ -1,5 +1,6 @@
-// One volume whose file runs along its axes in any of 48 orders.
-#include <algorithm>
+// Invariance of pictures under all 48 axis orders of the source.
+#include "tests/support/axis_orders.h"
+
 #include <random>
 
 #include <gtest/gtest.h>
@@ -10,17 +11,6 @@
 namespace splatlas {
 namespace {
 
-std::vector<AxisOrder> all_axis_orders() {
-  std::vector<AxisOrder> all;
-  std::array<std::uint8_t, 3> from{0, 1, 2};
-  do {
-    for (unsigned flips = 0; flips < 8; ++flips) {
-      all.push_back({from, {(flips & 1u) != 0, (flips & 2u) != 0, (flips & 4u) != 0}});
-    }
-  } while (std::next_permutation(from.begin(), from.end()));
-  return all;
-}
-
 template <typename T>
 std::vector<T> reordered_voxels(const std::vector<T>& voxels, const Index3& size, const AxisOrder& order) {
   std::vector<T> result(voxels.size());
@@ -28,8 +18,8 @@ std::vector<T> reordered_voxels(const std::vector<T>& voxels, const Index3& size
   return result;
 }
 
-/// Overlapping balls and noise, in a grid that leans. All its numbers are exact in binary: the origin is,
-/// too, in every order.
+/// Overlapping shapes and noise in a sheared grid. All numbers are exact in binary, the origin in every order
+/// too.
 TestVolume volume_in_storage_order() {
   TestVolume volume;
   volume.grid = {{13, 9, 11}, {1, 1.5, 0.75}, {-4, 8, 16}, {0.75, -0.25, 0, 0.5, 0.75, 0, 0, 0, 1}};

@@ -25,7 +25,7 @@ ParallelView view_of(const Camera& camera, PictureSize size = {64, 48}) {
   return *parallel_view(camera, size, {0, 1, {5, -6, 7}, 40});
 }
 
-/// A named view: from where one looks, and what is right and up on the picture.
+/// A named view: its direction, and the axes that point right and up.
 struct NamedCase {
   const char* name;
   Vec3 from, right, up;
@@ -41,7 +41,7 @@ TEST(Camera, NamedViewsShowTheSideTheyAreNamedAfter) {
     const auto named = named_view(expected.name);
     ASSERT_TRUE(named) << expected.name;
     const ParallelView view = view_of(Camera::of(*named));
-    // Exactly: such views have no shear at all.
+    // Exactly equal: such views have no shear.
     for (std::size_t a = 0; a < 3; ++a) {
       EXPECT_EQ(view.forward_lps[a], -expected.from[a]) << expected.name;
       EXPECT_EQ(view.right_lps[a], expected.right[a]) << expected.name;
@@ -69,13 +69,13 @@ TEST(Camera, AzimuthTurnsAroundTheSuperiorAxisTowardsTheSubjectsLeft) {
 
 RC_GTEST_PROP(Camera, AxesAreOrthonormalAndAnglesArePeriodic, ()) {
   Camera camera;
-  camera.azimuth_deg = *rc::gen::inRange(-100000, 100000) / 64.0;  // exact: 360 more is exact, too
+  camera.azimuth_deg = *rc::gen::inRange(-100000, 100000) / 64.0;  // exact, and so is 360 more
   camera.elevation_deg = *rc::gen::inRange(-100000, 100000) / 64.0;
   const ParallelView view = view_of(camera);
   RC_ASSERT(std::abs(dot(view.right_lps, view.right_lps) - 1) < 1e-14);
   RC_ASSERT(std::abs(dot(view.up_lps, view.up_lps) - 1) < 1e-14);
   RC_ASSERT(std::abs(dot(view.right_lps, view.up_lps)) < 1e-14);
-  // right, up and the way to the viewer are a right-handed system: the picture is not mirrored.
+  // Right, up and the direction to the viewer form a right-handed system: pictures are not mirrored.
   const Vec3 normal = reference::cross(view.right_lps, view.up_lps);
   for (std::size_t a = 0; a < 3; ++a) RC_ASSERT(std::abs(normal[a] + view.forward_lps[a]) < 1e-14);
   camera.azimuth_deg += 360;
@@ -100,7 +100,7 @@ TEST(Camera, PointsAreOnTheRaysOfTheirPixels) {
   camera.azimuth_deg = 20;
   camera.elevation_deg = -35;
   const ParallelView view = view_of(camera);
-  EXPECT_EQ(view.point_lps_mm(32, 24), (Vec3{5, -6, 7}));  // the middle shows the ball's centre
+  EXPECT_EQ(view.point_lps_mm(32, 24), (Vec3{5, -6, 7}));  // the picture centre shows the centre of the ball
   const Vec3 moved = reference::minus(view.point_lps_mm(42, 19), view.center_lps_mm);
   EXPECT_NEAR(dot(moved, view.right_lps), 10 * view.mm_per_pixel, 1e-12);
   EXPECT_NEAR(dot(moved, view.up_lps), 5 * view.mm_per_pixel, 1e-12);
@@ -155,7 +155,7 @@ TEST(Camera, RefusesFieldsOfViewThatSeeNothing) {
     EXPECT_NE(at_the_point.error().message.find("the eye is"), std::string::npos);
   }
   camera.projection = CameraProjection::kParallel;
-  camera.field_of_view_deg = kNan;  // does not matter
+  camera.field_of_view_deg = kNan;  // unused
   EXPECT_TRUE(view_of(camera, {8, 8}, Display{}));
 }
 
@@ -197,7 +197,7 @@ TEST(Camera, RefusesWhatIsNotFiniteOrOutOfRange) {
   EXPECT_TRUE(parallel_view({}, {kMaxPictureSide, kMaxPictureSide}, Display{}).has_value());
 }
 
-/// An atlas without structures may say that the ball around them has no radius.
+/// An atlas without structures may declare a bounding ball of radius 0.
 TEST(Camera, StandsAnEmptyBall) {
   const auto view = parallel_view({}, {8, 8}, {0, 1, {0, 0, 0}, 0});
   ASSERT_TRUE(view.has_value());
@@ -205,7 +205,7 @@ TEST(Camera, StandsAnEmptyBall) {
   EXPECT_TRUE(std::isfinite(view->mm_per_pixel));
 }
 
-/// Six blocks, one at each end of the subject's axes.
+/// Six blocks, one at each end of the anatomical axes.
 TestVolume six_blocks(const Grid& grid) {
   TestVolume volume;
   volume.grid = grid;
@@ -229,7 +229,7 @@ TestVolume six_blocks(const Grid& grid) {
   return volume;
 }
 
-/// Centre of what a picture shows, from the picture's middle: right and up, in pixels.
+/// Opacity-weighted centre of a picture, relative to its middle: right and up, in pixels.
 std::array<double, 2> shown_at(const Picture& picture) {
   double sum = 0;
   double x_sum = 0;
@@ -251,7 +251,7 @@ std::vector<Grid> grids_of_all_kinds() {
   const double s = std::sin(20 * kDegree);
   return {
       {{28, 28, 28}, {1, 1, 1}, {0, 0, 0}, {1, 0, 0, 0, 1, 0, 0, 0, 1}},
-      {{28, 28, 28}, {1, 1, 1}, {9, -8, 7}, {-1, 0, 0, 0, -1, 0, 0, 0, 1}},  // RAS, as NIfTI has it
+      {{28, 28, 28}, {1, 1, 1}, {9, -8, 7}, {-1, 0, 0, 0, -1, 0, 0, 0, 1}},  // RAS, as in NIfTI
       {{28, 28, 28}, {1, 1, 1}, {9, -8, 7}, {-1, 0, 0, 0, 1, 0, 0, 0, 1}},   // mirrored
       {{14, 28, 9}, {2, 1, 3}, {9, -8, 7}, {0, -1, 0, 0, 0, 1, 1, 0, 0}},    // other axes, anisotropic
       {{32, 34, 16}, {1, 1, 2}, {9, -8, 7}, {c, -s, 0, s, c, 0, 0, 0, 1}},   // oblique
@@ -259,7 +259,7 @@ std::vector<Grid> grids_of_all_kinds() {
   };
 }
 
-/// Each block alone lies in the right half of the picture, or in its middle, seen from each side.
+/// Each block alone lies in the expected part of the picture, in every named view.
 TEST(Camera, EveryNamedViewShowsEveryEndOfTheSubjectWhereItBelongs) {
   const Vec3 kEnds[] = {kLeft, kRight, kAnterior, kPosterior, kSuperior, kInferior};
   int number = 0;
@@ -275,7 +275,7 @@ TEST(Camera, EveryNamedViewShowsEveryEndOfTheSubjectWhereItBelongs) {
         for (const NamedCase& view : kNamedCases) {
           const auto at =
               shown_at(render_or_throw(renderer, Camera::of(*named_view(view.name)), {.size = {48, 48}}));
-          // Blocks lie 9 mm from the middle; a pixel is about 0.8 mm.
+          // Blocks lie 9 mm from the centre; a pixel is about 0.8 mm.
           const std::string told = std::string(view.name) + " view, grid " + std::to_string(number) +
                                    ", block " + content.graph[static_cast<StructureIndex>(block)].id;
           EXPECT_NEAR(at[0] / 10, dot(kEnds[block], view.right), 0.35) << told;
@@ -287,7 +287,7 @@ TEST(Camera, EveryNamedViewShowsEveryEndOfTheSubjectWhereItBelongs) {
   }
 }
 
-/// With all six opaque, the one that the view is named after hides the one behind it.
+/// With all six blocks opaque, the block that the view is named after hides the opposite one.
 TEST(Camera, EveryNamedViewLooksFromItsSide) {
   for (const Grid& grid : grids_of_all_kinds()) {
     const AtlasContent content = make_content(six_blocks(grid));
@@ -295,7 +295,7 @@ TEST(Camera, EveryNamedViewLooksFromItsSide) {
     for (const char* text : {"*:surface", "*:volume(opacity=1)"}) {
       ASSERT_TRUE(renderer.select(selection_of(text, content.graph)));
       for (std::size_t n = 0; n < 6; ++n) {
-        const char* const kNearest[] = {"A", "P", "L", "R", "S", "I"};  // as kNamedCases
+        const char* const kNearest[] = {"A", "P", "L", "R", "S", "I"};  // in the order of kNamedCases
         (void)render_or_throw(renderer, Camera::of(*named_view(kNamedCases[n].name)), {.size = {48, 48}});
         const auto pick = renderer.pick(24.2, 23.9);
         ASSERT_TRUE(pick) << kNamedCases[n].name;

@@ -1,4 +1,4 @@
-// Pictures whose values are known in closed form.
+// Pictures with values known in closed form.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -26,7 +26,7 @@ TEST(ClosedForm, ThousandsOfThinLayersAddUp) {
         const Picture picture =
             render_or_throw(renderer, camera, {.size = {9, 9}, .hybrid_shading = false, .simd = simd});
         const double expected = opacity_through(layers, opacity);
-        // Every addition rounds by half a unit in the last place at most, usually to either side.
+        // Every addition rounds by at most half a unit in the last place, usually to either side.
         EXPECT_NEAR(picture.at(4, 4)[3], expected, std::min(1e-6, layers * 6e-8 * expected))
             << layers << " layers of " << opacity;
         EXPECT_LE(reference::energy_violation(picture), 2e-7) << layers << " layers of " << opacity;
@@ -35,7 +35,7 @@ TEST(ClosedForm, ThousandsOfThinLayersAddUp) {
   }
 }
 
-/// The phantom's larger ball has 21 voxels on each axis through its centre.
+/// The larger ball of the phantom has 21 voxels on each axis through its centre.
 TEST(ClosedForm, OpacityOfThePhantomsBallAlongItsAxes) {
   TestVolume volume;
   volume.grid.size = {phantom::kSize, phantom::kSize, phantom::kSize};
@@ -54,7 +54,7 @@ TEST(ClosedForm, OpacityOfThePhantomsBallAlongItsAxes) {
   }
 }
 
-/// A ball of radius R mm whose voxels hold how much of them it covers, to first order.
+/// A ball of radius R mm whose voxels hold their coverage, to first order.
 TEST(ClosedForm, OpacityOfABallInAnyDirection) {
   constexpr double kRadius = 20.3;
   constexpr std::int64_t kSide = 47;
@@ -85,8 +85,8 @@ TEST(ClosedForm, OpacityOfABallInAnyDirection) {
     if (azimuth % 90 == 0 && elevation % 90 == 0) {
       EXPECT_NEAR(picture.at(25, 25)[3], opacity_through(2 * kRadius, opacity), 1e-3);
     }
-    // Slices sample a rise that is no wider than their distance along the ray: each end of a chord is wrong
-    // by an eighth of that at most. Towards the rim chords change faster than voxels resolve.
+    // Slices sample a rise no wider than their distance along the ray: each end of a chord errs by at most
+    // 1/8 of it. Towards the rim, chords change faster than voxels resolve.
     const ParallelView view = *parallel_view(camera, {51, 51}, content.display);
     const double bound_mm = factorise(view, storage_grid(content)).slab_mm / 4;
     for (int y = 0; y < 51; ++y) {
@@ -103,8 +103,8 @@ TEST(ClosedForm, OpacityOfABallInAnyDirection) {
   }
 }
 
-/// Where every ray enters and leaves through faces that slices are parallel to, slabs are exact: a plate is
-/// flat, whatever the angle, the zoom and the position of the pixels between the voxels.
+/// Where rays enter and leave through faces parallel to the slices, slabs are exact: the plate is flat for
+/// every angle, zoom and pixel position.
 TEST(ClosedForm, PlatesAreFlatAtAnyAngle) {
   const AtlasContent content = box_content({64, 7, 64});
   const float opacity = 0.12f;
@@ -135,10 +135,9 @@ TEST(ClosedForm, PlatesAreFlatAtAnyAngle) {
   }
 }
 
-/// Where rays enter and leave through faces that slices are at right angles to, slices sample the rise from 0
-/// to 1 over one voxel at steps of t = tan(angle to the face) < 1 voxel. The sum of a piecewise linear
-/// function's samples is wrong by at most t^2 / 12 voxels at each of its four bends, of which two go each
-/// way.
+/// Where rays enter and leave through faces perpendicular to the slices, slices sample the rise from 0 to 1
+/// over one voxel, at steps of t = tan(angle to the face) < 1 voxel. The sum of samples of a piecewise linear
+/// function errs by at most t^2 / 12 voxels at each of its four kinks, two with either sign.
 TEST(ClosedForm, RippleOfPlatesSeenAcrossTheirSlicesIsBounded) {
   const AtlasContent content = box_content({96, 7, 96});
   const float opacity = 0.12f;
@@ -156,15 +155,15 @@ TEST(ClosedForm, RippleOfPlatesSeenAcrossTheirSlicesIsBounded) {
     const double t = 1 / std::tan(angle);
     const double length = 7 / std::cos(angle);
     const double length_bound = 2 * (t * t / 12 + t * t / 24) / std::cos(angle);
-    double least = 1;
-    double most = 0;
+    double min = 1;
+    double max = 0;
     for (int x = 0; x < 31; ++x) {
-      least = std::min(least, static_cast<double>(picture.at(x, 2)[3]));
-      most = std::max(most, static_cast<double>(picture.at(x, 2)[3]));
+      min = std::min(min, static_cast<double>(picture.at(x, 2)[3]));
+      max = std::max(max, static_cast<double>(picture.at(x, 2)[3]));
     }
-    EXPECT_GE(least, opacity_through(length - length_bound, opacity)) << azimuth;
-    EXPECT_LE(most, opacity_through(length + length_bound, opacity)) << azimuth;
-    ripple = std::max(ripple, most - least);
+    EXPECT_GE(min, opacity_through(length - length_bound, opacity)) << azimuth;
+    EXPECT_LE(max, opacity_through(length + length_bound, opacity)) << azimuth;
+    ripple = std::max(ripple, max - min);
   }
   RecordProperty("ripple_in_255ths", std::to_string(255 * ripple));
 }

@@ -1,4 +1,4 @@
-// Damaged files: no picture changes without saying so, and damage costs what it hits and nothing else.
+// Pictures of damaged files: every change comes with an error, and damage stays local.
 #include <cmath>
 #include <map>
 
@@ -16,7 +16,7 @@ namespace {
 
 using testing::HasSubstr;
 
-/// Two balls and a bar that cuts one of them, in 10 x 9 x 8 voxels.
+/// Two balls, and a bar that intersects one of them, in 10 x 9 x 8 voxels.
 AtlasContent small_content() {
   TestVolume volume;
   volume.grid.size = {10, 9, 8};
@@ -37,14 +37,14 @@ AtlasContent small_content() {
   return make_content(volume);
 }
 
-/// Where a section's chunk is.
+/// File offset of a chunk of a section.
 std::size_t offset_of(const Bytes& file, SectionKind kind, std::size_t chunk = 0) {
   const AtlasParts parts = take_apart(file);
   const FileLayout layout = lay_out(parts.directory, directory_bytes(file).size()).value();
   return layout.chunk_offset[layout.find(kind)->first_chunk + chunk];
 }
 
-/// The file with one byte of a section's chunk changed.
+/// The file with one byte of a chunk changed.
 Bytes with_damage(Bytes file, SectionKind kind, std::size_t chunk = 0) {
   file[offset_of(file, kind, chunk)] ^= std::byte{1};
   return file;
@@ -55,7 +55,7 @@ struct Rendering {
   std::vector<MissingPart> missing;
 };
 
-/// A picture, or the error of whatever could not be done.
+/// A picture, or the error of any step.
 Result<Rendering> render(Bytes file, const Selection& selection, const Camera& camera,
                          const RenderOptions& options) {
   SPLATLAS_ASSIGN_OR_RETURN(const auto atlas, Atlas::open_bytes(std::move(file), "F"));
@@ -71,7 +71,7 @@ TEST(DamagedAtlas, AVolumeThatIsDamagedIsLeftOutWhole) {
   const RenderOptions options{.size = {32, 32}};
   for (const SectionKind kind :
        {SectionKind::kValues, SectionKind::kRunsX, SectionKind::kRunsY, SectionKind::kRunsZ}) {
-    // One chunk per structure, but for values, where the empty class comes first.
+    // One chunk per structure; in values the empty class comes first.
     const Bytes damaged = with_damage(file, kind, kind == SectionKind::kValues ? 1 : 0);
     std::size_t pictures_with_damage = 0;
     for (const NamedView view : {NamedView::kLeft, NamedView::kAnterior, NamedView::kSuperior}) {
@@ -117,7 +117,7 @@ TEST(DamagedAtlas, WhereNothingIsLeftItIsAnErrorEachTime) {
     ASSERT_FALSE(picture);
     EXPECT_EQ(picture.error().code, ErrorCode::kInvalidAtlas);
   }
-  // Something else can still be drawn; then the damage is told again.
+  // Other structures can still be drawn; then the damage is reported again.
   ASSERT_TRUE(renderer.select(selection_of("Sphere_2", content.graph)));
   ASSERT_TRUE(renderer.render({}, {.size = {8, 8}}));
   EXPECT_TRUE(renderer.missing().empty());
@@ -126,8 +126,7 @@ TEST(DamagedAtlas, WhereNothingIsLeftItIsAnErrorEachTime) {
   EXPECT_EQ(renderer.missing().size(), 1u);
 }
 
-/// Every byte of a file changed, one after the other: the picture is as before, or damage is told and the
-/// picture is that of the rest.
+/// Changes every byte in turn: the picture is the same, or damage is reported and the picture shows the rest.
 TEST(DamagedAtlas, NoFlippedByteChangesAPictureWithoutAnError) {
   const AtlasContent content = small_content();
   const Bytes file = encode_atlas(content).value();
@@ -139,7 +138,8 @@ TEST(DamagedAtlas, NoFlippedByteChangesAPictureWithoutAnError) {
   for (std::size_t n = 0; n < file.size(); ++n) {
     RenderOptions options{.size = {9, 9}, .quality = Quality::kDraft};
     options.principal_axis = static_cast<Axis>(n % 3);
-    options.hybrid_shading = n >= normals && n < surfaces;  // else what shades is not read, and costs most
+    options.hybrid_shading =
+        n >= normals && n < surfaces;  // elsewhere shading reads no normals, and is slowest
     options.classification = n % 5 == 0 ? Classification::kAfter : Classification::kBefore;
     const Camera camera{.azimuth_deg = 40, .elevation_deg = 35};
     Bytes flipped = file;

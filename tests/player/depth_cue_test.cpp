@@ -1,4 +1,4 @@
-// Depths of pictures, and what they darken, in frames of sheets and of rays.
+// Depth cue in frames of sheets and of rays.
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@
 namespace splatlas {
 namespace {
 
-/// A wall, and a block in front of its middle: seen from anterior (along +y), 8 mm apart.
+/// A wall and a block in front of its centre, seen from anterior (along +y), 8 mm apart.
 AtlasContent wall_and_block() {
   TestVolume volume;
   volume.grid.size = {40, 20, 40};
@@ -62,20 +62,21 @@ TEST(DepthCueOfFrames, DarkensTheWallAroundTheBlockAndNothingElse) {
     RenderOptions options = options_of(mode, DepthCue::kEdges);
     const Picture on = render_or_throw(content, selection, camera, options);
     const double mm_per_pixel = view_of(camera, options.size, content.display)->plane.mm_per_pixel;
-    // The block's side is 6 mm from the middle; the picture's radius of the cue is 2 pixels.
+    // The side of the block is 6 mm from the centre; the radius of the cue is 2 pixels.
     const int edge = static_cast<int>(
         std::ceil(6.6 / mm_per_pixel * (mode.projection == CameraProjection::kPerspective ? 1.08 : 1)));
-    EXPECT_EQ(on.at(48, 48), off.at(48, 48)) << mode.name;                        // the block
-    EXPECT_EQ(on.at(48 + edge + 9, 48), off.at(48 + edge + 9, 48)) << mode.name;  // the wall, further away
+    EXPECT_EQ(on.at(48, 48), off.at(48, 48)) << mode.name;  // the block
+    EXPECT_EQ(on.at(48 + edge + 9, 48), off.at(48 + edge + 9, 48))
+        << mode.name;  // the wall, away from the block
     EXPECT_EQ(on.at(0, 0), off.at(0, 0)) << mode.name;
-    float least = 1;
+    float min = 1;
     for (int x = 48; x < 48 + edge + 9; ++x) {
       ASSERT_GT(off.at(x, 48)[0], 0.01f) << mode.name << x;
-      least = std::min(least, on.at(x, 48)[0] / off.at(x, 48)[0]);
+      min = std::min(min, on.at(x, 48)[0] / off.at(x, 48)[0]);
       EXPECT_EQ(on.at(x, 48)[3], off.at(x, 48)[3]);
     }
-    EXPECT_LT(least, 0.75f) << mode.name;
-    EXPECT_GE(least, 0.3f - 1e-6f) << mode.name;
+    EXPECT_LT(min, 0.75f) << mode.name;
+    EXPECT_GE(min, 0.3f - 1e-6f) << mode.name;
 
     options.depth_cue_strength = 0;
     EXPECT_EQ(render_or_throw(content, selection, camera, options).rgba, off.rgba) << mode.name;
@@ -86,8 +87,8 @@ TEST(DepthCueOfFrames, DarkensTheWallAroundTheBlockAndNothingElse) {
   }
 }
 
-/// Where a slab lets through a half is known: in the middle of every pixel, for spans and rays.
-TEST(DepthCueOfFrames, VolumesAreWhereTheyLetThroughAHalf) {
+/// The depth of transmittance 1/2 in a slab is known: in the middle of every pixel, for sheets and rays.
+TEST(DepthCueOfFrames, VolumesLieAtTransmittanceOneHalf) {
   TestVolume volume;
   volume.grid = {{30, 24, 28}, {1, 1.5, 0.8}, {-15, -18, -11}, {1, 0, 0, 0, 1, 0, 0, 0, 1}};
   volume.structures = {{"box", make_mask(volume.grid.size, [](auto...) { return true; })}};
@@ -135,7 +136,8 @@ TEST(DepthCueOfFrames, VolumesAreWhereTheyLetThroughAHalf) {
     for (int y = 0; y < size.height; ++y) {
       for (int x = 0; x < size.width; ++x) {
         const auto n = static_cast<std::size_t>(y * size.width + x);
-        // Slabs begin half a voxel before the first slice; the trilinear field rises over a voxel around it.
+        // Slabs begin half a voxel before the first slice; the trilinear field rises over a voxel around that
+        // place.
         const double front = azimuth == -160.0 ? 23.5 : -0.5;
         const double expected = view_depth.mm(x + 0.5, y + 0.5, 1, front) + half_mm;
         EXPECT_NEAR(of_spans.mm[n], expected, 0.15) << azimuth << ": " << x << ", " << y;
@@ -145,7 +147,7 @@ TEST(DepthCueOfFrames, VolumesAreWhereTheyLetThroughAHalf) {
   }
 }
 
-/// Depths are kept for what the picture shows: sheared as a whole, this row would cover 1e10 voxels.
+/// Depths are stored for the picture only: as a sheared whole, this row would cover 1e10 voxels.
 TEST(DepthCueOfFrames, LongRowsSeenFromNearbyTakeLittleMemory) {
   const std::int64_t length = 100001;
   const AtlasContent content = box_content({1, 1, length});

@@ -1,4 +1,4 @@
-// Grids of every scale and place: a picture depends on shapes, not on millimetres.
+// Grids of extreme scale and position: pictures depend on shapes, not on millimetres.
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -51,7 +51,7 @@ TEST(ExtremeGrids, ScaleAndPlaceDoNotShow) {
         for (std::size_t n = 0; n < picture.rgba.size(); ++n) {
           largest = std::max(largest, std::abs(static_cast<double>(picture.rgba[n]) - expected.rgba[n]));
         }
-        // Positions are told to 1e-16 of the offset, 1e-9 voxels; a corner seldom snaps the other way.
+        // Positions are exact to 1e-16 of the offset, 1e-9 voxels; a vertex seldom snaps to another side.
         EXPECT_LE(largest, 2e-5) << mm << " mm, " << away_mm << " mm away, azimuth " << camera.azimuth_deg;
       }
     }
@@ -91,7 +91,7 @@ TEST(ExtremeGrids, OneVoxelThickAtlasesEqualTheModel) {
   }
 }
 
-/// A row longer than 16 bits count, seen whole and in part.
+/// A row longer than 16-bit counts, as a whole and in part.
 TEST(ExtremeGrids, LongRowsRender) {
   const std::int64_t length = 70001;
   TestVolume volume;

@@ -1,5 +1,5 @@
-// More than 2^32 voxels and a file of more than 4 GiB, nearly all of it a hole: whatever counts voxels or
-// bytes in 32 bits fails here.
+// Atlas of more than 2^32 voxels and 4 GiB, nearly all of it a hole: 32-bit counts of voxels or bytes fail
+// here.
 
 #include <algorithm>
 #include <cmath>
@@ -13,8 +13,8 @@
 #include "format/system/checksum.h"
 #include "player/render_frame.h"
 #include "tests/format/atlas_surgery.h"
-#include "tests/format/temporary_folder.h"
 #include "tests/support/fit_parts.h"
+#include "tests/support/temporary_folder.h"
 #include "tests/support/test_content.h"
 
 namespace splatlas {
@@ -22,11 +22,11 @@ namespace {
 
 constexpr Index3 kLarge{2000, 2100, 1100};
 static_assert(kLarge[0] * kLarge[1] * kLarge[2] > std::int64_t{1} << 32);
-/// Where the small grid lies in the large one: its voxels come after the 2^32nd.
+/// Place of the small grid in the large one: its voxels follow the 2^32nd.
 constexpr Index3 kShift{1985, 2085, 1085};
 constexpr std::uint32_t kHoleChunk = 1u << 24;
 
-/// A box in 12^3 voxels, with grey values; its place in LPS is that in the large grid.
+/// A box in 12^3 voxels with grey values, at its LPS position in the large grid.
 AtlasContent box_content() {
   TestVolume volume;
   volume.grid.size = {12, 12, 12};
@@ -44,7 +44,7 @@ AtlasContent box_content() {
   return content;
 }
 
-/// The same classes, elsewhere in another grid.
+/// The same classes at another place, in another grid.
 ClassTable shifted(const ClassTable& classes, std::uint64_t voxels) {
   ClassTable result;
   std::uint64_t held = 0;
@@ -75,8 +75,8 @@ ClassRuns shifted(ClassRuns runs, const Index3& size, Axis axis) {
   return runs;
 }
 
-/// Puts the small atlas into the large grid. Values come first, so that all else lies behind the hole that
-/// those outside of structures are: zeros.
+/// Embeds the small atlas in the large grid. Values come first, so that all other sections follow the hole:
+/// zeros outside of structures.
 class LargeFile {
  public:
   LargeFile(const Bytes& small_file, const std::filesystem::path& path)
@@ -111,7 +111,7 @@ class LargeFile {
     add_section(run_section(axis), decoded, 4096);
   }
 
-  /// Values of the empty class: chunks of zeros, stored as they are.
+  /// Values of the empty class: uncompressed chunks of zeros.
   void add_values() {
     const Bytes hole(kHoleChunk);
     const std::uint64_t checksum_of_hole = checksum_of(hole);
@@ -160,7 +160,7 @@ class LargeFile {
   AtlasParts small_;
   std::shared_ptr<const Atlas> atlas_;
   Directory directory_;
-  std::vector<Bytes> stored_;  // empty for holes
+  std::vector<Bytes> stored_;  // empty: a hole
 };
 
 struct LargeAtlas : ::testing::Test {
@@ -208,7 +208,7 @@ TEST_F(LargeAtlas, RendersAsTheSmallOneDoes) {
           const auto rendered = renderer->render(camera, {.size = {40, 40}}, *picture);
           ASSERT_TRUE(rendered) << rendered.error().message;
         }
-        // Places of 2000 voxels are 2^-13 voxels apart in single precision; greys jump from voxel to voxel.
+        // At 2000 voxels, single precision resolves 2^-13 voxels, and grey values jump between voxels.
         float largest = 0, seen = 0;
         for (std::size_t n = 0; n < of_large.rgba.size(); ++n) {
           largest = std::max(largest, std::abs(of_large.rgba[n] - of_small.rgba[n]));

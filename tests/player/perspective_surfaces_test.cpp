@@ -1,4 +1,4 @@
-// Surfaces seen from an eye: projection, near plane, guard band, perspective-correct attributes.
+// Perspective surfaces: projection, near plane, guard band, perspective-correct attributes.
 #include <cmath>
 #include <map>
 #include <optional>
@@ -42,11 +42,11 @@ FragmentList draw(const SurfaceMesh& mesh, const reference::PerspectiveView& vie
   return list;
 }
 
-/// Where the ray through picture coordinates (x, y) crosses a triangle (grid: voxels are LPS mm).
+/// Intersection of the ray through picture coordinates (x, y) with a triangle (grid: voxels are LPS mm).
 struct Hit {
   Vec3 at{};
   std::array<double, 3> weights{};
-  double w = 0;  ///< along the view, over the distance of the centre
+  double w = 0;  ///< depth along the view direction, over the distance of the centre
 };
 std::optional<Hit> hit(const SurfaceMesh& mesh, const reference::PerspectiveView& view, double x, double y) {
   const reference::Ray ray = ray_through(view, kGrid, x, y);
@@ -99,7 +99,7 @@ TEST(PerspectiveSurfaces, AnEyeFarAwaySeesWhatAParallelViewSees) {
   }
 }
 
-/// Triangles around the eye, many of them reaching behind it, against rays.
+/// Triangles around the eye, many of which reach behind it, against rays.
 TEST(PerspectiveSurfaces, EqualRaysThroughSinglePixelsAlsoAcrossTheNearPlane) {
   std::mt19937 random(6);
   std::uniform_real_distribution<float> place(-24, 40);
@@ -128,7 +128,7 @@ TEST(PerspectiveSurfaces, EqualRaysThroughSinglePixelsAlsoAcrossTheNearPlane) {
       const double x = pixel % 40 + 0.5;
       const double y = pixel / 40 + 0.5;
       const auto at_center = hit(mesh, view, x, y);
-      bool near_border = false;  // vertices snap to 1/256 pixel
+      bool near_border = false;  // vertices are rounded to 1/256 pixel
       for (const double d : {-0.02, 0.02}) {
         near_border |= hit(mesh, view, x + d, y).has_value() != at_center.has_value() ||
                        hit(mesh, view, x, y + d).has_value() != at_center.has_value();
@@ -146,7 +146,7 @@ TEST(PerspectiveSurfaces, EqualRaysThroughSinglePixelsAlsoAcrossTheNearPlane) {
   EXPECT_GT(clipped, 5000u);
 }
 
-/// A plane seen at a slant: halfway along it is not halfway on the picture.
+/// On a slanted plane, the midpoint is not the midpoint in the picture.
 TEST(PerspectiveSurfaces, InterpolatesNormalsOverTheTriangleNotOverThePicture) {
   SurfaceMesh mesh;
   mesh.positions_ijk = {{-20, -2, 4}, {36, -2, 4}, {8, 80, 4}};
@@ -174,14 +174,14 @@ TEST(PerspectiveSurfaces, InterpolatesNormalsOverTheTriangleNotOverThePicture) {
   }
 }
 
-/// Corners millions of pixels away: the picture lies in the middle of the triangle, or across one edge of it.
+/// Vertices millions of pixels away: the picture lies inside the triangle, or across one of its edges.
 TEST(PerspectiveSurfaces, TrianglesBeyondTheGuardBandAreCutNotLost) {
   Camera camera;
   camera.center_lps_mm = Vec3{8, 8, 8};
   ParallelView view = *parallel_view(camera, {16, 12}, Display{});
   view.mm_per_pixel = 1e-6;
   SurfaceMesh mesh;
-  mesh.positions_ijk = {{0, 5, 8}, {16, 5, 8}, {8, 5, 16}};  // its lower edge runs through the middle
+  mesh.positions_ijk = {{0, 5, 8}, {16, 5, 8}, {8, 5, 16}};  // its lower edge crosses the centre
   mesh.normals_lps.assign(3, {0, -1, 0});
   mesh.triangles = {{0, 1, 2}};
   const SurfaceDraw surface{&mesh, 0, {1, 1, 1}, 0.5f};

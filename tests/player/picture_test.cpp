@@ -12,13 +12,13 @@
 namespace splatlas {
 namespace {
 
-/// The sRGB code of a linear value, before it is rounded.
+/// The sRGB code of a linear value before rounding.
 double exact_code(double linear) {
   const double clamped = std::clamp(linear, 0.0, 1.0);
   return 255 * (clamped <= 0.0031308 ? 12.92 * clamped : 1.055 * std::pow(clamped, 1 / 2.4) - 0.055);
 }
 
-/// Rounding to the nearest code, and up to a tenth of a code more where the table's steps are widest.
+/// Rounding to the nearest code, plus up to 0.1 codes where the steps of the table are widest.
 constexpr double kRounding = 0.5 + 0.1;
 
 Picture picture_of(const std::vector<std::array<float, 4>>& pixels) {
@@ -75,16 +75,16 @@ TEST(Picture, FilesWithAlphaHoldStraightColors) {
   EXPECT_NEAR(bytes[1], exact_code(0.5), kRounding);
   EXPECT_EQ(bytes[2], 255);
   EXPECT_EQ(bytes[3], 102);
-  for (std::size_t n = 4; n < 8; ++n) EXPECT_EQ(bytes[n], 0);  // nothing is black and clear
-  EXPECT_EQ(bytes[8], 255);                                    // as faint as may be, the colour is kept
+  for (std::size_t n = 4; n < 8; ++n) EXPECT_EQ(bytes[n], 0);  // empty is black and transparent
+  EXPECT_EQ(bytes[8], 255);                                    // the colour survives minimal opacity
   EXPECT_EQ(bytes[11], 0);
-  EXPECT_EQ(bytes[12], 255);  // more light than opacity is cut, not wrapped
+  EXPECT_EQ(bytes[12], 255);  // colour above opacity is clamped, not wrapped
 }
 
 TEST(Picture, OpacitiesWithoutAFiniteReciprocalKeepTheirColors) {
-  const float least = std::numeric_limits<float>::denorm_min();
+  const float min = std::numeric_limits<float>::denorm_min();
   const std::vector<std::uint8_t> bytes =
-      to_srgba8(picture_of({{0, 1e-39f, 5e-40f, 1e-39f}, {0, least, 0, least}}));
+      to_srgba8(picture_of({{0, 1e-39f, 5e-40f, 1e-39f}, {0, min, 0, min}}));
   EXPECT_EQ(bytes[0], 0);
   EXPECT_EQ(bytes[1], 255);
   EXPECT_NEAR(bytes[2], exact_code(0.5), kRounding);
@@ -94,7 +94,7 @@ TEST(Picture, OpacitiesWithoutAFiniteReciprocalKeepTheirColors) {
   EXPECT_EQ(bytes[7], 0);
 }
 
-TEST(Picture, WhatIsNoNumberIsBlackAndClear) {
+TEST(Picture, NotANumberIsBlackAndTransparent) {
   const float none = std::numeric_limits<float>::quiet_NaN();
   const float infinity = std::numeric_limits<float>::infinity();
   const Picture picture = picture_of({{none, infinity, -infinity, none}, {none, infinity, -infinity, 1}});

@@ -38,7 +38,7 @@ AtlasContent phantom_content() {
   return make_content(volume);
 }
 
-/// The paper's table 2, and what the boundary rule makes of each mode.
+/// The paper's table 2, and the effect of the boundary rule in each mode.
 TEST(Renderer, CountsVoxelsByRole) {
   const AtlasContent content = phantom_content();
   Renderer renderer(open_in_memory(content), {1, 0});
@@ -63,11 +63,11 @@ TEST(Renderer, CountsVoxelsByRole) {
   }
 }
 
-/// Everything that is drawn is visited once, and nothing else.
+/// Exactly the drawn voxels and runs are visited.
 TEST(Renderer, VisitsTheSelectedRunsAndVisibleVoxels) {
   for (std::uint32_t number = 0; number < 60; ++number) {
     RandomScene scene = random_scene(number);
-    scene.camera.zoom = 0.8;  // all in view
+    scene.camera.zoom = 0.8;  // everything is in view
     scene.camera.center_lps_mm.reset();
     scene.options.size = {64, 64};
     const auto atlas = open_in_memory(scene.content);
@@ -87,7 +87,7 @@ TEST(Renderer, VisitsTheSelectedRunsAndVisibleVoxels) {
       }
       std::uint64_t triangles = 0;
       for (const StructureIndex s : plan.surfaces) triangles += atlas->triangles(s);
-      if (!renderer.render(scene.camera, scene.options)) continue;  // refused: straight across this axis
+      if (!renderer.render(scene.camera, scene.options)) continue;  // refused: perpendicular to this axis
       EXPECT_EQ(renderer.stats().voxels_visited, visible) << "scene " << number;
       EXPECT_EQ(renderer.stats().runs_visited, runs);
       EXPECT_EQ(renderer.stats().triangles, triangles);
@@ -95,7 +95,7 @@ TEST(Renderer, VisitsTheSelectedRunsAndVisibleVoxels) {
   }
 }
 
-/// Bytes read and decoded equal those of an atlas that is asked for exactly the selected parts.
+/// Bytes read and decoded equal those of an atlas asked for exactly the selected parts.
 TEST(Renderer, ReadsNothingOfWhatIsNotSelected) {
   TestVolume volume;
   volume.grid.size = {40, 40, 20};
@@ -114,7 +114,7 @@ TEST(Renderer, ReadsNothingOfWhatIsNotSelected) {
   ASSERT_TRUE(bytes);
   for (const char* text : {"s5", "s5:surface", "s5:both + s9", "s0 + s15:surface", "*", ""}) {
     const auto atlas = *Atlas::open_bytes(*bytes);
-    Renderer renderer(atlas, {1, 0});  // several threads may decode a chunk that they share twice
+    Renderer renderer(atlas, {1, 0});  // several threads may decode a shared chunk twice
     const Selection selection = selection_of(text, content.graph);
     ASSERT_TRUE(renderer.select(selection));
     EXPECT_EQ(atlas->counters().decoded, 0u) << "reading waits for a view";
@@ -124,7 +124,7 @@ TEST(Renderer, ReadsNothingOfWhatIsNotSelected) {
     const DrawPlan plan = asked->tree().plan(selection);
     for (const ClassDraw& draw : plan.classes) {
       if (draw.role == VoxelRole::kSurface) continue;
-      (void)asked->read_runs(draw.id, Axis::kZ);  // values are stored in its order
+      (void)asked->read_runs(draw.id, Axis::kZ);  // values use its order
       (void)asked->read_runs(draw.id, Axis::kX);
       (void)asked->read_values(draw.id);
       (void)asked->read_normals(draw.id);
@@ -153,7 +153,7 @@ TEST(Renderer, GivesTheSameBitsWithAnyNumberOfThreads) {
   EXPECT_GT(rendered, 50000);
 }
 
-/// The order of frames and selections before does not show: nothing is left over from them.
+/// Earlier frames and selections have no effect.
 TEST(Renderer, GivesTheSameBitsWhateverWasRenderedBefore) {
   const AtlasContent content = phantom_content();
   const char* const kSelections[] = {"Spheres:both", "Sphere_1(opacity=0.9)", "Sphere_2:surface(opacity=0.3)",
@@ -177,7 +177,7 @@ TEST(Renderer, GivesTheSameBitsWhateverWasRenderedBefore) {
   }
 }
 
-/// Spans of the selection before are built upon, shaded or not.
+/// Spans of the previous selection are reused, shaded or not.
 TEST(Renderer, GivesTheSameBitsWhateverWasSelectedBefore) {
   std::mt19937 random(1);
   for (std::uint32_t number = 0; number < 40; ++number) {
@@ -236,7 +236,7 @@ TEST(Renderer, RendersAnAtlasWithoutStructures) {
   EXPECT_EQ(picture.rgba, std::vector<float>(4 * 81, 0.0f));
 }
 
-/// What lies outside the picture, however near or far, leaves no trace and does no harm.
+/// Content outside the picture, near or far, has no effect.
 TEST(Renderer, LooksPastTheAtlas) {
   const AtlasContent content = phantom_content();
   Renderer renderer(open_in_memory(content), {1, 0});
@@ -276,7 +276,7 @@ TEST(Renderer, RefusesPicturesThatNeedTooMuchMemoryBeforeItReads) {
   const auto atlas = open_in_memory(content);
   RenderOptions options;
   options.size = {64, 48};
-  // Surfaces only: nothing is set aside for volumes.
+  // Surfaces only: no memory for volumes.
   const Selection selection = *select("Spheres:surface", atlas->graph());
   const std::uint64_t enough = picture_bytes(options.size) + span_model_bytes(0, 0);
   Renderer too_small(atlas, {1, enough - 1});
@@ -295,10 +295,10 @@ TEST(Renderer, RefusesPicturesThatNeedTooMuchMemoryBeforeItReads) {
   EXPECT_FALSE(too_small.render({}, options));
 }
 
-/// A refused frame leaves neither a picture nor something to pick.
+/// A refused frame leaves neither a picture nor a structure to pick.
 TEST(Renderer, PicksNothingAfterAFrameThatWasRefused) {
   const AtlasContent content = phantom_content();
-  // Enough for 3000 fragments.
+  // Memory for 3000 fragments.
   Renderer renderer(open_in_memory(content), {1, (1200 << 10) + picture_bytes({99, 99})});
   ASSERT_TRUE(renderer.select(selection_of("Spheres:both(opacity=0.5)", content.graph)));
   Camera far_away;
@@ -314,11 +314,10 @@ TEST(Renderer, PicksNothingAfterAFrameThatWasRefused) {
   EXPECT_FALSE(renderer.pick(40, 60));
 }
 
-/// Whatever is left out behind pixels that are all but opaque, no value is further off than what they let
-/// through.
+/// Early ray termination: no value changes by more than the transmittance of its pixel.
 TEST(Renderer, EarlyTerminationStaysWithinItsBound) {
   TestVolume volume;
-  volume.grid.size = {64, 40, 8};  // wide enough for whole blocks, and deep
+  volume.grid.size = {64, 40, 8};  // whole blocks, and deep
   volume.structures = {
       {"box", make_mask(volume.grid.size, [](auto, auto, auto) { return true; }), {200, 180, 90}}};
   const AtlasContent content = make_content(volume);
@@ -335,7 +334,7 @@ TEST(Renderer, EarlyTerminationStaysWithinItsBound) {
       const Picture picture = render_or_throw(renderer, {}, options);
       float largest = 0;
       for (std::size_t n = 0; n < all.rgba.size(); ++n) {
-        EXPECT_LE(picture.rgba[n], all.rgba[n] + 1e-6f) << "light is left out, not added";
+        EXPECT_LE(picture.rgba[n], all.rgba[n] + 1e-6f) << "termination must not add radiance";
         largest = std::max(largest, all.rgba[n] - picture.rgba[n]);
       }
       EXPECT_LE(largest, floor * 1.0001f);

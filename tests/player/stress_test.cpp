@@ -1,4 +1,4 @@
-// Inputs that break renderers, as far as no other test has them: docs/renderer.md, "Stress cases".
+// Stress cases of docs/renderer.md that no other test covers.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -33,7 +33,7 @@ TEST(Stress, ThousandsOfThinLayersAddUpAlongRays) {
       RenderOptions options = by_rays({9, 9});
       options.simd = simd;
       const double expected = opacity_through(kLayers, opacity);
-      // Floor of early termination; else every addition rounds by half a unit in the last place.
+      // Threshold of early ray termination; else every addition rounds by half a unit in the last place.
       EXPECT_NEAR(render_or_throw(renderer, camera, options).at(4, 4)[3], expected,
                   std::max(kLayers * 6e-8 * expected, expected > 0.999 ? 1e-4 : 0))
           << opacity;
@@ -41,7 +41,7 @@ TEST(Stress, ThousandsOfThinLayersAddUpAlongRays) {
   }
 }
 
-/// A plate between planes of voxels is a constant, whatever the angle, by rays, too.
+/// A plate has constant opacity at any angle, for rays too.
 TEST(Stress, PlatesAreFlatAlongRays) {
   const AtlasContent content = box_content({64, 7, 64});
   const float opacity = 0.12f;
@@ -63,8 +63,8 @@ TEST(Stress, PlatesAreFlatAlongRays) {
   }
 }
 
-/// A millionth of a radian to either side of where the principal axis switches, and there: numbers, and no
-/// further apart than what slicing along two axes costs a smooth field: 0.2/255, and 0.1/255 by rays.
+/// At the switch of the principal axis, and 1e-6 rad to either side: finite values, within the cost of
+/// slicing a smooth field along another axis (0.2/255; rays: 0.1/255).
 TEST(Stress, AnAxisSwitchIsSmall) {
   const StandardScene scene = blobs_scene();
   Renderer renderer(open_in_memory(scene.content), {1, 0});
@@ -91,13 +91,13 @@ TEST(Stress, AnAxisSwitchIsSmall) {
   }
 }
 
-/// Cliffs from clear to all but opaque, where sheets are finer to look the same along both axes: with 1.5 and
-/// 2 pixels for one of the picture the largest would be 1.2 and 0.65.
+/// Steep edges from transparent to nearly opaque, with finer sheets so that both axes agree. At 1.5 and 2
+/// sheet pixels per picture pixel the maxima would be 1.2 and 0.65.
 TEST(Stress, AnAxisSwitchIsSmallAtSharpEdges) {
   const StandardScene scene = labels_scene();
   Renderer renderer(open_in_memory(scene.content), {1, 0});
   ASSERT_TRUE(renderer.select(scene.selection));
-  for (const auto& [quality, most] : {std::pair(Quality::kNormal, 0.8), {Quality::kHigh, 0.4}}) {
+  for (const auto& [quality, max_rms] : {std::pair(Quality::kNormal, 0.8), {Quality::kHigh, 0.4}}) {
     for (const double elevation : {5.0, 15.0, 25.0}) {
       Camera camera;
       camera.azimuth_deg = 45;
@@ -107,12 +107,12 @@ TEST(Stress, AnAxisSwitchIsSmallAtSharpEdges) {
       const Picture along_x = render_or_throw(renderer, camera, options);
       options.principal_axis = Axis::kY;
       const Picture along_y = render_or_throw(renderer, camera, options);
-      EXPECT_LE(reference::whole_picture_rms(along_x, along_y), most) << elevation;
+      EXPECT_LE(reference::whole_picture_rms(along_x, along_y), max_rms) << elevation;
     }
   }
 }
 
-/// The longest run lists: a run per voxel. Pictures equal the model, and runs are counted exactly.
+/// The longest run lists: one run per voxel. Pictures equal the model, and run counts are exact.
 TEST(Stress, CheckerboardsAndCombsEqualTheModel) {
   const Index3 size{11, 9, 10};
   TestVolume volume;
@@ -134,7 +134,7 @@ TEST(Stress, CheckerboardsAndCombsEqualTheModel) {
     const Picture picture = render_or_throw(renderer, camera, options);
     const auto d =
         reference::difference(picture, reference::render_model({content, selection, camera, options}));
-    EXPECT_LE(d.largest, 1e-4 + 2e-5) << words << ": " << to_text(d);  // early termination, rounding
+    EXPECT_LE(d.largest, 1e-4 + 2e-5) << words << ": " << to_text(d);  // early ray termination, rounding
     EXPECT_GT(d.pixels, 300u);
     const std::uint64_t runs = words == std::string("black(opacity=0.3)") ? 495 : 990;
     EXPECT_LE(renderer.stats().runs_visited, runs) << words;
@@ -144,7 +144,7 @@ TEST(Stress, CheckerboardsAndCombsEqualTheModel) {
   }
 }
 
-/// All but one, said as a removal, as every other one, and as a complement: the same bits.
+/// All but one structure, as a removal, as every other one and as a complement: the same bits.
 TEST(Stress, AllNoneAndComplementsAreTheSameSelections) {
   TestVolume volume;
   volume.grid.size = {12, 12, 12};
@@ -169,7 +169,7 @@ TEST(Stress, AllNoneAndComplementsAreTheSameSelections) {
   EXPECT_NE(picture("all"), without);
 }
 
-/// A thousand pixels for a voxel, and a hundred voxels for a pixel.
+/// A thousand pixels per voxel, and a hundred voxels per pixel.
 TEST(Stress, ZoomsFromHundredthsToThousandsOfPixelsAVoxel) {
   const AtlasContent plate = box_content({400, 7, 400});
   const float opacity = 0.12f;
@@ -189,8 +189,8 @@ TEST(Stress, ZoomsFromHundredthsToThousandsOfPixelsAVoxel) {
   }
 }
 
-/// Steps of a hundredth of a degree, across 45 degrees: each changes as much as the one before, but for
-/// the switch of the principal axis.
+/// Steps of 0.01 degrees across 45 degrees: each changes as much as the one before, except for the axis
+/// switch.
 TEST(Stress, SlowTurnsAreSteady) {
   const StandardScene scene = blobs_scene();
   Renderer renderer(open_in_memory(scene.content), {1, 0});
@@ -211,7 +211,7 @@ TEST(Stress, SlowTurnsAreSteady) {
   }
 }
 
-/// Whatever is wrong with a camera or a picture's size is told before anything is read or allocated.
+/// Invalid cameras and picture sizes are refused ahead of reading and allocation.
 TEST(Stress, BadCamerasAndSizesAreRefusedAndNothingIsRead) {
   const StandardScene scene = hybrid_scene();
   const auto atlas = open_in_memory(scene.content);

@@ -1,4 +1,4 @@
-// Surfaces inside a volume are composited exactly where they are.
+// Surfaces inside a volume, composited at their exact depths.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -15,9 +15,9 @@
 namespace splatlas {
 namespace {
 
-constexpr std::int64_t kDepth = 9;    // voxels of fog along y
+constexpr std::int64_t kDepth = 9;    // fog along y, voxels
 constexpr std::int64_t kWidth = 27;   // along x and z
-constexpr float kFogOpacity = 0.15f;  // of a voxel
+constexpr float kFogOpacity = 0.15f;  // per voxel
 constexpr Rgb kFogColor{180, 200, 220};
 
 /// A plane y = `at` across the fog.
@@ -28,13 +28,13 @@ struct Plane {
   bool faces_viewer = true;
 };
 
-/// Fog in every voxel, and structures for as many surfaces.
+/// Fog in every voxel, and structures for `surfaces` surfaces.
 AtlasContent content_for(std::size_t surfaces) {
   TestVolume volume;
   volume.grid.size = {kWidth, kDepth, kWidth};
   volume.structures = {{"fog", make_mask(volume.grid.size, [](auto...) { return true; }), kFogColor}};
   for (std::size_t n = 0; n < surfaces; ++n) {
-    // Which voxel leads to a surface does not matter to the player: any will do.
+    // The player ignores which voxels lead to a surface.
     const auto mask =
         make_mask(volume.grid.size, [n](auto i, auto, auto) { return i == static_cast<std::int64_t>(n); });
     volume.structures.push_back({fmt::format("plane{}", n), mask});
@@ -42,7 +42,7 @@ AtlasContent content_for(std::size_t surfaces) {
   return make_content(volume);
 }
 
-/// Fog in every voxel, and a surface for each plane.
+/// Fog in every voxel, and one surface per plane.
 AtlasContent fog_content(const std::vector<Plane>& planes) {
   static std::map<std::size_t, AtlasContent> contents;
   if (!contents.contains(planes.size())) contents.emplace(planes.size(), content_for(planes.size()));
@@ -88,8 +88,8 @@ struct FogView {
   }
 };
 
-/// Voxels of full fog in front of `at`. In drafts it fills slabs around the slices; else it rises and falls
-/// between the first two slices and behind the last one, and every slab has it as halfway through.
+/// Full voxels of fog in front of `at`. In drafts fog fills slabs around the slices. Otherwise it rises
+/// between the first two slices, falls behind the last, and each slab has its density halfway through.
 double fog_until(double at, Quality quality) {
   const int parts = reference::slabs_per_slice(quality);
   const double thickness = 1.0 / parts;
@@ -105,7 +105,7 @@ double fog_until(double at, Quality quality) {
   return voxels;
 }
 
-/// In closed form: fog, and planes in the given order.
+/// Closed form: fog, and planes in this order.
 std::array<double, 4> expected_pixel(const std::vector<Plane>& in_order, const FogView& view) {
   const double extinction = -std::log1p(-static_cast<double>(kFogOpacity));
   const auto fog_color = reference::linear_of(kFogColor);
@@ -126,7 +126,7 @@ std::array<double, 4> expected_pixel(const std::vector<Plane>& in_order, const F
     sum.add_surface({color[0] * opacity, color[1] * opacity, color[2] * opacity, opacity});
   }
   add_fog(kDepth);
-  return {sum.color[0], sum.color[1], sum.color[2], 1 - sum.transmittance};
+  return sum.rgba();
 }
 
 void expect_everywhere(const Picture& picture, const std::array<double, 4>& expected,
@@ -134,7 +134,7 @@ void expect_everywhere(const Picture& picture, const std::array<double, 4>& expe
   for (int n = 0; n < picture.size.width * picture.size.height; ++n) {
     const auto pixel = picture.at(n % picture.size.width, n / picture.size.width);
     for (std::size_t c = 0; c < 4; ++c) {
-      // Ten or so compositing steps in float, each rounding by some 1e-7.
+      // About ten float compositing steps, each rounding by some 1e-7.
       ASSERT_NEAR(pixel[c], expected[c], 1.5e-6) << what << ", channel " << c << ", pixel " << n;
     }
   }
@@ -142,7 +142,7 @@ void expect_everywhere(const Picture& picture, const std::array<double, 4>& expe
 
 const std::vector<std::pair<double, double>> kDirections{{0, 0}, {180, 0}, {31, -17}, {-140, 25}, {44.9, 0}};
 
-/// Planes in front of the fog, on its border, on slices, halfway between them, in between, and behind.
+/// Planes in front of the fog, on its border, on slices, halfway between, in between, and behind.
 TEST(SurfaceInVolume, SweptPlanesFollowTheClosedForm) {
   for (int step = -16; step <= 16 * kDepth; ++step) {
     if (step % 4 != 0 && (step < 28 || step > 60)) continue;
@@ -154,7 +154,7 @@ TEST(SurfaceInVolume, SweptPlanesFollowTheClosedForm) {
       for (const Quality quality : {Quality::kDraft, Quality::kNormal}) {
         const FogView view(azimuth, elevation, content, quality);
         std::vector<Plane> seen = planes;
-        // From behind, the fog is met the other way round.
+        // From behind, the fog has the reverse order.
         if (view.view.forward_lps[1] < 0) seen[0].at = kDepth - 1 - seen[0].at;
         expect_everywhere(render_or_throw(renderer, view.camera, view.options), expected_pixel(seen, view),
                           fmt::format("plane at {}, azimuth {}", step / 16.0, azimuth));
@@ -163,30 +163,30 @@ TEST(SurfaceInVolume, SweptPlanesFollowTheClosedForm) {
   }
 }
 
-/// From step to step of a tenth of a voxel the picture changes steadily: never by more than the fog of that
-/// tenth hides, and always towards the fog's colour.
+/// A plane moves in steps of a tenth of a voxel. The picture changes monotonously towards the colour of the
+/// fog, by at most the opacity of that tenth.
 TEST(SurfaceInVolume, SweptPlanesChangeMonotonouslyAndContinuously) {
   double before = 2;
   for (int step = -8; step <= 10 * kDepth; ++step) {
-    // Multiples of 1/4096, as the file has them.
+    // Multiples of 1/4096, as in files.
     const std::vector<Plane> planes{{std::round(step / 10.0 * 4096) / 4096, {255, 255, 255}, 0.8f, true}};
     const AtlasContent content = fog_content(planes);
     const FogView view(23, -11, content);
     Selection selection = fog_selection(planes);
     selection.structures[0].color = {0, 0, 0};  // black fog before a white plane
-    const double light = render_or_throw(content, selection, view.camera, view.options).at(3, 3)[1];
-    const double most = -std::log1p(-static_cast<double>(kFogOpacity)) * view.slab_mm * 0.1001;
-    EXPECT_LE(light, before + 1e-7) << "step " << step;
+    const double value = render_or_throw(content, selection, view.camera, view.options).at(3, 3)[1];
+    const double max_change = -std::log1p(-static_cast<double>(kFogOpacity)) * view.slab_mm * 0.1001;
+    EXPECT_LE(value, before + 1e-7) << "step " << step;
     if (before <= 1) {
-      EXPECT_GE(light, before * (1 - most) - 1e-6) << "step " << step;
+      EXPECT_GE(value, before * (1 - max_change) - 1e-6) << "step " << step;
     }
-    before = light;
+    before = value;
   }
   EXPECT_LT(before, 0.4);
 }
 
 TEST(SurfaceInVolume, SeveralSurfacesInOneVoxelKeepTheirOrder) {
-  // In the file in another order than on the ray; three of them within half a voxel, around a slab's border.
+  // File order differs from ray order; three planes lie within half a voxel, around the border of a slab.
   const std::vector<Plane> planes{{4.75, {20, 20, 255}, 0.5f, true},
                                   {4.375, {255, 20, 20}, 0.4f, true},
                                   {4.5, {20, 255, 20}, 0.3f, false},
@@ -213,7 +213,7 @@ TEST(SurfaceInVolume, CoincidingFacesAreLeftBeforeTheyAreEntered) {
   ASSERT_TRUE(renderer.select(fog_selection(planes)));
   for (const auto& [azimuth, elevation] : kDirections) {
     const FogView view(azimuth, elevation, content);
-    // The second faces away at azimuth 0: it is left. From behind, the first is.
+    // The second faces away at azimuth 0: the ray leaves it. From behind, the first does.
     const bool behind = view.view.forward_lps[1] < 0;
     std::vector<Plane> in_order{planes[behind ? 0 : 1], planes[behind ? 1 : 0]};
     for (Plane& plane : in_order) plane.at = behind ? kDepth - 1 - plane.at : plane.at;
@@ -236,7 +236,7 @@ TEST(SurfaceInVolume, OpaqueSurfacesHideWhatIsBehindThem) {
   EXPECT_EQ(render_or_throw(renderer, view.camera, view.options).rgba, with.rgba);
 }
 
-TEST(SurfaceInVolume, SurfacesAloneMultiplyWhatTheyLetThrough) {
+TEST(SurfaceInVolume, SurfacesAloneMultiplyTheirTransmittances) {
   std::vector<Plane> planes;
   for (int n = 0; n < 8; ++n) planes.push_back({n + 0.25, {255, 255, 255}, 0.3f, n % 2 == 0});
   const AtlasContent content = fog_content(planes);

@@ -1,4 +1,4 @@
-// Pictures of transfer functions whose values are known in closed form.
+// Pictures of transfer functions with values known in closed form.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -16,11 +16,11 @@ namespace {
 /// A layer of voxels, 1 mm thick.
 struct Layer {
   double grey = 0;
-  double halvings = 0;  ///< of the light that passes, by the curve
+  double halvings = 0;  ///< transmittance of the layer, in halvings
   double shade = 1;
 };
 
-/// A white box seen from above, with one grey value per layer, the uppermost first.
+/// A white box from above, with one grey value per layer, top layer first.
 template <typename T>
 AtlasContent layered_box(VoxelType type, const std::vector<Layer>& layers) {
   TestVolume volume;
@@ -36,7 +36,7 @@ AtlasContent layered_box(VoxelType type, const std::vector<Layer>& layers) {
   return make_content(volume);
 }
 
-/// Draws the box as `options` say and compares the pixel in its middle.
+/// Draws the box with `options` and checks its centre pixel.
 template <typename T>
 void expect_picture(VoxelType type, const std::string& options, const std::vector<Layer>& layers) {
   const AtlasContent content = layered_box<T>(type, layers);
@@ -45,23 +45,23 @@ void expect_picture(VoxelType type, const std::string& options, const std::vecto
   const Picture picture = render_or_throw(
       content, selection_of("box(" + options + ")", content.graph), camera,
       {.size = {9, 9}, .quality = Quality::kDraft, .hybrid_shading = false, .termination_threshold = 1e-4f});
-  double through = 1;  // in drafts every layer is a slab of its own
-  double light = 0;
+  double transmittance = 1;  // in drafts each layer is its own slab
+  double radiance = 0;
   for (const Layer& layer : layers) {
     const double passes = std::exp2(-layer.halvings);
-    light += through * (1 - passes) * layer.shade;
-    through *= passes;
+    radiance += transmittance * (1 - passes) * layer.shade;
+    transmittance *= passes;
   }
-  // Pixels from which no more than 1e-4 comes through may end early.
-  EXPECT_NEAR(picture.at(4, 4)[3], 1 - through, 1.1e-4) << options << ", " << name_of(type);
-  EXPECT_NEAR(picture.at(4, 4)[0], light, 1.1e-4) << options << ", " << name_of(type);
-  if (through > 1e-3) {
-    EXPECT_NEAR(picture.at(4, 4)[3], 1 - through, 1e-6) << options << ", " << name_of(type);
-    EXPECT_NEAR(picture.at(4, 4)[0], light, 1e-6) << options << ", " << name_of(type);
+  // Pixels may terminate at a transmittance of 1e-4.
+  EXPECT_NEAR(picture.at(4, 4)[3], 1 - transmittance, 1.1e-4) << options << ", " << name_of(type);
+  EXPECT_NEAR(picture.at(4, 4)[0], radiance, 1.1e-4) << options << ", " << name_of(type);
+  if (transmittance > 1e-3) {
+    EXPECT_NEAR(picture.at(4, 4)[3], 1 - transmittance, 1e-6) << options << ", " << name_of(type);
+    EXPECT_NEAR(picture.at(4, 4)[0], radiance, 1e-6) << options << ", " << name_of(type);
   }
 }
 
-/// Half the light at 10, a quarter at 20 with half the colour.
+/// Transmittance 1/2 at 10, and 1/4 with half the shade at 20.
 constexpr const char* kPeak = "curve=0:0/10:0.5/20:0.75:0.5/30:0";
 
 TEST(TransferPicture, CurvesOfBytes) {
@@ -87,7 +87,7 @@ TEST(TransferPicture, CurvesOfFloatsWithNaNAndInfinities) {
       {nan, 1, 0.5}, {-infinity, 1, 0.5}, {0.25, 1.25, 0.625}, {infinity, 2}, {1e30, 2}};
   expect_picture<float>(VoxelType::kFloat32, "curve=0:0.5:0.5/1:0.75", layers);
   expect_picture<double>(VoxelType::kFloat64, "curve=0:0.5:0.5/1:0.75", layers);
-  // Where the first point is clear, so is what is not a number.
+  // If the first point is transparent, so is not-a-number.
   expect_picture<float>(VoxelType::kFloat32, kPeak, {{nan, 0}, {10, 1}, {nan, 0}, {infinity, 0}});
 }
 
@@ -126,7 +126,7 @@ TEST(TransferPicture, RampsAndTheirDefaults) {
   expect_picture<std::uint8_t>(VoxelType::kUInt8, "low=150", {{200, soft / 2, 0.625}, {250, soft}});
 }
 
-/// Four structures side by side in every scanline, three voxels wide each and of one grey value.
+/// Four structures side by side in every scanline, three voxels wide each, with one grey value.
 TEST(TransferPicture, NeighboursHaveCurvesOfTheirOwn) {
   TestVolume volume;
   volume.grid.size = {12, 5, 1};
@@ -146,7 +146,7 @@ TEST(TransferPicture, NeighboursHaveCurvesOfTheirOwn) {
   for (std::size_t s = 0; s < expected.size(); ++s) {
     Camera camera = Camera::of(NamedView::kSuperior);
     camera.center_lps_mm = Vec3{3.0 * static_cast<double>(s) + 1, 2, 0};
-    camera.zoom = zoom_for(content.display, 9, 0.1);  // all of it within the middle voxel's middle
+    camera.zoom = zoom_for(content.display, 9, 0.1);  // within the centre of the central voxel
     const Picture picture =
         render_or_throw(content, selection, camera, {.size = {9, 9}, .hybrid_shading = false});
     const double opacity = 1 - std::exp2(-expected[s].halvings);

@@ -6,12 +6,12 @@
 #include <gmock/gmock.h>
 #include <png.h>
 
-#include "tests/format/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace splatlas {
 namespace {
 
-/// A ramp of every channel, wider than it is high, so that a row is no column.
+/// Ramps of all channels, wider than high, so that rows and columns differ.
 Picture ramps() {
   Picture picture{{19, 7}, {}};
   for (int n = 0; n < 19 * 7; ++n) {

@@ -1,4 +1,4 @@
-// Whole builds: the way there and back, and what must not change a thing.
+// Whole builds: round trips and invariances.
 
 #include "preprocess/build_atlas.h"
 
@@ -63,7 +63,7 @@ class BuildAtlas : public testing::Test {
   TemporaryFolder folder_;
 };
 
-/// Numbers that ITK wrote as text or as 32-bit floats.
+/// Tolerance for numbers that ITK wrote as text or 32-bit floats.
 void expect_near(const Grid& a, const Grid& b, double tolerance) {
   EXPECT_EQ(a.size, b.size);
   for (std::size_t n = 0; n < 3; ++n) {
@@ -78,13 +78,13 @@ TEST_F(BuildAtlas, LabelsAndVolumeComeBackVoxelForVoxel) {
   const std::vector<AxisOrder> orders = all_axis_orders();
   std::size_t next_order = 0;
   for (const std::string ending : {".nrrd", ".mha", ".nii", ".nii.gz"}) {
-    // NIfTI keeps geometry in 32-bit floats, a direction as a quaternion of such; the others keep doubles as
+    // NIfTI stores geometry in 32-bit floats and directions as quaternions; other formats store doubles as
     // text.
     const double tolerance = ending.starts_with(".nii") ? 2e-6 : 1e-12;
     for (const VoxelType type : kVoxelTypes) {
       for (const double angle : {0.0, 0.2}) {
         SCOPED_TRACE(ending + " " + name_of(type));
-        // 7 and 48 have no common factor: every order turns up.
+        // 7 and 48 are coprime: every order occurs.
         const AxisOrder& order = orders[next_order = (next_order + 7) % orders.size()];
         const Image labels = in_order(random_labels(awkward_grid(angle), type, random), order);
         const Image volume = in_order(random_volume(awkward_grid(angle), type, random), order);
@@ -151,13 +151,13 @@ TEST_F(BuildAtlas, AllAxisOrdersOfOneVolumeGiveOneAtlas) {
       EXPECT_EQ(content.classes.box(c), first.classes.box(c));
     }
     EXPECT_TRUE(std::ranges::equal(content.graph.structures(), first.graph.structures()));
-    // Up to the origin, which is the corner that the order makes the first one, in doubles.
+    // Equal up to the origin, the first corner in the axis order, in doubles.
     expect_near(storage_grid(content), storage_grid(first), 1e-13);
     EXPECT_EQ(storage_grid(content).direction_lps, storage_grid(first).direction_lps);
     EXPECT_EQ(content.display.window_low, first.display.window_low);
     EXPECT_EQ(content.display.window_high, first.display.window_high);
     EXPECT_DOUBLE_EQ(content.display.radius_mm, first.display.radius_mm);
-    // And each gives back its own order.
+    // Each export restores its own order.
     export_all("back.nrrd", "");
     EXPECT_EQ(import_image(file("back.nrrd"))->voxels, in_order(labels, order).voxels);
   }
@@ -206,7 +206,7 @@ TEST_F(BuildAtlas, OverlappingMasksComeBackAsMasks) {
   ASSERT_TRUE(report) << report.error().message;
   EXPECT_THAT(report->notes, ElementsAre(HasSubstr("spleen.nii.gz: holds no voxel")));
   const auto atlas = *Atlas::open(file("a.atlas"));
-  // The larger first, so that the more specific one has the higher number.
+  // The larger one first, so that the more specific one has the higher number.
   ASSERT_EQ(atlas->graph().size(), 3u);
   EXPECT_EQ(atlas->graph()[0].name, "body");
   EXPECT_EQ(atlas->graph()[1].name, "a_heart");
@@ -229,7 +229,7 @@ TEST_F(BuildAtlas, OverlappingMasksComeBackAsMasks) {
   EXPECT_THAT(export_atlas(back).error().message, HasSubstr("not an empty folder"));
 }
 
-/// A limit on the size of files stands for a full disk.
+/// A file size limit simulates a full disk.
 TEST_F(BuildAtlas, AnExportThatEndsEarlyTellsWhatIsThere) {
   Grid grid;
   grid.size = {20, 20, 20};
@@ -279,7 +279,7 @@ TEST_F(BuildAtlas, SegmentsTakeWhatNoLabelHoldsAndLeaveLabelsAlone) {
                                                                                             : outer ? 100
                                                                                                     : 0)};
   }
-  values.voxels.bytes[0] = std::byte{200};  // a speck that is not connected
+  values.voxels.bytes[0] = std::byte{200};  // a disconnected speck
   BuildOptions build_options = options();
   build_options.sources.labels = write("labels.nrrd", labels);
   build_options.sources.volume = write("volume.nrrd", values);
@@ -296,7 +296,7 @@ TEST_F(BuildAtlas, SegmentsTakeWhatNoLabelHoldsAndLeaveLabelsAlone) {
   EXPECT_EQ(content.graph[1].name, "Middle");
   EXPECT_FALSE(content.graph[1].label);
   EXPECT_EQ(voxels(1), 64u - 8u);
-  EXPECT_EQ(voxels(2), 216u - 64u);  // its hole is filled, but held already
+  EXPECT_EQ(voxels(2), 216u - 64u);  // its hole is filled, but belongs to another structure
   export_all("back.nrrd", "");
   EXPECT_EQ(import_image(file("back.nrrd"))->voxels, labels.voxels);
 }

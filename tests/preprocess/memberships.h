@@ -1,4 +1,4 @@
-// Membership volumes from masks that tests write down, and structures for them.
+// Membership volumes from explicit masks, with their structures.
 #pragma once
 
 #include <string>
@@ -25,7 +25,7 @@ inline StructureGraph flat_graph(std::size_t structures) {
   return build_graph(sources, {}, "")->graph;
 }
 
-/// A mask of `holds(i, j, k)`.
+/// The mask of the voxels that satisfy `holds(i, j, k)`.
 template <typename Holds>
 std::vector<std::uint8_t> make_mask(const Index3& size, Holds holds) {
   std::vector<std::uint8_t> mask;

@@ -1,4 +1,4 @@
-// Random volumes in awkward grids.
+// Random volumes in grids without symmetry.
 #pragma once
 
 #include <array>
@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "preprocess/import/images/import_image.h"
+#include "tests/support/axis_orders.h"
 
 namespace splatlas {
 
@@ -16,25 +17,13 @@ inline constexpr std::array<VoxelType, 8> kVoxelTypes{
     VoxelType::kUInt8,  VoxelType::kInt8,  VoxelType::kUInt16,  VoxelType::kInt16,
     VoxelType::kUInt32, VoxelType::kInt32, VoxelType::kFloat32, VoxelType::kFloat64};
 
-/// The 48 signed permutations of three axes.
-inline std::vector<AxisOrder> all_axis_orders() {
-  std::vector<AxisOrder> orders;
-  std::array<std::uint8_t, 3> from{0, 1, 2};
-  do {
-    for (int flips = 0; flips < 8; ++flips) {
-      orders.push_back({from, {(flips & 1) != 0, (flips & 2) != 0, (flips & 4) != 0}});
-    }
-  } while (std::next_permutation(from.begin(), from.end()));
-  return orders;
-}
-
 /// Rotation by `angle` around z and then around x, columns mirrored by `order`.
 inline Matrix3 oblique_direction(double angle) {
   const double c = std::cos(angle), s = std::sin(angle);
   return {c, -s, 0, c * s, c * c, -s, s * s, s * c, c};
 }
 
-/// Sizes, spacings and origin of no symmetry; `angle` in radians turns it.
+/// Sizes, spacings and origin without symmetry, rotated by `angle` in radians.
 inline Grid awkward_grid(double angle) {
   Grid grid;
   grid.size = {7, 5, 4};
@@ -44,7 +33,7 @@ inline Grid awkward_grid(double angle) {
   return grid;
 }
 
-/// The same volume with its axes in another order.
+/// The same volume in another axis order.
 inline Image in_order(const Image& image, const AxisOrder& order) {
   Image result{reordered(image.grid, order), {image.voxels.type, {}}};
   result.voxels.bytes.resize(image.voxels.bytes.size());
@@ -53,7 +42,7 @@ inline Image in_order(const Image& image, const AxisOrder& order) {
   return result;
 }
 
-/// Any values of the type; finite ones when they are floats.
+/// Any values of the type; finite for floats.
 inline Image random_volume(const Grid& grid, VoxelType type, std::mt19937& random) {
   Image image{grid, {type, std::vector<std::byte>(static_cast<std::size_t>(grid.voxels()) * bytes_of(type))}};
   visit_voxel_type(type, [&]<typename T>(T) {
@@ -68,7 +57,8 @@ inline Image random_volume(const Grid& grid, VoxelType type, std::mt19937& rando
   return image;
 }
 
-/// Labels 0 to 3 in lumps, the third the largest that the type takes below 2^24 (floats hold that exactly).
+/// Labels 0 to 3 in clusters; the third is the maximum of the type below 2^24, which floats represent
+/// exactly.
 inline Image random_labels(const Grid& grid, VoxelType type, std::mt19937& random) {
   Image image{grid, {type, std::vector<std::byte>(static_cast<std::size_t>(grid.voxels()) * bytes_of(type))}};
   visit_voxel_type(type, [&]<typename T>(T) {

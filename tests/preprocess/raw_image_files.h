@@ -1,4 +1,4 @@
-// Image files byte by byte, without the libraries that read them: small, legal, and easy to damage.
+// Image files written byte by byte: small, valid and easy to damage.
 #pragma once
 
 #include <array>
@@ -29,7 +29,7 @@ struct RawImage {
   }
 };
 
-/// `bytes` with a number of type T at `offset` replaced.
+/// `bytes` with the number of type T at `offset` replaced.
 template <typename T>
 std::string with_number(std::string bytes, std::size_t offset, T value) {
   bytes.replace(offset, sizeof(T), reinterpret_cast<const char*>(&value), sizeof(T));
@@ -76,7 +76,7 @@ inline std::string nifti() {
   return nifti_header() + RawImage::payload();
 }
 
-/// `extra` lines stand before ElementDataFile.
+/// `extra` lines go ahead of ElementDataFile.
 inline std::string meta_header(const std::string& extra = "", const std::string& data_file = "LOCAL") {
   return "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\n" + extra +
          "TransformMatrix = 1 0 0 0 1 0 0 0 1\nOffset = 10 20 30\nElementSpacing = 1 2 3\nDimSize = 8 4 2\n"

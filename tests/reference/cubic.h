@@ -1,4 +1,4 @@
-// What a trilinear field is along a ray, between two planes of voxel centres.
+// Cubic polynomial: a trilinear field along a ray within a cell.
 #pragma once
 
 #include <array>

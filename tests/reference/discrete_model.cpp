@@ -9,34 +9,30 @@ namespace {
 
 constexpr int kMaxSamplesPerSide = 16;
 
-/// A slab with constant light; exact.
-RayRadiance slab(const VoxelOptics& light, double length_mm) {
+/// A slab of constant optical properties; exact.
+RayRadiance slab(const VoxelOptics& optics, double length_mm) {
   RayRadiance out;
-  if (light.extinction <= 0) return out;
-  const double depth = light.extinction * length_mm;
+  if (optics.extinction <= 0) return out;
+  const double depth = optics.extinction * length_mm;
   for (std::size_t c = 0; c < 3; ++c)
-    out.color[c] = light.emission[c] * -std::expm1(-depth) / light.extinction;
+    out.color[c] = optics.emission[c] * -std::expm1(-depth) / optics.extinction;
   out.transmittance = std::exp(-depth);
   return out;
 }
 
-void add_weighted(double weight, const RayRadiance& light, RayRadiance& sum) {
-  for (std::size_t c = 0; c < 3; ++c) sum.color[c] += weight * light.color[c];
-  sum.transmittance += weight * light.transmittance;
-}
-
-/// Between what is in front of a slab and with it, as if the light in the slab were constant.
+/// Radiance part of the way into a slab, as if its optical properties were constant.
 RayRadiance part_of_slab(const RayRadiance& before, const RayRadiance& behind, double part) {
   if (!(behind.transmittance < before.transmittance)) return before;
-  // Opaque slabs are taken to let that much through.
-  constexpr double kMinThrough = 2e-4;
-  const double through = std::max(behind.transmittance, std::min(kMinThrough, before.transmittance));
-  const double absorbed = 1 - through / before.transmittance;
+  // Limits the logarithm of opaque slabs.
+  constexpr double kMinTransmittance = 2e-4;
+  const double transmittance =
+      std::max(behind.transmittance, std::min(kMinTransmittance, before.transmittance));
+  const double absorbed = 1 - transmittance / before.transmittance;
   const double share = absorbed > 0 ? -std::expm1(part * std::log1p(-absorbed)) / absorbed : part;
-  RayRadiance light = before;
-  for (std::size_t c = 0; c < 3; ++c) light.color[c] += share * (behind.color[c] - before.color[c]);
-  light.transmittance += share * (behind.transmittance - before.transmittance);
-  return light;
+  RayRadiance sum = before;
+  for (std::size_t c = 0; c < 3; ++c) sum.color[c] += share * (behind.color[c] - before.color[c]);
+  sum.transmittance += share * (behind.transmittance - before.transmittance);
+  return sum;
 }
 
 double catmull_rom(double distance) {
@@ -45,7 +41,7 @@ double catmull_rom(double distance) {
   return d < 2 ? ((-0.5 * d + 2.5) * d - 4) * d + 2 : 0;
 }
 
-/// How far a step of one pixel to the right, and one down, reaches in the middle slice, in voxels.
+/// Length of a step of one pixel to the right, and one down, in the middle slice, in voxels.
 std::array<double, 2> voxels_per_pixel(const ParallelView& view, const Grid& grid, Axis principal) {
   const ScanOrder axes = ScanOrder::of(principal);
   std::array<double, 2> reach{};
@@ -75,8 +71,8 @@ int sheet_pixels_per_voxel(Quality quality, const ParallelView& view, const Opti
                            Axis principal) {
   const std::array<double, 2> reach = voxels_per_pixel(view, field.grid, principal);
   const double pixels_per_voxel = std::min(1 / std::min(reach[0], reach[1]), 1e3);
-  const auto rounded = [&](double per_pixel, int least, int most) {
-    return std::clamp(static_cast<int>(std::ceil(per_pixel * pixels_per_voxel - 0.25)), least, most);
+  const auto rounded = [&](double per_pixel, int min, int max) {
+    return std::clamp(static_cast<int>(std::ceil(per_pixel * pixels_per_voxel - 0.25)), min, max);
   };
   const Vec3& spacing = field.grid.spacing_mm;
   const bool sharp = field.mean_densest * std::cbrt(spacing[0] * spacing[1] * spacing[2]) >= 1;
@@ -138,11 +134,11 @@ DiscreteModel::SlabSample DiscreteModel::sample(std::int64_t n, const Place& pla
   const double scan = place.u + (k - middle_) * per_mm_[axes_.scan_axis] / along;
   const double row = place.v + (k - middle_) * per_mm_[axes_.row_axis] / along;
   if (parts_ == 1) {
-    slab.light = in_slice(std::llround(k), scan, row);
+    slab.optics = in_slice(std::llround(k), scan, row);
   } else {
     const double below = std::floor(k);
-    slab.light.add(1 - (k - below), in_slice(static_cast<std::int64_t>(below), scan, row));
-    slab.light.add(k - below, in_slice(static_cast<std::int64_t>(below) + 1, scan, row));
+    slab.optics.add(1 - (k - below), in_slice(static_cast<std::int64_t>(below), scan, row));
+    slab.optics.add(k - below, in_slice(static_cast<std::int64_t>(below) + 1, scan, row));
   }
   return slab;
 }
@@ -157,9 +153,9 @@ std::vector<RayRadiance> DiscreteModel::along_ray(const Place& place, std::span<
     for (std::size_t d = 0; d < depths.size(); ++d) {
       if (depths[d] < sampled.begin) continue;
       before[d] = sum;
-      before[d].add(slab(sampled.light, voxel_mm * std::min(thickness, depths[d] - sampled.begin)));
+      before[d].add(slab(sampled.optics, voxel_mm * std::min(thickness, depths[d] - sampled.begin)));
     }
-    sum.add(slab(sampled.light, voxel_mm * thickness));
+    sum.add(slab(sampled.optics, voxel_mm * thickness));
   }
   before.back() = sum;
   return before;
@@ -180,9 +176,9 @@ std::vector<RayRadiance> DiscreteModel::warped(const Place& place, std::span<con
   for (const int dx : {0, 1}) {
     for (const int dy : {0, 1}) {
       const double weight = bilinear(dx, dy) + (dx == dy ? skew : -skew);
-      const auto lights =
+      const auto radiances =
           along_ray({(left + dx) / pixels_per_voxel_, (upper + dy) / pixels_per_voxel_}, depths);
-      for (std::size_t n = 0; n < sums.size(); ++n) add_weighted(weight, lights[n], sums[n]);
+      for (std::size_t n = 0; n < sums.size(); ++n) sums[n].add_weighted(weight, radiances[n]);
     }
   }
   return sums;
@@ -206,8 +202,8 @@ RayRadiance DiscreteModel::warped_cubic(const Place& place) const {
     for (int dy = -1; dy <= 2; ++dy) {
       const double column = std::floor(x) + dx, row = std::floor(y) + dy;
       const double weight = catmull_rom(x - column) * catmull_rom(y - row);
-      add_weighted(weight, sheet_pixel(static_cast<std::int64_t>(column), static_cast<std::int64_t>(row)),
-                   sum);
+      sum.add_weighted(weight,
+                       sheet_pixel(static_cast<std::int64_t>(column), static_cast<std::int64_t>(row)));
     }
   }
   sum.transmittance = std::clamp(sum.transmittance, 0.0, 1.0);
@@ -224,20 +220,20 @@ double DiscreteModel::smear() const {
 
 std::vector<RayRadiance> DiscreteModel::at(double x, double y, std::span<const double> depths) const {
   const double thickness = 1.0 / parts_;
-  std::vector<double> borders;  // of the slabs that hold the depths
+  std::vector<double> borders;  // borders of the slabs that contain the depths
   for (const double depth : depths) {
     const double slab =
         std::clamp(std::floor((depth - first_slab()) / thickness), 0.0, static_cast<double>(slabs() - 1));
     borders.push_back(first_slab() + slab * thickness);
     borders.push_back(first_slab() + (slab + 1) * thickness);
   }
-  const std::vector<RayRadiance> lights = warped(place_of(x, y), borders);
+  const std::vector<RayRadiance> radiances = warped(place_of(x, y), borders);
   std::vector<RayRadiance> before;
   for (std::size_t n = 0; n < depths.size(); ++n) {
     const double part = std::clamp((depths[n] - borders[2 * n]) / thickness, 0.0, 1.0);
-    before.push_back(part_of_slab(lights[2 * n], lights[2 * n + 1], part));
+    before.push_back(part_of_slab(radiances[2 * n], radiances[2 * n + 1], part));
   }
-  before.push_back(lights.back());
+  before.push_back(radiances.back());
   return before;
 }
 
@@ -251,7 +247,7 @@ RayRadiance DiscreteModel::pixel_mean(int column, int row) const {
   for (int y = 0; y < samples; ++y) {
     for (int x = 0; x < samples; ++x) {
       const Place place = place_of(column + (x + 0.5) / samples, row + (y + 0.5) / samples);
-      add_weighted(1.0 / (samples * samples), cubic ? warped_cubic(place) : warped(place, {}).back(), sum);
+      sum.add_weighted(1.0 / (samples * samples), cubic ? warped_cubic(place) : warped(place, {}).back());
     }
   }
   return sum;

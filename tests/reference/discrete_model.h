@@ -1,6 +1,7 @@
-// What the renderer computes, in double precision: slabs of constant light, and a sheet of finite resolution.
-// Where a picture differs from the truth, this model tells a fault (the picture differs from the model by
-// more than float rounding) from the error that the method has.
+// Discrete model of the sheet renderer in double precision: slabs of constant optical properties and a sheet
+// of finite resolution.
+// A difference between picture and model beyond float rounding is a fault. A difference between model and
+// ground truth is the error of the method.
 #pragma once
 
 #include <cstdint>
@@ -17,46 +18,45 @@
 
 namespace splatlas::reference {
 
-/// Slabs per slice that the renderer documents for a quality.
+/// The documented number of slabs per slice.
 [[nodiscard]] int slabs_per_slice(Quality quality);
 
-/// Sheet pixels per voxel that the renderer documents for a quality.
+/// The documented resolution of the sheet, in pixels per voxel.
 [[nodiscard]] int sheet_pixels_per_voxel(Quality quality, const ParallelView& view, const OpticalField& field,
                                          Axis principal);
 
 class DiscreteModel {
  public:
-  /// Keeps references. `pixels_per_voxel`: of the sheet; 0 stands for a sheet of unlimited resolution, which
-  /// leaves the slabs as the only approximation. `principal`: the axis that slices are normal to.
-  /// `parts`: slabs per slice. One lies around its slice; several between it and the next, each with the
-  /// light halfway through.
+  /// Keeps references. `pixels_per_voxel`: resolution of the sheet; 0: unlimited, so that slabs remain the
+  /// only approximation. `principal`: the axis normal to slices. `parts`: slabs per slice. A single slab is
+  /// centred on its slice. Several lie between it and the next slice, and are sampled at their centres.
   DiscreteModel(const OpticalField& field, const ParallelView& view, Axis principal, int pixels_per_voxel,
                 int parts = 1);
 
-  /// The volume in front of every depth (along the principal axis in voxels, growing away from the viewer)
-  /// and all of it, last; at picture coordinates. Within a slab the light is as if it were constant between
-  /// what the warp shows in front of the slab and behind it.
+  /// The volume in front of each depth and, last, all of it, at picture coordinates. Depths run along the
+  /// principal axis in voxels, away from the viewer. Within a slab, interpolates between the warped radiance
+  /// in front of and behind it, as for constant optical properties.
   [[nodiscard]] std::vector<RayRadiance> at(double x, double y, std::span<const double> depths) const;
-  /// All of the volume; the mean over the pixel where voxels are finer than the picture.
+  /// The whole volume, averaged over the pixel where voxels are smaller than pixels.
   [[nodiscard]] RayRadiance pixel_mean(int column, int row) const;
 
  private:
   struct Place {
-    double u = 0, v = 0;  ///< where a ray meets the middle slice, in voxels
+    double u = 0, v = 0;  ///< intersection of the ray with the middle slice, in voxels
   };
   [[nodiscard]] Place place_of(double x, double y) const;
   [[nodiscard]] std::vector<RayRadiance> along_ray(const Place& place, std::span<const double> depths) const;
   [[nodiscard]] std::vector<RayRadiance> warped(const Place& place, std::span<const double> depths) const;
-  /// Where there is the volume alone, in normal and high quality.
+  /// Used without surfaces, in normal and high quality.
   [[nodiscard]] RayRadiance warped_cubic(const Place& place) const;
-  /// The whole volume at a pixel of the sheet; pictures ask for each again and again.
+  /// The whole volume at a sheet pixel. Cached.
   [[nodiscard]] const RayRadiance& sheet_pixel(std::int64_t column, std::int64_t row) const;
-  /// What the warp's weights make up for: rays move across a slice along its slab.
+  /// Correction of the bilinear weights of the warp for the motion of rays across a slice.
   [[nodiscard]] double smear() const;
   [[nodiscard]] VoxelOptics in_slice(std::int64_t k, double scan, double row) const;
-  /// Light of the middle of the n-th slab from the viewer, along a ray, and where the slab begins.
+  /// Optical properties at the centre of the n-th slab from the viewer, and the near side of the slab.
   struct SlabSample {
-    VoxelOptics light;
+    VoxelOptics optics;
     double begin = 0;  ///< depth, in voxels
   };
   [[nodiscard]] SlabSample sample(std::int64_t n, const Place& place) const;
@@ -70,8 +70,7 @@ class DiscreteModel {
   std::int64_t slices_;
   double middle_;
   Vec3 per_mm_;
-  mutable std::map<std::pair<std::int64_t, std::int64_t>, RayRadiance>
-      sheet_;  // as far as it has been asked for
+  mutable std::map<std::pair<std::int64_t, std::int64_t>, RayRadiance> sheet_;  // cache
 };
 
 }  // namespace splatlas::reference

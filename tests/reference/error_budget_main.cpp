@@ -1,4 +1,4 @@
-// Prints what docs/renderer.md says about errors: how much each approximation costs, measured.
+// splatlas-error-budget: the error budget of docs/renderer.md, measured per approximation.
 #include <cmath>
 #include <cstdio>
 #include <string>
@@ -13,7 +13,7 @@ namespace {
 
 constexpr PictureSize kSize{64, 64};
 
-/// Differences over several views.
+/// Differences accumulated over views.
 struct Budget {
   double squares = 0, largest = 0, mean = 0;
   int views = 0;
@@ -41,7 +41,7 @@ void measure(const StandardScene& scene) {
     frame.camera.azimuth_deg = azimuth;
     frame.camera.elevation_deg = elevation;
     frame.options.size = kSize;
-    frame.options.antialiasing = false;  // rays are compared, not pixels
+    frame.options.antialiasing = false;  // compares rays, not pixels
     frame.options.termination_threshold = 0;
     const ReferencePicture truth = render_truth(frame);
     for (std::size_t q = 0; q < 3; ++q) {

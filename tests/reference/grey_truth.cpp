@@ -13,12 +13,12 @@ namespace splatlas::reference {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kLargestDepthPerStep = 0.25;
-constexpr double kHidden = 1e-7;
-/// A grey value passes a knot at most once within such a part of a cell, or it is missed.
+constexpr double kMaxDepthPerStep = 0.25;
+constexpr double kMinTransmittance = 1e-7;
+/// Part of a cell in which a cubic grey value crosses a knot at most once; further crossings are missed.
 constexpr int kPartsPerCell = 8;
 
-/// Gauss-Legendre with four nodes on [0, 1]: exact for polynomials of degree 7.
+/// Gauss-Legendre quadrature with four nodes on [0, 1], exact for polynomials of degree 7.
 struct Node {
   double at, weight;
 };
@@ -27,8 +27,8 @@ constexpr std::array<Node, 4> kNodes{{{0.06943184420297371, 0.17392742256872693}
                                       {0.66999052179242813, 0.32607257743127307},
                                       {0.93056815579702629, 0.17392742256872693}}};
 
-/// Light of the part [t0, t1] of a piece of ray `length_mm` long, where extinction is one cubic and
-/// emission(t) smooth.
+/// Radiance of the part [t0, t1] of a ray segment of `length_mm`, with cubic extinction and smooth
+/// emission(t).
 template <typename Emission>
 RayRadiance integrate(const Cubic& extinction, const Emission& emission, double t0, double t1,
                       double length_mm) {
@@ -36,23 +36,23 @@ RayRadiance integrate(const Cubic& extinction, const Emission& emission, double 
   const double depth_before = extinction.integral(t0);
   const double depth = length_mm * (extinction.integral(t1) - depth_before);
   if (!(depth > 0)) return sum;
-  const double most = std::max({extinction(t0), extinction(0.5 * (t0 + t1)), extinction(t1)});
-  const int steps = 1 + static_cast<int>(most * (t1 - t0) * length_mm / kLargestDepthPerStep);
+  const double max_extinction = std::max({extinction(t0), extinction(0.5 * (t0 + t1)), extinction(t1)});
+  const int steps = 1 + static_cast<int>(max_extinction * (t1 - t0) * length_mm / kMaxDepthPerStep);
   const double step_part = (t1 - t0) / steps;
   for (int step = 0; step < steps; ++step) {
     for (const Node& node : kNodes) {
       const double t = t0 + (step + node.at) * step_part;
       const double transmittance = std::exp(-length_mm * (extinction.integral(t) - depth_before));
       const double weight = length_mm * node.weight * step_part * transmittance;
-      const std::array<double, 3> light = emission(t);
-      for (std::size_t c = 0; c < 3; ++c) sum.color[c] += weight * light[c];
+      const std::array<double, 3> emitted = emission(t);
+      for (std::size_t c = 0; c < 3; ++c) sum.color[c] += weight * emitted[c];
     }
   }
   sum.transmittance = std::exp(-depth);
   return sum;
 }
 
-/// Weights of a cell's eight corners (i fastest) at a point of a ray.
+/// Trilinear weights of the eight corners of a cell (i fastest) at a point of a ray.
 std::array<double, 8> corner_weights(const Vec3& index, const Index3& cell) {
   const double x = index[0] - static_cast<double>(cell[0]);
   const double y = index[1] - static_cast<double>(cell[1]);
@@ -61,22 +61,13 @@ std::array<double, 8> corner_weights(const Vec3& index, const Index3& cell) {
           (1 - x) * (1 - y) * z,       x * (1 - y) * z,       (1 - x) * y * z,       x * y * z};
 }
 
-/// A ray's way from cell to cell.
+/// Cell traversal along a ray (Amanatides and Woo 1987).
 class CellWalk {
  public:
-  CellWalk(const Index3& size, const Ray& ray, double from_mm)
-      : ray_(ray), from_mm_(from_mm), to_mm_(kInfinity) {
-    for (std::size_t a = 0; a < 3; ++a) {  // nothing beyond one voxel outside the grid
-      const auto last = static_cast<double>(size[a]);
-      if (ray.per_mm[a] == 0) {
-        if (!(ray.start[a] > -1 && ray.start[a] < last)) to_mm_ = -kInfinity;
-        continue;
-      }
-      const double first_mm = (-1 - ray.start[a]) / ray.per_mm[a];
-      const double last_mm = (last - ray.start[a]) / ray.per_mm[a];
-      from_mm_ = std::max(from_mm_, std::min(first_mm, last_mm));
-      to_mm_ = std::min(to_mm_, std::max(first_mm, last_mm));
-    }
+  CellWalk(const Index3& size, const Ray& ray, double from_mm) : ray_(ray) {
+    const RayInterval interval = clip_to_field(ray, size, {from_mm, kInfinity});
+    from_mm_ = interval.from_mm;
+    to_mm_ = interval.to_mm;
     if (!inside()) return;
     const Vec3 entry = ray.at(from_mm_);
     for (std::size_t a = 0; a < 3; ++a) {
@@ -112,14 +103,14 @@ class CellWalk {
   }
 
   const Ray& ray_;
-  double from_mm_, to_mm_;
+  double from_mm_ = 0, to_mm_ = 0;
   Index3 cell_{0, 0, 0};
   Vec3 exit_mm_{0, 0, 0};
 };
 
-/// Extinction and colour are linear in the grey value here.
+/// Piece of an appearance, linear in the grey value.
 struct Segment {
-  GreyAppearance::Knot at_0;  // extrapolated to a grey value of 0
+  GreyAppearance::Knot at_0;  // extrapolated to grey value 0
   GreyAppearance::Knot per_grey;
 };
 
@@ -143,7 +134,7 @@ Segment segment_at(const GreyAppearance& appearance, double grey) {
   return segment;
 }
 
-/// Where the cubic passes `value` within [t0, t1], at whose ends it lies on either side.
+/// Parameter in [t0, t1] at which the cubic equals `value`, by bisection. Its ends lie on different sides.
 double crossing(const Cubic& cubic, double value, double t0, double t1) {
   const bool rises = cubic(t1) > cubic(t0);
   for (int n = 0; n < 50; ++n) {
@@ -160,32 +151,32 @@ RayRadiance integrate_classified(const Cubic& grey, const GreyAppearance& appear
   const Cubic extinction{{segment.at_0.extinction_per_mm + slope * grey.a[0], slope * grey.a[1],
                           slope * grey.a[2], slope * grey.a[3]}};
   const auto emission = [&](double t) {
-    std::array<double, 3> light{};
+    std::array<double, 3> emitted{};
     for (std::size_t c = 0; c < 3; ++c) {
-      light[c] = extinction(t) * (segment.at_0.color[c] + segment.per_grey.color[c] * grey(t));
+      emitted[c] = extinction(t) * (segment.at_0.color[c] + segment.per_grey.color[c] * grey(t));
     }
-    return light;
+    return emitted;
   };
   return integrate(extinction, emission, t0, t1, length_mm);
 }
 
-/// The grey value is one cubic, which the look's knots cut into parts.
+/// A segment with a cubic grey value, cut at the knots of the appearance.
 RayRadiance classify_after(const Cubic& grey, const GreyAppearance& appearance, double lowest, double highest,
                            double length_mm) {
-  std::vector<double> passed;  // knots that may be passed at all
+  std::vector<double> inner;  // knots within the range of the cell
   for (const GreyAppearance::Knot& knot : appearance.knots) {
-    if (knot.grey > lowest && knot.grey < highest && (passed.empty() || passed.back() != knot.grey)) {
-      passed.push_back(knot.grey);
+    if (knot.grey > lowest && knot.grey < highest && (inner.empty() || inner.back() != knot.grey)) {
+      inner.push_back(knot.grey);
     }
   }
-  if (passed.empty()) return integrate_classified(grey, appearance, 0, 1, length_mm);
+  if (inner.empty()) return integrate_classified(grey, appearance, 0, 1, length_mm);
   std::vector<double> cuts{0};
   for (int part = 0; part < kPartsPerCell; ++part) {
     const double t0 = static_cast<double>(part) / kPartsPerCell;
     const double t1 = static_cast<double>(part + 1) / kPartsPerCell;
     const double g0 = grey(t0);
     const double g1 = grey(t1);
-    for (const double knot : passed) {
+    for (const double knot : inner) {
       if ((g0 < knot) != (g1 < knot)) cuts.push_back(crossing(grey, knot, t0, t1));
     }
   }
@@ -206,11 +197,11 @@ struct GreyTruth::Corners {
 };
 
 GreyTruth::GreyTruth(const MaskedVolume& volume, GreyAppearance appearance, Classification classification)
-    : volume_(volume), appearance_(std::move(appearance)), classification_(classification), light_(256) {
-  for (std::size_t grey = 0; grey < light_.size(); ++grey) {
+    : volume_(volume), appearance_(std::move(appearance)), classification_(classification), optics_(256) {
+  for (std::size_t grey = 0; grey < optics_.size(); ++grey) {
     const GreyAppearance::Knot knot = appearance_.at(static_cast<double>(grey));
-    light_[grey] = {knot.extinction_per_mm, knot.extinction_per_mm * knot.color[0],
-                    knot.extinction_per_mm * knot.color[1], knot.extinction_per_mm * knot.color[2]};
+    optics_[grey] = {knot.extinction_per_mm, knot.extinction_per_mm * knot.color[0],
+                     knot.extinction_per_mm * knot.color[1], knot.extinction_per_mm * knot.color[2]};
   }
   mark_visible_cells();
 }
@@ -236,16 +227,16 @@ GreyTruth::Corners GreyTruth::corners_of(std::int64_t i, std::int64_t j, std::in
 }
 
 void GreyTruth::mark_visible_cells() {
-  // Whether anything is visible between two whole grey values: the first visible value from a grey value on.
+  // Minimum visible grey value at or above each integer, for a constant-time test of a cell.
   std::array<double, 257> first_visible{};
   first_visible[256] = kInfinity;
   for (std::size_t grey = 256; grey-- > 0;) {
     const auto here = static_cast<double>(grey);
-    bool above = grey < 255 && light_[grey + 1][0] > 0;
+    bool above = grey < 255 && optics_[grey + 1][0] > 0;
     for (const GreyAppearance::Knot& knot : appearance_.knots) {
       above = above || (knot.grey > here && knot.grey < here + 1 && knot.extinction_per_mm > 0);
     }
-    first_visible[grey] = light_[grey][0] > 0 ? here : above ? here + 0.5 : first_visible[grey + 1];
+    first_visible[grey] = optics_[grey][0] > 0 ? here : above ? here + 0.5 : first_visible[grey + 1];
   }
   const Index3& size = volume_.grid.size;
   visible_.resize(static_cast<std::size_t>((size[0] + 1) * (size[1] + 1) * (size[2] + 1)));
@@ -257,7 +248,7 @@ void GreyTruth::mark_visible_cells() {
         const bool shows =
             classification_ == Classification::kAfter
                 ? first_visible[*low] <= static_cast<double>(*high)
-                : std::any_of(greys.begin(), greys.end(), [&](std::uint8_t g) { return light_[g][0] > 0; });
+                : std::any_of(greys.begin(), greys.end(), [&](std::uint8_t g) { return optics_[g][0] > 0; });
         visible_[cell_number(i, j, k)] = shows ? 1 : 0;
       }
     }
@@ -280,18 +271,18 @@ RayRadiance GreyTruth::in_cell(const Corners& corners, const Ray& ray, const Ind
     return classify_after(Cubic::through(grey[0], grey[1], grey[2], grey[3]), appearance_, *low, *high,
                           length_mm);
   }
-  std::array<std::array<double, 4>, 4> light{};
+  std::array<std::array<double, 4>, 4> optics{};
   for (std::size_t c = 0; c < 8; ++c) {
-    const std::array<double, 4>& corner = light_[corners.greys[c]];
+    const std::array<double, 4>& corner = optics_[corners.greys[c]];
     for (std::size_t n = 0; n < 4; ++n) {
       for (std::size_t channel = 0; channel < 4; ++channel)
-        light[n][channel] += weights[n][c] * corner[channel];
+        optics[n][channel] += weights[n][c] * corner[channel];
     }
   }
   std::array<Cubic, 4> cubics{};
   for (std::size_t channel = 0; channel < 4; ++channel) {
     cubics[channel] =
-        Cubic::through(light[0][channel], light[1][channel], light[2][channel], light[3][channel]);
+        Cubic::through(optics[0][channel], optics[1][channel], optics[2][channel], optics[3][channel]);
   }
   const auto emission = [&](double t) { return std::array{cubics[1](t), cubics[2](t), cubics[3](t)}; };
   return integrate(cubics[0], emission, 0, 1, length_mm);
@@ -303,7 +294,7 @@ RayRadiance GreyTruth::along(const Ray& ray, double from_mm) const {
     const Index3& cell = walk.cell();
     if (visible_[cell_number(cell[0], cell[1], cell[2])] == 0 || !(walk.to_mm() > walk.from_mm())) continue;
     sum.add(in_cell(corners_of(cell[0], cell[1], cell[2]), ray, cell, walk.from_mm(), walk.to_mm()));
-    if (sum.transmittance < kHidden) break;
+    if (sum.transmittance < kMinTransmittance) break;
   }
   return sum;
 }
@@ -315,10 +306,8 @@ ReferencePicture render_grey_truth(const GreyTruth& truth, const PictureSize& si
   picture.pixels.resize(width * static_cast<std::size_t>(size.height));
   const auto render_row = [&](std::size_t row) {
     for (std::size_t column = 0; column < width; ++column) {
-      const RayRadiance light =
-          truth.along(ray(static_cast<double>(column) + 0.5, static_cast<double>(row) + 0.5), from_mm);
-      picture.pixels[row * width + column] = {light.color[0], light.color[1], light.color[2],
-                                              1 - light.transmittance};
+      const Ray pixel_ray = ray(static_cast<double>(column) + 0.5, static_cast<double>(row) + 0.5);
+      picture.pixels[row * width + column] = truth.along(pixel_ray, from_mm).rgba();
     }
   };
   parallel_for(static_cast<std::size_t>(size.height), threads, render_row, [](std::size_t) {});

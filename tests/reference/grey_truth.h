@@ -1,4 +1,4 @@
-// The truth of a masked copy, in double precision, fast enough for whole pictures of a head.
+// Reference ray caster for masked copies in double precision, fast enough for whole pictures of a head.
 #pragma once
 
 #include <cstdint>
@@ -14,21 +14,19 @@
 
 namespace splatlas::reference {
 
-/// Between voxel centres, either extinction and emission are trilinear, or the grey value is, and classified
-/// then.
+/// kBefore interpolates extinction and emission, kAfter the grey value, ahead of classification.
 using splatlas::Classification;
 
-/// A ray caster as in reference_volume.h, for one look of grey values. Rays are cut at every plane of voxel
-/// centres and, where the grey value is classified after interpolation, where it passes a knot of the look;
-/// the optical depth is then a polynomial, and exact, and the colour is taken by Gauss-Legendre's rule on
-/// optical depths of at most 1/4. What a transmittance of 1e-7 hides is left out. Immutable: safe to share
-/// between threads.
+/// A ray caster as in reference_volume.h for one appearance of grey values. Cuts rays at planes of voxel
+/// centres and, for post-classification, at the knots of the appearance. The optical depth is then a
+/// polynomial, integrated exactly; the colour is integrated by Gauss-Legendre quadrature over optical depths
+/// of at most 1/4. Rays end at a transmittance of 1e-7. Immutable and thread-safe.
 class GreyTruth {
  public:
-  /// Keeps a reference to `volume`. Cost: one pass over the voxels; a byte per voxel.
+  /// Keeps a reference to `volume`. Cost: one pass over the voxels, and a byte per voxel.
   GreyTruth(const MaskedVolume& volume, GreyAppearance appearance, Classification classification);
 
-  /// Light along a ray from `from_mm` on. Cost: the cells that the ray passes; empty ones take a few
+  /// Radiance along a ray from `from_mm` on. Cost: linear in the crossed cells; empty ones take a few
   /// nanoseconds.
   [[nodiscard]] RayRadiance along(const Ray& ray, double from_mm) const;
 
@@ -43,17 +41,17 @@ class GreyTruth {
   const MaskedVolume& volume_;
   GreyAppearance appearance_;
   Classification classification_;
-  std::vector<std::array<double, 4>> light_;  // of whole grey values: extinction, emission
-  std::vector<std::uint8_t> visible_;         // per cell, from one before the first voxel on
+  std::vector<std::array<double, 4>> optics_;  // per integer grey value: extinction, emission
+  std::vector<std::uint8_t> visible_;          // per cell, from one before the first voxel on
 };
 
-/// The ray through picture coordinates (x, y); a pixel's centre is at its number plus one half.
+/// The ray through picture coordinates (x, y). Pixel centres lie at integers plus one half.
 using RayOfPixel = std::function<Ray(double x, double y)>;
 
-/// One ray through the centre of every pixel, from `from_mm` on. `threads`: 0 for one per core.
+/// One ray per pixel centre, from `from_mm` on. `threads`: 0 for one per core.
 [[nodiscard]] ReferencePicture render_grey_truth(const GreyTruth& truth, const PictureSize& size,
                                                  const RayOfPixel& ray, double from_mm, unsigned threads);
-// In parallel projection, and in perspective.
+// In parallel and in perspective projection.
 [[nodiscard]] ReferencePicture render_grey_truth(const GreyTruth& truth, const Grid& grid,
                                                  const ParallelView& view, unsigned threads);
 

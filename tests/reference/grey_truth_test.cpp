@@ -71,16 +71,16 @@ TEST(GreyTruth, ClassifiedBeforehandEqualsTheOtherReference) {
     OpticalField field{volume.grid, {}};
     for (const std::uint8_t grey : volume.greys) {
       const GreyAppearance::Knot knot = appearance.at(grey);
-      VoxelOptics light{knot.extinction_per_mm, knot.color};
-      for (double& emission : light.emission) emission *= knot.extinction_per_mm;
-      field.voxels.push_back(light);
+      VoxelOptics optics{knot.extinction_per_mm, knot.color};
+      for (double& emission : optics.emission) emission *= knot.extinction_per_mm;
+      field.voxels.push_back(optics);
     }
     const Ray ray = random_ray(random);
     const double from_mm = n % 2 == 0 ? -kInfinity : 0;
     const RayRadiance expected = integrate_ray(field, ray, from_mm, kInfinity);
-    const RayRadiance light = GreyTruth(volume, appearance, Classification::kBefore).along(ray, from_mm);
-    EXPECT_NEAR(light.transmittance, expected.transmittance, 2e-7);
-    for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(light.color[c], expected.color[c], 2e-7);
+    const RayRadiance radiance = GreyTruth(volume, appearance, Classification::kBefore).along(ray, from_mm);
+    EXPECT_NEAR(radiance.transmittance, expected.transmittance, 2e-7);
+    for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(radiance.color[c], expected.color[c], 2e-7);
   }
 }
 
@@ -103,17 +103,17 @@ TEST(GreyTruth, ClassifiedAfterwardsEqualsBruteForce) {
       for (double& color : slab.color) color *= absorbed;
       expected.add(slab);
     }
-    const RayRadiance light =
+    const RayRadiance radiance =
         GreyTruth(volume, appearance, Classification::kAfter).along(ray, n % 2 == 0 ? -kInfinity : 0);
-    // The brute force puts each of a few dozen steps of the look a ten-thousandth of a mm off.
-    EXPECT_NEAR(light.transmittance, expected.transmittance, 3e-4);
-    for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(light.color[c], expected.color[c], 3e-4);
+    // Each of a few dozen steps of the appearance is off by 1e-4 mm in the brute force.
+    EXPECT_NEAR(radiance.transmittance, expected.transmittance, 3e-4);
+    for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(radiance.color[c], expected.color[c], 3e-4);
   }
 }
 
-/// A box of n voxels of grey g in nothing, along a row through their centres. Classified beforehand it is n
-/// mm of full extinction; classified afterwards, with a step at half of g, the step lies midway between
-/// voxels: n mm again; with the step at a quarter of g it lies a quarter voxel further out on both sides.
+/// A box of n voxels of grey g in an empty volume, on a row through their centres. Pre-classification gives n
+/// mm of full extinction. Post-classification with a step at g/2 places the border midway between voxels: n
+/// mm again. With the step at g/4 it lies a quarter voxel further out on both sides.
 TEST(GreyTruth, ABoxIsAsLongAsItsClassificationSays) {
   MaskedVolume volume;
   volume.grid.size = {12, 3, 3};
@@ -124,16 +124,16 @@ TEST(GreyTruth, ABoxIsAsLongAsItsClassificationSays) {
   const auto depth = [&](double step_at, Classification classification) {
     const GreyAppearance appearance{{{step_at, 0, {1, 1, 1}}, {step_at, 0.2, {1, 1, 1}}}};
     const Ray ray{{0, 1, 1}, {1, 0, 0}};
-    const RayRadiance light = GreyTruth(volume, appearance, classification).along(ray, -kInfinity);
-    EXPECT_NEAR(light.color[0], 1 - light.transmittance, 1e-9);
-    return -std::log(light.transmittance);
+    const RayRadiance radiance = GreyTruth(volume, appearance, classification).along(ray, -kInfinity);
+    EXPECT_NEAR(radiance.color[0], 1 - radiance.transmittance, 1e-9);
+    return -std::log(radiance.transmittance);
   };
   EXPECT_NEAR(depth(100, Classification::kBefore), 0.2 * 5, 1e-9);
   EXPECT_NEAR(depth(100, Classification::kAfter), 0.2 * 5, 1e-9);
   EXPECT_NEAR(depth(50, Classification::kAfter), 0.2 * 5.5, 1e-9);
 }
 
-/// Grey values rise by 20 a voxel: extinction, in proportion to them, has an optical depth of half a square.
+/// Grey values rise by 20 per voxel. Extinction is proportional, so that the optical depth is quadratic.
 TEST(GreyTruth, ARampIsIntegratedExactly) {
   MaskedVolume volume;
   volume.grid.size = {11, 2, 2};
@@ -142,15 +142,15 @@ TEST(GreyTruth, ARampIsIntegratedExactly) {
   for (const Classification c : {Classification::kBefore, Classification::kAfter}) {
     const GreyTruth truth(volume, appearance, c);
     const Ray ray{{0, 0.5, 0.5}, {1, 0, 0}};
-    // 10 mm of a ramp to 1/mm, then a mm from there to nothing.
+    // A ramp of 10 mm up to 1/mm, then 1 mm down to 0.
     EXPECT_NEAR(-std::log(truth.along(ray, -kInfinity).transmittance), 5 + 0.5, 1e-9);
-    // From the eye on only, here in the middle of the ramp.
+    // From the eye on, here in the middle of the ramp.
     EXPECT_NEAR(-std::log(truth.along(ray, 5).transmittance), 5 - 1.25 + 0.5, 1e-9);
   }
 }
 
-/// In the middle of a cube of 21 voxels of fog, looking along an axis: 10 voxels and a half lie ahead,
-/// whatever lies behind. The ray of any other pixel goes where the picture's plane has it.
+/// The eye in the middle of a cube of 21 voxels of fog, looking along an axis: 10.5 voxels lie ahead. The
+/// rays of other pixels cross the plane of the picture at their pixel.
 TEST(GreyTruth, AnEyeInsideSeesWhatLiesAhead) {
   MaskedVolume volume;
   volume.grid.size = {21, 21, 21};
@@ -159,7 +159,7 @@ TEST(GreyTruth, AnEyeInsideSeesWhatLiesAhead) {
   const GreyAppearance appearance{{{0, 0, {1, 1, 1}}, {255, 0.05, {1, 1, 1}}}};
   const Camera camera{.azimuth_deg = 90};
   PerspectiveView view{*parallel_view(camera, {33, 33}, {.center_lps_mm = {-6, 0, 0}, .radius_mm = 4}), 60};
-  // The eye is at distance_mm() from the centre, on the left (+x): put it into the middle.
+  // The eye is at distance_mm() from the centre, on the left (+x): move it to the centre of the grid.
   view.in_plane.center_lps_mm = {-view.distance_mm(), 0, 0};
   EXPECT_NEAR(view.eye_lps_mm()[0], 0, 1e-12);
   for (const Classification c : {Classification::kBefore, Classification::kAfter}) {

@@ -24,7 +24,7 @@ InterpolatedGreys::InterpolatedGreys(const AtlasContent& content, const Selectio
       made.outside = shows_zero ? curve.points.front().grey : 0;
       made.classified_before = values_.empty() || (shows_zero && curve.points.front().opacity > 0);
       made.color.resize(voxels);
-      made.light.resize(voxels);
+      made.optics.resize(voxels);
       field = fields_.insert(fields_.end(), std::move(made));
     }
     for (std::size_t v = 0; v < voxels; ++v) {
@@ -33,9 +33,9 @@ InterpolatedGreys::InterpolatedGreys(const AtlasContent& content, const Selectio
       field->color[v] = linear_of(structure.color);
       const double g = values_.empty() ? curve.points.back().grey : grey(v);
       const TransferValue value = transfer(curve, g, reference_length_mm_);
-      field->light[v] = {value.extinction_per_mm, 0, 0, 0};
+      field->optics[v] = {value.extinction_per_mm, 0, 0, 0};
       for (std::size_t c = 0; c < 3; ++c) {
-        field->light[v][c + 1] = value.extinction_per_mm * value.shade * field->color[v][c];
+        field->optics[v][c + 1] = value.extinction_per_mm * value.shade * field->color[v][c];
       }
     }
   }
@@ -49,7 +49,7 @@ double InterpolatedGreys::grey(std::size_t voxel) const {
 std::array<double, 4> InterpolatedGreys::at(const Field& field, const Vec3& index) const {
   double grey_sum = 0, members = 0;
   std::array<double, 3> color{};
-  std::array<double, 4> light{};
+  std::array<double, 4> optics{};
   for (int n = 0; n < 8; ++n) {
     double weight = 1;
     Index3 corner{};
@@ -66,7 +66,7 @@ std::array<double, 4> InterpolatedGreys::at(const Field& field, const Vec3& inde
       continue;
     }
     if (!values_.empty()) {
-      // Not a number counts as the first point, infinity as one width beyond the last.
+      // Not-a-number counts as the first point, infinity as one width beyond the last.
       const double g = grey(voxel);
       const double first = field.curve.points.front().grey, last = field.curve.points.back().grey;
       const double infinite = g > 0 ? 2 * last - first : 2 * first - last;
@@ -74,29 +74,29 @@ std::array<double, 4> InterpolatedGreys::at(const Field& field, const Vec3& inde
     }
     members += weight;
     for (std::size_t c = 0; c < 3; ++c) color[c] += weight * field.color[voxel][c];
-    for (std::size_t c = 0; c < 4; ++c) light[c] += weight * field.light[voxel][c];
+    for (std::size_t c = 0; c < 4; ++c) optics[c] += weight * field.optics[voxel][c];
   }
-  if (field.classified_before || members == 0) return light;
+  if (field.classified_before || members == 0) return optics;
   const TransferValue value = transfer(field.curve, grey_sum, reference_length_mm_);
-  light[0] = value.extinction_per_mm;
-  for (std::size_t c = 0; c < 3; ++c) light[c + 1] = light[0] * value.shade * color[c] / members;
-  return light;
+  optics[0] = value.extinction_per_mm;
+  for (std::size_t c = 0; c < 3; ++c) optics[c + 1] = optics[0] * value.shade * color[c] / members;
+  return optics;
 }
 
 RayRadiance InterpolatedGreys::along(const Ray& ray, double from_mm, double to_mm, int steps) const {
   RayRadiance sum;
   const double step_mm = (to_mm - from_mm) / steps;
   for (int n = 0; n < steps; ++n) {
-    std::array<double, 4> light{};
+    std::array<double, 4> optics{};
     const Vec3 index = ray.at(from_mm + (n + 0.5) * step_mm);
     for (const Field& field : fields_) {
       const std::array<double, 4> more = at(field, index);
-      for (std::size_t c = 0; c < 4; ++c) light[c] += more[c];
+      for (std::size_t c = 0; c < 4; ++c) optics[c] += more[c];
     }
-    if (light[0] <= 0) continue;
-    const double absorbed = -std::expm1(-light[0] * step_mm);
-    RayRadiance slab{{light[1], light[2], light[3]}, 1 - absorbed};
-    for (double& color : slab.color) color *= absorbed / light[0];
+    if (optics[0] <= 0) continue;
+    const double absorbed = -std::expm1(-optics[0] * step_mm);
+    RayRadiance slab{{optics[1], optics[2], optics[3]}, 1 - absorbed};
+    for (double& color : slab.color) color *= absorbed / optics[0];
     sum.add(slab);
   }
   return sum;

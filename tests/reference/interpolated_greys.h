@@ -1,4 +1,4 @@
-// The truth of classification after interpolation for any selection, as its definition has it.
+// Reference for post-classification of any selection.
 #pragma once
 
 #include <vector>
@@ -11,28 +11,27 @@
 
 namespace splatlas::reference {
 
-/// Structures with equal transfer functions make a field of grey values: those of their voxels, all others
-/// count as what is not there (0, else the transfer function's lowest point). It is trilinear between voxels,
-/// and classified then. Its colour is the mean of the voxels around that belong to it, by their trilinear
-/// weights. Where neither hides what is not there, or there are no grey values, voxels are classified first.
-/// Unlit.
+/// Structures with equal transfer functions form a field of grey values. Other voxels have an invisible
+/// value: 0, or else the first point of the transfer function. The field is interpolated trilinearly, then
+/// classified. Its colour is the mean over the members among the eight voxels, with trilinear weights. Where
+/// neither value is invisible, or without grey values, voxels are pre-classified. Unlit.
 class InterpolatedGreys {
  public:
   InterpolatedGreys(const AtlasContent& content, const Selection& selection);
 
-  /// Light along a ray from `from_mm` to `to_mm`, as `steps` slabs of what is in their middle. Slow.
+  /// Radiance along a ray from `from_mm` to `to_mm`, by `steps` slabs sampled at their centres. Slow.
   [[nodiscard]] RayRadiance along(const Ray& ray, double from_mm, double to_mm, int steps) const;
 
  private:
   struct Field {
     TransferCurve curve;
     bool classified_before = false;
-    double outside = 0;                             // what is not there counts as
-    std::vector<bool> drawn;                        // per voxel
-    std::vector<std::array<double, 3>> color;       // per voxel
-    std::vector<std::array<double, 4>> light = {};  // per voxel, where classified before
+    double outside = 0;                              // grey value of other voxels
+    std::vector<bool> drawn;                         // per voxel
+    std::vector<std::array<double, 3>> color;        // per voxel
+    std::vector<std::array<double, 4>> optics = {};  // per voxel, if classified_before
   };
-  /// Extinction, and emission in red, green and blue.
+  /// Extinction and red, green and blue emission.
   [[nodiscard]] std::array<double, 4> at(const Field& field, const Vec3& index) const;
   [[nodiscard]] double grey(std::size_t voxel) const;
 

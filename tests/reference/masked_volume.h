@@ -1,4 +1,4 @@
-// What every renderer can draw: a copy of the volume, with 0 wherever nothing is selected.
+// Masked copy of a volume for other renderers: 0 outside the selection.
 #pragma once
 
 #include <array>
@@ -11,36 +11,35 @@
 
 namespace splatlas::reference {
 
-/// Grey values of 8 bits, i fastest; 0, the background's value, outside of the selection ("masked copy").
+/// 8-bit grey values, i fastest; 0, the value of the background, outside the selection.
 struct MaskedVolume {
   Grid grid;
   std::vector<std::uint8_t> greys;
 
-  /// 0 beyond the grid.
+  /// 0 outside the grid.
   [[nodiscard]] std::uint8_t at(std::int64_t i, std::int64_t j, std::int64_t k) const {
     return grid.contains(i, j, k) ? greys[static_cast<std::size_t>(grid.offset(i, j, k))] : std::uint8_t{0};
   }
 };
 
-/// The voxels that the selection draws as volume. kFailed when the atlas has no grey values of 8 bits.
+/// The voxels selected as volume. kFailed if the atlas has no 8-bit grey values.
 [[nodiscard]] Result<MaskedVolume> masked_volume(const AtlasContent& content, const Selection& selection);
 
-/// Extinction and colour as functions of the grey value: piecewise linear between knots, constant beyond the
-/// first and the last.
+/// Extinction and colour as functions of the grey value: piecewise linear between knots, constant outside.
 struct GreyAppearance {
   struct Knot {
     double grey = 0;
     double extinction_per_mm = 0;
-    std::array<double, 3> color{0, 0, 0};  ///< linear light
+    std::array<double, 3> color{0, 0, 0};  ///< linear RGB
   };
-  std::vector<Knot>
-      knots;  ///< at least one; greys ascend, equal ones make a step (the later one holds there)
+  std::vector<Knot> knots;  ///< at least one, in ascending order; equal grey values make a step (the later
+                            ///< knot holds there)
 
   [[nodiscard]] Knot at(double grey) const;
 };
 
-/// The transfer function of a structure's volume (docs/model.md). kFailed where it shows a grey value of
-/// 0: what is not selected would be seen in a masked copy.
+/// The transfer function of the volume of a structure (docs/model.md). kFailed if grey value 0 is
+/// visible: unselected voxels of a masked copy would show.
 [[nodiscard]] Result<GreyAppearance> grey_appearance(const StructureDraw& draw, const Display& display,
                                                      double reference_length_mm);
 

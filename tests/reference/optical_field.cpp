@@ -66,13 +66,13 @@ OpticalField optical_field(const AtlasContent& content, const Selection& selecti
   std::vector<const ClassDraw*> draw_of(content.classes.size(), nullptr);
   for (const ClassDraw& draw : plan.classes) draw_of[draw.id] = &draw;
 
-  std::vector<TransferCurve> curve_of;  // of structures
+  std::vector<TransferCurve> curve_of;  // per structure
   for (const StructureDraw& appearance : selection.structures) {
     curve_of.push_back(transfer_curve(appearance, content.display));
   }
 
   double drawn = 0;                                         // voxels
-  std::vector<std::size_t> met(content.classes.size(), 0);  // voxels of each class so far
+  std::vector<std::size_t> met(content.classes.size(), 0);  // voxels per class so far
   for (std::size_t n = 0; n < field.voxels.size(); ++n) {
     const ClassId c = content.class_volume[n];
     const std::size_t number_in_class = met[c]++;
@@ -88,10 +88,10 @@ OpticalField optical_field(const AtlasContent& content, const Selection& selecti
       shade *= diffuse(view, {normal[0], normal[1], normal[2]});
     }
     field.mean_densest += (densest_of(curve, reference_length_mm) - field.mean_densest) / ++drawn;
-    VoxelOptics& light = field.voxels[n];
-    light.extinction = value.extinction_per_mm;
+    VoxelOptics& optics = field.voxels[n];
+    optics.extinction = value.extinction_per_mm;
     for (std::size_t channel = 0; channel < 3; ++channel) {
-      light.emission[channel] = light.extinction * shade * linear_of(appearance.color)[channel];
+      optics.emission[channel] = optics.extinction * shade * linear_of(appearance.color)[channel];
     }
   }
   return field;

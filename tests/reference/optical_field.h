@@ -1,4 +1,4 @@
-// What every voxel of a selection emits and absorbs: classified before interpolation.
+// Optical properties of the selected voxels, pre-classified.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@
 
 namespace splatlas::reference {
 
-/// Extinction and emission (colour times extinction), 1/mm, linear light.
+/// Extinction and emission (colour times extinction), 1/mm, linear RGB.
 struct VoxelOptics {
   double extinction = 0;
   std::array<double, 3> emission{0, 0, 0};
@@ -19,20 +19,21 @@ struct VoxelOptics {
   void add(double weight, const VoxelOptics& other);
 };
 
-/// One entry per voxel of the storage grid; voxels that the selection does not draw as volume are dark and
-/// clear, as if they had been cut out of the volume ("masked copy").
+/// One entry per voxel of the storage grid. Voxels not selected as volume have zero extinction and emission,
+/// as in a masked copy.
 struct OpticalField {
   Grid grid;
   std::vector<VoxelOptics> voxels;
-  double mean_densest = 0;  ///< of all voxels that are drawn, where their transfer function is densest, 1/mm
+  double mean_densest =
+      0;  ///< mean over all selected voxels of the maximum extinction of their transfer function, 1/mm
 
-  /// Dark and clear beyond the grid.
+  /// Zero outside the grid.
   [[nodiscard]] VoxelOptics at(std::int64_t i, std::int64_t j, std::int64_t k) const;
-  /// Between the eight voxels around a point in continuous indices: a tent kernel along every axis.
+  /// Trilinear interpolation at a continuous voxel index.
   [[nodiscard]] VoxelOptics trilinear(const Vec3& index) const;
 };
 
-/// `hybrid_shading`: boundary voxels are lit by their normals, as seen in `view`.
+/// `hybrid_shading`: lights boundary voxels by their normals, for `view`.
 [[nodiscard]] OpticalField optical_field(const AtlasContent& content, const Selection& selection,
                                          const ParallelView& view, bool hybrid_shading);
 

@@ -25,4 +25,9 @@ Ray ray_through(const PerspectiveView& view, const Grid& grid, double x, double 
   return {to_index.apply(eye), to_index.apply_linear(direction)};
 }
 
+Ray ray_through(const View& view, double field_of_view_deg, const Grid& grid, double x, double y) {
+  return view.eye_mm ? ray_through(PerspectiveView{view.plane, field_of_view_deg}, grid, x, y)
+                     : ray_through(view.plane, grid, x, y);
+}
+
 }  // namespace splatlas::reference

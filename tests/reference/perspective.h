@@ -1,4 +1,4 @@
-// Perspective views, in double precision.
+// Rays of a perspective view in double precision.
 #pragma once
 
 #include "player/camera.h"
@@ -6,17 +6,21 @@
 
 namespace splatlas::reference {
 
-/// An eye that sees what a parallel view sees, exactly so in the plane of its centre.
+/// Perspective view that matches a parallel view in the plane of its centre.
 struct PerspectiveView {
-  ParallelView in_plane;         ///< what the plane of the centre looks like
-  double vertical_fov_deg = 30;  ///< whole angle, above 0 and below 180
+  ParallelView in_plane;         ///< the view in the plane of the centre
+  double vertical_fov_deg = 30;  ///< full angle, in (0, 180)
 
-  /// From the eye to the plane of the centre.
+  /// Distance from the eye to the plane of the centre.
   [[nodiscard]] double distance_mm() const;
   [[nodiscard]] Vec3 eye_lps_mm() const;
 };
 
-/// From the eye (s = 0) through picture coordinates (x, y) of the plane of the centre; s in mm along the ray.
+/// The ray from the eye (s = 0) through picture coordinates (x, y) of the plane of the centre, with s in mm.
 [[nodiscard]] Ray ray_through(const PerspectiveView& view, const Grid& grid, double x, double y);
+
+/// The ray of a view in either projection. The eye follows from the field of view, not from `view`.
+[[nodiscard]] Ray ray_through(const View& view, double field_of_view_deg, const Grid& grid, double x,
+                              double y);
 
 }  // namespace splatlas::reference

@@ -1,5 +1,7 @@
 #include "tests/reference/ray.h"
 
+#include <algorithm>
+
 namespace splatlas::reference {
 
 double dot(const Vec3& a, const Vec3& b) {
@@ -14,6 +16,21 @@ Vec3 minus(const Vec3& a, const Vec3& b) {
 
 Vec3 Ray::at(double s_mm) const {
   return {start[0] + s_mm * per_mm[0], start[1] + s_mm * per_mm[1], start[2] + s_mm * per_mm[2]};
+}
+
+RayInterval clip_to_field(const Ray& ray, const Index3& size, RayInterval interval) {
+  for (std::size_t a = 0; a < 3; ++a) {
+    const auto last = static_cast<double>(size[a]);
+    if (ray.per_mm[a] == 0) {
+      if (!(ray.start[a] > -1 && ray.start[a] < last)) return {};
+      continue;
+    }
+    const double first_mm = (-1 - ray.start[a]) / ray.per_mm[a];
+    const double last_mm = (last - ray.start[a]) / ray.per_mm[a];
+    interval.from_mm = std::max(interval.from_mm, std::min(first_mm, last_mm));
+    interval.to_mm = std::min(interval.to_mm, std::max(first_mm, last_mm));
+  }
+  return interval;
 }
 
 Ray ray_through(const ParallelView& view, const Grid& grid, double x, double y) {

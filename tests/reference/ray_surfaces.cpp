@@ -93,7 +93,7 @@ std::vector<Crossing> RaySurfaces::crossings(const Ray& ray, double from_mm) con
     crossing.structure = triangle.structure;
     crossing.triangle = triangle.number;
     crossing.entering = dot(triangle.front_lps, along_lps) <= 0;
-    Vec3 normal{0, 0, 0};  // of the side that is seen
+    Vec3 normal{0, 0, 0};  // of the visible side
     for (std::size_t n = 0; n < 3; ++n) {
       const double share = crossing.entering ? weight[n] : -weight[n];
       for (std::size_t a = 0; a < 3; ++a) normal[a] += share * triangle.normal_lps[n][a];

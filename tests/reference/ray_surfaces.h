@@ -1,4 +1,4 @@
-// Surfaces along any ray, in either projection, by looking at all triangles.
+// Brute-force ray casting of surfaces, in either projection.
 #pragma once
 
 #include <array>
@@ -13,25 +13,25 @@
 
 namespace splatlas::reference {
 
-/// The selected surfaces of an atlas, for rays of a view.
+/// The selected surfaces of an atlas.
 class RaySurfaces {
  public:
-  /// Keeps a reference to `content`. Depths are counted along the principal axis of the view's middle.
+  /// Keeps a reference to `content`. Depths run along the principal axis of the centre of the view.
   RaySurfaces(const AtlasContent& content, const Selection& selection, const View& view);
 
-  /// Every crossing of a ray from `from_mm` on, in exact geometry (Moeller and Trumbore 1997), front to back
-  /// up to the first opaque one. Where surfaces coincide, those that the ray leaves come first. Cost: all
+  /// All crossings of a ray from `from_mm` on in exact geometry (Moeller and Trumbore 1997), front to back up
+  /// to the first opaque one. Of coincident surfaces, those that the ray leaves come first. Cost: all
   /// triangles.
   [[nodiscard]] std::vector<Crossing> crossings(const Ray& ray, double from_mm) const;
 
-  /// Whether the edge of a triangle is no further from a ray than two others, beside it and below it.
+  /// Whether an edge of a triangle is as near to a ray as two others, beside and below it.
   [[nodiscard]] bool near_edge(const Ray& ray, const Ray& beside, const Ray& below) const;
 
  private:
   struct Triangle {
     std::array<Vec3, 3> corner_ijk;
     std::array<Vec3, 3> normal_lps;
-    Vec3 front_lps{};  ///< its own normal, on the side that its corners' normals point to
+    Vec3 front_lps{};  ///< geometric normal, on the side of the vertex normals
     StructureIndex structure = kNoStructure;
     std::uint32_t number = 0;
   };
@@ -39,9 +39,9 @@ class RaySurfaces {
     std::array<double, 3> color{};
     double opacity = 1;
   };
-  /// Where a ray meets the plane of a triangle.
+  /// Intersection of a ray with the plane of a triangle.
   struct Hit {
-    std::array<double, 3> weight{};  ///< of the corners
+    std::array<double, 3> weight{};  ///< barycentric coordinates
     double s_mm = 0;
   };
   [[nodiscard]] static std::optional<Hit> hit(const Triangle& triangle, const Ray& ray);

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// What all renderers share.
+/// Setup shared by all reference renderers.
 struct Setup {
   ParallelView view;
   Axis principal;
@@ -32,37 +32,35 @@ struct Setup {
   }
 };
 
-template <typename PixelLight>
-ReferencePicture render(const PictureSize& size, const PixelLight& light_of) {
+template <typename PixelRadiance>
+ReferencePicture render(const PictureSize& size, const PixelRadiance& radiance_of) {
   ReferencePicture picture{size, {}};
   for (int row = 0; row < size.height; ++row) {
-    for (int column = 0; column < size.width; ++column) {
-      const RayRadiance light = light_of(column, row);
-      picture.pixels.push_back({light.color[0], light.color[1], light.color[2], 1 - light.transmittance});
-    }
+    for (int column = 0; column < size.width; ++column)
+      picture.pixels.push_back(radiance_of(column, row).rgba());
   }
   return picture;
 }
 
-/// The volume up to the first surface, the surface, the volume from there to the next one, and so on. The
-/// volume between two depths is what is in front of the further one and not in front of the nearer one.
+/// Composites surfaces and the volume between them, front to back. The volume between two depths is the
+/// difference of the volumes in front of them.
 RayRadiance compose(const std::vector<Crossing>& crossings, const std::vector<RayRadiance>& volume_before) {
   RayRadiance sum;
-  double through = 1;  // all surfaces so far
+  double transmittance = 1;  // of all surfaces so far
   RayRadiance nearer;
   for (std::size_t n = 0; n < volume_before.size(); ++n) {
     const RayRadiance& volume = volume_before[n];
-    for (std::size_t c = 0; c < 3; ++c) sum.color[c] += through * (volume.color[c] - nearer.color[c]);
-    sum.transmittance = through * volume.transmittance;
+    for (std::size_t c = 0; c < 3; ++c) sum.color[c] += transmittance * (volume.color[c] - nearer.color[c]);
+    sum.transmittance = transmittance * volume.transmittance;
     nearer = volume;
     if (n == crossings.size()) break;
     for (std::size_t c = 0; c < 3; ++c) sum.color[c] += sum.transmittance * crossings[n].rgba[c];
-    through *= 1 - crossings[n].rgba[3];
+    transmittance *= 1 - crossings[n].rgba[3];
   }
   return sum;
 }
 
-/// What the renderer computes of a scene's points.
+/// The discrete model of volume and surfaces at picture coordinates.
 class DiscreteScene {
  public:
   DiscreteScene(const ReferenceScene& scene, bool unlimited)
@@ -78,7 +76,7 @@ class DiscreteScene {
   [[nodiscard]] RayRadiance at(double x, double y) const {
     return compose_at(surfaces_.crossings(x, y), x, y);
   }
-  /// The mean over the pixel where there is no surface and the sheet is finer than the picture.
+  /// Without surfaces and with a finite sheet, the mean over the pixel.
   [[nodiscard]] RayRadiance pixel(int column, int row) const {
     const std::vector<Crossing> crossings = surfaces_.crossings(column + 0.5, row + 0.5);
     if (crossings.empty() && !unlimited_) return model_.pixel_mean(column, row);
@@ -111,11 +109,6 @@ RayRadiance truth_at(const Setup& setup, const SurfacesInView& surfaces, double 
   return sum;
 }
 
-void add_share(double share, const RayRadiance& light, RayRadiance& sum) {
-  for (std::size_t c = 0; c < 3; ++c) sum.color[c] += share * light.color[c];
-  sum.transmittance += share * light.transmittance;
-}
-
 }  // namespace
 
 ReferencePicture render_truth(const ReferenceScene& scene) {
@@ -131,7 +124,7 @@ ReferencePicture render_mean_truth(const ReferenceScene& scene, int n) {
     for (int place = 0; place < n * n; ++place) {
       const double x = column + (place % n + 0.5) / n;
       const double y = row + (place / n + 0.5) / n;
-      add_share(1.0 / (n * n), truth_at(setup, surfaces, x, y), mean);
+      mean.add_weighted(1.0 / (n * n), truth_at(setup, surfaces, x, y));
     }
     return mean;
   });
@@ -146,8 +139,8 @@ ReferencePicture render_model(const ReferenceScene& scene, std::span<const SubPi
   return render(scene.options.size, [&](int column, int row) {
     RayRadiance mean{{0, 0, 0}, 0};
     for (const SubPixel& place : places) {
-      const RayRadiance light = discrete.at(column + place.right(), row + place.down());
-      add_share(1.0 / static_cast<double>(places.size()), light, mean);
+      mean.add_weighted(1.0 / static_cast<double>(places.size()),
+                        discrete.at(column + place.right(), row + place.down()));
     }
     return mean;
   });

@@ -1,4 +1,4 @@
-// Whole pictures of the truth and of the discrete model.
+// Reference pictures: ground truth and discrete model.
 #pragma once
 
 #include <array>
@@ -12,13 +12,13 @@
 
 namespace splatlas::reference {
 
-/// RGBA, linear light, premultiplied; top row first.
+/// Linear RGBA, premultiplied, top row first.
 struct ReferencePicture {
   PictureSize size;
   std::vector<std::array<double, 4>> pixels;
 };
 
-/// What a frame is made from.
+/// Inputs of a frame.
 struct ReferenceScene {
   const AtlasContent& content;
   const Selection& selection;
@@ -26,17 +26,17 @@ struct ReferenceScene {
   RenderOptions options{};
 };
 
-/// The truth: the trilinear field of the selected voxels along the ray of every pixel's centre, with every
-/// surface where the ray crosses it.
+/// Ground truth: the trilinear field of the selected voxels along the ray of each pixel centre, with every
+/// surface at its crossing.
 [[nodiscard]] ReferencePicture render_truth(const ReferenceScene& scene);
-/// The mean of n * n rays of every pixel.
+/// Ground truth averaged over n * n rays per pixel.
 [[nodiscard]] ReferencePicture render_mean_truth(const ReferenceScene& scene, int n);
 
-/// What the renderer computes without antialiasing, in double precision (see DiscreteModel).
+/// The discrete model, without antialiasing (see DiscreteModel).
 [[nodiscard]] ReferencePicture render_model(const ReferenceScene& scene);
-/// The same as if every pixel were at an edge: the mean of samples at `places`.
+/// The discrete model averaged over samples at `places`, as for edge pixels.
 [[nodiscard]] ReferencePicture render_model(const ReferenceScene& scene, std::span<const SubPixel> places);
-/// The same with sheets of unlimited resolution: slabs are what is left of the approximations.
+/// The discrete model with sheets of unlimited resolution: slabs are the only approximation.
 [[nodiscard]] ReferencePicture render_slabs(const ReferenceScene& scene);
 
 }  // namespace splatlas::reference

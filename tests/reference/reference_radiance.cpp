@@ -25,10 +25,10 @@ Vec3 unit(const Vec3& v) {
 Vec3 to_viewer(const ParallelView& view) {
   return minus({0, 0, 0}, view.forward_lps);
 }
-Vec3 to_lamp(const ParallelView& view) {
-  Vec3 lamp = to_viewer(view);
-  for (std::size_t a = 0; a < 3; ++a) lamp[a] += -0.45 * view.right_lps[a] + 0.55 * view.up_lps[a];
-  return unit(lamp);
+Vec3 to_light(const ParallelView& view) {
+  Vec3 light = to_viewer(view);
+  for (std::size_t a = 0; a < 3; ++a) light[a] += -0.45 * view.right_lps[a] + 0.55 * view.up_lps[a];
+  return unit(light);
 }
 
 }  // namespace
@@ -57,9 +57,9 @@ TransferValue transfer(const TransferCurve& curve, double grey, double reference
 namespace {
 
 double one_sided(const ParallelView& view, const Vec3& normal_lps) {
-  const Vec3 lamp = to_lamp(view);
+  const Vec3 light = to_light(view);
   const double length = std::sqrt(dot(normal_lps, normal_lps));
-  const double facing = length > 0 ? dot(normal_lps, lamp) / length : dot(to_viewer(view), lamp);
+  const double facing = length > 0 ? dot(normal_lps, light) / length : dot(to_viewer(view), light);
   return kAmbient + (1 - kAmbient) * std::max(0.0, facing);
 }
 
@@ -73,8 +73,8 @@ double diffuse(const ParallelView& view, const Vec3& normal_lps) {
 std::array<double, 3> shade_surface(const ParallelView& view, const std::array<double, 3>& color,
                                     const Vec3& normal_lps) {
   const Vec3 viewer = to_viewer(view);
-  const Vec3 lamp = to_lamp(view);
-  const Vec3 half = unit({viewer[0] + lamp[0], viewer[1] + lamp[1], viewer[2] + lamp[2]});
+  const Vec3 light = to_light(view);
+  const Vec3 half = unit({viewer[0] + light[0], viewer[1] + light[1], viewer[2] + light[2]});
   const double length = std::sqrt(dot(normal_lps, normal_lps));
   const double toward_half = length > 0 ? std::max(0.0, dot(normal_lps, half)) / length : 0;
   const double highlight = kHighlight * std::pow(toward_half, kHighlightPower);
@@ -88,6 +88,11 @@ std::array<double, 3> shade_surface(const ParallelView& view, const std::array<d
 void RayRadiance::add(const RayRadiance& further) {
   for (std::size_t c = 0; c < 3; ++c) color[c] += transmittance * further.color[c];
   transmittance *= further.transmittance;
+}
+
+void RayRadiance::add_weighted(double weight, const RayRadiance& other) {
+  for (std::size_t c = 0; c < 3; ++c) color[c] += weight * other.color[c];
+  transmittance += weight * other.transmittance;
 }
 
 void RayRadiance::add_surface(const std::array<double, 4>& premultiplied) {

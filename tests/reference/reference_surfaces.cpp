@@ -13,8 +13,8 @@ namespace splatlas::reference {
 namespace {
 
 constexpr double kSubPixels = 256;
-/// Surfaces coincide whose depths lie in the same 1/4096 voxel. The offset keeps the limits away from depths
-/// that surfaces between voxels have: there, rounding would decide.
+/// Surfaces coincide if their depths share an interval of 1/4096 voxel. An offset keeps the interval borders
+/// off common depths, where rounding would decide.
 constexpr double kDepthSteps = 4096;
 constexpr double kDepthOffset = 0.3183;
 
@@ -22,7 +22,7 @@ struct Point {
   double x = 0, y = 0;
 };
 
-/// A pixel centre in three points: how much of each corner it is made of; nothing when it is outside.
+/// Barycentric coordinates of a pixel centre in three points; nothing outside.
 std::optional<std::array<double, 3>> weights_in(const std::array<Point, 3>& corner, double x, double y) {
   const auto doubled_area = [](const Point& a, const Point& b, const Point& c) {
     return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
@@ -34,7 +34,7 @@ std::optional<std::array<double, 3>> weights_in(const std::array<Point, 3>& corn
     const Point& a = corner[(n + 1) % 3];
     const Point& b = corner[(n + 2) % 3];
     weights[n] = doubled_area(a, b, {x, y}) / whole;
-    // A centre on the edge is decided as if it were moved by (e, e^2), e > 0 infinitely small.
+    // A centre on an edge counts as moved by (e, e^2) for infinitesimal e > 0.
     double inside = weights[n];
     if (inside == 0) inside = -(b.y - a.y) / whole;
     if (inside == 0) inside = (b.x - a.x) / whole;
@@ -43,7 +43,7 @@ std::optional<std::array<double, 3>> weights_in(const std::array<Point, 3>& corn
   return weights;
 }
 
-/// Linear through three points; clamped to the values at them, because snapping moves centres in and out.
+/// Linear interpolation between three points, clamped to their values: snapping moves centres in and out.
 double plane_at(const std::array<Point, 3>& corner, const std::array<double, 3>& value, double x, double y) {
   const Point p{corner[1].x - corner[0].x, corner[1].y - corner[0].y};
   const Point q{corner[2].x - corner[0].x, corner[2].y - corner[0].y};
@@ -56,8 +56,8 @@ double plane_at(const std::array<Point, 3>& corner, const std::array<double, 3>&
   return std::clamp(at, low, high);
 }
 
-/// Whether the side of three points that is seen is the one that their normals point to: geometry in mm along
-/// (right, up, towards the viewer). True where the normals do not tell.
+/// Whether the visible side of three points is the side of their normals. Geometry in mm along (right, up,
+/// towards the viewer). True if the normals are ambiguous.
 bool shows_front(const ParallelView& view, const std::array<Point, 3>& seen,
                  const std::array<double, 3>& s_mm, const std::array<Vec3, 3>& normals) {
   std::array<Vec3, 2> edges{};
@@ -150,7 +150,7 @@ void SurfacesInView::cross(const Surface& surface, std::uint32_t triangle, doubl
     for (std::size_t a = 0; a < 3; ++a) normals[n][a] = surface.mesh->normals_lps[corner[n]][a];
   }
   crossing.entering = shows_front(view_, seen, s_mm, normals);
-  Vec3 normal{0, 0, 0};  // of the side that is seen
+  Vec3 normal{0, 0, 0};  // of the visible side
   for (std::size_t n = 0; n < 3; ++n) {
     const double weight = crossing.entering ? (*weights)[n] : -(*weights)[n];
     for (std::size_t a = 0; a < 3; ++a) normal[a] += weight * normals[n][a];

@@ -1,4 +1,4 @@
-// The truth for surfaces: every triangle that a pixel's ray crosses, by looking at all of them.
+// Brute-force surfaces of a parallel view: all triangles crossed by the ray of a pixel.
 #pragma once
 
 #include <array>
@@ -11,44 +11,44 @@
 
 namespace splatlas::reference {
 
-/// A ray through a triangle.
+/// Crossing of a ray and a triangle.
 struct Crossing {
-  double s_mm = 0;   ///< along the ray, as in Ray
-  double depth = 0;  ///< along the principal axis in voxels, growing away from the viewer
+  double s_mm = 0;                         ///< along the ray, as in Ray
+  double depth = 0;                        ///< along the principal axis in voxels, away from the viewer
   std::array<double, 4> rgba{0, 0, 0, 0};  ///< shaded, premultiplied, linear
   StructureIndex structure = kNoStructure;
   std::uint32_t triangle = 0;
-  /// The front of the triangle is seen: its own normal, on the side that its corners' normals point to,
-  /// points to the viewer. Interpolated normals are turned round where the back is seen, and only there.
+  /// Whether the front is visible: the geometric normal, on the side of the vertex normals, points to the
+  /// viewer. Interpolated normals are flipped for back faces only.
   bool entering = false;
 };
 
-/// Front to back, up to the first opaque one. Where surfaces coincide (within 1/4096 voxel), those that the
-/// ray leaves come first.
+/// Sorts front to back up to the first opaque crossing. Of coincident surfaces (within 1/4096 voxel), those
+/// that the ray leaves come first.
 void put_in_order(std::vector<Crossing>& crossings);
 
-/// Which triangles cover a pixel's centre, and how their normals are interpolated.
+/// Rule for coverage of pixel centres and interpolation of normals.
 enum class Coverage {
-  kExact,   ///< the truth
-  kSnapped  ///< with vertices at multiples of 1/256 pixel, as the rasteriser has them
+  kExact,   ///< exact geometry
+  kSnapped  ///< vertices rounded to 1/256 pixel, as in the rasteriser
 };
 
-/// The selected surfaces of an atlas as one view shows them.
+/// The selected surfaces of an atlas in one view.
 class SurfacesInView {
  public:
-  /// Keeps a reference to `content`. `principal`: the axis that depths are counted along.
+  /// Keeps a reference to `content`. `principal`: the axis of depths.
   SurfacesInView(const AtlasContent& content, const Selection& selection, const ParallelView& view,
                  Axis principal, Coverage coverage);
 
-  /// Every crossing of the ray through picture coordinates (x, y), within the picture, front to back, up to
-  /// the first opaque one. A point on an edge counts as slightly right of and below it. Where surfaces
-  /// coincide, those that the ray leaves come first. Cost: all triangles of the picture's row.
+  /// All crossings of the ray through picture coordinates (x, y) within the picture, front to back up to the
+  /// first opaque one. A point on an edge counts as slightly right of and below it. Of coincident surfaces,
+  /// those that the ray leaves come first. Cost: all triangles in the row of the picture.
   [[nodiscard]] std::vector<Crossing> crossings(double x, double y) const;
 
  private:
   struct Seen {
     double x = 0, y = 0;                  ///< picture coordinates
-    double covered_x = 0, covered_y = 0;  ///< those that decide about coverage
+    double covered_x = 0, covered_y = 0;  ///< coordinates for coverage
     double s_mm = 0, depth = 0;
   };
   struct Surface {
@@ -68,7 +68,7 @@ class SurfacesInView {
 
   ParallelView view_;
   std::vector<Surface> surfaces_;
-  std::vector<std::vector<TriangleRef>> rows_;  // of the picture: triangles that may cover a centre in it
+  std::vector<std::vector<TriangleRef>> rows_;  // per picture row: triangles that may cover a centre
 };
 
 }  // namespace splatlas::reference

@@ -14,7 +14,7 @@ namespace {
 
 constexpr Matrix3 kStraight{1, 0, 0, 0, 1, 0, 0, 0, 1};
 
-/// A ball's surface, translucent.
+/// A ball with a translucent surface.
 struct BallScene {
   AtlasContent content;
   Selection selection;
@@ -30,7 +30,7 @@ struct BallScene {
   }
 };
 
-/// Moeller and Trumbore's intersection, in voxel indices.
+/// Ray-triangle intersection (Moeller and Trumbore 1997), in voxel indices.
 std::vector<double> crossings_of_ray(const SurfaceMesh& mesh, const Ray& ray) {
   std::vector<double> found;
   for (const auto& triangle : mesh.triangles) {

@@ -16,15 +16,16 @@ ParallelView view_of(const RandomScene& scene) {
   return *parallel_view(scene.camera, scene.options.size, scene.content.display);
 }
 
-/// The same integral without any thought: very many steps of constant light.
+/// Brute-force quadrature: many steps of constant optical properties.
 RayRadiance brute_force(const OpticalField& field, const Ray& ray, double from_mm, double to_mm, int steps) {
   RayRadiance sum;
   const double step_mm = (to_mm - from_mm) / steps;
   for (int n = 0; n < steps; ++n) {
-    const VoxelOptics light = field.trilinear(ray.at(from_mm + (n + 0.5) * step_mm));
-    const double absorbed = -std::expm1(-light.extinction * step_mm);
-    const double mean = light.extinction > 0 ? absorbed / light.extinction : step_mm;
-    sum.add({{light.emission[0] * mean, light.emission[1] * mean, light.emission[2] * mean}, 1 - absorbed});
+    const VoxelOptics optics = field.trilinear(ray.at(from_mm + (n + 0.5) * step_mm));
+    const double absorbed = -std::expm1(-optics.extinction * step_mm);
+    const double mean = optics.extinction > 0 ? absorbed / optics.extinction : step_mm;
+    sum.add(
+        {{optics.emission[0] * mean, optics.emission[1] * mean, optics.emission[2] * mean}, 1 - absorbed});
   }
   return sum;
 }
@@ -44,8 +45,8 @@ TEST(ReferenceVolume, EqualsBruteForce) {
         10 * scene.content.source_grid.spacing_mm[0];
     const RayRadiance expected = brute_force(field, ray, -reach, reach, 100000);
     for (std::size_t c = 0; c < 3; ++c) {
-      // Steps of 1e-4 to 1e-3 voxels: their square, times the field's curvature, is what the brute force
-      // errs.
+      // The brute force errs by the square of its steps of 1e-4 to 1e-3 voxels times the curvature of the
+      // field.
       EXPECT_NEAR(exact.color[c], expected.color[c], 2e-8) << "scene " << number;
     }
     EXPECT_NEAR(exact.transmittance, expected.transmittance, 2e-8) << "scene " << number;
@@ -54,7 +55,7 @@ TEST(ReferenceVolume, EqualsBruteForce) {
   EXPECT_GT(compared, 12);
 }
 
-/// A box of N voxels along a ray through their centres: partition of unity makes it N voxels of fog.
+/// A box of N voxels on a ray through their centres: partition of unity makes it N voxels of fog.
 TEST(ReferenceVolume, ABoxIsAsLongAsItsVoxels) {
   OpticalField field;
   field.grid.size = {3, 9, 3};
@@ -64,13 +65,13 @@ TEST(ReferenceVolume, ABoxIsAsLongAsItsVoxels) {
   EXPECT_NEAR(all.transmittance, std::exp(-0.3 * 9), 1e-13);
   EXPECT_NEAR(all.color[0], -std::expm1(-0.3 * 9), 1e-13);
   EXPECT_NEAR(all.color[1], -0.5 * std::expm1(-0.3 * 9), 1e-13);
-  // From the middle of the fog on; and the rise from 0 to 1 over the first voxel alone.
+  // From the middle of the fog on, and the rise from 0 to 1 over the first voxel alone.
   EXPECT_NEAR(integrate_ray(field, ray, 7 + 4, kInfinity).transmittance, std::exp(-0.3 * 4.5), 1e-13);
   EXPECT_NEAR(integrate_ray(field, ray, 6, 7).transmittance, std::exp(-0.3 * 0.5), 1e-13);
   EXPECT_NEAR(integrate_ray(field, ray, 6, 6.25).transmittance, std::exp(-0.3 * 0.25 * 0.25 / 2), 1e-13);
 }
 
-/// Cut anywhere, the parts add up: the rule's nodes are others each time, and its error is below the bound.
+/// Parts of a ray add up, although each has other quadrature nodes.
 TEST(ReferenceVolume, PartsAddUp) {
   for (std::uint32_t number = 0; number < 60; ++number) {
     const RandomScene scene = random_scene(number);

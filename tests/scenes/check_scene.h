@@ -1,7 +1,8 @@
-// Everything that must hold for a picture of any scene.
+// Checks of a random scene's pictures against brute force.
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -9,28 +10,34 @@
 
 namespace splatlas {
 
-/// What was looked at, and what is wrong.
+struct SceneChecks {
+  bool thorough = false;  ///< also the slow checks: antialiasing, every pixel of rays
+  /// Maximum RMS error of rays at high quality over the pixels that picture or reference show, 1/255.
+  double max_visible_rms = std::numeric_limits<double>::infinity();
+};
+
 struct SceneReport {
-  std::vector<std::string> faults;  ///< one line each; none: all is well
-  double largest_from_model = 0;    ///< of sheets: any value less the model's in double precision
-  double rms_from_truth = 0;        ///< of rays at high quality, 1/255
-  bool rays = false;                ///< drawn by rays
-  bool shows = false;               ///< any pixel shows anything
-  std::uint32_t pixels = 0;         ///< of rays: those asked what the truth is
-  std::uint32_t compared = 0;       ///< of them, where rounding does not decide what is seen
-  bool refused = false;             ///< a field of view that surfaces cannot be drawn in
+  std::vector<std::string> faults;  ///< one line each; empty when all checks pass
+  double largest_from_model = 0;    ///< sheets: maximum error of a value against the discrete model
+  double rms_from_truth = 0;        ///< rays: RMS error at high quality, 1/255
+  bool rays = false;                ///< drawn by ray casting
+  bool shows = false;               ///< not empty
+  bool refused = false;             ///< field of view too wide for surfaces
+  std::uint32_t pixels = 0;         ///< rays: sampled pixels
+  std::uint32_t compared = 0;       ///< of them, without the ambiguous ones (see RayTruth)
+  std::size_t antialiased = 0;      ///< sheets, thorough: pixels that differ from their central sample
 };
 
 /// Renders the scene, several times, and compares:
-///   - numbers of voxels by role, runs, and triangles with counts over all voxels and triangles;
-///   - values are numbers, 0 <= alpha <= 1 and 0 <= colour <= alpha;
-///   - 1, 2 and 8 threads give equal bits;
-///   - early termination changes no value by more than its floor, and adds no light to volumes alone;
-///   - a depth cue darkens colours by no more than its strength, and nothing else;
-///   - sheets equal the discrete model to float rounding, and antialiased pixels the mean of their samples;
-///   - rays at high quality show the truth, surfaces in order with the volume: to 1/255 RMS, 4/255 but for
-///     one pixel in fifty where grey values are beyond all measure.
-/// `thorough`: also what takes long, the mean of samples.
-[[nodiscard]] SceneReport check_scene(const RandomScene& scene, bool thorough);
+///   - the numbers of voxels by role, runs and triangles with counts over all voxels and triangles;
+///   - values: finite, 0 <= alpha <= 1 and 0 <= colour <= alpha;
+///   - pictures of 1, 2 and 8 threads: equal bits;
+///   - early ray termination: no value changes by more than the threshold, and none of volumes alone grows;
+///   - depth cue: colours darken by at most its strength, opacities stay;
+///   - sheets: the discrete model to float rounding; antialiased pixels: the mean of the model's samples;
+///   - rays at high quality: the reference, with surfaces in order with the volume, to 1/255 RMS.
+///     Where huge grey values turn transfer functions into steps: to 4/255, without the worst pixel in fifty.
+///     Antialiasing changes no volume.
+[[nodiscard]] SceneReport check_scene(const RandomScene& scene, const SceneChecks& checks);
 
 }  // namespace splatlas

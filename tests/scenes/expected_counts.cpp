@@ -9,7 +9,7 @@ struct Drawn {
   bool volume = false, surface = false;
 };
 
-/// By the rules of VoxelRole alone.
+/// The rules of VoxelRole, restated.
 Drawn drawn(const ClassTable& classes, ClassId c, const Selection& selection) {
   Drawn sum;
   for (const Membership& member : classes.members(c)) {

@@ -1,4 +1,4 @@
-// Renders random scenes and checks them against brute force: see check_scene.h.
+// splatlas-random-scenes: random scenes against brute force (check_scene.h).
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
@@ -20,7 +20,7 @@ struct Totals {
 
 void run_scene(std::uint32_t seed, std::uint32_t number, Totals& totals) {
   const splatlas::RandomScene scene = splatlas::whole_scene(seed, number);
-  const splatlas::SceneReport report = splatlas::check_scene(scene, number % 16 == 0);
+  const splatlas::SceneReport report = splatlas::check_scene(scene, {.thorough = number % 16 == 0});
   totals.shows += report.shows ? 1 : 0;
   totals.pixels += report.pixels;
   totals.compared += report.compared;
@@ -40,13 +40,13 @@ void run_scene(std::uint32_t seed, std::uint32_t number, Totals& totals) {
   }
 }
 
-/// A series that compares next to nothing proves nothing.
-bool proves_something(const Totals& totals) {
-  constexpr std::uint32_t kSeries = 50;  // scenes; fewer may happen to be empty
+/// Whether enough scenes show anything and enough pixels were compared.
+bool is_conclusive(const Totals& totals) {
+  constexpr std::uint32_t kSeries = 50;  // shorter series may be empty by chance
   if (totals.scenes < kSeries) return true;
-  const bool sees = 2 * totals.shows > totals.scenes && 4 * totals.rays > totals.scenes &&
-                    4 * totals.rays < 3 * totals.scenes && 4 * totals.refused < totals.rays;
-  return sees && 4 * totals.compared > 3 * totals.pixels;
+  const bool covered = 2 * totals.shows > totals.scenes && 4 * totals.rays > totals.scenes &&
+                       4 * totals.rays < 3 * totals.scenes && 4 * totals.refused < totals.rays;
+  return covered && 4 * totals.compared > 3 * totals.pixels;
 }
 
 }  // namespace
@@ -54,9 +54,9 @@ bool proves_something(const Totals& totals) {
 int main(int argc, char** argv) try {
   CLI::App app("Renders random scenes and compares them with brute force. Exit status 1 when one fails.");
   std::uint32_t seed = 1, scenes = 10000, first = 0;
-  app.add_option("--seed", seed, "of the whole series")->capture_default_str();
-  app.add_option("--scenes", scenes, "how many")->capture_default_str();
-  app.add_option("--first", first, "number of the first one; a scene depends on seed and number alone")
+  app.add_option("--seed", seed, "seed of the series")->capture_default_str();
+  app.add_option("--scenes", scenes, "number of scenes")->capture_default_str();
+  app.add_option("--first", first, "number of the first scene; seed and number determine a scene")
       ->capture_default_str();
   CLI11_PARSE(app, argc, argv);
   Totals totals;
@@ -71,15 +71,15 @@ int main(int argc, char** argv) try {
     std::fflush(stdout);
   }
   fmt::print(
-      "{} scenes: {} failed; {} by sheets, {} by rays, of which {} were too wide for surfaces. {} show "
-      "anything.\n"
-      "Sheets: at most {:.2e} from the model (scene {}). Rays: at most {:.3f}/255 RMS from the truth (scene "
-      "{}); {} of {} pixels compared.\n",
+      "{} scenes: {} failed; {} by sheets, {} by rays, of which {} were too wide for surfaces. "
+      "{} are not empty.\n"
+      "Sheets: maximum error {:.2e} against the discrete model (scene {}).\n"
+      "Rays: maximum RMS error {:.3f}/255 against the reference (scene {}); {} of {} pixels compared.\n",
       scenes, totals.failed, scenes - totals.rays, totals.rays, totals.refused, totals.shows,
       totals.largest_from_model, totals.of_largest, totals.worst_rms, totals.of_worst, totals.compared,
       totals.pixels);
-  if (!proves_something(totals)) {
-    fmt::print("Too few scenes show anything, or too few pixels are compared: that proves nothing.\n");
+  if (!is_conclusive(totals)) {
+    fmt::print("Inconclusive: too few scenes show anything, or too few pixels were compared.\n");
     return 1;
   }
   return totals.failed == 0 ? 0 : 1;

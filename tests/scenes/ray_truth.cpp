@@ -13,7 +13,7 @@ namespace splatlas {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-/// Of the brute force: more than enough for cells of the sharpest transfer functions.
+/// Resolves the sharpest transfer functions within a cell.
 constexpr int kStepsPerVoxel = 100;
 
 using reference::Crossing;
@@ -41,26 +41,17 @@ RayTruth::RayTruth(const RandomScene& scene, bool hybrid_shading)
 }
 
 Ray RayTruth::ray_through(double x, double y) const {
-  if (!view_.eye_mm) return reference::ray_through(view_.plane, grid_, x, y);
-  return reference::ray_through(reference::PerspectiveView{view_.plane, scene_.camera.field_of_view_deg},
-                                grid_, x, y);
+  return reference::ray_through(view_, scene_.camera.field_of_view_deg, grid_, x, y);
 }
 
-/// Only what is within one voxel of the grid emits or absorbs.
 reference::RayRadiance RayTruth::volume(const Ray& ray, double from_mm, double to_mm) const {
   if (field_) return integrate_ray(*field_, ray, from_mm, to_mm);
+  const reference::RayInterval part = clip_to_field(ray, grid_.size, {from_mm, to_mm});
+  if (part.empty()) return {};
   double voxels_per_mm = 0;
-  for (std::size_t a = 0; a < 3; ++a) {
-    voxels_per_mm = std::max(voxels_per_mm, std::abs(ray.per_mm[a]));
-    if (ray.per_mm[a] == 0) continue;
-    const double one = (-1 - ray.start[a]) / ray.per_mm[a];
-    const double other = (static_cast<double>(grid_.size[a]) - ray.start[a]) / ray.per_mm[a];
-    from_mm = std::max(from_mm, std::min(one, other));
-    to_mm = std::min(to_mm, std::max(one, other));
-  }
-  if (!(from_mm < to_mm)) return {};
-  return greys_->along(ray, from_mm, to_mm,
-                       1 + static_cast<int>(kStepsPerVoxel * voxels_per_mm * (to_mm - from_mm)));
+  for (const double per_mm : ray.per_mm) voxels_per_mm = std::max(voxels_per_mm, std::abs(per_mm));
+  const double steps = kStepsPerVoxel * voxels_per_mm * (part.to_mm - part.from_mm);
+  return greys_->along(ray, part.from_mm, part.to_mm, 1 + static_cast<int>(steps));
 }
 
 std::optional<std::array<double, 4>> RayTruth::at(int column, int row) const {
@@ -81,7 +72,7 @@ std::optional<std::array<double, 4>> RayTruth::at(int column, int row) const {
     from_mm = std::max(from_mm, crossing.s_mm);
   }
   if (crossings.empty() || crossings.back().rgba[3] < 1) sum.add(volume(ray, from_mm, kInfinity));
-  return std::array{sum.color[0], sum.color[1], sum.color[2], 1 - sum.transmittance};
+  return sum.rgba();
 }
 
 }  // namespace splatlas

@@ -1,4 +1,4 @@
-// The truth of a scene that is drawn by rays.
+// Reference ray caster for random scenes, in double precision.
 #pragma once
 
 #include <array>
@@ -13,10 +13,11 @@ namespace splatlas {
 
 class RayTruth {
  public:
-  /// Keeps a reference to `scene`. Classified after interpolation, volumes are unlit.
+  /// Keeps a reference to `scene`. Post-classified volumes are unlit.
   RayTruth(const RandomScene& scene, bool hybrid_shading);
 
-  /// RGBA of a pixel; nothing where a hundredth of a pixel changes which surfaces are seen, or their order.
+  /// RGBA of a pixel. Nothing for an ambiguous one: a ray 0.01 pixels beside it crosses other surfaces, or
+  /// the same in another order.
   [[nodiscard]] std::optional<std::array<double, 4>> at(int column, int row) const;
 
  private:
@@ -26,7 +27,7 @@ class RayTruth {
   const RandomScene& scene_;
   View view_;
   Grid grid_;
-  double nearest_mm_ = 0;  // of what is seen of surfaces
+  double nearest_mm_ = 0;  // near plane of surfaces
   reference::RaySurfaces surfaces_;
   std::optional<reference::OpticalField> field_;
   std::optional<reference::InterpolatedGreys> greys_;

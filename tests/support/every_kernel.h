@@ -40,7 +40,7 @@ inline std::string kernel_name(const testing::TestParamInfo<std::int64_t>& targe
   return target.param == kScalarReference ? "ScalarReference" : hwy::TargetName(target.param);
 }
 
-/// While a test runs, dispatch chooses its instruction set.
+/// Restricts dispatch to one target while a test runs.
 class EveryKernel : public testing::TestWithParam<std::int64_t> {
  protected:
   void SetUp() override { dispatch_to(GetParam()); }
@@ -49,7 +49,7 @@ class EveryKernel : public testing::TestWithParam<std::int64_t> {
   [[nodiscard]] static bool is_reference() { return GetParam() == kScalarReference; }
 
  private:
-  /// 0: as ever.
+  /// 0: no restriction.
   static void dispatch_to(std::int64_t target) {
     hwy::SetSupportedTargetsForTest(target);
     hwy::GetChosenTarget().Update(hwy::SupportedTargets());

@@ -1,12 +1,12 @@
-// Surfaces and normals that files leave out.
+// Derived surfaces and normals, which files leave out.
 #pragma once
 
 #include "format/atlas_content.h"
 
 namespace splatlas {
 
-/// In place of a structure's surface and normals, those that readers find from its voxels: as preprocess
-/// makes them.
+/// Replaces the surface and normals of a structure by those that readers derive from its voxels, as
+/// preprocess does.
 void fit_parts(AtlasContent& content, StructureIndex structure);
 
 }  // namespace splatlas

@@ -11,10 +11,10 @@ namespace {
 
 constexpr std::uint32_t kNoVertex = std::numeric_limits<std::uint32_t>::max();
 
-/// Corners of a tetrahedron, as bits (x, y, z) of a cell's corners.
+/// Corners of a tetrahedron: the bits are x, y and z of a corner of the cell.
 using Tetrahedron = std::array<unsigned, 4>;
 
-/// The six ways from corner 0 to corner 7 along the axes.
+/// Tetrahedra of the six axis-parallel paths from corner 0 to corner 7.
 std::vector<Tetrahedron> cell_tetrahedra() {
   std::vector<Tetrahedron> all;
   std::array<unsigned, 3> axes{0, 1, 2};
@@ -137,7 +137,7 @@ class Mesher {
   const Grid& grid_;
   const Affine to_lps_;
   SurfaceMesh mesh_;
-  std::vector<std::uint32_t> vertices_;  // by the doubled position
+  std::vector<std::uint32_t> vertices_;  // by doubled position
   std::vector<Vec3> normals_;            // sums over triangles, LPS
 };
 

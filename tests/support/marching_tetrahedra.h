@@ -1,4 +1,4 @@
-// Closed surfaces of voxel masks.
+// Closed surfaces of voxel masks by marching tetrahedra.
 #pragma once
 
 #include <vector>
@@ -8,10 +8,10 @@
 
 namespace splatlas {
 
-/// The surface halfway between the voxels of a mask and those outside (beyond the grid is outside): closed,
-/// every triangle in one cell between eight voxel centres, positions at multiples of half a voxel. Every cell
-/// is cut into the same six tetrahedra around its diagonal, so that faces meet (Payne and Toga 1990).
-/// Triangles are counter-clockwise seen from outside in LPS, also in mirrored grids.
+/// The surface halfway between voxels inside and outside a mask (outside the grid is outside). It is closed,
+/// each triangle lies in one cell of eight voxel centres, and positions are multiples of half a voxel. All
+/// cells are split into the same six tetrahedra around their diagonal, so that faces match (Payne and Toga
+/// 1990). Triangles are counter-clockwise seen from outside in LPS, in mirrored grids too.
 [[nodiscard]] SurfaceMesh marching_tetrahedra(const std::vector<bool>& mask, const Grid& grid);
 
 }  // namespace splatlas

@@ -1,4 +1,4 @@
-// The golden phantom as an atlas made without ITK and VTK.
+// Golden phantom as an in-memory atlas, without ITK and VTK.
 #pragma once
 
 #include "tests/phantom/two_spheres.h"

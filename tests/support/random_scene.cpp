@@ -13,8 +13,8 @@
 namespace splatlas {
 namespace {
 
-/// Makes one scene. Own arithmetic on the generator's bits: the standard library's distributions differ
-/// between implementations.
+/// Makes one scene. Derives numbers from the bits of the generator, as standard distributions differ between
+/// implementations.
 class SceneMaker {
  public:
   SceneMaker(std::mt19937 random, std::int64_t max_side) : random_(random), max_side_(max_side) {}
@@ -37,7 +37,7 @@ class SceneMaker {
     return scene;
   }
 
-  /// With all that whole_scene() is about.
+  /// A scene of whole_scene().
   RandomScene make_whole() {
     TestVolume volume;
     volume.grid = make_grid();
@@ -99,7 +99,7 @@ class SceneMaker {
     });
   }
 
-  /// Flat voxels, and grids far away, tiny and huge.
+  /// Anisotropic voxels; distant, tiny and huge grids.
   void stretch(Grid& grid) {
     if (below(8) == 0) grid.spacing_mm[below(3)] *= 50;
     const double scale = below(8) == 0 ? std::pow(10.0, real(-6, 6)) : 1;
@@ -110,7 +110,7 @@ class SceneMaker {
     }
   }
 
-  /// A structure, a group, or an external surface; below up to three others.
+  /// A structure, a group or an external surface, with up to three parents.
   TestStructure make_node(std::size_t s, const Grid& grid) {
     TestStructure node{fmt::format("s{}", s), {}};
     const std::size_t kind = below(6);
@@ -126,7 +126,7 @@ class SceneMaker {
     return node;
   }
 
-  /// Triangles all over the grid: any, slivers, along planes of voxels, without an area, twice.
+  /// Triangles anywhere in the grid: general, slivers, in planes of voxel centres, degenerate, duplicate.
   SurfaceMesh make_external(const Index3& size) {
     constexpr std::uint32_t kScale = 64;
     SurfaceMesh mesh;
@@ -136,7 +136,7 @@ class SceneMaker {
       std::array<float, 3> voxel{};
       for (std::size_t a = 0; a < 3; ++a)
         voxel[a] = static_cast<float>(below(static_cast<std::size_t>(size[a])));
-      const std::size_t flat = below(6);  // along this axis, where there is one
+      const std::size_t flat = below(6);  // normal to this axis, if there is one
       for (std::uint32_t corner = 0; corner < 3; ++corner) {
         std::array<float, 3> place{};
         for (std::size_t a = 0; a < 3; ++a) {
@@ -180,7 +180,7 @@ class SceneMaker {
     return values;
   }
 
-  /// Constant, denormal, infinite, and the least and largest values of the type.
+  /// Constant, denormal, infinite, and the minimum and maximum of the type.
   VoxelBuffer make_odd_values(std::int64_t voxels) {
     VoxelBuffer values;
     values.type = static_cast<VoxelType>(1 + below(8));
@@ -202,7 +202,7 @@ class SceneMaker {
     return values;
   }
 
-  /// Up to six terms, some of which remove.
+  /// Up to six terms, some of them removals.
   std::string make_words(std::size_t structures) {
     static constexpr std::array kModes{"", ":volume", ":surface", ":both", ":both"};
     std::string words = below(3) == 0 ? "s*:both(opacity=0.4)" : "";
@@ -285,12 +285,12 @@ class SceneMaker {
     }
     scene.options.size = {1 + static_cast<int>(below(40)), 1 + static_cast<int>(below(40))};
     scene.options.quality = std::array{Quality::kDraft, Quality::kNormal, Quality::kHigh}[below(3)];
-    // Where normals are exactly at right angles to the view, rounding decides which side is lit.
+    // Rounding chooses the lit side of normals that are exactly perpendicular to the view.
     scene.options.hybrid_shading = below(4) != 0 && !diagonal;
     scene.options.simd = below(4) != 0;
   }
 
-  /// Every other scene is drawn by rays.
+  /// Draws every other scene by ray casting.
   void make_rays(RandomScene& scene) {
     if (below(2) == 0) return;
     scene.options.size.width = std::min(scene.options.size.width, 20);

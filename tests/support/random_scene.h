@@ -1,4 +1,4 @@
-// Random atlases with selections and views, for comparing pictures.
+// Random atlases with selections and views.
 #pragma once
 
 #include <cstdint>
@@ -16,20 +16,20 @@ struct RandomScene {
   RenderOptions options;
 };
 
-/// A scene of up to `max_side` voxels a side, from its number alone: the same on every machine. Overlapping
-/// balls, boxes and noise in oblique, mirrored and anisotropic grids; grey values of every type,
-/// not-a-numbers included; every mode, opacities from 1e-6 to 1, ramps, steps and curves; straight, diagonal
-/// and any other direction of view, near and far, off centre; every quality.
+/// A scene of up to `max_side` voxels a side, determined by its number on every machine. Contains overlapping
+/// balls, boxes and noise; oblique, mirrored and anisotropic grids; grey values of every type, not-a-number
+/// included; every draw mode; opacities from 1e-6 to 1; ramps, steps and curves; axis-parallel, diagonal and
+/// general views, near and far, off centre; every quality.
 [[nodiscard]] RandomScene random_scene(std::uint32_t number, std::int64_t max_side = 12);
 
-/// A whole scene from a seed and its number, with everything at once that random_scene() does not mix:
-/// groups, several parents, external surfaces (slivers, triangles without an area and on the planes of voxels
-/// among them), selections in words with removals, grey values that are constant, denormal, infinite or as
-/// large as their type allows, voxels of one to fifty, grids far away, tiny and huge; rays in perspective,
-/// from inside the volume too, and in parallel, grey values classified before and after interpolation.
+/// A scene determined by seed and number, which adds to random_scene(): groups; several parents; external
+/// surfaces with slivers, degenerate triangles and triangles in planes of voxel centres; selection text with
+/// removals; grey values that are constant, denormal, infinite or extreme; voxels stretched by 50 along an
+/// axis; distant, tiny and huge grids; rays in parallel and perspective projection, also from inside the
+/// volume, with pre- and post-classification.
 [[nodiscard]] RandomScene whole_scene(std::uint32_t seed, std::uint32_t number);
 
-/// What a failing test tells.
+/// Summary of a scene for failure messages.
 [[nodiscard]] std::string describe(const RandomScene& scene);
 
 }  // namespace splatlas

@@ -1,4 +1,4 @@
-// Pictures of test atlases in one call.
+// One-call rendering of test atlases.
 #pragma once
 
 #include <string_view>
@@ -9,17 +9,17 @@
 
 namespace splatlas {
 
-/// Renders, or throws std::runtime_error with the library's message.
+/// Renders. Throws std::runtime_error with the library's message.
 [[nodiscard]] Picture render_or_throw(Renderer& renderer, const Camera& camera,
                                       const RenderOptions& options = {});
 [[nodiscard]] Picture render_or_throw(const AtlasContent& content, const Selection& selection,
                                       const Camera& camera, const RenderOptions& options = {},
                                       unsigned threads = 1);
 
-/// The zoom at which a pixel of a square picture is `mm` wide.
+/// The zoom at which a pixel of a square picture is `mm_per_pixel` wide.
 [[nodiscard]] double zoom_for(const Display& display, int picture_side, double mm_per_pixel);
 
-/// The selection without what a damaged file's picture of it lacks.
+/// The selection without the missing parts of a damaged file.
 [[nodiscard]] Selection without(Selection selection, const std::vector<MissingPart>& missing);
 
 }  // namespace splatlas

@@ -1,4 +1,4 @@
-// The scenes that errors are measured on.
+// Standard scenes of error measurements.
 #pragma once
 
 #include <string>
@@ -16,20 +16,19 @@ struct StandardScene {
   Selection selection;
 };
 
-/// The golden phantom as volume: two balls with grey values, opacity 0.3 a voxel.
+/// The golden phantom as volume: two balls with grey values, opacity 0.3 per voxel.
 [[nodiscard]] StandardScene phantom_scene();
-/// A smooth field: Gaussian blobs in 40^3 voxels, opacity 0.3 a voxel at their peaks.
+/// A smooth field: Gaussian blobs in 40^3 voxels, opacity 0.3 per voxel at their peaks.
 [[nodiscard]] StandardScene blobs_scene();
-/// The hard case: structures without grey values, opacity 0.9 a voxel, borders where one voxel meets the
-/// next.
+/// The hard case: structures without grey values, opacity 0.9 per voxel, borders one voxel wide.
 [[nodiscard]] StandardScene labels_scene();
-/// The golden phantom, both balls as volume with their translucent surfaces, and their hull around them.
+/// The golden phantom: both balls as volume with translucent surfaces, and their hull.
 [[nodiscard]] StandardScene hybrid_scene();
-/// All of them.
+/// All standard scenes.
 [[nodiscard]] std::vector<StandardScene> standard_scenes();
 
-/// Azimuth and elevation in degrees: straight on, turned a little, turned more, at 45 degrees to one axis,
-/// and to two.
+/// Azimuth and elevation in degrees: axis-parallel, slightly turned, further turned, at 45 degrees to one
+/// axis and to two.
 [[nodiscard]] const std::vector<std::pair<double, double>>& standard_views();
 
 }  // namespace splatlas

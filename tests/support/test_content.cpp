@@ -8,12 +8,13 @@
 
 #include "format/atlas_writer.h"
 #include "tests/support/marching_tetrahedra.h"
+#include "tests/support/neighbours.h"
 #include "tests/support/value_or_throw.h"
 
 namespace splatlas {
 namespace {
 
-/// A mask in storage order; empty for a group.
+/// A mask in storage order; empty for groups.
 std::vector<bool> stored_mask(const std::vector<bool>& mask, const Grid& source, const AxisOrder& order) {
   if (mask.empty()) return std::vector<bool>(static_cast<std::size_t>(source.voxels()), false);
   const std::vector<std::uint8_t> from(mask.begin(), mask.end());
@@ -22,7 +23,7 @@ std::vector<bool> stored_mask(const std::vector<bool>& mask, const Grid& source,
   return {to.begin(), to.end()};
 }
 
-/// The voxel of the storage grid that holds a triangle of an external surface.
+/// The storage-grid voxel that contains a triangle of an external surface.
 Index3 crossed_voxel(const SurfaceMesh& mesh, const std::array<std::uint32_t, 3>& corners) {
   Index3 voxel{};
   for (std::size_t a = 0; a < 3; ++a) {
@@ -33,7 +34,7 @@ Index3 crossed_voxel(const SurfaceMesh& mesh, const std::array<std::uint32_t, 3>
   return voxel;
 }
 
-/// Triangles in memory order of their voxels, as files keep them.
+/// Triangles sorted by the memory order of their voxels, as in files.
 SurfaceMesh sorted_by_voxel(SurfaceMesh mesh, const Grid& grid) {
   const auto offset = [&](const std::array<std::uint32_t, 3>& corners) {
     const Index3 voxel = crossed_voxel(mesh, corners);
@@ -46,7 +47,7 @@ SurfaceMesh sorted_by_voxel(SurfaceMesh mesh, const Grid& grid) {
 
 class Classifier {
  public:
-  /// `external`: per structure; empty ones are fitted.
+  /// `external`: one per structure; empty ones are derived.
   Classifier(const Grid& grid, std::vector<std::vector<bool>> masks, const std::vector<SurfaceMesh>& external)
       : grid_(grid), masks_(std::move(masks)), crossed_(masks_.size()) {
     for (std::size_t s = 0; s < crossed_.size(); ++s) {
@@ -86,32 +87,14 @@ class Classifier {
     const auto at = static_cast<std::int64_t>(n);
     return {at % grid_.size[0], at / grid_.size[0] % grid_.size[1], at / (grid_.size[0] * grid_.size[1])};
   }
-  [[nodiscard]] bool holds(const std::vector<bool>& mask, const Index3& at) const {
-    return grid_.contains(at[0], at[1], at[2]) &&
-           mask[static_cast<std::size_t>(grid_.offset(at[0], at[1], at[2]))];
-  }
-
-  template <typename Visit>
-  static void for_each_neighbour(const Index3& at, const Visit& visit) {
-    for (std::int64_t n = 0; n < 27; ++n) {
-      const Index3 step{n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1};
-      visit(step, Index3{at[0] + step[0], at[1] + step[1], at[2] + step[2]});
-    }
-  }
-
   void content_of_each_voxel() {
     for (std::size_t n = 0; n < static_cast<std::size_t>(grid_.voxels()); ++n) {
       const Index3 at = voxel(n);
       std::vector<Membership> members;
       for (StructureIndex s = 0; s < masks_.size(); ++s) {
         if (!crossed_[s].empty() && crossed_[s][n]) members.push_back({s, Part::kCrossed});
-        if (!holds(masks_[s], at)) continue;
-        bool boundary = false;
-        for_each_neighbour(at, [&](const Index3& step, const Index3& neighbour) {
-          const auto axes = std::abs(step[0]) + std::abs(step[1]) + std::abs(step[2]);
-          boundary = boundary || (axes <= 2 && !holds(masks_[s], neighbour));
-        });
-        members.push_back({s, boundary ? Part::kBoundary : Part::kInterior});
+        const auto holds = holds_in(masks_[s], grid_.size);
+        if (holds(at)) members.push_back({s, is_boundary(at, holds) ? Part::kBoundary : Part::kInterior});
       }
       const ClassId c = classes_.intern(std::move(members));
       classes_.count(c, 1, {at, at});
@@ -119,13 +102,14 @@ class Classifier {
     }
   }
 
-  /// Where the mask falls off, LPS.
+  /// Direction in which the mask falls off, LPS.
   [[nodiscard]] PackedNormal normal(const std::vector<bool>& mask, const Index3& at) const {
     Vec3 fall{0, 0, 0};  // per voxel: a covector
-    for_each_neighbour(at, [&](const Index3& step, const Index3& neighbour) {
-      if (holds(mask, neighbour)) return;
+    for (std::int64_t n = 0; n < 27; ++n) {
+      const Index3 step{n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1};
+      if (holds_in(mask, grid_.size)({at[0] + step[0], at[1] + step[1], at[2] + step[2]})) continue;
       for (std::size_t a = 0; a < 3; ++a) fall[a] += static_cast<double>(step[a]);
-    });
+    }
     const Matrix3 to_index = lps_mm_to_index(grid_).linear;
     std::array<float, 3> lps{};
     for (std::size_t a = 0; a < 3; ++a) {
@@ -137,12 +121,12 @@ class Classifier {
 
   const Grid& grid_;
   std::vector<std::vector<bool>> masks_;
-  std::vector<std::vector<bool>> crossed_;  // empty: none
+  std::vector<std::vector<bool>> crossed_;  // empty if there are none
   ClassTable classes_;
   std::vector<ClassId> volume_;
 };
 
-/// The ball around every voxel of a structure; the whole grid where there is none.
+/// Bounding ball of all structures; of the grid if there are none.
 void frame(const std::vector<std::vector<bool>>& masks, const Grid& grid, Display& display) {
   IndexBox box;
   for (const auto& mask : masks) {

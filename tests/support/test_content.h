@@ -1,4 +1,4 @@
-// Small atlases from voxel masks, for tests of the player: what preprocess does, written slowly and plainly.
+// Small atlases from voxel masks: a slow and simple preprocess for tests of the player.
 #pragma once
 
 #include <memory>
@@ -12,24 +12,24 @@
 
 namespace splatlas {
 
-/// One structure of a test atlas. The mask is over the source grid, i fastest; an empty one makes a group.
+/// One structure of a test atlas. The mask covers the source grid, i fastest; an empty mask makes a group.
 struct TestStructure {
   std::string id;
   std::vector<bool> mask;
   Rgb color{255, 255, 255};
   std::vector<StructureIndex> parents{};
-  /// Triangles in indices of the storage grid, each in one voxel; a structure that has some is external.
+  /// Triangles in indices of the storage grid, each within one voxel. A structure with triangles is external.
   SurfaceMesh external{};
 };
 
 struct TestVolume {
-  Grid grid;  ///< of the source: stored in storage_order(grid)
+  Grid grid;  ///< source grid; stored in storage_order(grid)
   std::vector<TestStructure> structures;
-  VoxelBuffer values{};  ///< in the source grid; empty: the atlas has none
+  VoxelBuffer values{};  ///< in the source grid; may be empty
   double window_low = 0, window_high = 1;
 };
 
-/// `holds(i, j, k)` of every voxel, i fastest.
+/// `holds(i, j, k)` for every voxel, i fastest.
 template <typename Holds>
 [[nodiscard]] std::vector<bool> make_mask(const Index3& size, const Holds& holds) {
   std::vector<bool> mask;
@@ -41,22 +41,22 @@ template <typename Holds>
   return mask;
 }
 
-/// A buffer of the values' type.
+/// A buffer of these values.
 template <typename T>
 [[nodiscard]] VoxelBuffer make_values(VoxelType type, const std::vector<T>& values) {
   const auto* bytes = reinterpret_cast<const std::byte*>(values.data());
   return {type, {bytes, bytes + values.size() * sizeof(T)}};
 }
 
-/// Classes by a brute-force look at all 18 neighbours, normals from the 26 around a boundary voxel, surfaces
-/// by marching tetrahedra; external ones as they are given. Structures may overlap. Normals are rounded to 16
-/// bits already, so that the content read back from a file equals what was written.
+/// Classes from all 18 neighbours by brute force, normals from the 26 neighbours of boundary voxels, surfaces
+/// by marching tetrahedra; external surfaces as given. Structures may overlap. Normals are rounded to 16
+/// bits, so that files reproduce the content exactly.
 [[nodiscard]] AtlasContent make_content(const TestVolume& volume);
 
-/// Encoded and opened again. Throws std::runtime_error with the library's message.
+/// Encodes and opens an atlas. Throws std::runtime_error with the library's message.
 [[nodiscard]] std::shared_ptr<const Atlas> open_in_memory(const AtlasContent& content);
 
-/// select() that throws std::runtime_error with the library's message.
+/// select(), but throws std::runtime_error with the library's message.
 [[nodiscard]] Selection selection_of(std::string_view text, const StructureGraph& graph);
 
 }  // namespace splatlas

@@ -1,4 +1,4 @@
-// Boxes of one structure, whose opacity is known in closed form.
+// Uniform boxes, whose opacity has a closed form.
 #pragma once
 
 #include <array>
@@ -9,7 +9,7 @@
 
 namespace splatlas {
 
-/// A box of `size` voxels of 1 mm, all of one structure "box", without grey values.
+/// A box of `size` voxels of 1 mm: one structure "box" without grey values.
 [[nodiscard]] inline AtlasContent box_content(const Index3& size) {
   TestVolume volume;
   volume.grid.size = size;
@@ -17,19 +17,18 @@ namespace splatlas {
   return make_content(volume);
 }
 
-/// Azimuths and elevations in which rays enter and leave a plate that is thin along y through its large
-/// faces.
+/// Azimuths and elevations of views whose rays cross the large faces of a plate that is thin along y.
 inline constexpr std::array<std::pair<double, double>, 6> kPlateDirections{
     {{0.0, 0.0}, {1e-6, 0.0}, {17.3, 0.0}, {-31.0, 20.0}, {44.99, 0.0}, {0.0, -40.0}}};
 
-/// Everything as volume.
+/// All structures as volume.
 [[nodiscard]] inline Selection with_opacity(const AtlasContent& content, float opacity) {
   Selection selection = selection_of("*:volume", content.graph);
   for (StructureDraw& draw : selection.structures) draw.opacity = opacity;
   return selection;
 }
 
-/// Opacity through `length` reference lengths of full value.
+/// Opacity of `length` reference lengths at the maximum opacity.
 [[nodiscard]] inline double opacity_through(double length, float per_length) {
   return -std::expm1(length * std::log1p(-static_cast<double>(per_length)));
 }

@@ -1,4 +1,4 @@
-// Results in tests' helpers, where a failure is a fault of the test.
+// Result values in test helpers; an error throws.
 #pragma once
 
 #include <stdexcept>

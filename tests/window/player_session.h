@@ -1,4 +1,4 @@
-// The player's window on a virtual display, observed through its log.
+// Player window on a virtual display, observed through its log.
 #pragma once
 
 #include <functional>
@@ -12,12 +12,12 @@
 
 namespace splatlas {
 
-/// Runs splatlas-player on the phantom, in a folder of its own, until its window is closed.
+/// Runs splatlas-player on the phantom, in its own folder, until the window closes.
 class PlayerSession {
  public:
-  /// Waits for the first picture in its final quality.
+  /// Waits for the first picture of final quality.
   PlayerSession();
-  /// The result of a program that is still running is waited for, its display being gone.
+  /// Closes the display and waits for a program that is still running.
   ~PlayerSession();
   PlayerSession(const PlayerSession&) = delete;
   PlayerSession& operator=(const PlayerSession&) = delete;
@@ -26,19 +26,18 @@ class PlayerSession {
   [[nodiscard]] const TemporaryFolder& folder() const { return folder_; }
 
   using Json = nlohmann::json;
-  /// Waits for an event of this name for which `holds` is true among those that were not looked at yet, which
-  /// thereby are. Throws std::runtime_error with the latest event of that name when there is none in a
-  /// minute.
+  /// Waits for an unread event of this name that satisfies `holds`, and marks events up to it as read. Throws
+  /// std::runtime_error with the latest event of that name after a minute.
   Json wait_for(const std::string& event, const std::function<bool(const Json&)>& holds = {});
-  /// The picture of what is selected and seen now, in its final quality.
+  /// Waits for the picture of the current selection and view in final quality.
   Json wait_for_final_picture();
   /// The latest layout.
   [[nodiscard]] const Json& layout() const { return layout_; }
   void wait_for_layout(const std::function<bool(const Json&)>& holds);
-  /// Waits until the layout has a place of this name, and returns its middle.
+  /// Waits until the layout contains `pointer`, and returns its centre.
   std::array<int, 2> place(const std::string& pointer);
 
-  /// Asks the window to close, and waits for the program's end.
+  /// Asks the window to close, and waits for the program to end.
   ProgramResult close();
 
  private:
@@ -47,12 +46,12 @@ class PlayerSession {
   TemporaryFolder folder_;
   std::unique_ptr<VirtualDisplay> display_;
   std::future<ProgramResult> player_;
-  std::vector<Json> events_;  // not looked at yet
+  std::vector<Json> events_;  // unread
   std::size_t log_bytes_ = 0;
   Json layout_;
 };
 
-/// The phantom as an atlas file at `path`.
+/// Writes the phantom as an atlas file.
 void write_phantom_atlas(const std::string& path);
 
 }  // namespace splatlas

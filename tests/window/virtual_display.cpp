@@ -13,6 +13,7 @@
 #include <unistd.h>
 
 #include "tests/support/run_program.h"
+#include "tests/support/xvfb.h"
 
 namespace splatlas {
 namespace {
@@ -20,22 +21,7 @@ namespace {
 constexpr std::chrono::seconds kLongest{60};
 constexpr std::chrono::milliseconds kPause{20};
 
-/// Xvfb chooses a free display and writes its number to file descriptor `number_fd`.
-[[noreturn]] void become_server(int number_fd) {
-  const std::string fd = std::to_string(number_fd);
-  execlp(SPLATLAS_XVFB, "Xvfb", "-displayfd", fd.c_str(), "-screen", "0", "1400x900x24", "-nolisten", "tcp",
-         nullptr);
-  _exit(127);
-}
-
-std::string read_line(int fd) {
-  std::string line;
-  char c = 0;
-  while (read(fd, &c, 1) == 1 && c != '\n') line += c;
-  return line;
-}
-
-/// Calls `attempt` until it is true.
+/// Calls `attempt` until it returns true.
 template <typename Attempt>
 void wait_until(const std::string& what, Attempt attempt) {
   const auto deadline = std::chrono::steady_clock::now() + kLongest;
@@ -61,26 +47,17 @@ struct VirtualDisplay::Connection {
 };
 
 VirtualDisplay::VirtualDisplay() {
-  std::array<int, 2> number{};
-  if (pipe(number.data()) != 0) throw std::runtime_error("cannot make a pipe");
-  server_ = fork();
-  if (server_ == 0) {
-    close(number[0]);
-    become_server(number[1]);
-  }
-  close(number[1]);
-  const std::string display = read_line(number[0]);
-  close(number[0]);
-  if (server_ < 0 || display.empty()) throw std::runtime_error("Xvfb does not start");
-  setenv("DISPLAY", (":" + display).c_str(), 1);
+  const XvfbServer server = start_xvfb(SPLATLAS_XVFB, "1400x900x24");
+  server_ = server.process;
+  if (server.display.empty()) throw std::runtime_error("Xvfb does not start");
+  setenv("DISPLAY", server.display.c_str(), 1);
   unsetenv("WAYLAND_DISPLAY");
   connection_ = std::make_unique<Connection>();
 }
 
 VirtualDisplay::~VirtualDisplay() {
   connection_.reset();
-  kill(server_, SIGTERM);
-  waitpid(server_, nullptr, 0);
+  stop_xvfb(server_);
   unsetenv("DISPLAY");
 }
 

@@ -1,4 +1,4 @@
-// The player's window, used as a person would: with a mouse and a keyboard, on a display.
+// Player window under mouse and keyboard input.
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
@@ -19,7 +19,7 @@ using Json = PlayerSession::Json;
 using phantom_structure::kSphere1;
 using phantom_structure::kSphere2;
 
-/// Where a ball's centre is in the window, looking from anterior at zoom 1.
+/// Position of the centre of a ball in the window, from anterior at zoom 1.
 std::array<int, 2> place_of(const phantom::Ball& ball, const Json& layout) {
   static const Display display = phantom_content().display;
   const Json& view = layout.at("view");
@@ -96,7 +96,7 @@ TEST_F(WindowTest, ModeButtonsChangeTheSelectionAndThePicture) {
   expect_closes();
 }
 
-/// On a busy machine, pictures become final in the middle of a drag.
+/// On a busy machine, pictures become final during a drag.
 TEST_F(WindowTest, TurnsZoomsAndComesBack) {
   const auto wait_for_camera = [&](const auto& holds) {
     return player_
@@ -193,7 +193,7 @@ TEST(WindowWithoutDisplay, SaysSoInOneLine) {
             "'splatlas-player render'\n");
 }
 
-TEST(WindowWithoutDisplay, LooksAtTheAtlasFirst) {
+TEST(WindowWithoutDisplay, ChecksTheAtlasFirst) {
   const TemporaryFolder folder;
   std::ofstream(folder.file("not_an.atlas")) << "not an atlas";
   unsetenv("DISPLAY");

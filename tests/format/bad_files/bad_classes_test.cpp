@@ -1,4 +1,4 @@
-// Bad files: classes, their memberships, boxes and lengths.
+// Invalid files: classes, their memberships, boxes and lengths.
 #include <gtest/gtest.h>
 
 #include "tests/format/bad_files/bad_files.h"
@@ -66,7 +66,7 @@ constexpr BadFile kVoxels[] = {
      "F: invalid: classes have more voxels than the grid's 200"},
     {"one voxel less", [](RawAtlas& a) { --a.directory.classes[0].voxels; },
      "F: invalid: classes have 199 voxels, the grid has 200"},
-    {"the most voxels", [](RawAtlas& a) { a.directory.classes[0].voxels = ~std::uint64_t{0}; },
+    {"2^64 - 1 voxels", [](RawAtlas& a) { a.directory.classes[0].voxels = ~std::uint64_t{0}; },
      "F: invalid: classes have more voxels than the grid's 200"},
     {"counts that wrap around to the right sum",
      [](RawAtlas& a) {
@@ -106,7 +106,7 @@ constexpr BadFile kBoxes[] = {
      "F: invalid: box of class 1 does not fit its 1 voxels in the grid"},
     {"begins before y", [](RawAtlas& a) { a.directory.classes[2].box_first[1] = -1; },
      "F: invalid: box of class 2 does not fit its 17 voxels in the grid"},
-    {"begins at the least z", [](RawAtlas& a) { a.directory.classes[3].box_first[2] = -0x7fffffff - 1; },
+    {"begins at the minimum z", [](RawAtlas& a) { a.directory.classes[3].box_first[2] = -0x7fffffff - 1; },
      "F: invalid: box of class 3 does not fit its 9 voxels in the grid"},
     {"ends beyond x", [](RawAtlas& a) { a.directory.classes[4].box_last[0] = 10; },
      "F: invalid: box of class 4 does not fit its 9 voxels in the grid"},

@@ -8,7 +8,7 @@
 namespace splatlas {
 namespace {
 
-/// Whatever a player asks for.
+/// Reads everything that a player may request.
 void read_what_is_left(const Atlas& atlas) {
   (void)atlas.read_all();
   for (ClassId c = 0; c < atlas.classes().size(); ++c) {

@@ -1,4 +1,4 @@
-// Tables of bad files: each row is the good atlas with one thing changed, and what is said about it.
+// Tables of invalid files: the good atlas with one change per row, and the expected message.
 #pragma once
 
 #include <span>
@@ -11,15 +11,14 @@ namespace splatlas {
 struct BadFile {
   const char* what;
   void (*change)(RawAtlas& atlas);
-  const char*
-      message;  ///< of opening, or else of verifying; the file's name is F. "": a good file all the same
+  const char* message;  ///< of opening or else verifying; the file name is F. "": a valid file
 };
 
-/// Opens and verifies each file: the message must be exactly the row's, the exit status that of an invalid
-/// atlas. Reading everything that can be read must do no harm either way.
+/// Opens and verifies each file. Expects exactly the message of the row and the exit status of an invalid
+/// atlas. Also reads everything that can be read, which must do no harm.
 void expect_refused(std::span<const BadFile> files);
 
-/// A file of these bytes: the message of opening or verifying it; "" for a good one.
+/// The message of opening or verifying a file of these bytes; "" for a valid one.
 [[nodiscard]] std::string fault_of_file(Bytes bytes);
 
 }  // namespace splatlas

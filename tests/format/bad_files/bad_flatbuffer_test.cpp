@@ -1,4 +1,4 @@
-// Bad files: what a FlatBuffer can be made to say.
+// Invalid files: FlatBuffer offsets, lengths and alignment.
 #include <cstring>
 
 #include <gtest/gtest.h>
@@ -25,14 +25,14 @@ std::size_t table_at(const Bytes& bytes) {
   return number_at<std::uint32_t>(bytes, 0);
 }
 
-/// Where the table's field is, by its place in the table of fields.
+/// Offset of a field of the table, by its entry in the vtable.
 std::size_t field_at(const Bytes& bytes, std::size_t vtable_entry) {
   const std::size_t table = table_at(bytes);
   const std::size_t vtable = table - static_cast<std::size_t>(number_at<std::int32_t>(bytes, table));
   return table + number_at<std::uint16_t>(bytes, vtable + vtable_entry);
 }
 
-/// Where a vector's length is.
+/// Offset of the length of a vector.
 std::size_t vector_at(const Bytes& bytes, std::size_t vtable_entry) {
   const std::size_t field = field_at(bytes, vtable_entry);
   return field + number_at<std::uint32_t>(bytes, field);
@@ -48,7 +48,7 @@ void set_offset(RawAtlas& a) {
   a.on_directory = [](Bytes& d) { put(d, field_at(d, entry), offset); };
 }
 
-/// Copies a vector to the buffer's end, four bytes off its alignment.
+/// Copies a vector to the end of the buffer, four bytes off its alignment.
 template <std::size_t entry, std::size_t row_bytes>
 void misalign(RawAtlas& a) {
   a.on_directory = [](Bytes& d) {
@@ -236,7 +236,7 @@ TEST(BadFiles, WithABadVector) {
   expect_refused(kVectors);
 }
 
-/// Two tables that lie over one another are legal FlatBuffers; they must cost no more than their bytes.
+/// Overlapping tables are legal FlatBuffers. They must cost no more than their bytes.
 TEST(BadFiles, WhoseTablesLieOverOneAnother) {
   RawAtlas atlas = raw_atlas(good_file());
   atlas.on_directory = [](Bytes& d) {

@@ -1,4 +1,4 @@
-// Bad files: grid, types, display.
+// Invalid files: grid, types, display.
 #include <limits>
 
 #include <gtest/gtest.h>
@@ -25,7 +25,7 @@ constexpr BadFile kSizes[] = {
        a.directory.source_grid.size = {-10, -5, 4};
      },
      "F: invalid: source grid: size -10x-5x4 voxels: each axis must have 1 to 16777216"},
-    {"z the least number",
+    {"z the minimum",
      [](RawAtlas& a) { a.directory.source_grid.size[2] = std::numeric_limits<std::int64_t>::min(); },
      "F: invalid: source grid: size 10x5x-9223372036854775808 voxels: each axis must have 1 to 16777216"},
     {"x the largest number",
@@ -59,7 +59,7 @@ constexpr BadFile kSizes[] = {
        a.directory.source_grid.size = {5, 10, 4};
      },
      "F: invalid: box of class 0 does not fit its 131 voxels in the grid"},
-    {"the most voxels",
+    {"the maximum number of voxels",
      [](RawAtlas& a) {
        a.directory.source_grid.size = {1 << 14, 1 << 13, 1 << 13};
      },

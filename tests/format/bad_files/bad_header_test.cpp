@@ -1,4 +1,4 @@
-// Bad files: what comes before the directory.
+// Invalid files: the header.
 #include <fstream>
 
 #include <fcntl.h>
@@ -8,7 +8,7 @@
 
 #include "format/atlas_reader.h"
 #include "tests/format/bad_files/bad_files.h"
-#include "tests/format/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace splatlas {
 namespace {
@@ -104,7 +104,7 @@ constexpr BadFile kNoAtlases[] = {
      "F: not an atlas (its first bytes are 89 53 50 4c 41 54 0d 1a)"},
 };
 
-/// Each field flipped as it lies there, no checksum mended.
+/// Each field with flipped bits, under the old checksum.
 constexpr BadFile kDamagedHeaders[] = {
     {"major version", [](RawAtlas& a) { a.on_file = flip<8>; }, "F: damaged: checksum of the header"},
     {"minor version", [](RawAtlas& a) { a.on_file = flip<10>; }, "F: damaged: checksum of the header"},
@@ -151,7 +151,7 @@ constexpr BadFile kForgedHeaders[] = {
      "F: 1 trailing bytes: header says {2} bytes, file has {1}"},
     {"one file byte more", [](RawAtlas& a) { a.on_header = [](FileHeader& h) { ++h.file_bytes; }; },
      "F: truncated: header says {3} bytes, file has {1}"},
-    {"the most file bytes",
+    {"the maximum file size",
      [](RawAtlas& a) { a.on_header = [](FileHeader& h) { h.file_bytes = ~std::uint64_t{0}; }; },
      "F: truncated: header says 18446744073709551615 bytes, file has {1}"},
     {"a directory at 0", [](RawAtlas& a) { a.on_header = [](FileHeader& h) { h.directory_offset = 0; }; },
@@ -180,7 +180,7 @@ constexpr BadFile kForgedHeaders[] = {
     {"a directory above the limit",
      [](RawAtlas& a) { a.on_header = [](FileHeader& h) { h.directory_bytes = (1u << 30) + 1; }; },
      "F: invalid: directory of 1073741825 bytes in a file of {1} (limit 1073741824)"},
-    {"a directory of the most bytes",
+    {"a directory of the maximum size",
      [](RawAtlas& a) { a.on_header = [](FileHeader& h) { h.directory_bytes = ~std::uint64_t{0}; }; },
      "F: invalid: directory of 18446744073709551615 bytes in a file of {1} (limit 1073741824)"},
     {"another directory's checksum",
@@ -204,7 +204,7 @@ TEST(BadFiles, WithAForgedHeader) {
   expect_refused(kForgedHeaders);
 }
 
-/// Whatever is no regular file is refused without being read.
+/// Refused without being read.
 TEST(BadFiles, ThatAreNoFiles) {
   const TemporaryFolder folder;
   const auto refusal = [](const std::filesystem::path& path) {

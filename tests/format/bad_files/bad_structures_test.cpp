@@ -1,4 +1,4 @@
-// Bad files: structures, how they contain one another, and text.
+// Invalid files: structures, their hierarchy, and strings.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -104,7 +104,8 @@ constexpr BadFile kParents[] = {
                d.structures.back().parents_end = static_cast<std::uint32_t>(d.parents.size());
        }
        const std::vector<std::uint8_t> text(d.text.begin(), d.text.end());
-       for (std::uint32_t s = 0; s < 257; ++s) {  // an id and no name for each, before the scene's text
+       for (std::uint32_t s = 0; s < 257;
+            ++s) {  // an id and no name for each, ahead of the text of the scene
          const std::string id = fmt::format("d{}", s);
          const std::size_t at = 14 + 2 * std::size_t{s};
          const std::uint32_t begin = d.text_ends[at - 1];
@@ -216,7 +217,7 @@ constexpr BadFile kTextTables[] = {
      "F: invalid: directory has 19 strings, expected 21"},
     {"one source too few", [](RawAtlas& a) { --a.directory.sources; },
      "F: invalid: directory has 19 strings, expected 17"},
-    {"the most sources", [](RawAtlas& a) { a.directory.sources = 0xffffffff; },
+    {"2^32 - 1 sources", [](RawAtlas& a) { a.directory.sources = 0xffffffff; },
      "F: invalid: directory has 19 strings, expected 8589934607"},
     {"one scene too many",
      [](RawAtlas& a) {

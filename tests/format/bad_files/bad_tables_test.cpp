@@ -1,4 +1,4 @@
-// Bad files: the tables of surfaces, scenes, sections and chunks.
+// Invalid files: tables of surfaces, scenes, sections and chunks.
 #include <limits>
 #include <utility>
 
@@ -42,7 +42,7 @@ constexpr BadFile kSurfaces[] = {
      "F: invalid: surface of structure 'core': 55 vertices and 104 triangles, its voxels give 54 and 104"},
     {"a fitted one with a triangle less", [](RawAtlas& a) { --a.directory.surfaces[good::kKnob].triangles; },
      "F: invalid: surface of structure 'knob': 54 vertices and 103 triangles, its voxels give 54 and 104"},
-    {"a fitted one with the most vertices and triangles",
+    {"a fitted one with maximum vertices and triangles",
      [](RawAtlas& a) {
        a.directory.surfaces[good::kKnob] = {0xffffffff, 0xffffffff, 2, 0};
      },
@@ -64,7 +64,7 @@ constexpr BadFile kSurfaces[] = {
     {"more vertices than its bytes can hold",
      [](RawAtlas& a) { a.directory.surfaces[good::kRim].vertices = 100000; },
      "F: invalid: surface of structure 'rim': 86 bytes for 100000 vertices and 2 triangles"},
-    {"the most of everything",
+    {"maximum counts",
      [](RawAtlas& a) {
        a.directory.surfaces[good::kRim] = {0xffffffff, 0xffffffff, 2, 0xffffffff};
      },
@@ -164,7 +164,7 @@ constexpr BadFile kSections[] = {
      "F: invalid: section values has 1 chunks, its streams of 680 bytes need more"},
     {"more chunks of surfaces than are left", [](RawAtlas& a) { ++a.section(SectionKind::kSurfaces).chunks; },
      "F: invalid: section surfaces has 2 chunks, 1 are left"},
-    {"the most chunks", [](RawAtlas& a) { a.section(SectionKind::kSurfaces).chunks = 0xffffffff; },
+    {"2^32 - 1 chunks", [](RawAtlas& a) { a.section(SectionKind::kSurfaces).chunks = 0xffffffff; },
      "F: invalid: section surfaces has 4294967295 chunks, 1 are left"},
     {"a chunk of no section",
      [](RawAtlas& a) {
@@ -174,9 +174,10 @@ constexpr BadFile kSections[] = {
      "F: invalid: 1 chunks belong to no section"},
     {"no cut", [](RawAtlas& a) { a.section(SectionKind::kRunsX).chunk_bytes = 0; },
      "F: invalid: section runs_x is cut every 0 bytes, shared up to 512"},
-    {"a cut below the least", [](RawAtlas& a) { a.section(SectionKind::kRunsY).chunk_bytes = 4088; },
+    {"a cut below the minimum", [](RawAtlas& a) { a.section(SectionKind::kRunsY).chunk_bytes = 4088; },
      "F: invalid: section runs_y is cut every 4088 bytes, shared up to 512"},
-    {"a cut above the most", [](RawAtlas& a) { a.section(SectionKind::kRunsZ).chunk_bytes = (1 << 24) + 8; },
+    {"a cut above the maximum",
+     [](RawAtlas& a) { a.section(SectionKind::kRunsZ).chunk_bytes = (1 << 24) + 8; },
      "F: invalid: section runs_z is cut every 16777224 bytes, shared up to 512"},
     {"the largest cut", [](RawAtlas& a) { a.section(SectionKind::kValues).chunk_bytes = 0xfffffff8; },
      "F: invalid: section values is cut every 4294967288 bytes, shared up to 512"},
@@ -184,7 +185,7 @@ constexpr BadFile kSections[] = {
      "F: invalid: section normals is cut every 4100 bytes, shared up to 512"},
     {"sharing above the cut", [](RawAtlas& a) { a.section(SectionKind::kSurfaces).shared_bytes = 262145; },
      "F: invalid: section surfaces is cut every 262144 bytes, shared up to 262145"},
-    {"the most sharing", [](RawAtlas& a) { a.section(SectionKind::kNormals).shared_bytes = 0xffffffff; },
+    {"2^32 - 1 shared bytes", [](RawAtlas& a) { a.section(SectionKind::kNormals).shared_bytes = 0xffffffff; },
      "F: invalid: section normals is cut every 262144 bytes, shared up to 4294967295"},
     {"no sharing, but shared chunks", [](RawAtlas& a) { a.section(SectionKind::kRunsZ).shared_bytes = 0; },
      "F: invalid: section runs_z has 1 chunks, its streams of 120 bytes need more"},
@@ -208,7 +209,7 @@ constexpr BadFile kChunks[] = {
     {"of runs along y more bytes than decoded",
      [](RawAtlas& a) { a.chunk(SectionKind::kRunsY).stored_bytes = 1000; },
      "F: invalid: chunk 0 of section runs_y stores 120 bytes as 1000"},
-    {"of values the most bytes", [](RawAtlas& a) { a.chunk(SectionKind::kValues).stored_bytes = 0xffffffff; },
+    {"of values 2^32 - 1 bytes", [](RawAtlas& a) { a.chunk(SectionKind::kValues).stored_bytes = 0xffffffff; },
      "F: invalid: chunk 0 of section values stores 487 bytes as 4294967295"},
     {"of normals one byte less", [](RawAtlas& a) { --a.chunk(SectionKind::kNormals).stored_bytes; },
      "F: invalid: chunks end at {2}, the file has {1} bytes"},

@@ -1,12 +1,12 @@
 #include "tests/format/bad_files/good_atlas.h"
 
-#include <cstdlib>
 #include <utility>
 #include <vector>
 
 #include "format/derive/fit_surface.h"
 #include "format/derive/structure_crop.h"
 #include "format/run_model.h"
+#include "tests/support/neighbours.h"
 
 namespace splatlas {
 namespace {
@@ -21,15 +21,6 @@ struct Box {
     }
     return true;
   }
-  /// One of the 18 neighbours is outside.
-  [[nodiscard]] bool is_boundary(const Index3& at) const {
-    for (std::int64_t n = 0; n < 27; ++n) {
-      const Index3 step{n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1};
-      if (std::abs(step[0]) + std::abs(step[1]) + std::abs(step[2]) > 2) continue;
-      if (!holds({at[0] + step[0], at[1] + step[1], at[2] + step[2]})) return true;
-    }
-    return false;
-  }
 };
 
 constexpr Box kCoreBox{{1, 1, 0}, {3, 3, 2}}, kRimBox{{3, 1, 0}, {4, 3, 2}}, kKnobBox{{6, 1, 0}, {8, 3, 2}},
@@ -38,7 +29,8 @@ constexpr Box kCoreBox{{1, 1, 0}, {3, 3, 2}}, kRimBox{{3, 1, 0}, {4, 3, 2}}, kKn
 std::vector<Membership> members_of(const Index3& at) {
   std::vector<Membership> members;
   const auto add = [&](StructureIndex s, const Box& box) {
-    if (box.holds(at)) members.push_back({s, box.is_boundary(at) ? Part::kBoundary : Part::kInterior});
+    const auto holds = [&](const Index3& voxel) { return box.holds(voxel); };
+    if (holds(at)) members.push_back({s, is_boundary(at, holds) ? Part::kBoundary : Part::kInterior});
   };
   add(good::kCore, kCoreBox);
   add(good::kRim, kRimBox);
@@ -74,7 +66,7 @@ SurfaceMesh one_triangle(std::uint32_t position_scale) {
   return mesh;
 }
 
-/// Surfaces of core and knob, and the knob's normals, are those that readers find; others are stored.
+/// Surfaces of core and knob and the normals of the knob are derived; the others are stored.
 void add_surfaces(AtlasContent& content) {
   const Grid grid = storage_grid(content);
   content.surfaces.resize(content.graph.size());

@@ -1,4 +1,4 @@
-// A small atlas with something of everything.
+// Small atlas with every feature of the format.
 #pragma once
 
 #include <cstdint>
@@ -21,8 +21,8 @@ enum Class : std::uint32_t {
 };
 }  // namespace good
 
-/// 10 x 5 x 4 voxels: a group, structures that overlap, an external one, surfaces and normals that are stored
-/// and that are fitted, run lists that are shared and that are not, a scene, a source.
+/// 10 x 5 x 4 voxels: a group, overlapping structures, an external one, stored and derived surfaces and
+/// normals, shared and separate run lists, a scene, a source.
 [[nodiscard]] AtlasContent good_content();
 
 }  // namespace splatlas

@@ -96,13 +96,13 @@ Bytes encode(const RawDirectory& d) {
   add("sections", [&] { table.add_sections(sections); });
   add("chunks", [&] { table.add_chunks(chunks); });
   add("normals_fitted", [&] { table.add_normals_fitted(normals_fitted); });
-  // Not Finish(): it asserts that all fields are there.
+  // Not Finish(), which asserts that all fields are present.
   b.Finish(flatbuffers::Offset<schema::Directory>(b.EndTable(table.start_)), schema::DirectoryIdentifier());
   const auto* begin = reinterpret_cast<const std::byte*>(b.GetBufferPointer());
   return Bytes(begin, begin + b.GetSize());
 }
 
-/// The parts that atlas_surgery.h works on.
+/// The parts of atlas_surgery.h.
 AtlasParts parts_of(const RawAtlas& atlas) {
   return {{}, decode_directory(encode(atlas.directory)).value(), atlas.chunks};
 }

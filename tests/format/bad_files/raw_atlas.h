@@ -1,5 +1,5 @@
-// An atlas file as plain tables, to be changed field by field: what no writer would ever write. The tables
-// are those of docs/atlas_format.md, written down again; nothing is checked when they are put together.
+// Atlas file as plain tables, for invalid files that no writer produces. Restates the tables of
+// docs/atlas_format.md. Reassembly checks nothing.
 #pragma once
 
 #include <array>
@@ -74,25 +74,25 @@ struct RawDirectory {
   std::vector<RawSection> sections;
   std::vector<RawChunk> chunks;
   std::vector<std::uint8_t> normals_fitted;
-  std::set<std::string> left_out;  ///< fields of the FlatBuffer that are not written
+  std::set<std::string> left_out;  ///< omitted fields of the FlatBuffer
 };
 
 struct RawAtlas {
   RawDirectory directory;
   std::vector<Bytes> chunks;  ///< stored bytes
 
-  // Changes further out. What lies above each of them has right lengths and checksums.
+  // Edits at outer levels. Lengths and checksums of enclosing levels are right.
   std::function<void(Bytes&)> on_directory;    ///< the FlatBuffer's bytes
-  std::function<void(FileHeader&)> on_header;  ///< before its own checksum
-  std::function<void(Bytes&)> on_file;         ///< the whole file, when nothing is mended any more
+  std::function<void(FileHeader&)> on_header;  ///< ahead of its own checksum
+  std::function<void(Bytes&)> on_file;         ///< the whole file, after all checksums
 
-  /// String n in the order of the document.
+  /// String n, in document order.
   void set_text(std::size_t n, const std::string& text);
-  /// Changes one stream of a section, compresses the section anew, and mends chunks and lengths.
+  /// Edits one stream of a section, recompresses the section, and updates chunks and lengths.
   void edit_stream(SectionKind kind, std::size_t stream, const std::function<void(Bytes&)>& change);
-  /// The same for the run list of a class.
+  /// Edits the run list of a class.
   void edit_runs(Axis axis, std::size_t of_class, const std::function<void(ClassRuns&)>& change);
-  /// Puts other bytes into a section's chunk, with the right length and checksum.
+  /// Replaces the bytes of a chunk, with the right length and checksum.
   void set_chunk(SectionKind kind, std::size_t n, Bytes stored);
   [[nodiscard]] RawChunk& chunk(SectionKind kind, std::size_t n = 0);
   [[nodiscard]] RawSection& section(SectionKind kind);
@@ -101,7 +101,7 @@ struct RawAtlas {
 [[nodiscard]] RawAtlas raw_atlas(const Bytes& file);
 [[nodiscard]] Bytes file_of(const RawAtlas& atlas);
 
-/// good_content(), written.
+/// The file of good_content().
 [[nodiscard]] const Bytes& good_file();
 
 }  // namespace splatlas

@@ -26,7 +26,7 @@ Bytes noise(std::size_t n) {
   return bytes;
 }
 
-/// The message of decoding `stored` with a right checksum, "" when it decodes.
+/// The message of decoding `stored` with a right checksum; "" on success.
 std::string decode(const Bytes& stored, ChunkCodec codec, std::size_t decoded_bytes,
                    std::uint8_t filter = 0) {
   const ChunkEntry entry{checksum_of(stored), static_cast<std::uint32_t>(stored.size()), codec, filter};
@@ -108,7 +108,7 @@ RC_GTEST_PROP(ChunkCodec, SurvivesDamagedFramesWithRightChecksums, (std::uint32_
   std::fill(decoded.begin() + 300, decoded.end(), std::byte{3});
   Bytes stored = encode_chunk(decoded, 3).bytes;
   for (int n = 0; n < 3; ++n) stored[random() % stored.size()] = static_cast<std::byte>(random());
-  (void)decode(stored, ChunkCodec::kZstd, decoded.size());  // any answer, no harm: sanitizers watch
+  (void)decode(stored, ChunkCodec::kZstd, decoded.size());  // any result; sanitizers detect faults
 }
 
 }  // namespace

@@ -30,7 +30,8 @@ TEST(WeightFit, FindsTheWeightsThatValuesWereMadeOf) {
 }
 
 TEST(WeightFit, WhatCountsMoreWins) {
-  // Half of the voxels say 1/2 of the first neighbour, half say 1/4, but count a thousandth.
+  // Half of the voxels call for 1/2 of the first neighbour. The other half calls for 1/4, with a thousandth
+  // of the weight.
   std::mt19937 random(1);
   WeightFit fit;
   for (int n = 0; n < 1000; ++n) {

@@ -15,7 +15,7 @@
 namespace splatlas {
 namespace {
 
-/// A shape in a grid: its box, its runs along an axis.
+/// A mask in a grid: bounding box and runs along an axis.
 struct Shape {
   Index3 size;
   Axis axis;

@@ -43,7 +43,7 @@ RC_GTEST_PROP(RangeCoder, GivesBitsBack, ()) {
 }
 
 TEST(RangeCoder, TakesWhatTheBitsTell) {
-  // One bit in 16 is set: 0.337 bits each; learning the probability costs little.
+  // One bit in 16 is set: 0.337 bits each. Learning the probability costs little.
   std::vector<bool> bits;
   std::uint32_t state = 1;
   double set = 0;

@@ -24,7 +24,7 @@ std::vector<std::byte> encode(const ClassRuns& runs) {
 }
 
 TEST(RunCodec, WritesTheBytesOfTheFormat) {
-  // Two scanlines, 300 and 301, of an outline: its left and right edge. The second is one voxel wider on each
+  // Two scanlines, 300 and 301, of an outline: left and right edge. The second is one voxel wider on each
   // side.
   const ClassRuns runs{{300, 10, 2}, {300, 20, 3}, {301, 9, 2}, {301, 21, 3}};
   EXPECT_EQ(encode(runs), bytes_of({
@@ -90,7 +90,7 @@ TEST(RunCodec, RefusesMoreRunsThanVoxels) {
 }
 
 TEST(RunCodec, RefusesNumbersThatWrap) {
-  // One run: count, scanline step, length, start. Ten bytes of 0x80.. make numbers beyond 64 bits.
+  // One run: count, scanline step, length, start. Ten bytes of 0x80 and above exceed 64 bits.
   EXPECT_FALSE(
       decode_run_list(bytes_of({1, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0x02, 0, 0}), 1));
   // A scanline of 2^49.

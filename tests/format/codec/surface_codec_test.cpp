@@ -17,7 +17,7 @@ using ::testing::HasSubstr;
 
 constexpr Index3 kSize{10, 20, 30};
 
-/// A tetrahedron with a corner at each extreme that is allowed.
+/// A tetrahedron with a corner at each allowed extreme.
 SurfaceMesh tetrahedron() {
   SurfaceMesh mesh;
   mesh.positions_ijk = {{-1, -1, -1}, {10, 0, 0}, {0, 20, 0.5f}, {0, 0, 30}};
@@ -119,7 +119,7 @@ TEST(SurfaceCodec, RefusesEveryPrefixAndEveryExtraByte) {
     EncodedSurface encoded = encode_surface(mesh, kSize).value();
     for (std::size_t length = 0; length < encoded.bytes.size(); ++length) {
       const auto decoded = decode_surface(std::span(encoded.bytes).first(length), encoded.entry, kSize);
-      // Without its last byte the stream is one of triangles that are not turned.
+      // A stream without its last byte decodes to triangles of another orientation.
       EXPECT_TRUE(!decoded || (length + 1 == encoded.bytes.size() && *decoded != mesh)) << length;
     }
     encoded.bytes.push_back(std::byte{0});

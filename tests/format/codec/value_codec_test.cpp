@@ -21,10 +21,10 @@ namespace {
 
 using ::testing::HasSubstr;
 
-constexpr std::size_t kCounts = 64;  // bytes of the buckets' counts
-constexpr std::size_t kHeader = 80;  // and of what else stands before the residuals
+constexpr std::size_t kCounts = 64;  // bytes of the bucket counts
+constexpr std::size_t kHeader = 80;  // bytes of the other header fields
 
-/// All voxels of a box of its own.
+/// A fully covered box.
 struct Block {
   Index3 size;
   std::vector<ClassSpan> spans;
@@ -61,7 +61,7 @@ TEST(ValueCodec, ARampIsPredictedExactly) {
   const auto code = encode_values(block.voxels, VoxelType::kUInt8, bytes_of_values(values));
   ASSERT_EQ(code.size(), value_code_bytes(VoxelType::kUInt8, block.voxels.box, values.size()));
   ASSERT_EQ(code.size(), kHeader + values.size());
-  // The first voxels have little before them; where every neighbour is there, weights find a ramp.
+  // The first voxels lack neighbours. With all neighbours present, the weights predict a ramp.
   const auto wrong =
       std::count_if(code.begin() + kHeader, code.end(), [](std::byte b) { return b != std::byte{0}; });
   EXPECT_LE(wrong, 8 * 7 * 6 - 6 * 4 * 4);
@@ -69,8 +69,8 @@ TEST(ValueCodec, ARampIsPredictedExactly) {
 }
 
 TEST(ValueCodec, TheFirstVoxelsByHand) {
-  // 10 after nothing (residual 10, code 20), 12 after 10 (2, code 4), 11 after 12 (-1, code 1). Nothing is
-  // above or behind: errors of 8 * 4 are bucket 11's. Their mean of 13 / 3 is shifted by one.
+  // 10 (residual 10, code 20), then 12 (2, code 4), then 11 (-1, code 1). Without neighbours above or behind,
+  // errors of 8 * 4 use bucket 11. Their mean of 13 / 3 is shifted by one.
   const Block block({3, 1, 1});
   const auto code =
       encode_values(block.voxels, VoxelType::kUInt8, bytes_of_values<std::uint8_t>({10, 12, 11}));
@@ -82,29 +82,29 @@ TEST(ValueCodec, TheFirstVoxelsByHand) {
   expected[kHeader + 1] = std::byte{4};
   expected[kHeader + 2] = std::byte{1};
   EXPECT_EQ(code, expected);
-  // Signed values count from their least.
+  // Signed values count from the minimum of their type.
   const auto signed_code =
       encode_values(block.voxels, VoxelType::kInt8, bytes_of_values<std::int8_t>({-118, -116, -117}));
   EXPECT_EQ(signed_code, expected);
 }
 
 TEST(ValueCodec, TheSecondRowByHand) {
-  // 100 104 / 102 107: the second row's first voxel has 100 above and 104 above to the right, and for the
-  // voxel before it the first of these: 100 + (36 * 0 + 6 * 4) / 64 is 100, 2 less (code 4). Its last voxel
-  // has 104 above, 100 above to the left and 102 before: 102 + (36 * 2 + 15 * 2) / 64 is 104, 3 less (code
-  // 6).
+  // 100 104 / 102 107. The first voxel of the second row has 100 above and 104 above to the right; 100 also
+  // stands in for the voxel before it: 100 + (36 * 0 + 6 * 4) / 64 is 100, residual 2 (code 4). Its last
+  // voxel has 104 above, 100 above to the left and 102 before: 102 + (36 * 2 + 15 * 2) / 64 is 104, residual
+  // 3 (code 6).
   const Block block({2, 2, 1});
   const auto code =
       encode_values(block.voxels, VoxelType::kUInt8, bytes_of_values<std::uint8_t>({100, 104, 102, 107}));
-  // Errors, halved three times: 12 and 0 of the first row. The first row has buckets of 32; then 12 + 0 and
-  // 6 * 4 make 36, 0 + 12 and 6 * 4 too: all four are in bucket 11.
+  // Errors of the first row, shifted by three bits: 12 and 0. Its buckets use 32. For the second row, 12 + 0
+  // and 6 * 4 make 36, 0 + 12 and 6 * 4 too: all four use bucket 11.
   EXPECT_EQ(count_at(code, 11), 4u);
   EXPECT_EQ(code[kHeader - 2], std::byte{3});
   const std::vector<std::byte> residuals(code.begin() + kHeader, code.end());
   EXPECT_EQ(residuals, bytes_of_values<std::uint8_t>({200, 8, 4, 6}));
 }
 
-/// docs/atlas_format.md, Values, read word by word: codes blocks of one byte a voxel.
+/// Direct implementation of docs/atlas_format.md, Values, for one byte per voxel.
 class PlainCoder {
  public:
   PlainCoder(const Index3& size, const std::vector<std::byte>& values, std::span<const std::byte> model)
@@ -200,14 +200,14 @@ RC_GTEST_PROP(ValueCodec, CodesAsTheDocumentSays, ()) {
 }
 
 RC_GTEST_PROP(ValueCodec, DecodesAnyWeights, ()) {
-  // Sums wrap around at 16 bits: the bits that predictions take from them do not change by it.
+  // Sums wrap around at 16 bits, without effect on the bits that predictions use.
   auto random = *random_source();
   const Block block(random_size(random));
   const std::vector<std::byte> values = random_values(random, block.voxels.voxels);
   std::vector<std::byte> model(kHeader - kCounts);
-  const auto way = random() % 3;
+  const auto kind = random() % 3;
   for (std::size_t n = 0; n < 14; ++n)
-    model[n] = static_cast<std::byte>(way == 0 ? 0x80 : way == 1 ? 0x7f : random());
+    model[n] = static_cast<std::byte>(kind == 0 ? 0x80 : kind == 1 ? 0x7f : random());
   model[14] = static_cast<std::byte>(random() % 4);
   const PlainCoder plain(block.size, values, model);
   RC_ASSERT(decode_values(block.voxels, VoxelType::kUInt8, plain.code()).value() == values);
@@ -308,7 +308,7 @@ TEST(ValueCodec, RefusesCountsAndSpansThatDoNotFit) {
 }
 
 TEST(ValueCodec, ErrorsOfNoiseAreShiftedIntoTheBuckets) {
-  // 16 bit noise of +-1000: unshifted, all but the first voxels would be in the last bucket.
+  // 16-bit noise of +-1000: without the shift, nearly all voxels would use the last bucket.
   std::mt19937 random(5);
   const Block block({40, 20, 20});
   std::vector<std::int16_t> values(block.voxels.voxels);

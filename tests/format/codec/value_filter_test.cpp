@@ -11,7 +11,7 @@
 namespace splatlas {
 namespace {
 
-/// Lines of neighbours with room for whole vectors, some of their voxels absent.
+/// Lines of neighbours, padded to whole vectors, with some voxels missing.
 template <typename Lane>
 struct Lines {
   static constexpr std::size_t kCount = 150;

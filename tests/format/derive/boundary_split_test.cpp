@@ -7,33 +7,12 @@
 #include "format/atlas_reader.h"
 #include "format/atlas_writer.h"
 #include "tests/format/atlas_surgery.h"
+#include "tests/support/neighbours.h"
 
 namespace splatlas {
 namespace {
 
 using ::testing::HasSubstr;
-
-/// Voxel by voxel: 1 interior, 2 boundary.
-std::vector<ClassId> split_by_definition(const std::vector<std::uint8_t>& mask, const Index3& size) {
-  std::vector<ClassId> parts;
-  const auto covered = [&](std::int64_t i, std::int64_t j, std::int64_t k) {
-    return i >= 0 && j >= 0 && k >= 0 && i < size[0] && j < size[1] && k < size[2] &&
-           mask[static_cast<std::size_t>((k * size[1] + j) * size[0] + i)] != 0;
-  };
-  for (std::int64_t k = 0; k < size[2]; ++k) {
-    for (std::int64_t j = 0; j < size[1]; ++j) {
-      for (std::int64_t i = 0; i < size[0]; ++i) {
-        bool all = true;
-        for (std::int64_t n = 0; n < 27; ++n) {
-          const std::int64_t x = n % 3 - 1, y = n / 3 % 3 - 1, z = n / 9 - 1;
-          if (x * x + y * y + z * z < 3) all = all && covered(i + x, j + y, k + z);
-        }
-        parts.push_back(!covered(i, j, k) ? 0u : all ? 1u : 2u);
-      }
-    }
-  }
-  return parts;
-}
 
 /// Mostly covered, so that there is an interior.
 std::vector<std::uint8_t> random_mask(const Index3& size) {
@@ -79,7 +58,7 @@ TEST(FindSplitGroups, WantsAnInteriorAndABoundaryOfStructuresThatNoOtherGroupHol
   EXPECT_EQ(split({{{0, in}}, {{0, on}}, {{0, on}, {1, on}}}), (Split{false, false, false}));
 }
 
-/// A block of one structure within a grid, its boundary as it must be.
+/// A block of one structure with its derived boundary.
 AtlasContent block() {
   AtlasContent content;
   content.source_grid.size = {8, 7, 6};
@@ -117,7 +96,7 @@ TEST(SharedRuns, BothClassesComeFromOneList) {
 
 TEST(SharedRuns, ABoundaryThatIsNoneHasAListOfItsOwn) {
   AtlasContent content = block();
-  // An interior voxel that its author calls boundary.
+  // An interior voxel marked as boundary.
   const auto at = std::ranges::find(content.class_volume, ClassId{1});
   ASSERT_NE(at, content.class_volume.end());
   const auto n = at - content.class_volume.begin();
@@ -152,7 +131,7 @@ TEST(SharedRuns, VoxelCountsThatTheListDoesNotGiveAreRefused) {
   parts.directory.normals_fitted.assign(3, true);
   parts.directory.normals_fitted[0] = parts.directory.normals_fitted[1] = false;
   std::vector<SectionEntry>& sections = parts.directory.sections;
-  // The normals' chunks would be of another length: they are said to follow from the voxels.
+  // Marks normals as derived, as the lengths of their chunks would change.
   for (std::size_t n = 0, chunk = 0; n < sections.size(); chunk += sections[n++].chunks) {
     if (sections[n].kind != static_cast<std::uint32_t>(SectionKind::kNormals)) continue;
     parts.chunks.erase(parts.chunks.begin() + static_cast<std::ptrdiff_t>(chunk),

@@ -108,7 +108,7 @@ TEST(FitSurface, NormalsOfAClassNeedTheOwnersOtherClassesAround) {
   EXPECT_NE(normals(false), content.boundary_normals[2]);
 }
 
-/// What opening the changed file and reading the surface and the normals says.
+/// The message of opening a changed file and reading its surface and normals.
 template <typename Change>
 std::string refusal_after(const Change& change) {
   AtlasParts parts = take_apart(*encode_atlas(fitted(ball())));

@@ -47,7 +47,7 @@ TEST(CellTriangles, DoNotLieInAFaceThatTwoCellsShare) {
 
 TEST(CellTriangles, CutOffASingleCornerFacingAwayFromIt) {
   for (unsigned corner = 0; corner < 8; ++corner) {
-    for (const bool hole : {false, true}) {  // all but one corner inside: it faces that corner
+    for (const bool hole : {false, true}) {  // all corners but one are inside
       const unsigned inside = hole ? 255u ^ 1u << corner : 1u << corner;
       const auto triangles = cell_triangles(static_cast<std::uint8_t>(inside));
       ASSERT_EQ(triangles.size(), 1u);
@@ -71,8 +71,8 @@ TEST(CellTriangles, CutOffASingleCornerFacingAwayFromIt) {
 TEST(CellTriangles, KeepDiagonalCornersApart) {
   EXPECT_EQ(cell_triangles(0b00001001).size(), 2u);  // on a face
   EXPECT_EQ(cell_triangles(0b10000001).size(), 2u);  // of the cell
-  EXPECT_EQ(cell_triangles(0b01101001).size(), 4u);  // every second corner: most triangles of all that join
-  EXPECT_EQ(cell_triangles(0b11110110).size(), 4u);  // a diagonal of holes: one loop of six edges
+  EXPECT_EQ(cell_triangles(0b01101001).size(), 4u);  // every second corner
+  EXPECT_EQ(cell_triangles(0b11110110).size(), 4u);  // a diagonal of empty corners: one loop of six edges
   EXPECT_TRUE(cell_triangles(0).empty());
   EXPECT_TRUE(cell_triangles(255).empty());
 }
@@ -98,7 +98,7 @@ RC_GTEST_PROP(MarchingCubes, SurfacesAreClosedAndEncloseEveryVoxelByHalf, ()) {
   for (const auto& t : surface.triangles) {
     for (std::size_t n = 0; n < 3; ++n) {
       ++edges[{t[n], t[(n + 1) % 3]}];
-      RC_ASSERT(t[n] <= highest);  // numbered in the order of first use
+      RC_ASSERT(t[n] <= highest);  // numbered by first use
       highest = std::max(highest, t[n] + 1);
     }
   }
@@ -108,7 +108,7 @@ RC_GTEST_PROP(MarchingCubes, SurfacesAreClosedAndEncloseEveryVoxelByHalf, ()) {
     RC_ASSERT(back != edges.end());
     RC_ASSERT(back->second == count);
   }
-  // One vertex on every edge between a voxel inside and a neighbour outside, and none elsewhere.
+  // One vertex on each edge between a voxel inside and a neighbour outside, and no others.
   const std::set<std::array<float, 3>> positions(surface.positions_ijk.begin(), surface.positions_ijk.end());
   RC_ASSERT(positions.size() == surface.positions_ijk.size());
   std::set<std::array<float, 3>> expected;

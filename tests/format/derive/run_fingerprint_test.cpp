@@ -57,7 +57,7 @@ TEST(RunFingerprint, ReachesTheLastVoxelOfTheLargestGrids) {
   const Index3 size{1 << 14, 1 << 13, 1 << 13};  // 2^40 voxels
   const RunFingerprinter fingerprinter(size);
   const std::uint64_t last = (std::uint64_t{1} << 26) - 1;
-  // The last voxel, as runs of all three axes.
+  // The last voxel, as a run along each axis.
   const auto z = fingerprinter.of(ClassRuns{{last, (1u << 14) - 1, 1}}, Axis::kZ);
   const auto y = fingerprinter.of(ClassRuns{{last, (1u << 14) - 1, 1}}, Axis::kY);
   const auto x = fingerprinter.of(ClassRuns{{(std::uint64_t{1} << 27) - 1, (1u << 13) - 1, 1}}, Axis::kX);

@@ -8,7 +8,7 @@
 namespace splatlas {
 namespace {
 
-/// The definition: 7 x 7 x 7 taps, one axis with the derivative.
+/// The definition: 7 x 7 x 7 taps, with the derivative along one axis.
 std::array<double, 3> by_definition(const StructureCrop& crop, std::int64_t i, std::int64_t j,
                                     std::int64_t k) {
   double sum = 0, moment = 0;

@@ -11,7 +11,7 @@
 namespace splatlas {
 namespace {
 
-/// The structures that hold a class's voxels.
+/// The structures that contain the voxels of a class.
 std::set<StructureIndex> holders_of(const ClassTable& classes, ClassId c) {
   std::set<StructureIndex> holders;
   for (const Membership& m : classes.members(c)) {

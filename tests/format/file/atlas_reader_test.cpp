@@ -16,7 +16,7 @@
 #include "format/system/checksum.h"
 #include "tests/format/atlas_surgery.h"
 #include "tests/format/random_content.h"
-#include "tests/format/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace splatlas {
 namespace {
@@ -74,7 +74,7 @@ RC_GTEST_PROP(Atlas, TellsAboutItselfWithoutReadingChunks, ()) {
   RC_ASSERT(atlas->counters().decoded == 0u);
 }
 
-/// Stored and decoded bytes of the chunks that hold these streams of a section.
+/// Stored and decoded bytes of the chunks of these streams.
 std::pair<std::uint64_t, std::uint64_t> cost_of_all(const AtlasParts& parts, SectionKind kind,
                                                     const std::vector<ClassId>& streams) {
   const FileLayout layout = lay_out(parts.directory, 0).value();
@@ -97,7 +97,7 @@ std::pair<std::uint64_t, std::uint64_t> cost_of(const AtlasParts& parts, Section
   return cost_of_all(parts, kind, {static_cast<ClassId>(n)});
 }
 
-/// The class in whose stream a class's runs are.
+/// The class whose stream contains the runs of a class.
 ClassId run_stream(const AtlasParts& parts, ClassId c, Axis axis) {
   const RunStreams streams(parts.directory.classes);
   const auto bytes_of = [&](ClassId of) {
@@ -106,7 +106,7 @@ ClassId run_stream(const AtlasParts& parts, ClassId c, Axis axis) {
   return streams.is_shared(parts.directory.classes, c, bytes_of) ? streams.pair_of(c)[0] : c;
 }
 
-/// Stored bytes of a class's values: of its group, and of the runs that tell where the group is.
+/// Stored bytes for the values of a class: those of its group, and the runs that locate the group.
 std::uint64_t cost_of_values(const AtlasParts& parts, const AtlasContent& content, ClassId c) {
   if (content.values.empty()) return 0;
   const ValueGroups groups(content.classes);
@@ -133,7 +133,7 @@ RC_GTEST_PROP(Atlas, ReadsTheChunksOfWhatIsAskedForAndNoOthers, ()) {
     const auto atlas = Atlas::open_bytes(file).value();
     const auto before = atlas->counters();
     read(*atlas);
-    read(*atlas);  // costs nothing more of the file
+    read(*atlas);  // reads no further bytes of the file
     const auto after = atlas->counters();
     return after.read - before.read;
   };
@@ -202,7 +202,7 @@ TEST(Atlas, ClassesAndStructuresOutOfRangeAreErrors) {
   EXPECT_EQ(atlas->read_surface(kNoStructure).error().code, ErrorCode::kUsage);
 }
 
-/// A file of 9 MB that speaks of eight tebibytes of values, in chunks of 16 MiB.
+/// A file of 9 MB that declares 8 TiB of values, in chunks of 16 MiB.
 TEST(Atlas, RefusesStreamsThatNeedMoreMemoryThanThereIs) {
   AtlasParts parts;
   Directory& directory = parts.directory;
@@ -227,7 +227,7 @@ TEST(Atlas, RefusesStreamsThatNeedMoreMemoryThanThereIs) {
             "(memory): damaged: 1 bytes, expected 16777216 of values of class 0");
 }
 
-/// A cube of 2^33 voxels in a file of a kilobyte.
+/// A cube of 2^33 voxels in a file of 1 kB.
 TEST(Atlas, RefusesToDeriveWhatTakesMemoryByTheVoxel) {
   AtlasParts parts;
   Directory& directory = parts.directory;
@@ -278,7 +278,7 @@ TEST(Atlas, OpensFilesOfNewerMinorVersionsAndSkipsTheirSections) {
   EXPECT_TRUE(atlas->verify());
   EXPECT_EQ(atlas->sections()[2].name, "section 4711");
 
-  // Its chunks are not understood, but damage is seen.
+  // Unknown chunks are checked for damage.
   const std::size_t at = sizeof(FileHeader) + header.directory_bytes;
   file[at + 3] ^= std::byte{1};
   const auto verified = Atlas::open_bytes(file).value()->verify();
@@ -301,8 +301,8 @@ struct AtlasFileTest : ::testing::Test {
   }
 };
 
-/// 2^32 voxels: the values of the empty class are a hole of 4 GiB in the file; behind it lie those of a class
-/// of five voxels at the grid's end.
+/// 2^32 voxels. The values of the empty class are a hole of 4 GiB in the file, followed by those of a class
+/// of five voxels at the end of the grid.
 TEST_F(AtlasFileTest, ReadsVoxelsPastFourGibibytes) {
   AtlasParts parts;
   Directory& directory = parts.directory;

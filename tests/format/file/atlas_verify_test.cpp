@@ -1,4 +1,4 @@
-// Damage: what open() and verify() find in files that were cut, flipped, or forged with right checksums.
+// Detection of damage by open() and verify(): truncation, flipped bits, forgery with right checksums.
 #include <chrono>
 
 #include <gmock/gmock.h>
@@ -17,7 +17,7 @@ namespace {
 using ::testing::AnyOf;
 using ::testing::HasSubstr;
 
-/// A small atlas with something in every section.
+/// A small atlas with all sections.
 AtlasContent small_content() {
   std::mt19937 random(2);
   for (;;) {
@@ -36,8 +36,7 @@ const Bytes& small_file() {
   return file;
 }
 
-/// The fault that opening, then verifying, finds; "" when there is none. Reading everything must not crash
-/// either way.
+/// The fault found by opening, then by verifying; "" for none. Reading everything must not crash either way.
 std::string fault_of(Bytes file) {
   const auto atlas = Atlas::open_bytes(std::move(file), "F");
   if (!atlas) {
@@ -97,8 +96,8 @@ TEST(AtlasDamage, ChecksumFaultsNameWhatIsDamaged) {
   }
 }
 
-/// Every byte of the directory, changed by somebody who mends the checksums: any answer but a crash, a hang,
-/// or a sanitizer's report. Many such files are sound in themselves, with other colours or other names.
+/// Every directory byte, changed under right checksums. Any outcome is allowed except a crash, a hang or a
+/// sanitizer report. Many such files are valid, with other colours or names.
 TEST(AtlasDamage, ForgedDirectoriesDoNoHarm) {
   const AtlasParts parts = take_apart(small_file());
   const Bytes directory = directory_bytes(small_file());
@@ -133,7 +132,7 @@ RC_GTEST_PROP(AtlasDamage, ForgedWordsDoNoHarm, ()) {
   }
 }
 
-/// Streams changed by somebody who compresses and signs them anew.
+/// Streams changed, recompressed and given right checksums.
 RC_GTEST_PROP(AtlasDamage, ForgedStreamsDoNoHarm, ()) {
   auto random = *random_source();
   AtlasParts parts = take_apart(small_file());
@@ -145,10 +144,10 @@ RC_GTEST_PROP(AtlasDamage, ForgedStreamsDoNoHarm, ()) {
   }
   replace_streams(parts, kind, streams);
   const std::string fault = fault_of(put_together(parts));
-  if (kind == SectionKind::kNormals) RC_ASSERT(fault == "");  // any bytes will do
+  if (kind == SectionKind::kNormals) RC_ASSERT(fault == "");  // any bytes are valid
 }
 
-/// Replaces the runs of one class along one axis; everything else stays, all checksums are right.
+/// The fault of the file with other runs of one class along one axis, under right checksums.
 std::string fault_with_runs(ClassId c, Axis axis, const std::function<void(ClassRuns&)>& change) {
   AtlasParts parts = take_apart(small_file());
   std::vector<Bytes> streams = decode_streams(parts, run_section(axis));
@@ -172,7 +171,7 @@ TEST(AtlasVerify, FindsRunsThatAreNotThoseOfTheClass) {
               HasSubstr("F: invalid: runs_y of class 2: "));
 }
 
-/// Moves the first voxel of a class's runs to a place where the list stays in order.
+/// Moves the first voxel of the runs and keeps their order.
 void move_a_voxel(ClassRuns& runs) {
   for (std::size_t n = 0; n < runs.size(); ++n) {
     const bool room = n == 0 || runs[n - 1].scanline != runs[n].scanline ||
@@ -207,7 +206,7 @@ TEST(AtlasVerify, FindsBoxesThatAreNotTight) {
   EXPECT_EQ(fault_of(put_together(parts)), "F: invalid: the box of class 2 does not match its runs");
 }
 
-// Found by fuzzing: such a file was sound, but could not be written again.
+// Found by fuzzing: such a file was accepted, but could not be written again.
 TEST(AtlasVerify, FindsABoxOfTheEmptyClassThatIsNotTight) {
   std::mt19937 random(1);
   int grown = 0;
@@ -244,7 +243,7 @@ TEST(AtlasVerify, CountsTheRunsThatACompactFileLeavesOut) {
 }
 
 TEST(AtlasVerify, FindsClassesThatOverlap) {
-  // Two classes of two voxels in a row of six, 0 1 1 2 2 0; then both in the same place.
+  // Two classes of two voxels in a row of six, 0 1 1 2 2 0, then overlapping.
   AtlasContent content;
   content.source_grid.size = {6, 1, 1};
   content.graph = *StructureGraph::build({{"a", "", {}, {}, {}, false}, {"b", "", {}, {}, {}, false}});
@@ -301,7 +300,7 @@ TEST(AtlasVerify, DamageCostsItsOwnStreamsOnly) {
   EXPECT_FALSE(atlas->read_all());
 }
 
-/// Declared sizes cost nothing before they are used: small files that speak of the largest grids, classes and
+/// Declared sizes cost nothing until they are used: small files that declare maximum grids, classes and
 /// surfaces.
 TEST(AtlasDamage, DeclaredSizesAreCheckedBeforeTheyAreBelieved) {
   AtlasParts parts = take_apart(small_file());

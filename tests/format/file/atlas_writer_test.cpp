@@ -11,7 +11,7 @@
 
 #include "format/atlas_reader.h"
 #include "tests/format/random_content.h"
-#include "tests/format/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace splatlas {
 namespace {
@@ -20,7 +20,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-/// An atlas of several chunks in most sections.
+/// An atlas with several chunks in most sections.
 const AtlasContent& large_content() {
   static const AtlasContent found = [] {
     std::mt19937 random(3);
@@ -149,7 +149,7 @@ TEST(AtlasWriter, RefusesContentThatDoesNotFitTogether) {
 TEST(AtlasWriter, RefusesClassTablesOfAnotherVolume) {
   EXPECT_THAT(refusal_of([](AtlasContent& c) {
                 const auto one = std::ranges::find(c.class_volume, ClassId{1});
-                *one = 2;  // as many voxels, otherwise spread
+                *one = 2;  // the same number of voxels in other places
               }),
               HasSubstr("voxels, its table says"));
   EXPECT_THAT(

@@ -77,7 +77,7 @@ RC_GTEST_PROP(CutStreams, CoversEveryByteOnceAndNeverMixesLongStreams, ()) {
   }
 }
 
-/// A directory's worth of bytes, a header, and nothing else.
+/// A header and the bytes of a directory only.
 struct HeaderTest : ::testing::Test {
   const Bytes directory = Bytes(100, std::byte{1});
   FileHeader header = make_header(directory, 164);
@@ -116,7 +116,7 @@ TEST_F(HeaderTest, ForeignFilesAreNotAtlases) {
   EXPECT_EQ(check(), "not an atlas (its first bytes are 50 53 50 4c 41 54 0d 0a)");
   EXPECT_THAT(check(1), StartsWith("not an atlas"));
   header.magic = kMagic;
-  header.magic[7] = '\r';  // what a text-mode transfer makes of it
+  header.magic[7] = '\r';  // damage by a text-mode transfer
   EXPECT_THAT(check(), StartsWith("not an atlas"));
 }
 
@@ -157,7 +157,7 @@ TEST_F(HeaderTest, TheDirectoryLiesInTheFile) {
   header.directory_bytes = ~std::uint64_t{0};
   EXPECT_THAT(check_signed(), HasSubstr("directory of"));
   header.file_bytes = std::uint64_t{1} << 40;
-  header.directory_bytes = kMaxDirectoryBytes + 1;  // before anything is allocated
+  header.directory_bytes = kMaxDirectoryBytes + 1;  // refused ahead of allocation
   EXPECT_THAT(check_signed(std::uint64_t{1} << 40), HasSubstr("limit"));
 }
 

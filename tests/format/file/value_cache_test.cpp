@@ -24,7 +24,7 @@ struct ValueCacheTest : ::testing::Test {
     ++decoded[group];
     return {values_of(group, 0), values_of(group, 1)};
   }
-  /// Takes what must come out; how often the group has been decoded then.
+  /// Takes an expected value. Returns the number of decodings of its group.
   int take(std::size_t group, std::size_t n) {
     const auto values = held.take(group, n, [&] { return decode(group); });
     EXPECT_EQ(values.value(), values_of(group, n));
@@ -35,15 +35,15 @@ struct ValueCacheTest : ::testing::Test {
 TEST_F(ValueCacheTest, AGroupIsDecodedOnceForAllItsClasses) {
   EXPECT_EQ(take(0, 1), 1);
   EXPECT_EQ(take(0, 0), 1);
-  EXPECT_EQ(take(0, 0), 2);  // all were given away
-  EXPECT_EQ(take(0, 0), 3);  // a second time: the other one is held meanwhile
+  EXPECT_EQ(take(0, 0), 2);  // all values were taken
+  EXPECT_EQ(take(0, 0), 3);  // a second time: the other value stays held
   EXPECT_EQ(take(0, 1), 3);
 }
 
 TEST_F(ValueCacheTest, TheOldestGoWhereTheyHoldTooMuch) {
   EXPECT_EQ(take(0, 0), 1);  // 4 bytes are held
-  EXPECT_EQ(take(1, 0), 1);  // for a moment 12, then without group 0: 4
-  EXPECT_EQ(take(0, 1), 2);  // without group 1
+  EXPECT_EQ(take(1, 0), 1);  // 12 bytes, then 4 without group 0
+  EXPECT_EQ(take(0, 1), 2);  // group 1 was dropped
   EXPECT_EQ(take(1, 1), 2);
 }
 
@@ -67,8 +67,8 @@ TEST_F(ValueCacheTest, AGroupThatIsTooLargeIsHeldAllTheSame) {
 TEST_F(ValueCacheTest, AGroupThatSomebodyIsAtStays) {
   EXPECT_EQ(take(0, 0), 1);
   const auto values = held.take(0, 0, [&] {
-    std::thread([&] { EXPECT_EQ(take(1, 0), 1); }).join();  // 12 bytes: group 0 cannot go now
-    return decode(0);                                       // but group 1 can: 4 and 8 bytes
+    std::thread([&] { EXPECT_EQ(take(1, 0), 1); }).join();  // 12 bytes: group 0 is in use
+    return decode(0);                                       // but group 1 can be dropped: 4 and 8 bytes
   });
   EXPECT_EQ(values.value(), values_of(0, 0));
   EXPECT_EQ(take(0, 1), 2);

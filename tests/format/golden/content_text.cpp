@@ -53,7 +53,7 @@ void tell_classes(const AtlasContent& content, Out out) {
   }
 }
 
-/// One line a row, whatever a voxel's bytes.
+/// One line per row, for any voxel size.
 template <typename Voxel>
 void tell_rows(const AtlasContent& content, Out out, const Voxel& voxel) {
   const Index3 size = storage_grid(content).size;

@@ -1,4 +1,4 @@
-// What an atlas holds, as plain text: golden files are kept with it.
+// Content of an atlas as plain text, stored beside golden files.
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@
 
 namespace splatlas {
 
-/// Everything, number by number; the same text for the same content.
+/// All numbers; equal text for equal content.
 [[nodiscard]] std::string content_text(const AtlasContent& content);
 
 }  // namespace splatlas

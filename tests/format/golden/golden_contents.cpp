@@ -5,7 +5,7 @@
 namespace splatlas {
 namespace {
 
-/// The good atlas with other values, of a type.
+/// The good atlas with values of another type.
 AtlasContent with_values(VoxelType type) {
   AtlasContent content = good_content();
   content.values = {type, {}};
@@ -15,7 +15,7 @@ AtlasContent with_values(VoxelType type) {
   return content;
 }
 
-/// One voxel, nothing in it.
+/// One empty voxel.
 AtlasContent nothing() {
   AtlasContent content;
   content.source_grid.size = {1, 1, 1};
@@ -25,7 +25,7 @@ AtlasContent nothing() {
   return content;
 }
 
-/// A grid that is mirrored, turned and oblique: its axes are stored in another order.
+/// A mirrored, rotated and sheared grid, stored in another axis order.
 AtlasContent turned() {
   AtlasContent content = nothing();
   content.source_grid = {{2, 3, 4}, {0.5, 1, 2}, {-10, 20, 30.25}, {0.1, 0, -1, -1, 0.1, 0, 0, 1, 0}};

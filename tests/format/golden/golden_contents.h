@@ -1,4 +1,4 @@
-// What golden files are made of.
+// Contents of the golden files.
 #pragma once
 
 #include <string>
@@ -9,12 +9,12 @@
 namespace splatlas {
 
 struct GoldenContent {
-  std::string name;  ///< of the file
+  std::string name;  ///< file name
   AtlasContent content;
   bool compact = false;
 };
 
-/// Small atlases that together have every feature of the format and every type of values.
+/// Small atlases that together cover all features of the format and all value types.
 [[nodiscard]] std::vector<GoldenContent> golden_contents();
 
 }  // namespace splatlas

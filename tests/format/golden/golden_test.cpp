@@ -1,4 +1,4 @@
-// Golden files: what was written once is read for ever.
+// Golden files: files of older format versions stay readable.
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
@@ -21,7 +21,7 @@ std::string text_of_file(const fs::path& path) {
   return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
 }
 
-/// Folders of SPLATLAS_GOLDEN, one per version.
+/// Folders in SPLATLAS_GOLDEN, one per version.
 std::vector<fs::path> version_folders() {
   std::vector<fs::path> folders;
   for (const fs::directory_entry& entry : fs::directory_iterator(SPLATLAS_GOLDEN)) {
@@ -52,7 +52,7 @@ TEST(Golden, FilesOfEveryVersionHoldWhatTheyHeld) {
   EXPECT_GE(files, golden_contents().size());
 }
 
-/// What is written today is read today: golden files of this version can be made at any time.
+/// Current contents survive a round trip, so that golden files of this version can be written at any time.
 TEST(Golden, ContentsComeBackAsTheyWere) {
   for (const GoldenContent& golden : golden_contents()) {
     WriteOptions options;

@@ -1,4 +1,4 @@
-// Writes golden files for this version of the format: splatlas-golden tests/format/golden/VERSION
+// splatlas-golden FOLDER: writes golden files of the current format version.
 #include <cstdio>
 #include <exception>
 #include <filesystem>

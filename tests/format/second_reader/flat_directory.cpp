@@ -3,20 +3,20 @@
 namespace splatlas::second {
 namespace {
 
-/// The root table; fields by their place in the schema.
+/// The root table; fields by their index in the schema.
 class Table {
  public:
   explicit Table(const std::vector<std::byte>& bytes)
       : bytes_(bytes), at_(number_at<std::uint32_t>(bytes, 0)) {}
 
-  /// Where a field is; 0 where it is left out.
+  /// Offset of a field; 0 if it is omitted.
   [[nodiscard]] std::size_t field(std::size_t place) const {
     const std::size_t fields = at_ - static_cast<std::size_t>(number_at<std::int32_t>(bytes_, at_));
     if (4 + 2 * place >= number_at<std::uint16_t>(bytes_, fields)) return 0;
     const std::uint16_t offset = number_at<std::uint16_t>(bytes_, fields + 4 + 2 * place);
     return offset == 0 ? 0 : at_ + offset;
   }
-  /// Calls row(where it is) for the rows of a vector.
+  /// Calls row(offset) for each row of a vector.
   template <typename Row>
   void for_each(std::size_t place, std::size_t row_bytes, const Row& row) const {
     const std::size_t at = field(place) + number_at<std::uint32_t>(bytes_, field(place));

@@ -1,4 +1,4 @@
-// The directory as the second reader sees it: FlatBuffers' bytes, counted by hand.
+// Directory of the second reader: FlatBuffer bytes, parsed by hand.
 #pragma once
 
 #include <array>
@@ -35,7 +35,7 @@ struct ChunkRow {
 };
 
 struct FlatDirectory {
-  std::array<std::int64_t, 3> size{};  ///< of the storage grid
+  std::array<std::int64_t, 3> size{};  ///< storage grid
   std::uint8_t value_type = 0;
   std::vector<ClassRow> classes;
   std::vector<SectionRow> sections;

@@ -59,7 +59,7 @@ class Bits {
   std::uint64_t next() { return at_ < stream_.size() ? std::to_integer<std::uint64_t>(stream_[at_++]) : 0; }
 
   const std::vector<std::byte>& stream_;
-  std::size_t at_ = 1;  // behind the mark
+  std::size_t at_ = 1;  // after the marker
   std::uint64_t r_ = 0xffffffff, z_ = 0;
 };
 
@@ -67,7 +67,7 @@ class Bits {
 
 std::vector<bool> decode_mask(const std::vector<std::byte>& stream, const Triple& first, const Triple& last,
                               const Triple& size, std::size_t axis) {
-  // The grid's axes along a scanline, from row to row, and from slice to slice.
+  // Grid axes along scanlines, rows and slices.
   const std::array<std::size_t, 3> order = axis == 0   ? std::array<std::size_t, 3>{1, 2, 0}
                                            : axis == 1 ? std::array<std::size_t, 3>{0, 2, 1}
                                                        : std::array<std::size_t, 3>{0, 1, 2};

@@ -1,4 +1,4 @@
-// Masks of docs/atlas_format.md, Run lists, bit by bit.
+// Bitwise decoder for masks of docs/atlas_format.md, Run lists.
 #pragma once
 
 #include <array>
@@ -8,7 +8,7 @@
 
 namespace splatlas::second {
 
-/// Which voxels of a grid a mask of a box covers, in memory order.
+/// The voxels of a grid that a mask of a box covers, in memory order.
 [[nodiscard]] std::vector<bool> decode_mask(const std::vector<std::byte>& stream,
                                             const std::array<std::int64_t, 3>& first,
                                             const std::array<std::int64_t, 3>& last,

@@ -31,13 +31,13 @@ struct Known {
   std::int64_t value = 0, error = 0;
 };
 
-/// What the voxels before one tell of it.
+/// Prediction of a voxel from its predecessors.
 class Neighbourhood {
  public:
   explicit Neighbourhood(const std::array<std::int64_t, 3>& size) : size_(size) {}
 
   void add(std::size_t voxel, const Known& known) { known_[voxel] = known; }
-  /// Null where the group has no such voxel.
+  /// Null if the group has no such voxel.
   [[nodiscard]] const Known* at(std::size_t voxel, const Offset& step) const {
     const auto v = static_cast<std::int64_t>(voxel);
     const std::int64_t i = v % size_[0] + step[0], j = v / size_[0] % size_[1] + step[1],
@@ -76,7 +76,7 @@ std::vector<std::byte> decode_predicted(const std::vector<std::byte>& stream,
   const std::size_t bytes = type <= 2 ? 1 : 2;
   const std::int64_t levels = bytes == 1 ? 256 : 65536;
   const std::int64_t of_signed = type == 2 || type == 4 ? levels / 2 : 0;
-  std::array<std::size_t, 16> next{};  // residual of each bucket
+  std::array<std::size_t, 16> next{};  // next residual of each bucket
   for (std::size_t b = 0; b + 1 < 16; ++b) next[b + 1] = next[b] + number_at<std::uint32_t>(stream, 4 * b);
   std::array<std::int64_t, 14> weights{};
   for (std::size_t n = 0; n < 14; ++n) weights[n] = number_at<std::int8_t>(stream, 64 + n);

@@ -1,4 +1,4 @@
-// Predicted grey values, voxel by voxel.
+// Decoder of predicted grey values, voxel by voxel.
 #pragma once
 
 #include <array>
@@ -8,13 +8,13 @@
 
 namespace splatlas::second {
 
-/// Before the residuals of predicted values.
+/// Bytes ahead of the residuals.
 inline constexpr std::uint64_t kModelBytes = 16 * 4 + 14 + 1 + 1;
 
 [[nodiscard]] bool is_predicted(std::uint8_t type, std::uint64_t voxels, std::int64_t width,
                                 std::int64_t height);
 
-/// The values of a group's voxels, whose memory offsets rise.
+/// The values of the voxels of a group, in ascending memory order.
 [[nodiscard]] std::vector<std::byte> decode_predicted(const std::vector<std::byte>& stream,
                                                       const std::vector<std::size_t>& voxels,
                                                       const std::array<std::int64_t, 3>& size,

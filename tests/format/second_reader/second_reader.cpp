@@ -27,7 +27,7 @@ Bytes slice(const Bytes& bytes, std::uint64_t begin, std::uint64_t length) {
                bytes.begin() + static_cast<std::ptrdiff_t>(begin + length));
 }
 
-/// "Cutting": positions where chunks end, of streams that lie back to back.
+/// "Cutting": end positions of chunks, for contiguous streams.
 std::vector<std::uint64_t> cut(const std::vector<std::uint64_t>& lengths, const SectionRow& section) {
   std::vector<std::uint64_t> ends;
   std::uint64_t last_end = 0, position = 0;
@@ -57,7 +57,7 @@ Bytes decode_chunk(const Bytes& stored, const ChunkRow& row, std::uint64_t decod
   return decoded;
 }
 
-/// What a file holds, section by section.
+/// Contents of a file, section by section.
 class Sections {
  public:
   Sections(const Bytes& file, const FlatDirectory& directory, std::uint64_t first_chunk_at)
@@ -66,7 +66,7 @@ class Sections {
   [[nodiscard]] bool has(std::uint32_t kind) const {
     return std::ranges::count(directory_.sections, kind, &SectionRow::kind) == 1;
   }
-  /// The streams of a section, of these lengths.
+  /// The streams of a section, with these lengths.
   [[nodiscard]] std::vector<Bytes> streams(std::uint32_t kind,
                                            const std::vector<std::uint64_t>& lengths) const {
     std::size_t chunk = 0;
@@ -137,7 +137,7 @@ struct Run {
   std::int64_t scanline = 0, start = 0, length = 0;
 };
 
-/// The runs of a list, each beside the run that it is predicted from: the same rank in the scanline before.
+/// The runs of a list, each with the run that predicts it: the same rank in the previous scanline.
 std::vector<Run> read_runs(const Bytes& list) {
   if (list.empty()) return {};
   Varints numbers(list);
@@ -168,7 +168,7 @@ std::vector<Run> read_runs(const Bytes& list) {
   return runs;
 }
 
-/// Which voxels a list covers, in memory order.
+/// The voxels that a list covers, in memory order.
 std::vector<bool> covered(const std::vector<Run>& runs, const std::array<std::int64_t, 3>& size,
                           std::size_t axis) {
   std::vector<bool> voxels(static_cast<std::size_t>(size[0] * size[1] * size[2]));
@@ -204,7 +204,7 @@ bool is_inside(const std::vector<bool>& voxels, const std::array<std::int64_t, 3
 
 // ---- groups
 
-/// Classes that name the same structures, each crossed in both or in neither; by their first classes.
+/// Classes with the same structures, each crossed in all or in none, ordered by first class.
 std::vector<std::vector<std::size_t>> groups_of(const FlatDirectory& directory) {
   std::map<std::vector<std::pair<std::uint32_t, bool>>, std::size_t> known;
   std::vector<std::vector<std::size_t>> groups;
@@ -218,14 +218,14 @@ std::vector<std::vector<std::size_t>> groups_of(const FlatDirectory& directory) 
   return groups;
 }
 
-/// Whether the second of a group's classes has its voxels in the list of the first along an axis.
+/// Whether the second class of a group shares the list of the first along an axis.
 bool shares_list(const FlatDirectory& directory, const std::vector<std::size_t>& group, std::size_t axis) {
   if (group.size() != 2) return false;
   const ClassRow& second = directory.classes[group[1]];
   return second.voxels > 0 && second.run_bytes[axis] == 0;
 }
 
-/// Which voxels the stream of a class covers: a list, or a mask of its box.
+/// The voxels that the stream of a class covers: a list, or a mask of its box.
 std::vector<bool> covered_by(const Bytes& stream, const FlatDirectory& directory,
                              const std::vector<std::size_t>& group, std::size_t c, std::size_t axis) {
   if (stream.empty() || stream.front() != std::byte{0})
@@ -271,7 +271,7 @@ std::size_t value_bytes(std::uint8_t type) {
   return std::array<std::size_t, 9>{0, 1, 1, 2, 2, 4, 4, 4, 8}.at(type);
 }
 
-/// Width and height of a group's box, which holds the boxes of its classes; the grid's for the empty class.
+/// Width and height of the bounding box of a group; those of the grid for the empty class.
 std::array<std::int64_t, 2> box_of(const FlatDirectory& directory, const std::vector<std::size_t>& group) {
   if (group.front() == 0) return {directory.size[0], directory.size[1]};
   std::array<std::int64_t, 2> first{1 << 24, 1 << 24}, last{-1, -1};

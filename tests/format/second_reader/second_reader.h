@@ -1,5 +1,5 @@
-// A second reader of atlas files, written after docs/atlas_format.md and nothing else: it shares no code with
-// the first, is slow and plain, and believes what it reads. Surfaces, and what is fitted, it leaves alone.
+// Second reader of atlas files, implemented from docs/atlas_format.md only. It shares no code with the
+// library, is slow and simple, and trusts its input. It ignores surfaces and derived parts.
 #pragma once
 
 #include <array>
@@ -10,16 +10,15 @@
 namespace splatlas::second {
 
 struct Atlas {
-  std::array<std::int64_t, 3> size{};  ///< of the storage grid
+  std::array<std::int64_t, 3> size{};  ///< storage grid
   std::uint8_t value_type = 0;
-  /// [axis x, y, z]: the class of every voxel in memory order, by that run model; empty where it is not
-  /// stored.
+  /// [axis x, y, z]: the class of every voxel in memory order from that run model; empty if it is not stored.
   std::array<std::vector<std::uint32_t>, 3> class_volume;
   std::vector<std::byte> values;                    ///< of every voxel in memory order
-  std::vector<std::vector<std::uint16_t>> normals;  ///< [class]; empty where none are stored
+  std::vector<std::vector<std::uint16_t>> normals;  ///< [class]; empty if none are stored
 };
 
-/// Throws std::runtime_error for what it cannot read.
+/// Throws std::runtime_error for unsupported input.
 [[nodiscard]] Atlas read_atlas(const std::vector<std::byte>& file);
 
 }  // namespace splatlas::second

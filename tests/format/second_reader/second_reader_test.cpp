@@ -1,4 +1,4 @@
-// A reader written after the document reads what the first one reads.
+// Second reader against the library.
 #include "tests/format/second_reader/second_reader.h"
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@
 namespace splatlas {
 namespace {
 
-/// The first part in which the second reader differs from what was written; "" for none.
+/// The first part in which the second reader differs from the written content; "" for none.
 std::string difference(const AtlasContent& content, const std::vector<std::byte>& file) {
   const second::Atlas read = second::read_atlas(file);
   if (read.size != storage_grid(content).size) return "size";

@@ -37,7 +37,7 @@ TEST(Glob, ReadsPieceByPiece) {
   EXPECT_TRUE(glob.accepts(glob.read(merged, "/left")));
 }
 
-/// The definition, by trying every length for every star; both in lower case.
+/// Brute force over the length of each star; both arguments in lower case.
 bool matches_slowly(std::string_view pattern, std::string_view text) {
   if (pattern.empty()) return text.empty();
   if (pattern[0] == '*') {
@@ -49,7 +49,7 @@ bool matches_slowly(std::string_view pattern, std::string_view text) {
   return !text.empty() && text[0] == pattern[0] && matches_slowly(pattern.substr(1), text.substr(1));
 }
 
-RC_GTEST_PROP(Glob, MatchesLikeTheSlowTwin, ()) {
+RC_GTEST_PROP(Glob, MatchesLikeBruteForce, ()) {
   const auto pattern = *rc::gen::container<std::string>(*uniform<std::size_t>(0, 8),
                                                         rc::gen::element('a', 'B', '*', '*', '/'));
   const auto text =
@@ -58,7 +58,7 @@ RC_GTEST_PROP(Glob, MatchesLikeTheSlowTwin, ()) {
 }
 
 TEST(Glob, ManyStarsTakeNoLonger) {
-  // A backtracking matcher would try some 10^20 ways.
+  // A backtracking matcher would try some 10^20 paths.
   std::string pattern;
   for (int n = 0; n < 30; ++n) pattern += "*a";
   EXPECT_FALSE(Glob(pattern + "*b").matches(std::string(200, 'a')));

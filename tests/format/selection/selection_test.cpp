@@ -83,7 +83,7 @@ TEST(Selection, RemovalsTakeOnlyTheirPart) {
   EXPECT_EQ(selected("A:both(opacity=0.5,color=#00f) - A:surface")[3], draw(kVolume, kBlue, 0, 0.5f));
 }
 
-TEST(Selection, LaterLooksReplaceAndStayOtherwise) {
+TEST(Selection, LaterAppearancesReplaceAndStayOtherwise) {
   EXPECT_EQ(selected("Brain(opacity=0.5) + A(opacity=0.25)")[3], draw(kVolume, kGreen, 1, 0.25f));
   EXPECT_EQ(selected("Brain(opacity=0.5) + A:surface")[3], draw(kBoth, kGreen, 1, 0.5f));
   EXPECT_EQ(selected("Brain(color=#00f) + A:surface(opacity=0.5)")[3], draw(kBoth, kBlue, 1, 0.5f));
@@ -92,7 +92,7 @@ TEST(Selection, LaterLooksReplaceAndStayOtherwise) {
   EXPECT_EQ(selected("Brain(color=#00f)")[1].color, kBlue);
 }
 
-TEST(Selection, RemovedLooksAreForgotten) {
+TEST(Selection, RemovedAppearancesAreForgotten) {
   EXPECT_EQ(selected("A:both(opacity=0.5,color=#00f) - A + A")[3], draw(kVolume, kGreen, 2));
 }
 
@@ -144,7 +144,7 @@ TEST(Selection, StylesGoWithTheVolumeAndAreForgottenWithTheStructure) {
   EXPECT_EQ(selected("A(low=1) - A + A")[3].volume, VolumeStyle{});
 }
 
-/// One structure's fate, term by term, straight from the rules in selection.h.
+/// The state of one structure, term by term, by the rules in selection.h.
 StructureDraw fate_of(StructureIndex s, const std::vector<SelectionTerm>& terms,
                       const StructureGraph& graph) {
   bool volume = false;
@@ -199,7 +199,7 @@ RC_GTEST_PROP(Selection, EveryStructureFollowsTheRules, ()) {
     const VolumeStyle style = random_style(random);
     term.curve = style.curve;
     if (style.profile != TransferProfile::kSoft) term.profile = style.profile;
-    // On either side of one another, as no one term has them.
+    // Limits below and above one another, as no single term has them.
     const double shift = random() % 2 == 0 ? 0 : -100;
     if (style.low) term.low = *style.low + shift;
     if (style.high) term.high = *style.high + shift;

@@ -27,7 +27,7 @@ StructureGraph brain() {
 
 TEST(SelectionText, IsShort) {
   const StructureGraph graph = brain();
-  // Each comes back as it is written here: the shortest way to say it.
+  // Canonical texts, which come back unchanged.
   for (const char* text : {
            "",
            "Brain",

@@ -68,7 +68,7 @@ TEST(FindStructures, PathsEndAtComponents) {
   refusal("Brain/Left");
   refusal("Brain/Cerebellum/");
   refusal("/Brain");
-  refusal("Brain/Cerebellum_Left");  // any other sign is no "/"
+  refusal("Brain/Cerebellum_Left");  // only "/" separates
   refusal("Cerebellum//Left");
   refusal("");
 }
@@ -82,7 +82,7 @@ TEST(FindStructures, WildcardsMatchIdsNamesAndPaths) {
   EXPECT_THAT(found("left*"), ElementsAre(2, 4));
   EXPECT_THAT(found("*"), ElementsAre(0, 1, 2, 3, 4, 5, 6, 7, 8));
   EXPECT_THAT(refusal("xyz*"), HasSubstr("\"xyz*\""));
-  EXPECT_THAT(found("Cerebellum/*"), ElementsAre(2));  // as plain paths, from within
+  EXPECT_THAT(found("Cerebellum/*"), ElementsAre(2));  // as plain paths, from any level
   refusal("bellum/*");
   refusal("*" + std::string(1000, 'a'));
 }
@@ -110,7 +110,7 @@ TEST(FindStructures, ListsOfCandidatesEnd) {
 TEST(FindStructures, UnknownNamesListTheNearest) {
   EXPECT_THAT(refusal("cerebelum"), HasSubstr("the nearest: \"Cerebellum\", "));
   EXPECT_THAT(refusal("hippocampus"),
-              HasSubstr("the nearest: \"Hippocampus left\", "));  // 5 edits, but holds it
+              HasSubstr("the nearest: \"Hippocampus left\", "));  // 5 edits, but it contains the name
   EXPECT_THAT(refusal("LIMBID"), HasSubstr("the nearest: \"Limbic\", "));
   const std::string message = refusal("zzz");
   EXPECT_EQ(std::count(message.begin(), message.end(), '"'), 12) << message;  // the name and five others
@@ -152,7 +152,7 @@ TEST(FindStructures, ManyWaysToAStructureTakeNoLonger) {
   EXPECT_FALSE(find_structures(graph, "n/*x*/last"));
 }
 
-/// Straight from the definition, with all paths written out.
+/// The definition: all paths written out.
 std::vector<StructureIndex> find_slowly(const StructureGraph& graph, const std::string& name) {
   const auto all_that = [&](const std::function<bool(StructureIndex)>& matches) {
     std::vector<StructureIndex> result;
@@ -186,7 +186,7 @@ std::vector<StructureIndex> find_slowly(const StructureGraph& graph, const std::
   if (!result.empty()) return result;
   const std::string end = "/" + to_lower(name);
   return all_that([&](StructureIndex s) {
-    // Only as far up as names reach: a "/" inside a name is no place to begin.
+    // Suffixes begin at names: a "/" inside a name is no start.
     return any_path(s, [&](const std::string& path) { return ("/" + to_lower(path)).ends_with(end); });
   });
 }
@@ -194,7 +194,7 @@ std::vector<StructureIndex> find_slowly(const StructureGraph& graph, const std::
 RC_GTEST_PROP(FindStructures, AgreesWithItsDefinition, ()) {
   const auto count = *uniform<std::size_t>(1, 10);
   auto random = *random_source();
-  // Plain names here: where a name holds "/", a suffix may begin inside it, which is not meant.
+  // Plain names: a suffix may not begin inside a name that contains "/".
   std::vector<Structure> structures(count);
   const StructureGraph shape = random_graph(count, random);
   for (StructureIndex s = 0; s < count; ++s) {

@@ -9,7 +9,7 @@
 #include <sys/stat.h>
 
 #include "tests/format/ordinary_user.h"
-#include "tests/format/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace splatlas {
 namespace {
@@ -21,7 +21,7 @@ struct CheckWritableTest : ::testing::Test {
   TemporaryFolder folder;
   fs::path path = folder.path() / "out";
 
-  /// Why a path cannot be written; "" where it can.
+  /// The reason why a path is not writable; "" if it is.
   static std::string reason(const fs::path& of, Result<void> (*check)(const fs::path&)) {
     const Result<void> checked = check(of);
     if (checked) return "";
@@ -82,7 +82,7 @@ TEST_F(CheckWritableTest, FilesThatMayNotBeWrittenToAreTold) {
   EXPECT_EQ(file(path), "Permission denied");
 }
 
-/// Who the process acts as counts, as it does when the output is written.
+/// The effective user decides, as for the later write.
 TEST_F(CheckWritableTest, FoldersThatMayNotBeWrittenToAreTold) {
   ASSERT_TRUE(give_to_ordinary_user(folder.path().c_str()));
   ASSERT_EQ(::chmod(folder.path().c_str(), 0555), 0);

@@ -8,7 +8,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "tests/format/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace splatlas {
 namespace {
@@ -51,7 +51,7 @@ TEST_F(InputFileTest, ReadsBytesInMemoryAlike) {
 
 TEST_F(InputFileTest, ReadsPastFourGibibytes) {
   write("begin");
-  std::filesystem::resize_file(path, (std::uint64_t{5} << 30) + 1);  // a hole, but for its ends
+  std::filesystem::resize_file(path, (std::uint64_t{5} << 30) + 1);  // sparse except for its ends
   std::fstream(path, std::ios::binary | std::ios::in | std::ios::out).seekp(std::int64_t{5} << 30) << "e";
   const InputFile file = InputFile::open(path).value();
   EXPECT_EQ(file.size(), (std::uint64_t{5} << 30) + 1);
@@ -76,7 +76,7 @@ TEST_F(InputFileTest, OpensRegularFilesOnly) {
   EXPECT_THAT(refusal(folder.path()), HasSubstr("not an atlas (a folder)"));
   ASSERT_EQ(::mkfifo(path.c_str(), 0600), 0);
   EXPECT_THAT(refusal(path),
-              HasSubstr("not an atlas (not a regular file)"));  // and does not wait for a writer
+              HasSubstr("not an atlas (not a regular file)"));  // must not wait for a writer
   EXPECT_THAT(refusal("/dev/zero"), HasSubstr("not an atlas (not a regular file)"));
 }
 

@@ -11,7 +11,7 @@
 #include <unistd.h>
 
 #include "format/system/output_file.h"
-#include "tests/format/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace splatlas {
 namespace {
@@ -23,7 +23,7 @@ struct InterruptsTest : ::testing::Test {
   TemporaryFolder folder;
   std::filesystem::path path = folder.path() / "out";
 
-  /// The signal that ended a process that has handlers and runs `body`; 0 when none did.
+  /// The signal that ends a process with handlers that runs `body`; 0 for none.
   static int signal_ending(const std::function<void()>& body) {
     const pid_t child = ::fork();
     if (child == 0) {

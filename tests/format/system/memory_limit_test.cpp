@@ -14,7 +14,7 @@ TEST(MemoryLimit, IsThreeQuartersOfWhatTheProcessMayHave) {
     ASSERT_EQ(::getrlimit(resource, &old), 0);
     const rlimit half{before / 2, old.rlim_max};
     ASSERT_EQ(::setrlimit(resource, &half), 0);
-    const std::uint64_t limited = default_memory_limit();  // nothing else meanwhile: it might need memory
+    const std::uint64_t limited = default_memory_limit();  // no other call here: it might allocate
     ::setrlimit(resource, &old);
     EXPECT_EQ(limited, before / 2 / 4 * 3);
     EXPECT_EQ(default_memory_limit(), before);

@@ -12,7 +12,7 @@
 #include <unistd.h>
 
 #include "tests/format/ordinary_user.h"
-#include "tests/format/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace splatlas {
 namespace {
@@ -78,7 +78,7 @@ TEST_F(OutputFileTest, LeavesWhatMayNotBeWrittenTo) {
 TEST_F(OutputFileTest, KeepsTheOwnerWhereThatMayBe) {
   ASSERT_EQ(write(path, "one"), "");
   struct stat before {};
-  // Root may give the file away, others to themselves alone.
+  // Root may give the file away, others only to themselves.
   const uid_t owner = ::geteuid() == 0 ? 1234 : ::geteuid();
   ASSERT_EQ(::chown(path.c_str(), owner, static_cast<gid_t>(-1)), 0);
   ASSERT_EQ(::stat(path.c_str(), &before), 0);
@@ -90,10 +90,10 @@ TEST_F(OutputFileTest, KeepsTheOwnerWhereThatMayBe) {
   EXPECT_EQ(after.st_mode, before.st_mode);
 }
 
-/// Here the group may do more than others; a new group must not.
+/// The group may do more than others here; a new group must not.
 TEST_F(OutputFileTest, GrantsAnotherGroupWhatOthersMayDo) {
   ASSERT_EQ(write(path, "one"), "");
-  const bool root = ::geteuid() == 0;  // who else is there cannot make a file of a foreign group
+  const bool root = ::geteuid() == 0;  // other users cannot create a file of a foreign group
   ASSERT_EQ(::chown(path.c_str(), root ? 1234 : ::geteuid(), root ? 1234 : ::getegid()), 0);
   ASSERT_EQ(::chmod(path.c_str(), 02676), 0);
   ASSERT_TRUE(give_to_ordinary_user(folder.path().c_str()));
@@ -134,7 +134,7 @@ TEST_F(OutputFileTest, RemovesWhatKilledWritersLeft) {
   EXPECT_THAT(folder.names(), ElementsAre("out.atlas"));
 }
 
-/// A disk that gives back other bytes than it was given: the temporary is changed after it was written.
+/// Simulates a disk that returns wrong bytes: the temporary changes after the write.
 TEST_F(OutputFileTest, ReadsBackWhatItWrote) {
   ASSERT_EQ(write(path, "old"), "");
   const std::string text(3'000'000, 'x');
@@ -201,7 +201,7 @@ TEST_F(OutputFileTest, RefusesWhatIsNotAFile) {
   EXPECT_THAT(folder.names(), ElementsAre("out.atlas"));
 }
 
-/// A limit on the size of files stands for a full disk: the write after it comes up short, then fails.
+/// A file size limit simulates a full disk: one write is short, the next one fails.
 TEST_F(OutputFileTest, AFullDiskLeavesTheOldFileAndNoTemporary) {
   ASSERT_EQ(write(path, "old"), "");
   rlimit before{};

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "tests/format/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace splatlas {
 namespace {
@@ -61,7 +61,7 @@ TEST_F(OutputFolderTest, ReplacesNothing) {
   EXPECT_THAT(committed.error().message, HasSubstr("masks: cannot be written: Directory not empty"));
 }
 
-/// All names that would be tried are taken, by what is not taken for stale.
+/// All candidate names are taken by entries that are not stale.
 TEST_F(OutputFolderTest, WhatCannotBeMadeTellsWhy) {
   const auto made = OutputFolder::create(path);
   ASSERT_TRUE(made);

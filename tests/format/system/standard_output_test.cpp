@@ -10,12 +10,12 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "tests/format/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace splatlas {
 namespace {
 
-/// Standard output goes elsewhere while this lives. Nothing may be expected meanwhile: that is printed, too.
+/// Redirects standard output during its lifetime. Expectations would print into it.
 class StandardOutputTo {
  public:
   explicit StandardOutputTo(const std::filesystem::path& path) {
@@ -64,7 +64,7 @@ TEST_F(StandardOutputTest, IsHandedOnAtOnce) {
 }
 
 TEST_F(StandardOutputTest, AFullDiskIsTold) {
-  for (const std::size_t bytes : {10, 1'000'000}) {  // less than is kept back, and more
+  for (const std::size_t bytes : {10, 1'000'000}) {  // smaller and larger than the buffer
     Result<void> printed, finished;
     {
       std::filesystem::remove(path);
@@ -76,7 +76,7 @@ TEST_F(StandardOutputTest, AFullDiskIsTold) {
     ASSERT_FALSE(printed);
     EXPECT_EQ(printed.error().code, ErrorCode::kFailed);
     EXPECT_EQ(printed.error().message, "standard output: cannot be written: No space left on device");
-    // Even where there is room again: something is missing.
+    // An earlier loss counts even with space available again.
     EXPECT_EQ(message_of(finished), "standard output: cannot be written: an earlier write failed");
   }
 }

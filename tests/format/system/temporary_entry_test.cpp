@@ -11,7 +11,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "tests/format/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace splatlas {
 namespace {
@@ -19,7 +19,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-/// The number of a process that has ended.
+/// The id of a process that has ended.
 pid_t dead_process() {
   const pid_t child = ::fork();
   if (child == 0) ::_exit(0);
@@ -64,7 +64,7 @@ TEST_F(TemporaryEntryTest, WhatCannotBeMadeTellsWhy) {
   EXPECT_EQ(errno, ENOENT);
 }
 
-/// Of containers with one folder, whose processes have the same numbers, for one.
+/// For example, containers that share a folder have equal process ids.
 TEST_F(TemporaryEntryTest, NamesThatAreTakenArePassedOver) {
   for (const auto kind : {TemporaryEntry::Kind::kFile, TemporaryEntry::Kind::kFolder}) {
     TemporaryEntry first, second, third;
@@ -85,7 +85,7 @@ TEST_F(TemporaryEntryTest, StaleOnesOfDeadProcessesAreRemoved) {
   const pid_t dead = dead_process();
   put(name(dead, "-0.tmp"));
   put(name(dead, "-17.nii.gz"));
-  put(name(::getpid(), "-123456.tmp"));  // of an earlier process with this number: nobody has locked it
+  put(name(::getpid(), "-123456.tmp"));  // of an earlier process with this id: unlocked
   std::filesystem::create_directory(folder.path() / name(dead, "-3"));
   put(name(dead, "-3/mask.nii.gz"));
   put("atlas");
@@ -95,8 +95,8 @@ TEST_F(TemporaryEntryTest, StaleOnesOfDeadProcessesAreRemoved) {
 
 TEST_F(TemporaryEntryTest, WhatLivesOrIsOfOthersStays) {
   const pid_t dead = dead_process();
-  const std::vector<std::string> others{name(1, "-0.tmp"),   // a process that is alive
-                                        name(dead, ".tmp"),  // no such name is given
+  const std::vector<std::string> others{name(1, "-0.tmp"),   // a live process
+                                        name(dead, ".tmp"),  // not a name of a temporary
                                         name(dead, "-0x"),
                                         name(dead, "-"),
                                         name(-1, "-0.tmp"),
@@ -114,7 +114,7 @@ TEST_F(TemporaryEntryTest, WhatLivesOrIsOfOthersStays) {
   EXPECT_EQ(before.size(), others.size() + 3);
 }
 
-/// The lock alone tells, where processes have numbers of their own (containers).
+/// Only the lock decides, as process ids repeat between containers.
 TEST_F(TemporaryEntryTest, WhatIsLockedStaysWhateverItsProcess) {
   TemporaryEntry entry;
   ASSERT_TRUE(entry.make(folder.path(), TemporaryEntry::Kind::kFile, ".tmp"));

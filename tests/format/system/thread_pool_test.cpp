@@ -21,7 +21,7 @@ TEST(ThreadPool, CallsEachNumberOnce) {
   }
 }
 
-/// Loop after loop: a worker that wakes late must not take part in a loop that is over.
+/// A worker that wakes late must not join a finished loop.
 TEST(ThreadPool, RunsManyShortLoops) {
   ThreadPool pool(8);
   std::size_t sum = 0;
@@ -38,7 +38,7 @@ TEST(ThreadPool, UsesItsThreadsAndTheCaller) {
   std::mutex mutex;
   std::condition_variable all_here;
   std::set<std::thread::id> ids;
-  // Nobody leaves before four threads have come.
+  // Waits until four threads have arrived.
   pool.for_each(4, [&](std::size_t) {
     std::unique_lock lock(mutex);
     ids.insert(std::this_thread::get_id());

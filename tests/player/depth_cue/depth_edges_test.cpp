@@ -11,7 +11,7 @@ namespace {
 constexpr PictureSize kSize{61, 47};
 constexpr DepthEdges kEdges{.strength = 0.8f, .radius = 8, .range_mm = 5, .min_mm = 0.25};
 
-/// `mm(x, y)` of every pixel.
+/// `mm(x, y)` for every pixel.
 template <typename Depth>
 DepthMap map_of(const Depth& mm) {
   DepthMap map;
@@ -50,41 +50,42 @@ TEST(DepthEdges, APlaneStaysAsItIsAtAnySlantUpToItsBorder) {
   }
 }
 
-/// Zoomed in so far that the range is a few of their last digits, depths are noise.
-TEST(DepthEdges, WhatTheDigitsOfDepthsCannotTellDoesNotShow) {
+/// At extreme zoom the range is a few of the last digits of depths, which are noise.
+TEST(DepthEdges, RoundingOfDepthsDoesNotShow) {
   const DepthMap noisy = map_of([&](int x, int y) { return 200 + 1.5e-5 * ((7 * x + 3 * y) % 5); });
   const DepthEdges edges{.strength = 0.8f, .radius = 8, .range_mm = 1e-4, .min_mm = 1e-4 / 32};
   EXPECT_EQ(darkened(noisy, edges).rgba, grey_picture().rgba);
 }
 
-/// Beside a step, pairs that reach across it have their mean half a step nearer.
+/// Beside a step, pairs across it have a mean half a step nearer.
 TEST(DepthEdges, OfAStepTheFurtherSideDarkensByAKnownAmount) {
   for (const double step : {0.4, 2.0, 6.0, 300.0}) {
     const Picture picture = darkened(map_of([&](int x, int) { return x < 30 ? 10.0 : 10.0 + step; }));
     const double share = std::clamp((step / 2 - kEdges.min_mm) / kEdges.range_mm, 0.0, 1.0);
     double before = 0;
     for (int x = 0; x < kSize.width; ++x) {
-      const double light = picture.at(x, 23)[0] / 0.5;
+      const double factor = picture.at(x, 23)[0] / 0.5;
       if (x < 30 || x >= 38 || share == 0) {
-        EXPECT_EQ(light, 1) << x;  // the nearer side, and what lies a radius behind
+        EXPECT_EQ(factor, 1) << x;  // the nearer side, and beyond the radius
         continue;
       }
-      // Weights of the pairs that are wide enough, of 80: all but two that stand upright; the last two.
+      // Of the total weight 80, pairs wide enough to reach the step: all but two vertical ones, then the last
+      // two.
       if (x == 30) {
-        EXPECT_NEAR(light, 1 - 0.8 * share * 73 / 80, 1e-6);
+        EXPECT_NEAR(factor, 1 - 0.8 * share * 73 / 80, 1e-6);
       }
       if (x == 37) {
-        EXPECT_NEAR(light, 1 - 0.8 * share * 2 / 80, 1e-6);
+        EXPECT_NEAR(factor, 1 - 0.8 * share * 2 / 80, 1e-6);
       }
-      EXPECT_GE(light, before) << x;
-      before = light;
+      EXPECT_GE(factor, before) << x;
+      before = factor;
       EXPECT_EQ(picture.at(x, 23)[3], 0.75f);
       EXPECT_FLOAT_EQ(picture.at(x, 23)[1] * 2, picture.at(x, 23)[0]);
     }
   }
 }
 
-/// A furrow and a ridge, both sides sloping: only the furrow darkens, by the distance of each ring.
+/// A furrow and a ridge, sloping on both sides: only the furrow darkens, by the distance of each ring.
 TEST(DepthEdges, FurrowsDarkenAndRidgesDoNot) {
   const auto slopes = [](double sign) {
     return map_of([=](int x, int) { return 50 - sign * 2.0 * std::abs(x - 30); });

@@ -20,19 +20,19 @@
 namespace splatlas {
 namespace {
 
-/// What each structure adds, layer by layer, front to back.
+/// Contribution of each structure, composited front to back.
 template <typename Layers>
 std::map<StructureIndex, double> shares_of(const Layers& layers) {
   std::map<StructureIndex, double> shares;
-  double through = 1;
+  double transmittance = 1;
   for (const auto& layer : layers) {
-    shares[layer.structure] += through * layer.opacity;
-    through *= 1 - layer.opacity;
+    shares[layer.structure] += transmittance * layer.opacity;
+    transmittance *= 1 - layer.opacity;
   }
   return shares;
 }
 
-/// What each structure contributes to a pixel by brute force: nearest voxels, all crossings, sorted by depth.
+/// Brute-force contributions to a pixel: nearest voxels and all crossings, sorted by depth.
 std::map<StructureIndex, double> contributions(const RandomScene& scene, int column, int row) {
   const Grid grid = storage_grid(scene.content);
   const ParallelView view = *parallel_view(scene.camera, scene.options.size, scene.content.display);
@@ -84,18 +84,18 @@ TEST(Pick, NamesTheStructureThatContributesMost) {
       const int column = (7 * n + 3) % scene.options.size.width;
       const int row = (5 * n + 1) % scene.options.size.height;
       const auto shares = contributions(scene, column, row);
-      double most = 0;
-      for (const auto& [structure, share] : shares) most = std::max(most, share);
+      double max = 0;
+      for (const auto& [structure, share] : shares) max = std::max(max, share);
       const auto pick = renderer.pick(column + 0.5, row + 0.5);
-      if (std::abs(most - 0.02) < 1e-4) continue;  // rounding decides whether it is too faint
-      ASSERT_EQ(pick.has_value(), most >= 0.02) << "scene " << number << " pixel " << column << ", " << row;
+      if (std::abs(max - 0.02) < 1e-4) continue;  // too close to the limit
+      ASSERT_EQ(pick.has_value(), max >= 0.02) << "scene " << number << " pixel " << column << ", " << row;
       if (!pick) {
         ++nothing;
         continue;
       }
-      // The largest, or one that rounding cannot tell from it.
+      // The maximum, or equal to it within rounding.
       ASSERT_TRUE(shares.contains(pick->structure));
-      EXPECT_NEAR(shares.at(pick->structure), most, 1e-4) << "scene " << number;
+      EXPECT_NEAR(shares.at(pick->structure), max, 1e-4) << "scene " << number;
       ++picked;
     }
   }
@@ -103,15 +103,13 @@ TEST(Pick, NamesTheStructureThatContributesMost) {
   EXPECT_GT(nothing, 100);
 }
 
-/// The same along any ray: voxels next to it in every plane of the axis that it follows most, and surfaces.
-/// Nothing where a hundredth of a pixel changes which surfaces are crossed.
+/// Brute-force contributions along any ray: the nearest voxels in every plane of its main axis, and surfaces.
+/// Nothing where 0.01 pixels change the crossed surfaces.
 std::optional<std::map<StructureIndex, double>> contributions_along(const RandomScene& scene,
                                                                     const View& view, int column, int row) {
   const Grid grid = storage_grid(scene.content);
   const auto ray_at = [&](double x, double y) {
-    if (!view.eye_mm) return reference::ray_through(view.plane, grid, x, y);
-    return reference::ray_through(reference::PerspectiveView{view.plane, scene.camera.field_of_view_deg},
-                                  grid, x, y);
+    return reference::ray_through(view, scene.camera.field_of_view_deg, grid, x, y);
   };
   const double x = column + 0.5, y = row + 0.5;
   const reference::Ray ray = ray_at(x, y);
@@ -171,16 +169,16 @@ TEST(Pick, NamesTheStructureThatContributesMostInFramesOfRays) {
       const int row = (5 * n + 1) % scene.options.size.height;
       const auto shares = contributions_along(scene, view, column, row);
       if (!shares) continue;
-      double most = 0;
-      for (const auto& [structure, share] : *shares) most = std::max(most, share);
-      if (std::abs(most - 0.02) < 1e-4) continue;  // rounding decides whether it is too faint
+      double max = 0;
+      for (const auto& [structure, share] : *shares) max = std::max(max, share);
+      if (std::abs(max - 0.02) < 1e-4) continue;  // too close to the limit
       const auto pick = renderer.pick(column + 0.5, row + 0.5);
-      ASSERT_EQ(pick.has_value(), most >= 0.02) << "scene " << number << " pixel " << column << ", " << row;
+      ASSERT_EQ(pick.has_value(), max >= 0.02) << "scene " << number << " pixel " << column << ", " << row;
       (pick ? picked : nothing) += 1;
       if (!pick) continue;
       ASSERT_TRUE(shares->contains(pick->structure));
-      EXPECT_NEAR(shares->at(pick->structure), most, 1e-4) << "scene " << number;
-      // On the ray, and not behind the eye.
+      EXPECT_NEAR(shares->at(pick->structure), max, 1e-4) << "scene " << number;
+      // On the ray, in front of the eye.
       const ViewDepth depth(view, storage_grid(scene.content));
       const Vec3 index = lps_mm_to_index(storage_grid(scene.content)).apply(pick->point_lps_mm);
       const double mm = reference::dot(reference::minus(pick->point_lps_mm, view.plane.center_lps_mm),
@@ -219,7 +217,7 @@ TEST(Pick, PointsLieOnThePixelsRayWhereTheStructureIs) {
         const Vec3 from_ray = reference::minus(pick->point_lps_mm, view.point_lps_mm(x, y));
         EXPECT_NEAR(reference::dot(from_ray, view.right_lps), 0, 1e-9);
         EXPECT_NEAR(reference::dot(from_ray, view.up_lps), 0, 1e-9);
-        // The nearest side of the ball, whose surface is about 7 voxels from its centre.
+        // The near side of the ball, whose surface is about 7 voxels from its centre.
         const Vec3 index = to_index.apply(pick->point_lps_mm);
         const Vec3 from_centre{index[0] - 10, index[1] - 10, index[2] - 10};
         EXPECT_NEAR(std::sqrt(reference::dot(from_centre, from_centre)), 7, 1.2);

@@ -9,7 +9,7 @@
 namespace splatlas {
 namespace {
 
-/// Spans of 1 to 40 voxels along x, far enough apart not to be joined, in 6 rows and 4 slices.
+/// Spans of 1 to 40 voxels along x, too far apart to be joined, in 6 rows and 4 slices.
 AtlasContent striped_content() {
   std::vector<bool> scanline;
   for (std::size_t length = 1; length <= 40; ++length) {
@@ -26,7 +26,7 @@ AtlasContent striped_content() {
   return make_content(volume);
 }
 
-/// Whatever part of the spans a picture shows: a cut span must not bring in what is stored beside it.
+/// A span clipped by the picture must not read beyond its clipped part.
 TEST(Sheets, CutSpansAtTheBordersOfThePicture) {
   const AtlasContent content = striped_content();
   Renderer renderer(open_in_memory(content), {1, 0});
@@ -35,7 +35,7 @@ TEST(Sheets, CutSpansAtTheBordersOfThePicture) {
   RenderOptions options;
   options.size = {24, 8};
   Camera camera;
-  camera.zoom = content.display.radius_mm * 2 / 0.96 / 8;  // a voxel a pixel
+  camera.zoom = content.display.radius_mm * 2 / 0.96 / 8;  // one voxel per pixel
   double shown = 0;
   for (double x = 10.25; x < static_cast<double>(content.source_grid.size[0]); x += 11.5) {
     camera.center_lps_mm = Vec3{x, 2.5, 1.5};

@@ -48,7 +48,7 @@ SliceSpans slice_of(const Dense& voxels) {
   return slice;
 }
 
-/// Checks that spans are apart and end in the dark, and lays them out.
+/// Unpacks spans. Checks that they are separate and end with a voxel without extinction.
 Dense voxels_of(const SliceSpans& slice) {
   Dense voxels(kRows * kVoxels);
   for (std::int64_t row = 0; row < kRows; ++row) {
@@ -71,7 +71,7 @@ Dense voxels_of(const SliceSpans& slice) {
   return voxels;
 }
 
-TEST(SliceMix, WeighsEveryVoxelOfTheRowsAskedFor) {
+TEST(SliceMix, WeighsEveryVoxelOfTheRequestedRows) {
   std::mt19937 random(1);
   SliceSpans mixed;
   for (int n = 0; n < 300; ++n) {

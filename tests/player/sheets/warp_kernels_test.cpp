@@ -26,24 +26,24 @@ std::int64_t fixed(double value) {
   return std::llround(value * 4294967296.0);
 }
 
-/// In double precision.
+/// The definition, in double precision.
 double expected_at(const WarpWalk& walk, double x, double y, std::size_t c) {
   const auto column = static_cast<std::int64_t>(std::floor(x));
   const auto row = static_cast<std::int64_t>(std::floor(y));
   const double right = x - static_cast<double>(column);
   const double below = y - static_cast<double>(row);
-  const double most = std::min(right * (1 - below), below * (1 - right));
-  const double least = -std::min(right * below, (1 - right) * (1 - below));
-  const double skew = std::clamp(static_cast<double>(walk.skew), least, most);
+  const double max = std::min(right * (1 - below), below * (1 - right));
+  const double min = -std::min(right * below, (1 - right) * (1 - below));
+  const double skew = std::clamp(static_cast<double>(walk.skew), min, max);
   const std::int64_t channel = walk.channels == 4 ? static_cast<std::int64_t>(c) : c == 3 ? 1 : 0;
   const auto at = [&](std::int64_t dx, std::int64_t dy) {
     return static_cast<double>(
         walk.pixels[((row + dy) * walk.stride + column + dx) * walk.channels + channel]);
   };
-  const double light = ((1 - below) * (1 - right) + skew) * at(0, 0) +
+  const double value = ((1 - below) * (1 - right) + skew) * at(0, 0) +
                        ((1 - below) * right - skew) * at(1, 0) + (below * (1 - right) - skew) * at(0, 1) +
                        (below * right + skew) * at(1, 1);
-  return walk.channels == 2 && c < 3 ? light * static_cast<double>(walk.color[c]) : light;
+  return walk.channels == 2 && c < 3 ? value * static_cast<double>(walk.color[c]) : value;
 }
 
 class WarpKernelsOf : public EveryKernel {
@@ -58,7 +58,7 @@ TEST_P(WarpKernelsOf, WeighsFourNeighboursAndWritesNoMoreThanAsked) {
   for (const int channels : {2, 4}) {
     const std::vector<float> pixels = random_sheet(random, channels);
     for (int n = 0; n < 400; ++n) {
-      // From one place in the sheet to another.
+      // Between two random places of the sheet.
       const double x0 = place(random), y0 = place(random), x1 = place(random), y1 = place(random);
       const double length = std::hypot(x1 - x0, y1 - y0);
       const auto count = static_cast<std::size_t>(length / 1.2) + 2 + random() % 70;
@@ -100,7 +100,7 @@ TEST_P(WarpKernelsOf, CubicsWeighSixteenNeighboursAndStayInBounds) {
   std::size_t cut = 0;
   for (const int channels : {2, 4}) {
     std::vector<float> pixels = random_sheet(random, channels);
-    for (std::size_t n = 0; n < pixels.size(); ++n) {  // colours are no more than the opacity
+    for (std::size_t n = 0; n < pixels.size(); ++n) {  // colours are at most alpha
       const std::size_t opacity =
           n / static_cast<std::size_t>(channels) * static_cast<std::size_t>(channels) +
           static_cast<std::size_t>(channels) - 1;

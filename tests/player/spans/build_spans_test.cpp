@@ -15,7 +15,7 @@
 namespace splatlas {
 namespace {
 
-/// What spans are built from, of a scene.
+/// Inputs of a span build, for a scene.
 struct Prepared {
   std::shared_ptr<const Atlas> atlas;
   DrawPlan plan;
@@ -44,7 +44,7 @@ struct Prepared {
   }
 };
 
-/// Lays the spans out in a volume again, checks their order and blocks on the way.
+/// Unpacks spans into a volume, and checks their order and blocks.
 std::vector<reference::VoxelOptics> unpacked(const SpanModel& model, const Grid& grid) {
   std::vector<reference::VoxelOptics> voxels(static_cast<std::size_t>(grid.voxels()));
   const ScanOrder scan = ScanOrder::of(model.axis);
@@ -103,7 +103,7 @@ TEST(BuildSpans, HoldsTheLightOfEverySelectedVoxelWithAndWithoutShading) {
         const std::vector<reference::VoxelOptics> voxels = unpacked(model, prepared.atlas->grid());
         for (std::size_t n = 0; n < voxels.size(); ++n) {
           const double scale = field.voxels[n].extinction;
-          // The float position and extinction round by 6e-8 each, the window's end to a few.
+          // The float position and extinction round by 6e-8 each, the end of the window by a few.
           ASSERT_NEAR(voxels[n].extinction, scale, 4e-7 * scale + 1e-38) << "scene " << number;
           for (std::size_t c = 0; c < 3; ++c) {
             ASSERT_NEAR(voxels[n].emission[c], field.voxels[n].emission[c], 2e-6 * scale + 1e-38);
@@ -132,7 +132,7 @@ TEST(BuildSpans, DoesNotDependOnTheNumberOfThreads) {
   }
 }
 
-/// Voxels of every distance from each other, and grey values that cut runs to pieces of every length.
+/// Voxels at every distance, and grey values that cut runs into pieces of every length.
 TEST(BuildSpans, TakesNoMoreMemoryThanItSays) {
   for (const std::int64_t visible : {1, 2, 7, 8, 15, 16, 17, 31, 32, 33}) {
     for (const std::int64_t gap : {1, 7, 8, 9, 10, 16, 17}) {
@@ -192,13 +192,13 @@ void expect_equal(const SpanModel& a, const SpanModel& b) {
   for (std::size_t n = 0; n < a.slices.size(); ++n) expect_equal(a.slices[n], b.slices[n]);
 }
 
-/// Some structures of a scene, with one of a few looks each.
+/// Some structures of a scene, with one of a few appearances each.
 Selection some_structures(const StructureGraph& graph, std::mt19937& random) {
   constexpr std::array<const char*, 5> kAppearances{"", "(opacity=0.3)", "(color=#ff8800)", "(profile=hard)",
                                                     "(curve=0:0/3:0.5)"};
   std::string text;
   const char* const appearance =
-      kAppearances[random() % kAppearances.size()];  // of all that have none of their own
+      kAppearances[random() % kAppearances.size()];  // for structures without their own
   for (StructureIndex s = 0; s < graph.size(); ++s) {
     if (random() % 2 == 0) continue;
     const char* const own = random() % 4 == 0 ? kAppearances[random() % kAppearances.size()] : appearance;
@@ -234,7 +234,7 @@ TEST(BuildSpans, OneSelectionAfterAnotherGivesWhatEachWouldAlone) {
   EXPECT_GT(kept, 100u);
 }
 
-/// Boxes one behind the other: only the slices of what changes are built.
+/// Boxes in a row: only slices that change are rebuilt.
 TEST(BuildSpans, OnlySlicesThatChangeAreBuilt) {
   TestVolume volume;
   volume.grid.size = {20, 20, 30};

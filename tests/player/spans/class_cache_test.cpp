@@ -12,7 +12,7 @@
 namespace splatlas {
 namespace {
 
-/// The values, normals and runs of some classes equal the content's.
+/// Expects values, normals and runs of some classes to equal the content.
 void expect_equal(const AtlasContent& content, const ClassCache& cache, std::span<const ClassId> classes,
                   Axis axis) {
   const Grid grid = storage_grid(content);
@@ -96,7 +96,7 @@ TEST(ClassCache, ReadsNothingTwiceAndNothingElse) {
   EXPECT_EQ(atlas->counters().decoded, other->counters().decoded);
 }
 
-/// What a picture does not need is not read: normals without shading, and along y no runs but those.
+/// Unneeded parts are not read: no normals without shading, and along y only runs.
 TEST(ClassCache, ReadsNormalsOnlyWhereTheyAreWanted) {
   const RandomScene scene = random_scene(3, 16);
   const auto bytes = encode_atlas(scene.content);
@@ -115,7 +115,7 @@ TEST(ClassCache, ReadsNormalsOnlyWhereTheyAreWanted) {
   EXPECT_EQ(atlas->counters().read, other->counters().read);
   EXPECT_EQ(atlas->counters().decoded, other->counters().decoded);
 
-  for (const Axis axis : {Axis::kX, Axis::kY}) {  // along x, none are there yet
+  for (const Axis axis : {Axis::kX, Axis::kY}) {  // along x none are cached yet
     ASSERT_TRUE(cache.require(all, axis, pool, true));
     expect_equal(scene.content, cache, all, axis);
   }
@@ -136,7 +136,7 @@ EncodedScene encoded_scene() {
   return {std::move(content), std::move(bytes), std::move(all)};
 }
 
-/// Small classes share chunks: whichever thread comes first decodes them for all.
+/// Small classes share chunks: the first thread decodes them for all.
 TEST(ClassCache, DecodesAsMuchWithManyThreadsAsWithOne) {
   const EncodedScene scene = encoded_scene();
   ASSERT_TRUE(scene.bytes);

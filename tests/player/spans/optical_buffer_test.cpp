@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t kMiB = (std::size_t{1} << 20) / sizeof(float);  // in floats
 
-/// A buffer that holds so many floats, all of one value.
+/// A buffer of `floats` equal values.
 OpticalBuffer filled(OpticalArena& arena, std::size_t floats, float value) {
   OpticalBuffer buffer = arena.lend(floats);
   EXPECT_GE(buffer.capacity(), floats);
@@ -45,7 +45,7 @@ TEST(OpticalArena, BuffersLieApartAndAligned) {
     EXPECT_TRUE(holds(buffers[n], static_cast<float>(n)));
     EXPECT_EQ(reinterpret_cast<std::uintptr_t>(buffers[n].data()) % 64, 0u);
   }
-  // Two that are lent at the same time, as two threads have them.
+  // Two buffers lent at the same time, as for two threads.
   OpticalBuffer a = arena.lend(100), b = arena.lend(100);
   std::fill_n(a.append(100), 100, 1.0f);
   std::fill_n(b.append(100), 100, 2.0f);
@@ -70,7 +70,7 @@ TEST(OpticalArena, MemoryIsUsedAgainWhenNothingInItIsHeld) {
     buffers = fill();
     EXPECT_EQ(arena.bytes(), bytes);
   }
-  // One that stays keeps others away from what lies beside it, and is not overwritten.
+  // A buffer that stays keeps others off its memory, and is not overwritten.
   OpticalBuffer stays = std::move(buffers[20]);
   buffers.clear();
   EXPECT_GE(arena.bytes_in_use(), stays.size() * sizeof(float));
@@ -83,7 +83,7 @@ TEST(OpticalArena, GivesBackWhatNobodyUses) {
   OpticalArena arena;
   const OpticalBuffer used = filled(arena, kMiB, 1);
   {
-    const OpticalBuffer dropped = filled(arena, 8 * kMiB, 2);  // too much to share memory
+    const OpticalBuffer dropped = filled(arena, 8 * kMiB, 2);  // too large for shared memory
   }
   const std::uint64_t bytes = arena.bytes();
   arena.trim(bytes);
@@ -94,7 +94,7 @@ TEST(OpticalArena, GivesBackWhatNobodyUses) {
   EXPECT_TRUE(holds(used, 1));
 }
 
-/// More than it was lent for: it goes elsewhere, and nothing of others is overwritten.
+/// A buffer that outgrows its room moves, and overwrites no other.
 TEST(OpticalArena, ABufferMayOutgrowItsRoom) {
   OpticalArena arena;
   const OpticalBuffer before = filled(arena, 1000, 1);

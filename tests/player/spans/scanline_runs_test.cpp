@@ -14,13 +14,13 @@ namespace {
 
 constexpr std::int64_t kRows = 7;
 constexpr std::int64_t kSlices = 11;
-constexpr std::uint32_t kVoxels = 20;  // of a scanline
+constexpr std::uint32_t kVoxels = 20;  // per scanline
 
 auto in_order(const ClassRun& run) {
   return std::tuple(run.row, run.start, run.length, run.id);
 }
 
-/// Classes that share out the voxels of every scanline.
+/// Classes that partition every scanline.
 std::vector<ClassRuns> random_classes(std::mt19937& random) {
   std::vector<ClassRuns> classes(5);
   for (std::uint64_t scanline = 0; scanline < kRows * kSlices; ++scanline) {
@@ -72,7 +72,7 @@ std::vector<std::tuple<std::uint32_t, std::uint32_t>> places(const ScanlineRuns&
   return found;
 }
 
-/// A few runs far apart are put in order without memory for what lies between them.
+/// Sparse runs are sorted without memory for the gaps.
 TEST(ScanlineRuns, RunsMayLieFarApart) {
   constexpr std::uint32_t kFar = 0xfffffff0;
   constexpr std::int64_t kManyRows = std::int64_t{1} << 32;
@@ -86,10 +86,10 @@ TEST(ScanlineRuns, RunsMayLieFarApart) {
   EXPECT_EQ(places(runs, 1), (std::vector<std::tuple<std::uint32_t, std::uint32_t>>{{1u << 20, 4}}));
 }
 
-/// As only a forged file has them: what is held stays in order.
+/// Only forged files contain these: the kept runs stay sorted.
 TEST(ScanlineRuns, OfRunsThatBeginAtOneVoxelOneStays) {
   ThreadPool pool(1);
-  for (const std::uint32_t last : {8u, 0xfffffff0u}) {  // near, and far apart
+  for (const std::uint32_t last : {8u, 0xfffffff0u}) {  // near and far apart
     const ClassRuns a{{0, 2, 3}, {1, 5, 1}, {1, last, 1}}, b{{0, 2, 7}, {1, 5, 2}, {1, 6, 1}};
     ScanlineRuns runs;
     const std::array<std::pair<ClassId, const ClassRuns*>, 2> both{std::pair{1u, &a}, {2u, &b}};

@@ -9,7 +9,7 @@
 namespace splatlas {
 namespace {
 
-/// The plan's class index of every voxel that the plan draws as volume, by grid offset.
+/// Class index in the plan of every voxel drawn as volume, by grid offset.
 std::map<std::int64_t, std::uint32_t> drawn_voxels(const AtlasContent& content, const DrawPlan& plan) {
   std::map<std::int64_t, std::uint32_t> drawn;
   for (std::size_t n = 0; n < content.class_volume.size(); ++n) {
@@ -30,7 +30,7 @@ TEST(SelectedRuns, HoldEverySelectedVoxelOnceInScanlineOrder) {
     const auto expected = drawn_voxels(scene.content, plan);
     ThreadPool pool(1);
     ClassCache cache(atlas);
-    std::vector<ClassId> others;  // decoded, not selected
+    std::vector<ClassId> others;  // decoded but not selected
     for (ClassId c = 1; c < atlas->classes().size(); c += 2) others.push_back(c);
     const std::vector<ClassId> classes = volume_classes(plan);
     const Grid& grid = atlas->grid();
@@ -52,7 +52,7 @@ TEST(SelectedRuns, HoldEverySelectedVoxelOnceInScanlineOrder) {
             row = run.row;
             end = 0;
           }
-          ASSERT_GE(run.start, end);  // in order and apart
+          ASSERT_GE(run.start, end);  // sorted and disjoint
           end = run.start + run.length;
           for (std::uint32_t n = 0; n < run.length; ++n) {
             Index3 at{};

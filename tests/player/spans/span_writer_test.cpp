@@ -18,7 +18,7 @@ void set(SpanWriter& writer, std::uint32_t first, std::uint32_t count, float ext
   }
 }
 
-/// First block, blocks, voxels and offset of all spans.
+/// First block, number of blocks, voxels and offset of every span.
 std::vector<std::array<std::uint32_t, 4>> layout(const SliceSpans& slice) {
   std::vector<std::array<std::uint32_t, 4>> spans;
   for (const Span& span : slice.spans)
@@ -33,9 +33,9 @@ TEST(SpanWriter, KeepsTheBlocksThatAbsorb) {
   set(writer, 5, 3);        // block 0
   set(writer, 8, 7, 0);     // nothing
   set(writer, 33, 30);      // blocks 2 and 3, up to the last but one voxel
-  set(writer, 63, 1);       // the last: reaches block 4
-  set(writer, 80, 2);       // block 5, next to that
-  set(writer, 112, 32, 0);  // nothing in two blocks
+  set(writer, 63, 1);       // the last voxel: reaches block 4
+  set(writer, 80, 2);       // block 5, adjacent to that
+  set(writer, 112, 32, 0);  // no extinction in two blocks
   set(writer, 204, 1);      // block 12
   writer.end_row(7);
   writer.end_row(8);
@@ -63,7 +63,7 @@ TEST(SpanWriter, KeepsTheBlocksThatAbsorb) {
   }
 }
 
-/// A footprint that would end beyond the last block gets a dark one, even outside the scanline.
+/// A footprint beyond the last block gets an empty block, even outside the scanline.
 TEST(SpanWriter, SpansEndInTheDark) {
   SliceSpans slice;
   SpanWriter writer(16, 16, 3, slice);

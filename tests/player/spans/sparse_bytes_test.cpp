@@ -16,7 +16,7 @@ TEST(SparseBytes, IsZeroUntilWritten) {
     auto sparse = SparseBytes::reserve(bytes);
     ASSERT_TRUE(sparse);
     ASSERT_EQ(sparse->size(), bytes);
-    // Parts before, across and beyond the end, and one that is empty.
+    // Ranges before, across and beyond the end, and an empty one.
     sparse->expect_dense(0, 1);
     sparse->expect_dense(bytes / 2, bytes);
     sparse->expect_dense(bytes, 7);
@@ -45,7 +45,7 @@ TEST(SparseBytes, MovesWithWhatItHolds) {
   EXPECT_EQ(other->data()[2 * kMiB], std::byte{7});
 }
 
-/// A quarter of a terabyte, as grids may take that a selection hardly touches.
+/// A quarter of a terabyte, as for a grid of which a selection uses little.
 TEST(SparseBytes, TakesAddressSpaceOnly) {
   auto sparse = SparseBytes::reserve(std::size_t{1} << 38);
   ASSERT_TRUE(sparse);

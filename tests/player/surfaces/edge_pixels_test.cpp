@@ -36,7 +36,7 @@ TEST(EdgePixels, AreNotWhereLightAloneChanges) {
   EXPECT_EQ(edges_of(pixels), std::vector<std::uint8_t>(20, 0));
 }
 
-TEST(EdgePixels, AreNotWhereAnotherSurfaceLooksAlike) {
+TEST(EdgePixels, AreNotWhereAnotherSurfaceHasTheSameAppearance) {
   std::vector<SurfacesSeen> pixels(20, seen(4, 1, 0.5f, 7));
   pixels[7] = seen(9, 1, 0.5f + 0.9f * kEdgeContrast, 7);
   EXPECT_EQ(edges_of(pixels), std::vector<std::uint8_t>(20, 0));
@@ -48,7 +48,7 @@ TEST(EdgePixels, AreWhereASurfaceHidesAPartOfItselfFarBehind) {
   std::vector<SurfacesSeen> pixels(20, seen(4, 1, 0.9f, 7));
   pixels[7] = seen(4, 1, 0.1f, 7 + 1.1f * kEdgeSlope);
   EXPECT_EQ(edges_of(pixels)[7], 1);
-  EXPECT_EQ(edges_of(pixels, 1.2f)[7], 0);  // with larger pixels it is a slope
+  EXPECT_EQ(edges_of(pixels, 1.2f)[7], 0);  // larger pixels make it a slope
 }
 
 TEST(EdgePixels, TellTheOrderOfLayers) {

@@ -16,7 +16,7 @@
 namespace splatlas {
 namespace {
 
-/// A view whose pixels are `mm_per_pixel` wide, with `center_lps_mm` in the middle.
+/// A view with pixels `mm_per_pixel` wide around `center_lps_mm`.
 ParallelView view_from(double azimuth_deg, double elevation_deg, PictureSize size, double mm_per_pixel,
                        const Vec3& center_lps_mm) {
   Camera camera;
@@ -32,7 +32,7 @@ struct PixelFragment : Fragment {
   std::uint32_t pixel = 0;
 };
 
-/// A fragment list with every fragment's pixel.
+/// A fragment list, and the pixel of every fragment.
 struct Drawn {
   std::vector<PixelFragment> fragments;
 
@@ -52,7 +52,7 @@ struct Drawn {
   }
 };
 
-/// The scene of one call.
+/// Inputs of one call.
 struct Drawing {
   ParallelView view;
   Grid grid{{16, 16, 16}, {1, 1, 1}, {0, 0, 0}, {1, 0, 0, 0, 1, 0, 0, 0, 1}};
@@ -77,7 +77,7 @@ SurfaceDraw translucent(const SurfaceMesh& mesh, StructureIndex structure = 0, f
   return {&mesh, structure, {1, 1, 1}, opacity};
 }
 
-/// Triangles in the plane y = 0 (the picture's plane at azimuth 0), normals to the viewer.
+/// Triangles in the plane y = 0 (the picture plane at azimuth 0), with normals towards the viewer.
 SurfaceMesh flat_mesh(std::vector<std::array<float, 2>> corners_xz,
                       std::vector<std::array<std::uint32_t, 3>> triangles) {
   SurfaceMesh mesh;
@@ -95,7 +95,7 @@ std::map<std::uint32_t, int> fragments_per_pixel(const Drawn& list) {
   return counts;
 }
 
-/// Opaque surfaces keep one fragment a pixel; these keep all.
+/// Opaque surfaces keep one fragment per pixel; these are translucent and keep all.
 TEST(Rasterize, CoversEachCentreOfAClosedSurfaceAnEvenNumberOfTimes) {
   std::mt19937 random(1);
   const auto real = [&](double low, double high) {
@@ -106,7 +106,7 @@ TEST(Rasterize, CoversEachCentreOfAClosedSurfaceAnEvenNumberOfTimes) {
     Drawing drawing{view_from(real(0, 360), real(-90, 90), {64, 64}, real(0.05, 0.6), {4, 4, 4})};
     drawing.grid.size = {9, 9, 9};
     if (trial % 3 == 0) {
-      // Straight on, pixel centres exactly on vertices and edges: the rule for shared edges decides.
+      // Axis-parallel, with pixel centres exactly on vertices and edges: tests the fill rule.
       drawing.view = view_from(90 * (trial % 4), 0, {64, 64}, trial % 2 == 0 ? 0.25 : 0.5, {4, 4, 4});
     }
     const SurfaceMesh mesh = marching_tetrahedra(
@@ -122,15 +122,15 @@ TEST(Rasterize, CoversEachCentreOfAClosedSurfaceAnEvenNumberOfTimes) {
 }
 
 TEST(Rasterize, GivesCentresOnEdgesToTheTriangleBelowOrRightOfThem) {
-  // 8 by 6 pixels of 1 mm whose centres lie on multiples of 1 mm: corners of the rectangle, both halves'
-  // shared edge and all outer edges pass through centres.
+  // 8 by 6 pixels of 1 mm with centres at multiples of 1 mm: corners, the shared edge and all outer edges
+  // cross centres.
   const Drawing drawing{view_from(0, 0, {8, 6}, 1, {0.5, 0, 0.5})};
   const SurfaceMesh mesh = flat_mesh({{-2, -1}, {2, -1}, {2, 2}, {-2, 2}}, {{0, 1, 2}, {0, 2, 3}});
   const SurfaceDraw surface = translucent(mesh);
   const Drawn list = *drawing.draw({&surface, 1});
   std::vector<std::uint32_t> pixels;
   for (const PixelFragment& fragment : list.fragments) pixels.push_back(fragment.pixel);
-  // Centre of pixel (x, y) is at (x - 3, z = 3 - y): x from -2 to 1 and z from 2 down to 0.
+  // Pixel (x, y) has its centre at (x - 3, z = 3 - y): x from -2 to 1 and z from 2 down to 0.
   std::vector<std::uint32_t> expected;
   for (std::uint32_t y = 1; y <= 3; ++y) {
     for (std::uint32_t x = 1; x <= 4; ++x) expected.push_back(8 * y + x);
@@ -157,7 +157,7 @@ TEST(Rasterize, TakesDepthFromThePlane) {
                      (n[0] * d[0] + n[1] * d[1] + n[2] * d[2]);
     const std::size_t axis = shear.scan.slice_axis;
     const double depth = (p[axis] + s * d[axis]) * (shear.ascending ? 1 : -1);
-    EXPECT_NEAR(fragment.depth, depth, 2e-6);  // float of about 10; not snapped
+    EXPECT_NEAR(fragment.depth, depth, 2e-6);  // float of about 10; not rounded to 1/4096
   }
 }
 
@@ -177,7 +177,7 @@ TEST(Rasterize, LeavesNothingOfTrianglesWithoutAnArea) {
     mesh.normals_lps.push_back({nan, nan, nan});
     mesh.triangles.push_back({0, 1, static_cast<std::uint32_t>(mesh.positions_ijk.size() - 1)});
   }
-  mesh.triangles.push_back({0, 0, 1});  // repeated corners
+  mesh.triangles.push_back({0, 0, 1});  // repeated vertices
   mesh.triangles.push_back({1, 1, 1});
   mesh.positions_ijk.push_back({0, 0, -1});  // on the edge from 0 to 1
   mesh.normals_lps.push_back({0, 0, 0});
@@ -198,10 +198,10 @@ TEST(Rasterize, LightsSurfacesWithoutAUsableNormalAsIfTheyFacedTheViewer) {
   }
 }
 
-/// At a silhouette normals point past the edge: dark is what it stays there, from either side.
+/// At a silhouette, normals may point past the edge: such pixels stay dark from either side.
 TEST(Rasterize, LightsTheSideOfATriangleThatIsSeenWhereverItsNormalsPoint) {
   SurfaceMesh mesh = flat_mesh({{-4, -4}, {4, -4}, {0, 4}}, {{0, 1, 2}});
-  mesh.normals_lps[0] = mesh.normals_lps[1] = {0.4f, 0.3f, -0.8f};  // away from viewer and lamp
+  mesh.normals_lps[0] = mesh.normals_lps[1] = {0.4f, 0.3f, -0.8f};  // away from viewer and light
   for (const auto& [azimuth, side] : {std::pair{0.0, 1.0f}, std::pair{180.0, -1.0f}}) {
     const Drawing drawing{view_from(azimuth, 0, {40, 40}, 0.25, {0, 0, 0})};
     const SurfaceDraw surface{&mesh, 0, {0.8f, 0.8f, 0.8f}, 1};
@@ -209,7 +209,7 @@ TEST(Rasterize, LightsTheSideOfATriangleThatIsSeenWhereverItsNormalsPoint) {
     const Drawn list = *drawing.draw({&surface, 1});
     for (const PixelFragment& fragment : list.fragments) {
       const double z = -(static_cast<double>(fragment.pixel / 40) + 0.5 - 20) * 0.25;
-      const auto top = static_cast<float>((z + 4) / 8);  // share of the third corner
+      const auto top = static_cast<float>((z + 4) / 8);  // weight of the third vertex
       const Vec3 normal{side * (1 - top) * 0.4f, side * ((1 - top) * 0.3f - top), side * (1 - top) * -0.8f};
       const auto expected = reference::shade_surface(drawing.view, {0.8f, 0.8f, 0.8f}, normal);
       EXPECT_NEAR(fragment.rgba[0], expected[0], 1e-5) << "azimuth " << azimuth << ", z " << z;
@@ -217,13 +217,13 @@ TEST(Rasterize, LightsTheSideOfATriangleThatIsSeenWhereverItsNormalsPoint) {
     }
     ASSERT_GT(bottom_row.size(), 25u);
     if (side > 0) {
-      for (const float light : bottom_row) EXPECT_NEAR(light, 0.8f * 0.15f, 1e-6f);
+      for (const float value : bottom_row) EXPECT_NEAR(value, 0.8f * 0.15f, 1e-6f);
     }
   }
 }
 
-/// Two structures share a face whose two meshes are cut along different diagonals. Whatever the view, the ray
-/// leaves the one before it enters the other.
+/// Two structures share a face, triangulated along different diagonals. In every view the ray leaves one
+/// before it enters the other.
 TEST(Rasterize, LeavesOneStructureBeforeItEntersTheNextWhereTheyTouch) {
   const auto face = [](bool other_diagonal, float normal_y) {
     SurfaceMesh mesh;
@@ -238,7 +238,7 @@ TEST(Rasterize, LeavesOneStructureBeforeItEntersTheNextWhereTheyTouch) {
   std::size_t pairs = 0;
   for (int view = 0; view < 40; ++view) {
     const Drawing drawing{view_from(-75 + 3.7 * view, -60 + 2.9 * view, {96, 96}, 0.2, {8, 7.5, 7})};
-    // The structure behind has the smaller number and comes first in the list.
+    // The structure behind has the smaller number and is first in the list.
     const std::array surfaces{translucent(far_front, 0), translucent(near_back, 1)};
     const Drawn list = *drawing.draw(surfaces);
     for (std::size_t n = 0; n + 1 < list.fragments.size(); n += 2) {
@@ -283,15 +283,21 @@ TEST(Rasterize, RefusesMoreFragmentsThanAllowed) {
   EXPECT_EQ(refused.error().code, ErrorCode::kLimit);
 }
 
-/// Whichever band is done first: refused are pictures of more fragments than allowed, and no others.
+/// Surfaces of `count` random masks, with one voxel of `every` inside.
+std::vector<SurfaceMesh> noise_meshes(std::mt19937& random, int count, unsigned every, const Grid& grid) {
+  std::vector<SurfaceMesh> meshes;
+  while (count-- > 0) {
+    const auto mask = make_mask(grid.size, [&](auto...) { return random() % every == 0; });
+    meshes.push_back(marching_tetrahedra(mask, grid));
+  }
+  return meshes;
+}
+
+/// Pictures with too many fragments are refused, and no others, in any order of bands.
 TEST(Rasterize, RefusesTheSamePicturesWithAnyNumberOfThreads) {
   std::mt19937 random(8);
   Drawing drawing{view_from(33, 21, {80, 70}, 0.3, {8, 8, 8})};
-  std::vector<SurfaceMesh> meshes;
-  for (int n = 0; n < 2; ++n) {
-    meshes.push_back(marching_tetrahedra(
-        make_mask(drawing.grid.size, [&](auto...) { return random() % 5 == 0; }), drawing.grid));
-  }
+  const std::vector<SurfaceMesh> meshes = noise_meshes(random, 2, 5, drawing.grid);
   const std::array surfaces{translucent(meshes[0], 0), translucent(meshes[1], 1, 1.0f)};
   const std::size_t fragments = drawing.draw(surfaces)->fragments.size();
   for (const unsigned threads : {1u, 2u, 8u}) {
@@ -308,11 +314,7 @@ TEST(Rasterize, RefusesTheSamePicturesWithAnyNumberOfThreads) {
 TEST(Rasterize, GivesTheSameFragmentsWithAnyNumberOfThreads) {
   std::mt19937 random(7);
   Drawing drawing{view_from(33, 21, {80, 70}, 0.3, {8, 8, 8})};
-  std::vector<SurfaceMesh> meshes;
-  for (int n = 0; n < 3; ++n) {
-    meshes.push_back(marching_tetrahedra(
-        make_mask(drawing.grid.size, [&](auto...) { return random() % 3 == 0; }), drawing.grid));
-  }
+  const std::vector<SurfaceMesh> meshes = noise_meshes(random, 3, 3, drawing.grid);
   const std::array surfaces{translucent(meshes[0], 0), translucent(meshes[1], 1, 1.0f),
                             translucent(meshes[2], 2, 0.1f)};
   const Drawn one = *drawing.draw(surfaces);

@@ -36,7 +36,7 @@ TEST(PreintegratedTransfer, EverySegmentIsTheCurve) {
     const PreintegratedTransfer prepared(curve, {.bytes = true}, kLength);
     ASSERT_EQ(prepared.points(), points);
     const double last = curve.points.back().grey;
-    double steepest = 0;  // what rounding of grey values to floats is multiplied by
+    double steepest = 0;  // factor of rounding of grey values to floats
     for (std::size_t s = 0; s <= points; ++s) {
       steepest =
           std::max({steepest, std::abs(double{prepared.row(PreintegratedTransfer::kExtinctionSlope)[s]}),
@@ -58,7 +58,7 @@ TEST(PreintegratedTransfer, EverySegmentIsTheCurve) {
   }
 }
 
-// Found by fuzzing: 255 over the least width is infinite, and so is a float of the widest.
+// Found by fuzzing: 255 over the minimum width is infinite, and so is a float of the maximum width.
 TEST(PreintegratedTransfer, IsFiniteAtEveryWidth) {
   for (const double width : {5e-324, 1e-310, 1e-300, 1e-30, 1.0, 1e30, 1e300}) {
     for (const double low : {0.0, -width, 7.0, -1e300}) {
@@ -132,7 +132,7 @@ TEST(PreintegratedTransfer, TellsWhereItShows) {
   EXPECT_FALSE(prepared.shows(0, 20));
   EXPECT_TRUE(prepared.shows(0, 21));
   EXPECT_TRUE(prepared.shows(22, 23));
-  EXPECT_TRUE(prepared.shows(0, 255));  // what shows lies in between
+  EXPECT_TRUE(prepared.shows(0, 255));  // visible values lie in between
   EXPECT_FALSE(prepared.shows(40, 255));
   EXPECT_TRUE(prepared.shows(39, 39));
 }
@@ -154,7 +154,7 @@ TEST(PreintegratedTransfer, WhatIsNotThereCountsAsZeroOrAsTheLowestPoint) {
   EXPECT_EQ(shorts->stored(0), 0);
   EXPECT_EQ(shorts->stored(20) - shorts->stored(10), 255);
 
-  const auto hounsfield = grey_scale(from_minus_500, VoxelType::kInt16);  // shows 0
+  const auto hounsfield = grey_scale(from_minus_500, VoxelType::kInt16);  // 0 is visible
   ASSERT_TRUE(hounsfield);
   EXPECT_EQ(hounsfield->stored(-500), 0);
   EXPECT_EQ(hounsfield->stored(100), 255);
@@ -164,8 +164,7 @@ TEST(PreintegratedTransfer, WhatIsNotThereCountsAsZeroOrAsTheLowestPoint) {
   EXPECT_FALSE(grey_scale(from_10, VoxelType::kNone));
 }
 
-/// However narrow a ramp is, and however far from 0, floats tell its sides apart, and it lies where it
-/// should.
+/// Floats separate the sides of every ramp, however narrow or far from 0, at the right place.
 TEST(PreintegratedTransfer, NarrowRampsFarAwayAreSteps) {
   for (const double low : {95.0, -95.0, 3e4, 1e9}) {
     const double high = std::nextafter(low, HUGE_VAL);

@@ -32,9 +32,9 @@ TEST(Shading, EqualsTheReferenceForAnyNormalAndView) {
       const Vec3 exact{normal[0], normal[1], normal[2]};
       EXPECT_NEAR(lighting.diffuse(normal), reference::diffuse(view, exact), 1e-6);
       const std::array<float, 3> color{0.2f, 0.7f, 1.0f};
-      const SurfaceShading light = lighting.on_surface(normal);
+      const SurfaceShading shading = lighting.on_surface(normal);
       const auto expected = reference::shade_surface(view, {0.2f, 0.7f, 1.0f}, exact);
-      for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(light.on(color[c]), expected[c], 2e-6);
+      for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(shading.on(color[c]), expected[c], 2e-6);
     }
   }
 }
@@ -50,30 +50,31 @@ TEST(Shading, TurnsNormalsThatPointAway) {
 TEST(Shading, LeavesNormalsOfSurfacesAsTheyAre) {
   const ParallelView view = view_from(33, -12);
   const Lighting lighting(view);
-  std::array<float, 3> from_lamp{};
+  std::array<float, 3> from_light{};
   for (std::size_t a = 0; a < 3; ++a) {
-    from_lamp[a] = static_cast<float>(view.forward_lps[a] + 0.45 * view.right_lps[a] - 0.55 * view.up_lps[a]);
+    from_light[a] =
+        static_cast<float>(view.forward_lps[a] + 0.45 * view.right_lps[a] - 0.55 * view.up_lps[a]);
   }
-  EXPECT_FLOAT_EQ(lighting.on_surface(from_lamp).on(1), 0.15f);
-  EXPECT_FLOAT_EQ(lighting.diffuse(from_lamp), 1.0f);
+  EXPECT_FLOAT_EQ(lighting.on_surface(from_light).on(1), 0.15f);
+  EXPECT_FLOAT_EQ(lighting.diffuse(from_light), 1.0f);
 }
 
-TEST(Shading, LightStaysBetweenAmbientAndOne) {
+TEST(Shading, DiffuseStaysBetweenAmbientAndOne) {
   const ParallelView view = view_from(-70, 55);
   const Lighting lighting(view);
   const std::vector<float> table = lighting.table();
   ASSERT_EQ(table.size(), 65536u);
-  float least = 1;
-  float most = 0;
+  float min = 1;
+  float max = 0;
   for (std::size_t n = 0; n < table.size(); ++n) {
     EXPECT_EQ(table[n], lighting.diffuse(unpack_normal(static_cast<PackedNormal>(n))));
-    least = std::min(least, table[n]);
-    most = std::max(most, table[n]);
+    min = std::min(min, table[n]);
+    max = std::max(max, table[n]);
     EXPECT_LE(lighting.on_surface(unpack_normal(static_cast<PackedNormal>(n))).on(1), 1.0f);
   }
-  EXPECT_FLOAT_EQ(least, 0.15f);
-  EXPECT_GT(most, 0.999f);
-  EXPECT_LE(most, 1.0f);
+  EXPECT_FLOAT_EQ(min, 0.15f);
+  EXPECT_GT(max, 0.999f);
+  EXPECT_LE(max, 1.0f);
 }
 
 TEST(Shading, LightsNormalsThatAreNoneAsIfTheyFacedTheViewer) {

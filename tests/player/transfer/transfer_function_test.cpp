@@ -81,7 +81,7 @@ TEST(TransferFunction, RampsBeyondTheWindowAreAsWide) {
   EXPECT_EQ(transfer_curve(styled(ramp(220, {})), kDisplay).points,
             (Points{{220, 0, 0.25f}, {420, 0.3f, 1}}));
   EXPECT_EQ(transfer_curve(styled(ramp({}, -7)), kDisplay).points, (Points{{-207, 0, 0.25f}, {-7, 0.3f, 1}}));
-  // Where the window is lost in rounding, a step.
+  // A window lost in rounding becomes a step.
   const TransferCurve step = transfer_curve(styled(ramp(1e300, {}, TransferProfile::kHard)), kDisplay);
   ASSERT_EQ(step.points.size(), 2u);
   EXPECT_EQ(step.points[0].grey, 1e300);

@@ -62,8 +62,8 @@ std::vector<TransferCurve> curves() {
       TransferCurve{{{59.6, 0, 0.25f}, {60.4, 0.95f, 1}}},                        // a step
       TransferCurve{{{60, 0, 0}, {std::nextafter(60.0, kInfinity), 0.5f, 1}}},    // the steepest
       TransferCurve{{{-20, 0, 0}, {20, 0.5f, 1}, {21, 0.9f, 0.5f}, {99, 0, 0}}},  // a peak
-      TransferCurve{{{7, 0.3f, 0.5f}}},                                           // the same everywhere
-      TransferCurve{{{0, 0, 0.5f}, {50, 0, 1}}},                                  // nowhere
+      TransferCurve{{{7, 0.3f, 0.5f}}},                                           // constant
+      TransferCurve{{{0, 0, 0.5f}, {50, 0, 1}}},                                  // invisible everywhere
       TransferCurve{{{-3e38, 0, 0.25f}, {3e38, 0.5f, 1}}},
   };
 }
@@ -85,7 +85,7 @@ TYPED_TEST(TransferTableOf, FollowsTheCurveForEveryValue) {
       for (std::size_t n = 0; n < values.size(); ++n) {
         const auto grey = static_cast<double>(values[n]);
         const TransferValue expected = reference::transfer(curve, grey, 2);
-        // Two floats rounded and multiplied.
+        // Two floats, rounded and multiplied.
         ASSERT_NEAR(appearances[n].extinction_per_mm, expected.extinction_per_mm,
                     2e-7 * expected.extinction_per_mm + 1e-44)
             << grey;

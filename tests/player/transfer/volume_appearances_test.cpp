@@ -11,7 +11,7 @@
 namespace splatlas {
 namespace {
 
-/// One voxel after another, each a structure of its own.
+/// A row of voxels, each its own structure.
 AtlasContent row_of(std::size_t structures) {
   TestVolume volume;
   volume.grid.size = {static_cast<std::int64_t>(structures), 1, 1};
@@ -28,9 +28,9 @@ AtlasContent row_of(std::size_t structures) {
   return make_content(volume);
 }
 
-/// The look of every structure's voxel, by structure.
-std::vector<ClassifiedVoxel> look_at(const AtlasContent& content, const DrawPlan& plan,
-                                     std::span<const VolumeAppearance> appearances) {
+/// Classified voxel of every structure.
+std::vector<ClassifiedVoxel> classified_voxels(const AtlasContent& content, const DrawPlan& plan,
+                                               std::span<const VolumeAppearance> appearances) {
   std::vector<ClassifiedVoxel> voxels(content.graph.size());
   for (std::size_t n = 0; n < plan.classes.size(); ++n) {
     const StructureIndex s = plan.classes[n].volume_of;
@@ -49,9 +49,9 @@ TEST(VolumeAppearances, GiveEveryStructureItsOwnTransferFunction) {
       content.graph);
   const DrawPlan plan = atlas->tree().plan(selection);
   appearances.select(plan, selection);
-  const std::vector<ClassifiedVoxel> voxels = look_at(content, plan, appearances.appearances());
+  const std::vector<ClassifiedVoxel> voxels = classified_voxels(content, plan, appearances.appearances());
   const double ln2 = std::log(2.0);
-  EXPECT_EQ(voxels[0].extinction_per_mm, 0);  // at the window's low end
+  EXPECT_EQ(voxels[0].extinction_per_mm, 0);  // at the low end of the window
   EXPECT_NEAR(voxels[1].extinction_per_mm, 0.01 * ln2, 1e-8);
   EXPECT_NEAR(voxels[1].shade, 0.2575, 1e-7);
   EXPECT_NEAR(voxels[2].extinction_per_mm, 0.5 * -std::log(0.7), 1e-7);
@@ -74,15 +74,15 @@ TEST(VolumeAppearances, HoldForMoreTransferFunctionsThanTables) {
     }
     const DrawPlan plan = atlas->tree().plan(selection);
     appearances.select(plan, selection);
-    for (const ClassifiedVoxel& appearance : look_at(content, plan, appearances.appearances())) {
+    for (const ClassifiedVoxel& appearance : classified_voxels(content, plan, appearances.appearances())) {
       const double t = (1.0 + shift) / (2.0 + shift);
       EXPECT_NEAR(appearance.extinction_per_mm, -t * std::log(0.7), 1e-7) << shift;
       EXPECT_NEAR(appearance.shade, 0.25 + 0.75 * t, 1e-7) << shift;
     }
-    // What they are without words did not get lost.
+    // Appearances without options are restored.
     const Selection plain = selection_of("*", content.graph);
     appearances.select(plan, plain);
-    const std::vector<ClassifiedVoxel> voxels = look_at(content, plan, appearances.appearances());
+    const std::vector<ClassifiedVoxel> voxels = classified_voxels(content, plan, appearances.appearances());
     for (std::size_t s = 0; s < count; ++s) {
       EXPECT_NEAR(voxels[s].extinction_per_mm, static_cast<double>(s) / 100 * -std::log(0.7), 1e-7);
     }
@@ -112,7 +112,7 @@ TEST(VolumeAppearances, ReachTheirOpacityOverTheReferenceLength) {
       const DrawPlan plan = atlas->tree().plan(selection);
       appearances.select(plan, selection);
       const double depth = appearances.appearances()[0].extinction_per_mm * atlas->reference_length_mm();
-      // The float extinction rounds the depth by 6e-8 of itself.
+      // The float extinction rounds the depth by a relative 6e-8.
       EXPECT_NEAR(-std::expm1(-depth) / static_cast<double>(opacity), 1, 2e-7)
           << opacity << ", " << spacing_mm;
     }

@@ -16,7 +16,7 @@ double random_real(double low, double high) {
   return low + (high - low) * *uniform<int>(0, 1 << 30) / static_cast<double>(1 << 30);
 }
 
-/// Anisotropic, oblique, mirrored or not quite orthogonal; its axes in any order.
+/// An anisotropic, oblique, mirrored or sheared grid, in any axis order.
 Grid random_grid() {
   Grid grid;
   for (auto& n : grid.size) n = *uniform<std::int64_t>(1, 300);
@@ -73,7 +73,8 @@ RC_GTEST_PROP(Shear, SlopesAreAtMostOneAndSlabsAreOneSliceLong, ()) {
 TEST(Shear, StraightViewsHaveNone) {
   const Grid grid{{30, 40, 50}, {1, 2, 0.5}, {7, 8, 9}, {1, 0, 0, 0, 1, 0, 0, 0, 1}};
   const Axis kPrincipal[] = {Axis::kY, Axis::kY, Axis::kX, Axis::kX, Axis::kZ, Axis::kZ};
-  const bool kAscending[] = {true, false, false, true, false, true};  // LPS: anterior looks along +y
+  const bool kAscending[] = {true, false, false,
+                             true, false, true};  // LPS: the anterior view points along +y
   const double kSlabMm[] = {2, 2, 1, 1, 0.5, 0.5};
   for (std::size_t n = 0; n < 6; ++n) {
     const ParallelView view = *parallel_view(Camera::of(static_cast<NamedView>(n)), {64, 64}, Display{});
@@ -114,7 +115,7 @@ TEST(Shear, ForcedAxesAreTaken) {
   }
 }
 
-/// A view along the slices meets none of them.
+/// A view parallel to the slices crosses none of them.
 TEST(Shear, RenderRefusesAForcedAxisThatTheViewRunsAcross) {
   TestVolume volume;
   volume.grid = {{8, 8, 8}, {1, 1, 1}, {0, 0, 0}, {1, 0, 0, 0, 1, 0, 0, 0, 1}};

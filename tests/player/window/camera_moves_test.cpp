@@ -20,7 +20,7 @@ TEST(CameraMovesTest, TurningKeepsAnglesInRange) {
 }
 
 TEST(CameraMovesTest, WhatFacesTheViewerFollowsTheDrag) {
-  // A point on the anterior side moves to the right and down with the pointer.
+  // A point on the anterior side follows the pointer right and down.
   const Vec3 nose{10, -100, 30};
   const auto place = [&](const Camera& camera) {
     const auto view = *parallel_view(camera, kSize, kDisplay);
@@ -36,7 +36,8 @@ TEST(CameraMovesTest, WhatFacesTheViewerFollowsTheDrag) {
   EXPECT_GT(right1, right0 + 1);
   const auto [right2, up2] = place(turned_by_drag(Camera{}, 0, 20, kSize));
   EXPECT_LT(up2, up0 - 1);
-  EXPECT_DOUBLE_EQ(turned_by_drag(Camera{}, 480, 0, kSize).azimuth_deg, 180);  // half a turn per side
+  EXPECT_DOUBLE_EQ(turned_by_drag(Camera{}, 480, 0, kSize).azimuth_deg,
+                   180);  // half a turn per picture width
 }
 
 TEST(CameraMovesTest, ZoomingKeepsWhatIsUnderThePointer) {
@@ -81,7 +82,7 @@ TEST(CameraMovesTest, LettersNameDirectionsInLps) {
 }
 
 TEST(CameraMovesTest, EdgesOfTheNamedViews) {
-  // As anatomists hold an atlas: right, up.
+  // Anatomical letters: right, up.
   const std::array<std::pair<NamedView, std::string>, 6> edges{{{NamedView::kAnterior, "LS"},
                                                                 {NamedView::kPosterior, "RS"},
                                                                 {NamedView::kLeft, "PS"},

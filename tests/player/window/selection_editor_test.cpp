@@ -78,7 +78,7 @@ TEST_F(SelectionEditorTest, GhostsWhatIsOnAndNothingElse) {
   EXPECT_EQ(editor_.selection().structures[Index::kGyrusLeft].opacity, std::nullopt);
 }
 
-TEST_F(SelectionEditorTest, LooksSurviveAChangeOfModeButNotOff) {
+TEST_F(SelectionEditorTest, AppearancesSurviveAChangeOfModeButNotOff) {
   editor_.set_opacity(Index::kStem, 0.5f);
   editor_.set_color(Index::kStem, {1, 2, 3});
   editor_.set_mode(Index::kStem, kSurface);
@@ -116,7 +116,7 @@ TEST_F(SelectionEditorTest, KeepsTheUsersWords) {
   ASSERT_TRUE(editor_.set_text("  Gyrus*:both - \"right side\"\n"));
   EXPECT_EQ(editor_.text(), "Gyrus*:both - \"right side\"");
   EXPECT_THAT(leaf_modes(), testing::ElementsAre(kBoth, kOff, kOff));
-  editor_.set_mode(Index::kStem, kVolume);  // now the words are the editor's
+  editor_.set_mode(Index::kStem, kVolume);  // the editor now owns the text
   EXPECT_EQ(*select(editor_.text(), graph_), editor_.selection());
 }
 

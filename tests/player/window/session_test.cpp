@@ -27,7 +27,7 @@ using phantom_structure::kSpheres;
 constexpr PictureSize kSize{96, 64};
 constexpr std::chrono::seconds kLongest{60};
 
-/// A session and its wakes: what the window's loop is to it.
+/// A session with a stand-in for the event loop of the window.
 class Desk {
  public:
   explicit Desk(std::shared_ptr<const Atlas> atlas, const RendererOptions& options = {.threads = 2},
@@ -39,7 +39,7 @@ class Desk {
 
   Session* operator->() { return &session_; }
 
-  /// Updates now and at every wake until `holds`; throws when it takes for ever.
+  /// Updates now and at every wake until `holds`. Throws after a timeout.
   template <typename Holds>
   void until(Holds holds) {
     const auto deadline = std::chrono::steady_clock::now() + kLongest;
@@ -54,7 +54,7 @@ class Desk {
       session_.update();
     }
   }
-  /// Until the latest picture is there, in its final quality.
+  /// Runs until the latest picture has final quality.
   void until_done() {
     until([this] { return session_.frame() && !session_.refining(); });
   }
@@ -71,10 +71,10 @@ class Desk {
   std::mutex mutex_;
   std::condition_variable changed_;
   bool woken_ = false;
-  Session session_;  // last: its thread ends first
+  Session session_;  // last, so that its thread ends first
 };
 
-/// Where a ball's centre is in the view.
+/// Position of the centre of a ball in the view.
 ViewPoint place_of(const phantom::Ball& ball, const Camera& camera, const Display& display) {
   const auto view = *parallel_view(camera, kSize, display);
   double right = 0, up = 0;
@@ -205,14 +205,14 @@ TEST_F(SessionTest, AnEditTakesTheMessageAboutTheTextAway) {
 }
 
 TEST_F(SessionTest, ASelectionThatCannotBeRenderedGivesWayToTheLatestThatCould) {
-  // Enough for the small ball's volume in a small picture, too little for the large one's.
+  // Enough memory for the volume of the small ball in a small picture, too little for the large one.
   constexpr PictureSize kSmall{12, 8};
   const std::uint64_t enough = span_model_bytes(437 + 464, 437 + 464) + picture_bytes(kSmall);
   ASSERT_LT(enough, span_model_bytes(2705 + 1440, 437 + 464));
   Desk desk(atlas(), {.threads = 1, .max_memory_bytes = enough});
   desk->resize(kSmall);
   desk.until([&] { return desk->status().error; });
-  EXPECT_EQ(desk->editor().text(), "");  // nothing could be rendered before
+  EXPECT_EQ(desk->editor().text(), "");  // nothing was rendered before
   desk->apply_text("Sphere_2");
   desk.until_done();
   EXPECT_FALSE(is_black(*desk->frame()));

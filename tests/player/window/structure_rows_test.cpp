@@ -21,7 +21,7 @@ std::vector<StructureIndex> structures_of(const StructureRows& rows) {
   return structures;
 }
 
-/// Opens all branches, each once.
+/// Opens every branch once.
 void open_all(StructureRows& rows) {
   for (std::size_t n = 0; n < rows.rows().size(); ++n) {
     const StructureRow row = rows.rows()[n];
@@ -57,7 +57,7 @@ void close_all(StructureRows& rows) {
 
 TEST(StructureRowsTest, OpensLevelByLevelWhileThereAreFewRows) {
   EXPECT_EQ(StructureRows(comb(3, 4)).rows().size(), 1u + 3 + 12);
-  EXPECT_EQ(StructureRows(comb(3, 10)).rows().size(), 1u + 3 + 2 * 10);  // the third would be too much
+  EXPECT_EQ(StructureRows(comb(3, 10)).rows().size(), 1u + 3 + 2 * 10);  // the third would exceed the limit
   EXPECT_EQ(StructureRows(comb(100, 1)).rows().size(), 1u);
 }
 
@@ -97,7 +97,7 @@ TEST(StructureRowsTest, RevealsByTheFirstParents) {
   EXPECT_THAT(structures_of(rows), ElementsAre(Index::kBrain, Index::kLeft, Index::kRight, Index::kGyrusRight,
                                                Index::kLobe, Index::kStem));
   EXPECT_EQ(row, 3u);
-  EXPECT_EQ(rows.reveal(Index::kStem), 5u);  // is there already
+  EXPECT_EQ(rows.reveal(Index::kStem), 5u);  // already visible
 }
 
 TEST(StructureRowsTest, SearchFindsAllWordsInNamesAndIdsWhateverTheirCase) {
@@ -107,7 +107,7 @@ TEST(StructureRowsTest, SearchFindsAllWordsInNamesAndIdsWhateverTheirCase) {
   EXPECT_THAT(structures_of(rows), ElementsAre(Index::kGyrusRight));
   rows.search("gyrus_l");
   EXPECT_THAT(structures_of(rows), ElementsAre(Index::kGyrusLeft));
-  rows.search("left");  // names that begin so come first
+  rows.search("left");  // prefix matches come first
   EXPECT_THAT(structures_of(rows), ElementsAre(Index::kLeft, Index::kGyrusLeft));
   rows.search("nothing");
   EXPECT_TRUE(rows.rows().empty());

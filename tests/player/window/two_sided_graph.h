@@ -1,4 +1,4 @@
-// A small graph in which gyri have two parents, as in an atlas by side and by lobe.
+// Small graph in which gyri have two parents, as in an atlas by side and by lobe.
 #pragma once
 
 #include <vector>

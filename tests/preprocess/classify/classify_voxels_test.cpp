@@ -8,6 +8,7 @@
 
 #include "tests/phantom/two_spheres.h"
 #include "tests/preprocess/memberships.h"
+#include "tests/support/neighbours.h"
 
 namespace splatlas {
 namespace {
@@ -19,29 +20,14 @@ Members members_of(const ClassTable& classes, ClassId c) {
   return {members.begin(), members.end()};
 }
 
-/// The definition, word by word: of `mask`, is (i, j, k) boundary?
-bool is_boundary(const std::vector<std::uint8_t>& mask, const Index3& size, std::int64_t i, std::int64_t j,
-                 std::int64_t k) {
-  for (std::int64_t dk = -1; dk <= 1; ++dk) {
-    for (std::int64_t dj = -1; dj <= 1; ++dj) {
-      for (std::int64_t di = -1; di <= 1; ++di) {
-        if (std::abs(di) + std::abs(dj) + std::abs(dk) == 3) continue;  // shares a corner only
-        const std::int64_t x = i + di, y = j + dj, z = k + dk;
-        if (x < 0 || y < 0 || z < 0 || x >= size[0] || y >= size[1] || z >= size[2]) return true;
-        if (mask[static_cast<std::size_t>((z * size[1] + y) * size[0] + x)] == 0) return true;
-      }
-    }
-  }
-  return false;
-}
-
 Members expected_members(const Masks& masks, const Index3& size, std::span<const CrossedVoxel> crossed,
                          std::int64_t voxel) {
   const std::int64_t i = voxel % size[0], j = voxel / size[0] % size[1], k = voxel / (size[0] * size[1]);
   Members members;
   for (StructureIndex s = 0; s < masks.size(); ++s) {
     if (masks[s][static_cast<std::size_t>(voxel)] == 0) continue;
-    members.push_back({s, is_boundary(masks[s], size, i, j, k) ? Part::kBoundary : Part::kInterior});
+    members.push_back(
+        {s, is_boundary({i, j, k}, holds_in(masks[s], size)) ? Part::kBoundary : Part::kInterior});
   }
   for (const CrossedVoxel& c : crossed) {
     if (c.voxel == voxel) members.push_back({c.structure, Part::kCrossed});
@@ -119,7 +105,7 @@ RC_GTEST_PROP(ClassifyVoxels, EveryVoxelHasTheClassOfTheDefinition, ()) {
                     *rc::gen::inRange<std::int64_t>(1, 8)};
   const std::int64_t voxels = size[0] * size[1] * size[2];
   const auto structures = *rc::gen::inRange<std::size_t>(0, 4);
-  // Mostly inside, so that interiors occur; one structure only: the disjoint case.
+  // Mostly inside, so that interiors occur. One structure only: the disjoint case.
   const int density = *rc::gen::inRange(1, 30);
   Masks masks;
   for (std::size_t s = 0; s < structures; ++s) {

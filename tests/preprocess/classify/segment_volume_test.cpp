@@ -19,7 +19,8 @@ struct Scene {
   }
 };
 
-/// A hollow shell of 100 from 3 to 10 around 10 inside, in 0; a detached speck of 100.
+/// A hollow shell of value 100 from 3 to 10 around value 10, in a background of 0, and a detached speck of
+/// 100.
 Scene shell() {
   Scene scene;
   scene.grid.size = {14, 14, 14};
@@ -56,7 +57,7 @@ TEST(SegmentVolume, LimitsAreIncluded) {
 
 TEST(SegmentVolume, AHoleThatTheGridCutsOpenIsAHole) {
   Scene scene = shell();
-  scene.grid.size[2] = 7;  // cut in the middle: the cavity lies open at the last slice
+  scene.grid.size[2] = 7;  // cut in the middle: the cavity is open at the last slice
   scene.values.bytes.resize(14 * 14 * 7 * 4);
   EXPECT_EQ(count(segment_volume(scene.values, scene.grid, *parse_segment("A=threshold:50"))), 8 * 8 * 4);
 }
@@ -74,7 +75,7 @@ TEST(SegmentVolume, NumbersThatAreNoneAreOutside) {
   scene.at(10, 10, 10) = -INFINITY;
   EXPECT_EQ(count(segment_volume(scene.values, scene.grid, *parse_segment("A=threshold:50"))), 510);
   EXPECT_EQ(count(segment_volume(scene.values, scene.grid, *parse_segment("A=threshold:otsu"))), 510);
-  scene.at(13, 13, 13) = -INFINITY;  // at a corner as the speck is: neither is a hole, as the shell is one
+  scene.at(13, 13, 13) = -INFINITY;  // at a corner, as the speck is: neither is a hole, as the shell has one
   EXPECT_EQ(count(segment_volume(scene.values, scene.grid, *parse_segment("A=threshold:-5000:0.5"))),
             14 * 14 * 14 - 2);
 }

@@ -16,7 +16,7 @@ struct CloseFile {
   void operator()(std::FILE* file) const { std::fclose(file); }
 };
 
-/// What a build of two stages shows. Both report their beginning and their end themselves, as stages do.
+/// Output of a build of two stages, which report their own begin and end.
 std::string shown(ProgressMode mode) {
   const std::unique_ptr<std::FILE, CloseFile> file(std::tmpfile());
   ProgressDisplay display(mode, file.get());

@@ -1,4 +1,4 @@
-// Tree files and the graphs that they make.
+// Tree files and their structure graphs.
 
 #include "preprocess/structures/build_graph.h"
 
@@ -16,7 +16,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::UnorderedElementsAre;
 
-/// Six structures with AAL's kind of names and codes.
+/// Six structures with names and codes in the style of AAL.
 std::vector<SourceStructure> sources() {
   std::vector<SourceStructure> result;
   for (const auto& [name, code] : {std::pair<const char*, int>{"Precentral_L", 2001},
@@ -96,7 +96,7 @@ TEST_F(BuildGraph, AGyrusHasASideAndALobe) {
   EXPECT_EQ(names_below(graph, "Brain").size(), 11u);  // 5 groups, 6 structures, each once
   EXPECT_THAT(graph.roots(), ElementsAre(named(graph, "Brain")));
   for (StructureIndex s = 0; s < 6; ++s) EXPECT_EQ(graph[placed->index_of_source[s]].name, sources()[s].name);
-  // Numbers follow the file: the first hierarchy is one range of them.
+  // Indices follow the file: the first hierarchy is one range of them.
   EXPECT_EQ(graph[0].name, "Brain");
   EXPECT_EQ(graph[1].name, "Left hemisphere");
   EXPECT_EQ(graph[2].name, "Precentral_L");
@@ -104,7 +104,7 @@ TEST_F(BuildGraph, AGyrusHasASideAndALobe) {
 
 TEST_F(BuildGraph, AGroupMayStandBelowSeveral) {
   const auto placed = build(
-      "Brain/Cerebellum/Vermis\n"  // named before it is made
+      "Brain/Cerebellum/Vermis\n"  // named before its definition
       "Brain/Midline/Vermis/Vermis_3\n"
       "Empty/\n");
   ASSERT_TRUE(placed) << placed.error().message;

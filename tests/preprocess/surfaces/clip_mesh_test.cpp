@@ -64,7 +64,8 @@ double volume_of(const SurfaceMesh& mesh) {
   return volume;
 }
 
-/// Every triangle lies within one voxel, they are sorted by voxel, and those voxels are the crossed ones.
+/// Whether every triangle lies within one voxel, triangles are sorted by voxel, and these voxels are the
+/// crossed ones.
 bool lies_in_its_voxels(const ClippedMesh& clipped, const Grid& grid) {
   std::vector<std::int64_t> voxels;
   for (const auto& t : clipped.surface.triangles) {
@@ -91,7 +92,7 @@ bool lies_in_its_voxels(const ClippedMesh& clipped, const Grid& grid) {
 }
 
 TEST(ClipMesh, APlaneThroughVoxelCentresCrossesExactlyThose) {
-  // Two triangles make the square [1, 6] x [1, 6] at z = 3, in voxels' centres to centres.
+  // Two triangles make the square [1, 6] x [1, 6] at z = 3, between voxel centres.
   TriangleMesh mesh = triangle({1, 1, 3}, {6, 1, 3}, {6, 6, 3});
   mesh.positions_lps_mm.push_back({1, 6, 3});
   mesh.triangles.push_back({0, 2, 3});
@@ -120,7 +121,7 @@ TEST(ClipMesh, APlaneBetweenVoxelsBelongsToTheUpperOnes) {
 
 TEST(ClipMesh, WhatLiesBeyondTheGridIsCutOffAndTold) {
   const Grid grid = grid_of({4, 4, 4});
-  // Half of the triangle's height is outside: a quarter of its area stays beyond x = 3.5.
+  // Half of the height of the triangle is outside: a quarter of its area lies beyond x = 3.5.
   const auto clipped = clip_mesh(triangle({1.5, 0, 1}, {5.5, 0, 1}, {1.5, 2, 1}), grid);
   ASSERT_TRUE(clipped);
   EXPECT_TRUE(lies_in_its_voxels(*clipped, grid));
@@ -169,14 +170,14 @@ TEST(ClipMesh, MillimetresBecomeIndices) {
 
 RC_GTEST_PROP(ClipMesh, AClosedSurfaceStaysClosedAndKeepsAreaAndVolume, ()) {
   const Grid grid = grid_of({6, 7, 8});
-  const auto coordinate = [](double n) {  // some exactly in voxels' faces and centres
+  const auto coordinate = [](double n) {  // some exactly on voxel faces and centres
     return *rc::gen::oneOf(
         rc::gen::map(rc::gen::inRange(0, 2 * static_cast<int>(n) - 1), [](int h) { return 0.5 * h - 0.5; }),
         rc::gen::map(rc::gen::inRange(0, 10000), [n](int t) { return t * (n - 1) / 10000 - 0.25; }));
   };
   std::array<Vec3, 4> corners;
   for (Vec3& c : corners) c = {coordinate(6), coordinate(7), coordinate(8)};
-  // Let the corners be of the scale that positions are stored in: then nothing moves but cuts.
+  // Corners are multiples of the stored position scale: only cuts are rounded.
   for (Vec3& c : corners) {
     for (double& x : c) x = std::round(x * 1024) / 1024;
   }
@@ -193,13 +194,13 @@ RC_GTEST_PROP(ClipMesh, AClosedSurfaceStaysClosedAndKeepsAreaAndVolume, ()) {
   RC_ASSERT(clipped.has_value());
   RC_ASSERT(lies_in_its_voxels(*clipped, grid));
   RC_ASSERT(clipped->outside < 1e-9);
-  // A cut moves a vertex by half a step of 1/1024 per axis at most.
+  // A cut moves a vertex by at most half a step of 1/1024 per axis.
   RC_ASSERT(std::abs(area_of(clipped->surface) - area) < 0.02 * area + 0.02);
   RC_ASSERT(std::abs(volume_of(clipped->surface) - volume) < area / 1024);
 }
 
 TEST(ClipMesh, NeighboursStayJoined) {
-  // Around every point of a cut edge the pieces of both triangles have the same vertices.
+  // Pieces on both sides of a cut edge share all its vertices.
   TriangleMesh mesh = triangle({0.3, 0.2, 0.1}, {5.7, 4.1, 6.3}, {0.2, 5.9, 2.2});
   mesh.positions_lps_mm.push_back({6.1, 0.4, 1.3});
   mesh.triangles.push_back({1, 0, 3});

@@ -30,7 +30,7 @@ Grid grid_of(const Index3& size) {
   return grid;
 }
 
-/// A direction that is no axis, right-handed or (mirrored) left-handed.
+/// A rotation off the axes, right-handed or (mirrored) left-handed.
 Matrix3 oblique(bool mirrored) {
   const double c = std::cos(0.3), s = std::sin(0.3), m = mirrored ? -1 : 1;
   return {m * c, -s, 0, m * s, c, 0, 0, 0, 1};
@@ -41,7 +41,7 @@ Vec3 position_mm(const Grid& grid, const SurfaceMesh& mesh, std::uint32_t vertex
   return index_to_lps_mm(grid).apply({i, j, k});
 }
 
-/// Volume that the triangles enclose, in mm^3; positive when they are counter-clockwise seen from outside.
+/// Enclosed volume in mm^3; positive if triangles are counter-clockwise seen from outside.
 double enclosed_mm3(const Grid& grid, const SurfaceMesh& mesh) {
   double volume = 0;
   for (const auto& t : mesh.triangles) {
@@ -54,7 +54,7 @@ double enclosed_mm3(const Grid& grid, const SurfaceMesh& mesh) {
   return volume;
 }
 
-/// Every edge once in each direction.
+/// Whether each edge occurs once in each direction.
 bool is_closed(const SurfaceMesh& mesh) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
   for (const auto& t : mesh.triangles) {
@@ -93,7 +93,7 @@ TEST(ExtractSurfaces, TrianglesFaceOutwardsWhateverTheGrid) {
     for (std::size_t n = 0; n < 2; ++n) {
       const SurfaceMesh& mesh = e.surfaces.surfaces[n];
       EXPECT_TRUE(is_closed(mesh));
-      // A ball of voxels, give or take the half voxel of its rim.
+      // A ball of voxels, within half a voxel at its rim.
       const double r = phantom::kBalls[n].radius;
       EXPECT_NEAR(enclosed_mm3(grid, mesh), 0.5 * 0.8 * 2 * 4 / 3 * M_PI * r * r * r,
                   0.05 * 0.8 * 4 / 3 * M_PI * r * r * r);
@@ -130,7 +130,7 @@ TEST(ExtractSurfaces, NormalsOfABallPointAwayFromItsCentre) {
 }
 
 TEST(ExtractSurfaces, ThePlaneOfAnAnisotropicGridHasItsNormal) {
-  // A half space along k, seen far from the grid's border.
+  // A half space along k, far from the border of the grid.
   Grid grid = grid_of({16, 16, 16});
   grid.spacing_mm = {1, 2, 5};
   grid.direction_lps = oblique(true);
@@ -181,7 +181,7 @@ RC_GTEST_PROP(ExtractSurfaces, EveryTriangleIsListedUnderItsLeadingVoxel, ()) {
     };
     std::int64_t previous = -1;
     for (const auto& t : mesh.triangles) {
-      // The cell: every corner of the triangle is on one of its edges.
+      // The cell: every corner of the triangle lies on one of its edges.
       Index3 cell;
       for (std::size_t a = 0; a < 3; ++a) {
         const float low =
@@ -207,14 +207,14 @@ RC_GTEST_PROP(ExtractSurfaces, EveryTriangleIsListedUnderItsLeadingVoxel, ()) {
     for (const Membership& m : e.classification.classes.members(c)) any = any || m.part == Part::kBoundary;
     RC_ASSERT(e.surfaces.boundary_normals[c].size() == (any ? e.classification.classes.voxels(c) : 0));
   }
-  // Threads do not show.
+  // The number of threads has no effect.
   const Extracted alone = extract(masks, grid, 1);
   RC_ASSERT(alone.surfaces.surfaces == e.surfaces.surfaces);
   RC_ASSERT(alone.surfaces.boundary_normals == e.surfaces.boundary_normals);
 }
 
 TEST(ExtractSurfaces, BoundaryNormalsStandInMemoryOrder) {
-  // A slab: below, voxels look down; above, up.
+  // A slab: normals point down on its lower side, up on its upper side.
   int seen = 0;
   const Grid grid = grid_of({9, 9, 9});
   const Extracted e =

@@ -32,7 +32,7 @@ std::vector<std::string> names_of(const ImportedLabels& labels) {
   return names;
 }
 
-/// The one structure that holds a voxel; -1 for none.
+/// The single structure of a voxel; -1 for none.
 int holder(const ImportedLabels& labels, std::size_t voxel) {
   const auto& set = labels.memberships.sets()[labels.memberships.voxels()[voxel]];
   return set.empty() ? -1 : static_cast<int>(set.front());

@@ -79,7 +79,7 @@ TEST_F(ImportMesh, ReadsWhatItWrites) {
       for (std::size_t n = 0; n < 3; ++n) {
         const auto& [i, j, k] = surface.positions_ijk[surface.triangles[t][n]];
         const Vec3 expected = index_to_lps_mm(grid).apply({i, j, k});
-        // The corner that a triangle starts with is the writer's choice; the order is not.
+        // Writers choose the first corner of a triangle; the order is fixed.
         bool found = false;
         for (std::size_t turn = 0; turn < 3; ++turn) {
           const Vec3& at = back->positions_lps_mm[back->triangles[t][turn]];
@@ -100,14 +100,14 @@ TEST_F(ImportMesh, TrianglesWithoutAreaOrPlaceAreCounted) {
                                  "f 1 2 3\nf 1 2 4\nf 1 2 2\nf 1 2 5\nf 1 2 6\n");
   ASSERT_TRUE(mesh) << mesh.error().message;
   EXPECT_EQ(mesh->triangles.size(), 1u);
-  EXPECT_GE(mesh->dropped, 2u);  // VTK may leave out some by itself
+  EXPECT_GE(mesh->dropped, 2u);  // VTK itself may drop some
 }
 
 TEST_F(ImportMesh, RefusesDamagedFiles) {
   EXPECT_THAT(error("a.stl", binary_stl(3, 4)), AllOf(HasSubstr("a.stl"), HasSubstr("truncated")));
   EXPECT_THAT(error("a.stl", binary_stl(3, 0xffffffff)), HasSubstr("truncated"));
   EXPECT_THAT(error("a.stl", "short"), HasSubstr("STL"));
-  // Text to us, but VTK would take these bytes for binary, and some of them for a count of triangles.
+  // Text for our check, but VTK would take these bytes for binary, and some of them for a triangle count.
   EXPECT_THAT(error("a.stl", "solid a\nfacet normal 0 0 1\n" + std::string(100, '\x9b')),
               HasSubstr("truncated"));
   EXPECT_TRUE(import_bytes("a.stl", binary_stl(3, 3)));
@@ -116,7 +116,7 @@ TEST_F(ImportMesh, RefusesDamagedFiles) {
   EXPECT_THAT(error("a.obj", "v 0 0 0\nf 1/7 1 1\n"), HasSubstr("1/7"));
   EXPECT_THAT(error("a.obj", "v 0 0 0\nf 0 1 1\n"), HasSubstr("'0'"));
   EXPECT_THAT(error("a.obj", "v 0 0 0\nf -2 1 1\n"), HasSubstr("'-2'"));
-  // Found by fuzzing: VTK reads what a slash at the end stands before on the other side of the blank.
+  // Found by fuzzing: VTK joins a trailing slash with the number after the blank.
   EXPECT_THAT(error("a.obj", "v 0 0 0\nf 1 1/ 1\n"), HasSubstr("corner '1/' does not exist"));
   EXPECT_THAT(error("a.obj", "v 0 0 0\nf 1 1// 1\n"), HasSubstr("corner '1//' does not exist"));
   EXPECT_THAT(error("a.obj", "hello\n"), HasSubstr("OBJ"));
@@ -141,7 +141,7 @@ TEST_F(ImportMesh, RefusesDamagedFiles) {
     EXPECT_THAT(error("a.ply", ply("ascii", "int", text + "3 0 1 " + corner + "\n")), HasSubstr("corners"));
   }
   for (const char control :
-       {'\0', '\1', '\r', '\v'}) {  // VTK may take what is behind for another line, or for none
+       {'\0', '\1', '\r', '\v'}) {  // VTK may take the rest for another line, or for none
     EXPECT_THAT(error("a.ply", ply("ascii", "int", text + "3 0" + control + " 1 2\n")), HasSubstr("damaged"));
     EXPECT_THAT(error("a.ply", ply("ascii", "int" + std::string(1, control), text + "3 0 1 2\n")),
                 HasSubstr("no PLY"));
@@ -151,7 +151,7 @@ TEST_F(ImportMesh, RefusesDamagedFiles) {
     EXPECT_THAT(error("a.ply", ply("binary_little_endian", "char", body)), HasSubstr("corners"));
     EXPECT_THAT(error("a.ply", ply("binary_big_endian", "uchar", body)), HasSubstr("corners"));
   }
-  for (const std::string count_type : {"char", "uchar"}) {  // of 200 corners, which is no char
+  for (const std::string count_type : {"char", "uchar"}) {  // of 200 corners, beyond a char
     std::string file = ply("binary_little_endian", "uchar", binary + "\xc8" + std::string(200, '\1'));
     file.replace(file.find("list uchar"), 10, "list " + count_type);
     EXPECT_THAT(error("a.ply", file), HasSubstr(count_type == "char" ? "damaged" : "no triangle"));
@@ -183,7 +183,7 @@ TEST_F(ImportMesh, NoTruncationBringsItDown) {
     const std::string bytes{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
     for (std::size_t length = 0; length < bytes.size(); ++length) {
       const auto mesh = import_bytes(name, bytes.substr(0, length));
-      if (!mesh) continue;  // what is cut off may have been of no account, but never a triangle
+      if (!mesh) continue;  // the rest may be irrelevant, but is never a triangle
       EXPECT_EQ(mesh->triangles.size(), 2u) << name << " cut to " << length;
     }
   }

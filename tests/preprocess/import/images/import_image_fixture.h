@@ -1,0 +1,42 @@
+// Fixture for imports of images from bytes.
+#pragma once
+
+#include <cstring>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "preprocess/import/images/import_image.h"
+#include "tests/preprocess/raw_image_files.h"
+#include "tests/support/temporary_folder.h"
+
+namespace splatlas {
+
+class ImportImage : public testing::Test {
+ protected:
+  Result<Image> import_bytes(const std::string& name, const std::string& bytes) const {
+    write_bytes(folder_.file(name), bytes);
+    return import_image(folder_.file(name));
+  }
+  /// Expects an error of one line that names the file and contains `text`.
+  void refuses(const std::string& name, const std::string& bytes, const std::string& text) const {
+    const Result<Image> image = import_bytes(name, bytes);
+    ASSERT_FALSE(image) << name << " should be refused: " << text;
+    EXPECT_THAT(image.error().message, testing::HasSubstr(text));
+    EXPECT_THAT(image.error().message, testing::HasSubstr(name));
+    EXPECT_THAT(image.error().message, testing::Not(testing::HasSubstr("\n")));
+  }
+  TemporaryFolder folder_;
+};
+
+inline void expect_raw_image(const Image& image) {
+  EXPECT_EQ(image.grid.size, (Index3{8, 4, 2}));
+  EXPECT_EQ(image.grid.spacing_mm, (Vec3{1, 2, 3}));
+  ASSERT_EQ(image.voxels.type, VoxelType::kInt16);
+  const auto expected = RawImage::voxels();
+  ASSERT_EQ(image.voxels.bytes.size(), expected.size() * 2);
+  EXPECT_EQ(std::memcmp(image.voxels.bytes.data(), expected.data(), image.voxels.bytes.size()), 0);
+}
+
+}  // namespace splatlas
