@@ -81,12 +81,12 @@ struct SplatKernels {
   void (*mix)(const WeightedOptics& a, const WeightedOptics& b, std::size_t floats, float* mixed);
 };
 
-/// Scalar reference kernels.
+/// Scalar reference kernels. SPLATLAS_SIMD=scalar in the environment forces them.
 [[nodiscard]] const SplatKernels& scalar_kernels();
-/// The fastest kernels for this CPU (Highway, dispatched at run time). They agree with the scalar reference
-/// kernels to about 1e-6 of the largest value for a termination threshold of 0, else to the threshold. They
-/// are specialised for the combinations of rows and phases that sheets need, and fall back to the scalar
-/// kernel for others. SPLATLAS_SIMD=scalar in the environment selects the scalar kernels.
+/// The fastest kernels for this CPU (Highway, dispatched at run time). Every instruction set and the scalar
+/// reference compute the same operations, rounded alike: results agree to 1e-6 of the largest value with any
+/// termination threshold, and are the same bits on machines with fused multiply-add. Combinations of rows and
+/// phases that sheets do not need are composited row by row and phase by phase.
 [[nodiscard]] const SplatKernels& best_kernels();
 
 }  // namespace splatlas

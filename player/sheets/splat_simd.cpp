@@ -1,358 +1,33 @@
-// SIMD splatting kernels. Highway compiles this file once for every instruction set.
+// Splat kernels for every instruction set: Highway compiles this file once for each.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "player/sheets/splat_simd.cpp"
 #include <hwy/foreach_target.h>
 // Must come after foreach_target.h.
-#include <algorithm>
-#include <cstddef>
-#include <cstdint>
-#include <limits>
-
-#include <hwy/cache_control.h>
 #include <hwy/highway.h>
 
-#include "player/sheets/block_runs.h"
 #include "player/sheets/splat_kernels.h"
-#include "player/simd/absorption-inl.h"
+#if HWY_TARGET != HWY_SCALAR
+#include "player/sheets/splat-inl.h"
+#endif
 
 HWY_BEFORE_NAMESPACE();
 namespace splatlas::HWY_NAMESPACE {
-namespace hn = hwy::HWY_NAMESPACE;
 
-using Lanes = hn::CappedTag<float, kBlock>;
-using Vector = hn::Vec<Lanes>;
-
-/// Rotates lanes upwards by one, so that lane 0 is the carry to the next vector.
-HWY_INLINE Vector Rotated(Vector mixed) {
-  const Lanes d;
-  const hn::RebindToSigned<Lanes> di;
-  const auto lanes = static_cast<std::int32_t>(hn::Lanes(d));
-  const auto before = hn::And(hn::Iota(di, lanes - 1), hn::Set(di, lanes - 1));
-  return hn::TableLookupLanes(mixed, hn::IndicesFromVec(d, before));
+void CompositeDispatched(const SheetRows& rows, float slab_mm, float termination_threshold,
+                         const ImageRows& image) {
+#if HWY_TARGET == HWY_SCALAR
+  scalar_kernels().composite(rows, slab_mm, termination_threshold, image);
+#else
+  CompositeRows(rows, slab_mm, termination_threshold, image);
+#endif
 }
 
-/// Software prefetch: skipped blocks defeat the hardware prefetcher.
-template <std::int64_t kFloats>
-HWY_INLINE void PrefetchAhead(const float* block) {
-  constexpr std::int64_t kBlocksAhead = 8;
-  for (std::int64_t line = 0; line < kFloats; line += 16)
-    hwy::Prefetch(block + kBlocksAhead * kFloats + line);
-}
-
-/// Approximation of absorption by the range of optical depths (absorption-inl.h).
-enum class AbsorptionMethod { kThinSlab, kModerateSlab, kAnySlab };
-
-/// Splatting and compositing of `kRows` rows of pixels with `kPhases` phases and `kEmissions` emissions.
-/// Optical properties are scaled by the slab length on load: optical depths instead of extinctions.
-template <int kEmissions, int kRows, int kPhases>
-class Splat {
-  static constexpr int kPlanes = 1 + kEmissions;
-  static constexpr std::int64_t kBlockFloats = kBlock * kPlanes;
-  static constexpr int kStreams = kRows * kPhases;  // of pixels: row by row, phase by phase
-  using Streams = float* const (&)[kStreams];
-  using Planes = const Vector (&)[kPlanes];
-
- public:
-  HWY_INLINE Splat(const SheetRows& rows, float slab_mm, float termination_threshold, const ImageRows& image)
-      : rows_(rows),
-        image_(image),
-        reach_(blocks_in_reach(rows, image)),
-        next_hidden_(HiddenBlocks(0)),
-        slab_(hn::Set(Lanes(), slab_mm)),
-        opaque_(hn::Set(Lanes(), 1.0f - termination_threshold)) {
-    for (int row = 0; row < kRows; ++row)
-      lower_[row] = hn::Set(Lanes(), rows.lower_weights[static_cast<std::size_t>(row)]);
-    for (int phase = 0; phase < kPhases; ++phase)
-      before_[phase] = hn::Set(Lanes(), rows.phases[static_cast<std::size_t>(phase)].before);
-    ClearCarry();
-  }
-
-  HWY_INLINE void CompositePair(std::int64_t pair) {
-    // Find hidden blocks one pair ahead, to prefetch visible ones
-    pair_ = pair;
-    const Blocks hidden = next_hidden_;
-    next_hidden_ = pair + 1 < rows_.pairs ? HiddenBlocks(pair + 1) : kNone;
-    if (next_hidden_.first != kNoBlock) PrefetchVisible(rows_.upper + pair + 2, next_hidden_);
-
-    // Composite visible blocks run by run
-    BlockRuns runs(rows_, pair, reach_);
-    std::int64_t next_block = std::numeric_limits<std::int64_t>::min();
-    for (BlockRun run; runs.next(run);) {
-      if (run.first != next_block) ClearCarry();
-      next_block = run.last;
-      for (std::int64_t block = run.first; block < run.last;) {
-        if (hidden.contains(block)) {
-          block = std::min(hidden.last, run.last);
-          SkipTo(run, block - 1);
-          continue;
-        }
-        const std::int64_t last = block < hidden.first ? std::min(hidden.first, run.last) : run.last;
-        CompositeBlocks(run, {block, last});
-        block = last;
-      }
-    }
-  }
-
- private:
-  static constexpr std::int64_t kNoBlock = std::numeric_limits<std::int64_t>::max();
-  static constexpr Blocks kNone{kNoBlock, kNoBlock};
-
-  [[nodiscard]] HWY_INLINE OpaquePixels& OpaqueOf(std::int64_t pair, int stream) const {
-    return image_.opaque[pair * image_.opaque_pair_stride + stream / kPhases * image_.opaque_row_stride +
-                         stream % kPhases];
-  }
-  [[nodiscard]] HWY_INLINE std::int64_t ShiftOf(int stream) const {
-    return rows_.phases[static_cast<std::size_t>(stream % kPhases)].shift;
-  }
-
-  /// Blocks whose pixels are known to be opaque in all streams.
-  HWY_INLINE Blocks HiddenBlocks(std::int64_t pair) const {
-    if (image_.opaque == nullptr) return kNone;
-    Blocks hidden{-kNoBlock, kNoBlock};
-    for (int n = 0; n < kStreams; ++n) {
-      const OpaquePixels& opaque = OpaqueOf(pair, n);
-      if (opaque.first == opaque.last) return kNone;
-      hidden.first = std::max(hidden.first, (opaque.first - ShiftOf(n) + kBlock - 1) >> kBlockBits);
-      hidden.last = std::min(hidden.last, (opaque.last - ShiftOf(n)) >> kBlockBits);
-    }
-    return hidden.first < hidden.last ? hidden : kNone;
-  }
-
-  /// Prefetches the blocks of a row that are not hidden.
-  HWY_INLINE void PrefetchVisible(std::int64_t row, const Blocks& hidden) const {
-    for (const Span& span : rows_.slice->row(row)) {
-      const RowBlocks row_blocks = blocks_of(*rows_.slice, span, reach_);
-      Prefetch(row_blocks.origin, {row_blocks.first, std::min(row_blocks.last, hidden.first)});
-      // The last hidden block supplies the carry.
-      Prefetch(row_blocks.origin, {std::max(row_blocks.first, hidden.last - 1), row_blocks.last});
-    }
-  }
-  static HWY_INLINE void Prefetch(const float* origin, const Blocks& blocks) {
-    for (std::int64_t n = blocks.first * kBlockFloats; n < blocks.last * kBlockFloats; n += 16)
-      hwy::Prefetch(origin + n);
-  }
-
-  /// Extends the known opaque pixels, or replaces them by a longer interval.
-  HWY_INLINE void KeepOpaque(const Blocks& blocks) const {
-    if (image_.opaque == nullptr) return;
-    for (int n = 0; n < kStreams; ++n) {
-      OpaquePixels& known = OpaqueOf(pair_, n);
-      const OpaquePixels found{blocks.first * kBlock + ShiftOf(n), blocks.last * kBlock + ShiftOf(n)};
-      if (found.first <= known.last && known.first <= found.last) {
-        known = {std::min(known.first, found.first), std::max(known.last, found.last)};
-      } else if (found.last - found.first > known.last - known.first) {
-        known = found;
-      }
-    }
-  }
-
-  HWY_INLINE void CompositeBlocks(const BlockRun& run, const Blocks& blocks) {
-    // Find the pixels of each stream
-    float* streams[kStreams];
-    for (int n = 0; n < kStreams; ++n) {
-      const int row = n / kPhases, phase = n % kPhases;
-      streams[n] = image_.pixels + pair_ * image_.pair_stride + row * image_.row_stride +
-                   phase * image_.phase_stride + ShiftOf(n) + blocks.first * kBlock;
-    }
-    const bool none_hidden = next_hidden_.first == kNoBlock;
-    const auto advance = [&streams] {
-      for (float*& stream : streams) stream += kBlock;
-    };
-
-    // Composite blocks, and skip opaque ones
-    for (std::int64_t block = blocks.first; block < blocks.last; ++block) {
-      if (HWY_UNLIKELY(Opaque(streams))) {
-        const std::int64_t first = block;
-        do {
-          advance();
-          ++block;
-        } while (block < blocks.last && Opaque(streams));
-        KeepOpaque({first, block});
-        SkipTo(run, block - 1);
-        if (block == blocks.last) return;
-      }
-      const float* upper = run.upper.optics(block, kBlockFloats, kEmptyBlock.data());
-      const float* lower = run.lower.optics(block, kBlockFloats, kEmptyBlock.data());
-      if (none_hidden) PrefetchAhead<kBlockFloats>(lower);
-      if (HWY_UNLIKELY(skipped_upper_ != nullptr)) CarryFromSkipped();
-      CompositeBlock(upper, lower, streams);
-      advance();
-    }
-  }
-
-  /// Skips up to and including this block, which supplies the carry if the next block is composited.
-  HWY_INLINE void SkipTo(const BlockRun& run, std::int64_t block) {
-    skipped_upper_ = run.upper.optics(block, kBlockFloats, kEmptyBlock.data());
-    skipped_lower_ = run.lower.optics(block, kBlockFloats, kEmptyBlock.data());
-  }
-
-  HWY_INLINE bool Opaque(Streams streams) const {
-    const Lanes d;
-    auto min_opacity = hn::Set(d, 1.0f);
-    for (const float* stream : streams) {
-      for (std::int64_t n = 0; n < kBlock; n += static_cast<std::int64_t>(hn::Lanes(d)))
-        min_opacity = hn::Min(min_opacity, hn::LoadU(d, stream + kEmissions * image_.plane_stride + n));
-    }
-    return hn::AllTrue(d, hn::Ge(min_opacity, opaque_));
-  }
-
-  static HWY_INLINE bool AllUpTo(float limit, Vector depth) {
-    return hn::AllTrue(Lanes(), hn::Le(depth, hn::Set(Lanes(), limit)));
-  }
-
-  HWY_INLINE void ClearCarry() {
-    for (auto& row : carry_) {
-      for (Vector& carry : row) carry = hn::Zero(Lanes());
-    }
-    max_depth_carry_ = hn::Zero(Lanes());
-    skipped_upper_ = nullptr;
-  }
-
-  /// Computes the carry of the last skipped block.
-  HWY_INLINE void CarryFromSkipped() {
-    const Lanes d;
-    const std::int64_t last = kBlock - static_cast<std::int64_t>(hn::Lanes(d));
-    max_depth_carry_ = hn::Zero(d);
-    for (int row = 0; row < kRows; ++row) {
-      Vector mixed[kPlanes];
-      Mix(skipped_upper_ + last, skipped_lower_ + last, row, mixed);
-      max_depth_carry_ = hn::Max(max_depth_carry_, mixed[0]);
-      for (int plane = 0; plane < kPlanes; ++plane) carry_[row][plane] = Rotated(mixed[plane]);
-    }
-    skipped_upper_ = nullptr;
-  }
-
-  HWY_INLINE void Mix(const float* upper, const float* lower, int row, Vector (&mixed)[kPlanes]) const {
-    const Lanes d;
-    for (int plane = 0; plane < kPlanes; ++plane) {
-      const auto above = hn::Mul(slab_, hn::Load(d, upper + plane * kBlock));
-      const auto below = hn::Mul(slab_, hn::Load(d, lower + plane * kBlock));
-      mixed[plane] = hn::MulAdd(lower_[row], hn::Sub(below, above), above);
-    }
-  }
-
-  HWY_INLINE void CompositeBlock(const float* upper, const float* lower, Streams streams) {
-    const Lanes d;
-    for (std::int64_t n = 0; n < kBlock; n += static_cast<std::int64_t>(hn::Lanes(d))) {
-      // Interpolate the voxel rows, and find differences to the previous voxel
-      Vector here[kRows][kPlanes], step[kRows][kPlanes];
-      for (int row = 0; row < kRows; ++row) {
-        Mix(upper + n, lower + n, row, here[row]);
-        for (int plane = 0; plane < kPlanes; ++plane) {
-          const auto rotated = Rotated(here[row][plane]);
-          step[row][plane] =
-              hn::Sub(hn::IfThenElse(hn::FirstN(d, 1), carry_[row][plane], rotated), here[row][plane]);
-          carry_[row][plane] = rotated;
-        }
-      }
-
-      // Choose the absorption method: pixels are no denser than both of their voxels
-      auto max_depth = here[0][0];
-      for (int row = 1; row < kRows; ++row) max_depth = hn::Max(max_depth, here[row][0]);
-      const auto max_depth_of_both = hn::Max(max_depth, max_depth_carry_);
-      max_depth_carry_ = max_depth;
-      if (HWY_LIKELY(AllUpTo(kThin, max_depth_of_both))) {
-        CompositeStreams<AbsorptionMethod::kThinSlab>(here, step, streams, n);
-      } else if (HWY_LIKELY(AllUpTo(kModerate, max_depth_of_both))) {
-        CompositeStreams<AbsorptionMethod::kModerateSlab>(here, step, streams, n);
-      } else {
-        CompositeStreams<AbsorptionMethod::kAnySlab>(here, step, streams, n);
-      }
-    }
-  }
-
-  template <AbsorptionMethod kMethod>
-  HWY_INLINE void CompositeStreams(const Vector (&here)[kRows][kPlanes], const Vector (&step)[kRows][kPlanes],
-                                   Streams streams, std::int64_t n) const {
-    for (int s = 0; s < kStreams; ++s)
-      CompositePixels<kMethod>(before_[s % kPhases], here[s / kPhases], step[s / kPhases], streams[s] + n);
-  }
-
-  template <AbsorptionMethod kMethod>
-  HWY_INLINE void CompositePixels(Vector before, Planes here, Planes step, float* pixels) const {
-    const Lanes d;
-    float* const opacities = pixels + kEmissions * image_.plane_stride;
-    const auto opacity = hn::LoadU(d, opacities);
-    const auto depth = hn::MulAdd(before, step[0], here[0]);
-    const auto transmittance = hn::Sub(hn::Set(d, 1.0f), opacity);
-    if constexpr (kMethod == AbsorptionMethod::kThinSlab) {
-      const auto weight = hn::Mul(transmittance, ThinMean(d, depth));
-      AddEmissions(weight, before, here, step, pixels);
-      hn::StoreU(hn::MulAdd(weight, depth, opacity), d, opacities);
-    } else {
-      // Skip hidden vectors: at the edges of dense structures most pixels are opaque
-      const auto hidden = hn::Or(hn::Le(depth, hn::Zero(d)), hn::Ge(opacity, opaque_));
-      if (hn::AllTrue(d, hidden)) return;
-      const auto slab =
-          kMethod == AbsorptionMethod::kModerateSlab ? ModerateAbsorption(d, depth) : AnyAbsorption(d, depth);
-      AddEmissions(hn::Mul(transmittance, slab.mean), before, here, step, pixels);
-      hn::StoreU(hn::MulAdd(transmittance, slab.absorbed, opacity), d, opacities);
-    }
-  }
-
-  HWY_INLINE void AddEmissions(Vector weight, Vector before, Planes here, Planes step, float* pixels) const {
-    const Lanes d;
-    for (int emission = 0; emission < kEmissions; ++emission) {
-      float* const colors = pixels + emission * image_.plane_stride;
-      const auto splatted = hn::MulAdd(before, step[1 + emission], here[1 + emission]);
-      hn::StoreU(hn::MulAdd(weight, splatted, hn::LoadU(d, colors)), d, colors);
-    }
-  }
-
-  const SheetRows& rows_;
-  const ImageRows& image_;
-  Blocks reach_;
-  Blocks next_hidden_;
-  std::int64_t pair_ = 0;
-  Vector slab_, opaque_;
-  Vector lower_[kRows], before_[kPhases];
-  Vector carry_[kRows][kPlanes];  // rotated vectors of the previous block
-  Vector max_depth_carry_;        // their maximum depth
-  // Optical properties of the previous block if it was skipped and the carry is pending, else null.
-  const float* skipped_upper_ = nullptr;
-  const float* skipped_lower_ = nullptr;
-};
-
-template <int kEmissions, int kRows, int kPhases>
-HWY_INLINE void CompositePairs(const SheetRows& rows, float slab_mm, float termination_threshold,
-                               const ImageRows& image) {
-  Splat<kEmissions, kRows, kPhases> splat(rows, slab_mm, termination_threshold, image);
-  for (std::int64_t pair = 0; pair < rows.pairs; ++pair) splat.CompositePair(pair);
-}
-
-template <int kEmissions>
-HWY_INLINE void CompositeEmissions(const SheetRows& rows, float slab_mm, float termination_threshold,
-                                   const ImageRows& image) {
-  switch (10 * rows.rows_between + rows.phase_count) {
-    case 11: return CompositePairs<kEmissions, 1, 1>(rows, slab_mm, termination_threshold, image);
-    case 12: return CompositePairs<kEmissions, 1, 2>(rows, slab_mm, termination_threshold, image);
-    case 13: return CompositePairs<kEmissions, 1, 3>(rows, slab_mm, termination_threshold, image);
-    case 21: return CompositePairs<kEmissions, 2, 1>(rows, slab_mm, termination_threshold, image);
-    case 22: return CompositePairs<kEmissions, 2, 2>(rows, slab_mm, termination_threshold, image);
-    case 33: return CompositePairs<kEmissions, 3, 3>(rows, slab_mm, termination_threshold, image);
-    default: return scalar_kernels().composite(rows, slab_mm, termination_threshold, image);
-  }
-}
-
-void Composite(const SheetRows& rows, float slab_mm, float termination_threshold, const ImageRows& image) {
-  rows.slice->emissions == 1 ? CompositeEmissions<1>(rows, slab_mm, termination_threshold, image)
-                             : CompositeEmissions<3>(rows, slab_mm, termination_threshold, image);
-}
-
-void Mix(const WeightedOptics& a, const WeightedOptics& b, std::size_t floats, float* mixed) {
-  const Lanes d;
-  const auto weight_a = hn::Set(d, a.weight), weight_b = hn::Set(d, b.weight);
-  if (a.optics == nullptr || b.optics == nullptr) {
-    const float* const optics = a.optics != nullptr ? a.optics : b.optics;
-    const auto weight = a.optics != nullptr ? weight_a : weight_b;
-    for (std::size_t n = 0; n < floats; n += hn::Lanes(d))
-      hn::Store(hn::Mul(weight, hn::Load(d, optics + n)), d, mixed + n);
-    return;
-  }
-  for (std::size_t n = 0; n < floats; n += hn::Lanes(d)) {
-    const auto of_a = hn::Mul(weight_a, hn::Load(d, a.optics + n));
-    hn::Store(hn::MulAdd(weight_b, hn::Load(d, b.optics + n), of_a), d, mixed + n);
-  }
+void MixDispatched(const WeightedOptics& a, const WeightedOptics& b, std::size_t floats, float* mixed) {
+#if HWY_TARGET == HWY_SCALAR
+  scalar_kernels().mix(a, b, floats, mixed);
+#else
+  MixOptics(a, b, floats, mixed);
+#endif
 }
 
 }  // namespace splatlas::HWY_NAMESPACE
@@ -364,15 +39,15 @@ HWY_AFTER_NAMESPACE();
 namespace splatlas {
 namespace {
 
-HWY_EXPORT(Composite);
-HWY_EXPORT(Mix);
+HWY_EXPORT(CompositeDispatched);
+HWY_EXPORT(MixDispatched);
 
 void composite(const SheetRows& rows, float slab_mm, float termination_threshold, const ImageRows& image) {
-  HWY_DYNAMIC_DISPATCH(Composite)(rows, slab_mm, termination_threshold, image);
+  HWY_DYNAMIC_DISPATCH(CompositeDispatched)(rows, slab_mm, termination_threshold, image);
 }
 
 void mix(const WeightedOptics& a, const WeightedOptics& b, std::size_t floats, float* mixed) {
-  HWY_DYNAMIC_DISPATCH(Mix)(a, b, floats, mixed);
+  HWY_DYNAMIC_DISPATCH(MixDispatched)(a, b, floats, mixed);
 }
 
 }  // namespace

@@ -96,6 +96,13 @@ inline ScalarVec<float, kLanes> FusedMulAdd(ScalarTag<float, kLanes>, const Scal
                                             const ScalarVec<float, kLanes>& addend) {
   return MulAdd(factor, x, addend);
 }
+/// factor * x - subtrahend, rounded once.
+template <std::size_t kLanes>
+inline ScalarVec<float, kLanes> FusedMulSub(ScalarTag<float, kLanes>, const ScalarVec<float, kLanes>& factor,
+                                            const ScalarVec<float, kLanes>& x,
+                                            const ScalarVec<float, kLanes>& subtrahend) {
+  return MulAdd(factor, x, Neg(subtrahend));
+}
 template <std::size_t kLanes>
 inline ScalarVec<float, kLanes> NegMulAdd(const ScalarVec<float, kLanes>& factor,
                                           const ScalarVec<float, kLanes>& x,
@@ -109,6 +116,18 @@ inline ScalarVec<T, kLanes> ShiftBitsLeft(const ScalarVec<T, kLanes>& v) {
 template <int kBits, typename T, std::size_t kLanes>
 inline ScalarVec<T, kLanes> ShiftBitsRight(const ScalarVec<T, kLanes>& v) {
   return detail::per_lane<T, kLanes>([&](std::size_t n) { return v.lane[n] >> kBits; });
+}
+
+/// Lane 0 of `first`, the others of `rest`.
+template <typename T, std::size_t kLanes>
+inline ScalarVec<T, kLanes> WithFirstLane(const ScalarVec<T, kLanes>& first,
+                                          const ScalarVec<T, kLanes>& rest) {
+  return detail::per_lane<T, kLanes>([&](std::size_t n) { return n == 0 ? first.lane[0] : rest.lane[n]; });
+}
+/// Rotates lanes upwards by one: the last lane becomes lane 0.
+template <typename T, std::size_t kLanes>
+inline ScalarVec<T, kLanes> Rotated(const ScalarVec<T, kLanes>& v) {
+  return detail::per_lane<T, kLanes>([&](std::size_t n) { return v.lane[(n + kLanes - 1) % kLanes]; });
 }
 
 template <typename T, std::size_t kLanes, typename Value>
@@ -130,6 +149,10 @@ inline ScalarVec<T, kLanes> LoadU(ScalarTag<T, kLanes> tag, const T* values) {
 template <typename T, std::size_t kLanes>
 inline void Store(const ScalarVec<T, kLanes>& v, ScalarTag<T, kLanes>, T* values) {
   std::copy_n(v.lane, kLanes, values);
+}
+template <typename T, std::size_t kLanes>
+inline void StoreU(const ScalarVec<T, kLanes>& v, ScalarTag<T, kLanes> tag, T* values) {
+  Store(v, tag, values);
 }
 template <typename T, std::size_t kLanes>
 inline ScalarVec<T, kLanes> GatherIndex(ScalarTag<T, kLanes>, const T* values,

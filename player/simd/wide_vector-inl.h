@@ -174,11 +174,12 @@ HWY_INLINE Pair<V> ShiftBitsRight(const Pair<V>& v) {
   return {ShiftBitsRight<kBits>(v.low), ShiftBitsRight<kBits>(v.high)};
 }
 
-/// factor * x + addend, rounded once, on native vectors. Without an instruction for it: by way of double,
-/// which holds the product exactly, so that one result in 2^28 or so is rounded twice.
+#if HWY_TARGET == HWY_SSSE3 || HWY_TARGET == HWY_SSE4 || HWY_TARGET == HWY_EMU128
+
+/// factor * x + addend, rounded once. There is no instruction for it: double holds the product exactly, so
+/// that one result in 2^28 or so is rounded twice.
 template <class D>
 HWY_INLINE hn::Vec<D> FusedMulAdd(D d, hn::Vec<D> factor, hn::Vec<D> x, hn::Vec<D> addend) {
-#if HWY_TARGET == HWY_SSSE3 || HWY_TARGET == HWY_SSE4 || HWY_TARGET == HWY_EMU128
   const hn::Half<D> half;
   const hn::Rebind<double, decltype(half)> wide;
   const auto lower = hn::Add(
@@ -188,40 +189,66 @@ HWY_INLINE hn::Vec<D> FusedMulAdd(D d, hn::Vec<D> factor, hn::Vec<D> x, hn::Vec<
       hn::Mul(hn::PromoteTo(wide, hn::UpperHalf(half, factor)), hn::PromoteTo(wide, hn::UpperHalf(half, x))),
       hn::PromoteTo(wide, hn::UpperHalf(half, addend)));
   return hn::Combine(d, hn::DemoteTo(half, upper), hn::DemoteTo(half, lower));
-#else
-  (void)d;
-  return hn::MulAdd(factor, x, addend);
-#endif
+}
+template <class D>
+HWY_INLINE hn::Vec<D> FusedMulSub(D d, hn::Vec<D> factor, hn::Vec<D> x, hn::Vec<D> subtrahend) {
+  return FusedMulAdd(d, factor, x, hn::Neg(subtrahend));
+}
+template <class D>
+HWY_INLINE hn::Vec<D> FusedNegMulAdd(D d, hn::Vec<D> factor, hn::Vec<D> x, hn::Vec<D> addend) {
+  return FusedMulAdd(d, hn::Neg(factor), x, addend);
 }
 
-template <class D, class V>
-HWY_INLINE Pair<V> FusedMulAdd(PairTag<D>, const Pair<V>& factor, const Pair<V>& x, const Pair<V>& addend) {
-  return {FusedMulAdd(D(), factor.low, x.low, addend.low),
-          FusedMulAdd(D(), factor.high, x.high, addend.high)};
+#else
+
+/// factor * x + addend, rounded once.
+template <class D>
+HWY_INLINE hn::Vec<D> FusedMulAdd(D, hn::Vec<D> factor, hn::Vec<D> x, hn::Vec<D> addend) {
+  return hn::MulAdd(factor, x, addend);
 }
+/// factor * x - subtrahend, rounded once.
+template <class D>
+HWY_INLINE hn::Vec<D> FusedMulSub(D, hn::Vec<D> factor, hn::Vec<D> x, hn::Vec<D> subtrahend) {
+  return hn::MulSub(factor, x, subtrahend);
+}
+/// addend - factor * x, rounded once.
+template <class D>
+HWY_INLINE hn::Vec<D> FusedNegMulAdd(D, hn::Vec<D> factor, hn::Vec<D> x, hn::Vec<D> addend) {
+  return hn::NegMulAdd(factor, x, addend);
+}
+
+#endif
+
+#define SPLATLAS_WIDE_FUSED(Name)                                                             \
+  template <class D, class V>                                                                 \
+  HWY_INLINE Pair<V> Name(PairTag<D>, const Pair<V>& a, const Pair<V>& b, const Pair<V>& c) { \
+    return {Name(D(), a.low, b.low, c.low), Name(D(), a.high, b.high, c.high)};               \
+  }
+SPLATLAS_WIDE_FUSED(FusedMulAdd)
+SPLATLAS_WIDE_FUSED(FusedMulSub)
+SPLATLAS_WIDE_FUSED(FusedNegMulAdd)
+#undef SPLATLAS_WIDE_FUSED
 
 namespace detail {
 
 template <class V>
-HWY_INLINE V MulAddPart(V factor, V x, V addend) {
-  return FusedMulAdd(hn::DFromV<V>(), factor, x, addend);
-}
+struct TagOfVector {
+  using type = hn::DFromV<V>;
+};
 template <class V>
-HWY_INLINE Pair<V> MulAddPart(const Pair<V>& factor, const Pair<V>& x, const Pair<V>& addend) {
-  return {MulAddPart(factor.low, x.low, addend.low), MulAddPart(factor.high, x.high, addend.high)};
-}
+struct TagOfVector<Pair<V>> {
+  using type = PairTag<typename TagOfVector<V>::type>;
+};
 
 }  // namespace detail
 
-/// factor * x + addend, rounded once.
 template <class V>
 HWY_INLINE Pair<V> MulAdd(const Pair<V>& factor, const Pair<V>& x, const Pair<V>& addend) {
-  return detail::MulAddPart(factor, x, addend);
+  return FusedMulAdd(typename detail::TagOfVector<Pair<V>>::type(), factor, x, addend);
 }
-/// addend - factor * x, rounded once.
 template <class V>
 HWY_INLINE Pair<V> NegMulAdd(const Pair<V>& factor, const Pair<V>& x, const Pair<V>& addend) {
-  return detail::MulAddPart(Neg(factor), x, addend);
+  return FusedNegMulAdd(typename detail::TagOfVector<Pair<V>>::type(), factor, x, addend);
 }
 
 // Memory and conversions.
@@ -266,6 +293,37 @@ template <class D, class M>
 HWY_INLINE WideVec<PairTag<D>> VecFromMask(PairTag<D>, const Pair<M>& mask) {
   return {VecFromMask(D(), mask.low), VecFromMask(D(), mask.high)};
 }
+template <class V, class D, typename T>
+HWY_INLINE void StoreU(const Pair<V>& v, PairTag<D>, T* values) {
+  StoreU(v.low, D(), values);
+  StoreU(v.high, D(), values + kLanesOf<D>);
+}
+
+// Shifts between neighbouring lanes.
+/// Lane 0 of `first`, the others of `rest`.
+template <class V>
+HWY_INLINE V WithFirstLane(const V& first, const V& rest) {
+  return hn::IfThenElse(hn::FirstN(hn::DFromV<V>(), 1), first, rest);
+}
+template <class V>
+HWY_INLINE Pair<V> WithFirstLane(const Pair<V>& first, const Pair<V>& rest) {
+  return {WithFirstLane(first.low, rest.low), rest.high};
+}
+/// Rotates lanes upwards by one: the last lane becomes lane 0.
+template <class V>
+HWY_INLINE V Rotated(const V& v) {
+  using D = hn::DFromV<V>;
+  const hn::RebindToSigned<D> di;
+  constexpr auto kLast = static_cast<std::int32_t>(hn::MaxLanes(D()) - 1);
+  const auto before = hn::And(hn::Iota(di, kLast), hn::Set(di, kLast));
+  return hn::TableLookupLanes(v, hn::IndicesFromVec(D(), before));
+}
+template <class V>
+HWY_INLINE Pair<V> Rotated(const Pair<V>& v) {
+  const auto low = Rotated(v.low), high = Rotated(v.high);
+  return {WithFirstLane(high, low), WithFirstLane(low, high)};
+}
+
 /// Element n of each of four vectors, for every n: values[4 * n] to values[4 * n + 3].
 template <class D, typename T, class V>
 HWY_INLINE void LoadInterleaved4(PairTag<D>, const T* values, Pair<V>& a, Pair<V>& b, Pair<V>& c,
