@@ -21,16 +21,16 @@ StructureClasses::StructureClasses(const ClassTable& classes, std::size_t struct
     : first_(structures + 1, 0) {
   for_each_holding(classes, [&](ClassId, const Membership& m) { ++first_[m.structure + 1]; });
   std::partial_sum(first_.begin(), first_.end(), first_.begin());
-  held_.resize(first_.back());
+  list_.resize(first_.back());
   std::vector<std::size_t> next(first_.begin(), first_.end() - 1);
   for_each_holding(classes, [&](ClassId c, const Membership& m) {
-    held_[next[m.structure]++] = {c, m.part};
+    list_[next[m.structure]++] = {c, m.part};
   });
 }
 
-IndexBox box_of(const ClassTable& classes, std::span<const StructureClass> held) {
+IndexBox box_of(const ClassTable& classes, std::span<const StructureClass> members) {
   IndexBox box;
-  for (const StructureClass& h : held) box.include(classes.box(h.id));
+  for (const StructureClass& h : members) box.include(classes.box(h.id));
   return box;
 }
 

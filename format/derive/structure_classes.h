@@ -23,15 +23,15 @@ class StructureClasses {
 
   /// Classes inside the structure in ascending order, without those that only its surface crosses.
   [[nodiscard]] std::span<const StructureClass> of(StructureIndex structure) const {
-    return std::span(held_).subspan(first_[structure], first_[structure + 1] - first_[structure]);
+    return std::span(list_).subspan(first_[structure], first_[structure + 1] - first_[structure]);
   }
 
  private:
-  std::vector<StructureClass> held_;
+  std::vector<StructureClass> list_;
   std::vector<std::size_t> first_;  // [structure], size + 1 offsets
 };
 
 /// Bounding box of the voxels of these classes.
-[[nodiscard]] IndexBox box_of(const ClassTable& classes, std::span<const StructureClass> held);
+[[nodiscard]] IndexBox box_of(const ClassTable& classes, std::span<const StructureClass> members);
 
 }  // namespace splatlas

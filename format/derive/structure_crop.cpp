@@ -4,9 +4,9 @@
 
 namespace splatlas {
 
-std::vector<std::uint8_t> parts_of(std::span<const StructureClass> held, std::size_t classes) {
+std::vector<std::uint8_t> parts_of(std::span<const StructureClass> members, std::size_t classes) {
   std::vector<std::uint8_t> parts(classes, StructureCrop::kOutside);
-  for (const StructureClass& h : held) parts[h.id] = StructureCrop::part_of(h.part);
+  for (const StructureClass& h : members) parts[h.id] = StructureCrop::part_of(h.part);
   return parts;
 }
 

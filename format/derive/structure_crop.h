@@ -20,8 +20,8 @@ struct StructureCrop {
   Index3 size{0, 0, 0};
   std::vector<std::uint8_t> parts;  ///< kOutside (also if only crossed), kInterior or kBoundary; i fastest
 
-  [[nodiscard]] static std::uint8_t part_of(Part held) {
-    return held == Part::kBoundary ? kBoundary : kInterior;
+  [[nodiscard]] static std::uint8_t part_of(Part part) {
+    return part == Part::kBoundary ? kBoundary : kInterior;
   }
   [[nodiscard]] std::size_t offset(std::int64_t i, std::int64_t j, std::int64_t k) const {
     return static_cast<std::size_t>((k * size[1] + j) * size[0] + i);
@@ -31,7 +31,7 @@ struct StructureCrop {
 /// Calls visit(i, j, grid offset) for the structure's voxels in slice k of the crop of a whole structure. i
 /// and j are crop indices.
 template <typename Visit>
-void for_each_held(const StructureCrop& crop, std::int64_t k, const Grid& grid, const Visit& visit) {
+void for_each_voxel(const StructureCrop& crop, std::int64_t k, const Grid& grid, const Visit& visit) {
   for (std::int64_t j = 1; j + 1 < crop.size[1]; ++j) {
     for (std::int64_t i = 1; i + 1 < crop.size[0]; ++i) {
       if (crop.parts[crop.offset(i, j, k)] == StructureCrop::kOutside) continue;
@@ -41,8 +41,9 @@ void for_each_held(const StructureCrop& crop, std::int64_t k, const Grid& grid, 
   }
 }
 
-/// [class]: its part of the structure with classes `held`, for `classes` classes.
-[[nodiscard]] std::vector<std::uint8_t> parts_of(std::span<const StructureClass> held, std::size_t classes);
+/// [class]: its part of the structure with classes `members`, for `classes` classes.
+[[nodiscard]] std::vector<std::uint8_t> parts_of(std::span<const StructureClass> members,
+                                                 std::size_t classes);
 
 /// Crops the class volume to `box`, which must not be empty, padded by one voxel. `parts` is from parts_of().
 [[nodiscard]] StructureCrop crop_structure(std::span<const ClassId> volume, const Index3& size,

@@ -18,7 +18,7 @@ class FitComparer {
         grid_(storage_grid(content)),
         voxel_normals_(grid_),
         normal_at_(content.class_volume.size()),
-        held_(content.classes, content.graph.size()),
+        structure_classes_(content.classes, content.graph.size()),
         owners_(normal_owners(content.classes)),
         normals_differ_(content.classes.size(), 0) {
     std::vector<std::size_t> next(content.classes.size(), 0);
@@ -31,18 +31,18 @@ class FitComparer {
   /// Compares the surface, and the normals of the classes owned by s. Threads may process different
   /// structures concurrently, because each class has one owner.
   [[nodiscard]] bool surface_is_fitted(StructureIndex s) {
-    const std::span<const StructureClass> held = held_.of(s);
-    const IndexBox box = box_of(content_.classes, held);
-    const bool wanted = !content_.surfaces[s].empty() && content_.surfaces[s].position_scale == 2;
+    const std::span<const StructureClass> members = structure_classes_.of(s);
+    const IndexBox box = box_of(content_.classes, members);
+    const bool is_candidate = !content_.surfaces[s].empty() && content_.surfaces[s].position_scale == 2;
     const bool fits = !box.empty() && crop_voxels(box) <= kMaxFittedVoxels;
     const auto is_owned = [&](const StructureClass& h) { return owners_[h.id] == s; };
     if (!fits) {
-      for (const StructureClass& h : held) {
+      for (const StructureClass& h : members) {
         if (is_owned(h)) normals_differ_[h.id] = 1;
       }
     }
-    if (!fits || (!wanted && std::ranges::none_of(held, is_owned))) return false;
-    const std::vector<std::uint8_t> parts = parts_of(held, owners_.size());
+    if (!fits || (!is_candidate && std::ranges::none_of(members, is_owned))) return false;
+    const std::vector<std::uint8_t> parts = parts_of(members, owners_.size());
     const StructureCrop crop = crop_structure(content_.class_volume, grid_.size, box, parts);
     const SurfaceMesh mesh = fit_surface(crop, grid_, [&](const SmoothGradient& gradient, std::int64_t k) {
       compare_normals(s, crop, gradient, k);
@@ -57,7 +57,7 @@ class FitComparer {
  private:
   void compare_normals(StructureIndex s, const StructureCrop& crop, const SmoothGradient& gradient,
                        std::int64_t k) {
-    for_each_held(crop, k, grid_, [&](std::int64_t i, std::int64_t j, std::size_t voxel) {
+    for_each_voxel(crop, k, grid_, [&](std::int64_t i, std::int64_t j, std::size_t voxel) {
       const ClassId c = content_.class_volume[voxel];
       if (owners_[c] != s || normals_differ_[c] != 0) return;
       if (voxel_normals_.normal(gradient.at(i, j)) != normal_at_[voxel]) normals_differ_[c] = 1;
@@ -68,7 +68,7 @@ class FitComparer {
   const Grid grid_;
   const VoxelNormals voxel_normals_;
   std::vector<PackedNormal> normal_at_;  // [voxel]
-  const StructureClasses held_;
+  const StructureClasses structure_classes_;
   std::vector<StructureIndex> owners_;        // [class]
   std::vector<std::uint8_t> normals_differ_;  // [class]; bytes, for concurrent writes
 };
@@ -102,7 +102,7 @@ FittedParts find_fitted_parts(const AtlasContent& content, unsigned threads,
   return parts;
 }
 
-std::vector<bool> find_uniform(const ClassTable& classes, const StructureClasses& held,
+std::vector<bool> find_uniform(const ClassTable& classes, const StructureClasses& structure_classes,
                                std::size_t structures) {
   const auto holders_of = [&](const StructureClass& h) {
     std::vector<StructureIndex> holders;
@@ -113,7 +113,7 @@ std::vector<bool> find_uniform(const ClassTable& classes, const StructureClasses
   };
   std::vector<bool> uniform(structures, true);
   for (StructureIndex s = 0; s < structures; ++s) {
-    const std::span<const StructureClass> all = held.of(s);
+    const std::span<const StructureClass> all = structure_classes.of(s);
     if (all.empty()) continue;
     const std::vector<StructureIndex> holders = holders_of(all.front());
     uniform[s] = std::ranges::all_of(all, [&](const StructureClass& h) { return holders_of(h) == holders; });

@@ -28,7 +28,8 @@ struct FittedParts {
 
 /// [structure]: true if all its voxels belong to the same set of structures. Fitting the normals of such a
 /// class needs no voxels of other groups. Cost: linear in the memberships.
-[[nodiscard]] std::vector<bool> find_uniform(const ClassTable& classes, const StructureClasses& held,
+[[nodiscard]] std::vector<bool> find_uniform(const ClassTable& classes,
+                                             const StructureClasses& structure_classes,
                                              std::size_t structures);
 
 }  // namespace splatlas

@@ -34,30 +34,30 @@ VolumeStyle ramp_of(const VolumeStyle& style) {
 }
 
 /// Sets the options of `term` that turn one style into another, unless cannot_restyle().
-void restyle(const VolumeStyle& reached, const VolumeStyle& wanted, SelectionTerm& term) {
-  if (reached == wanted) return;
-  if (wanted.curve) {
-    term.curve = wanted.curve;
+void restyle(const VolumeStyle& current, const VolumeStyle& target, SelectionTerm& term) {
+  if (current == target) return;
+  if (target.curve) {
+    term.curve = target.curve;
     return;
   }
-  const VolumeStyle ramp = ramp_of(reached);
-  if (wanted.low != ramp.low) term.low = wanted.low;
-  if (wanted.high != ramp.high) term.high = wanted.high;
-  if (wanted.profile != ramp.profile || wanted == ramp) term.profile = wanted.profile;
+  const VolumeStyle ramp = ramp_of(current);
+  if (target.low != ramp.low) term.low = target.low;
+  if (target.high != ramp.high) term.high = target.high;
+  if (target.profile != ramp.profile || target == ramp) term.profile = target.profile;
 }
 
 /// True if no term can make the change: terms cannot reset an end of a ramp.
-bool cannot_restyle(const VolumeStyle& reached, const VolumeStyle& wanted) {
-  const VolumeStyle ramp = ramp_of(reached);
-  return !wanted.curve && ((ramp.low && !wanted.low) || (ramp.high && !wanted.high));
+bool cannot_restyle(const VolumeStyle& current, const VolumeStyle& target) {
+  const VolumeStyle ramp = ramp_of(current);
+  return !target.curve && ((ramp.low && !target.low) || (ramp.high && !target.high));
 }
 
-/// Finds terms that turn an empty selection into the wanted one. Visits structures in topological order. A
+/// Finds terms that turn an empty selection into the target one. Visits structures in topological order. A
 /// term affects only descendants, so that it never changes a finished structure.
 class TermFinder {
  public:
-  TermFinder(const Selection& wanted, const StructureGraph& graph) : wanted_(wanted), graph_(graph) {
-    reached_.structures.resize(graph.size());
+  TermFinder(const Selection& target, const StructureGraph& graph) : target_(target), graph_(graph) {
+    current_.structures.resize(graph.size());
   }
 
   /// Starts with a term that selects all structures with the appearance of `draw`.
@@ -74,26 +74,26 @@ class TermFinder {
 
  private:
   void update(StructureIndex s) {
-    const StructureDraw& wanted = wanted_.structures[s];
-    const StructureDraw& reached = reached_.structures[s];
-    if (have_same_appearance(wanted, reached)) return;
-    if (wanted.mode == DrawMode::kOff || must_remove_first(s)) remove(s, DrawMode::kOff);
-    if (reached.mode == DrawMode::kBoth && wanted.mode == DrawMode::kVolume) remove(s, DrawMode::kSurface);
-    if (reached.mode == DrawMode::kBoth && wanted.mode == DrawMode::kSurface) remove(s, DrawMode::kVolume);
-    if (!have_same_appearance(wanted, reached)) add(s);
+    const StructureDraw& target = target_.structures[s];
+    const StructureDraw& current = current_.structures[s];
+    if (have_same_appearance(target, current)) return;
+    if (target.mode == DrawMode::kOff || must_remove_first(s)) remove(s, DrawMode::kOff);
+    if (current.mode == DrawMode::kBoth && target.mode == DrawMode::kVolume) remove(s, DrawMode::kSurface);
+    if (current.mode == DrawMode::kBoth && target.mode == DrawMode::kSurface) remove(s, DrawMode::kVolume);
+    if (!have_same_appearance(target, current)) add(s);
   }
 
   /// True if a removal must precede the new term: terms cannot reset an opacity, an end of a ramp or the
   /// colors of a subtree, nor replace volume by surface.
   [[nodiscard]] bool must_remove_first(StructureIndex s) const {
-    const StructureDraw& wanted = wanted_.structures[s];
-    const StructureDraw& reached = reached_.structures[s];
-    if (reached.mode == DrawMode::kOff) return false;
+    const StructureDraw& target = target_.structures[s];
+    const StructureDraw& current = current_.structures[s];
+    if (current.mode == DrawMode::kOff) return false;
     const bool swaps_parts =
-        reached.mode != wanted.mode && reached.mode != DrawMode::kBoth && wanted.mode != DrawMode::kBoth;
-    const bool own_color_again = wanted.color != reached.color && wanted.color == graph_[s].color;
-    return swaps_parts || (reached.opacity && !wanted.opacity) ||
-           cannot_restyle(reached.volume, wanted.volume) || (own_color_again && !graph_.children(s).empty());
+        current.mode != target.mode && current.mode != DrawMode::kBoth && target.mode != DrawMode::kBoth;
+    const bool own_color_again = target.color != current.color && target.color == graph_[s].color;
+    return swaps_parts || (current.opacity && !target.opacity) ||
+           cannot_restyle(current.volume, target.volume) || (own_color_again && !graph_.children(s).empty());
   }
 
   void remove(StructureIndex s, DrawMode mode) {
@@ -101,24 +101,24 @@ class TermFinder {
   }
 
   void add(StructureIndex s) {
-    const StructureDraw& wanted = wanted_.structures[s];
-    const StructureDraw& reached = reached_.structures[s];
-    const Rgb color = reached.mode == DrawMode::kOff ? graph_[s].color : reached.color;
-    SelectionTerm term{.name = graph_[s].id, .mode = wanted.mode};
-    if (wanted.opacity != reached.opacity) term.opacity = wanted.opacity;
-    if (wanted.color != color) term.color = wanted.color;
-    restyle(reached.volume, wanted.volume, term);
+    const StructureDraw& target = target_.structures[s];
+    const StructureDraw& current = current_.structures[s];
+    const Rgb color = current.mode == DrawMode::kOff ? graph_[s].color : current.color;
+    SelectionTerm term{.name = graph_[s].id, .mode = target.mode};
+    if (target.opacity != current.opacity) term.opacity = target.opacity;
+    if (target.color != color) term.color = target.color;
+    restyle(current.volume, target.volume, term);
     add_term(std::move(term), graph_.descendants(s));
   }
 
   void add_term(SelectionTerm term, std::span<const StructureIndex> structures) {
-    apply_term(term, static_cast<std::uint32_t>(terms_.size()), structures, graph_, reached_);
+    apply_term(term, static_cast<std::uint32_t>(terms_.size()), structures, graph_, current_);
     terms_.push_back(std::move(term));
   }
 
-  const Selection& wanted_;
+  const Selection& target_;
   const StructureGraph& graph_;
-  Selection reached_;
+  Selection current_;
   std::vector<SelectionTerm> terms_;
 };
 

@@ -36,11 +36,11 @@ Result<std::vector<std::int64_t>> labels_of_classes(const AtlasContent& content,
 
 Result<std::size_t> write_masks(const AtlasContent& content, const fs::path& folder) {
   std::size_t masks = 0;
-  const StructureClasses held(content.classes, content.graph.size());
+  const StructureClasses structure_classes(content.classes, content.graph.size());
   for (StructureIndex s = 0; s < content.graph.size(); ++s) {
-    const bool is_group = held.of(s).empty() && !content.graph.children(s).empty();
+    const bool is_group = structure_classes.of(s).empty() && !content.graph.children(s).empty();
     if (content.graph[s].external || is_group) continue;
-    const std::vector<std::uint8_t> parts = parts_of(held.of(s), content.classes.size());
+    const std::vector<std::uint8_t> parts = parts_of(structure_classes.of(s), content.classes.size());
     VoxelBuffer mask{VoxelType::kUInt8, std::vector<std::byte>(content.class_volume.size())};
     for (std::size_t v = 0; v < mask.bytes.size(); ++v)
       mask.bytes[v] = std::byte{parts[content.class_volume[v]] != 0};

@@ -12,10 +12,11 @@ namespace {
 /// Extracts the surface and the boundary normals of single structures.
 class StructureExtractor {
  public:
-  StructureExtractor(const Classification& classification, const StructureClasses& held, const Grid& grid,
-                     std::span<const StructureIndex> normal_owner, std::span<PackedNormal> normals)
+  StructureExtractor(const Classification& classification, const StructureClasses& structure_classes,
+                     const Grid& grid, std::span<const StructureIndex> normal_owner,
+                     std::span<PackedNormal> normals)
       : classification_(classification),
-        held_(held),
+        structure_classes_(structure_classes),
         grid_(grid),
         voxel_normals_(grid),
         normal_owner_(normal_owner),
@@ -23,7 +24,8 @@ class StructureExtractor {
 
   /// The surface of a structure within `box`; writes the normals of the boundary voxels that it owns.
   [[nodiscard]] SurfaceMesh extract(StructureIndex structure, const IndexBox& box) const {
-    const std::vector<std::uint8_t> parts = parts_of(held_.of(structure), classification_.classes.size());
+    const std::vector<std::uint8_t> parts =
+        parts_of(structure_classes_.of(structure), classification_.classes.size());
     const StructureCrop crop = crop_structure(classification_.volume, grid_.size, box, parts);
     return fit_surface(crop, grid_, [&](const SmoothGradient& gradient, std::int64_t k) {
       write_voxel_normals(structure, crop, gradient, k);
@@ -33,14 +35,14 @@ class StructureExtractor {
  private:
   void write_voxel_normals(StructureIndex structure, const StructureCrop& crop,
                            const SmoothGradient& gradient, std::int64_t k) const {
-    for_each_held(crop, k, grid_, [&](std::int64_t i, std::int64_t j, std::size_t voxel) {
+    for_each_voxel(crop, k, grid_, [&](std::int64_t i, std::int64_t j, std::size_t voxel) {
       if (normal_owner_[classification_.volume[voxel]] == structure)
         normals_[voxel] = voxel_normals_.normal(gradient.at(i, j));
     });
   }
 
   const Classification& classification_;
-  const StructureClasses& held_;
+  const StructureClasses& structure_classes_;
   const Grid& grid_;
   VoxelNormals voxel_normals_;
   std::span<const StructureIndex> normal_owner_;
@@ -48,12 +50,11 @@ class StructureExtractor {
 };
 
 /// Structures with voxels, largest boxes first for load balancing.
-std::vector<std::pair<StructureIndex, IndexBox>> structures_to_extract(const ClassTable& classes,
-                                                                       const StructureClasses& held,
-                                                                       const StructureGraph& graph) {
+std::vector<std::pair<StructureIndex, IndexBox>> structures_to_extract(
+    const ClassTable& classes, const StructureClasses& structure_classes, const StructureGraph& graph) {
   std::vector<std::pair<StructureIndex, IndexBox>> result;
   for (StructureIndex s = 0; s < graph.size(); ++s) {
-    const IndexBox box = box_of(classes, held.of(s));
+    const IndexBox box = box_of(classes, structure_classes.of(s));
     if (!box.empty()) result.emplace_back(s, box);
   }
   const auto voxels = [](const IndexBox& box) {
@@ -88,9 +89,9 @@ ExtractedSurfaces extract_surfaces(const Classification& classification, const S
   result.surfaces.resize(graph.size());
   const std::vector<StructureIndex> owners = normal_owners(classification.classes);
   std::vector<PackedNormal> normals(classification.volume.size());
-  const StructureClasses held(classification.classes, graph.size());
-  const StructureExtractor extractor(classification, held, storage_grid, owners, normals);
-  const auto structures = structures_to_extract(classification.classes, held, graph);
+  const StructureClasses structure_classes(classification.classes, graph.size());
+  const StructureExtractor extractor(classification, structure_classes, storage_grid, owners, normals);
+  const auto structures = structures_to_extract(classification.classes, structure_classes, graph);
 
   parallel_for(
       structures.size(), threads,

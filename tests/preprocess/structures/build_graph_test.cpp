@@ -163,7 +163,7 @@ TEST_F(BuildGraph, TellsTheLineOfAFault) {
   EXPECT_THAT(error("/Insula_L\n"), HasSubstr("empty"));
   EXPECT_THAT(error("B*/Insula_L\n"), HasSubstr("pattern"));
   EXPECT_THAT(error("Brain/Insula_L color=red\n"), AllOf(HasSubstr("line 1"), HasSubstr("red")));
-  EXPECT_THAT(error("A/B/Insula_L\nB/A/\n"), AllOf(HasSubstr("a.tree"), HasSubstr("circle")));
+  EXPECT_THAT(error("A/B/Insula_L\nB/A/\n"), AllOf(HasSubstr("a.tree"), HasSubstr("cycle")));
   EXPECT_THAT(error("A/code:2001&*_R\n"), HasSubstr("code:2001&*_R"));
   EXPECT_THAT(error("Brain/A\tB/Insula_L\n"), AllOf(HasSubstr("line 1"), HasSubstr("a tab")));
   EXPECT_THAT(error(std::string(201, 'x') + "/Insula_L\n"), HasSubstr("201 characters"));

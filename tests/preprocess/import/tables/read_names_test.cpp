@@ -76,7 +76,7 @@ TEST_F(ReadNames, TellsTheLineOfAFault) {
   EXPECT_THAT(error("  # \xff\xfe\n1 A\n"),
               HasSubstr("names.txt: line 1 is not UTF-8 (byte 4); plain UTF-8 text"));
   EXPECT_THAT(error("1 A\n2 b\xe2\x80\xae c\n"),
-              AllOf(HasSubstr("names.txt: line 2"), HasSubstr("turns text around")));
+              AllOf(HasSubstr("names.txt: line 2"), HasSubstr("bidirectional control character")));
   EXPECT_THAT(error("1 A\n\"2\"foo\n"), AllOf(HasSubstr("names.txt: line 2"), HasSubstr("'\"2\"foo'")));
   EXPECT_THAT(error("\"1\" A\n"), AllOf(HasSubstr("line 1"), HasSubstr("no label")));
   EXPECT_THAT(error("1 \"\"\n"), HasSubstr("label 1 has no name"));
