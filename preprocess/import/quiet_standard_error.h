@@ -1,11 +1,10 @@
-// Libraries that print when they should return.
+// Suppression of messages on standard error.
 #pragma once
 
 namespace splatlas {
 
-/// Nothing reaches standard error while this exists: NIfTI's library and MetaIO print there that they could
-/// not read or write, which their callers are told, or find out by reading the file back. It counts for the
-/// whole process.
+/// Redirects standard error of the whole process to /dev/null during its lifetime. NIfTI's library and MetaIO
+/// print errors there that they also return, or that reading the file back finds.
 class QuietStandardError {
  public:
   QuietStandardError();

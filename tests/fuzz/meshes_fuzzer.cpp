@@ -1,4 +1,4 @@
-// Mesh files from strangers, through our checks and, where they pass, VTK's readers.
+// Untrusted mesh files.
 // Input: a byte of choices, then the file.
 #include <array>
 #include <cmath>

@@ -24,6 +24,9 @@ struct TextLine {
 /// Refuses anything but a regular file that can be opened: folders, devices and pipes never reach a reader.
 [[nodiscard]] Result<void> check_regular_file(const std::filesystem::path& path);
 
+/// The first `count` bytes of a file, or all that it has; none if it cannot be read.
+[[nodiscard]] std::string first_bytes(const std::filesystem::path& path, std::size_t count);
+
 /// Without blanks at both ends.
 [[nodiscard]] std::string_view trimmed(std::string_view text);
 /// The parts between blanks; they live as long as `text` does.
