@@ -83,7 +83,7 @@ CLI::Option* add_choice(CLI::App& app, const std::string& name, Value& value,
 inline CLI::Option* add_threads(CLI::App& app, unsigned& threads, const std::string& help) {
   constexpr unsigned kMaxThreads = 1024;
   return app.add_option("--threads", threads, help)
-      ->check(CLI::Range(0u, kMaxThreads, fmt::format("0 to {}", kMaxThreads)))
+      ->check(CLI::Range(0u, kMaxThreads).description(""))
       ->capture_default_str();
 }
 

@@ -17,12 +17,12 @@ constexpr const char* kFooter =
     "  NAME[:surface|:volume|:both][(opacity=0.4,color=#ff8800)]\n"
     "NAME is a structure's id, name or path (Brain/Cerebellum/Left), '*' stands for any characters;\n"
     "quote it where it holds a blank, a sign or a colon. A node selects all its descendants.\n"
-    "Options, for volumes the last four only:\n"
-    "  opacity=0.4            above 0, at most 1; of a surface, or of one voxel of a volume\n"
+    "Options; the last four are for volumes only:\n"
+    "  opacity=0.4            of a surface, or of one voxel of a volume: above 0, at most 1\n"
     "  color=#ff8800\n"
     "  low=40, high=160       grey values between which a volume rises to its opacity\n"
     "  profile=soft           a ramp from low to high; thin: opacity 0.01 by default; hard: a step\n"
-    "  curve=40:0/160:0.3     no ramp but a table of grey:opacity or grey:opacity:shade\n"
+    "  curve=40:0/160:0.3     a table of grey:opacity or grey:opacity:shade, instead of a ramp\n"
     "\n"
     "  --select '\"Left hemisphere\":volume + Cerebellum:surface(opacity=0.5) - Vermis*'\n"
     "\n"
@@ -90,7 +90,7 @@ void add_camera(CLI::App& command, Camera& camera) {
 void add_quality(CLI::App& command, RenderOptions& options) {
   add_choice(command, "--classify", options.classification,
              {{"before", Classification::kBefore}, {"after", Classification::kAfter}},
-             "apply transfer functions before or after interpolation between voxels");
+             "transfer functions relative to interpolation between voxels");
   add_choice(command, "--quality", options.quality,
              {{"draft", Quality::kDraft}, {"normal", Quality::kNormal}, {"high", Quality::kHigh}});
   add_choice(command, "--shading", options.hybrid_shading, {{"hybrid", true}, {"none", false}},

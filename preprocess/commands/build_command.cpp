@@ -84,12 +84,12 @@ CLI::App* add_build(CLI::App& app, BuildRequest& request) {
   build->add_option("--licence,--license", options.licence, "stored in the atlas")->check(check_text);
   build->add_flag("--compact", options.compact, "leave out data that a player derives in milliseconds");
   build->add_option("--level", options.level, "Zstandard level, 1 (fast) to 22 (small)")
-      ->check(CLI::Range(1, 22, "1 to 22"))
+      ->check(CLI::Range(1, 22).description(""))
       ->capture_default_str();
   add_threads(*build, options.threads, "0: one per core");
   add_choice(*build, "--progress", request.progress,
              {{"auto", request.progress}, {"none", ProgressMode::kNone}, {"json", ProgressMode::kJson}},
-             "on standard error");
+             "progress on standard error");
   return build;
 }
 
