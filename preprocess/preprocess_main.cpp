@@ -1,4 +1,4 @@
-// splatlas-preprocess: builds atlases from volumes and exports their content.
+// Program splatlas-preprocess: builds atlases, and exports their parts.
 
 #include <cstdio>
 #include <sstream>
@@ -24,22 +24,26 @@ constexpr const char* kDescription =
     "  splatlas-preprocess build -o brain.atlas --labels aal.nii.gz --names aal.nii.txt --volume ch2.nii.gz\n"
     "  splatlas-preprocess export brain.atlas --labels labels.nii.gz\n"
     "\n"
-    "COMMAND --help lists the options of a command.";
+    "COMMAND --help describes a command.";
 
 Result<void> run(int argc, char** argv) {
   CLI::App app{kDescription, "splatlas-preprocess"};
   app.set_version_flag("--version", std::string(kTool) + " (atlas format 1)");
   app.get_formatter()->column_width(30);
   app.require_subcommand(1);
-  const BuildWordsPtr build = add_build(app);
-  ExportWords export_words;
-  add_export(app, export_words);
+  BuildRequest request;
+  request.options.tool = kTool;
+  ExportOptions export_options;
+  const CLI::App* build = add_build(app, request);
+  add_export(app, export_options);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& help_or_version) {
     std::ostringstream text;
     app.exit(help_or_version, text);
     return print_text(text.str());
+  } catch (const CLI::ValidationError& error) {
+    return fail(ErrorCode::kUsage, error.what());
   } catch (const CLI::ParseError& error) {
     if (argc > 1 && argv[1][0] != '-' && app.get_subcommands().empty()) {
       return fail(ErrorCode::kUsage, fmt::format("{}: no such command; there are build and export", argv[1]));
@@ -47,7 +51,7 @@ Result<void> run(int argc, char** argv) {
     return fail(ErrorCode::kUsage, fmt::format("{}; see --help", error.what()));
   }
   install_interrupt_handlers();
-  SPLATLAS_RETURN_IF_ERROR(app.got_subcommand("build") ? run_build(*build, kTool) : run_export(export_words));
+  SPLATLAS_RETURN_IF_ERROR(build->parsed() ? run_build(request) : run_export(export_options));
   return finish_standard_output();
 }
 
@@ -63,7 +67,7 @@ int main(int argc, char** argv) try {
   const splatlas::Result<void> result = splatlas::run(argc, argv);
   return result ? 0 : splatlas::report(result.error());
 } catch (const std::bad_alloc&) {
-  std::fputs("splatlas-preprocess: not enough memory\n", stderr);
+  std::fputs("splatlas-preprocess: out of memory\n", stderr);
   return 1;
 } catch (const std::exception& exception) {
   std::fprintf(stderr, "splatlas-preprocess: %s\n", exception.what());

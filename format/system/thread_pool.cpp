@@ -7,10 +7,10 @@
 namespace splatlas {
 namespace {
 
-/// Gives a moment to what other threads are about to do.
+/// Spins, with the mutex released, until is_done() or some 30 microseconds have passed.
 template <typename IsDone>
 void wait_briefly(std::unique_lock<std::mutex>& lock, const IsDone& is_done) {
-  constexpr int kTries = 60;  // some 30 microseconds
+  constexpr int kTries = 60;
   lock.unlock();
   for (int n = 0; n < kTries && !is_done(); ++n) std::this_thread::yield();
   lock.lock();
@@ -19,13 +19,12 @@ void wait_briefly(std::unique_lock<std::mutex>& lock, const IsDone& is_done) {
 }  // namespace
 
 ThreadPool::ThreadPool(unsigned threads) {
+  constexpr unsigned kMaxThreads = 64;
   if (threads == 0) threads = std::max(1u, std::thread::hardware_concurrency());
-  threads = std::min(threads, 64u);
-  workers_.reserve(threads - 1);
   try {
-    for (unsigned n = 1; n < threads; ++n) workers_.emplace_back([this] { work(); });
+    for (unsigned n = 1; n < std::min(threads, kMaxThreads); ++n) workers_.emplace_back([this] { work(); });
   } catch (const std::exception&) {  // std::system_error, std::bad_alloc
-    // No more threads to be had: those there are do the work.
+    // Continue with fewer threads.
   }
 }
 

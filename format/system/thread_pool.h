@@ -1,4 +1,4 @@
-// A fixed set of worker threads for the loops of one frame.
+// Thread pool for parallel loops.
 #pragma once
 
 #include <atomic>
@@ -12,11 +12,11 @@
 
 namespace splatlas {
 
-/// Runs loops on a fixed number of threads (the caller is one of them). Threads sleep between loops, but for
-/// the first microseconds: a frame's loops follow each other at once, and waking up takes longer.
+/// Runs loops on a fixed number of threads, one of which is the caller. After a loop, threads spin for some
+/// microseconds before they sleep: the loops of a frame follow closely, and waking up takes longer.
 class ThreadPool {
  public:
-  /// 0 means one per core. Never more than 64.
+  /// 0 stands for one per core; at most 64. Continues with fewer if the system refuses threads.
   explicit ThreadPool(unsigned threads);
   ~ThreadPool();
   ThreadPool(const ThreadPool&) = delete;
@@ -24,9 +24,9 @@ class ThreadPool {
 
   [[nodiscard]] unsigned threads() const { return static_cast<unsigned>(workers_.size()) + 1; }
 
-  /// Calls body(0) .. body(count - 1), each once, in any order, and returns when all are done. `body` must
-  /// write only what its own number owns. An exception (out of memory) ends the loop early: the first one is
-  /// thrown again here. Not reentrant; one caller at a time.
+  /// Calls body(0) .. body(count - 1), each once, in any order, and returns when all are done. Calls run
+  /// concurrently: they must not write to shared data. An exception (out of memory) ends the loop early; the
+  /// first one is rethrown. Not reentrant; one caller at a time.
   void for_each(std::size_t count, const std::function<void(std::size_t)>& body);
 
  private:
@@ -39,7 +39,7 @@ class ThreadPool {
   const std::function<void(std::size_t)>* body_ = nullptr;
   std::exception_ptr failure_;
   std::size_t count_ = 0, next_ = 0;
-  std::atomic<std::size_t> running_ = 0, loops_ = 0;  // changed with the mutex held, watched without
+  std::atomic<std::size_t> running_ = 0, loops_ = 0;  // written with the mutex held, polled without
   bool stop_ = false;
 };
 

@@ -64,7 +64,7 @@ std::string info_json(const Atlas& atlas) {
                         {"citation", provenance.citation},
                         {"licence", provenance.licence},
                         {"tool", provenance.tool}};
-  // Names come from strangers' files: invalid UTF-8 is replaced, never an exception.
+  // Names come from untrusted files: replace invalid UTF-8 instead of throwing.
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
@@ -85,7 +85,7 @@ std::string info_text(const Atlas& atlas) {
   text.back() = '\n';
   fmt::format_to(out, "\n{:<50} {:>10} {:>10} {:>10}\n", "structure (again under every parent)", "interior",
                  "boundary", "triangles");
-  // Depth first with an explicit stack; each structure under every parent, as a selection by path sees it.
+  // Depth first with an explicit stack; a structure appears under each of its parents.
   constexpr std::size_t kMaxLines = 10000;
   std::size_t lines = 0;
   std::vector<std::pair<StructureIndex, std::size_t>> stack;

@@ -1,4 +1,4 @@
-// splatlas-player info: what an atlas holds.
+// Command splatlas-player info: contents of an atlas.
 #pragma once
 
 #include <string>
@@ -7,9 +7,9 @@
 
 namespace splatlas {
 
-/// The contract's JSON document.
+/// Grid, structures, counts and sizes as a JSON document.
 [[nodiscard]] std::string info_json(const Atlas& atlas);
-/// The same for people: grid, sizes, and the structures as a tree.
+/// The same as text: grid, sizes, and the structures as a tree.
 [[nodiscard]] std::string info_text(const Atlas& atlas);
 
 }  // namespace splatlas

@@ -1,4 +1,4 @@
-// splatlas-player: plays atlases, in a window or headless.
+// Program splatlas-player: atlases in a window, or rendered to files.
 
 #include <cstdio>
 #include <filesystem>
@@ -11,11 +11,12 @@
 #include <fmt/format.h>
 
 #include "format/system/ascii_text.h"
+#include "format/system/command_options.h"
 #include "format/system/interrupts.h"
 #include "format/system/standard_output.h"
 #include "player/commands/info_command.h"
+#include "player/commands/render_arguments.h"
 #include "player/commands/render_command.h"
-#include "player/commands/render_words.h"
 #ifdef SPLATLAS_HAS_WINDOW
 #include "player/window/player_window.h"
 #endif
@@ -60,7 +61,7 @@ Result<void> verify_file(const std::filesystem::path& path) {
                                 path.string(), atlas->counters().file));
 }
 
-/// A damaged atlas gives the picture of the rest, and an error all the same: scripts must notice.
+/// A damaged atlas gives a picture of its intact parts and still an error, so that scripts notice.
 Result<void> render_picture(const RenderRequest& request) {
   SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::string> missing, run_render(request));
   if (missing.empty()) return {};
@@ -79,13 +80,13 @@ Result<void> open_window(const std::filesystem::path& path, [[maybe_unused]] uns
 #endif
 }
 
-/// Everything that can be typed.
+/// Options and commands, bound to typed variables.
 struct CommandLine {
   CLI::App app{kDescription, "splatlas-player"};
   std::filesystem::path atlas;  // of all commands but render
-  std::string window_threads = "0";
+  unsigned window_threads = 0;
   bool json = false;
-  RenderWords render_words;
+  RenderRequest request;
   CLI::App* render = nullptr;
   CLI::App* info = nullptr;
   CLI::App* verify = nullptr;
@@ -94,8 +95,8 @@ struct CommandLine {
     app.set_version_flag("--version", kVersion);
     app.get_formatter()->column_width(28);
     app.add_option("ATLAS", atlas, "atlas file to open in a window");
-    app.add_option("--threads", window_threads, "0: one per core")->capture_default_str();
-    render = add_render(app, render_words);
+    add_threads(app, window_threads, "0: one per core");
+    render = add_render(app, request);
     info = app.add_subcommand("info", "List grid, structures, counts and sizes");
     info->add_option("ATLAS", atlas, "atlas file")->required();
     info->add_flag("--json", json, "as a JSON document");
@@ -107,20 +108,18 @@ struct CommandLine {
 
 Result<void> run_command(const CommandLine& line) {
   if (line.render->parsed()) {
-    SPLATLAS_ASSIGN_OR_RETURN(const RenderRequest request, render_request(*line.render, line.render_words));
     install_interrupt_handlers();
-    return render_picture(request);
+    return render_picture(line.request);
   }
   if (line.info->parsed()) return print_info(line.atlas, line.json);
   if (line.verify->parsed()) return verify_file(line.atlas);
   if (line.atlas.empty()) return wrong_usage(line.app, "no atlas file is given");
-  // A lone word is rather a command written wrongly than a file that is missing.
+  // A lone word is more likely a misspelt command than a missing file.
   std::error_code ignored;
   const bool is_word = !line.atlas.has_parent_path() && !line.atlas.has_extension();
   if (is_word && !std::filesystem::exists(line.atlas, ignored))
     return no_command_or_atlas(line.app, line.atlas);
-  SPLATLAS_ASSIGN_OR_RETURN(const unsigned threads, parse_threads(line.window_threads));
-  return open_window(line.atlas, threads);
+  return open_window(line.atlas, line.window_threads);
 }
 
 Result<void> run(int argc, char** argv) {
@@ -138,6 +137,8 @@ Result<void> run(int argc, char** argv) {
       return wrong_usage(line.app, error.what());
     }
     return no_command_or_atlas(line.app, line.atlas);
+  } catch (const CLI::ValidationError& error) {
+    return fail(ErrorCode::kUsage, error.what());
   } catch (const CLI::ParseError& error) {
     return wrong_usage(line.app, error.what());
   }

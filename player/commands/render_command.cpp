@@ -53,7 +53,7 @@ Result<OutputFile> written(const std::filesystem::path& path, std::span<const st
   return file;
 }
 
-/// All or nothing: a picture whose stats cannot be written is not left behind either.
+/// Writes both files or none.
 Result<void> write_outputs(const RenderRequest& request, std::span<const std::byte> picture,
                            const std::string& stats) {
   std::vector<OutputFile> files;
@@ -74,7 +74,7 @@ Result<std::vector<std::string>> run_render(const RenderRequest& request) {
       check_outputs(std::vector{request.output, request.stats}, std::vector{request.atlas}));
   SPLATLAS_RETURN_IF_ERROR(check_writable_file(request.output));
   if (!request.stats.empty()) SPLATLAS_RETURN_IF_ERROR(check_writable_file(request.stats));
-  // Whatever can be told without the atlas is told first.
+  // Report errors that do not need the atlas before opening it.
   SPLATLAS_ASSIGN_OR_RETURN(const auto terms, parse_selection(request.select));
   SPLATLAS_RETURN_IF_ERROR(view_of(request.camera, request.options.size, Display{}));
   SPLATLAS_RETURN_IF_ERROR(

@@ -1,4 +1,4 @@
-// splatlas-player render: a selection of an atlas to a picture file.
+// Command splatlas-player render: a selection of an atlas to a picture file.
 #pragma once
 
 #include <filesystem>
@@ -11,6 +11,7 @@
 
 namespace splatlas {
 
+/// Everything that the command line of render says.
 struct RenderRequest {
   std::filesystem::path atlas, output;
   std::string select = "*";
@@ -18,11 +19,11 @@ struct RenderRequest {
   RenderOptions options;
   unsigned threads = 0;
   std::optional<Rgb> background = Rgb{0, 0, 0};  ///< none: transparent
-  std::filesystem::path stats;                   ///< empty: none wanted
+  std::filesystem::path stats;                   ///< JSON file; empty: none
 };
 
-/// Writes the picture. Where the atlas is damaged, that of what can be read: returns what is missing from it
-/// and why, a line each; nothing as a rule.
+/// Writes the picture, and the statistics if asked for, or neither. Of a damaged atlas, renders the intact
+/// parts and returns a line for each missing one.
 [[nodiscard]] Result<std::vector<std::string>> run_render(const RenderRequest& request);
 
 }  // namespace splatlas

@@ -1,25 +1,13 @@
 #include "preprocess/commands/build_command.h"
 
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "format/system/ascii_text.h"
+#include "format/system/command_options.h"
 #include "format/system/plain_text.h"
-#include "preprocess/build_atlas.h"
 #include "preprocess/commands/name_and_file.h"
-#include "preprocess/commands/progress_display.h"
 
 namespace splatlas {
-
-struct BuildWords {
-  BuildOptions options;
-  std::vector<std::string> meshes, segments;
-  std::string mesh_frame = "lps", progress = "auto";
-};
-
-void ForgetBuildWords::operator()(BuildWords* words) const {
-  delete words;
-}
-
 namespace {
 
 constexpr const char* kFooter = R"(Examples:
@@ -48,31 +36,30 @@ Segments: voxels that no label holds yet get a structure of their own, in the or
 
 Exit status: 0 done; 1 could not be done; 2 wrong usage. A failed or interrupted build leaves nothing behind.)";
 
-Result<SourceFiles> sources_of(const BuildWords& words) {
-  SourceFiles sources = words.options.sources;
-  for (const std::string& text : words.segments) {
-    SPLATLAS_ASSIGN_OR_RETURN(sources.segments.emplace_back(), parse_segment(text));
-  }
-  for (const std::string& text : words.meshes) {
-    SPLATLAS_ASSIGN_OR_RETURN(auto mesh, split_name_and_file("--mesh", text));
-    sources.meshes.push_back({std::move(mesh.first), std::move(mesh.second)});
-  }
-  if (words.mesh_frame != "lps" && words.mesh_frame != "ras") {
-    return fail(ErrorCode::kUsage, fmt::format("--mesh-frame {}: must be lps or ras", words.mesh_frame));
-  }
-  sources.mesh_frame = words.mesh_frame == "ras" ? MeshFrame::kRas : MeshFrame::kLps;
-  return sources;
+Result<SourceFiles::Mesh> parse_mesh(std::string_view text) {
+  SPLATLAS_ASSIGN_OR_RETURN(auto mesh, parse_name_and_file("--mesh", text));
+  return SourceFiles::Mesh{std::move(mesh.first), std::move(mesh.second)};
 }
 
-/// What is kept in the atlas as it is typed.
-Result<void> check_texts(const BuildOptions& options) {
-  const std::pair<const char*, const std::string&> texts[] = {
-      {"--title", options.title}, {"--citation", options.citation}, {"--licence", options.licence}};
-  for (const auto& [option, text] : texts) {
-    if (const std::string fault = fault_of_text(text); !fault.empty())
-      return fail(ErrorCode::kUsage, fmt::format("{} {} {}", option, in_quotes(text), fault));
-  }
-  return {};
+std::string check_text(const std::string& text) {
+  const std::string fault = fault_of_text(text);
+  return fault.empty() ? fault : in_quotes(text) + " " + fault;
+}
+
+void add_sources(CLI::App& build, SourceFiles& sources) {
+  build.add_option("--labels", sources.labels, "label map, or folder of masks");
+  build.add_option("--volume", sources.volume, "grey values");
+  build.add_option("--names", sources.names, "names of the labels");
+  build.add_option("--colors", sources.colors, "colour table of 768 bytes (MRIcron's .lut)");
+  build.add_option("--tree", sources.tree, "hierarchy of the structures");
+  add_repeated(build, "--segment", sources.segments, parse_segment,
+               "NAME=RULE: a structure from thresholds or a mask (repeatable)");
+  add_repeated(build, "--mesh", sources.meshes, parse_mesh,
+               "NAME=FILE: an external surface, .stl .obj .ply .vtk (repeatable)");
+  add_choice(build, "--mesh-frame", sources.mesh_frame, {{"lps", MeshFrame::kLps}, {"ras", MeshFrame::kRas}},
+             "coordinate frame of the surfaces, in mm");
+  build.add_flag("--allow-empty", sources.allow_empty,
+                 "keep named labels without voxels, as empty structures");
 }
 
 void print_summary(const BuildReport& report, const std::string& output) {
@@ -85,56 +72,35 @@ void print_summary(const BuildReport& report, const std::string& output) {
 
 }  // namespace
 
-BuildWordsPtr add_build(CLI::App& app) {
-  BuildWordsPtr words(new BuildWords);
-  BuildOptions& options = words->options;
-  SourceFiles& sources = options.sources;
+CLI::App* add_build(CLI::App& app, BuildRequest& request) {
+  BuildOptions& options = request.options;
   CLI::App* build =
       app.add_subcommand("build", "Make an atlas from volumes, labels, names, trees and surfaces");
   build->footer(std::string(kFooter) + kTreeFormat + kFooterEnd);
   build->add_option("-o,--output", options.output, "atlas file to write")->required();
-  build->add_option("--labels", sources.labels, "label map, or folder of masks");
-  build->add_option("--volume", sources.volume, "grey values");
-  build->add_option("--names", sources.names, "what the labels are called");
-  build->add_option("--colors", sources.colors, "colour table of 768 bytes (MRIcron's .lut)");
-  build->add_option("--tree", sources.tree, "how structures belong together");
-  build->add_option("--segment", words->segments,
-                    "NAME=RULE: a structure from thresholds or a mask (repeatable)");
-  build->add_option("--mesh", words->meshes,
-                    "NAME=FILE: an external surface, .stl .obj .ply .vtk (repeatable)");
-  build
-      ->add_option("--mesh-frame", words->mesh_frame,
-                   "lps or ras: which way the coordinates of surfaces run, in mm")
-      ->capture_default_str();
-  build->add_flag("--allow-empty", sources.allow_empty,
-                  "keep named labels that no voxel has, as empty structures");
-  build->add_option("--title", options.title, "kept in the atlas");
-  build->add_option("--citation", options.citation, "kept in the atlas");
-  build->add_option("--licence,--license", options.licence, "kept in the atlas");
-  build->add_flag("--compact", options.compact, "leave out what a player derives in milliseconds");
+  add_sources(*build, options.sources);
+  build->add_option("--title", options.title, "stored in the atlas")->check(check_text);
+  build->add_option("--citation", options.citation, "stored in the atlas")->check(check_text);
+  build->add_option("--licence,--license", options.licence, "stored in the atlas")->check(check_text);
+  build->add_flag("--compact", options.compact, "leave out data that a player derives in milliseconds");
   build->add_option("--level", options.level, "Zstandard level, 1 (fast) to 22 (small)")
+      ->check(CLI::Range(1, 22).description(""))
       ->capture_default_str();
-  build->add_option("--threads", options.threads, "0: one per core")->capture_default_str();
-  build->add_option("--progress", words->progress, "auto, none or json, on standard error")
-      ->capture_default_str();
-  return words;
+  add_threads(*build, options.threads, "0: one per core");
+  add_choice(*build, "--progress", request.progress,
+             {{"auto", request.progress}, {"none", ProgressMode::kNone}, {"json", ProgressMode::kJson}},
+             "progress on standard error");
+  return build;
 }
 
-Result<void> run_build(const BuildWords& words, const std::string& tool) {
-  BuildOptions options = words.options;
-  options.tool = tool;
-  if (options.level < 1 || options.level > 22) {
-    return fail(ErrorCode::kUsage, fmt::format("--level {}: must be 1 to 22", options.level));
-  }
-  SPLATLAS_RETURN_IF_ERROR(check_texts(options));
-  SPLATLAS_ASSIGN_OR_RETURN(options.sources, sources_of(words));
-  SPLATLAS_ASSIGN_OR_RETURN(const ProgressMode mode, progress_mode(words.progress, stderr));
-  ProgressDisplay display(mode, stderr);
+Result<void> run_build(const BuildRequest& request) {
+  BuildOptions options = request.options;
+  ProgressDisplay display(request.progress, stderr);
   options.progress = [&](const BuildProgress& progress) { display.show(progress); };
   const Result<BuildReport> report = build_atlas(options);
   display.finish();
   if (!report) return tl::unexpected(report.error());
-  if (mode != ProgressMode::kJson) {
+  if (request.progress != ProgressMode::kJson) {
     for (const std::string& note : report->notes) fmt::print(stderr, "note: {}\n", note);
   }
   print_summary(*report, options.output.string());

@@ -1,27 +1,28 @@
-// `splatlas-preprocess build`.
+// Command splatlas-preprocess build: an atlas from volumes, labels, names, trees and surfaces.
 #pragma once
 
-#include <memory>
 #include <string>
 
-#include <CLI/CLI.hpp>
+#include "preprocess/build_atlas.h"
+#include "preprocess/commands/progress_display.h"
 
-#include "format/result.h"
+namespace CLI {
+class App;
+}
 
 namespace splatlas {
 
-/// What CLI11 collects, checked in run_build so that every message says what to do.
-struct BuildWords;
-struct ForgetBuildWords {
-  void operator()(BuildWords* words) const;
+/// Everything that the command line of build says.
+struct BuildRequest {
+  BuildOptions options;
+  ProgressMode progress = automatic_progress(stderr);
 };
-using BuildWordsPtr = std::unique_ptr<BuildWords, ForgetBuildWords>;
 
-/// Adds the command to `app`; the words are filled when `app` parses.
-[[nodiscard]] BuildWordsPtr add_build(CLI::App& app);
+/// Adds the command. Parsing fills `request`, which must live as long as `app`; invalid values throw
+/// CLI::ValidationError, which names option, value and remedy.
+CLI::App* add_build(CLI::App& app, BuildRequest& request);
 
-/// Builds, shows progress and notes on standard error and a summary on standard output. `tool` is the
-/// program's name and version.
-[[nodiscard]] Result<void> run_build(const BuildWords& words, const std::string& tool);
+/// Builds; progress and notes go to standard error, a summary to standard output.
+[[nodiscard]] Result<void> run_build(const BuildRequest& request);
 
 }  // namespace splatlas

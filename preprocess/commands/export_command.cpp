@@ -1,7 +1,9 @@
 #include "preprocess/commands/export_command.h"
 
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "format/system/command_options.h"
 #include "format/system/standard_output.h"
 #include "preprocess/commands/name_and_file.h"
 
@@ -14,27 +16,26 @@ constexpr const char* kFooter = R"(Examples:
   splatlas-preprocess export body.atlas --labels masks/
 
 Volumes (.nii, .nii.gz, .nrrd, .mha) have the source's grid, order of axes and pixel type. Surfaces (.stl, .obj, .ply,
-.vtk) are in LPS mm; a group's are those of all that is below it.
+.vtk) are in LPS mm; a group's surfaces are those of all its descendants.
 
 Exit status: 0 done; 1 could not be done; 2 wrong usage; 3 not a valid atlas; 4 name not found.)";
 
 }  // namespace
 
-void add_export(CLI::App& app, ExportWords& words) {
+CLI::App* add_export(CLI::App& app, ExportOptions& options) {
   CLI::App* command = app.add_subcommand("export", "Write the labels, volume or surfaces of an atlas");
   command->footer(kFooter);
-  command->add_option("ATLAS", words.options.atlas, "atlas file")->required();
-  command->add_option("--labels", words.options.labels,
-                      "label map to write; FOLDER/ for one mask per structure");
-  command->add_option("--volume", words.options.volume, "grey values to write");
-  command->add_option("--surface", words.surfaces, "STRUCTURE=FILE: a surface to write (repeatable)");
+  command->add_option("ATLAS", options.atlas, "atlas file")->required();
+  command->add_option("--labels", options.labels, "label map to write; FOLDER/ for one mask per structure");
+  command->add_option("--volume", options.volume, "grey values to write");
+  add_repeated(
+      *command, "--surface", options.surfaces,
+      [](std::string_view text) { return parse_name_and_file("--surface", text); },
+      "STRUCTURE=FILE: a surface to write (repeatable)");
+  return command;
 }
 
-Result<void> run_export(const ExportWords& words) {
-  ExportOptions options = words.options;
-  for (const std::string& text : words.surfaces) {
-    SPLATLAS_ASSIGN_OR_RETURN(options.surfaces.emplace_back(), split_name_and_file("--surface", text));
-  }
+Result<void> run_export(const ExportOptions& options) {
   SPLATLAS_ASSIGN_OR_RETURN(const ExportedFiles files, export_atlas(options));
   for (const std::string& line : files.written) SPLATLAS_RETURN_IF_ERROR(print_text(line + "\n"));
   if (files.failures.empty()) return {};

@@ -1,25 +1,19 @@
-// `splatlas-preprocess export`.
+// Command splatlas-preprocess export: labels, volume and surfaces of an atlas.
 #pragma once
-
-#include <string>
-#include <vector>
-
-#include <CLI/CLI.hpp>
 
 #include "preprocess/export/export_atlas.h"
 
+namespace CLI {
+class App;
+}
+
 namespace splatlas {
 
-/// What CLI11 collects.
-struct ExportWords {
-  ExportOptions options;
-  std::vector<std::string> surfaces;
-};
+/// Adds the command. Parsing fills `options`, which must live as long as `app`; invalid values throw
+/// CLI::ValidationError, which names option, value and remedy.
+CLI::App* add_export(CLI::App& app, ExportOptions& options);
 
-/// Adds the command to `app`, which fills `words` when it parses.
-void add_export(CLI::App& app, ExportWords& words);
-
-/// Exports, and prints a line per file on standard output.
-[[nodiscard]] Result<void> run_export(const ExportWords& words);
+/// Exports and prints a line per file to standard output.
+[[nodiscard]] Result<void> run_export(const ExportOptions& options);
 
 }  // namespace splatlas

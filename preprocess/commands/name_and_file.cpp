@@ -6,7 +6,7 @@
 
 namespace splatlas {
 
-Result<std::pair<std::string, std::filesystem::path>> split_name_and_file(std::string_view option,
+Result<std::pair<std::string, std::filesystem::path>> parse_name_and_file(std::string_view option,
                                                                           std::string_view text) {
   const std::size_t equals = text.find('=');
   const std::string_view name = trimmed(text.substr(0, equals));

@@ -1,4 +1,4 @@
-// NAME=FILE on the command line.
+// Repeatable options of the form NAME=FILE.
 #pragma once
 
 #include <filesystem>
@@ -10,8 +10,8 @@
 
 namespace splatlas {
 
-/// Splits at the first "="; kUsage, with the option's name, when a side is empty.
-[[nodiscard]] Result<std::pair<std::string, std::filesystem::path>> split_name_and_file(
+/// Splits at the first "="; kUsage, with the option's name, if a side is empty.
+[[nodiscard]] Result<std::pair<std::string, std::filesystem::path>> parse_name_and_file(
     std::string_view option, std::string_view text);
 
 }  // namespace splatlas

@@ -12,10 +12,10 @@
 namespace splatlas {
 namespace {
 
-/// Seconds to the end, by the share of the usual work that is done.
+/// Remaining seconds, in proportion to the work done.
 std::optional<double> estimate_remaining(const BuildProgress& progress) {
-  constexpr double kEnoughToGoBy = 0.05;
-  if (progress.total_fraction < kEnoughToGoBy) return std::nullopt;
+  constexpr double kMinFraction = 0.05;
+  if (progress.total_fraction < kMinFraction) return std::nullopt;
   return progress.total_seconds * (1 - progress.total_fraction) / progress.total_fraction;
 }
 
@@ -25,21 +25,18 @@ std::string bar(double fraction, int width) {
          std::string(static_cast<std::size_t>(width - filled), '.');
 }
 
-/// Of the terminal that `stream` goes to.
+/// Width of the terminal behind `stream`.
 int columns_of(std::FILE* stream) {
-  constexpr int kUsual = 80;
+  constexpr int kDefault = 80;
   winsize size{};
   const bool known = ::ioctl(::fileno(stream), TIOCGWINSZ, &size) == 0 && size.ws_col > 0;
-  return known ? size.ws_col : kUsual;
+  return known ? size.ws_col : kDefault;
 }
 
 }  // namespace
 
-Result<ProgressMode> progress_mode(const std::string& word, std::FILE* stream) {
-  if (word == "auto") return ::isatty(::fileno(stream)) != 0 ? ProgressMode::kBar : ProgressMode::kLines;
-  if (word == "none") return ProgressMode::kNone;
-  if (word == "json") return ProgressMode::kJson;
-  return fail(ErrorCode::kUsage, fmt::format("--progress {}: must be auto, none or json", word));
+ProgressMode automatic_progress(std::FILE* stream) {
+  return ::isatty(::fileno(stream)) != 0 ? ProgressMode::kBar : ProgressMode::kLines;
 }
 
 std::string remaining_time(const BuildProgress& progress) {
@@ -50,7 +47,7 @@ std::string remaining_time(const BuildProgress& progress) {
 }
 
 void ProgressDisplay::show(const BuildProgress& progress) {
-  // A stage that is done says so again when it ends, at once and with its time.
+  // The end of the stage is reported separately, with its time.
   if (progress.stage_fraction >= 1 && !progress.stage_ended) return;
   const auto now = std::chrono::steady_clock::now();
   const bool ends_or_begins = progress.stage_ended || progress.stage != stage_;
@@ -73,7 +70,7 @@ void ProgressDisplay::show_bar(const BuildProgress& progress) {
   const bool ended = progress.stage_ended;
   const std::string time =
       ended ? fmt::format("{:6.2f} s", progress.stage_seconds) : remaining_time(progress);
-  // A line that wraps would stay: the next "\r" goes back to the start of its last row only.
+  // Never let a line wrap: "\r" returns to the start of the last row only.
   constexpr int kRest = 40, kWidestBar = 24;
   const int columns = columns_of(stream_);
   const int width = std::clamp(columns - kRest, 0, kWidestBar);

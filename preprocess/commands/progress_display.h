@@ -1,11 +1,10 @@
-// Shows a person, or another program, where a build is.
+// Progress of a build, on a terminal or as JSON.
 #pragma once
 
 #include <chrono>
 #include <cstdio>
 #include <string>
 
-#include "format/result.h"
 #include "preprocess/build_progress.h"
 
 namespace splatlas {
@@ -17,16 +16,16 @@ enum class ProgressMode {
   kNone,
 };
 
-/// "auto" (kBar on a terminal, else kLines), "none", "json"; kUsage otherwise.
-[[nodiscard]] Result<ProgressMode> progress_mode(const std::string& word, std::FILE* stream);
+/// kBar on a terminal, otherwise kLines.
+[[nodiscard]] ProgressMode automatic_progress(std::FILE* stream);
 
 class ProgressDisplay {
  public:
   ProgressDisplay(ProgressMode mode, std::FILE* stream) : mode_(mode), stream_(stream) {}
 
-  /// Prints, at most ten times a second but for the ends of stages.
+  /// Prints at most ten times a second; the end of a stage always.
   void show(const BuildProgress& progress);
-  /// Ends a line that stands unfinished, so that a message can follow.
+  /// Ends an unfinished line, so that a message can follow.
   void finish();
 
  private:
@@ -40,7 +39,7 @@ class ProgressDisplay {
   std::chrono::steady_clock::time_point last_shown_;
 };
 
-/// "about 12 s left"; empty while there is nothing to go by.
+/// "about 12 s left"; empty before an estimate is possible.
 [[nodiscard]] std::string remaining_time(const BuildProgress& progress);
 
 }  // namespace splatlas

@@ -1,10 +1,10 @@
-// Suppression of messages that libraries print to standard error.
+// Suppression of messages on standard error.
 #pragma once
 
 namespace splatlas {
 
-/// Redirects standard error of the whole process to /dev/null during its lifetime. The NIfTI library and
-/// MetaIO print errors there that their callers detect and report.
+/// Redirects standard error of the whole process to /dev/null during its lifetime. NIfTI's library and MetaIO
+/// print errors there that they also return, or that reading the file back finds.
 class QuietStandardError {
  public:
   QuietStandardError();

@@ -1,4 +1,4 @@
-// Fuzz target: untrusted mesh files, checked and, if they pass, read by VTK.
+// Fuzz target: untrusted mesh files.
 // Input: a byte of choices, then the file.
 #include <array>
 #include <cmath>

@@ -1,9 +1,7 @@
 #include "preprocess/import/images/check_image_file.h"
 
-#include <fmt/format.h>
-
 #include "format/system/ascii_text.h"
-#include "preprocess/import/tables/text_file.h"
+#include "preprocess/import/import_error.h"
 
 namespace splatlas {
 
@@ -12,20 +10,16 @@ Result<ImageFormat> image_format(const std::filesystem::path& path) {
   if (name.ends_with(".nii") || name.ends_with(".nii.gz")) return ImageFormat::kNifti;
   if (name.ends_with(".nrrd") || name.ends_with(".nhdr")) return ImageFormat::kNrrd;
   if (name.ends_with(".mha") || name.ends_with(".mhd")) return ImageFormat::kMetaImage;
-  return fail(ErrorCode::kFailed,
-              fmt::format("{}: is of no known type; volumes end in .nii, .nii.gz, .nrrd, .nhdr, .mha or .mhd",
-                          path.string()));
+  return bad_file(path, "is of no known type; volumes end in .nii, .nii.gz, .nrrd, .nhdr, .mha or .mhd");
 }
 
-Result<void> check_image_file(const std::filesystem::path& path) {
-  SPLATLAS_RETURN_IF_ERROR(check_regular_file(path));
-  SPLATLAS_ASSIGN_OR_RETURN(const ImageFormat format, image_format(path));
-  switch (format) {
-    case ImageFormat::kNifti: return check_nifti_file(path);
-    case ImageFormat::kNrrd: return check_nrrd_file(path);
-    case ImageFormat::kMetaImage: break;
-  }
-  return check_meta_image_file(path);
+tl::unexpected<Error> bad_pixel_type(const std::filesystem::path& path, std::string_view type) {
+  return bad_file(path, "has pixels of {}; 8, 16 and 32-bit integers, float and double are read", type);
+}
+
+Result<void> check_one_volume(const std::filesystem::path& path, std::int64_t volumes) {
+  if (volumes == 1) return {};
+  return bad_file(path, "holds {} volumes; give one volume a file", volumes);
 }
 
 }  // namespace splatlas

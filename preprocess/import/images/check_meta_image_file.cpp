@@ -1,14 +1,12 @@
-#include <array>
 #include <cmath>
-#include <fstream>
 #include <map>
 #include <optional>
-
-#include <fmt/format.h>
 
 #include "format/system/ascii_text.h"
 #include "preprocess/import/images/check_image_file.h"
 #include "preprocess/import/images/image_payload.h"
+#include "preprocess/import/images/text_header.h"
+#include "preprocess/import/import_error.h"
 #include "preprocess/import/tables/text_file.h"
 
 namespace splatlas {
@@ -19,50 +17,22 @@ namespace fs = std::filesystem;
 constexpr std::size_t kMaxHeaderBytes = 1u << 16;
 constexpr std::size_t kMaxLineBytes = 4096;
 
-/// "Key = Value" lines up to and with ElementDataFile, after which the pixels may follow.
-struct MetaHeader {
-  std::map<std::string, std::string> fields;
-  std::uint64_t bytes = 0;  ///< length of the header
-
-  [[nodiscard]] std::string get(const std::string& key, const std::string& otherwise = "") const {
-    const auto found = fields.find(key);
-    return found == fields.end() ? otherwise : found->second;
-  }
-  [[nodiscard]] bool is_true(const std::string& key) const {
-    return get(key).starts_with('T') || get(key).starts_with('t') || get(key) == "1";
-  }
-};
-
-tl::unexpected<Error> bad(const fs::path& path, const std::string& what) {
-  return fail(ErrorCode::kFailed, fmt::format("{}: {}", path.string(), what));
+/// "Key = Value"; pixels may follow ElementDataFile.
+HeaderLine parse_line(std::string_view line) {
+  using Kind = HeaderLine::Kind;
+  const std::size_t equals = line.find('=');
+  if (line.size() > kMaxLineBytes) return {};
+  if (equals == std::string_view::npos) return {trimmed(line).empty() ? Kind::kComment : Kind::kEnd, {}, {}};
+  const std::string key(trimmed(line.substr(0, equals)));
+  return {key == "ElementDataFile" ? Kind::kLastField : Kind::kField, key,
+          std::string(trimmed(line.substr(equals + 1)))};
 }
 
-Result<MetaHeader> read_header(const fs::path& path) {
-  std::string text(kMaxHeaderBytes, '\0');
-  std::ifstream file(path, std::ios::binary);
-  file.read(text.data(), static_cast<std::streamsize>(text.size()));
-  text.resize(static_cast<std::size_t>(file.gcount()));
-
-  MetaHeader header;
-  for (std::size_t start = 0; start < text.size();) {
-    const std::size_t end = std::min(text.find('\n', start), text.size());
-    const std::string_view line = std::string_view(text).substr(start, end - start);
-    const std::size_t equals = line.find('=');
-    if (line.size() > kMaxLineBytes || (equals == std::string_view::npos && !trimmed(line).empty())) break;
-    start = end + 1;
-    if (equals == std::string_view::npos) continue;
-    const std::string key(trimmed(line.substr(0, equals)));
-    if (!header.fields.emplace(key, trimmed(line.substr(equals + 1))).second) {
-      return bad(path, fmt::format("says '{}' twice in its header", key));
-    }
-    if (key != "ElementDataFile") continue;
-    header.bytes = start;
-    return header;
-  }
-  return bad(path, "is not a MetaImage file (no ElementDataFile in its header)");
+bool is_true(const std::string& value) {
+  return value.starts_with('T') || value.starts_with('t') || value == "1";
 }
 
-/// `count` finite numbers of a field; nothing when they are not there or not such.
+/// `count` plausible numbers; nothing for any other text.
 std::optional<std::vector<double>> numbers(const std::string& text, std::size_t count) {
   std::vector<double> values;
   for (const std::string_view part : split_blanks(text)) {
@@ -82,13 +52,12 @@ int bytes_of_element(const std::string& type) {
   return found == kBytes.end() ? 0 : found->second;
 }
 
-Result<void> check_geometry(const MetaHeader& header, std::size_t dimensions, const fs::path& path) {
+Result<void> check_geometry(const TextHeader& header, std::size_t dimensions, const fs::path& path) {
   for (const char* key : {"ElementSpacing", "ElementSize"}) {
     if (!header.fields.contains(key)) continue;
     const auto spacing = numbers(header.get(key), dimensions);
     if (!spacing || *std::min_element(spacing->begin(), spacing->end()) <= 0) {
-      return bad(
-          path, fmt::format("has {} = {}; it must be {} positive numbers", key, header.get(key), dimensions));
+      return bad_file(path, "has {} = {}; it must be {} positive numbers", key, header.get(key), dimensions);
     }
   }
   for (const char* key : {"Offset", "Position", "Origin", "TransformMatrix", "Orientation", "Rotation"}) {
@@ -97,67 +66,60 @@ Result<void> check_geometry(const MetaHeader& header, std::size_t dimensions, co
                         std::string_view(key) != "Origin";
     const std::size_t count = matrix ? dimensions * dimensions : dimensions;
     if (!numbers(header.get(key), count)) {
-      return bad(path, fmt::format("has {} = {}; it must be {} finite numbers", key, header.get(key), count));
+      return bad_file(path, "has {} = {}; it must be {} finite numbers", key, header.get(key), count);
     }
   }
   return {};
 }
 
-Result<std::uint64_t> expected_bytes(const MetaHeader& header, std::size_t dimensions, const fs::path& path) {
+Result<std::uint64_t> expected_bytes(const TextHeader& header, std::size_t dimensions, const fs::path& path) {
   const auto sizes = numbers(header.get("DimSize"), dimensions);
   if (!sizes)
-    return bad(path,
-               fmt::format("has DimSize = {}; it must be {} numbers", header.get("DimSize"), dimensions));
+    return bad_file(path, "has DimSize = {}; it must be {} numbers", header.get("DimSize"), dimensions);
   std::vector<std::int64_t> whole;
   for (const double size : *sizes) {
     if (std::floor(size) != size || std::abs(size) > 1e12)
-      return bad(path, "has a DimSize that is not whole");
+      return bad_file(path, "has a DimSize that is not whole");
     whole.push_back(static_cast<std::int64_t>(size));
   }
-  if (dimensions == 4 && whole[3] != 1) {
-    return bad(path, fmt::format("holds {} volumes; give one volume a file", whole[3]));
-  }
+  if (dimensions == 4) SPLATLAS_RETURN_IF_ERROR(check_one_volume(path, whole[3]));
   if (header.get("ElementNumberOfChannels", "1") != "1") {
-    return bad(path,
-               fmt::format("has {} values a voxel; one is needed", header.get("ElementNumberOfChannels")));
+    return bad_file(path, "has {} values a voxel; one is needed", header.get("ElementNumberOfChannels"));
   }
   const int bytes = bytes_of_element(header.get("ElementType"));
-  if (bytes == 0) {
-    return bad(path,
-               fmt::format("has pixels of type {}; 8, 16 and 32-bit integers, float and double are read",
-                           header.get("ElementType", "(none)")));
-  }
+  if (bytes == 0) return bad_pixel_type(path, "type " + header.get("ElementType", "(none)"));
   return payload_bytes(path, whole, static_cast<std::uint64_t>(bytes));
 }
 
-Result<void> check_payload(const MetaHeader& header, std::uint64_t expected, const fs::path& path) {
+Result<void> check_payload(const TextHeader& header, std::uint64_t expected, const fs::path& path) {
   const std::string name = header.get("ElementDataFile");
   const bool local = to_lower(name) == "local";
   if (name.empty() || to_lower(name).starts_with("list") || name.find('%') != std::string::npos) {
-    return bad(path, "spreads its pixels over several files; give one file");
+    return bad_file(path, "spreads its pixels over several files; give one file");
   }
   fs::path pixels = path;
   if (!local) {
     SPLATLAS_ASSIGN_OR_RETURN(pixels, resolve_beside(path, name));
   }
   const std::uint64_t start = local ? header.bytes : 0;
-  if (header.is_true("CompressedData")) return check_deflated_payload(pixels, start, expected);
+  if (is_true(header.get("CompressedData"))) return check_deflated_payload(pixels, start, expected);
   const auto skip = parse_integer(header.get("HeaderSize", "0"));
-  if (!skip || *skip < -1) return bad(path, fmt::format("has HeaderSize = {}", header.get("HeaderSize")));
+  if (!skip || *skip < -1) return bad_file(path, "has HeaderSize = {}", header.get("HeaderSize"));
   return check_raw_payload(pixels, start + (*skip > 0 ? static_cast<std::uint64_t>(*skip) : 0), expected);
 }
 
 }  // namespace
 
 Result<void> check_meta_image_file(const fs::path& path) {
-  SPLATLAS_ASSIGN_OR_RETURN(const MetaHeader header, read_header(path));
+  SPLATLAS_ASSIGN_OR_RETURN(const TextHeader header, read_text_header(path, kMaxHeaderBytes, parse_line));
+  if (!header.fields.contains("ElementDataFile"))
+    return bad_file(path, "is not a MetaImage file (no ElementDataFile in its header)");
   const auto dimensions = parse_integer(header.get("NDims"));
   if (!dimensions || *dimensions < 2 || *dimensions > 4) {
-    return bad(path,
-               fmt::format("has NDims = {}; a volume has 2 or 3 dimensions", header.get("NDims", "(none)")));
+    return bad_file(path, "has NDims = {}; a volume has 2 or 3 dimensions", header.get("NDims", "(none)"));
   }
-  if (header.fields.contains("BinaryData") && !header.is_true("BinaryData")) {
-    return bad(path, "has its pixels as text; write them as binary data");
+  if (header.fields.contains("BinaryData") && !is_true(header.get("BinaryData"))) {
+    return bad_file(path, "has its pixels as text; write them as binary data");
   }
   const auto axes = static_cast<std::size_t>(*dimensions);
   SPLATLAS_RETURN_IF_ERROR(check_geometry(header, axes, path));

@@ -1,4 +1,4 @@
-// ITK's reader and writer of one file format, without its factories.
+// ITK image readers and writers, without ITK's object factories.
 #pragma once
 
 #include <itkImageIOBase.h>
@@ -11,12 +11,11 @@ namespace splatlas {
 
 [[nodiscard]] itk::ImageIOBase::Pointer make_image_io(ImageFormat format);
 
-/// kNone for types that atlases do not take (64-bit integers, ...).
+/// kNone for unsupported types, such as 64-bit integers.
 [[nodiscard]] VoxelType voxel_type_of(itk::IOComponentEnum component);
 [[nodiscard]] itk::IOComponentEnum component_of(VoxelType type);
 
-/// The grid of the file whose header `io` has read; axes that a 2-D image lacks are of size 1 and stand at
-/// right angles.
+/// The grid of the file whose header `io` has read. A 2-D image gets a third, orthogonal axis of size 1.
 [[nodiscard]] Grid grid_of(const itk::ImageIOBase& io);
 
 }  // namespace splatlas

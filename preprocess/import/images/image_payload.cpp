@@ -10,23 +10,13 @@
 #include <zlib.h>
 
 #include "format/grid.h"
+#include "preprocess/import/import_error.h"
 #include "preprocess/import/tables/text_file.h"
 
 namespace splatlas {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// Deflate cannot shrink by more than about 1032.
-constexpr std::uint64_t kMaxDeflateRatio = 1100;
-/// How far past the expected end a stream is followed for its checksum.
-constexpr std::uint64_t kMaxSurplus = 16u << 20;
-
-tl::unexpected<Error> truncated(const fs::path& path, std::uint64_t expected, std::uint64_t found) {
-  return fail(ErrorCode::kFailed,
-              fmt::format("{}: is truncated: its header promises {} bytes of pixels, {} are there",
-                          path.string(), expected, found));
-}
 
 struct InflateEnd {
   void operator()(z_stream* stream) const {
@@ -52,8 +42,7 @@ Result<fs::path> resolve_beside(const fs::path& header, const std::string& name)
   const auto [rest_of_folder, unused] =
       std::mismatch(folder.begin(), folder.end(), target.begin(), target.end());
   if (error || rest_of_folder != folder.end() || fs::path(name).is_absolute()) {
-    return fail(ErrorCode::kFailed,
-                fmt::format("{}: names a pixel file outside its own folder: '{}'", header.string(), name));
+    return bad_file(header, "names a pixel file outside its own folder: '{}'", name);
   }
   SPLATLAS_RETURN_IF_ERROR(check_regular_file(target));
   return target;
@@ -64,70 +53,62 @@ Result<std::uint64_t> payload_bytes(const fs::path& path, std::span<const std::i
   std::int64_t voxels = 1;
   for (const std::int64_t size : sizes) {
     if (size < 1 || size > kMaxAxisSize || voxels > kMaxVoxels / size) {
-      return fail(
-          ErrorCode::kFailed,
-          fmt::format("{}: has an impossible size of {} voxels: at most {} along an axis, and {} in all",
-                      path.string(), fmt::join(sizes, " x "), kMaxAxisSize, kMaxVoxels));
+      return bad_file(path, "has an impossible size of {} voxels: at most {} along an axis, and {} in all",
+                      fmt::join(sizes, " x "), kMaxAxisSize, kMaxVoxels);
     }
     voxels *= size;
   }
   return static_cast<std::uint64_t>(voxels) * bytes_per_voxel;
 }
 
-Result<void> check_raw_payload(const fs::path& path, std::uint64_t offset, std::uint64_t expected) {
+tl::unexpected<Error> truncated_file(const fs::path& path, std::uint64_t expected, std::uint64_t found) {
+  return bad_file(path, "is truncated: its header promises {} bytes of pixels, {} are there", expected,
+                  found);
+}
+
+Result<void> check_raw_payload(const fs::path& path, std::uint64_t offset, std::uint64_t needed,
+                               std::uint64_t expected) {
   std::error_code error;
   const std::uint64_t size = fs::file_size(path, error);
-  if (error) return fail(ErrorCode::kFailed, fmt::format("{}: {}", path.string(), error.message()));
+  if (error) return bad_file(path, "{}", error.message());
   const std::uint64_t found = size > offset ? size - offset : 0;
-  if (found < expected) return truncated(path, expected, found);
+  if (found < needed) return truncated_file(path, expected, found);
   return {};
 }
 
-Result<void> check_deflated_payload(const fs::path& path, std::uint64_t offset, std::uint64_t expected,
-                                    std::uint64_t before) {
-  // In messages, pixels count, not what stands before them in the stream.
-  const auto too_short = [&](std::uint64_t found) {
-    return truncated(path, expected, found > before ? found - before : 0);
-  };
-  const std::uint64_t needed = before + expected;
-  std::error_code error;
-  const std::uint64_t size = fs::file_size(path, error);
-  if (error || size < offset || needed / kMaxDeflateRatio > size - offset) {
-    return too_short(size > offset ? size - offset : 0);
-  }
+Result<void> check_deflated_payload(const fs::path& path, std::uint64_t offset, std::uint64_t expected) {
+  SPLATLAS_RETURN_IF_ERROR(check_raw_payload(path, offset, expected / kMaxDeflateRatio, expected));
   std::ifstream file(path, std::ios::binary);
   file.seekg(static_cast<std::streamoff>(offset));
   const Inflater stream = make_inflater();
-  if (!stream) return fail(ErrorCode::kLimit, fmt::format("{}: not enough memory", path.string()));
+  if (!stream) return fail(ErrorCode::kLimit, fmt::format("{}: out of memory", path.string()));
 
   std::vector<char> packed(1 << 18);
   std::vector<unsigned char> plain(1 << 18);
   std::uint64_t found = 0;
-  for (int status = Z_OK; status != Z_STREAM_END && found < needed + kMaxSurplus;) {
+  for (int status = Z_OK; status != Z_STREAM_END && found < expected + kMaxSurplus;) {
     if (stream->avail_in == 0) {
       file.read(packed.data(), static_cast<std::streamsize>(packed.size()));
       stream->next_in = reinterpret_cast<unsigned char*>(packed.data());
       stream->avail_in = static_cast<unsigned>(file.gcount());
-      if (stream->avail_in == 0 && found < needed) return too_short(found);
+      if (stream->avail_in == 0 && found < expected) return truncated_file(path, expected, found);
       if (stream->avail_in == 0) {
-        return fail(
-            ErrorCode::kFailed,
-            fmt::format("{}: is truncated: the end of its compressed pixels, with their checksum, is missing",
-                        path.string()));
+        return bad_file(path,
+                        "is truncated: the end of its compressed pixels, with their checksum, is missing");
       }
     }
     stream->next_out = plain.data();
     stream->avail_out = static_cast<unsigned>(plain.size());
     status = inflate(stream.get(), Z_NO_FLUSH);
     if (status != Z_OK && status != Z_STREAM_END) {
-      return fail(ErrorCode::kFailed, fmt::format("{}: its compressed pixels are damaged after {} bytes ({})",
-                                                  path.string(), found, stream->msg ? stream->msg : "zlib"));
+      return bad_file(path, "its compressed pixels are damaged after {} bytes ({})", found,
+                      stream->msg ? stream->msg : "zlib");
     }
     found += plain.size() - stream->avail_out;
-    // Some tools write gzip files of several members (bgzip): the next one carries on.
-    if (status == Z_STREAM_END && found < needed && inflateReset(stream.get()) == Z_OK) status = Z_OK;
+    // Gzip files may have several members (bgzip): continue with the next one.
+    if (status == Z_STREAM_END && found < expected && inflateReset(stream.get()) == Z_OK) status = Z_OK;
   }
-  if (found < needed) return too_short(found);
+  if (found < expected) return truncated_file(path, expected, found);
   return {};
 }
 

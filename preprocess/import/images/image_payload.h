@@ -1,4 +1,4 @@
-// The pixels behind an image header: where they are and whether all of them are there.
+// Location and completeness of the pixels behind an image header.
 #pragma once
 
 #include <cstdint>
@@ -10,24 +10,37 @@
 
 namespace splatlas {
 
-/// The file that a detached header names. Refuses (kFailed) names that lead out of the header's folder, by
-/// "..", from the root, or through a symbolic link, and whatever is not a regular file.
+/// The pixel file that a detached header names. kFailed for absolute names, for names that leave the header's
+/// folder through ".." or a symbolic link, and for anything but a regular file.
 [[nodiscard]] Result<std::filesystem::path> resolve_beside(const std::filesystem::path& header,
                                                            const std::string& name);
 
-/// The product of sizes and `bytes_per_voxel`. Refuses sizes below 1 or above kMaxAxisSize and more than
-/// kMaxVoxels voxels, so that nothing later overflows.
+/// The product of sizes and `bytes_per_voxel`. kFailed for sizes below 1 or above kMaxAxisSize and for more
+/// than kMaxVoxels voxels, so that no later product overflows.
 [[nodiscard]] Result<std::uint64_t> payload_bytes(const std::filesystem::path& path,
                                                   std::span<const std::int64_t> sizes,
                                                   std::uint64_t bytes_per_voxel);
 
-/// Refuses a file that holds less than `expected` bytes from `offset` on.
-[[nodiscard]] Result<void> check_raw_payload(const std::filesystem::path& path, std::uint64_t offset,
-                                             std::uint64_t expected);
+/// Deflate's limit is about 1032.
+inline constexpr std::uint64_t kMaxDeflateRatio = 1100;
+/// Bytes beyond the pixels that are read to reach a compressed stream's checksum.
+inline constexpr std::uint64_t kMaxSurplus = 16u << 20;
 
-/// Refuses a zlib or gzip stream at `offset` that is damaged or decompresses to less than `expected` bytes of
-/// pixels after `before` other bytes. Cost: one decompression, in constant memory, stopped soon after.
+[[nodiscard]] tl::unexpected<Error> truncated_file(const std::filesystem::path& path, std::uint64_t expected,
+                                                   std::uint64_t found);
+
+/// kFailed if a file holds less than `needed` bytes from `offset` on; `expected` bytes of pixels,
+/// decompressed, are for the message.
+[[nodiscard]] Result<void> check_raw_payload(const std::filesystem::path& path, std::uint64_t offset,
+                                             std::uint64_t needed, std::uint64_t expected);
+[[nodiscard]] inline Result<void> check_raw_payload(const std::filesystem::path& path, std::uint64_t offset,
+                                                    std::uint64_t expected) {
+  return check_raw_payload(path, offset, expected, expected);
+}
+
+/// kFailed for a zlib or gzip stream at `offset` that is damaged or decompresses to less than `expected`
+/// bytes. Cost: one decompression, in constant memory, to at most kMaxSurplus beyond.
 [[nodiscard]] Result<void> check_deflated_payload(const std::filesystem::path& path, std::uint64_t offset,
-                                                  std::uint64_t expected, std::uint64_t before = 0);
+                                                  std::uint64_t expected);
 
 }  // namespace splatlas

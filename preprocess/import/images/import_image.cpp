@@ -11,40 +11,37 @@
 #include "preprocess/import/images/image_io.h"
 #include "preprocess/import/images/itk_call.h"
 #include "preprocess/import/images/read_nifti_file.h"
+#include "preprocess/import/import_error.h"
 #include "preprocess/import/quiet_standard_error.h"
+#include "preprocess/import/tables/text_file.h"
 
 namespace splatlas {
 namespace {
 
 namespace fs = std::filesystem;
 
-Result<void> check_pixels(const itk::ImageIOBase& io, const std::string& name) {
+Result<void> check_pixels(const itk::ImageIOBase& io, const fs::path& path) {
   if (io.GetNumberOfComponents() != 1) {
-    return fail(ErrorCode::kFailed,
-                fmt::format("{}: has {} values a voxel (colour or vectors); one is needed", name,
-                            io.GetNumberOfComponents()));
+    return bad_file(path, "has {} values a voxel (colour or vectors); one is needed",
+                    io.GetNumberOfComponents());
   }
   if (voxel_type_of(io.GetComponentType()) == VoxelType::kNone) {
-    return fail(ErrorCode::kFailed,
-                fmt::format("{}: has pixels of type {}; 8, 16 and 32-bit integers, float and double are read",
-                            name, itk::ImageIOBase::GetComponentTypeAsString(io.GetComponentType())));
+    return bad_pixel_type(path, "type " + itk::ImageIOBase::GetComponentTypeAsString(io.GetComponentType()));
   }
   for (unsigned a = 3; a < io.GetNumberOfDimensions(); ++a) {
-    if (io.GetDimensions(a) != 1) {
-      return fail(ErrorCode::kFailed,
-                  fmt::format("{}: holds {} volumes; give one volume a file", name, io.GetDimensions(a)));
-    }
+    SPLATLAS_RETURN_IF_ERROR(check_one_volume(path, static_cast<std::int64_t>(io.GetDimensions(a))));
   }
   return {};
 }
 
-Result<Image> read_with(itk::ImageIOBase& io, const std::string& name) {
+Result<Image> read_with(itk::ImageIOBase& io, const fs::path& path) {
+  const std::string name = path.string();
   if (!io.CanReadFile(name.c_str())) {
-    return fail(ErrorCode::kFailed, fmt::format("{}: is not of the type that its ending says", name));
+    return bad_file(path, "is not of the type that its ending says");
   }
   io.SetFileName(name);
   io.ReadImageInformation();
-  SPLATLAS_RETURN_IF_ERROR(check_pixels(io, name));
+  SPLATLAS_RETURN_IF_ERROR(check_pixels(io, path));
   Image image;
   image.grid = grid_of(io);
   SPLATLAS_RETURN_IF_ERROR(validate(image.grid, name));
@@ -61,12 +58,13 @@ Result<Image> read_with(itk::ImageIOBase& io, const std::string& name) {
 }  // namespace
 
 Result<Image> import_image(const fs::path& path) {
-  SPLATLAS_RETURN_IF_ERROR(check_image_file(path));
+  SPLATLAS_RETURN_IF_ERROR(check_regular_file(path));
   SPLATLAS_ASSIGN_OR_RETURN(const ImageFormat format, image_format(path));
-  const std::string name = path.string();
+  if (format == ImageFormat::kNrrd) SPLATLAS_RETURN_IF_ERROR(check_nrrd_file(path));
+  if (format == ImageFormat::kMetaImage) SPLATLAS_RETURN_IF_ERROR(check_meta_image_file(path));
   const QuietStandardError quiet;
-  return call_itk(name, [&] {
-    return format == ImageFormat::kNifti ? read_nifti_file(path) : read_with(*make_image_io(format), name);
+  return call_itk(path.string(), [&] {
+    return format == ImageFormat::kNifti ? read_nifti_file(path) : read_with(*make_image_io(format), path);
   });
 }
 
@@ -77,7 +75,7 @@ Result<void> check_same_grid(const Grid& a, const std::string& name_of_a, const 
                 fmt::format("{} has {} voxels but {} has {}: both must be on one grid", name_of_a,
                             fmt::join(a.size, "x"), name_of_b, fmt::join(b.size, "x")));
   }
-  // Where the corners of one grid lie in the other says it all: spacing, origin and direction.
+  // The corners of one grid, mapped to the other, depend on spacing, origin and direction.
   constexpr double kTolerance = 1e-2;  // voxels
   const Affine to_mm = index_to_lps_mm(a), to_index = lps_mm_to_index(b);
   for (int corner = 0; corner < 8; ++corner) {

@@ -10,6 +10,7 @@
 
 #include "format/system/ascii_text.h"
 #include "preprocess/import/images/check_image_file.h"
+#include "preprocess/import/import_error.h"
 #include "preprocess/import/tables/structure_name.h"
 
 namespace splatlas {
@@ -19,7 +20,7 @@ namespace fs = std::filesystem;
 
 using SetId = MembershipVolume::SetId;
 
-/// The label that a voxel value stands for; nothing when it stands for none.
+/// The label of a voxel value; nothing for an invalid one.
 template <typename T>
 std::optional<std::uint32_t> label_of(T value) {
   if constexpr (std::is_floating_point_v<T>) {
@@ -30,7 +31,7 @@ std::optional<std::uint32_t> label_of(T value) {
   return static_cast<std::uint32_t>(value);
 }
 
-/// Labels in the order in which they turn up (set n + 1 is label n), and the set of every voxel.
+/// Labels in the order of their first voxel (set n + 1 is label n), and the set of every voxel.
 struct FoundLabels {
   std::vector<std::uint32_t> labels;
   std::vector<SetId> voxels;
@@ -48,9 +49,7 @@ Result<FoundLabels> find_labels(const VoxelBuffer& image, const std::string& nam
     if (const T value = image.as<T>()[v]; !(value == last_value)) {
       const auto label = label_of(value);
       if (!label) {
-        return fail(
-            ErrorCode::kFailed,
-            fmt::format("{}: holds the value {}, which is no label (0 to 4294967295, whole)", name, value));
+        return bad_file(name, "holds the value {}, which is no label (0 to 4294967295, whole)", value);
       }
       const auto [entry, is_new] = set_of_label.emplace(*label, static_cast<SetId>(set_of_label.size()));
       if (is_new) found.labels.push_back(*label);
@@ -79,17 +78,15 @@ Result<std::vector<fs::path>> list_masks(const fs::path& folder) {
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
     if (image_format(entry->path())) files.push_back(entry->path());
   }
-  if (error) return fail(ErrorCode::kFailed, fmt::format("{}: {}", folder.string(), error.message()));
+  if (error) return bad_file(folder, "{}", error.message());
   if (files.empty()) {
-    return fail(
-        ErrorCode::kFailed,
-        fmt::format("{}: holds no mask (.nii, .nii.gz, .nrrd, .nhdr, .mha or .mhd)", folder.string()));
+    return bad_file(folder, "holds no mask (.nii, .nii.gz, .nrrd, .nhdr, .mha or .mhd)");
   }
   std::sort(files.begin(), files.end());
   return files;
 }
 
-/// Structures by falling voxel count, files' order where equal.
+/// Sorts structures by descending voxel count; stable.
 void sort_by_size(ImportedLabels& masks, const std::vector<std::uint64_t>& counts) {
   std::vector<StructureIndex> order(counts.size());
   std::iota(order.begin(), order.end(), StructureIndex{0});
@@ -158,11 +155,10 @@ Result<ImportedLabels> import_mask_folder(const fs::path& folder) {
     SourceStructure structure;
     structure.name = structure_name(file);
     if (const auto fit = check_structure_name(structure.name); !fit) {
-      return fail(ErrorCode::kFailed, fmt::format("{}: {}", file.string(), fit.error().message));
+      return bad_file(file, "{}", fit.error().message);
     }
     if (const auto [other, is_new] = file_of_name.emplace(name_key(structure.name), file); !is_new) {
-      return fail(ErrorCode::kFailed,
-                  fmt::format("{} and {} name the same structure", other->second.string(), file.string()));
+      return bad_file(file, "names the same structure as {}", other->second.string());
     }
     if (holds_several_values(image.voxels)) {
       result.notes.push_back(fmt::format(
@@ -188,10 +184,9 @@ Result<void> name_labels(ImportedLabels& labels, const std::vector<LabelName>& n
   for (const LabelName& name : names) {
     const auto found = unnamed.find(name.label);
     if (found == unnamed.end() && !allow_empty) {
-      return fail(
-          ErrorCode::kFailed,
-          fmt::format("{}: line {}: no voxel of {} has label {} ('{}'); --allow-empty keeps such structures",
-                      file, name.line, labels.source, name.label, name.name));
+      return bad_file(file,
+                      "line {}: no voxel of {} has label {} ('{}'); --allow-empty keeps such structures",
+                      name.line, labels.source, name.label, name.name);
     }
     SourceStructure& structure = found == unnamed.end() ? empty.emplace_back() : *found->second;
     structure.name = name.name;
@@ -210,8 +205,8 @@ Result<void> name_labels(ImportedLabels& labels, const std::vector<LabelName>& n
       }
       list += fmt::format("{}{}", list.empty() ? "" : ", ", label);
     }
-    return fail(ErrorCode::kFailed, fmt::format("{}: names no structure for {} of the labels of {}: {}", file,
-                                                unnamed.size(), labels.source, list));
+    return bad_file(file, "names no structure for {} of the labels of {}: {}", unnamed.size(), labels.source,
+                    list);
   }
   std::sort(empty.begin(), empty.end(), [](const auto& a, const auto& b) { return *a.label < *b.label; });
   labels.structures.insert(labels.structures.end(), empty.begin(), empty.end());

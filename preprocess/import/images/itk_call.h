@@ -1,4 +1,4 @@
-// Calls into ITK: exceptions become one-line errors here and nowhere else.
+// Conversion of ITK's exceptions to errors.
 #pragma once
 
 #include <exception>
@@ -11,21 +11,21 @@
 
 namespace splatlas {
 
-/// What ITK has to say, in one line: without object addresses, source locations and repeated blanks.
-[[nodiscard]] std::string essence(const itk::ExceptionObject& error);
+/// ITK's message as one line, without object addresses and source locations.
+[[nodiscard]] std::string message_of(const itk::ExceptionObject& error);
 
-/// Runs `call` (a function that returns a Result). ITK's and the standard library's exceptions become
-/// kFailed, exhausted memory kLimit; the message starts with `what`, which names the file or the step.
+/// Runs `call`, a function that returns a Result. ITK's and the standard library's exceptions become kFailed,
+/// std::bad_alloc kLimit; the message starts with `what`, which names the file or the step.
 template <typename Call>
 [[nodiscard]] auto call_itk(const std::string& what, Call&& call) -> decltype(call()) {
   try {
     return call();
   } catch (const std::bad_alloc&) {
-    return fail(ErrorCode::kLimit, what + ": not enough memory");
+    return fail(ErrorCode::kLimit, what + ": out of memory");
   } catch (const itk::MemoryAllocationError&) {
-    return fail(ErrorCode::kLimit, what + ": not enough memory");
+    return fail(ErrorCode::kLimit, what + ": out of memory");
   } catch (const itk::ExceptionObject& error) {
-    return fail(ErrorCode::kFailed, what + ": " + essence(error));
+    return fail(ErrorCode::kFailed, what + ": " + message_of(error));
   } catch (const std::exception& error) {
     return fail(ErrorCode::kFailed, what + ": " + error.what());
   }

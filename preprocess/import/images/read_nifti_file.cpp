@@ -1,17 +1,13 @@
 #include "preprocess/import/images/read_nifti_file.h"
 
-#include <algorithm>
-#include <cmath>
 #include <optional>
 
-#include <fmt/format.h>
 #include <itkNiftiImageIO.h>
 #include <vnl/vnl_inverse.h>
 #include <vnl/vnl_matrix_fixed.h>
 
-#include "preprocess/import/images/gzip_file.h"
 #include "preprocess/import/images/image_io.h"
-#include "preprocess/import/images/nifti_header.h"
+#include "preprocess/import/images/nifti_file.h"
 
 namespace splatlas {
 namespace {
@@ -20,7 +16,7 @@ namespace fs = std::filesystem;
 
 using Matrix = vnl_matrix_fixed<double, 3, 3>;
 
-/// The columns of the sform in LPS, of length 1; nothing when they do not stand at right angles.
+/// Unit columns of the sform in LPS; nothing if they are not orthogonal.
 std::optional<Matrix> directions_of_sform(const NiftiHeader& header) {
   constexpr double kRounding = 1e-4;  // ITK's own
   constexpr Vec3 kRasToLps{-1, -1, 1};
@@ -45,7 +41,7 @@ Matrix nearest_orthonormal(Matrix m) {
   return m;
 }
 
-/// What an sform alone says, where it is a rotation with spacings; nothing otherwise.
+/// The grid of an sform without a qform, if it is a rotation with spacings.
 std::optional<Grid> grid_of_sform(const NiftiHeader& header) {
   if (header.has_qform() || !header.has_sform() || !header.in_mm() || header.dim(0) < 3) return std::nullopt;
   const std::optional<Matrix> columns = directions_of_sform(header);
@@ -69,59 +65,15 @@ Grid grid_by_itk(const fs::path& path) {
   return grid_of(*io);
 }
 
-void swap_bytes(VoxelBuffer& voxels) {
-  const std::size_t size = bytes_of(voxels.type);
-  for (auto at = voxels.bytes.begin(); at != voxels.bytes.end(); at += static_cast<std::ptrdiff_t>(size)) {
-    std::reverse(at, at + static_cast<std::ptrdiff_t>(size));
-  }
-}
-
-VoxelBuffer scaled(const VoxelBuffer& voxels, double slope, double intercept) {
-  const bool is_double = voxels.type == VoxelType::kFloat64;
-  VoxelBuffer result{is_double ? VoxelType::kFloat64 : VoxelType::kFloat32, {}};
-  const std::size_t count = voxels.bytes.size() / bytes_of(voxels.type);
-  result.bytes.resize(count * bytes_of(result.type));
-  visit_voxel_type(voxels.type, [&]<typename T>(T) {
-    for (std::size_t v = 0; v < count; ++v) {
-      const double value = static_cast<double>(voxels.as<T>()[v]) * slope + intercept;
-      if (is_double) {
-        result.as<double>()[v] = value;
-      } else {
-        result.as<float>()[v] = static_cast<float>(value);
-      }
-    }
-  });
-  return result;
-}
-
-Result<VoxelBuffer> read_voxels(const fs::path& path, const NiftiHeader& header, std::size_t count) {
-  VoxelBuffer voxels{header.voxel_type(), {}};
-  voxels.bytes.resize(count * bytes_of(voxels.type));
-  const GzipFile file = open_gzip_file(path);
-  const auto start = static_cast<z_off_t>(header.voxel_offset());
-  if (!file || gzseek(file.get(), start, SEEK_SET) != start || !read_all(*file, voxels.bytes)) {
-    return fail(ErrorCode::kFailed, fmt::format("{}: its pixels cannot be read", path.string()));
-  }
-  if (header.swapped()) swap_bytes(voxels);
-  // A slope of 0 says that nothing is scaled.
-  const bool is_scaled = header.slope() < 0 || header.slope() > 0;
-  const bool is_identity =
-      !(header.slope() < 1 || header.slope() > 1) && std::fpclassify(header.intercept()) == FP_ZERO;
-  if (is_scaled && !is_identity) return scaled(voxels, header.slope(), header.intercept());
-  return voxels;
-}
-
 }  // namespace
 
 Result<Image> read_nifti_file(const fs::path& path) {
-  const std::optional<NiftiFile> file = read_nifti_header(path);
-  if (!file) return fail(ErrorCode::kFailed, fmt::format("{}: is not a NIfTI file", path.string()));
+  SPLATLAS_ASSIGN_OR_RETURN(NiftiFile file, NiftiFile::open(path));
+  const std::optional<Grid> grid = grid_of_sform(file.header());
   Image image;
-  const std::optional<Grid> grid = grid_of_sform(file->header);
   image.grid = grid ? *grid : grid_by_itk(path);
   SPLATLAS_RETURN_IF_ERROR(validate(image.grid, path.string()));
-  SPLATLAS_ASSIGN_OR_RETURN(image.voxels,
-                            read_voxels(path, file->header, static_cast<std::size_t>(image.grid.voxels())));
+  SPLATLAS_ASSIGN_OR_RETURN(image.voxels, file.read_voxels());
   return image;
 }
 

@@ -1,4 +1,4 @@
-// Appearances at a mesh file before VTK does: its readers believe every count and every index.
+// Checks of mesh files before they are read.
 #pragma once
 
 #include <filesystem>
@@ -9,11 +9,12 @@ namespace splatlas {
 
 enum class MeshFormat { kStl, kObj, kPly, kVtk };
 
-/// By the file's ending: .stl, .obj, .ply, .vtk. kFailed for any other.
+/// The format by the file's ending: .stl, .obj, .ply, .vtk. kFailed for any other.
 [[nodiscard]] Result<MeshFormat> mesh_format(const std::filesystem::path& path);
 
-/// Refuses what is not a regular file, does not start as its type does, holds less than its counts need (STL,
-/// PLY), or names corners that do not exist (OBJ). Cost: OBJ and PLY are read once, of others the header.
+/// kFailed for anything but a regular file, and for STL and VTK files without the header of their type or
+/// with fewer triangles than an STL header promises, which VTK's readers do not notice. Cost: reads the
+/// header.
 [[nodiscard]] Result<void> check_mesh_file(const std::filesystem::path& path);
 
 }  // namespace splatlas

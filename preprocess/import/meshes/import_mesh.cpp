@@ -2,16 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <span>
 #include <string>
-#include <type_traits>
 
-#include <fmt/format.h>
 #include <vtkCellArray.h>
 #include <vtkDataArray.h>
 #include <vtkNew.h>
-#include <vtkOBJReader.h>
-#include <vtkPLYReader.h>
 #include <vtkPointData.h>
 #include <vtkPolyData.h>
 #include <vtkPolyDataReader.h>
@@ -19,34 +14,20 @@
 #include <vtkSmartPointer.h>
 #include <vtkTriangleFilter.h>
 
-#include "format/system/input_file.h"
+#include "preprocess/import/import_error.h"
 #include "preprocess/import/meshes/check_mesh_file.h"
+#include "preprocess/import/meshes/polygon_readers.h"
 #include "preprocess/import/meshes/quiet_vtk.h"
 
 namespace splatlas {
 namespace {
 
-/// All bytes of a file.
-Result<std::string> contents_of(const std::filesystem::path& path) {
-  SPLATLAS_ASSIGN_OR_RETURN(const InputFile file, InputFile::open(path));
-  std::string bytes(file.size(), '\0');
-  if (const auto read = file.read(0, std::as_writable_bytes(std::span(bytes))); !read)
-    return fail(ErrorCode::kFailed, fmt::format("{}: {}", path.string(), read.error().message));
-  return bytes;
-}
-
 template <typename Reader>
 Result<vtkSmartPointer<vtkPolyData>> read_with(const std::filesystem::path& path) {
   vtkNew<Reader> reader;
   reader->SetFileName(path.c_str());
-  if constexpr (std::is_same_v<Reader, vtkPLYReader>) {
-    // VTK 9.1 ends the program where it cannot read such a file to its end.
-    SPLATLAS_ASSIGN_OR_RETURN(const std::string bytes, contents_of(path));
-    reader->ReadFromInputStringOn();
-    reader->SetInputString(bytes);
-  }
   if (const std::string complaint = update_quietly(*reader); !complaint.empty()) {
-    return fail(ErrorCode::kFailed, fmt::format("{}: {}", path.string(), complaint));
+    return bad_file(path, "{}", complaint);
   }
   return vtkSmartPointer<vtkPolyData>(reader->GetOutput());
 }
@@ -55,14 +36,14 @@ Result<vtkSmartPointer<vtkPolyData>> read_polygons(const std::filesystem::path& 
   SPLATLAS_ASSIGN_OR_RETURN(const MeshFormat format, mesh_format(path));
   switch (format) {
     case MeshFormat::kStl: return read_with<vtkSTLReader>(path);
-    case MeshFormat::kObj: return read_with<vtkOBJReader>(path);
-    case MeshFormat::kPly: return read_with<vtkPLYReader>(path);
+    case MeshFormat::kObj: return read_obj(path);
+    case MeshFormat::kPly: return read_ply(path);
     case MeshFormat::kVtk: break;
   }
   return read_with<vtkPolyDataReader>(path);
 }
 
-/// Before any filter follows them.
+/// Before any filter dereferences them.
 Result<void> check_corners(vtkPolyData& polygons, const std::filesystem::path& path) {
   const vtkIdType points = polygons.GetNumberOfPoints();
   for (vtkCellArray* cells : {polygons.GetPolys(), polygons.GetStrips()}) {
@@ -72,15 +53,14 @@ Result<void> check_corners(vtkPolyData& polygons, const std::filesystem::path& p
       cells->GetCellAtId(c, corners, ids);
       for (vtkIdType n = 0; n < corners; ++n) {
         if (ids[n] >= 0 && ids[n] < points) continue;
-        return fail(ErrorCode::kFailed, fmt::format("{}: polygon {} has corner {}, but there are {} points",
-                                                    path.string(), c, ids[n], points));
+        return bad_file(path, "polygon {} has corner {}, but there are {} points", c, ids[n], points);
       }
     }
   }
   return {};
 }
 
-/// A thousand kilometres: beyond is no anatomy, and nothing below overflows.
+/// A thousand kilometres: exceeds any anatomy, and no product below overflows.
 constexpr double kMaxCoordinateMm = 1e9;
 
 bool has_area(const std::array<Vec3, 3>& corners) {
@@ -96,7 +76,7 @@ bool has_area(const std::array<Vec3, 3>& corners) {
   return x * x + y * y + z * z > 0;
 }
 
-/// A turn by 180 degrees around z: x and y change sign, the winding stays.
+/// RAS to LPS is a rotation by 180 degrees around z: x and y change sign, the winding stays.
 double sign_of_axis(MeshFrame frame, std::size_t axis) {
   return frame == MeshFrame::kRas && axis < 2 ? -1.0 : 1.0;
 }
@@ -142,11 +122,10 @@ Result<TriangleMesh> import_mesh(const std::filesystem::path& path, MeshFrame fr
   triangulate->PassLinesOff();
   triangulate->PassVertsOff();
   if (const std::string complaint = update_quietly(*triangulate); !complaint.empty()) {
-    return fail(ErrorCode::kFailed, fmt::format("{}: {}", path.string(), complaint));
+    return bad_file(path, "{}", complaint);
   }
   TriangleMesh mesh = copy_mesh(*triangulate->GetOutput(), frame);
-  if (mesh.triangles.empty())
-    return fail(ErrorCode::kFailed, fmt::format("{}: holds no triangle", path.string()));
+  if (mesh.triangles.empty()) return bad_file(path, "holds no triangle");
   return mesh;
 }
 

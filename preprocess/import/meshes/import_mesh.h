@@ -1,4 +1,4 @@
-// Reads an external surface (an implant, a needle, a beam) through VTK.
+// Importer of external surfaces: implants, needles, beams.
 #pragma once
 
 #include <array>
@@ -10,26 +10,26 @@
 
 namespace splatlas {
 
-/// Which way the coordinates of mesh files run.
+/// Coordinate frame of mesh files.
 enum class MeshFrame {
   kLps,  ///< x to the left, y to posterior, z to superior: ITK, DICOM, 3D Slicer's files
   kRas,  ///< x to the right, y to anterior
 };
 
-/// Triangles as a file has them, in LPS mm.
+/// Triangles of a file, in LPS mm.
 struct TriangleMesh {
   std::vector<Vec3> positions_lps_mm;
   std::vector<std::array<float, 3>> normals_lps;  ///< one per position; empty when the file has none
   std::vector<std::array<std::uint32_t, 3>> triangles;
-  std::uint64_t dropped = 0;  ///< triangles left out: without area, or with a corner that is not a number
+  std::uint64_t dropped = 0;  ///< triangles left out: without area, or with a corner that is not finite
 };
 
-/// Reads STL, OBJ, PLY or legacy VTK polygons, by the file's ending, and cuts polygons into triangles.
-/// kFailed, in one line, when the file is missing, truncated, of another type, has corners that do not exist,
-/// or no triangle at all. Prints nothing.
+/// Reads STL, OBJ, PLY or legacy VTK polygons, by the file's ending, and triangulates them. kFailed, in one
+/// line, when the file is missing, truncated, of another type, has corners that do not exist, or no triangle.
+/// Prints nothing. VTK reads STL and VTK files; its readers of OBJ and PLY trust counts and indices.
 [[nodiscard]] Result<TriangleMesh> import_mesh(const std::filesystem::path& path, MeshFrame frame);
 
-/// A normal for every vertex: the area-weighted mean of its triangles'.
+/// Vertex normals: area-weighted means of the adjacent triangles' normals.
 [[nodiscard]] std::vector<std::array<float, 3>> vertex_normals(const TriangleMesh& mesh);
 
 }  // namespace splatlas

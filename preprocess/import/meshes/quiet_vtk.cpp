@@ -1,7 +1,6 @@
 #include "preprocess/import/meshes/quiet_vtk.h"
 
 #include <algorithm>
-#include <cctype>
 #include <exception>
 #include <mutex>
 #include <utility>
@@ -13,35 +12,30 @@
 #include <vtkObjectFactory.h>
 #include <vtkOutputWindow.h>
 
+#include "preprocess/import/import_error.h"
+
 namespace splatlas {
 namespace {
 
-/// What VTK said first since update_quietly began, on this thread.
+/// First message of VTK since update_quietly began, on this thread.
 thread_local std::string first_complaint;
 
 /// "ERROR: In file.cxx, line 9\nvtkSTLReader (0x55): Cannot read\n\n" -> "Cannot read".
-std::string essence(const char* text) {
+std::string message_of(const char* text) {
   std::string message = text != nullptr ? text : "";
   if (const std::size_t place = message.find(", line "); place != std::string::npos) {
     message.erase(0, std::min(message.find('\n', place), message.size()));
   }
   if (const std::size_t address = message.find("): "); address != std::string::npos)
     message.erase(0, address + 3);
-  std::string line;
-  for (const char c : message) {
-    const bool blank = std::isspace(static_cast<unsigned char>(c)) != 0;
-    if (!blank) line += c;
-    if (blank && !line.empty() && line.back() != ' ') line += ' ';
-  }
-  while (!line.empty() && (line.back() == ' ' || line.back() == '.')) line.pop_back();
-  return line.empty() ? "VTK gives no reason" : line;
+  return one_line(message, "VTK gives no reason");
 }
 
 void remember(const char* text) {
-  if (first_complaint.empty()) first_complaint = essence(text);
+  if (first_complaint.empty()) first_complaint = message_of(text);
 }
 
-/// Takes what VTK's inner objects would print.
+/// Receives messages of VTK's inner objects.
 class SilentWindow : public vtkOutputWindow {
  public:
   static SilentWindow* New();

@@ -7,8 +7,8 @@
 
 namespace splatlas {
 
-/// Runs filter.Update() and returns the first thing that VTK complained about, in one line; empty when
-/// nothing. From the first call on, VTK's output window of this process is silent.
+/// Runs filter.Update() and returns VTK's first error or warning, in one line; empty if there is none. From
+/// the first call on, VTK's output window of this process is silent.
 [[nodiscard]] std::string update_quietly(vtkAlgorithm& filter);
 
 }  // namespace splatlas

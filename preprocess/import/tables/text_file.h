@@ -25,6 +25,9 @@ struct TextLine {
 /// kFailed unless `path` is a regular file that can be opened for reading.
 [[nodiscard]] Result<void> check_regular_file(const std::filesystem::path& path);
 
+/// The first `count` bytes of a file, or all that it has; none if it cannot be read.
+[[nodiscard]] std::string first_bytes(const std::filesystem::path& path, std::size_t count);
+
 /// Removes white space at both ends.
 [[nodiscard]] std::string_view trimmed(std::string_view text);
 /// Splits at white space. The parts refer to `text`.

@@ -1,0 +1,90 @@
+// Typed command-line options on top of CLI11.
+#pragma once
+
+#include <algorithm>
+#include <concepts>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "format/result.h"
+#include "format/system/ascii_text.h"
+
+namespace splatlas {
+
+/// Binds an option to `value`. parse(text) returns an optional value; without one, parsing ends with
+/// CLI::ValidationError: --size "10": must be WIDTHxHEIGHT.
+template <typename Value, typename Parse>
+CLI::Option* add_parsed(CLI::App& app, const std::string& names, Value& value, Parse parse,
+                        const std::string& must_be, const std::string& help) {
+  const std::string name = names.substr(names.find("--"));
+  const auto assign = [name, &value, parse, must_be](const std::string& text) {
+    auto parsed = parse(text);
+    if (!parsed) throw CLI::ValidationError(fmt::format("{} {}", name, in_quotes(text)), must_be);
+    value = *std::move(parsed);
+  };
+  return app.add_option_function<std::string>(names, assign, help);
+}
+
+/// Appends each text of a repeatable option to `values`. parse(text) returns a Result; its error ends parsing
+/// with CLI::ValidationError.
+template <typename Value, typename Parse>
+CLI::Option* add_repeated(CLI::App& app, const std::string& names, std::vector<Value>& values, Parse parse,
+                          const std::string& help) {
+  const auto append = [&values, parse](const std::vector<std::string>& texts) {
+    for (const std::string& text : texts) {
+      auto parsed = parse(text);
+      if (!parsed) throw CLI::ValidationError(parsed.error().message);
+      values.push_back(*std::move(parsed));
+    }
+  };
+  return app.add_option_function<std::vector<std::string>>(names, append, help);
+}
+
+/// Names of an option's values, for help, parsing and errors.
+template <typename Value>
+using Choices = std::vector<std::pair<std::string, Value>>;
+
+/// "draft, normal or high".
+template <typename Value>
+[[nodiscard]] std::string list_names(const Choices<Value>& choices) {
+  std::string list;
+  for (const auto& choice : choices) {
+    if (!list.empty()) list += &choice == &choices.back() ? " or " : ", ";
+    list += choice.first;
+  }
+  return list;
+}
+
+/// Binds an option to one of several named values; its default is the present `value`.
+template <typename Value>
+CLI::Option* add_choice(CLI::App& app, const std::string& name, Value& value,
+                        const Choices<std::type_identity_t<Value>>& choices, const std::string& help = "") {
+  const auto find = [choices](std::string_view text) -> std::optional<Value> {
+    const auto found = std::ranges::find(choices, text, &Choices<Value>::value_type::first);
+    return found == choices.end() ? std::nullopt : std::optional(found->second);
+  };
+  const std::string list = list_names(choices);
+  CLI::Option* option =
+      add_parsed(app, name, value, find, "must be " + list, help.empty() ? list : list + ": " + help);
+  if constexpr (std::equality_comparable<Value>) {
+    const auto present = std::ranges::find(choices, value, &Choices<Value>::value_type::second);
+    if (present != choices.end()) option->default_str(present->first);
+  }
+  return option;
+}
+
+/// Binds --threads to `threads`; 0 stands for one thread per core.
+inline CLI::Option* add_threads(CLI::App& app, unsigned& threads, const std::string& help) {
+  constexpr unsigned kMaxThreads = 1024;
+  return app.add_option("--threads", threads, help)
+      ->check(CLI::Range(0u, kMaxThreads).description(""))
+      ->capture_default_str();
+}
+
+}  // namespace splatlas

@@ -1,0 +1,24 @@
+// Readers of polygons for formats whose VTK readers trust the file's counts and indices.
+#pragma once
+
+#include <filesystem>
+
+#include <vtkPolyData.h>
+#include <vtkSmartPointer.h>
+
+#include "format/result.h"
+
+namespace splatlas {
+
+/// Reads vertices (x, y, z and, where present, nx, ny, nz) and faces (vertex_indices) of a text or binary PLY
+/// file. kFailed for a header without these properties, for faces of more than 255 corners or before the
+/// vertices, for corners that do not exist, and for truncated files. Cost: one pass; memory in proportion to
+/// the file.
+[[nodiscard]] Result<vtkSmartPointer<vtkPolyData>> read_ply(const std::filesystem::path& path);
+
+/// Reads vertices, normals and faces of a Wavefront OBJ file, without texture coordinates, lines and
+/// materials. Splits vertices if corners have normals of their own. kFailed, with the line, for corners that
+/// do not exist and vertices without three numbers. Cost: one pass; memory in proportion to the file.
+[[nodiscard]] Result<vtkSmartPointer<vtkPolyData>> read_obj(const std::filesystem::path& path);
+
+}  // namespace splatlas
