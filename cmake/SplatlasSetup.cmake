@@ -25,11 +25,20 @@ endif()
 add_library(splatlas_flags INTERFACE)
 target_compile_options(splatlas_flags INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -Wnon-virtual-dtor -Wold-style-cast
+  $<$<BOOL:$<TARGET_PROPERTY:UNITY_BUILD>>:-Wno-shadow>  # by a local name of another source of the batch
   $<$<BOOL:${SPLATLAS_WERROR}>:-Werror>)
 if(SPLATLAS_SANITIZE)
   add_compile_options(-fsanitize=${SPLATLAS_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   add_link_options(-fsanitize=${SPLATLAS_SANITIZE})
+  # Two instruction sets, emulated vectors and AVX2, instead of five: instrumented kernels take minutes to compile.
+  add_compile_definitions("HWY_DISABLED_TARGETS=(HWY_SSSE3|HWY_SSE4|HWY_AVX3|HWY_AVX3_DL)")
 endif()
+
+# splatlas_alone(SOURCE...): sources that are never part of a unity batch, because their local names clash with another's
+# or because they are measured.
+function(splatlas_alone)
+  set_source_files_properties(${ARGN} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+endfunction()
 
 # splatlas_find(PACKAGE): a package that an exported library is linked with; those who use the installed library
 # find it too.

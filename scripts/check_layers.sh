@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Proves the layers: schemas <- format <- {preprocess, player} <- bench, tests; ITK and VTK in preprocess only,
 # but for VTK as a peer in bench/peers.
-#   check_layers.sh            the #include lines of the sources
+# Inside format/ and player/: at most 20 modules on 8 levels, no circle.
+#   check_layers.sh            the sources
 #   check_layers.sh PROGRAM    as well, that this program is linked with neither ITK nor VTK
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -51,6 +52,52 @@ must_not_include 'itk|vtk|gdcm|vnl' 'VTK is a peer: bench/peers only' "${bench_i
 must_not_include 'itk|gdcm|vnl' 'ITK belongs to preprocess' bench/peers
 must_not_include 'SDL|imgui|GL/' 'the window belongs to the player' format preprocess bench
 
+# module_graph LAYER: "FROM TO" for each include between modules; a folder is one, and so is a header with its source.
+module_graph() {
+  grep -rHoE --include='*.h' --include='*.cpp' "^ *# *include *\"$1/[^\"]+" "$1" |
+    awk -v layer="$1" '
+      function module(path) {
+        sub("^" layer "/", "", path)
+        if (!sub("/.*", "/", path)) sub("[.][a-z]+$", "", path)
+        return path
+      }
+      { path = $0; sub(":.*", "", path); from = module(path)
+        header = $0; sub("[^\"]*\"", "", header); to = module(header)
+        if (from != to) print from, to }' | sort -u
+}
+
+# check_graph NAME MODULES LEVELS <GRAPH: prints what is wrong; nothing where no circle is found and both limits hold.
+check_graph() {
+  awk -v name="$1" -v max_modules="$2" -v max_levels="$3" '
+    { edges[$1, $2]; level[$1]; level[$2] }
+    END {
+      for (module in level) { modules++; level[module] = 1 }
+      do {  # every module stands above those that it includes
+        moved = 0
+        for (edge in edges) {
+          split(edge, end, SUBSEP)
+          if (level[end[1]] <= level[end[2]]) { level[end[1]] = level[end[2]] + 1; moved = 1 }
+          if (level[end[1]] > levels) levels = level[end[1]]
+        }
+      } while (moved && levels <= modules)
+      if (modules > max_modules) print name ": " modules " modules; at most " max_modules
+      if (levels > modules) {
+        for (module in level) if (level[module] > 1) circle = circle " " module
+        print name ": a circle of includes among" circle
+      } else if (levels > max_levels) print name ": " levels " levels; at most " max_levels
+    }'
+}
+
+# The check itself: a circle and a level too many are found, a diamond is none.
+[[ $(printf '%s\n' 'a b' 'b c' 'c a' | check_graph test 9 9) == *circle* ]] || tell "check_graph misses a circle"
+[[ $(printf '%s\n' 'a b' 'b c' | check_graph test 9 2) == *levels* ]] || tell "check_graph misses a level"
+[[ $(printf '%s\n' 'a b' 'b c' | check_graph test 2 9) == *modules* ]] || tell "check_graph misses a module"
+[[ -z $(printf '%s\n' 'a b' 'a c' 'b d' 'c d' | check_graph test 4 3) ]] || tell "check_graph finds what is not there"
+for layer in format player; do
+  wrong=$(module_graph "$layer" | check_graph "$layer" 20 8)
+  [[ -z $wrong ]] || tell "$wrong"
+done
+
 if (($# > 0)); then
   linked=$(readelf --dynamic "$1" | sed -nE 's/.*\(NEEDED\).*\[(.*)\]/\1/p')
   [[ -n $linked ]] || tell "$1: readelf lists no libraries"
@@ -58,5 +105,5 @@ if (($# > 0)); then
   [[ -z $foreign ]] || tell "$1 is linked with ${foreign//$'\n'/, }: the player needs neither ITK nor VTK"
 fi
 
-((bad == 0)) && echo "Every include follows the layers."
+((bad == 0)) && echo "Every include follows the layers; modules form no circle."
 exit "$bad"

@@ -1,21 +1,67 @@
 #!/usr/bin/env bash
-# Runs clang-tidy over the sources of a configured build: check_tidy.sh [BUILD_FOLDER [SOURCE...]]
+# Runs clang-tidy over sources, as the preset release compiles each of them alone (configured in build/tidy).
+#   check_tidy.sh                      every source
+#   check_tidy.sh SOURCE...            these
+#   check_tidy.sh --changed-since REV  what differs from the merge base of REV and HEAD, in the working tree too
+#   check_tidy.sh --recent             what differs from origin/HEAD; where nothing does, what the last 40 commits changed:
+#                                      a fresh clone, as in CI, does not tell what was there before
+# A header that changed is read with a source that includes it. Where the history is missing, every source is taken.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-build=${1-build/release}
-[[ -e $build/compile_commands.json ]] || {
-  echo "check_tidy: $build is not configured; first: cmake --preset release && cmake --build --preset release" >&2
-  exit 1
+readonly recent_commits=40
+
+all_sources() { find format preprocess player bench -name '*.cpp' | sort; }
+
+# changed_since REV: files that differ, those that git does not know yet among them.
+changed_since() {
+  git diff --name-only --diff-filter=d "$1" -- format preprocess player bench
+  git ls-files --others --exclude-standard -- format preprocess player bench
 }
-shift || true
+
+# Changed sources; for a changed header without one that includes it, the first that does.
+sources_of() {
+  local file source taken=()
+  mapfile -t taken < <(printf '%s\n' "$@" | grep '\.cpp$')
+  for file in "$@"; do
+    [[ $file == *.h ]] || continue
+    grep -qsF "#include \"$file\"" "${taken[@]}" /dev/null && continue
+    source=$(all_sources | xargs grep -lF "#include \"$file\"" | head -n 1) || true
+    [[ -z $source ]] || taken+=("$source")
+  done
+  ((${#taken[@]} == 0)) || printf '%s\n' "${taken[@]}" | sort -u
+}
+
 sources=("$@")
-((${#sources[@]} > 0)) || mapfile -t sources < <(find format preprocess player bench -name '*.cpp' | sort)
+base=none
+case ${1-} in
+  --changed-since) base=$(git merge-base "$2" HEAD 2>/dev/null) || base= ;;
+  --recent)
+    base=$(git merge-base origin/HEAD HEAD 2>/dev/null) || base=
+    [[ -n $base && -n $(changed_since "$base") ]] ||
+      base=$(git rev-parse --quiet --verify "HEAD~$recent_commits" 2>/dev/null) || base=
+    ;;
+  '') mapfile -t sources < <(all_sources) ;;
+  -*) printf 'check_tidy: %s: must be --changed-since, --recent or a source\n' "$1" >&2; exit 2 ;;
+esac
+if [[ -z $base ]]; then
+  mapfile -t sources < <(all_sources)
+elif [[ $base != none ]]; then
+  mapfile -t changed < <(changed_since "$base")
+  mapfile -t sources < <(sources_of "${changed[@]}")
+fi
+if ((${#sources[@]} == 0)); then
+  echo "No source has changed."
+  exit 0
+fi
+
+cmake --preset release -B build/tidy -DSPLATLAS_UNITY=OFF --log-level=NOTICE --no-warn-unused-cli >/dev/null
+cmake --build build/tidy --target splatlas_schema_header >/dev/null
 echo "${#sources[@]} sources, $(nproc) at a time"
 # One line per finding, the checks of .clang-tidy; "N warnings generated" counts what other people's headers hold.
 # Clang reads ITK's headers only with the file that is included first.
 printf '%s\n' "${sources[@]}" |
   xargs -P "$(nproc)" -n 1 sh -c '
-    out=$(clang-tidy --quiet -p "$0" --extra-arg=-include --extra-arg="$PWD/cmake/itk_with_clang.h" "$1" 2>&1) || { printf "%s\n" "$out"; exit 1; }' "$build" ||
+    out=$(clang-tidy --quiet -p build/tidy --extra-arg=-include --extra-arg="$PWD/cmake/itk_with_clang.h" "$0" 2>&1) || { printf "%s\n" "$out"; exit 1; }' ||
   { echo "check_tidy: findings stand above" >&2; exit 1; }
 echo "clang-tidy finds nothing."

@@ -1,8 +1,34 @@
 #!/usr/bin/env bash
-# Installs what is missing, builds, and runs every check and every test; CI runs exactly this.
+# Installs what is missing, builds, and runs the checks and tests; CI runs the form without options.
 # The first failure ends it.
 set -euo pipefail
 cd "$(dirname "$0")/.."
+
+help() {
+  cat <<'HELP'
+Usage: scripts/test.sh [--quick | --all | --help]
+
+  (no option)  What CI runs, in about half an hour from nothing on two cores: layers and layout of the sources; release
+               build and tests; player without ITK and VTK, installed and used; clang-tidy over what changed; address and
+               undefined behaviour sanitizers; thread sanitizer for tests with threads; 15 seconds of each fuzz target.
+  --quick      For daily work, within five minutes of a recent build: layers, layout, release build and tests,
+               clang-tidy over what differs from origin/HEAD.
+  --all        Every check at full length, in some hours: every preset with all its tests, each test source compiled
+               alone (preset dev), clang-tidy over every source, an hour of fuzzing.
+
+Every form ends with `N passed, 0 failed`; a failure ends it with the name of the step and an exit status other than 0.
+HELP
+}
+
+form=usual
+if (($# > 1)); then set -- "$*"; fi
+case ${1-} in
+  '') ;;
+  --quick) form=quick ;;
+  --all) form=all ;;
+  --help | -h) help; exit 0 ;;
+  *) printf 'test.sh: %s: must be --quick, --all or --help\n' "$1" >&2; exit 2 ;;
+esac
 # shellcheck source=scripts/steps.sh
 source scripts/steps.sh
 
@@ -12,38 +38,75 @@ launcher=()  # what builds and tests are run by
 passed=0
 totals=()
 
+# build PRESET [TARGET]...: these, or everything.
 build() {
   configure "$1"
-  "${launcher[@]}" cmake --build --preset "$1"
+  "${launcher[@]}" cmake --build --preset "$1" ${2:+--target "${@:2}"}
 }
 
-# run_tests PRESET [CTEST_OPTION]...: every test, or those that the options name; none at all is a failure.
+# run_tests PRESET [CTEST_OPTION]...: every test, or those that the options name; none at all is a failure. A shard of a
+# test program counts as the cases in it.
 run_tests() {
   local preset=$1 log=build/$1/ctest.log total
   "${launcher[@]}" ctest --preset "$preset" --parallel "$(nproc)" --no-tests=error "${@:2}" | tee "$log"
   total=$(sed -nE 's/.* 0 tests failed out of ([0-9]+)$/\1/p' "$log")
+  total=$(sed -nE 's/^\[  PASSED  \] ([0-9]+) tests?\.$/\1/p' "build/$preset/Testing/Temporary/LastTest.log" |
+    awk -v total="$total" '{ total += $1 - 1 } END { print total }')
   totals+=("$(printf '%-12s %5d tests' "$preset" "$total")")
   passed=$((passed + total))
 }
+
+# Without ITK and VTK: the other objects are those of the release build, whose tests need not run twice.
+build_player_only() { build player-only splatlas-player splatlas-phantom-atlas; }
+
+# What threads share: pools, caches, the session of the window, readers and writers of atlases, frames.
+run_tests_with_threads() {
+  GTEST_FILTER='*Thread*:ParallelFor*:Session*:Interrupts*:ClassCache*:OpticalArena*:SharedRuns*:HeldValues*'
+  GTEST_FILTER+=':AtlasWriter*:AtlasVerify*:LargeAtlas*:Renderer*:Pick*:Antialiasing*'
+  export GTEST_FILTER
+  run_tests tsan --label-regex '^(format|player)$' --tests-regex 'shard|threads'
+  unset GTEST_FILTER
+}
+
+# Debian 12's thread sanitizer cannot place its memory where the kernel randomises more address bits than it knows.
+fix_addresses() { ! setarch -R true 2>/dev/null || launcher=(setarch -R); }
 
 step "Packages" scripts/install_packages.sh
 step "Layers of the sources" scripts/check_layers.sh
 step "Layout of the sources" scripts/check_format.sh
 step "Release: build" build release
 step "Release: tests" run_tests release
-step "Player without ITK and VTK: build" build player-only
-step "Player without ITK and VTK: tests" run_tests player-only
-step "Player without ITK and VTK: linked libraries" scripts/check_layers.sh build/player-only/bin/splatlas-player
-step "clang-tidy" scripts/check_tidy.sh build/release
-step "Address and undefined behaviour sanitizers: build" build asan-ubsan
-step "Address and undefined behaviour sanitizers: tests" \
-  run_tests asan-ubsan --label-regex '^(format|player|preprocess)$'
-# Debian 12's thread sanitizer cannot place its memory where the kernel randomises more address bits than it knows.
-! setarch -R true 2>/dev/null || launcher=(setarch -R)
-step "Thread sanitizer: build" build tsan
-step "Thread sanitizer: tests" run_tests tsan --label-regex '^(format|player)$'
-# Two to a processor: 60 seconds each, in half the time.
-step "Fuzzing" env FUZZ_JOBS=$((2 * $(nproc))) scripts/fuzz.sh 60
+
+if [[ $form == quick ]]; then
+  step "clang-tidy" scripts/check_tidy.sh --changed-since origin/HEAD
+elif [[ $form == usual ]]; then
+  step "clang-tidy" scripts/check_tidy.sh --recent
+  step "Player without ITK and VTK: build" build_player_only
+  step "Player without ITK and VTK: tests" run_tests player-only --label-regex '^installed$'
+  step "Player without ITK and VTK: linked libraries" scripts/check_layers.sh build/player-only/bin/splatlas-player
+  step "Address and undefined behaviour sanitizers: build" build asan-ubsan checks-format checks-player checks-preprocess
+  step "Address and undefined behaviour sanitizers: tests" \
+    run_tests asan-ubsan --label-regex '^(format|player|preprocess)$'
+  fix_addresses
+  step "Thread sanitizer: build" build tsan format_tests player_tests splatlas-allocation-faults
+  step "Thread sanitizer: tests" run_tests_with_threads
+  step "Fuzzing" env FUZZ_JOBS=$((2 * $(nproc))) scripts/fuzz.sh 15
+else
+  step "clang-tidy" scripts/check_tidy.sh
+  step "Each source alone: build" build dev
+  step "Each source alone: tests" run_tests dev
+  step "Player without ITK and VTK: build" build player-only
+  step "Player without ITK and VTK: tests" run_tests player-only
+  step "Player without ITK and VTK: linked libraries" scripts/check_layers.sh build/player-only/bin/splatlas-player
+  step "Address and undefined behaviour sanitizers: build" build asan-ubsan
+  step "Address and undefined behaviour sanitizers: tests" \
+    run_tests asan-ubsan --label-regex '^(format|player|preprocess)$'
+  fix_addresses
+  step "Thread sanitizer: build" build tsan
+  step "Thread sanitizer: tests" run_tests tsan --label-regex '^(format|player)$'
+  # Twelve targets, two to a processor: 1200 seconds each, in two hours on two cores.
+  step "Fuzzing" env FUZZ_JOBS=$((2 * $(nproc))) scripts/fuzz.sh 1200
+fi
 
 tell_times
 printf '\nTests\n'
