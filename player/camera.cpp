@@ -8,6 +8,8 @@
 
 #include <fmt/format.h>
 
+#include "format/system/result_macros.h"
+
 namespace splatlas {
 namespace {
 
@@ -29,20 +31,6 @@ std::pair<double, double> sin_cos_deg(double degrees) {
 }
 
 }  // namespace
-
-std::optional<NamedView> named_view(std::string_view name) {
-  constexpr std::array<std::string_view, 6> kNames{"anterior", "posterior", "left",
-                                                   "right",    "superior",  "inferior"};
-  const auto* found = std::find(kNames.begin(), kNames.end(), name);
-  if (found == kNames.end()) return std::nullopt;
-  return static_cast<NamedView>(found - kNames.begin());
-}
-
-std::optional<CameraProjection> named_projection(std::string_view name) {
-  if (name == "parallel") return CameraProjection::kParallel;
-  if (name == "perspective") return CameraProjection::kPerspective;
-  return std::nullopt;
-}
 
 Camera Camera::of(NamedView view) {
   Camera camera;

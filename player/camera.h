@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <optional>
-#include <string_view>
 
 #include "format/atlas_content.h"
 #include "format/grid.h"
@@ -11,13 +10,10 @@
 
 namespace splatlas {
 
-/// The contract's named views.
+/// Standard anatomical views.
 enum class NamedView : std::uint8_t { kAnterior, kPosterior, kLeft, kRight, kSuperior, kInferior };
-[[nodiscard]] std::optional<NamedView> named_view(std::string_view name);
 
 enum class CameraProjection : std::uint8_t { kParallel, kPerspective };
-/// "parallel", "perspective".
-[[nodiscard]] std::optional<CameraProjection> named_projection(std::string_view name);
 
 /// A camera that turns around the atlas. Angles follow the contract: azimuth 0 looks at the anterior side, 90
 /// at the subject's left; a positive elevation looks down from above. Up on the picture is superior; straight

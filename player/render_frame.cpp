@@ -10,10 +10,12 @@
 #include <fmt/format.h>
 
 #include "format/system/memory_limit.h"
+#include "format/system/result_macros.h"
 #include "format/system/thread_pool.h"
 #include "player/depth_cue/depth_edges.h"
 #include "player/frame/draw_frame.h"
 #include "player/frame/pick_structure.h"
+#include "player/frame/render_overrides.h"
 #include "player/frame/surface_depths.h"
 #include "player/rays/cast_rays.h"
 #include "player/rays/cast_surfaces.h"
@@ -44,8 +46,8 @@ std::uint64_t frame_bytes(const RenderOptions& options) {
 }
 
 /// How finely rays are sampled.
-CastOptions cast_options(const RenderOptions& options) {
-  CastOptions cast{.floor = termination_threshold(options), .principal_axis = options.principal_axis};
+CastOptions cast_options(const RenderOptions& options, const RenderOverrides& overrides) {
+  CastOptions cast{.floor = termination_threshold(options), .principal_axis = overrides.principal_axis};
   switch (options.quality) {
     case Quality::kDraft: break;
     case Quality::kNormal:
@@ -96,9 +98,9 @@ struct Renderer::Impl {
   void drop_kept_spans(std::uint64_t frame_bytes);
   [[nodiscard]] Result<Rays*> ray_volume(const RenderOptions& options);
   [[nodiscard]] Result<void> render_sheets(const View& frame_view, const RenderOptions& options,
-                                           Picture& picture);
+                                           const RenderOverrides& overrides, Picture& picture);
   [[nodiscard]] Result<void> render_rays(const View& frame_view, const RenderOptions& options,
-                                         Picture& picture);
+                                         const RenderOverrides& overrides, Picture& picture);
   template <typename AddVolumeDepths>
   void cue_depth(const RenderOptions& options, const Shown& drawn, Picture& picture,
                  const AddVolumeDepths& add_volume_depths);
@@ -240,11 +242,11 @@ Result<Renderer::Impl::Rays*> Renderer::Impl::ray_volume(const RenderOptions& op
 
 /// A frame of sheets: in parallel projection, voxels classified before interpolation.
 Result<void> Renderer::Impl::render_sheets(const View& frame_view, const RenderOptions& options,
-                                           Picture& picture) {
+                                           const RenderOverrides& overrides, Picture& picture) {
   rays.reset();
   const ParallelView& view = frame_view.plane;
   const Grid& grid = atlas->grid();
-  const Shear shear = factorise(view, grid, options.principal_axis ? &*options.principal_axis : nullptr);
+  const Shear shear = factorise(view, grid, overrides.principal_axis ? &*overrides.principal_axis : nullptr);
   if (!(std::abs(shear.slope_u) <= kMaxSlope && std::abs(shear.slope_v) <= kMaxSlope)) {
     return fail(ErrorCode::kUsage,
                 fmt::format("principal axis {}: the view runs along its slices; take another",
@@ -273,7 +275,8 @@ Result<void> Renderer::Impl::render_sheets(const View& frame_view, const RenderO
                                                                    .grid = grid,
                                                                    .lighting = lighting,
                                                                    .options = options,
-                                                                   .max_memory_bytes = max_memory_bytes},
+                                                                   .max_memory_bytes = max_memory_bytes,
+                                                                   .simd = overrides.simd},
                                                                   frame, picture, pool));
   const Shown now{frame_view, shear.principal, shear.scan.slice_axis, shear.ascending ? 1.0 : -1.0};
   cue_depth(options, now, picture, [&](const ViewDepth& view_depth) {
@@ -292,7 +295,7 @@ Result<void> Renderer::Impl::render_sheets(const View& frame_view, const RenderO
 
 /// A frame of rays: in perspective, and wherever grey values are classified after interpolation.
 Result<void> Renderer::Impl::render_rays(const View& frame_view, const RenderOptions& options,
-                                         Picture& picture) {
+                                         const RenderOverrides& overrides, Picture& picture) {
   shown.reset();  // what the latest frame left is overwritten now
   Stopwatch watch;
   SPLATLAS_RETURN_IF_ERROR(decode(Axis::kZ, options.hybrid_shading));
@@ -318,11 +321,12 @@ Result<void> Renderer::Impl::render_rays(const View& frame_view, const RenderOpt
   stats.triangles = raster.triangles;
   stats.rasterize = watch.lap();
 
-  const MarchKernels& kernels = options.simd ? best_march() : scalar_march();
-  cast_rays(cast->volume, frame_view, atlas->grid(), cast_options(options), kernels, picture, pool);
+  const MarchKernels& kernels = overrides.simd ? best_march() : scalar_march();
+  cast_rays(cast->volume, frame_view, atlas->grid(), cast_options(options, overrides), kernels, picture,
+            pool);
   stats.sheets = watch.lap();
-  cast_surfaces(cast->volume, frame_view, atlas->grid(), scene, frame.fragments, cast_options(options),
-                kernels, picture, pool);
+  cast_surfaces(cast->volume, frame_view, atlas->grid(), scene, frame.fragments,
+                cast_options(options, overrides), kernels, picture, pool);
   stats.resolve = watch.lap();
   const Shown drawn{frame_view, std::nullopt, scene.depth_axis, scene.depth_sign};
   cue_depth(options, drawn, picture, [&](const ViewDepth& view_depth) {
@@ -410,8 +414,20 @@ Result<Picture> Renderer::render(const Camera& camera, const RenderOptions& opti
   return picture;
 }
 
-Result<void> Renderer::render(const Camera& camera, const RenderOptions& options, Picture& picture) try {
-  Impl& r = *impl_;
+Result<void> Renderer::render(const Camera& camera, const RenderOptions& options, Picture& picture) {
+  return render_with(*this, camera, options, {}, picture);
+}
+
+Result<Picture> render_with(Renderer& renderer, const Camera& camera, const RenderOptions& options,
+                            const RenderOverrides& overrides) {
+  Picture picture;
+  SPLATLAS_RETURN_IF_ERROR(render_with(renderer, camera, options, overrides, picture));
+  return picture;
+}
+
+Result<void> render_with(Renderer& renderer, const Camera& camera, const RenderOptions& options,
+                         const RenderOverrides& overrides, Picture& picture) try {
+  Renderer::Impl& r = *renderer.impl_;
   SPLATLAS_ASSIGN_OR_RETURN(const View view, view_of(camera, options.size, r.atlas->display()));
   const std::uint64_t bytes = frame_bytes(options);
   r.drop_kept_spans(bytes);
@@ -424,9 +440,10 @@ Result<void> Renderer::render(const Camera& camera, const RenderOptions& options
                     r.max_memory_bytes >> 20));
   }
   const bool by_rays = view.eye_mm || options.classification == Classification::kAfter;
-  return by_rays ? r.render_rays(view, options, picture) : r.render_sheets(view, options, picture);
+  return by_rays ? r.render_rays(view, options, overrides, picture)
+                 : r.render_sheets(view, options, overrides, picture);
 } catch (const std::bad_alloc&) {
-  return impl_->out_of_memory();
+  return renderer.impl_->out_of_memory();
 }
 
 std::optional<Pick> Renderer::pick(double x, double y) const {

@@ -11,11 +11,12 @@
 #include "format/selection.h"
 #include "player/camera.h"
 #include "player/missing_parts.h"
-#include "player/pick.h"
 #include "player/picture.h"
 #include "player/render_options.h"
 
 namespace splatlas {
+
+struct RenderOverrides;
 
 /// An atlas with one selection. Keeps what it has decoded: a new selection reads only what is new.
 /// Not for use by several threads at once; works on its own threads inside.
@@ -55,6 +56,8 @@ class Renderer {
   [[nodiscard]] std::optional<Pick> pick(double x, double y) const;
 
  private:
+  friend Result<void> render_with(Renderer& renderer, const Camera& camera, const RenderOptions& options,
+                                  const RenderOverrides& overrides, Picture& picture);
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };

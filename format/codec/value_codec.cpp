@@ -14,6 +14,7 @@
 #include "format/codec/fit_weights.h"
 #include "format/codec/value_window.h"
 #include "format/codec/zigzag.h"
+#include "format/system/result_macros.h"
 
 namespace splatlas {
 namespace {

@@ -8,6 +8,7 @@
 
 #include "format/codec/chunk_codec.h"
 #include "format/derive/value_groups.h"
+#include "format/system/result_macros.h"
 
 namespace splatlas {
 

@@ -17,6 +17,8 @@
 #include "player/commands/render_command.h"
 #include "player/commands/render_words.h"
 #ifdef SPLATLAS_HAS_WINDOW
+#include "format/system/exit_status.h"
+#include "format/system/result_macros.h"
 #include "player/window/player_window.h"
 #endif
 

@@ -8,6 +8,8 @@
 #include <fmt/format.h>
 
 #include "format/system/ascii_text.h"
+#include "format/system/result_macros.h"
+#include "player/commands/option_names.h"
 
 namespace splatlas {
 namespace {

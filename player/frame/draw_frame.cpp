@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "format/system/result_macros.h"
 #include "player/sheets/resolve.h"
 #include "player/sheets/splat_kernels.h"
 
@@ -117,7 +118,7 @@ Result<FrameCounters> draw_frame(const FrameRequest& frame, FrameBuffers& buffer
 
   SPLATLAS_ASSIGN_OR_RETURN(const SheetWindow window,
                             choose_window(frame.spans, frame.shear, frame.grid, options));
-  const SplatKernels& kernels = options.simd ? best_kernels() : scalar_kernels();
+  const SplatKernels& kernels = frame.simd ? best_kernels() : scalar_kernels();
   buffers.order.build(buffers.fragments, frame.shear, window, options.size, frame.grid, pool);
   const SheetCounters sheets =
       render_sheets(frame.spans, frame.shear, window, kernels, threshold_of(options, window), buffers.order,
@@ -126,7 +127,7 @@ Result<FrameCounters> draw_frame(const FrameRequest& frame, FrameBuffers& buffer
   counters.sheets = watch.lap();
 
   resolve(buffers.sheet, frame.shear, {buffers.fragments, buffers.order}, options.size,
-          options.simd ? best_warp() : scalar_warp(), picture, pool);
+          frame.simd ? best_warp() : scalar_warp(), picture, pool);
   counters.resolve = watch.lap();
   return counters;
 }

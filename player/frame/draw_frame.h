@@ -4,11 +4,11 @@
 #include <cstdint>
 #include <span>
 
+#include "player/frame/stopwatch.h"
 #include "player/picture.h"
 #include "player/render_options.h"
 #include "player/sheets/fragment_order.h"
 #include "player/sheets/sheets.h"
-#include "player/stopwatch.h"
 #include "player/surfaces/rasterize.h"
 
 namespace splatlas {
@@ -23,6 +23,7 @@ struct FrameRequest {
   const Lighting& lighting;
   const RenderOptions& options;
   std::uint64_t max_memory_bytes = 0;  ///< fragments may take a quarter of it
+  bool simd = true;                    ///< false: the scalar reference kernels
 };
 
 /// Kept from frame to frame, so that their memory is.

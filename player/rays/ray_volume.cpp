@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "format/system/result_macros.h"
 #include "player/rays/brick_sums.h"
 #include "player/transfer/transfer_function.h"
 

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "format/file/directory.h"
+#include "format/system/result_macros.h"
 
 namespace splatlas {
 

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "format/system/output_file.h"
+#include "format/system/result_macros.h"
 #include "player/pictures/picture_encoder.h"
 
 namespace splatlas {

@@ -11,6 +11,8 @@
 #include <fmt/format.h>
 #include <imgui.h>
 
+#include "format/system/result_macros.h"
+
 namespace splatlas {
 namespace {
 

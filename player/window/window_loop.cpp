@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "format/system/result_macros.h"
 #include "player/window/selection_bar.h"
 #include "player/window/shortcuts.h"
 #include "player/window/structure_details.h"

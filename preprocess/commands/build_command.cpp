@@ -4,6 +4,7 @@
 
 #include "format/system/ascii_text.h"
 #include "format/system/plain_text.h"
+#include "format/system/result_macros.h"
 #include "preprocess/build_atlas.h"
 #include "preprocess/commands/name_and_file.h"
 #include "preprocess/commands/progress_display.h"

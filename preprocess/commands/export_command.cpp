@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "format/system/result_macros.h"
 #include "format/system/standard_output.h"
 #include "preprocess/commands/name_and_file.h"
 

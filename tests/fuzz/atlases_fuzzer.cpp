@@ -13,6 +13,7 @@
 #include "format/atlas_reader.h"
 #include "format/atlas_writer.h"
 #include "format/file/file_layout.h"
+#include "player/frame/render_overrides.h"
 #include "player/render_frame.h"
 #include "tests/fuzz/cost_limit.h"
 #include "tests/fuzz/fuzz_input.h"
@@ -51,6 +52,7 @@ class Choices {
 struct Frame {
   Camera camera;
   RenderOptions options;
+  RenderOverrides overrides;
 };
 
 /// Sheets or rays, in any quality, near or far, at any angle.
@@ -62,7 +64,7 @@ Frame read_frame(Choices& choices) {
   frame.options.hybrid_shading =
       choices.below(8) == 0;  // makes a table of all normals, which takes most of the time
   frame.options.depth_cue = choices.flag() ? DepthCue::kEdges : DepthCue::kNone;
-  frame.options.simd = choices.flag();
+  frame.overrides.simd = choices.flag();
   frame.camera.projection = choices.flag() ? CameraProjection::kPerspective : CameraProjection::kParallel;
   frame.camera.zoom = std::array{0.5, 1.0, 4.0, 40.0}[choices.below(4)];
   frame.camera.azimuth_deg = 45.0 * static_cast<double>(choices.below(8));
@@ -102,7 +104,7 @@ void check_pictures(const std::shared_ptr<const Atlas>& atlas, bool sound, Choic
   Renderer renderer(atlas, {.threads = 1, .max_memory_bytes = kRenderBytes});
   if (const auto selected = renderer.select(selection); !selected)
     return require_error(selected.error(), {ErrorCode::kLimit});
-  const auto picture = renderer.render(frame.camera, frame.options);
+  const auto picture = render_with(renderer, frame.camera, frame.options, frame.overrides);
   if (!picture) {
     require_error(picture.error(), {ErrorCode::kInvalidAtlas, ErrorCode::kLimit, ErrorCode::kUsage});
     require(!sound || picture.error().code != ErrorCode::kInvalidAtlas,
@@ -111,8 +113,8 @@ void check_pictures(const std::shared_ptr<const Atlas>& atlas, bool sound, Choic
   }
   check_pixels(*picture);
   if (choices.below(4) != 0) return;
-  frame.options.simd = !frame.options.simd;
-  const Picture twin = require_value(renderer.render(frame.camera, frame.options));
+  frame.overrides.simd = !frame.overrides.simd;
+  const Picture twin = require_value(render_with(renderer, frame.camera, frame.options, frame.overrides));
   for (std::size_t n = 0; n < twin.rgba.size(); ++n)
     require(std::abs(twin.rgba[n] - picture->rgba[n]) <= 1e-3f, "vectors and scalars draw two pictures");
 }

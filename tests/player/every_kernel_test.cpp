@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "player/frame/render_overrides.h"
 #include "tests/support/random_scene.h"
 
 namespace splatlas {
@@ -33,9 +34,7 @@ TEST_P(PicturesOf, RandomScenesAgreeWithTheScalarTwins) {
     scene.options.termination_threshold = 0;
     Renderer renderer(open_in_memory(scene.content), {.threads = 1});
     ASSERT_TRUE(renderer.select(scene.selection));
-    scene.options.simd = false;
-    const Result<Picture> twin = renderer.render(scene.camera, scene.options);
-    scene.options.simd = true;
+    const Result<Picture> twin = render_with(renderer, scene.camera, scene.options, {.simd = false});
     const Result<Picture> picture = renderer.render(scene.camera, scene.options);
     ASSERT_EQ(picture.has_value(), twin.has_value());
     if (!twin) continue;  // a view that cannot be had

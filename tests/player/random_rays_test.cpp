@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "player/frame/render_overrides.h"
 #include "tests/reference/interpolated_greys.h"
 #include "tests/reference/perspective.h"
 #include "tests/reference/picture_difference.h"
@@ -70,7 +71,7 @@ TEST(RandomRays, AreWhatTheDefinitionSays) {
     scene.options.classification = Classification::kAfter;
     Renderer renderer(open_in_memory(scene.content), {1, 0});
     ASSERT_TRUE(renderer.select(scene.selection));
-    const auto picture = renderer.render(scene.camera, scene.options);
+    const auto picture = render_with(renderer, scene.camera, scene.options, scene.overrides);
     ASSERT_TRUE(picture) << picture.error().message;
     EXPECT_LE(reference::energy_violation(*picture), 1e-5) << n << ": " << describe(scene);
 

@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "player/frame/render_overrides.h"
 #include "tests/reference/picture_difference.h"
 #include "tests/support/random_scene.h"
 
@@ -23,7 +24,7 @@ std::uint32_t scene_count() {
 Picture render_scene(const RandomScene& scene, unsigned threads = 1) {
   Renderer renderer(open_in_memory(scene.content), {threads, 0});
   EXPECT_TRUE(renderer.select(scene.selection).has_value());
-  auto picture = renderer.render(scene.camera, scene.options);
+  auto picture = render_with(renderer, scene.camera, scene.options, scene.overrides);
   EXPECT_TRUE(picture.has_value()) << (picture ? "" : picture.error().message);
   return picture ? *picture : Picture{};
 }

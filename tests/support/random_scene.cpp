@@ -287,7 +287,7 @@ class SceneMaker {
     scene.options.quality = std::array{Quality::kDraft, Quality::kNormal, Quality::kHigh}[below(3)];
     // Where normals are exactly at right angles to the view, rounding decides which side is lit.
     scene.options.hybrid_shading = below(4) != 0 && !diagonal;
-    scene.options.simd = below(4) != 0;
+    scene.overrides.simd = below(4) != 0;
   }
 
   /// Every other scene is drawn by rays.

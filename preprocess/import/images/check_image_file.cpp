@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "format/system/ascii_text.h"
+#include "format/system/result_macros.h"
 #include "preprocess/import/tables/text_file.h"
 
 namespace splatlas {

@@ -9,6 +9,7 @@
 #include <vnl/vnl_inverse.h>
 #include <vnl/vnl_matrix_fixed.h>
 
+#include "format/system/result_macros.h"
 #include "preprocess/import/images/gzip_file.h"
 #include "preprocess/import/images/image_io.h"
 #include "preprocess/import/images/nifti_header.h"

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "format/system/ascii_text.h"
+#include "format/system/result_macros.h"
 #include "preprocess/import/meshes/check_ply_file.h"
 #include "preprocess/import/tables/text_file.h"
 

@@ -20,6 +20,7 @@
 #include <vtkTriangleFilter.h>
 
 #include "format/system/input_file.h"
+#include "format/system/result_macros.h"
 #include "preprocess/import/meshes/check_mesh_file.h"
 #include "preprocess/import/meshes/quiet_vtk.h"
 
