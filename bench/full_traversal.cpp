@@ -5,6 +5,7 @@
 
 #include "bench/visit_voxels.h"
 #include "format/system/result_macros.h"
+#include "player/frame/stopwatch.h"
 
 namespace splatlas {
 

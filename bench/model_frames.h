@@ -11,7 +11,7 @@
 #include "bench/class_octree.h"
 #include "bench/level_runs.h"
 #include "bench/run_collector.h"
-#include "player/frame/draw_frame.h"
+#include "player/frame/sheet_frame.h"
 #include "player/frame/stopwatch.h"
 #include "player/render_frame.h"
 #include "player/spans/class_cache.h"
