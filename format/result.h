@@ -15,6 +15,7 @@ enum class ErrorCode {
   kInvalidAtlas,  ///< not an atlas, a damaged one, or one of a version that is too new
   kNotFound,      ///< a structure's name is unknown or ambiguous
   kLimit,         ///< would need more memory or a larger picture than allowed; nothing was allocated
+  kCancelled,     ///< the caller has asked for a stop (RenderControl)
 };
 
 /// One failure, told in one line: which file, what is wrong, the value, what to do.

@@ -89,6 +89,31 @@ Result<ParallelView> parallel_view(const Camera& camera, const PictureSize& size
   return view;
 }
 
+Vec3 View::point_lps_mm(double x, double y, double depth_mm) const {
+  const Vec3 on_plane = plane.point_lps_mm(x, y), eye = eye_lps_mm();
+  Vec3 point{};
+  for (std::size_t a = 0; a < 3; ++a) {
+    point[a] = eye_mm ? eye[a] + (1 + depth_mm / *eye_mm) * (on_plane[a] - eye[a])
+                      : on_plane[a] + depth_mm * plane.forward_lps[a];
+  }
+  return point;
+}
+
+std::optional<PicturePoint> View::picture_point(const Vec3& point_lps_mm) const {
+  double right_mm = 0, up_mm = 0, depth_mm = 0;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const double from_center = point_lps_mm[a] - plane.center_lps_mm[a];
+    right_mm += from_center * plane.right_lps[a];
+    up_mm += from_center * plane.up_lps[a];
+    depth_mm += from_center * plane.forward_lps[a];
+  }
+  const double distance = eye_mm ? 1 + depth_mm / *eye_mm : 1;  // from the eye; 1 in the plane of the centre
+  if (!(distance > 0)) return std::nullopt;
+  const double mm_per_pixel = plane.mm_per_pixel * distance;
+  return PicturePoint{0.5 * plane.size.width + right_mm / mm_per_pixel,
+                      0.5 * plane.size.height - up_mm / mm_per_pixel, depth_mm};
+}
+
 Vec3 View::eye_lps_mm() const {
   Vec3 eye = plane.center_lps_mm;
   for (std::size_t a = 0; a < 3; ++a) eye[a] -= eye_mm.value_or(0) * plane.forward_lps[a];

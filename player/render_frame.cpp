@@ -10,6 +10,7 @@
 
 #include "format/system/memory_limit.h"
 #include "format/system/result_macros.h"
+#include "format/system/task_control.h"
 #include "format/system/thread_pool.h"
 #include "player/frame/decoded_selection.h"
 #include "player/frame/drawn_selection.h"
@@ -28,6 +29,19 @@ namespace {
 
 /// Steepest slope of a forced principal axis: about half a degree from a right angle to the view.
 constexpr double kMaxSlope = 100;
+
+/// One call of render().
+struct FrameCall {
+  const View& view;
+  const RenderOptions& options;
+  const RenderOverrides& overrides;
+  TaskControl& task;
+};
+
+/// Shares of a frame's progress that end with its steps.
+constexpr double kDecoded = 0.2, kPrepared = 0.3, kRasterized = 0.4, kVolumeDrawn = 0.9, kResolved = 0.95;
+/// Loops of the rasteriser that progress is told of.
+constexpr std::size_t kRasterLoops = 8;
 
 /// Shear-warp factorisation of the view. kUsage when it runs along the slices of a forced axis.
 Result<Shear> shear_of(const ParallelView& view, const Grid& grid, const RenderOverrides& overrides) {
@@ -51,11 +65,9 @@ struct Renderer::Impl {
   [[nodiscard]] Result<void> select(const Selection& selection);
   void draw(DrawPlan plan);
   [[nodiscard]] Result<void> render(const Camera& camera, const RenderOptions& options,
-                                    const RenderOverrides& overrides, Picture& picture);
-  [[nodiscard]] Result<void> render_sheets(const View& view, const RenderOptions& options,
-                                           const RenderOverrides& overrides, Picture& picture);
-  [[nodiscard]] Result<void> render_rays(const View& view, const RenderOptions& options,
-                                         const RenderOverrides& overrides, Picture& picture);
+                                    const RenderOverrides& overrides, TaskControl& task, Picture& picture);
+  [[nodiscard]] Result<void> render_sheets(const FrameCall& call, Picture& picture);
+  [[nodiscard]] Result<void> render_rays(const FrameCall& call, Picture& picture);
   [[nodiscard]] Result<void> decode(Axis axis, const RenderOptions& options);
   [[nodiscard]] Result<void> require_ray_volume(const RenderOptions& options);
   template <typename Frame>
@@ -118,7 +130,7 @@ void Renderer::Impl::draw(DrawPlan plan) {
 }
 
 Result<void> Renderer::Impl::render(const Camera& camera, const RenderOptions& options,
-                                    const RenderOverrides& overrides, Picture& picture) {
+                                    const RenderOverrides& overrides, TaskControl& task, Picture& picture) {
   SPLATLAS_ASSIGN_OR_RETURN(const View view, view_of(camera, options.size, atlas->display()));
   const std::uint64_t bytes = frame_bytes(options), reserved = drawn.max_span_bytes();
   spans.make_room(max_memory_bytes - std::min(reserved + bytes, max_memory_bytes));
@@ -130,22 +142,24 @@ Result<void> Renderer::Impl::render(const Camera& camera, const RenderOptions& o
                             reserved >> 20, max_memory_bytes >> 20));
   }
   const bool by_rays = view.eye_mm || options.classification == Classification::kAfter;
-  return by_rays ? render_rays(view, options, overrides, picture)
-                 : render_sheets(view, options, overrides, picture);
+  const FrameCall call{view, options, overrides, task};
+  return by_rays ? render_rays(call, picture) : render_sheets(call, picture);
 }
 
 /// A frame of sheets: in parallel projection, voxels classified before interpolation.
-Result<void> Renderer::Impl::render_sheets(const View& view, const RenderOptions& options,
-                                           const RenderOverrides& overrides, Picture& picture) {
+Result<void> Renderer::Impl::render_sheets(const FrameCall& call, Picture& picture) {
+  const auto& [view, options, overrides, task] = call;
   ray_volume.clear();
   SPLATLAS_ASSIGN_OR_RETURN(const Shear shear, shear_of(view.plane, atlas->grid(), overrides));
 
   // Decode the selection along the principal axis
+  task.begin_stage(kDecoded);
   Stopwatch watch;
   SPLATLAS_RETURN_IF_ERROR(decode(shear.principal, options));
   stats.decode_ms = watch.lap().wall_ms;
 
   // Merge runs to spans, and light them
+  task.begin_stage(kPrepared, 2);
   AxisSpans& axis_spans = spans.require(drawn.plan(), drawn.appearances(), *atlas, decoded.cache(),
                                         shear.principal, options.hybrid_shading, pool);
   stats.traversal = watch.lap();
@@ -168,9 +182,13 @@ Result<void> Renderer::Impl::render_sheets(const View& view, const RenderOptions
                              .simd = overrides.simd};
   SheetFrame frame(request, buffers, pool);
   shown.reset();  // the buffers are overwritten from here on
+  task.begin_stage(kRasterized, kRasterLoops);
   SPLATLAS_RETURN_IF_ERROR(frame.rasterize());
+  task.begin_stage(kVolumeDrawn, 4);
   SPLATLAS_RETURN_IF_ERROR(frame.render_sheets());
+  task.begin_stage(kResolved);
   frame.resolve(picture);
+  task.begin_stage(1, 3);
   cue_depth(frame, options, picture);
 
   shown = frame.shown();
@@ -181,16 +199,18 @@ Result<void> Renderer::Impl::render_sheets(const View& view, const RenderOptions
 }
 
 /// A frame of rays: in perspective, or with grey values classified after interpolation.
-Result<void> Renderer::Impl::render_rays(const View& view, const RenderOptions& options,
-                                         const RenderOverrides& overrides, Picture& picture) {
+Result<void> Renderer::Impl::render_rays(const FrameCall& call, Picture& picture) {
+  const auto& [view, options, overrides, task] = call;
   shown.reset();  // the buffers are overwritten from here on
 
   // Decode the selection
+  task.begin_stage(kDecoded);
   Stopwatch watch;
   SPLATLAS_RETURN_IF_ERROR(decode(Axis::kZ, options));
   stats.decode_ms = watch.lap().wall_ms;
 
   // Build the ray volume, and light it
+  task.begin_stage(kPrepared, 4);
   SPLATLAS_RETURN_IF_ERROR(require_ray_volume(options));
   stats.traversal = watch.lap();
   stats.select_ms += stats.traversal.wall_ms;
@@ -210,9 +230,13 @@ Result<void> Renderer::Impl::render_rays(const View& view, const RenderOptions& 
                                 .overrides = overrides,
                                 .max_memory_bytes = max_memory_bytes};
   RayFrame frame(request, buffers, pool);
+  task.begin_stage(kRasterized, kRasterLoops);
   SPLATLAS_RETURN_IF_ERROR(frame.rasterize());
+  task.begin_stage(kVolumeDrawn);
   frame.cast_rays(picture);
+  task.begin_stage(kResolved);
   frame.resolve(picture);
+  task.begin_stage(1, 3);
   cue_depth(frame, options, picture);
 
   shown = frame.shown();
@@ -298,12 +322,16 @@ Result<void> Renderer::select(const Selection& selection) {
   }
 }
 
-Result<Picture> Renderer::render(const Camera& camera, const RenderOptions& options) {
-  return render_with(*this, camera, options, {});
+Result<Picture> Renderer::render(const Camera& camera, const RenderOptions& options,
+                                 const RenderControl& control) {
+  Picture picture;
+  SPLATLAS_RETURN_IF_ERROR(render(camera, options, picture, control));
+  return picture;
 }
 
-Result<void> Renderer::render(const Camera& camera, const RenderOptions& options, Picture& picture) {
-  return render_with(*this, camera, options, {}, picture);
+Result<void> Renderer::render(const Camera& camera, const RenderOptions& options, Picture& picture,
+                              const RenderControl& control) {
+  return render_with(*this, camera, options, {}, picture, control);
 }
 
 Result<Picture> render_with(Renderer& renderer, const Camera& camera, const RenderOptions& options,
@@ -314,11 +342,17 @@ Result<Picture> render_with(Renderer& renderer, const Camera& camera, const Rend
 }
 
 Result<void> render_with(Renderer& renderer, const Camera& camera, const RenderOptions& options,
-                         const RenderOverrides& overrides, Picture& picture) {
+                         const RenderOverrides& overrides, Picture& picture, const RenderControl& control) {
+  Renderer::Impl& r = *renderer.impl_;
   try {
-    return renderer.impl_->render(camera, options, overrides, picture);
+    TaskControl task(control.stop, control.progress);
+    Result<void> rendered = r.render(camera, options, overrides, task, picture);
+    if (rendered) task.finish();
+    return rendered;
   } catch (const std::bad_alloc&) {
-    return renderer.impl_->out_of_memory();
+    return r.out_of_memory();
+  } catch (const Cancelled&) {
+    return fail(ErrorCode::kCancelled, r.atlas->name() + ": rendering was cancelled");
   }
 }
 

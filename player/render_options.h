@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
+#include <stop_token>
 
 #include "format/grid.h"
 #include "player/picture.h"
@@ -45,6 +47,15 @@ struct RenderOptions {
   /// no value is further off than that. 0 leaves nothing out.
   /// Not set: 1e-3 in drafts, 1e-4 otherwise.
   std::optional<float> termination_threshold = std::nullopt;
+};
+
+/// Cancellation and progress of one call of Renderer::render().
+struct RenderControl {
+  /// A requested stop ends the call with kCancelled within milliseconds.
+  std::stop_token stop = {};
+  /// Called by the calling thread with rising fractions from 0 to 1; 1 when the picture is finished. May
+  /// request the stop; must not call the renderer.
+  std::function<void(double)> progress = {};
 };
 
 /// The floor that counts.

@@ -12,7 +12,8 @@ namespace splatlas {
     case ErrorCode::kInvalidAtlas: return 3;
     case ErrorCode::kNotFound: return 4;
     case ErrorCode::kFailed:
-    case ErrorCode::kLimit: break;
+    case ErrorCode::kLimit:
+    case ErrorCode::kCancelled: break;
   }
   return 1;
 }

@@ -8,7 +8,7 @@
 #include "format/decision_tree.h"
 #include "format/selection.h"
 #include "player/spans/class_cache.h"
-#include "player/surfaces/raster_scene.h"
+#include "player/surfaces/rasterize.h"
 #include "player/transfer/volume_appearances.h"
 
 namespace splatlas {

@@ -19,7 +19,8 @@ struct RenderOverrides {
 
 /// Renderer::render() with forced choices. kUsage when the view runs along the slices of a forced axis.
 [[nodiscard]] Result<void> render_with(Renderer& renderer, const Camera& camera, const RenderOptions& options,
-                                       const RenderOverrides& overrides, Picture& picture);
+                                       const RenderOverrides& overrides, Picture& picture,
+                                       const RenderControl& control = {});
 [[nodiscard]] Result<Picture> render_with(Renderer& renderer, const Camera& camera,
                                           const RenderOptions& options, const RenderOverrides& overrides);
 

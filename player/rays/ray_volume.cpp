@@ -9,7 +9,7 @@
 
 #include "format/system/result_macros.h"
 #include "player/rays/brick_sums.h"
-#include "player/transfer/transfer_function.h"
+#include "player/transfer_function.h"
 
 namespace splatlas {
 namespace {

@@ -33,7 +33,7 @@ class AxisSpans {
   SpanBuilder spans_;
   bool lists_shaded_ = false;
   std::optional<ParallelView> lit_for_;  // none: unshaded
-  bool partly_lit_ = false;              // some slices have been built after that, and are unshaded
+  bool partly_lit_ = false;              // some slices have other light
 };
 
 }  // namespace splatlas

@@ -146,6 +146,7 @@ void ClassCache::keep_runs(std::span<const Missing> missing, Axis axis, ThreadPo
   for (const Missing& of : missing) {
     if (of.result && of.runs) runs.emplace_back(of.id, &of.read);
   }
+  if (runs.empty()) return;
   try {
     runs_[n].insert(runs, atlas_->grid().size[ScanOrder::of(axis).row_axis], pool);
   } catch (...) {  // out of memory: some are there, some are not

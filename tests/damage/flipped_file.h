@@ -45,7 +45,7 @@ class FlippedFiles {
   struct Drawing {
     Selection selection;
     RenderOptions options;
-    RenderOverrides overrides;
+    RenderOverrides overrides = {};
   };
   [[nodiscard]] std::optional<Drawing> drawing_at(std::size_t byte, std::mt19937& random) const;
   [[nodiscard]] std::optional<StructureIndex> structure_at(const SectionLayout& section, std::size_t chunk,

@@ -52,7 +52,7 @@ class Choices {
 struct Frame {
   Camera camera;
   RenderOptions options;
-  RenderOverrides overrides;
+  RenderOverrides overrides = {};
 };
 
 /// Sheets or rays, in any quality, near or far, at any angle.

@@ -158,6 +158,32 @@ TEST(Camera, RefusesFieldsOfViewThatSeeNothing) {
   EXPECT_TRUE(view_of(camera, {8, 8}, Display{}));
 }
 
+TEST(Camera, PicturePointsAndPointsInTheAtlasGoBothWays) {
+  for (const CameraProjection projection : {CameraProjection::kParallel, CameraProjection::kPerspective}) {
+    const Camera camera{.azimuth_deg = 33, .elevation_deg = -21, .zoom = 2, .projection = projection};
+    const View view = *view_of(camera, PictureSize{64, 48}, {0, 1, {5, -6, 7}, 40});
+    for (const double depth_mm : {-9.0, 0.0, 12.5}) {
+      const Vec3 point = view.point_lps_mm(13.25, 40.5, depth_mm);
+      const auto shown = view.picture_point(point);
+      ASSERT_TRUE(shown);
+      EXPECT_NEAR(shown->x, 13.25, 1e-9);
+      EXPECT_NEAR(shown->y, 40.5, 1e-9);
+      EXPECT_NEAR(shown->depth_mm, depth_mm, 1e-9);
+    }
+    const auto middle = view.picture_point({5, -6, 7});
+    ASSERT_TRUE(middle);
+    EXPECT_NEAR(middle->x, 32, 1e-12);
+    EXPECT_NEAR(middle->y, 24, 1e-12);
+  }
+}
+
+TEST(Camera, NothingBehindTheEyeHasAPicturePoint) {
+  const Camera camera{.projection = CameraProjection::kPerspective};
+  const View view = *view_of(camera, PictureSize{64, 48}, {0, 1, {5, -6, 7}, 40});
+  EXPECT_FALSE(view.picture_point(view.eye_lps_mm()));
+  EXPECT_FALSE(view.picture_point(view.point_lps_mm(3, 4, -2 * *view.eye_mm)));
+}
+
 TEST(Camera, RefusesWhatIsNotFiniteOrOutOfRange) {
   for (const double bad : {kNan, kInfinity, -kInfinity}) {
     Camera camera;

@@ -15,7 +15,7 @@ struct RandomScene {
   Selection selection;
   Camera camera;
   RenderOptions options;
-  RenderOverrides overrides;
+  RenderOverrides overrides = {};
 };
 
 /// A scene of up to `max_side` voxels a side, from its number alone: the same on every machine. Overlapping
