@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "bench/scratch_folder.h"
+#include "format/system/result_macros.h"
 #include "preprocess/build_atlas.h"
 #include "tests/phantom/phantom_files.h"
 

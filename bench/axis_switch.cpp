@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "format/system/result_macros.h"
 #include "player/view/shear.h"
 
 namespace splatlas {

@@ -14,9 +14,11 @@
 #include "bench/bench.h"
 #include "format/system/ascii_text.h"
 #include "format/system/check_writable.h"
+#include "format/system/exit_status.h"
 #include "format/system/interrupts.h"
 #include "format/system/output_file.h"
 #include "format/system/output_path.h"
+#include "format/system/result_macros.h"
 #include "format/system/standard_output.h"
 
 namespace splatlas {

@@ -13,6 +13,7 @@
 #include "bench/peak_memory.h"
 #include "bench/scratch_folder.h"
 #include "format/run_model.h"
+#include "format/system/result_macros.h"
 #include "preprocess/build_atlas.h"
 
 namespace splatlas {

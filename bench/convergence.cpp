@@ -9,6 +9,7 @@
 #include "bench/decoded_selection.h"
 #include "bench/qualities.h"
 #include "bench/smooth_field.h"
+#include "format/system/result_macros.h"
 #include "player/rays/cast_rays.h"
 #include "tests/reference/optical_field.h"
 #include "tests/reference/perspective.h"

@@ -1,5 +1,7 @@
 #include "bench/decoded_selection.h"
 
+#include "format/system/result_macros.h"
+
 namespace splatlas {
 
 Result<DecodedSelection> decode_selection(const std::shared_ptr<const Atlas>& atlas,

@@ -15,6 +15,7 @@
 #include "format/atlas_reader.h"
 #ifdef SPLATLAS_HAS_DRACO
 #include "bench/peers/draco_peer.h"
+#include "format/system/result_macros.h"
 #endif
 
 namespace splatlas {

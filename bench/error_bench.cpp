@@ -10,6 +10,7 @@
 #include "bench/error_cost.h"
 #include "bench/error_plot.h"
 #include "bench/peers/x_server.h"
+#include "format/system/result_macros.h"
 
 namespace splatlas {
 namespace {

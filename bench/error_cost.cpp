@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "bench/measure.h"
+#include "format/system/result_macros.h"
 #include "tests/reference/grey_truth.h"
 
 namespace splatlas {

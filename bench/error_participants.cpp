@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "bench/qualities.h"
+#include "format/system/result_macros.h"
 #include "player/view/shear.h"
 
 namespace splatlas {

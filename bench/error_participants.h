@@ -10,8 +10,8 @@
 #include "bench/peers/volpack_peer.h"
 #include "bench/peers/vtk_peer.h"
 #include "format/atlas_reader.h"
+#include "player/frame/stopwatch.h"
 #include "player/render_frame.h"
-#include "player/stopwatch.h"
 #include "tests/reference/picture_difference.h"
 
 namespace splatlas {

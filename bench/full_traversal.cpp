@@ -4,6 +4,8 @@
 #include <utility>
 
 #include "bench/visit_voxels.h"
+#include "format/system/result_macros.h"
+#include "player/frame/stopwatch.h"
 
 namespace splatlas {
 
@@ -52,8 +54,7 @@ std::vector<SurfaceDraw> FullTraversal::surface_draws() const {
 
 Result<FullTraversal::Frame> FullTraversal::render(const Camera& camera, const RenderOptions& options) {
   SPLATLAS_ASSIGN_OR_RETURN(const ParallelView view, parallel_view(camera, options.size, atlas_->display()));
-  const Shear shear =
-      factorise(view, model_.grid, options.principal_axis ? &*options.principal_axis : nullptr);
+  const Shear shear = factorise(view, model_.grid);
   const Lighting lighting(view);
 
   Frame frame;

@@ -8,7 +8,7 @@
 #include "bench/voxel_model.h"
 #include "format/decision_tree.h"
 #include "format/system/thread_pool.h"
-#include "player/frame/draw_frame.h"
+#include "player/frame/sheet_frame.h"
 #include "player/transfer/volume_appearances.h"
 
 namespace splatlas {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "format/file/directory.h"
+#include "format/system/result_macros.h"
 
 namespace splatlas {
 namespace {

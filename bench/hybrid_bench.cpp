@@ -15,6 +15,7 @@
 #include "bench/measure.h"
 #include "bench/peers/x_server.h"
 #include "format/color.h"
+#include "format/system/result_macros.h"
 #include "player/render_frame.h"
 #include "player/view/shear.h"
 #include "tests/reference/picture_difference.h"

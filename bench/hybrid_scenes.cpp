@@ -4,6 +4,7 @@
 #include <array>
 
 #include "format/decision_tree.h"
+#include "format/system/result_macros.h"
 
 namespace splatlas {
 

@@ -5,6 +5,8 @@
 #include <utility>
 #include <vector>
 
+#include "format/system/result_macros.h"
+
 namespace splatlas {
 namespace {
 

@@ -5,6 +5,7 @@
 
 #include "bench/class_draws.h"
 #include "format/codec/run_codec.h"
+#include "format/system/result_macros.h"
 
 namespace splatlas {
 namespace {

@@ -12,6 +12,7 @@
 #include "bench/error_participants.h"
 #include "bench/limit_task.h"
 #include "bench/measure.h"
+#include "format/system/result_macros.h"
 
 namespace splatlas {
 namespace {

@@ -5,6 +5,7 @@
 
 #include "bench/decoded_selection.h"
 #include "bench/turned_camera.h"
+#include "format/system/result_macros.h"
 
 namespace splatlas {
 

@@ -9,9 +9,9 @@
 #include "bench/error_scenes.h"
 #include "bench/packed_spans.h"
 #include "format/atlas_reader.h"
-#include "player/frame/draw_frame.h"
+#include "player/frame/sheet_frame.h"
+#include "player/frame/stopwatch.h"
 #include "player/spans/build_spans.h"
-#include "player/stopwatch.h"
 
 namespace splatlas {
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "format/system/result_macros.h"
+
 namespace splatlas {
 
 double median(std::vector<double> values) {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "format/result.h"
-#include "player/stopwatch.h"
+#include "player/frame/stopwatch.h"
 
 namespace splatlas {
 

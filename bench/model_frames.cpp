@@ -6,6 +6,7 @@
 #include "bench/bits_differ.h"
 #include "bench/class_draws.h"
 #include "bench/turned_camera.h"
+#include "format/system/result_macros.h"
 #include "player/spans/build_spans.h"
 #include "player/spans/span_writer.h"
 

@@ -11,11 +11,11 @@
 #include "bench/class_octree.h"
 #include "bench/level_runs.h"
 #include "bench/run_collector.h"
-#include "player/frame/draw_frame.h"
+#include "player/frame/sheet_frame.h"
+#include "player/frame/stopwatch.h"
 #include "player/render_frame.h"
 #include "player/spans/class_cache.h"
 #include "player/spans/selected_runs.h"
-#include "player/stopwatch.h"
 #include "player/transfer/volume_appearances.h"
 
 namespace splatlas {

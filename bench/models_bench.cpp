@@ -13,6 +13,7 @@
 #include "bench/model_frames.h"
 #include "format/codec/chunk_codec.h"
 #include "format/codec/run_codec.h"
+#include "format/system/result_macros.h"
 
 namespace splatlas {
 namespace {

@@ -17,6 +17,7 @@
 #include "bench/qualities.h"
 #include "bench/ripple.h"
 #include "bench/thread_bits.h"
+#include "format/system/result_macros.h"
 
 namespace splatlas {
 namespace {

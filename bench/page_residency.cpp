@@ -10,6 +10,8 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include "format/system/result_macros.h"
+
 namespace splatlas {
 namespace {
 

@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "format/system/result_macros.h"
+
 namespace splatlas {
 namespace {
 

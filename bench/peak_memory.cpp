@@ -3,6 +3,8 @@
 #include <fstream>
 #include <string>
 
+#include "format/system/result_macros.h"
+
 namespace splatlas {
 namespace {
 

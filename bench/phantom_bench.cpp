@@ -4,6 +4,7 @@
 #include "bench/atlases.h"
 #include "bench/bench.h"
 #include "bench/paper_rows.h"
+#include "format/system/result_macros.h"
 
 namespace splatlas {
 namespace {

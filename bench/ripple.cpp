@@ -5,6 +5,7 @@
 #include <numbers>
 #include <random>
 
+#include "format/system/result_macros.h"
 #include "tests/reference/ray.h"
 #include "tests/support/render.h"
 

@@ -13,6 +13,7 @@
 #include "bench/scratch_folder.h"
 #include "bench/turned_camera.h"
 #include "format/atlas_writer.h"
+#include "format/system/result_macros.h"
 #include "player/render_frame.h"
 #include "tests/reference/picture_difference.h"
 

@@ -17,6 +17,7 @@
 #include "bench/peers/x_server.h"
 #include "bench/scratch_folder.h"
 #include "format/atlas_writer.h"
+#include "format/system/result_macros.h"
 
 namespace splatlas {
 namespace {

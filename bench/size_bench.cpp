@@ -22,6 +22,7 @@
 #include "preprocess/build_atlas.h"
 #ifdef SPLATLAS_HAS_DRACO
 #include "bench/peers/draco_peer.h"
+#include "format/system/result_macros.h"
 #endif
 
 namespace splatlas {

@@ -17,6 +17,7 @@
 #include "bench/skip_selections.h"
 #include "bench/turned_camera.h"
 #include "format/atlas_writer.h"
+#include "format/system/result_macros.h"
 #include "player/render_frame.h"
 #include "player/view/shear.h"
 

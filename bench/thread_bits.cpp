@@ -2,6 +2,7 @@
 
 #include "bench/bits_differ.h"
 #include "format/selection.h"
+#include "format/system/result_macros.h"
 
 namespace splatlas {
 namespace {

@@ -6,6 +6,7 @@
 #include "bench/bits_differ.h"
 #include "bench/turned_camera.h"
 #include "format/selection.h"
+#include "format/system/result_macros.h"
 
 namespace splatlas {
 namespace {

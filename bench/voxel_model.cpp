@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "format/system/result_macros.h"
+
 namespace splatlas {
 
 Result<VoxelModel> read_voxel_model(const Atlas& atlas) {

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "format/system/ascii_text.h"
+#include "format/system/result_macros.h"
 
 namespace splatlas {
 namespace {

@@ -8,6 +8,8 @@
 
 #include <fmt/format.h>
 
+#include "format/system/result_macros.h"
+
 namespace splatlas {
 namespace {
 
@@ -29,20 +31,6 @@ std::pair<double, double> sin_cos_deg(double degrees) {
 }
 
 }  // namespace
-
-std::optional<NamedView> named_view(std::string_view name) {
-  constexpr std::array<std::string_view, 6> kNames{"anterior", "posterior", "left",
-                                                   "right",    "superior",  "inferior"};
-  const auto* found = std::find(kNames.begin(), kNames.end(), name);
-  if (found == kNames.end()) return std::nullopt;
-  return static_cast<NamedView>(found - kNames.begin());
-}
-
-std::optional<CameraProjection> named_projection(std::string_view name) {
-  if (name == "parallel") return CameraProjection::kParallel;
-  if (name == "perspective") return CameraProjection::kPerspective;
-  return std::nullopt;
-}
 
 Camera Camera::of(NamedView view) {
   Camera camera;
@@ -99,6 +87,31 @@ Result<ParallelView> parallel_view(const Camera& camera, const PictureSize& size
   view.mm_per_pixel = 2.0 * radius_mm / (kFit * std::min(size.width, size.height) * camera.zoom);
   view.size = size;
   return view;
+}
+
+Vec3 View::point_lps_mm(double x, double y, double depth_mm) const {
+  const Vec3 on_plane = plane.point_lps_mm(x, y), eye = eye_lps_mm();
+  Vec3 point{};
+  for (std::size_t a = 0; a < 3; ++a) {
+    point[a] = eye_mm ? eye[a] + (1 + depth_mm / *eye_mm) * (on_plane[a] - eye[a])
+                      : on_plane[a] + depth_mm * plane.forward_lps[a];
+  }
+  return point;
+}
+
+std::optional<PicturePoint> View::picture_point(const Vec3& point_lps_mm) const {
+  double right_mm = 0, up_mm = 0, depth_mm = 0;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const double from_center = point_lps_mm[a] - plane.center_lps_mm[a];
+    right_mm += from_center * plane.right_lps[a];
+    up_mm += from_center * plane.up_lps[a];
+    depth_mm += from_center * plane.forward_lps[a];
+  }
+  const double distance = eye_mm ? 1 + depth_mm / *eye_mm : 1;  // from the eye; 1 in the plane of the centre
+  if (!(distance > 0)) return std::nullopt;
+  const double mm_per_pixel = plane.mm_per_pixel * distance;
+  return PicturePoint{0.5 * plane.size.width + right_mm / mm_per_pixel,
+                      0.5 * plane.size.height - up_mm / mm_per_pixel, depth_mm};
 }
 
 Vec3 View::eye_lps_mm() const {

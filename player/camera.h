@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <optional>
-#include <string_view>
 
 #include "format/atlas_content.h"
 #include "format/grid.h"
@@ -11,13 +10,10 @@
 
 namespace splatlas {
 
-/// The contract's named views.
+/// Standard anatomical views.
 enum class NamedView : std::uint8_t { kAnterior, kPosterior, kLeft, kRight, kSuperior, kInferior };
-[[nodiscard]] std::optional<NamedView> named_view(std::string_view name);
 
 enum class CameraProjection : std::uint8_t { kParallel, kPerspective };
-/// "parallel", "perspective".
-[[nodiscard]] std::optional<CameraProjection> named_projection(std::string_view name);
 
 /// A camera that turns around the atlas. Angles follow the contract: azimuth 0 looks at the anterior side, 90
 /// at the subject's left; a positive elevation looks down from above. Up on the picture is superior; straight
@@ -61,10 +57,22 @@ struct ParallelView {
 [[nodiscard]] Result<ParallelView> parallel_view(const Camera& camera, const PictureSize& size,
                                                  const Display& display);
 
+/// A point as a picture shows it.
+struct PicturePoint {
+  double x = 0, y = 0;  ///< picture coordinates: pixel (0, 0) is from 0 to 1
+  double depth_mm = 0;  ///< along the view, from the plane of the centre away from the viewer
+};
+
 /// A view in either projection.
 struct View {
   ParallelView plane;                           ///< what the plane of the centre looks like
   std::optional<double> eye_mm = std::nullopt;  ///< from the eye to that plane; none: rays are parallel
+
+  /// The point on the ray through picture coordinates (x, y) at `depth_mm` along the view, counted from the
+  /// plane of the centre away from the viewer.
+  [[nodiscard]] Vec3 point_lps_mm(double x, double y, double depth_mm = 0) const;
+  /// Inverse of point_lps_mm(); none for points that are not in front of the eye.
+  [[nodiscard]] std::optional<PicturePoint> picture_point(const Vec3& point_lps_mm) const;
 
   /// Where all rays start, in perspective.
   [[nodiscard]] Vec3 eye_lps_mm() const;

@@ -1,4 +1,4 @@
-// A picture in linear light.
+// Pictures in linear light, and structures picked in them.
 #pragma once
 
 #include <array>
@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "format/color.h"
+#include "format/grid.h"
+#include "format/structure_graph.h"
 #include "player/camera.h"
 
 namespace splatlas {
@@ -20,6 +22,12 @@ struct Picture {
                                static_cast<std::size_t>(x));
     return {rgba[n], rgba[n + 1], rgba[n + 2], rgba[n + 3]};
   }
+};
+
+/// The structure that contributes most to a pixel, and the point on its ray with the largest contribution.
+struct Pick {
+  StructureIndex structure = kNoStructure;
+  Vec3 point_lps_mm{0, 0, 0};
 };
 
 /// Memory that a picture of this size needs on its way to a file: its floats, and as much again to encode

@@ -11,11 +11,12 @@
 #include "format/selection.h"
 #include "player/camera.h"
 #include "player/missing_parts.h"
-#include "player/pick.h"
 #include "player/picture.h"
 #include "player/render_options.h"
 
 namespace splatlas {
+
+struct RenderOverrides;
 
 /// An atlas with one selection. Keeps what it has decoded: a new selection reads only what is new.
 /// Not for use by several threads at once; works on its own threads inside.
@@ -38,10 +39,14 @@ class Renderer {
   /// Where the file is damaged, the rest is drawn: see missing(). An error where nothing is left to draw.
   /// Cost: selected voxels in view * sheet pixels per voxel * slabs per slice, selected triangles, pixels;
   /// after a change of selection also the decoded runs in its box.
-  [[nodiscard]] Result<Picture> render(const Camera& camera, const RenderOptions& options = {});
+  /// kCancelled when `control` asks for a stop, checked every few milliseconds on every thread: the selection
+  /// stays, and later pictures are the same bits as without.
+  [[nodiscard]] Result<Picture> render(const Camera& camera, const RenderOptions& options = {},
+                                       const RenderControl& control = {});
   /// The same into a picture whose memory is reused: fresh pages cost as much as a small frame. On failure
   /// the picture holds anything.
-  [[nodiscard]] Result<void> render(const Camera& camera, const RenderOptions& options, Picture& picture);
+  [[nodiscard]] Result<void> render(const Camera& camera, const RenderOptions& options, Picture& picture,
+                                    const RenderControl& control = {});
 
   /// Of the latest render().
   [[nodiscard]] const RenderStats& stats() const;
@@ -50,11 +55,14 @@ class Renderer {
   [[nodiscard]] const std::vector<MissingPart>& missing() const;
 
   /// The structure that contributes most to the picture at picture coordinates (x, y) of the latest render(),
-  /// and where on the ray; nothing where the background shows. In frames of sheets and of rays. Cost: one
-  /// look-up per slice.
+  /// and where on the ray; nothing where the background shows, and after a call that was refused,
+  /// failed or cancelled while it drew. In frames of sheets and of rays. Cost: one look-up per slice.
   [[nodiscard]] std::optional<Pick> pick(double x, double y) const;
 
  private:
+  friend Result<void> render_with(Renderer& renderer, const Camera& camera, const RenderOptions& options,
+                                  const RenderOverrides& overrides, Picture& picture,
+                                  const RenderControl& control);
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };

@@ -2,12 +2,12 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
-#include <string_view>
+#include <stop_token>
 
 #include "format/grid.h"
 #include "player/picture.h"
-#include "player/stopwatch.h"
 
 namespace splatlas {
 
@@ -16,16 +16,12 @@ enum class Classification : std::uint8_t {
   kBefore,  ///< optical properties are interpolated (pre-classification): class colours, speed
   kAfter,   ///< grey values are interpolated, then classified (post-classification): sharp transfer functions
 };
-/// "before", "after".
-[[nodiscard]] std::optional<Classification> named_classification(std::string_view name);
 
 /// Depth cues beyond the shading of surfaces.
 enum class DepthCue : std::uint8_t {
   kNone,   ///< for measurements
   kEdges,  ///< depth-darkened edges: a pixel darkens where it lies behind its neighbours
 };
-/// "none", "edges".
-[[nodiscard]] std::optional<DepthCue> named_depth_cue(std::string_view name);
 
 /// Sheets, in parallel projection with voxels classified before interpolation: pixels per voxel, along each
 /// axis, are about as many as the picture's in drafts, at most 2; 1.5 times as many normally, at most 4;
@@ -35,7 +31,6 @@ enum class DepthCue : std::uint8_t {
 /// are warped with a cubic but in drafts. Rays, in perspective and wherever grey values are classified after
 /// interpolation: steps per slab are 1; 1 to 32; 8 to 64.
 enum class Quality : std::uint8_t { kDraft, kNormal, kHigh };
-[[nodiscard]] std::optional<Quality> named_quality(std::string_view name);
 
 struct RenderOptions {
   PictureSize size{512, 512};
@@ -48,19 +43,37 @@ struct RenderOptions {
   /// What makes depth readable: none where colours are measured. Alpha and background never change.
   DepthCue depth_cue = DepthCue::kNone;
   float depth_cue_strength = 0.7f;  ///< 0 and less: the same bits as without; 1 and more: down to black
-  bool simd = true;                 ///< false: the scalar kernels
   /// Early termination: what would be seen through pixels that let through no more than this is left out, so
   /// no value is further off than that. 0 leaves nothing out.
   /// Not set: 1e-3 in drafts, 1e-4 otherwise.
   std::optional<float> termination_threshold = std::nullopt;
-  /// Forced, to measure what the choice costs; the best one when not set.
-  std::optional<Axis> principal_axis = std::nullopt;
+};
+
+/// Cancellation and progress of one call of Renderer::render().
+struct RenderControl {
+  /// A requested stop ends the call with kCancelled within milliseconds.
+  std::stop_token stop = {};
+  /// Called by the calling thread with rising fractions from 0 to 1; 1 when the picture is finished. May
+  /// request the stop; must not call the renderer.
+  std::function<void(double)> progress = {};
 };
 
 /// The floor that counts.
 [[nodiscard]] inline float termination_threshold(const RenderOptions& options) {
   return options.termination_threshold.value_or(options.quality == Quality::kDraft ? 1e-3f : 1e-4f);
 }
+
+/// Wall-clock and CPU time of a stage. CPU time is the whole process's, all threads together.
+struct Elapsed {
+  double wall_ms = 0, cpu_ms = 0;
+
+  Elapsed& operator+=(const Elapsed& other) {
+    wall_ms += other.wall_ms;
+    cpu_ms += other.cpu_ms;
+    return *this;
+  }
+  friend Elapsed operator+(Elapsed a, const Elapsed& b) { return a += b; }
+};
 
 struct RenderStats {
   std::uint64_t volume_voxels = 0, surface_voxels = 0,

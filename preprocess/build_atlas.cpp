@@ -12,6 +12,7 @@
 #include "format/system/interrupts.h"
 #include "format/system/output_file.h"
 #include "format/system/output_path.h"
+#include "format/system/result_macros.h"
 #include "preprocess/build_content.h"
 
 namespace splatlas {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "format/system/result_macros.h"
 #include "preprocess/classify/classify_voxels.h"
 #include "preprocess/measure_display.h"
 #include "preprocess/surfaces/extract_surfaces.h"

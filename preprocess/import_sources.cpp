@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "format/system/ascii_text.h"
+#include "format/system/result_macros.h"
 #include "preprocess/import/file_hash.h"
 #include "preprocess/import/images/import_image.h"
 #include "preprocess/import/images/import_labels.h"

@@ -8,7 +8,9 @@
 #include <fmt/format.h>
 
 #include "format/system/ascii_text.h"
+#include "format/system/exit_status.h"
 #include "format/system/interrupts.h"
+#include "format/system/result_macros.h"
 #include "format/system/standard_output.h"
 #include "preprocess/commands/build_command.h"
 #include "preprocess/commands/export_command.h"

@@ -3,7 +3,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-mapfile -t sources < <(find format preprocess player bench tests docs -name '*.h' -o -name '*.cpp' | sort)
+mapfile -t sources < <(find format preprocess player bench tests examples -name '*.h' -o -name '*.cpp' | sort)
 if [[ ${1-} == --fix ]]; then
   clang-format -i "${sources[@]}"
   exit 0

@@ -8,6 +8,8 @@
 #include <fmt/format.h>
 #include <volpack.h>
 
+#include "format/system/result_macros.h"
+
 namespace splatlas {
 namespace {
 

@@ -10,6 +10,7 @@
 #include <zstd.h>
 
 #include "format/system/checksum.h"
+#include "format/system/result_macros.h"
 
 namespace splatlas {
 

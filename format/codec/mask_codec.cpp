@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "format/codec/range_coder.h"
+#include "format/system/task_control.h"
 
 namespace splatlas {
 namespace {
@@ -165,6 +166,7 @@ Result<ClassRuns> decode_mask(std::span<const std::byte> bytes, const IndexBox& 
   ClassRuns runs;
   std::uint64_t found = 0;
   for (std::size_t slice = 0; slice < window.slices(); ++slice) {
+    check_cancelled();
     window.next_slice();
     for (std::size_t row = 0; row < window.rows(); ++row) {
       bool was_covered = false;

@@ -14,6 +14,7 @@
 #include <fmt/format.h>
 #include <meshoptimizer.h>
 
+#include "format/system/result_macros.h"
 #include "format/unit_vector.h"
 
 namespace splatlas {

@@ -13,6 +13,8 @@
 #include "format/codec/fit_weights.h"
 #include "format/codec/value_window.h"
 #include "format/codec/zigzag.h"
+#include "format/system/result_macros.h"
+#include "format/system/task_control.h"
 
 namespace splatlas {
 namespace {
@@ -222,6 +224,7 @@ Result<std::vector<std::byte>> decode(const GroupVoxels& group, VoxelType type,
   std::byte* to = values.data();
   ValueWindow<Lane> window(group.box, model);
   walk(group, window, [&](std::int64_t begin, std::int64_t end) {
+    check_cancelled();
     const auto run = window.code_run(begin, end, [&](const ValuePrediction& prediction) {
       const std::uint32_t residual = residuals.read(kBucketOf[prediction.errors]);
       return (prediction.value + unzigzag(residual)) & ValueWindow<Lane>::kMaxValue;

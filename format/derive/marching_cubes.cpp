@@ -6,6 +6,8 @@
 #include <numeric>
 #include <utility>
 
+#include "format/system/task_control.h"
+
 namespace splatlas {
 namespace {
 
@@ -132,6 +134,7 @@ class CellWalker {
 
   void walk() {
     for (std::int64_t k = 0; k + 1 < crop_.size[2]; ++k) {
+      check_cancelled();
       for (std::int64_t j = 0; j + 1 < crop_.size[1]; ++j) walk_row(j, k);
       go_to_next_layer();
     }

@@ -10,6 +10,7 @@
 #include "format/derive/fit_surface.h"
 #include "format/file/atlas_impl.h"
 #include "format/file/fitted_content.h"
+#include "format/system/result_macros.h"
 
 namespace splatlas {
 namespace {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "format/file/atlas_impl.h"
+#include "format/system/result_macros.h"
 
 namespace splatlas {
 

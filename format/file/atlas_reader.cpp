@@ -12,6 +12,7 @@
 #include "format/file/atlas_impl.h"
 #include "format/system/checksum.h"
 #include "format/system/memory_limit.h"
+#include "format/system/result_macros.h"
 
 namespace splatlas {
 

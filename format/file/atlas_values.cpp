@@ -9,6 +9,7 @@
 
 #include "format/codec/value_codec.h"
 #include "format/file/atlas_impl.h"
+#include "format/system/result_macros.h"
 
 namespace splatlas {
 

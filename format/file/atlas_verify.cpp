@@ -8,6 +8,7 @@
 
 #include "format/derive/run_fingerprint.h"
 #include "format/file/atlas_impl.h"
+#include "format/system/result_macros.h"
 
 namespace splatlas {
 

@@ -22,6 +22,7 @@
 #include "format/run_model.h"
 #include "format/system/output_file.h"
 #include "format/system/parallel.h"
+#include "format/system/result_macros.h"
 
 namespace splatlas {
 

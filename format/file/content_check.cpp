@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "format/file/directory.h"
+#include "format/system/result_macros.h"
 
 namespace splatlas {
 

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "format/system/result_macros.h"
 #include "schemas/atlas_generated.h"
 
 namespace splatlas {

@@ -12,6 +12,7 @@
 #include "format/derive/boundary_split.h"
 #include "format/file/directory.h"
 #include "format/system/plain_text.h"
+#include "format/system/result_macros.h"
 
 namespace splatlas {
 

@@ -9,6 +9,7 @@
 
 #include "format/codec/value_codec.h"
 #include "format/system/checksum.h"
+#include "format/system/result_macros.h"
 
 namespace splatlas {
 

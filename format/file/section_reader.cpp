@@ -8,6 +8,8 @@
 
 #include "format/codec/chunk_codec.h"
 #include "format/derive/value_groups.h"
+#include "format/system/result_macros.h"
+#include "format/system/task_control.h"
 
 namespace splatlas {
 
@@ -27,6 +29,7 @@ Result<SectionReader::Bytes> SectionReader::read_stored(std::size_t chunk) const
 
 Result<void> SectionReader::decode(const SectionLayout& section, std::size_t n,
                                    std::span<std::byte> to) const {
+  check_cancelled();
   const std::size_t chunk = section.first_chunk + n;
   auto stored = read_stored(chunk);
   if (!stored) return tl::unexpected(stored.error());

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "format/system/result_macros.h"
+
 namespace splatlas {
 namespace {
 

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "format/selection/selection_terms.h"
+#include "format/system/result_macros.h"
 
 namespace splatlas {
 namespace {

@@ -5,6 +5,7 @@
 #include "format/selection/selection_options.h"
 #include "format/selection/selection_terms.h"
 #include "format/system/ascii_text.h"
+#include "format/system/result_macros.h"
 
 namespace splatlas {
 namespace {

@@ -17,6 +17,7 @@
 #include "format/system/checksum.h"
 #include "format/system/interrupts.h"
 #include "format/system/output_path.h"
+#include "format/system/result_macros.h"
 #include "format/system/sync_folder.h"
 #include "format/system/temporary_entry.h"
 

@@ -9,6 +9,7 @@
 
 #include "format/system/check_writable.h"
 #include "format/system/output_path.h"
+#include "format/system/result_macros.h"
 #include "format/system/sync_folder.h"
 #include "format/system/temporary_entry.h"
 

@@ -4,6 +4,8 @@
 #include <exception>
 #include <utility>
 
+#include "format/system/task_control.h"
+
 namespace splatlas {
 namespace {
 
@@ -38,6 +40,13 @@ ThreadPool::~ThreadPool() {
 }
 
 void ThreadPool::for_each(std::size_t count, const std::function<void(std::size_t)>& body) {
+  TaskControl* const task = TaskControl::current();
+  if (task == nullptr) return run_loop(count, body);
+  task->begin_loop(count);
+  run_loop(count, [task, &body](std::size_t n) { task->run_item(body, n); });
+}
+
+void ThreadPool::run_loop(std::size_t count, const std::function<void(std::size_t)>& body) {
   if (count == 0) return;
   if (workers_.empty() || count == 1) {
     for (std::size_t n = 0; n < count; ++n) body(n);

@@ -26,10 +26,12 @@ class ThreadPool {
 
   /// Calls body(0) .. body(count - 1), each once, in any order, and returns when all are done. Calls run
   /// concurrently: they must not write to shared data. An exception (out of memory) ends the loop early; the
-  /// first one is rethrown. Not reentrant; one caller at a time.
+  /// first one is rethrown. Belongs to the caller's task, if it has one: see TaskControl. Not reentrant; one
+  /// caller at a time.
   void for_each(std::size_t count, const std::function<void(std::size_t)>& body);
 
  private:
+  void run_loop(std::size_t count, const std::function<void(std::size_t)>& body);
   void work();
   void take_items(const std::function<void(std::size_t)>& body, std::unique_lock<std::mutex>& lock);
 

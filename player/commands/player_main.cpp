@@ -18,6 +18,8 @@
 #include "player/commands/render_arguments.h"
 #include "player/commands/render_command.h"
 #ifdef SPLATLAS_HAS_WINDOW
+#include "format/system/exit_status.h"
+#include "format/system/result_macros.h"
 #include "player/window/player_window.h"
 #endif
 

@@ -12,6 +12,7 @@
 #include "format/system/check_writable.h"
 #include "format/system/output_file.h"
 #include "format/system/output_path.h"
+#include "format/system/result_macros.h"
 #include "player/pictures/picture_encoder.h"
 
 namespace splatlas {

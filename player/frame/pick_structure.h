@@ -4,7 +4,7 @@
 #include <optional>
 #include <span>
 
-#include "player/pick.h"
+#include "player/picture.h"
 #include "player/spans/selected_runs.h"
 #include "player/surfaces/fragments.h"
 #include "player/transfer/volume_appearances.h"

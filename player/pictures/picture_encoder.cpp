@@ -8,6 +8,7 @@
 #include <dlfcn.h>
 #include <fmt/format.h>
 
+#include "format/system/result_macros.h"
 #include "player/pictures/picture_module.h"
 #include "player/write_png.h"
 

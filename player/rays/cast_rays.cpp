@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "format/system/task_control.h"
 #include "player/rays/pixel_rays.h"
 #include "player/view/projection.h"
 
@@ -63,6 +64,7 @@ class Tile {
 
  private:
   void render_block(int left, int top) const {
+    check_cancelled();
     RayNumbers x{}, y{};
     for (std::size_t n = 0; n < kPacketRays; ++n) {
       // Beyond the picture's edge, the ray of the pixel on it once more.

@@ -7,8 +7,9 @@
 
 #include <fmt/format.h>
 
+#include "format/system/result_macros.h"
 #include "player/rays/brick_sums.h"
-#include "player/transfer/transfer_function.h"
+#include "player/transfer_function.h"
 
 namespace splatlas {
 namespace {

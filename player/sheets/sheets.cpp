@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "format/system/task_control.h"
 #include "player/sheets/band_image.h"
 #include "player/sheets/sheet_fragments.h"
 #include "player/sheets/slice_mix.h"
@@ -107,6 +108,7 @@ class Band {
     const auto slices = static_cast<std::int64_t>(pass_.model.slices.size());
     const bool around_slices = pass_.window.parts == 1;
     for (std::int64_t n = around_slices ? 0 : -1; n < slices; ++n) {
+      check_cancelled();
       if (around_slices) {
         render_slice(n);
       } else {

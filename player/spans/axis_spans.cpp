@@ -15,15 +15,18 @@ void AxisSpans::build(const DrawPlan& plan, const VolumeAppearances& appearances
   spans_ = std::move(spans);
   runs_.emplace(std::move(runs));
   lists_shaded_ = shade;
-  partly_shaded_ = shaded_for_.has_value();
+  partly_shaded_ = partly_shaded_ || shaded_for_.has_value();
 }
 
 void AxisSpans::update_lighting(const ParallelView& view, const Lighting& lighting, bool shade,
                                 ThreadPool& pool) {
   const bool same_view = shaded_for_ && have_same_lighting(*shaded_for_, view);
   if (!partly_shaded_ && (shade ? same_view : !shaded_for_)) return;
-  if (model().shaded_voxels > 0)
-    shade_spans(spans_.model(), shade ? lighting.table() : std::vector<float>(65536, 1.0f), pool);
+  if (model().shaded_voxels > 0) {
+    const std::vector<float> factors = shade ? lighting.table() : std::vector<float>(65536, 1.0f);
+    partly_shaded_ = true;  // in case the task is cancelled
+    shade_spans(spans_.model(), factors, pool);
+  }
   shaded_for_ = shade ? std::optional(view) : std::nullopt;
   partly_shaded_ = false;
 }

@@ -32,7 +32,7 @@ class AxisSpans {
   SpanBuilder spans_;
   bool lists_shaded_ = false;
   std::optional<ParallelView> shaded_for_;  // nullopt if unshaded
-  bool partly_shaded_ = false;              // some slices were rebuilt since, and are unshaded
+  bool partly_shaded_ = false;              // some slices have other shading
 };
 
 }  // namespace splatlas

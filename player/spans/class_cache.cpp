@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "format/file/directory.h"
+#include "format/system/result_macros.h"
 
 namespace splatlas {
 
@@ -152,6 +153,7 @@ void ClassCache::keep_runs(std::span<const Missing> missing, Axis axis, ThreadPo
   for (const Missing& of : missing) {
     if (of.result && of.runs) runs.emplace_back(of.id, &of.read);
   }
+  if (runs.empty()) return;
   try {
     runs_[n].insert(runs, atlas_->grid().size[ScanOrder::of(axis).row_axis], pool);
   } catch (...) {  // out of memory: discard the partial insertion

@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "format/color.h"
-#include "player/transfer/transfer_function.h"
+#include "player/transfer_function.h"
 
 namespace splatlas {
 namespace {

@@ -6,8 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "format/system/output_file.h"
-#include "player/pictures/picture_encoder.h"
+#include "player/write_png.h"
 
 namespace splatlas {
 namespace {
@@ -123,19 +122,19 @@ void RenderWorker::run() {
 
 Result<void> RenderWorker::select(const FrameRequest& request) {
   if (request.selection == selected_) return {};
-  SPLATLAS_RETURN_IF_ERROR(renderer_.select(*request.selection));
+  if (auto selected = renderer_.select(*request.selection); !selected) return selected;
   selected_ = request.selection;
   return {};
 }
 
 Result<Picture> RenderWorker::render(const FrameRequest& request, Quality quality) {
-  SPLATLAS_RETURN_IF_ERROR(select(request));
+  if (auto selected = select(request); !selected) return tl::unexpected(std::move(selected).error());
   RenderOptions options;
   options.size = quality == Quality::kDraft ? draft_size(request.size) : request.size;
   options.quality = quality;
   options.depth_cue = request.depth_cue;
-  SPLATLAS_ASSIGN_OR_RETURN(Picture picture, renderer_.render(request.camera, options));
-  rendered_ = picture.size;
+  Result<Picture> picture = renderer_.render(request.camera, options);
+  if (picture) rendered_ = picture->size;
   return picture;
 }
 
@@ -149,9 +148,10 @@ std::string RenderWorker::missing_text() const {
 
 void RenderWorker::render_frame(const FrameRequest& request, Quality quality) {
   const auto make_frame = [&]() -> Result<std::shared_ptr<const Frame>> {
-    SPLATLAS_ASSIGN_OR_RETURN(const Picture picture, render(request, quality));
-    return std::make_shared<const Frame>(Frame{request, picture.size, to_srgb8(picture, kBackground), quality,
-                                               renderer_.stats(), missing_text()});
+    const Result<Picture> picture = render(request, quality);
+    if (!picture) return tl::unexpected(picture.error());
+    return std::make_shared<const Frame>(Frame{request, picture->size, to_srgb8(*picture, kBackground),
+                                               quality, renderer_.stats(), missing_text()});
   };
   Result<std::shared_ptr<const Frame>> frame = guarded(make_frame);
   if (!frame) {
@@ -178,10 +178,9 @@ void RenderWorker::answer(const Point& point) {
 
 void RenderWorker::save_picture(const SaveJob& job) {
   Result<void> result = guarded([&]() -> Result<void> {
-    PictureEncoder encoder(job.path);
-    SPLATLAS_ASSIGN_OR_RETURN(const Picture picture, render(job.request, Quality::kHigh));
-    SPLATLAS_ASSIGN_OR_RETURN(const auto bytes, encoder.encode(picture, kBackground));
-    return write_file(job.path, bytes);
+    const Result<Picture> picture = render(job.request, Quality::kHigh);
+    if (!picture) return tl::unexpected(picture.error());
+    return write_png(*picture, job.path, kBackground);
   });
   tell(PictureSaved{job.path, std::move(result)});
 }

@@ -115,11 +115,12 @@ void SelectionEditor::hide_all() {
 
 Result<void> SelectionEditor::set_text(std::string_view text) {
   text = trimmed(text);
-  SPLATLAS_ASSIGN_OR_RETURN(Selection selection, select(text, graph_));
+  Result<Selection> selection = select(text, graph_);
+  if (!selection) return tl::unexpected(std::move(selection).error());
   if (text == text_) return {};
   remember();
   gesture_ = {};
-  show(std::string(text), std::move(selection));
+  show(std::string(text), *std::move(selection));
   return {};
 }
 

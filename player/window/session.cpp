@@ -6,8 +6,6 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
-#include "player/window/camera_moves.h"
-
 namespace splatlas {
 namespace {
 

@@ -5,7 +5,7 @@
 #include <SDL_keycode.h>
 #include <imgui.h>
 
-#include "player/window/camera_moves.h"
+#include "player/camera_moves.h"
 
 namespace splatlas {
 namespace {

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "player/transfer/transfer_function.h"
+#include "player/transfer_function.h"
 
 namespace splatlas {
 namespace {

@@ -5,13 +5,18 @@
 #include <sstream>
 #include <utility>
 
-#include "format/system/ascii_text.h"
-
 namespace splatlas {
 namespace {
 
 /// At first, branches are opened level by level while there are no more rows than these.
 constexpr std::size_t kFewRows = 24;
+
+/// ASCII letters lowered; every other byte, UTF-8 included, as it is.
+std::string to_lower(std::string_view text) {
+  std::string lower(text);
+  for (char& c : lower) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  return lower;
+}
 
 /// A place below another one. 64 bits of a good mix: two places of one atlas never meet by chance.
 std::uint64_t place_below(std::uint64_t parent, StructureIndex s) {

@@ -5,7 +5,8 @@
 
 #include <fmt/format.h>
 
-#include "player/window/camera_moves.h"
+#include "player/camera_moves.h"
+#include "player/window/view_names.h"
 
 namespace splatlas {
 namespace {

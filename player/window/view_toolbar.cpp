@@ -1,7 +1,7 @@
 #include "player/window/view_toolbar.h"
 
-#include "player/window/camera_moves.h"
 #include "player/window/theme.h"
+#include "player/window/view_names.h"
 
 namespace splatlas {
 

@@ -60,7 +60,7 @@ bool wants_a_frame(const SDL_Event& event) {
 
 Result<std::unique_ptr<WindowHost>> WindowHost::open(const std::string& title) {
   std::unique_ptr<WindowHost> host(new WindowHost);
-  SPLATLAS_RETURN_IF_ERROR(host->start(title));
+  if (auto started = host->start(title); !started) return tl::unexpected(std::move(started).error());
   return host;
 }
 

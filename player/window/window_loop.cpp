@@ -128,13 +128,15 @@ class Window {
 }  // namespace
 
 Result<void> run_window_loop(const std::filesystem::path& path, unsigned threads) {
-  SPLATLAS_ASSIGN_OR_RETURN(std::shared_ptr<const Atlas> atlas, Atlas::open(path));
-  SPLATLAS_ASSIGN_OR_RETURN(SessionLog log, SessionLog::from_environment());
-  const std::string title = fmt::format("{} - Splatlas", path.filename().string());
-  SPLATLAS_ASSIGN_OR_RETURN(const std::unique_ptr<WindowHost> host, WindowHost::open(title));
+  auto atlas = Atlas::open(path);
+  if (!atlas) return tl::unexpected(std::move(atlas).error());
+  auto log = SessionLog::from_environment();
+  if (!log) return tl::unexpected(std::move(log).error());
+  const auto host = WindowHost::open(fmt::format("{} - Splatlas", path.filename().string()));
+  if (!host) return tl::unexpected(host.error());
   Session session(
-      std::move(atlas), {.threads = threads}, [&] { host->wake(); }, std::move(log));
-  Window(*host, session).run();
+      *std::move(atlas), {.threads = threads}, [&] { (*host)->wake(); }, *std::move(log));
+  Window(**host, session).run();
   return {};
 }
 

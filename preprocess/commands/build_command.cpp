@@ -5,6 +5,7 @@
 
 #include "format/system/command_options.h"
 #include "format/system/plain_text.h"
+#include "format/system/result_macros.h"
 #include "preprocess/commands/name_and_file.h"
 
 namespace splatlas {

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "format/system/command_options.h"
+#include "format/system/result_macros.h"
 #include "format/system/standard_output.h"
 #include "preprocess/commands/name_and_file.h"
 

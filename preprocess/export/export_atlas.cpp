@@ -10,6 +10,7 @@
 #include "format/selection.h"
 #include "format/system/check_writable.h"
 #include "format/system/output_path.h"
+#include "format/system/result_macros.h"
 #include "preprocess/export/export_labels.h"
 #include "preprocess/export/write_image.h"
 #include "preprocess/export/write_mesh.h"

@@ -6,6 +6,7 @@
 #include "format/system/check_writable.h"
 #include "format/system/interrupts.h"
 #include "format/system/output_folder.h"
+#include "format/system/result_macros.h"
 #include "preprocess/export/temporary_output.h"
 #include "preprocess/export/write_image.h"
 

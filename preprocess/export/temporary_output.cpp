@@ -2,6 +2,7 @@
 
 #include "format/system/ascii_text.h"
 #include "format/system/output_file.h"
+#include "format/system/result_macros.h"
 
 namespace splatlas {
 namespace {

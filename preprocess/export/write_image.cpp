@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "format/system/ascii_text.h"
+#include "format/system/result_macros.h"
 #include "preprocess/export/temporary_output.h"
 #include "preprocess/import/images/check_image_file.h"
 #include "preprocess/import/images/image_io.h"

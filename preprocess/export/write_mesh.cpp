@@ -14,6 +14,7 @@
 #include <vtkPolyDataWriter.h>
 #include <vtkSTLWriter.h>
 
+#include "format/system/result_macros.h"
 #include "preprocess/export/compare_mesh.h"
 #include "preprocess/export/temporary_output.h"
 #include "preprocess/import/meshes/check_mesh_file.h"

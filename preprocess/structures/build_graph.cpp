@@ -8,6 +8,7 @@
 
 #include "format/selection.h"
 #include "format/system/ascii_text.h"
+#include "format/system/result_macros.h"
 #include "preprocess/import/tables/text_file.h"
 
 namespace splatlas {

@@ -46,8 +46,9 @@ TEST(Isolated, RendersAsInTheFullAtlas) {
     Selection alone;
     const auto content = isolated(scene.content, scene.selection, alone);
     ASSERT_TRUE(content) << number << ": " << content.error().message;
-    const Picture expected = render_or_throw(scene.content, scene.selection, scene.camera, scene.options);
-    const Picture picture = render_or_throw(*content, alone, scene.camera, scene.options);
+    const Picture expected =
+        render_or_throw(scene.content, scene.selection, scene.camera, scene.options, 1, scene.overrides);
+    const Picture picture = render_or_throw(*content, alone, scene.camera, scene.options, 1, scene.overrides);
     EXPECT_EQ(bits_differ(picture.rgba, expected.rgba), 0u) << number << ": " << describe(scene);
     ++drawn;
   }

@@ -103,12 +103,12 @@ std::optional<FlippedFiles::Drawing> FlippedFiles::drawing_at(std::size_t byte, 
     const auto at = structure_at(*section, chunk - section->first_chunk, random);
     if (!at) return std::nullopt;
     s = *at;
-    if (section->kind <= 3) drawing.options.principal_axis = static_cast<Axis>(section->kind - 1);
+    if (section->kind <= 3) drawing.overrides.principal_axis = static_cast<Axis>(section->kind - 1);
     if (section->kind == static_cast<std::uint32_t>(SectionKind::kSurfaces)) mode = DrawMode::kSurface;
     if (section->kind == static_cast<std::uint32_t>(SectionKind::kRunsZ) && random() % 4 == 0)
       mode = DrawMode::kBoth;
   }
-  if (!drawing.options.principal_axis) drawing.options.principal_axis = static_cast<Axis>(random() % 3);
+  if (!drawing.overrides.principal_axis) drawing.overrides.principal_axis = static_cast<Axis>(random() % 3);
   const auto other = static_cast<StructureIndex>(below(directory_.graph.size(), random));
   drawing.selection = of_two(s, other, mode, directory_.graph.size());
   return drawing;
@@ -119,7 +119,7 @@ Outcome FlippedFiles::draw(const std::shared_ptr<const Atlas>& damaged, const Dr
   Renderer renderer(damaged, {.threads = 1});
   if (const auto selected = renderer.select(drawing.selection); !selected)
     return wrong(selected.error().message);
-  const auto picture = renderer.render(camera, drawing.options);
+  const auto picture = render_with(renderer, camera, drawing.options, drawing.overrides);
   if (!picture) {
     remark_ = picture.error().message;
     return picture.error().code == ErrorCode::kInvalidAtlas ? Outcome::kNothing : wrong(remark_);
@@ -127,7 +127,7 @@ Outcome FlippedFiles::draw(const std::shared_ptr<const Atlas>& damaged, const Dr
   remark_ = renderer.missing().empty() ? "" : describe(renderer.missing().front(), damaged->graph());
   const Selection rest = without(drawing.selection, renderer.missing());
   if (!good_renderer_.select(rest)) return wrong("the good file cannot be drawn");
-  const auto expected = good_renderer_.render(camera, drawing.options);
+  const auto expected = render_with(good_renderer_, camera, drawing.options, drawing.overrides);
   if (!expected || expected->rgba != picture->rgba) return wrong("another picture; " + remark_);
   return renderer.missing().empty() ? Outcome::kUnharmed : Outcome::kRest;
 }

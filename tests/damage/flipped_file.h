@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "player/frame/render_overrides.h"
 #include "player/render_frame.h"
 #include "tests/format/atlas_surgery.h"
 
@@ -43,6 +44,7 @@ class FlippedFiles {
   struct Drawing {
     Selection selection;
     RenderOptions options;
+    RenderOverrides overrides = {};
   };
   [[nodiscard]] std::optional<Drawing> drawing_at(std::size_t byte, std::mt19937& random) const;
   [[nodiscard]] std::optional<StructureIndex> structure_at(const SectionLayout& section, std::size_t chunk,

@@ -20,6 +20,7 @@
 #include "format/atlas_writer.h"
 #include "format/system/checksum.h"
 #include "format/system/parallel.h"
+#include "format/system/result_macros.h"
 #include "format/system/thread_pool.h"
 #include "player/render_frame.h"
 #include "player/write_png.h"

@@ -23,6 +23,7 @@
 #include <unistd.h>
 
 #include "format/atlas_writer.h"
+#include "format/system/result_macros.h"
 #include "player/render_frame.h"
 #include "tests/faults/small_atlas.h"
 #include "tests/support/run_program.h"

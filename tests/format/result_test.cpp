@@ -4,6 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include "format/system/exit_status.h"
+#include "format/system/result_macros.h"
+
 namespace splatlas {
 namespace {
 

@@ -13,6 +13,7 @@
 #include "format/atlas_reader.h"
 #include "format/atlas_writer.h"
 #include "format/file/file_layout.h"
+#include "player/frame/render_overrides.h"
 #include "player/render_frame.h"
 #include "tests/fuzz/cost_limit.h"
 #include "tests/fuzz/fuzz_input.h"
@@ -51,6 +52,7 @@ class Choices {
 struct Frame {
   Camera camera;
   RenderOptions options;
+  RenderOverrides overrides = {};
 };
 
 /// Sheets or rays, at any quality, zoom and angle.
@@ -61,7 +63,7 @@ Frame read_frame(Choices& choices) {
   frame.options.classification = choices.flag() ? Classification::kAfter : Classification::kBefore;
   frame.options.hybrid_shading = choices.below(8) == 0;  // builds a table of all normals, most of the time
   frame.options.depth_cue = choices.flag() ? DepthCue::kEdges : DepthCue::kNone;
-  frame.options.simd = choices.flag();
+  frame.overrides.simd = choices.flag();
   frame.camera.projection = choices.flag() ? CameraProjection::kPerspective : CameraProjection::kParallel;
   frame.camera.zoom = std::array{0.5, 1.0, 4.0, 40.0}[choices.below(4)];
   frame.camera.azimuth_deg = 45.0 * static_cast<double>(choices.below(8));
@@ -101,7 +103,7 @@ void check_pictures(const std::shared_ptr<const Atlas>& atlas, bool sound, Choic
   Renderer renderer(atlas, {.threads = 1, .max_memory_bytes = kRenderBytes});
   if (const auto selected = renderer.select(selection); !selected)
     return require_error(selected.error(), {ErrorCode::kLimit});
-  const auto picture = renderer.render(frame.camera, frame.options);
+  const auto picture = render_with(renderer, frame.camera, frame.options, frame.overrides);
   if (!picture) {
     require_error(picture.error(), {ErrorCode::kInvalidAtlas, ErrorCode::kLimit, ErrorCode::kUsage});
     require(!sound || picture.error().code != ErrorCode::kInvalidAtlas,
@@ -110,10 +112,11 @@ void check_pictures(const std::shared_ptr<const Atlas>& atlas, bool sound, Choic
   }
   check_pixels(*picture);
   if (choices.below(4) != 0) return;
-  frame.options.simd = !frame.options.simd;
-  const Picture reference = require_value(renderer.render(frame.camera, frame.options));
+  frame.overrides.simd = !frame.overrides.simd;
+  const Picture reference =
+      require_value(render_with(renderer, frame.camera, frame.options, frame.overrides));
   for (std::size_t n = 0; n < reference.rgba.size(); ++n)
-    require(std::abs(reference.rgba[n] - picture->rgba[n]) <= 1e-3f, "SIMD and scalar pictures differ");
+    require(std::abs(reference.rgba[n] - picture->rgba[n]) <= 2e-5f, "SIMD and scalar pictures differ");
 }
 
 /// Everything in a valid file can be read, and survives a round trip.

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <string>
 
+#include "format/system/result_macros.h"
 #include "preprocess/import/images/check_image_file.h"
 #include "preprocess/import/images/nifti_file.h"
 #include "tests/fuzz/cost_limit.h"

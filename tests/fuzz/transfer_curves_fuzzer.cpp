@@ -8,8 +8,8 @@
 
 #include "format/transfer_curve.h"
 #include "player/transfer/preintegrated_transfer.h"
-#include "player/transfer/transfer_function.h"
 #include "player/transfer/transfer_table.h"
+#include "player/transfer_function.h"
 #include "tests/fuzz/fuzz_input.h"
 #include "tests/fuzz/require.h"
 

@@ -1,5 +1,5 @@
-# Installs BUILD_DIR into WORK_DIR, builds docs/example against that and nothing else, and compares its pictures with
-# those of the installed splatlas-player.
+# Installs BUILD_DIR into WORK_DIR, builds examples/ against that and nothing else, runs every example, and compares
+# pictures with those of the installed splatlas-player.
 # Variables: BUILD_DIR, SOURCE_DIR, PHANTOM_ATLAS (the program that writes the phantom), WORK_DIR, CXX_COMPILER,
 # BUILD_TYPE.
 
@@ -22,19 +22,32 @@ function(expect_failure expected pattern)
   endif()
 endfunction()
 
+# expect_output(PATTERN COMMAND...): succeeds, and all of its output matches.
+function(expect_output pattern)
+  execute_process(COMMAND ${ARGN} OUTPUT_VARIABLE output COMMAND_ERROR_IS_FATAL ANY)
+  if(NOT output MATCHES "^${pattern}$")
+    message(FATAL_ERROR "${ARGN}: ${output}")
+  endif()
+endfunction()
+
+# expect_picture(FILE ATLAS OPTIONS...): the same bytes as the program's picture of the atlas.
+function(expect_picture file atlas)
+  run(${WORK_DIR}/prefix/bin/splatlas-player render ${atlas} -o ${WORK_DIR}/player.png --size 640x480 ${ARGN})
+  run(${CMAKE_COMMAND} -E compare_files ${file} ${WORK_DIR}/player.png)
+endfunction()
+
 file(REMOVE_RECURSE ${WORK_DIR})
 run(${CMAKE_COMMAND} --install ${BUILD_DIR} --prefix ${WORK_DIR}/prefix)
-build_against_prefix(${SOURCE_DIR}/docs/example example)
+build_against_prefix(${SOURCE_DIR}/examples examples)
 build_against_prefix(${SOURCE_DIR}/tests/installed/headers headers)
-set(example ${WORK_DIR}/example/render_selection)
+set(examples ${WORK_DIR}/examples)
+set(phantom ${WORK_DIR}/phantom.atlas)
+run(${PHANTOM_ATLAS} ${phantom})
 
-# The same bytes as the program's, whatever is selected.
-run(${PHANTOM_ATLAS} ${WORK_DIR}/phantom.atlas)
+# Pictures, whatever is selected.
 foreach(selection "Sphere_1:surface(opacity=0.5) + Sphere_2" "Spheres:both" "Sphere_1 - Sphere_1")
-  run(${example} ${WORK_DIR}/phantom.atlas ${selection} ${WORK_DIR}/example.png)
-  run(${WORK_DIR}/prefix/bin/splatlas-player render ${WORK_DIR}/phantom.atlas -o ${WORK_DIR}/player.png
-    --select ${selection} --view left --size 640x480)
-  run(${CMAKE_COMMAND} -E compare_files ${WORK_DIR}/example.png ${WORK_DIR}/player.png)
+  run(${examples}/render_picture ${phantom} ${selection} ${WORK_DIR}/example.png)
+  expect_picture(${WORK_DIR}/example.png ${phantom} --select ${selection} --view left)
   file(SHA256 ${WORK_DIR}/example.png hash)
   list(APPEND hashes ${hash})
 endforeach()
@@ -44,21 +57,64 @@ if(NOT pictures EQUAL 3)
   message(FATAL_ERROR "three selections give ${pictures} pictures")
 endif()
 
-# Failures are told in one line, with the status that the programs document, and leave nothing behind.
-expect_failure(1 "missing\\.atlas" ${example} ${WORK_DIR}/missing.atlas Spheres ${WORK_DIR}/none.png)
-expect_failure(4 "Sphere_3" ${example} ${WORK_DIR}/phantom.atlas Sphere_3 ${WORK_DIR}/none.png)
-expect_failure(1 "no_folder" ${example} ${WORK_DIR}/phantom.atlas Spheres ${WORK_DIR}/no_folder/none.png)
+# Failures are told in one line, and leave nothing behind.
+set(render ${examples}/render_picture)
+expect_failure(1 "missing\\.atlas" ${render} ${WORK_DIR}/missing.atlas Spheres ${WORK_DIR}/none.png)
+expect_failure(1 "Sphere_3" ${render} ${phantom} Sphere_3 ${WORK_DIR}/none.png)
+expect_failure(1 "no_folder" ${render} ${phantom} Spheres ${WORK_DIR}/no_folder/none.png)
 file(GLOB left ${WORK_DIR}/*none*)
 if(left)
   message(FATAL_ERROR "left behind: ${left}")
 endif()
 
+# A changed selection, and its transfer function.
+expect_output("grey 0: opacity 0\ngrey 123\\.75: opacity 0\ngrey 126\\.25: opacity 0\\.5\ngrey 250: opacity 0\\.5\n"
+  ${examples}/change_selection ${phantom} Sphere_2 ${WORK_DIR}/changed)
+expect_picture(${WORK_DIR}/changed-1.png ${phantom}
+  --select "*:surface(opacity=0.1) - Sphere_2 + Sphere_2:volume(opacity=0.5,profile=hard)")
+
+# The nearest point of a ball, straight on; its surface is half a voxel from its outermost voxels' centres.
+expect_output("Sphere_[12] at L [0-9.]+ P [0-9.]+ S [0-9.]+ mm\nshown at 320\\.0, 240\\.0, -?[0-9.]+ mm behind the centre\n"
+  ${examples}/pick_structure ${phantom} Sphere_1:surface 320 240)
+expect_output("background\n" ${examples}/pick_structure ${phantom} "*:surface" 1 1)
+
+# As many voxels as the program counts.
+execute_process(COMMAND ${WORK_DIR}/prefix/bin/splatlas-player info --json ${phantom} OUTPUT_VARIABLE info
+  COMMAND_ERROR_IS_FATAL ANY)
+string(JSON structures LENGTH ${info} structures)
+math(EXPR last "${structures} - 1")
+foreach(s RANGE ${last})
+  string(JSON id GET ${info} structures ${s} id)
+  string(JSON interior GET ${info} structures ${s} voxels interior)
+  string(JSON boundary GET ${info} structures ${s} voxels boundary)
+  math(EXPR voxels "${interior} + ${boundary}")
+  expect_output("${id}: ${voxels} voxels, [0-9.]+ ml, mean grey value [0-9.]+\n" ${examples}/read_voxels ${phantom} ${id})
+endforeach()
+
+# An atlas of a program's own arrays.
+run(${examples}/write_atlas ${WORK_DIR}/ball.atlas)
+run(${WORK_DIR}/prefix/bin/splatlas-player verify ${WORK_DIR}/ball.atlas)
+run(${examples}/render_picture ${WORK_DIR}/ball.atlas Ball ${WORK_DIR}/ball.png)
+expect_picture(${WORK_DIR}/ball.png ${WORK_DIR}/ball.atlas --view left)
+
+# The viewer without a screen, where there is SDL2: 120 of 480 pixels turn the camera by 45 degrees.
+if(EXISTS ${examples}/viewer)
+  file(WRITE ${WORK_DIR}/script "drag 120 0\nclick 320 240\nkey T\n")
+  execute_process(COMMAND ${CMAKE_COMMAND} -E env SDL_VIDEODRIVER=dummy
+    ${examples}/viewer ${phantom} ${WORK_DIR}/script ${WORK_DIR}/viewer.png
+    OUTPUT_VARIABLE clicked OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
+  if(NOT clicked MATCHES "^Sphere_[12]$")
+    message(FATAL_ERROR "the viewer tells of a click: ${clicked}")
+  endif()
+  expect_picture(${WORK_DIR}/viewer.png ${phantom} --azimuth -45 --select "*:surface - ${clicked}")
+endif()
+
 # Where the offline side is installed too: the phantom, from its files to a picture.
 set(preprocess ${WORK_DIR}/prefix/bin/splatlas-preprocess)
 if(EXISTS ${preprocess})
-  set(phantom ${WORK_DIR}/phantom)
-  run(${BUILD_DIR}/bin/splatlas-phantom ${phantom})
-  run(${preprocess} build -o ${phantom}.atlas --labels ${phantom}/labels.nrrd --volume ${phantom}/volume.nrrd
-    --names ${phantom}/names.txt --tree ${phantom}/phantom.tree)
-  run(${example} ${phantom}.atlas Phantom:both ${WORK_DIR}/example.png)
+  set(files ${WORK_DIR}/phantom)
+  run(${BUILD_DIR}/bin/splatlas-phantom ${files})
+  run(${preprocess} build -o ${files}_built.atlas --labels ${files}/labels.nrrd --volume ${files}/volume.nrrd
+    --names ${files}/names.txt --tree ${files}/phantom.tree)
+  run(${render} ${files}_built.atlas Phantom:both ${WORK_DIR}/example.png)
 endif()

@@ -2,6 +2,7 @@
 #include <cstdio>
 
 #include "format/atlas_writer.h"
+#include "format/system/exit_status.h"
 #include "tests/support/phantom_content.h"
 
 int main(int argc, char** argv) {

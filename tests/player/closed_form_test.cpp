@@ -24,7 +24,7 @@ TEST(ClosedForm, ThousandsOfThinLayersAddUp) {
       ASSERT_TRUE(renderer.select(with_opacity(content, opacity)));
       for (const bool simd : {false, true}) {
         const Picture picture =
-            render_or_throw(renderer, camera, {.size = {9, 9}, .hybrid_shading = false, .simd = simd});
+            render_or_throw(renderer, camera, {.size = {9, 9}, .hybrid_shading = false}, {.simd = simd});
         const double expected = opacity_through(layers, opacity);
         // Every addition rounds by at most half a unit in the last place, usually to either side.
         EXPECT_NEAR(picture.at(4, 4)[3], expected, std::min(1e-6, layers * 6e-8 * expected))

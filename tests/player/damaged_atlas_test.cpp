@@ -7,6 +7,8 @@
 #include <gtest/gtest.h>
 
 #include "format/atlas_writer.h"
+#include "format/system/result_macros.h"
+#include "player/frame/render_overrides.h"
 #include "tests/format/atlas_surgery.h"
 #include "tests/support/phantom_content.h"
 #include "tests/support/render.h"
@@ -57,11 +59,11 @@ struct Rendering {
 
 /// A picture, or the error of any step.
 Result<Rendering> render(Bytes file, const Selection& selection, const Camera& camera,
-                         const RenderOptions& options) {
+                         const RenderOptions& options, const RenderOverrides& overrides = {}) {
   SPLATLAS_ASSIGN_OR_RETURN(const auto atlas, Atlas::open_bytes(std::move(file), "F"));
   Renderer renderer(atlas, {.threads = 1});
   SPLATLAS_RETURN_IF_ERROR(renderer.select(selection));
-  SPLATLAS_ASSIGN_OR_RETURN(Picture picture, renderer.render(camera, options));
+  SPLATLAS_ASSIGN_OR_RETURN(Picture picture, render_with(renderer, camera, options, overrides));
   return Rendering{std::move(picture), renderer.missing()};
 }
 
@@ -137,14 +139,14 @@ TEST(DamagedAtlas, NoFlippedByteChangesAPictureWithoutAnError) {
   const std::size_t surfaces = offset_of(file, SectionKind::kSurfaces);
   for (std::size_t n = 0; n < file.size(); ++n) {
     RenderOptions options{.size = {9, 9}, .quality = Quality::kDraft};
-    options.principal_axis = static_cast<Axis>(n % 3);
+    const RenderOverrides overrides{.principal_axis = static_cast<Axis>(n % 3)};
     options.hybrid_shading =
         n >= normals && n < surfaces;  // elsewhere shading reads no normals, and is slowest
     options.classification = n % 5 == 0 ? Classification::kAfter : Classification::kBefore;
     const Camera camera{.azimuth_deg = 40, .elevation_deg = 35};
     Bytes flipped = file;
     flipped[n] ^= static_cast<std::byte>(1u << (n % 8));
-    const auto got = render(std::move(flipped), selection, camera, options);
+    const auto got = render(std::move(flipped), selection, camera, options, overrides);
     if (!got) {
       EXPECT_EQ(got.error().code, ErrorCode::kInvalidAtlas) << n << ": " << got.error().message;
       ++outcomes["error"];
@@ -152,7 +154,7 @@ TEST(DamagedAtlas, NoFlippedByteChangesAPictureWithoutAnError) {
     }
     ++outcomes[got->missing.empty() ? "unharmed" : "part"];
     ASSERT_TRUE(good.select(without(selection, got->missing)));
-    ASSERT_EQ(got->picture.rgba, render_or_throw(good, camera, options).rgba)
+    ASSERT_EQ(got->picture.rgba, render_or_throw(good, camera, options, overrides).rgba)
         << "byte " << n << ": "
         << (got->missing.empty() ? "nothing is missing" : describe(got->missing[0], content.graph));
   }

@@ -158,9 +158,9 @@ TEST(DepthCueOfFrames, LongRowsSeenFromNearbyTakeLittleMemory) {
   camera.center_lps_mm = Vec3{0, 0, 0.5 * length};
   RenderOptions options;
   options.size = {16, 16};
-  options.principal_axis = Axis::kZ;
   options.depth_cue = DepthCue::kEdges;
-  const Picture picture = render_or_throw(content, with_opacity(content, 0.9f), camera, options);
+  const Picture picture =
+      render_or_throw(content, with_opacity(content, 0.9f), camera, options, 1, {.principal_axis = Axis::kZ});
   EXPECT_GT(picture.at(8, 8)[3], 0.5f);
 }
 
@@ -185,12 +185,6 @@ TEST(DepthCueOfFrames, ViewDepthGoesBothWays) {
       EXPECT_NEAR(along, mm, 1e-9);
     }
   }
-}
-
-TEST(DepthCueOfFrames, HaveNames) {
-  EXPECT_EQ(named_depth_cue("none"), DepthCue::kNone);
-  EXPECT_EQ(named_depth_cue("edges"), DepthCue::kEdges);
-  EXPECT_FALSE(named_depth_cue("Edges"));
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "player/frame/render_overrides.h"
 #include "tests/support/random_scene.h"
 
 namespace splatlas {
@@ -27,9 +28,7 @@ TEST_P(PicturesOf, RandomScenesAgreeWithTheScalarReference) {
     scene.options.termination_threshold = 0;
     Renderer renderer(open_in_memory(scene.content), {.threads = 1});
     ASSERT_TRUE(renderer.select(scene.selection));
-    scene.options.simd = false;
-    const Result<Picture> reference = renderer.render(scene.camera, scene.options);
-    scene.options.simd = true;
+    const Result<Picture> reference = render_with(renderer, scene.camera, scene.options, {.simd = false});
     const Result<Picture> picture = renderer.render(scene.camera, scene.options);
     ASSERT_EQ(picture.has_value(), reference.has_value());
     if (!reference) continue;  // an invalid view

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "format/atlas_writer.h"
+#include "player/frame/render_overrides.h"
 #include "player/spans/span_model.h"
 #include "tests/phantom/two_spheres.h"
 #include "tests/reference/optical_field.h"
@@ -75,7 +76,7 @@ TEST(Renderer, VisitsTheSelectedRunsAndVisibleVoxels) {
     ASSERT_TRUE(renderer.select(scene.selection));
     const DrawPlan plan = atlas->tree().plan(scene.selection);
     for (const Axis axis : kAxes) {
-      scene.options.principal_axis = axis;
+      scene.overrides.principal_axis = axis;
       const auto view = parallel_view(scene.camera, scene.options.size, atlas->display());
       const reference::OpticalField field =
           reference::optical_field(scene.content, scene.selection, *view, false);
@@ -87,7 +88,8 @@ TEST(Renderer, VisitsTheSelectedRunsAndVisibleVoxels) {
       }
       std::uint64_t triangles = 0;
       for (const StructureIndex s : plan.surfaces) triangles += atlas->triangles(s);
-      if (!renderer.render(scene.camera, scene.options)) continue;  // refused: perpendicular to this axis
+      if (!render_with(renderer, scene.camera, scene.options, scene.overrides))
+        continue;  // refused: perpendicular to this axis
       EXPECT_EQ(renderer.stats().voxels_visited, visible) << "scene " << number;
       EXPECT_EQ(renderer.stats().runs_visited, runs);
       EXPECT_EQ(renderer.stats().triangles, triangles);
@@ -142,8 +144,8 @@ TEST(Renderer, GivesTheSameBitsWithAnyNumberOfThreads) {
     scene.options.size = {75, 67};
     std::vector<float> first;
     for (const unsigned threads : {1u, 2u, 8u}) {
-      const Picture picture =
-          render_or_throw(scene.content, scene.selection, scene.camera, scene.options, threads);
+      const Picture picture = render_or_throw(scene.content, scene.selection, scene.camera, scene.options,
+                                              threads, scene.overrides);
       if (threads == 1) first = picture.rgba;
       ASSERT_EQ(std::memcmp(picture.rgba.data(), first.data(), first.size() * sizeof(float)), 0)
           << threads << " threads, scene " << number;
@@ -341,14 +343,6 @@ TEST(Renderer, EarlyTerminationStaysWithinItsBound) {
       EXPECT_GT(largest, floor / 100) << "nothing was left out: the test shows nothing";
     }
   }
-}
-
-TEST(Renderer, QualitiesHaveNames) {
-  EXPECT_EQ(named_quality("draft"), Quality::kDraft);
-  EXPECT_EQ(named_quality("normal"), Quality::kNormal);
-  EXPECT_EQ(named_quality("high"), Quality::kHigh);
-  EXPECT_FALSE(named_quality("High"));
-  EXPECT_FALSE(named_quality(""));
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "player/frame/render_overrides.h"
 #include "tests/reference/picture_difference.h"
 #include "tests/support/render.h"
 #include "tests/support/standard_scenes.h"
@@ -30,11 +31,9 @@ TEST(Stress, ThousandsOfThinLayersAddUpAlongRays) {
   for (const float opacity : {1e-8f, 1e-6f, 1e-4f, 1e-2f}) {
     ASSERT_TRUE(renderer.select(with_opacity(content, opacity)));
     for (const bool simd : {false, true}) {
-      RenderOptions options = by_rays({9, 9});
-      options.simd = simd;
       const double expected = opacity_through(kLayers, opacity);
       // Threshold of early ray termination; else every addition rounds by half a unit in the last place.
-      EXPECT_NEAR(render_or_throw(renderer, camera, options).at(4, 4)[3], expected,
+      EXPECT_NEAR(render_or_throw(renderer, camera, by_rays({9, 9}), {.simd = simd}).at(4, 4)[3], expected,
                   std::max(kLayers * 6e-8 * expected, expected > 0.999 ? 1e-4 : 0))
           << opacity;
     }
@@ -102,11 +101,9 @@ TEST(Stress, AnAxisSwitchIsSmallAtSharpEdges) {
       Camera camera;
       camera.azimuth_deg = 45;
       camera.elevation_deg = elevation;
-      RenderOptions options{.size = {72, 72}, .quality = quality};
-      options.principal_axis = Axis::kX;
-      const Picture along_x = render_or_throw(renderer, camera, options);
-      options.principal_axis = Axis::kY;
-      const Picture along_y = render_or_throw(renderer, camera, options);
+      const RenderOptions options{.size = {72, 72}, .quality = quality};
+      const Picture along_x = render_or_throw(renderer, camera, options, {.principal_axis = Axis::kX});
+      const Picture along_y = render_or_throw(renderer, camera, options, {.principal_axis = Axis::kY});
       EXPECT_LE(reference::whole_picture_rms(along_x, along_y), max_rms) << elevation;
     }
   }

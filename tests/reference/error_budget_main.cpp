@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <string>
 
+#include "format/system/exit_status.h"
 #include "format/system/standard_output.h"
 #include "tests/reference/picture_difference.h"
 #include "tests/support/render.h"
@@ -55,10 +56,10 @@ void measure(const StandardScene& scene) {
       total[q].add(difference(picture, truth));
     }
     if (azimuth == 45) {
-      frame.options.principal_axis = Axis::kX;
-      const Picture from_x = render_or_throw(renderer, frame.camera, frame.options);
-      frame.options.principal_axis = Axis::kY;
-      switched.add(difference(from_x, render_or_throw(renderer, frame.camera, frame.options)));
+      const auto along = [&](Axis axis) {
+        return render_or_throw(renderer, frame.camera, frame.options, {.principal_axis = axis});
+      };
+      switched.add(difference(along(Axis::kX), along(Axis::kY)));
     }
   }
   std::printf("\n%s\n\n| %-44s | %10s | %9s | %9s |\n|---|---:|---:|---:|\n", scene.name.c_str(),

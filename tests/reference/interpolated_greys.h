@@ -5,7 +5,7 @@
 
 #include "format/atlas_content.h"
 #include "format/selection.h"
-#include "player/transfer/transfer_function.h"
+#include "player/transfer_function.h"
 #include "tests/reference/ray.h"
 #include "tests/reference/reference_radiance.h"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "format/decision_tree.h"
-#include "player/transfer/transfer_function.h"
+#include "player/transfer_function.h"
 #include "tests/reference/reference_radiance.h"
 
 namespace splatlas::reference {

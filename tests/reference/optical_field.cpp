@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "format/decision_tree.h"
-#include "player/transfer/transfer_function.h"
+#include "player/transfer_function.h"
 #include "tests/reference/reference_radiance.h"
 
 namespace splatlas::reference {

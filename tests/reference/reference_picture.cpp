@@ -21,8 +21,7 @@ struct Setup {
 
   explicit Setup(const ReferenceScene& scene)
       : view(view_of(scene)),
-        principal(
-            scene.options.principal_axis.value_or(factorise(view, storage_grid(scene.content)).principal)),
+        principal(factorise(view, storage_grid(scene.content)).principal),
         field(optical_field(scene.content, scene.selection, view, scene.options.hybrid_shading)) {}
 
   static ParallelView view_of(const ReferenceScene& scene) {

@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "player/frame/render_overrides.h"
 #include "player/view/shear.h"
 #include "tests/reference/picture_difference.h"
 #include "tests/scenes/expected_counts.h"
@@ -62,7 +63,7 @@ class Checker {
       fault("select: " + selected.error().message);
       return std::nullopt;
     }
-    auto picture = renderer.render(scene_.camera, options);
+    auto picture = render_with(renderer, scene_.camera, options, scene_.overrides);
     stats_ = renderer.stats();
     if (picture) return *std::move(picture);
     report_.refused = picture.error().code == ErrorCode::kUsage &&

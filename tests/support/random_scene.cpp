@@ -287,7 +287,7 @@ class SceneMaker {
     scene.options.quality = std::array{Quality::kDraft, Quality::kNormal, Quality::kHigh}[below(3)];
     // Rounding chooses the lit side of normals that are exactly perpendicular to the view.
     scene.options.hybrid_shading = below(4) != 0 && !diagonal;
-    scene.options.simd = below(4) != 0;
+    scene.overrides.simd = below(4) != 0;
   }
 
   /// Draws every other scene by ray casting.

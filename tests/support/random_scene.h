@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <string>
 
+#include "player/frame/render_overrides.h"
 #include "player/render_frame.h"
 #include "tests/support/test_content.h"
 
@@ -14,6 +15,7 @@ struct RandomScene {
   Selection selection;
   Camera camera;
   RenderOptions options;
+  RenderOverrides overrides = {};
 };
 
 /// A scene of up to `max_side` voxels a side, determined by its number on every machine. Contains overlapping

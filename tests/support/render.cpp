@@ -4,19 +4,20 @@
 
 namespace splatlas {
 
-Picture render_or_throw(Renderer& renderer, const Camera& camera, const RenderOptions& options) {
-  auto picture = renderer.render(camera, options);
+Picture render_or_throw(Renderer& renderer, const Camera& camera, const RenderOptions& options,
+                        const RenderOverrides& overrides) {
+  auto picture = render_with(renderer, camera, options, overrides);
   if (!picture) throw std::runtime_error(picture.error().message);
   return *std::move(picture);
 }
 
 Picture render_or_throw(const AtlasContent& content, const Selection& selection, const Camera& camera,
-                        const RenderOptions& options, unsigned threads) {
+                        const RenderOptions& options, unsigned threads, const RenderOverrides& overrides) {
   Renderer renderer(open_in_memory(content), {threads, 0});
   if (auto selected = renderer.select(selection); !selected) {
     throw std::runtime_error(selected.error().message);
   }
-  return render_or_throw(renderer, camera, options);
+  return render_or_throw(renderer, camera, options, overrides);
 }
 
 double zoom_for(const Display& display, int picture_side, double mm_per_pixel) {

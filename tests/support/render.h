@@ -4,6 +4,7 @@
 #include <string_view>
 #include <vector>
 
+#include "player/frame/render_overrides.h"
 #include "player/render_frame.h"
 #include "tests/support/test_content.h"
 
@@ -11,10 +12,11 @@ namespace splatlas {
 
 /// Renders. Throws std::runtime_error with the library's message.
 [[nodiscard]] Picture render_or_throw(Renderer& renderer, const Camera& camera,
-                                      const RenderOptions& options = {});
+                                      const RenderOptions& options = {},
+                                      const RenderOverrides& overrides = {});
 [[nodiscard]] Picture render_or_throw(const AtlasContent& content, const Selection& selection,
                                       const Camera& camera, const RenderOptions& options = {},
-                                      unsigned threads = 1);
+                                      unsigned threads = 1, const RenderOverrides& overrides = {});
 
 /// The zoom at which a pixel of a square picture is `mm_per_pixel` wide.
 [[nodiscard]] double zoom_for(const Display& display, int picture_side, double mm_per_pixel);

@@ -1,6 +1,7 @@
 #include "preprocess/import/images/check_image_file.h"
 
 #include "format/system/ascii_text.h"
+#include "format/system/result_macros.h"
 #include "preprocess/import/import_error.h"
 
 namespace splatlas {

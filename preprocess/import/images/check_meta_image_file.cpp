@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "format/system/ascii_text.h"
+#include "format/system/result_macros.h"
 #include "preprocess/import/images/check_image_file.h"
 #include "preprocess/import/images/image_payload.h"
 #include "preprocess/import/images/text_header.h"

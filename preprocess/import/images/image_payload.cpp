@@ -10,6 +10,7 @@
 #include <zlib.h>
 
 #include "format/grid.h"
+#include "format/system/result_macros.h"
 #include "preprocess/import/import_error.h"
 #include "preprocess/import/tables/text_file.h"
 

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "format/system/ascii_text.h"
+#include "format/system/result_macros.h"
 #include "preprocess/import/images/check_image_file.h"
 #include "preprocess/import/import_error.h"
 #include "preprocess/import/tables/structure_name.h"

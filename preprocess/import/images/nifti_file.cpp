@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "format/system/ascii_text.h"
+#include "format/system/result_macros.h"
 #include "preprocess/import/images/check_image_file.h"
 #include "preprocess/import/images/image_payload.h"
 #include "preprocess/import/import_error.h"

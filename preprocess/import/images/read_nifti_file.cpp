@@ -6,6 +6,7 @@
 #include <vnl/vnl_inverse.h>
 #include <vnl/vnl_matrix_fixed.h>
 
+#include "format/system/result_macros.h"
 #include "preprocess/import/images/image_io.h"
 #include "preprocess/import/images/nifti_file.h"
 

@@ -14,6 +14,7 @@
 #include <vtkSmartPointer.h>
 #include <vtkTriangleFilter.h>
 
+#include "format/system/result_macros.h"
 #include "preprocess/import/import_error.h"
 #include "preprocess/import/meshes/check_mesh_file.h"
 #include "preprocess/import/meshes/polygon_readers.h"

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "format/system/result_macros.h"
 #include "preprocess/import/tables/structure_name.h"
 #include "preprocess/import/tables/text_file.h"
 

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "format/system/plain_text.h"
+#include "format/system/result_macros.h"
 
 namespace splatlas {
 namespace {

@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "player/frame/render_overrides.h"
 #include "player/surfaces/clip_triangle.h"
 #include "player/view/shear.h"
 #include "tests/reference/optical_field.h"
@@ -79,7 +80,7 @@ TEST(Pick, NamesTheStructureThatContributesMost) {
     scene.options.antialiasing = false;  // the ray of the pixel's centre
     Renderer renderer(open_in_memory(scene.content), {1, 0});
     ASSERT_TRUE(renderer.select(scene.selection));
-    (void)render_or_throw(renderer, scene.camera, scene.options);
+    (void)render_or_throw(renderer, scene.camera, scene.options, scene.overrides);
     for (int n = 0; n < 12; ++n) {
       const int column = (7 * n + 3) % scene.options.size.width;
       const int row = (5 * n + 1) % scene.options.size.height;
@@ -162,7 +163,8 @@ TEST(Pick, NamesTheStructureThatContributesMostInFramesOfRays) {
     }
     Renderer renderer(open_in_memory(scene.content), {1, 0});
     ASSERT_TRUE(renderer.select(scene.selection));
-    if (!renderer.render(scene.camera, scene.options)) continue;  // too wide for surfaces
+    if (!render_with(renderer, scene.camera, scene.options, scene.overrides))
+      continue;  // too wide for surfaces
     const View view = *view_of(scene.camera, scene.options.size, scene.content.display);
     for (int n = 0; n < 12; ++n) {
       const int column = (7 * n + 3) % scene.options.size.width;

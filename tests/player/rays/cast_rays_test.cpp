@@ -267,7 +267,8 @@ TEST(CastRays, PerspectiveOfRandomScenesIsTheTruth) {
     scene.camera.field_of_view_deg = std::array{0.01, 30.0, 75.0, 120.0, 179.0}[number % 5];
     scene.options.termination_threshold = 0;
     scene.options.quality = Quality::kHigh;
-    const Picture picture = render_or_throw(scene.content, scene.selection, scene.camera, scene.options);
+    const Picture picture =
+        render_or_throw(scene.content, scene.selection, scene.camera, scene.options, 1, scene.overrides);
     EXPECT_LE(reference::energy_violation(picture), 1e-5) << number << ": " << describe(scene);
     const View view = *view_of(scene.camera, scene.options.size, scene.content.display);
     const Grid grid = storage_grid(scene.content);

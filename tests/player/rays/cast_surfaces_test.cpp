@@ -28,7 +28,7 @@ TEST(CastSurfaces, AreInOrderWithTheVolume) {
     scene.options.classification = Classification::kAfter;
     Renderer renderer(open_in_memory(scene.content), {1, 0});
     ASSERT_TRUE(renderer.select(scene.selection));
-    const Picture picture = render_or_throw(renderer, scene.camera, scene.options);
+    const Picture picture = render_or_throw(renderer, scene.camera, scene.options, scene.overrides);
     surfaces += renderer.stats().triangles > 0 ? 1 : 0;
     EXPECT_LE(reference::energy_violation(picture), 1e-5) << number << ": " << describe(scene);
     // Edges are where vertices snapped to 1/256 pixel have them: a few centres may lie on the other side.

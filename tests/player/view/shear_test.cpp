@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
+#include "player/frame/render_overrides.h"
 #include "tests/format/random_volume.h"
 #include "tests/reference/ray.h"
 #include "tests/support/render.h"
@@ -127,11 +128,11 @@ TEST(Shear, RenderRefusesAForcedAxisThatTheViewRunsAcross) {
     Camera camera;
     camera.azimuth_deg = azimuth;
     for (const Axis axis : {Axis::kX, Axis::kZ}) {
-      const auto picture = renderer.render(camera, {.size = {16, 16}, .principal_axis = axis});
+      const auto picture = render_with(renderer, camera, {.size = {16, 16}}, {.principal_axis = axis});
       ASSERT_FALSE(picture.has_value()) << "azimuth " << azimuth;
       EXPECT_EQ(picture.error().code, ErrorCode::kUsage);
     }
-    EXPECT_TRUE(renderer.render(camera, {.size = {16, 16}, .principal_axis = Axis::kY}).has_value());
+    EXPECT_TRUE(render_with(renderer, camera, {.size = {16, 16}}, {.principal_axis = Axis::kY}).has_value());
   }
 }
 

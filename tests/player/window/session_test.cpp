@@ -12,8 +12,8 @@
 #include <nlohmann/json.hpp>
 
 #include "format/atlas_writer.h"
+#include "player/camera_moves.h"
 #include "player/spans/span_model.h"
-#include "player/window/camera_moves.h"
 #include "tests/support/phantom_content.h"
 #include "tests/support/run_program.h"
 

@@ -1,9 +1,12 @@
-#include "player/window/camera_moves.h"
+#include "player/camera_moves.h"
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
 #include <gtest/gtest.h>
+
+#include "tests/support/test_content.h"
 
 namespace splatlas {
 namespace {
@@ -68,43 +71,52 @@ TEST(CameraMovesTest, MovingTakesThePointUnderThePointerAlong) {
   }
 }
 
-TEST(CameraMovesTest, LettersNameDirectionsInLps) {
-  EXPECT_EQ(orientation_letters({1, 0, 0}), "L");
-  EXPECT_EQ(orientation_letters({-1, 0, 0}), "R");
-  EXPECT_EQ(orientation_letters({0, 1, 0}), "P");
-  EXPECT_EQ(orientation_letters({0, -1, 0}), "A");
-  EXPECT_EQ(orientation_letters({0, 0, 1}), "S");
-  EXPECT_EQ(orientation_letters({0, 0, -1}), "I");
-  EXPECT_EQ(orientation_letters({0.8, -0.6, 0}), "LA");
-  EXPECT_EQ(orientation_letters({0.6, -0.8, 0}), "AL");
-  const double near = std::sin(20 * M_PI / 180);
-  EXPECT_EQ(orientation_letters({near, 0, std::sqrt(1 - near * near)}), "S");
-}
-
-TEST(CameraMovesTest, EdgesOfTheNamedViews) {
-  // Anatomical letters: right, up.
-  const std::array<std::pair<NamedView, std::string>, 6> edges{{{NamedView::kAnterior, "LS"},
-                                                                {NamedView::kPosterior, "RS"},
-                                                                {NamedView::kLeft, "PS"},
-                                                                {NamedView::kRight, "AS"},
-                                                                {NamedView::kSuperior, "RA"},
-                                                                {NamedView::kInferior, "LA"}}};
-  for (const auto& [named, letters] : edges) {
-    const auto view = *parallel_view(Camera::of(named), kSize, kDisplay);
-    EXPECT_EQ(orientation_letters(view.right_lps) + orientation_letters(view.up_lps), letters)
-        << title_of(named);
+/// The box touches the picture's margins and crosses none, in either projection, from any side.
+TEST(CameraMovesTest, FitsABoxIntoThePicture) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> any(0, 1);
+  for (int n = 0; n < 200; ++n) {
+    Camera camera = turned(Camera{}, 360 * any(random), 180 * any(random) - 90);
+    camera.projection = n % 2 == 0 ? CameraProjection::kParallel : CameraProjection::kPerspective;
+    camera.zoom = 0.2 + 10 * any(random);
+    LpsBox box;
+    for (std::size_t a = 0; a < 3; ++a) {
+      box.first[a] = 100 * any(random) - 50;
+      box.last[a] = box.first[a] + 5 + 60 * any(random);
+    }
+    const PictureSize size{n % 3 == 0 ? 300 : 640, 480};
+    const Camera close = fitted(camera, box, size, kDisplay);
+    EXPECT_EQ(close.azimuth_deg, camera.azimuth_deg);
+    const View view = *view_of(close, size, kDisplay);
+    double largest = 0;  // share of the picture's half sides
+    for (unsigned corner = 0; corner < 8; ++corner) {
+      Vec3 point{};
+      for (std::size_t a = 0; a < 3; ++a) point[a] = (corner >> a & 1u) != 0 ? box.last[a] : box.first[a];
+      const auto shown = view.picture_point(point);
+      ASSERT_TRUE(shown);
+      largest = std::max(
+          {largest, std::abs(2 * shown->x / size.width - 1), std::abs(2 * shown->y / size.height - 1)});
+    }
+    EXPECT_NEAR(largest, 0.96, 1e-9);
   }
 }
 
-TEST(CameraMovesTest, KnowsTheNamedViews) {
-  for (const NamedView named : {NamedView::kAnterior, NamedView::kPosterior, NamedView::kLeft,
-                                NamedView::kRight, NamedView::kSuperior, NamedView::kInferior}) {
-    Camera camera = Camera::of(named);
-    camera.zoom = 3;
-    EXPECT_EQ(view_of(camera), named);
-    EXPECT_EQ(view_of(turned(camera, 360, 0)), named);
-    EXPECT_EQ(view_of(turned(camera, 1, 0)), std::nullopt);
-  }
+TEST(CameraMovesTest, BoundingBoxesHoldTheSelectedVoxels) {
+  TestVolume volume;
+  volume.grid = {{8, 9, 10}, {1, 2, 0.5}, {10, 20, 30}, {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+  volume.structures = {
+      {"a", make_mask(volume.grid.size, [](auto i, auto j, auto k) { return i == 2 && j == 3 && k < 4; })},
+      {"b", make_mask(volume.grid.size, [](auto i, auto j, auto k) { return i == 7 && j == 8 && k == 9; })}};
+  const auto atlas = open_in_memory(make_content(volume));
+  const auto of_a = bounding_box(*atlas, selection_of("a", atlas->graph()));
+  ASSERT_TRUE(of_a);
+  EXPECT_EQ(of_a->first, (Vec3{11.5, 25, 29.75}));
+  EXPECT_EQ(of_a->last, (Vec3{12.5, 27, 31.75}));
+  const auto of_all = bounding_box(*atlas, selection_of("*:surface", atlas->graph()));
+  ASSERT_TRUE(of_all);
+  EXPECT_EQ(of_all->first, of_a->first);
+  EXPECT_EQ(of_all->last, (Vec3{17.5, 37, 34.75}));
+  EXPECT_FALSE(bounding_box(*atlas, Selection{}));
 }
 
 }  // namespace

@@ -1,11 +1,15 @@
-#include "player/frame/draw_frame.h"
+#include "player/frame/sheet_frame.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
+#include "format/system/result_macros.h"
+#include "player/frame/frame_settings.h"
+#include "player/frame/stopwatch.h"
 #include "player/sheets/resolve.h"
+#include "player/sheets/span_depths.h"
 #include "player/sheets/splat_kernels.h"
 
 namespace splatlas {
@@ -13,13 +17,6 @@ namespace {
 
 /// A sheet never has more pixels than this (2 GiB); a finer one is made coarser.
 constexpr std::int64_t kMaxSheetPixels = std::int64_t{1} << 27;
-
-/// What the rasteriser and the volume pass keep for a fragment, and for a sample with only one.
-constexpr std::size_t kBytesPerFragment = 200;
-/// What finding edges takes for a pixel.
-constexpr std::uint64_t kBytesToFindEdges = 48;
-/// Their numbers have 32 bits.
-constexpr std::size_t kMaxFragments = 0xfffffffe;
 
 /// Whether most of what is selected can hide what is behind it within a voxel: its edges are sharp then, and
 /// take more pixels to look the same from all sides.
@@ -69,14 +66,6 @@ float threshold_of(const RenderOptions& options, const SheetWindow& window) {
   return termination_threshold(options) / (window.cubic ? 1.3f : 1.0f);
 }
 
-std::size_t edge_samples(const RenderOptions& options, std::uint64_t max_memory_bytes) {
-  if (!options.antialiasing || options.quality == Quality::kDraft) return 1;
-  const auto pixels =
-      static_cast<std::uint64_t>(options.size.width) * static_cast<std::uint64_t>(options.size.height);
-  if (pixels > max_memory_bytes / 4 / kBytesToFindEdges) return 1;
-  return options.quality == Quality::kNormal ? kFourSamples.size() : kEightSamples.size();
-}
-
 Result<SheetWindow> choose_window(const SpanModel& model, const Shear& shear, const Grid& grid,
                                   const RenderOptions& options) {
   SheetSampling sampling{sheet_scale(options.quality, shear, has_sharp_edges(model, grid)),
@@ -97,38 +86,57 @@ Result<SheetWindow> choose_window(const SpanModel& model, const Shear& shear, co
 
 }  // namespace
 
-RasterOptions raster_options(const RenderOptions& options, std::uint64_t max_memory_bytes) {
-  const std::size_t max_fragments =
-      std::min<std::size_t>(max_memory_bytes / 4 / kBytesPerFragment, kMaxFragments);
-  return {max_fragments, termination_threshold(options), edge_samples(options, max_memory_bytes)};
+Result<void> SheetFrame::rasterize() {
+  Stopwatch watch;
+  const RasterScene scene =
+      raster_scene(request_.surfaces, request_.view, request_.shear, request_.grid, request_.lighting);
+  SPLATLAS_ASSIGN_OR_RETURN(
+      const RasterCounters raster,
+      buffers_.rasterizer.draw(scene, raster_options(request_.options, request_.max_memory_bytes),
+                               buffers_.fragments, pool_));
+  counters_.triangles = raster.triangles;
+  counters_.rasterize = watch.lap();
+  return {};
+}
+
+Result<void> SheetFrame::render_sheets() {
+  Stopwatch watch;
+  const RenderOptions& options = request_.options;
+  SPLATLAS_ASSIGN_OR_RETURN(const SheetWindow window,
+                            choose_window(request_.spans, request_.shear, request_.grid, options));
+  buffers_.order.build(buffers_.fragments, request_.shear, window, options.size, request_.grid, pool_);
+  const SplatKernels& kernels = request_.simd ? best_kernels() : scalar_kernels();
+  const SheetCounters sheets =
+      splatlas::render_sheets(request_.spans, request_.shear, window, kernels, threshold_of(options, window),
+                              buffers_.order, buffers_.sheet, pool_);
+  counters_.voxels = sheets.voxels;
+  counters_.sheets = watch.lap();
+  return {};
+}
+
+void SheetFrame::resolve(Picture& picture) {
+  Stopwatch watch;
+  splatlas::resolve(buffers_.sheet, request_.shear, {buffers_.fragments, buffers_.order},
+                    request_.options.size, request_.simd ? best_warp() : scalar_warp(), picture, pool_);
+  counters_.resolve = watch.lap();
+}
+
+void SheetFrame::add_volume_depths(const ViewDepth& view_depth) {
+  add_span_depths(request_.spans, request_.shear, view_depth, buffers_.depths, pool_);
+}
+
+ShownFrame SheetFrame::shown() const {
+  const Shear& shear = request_.shear;
+  return {{request_.view}, shear.principal, shear.scan.slice_axis, shear.ascending ? 1.0 : -1.0};
 }
 
 Result<FrameCounters> draw_frame(const FrameRequest& frame, FrameBuffers& buffers, Picture& picture,
                                  ThreadPool& pool) {
-  const RenderOptions& options = frame.options;
-  FrameCounters counters;
-  Stopwatch watch;
-  const RasterScene scene = raster_scene(frame.surfaces, frame.view, frame.shear, frame.grid, frame.lighting);
-  SPLATLAS_ASSIGN_OR_RETURN(const RasterCounters raster,
-                            buffers.rasterizer.draw(scene, raster_options(options, frame.max_memory_bytes),
-                                                    buffers.fragments, pool));
-  counters.triangles = raster.triangles;
-  counters.rasterize = watch.lap();
-
-  SPLATLAS_ASSIGN_OR_RETURN(const SheetWindow window,
-                            choose_window(frame.spans, frame.shear, frame.grid, options));
-  const SplatKernels& kernels = options.simd ? best_kernels() : scalar_kernels();
-  buffers.order.build(buffers.fragments, frame.shear, window, options.size, frame.grid, pool);
-  const SheetCounters sheets =
-      render_sheets(frame.spans, frame.shear, window, kernels, threshold_of(options, window), buffers.order,
-                    buffers.sheet, pool);
-  counters.voxels = sheets.voxels;
-  counters.sheets = watch.lap();
-
-  resolve(buffers.sheet, frame.shear, {buffers.fragments, buffers.order}, options.size,
-          options.simd ? best_warp() : scalar_warp(), picture, pool);
-  counters.resolve = watch.lap();
-  return counters;
+  SheetFrame steps(frame, buffers, pool);
+  SPLATLAS_RETURN_IF_ERROR(steps.rasterize());
+  SPLATLAS_RETURN_IF_ERROR(steps.render_sheets());
+  steps.resolve(picture);
+  return steps.counters();
 }
 
 }  // namespace splatlas

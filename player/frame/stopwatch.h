@@ -1,23 +1,13 @@
-// Wall clock and CPU time side by side.
+// Stopwatch of wall-clock and CPU time.
 #pragma once
 
 #include <utility>
 
 #include <time.h>  // clock_gettime is POSIX's, not <ctime>'s
 
+#include "player/render_options.h"
+
 namespace splatlas {
-
-/// What a piece of work took. CPU time is the whole process's, all threads together.
-struct Elapsed {
-  double wall_ms = 0, cpu_ms = 0;
-
-  Elapsed& operator+=(const Elapsed& other) {
-    wall_ms += other.wall_ms;
-    cpu_ms += other.cpu_ms;
-    return *this;
-  }
-  friend Elapsed operator+(Elapsed a, const Elapsed& b) { return a += b; }
-};
 
 /// Starts when it is made. Cost: two system calls a lap, below a microsecond.
 class Stopwatch {

@@ -1,4 +1,4 @@
-#include "player/transfer/transfer_function.h"
+#include "player/transfer_function.h"
 
 #include <cmath>
 #include <limits>

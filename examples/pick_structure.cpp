@@ -1,0 +1,49 @@
+// Picking: the structure under a point of a picture, and where it is in the patient.
+//
+//   pick_structure brain.atlas '*:surface' 320 240
+//
+// Picture coordinates count pixels from the top left corner; (0.5, 0.5) is the middle of the first pixel.
+// Points are in LPS millimetres: towards the subject's left, posterior and superior. A View maps picture
+// points with a depth to LPS and back, in parallel projection and in perspective.
+#include <cstdio>
+#include <cstdlib>
+
+#include <splatlas/player/render_frame.h>
+
+using namespace splatlas;
+
+Result<void> run(const char* path, const char* text, double x, double y) {
+  const auto atlas = Atlas::open(path);
+  if (!atlas) return tl::unexpected(atlas.error());
+  const auto selection = select(text, (*atlas)->graph());
+  if (!selection) return tl::unexpected(selection.error());
+  Renderer renderer(*atlas);
+  if (const auto selected = renderer.select(*selection); !selected) return selected;
+
+  const Camera camera{.projection = CameraProjection::kPerspective};
+  const RenderOptions options{.size = {640, 480}, .quality = Quality::kDraft};
+  const auto picture = renderer.render(camera, options);
+  if (!picture) return tl::unexpected(picture.error());
+
+  const auto pick = renderer.pick(x, y);  // in the latest picture
+  if (!pick) {
+    std::puts("background");
+    return {};
+  }
+  const Vec3& point = pick->point_lps_mm;
+  std::printf("%s at L %.1f P %.1f S %.1f mm\n", (*atlas)->graph()[pick->structure].name.c_str(), point[0],
+              point[1], point[2]);
+
+  const auto view = view_of(camera, options.size, (*atlas)->display());
+  if (!view) return tl::unexpected(view.error());
+  if (const auto shown = view->picture_point(point))
+    std::printf("shown at %.1f, %.1f, %.1f mm behind the centre\n", shown->x, shown->y, shown->depth_mm);
+  return {};
+}
+
+int main(int argc, char** argv) {
+  const auto done = argc == 5 ? run(argv[1], argv[2], std::atof(argv[3]), std::atof(argv[4]))
+                              : fail(ErrorCode::kUsage, "usage: pick_structure ATLAS SELECTION X Y");
+  if (!done) std::fprintf(stderr, "pick_structure: %s\n", done.error().message.c_str());
+  return done ? 0 : 1;
+}

@@ -1,0 +1,55 @@
+// Voxels and grey values of a structure, with splatlas::format alone: no renderer.
+//
+//   read_voxels brain.atlas Cerebellum
+//
+// Every voxel belongs to exactly one class, a combination of structures. A structure's voxels are those of
+// its interior and boundary classes, and of its descendants'; several structures may share a class.
+#include <cstdio>
+#include <set>
+
+#include <splatlas/format/atlas_reader.h>
+#include <splatlas/format/selection.h>
+
+using namespace splatlas;
+
+Result<void> run(const char* path, const char* name) {
+  const auto opened = Atlas::open(path);
+  if (!opened) return tl::unexpected(opened.error());
+  const Atlas& atlas = **opened;
+  const auto found = find_structures(atlas.graph(), name);
+  if (!found) return tl::unexpected(found.error());
+
+  std::set<ClassId> classes;
+  for (const StructureIndex s : atlas.graph().descendants(found->front())) {
+    for (const ClassId c : atlas.tree().interior_classes(s)) classes.insert(c);
+    for (const ClassId c : atlas.tree().boundary_classes(s)) classes.insert(c);
+  }
+
+  std::uint64_t voxels = 0;
+  double sum = 0;
+  for (const ClassId c : classes) {
+    const auto runs = atlas.read_runs(c, Axis::kZ);  // where they are: lines of voxels along i
+    if (!runs) return tl::unexpected(runs.error());
+    for (const Run& run : *runs) voxels += run.length;
+    const auto values = atlas.read_values(c);  // in the order of the runs
+    if (!values) return tl::unexpected(values.error());
+    if (values->empty()) continue;
+    visit_voxel_type(atlas.value_type(), [&](auto tag) {
+      const auto* value = reinterpret_cast<const decltype(tag)*>(values->data());
+      for (std::uint64_t n = 0; n < atlas.classes().voxels(c); ++n) sum += static_cast<double>(value[n]);
+    });
+  }
+  const Vec3& mm = atlas.grid().spacing_mm;
+  std::printf("%s: %llu voxels, %.3f ml, mean grey value %.3f\n", name,
+              static_cast<unsigned long long>(voxels),
+              static_cast<double>(voxels) * mm[0] * mm[1] * mm[2] / 1000,
+              voxels > 0 ? sum / static_cast<double>(voxels) : 0);
+  return {};
+}
+
+int main(int argc, char** argv) {
+  const auto done =
+      argc == 3 ? run(argv[1], argv[2]) : fail(ErrorCode::kUsage, "usage: read_voxels ATLAS STRUCTURE");
+  if (!done) std::fprintf(stderr, "read_voxels: %s\n", done.error().message.c_str());
+  return done ? 0 : 1;
+}

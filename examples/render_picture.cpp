@@ -1,0 +1,41 @@
+// A still picture: opens an atlas, selects structures by text, renders them, and writes a PNG.
+//
+//   render_picture brain.atlas 'Cerebellum:surface(opacity=0.5) + Vermis*' picture.png
+//
+// Every function that can fail returns a Result: a value, or an Error with a code and one line of text.
+// Opening an atlas reads its directory only; a picture reads the selected structures only.
+#include <cstdio>
+
+#include <splatlas/player/render_frame.h>
+#include <splatlas/player/write_png.h>
+
+using namespace splatlas;
+
+Result<void> render(const char* path, const char* text, const char* output) {
+  const auto atlas = Atlas::open(path);
+  if (!atlas) return tl::unexpected(atlas.error());
+  const auto selection = select(text, (*atlas)->graph());
+  if (!selection) return tl::unexpected(selection.error());
+
+  Renderer renderer(*atlas);
+  if (const auto selected = renderer.select(*selection); !selected) return selected;
+
+  // Named views look straight along an axis; Camera{.azimuth_deg = 30} and the like look from anywhere else.
+  const Camera camera = Camera::of(NamedView::kLeft);
+  const auto picture = renderer.render(camera, {.size = {640, 480}, .quality = Quality::kNormal});
+  if (!picture) return tl::unexpected(picture.error());
+
+  // Pictures are premultiplied linear RGBA; without a background, the PNG is transparent.
+  return write_png(*picture, output, Rgb{0, 0, 0});
+}
+
+int main(int argc, char** argv) {
+  if (argc != 4) {
+    std::fputs("usage: render_picture ATLAS SELECTION OUT.png\n", stderr);
+    return 2;
+  }
+  const auto rendered = render(argv[1], argv[2], argv[3]);
+  if (rendered) return 0;
+  std::fprintf(stderr, "render_picture: %s\n", rendered.error().message.c_str());
+  return 1;
+}

@@ -1,0 +1,109 @@
+#include "player/camera_moves.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace splatlas {
+namespace {
+
+constexpr double kDegreesPerSide = 180;
+/// Share of the picture that fitted() fills.
+constexpr double kFill = 0.96;
+
+}  // namespace
+
+Camera turned(const Camera& camera, double azimuth_deg, double elevation_deg) {
+  Camera result = camera;
+  result.azimuth_deg = std::remainder(camera.azimuth_deg + azimuth_deg, 360.0);
+  if (result.azimuth_deg <= -180) result.azimuth_deg += 360;
+  result.elevation_deg = std::clamp(camera.elevation_deg + elevation_deg, -90.0, 90.0);
+  return result;
+}
+
+Camera turned_by_drag(const Camera& camera, double dx, double dy, const PictureSize& size) {
+  const double degrees_per_pixel = kDegreesPerSide / std::max(1, std::min(size.width, size.height));
+  return turned(camera, -dx * degrees_per_pixel, dy * degrees_per_pixel);
+}
+
+Camera moved_by_drag(const Camera& camera, double dx, double dy, const PictureSize& size,
+                     const Display& display) {
+  const auto view = parallel_view(camera, size, display);
+  if (!view) return camera;
+  Camera result = camera;
+  Vec3 center = view->center_lps_mm;
+  for (std::size_t a = 0; a < 3; ++a) {
+    center[a] += (-dx * view->right_lps[a] + dy * view->up_lps[a]) * view->mm_per_pixel;
+  }
+  result.center_lps_mm = center;
+  return result;
+}
+
+Camera zoomed_at(const Camera& camera, double factor, double x, double y, const PictureSize& size,
+                 const Display& display) {
+  Camera result = camera;
+  result.zoom = std::clamp(camera.zoom * factor, kMinZoom, kMaxZoom);
+  const auto before = parallel_view(camera, size, display);
+  const auto after = parallel_view(result, size, display);
+  if (!before || !after) return camera;
+  const Vec3 was = before->point_lps_mm(x, y), is = after->point_lps_mm(x, y);
+  Vec3 center = before->center_lps_mm;
+  for (std::size_t a = 0; a < 3; ++a) center[a] += was[a] - is[a];
+  result.center_lps_mm = center;
+  return result;
+}
+
+std::optional<LpsBox> bounding_box(const Atlas& atlas, const Selection& selection) {
+  IndexBox box;
+  for (const ClassDraw& draw : atlas.tree().plan(selection).classes)
+    box.include(atlas.classes().box(draw.id));
+  if (box.empty()) return std::nullopt;
+  const Affine to_lps = index_to_lps_mm(atlas.grid());
+  LpsBox bounds{{HUGE_VAL, HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}};
+  for (unsigned corner = 0; corner < 8; ++corner) {
+    Vec3 index{};
+    for (std::size_t a = 0; a < 3; ++a) {
+      const bool upper = (corner >> a & 1u) != 0;
+      index[a] = upper ? static_cast<double>(box.last[a]) + 0.5 : static_cast<double>(box.first[a]) - 0.5;
+    }
+    const Vec3 point = to_lps.apply(index);
+    for (std::size_t a = 0; a < 3; ++a) {
+      bounds.first[a] = std::min(bounds.first[a], point[a]);
+      bounds.last[a] = std::max(bounds.last[a], point[a]);
+    }
+  }
+  return bounds;
+}
+
+Camera fitted(const Camera& camera, const LpsBox& box, const PictureSize& size, const Display& display) {
+  const auto view = parallel_view(camera, size, display);
+  if (!view) return camera;
+  const double aspect = static_cast<double>(size.width) / size.height;
+  const bool perspective = camera.projection == CameraProjection::kPerspective;
+  const double slope = perspective ? std::tan(camera.field_of_view_deg * std::numbers::pi / 360) : 0;
+  // The picture's half height in the plane of the centre must be at least |up| - depth * slope for a corner,
+  // and accordingly for its width.
+  double half_height_mm = 0;
+  for (unsigned corner = 0; corner < 8; ++corner) {
+    double right = 0, up = 0, depth = 0;
+    for (std::size_t a = 0; a < 3; ++a) {
+      const double half_side = 0.5 * (box.last[a] - box.first[a]);
+      const double from_middle = (corner >> a & 1u) != 0 ? half_side : -half_side;
+      right += from_middle * view->right_lps[a];
+      up += from_middle * view->up_lps[a];
+      depth += from_middle * view->forward_lps[a];
+    }
+    const double needed = std::max(std::abs(up), std::abs(right) / aspect) / kFill - depth * slope;
+    half_height_mm = std::max(half_height_mm, needed);
+  }
+  Camera result = camera;
+  const double shown_mm = 0.5 * size.height * view->mm_per_pixel;
+  result.zoom =
+      std::clamp(half_height_mm > 0 ? camera.zoom * shown_mm / half_height_mm : kMaxZoom, kMinZoom, kMaxZoom);
+  Vec3 middle{};
+  for (std::size_t a = 0; a < 3; ++a) middle[a] = 0.5 * (box.first[a] + box.last[a]);
+  result.center_lps_mm = middle;
+  return result;
+}
+
+}  // namespace splatlas

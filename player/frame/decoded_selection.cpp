@@ -1,0 +1,45 @@
+#include "player/frame/decoded_selection.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "format/system/result_macros.h"
+
+namespace splatlas {
+
+Result<std::optional<DrawPlan>> DecodedSelection::require(const DrawPlan& plan, Axis axis, bool normals,
+                                                          ThreadPool& pool) {
+  const Result<void> classes = cache_.require(volume_classes(plan), axis, pool, normals);
+  if (!classes && cache_.failed_classes().empty()) return tl::unexpected(classes.error());
+  const Result<void> surfaces = cache_.require_surfaces(plan.surfaces, pool);
+  if (classes && surfaces) return std::nullopt;
+  SPLATLAS_ASSIGN_OR_RETURN(DrawPlan rest, without_damaged(plan));
+  return rest;
+}
+
+/// Running out of memory is no damage.
+Result<DrawPlan> DecodedSelection::without_damaged(const DrawPlan& plan) {
+  const auto check = [](const auto& failed) -> Result<void> {
+    for (const auto& of : failed) {
+      if (of.error.code == ErrorCode::kLimit) return tl::unexpected(of.error);
+    }
+    return {};
+  };
+  SPLATLAS_RETURN_IF_ERROR(check(cache_.failed_classes()));
+  SPLATLAS_RETURN_IF_ERROR(check(cache_.failed_surfaces()));
+  DrawPlan rest = plan;
+  for (MissingPart& part :
+       leave_out(cache_.failed_classes(), cache_.failed_surfaces(), atlas_->classes(), rest)) {
+    const auto known = std::ranges::find_if(missing_, [&](const MissingPart& other) {
+      return other.structure == part.structure && other.surface == part.surface;
+    });
+    if (known == missing_.end()) {
+      missing_.push_back(std::move(part));
+    } else {
+      known->voxels += part.voxels;
+    }
+  }
+  return rest;
+}
+
+}  // namespace splatlas

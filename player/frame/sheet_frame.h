@@ -1,0 +1,57 @@
+// A frame of sheets: shear-warp factorisation (Lacroute and Levoy 1994).
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "player/frame/frame_buffers.h"
+#include "player/frame/shown_frame.h"
+#include "player/picture.h"
+#include "player/view/view_depth.h"
+
+namespace splatlas {
+
+/// Scene and options of a frame. Spans are lit. All references outlive the frame.
+struct FrameRequest {
+  const SpanModel& spans;
+  std::span<const SurfaceDraw> surfaces;
+  const ParallelView& view;
+  const Shear& shear;
+  const Grid& grid;
+  const Lighting& lighting;
+  const RenderOptions& options;
+  std::uint64_t max_memory_bytes = 0;  ///< fragments may take a quarter of it
+  bool simd = true;                    ///< false: the scalar reference kernels
+};
+
+/// Steps of one frame, to be called in this order.
+class SheetFrame {
+ public:
+  SheetFrame(const FrameRequest& request, FrameBuffers& buffers, ThreadPool& pool)
+      : request_(request), buffers_(buffers), pool_(pool) {}
+
+  /// Surfaces to fragments. kLimit when there would be too many.
+  [[nodiscard]] Result<void> rasterize();
+  /// Splats and composites the spans sheet by sheet. kLimit when the sheet would be too large.
+  [[nodiscard]] Result<void> render_sheets();
+  /// Warps the sheet into the picture and composites the fragments with it.
+  void resolve(Picture& picture);
+  /// Adds the depths of the volume to those of the buffers.
+  void add_volume_depths(const ViewDepth& view_depth);
+
+  [[nodiscard]] ShownFrame shown() const;
+  [[nodiscard]] const FrameCounters& counters() const { return counters_; }
+
+ private:
+  const FrameRequest& request_;
+  FrameBuffers& buffers_;
+  ThreadPool& pool_;
+  FrameCounters counters_;
+};
+
+/// All steps but depths at once.
+[[nodiscard]] Result<FrameCounters> draw_frame(const FrameRequest& frame, FrameBuffers& buffers,
+                                               Picture& picture, ThreadPool& pool);
+
+}  // namespace splatlas

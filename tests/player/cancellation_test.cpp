@@ -1,0 +1,150 @@
+// Cancelled calls of Renderer::render(): they end with kCancelled, and leave no trace in later pictures.
+#include <algorithm>
+#include <functional>
+#include <semaphore>
+#include <thread>
+#include <vector>
+
+#include <gmock/gmock.h>
+
+#include "tests/support/render.h"
+#include "tests/support/standard_scenes.h"
+
+namespace splatlas {
+namespace {
+
+struct FrameCase {
+  const char* name;
+  Camera camera;
+  RenderOptions options;
+};
+
+std::vector<FrameCase> frame_cases() {
+  RenderOptions options{.size = {40, 30}};
+  options.depth_cue = DepthCue::kEdges;
+  RenderOptions after = options;
+  after.classification = Classification::kAfter;
+  const Camera parallel{.azimuth_deg = 33, .elevation_deg = 21};
+  Camera perspective = parallel;
+  perspective.projection = CameraProjection::kPerspective;
+  return {{"sheets", parallel, options}, {"perspective", perspective, options}, {"after", parallel, after}};
+}
+
+/// Renders until the n-th report of progress (from 1), then requests a stop.
+Result<Picture> render_until(Renderer& renderer, const FrameCase& frame, int n) {
+  std::stop_source stop;
+  int reports = 0;
+  return renderer.render(frame.camera, frame.options, {.stop = stop.get_token(), .progress = [&](double) {
+                                                         if (++reports == n) stop.request_stop();
+                                                       }});
+}
+
+class Cancellation : public testing::TestWithParam<FrameCase> {};
+INSTANTIATE_TEST_SUITE_P(Frames, Cancellation, testing::ValuesIn(frame_cases()),
+                         [](const auto& tested) { return std::string(tested.param.name); });
+
+/// At every report of progress: the next picture, its counters and its picks are as without.
+TEST_P(Cancellation, LeavesNoTraceInLaterPictures) {
+  const StandardScene scene = hybrid_scene();
+  Renderer untouched(open_in_memory(scene.content), {.threads = 1});
+  ASSERT_TRUE(untouched.select(scene.selection));
+  const Picture expected = render_or_throw(untouched, GetParam().camera, GetParam().options);
+  const auto expected_pick = untouched.pick(20.3, 15.2);
+  ASSERT_TRUE(expected_pick);
+  int cancelled = 0;
+  for (int n = 1;; ++n) {
+    Renderer renderer(open_in_memory(scene.content), {.threads = 3});
+    ASSERT_TRUE(renderer.select(scene.selection));
+    const Result<Picture> stopped = render_until(renderer, GetParam(), n);
+    if (stopped) break;  // all reports have been counted
+    ++cancelled;
+    EXPECT_EQ(stopped.error().code, ErrorCode::kCancelled) << stopped.error().message;
+    EXPECT_TRUE(renderer.missing().empty());
+    ASSERT_EQ(render_or_throw(renderer, GetParam().camera, GetParam().options).rgba, expected.rgba) << n;
+    EXPECT_EQ(renderer.stats().voxels_visited, untouched.stats().voxels_visited);
+    EXPECT_EQ(renderer.stats().runs_visited, untouched.stats().runs_visited);
+    EXPECT_EQ(renderer.stats().triangles, untouched.stats().triangles);
+    const auto pick = renderer.pick(20.3, 15.2);
+    ASSERT_TRUE(pick);
+    EXPECT_EQ(pick->structure, expected_pick->structure);
+    EXPECT_EQ(pick->point_lps_mm, expected_pick->point_lps_mm);
+  }
+  EXPECT_GT(cancelled, 10);
+}
+
+/// With spans, ray volumes and light of another selection and view at hand.
+TEST_P(Cancellation, LeavesNoTraceInRenderersThatKeepSomething) {
+  const StandardScene scene = hybrid_scene();
+  const Selection first = selection_of("*:volume(opacity=0.2)", scene.content.graph);
+  Renderer untouched(open_in_memory(scene.content), {.threads = 1});
+  ASSERT_TRUE(untouched.select(scene.selection));
+  const Picture expected = render_or_throw(untouched, GetParam().camera, GetParam().options);
+  Renderer renderer(open_in_memory(scene.content), {.threads = 3});
+  for (int n = 1;; ++n) {
+    ASSERT_TRUE(renderer.select(first));
+    (void)render_or_throw(renderer, Camera{.azimuth_deg = 40}, GetParam().options);
+    ASSERT_TRUE(renderer.select(scene.selection));
+    if (render_until(renderer, GetParam(), n)) break;
+    ASSERT_EQ(render_or_throw(renderer, GetParam().camera, GetParam().options).rgba, expected.rgba) << n;
+    // The same selection, light from elsewhere, cancelled again.
+    (void)render_or_throw(renderer, Camera{.azimuth_deg = -20}, GetParam().options);
+    (void)render_until(renderer, GetParam(), n);
+    ASSERT_EQ(render_or_throw(renderer, GetParam().camera, GetParam().options).rgba, expected.rgba) << n;
+  }
+}
+
+TEST_P(Cancellation, ReadsNothingAfterAStop) {
+  const StandardScene scene = hybrid_scene();
+  const auto atlas = open_in_memory(scene.content);
+  Renderer renderer(atlas, {.threads = 2});
+  ASSERT_TRUE(renderer.select(scene.selection));
+  const std::uint64_t read = atlas->counters().read;
+  std::stop_source stop;
+  stop.request_stop();
+  const auto picture =
+      renderer.render(GetParam().camera, GetParam().options, {.stop = stop.get_token(), .progress = {}});
+  ASSERT_FALSE(picture);
+  EXPECT_EQ(picture.error().code, ErrorCode::kCancelled);
+  EXPECT_EQ(atlas->counters().read, read);
+  EXPECT_FALSE(renderer.pick(20, 15));
+}
+
+TEST_P(Cancellation, FromAnotherThreadReturns) {
+  const StandardScene scene = hybrid_scene();
+  Renderer renderer(open_in_memory(scene.content), {.threads = 3});
+  ASSERT_TRUE(renderer.select(scene.selection));
+  std::binary_semaphore started(0), stopped(0);
+  std::stop_source stop;
+  std::jthread other([&] {
+    started.acquire();
+    stop.request_stop();
+    stopped.release();
+  });
+  bool waited = false;
+  const auto picture = renderer.render(GetParam().camera, GetParam().options,
+                                       {.stop = stop.get_token(), .progress = [&](double) {
+                                          if (std::exchange(waited, true)) return;
+                                          started.release();
+                                          stopped.acquire();
+                                        }});
+  ASSERT_FALSE(picture);
+  EXPECT_EQ(picture.error().code, ErrorCode::kCancelled);
+}
+
+TEST_P(Cancellation, ProgressRisesToOne) {
+  const StandardScene scene = hybrid_scene();
+  Renderer renderer(open_in_memory(scene.content), {.threads = 3});
+  ASSERT_TRUE(renderer.select(scene.selection));
+  for (int frame = 0; frame < 2; ++frame) {
+    std::vector<double> reports;
+    ASSERT_TRUE(renderer.render(GetParam().camera, GetParam().options,
+                                {.stop = {}, .progress = [&](double f) { reports.push_back(f); }}));
+    ASSERT_GT(reports.size(), 5u);
+    EXPECT_TRUE(std::is_sorted(reports.begin(), reports.end(), std::less_equal<>()));
+    EXPECT_GE(reports.front(), 0);
+    EXPECT_EQ(reports.back(), 1);
+  }
+}
+
+}  // namespace
+}  // namespace splatlas

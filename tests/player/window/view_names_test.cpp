@@ -1,0 +1,58 @@
+#include "player/window/view_names.h"
+
+#include <array>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include <gtest/gtest.h>
+
+#include "player/camera_moves.h"
+
+namespace splatlas {
+namespace {
+
+const Display kDisplay{.window_low = 0, .window_high = 1, .center_lps_mm = {10, -20, 30}, .radius_mm = 80};
+constexpr PictureSize kSize{640, 480};
+
+TEST(ViewNames, LettersNameDirectionsInLps) {
+  EXPECT_EQ(orientation_letters({1, 0, 0}), "L");
+  EXPECT_EQ(orientation_letters({-1, 0, 0}), "R");
+  EXPECT_EQ(orientation_letters({0, 1, 0}), "P");
+  EXPECT_EQ(orientation_letters({0, -1, 0}), "A");
+  EXPECT_EQ(orientation_letters({0, 0, 1}), "S");
+  EXPECT_EQ(orientation_letters({0, 0, -1}), "I");
+  EXPECT_EQ(orientation_letters({0.8, -0.6, 0}), "LA");
+  EXPECT_EQ(orientation_letters({0.6, -0.8, 0}), "AL");
+  const double near = std::sin(20 * M_PI / 180);
+  EXPECT_EQ(orientation_letters({near, 0, std::sqrt(1 - near * near)}), "S");
+}
+
+TEST(ViewNames, EdgesOfTheNamedViews) {
+  // As anatomists hold an atlas: right, up.
+  const std::array<std::pair<NamedView, std::string>, 6> edges{{{NamedView::kAnterior, "LS"},
+                                                                {NamedView::kPosterior, "RS"},
+                                                                {NamedView::kLeft, "PS"},
+                                                                {NamedView::kRight, "AS"},
+                                                                {NamedView::kSuperior, "RA"},
+                                                                {NamedView::kInferior, "LA"}}};
+  for (const auto& [named, letters] : edges) {
+    const auto view = *parallel_view(Camera::of(named), kSize, kDisplay);
+    EXPECT_EQ(orientation_letters(view.right_lps) + orientation_letters(view.up_lps), letters)
+        << title_of(named);
+  }
+}
+
+TEST(ViewNames, KnowsTheNamedViews) {
+  for (const NamedView named : {NamedView::kAnterior, NamedView::kPosterior, NamedView::kLeft,
+                                NamedView::kRight, NamedView::kSuperior, NamedView::kInferior}) {
+    Camera camera = Camera::of(named);
+    camera.zoom = 3;
+    EXPECT_EQ(view_of(camera), named);
+    EXPECT_EQ(view_of(turned(camera, 360, 0)), named);
+    EXPECT_EQ(view_of(turned(camera, 1, 0)), std::nullopt);
+  }
+}
+
+}  // namespace
+}  // namespace splatlas
