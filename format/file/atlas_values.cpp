@@ -10,6 +10,7 @@
 #include "format/codec/value_codec.h"
 #include "format/file/atlas_impl.h"
 #include "format/system/result_macros.h"
+#include "format/system/task_control.h"
 
 namespace splatlas {
 
@@ -39,11 +40,13 @@ Result<ValueCache::GroupValues> Atlas::Impl::decode_group(std::size_t group) con
     return values;
   }
   SPLATLAS_ASSIGN_OR_RETURN(const std::vector<ClassSpan> spans, read_spans(group));
+  check_cancelled();
   auto decoded = decode_values({spans, voxels, box, grid.size[1]}, directory.value_type, code);
   if (!decoded) {
     return named({ErrorCode::kInvalidAtlas,
                   fmt::format("invalid: values of class {}: {}", of.front(), decoded.error().message)});
   }
+  check_cancelled();
   if (of.size() == 1) {
     values.front() = std::move(*decoded);
     return values;

@@ -39,7 +39,8 @@ RasterOptions raster_options(const RenderOptions& options, std::uint64_t max_mem
 }
 
 CastOptions cast_options(const RenderOptions& options, const RenderOverrides& overrides) {
-  CastOptions cast{.floor = termination_threshold(options), .principal_axis = overrides.principal_axis};
+  CastOptions cast{.termination_threshold = termination_threshold(options),
+                   .principal_axis = overrides.principal_axis};
   switch (options.quality) {
     case Quality::kDraft: break;
     case Quality::kNormal:

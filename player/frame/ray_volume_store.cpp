@@ -19,7 +19,7 @@ Result<void> RayVolumeStore::build(const RayVolumeRequest& request, ThreadPool& 
 
 void RayVolumeStore::light(const ParallelView& view, const Lighting& lighting, ThreadPool& pool) {
   if (!held_->shaded || !held_->volume.shaded()) return;
-  if (held_->lit_for && have_same_light(*held_->lit_for, view)) return;
+  if (held_->lit_for && have_same_lighting(*held_->lit_for, view)) return;
   held_->lit_for.reset();
   held_->volume.shade(lighting.table(), pool);
   held_->lit_for = view;

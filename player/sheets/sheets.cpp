@@ -108,7 +108,6 @@ class Band {
     const auto slices = static_cast<std::int64_t>(pass_.model.slices.size());
     const bool around_slices = pass_.window.parts == 1;
     for (std::int64_t n = around_slices ? 0 : -1; n < slices; ++n) {
-      check_cancelled();
       if (around_slices) {
         render_slice(n);
       } else {
@@ -160,6 +159,7 @@ class Band {
 
   /// Splats and composites a slab at position `k` along the principal axis.
   void render_slab(const SliceSpans& slice, double k) {
+    check_cancelled();
     // Find the sub-pixel offset of each phase
     const double u_shift = pass_.shear.u_shift(k) - static_cast<double>(pass_.window.u0);
     phases_.clear();

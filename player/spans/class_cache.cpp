@@ -7,6 +7,7 @@
 
 #include "format/file/directory.h"
 #include "format/system/result_macros.h"
+#include "format/system/task_control.h"
 
 namespace splatlas {
 
@@ -175,6 +176,7 @@ Result<void> ClassCache::decode(Missing& missing, Axis axis) const {
     SPLATLAS_ASSIGN_OR_RETURN(z_runs, atlas_->read_runs(missing.id, Axis::kZ));
   }
   const auto scatter = [&](const void* from, std::size_t voxel_bytes, std::byte* to) {
+    check_cancelled();
     const auto* stored = static_cast<const std::byte*>(from);
     for_each_in_memory(axis == Axis::kX ? z_runs : missing.read, axis == Axis::kX ? Axis::kZ : axis,
                        atlas_->grid().size, [&](std::uint64_t voxel, std::size_t place, std::size_t count) {
@@ -186,6 +188,7 @@ Result<void> ClassCache::decode(Missing& missing, Axis axis) const {
     SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::byte> values, atlas_->read_values(missing.id));
     scatter(values.data(), value_bytes(), values_.data());
   }
+  check_cancelled();
   if (missing.normals) {
     SPLATLAS_ASSIGN_OR_RETURN(const std::vector<PackedNormal> normals, atlas_->read_normals(missing.id));
     if (!normals.empty()) scatter(normals.data(), sizeof(PackedNormal), normals_.data());
