@@ -15,7 +15,7 @@ enum class ErrorCode {
   kInvalidAtlas,  ///< not an atlas, a damaged one, or one of a newer format version
   kNotFound,      ///< the name of a structure is unknown or ambiguous
   kLimit,         ///< needs more memory or a larger picture than allowed; nothing was allocated
-  kCancelled,     ///< the caller requested a stop (RenderControl)
+  kCancelled,     ///< the caller asked for a stop
 };
 
 /// A failure. The message is one line: file, fault, value, remedy.

@@ -104,7 +104,7 @@ else
   fix_addresses
   step "Thread sanitizer: build" build tsan
   step "Thread sanitizer: tests" run_tests tsan --label-regex '^(format|player)$'
-  # Twelve targets, two to a processor: 1200 seconds each, in two hours on two cores.
+  # Twelve targets, two to a processor: 1200 seconds each, in an hour on two cores.
   step "Fuzzing" env FUZZ_JOBS=$((2 * $(nproc))) scripts/fuzz.sh 1200
 fi
 
