@@ -1,4 +1,4 @@
-// Which bricks of a box show something: any box of bricks is asked for in constant time.
+// Summed-area table of non-empty bricks (Crow 1984): O(1) emptiness test for any box of bricks.
 #pragma once
 
 #include <cstddef>
@@ -9,7 +9,7 @@
 
 namespace splatlas {
 
-/// One byte per brick, x fastest: not 0 where something shows.
+/// One byte per brick, x fastest: nonzero for non-empty bricks.
 struct BrickMask {
   explicit BrickMask(const MarchGrid& grid)
       : x(grid.bricks(0)),
@@ -25,7 +25,7 @@ struct BrickMask {
   std::vector<std::uint8_t> bricks;
 };
 
-/// The mask as a summed-area table, as MarchSource::active.
+/// Summed-area table of a mask, as MarchSource::active.
 [[nodiscard]] std::vector<std::uint32_t> brick_sums(const BrickMask& mask);
 
 }  // namespace splatlas

@@ -11,17 +11,17 @@
 namespace splatlas {
 namespace {
 
-constexpr int kBlockSide = 4;  // pixels: a packet
+constexpr int kBlockSide = 4;  // pixels of a packet
 constexpr auto kSide = static_cast<std::size_t>(kBlockSide);
 static_assert(kSide * kSide == kPacketRays);
-constexpr int kTileSide = 32;  // pixels: what a thread takes
+constexpr int kTileSide = 32;  // pixels, the unit of work of a thread
 
 /// Pixels of the picture.
 struct PixelBox {
-  int left = 0, top = 0, right = 0, bottom = 0;  // right and bottom excluded
+  int left = 0, top = 0, right = 0, bottom = 0;  // half-open
 };
 
-/// The pixels whose rays can come within one voxel of the volume's voxels.
+/// Bounding box of the pixels whose rays pass within one voxel of the volume.
 PixelBox shown_box(const RayVolume& volume, const View& view, const Grid& grid) {
   const PictureSize& size = view.plane.size;
   const PixelBox all{0, 0, size.width, size.height};
@@ -35,7 +35,7 @@ PixelBox shown_box(const RayVolume& volume, const View& view, const Grid& grid) 
       index[a] = static_cast<float>(volume.first()[a] + place);
     }
     const ScreenPoint point = projection.homogeneous(index);
-    constexpr double kNear = 1e-3;  // the eye is inside the box, or it is next to it
+    constexpr double kNear = 1e-3;  // the eye lies inside the box or close to it
     if (point.w < kNear) return all;
     left = std::min(left, point.x / point.w);
     right = std::max(right, point.x / point.w);
@@ -67,13 +67,13 @@ class Tile {
     check_cancelled();
     RayNumbers x{}, y{};
     for (std::size_t n = 0; n < kPacketRays; ++n) {
-      // Beyond the picture's edge, the ray of the pixel on it once more.
+      // Beyond the edge of the picture, repeat the last ray
       x[n] = std::min(left + static_cast<int>(n) % kBlockSide, picture_.size.width - 1) + 0.5;
       y[n] = std::min(top + static_cast<int>(n) / kBlockSide, picture_.size.height - 1) + 0.5;
     }
     const RayPacket packet = rays_.through(x, y);
-    RadiancePacket light;
-    kernels_.march(scene_, packet, light);
+    RadiancePacket radiance;
+    kernels_.march(scene_, packet, radiance);
     const int columns = std::min(kBlockSide, picture_.size.width - left);
     const int rows = std::min(kBlockSide, picture_.size.height - top);
     for (int row = 0; row < rows; ++row) {
@@ -82,7 +82,7 @@ class Tile {
                                        static_cast<std::size_t>(left))];
       for (int column = 0; column < columns; ++column) {
         const std::size_t n = static_cast<std::size_t>(row) * kBlockSide + static_cast<std::size_t>(column);
-        for (std::size_t c = 0; c < 4; ++c) *out++ = light.planes[c][n];
+        for (std::size_t c = 0; c < 4; ++c) *out++ = radiance.planes[c][n];
       }
     }
   }

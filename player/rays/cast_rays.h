@@ -1,4 +1,4 @@
-// Pictures by rays: one through the centre of every pixel, in either projection.
+// Ray casting: one ray through the centre of every pixel, in either projection.
 #pragma once
 
 #include <cstdint>
@@ -12,22 +12,21 @@
 
 namespace splatlas {
 
-/// How rays march.
+/// Sampling of rays.
 struct CastOptions {
   int min_steps = 1, max_steps = 1;  ///< per slab, the space between two planes of voxels
-  float tolerance = 0;              ///< where more than the least are taken (MarchKernels::march); 0: nowhere
-  float termination_threshold = 0;  ///< early ray termination; also bounds the error of a value
+  float tolerance = 0;               ///< error bound of a step (MarchKernels::march); 0: always min_steps
+  float termination_threshold = 0;   ///< early ray termination; also bounds the error of a value
   std::optional<Axis> principal_axis =
-      std::nullopt;  ///< forced, to measure what the choice costs; the best one of each ray when not set
+      std::nullopt;  ///< forced, for measurements; by default the best axis of each ray
 };
 
-/// `volume` as the kernels take it; it must outlive the scene.
+/// View of `volume` for the kernels. The volume must outlive the scene.
 [[nodiscard]] MarchScene march_scene(const RayVolume& volume, const CastOptions& options);
 
-/// Renders the volume. Each ray is sampled where it meets the planes of voxels normal to the axis along which
-/// it passes most of them, and in between where that changes the picture; in perspective it begins at the
-/// eye, wherever that is. Blocks of 4x4 pixels march together; pictures do not depend on the number of
-/// threads.
+/// Renders the volume. Each ray is sampled at the planes of voxels normal to its principal axis, and in
+/// between as the tolerance requires. In perspective it begins at the eye, which may lie inside the volume.
+/// Blocks of 4x4 pixels form a packet. Pictures do not depend on the number of threads.
 void cast_rays(const RayVolume& volume, const View& view, const Grid& grid, const CastOptions& options,
                const MarchKernels& kernels, Picture& picture, ThreadPool& pool);
 

@@ -11,12 +11,12 @@
 namespace splatlas {
 namespace {
 
-/// Voxels along the depth axis for one along the principal one: below, depths would not tell where on a ray
-/// a fragment is.
+/// Minimum slope of rays along the depth axis, in voxels per voxel along the principal axis. Below it, depths
+/// do not locate a fragment on the ray.
 constexpr double kMinSlope = 0.05;
 constexpr std::size_t kPacketsPerJob = 16;
 
-/// The rays of up to kPacketRays samples, and how far they have come.
+/// The rays of up to kPacketRays samples, with the radiance composited so far.
 class SamplePacket {
  public:
   SamplePacket(const RayVolume& volume, const MarchScene& march, const MarchKernels& kernels,
@@ -52,7 +52,7 @@ class SamplePacket {
   }
 
  private:
-  /// The volume up to every ray's fragment of this layer, and the fragment.
+  /// Composites the volume up to the next fragment of every ray, and the fragment.
   void pass_layer(std::size_t layer, const RasterScene& scene) {
     auto to = packet_.from;
     for (std::size_t n = 0; n < count_; ++n) {
@@ -65,7 +65,7 @@ class SamplePacket {
       if (layer >= fragments.size()) continue;
       const float through = 1 - light_.planes[3][n];
       for (std::size_t c = 0; c < 4; ++c) light_.planes[c][n] += through * fragments[layer].rgba[c];
-      if (fragments[layer].rgba[3] >= 1) end_[n] = packet_.from[n];  // nothing behind is seen
+      if (fragments[layer].rgba[3] >= 1) end_[n] = packet_.from[n];  // opaque
     }
   }
 

@@ -1,4 +1,4 @@
-// Surfaces between the parts of the volume, ray by ray.
+// Surfaces inside volumes by ray casting, in exact order.
 #pragma once
 
 #include <span>
@@ -9,16 +9,16 @@
 
 namespace splatlas {
 
-/// What the rasteriser draws for rays: in perspective, too. kUsage where a ray of the picture runs along the
-/// planes of voxels that depths are counted by (fields of view wider than about 70 degrees, from some
-/// directions).
+/// Scene of the rasteriser for frames of rays, in either projection. kUsage if a ray of the picture runs
+/// along the planes of voxels that define depths: fields of view wider than about 70 degrees, from some
+/// directions.
 [[nodiscard]] Result<RasterScene> raster_scene_of_rays(std::span<const SurfaceDraw> surfaces,
                                                        const View& view, const Grid& grid,
                                                        const Lighting& lighting);
 
-/// Renders the pixels that hold fragments once more: the ray of each sample up to its first fragment, the
-/// fragment, the ray up to the next one, and so on; the pixel is the mean of its samples. Fragments are those
-/// of `scene`. Cost: samples and the volume along their rays.
+/// Renders the pixels with fragments again. The ray of each sample alternates between the volume up to the
+/// next fragment and the fragment; the pixel is the mean of its samples. Fragments are those of `scene`.
+/// Cost: linear in the samples and the volume along their rays.
 void cast_surfaces(const RayVolume& volume, const View& view, const Grid& grid, const RasterScene& scene,
                    const FragmentList& fragments, const CastOptions& options, const MarchKernels& kernels,
                    Picture& picture, ThreadPool& pool);

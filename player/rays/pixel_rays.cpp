@@ -9,7 +9,7 @@ namespace splatlas {
 namespace {
 
 constexpr double kFarAway = 1e9;
-/// Another axis than the best one is taken only where no more than so many voxels lie between its planes.
+/// Limit for a forced principal axis: voxels along the best axis between two of its planes.
 constexpr double kMaxSlope = 100;
 
 /// LPS mm to positions counted from voxel `first`.
@@ -21,7 +21,7 @@ Affine to_place(const Grid& grid, const Index3& first) {
 
 }  // namespace
 
-/// At s, a ray is at start + s * direction.
+/// Rays as start + s * direction.
 struct PixelRays::Lines {
   std::array<RayNumbers, 3> start, direction;
   RayNumbers direction_mm;  // length of the direction
@@ -41,7 +41,7 @@ PixelRays::Lines PixelRays::from_eye(const RayNumbers& x, const RayNumbers& y) c
   Lines lines;
   for (std::size_t a = 0; a < 3; ++a) {
     lines.start[a].fill(frame_.eye[a]);
-    // No difference of places: near each other and far from the origin they are the same.
+    // Not a difference of positions, which would cancel far from the origin.
     const double ahead = eye_mm_ * frame_.forward[a], right = frame_.right[a], down = frame_.down[a];
     for (std::size_t n = 0; n < kPacketRays; ++n)
       lines.direction[a][n] = ahead + (x[n] - middle_x_) * right + (y[n] - middle_y_) * down;
@@ -65,7 +65,7 @@ PixelRays::Lines PixelRays::side_by_side(const RayNumbers& x, const RayNumbers& 
   return lines;
 }
 
-/// The axis along which a ray passes most voxels, or the one that is forced.
+/// The axis along which a ray crosses most voxels, or the forced axis.
 std::size_t PixelRays::principal_axis(const Lines& lines, std::size_t n) const {
   const auto voxels = [&](std::size_t axis) { return std::abs(lines.direction[axis][n]); };
   std::size_t principal = 2;
@@ -77,8 +77,8 @@ std::size_t PixelRays::principal_axis(const Lines& lines, std::size_t n) const {
   return voxels(axis) * kMaxSlope >= voxels(principal) ? axis : principal;
 }
 
-/// Whether this is the principal axis of all, and no other as good. Counts, so that the loop is made of
-/// vectors.
+/// Whether this is the only principal axis of all rays. Counts instead of branching, so that compilers
+/// vectorise the loop.
 bool PixelRays::is_principal(const Lines& lines, std::size_t axis) const {
   if (forced_) return false;
   std::int64_t others = 0;

@@ -1,4 +1,4 @@
-// The rays of a view through points of its picture, ready to march.
+// Rays through points of the picture, in the coordinates of a ray volume.
 #pragma once
 
 #include <array>
@@ -15,16 +15,16 @@ namespace splatlas {
 /// One number per ray of a packet.
 using RayNumbers = std::array<double, kPacketRays>;
 
-/// Rays in positions of a ray volume, linear in picture coordinates.
+/// Generator of ray packets. Thread-safe.
 class PixelRays {
  public:
-  /// `first`: the voxel of the grid that position (0, 0, 0) is at. `principal_axis`: forced, where no more
-  /// than 100 voxels lie between its planes; the best one of each ray when not set.
+  /// `first`: the voxel of the grid at position (0, 0, 0). `principal_axis`: forced if a ray crosses at most
+  /// 100 voxels between its planes; by default the best axis of each ray.
   PixelRays(const View& view, const Grid& grid, const Index3& first,
             const std::optional<Axis>& principal_axis);
 
-  /// Through picture coordinates (x, y): t counts planes along each ray's principal axis. In perspective rays
-  /// begin at the eye, in parallel views in front of everything; they do not end.
+  /// Rays through picture coordinates (x, y). t counts planes along the principal axis of each ray. Rays
+  /// begin at the eye in perspective, else in front of the volume, and do not end.
   [[nodiscard]] RayPacket through(const RayNumbers& x, const RayNumbers& y) const;
 
  private:

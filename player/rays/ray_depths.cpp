@@ -8,11 +8,11 @@ namespace {
 
 constexpr int kBlockSide = 4;  // pixels: a packet
 constexpr float kSlabsAtOnce = 8;
-constexpr int kHalvings = 4;  // of these, to half a slab
+constexpr int kBisections = 4;  // to half a slab
 
 using PerRay = std::array<float, kPacketRays>;
 
-/// The part of every ray between the planes at both ends of the grid.
+/// Clips rays to the grid.
 void clip_to_grid(const MarchGrid& grid, RayPacket& rays) {
   for (std::size_t n = 0; n < kPacketRays; ++n) {
     for (std::size_t a = 0; a < 3; ++a) {
@@ -26,11 +26,12 @@ void clip_to_grid(const MarchGrid& grid, RayPacket& rays) {
   }
 }
 
-/// Follows a packet, a few slabs at a time.
+/// Marches a packet a few slabs at a time, and bisects the slabs in which rays reach the opacity.
 class DepthSearch {
  public:
-  DepthSearch(const MarchScene& scene, const RayPacket& rays, float through, const MarchKernels& kernels)
-      : scene_(scene), rays_(rays), opacity_(1 - through), kernels_(kernels) {
+  DepthSearch(const MarchScene& scene, const RayPacket& rays, float transmittance,
+              const MarchKernels& kernels)
+      : scene_(scene), rays_(rays), opacity_(1 - transmittance), kernels_(kernels) {
     clip_to_grid(scene.grid, rays_);
     found_.fill(DepthMap::kBackground);
   }
@@ -38,7 +39,7 @@ class DepthSearch {
   PerRay run() {
     const PerRay ends = rays_.to;
     PerRay at = rays_.from;
-    RadiancePacket light;
+    RadiancePacket radiance;
     while (true) {
       PerRay next = at;
       bool any = false;
@@ -48,21 +49,21 @@ class DepthSearch {
         any = any || at[n] < next[n];
       }
       if (!any) return found_;
-      const RadiancePacket before = light;
-      march(at, next, light);
-      narrow(at, next, before, light);
+      const RadiancePacket before = radiance;
+      march(at, next, radiance);
+      narrow(at, next, before, radiance);
       at = next;
     }
   }
 
  private:
-  void march(const PerRay& from, const PerRay& to, RadiancePacket& light) {
+  void march(const PerRay& from, const PerRay& to, RadiancePacket& radiance) {
     rays_.from = from;
     rays_.to = to;
-    kernels_.march(scene_, rays_, light);
+    kernels_.march(scene_, rays_, radiance);
   }
 
-  /// Rays that have become opaque enough from `from` to `to`: halves the part in which they have.
+  /// Bisects the interval of rays that reach the opacity between `from` and `to`.
   void narrow(PerRay from, PerRay to, RadiancePacket before, RadiancePacket behind) {
     std::array<bool, kPacketRays> crosses{};
     bool any = false;
@@ -72,15 +73,15 @@ class DepthSearch {
       if (!crosses[n]) to[n] = from[n];
     }
     if (!any) return;
-    for (int halving = 0; halving < kHalvings; ++halving) {
+    for (int bisection = 0; bisection < kBisections; ++bisection) {
       PerRay middle = from;
       for (std::size_t n = 0; n < kPacketRays; ++n) middle[n] = 0.5f * (from[n] + to[n]);
-      RadiancePacket light = before;
-      march(from, middle, light);
+      RadiancePacket radiance = before;
+      march(from, middle, radiance);
       for (std::size_t n = 0; n < kPacketRays; ++n) {
-        const bool in_front = light.planes[3][n] >= opacity_;
+        const bool in_front = radiance.planes[3][n] >= opacity_;
         (in_front ? to : from)[n] = middle[n];
-        for (std::size_t c = 0; c < 4; ++c) (in_front ? behind : before).planes[c][n] = light.planes[c][n];
+        for (std::size_t c = 0; c < 4; ++c) (in_front ? behind : before).planes[c][n] = radiance.planes[c][n];
       }
     }
     for (std::size_t n = 0; n < kPacketRays; ++n) {
@@ -98,7 +99,7 @@ class DepthSearch {
   PerRay found_{};
 };
 
-/// The axis whose planes a ray's places count.
+/// Principal axis of a ray.
 std::size_t axis_of(const RayPacket& rays, std::size_t n) {
   std::size_t axis = 0;
   while (axis < 2 && !(std::abs(rays.step[axis][n]) == 1.0f && rays.origin[axis][n] == 0.0f)) ++axis;
@@ -107,9 +108,9 @@ std::size_t axis_of(const RayPacket& rays, std::size_t n) {
 
 }  // namespace
 
-std::array<float, kPacketRays> depths_along(const MarchScene& scene, const RayPacket& rays, float through,
-                                            const MarchKernels& kernels) {
-  return DepthSearch(scene, rays, through, kernels).run();
+std::array<float, kPacketRays> depths_along(const MarchScene& scene, const RayPacket& rays,
+                                            float transmittance, const MarchKernels& kernels) {
+  return DepthSearch(scene, rays, transmittance, kernels).run();
 }
 
 void add_ray_depths(const RayVolume& volume, const View& view, const Grid& grid, const MarchKernels& kernels,

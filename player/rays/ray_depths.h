@@ -1,4 +1,4 @@
-// How far away volumes are, in frames of rays.
+// Depths of volumes in frames of rays.
 #pragma once
 
 #include <array>
@@ -10,14 +10,13 @@
 
 namespace splatlas {
 
-/// Where each ray of a packet lets through no more than `through`: places along the ray, as RayPacket has
-/// them; kBackground where it lets through more to its end. To about a tenth of a slab. Cost: the volume
-/// along the rays, at the scene's steps.
+/// Positions t along the rays of a packet at which the transmittance falls to `transmittance`, to about a
+/// tenth of a slab; kBackground for rays that stay above it. Cost: linear in the volume along the rays.
 [[nodiscard]] std::array<float, kPacketRays> depths_along(const MarchScene& scene, const RayPacket& rays,
-                                                          float through, const MarchKernels& kernels);
+                                                          float transmittance, const MarchKernels& kernels);
 
-/// Takes volumes into `depths` where they are nearer: where a ray, sampled once a slab, is let through by no
-/// more than a half.
+/// Merges the depths of volumes into `depths`, by minimum: points at which the transmittance of a ray falls
+/// to one half, sampled once per slab.
 void add_ray_depths(const RayVolume& volume, const View& view, const Grid& grid, const MarchKernels& kernels,
                     const ViewDepth& view_depth, DepthMap& depths, ThreadPool& pool);
 

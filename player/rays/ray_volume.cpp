@@ -8,17 +8,18 @@
 #include <fmt/format.h>
 
 #include "format/system/result_macros.h"
+#include "player/rays/brick_ranges.h"
 #include "player/rays/brick_sums.h"
 #include "player/transfer_function.h"
 
 namespace splatlas {
 namespace {
 
-/// Voxels without anything around the selection's box.
+/// Padding of the selection's bounding box by empty voxels.
 constexpr std::int64_t kMargin = 2;
 constexpr std::size_t kFour = 4;
-/// Stored grey values end here. The transfer function's own lie within 1e5 of 0, so what is lost shifts its
-/// points by no more than 1e-4 of the way between voxels.
+/// Limit of stored grey values. Points of transfer functions lie within 1e5 of 0, so clamping shifts their
+/// crossings by at most 1e-4 of the distance between voxels.
 constexpr double kLargestStored = 1e9;
 
 std::uint64_t page_rounded(std::uint64_t bytes) {
@@ -26,62 +27,9 @@ std::uint64_t page_rounded(std::uint64_t bytes) {
   return bytes + 2 * kPage;
 }
 
-/// Lowest and highest grey value around the cells of each brick of a slice of bricks.
-class BrickRanges {
- public:
-  explicit BrickRanges(const MarchGrid& grid)
-      : columns_(grid.bricks(0)),
-        rows_(grid.bricks(1)),
-        ranges_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_)) {}
-
-  /// `count` voxels along x from (x, y) on; `grey(n)` of the n-th.
-  template <typename Grey>
-  void include(std::int64_t x, std::int64_t y, std::int64_t count, const Grey& grey) {
-    const std::int64_t last_row = std::min(y / kSide, rows_ - 1);
-    const std::int64_t first_row = y % kSide == 0 ? std::max<std::int64_t>(last_row - 1, 0) : last_row;
-    for (std::int64_t column = std::max<std::int64_t>((x - 1) / kSide, 0);
-         column < columns_ && column * kSide < x + count; ++column) {
-      const std::int64_t from = std::max(x, column * kSide);
-      const std::int64_t to = std::min(x + count, (column + 1) * kSide + 1);
-      if (from >= to) continue;
-      float low = std::numeric_limits<float>::max(), high = std::numeric_limits<float>::lowest();
-      for (std::int64_t at = from; at < to; ++at) {
-        const float g = grey(at - x);
-        low = std::min(low, g);
-        high = std::max(high, g);
-      }
-      for (std::int64_t row = first_row; row <= last_row; ++row) {
-        Range& range = ranges_[static_cast<std::size_t>(row * columns_ + column)];
-        range.low = std::min(range.low, low);
-        range.high = std::max(range.high, high);
-        range.voxels += static_cast<std::int32_t>(to - from);
-      }
-    }
-  }
-
-  /// What the brick's cells take values from; where voxels are missing, the value of nothing among them.
-  /// False where there is no voxel at all.
-  bool range(std::size_t brick, float& low, float& high) const {
-    constexpr std::int64_t kVoxels = (kSide + 1) * (kSide + 1) * (kSide + 1);
-    const Range& range = ranges_[brick];
-    low = range.voxels < kVoxels ? std::min(range.low, 0.0f) : range.low;
-    high = range.voxels < kVoxels ? std::max(range.high, 0.0f) : range.high;
-    return range.voxels > 0;
-  }
-
- private:
-  static constexpr std::int64_t kSide = MarchGrid::kBrick;
-  struct Range {
-    float low = std::numeric_limits<float>::max(), high = std::numeric_limits<float>::lowest();
-    std::int32_t voxels = 0;
-  };
-  std::int64_t columns_, rows_;
-  std::vector<Range> ranges_;
-};
-
 }  // namespace
 
-/// Fills a ray volume.
+/// Builds a ray volume.
 class RayVolume::Builder {
  public:
   Builder(const RayVolumeRequest& request, RayVolume& volume, ThreadPool& pool)
@@ -98,12 +46,12 @@ class RayVolume::Builder {
     for (Source& source : volume_.sources_) {
       SPLATLAS_RETURN_IF_ERROR(allocate(source));
       BrickMask mask(volume_.grid_);
-      if (source.curve) {
+      if (source.transfer) {
         fill_greys(source);
         mark_greys(source, mask);
         if (source.many_colors) fill_colors(source);
       } else {
-        fill_light(source, mask);
+        fill_optics(source, mask);
       }
       for (std::size_t n = 0; n < any.bricks.size(); ++n) any.bricks[n] |= mask.bricks[n];
       source.active = brick_sums(mask);
@@ -119,14 +67,14 @@ class RayVolume::Builder {
   static MarchSource view_of_source(const Source& source) {
     MarchSource view;
     const std::byte* values = source.values.data();
-    if (!source.curve) {
+    if (!source.transfer) {
       view.optics = reinterpret_cast<const float*>(values);
     } else if (source.scale.bytes) {
       view.cell_corners = reinterpret_cast<const std::uint64_t*>(values);
     } else {
       view.greys = reinterpret_cast<const float*>(values);
     }
-    view.transfer = source.curve.get();
+    view.transfer = source.transfer.get();
     view.color = source.color;
     if (source.many_colors) view.colors = reinterpret_cast<const float*>(source.colors.data());
     view.active = source.active.data();
@@ -160,7 +108,7 @@ class RayVolume::Builder {
   }
 
   std::size_t source_of_structure(StructureIndex structure, std::vector<TransferCurve>& curves) {
-    TransferCurve curve;  // no points: light
+    TransferCurve curve;  // without points: pre-classified
     std::optional<GreyScale> scale;
     if (request_.classification == Classification::kAfter) {
       curve = transfer_curve(request_.selection.structures[structure], request_.atlas.display());
@@ -173,7 +121,7 @@ class RayVolume::Builder {
     source.draws.resize(request_.plan.classes.size(), false);
     if (scale) {
       source.scale = *scale;
-      source.curve =
+      source.transfer =
           std::make_unique<PreintegratedTransfer>(curve, *scale, request_.atlas.reference_length_mm());
     }
     curves.push_back(std::move(curve));
@@ -205,7 +153,7 @@ class RayVolume::Builder {
     return {};
   }
 
-  /// Of the box, or where the selection is sparse in it, of the pages that its runs touch.
+  /// Memory of the box, or of the pages that the runs touch if that is less.
   [[nodiscard]] std::uint64_t bytes_needed(std::uint64_t box_voxels) const {
     std::uint64_t bytes = 0;
     for (const Source& source : volume_.sources_) {
@@ -216,22 +164,22 @@ class RayVolume::Builder {
         });
         return std::min(box_voxels * voxel_bytes, touched);
       };
-      bytes += of(value_bytes(source), source.curve && source.scale.bytes ? 4 : 1);
+      bytes += of(value_bytes(source), source.transfer && source.scale.bytes ? 4 : 1);
       if (color_bytes(source) > 0) bytes += of(color_bytes(source), 1);
     }
     return bytes;
   }
 
   static std::uint64_t value_bytes(const Source& source) {
-    if (!source.curve) return kFour * sizeof(float);
+    if (!source.transfer) return kFour * sizeof(float);
     return source.scale.bytes ? sizeof(std::uint64_t) : sizeof(float);
   }
   static std::uint64_t color_bytes(const Source& source) {
-    return source.curve && source.many_colors ? kFour * sizeof(float) : 0;
+    return source.transfer && source.many_colors ? kFour * sizeof(float) : 0;
   }
 
-  /// Whether large pages take little more memory than small ones would: each source is a good part of the
-  /// box, as far as can be told, and all of it is allowed for.
+  /// Whether large pages waste little memory: sources fill a good part of the box on average, and the whole
+  /// box is within the memory limit.
   [[nodiscard]] bool fills_box(std::uint64_t box_voxels) const {
     constexpr std::uint64_t kSparse = 32;
     std::uint64_t selected = 0, voxel_bytes = 0;
@@ -259,7 +207,7 @@ class RayVolume::Builder {
     return {};
   }
 
-  /// A run of one source's voxels: position in the box, and number of its first voxel in the grid's memory.
+  /// A run of voxels of a source: position in the box, and memory offset of its first voxel in the grid.
   struct Piece {
     std::int64_t x = 0, y = 0, length = 0;
     std::size_t voxel = 0;
@@ -281,14 +229,14 @@ class RayVolume::Builder {
     return static_cast<std::size_t>((z * size[1] + y) * size[0] + x);
   }
 
-  /// `stored(voxel)`: a grey value as the source stores it. NaN counts as the transfer function's lowest
-  /// point, infinity as its width beyond the last one.
+  /// Function from a voxel to its grey value as the source stores it. NaN maps to the lowest point of the
+  /// transfer function, infinity to one width beyond its last point.
   template <typename T>
   auto stored_greys(const Source& source) const {
     const std::byte* values = request_.cache.values();
     const GreyScale scale = source.scale;
-    const float* greys = source.curve->row(PreintegratedTransfer::kGrey);
-    const double lowest = greys[1], highest = greys[source.curve->points()];
+    const float* greys = source.transfer->row(PreintegratedTransfer::kGrey);
+    const double lowest = greys[1], highest = greys[source.transfer->points()];
     const double width = highest - lowest;
     return [values, scale, lowest, highest, width](std::size_t voxel) {
       T value;
@@ -320,7 +268,7 @@ class RayVolume::Builder {
     });
   }
 
-  /// The cells between slices z and z + 1: every voxel is a corner of four of them.
+  /// Fills the cells between slices z and z + 1. Every voxel is a corner of four of them.
   void fill_cell_corners(Source& source, std::int64_t z) {
     auto* cell_corners = reinterpret_cast<std::uint8_t*>(source.values.data());
     const auto* greys = reinterpret_cast<const std::uint8_t*>(request_.cache.values());
@@ -331,7 +279,7 @@ class RayVolume::Builder {
           const std::uint8_t* grey = greys + piece.voxel;
           for (std::int64_t n = 0; n < piece.length; ++n) {
             cell[8 * n] = grey[n];
-            cell[8 * n - 7] = grey[n];  // the voxel is on the right of the cell before
+            cell[8 * n - 7] = grey[n];  // also the right corner of the previous cell
           }
         }
       });
@@ -353,7 +301,7 @@ class RayVolume::Builder {
         const std::size_t bricks = static_cast<std::size_t>(mask.x) * static_cast<std::size_t>(mask.y);
         for (std::size_t n = 0; n < bricks; ++n) {
           float low = 0, high = 0;
-          const bool shows = ranges.range(n, low, high) && source.curve->shows(low, high);
+          const bool shows = ranges.range(n, low, high) && source.transfer->shows(low, high);
           mask.bricks[brick_slice * bricks + n] = shows ? 1 : 0;
         }
       });
@@ -371,16 +319,16 @@ class RayVolume::Builder {
           const std::size_t at = first + kFour * static_cast<std::size_t>(n);
           std::copy(color.begin(), color.end(), colors + at);
           colors[at + 3] = 1;
-          remember_shaded(source, slice, piece, n, at, color);
+          record_shaded(source, slice, piece, n, at, color);
         }
       });
     });
   }
 
-  void fill_light(Source& source, BrickMask& mask) {
-    auto* light = reinterpret_cast<float*>(source.values.data());
+  void fill_optics(Source& source, BrickMask& mask) {
+    auto* optics = reinterpret_cast<float*>(source.values.data());
     const auto slices = static_cast<std::size_t>(volume_.grid_.size[2]);
-    std::vector<std::vector<std::uint8_t>> visible(slices);  // bricks, by slice of voxels
+    std::vector<std::vector<std::uint8_t>> visible(slices);  // [slice of voxels][brick]
     pool_.for_each(slices, [&](std::size_t slice) {
       const auto z = static_cast<std::int64_t>(slice);
       visible[slice].resize(static_cast<std::size_t>(mask.x) * static_cast<std::size_t>(mask.y), 0);
@@ -395,14 +343,14 @@ class RayVolume::Builder {
           if (voxel.extinction_per_mm <= 0) continue;
           const std::size_t at = first + kFour * static_cast<std::size_t>(n);
           const std::array<float, 3> emission = appearance.emission(voxel);
-          light[at] = voxel.extinction_per_mm;
-          std::copy(emission.begin(), emission.end(), light + at + 1);
-          remember_shaded(source, slice, piece, n, at + 1, emission);
+          optics[at] = voxel.extinction_per_mm;
+          std::copy(emission.begin(), emission.end(), optics + at + 1);
+          record_shaded(source, slice, piece, n, at + 1, emission);
           mark_around(mask, visible[slice], piece.x + n, piece.y);
         }
       });
     });
-    // The cells before and behind a voxel.
+    // Mark the cells in front of and behind each voxel
     const std::size_t bricks = static_cast<std::size_t>(mask.x) * static_cast<std::size_t>(mask.y);
     for (std::size_t slice = 0; slice < slices; ++slice) {
       const std::size_t to = slice / MarchGrid::kBrick;
@@ -413,18 +361,8 @@ class RayVolume::Builder {
     }
   }
 
-  /// Bricks of the cells beside a voxel.
-  static void mark_around(const BrickMask& mask, std::vector<std::uint8_t>& bricks, std::int64_t x,
-                          std::int64_t y) {
-    for (std::int64_t j = (y - 1) / MarchGrid::kBrick; j <= y / MarchGrid::kBrick; ++j) {
-      for (std::int64_t i = (x - 1) / MarchGrid::kBrick; i <= x / MarchGrid::kBrick; ++i) {
-        bricks[static_cast<std::size_t>(j * mask.x + i)] = 1;
-      }
-    }
-  }
-
-  void remember_shaded(Source& source, std::size_t slice, const Piece& piece, std::int64_t n, std::size_t at,
-                       const std::array<float, 3>& color) const {
+  void record_shaded(Source& source, std::size_t slice, const Piece& piece, std::int64_t n, std::size_t at,
+                     const std::array<float, 3>& color) const {
     if (!request_.shade || !request_.plan.classes[piece.draw].boundary) return;
     source.shaded[slice].push_back(
         {at, request_.cache.normals()[piece.voxel + static_cast<std::size_t>(n)], color});
@@ -441,13 +379,13 @@ Result<RayVolume> RayVolume::build(const RayVolumeRequest& request, ThreadPool& 
   return volume;
 }
 
-void RayVolume::shade(std::span<const float> light, ThreadPool& pool) {
+void RayVolume::shade(std::span<const float> lighting, ThreadPool& pool) {
   for (Source& source : sources_) {
-    SparseBytes& bytes = source.curve ? source.colors : source.values;
+    SparseBytes& bytes = source.transfer ? source.colors : source.values;
     auto* colors = reinterpret_cast<float*>(bytes.data());
     pool.for_each(source.shaded.size(), [&](std::size_t slice) {
       for (const ShadedVoxel& voxel : source.shaded[slice]) {
-        for (std::size_t c = 0; c < 3; ++c) colors[voxel.place + c] = voxel.color[c] * light[voxel.normal];
+        for (std::size_t c = 0; c < 3; ++c) colors[voxel.place + c] = voxel.color[c] * lighting[voxel.normal];
       }
     });
   }

@@ -1,4 +1,4 @@
-// What rays march through: the selected voxels' grey values, or their light, in a box of their own.
+// Volume for ray casting: grey values or optical properties of the selected voxels in a padded box.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +18,7 @@
 
 namespace splatlas {
 
-/// What a ray volume is made of. References must outlive the call that takes it.
+/// Input of a ray volume. References must outlive the call.
 struct RayVolumeRequest {
   const Atlas& atlas;
   const Selection& selection;
@@ -27,31 +27,31 @@ struct RayVolumeRequest {
   const SelectedRuns& runs;                       ///< of the z axis
   const ClassCache& cache;
   Classification classification = Classification::kBefore;
-  bool shade = false;  ///< boundary voxels can be lit by their normals
+  bool shade = false;  ///< prepare boundary voxels for shading by their normals
   std::uint64_t max_memory_bytes = 0;
 };
 
-/// The sources of a selection. Classes with the same transfer function are one source: their grey values are
-/// interpolated together, what is not one of them counts as not there, and so are their colours, each voxel's
-/// with its weight. Structures that cannot be classified after interpolation (grey_scale()) are classified
-/// before it, all together.
+/// The sources of a selection. Classes with equal transfer functions share a source. Their grey values are
+/// interpolated together, with 0 for all other voxels; their colours are interpolated with the weights of
+/// their voxels. Structures that cannot be post-classified (see grey_scale()) are pre-classified and share
+/// one source.
 class RayVolume {
  public:
-  /// kLimit when it would take more memory than allowed, there are more than kMaxSources different transfer
-  /// functions, or the box has more than 2^31 voxels. Cost: linear in the selected voxels and in the bricks
-  /// of their box; nothing of an unselected class is read.
+  /// kLimit for more memory than allowed, more than kMaxSources different transfer functions, or a box of
+  /// more than 2^31 voxels. Cost: linear in the selected voxels and in the bricks of their box. Reads nothing
+  /// of unselected classes.
   [[nodiscard]] static Result<RayVolume> build(const RayVolumeRequest& request, ThreadPool& pool);
 
-  /// Multiplies the colours of boundary voxels by `light[normal]` (65536 entries): once per change of view.
-  void shade(std::span<const float> light, ThreadPool& pool);
+  /// Multiplies the colours of boundary voxels by `lighting[normal]` (65536 entries). Needed once per view.
+  void shade(std::span<const float> lighting, ThreadPool& pool);
 
-  /// Nothing to march through.
+  /// Whether no voxel is selected.
   [[nodiscard]] bool empty() const { return sources_.empty(); }
-  /// Voxel of the grid that position (0, 0, 0) is at.
+  /// Voxel of the grid at position (0, 0, 0).
   [[nodiscard]] const Index3& first() const { return first_; }
   [[nodiscard]] const MarchGrid& grid() const { return grid_; }
   [[nodiscard]] std::span<const MarchSource> sources() const { return views_; }
-  /// Bricks in which any source shows something, as MarchSource::active.
+  /// Non-empty bricks of all sources, as MarchSource::active.
   [[nodiscard]] const std::uint32_t* active() const { return active_.data(); }
   [[nodiscard]] std::uint64_t voxels() const { return voxels_; }
   [[nodiscard]] bool shaded() const { return shaded_voxels_ > 0; }
@@ -59,12 +59,12 @@ class RayVolume {
  private:
   /// A voxel whose colour depends on the view.
   struct ShadedVoxel {
-    std::size_t place = 0;  // of its first of four values
+    std::size_t place = 0;  // offset of the first of its three colour values
     PackedNormal normal = 0;
     std::array<float, 3> color{};  // unshaded
   };
   struct Source {
-    std::unique_ptr<PreintegratedTransfer> curve;  // none: light
+    std::unique_ptr<PreintegratedTransfer> transfer;  // null: pre-classified
     GreyScale scale;
     std::vector<bool> draws;  // classes of the plan that belong to it
     std::array<float, 3> color{};

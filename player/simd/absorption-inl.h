@@ -1,4 +1,4 @@
-// What a slab of some depth absorbs. Compiled once for every instruction set.
+// Absorption of a slab by its optical depth. Compiled once for every instruction set.
 #if defined(SPLATLAS_PLAYER_ABSORPTION_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SPLATLAS_PLAYER_ABSORPTION_INL_H_
 #undef SPLATLAS_PLAYER_ABSORPTION_INL_H_
@@ -13,7 +13,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace splatlas::HWY_NAMESPACE {
 
-/// Slabs of at most this depth take the short way: ThinMean().
+/// Depth limit of ThinMean().
 constexpr float kThin = 0.75f;
 
 /// (1 - exp(-depth)) / depth, 0 <= depth <= kThin, to 1.5e-7 relative: 1 - depth / 2 + ..., the rest
@@ -51,18 +51,18 @@ HWY_INLINE V Absorbed(D d, V depth) {
   return NegMulAdd(scale, Mul(r, q), Sub(one, scale));
 }
 
-/// What a slab absorbs of the light, 1 - exp(-depth), and the same over its depth.
+/// Opacity of a slab, 1 - exp(-depth), and the same divided by its depth.
 template <class V>
 struct Absorption {
   V absorbed, mean;
 };
 
 constexpr int kDoublings = 3;
-/// Slabs of at most this depth take the middle way: ModerateAbsorption().
+/// Depth limit of ModerateAbsorption().
 constexpr float kModerate = kThin * (1 << kDoublings);
 
-/// For 0 <= depth <= kModerate, to 4e-7 relative, in half the time of AnyAbsorption(): an eighth of the slab
-/// takes the short way and is doubled. Two slabs that absorb a each absorb (2 - a) a.
+/// For 0 <= depth <= kModerate, to 4e-7 relative, in half the time of AnyAbsorption(). Computes an eighth of
+/// the slab by ThinMean() and doubles it: two slabs of opacity a have opacity (2 - a) a.
 template <class D, class V = WideVec<D>>
 HWY_INLINE Absorption<V> ModerateAbsorption(D d, V depth) {
   constexpr float kPart = 1.0f / (1 << kDoublings);
@@ -78,7 +78,7 @@ HWY_INLINE Absorption<V> ModerateAbsorption(D d, V depth) {
   return slab;
 }
 
-/// For depth >= 0, whatever it is.
+/// For any depth >= 0.
 template <class D, class V = WideVec<D>>
 HWY_INLINE Absorption<V> AnyAbsorption(D d, V depth) {
   const auto absorbed = Absorbed(d, depth);

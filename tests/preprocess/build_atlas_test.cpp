@@ -15,6 +15,7 @@
 #include "format/decision_tree.h"
 #include "preprocess/export/export_atlas.h"
 #include "preprocess/export/write_image.h"
+#include "tests/preprocess/build_atlas_fixture.h"
 #include "tests/preprocess/random_images.h"
 #include "tests/preprocess/raw_image_files.h"
 #include "tests/support/run_program.h"
@@ -24,44 +25,6 @@ namespace {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
-
-class BuildAtlas : public testing::Test {
- protected:
-  std::string file(const std::string& name) const { return folder_.file(name); }
-  std::string write(const std::string& name, const Image& image) const {
-    const Result<void> written = write_image(image, file(name));
-    EXPECT_TRUE(written) << written.error().message;
-    return file(name);
-  }
-  BuildOptions options(const std::string& output = "a.atlas") const {
-    BuildOptions options;
-    options.output = file(output);
-    options.level = 1;
-    options.threads = 2;
-    return options;
-  }
-  AtlasContent build(const BuildOptions& options) const {
-    const Result<BuildReport> report = build_atlas(options);
-    EXPECT_TRUE(report) << report.error().message;
-    if (!report) return {};
-    return *(*Atlas::open(options.output))->read_all();
-  }
-  std::string error_of(const BuildOptions& options) const {
-    const Result<BuildReport> report = build_atlas(options);
-    EXPECT_FALSE(report);
-    EXPECT_FALSE(std::filesystem::exists(options.output));
-    return report ? "" : report.error().message;
-  }
-  void export_all(const std::string& labels, const std::string& volume) const {
-    ExportOptions back;
-    back.atlas = file("a.atlas");
-    back.labels = labels.empty() ? "" : file(labels);
-    if (!volume.empty()) back.volume = file(volume);
-    const auto written = export_atlas(back);
-    ASSERT_TRUE(written) << written.error().message;
-  }
-  TemporaryFolder folder_;
-};
 
 /// Tolerance for numbers that ITK wrote as text or 32-bit floats.
 void expect_near(const Grid& a, const Grid& b, double tolerance) {
@@ -316,39 +279,6 @@ TEST_F(BuildAtlas, ThresholdsAloneMakeAnAtlas) {
   EXPECT_EQ(content.label_type, VoxelType::kNone);
 }
 
-TEST_F(BuildAtlas, EveryStructureHasANameOfItsOwn) {
-  std::mt19937 random(12);
-  BuildOptions build_options = options();
-  build_options.sources.labels =
-      write("labels.nrrd", random_labels(awkward_grid(0), VoxelType::kUInt8, random));
-  build_options.sources.meshes = {{"Screw", "missing.stl"}, {"screw", "missing too.stl"}};
-  EXPECT_THAT(error_of(build_options), testing::AllOf(HasSubstr("--mesh"), HasSubstr("\"screw\"")));
-  build_options.sources.meshes.pop_back();
-  build_options.sources.segments = {*parse_segment("SCREW =mask:missing.nrrd")};
-  EXPECT_THAT(error_of(build_options), testing::AllOf(HasSubstr("--segment"), HasSubstr("--mesh")));
-  build_options.sources.segments.clear();
-  for (const std::string name : {"Label 1", "label 1"}) {
-    build_options.sources.meshes = {{name, "missing.stl"}};
-    EXPECT_THAT(error_of(build_options), testing::AllOf(HasSubstr("--mesh"), HasSubstr("labels.nrrd")));
-  }
-  for (const std::string& name : {std::string("a\nb"), std::string(201, 'x')}) {
-    build_options.sources.meshes = {{name, "missing.stl"}};
-    const Result<BuildReport> refused = build_atlas(build_options);
-    ASSERT_FALSE(refused);
-    EXPECT_EQ(refused.error().code, ErrorCode::kUsage);
-    EXPECT_THAT(refused.error().message, testing::Not(HasSubstr("\n")));
-  }
-}
-
-TEST_F(BuildAtlas, PathsThatCannotBeFollowedAreToldInOneLine) {
-  BuildOptions build_options = options();
-  build_options.sources.labels = file(std::string(300, 'x') + ".nii");
-  EXPECT_THAT(error_of(build_options), HasSubstr("cannot be read: File name too long"));
-  std::filesystem::create_symlink("loop.nii", file("loop.nii"));
-  build_options.sources.labels = file("loop.nii");
-  EXPECT_THAT(error_of(build_options), HasSubstr("loop.nii: cannot be read: Too many levels of symbolic"));
-}
-
 TEST_F(BuildAtlas, ProvenanceHoldsHashesAndWordsOfTheAuthorOnly) {
   std::mt19937 random(5);
   BuildOptions build_options = options();
@@ -376,33 +306,6 @@ TEST_F(BuildAtlas, ProvenanceHoldsHashesAndWordsOfTheAuthorOnly) {
   std::ifstream stream(build_options.output, std::ios::binary);
   const std::string bytes{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
   EXPECT_EQ(bytes.find("CANARY"), std::string::npos);
-}
-
-TEST_F(BuildAtlas, RefusesWhatDoesNotFitTogether) {
-  std::mt19937 random(6);
-  BuildOptions build_options = options();
-  EXPECT_THAT(error_of(build_options), HasSubstr("--labels"));
-  build_options.sources.labels =
-      write("labels.nrrd", random_labels(awkward_grid(0), VoxelType::kUInt8, random));
-  Grid other = awkward_grid(0);
-  other.size[1] = 6;
-  build_options.sources.volume = write("volume.nrrd", random_volume(other, VoxelType::kUInt8, random));
-  EXPECT_THAT(error_of(build_options), testing::AllOf(HasSubstr("7x5x4"), HasSubstr("7x6x4")));
-  build_options.sources.volume.clear();
-  build_options.sources.segments = {*parse_segment("S=threshold:3")};
-  EXPECT_THAT(error_of(build_options), HasSubstr("--volume"));
-  build_options.sources.segments = {*parse_segment("S=mask:" + file("volume.nrrd"))};
-  EXPECT_THAT(error_of(build_options), HasSubstr("7x6x4"));
-  build_options.sources.segments.clear();
-  build_options.output = file("missing/a.atlas");
-  EXPECT_THAT(error_of(build_options), HasSubstr("no folder"));
-  build_options.output = build_options.sources.labels;
-  const Result<BuildReport> onto_input = build_atlas(build_options);
-  ASSERT_FALSE(onto_input);
-  EXPECT_THAT(onto_input.error().message, HasSubstr("is an input"));
-  EXPECT_TRUE(import_image(build_options.sources.labels));
-  build_options.output = folder_.path();
-  EXPECT_THAT(build_atlas(build_options).error().message, HasSubstr("is a folder"));
 }
 
 RC_GTEST_PROP(BuildAtlasProperty, RandomVolumesComeBack, ()) {

@@ -12,191 +12,11 @@
 
 #include "player/rays/brick_sums.h"
 #include "tests/player/rays/march_definition.h"
+#include "tests/player/rays/random_sources.h"
 #include "tests/support/every_kernel.h"
 
 namespace splatlas {
 namespace {
-
-/// What random voxels there are.
-struct Shape {
-  std::array<std::int32_t, 3> size{13, 11, 14};  ///< the margin of two included
-  std::uint32_t one_of = 3;                      ///< so many voxels is dark,
-  bool sparse = false;                           ///< or is not
-  std::optional<std::size_t> gaps_along{};       ///< axis along which two thirds are dark,
-  std::int32_t gaps = 20;                        ///< after so many voxels that are not
-};
-
-/// Random voxels in a box, as bytes, floats, colours and optical properties.
-class RandomSources {
- public:
-  explicit RandomSources(std::uint32_t seed, const Shape& shape = {}) : random_(seed) {
-    grid_.size = shape.size;
-    const auto voxels = static_cast<std::size_t>(shape.size[0] * shape.size[1] * shape.size[2]);
-    cell_corners_.assign(voxels, 0);
-    greys_.assign(voxels, 0);
-    fours_.assign(4 * voxels, 0);
-    optics_ = fours_;
-    BrickMask shown(grid_);
-    const auto place = [&](int x, int y, int z) {
-      return static_cast<std::size_t>((z * grid_.size[1] + y) * grid_.size[0] + x);
-    };
-    for (int z = 2; z < grid_.size[2] - 2; ++z) {
-      for (int y = 2; y < grid_.size[1] - 2; ++y) {
-        for (int x = 2; x < grid_.size[0] - 2; ++x) {
-          if (shape.gaps_along && std::array{x, y, z}[*shape.gaps_along] / shape.gaps % 3 != 1) continue;
-          if ((random_() % shape.one_of == 0) != shape.sparse) continue;
-          const std::uint64_t grey = random_() % 256;
-          greys_[place(x, y, z)] = static_cast<float>(grey);
-          for (int n = 0; n < 8; ++n) {
-            const int i = x - (n & 1), j = y - (n >> 1 & 1), k = z - (n >> 2);
-            cell_corners_[place(i, j, k)] |= grey << (8 * n);
-            constexpr int kBrick = MarchGrid::kBrick;
-            shown.bricks[shown.number(i / kBrick, j / kBrick, k / kBrick)] = 1;
-          }
-          for (std::size_t c = 0; c < 4; ++c) {
-            const float share = static_cast<float>(random_() % 1000) / 1000;
-            const std::size_t at = 4 * place(x, y, z);
-            fours_[at + c] = c == 3 ? 1 : share;
-            optics_[at + c] = c == 0 ? share : share * optics_[at];
-          }
-        }
-      }
-    }
-    active_ = brick_sums(shown);
-  }
-
-  /// Of opacities up to 0.9, or a share of that.
-  PreintegratedTransfer curve(std::size_t points, float share = 1) {
-    TransferCurve curve;
-    for (std::size_t n = 0; n < points; ++n) {
-      curve.points.push_back({20.0 + 200.0 * static_cast<double>(n) / static_cast<double>(points),
-                              n == 0 ? 0.0f : share * static_cast<float>(random_() % 90) / 100,
-                              static_cast<float>(random_() % 100) / 100});
-    }
-    return {curve, {.bytes = true}, 1};
-  }
-
-  RayPacket rays() {
-    RayPacket packet;
-    std::uniform_real_distribution<float> place(2, 10), slope(-1, 1);
-    for (std::size_t n = 0; n < kPacketRays; ++n) {
-      const float sign = random_() % 2 == 0 ? 1.0f : -1.0f;
-      packet.step[2][n] = sign;
-      for (const std::size_t a : {0u, 1u}) {
-        packet.step[a][n] = slope(random_);
-        packet.origin[a][n] = place(random_) - packet.step[a][n] * 6 * sign;
-      }
-      packet.mm_per_t[n] = 0.5f + std::abs(slope(random_));
-      packet.from[n] = random_() % 3 == 0 ? sign * place(random_) : -1e9f;
-      packet.to[n] = random_() % 3 == 0 ? packet.from[n] + 3 : 1e9f;
-    }
-    return packet;
-  }
-
-  /// Each along an axis of its own.
-  RayPacket rays_of_all_axes() {
-    RayPacket packet;
-    for (std::size_t n = 0; n < kPacketRays; ++n) {
-      const float sign = random_() % 2 == 0 ? 1.0f : -1.0f;
-      place_ray(packet, n, random_() % 3, sign, {part(), part(), part()}, {slope(), slope(), slope()});
-    }
-    return packet;
-  }
-  /// Each all but along a diagonal of cells, from next to one edge of a cell to next to the opposite one.
-  RayPacket diagonals() {
-    RayPacket packet;
-    for (std::size_t n = 0; n < kPacketRays; ++n) {
-      const std::size_t axis = random_() % 3;
-      const float sign = random_() % 2 == 0 ? 1.0f : -1.0f;
-      place_ray(packet, n, axis, sign, {0, 0, 0}, {0, 0, 0});
-      const float middle = std::floor(static_cast<float>(grid_.size[axis]) / 2);
-      bool near_end = random_() % 2 == 0;
-      for (std::size_t a = 0; a < 3; ++a) {
-        if (a == axis) continue;
-        const float slope = (random_() % 2 == 0 ? 1.0f : -1.0f) * (1 - 0.1f * part());
-        const float whole = std::floor(3 + part() * static_cast<float>(grid_.size[a] - 6));
-        const float at = whole + (near_end == (slope > 0) ? 1 - 0.1f * part() : 0.1f * part());
-        packet.step[a][n] = slope;
-        packet.origin[a][n] = at - slope * middle * sign;
-        near_end = !near_end;
-      }
-    }
-    return packet;
-  }
-  /// Side by side, as those of a few pixels are.
-  RayPacket bundle(std::size_t axis, float max_slope) {
-    RayPacket packet;
-    const float sign = random_() % 2 == 0 ? 1.0f : -1.0f;
-    const std::array places{part(), part(), part()};
-    const std::array slopes{slope() * max_slope, slope() * max_slope, slope() * max_slope};
-    for (std::size_t n = 0; n < kPacketRays; ++n) {
-      std::array own_places = places, own_slopes = slopes;
-      for (std::size_t a = 0; a < 3; ++a) {
-        own_places[a] = std::min(own_places[a] + 0.1f * part(), 1.0f);
-        own_slopes[a] += 0.01f * slope();
-      }
-      place_ray(packet, n, axis, sign, own_places, own_slopes);
-    }
-    return packet;
-  }
-
-  MarchSource cell_corners(const PreintegratedTransfer& curve) const {
-    MarchSource source;
-    source.cell_corners = cell_corners_.data();
-    source.transfer = &curve;
-    source.color = {0.9f, 0.5f, 0.1f};
-    source.active = active_.data();
-    return source;
-  }
-  MarchSource greys(const PreintegratedTransfer& curve) const {
-    MarchSource source = cell_corners(curve);
-    source.cell_corners = nullptr;
-    source.greys = greys_.data();
-    return source;
-  }
-  MarchSource colored(const PreintegratedTransfer& curve) const {
-    MarchSource source = cell_corners(curve);
-    source.colors = fours_.data();
-    return source;
-  }
-  MarchSource optics() const {
-    MarchSource source;
-    source.optics = optics_.data();
-    source.active = active_.data();
-    return source;
-  }
-  MarchScene scene(std::span<const MarchSource> sources, int steps) const {
-    return {.grid = grid_,
-            .sources = sources,
-            .active = active_.data(),
-            .termination_threshold = 0,
-            .min_steps = steps,
-            .max_steps = steps};
-  }
-
- private:
-  float part() { return static_cast<float>(random_() % 1000) / 1000; }
-  float slope() { return 2 * part() - 1; }
-  /// Through a place of the plane half-way along `axis`, as a share of the voxels.
-  void place_ray(RayPacket& packet, std::size_t n, std::size_t axis, float sign,
-                 const std::array<float, 3>& place, const std::array<float, 3>& slopes) {
-    const float middle = static_cast<float>(grid_.size[axis]) / 2;
-    for (std::size_t a = 0; a < 3; ++a) {
-      packet.step[a][n] = a == axis ? sign : slopes[a];
-      const float at = 2 + place[a] * static_cast<float>(grid_.size[a] - 4);
-      packet.origin[a][n] = a == axis ? 0 : at - slopes[a] * middle * sign;
-    }
-    packet.mm_per_t[n] = 0.5f + part();
-    packet.from[n] = -1e9f;
-    packet.to[n] = 1e9f;
-  }
-
-  std::mt19937 random_;
-  MarchGrid grid_;
-  std::vector<std::uint64_t> cell_corners_;
-  std::vector<float> greys_, fours_, optics_;
-  std::vector<std::uint32_t> active_;
-};
 
 /// Half of the rays begin with some radiance and opacity.
 RadiancePacket initial_radiance() {
@@ -280,10 +100,10 @@ TEST_P(MarchKernelsOf, ComputeTheDefinitionInEqualSteps) {
 TEST_P(MarchKernelsOf, SkipEmptyBricksOnly) {
   for (std::uint32_t seed = 0; seed < 24; ++seed) {
     const std::size_t axis = seed % 3;
-    Shape shape{.one_of = seed % 2 == 0 ? 3u : 400u,
-                .sparse = seed % 2 != 0,
-                .gaps_along = axis,
-                .gaps = 14 + static_cast<std::int32_t>(seed / 3)};
+    SourceShape shape{.one_of = seed % 2 == 0 ? 3u : 400u,
+                      .sparse = seed % 2 != 0,
+                      .gaps_along = axis,
+                      .gaps = 14 + static_cast<std::int32_t>(seed / 3)};
     shape.size[axis] = 150 + static_cast<std::int32_t>(seed);
     RandomSources random(seed, shape);
     const PreintegratedTransfer curve = random.curve(4, 0.01f), other = random.curve(3, 0.01f);

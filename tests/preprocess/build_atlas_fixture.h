@@ -1,0 +1,55 @@
+// Test fixture of whole builds in a temporary folder.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "format/atlas_reader.h"
+#include "preprocess/build_atlas.h"
+#include "preprocess/export/export_atlas.h"
+#include "preprocess/export/write_image.h"
+#include "tests/support/run_program.h"
+
+namespace splatlas {
+
+class BuildAtlas : public testing::Test {
+ protected:
+  std::string file(const std::string& name) const { return folder_.file(name); }
+  std::string write(const std::string& name, const Image& image) const {
+    const Result<void> written = write_image(image, file(name));
+    EXPECT_TRUE(written) << written.error().message;
+    return file(name);
+  }
+  BuildOptions options(const std::string& output = "a.atlas") const {
+    BuildOptions options;
+    options.output = file(output);
+    options.level = 1;
+    options.threads = 2;
+    return options;
+  }
+  AtlasContent build(const BuildOptions& options) const {
+    const Result<BuildReport> report = build_atlas(options);
+    EXPECT_TRUE(report) << report.error().message;
+    if (!report) return {};
+    return *(*Atlas::open(options.output))->read_all();
+  }
+  std::string error_of(const BuildOptions& options) const {
+    const Result<BuildReport> report = build_atlas(options);
+    EXPECT_FALSE(report);
+    EXPECT_FALSE(std::filesystem::exists(options.output));
+    return report ? "" : report.error().message;
+  }
+  void export_all(const std::string& labels, const std::string& volume) const {
+    ExportOptions back;
+    back.atlas = file("a.atlas");
+    back.labels = labels.empty() ? "" : file(labels);
+    if (!volume.empty()) back.volume = file(volume);
+    const auto written = export_atlas(back);
+    ASSERT_TRUE(written) << written.error().message;
+  }
+  TemporaryFolder folder_;
+};
+
+}  // namespace splatlas
