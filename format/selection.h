@@ -54,7 +54,7 @@ enum class TransferProfile : std::uint8_t {
 [[nodiscard]] const char* name_of(TransferProfile profile);
 
 /// Specification of the transfer function of one structure's volume: a ramp or a curve. The player converts
-/// it to a TransferCurve (player/transfer/transfer_function.h).
+/// it to a TransferCurve (player/transfer_function.h).
 struct VolumeStyle {
   TransferProfile profile = TransferProfile::kSoft;
   /// Grey values of the ramp's ends, finite, low < high. Defaults: those of the display window.
