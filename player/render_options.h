@@ -27,8 +27,8 @@ enum class DepthCue : std::uint8_t {
 ///
 /// Sheets draw parallel projections with pre-classification:
 ///   - Sheet pixels per picture pixel, along each axis: 1, 1.5, 2. Sheet pixels per voxel: at most 2, 4, 8.
-///   - Selections with sharp edges: 1, 2.25, 2.5; at most 2, 6, 8 per voxel. Their mean
-///     maximum optical depth over the reference length is at least 1 (opacity 0.63).
+///   - Selections with sharp edges: 1, 2.25, 2.5; at most 2, 6, 8 per voxel. Their maximum
+///     optical depth over the reference length is at least 1 (opacity 0.63) on average.
 ///   - Slabs per slice: 1, 4, 8.
 ///   - Normal and high warp volumes without surfaces by a cubic kernel.
 ///

@@ -56,8 +56,8 @@ class SelectionEditor {
 
   /// Sets the mode. Keeps opacities and colours of structures that were on.
   void set_mode(StructureIndex s, DrawMode mode);
-  /// Sets the opacity of drawn structures; none: the default of the mode. Consecutive calls of set_opacity()
-  /// or set_color() for one structure are one undo step until end_gesture().
+  /// Sets the opacity of drawn structures; none: the default of the mode. Consecutive calls of one
+  /// setter for one structure are one undo step until end_gesture().
   void set_opacity(StructureIndex s, std::optional<float> opacity);
   void set_color(StructureIndex s, Rgb color);
   void end_gesture() { gesture_ = {}; }
