@@ -1,9 +1,9 @@
-// A changed selection: one structure as volume inside the surfaces of the others, then seen close by.
+// Change of a selection: one structure as volume inside the surfaces of the others, then a close-up.
 //
 //   change_selection brain.atlas Putamen_L out      (writes out-1.png and out-2.png)
 //
-// A Selection has an entry for each structure. A program changes entries as it likes and selects again; the
-// renderer keeps what it has decoded, and reads only what is new.
+// A Selection has an entry for each structure. A program changes entries and selects again. The renderer
+// caches decoded data and reads only additional chunks.
 #include <cstdio>
 #include <string>
 
@@ -26,10 +26,10 @@ Result<void> run(const char* path, const char* name, const std::string& prefix) 
       StructureDraw& draw = selection->structures[s];
       draw.mode = DrawMode::kVolume;
       draw.opacity = 0.5f;
-      draw.volume.profile = TransferProfile::kHard;  // low and high: the display window's
+      draw.volume.profile = TransferProfile::kHard;  // low and high default to the display window
     }
   }
-  // The same transfer function, for a curve on the screen.
+  // The transfer function of the volume, for example for a plot.
   const TransferCurve curve = transfer_curve(selection->structures[found->front()], (*atlas)->display());
   for (const TransferPoint& point : curve.points)
     std::printf("grey %g: opacity %g\n", point.grey, static_cast<double>(point.opacity));

@@ -1,10 +1,10 @@
-// Picking: the structure under a point of a picture, and where it is in the patient.
+// Picking: the structure at a point of a picture, and its position in the patient.
 //
 //   pick_structure brain.atlas '*:surface' 320 240
 //
-// Picture coordinates count pixels from the top left corner; (0.5, 0.5) is the middle of the first pixel.
-// Points are in LPS millimetres: towards the subject's left, posterior and superior. A View maps picture
-// points with a depth to LPS and back, in parallel projection and in perspective.
+// Picture coordinates count pixels from the top left corner; (0.5, 0.5) is the centre of the first pixel.
+// Points are in LPS millimetres: towards the subject's left, posterior and superior. A View projects points
+// to the picture and unprojects them, in parallel and perspective projection.
 #include <cstdio>
 #include <cstdlib>
 
@@ -25,7 +25,7 @@ Result<void> run(const char* path, const char* text, double x, double y) {
   const auto picture = renderer.render(camera, options);
   if (!picture) return tl::unexpected(picture.error());
 
-  const auto pick = renderer.pick(x, y);  // in the latest picture
+  const auto pick = renderer.pick(x, y);  // of the latest picture
   if (!pick) {
     std::puts("background");
     return {};

@@ -1,4 +1,4 @@
-// Voxels and grey values of a structure, with splatlas::format alone: no renderer.
+// Voxels and grey values of a structure, with splatlas::format only.
 //
 //   read_voxels brain.atlas Cerebellum
 //
@@ -28,7 +28,7 @@ Result<void> run(const char* path, const char* name) {
   std::uint64_t voxels = 0;
   double sum = 0;
   for (const ClassId c : classes) {
-    const auto runs = atlas.read_runs(c, Axis::kZ);  // where they are: lines of voxels along i
+    const auto runs = atlas.read_runs(c, Axis::kZ);  // positions: runs of voxels along i
     if (!runs) return tl::unexpected(runs.error());
     for (const Run& run : *runs) voxels += run.length;
     const auto values = atlas.read_values(c);  // in the order of the runs

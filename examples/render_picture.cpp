@@ -1,4 +1,4 @@
-// A still picture: opens an atlas, selects structures by text, renders them, and writes a PNG.
+// Still picture of selected structures, from an atlas to a PNG file.
 //
 //   render_picture brain.atlas 'Cerebellum:surface(opacity=0.5) + Vermis*' picture.png
 //
@@ -20,7 +20,7 @@ Result<void> render(const char* path, const char* text, const char* output) {
   Renderer renderer(*atlas);
   if (const auto selected = renderer.select(*selection); !selected) return selected;
 
-  // Named views look straight along an axis; Camera{.azimuth_deg = 30} and the like look from anywhere else.
+  // Standard views look along an axis. Camera{.azimuth_deg = 30} gives any other direction.
   const Camera camera = Camera::of(NamedView::kLeft);
   const auto picture = renderer.render(camera, {.size = {640, 480}, .quality = Quality::kNormal});
   if (!picture) return tl::unexpected(picture.error());

@@ -1,11 +1,11 @@
-// An interactive viewer: SDL2 for the window, splatlas::player for everything else.
+// Interactive viewer: SDL2 for the window, splatlas::player for everything else.
 //
 //   viewer brain.atlas                  drag: orbit; right drag: pan; wheel: zoom; click: choose a structure;
 //                                       T: hide or show it; Escape: quit
 //   viewer brain.atlas SCRIPT OUT.png   plays "drag DX DY", "click X Y" and "key T", and saves the picture
 //
-// Drafts follow the mouse. When no event is left, the picture is refined; the next event cancels that by
-// RenderControl, so the window never waits for a good picture.
+// Drafts follow the mouse. The viewer refines the picture when no event is pending. The next event cancels
+// the refinement through RenderControl, so the window stays responsive.
 #include <cstdio>
 #include <fstream>
 #include <string>
@@ -47,7 +47,7 @@ class Viewer {
     }
   }
 
-  /// A draft first, then, unless something happens, the final picture.
+  /// Renders a draft, then the final picture unless an event interrupts it.
   void draw() {
     if (shown_ == Shown::kNothing && render(Quality::kDraft)) shown_ = Shown::kDraft;
     if (shown_ == Shown::kDraft && render(Quality::kNormal)) shown_ = Shown::kFinal;
@@ -74,7 +74,7 @@ class Viewer {
     RenderControl control;
     if (quality != Quality::kDraft) control = {.stop = stop.get_token(), .progress = stop_for_events};
     const auto rendered = renderer_.render(camera_, {.size = size(), .quality = quality}, picture_, control);
-    if (!rendered) return rendered.error().code != ErrorCode::kCancelled;  // nothing to wait for
+    if (!rendered) return rendered.error().code != ErrorCode::kCancelled;  // other errors are final
     auto rgb = to_srgb8(picture_, Rgb{0, 0, 0});
     const auto [w, h] = picture_.size;
     SDL_Surface* from =
@@ -98,7 +98,7 @@ class Viewer {
     if (key != SDLK_t || chosen_ == kNoStructure) return;
     DrawMode& mode = selection_.structures[chosen_].mode;
     mode = mode == DrawMode::kOff ? DrawMode::kSurface : DrawMode::kOff;
-    (void)renderer_.select(selection_);  // surfaces alone are never refused
+    (void)renderer_.select(selection_);  // never fails for surfaces only
     shown_ = Shown::kNothing;
   }
 
@@ -113,7 +113,7 @@ class Viewer {
   bool dragged_ = false, quit_ = false;
 };
 
-/// Puts the next events of a script into the queue.
+/// Pushes the events of the next script command.
 void push_next(std::istream& script) {
   std::string what, key;
   int x = 0, y = 0;

@@ -1,10 +1,10 @@
-// An atlas from arrays in memory: a ball with grey values, as a volume.
+// Atlas from arrays in memory: a ball with grey values, as a volume.
 //
 //   write_atlas ball.atlas
 //
-// Every voxel gets a class: its structures, and for each of them interior or boundary (one of the 18
-// neighbours that share a face or an edge is outside). Boundary voxels have normals, for shading. Triangles
-// would go to content.surfaces; splatlas-preprocess makes them of labels.
+// A class is a set of structures, each with interior or boundary. A boundary voxel has at least one of its 18
+// face and edge neighbours outside the structure, and a normal for shading. Triangles belong to
+// content.surfaces; splatlas-preprocess extracts them from labels.
 #include <cmath>
 #include <cstdio>
 

@@ -13,10 +13,10 @@
 namespace splatlas {
 namespace {
 
-/// Share of the picture's smaller side that the ball around the atlas takes at zoom 1.
+/// Diameter of the atlas's bounding sphere at zoom 1, relative to the smaller side of the picture.
 constexpr double kFit = 0.96;
 
-/// Sine and cosine in degrees, exact at multiples of 90 so that named views have no shear at all.
+/// Sine and cosine of an angle in degrees. Exact at multiples of 90, so that standard views have zero shear.
 std::pair<double, double> sin_cos_deg(double degrees) {
   const double turn = std::remainder(degrees, 360.0);
   const double quarter = std::round(turn / 90.0);
@@ -83,7 +83,7 @@ Result<ParallelView> parallel_view(const Camera& camera, const PictureSize& size
   view.up_lps = {-sin_elevation * sin_azimuth, sin_elevation * cos_azimuth, cos_elevation};
   view.right_lps = {cos_azimuth, sin_azimuth, 0};
   view.center_lps_mm = center;
-  const double radius_mm = display.radius_mm > 0 ? display.radius_mm : 1;  // 0: an atlas of no voxels
+  const double radius_mm = display.radius_mm > 0 ? display.radius_mm : 1;  // 0: an atlas without voxels
   view.mm_per_pixel = 2.0 * radius_mm / (kFit * std::min(size.width, size.height) * camera.zoom);
   view.size = size;
   return view;
@@ -107,7 +107,7 @@ std::optional<PicturePoint> View::picture_point(const Vec3& point_lps_mm) const 
     up_mm += from_center * plane.up_lps[a];
     depth_mm += from_center * plane.forward_lps[a];
   }
-  const double distance = eye_mm ? 1 + depth_mm / *eye_mm : 1;  // from the eye; 1 in the plane of the centre
+  const double distance = eye_mm ? 1 + depth_mm / *eye_mm : 1;  // from the eye, in units of eye_mm
   if (!(distance > 0)) return std::nullopt;
   const double mm_per_pixel = plane.mm_per_pixel * distance;
   return PicturePoint{0.5 * plane.size.width + right_mm / mm_per_pixel,

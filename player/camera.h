@@ -1,4 +1,4 @@
-// Where the atlas is looked at from.
+// Camera of a picture, and the parallel or perspective view that it defines.
 #pragma once
 
 #include <cstdint>
@@ -10,81 +10,86 @@
 
 namespace splatlas {
 
-/// Standard anatomical views.
+/// Standard anatomical views, named after the side of the subject that faces the viewer.
 enum class NamedView : std::uint8_t { kAnterior, kPosterior, kLeft, kRight, kSuperior, kInferior };
 
+/// Projection of the volume onto the picture.
 enum class CameraProjection : std::uint8_t { kParallel, kPerspective };
 
-/// A camera that turns around the atlas. Angles follow the contract: azimuth 0 looks at the anterior side, 90
-/// at the subject's left; a positive elevation looks down from above. Up on the picture is superior; straight
-/// from above or below it is where superior tends to as the elevation approaches 90 degrees.
+/// Orbit camera around a centre in LPS.
+/// Azimuth 0 looks at the subject's anterior side, azimuth 90 at the left side. A positive elevation looks
+/// down from superior. Superior is up in the picture. At elevations of +-90 degrees, the up vector is the
+/// limit from smaller magnitudes.
 struct Camera {
   double azimuth_deg = 0;
   double elevation_deg = 0;
-  double zoom = 1;  ///< 1 fits the ball around the atlas's structures into the picture
+  double zoom = 1;  ///< from 1e-6 to 1e6; at 1 the atlas's bounding sphere fits into the picture
   std::optional<Vec3> center_lps_mm =
-      std::nullopt;  ///< what the middle of the picture shows; the ball's centre when not set
-  /// In perspective the eye stands where it sees, in the plane of the centre, exactly what a parallel view
-  /// shows: zooming in brings it nearer, into the volume at last.
+      std::nullopt;  ///< middle of the picture; not set: the centre of the bounding sphere
+  /// Both projections show the same part of the plane through the centre. In perspective, a larger zoom
+  /// therefore moves the eye closer, and finally into the volume.
   CameraProjection projection = CameraProjection::kParallel;
-  double field_of_view_deg = 30;  ///< of the picture's height, in perspective
+  double field_of_view_deg = 30;  ///< vertical angle, perspective only
 
-  /// superior and inferior look along the body axis with anterior up, as anatomists hold an atlas.
+  /// The camera of a standard view, at zoom 1. Superior and inferior views have anterior up.
   [[nodiscard]] static Camera of(NamedView view);
 };
 
-/// Size of a picture in pixels. Limits keep byte counts and fixed-point rasterisation exact.
+/// Size of a picture in pixels, from 1 to kMaxPictureSide on each side.
 struct PictureSize {
   int width = 0, height = 0;
   friend bool operator==(const PictureSize&, const PictureSize&) = default;
 };
+/// Maximum width and height, for exact byte counts and fixed-point rasterisation.
 inline constexpr int kMaxPictureSide = 32768;
 
-/// A parallel view: what each pixel's ray is, in LPS mm. Pixel (0, 0) is the top left one; its centre is at
-/// picture coordinates (0.5, 0.5).
+/// Orthographic view in LPS mm. Pixel (0, 0) is at the top left; its centre has the picture coordinates
+/// (0.5, 0.5).
 struct ParallelView {
   Vec3 right_lps, up_lps, forward_lps;  ///< orthonormal; forward points away from the viewer
-  Vec3 center_lps_mm;                   ///< seen in the middle of the picture
-  double mm_per_pixel = 1;
+  Vec3 center_lps_mm;                   ///< point in the middle of the picture
+  double mm_per_pixel = 1;              ///< pixel size
   PictureSize size;
 
-  /// A point on the ray through picture coordinates (x, y), in the plane of the centre.
+  /// Maps picture coordinates (x, y) to the plane of the centre, in LPS mm.
   [[nodiscard]] Vec3 point_lps_mm(double x, double y) const;
 };
 
-/// Refuses (kUsage) cameras that are not finite, zooms that are not in [1e-6, 1e6], and pictures smaller than
-/// 1x1 or larger than kMaxPictureSide on a side. Allocates nothing.
+/// The orthographic view of a camera; ignores its projection. kUsage for angles that are not finite, a zoom
+/// outside [1e-6, 1e6], a centre beyond kMaxMm, and a side outside [1, kMaxPictureSide]. O(1), thread-safe;
+/// allocates memory for error messages only.
 [[nodiscard]] Result<ParallelView> parallel_view(const Camera& camera, const PictureSize& size,
                                                  const Display& display);
 
-/// A point as a picture shows it.
+/// Projection of a point onto a picture.
 struct PicturePoint {
-  double x = 0, y = 0;  ///< picture coordinates: pixel (0, 0) is from 0 to 1
-  double depth_mm = 0;  ///< along the view, from the plane of the centre away from the viewer
+  double x = 0, y = 0;  ///< picture coordinates in pixels; pixel (0, 0) covers [0, 1) x [0, 1)
+  double depth_mm = 0;  ///< distance from the plane of the centre along the view direction
 };
 
-/// A view in either projection.
+/// View in parallel or perspective projection.
 struct View {
-  ParallelView plane;                           ///< what the plane of the centre looks like
-  std::optional<double> eye_mm = std::nullopt;  ///< from the eye to that plane; none: rays are parallel
+  ParallelView plane;                           ///< view of the plane through the centre
+  std::optional<double> eye_mm = std::nullopt;  ///< distance from the eye to the plane; none: parallel
 
-  /// The point on the ray through picture coordinates (x, y) at `depth_mm` along the view, counted from the
-  /// plane of the centre away from the viewer.
+  /// Unprojects picture coordinates (x, y) at `depth_mm` to LPS mm. Depth is the distance from the plane of
+  /// the centre along the view direction.
   [[nodiscard]] Vec3 point_lps_mm(double x, double y, double depth_mm = 0) const;
-  /// Inverse of point_lps_mm(); none for points that are not in front of the eye.
+  /// Projects a point in LPS mm: the inverse of point_lps_mm(). None for points at or behind the eye.
   [[nodiscard]] std::optional<PicturePoint> picture_point(const Vec3& point_lps_mm) const;
 
-  /// Where all rays start, in perspective.
+  /// Position of the eye, in LPS mm. Perspective only.
   [[nodiscard]] Vec3 eye_lps_mm() const;
 };
 
-/// Narrowest and widest field of view, in degrees.
+/// Minimum and maximum field of view, in degrees.
 inline constexpr double kMinFieldOfView = 1e-3, kMaxFieldOfView = 179;
-/// From the point that it looks at: no product of the few that rays are made by vanishes.
+/// Minimum distance from the eye to the centre, in mm. Prevents underflow in ray set-up.
 inline constexpr double kNearestEyeMm = 1e-100;
 
-/// As parallel_view(). In perspective, also refuses fields of view that are not from kMinFieldOfView to
-/// kMaxFieldOfView, and an eye that would stand in the plane of the centre or infinitely far away.
+/// The view of a camera. kUsage as for parallel_view(). In perspective also for a field of view outside
+/// [kMinFieldOfView, kMaxFieldOfView], and for an eye closer than kNearestEyeMm or infinitely far. O(1),
+/// thread-safe.
 [[nodiscard]] Result<View> view_of(const Camera& camera, const PictureSize& size, const Display& display);
 
 }  // namespace splatlas

@@ -8,7 +8,7 @@ namespace splatlas {
 namespace {
 
 constexpr double kDegreesPerSide = 180;
-/// Share of the picture that fitted() fills.
+/// Size of the box after fitted(), relative to the picture.
 constexpr double kFill = 0.96;
 
 }  // namespace
@@ -81,8 +81,8 @@ Camera fitted(const Camera& camera, const LpsBox& box, const PictureSize& size, 
   const double aspect = static_cast<double>(size.width) / size.height;
   const bool perspective = camera.projection == CameraProjection::kPerspective;
   const double slope = perspective ? std::tan(camera.field_of_view_deg * std::numbers::pi / 360) : 0;
-  // The picture's half height in the plane of the centre must be at least |up| - depth * slope for a corner,
-  // and accordingly for its width.
+  // A corner is visible if the half height in the plane of the centre is at least |up| - depth * slope. The
+  // width has the same condition.
   double half_height_mm = 0;
   for (unsigned corner = 0; corner < 8; ++corner) {
     double right = 0, up = 0, depth = 0;

@@ -1,4 +1,5 @@
-// Camera moves of interactive viewers: orbit, pan, zoom about a point, fit to a box.
+// Camera moves of interactive viewers: orbit, pan, zoom about a point, fit to a box. All functions are
+// thread-safe, and O(1) unless a comment gives their cost.
 #pragma once
 
 #include <optional>
@@ -9,37 +10,37 @@
 
 namespace splatlas {
 
-/// Limits of zoomed_at() and fitted().
+/// Range of zooms that zoomed_at() and fitted() return.
 inline constexpr double kMinZoom = 0.1;
 inline constexpr double kMaxZoom = 60;
 
-/// Orbits by angles; azimuth kept in (-180, 180], elevation in [-90, 90].
+/// Orbits by angles in degrees. Wraps the azimuth to (-180, 180] and clamps the elevation to [-90, 90].
 [[nodiscard]] Camera turned(const Camera& camera, double azimuth_deg, double elevation_deg);
-/// Orbits by a drag of (dx, dy) pixels: the side that faces the viewer follows the pointer, half a turn per
-/// smaller picture side.
+/// Orbits by a drag of (dx, dy) pixels. The side that faces the viewer follows the pointer. A drag across the
+/// smaller picture side is a turn of 180 degrees.
 [[nodiscard]] Camera turned_by_drag(const Camera& camera, double dx, double dy, const PictureSize& size);
 
-/// Pans by a drag of (dx, dy) pixels: points in the plane of the centre stay under the pointer. The same
-/// camera where it has no view of this size.
+/// Pans by a drag of (dx, dy) pixels: points in the plane of the centre stay under the pointer. Returns the
+/// camera unchanged if parallel_view() fails.
 [[nodiscard]] Camera moved_by_drag(const Camera& camera, double dx, double dy, const PictureSize& size,
                                    const Display& display);
 
-/// Zooms by a factor about picture coordinates (x, y): the point in the plane of the centre stays there. The
-/// same camera where it has no view of this size.
+/// Zooms by a factor about picture coordinates (x, y): their point in the plane of the centre is fixed.
+/// Clamps the zoom to [kMinZoom, kMaxZoom]. Returns the camera unchanged if parallel_view() fails.
 [[nodiscard]] Camera zoomed_at(const Camera& camera, double factor, double x, double y,
                                const PictureSize& size, const Display& display);
 
-/// A box in LPS mm, parallel to its axes.
+/// Axis-aligned box in LPS mm.
 struct LpsBox {
-  Vec3 first, last;
+  Vec3 first, last;  ///< minimum and maximum corner
 };
 
-/// Bounding box of the voxels of the selected structures; none when they have no voxels. Cost: the plan of
-/// the selection; nothing is read.
+/// Bounding box of the voxels of the selected structures; none without voxels. Cost: the draw plan of the
+/// selection, and O(1) per selected class; reads nothing from the file.
 [[nodiscard]] std::optional<LpsBox> bounding_box(const Atlas& atlas, const Selection& selection);
 
-/// Looks at the middle of the box in the same direction, at the zoom at which the whole box fits into the
-/// picture. The same camera where it has no view of this size.
+/// Centres the box and zooms until it fits into the picture; keeps the view direction. Clamps the zoom to
+/// [kMinZoom, kMaxZoom]. Returns the camera unchanged if parallel_view() fails.
 [[nodiscard]] Camera fitted(const Camera& camera, const LpsBox& box, const PictureSize& size,
                             const Display& display);
 

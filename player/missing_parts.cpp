@@ -11,7 +11,7 @@
 namespace splatlas {
 namespace {
 
-/// Takes classes out of a plan and off its counts.
+/// Removes the classes of failed groups from a plan and its voxel counts, and adds them to `missing`.
 void leave_out_groups(const std::map<std::uint32_t, Error>& failed, const ValueGroups& groups,
                       const ClassTable& classes, DrawPlan& plan,
                       std::map<StructureIndex, MissingPart>& missing) {

@@ -1,4 +1,4 @@
-// What a picture lacks because the file is damaged.
+// Missing parts of a picture of a damaged file.
 #pragma once
 
 #include <cstdint>
@@ -11,30 +11,32 @@
 
 namespace splatlas {
 
-/// Something of a structure that is selected but cannot be read.
+/// Volume or surface of a selected structure that cannot be read.
 struct MissingPart {
   StructureIndex structure = kNoStructure;
-  bool surface = false;      ///< its surface; else voxels of its volume
-  std::uint64_t voxels = 0;  ///< of its volume
-  Error error;               ///< of the first of its streams that could not be read
+  bool surface = false;      ///< true: its surface; false: voxels of its volume
+  std::uint64_t voxels = 0;  ///< number of missing voxels; 0 for a surface
+  Error error;               ///< error of its first unreadable stream
 };
 
-/// What is missing and why, in one line: "Vermis_3": its volume of 1234 voxels is missing: a.atlas: damaged:
-/// checksum of values of classes 3 to 4.
+/// One line with structure, part and error, such as: "Vermis_3": its volume of 1234 voxels is missing:
+/// a.atlas: damaged: checksum of values of classes 3 to 4.
 [[nodiscard]] std::string describe(const MissingPart& missing, const StructureGraph& graph);
 
+/// Class with unreadable voxels.
 struct FailedClass {
   ClassId id = kEmptyClass;
   Error error;
 };
+/// Structure with an unreadable surface.
 struct FailedSurface {
   StructureIndex structure = kNoStructure;
   Error error;
 };
 
-/// Takes what could not be read out of a plan: classes with all others of the same structures, so that no
-/// structure is drawn without its boundary or without its interior, and surfaces. Returns what that is, by
-/// structure: voxels count for the structure that they have their look from.
+/// Removes unreadable classes and surfaces from a plan, and returns them by structure. A class takes along
+/// all classes of the same set of structures, so that interior and boundary are drawn together or not at all.
+/// Voxels count for the structure that gives them their appearance. O(classes + surfaces).
 [[nodiscard]] std::vector<MissingPart> leave_out(std::span<const FailedClass> failed_classes,
                                                  std::span<const FailedSurface> failed_surfaces,
                                                  const ClassTable& classes, DrawPlan& plan);

@@ -6,13 +6,13 @@
 namespace splatlas {
 namespace {
 
-/// From 0 to 1; what is no number counts as 0.
+/// Clamps to [0, 1]; NaN counts as 0.
 float unit(float value) {
   return value > 0 ? std::min(value, 1.0f) : 0.0f;
 }
 
-/// IEC 61966-2-1, rounded to 8 bits through a table, whose steps are a tenth of a code value near black,
-/// where they are widest.
+/// Look-up table of the sRGB transfer function (IEC 61966-2-1), rounded to 8 bits. Its step is at most a
+/// tenth of a code value, near black.
 class SrgbEncoder {
  public:
   SrgbEncoder() {
@@ -56,7 +56,7 @@ std::vector<std::uint8_t> to_srgba8(const Picture& picture) {
   std::vector<std::uint8_t> bytes(4 * pixels);
   for (std::size_t n = 0; n < pixels; ++n) {
     const float* p = &picture.rgba[4 * n];
-    // No product with a reciprocal: that of the smallest opacities is infinite.
+    // Divide: the reciprocal of the smallest opacities is infinite.
     for (std::size_t c = 0; c < 3; ++c) bytes[4 * n + c] = encode(p[3] > 0 ? p[c] / p[3] : 0.0f);
     bytes[4 * n + 3] = static_cast<std::uint8_t>(std::lround(255.0f * unit(p[3])));
   }

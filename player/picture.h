@@ -1,4 +1,4 @@
-// Pictures in linear light, and structures picked in them.
+// Rendered picture in linear RGB, and picked structure.
 #pragma once
 
 #include <array>
@@ -12,11 +12,12 @@
 
 namespace splatlas {
 
-/// RGBA floats, linear light, colours premultiplied by alpha; top row first.
+/// RGBA floats: linear sRGB primaries, premultiplied by alpha (Porter and Duff 1984); top row first.
 struct Picture {
   PictureSize size;
-  std::vector<float> rgba;  ///< 4 * width * height
+  std::vector<float> rgba;  ///< 4 * width * height values
 
+  /// The pixel in column x and row y, both in range.
   [[nodiscard]] std::array<float, 4> at(int x, int y) const {
     const std::size_t n = 4 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(size.width) +
                                static_cast<std::size_t>(x));
@@ -24,24 +25,24 @@ struct Picture {
   }
 };
 
-/// The structure that contributes most to a pixel, and the point on its ray with the largest contribution.
+/// Structure with the largest contribution to a pixel.
 struct Pick {
   StructureIndex structure = kNoStructure;
-  Vec3 point_lps_mm{0, 0, 0};
+  Vec3 point_lps_mm{0, 0, 0};  ///< point on the ray where the structure contributes most
 };
 
-/// Memory that a picture of this size needs on its way to a file: its floats, and as much again to encode
-/// them.
+/// Bytes to render and encode a picture of this size: its floats, and the same amount for the encoder.
 [[nodiscard]] constexpr std::uint64_t picture_bytes(const PictureSize& size) {
   constexpr std::uint64_t kBytesPerPixel = std::uint64_t{2} * 4 * sizeof(float);
   return kBytesPerPixel * static_cast<std::uint64_t>(size.width) * static_cast<std::uint64_t>(size.height);
 }
 
-/// Over a background, as 8-bit sRGB triples. Here and in to_srgba8() values are rounded, and nowhere else;
-/// what is no number counts as 0.
+/// Composites the picture over a background and converts it to 8-bit sRGB triples (IEC 61966-2-1). Values are
+/// clamped to [0, 1] and rounded here; NaN counts as 0. O(pixels), thread-safe.
 [[nodiscard]] std::vector<std::uint8_t> to_srgb8(const Picture& picture, Rgb background);
 
-/// As 8-bit sRGB with straight (not premultiplied) alpha, for files with a transparent background.
+/// Converts the picture to 8-bit sRGB with straight (not premultiplied) alpha, for transparent backgrounds.
+/// Clamps and rounds as to_srgb8(). O(pixels), thread-safe.
 [[nodiscard]] std::vector<std::uint8_t> to_srgba8(const Picture& picture);
 
 }  // namespace splatlas

@@ -27,10 +27,10 @@
 namespace splatlas {
 namespace {
 
-/// Steepest slope of a forced principal axis: about half a degree from a right angle to the view.
+/// Maximum slope of a forced principal axis: 90 degrees less about half a degree from the view direction.
 constexpr double kMaxSlope = 100;
 
-/// One call of render().
+/// Arguments of one call of render().
 struct FrameCall {
   const View& view;
   const RenderOptions& options;
@@ -38,9 +38,9 @@ struct FrameCall {
   TaskControl& task;
 };
 
-/// Shares of a frame's progress that end with its steps.
+/// Progress of a frame at the end of each stage.
 constexpr double kDecoded = 0.2, kPrepared = 0.3, kRasterized = 0.4, kVolumeDrawn = 0.9, kResolved = 0.95;
-/// Loops of the rasteriser that progress is told of.
+/// Number of rasteriser loops that report progress.
 constexpr std::size_t kRasterLoops = 8;
 
 /// Shear-warp factorisation of the view. kUsage when it runs along the slices of a forced axis.
@@ -81,13 +81,13 @@ struct Renderer::Impl {
   ThreadPool pool;
   const std::uint64_t max_memory_bytes;
 
-  // Of the current selection.
+  // State of the current selection.
   DrawnSelection drawn;
   DecodedSelection decoded;
   SpanStore spans;
   RayVolumeStore ray_volume;
 
-  // Of the latest frame.
+  // State of the latest frame.
   FrameBuffers buffers;
   std::optional<ShownFrame> shown;
   RenderStats stats;
@@ -97,7 +97,7 @@ Result<void> Renderer::Impl::select(const Selection& selection) {
   Stopwatch watch;
   DrawPlan plan = atlas->tree().plan(selection);
   const std::uint64_t voxels = plan.volume_voxels + plan.hybrid_voxels;
-  // The selection's runs are not known yet: at most all runs of an axis.
+  // Bound the selection's runs, which are unknown yet, by all runs of an axis.
   std::uint64_t runs = 0;
   for (const Axis axis : kAxes) runs = std::max(runs, atlas->runs(axis));
   const std::uint64_t bytes = span_model_bytes(voxels, std::min(runs, voxels));
@@ -115,7 +115,7 @@ Result<void> Renderer::Impl::select(const Selection& selection) {
   return {};
 }
 
-/// Draws a plan of the selection from now on.
+/// Replaces the draw plan and drops all data of the previous one.
 void Renderer::Impl::draw(DrawPlan plan) {
   drawn.draw(std::move(plan));
   spans.outdate();
@@ -146,7 +146,7 @@ Result<void> Renderer::Impl::render(const Camera& camera, const RenderOptions& o
   return by_rays ? render_rays(call, picture) : render_sheets(call, picture);
 }
 
-/// A frame of sheets: in parallel projection, voxels classified before interpolation.
+/// Renders by shear-warp factorisation: parallel projection, pre-classification.
 Result<void> Renderer::Impl::render_sheets(const FrameCall& call, Picture& picture) {
   const auto& [view, options, overrides, task] = call;
   ray_volume.clear();
@@ -181,7 +181,7 @@ Result<void> Renderer::Impl::render_sheets(const FrameCall& call, Picture& pictu
                              .max_memory_bytes = max_memory_bytes,
                              .simd = overrides.simd};
   SheetFrame frame(request, buffers, pool);
-  shown.reset();  // the buffers are overwritten from here on
+  shown.reset();  // its buffers are overwritten below
   task.begin_stage(kRasterized, kRasterLoops);
   SPLATLAS_RETURN_IF_ERROR(frame.rasterize());
   task.begin_stage(kVolumeDrawn, 4);
@@ -198,10 +198,10 @@ Result<void> Renderer::Impl::render_sheets(const FrameCall& call, Picture& pictu
   return {};
 }
 
-/// A frame of rays: in perspective, or with grey values classified after interpolation.
+/// Renders by ray casting: perspective projection or post-classification.
 Result<void> Renderer::Impl::render_rays(const FrameCall& call, Picture& picture) {
   const auto& [view, options, overrides, task] = call;
-  shown.reset();  // the buffers are overwritten from here on
+  shown.reset();  // its buffers are overwritten below
 
   // Decode the selection
   task.begin_stage(kDecoded);
@@ -246,7 +246,7 @@ Result<void> Renderer::Impl::render_rays(const FrameCall& call, Picture& picture
   return {};
 }
 
-/// Reads and decodes what is not decoded yet. Goes on without parts that the file's damage makes unreadable.
+/// Reads and decodes the parts of the plan that are not in the cache. Removes damaged parts from the plan.
 Result<void> Renderer::Impl::decode(Axis axis, const RenderOptions& options) {
   SPLATLAS_ASSIGN_OR_RETURN(std::optional<DrawPlan> rest,
                             decoded.require(drawn.plan(), axis, options.hybrid_shading, pool));
@@ -257,7 +257,7 @@ Result<void> Renderer::Impl::decode(Axis axis, const RenderOptions& options) {
   return {};
 }
 
-/// Spans make room for the ray volume.
+/// Builds the ray volume of the selection unless it is current. Frees the spans first.
 Result<void> Renderer::Impl::require_ray_volume(const RenderOptions& options) {
   if (ray_volume.holds(options.classification, options.hybrid_shading)) return {};
   spans.clear();
@@ -274,7 +274,7 @@ Result<void> Renderer::Impl::require_ray_volume(const RenderOptions& options) {
                           pool);
 }
 
-/// Darkens pixels that lie behind their neighbours.
+/// Depth darkening (Luft et al. 2006) of the finished picture, if the options ask for it.
 template <typename Frame>
 void Renderer::Impl::cue_depth(Frame& frame, const RenderOptions& options, Picture& picture) {
   Stopwatch watch;

@@ -1,4 +1,4 @@
-// Renders selections of an atlas: the way in for programs.
+// Renderer of atlas selections.
 #pragma once
 
 #include <cstdint>
@@ -18,10 +18,11 @@ namespace splatlas {
 
 struct RenderOverrides;
 
-/// An atlas with one selection. Keeps what it has decoded: a new selection reads only what is new.
-/// Not for use by several threads at once; works on its own threads inside.
+/// Renders one selection of an atlas at a time. Caches decoded data: a new selection reads only additional
+/// chunks. Owns a thread pool. Not thread-safe: serialise all calls on one renderer.
 class Renderer {
  public:
+  /// Starts the threads; nothing is selected. Throws std::bad_alloc or std::system_error when it cannot.
   explicit Renderer(std::shared_ptr<const Atlas> atlas, const RendererOptions& options = {});
   ~Renderer();
   Renderer(Renderer&&) noexcept;
@@ -29,34 +30,43 @@ class Renderer {
 
   [[nodiscard]] const Atlas& atlas() const;
 
-  /// Changes what is drawn. Reading and decoding wait until a view is rendered. kLimit, and the old selection
-  /// stays, when it would need more memory than allowed; kLimit, and nothing is selected, when there is none.
+  /// Replaces the selection. render() reads and decodes its data later. kLimit, keeping the old selection, if
+  /// the new one needs more than RendererOptions::max_memory_bytes. kLimit, with an empty selection, when out
+  /// of memory. Cost: the draw plan of the selection.
   [[nodiscard]] Result<void> select(const Selection& selection);
 
-  /// Renders the selection. Same selection, camera and options: same bits, with any number of threads.
-  /// kLimit, before anything is read or allocated, when the picture would need more memory than allowed, and
-  /// when there is no more: the selection stays, and what was decoded.
-  /// Where the file is damaged, the rest is drawn: see missing(). An error where nothing is left to draw.
-  /// Cost: selected voxels in view * sheet pixels per voxel * slabs per slice, selected triangles, pixels;
-  /// after a change of selection also the decoded runs in its box.
-  /// kCancelled when `control` asks for a stop, checked every few milliseconds on every thread: the selection
-  /// stays, and later pictures are the same bits as without.
+  /// Renders the selection. The picture is bit-identical for any number of threads.
+  ///
+  /// Errors keep the selection and the decoded data:
+  ///   - kUsage for an invalid camera or picture size (see view_of()).
+  ///   - kLimit when the picture exceeds the allowed memory, before any read or allocation, or when out of
+  ///     memory.
+  ///   - kCancelled after a stop request in `control`. All threads check it every few milliseconds. Later
+  ///     pictures do not depend on cancelled ones.
+  ///   - The read error if damage of the file leaves nothing to draw. Otherwise the intact parts are drawn;
+  ///     see missing().
+  ///
+  /// Cost:
+  ///   - sheets: selected voxels in view * sheet pixels per voxel * slabs per slice
+  ///   - rays: pixels * steps through non-empty bricks
+  ///   - both: selected triangles and pixels; once per selection also the runs in its bounding box
   [[nodiscard]] Result<Picture> render(const Camera& camera, const RenderOptions& options = {},
                                        const RenderControl& control = {});
-  /// The same into a picture whose memory is reused: fresh pages cost as much as a small frame. On failure
-  /// the picture holds anything.
+  /// The same, reusing the memory of `picture`: page faults of a new one cost as much as a small frame. After
+  /// an error the content of `picture` is unspecified.
   [[nodiscard]] Result<void> render(const Camera& camera, const RenderOptions& options, Picture& picture,
                                     const RenderControl& control = {});
 
-  /// Of the latest render().
+  /// Counters and times of the latest render().
   [[nodiscard]] const RenderStats& stats() const;
-  /// What the pictures of the current selection lack, as far as it has been needed: empty but for damaged
-  /// files. Tried again after the next change of selection.
+  /// Unreadable parts of the current selection, among those that render() has needed. Empty for intact files.
+  /// The next select() clears the list, and render() tries them again.
   [[nodiscard]] const std::vector<MissingPart>& missing() const;
 
-  /// The structure that contributes most to the picture at picture coordinates (x, y) of the latest render(),
-  /// and where on the ray; nothing where the background shows, and after a call that was refused,
-  /// failed or cancelled while it drew. In frames of sheets and of rays. Cost: one look-up per slice.
+  /// Casts a ray through picture coordinates (x, y) of the latest picture. Returns the structure with the
+  /// largest contribution to the pixel, and the point of its largest contribution in LPS mm. None for the
+  /// background, outside the picture, and after select() or a render() that failed while drawing. Cost: one
+  /// voxel look-up per slice; pictures of rays add the runs in the selection's bounding box.
   [[nodiscard]] std::optional<Pick> pick(double x, double y) const;
 
  private:

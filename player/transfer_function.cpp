@@ -49,7 +49,7 @@ float max_opacity(const TransferCurve& curve) {
   return opacity;
 }
 
-/// Opacity of a selection without an explicit one.
+/// Default opacity of a structure's volume.
 float opacity_of(const VolumeStyle& style) {
   if (style.curve) return max_opacity(*style.curve);
   switch (style.profile) {

@@ -28,10 +28,11 @@ Result<std::vector<std::byte>> encode_png(const Picture& picture, std::optional<
   image.width = static_cast<png_uint_32>(picture.size.width);
   image.height = static_cast<png_uint_32>(picture.size.height);
   image.format = background ? PNG_FORMAT_RGB : PNG_FORMAT_RGBA;
-  png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(image);  // a little more than the pixels
+  png_alloc_size_t size =
+      PNG_IMAGE_PNG_SIZE_MAX(image);  // upper bound, slightly above the size of the pixels
   std::vector<std::byte> bytes(size);
   if (png_image_write_to_memory(&image, bytes.data(), &size, 0, pixels.data(), 0, nullptr) == 0) {
-    // There is room for any picture: libpng has no memory, or there are no pixels.
+    // The buffer is large enough: libpng is out of memory, or the picture is empty.
     return fail(pixels.empty() ? ErrorCode::kFailed : ErrorCode::kLimit, image.message);
   }
   bytes.resize(size);

@@ -1,4 +1,4 @@
-// Pictures to PNG files.
+// PNG encoder and writer.
 #pragma once
 
 #include <cstddef>
@@ -12,18 +12,19 @@
 
 namespace splatlas {
 
-/// kUsage, saying what to do, for a picture with more pixels than encode_png() can take: with alpha 2^32
-/// bytes of them are too many, which 32768 x 32768 pixels have.
+/// kUsage, with a remedy, for pictures that encode_png() cannot take: 2^32 bytes of pixels or more. Only
+/// 32768 x 32768 pixels with alpha reach that limit.
 [[nodiscard]] Result<void> check_png_size(const PictureSize& size, bool alpha);
 
-/// The bytes of an 8-bit sRGB PNG: over `background`, or with alpha where there is none. `picture.rgba` holds
-/// what `picture.size` says. kFailed, with libpng's words, when it cannot be encoded. Takes at most
-/// picture_bytes() beside the picture. Safe to call from several threads.
+/// Encodes an 8-bit sRGB PNG: composited over `background`, or with straight alpha without one.
+/// `picture.rgba` must match `picture.size`. kFailed for an empty picture and kLimit when out of memory, with
+/// libpng's message. Takes at most picture_bytes() in addition to the picture. O(pixels), thread-safe.
 [[nodiscard]] Result<std::vector<std::byte>> encode_png(const Picture& picture,
                                                         std::optional<Rgb> background = std::nullopt);
 
-/// Encodes a picture and writes the file: `path` is the old file or the complete new one, never anything
-/// else. kFailed, naming the file, when it cannot be encoded or written.
+/// Encodes a picture and replaces `path` atomically: it holds the old or the complete new file. Errors of
+/// encode_png(), and kFailed if the file cannot be written; messages name the file. Thread-safe for different
+/// paths.
 [[nodiscard]] Result<void> write_png(const Picture& picture, const std::filesystem::path& path,
                                      std::optional<Rgb> background = std::nullopt);
 

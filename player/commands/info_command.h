@@ -7,9 +7,9 @@
 
 namespace splatlas {
 
-/// Grid, structures, counts and sizes as a JSON document.
+/// JSON document with grid, structures, counts and sizes.
 [[nodiscard]] std::string info_json(const Atlas& atlas);
-/// The same as text: grid, sizes, and the structures as a tree.
+/// Text with grid, sizes and the tree of structures.
 [[nodiscard]] std::string info_text(const Atlas& atlas);
 
 }  // namespace splatlas

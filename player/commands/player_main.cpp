@@ -1,4 +1,4 @@
-// Program splatlas-player: atlases in a window, or rendered to files.
+// Program splatlas-player: window and command-line renderer of atlases.
 
 #include <cstdio>
 #include <filesystem>
@@ -63,7 +63,7 @@ Result<void> verify_file(const std::filesystem::path& path) {
                                 path.string(), atlas->counters().file));
 }
 
-/// A damaged atlas gives a picture of its intact parts and still an error, so that scripts notice.
+/// Renders a picture. A damaged atlas gives a picture of its intact parts and an error for scripts.
 Result<void> render_picture(const RenderRequest& request) {
   SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::string> missing, run_render(request));
   if (missing.empty()) return {};
@@ -85,7 +85,7 @@ Result<void> open_window(const std::filesystem::path& path, [[maybe_unused]] uns
 /// Options and commands, bound to typed variables.
 struct CommandLine {
   CLI::App app{kDescription, "splatlas-player"};
-  std::filesystem::path atlas;  // of all commands but render
+  std::filesystem::path atlas;  // argument of all commands except render
   unsigned window_threads = 0;
   bool json = false;
   RenderRequest request;

@@ -30,7 +30,7 @@ constexpr const char* kFooter =
 
 using Background = std::optional<Rgb>;
 
-/// The whole text as a number. CLI11's own conversion skips blanks and takes hexadecimal digits.
+/// Parses the whole text as a number. CLI11's conversion skips blanks and accepts hexadecimal digits.
 template <typename Number>
 std::optional<Number> whole_number(std::string_view text) {
   Number number{};
@@ -61,7 +61,7 @@ CLI::Option* add_number(CLI::App& command, const std::string& name, double& valu
   return add_parsed(command, name, value, whole_number<double>, "must be a number", help);
 }
 
-/// CLI11 assigns values in the order in which options are added: single settings follow the view.
+/// Adds camera options. CLI11 assigns values in this order, so single settings override --view.
 void add_camera(CLI::App& command, Camera& camera) {
   add_choice(command, "--view", camera,
              {{"anterior", Camera::of(NamedView::kAnterior)},

@@ -9,8 +9,8 @@ class App;
 
 namespace splatlas {
 
-/// Adds the command. Parsing fills `request`, which must live as long as `app`; invalid values throw
-/// CLI::ValidationError, which names option, value and remedy.
+/// Adds the command. Parsing fills `request`, which must outlive `app`. Invalid values throw
+/// CLI::ValidationError with option, value and remedy.
 CLI::App* add_render(CLI::App& app, RenderRequest& request);
 
 }  // namespace splatlas

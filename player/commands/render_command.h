@@ -11,7 +11,7 @@
 
 namespace splatlas {
 
-/// Everything that the command line of render says.
+/// Arguments of the render command.
 struct RenderRequest {
   std::filesystem::path atlas, output;
   std::string select = "*";
@@ -22,8 +22,8 @@ struct RenderRequest {
   std::filesystem::path stats;                   ///< JSON file; empty: none
 };
 
-/// Writes the picture, and the statistics if asked for, or neither. Of a damaged atlas, renders the intact
-/// parts and returns a line for each missing one.
+/// Renders a picture and writes it, with the statistics if requested: both files or none. Renders the intact
+/// parts of a damaged atlas, and returns a line for each missing part. Errors name the file.
 [[nodiscard]] Result<std::vector<std::string>> run_render(const RenderRequest& request);
 
 }  // namespace splatlas

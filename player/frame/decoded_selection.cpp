@@ -17,7 +17,7 @@ Result<std::optional<DrawPlan>> DecodedSelection::require(const DrawPlan& plan, 
   return rest;
 }
 
-/// Running out of memory is no damage.
+/// The plan without its damaged parts. kLimit if any part failed for lack of memory.
 Result<DrawPlan> DecodedSelection::without_damaged(const DrawPlan& plan) {
   const auto check = [](const auto& failed) -> Result<void> {
     for (const auto& of : failed) {

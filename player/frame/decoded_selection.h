@@ -1,4 +1,4 @@
-// Decoded classes and surfaces of a selection, and those that the file's damage makes unreadable.
+// Decoded and missing classes and surfaces of a selection.
 #pragma once
 
 #include <memory>
@@ -10,17 +10,17 @@
 
 namespace splatlas {
 
-/// Decodes on demand and keeps what it has decoded.
+/// Decodes classes and surfaces on demand, and caches them. Not thread-safe.
 class DecodedSelection {
  public:
   explicit DecodedSelection(std::shared_ptr<const Atlas> atlas) : atlas_(std::move(atlas)), cache_(atlas_) {}
 
-  /// Reads and decodes the plan's classes along an axis and its surfaces, as far as they are not decoded yet.
-  /// Where some cannot be read, returns the plan without them and lists them as missing. kLimit when memory
-  /// runs out.
+  /// Reads and decodes the uncached classes along `axis` and surfaces of a plan; `normals`: also the normals
+  /// of boundary voxels. Lists damaged parts in missing(), and returns the plan without them; none if all
+  /// parts are intact. kLimit when out of memory.
   [[nodiscard]] Result<std::optional<DrawPlan>> require(const DrawPlan& plan, Axis axis, bool normals,
                                                         ThreadPool& pool);
-  /// Call when the selection changes: missing parts are tried again.
+  /// Clears missing(), so that require() tries these parts again. For a new selection.
   void forget_missing() { missing_.clear(); }
 
   [[nodiscard]] const ClassCache& cache() const { return cache_; }

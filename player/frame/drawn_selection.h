@@ -1,4 +1,4 @@
-// A selection, the plan that draws it, and the appearances of the plan's classes.
+// Selection with its draw plan and the appearances of its classes.
 #pragma once
 
 #include <cstdint>
@@ -13,15 +13,16 @@
 
 namespace splatlas {
 
+/// Current selection of a renderer. Not thread-safe.
 class DrawnSelection {
  public:
   explicit DrawnSelection(const Atlas& atlas) : appearances_(atlas) {}
 
-  /// Replaces the selection; draw() follows. `max_span_bytes`: memory that its spans may take.
+  /// Replaces the selection; draw() must follow. `max_span_bytes`: upper bound of the memory of its spans.
   void select(const Selection& selection, std::uint64_t max_span_bytes);
-  /// Draws this plan of the selection. Nothing is drawn when memory runs out (std::bad_alloc).
+  /// Replaces the draw plan and its appearances. Throws std::bad_alloc, and leaves an empty plan.
   void draw(DrawPlan plan);
-  /// Draws nothing.
+  /// Clears the draw plan.
   void clear() { plan_ = {}; }
 
   [[nodiscard]] const Selection& selection() const { return selection_; }
@@ -30,7 +31,7 @@ class DrawnSelection {
   [[nodiscard]] std::uint64_t max_span_bytes() const { return max_span_bytes_; }
   [[nodiscard]] bool draws_nothing() const;
 
-  /// The plan's surfaces, which have been decoded.
+  /// Surfaces of the plan with their appearances. `cache` must hold them.
   [[nodiscard]] std::vector<SurfaceDraw> surfaces(const ClassCache& cache) const;
 
  private:

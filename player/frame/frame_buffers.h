@@ -11,18 +11,19 @@
 
 namespace splatlas {
 
-/// Kept from frame to frame, so that their memory is reused.
+/// Buffers whose memory is reused by the next frame.
 struct FrameBuffers {
   Rasterizer rasterizer;
   FragmentList fragments;
-  FragmentOrder order;  ///< of the fragments, with the volume in front of them
+  FragmentOrder order;  ///< depth order of the fragments, and the volume in front of them
   SheetImage sheet;
   DepthMap depths;
 };
 
+/// Counters and times of a frame.
 struct FrameCounters {
-  std::uint64_t voxels = 0;     ///< splatted, or in the volume that rays march through
-  std::uint64_t triangles = 0;  ///< projected
+  std::uint64_t voxels = 0;     ///< splatted voxels, or voxels of the ray volume
+  std::uint64_t triangles = 0;  ///< projected triangles
   Elapsed rasterize, sheets, resolve;
 };
 

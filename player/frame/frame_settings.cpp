@@ -5,11 +5,11 @@
 namespace splatlas {
 namespace {
 
-/// Bytes that the rasteriser and the volume pass keep for a fragment, and for a sample with only one.
+/// Bytes of the rasteriser and the volume pass per fragment, for samples with a single fragment.
 constexpr std::size_t kBytesPerFragment = 200;
-/// Bytes per pixel to find edges.
+/// Bytes per pixel of edge detection.
 constexpr std::uint64_t kBytesToFindEdges = 48;
-/// Fragments are numbered with 32 bits.
+/// Maximum of 32-bit fragment indices.
 constexpr std::size_t kMaxFragments = 0xfffffffe;
 
 std::uint64_t pixels_of(const PictureSize& size) {

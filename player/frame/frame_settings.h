@@ -1,4 +1,4 @@
-// Settings of the rasteriser and of rays, and memory, for the options of a frame.
+// Rasteriser settings, ray settings and memory of a frame.
 #pragma once
 
 #include <cstdint>
@@ -10,15 +10,16 @@
 
 namespace splatlas {
 
+/// True if the options ask for a visible depth cue.
 [[nodiscard]] bool cues_depth(const RenderOptions& options);
 
-/// Memory of a picture on its way to a file, and of its depths.
+/// Bytes of a picture, of its encoder and of its depth map.
 [[nodiscard]] std::uint64_t frame_bytes(const RenderOptions& options);
 
-/// Samples at edges; fragments may take a quarter of the memory.
+/// Samples per edge pixel and maximum number of fragments. Fragments may take a quarter of the memory.
 [[nodiscard]] RasterOptions raster_options(const RenderOptions& options, std::uint64_t max_memory_bytes);
 
-/// Steps and error tolerance of ray marching at the quality asked for.
+/// Steps per slab and error tolerance of ray marching at the quality of the options.
 [[nodiscard]] CastOptions cast_options(const RenderOptions& options, const RenderOverrides& overrides);
 
 }  // namespace splatlas

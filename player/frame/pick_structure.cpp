@@ -11,64 +11,64 @@
 namespace splatlas {
 namespace {
 
-/// A structure too faint to be meant: less than this share of the pixel.
-constexpr double kFaintest = 0.02;
+/// Minimum contribution to a pixel of a structure that can be picked.
+constexpr double kMinContribution = 0.02;
 
 struct Contribution {
-  double total = 0, strongest = 0, plane = 0;
+  double total = 0, max_share = 0, plane = 0;
 };
 
-/// Front to back: who contributes how much.
+/// Contributions of structures to a pixel, accumulated front to back.
 class RayWalk {
  public:
   void add(StructureIndex structure, double opacity, double plane) {
     Contribution& c = contributions_[structure];
-    const double share = through_ * opacity;
+    const double share = transmittance_ * opacity;
     c.total += share;
-    if (share > c.strongest) {
-      c.strongest = share;
+    if (share > c.max_share) {
+      c.max_share = share;
       c.plane = plane;
     }
-    through_ *= 1 - opacity;
+    transmittance_ *= 1 - opacity;
   }
   [[nodiscard]] std::optional<std::pair<StructureIndex, double>> winner() const {
     const auto best =
         std::max_element(contributions_.begin(), contributions_.end(), [](const auto& a, const auto& b) {
           return a.second.total != b.second.total ? a.second.total < b.second.total : a.first > b.first;
         });
-    if (best == contributions_.end() || best->second.total < kFaintest) return std::nullopt;
+    if (best == contributions_.end() || best->second.total < kMinContribution) return std::nullopt;
     return std::pair(best->first, best->second.plane);
   }
 
  private:
-  double through_ = 1;
+  double transmittance_ = 1;
   std::unordered_map<StructureIndex, Contribution> contributions_;
 };
 
-/// Fragments of the sample of a pixel that is nearest to picture coordinates (x, y).
+/// Fragments of the pixel's sample nearest to picture coordinates (x, y).
 std::span<const Fragment> nearest_sample(const FragmentList& list, int row, std::uint32_t pixel, double x,
                                          double y) {
   std::span<const Fragment> nearest;
-  double least = HUGE_VAL;
+  double min_distance = HUGE_VAL;
   const std::uint32_t end = list.first_of_row[static_cast<std::size_t>(row) + 1];
   for (std::uint32_t n = list.first_of_row[static_cast<std::size_t>(row)]; n < end; ++n) {
     const Sample& sample = list.samples[n];
     if (sample.pixel != pixel) continue;
     const double distance =
         std::hypot(std::floor(x) + sample.place.right() - x, std::floor(y) + sample.place.down() - y);
-    if (distance >= least) continue;
-    least = distance;
+    if (distance >= min_distance) continue;
+    min_distance = distance;
     nearest = list.of_sample(n);
   }
   return nearest;
 }
 
-/// A ray as a straight line: in plane k of voxels it is at origin + k * per_plane.
+/// Ray in continuous voxel indices: it crosses plane k of the grid at origin + k * per_plane.
 struct PickRay {
-  std::size_t axis = 2;  // planes are normal to it
+  std::size_t axis = 2;  // normal of the planes
   Vec3 origin{}, per_plane{};
-  double slab_mm = 0;  // length between two planes
-  double from = 0;     // the first place along the axis that is seen; infinite in parallel views
+  double slab_mm = 0;  // length of the ray between two planes
+  double from = 0;     // position of the eye along the axis; infinite in parallel views
   bool ascending = true;
 
   PickRay(const Grid& grid, const View& view, const std::optional<Axis>& wanted, double x, double y) {
@@ -100,13 +100,13 @@ struct PickRay {
   [[nodiscard]] bool is_behind_eye(double plane) const { return ascending ? plane < from : plane > from; }
 
  private:
-  /// A length in which the ray's direction shows.
+  /// Length of the segment that defines the ray's direction, at the scale of the view.
   static double reach_mm(const View& view) {
     return view.eye_mm.value_or(view.plane.mm_per_pixel * (view.plane.size.width + view.plane.size.height));
   }
 };
 
-/// Voxels of the selected runs' box along an axis of the grid.
+/// First and last plane of the selected runs' bounding box along an axis of the grid.
 std::pair<std::int64_t, std::int64_t> planes_of(const SelectedRuns& runs, std::size_t axis) {
   const ScanOrder order = ScanOrder::of(runs.axis());
   const std::size_t n = axis == order.scan_axis ? 0 : axis == order.row_axis ? 1 : 2;

@@ -1,4 +1,4 @@
-// What is under the pointer.
+// Picking of structures in a frame by ray casting.
 #pragma once
 
 #include <optional>
@@ -12,7 +12,7 @@
 
 namespace splatlas {
 
-/// What the latest frame was made from.
+/// Scene of the latest frame.
 struct PickScene {
   const Grid& grid;
   const SelectedRuns& runs;
@@ -20,14 +20,14 @@ struct PickScene {
   std::span<const VolumeAppearance> appearances;
   const ClassCache& cache;
   const FragmentList& fragments;
-  std::size_t depth_axis = 2;  ///< fragments' depths are `depth_sign` times places along it
+  std::size_t depth_axis = 2;  ///< fragment depth: `depth_sign` * position along this axis, in voxels
   double depth_sign = 1;
 };
 
-/// Follows the ray through picture coordinates (x, y) front to back, from voxel to nearest voxel and fragment
-/// to fragment, and returns the structure that contributes most, at the depth where it contributes most.
-/// `axis`: of the grid, along which a voxel is looked at per plane; the one that the ray follows most when
-/// not set.
+/// Casts a ray through picture coordinates (x, y) and composites nearest voxels and fragments front to back.
+/// Returns the structure with the largest contribution, and the point of its largest contribution. None for
+/// the background and outside the picture. `axis`: samples one voxel in each plane normal to it; not set: the
+/// major axis of the ray. O(planes of the selection).
 [[nodiscard]] std::optional<Pick> pick_structure(const PickScene& scene, const View& view,
                                                  const std::optional<Axis>& axis, double x, double y);
 

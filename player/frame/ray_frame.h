@@ -1,4 +1,4 @@
-// A frame of rays: perspective, and classification after interpolation.
+// Ray casting of a frame: perspective projection or post-classification.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@
 
 namespace splatlas {
 
-/// Scene and options of a frame. The volume is lit. All references outlive the frame.
+/// Scene and options of a frame. The volume must be lit. All references must outlive the frame.
 struct RayFrameRequest {
   const RayVolume& volume;
   std::span<const SurfaceDraw> surfaces;
@@ -25,21 +25,22 @@ struct RayFrameRequest {
   const Lighting& lighting;
   const RenderOptions& options;
   const RenderOverrides& overrides;
-  std::uint64_t max_memory_bytes = 0;  ///< fragments may take a quarter of it
+  std::uint64_t max_memory_bytes = 0;  ///< limit; fragments may take a quarter of it
 };
 
-/// Steps of one frame, to be called in this order.
+/// Stages of a frame; call them in this order.
 class RayFrame {
  public:
   RayFrame(const RayFrameRequest& request, FrameBuffers& buffers, ThreadPool& pool);
 
-  /// Surfaces to fragments. kUsage when the view is too wide for surfaces, kLimit for too many fragments.
+  /// Rasterises surfaces to fragments. kUsage when the field of view is too wide for surfaces; kLimit for too
+  /// many fragments.
   [[nodiscard]] Result<void> rasterize();
-  /// Marches the rays of all pixels through the volume.
+  /// Casts a ray through the volume for each pixel.
   void cast_rays(Picture& picture);
-  /// Marches rays from fragment to fragment where there are surfaces.
+  /// Replaces pixels with surfaces: composites fragments and the ray segments between them.
   void resolve(Picture& picture);
-  /// Adds the depths of the volume to those of the buffers.
+  /// Merges the depths of the volume into the depth map of the buffers.
   void add_volume_depths(const ViewDepth& view_depth);
 
   [[nodiscard]] ShownFrame shown() const;

@@ -1,4 +1,4 @@
-// Ray volume of the current selection, and the lighting of its shaded voxels.
+// Ray volume of the current selection, with lit boundary voxels.
 #pragma once
 
 #include <cstdint>
@@ -10,19 +10,19 @@
 
 namespace splatlas {
 
-/// Builds a ray volume once per selection, classification and kind of shading.
+/// Cache of one ray volume, keyed by classification and shading. Not thread-safe.
 class RayVolumeStore {
  public:
   [[nodiscard]] bool holds(Classification classification, bool shade) const;
-  /// Replaces the volume. Errors as those of RayVolume::build(); nothing is held then.
+  /// Replaces the volume. Errors of RayVolume::build() leave the store empty.
   [[nodiscard]] Result<void> build(const RayVolumeRequest& request, ThreadPool& pool);
-  /// Lights boundary voxels, once per direction of view.
+  /// Lights boundary voxels, once per view direction.
   void light(const ParallelView& view, const Lighting& lighting, ThreadPool& pool);
   void clear() { held_.reset(); }
 
-  /// Only after build().
+  /// The volume. Requires a successful build().
   [[nodiscard]] const RayVolume& volume() const { return held_->volume; }
-  /// Runs that it was built from.
+  /// Number of runs of the volume.
   [[nodiscard]] std::uint64_t runs() const { return held_->runs; }
 
  private:
@@ -31,7 +31,7 @@ class RayVolumeStore {
     Classification classification = Classification::kBefore;
     bool shaded = false;
     std::uint64_t runs = 0;
-    std::optional<ParallelView> lit_for = std::nullopt;  // none: not lit, or partly
+    std::optional<ParallelView> lit_for = std::nullopt;  // none: not lit, or partly lit
   };
   std::optional<Held> held_;
 };

@@ -1,4 +1,4 @@
-// Choices that tests and benchmarks force on a renderer.
+// Overrides of a renderer's choices, for tests and benchmarks.
 #pragma once
 
 #include <optional>
@@ -12,12 +12,11 @@ class Renderer;
 
 struct RenderOverrides {
   bool simd = true;  ///< false: the scalar reference kernels
-  /// Of the shear-warp factorisation and of rays, to measure the cost of the choice; the best one when not
-  /// set.
+  /// Principal axis of the shear-warp factorisation and of rays. Not set: the best one for the view.
   std::optional<Axis> principal_axis = std::nullopt;
 };
 
-/// Renderer::render() with forced choices. kUsage when the view runs along the slices of a forced axis.
+/// Renderer::render() with overrides. Also kUsage when the view is parallel to the slices of a forced axis.
 [[nodiscard]] Result<void> render_with(Renderer& renderer, const Camera& camera, const RenderOptions& options,
                                        const RenderOverrides& overrides, Picture& picture,
                                        const RenderControl& control = {});

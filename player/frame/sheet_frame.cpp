@@ -15,11 +15,11 @@
 namespace splatlas {
 namespace {
 
-/// A sheet never has more pixels than this (2 GiB); a finer one is made coarser.
+/// Maximum number of sheet pixels (2 GiB). Larger sheets get a lower resolution.
 constexpr std::int64_t kMaxSheetPixels = std::int64_t{1} << 27;
 
-/// Whether most of what is selected can hide what is behind it within a voxel: its edges are sharp then, and
-/// take more pixels to look the same from all sides.
+/// True if a typical selected voxel can be opaque: an optical depth of at least 1. Sharp edges need finer
+/// sheets to be independent of the principal axis.
 bool has_sharp_edges(const SpanModel& model, const Grid& grid) {
   return model.mean_densest_per_mm * reference_length_mm(grid) >= 1;
 }
@@ -28,8 +28,8 @@ int sheet_scale(Quality quality, const Shear& shear, bool sharp) {
   const Affine2& map = shear.picture_to_sheet;
   const double voxels_per_pixel = std::min(std::hypot(map.xx, map.yx), std::hypot(map.xy, map.yy));
   const double pixels_per_voxel = std::min(1.0 / voxels_per_pixel, 1e3);
-  const auto fine = [&](double wanted, int least, int most) {
-    return std::clamp(static_cast<int>(std::ceil(wanted - 0.25)), least, most);
+  const auto fine = [&](double wanted, int min_scale, int max_scale) {
+    return std::clamp(static_cast<int>(std::ceil(wanted - 0.25)), min_scale, max_scale);
   };
   switch (quality) {
     case Quality::kNormal:
@@ -40,7 +40,7 @@ int sheet_scale(Quality quality, const Shear& shear, bool sharp) {
   return fine(pixels_per_voxel, 1, 2);
 }
 
-/// Slabs per slice. The error along rays falls with their square.
+/// Slabs per slice. The error along rays is second order in their thickness.
 int slab_parts(Quality quality) {
   switch (quality) {
     case Quality::kNormal: return 4;
@@ -50,18 +50,19 @@ int slab_parts(Quality quality) {
   return 1;
 }
 
-/// Along a slab a ray moves across the slice by (slope_u, slope_v), which smears what the slice shows: a tent
-/// of that length, whose covariance is a sixth of the product. Sheets know the slice at the slab's middle
-/// only; weights that are skewed smear as much where the sheet is sampled. Slabs between slices are samples
-/// of that tent, and smear a little too much.
+/// Skew of the sampling weights.
+/// Within a slab, a ray moves across the slice by (slope_u, slope_v). It averages the slice with a tent of
+/// covariance slope_u * slope_v / 6. A sheet samples the slice at the slab's middle only; skewed weights add
+/// the missing covariance. Several slabs per slice sample the tent and exceed its covariance slightly.
 float skew_of(const Shear& shear, const SheetSampling& sampling) {
-  constexpr double kMost = 0.25;
+  constexpr double kMaxSkew = 0.25;
   const double missing = sampling.parts == 1 ? 1.0 / 6 : -1.0 / (12 * sampling.parts * sampling.parts);
   const double covariance = shear.slope_u * shear.slope_v * missing * sampling.scale * sampling.scale;
-  return static_cast<float>(std::clamp(covariance, -kMost, kMost));
+  return static_cast<float>(std::clamp(covariance, -kMaxSkew, kMaxSkew));
 }
 
-/// The cubic's weights above 0 add up to 1.28 at most: what sheets leave out may grow by that.
+/// Early termination threshold of sheets. The positive weights of the cubic kernel sum to at most 1.28, which
+/// amplifies the error of the sheet.
 float threshold_of(const RenderOptions& options, const SheetWindow& window) {
   return termination_threshold(options) / (window.cubic ? 1.3f : 1.0f);
 }

@@ -1,4 +1,4 @@
-// A frame of sheets: shear-warp factorisation (Lacroute and Levoy 1994).
+// Shear-warp rendering of a frame (Lacroute and Levoy 1994).
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@
 
 namespace splatlas {
 
-/// Scene and options of a frame. Spans are lit. All references outlive the frame.
+/// Scene and options of a frame. The spans must be lit. All references must outlive the frame.
 struct FrameRequest {
   const SpanModel& spans;
   std::span<const SurfaceDraw> surfaces;
@@ -21,23 +21,23 @@ struct FrameRequest {
   const Grid& grid;
   const Lighting& lighting;
   const RenderOptions& options;
-  std::uint64_t max_memory_bytes = 0;  ///< fragments may take a quarter of it
+  std::uint64_t max_memory_bytes = 0;  ///< limit; fragments may take a quarter of it
   bool simd = true;                    ///< false: the scalar reference kernels
 };
 
-/// Steps of one frame, to be called in this order.
+/// Stages of a frame; call them in this order.
 class SheetFrame {
  public:
   SheetFrame(const FrameRequest& request, FrameBuffers& buffers, ThreadPool& pool)
       : request_(request), buffers_(buffers), pool_(pool) {}
 
-  /// Surfaces to fragments. kLimit when there would be too many.
+  /// Rasterises surfaces to fragments. kLimit for too many fragments.
   [[nodiscard]] Result<void> rasterize();
-  /// Splats and composites the spans sheet by sheet. kLimit when the sheet would be too large.
+  /// Splats and composites the spans sheet by sheet (Westover 1990). kLimit when the sheet is too large.
   [[nodiscard]] Result<void> render_sheets();
   /// Warps the sheet into the picture and composites the fragments with it.
   void resolve(Picture& picture);
-  /// Adds the depths of the volume to those of the buffers.
+  /// Merges the depths of the volume into the depth map of the buffers.
   void add_volume_depths(const ViewDepth& view_depth);
 
   [[nodiscard]] ShownFrame shown() const;
@@ -50,7 +50,7 @@ class SheetFrame {
   FrameCounters counters_;
 };
 
-/// All steps but depths at once.
+/// Runs all stages except depths. kLimit as for the stages.
 [[nodiscard]] Result<FrameCounters> draw_frame(const FrameRequest& frame, FrameBuffers& buffers,
                                                Picture& picture, ThreadPool& pool);
 

@@ -1,4 +1,4 @@
-// Geometry of a finished frame: its view, its slices and the depths of its fragments.
+// Geometry of a finished frame: view, slices and fragment depths.
 #pragma once
 
 #include <cstddef>
@@ -9,11 +9,11 @@
 
 namespace splatlas {
 
-/// Enough to pick structures in the frame, and to tell depths.
+/// Geometry for picking and depth maps.
 struct ShownFrame {
   View view;
-  std::optional<Axis> sheets;  ///< slices are normal to it; none: a frame of rays
-  std::size_t depth_axis = 2;  ///< fragments' depths are `depth_sign` times positions along it, in voxels
+  std::optional<Axis> sheets;  ///< normal of the slices; none: ray casting
+  std::size_t depth_axis = 2;  ///< fragment depth: `depth_sign` * position along this axis, in voxels
   double depth_sign = 1;
 };
 

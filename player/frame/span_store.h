@@ -9,21 +9,21 @@
 
 namespace splatlas {
 
-/// Builds spans once per selection and axis. Spans of the axis in use outlive a change of selection, so that
-/// what stays selected is not built again.
+/// Cache of spans by axis. Keeps the spans of the latest axis after a change of selection, and reuses their
+/// unchanged parts. Not thread-safe.
 class SpanStore {
  public:
-  /// The spans of the plan along an axis; `shade`: with boundary voxels listed.
+  /// Spans of the plan along an axis, built if they are not current. `shade`: lists boundary voxels.
   [[nodiscard]] AxisSpans& require(const DrawPlan& plan, const VolumeAppearances& appearances,
                                    const Atlas& atlas, const ClassCache& cache, Axis axis, bool shade,
                                    ThreadPool& pool);
-  /// Call when the plan changes. Keeps the spans of the latest axis as those of an earlier selection.
+  /// Marks the spans of the latest axis as outdated, and frees the others. For a new plan.
   void outdate();
-  /// Frees spans of earlier selections that take more than `bytes`.
+  /// Frees outdated spans that take more than `bytes`.
   void make_room(std::uint64_t bytes);
   void clear();
 
-  /// Selected runs along an axis; null when its spans are not current.
+  /// Selected runs along an axis; null if its spans are not current.
   [[nodiscard]] const SelectedRuns* runs(Axis axis) const;
 
  private:

@@ -9,10 +9,10 @@
 
 namespace splatlas {
 
-/// Starts when it is made. Cost: two system calls a lap, below a microsecond.
+/// Starts at construction. Cost: two system calls a lap, below a microsecond.
 class Stopwatch {
  public:
-  /// Since the last call, or since construction.
+  /// Time since the last call, or since construction.
   Elapsed lap() {
     const Elapsed now{milliseconds(CLOCK_MONOTONIC), milliseconds(CLOCK_PROCESS_CPUTIME_ID)};
     const Elapsed before = std::exchange(start_, now);

@@ -1,4 +1,4 @@
-// How far away the surfaces of a picture are.
+// Depths of the surfaces of a frame.
 #pragma once
 
 #include <cstddef>
@@ -9,9 +9,9 @@
 
 namespace splatlas {
 
-/// Takes surfaces into `depths` where they are nearer: a pixel's nearest sample, each sample where its
-/// surfaces let through no more than a half. Fragments' depths are `depth_sign` times places along
-/// `depth_axis`.
+/// Merges the depths of surfaces into `depths` by minimum. The depth of a sample is that of the fragment at
+/// which its transmittance falls to one half; a pixel takes its nearest sample. The depth of a fragment is
+/// `depth_sign` * position along `depth_axis`, in voxels. O(fragments).
 void add_surface_depths(const FragmentList& fragments, std::size_t depth_axis, double depth_sign,
                         const ViewDepth& view, DepthMap& depths);
 

@@ -1,4 +1,4 @@
-// Where things are on screen, for scripts that use the mouse.
+// Log of screen positions, for scripts that simulate the mouse.
 #pragma once
 
 #include <string>
@@ -12,19 +12,19 @@
 
 namespace splatlas {
 
-/// Collects places in one frame and logs them ("layout") when they differ from the last ones. Does nothing
-/// when nothing is logged.
+/// Collects the positions of items in a frame, in window coordinates. Logs them as an event "layout" when
+/// they change. Does nothing if the session log is off.
 class LayoutLog {
  public:
   explicit LayoutLog(const SessionLog& log) : log_(log) {}
 
-  /// The latest item: its middle.
+  /// Records the centre of the latest ImGui item.
   void item(std::string_view name) { place(name, ImGui::GetItemRectMin(), ImGui::GetItemRectMax()); }
-  /// A rectangle, as [x, y, width, height].
+  /// Records a rectangle as [x, y, width, height].
   void area(std::string_view name, ImVec2 min, ImVec2 max) {
     if (log_.on()) layout_[std::string(name)] = {min.x, min.y, max.x - min.x, max.y - min.y};
   }
-  /// A row of the tree: the latest item is its button for `part` ("off", "volume", ..., "name", "arrow").
+  /// Records the latest ImGui item as `part` of a tree row ("off", "volume", ..., "name", "arrow").
   void row_item(std::string_view row, std::string_view part) {
     if (!log_.on()) return;
     layout_["rows"][std::string(row)][std::string(part)] =

@@ -28,7 +28,8 @@ float button_height() {
   return ImGui::GetFontSize() * 1.5f;
 }
 
-/// Off is a stroke; volume a disc that fades to its edge; surface a ring; both a ring around a disc.
+/// Symbol of a mode. Off: a stroke; volume: a disc with a soft edge; surface: a ring; both: a ring around a
+/// disc.
 void draw_symbol(DrawMode mode, ImVec2 center, float radius, ImU32 color) {
   ImDrawList& draw = *ImGui::GetWindowDrawList();
   const float line = radius * 0.3f;

@@ -1,4 +1,4 @@
-// Off, volume, surface, both: four small buttons with a picture each.
+// Icon buttons of the draw modes: off, volume, surface, both.
 #pragma once
 
 #include <optional>
@@ -10,11 +10,11 @@
 namespace splatlas {
 
 [[nodiscard]] float mode_buttons_width();
-/// One line with the words above the buttons, from the cursor on, in a font smaller than theirs.
+/// Draws one line of column heads above the buttons, at the cursor.
 void mode_buttons_head(ImFont* small);
 
-/// Draws the buttons at the cursor, as high as a row. A mode that all drawable structures have is filled, one
-/// that only some have is half filled. Returns the mode that was clicked. `row` names the row in the layout.
+/// Draws the buttons at the cursor, at row height. The only mode in `modes` is filled; one of several is half
+/// filled. Returns the clicked mode, if any. `row` names the row in the layout log.
 [[nodiscard]] std::optional<DrawMode> mode_buttons(ModeSet modes, Rgb color, std::string_view row,
                                                    LayoutLog& layout);
 

@@ -1,4 +1,4 @@
-// A picture on its way to the screen.
+// OpenGL texture of the latest frame.
 #pragma once
 
 #include <imgui.h>
@@ -7,7 +7,7 @@
 
 namespace splatlas {
 
-/// An OpenGL texture that holds the latest frame. Needs a current OpenGL context, also when it is destroyed.
+/// Requires a current OpenGL context, also for destruction. Main thread only.
 class PictureTexture {
  public:
   PictureTexture() = default;
@@ -15,7 +15,7 @@ class PictureTexture {
   PictureTexture(const PictureTexture&) = delete;
   PictureTexture& operator=(const PictureTexture&) = delete;
 
-  /// Uploads the frame, unless it is there already.
+  /// Uploads the frame if it has changed.
   void show(const std::shared_ptr<const Frame>& frame);
   [[nodiscard]] const std::shared_ptr<const Frame>& frame() const { return frame_; }
   [[nodiscard]] ImTextureID id() const;

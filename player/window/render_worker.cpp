@@ -11,14 +11,14 @@
 namespace splatlas {
 namespace {
 
-/// Requests must have paused for this long before a picture is refined.
+/// Time without requests before a picture is refined.
 constexpr std::chrono::milliseconds kStill{120};
-/// Drafts slower than this get fewer pixels, drafts quicker than that more again.
+/// Slower drafts get a lower resolution; quicker drafts get a higher one.
 constexpr double kSlowDraftMs = 70, kQuickDraftMs = 20;
 constexpr int kMaxDraftDivisor = 4;
 constexpr Rgb kBackground{0, 0, 0};
 
-/// Runs what may throw for want of memory; the window goes on.
+/// Converts exceptions of `work`, such as std::bad_alloc, to kLimit.
 template <typename Work>
 auto guarded(Work work) -> decltype(work()) {
   try {
@@ -82,7 +82,7 @@ void RenderWorker::tell(WorkerEvent event) {
   wake_();
 }
 
-/// False when it is time to stop.
+/// Waits for a request or for the time to refine. Returns false when the thread must end.
 bool RenderWorker::wait_for_work(std::unique_lock<std::mutex>& lock) {
   const auto urgent = [this] { return stop_ || request_ || click_ || pointer_ || !saves_.empty(); };
   while (!urgent()) {
@@ -138,7 +138,7 @@ Result<Picture> RenderWorker::render(const FrameRequest& request, Quality qualit
   return picture;
 }
 
-/// The first of what the latest picture lacks, and how many more.
+/// Description of the first missing part of the latest picture, and the number of others.
 std::string RenderWorker::missing_text() const {
   const std::vector<MissingPart>& missing = renderer_.missing();
   if (missing.empty()) return {};

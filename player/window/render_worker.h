@@ -1,4 +1,4 @@
-// Renders for the window on a thread of its own, so that the window never waits.
+// Render thread of the window.
 #pragma once
 
 #include <chrono>
@@ -18,68 +18,72 @@
 
 namespace splatlas {
 
-/// What the window wants to show.
+/// Request for a frame.
 struct FrameRequest {
   std::shared_ptr<const Selection> selection;
-  std::string text;  ///< of the selection
+  std::string text;  ///< text of the selection
   Camera camera;
   PictureSize size;
   DepthCue depth_cue = DepthCue::kNone;
 };
 
-/// A picture on its way to the screen.
+/// Rendered frame, ready for display.
 struct Frame {
   FrameRequest request;
-  PictureSize size;  ///< of `srgb8`: a draft may have fewer pixels than asked for
+  PictureSize size;  ///< size of `srgb8`; drafts may have fewer pixels than requested
   std::vector<std::uint8_t> srgb8;
   Quality quality = Quality::kDraft;
   RenderStats stats;
-  std::string missing;  ///< what it lacks for damage of the file, in one line; empty as a rule
+  std::string missing;  ///< one line about missing parts of a damaged file; empty for intact files
 };
 
-// What the worker has to tell, in the order in which it happened.
+// Events of the worker, in chronological order.
 
+/// A frame is finished.
 struct FrameDone {
   std::shared_ptr<const Frame> frame;
-  bool final = false;  ///< nothing better will follow for this request
+  bool final = false;  ///< true: the last frame of this request
 };
+/// A frame could not be rendered.
 struct FrameFailed {
   FrameRequest request;
   Error error;
 };
+/// Answer to RenderWorker::pick().
 struct Picked {
-  bool click = false;                       ///< as asked
-  std::optional<StructureIndex> structure;  ///< nothing where the background shows
+  bool click = false;                       ///< `click` of the question
+  std::optional<StructureIndex> structure;  ///< none: background
 };
+/// A picture was saved, or could not be saved.
 struct PictureSaved {
   std::filesystem::path path;
   Result<void> result;
 };
 using WorkerEvent = std::variant<FrameDone, FrameFailed, Picked, PictureSaved>;
 
-/// Owns the renderer; everything that touches it happens on the worker's thread, one thing at a time: the
-/// latest request as a draft, then what is under the pointer, then pictures to save, then, once requests have
-/// paused, the picture in normal quality. Drafts get fewer pixels where they would take too long to turn
-/// smoothly. All members may be called from the window's thread only.
+/// Owns the renderer, which only the worker's thread uses.
+/// Order of work: draft of the latest request; picks; pictures to save; the picture in normal quality once
+/// requests have paused. The resolution of drafts adapts to their render time. Call all members on the
+/// window's thread.
 class RenderWorker {
  public:
-  /// `wake` is called on the worker's thread whenever there is something to take.
+  /// Calls `wake` on the worker's thread after each new event.
   RenderWorker(std::shared_ptr<const Atlas> atlas, const RendererOptions& options,
                std::function<void()> wake);
-  /// Waits for the frame that is being rendered.
+  /// Waits for the end of the current frame.
   ~RenderWorker();
   RenderWorker(const RenderWorker&) = delete;
   RenderWorker& operator=(const RenderWorker&) = delete;
 
-  /// Replaces an older request that was not begun.
+  /// Requests a frame. Replaces a pending request.
   void show(FrameRequest request);
-  /// Asks what is at (u, v), fractions of the width and height of the latest picture: because the pointer is
-  /// there, or because of a click. Replaces an older question of the same kind.
+  /// Requests the structure at (u, v), as fractions of the width and height of the latest picture. Replaces a
+  /// pending request with the same `click`.
   void pick(double u, double v, bool click);
-  /// Renders `request` in high quality and writes it over black.
+  /// Renders `request` in high quality over a black background, and writes a PNG file.
   void save(FrameRequest request, std::filesystem::path path);
 
-  /// Everything that happened since the last call.
+  /// Events since the last call.
   [[nodiscard]] std::vector<WorkerEvent> take_events();
 
  private:
@@ -105,25 +109,25 @@ class RenderWorker {
   [[nodiscard]] PictureSize draft_size(const PictureSize& size) const;
   void adapt_drafts(double ms);
 
-  // Between the threads, under mutex_.
+  // Shared by both threads; guarded by mutex_.
   std::mutex mutex_;
   std::condition_variable changed_;
   bool stop_ = false;
-  std::optional<FrameRequest> request_;    // not begun
+  std::optional<FrameRequest> request_;    // pending
   std::optional<FrameRequest> unrefined_;  // shown as a draft
   Clock::time_point refine_at_;
-  std::optional<Point> pointer_, click_;  // not answered
+  std::optional<Point> pointer_, click_;  // pending
   std::vector<SaveJob> saves_;
   std::vector<WorkerEvent> events_;
 
-  // Of the worker's thread.
+  // Used by the worker's thread only.
   Renderer renderer_;
   std::shared_ptr<const Selection> selected_;
   PictureSize rendered_;  // size of the renderer's latest picture
   int draft_divisor_ = 1;
 
   std::function<void()> wake_;
-  std::thread thread_;  // last: starts when all else is there
+  std::thread thread_;  // last: starts after all other members exist
 };
 
 }  // namespace splatlas

@@ -1,4 +1,4 @@
-// The selection as text, and what there is to tell.
+// Text field of the selection, and status line.
 #pragma once
 
 #include <string>
@@ -10,16 +10,16 @@
 
 namespace splatlas {
 
-/// The text field follows the selection, until it is typed into; Enter applies, Escape takes it back.
+/// The field shows the text of the selection. Enter applies typed text; Escape discards it.
 class SelectionBar {
  public:
   [[nodiscard]] static float height();
-  /// Draws the field, its buttons, and a line below for errors, messages or hints.
+  /// Draws the field, its buttons, and a line with errors, messages or hints.
   void draw(Session& session, UiState& ui, const Fonts& fonts, LayoutLog& layout);
 
  private:
   std::string typed_;
-  std::uint64_t version_ = 0;  // of the selection that `typed_` follows
+  std::uint64_t version_ = 0;  // version of the selection in `typed_`
 };
 
 }  // namespace splatlas

@@ -15,7 +15,7 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
 }
 
-/// But for term numbers.
+/// Equality of selections except for term numbers.
 bool draw_alike(const Selection& a, const Selection& b) {
   return std::equal(a.structures.begin(), a.structures.end(), b.structures.begin(), b.structures.end(),
                     [](StructureDraw x, const StructureDraw& y) {
@@ -24,7 +24,7 @@ bool draw_alike(const Selection& a, const Selection& b) {
                     });
 }
 
-/// The same but for the color, which a group's descendants have each for itself.
+/// Equality except for the colour, which differs among the descendants of a group.
 bool alike_but_for_color(const StructureDraw& a, const StructureDraw& b) {
   return a.mode == b.mode && a.opacity == b.opacity && a.volume == b.volume;
 }
@@ -128,7 +128,7 @@ void SelectionEditor::commit(Selection wanted, Gesture gesture) {
   if (draw_alike(wanted, selection_)) return;
   settle_groups(wanted);
   std::string text = to_text(wanted, graph_);
-  auto selection = select(text, graph_);  // its own text is always understood
+  auto selection = select(text, graph_);  // generated text is always valid
   if (!selection || text == text_) return;
   const bool same_gesture = gesture.kind != 0 && gesture == gesture_;
   if (!same_gesture) remember();
@@ -136,8 +136,8 @@ void SelectionEditor::commit(Selection wanted, Gesture gesture) {
   show(std::move(text), std::move(*selection));
 }
 
-/// Groups hold nothing that could be seen: where all their children are alike they go along, so that the text
-/// names the group and not every child.
+/// Gives a group, which has no voxels or triangles, the settings that all its children share. The text then
+/// names the group instead of each child.
 void SelectionEditor::settle_groups(Selection& wanted) const {
   const auto order = graph_.topological();
   for (auto s = order.rbegin(); s != order.rend(); ++s) {
@@ -185,7 +185,7 @@ void SelectionEditor::travel(std::deque<std::string>& from, std::deque<std::stri
   if (from.empty()) return;
   std::string text = std::move(from.back());
   from.pop_back();
-  auto selection = select(text, graph_);  // was understood before
+  auto selection = select(text, graph_);  // valid: it was selected before
   if (!selection) return;
   to.push_back(text_);
   gesture_ = {};

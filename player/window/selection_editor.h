@@ -1,4 +1,4 @@
-// The selection as the window edits it: modes by subtree, and the same as text.
+// Editor of a selection by subtree or by text, with undo.
 #pragma once
 
 #include <cstdint>
@@ -14,14 +14,14 @@
 
 namespace splatlas {
 
-/// The modes that occur among the drawable structures of a subtree.
+/// Set of the draw modes in a subtree.
 class ModeSet {
  public:
   void insert(DrawMode mode) { bits_ = static_cast<std::uint8_t>(bits_ | bit(mode)); }
   void insert(ModeSet other) { bits_ = static_cast<std::uint8_t>(bits_ | other.bits_); }
   [[nodiscard]] bool empty() const { return bits_ == 0; }
   [[nodiscard]] bool contains(DrawMode mode) const { return (bits_ & bit(mode)) != 0; }
-  /// `mode` and no other.
+  /// True if the set is {mode}.
   [[nodiscard]] bool is_only(DrawMode mode) const { return bits_ == bit(mode); }
 
  private:
@@ -31,54 +31,54 @@ class ModeSet {
   std::uint8_t bits_ = 0;
 };
 
-/// Opacity of the surfaces around the structure that "ghost the others" keeps.
+/// Opacity of surfaces that ghost_others() makes faint.
 inline constexpr float kGhostOpacity = 0.08f;
 
-/// A selection with its text. Both always say the same: what is drawn is what select(text()) gives, term
-/// numbers included. Not for use by several threads at once.
+/// A selection and its text. Invariant: selection() == select(text()), including term numbers. Not
+/// thread-safe.
 class SelectionEditor {
  public:
-  /// Begins with everything as volume, "*". `drawable[s]`: structure `s` has voxels or triangles of its own,
-  /// it is no mere group. `graph` must outlive the editor.
+  /// Starts with "*": all structures as volumes. `drawable[s]`: structure `s` has voxels or triangles of its
+  /// own; otherwise it is a group. `graph` must outlive the editor.
   SelectionEditor(const StructureGraph& graph, std::vector<bool> drawable);
 
   [[nodiscard]] const Selection& selection() const { return selection_; }
   [[nodiscard]] const std::string& text() const { return text_; }
-  /// Goes up with every change: compare to see whether the selection is another one.
+  /// Counter of changes of the selection.
   [[nodiscard]] std::uint64_t version() const { return version_; }
 
-  /// Modes among the drawable structures of `s` and its descendants; of `s` itself when none is drawable.
+  /// Modes of the drawable structures in the subtree of `s`; the mode of `s` if none is drawable.
   [[nodiscard]] ModeSet modes(StructureIndex s) const { return modes_[s]; }
-  /// The looks of the first drawn structure of the subtree, to start an edit from; none when all are off.
+  /// Settings of the first drawn structure of the subtree, as initial values of an edit; none if all are off.
   [[nodiscard]] std::optional<StructureDraw> appearance(StructureIndex s) const;
 
-  // All edits reach the whole subtree of `s`, and the same structures under their other parents.
+  // All edits apply to the whole subtree of `s`, and to the same structures below other parents.
 
-  /// Keeps opacities and colours of structures that were on.
+  /// Sets the mode. Keeps opacities and colours of structures that were on.
   void set_mode(StructureIndex s, DrawMode mode);
-  /// Of those that are on; none: back to the default of the mode. Consecutive calls for one structure are one
-  /// step of undo until end_gesture().
+  /// Sets the opacity of drawn structures; none: the default of the mode. Consecutive calls of one
+  /// setter for one structure are one undo step until end_gesture().
   void set_opacity(StructureIndex s, std::optional<float> opacity);
   void set_color(StructureIndex s, Rgb color);
   void end_gesture() { gesture_ = {}; }
 
-  /// Only this subtree, as it was; as volume what was off.
+  /// Draws this subtree only. Structures that were off become volumes.
   void isolate(StructureIndex s);
-  /// This subtree as isolate() has it, everything else that was on as a faint surface.
+  /// As isolate(), but other structures that were on become faint surfaces (kGhostOpacity).
   void ghost_others(StructureIndex s);
   void show_all();
   void hide_all();
 
-  /// The user's own words, kept as typed (but for blanks at the ends). kUsage or kNotFound when they cannot
-  /// be understood; the selection then stays.
+  /// Sets the selection from text, and keeps the text except for blanks at its ends. kUsage or kNotFound,
+  /// with the old selection, for invalid text.
   [[nodiscard]] Result<void> set_text(std::string_view text);
 
   [[nodiscard]] bool can_undo() const { return !undo_.empty(); }
   [[nodiscard]] bool can_redo() const { return !redo_.empty(); }
   void undo();
   void redo();
-  /// Goes back to a text that was shown before, without a trace in the history: for selections that turned
-  /// out not to be renderable.
+  /// Returns to an earlier text and removes the later one from the history. For selections that cannot be
+  /// rendered.
   void give_up_for(const std::string& text);
 
  private:
@@ -103,7 +103,7 @@ class SelectionEditor {
   std::vector<ModeSet> modes_;
   std::uint64_t version_ = 0;
   Gesture gesture_;
-  std::deque<std::string> undo_, redo_;  // texts, the latest last
+  std::deque<std::string> undo_, redo_;  // texts, newest last
 };
 
 }  // namespace splatlas

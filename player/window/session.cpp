@@ -32,7 +32,7 @@ StructureFacts facts_of(const Atlas& atlas, StructureIndex s) {
   return facts;
 }
 
-/// The first free name from the `n`-th on; `n` then is behind it.
+/// The first unused file name with a number of at least `n`. Sets `n` to the next number.
 Result<std::filesystem::path> next_picture_path(const std::filesystem::path& atlas, int& n) {
   std::filesystem::path folder = atlas.parent_path();
   if (folder.empty()) folder = ".";
@@ -127,7 +127,7 @@ void Session::handle(const FrameDone& done) {
                       same_camera(requested_->camera, request.camera);
   refining_ = !(latest && done.final);
   good_text_ = request.text;
-  asked_.reset();  // something else may be under the pointer now
+  asked_.reset();  // the new frame may show another structure under the pointer
   if (latest && !frame_->missing.empty()) tell({frame_->missing, true});
   if (!log_.on()) return;
   log_.write("picture", {{"quality", frame_->quality == Quality::kDraft ? "draft" : "normal"},
@@ -138,7 +138,7 @@ void Session::handle(const FrameDone& done) {
                          {"ms", frame_->stats.render_ms}});
 }
 
-/// The latest picture stays; a selection that cannot be rendered gives way to the latest one that could.
+/// Keeps the latest picture, and returns to the latest selection that could be rendered.
 void Session::handle(const FrameFailed& failed) {
   refining_ = false;
   const bool of_this_selection = failed.request.selection == selection_ && version_ == editor_.version();

@@ -1,4 +1,4 @@
-// What the window knows and does, without a window system: one open atlas being looked at.
+// State of a viewing session, independent of the window system.
 #pragma once
 
 #include <functional>
@@ -24,27 +24,27 @@ struct Status {
   friend bool operator==(const Status&, const Status&) = default;
 };
 
-/// A structure with what there is to say about it.
+/// Facts about a structure for display.
 struct StructureFacts {
   StructureIndex structure = kNoStructure;
-  std::vector<std::string> paths;  ///< at most kMaxPaths
+  std::vector<std::string> paths;  ///< at most kMaxPaths paths from a root
   std::uint64_t voxels = 0, triangles = 0;
   double millilitres = 0;
 };
 inline constexpr std::size_t kMaxPaths = 6;
 
-/// A place in the view, as fractions of its width and height from the top left.
+/// Position in the view, as fractions of its width and height from the top left.
 struct ViewPoint {
   double u = 0, v = 0;
   friend bool operator==(const ViewPoint&, const ViewPoint&) = default;
 };
 
-/// The panels change the editor, the rows and the camera as they like; update() then asks the render worker
-/// for what is missing and takes what it has done. Starts with everything selected as volume, seen from
-/// anterior. For the window's thread only.
+/// One open atlas with camera, selection and render worker.
+/// Panels change the editor, the rows and the camera; update() then exchanges requests and events with the
+/// worker. Starts with all structures as volumes in an anterior view. For the window's thread only.
 class Session {
  public:
-  /// `wake` is called on another thread when update() has something to do.
+  /// Calls `wake` on another thread when update() has events to process.
   Session(std::shared_ptr<const Atlas> atlas, const RendererOptions& options, std::function<void()> wake,
           SessionLog log = {});
 
@@ -54,50 +54,50 @@ class Session {
   [[nodiscard]] StructureRows& rows() { return rows_; }
   [[nodiscard]] const SessionLog& log() const { return log_; }
 
-  /// To be called after every change and after every wake.
+  /// Processes events and requests frames. Call it after each change and each wake.
   void update();
 
-  // What is seen.
+  // View and picture.
 
   [[nodiscard]] const Camera& camera() const { return camera_; }
   void set_camera(const Camera& camera) { camera_ = camera; }
-  /// Turned to a named view; zoom and centre stay.
+  /// Turns the camera to a standard view; keeps zoom and centre.
   void appearance_from(NamedView view);
-  /// The first view: anterior, everything in the picture.
+  /// Returns to the initial view: anterior, with the whole atlas in the picture.
   void reset_view() { camera_ = {}; }
   [[nodiscard]] DepthCue depth_cue() const { return depth_cue_; }
   void set_depth_cue(DepthCue cue) { depth_cue_ = cue; }
-  /// Pixels of the view. Nothing is rendered before the first call.
+  /// Sets the size of the view in pixels. Rendering starts after the first call.
   void resize(const PictureSize& size) { size_ = size; }
 
-  /// The latest picture; none before the first one is done.
+  /// The latest frame; null before the first one.
   [[nodiscard]] const std::shared_ptr<const Frame>& frame() const { return frame_; }
-  /// A better picture than frame() is on its way.
+  /// True while a better frame than frame() is being rendered.
   [[nodiscard]] bool refining() const { return refining_; }
 
-  // What is under the pointer, and what was chosen by a click.
+  // Structure under the pointer, and current structure.
 
-  /// Where the pointer is; nothing when it is elsewhere or turning the view.
+  /// Sets the position of the pointer; none outside the view and during drags.
   void point_at(std::optional<ViewPoint> point) { point_ = point; }
   [[nodiscard]] std::optional<StructureIndex> hovered() const { return hovered_; }
-  /// Chooses what is there, or nothing where the background shows, as soon as the worker has looked.
+  /// Makes the structure at this point current, or none for the background, after an answer of the worker.
   void click_at(ViewPoint point) { worker_.pick(point.u, point.v, true); }
-  /// Chooses a structure and, if wanted, shows it in the tree.
+  /// Makes a structure current. `reveal`: also shows it in the tree.
   void choose(StructureIndex s, bool reveal);
   void choose_nothing();
   [[nodiscard]] const std::optional<StructureFacts>& current() const { return current_; }
-  /// Row that was revealed and is to be scrolled to; told once.
+  /// Returns the revealed row to scroll to, once.
   [[nodiscard]] std::optional<std::size_t> take_revealed_row() { return std::exchange(revealed_, {}); }
 
   // Text, files and messages.
 
-  /// Sets the selection from the user's words; text_error() says what is wrong with them, if something is.
+  /// Sets the selection from text. Invalid text sets text_error().
   void apply_text(std::string_view text);
   [[nodiscard]] const std::string& text_error() const { return text_error_; }
-  /// Writes what is seen, in high quality, as the next free "NAME-1.png" beside the atlas, or in the working
-  /// folder when that of the atlas cannot be written to. status() tells how it went.
+  /// Renders the view in high quality and writes it as the next unused "NAME-1.png". The folder is that of
+  /// the atlas, or the working folder if the former is read-only. status() reports the result.
   void save_picture();
-  /// The latest message, until the selection changes.
+  /// The latest message. A change of selection clears it.
   [[nodiscard]] const Status& status() const { return status_; }
   void tell(Status status);
 
@@ -116,9 +116,9 @@ class Session {
   SelectionEditor editor_;
   StructureRows rows_;
 
-  std::shared_ptr<const Selection> selection_;  // the editor's, of version_
+  std::shared_ptr<const Selection> selection_;  // copy of the editor's selection at version_
   std::uint64_t version_ = 0;
-  std::string good_text_;  // of the latest selection that could be rendered
+  std::string good_text_;  // text of the latest selection that could be rendered
   Camera camera_;
   PictureSize size_;
   DepthCue depth_cue_ = DepthCue::kNone;
@@ -132,10 +132,10 @@ class Session {
   std::optional<std::size_t> revealed_;
   std::string text_error_;
   Status status_;
-  std::uint64_t status_version_ = 0;  // a message goes when the selection is another one
+  std::uint64_t status_version_ = 0;  // editor version of status_
   int next_picture_ = 1;
 
-  RenderWorker worker_;  // last: its thread ends before the rest goes
+  RenderWorker worker_;  // last: its thread ends before the other members are destroyed
 };
 
 }  // namespace splatlas

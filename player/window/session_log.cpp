@@ -30,7 +30,7 @@ void SessionLog::write(std::string_view event, const nlohmann::ordered_json& fie
   if (!file_) return;
   nlohmann::ordered_json line{{"event", event}};
   line.update(fields);
-  // Names come from strangers' files: invalid UTF-8 is replaced, never an exception.
+  // Names come from untrusted files: replace invalid UTF-8 instead of throwing.
   const std::string text = line.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
   std::fwrite(text.data(), 1, text.size(), file_.get());
   std::fflush(file_.get());

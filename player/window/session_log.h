@@ -1,4 +1,4 @@
-// What the window shows, as lines of JSON: a testing aid.
+// Event log of the window as JSON lines, for tests.
 #pragma once
 
 #include <cstdio>
@@ -12,24 +12,24 @@
 
 namespace splatlas {
 
-/// Name of the environment variable that names the file.
+/// Environment variable with the path of the log file.
 inline constexpr const char* kSessionLogVariable = "SPLATLAS_WINDOW_LOG";
 
-/// Appends one JSON object per line for everything that the user could see change, so that a script which
-/// moves the mouse can wait for, and check, what a person would have seen. Each has "event":
-///   layout     places of the view and of the rows' mode buttons, in window coordinates; when they change
+/// Appends a JSON object per line for each visible change, so that scripts can wait for it and check it. The
+/// values of "event":
+///   layout     positions of the view and of the rows' items changed, in window coordinates
 ///   ready      the window is on screen
 ///   picture    a picture was shown: quality, final, size, camera, selection text, ms
-///   pointer    structure (id) and name under the pointer; null where the background shows
-///   current    the structure chosen by a click
+///   pointer    id and name of the structure under the pointer; null for the background
+///   current    the current structure changed
 ///   selection  text of the selection
 ///   text_error, status    a message, as shown
-///   closed     the window is gone
-/// Without the variable nothing is written. For the window's thread.
+///   closed     the window is closed
+/// Writes nothing without the environment variable. For the window's thread only.
 class SessionLog {
  public:
   SessionLog() = default;
-  /// By the environment variable; kFailed when it names a file that cannot be written.
+  /// Opens the file of the environment variable. kFailed if it cannot be written.
   [[nodiscard]] static Result<SessionLog> from_environment();
   [[nodiscard]] static Result<SessionLog> to_file(const std::filesystem::path& path);
 

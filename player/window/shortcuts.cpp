@@ -10,7 +10,7 @@
 namespace splatlas {
 namespace {
 
-/// One press of an arrow key; repeatable steps are easier to follow than free turning.
+/// Rotation per press of an arrow key, in degrees.
 constexpr double kKeyTurnDeg = 15;
 constexpr double kKeyZoom = 1.25;
 

@@ -1,4 +1,4 @@
-// What the keys do.
+// Keyboard shortcuts.
 #pragma once
 
 #include <SDL_events.h>
@@ -8,12 +8,13 @@
 
 namespace splatlas {
 
-/// Acts on a key that was pressed while no field has the keyboard; true when it means something.
+/// Handles a key press without keyboard focus in a text field. Returns true for a shortcut.
 bool handle_key(const SDL_KeyboardEvent& key, Session& session, UiState& ui);
-/// The keys that also work while a field has the keyboard: with Ctrl, and function keys.
+/// Handles shortcuts that also work in text fields: Ctrl combinations and function keys. Returns true for
+/// one.
 bool handle_global_key(const SDL_KeyboardEvent& key, Session& session, UiState& ui);
 
-/// An overlay that lists mouse and keys; closed by any click or key.
+/// Draws an overlay with mouse and keyboard shortcuts. Any click or key closes it.
 void help_overlay(UiState& ui);
 
 }  // namespace splatlas

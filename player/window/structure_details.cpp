@@ -11,7 +11,7 @@
 namespace splatlas {
 namespace {
 
-/// 12345678 as "12 345 678".
+/// Decimal digits in groups of three: "12 345 678".
 std::string grouped(std::uint64_t number) {
   if (number < 1000) return std::to_string(number);
   return fmt::format("{} {:03}", grouped(number / 1000), number % 1000);
@@ -71,7 +71,7 @@ void color_control(SelectionEditor& editor, StructureIndex s, Rgb color) {
   if (ImGui::IsItemDeactivatedAfterEdit()) editor.end_gesture();
 }
 
-/// Opacity and colour of what is drawn; greyed out when nothing is.
+/// Controls of opacity and colour; disabled if the structure is off.
 void appearance_controls(Session& session, StructureIndex s, LayoutLog& layout) {
   const auto appearance = session.editor().appearance(s);
   ImGui::BeginDisabled(!appearance);

@@ -1,4 +1,4 @@
-// What there is to say about the chosen structure, and what can be done with it.
+// Panel with facts and controls of the current structure.
 #pragma once
 
 #include "player/window/layout_log.h"
@@ -7,7 +7,7 @@
 
 namespace splatlas {
 
-/// Height that structure_details() takes, whatever is chosen: the tree above it does not jump.
+/// Height of structure_details(), constant so that the tree above it does not move.
 [[nodiscard]] float structure_details_height();
 void structure_details(Session& session, const Fonts& fonts, LayoutLog& layout);
 

@@ -54,7 +54,7 @@ void draw_arrow(ImVec2 center, float radius, bool open) {
   }
 }
 
-/// Text up to `right`; what is longer ends in dots, and the whole of it is the item's tooltip.
+/// Draws text up to `right`. Longer text ends in an ellipsis and is shown in full as a tooltip.
 void draw_name(const std::string& name, ImVec2 at, float right, ImU32 color, bool hovered) {
   ImDrawList& draw = *ImGui::GetWindowDrawList();
   const float room = right - at.x;
@@ -111,14 +111,14 @@ class Tree {
     if (top < seen || top > seen + room) ImGui::SetScrollY(std::max(0.0f, top - room / 2));
   }
 
-  /// True when the row's branch is to be opened or closed.
+  /// Draws a row. Returns true if the user toggles its branch.
   bool draw_row(const StructureRow& row) {
     const Structure& structure = session_.graph()[row.structure];
     const ModeSet modes = session_.editor().modes(row.structure);
     ImGui::PushID(reinterpret_cast<const void*>(row.place));  // NOLINT(performance-no-int-to-ptr): a number
     const ImVec2 start = ImGui::GetCursorScreenPos();
     const float height = row_height();
-    // The same with and without a scrollbar.
+    // Reserve the width of the scrollbar, so that the buttons do not move.
     const float buttons_x = ImGui::GetWindowPos().x + ImGui::GetWindowWidth() -
                             ImGui::GetStyle().ScrollbarSize - mode_buttons_width();
     const float arrow_x = start.x + static_cast<float>(row.depth) * ImGui::GetFontSize();
@@ -153,7 +153,7 @@ class Tree {
     return clicked;
   }
 
-  /// Colour and name; bright when something of it is drawn, marked when it is the current or the hovered one.
+  /// Draws colour and name: dimmed if the structure is off, highlighted if it is current or hovered.
   void draw_label(StructureIndex s, ImVec2 at, float right, bool hovered) {
     const Structure& structure = session_.graph()[s];
     const ModeSet modes = session_.editor().modes(s);
@@ -179,7 +179,7 @@ class Tree {
   LayoutLog& layout_;
 };
 
-/// One line above the tree: how many structures there are or were found, and the heads of the mode buttons.
+/// Line above the tree with the number of structures or matches, and the heads of the mode buttons.
 void table_head(Session& session, const Fonts& fonts) {
   const std::string text = session.rows().searching() ? fmt::format("{} found", session.rows().rows().size())
                                                       : fmt::format("{} structures", session.graph().size());

@@ -1,4 +1,4 @@
-// The tree of structures, with a search and modes for every row.
+// Tree panel of structures, with search and mode buttons.
 #pragma once
 
 #include "player/window/layout_log.h"
@@ -8,7 +8,7 @@
 
 namespace splatlas {
 
-/// Fills the current ImGui window down to `height_below` pixels above its end.
+/// Fills the current ImGui window except for `height_below` pixels at its bottom.
 void structure_panel(Session& session, UiState& ui, const Fonts& fonts, LayoutLog& layout,
                      float height_below);
 

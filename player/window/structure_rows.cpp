@@ -8,17 +8,17 @@
 namespace splatlas {
 namespace {
 
-/// At first, branches are opened level by level while there are no more rows than these.
+/// Maximum number of rows after the initial expansion, level by level.
 constexpr std::size_t kFewRows = 24;
 
-/// ASCII letters lowered; every other byte, UTF-8 included, as it is.
+/// Converts ASCII letters to lower case, and keeps all other bytes, such as UTF-8 sequences.
 std::string to_lower(std::string_view text) {
   std::string lower(text);
   for (char& c : lower) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
   return lower;
 }
 
-/// A place below another one. 64 bits of a good mix: two places of one atlas never meet by chance.
+/// Hash of a path in the tree (SplitMix64). A collision of 64-bit hashes within an atlas is negligible.
 std::uint64_t place_below(std::uint64_t parent, StructureIndex s) {
   std::uint64_t x = parent + 0x9e3779b97f4a7c15u * (std::uint64_t{s} + 1);
   x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;

@@ -1,4 +1,4 @@
-// The rows of the structure tree on screen: open branches, or what a search finds.
+// Visible rows of the structure tree: open branches or search results.
 #pragma once
 
 #include <cstdint>
@@ -12,31 +12,31 @@
 
 namespace splatlas {
 
+/// Row of the tree.
 struct StructureRow {
   StructureIndex structure = kNoStructure;
   int depth = 0;
   bool has_children = false;
   bool open = false;
-  std::uint64_t place = 0;  ///< tells rows of one structure under different parents apart
+  std::uint64_t place = 0;  ///< hash of the path from the root, distinct below different parents
 };
 
-/// A structure stands once under each of its parents, however these are reached. Only open branches have
-/// rows, so that a graph with very many paths costs no more than what is looked at. Not for use by several
-/// threads.
+/// A structure has a row below each of its parents. Only open branches have rows, so the cost depends on the
+/// visible part of the graph, not on its number of paths. Not thread-safe.
 class StructureRows {
  public:
-  /// Opens branches, level by level, as far as that gives few rows. `graph` must outlive the rows.
+  /// Opens branches level by level up to a small number of rows. `graph` must outlive the rows.
   explicit StructureRows(const StructureGraph& graph);
 
   [[nodiscard]] const std::vector<StructureRow>& rows() const { return rows_; }
 
-  /// Opens or closes the branch below a row; nothing for a row of a search.
+  /// Opens or closes the branch below a row. No effect on search results.
   void toggle(const StructureRow& row);
-  /// Opens what leads to `s`, by first parents, ends a search that does not show it, and returns its row.
+  /// Opens the path of first parents to `s`, and returns its row. Ends a search that does not list `s`.
   std::size_t reveal(StructureIndex s);
 
-  /// Words that must all occur in a structure's name or id, whatever their case. With any, rows() lists what
-  /// is found, each structure once, names that begin with the text first; without, the tree again.
+  /// Lists structures whose name or id contains all words of the text, ignoring ASCII case. Prefix matches
+  /// come first, and each structure once. Empty text returns to the tree.
   void search(std::string_view text);
   [[nodiscard]] const std::string& search_text() const { return search_; }
   [[nodiscard]] bool searching() const { return !words_.empty(); }
@@ -47,9 +47,9 @@ class StructureRows {
   void list_found();
 
   const StructureGraph& graph_;
-  std::unordered_set<std::uint64_t> open_;  // places
+  std::unordered_set<std::uint64_t> open_;  // places of open branches
   std::string search_;
-  std::vector<std::string> words_;  // of the search, in lower case
+  std::vector<std::string> words_;  // words of the search, in lower case
   std::vector<StructureRow> rows_;
 };
 

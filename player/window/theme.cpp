@@ -9,7 +9,7 @@ namespace {
 constexpr const char* kFontFile = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
 constexpr float kRegularPixels = 16, kSmallPixels = 13, kLargePixels = 27;
 
-/// Latin with all its accents, Greek, Cyrillic, general punctuation, arrows.
+/// Glyph ranges: Latin with diacritics, Greek, Cyrillic, general punctuation, arrows.
 constexpr std::array<ImWchar, 13> kGlyphs{0x0020, 0x024f, 0x0370, 0x052f, 0x1e00, 0x1eff, 0x2010,
                                           0x205e, 0x2190, 0x21ff, 0xfffd, 0xfffd, 0};
 

@@ -9,15 +9,15 @@ namespace splatlas {
 
 struct Fonts {
   ImFont* regular = nullptr;
-  ImFont* small = nullptr;  ///< hints, units, table heads
-  ImFont* large = nullptr;  ///< the name under the pointer, the letters at the edges
+  ImFont* small = nullptr;  ///< for hints, units and table heads
+  ImFont* large = nullptr;  ///< for the caption and the orientation letters
 };
 
-/// Sets style and fonts of the current ImGui context. `scale` is 1 at 96 dots per inch. Takes DejaVu Sans
-/// where it is installed, else ImGui's own font.
+/// Sets style and fonts of the current ImGui context. `scale` is 1 at 96 dots per inch. Uses DejaVu Sans if
+/// installed, otherwise ImGui's default font.
 [[nodiscard]] Fonts apply_theme(float scale);
 
-/// sRGB to what ImGui draws with.
+/// Converts sRGB to an ImGui colour.
 [[nodiscard]] ImU32 ui_color(Rgb color, float alpha = 1.0f);
 
 inline constexpr ImU32 kTextColor = IM_COL32(232, 234, 237, 255);

@@ -1,13 +1,13 @@
-// What the panels tell each other beyond the session.
+// State of the user interface shared by the panels.
 #pragma once
 
 namespace splatlas {
 
 struct UiState {
-  bool focus_search = false;  ///< the search field takes the keyboard in the next frame
-  bool focus_text = false;    ///< so does the selection text
+  bool focus_search = false;  ///< gives the search field the keyboard focus in the next frame
+  bool focus_text = false;    ///< gives the selection text the keyboard focus in the next frame
   bool show_help = false;
-  bool black_screen = false;  ///< the lecturer wants the audience's eyes
+  bool black_screen = false;  ///< blanks the screen during a lecture
   bool quit = false;
 };
 

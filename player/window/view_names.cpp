@@ -10,13 +10,13 @@ namespace {
 constexpr std::array<NamedView, 6> kNamedViews{NamedView::kAnterior, NamedView::kPosterior,
                                                NamedView::kLeft,     NamedView::kRight,
                                                NamedView::kSuperior, NamedView::kInferior};
-/// A direction is also called after an axis when its component along it is at least this: sin 22.5 degrees.
+/// Minimum component along an axis for its letter: sin 22.5 degrees.
 constexpr double kMinComponent = 0.3827;
 
 }  // namespace
 
 std::string orientation_letters(const Vec3& direction_lps) {
-  constexpr std::array<std::string_view, 3> kLetters{"LR", "PA", "SI"};  // towards +, towards -
+  constexpr std::array<std::string_view, 3> kLetters{"LR", "PA", "SI"};  // towards + and -
   std::array<std::size_t, 3> axes{0, 1, 2};
   std::stable_sort(axes.begin(), axes.end(), [&](std::size_t a, std::size_t b) {
     return std::abs(direction_lps[a]) > std::abs(direction_lps[b]);

@@ -14,7 +14,7 @@ namespace {
 constexpr double kWheelZoom = 1.15;
 constexpr ImU32 kLetterColor = IM_COL32(255, 214, 120, 230);
 
-/// The view on screen: top left corner and size in window coordinates, and its pixels.
+/// Area of the view: top left corner and size in window coordinates, and size in pixels.
 struct ViewArea {
   ImVec2 min, size;
   PictureSize pixels;
@@ -23,7 +23,7 @@ struct ViewArea {
   [[nodiscard]] double pixels_per_unit() const { return pixels.width / static_cast<double>(size.x); }
 };
 
-/// In whole pixels: pictures are shown as they were rendered.
+/// Area at the cursor, aligned to whole pixels so that pictures need no resampling.
 ViewArea area_here(float height_below) {
   const ImVec2 room = ImGui::GetContentRegionAvail(), start = ImGui::GetCursorScreenPos();
   const ImVec2 scale = ImGui::GetIO().DisplayFramebufferScale;
@@ -45,7 +45,7 @@ ViewPoint pointer_in(const ViewArea& area) {
           (mouse.y - area.min.y) / static_cast<double>(area.size.y)};
 }
 
-/// Whether the pointer has left the place where the button was pressed, now or before.
+/// True if the pointer has moved beyond the drag threshold since the button was pressed.
 bool has_travelled(ImGuiMouseButton button) {
   const ImGuiIO& io = ImGui::GetIO();
   const float x = io.MousePos.x - io.MouseClickedPos[button].x;
@@ -54,12 +54,12 @@ bool has_travelled(ImGuiMouseButton button) {
          io.MouseDragThreshold * io.MouseDragThreshold;
 }
 
-/// The last way of a drag and the release may come in one frame.
+/// True during a drag, and in the frame of the release, which may include the last motion.
 bool is_dragged(ImGuiMouseButton button) {
   return ImGui::IsMouseDragging(button) || (ImGui::IsMouseReleased(button) && has_travelled(button));
 }
 
-/// Turns or moves the camera while a button is held; true while it does.
+/// Orbits or pans the camera during a drag. Returns true during a drag.
 bool drag(Session& session, const ViewArea& area) {
   const ImGuiIO& io = ImGui::GetIO();
   const double scale = area.pixels_per_unit();
@@ -96,7 +96,7 @@ void mouse(Session& session, const ViewArea& area) {
   }
 }
 
-/// In the middle of the area, as large as fits: another size than the area's is on its way.
+/// Draws the picture centred and scaled to fit, until one of the new size is rendered.
 void draw_picture(const PictureTexture& texture, const ViewArea& area) {
   ImDrawList& draw = *ImGui::GetWindowDrawList();
   draw.AddRectFilled(area.min, area.max(), IM_COL32_BLACK);
@@ -109,7 +109,7 @@ void draw_picture(const PictureTexture& texture, const ViewArea& area) {
   draw.AddImage(texture.id(), {middle.x - half.x, middle.y - half.y}, {middle.x + half.x, middle.y + half.y});
 }
 
-/// Text that stays readable upon any picture.
+/// Draws text with an outline, readable over any picture.
 void draw_over_picture(ImVec2 at, ImU32 color, const std::string& text) {
   ImDrawList& draw = *ImGui::GetWindowDrawList();
   const float shadow = std::max(1.0f, ImGui::GetFontSize() / 14);
@@ -119,7 +119,7 @@ void draw_over_picture(ImVec2 at, ImU32 color, const std::string& text) {
   draw.AddText(at, color, text.c_str());
 }
 
-/// Where right, left, up and down are, in anatomical letters at the edges.
+/// Draws anatomical orientation letters at the four edges.
 void draw_letters(const Session& session, const ViewArea& area, const Fonts& fonts) {
   const auto view = parallel_view(session.camera(), area.pixels, session.atlas().display());
   if (!view) return;
@@ -139,7 +139,7 @@ void draw_letters(const Session& session, const ViewArea& area, const Fonts& fon
   ImGui::PopFont();
 }
 
-/// Top left: the view's name or angles. Top right: whether a better picture is on its way.
+/// Draws the view's name or angles at the top left, and the progress of refinement at the top right.
 void draw_view_state(const Session& session, const ViewArea& area) {
   const Camera& camera = session.camera();
   const float gap = ImGui::GetFontSize() * 0.8f;
@@ -159,7 +159,7 @@ float caption_height(const Fonts& fonts) {
   return fonts.large->FontSize * 1.25f;
 }
 
-/// Below the picture: the name under the pointer, large, and where it belongs.
+/// Draws name and path of the structure under the pointer, below the picture.
 void draw_caption(const Session& session, const ViewArea& area, const Fonts& fonts) {
   const float height = caption_height(fonts), side = fonts.large->FontSize * 0.7f;
   const ImVec2 start{area.min.x, area.max().y};

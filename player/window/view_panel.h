@@ -1,4 +1,4 @@
-// The picture, and the mouse upon it.
+// View panel: picture and mouse interaction.
 #pragma once
 
 #include "player/window/layout_log.h"
@@ -8,9 +8,9 @@
 
 namespace splatlas {
 
-/// Fills the current ImGui window down to `height_below` above its end, with the name under the pointer at
-/// the foot. Drag turns; drag with shift, or with the right or middle button, moves; the wheel zooms at the
-/// pointer; a click chooses; a double click resets the view.
+/// Fills the current ImGui window except for `height_below` at its bottom.
+/// Drag: orbit. Drag with Shift, or with the right or middle button: pan. Wheel: zoom at the pointer. Click:
+/// make the structure current. Double click: reset the view.
 void view_panel(Session& session, PictureTexture& texture, const Fonts& fonts, LayoutLog& layout,
                 float height_below);
 

@@ -1,4 +1,4 @@
-// The buttons above the picture.
+// Toolbar above the picture.
 #pragma once
 
 #include "player/window/layout_log.h"
@@ -7,7 +7,7 @@
 
 namespace splatlas {
 
-/// Named views, reset, save, help: one line.
+/// Draws one line of buttons: standard views, reset, save, help.
 void view_toolbar(Session& session, UiState& ui, LayoutLog& layout);
 
 }  // namespace splatlas

@@ -23,8 +23,8 @@ tl::unexpected<Error> cannot_open(std::string_view reason) {
               fmt::format("cannot open a window: {}; use 'splatlas-player render'", reason));
 }
 
-/// Only drivers that show a window: without a display SDL would fall back to one that draws into the void, or
-/// take over the console of a server. Whoever names a driver gets it.
+/// Restricts SDL to drivers of window systems unless the user names a driver. Otherwise SDL falls back to
+/// off-screen drawing, or takes over the console of a server.
 void choose_video_driver() {
   if (SDL_GetHint(SDL_HINT_VIDEODRIVER) != nullptr) return;
   SDL_SetHint(SDL_HINT_VIDEODRIVER, SDL_getenv("WAYLAND_DISPLAY") != nullptr ? "x11,wayland" : "x11");
@@ -36,7 +36,7 @@ tl::unexpected<Error> no_display() {
   return cannot_open(fmt::format("the display {} does not answer", display));
 }
 
-/// In quarters, so that fonts are not rasterised at odd sizes.
+/// Scale of the user interface, rounded down to quarters for regular font sizes.
 float measure_scale(int display) {
   float dots_per_inch = 0;
   if (SDL_GetDisplayDPI(display, nullptr, &dots_per_inch, nullptr) != 0) return 1;
@@ -48,7 +48,7 @@ bool is_button(Uint32 type) {
   return type == SDL_MOUSEBUTTONDOWN || type == SDL_MOUSEBUTTONUP;
 }
 
-/// Whether a frame has to be drawn between this event and the next one: ImGui looks at states, not at events.
+/// True if ImGui needs a frame between this event and the next one: it reads states, not events.
 bool wants_a_frame(const SDL_Event& event) {
   if (event.type == SDL_KEYDOWN || event.type == SDL_KEYUP || is_button(event.type)) return true;
   SDL_Event next;
@@ -82,12 +82,12 @@ Result<void> WindowHost::start(const std::string& title) {
   SDL_SetWindowMinimumSize(window_, kMinWidth, kMinHeight);
   context_ = SDL_GL_CreateContext(window_);
   if (context_ == nullptr) return cannot_open(SDL_GetError());
-  SDL_GL_SetSwapInterval(1);  // where it can; drawing is event-driven anyway
+  SDL_GL_SetSwapInterval(1);  // optional: drawing is event-driven
   wake_event_ = SDL_RegisterEvents(1);
 
   ImGui::CreateContext();
   imgui_ = true;
-  ImGui::GetIO().IniFilename = nullptr;  // no files behind the user's back
+  ImGui::GetIO().IniFilename = nullptr;  // no settings file
   imgui_sdl_ = ImGui_ImplSDL2_InitForOpenGL(window_, context_);
   imgui_gl_ = imgui_sdl_ && ImGui_ImplOpenGL2_Init();
   if (!imgui_gl_) return fail(ErrorCode::kFailed, "cannot open a window: Dear ImGui does not start");
@@ -120,7 +120,7 @@ void WindowHost::follow_pointer(const SDL_Event& event) {
     case SDL_MOUSEBUTTONDOWN:
     case SDL_MOUSEBUTTONUP: pointer_ = {event.button.x, event.button.y}; break;
     case SDL_WINDOWEVENT:
-      // A held button keeps the pointer.
+      // A pressed button captures the pointer.
       if (event.window.event == SDL_WINDOWEVENT_LEAVE && SDL_GetMouseState(nullptr, nullptr) == 0)
         pointer_.reset();
       break;
@@ -137,8 +137,8 @@ void WindowHost::wake() const {
 void WindowHost::begin_frame() {
   ImGui_ImplOpenGL2_NewFrame();
   ImGui_ImplSDL2_NewFrame();
-  // ImGui's backend asks the display server where the pointer is. That is ahead of the events, and lags
-  // behind a pointer that is moved by another program (a remote desktop).
+  // Replace the position from ImGui's backend, which queries the display server. It is ahead of the events,
+  // and lags behind a pointer that another program moves (remote desktop).
   ImGui::GetIO().MousePos = pointer_
                                 ? ImVec2(static_cast<float>(pointer_->x), static_cast<float>(pointer_->y))
                                 : ImVec2(-FLT_MAX, -FLT_MAX);

@@ -1,4 +1,4 @@
-// The operating system's side of the window: SDL2, OpenGL and ImGui's backends.
+// Window host: SDL2, OpenGL and ImGui's backends.
 #pragma once
 
 #include <functional>
@@ -12,29 +12,29 @@
 
 namespace splatlas {
 
-/// A window with an OpenGL context and a current ImGui context, closed in the right order. One at a time; for
-/// the main thread, but for wake().
+/// Window with an OpenGL context and a current ImGui context. At most one exists at a time. Main thread only,
+/// except for wake().
 class WindowHost {
  public:
-  /// kFailed when there is no display or no OpenGL.
+  /// Opens a window. kFailed without a display or OpenGL.
   [[nodiscard]] static Result<std::unique_ptr<WindowHost>> open(const std::string& title);
   ~WindowHost();
   WindowHost(const WindowHost&) = delete;
   WindowHost& operator=(const WindowHost&) = delete;
 
-  /// Dots per inch over 96, at least 1: what fonts and paddings are multiplied by.
+  /// Scale of fonts and paddings: dots per inch / 96, from 1 to 3.
   [[nodiscard]] float ui_scale() const { return ui_scale_; }
 
-  /// Sleeps until something happens or `timeout_ms` have passed (-1: for ever). Offers what has happened to
-  /// `take`, and what that does not take (false) to ImGui: up to where a frame has to be drawn, so that
-  /// however much has happened while the last one was drawn, no press is lost and each happens where it was
-  /// made. Returns whether anything has happened.
+  /// Waits for events, at most `timeout_ms` (-1: no limit). Passes each event to `take`, and to ImGui if
+  /// `take` returns false. Stops after an event that needs a frame of its own, so that ImGui sees each press
+  /// at its position. Returns true if there were events.
   bool wait(int timeout_ms, const std::function<bool(const SDL_Event&)>& take);
-  /// Ends a wait(). For any thread.
+  /// Ends a wait(). Thread-safe.
   void wake() const;
 
+  /// Starts an ImGui frame.
   void begin_frame();
-  /// Draws what ImGui has collected and shows it.
+  /// Renders the ImGui frame and presents it.
   void end_frame();
 
  private:
@@ -47,7 +47,7 @@ class WindowHost {
   bool sdl_ = false, imgui_ = false, imgui_sdl_ = false, imgui_gl_ = false;
   Uint32 wake_event_ = 0;
   float ui_scale_ = 1;
-  std::optional<SDL_Point> pointer_;  // none: outside the window
+  std::optional<SDL_Point> pointer_;  // none: the pointer is outside the window
 };
 
 }  // namespace splatlas

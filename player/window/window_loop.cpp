@@ -16,11 +16,11 @@
 namespace splatlas {
 namespace {
 
-/// ImGui settles hovers and new sizes in the frames after an event.
+/// Frames to draw after an event, until ImGui has updated hover states and sizes.
 constexpr int kFramesPerEvent = 3;
-/// A field that is to get the keyboard has it after so many frames; keys that follow wait for that.
+/// Frames until a text field has the keyboard focus. Later keys wait for it.
 constexpr int kFramesToFocus = 4;
-/// While a field has the keyboard its cursor blinks.
+/// Redraw interval of a blinking text cursor.
 constexpr int kBlinkMs = 300;
 constexpr int kForEver = -1;
 
@@ -52,19 +52,18 @@ class Window {
   }
 
  private:
-  /// True: it is not for ImGui.
+  /// Handles an event. Returns true if ImGui must not see it.
   bool take(const SDL_Event& event) {
     switch (event.type) {
       case SDL_QUIT: ui_.quit = true; return false;
       case SDL_KEYDOWN: return key_taken_ = press(event.key);
-      case SDL_TEXTINPUT:
-        return key_taken_;  // the letter of a shortcut is not typed into the field it leads to
+      case SDL_TEXTINPUT: return key_taken_;  // a shortcut's letter must not reach the field that it focuses
       case SDL_MOUSEBUTTONDOWN: return std::exchange(ui_.black_screen, false);
       default: return false;
     }
   }
 
-  /// True when the key is a shortcut.
+  /// Handles a key press. Returns true for a shortcut.
   bool press(const SDL_KeyboardEvent& key) {
     if (std::exchange(ui_.black_screen, false)) return true;
     if (ui_.show_help && key.keysym.sym != SDLK_F1) {
@@ -122,7 +121,7 @@ class Window {
   SelectionBar selection_bar_;
   UiState ui_;
   bool key_taken_ = false;  // the latest key was a shortcut
-  int settle_ = 0;          // frames to draw before further events are looked at
+  int settle_ = 0;          // frames to draw before the next event
 };
 
 }  // namespace

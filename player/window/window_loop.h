@@ -1,4 +1,4 @@
-// The window from opening to closing.
+// Main loop of the player window.
 #pragma once
 
 #include <filesystem>
@@ -7,8 +7,8 @@
 
 namespace splatlas {
 
-/// Opens the atlas, then a window on it, and returns when the user closes it. Sleeps while nothing happens.
-/// What open() of an atlas fails with; kFailed when there is no display. Main thread only.
+/// Opens an atlas, shows it in a window, and returns when the user closes the window. Sleeps between events.
+/// Errors of Atlas::open(), and kFailed without a display. Main thread only.
 [[nodiscard]] Result<void> run_window_loop(const std::filesystem::path& atlas, unsigned threads);
 
 }  // namespace splatlas

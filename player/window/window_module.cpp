@@ -6,7 +6,7 @@
 
 #include "player/window/window_loop.h"
 
-// Compiled to the same type as both sides know it by.
+// Check the definition against the type that the program loads.
 extern "C" __attribute__((visibility("default"))) int splatlas_show_window(const char* path, unsigned threads,
                                                                            char* error,
                                                                            std::size_t error_size) try {

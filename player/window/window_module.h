@@ -1,4 +1,4 @@
-// The C boundary of the module that holds the window.
+// C interface of the window module.
 #pragma once
 
 #include <cstddef>
@@ -7,8 +7,8 @@ namespace splatlas {
 
 inline constexpr int kWindowClosed = -1;
 
-/// Shows the atlas at `path` until its window is closed: kWindowClosed. Else the number of an ErrorCode, and
-/// one line of text in `error`.
+/// Shows the atlas at `path` until the user closes its window. Returns kWindowClosed, or the number of an
+/// ErrorCode with one line of text in `error`.
 using ShowWindow = int (*)(const char* path, unsigned threads, char* error, std::size_t error_size);
 
 inline constexpr const char* kWindowModule = "libsplatlas_window.so";

@@ -12,17 +12,17 @@ class App;
 
 namespace splatlas {
 
-/// Everything that the command line of build says.
+/// Arguments of the build command.
 struct BuildRequest {
   BuildOptions options;
   ProgressMode progress = automatic_progress(stderr);
 };
 
-/// Adds the command. Parsing fills `request`, which must live as long as `app`; invalid values throw
-/// CLI::ValidationError, which names option, value and remedy.
+/// Adds the command. Parsing fills `request`, which must outlive `app`. Invalid values throw
+/// CLI::ValidationError with option, value and remedy.
 CLI::App* add_build(CLI::App& app, BuildRequest& request);
 
-/// Builds; progress and notes go to standard error, a summary to standard output.
+/// Builds an atlas. Prints progress and notes to standard error, and a summary to standard output.
 [[nodiscard]] Result<void> run_build(const BuildRequest& request);
 
 }  // namespace splatlas

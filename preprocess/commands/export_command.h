@@ -9,8 +9,8 @@ class App;
 
 namespace splatlas {
 
-/// Adds the command. Parsing fills `options`, which must live as long as `app`; invalid values throw
-/// CLI::ValidationError, which names option, value and remedy.
+/// Adds the command. Parsing fills `options`, which must outlive `app`. Invalid values throw
+/// CLI::ValidationError with option, value and remedy.
 CLI::App* add_export(CLI::App& app, ExportOptions& options);
 
 /// Exports and prints a line per file to standard output.

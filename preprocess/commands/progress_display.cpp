@@ -12,7 +12,7 @@
 namespace splatlas {
 namespace {
 
-/// Remaining seconds, in proportion to the work done.
+/// Linear estimate of the remaining seconds from the completed work.
 std::optional<double> estimate_remaining(const BuildProgress& progress) {
   constexpr double kMinFraction = 0.05;
   if (progress.total_fraction < kMinFraction) return std::nullopt;

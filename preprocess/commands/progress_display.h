@@ -23,7 +23,7 @@ class ProgressDisplay {
  public:
   ProgressDisplay(ProgressMode mode, std::FILE* stream) : mode_(mode), stream_(stream) {}
 
-  /// Prints at most ten times a second; the end of a stage always.
+  /// Prints at most ten times a second, and always at the end of a stage.
   void show(const BuildProgress& progress);
   /// Ends an unfinished line, so that a message can follow.
   void finish();

@@ -46,7 +46,7 @@ std::uint64_t checksum(const std::vector<std::byte>& bytes) {
   return checksum_of(bytes);
 }
 
-/// Open, select, render and encode. The next attempt reuses all objects that were made.
+/// Opens, selects, renders and encodes. The next attempt reuses the existing objects.
 Work rendering(const fs::path& atlas_path, const std::string& selection_text, const Camera& camera,
                const RenderOptions& options) {
   const auto renderer = std::make_shared<std::optional<Renderer>>();
@@ -147,7 +147,7 @@ class Trial {
     live_ = FailingAllocator::live();
   }
 
-  /// Whether the work makes an allocation of this number.
+  /// True if the work reaches the allocation of this number.
   bool strike(std::uint64_t number, bool lasting) {
     std::string complaint;
     bool failed = false;
@@ -172,7 +172,7 @@ class Trial {
   [[nodiscard]] const Tally& tally() const { return tally_; }
 
  private:
-  /// Whether memory in use grows each time. Growth once is no leak: each thread that takes part keeps a
+  /// True if memory in use grows with each run. A single growth is not a leak: each thread keeps a
   /// compressor.
   [[nodiscard]] bool leaks(std::uint64_t number, bool lasting) {
     constexpr int kTimes = 3;
@@ -190,7 +190,7 @@ class Trial {
     ++(outcome.thrown ? tally_.thrown : outcome.result ? tally_.done : tally_.errors);
     if (outcome.result && *outcome.result != expected_) return "success, and something else comes out";
     if (!outcome.result && outcome.result.error().code != ErrorCode::kLimit)
-      return "the error is not want of memory: " + outcome.result.error().message;
+      return "the error is not out of memory: " + outcome.result.error().message;
     const Result<std::uint64_t> again = work();
     if (!again) return "with memory again: " + again.error().message;
     return *again == expected_ ? "" : "with memory again, something else comes out";

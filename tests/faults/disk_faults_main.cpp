@@ -132,7 +132,7 @@ class Rehearsal {
     return judge_debris(kills || fault.lasts);
   }
 
-  /// Temporaries must be gone, or, where cleaning up may have failed, gone after the next run.
+  /// Temporaries must be gone; after a failed removal, the next run must remove them.
   [[nodiscard]] std::string judge_debris(bool may_leave) const {
     const auto is_known = [&](const std::string& name) { return std::ranges::binary_search(names_, name); };
     if (std::ranges::all_of(names(), is_known)) return "";

@@ -1,5 +1,5 @@
-# Installs BUILD_DIR into WORK_DIR, builds examples/ against that and nothing else, runs every example, and compares
-# pictures with those of the installed splatlas-player.
+# Installs BUILD_DIR into WORK_DIR, builds examples/ against the installed package only, runs every example, and
+# compares pictures with those of the installed splatlas-player.
 # Variables: BUILD_DIR, SOURCE_DIR, PHANTOM_ATLAS (the program that writes the phantom), WORK_DIR, CXX_COMPILER,
 # BUILD_TYPE.
 
@@ -44,7 +44,7 @@ set(examples ${WORK_DIR}/examples)
 set(phantom ${WORK_DIR}/phantom.atlas)
 run(${PHANTOM_ATLAS} ${phantom})
 
-# Pictures, whatever is selected.
+# Pictures of several selections.
 foreach(selection "Sphere_1:surface(opacity=0.5) + Sphere_2" "Spheres:both" "Sphere_1 - Sphere_1")
   run(${examples}/render_picture ${phantom} ${selection} ${WORK_DIR}/example.png)
   expect_picture(${WORK_DIR}/example.png ${phantom} --select ${selection} --view left)
@@ -57,7 +57,7 @@ if(NOT pictures EQUAL 3)
   message(FATAL_ERROR "three selections give ${pictures} pictures")
 endif()
 
-# Failures are told in one line, and leave nothing behind.
+# Failures print one line and leave no files.
 set(render ${examples}/render_picture)
 expect_failure(1 "missing\\.atlas" ${render} ${WORK_DIR}/missing.atlas Spheres ${WORK_DIR}/none.png)
 expect_failure(1 "Sphere_3" ${render} ${phantom} Sphere_3 ${WORK_DIR}/none.png)
@@ -78,7 +78,7 @@ expect_output("Sphere_[12] at L [0-9.]+ P [0-9.]+ S [0-9.]+ mm\nshown at 320\\.0
   ${examples}/pick_structure ${phantom} Sphere_1:surface 320 240)
 expect_output("background\n" ${examples}/pick_structure ${phantom} "*:surface" 1 1)
 
-# As many voxels as the program counts.
+# The same voxel counts as the program.
 execute_process(COMMAND ${WORK_DIR}/prefix/bin/splatlas-player info --json ${phantom} OUTPUT_VARIABLE info
   COMMAND_ERROR_IS_FATAL ANY)
 string(JSON structures LENGTH ${info} structures)
@@ -91,13 +91,13 @@ foreach(s RANGE ${last})
   expect_output("${id}: ${voxels} voxels, [0-9.]+ ml, mean grey value [0-9.]+\n" ${examples}/read_voxels ${phantom} ${id})
 endforeach()
 
-# An atlas of a program's own arrays.
+# An atlas from arrays in memory.
 run(${examples}/write_atlas ${WORK_DIR}/ball.atlas)
 run(${WORK_DIR}/prefix/bin/splatlas-player verify ${WORK_DIR}/ball.atlas)
 run(${examples}/render_picture ${WORK_DIR}/ball.atlas Ball ${WORK_DIR}/ball.png)
 expect_picture(${WORK_DIR}/ball.png ${WORK_DIR}/ball.atlas --view left)
 
-# The viewer without a screen, where there is SDL2: 120 of 480 pixels turn the camera by 45 degrees.
+# If SDL2 is installed, the viewer without a screen: 120 of 480 pixels turn the camera by 45 degrees.
 if(EXISTS ${examples}/viewer)
   file(WRITE ${WORK_DIR}/script "drag 120 0\nclick 320 240\nkey T\n")
   execute_process(COMMAND ${CMAKE_COMMAND} -E env SDL_VIDEODRIVER=dummy
@@ -109,7 +109,7 @@ if(EXISTS ${examples}/viewer)
   expect_picture(${WORK_DIR}/viewer.png ${phantom} --azimuth -45 --select "*:surface - ${clicked}")
 endif()
 
-# Where the offline side is installed too: the phantom, from its files to a picture.
+# If splatlas-preprocess is installed too: the phantom, from its files to a picture.
 set(preprocess ${WORK_DIR}/prefix/bin/splatlas-preprocess)
 if(EXISTS ${preprocess})
   set(files ${WORK_DIR}/phantom)

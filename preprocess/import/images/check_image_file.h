@@ -15,8 +15,8 @@ namespace splatlas {
 
 enum class ImageFormat { kNifti, kNrrd, kMetaImage };
 
-/// Whether a geometry may hold the number: 0, or from 1e-37 to 1e9 in magnitude. ITK's linear algebra aborts
-/// on NaN, loops for ever on 1e38, and complains on standard error about 1e-40.
+/// True for numbers that are valid in a geometry: 0, or a magnitude from 1e-37 to 1e9. ITK's linear algebra
+/// aborts on NaN, does not terminate on 1e38, and prints warnings about 1e-40.
 [[nodiscard]] inline bool is_plausible(double x) {
   return x == 0 || (std::abs(x) > 1e-37 && std::abs(x) <= 1e9);
 }
@@ -24,10 +24,12 @@ enum class ImageFormat { kNifti, kNrrd, kMetaImage };
 /// The format by the file's ending: .nii, .nii.gz; .nrrd, .nhdr; .mha, .mhd. kFailed for any other.
 [[nodiscard]] Result<ImageFormat> image_format(const std::filesystem::path& path);
 
-/// Checks a regular NRRD or MetaImage file. kFailed for another format, fewer voxels than promised, spacings
-/// that are not positive, a geometry that is not plausible, 64-bit or vector pixels, more than three
-/// dimensions, and pixels outside the file's folder. Cost: reads the header, and decompresses compressed
-/// pixels once in constant memory to find damage. NIfTI files are checked as they are read (NiftiFile).
+/// Checks a regular NRRD or MetaImage file. kFailed for:
+///   - another format, 64-bit or vector pixels, or more than three dimensions,
+///   - spacings that are not positive, or numbers that are invalid in a geometry,
+///   - fewer voxels than the header declares, or pixels outside the file's folder.
+/// Cost: reads the header, and decompresses compressed pixels once in constant memory to find damage.
+/// NiftiFile checks NIfTI files.
 [[nodiscard]] Result<void> check_nrrd_file(const std::filesystem::path& path);
 [[nodiscard]] Result<void> check_meta_image_file(const std::filesystem::path& path);
 

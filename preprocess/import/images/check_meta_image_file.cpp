@@ -33,7 +33,7 @@ bool is_true(const std::string& value) {
   return value.starts_with('T') || value.starts_with('t') || value == "1";
 }
 
-/// `count` plausible numbers; nothing for any other text.
+/// Parses `count` valid numbers of a geometry; none for any other text.
 std::optional<std::vector<double>> numbers(const std::string& text, std::size_t count) {
   std::vector<double> values;
   for (const std::string_view part : split_blanks(text)) {

@@ -22,7 +22,7 @@ HeaderLine parse_line(std::string_view raw_line) {
   using Kind = HeaderLine::Kind;
   const std::string_view line = trimmed(raw_line);
   if (line.empty()) return {};
-  const std::size_t colon = line.find(": ");  // not of "key:=value"
+  const std::size_t colon = line.find(": ");  // excludes "key:=value"
   if (line.front() == '#' || colon == std::string_view::npos) return {Kind::kComment, {}, {}};
   return {Kind::kField, to_lower(trimmed(line.substr(0, colon))),
           std::string(trimmed(line.substr(colon + 2)))};
@@ -103,7 +103,7 @@ Result<void> check_nrrd_file(const fs::path& path) {
   const std::string encoding = to_lower(header.get("encoding"));
   if (encoding == "raw") return check_raw_payload(pixels, start, expected);
   if (encoding == "gzip" || encoding == "gz") return check_gzip_pixels(header, pixels, start, expected);
-  // A pixel as text takes at least two characters, except for the last; ITK counts them exactly.
+  // A pixel as text takes at least two characters, except for the last. ITK counts pixels exactly.
   const std::uint64_t voxels = expected / bytes_of_type(header.get("type"));
   if (encoding == "hex") return check_raw_payload(pixels, start, 2 * expected);
   if (encoding == "ascii" || encoding == "text" || encoding == "txt") {

@@ -56,7 +56,7 @@ Grid grid_of(const itk::ImageIOBase& io) {
     grid.origin_lps_mm[a] = io.GetOrigin(a);
     const std::vector<double> direction = io.GetDirection(a);
     for (unsigned row = 0; row < 3; ++row) {
-      // + 0.0: no negative zeros, which would make equal grids print differently.
+      // + 0.0 turns -0 into 0, so that equal grids print alike.
       grid.direction_lps[3 * row + a] = (row < direction.size() ? direction[row] : 0.0) + 0.0;
     }
   }

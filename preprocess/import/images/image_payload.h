@@ -21,7 +21,7 @@ namespace splatlas {
                                                   std::span<const std::int64_t> sizes,
                                                   std::uint64_t bytes_per_voxel);
 
-/// Deflate's limit is about 1032.
+/// Maximum compression ratio; deflate reaches about 1032.
 inline constexpr std::uint64_t kMaxDeflateRatio = 1100;
 /// Bytes beyond the pixels that are read to reach a compressed stream's checksum.
 inline constexpr std::uint64_t kMaxSurplus = 16u << 20;

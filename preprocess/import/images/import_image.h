@@ -16,10 +16,9 @@ struct Image {
 };
 
 /// Reads NIfTI (.nii, .nii.gz), NRRD (.nrrd, .nhdr) or MetaImage (.mha, .mhd). A 2-D image is a volume of one
-/// slice, a fourth dimension must have size 1. NIfTI's scl_slope and scl_inter are applied, which makes
-/// floats. kFailed, in one line, for everything that NiftiFile and the checks in check_image_file.h refuse or
-/// ITK cannot read; kLimit when out of memory. Cost: one copy in memory. Safe to call from several threads on
-/// different files.
+/// slice; a fourth dimension must have size 1. Applies NIfTI's scl_slope and scl_inter, with floats as
+/// result. kFailed, in one line, for files that NiftiFile, check_image_file.h or ITK reject; kLimit when out
+/// of memory. Cost: one copy in memory. Thread-safe for different files.
 [[nodiscard]] Result<Image> import_image(const std::filesystem::path& path);
 
 /// kFailed, with both values, if two grids differ: in size, or in the positions of their voxels by more than
@@ -27,13 +26,13 @@ struct Image {
 [[nodiscard]] Result<void> check_same_grid(const Grid& a, const std::string& name_of_a, const Grid& b,
                                            const std::string& name_of_b);
 
-/// Reorders voxels of a source file to the order in which an atlas stores its grid (storage_order).
+/// Reorders voxels of a source file to the atlas's storage order (storage_order()).
 [[nodiscard]] VoxelBuffer to_storage_order(VoxelBuffer voxels, const Grid& source_grid);
 
-/// Whether voxels have more than one value besides 0 and NaN, unlike a mask.
+/// True if voxels have more than one value besides 0 and NaN, unlike a mask.
 [[nodiscard]] bool holds_several_values(const VoxelBuffer& voxels);
 
-/// 1 for every voxel that is not 0, in the same order; NaN counts as 0.
+/// Binary mask in the same order: 1 for every voxel that is not 0 or NaN.
 [[nodiscard]] std::vector<std::uint8_t> mask_of(const VoxelBuffer& voxels);
 
 }  // namespace splatlas

@@ -14,8 +14,8 @@ namespace splatlas {
 /// ITK's message as one line, without object addresses and source locations.
 [[nodiscard]] std::string message_of(const itk::ExceptionObject& error);
 
-/// Runs `call`, a function that returns a Result. ITK's and the standard library's exceptions become kFailed,
-/// std::bad_alloc kLimit; the message starts with `what`, which names the file or the step.
+/// Runs `call`, a function that returns a Result. Exceptions of ITK and the standard library become kFailed,
+/// std::bad_alloc becomes kLimit. Messages start with `what`, the name of the file or the step.
 template <typename Call>
 [[nodiscard]] auto call_itk(const std::string& what, Call&& call) -> decltype(call()) {
   try {

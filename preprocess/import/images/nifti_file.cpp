@@ -14,9 +14,9 @@
 namespace splatlas {
 namespace {
 
-/// Bytes read, fewer than asked for at the end of the stream or where it is damaged.
+/// Number of bytes read; fewer than requested at the end of the stream or before damage.
 std::size_t read_some(gzFile_s& stream, std::span<std::byte> bytes) {
-  constexpr std::size_t kMaxRead = std::size_t{1} << 30;  // zlib counts in ints
+  constexpr std::size_t kMaxRead = std::size_t{1} << 30;  // zlib's counts are of type int
   std::size_t done = 0;
   while (done < bytes.size()) {
     const auto wanted = static_cast<unsigned>(std::min(bytes.size() - done, kMaxRead));

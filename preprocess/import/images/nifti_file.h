@@ -24,11 +24,11 @@ class NiftiHeader {
     swapped_ = get<std::int32_t>(0) != std::int32_t{kBytes};
   }
 
-  /// Whether this is the header of a single-file NIfTI-1 file.
+  /// True for the header of a single-file NIfTI-1 file.
   [[nodiscard]] bool valid() const {
     return get<std::int32_t>(0) == std::int32_t{kBytes} && std::memcmp(&bytes_[344], "n+1", 4) == 0;
   }
-  /// Whether the file's byte order is not this machine's.
+  /// True if the file's byte order differs from this machine's.
   [[nodiscard]] bool swapped() const { return swapped_; }
   /// dim(0) is the number of axes, dim(n) the voxels along axis n = 1...
   [[nodiscard]] std::int16_t dim(std::size_t n) const { return get<std::int16_t>(40 + 2 * n); }
@@ -41,7 +41,7 @@ class NiftiHeader {
   [[nodiscard]] float voxel_offset() const { return get<float>(108); }
   [[nodiscard]] float slope() const { return get<float>(112); }
   [[nodiscard]] float intercept() const { return get<float>(116); }
-  /// Whether lengths are in mm or have no unit.
+  /// True if lengths are in mm or have no unit.
   [[nodiscard]] bool in_mm() const {
     constexpr int kUnknown = 0, kMillimetres = 2, kSpaceBits = 7;
     const int unit = bytes_[123] & kSpaceBits;
@@ -75,15 +75,17 @@ class NiftiHeader {
 /// An open .nii or .nii.gz file with a valid header.
 class NiftiFile {
  public:
-  /// Reads the header. kFailed for files that are not single-file NIfTI-1, whose ending denies their
-  /// compression, or that are too small for their voxels; and for spacings that are not positive, an invalid
-  /// orientation, value scale or size, unsupported pixel types, and more than one volume.
+  /// Reads the header. kFailed for:
+  ///   - files that are not single-file NIfTI-1, or whose ending contradicts their compression,
+  ///   - files that are too small for their voxels, and more than one volume,
+  ///   - spacings that are not positive, or an invalid orientation, value scale or size,
+  ///   - unsupported pixel types.
   [[nodiscard]] static Result<NiftiFile> open(const std::filesystem::path& path);
 
   [[nodiscard]] const NiftiHeader& header() const { return header_; }
 
-  /// Reads all voxels, in one pass, and scales them by scl_slope and scl_inter, which makes floats (doubles
-  /// stay doubles). kFailed for truncated or damaged files, by the checksum of compressed ones. Call it once.
+  /// Reads all voxels in one pass. Scales them by scl_slope and scl_inter to floats; doubles stay doubles.
+  /// kFailed for truncated files, and for compressed files with a wrong checksum. Call it once.
   [[nodiscard]] Result<VoxelBuffer> read_voxels();
 
  private:

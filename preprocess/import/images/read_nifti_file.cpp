@@ -53,7 +53,7 @@ std::optional<Grid> grid_of_sform(const NiftiHeader& header) {
     grid.size[a] = header.dim(a + 1);
     grid.spacing_mm[a] = header.spacing(a + 1);
     grid.origin_lps_mm[a] = (a < 2 ? -1.0 : 1.0) * double{header.sform(a, 3)} + 0.0;
-    // + 0.0: no negative zeros, which would make equal grids print differently.
+    // + 0.0 turns -0 into 0, so that equal grids print alike.
     for (unsigned row = 0; row < 3; ++row) grid.direction_lps[3 * row + a] = direction(row, a) + 0.0;
   }
   return grid;

@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// VTK's test: a file is binary if a twentieth of its first 256 bytes are no characters.
+/// VTK's test: a file is binary if at least 5 % of its first 256 bytes are not characters.
 bool is_text_to_vtk(std::string_view head) {
   const std::string_view first = head.substr(0, 256);
   const auto others = std::ranges::count_if(first, [](char c) {
@@ -64,7 +64,7 @@ Result<void> check_mesh_file(const fs::path& path) {
     case MeshFormat::kStl: return check_stl(path);
     case MeshFormat::kVtk: return check_vtk(path);
     case MeshFormat::kObj:
-    case MeshFormat::kPly: break;  // their readers check what they read
+    case MeshFormat::kPly: break;  // checked by their readers
   }
   return {};
 }

@@ -12,8 +12,8 @@ enum class MeshFormat { kStl, kObj, kPly, kVtk };
 /// The format by the file's ending: .stl, .obj, .ply, .vtk. kFailed for any other.
 [[nodiscard]] Result<MeshFormat> mesh_format(const std::filesystem::path& path);
 
-/// kFailed for anything but a regular file, and for STL and VTK files without the header of their type or
-/// with fewer triangles than an STL header promises, which VTK's readers do not notice. Cost: reads the
+/// Checks a mesh file for errors that VTK's readers ignore. kFailed for anything but a regular file, for STL
+/// and VTK files without a valid header, and for fewer triangles than an STL header declares. Cost: reads the
 /// header.
 [[nodiscard]] Result<void> check_mesh_file(const std::filesystem::path& path);
 

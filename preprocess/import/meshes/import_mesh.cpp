@@ -44,7 +44,7 @@ Result<vtkSmartPointer<vtkPolyData>> read_polygons(const std::filesystem::path& 
   return read_with<vtkPolyDataReader>(path);
 }
 
-/// Before any filter dereferences them.
+/// Checks corner indices before a filter dereferences them.
 Result<void> check_corners(vtkPolyData& polygons, const std::filesystem::path& path) {
   const vtkIdType points = polygons.GetNumberOfPoints();
   for (vtkCellArray* cells : {polygons.GetPolys(), polygons.GetStrips()}) {
@@ -61,7 +61,7 @@ Result<void> check_corners(vtkPolyData& polygons, const std::filesystem::path& p
   return {};
 }
 
-/// A thousand kilometres: exceeds any anatomy, and no product below overflows.
+/// Maximum coordinate: 1000 km exceeds any anatomy, and prevents overflow in the products below.
 constexpr double kMaxCoordinateMm = 1e9;
 
 bool has_area(const std::array<Vec3, 3>& corners) {

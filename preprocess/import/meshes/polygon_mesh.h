@@ -20,7 +20,7 @@ struct PolygonMesh {
   vtkNew<vtkCellArray> polygons;
 
   PolygonMesh() { normals->SetNumberOfComponents(3); }
-  /// Leaves out points and lines, which have less than three corners.
+  /// Adds a polygon; ignores points and lines (fewer than three corners).
   void add_polygon(std::span<const vtkIdType> corners) {
     if (corners.size() >= 3) polygons->InsertNextCell(static_cast<vtkIdType>(corners.size()), corners.data());
   }

@@ -1,4 +1,4 @@
-// Readers of polygons for formats whose VTK readers trust the file's counts and indices.
+// Readers of PLY and OBJ polygons. VTK's own readers trust the counts and indices of a file.
 #pragma once
 
 #include <filesystem>
@@ -10,7 +10,7 @@
 
 namespace splatlas {
 
-/// Reads vertices (x, y, z and, where present, nx, ny, nz) and faces (vertex_indices) of a text or binary PLY
+/// Reads vertices (x, y, z, optionally nx, ny, nz) and faces (vertex_indices) of a text or binary PLY
 /// file. kFailed for a header without these properties, for faces of more than 255 corners or before the
 /// vertices, for corners that do not exist, and for truncated files. Cost: one pass; memory in proportion to
 /// the file.

@@ -49,7 +49,7 @@ TEST_F(SelectionEditorTest, AllChildrenAlikeAreNamedByTheirGroup) {
   editor_.hide_all();
   EXPECT_EQ(editor_.text(), "");
   editor_.set_mode(Index::kGyrusLeft, kSurface);
-  EXPECT_EQ(editor_.text(), "left:surface");  // its only child is on: so is the group
+  EXPECT_EQ(editor_.text(), "left:surface");  // the only child is on, and so is the group
   editor_.set_mode(Index::kGyrusRight, kSurface);
   editor_.set_mode(Index::kStem, kSurface);
   EXPECT_THAT(leaf_modes(), testing::ElementsAre(kSurface, kSurface, kSurface));

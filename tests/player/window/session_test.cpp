@@ -27,7 +27,7 @@ using phantom_structure::kSpheres;
 constexpr PictureSize kSize{96, 64};
 constexpr std::chrono::seconds kLongest{60};
 
-/// A session with a stand-in for the event loop of the window.
+/// Session with a replacement for the window's event loop.
 class Desk {
  public:
   explicit Desk(std::shared_ptr<const Atlas> atlas, const RendererOptions& options = {.threads = 2},

@@ -29,7 +29,7 @@ TEST(ViewNames, LettersNameDirectionsInLps) {
 }
 
 TEST(ViewNames, EdgesOfTheNamedViews) {
-  // As anatomists hold an atlas: right, up.
+  // Anatomical convention: right and up vectors of each view.
   const std::array<std::pair<NamedView, std::string>, 6> edges{{{NamedView::kAnterior, "LS"},
                                                                 {NamedView::kPosterior, "RS"},
                                                                 {NamedView::kLeft, "PS"},

@@ -143,10 +143,10 @@ TEST_F(BuildGraph, ColorsSpreadOverALine) {
 }
 
 TEST_F(BuildGraph, IdsAreUnique) {
-  std::vector<SourceStructure> twins(3);
-  for (SourceStructure& twin : twins) twin.name = "Left lobe";
-  twins[2].name = "left-lobe";
-  const auto placed = build_graph(twins, {}, "");
+  std::vector<SourceStructure> siblings(3);
+  for (SourceStructure& sibling : siblings) sibling.name = "Left lobe";
+  siblings[2].name = "left-lobe";
+  const auto placed = build_graph(siblings, {}, "");
   ASSERT_TRUE(placed) << placed.error().message;
   EXPECT_EQ(placed->graph[0].id, "Left_lobe");
   EXPECT_EQ(placed->graph[1].id, "Left_lobe_2");
