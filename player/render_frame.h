@@ -22,7 +22,7 @@ struct RenderOverrides;
 /// chunks. Owns a thread pool. Not thread-safe: serialise all calls on one renderer.
 class Renderer {
  public:
-  /// Starts the threads; nothing is selected. Throws std::bad_alloc or std::system_error when it cannot.
+  /// Starts the threads, or fewer if the system refuses them. Nothing is selected. Throws std::bad_alloc.
   explicit Renderer(std::shared_ptr<const Atlas> atlas, const RendererOptions& options = {});
   ~Renderer();
   Renderer(Renderer&&) noexcept;
@@ -66,7 +66,7 @@ class Renderer {
   /// Casts a ray through picture coordinates (x, y) of the latest picture. Returns the structure with the
   /// largest contribution to the pixel, and the point of its largest contribution in LPS mm. None for the
   /// background, outside the picture, and after select() or a render() that failed while drawing. Cost: one
-  /// voxel look-up per slice; pictures of rays add the runs in the selection's bounding box.
+  /// voxel look-up per slice; after ray casting, also linear in the selected classes.
   [[nodiscard]] std::optional<Pick> pick(double x, double y) const;
 
  private:

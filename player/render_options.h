@@ -30,7 +30,7 @@ enum class DepthCue : std::uint8_t {
 ///   - Selections with sharp edges: 1, 2.25, 2.5; at most 2, 6, 8 per voxel. Their maximum
 ///     optical depth over the reference length is at least 1 (opacity 0.63) on average.
 ///   - Slabs per slice: 1, 4, 8.
-///   - Normal and high warp volumes without surfaces by a cubic kernel.
+///   - Interpolation in pixels without surfaces: bilinear, bicubic, bicubic.
 ///
 /// Rays draw perspective projections and post-classification. Steps per slab: 1, 1 to 32, 8 to 64.
 enum class Quality : std::uint8_t { kDraft, kNormal, kHigh };

@@ -28,8 +28,7 @@ Result<std::vector<std::byte>> encode_png(const Picture& picture, std::optional<
   image.width = static_cast<png_uint_32>(picture.size.width);
   image.height = static_cast<png_uint_32>(picture.size.height);
   image.format = background ? PNG_FORMAT_RGB : PNG_FORMAT_RGBA;
-  png_alloc_size_t size =
-      PNG_IMAGE_PNG_SIZE_MAX(image);  // upper bound, slightly above the size of the pixels
+  png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(image);  // upper bound
   std::vector<std::byte> bytes(size);
   if (png_image_write_to_memory(&image, bytes.data(), &size, 0, pixels.data(), 0, nullptr) == 0) {
     // The buffer is large enough: libpng is out of memory, or the picture is empty.

@@ -1,7 +1,7 @@
 // Image formats, and checks of image files before ITK reads them.
 //
-// ITK's readers accept truncated MetaImage files, follow detached headers to any file of the machine, replace
-// invalid spacings silently, and abort on a NaN in an orientation.
+// ITK's readers accept truncated MetaImage files and follow detached headers to any file of the machine. They
+// replace invalid spacings silently, and abort on a NaN in an orientation.
 #pragma once
 
 #include <cmath>

@@ -11,7 +11,7 @@ namespace splatlas {
 
 [[nodiscard]] itk::ImageIOBase::Pointer make_image_io(ImageFormat format);
 
-/// kNone for unsupported types, such as 64-bit integers.
+/// Voxel type of an ITK component type; kNone for unsupported types such as 64-bit integers.
 [[nodiscard]] VoxelType voxel_type_of(itk::IOComponentEnum component);
 [[nodiscard]] itk::IOComponentEnum component_of(VoxelType type);
 

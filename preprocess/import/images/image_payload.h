@@ -29,8 +29,8 @@ inline constexpr std::uint64_t kMaxSurplus = 16u << 20;
 [[nodiscard]] tl::unexpected<Error> truncated_file(const std::filesystem::path& path, std::uint64_t expected,
                                                    std::uint64_t found);
 
-/// kFailed if a file holds less than `needed` bytes from `offset` on; `expected` bytes of pixels,
-/// decompressed, are for the message.
+/// kFailed if a file holds less than `needed` bytes from `offset` on. The message states `expected`, the
+/// number of decompressed bytes of pixels.
 [[nodiscard]] Result<void> check_raw_payload(const std::filesystem::path& path, std::uint64_t offset,
                                              std::uint64_t needed, std::uint64_t expected);
 [[nodiscard]] inline Result<void> check_raw_payload(const std::filesystem::path& path, std::uint64_t offset,

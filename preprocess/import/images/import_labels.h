@@ -35,9 +35,8 @@ struct ImportedLabels {
 /// more specific one has the higher number. An empty mask gives a structure without voxels, and a note.
 [[nodiscard]] Result<ImportedLabels> import_mask_folder(const std::filesystem::path& folder);
 
-/// Sets names, codes and colours of the structures of a label map. kFailed for labels without a name and,
-/// unless `allow_empty` keeps them as empty structures, for names (of `file`, with their lines) without a
-/// voxel.
+/// Sets names, codes and colours of the structures of a label map. kFailed for labels without a name. Names
+/// without a voxel become empty structures with `allow_empty`; otherwise kFailed with `file` and line.
 [[nodiscard]] Result<void> name_labels(ImportedLabels& labels, const std::vector<LabelName>& names,
                                        const std::string& file, bool allow_empty);
 

@@ -21,12 +21,13 @@ struct TriangleMesh {
   std::vector<Vec3> positions_lps_mm;
   std::vector<std::array<float, 3>> normals_lps;  ///< one per position; empty when the file has none
   std::vector<std::array<std::uint32_t, 3>> triangles;
-  std::uint64_t dropped = 0;  ///< triangles left out: without area, or with a corner that is not finite
+  std::uint64_t dropped = 0;  ///< dropped triangles: zero area, or a corner that is not finite
 };
 
-/// Reads STL, OBJ, PLY or legacy VTK polygons, by the file's ending, and triangulates them. kFailed, in one
-/// line, when the file is missing, truncated, of another type, has corners that do not exist, or no triangle.
-/// Prints nothing. VTK reads STL and VTK files; its readers of OBJ and PLY trust counts and indices.
+/// Reads and triangulates STL, OBJ, PLY or legacy VTK polygons, by the file's ending. kFailed, in one line,
+/// for files that are missing, truncated or of another type, for invalid corner indices, and without
+/// triangles. Prints nothing. VTK reads STL and VTK files only: its readers of OBJ and PLY trust counts and
+/// indices.
 [[nodiscard]] Result<TriangleMesh> import_mesh(const std::filesystem::path& path, MeshFrame frame);
 
 /// Vertex normals: area-weighted means of the adjacent triangles' normals.

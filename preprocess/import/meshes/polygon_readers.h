@@ -11,8 +11,8 @@
 namespace splatlas {
 
 /// Reads vertices (x, y, z, optionally nx, ny, nz) and faces (vertex_indices) of a text or binary PLY
-/// file. kFailed for a header without these properties, for faces of more than 255 corners or before the
-/// vertices, for corners that do not exist, and for truncated files. Cost: one pass; memory in proportion to
+/// file. kFailed for a header without these properties, for faces of more than 255 corners, for faces before
+/// the vertices, for invalid corner indices, and for truncated files. Cost: one pass; memory in proportion to
 /// the file.
 [[nodiscard]] Result<vtkSmartPointer<vtkPolyData>> read_ply(const std::filesystem::path& path);
 
