@@ -64,6 +64,7 @@ struct Renderer::Impl {
 
   [[nodiscard]] Result<void> select(const Selection& selection);
   void draw(DrawPlan plan);
+  void draw_nothing();
   [[nodiscard]] Result<void> render(const Camera& camera, const RenderOptions& options,
                                     const RenderOverrides& overrides, TaskControl& task, Picture& picture);
   [[nodiscard]] Result<void> render_sheets(const FrameCall& call, Picture& picture);
@@ -117,16 +118,24 @@ Result<void> Renderer::Impl::select(const Selection& selection) {
 
 /// Replaces the draw plan and drops all data of the previous one.
 void Renderer::Impl::draw(DrawPlan plan) {
-  drawn.draw(std::move(plan));
-  spans.outdate();
+  spans.outdate();  // first: out of memory in draw() leaves an empty plan
   ray_volume.clear();
   shown.reset();
+  drawn.draw(std::move(plan));
   const DrawPlan& now = drawn.plan();
   stats.volume_voxels = now.volume_voxels;
   stats.surface_voxels = now.surface_voxels;
   stats.hybrid_voxels = now.hybrid_voxels;
   stats.occupancy = static_cast<double>(now.volume_voxels + now.surface_voxels + now.hybrid_voxels) /
                     static_cast<double>(atlas->grid().voxels());
+}
+
+/// Drops the selection. Does not throw.
+void Renderer::Impl::draw_nothing() {
+  drawn.clear();
+  spans.clear();
+  ray_volume.clear();
+  shown.reset();
 }
 
 Result<void> Renderer::Impl::render(const Camera& camera, const RenderOptions& options,
@@ -317,7 +326,7 @@ Result<void> Renderer::select(const Selection& selection) {
   try {
     return impl_->select(selection);
   } catch (const std::bad_alloc&) {
-    impl_->drawn.clear();
+    impl_->draw_nothing();
     return impl_->out_of_memory();
   }
 }

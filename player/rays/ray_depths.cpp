@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "format/system/task_control.h"
+
 namespace splatlas {
 namespace {
 
@@ -123,6 +125,7 @@ void add_ray_depths(const RayVolume& volume, const View& view, const Grid& grid,
   pool.for_each(bands, [&](std::size_t band) {
     const int top = static_cast<int>(band) * kBlockSide;
     for (int left = 0; left < width; left += kBlockSide) {
+      check_cancelled();
       RayNumbers x{}, y{};
       for (std::size_t n = 0; n < kPacketRays; ++n) {
         x[n] = std::min(left + static_cast<int>(n) % kBlockSide, width - 1) + 0.5;
