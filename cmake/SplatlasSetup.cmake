@@ -71,4 +71,7 @@ function(splatlas_library name)
   target_sources(splatlas_${name} PUBLIC FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR} FILES ${arg_HEADERS})
   target_link_libraries(splatlas_${name} PRIVATE $<BUILD_INTERFACE:splatlas_flags>)
   target_compile_features(splatlas_${name} PUBLIC cxx_std_20)
+  if(SPLATLAS_SANITIZE)  # a library to use is compiled source by source
+    set_target_properties(splatlas_${name} PROPERTIES UNITY_BUILD ${SPLATLAS_UNITY})
+  endif()
 endfunction()

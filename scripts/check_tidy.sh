@@ -3,13 +3,13 @@
 #   check_tidy.sh                      every source
 #   check_tidy.sh SOURCE...            these
 #   check_tidy.sh --changed-since REV  what differs from the merge base of REV and HEAD, in the working tree too
-#   check_tidy.sh --recent             what differs from origin/HEAD; where nothing does, what the last 40 commits changed:
-#                                      a fresh clone, as in CI, does not tell what was there before
+#   check_tidy.sh --recent             the files that commits changed last, 100 at most: a bound for CI, whose fresh clone
+#                                      does not tell what was there before
 # A header that changed is read with a source that includes it. Where the history is missing, every source is taken.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-readonly recent_commits=40
+readonly recent_files=100
 
 all_sources() { find format preprocess player bench -name '*.cpp' | sort; }
 
@@ -17,6 +17,12 @@ all_sources() { find format preprocess player bench -name '*.cpp' | sort; }
 changed_since() {
   git diff --name-only --diff-filter=d "$1" -- format preprocess player bench
   git ls-files --others --exclude-standard -- format preprocess player bench
+}
+
+# recently_changed: the files of the newest commits, newest first.
+recently_changed() {
+  git log --format= --name-only -- format preprocess player bench | awk '!seen[$0]++' |
+    while IFS= read -r file; do [[ ! -f $file ]] || printf '%s\n' "$file"; done | sed "${recent_files}q"
 }
 
 # Changed sources; for a changed header without one that includes it, the first that does.
@@ -33,23 +39,23 @@ sources_of() {
 }
 
 sources=("$@")
-base=none
+changed=()
 case ${1-} in
-  --changed-since) base=$(git merge-base "$2" HEAD 2>/dev/null) || base= ;;
+  --changed-since)
+    if base=$(git merge-base "$2" HEAD 2>/dev/null); then
+      mapfile -t changed < <(changed_since "$base")
+      mapfile -t sources < <(sources_of "${changed[@]}")
+    else
+      mapfile -t sources < <(all_sources)
+    fi
+    ;;
   --recent)
-    base=$(git merge-base origin/HEAD HEAD 2>/dev/null) || base=
-    [[ -n $base && -n $(changed_since "$base") ]] ||
-      base=$(git rev-parse --quiet --verify "HEAD~$recent_commits" 2>/dev/null) || base=
+    mapfile -t changed < <(recently_changed)
+    mapfile -t sources < <(((${#changed[@]} == 0)) && all_sources || sources_of "${changed[@]}")
     ;;
   '') mapfile -t sources < <(all_sources) ;;
   -*) printf 'check_tidy: %s: must be --changed-since, --recent or a source\n' "$1" >&2; exit 2 ;;
 esac
-if [[ -z $base ]]; then
-  mapfile -t sources < <(all_sources)
-elif [[ $base != none ]]; then
-  mapfile -t changed < <(changed_since "$base")
-  mapfile -t sources < <(sources_of "${changed[@]}")
-fi
 if ((${#sources[@]} == 0)); then
   echo "No source has changed."
   exit 0

@@ -8,7 +8,6 @@
 namespace splatlas {
 namespace {
 
-constexpr double kSubPixels = 1 << kSubPixelBits;
 /// Surfaces coincide if their depths lie in the same bin of 1/4096 voxel. The offset moves bin limits away
 /// from common surface depths such as half voxels, where rounding would decide.
 constexpr double kDepthSteps = 4096;

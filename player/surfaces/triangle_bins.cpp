@@ -7,7 +7,6 @@
 namespace splatlas {
 namespace {
 
-constexpr double kSubPixels = 1 << kSubPixelBits;
 constexpr std::size_t kTrianglesPerChunk = 4096;
 /// Larger bounding boxes are not searched for wanted pixels.
 constexpr std::int64_t kFewPixels = 64;

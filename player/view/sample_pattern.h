@@ -8,6 +8,7 @@
 namespace splatlas {
 
 inline constexpr int kSubPixelBits = 8;
+inline constexpr double kSubPixels = 1 << kSubPixelBits;
 
 /// A sample position relative to the pixel centre, in 1/256 pixel. Vertices snap to the same grid, so that
 /// rasterisation is watertight at every sample.
