@@ -61,8 +61,8 @@ build_player_only() { build player-only splatlas-player splatlas-phantom-atlas; 
 
 # What threads share: pools, caches, the session of the window, readers and writers of atlases, frames.
 run_tests_with_threads() {
-  GTEST_FILTER='*Thread*:*Cancellation*:TaskControl*:ParallelFor*:Session*:Interrupts*:ClassCache*:OpticalArena*:SharedRuns*:ValueCache*'
-  GTEST_FILTER+=':AtlasWriter*:AtlasVerify*:LargeAtlas*:Renderer*:Pick*:Antialiasing*'
+  GTEST_FILTER='*Thread*:ParallelFor*:TaskControl*:*Cancellation*:Session*:Interrupts*:ClassCache*:OpticalArena*'
+  GTEST_FILTER+=':SharedRuns*:ValueCache*:AtlasWriter*:AtlasVerify*:LargeAtlas*:Renderer*:Pick*:Antialiasing*'
   export GTEST_FILTER
   run_tests tsan --label-regex '^(format|player)$' --tests-regex 'shard|threads'
   unset GTEST_FILTER
