@@ -1,6 +1,5 @@
 #include "player/missing_parts.h"
 
-#include <algorithm>
 #include <map>
 
 #include <fmt/format.h>

@@ -1,10 +1,8 @@
 // Renderer of atlas selections.
 #pragma once
 
-#include <cstdint>
 #include <memory>
 #include <optional>
-#include <string_view>
 #include <vector>
 
 #include "format/atlas_reader.h"

@@ -1,7 +1,5 @@
 #include "player/commands/info_command.h"
 
-#include <algorithm>
-
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 

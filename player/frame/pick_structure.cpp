@@ -4,7 +4,6 @@
 #include <cmath>
 #include <unordered_map>
 #include <utility>
-#include <vector>
 
 #include "format/run_model.h"
 

@@ -1,7 +1,6 @@
 // Ray casting: one ray through the centre of every pixel, in either projection.
 #pragma once
 
-#include <cstdint>
 #include <optional>
 
 #include "format/system/thread_pool.h"

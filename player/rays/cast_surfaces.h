@@ -5,7 +5,7 @@
 
 #include "player/rays/cast_rays.h"
 #include "player/surfaces/fragments.h"
-#include "player/surfaces/rasterize.h"
+#include "player/surfaces/raster_scene.h"
 
 namespace splatlas {
 

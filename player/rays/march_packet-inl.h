@@ -6,6 +6,10 @@
 #define SPLATLAS_PLAYER_MARCH_PACKET_INL_H_
 #endif
 
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+
 #include <hwy/highway.h>
 
 #include "player/rays/march_kernels.h"

@@ -1,7 +1,6 @@
 // Step control of ray marching with an error tolerance.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 
 #include "player/rays/march_kernels.h"

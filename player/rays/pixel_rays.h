@@ -5,7 +5,6 @@
 #include <optional>
 
 #include "format/grid.h"
-#include "format/run_model.h"
 #include "player/camera.h"
 #include "player/rays/march_kernels.h"
 #include "player/view/view_frame.h"

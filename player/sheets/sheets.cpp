@@ -1,6 +1,5 @@
 #include "player/sheets/sheets.h"
 
-#include <algorithm>
 #include <cmath>
 #include <utility>
 

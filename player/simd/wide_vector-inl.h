@@ -6,8 +6,6 @@
 #define SPLATLAS_PLAYER_WIDE_VECTOR_INL_H_
 #endif
 
-#include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 

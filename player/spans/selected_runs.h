@@ -1,7 +1,6 @@
 // Runs of the selected classes: a filtered view of the runs of all decoded classes.
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
 #include <limits>
 #include <span>

@@ -1,6 +1,5 @@
 #include "player/surfaces/triangle_bins.h"
 
-#include <algorithm>
 #include <bit>
 #include <cmath>
 

@@ -1,8 +1,5 @@
 #include "player/transfer/shading.h"
 
-#include <algorithm>
-#include <cmath>
-
 #include "format/unit_vector.h"
 
 namespace splatlas {

@@ -1,7 +1,6 @@
 #include "player/transfer/transfer_table.h"
 
 #include <algorithm>
-#include <cstdint>
 #include <cstring>
 #include <type_traits>
 

@@ -1,9 +1,6 @@
 // Depth of points on the rays of a view.
 #pragma once
 
-#include <array>
-#include <cmath>
-
 #include "format/grid.h"
 #include "player/camera.h"
 #include "player/view/view_frame.h"

@@ -7,7 +7,6 @@
 #include <imgui.h>
 #include <nlohmann/json.hpp>
 
-#include "format/selection.h"
 #include "player/window/session_log.h"
 
 namespace splatlas {

@@ -1,7 +1,6 @@
 #include "player/window/selection_editor.h"
 
 #include <algorithm>
-#include <utility>
 
 namespace splatlas {
 namespace {

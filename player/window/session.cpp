@@ -1,7 +1,5 @@
 #include "player/window/session.h"
 
-#include <utility>
-
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <unistd.h>
