@@ -11,9 +11,6 @@
 namespace splatlas {
 namespace {
 
-constexpr int kBlockSide = 4;  // pixels of a packet
-constexpr auto kSide = static_cast<std::size_t>(kBlockSide);
-static_assert(kSide * kSide == kPacketRays);
 constexpr int kTileSide = 32;  // pixels, the unit of work of a thread
 
 /// Pixels of the picture.
@@ -43,55 +40,34 @@ PixelBox shown_box(const RayVolume& volume, const View& view, const Grid& grid) 
     bottom = std::max(bottom, point.y / point.w);
   }
   constexpr double kRounding = 1;
-  const auto pixel = [](double at, int most) {
-    return static_cast<int>(std::clamp(at, 0.0, static_cast<double>(most)));
+  const auto pixel = [](double at, int max) {
+    return static_cast<int>(std::clamp(at, 0.0, static_cast<double>(max)));
   };
   return {pixel(std::floor(left - kRounding), size.width), pixel(std::floor(top - kRounding), size.height),
           pixel(std::ceil(right + kRounding) + 1, size.width),
           pixel(std::ceil(bottom + kRounding) + 1, size.height)};
 }
 
-class Tile {
- public:
-  Tile(const PixelRays& rays, const MarchScene& scene, const MarchKernels& kernels, Picture& picture)
-      : rays_(rays), scene_(scene), kernels_(kernels), picture_(picture) {}
-
-  void render(const PixelBox& box) const {
-    for (int y = box.top; y < box.bottom; y += kBlockSide) {
-      for (int x = box.left; x < box.right; x += kBlockSide) render_block(x, y);
+/// Casts the rays of a block of pixels.
+void render_block(int left, int top, const PixelRays& rays, const MarchScene& scene,
+                  const MarchKernels& kernels, Picture& picture) {
+  check_cancelled();
+  const RayPacket packet = rays.through(block_centers(left, top, picture.size));
+  RadiancePacket radiance;
+  kernels.march(scene, packet, radiance);
+  const int columns = std::min(kBlockSide, picture.size.width - left);
+  const int rows = std::min(kBlockSide, picture.size.height - top);
+  for (int row = 0; row < rows; ++row) {
+    float* out =
+        &picture
+             .rgba[4 * (static_cast<std::size_t>(top + row) * static_cast<std::size_t>(picture.size.width) +
+                        static_cast<std::size_t>(left))];
+    for (int column = 0; column < columns; ++column) {
+      const std::size_t n = static_cast<std::size_t>(row) * kBlockSide + static_cast<std::size_t>(column);
+      for (std::size_t c = 0; c < 4; ++c) *out++ = radiance.planes[c][n];
     }
   }
-
- private:
-  void render_block(int left, int top) const {
-    check_cancelled();
-    RayNumbers x{}, y{};
-    for (std::size_t n = 0; n < kPacketRays; ++n) {
-      // Beyond the edge of the picture, repeat the last ray
-      x[n] = std::min(left + static_cast<int>(n) % kBlockSide, picture_.size.width - 1) + 0.5;
-      y[n] = std::min(top + static_cast<int>(n) / kBlockSide, picture_.size.height - 1) + 0.5;
-    }
-    const RayPacket packet = rays_.through(x, y);
-    RadiancePacket radiance;
-    kernels_.march(scene_, packet, radiance);
-    const int columns = std::min(kBlockSide, picture_.size.width - left);
-    const int rows = std::min(kBlockSide, picture_.size.height - top);
-    for (int row = 0; row < rows; ++row) {
-      float* out = &picture_.rgba[4 * (static_cast<std::size_t>(top + row) *
-                                           static_cast<std::size_t>(picture_.size.width) +
-                                       static_cast<std::size_t>(left))];
-      for (int column = 0; column < columns; ++column) {
-        const std::size_t n = static_cast<std::size_t>(row) * kBlockSide + static_cast<std::size_t>(column);
-        for (std::size_t c = 0; c < 4; ++c) *out++ = radiance.planes[c][n];
-      }
-    }
-  }
-
-  const PixelRays& rays_;
-  const MarchScene& scene_;
-  const MarchKernels& kernels_;
-  Picture& picture_;
-};
+}
 
 }  // namespace
 
@@ -113,7 +89,6 @@ void cast_rays(const RayVolume& volume, const View& view, const Grid& grid, cons
   if (volume.empty()) return;
   const PixelRays rays(view, grid, volume.first(), options.principal_axis);
   const MarchScene scene = march_scene(volume, options);
-  const Tile tile(rays, scene, kernels, picture);
   const PixelBox shown = shown_box(volume, view, grid);
   const int columns = (shown.right - shown.left + kTileSide - 1) / kTileSide;
   const int rows = (shown.bottom - shown.top + kTileSide - 1) / kTileSide;
@@ -121,8 +96,11 @@ void cast_rays(const RayVolume& volume, const View& view, const Grid& grid, cons
   pool.for_each(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows), [&](std::size_t n) {
     const int left = shown.left + static_cast<int>(n % static_cast<std::size_t>(columns)) * kTileSide;
     const int top = shown.top + static_cast<int>(n / static_cast<std::size_t>(columns)) * kTileSide;
-    tile.render(
-        {left, top, std::min(left + kTileSide, shown.right), std::min(top + kTileSide, shown.bottom)});
+    const int right = std::min(left + kTileSide, shown.right);
+    const int bottom = std::min(top + kTileSide, shown.bottom);
+    for (int y = top; y < bottom; y += kBlockSide) {
+      for (int x = left; x < right; x += kBlockSide) render_block(x, y, rays, scene, kernels, picture);
+    }
   });
 }
 

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "format/system/task_control.h"
 #include "player/rays/pixel_rays.h"
 
 namespace splatlas {
@@ -29,15 +30,13 @@ class SamplePacket {
         count_(std::min(kPacketRays, list.sample_count() - first)) {}
 
   void render(const PixelRays& rays, int width, const RasterScene& scene, Radiance* out) {
-    RayNumbers x{}, y{};
+    RayPoints points;
     for (std::size_t n = 0; n < kPacketRays; ++n) {
       const Sample& sample = list_.samples[first_ + std::min(n, count_ - 1)];
-      const std::uint32_t column = sample.pixel % static_cast<std::uint32_t>(width);
-      const std::uint32_t row = sample.pixel / static_cast<std::uint32_t>(width);
-      x[n] = column + sample.place.right();
-      y[n] = row + sample.place.down();
+      points.x[n] = sample.x(width);
+      points.y[n] = sample.y(width);
     }
-    packet_ = rays.through(x, y);
+    packet_ = rays.through(points);
     end_ = packet_.to;
     for (std::size_t n = count_; n < kPacketRays; ++n) end_[n] = packet_.from[n];
     std::size_t layers = 0;
@@ -47,7 +46,7 @@ class SamplePacket {
     for (std::size_t layer = 0; layer < layers; ++layer) pass_layer(layer, scene);
     march_to(end_);
     for (std::size_t n = 0; n < count_; ++n) {
-      for (std::size_t c = 0; c < 4; ++c) out[n].rgba[c] = light_.planes[c][n];
+      for (std::size_t c = 0; c < 4; ++c) out[n].rgba[c] = radiance_.planes[c][n];
     }
   }
 
@@ -63,15 +62,15 @@ class SamplePacket {
     for (std::size_t n = 0; n < count_; ++n) {
       const auto fragments = list_.of_sample(first_ + n);
       if (layer >= fragments.size()) continue;
-      const float through = 1 - light_.planes[3][n];
-      for (std::size_t c = 0; c < 4; ++c) light_.planes[c][n] += through * fragments[layer].rgba[c];
+      const float transmittance = 1 - radiance_.planes[3][n];
+      for (std::size_t c = 0; c < 4; ++c) radiance_.planes[c][n] += transmittance * fragments[layer].rgba[c];
       if (fragments[layer].rgba[3] >= 1) end_[n] = packet_.from[n];  // opaque
     }
   }
 
   void march_to(const std::array<float, kPacketRays>& to) {
     packet_.to = to;
-    if (!volume_.empty()) kernels_.march(march_, packet_, light_);
+    if (!volume_.empty()) kernels_.march(march_, packet_, radiance_);
     packet_.from = to;
   }
 
@@ -87,7 +86,7 @@ class SamplePacket {
   const FragmentList& list_;
   std::size_t first_, count_;
   RayPacket packet_;
-  RadiancePacket light_;
+  RadiancePacket radiance_;
   std::array<float, kPacketRays> end_{};
 };
 
@@ -102,11 +101,11 @@ Result<RasterScene> raster_scene_of_rays(std::span<const SurfaceDraw> surfaces, 
   const Vec3 eye = view.eye_lps_mm();
   for (const double x : {0, view.plane.size.width}) {
     for (const double y : {0, view.plane.size.height}) {
-      Vec3 way = view.plane.point_lps_mm(x, y);
-      for (std::size_t a = 0; a < 3; ++a) way[a] -= eye[a];
-      way = to_index.apply_linear(way);
-      const double most = std::max({std::abs(way[0]), std::abs(way[1]), std::abs(way[2])});
-      if (scene.depth_sign * way[scene.depth_axis] >= kMinSlope * most) continue;
+      Vec3 ray = view.plane.point_lps_mm(x, y);
+      for (std::size_t a = 0; a < 3; ++a) ray[a] -= eye[a];
+      ray = to_index.apply_linear(ray);
+      const double along = std::max({std::abs(ray[0]), std::abs(ray[1]), std::abs(ray[2])});
+      if (scene.depth_sign * ray[scene.depth_axis] >= kMinSlope * along) continue;
       return fail(ErrorCode::kUsage,
                   "camera: the field of view is too wide for surfaces from this direction; make it narrower, "
                   "or select volumes only");
@@ -127,6 +126,7 @@ void cast_surfaces(const RayVolume& volume, const View& view, const Grid& grid, 
   pool.for_each((samples + kSamplesPerJob - 1) / kSamplesPerJob, [&](std::size_t job) {
     const std::size_t last = std::min(samples, (job + 1) * kSamplesPerJob);
     for (std::size_t first = job * kSamplesPerJob; first < last; first += kPacketRays) {
+      check_cancelled();
       SamplePacket packet(volume, march, kernels, fragments, first);
       packet.render(rays, picture.size.width, scene, &radiances[first]);
     }

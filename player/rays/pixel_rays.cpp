@@ -21,6 +21,15 @@ Affine to_place(const Grid& grid, const Index3& first) {
 
 }  // namespace
 
+RayPoints block_centers(int left, int top, const PictureSize& size) {
+  RayPoints centers;
+  for (int n = 0; n < kBlockSide * kBlockSide; ++n) {
+    centers.x[static_cast<std::size_t>(n)] = std::min(left + n % kBlockSide, size.width - 1) + 0.5;
+    centers.y[static_cast<std::size_t>(n)] = std::min(top + n / kBlockSide, size.height - 1) + 0.5;
+  }
+  return centers;
+}
+
 /// Rays as start + s * direction.
 struct PixelRays::Lines {
   std::array<RayNumbers, 3> start, direction;
@@ -37,7 +46,8 @@ PixelRays::PixelRays(const View& view, const Grid& grid, const Index3& first,
       middle_x_(0.5 * view.plane.size.width),
       middle_y_(0.5 * view.plane.size.height) {}
 
-PixelRays::Lines PixelRays::from_eye(const RayNumbers& x, const RayNumbers& y) const {
+PixelRays::Lines PixelRays::from_eye(const RayPoints& points) const {
+  const auto& [x, y] = points;
   Lines lines;
   for (std::size_t a = 0; a < 3; ++a) {
     lines.start[a].fill(frame_.eye[a]);
@@ -54,7 +64,8 @@ PixelRays::Lines PixelRays::from_eye(const RayNumbers& x, const RayNumbers& y) c
   return lines;
 }
 
-PixelRays::Lines PixelRays::side_by_side(const RayNumbers& x, const RayNumbers& y) const {
+PixelRays::Lines PixelRays::side_by_side(const RayPoints& points) const {
+  const auto& [x, y] = points;
   Lines lines;
   for (std::size_t a = 0; a < 3; ++a) {
     lines.direction[a].fill(frame_.forward[a]);
@@ -77,7 +88,7 @@ std::size_t PixelRays::principal_axis(const Lines& lines, std::size_t n) const {
   return voxels(axis) * kMaxSlope >= voxels(principal) ? axis : principal;
 }
 
-/// Whether this is the only principal axis of all rays. Counts instead of branching, so that compilers
+/// True if this is the only principal axis of all rays. Counts instead of branching, so that compilers
 /// vectorise the loop.
 bool PixelRays::is_principal(const Lines& lines, std::size_t axis) const {
   if (forced_) return false;
@@ -116,8 +127,8 @@ void PixelRays::set_rays(const Lines& lines, std::size_t principal, std::size_t 
   }
 }
 
-RayPacket PixelRays::through(const RayNumbers& x, const RayNumbers& y) const {
-  const Lines lines = perspective_ ? from_eye(x, y) : side_by_side(x, y);
+RayPacket PixelRays::through(const RayPoints& points) const {
+  const Lines lines = perspective_ ? from_eye(points) : side_by_side(points);
   RayPacket packet;
   if (const std::size_t principal = principal_axis(lines, 0); is_principal(lines, principal)) {
     set_rays(lines, principal, 0, kPacketRays, packet);

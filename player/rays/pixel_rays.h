@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <optional>
 
 #include "format/grid.h"
@@ -14,6 +15,18 @@ namespace splatlas {
 /// One number per ray of a packet.
 using RayNumbers = std::array<double, kPacketRays>;
 
+/// Picture coordinates of the rays of a packet.
+struct RayPoints {
+  RayNumbers x{}, y{};
+};
+
+/// Side of the block of pixels whose rays form a packet.
+inline constexpr int kBlockSide = 4;
+static_assert(std::size_t{kBlockSide} * kBlockSide == kPacketRays);
+
+/// Centres of a block of pixels, row by row. Beyond the edge of the picture they repeat its last pixel.
+[[nodiscard]] RayPoints block_centers(int left, int top, const PictureSize& size);
+
 /// Generator of ray packets. Thread-safe.
 class PixelRays {
  public:
@@ -22,14 +35,14 @@ class PixelRays {
   PixelRays(const View& view, const Grid& grid, const Index3& first,
             const std::optional<Axis>& principal_axis);
 
-  /// Rays through picture coordinates (x, y). t counts planes along the principal axis of each ray. Rays
-  /// begin at the eye in perspective, else in front of the volume, and do not end.
-  [[nodiscard]] RayPacket through(const RayNumbers& x, const RayNumbers& y) const;
+  /// Rays through points of the picture. t counts planes along the principal axis of each ray. Rays begin at
+  /// the eye in perspective, else in front of the volume, and do not end.
+  [[nodiscard]] RayPacket through(const RayPoints& points) const;
 
  private:
   struct Lines;
-  [[nodiscard]] Lines from_eye(const RayNumbers& x, const RayNumbers& y) const;
-  [[nodiscard]] Lines side_by_side(const RayNumbers& x, const RayNumbers& y) const;
+  [[nodiscard]] Lines from_eye(const RayPoints& points) const;
+  [[nodiscard]] Lines side_by_side(const RayPoints& points) const;
   [[nodiscard]] std::size_t principal_axis(const Lines& lines, std::size_t n) const;
   [[nodiscard]] bool is_principal(const Lines& lines, std::size_t axis) const;
   void set_rays(const Lines& lines, std::size_t principal, std::size_t first, std::size_t last,

@@ -4,11 +4,13 @@
 #include <cmath>
 
 #include "format/system/task_control.h"
+#include "player/rays/cast_rays.h"
+#include "player/rays/pixel_rays.h"
 
 namespace splatlas {
 namespace {
 
-constexpr int kBlockSide = 4;  // pixels: a packet
+constexpr float kOpacity = 0.5f;  // at the depth of a ray
 constexpr float kSlabsAtOnce = 8;
 constexpr int kBisections = 4;  // to half a slab
 
@@ -28,16 +30,17 @@ void clip_to_grid(const MarchGrid& grid, RayPacket& rays) {
   }
 }
 
-/// Marches a packet a few slabs at a time, and bisects the slabs in which rays reach the opacity.
+/// Positions t along the rays of a packet at which they reach the opacity, to about a tenth of a slab.
+/// Marches a few slabs at a time, and bisects the slabs in which rays reach it.
 class DepthSearch {
  public:
-  DepthSearch(const MarchScene& scene, const RayPacket& rays, float transmittance,
-              const MarchKernels& kernels)
-      : scene_(scene), rays_(rays), opacity_(1 - transmittance), kernels_(kernels) {
+  DepthSearch(const MarchScene& scene, const RayPacket& rays, const MarchKernels& kernels)
+      : scene_(scene), rays_(rays), kernels_(kernels) {
     clip_to_grid(scene.grid, rays_);
     found_.fill(DepthMap::kBackground);
   }
 
+  /// kBackground for rays that stay below the opacity. Cost: linear in the volume along the rays.
   PerRay run() {
     const PerRay ends = rays_.to;
     PerRay at = rays_.from;
@@ -70,7 +73,7 @@ class DepthSearch {
     std::array<bool, kPacketRays> crosses{};
     bool any = false;
     for (std::size_t n = 0; n < kPacketRays; ++n) {
-      crosses[n] = from[n] < to[n] && behind.planes[3][n] >= opacity_;
+      crosses[n] = from[n] < to[n] && behind.planes[3][n] >= kOpacity;
       any = any || crosses[n];
       if (!crosses[n]) to[n] = from[n];
     }
@@ -81,7 +84,7 @@ class DepthSearch {
       RadiancePacket radiance = before;
       march(from, middle, radiance);
       for (std::size_t n = 0; n < kPacketRays; ++n) {
-        const bool in_front = radiance.planes[3][n] >= opacity_;
+        const bool in_front = radiance.planes[3][n] >= kOpacity;
         (in_front ? to : from)[n] = middle[n];
         for (std::size_t c = 0; c < 4; ++c) (in_front ? behind : before).planes[c][n] = radiance.planes[c][n];
       }
@@ -89,14 +92,13 @@ class DepthSearch {
     for (std::size_t n = 0; n < kPacketRays; ++n) {
       if (!crosses[n]) continue;
       const float rise = behind.planes[3][n] - before.planes[3][n];
-      const float share = rise > 0 ? (opacity_ - before.planes[3][n]) / rise : 0.5f;
+      const float share = rise > 0 ? (kOpacity - before.planes[3][n]) / rise : 0.5f;
       found_[n] = from[n] + std::clamp(share, 0.0f, 1.0f) * (to[n] - from[n]);
     }
   }
 
   const MarchScene& scene_;
   RayPacket rays_;
-  float opacity_;
   const MarchKernels& kernels_;
   PerRay found_{};
 };
@@ -110,29 +112,21 @@ std::size_t axis_of(const RayPacket& rays, std::size_t n) {
 
 }  // namespace
 
-std::array<float, kPacketRays> depths_along(const MarchScene& scene, const RayPacket& rays,
-                                            float transmittance, const MarchKernels& kernels) {
-  return DepthSearch(scene, rays, transmittance, kernels).run();
-}
-
 void add_ray_depths(const RayVolume& volume, const View& view, const Grid& grid, const MarchKernels& kernels,
                     const ViewDepth& view_depth, DepthMap& depths, ThreadPool& pool) {
   if (volume.empty()) return;
   const PixelRays pixel_rays(view, grid, volume.first(), std::nullopt);
   const MarchScene scene = march_scene(volume, {});
-  const int width = depths.size.width, height = depths.size.height;
-  const auto bands = static_cast<std::size_t>((height + kBlockSide - 1) / kBlockSide);
+  const int width = depths.size.width;
+  const auto bands = static_cast<std::size_t>((depths.size.height + kBlockSide - 1) / kBlockSide);
   pool.for_each(bands, [&](std::size_t band) {
     const int top = static_cast<int>(band) * kBlockSide;
     for (int left = 0; left < width; left += kBlockSide) {
       check_cancelled();
-      RayNumbers x{}, y{};
-      for (std::size_t n = 0; n < kPacketRays; ++n) {
-        x[n] = std::min(left + static_cast<int>(n) % kBlockSide, width - 1) + 0.5;
-        y[n] = std::min(top + static_cast<int>(n) / kBlockSide, height - 1) + 0.5;
-      }
-      const RayPacket rays = pixel_rays.through(x, y);
-      const PerRay places = depths_along(scene, rays, 0.5f, kernels);
+      const RayPoints points = block_centers(left, top, depths.size);
+      const auto& [x, y] = points;
+      const RayPacket rays = pixel_rays.through(points);
+      const PerRay places = DepthSearch(scene, rays, kernels).run();
       for (std::size_t n = 0; n < kPacketRays; ++n) {
         if (places[n] == DepthMap::kBackground) continue;
         const std::size_t axis = axis_of(rays, n);

@@ -21,7 +21,7 @@ class SheetPlaces {
   SheetPlaces(const Shear& shear, const SheetWindow& window, const PictureSize& size)
       : map_(shear.picture_to_sheet),
         window_(window),
-        width_(static_cast<std::uint32_t>(size.width)),
+        width_(size.width),
         columns_(static_cast<double>(window.fine_columns())),
         rows_(static_cast<double>(window.fine_rows())) {}
 
@@ -32,9 +32,7 @@ class SheetPlaces {
   /// nullopt for samples without a neighbouring pixel of the sheet.
   [[nodiscard]] std::optional<Place> of(const Sample& sample) const {
     // Warp picture coordinates to sheet pixels
-    const std::uint32_t picture_row = sample.pixel / width_;
-    const double x = static_cast<double>(sample.pixel % width_) + sample.place.right();
-    const double y = static_cast<double>(picture_row) + sample.place.down();
+    const double x = sample.x(width_), y = sample.y(width_);
     const double sheet_x =
         (map_.xx * x + map_.xy * y + map_.x0 - static_cast<double>(window_.u0)) * window_.scale;
     const double sheet_y =
@@ -59,7 +57,7 @@ class SheetPlaces {
  private:
   const Affine2& map_;
   const SheetWindow& window_;
-  std::uint32_t width_;
+  int width_;
   double columns_, rows_;
 };
 

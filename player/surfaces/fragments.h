@@ -39,6 +39,12 @@ struct Sample {
   std::uint32_t pixel = 0;           ///< y * width + x
   std::uint32_t first_fragment = 0;  ///< its fragments end at the first one of the next sample
   SubPixel place;                    ///< within the pixel
+
+  /// Picture coordinates in a picture of `width` columns.
+  [[nodiscard]] double x(int width) const {
+    return pixel % static_cast<std::uint32_t>(width) + place.right();
+  }
+  [[nodiscard]] double y(int width) const { return pixel / static_cast<std::uint32_t>(width) + place.down(); }
 };
 
 /// Radiance of the volume in front of a slab, without (`before`) and with the slab (`behind`).
