@@ -67,15 +67,14 @@ Result<FullTraversal::Frame> FullTraversal::render(const Camera& camera, const R
 
   const std::vector<SurfaceDraw> surfaces = surface_draws();
   SPLATLAS_ASSIGN_OR_RETURN(frame.drawn,
-                            draw_frame({.spans = spans,
-                                        .surfaces = surfaces,
-                                        .view = view,
-                                        .shear = shear,
+                            draw_frame({.surfaces = surfaces,
+                                        .view = {view},
                                         .grid = model_.grid,
                                         .lighting = lighting,
                                         .options = options,
+                                        .overrides = {},
                                         .max_memory_bytes = std::numeric_limits<std::uint64_t>::max()},
-                                       buffers_, frame.picture, pool_));
+                                       spans, shear, buffers_, frame.picture, pool_));
   return frame;
 }
 

@@ -51,16 +51,16 @@ Result<std::vector<Elapsed>> LimitTask::draw(int turn) {
   SPLATLAS_ASSIGN_OR_RETURN(const Frame frame, frame_of(turn));
   const Lighting lighting(frame.view);
   Stopwatch watch;
-  SPLATLAS_ASSIGN_OR_RETURN(const FrameCounters drawn,
-                            draw_frame({.spans = axes_.at(frame.shear.principal).spans(),
-                                        .surfaces = {},
-                                        .view = frame.view,
-                                        .shear = frame.shear,
-                                        .grid = atlas_->grid(),
-                                        .lighting = lighting,
-                                        .options = options_,
-                                        .max_memory_bytes = std::numeric_limits<std::uint64_t>::max()},
-                                       buffers_, picture_, pool_));
+  SPLATLAS_ASSIGN_OR_RETURN(
+      const FrameCounters drawn,
+      draw_frame({.surfaces = {},
+                  .view = {frame.view},
+                  .grid = atlas_->grid(),
+                  .lighting = lighting,
+                  .options = options_,
+                  .overrides = {},
+                  .max_memory_bytes = std::numeric_limits<std::uint64_t>::max()},
+                 axes_.at(frame.shear.principal).spans(), frame.shear, buffers_, picture_, pool_));
   const Elapsed elapsed = watch.lap();
   if (drawn.voxels != axes_.at(frame.shear.principal).spans().voxels) {
     return fail(ErrorCode::kFailed, "a part of the scene lies outside of the picture");

@@ -127,15 +127,14 @@ Result<std::vector<Elapsed>> ModelFrames::draw(Model model, int turn, int frames
     });
   }
   const Elapsed building = watch.lap();
-  SPLATLAS_RETURN_IF_ERROR(draw_frame({.spans = spans_,
-                                       .surfaces = {},
-                                       .view = view,
-                                       .shear = shear,
+  SPLATLAS_RETURN_IF_ERROR(draw_frame({.surfaces = {},
+                                       .view = {view},
                                        .grid = atlas.grid(),
                                        .lighting = lighting,
                                        .options = options_,
+                                       .overrides = {},
                                        .max_memory_bytes = std::numeric_limits<std::uint64_t>::max()},
-                                      buffers_, picture_, pool_));
+                                      spans_, shear, buffers_, picture_, pool_));
   const Elapsed drawing = watch.lap();
   SPLATLAS_RETURN_IF_ERROR(compare(camera));
   const Elapsed traversal = finding + building;

@@ -13,21 +13,15 @@
 #include "format/system/thread_pool.h"
 #include "player/frame/decoded_selection.h"
 #include "player/frame/drawn_selection.h"
-#include "player/frame/frame_settings.h"
 #include "player/frame/pick_structure.h"
 #include "player/frame/ray_frame.h"
 #include "player/frame/ray_volume_store.h"
-#include "player/frame/render_overrides.h"
 #include "player/frame/sheet_frame.h"
 #include "player/frame/span_store.h"
 #include "player/frame/stopwatch.h"
-#include "player/frame/surface_depths.h"
 
 namespace splatlas {
 namespace {
-
-/// Maximum slope of a forced principal axis: 90 degrees less about half a degree from the view direction.
-constexpr double kMaxSlope = 100;
 
 /// Arguments of one call of render().
 struct FrameCall {
@@ -39,13 +33,13 @@ struct FrameCall {
 
 /// Progress of a frame at the end of each stage.
 constexpr double kDecoded = 0.2, kPrepared = 0.3, kRasterized = 0.4, kVolumeDrawn = 0.9, kResolved = 0.95;
-/// Number of rasteriser loops that report progress.
-constexpr std::size_t kRasterLoops = 8;
+/// Number of loops that report progress.
+constexpr std::size_t kRasterLoops = 8, kSheetLoops = 4, kRayLoops = 1, kCueLoops = 4;
 
 /// Shear-warp factorisation of the view. kUsage when it runs along the slices of a forced axis.
 Result<Shear> shear_of(const ParallelView& view, const Grid& grid, const RenderOverrides& overrides) {
   const Shear shear = factorise(view, grid, overrides.principal_axis ? &*overrides.principal_axis : nullptr);
-  if (std::abs(shear.slope_u) <= kMaxSlope && std::abs(shear.slope_v) <= kMaxSlope) return shear;
+  if (std::abs(shear.slope_u) <= kMaxForcedSlope && std::abs(shear.slope_v) <= kMaxForcedSlope) return shear;
   return fail(ErrorCode::kUsage,
               fmt::format("principal axis {}: the view runs along its slices; take another",
                           "xyz"[static_cast<std::size_t>(shear.principal)]));
@@ -70,9 +64,8 @@ struct Renderer::Impl {
   [[nodiscard]] Result<void> render_rays(const FrameCall& call, Picture& picture);
   [[nodiscard]] Result<void> decode(Axis axis, const RenderOptions& options);
   [[nodiscard]] Result<void> require_ray_volume(const RenderOptions& options);
-  template <typename Frame>
-  void cue_depth(Frame& frame, const RenderOptions& options, Picture& picture);
-  void count(const FrameCounters& counters);
+  [[nodiscard]] Result<void> run_stages(FrameRenderer& frame, std::size_t volume_loops, TaskControl& task,
+                                        Picture& picture);
   [[nodiscard]] tl::unexpected<Error> out_of_memory() const {
     return fail(ErrorCode::kLimit, atlas->name() + ": out of memory; take a smaller size or select less");
   }
@@ -179,28 +172,9 @@ Result<void> Renderer::Impl::render_sheets(const FrameCall& call, Picture& pictu
 
   // Rasterise surfaces, render sheets, resolve both into the picture
   const std::vector<SurfaceDraw> surfaces = drawn.surfaces(decoded.cache());
-  const FrameRequest request{.spans = axis_spans.model(),
-                             .surfaces = surfaces,
-                             .view = view.plane,
-                             .shear = shear,
-                             .grid = atlas->grid(),
-                             .lighting = lighting,
-                             .options = options,
-                             .max_memory_bytes = max_memory_bytes,
-                             .simd = overrides.simd};
-  SheetFrame frame(request, buffers, pool);
-  shown.reset();  // its buffers are overwritten below
-  task.begin_stage(kRasterized, kRasterLoops);
-  SPLATLAS_RETURN_IF_ERROR(frame.rasterize());
-  task.begin_stage(kVolumeDrawn, 4);
-  SPLATLAS_RETURN_IF_ERROR(frame.render_sheets());
-  task.begin_stage(kResolved);
-  frame.resolve(picture);
-  task.begin_stage(1, 3);
-  cue_depth(frame, options, picture);
-
-  shown = frame.shown();
-  count(frame.counters());
+  const FrameScene scene{surfaces, view, atlas->grid(), lighting, options, overrides, max_memory_bytes};
+  SheetFrame frame(scene, axis_spans.model(), shear, buffers, pool);
+  SPLATLAS_RETURN_IF_ERROR(run_stages(frame, kSheetLoops, task, picture));
   stats.runs_visited = axis_spans.runs().count();
   stats.render_ms = light.wall_ms + watch.lap().wall_ms;
   return {};
@@ -209,8 +183,6 @@ Result<void> Renderer::Impl::render_sheets(const FrameCall& call, Picture& pictu
 /// Renders by ray casting: perspective projection or post-classification.
 Result<void> Renderer::Impl::render_rays(const FrameCall& call, Picture& picture) {
   const auto& [view, options, overrides, task] = call;
-  shown.reset();  // its buffers are overwritten below
-
   // Decode the selection
   task.begin_stage(kDecoded);
   Stopwatch watch;
@@ -229,26 +201,9 @@ Result<void> Renderer::Impl::render_rays(const FrameCall& call, Picture& picture
 
   // Rasterise surfaces, cast rays, resolve both into the picture
   const std::vector<SurfaceDraw> surfaces = drawn.surfaces(decoded.cache());
-  const RayFrameRequest request{.volume = ray_volume.volume(),
-                                .surfaces = surfaces,
-                                .view = view,
-                                .grid = atlas->grid(),
-                                .lighting = lighting,
-                                .options = options,
-                                .overrides = overrides,
-                                .max_memory_bytes = max_memory_bytes};
-  RayFrame frame(request, buffers, pool);
-  task.begin_stage(kRasterized, kRasterLoops);
-  SPLATLAS_RETURN_IF_ERROR(frame.rasterize());
-  task.begin_stage(kVolumeDrawn);
-  frame.cast_rays(picture);
-  task.begin_stage(kResolved);
-  frame.resolve(picture);
-  task.begin_stage(1, 3);
-  cue_depth(frame, options, picture);
-
-  shown = frame.shown();
-  count(frame.counters());
+  const FrameScene scene{surfaces, view, atlas->grid(), lighting, options, overrides, max_memory_bytes};
+  RayFrame frame(scene, ray_volume.volume(), buffers, pool);
+  SPLATLAS_RETURN_IF_ERROR(run_stages(frame, kRayLoops, task, picture));
   stats.runs_visited = ray_volume.runs();
   stats.render_ms = light.wall_ms + watch.lap().wall_ms;
   return {};
@@ -282,27 +237,28 @@ Result<void> Renderer::Impl::require_ray_volume(const RenderOptions& options) {
                           pool);
 }
 
-/// Depth darkening (Luft et al. 2006) of the finished picture, if the options ask for it.
-template <typename Frame>
-void Renderer::Impl::cue_depth(Frame& frame, const RenderOptions& options, Picture& picture) {
-  Stopwatch watch;
-  if (cues_depth(options)) {
-    const ShownFrame now = frame.shown();
-    const ViewDepth view_depth(now.view, atlas->grid());
-    buffers.depths.clear(options.size);
-    add_surface_depths(buffers.fragments, now.depth_axis, now.depth_sign, view_depth, buffers.depths);
-    frame.add_volume_depths(view_depth);
-    darken_edges(buffers.depths, depth_edges(now.view.plane, options.depth_cue_strength), picture, pool);
-  }
-  stats.depth_cue = watch.lap();
-}
+/// Runs the stages of a frame.
+Result<void> Renderer::Impl::run_stages(FrameRenderer& frame, std::size_t volume_loops, TaskControl& task,
+                                        Picture& picture) {
+  shown.reset();  // its buffers are overwritten below
+  task.begin_stage(kRasterized, kRasterLoops);
+  SPLATLAS_RETURN_IF_ERROR(frame.rasterize());
+  task.begin_stage(kVolumeDrawn, volume_loops);
+  SPLATLAS_RETURN_IF_ERROR(frame.render_volume(picture));
+  task.begin_stage(kResolved);
+  frame.resolve(picture);
+  task.begin_stage(1, kCueLoops);
+  frame.cue_depth(picture);
 
-void Renderer::Impl::count(const FrameCounters& counters) {
+  shown = frame.shown();
+  const FrameCounters& counters = frame.counters();
   stats.voxels_visited = counters.voxels;
   stats.triangles = counters.triangles;
   stats.rasterize = counters.rasterize;
   stats.sheets = counters.sheets;
   stats.resolve = counters.resolve;
+  stats.depth_cue = counters.depth_cue;
+  return {};
 }
 
 Renderer::Renderer(std::shared_ptr<const Atlas> atlas, const RendererOptions& options)
@@ -369,15 +325,14 @@ std::optional<Pick> Renderer::pick(double x, double y) const {
   if (!r.shown) return std::nullopt;
   const ShownFrame& shown = *r.shown;
   const auto pick_among = [&](const SelectedRuns& runs) {
-    const PickScene scene{.grid = r.atlas->grid(),
+    const PickScene scene{.frame = shown,
+                          .grid = r.atlas->grid(),
                           .runs = runs,
                           .plan = r.drawn.plan(),
                           .appearances = r.drawn.appearances().appearances(),
                           .cache = r.decoded.cache(),
-                          .fragments = r.buffers.fragments,
-                          .depth_axis = shown.depth_axis,
-                          .depth_sign = shown.depth_sign};
-    return pick_structure(scene, shown.view, shown.sheets, x, y);
+                          .fragments = r.buffers.fragments};
+    return pick_structure(scene, x, y);
   };
   if (!shown.sheets) {
     return pick_among(SelectedRuns(r.drawn.plan(), r.atlas->classes(), r.decoded.cache(), Axis::kZ));

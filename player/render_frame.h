@@ -63,8 +63,9 @@ class Renderer {
 
   /// Casts a ray through picture coordinates (x, y) of the latest picture. Returns the structure with the
   /// largest contribution to the pixel, and the point of its largest contribution in LPS mm. None for the
-  /// background, outside the picture, and after select() or a render() that failed while drawing. Cost: one
-  /// voxel look-up per slice; after ray casting, also linear in the selected classes.
+  /// background, outside the picture, after select(), and after a render() that failed once drawing had
+  /// begun. Cost: a binary search among the decoded runs of each slice, and the samples of surfaces in the
+  /// picture row; after ray casting, also linear in the classes of the atlas. Throws std::bad_alloc.
   [[nodiscard]] std::optional<Pick> pick(double x, double y) const;
 
  private:

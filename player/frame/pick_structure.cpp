@@ -70,7 +70,8 @@ struct PickRay {
   double from = 0;     // position of the eye along the axis; infinite in parallel views
   bool ascending = true;
 
-  PickRay(const Grid& grid, const View& view, const std::optional<Axis>& wanted, double x, double y) {
+  PickRay(const Grid& grid, const ShownFrame& frame, double x, double y) {
+    const View& view = frame.view;
     const ViewDepth depth(view, grid);
     const Vec3 start = depth.index_at(x, y, 0);
     const Vec3 further = depth.index_at(x, y, reach_mm(view));
@@ -79,7 +80,7 @@ struct PickRay {
     for (const std::size_t a : {1u, 0u}) {
       if (std::abs(along[a]) > std::abs(along[axis])) axis = a;
     }
-    if (wanted) axis = static_cast<std::size_t>(*wanted);
+    if (frame.sheets) axis = static_cast<std::size_t>(*frame.sheets);
     ascending = along[axis] > 0;
     for (std::size_t a = 0; a < 3; ++a) {
       per_plane[a] = along[a] / along[axis];
@@ -114,11 +115,10 @@ std::pair<std::int64_t, std::int64_t> planes_of(const SelectedRuns& runs, std::s
 
 }  // namespace
 
-std::optional<Pick> pick_structure(const PickScene& scene, const View& view, const std::optional<Axis>& axis,
-                                   double x, double y) {
-  const PictureSize& size = view.plane.size;
+std::optional<Pick> pick_structure(const PickScene& scene, double x, double y) {
+  const PictureSize& size = scene.frame.view.plane.size;
   if (!(x >= 0 && y >= 0 && x < size.width && y < size.height)) return std::nullopt;
-  const PickRay ray(scene.grid, view, axis, x, y);
+  const PickRay ray(scene.grid, scene.frame, x, y);
   const auto row = static_cast<int>(y);
   const auto pixel = static_cast<std::uint32_t>(row * size.width + static_cast<int>(x));
 
@@ -126,8 +126,8 @@ std::optional<Pick> pick_structure(const PickScene& scene, const View& view, con
   std::size_t next_surface = 0;
   const double sign = ray.ascending ? 1 : -1;
   const auto plane_of = [&](const Fragment& fragment) {
-    const std::size_t a = scene.depth_axis;
-    return (scene.depth_sign * static_cast<double>(fragment.depth) - ray.origin[a]) / ray.per_plane[a];
+    const std::size_t a = scene.frame.depth_axis;
+    return (scene.frame.depth_sign * static_cast<double>(fragment.depth) - ray.origin[a]) / ray.per_plane[a];
   };
   RayWalk walk;
   const auto pass_surfaces = [&](double plane) {

@@ -1,54 +1,60 @@
 #include "player/frame/ray_frame.h"
 
-#include "format/system/result_macros.h"
-#include "player/frame/frame_settings.h"
 #include "player/frame/stopwatch.h"
 #include "player/rays/cast_surfaces.h"
 #include "player/rays/ray_depths.h"
 
 namespace splatlas {
+namespace {
 
-RayFrame::RayFrame(const RayFrameRequest& request, FrameBuffers& buffers, ThreadPool& pool)
-    : request_(request),
-      buffers_(buffers),
-      pool_(pool),
-      kernels_(request.overrides.simd ? best_march() : scalar_march()),
-      options_(cast_options(request.options, request.overrides)) {}
-
-Result<void> RayFrame::rasterize() {
-  Stopwatch watch;
-  SPLATLAS_ASSIGN_OR_RETURN(const RasterScene scene, raster_scene_of_rays(request_.surfaces, request_.view,
-                                                                          request_.grid, request_.lighting));
-  scene_.emplace(scene);
-  SPLATLAS_ASSIGN_OR_RETURN(
-      const RasterCounters raster,
-      buffers_.rasterizer.draw(*scene_, raster_options(request_.options, request_.max_memory_bytes),
-                               buffers_.fragments, pool_));
-  counters_.triangles = raster.triangles;
-  counters_.rasterize = watch.lap();
-  return {};
+/// Steps per slab and error tolerance of ray marching at the quality of the options.
+CastOptions cast_options(const RenderOptions& options, const RenderOverrides& overrides) {
+  CastOptions cast{.termination_threshold = termination_threshold(options),
+                   .principal_axis = overrides.principal_axis};
+  switch (options.quality) {
+    case Quality::kDraft: break;
+    case Quality::kNormal:
+      cast.max_steps = 32;
+      cast.tolerance = 0.054f;
+      break;
+    case Quality::kHigh:
+      cast.min_steps = 8;
+      cast.max_steps = 64;
+      cast.tolerance = 0.0046f;
+      break;
+  }
+  return cast;
 }
 
-void RayFrame::cast_rays(Picture& picture) {
+}  // namespace
+
+RayFrame::RayFrame(const FrameScene& scene, const RayVolume& volume, FrameBuffers& buffers, ThreadPool& pool)
+    : FrameRenderer(scene, buffers, pool),
+      volume_(volume),
+      kernels_(scene.overrides.simd ? best_march() : scalar_march()),
+      options_(cast_options(scene.options, scene.overrides)) {}
+
+Result<RasterScene> RayFrame::raster_scene_of_view() const {
+  return raster_scene_of_rays(scene_.surfaces, scene_.view, scene_.grid, scene_.lighting);
+}
+
+Result<void> RayFrame::render_volume(Picture& picture) {
   Stopwatch watch;
-  splatlas::cast_rays(request_.volume, request_.view, request_.grid, options_, kernels_, picture, pool_);
-  counters_.voxels = request_.volume.voxels();
+  cast_rays(volume_, scene_.view, scene_.grid, options_, kernels_, picture, pool_);
+  counters_.voxels = volume_.voxels();
   counters_.sheets = watch.lap();
+  return {};
 }
 
 void RayFrame::resolve(Picture& picture) {
   Stopwatch watch;
-  cast_surfaces(request_.volume, request_.view, request_.grid, *scene_, buffers_.fragments, options_,
-                kernels_, picture, pool_);
+  cast_surfaces(volume_, scene_.view, scene_.grid, *raster_, buffers_.fragments, options_, kernels_, picture,
+                pool_);
   counters_.resolve = watch.lap();
 }
 
 void RayFrame::add_volume_depths(const ViewDepth& view_depth) {
-  add_ray_depths(request_.volume, request_.view, request_.grid, kernels_, view_depth, buffers_.depths, pool_);
-}
-
-ShownFrame RayFrame::shown() const {
-  return {request_.view, std::nullopt, scene_->depth_axis, scene_->depth_sign};
+  add_ray_depths(volume_, scene_.view, scene_.grid, kernels_, view_depth, buffers_.depths, pool_);
 }
 
 }  // namespace splatlas

@@ -1,4 +1,4 @@
-// Overrides of a renderer's choices, for tests and benchmarks.
+// Overrides of a renderer's choices, for tests.
 #pragma once
 
 #include <optional>
@@ -12,11 +12,12 @@ class Renderer;
 
 struct RenderOverrides {
   bool simd = true;  ///< false: the scalar reference kernels
-  /// Principal axis of the shear-warp factorisation and of rays. Not set: the best one for the view.
+  /// Principal axis of the shear-warp factorisation, and of rays within kMaxForcedSlope; other rays keep
+  /// their best axis. Not set: the best axis of the view, or of each ray.
   std::optional<Axis> principal_axis = std::nullopt;
 };
 
-/// Renderer::render() with overrides. Also kUsage when the view is parallel to the slices of a forced axis.
+/// Renderer::render() with overrides. Sheets: also kUsage for views beyond kMaxForcedSlope of a forced axis.
 [[nodiscard]] Result<void> render_with(Renderer& renderer, const Camera& camera, const RenderOptions& options,
                                        const RenderOverrides& overrides, Picture& picture,
                                        const RenderControl& control = {});

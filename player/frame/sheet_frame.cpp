@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include "format/system/result_macros.h"
-#include "player/frame/frame_settings.h"
 #include "player/frame/stopwatch.h"
 #include "player/sheets/resolve.h"
 #include "player/sheets/span_depths.h"
@@ -87,57 +86,41 @@ Result<SheetWindow> choose_window(const SpanModel& model, const Shear& shear, co
 
 }  // namespace
 
-Result<void> SheetFrame::rasterize() {
-  Stopwatch watch;
-  const RasterScene scene =
-      raster_scene(request_.surfaces, request_.view, request_.shear, request_.grid, request_.lighting);
-  SPLATLAS_ASSIGN_OR_RETURN(
-      const RasterCounters raster,
-      buffers_.rasterizer.draw(scene, raster_options(request_.options, request_.max_memory_bytes),
-                               buffers_.fragments, pool_));
-  counters_.triangles = raster.triangles;
-  counters_.rasterize = watch.lap();
-  return {};
+Result<RasterScene> SheetFrame::raster_scene_of_view() const {
+  return raster_scene(scene_.surfaces, scene_.view.plane, shear_, scene_.grid, scene_.lighting);
 }
 
-Result<void> SheetFrame::render_sheets() {
+Result<void> SheetFrame::render_volume(Picture& /*picture*/) {
   Stopwatch watch;
-  const RenderOptions& options = request_.options;
-  SPLATLAS_ASSIGN_OR_RETURN(const SheetWindow window,
-                            choose_window(request_.spans, request_.shear, request_.grid, options));
-  buffers_.order.build(buffers_.fragments, request_.shear, window, options.size, request_.grid, pool_);
-  const SplatKernels& kernels = request_.simd ? best_kernels() : scalar_kernels();
-  const SheetCounters sheets =
-      splatlas::render_sheets(request_.spans, request_.shear, window, kernels, threshold_of(options, window),
-                              buffers_.order, buffers_.sheet, pool_);
-  counters_.voxels = sheets.voxels;
+  const RenderOptions& options = scene_.options;
+  SPLATLAS_ASSIGN_OR_RETURN(const SheetWindow window, choose_window(spans_, shear_, scene_.grid, options));
+  buffers_.order.build(buffers_.fragments, shear_, window, options.size, scene_.grid, pool_);
+  const SplatKernels& kernels = scene_.overrides.simd ? best_kernels() : scalar_kernels();
+  counters_.voxels = render_sheets(spans_, shear_, window, kernels, threshold_of(options, window),
+                                   buffers_.order, buffers_.sheet, pool_)
+                         .voxels;
   counters_.sheets = watch.lap();
   return {};
 }
 
 void SheetFrame::resolve(Picture& picture) {
   Stopwatch watch;
-  splatlas::resolve(buffers_.sheet, request_.shear, {buffers_.fragments, buffers_.order},
-                    request_.options.size, request_.simd ? best_warp() : scalar_warp(), picture, pool_);
+  splatlas::resolve(buffers_.sheet, shear_, {buffers_.fragments, buffers_.order}, scene_.options.size,
+                    scene_.overrides.simd ? best_warp() : scalar_warp(), picture, pool_);
   counters_.resolve = watch.lap();
 }
 
 void SheetFrame::add_volume_depths(const ViewDepth& view_depth) {
-  add_span_depths(request_.spans, request_.shear, view_depth, buffers_.depths, pool_);
+  add_span_depths(spans_, shear_, view_depth, buffers_.depths, pool_);
 }
 
-ShownFrame SheetFrame::shown() const {
-  const Shear& shear = request_.shear;
-  return {{request_.view}, shear.principal, shear.scan.slice_axis, shear.ascending ? 1.0 : -1.0};
-}
-
-Result<FrameCounters> draw_frame(const FrameRequest& frame, FrameBuffers& buffers, Picture& picture,
-                                 ThreadPool& pool) {
-  SheetFrame steps(frame, buffers, pool);
-  SPLATLAS_RETURN_IF_ERROR(steps.rasterize());
-  SPLATLAS_RETURN_IF_ERROR(steps.render_sheets());
-  steps.resolve(picture);
-  return steps.counters();
+Result<FrameCounters> draw_frame(const FrameScene& scene, const SpanModel& spans, const Shear& shear,
+                                 FrameBuffers& buffers, Picture& picture, ThreadPool& pool) {
+  SheetFrame frame(scene, spans, shear, buffers, pool);
+  SPLATLAS_RETURN_IF_ERROR(frame.rasterize());
+  SPLATLAS_RETURN_IF_ERROR(frame.render_volume(picture));
+  frame.resolve(picture);
+  return frame.counters();
 }
 
 }  // namespace splatlas

@@ -9,8 +9,6 @@ namespace splatlas {
 namespace {
 
 constexpr double kFarAway = 1e9;
-/// Limit for a forced principal axis: voxels along the best axis between two of its planes.
-constexpr double kMaxSlope = 100;
 
 /// LPS mm to positions counted from voxel `first`.
 Affine to_place(const Grid& grid, const Index3& first) {
@@ -85,7 +83,7 @@ std::size_t PixelRays::principal_axis(const Lines& lines, std::size_t n) const {
   }
   if (!forced_) return principal;
   const auto axis = static_cast<std::size_t>(*forced_);
-  return voxels(axis) * kMaxSlope >= voxels(principal) ? axis : principal;
+  return voxels(axis) * kMaxForcedSlope >= voxels(principal) ? axis : principal;
 }
 
 /// True if this is the only principal axis of all rays. Counts instead of branching, so that compilers

@@ -8,6 +8,7 @@
 #include "format/grid.h"
 #include "player/camera.h"
 #include "player/rays/march_kernels.h"
+#include "player/view/shear.h"
 #include "player/view/view_frame.h"
 
 namespace splatlas {
@@ -30,8 +31,8 @@ static_assert(std::size_t{kBlockSide} * kBlockSide == kPacketRays);
 /// Generator of ray packets. Thread-safe.
 class PixelRays {
  public:
-  /// `first`: the voxel of the grid at position (0, 0, 0). `principal_axis`: forced if a ray crosses at most
-  /// 100 voxels between its planes; by default the best axis of each ray.
+  /// `first`: the voxel of the grid at position (0, 0, 0). `principal_axis`: forced for rays within
+  /// kMaxForcedSlope; by default the best axis of each ray.
   PixelRays(const View& view, const Grid& grid, const Index3& first,
             const std::optional<Axis>& principal_axis);
 

@@ -1,9 +1,11 @@
 // Depth cue in frames of sheets and of rays.
 #include <cmath>
+#include <stop_token>
 
 #include <gtest/gtest.h>
 
-#include "player/frame/surface_depths.h"
+#include "format/system/task_control.h"
+#include "player/frame/frame_renderer.h"
 #include "player/rays/ray_depths.h"
 #include "player/render_options.h"
 #include "player/sheets/span_depths.h"
@@ -162,6 +164,21 @@ TEST(DepthCueOfFrames, LongRowsSeenFromNearbyTakeLittleMemory) {
   const Picture picture =
       render_or_throw(content, with_opacity(content, 0.9f), camera, options, 1, {.principal_axis = Axis::kZ});
   EXPECT_GT(picture.at(8, 8)[3], 0.5f);
+}
+
+TEST(DepthCueOfFrames, DepthsOfSurfacesStop) {
+  std::stop_source stop;
+  stop.request_stop();
+  const TaskControl task(stop.get_token(), {});
+  const PictureSize size{4, 4};
+  const View view = *view_of({}, size, Display{});
+  FragmentList none;
+  none.first_of_row.assign(5, 0);
+  DepthMap depths;
+  depths.clear(size);
+  ThreadPool pool(1);
+  EXPECT_THROW(add_surface_depths(none, {view, std::nullopt}, ViewDepth(view, Grid{}), depths, pool),
+               Cancelled);
 }
 
 TEST(DepthCueOfFrames, ViewDepthGoesBothWays) {

@@ -1,0 +1,99 @@
+// Stages of a frame that sheets and rays share: surfaces, depth cue, buffers and counters.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "format/system/thread_pool.h"
+#include "player/depth_cue/depth_edges.h"
+#include "player/frame/render_overrides.h"
+#include "player/sheets/fragment_order.h"
+#include "player/sheets/sheets.h"
+#include "player/surfaces/raster_scene.h"
+#include "player/surfaces/rasterize.h"
+#include "player/view/view_depth.h"
+
+namespace splatlas {
+
+/// Buffers whose memory is reused by the next frame.
+struct FrameBuffers {
+  Rasterizer rasterizer;
+  FragmentList fragments;
+  FragmentOrder order;  ///< depth order of the fragments, and the volume in front of them
+  SheetImage sheet;
+  DepthMap depths;
+};
+
+/// Counters and times of a frame.
+struct FrameCounters {
+  std::uint64_t voxels = 0;     ///< splatted voxels, or voxels of the ray volume
+  std::uint64_t triangles = 0;  ///< projected triangles
+  Elapsed rasterize, sheets, resolve, depth_cue;
+};
+
+/// Geometry of a finished frame, for picking and depth maps.
+struct ShownFrame {
+  View view;
+  std::optional<Axis> sheets;  ///< normal of the slices; none: ray casting
+  std::size_t depth_axis = 2;  ///< fragment depth: `depth_sign` * position along this axis, in voxels
+  double depth_sign = 1;
+};
+
+/// Scene and options of a frame, without its volume. All references must outlive the frame.
+struct FrameScene {
+  std::span<const SurfaceDraw> surfaces;
+  const View& view;
+  const Grid& grid;
+  const Lighting& lighting;
+  const RenderOptions& options;
+  const RenderOverrides& overrides;
+  std::uint64_t max_memory_bytes = 0;  ///< limit; fragments may take a quarter of it
+};
+
+/// Bytes of a picture, of its encoder and of its depth map.
+[[nodiscard]] std::uint64_t frame_bytes(const RenderOptions& options);
+
+/// Stages of a frame; call them in this order.
+class FrameRenderer {
+ public:
+  virtual ~FrameRenderer() = default;
+
+  /// Rasterises surfaces to fragments. kUsage when the field of view is too wide for surfaces; kLimit for too
+  /// many fragments.
+  [[nodiscard]] Result<void> rasterize();
+  /// Renders the volume: into the sheet, or by a ray for each pixel of the picture. kLimit when the sheet is
+  /// too large.
+  [[nodiscard]] virtual Result<void> render_volume(Picture& picture) = 0;
+  /// Composites the fragments with the segments of the volume between them. Warps the sheet into the picture.
+  virtual void resolve(Picture& picture) = 0;
+  /// Depth darkening (Luft et al. 2006) of the finished picture, if the options ask for it.
+  void cue_depth(Picture& picture);
+
+  [[nodiscard]] ShownFrame shown() const;
+  [[nodiscard]] const FrameCounters& counters() const { return counters_; }
+
+ protected:
+  FrameRenderer(const FrameScene& scene, FrameBuffers& buffers, ThreadPool& pool)
+      : scene_(scene), buffers_(buffers), pool_(pool) {}
+
+  [[nodiscard]] virtual Result<RasterScene> raster_scene_of_view() const = 0;
+  /// Merges the depths of the volume into the depth map of the buffers.
+  virtual void add_volume_depths(const ViewDepth& view_depth) = 0;
+  /// Normal of the slices; none for rays.
+  [[nodiscard]] virtual std::optional<Axis> sheets() const = 0;
+
+  const FrameScene& scene_;
+  FrameBuffers& buffers_;
+  ThreadPool& pool_;
+  std::optional<RasterScene> raster_;
+  FrameCounters counters_;
+};
+
+/// Merges the depths of surfaces into `depths` by minimum. The depth of a sample is that of the fragment at
+/// which its transmittance falls to one half; a pixel takes its nearest sample. O(fragments).
+void add_surface_depths(const FragmentList& fragments, const ShownFrame& frame, const ViewDepth& view,
+                        DepthMap& depths, ThreadPool& pool);
+
+}  // namespace splatlas
