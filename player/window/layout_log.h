@@ -18,16 +18,22 @@ class LayoutLog {
   explicit LayoutLog(const SessionLog& log) : log_(log) {}
 
   /// Records the centre of the latest ImGui item.
-  void item(std::string_view name) { place(name, ImGui::GetItemRectMin(), ImGui::GetItemRectMax()); }
+  void item(std::string_view name) {
+    if (log_.on()) layout_[std::string(name)] = middle_of_item();
+  }
+  /// Draws a button, and records its centre. Returns true if it is clicked.
+  bool button(const char* title, std::string_view name) {
+    const bool clicked = ImGui::Button(title);
+    item(name);
+    return clicked;
+  }
   /// Records a rectangle as [x, y, width, height].
   void area(std::string_view name, ImVec2 min, ImVec2 max) {
     if (log_.on()) layout_[std::string(name)] = {min.x, min.y, max.x - min.x, max.y - min.y};
   }
   /// Records the latest ImGui item as `part` of a tree row ("off", "volume", ..., "name", "arrow").
   void row_item(std::string_view row, std::string_view part) {
-    if (!log_.on()) return;
-    layout_["rows"][std::string(row)][std::string(part)] =
-        middle(ImGui::GetItemRectMin(), ImGui::GetItemRectMax());
+    if (log_.on()) layout_["rows"][std::string(row)][std::string(part)] = middle_of_item();
   }
 
   void finish() {
@@ -36,10 +42,8 @@ class LayoutLog {
   }
 
  private:
-  void place(std::string_view name, ImVec2 min, ImVec2 max) {
-    if (log_.on()) layout_[std::string(name)] = middle(min, max);
-  }
-  static nlohmann::ordered_json middle(ImVec2 min, ImVec2 max) {
+  static nlohmann::ordered_json middle_of_item() {
+    const ImVec2 min = ImGui::GetItemRectMin(), max = ImGui::GetItemRectMax();
     return {static_cast<int>((min.x + max.x) / 2), static_cast<int>((min.y + max.y) / 2)};
   }
 

@@ -34,39 +34,35 @@ RenderWorker::RenderWorker(std::shared_ptr<const Atlas> atlas, const RendererOpt
                            std::function<void()> wake)
     : renderer_(std::move(atlas), options), wake_(std::move(wake)), thread_([this] { run(); }) {}
 
-RenderWorker::~RenderWorker() {
+/// Changes the shared state, and wakes the thread.
+template <typename Change>
+void RenderWorker::change(const Change& apply) {
   {
     const std::lock_guard lock(mutex_);
-    stop_ = true;
+    apply();
   }
   changed_.notify_one();
+}
+
+RenderWorker::~RenderWorker() {
+  change([this] { stop_ = true; });
   thread_.join();
 }
 
 void RenderWorker::show(FrameRequest request) {
-  {
-    const std::lock_guard lock(mutex_);
+  change([&] {
     request_ = std::move(request);
     unrefined_.reset();
     refine_at_ = Clock::now() + kStill;
-  }
-  changed_.notify_one();
+  });
 }
 
 void RenderWorker::pick(double u, double v, bool click) {
-  {
-    const std::lock_guard lock(mutex_);
-    (click ? click_ : pointer_) = Point{u, v, click};
-  }
-  changed_.notify_one();
+  change([&] { (click ? click_ : pointer_) = Point{u, v, click}; });
 }
 
 void RenderWorker::save(FrameRequest request, std::filesystem::path path) {
-  {
-    const std::lock_guard lock(mutex_);
-    saves_.push_back({std::move(request), std::move(path)});
-  }
-  changed_.notify_one();
+  change([&] { saves_.push_back({std::move(request), std::move(path)}); });
 }
 
 std::vector<WorkerEvent> RenderWorker::take_events() {
@@ -74,7 +70,7 @@ std::vector<WorkerEvent> RenderWorker::take_events() {
   return std::exchange(events_, {});
 }
 
-void RenderWorker::tell(WorkerEvent event) {
+void RenderWorker::push_event(WorkerEvent event) {
   {
     const std::lock_guard lock(mutex_);
     events_.push_back(std::move(event));
@@ -155,7 +151,7 @@ void RenderWorker::render_frame(const FrameRequest& request, Quality quality) {
   };
   Result<std::shared_ptr<const Frame>> frame = guarded(make_frame);
   if (!frame) {
-    tell(FrameFailed{request, std::move(frame).error()});
+    push_event(FrameFailed{request, std::move(frame).error()});
     return;
   }
   const bool draft = quality == Quality::kDraft;
@@ -164,7 +160,7 @@ void RenderWorker::render_frame(const FrameRequest& request, Quality quality) {
     const std::lock_guard lock(mutex_);
     if (!request_) unrefined_ = request;
   }
-  tell(FrameDone{*std::move(frame), !draft});
+  push_event(FrameDone{*std::move(frame), !draft});
 }
 
 void RenderWorker::answer(const Point& point) {
@@ -173,7 +169,7 @@ void RenderWorker::answer(const Point& point) {
   });
   Picked picked{.click = point.click, .structure = std::nullopt};
   if (pick && *pick) picked.structure = (*pick)->structure;
-  tell(picked);
+  push_event(picked);
 }
 
 void RenderWorker::save_picture(const SaveJob& job) {
@@ -182,7 +178,7 @@ void RenderWorker::save_picture(const SaveJob& job) {
     if (!picture) return tl::unexpected(picture.error());
     return write_png(*picture, job.path, kBackground);
   });
-  tell(PictureSaved{job.path, std::move(result)});
+  push_event(PictureSaved{job.path, std::move(result)});
 }
 
 PictureSize RenderWorker::draft_size(const PictureSize& size) const {

@@ -97,9 +97,11 @@ class RenderWorker {
   };
   using Clock = std::chrono::steady_clock;
 
+  template <typename Change>
+  void change(const Change& apply);
   void run();
   [[nodiscard]] bool wait_for_work(std::unique_lock<std::mutex>& lock);
-  void tell(WorkerEvent event);
+  void push_event(WorkerEvent event);
   [[nodiscard]] Result<void> select(const FrameRequest& request);
   [[nodiscard]] Result<Picture> render(const FrameRequest& request, Quality quality);
   [[nodiscard]] std::string missing_text() const;

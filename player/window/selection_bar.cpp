@@ -48,15 +48,13 @@ void SelectionBar::draw(Session& session, UiState& ui, const Fonts& fonts, Layou
   bool apply = ImGui::InputText("##selection", &typed_, ImGuiInputTextFlags_EnterReturnsTrue);
   layout.item("text");
   ImGui::SameLine();
-  apply |= ImGui::Button("Apply");
-  layout.item("apply");
+  apply |= layout.button("Apply", "apply");
   if (apply) session.apply_text(typed_);
   ImGui::SameLine();
-  if (ImGui::Button("Copy")) {
+  if (layout.button("Copy", "copy")) {
     ImGui::SetClipboardText(session.editor().text().c_str());
-    session.tell({"The selection text is in the clipboard.", false});
+    session.set_status({"The selection text is in the clipboard.", false});
   }
-  layout.item("copy");
   message_line(session, fonts);
 }
 

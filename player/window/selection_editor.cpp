@@ -63,38 +63,41 @@ void SelectionEditor::set_mode(StructureIndex s, DrawMode mode) {
   commit(std::move(wanted));
 }
 
-void SelectionEditor::set_opacity(StructureIndex s, std::optional<float> opacity) {
+/// Applies `edit` to the drawn structures of a subtree, as part of a gesture.
+template <typename Edit>
+void SelectionEditor::edit_drawn(Gesture gesture, const Edit& edit) {
   Selection wanted = selection_;
-  for (const StructureIndex d : graph_.descendants(s)) {
-    if (is_on(wanted.structures[d])) wanted.structures[d].opacity = opacity;
+  for (const StructureIndex d : graph_.descendants(gesture.structure)) {
+    if (is_on(wanted.structures[d])) edit(wanted.structures[d]);
   }
-  commit(std::move(wanted), {s, 'o'});
+  commit(std::move(wanted), gesture);
+}
+
+void SelectionEditor::set_opacity(StructureIndex s, std::optional<float> opacity) {
+  edit_drawn({s, 'o'}, [&](StructureDraw& draw) { draw.opacity = opacity; });
 }
 
 void SelectionEditor::set_color(StructureIndex s, Rgb color) {
-  Selection wanted = selection_;
-  for (const StructureIndex d : graph_.descendants(s)) {
-    if (is_on(wanted.structures[d])) wanted.structures[d].color = color;
-  }
-  commit(std::move(wanted), {s, 'c'});
+  edit_drawn({s, 'c'}, [&](StructureDraw& draw) { draw.color = color; });
+}
+
+void SelectionEditor::show_among(StructureIndex s, Selection others) {
+  for (const StructureIndex d : graph_.descendants(s)) others.structures[d] = switched_on(d);
+  commit(std::move(others));
 }
 
 void SelectionEditor::isolate(StructureIndex s) {
-  Selection wanted;
-  wanted.structures.resize(graph_.size());
-  for (const StructureIndex d : graph_.descendants(s)) wanted.structures[d] = switched_on(d);
-  commit(std::move(wanted));
+  show_among(s, nothing());
 }
 
 void SelectionEditor::ghost_others(StructureIndex s) {
-  Selection wanted = selection_;
-  for (StructureDraw& draw : wanted.structures) {
+  Selection ghosts = selection_;
+  for (StructureDraw& draw : ghosts.structures) {
     if (!is_on(draw)) continue;
     draw.mode = DrawMode::kSurface;
     draw.opacity = kGhostOpacity;
   }
-  for (const StructureIndex d : graph_.descendants(s)) wanted.structures[d] = switched_on(d);
-  commit(std::move(wanted));
+  show_among(s, std::move(ghosts));
 }
 
 void SelectionEditor::show_all() {
@@ -107,9 +110,13 @@ void SelectionEditor::show_all() {
 }
 
 void SelectionEditor::hide_all() {
-  Selection wanted;
-  wanted.structures.resize(graph_.size());
-  commit(std::move(wanted));
+  commit(nothing());
+}
+
+Selection SelectionEditor::nothing() const {
+  Selection selection;
+  selection.structures.resize(graph_.size());
+  return selection;
 }
 
 Result<void> SelectionEditor::set_text(std::string_view text) {
@@ -198,7 +205,7 @@ void SelectionEditor::redo() {
   travel(redo_, undo_);
 }
 
-void SelectionEditor::give_up_for(const std::string& text) {
+void SelectionEditor::revert_to(const std::string& text) {
   auto selection = select(text, graph_);
   if (!selection) return;
   if (!undo_.empty() && undo_.back() == text) undo_.pop_back();

@@ -79,7 +79,7 @@ class SelectionEditor {
   void redo();
   /// Returns to an earlier text and removes the later one from the history. For selections that cannot be
   /// rendered.
-  void give_up_for(const std::string& text);
+  void revert_to(const std::string& text);
 
  private:
   struct Gesture {
@@ -88,7 +88,11 @@ class SelectionEditor {
     friend bool operator==(const Gesture&, const Gesture&) = default;
   };
 
+  [[nodiscard]] Selection nothing() const;
   [[nodiscard]] StructureDraw switched_on(StructureIndex s) const;
+  void show_among(StructureIndex s, Selection others);
+  template <typename Edit>
+  void edit_drawn(Gesture gesture, const Edit& edit);
   void commit(Selection wanted) { commit(std::move(wanted), Gesture()); }
   void commit(Selection wanted, Gesture gesture);
   void settle_groups(Selection& wanted) const;

@@ -49,6 +49,12 @@ bool same_camera(const Camera& a, const Camera& b) {
          a.center_lps_mm == b.center_lps_mm;
 }
 
+/// True if both requests yield the same frame.
+bool same_frame(const FrameRequest& a, const FrameRequest& b) {
+  return a.selection == b.selection && a.size == b.size && a.depth_cue == b.depth_cue &&
+         same_camera(a.camera, b.camera);
+}
+
 Json camera_json(const Camera& camera) {
   Json json{{"azimuth", camera.azimuth_deg}, {"elevation", camera.elevation_deg}, {"zoom", camera.zoom}};
   if (camera.center_lps_mm) json["center_lps_mm"] = *camera.center_lps_mm;
@@ -88,17 +94,11 @@ void Session::notice_selection() {
   log_.write("selection", {{"text", editor_.text()}});
 }
 
-FrameRequest Session::wanted_frame() const {
-  return {selection_, editor_.text(), camera_, size_, depth_cue_};
-}
-
 void Session::request_frame() {
   if (size_.width < 1 || size_.height < 1) return;
-  if (requested_ && requested_->selection == selection_ && requested_->size == size_ &&
-      requested_->depth_cue == depth_cue_ && same_camera(requested_->camera, camera_)) {
-    return;
-  }
-  requested_ = wanted_frame();
+  FrameRequest wanted{selection_, editor_.text(), camera_, size_, depth_cue_};
+  if (requested_ && same_frame(*requested_, wanted)) return;
+  requested_ = std::move(wanted);
   refining_ = true;
   worker_.show(*requested_);
 }
@@ -120,13 +120,11 @@ void Session::request_pick() {
 void Session::handle(const FrameDone& done) {
   frame_ = done.frame;
   const FrameRequest& request = frame_->request;
-  const bool latest = requested_ && requested_->selection == request.selection &&
-                      requested_->size == request.size && requested_->depth_cue == request.depth_cue &&
-                      same_camera(requested_->camera, request.camera);
+  const bool latest = requested_ && same_frame(*requested_, request);
   refining_ = !(latest && done.final);
   good_text_ = request.text;
   asked_.reset();  // the new frame may show another structure under the pointer
-  if (latest && !frame_->missing.empty()) tell({frame_->missing, true});
+  if (latest && !frame_->missing.empty()) set_status({frame_->missing, true});
   if (!log_.on()) return;
   log_.write("picture", {{"quality", frame_->quality == Quality::kDraft ? "draft" : "normal"},
                          {"final", !refining_},
@@ -140,8 +138,8 @@ void Session::handle(const FrameDone& done) {
 void Session::handle(const FrameFailed& failed) {
   refining_ = false;
   const bool of_this_selection = failed.request.selection == selection_ && version_ == editor_.version();
-  if (of_this_selection && editor_.text() != good_text_) editor_.give_up_for(good_text_);
-  tell({failed.error.message, true});
+  if (of_this_selection && editor_.text() != good_text_) editor_.revert_to(good_text_);
+  set_status({failed.error.message, true});
 }
 
 void Session::handle(const Picked& picked) {
@@ -155,14 +153,11 @@ void Session::handle(const Picked& picked) {
 }
 
 void Session::handle(const PictureSaved& saved) {
-  if (saved.result) {
-    tell({fmt::format("Saved {}", saved.path.string()), false});
-  } else {
-    tell({saved.result.error().message, true});
-  }
+  set_status(saved.result ? Status{fmt::format("Saved {}", saved.path.string()), false}
+                          : Status{saved.result.error().message, true});
 }
 
-void Session::appearance_from(NamedView view) {
+void Session::turn_to(NamedView view) {
   const Camera named = Camera::of(view);
   camera_.azimuth_deg = named.azimuth_deg;
   camera_.elevation_deg = named.elevation_deg;
@@ -192,14 +187,14 @@ void Session::save_picture() {
   if (!requested_) return;
   Result<std::filesystem::path> path = next_picture_path(atlas_->name(), next_picture_);
   if (!path) {
-    tell({path.error().message, true});
+    set_status({path.error().message, true});
     return;
   }
-  tell({fmt::format("Saving {} ...", path->string()), false});
+  set_status({fmt::format("Saving {} ...", path->string()), false});
   worker_.save(*requested_, *std::move(path));
 }
 
-void Session::tell(Status status) {
+void Session::set_status(Status status) {
   status_version_ = editor_.version();
   if (status == status_) return;
   status_ = std::move(status);

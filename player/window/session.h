@@ -62,7 +62,7 @@ class Session {
   [[nodiscard]] const Camera& camera() const { return camera_; }
   void set_camera(const Camera& camera) { camera_ = camera; }
   /// Turns the camera to a standard view; keeps zoom and centre.
-  void appearance_from(NamedView view);
+  void turn_to(NamedView view);
   /// Returns to the initial view: anterior, with the whole atlas in the picture.
   void reset_view() { camera_ = {}; }
   [[nodiscard]] DepthCue depth_cue() const { return depth_cue_; }
@@ -99,7 +99,7 @@ class Session {
   void save_picture();
   /// The latest message. A change of selection clears it.
   [[nodiscard]] const Status& status() const { return status_; }
-  void tell(Status status);
+  void set_status(Status status);
 
  private:
   void handle(const FrameDone& done);
@@ -109,7 +109,6 @@ class Session {
   void request_frame();
   void request_pick();
   void notice_selection();
-  [[nodiscard]] FrameRequest wanted_frame() const;
 
   std::shared_ptr<const Atlas> atlas_;
   SessionLog log_;

@@ -1,11 +1,13 @@
 #include "player/window/shortcuts.h"
 
 #include <array>
+#include <cctype>
 
 #include <SDL_keycode.h>
 #include <imgui.h>
 
 #include "player/camera_moves.h"
+#include "player/window/view_names.h"
 
 namespace splatlas {
 namespace {
@@ -39,40 +41,32 @@ constexpr std::array kHelp{
     Help{"Ctrl + Q", "quit"},
 };
 
-bool turn(Session& session, double azimuth_deg, double elevation_deg) {
+void turn(Session& session, double azimuth_deg, double elevation_deg) {
   session.set_camera(turned(session.camera(), azimuth_deg, elevation_deg));
-  return true;
 }
 
-bool appearance(Session& session, NamedView view) {
-  session.appearance_from(view);
-  return true;
-}
-
-bool zoom(Session& session, double factor) {
+void zoom(Session& session, double factor) {
   Camera camera = session.camera();
   camera.zoom = std::clamp(camera.zoom * factor, kMinZoom, kMaxZoom);
   session.set_camera(camera);
-  return true;
 }
 
 bool camera_key(SDL_Keycode key, Session& session) {
+  for (const NamedView view : kNamedViews) {
+    if (key != std::tolower(title_of(view).front())) continue;
+    session.turn_to(view);
+    return true;
+  }
   switch (key) {
-    case SDLK_a: return appearance(session, NamedView::kAnterior);
-    case SDLK_p: return appearance(session, NamedView::kPosterior);
-    case SDLK_l: return appearance(session, NamedView::kLeft);
-    case SDLK_r: return appearance(session, NamedView::kRight);
-    case SDLK_s: return appearance(session, NamedView::kSuperior);
-    case SDLK_i: return appearance(session, NamedView::kInferior);
-    case SDLK_LEFT: return turn(session, kKeyTurnDeg, 0);
-    case SDLK_RIGHT: return turn(session, -kKeyTurnDeg, 0);
-    case SDLK_UP: return turn(session, 0, -kKeyTurnDeg);
-    case SDLK_DOWN: return turn(session, 0, kKeyTurnDeg);
+    case SDLK_LEFT: turn(session, kKeyTurnDeg, 0); return true;
+    case SDLK_RIGHT: turn(session, -kKeyTurnDeg, 0); return true;
+    case SDLK_UP: turn(session, 0, -kKeyTurnDeg); return true;
+    case SDLK_DOWN: turn(session, 0, kKeyTurnDeg); return true;
     case SDLK_PLUS:
     case SDLK_EQUALS:
-    case SDLK_KP_PLUS: return zoom(session, kKeyZoom);
+    case SDLK_KP_PLUS: zoom(session, kKeyZoom); return true;
     case SDLK_MINUS:
-    case SDLK_KP_MINUS: return zoom(session, 1 / kKeyZoom);
+    case SDLK_KP_MINUS: zoom(session, 1 / kKeyZoom); return true;
     case SDLK_HOME: session.reset_view(); return true;
     default: return false;
   }

@@ -1,4 +1,4 @@
-// Tree panel of structures, with search and mode buttons.
+// Panel of structures: search, tree with mode buttons, facts and controls of the current structure.
 #pragma once
 
 #include "player/window/layout_log.h"
@@ -8,8 +8,7 @@
 
 namespace splatlas {
 
-/// Fills the current ImGui window except for `height_below` pixels at its bottom.
-void structure_panel(Session& session, UiState& ui, const Fonts& fonts, LayoutLog& layout,
-                     float height_below);
+/// Fills the current ImGui window.
+void structure_panel(Session& session, UiState& ui, const Fonts& fonts, LayoutLog& layout);
 
 }  // namespace splatlas

@@ -1,15 +1,11 @@
 #include "player/window/view_names.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 namespace splatlas {
 namespace {
 
-constexpr std::array<NamedView, 6> kNamedViews{NamedView::kAnterior, NamedView::kPosterior,
-                                               NamedView::kLeft,     NamedView::kRight,
-                                               NamedView::kSuperior, NamedView::kInferior};
 /// Minimum component along an axis for its letter: sin 22.5 degrees.
 constexpr double kMinComponent = 0.3827;
 

@@ -185,10 +185,44 @@ void draw_caption(const Session& session, const ViewArea& area, const Fonts& fon
   ImGui::PopClipRect();
 }
 
+/// Draws one line of buttons: standard views, reset, save, help.
+void view_toolbar(Session& session, UiState& ui, LayoutLog& layout) {
+  const auto current = view_of(session.camera());
+  for (const NamedView view : kNamedViews) {
+    const std::string title(title_of(view));
+    const bool active = current == view;
+    if (active) ImGui::PushStyleColor(ImGuiCol_Button, kAccentColor);
+    if (layout.button(title.c_str(), title)) session.turn_to(view);
+    if (active) ImGui::PopStyleColor();
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("key %c", title.front());
+    ImGui::SameLine();
+  }
+  ImGui::SameLine(0, ImGui::GetFontSize());
+  if (layout.button("Reset", "reset")) session.reset_view();
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("first view, everything in the picture (Home)");
+  ImGui::SameLine();
+  bool edges = session.depth_cue() == DepthCue::kEdges;
+  if (ImGui::Checkbox("Depth", &edges)) session.set_depth_cue(edges ? DepthCue::kEdges : DepthCue::kNone);
+  layout.item("depth");
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("darker behind what is near, and in furrows (D)");
+
+  const ImGuiStyle& style = ImGui::GetStyle();
+  const float save = ImGui::CalcTextSize("Save picture").x + 2 * style.FramePadding.x;
+  const float help = ImGui::CalcTextSize("Help").x + 2 * style.FramePadding.x;
+  ImGui::SameLine();
+  const float room = ImGui::GetContentRegionAvail().x - save - help - style.ItemSpacing.x;
+  if (room > 0) ImGui::SetCursorPosX(ImGui::GetCursorPosX() + room);
+  if (layout.button("Save picture", "save")) session.save_picture();
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("as PNG beside the atlas (Ctrl+S)");
+  ImGui::SameLine();
+  if (layout.button("Help", "help")) ui.show_help = !ui.show_help;
+}
+
 }  // namespace
 
-void view_panel(Session& session, PictureTexture& texture, const Fonts& fonts, LayoutLog& layout,
+void view_panel(Session& session, UiState& ui, PictureTexture& texture, const Fonts& fonts, LayoutLog& layout,
                 float height_below) {
+  view_toolbar(session, ui, layout);
   const ViewArea area = area_here(height_below + caption_height(fonts));
   session.resize(area.pixels);
   layout.area("view", area.min, area.max());

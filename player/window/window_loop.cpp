@@ -1,17 +1,17 @@
-#include "player/window/window_loop.h"
-
+// Main loop of the player window, and the entry point of its module.
 #include <algorithm>
+#include <exception>
+#include <type_traits>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "player/window/selection_bar.h"
 #include "player/window/shortcuts.h"
-#include "player/window/structure_details.h"
 #include "player/window/structure_panel.h"
 #include "player/window/view_panel.h"
-#include "player/window/view_toolbar.h"
 #include "player/window/window_host.h"
+#include "player/window/window_module.h"
 
 namespace splatlas {
 namespace {
@@ -22,7 +22,7 @@ constexpr int kFramesPerEvent = 3;
 constexpr int kFramesToFocus = 4;
 /// Redraw interval of a blinking text cursor.
 constexpr int kBlinkMs = 300;
-constexpr int kForEver = -1;
+constexpr int kNoTimeout = -1;
 
 class Window {
  public:
@@ -42,7 +42,7 @@ class Window {
       }
       if (settle_ > 0) continue;
       const bool blinking = ImGui::GetIO().WantTextInput;
-      const int timeout_ms = frames > 0 ? 0 : blinking ? kBlinkMs : kForEver;
+      const int timeout_ms = frames > 0 ? 0 : blinking ? kBlinkMs : kNoTimeout;
       if (host_.wait(timeout_ms, [this](const SDL_Event& event) { return take(event); })) {
         frames = kFramesPerEvent;
       }
@@ -97,15 +97,13 @@ class Window {
     ImGui::SetNextWindowPos({0, 0});
     ImGui::SetNextWindowSize({left, screen.y});
     if (ImGui::Begin("structures", nullptr, kFlags)) {
-      structure_panel(session_, ui_, fonts_, layout_, structure_details_height());
-      structure_details(session_, fonts_, layout_);
+      structure_panel(session_, ui_, fonts_, layout_);
     }
     ImGui::End();
     ImGui::SetNextWindowPos({left, 0});
     ImGui::SetNextWindowSize({std::max(1.0f, screen.x - left), screen.y});
     if (ImGui::Begin("picture", nullptr, kFlags)) {
-      view_toolbar(session_, ui_, layout_);
-      view_panel(session_, texture_, fonts_, layout_,
+      view_panel(session_, ui_, texture_, fonts_, layout_,
                  SelectionBar::height() + ImGui::GetStyle().ItemSpacing.y);
       selection_bar_.draw(session_, ui_, fonts_, layout_);
     }
@@ -124,9 +122,9 @@ class Window {
   int settle_ = 0;          // frames to draw before the next event
 };
 
-}  // namespace
-
-Result<void> run_window_loop(const std::filesystem::path& path, unsigned threads) {
+/// Opens an atlas, shows it in a window, and returns when the user closes the window. Sleeps between events.
+/// Errors of Atlas::open(), and kFailed without a display.
+Result<void> run_window(const std::filesystem::path& path, unsigned threads) {
   auto atlas = Atlas::open(path);
   if (!atlas) return tl::unexpected(std::move(atlas).error());
   auto log = SessionLog::from_environment();
@@ -139,4 +137,20 @@ Result<void> run_window_loop(const std::filesystem::path& path, unsigned threads
   return {};
 }
 
+}  // namespace
 }  // namespace splatlas
+
+extern "C" __attribute__((visibility("default"))) int splatlas_show_window(const char* path, unsigned threads,
+                                                                           char* error,
+                                                                           std::size_t error_size) try {
+  if (const auto result = splatlas::run_window(path, threads); !result) {
+    *fmt::format_to_n(error, error_size - 1, "{}", result.error().message).out = '\0';
+    return static_cast<int>(result.error().code);
+  }
+  return splatlas::kWindowClosed;
+} catch (const std::exception& exception) {
+  *fmt::format_to_n(error, error_size - 1, "{}", exception.what()).out = '\0';
+  return static_cast<int>(splatlas::ErrorCode::kFailed);
+}
+
+static_assert(std::is_same_v<decltype(&splatlas_show_window), splatlas::ShowWindow>);

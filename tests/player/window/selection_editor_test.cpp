@@ -152,7 +152,7 @@ TEST_F(SelectionEditorTest, AnEditThatChangesNothingIsNoStep) {
 
 TEST_F(SelectionEditorTest, GivesUpWithoutATrace) {
   editor_.isolate(Index::kStem);
-  editor_.give_up_for("*");
+  editor_.revert_to("*");
   EXPECT_EQ(editor_.text(), "*");
   EXPECT_FALSE(editor_.can_undo());
 }

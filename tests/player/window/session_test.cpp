@@ -119,7 +119,7 @@ TEST_F(SessionTest, RendersNothingBeforeTheViewHasASize) {
 TEST_F(SessionTest, NamesWhatIsUnderThePointer) {
   Desk desk(atlas());
   for (const NamedView view : {NamedView::kAnterior, NamedView::kLeft, NamedView::kSuperior}) {
-    desk->appearance_from(view);
+    desk->turn_to(view);
     for (const StructureIndex s : {kSphere1, kSphere2}) {
       const phantom::Ball& ball = phantom::kBalls[s == kSphere1 ? 0 : 1];
       desk->editor().isolate(s);
