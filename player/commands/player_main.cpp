@@ -1,5 +1,6 @@
 // Program splatlas-player: window and command-line renderer of atlases.
 
+#include <array>
 #include <cstdio>
 #include <filesystem>
 #include <new>
@@ -8,20 +9,18 @@
 #include <vector>
 
 #include <CLI/CLI.hpp>
+#include <dlfcn.h>
 #include <fmt/format.h>
 
 #include "format/system/ascii_text.h"
 #include "format/system/command_options.h"
+#include "format/system/exit_status.h"
 #include "format/system/interrupts.h"
+#include "format/system/result_macros.h"
 #include "format/system/standard_output.h"
 #include "player/commands/info_command.h"
-#include "player/commands/render_arguments.h"
 #include "player/commands/render_command.h"
-#ifdef SPLATLAS_HAS_WINDOW
-#include "format/system/exit_status.h"
-#include "format/system/result_macros.h"
-#include "player/window/player_window.h"
-#endif
+#include "player/window/window_module.h"
 
 namespace splatlas {
 namespace {
@@ -73,14 +72,30 @@ Result<void> render_picture(const RenderRequest& request) {
                                                     request.atlas.string(), request.output.string()));
 }
 
-Result<void> open_window(const std::filesystem::path& path, [[maybe_unused]] unsigned threads) {
 #ifdef SPLATLAS_HAS_WINDOW
-  return run_window(path, threads);
+/// Shows an atlas until the user closes the window. SDL2, OpenGL and Dear ImGui are in a module, so that the
+/// other commands do not depend on them.
+Result<void> open_window(const std::filesystem::path& path, unsigned threads) {
+  // Never unloaded: OpenGL drivers leave threads and exit handlers behind.
+  void* module = dlopen(kWindowModule, RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
+  void* function = module != nullptr ? dlsym(module, kShowWindowName) : nullptr;
+  if (function == nullptr) {
+    const char* reason = dlerror();
+    return fail(ErrorCode::kFailed, fmt::format("cannot open a window: {}; use 'splatlas-player render'",
+                                                reason != nullptr ? reason : kWindowModule));
+  }
+  std::array<char, 2048> error{};
+  const auto show = reinterpret_cast<ShowWindow>(function);
+  const int code = show(path.c_str(), threads, error.data(), error.size());
+  if (code == kWindowClosed) return {};
+  return fail(static_cast<ErrorCode>(code), error.data());
+}
 #else
+Result<void> open_window(const std::filesystem::path& path, unsigned /*threads*/) {
   return fail(ErrorCode::kUsage,
               fmt::format("{}: this player was built without a window; use 'render'", path.string()));
-#endif
 }
+#endif
 
 /// Options and commands, bound to typed variables.
 struct CommandLine {

@@ -1,14 +1,18 @@
 #include "player/commands/render_command.h"
 
+#include <charconv>
 #include <chrono>
 #include <cstddef>
 #include <span>
+#include <string_view>
 #include <utility>
 
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "format/system/check_writable.h"
+#include "format/system/command_options.h"
 #include "format/system/output_file.h"
 #include "format/system/output_path.h"
 #include "format/system/result_macros.h"
@@ -16,6 +20,94 @@
 
 namespace splatlas {
 namespace {
+
+constexpr const char* kFooter =
+    "Selection text: terms joined by '+', removals by '-':\n"
+    "  NAME[:surface|:volume|:both][(opacity=0.4,color=#ff8800)]\n"
+    "NAME is a structure's id, name or path (Brain/Cerebellum/Left), '*' stands for any characters;\n"
+    "quote it where it holds a blank, a sign or a colon. A node selects all its descendants.\n"
+    "Options; the last four are for volumes only:\n"
+    "  opacity=0.4            of a surface, or of one voxel of a volume: above 0, at most 1\n"
+    "  color=#ff8800\n"
+    "  low=40, high=160       grey values between which a volume rises to its opacity\n"
+    "  profile=soft           a ramp from low to high; thin: opacity 0.01 by default; hard: a step\n"
+    "  curve=40:0/160:0.3     a table of grey:opacity or grey:opacity:shade, instead of a ramp\n"
+    "\n"
+    "  --select '\"Left hemisphere\":volume + Cerebellum:surface(opacity=0.5) - Vermis*'\n"
+    "\n"
+    "Exit status: 0 done; 1 could not be done; 2 wrong usage; 3 not a valid atlas; 4 name not found.";
+
+using Background = std::optional<Rgb>;
+
+/// Parses the whole text as a number. CLI11's conversion skips blanks and accepts hexadecimal digits.
+template <typename Number>
+std::optional<Number> whole_number(std::string_view text) {
+  Number number{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return number;
+}
+
+std::optional<PictureSize> parse_size(std::string_view text) {
+  const std::size_t x = std::min(text.find('x'), text.size());
+  const auto width = whole_number<int>(text.substr(0, x));
+  const auto height = whole_number<int>(text.substr(std::min(x + 1, text.size())));
+  if (!width || !height) return std::nullopt;
+  return PictureSize{*width, *height};
+}
+
+std::optional<Background> parse_background(std::string_view text) {
+  if (text == "transparent") return Background();
+  const auto color = parse_color(text);
+  return color ? std::optional<Background>(*color) : std::nullopt;
+}
+
+std::optional<std::filesystem::path> parse_file_name(std::string_view text) {
+  return text.empty() ? std::nullopt : std::optional<std::filesystem::path>(text);
+}
+
+CLI::Option* add_number(CLI::App& command, const std::string& name, double& value, const std::string& help) {
+  return add_parsed(command, name, value, whole_number<double>, "must be a number", help);
+}
+
+/// Adds camera options. CLI11 assigns values in this order, so single settings override --view.
+void add_camera(CLI::App& command, Camera& camera) {
+  add_choice(command, "--view", camera,
+             {{"anterior", Camera::of(NamedView::kAnterior)},
+              {"posterior", Camera::of(NamedView::kPosterior)},
+              {"left", Camera::of(NamedView::kLeft)},
+              {"right", Camera::of(NamedView::kRight)},
+              {"superior", Camera::of(NamedView::kSuperior)},
+              {"inferior", Camera::of(NamedView::kInferior)}});
+  add_number(command, "--azimuth", camera.azimuth_deg,
+             "degrees around the superior axis: 0 anterior, 90 the subject's left");
+  add_number(command, "--elevation", camera.elevation_deg, "degrees above the horizon");
+  add_number(command, "--zoom", camera.zoom, "1 fits the atlas into the picture")
+      ->default_str(fmt::to_string(camera.zoom));
+  add_choice(command, "--projection", camera.projection,
+             {{"parallel", CameraProjection::kParallel}, {"perspective", CameraProjection::kPerspective}});
+  const CLI::Option* field_of_view =
+      add_number(command, "--field-of-view", camera.field_of_view_deg,
+                 "vertical field of view in degrees, with --projection perspective")
+          ->default_str(fmt::to_string(camera.field_of_view_deg));
+  command.final_callback([&camera, field_of_view] {
+    if (field_of_view->count() == 0 || camera.projection == CameraProjection::kPerspective) return;
+    throw CLI::ValidationError("--field-of-view", "needs --projection perspective");
+  });
+}
+
+void add_quality(CLI::App& command, RenderOptions& options) {
+  add_choice(command, "--classify", options.classification,
+             {{"before", Classification::kBefore}, {"after", Classification::kAfter}},
+             "transfer functions relative to interpolation between voxels");
+  add_choice(command, "--quality", options.quality,
+             {{"draft", Quality::kDraft}, {"normal", Quality::kNormal}, {"high", Quality::kHigh}});
+  add_choice(command, "--shading", options.hybrid_shading, {{"hybrid", true}, {"none", false}},
+             "light the boundary voxels of volumes by their normals");
+  add_choice(command, "--depth-cue", options.depth_cue,
+             {{"none", DepthCue::kNone}, {"edges", DepthCue::kEdges}},
+             "darken pixels that lie behind their neighbours");
+}
 
 nlohmann::ordered_json missing_json(const Renderer& renderer) {
   auto json = nlohmann::ordered_json::array();
@@ -67,6 +159,28 @@ Result<void> write_outputs(const RenderRequest& request, std::span<const std::by
 }
 
 }  // namespace
+
+CLI::App* add_render(CLI::App& app, RenderRequest& request) {
+  CLI::App* command = app.add_subcommand("render", "Render a selection to a picture file, without a window");
+  command->add_option("ATLAS", request.atlas, "atlas file")->required();
+  add_parsed(*command, "-o,--output", request.output, parse_file_name, "must name a file",
+             "picture: .png, .jpg, .tif, or .exr (linear float RGBA)")
+      ->required();
+  command->add_option("--select", request.select, "selection text (see below)")->capture_default_str();
+  add_parsed(*command, "--size", request.options.size, parse_size,
+             "must be WIDTHxHEIGHT in pixels, as in 1024x768", "WIDTHxHEIGHT in pixels")
+      ->default_str(fmt::format("{}x{}", request.options.size.width, request.options.size.height));
+  add_camera(*command, request.camera);
+  add_quality(*command, request.options);
+  add_parsed(*command, "--background", request.background, parse_background, "must be #rrggbb or transparent",
+             "#rrggbb or transparent")
+      ->default_str(request.background ? to_hex(*request.background) : "transparent");
+  add_threads(*command, request.threads, "0: one per core; the picture does not depend on it");
+  add_parsed(*command, "--stats", request.stats, parse_file_name, "must name a file",
+             "JSON file to write: voxels visited, bytes read, times");
+  command->footer(kFooter);
+  return command;
+}
 
 Result<std::vector<std::string>> run_render(const RenderRequest& request) {
   SPLATLAS_RETURN_IF_ERROR(PictureEncoder::check_ending(request.output));

@@ -9,6 +9,10 @@
 #include "format/result.h"
 #include "player/render_frame.h"
 
+namespace CLI {
+class App;
+}
+
 namespace splatlas {
 
 /// Arguments of the render command.
@@ -21,6 +25,10 @@ struct RenderRequest {
   std::optional<Rgb> background = Rgb{0, 0, 0};  ///< none: transparent
   std::filesystem::path stats;                   ///< JSON file; empty: none
 };
+
+/// Adds the command. Parsing fills `request`, which must outlive `app`. Invalid values throw
+/// CLI::ValidationError with option, value and remedy.
+CLI::App* add_render(CLI::App& app, RenderRequest& request);
 
 /// Renders a picture and writes it, with the statistics if requested: both files or none. Renders the intact
 /// parts of a damaged atlas, and returns a line for each missing part. Errors name the file.
