@@ -130,7 +130,7 @@ Result<View> view_of(const Camera& camera, const PictureSize& size, const Displa
   }
   const double half_height_mm = 0.5 * size.height * plane.mm_per_pixel;
   const double eye_mm = half_height_mm / std::tan(degrees * std::numbers::pi / 360);
-  if (!(eye_mm >= kNearestEyeMm && std::isfinite(eye_mm))) {
+  if (!(eye_mm >= kMinEyeDistanceMm && std::isfinite(eye_mm))) {
     return fail(ErrorCode::kUsage,
                 fmt::format("camera: the eye is {} mm from the point that it looks at; change zoom {}",
                             eye_mm, camera.zoom));

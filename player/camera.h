@@ -85,10 +85,10 @@ struct View {
 /// Minimum and maximum field of view, in degrees.
 inline constexpr double kMinFieldOfView = 1e-3, kMaxFieldOfView = 179;
 /// Minimum distance from the eye to the centre, in mm. Prevents underflow in ray set-up.
-inline constexpr double kNearestEyeMm = 1e-100;
+inline constexpr double kMinEyeDistanceMm = 1e-100;
 
 /// The view of a camera. kUsage as for parallel_view(). In perspective also for a field of view outside
-/// [kMinFieldOfView, kMaxFieldOfView], and for an eye closer than kNearestEyeMm or infinitely far. O(1),
+/// [kMinFieldOfView, kMaxFieldOfView], and for an eye closer than kMinEyeDistanceMm or infinitely far. O(1),
 /// thread-safe.
 [[nodiscard]] Result<View> view_of(const Camera& camera, const PictureSize& size, const Display& display);
 

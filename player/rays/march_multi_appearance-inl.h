@@ -1,5 +1,4 @@
-// Ray marching through any combination of sources. Compiled once for every
-// instruction set.
+// Ray marching through any combination of sources. Compiled once for every instruction set.
 #if defined(SPLATLAS_PLAYER_MARCH_MULTI_APPEARANCE_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SPLATLAS_PLAYER_MARCH_MULTI_APPEARANCE_INL_H_
 #undef SPLATLAS_PLAYER_MARCH_MULTI_APPEARANCE_INL_H_

@@ -93,7 +93,7 @@ struct Rays {
     const auto plane = Max(Floor(before), Floor(behind));
     return Mul(Sub(plane, across_origin_[other]), t_per_across_[other]);
   }
-  /// Whether two cells that are `distance` apart are neighbours along both minor axes. False for rays without
+  /// True if two cells that are `distance` apart are neighbours along both minor axes. False for rays without
   /// a principal axis.
   HWY_INLINE IntMask IsDiagonal(IntVector distance) const {
     const auto cells = Abs(distance);
@@ -150,7 +150,7 @@ HWY_INLINE Vector PartOf(Vector begin, Vector length, int n, int steps) {
   return MulAdd(Set(Lanes(), static_cast<float>(n) / static_cast<float>(steps)), length, begin);
 }
 
-/// Whether a box of bricks, both ends included, has an active one: O(1) by the summed-area table.
+/// True if a box of bricks, both ends included, has an active one: O(1) by the summed-area table.
 HWY_INLINE bool AnyActive(const std::uint32_t* sums, const MarchGrid& grid, const std::int32_t* first,
                           const std::int32_t* last) {
   const std::int64_t row = grid.bricks(0) + 1;
@@ -174,15 +174,15 @@ struct Bounds {
 
   HWY_INLINE Bounds(const Rays& rays, Mask counts, float from, float to) : first(from) {
     const Lanes d;
-    const auto most = Set(d, 1e30f);
+    const auto beyond = Set(d, 1e30f);
     const float scale = 1.0f / (to - from);
     for (std::size_t a = 0; a < 3; ++a) {
       const auto start = rays.At(a, Set(d, from));
       const auto end = rays.At(a, Set(d, to));
-      low[a] = MinLane(d, IfThenElse(counts, start, most));
-      high[a] = MaxLane(d, IfThenElse(counts, start, Neg(most)));
-      low_step[a] = (MinLane(d, IfThenElse(counts, end, most)) - low[a]) * scale;
-      high_step[a] = (MaxLane(d, IfThenElse(counts, end, Neg(most))) - high[a]) * scale;
+      low[a] = MinLane(d, IfThenElse(counts, start, beyond));
+      high[a] = MaxLane(d, IfThenElse(counts, start, Neg(beyond)));
+      low_step[a] = (MinLane(d, IfThenElse(counts, end, beyond)) - low[a]) * scale;
+      high_step[a] = (MaxLane(d, IfThenElse(counts, end, Neg(beyond))) - high[a]) * scale;
     }
   }
 
@@ -191,11 +191,11 @@ struct Bounds {
                          std::int32_t* to) const {
     constexpr float kRounding = 1.0f / 64;
     for (std::size_t a = 0; a < 3; ++a) {
-      const float least = low[a] + std::min(low_step[a] * (t0 - first), low_step[a] * (t1 - first));
-      const float most = high[a] + std::max(high_step[a] * (t0 - first), high_step[a] * (t1 - first));
+      const float min = low[a] + std::min(low_step[a] * (t0 - first), low_step[a] * (t1 - first));
+      const float max = high[a] + std::max(high_step[a] * (t0 - first), high_step[a] * (t1 - first));
       const auto end = static_cast<float>(grid.size[a] - 1);
-      from[a] = static_cast<std::int32_t>(std::clamp(least - kRounding, 0.0f, end)) / MarchGrid::kBrick;
-      to[a] = static_cast<std::int32_t>(std::clamp(most + kRounding, 0.0f, end)) / MarchGrid::kBrick;
+      from[a] = static_cast<std::int32_t>(std::clamp(min - kRounding, 0.0f, end)) / MarchGrid::kBrick;
+      to[a] = static_cast<std::int32_t>(std::clamp(max + kRounding, 0.0f, end)) / MarchGrid::kBrick;
     }
   }
 };

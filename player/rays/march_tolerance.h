@@ -7,7 +7,7 @@
 
 namespace splatlas {
 
-/// Whether slabs are subdivided by cells, not evenly. Holds for byte grey values with one transfer function
+/// True if slabs are subdivided by cells, not evenly: for byte grey values with one transfer function
 /// and one colour, as long as one step per slab is allowed.
 [[nodiscard]] inline bool subdivides_cells(const MarchScene& scene) {
   return scene.tolerance > 0 && scene.min_steps == 1 && scene.sources.size() == 1 &&

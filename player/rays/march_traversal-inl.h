@@ -1,5 +1,4 @@
-// Traversal of a volume by a packet of rays, the hot loop. Compiled once for every
-// instruction set.
+// Traversal of a volume by a packet of rays, the hot loop. Compiled once for every instruction set.
 #if defined(SPLATLAS_PLAYER_MARCH_TRAVERSAL_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SPLATLAS_PLAYER_MARCH_TRAVERSAL_INL_H_
 #undef SPLATLAS_PLAYER_MARCH_TRAVERSAL_INL_H_
@@ -22,7 +21,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace splatlas::HWY_NAMESPACE {
 
-/// Whether any brick that the packet may cross from t0 to t1 is active; stores the box of those bricks.
+/// True if any brick that the packet may cross from t0 to t1 is active. Stores the box of those bricks.
 HWY_INLINE bool AnyWithin(const MarchScene& scene, const Bounds& bounds, float t0, float t1,
                           std::int32_t* from, std::int32_t* to) {
   bounds.Bricks(scene.grid, t0, t1, from, to);

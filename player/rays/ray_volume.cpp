@@ -178,7 +178,7 @@ class RayVolume::Builder {
     return source.transfer && source.many_colors ? kFour * sizeof(float) : 0;
   }
 
-  /// Whether large pages waste little memory: sources fill a good part of the box on average, and the whole
+  /// True if large pages waste little memory: sources fill a good part of the box on average, and the whole
   /// box is within the memory limit.
   [[nodiscard]] bool fills_box(std::uint64_t box_voxels) const {
     constexpr std::uint64_t kSparse = 32;

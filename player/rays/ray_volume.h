@@ -45,7 +45,7 @@ class RayVolume {
   /// Multiplies the colours of boundary voxels by `lighting[normal]` (65536 entries). Needed once per view.
   void shade(std::span<const float> lighting, ThreadPool& pool);
 
-  /// Whether no voxel is selected.
+  /// True if no voxel is selected.
   [[nodiscard]] bool empty() const { return sources_.empty(); }
   /// Voxel of the grid at position (0, 0, 0).
   [[nodiscard]] const Index3& first() const { return first_; }

@@ -257,44 +257,37 @@ template <class D>
 HWY_INLINE WideVec<PairTag<D>> Zero(PairTag<D>) {
   return {Zero(D()), Zero(D())};
 }
-template <class D, typename T>
-HWY_INLINE WideVec<PairTag<D>> Load(PairTag<D>, const T* values) {
-  return {Load(D(), values), Load(D(), values + kLanesOf<D>)};
-}
-template <class D, typename T>
-HWY_INLINE WideVec<PairTag<D>> LoadU(PairTag<D>, const T* values) {
-  return {LoadU(D(), values), LoadU(D(), values + kLanesOf<D>)};
-}
-template <class V, class D, typename T>
-HWY_INLINE void Store(const Pair<V>& v, PairTag<D>, T* values) {
-  Store(v.low, D(), values);
-  Store(v.high, D(), values + kLanesOf<D>);
-}
 template <class D, typename T, class V>
 HWY_INLINE WideVec<PairTag<D>> GatherIndex(PairTag<D>, const T* values, const Pair<V>& indices) {
   return {GatherIndex(D(), values, indices.low), GatherIndex(D(), values, indices.high)};
 }
-template <class D, class V>
-HWY_INLINE WideVec<PairTag<D>> ConvertTo(PairTag<D>, const Pair<V>& v) {
-  return {ConvertTo(D(), v.low), ConvertTo(D(), v.high)};
-}
-template <class D, class V>
-HWY_INLINE WideVec<PairTag<D>> BitCast(PairTag<D>, const Pair<V>& v) {
-  return {BitCast(D(), v.low), BitCast(D(), v.high)};
-}
-template <class D, class M>
-HWY_INLINE WideMask<PairTag<D>> RebindMask(PairTag<D>, const Pair<M>& mask) {
-  return {RebindMask(D(), mask.low), RebindMask(D(), mask.high)};
-}
-template <class D, class M>
-HWY_INLINE WideVec<PairTag<D>> VecFromMask(PairTag<D>, const Pair<M>& mask) {
-  return {VecFromMask(D(), mask.low), VecFromMask(D(), mask.high)};
-}
-template <class V, class D, typename T>
-HWY_INLINE void StoreU(const Pair<V>& v, PairTag<D>, T* values) {
-  StoreU(v.low, D(), values);
-  StoreU(v.high, D(), values + kLanesOf<D>);
-}
+#define SPLATLAS_WIDE_LOAD(Name)                                     \
+  template <class D, typename T>                                     \
+  HWY_INLINE WideVec<PairTag<D>> Name(PairTag<D>, const T* values) { \
+    return {Name(D(), values), Name(D(), values + kLanesOf<D>)};     \
+  }
+#define SPLATLAS_WIDE_STORE(Name)                                 \
+  template <class V, class D, typename T>                         \
+  HWY_INLINE void Name(const Pair<V>& v, PairTag<D>, T* values) { \
+    Name(v.low, D(), values);                                     \
+    Name(v.high, D(), values + kLanesOf<D>);                      \
+  }
+#define SPLATLAS_WIDE_CONVERT(Name)                       \
+  template <class D, class V>                             \
+  HWY_INLINE auto Name(PairTag<D>, const Pair<V>& v) {    \
+    return MakePair(Name(D(), v.low), Name(D(), v.high)); \
+  }
+SPLATLAS_WIDE_LOAD(Load)
+SPLATLAS_WIDE_LOAD(LoadU)
+SPLATLAS_WIDE_STORE(Store)
+SPLATLAS_WIDE_STORE(StoreU)
+SPLATLAS_WIDE_CONVERT(BitCast)
+SPLATLAS_WIDE_CONVERT(ConvertTo)
+SPLATLAS_WIDE_CONVERT(RebindMask)
+SPLATLAS_WIDE_CONVERT(VecFromMask)
+#undef SPLATLAS_WIDE_LOAD
+#undef SPLATLAS_WIDE_STORE
+#undef SPLATLAS_WIDE_CONVERT
 
 // Shifts between neighbouring lanes.
 /// Lane 0 of `first`, the others of `rest`.
