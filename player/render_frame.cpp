@@ -15,7 +15,6 @@
 #include "player/frame/drawn_selection.h"
 #include "player/frame/pick_structure.h"
 #include "player/frame/ray_frame.h"
-#include "player/frame/ray_volume_store.h"
 #include "player/frame/sheet_frame.h"
 #include "player/frame/span_store.h"
 #include "player/frame/stopwatch.h"
@@ -78,7 +77,7 @@ struct Renderer::Impl {
   DrawnSelection drawn;
   DecodedSelection decoded;
   SpanStore spans;
-  RayVolumeStore ray_volume;
+  std::optional<RayVolume> ray_volume;
 
   // State of the latest frame.
   FrameBuffers buffers;
@@ -111,7 +110,7 @@ Result<void> Renderer::Impl::select(const Selection& selection) {
 /// Replaces the draw plan and drops all data of the previous one.
 void Renderer::Impl::draw(DrawPlan plan) {
   spans.outdate();  // first: out of memory in draw() leaves an empty plan
-  ray_volume.clear();
+  ray_volume.reset();
   shown.reset();
   drawn.draw(std::move(plan));
   const DrawPlan& now = drawn.plan();
@@ -126,7 +125,7 @@ void Renderer::Impl::draw(DrawPlan plan) {
 void Renderer::Impl::draw_nothing() {
   drawn.clear();
   spans.clear();
-  ray_volume.clear();
+  ray_volume.reset();
   shown.reset();
 }
 
@@ -150,7 +149,7 @@ Result<void> Renderer::Impl::render(const Camera& camera, const RenderOptions& o
 /// Renders by shear-warp factorisation: parallel projection, pre-classification.
 Result<void> Renderer::Impl::render_sheets(const FrameCall& call, Picture& picture) {
   const auto& [view, options, overrides, task] = call;
-  ray_volume.clear();
+  ray_volume.reset();
   SPLATLAS_ASSIGN_OR_RETURN(const Shear shear, shear_of(view.plane, atlas->grid(), overrides));
 
   // Decode the selection along the principal axis
@@ -161,8 +160,9 @@ Result<void> Renderer::Impl::render_sheets(const FrameCall& call, Picture& pictu
 
   // Merge runs to spans, and light them
   task.begin_stage(kPrepared, 2);
-  AxisSpans& axis_spans = spans.require(drawn.plan(), drawn.appearances(), *atlas, decoded.cache(),
-                                        shear.principal, options.hybrid_shading, pool);
+  AxisSpans& axis_spans = spans.along(shear.principal);
+  axis_spans.require(drawn.plan(), drawn.appearances(), *atlas, decoded.cache(), shear.principal,
+                     options.hybrid_shading, pool);
   stats.traversal = watch.lap();
   stats.select_ms += stats.traversal.wall_ms;
   const Lighting lighting(view.plane);
@@ -195,16 +195,16 @@ Result<void> Renderer::Impl::render_rays(const FrameCall& call, Picture& picture
   stats.traversal = watch.lap();
   stats.select_ms += stats.traversal.wall_ms;
   const Lighting lighting(view.plane);
-  ray_volume.light(view.plane, lighting, pool);
+  ray_volume->light(view.plane, lighting, pool);
   const Elapsed light = watch.lap();
   stats.traversal += light;
 
   // Rasterise surfaces, cast rays, resolve both into the picture
   const std::vector<SurfaceDraw> surfaces = drawn.surfaces(decoded.cache());
   const FrameScene scene{surfaces, view, atlas->grid(), lighting, options, overrides, max_memory_bytes};
-  RayFrame frame(scene, ray_volume.volume(), buffers, pool);
+  RayFrame frame(scene, *ray_volume, buffers, pool);
   SPLATLAS_RETURN_IF_ERROR(run_stages(frame, kRayLoops, task, picture));
-  stats.runs_visited = ray_volume.runs();
+  stats.runs_visited = ray_volume->runs();
   stats.render_ms = light.wall_ms + watch.lap().wall_ms;
   return {};
 }
@@ -222,19 +222,22 @@ Result<void> Renderer::Impl::decode(Axis axis, const RenderOptions& options) {
 
 /// Builds the ray volume of the selection unless it is current. Frees the spans first.
 Result<void> Renderer::Impl::require_ray_volume(const RenderOptions& options) {
-  if (ray_volume.holds(options.classification, options.hybrid_shading)) return {};
+  if (ray_volume && ray_volume->fits(options.classification, options.hybrid_shading)) return {};
+  ray_volume.reset();
   spans.clear();
   const SelectedRuns runs(drawn.plan(), atlas->classes(), decoded.cache(), Axis::kZ);
-  return ray_volume.build({.atlas = *atlas,
-                           .selection = drawn.selection(),
-                           .plan = drawn.plan(),
-                           .appearances = drawn.appearances().appearances(),
-                           .runs = runs,
-                           .cache = decoded.cache(),
-                           .classification = options.classification,
-                           .shade = options.hybrid_shading,
-                           .max_memory_bytes = max_memory_bytes - frame_bytes(options)},
-                          pool);
+  SPLATLAS_ASSIGN_OR_RETURN(ray_volume,
+                            RayVolume::build({.atlas = *atlas,
+                                              .selection = drawn.selection(),
+                                              .plan = drawn.plan(),
+                                              .appearances = drawn.appearances().appearances(),
+                                              .runs = runs,
+                                              .cache = decoded.cache(),
+                                              .classification = options.classification,
+                                              .shade = options.hybrid_shading,
+                                              .max_memory_bytes = max_memory_bytes - frame_bytes(options)},
+                                             pool));
+  return {};
 }
 
 /// Runs the stages of a frame.

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstdint>
+#include <new>
+#include <utility>
 #include <vector>
 
 #include "format/decision_tree.h"
@@ -18,9 +20,20 @@ class DrawnSelection {
   explicit DrawnSelection(const Atlas& atlas) : appearances_(atlas) {}
 
   /// Replaces the selection; draw() must follow. `max_span_bytes`: upper bound of the memory of its spans.
-  void select(const Selection& selection, std::uint64_t max_span_bytes);
+  void select(const Selection& selection, std::uint64_t max_span_bytes) {
+    selection_ = selection;
+    max_span_bytes_ = max_span_bytes;
+  }
   /// Replaces the draw plan and its appearances. Throws std::bad_alloc, and leaves an empty plan.
-  void draw(DrawPlan plan);
+  void draw(DrawPlan plan) {
+    plan_ = std::move(plan);
+    try {
+      appearances_.select(plan_, selection_);
+    } catch (const std::bad_alloc&) {
+      plan_ = {};
+      throw;
+    }
+  }
   /// Clears the draw plan.
   void clear() { plan_ = {}; }
 
@@ -28,10 +41,16 @@ class DrawnSelection {
   [[nodiscard]] const DrawPlan& plan() const { return plan_; }
   [[nodiscard]] const VolumeAppearances& appearances() const { return appearances_; }
   [[nodiscard]] std::uint64_t max_span_bytes() const { return max_span_bytes_; }
-  [[nodiscard]] bool draws_nothing() const;
+  [[nodiscard]] bool draws_nothing() const { return volume_classes(plan_).empty() && plan_.surfaces.empty(); }
 
   /// Surfaces of the plan with their appearances. `cache` must hold them.
-  [[nodiscard]] std::vector<SurfaceDraw> surfaces(const ClassCache& cache) const;
+  [[nodiscard]] std::vector<SurfaceDraw> surfaces(const ClassCache& cache) const {
+    std::vector<SurfaceDraw> draws;
+    for (const StructureIndex s : plan_.surfaces) {
+      draws.push_back(surface_draw(s, selection_.structures[s], cache.surface(s)));
+    }
+    return draws;
+  }
 
  private:
   Selection selection_;

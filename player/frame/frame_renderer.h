@@ -13,7 +13,7 @@
 #include "player/sheets/sheets.h"
 #include "player/surfaces/raster_scene.h"
 #include "player/surfaces/rasterize.h"
-#include "player/view/view_depth.h"
+#include "player/view/view_frame.h"
 
 namespace splatlas {
 

@@ -5,7 +5,7 @@
 #include "player/depth_cue/depth_edges.h"
 #include "player/rays/march_kernels.h"
 #include "player/rays/ray_volume.h"
-#include "player/view/view_depth.h"
+#include "player/view/view_frame.h"
 
 namespace splatlas {
 

@@ -8,8 +8,7 @@
 #include <fmt/format.h>
 
 #include "format/system/result_macros.h"
-#include "player/rays/brick_ranges.h"
-#include "player/rays/brick_sums.h"
+#include "player/rays/bricks.h"
 #include "player/transfer_function.h"
 
 namespace splatlas {
@@ -193,8 +192,7 @@ class RayVolume::Builder {
 
   Result<void> allocate(Source& source) {
     const auto& size = volume_.grid_.size;
-    const std::size_t voxels = static_cast<std::size_t>(size[0]) * static_cast<std::size_t>(size[1]) *
-                               static_cast<std::size_t>(size[2]);
+    const std::size_t voxels = place(0, 0, size[2]);
     SPLATLAS_ASSIGN_OR_RETURN(source.values, SparseBytes::reserve(voxels * value_bytes(source)));
     if (color_bytes(source) > 0) {
       SPLATLAS_ASSIGN_OR_RETURN(source.colors, SparseBytes::reserve(voxels * color_bytes(source)));
@@ -298,7 +296,7 @@ class RayVolume::Builder {
                            [&](std::int64_t n) { return stored(piece.voxel + static_cast<std::size_t>(n)); });
           });
         }
-        const std::size_t bricks = static_cast<std::size_t>(mask.x) * static_cast<std::size_t>(mask.y);
+        const std::size_t bricks = mask.of_slice();
         for (std::size_t n = 0; n < bricks; ++n) {
           float low = 0, high = 0;
           const bool shows = ranges.range(n, low, high) && source.transfer->shows(low, high);
@@ -331,7 +329,7 @@ class RayVolume::Builder {
     std::vector<std::vector<std::uint8_t>> visible(slices);  // [slice of voxels][brick]
     pool_.for_each(slices, [&](std::size_t slice) {
       const auto z = static_cast<std::int64_t>(slice);
-      visible[slice].resize(static_cast<std::size_t>(mask.x) * static_cast<std::size_t>(mask.y), 0);
+      visible[slice].resize(mask.of_slice(), 0);
       std::vector<ClassifiedVoxel> voxels;
       for_each_piece(source, z, [&](const Piece& piece) {
         const VolumeAppearance& appearance = request_.appearances[piece.draw];
@@ -351,7 +349,7 @@ class RayVolume::Builder {
       });
     });
     // Mark the cells in front of and behind each voxel
-    const std::size_t bricks = static_cast<std::size_t>(mask.x) * static_cast<std::size_t>(mask.y);
+    const std::size_t bricks = mask.of_slice();
     for (std::size_t slice = 0; slice < slices; ++slice) {
       const std::size_t to = slice / MarchGrid::kBrick;
       const std::size_t from = slice == 0 ? 0 : (slice - 1) / MarchGrid::kBrick;
@@ -375,20 +373,27 @@ class RayVolume::Builder {
 
 Result<RayVolume> RayVolume::build(const RayVolumeRequest& request, ThreadPool& pool) {
   RayVolume volume;
+  volume.runs_ = request.runs.count();
+  volume.classification_ = request.classification;
+  volume.shade_ = request.shade;
   SPLATLAS_RETURN_IF_ERROR(Builder(request, volume, pool).build());
   return volume;
 }
 
-void RayVolume::shade(std::span<const float> lighting, ThreadPool& pool) {
+void RayVolume::light(const ParallelView& view, const Lighting& lighting, ThreadPool& pool) {
+  if (shaded_voxels_ == 0 || (lit_for_ && have_same_lighting(*lit_for_, view))) return;
+  lit_for_.reset();
+  const std::vector<float> factors = lighting.table();
   for (Source& source : sources_) {
     SparseBytes& bytes = source.transfer ? source.colors : source.values;
     auto* colors = reinterpret_cast<float*>(bytes.data());
     pool.for_each(source.shaded.size(), [&](std::size_t slice) {
       for (const ShadedVoxel& voxel : source.shaded[slice]) {
-        for (std::size_t c = 0; c < 3; ++c) colors[voxel.place + c] = voxel.color[c] * lighting[voxel.normal];
+        for (std::size_t c = 0; c < 3; ++c) colors[voxel.place + c] = voxel.color[c] * factors[voxel.normal];
       }
     });
   }
+  lit_for_ = view;
 }
 
 }  // namespace splatlas

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -14,6 +15,7 @@
 #include "player/render_options.h"
 #include "player/spans/class_cache.h"
 #include "player/spans/selected_runs.h"
+#include "player/transfer/shading.h"
 #include "player/transfer/volume_appearances.h"
 
 namespace splatlas {
@@ -42,8 +44,12 @@ class RayVolume {
   /// of unselected classes.
   [[nodiscard]] static Result<RayVolume> build(const RayVolumeRequest& request, ThreadPool& pool);
 
-  /// Multiplies the colours of boundary voxels by `lighting[normal]` (65536 entries). Needed once per view.
-  void shade(std::span<const float> lighting, ThreadPool& pool);
+  /// True if the volume was built for these options.
+  [[nodiscard]] bool fits(Classification classification, bool shade) const {
+    return classification_ == classification && shade_ == shade;
+  }
+  /// Lights boundary voxels if the volume was built with `shade` and the view's lighting has changed.
+  void light(const ParallelView& view, const Lighting& lighting, ThreadPool& pool);
 
   /// True if no voxel is selected.
   [[nodiscard]] bool empty() const { return sources_.empty(); }
@@ -54,7 +60,8 @@ class RayVolume {
   /// Non-empty bricks of all sources, as MarchSource::active.
   [[nodiscard]] const std::uint32_t* active() const { return active_.data(); }
   [[nodiscard]] std::uint64_t voxels() const { return voxels_; }
-  [[nodiscard]] bool shaded() const { return shaded_voxels_ > 0; }
+  /// Number of selected runs.
+  [[nodiscard]] std::uint64_t runs() const { return runs_; }
 
  private:
   /// A voxel whose colour depends on the view.
@@ -80,7 +87,10 @@ class RayVolume {
   std::vector<Source> sources_;
   std::vector<MarchSource> views_;
   std::vector<std::uint32_t> active_;
-  std::uint64_t voxels_ = 0, shaded_voxels_ = 0;
+  std::uint64_t runs_ = 0, voxels_ = 0, shaded_voxels_ = 0;
+  Classification classification_ = Classification::kBefore;
+  bool shade_ = false;
+  std::optional<ParallelView> lit_for_;  // none: not lit, or partly lit
 };
 
 }  // namespace splatlas

@@ -4,7 +4,7 @@
 #include "player/depth_cue/depth_edges.h"
 #include "player/spans/span_model.h"
 #include "player/view/shear.h"
-#include "player/view/view_depth.h"
+#include "player/view/view_frame.h"
 
 namespace splatlas {
 

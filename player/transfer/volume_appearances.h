@@ -21,15 +21,12 @@ struct VolumeAppearance {
   float extinction_per_mm = 0;              ///< maximum of the transfer function
   const TransferTable* transfer = nullptr;  ///< null for classes that are not drawn as volume
 
-  /// Classifies `count` voxels; arguments as for TransferTable::look_up(). `transfer` must not be null.
+  /// Classifies `count` voxels; arguments and outputs as for TransferTable::look_up(). `transfer` must not be
+  /// null.
+  template <typename... Output>
   void look_up(const std::byte* values, std::size_t first, std::size_t stride, std::size_t count,
-               ClassifiedVoxel* voxels) const {
-    transfer->look_up(values, first, stride, count, extinction_per_mm, voxels);
-  }
-  /// The same with separate outputs.
-  void look_up(const std::byte* values, std::size_t first, std::size_t stride, std::size_t count,
-               float* extinctions, float* emissions) const {
-    transfer->look_up(values, first, stride, count, extinction_per_mm, extinctions, emissions);
+               Output*... outputs) const {
+    transfer->look_up(values, first, stride, count, extinction_per_mm, outputs...);
   }
   friend bool operator==(const VolumeAppearance&, const VolumeAppearance&) = default;
   /// Emission: extinction * shade * colour, 1/mm.

@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-#include "player/rays/brick_sums.h"
+#include "player/rays/bricks.h"
 #include "tests/player/rays/march_definition.h"
 #include "tests/player/rays/random_sources.h"
 #include "tests/support/every_kernel.h"

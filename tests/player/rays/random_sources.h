@@ -10,7 +10,7 @@
 #include <span>
 #include <vector>
 
-#include "player/rays/brick_sums.h"
+#include "player/rays/bricks.h"
 #include "player/rays/march_kernels.h"
 
 namespace splatlas {

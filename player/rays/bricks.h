@@ -1,4 +1,4 @@
-// Min-max bricks: grey value ranges and marks for empty-space skipping.
+// Bricks of ray volumes: masks for empty-space skipping, summed-area tables, and ranges of grey values.
 #pragma once
 
 #include <algorithm>
@@ -7,10 +7,32 @@
 #include <limits>
 #include <vector>
 
-#include "player/rays/brick_sums.h"
 #include "player/rays/march_kernels.h"
 
 namespace splatlas {
+
+/// One byte per brick, x fastest: nonzero for non-empty bricks.
+struct BrickMask {
+  explicit BrickMask(const MarchGrid& grid)
+      : x(grid.bricks(0)),
+        y(grid.bricks(1)),
+        z(grid.bricks(2)),
+        bricks(static_cast<std::size_t>(x) * static_cast<std::size_t>(y) * static_cast<std::size_t>(z)) {}
+
+  [[nodiscard]] std::size_t number(std::int64_t i, std::int64_t j, std::int64_t k) const {
+    return static_cast<std::size_t>((k * y + j) * x + i);
+  }
+
+  /// Number of bricks of a slice.
+  [[nodiscard]] std::size_t of_slice() const { return number(0, 0, 1); }
+
+  std::int64_t x, y, z;
+  std::vector<std::uint8_t> bricks;
+};
+
+/// Summed-area table of a mask, as MarchSource::active (Crow 1984): O(1) emptiness test for any box of
+/// bricks.
+[[nodiscard]] std::vector<std::uint32_t> brick_sums(const BrickMask& mask);
 
 /// Minimum and maximum grey value at the corners of the cells of each brick, for one slice of bricks.
 class BrickRanges {

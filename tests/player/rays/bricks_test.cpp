@@ -1,4 +1,4 @@
-#include "player/rays/brick_sums.h"
+#include "player/rays/bricks.h"
 
 #include <random>
 
