@@ -11,7 +11,7 @@
 
 using namespace splatlas;
 
-Result<void> render(const char* path, const char* text, const char* output) {
+Result<void> run(const char* path, const char* text, const char* output) {
   const auto atlas = Atlas::open(path);
   if (!atlas) return tl::unexpected(atlas.error());
   const auto selection = select(text, (*atlas)->graph());
@@ -30,12 +30,8 @@ Result<void> render(const char* path, const char* text, const char* output) {
 }
 
 int main(int argc, char** argv) {
-  if (argc != 4) {
-    std::fputs("usage: render_picture ATLAS SELECTION OUT.png\n", stderr);
-    return 2;
-  }
-  const auto rendered = render(argv[1], argv[2], argv[3]);
-  if (rendered) return 0;
-  std::fprintf(stderr, "render_picture: %s\n", rendered.error().message.c_str());
-  return 1;
+  const auto done = argc == 4 ? run(argv[1], argv[2], argv[3])
+                              : fail(ErrorCode::kUsage, "usage: render_picture ATLAS SELECTION OUT.png");
+  if (!done) std::fprintf(stderr, "render_picture: %s\n", done.error().message.c_str());
+  return done ? 0 : 1;
 }

@@ -54,17 +54,185 @@ struct Renderer::Impl {
         drawn(*atlas),
         decoded(atlas) {}
 
-  [[nodiscard]] Result<void> select(const Selection& selection);
-  void draw(DrawPlan plan);
-  void draw_nothing();
+  [[nodiscard]] Result<void> select(const Selection& selection) {
+    Stopwatch watch;
+    DrawPlan plan = atlas->tree().plan(selection);
+    const std::uint64_t voxels = plan.volume_voxels + plan.hybrid_voxels;
+    // Bound the selection's runs, which are unknown yet, by all runs of an axis.
+    std::uint64_t runs = 0;
+    for (const Axis axis : kAxes) runs = std::max(runs, atlas->runs(axis));
+    const std::uint64_t bytes = span_model_bytes(voxels, std::min(runs, voxels));
+    if (bytes > max_memory_bytes) {
+      return fail(ErrorCode::kLimit,
+                  fmt::format("{}: the selection has {} volume voxels, which take up to {} MiB; {} MiB are "
+                              "allowed. Select less, or surfaces only",
+                              atlas->name(), voxels, bytes >> 20, max_memory_bytes >> 20));
+    }
+    drawn.select(selection, bytes);
+    decoded.forget_missing();
+    stats = {};
+    draw(std::move(plan));
+    stats.select_ms = watch.lap().wall_ms;
+    return {};
+  }
+
+  /// Replaces the draw plan and drops all data of the previous one.
+  void draw(DrawPlan plan) {
+    spans.outdate();  // first: out of memory in draw() leaves an empty plan
+    ray_volume.reset();
+    shown.reset();
+    drawn.draw(std::move(plan));
+    const DrawPlan& now = drawn.plan();
+    stats.volume_voxels = now.volume_voxels;
+    stats.surface_voxels = now.surface_voxels;
+    stats.hybrid_voxels = now.hybrid_voxels;
+    stats.occupancy = static_cast<double>(now.volume_voxels + now.surface_voxels + now.hybrid_voxels) /
+                      static_cast<double>(atlas->grid().voxels());
+  }
+
+  /// Drops the selection. Does not throw.
+  void draw_nothing() {
+    drawn.clear();
+    spans.clear();
+    ray_volume.reset();
+    shown.reset();
+  }
+
   [[nodiscard]] Result<void> render(const Camera& camera, const RenderOptions& options,
-                                    const RenderOverrides& overrides, TaskControl& task, Picture& picture);
-  [[nodiscard]] Result<void> render_sheets(const FrameCall& call, Picture& picture);
-  [[nodiscard]] Result<void> render_rays(const FrameCall& call, Picture& picture);
-  [[nodiscard]] Result<void> decode(Axis axis, const RenderOptions& options);
-  [[nodiscard]] Result<void> require_ray_volume(const RenderOptions& options);
+                                    const RenderOverrides& overrides, TaskControl& task, Picture& picture) {
+    SPLATLAS_ASSIGN_OR_RETURN(const View view, view_of(camera, options.size, atlas->display()));
+    const std::uint64_t bytes = frame_bytes(options), reserved = drawn.max_span_bytes();
+    spans.make_room(max_memory_bytes - std::min(reserved + bytes, max_memory_bytes));
+    if (bytes > max_memory_bytes - reserved) {
+      return fail(ErrorCode::kLimit,
+                  fmt::format("{}: a picture of {}x{} pixels takes {} MiB, and the selection's volumes up to "
+                              "{} MiB; {} MiB are allowed. Take a smaller size",
+                              atlas->name(), options.size.width, options.size.height, bytes >> 20,
+                              reserved >> 20, max_memory_bytes >> 20));
+    }
+    const bool by_rays = view.eye_mm || options.classification == Classification::kAfter;
+    const FrameCall call{view, options, overrides, task};
+    return by_rays ? render_rays(call, picture) : render_sheets(call, picture);
+  }
+
+  /// Renders by shear-warp factorisation: parallel projection, pre-classification.
+  [[nodiscard]] Result<void> render_sheets(const FrameCall& call, Picture& picture) {
+    const auto& [view, options, overrides, task] = call;
+    ray_volume.reset();
+    SPLATLAS_ASSIGN_OR_RETURN(const Shear shear, shear_of(view.plane, atlas->grid(), overrides));
+
+    // Decode the selection along the principal axis
+    task.begin_stage(kDecoded);
+    Stopwatch watch;
+    SPLATLAS_RETURN_IF_ERROR(decode(shear.principal, options));
+    stats.decode_ms = watch.lap().wall_ms;
+
+    // Merge runs to spans, and light them
+    task.begin_stage(kPrepared, 2);
+    AxisSpans& axis_spans = spans.along(shear.principal);
+    axis_spans.require(drawn.plan(), drawn.appearances(), *atlas, decoded.cache(), shear.principal,
+                       options.hybrid_shading, pool);
+    stats.traversal = watch.lap();
+    stats.select_ms += stats.traversal.wall_ms;
+    const Lighting lighting(view.plane);
+    axis_spans.update_lighting(view.plane, lighting, options.hybrid_shading, pool);
+    const Elapsed light = watch.lap();
+    stats.traversal += light;
+
+    // Rasterise surfaces, render sheets, resolve both into the picture
+    const std::vector<SurfaceDraw> surfaces = drawn.surfaces(decoded.cache());
+    const FrameScene scene{surfaces, view, atlas->grid(), lighting, options, overrides, max_memory_bytes};
+    SheetFrame frame(scene, axis_spans.model(), shear, buffers, pool);
+    SPLATLAS_RETURN_IF_ERROR(run_stages(frame, kSheetLoops, task, picture));
+    stats.runs_visited = axis_spans.runs().count();
+    stats.render_ms = light.wall_ms + watch.lap().wall_ms;
+    return {};
+  }
+
+  /// Renders by ray casting: perspective projection or post-classification.
+  [[nodiscard]] Result<void> render_rays(const FrameCall& call, Picture& picture) {
+    const auto& [view, options, overrides, task] = call;
+    // Decode the selection
+    task.begin_stage(kDecoded);
+    Stopwatch watch;
+    SPLATLAS_RETURN_IF_ERROR(decode(Axis::kZ, options));
+    stats.decode_ms = watch.lap().wall_ms;
+
+    // Build the ray volume, and light it
+    task.begin_stage(kPrepared, 4);
+    SPLATLAS_RETURN_IF_ERROR(require_ray_volume(options));
+    stats.traversal = watch.lap();
+    stats.select_ms += stats.traversal.wall_ms;
+    const Lighting lighting(view.plane);
+    ray_volume->light(view.plane, lighting, pool);
+    const Elapsed light = watch.lap();
+    stats.traversal += light;
+
+    // Rasterise surfaces, cast rays, resolve both into the picture
+    const std::vector<SurfaceDraw> surfaces = drawn.surfaces(decoded.cache());
+    const FrameScene scene{surfaces, view, atlas->grid(), lighting, options, overrides, max_memory_bytes};
+    RayFrame frame(scene, *ray_volume, buffers, pool);
+    SPLATLAS_RETURN_IF_ERROR(run_stages(frame, kRayLoops, task, picture));
+    stats.runs_visited = ray_volume->runs();
+    stats.render_ms = light.wall_ms + watch.lap().wall_ms;
+    return {};
+  }
+
+  /// Reads and decodes the parts of the plan that are not in the cache. Removes damaged parts from the plan.
+  [[nodiscard]] Result<void> decode(Axis axis, const RenderOptions& options) {
+    SPLATLAS_ASSIGN_OR_RETURN(std::optional<DrawPlan> rest,
+                              decoded.require(drawn.plan(), axis, options.hybrid_shading, pool));
+    if (rest) draw(*std::move(rest));
+    if (!decoded.missing().empty() && drawn.draws_nothing()) {
+      return tl::unexpected(decoded.missing().front().error);
+    }
+    return {};
+  }
+
+  /// Builds the ray volume of the selection unless it is current. Frees the spans first.
+  [[nodiscard]] Result<void> require_ray_volume(const RenderOptions& options) {
+    if (ray_volume && ray_volume->fits(options.classification, options.hybrid_shading)) return {};
+    ray_volume.reset();
+    spans.clear();
+    const SelectedRuns runs(drawn.plan(), atlas->classes(), decoded.cache(), Axis::kZ);
+    SPLATLAS_ASSIGN_OR_RETURN(ray_volume,
+                              RayVolume::build({.atlas = *atlas,
+                                                .selection = drawn.selection(),
+                                                .plan = drawn.plan(),
+                                                .appearances = drawn.appearances().appearances(),
+                                                .runs = runs,
+                                                .cache = decoded.cache(),
+                                                .classification = options.classification,
+                                                .shade = options.hybrid_shading,
+                                                .max_memory_bytes = max_memory_bytes - frame_bytes(options)},
+                                               pool));
+    return {};
+  }
+
+  /// Runs the stages of a frame.
   [[nodiscard]] Result<void> run_stages(FrameRenderer& frame, std::size_t volume_loops, TaskControl& task,
-                                        Picture& picture);
+                                        Picture& picture) {
+    shown.reset();  // its buffers are overwritten below
+    task.begin_stage(kRasterized, kRasterLoops);
+    SPLATLAS_RETURN_IF_ERROR(frame.rasterize());
+    task.begin_stage(kVolumeDrawn, volume_loops);
+    SPLATLAS_RETURN_IF_ERROR(frame.render_volume(picture));
+    task.begin_stage(kResolved);
+    frame.resolve(picture);
+    task.begin_stage(1, kCueLoops);
+    frame.cue_depth(picture);
+
+    shown = frame.shown();
+    const FrameCounters& counters = frame.counters();
+    stats.voxels_visited = counters.voxels;
+    stats.triangles = counters.triangles;
+    stats.rasterize = counters.rasterize;
+    stats.sheets = counters.sheets;
+    stats.resolve = counters.resolve;
+    stats.depth_cue = counters.depth_cue;
+    return {};
+  }
+
   [[nodiscard]] tl::unexpected<Error> out_of_memory() const {
     return fail(ErrorCode::kLimit, atlas->name() + ": out of memory; take a smaller size or select less");
   }
@@ -84,185 +252,6 @@ struct Renderer::Impl {
   std::optional<ShownFrame> shown;
   RenderStats stats;
 };
-
-Result<void> Renderer::Impl::select(const Selection& selection) {
-  Stopwatch watch;
-  DrawPlan plan = atlas->tree().plan(selection);
-  const std::uint64_t voxels = plan.volume_voxels + plan.hybrid_voxels;
-  // Bound the selection's runs, which are unknown yet, by all runs of an axis.
-  std::uint64_t runs = 0;
-  for (const Axis axis : kAxes) runs = std::max(runs, atlas->runs(axis));
-  const std::uint64_t bytes = span_model_bytes(voxels, std::min(runs, voxels));
-  if (bytes > max_memory_bytes) {
-    return fail(ErrorCode::kLimit,
-                fmt::format("{}: the selection has {} volume voxels, which take up to {} MiB; {} MiB are "
-                            "allowed. Select less, or surfaces only",
-                            atlas->name(), voxels, bytes >> 20, max_memory_bytes >> 20));
-  }
-  drawn.select(selection, bytes);
-  decoded.forget_missing();
-  stats = {};
-  draw(std::move(plan));
-  stats.select_ms = watch.lap().wall_ms;
-  return {};
-}
-
-/// Replaces the draw plan and drops all data of the previous one.
-void Renderer::Impl::draw(DrawPlan plan) {
-  spans.outdate();  // first: out of memory in draw() leaves an empty plan
-  ray_volume.reset();
-  shown.reset();
-  drawn.draw(std::move(plan));
-  const DrawPlan& now = drawn.plan();
-  stats.volume_voxels = now.volume_voxels;
-  stats.surface_voxels = now.surface_voxels;
-  stats.hybrid_voxels = now.hybrid_voxels;
-  stats.occupancy = static_cast<double>(now.volume_voxels + now.surface_voxels + now.hybrid_voxels) /
-                    static_cast<double>(atlas->grid().voxels());
-}
-
-/// Drops the selection. Does not throw.
-void Renderer::Impl::draw_nothing() {
-  drawn.clear();
-  spans.clear();
-  ray_volume.reset();
-  shown.reset();
-}
-
-Result<void> Renderer::Impl::render(const Camera& camera, const RenderOptions& options,
-                                    const RenderOverrides& overrides, TaskControl& task, Picture& picture) {
-  SPLATLAS_ASSIGN_OR_RETURN(const View view, view_of(camera, options.size, atlas->display()));
-  const std::uint64_t bytes = frame_bytes(options), reserved = drawn.max_span_bytes();
-  spans.make_room(max_memory_bytes - std::min(reserved + bytes, max_memory_bytes));
-  if (bytes > max_memory_bytes - reserved) {
-    return fail(ErrorCode::kLimit,
-                fmt::format("{}: a picture of {}x{} pixels takes {} MiB, and the selection's volumes up to "
-                            "{} MiB; {} MiB are allowed. Take a smaller size",
-                            atlas->name(), options.size.width, options.size.height, bytes >> 20,
-                            reserved >> 20, max_memory_bytes >> 20));
-  }
-  const bool by_rays = view.eye_mm || options.classification == Classification::kAfter;
-  const FrameCall call{view, options, overrides, task};
-  return by_rays ? render_rays(call, picture) : render_sheets(call, picture);
-}
-
-/// Renders by shear-warp factorisation: parallel projection, pre-classification.
-Result<void> Renderer::Impl::render_sheets(const FrameCall& call, Picture& picture) {
-  const auto& [view, options, overrides, task] = call;
-  ray_volume.reset();
-  SPLATLAS_ASSIGN_OR_RETURN(const Shear shear, shear_of(view.plane, atlas->grid(), overrides));
-
-  // Decode the selection along the principal axis
-  task.begin_stage(kDecoded);
-  Stopwatch watch;
-  SPLATLAS_RETURN_IF_ERROR(decode(shear.principal, options));
-  stats.decode_ms = watch.lap().wall_ms;
-
-  // Merge runs to spans, and light them
-  task.begin_stage(kPrepared, 2);
-  AxisSpans& axis_spans = spans.along(shear.principal);
-  axis_spans.require(drawn.plan(), drawn.appearances(), *atlas, decoded.cache(), shear.principal,
-                     options.hybrid_shading, pool);
-  stats.traversal = watch.lap();
-  stats.select_ms += stats.traversal.wall_ms;
-  const Lighting lighting(view.plane);
-  axis_spans.update_lighting(view.plane, lighting, options.hybrid_shading, pool);
-  const Elapsed light = watch.lap();
-  stats.traversal += light;
-
-  // Rasterise surfaces, render sheets, resolve both into the picture
-  const std::vector<SurfaceDraw> surfaces = drawn.surfaces(decoded.cache());
-  const FrameScene scene{surfaces, view, atlas->grid(), lighting, options, overrides, max_memory_bytes};
-  SheetFrame frame(scene, axis_spans.model(), shear, buffers, pool);
-  SPLATLAS_RETURN_IF_ERROR(run_stages(frame, kSheetLoops, task, picture));
-  stats.runs_visited = axis_spans.runs().count();
-  stats.render_ms = light.wall_ms + watch.lap().wall_ms;
-  return {};
-}
-
-/// Renders by ray casting: perspective projection or post-classification.
-Result<void> Renderer::Impl::render_rays(const FrameCall& call, Picture& picture) {
-  const auto& [view, options, overrides, task] = call;
-  // Decode the selection
-  task.begin_stage(kDecoded);
-  Stopwatch watch;
-  SPLATLAS_RETURN_IF_ERROR(decode(Axis::kZ, options));
-  stats.decode_ms = watch.lap().wall_ms;
-
-  // Build the ray volume, and light it
-  task.begin_stage(kPrepared, 4);
-  SPLATLAS_RETURN_IF_ERROR(require_ray_volume(options));
-  stats.traversal = watch.lap();
-  stats.select_ms += stats.traversal.wall_ms;
-  const Lighting lighting(view.plane);
-  ray_volume->light(view.plane, lighting, pool);
-  const Elapsed light = watch.lap();
-  stats.traversal += light;
-
-  // Rasterise surfaces, cast rays, resolve both into the picture
-  const std::vector<SurfaceDraw> surfaces = drawn.surfaces(decoded.cache());
-  const FrameScene scene{surfaces, view, atlas->grid(), lighting, options, overrides, max_memory_bytes};
-  RayFrame frame(scene, *ray_volume, buffers, pool);
-  SPLATLAS_RETURN_IF_ERROR(run_stages(frame, kRayLoops, task, picture));
-  stats.runs_visited = ray_volume->runs();
-  stats.render_ms = light.wall_ms + watch.lap().wall_ms;
-  return {};
-}
-
-/// Reads and decodes the parts of the plan that are not in the cache. Removes damaged parts from the plan.
-Result<void> Renderer::Impl::decode(Axis axis, const RenderOptions& options) {
-  SPLATLAS_ASSIGN_OR_RETURN(std::optional<DrawPlan> rest,
-                            decoded.require(drawn.plan(), axis, options.hybrid_shading, pool));
-  if (rest) draw(*std::move(rest));
-  if (!decoded.missing().empty() && drawn.draws_nothing()) {
-    return tl::unexpected(decoded.missing().front().error);
-  }
-  return {};
-}
-
-/// Builds the ray volume of the selection unless it is current. Frees the spans first.
-Result<void> Renderer::Impl::require_ray_volume(const RenderOptions& options) {
-  if (ray_volume && ray_volume->fits(options.classification, options.hybrid_shading)) return {};
-  ray_volume.reset();
-  spans.clear();
-  const SelectedRuns runs(drawn.plan(), atlas->classes(), decoded.cache(), Axis::kZ);
-  SPLATLAS_ASSIGN_OR_RETURN(ray_volume,
-                            RayVolume::build({.atlas = *atlas,
-                                              .selection = drawn.selection(),
-                                              .plan = drawn.plan(),
-                                              .appearances = drawn.appearances().appearances(),
-                                              .runs = runs,
-                                              .cache = decoded.cache(),
-                                              .classification = options.classification,
-                                              .shade = options.hybrid_shading,
-                                              .max_memory_bytes = max_memory_bytes - frame_bytes(options)},
-                                             pool));
-  return {};
-}
-
-/// Runs the stages of a frame.
-Result<void> Renderer::Impl::run_stages(FrameRenderer& frame, std::size_t volume_loops, TaskControl& task,
-                                        Picture& picture) {
-  shown.reset();  // its buffers are overwritten below
-  task.begin_stage(kRasterized, kRasterLoops);
-  SPLATLAS_RETURN_IF_ERROR(frame.rasterize());
-  task.begin_stage(kVolumeDrawn, volume_loops);
-  SPLATLAS_RETURN_IF_ERROR(frame.render_volume(picture));
-  task.begin_stage(kResolved);
-  frame.resolve(picture);
-  task.begin_stage(1, kCueLoops);
-  frame.cue_depth(picture);
-
-  shown = frame.shown();
-  const FrameCounters& counters = frame.counters();
-  stats.voxels_visited = counters.voxels;
-  stats.triangles = counters.triangles;
-  stats.rasterize = counters.rasterize;
-  stats.sheets = counters.sheets;
-  stats.resolve = counters.resolve;
-  stats.depth_cue = counters.depth_cue;
-  return {};
-}
 
 Renderer::Renderer(std::shared_ptr<const Atlas> atlas, const RendererOptions& options)
     : impl_(std::make_unique<Impl>(std::move(atlas), options)) {}

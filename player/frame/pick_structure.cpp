@@ -106,13 +106,6 @@ struct PickRay {
   }
 };
 
-/// First and last plane of the selected runs' bounding box along an axis of the grid.
-std::pair<std::int64_t, std::int64_t> planes_of(const SelectedRuns& runs, std::size_t axis) {
-  const ScanOrder order = ScanOrder::of(runs.axis());
-  const std::size_t n = axis == order.scan_axis ? 0 : axis == order.row_axis ? 1 : 2;
-  return {runs.box().first[n], runs.box().last[n]};
-}
-
 }  // namespace
 
 std::optional<Pick> pick_structure(const PickScene& scene, double x, double y) {
@@ -139,7 +132,8 @@ std::optional<Pick> pick_structure(const PickScene& scene, double x, double y) {
   };
 
   const ScanOrder order = ScanOrder::of(scene.runs.axis());
-  const auto [first, last] = planes_of(scene.runs, ray.axis);
+  const std::size_t along = ray.axis == order.scan_axis ? 0 : ray.axis == order.row_axis ? 1 : 2;
+  const std::int64_t first = scene.runs.box().first[along], last = scene.runs.box().last[along];
   for (std::int64_t n = 0; n <= last - first; ++n) {
     const std::int64_t k = ray.ascending ? first + n : last - n;
     const auto plane = static_cast<double>(k);

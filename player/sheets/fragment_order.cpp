@@ -15,51 +15,37 @@ constexpr std::size_t kChunks = 32;
 /// of a fragment to 1e-5.
 constexpr float kMinTransmittance = 2e-4f;
 
-/// Map from samples to positions in the sheet.
-class SheetPlaces {
- public:
-  SheetPlaces(const Shear& shear, const SheetWindow& window, const PictureSize& size)
-      : map_(shear.picture_to_sheet),
-        window_(window),
-        width_(size.width),
-        columns_(static_cast<double>(window.fine_columns())),
-        rows_(static_cast<double>(window.fine_rows())) {}
-
-  struct Place {
-    std::int64_t row = 0;  ///< fine row above the sample, from -1
-    FragmentOrder::Entry entry;
-  };
-  /// nullopt for samples without a neighbouring pixel of the sheet.
-  [[nodiscard]] std::optional<Place> of(const Sample& sample) const {
-    // Warp picture coordinates to sheet pixels
-    const double x = sample.x(width_), y = sample.y(width_);
-    const double sheet_x =
-        (map_.xx * x + map_.xy * y + map_.x0 - static_cast<double>(window_.u0)) * window_.scale;
-    const double sheet_y =
-        (map_.yx * x + map_.yy * y + map_.y0 - static_cast<double>(window_.v0)) * window_.scale;
-    if (!(sheet_x >= -1 && sheet_y >= -1 && sheet_x < columns_ && sheet_y < rows_)) return std::nullopt;
-
-    // Find the upper left neighbour and the interpolation weights
-    const double column = std::floor(sheet_x);
-    const double row = std::floor(sheet_y);
-    const auto right = static_cast<float>(sheet_x - column);
-    Place place;
-    place.row = static_cast<std::int64_t>(row);
-    const auto pixel = static_cast<std::int32_t>(column);
-    place.entry.column = pixel < 0 ? -1 : pixel / window_.scale;
-    place.entry.phase = pixel - place.entry.column * window_.scale;
-    place.entry.weights = sheet_weights(right, static_cast<float>(sheet_y - row), window_.skew);
-    if (pixel < 0) place.entry.weights[0] = place.entry.weights[2] = 0;
-    if (column + 1 >= columns_) place.entry.weights[1] = place.entry.weights[3] = 0;
-    return place;
-  }
-
- private:
-  const Affine2& map_;
-  const SheetWindow& window_;
-  int width_;
-  double columns_, rows_;
+/// Place of a sample in the sheet.
+struct SheetPlace {
+  std::int64_t row = 0;  ///< fine row above the sample, from -1
+  FragmentOrder::Entry entry;
 };
+
+/// nullopt for samples without a neighbouring pixel of the sheet. `width`: columns of the picture.
+std::optional<SheetPlace> place_of(const Sample& sample, const Affine2& map, const SheetWindow& window,
+                                   int width) {
+  const auto columns = static_cast<double>(window.fine_columns());
+  const auto rows = static_cast<double>(window.fine_rows());
+  // Warp picture coordinates to sheet pixels
+  const double x = sample.x(width), y = sample.y(width);
+  const double sheet_x = (map.xx * x + map.xy * y + map.x0 - static_cast<double>(window.u0)) * window.scale;
+  const double sheet_y = (map.yx * x + map.yy * y + map.y0 - static_cast<double>(window.v0)) * window.scale;
+  if (!(sheet_x >= -1 && sheet_y >= -1 && sheet_x < columns && sheet_y < rows)) return std::nullopt;
+
+  // Find the upper left neighbour and the interpolation weights
+  const double column = std::floor(sheet_x);
+  const double row = std::floor(sheet_y);
+  const auto right = static_cast<float>(sheet_x - column);
+  SheetPlace place;
+  place.row = static_cast<std::int64_t>(row);
+  const auto pixel = static_cast<std::int32_t>(column);
+  place.entry.column = pixel < 0 ? -1 : pixel / window.scale;
+  place.entry.phase = pixel - place.entry.column * window.scale;
+  place.entry.weights = sheet_weights(right, static_cast<float>(sheet_y - row), window.skew);
+  if (pixel < 0) place.entry.weights[0] = place.entry.weights[2] = 0;
+  if (column + 1 >= columns) place.entry.weights[1] = place.entry.weights[3] = 0;
+  return place;
+}
 
 }  // namespace
 
@@ -107,7 +93,9 @@ void FragmentOrder::build(const FragmentList& list, const Shear& shear, const Sh
 /// Counting sort of the fragments by row of the sheet; within a row they keep the order of the picture.
 void FragmentOrder::scatter(const FragmentList& list, const Shear& shear, const SheetWindow& window,
                             const PictureSize& size, ThreadPool& pool) {
-  const SheetPlaces places(shear, window, size);
+  const auto place_in_sheet = [&](const Sample& sample) {
+    return place_of(sample, shear.picture_to_sheet, window, size.width);
+  };
   const std::size_t rows = first_of_row_.size() - 1;
   const std::size_t samples_per_chunk = (list.sample_count() + kChunks - 1) / kChunks;
   const std::size_t chunks = (list.sample_count() + samples_per_chunk - 1) / samples_per_chunk;
@@ -121,7 +109,7 @@ void FragmentOrder::scatter(const FragmentList& list, const Shear& shear, const 
   pool.for_each(chunks, [&](std::size_t chunk) {
     next_of_row[chunk].assign(rows, 0);
     for_each_sample(chunk, [&](std::size_t n) {
-      const auto place = places.of(list.samples[n]);
+      const auto place = place_in_sheet(list.samples[n]);
       if (place) next_of_row[chunk][static_cast<std::size_t>(place->row + 1)] += list.of_sample(n).size();
     });
   });
@@ -144,7 +132,7 @@ void FragmentOrder::scatter(const FragmentList& list, const Shear& shear, const 
     for_each_sample(chunk, [&](std::size_t n) {
       const std::uint32_t first = list.samples[n].first_fragment;
       const std::uint32_t last = list.samples[n + 1].first_fragment;
-      const auto place = places.of(list.samples[n]);
+      const auto place = place_in_sheet(list.samples[n]);
       if (!place) {
         std::fill(place_.begin() + first, place_.begin() + last, kNowhere);
         return;

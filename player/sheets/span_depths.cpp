@@ -23,16 +23,11 @@ class SheetDepths {
  public:
   /// Covers the rays of the window.
   SheetDepths(const SpanModel& model, const Shear& shear, const SheetWindow& window)
-      : model_(model),
-        shear_(shear),
-        column_first_(window.u0),
-        columns_(window.columns),
-        row_first_(window.v0),
-        rows_(window.rows) {}
+      : model_(model), shear_(shear), window_(window), columns_(window.columns) {}
 
   void find(ThreadPool& pool) {
-    places_.assign(static_cast<std::size_t>(rows_) * static_cast<std::size_t>(columns_), kNowhere);
-    const auto rows = static_cast<std::size_t>(rows_);
+    places_.assign(static_cast<std::size_t>(window_.rows) * static_cast<std::size_t>(columns_), kNowhere);
+    const auto rows = static_cast<std::size_t>(window_.rows);
     pool.for_each((rows + kRowsPerJob - 1) / kRowsPerJob, [&](std::size_t job) {
       std::vector<float> depths(static_cast<std::size_t>(columns_));
       std::vector<float> mixed(static_cast<std::size_t>(columns_ + 3 * kBlock));
@@ -46,9 +41,9 @@ class SheetDepths {
   /// Position at (u, v), bilinear, in voxels; kNowhere if any of the four neighbours has none.
   [[nodiscard]] float at(double u, double v) const {
     const double column = std::floor(u), row = std::floor(v);
-    const std::int64_t c = static_cast<std::int64_t>(column) - column_first_;
-    const std::int64_t r = static_cast<std::int64_t>(row) - row_first_;
-    if (c < 0 || r < 0 || c + 1 >= columns_ || r + 1 >= rows_) return kNowhere;
+    const std::int64_t c = static_cast<std::int64_t>(column) - window_.u0;
+    const std::int64_t r = static_cast<std::int64_t>(row) - window_.v0;
+    if (c < 0 || r < 0 || c + 1 >= columns_ || r + 1 >= window_.rows) return kNowhere;
     const float* upper = &places_[static_cast<std::size_t>(r * columns_ + c)];
     const float* lower = upper + columns_;
     const auto right = static_cast<float>(u - column), down = static_cast<float>(v - row);
@@ -70,7 +65,7 @@ class SheetDepths {
       const SliceSpans& slice = model_.slices[static_cast<std::size_t>(number)];
       if (slice.spans.empty()) continue;
       const auto k = static_cast<double>(model_.slice_first + number);
-      const double v = static_cast<double>(row + row_first_) - shear_.v_shift(k);
+      const double v = static_cast<double>(row + window_.v0) - shear_.v_shift(k);
       const double above = std::floor(v);
       const auto upper = static_cast<std::int64_t>(above);
       std::int64_t from = 0, to = 0;
@@ -116,8 +111,8 @@ class SheetDepths {
   /// it.
   void accumulate_slice(double k, const std::vector<float>& mixed, std::int64_t from, std::int64_t to,
                         std::vector<float>& depths, float* places) const {
-    // Clip the columns to the voxels: column c interpolates at voxel c + column_first - u_shift
-    const double shift = static_cast<double>(column_first_) - shear_.u_shift(k);
+    // Clip the columns to the voxels: column c interpolates at voxel c + u0 - u_shift
+    const double shift = static_cast<double>(window_.u0) - shear_.u_shift(k);
     const double whole = std::floor(shift);
     const auto right_share = static_cast<float>(shift - whole);
     const auto offset = static_cast<std::int64_t>(whole);
@@ -143,7 +138,8 @@ class SheetDepths {
 
   const SpanModel& model_;
   const Shear& shear_;
-  std::int64_t column_first_, columns_, row_first_, rows_;
+  const SheetWindow& window_;
+  std::int64_t columns_;
   std::vector<float> places_;
 };
 

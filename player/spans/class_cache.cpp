@@ -166,11 +166,10 @@ void ClassCache::keep_runs(std::span<const Missing> missing, Axis axis, ThreadPo
 
 /// Values and normals are stored in memory order; the runs along z or y give their voxels.
 Result<void> ClassCache::decode(Missing& missing, Axis axis) const {
-  const bool voxels = missing.values || missing.normals;
   if (missing.runs || axis != Axis::kX) {
     SPLATLAS_ASSIGN_OR_RETURN(missing.read, atlas_->read_runs(missing.id, axis));
   }
-  if (!voxels) return {};
+  if (!missing.values && !missing.normals) return {};
   ClassRuns z_runs;
   if (axis == Axis::kX) {
     SPLATLAS_ASSIGN_OR_RETURN(z_runs, atlas_->read_runs(missing.id, Axis::kZ));
@@ -213,14 +212,6 @@ Result<void> ClassCache::require_surfaces(std::span<const StructureIndex> struct
   }
   if (failed_surfaces_.empty()) return {};
   return tl::unexpected(failed_surfaces_.front().error);
-}
-
-std::size_t ClassCache::run_count(ClassId c, Axis axis) const {
-  return *classes_.at(c).run_count[static_cast<std::size_t>(axis)];
-}
-
-const SurfaceMesh& ClassCache::surface(StructureIndex s) const {
-  return surfaces_.at(s);
 }
 
 }  // namespace splatlas

@@ -40,8 +40,10 @@ class ClassCache {
   /// The runs of all classes that have been required for an axis.
   [[nodiscard]] const ScanlineRuns& runs(Axis axis) const { return runs_[static_cast<std::size_t>(axis)]; }
   /// Number of runs, and surface; the class, axis or structure must have been required.
-  [[nodiscard]] std::size_t run_count(ClassId c, Axis axis) const;
-  [[nodiscard]] const SurfaceMesh& surface(StructureIndex s) const;
+  [[nodiscard]] std::size_t run_count(ClassId c, Axis axis) const {
+    return *classes_.at(c).run_count[static_cast<std::size_t>(axis)];
+  }
+  [[nodiscard]] const SurfaceMesh& surface(StructureIndex s) const { return surfaces_.at(s); }
   /// Values in memory order of the grid; null for an atlas without values. Defined only at voxels of required
   /// classes.
   [[nodiscard]] const std::byte* values() const { return values_.data(); }

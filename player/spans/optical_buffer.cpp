@@ -37,7 +37,7 @@ struct OpticalArena::Chunk {
 };
 
 OpticalBuffer OpticalArena::lend(std::size_t floats) {
-  const std::lock_guard lock(mutex_);
+  const std::lock_guard lock(*mutex_);
   const auto lend_rest = [&](const std::shared_ptr<Chunk>& chunk) {
     chunk->lent = true;
     if (large_) chunk->memory.expect_dense(0, chunk->memory.size());
@@ -60,7 +60,7 @@ OpticalBuffer OpticalArena::lend(std::size_t floats) {
 }
 
 void OpticalArena::settle(OpticalBuffer& buffer) {
-  const std::lock_guard lock(mutex_);
+  const std::lock_guard lock(*mutex_);
   for (const std::shared_ptr<Chunk>& chunk : chunks_) {
     if (!chunk->lent || buffer.data() != chunk->data() + chunk->used) continue;
     const std::size_t aligned = (buffer.size() + kAlignedFloats - 1) / kAlignedFloats * kAlignedFloats;
@@ -74,14 +74,14 @@ void OpticalArena::settle(OpticalBuffer& buffer) {
 }
 
 std::uint64_t OpticalArena::bytes() const {
-  const std::lock_guard lock(mutex_);
+  const std::lock_guard lock(*mutex_);
   std::uint64_t floats = 0;
   for (const std::shared_ptr<Chunk>& chunk : chunks_) floats += chunk->touched;
   return floats * sizeof(float);
 }
 
 std::uint64_t OpticalArena::bytes_in_use() const {
-  const std::lock_guard lock(mutex_);
+  const std::lock_guard lock(*mutex_);
   std::uint64_t floats = 0;
   for (const std::shared_ptr<Chunk>& chunk : chunks_) {
     if (chunk.use_count() > 1) floats += chunk->used;
@@ -90,7 +90,7 @@ std::uint64_t OpticalArena::bytes_in_use() const {
 }
 
 void OpticalArena::trim(std::uint64_t bytes) {
-  const std::lock_guard lock(mutex_);
+  const std::lock_guard lock(*mutex_);
   std::uint64_t kept = 0;
   std::erase_if(chunks_, [&](const std::shared_ptr<Chunk>& chunk) {
     const std::uint64_t more = chunk->touched * sizeof(float);

@@ -17,10 +17,7 @@ class OpticalBuffer {
   /// An empty buffer on existing memory of `capacity` floats.
   OpticalBuffer(std::shared_ptr<float> room, std::size_t capacity)
       : floats_(std::move(room)), capacity_(capacity) {}
-  OpticalBuffer(OpticalBuffer&& other) noexcept
-      : floats_(std::move(other.floats_)),
-        size_(std::exchange(other.size_, 0)),
-        capacity_(std::exchange(other.capacity_, 0)) {}
+  OpticalBuffer(OpticalBuffer&& other) noexcept { *this = std::move(other); }
   OpticalBuffer& operator=(OpticalBuffer&& other) noexcept {
     floats_ = std::move(other.floats_);
     size_ = std::exchange(other.size_, 0);
@@ -53,15 +50,6 @@ class OpticalBuffer {
 /// are reused. Many slices share a chunk, which may be backed by large pages.
 class OpticalArena {
  public:
-  OpticalArena() = default;
-  OpticalArena(OpticalArena&& other) noexcept : chunks_(std::move(other.chunks_)), large_(other.large_) {}
-  OpticalArena& operator=(OpticalArena&& other) noexcept {
-    chunks_ = std::move(other.chunks_);
-    large_ = other.large_;
-    return *this;
-  }
-  ~OpticalArena() = default;
-
   /// Announces the total size of the next buffers, which decides their page size.
   void expect(std::uint64_t bytes) { large_ = bytes >= kLargePages; }
   /// An empty buffer with a capacity of at least `floats`. The caller fills it and passes it to settle().
@@ -81,7 +69,7 @@ class OpticalArena {
   static constexpr std::uint64_t kLargePages = std::uint64_t{1} << 20;
   struct Chunk;
 
-  mutable std::mutex mutex_;
+  std::unique_ptr<std::mutex> mutex_ = std::make_unique<std::mutex>();
   std::vector<std::shared_ptr<Chunk>> chunks_;
   bool large_ = false;
 };

@@ -14,22 +14,8 @@ constexpr std::size_t kLargePage = std::size_t{2} << 20;
 
 }  // namespace
 
-SparseBytes::SparseBytes(SparseBytes&& other) noexcept
-    : mapped_(std::exchange(other.mapped_, nullptr)),
-      mapped_bytes_(std::exchange(other.mapped_bytes_, 0)),
-      data_(std::exchange(other.data_, nullptr)),
-      size_(std::exchange(other.size_, 0)) {}
-
-SparseBytes& SparseBytes::operator=(SparseBytes&& other) noexcept {
-  std::swap(mapped_, other.mapped_);
-  std::swap(mapped_bytes_, other.mapped_bytes_);
-  std::swap(data_, other.data_);
-  std::swap(size_, other.size_);
-  return *this;
-}
-
-SparseBytes::~SparseBytes() {
-  if (mapped_ != nullptr) munmap(mapped_, mapped_bytes_);
+void SparseBytes::Unmap::operator()(std::byte* /*data*/) const {
+  munmap(mapped, mapped_bytes);
 }
 
 Result<SparseBytes> SparseBytes::reserve(std::size_t bytes) {
@@ -41,22 +27,20 @@ Result<SparseBytes> SparseBytes::reserve(std::size_t bytes) {
     return fail(ErrorCode::kLimit,
                 fmt::format("cannot reserve {} bytes of address space for grey values", bytes));
   }
-  SparseBytes sparse;
-  sparse.mapped_ = static_cast<std::byte*>(mapped);
-  sparse.mapped_bytes_ = mapped_bytes;
   const std::size_t into_page = reinterpret_cast<std::uintptr_t>(mapped) % kLargePage;
-  sparse.data_ = sparse.mapped_ + (into_page == 0 ? 0 : kLargePage - into_page);
-  sparse.size_ = bytes;
+  SparseBytes sparse;
+  sparse.data_ = {static_cast<std::byte*>(mapped) + (into_page == 0 ? 0 : kLargePage - into_page),
+                  Unmap{mapped, mapped_bytes, bytes}};
   return sparse;
 }
 
 void SparseBytes::expect_dense(std::size_t first, std::size_t bytes) {
-  const std::size_t last = std::min(first + bytes, size_);
+  const std::size_t last = std::min(first + bytes, size());
   if (first >= last) return;
   const std::size_t from = first / kLargePage * kLargePage;
   const std::size_t to = (last + kLargePage - 1) / kLargePage * kLargePage;
   // A hint: kernels without large pages refuse it.
-  static_cast<void>(madvise(data_ + from, to - from, MADV_HUGEPAGE));
+  static_cast<void>(madvise(data() + from, to - from, MADV_HUGEPAGE));
 }
 
 }  // namespace splatlas

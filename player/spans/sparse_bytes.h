@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 
 #include "format/result.h"
 
@@ -10,24 +11,21 @@ namespace splatlas {
 /// A range of zeros in virtual memory. Only written pages are resident.
 class SparseBytes {
  public:
-  SparseBytes() = default;
-  SparseBytes(SparseBytes&& other) noexcept;
-  SparseBytes& operator=(SparseBytes&& other) noexcept;
-  ~SparseBytes();
-
   /// Reserves address space without memory. kLimit if the system refuses.
   [[nodiscard]] static Result<SparseBytes> reserve(std::size_t bytes);
   /// Announces dense writes to a part, which may then be backed by large pages (2 MiB). Their page faults
   /// cost a third per byte. A hint: no effect on systems without large pages.
   void expect_dense(std::size_t first, std::size_t bytes);
-  [[nodiscard]] std::byte* data() const { return data_; }
-  [[nodiscard]] std::size_t size() const { return size_; }
+  [[nodiscard]] std::byte* data() const { return data_.get(); }
+  [[nodiscard]] std::size_t size() const { return data_ ? data_.get_deleter().size : 0; }
 
  private:
-  std::byte* mapped_ = nullptr;
-  std::size_t mapped_bytes_ = 0;
-  std::byte* data_ = nullptr;  // aligned to a large page
-  std::size_t size_ = 0;
+  struct Unmap {
+    void* mapped;
+    std::size_t mapped_bytes, size;
+    void operator()(std::byte* data) const;
+  };
+  std::unique_ptr<std::byte, Unmap> data_;  // aligned to a large page
 };
 
 }  // namespace splatlas

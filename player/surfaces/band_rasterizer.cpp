@@ -69,7 +69,7 @@ void BandRasterizer::draw(const TriangleRef& ref) {
 }
 
 void BandRasterizer::sample_centers(const ScreenTriangle& t) {
-  const PixelBox box = clipped(pixels_of(t.corner[0], t.corner[1], t.corner[2], 0));
+  const PixelBox box = intersection(pixels_of(t.corner[0], t.corner[1], t.corner[2], 0), band());
   const EdgeWalk walk(t, box.x_first, box.y_first);
   std::optional<TriangleAttributes> attributes;
   for (std::int32_t y = box.y_first; y <= box.y_last; ++y) {
@@ -87,7 +87,7 @@ void BandRasterizer::sample_centers(const ScreenTriangle& t) {
 }
 
 void BandRasterizer::sample_patterns(const ScreenTriangle& t) {
-  const PixelBox box = clipped(pixels_of(t.corner[0], t.corner[1], t.corner[2], kHalfPixel));
+  const PixelBox box = intersection(pixels_of(t.corner[0], t.corner[1], t.corner[2], kHalfPixel), band());
   const EdgeWalk walk(t, box.x_first, box.y_first);
   std::optional<TriangleAttributes> attributes;
   for (std::int32_t y = box.y_first; y <= box.y_last; ++y) {
@@ -120,11 +120,6 @@ bool BandRasterizer::is_hidden(const ScreenTriangle& t, std::uint32_t slot) cons
   };
   const float nearest = nearest_[slot].depth;
   return std::min({depth(0), depth(1), depth(2)}) > nearest + kSurelyBehind + std::abs(nearest) * kRounding;
-}
-
-PixelBox BandRasterizer::clipped(PixelBox box) const {
-  return {std::max(box.x_first, 0), std::min(box.x_last, width_ - 1), std::max(box.y_first, first_row_),
-          std::min(box.y_last, last_row_ - 1)};
 }
 
 bool BandRasterizer::in_front(const Crossing& a, const Crossing& b) const {

@@ -65,7 +65,8 @@ class BandRasterizer {
   void sample_centers(const ScreenTriangle& t);
   void sample_patterns(const ScreenTriangle& t);
   [[nodiscard]] bool is_hidden(const ScreenTriangle& t, std::uint32_t slot) const;
-  [[nodiscard]] PixelBox clipped(PixelBox box) const;
+  /// Pixels of the band.
+  [[nodiscard]] PixelBox band() const { return {0, width_ - 1, first_row_, last_row_ - 1}; }
   [[nodiscard]] bool in_front(const Crossing& a, const Crossing& b) const;
   void add(const ScreenTriangle& triangle, const TriangleAttributes& attributes, std::uint32_t slot,
            std::array<float, 3> weight, double depth);

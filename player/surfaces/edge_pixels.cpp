@@ -8,27 +8,11 @@ namespace {
 
 constexpr std::size_t kRowsPerChunk = 16;
 
-/// Edge criterion of two neighbouring pixels.
-class EdgeBetween {
- public:
-  explicit EdgeBetween(float max_depth) : max_depth_(max_depth) {}
-
-  bool operator()(const SurfacesSeen& a, const SurfacesSeen& b) const {
-    if (max_difference(a.layers, b.layers) <= kEdgeLayers && !(std::abs(a.depth - b.depth) > max_depth_)) {
-      return false;
-    }
-    return max_difference(a.radiance.rgba, b.radiance.rgba) > kEdgeContrast;
-  }
-
- private:
-  static float max_difference(const std::array<float, 4>& a, const std::array<float, 4>& b) {
-    float max = 0;
-    for (std::size_t c = 0; c < 4; ++c) max = std::max(max, std::abs(a[c] - b[c]));
-    return max;
-  }
-
-  float max_depth_;
-};
+float max_difference(const std::array<float, 4>& a, const std::array<float, 4>& b) {
+  float max = 0;
+  for (std::size_t c = 0; c < 4; ++c) max = std::max(max, std::abs(a[c] - b[c]));
+  return max;
+}
 
 }  // namespace
 
@@ -45,7 +29,12 @@ void SurfacesSeen::add(std::uint32_t side, float transmittance, const Fragment& 
 
 void find_edge_pixels(std::span<const SurfacesSeen> seen, const PictureSize& size, float pixel_voxels,
                       std::vector<std::uint8_t>& edges, ThreadPool& pool) {
-  const EdgeBetween edge_between(kEdgeSlope * pixel_voxels);
+  const auto edge_between = [max_depth = kEdgeSlope * pixel_voxels](const SurfacesSeen& a,
+                                                                    const SurfacesSeen& b) {
+    const bool differ =
+        max_difference(a.layers, b.layers) > kEdgeLayers || std::abs(a.depth - b.depth) > max_depth;
+    return differ && max_difference(a.radiance.rgba, b.radiance.rgba) > kEdgeContrast;
+  };
   const auto width = static_cast<std::size_t>(size.width);
   const auto height = static_cast<std::size_t>(size.height);
   edges.assign(width * height, 0);

@@ -33,7 +33,7 @@ struct RasterCounters {
 };
 
 /// A-buffer rasteriser (Carpenter 1984). Triangles cover pixel centres by the top-left rule, which makes
-/// closed surfaces watertight. The visible side is shaded (player/transfer/facing.h), and fragments are
+/// closed surfaces watertight. The visible side is shaded (player/surfaces/raster_scene.h), and fragments are
 /// sorted by pixel and depth. Nothing behind the front-most opaque fragment is kept. Where two surfaces
 /// coincide, back faces precede front faces. Degenerate triangles yield no fragments. Edge pixels are then
 /// rasterised again with a supersampling pattern. Keeps its memory from frame to frame. Not thread-safe.

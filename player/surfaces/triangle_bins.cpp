@@ -116,10 +116,7 @@ void TriangleBins::fill_chunk(Chunk& chunk, const PictureSize& size, std::int32_
     for (std::vector<std::uint32_t>& band : *bins) band.clear();
   }
   const auto sort_in = [&](PixelBox box, std::uint32_t number, Bins& bins) {
-    box.x_first = std::max(box.x_first, 0);
-    box.x_last = std::min(box.x_last, size.width - 1);
-    box.y_first = std::max(box.y_first, 0);
-    box.y_last = std::min(box.y_last, size.height - 1);
+    box = intersection(box, {0, size.width - 1, 0, size.height - 1});
     if (box.x_first > box.x_last || box.y_first > box.y_last || !is_wanted(box)) return;
     for (std::int32_t band = box.y_first / kBandRows; band <= box.y_last / kBandRows; ++band) {
       bins[static_cast<std::size_t>(band)].push_back(number);

@@ -41,6 +41,11 @@ struct PixelBox {
   std::int32_t x_first = 0, x_last = -1, y_first = 0, y_last = -1;
 };
 
+[[nodiscard]] inline PixelBox intersection(const PixelBox& a, const PixelBox& b) {
+  return {std::max(a.x_first, b.x_first), std::min(a.x_last, b.x_last), std::max(a.y_first, b.y_first),
+          std::min(a.y_last, b.y_last)};
+}
+
 /// Pixels with centres in the bounding box of a triangle, padded by `reach` (1/256 pixel).
 [[nodiscard]] inline PixelBox pixels_of(const ScreenVertex& a, const ScreenVertex& b, const ScreenVertex& c,
                                         std::int32_t reach) {
