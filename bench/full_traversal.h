@@ -28,7 +28,7 @@ class FullTraversal {
   struct Frame {
     Picture picture;
     Elapsed traversal;  ///< voxels, optical properties and triangles
-    FrameCounters drawn;
+    RenderStats drawn;
   };
   [[nodiscard]] Result<Frame> render(const Camera& camera, const RenderOptions& options);
 

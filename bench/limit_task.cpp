@@ -52,7 +52,7 @@ Result<std::vector<Elapsed>> LimitTask::draw(int turn) {
   const Lighting lighting(frame.view);
   Stopwatch watch;
   SPLATLAS_ASSIGN_OR_RETURN(
-      const FrameCounters drawn,
+      const RenderStats drawn,
       draw_frame({.surfaces = {},
                   .view = {frame.view},
                   .grid = atlas_->grid(),
@@ -62,7 +62,7 @@ Result<std::vector<Elapsed>> LimitTask::draw(int turn) {
                   .max_memory_bytes = std::numeric_limits<std::uint64_t>::max()},
                  axes_.at(frame.shear.principal).spans(), frame.shear, buffers_, picture_, pool_));
   const Elapsed elapsed = watch.lap();
-  if (drawn.voxels != axes_.at(frame.shear.principal).spans().voxels) {
+  if (drawn.voxels_visited != axes_.at(frame.shear.principal).spans().voxels) {
     return fail(ErrorCode::kFailed, "a part of the scene lies outside of the picture");
   }
   return std::vector{elapsed, drawn.rasterize, drawn.sheets, drawn.resolve};
@@ -75,10 +75,10 @@ Result<std::vector<Elapsed>> LimitTask::draw_packed(int turn) {
   none.first_of_row.assign(static_cast<std::size_t>(options_.size.height) + 1, 0);
   Stopwatch watch;
   no_fragments_.build(none, packed.shear, packed.window, options_.size, atlas_->grid(), pool_);
-  const SheetCounters counters = render_sheets(packed.model, packed.shear, packed.window, best_kernels(), 0,
-                                               no_fragments_, packed_sheet_, pool_);
+  const std::uint64_t voxels = render_sheets(packed.model, packed.shear, packed.window, best_kernels(), 0,
+                                             no_fragments_, packed_sheet_, pool_);
   const Elapsed elapsed = watch.lap();
-  if (counters.voxels != packed.model.voxels) {
+  if (voxels != packed.model.voxels) {
     return fail(ErrorCode::kFailed, "a part of the packed voxels lies outside of the sheet");
   }
   return std::vector{elapsed};

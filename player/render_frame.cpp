@@ -142,7 +142,7 @@ struct Renderer::Impl {
     // Rasterise surfaces, render sheets, resolve both into the picture
     const std::vector<SurfaceDraw> surfaces = drawn.surfaces(decoded.cache());
     const FrameScene scene{surfaces, view, atlas->grid(), lighting, options, overrides, max_memory_bytes};
-    SheetFrame frame(scene, axis_spans.model(), shear, buffers, pool);
+    SheetFrame frame(scene, axis_spans.model(), shear, buffers, stats, pool);
     SPLATLAS_RETURN_IF_ERROR(run_stages(frame, kSheetLoops, task, picture));
     stats.runs_visited = axis_spans.runs().count();
     stats.render_ms = light.wall_ms + watch.lap().wall_ms;
@@ -171,7 +171,7 @@ struct Renderer::Impl {
     // Rasterise surfaces, cast rays, resolve both into the picture
     const std::vector<SurfaceDraw> surfaces = drawn.surfaces(decoded.cache());
     const FrameScene scene{surfaces, view, atlas->grid(), lighting, options, overrides, max_memory_bytes};
-    RayFrame frame(scene, *ray_volume, buffers, pool);
+    RayFrame frame(scene, *ray_volume, buffers, stats, pool);
     SPLATLAS_RETURN_IF_ERROR(run_stages(frame, kRayLoops, task, picture));
     stats.runs_visited = ray_volume->runs();
     stats.render_ms = light.wall_ms + watch.lap().wall_ms;
@@ -223,13 +223,6 @@ struct Renderer::Impl {
     frame.cue_depth(picture);
 
     shown = frame.shown();
-    const FrameCounters& counters = frame.counters();
-    stats.voxels_visited = counters.voxels;
-    stats.triangles = counters.triangles;
-    stats.rasterize = counters.rasterize;
-    stats.sheets = counters.sheets;
-    stats.resolve = counters.resolve;
-    stats.depth_cue = counters.depth_cue;
     return {};
   }
 

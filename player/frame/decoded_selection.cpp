@@ -13,12 +13,8 @@ Result<std::optional<DrawPlan>> DecodedSelection::require(const DrawPlan& plan, 
   if (!classes && cache_.failed_classes().empty()) return tl::unexpected(classes.error());
   const Result<void> surfaces = cache_.require_surfaces(plan.surfaces, pool);
   if (classes && surfaces) return std::nullopt;
-  SPLATLAS_ASSIGN_OR_RETURN(DrawPlan rest, without_damaged(plan));
-  return rest;
-}
 
-/// The plan without its damaged parts. kLimit if any part failed for lack of memory.
-Result<DrawPlan> DecodedSelection::without_damaged(const DrawPlan& plan) {
+  // Out of memory is no damage
   const auto check = [](const auto& failed) -> Result<void> {
     for (const auto& of : failed) {
       if (of.error.code == ErrorCode::kLimit) return tl::unexpected(of.error);
@@ -27,6 +23,8 @@ Result<DrawPlan> DecodedSelection::without_damaged(const DrawPlan& plan) {
   };
   SPLATLAS_RETURN_IF_ERROR(check(cache_.failed_classes()));
   SPLATLAS_RETURN_IF_ERROR(check(cache_.failed_surfaces()));
+
+  // List the damaged parts, and remove them from the plan
   DrawPlan rest = plan;
   for (MissingPart& part :
        leave_out(cache_.failed_classes(), cache_.failed_surfaces(), atlas_->classes(), rest)) {

@@ -27,8 +27,6 @@ class DecodedSelection {
   [[nodiscard]] const std::vector<MissingPart>& missing() const { return missing_; }
 
  private:
-  [[nodiscard]] Result<DrawPlan> without_damaged(const DrawPlan& plan);
-
   std::shared_ptr<const Atlas> atlas_;
   ClassCache cache_;
   std::vector<MissingPart> missing_;

@@ -48,11 +48,10 @@ Result<void> FrameRenderer::rasterize() {
   SPLATLAS_ASSIGN_OR_RETURN(const RasterScene raster, raster_scene_of_view());
   raster_.emplace(raster);
   SPLATLAS_ASSIGN_OR_RETURN(
-      const RasterCounters drawn,
+      stats_.triangles,
       buffers_.rasterizer.draw(*raster_, raster_options(scene_.options, scene_.max_memory_bytes),
                                buffers_.fragments, pool_));
-  counters_.triangles = drawn.triangles;
-  counters_.rasterize = watch.lap();
+  stats_.rasterize = watch.lap();
   return {};
 }
 
@@ -66,7 +65,7 @@ void FrameRenderer::cue_depth(Picture& picture) {
     darken_edges(buffers_.depths, depth_edges(scene_.view.plane, scene_.options.depth_cue_strength), picture,
                  pool_);
   }
-  counters_.depth_cue = watch.lap();
+  stats_.depth_cue = watch.lap();
 }
 
 ShownFrame FrameRenderer::shown() const {

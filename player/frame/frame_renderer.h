@@ -1,4 +1,4 @@
-// Stages of a frame that sheets and rays share: surfaces, depth cue, buffers and counters.
+// Stages of a frame that sheets and rays share: surfaces, depth cue, buffers.
 #pragma once
 
 #include <cstddef>
@@ -26,13 +26,6 @@ struct FrameBuffers {
   DepthMap depths;
 };
 
-/// Counters and times of a frame.
-struct FrameCounters {
-  std::uint64_t voxels = 0;     ///< splatted voxels, or voxels of the ray volume
-  std::uint64_t triangles = 0;  ///< projected triangles
-  Elapsed rasterize, sheets, resolve, depth_cue;
-};
-
 /// Geometry of a finished frame, for picking and depth maps.
 struct ShownFrame {
   View view;
@@ -55,7 +48,7 @@ struct FrameScene {
 /// Bytes of a picture, of its encoder and of its depth map.
 [[nodiscard]] std::uint64_t frame_bytes(const RenderOptions& options);
 
-/// Stages of a frame; call them in this order.
+/// Stages of a frame; call them in this order. Each sets its counter and its time in the statistics.
 class FrameRenderer {
  public:
   virtual ~FrameRenderer() = default;
@@ -72,11 +65,10 @@ class FrameRenderer {
   void cue_depth(Picture& picture);
 
   [[nodiscard]] ShownFrame shown() const;
-  [[nodiscard]] const FrameCounters& counters() const { return counters_; }
 
  protected:
-  FrameRenderer(const FrameScene& scene, FrameBuffers& buffers, ThreadPool& pool)
-      : scene_(scene), buffers_(buffers), pool_(pool) {}
+  FrameRenderer(const FrameScene& scene, FrameBuffers& buffers, RenderStats& stats, ThreadPool& pool)
+      : scene_(scene), buffers_(buffers), stats_(stats), pool_(pool) {}
 
   [[nodiscard]] virtual Result<RasterScene> raster_scene_of_view() const = 0;
   /// Merges the depths of the volume into the depth map of the buffers.
@@ -86,9 +78,9 @@ class FrameRenderer {
 
   const FrameScene& scene_;
   FrameBuffers& buffers_;
+  RenderStats& stats_;
   ThreadPool& pool_;
   std::optional<RasterScene> raster_;
-  FrameCounters counters_;
 };
 
 /// Merges the depths of surfaces into `depths` by minimum. The depth of a sample is that of the fragment at

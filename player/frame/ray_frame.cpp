@@ -28,8 +28,9 @@ CastOptions cast_options(const RenderOptions& options, const RenderOverrides& ov
 
 }  // namespace
 
-RayFrame::RayFrame(const FrameScene& scene, const RayVolume& volume, FrameBuffers& buffers, ThreadPool& pool)
-    : FrameRenderer(scene, buffers, pool),
+RayFrame::RayFrame(const FrameScene& scene, const RayVolume& volume, FrameBuffers& buffers,
+                   RenderStats& stats, ThreadPool& pool)
+    : FrameRenderer(scene, buffers, stats, pool),
       volume_(volume),
       kernels_(scene.overrides.simd ? best_march() : scalar_march()),
       options_(cast_options(scene.options, scene.overrides)) {}
@@ -41,8 +42,8 @@ Result<RasterScene> RayFrame::raster_scene_of_view() const {
 Result<void> RayFrame::render_volume(Picture& picture) {
   Stopwatch watch;
   cast_rays(volume_, scene_.view, scene_.grid, options_, kernels_, picture, pool_);
-  counters_.voxels = volume_.voxels();
-  counters_.sheets = watch.lap();
+  stats_.voxels_visited = volume_.voxels();
+  stats_.sheets = watch.lap();
   return {};
 }
 
@@ -50,7 +51,7 @@ void RayFrame::resolve(Picture& picture) {
   Stopwatch watch;
   cast_surfaces(volume_, scene_.view, scene_.grid, *raster_, buffers_.fragments, options_, kernels_, picture,
                 pool_);
-  counters_.resolve = watch.lap();
+  stats_.resolve = watch.lap();
 }
 
 void RayFrame::add_volume_depths(const ViewDepth& view_depth) {

@@ -11,7 +11,8 @@ namespace splatlas {
 /// The volume must be lit, and outlive the frame.
 class RayFrame : public FrameRenderer {
  public:
-  RayFrame(const FrameScene& scene, const RayVolume& volume, FrameBuffers& buffers, ThreadPool& pool);
+  RayFrame(const FrameScene& scene, const RayVolume& volume, FrameBuffers& buffers, RenderStats& stats,
+           ThreadPool& pool);
 
   [[nodiscard]] Result<void> render_volume(Picture& picture) override;
   void resolve(Picture& picture) override;

@@ -96,10 +96,9 @@ Result<void> SheetFrame::render_volume(Picture& /*picture*/) {
   SPLATLAS_ASSIGN_OR_RETURN(const SheetWindow window, choose_window(spans_, shear_, scene_.grid, options));
   buffers_.order.build(buffers_.fragments, shear_, window, options.size, scene_.grid, pool_);
   const SplatKernels& kernels = scene_.overrides.simd ? best_kernels() : scalar_kernels();
-  counters_.voxels = render_sheets(spans_, shear_, window, kernels, threshold_of(options, window),
-                                   buffers_.order, buffers_.sheet, pool_)
-                         .voxels;
-  counters_.sheets = watch.lap();
+  stats_.voxels_visited = render_sheets(spans_, shear_, window, kernels, threshold_of(options, window),
+                                        buffers_.order, buffers_.sheet, pool_);
+  stats_.sheets = watch.lap();
   return {};
 }
 
@@ -107,20 +106,21 @@ void SheetFrame::resolve(Picture& picture) {
   Stopwatch watch;
   splatlas::resolve(buffers_.sheet, shear_, {buffers_.fragments, buffers_.order}, scene_.options.size,
                     scene_.overrides.simd ? best_warp() : scalar_warp(), picture, pool_);
-  counters_.resolve = watch.lap();
+  stats_.resolve = watch.lap();
 }
 
 void SheetFrame::add_volume_depths(const ViewDepth& view_depth) {
   add_span_depths(spans_, shear_, view_depth, buffers_.depths, pool_);
 }
 
-Result<FrameCounters> draw_frame(const FrameScene& scene, const SpanModel& spans, const Shear& shear,
-                                 FrameBuffers& buffers, Picture& picture, ThreadPool& pool) {
-  SheetFrame frame(scene, spans, shear, buffers, pool);
+Result<RenderStats> draw_frame(const FrameScene& scene, const SpanModel& spans, const Shear& shear,
+                               FrameBuffers& buffers, Picture& picture, ThreadPool& pool) {
+  RenderStats stats;
+  SheetFrame frame(scene, spans, shear, buffers, stats, pool);
   SPLATLAS_RETURN_IF_ERROR(frame.rasterize());
   SPLATLAS_RETURN_IF_ERROR(frame.render_volume(picture));
   frame.resolve(picture);
-  return frame.counters();
+  return stats;
 }
 
 }  // namespace splatlas

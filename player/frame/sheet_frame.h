@@ -11,8 +11,8 @@ namespace splatlas {
 class SheetFrame : public FrameRenderer {
  public:
   SheetFrame(const FrameScene& scene, const SpanModel& spans, const Shear& shear, FrameBuffers& buffers,
-             ThreadPool& pool)
-      : FrameRenderer(scene, buffers, pool), spans_(spans), shear_(shear) {}
+             RenderStats& stats, ThreadPool& pool)
+      : FrameRenderer(scene, buffers, stats, pool), spans_(spans), shear_(shear) {}
 
   /// Splats and composites the spans sheet by sheet (Westover 1990).
   [[nodiscard]] Result<void> render_volume(Picture& picture) override;
@@ -27,9 +27,9 @@ class SheetFrame : public FrameRenderer {
   const Shear& shear_;
 };
 
-/// Runs all stages except the depth cue. kLimit as for the stages.
-[[nodiscard]] Result<FrameCounters> draw_frame(const FrameScene& scene, const SpanModel& spans,
-                                               const Shear& shear, FrameBuffers& buffers, Picture& picture,
-                                               ThreadPool& pool);
+/// Runs all stages except the depth cue, and returns their statistics. kLimit as for the stages.
+[[nodiscard]] Result<RenderStats> draw_frame(const FrameScene& scene, const SpanModel& spans,
+                                             const Shear& shear, FrameBuffers& buffers, Picture& picture,
+                                             ThreadPool& pool);
 
 }  // namespace splatlas

@@ -42,29 +42,18 @@ Result<void*> load_module() {
   return function;
 }
 
-/// Pixels in the layout of a file format.
-struct Pixels {
-  PictureSize size;
-  int channels = 4;
-  bool is_float = false;
-  std::vector<std::uint8_t> bytes;  ///< of the 8-bit formats
-  const void* data = nullptr;
-};
-
-Pixels pixels_for(const std::string& ending, const Picture& picture, std::optional<Rgb> background) {
-  if (ending == ".exr") return {picture.size, 4, true, {}, picture.rgba.data()};
-  if (!background && ending == ".jpg") background = Rgb{0, 0, 0};
-  Pixels pixels{picture.size, background ? 3 : 4, false, {}, nullptr};
-  pixels.bytes = background ? to_srgb8(picture, *background) : to_srgba8(picture);
-  pixels.data = pixels.bytes.data();
-  return pixels;
-}
-
 using Bytes = std::vector<std::byte>;
 
-Result<Bytes> encode_through_module(void* function, const std::string& ending, const Pixels& pixels) {
-  const PixelsToEncode to_encode{ending.c_str(),  pixels.size.width,       pixels.size.height,
-                                 pixels.channels, pixels.is_float ? 1 : 0, pixels.data};
+Result<Bytes> encode_through_module(void* function, const std::string& ending, const Picture& picture,
+                                    std::optional<Rgb> background) {
+  const bool is_float = ending == ".exr";
+  if (!background && ending == ".jpg") background = Rgb{0, 0, 0};
+  std::vector<std::uint8_t> srgb;
+  if (!is_float) srgb = background ? to_srgb8(picture, *background) : to_srgba8(picture);
+  const void* data = is_float ? static_cast<const void*>(picture.rgba.data()) : srgb.data();
+  const PixelsToEncode to_encode{ending.c_str(),      picture.size.width,
+                                 picture.size.height, background && !is_float ? 3 : 4,
+                                 is_float ? 1 : 0,    data};
   Bytes bytes;
   const auto take = [](void* context, const void* first, std::size_t size) {
     const auto* const begin = static_cast<const std::byte*>(first);
@@ -108,7 +97,7 @@ Result<std::vector<std::byte>> PictureEncoder::encode(const Picture& picture, st
 Result<Bytes> PictureEncoder::encode_pixels(const Picture& picture, std::optional<Rgb> background) {
   if (!module_.valid()) return encode_png(picture, background);
   SPLATLAS_ASSIGN_OR_RETURN(void* const function, module_.get());
-  return encode_through_module(function, ending_, pixels_for(ending_, picture, background));
+  return encode_through_module(function, ending_, picture, background);
 }
 
 }  // namespace splatlas

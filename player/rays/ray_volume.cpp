@@ -20,11 +20,7 @@ constexpr std::size_t kFour = 4;
 /// Limit of stored grey values. Points of transfer functions lie within 1e5 of 0, so clamping shifts their
 /// crossings by at most 1e-4 of the distance between voxels.
 constexpr double kLargestStored = 1e9;
-
-std::uint64_t page_rounded(std::uint64_t bytes) {
-  constexpr std::uint64_t kPage = 4096;
-  return bytes + 2 * kPage;
-}
+constexpr std::uint64_t kPageBytes = 4096;
 
 }  // namespace
 
@@ -159,7 +155,7 @@ class RayVolume::Builder {
       const auto of = [&](std::uint64_t voxel_bytes, std::uint64_t rows) {
         std::uint64_t touched = 0;
         request_.runs.for_each([&](const ClassRun& run, std::uint32_t draw) {
-          if (source.draws[draw]) touched += rows * page_rounded((run.length + 1) * voxel_bytes);
+          if (source.draws[draw]) touched += rows * ((run.length + 1) * voxel_bytes + 2 * kPageBytes);
         });
         return std::min(box_voxels * voxel_bytes, touched);
       };

@@ -331,7 +331,7 @@ SheetWindow sheet_window(const SpanModel& model, const Shear& shear, const Pictu
   return window;
 }
 
-SheetCounters render_sheets(const SpanModel& model, const Shear& shear, const SheetWindow& window,
+std::uint64_t render_sheets(const SpanModel& model, const Shear& shear, const SheetWindow& window,
                             const SplatKernels& kernels, float termination_threshold,
                             FragmentOrder& fragments, SheetImage& image, ThreadPool& pool) {
   // Clear the border of the sheet
@@ -362,7 +362,7 @@ SheetCounters render_sheets(const SpanModel& model, const Shear& shear, const Sh
     Band(pass, first, std::min(first + band_rows, window.rows), band_fragments[n], floats).render();
   });
   for (SheetFragments& of_band : band_fragments) of_band.merge();
-  return {count_voxels(pass)};
+  return count_voxels(pass);
 }
 
 }  // namespace splatlas

@@ -63,17 +63,14 @@ struct SheetImage {
   }
 };
 
-struct SheetCounters {
-  std::uint64_t voxels = 0;  ///< splatted voxels, each counted once
-};
-
 /// Splats the slices into sheets (Westover 1990) in sheared object space (Lacroute and Levoy 1994) and
 /// composites them front to back. Also computes the radiance in front of every fragment; `fragments` must be
 /// of the same window. A slab has the optical properties of its slice or, between two slices, those
 /// interpolated at its centre. Early ray termination: blocks of pixels may stop at a transmittance of
 /// `termination_threshold`. Bands of rows are independent and run in parallel; the result does not depend on
-/// the number of threads. Cost: visible voxels * scale^2 * parts, plus fragments and pixels of the window.
-[[nodiscard]] SheetCounters render_sheets(const SpanModel& model, const Shear& shear,
+/// the number of threads. Returns the number of splatted voxels, each counted once. Cost: visible voxels *
+/// scale^2 * parts, plus fragments and pixels of the window.
+[[nodiscard]] std::uint64_t render_sheets(const SpanModel& model, const Shear& shear,
                                           const SheetWindow& window, const SplatKernels& kernels,
                                           float termination_threshold, FragmentOrder& fragments,
                                           SheetImage& image, ThreadPool& pool);

@@ -3,13 +3,6 @@
 #include <tuple>
 
 namespace splatlas {
-namespace {
-
-bool before(const ClassRun& run, std::int64_t row, std::int64_t scan) {
-  return std::tuple(std::int64_t{run.row}, std::int64_t{run.start}) < std::tuple(row, scan);
-}
-
-}  // namespace
 
 SelectedRuns::SelectedRuns(const DrawPlan& plan, const ClassTable& classes, const ClassCache& cache,
                            Axis axis)
@@ -41,8 +34,9 @@ std::span<const ClassRun> SelectedRuns::decoded(std::int64_t slice) const {
 
 const ClassRun* SelectedRuns::at(std::int64_t slice, std::int64_t row, std::int64_t scan) const {
   const std::span<const ClassRun> all = runs_.slice(slice);
-  const auto after = std::partition_point(all.begin(), all.end(),
-                                          [&](const ClassRun& run) { return before(run, row, scan + 1); });
+  const auto after = std::partition_point(all.begin(), all.end(), [&](const ClassRun& run) {
+    return std::tuple(std::int64_t{run.row}, std::int64_t{run.start}) <= std::tuple(row, scan);
+  });
   if (after == all.begin()) return nullptr;
   const ClassRun& run = *(after - 1);
   const bool contains = run.row == row && scan < std::int64_t{run.start} + run.length;

@@ -39,14 +39,14 @@ struct Rasterizer::Count {
   }
 };
 
-Result<RasterCounters> Rasterizer::draw(const RasterScene& scene, const RasterOptions& options,
-                                        FragmentList& out, ThreadPool& pool) {
-  RasterCounters counters;
-  for (const SurfaceDraw& surface : scene.surfaces) counters.triangles += surface.mesh->triangles.size();
+Result<std::uint64_t> Rasterizer::draw(const RasterScene& scene, const RasterOptions& options,
+                                       FragmentList& out, ThreadPool& pool) {
+  std::uint64_t triangles = 0;
+  for (const SurfaceDraw& surface : scene.surfaces) triangles += surface.mesh->triangles.size();
   out.fragments.clear();
   out.samples.assign(1, Sample{});
   out.first_of_row.assign(static_cast<std::size_t>(scene.size.height) + 1, 0);
-  if (counters.triangles == 0) return counters;
+  if (triangles == 0) return triangles;
 
   Count count{options.max_fragments};
   bins_.fill(scene.surfaces, scene.projection, scene.size, pool);
@@ -59,7 +59,7 @@ Result<RasterCounters> Rasterizer::draw(const RasterScene& scene, const RasterOp
             options.max_fragments));
   }
   merge_bands(scene, out, pool);
-  return counters;
+  return triangles;
 }
 
 bool Rasterizer::draw_centers(const RasterScene& scene, const RasterOptions& options, Count& count,

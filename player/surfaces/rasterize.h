@@ -28,10 +28,6 @@ struct RasterOptions {
   std::size_t edge_samples = 1;
 };
 
-struct RasterCounters {
-  std::uint64_t triangles = 0;  ///< of all surfaces
-};
-
 /// A-buffer rasteriser (Carpenter 1984). Triangles cover pixel centres by the top-left rule, which makes
 /// closed surfaces watertight. The visible side is shaded (player/surfaces/raster_scene.h), and fragments are
 /// sorted by pixel and depth. Nothing behind the front-most opaque fragment is kept. Where two surfaces
@@ -39,11 +35,11 @@ struct RasterCounters {
 /// rasterised again with a supersampling pattern. Keeps its memory from frame to frame. Not thread-safe.
 class Rasterizer {
  public:
-  /// Rasterises all surfaces; kLimit for more than `max_fragments`, with the samples of edges. The result is
-  /// independent of the number of threads. Cost: linear in vertices, triangles and visible fragments; those
-  /// at edges count once per sample.
-  [[nodiscard]] Result<RasterCounters> draw(const RasterScene& scene, const RasterOptions& options,
-                                            FragmentList& out, ThreadPool& pool);
+  /// Rasterises all surfaces and returns the number of their triangles; kLimit for more than `max_fragments`,
+  /// with the samples of edges. The result is independent of the number of threads. Cost: linear in vertices,
+  /// triangles and visible fragments; those at edges count once per sample.
+  [[nodiscard]] Result<std::uint64_t> draw(const RasterScene& scene, const RasterOptions& options,
+                                           FragmentList& out, ThreadPool& pool);
 
  private:
   struct Count;

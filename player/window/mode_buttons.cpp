@@ -24,10 +24,6 @@ constexpr std::array<ModeButton, 4> kButtons{
 float button_width() {
   return ImGui::GetFontSize() * 2.1f;
 }
-float button_height() {
-  return ImGui::GetFontSize() * 1.5f;
-}
-
 /// Symbol of a mode. Off: a stroke; volume: a disc with a soft edge; surface: a ring; both: a ring around a
 /// disc.
 void draw_symbol(DrawMode mode, ImVec2 center, float radius, ImU32 color) {
@@ -76,7 +72,7 @@ void mode_buttons_head(ImFont* small) {
 
 std::optional<DrawMode> mode_buttons(ModeSet modes, Rgb color, std::string_view row, LayoutLog& layout) {
   std::optional<DrawMode> clicked;
-  const ImVec2 size{button_width(), button_height()};
+  const ImVec2 size{button_width(), ImGui::GetFontSize() * 1.5f};
   ImVec2 at = ImGui::GetCursorScreenPos();
   for (const ModeButton& button : kButtons) {
     ImGui::SetCursorScreenPos(at);

@@ -60,7 +60,7 @@ RC_GTEST_PROP(FullTraversal, DrawsThePlayersPictureBitForBit, ()) {
     RC_ASSERT(expected.has_value());
     RC_ASSERT(frame.has_value());
     RC_ASSERT(same_bits(frame->picture, *expected));
-    RC_ASSERT(frame->drawn.voxels == player.stats().voxels_visited);
+    RC_ASSERT(frame->drawn.voxels_visited == player.stats().voxels_visited);
     RC_ASSERT(frame->drawn.triangles == player.stats().triangles);
     seen += shows_something(*expected);
   }

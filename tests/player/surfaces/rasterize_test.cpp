@@ -68,7 +68,7 @@ struct Drawing {
     if (!counters) return tl::unexpected<Error>(counters.error());
     std::size_t triangles = 0;
     for (const SurfaceDraw& surface : surfaces) triangles += surface.mesh->triangles.size();
-    EXPECT_EQ(counters->triangles, triangles);
+    EXPECT_EQ(*counters, triangles);
     return Drawn(list, view.size);
   }
 };
