@@ -30,16 +30,9 @@ Radiance sample(const SheetImage& sheet, double x, double y) {
   const double column = std::floor(x);
   const double row = std::floor(y);
   const float* upper = sheet.at(static_cast<std::int64_t>(column), static_cast<std::int64_t>(row));
-  const float* lower = upper + sheet.stride() * sheet.channels;
   const std::array<float, 4> weights =
       sheet_weights(static_cast<float>(x - column), static_cast<float>(y - row), window.skew);
-  Radiance radiance;
-  for (std::int64_t c = 0; c < sheet.channels; ++c) {
-    radiance.rgba[static_cast<std::size_t>(c)] =
-        weights[0] * upper[c] + weights[1] * upper[sheet.channels + c] + weights[2] * lower[c] +
-        weights[3] * lower[sheet.channels + c];
-  }
-  return sheet.channels == 4 ? radiance : in_color(radiance.rgba[0], radiance.rgba[1], sheet.color);
+  return sheet_sample(upper, sheet.stride() * sheet.channels, sheet.channels, weights, sheet.color);
 }
 
 CubicWalk cubic_walk(const SheetImage& sheet, double x, double y, double step_x, double step_y) {
@@ -149,11 +142,6 @@ double longest_step(const Affine2& map) {
   return std::max(std::hypot(map.xx, map.yx), std::hypot(map.xy, map.yy));
 }
 
-/// Support of a pixel's filter beyond bilinear interpolation, in sheet pixels.
-double margin_of(const SheetImage& sheet, const Affine2& map, int samples) {
-  return (samples > 1 ? longest_step(map) : 0) + (sheet.window.cubic ? 1 : 0);
-}
-
 /// The warp of a row of picture pixels.
 class RowWarp {
  public:
@@ -243,7 +231,8 @@ void warp_rows(const SheetImage& sheet, const Affine2& map, int samples, const W
   const int width = picture.size.width;
   std::vector<RowWarp> rows;
   rows.reserve(last - first);
-  const double margin = margin_of(sheet, map, samples);
+  // Support of a pixel's filter beyond bilinear interpolation, in sheet pixels
+  const double margin = (samples > 1 ? longest_step(map) : 0) + (sheet.window.cubic ? 1 : 0);
   for (std::size_t row = first; row < last; ++row)
     rows.emplace_back(sheet, map, samples, margin, kernels, static_cast<double>(row) + 0.5, width);
   for (int tile = 0; tile < width; tile += kTileColumns) {

@@ -44,6 +44,20 @@ struct SheetWindow : SheetSampling {
   return {bilinear[0] + bounded, bilinear[1] - bounded, bilinear[2] - bounded, bilinear[3] + bounded};
 }
 
+/// Weighted sum of the pixels at `upper`, to its right, and of the two pixels `row_floats` below. `color` is
+/// the factor of white for 2 channels.
+[[nodiscard]] inline Radiance sheet_sample(const float* upper, std::int64_t row_floats, std::int64_t channels,
+                                           const std::array<float, 4>& weights,
+                                           const std::array<float, 3>& color) {
+  const float* lower = upper + row_floats;
+  Radiance radiance;
+  for (std::int64_t c = 0; c < channels; ++c) {
+    radiance.rgba[static_cast<std::size_t>(c)] = weights[0] * upper[c] + weights[1] * upper[channels + c] +
+                                                 weights[2] * lower[c] + weights[3] * lower[channels + c];
+  }
+  return channels == 4 ? radiance : in_color(radiance.rgba[0], radiance.rgba[1], color);
+}
+
 /// The window of all footprints of the model that overlap the picture.
 [[nodiscard]] SheetWindow sheet_window(const SpanModel& model, const Shear& shear, const PictureSize& size,
                                        const SheetSampling& sampling);

@@ -237,16 +237,9 @@ void plain_warp(const WarpWalk& walk, std::size_t count, float* out) {
     const float right = static_cast<float>(x & 0xffffffff) * kUnit;
     const float below = static_cast<float>(y & 0xffffffff) * kUnit;
     const float* upper = walk.pixels + ((y >> 32) * walk.stride + (x >> 32)) * channels;
-    const float* lower = upper + walk.stride * channels;
-    const std::array<float, 4> weights = sheet_weights(right, below, walk.skew);
-    std::array<float, 4> rgba{};
-    for (std::int64_t c = 0; c < channels; ++c) {
-      rgba[static_cast<std::size_t>(c)] = weights[0] * upper[c] + weights[1] * upper[channels + c] +
-                                          weights[2] * lower[c] + weights[3] * lower[channels + c];
-    }
-    if (channels == 2)
-      rgba = {rgba[0] * walk.color[0], rgba[0] * walk.color[1], rgba[0] * walk.color[2], rgba[1]};
-    std::copy(rgba.begin(), rgba.end(), out + 4 * n);
+    const Radiance radiance = sheet_sample(upper, walk.stride * channels, channels,
+                                           sheet_weights(right, below, walk.skew), walk.color);
+    std::copy(radiance.rgba.begin(), radiance.rgba.end(), out + 4 * n);
   }
 }
 

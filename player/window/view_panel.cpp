@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
+#include <SDL_opengl.h>
 #include <fmt/format.h>
 
 #include "player/camera_moves.h"
@@ -97,16 +99,18 @@ void mouse(Session& session, const ViewArea& area) {
 }
 
 /// Draws the picture centred and scaled to fit, until one of the new size is rendered.
-void draw_picture(const PictureTexture& texture, const ViewArea& area) {
+void draw_picture(const Frame* frame, unsigned texture, const ViewArea& area) {
   ImDrawList& draw = *ImGui::GetWindowDrawList();
   draw.AddRectFilled(area.min, area.max(), IM_COL32_BLACK);
-  if (!texture.frame()) return;
-  const PictureSize& size = texture.frame()->request.size;
+  if (frame == nullptr) return;
+  const PictureSize& size = frame->request.size;
   const float scale =
       std::min(area.size.x / static_cast<float>(size.width), area.size.y / static_cast<float>(size.height));
   const ImVec2 half{static_cast<float>(size.width) * scale / 2, static_cast<float>(size.height) * scale / 2};
   const ImVec2 middle{area.min.x + area.size.x / 2, area.min.y + area.size.y / 2};
-  draw.AddImage(texture.id(), {middle.x - half.x, middle.y - half.y}, {middle.x + half.x, middle.y + half.y});
+  const auto id =
+      reinterpret_cast<ImTextureID>(std::uintptr_t{texture});  // NOLINT(performance-no-int-to-ptr)
+  draw.AddImage(id, {middle.x - half.x, middle.y - half.y}, {middle.x + half.x, middle.y + half.y});
 }
 
 /// Draws text with an outline, readable over any picture.
@@ -220,16 +224,36 @@ void view_toolbar(Session& session, UiState& ui, LayoutLog& layout) {
 
 }  // namespace
 
-void view_panel(Session& session, UiState& ui, PictureTexture& texture, const Fonts& fonts, LayoutLog& layout,
-                float height_below) {
+ViewPanel::~ViewPanel() {
+  if (texture_ != 0) glDeleteTextures(1, &texture_);
+}
+
+/// Uploads the frame if it has changed.
+void ViewPanel::upload(const std::shared_ptr<const Frame>& frame) {
+  if (frame == frame_) return;
+  frame_ = frame;
+  if (!frame_) return;
+  if (texture_ == 0) glGenTextures(1, &texture_);
+  glBindTexture(GL_TEXTURE_2D, texture_);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  glTexImage2D(GL_TEXTURE_2D, 0, GL_RGB, frame_->size.width, frame_->size.height, 0, GL_RGB, GL_UNSIGNED_BYTE,
+               frame_->srgb8.data());
+}
+
+void ViewPanel::draw(Session& session, UiState& ui, const Fonts& fonts, LayoutLog& layout,
+                     float height_below) {
   view_toolbar(session, ui, layout);
   const ViewArea area = area_here(height_below + caption_height(fonts));
   session.resize(area.pixels);
   layout.area("view", area.min, area.max());
   mouse(session, area);
-  texture.show(session.frame());
+  upload(session.frame());
   ImGui::PushClipRect(area.min, area.max(), true);
-  draw_picture(texture, area);
+  draw_picture(frame_.get(), texture_, area);
   draw_letters(session, area, fonts);
   draw_view_state(session, area);
   ImGui::PopClipRect();

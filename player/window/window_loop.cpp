@@ -103,8 +103,8 @@ class Window {
     ImGui::SetNextWindowPos({left, 0});
     ImGui::SetNextWindowSize({std::max(1.0f, screen.x - left), screen.y});
     if (ImGui::Begin("picture", nullptr, kFlags)) {
-      view_panel(session_, ui_, texture_, fonts_, layout_,
-                 SelectionBar::height() + ImGui::GetStyle().ItemSpacing.y);
+      view_panel_.draw(session_, ui_, fonts_, layout_,
+                       SelectionBar::height() + ImGui::GetStyle().ItemSpacing.y);
       selection_bar_.draw(session_, ui_, fonts_, layout_);
     }
     ImGui::End();
@@ -115,7 +115,7 @@ class Window {
   Session& session_;
   Fonts fonts_;
   LayoutLog layout_;
-  PictureTexture texture_;
+  ViewPanel view_panel_;
   SelectionBar selection_bar_;
   UiState ui_;
   bool key_taken_ = false;  // the latest key was a shortcut
