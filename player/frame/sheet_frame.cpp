@@ -60,12 +60,6 @@ float skew_of(const Shear& shear, const SheetSampling& sampling) {
   return static_cast<float>(std::clamp(covariance, -kMaxSkew, kMaxSkew));
 }
 
-/// Early termination threshold of sheets. The positive weights of the cubic kernel sum to at most 1.28, which
-/// amplifies the error of the sheet.
-float threshold_of(const RenderOptions& options, const SheetWindow& window) {
-  return termination_threshold(options) / (window.cubic ? 1.3f : 1.0f);
-}
-
 Result<SheetWindow> choose_window(const SpanModel& model, const Shear& shear, const Grid& grid,
                                   const RenderOptions& options) {
   SheetSampling sampling{sheet_scale(options.quality, shear, has_sharp_edges(model, grid)),
@@ -95,9 +89,11 @@ Result<void> SheetFrame::render_volume(Picture& /*picture*/) {
   const RenderOptions& options = scene_.options;
   SPLATLAS_ASSIGN_OR_RETURN(const SheetWindow window, choose_window(spans_, shear_, scene_.grid, options));
   buffers_.order.build(buffers_.fragments, shear_, window, options.size, scene_.grid, pool_);
+  // The positive weights of the cubic kernel sum to at most 1.28, which amplifies the error of the sheet.
+  const float threshold = termination_threshold(options) / (window.cubic ? 1.3f : 1.0f);
   const SplatKernels& kernels = scene_.overrides.simd ? best_kernels() : scalar_kernels();
-  stats_.voxels_visited = render_sheets(spans_, shear_, window, kernels, threshold_of(options, window),
-                                        buffers_.order, buffers_.sheet, pool_);
+  stats_.voxels_visited =
+      render_sheets(spans_, shear_, window, kernels, threshold, buffers_.order, buffers_.sheet, pool_);
   stats_.sheets = watch.lap();
   return {};
 }

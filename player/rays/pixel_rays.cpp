@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
 #include <cstdint>
+
+#include "player/view/shear.h"
 
 namespace splatlas {
 namespace {

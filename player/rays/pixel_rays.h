@@ -8,7 +8,6 @@
 #include "format/grid.h"
 #include "player/camera.h"
 #include "player/rays/march_kernels.h"
-#include "player/view/shear.h"
 #include "player/view/view_frame.h"
 
 namespace splatlas {

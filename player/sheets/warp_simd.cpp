@@ -4,7 +4,6 @@
 #include <hwy/foreach_target.h>
 // Must come after foreach_target.h.
 #include <algorithm>
-#include <array>
 #include <cstddef>
 #include <cstdint>
 
