@@ -81,6 +81,7 @@ void SelectionEditor::set_color(StructureIndex s, Rgb color) {
   edit_drawn({s, 'c'}, [&](StructureDraw& draw) { draw.color = color; });
 }
 
+/// Switches a subtree on, with the other structures as given.
 void SelectionEditor::show_among(StructureIndex s, Selection others) {
   for (const StructureIndex d : graph_.descendants(s)) others.structures[d] = switched_on(d);
   commit(std::move(others));
