@@ -24,17 +24,15 @@ bool cues_depth(const RenderOptions& options) {
   return options.depth_cue == DepthCue::kEdges && options.depth_cue_strength > 0;
 }
 
-std::size_t edge_samples(const RenderOptions& options, std::uint64_t max_memory_bytes) {
-  if (!options.antialiasing || options.quality == Quality::kDraft) return 1;
-  if (pixels_of(options.size) > max_memory_bytes / 4 / kBytesToFindEdges) return 1;
-  return options.quality == Quality::kNormal ? kFourSamples.size() : kEightSamples.size();
-}
-
 /// Samples per edge pixel and maximum number of fragments, which may take a quarter of the memory.
 RasterOptions raster_options(const RenderOptions& options, std::uint64_t max_memory_bytes) {
-  const std::size_t max_fragments =
-      std::min<std::size_t>(max_memory_bytes / 4 / kBytesPerFragment, kMaxFragments);
-  return {max_fragments, termination_threshold(options), edge_samples(options, max_memory_bytes)};
+  const std::uint64_t max_bytes = max_memory_bytes / 4;
+  RasterOptions raster{std::min<std::size_t>(max_bytes / kBytesPerFragment, kMaxFragments),
+                       termination_threshold(options)};
+  const bool supersamples = options.antialiasing && pixels_of(options.size) <= max_bytes / kBytesToFindEdges;
+  if (supersamples && options.quality == Quality::kNormal) raster.edge_samples = kFourSamples.size();
+  if (supersamples && options.quality == Quality::kHigh) raster.edge_samples = kEightSamples.size();
+  return raster;
 }
 
 }  // namespace

@@ -177,10 +177,8 @@ class RayVolume::Builder {
   /// box is within the memory limit.
   [[nodiscard]] bool fills_box(std::uint64_t box_voxels) const {
     constexpr std::uint64_t kSparse = 32;
-    std::uint64_t selected = 0, voxel_bytes = 0;
-    for (const ClassDraw& draw : request_.plan.classes) {
-      if (draws_volume(draw.role)) selected += request_.atlas.classes().voxels(draw.id);
-    }
+    const std::uint64_t selected = request_.plan.volume_voxels + request_.plan.hybrid_voxels;
+    std::uint64_t voxel_bytes = 0;
     for (const Source& source : volume_.sources_) voxel_bytes += value_bytes(source) + color_bytes(source);
     return selected * kSparse >= box_voxels * volume_.sources_.size() &&
            box_voxels * voxel_bytes <= request_.max_memory_bytes;

@@ -29,14 +29,6 @@ constexpr std::size_t kSlicesAtOnce = 8;
 /// Limit for idle and fragmented arena memory, unless the model itself uses more.
 constexpr std::uint64_t kMaxUnusedBytes = std::uint64_t{64} << 20;
 
-std::uint64_t selected_voxels(const SpanRequest& request) {
-  std::uint64_t voxels = 0;
-  for (const ClassDraw& draw : request.plan.classes) {
-    if (draws_volume(draw.role)) voxels += request.classes.voxels(draw.id);
-  }
-  return voxels;
-}
-
 /// Prefetches grey values of a following row, whose runs are usually similar; rows may be far apart in
 /// memory.
 void prefetch(std::size_t voxel, std::size_t voxels, const ClassCache& cache) {
@@ -207,8 +199,8 @@ void SpanBuilder::build(const SpanRequest& request, ThreadPool& pool) {
   }
 
   // Build slices in parallel
-  arena_.expect(selected_voxels(request) * (1 + static_cast<std::uint64_t>(model_.emissions)) *
-                sizeof(float));
+  const std::uint64_t voxels = request.plan.volume_voxels + request.plan.hybrid_voxels;
+  arena_.expect(voxels * (1 + static_cast<std::uint64_t>(model_.emissions)) * sizeof(float));
   pool.for_each((to_build.size() + kSlicesAtOnce - 1) / kSlicesAtOnce, [&](std::size_t part) {
     const std::size_t first = part * kSlicesAtOnce;
     for (std::size_t n = first; n < std::min(first + kSlicesAtOnce, to_build.size()); ++n) {

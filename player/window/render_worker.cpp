@@ -126,7 +126,8 @@ Result<void> RenderWorker::select(const FrameRequest& request) {
 Result<Picture> RenderWorker::render(const FrameRequest& request, Quality quality) {
   if (auto selected = select(request); !selected) return tl::unexpected(std::move(selected).error());
   RenderOptions options;
-  options.size = quality == Quality::kDraft ? draft_size(request.size) : request.size;
+  const int divisor = quality == Quality::kDraft ? draft_divisor_ : 1;
+  options.size = {std::max(1, request.size.width / divisor), std::max(1, request.size.height / divisor)};
   options.quality = quality;
   options.depth_cue = request.depth_cue;
   Result<Picture> picture = renderer_.render(request.camera, options);
@@ -156,7 +157,9 @@ void RenderWorker::render_frame(const FrameRequest& request, Quality quality) {
   }
   const bool draft = quality == Quality::kDraft;
   if (draft) {
-    adapt_drafts((*frame)->stats.render_ms);
+    const double ms = (*frame)->stats.render_ms;
+    if (ms > kSlowDraftMs) draft_divisor_ = std::min(draft_divisor_ + 1, kMaxDraftDivisor);
+    if (ms < kQuickDraftMs) draft_divisor_ = std::max(draft_divisor_ - 1, 1);
     const std::lock_guard lock(mutex_);
     if (!request_) unrefined_ = request;
   }
@@ -179,15 +182,6 @@ void RenderWorker::save_picture(const SaveJob& job) {
     return write_png(*picture, job.path, kBackground);
   });
   push_event(PictureSaved{job.path, std::move(result)});
-}
-
-PictureSize RenderWorker::draft_size(const PictureSize& size) const {
-  return {std::max(1, size.width / draft_divisor_), std::max(1, size.height / draft_divisor_)};
-}
-
-void RenderWorker::adapt_drafts(double ms) {
-  if (ms > kSlowDraftMs) draft_divisor_ = std::min(draft_divisor_ + 1, kMaxDraftDivisor);
-  if (ms < kQuickDraftMs) draft_divisor_ = std::max(draft_divisor_ - 1, 1);
 }
 
 }  // namespace splatlas

@@ -108,8 +108,6 @@ class RenderWorker {
   void render_frame(const FrameRequest& request, Quality quality);
   void answer(const Point& point);
   void save_picture(const SaveJob& job);
-  [[nodiscard]] PictureSize draft_size(const PictureSize& size) const;
-  void adapt_drafts(double ms);
 
   // Shared by both threads; guarded by mutex_.
   std::mutex mutex_;

@@ -41,12 +41,6 @@ ViewArea area_here(float height_below) {
   return area;
 }
 
-ViewPoint pointer_in(const ViewArea& area) {
-  const ImVec2 mouse = ImGui::GetIO().MousePos;
-  return {(mouse.x - area.min.x) / static_cast<double>(area.size.x),
-          (mouse.y - area.min.y) / static_cast<double>(area.size.y)};
-}
-
 /// True if the pointer has moved beyond the drag threshold since the button was pressed.
 bool has_travelled(ImGuiMouseButton button) {
   const ImGuiIO& io = ImGui::GetIO();
@@ -82,10 +76,11 @@ void mouse(Session& session, const ViewArea& area) {
                              ImGuiButtonFlags_MouseButtonMiddle);
   const bool dragging = (ImGui::IsItemActive() || ImGui::IsItemDeactivated()) && drag(session, area);
   const bool hovered = ImGui::IsItemHovered();
-  const ViewPoint point = pointer_in(area);
+  const ImGuiIO& io = ImGui::GetIO();
+  const ViewPoint point{(io.MousePos.x - area.min.x) / static_cast<double>(area.size.x),
+                        (io.MousePos.y - area.min.y) / static_cast<double>(area.size.y)};
   session.point_at(hovered && !dragging ? std::optional(point) : std::nullopt);
   if (!hovered) return;
-  const ImGuiIO& io = ImGui::GetIO();
   if (ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left)) {
     session.reset_view();
   } else if (ImGui::IsMouseReleased(ImGuiMouseButton_Left) && !has_travelled(ImGuiMouseButton_Left)) {
