@@ -31,10 +31,10 @@ constexpr std::size_t kOuterRays[] = {0, 1, 2, 3, 4, 7, 8, 11, 12, 13, 14, 15};
 /// discontinuities of the transfer function.
 HWY_INLINE int StepsOf(const MarchScene& scene, Vector weight) {
   const float ratio = MaxLane(Lanes(), weight) / (kEvenShare * scene.tolerance);
+  const auto min_steps = static_cast<float>(scene.min_steps);
   if (ratio <= 1) return scene.min_steps;
   const float steps = std::ceil(std::cbrt(ratio * ratio));
-  return static_cast<int>(
-      std::clamp(steps, static_cast<float>(scene.min_steps), static_cast<float>(scene.max_steps)));
+  return static_cast<int>(std::clamp(steps, min_steps, static_cast<float>(scene.max_steps)));
 }
 
 /// `Transfer`: ShortTransfer or LongTransfer.

@@ -272,19 +272,19 @@ HWY_INLINE WideVec<PairTag<D>> GatherIndex(PairTag<D>, const T* values, const Pa
     Name(v.low, D(), values);                                     \
     Name(v.high, D(), values + kLanesOf<D>);                      \
   }
-#define SPLATLAS_WIDE_CONVERT(Name)                       \
-  template <class D, class V>                             \
-  HWY_INLINE auto Name(PairTag<D>, const Pair<V>& v) {    \
-    return MakePair(Name(D(), v.low), Name(D(), v.high)); \
+#define SPLATLAS_WIDE_CONVERT(Result, Name)                          \
+  template <class D, class V>                                        \
+  HWY_INLINE Result<PairTag<D>> Name(PairTag<D>, const Pair<V>& v) { \
+    return {Name(D(), v.low), Name(D(), v.high)};                    \
   }
 SPLATLAS_WIDE_LOAD(Load)
 SPLATLAS_WIDE_LOAD(LoadU)
 SPLATLAS_WIDE_STORE(Store)
 SPLATLAS_WIDE_STORE(StoreU)
-SPLATLAS_WIDE_CONVERT(BitCast)
-SPLATLAS_WIDE_CONVERT(ConvertTo)
-SPLATLAS_WIDE_CONVERT(RebindMask)
-SPLATLAS_WIDE_CONVERT(VecFromMask)
+SPLATLAS_WIDE_CONVERT(WideVec, BitCast)
+SPLATLAS_WIDE_CONVERT(WideVec, ConvertTo)
+SPLATLAS_WIDE_CONVERT(WideMask, RebindMask)
+SPLATLAS_WIDE_CONVERT(WideVec, VecFromMask)
 #undef SPLATLAS_WIDE_LOAD
 #undef SPLATLAS_WIDE_STORE
 #undef SPLATLAS_WIDE_CONVERT
