@@ -8,6 +8,8 @@
 
 #include <fmt/format.h>
 
+#include "format/system/result_macros.h"
+
 namespace splatlas {
 namespace {
 
@@ -134,38 +136,36 @@ Affine lps_mm_to_index(const Grid& grid) {
 }
 
 Result<void> validate(const Grid& grid, const std::string& what) {
-  const auto refuse = [&what](const std::string& fault) {
-    return fail(ErrorCode::kFailed, fmt::format("{}: {}", what, fault));
+  const auto refuse = [&]<typename... Args>(fmt::format_string<Args...> fault, Args&&... args) {
+    return fail(ErrorCode::kFailed, "{}: {}", what, fmt::format(fault, std::forward<Args>(args)...));
   };
   const auto& [x, y, z] = grid.size;
   for (const std::int64_t n : grid.size) {
     if (n < 1 || n > kMaxAxisSize) {
-      return refuse(fmt::format("size {}x{}x{} voxels: each axis must have 1 to {}", x, y, z, kMaxAxisSize));
+      return refuse("size {}x{}x{} voxels: each axis must have 1 to {}", x, y, z, kMaxAxisSize);
     }
   }
   if (x * y > kMaxVoxels / z) {
-    return refuse(fmt::format("size {}x{}x{} voxels is above the limit of {} voxels", x, y, z, kMaxVoxels));
+    return refuse("size {}x{}x{} voxels is above the limit of {} voxels", x, y, z, kMaxVoxels);
   }
   for (const double mm : grid.spacing_mm) {
-    if (!std::isfinite(mm) || mm <= 0)
-      return refuse(fmt::format("spacing {} mm must be positive and finite", mm));
+    if (!std::isfinite(mm) || mm <= 0) return refuse("spacing {} mm must be positive and finite", mm);
     if (mm < kMinSpacingMm || mm > kMaxSpacingMm)
-      return refuse(fmt::format("spacing {} mm must be from {} to {} mm", mm, kMinSpacingMm, kMaxSpacingMm));
+      return refuse("spacing {} mm must be from {} to {} mm", mm, kMinSpacingMm, kMaxSpacingMm);
   }
   if (!all_finite(grid.origin_lps_mm)) return refuse("the origin is not finite");
   if (!is_within_reach(grid.origin_lps_mm))
-    return refuse(
-        fmt::format("the origin ({} mm) must be within {} mm", fmt::join(grid.origin_lps_mm, ", "), kMaxMm));
+    return refuse("the origin ({} mm) must be within {} mm", fmt::join(grid.origin_lps_mm, ", "), kMaxMm);
   if (!all_finite(grid.direction_lps)) return refuse("the direction is not finite");
   const double volume = std::abs(determinant(normalized_columns(grid.direction_lps)));
   if (!(volume >= kMinDeterminant)) {  // also catches columns of length zero
-    return refuse(fmt::format("the direction [{}] is singular: its axes must span space",
-                              fmt::join(grid.direction_lps, " ")));
+    return refuse("the direction [{}] is singular: its axes must span space",
+                  fmt::join(grid.direction_lps, " "));
   }
   for (std::size_t a = 0; a < 3; ++a) {
     const double length = column_length(grid.direction_lps, a);
     if (length < kMinColumnLength || length > kMaxColumnLength)
-      return refuse(fmt::format("axis {} of the direction has length {}, expected 1", a, length));
+      return refuse("axis {} of the direction has length {}, expected 1", a, length);
   }
   return {};
 }

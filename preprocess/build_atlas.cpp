@@ -4,8 +4,6 @@
 #include <cstddef>
 #include <vector>
 
-#include <fmt/format.h>
-
 #include "format/atlas_reader.h"
 #include "format/atlas_writer.h"
 #include "format/system/check_writable.h"
@@ -54,8 +52,7 @@ Result<BuildReport> build_atlas(const BuildOptions& options) {
   clock.begin("write", 0.4);
   const WriteOptions writing{options.level, options.compact, options.threads, update};
   Result<std::vector<std::byte>> bytes = encode_atlas(content, writing);
-  if (!bytes)
-    return fail(bytes.error().code, fmt::format("{}: {}", options.output.string(), bytes.error().message));
+  if (!bytes) return fail(bytes.error().code, "{}: {}", options.output.string(), bytes.error().message);
   SPLATLAS_ASSIGN_OR_RETURN(BuildReport report, report_on(*bytes, options.output, content.graph.size()));
   {
     const DeferInterrupts no_half_file;

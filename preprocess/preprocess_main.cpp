@@ -48,9 +48,9 @@ Result<void> run(int argc, char** argv) {
     return fail(ErrorCode::kUsage, error.what());
   } catch (const CLI::ParseError& error) {
     if (argc > 1 && argv[1][0] != '-' && app.get_subcommands().empty()) {
-      return fail(ErrorCode::kUsage, fmt::format("{}: no such command; there are build and export", argv[1]));
+      return fail(ErrorCode::kUsage, "{}: no such command; there are build and export", argv[1]);
     }
-    return fail(ErrorCode::kUsage, fmt::format("{}; see --help", error.what()));
+    return fail(ErrorCode::kUsage, "{}; see --help", error.what());
   }
   install_interrupt_handlers();
   SPLATLAS_RETURN_IF_ERROR(build->parsed() ? run_build(request) : run_export(export_options));

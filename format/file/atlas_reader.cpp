@@ -37,15 +37,15 @@ Result<OpenedDirectory> read_directory(const InputFile& file) {
   std::vector<std::byte> bytes(header.directory_bytes);  // allocated with 16-byte alignment
   SPLATLAS_RETURN_IF_ERROR(file.read(header.directory_offset, bytes));
   if (checksum_of(bytes) != header.directory_checksum) {
-    return fail(ErrorCode::kInvalidAtlas, "damaged: checksum of the directory");
+    return invalid_atlas("damaged: checksum of the directory");
   }
   SPLATLAS_ASSIGN_OR_RETURN(Directory directory, decode_directory(bytes));
   RunStreams streams(directory.classes);
   SPLATLAS_RETURN_IF_ERROR(validate(directory, streams));
   SPLATLAS_ASSIGN_OR_RETURN(FileLayout layout, lay_out(directory, streams.groups(), header.directory_bytes));
   if (layout.file_bytes() != header.file_bytes) {
-    return fail(ErrorCode::kInvalidAtlas, fmt::format("invalid: chunks end at {}, the file has {} bytes",
-                                                      layout.file_bytes(), header.file_bytes));
+    return invalid_atlas("invalid: chunks end at {}, the file has {} bytes", layout.file_bytes(),
+                         header.file_bytes);
   }
   return OpenedDirectory{header, std::move(directory), std::move(streams), std::move(layout)};
 }
@@ -145,12 +145,12 @@ double Atlas::reference_length_mm() const {
 
 Result<void> Atlas::Impl::check_class(ClassId c) const {
   if (c < directory.classes.size()) return {};
-  return fail(ErrorCode::kUsage, fmt::format("class {} of {}", c, directory.classes.size()));
+  return fail(ErrorCode::kUsage, "class {} of {}", c, directory.classes.size());
 }
 
 Result<void> Atlas::Impl::check_structure(StructureIndex s) const {
   if (s < directory.graph.size()) return {};
-  return fail(ErrorCode::kUsage, fmt::format("structure {} of {}", s, directory.graph.size()));
+  return fail(ErrorCode::kUsage, "structure {} of {}", s, directory.graph.size());
 }
 
 Result<std::vector<std::byte>> Atlas::Impl::read_stream(SectionKind kind, std::size_t stream) const {

@@ -34,8 +34,7 @@ Result<void> SectionReader::decode(const SectionLayout& section, std::size_t n,
   auto stored = read_stored(chunk);
   if (!stored) return tl::unexpected(stored.error());
   if (auto decoded = decode_chunk(*stored, directory_.chunks[chunk], to); !decoded) {
-    return fail(decoded.error().code,
-                fmt::format("damaged: {} of {}", decoded.error().message, describe(section, n)));
+    return fail(decoded.error().code, "damaged: {} of {}", decoded.error().message, describe(section, n));
   }
   decoded_bytes_ += to.size();
   return {};
@@ -102,8 +101,7 @@ Result<void> SectionReader::check_chunk_of(const SectionLayout& section, std::ui
     const std::size_t chunk = section.first_chunk + n;
     SPLATLAS_ASSIGN_OR_RETURN(const Bytes stored, read_stored(chunk));
     if (auto sound = check_chunk(stored, directory_.chunks[chunk]); !sound) {
-      return fail(sound.error().code,
-                  fmt::format("damaged: {} of {}", sound.error().message, describe(section, n)));
+      return fail(sound.error().code, "damaged: {} of {}", sound.error().message, describe(section, n));
     }
     return {};
   }

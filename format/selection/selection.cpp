@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <array>
 
-#include <fmt/format.h>
-
 #include "format/selection/selection_terms.h"
 #include "format/system/result_macros.h"
 
@@ -122,8 +120,7 @@ Result<Selection> resolve_selection(std::span<const SelectionTerm> terms, const 
     const SelectionTerm& term = terms[number];
     const auto named = find_structures(graph, term.name);
     if (!named) {
-      return fail(named.error().code,
-                  fmt::format("selection, column {}: {}", term.column + 1, named.error().message));
+      return fail(named.error().code, "selection, column {}: {}", term.column + 1, named.error().message);
     }
     apply_term(term, number, with_descendants(graph, *named), graph, selection);
   }

@@ -142,8 +142,7 @@ class Parser {
 
   [[nodiscard]] tl::unexpected<Error> fault(std::string_view what) const { return fault_at(at_, what); }
   [[nodiscard]] tl::unexpected<Error> fault_at(std::size_t column, std::string_view what) const {
-    return fail(ErrorCode::kUsage,
-                fmt::format("selection {}, column {}: {}", in_quotes(text_), column + 1, what));
+    return fail(ErrorCode::kUsage, "selection {}, column {}: {}", in_quotes(text_), column + 1, what);
   }
 
   std::string_view text_;

@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "format/system/output_path.h"
+#include "format/system/result_macros.h"
 
 namespace splatlas {
 namespace {
@@ -16,7 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 
 tl::unexpected<Error> cannot_write(const fs::path& path, const std::string& reason) {
-  return fail(ErrorCode::kFailed, fmt::format("{}: cannot be written: {}", path.string(), reason));
+  return fail(ErrorCode::kFailed, "{}: cannot be written: {}", path.string(), reason);
 }
 
 Result<void> check_folder_of(const fs::path& path) {

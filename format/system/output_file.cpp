@@ -51,7 +51,7 @@ struct OutputFile::Impl {
   explicit Impl(fs::path output) : path(std::move(output)), target(resolve_output(path)) {}
 
   [[nodiscard]] tl::unexpected<Error> cannot_write(const std::string& reason) const {
-    return fail(ErrorCode::kFailed, fmt::format("{}: cannot be written: {}", path.string(), reason));
+    return fail(ErrorCode::kFailed, "{}: cannot be written: {}", path.string(), reason);
   }
   /// Sets owner and permissions and syncs the temporary file.
   [[nodiscard]] bool complete();

@@ -5,8 +5,6 @@
 #include <string>
 #include <utility>
 
-#include <fmt/format.h>
-
 #include "format/system/check_writable.h"
 #include "format/system/output_path.h"
 #include "format/system/result_macros.h"
@@ -21,7 +19,7 @@ struct OutputFolder::Impl {
   explicit Impl(fs::path output) : path(std::move(output)), target(resolve_output(without_end_slash(path))) {}
 
   [[nodiscard]] tl::unexpected<Error> cannot_write(const std::string& reason) const {
-    return fail(ErrorCode::kFailed, fmt::format("{}: cannot be written: {}", path.string(), reason));
+    return fail(ErrorCode::kFailed, "{}: cannot be written: {}", path.string(), reason);
   }
 
   fs::path path, target;

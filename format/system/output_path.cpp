@@ -2,7 +2,7 @@
 
 #include <system_error>
 
-#include <fmt/format.h>
+#include "format/system/result_macros.h"
 
 namespace splatlas {
 
@@ -33,13 +33,13 @@ Result<void> check_outputs(std::span<const fs::path> outputs, std::span<const fs
     if (output.empty()) continue;
     for (const fs::path& input : inputs) {
       if (input.empty() || !is_same_file(output, input)) continue;
-      return fail(ErrorCode::kUsage, fmt::format("{}: is an input ({}); write to another file",
-                                                 output.string(), input.string()));
+      return fail(ErrorCode::kUsage, "{}: is an input ({}); write to another file", output.string(),
+                  input.string());
     }
     for (const fs::path& other : outputs.first(n)) {
       if (other.empty() || !is_same_file(output, other)) continue;
-      return fail(ErrorCode::kUsage, fmt::format("{}: is another output, too ({}); write to two files",
-                                                 output.string(), other.string()));
+      return fail(ErrorCode::kUsage, "{}: is another output, too ({}); write to two files", output.string(),
+                  other.string());
     }
   }
   return {};

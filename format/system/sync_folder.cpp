@@ -5,8 +5,9 @@
 #include <utility>
 
 #include <fcntl.h>
-#include <fmt/format.h>
 #include <unistd.h>
+
+#include "format/system/result_macros.h"
 
 namespace splatlas {
 namespace {
@@ -26,8 +27,8 @@ bool sync_folder(const std::filesystem::path& folder) {
 
 Result<void> sync_folder_of(const std::filesystem::path& target, const std::filesystem::path& path) {
   if (sync_folder(target.parent_path())) return {};
-  return fail(ErrorCode::kFailed, fmt::format("{}: is written whole, but its folder cannot be synced: {}",
-                                              path.string(), std::strerror(errno)));
+  return fail(ErrorCode::kFailed, "{}: is written whole, but its folder cannot be synced: {}", path.string(),
+              std::strerror(errno));
 }
 
 }  // namespace splatlas

@@ -5,9 +5,8 @@
 #include <map>
 #include <unordered_map>
 
-#include <fmt/format.h>
-
 #include "format/system/parallel.h"
+#include "format/system/result_macros.h"
 
 namespace splatlas {
 namespace {
@@ -256,9 +255,8 @@ Result<Classification> classify_voxels(const MembershipVolume& memberships,
   constexpr std::size_t kMaxStructuresPerVoxel = 64;  // bits of Combination::boundary
   for (const auto& set : memberships.sets()) {
     if (set.size() > kMaxStructuresPerVoxel) {
-      return fail(ErrorCode::kLimit,
-                  fmt::format("{} structures hold one voxel ('{}' among them); at most {} may", set.size(),
-                              graph[set.front()].name, kMaxStructuresPerVoxel));
+      return fail(ErrorCode::kLimit, "{} structures hold one voxel ('{}' among them); at most {} may",
+                  set.size(), graph[set.front()].name, kMaxStructuresPerVoxel);
     }
   }
   // Number the combinations of all voxels, band by band.

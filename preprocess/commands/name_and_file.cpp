@@ -1,7 +1,6 @@
 #include "preprocess/commands/name_and_file.h"
 
-#include <fmt/format.h>
-
+#include "format/system/result_macros.h"
 #include "preprocess/import/tables/text_file.h"
 
 namespace splatlas {
@@ -11,7 +10,7 @@ Result<std::pair<std::string, std::filesystem::path>> parse_name_and_file(std::s
   const std::size_t equals = text.find('=');
   const std::string_view name = trimmed(text.substr(0, equals));
   if (equals == std::string_view::npos || name.empty() || equals + 1 == text.size()) {
-    return fail(ErrorCode::kUsage, fmt::format("{} '{}': must be NAME=FILE", option, text));
+    return fail(ErrorCode::kUsage, "{} '{}': must be NAME=FILE", option, text);
   }
   return std::pair(std::string(name), std::filesystem::path(text.substr(equals + 1)));
 }

@@ -2,7 +2,6 @@
 
 #include <vector>
 
-#include <fmt/format.h>
 #include <vtkCellArray.h>
 #include <vtkFloatArray.h>
 #include <vtkNew.h>
@@ -17,6 +16,7 @@
 #include "format/system/result_macros.h"
 #include "preprocess/export/compare_mesh.h"
 #include "preprocess/export/temporary_output.h"
+#include "preprocess/import/import_error.h"
 #include "preprocess/import/meshes/check_mesh_file.h"
 #include "preprocess/import/meshes/import_mesh.h"
 #include "preprocess/import/meshes/quiet_vtk.h"
@@ -98,8 +98,7 @@ Result<void> write_mesh(std::span<const SurfaceMesh> surfaces, const Grid& grid,
     // Read back: VTK detects a full disk only for some formats, and lost bytes for none.
     const auto back = import_mesh(temporary, MeshFrame::kLps);
     if (!written || !back || !holds_triangles(*back, corners_of(surfaces, grid))) {
-      return fail(ErrorCode::kFailed,
-                  fmt::format("{}: cannot be written whole; is the disk full?", path.string()));
+      return bad_file(path, "cannot be written whole; is the disk full?");
     }
     return {};
   });

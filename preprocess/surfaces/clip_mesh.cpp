@@ -5,8 +5,7 @@
 #include <tuple>
 #include <unordered_map>
 
-#include <fmt/format.h>
-
+#include "format/system/result_macros.h"
 #include "format/unit_vector.h"
 
 namespace splatlas {
@@ -90,7 +89,7 @@ class MeshClipper {
       }
       split(polygon, 0, {0, 0, 0});
       if (pieces_.size() > kMaxPieces) {
-        return fail(ErrorCode::kLimit, fmt::format("clipping gives more than {} triangles", kMaxPieces));
+        return fail(ErrorCode::kLimit, "clipping gives more than {} triangles", kMaxPieces);
       }
     }
     return finish();

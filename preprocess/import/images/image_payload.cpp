@@ -82,7 +82,7 @@ Result<void> check_deflated_payload(const fs::path& path, std::uint64_t offset, 
   std::ifstream file(path, std::ios::binary);
   file.seekg(static_cast<std::streamoff>(offset));
   const Inflater stream = make_inflater();
-  if (!stream) return fail(ErrorCode::kLimit, fmt::format("{}: out of memory", path.string()));
+  if (!stream) return fail(ErrorCode::kLimit, "{}: out of memory", path.string());
 
   std::vector<char> packed(1 << 18);
   std::vector<unsigned char> plain(1 << 18);

@@ -37,9 +37,7 @@ Result<void> check_pixels(const itk::ImageIOBase& io, const fs::path& path) {
 
 Result<Image> read_with(itk::ImageIOBase& io, const fs::path& path) {
   const std::string name = path.string();
-  if (!io.CanReadFile(name.c_str())) {
-    return bad_file(path, "is not of the type that its ending says");
-  }
+  if (!io.CanReadFile(name.c_str())) return bad_file(path, "is not of the type that its ending says");
   io.SetFileName(name);
   io.ReadImageInformation();
   SPLATLAS_RETURN_IF_ERROR(check_pixels(io, path));
@@ -72,9 +70,8 @@ Result<Image> import_image(const fs::path& path) {
 Result<void> check_same_grid(const Grid& a, const std::string& name_of_a, const Grid& b,
                              const std::string& name_of_b) {
   if (a.size != b.size) {
-    return fail(ErrorCode::kFailed,
-                fmt::format("{} has {} voxels but {} has {}: both must be on one grid", name_of_a,
-                            fmt::join(a.size, "x"), name_of_b, fmt::join(b.size, "x")));
+    return fail(ErrorCode::kFailed, "{} has {} voxels but {} has {}: both must be on one grid", name_of_a,
+                fmt::join(a.size, "x"), name_of_b, fmt::join(b.size, "x"));
   }
   // The corners of one grid, mapped to the other, depend on spacing, origin and direction.
   constexpr double kTolerance = 1e-2;  // voxels
@@ -87,8 +84,8 @@ Result<void> check_same_grid(const Grid& a, const std::string& name_of_a, const 
     for (std::size_t n = 0; n < 3; ++n) {
       if (std::abs(found[n] - index[n]) <= kTolerance) continue;
       return fail(ErrorCode::kFailed,
-                  fmt::format("{} and {} lie elsewhere: voxel ({}) of the first is at ({:.4g}) of the second",
-                              name_of_a, name_of_b, fmt::join(index, ", "), fmt::join(found, ", ")));
+                  "{} and {} lie elsewhere: voxel ({}) of the first is at ({:.4g}) of the second", name_of_a,
+                  name_of_b, fmt::join(index, ", "), fmt::join(found, ", "));
     }
   }
   return {};

@@ -80,9 +80,7 @@ Result<std::vector<fs::path>> list_masks(const fs::path& folder) {
     if (image_format(entry->path())) files.push_back(entry->path());
   }
   if (error) return bad_file(folder, "{}", error.message());
-  if (files.empty()) {
-    return bad_file(folder, "holds no mask (.nii, .nii.gz, .nrrd, .nhdr, .mha or .mhd)");
-  }
+  if (files.empty()) return bad_file(folder, "holds no mask (.nii, .nii.gz, .nrrd, .nhdr, .mha or .mhd)");
   std::sort(files.begin(), files.end());
   return files;
 }

@@ -9,8 +9,6 @@
 #include <string>
 #include <vector>
 
-#include <fmt/format.h>
-
 #include "preprocess/import/import_error.h"
 #include "preprocess/import/meshes/polygon_mesh.h"
 #include "preprocess/import/meshes/polygon_readers.h"
@@ -224,9 +222,7 @@ Result<vtkSmartPointer<vtkPolyData>> read_ply(const std::filesystem::path& path)
     return bad_file(path, "is no PLY file of vertices (x, y, z) and faces (vertex_indices)");
   }
   if (!reader.read_body()) {
-    return fail(ErrorCode::kFailed,
-                fmt::format("{}: is truncated or damaged: not all of its elements or corners are there",
-                            path.string()));
+    return bad_file(path, "is truncated or damaged: not all of its elements or corners are there");
   }
   return reader.poly_data();
 }

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "format/system/result_macros.h"
+#include "preprocess/import/import_error.h"
 #include "preprocess/import/tables/structure_name.h"
 #include "preprocess/import/tables/text_file.h"
 
@@ -72,32 +73,31 @@ Result<std::vector<LabelName>> read_names(const std::filesystem::path& path) {
   std::map<std::int64_t, std::size_t> line_of_label;
   std::map<std::string, std::size_t> line_of_name;
   for (const TextLine& line : lines) {
-    const auto refuse = [&](const std::string& what) {
-      return fail(ErrorCode::kFailed, fmt::format("{}: line {}: {}", path.string(), line.number, what));
+    const auto refuse = [&]<typename... Args>(fmt::format_string<Args...> what, Args&&... args) {
+      return bad_file(path, "line {}: {}", line.number, fmt::format(what, std::forward<Args>(args)...));
     };
     const std::string_view first_word = split_blanks(line.text).front();
     const auto label = parse_integer(first_word);
     if (!label || *label < 0 || *label > kMaxLabel) {
-      return refuse(
-          fmt::format("'{}' is no label (0 to {}); a line is: label name [code]", first_word, kMaxLabel));
+      return refuse("'{}' is no label (0 to {}); a line is: label name [code]", first_word, kMaxLabel);
     }
     const Words words = split_words(line.text);
     if (*label == 0) continue;
-    if (words.all.size() < 2) return refuse(fmt::format("label {} has no name", *label));
+    if (words.all.size() < 2) return refuse("label {} has no name", *label);
     LabelName name = parse_itk_snap(words).value_or(parse_plain(line.text, words));
-    if (name.name.empty()) return refuse(fmt::format("label {} has no name", *label));
-    if (const auto fit = check_structure_name(name.name); !fit) return refuse(fit.error().message);
+    if (name.name.empty()) return refuse("label {} has no name", *label);
+    if (const auto fit = check_structure_name(name.name); !fit) return refuse("{}", fit.error().message);
     if (const auto [first, is_new] = line_of_name.emplace(name_key(name.name), line.number); !is_new) {
-      return refuse(fmt::format("the name '{}' is taken already, in line {}", name.name, first->second));
+      return refuse("the name '{}' is taken already, in line {}", name.name, first->second);
     }
     if (const auto [first, is_new] = line_of_label.emplace(*label, line.number); !is_new) {
-      return refuse(fmt::format("label {} has a name already, in line {}", *label, first->second));
+      return refuse("label {} has a name already, in line {}", *label, first->second);
     }
     name.label = *label;
     name.line = line.number;
     names.push_back(std::move(name));
   }
-  if (names.empty()) return fail(ErrorCode::kFailed, fmt::format("{}: names no label", path.string()));
+  if (names.empty()) return bad_file(path, "names no label");
   return names;
 }
 
@@ -107,9 +107,7 @@ Result<std::array<Rgb, 256>> read_color_table(const std::filesystem::path& path)
   std::array<char, 769> bytes{};
   file.read(bytes.data(), bytes.size());
   if (file.gcount() != 768) {
-    return fail(ErrorCode::kFailed,
-                fmt::format("{}: is no colour table: it must be 768 bytes long (256 reds, greens, blues)",
-                            path.string()));
+    return bad_file(path, "is no colour table: it must be 768 bytes long (256 reds, greens, blues)");
   }
   std::array<Rgb, 256> colors;
   for (std::size_t n = 0; n < 256; ++n) {
