@@ -1,13 +1,10 @@
 // Program splatlas-preprocess: builds atlases, and exports their parts.
 
-#include <cstdio>
 #include <sstream>
 #include <string>
 
 #include <CLI/CLI.hpp>
-#include <fmt/format.h>
 
-#include "format/system/ascii_text.h"
 #include "format/system/exit_status.h"
 #include "format/system/interrupts.h"
 #include "format/system/result_macros.h"
@@ -57,21 +54,9 @@ Result<void> run(int argc, char** argv) {
   return finish_standard_output();
 }
 
-int report(const Error& error) {
-  fmt::print(stderr, "splatlas-preprocess: {}\n", printable(error.message));
-  return exit_status(error.code);
-}
-
 }  // namespace
 }  // namespace splatlas
 
-int main(int argc, char** argv) try {
-  const splatlas::Result<void> result = splatlas::run(argc, argv);
-  return result ? 0 : splatlas::report(result.error());
-} catch (const std::bad_alloc&) {
-  std::fputs("splatlas-preprocess: out of memory\n", stderr);
-  return 1;
-} catch (const std::exception& exception) {
-  std::fprintf(stderr, "splatlas-preprocess: %s\n", exception.what());
-  return 1;
+int main(int argc, char** argv) {
+  return splatlas::run_program("splatlas-preprocess", [&] { return splatlas::run(argc, argv); });
 }

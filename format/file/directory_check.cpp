@@ -11,7 +11,7 @@
 #include "format/codec/surface_codec.h"
 #include "format/derive/boundary_split.h"
 #include "format/file/directory.h"
-#include "format/system/plain_text.h"
+#include "format/system/ascii_text.h"
 #include "format/system/result_macros.h"
 
 namespace splatlas {

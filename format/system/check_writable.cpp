@@ -16,10 +16,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-tl::unexpected<Error> cannot_write(const fs::path& path, const std::string& reason) {
-  return fail(ErrorCode::kFailed, "{}: cannot be written: {}", path.string(), reason);
-}
-
 Result<void> check_folder_of(const fs::path& path) {
   const fs::path target = resolve_output(path);
   const fs::path folder = target.has_parent_path() ? target.parent_path() : fs::path(".");

@@ -21,6 +21,10 @@ fs::path resolve_output(const fs::path& path) {
   return error ? target : folder / target.filename();
 }
 
+tl::unexpected<Error> cannot_write(const fs::path& path, std::string_view reason) {
+  return fail(ErrorCode::kFailed, "{}: cannot be written: {}", path.string(), reason);
+}
+
 bool is_same_file(const fs::path& a, const fs::path& b) {
   std::error_code error;
   const bool same = fs::equivalent(a, b, error);

@@ -2,7 +2,6 @@
 
 #include <cstdio>
 #include <filesystem>
-#include <new>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -12,13 +11,13 @@
 
 #include "format/system/ascii_text.h"
 #include "format/system/command_options.h"
+#include "format/system/exit_status.h"
 #include "format/system/interrupts.h"
 #include "format/system/standard_output.h"
 #include "player/commands/info_command.h"
 #include "player/commands/render_arguments.h"
 #include "player/commands/render_command.h"
 #ifdef SPLATLAS_HAS_WINDOW
-#include "format/system/exit_status.h"
 #include "format/system/result_macros.h"
 #include "player/window/player_window.h"
 #endif
@@ -34,11 +33,6 @@ constexpr const char* kDescription =
     "  splatlas-player info brain.atlas            lists structures and sizes";
 
 constexpr const char* kVersion = "splatlas-player " SPLATLAS_VERSION " (atlas format 1)";
-
-int report(const Error& error) {
-  std::fprintf(stderr, "splatlas-player: %s\n", printable(error.message).c_str());
-  return exit_status(error.code);
-}
 
 tl::unexpected<Error> wrong_usage(const CLI::App& app, const std::string& what) {
   std::string program = "splatlas-player";
@@ -151,13 +145,7 @@ Result<void> run(int argc, char** argv) {
 }  // namespace
 }  // namespace splatlas
 
-int main(int argc, char** argv) try {
-  const splatlas::Result<void> result = splatlas::run(argc, argv);
-  return result ? 0 : splatlas::report(result.error());
-} catch (const std::bad_alloc&) {
-  std::fputs("splatlas-player: out of memory: take a smaller --size or select less\n", stderr);
-  return 1;
-} catch (const std::exception& exception) {
-  std::fprintf(stderr, "splatlas-player: %s\n", exception.what());
-  return 1;
+int main(int argc, char** argv) {
+  return splatlas::run_program(
+      "splatlas-player", [&] { return splatlas::run(argc, argv); }, ": take a smaller --size or select less");
 }

@@ -3,8 +3,8 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "format/system/ascii_text.h"
 #include "format/system/command_options.h"
-#include "format/system/plain_text.h"
 #include "format/system/result_macros.h"
 #include "preprocess/commands/name_and_file.h"
 

@@ -4,7 +4,6 @@
 #include <utf8cpp/utf8.h>
 
 #include "format/system/ascii_text.h"
-#include "format/system/plain_text.h"
 #include "format/system/result_macros.h"
 #include "preprocess/import/tables/text_file.h"
 

@@ -5,7 +5,7 @@
 #include <fstream>
 #include <system_error>
 
-#include "format/system/plain_text.h"
+#include "format/system/ascii_text.h"
 #include "format/system/result_macros.h"
 #include "preprocess/import/import_error.h"
 
