@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstring>
 #include <span>
+#include <type_traits>
 
 #include <fmt/format.h>
 
@@ -15,11 +16,6 @@ namespace {
 
 /// Minimum determinant of a direction with normalized columns; below, its inverse is inaccurate.
 constexpr double kMinDeterminant = 1e-6;
-
-double determinant(const Matrix3& m) {
-  return m[0] * (m[4] * m[8] - m[5] * m[7]) - m[1] * (m[3] * m[8] - m[5] * m[6]) +
-         m[2] * (m[3] * m[7] - m[4] * m[6]);
-}
 
 Matrix3 inverted(const Matrix3& m) {
   const double d = determinant(m);
@@ -61,26 +57,6 @@ OldStrides old_strides(const Index3& old_size, const AxisOrder& order) {
   return strides;
 }
 
-template <std::size_t kBytes>
-struct VoxelCopier {
-  const std::byte* from;
-  std::byte* to;
-  void operator()(std::ptrdiff_t source, std::ptrdiff_t target) const {
-    std::memcpy(to + target * static_cast<std::ptrdiff_t>(kBytes),
-                from + source * static_cast<std::ptrdiff_t>(kBytes), kBytes);
-  }
-};
-
-struct AnyVoxelCopier {
-  const std::byte* from;
-  std::byte* to;
-  std::size_t bytes;
-  void operator()(std::ptrdiff_t source, std::ptrdiff_t target) const {
-    const auto width = static_cast<std::ptrdiff_t>(bytes);
-    std::memcpy(to + target * width, from + source * width, bytes);
-  }
-};
-
 /// Copies in tiles over the new i axis and the new axis along the old i axis, for cache locality in both
 /// buffers.
 template <typename Copier>
@@ -106,6 +82,11 @@ void copy_in_tiles(const OldStrides& strides, const Index3& size, std::size_t ol
 }
 
 }  // namespace
+
+double determinant(const Matrix3& m) {
+  return m[0] * (m[4] * m[8] - m[5] * m[7]) - m[1] * (m[3] * m[8] - m[5] * m[6]) +
+         m[2] * (m[3] * m[7] - m[4] * m[6]);
+}
 
 Vec3 Affine::apply(const Vec3& x) const {
   const Vec3 y = apply_linear(x);
@@ -225,14 +206,19 @@ void reorder_voxels(const void* from, const Index3& size, const AxisOrder& order
   const std::size_t old_i_axis = inverse(order).from[0];
   const auto* source = static_cast<const std::byte*>(from);
   auto* target = static_cast<std::byte*>(to);
+  const auto copy_all = [&](auto bytes) {  // faster with a constant
+    const auto width = static_cast<std::ptrdiff_t>(bytes);
+    copy_in_tiles(strides, new_size, old_i_axis, [=](std::ptrdiff_t old_voxel, std::ptrdiff_t new_voxel) {
+      std::memcpy(target + new_voxel * width, source + old_voxel * width, bytes);
+    });
+  };
   switch (bytes_per_voxel) {
-    case 1: return copy_in_tiles(strides, new_size, old_i_axis, VoxelCopier<1>{source, target});
-    case 2: return copy_in_tiles(strides, new_size, old_i_axis, VoxelCopier<2>{source, target});
-    case 4: return copy_in_tiles(strides, new_size, old_i_axis, VoxelCopier<4>{source, target});
-    case 8: return copy_in_tiles(strides, new_size, old_i_axis, VoxelCopier<8>{source, target});
-    default: break;
+    case 1: return copy_all(std::integral_constant<std::size_t, 1>{});
+    case 2: return copy_all(std::integral_constant<std::size_t, 2>{});
+    case 4: return copy_all(std::integral_constant<std::size_t, 4>{});
+    case 8: return copy_all(std::integral_constant<std::size_t, 8>{});
+    default: copy_all(bytes_per_voxel);
   }
-  copy_in_tiles(strides, new_size, old_i_axis, AnyVoxelCopier{source, target, bytes_per_voxel});
 }
 
 }  // namespace splatlas

@@ -27,8 +27,7 @@ Result<void> check_ids(std::span<const Structure> structures) {
     });
     if (!well_formed) {
       return invalid_atlas(
-          "the id {} of a structure holds other characters than letters, digits, \"_\", \"-\" "
-          "and \".\"",
+          "the id {} of a structure holds other characters than letters, digits, \"_\", \"-\" and \".\"",
           in_quotes(id));
     }
     if (!seen.insert(to_lower(id)).second) {

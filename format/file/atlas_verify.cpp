@@ -48,12 +48,7 @@ class RunVerifier {
 
   [[nodiscard]] Result<void> check_box(ClassId c, const ClassRuns& runs) const {
     IndexBox box;
-    const std::int64_t rows = atlas_.grid().size[1];
-    for (const Run& run : runs) {
-      const auto scanline = static_cast<std::int64_t>(run.scanline);
-      const std::int64_t j = scanline % rows, k = scanline / rows;
-      box.include(IndexBox{{run.start, j, k}, {std::int64_t{run.start} + run.length - 1, j, k}});
-    }
+    for (const Run& run : runs) box.include(box_of(run, atlas_.grid().size[1]));
     if (box == atlas_.classes().box(c)) return {};
     return invalid("the box of class {} does not match its runs", c);
   }
@@ -69,16 +64,14 @@ class RunVerifier {
     totals_[static_cast<std::size_t>(axis)] += runs.size();
     if (!layout_.find(run_section(axis))) return {};
     if (fingerprinter_.of(runs, axis) == fingerprinter_.of(runs_z, Axis::kZ)) return {};
-    return invalid("{} and runs_z of class {} cover different voxels",
-                   section_name(static_cast<std::uint32_t>(run_section(axis))), c);
+    return invalid("{} and runs_z of class {} cover different voxels", section_name(run_section(axis)), c);
   }
 
   [[nodiscard]] Result<void> check_totals() const {
     for (const Axis axis : kAxes) {
       const std::uint64_t counted = totals_[static_cast<std::size_t>(axis)];
       if (counted != atlas_.runs(axis)) {
-        return invalid("{} has {} runs, the directory says {}",
-                       section_name(static_cast<std::uint32_t>(run_section(axis))), counted,
+        return invalid("{} has {} runs, the directory says {}", section_name(run_section(axis)), counted,
                        atlas_.runs(axis));
       }
     }
@@ -167,7 +160,7 @@ Result<void> Atlas::verify() const {
     for (StructureIndex s = 0; s < graph().size(); ++s) SPLATLAS_RETURN_IF_ERROR(read_surface(s));
     return {};
   } catch (const std::bad_alloc&) {
-    return impl_->named({ErrorCode::kLimit, "out of memory"});
+    return impl_->named(ErrorCode::kLimit, "out of memory");
   }
 }
 

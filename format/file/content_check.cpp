@@ -1,5 +1,4 @@
-#include "format/file/content_check.h"
-
+// check_content(AtlasContent), used by the writer.
 #include <vector>
 
 #include "format/file/directory.h"

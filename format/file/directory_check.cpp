@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cmath>
 #include <initializer_list>
-#include <span>
 #include <string_view>
 
 #include <fmt/format.h>

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
-#include <limits>
 
 #include <fmt/format.h>
 
@@ -116,18 +115,13 @@ std::vector<std::uint64_t> stream_sizes(const Directory& directory, const ValueG
     }
     return sizes;
   }
-  for (ClassId c = 0; c < classes.size(); ++c) {
-    switch (kind) {
-      case SectionKind::kRunsX: sizes.push_back(directory.run_bytes[c][0]); break;
-      case SectionKind::kRunsY: sizes.push_back(directory.run_bytes[c][1]); break;
-      case SectionKind::kRunsZ: sizes.push_back(directory.run_bytes[c][2]); break;
-      case SectionKind::kNormals:
-        sizes.push_back(stores_normals(directory, c) ? classes.voxels(c) * sizeof(PackedNormal) : 0);
-        break;
-      case SectionKind::kValues:
-      case SectionKind::kSurfaces: break;
-    }
+  if (kind == SectionKind::kNormals) {
+    for (ClassId c = 0; c < classes.size(); ++c)
+      sizes.push_back(stores_normals(directory, c) ? classes.voxels(c) * sizeof(PackedNormal) : 0);
+    return sizes;
   }
+  const auto axis = static_cast<std::size_t>(kind) - static_cast<std::size_t>(run_section(Axis::kX));
+  for (const std::array<std::uint32_t, 3>& bytes : directory.run_bytes) sizes.push_back(bytes[axis]);
   return sizes;
 }
 
@@ -195,7 +189,7 @@ Result<void> check_presence(const Directory& directory, const FileLayout& layout
   const bool has_values = directory.value_type != VoxelType::kNone;
   const auto require = [&](SectionKind kind) -> Result<void> {
     if (layout.find(kind)) return {};
-    return invalid_atlas("invalid: section {} is missing", section_name(static_cast<std::uint32_t>(kind)));
+    return invalid_atlas("invalid: section {} is missing", section_name(kind));
   };
   SPLATLAS_RETURN_IF_ERROR(require(SectionKind::kRunsZ));
   SPLATLAS_RETURN_IF_ERROR(require(SectionKind::kNormals));

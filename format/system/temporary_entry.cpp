@@ -6,7 +6,6 @@
 #include <csignal>
 #include <cstring>
 #include <memory>
-#include <string>
 #include <utility>
 
 #include <dirent.h>

@@ -264,14 +264,11 @@ Result<Classification> classify_voxels(const MembershipVolume& memberships,
   Classification result;
   result.volume.resize(memberships.voxels().size());
   std::vector<Band> bands = cut_into_bands(size[2]);
-  parallel_for(
-      bands.size(), threads,
-      [&](std::size_t n) {
-        BandClassifier classifier(memberships);
-        classifier.classify(bands[n].first_slice, bands[n].end_slice, result.volume);
-        bands[n].combinations = std::move(classifier.table.combinations);
-      },
-      [](std::size_t) {});
+  parallel_for(bands.size(), threads, [&](std::size_t n) {
+    BandClassifier classifier(memberships);
+    classifier.classify(bands[n].first_slice, bands[n].end_slice, result.volume);
+    bands[n].combinations = std::move(classifier.table.combinations);
+  });
   const auto crossings = add_crossings(crossed, size[0] * size[1], bands, result.volume);
 
   // Convert combinations to classes in storage order, independent of bands.
@@ -291,13 +288,10 @@ Result<Classification> classify_voxels(const MembershipVolume& memberships,
 
   // Write classes to the volume and count voxels.
   std::vector<BandCounter> counters(bands.size(), BandCounter(order.size()));
-  parallel_for(
-      bands.size(), threads,
-      [&](std::size_t n) {
-        for (ClassId& id : bands[n].class_of) id = new_number[id];
-        counters[n].relabel(bands[n], size, result.volume);
-      },
-      [](std::size_t) {});
+  parallel_for(bands.size(), threads, [&](std::size_t n) {
+    for (ClassId& id : bands[n].class_of) id = new_number[id];
+    counters[n].relabel(bands[n], size, result.volume);
+  });
   for (const BandCounter& counter : counters) {
     for (ClassId id = 0; id < order.size(); ++id)
       result.classes.count(id, counter.voxels[id], counter.boxes[id]);

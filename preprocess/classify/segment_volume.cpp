@@ -205,8 +205,7 @@ Result<std::vector<std::uint8_t>> run_filters(const VoxelBuffer& values, const G
 Result<SegmentRule> parse_segment(std::string_view text) {
   const auto refuse = [&] {
     return fail(ErrorCode::kUsage,
-                "--segment '{}': must be NAME=mask:FILE, NAME=threshold:LOW[:HIGH] or "
-                "NAME=threshold:otsu",
+                "--segment '{}': must be NAME=mask:FILE, NAME=threshold:LOW[:HIGH] or NAME=threshold:otsu",
                 text);
   };
   const std::size_t equals = text.find('=');
