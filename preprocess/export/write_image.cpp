@@ -7,7 +7,6 @@
 #include "preprocess/import/images/image_io.h"
 #include "preprocess/import/images/itk_call.h"
 #include "preprocess/import/import_error.h"
-#include "preprocess/import/quiet_standard_error.h"
 
 namespace splatlas {
 namespace {
