@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <cstring>
 #include <optional>
-#include <string>
 #include <utility>
 #include <vector>
 
@@ -14,6 +13,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "format/system/ascii_text.h"
 #include "format/system/checksum.h"
 #include "format/system/interrupts.h"
 #include "format/system/output_path.h"
@@ -41,6 +41,12 @@ bool keep_owner_and_mode(int descriptor, const struct stat& old) {
     mode = (mode & ~(S_IRWXG | S_ISGID)) | (mode & S_IRWXO) << 3;
   }
   return ::fchmod(descriptor, mode) == 0;
+}
+
+/// File extension; ".nii.gz" counts as one.
+std::string ending_of(const fs::path& path) {
+  const std::string last = path.extension().string();
+  return to_lower(last) == ".gz" ? path.stem().extension().string() + last : last;
 }
 
 }  // namespace
@@ -151,6 +157,20 @@ Result<void> write_file(const fs::path& path, std::span<const std::byte> bytes) 
   SPLATLAS_ASSIGN_OR_RETURN(OutputFile file, OutputFile::create(path));
   SPLATLAS_RETURN_IF_ERROR(file.write(bytes));
   return file.commit();
+}
+
+Result<void> write_atomically(const fs::path& path,
+                              const std::function<Result<void>(const fs::path&)>& write) {
+  SPLATLAS_ASSIGN_OR_RETURN(OutputFile file, OutputFile::create(path, ending_of(path)));
+  SPLATLAS_RETURN_IF_ERROR(write(file.temporary()));
+  return file.commit();
+}
+
+std::string with_path(std::string message, const fs::path& temporary, const fs::path& path) {
+  const std::string &from = temporary.native(), &to = path.native();
+  for (std::size_t at = message.find(from); at != std::string::npos; at = message.find(from, at + to.size()))
+    message.replace(at, from.size(), to);
+  return message;
 }
 
 }  // namespace splatlas

@@ -3,9 +3,9 @@
 #include "format/derive/structure_crop.h"
 #include "format/system/check_writable.h"
 #include "format/system/interrupts.h"
+#include "format/system/output_file.h"
 #include "format/system/output_folder.h"
 #include "format/system/result_macros.h"
-#include "preprocess/export/temporary_output.h"
 #include "preprocess/export/write_image.h"
 #include "preprocess/import/import_error.h"
 

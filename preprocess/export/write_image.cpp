@@ -1,8 +1,8 @@
 #include "preprocess/export/write_image.h"
 
 #include "format/system/ascii_text.h"
+#include "format/system/output_file.h"
 #include "format/system/result_macros.h"
-#include "preprocess/export/temporary_output.h"
 #include "preprocess/import/images/check_image_file.h"
 #include "preprocess/import/images/image_io.h"
 #include "preprocess/import/images/itk_call.h"

@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <cstring>
 #include <fstream>
-#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -43,6 +42,11 @@ struct Element {
       if (properties[n].name == property && properties[n].count.has_value() == list) return n;
     }
     return std::nullopt;
+  }
+  /// The corners of a face. Files use both names.
+  [[nodiscard]] std::optional<std::size_t> find_corners() const {
+    const auto corners = find("vertex_indices", true);
+    return corners ? corners : find("vertex_index", true);
   }
 };
 
@@ -144,7 +148,7 @@ class PlyReader {
         vertex_count_ = static_cast<double>(element.count);
       }
       if (element.name == "face") {
-        const auto corners = element.find("vertex_indices", true);
+        const auto corners = element.find_corners();
         if (!vertices || !corners || !element.properties[*corners].type.is_integer) return false;
         faces = true;
       }
@@ -194,7 +198,7 @@ class PlyReader {
   }
   bool add_face(const Element& element) {
     corners_.clear();
-    for (const double corner : values_[*element.find("vertex_indices", true)]) {
+    for (const double corner : values_[*element.find_corners()]) {
       if (!(corner >= 0 && corner < vertex_count_)) return false;
       corners_.push_back(static_cast<vtkIdType>(corner));
     }
