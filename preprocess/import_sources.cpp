@@ -74,9 +74,7 @@ class SourceImporter {
     }
     const auto [other, is_new] = option_of_name_.emplace(name_key(name), option);
     if (is_new) return {};
-    return fail(ErrorCode::kUsage,
-                "{}: the name {} is taken by a {} already; names differ by more "
-                "than case",
+    return fail(ErrorCode::kUsage, "{}: the name {} is taken by a {} already; names differ by more than case",
                 option, in_quotes(name), other->second);
   }
 

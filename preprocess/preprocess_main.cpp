@@ -9,8 +9,7 @@
 #include "format/system/interrupts.h"
 #include "format/system/result_macros.h"
 #include "format/system/standard_output.h"
-#include "preprocess/commands/build_command.h"
-#include "preprocess/commands/export_command.h"
+#include "preprocess/commands/commands.h"
 
 namespace splatlas {
 namespace {
