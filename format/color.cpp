@@ -1,20 +1,13 @@
 #include "format/color.h"
 
 #include <array>
+#include <charconv>
 #include <cmath>
 
 #include <fmt/format.h>
 
 namespace splatlas {
 namespace {
-
-/// Value of a hexadecimal digit, or -1.
-int hex_digit(char c) {
-  if (c >= '0' && c <= '9') return c - '0';
-  if (c >= 'a' && c <= 'f') return c - 'a' + 10;
-  if (c >= 'A' && c <= 'F') return c - 'A' + 10;
-  return -1;
-}
 
 /// Converts hue, saturation and value, each 0 to 1, to sRGB.
 Rgb from_hsv(double hue, double saturation, double value) {
@@ -40,10 +33,10 @@ Result<Rgb> parse_color(std::string_view text) {
   const std::size_t digits = text.size() / 3;  // per channel
   std::array<std::uint8_t, 3> channels{};
   for (std::size_t n = 0; n < 3; ++n) {
-    const int high = hex_digit(text[1 + n * digits]);
-    const int low = hex_digit(text[n * digits + digits]);
-    if (high < 0 || low < 0) return refuse();
-    channels[n] = static_cast<std::uint8_t>(high * 16 + low);
+    const std::string_view part = text.substr(1 + n * digits, digits);
+    const auto [end, error] = std::from_chars(part.data(), part.data() + digits, channels[n], 16);
+    if (error != std::errc() || end != part.data() + digits) return refuse();
+    if (digits == 1) channels[n] = static_cast<std::uint8_t>(channels[n] * 17);
   }
   return Rgb{channels[0], channels[1], channels[2]};
 }

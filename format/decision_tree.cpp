@@ -1,6 +1,7 @@
 #include "format/decision_tree.h"
 
 #include <algorithm>
+#include <numeric>
 #include <tuple>
 
 namespace splatlas {
@@ -43,11 +44,6 @@ VoxelRole role_of(const ClassDemand& demand) {
   return demand.surface ? VoxelRole::kSurface : VoxelRole::kNone;
 }
 
-/// In-place prefix sum: counts[n + 1] of list n become its end offset.
-void prefix_sum(std::vector<std::uint32_t>& offsets) {
-  for (std::size_t n = 1; n < offsets.size(); ++n) offsets[n] += offsets[n - 1];
-}
-
 std::span<const ClassId> list_of(const std::vector<ClassId>& leaves, const std::vector<std::uint32_t>& first,
                                  StructureIndex s) {
   return std::span(leaves).subspan(first[s], first[s + 1] - first[s]);
@@ -62,8 +58,8 @@ DecisionTree::DecisionTree(const StructureGraph& graph, const ClassTable& classe
       ++(m.part == Part::kInterior ? first_interior_ : first_boundary_)[m.structure + 1];
     }
   }
-  prefix_sum(first_interior_);
-  prefix_sum(first_boundary_);
+  std::partial_sum(first_interior_.begin(), first_interior_.end(), first_interior_.begin());
+  std::partial_sum(first_boundary_.begin(), first_boundary_.end(), first_boundary_.begin());
   interior_.resize(first_interior_.back());
   boundary_.resize(first_boundary_.back());
   crossed_.resize(first_boundary_.back());

@@ -5,19 +5,17 @@
 #include <cstddef>
 #include <cstring>
 #include <span>
+#include <type_traits>
 
 #include <fmt/format.h>
+
+#include "format/system/result_macros.h"
 
 namespace splatlas {
 namespace {
 
 /// Minimum determinant of a direction with normalized columns; below, its inverse is inaccurate.
 constexpr double kMinDeterminant = 1e-6;
-
-double determinant(const Matrix3& m) {
-  return m[0] * (m[4] * m[8] - m[5] * m[7]) - m[1] * (m[3] * m[8] - m[5] * m[6]) +
-         m[2] * (m[3] * m[7] - m[4] * m[6]);
-}
 
 Matrix3 inverted(const Matrix3& m) {
   const double d = determinant(m);
@@ -59,26 +57,6 @@ OldStrides old_strides(const Index3& old_size, const AxisOrder& order) {
   return strides;
 }
 
-template <std::size_t kBytes>
-struct VoxelCopier {
-  const std::byte* from;
-  std::byte* to;
-  void operator()(std::ptrdiff_t source, std::ptrdiff_t target) const {
-    std::memcpy(to + target * static_cast<std::ptrdiff_t>(kBytes),
-                from + source * static_cast<std::ptrdiff_t>(kBytes), kBytes);
-  }
-};
-
-struct AnyVoxelCopier {
-  const std::byte* from;
-  std::byte* to;
-  std::size_t bytes;
-  void operator()(std::ptrdiff_t source, std::ptrdiff_t target) const {
-    const auto width = static_cast<std::ptrdiff_t>(bytes);
-    std::memcpy(to + target * width, from + source * width, bytes);
-  }
-};
-
 /// Copies in tiles over the new i axis and the new axis along the old i axis, for cache locality in both
 /// buffers.
 template <typename Copier>
@@ -104,6 +82,11 @@ void copy_in_tiles(const OldStrides& strides, const Index3& size, std::size_t ol
 }
 
 }  // namespace
+
+double determinant(const Matrix3& m) {
+  return m[0] * (m[4] * m[8] - m[5] * m[7]) - m[1] * (m[3] * m[8] - m[5] * m[6]) +
+         m[2] * (m[3] * m[7] - m[4] * m[6]);
+}
 
 Vec3 Affine::apply(const Vec3& x) const {
   const Vec3 y = apply_linear(x);
@@ -134,38 +117,36 @@ Affine lps_mm_to_index(const Grid& grid) {
 }
 
 Result<void> validate(const Grid& grid, const std::string& what) {
-  const auto refuse = [&what](const std::string& fault) {
-    return fail(ErrorCode::kFailed, fmt::format("{}: {}", what, fault));
+  const auto refuse = [&]<typename... Args>(fmt::format_string<Args...> fault, Args&&... args) {
+    return fail(ErrorCode::kFailed, "{}: {}", what, fmt::format(fault, std::forward<Args>(args)...));
   };
   const auto& [x, y, z] = grid.size;
   for (const std::int64_t n : grid.size) {
     if (n < 1 || n > kMaxAxisSize) {
-      return refuse(fmt::format("size {}x{}x{} voxels: each axis must have 1 to {}", x, y, z, kMaxAxisSize));
+      return refuse("size {}x{}x{} voxels: each axis must have 1 to {}", x, y, z, kMaxAxisSize);
     }
   }
   if (x * y > kMaxVoxels / z) {
-    return refuse(fmt::format("size {}x{}x{} voxels is above the limit of {} voxels", x, y, z, kMaxVoxels));
+    return refuse("size {}x{}x{} voxels is above the limit of {} voxels", x, y, z, kMaxVoxels);
   }
   for (const double mm : grid.spacing_mm) {
-    if (!std::isfinite(mm) || mm <= 0)
-      return refuse(fmt::format("spacing {} mm must be positive and finite", mm));
+    if (!std::isfinite(mm) || mm <= 0) return refuse("spacing {} mm must be positive and finite", mm);
     if (mm < kMinSpacingMm || mm > kMaxSpacingMm)
-      return refuse(fmt::format("spacing {} mm must be from {} to {} mm", mm, kMinSpacingMm, kMaxSpacingMm));
+      return refuse("spacing {} mm must be from {} to {} mm", mm, kMinSpacingMm, kMaxSpacingMm);
   }
   if (!all_finite(grid.origin_lps_mm)) return refuse("the origin is not finite");
   if (!is_within_reach(grid.origin_lps_mm))
-    return refuse(
-        fmt::format("the origin ({} mm) must be within {} mm", fmt::join(grid.origin_lps_mm, ", "), kMaxMm));
+    return refuse("the origin ({} mm) must be within {} mm", fmt::join(grid.origin_lps_mm, ", "), kMaxMm);
   if (!all_finite(grid.direction_lps)) return refuse("the direction is not finite");
   const double volume = std::abs(determinant(normalized_columns(grid.direction_lps)));
   if (!(volume >= kMinDeterminant)) {  // also catches columns of length zero
-    return refuse(fmt::format("the direction [{}] is singular: its axes must span space",
-                              fmt::join(grid.direction_lps, " ")));
+    return refuse("the direction [{}] is singular: its axes must span space",
+                  fmt::join(grid.direction_lps, " "));
   }
   for (std::size_t a = 0; a < 3; ++a) {
     const double length = column_length(grid.direction_lps, a);
     if (length < kMinColumnLength || length > kMaxColumnLength)
-      return refuse(fmt::format("axis {} of the direction has length {}, expected 1", a, length));
+      return refuse("axis {} of the direction has length {}, expected 1", a, length);
   }
   return {};
 }
@@ -225,14 +206,19 @@ void reorder_voxels(const void* from, const Index3& size, const AxisOrder& order
   const std::size_t old_i_axis = inverse(order).from[0];
   const auto* source = static_cast<const std::byte*>(from);
   auto* target = static_cast<std::byte*>(to);
+  const auto copy_all = [&](auto bytes) {  // faster with a constant
+    const auto width = static_cast<std::ptrdiff_t>(bytes);
+    copy_in_tiles(strides, new_size, old_i_axis, [=](std::ptrdiff_t old_voxel, std::ptrdiff_t new_voxel) {
+      std::memcpy(target + new_voxel * width, source + old_voxel * width, bytes);
+    });
+  };
   switch (bytes_per_voxel) {
-    case 1: return copy_in_tiles(strides, new_size, old_i_axis, VoxelCopier<1>{source, target});
-    case 2: return copy_in_tiles(strides, new_size, old_i_axis, VoxelCopier<2>{source, target});
-    case 4: return copy_in_tiles(strides, new_size, old_i_axis, VoxelCopier<4>{source, target});
-    case 8: return copy_in_tiles(strides, new_size, old_i_axis, VoxelCopier<8>{source, target});
-    default: break;
+    case 1: return copy_all(std::integral_constant<std::size_t, 1>{});
+    case 2: return copy_all(std::integral_constant<std::size_t, 2>{});
+    case 4: return copy_all(std::integral_constant<std::size_t, 4>{});
+    case 8: return copy_all(std::integral_constant<std::size_t, 8>{});
+    default: copy_all(bytes_per_voxel);
   }
-  copy_in_tiles(strides, new_size, old_i_axis, AnyVoxelCopier{source, target, bytes_per_voxel});
 }
 
 }  // namespace splatlas

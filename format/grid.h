@@ -13,6 +13,7 @@ namespace splatlas {
 using Index3 = std::array<std::int64_t, 3>;
 using Vec3 = std::array<double, 3>;
 using Matrix3 = std::array<double, 9>;  ///< row-major
+[[nodiscard]] double determinant(const Matrix3& m);
 
 enum class Axis : std::uint8_t { kX = 0, kY = 1, kZ = 2 };
 inline constexpr std::array<Axis, 3> kAxes{Axis::kX, Axis::kY, Axis::kZ};

@@ -4,8 +4,6 @@
 #include <array>
 #include <limits>
 
-#include <fmt/format.h>
-
 #include "format/system/result_macros.h"
 
 namespace splatlas {
@@ -98,15 +96,13 @@ Result<void> check_inside(const Run& run, const Scanlines& lines) {
   const std::uint64_t end = std::uint64_t{run.start} + run.length;
   if (run.length > 0 && run.scanline < lines.count() && end <= static_cast<std::uint64_t>(lines.length))
     return {};
-  return fail(ErrorCode::kInvalidAtlas,
-              fmt::format("run of {} voxels at {} of scanline {} is not inside {} scanlines of {} voxels",
-                          run.length, run.start, run.scanline, lines.count(), lines.length));
+  return invalid_atlas("run of {} voxels at {} of scanline {} is not inside {} scanlines of {} voxels",
+                       run.length, run.start, run.scanline, lines.count(), lines.length);
 }
 
 tl::unexpected<Error> out_of_order(const Run& run) {
-  return fail(ErrorCode::kInvalidAtlas,
-              fmt::format("run at {} of scanline {} is out of order, or not apart from the run before it",
-                          run.start, run.scanline));
+  return invalid_atlas("run at {} of scanline {} is out of order, or not apart from the run before it",
+                       run.start, run.scanline);
 }
 
 /// Stable sort by a key below 2^48. Counting sort, in linear time, if the keys are dense, as they are for
@@ -184,9 +180,7 @@ Result<std::vector<ClassId>> decode_runs(const RunModel& model, const Index3& si
   const Scanlines lines(size, model.axis);
   std::vector<ClassId> volume(static_cast<std::size_t>(size[0] * size[1] * size[2]), kEmptyClass);
   for (ClassId c = 0; c < model.classes.size(); ++c) {
-    if (c == kEmptyClass && !model.classes[c].empty()) {
-      return fail(ErrorCode::kInvalidAtlas, "the empty class has runs");
-    }
+    if (c == kEmptyClass && !model.classes[c].empty()) return invalid_atlas("the empty class has runs");
     const Run* before = nullptr;
     for (const Run& run : model.classes[c]) {
       SPLATLAS_RETURN_IF_ERROR(check_inside(run, lines));
@@ -195,9 +189,7 @@ Result<std::vector<ClassId>> decode_runs(const RunModel& model, const Index3& si
       ClassId* voxel = volume.data() + lines.offset(run.scanline) + run.start * lines.scan_stride;
       for (std::uint32_t n = 0; n < run.length; ++n, voxel += lines.scan_stride) {
         if (*voxel != kEmptyClass) {
-          return fail(
-              ErrorCode::kInvalidAtlas,
-              fmt::format("runs of classes {} and {} overlap in scanline {}", *voxel, c, run.scanline));
+          return invalid_atlas("runs of classes {} and {} overlap in scanline {}", *voxel, c, run.scanline);
         }
         *voxel = c;
       }
@@ -221,9 +213,7 @@ Result<void> validate_runs(std::span<const Run> runs, const Index3& size, Axis a
     before = &run;
     sum += run.length;  // cannot overflow: ordered runs inside the grid
   }
-  if (sum != voxels) {
-    return fail(ErrorCode::kInvalidAtlas, fmt::format("runs cover {} voxels, {} expected", sum, voxels));
-  }
+  if (sum != voxels) return invalid_atlas("runs cover {} voxels, {} expected", sum, voxels);
   return {};
 }
 

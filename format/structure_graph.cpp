@@ -6,8 +6,6 @@
 #include <unordered_set>
 #include <utility>
 
-#include <fmt/format.h>
-
 #include "format/system/ascii_text.h"
 #include "format/system/result_macros.h"
 
@@ -18,28 +16,22 @@ bool is_ascii_letter_or_digit(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
 }
 
-tl::unexpected<Error> refuse(std::string message) {
-  return fail(ErrorCode::kInvalidAtlas, std::move(message));
-}
-
 Result<void> check_ids(std::span<const Structure> structures) {
   std::unordered_set<std::string> seen;
   seen.reserve(structures.size());
   for (std::size_t s = 0; s < structures.size(); ++s) {
     const std::string& id = structures[s].id;
-    if (id.empty())
-      return refuse(fmt::format("structure {} ({}) has no id", s, in_quotes(structures[s].name)));
+    if (id.empty()) return invalid_atlas("structure {} ({}) has no id", s, in_quotes(structures[s].name));
     const bool well_formed = std::all_of(id.begin(), id.end(), [](char c) {
       return is_ascii_letter_or_digit(c) || c == '_' || c == '-' || c == '.';
     });
     if (!well_formed) {
-      return refuse(
-          fmt::format("the id {} of a structure holds other characters than letters, digits, \"_\", \"-\" "
-                      "and \".\"",
-                      in_quotes(id)));
+      return invalid_atlas(
+          "the id {} of a structure holds other characters than letters, digits, \"_\", \"-\" and \".\"",
+          in_quotes(id));
     }
     if (!seen.insert(to_lower(id)).second) {
-      return refuse(fmt::format("two structures have the id {} (case does not count)", in_quotes(id)));
+      return invalid_atlas("two structures have the id {} (case does not count)", in_quotes(id));
     }
   }
   return {};
@@ -51,19 +43,19 @@ Result<void> check_parents(std::span<const Structure> structures) {
   for (StructureIndex s = 0; s < structures.size(); ++s) {
     for (const StructureIndex parent : structures[s].parents) {
       if (parent >= structures.size()) {
-        return refuse(fmt::format("structure {} has parent number {} of {} structures",
-                                  in_quotes(structures[s].id), parent, structures.size()));
+        return invalid_atlas("structure {} has parent number {} of {} structures",
+                             in_quotes(structures[s].id), parent, structures.size());
       }
       if (last_child[parent] == s) {
-        return refuse(fmt::format("structure {} has the parent {} twice", in_quotes(structures[s].id),
-                                  in_quotes(structures[parent].id)));
+        return invalid_atlas("structure {} has the parent {} twice", in_quotes(structures[s].id),
+                             in_quotes(structures[parent].id));
       }
       last_child[parent] = s;
     }
     edges += structures[s].parents.size();
   }
   if (edges > std::numeric_limits<std::uint32_t>::max()) {
-    return refuse(fmt::format("{} parents in all are too many", edges));
+    return invalid_atlas("{} parents in all are too many", edges);
   }
   return {};
 }
@@ -111,7 +103,7 @@ std::vector<StructureIndex> StructureGraph::walk(std::span<const StructureIndex>
 
 Result<StructureGraph> StructureGraph::build(std::vector<Structure> structures) {
   if (structures.size() > kMaxStructures) {
-    return refuse(fmt::format("{} structures; at most {} are allowed", structures.size(), kMaxStructures));
+    return invalid_atlas("{} structures; at most {} are allowed", structures.size(), kMaxStructures);
   }
   SPLATLAS_RETURN_IF_ERROR(check_ids(structures));
   SPLATLAS_RETURN_IF_ERROR(check_parents(structures));
@@ -150,8 +142,8 @@ Result<void> StructureGraph::sort_topologically() {
   std::size_t depth = 0;
   for (std::size_t done = 0; done < topological_.size();) {
     if (++depth > kMaxGraphDepth) {
-      return refuse(fmt::format("structure {} lies deeper than {} levels",
-                                in_quotes(structures_[topological_[done]].id), kMaxGraphDepth));
+      return invalid_atlas("structure {} lies deeper than {} levels",
+                           in_quotes(structures_[topological_[done]].id), kMaxGraphDepth);
     }
     for (const std::size_t level_end = topological_.size(); done < level_end; ++done) {
       for (const StructureIndex child : children(topological_[done])) {
@@ -160,7 +152,7 @@ Result<void> StructureGraph::sort_topologically() {
     }
   }
   if (topological_.size() < size()) {
-    return refuse("structures form a cycle: " + describe_cycle(structures_, waiting));
+    return invalid_atlas("structures form a cycle: {}", describe_cycle(structures_, waiting));
   }
   return {};
 }

@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "format/system/result_macros.h"
+
 namespace splatlas {
 
 TransferValue evaluate(const TransferCurve& curve, double grey, double reference_length_mm) {
@@ -27,13 +29,13 @@ Result<void> check_curve(const TransferCurve& curve) {
   const std::vector<TransferPoint>& points = curve.points;
   if (points.empty()) return fail(ErrorCode::kUsage, "the curve has no points");
   if (points.size() > kMaxTransferPoints) {
-    return fail(ErrorCode::kUsage, fmt::format("the curve has {} points: at most {} are allowed",
-                                               points.size(), kMaxTransferPoints));
+    return fail(ErrorCode::kUsage, "the curve has {} points: at most {} are allowed", points.size(),
+                kMaxTransferPoints);
   }
   for (std::size_t n = 0; n < points.size(); ++n) {
     const TransferPoint& point = points[n];
     const auto fault = [&](std::string_view what) {
-      return fail(ErrorCode::kUsage, fmt::format("point {} of the curve: {}", n + 1, what));
+      return fail(ErrorCode::kUsage, "point {} of the curve: {}", n + 1, what);
     };
     if (!std::isfinite(point.grey) || !std::isfinite(point.grey - points.front().grey)) {
       return fault(fmt::format("grey value {} is too large", point.grey));

@@ -1,6 +1,7 @@
 // Scalar types of grey values and labels.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -20,34 +21,29 @@ enum class VoxelType : std::uint8_t {
   kFloat64 = 8,
 };
 
-[[nodiscard]] constexpr std::size_t bytes_of(VoxelType type) {
-  switch (type) {
-    case VoxelType::kUInt8:
-    case VoxelType::kInt8: return 1;
-    case VoxelType::kUInt16:
-    case VoxelType::kInt16: return 2;
-    case VoxelType::kUInt32:
-    case VoxelType::kInt32:
-    case VoxelType::kFloat32: return 4;
-    case VoxelType::kFloat64: return 8;
-    case VoxelType::kNone: break;
-  }
-  return 0;
+/// Name and bytes of a type; those of kNone for numbers that are none of the above.
+struct VoxelTypeEntry {
+  const char* name;
+  std::size_t bytes;
+};
+[[nodiscard]] constexpr VoxelTypeEntry entry_of(VoxelType type) {
+  constexpr std::array<VoxelTypeEntry, 9> kEntries{{{"none", 0},
+                                                    {"uint8", 1},
+                                                    {"int8", 1},
+                                                    {"uint16", 2},
+                                                    {"int16", 2},
+                                                    {"uint32", 4},
+                                                    {"int32", 4},
+                                                    {"float32", 4},
+                                                    {"float64", 8}}};
+  const auto number = static_cast<std::size_t>(type);
+  return kEntries[number < kEntries.size() ? number : 0];
 }
-
+[[nodiscard]] constexpr std::size_t bytes_of(VoxelType type) {
+  return entry_of(type).bytes;
+}
 [[nodiscard]] constexpr const char* name_of(VoxelType type) {
-  switch (type) {
-    case VoxelType::kUInt8: return "uint8";
-    case VoxelType::kInt8: return "int8";
-    case VoxelType::kUInt16: return "uint16";
-    case VoxelType::kInt16: return "int16";
-    case VoxelType::kUInt32: return "uint32";
-    case VoxelType::kInt32: return "int32";
-    case VoxelType::kFloat32: return "float32";
-    case VoxelType::kFloat64: return "float64";
-    case VoxelType::kNone: break;
-  }
-  return "none";
+  return entry_of(type).name;
 }
 
 /// Calls `visit` with a value-initialized object of the C++ type of `type`, as a tag; not for kNone.

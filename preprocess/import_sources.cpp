@@ -9,6 +9,7 @@
 #include "preprocess/import/file_hash.h"
 #include "preprocess/import/images/import_image.h"
 #include "preprocess/import/images/import_labels.h"
+#include "preprocess/import/import_error.h"
 #include "preprocess/import/tables/read_names.h"
 #include "preprocess/import/tables/structure_name.h"
 
@@ -69,23 +70,20 @@ class SourceImporter {
 
   Result<void> collect_name(const std::string& option, const std::string& name) {
     if (const auto fit = check_structure_name(name); !fit) {
-      return fail(ErrorCode::kUsage, fmt::format("{}: {}", option, fit.error().message));
+      return fail(ErrorCode::kUsage, "{}: {}", option, fit.error().message);
     }
     const auto [other, is_new] = option_of_name_.emplace(name_key(name), option);
     if (is_new) return {};
-    return fail(ErrorCode::kUsage,
-                fmt::format("{}: the name {} is taken by a {} already; names differ by more "
-                            "than case",
-                            option, in_quotes(name), other->second));
+    return fail(ErrorCode::kUsage, "{}: the name {} is taken by a {} already; names differ by more than case",
+                option, in_quotes(name), other->second);
   }
 
   Result<void> check_names_of_labels() {
     for (const SourceStructure& structure : model_.structures) {
       const auto option = option_of_name_.find(name_key(structure.name));
       if (option == option_of_name_.end()) continue;
-      return fail(ErrorCode::kUsage,
-                  fmt::format("{}: the name {} is taken by a structure of {} already", option->second,
-                              in_quotes(structure.name), files_.labels.string()));
+      return fail(ErrorCode::kUsage, "{}: the name {} is taken by a structure of {} already", option->second,
+                  in_quotes(structure.name), files_.labels.string());
     }
     return {};
   }
@@ -104,9 +102,7 @@ class SourceImporter {
     SPLATLAS_ASSIGN_OR_RETURN(ImportedLabels labels,
                               masks ? import_mask_folder(files_.labels) : import_label_map(files_.labels));
     if (!files_.names.empty()) {
-      if (masks) {
-        return fail(ErrorCode::kUsage, "--names: is for label maps; masks are named by their files");
-      }
+      if (masks) return fail(ErrorCode::kUsage, "--names: is for label maps; masks are named by their files");
       SPLATLAS_ASSIGN_OR_RETURN(const std::vector<LabelName> names, read_names(files_.names));
       SPLATLAS_RETURN_IF_ERROR(name_labels(labels, names, files_.names.string(), files_.allow_empty));
       SPLATLAS_RETURN_IF_ERROR(remember("names", files_.names));
@@ -145,8 +141,7 @@ class SourceImporter {
         segment.mask = mask_of(to_storage_order(std::move(image.voxels), model_.source_grid));
         SPLATLAS_RETURN_IF_ERROR(remember("segment", rule.mask));
       } else if (model_.values.empty()) {
-        return fail(ErrorCode::kUsage,
-                    fmt::format("--segment \"{}\": a threshold needs a --volume", rule.name));
+        return fail(ErrorCode::kUsage, "--segment \"{}\": a threshold needs a --volume", rule.name);
       }
       SourceStructure structure;
       structure.name = rule.name;
@@ -163,10 +158,8 @@ class SourceImporter {
       const std::string file = source.file.string();
       SPLATLAS_ASSIGN_OR_RETURN(const TriangleMesh mesh, import_mesh(source.file, files_.mesh_frame));
       Result<ClippedMesh> clipped = clip_mesh(mesh, storage_grid());
-      if (!clipped) return fail(clipped.error().code, fmt::format("{}: {}", file, clipped.error().message));
-      if (clipped->crossed.empty()) {
-        return fail(ErrorCode::kFailed, fmt::format("{}: is outside the volume; check --mesh-frame", file));
-      }
+      if (!clipped) return fail(clipped.error().code, "{}: {}", file, clipped.error().message);
+      if (clipped->crossed.empty()) return bad_file(file, "is outside the volume; check --mesh-frame");
       if (mesh.dropped > 0) {
         model_.notes.push_back(fmt::format("{}: {} degenerate triangles are dropped", file, mesh.dropped));
       }

@@ -1,19 +1,15 @@
 // Program splatlas-preprocess: builds atlases, and exports their parts.
 
-#include <cstdio>
 #include <sstream>
 #include <string>
 
 #include <CLI/CLI.hpp>
-#include <fmt/format.h>
 
-#include "format/system/ascii_text.h"
 #include "format/system/exit_status.h"
 #include "format/system/interrupts.h"
 #include "format/system/result_macros.h"
 #include "format/system/standard_output.h"
-#include "preprocess/commands/build_command.h"
-#include "preprocess/commands/export_command.h"
+#include "preprocess/commands/commands.h"
 
 namespace splatlas {
 namespace {
@@ -48,30 +44,18 @@ Result<void> run(int argc, char** argv) {
     return fail(ErrorCode::kUsage, error.what());
   } catch (const CLI::ParseError& error) {
     if (argc > 1 && argv[1][0] != '-' && app.get_subcommands().empty()) {
-      return fail(ErrorCode::kUsage, fmt::format("{}: no such command; there are build and export", argv[1]));
+      return fail(ErrorCode::kUsage, "{}: no such command; there are build and export", argv[1]);
     }
-    return fail(ErrorCode::kUsage, fmt::format("{}; see --help", error.what()));
+    return fail(ErrorCode::kUsage, "{}; see --help", error.what());
   }
   install_interrupt_handlers();
   SPLATLAS_RETURN_IF_ERROR(build->parsed() ? run_build(request) : run_export(export_options));
   return finish_standard_output();
 }
 
-int report(const Error& error) {
-  fmt::print(stderr, "splatlas-preprocess: {}\n", printable(error.message));
-  return exit_status(error.code);
-}
-
 }  // namespace
 }  // namespace splatlas
 
-int main(int argc, char** argv) try {
-  const splatlas::Result<void> result = splatlas::run(argc, argv);
-  return result ? 0 : splatlas::report(result.error());
-} catch (const std::bad_alloc&) {
-  std::fputs("splatlas-preprocess: out of memory\n", stderr);
-  return 1;
-} catch (const std::exception& exception) {
-  std::fprintf(stderr, "splatlas-preprocess: %s\n", exception.what());
-  return 1;
+int main(int argc, char** argv) {
+  return splatlas::run_program("splatlas-preprocess", [&] { return splatlas::run(argc, argv); });
 }

@@ -6,7 +6,6 @@
 #include <new>
 #include <vector>
 
-#include <fmt/format.h>
 #include <zstd.h>
 
 #include "format/system/checksum.h"
@@ -69,25 +68,20 @@ class ContextPool {
 using CompressContexts = ContextPool<CompressContext, ZSTD_createCCtx>;
 using DecompressContexts = ContextPool<DecompressContext, ZSTD_createDCtx>;
 
-tl::unexpected<Error> damaged(std::string message) {
-  return fail(ErrorCode::kInvalidAtlas, std::move(message));
-}
-
 /// Checks for exactly one frame of the expected decoded length. Zstandard itself would accept several frames
 /// and skippable ones.
 Result<void> check_frame(std::span<const std::byte> stored, std::size_t decoded_bytes) {
   constexpr std::uint32_t kMagic = ZSTD_MAGICNUMBER;
   if (stored.size() < sizeof kMagic || std::memcmp(stored.data(), &kMagic, sizeof kMagic) != 0) {
-    return damaged("not a Zstandard frame");
+    return invalid_atlas("not a Zstandard frame");
   }
   const std::size_t frame_bytes = ZSTD_findFrameCompressedSize(stored.data(), stored.size());
-  if (ZSTD_isError(frame_bytes) || frame_bytes != stored.size()) return damaged("not one Zstandard frame");
+  if (ZSTD_isError(frame_bytes) || frame_bytes != stored.size())
+    return invalid_atlas("not one Zstandard frame");
   const unsigned long long content = ZSTD_getFrameContentSize(stored.data(), stored.size());
-  if (content != decoded_bytes) {
-    return damaged(fmt::format("wrong frame length (expected {} bytes)", decoded_bytes));
-  }
+  if (content != decoded_bytes) return invalid_atlas("wrong frame length (expected {} bytes)", decoded_bytes);
   if (ZSTD_getDictID_fromFrame(stored.data(), stored.size()) != 0)
-    return damaged("its frame needs a dictionary");
+    return invalid_atlas("its frame needs a dictionary");
   return {};
 }
 
@@ -121,18 +115,18 @@ EncodedChunk encode_chunk(std::span<const std::byte> decoded, int level, ChunkCo
 }
 
 Result<void> check_chunk(std::span<const std::byte> stored, const ChunkEntry& entry) {
-  if (checksum_of(stored) != entry.checksum) return damaged("checksum");
+  if (checksum_of(stored) != entry.checksum) return invalid_atlas("checksum");
   return {};
 }
 
 Result<void> decode_chunk(std::span<const std::byte> stored, const ChunkEntry& entry,
                           std::span<std::byte> decoded) {
   SPLATLAS_RETURN_IF_ERROR(check_chunk(stored, entry));
-  if (entry.filter != 0) return damaged(fmt::format("unknown filter {}", entry.filter));
+  if (entry.filter != 0) return invalid_atlas("unknown filter {}", entry.filter);
   switch (entry.codec) {
     case ChunkCodec::kStored:
       if (stored.size() != decoded.size()) {
-        return damaged(fmt::format("{} bytes, expected {}", stored.size(), decoded.size()));
+        return invalid_atlas("{} bytes, expected {}", stored.size(), decoded.size());
       }
       if (!decoded.empty()) std::memcpy(decoded.data(), stored.data(), stored.size());
       return {};
@@ -141,12 +135,12 @@ Result<void> decode_chunk(std::span<const std::byte> stored, const ChunkEntry& e
       const auto context = DecompressContexts::take();
       const std::size_t size =
           ZSTD_decompressDCtx(context.get(), decoded.data(), decoded.size(), stored.data(), stored.size());
-      if (ZSTD_isError(size)) return damaged(fmt::format("Zstandard: {}", ZSTD_getErrorName(size)));
-      if (size != decoded.size()) return damaged(fmt::format("{} bytes, expected {}", size, decoded.size()));
+      if (ZSTD_isError(size)) return invalid_atlas("Zstandard: {}", ZSTD_getErrorName(size));
+      if (size != decoded.size()) return invalid_atlas("{} bytes, expected {}", size, decoded.size());
       return {};
     }
   }
-  return damaged(fmt::format("unknown codec {}", static_cast<unsigned>(entry.codec)));
+  return invalid_atlas("unknown codec {}", static_cast<unsigned>(entry.codec));
 }
 
 }  // namespace splatlas

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "format/codec/range_coder.h"
+#include "format/system/result_macros.h"
 #include "format/system/task_control.h"
 
 namespace splatlas {
@@ -115,7 +116,7 @@ class MaskWindow {
 };
 
 tl::unexpected<Error> not_a_mask() {
-  return fail(ErrorCode::kInvalidAtlas, "invalid mask");
+  return invalid_atlas("invalid mask");
 }
 
 }  // namespace

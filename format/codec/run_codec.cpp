@@ -2,9 +2,8 @@
 
 #include <limits>
 
-#include <fmt/format.h>
-
 #include "format/codec/zigzag.h"
+#include "format/system/result_macros.h"
 
 namespace splatlas {
 
@@ -80,7 +79,7 @@ class Predictor {
 };
 
 tl::unexpected<Error> not_a_run_list(std::uint64_t run) {
-  return fail(ErrorCode::kInvalidAtlas, fmt::format("not a run list (run {})", run));
+  return invalid_atlas("not a run list (run {})", run);
 }
 
 }  // namespace
@@ -110,7 +109,7 @@ Result<ClassRuns> decode_run_list(std::span<const std::byte> bytes, std::uint64_
   VarintReader reader(bytes);
   std::uint64_t count = 0, code = 0;
   if (!reader.read(count) || count == 0 || count > max_runs || count > bytes.size() / 3) {
-    return fail(ErrorCode::kInvalidAtlas, fmt::format("run list says it has {} runs", count));
+    return invalid_atlas("run list says it has {} runs", count);
   }
   ClassRuns runs(count);
   std::uint64_t scanline = 0;
@@ -138,7 +137,7 @@ Result<ClassRuns> decode_run_list(std::span<const std::byte> bytes, std::uint64_
     starts.advance(n);
     if (!read_difference(starts.start(), runs[n].start)) return not_a_run_list(n);
   }
-  if (!reader.at_end()) return fail(ErrorCode::kInvalidAtlas, "trailing bytes after the run list");
+  if (!reader.at_end()) return invalid_atlas("trailing bytes after the run list");
   return runs;
 }
 

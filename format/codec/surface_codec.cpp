@@ -11,7 +11,6 @@
 #include <limits>
 #include <mutex>
 
-#include <fmt/format.h>
 #include <meshoptimizer.h>
 
 #include "format/system/result_macros.h"
@@ -84,21 +83,19 @@ Result<std::vector<Vertex<Coordinate>>> quantize(const SurfaceMesh& mesh, const 
     for (std::size_t a = 0; a < 3; ++a) {
       const double counted = std::round((static_cast<double>(position[a]) + 1) * scale);
       if (!(counted >= 0 && counted <= static_cast<double>(max_coordinate(size[a], scale)))) {
-        return fail(ErrorCode::kFailed,
-                    fmt::format("vertex {} at ({}, {}, {}) lies outside the grid of {}x{}x{} voxels", v,
-                                position[0], position[1], position[2], size[0], size[1], size[2]));
+        return fail(ErrorCode::kFailed, "vertex {} at ({}, {}, {}) lies outside the grid of {}x{}x{} voxels",
+                    v, position[0], position[1], position[2], size[0], size[1], size[2]);
       }
       const auto coordinate = static_cast<std::uint64_t>(counted);
       if (position_of(coordinate, scale) != position[a]) {
-        return fail(ErrorCode::kFailed,
-                    fmt::format("vertex {} at ({}, {}, {}) is not at multiples of 1/{} voxel", v, position[0],
-                                position[1], position[2], scale));
+        return fail(ErrorCode::kFailed, "vertex {} at ({}, {}, {}) is not at multiples of 1/{} voxel", v,
+                    position[0], position[1], position[2], scale);
       }
       vertices[v].position[a] = static_cast<Coordinate>(coordinate);
     }
     const auto& normal = mesh.normals_lps[v];
     if (!std::ranges::all_of(normal, [](float n) { return std::isfinite(n); })) {
-      return fail(ErrorCode::kFailed, fmt::format("the normal of vertex {} is not finite", v));
+      return fail(ErrorCode::kFailed, "the normal of vertex {} is not finite", v);
     }
     vertices[v].normal = pack_normal(normal);
   }
@@ -141,28 +138,23 @@ Result<void> check_mesh(const SurfaceMesh& mesh, const Index3& size) {
   constexpr std::size_t kMax = std::numeric_limits<std::uint32_t>::max();
   const std::size_t vertices = mesh.positions_ijk.size();
   if (mesh.normals_lps.size() != vertices) {
-    return fail(ErrorCode::kFailed,
-                fmt::format("{} normals of {} vertices", mesh.normals_lps.size(), vertices));
+    return fail(ErrorCode::kFailed, "{} normals of {} vertices", mesh.normals_lps.size(), vertices);
   }
   if (vertices > kMax || mesh.triangles.size() > kMax) {
-    return fail(ErrorCode::kFailed, fmt::format("{} vertices and {} triangles (limit {})", vertices,
-                                                mesh.triangles.size(), kMax));
+    return fail(ErrorCode::kFailed, "{} vertices and {} triangles (limit {})", vertices,
+                mesh.triangles.size(), kMax);
   }
   if (mesh.position_scale == 0 || max_coordinate(std::ranges::max(size), mesh.position_scale) > kMax) {
-    return fail(ErrorCode::kFailed, fmt::format("position scale {} in a grid of {}x{}x{} voxels",
-                                                mesh.position_scale, size[0], size[1], size[2]));
+    return fail(ErrorCode::kFailed, "position scale {} in a grid of {}x{}x{} voxels", mesh.position_scale,
+                size[0], size[1], size[2]);
   }
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     if (std::ranges::max(mesh.triangles[t]) >= vertices) {
-      return fail(ErrorCode::kFailed, fmt::format("triangle {} has vertex {} of {}", t,
-                                                  std::ranges::max(mesh.triangles[t]), vertices));
+      return fail(ErrorCode::kFailed, "triangle {} has vertex {} of {}", t,
+                  std::ranges::max(mesh.triangles[t]), vertices);
     }
   }
   return {};
-}
-
-tl::unexpected<Error> invalid(std::string message) {
-  return fail(ErrorCode::kInvalidAtlas, std::move(message));
 }
 
 template <typename Coordinate>
@@ -171,7 +163,7 @@ Result<void> decode_vertices(std::span<const std::byte> code, std::uint32_t coun
   std::vector<Vertex<Coordinate>> vertices(count);
   if (meshopt_decodeVertexBuffer(vertices.data(), count, sizeof(Vertex<Coordinate>),
                                  reinterpret_cast<const unsigned char*>(code.data()), code.size()) != 0) {
-    return invalid("vertices cannot be decoded");
+    return invalid_atlas("vertices cannot be decoded");
   }
   mesh.positions_ijk.resize(count);
   mesh.normals_lps.resize(count);
@@ -179,12 +171,12 @@ Result<void> decode_vertices(std::span<const std::byte> code, std::uint32_t coun
     for (std::size_t a = 0; a < 3; ++a) {
       const std::uint64_t coordinate = vertices[v].position[a];
       if (coordinate > max_coordinate(size[a], mesh.position_scale)) {
-        return invalid(fmt::format("vertex {} lies outside the grid", v));
+        return invalid_atlas("vertex {} lies outside the grid", v);
       }
       mesh.positions_ijk[v][a] = position_of(coordinate, mesh.position_scale);
     }
     if (vertices[v].normal > std::numeric_limits<PackedNormal>::max()) {
-      return invalid(fmt::format("vertex {} has normal {}", v, vertices[v].normal));
+      return invalid_atlas("vertex {} has normal {}", v, vertices[v].normal);
     }
     mesh.normals_lps[v] = unpack_normal(static_cast<PackedNormal>(vertices[v].normal));
   }
@@ -197,16 +189,16 @@ Result<void> decode_triangles(std::span<const std::byte> code, std::span<const s
   if (triangles.empty()) return {};
   if (meshopt_decodeIndexBuffer(triangles.front().data(), triangles.size() * 3, sizeof(std::uint32_t),
                                 reinterpret_cast<const unsigned char*>(code.data()), code.size()) != 0) {
-    return invalid("triangles cannot be decoded");
+    return invalid_atlas("triangles cannot be decoded");
   }
   for (std::size_t t = 0; t < triangles.size(); ++t) {
     if (std::ranges::max(triangles[t]) >= entry.vertices) {
-      return invalid(
-          fmt::format("triangle {} has vertex {} of {}", t, std::ranges::max(triangles[t]), entry.vertices));
+      return invalid_atlas("triangle {} has vertex {} of {}", t, std::ranges::max(triangles[t]),
+                           entry.vertices);
     }
     const unsigned by =
         rotations.empty() ? 0 : (std::to_integer<unsigned>(rotations[t / 4]) >> (t % 4 * 2)) & 3;
-    if (by == 3) return invalid(fmt::format("triangle {} has rotation 3", t));
+    if (by == 3) return invalid_atlas("triangle {} has rotation 3", t);
     triangles[t] = rotated(smallest_rotation(triangles[t]), by);
   }
   return {};
@@ -228,7 +220,7 @@ Result<EncodedSurface> encode_surface(const SurfaceMesh& mesh, const Index3& siz
   const std::vector<std::byte> indices = encode_indices(mesh), rotations = encode_rotations(mesh.triangles);
   const std::size_t total = kLengthsBytes + vertices.size() + indices.size() + rotations.size();
   if (total > std::numeric_limits<std::uint32_t>::max()) {
-    return fail(ErrorCode::kFailed, fmt::format("the surface takes {} bytes (limit 4 GiB)", total));
+    return fail(ErrorCode::kFailed, "the surface takes {} bytes (limit 4 GiB)", total);
   }
   surface.entry.bytes = static_cast<std::uint32_t>(total);
   const std::array<std::uint32_t, 2> lengths{static_cast<std::uint32_t>(vertices.size()),
@@ -247,15 +239,15 @@ Result<SurfaceMesh> decode_surface(std::span<const std::byte> bytes, const Surfa
   mesh.position_scale = entry.position_scale;
   if (entry.vertices == 0) return mesh;
   std::array<std::uint32_t, 2> lengths{};
-  if (bytes.size() < kLengthsBytes) return invalid("the stream is too short");
+  if (bytes.size() < kLengthsBytes) return invalid_atlas("the stream is too short");
   std::memcpy(lengths.data(), bytes.data(), kLengthsBytes);
   bytes = bytes.subspan(kLengthsBytes);
   if (lengths[0] > bytes.size() || lengths[1] > bytes.size() - lengths[0])
-    return invalid("wrong length of its parts");
+    return invalid_atlas("wrong length of its parts");
   const auto vertices = bytes.first(lengths[0]), indices = bytes.subspan(lengths[0], lengths[1]);
   const auto rotations = bytes.subspan(std::size_t{lengths[0]} + lengths[1]);
   if (!rotations.empty() && rotations.size() != rotation_bytes(entry.triangles)) {
-    return invalid("wrong length of the rotations");
+    return invalid_atlas("wrong length of the rotations");
   }
   if (fits_16_bits(size, entry.position_scale)) {
     SPLATLAS_RETURN_IF_ERROR(decode_vertices<std::uint16_t>(vertices, entry.vertices, size, mesh));
@@ -269,16 +261,16 @@ Result<SurfaceMesh> decode_surface(std::span<const std::byte> bytes, const Surfa
 Result<void> check_surface_entry(const SurfaceEntry& entry, const Index3& size) {
   if (entry.position_scale == 0 || max_coordinate(std::ranges::max(size), entry.position_scale) >
                                        std::numeric_limits<std::uint32_t>::max()) {
-    return invalid(fmt::format("position scale {}", entry.position_scale));
+    return invalid_atlas("position scale {}", entry.position_scale);
   }
   if (entry.vertices == 0) {
     if (entry.triangles == 0 && entry.bytes == 0) return {};
-    return invalid(fmt::format("no vertices, {} triangles, {} bytes", entry.triangles, entry.bytes));
+    return invalid_atlas("no vertices, {} triangles, {} bytes", entry.triangles, entry.bytes);
   }
   if (is_fitted(entry)) {  // fitting checks the counts
     if (entry.position_scale == kFittedPositionScale && entry.triangles > 0) return {};
-    return invalid(fmt::format("fitted, with position scale {} and {} triangles", entry.position_scale,
-                               entry.triangles));
+    return invalid_atlas("fitted, with position scale {} and {} triangles", entry.position_scale,
+                         entry.triangles);
   }
   const std::size_t vertex_bytes = fits_16_bits(size, entry.position_scale) ? sizeof(Vertex<std::uint16_t>)
                                                                             : sizeof(Vertex<std::uint32_t>);
@@ -289,8 +281,8 @@ Result<void> check_surface_entry(const SurfaceEntry& entry, const Index3& size) 
       meshopt_encodeIndexBufferBound(std::size_t{entry.triangles} * 3, entry.vertices) +
       rotation_bytes(entry.triangles);
   if (entry.bytes < min_bytes || entry.bytes > max_bytes) {
-    return invalid(fmt::format("{} bytes for {} vertices and {} triangles", entry.bytes, entry.vertices,
-                               entry.triangles));
+    return invalid_atlas("{} bytes for {} vertices and {} triangles", entry.bytes, entry.vertices,
+                         entry.triangles);
   }
   return {};
 }

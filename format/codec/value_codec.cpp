@@ -156,10 +156,6 @@ std::vector<std::byte> encode(const GroupVoxels& group, VoxelType type, std::spa
   return code;
 }
 
-tl::unexpected<Error> invalid(const char* what) {
-  return fail(ErrorCode::kInvalidAtlas, what);
-}
-
 /// Sequential reader of the residuals of every bucket.
 template <typename Lane>
 class ResidualReader {
@@ -169,12 +165,12 @@ class ResidualReader {
     std::memcpy(counts.data(), code.data(), kCountsBytes);
     std::uint64_t sum = 0;
     for (std::size_t b = 0; b < kBuckets; ++b) {
-      if (counts[b] > group.voxels - sum) return invalid("buckets contain more residuals than voxels");
+      if (counts[b] > group.voxels - sum) return invalid_atlas("buckets contain more residuals than voxels");
       next_[b] = code.data() + kHeaderBytes + sum;
       sum += counts[b];
       end_[b] = code.data() + kHeaderBytes + sum;
     }
-    if (sum != group.voxels) return invalid("buckets contain fewer residuals than voxels");
+    if (sum != group.voxels) return invalid_atlas("buckets contain fewer residuals than voxels");
     to_high_byte_ = group.voxels;
     return {};
   }
@@ -218,7 +214,7 @@ Result<std::vector<std::byte>> decode(const GroupVoxels& group, VoxelType type,
   ValueModel model{{}, std::to_integer<std::uint8_t>(code[kHeaderBytes - 2])};
   std::memcpy(model.weights.data(), code.data() + kCountsBytes, sizeof model.weights);
   if (model.error_shift > kMaxErrorShift || code[kHeaderBytes - 1] != std::byte{0})
-    return invalid("invalid value model");
+    return invalid_atlas("invalid value model");
   const std::int32_t offset = offset_of(type);
   std::vector<std::byte> values(group.voxels * kValueBytes<Lane>);
   std::byte* to = values.data();
@@ -232,7 +228,7 @@ Result<std::vector<std::byte>> decode(const GroupVoxels& group, VoxelType type,
     put_values(run, offset, to);
     to += run.size() * kValueBytes<Lane>;
   });
-  if (residuals.ran_out()) return invalid("a bucket has too few residuals");
+  if (residuals.ran_out()) return invalid_atlas("a bucket has too few residuals");
   return values;
 }
 
@@ -258,7 +254,7 @@ std::vector<std::byte> encode_values(const GroupVoxels& group, VoxelType type,
 
 Result<std::vector<std::byte>> decode_values(const GroupVoxels& group, VoxelType type,
                                              std::span<const std::byte> code) {
-  if (!spans_fit(group)) return invalid("runs do not match the box");
+  if (!spans_fit(group)) return invalid_atlas("runs do not match the box");
   if (!predicts_values(type, group.box, group.voxels))
     return std::vector<std::byte>(code.begin(), code.end());
   return bytes_of(type) == 1 ? decode<std::int16_t>(group, type, code)

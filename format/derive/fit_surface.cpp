@@ -21,31 +21,6 @@ Vec3f difference(const Vec3f& a, const Vec3f& b) {
   return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
 }
 
-/// Transform of vectors from index space to LPS mm.
-class IndexFrame {
- public:
-  explicit IndexFrame(const Grid& grid) : to_mm_(index_to_lps_mm(grid).linear) {}
-
-  [[nodiscard]] Vec3f edge_to_lps(const Vec3f& e) const {
-    Vec3f result;
-    for (std::size_t r = 0; r < 3; ++r) {
-      result[r] =
-          static_cast<float>(to_mm_[3 * r] * e[0] + to_mm_[3 * r + 1] * e[1] + to_mm_[3 * r + 2] * e[2]);
-    }
-    return result;
-  }
-  /// True if the transform reverses orientation (negative determinant).
-  [[nodiscard]] bool mirrors() const {
-    const Matrix3& m = to_mm_;
-    return m[0] * (m[4] * m[8] - m[5] * m[7]) - m[1] * (m[3] * m[8] - m[5] * m[6]) +
-               m[2] * (m[3] * m[7] - m[4] * m[6]) <
-           0;
-  }
-
- private:
-  Matrix3 to_mm_;
-};
-
 /// One of the two voxels at the ends of a vertex's cell edge.
 struct VertexEnd {
   std::uint32_t vertex;
@@ -82,12 +57,16 @@ VertexEnds ends_by_slice(const SurfaceMesh& mesh, const StructureCrop& crop) {
 }
 
 /// Area-weighted normals of the triangles around each vertex, in LPS.
-std::vector<Vec3f> face_normals(const SurfaceMesh& mesh, const IndexFrame& frame) {
+std::vector<Vec3f> face_normals(const SurfaceMesh& mesh, const Affine& to_mm) {
+  const auto to_lps = [&](const Vec3f& edge) {
+    const Vec3 mm = to_mm.apply_linear({edge[0], edge[1], edge[2]});
+    return Vec3f{static_cast<float>(mm[0]), static_cast<float>(mm[1]), static_cast<float>(mm[2])};
+  };
   std::vector<Vec3f> normals(mesh.positions_ijk.size(), Vec3f{0, 0, 0});
   for (const auto& t : mesh.triangles) {
     const Vec3f& corner = mesh.positions_ijk[t[0]];
-    const Vec3f normal = cross(frame.edge_to_lps(difference(mesh.positions_ijk[t[1]], corner)),
-                               frame.edge_to_lps(difference(mesh.positions_ijk[t[2]], corner)));
+    const Vec3f normal = cross(to_lps(difference(mesh.positions_ijk[t[1]], corner)),
+                               to_lps(difference(mesh.positions_ijk[t[2]], corner)));
     for (const std::uint32_t vertex : t) {
       for (std::size_t a = 0; a < 3; ++a) normals[vertex][a] += normal[a];
     }
@@ -136,16 +115,13 @@ PackedNormal VoxelNormals::normal(const Vec3f& gradient) const {
 }
 
 SurfaceMesh fit_surface(const StructureCrop& crop, const Grid& grid, const SliceVisitor& visit_slice) {
-  const IndexFrame frame(grid);
-  MaskSurface surface = marching_cubes(crop);
-  SurfaceMesh mesh;
-  mesh.positions_ijk = std::move(surface.positions_ijk);
-  mesh.triangles = std::move(surface.triangles);
-  if (frame.mirrors()) {
+  const Affine to_mm = index_to_lps_mm(grid);
+  SurfaceMesh mesh = marching_cubes(crop);
+  if (determinant(to_mm.linear) < 0) {  // mirrors
     for (auto& triangle : mesh.triangles) std::swap(triangle[1], triangle[2]);
   }
   const std::vector<Vec3f> gradients = vertex_gradients(mesh, crop, visit_slice);
-  mesh.normals_lps = face_normals(mesh, frame);
+  mesh.normals_lps = face_normals(mesh, to_mm);
   const VoxelNormals voxel_normals(grid);
   for (std::size_t v = 0; v < gradients.size(); ++v) {
     Vec3f& normal = mesh.normals_lps[v];

@@ -140,7 +140,7 @@ class CellWalker {
     }
   }
 
-  MaskSurface surface;
+  SurfaceMesh surface;
   std::vector<LedCell> cells;
 
  private:
@@ -254,8 +254,8 @@ std::vector<LedCell> by_leading_voxel(const std::vector<LedCell>& cells, const S
 }
 
 /// Reorders triangles by cell and renumbers vertices by first use.
-MaskSurface in_order(const MaskSurface& surface, const std::vector<LedCell>& cells) {
-  MaskSurface ordered;
+SurfaceMesh in_order(const SurfaceMesh& surface, const std::vector<LedCell>& cells) {
+  SurfaceMesh ordered;
   ordered.triangles.reserve(surface.triangles.size());
   ordered.positions_ijk.reserve(surface.positions_ijk.size());
   std::vector<std::uint32_t> new_number(surface.positions_ijk.size(), kNone);
@@ -281,7 +281,7 @@ std::span<const std::array<CellEdge, 3>> cell_triangles(std::uint8_t inside) {
   return std::span(kCases[inside].triangles).first(kCases[inside].count);
 }
 
-MaskSurface marching_cubes(const StructureCrop& crop) {
+SurfaceMesh marching_cubes(const StructureCrop& crop) {
   CellWalker walker(crop);
   walker.walk();
   return in_order(walker.surface, by_leading_voxel(walker.cells, crop));

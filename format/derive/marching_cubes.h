@@ -4,9 +4,9 @@
 #include <array>
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "format/derive/structure_crop.h"
+#include "format/surface.h"
 
 namespace splatlas {
 
@@ -24,16 +24,11 @@ struct CellEdge {
 ///   - A loop becomes a fan around its first edge, from the lowest, without triangles in a face of the cell.
 [[nodiscard]] std::span<const std::array<CellEdge, 3>> cell_triangles(std::uint8_t inside);
 
-/// A mesh without normals.
-struct MaskSurface {
-  std::vector<std::array<float, 3>>
-      positions_ijk;  ///< in voxel indices of the grid; one coordinate ends in .5
-  std::vector<std::array<std::uint32_t, 3>> triangles;  ///< counter-clockwise from outside, in index space
-};
-
-/// Extracts the closed surface of a crop with shared vertices. Triangles are sorted by the first boundary
-/// voxel of their cell (see SurfaceMesh), then by cell in memory order, then as in cell_triangles(). Vertices
-/// are numbered by first use. Cost: linear in the voxels of the crop and in the triangles.
-[[nodiscard]] MaskSurface marching_cubes(const StructureCrop& crop);
+/// Extracts the closed surface of a crop with shared vertices, without normals. Triangles are
+/// counter-clockwise from outside in index space; one coordinate of each position ends in .5. Triangles are
+/// sorted by the first boundary voxel of their cell (see SurfaceMesh), then by cell in memory order, then as
+/// in cell_triangles(). Vertices are numbered by first use. Cost: linear in the voxels of the crop and in the
+/// triangles.
+[[nodiscard]] SurfaceMesh marching_cubes(const StructureCrop& crop);
 
 }  // namespace splatlas

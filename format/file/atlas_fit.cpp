@@ -1,10 +1,7 @@
 // Reading of surfaces and normals, stored or fitted to the voxels.
 #include <cstring>
 #include <new>
-#include <utility>
 #include <vector>
-
-#include <fmt/format.h>
 
 #include "format/codec/surface_codec.h"
 #include "format/derive/fit_surface.h"
@@ -26,8 +23,8 @@ bool overlap(const IndexBox& box, const StructureCrop& crop) {
 
 Result<StructureCrop> Atlas::Impl::read_crop(StructureIndex s, const IndexBox& box, bool around) const {
   if (crop_voxels(box) > kMaxFittedVoxels) {
-    return named({ErrorCode::kLimit,
-                  fmt::format("structure '{}' is too large to fit a surface to it", directory.graph[s].id)});
+    return named(ErrorCode::kLimit, "structure '{}' is too large to fit a surface to it",
+                 directory.graph[s].id);
   }
   StructureCrop crop = around ? empty_crop_around(box) : empty_crop(box);
   for (const auto& [c, part] : structure_classes.of(s)) {
@@ -55,12 +52,10 @@ Result<SurfaceMesh> Atlas::Impl::fit_surface_of(StructureIndex s) const {
     mesh = fit_surface(crop, grid);
   }
   if (mesh.positions_ijk.size() == entry.vertices && mesh.triangles.size() == entry.triangles) return mesh;
-  return named(
-      {ErrorCode::kInvalidAtlas,
-       fmt::format("invalid: surface of structure '{}': {} vertices and {} triangles, its voxels give "
-                   "{} and {}",
-                   directory.graph[s].id, entry.vertices, entry.triangles, mesh.positions_ijk.size(),
-                   mesh.triangles.size())});
+  return named(ErrorCode::kInvalidAtlas,
+               "invalid: surface of structure '{}': {} vertices and {} triangles, its voxels give {} and {}",
+               directory.graph[s].id, entry.vertices, entry.triangles, mesh.positions_ijk.size(),
+               mesh.triangles.size());
 }
 
 Result<std::vector<PackedNormal>> Atlas::Impl::fit_normals_of(ClassId c) const {
@@ -70,15 +65,10 @@ Result<std::vector<PackedNormal>> Atlas::Impl::fit_normals_of(ClassId c) const {
   SPLATLAS_ASSIGN_OR_RETURN(const StructureCrop crop, read_crop(owner, directory.classes.box(c), true));
   // verify() reports runs outside the class's box. Refuse them here for memory safety.
   for (const Run& run : runs) {
-    const auto scanline = static_cast<std::int64_t>(run.scanline);
-    const IndexBox line{
-        {run.start, scanline % grid.size[1], scanline / grid.size[1]},
-        {std::int64_t{run.start} + run.length - 1, scanline % grid.size[1], scanline / grid.size[1]}};
     IndexBox together = directory.classes.box(c);
-    together.include(line);
+    together.include(box_of(run, grid.size[1]));
     if (together != directory.classes.box(c)) {
-      return named(
-          {ErrorCode::kInvalidAtlas, fmt::format("invalid: the box of class {} does not match its runs", c)});
+      return named(ErrorCode::kInvalidAtlas, "invalid: the box of class {} does not match its runs", c);
     }
   }
   return fit_normals(crop, runs, grid);
@@ -93,13 +83,12 @@ Result<SurfaceMesh> Atlas::read_surface(StructureIndex s) const {
                               impl_->read_stream(SectionKind::kSurfaces, impl_->surface_stream[s]));
     auto mesh = decode_surface(bytes, entry, impl_->grid.size);
     if (!mesh) {
-      return impl_->named({ErrorCode::kInvalidAtlas, fmt::format("invalid: surface of structure '{}': {}",
-                                                                 graph()[s].id, mesh.error().message)});
+      return impl_->named(ErrorCode::kInvalidAtlas, "invalid: surface of structure '{}': {}", graph()[s].id,
+                          mesh.error().message);
     }
     return mesh;
   } catch (const std::bad_alloc&) {
-    return impl_->named(
-        {ErrorCode::kLimit, fmt::format("out of memory for the surface of structure '{}'", graph()[s].id)});
+    return impl_->named(ErrorCode::kLimit, "out of memory for the surface of structure '{}'", graph()[s].id);
   }
 }
 
@@ -112,7 +101,7 @@ Result<std::vector<PackedNormal>> Atlas::read_normals(ClassId c) const {
     if (!bytes.empty()) std::memcpy(normals.data(), bytes.data(), bytes.size());
     return normals;
   } catch (const std::bad_alloc&) {
-    return impl_->named({ErrorCode::kLimit, fmt::format("out of memory for the normals of class {}", c)});
+    return impl_->named(ErrorCode::kLimit, "out of memory for the normals of class {}", c);
   }
 }
 

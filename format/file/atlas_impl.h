@@ -19,6 +19,7 @@
 #include "format/file/section_reader.h"
 #include "format/file/value_cache.h"
 #include "format/system/input_file.h"
+#include "format/system/result_macros.h"
 
 namespace splatlas {
 
@@ -55,7 +56,12 @@ struct Atlas::Impl {
 
   /// Prefixes the message of an error with the file name.
   [[nodiscard]] tl::unexpected<Error> named(const Error& error) const {
-    return fail(error.code, file.name() + ": " + error.message);
+    return named(error.code, "{}", error.message);
+  }
+  template <typename... Args>
+  [[nodiscard]] tl::unexpected<Error> named(ErrorCode code, fmt::format_string<Args...> text,
+                                            Args&&... args) const {
+    return fail(code, "{}: {}", file.name(), fmt::format(text, std::forward<Args>(args)...));
   }
 
   InputFile file;

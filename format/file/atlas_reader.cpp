@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstring>
-#include <limits>
 #include <new>
 
 #include <fmt/format.h>
@@ -37,15 +36,15 @@ Result<OpenedDirectory> read_directory(const InputFile& file) {
   std::vector<std::byte> bytes(header.directory_bytes);  // allocated with 16-byte alignment
   SPLATLAS_RETURN_IF_ERROR(file.read(header.directory_offset, bytes));
   if (checksum_of(bytes) != header.directory_checksum) {
-    return fail(ErrorCode::kInvalidAtlas, "damaged: checksum of the directory");
+    return invalid_atlas("damaged: checksum of the directory");
   }
   SPLATLAS_ASSIGN_OR_RETURN(Directory directory, decode_directory(bytes));
   RunStreams streams(directory.classes);
   SPLATLAS_RETURN_IF_ERROR(validate(directory, streams));
   SPLATLAS_ASSIGN_OR_RETURN(FileLayout layout, lay_out(directory, streams.groups(), header.directory_bytes));
   if (layout.file_bytes() != header.file_bytes) {
-    return fail(ErrorCode::kInvalidAtlas, fmt::format("invalid: chunks end at {}, the file has {} bytes",
-                                                      layout.file_bytes(), header.file_bytes));
+    return invalid_atlas("invalid: chunks end at {}, the file has {} bytes", layout.file_bytes(),
+                         header.file_bytes);
   }
   return OpenedDirectory{header, std::move(directory), std::move(streams), std::move(layout)};
 }
@@ -145,12 +144,12 @@ double Atlas::reference_length_mm() const {
 
 Result<void> Atlas::Impl::check_class(ClassId c) const {
   if (c < directory.classes.size()) return {};
-  return fail(ErrorCode::kUsage, fmt::format("class {} of {}", c, directory.classes.size()));
+  return fail(ErrorCode::kUsage, "class {} of {}", c, directory.classes.size());
 }
 
 Result<void> Atlas::Impl::check_structure(StructureIndex s) const {
   if (s < directory.graph.size()) return {};
-  return fail(ErrorCode::kUsage, fmt::format("structure {} of {}", s, directory.graph.size()));
+  return fail(ErrorCode::kUsage, "structure {} of {}", s, directory.graph.size());
 }
 
 Result<std::vector<std::byte>> Atlas::Impl::read_stream(SectionKind kind, std::size_t stream) const {
@@ -159,15 +158,15 @@ Result<std::vector<std::byte>> Atlas::Impl::read_stream(SectionKind kind, std::s
   const std::uint64_t size = section->stream_begin[stream + 1] - section->stream_begin[stream];
   constexpr std::uint64_t kSmall = std::uint64_t{1} << 26;
   if (const std::uint64_t limit = size <= kSmall ? kSmall : default_memory_limit(); size > limit) {
-    return named({ErrorCode::kLimit, fmt::format("{} needs a stream of {} MiB, {} MiB are allowed",
-                                                 section_name(section->kind), size >> 20, limit >> 20)});
+    return named(ErrorCode::kLimit, "{} needs a stream of {} MiB, {} MiB are allowed",
+                 section_name(section->kind), size >> 20, limit >> 20);
   }
   try {
     auto bytes = sections.read_stream(*section, stream);
     if (!bytes) return named(bytes.error());
     return bytes;
   } catch (const std::bad_alloc&) {
-    return named({ErrorCode::kLimit, fmt::format("out of memory for a stream of {} bytes", size)});
+    return named(ErrorCode::kLimit, "out of memory for a stream of {} bytes", size);
   }
 }
 
@@ -210,11 +209,9 @@ Result<SplitRuns> Atlas::Impl::split_runs(ClassId c, Axis axis) const {
   std::uint64_t found = 0;
   for (const Run& run : split.interior) found += run.length;
   if (found == interior) return split;
-  return named(
-      {ErrorCode::kInvalidAtlas,
-       fmt::format("invalid: {} of class {}: {} voxels are interior to classes {} and {}, expected {}",
-                   section_name(static_cast<std::uint32_t>(run_section(axis))), pair[0], found, pair[0],
-                   pair[1], interior)});
+  return named(ErrorCode::kInvalidAtlas,
+               "invalid: {} of class {}: {} voxels are interior to classes {} and {}, expected {}",
+               section_name(run_section(axis)), pair[0], found, pair[0], pair[1], interior);
 }
 
 IndexBox Atlas::Impl::list_box(ClassId c, Axis axis) const {
@@ -231,10 +228,8 @@ Result<ClassRuns> Atlas::Impl::read_run_list(ClassId c, Axis axis, std::uint64_t
   const Result<void> valid =
       runs ? validate_runs(*runs, grid.size, axis, voxels) : tl::unexpected(runs.error());
   if (!valid) {
-    return named(
-        {ErrorCode::kInvalidAtlas,
-         fmt::format("invalid: {} of class {}: {}",
-                     section_name(static_cast<std::uint32_t>(run_section(axis))), c, valid.error().message)});
+    return named(ErrorCode::kInvalidAtlas, "invalid: {} of class {}: {}", section_name(run_section(axis)), c,
+                 valid.error().message);
   }
   return runs;
 }
@@ -242,10 +237,8 @@ Result<ClassRuns> Atlas::Impl::read_run_list(ClassId c, Axis axis, std::uint64_t
 Result<ClassRuns> Atlas::Impl::derive_runs(ClassId c, Axis axis) const {
   if (const std::uint64_t voxels = directory.classes.voxels(c);
       c != kEmptyClass && voxels > kMaxDerivedVoxels) {
-    return named(
-        {ErrorCode::kLimit, fmt::format("class {} has {} voxels, too many to derive a run model from "
-                                        "another",
-                                        c, voxels)});
+    return named(ErrorCode::kLimit, "class {} has {} voxels, too many to derive a run model from another", c,
+                 voxels);
   }
   SPLATLAS_ASSIGN_OR_RETURN(const ClassRuns runs, read_stored_runs(c, Axis::kZ));
   return convert_runs(runs, grid.size, Axis::kZ, axis);
@@ -257,7 +250,7 @@ Result<ClassRuns> Atlas::read_runs(ClassId c, Axis axis) const {
     return impl_->layout.find(run_section(axis)) ? impl_->read_stored_runs(c, axis)
                                                  : impl_->derive_runs(c, axis);
   } catch (const std::bad_alloc&) {
-    return impl_->named({ErrorCode::kLimit, fmt::format("out of memory for the runs of class {}", c)});
+    return impl_->named(ErrorCode::kLimit, "out of memory for the runs of class {}", c);
   }
 }
 

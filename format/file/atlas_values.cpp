@@ -1,11 +1,8 @@
 // Reading of grey values: decoded by group, returned by class.
 #include <algorithm>
-#include <cstring>
 #include <new>
 #include <utility>
 #include <vector>
-
-#include <fmt/format.h>
 
 #include "format/codec/value_codec.h"
 #include "format/file/atlas_impl.h"
@@ -43,8 +40,8 @@ Result<ValueCache::GroupValues> Atlas::Impl::decode_group(std::size_t group) con
   check_cancelled();
   auto decoded = decode_values({spans, voxels, box, grid.size[1]}, directory.value_type, code);
   if (!decoded) {
-    return named({ErrorCode::kInvalidAtlas,
-                  fmt::format("invalid: values of class {}: {}", of.front(), decoded.error().message)});
+    return named(ErrorCode::kInvalidAtlas, "invalid: values of class {}: {}", of.front(),
+                 decoded.error().message);
   }
   check_cancelled();
   if (of.size() == 1) {
@@ -77,7 +74,7 @@ Result<std::vector<std::byte>> Atlas::read_values(ClassId c) const {
     if (value_type() == VoxelType::kNone) return std::vector<std::byte>{};
     return impl_->read_class_values(c);
   } catch (const std::bad_alloc&) {
-    return impl_->named({ErrorCode::kLimit, fmt::format("out of memory for the values of class {}", c)});
+    return impl_->named(ErrorCode::kLimit, "out of memory for the values of class {}", c);
   }
 }
 

@@ -41,20 +41,16 @@ class RunVerifier {
     friend auto operator<=>(const Span&, const Span&) = default;
   };
 
-  [[nodiscard]] tl::unexpected<Error> invalid(std::string message) const {
-    return fail(ErrorCode::kInvalidAtlas, fmt::format("{}: invalid: {}", atlas_.name(), message));
+  template <typename... Args>
+  [[nodiscard]] tl::unexpected<Error> invalid(fmt::format_string<Args...> text, Args&&... args) const {
+    return invalid_atlas("{}: invalid: {}", atlas_.name(), fmt::format(text, std::forward<Args>(args)...));
   }
 
   [[nodiscard]] Result<void> check_box(ClassId c, const ClassRuns& runs) const {
     IndexBox box;
-    const std::int64_t rows = atlas_.grid().size[1];
-    for (const Run& run : runs) {
-      const auto scanline = static_cast<std::int64_t>(run.scanline);
-      const std::int64_t j = scanline % rows, k = scanline / rows;
-      box.include(IndexBox{{run.start, j, k}, {std::int64_t{run.start} + run.length - 1, j, k}});
-    }
+    for (const Run& run : runs) box.include(box_of(run, atlas_.grid().size[1]));
     if (box == atlas_.classes().box(c)) return {};
-    return invalid(fmt::format("the box of class {} does not match its runs", c));
+    return invalid("the box of class {} does not match its runs", c);
   }
 
   void add(ClassId c, const ClassRuns& runs) {
@@ -68,17 +64,15 @@ class RunVerifier {
     totals_[static_cast<std::size_t>(axis)] += runs.size();
     if (!layout_.find(run_section(axis))) return {};
     if (fingerprinter_.of(runs, axis) == fingerprinter_.of(runs_z, Axis::kZ)) return {};
-    return invalid(fmt::format("{} and runs_z of class {} cover different voxels",
-                               section_name(static_cast<std::uint32_t>(run_section(axis))), c));
+    return invalid("{} and runs_z of class {} cover different voxels", section_name(run_section(axis)), c);
   }
 
   [[nodiscard]] Result<void> check_totals() const {
     for (const Axis axis : kAxes) {
       const std::uint64_t counted = totals_[static_cast<std::size_t>(axis)];
       if (counted != atlas_.runs(axis)) {
-        return invalid(fmt::format("{} has {} runs, the directory says {}",
-                                   section_name(static_cast<std::uint32_t>(run_section(axis))), counted,
-                                   atlas_.runs(axis)));
+        return invalid("{} has {} runs, the directory says {}", section_name(run_section(axis)), counted,
+                       atlas_.runs(axis));
       }
     }
     return {};
@@ -90,8 +84,8 @@ class RunVerifier {
     const auto overlap = std::ranges::adjacent_find(
         spans_, [](const Span& a, const Span& b) { return a.scanline == b.scanline && a.end > b.start; });
     if (overlap == spans_.end()) return {};
-    return invalid(fmt::format("runs_z of classes {} and {} overlap in scanline {}", overlap->of,
-                               (overlap + 1)->of, overlap->scanline));
+    return invalid("runs_z of classes {} and {} overlap in scanline {}", overlap->of, (overlap + 1)->of,
+                   overlap->scanline);
   }
 
   /// Checks the box of class 0, the complement of the other classes. An empty box is valid.
@@ -166,7 +160,7 @@ Result<void> Atlas::verify() const {
     for (StructureIndex s = 0; s < graph().size(); ++s) SPLATLAS_RETURN_IF_ERROR(read_surface(s));
     return {};
   } catch (const std::bad_alloc&) {
-    return impl_->named({ErrorCode::kLimit, "out of memory"});
+    return impl_->named(ErrorCode::kLimit, "out of memory");
   }
 }
 

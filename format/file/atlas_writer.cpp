@@ -6,8 +6,6 @@
 #include <new>
 #include <utility>
 
-#include <fmt/format.h>
-
 #include "format/codec/chunk_codec.h"
 #include "format/codec/mask_codec.h"
 #include "format/codec/run_codec.h"
@@ -15,7 +13,6 @@
 #include "format/codec/value_codec.h"
 #include "format/derive/boundary_split.h"
 #include "format/derive/fit_surface.h"
-#include "format/file/content_check.h"
 #include "format/file/directory.h"
 #include "format/file/file_layout.h"
 #include "format/file/fitted_content.h"
@@ -197,7 +194,7 @@ Result<SectionBytes> AtlasEncoder::gather_runs(Axis axis) {
       append_runs(model.classes[c], box, axis, bytes);
     }
     if (bytes.size() - begin > std::numeric_limits<std::uint32_t>::max()) {
-      return fail(ErrorCode::kFailed, fmt::format("the run list of class {} is longer than 4 GiB", c));
+      return fail(ErrorCode::kFailed, "the run list of class {} is longer than 4 GiB", c);
     }
     directory_.run_bytes[c][a] = static_cast<std::uint32_t>(bytes.size() - begin);
   }
@@ -293,8 +290,8 @@ Result<SectionBytes> AtlasEncoder::gather_surfaces() {
       [&](std::size_t done) { report(kGathering * static_cast<double>(done) / static_cast<double>(count)); });
   for (StructureIndex s = 0; s < count; ++s) {
     if (!encoded[s]) {
-      return fail(encoded[s].error().code, fmt::format("surface of structure '{}': {}", content_.graph[s].id,
-                                                       encoded[s].error().message));
+      return fail(encoded[s].error().code, "surface of structure '{}': {}", content_.graph[s].id,
+                  encoded[s].error().message);
     }
     directory_.surfaces[s] = encoded[s]->entry;
   }
@@ -333,8 +330,8 @@ void AtlasEncoder::add_section(SectionKind kind, const SectionBytes& decoded) {
 Result<std::vector<std::byte>> AtlasEncoder::assemble() const {
   SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::byte> directory, encode_directory(directory_));
   if (directory.size() > kMaxDirectoryBytes) {
-    return fail(ErrorCode::kFailed,
-                fmt::format("the directory takes {} bytes (limit {})", directory.size(), kMaxDirectoryBytes));
+    return fail(ErrorCode::kFailed, "the directory takes {} bytes (limit {})", directory.size(),
+                kMaxDirectoryBytes);
   }
   SPLATLAS_ASSIGN_OR_RETURN(const FileLayout layout, lay_out(directory_, directory.size()));
   const FileHeader header = make_header(directory, layout.file_bytes());
@@ -356,8 +353,7 @@ void AtlasEncoder::report(double fraction_of_section) const {
 
 Result<std::vector<std::byte>> encode_atlas(const AtlasContent& content, const WriteOptions& options) {
   if (options.level < 1 || options.level > 22) {
-    return fail(ErrorCode::kUsage,
-                fmt::format("compression level {} is not between 1 and 22", options.level));
+    return fail(ErrorCode::kUsage, "compression level {} is not between 1 and 22", options.level);
   }
   try {
     Result<void> checked = check_content(content);

@@ -28,10 +28,6 @@ flatbuffers::span<const T, n> to_span(const std::array<T, n>& values) {
   return flatbuffers::span<const T, n>(values.data(), n);
 }
 
-tl::unexpected<Error> invalid(std::string message) {
-  return fail(ErrorCode::kInvalidAtlas, std::move(message));
-}
-
 /// Concatenates all strings in the order of docs/atlas_format.md.
 class TextWriter {
  public:
@@ -218,30 +214,29 @@ bool is_aligned(const flatbuffers::Vector<const Row*>& rows) {
 Result<void> check_tables(const schema::Directory& d) {
   if (!is_aligned(*d.structures()) || !is_aligned(*d.surfaces()) || !is_aligned(*d.classes()) ||
       !is_aligned(*d.scenes()) || !is_aligned(*d.sections()) || !is_aligned(*d.chunks())) {
-    return invalid("invalid: directory tables are not aligned");
+    return invalid_atlas("invalid: directory tables are not aligned");
   }
   const std::uint64_t strings = 4 + 2 * std::uint64_t{d.structures()->size()} +
                                 3 * std::uint64_t{d.scenes()->size()} + 2 * std::uint64_t{d.sources()};
   if (d.text_ends()->size() != strings) {
-    return invalid(
-        fmt::format("invalid: directory has {} strings, expected {}", d.text_ends()->size(), strings));
+    return invalid_atlas("invalid: directory has {} strings, expected {}", d.text_ends()->size(), strings);
   }
   const auto value = [](const auto& rows, auto n) { return rows.Get(n); };
   if (!ends_are_valid(*d.text_ends(), value, d.text()->size())) {
-    return invalid("invalid: inconsistent offsets of directory text");
+    return invalid_atlas("invalid: inconsistent offsets of directory text");
   }
   const auto parents_end = [](const auto& rows, auto n) { return rows.Get(n)->parents_end(); };
   if (!ends_are_valid(*d.structures(), parents_end, d.parents()->size())) {
-    return invalid("invalid: inconsistent offsets of directory table of parents");
+    return invalid_atlas("invalid: inconsistent offsets of directory table of parents");
   }
   const auto members_end = [](const auto& rows, auto n) { return rows.Get(n)->members_end(); };
   if (!ends_are_valid(*d.classes(), members_end, d.members()->size())) {
-    return invalid("invalid: inconsistent offsets of directory table of class members");
+    return invalid_atlas("invalid: inconsistent offsets of directory table of class members");
   }
   if (d.structures()->size() > kMaxStructures || d.classes()->size() > kMaxClasses ||
       d.classes()->size() == 0) {
-    return invalid(fmt::format("invalid: {} structures (limit {}) and {} classes (1 to {})",
-                               d.structures()->size(), kMaxStructures, d.classes()->size(), kMaxClasses));
+    return invalid_atlas("invalid: {} structures (limit {}) and {} classes (1 to {})", d.structures()->size(),
+                         kMaxStructures, d.classes()->size(), kMaxClasses);
   }
   return {};
 }
@@ -249,11 +244,11 @@ Result<void> check_tables(const schema::Directory& d) {
 /// Checks that boolean fields are 0 or 1.
 Result<void> check_flags(const schema::Directory& d) {
   for (const std::uint8_t flipped : *d.source_to_storage()->flipped()) {
-    if (flipped > 1) return invalid(fmt::format("invalid: an axis is reversed by {}", flipped));
+    if (flipped > 1) return invalid_atlas("invalid: an axis is reversed by {}", flipped);
   }
   for (flatbuffers::uoffset_t c = 0; c < d.normals_fitted()->size(); ++c) {
     if (const std::uint8_t fitted = d.normals_fitted()->Get(c); fitted > 1) {
-      return invalid(fmt::format("invalid: normals of class {} are fitted by {}", c, fitted));
+      return invalid_atlas("invalid: normals of class {} are fitted by {}", c, fitted);
     }
   }
   return {};
@@ -274,7 +269,7 @@ Result<StructureGraph> read_structures(const schema::Directory& d, TextReader& t
     for (; parent < row.parents_end(); ++parent) s.parents.push_back(d.parents()->Get(parent));
   }
   auto graph = StructureGraph::build(std::move(structures));
-  if (!graph) return invalid("invalid: " + graph.error().message);
+  if (!graph) return invalid_atlas("invalid: {}", graph.error().message);
   return graph;
 }
 
@@ -288,15 +283,15 @@ Result<void> read_classes(const schema::Directory& d, Directory& directory) {
     for (; member < row.members_end(); ++member) {
       const std::uint32_t code = d.members()->Get(member);
       if (code / 4 >= directory.graph.size() || code % 4 > static_cast<std::uint32_t>(Part::kCrossed)) {
-        return invalid(fmt::format("invalid: class {} has part {} of structure {}", c, code % 4, code / 4));
+        return invalid_atlas("invalid: class {} has part {} of structure {}", c, code % 4, code / 4);
       }
       members.push_back({code / 4, static_cast<Part>(code % 4)});
       if (members.size() > 1 && members[members.size() - 2].structure >= members.back().structure) {
-        return invalid(fmt::format("invalid: memberships of class {} are not in order", c));
+        return invalid_atlas("invalid: memberships of class {} are not in order", c);
       }
     }
     if (directory.classes.intern(std::move(members)) != c) {
-      return invalid(fmt::format("invalid: class {} repeats another class", c));
+      return invalid_atlas("invalid: class {} repeats another class", c);
     }
     directory.classes.count(
         c, row.voxels(),
@@ -333,12 +328,12 @@ Result<void> read_chunks(const schema::Directory& d, Directory& directory) {
 Result<Directory> decode_directory(std::span<const std::byte> bytes) {
   // The verifier asserts instead of failing at 2 GiB.
   if (bytes.size() < 16 || bytes.size() >= FLATBUFFERS_MAX_BUFFER_SIZE) {
-    return invalid(fmt::format("invalid: directory of {} bytes", bytes.size()));
+    return invalid_atlas("invalid: directory of {} bytes", bytes.size());
   }
   const auto* data = reinterpret_cast<const std::uint8_t*>(bytes.data());
   flatbuffers::Verifier verifier(data, bytes.size(), /*max_depth=*/4, /*max_tables=*/4);
   if (!schema::VerifyDirectoryBuffer(verifier))
-    return invalid("invalid: directory is not a FlatBuffer of an atlas");
+    return invalid_atlas("invalid: directory is not a FlatBuffer of an atlas");
   const schema::Directory& d = *schema::GetDirectory(data);
   SPLATLAS_RETURN_IF_ERROR(check_tables(d));
   SPLATLAS_RETURN_IF_ERROR(check_flags(d));

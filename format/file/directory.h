@@ -35,6 +35,9 @@ enum class SectionKind : std::uint32_t {
 };
 /// "runs_x", ..., "surfaces"; "section 17" for an unknown kind.
 [[nodiscard]] std::string section_name(std::uint32_t kind);
+[[nodiscard]] inline std::string section_name(SectionKind kind) {
+  return section_name(static_cast<std::uint32_t>(kind));
+}
 /// The section of the run model of an axis.
 [[nodiscard]] constexpr SectionKind run_section(Axis axis) {
   return static_cast<SectionKind>(static_cast<std::uint32_t>(SectionKind::kRunsX) +
@@ -84,5 +87,9 @@ struct Directory {
 [[nodiscard]] Result<void> validate(const Directory& directory);
 /// The same with precomputed streams of its classes.
 [[nodiscard]] Result<void> validate(const Directory& directory, const RunStreams& streams);
+
+/// kFailed if sizes, class ids, counts, boxes or the order of classes of the content are inconsistent.
+/// validate() checks its directory, and encode_surface() its surfaces. Cost: one pass over the class volume.
+[[nodiscard]] Result<void> check_content(const AtlasContent& content);
 
 }  // namespace splatlas

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cmath>
 #include <initializer_list>
-#include <span>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -11,16 +10,12 @@
 #include "format/codec/surface_codec.h"
 #include "format/derive/boundary_split.h"
 #include "format/file/directory.h"
-#include "format/system/plain_text.h"
+#include "format/system/ascii_text.h"
 #include "format/system/result_macros.h"
 
 namespace splatlas {
 
 namespace {
-
-tl::unexpected<Error> invalid(std::string message) {
-  return fail(ErrorCode::kInvalidAtlas, "invalid: " + std::move(message));
-}
 
 bool all_finite(std::initializer_list<double> values) {
   return std::ranges::all_of(values, [](double v) { return std::isfinite(v); });
@@ -31,7 +26,7 @@ template <typename Describe>
 Result<void> check_text(std::string_view text, const Describe& describe) {
   const std::string fault = fault_of_text(text);
   if (fault.empty()) return {};
-  return invalid(describe() + " " + fault);
+  return invalid_atlas("invalid: {} {}", describe(), fault);
 }
 
 Result<void> check_texts(const Directory& d) {
@@ -54,27 +49,28 @@ Result<void> check_texts(const Directory& d) {
       SPLATLAS_RETURN_IF_ERROR(check_text(*text, [n] { return fmt::format("text of scene {}", n); }));
     }
     if (!all_finite({scene.azimuth_deg, scene.elevation_deg, scene.zoom}) || !(scene.zoom > 0)) {
-      return invalid(fmt::format("camera of scene {}: azimuth {}, elevation {}, zoom {}", n,
-                                 scene.azimuth_deg, scene.elevation_deg, scene.zoom));
+      return invalid_atlas("invalid: camera of scene {}: azimuth {}, elevation {}, zoom {}", n,
+                           scene.azimuth_deg, scene.elevation_deg, scene.zoom);
     }
   }
   return {};
 }
 
 Result<void> check_geometry(const Directory& d) {
-  if (auto valid = validate(d.source_grid, "source grid"); !valid) return invalid(valid.error().message);
-  if (!d.source_to_storage.is_permutation()) return invalid("axis order is not a permutation");
+  if (auto valid = validate(d.source_grid, "source grid"); !valid)
+    return invalid_atlas("invalid: {}", valid.error().message);
+  if (!d.source_to_storage.is_permutation()) return invalid_atlas("invalid: axis order is not a permutation");
   for (const VoxelType type : {d.value_type, d.label_type}) {
     if (static_cast<unsigned>(type) > static_cast<unsigned>(VoxelType::kFloat64)) {
-      return invalid(fmt::format("unknown voxel type {}", static_cast<unsigned>(type)));
+      return invalid_atlas("invalid: unknown voxel type {}", static_cast<unsigned>(type));
     }
   }
   const Display& view = d.display;
   if (!all_finite({view.window_low, view.window_high}) || !is_within_reach(view.center_lps_mm) ||
       !(view.radius_mm >= 0 && view.radius_mm <= kMaxMm)) {
-    return invalid(fmt::format("display: window {} to {}, ball at {}, {}, {} of radius {}", view.window_low,
-                               view.window_high, view.center_lps_mm[0], view.center_lps_mm[1],
-                               view.center_lps_mm[2], view.radius_mm));
+    return invalid_atlas("invalid: display: window {} to {}, ball at {}, {}, {} of radius {}",
+                         view.window_low, view.window_high, view.center_lps_mm[0], view.center_lps_mm[1],
+                         view.center_lps_mm[2], view.radius_mm);
   }
   return {};
 }
@@ -91,20 +87,20 @@ bool box_fits(const IndexBox& box, std::uint64_t voxels, bool may_be_empty, cons
 }
 
 Result<void> check_classes(const Directory& d, const Grid& grid) {
-  if (!d.classes.members(kEmptyClass).empty()) return invalid("class 0 has members");
+  if (!d.classes.members(kEmptyClass).empty()) return invalid_atlas("invalid: class 0 has members");
   std::uint64_t sum = 0;
   const auto grid_voxels = static_cast<std::uint64_t>(grid.voxels());
   for (ClassId c = 0; c < d.classes.size(); ++c) {
     const std::uint64_t voxels = d.classes.voxels(c);
     if (voxels > grid_voxels - sum)
-      return invalid(fmt::format("classes have more voxels than the grid's {}", grid_voxels));
+      return invalid_atlas("invalid: classes have more voxels than the grid's {}", grid_voxels);
     sum += voxels;
     if (!box_fits(d.classes.box(c), voxels, c == kEmptyClass, grid.size)) {
-      return invalid(fmt::format("box of class {} does not fit its {} voxels in the grid", c, voxels));
+      return invalid_atlas("invalid: box of class {} does not fit its {} voxels in the grid", c, voxels);
     }
   }
   if (sum != grid_voxels) {
-    return invalid(fmt::format("classes have {} voxels, the grid has {}", sum, grid_voxels));
+    return invalid_atlas("invalid: classes have {} voxels, the grid has {}", sum, grid_voxels);
   }
   return {};
 }
@@ -117,7 +113,7 @@ Result<void> check_runs(const Directory& d, const RunStreams& streams) {
     const std::uint64_t covered =
         static_cast<std::uint64_t>(d.source_grid.voxels()) - d.classes.voxels(kEmptyClass);
     if (d.run_totals[a] > covered) {
-      return invalid(fmt::format("run model {} has {} runs of {} voxels", a, d.run_totals[a], covered));
+      return invalid_atlas("invalid: run model {} has {} runs of {} voxels", a, d.run_totals[a], covered);
     }
     const auto bytes_of = [&](ClassId c) { return d.run_bytes[c][a]; };
     for (ClassId c = 0; c < d.classes.size(); ++c) {
@@ -128,8 +124,8 @@ Result<void> check_runs(const Directory& d, const RunStreams& streams) {
         voxels = c == pair[0] ? voxels + d.classes.voxels(pair[1]) : 0;
       }
       if (bytes < min_run_list_bytes(voxels) || bytes > max_run_list_bytes(voxels)) {
-        return invalid(
-            fmt::format("runs of class {} along axis {} take {} bytes for {} voxels", c, a, bytes, voxels));
+        return invalid_atlas("invalid: runs of class {} along axis {} take {} bytes for {} voxels", c, a,
+                             bytes, voxels);
       }
     }
   }
@@ -138,12 +134,12 @@ Result<void> check_runs(const Directory& d, const RunStreams& streams) {
 
 Result<void> check_normals(const Directory& d) {
   if (d.normals_fitted.size() != d.classes.size()) {
-    return invalid(
-        fmt::format("normals of {} classes, there are {}", d.normals_fitted.size(), d.classes.size()));
+    return invalid_atlas("invalid: normals of {} classes, there are {}", d.normals_fitted.size(),
+                         d.classes.size());
   }
   for (ClassId c = 0; c < d.classes.size(); ++c) {
     if (d.normals_fitted[c] && !has_normals(d.classes, c)) {
-      return invalid(fmt::format("class {} has fitted normals but no boundary", c));
+      return invalid_atlas("invalid: class {} has fitted normals but no boundary", c);
     }
   }
   return {};
@@ -151,11 +147,11 @@ Result<void> check_normals(const Directory& d) {
 
 Result<void> check_surfaces(const Directory& d, const Grid& grid) {
   if (d.surfaces.size() != d.graph.size()) {
-    return invalid(fmt::format("{} surfaces of {} structures", d.surfaces.size(), d.graph.size()));
+    return invalid_atlas("invalid: {} surfaces of {} structures", d.surfaces.size(), d.graph.size());
   }
   for (StructureIndex s = 0; s < d.graph.size(); ++s) {
     if (auto fits = check_surface_entry(d.surfaces[s], grid.size); !fits) {
-      return invalid(fmt::format("surface of structure '{}': {}", d.graph[s].id, fits.error().message));
+      return invalid_atlas("invalid: surface of structure '{}': {}", d.graph[s].id, fits.error().message);
     }
   }
   return {};
@@ -171,7 +167,8 @@ Result<void> validate(const Directory& d, const RunStreams& streams) {
   SPLATLAS_RETURN_IF_ERROR(check_geometry(d));
   SPLATLAS_RETURN_IF_ERROR(check_texts(d));
   const Grid grid = reordered(d.source_grid, d.source_to_storage);
-  if (auto valid = validate(grid, "storage grid"); !valid) return invalid(valid.error().message);
+  if (auto valid = validate(grid, "storage grid"); !valid)
+    return invalid_atlas("invalid: {}", valid.error().message);
   SPLATLAS_RETURN_IF_ERROR(check_classes(d, grid));
   SPLATLAS_RETURN_IF_ERROR(check_runs(d, streams));
   SPLATLAS_RETURN_IF_ERROR(check_normals(d));

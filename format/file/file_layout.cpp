@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
-#include <limits>
 
 #include <fmt/format.h>
 
@@ -26,10 +25,6 @@ std::uint64_t header_checksum(const FileHeader& header) {
   return checksum_of(std::as_bytes(std::span(&header, 1)).first(kChecksummedHeaderBytes));
 }
 
-tl::unexpected<Error> invalid(std::string message) {
-  return fail(ErrorCode::kInvalidAtlas, std::move(message));
-}
-
 /// Message for a file without the magic number.
 std::string foreign_file(std::span<const std::byte> start) {
   if (start.empty()) return "not an atlas (the file is empty)";
@@ -42,11 +37,11 @@ std::string foreign_file(std::span<const std::byte> start) {
 
 Result<void> check_version(const FileHeader& header) {
   if (header.major != kFormatMajor) {
-    return invalid(fmt::format("needs format {}, this program reads format {}", header.major, kFormatMajor));
+    return invalid_atlas("needs format {}, this program reads format {}", header.major, kFormatMajor);
   }
   if (const std::uint32_t unknown = header.required_features & ~kKnownRequiredFeatures; unknown != 0) {
-    return invalid(fmt::format("needs format features {:#x} that this program (format {}.{}) does not know",
-                               unknown, kFormatMajor, kFormatMinor));
+    return invalid_atlas("needs format features {:#x} that this program (format {}.{}) does not know",
+                         unknown, kFormatMajor, kFormatMinor);
   }
   return {};
 }
@@ -65,32 +60,32 @@ FileHeader make_header(std::span<const std::byte> directory, std::uint64_t file_
 Result<FileHeader> check_header(std::span<const std::byte> start, std::uint64_t file_bytes) {
   const std::size_t magic_bytes = std::min(start.size(), kMagic.size());
   if (start.empty() || std::memcmp(start.data(), kMagic.data(), magic_bytes) != 0) {
-    return invalid(foreign_file(start));
+    return fail(ErrorCode::kInvalidAtlas, foreign_file(start));
   }
   if (start.size() < sizeof(FileHeader)) {
-    return invalid(
-        fmt::format("truncated: the header has {} bytes, the file has {}", sizeof(FileHeader), file_bytes));
+    return invalid_atlas("truncated: the header has {} bytes, the file has {}", sizeof(FileHeader),
+                         file_bytes);
   }
   FileHeader header;
   std::memcpy(&header, start.data(), sizeof header);
-  if (header_checksum(header) != header.header_checksum) return invalid("damaged: checksum of the header");
+  if (header_checksum(header) != header.header_checksum)
+    return invalid_atlas("damaged: checksum of the header");
   SPLATLAS_RETURN_IF_ERROR(check_version(header));
   if (file_bytes < header.file_bytes) {
-    return invalid(
-        fmt::format("truncated: header says {} bytes, file has {}", header.file_bytes, file_bytes));
+    return invalid_atlas("truncated: header says {} bytes, file has {}", header.file_bytes, file_bytes);
   }
   if (file_bytes > header.file_bytes) {
-    return invalid(fmt::format("{} trailing bytes: header says {} bytes, file has {}",
-                               file_bytes - header.file_bytes, header.file_bytes, file_bytes));
+    return invalid_atlas("{} trailing bytes: header says {} bytes, file has {}",
+                         file_bytes - header.file_bytes, header.file_bytes, file_bytes);
   }
   if (header.directory_offset != sizeof(FileHeader)) {
-    return invalid(
-        fmt::format("invalid: directory at {}, expected {}", header.directory_offset, sizeof(FileHeader)));
+    return invalid_atlas("invalid: directory at {}, expected {}", header.directory_offset,
+                         sizeof(FileHeader));
   }
   if (header.directory_bytes > file_bytes - sizeof(FileHeader) ||
       header.directory_bytes > kMaxDirectoryBytes) {
-    return invalid(fmt::format("invalid: directory of {} bytes in a file of {} (limit {})",
-                               header.directory_bytes, file_bytes, kMaxDirectoryBytes));
+    return invalid_atlas("invalid: directory of {} bytes in a file of {} (limit {})", header.directory_bytes,
+                         file_bytes, kMaxDirectoryBytes);
   }
   return header;
 }
@@ -120,18 +115,13 @@ std::vector<std::uint64_t> stream_sizes(const Directory& directory, const ValueG
     }
     return sizes;
   }
-  for (ClassId c = 0; c < classes.size(); ++c) {
-    switch (kind) {
-      case SectionKind::kRunsX: sizes.push_back(directory.run_bytes[c][0]); break;
-      case SectionKind::kRunsY: sizes.push_back(directory.run_bytes[c][1]); break;
-      case SectionKind::kRunsZ: sizes.push_back(directory.run_bytes[c][2]); break;
-      case SectionKind::kNormals:
-        sizes.push_back(stores_normals(directory, c) ? classes.voxels(c) * sizeof(PackedNormal) : 0);
-        break;
-      case SectionKind::kValues:
-      case SectionKind::kSurfaces: break;
-    }
+  if (kind == SectionKind::kNormals) {
+    for (ClassId c = 0; c < classes.size(); ++c)
+      sizes.push_back(stores_normals(directory, c) ? classes.voxels(c) * sizeof(PackedNormal) : 0);
+    return sizes;
   }
+  const auto axis = static_cast<std::size_t>(kind) - static_cast<std::size_t>(run_section(Axis::kX));
+  for (const std::array<std::uint32_t, 3>& bytes : directory.run_bytes) sizes.push_back(bytes[axis]);
   return sizes;
 }
 
@@ -172,23 +162,23 @@ Result<void> lay_out_streams(const Directory& directory, const ValueGroups& grou
                              SectionLayout& section) {
   if (entry.chunk_bytes < kMinChunkBytes || entry.chunk_bytes > kMaxChunkBytes ||
       entry.chunk_bytes % 8 != 0 || entry.shared_bytes > entry.chunk_bytes) {
-    return invalid(fmt::format("invalid: section {} is cut every {} bytes, shared up to {}",
-                               section_name(entry.kind), entry.chunk_bytes, entry.shared_bytes));
+    return invalid_atlas("invalid: section {} is cut every {} bytes, shared up to {}",
+                         section_name(entry.kind), entry.chunk_bytes, entry.shared_bytes);
   }
   section.stream_begin = begins_of(stream_sizes(directory, groups, static_cast<SectionKind>(entry.kind)));
   auto cuts = cut_streams(section.stream_begin, entry.chunk_bytes, entry.shared_bytes, entry.chunks);
   if (!cuts || cuts->size() != std::size_t{entry.chunks} + 1) {
-    return invalid(fmt::format("invalid: section {} has {} chunks, its streams of {} bytes need {}",
-                               section_name(entry.kind), entry.chunks, section.stream_begin.back(),
-                               cuts ? std::to_string(cuts->size() - 1) : std::string("more")));
+    return invalid_atlas("invalid: section {} has {} chunks, its streams of {} bytes need {}",
+                         section_name(entry.kind), entry.chunks, section.stream_begin.back(),
+                         cuts ? std::to_string(cuts->size() - 1) : std::string("more"));
   }
   section.chunk_begin = std::move(*cuts);
   for (std::uint32_t n = 0; n < entry.chunks; ++n) {
     const std::uint64_t stored = directory.chunks[section.first_chunk + n].stored_bytes;
     const std::uint64_t decoded = section.chunk_begin[n + 1] - section.chunk_begin[n];
     if (stored == 0 || stored > decoded) {
-      return invalid(fmt::format("invalid: chunk {} of section {} stores {} bytes as {}", n,
-                                 section_name(entry.kind), decoded, stored));
+      return invalid_atlas("invalid: chunk {} of section {} stores {} bytes as {}", n,
+                           section_name(entry.kind), decoded, stored);
     }
   }
   return {};
@@ -199,14 +189,14 @@ Result<void> check_presence(const Directory& directory, const FileLayout& layout
   const bool has_values = directory.value_type != VoxelType::kNone;
   const auto require = [&](SectionKind kind) -> Result<void> {
     if (layout.find(kind)) return {};
-    return invalid("invalid: section " + section_name(static_cast<std::uint32_t>(kind)) + " is missing");
+    return invalid_atlas("invalid: section {} is missing", section_name(kind));
   };
   SPLATLAS_RETURN_IF_ERROR(require(SectionKind::kRunsZ));
   SPLATLAS_RETURN_IF_ERROR(require(SectionKind::kNormals));
   SPLATLAS_RETURN_IF_ERROR(require(SectionKind::kSurfaces));
   if (has_values) SPLATLAS_RETURN_IF_ERROR(require(SectionKind::kValues));
   if (!has_values && layout.find(SectionKind::kValues))
-    return invalid("invalid: values without a value type");
+    return invalid_atlas("invalid: values without a value type");
   return {};
 }
 
@@ -229,11 +219,11 @@ Result<FileLayout> lay_out(const Directory& directory, const ValueGroups& groups
   std::size_t next_chunk = 0;
   for (const SectionEntry& entry : directory.sections) {
     if (entry.chunks > directory.chunks.size() - next_chunk) {
-      return invalid(fmt::format("invalid: section {} has {} chunks, {} are left", section_name(entry.kind),
-                                 entry.chunks, directory.chunks.size() - next_chunk));
+      return invalid_atlas("invalid: section {} has {} chunks, {} are left", section_name(entry.kind),
+                           entry.chunks, directory.chunks.size() - next_chunk);
     }
     if (std::ranges::count(layout.sections, entry.kind, &SectionLayout::kind) != 0) {
-      return invalid(fmt::format("invalid: section {} occurs twice", section_name(entry.kind)));
+      return invalid_atlas("invalid: section {} occurs twice", section_name(entry.kind));
     }
     SectionLayout section;
     section.kind = entry.kind;
@@ -244,8 +234,7 @@ Result<FileLayout> lay_out(const Directory& directory, const ValueGroups& groups
     layout.sections.push_back(std::move(section));
   }
   if (next_chunk != directory.chunks.size()) {
-    return invalid(
-        fmt::format("invalid: {} chunks belong to no section", directory.chunks.size() - next_chunk));
+    return invalid_atlas("invalid: {} chunks belong to no section", directory.chunks.size() - next_chunk);
   }
   SPLATLAS_RETURN_IF_ERROR(check_presence(directory, layout));
   return layout;

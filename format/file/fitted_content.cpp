@@ -4,7 +4,6 @@
 
 #include "format/derive/fit_surface.h"
 #include "format/derive/structure_crop.h"
-#include "format/file/directory.h"
 #include "format/system/parallel.h"
 
 namespace splatlas {
@@ -77,24 +76,18 @@ class FitComparer {
 
 std::uint64_t crop_voxels(const IndexBox& box) {
   std::uint64_t voxels = 1;
-  for (std::size_t a = 0; a < 3;
-       ++a) {  // cannot overflow: a valid box has at most 2^40 voxels, 2^24 per axis
+  // Cannot overflow: a valid box has at most 2^40 voxels, 2^24 per axis.
+  for (std::size_t a = 0; a < 3; ++a)
     voxels *= static_cast<std::uint64_t>(box.last[a] - box.first[a] + 1 + 2 * SmoothGradient::kRadius);
-  }
   return voxels;
 }
 
-FittedParts find_fitted_parts(const AtlasContent& content, unsigned threads,
-                              const std::function<void(double)>& progress) {
-  const std::size_t count = content.graph.size();
+FittedParts find_fitted_parts(const AtlasContent& content, unsigned threads) {
   FitComparer comparer(content);
-  std::vector<std::uint8_t> surfaces(count, 0);
-  parallel_for(
-      count, threads,
-      [&](std::size_t s) { surfaces[s] = comparer.surface_is_fitted(static_cast<StructureIndex>(s)); },
-      [&](std::size_t done) {
-        if (progress) progress(static_cast<double>(done) / static_cast<double>(count));
-      });
+  std::vector<std::uint8_t> surfaces(content.graph.size(), 0);
+  parallel_for(surfaces.size(), threads, [&](std::size_t s) {
+    surfaces[s] = comparer.surface_is_fitted(static_cast<StructureIndex>(s));
+  });
   FittedParts parts;
   parts.surfaces.assign(surfaces.begin(), surfaces.end());
   for (ClassId c = 0; c < content.classes.size(); ++c)

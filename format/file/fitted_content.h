@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <vector>
 
 #include "format/atlas_content.h"
@@ -23,8 +22,7 @@ struct FittedParts {
 
 /// Fits all surfaces and normals and compares, on `threads` threads (0: one per core). Cost: that of
 /// extracting all surfaces.
-[[nodiscard]] FittedParts find_fitted_parts(const AtlasContent& content, unsigned threads,
-                                            const std::function<void(double)>& progress = {});
+[[nodiscard]] FittedParts find_fitted_parts(const AtlasContent& content, unsigned threads);
 
 /// [structure]: true if all its voxels belong to the same set of structures. Fitting the normals of such a
 /// class needs no voxels of other groups. Cost: linear in the memberships.

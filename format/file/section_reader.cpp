@@ -31,11 +31,9 @@ Result<void> SectionReader::decode(const SectionLayout& section, std::size_t n,
                                    std::span<std::byte> to) const {
   check_cancelled();
   const std::size_t chunk = section.first_chunk + n;
-  auto stored = read_stored(chunk);
-  if (!stored) return tl::unexpected(stored.error());
-  if (auto decoded = decode_chunk(*stored, directory_.chunks[chunk], to); !decoded) {
-    return fail(decoded.error().code,
-                fmt::format("damaged: {} of {}", decoded.error().message, describe(section, n)));
+  SPLATLAS_ASSIGN_OR_RETURN(const Bytes stored, read_stored(chunk));
+  if (auto decoded = decode_chunk(stored, directory_.chunks[chunk], to); !decoded) {
+    return fail(decoded.error().code, "damaged: {} of {}", decoded.error().message, describe(section, n));
   }
   decoded_bytes_ += to.size();
   return {};
@@ -102,8 +100,7 @@ Result<void> SectionReader::check_chunk_of(const SectionLayout& section, std::ui
     const std::size_t chunk = section.first_chunk + n;
     SPLATLAS_ASSIGN_OR_RETURN(const Bytes stored, read_stored(chunk));
     if (auto sound = check_chunk(stored, directory_.chunks[chunk]); !sound) {
-      return fail(sound.error().code,
-                  fmt::format("damaged: {} of {}", sound.error().message, describe(section, n)));
+      return fail(sound.error().code, "damaged: {} of {}", sound.error().message, describe(section, n));
     }
     return {};
   }
@@ -118,20 +115,21 @@ std::string SectionReader::describe(const SectionLayout& section, std::size_t n)
   const auto& begins = section.stream_begin;
   const auto first = std::ranges::upper_bound(begins, section.chunk_begin[n]) - begins.begin() - 1;
   const auto last = std::ranges::lower_bound(begins, section.chunk_begin[n + 1]) - begins.begin() - 1;
+  const auto from_to = [&](const char* one, const char* several, const auto& from, const auto& to) {
+    return from == to ? fmt::format("{} of {} {}", name, one, from)
+                      : fmt::format("{} of {} {} to {}", name, several, from, to);
+  };
   if (section.kind == static_cast<std::uint32_t>(SectionKind::kSurfaces)) {
-    const auto id = [&](auto stream) { return directory_.graph[directory_.graph.preorder()[stream]].id; };
-    return first == last ? fmt::format("{} of structure '{}'", name, id(first))
-                         : fmt::format("{} of structures '{}' to '{}'", name, id(first), id(last));
+    const auto id = [&](auto stream) {
+      return fmt::format("'{}'", directory_.graph[directory_.graph.preorder()[stream]].id);
+    };
+    return from_to("structure", "structures", id(first), id(last));
   }
-  if (section.kind == static_cast<std::uint32_t>(SectionKind::kValues)) {
-    const ValueGroups groups(directory_.classes);
-    const ClassId first_class = groups.classes[static_cast<std::size_t>(first)].front();
-    const ClassId last_class = groups.classes[static_cast<std::size_t>(last)].back();
-    return first_class == last_class ? fmt::format("{} of class {}", name, first_class)
-                                     : fmt::format("{} of classes {} to {}", name, first_class, last_class);
-  }
-  return first == last ? fmt::format("{} of class {}", name, first)
-                       : fmt::format("{} of classes {} to {}", name, first, last);
+  if (section.kind != static_cast<std::uint32_t>(SectionKind::kValues))
+    return from_to("class", "classes", first, last);
+  const ValueGroups groups(directory_.classes);
+  return from_to("class", "classes", groups.classes[static_cast<std::size_t>(first)].front(),
+                 groups.classes[static_cast<std::size_t>(last)].back());
 }
 
 }  // namespace splatlas

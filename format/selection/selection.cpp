@@ -1,9 +1,6 @@
 #include "format/selection.h"
 
 #include <algorithm>
-#include <array>
-
-#include <fmt/format.h>
 
 #include "format/selection/selection_terms.h"
 #include "format/system/result_macros.h"
@@ -11,29 +8,17 @@
 namespace splatlas {
 namespace {
 
-// Draw modes as bit sets of parts.
-constexpr unsigned kVolumePart = 1;
-constexpr unsigned kSurfacePart = 2;
+/// Draw modes are bit sets of parts.
+static_assert(static_cast<unsigned>(DrawMode::kBoth) ==
+              (static_cast<unsigned>(DrawMode::kVolume) | static_cast<unsigned>(DrawMode::kSurface)));
 
 unsigned parts_of(DrawMode mode) {
-  switch (mode) {
-    case DrawMode::kVolume: return kVolumePart;
-    case DrawMode::kSurface: return kSurfacePart;
-    case DrawMode::kBoth: return kVolumePart | kSurfacePart;
-    case DrawMode::kOff: break;
-  }
-  return 0;
-}
-
-DrawMode mode_of(unsigned parts) {
-  constexpr std::array<DrawMode, 4> kModes{DrawMode::kOff, DrawMode::kVolume, DrawMode::kSurface,
-                                           DrawMode::kBoth};
-  return kModes[parts];
+  return static_cast<unsigned>(mode);
 }
 
 void remove(DrawMode mode, StructureDraw& draw) {
   const unsigned parts = mode == DrawMode::kOff ? parts_of(DrawMode::kBoth) : parts_of(mode);
-  draw.mode = mode_of(parts_of(draw.mode) & ~parts);
+  draw.mode = static_cast<DrawMode>(parts_of(draw.mode) & ~parts);
   if (draw.mode == DrawMode::kOff) draw = {};
 }
 
@@ -53,7 +38,7 @@ void restyle(const SelectionTerm& term, VolumeStyle& style) {
 void add(const SelectionTerm& term, std::uint32_t number, const Structure& structure, StructureDraw& draw) {
   if (draw.mode == DrawMode::kOff) draw.color = structure.color;
   const DrawMode mode = term.mode == DrawMode::kOff ? DrawMode::kVolume : term.mode;
-  draw.mode = mode_of(parts_of(draw.mode) | parts_of(mode));
+  draw.mode = static_cast<DrawMode>(parts_of(draw.mode) | parts_of(mode));
   if (term.opacity) draw.opacity = term.opacity;
   if (term.color) draw.color = *term.color;
   restyle(term, draw.volume);
@@ -122,8 +107,7 @@ Result<Selection> resolve_selection(std::span<const SelectionTerm> terms, const 
     const SelectionTerm& term = terms[number];
     const auto named = find_structures(graph, term.name);
     if (!named) {
-      return fail(named.error().code,
-                  fmt::format("selection, column {}: {}", term.column + 1, named.error().message));
+      return fail(named.error().code, "selection, column {}: {}", term.column + 1, named.error().message);
     }
     apply_term(term, number, with_descendants(graph, *named), graph, selection);
   }

@@ -105,9 +105,9 @@ OptionResult read_curve(std::string_view value, SelectionTerm& term) {
     const auto point = point_of(text);
     if (!point) {
       return fault(
-          fmt::format("{} is not a point of a curve: write grey:opacity or grey:opacity:shade, as in "
-                      "40:0/160:0.3",
-                      in_quotes(text)),
+          fmt::format(
+              "{} is not a point of a curve: write grey:opacity or grey:opacity:shade, as in 40:0/160:0.3",
+              in_quotes(text)),
           start);
     }
     curve.points.push_back(*point);

@@ -106,9 +106,11 @@ class Parser {
     const std::string_view key = word();
     const SelectionOption* const option = find_option(key);
     if (option == nullptr) {
-      return fault_at(start, fmt::format("{} is not an option: {}", in_quotes(key),
-                                         "write opacity=0.4, color=#ff8800, "
-                                         "profile=thin, low=40, high=160 or curve=40:0/160:0.3"));
+      return fault_at(
+          start,
+          fmt::format(
+              "{} is not an option: {}", in_quotes(key),
+              "write opacity=0.4, color=#ff8800, profile=thin, low=40, high=160 or curve=40:0/160:0.3"));
     }
     if (option->is_given(term)) return fault_at(start, fmt::format("{} is given twice", option->name));
     if (!skip('=')) return fault(fmt::format("expected \"=\" after {}", option->name));
@@ -142,8 +144,7 @@ class Parser {
 
   [[nodiscard]] tl::unexpected<Error> fault(std::string_view what) const { return fault_at(at_, what); }
   [[nodiscard]] tl::unexpected<Error> fault_at(std::size_t column, std::string_view what) const {
-    return fail(ErrorCode::kUsage,
-                fmt::format("selection {}, column {}: {}", in_quotes(text_), column + 1, what));
+    return fail(ErrorCode::kUsage, "selection {}, column {}: {}", in_quotes(text_), column + 1, what);
   }
 
   std::string_view text_;

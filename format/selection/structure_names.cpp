@@ -7,6 +7,7 @@
 #include "format/selection.h"
 #include "format/selection/glob.h"
 #include "format/system/ascii_text.h"
+#include "format/system/result_macros.h"
 
 namespace splatlas {
 namespace {
@@ -120,9 +121,8 @@ std::vector<std::string> nearest_names(const StructureGraph& graph, std::string_
 
 tl::unexpected<Error> not_found(const StructureGraph& graph, std::string_view name) {
   const std::string nearest = fmt::format("{}", fmt::join(nearest_names(graph, name), ", "));
-  return fail(ErrorCode::kNotFound,
-              fmt::format("no structure is called {}; {}", in_quotes(name),
-                          nearest.empty() ? "there are none" : "the nearest: " + nearest));
+  return fail(ErrorCode::kNotFound, "no structure is called {}; {}", in_quotes(name),
+              nearest.empty() ? "there are none" : "the nearest: " + nearest);
 }
 
 tl::unexpected<Error> ambiguous(const StructureGraph& graph, std::string_view name,
@@ -132,9 +132,8 @@ tl::unexpected<Error> ambiguous(const StructureGraph& graph, std::string_view na
     candidates.push_back(fmt::format("{} (id {})", in_quotes(graph.paths(s, 1).front()), graph[s].id));
   }
   if (found.size() > kMaxListed) candidates.push_back(fmt::format("{} more", found.size() - kMaxListed));
-  return fail(ErrorCode::kNotFound,
-              fmt::format("{} stands for {} structures, write a longer path or an id: {}", in_quotes(name),
-                          found.size(), fmt::join(candidates, ", ")));
+  return fail(ErrorCode::kNotFound, "{} stands for {} structures, write a longer path or an id: {}",
+              in_quotes(name), found.size(), fmt::join(candidates, ", "));
 }
 
 }  // namespace

@@ -1,12 +1,9 @@
 #include "format/system/ascii_text.h"
 
 #include <algorithm>
-#include <cstdint>
 
 #include <fmt/format.h>
 #include <utf8cpp/utf8.h>
-
-#include "format/system/plain_text.h"
 
 namespace splatlas {
 namespace {
@@ -58,6 +55,21 @@ std::string to_lower(std::string_view text) {
 bool equal_ignoring_case(std::string_view a, std::string_view b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(),
                     [](char x, char y) { return to_lower(x) == to_lower(y); });
+}
+
+std::string fault_of_text(std::string_view text) {
+  bool plain = true;  // fast path for ASCII; the loop vectorizes
+  for (const char c : text) plain &= c >= ' ' && c <= '~';
+  if (plain) return {};
+  const auto* const invalid = utf8::find_invalid(text.begin(), text.end());
+  for (const auto* next = text.begin(); next != invalid;) {
+    const auto byte = next - text.begin();
+    const std::uint32_t c = utf8::unchecked::next(next);
+    if (is_control(c)) return fmt::format("has a control character (byte {}: U+{:04X})", byte, c);
+    if (is_bidi_control(c))
+      return fmt::format("has a bidirectional control character (byte {}: U+{:04X})", byte, c);
+  }
+  return invalid == text.end() ? "" : fmt::format("is not UTF-8 (byte {})", invalid - text.begin());
 }
 
 std::string printable(std::string_view text) {

@@ -1,6 +1,8 @@
-// Case-insensitive ASCII comparison, and escaping of text for messages.
+// Case-insensitive ASCII comparison, detection of characters that are unsafe to display, and escaping of text
+// for messages.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <string_view>
 
@@ -14,6 +16,19 @@ namespace splatlas {
 
 /// Compares, ignoring the case of ASCII letters.
 [[nodiscard]] bool equal_ignoring_case(std::string_view a, std::string_view b);
+
+/// C0 and C1 control characters and delete, except line feed and tab. Terminals interpret both sets.
+[[nodiscard]] constexpr bool is_control(std::uint32_t c) {
+  return (c < 0x20 && c != '\n' && c != '\t') || (c >= 0x7f && c <= 0x9f);
+}
+/// Bidirectional embeddings, overrides and isolates, which can disguise names.
+[[nodiscard]] constexpr bool is_bidi_control(std::uint32_t c) {
+  return (c >= 0x202a && c <= 0x202e) || (c >= 0x2066 && c <= 0x2069);
+}
+
+/// Describes the first fault of a text, as the end of a sentence: invalid UTF-8, is_control() or
+/// is_bidi_control(). "" for valid text.
+[[nodiscard]] std::string fault_of_text(std::string_view text);
 
 /// Makes text safe for one line of a terminal: replaces control and bidirectional formatting characters by
 /// "?", and bytes that are not UTF-8 by "\xNN".

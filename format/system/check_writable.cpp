@@ -2,22 +2,18 @@
 
 #include <cerrno>
 #include <cstring>
-#include <string>
 
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
 #include "format/system/output_path.h"
+#include "format/system/result_macros.h"
 
 namespace splatlas {
 namespace {
 
 namespace fs = std::filesystem;
-
-tl::unexpected<Error> cannot_write(const fs::path& path, const std::string& reason) {
-  return fail(ErrorCode::kFailed, fmt::format("{}: cannot be written: {}", path.string(), reason));
-}
 
 Result<void> check_folder_of(const fs::path& path) {
   const fs::path target = resolve_output(path);

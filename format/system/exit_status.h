@@ -1,5 +1,8 @@
-// Exit statuses of the programs.
+// Exit statuses and outermost function of the programs.
 #pragma once
+
+#include <functional>
+#include <string>
 
 #include "format/result.h"
 
@@ -17,5 +20,10 @@ namespace splatlas {
   }
   return 1;
 }
+
+/// Runs a program: prints the error or exception of `run` to standard error, after the program's name.
+/// Returns the exit status. `remedy` ends the message of a program that runs out of memory.
+[[nodiscard]] int run_program(const std::string& name, const std::function<Result<void>()>& run,
+                              const char* remedy = "");
 
 }  // namespace splatlas

@@ -6,9 +6,10 @@
 #include <utility>
 
 #include <fcntl.h>
-#include <fmt/format.h>
 #include <sys/stat.h>
 #include <unistd.h>
+
+#include "format/system/result_macros.h"
 
 namespace splatlas {
 
@@ -27,17 +28,15 @@ Result<InputFile> InputFile::open(const std::filesystem::path& path) {
   // O_NONBLOCK: opening a pipe would otherwise wait for a writer.
   file.descriptor_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
   if (file.descriptor_ < 0) {
-    return fail(ErrorCode::kFailed,
-                fmt::format("{}: cannot be opened: {}", file.name_, std::strerror(errno)));
+    return fail(ErrorCode::kFailed, "{}: cannot be opened: {}", file.name_, std::strerror(errno));
   }
   struct stat status {};
   if (::fstat(file.descriptor_, &status) != 0) {
-    return fail(ErrorCode::kFailed, fmt::format("{}: cannot be read: {}", file.name_, std::strerror(errno)));
+    return fail(ErrorCode::kFailed, "{}: cannot be read: {}", file.name_, std::strerror(errno));
   }
   if (!S_ISREG(status.st_mode)) {
-    return fail(ErrorCode::kInvalidAtlas,
-                fmt::format("{}: not an atlas ({})", file.name_,
-                            S_ISDIR(status.st_mode) ? "a folder" : "not a regular file"));
+    return invalid_atlas("{}: not an atlas ({})", file.name_,
+                         S_ISDIR(status.st_mode) ? "a folder" : "not a regular file");
   }
   file.size_ = static_cast<std::uint64_t>(status.st_size);
   ::posix_fadvise(file.descriptor_, 0, 0, POSIX_FADV_RANDOM);
@@ -60,8 +59,7 @@ InputFile::~InputFile() {
 
 Result<void> InputFile::read(std::uint64_t offset, std::span<std::byte> to) const {
   if (offset > size_ || to.size() > size_ - offset) {
-    return fail(ErrorCode::kInvalidAtlas,
-                fmt::format("truncated: bytes {} to {} of {}", offset, offset + to.size(), size_));
+    return invalid_atlas("truncated: bytes {} to {} of {}", offset, offset + to.size(), size_);
   }
   if (descriptor_ < 0) {
     std::copy_n(bytes_.begin() + static_cast<std::ptrdiff_t>(offset), to.size(), to.begin());
@@ -74,11 +72,8 @@ Result<void> InputFile::read(std::uint64_t offset, std::span<std::byte> to) cons
     const ssize_t got =
         ::pread(descriptor_, to.data(), std::min(to.size(), kMaxReadBytes), static_cast<off_t>(offset));
     if (got < 0 && errno == EINTR) continue;
-    if (got < 0) return fail(ErrorCode::kFailed, fmt::format("cannot be read: {}", std::strerror(errno)));
-    if (got == 0) {
-      return fail(ErrorCode::kInvalidAtlas,
-                  fmt::format("truncated while open: ends at {}, had {} bytes", offset, size_));
-    }
+    if (got < 0) return fail(ErrorCode::kFailed, "cannot be read: {}", std::strerror(errno));
+    if (got == 0) return invalid_atlas("truncated while open: ends at {}, had {} bytes", offset, size_);
     offset += static_cast<std::uint64_t>(got);
     to = to.subspan(static_cast<std::size_t>(got));
   }

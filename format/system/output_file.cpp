@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <cstring>
 #include <optional>
-#include <string>
 #include <utility>
 #include <vector>
 
@@ -14,11 +13,11 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "format/system/ascii_text.h"
 #include "format/system/checksum.h"
 #include "format/system/interrupts.h"
 #include "format/system/output_path.h"
 #include "format/system/result_macros.h"
-#include "format/system/sync_folder.h"
 #include "format/system/temporary_entry.h"
 
 namespace splatlas {
@@ -44,15 +43,18 @@ bool keep_owner_and_mode(int descriptor, const struct stat& old) {
   return ::fchmod(descriptor, mode) == 0;
 }
 
+/// File extension; ".nii.gz" counts as one.
+std::string ending_of(const fs::path& path) {
+  const std::string last = path.extension().string();
+  return to_lower(last) == ".gz" ? path.stem().extension().string() + last : last;
+}
+
 }  // namespace
 
 /// Functions that return bool set errno on failure.
 struct OutputFile::Impl {
   explicit Impl(fs::path output) : path(std::move(output)), target(resolve_output(path)) {}
 
-  [[nodiscard]] tl::unexpected<Error> cannot_write(const std::string& reason) const {
-    return fail(ErrorCode::kFailed, fmt::format("{}: cannot be written: {}", path.string(), reason));
-  }
   /// Sets owner and permissions and syncs the temporary file.
   [[nodiscard]] bool complete();
   /// Verifies that the file contains the bytes of write().
@@ -80,9 +82,9 @@ Result<void> OutputFile::Impl::read_back() const {
     const ssize_t got =
         ::pread(temporary.descriptor(), piece.data(), piece.size(), static_cast<off_t>(offset));
     if (got < 0 && errno == EINTR) continue;
-    if (got < 0) return cannot_write(fmt::format("reading it back: {}", std::strerror(errno)));
+    if (got < 0) return cannot_write(path, fmt::format("reading it back: {}", std::strerror(errno)));
     if (got == 0 && offset == written_bytes && read.value() == written->value()) return {};
-    if (got == 0) return cannot_write("other bytes come back from the disk than were written");
+    if (got == 0) return cannot_write(path, "other bytes come back from the disk than were written");
     offset += static_cast<std::uint64_t>(got);
     read.add(std::span(piece).first(static_cast<std::size_t>(got)));
   }
@@ -98,20 +100,20 @@ Result<OutputFile> OutputFile::create(const fs::path& target, std::string_view e
   struct stat old {};
   if (::stat(target.c_str(), &old) == 0) {
     if (!S_ISREG(old.st_mode)) {
-      return impl->cannot_write(S_ISDIR(old.st_mode) ? "it is a folder" : "it is not a regular file");
+      return cannot_write(target, S_ISDIR(old.st_mode) ? "it is a folder" : "it is not a regular file");
     }
     if (::faccessat(AT_FDCWD, target.c_str(), W_OK, AT_EACCESS) != 0)
-      return impl->cannot_write(std::strerror(errno));
+      return cannot_write(target, std::strerror(errno));
     impl->old = old;
   } else if (errno != ENOENT) {
-    return impl->cannot_write(std::strerror(errno));
+    return cannot_write(target, std::strerror(errno));
   }
-  if (target.filename().empty()) return impl->cannot_write("it names no file");
+  if (target.filename().empty()) return cannot_write(target, "it names no file");
   // Create it in the target's folder: a rename must not cross file systems.
   const fs::path folder = impl->target.parent_path();
   remove_stale_temporaries(folder);
   if (!impl->temporary.make(folder, TemporaryEntry::Kind::kFile, ending))
-    return impl->cannot_write(std::strerror(errno));
+    return cannot_write(target, std::strerror(errno));
   return OutputFile(std::move(impl));
 }
 
@@ -125,7 +127,7 @@ Result<void> OutputFile::write(std::span<const std::byte> bytes) {
     const ssize_t written =
         ::write(impl_->temporary.descriptor(), bytes.data(), std::min(bytes.size(), kMaxWriteBytes));
     if (written < 0 && errno == EINTR) continue;
-    if (written <= 0) return impl_->cannot_write(std::strerror(errno));
+    if (written <= 0) return cannot_write(impl_->path, std::strerror(errno));
     impl_->written->add(bytes.first(static_cast<std::size_t>(written)));
     impl_->written_bytes += static_cast<std::uint64_t>(written);
     bytes = bytes.subspan(static_cast<std::size_t>(written));
@@ -139,13 +141,13 @@ Result<void> OutputFile::commit() {
 
 Result<void> commit_files(std::span<OutputFile> files) {
   for (const OutputFile& file : files) {
-    if (!file.impl_->complete()) return file.impl_->cannot_write(std::strerror(errno));
+    if (!file.impl_->complete()) return cannot_write(file.impl_->path, std::strerror(errno));
     SPLATLAS_RETURN_IF_ERROR(file.impl_->read_back());
   }
   const DeferInterrupts all_or_none;
   for (const OutputFile& file : files) {
     OutputFile::Impl& impl = *file.impl_;
-    if (!impl.temporary.rename_to(impl.target)) return impl.cannot_write(std::strerror(errno));
+    if (!impl.temporary.rename_to(impl.target)) return cannot_write(impl.path, std::strerror(errno));
     SPLATLAS_RETURN_IF_ERROR(sync_folder_of(impl.target, impl.path));
   }
   return {};
@@ -155,6 +157,20 @@ Result<void> write_file(const fs::path& path, std::span<const std::byte> bytes) 
   SPLATLAS_ASSIGN_OR_RETURN(OutputFile file, OutputFile::create(path));
   SPLATLAS_RETURN_IF_ERROR(file.write(bytes));
   return file.commit();
+}
+
+Result<void> write_atomically(const fs::path& path,
+                              const std::function<Result<void>(const fs::path&)>& write) {
+  SPLATLAS_ASSIGN_OR_RETURN(OutputFile file, OutputFile::create(path, ending_of(path)));
+  SPLATLAS_RETURN_IF_ERROR(write(file.temporary()));
+  return file.commit();
+}
+
+std::string with_path(std::string message, const fs::path& temporary, const fs::path& path) {
+  const std::string &from = temporary.native(), &to = path.native();
+  for (std::size_t at = message.find(from); at != std::string::npos; at = message.find(from, at + to.size()))
+    message.replace(at, from.size(), to);
+  return message;
 }
 
 }  // namespace splatlas

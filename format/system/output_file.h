@@ -3,8 +3,10 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <span>
+#include <string>
 #include <string_view>
 
 #include "format/result.h"
@@ -48,5 +50,13 @@ class OutputFile {
 
 /// Creates, writes and commits one file.
 [[nodiscard]] Result<void> write_file(const std::filesystem::path& path, std::span<const std::byte> bytes);
+
+/// The same for libraries that write to a path: calls write(temporary) with a path of the same extension.
+[[nodiscard]] Result<void> write_atomically(
+    const std::filesystem::path& path,
+    const std::function<Result<void>(const std::filesystem::path&)>& write);
+/// Replaces the temporary path in `message` by `path`.
+[[nodiscard]] std::string with_path(std::string message, const std::filesystem::path& temporary,
+                                    const std::filesystem::path& path);
 
 }  // namespace splatlas

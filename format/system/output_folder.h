@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "format/result.h"
+#include "format/system/temporary_entry.h"
 
 namespace splatlas {
 
@@ -14,19 +15,17 @@ class OutputFolder {
  public:
   /// Creates the temporary folder. kFailed if this fails, or as in check_writable_folder().
   [[nodiscard]] static Result<OutputFolder> create(const std::filesystem::path& target);
-  ~OutputFolder();
-  OutputFolder(OutputFolder&&) noexcept;
-  OutputFolder& operator=(OutputFolder&&) noexcept;
 
   /// The temporary folder, for writing files.
-  [[nodiscard]] const std::filesystem::path& temporary() const;
+  [[nodiscard]] const std::filesystem::path& temporary() const { return temporary_->path(); }
   /// Renames it to the target, which must not exist or be an empty folder. Its files must be committed.
   [[nodiscard]] Result<void> commit();
 
  private:
-  struct Impl;
-  explicit OutputFolder(std::unique_ptr<Impl> impl);
-  std::unique_ptr<Impl> impl_;
+  OutputFolder() = default;
+
+  std::filesystem::path path_, target_;  // as given, and with links resolved
+  std::unique_ptr<TemporaryEntry> temporary_ = std::make_unique<TemporaryEntry>();
 };
 
 }  // namespace splatlas

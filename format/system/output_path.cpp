@@ -2,7 +2,7 @@
 
 #include <system_error>
 
-#include <fmt/format.h>
+#include "format/system/result_macros.h"
 
 namespace splatlas {
 
@@ -21,6 +21,10 @@ fs::path resolve_output(const fs::path& path) {
   return error ? target : folder / target.filename();
 }
 
+tl::unexpected<Error> cannot_write(const fs::path& path, std::string_view reason) {
+  return fail(ErrorCode::kFailed, "{}: cannot be written: {}", path.string(), reason);
+}
+
 bool is_same_file(const fs::path& a, const fs::path& b) {
   std::error_code error;
   const bool same = fs::equivalent(a, b, error);
@@ -33,13 +37,13 @@ Result<void> check_outputs(std::span<const fs::path> outputs, std::span<const fs
     if (output.empty()) continue;
     for (const fs::path& input : inputs) {
       if (input.empty() || !is_same_file(output, input)) continue;
-      return fail(ErrorCode::kUsage, fmt::format("{}: is an input ({}); write to another file",
-                                                 output.string(), input.string()));
+      return fail(ErrorCode::kUsage, "{}: is an input ({}); write to another file", output.string(),
+                  input.string());
     }
     for (const fs::path& other : outputs.first(n)) {
       if (other.empty() || !is_same_file(output, other)) continue;
-      return fail(ErrorCode::kUsage, fmt::format("{}: is another output, too ({}); write to two files",
-                                                 output.string(), other.string()));
+      return fail(ErrorCode::kUsage, "{}: is another output, too ({}); write to two files", output.string(),
+                  other.string());
     }
   }
   return {};

@@ -28,5 +28,10 @@ void parallel_for(std::size_t count, unsigned threads, Job&& job, Report&& repor
   if (threads == 0) threads = std::max(1u, std::thread::hardware_concurrency());
   ThreadPool(static_cast<unsigned>(std::min<std::size_t>(threads, count))).for_each(count, std::ref(run));
 }
+/// The same without progress.
+template <typename Job>
+void parallel_for(std::size_t count, unsigned threads, Job&& job) {
+  parallel_for(count, threads, job, [](std::size_t) {});
+}
 
 }  // namespace splatlas

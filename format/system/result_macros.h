@@ -1,9 +1,30 @@
-// Macros that hand the error of a Result to the caller. Internal: public headers do not use them.
+// Formatted errors, and macros that hand the error of a Result to the caller. Internal: public headers do not
+// use them.
 #pragma once
 
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "format/result.h"
+
+namespace splatlas {
+
+/// Makes an error with a formatted message.
+template <typename... Args>
+requires(sizeof...(Args) > 0)
+    [[nodiscard]] tl::unexpected<Error> fail(ErrorCode code, fmt::format_string<Args...> text,
+                                             Args&&... args) {
+  return fail(code, fmt::format(text, std::forward<Args>(args)...));
+}
+
+/// kInvalidAtlas with a formatted message.
+template <typename... Args>
+[[nodiscard]] tl::unexpected<Error> invalid_atlas(fmt::format_string<Args...> text, Args&&... args) {
+  return fail(ErrorCode::kInvalidAtlas, fmt::format(text, std::forward<Args>(args)...));
+}
+
+}  // namespace splatlas
 
 /// Returns the error of `expression` (a Result) to the caller, if it has one.
 #define SPLATLAS_RETURN_IF_ERROR(expression)                                          \

@@ -4,13 +4,13 @@
 #include <cstdio>
 #include <cstring>
 
-#include <fmt/format.h>
+#include "format/system/result_macros.h"
 
 namespace splatlas {
 namespace {
 
 tl::unexpected<Error> cannot_write(const char* reason) {
-  return fail(ErrorCode::kFailed, fmt::format("standard output: cannot be written: {}", reason));
+  return fail(ErrorCode::kFailed, "standard output: cannot be written: {}", reason);
 }
 
 }  // namespace

@@ -4,17 +4,18 @@
 #include <cerrno>
 #include <charconv>
 #include <csignal>
+#include <cstring>
 #include <memory>
-#include <string>
 #include <utility>
 
 #include <dirent.h>
 #include <fcntl.h>
-#include <fmt/format.h>
 #include <ftw.h>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
+
+#include "format/system/result_macros.h"
 
 namespace splatlas {
 namespace {
@@ -79,6 +80,17 @@ void remove_if_unlocked(const fs::path& path) {
   if (entry < 0) return;
   if (::flock(entry, LOCK_EX | LOCK_NB) == 0 && has_name(entry, path)) remove_whole(path);
   ::close(entry);
+}
+
+/// Ignores EINVAL, the result of file systems that cannot sync folders. Sets errno on failure.
+bool sync_folder(const std::filesystem::path& folder) {
+  const int descriptor = ::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0) return errno == EACCES;  // a folder may be writable and not readable
+  const bool synced = ::fsync(descriptor) == 0 || errno == EINVAL || errno == ENOTSUP;
+  const int reason = errno;
+  ::close(descriptor);
+  errno = reason;
+  return synced;
 }
 
 }  // namespace
@@ -148,6 +160,12 @@ void remove_stale_temporaries(const fs::path& folder) {
     const std::optional<pid_t> writer = writer_of(entry->d_name);
     if (writer && !may_be_alive(*writer)) remove_if_unlocked(folder / entry->d_name);
   }
+}
+
+Result<void> sync_folder_of(const std::filesystem::path& target, const std::filesystem::path& path) {
+  if (sync_folder(target.parent_path())) return {};
+  return fail(ErrorCode::kFailed, "{}: is written whole, but its folder cannot be synced: {}", path.string(),
+              std::strerror(errno));
 }
 
 }  // namespace splatlas

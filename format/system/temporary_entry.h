@@ -1,10 +1,11 @@
-// Locked temporary files and folders, and removal of stale ones.
+// Locked temporary files and folders, their durable renames, and removal of stale ones.
 #pragma once
 
 #include <filesystem>
 #include <optional>
 #include <string_view>
 
+#include "format/result.h"
 #include "format/system/interrupts.h"
 
 namespace splatlas {
@@ -44,5 +45,9 @@ class TemporaryEntry {
 /// Removes stale temporaries in a folder (empty path: the current one): entries with a name as above that
 /// belong to the user, are not locked, and have no living process. Keeps doubtful entries. Ignores errors.
 void remove_stale_temporaries(const std::filesystem::path& folder);
+
+/// Syncs the folder of the renamed, complete file `target`. Messages call it `path`.
+[[nodiscard]] Result<void> sync_folder_of(const std::filesystem::path& target,
+                                          const std::filesystem::path& path);
 
 }  // namespace splatlas

@@ -3,7 +3,6 @@
 #include <array>
 #include <cstdio>
 #include <filesystem>
-#include <new>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -33,11 +32,6 @@ constexpr const char* kDescription =
     "  splatlas-player info brain.atlas            lists structures and sizes";
 
 constexpr const char* kVersion = "splatlas-player " SPLATLAS_VERSION " (atlas format 1)";
-
-int report(const Error& error) {
-  std::fprintf(stderr, "splatlas-player: %s\n", printable(error.message).c_str());
-  return exit_status(error.code);
-}
 
 tl::unexpected<Error> wrong_usage(const CLI::App& app, const std::string& what) {
   std::string program = "splatlas-player";
@@ -166,13 +160,7 @@ Result<void> run(int argc, char** argv) {
 }  // namespace
 }  // namespace splatlas
 
-int main(int argc, char** argv) try {
-  const splatlas::Result<void> result = splatlas::run(argc, argv);
-  return result ? 0 : splatlas::report(result.error());
-} catch (const std::bad_alloc&) {
-  std::fputs("splatlas-player: out of memory: take a smaller --size or select less\n", stderr);
-  return 1;
-} catch (const std::exception& exception) {
-  std::fprintf(stderr, "splatlas-player: %s\n", exception.what());
-  return 1;
+int main(int argc, char** argv) {
+  return splatlas::run_program(
+      "splatlas-player", [&] { return splatlas::run(argc, argv); }, ": take a smaller --size or select less");
 }

@@ -5,9 +5,8 @@
 #include <map>
 #include <unordered_map>
 
-#include <fmt/format.h>
-
 #include "format/system/parallel.h"
+#include "format/system/result_macros.h"
 
 namespace splatlas {
 namespace {
@@ -256,9 +255,8 @@ Result<Classification> classify_voxels(const MembershipVolume& memberships,
   constexpr std::size_t kMaxStructuresPerVoxel = 64;  // bits of Combination::boundary
   for (const auto& set : memberships.sets()) {
     if (set.size() > kMaxStructuresPerVoxel) {
-      return fail(ErrorCode::kLimit,
-                  fmt::format("{} structures hold one voxel ('{}' among them); at most {} may", set.size(),
-                              graph[set.front()].name, kMaxStructuresPerVoxel));
+      return fail(ErrorCode::kLimit, "{} structures hold one voxel ('{}' among them); at most {} may",
+                  set.size(), graph[set.front()].name, kMaxStructuresPerVoxel);
     }
   }
   // Number the combinations of all voxels, band by band.
@@ -266,14 +264,11 @@ Result<Classification> classify_voxels(const MembershipVolume& memberships,
   Classification result;
   result.volume.resize(memberships.voxels().size());
   std::vector<Band> bands = cut_into_bands(size[2]);
-  parallel_for(
-      bands.size(), threads,
-      [&](std::size_t n) {
-        BandClassifier classifier(memberships);
-        classifier.classify(bands[n].first_slice, bands[n].end_slice, result.volume);
-        bands[n].combinations = std::move(classifier.table.combinations);
-      },
-      [](std::size_t) {});
+  parallel_for(bands.size(), threads, [&](std::size_t n) {
+    BandClassifier classifier(memberships);
+    classifier.classify(bands[n].first_slice, bands[n].end_slice, result.volume);
+    bands[n].combinations = std::move(classifier.table.combinations);
+  });
   const auto crossings = add_crossings(crossed, size[0] * size[1], bands, result.volume);
 
   // Convert combinations to classes in storage order, independent of bands.
@@ -293,13 +288,10 @@ Result<Classification> classify_voxels(const MembershipVolume& memberships,
 
   // Write classes to the volume and count voxels.
   std::vector<BandCounter> counters(bands.size(), BandCounter(order.size()));
-  parallel_for(
-      bands.size(), threads,
-      [&](std::size_t n) {
-        for (ClassId& id : bands[n].class_of) id = new_number[id];
-        counters[n].relabel(bands[n], size, result.volume);
-      },
-      [](std::size_t) {});
+  parallel_for(bands.size(), threads, [&](std::size_t n) {
+    for (ClassId& id : bands[n].class_of) id = new_number[id];
+    counters[n].relabel(bands[n], size, result.volume);
+  });
   for (const BandCounter& counter : counters) {
     for (ClassId id = 0; id < order.size(); ++id)
       result.classes.count(id, counter.voxels[id], counter.boxes[id]);

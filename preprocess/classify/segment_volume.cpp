@@ -14,6 +14,7 @@
 #include <itkOtsuThresholdCalculator.h>
 #include <itkRelabelComponentImageFilter.h>
 
+#include "format/system/result_macros.h"
 #include "preprocess/import/images/itk_call.h"
 #include "preprocess/import/tables/text_file.h"
 
@@ -193,8 +194,8 @@ Result<std::vector<std::uint8_t>> run_filters(const VoxelBuffer& values, const G
   const std::uint8_t* const first = mask->GetBufferPointer();
   std::vector<std::uint8_t> result(first, first + mask->GetBufferedRegion().GetNumberOfPixels());
   if (std::find(result.begin(), result.end(), 1) == result.end()) {
-    return fail(ErrorCode::kFailed,
-                fmt::format("--segment \"{}\": no voxel of the volume is within its thresholds", rule.name));
+    return fail(ErrorCode::kFailed, "--segment \"{}\": no voxel of the volume is within its thresholds",
+                rule.name);
   }
   return result;
 }
@@ -204,9 +205,8 @@ Result<std::vector<std::uint8_t>> run_filters(const VoxelBuffer& values, const G
 Result<SegmentRule> parse_segment(std::string_view text) {
   const auto refuse = [&] {
     return fail(ErrorCode::kUsage,
-                fmt::format("--segment '{}': must be NAME=mask:FILE, NAME=threshold:LOW[:HIGH] or "
-                            "NAME=threshold:otsu",
-                            text));
+                "--segment '{}': must be NAME=mask:FILE, NAME=threshold:LOW[:HIGH] or NAME=threshold:otsu",
+                text);
   };
   const std::size_t equals = text.find('=');
   if (equals == std::string_view::npos) return refuse();

@@ -1,12 +1,10 @@
-#include "preprocess/commands/build_command.h"
-
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "format/system/ascii_text.h"
 #include "format/system/command_options.h"
-#include "format/system/plain_text.h"
 #include "format/system/result_macros.h"
-#include "preprocess/commands/name_and_file.h"
+#include "preprocess/commands/commands.h"
 
 namespace splatlas {
 namespace {

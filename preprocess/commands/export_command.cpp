@@ -1,12 +1,11 @@
-#include "preprocess/commands/export_command.h"
-
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "format/system/command_options.h"
 #include "format/system/result_macros.h"
 #include "format/system/standard_output.h"
-#include "preprocess/commands/name_and_file.h"
+#include "preprocess/commands/commands.h"
+#include "preprocess/import/tables/text_file.h"
 
 namespace splatlas {
 namespace {
@@ -22,6 +21,16 @@ Volumes (.nii, .nii.gz, .nrrd, .mha) have the source's grid, order of axes and p
 Exit status: 0 done; 1 could not be done; 2 wrong usage; 3 not a valid atlas; 4 name not found.)";
 
 }  // namespace
+
+Result<std::pair<std::string, std::filesystem::path>> parse_name_and_file(std::string_view option,
+                                                                          std::string_view text) {
+  const std::size_t equals = text.find('=');
+  const std::string_view name = trimmed(text.substr(0, equals));
+  if (equals == std::string_view::npos || name.empty() || equals + 1 == text.size()) {
+    return fail(ErrorCode::kUsage, "{} '{}': must be NAME=FILE", option, text);
+  }
+  return std::pair(std::string(name), std::filesystem::path(text.substr(equals + 1)));
+}
 
 CLI::App* add_export(CLI::App& app, ExportOptions& options) {
   CLI::App* command = app.add_subcommand("export", "Write the labels, volume or surfaces of an atlas");

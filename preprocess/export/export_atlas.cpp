@@ -14,6 +14,7 @@
 #include "preprocess/export/export_labels.h"
 #include "preprocess/export/write_image.h"
 #include "preprocess/export/write_mesh.h"
+#include "preprocess/import/import_error.h"
 
 namespace splatlas {
 namespace {
@@ -33,8 +34,7 @@ Result<std::vector<std::vector<StructureIndex>>> find_surfaces(const Atlas& atla
         if (all.insert(s).second) triangles += atlas.triangles(s);
       }
     }
-    if (triangles == 0)
-      return fail(ErrorCode::kFailed, fmt::format("{}: '{}' has no surface", atlas.name(), name));
+    if (triangles == 0) return bad_file(atlas.name(), "'{}' has no surface", name);
     result.emplace_back(all.begin(), all.end());
   }
   return result;
@@ -68,8 +68,8 @@ Result<void> check_words(const ExportOptions& options) {
     const fs::path folder = resolve_output(outputs.front());
     for (const fs::path& path : std::span(outputs).subspan(1)) {
       if (resolve_output(path.parent_path()) != folder) continue;
-      return fail(ErrorCode::kUsage, fmt::format("{}: lies in the folder of masks, {}; export to another one",
-                                                 path.string(), options.labels));
+      return fail(ErrorCode::kUsage, "{}: lies in the folder of masks, {}; export to another one",
+                  path.string(), options.labels);
     }
   }
   return check_outputs(outputs, std::array{options.atlas});
@@ -148,12 +148,10 @@ Result<ExportedFiles> export_atlas(const ExportOptions& options) {
   SPLATLAS_ASSIGN_OR_RETURN(const std::shared_ptr<const Atlas> atlas, Atlas::open(options.atlas));
   SPLATLAS_ASSIGN_OR_RETURN(const auto structures, find_surfaces(*atlas, options));
   if (!options.volume.empty() && atlas->value_type() == VoxelType::kNone) {
-    return fail(ErrorCode::kFailed, fmt::format("{}: holds no grey values to export", atlas->name()));
+    return bad_file(atlas->name(), "holds no grey values to export");
   }
   if (!options.labels.empty() && !is_folder_of_masks(options) && atlas->label_type() == VoxelType::kNone) {
-    return fail(
-        ErrorCode::kFailed,
-        fmt::format("{}: was not made from a label map; export masks: --labels FOLDER/", atlas->name()));
+    return bad_file(atlas->name(), "was not made from a label map; export masks: --labels FOLDER/");
   }
   ExportedFiles files;
   if (!options.labels.empty() || !options.volume.empty()) {

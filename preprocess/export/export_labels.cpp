@@ -1,14 +1,13 @@
 #include "preprocess/export/export_labels.h"
 
-#include <fmt/format.h>
-
 #include "format/derive/structure_crop.h"
 #include "format/system/check_writable.h"
 #include "format/system/interrupts.h"
+#include "format/system/output_file.h"
 #include "format/system/output_folder.h"
 #include "format/system/result_macros.h"
-#include "preprocess/export/temporary_output.h"
 #include "preprocess/export/write_image.h"
+#include "preprocess/import/import_error.h"
 
 namespace splatlas {
 namespace {
@@ -24,9 +23,9 @@ Result<std::vector<std::int64_t>> labels_of_classes(const AtlasContent& content,
       const Structure& structure = content.graph[m.structure];
       if (!m.holds() || !structure.label) continue;
       if (labelled != nullptr) {
-        return fail(ErrorCode::kFailed, fmt::format("{}: '{}' and '{}' overlap; a label map cannot represent "
-                                                    "this; export masks: --labels FOLDER/",
-                                                    name, labelled->name, structure.name));
+        return bad_file(
+            name, "'{}' and '{}' overlap; a label map cannot represent this; export masks: --labels FOLDER/",
+            labelled->name, structure.name);
       }
       labelled = &structure;
       labels[c] = *structure.label;
@@ -48,7 +47,7 @@ Result<std::size_t> write_masks(const AtlasContent& content, const fs::path& fol
     SPLATLAS_RETURN_IF_ERROR(write_image({content.source_grid, to_source_order(mask, content)},
                                          folder / (content.graph[s].id + ".nii.gz")));
     ++masks;
-    if (interrupt_waits()) return fail(ErrorCode::kFailed, fmt::format("{}: interrupted", folder.string()));
+    if (interrupt_waits()) return bad_file(folder, "interrupted");
   }
   return masks;
 }

@@ -1,14 +1,12 @@
 #include "preprocess/export/write_image.h"
 
-#include <fmt/format.h>
-
 #include "format/system/ascii_text.h"
+#include "format/system/output_file.h"
 #include "format/system/result_macros.h"
-#include "preprocess/export/temporary_output.h"
 #include "preprocess/import/images/check_image_file.h"
 #include "preprocess/import/images/image_io.h"
 #include "preprocess/import/images/itk_call.h"
-#include "preprocess/import/quiet_standard_error.h"
+#include "preprocess/import/import_error.h"
 
 namespace splatlas {
 namespace {
@@ -38,8 +36,7 @@ Result<void> write_with(itk::ImageIOBase& io, const Image& image, const fs::path
 }
 
 tl::unexpected<Error> cannot_write_whole(const fs::path& path) {
-  return fail(ErrorCode::kFailed,
-              fmt::format("{}: cannot be written whole; is the disk full?", path.string()));
+  return bad_file(path, "cannot be written whole; is the disk full?");
 }
 
 /// Writes `temporary`. Messages call it `path`.
@@ -60,12 +57,10 @@ Result<void> compare(const Image& image, const fs::path& file, const fs::path& p
   const Result<Image> back = import_image(file);
   if (!back) return cannot_write_whole(path);
   if (back->voxels != image.voxels) {
-    return fail(ErrorCode::kFailed,
-                fmt::format("{}: other voxels come back than were written; write .nrrd", path.string()));
+    return bad_file(path, "other voxels come back than were written; write .nrrd");
   }
   if (!check_same_grid(image.grid, "", back->grid, "")) {
-    return fail(ErrorCode::kFailed,
-                fmt::format("{}: this format cannot hold the volume's geometry; write .nrrd", path.string()));
+    return bad_file(path, "this format cannot hold the volume's geometry; write .nrrd");
   }
   return {};
 }
@@ -76,13 +71,13 @@ Result<ImageFormat> writable_image_format(const fs::path& path) {
   Result<ImageFormat> format = image_format(path);
   const std::string ending = to_lower(path.extension().string());
   if (ending == ".nhdr" || ending == ".mhd") {
-    return fail(ErrorCode::kUsage, fmt::format("{}: would be two files; write {}", path.string(),
-                                               ending == ".nhdr" ? ".nrrd" : ".mha"));
+    return fail(ErrorCode::kUsage, "{}: would be two files; write {}", path.string(),
+                ending == ".nhdr" ? ".nrrd" : ".mha");
   }
   if (!format) {
     return fail(ErrorCode::kUsage,
-                fmt::format("{}: is of no known type; volumes are written as .nii, .nii.gz, .nrrd or .mha",
-                            path.string()));
+                "{}: is of no known type; volumes are written as .nii, .nii.gz, .nrrd or .mha",
+                path.string());
   }
   return format;
 }

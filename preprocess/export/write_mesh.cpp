@@ -1,8 +1,9 @@
 #include "preprocess/export/write_mesh.h"
 
+#include <algorithm>
+#include <cmath>
 #include <vector>
 
-#include <fmt/format.h>
 #include <vtkCellArray.h>
 #include <vtkFloatArray.h>
 #include <vtkNew.h>
@@ -14,11 +15,9 @@
 #include <vtkPolyDataWriter.h>
 #include <vtkSTLWriter.h>
 
+#include "format/system/output_file.h"
 #include "format/system/result_macros.h"
-#include "preprocess/export/compare_mesh.h"
-#include "preprocess/export/temporary_output.h"
-#include "preprocess/import/meshes/check_mesh_file.h"
-#include "preprocess/import/meshes/import_mesh.h"
+#include "preprocess/import/import_error.h"
 #include "preprocess/import/meshes/quiet_vtk.h"
 
 namespace splatlas {
@@ -82,7 +81,49 @@ std::string write_as(MeshFormat format, vtkPolyData& polygons, const fs::path& p
   return write_with<vtkPolyDataWriter>(polygons, path);
 }
 
+/// Compares within the precision of VTK's text output, six digits.
+bool is_same(const Vec3& a, const Vec3& b) {
+  constexpr double kTolerance = 1e-5;
+  for (std::size_t n = 0; n < 3; ++n) {
+    if (!(std::abs(a[n] - b[n]) <= kTolerance * std::max(1.0, std::abs(a[n])))) return false;
+  }
+  return true;
+}
+
+/// True for triangles that may degenerate when rounded to six digits.
+bool is_thin(const Corners& corners) {
+  constexpr double kThinness = 1e-4;
+  Vec3 a, b;
+  for (std::size_t n = 0; n < 3; ++n) {
+    a[n] = corners[1][n] - corners[0][n];
+    b[n] = corners[2][n] - corners[0][n];
+  }
+  const double area =
+      std::hypot(a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]);
+  const double longest = std::max(std::hypot(a[0], a[1], a[2]), std::hypot(b[0], b[1], b[2]));
+  return !(area > kThinness * longest * std::max(1.0, longest));
+}
+
 }  // namespace
+
+bool holds_triangles(const TriangleMesh& file, std::span<const Corners> written) {
+  std::size_t next = 0;
+  for (const Corners& corners : written) {
+    const auto is_next = [&] {
+      const auto& triangle = file.triangles[next];
+      for (std::size_t n = 0; n < 3; ++n) {
+        if (!is_same(corners[n], file.positions_lps_mm[triangle[n]])) return false;
+      }
+      return true;
+    };
+    if (next < file.triangles.size() && is_next()) {
+      ++next;
+    } else if (!is_thin(corners)) {
+      return false;
+    }
+  }
+  return next == file.triangles.size();
+}
 
 Result<MeshFormat> writable_mesh_format(const fs::path& path) {
   Result<MeshFormat> format = mesh_format(path);
@@ -98,8 +139,7 @@ Result<void> write_mesh(std::span<const SurfaceMesh> surfaces, const Grid& grid,
     // Read back: VTK detects a full disk only for some formats, and lost bytes for none.
     const auto back = import_mesh(temporary, MeshFrame::kLps);
     if (!written || !back || !holds_triangles(*back, corners_of(surfaces, grid))) {
-      return fail(ErrorCode::kFailed,
-                  fmt::format("{}: cannot be written whole; is the disk full?", path.string()));
+      return bad_file(path, "cannot be written whole; is the disk full?");
     }
     return {};
   });

@@ -1,14 +1,22 @@
-// Writer of mesh files, through VTK.
+// Writer of mesh files, through VTK, and verification of what it wrote.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <span>
 
 #include "format/grid.h"
 #include "format/surface.h"
-#include "preprocess/import/meshes/check_mesh_file.h"
+#include "preprocess/import/meshes/import_mesh.h"
 
 namespace splatlas {
+
+/// Corners of a triangle, LPS mm.
+using Corners = std::array<Vec3, 3>;
+
+/// True if the file contains the written triangles in order, within the precision of text files. Degenerate
+/// triangles, which importers drop, may be missing.
+[[nodiscard]] bool holds_triangles(const TriangleMesh& file, std::span<const Corners> written);
 
 /// Output format by file extension; kUsage for unknown extensions.
 [[nodiscard]] Result<MeshFormat> writable_mesh_format(const std::filesystem::path& path);

@@ -9,6 +9,7 @@
 #include "format/selection.h"
 #include "format/system/ascii_text.h"
 #include "format/system/result_macros.h"
+#include "preprocess/import/import_error.h"
 #include "preprocess/import/tables/text_file.h"
 
 namespace splatlas {
@@ -136,7 +137,7 @@ class GraphBuilder {
       if (n == 0) found = fitting;
       std::erase_if(found, [&](StructureIndex s) { return std::ranges::find(fitting, s) == fitting.end(); });
     }
-    if (found.empty()) return fail(ErrorCode::kFailed, fmt::format("no structure fits '{}'", member));
+    if (found.empty()) return fail(ErrorCode::kFailed, "no structure fits '{}'", member);
     for (StructureIndex& index : found) index = place_source(index);
     return found;
   }
@@ -158,7 +159,7 @@ class GraphBuilder {
       const auto low = parse_integer(trimmed(range.substr(0, dash)));
       const auto high = dash == std::string_view::npos ? low : parse_integer(trimmed(range.substr(dash + 1)));
       if (!low || !high || *low > *high) {
-        return fail(ErrorCode::kFailed, fmt::format("'{}' is no code and no range of codes", range));
+        return fail(ErrorCode::kFailed, "'{}' is no code and no range of codes", range);
       }
       for (StructureIndex source = 0; source < sources_.size(); ++source) {
         const auto code = sources_[source].code;
@@ -166,8 +167,7 @@ class GraphBuilder {
       }
     }
     if (found.empty()) {
-      return fail(ErrorCode::kFailed,
-                  fmt::format("no structure has a code in '{}' (codes come from --names)", list));
+      return fail(ErrorCode::kFailed, "no structure has a code in '{}' (codes come from --names)", list);
     }
     std::sort(found.begin(), found.end());
     std::vector<StructureIndex> indices;
@@ -195,12 +195,11 @@ Result<PlacedStructures> build_graph(std::span<const SourceStructure> sources,
   builder.collect_group_names(lines);
   for (const TreeLine& line : lines) {
     if (const auto placed = builder.place(line); !placed) {
-      return fail(ErrorCode::kFailed,
-                  fmt::format("{}: line {}: {}", file, line.number, placed.error().message));
+      return bad_file(file, "line {}: {}", line.number, placed.error().message);
     }
   }
   Result<PlacedStructures> placed = builder.finish();
-  if (!placed) return fail(ErrorCode::kFailed, fmt::format("{}: {}", file, placed.error().message));
+  if (!placed) return bad_file(file, "{}", placed.error().message);
   return placed;
 }
 

@@ -2,11 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <tuple>
 #include <unordered_map>
 
-#include <fmt/format.h>
-
+#include "format/system/result_macros.h"
 #include "format/unit_vector.h"
 
 namespace splatlas {
@@ -90,7 +88,7 @@ class MeshClipper {
       }
       split(polygon, 0, {0, 0, 0});
       if (pieces_.size() > kMaxPieces) {
-        return fail(ErrorCode::kLimit, fmt::format("clipping gives more than {} triangles", kMaxPieces));
+        return fail(ErrorCode::kLimit, "clipping gives more than {} triangles", kMaxPieces);
       }
     }
     return finish();

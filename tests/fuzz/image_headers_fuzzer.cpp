@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "format/system/result_macros.h"
 #include "preprocess/import/images/check_image_file.h"
@@ -17,8 +18,14 @@ namespace {
 
 Result<void> check_image_file(const std::filesystem::path& path) {
   SPLATLAS_ASSIGN_OR_RETURN(const ImageFormat format, image_format(path));
-  if (format == ImageFormat::kNrrd) return check_nrrd_file(path);
-  if (format == ImageFormat::kMetaImage) return check_meta_image_file(path);
+  if (format != ImageFormat::kNifti) {
+    SPLATLAS_ASSIGN_OR_RETURN(const PixelData pixels, format == ImageFormat::kNrrd
+                                                          ? check_nrrd_file(path)
+                                                          : check_meta_image_file(path));
+    if (!pixels.is_deflated) return {};
+    std::vector<std::byte> bytes(pixels.bytes);
+    return read_deflated(pixels.file, pixels.start, bytes);
+  }
   SPLATLAS_ASSIGN_OR_RETURN(NiftiFile file, NiftiFile::open(path));
   SPLATLAS_ASSIGN_OR_RETURN(const VoxelBuffer voxels, file.read_voxels());
   require(!voxels.bytes.empty(), "an image without voxels");

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <string>
 
-#include "preprocess/import/meshes/check_mesh_file.h"
 #include "preprocess/import/meshes/import_mesh.h"
 #include "tests/fuzz/fuzz_input.h"
 #include "tests/fuzz/require.h"
@@ -33,10 +32,8 @@ void fuzz(FuzzInput input) {
   static const std::array<std::string, 3> kNames{"mesh.stl", "mesh.obj", "mesh.ply"};
   const auto choices = input.number<std::uint8_t>();
   const auto path = write_input_file(kNames[choices % 3], input.rest());
-  const auto sound = check_mesh_file(path);
   const auto mesh = import_mesh(path, (choices & 0x80) != 0 ? MeshFrame::kRas : MeshFrame::kLps);
   if (!mesh) return require_error(mesh.error(), {ErrorCode::kFailed});
-  require(sound.has_value(), "a file that is refused was read");
   check_mesh(*mesh);
 }
 

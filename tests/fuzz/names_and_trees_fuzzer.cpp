@@ -31,7 +31,7 @@ std::optional<std::vector<SourceStructure>> read_sources(std::string_view text) 
   std::set<std::int64_t> labels;
   std::set<std::string> keys;
   for (const LabelName& name : *names) {
-    require(name.label > 0 && name.label <= 0xffffffff && labels.insert(name.label).second, "a label twice");
+    require(name.label > 0 && name.label <= 0xffffffff && labels.insert(*name.label).second, "a label twice");
     require(check_structure_name(name.name).has_value() && keys.insert(name_key(name.name)).second,
             "a name twice");
     sources.push_back({name.name, name.label, name.code, name.color});

@@ -7,9 +7,11 @@
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
+#include <span>
 #include <string_view>
 
 #include "format/result.h"
+#include "format/voxel_type.h"
 
 namespace splatlas {
 
@@ -24,16 +26,48 @@ enum class ImageFormat { kNifti, kNrrd, kMetaImage };
 /// The format by the file's ending: .nii, .nii.gz; .nrrd, .nhdr; .mha, .mhd. kFailed for any other.
 [[nodiscard]] Result<ImageFormat> image_format(const std::filesystem::path& path);
 
+/// Location of the pixels behind an image header.
+struct PixelData {
+  std::filesystem::path file;
+  std::uint64_t start = 0, bytes = 0;  ///< offset in the file, and decompressed length
+  bool is_deflated = false;  ///< a zlib or gzip stream for read_deflated(); else ITK reads the pixels
+  bool is_big_endian = false;
+};
+
 /// Checks a regular NRRD or MetaImage file. kFailed for:
 ///   - another format, 64-bit or vector pixels, or more than three dimensions,
 ///   - spacings that are not positive, or numbers that are invalid in a geometry,
-///   - fewer voxels than the header declares, or pixels outside the file's folder.
-/// Cost: reads the header, and decompresses compressed pixels once in constant memory to find damage.
-/// NiftiFile checks NIfTI files.
-[[nodiscard]] Result<void> check_nrrd_file(const std::filesystem::path& path);
-[[nodiscard]] Result<void> check_meta_image_file(const std::filesystem::path& path);
+///   - fewer bytes than the voxels need at least, or pixels outside the file's folder.
+/// Cost: reads the header. read_deflated() checks compressed pixels, and NiftiFile checks NIfTI files.
+[[nodiscard]] Result<PixelData> check_nrrd_file(const std::filesystem::path& path);
+[[nodiscard]] Result<PixelData> check_meta_image_file(const std::filesystem::path& path);
 
-// Errors of all formats.
+/// Decompresses the zlib or gzip stream at `offset` to `pixels` in one pass. kFailed if it is damaged or too
+/// short. Reads at most kMaxSurplus bytes beyond the pixels, for the checksum.
+[[nodiscard]] Result<void> read_deflated(const std::filesystem::path& path, std::uint64_t offset,
+                                         std::span<std::byte> pixels);
+/// Reverses the byte order of all voxels.
+void swap_bytes(VoxelBuffer& voxels);
+
+// Parts of the checks of all formats.
+
+/// Maximum compression ratio; deflate reaches about 1032.
+inline constexpr std::uint64_t kMaxDeflateRatio = 1100;
+/// Bytes beyond the pixels that are read to reach a compressed stream's checksum.
+inline constexpr std::uint64_t kMaxSurplus = 16u << 20;
+
+/// The product of sizes and `bytes_per_voxel`. kFailed for sizes below 1 or above kMaxAxisSize and for more
+/// than kMaxVoxels voxels, so that no later product overflows.
+[[nodiscard]] Result<std::uint64_t> payload_bytes(const std::filesystem::path& path,
+                                                  std::span<const std::int64_t> sizes,
+                                                  std::uint64_t bytes_per_voxel);
+/// kFailed if a file holds less than `needed` bytes from `offset` on. The message states `expected`, the
+/// number of decompressed bytes of pixels.
+[[nodiscard]] Result<void> check_raw_payload(const std::filesystem::path& path, std::uint64_t offset,
+                                             std::uint64_t needed, std::uint64_t expected);
+
+[[nodiscard]] tl::unexpected<Error> truncated_file(const std::filesystem::path& path, std::uint64_t expected,
+                                                   std::uint64_t found);
 [[nodiscard]] tl::unexpected<Error> bad_pixel_type(const std::filesystem::path& path, std::string_view type);
 [[nodiscard]] Result<void> check_one_volume(const std::filesystem::path& path, std::int64_t volumes);
 

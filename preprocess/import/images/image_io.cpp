@@ -1,12 +1,27 @@
 #include "preprocess/import/images/image_io.h"
 
 #include <algorithm>
+#include <array>
+#include <utility>
 
 #include <itkMetaImageIO.h>
 #include <itkNiftiImageIO.h>
 #include <itkNrrdImageIO.h>
 
 namespace splatlas {
+namespace {
+
+using TypePair = std::pair<VoxelType, itk::IOComponentEnum>;
+constexpr std::array<TypePair, 8> kTypes{{{VoxelType::kUInt8, itk::IOComponentEnum::UCHAR},
+                                          {VoxelType::kInt8, itk::IOComponentEnum::CHAR},
+                                          {VoxelType::kUInt16, itk::IOComponentEnum::USHORT},
+                                          {VoxelType::kInt16, itk::IOComponentEnum::SHORT},
+                                          {VoxelType::kUInt32, itk::IOComponentEnum::UINT},
+                                          {VoxelType::kInt32, itk::IOComponentEnum::INT},
+                                          {VoxelType::kFloat32, itk::IOComponentEnum::FLOAT},
+                                          {VoxelType::kFloat64, itk::IOComponentEnum::DOUBLE}}};
+
+}  // namespace
 
 itk::ImageIOBase::Pointer make_image_io(ImageFormat format) {
   switch (format) {
@@ -18,32 +33,13 @@ itk::ImageIOBase::Pointer make_image_io(ImageFormat format) {
 }
 
 VoxelType voxel_type_of(itk::IOComponentEnum component) {
-  switch (component) {
-    case itk::IOComponentEnum::UCHAR: return VoxelType::kUInt8;
-    case itk::IOComponentEnum::CHAR: return VoxelType::kInt8;
-    case itk::IOComponentEnum::USHORT: return VoxelType::kUInt16;
-    case itk::IOComponentEnum::SHORT: return VoxelType::kInt16;
-    case itk::IOComponentEnum::UINT: return VoxelType::kUInt32;
-    case itk::IOComponentEnum::INT: return VoxelType::kInt32;
-    case itk::IOComponentEnum::FLOAT: return VoxelType::kFloat32;
-    case itk::IOComponentEnum::DOUBLE: return VoxelType::kFloat64;
-    default: return VoxelType::kNone;
-  }
+  const auto found = std::ranges::find(kTypes, component, &TypePair::second);
+  return found == kTypes.end() ? VoxelType::kNone : found->first;
 }
 
 itk::IOComponentEnum component_of(VoxelType type) {
-  switch (type) {
-    case VoxelType::kUInt8: return itk::IOComponentEnum::UCHAR;
-    case VoxelType::kInt8: return itk::IOComponentEnum::CHAR;
-    case VoxelType::kUInt16: return itk::IOComponentEnum::USHORT;
-    case VoxelType::kInt16: return itk::IOComponentEnum::SHORT;
-    case VoxelType::kUInt32: return itk::IOComponentEnum::UINT;
-    case VoxelType::kInt32: return itk::IOComponentEnum::INT;
-    case VoxelType::kFloat32: return itk::IOComponentEnum::FLOAT;
-    case VoxelType::kFloat64: return itk::IOComponentEnum::DOUBLE;
-    case VoxelType::kNone: break;
-  }
-  return itk::IOComponentEnum::UNKNOWNCOMPONENTTYPE;
+  const auto found = std::ranges::find(kTypes, type, &TypePair::first);
+  return found == kTypes.end() ? itk::IOComponentEnum::UNKNOWNCOMPONENTTYPE : found->second;
 }
 
 Grid grid_of(const itk::ImageIOBase& io) {

@@ -13,7 +13,6 @@
 #include "preprocess/import/images/itk_call.h"
 #include "preprocess/import/images/read_nifti_file.h"
 #include "preprocess/import/import_error.h"
-#include "preprocess/import/quiet_standard_error.h"
 #include "preprocess/import/tables/text_file.h"
 
 namespace splatlas {
@@ -35,11 +34,10 @@ Result<void> check_pixels(const itk::ImageIOBase& io, const fs::path& path) {
   return {};
 }
 
-Result<Image> read_with(itk::ImageIOBase& io, const fs::path& path) {
+/// ITK reads the header and plain pixels. MetaIO ignores damage in compressed ones.
+Result<Image> read_with(itk::ImageIOBase& io, const fs::path& path, const PixelData& pixels) {
   const std::string name = path.string();
-  if (!io.CanReadFile(name.c_str())) {
-    return bad_file(path, "is not of the type that its ending says");
-  }
+  if (!io.CanReadFile(name.c_str())) return bad_file(path, "is not of the type that its ending says");
   io.SetFileName(name);
   io.ReadImageInformation();
   SPLATLAS_RETURN_IF_ERROR(check_pixels(io, path));
@@ -47,11 +45,16 @@ Result<Image> read_with(itk::ImageIOBase& io, const fs::path& path) {
   image.grid = grid_of(io);
   SPLATLAS_RETURN_IF_ERROR(validate(image.grid, name));
 
+  image.voxels.type = voxel_type_of(io.GetComponentType());
+  image.voxels.bytes.resize(static_cast<std::size_t>(image.grid.voxels()) * bytes_of(image.voxels.type));
+  if (pixels.is_deflated && pixels.bytes == image.voxels.bytes.size()) {
+    SPLATLAS_RETURN_IF_ERROR(read_deflated(pixels.file, pixels.start, image.voxels.bytes));
+    if (pixels.is_big_endian) swap_bytes(image.voxels);
+    return image;
+  }
   itk::ImageIORegion region(io.GetNumberOfDimensions());
   for (unsigned a = 0; a < io.GetNumberOfDimensions(); ++a) region.SetSize(a, io.GetDimensions(a));
   io.SetIORegion(region);
-  image.voxels.type = voxel_type_of(io.GetComponentType());
-  image.voxels.bytes.resize(static_cast<std::size_t>(image.grid.voxels()) * bytes_of(image.voxels.type));
   io.Read(image.voxels.bytes.data());
   return image;
 }
@@ -61,20 +64,21 @@ Result<Image> read_with(itk::ImageIOBase& io, const fs::path& path) {
 Result<Image> import_image(const fs::path& path) {
   SPLATLAS_RETURN_IF_ERROR(check_regular_file(path));
   SPLATLAS_ASSIGN_OR_RETURN(const ImageFormat format, image_format(path));
-  if (format == ImageFormat::kNrrd) SPLATLAS_RETURN_IF_ERROR(check_nrrd_file(path));
-  if (format == ImageFormat::kMetaImage) SPLATLAS_RETURN_IF_ERROR(check_meta_image_file(path));
   const QuietStandardError quiet;
-  return call_itk(path.string(), [&] {
-    return format == ImageFormat::kNifti ? read_nifti_file(path) : read_with(*make_image_io(format), path);
+  return call_itk(path.string(), [&]() -> Result<Image> {
+    if (format == ImageFormat::kNifti) return read_nifti_file(path);
+    SPLATLAS_ASSIGN_OR_RETURN(const PixelData pixels, format == ImageFormat::kNrrd
+                                                          ? check_nrrd_file(path)
+                                                          : check_meta_image_file(path));
+    return read_with(*make_image_io(format), path, pixels);
   });
 }
 
 Result<void> check_same_grid(const Grid& a, const std::string& name_of_a, const Grid& b,
                              const std::string& name_of_b) {
   if (a.size != b.size) {
-    return fail(ErrorCode::kFailed,
-                fmt::format("{} has {} voxels but {} has {}: both must be on one grid", name_of_a,
-                            fmt::join(a.size, "x"), name_of_b, fmt::join(b.size, "x")));
+    return fail(ErrorCode::kFailed, "{} has {} voxels but {} has {}: both must be on one grid", name_of_a,
+                fmt::join(a.size, "x"), name_of_b, fmt::join(b.size, "x"));
   }
   // The corners of one grid, mapped to the other, depend on spacing, origin and direction.
   constexpr double kTolerance = 1e-2;  // voxels
@@ -87,8 +91,8 @@ Result<void> check_same_grid(const Grid& a, const std::string& name_of_a, const 
     for (std::size_t n = 0; n < 3; ++n) {
       if (std::abs(found[n] - index[n]) <= kTolerance) continue;
       return fail(ErrorCode::kFailed,
-                  fmt::format("{} and {} lie elsewhere: voxel ({}) of the first is at ({:.4g}) of the second",
-                              name_of_a, name_of_b, fmt::join(index, ", "), fmt::join(found, ", ")));
+                  "{} and {} lie elsewhere: voxel ({}) of the first is at ({:.4g}) of the second", name_of_a,
+                  name_of_b, fmt::join(index, ", "), fmt::join(found, ", "));
     }
   }
   return {};

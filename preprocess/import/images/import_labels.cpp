@@ -80,9 +80,7 @@ Result<std::vector<fs::path>> list_masks(const fs::path& folder) {
     if (image_format(entry->path())) files.push_back(entry->path());
   }
   if (error) return bad_file(folder, "{}", error.message());
-  if (files.empty()) {
-    return bad_file(folder, "holds no mask (.nii, .nii.gz, .nrrd, .nhdr, .mha or .mhd)");
-  }
+  if (files.empty()) return bad_file(folder, "holds no mask (.nii, .nii.gz, .nrrd, .nhdr, .mha or .mhd)");
   std::sort(files.begin(), files.end());
   return files;
 }
@@ -183,17 +181,14 @@ Result<void> name_labels(ImportedLabels& labels, const std::vector<LabelName>& n
   for (SourceStructure& structure : labels.structures) unnamed.emplace(*structure.label, &structure);
   std::vector<SourceStructure> empty;
   for (const LabelName& name : names) {
-    const auto found = unnamed.find(name.label);
+    const auto found = unnamed.find(*name.label);
     if (found == unnamed.end() && !allow_empty) {
       return bad_file(file,
                       "line {}: no voxel of {} has label {} ('{}'); --allow-empty keeps such structures",
-                      name.line, labels.source, name.label, name.name);
+                      name.line, labels.source, *name.label, name.name);
     }
     SourceStructure& structure = found == unnamed.end() ? empty.emplace_back() : *found->second;
-    structure.name = name.name;
-    structure.label = name.label;
-    structure.code = name.code;
-    structure.color = name.color;
+    structure = name;
     if (found != unnamed.end()) unnamed.erase(found);
   }
   if (!unnamed.empty()) {

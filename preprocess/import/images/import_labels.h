@@ -9,7 +9,6 @@
 #include "preprocess/import/images/import_image.h"
 #include "preprocess/import/tables/read_names.h"
 #include "preprocess/membership_volume.h"
-#include "preprocess/source_structure.h"
 
 namespace splatlas {
 

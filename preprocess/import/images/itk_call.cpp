@@ -1,5 +1,11 @@
 #include "preprocess/import/images/itk_call.h"
 
+#include <cstdio>
+#include <iostream>
+
+#include <fcntl.h>
+#include <unistd.h>
+
 #include "preprocess/import/import_error.h"
 
 namespace splatlas {
@@ -13,7 +19,27 @@ std::string message_of(const itk::ExceptionObject& error) {
   const std::size_t address = text.find("(0x");
   const std::size_t end = address == std::string::npos ? address : text.find("): ", address);
   if (end != std::string::npos) text.erase(0, end + 3);
+  // The library of NRRD appends its call stack: the last line, "[nrrd] function: cause", has the cause.
+  if (const std::size_t last = text.rfind("[nrrd] "); last != std::string::npos) {
+    const std::size_t cause = text.find(": ", last);
+    text = cause == std::string::npos ? "" : text.substr(cause + 2);
+    return one_line(text, "cannot be read") + "; sizes, type and encoding in its header must fit its pixels";
+  }
   return one_line(text, "ITK gives no reason");
+}
+
+QuietStandardError::QuietStandardError() : kept_(::fcntl(STDERR_FILENO, F_DUPFD_CLOEXEC, 3)) {
+  const int nowhere = ::open("/dev/null", O_WRONLY | O_CLOEXEC);
+  if (kept_ >= 0 && nowhere >= 0) ::dup2(nowhere, STDERR_FILENO);
+  if (nowhere >= 0) ::close(nowhere);
+}
+
+QuietStandardError::~QuietStandardError() {
+  std::cerr.flush();
+  std::fflush(stderr);
+  if (kept_ < 0) return;
+  ::dup2(kept_, STDERR_FILENO);
+  ::close(kept_);
 }
 
 }  // namespace splatlas

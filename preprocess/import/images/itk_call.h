@@ -1,4 +1,4 @@
-// Conversion of ITK's exceptions to errors.
+// Calls of ITK: conversion of its exceptions to errors, and suppression of its messages on standard error.
 #pragma once
 
 #include <exception>
@@ -30,5 +30,18 @@ template <typename Call>
     return fail(ErrorCode::kFailed, what + ": " + error.what());
   }
 }
+
+/// Redirects standard error of the whole process to /dev/null during its lifetime. NIfTI's library and MetaIO
+/// print errors there that they also return, or that reading the file back finds.
+class QuietStandardError {
+ public:
+  QuietStandardError();
+  ~QuietStandardError();
+  QuietStandardError(const QuietStandardError&) = delete;
+  QuietStandardError& operator=(const QuietStandardError&) = delete;
+
+ private:
+  int kept_;  // duplicate of standard error, or negative if it was closed
+};
 
 }  // namespace splatlas

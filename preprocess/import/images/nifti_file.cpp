@@ -2,13 +2,11 @@
 
 #include <cmath>
 #include <span>
-#include <string>
 #include <utility>
 
 #include "format/system/ascii_text.h"
 #include "format/system/result_macros.h"
 #include "preprocess/import/images/check_image_file.h"
-#include "preprocess/import/images/image_payload.h"
 #include "preprocess/import/import_error.h"
 
 namespace splatlas {
@@ -25,11 +23,6 @@ std::size_t read_some(gzFile_s& stream, std::span<std::byte> bytes) {
     done += static_cast<std::size_t>(count);
   }
   return done;
-}
-
-void swap_bytes(VoxelBuffer& voxels) {
-  const auto size = static_cast<std::ptrdiff_t>(bytes_of(voxels.type));
-  for (auto at = voxels.bytes.begin(); at != voxels.bytes.end(); at += size) std::reverse(at, at + size);
 }
 
 template <typename Scaled>
@@ -112,7 +105,7 @@ Result<void> NiftiFile::check_voxels() {
   }
   SPLATLAS_ASSIGN_OR_RETURN(voxel_bytes_, payload_bytes(path_, sizes, bytes_of(type)));
   const auto offset = static_cast<std::uint64_t>(header_.voxel_offset());
-  if (!is_compressed()) return check_raw_payload(path_, offset, voxel_bytes_);
+  if (!is_compressed()) return check_raw_payload(path_, offset, voxel_bytes_, voxel_bytes_);
   return check_raw_payload(path_, 0, (offset + voxel_bytes_) / kMaxDeflateRatio, voxel_bytes_);
 }
 

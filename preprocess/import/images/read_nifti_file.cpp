@@ -8,7 +8,9 @@
 
 #include "format/system/result_macros.h"
 #include "preprocess/import/images/image_io.h"
+#include "preprocess/import/images/itk_call.h"
 #include "preprocess/import/images/nifti_file.h"
+#include "preprocess/import/import_error.h"
 
 namespace splatlas {
 namespace {
@@ -59,10 +61,16 @@ std::optional<Grid> grid_of_sform(const NiftiHeader& header) {
   return grid;
 }
 
-Grid grid_by_itk(const fs::path& path) {
+Result<Grid> grid_by_itk(const fs::path& path) {
   const itk::NiftiImageIO::Pointer io = itk::NiftiImageIO::New();
   io->SetFileName(path.string());
-  io->ReadImageInformation();
+  try {
+    io->ReadImageInformation();
+  } catch (const itk::ExceptionObject& error) {
+    if (message_of(error).find("orthonormal") == std::string::npos) throw;
+    return bad_file(path,
+                    "has sheared axes (sform), but they must be orthonormal; resample it to orthogonal axes");
+  }
   return grid_of(*io);
 }
 
@@ -72,7 +80,7 @@ Result<Image> read_nifti_file(const fs::path& path) {
   SPLATLAS_ASSIGN_OR_RETURN(NiftiFile file, NiftiFile::open(path));
   const std::optional<Grid> grid = grid_of_sform(file.header());
   Image image;
-  image.grid = grid ? *grid : grid_by_itk(path);
+  SPLATLAS_ASSIGN_OR_RETURN(image.grid, grid ? *grid : grid_by_itk(path));
   SPLATLAS_RETURN_IF_ERROR(validate(image.grid, path.string()));
   SPLATLAS_ASSIGN_OR_RETURN(image.voxels, file.read_voxels());
   return image;

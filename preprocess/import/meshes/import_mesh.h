@@ -10,6 +10,11 @@
 
 namespace splatlas {
 
+enum class MeshFormat { kStl, kObj, kPly, kVtk };
+
+/// The format by the file's ending: .stl, .obj, .ply, .vtk. kFailed for any other.
+[[nodiscard]] Result<MeshFormat> mesh_format(const std::filesystem::path& path);
+
 /// Coordinate frame of mesh files.
 enum class MeshFrame {
   kLps,  ///< x to the left, y to posterior, z to superior: ITK, DICOM, 3D Slicer's files

@@ -109,7 +109,11 @@ Result<vtkSmartPointer<vtkPolyData>> read_obj(const std::filesystem::path& path)
   std::ifstream file(path, std::ios::binary);
   ObjFile obj;
   std::string line;
-  for (std::size_t number = 1; std::getline(file, line); ++number) {
+  for (std::size_t number = 1, lines = 1; std::getline(file, line); number += lines) {
+    // A backslash continues a line.
+    lines = 1;
+    for (std::string next; trimmed(line).ends_with('\\') && std::getline(file, next); ++lines)
+      line.replace(line.rfind('\\'), std::string::npos, " " + next);
     const std::vector<std::string_view> words = split_blanks(trimmed(line));
     if (words.empty()) continue;
     if (const std::string error = obj.add_line(words); !error.empty())

@@ -4,12 +4,9 @@
 #include <cstdint>
 #include <cstring>
 #include <fstream>
-#include <map>
 #include <optional>
 #include <string>
 #include <vector>
-
-#include <fmt/format.h>
 
 #include "preprocess/import/import_error.h"
 #include "preprocess/import/meshes/polygon_mesh.h"
@@ -45,6 +42,11 @@ struct Element {
       if (properties[n].name == property && properties[n].count.has_value() == list) return n;
     }
     return std::nullopt;
+  }
+  /// The corners of a face. Files use both names.
+  [[nodiscard]] std::optional<std::size_t> find_corners() const {
+    const auto corners = find("vertex_indices", true);
+    return corners ? corners : find("vertex_index", true);
   }
 };
 
@@ -146,7 +148,7 @@ class PlyReader {
         vertex_count_ = static_cast<double>(element.count);
       }
       if (element.name == "face") {
-        const auto corners = element.find("vertex_indices", true);
+        const auto corners = element.find_corners();
         if (!vertices || !corners || !element.properties[*corners].type.is_integer) return false;
         faces = true;
       }
@@ -196,7 +198,7 @@ class PlyReader {
   }
   bool add_face(const Element& element) {
     corners_.clear();
-    for (const double corner : values_[*element.find("vertex_indices", true)]) {
+    for (const double corner : values_[*element.find_corners()]) {
       if (!(corner >= 0 && corner < vertex_count_)) return false;
       corners_.push_back(static_cast<vtkIdType>(corner));
     }
@@ -224,9 +226,7 @@ Result<vtkSmartPointer<vtkPolyData>> read_ply(const std::filesystem::path& path)
     return bad_file(path, "is no PLY file of vertices (x, y, z) and faces (vertex_indices)");
   }
   if (!reader.read_body()) {
-    return fail(ErrorCode::kFailed,
-                fmt::format("{}: is truncated or damaged: not all of its elements or corners are there",
-                            path.string()));
+    return bad_file(path, "is truncated or damaged: not all of its elements or corners are there");
   }
   return reader.poly_data();
 }

@@ -13,20 +13,25 @@
 
 namespace splatlas {
 
-/// Name and properties of one label.
-struct LabelName {
-  std::int64_t label = 0;
+/// A structure before its placement in the graph. Its index in the list of these is its source number.
+struct SourceStructure {
   std::string name;
+  std::optional<std::int64_t> label;
   std::optional<std::int64_t> code;  ///< AAL's third column, a hierarchical region code
   std::optional<Rgb> color;
+  bool external = false;
+};
+
+/// A structure from a line of a names file; it has a label.
+struct LabelName : SourceStructure {
   std::size_t line = 0;  ///< line number in the file, for messages
 };
 
 /// Reads one label per line: "label name [code]" (AAL and most others; quote a name that ends in a number),
 /// or the eight columns of ITK-SNAP, `label R G B A visible mesh "name"`. Ignores blank lines, lines that
 /// start with "#", and label 0 (background). kFailed, with file and line, for a label that is not from 0 to
-/// 2^32 - 1, duplicate labels, missing names, names refused by check_structure_name() and duplicate names
-/// (ignoring case).
+/// 2^32 - 1, colours that are not from 0 to 255, quotes without an end, duplicate labels, missing names,
+/// names refused by check_structure_name() and duplicate names (ignoring case).
 [[nodiscard]] Result<std::vector<LabelName>> read_names(const std::filesystem::path& path);
 
 /// Reads a colour table of 768 bytes (MRIcron's .lut: 256 reds, 256 greens, 256 blues), indexed by label.

@@ -1,8 +1,7 @@
 #include "preprocess/import/tables/read_tree.h"
 
-#include <fmt/format.h>
-
 #include "format/system/result_macros.h"
+#include "preprocess/import/import_error.h"
 #include "preprocess/import/tables/structure_name.h"
 #include "preprocess/import/tables/text_file.h"
 
@@ -30,7 +29,7 @@ Result<TreeLine> parse_line(std::string_view text) {
     const bool last = n + 1 == parts.size();
     if (parts[n].empty() && !(last && n > 0)) return fail(ErrorCode::kUsage, "a part of the path is empty");
     if (!last && parts[n].find('*') != std::string_view::npos) {
-      return fail(ErrorCode::kUsage, fmt::format("'{}': only the last part may be a pattern", parts[n]));
+      return fail(ErrorCode::kUsage, "'{}': only the last part may be a pattern", parts[n]);
     }
     if (last) {
       line.member = std::string(parts[n]);
@@ -50,10 +49,7 @@ Result<std::vector<TreeLine>> read_tree(const std::filesystem::path& path) {
   std::vector<TreeLine> result;
   for (const TextLine& text : lines) {
     Result<TreeLine> line = parse_line(text.text);
-    if (!line) {
-      return fail(ErrorCode::kFailed,
-                  fmt::format("{}: line {}: {}", path.string(), text.number, line.error().message));
-    }
+    if (!line) return bad_file(path, "line {}: {}", text.number, line.error().message);
     line->number = text.number;
     result.push_back(std::move(*line));
   }

@@ -4,14 +4,14 @@
 #include <utf8cpp/utf8.h>
 
 #include "format/system/ascii_text.h"
-#include "format/system/plain_text.h"
+#include "format/system/result_macros.h"
 #include "preprocess/import/tables/text_file.h"
 
 namespace splatlas {
 
 Result<void> check_structure_name(std::string_view name) {
   const auto refuse = [&](const std::string& what) {
-    return fail(ErrorCode::kFailed, fmt::format("the name {} {}", in_quotes(name), what));
+    return fail(ErrorCode::kFailed, "the name {} {}", in_quotes(name), what);
   };
   if (trimmed(name).empty()) return refuse("is empty");
   if (const std::string fault = fault_of_text(name); !fault.empty()) return refuse(fault);

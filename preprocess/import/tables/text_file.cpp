@@ -5,10 +5,9 @@
 #include <fstream>
 #include <system_error>
 
-#include <fmt/format.h>
-
-#include "format/system/plain_text.h"
+#include "format/system/ascii_text.h"
 #include "format/system/result_macros.h"
+#include "preprocess/import/import_error.h"
 
 namespace splatlas {
 namespace {
@@ -20,21 +19,15 @@ constexpr std::uintmax_t kMaxTextBytes = 16u << 20;
 Result<void> check_regular_file(const std::filesystem::path& path) {
   std::error_code error;
   const auto status = std::filesystem::status(path, error);
-  if (status.type() == std::filesystem::file_type::not_found) {
-    return fail(ErrorCode::kFailed, fmt::format("{}: no such file", path.string()));
-  }
+  if (status.type() == std::filesystem::file_type::not_found) return bad_file(path, "no such file");
   if (status.type() == std::filesystem::file_type::directory) {
-    return fail(ErrorCode::kFailed, fmt::format("{}: is a folder; a file is needed here", path.string()));
+    return bad_file(path, "is a folder; a file is needed here");
   }
   if (status.type() == std::filesystem::file_type::none) {  // for example a name too long, or a loop of links
-    return fail(ErrorCode::kFailed, fmt::format("{}: cannot be read: {}", path.string(), error.message()));
+    return bad_file(path, "cannot be read: {}", error.message());
   }
-  if (status.type() != std::filesystem::file_type::regular) {
-    return fail(ErrorCode::kFailed, fmt::format("{}: is not a regular file", path.string()));
-  }
-  if (!std::ifstream(path, std::ios::binary)) {
-    return fail(ErrorCode::kFailed, fmt::format("{}: cannot be opened for reading", path.string()));
-  }
+  if (status.type() != std::filesystem::file_type::regular) return bad_file(path, "is not a regular file");
+  if (!std::ifstream(path, std::ios::binary)) return bad_file(path, "cannot be opened for reading");
   return {};
 }
 
@@ -43,12 +36,11 @@ Result<std::vector<TextLine>> read_text_lines(const std::filesystem::path& path)
   std::error_code error;
   const std::uintmax_t bytes = std::filesystem::file_size(path, error);
   if (error || bytes > kMaxTextBytes) {
-    return fail(ErrorCode::kFailed,
-                fmt::format("{}: is larger than 16 MiB; a text file is needed here", path.string()));
+    return bad_file(path, "is larger than 16 MiB; a text file is needed here");
   }
   std::string all(bytes, '\0');
   if (!std::ifstream(path, std::ios::binary).read(all.data(), static_cast<std::streamsize>(bytes)))
-    return fail(ErrorCode::kFailed, fmt::format("{}: cannot be read whole", path.string()));
+    return bad_file(path, "cannot be read whole");
   if (all.starts_with("\xef\xbb\xbf")) all.erase(0, 3);  // byte order mark
 
   std::vector<TextLine> lines;
@@ -59,8 +51,7 @@ Result<std::vector<TextLine>> read_text_lines(const std::filesystem::path& path)
     const std::string_view text = trimmed(line);
     ++number;
     if (const std::string fault = fault_of_text(line); !fault.empty()) {
-      return fail(ErrorCode::kFailed, fmt::format("{}: line {} {}; plain UTF-8 text is needed here",
-                                                  path.string(), number, fault));
+      return bad_file(path, "line {} {}; plain UTF-8 text is needed here", number, fault);
     }
     if (!text.empty() && text.front() != '#') lines.push_back({number, std::string(text)});
     start = end + (all.compare(end, 2, "\r\n") == 0 ? 2 : 1);

@@ -92,7 +92,7 @@ RC_GTEST_PROP(MarchingCubes, SurfacesAreClosedAndEncloseEveryVoxelByHalf, ()) {
                     *rc::gen::inRange<std::int64_t>(1, 7)};
   const auto mask = *rc::gen::container<std::vector<std::uint8_t>>(
       static_cast<std::size_t>(size[0] * size[1] * size[2]), rc::gen::element<std::uint8_t>(0, 1));
-  const MaskSurface surface = marching_cubes(crop_of(size, mask));
+  const SurfaceMesh surface = marching_cubes(crop_of(size, mask));
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
   std::uint32_t highest = 0;
   for (const auto& t : surface.triangles) {

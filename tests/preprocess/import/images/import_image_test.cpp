@@ -133,6 +133,37 @@ TEST_F(ImportImage, DamagedCompressedPixelsAreNoticed) {
   }
 }
 
+TEST_F(ImportImage, ReadsCompressedPixelsInEitherByteOrder) {
+  std::string swapped = RawImage::payload();
+  for (std::size_t at = 0; at < swapped.size(); at += 2) std::swap(swapped[at], swapped[at + 1]);
+  std::string meta = meta_header("CompressedData = True\n"), nrrd_big = nrrd_header("gzip");
+  meta.replace(meta.find("MSB = False"), 11, "MSB = True");
+  nrrd_big.replace(nrrd_big.find("little"), 6, "big");
+  for (const auto& [name, bytes] :
+       {std::pair<const char*, std::string>{"a.mha", meta + deflated(swapped, false)},
+        {"a.nrrd", nrrd_big + deflated(swapped, true)},
+        {"b.nrrd", nrrd_header("gzip", "byte skip: 3\n") + deflated("abc" + RawImage::payload(), true)}}) {
+    const Result<Image> image = import_bytes(name, bytes);
+    ASSERT_TRUE(image) << image.error().message;
+    expect_raw_image(*image);
+  }
+}
+
+TEST_F(ImportImage, RefusesTextPixelsOfAnotherNumber) {
+  std::string pixels;
+  for (const int value : RawImage::voxels()) pixels += fmt::format("{} ", value);
+  const Result<Image> whole = import_bytes("a.nrrd", nrrd_header("ascii") + pixels);
+  ASSERT_TRUE(whole) << whole.error().message;
+  expect_raw_image(*whole);
+  for (const std::string& fewer : {pixels.substr(0, pixels.size() - 4), std::string(200, '\n') + "1 2 3"}) {
+    const Result<Image> image = import_bytes("a.nrrd", nrrd_header("ascii") + fewer);
+    ASSERT_FALSE(image);
+    EXPECT_THAT(image.error().message,
+                testing::AllOf(HasSubstr("a.nrrd: "), HasSubstr("sizes, type and encoding"),
+                               testing::Not(HasSubstr("[nrrd]")), testing::Not(HasSubstr("\n"))));
+  }
+}
+
 TEST_F(ImportImage, RefusesImpossibleGeometry) {
   const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
   for (const float spacing : {0.f, -1.f, nan, inf}) {

@@ -138,7 +138,7 @@ TEST_F(ImportImage, TakesEverySformThatIsARotationInFloats) {
 
 TEST_F(ImportImage, RefusesAnSformThatShears) {
   // Column i leans towards j by a thousandth.
-  refuses("a.nii", with_number<float>(nifti(), 296, 1e-3f), "orthonormal");
+  refuses("a.nii", with_number<float>(nifti(), 296, 1e-3f), "must be orthonormal; resample it");
 }
 
 }  // namespace

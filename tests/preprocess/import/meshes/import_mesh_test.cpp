@@ -103,6 +103,19 @@ TEST_F(ImportMesh, TrianglesWithoutAreaOrPlaceAreCounted) {
   EXPECT_GE(mesh->dropped, 2u);  // VTK itself may drop some
 }
 
+TEST_F(ImportMesh, ABackslashContinuesALineOfObj) {
+  for (const std::string end : {"\n", "\r\n"}) {
+    const std::string continued =
+        "v 0 0 \\" + end + "1\nv 2 0 1\nv 2 3 1\nv 0 3 1\nf 1 2\\" + end + "3 \\" + end + "4\n";
+    const auto mesh = import_bytes("a.obj", continued);
+    ASSERT_TRUE(mesh) << mesh.error().message;
+    EXPECT_EQ(mesh->positions_lps_mm, import_bytes("b.obj", kSquareObj)->positions_lps_mm);
+    EXPECT_EQ(mesh->triangles.size(), 2u);
+    EXPECT_THAT(error("a.obj", continued + "f 1 \\" + end + "2 9\n"), HasSubstr("line 9: corner '9'"));
+  }
+  EXPECT_THAT(error("a.obj", std::string(kSquareObj) + "f 1 2 3 \\"), HasSubstr("line 7"));
+}
+
 TEST_F(ImportMesh, RefusesDamagedFiles) {
   EXPECT_THAT(error("a.stl", binary_stl(3, 4)), AllOf(HasSubstr("a.stl"), HasSubstr("truncated")));
   EXPECT_THAT(error("a.stl", binary_stl(3, 0xffffffff)), HasSubstr("truncated"));
@@ -135,6 +148,9 @@ TEST_F(ImportMesh, RefusesDamagedFiles) {
   const std::string text = "0 0 0\n1 0 0\n0 1 0\n";
   const std::string binary = zero + zero + zero + one + zero + zero + zero + one + zero;
   EXPECT_TRUE(import_bytes("a.ply", ply("ascii", "int", text + "3 0 1 2\n")));
+  std::string other_name = ply("ascii", "int", text + "3 0 1 2\n");
+  other_name.replace(other_name.find("vertex_indices"), 14, "vertex_index");
+  EXPECT_TRUE(import_bytes("a.ply", other_name));
   EXPECT_TRUE(
       import_bytes("a.ply", ply("binary_big_endian", "char", binary + "\3" + std::string("\0\1\2", 3))));
   for (const std::string corner : {"3", "-1", "4294967295", "x"}) {

@@ -85,6 +85,24 @@ TEST_F(ReadNames, TellsTheLineOfAFault) {
   EXPECT_THAT(error("1 " + std::string(201, 'x') + "\n"), HasSubstr("201 characters"));
 }
 
+TEST_F(ReadNames, RefusesColoursBeyondAByteAndOpenQuotes) {
+  const auto line = [](const std::string& colour) {
+    return "3 A\n17 " + colour + " 255 1 1 \"Hippocampus\"\n";
+  };
+  for (const std::string colour : {"256 0 0", "0 -1 0", "0 0 1.5", "0 0 99999999999999999999"}) {
+    EXPECT_THAT(error(line(colour)), AllOf(HasSubstr("names.txt: line 2: "), HasSubstr("from 0 to 255")));
+  }
+  EXPECT_THAT(error(line("300 0 0")), HasSubstr("the colour value 300 "));
+  EXPECT_EQ(error(line("255 0 0")), "no error");
+  EXPECT_EQ(read("4 one of the six other plain \"words\"\n")->front().name,
+            "one of the six other plain \"words\"");
+  for (const std::string open :
+       {"17 255 128 0 1 1 1 \"Left", "17 \"Left hippocampus", "17 Left \"hippocampus 4"}) {
+    EXPECT_THAT(error("3 A\n" + open + "\n"),
+                AllOf(HasSubstr("names.txt: line 2: \""), HasSubstr("no closing quote; add it")));
+  }
+}
+
 RC_GTEST_FIXTURE_PROP(ReadNames, AnyLineIsReadOrRefusedWithItsNumber, ()) {
   const auto line = *rc::gen::container<std::string>(rc::gen::elementOf(std::string("\"12 \tax#-")));
   const auto names = read("7 first\n" + line + "\n");

@@ -1,4 +1,4 @@
-#include "preprocess/export/compare_mesh.h"
+#include "preprocess/export/write_mesh.h"
 
 #include <gtest/gtest.h>
 

@@ -1,0 +1,39 @@
+// Commands of splatlas-preprocess: build and export.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "preprocess/build_atlas.h"
+#include "preprocess/commands/progress_display.h"
+#include "preprocess/export/export_atlas.h"
+
+namespace CLI {
+class App;
+}
+
+namespace splatlas {
+
+/// Arguments of the build command.
+struct BuildRequest {
+  BuildOptions options;
+  ProgressMode progress = automatic_progress(stderr);
+};
+
+/// Adds a command. Parsing fills its second argument, which must outlive `app`. Invalid values throw
+/// CLI::ValidationError with option, value and remedy.
+CLI::App* add_build(CLI::App& app, BuildRequest& request);
+CLI::App* add_export(CLI::App& app, ExportOptions& options);
+
+/// Builds an atlas. Prints progress and notes to standard error, and a summary to standard output.
+[[nodiscard]] Result<void> run_build(const BuildRequest& request);
+/// Exports and prints a line per file to standard output.
+[[nodiscard]] Result<void> run_export(const ExportOptions& options);
+
+/// Splits an option's NAME=FILE at the first "="; kUsage, with the option's name, if a side is empty.
+[[nodiscard]] Result<std::pair<std::string, std::filesystem::path>> parse_name_and_file(
+    std::string_view option, std::string_view text);
+
+}  // namespace splatlas

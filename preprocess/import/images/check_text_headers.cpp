@@ -1,0 +1,239 @@
+// Checks of the image formats with text headers: NRRD and MetaImage.
+#include <algorithm>
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "format/system/ascii_text.h"
+#include "format/system/result_macros.h"
+#include "preprocess/import/images/check_image_file.h"
+#include "preprocess/import/import_error.h"
+#include "preprocess/import/tables/text_file.h"
+
+namespace splatlas {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct TextHeader {
+  std::map<std::string, std::string> fields;
+  std::uint64_t bytes = 0;  ///< length of the header; pixels may follow
+
+  /// The value of a field, or `otherwise`.
+  [[nodiscard]] std::string get(const std::string& field, const std::string& otherwise = "") const {
+    const auto found = fields.find(field);
+    return found == fields.end() ? otherwise : found->second;
+  }
+};
+
+/// A line of a header.
+struct HeaderLine {
+  enum class Kind { kField, kLastField, kComment, kEnd } kind = Kind::kEnd;
+  std::string field, value;
+};
+
+/// "field: value" of NRRD, names in lower case. A blank line ends the header.
+HeaderLine parse_nrrd_line(std::string_view raw_line) {
+  using Kind = HeaderLine::Kind;
+  const std::string_view line = trimmed(raw_line);
+  if (line.empty()) return {};
+  const std::size_t colon = line.find(": ");  // excludes "key:=value"
+  if (line.front() == '#' || colon == std::string_view::npos) return {Kind::kComment, {}, {}};
+  return {Kind::kField, to_lower(trimmed(line.substr(0, colon))),
+          std::string(trimmed(line.substr(colon + 2)))};
+}
+
+/// "Key = Value" of MetaImage; pixels may follow ElementDataFile.
+HeaderLine parse_meta_line(std::string_view line) {
+  using Kind = HeaderLine::Kind;
+  constexpr std::size_t kMaxLineBytes = 4096;
+  const std::size_t equals = line.find('=');
+  if (line.size() > kMaxLineBytes) return {};
+  if (equals == std::string_view::npos) return {trimmed(line).empty() ? Kind::kComment : Kind::kEnd, {}, {}};
+  const std::string key(trimmed(line.substr(0, equals)));
+  return {key == "ElementDataFile" ? Kind::kLastField : Kind::kField, key,
+          std::string(trimmed(line.substr(equals + 1)))};
+}
+
+/// Reads lines until kLastField or kEnd, or to the end of the first MiB. kFailed for a field that occurs
+/// twice.
+Result<TextHeader> read_text_header(const fs::path& path, HeaderLine (*parse_line)(std::string_view line)) {
+  using Kind = HeaderLine::Kind;
+  const std::string text = first_bytes(path, 1u << 20);
+  TextHeader header;
+  for (HeaderLine line{Kind::kComment, {}, {}};
+       line.kind != Kind::kEnd && line.kind != Kind::kLastField && header.bytes < text.size();) {
+    const std::size_t end = std::min(text.find('\n', header.bytes), text.size());
+    line = parse_line(std::string_view(text).substr(header.bytes, end - header.bytes));
+    header.bytes = std::min(end + 1, text.size());
+    const bool is_field = line.kind == Kind::kField || line.kind == Kind::kLastField;
+    if (is_field && !header.fields.emplace(line.field, line.value).second)
+      return bad_file(path, "says '{}' twice in its header", line.field);
+  }
+  return header;
+}
+
+/// Bytes of a pixel of a supported type, by its names in both formats; 0 for others.
+std::uint64_t bytes_of_type(const std::string& type) {
+  static const std::map<std::uint64_t, std::set<std::string>> kTypes{
+      {1,
+       {"signed char", "int8", "int8_t", "uchar", "unsigned char", "uint8", "uint8_t", "met_char",
+        "met_uchar"}},
+      {2,
+       {"short", "short int", "signed short", "signed short int", "int16", "int16_t", "ushort",
+        "unsigned short", "unsigned short int", "uint16", "uint16_t", "met_short", "met_ushort"}},
+      {4,
+       {"int", "signed int", "int32", "int32_t", "uint", "unsigned int", "uint32", "uint32_t", "float",
+        "met_int", "met_uint", "met_float"}},
+      {8, {"double", "met_double"}}};
+  for (const auto& [bytes, names] : kTypes) {
+    if (names.contains(to_lower(type))) return bytes;
+  }
+  return 0;
+}
+
+/// True for the numbers of a geometry: `count` of them (0: any number), plausible and, if required, positive.
+bool are_numbers(const std::vector<std::string_view>& parts, std::size_t count, bool positive) {
+  return (count == 0 || parts.size() == count) && std::ranges::all_of(parts, [&](std::string_view part) {
+           const auto value = parse_number(part);
+           return value && is_plausible(*value) && (!positive || *value > 0);
+         });
+}
+
+Result<std::vector<std::int64_t>> parse_sizes(const std::string& text, const fs::path& path) {
+  std::vector<std::int64_t> sizes;
+  for (const std::string_view part : split_blanks(text)) sizes.push_back(parse_integer(part).value_or(0));
+  if (sizes.size() >= 2 && sizes.size() <= 4) return sizes;
+  return bad_file(path, "has {} dimensions; a volume has 2 or 3", sizes.size());
+}
+
+/// The pixel file that a detached header names. kFailed for absolute names, for names that leave the header's
+/// folder through ".." or a symbolic link, and for anything but a regular file.
+Result<fs::path> resolve_beside(const fs::path& header, const std::string& name) {
+  std::error_code error;
+  const fs::path folder =
+      fs::canonical(header.has_parent_path() ? header.parent_path() : fs::path("."), error);
+  const fs::path target = error ? fs::path() : fs::weakly_canonical(folder / name, error);
+  const auto [rest_of_folder, unused] =
+      std::mismatch(folder.begin(), folder.end(), target.begin(), target.end());
+  if (error || rest_of_folder != folder.end() || fs::path(name).is_absolute()) {
+    return bad_file(header, "names a pixel file outside its own folder: '{}'", name);
+  }
+  SPLATLAS_RETURN_IF_ERROR(check_regular_file(target));
+  return target;
+}
+
+/// Pixels of `bytes` bytes in the file `name`, or behind the header if that is empty.
+Result<PixelData> find_pixels(const fs::path& path, const TextHeader& header, const std::string& name,
+                              std::uint64_t bytes) {
+  PixelData pixels{path, header.bytes, bytes};
+  if (name.empty()) return pixels;
+  if (to_lower(name) == "list" || to_lower(name).starts_with("list ") ||
+      name.find('%') != std::string::npos) {
+    return bad_file(path, "spreads its pixels over several files; give one file");
+  }
+  pixels.start = 0;
+  SPLATLAS_ASSIGN_OR_RETURN(pixels.file, resolve_beside(path, name));
+  return pixels;
+}
+
+Result<void> check_nrrd_geometry(const TextHeader& header, const fs::path& path) {
+  for (const std::string field : {"spacings", "space directions", "space origin"}) {
+    std::string text = header.get(field);
+    std::ranges::replace_if(
+        text, [](char c) { return c == '(' || c == ')' || c == ','; }, ' ');
+    std::vector<std::string_view> parts = split_blanks(text);
+    std::erase(parts, "none");  // marks axes outside space
+    if (are_numbers(parts, 0, field == "spacings")) continue;
+    return bad_file(path, "has '{}: {}' in its header, which is no geometry", field, header.get(field));
+  }
+  return {};
+}
+
+Result<void> check_meta_geometry(const TextHeader& header, std::size_t dimensions, const fs::path& path) {
+  for (const std::string key : {"ElementSpacing", "ElementSize", "Offset", "Position", "Origin",
+                                "TransformMatrix", "Orientation", "Rotation"}) {
+    const bool is_spacing = key.starts_with("Element");
+    const bool is_matrix = key == "TransformMatrix" || key == "Orientation" || key == "Rotation";
+    const std::size_t count = is_matrix ? dimensions * dimensions : dimensions;
+    const std::string text = header.get(key);
+    if (!header.fields.contains(key) || are_numbers(split_blanks(text), count, is_spacing)) continue;
+    return bad_file(path, "has {} = {}; it must be {} {} numbers", key, text, count,
+                    is_spacing ? "positive" : "finite");
+  }
+  return {};
+}
+
+bool is_true(const std::string& value) {
+  return value.starts_with('T') || value.starts_with('t') || value == "1";
+}
+
+}  // namespace
+
+Result<PixelData> check_nrrd_file(const fs::path& path) {
+  if (!first_bytes(path, 7).starts_with("NRRD000")) return bad_file(path, "is not an NRRD file");
+  SPLATLAS_ASSIGN_OR_RETURN(const TextHeader header, read_text_header(path, parse_nrrd_line));
+  SPLATLAS_RETURN_IF_ERROR(check_nrrd_geometry(header, path));
+  SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::int64_t> sizes, parse_sizes(header.get("sizes"), path));
+  const std::uint64_t bytes_per_voxel = bytes_of_type(header.get("type"));
+  if (bytes_per_voxel == 0) return bad_pixel_type(path, "type '" + header.get("type") + "'");
+  SPLATLAS_ASSIGN_OR_RETURN(const std::uint64_t bytes, payload_bytes(path, sizes, bytes_per_voxel));
+  SPLATLAS_ASSIGN_OR_RETURN(
+      PixelData pixels, find_pixels(path, header, header.get("data file", header.get("datafile")), bytes));
+  pixels.is_big_endian = to_lower(header.get("endian")) == "big";
+
+  const std::string encoding = to_lower(header.get("encoding"));
+  std::uint64_t stored = bytes;  // at least
+  if (encoding == "gzip" || encoding == "gz") {
+    stored = bytes / kMaxDeflateRatio;
+    const auto skips = [&](const std::string& what) {
+      return parse_integer(header.get(what + " skip", header.get(what + "skip", "0"))) != 0;
+    };
+    pixels.is_deflated = !skips("line") && !skips("byte");  // ITK finds pixels behind other text
+  } else if (encoding == "hex") {
+    stored = 2 * bytes;
+  } else if (encoding == "ascii" || encoding == "text" || encoding == "txt") {
+    stored = 2 * bytes / bytes_per_voxel - 1;  // a digit and a blank per pixel; ITK counts exactly
+  } else if (encoding != "raw") {
+    return bad_file(path, "has pixels in encoding '{}'; raw, gzip, ascii and hex are read", encoding);
+  }
+  SPLATLAS_RETURN_IF_ERROR(check_raw_payload(pixels.file, pixels.start, stored, bytes));
+  return pixels;
+}
+
+Result<PixelData> check_meta_image_file(const fs::path& path) {
+  SPLATLAS_ASSIGN_OR_RETURN(const TextHeader header, read_text_header(path, parse_meta_line));
+  const std::string name = header.get("ElementDataFile");
+  if (name.empty()) return bad_file(path, "is not a MetaImage file (no ElementDataFile in its header)");
+  SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::int64_t> sizes, parse_sizes(header.get("DimSize"), path));
+  if (parse_integer(header.get("NDims")) != std::ssize(sizes)) {
+    return bad_file(path, "contradicts itself: NDims = {}, DimSize = {}", header.get("NDims", "(none)"),
+                    header.get("DimSize"));
+  }
+  if (header.fields.contains("BinaryData") && !is_true(header.get("BinaryData"))) {
+    return bad_file(path, "has its pixels as text; write them as binary data");
+  }
+  SPLATLAS_RETURN_IF_ERROR(check_meta_geometry(header, sizes.size(), path));
+  if (sizes.size() == 4) SPLATLAS_RETURN_IF_ERROR(check_one_volume(path, sizes[3]));
+  if (header.get("ElementNumberOfChannels", "1") != "1") {
+    return bad_file(path, "has {} values a voxel; one is needed", header.get("ElementNumberOfChannels"));
+  }
+  const std::string type = header.get("ElementType", "(none)");
+  if (bytes_of_type(type) == 0) return bad_pixel_type(path, "type " + type);
+  SPLATLAS_ASSIGN_OR_RETURN(const std::uint64_t bytes, payload_bytes(path, sizes, bytes_of_type(type)));
+  SPLATLAS_ASSIGN_OR_RETURN(PixelData pixels,
+                            find_pixels(path, header, to_lower(name) == "local" ? "" : name, bytes));
+  pixels.is_big_endian =
+      is_true(header.get("BinaryDataByteOrderMSB")) || is_true(header.get("ElementByteOrderMSB"));
+  pixels.is_deflated = is_true(header.get("CompressedData"));
+  const auto skip = parse_integer(header.get("HeaderSize", "0"));
+  if (!skip || *skip < -1) return bad_file(path, "has HeaderSize = {}", header.get("HeaderSize"));
+  const std::uint64_t offset = pixels.start + (*skip > 0 ? static_cast<std::uint64_t>(*skip) : 0);
+  SPLATLAS_RETURN_IF_ERROR(pixels.is_deflated
+                               ? check_raw_payload(pixels.file, pixels.start, bytes / kMaxDeflateRatio, bytes)
+                               : check_raw_payload(pixels.file, offset, bytes, bytes));
+  return pixels;
+}
+
+}  // namespace splatlas
