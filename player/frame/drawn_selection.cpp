@@ -15,9 +15,14 @@ void DrawnSelection::draw(DrawPlan plan) {
   try {
     appearances_.select(plan_, selection_);
   } catch (const std::bad_alloc&) {
-    plan_ = {};
+    clear();
     throw;
   }
+}
+
+void DrawnSelection::clear() {
+  plan_ = {};
+  appearances_.clear();
 }
 
 bool DrawnSelection::draws_nothing() const {

@@ -22,8 +22,8 @@ class DrawnSelection {
   void select(const Selection& selection, std::uint64_t max_span_bytes);
   /// Replaces the draw plan and its appearances. Throws std::bad_alloc, and leaves an empty plan.
   void draw(DrawPlan plan);
-  /// Clears the draw plan.
-  void clear() { plan_ = {}; }
+  /// Clears the draw plan and its appearances. Does not throw.
+  void clear();
 
   [[nodiscard]] const Selection& selection() const { return selection_; }
   [[nodiscard]] const DrawPlan& plan() const { return plan_; }
