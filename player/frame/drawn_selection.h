@@ -30,12 +30,15 @@ class DrawnSelection {
     try {
       appearances_.select(plan_, selection_);
     } catch (const std::bad_alloc&) {
-      plan_ = {};
+      clear();
       throw;
     }
   }
-  /// Clears the draw plan.
-  void clear() { plan_ = {}; }
+  /// Clears the draw plan and its appearances. Does not throw.
+  void clear() {
+    plan_ = {};
+    appearances_.clear();
+  }
 
   [[nodiscard]] const Selection& selection() const { return selection_; }
   [[nodiscard]] const DrawPlan& plan() const { return plan_; }

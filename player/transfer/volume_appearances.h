@@ -47,7 +47,9 @@ class VolumeAppearances {
   /// Changes the selection; `plan` must be its plan. Cost: linear in the classes, plus a table for each new
   /// transfer function; transfer functions that differ only by opacity share one.
   void select(const DrawPlan& plan, const Selection& selection);
-  /// Appearances of the plan's classes, in order. Valid until the next select().
+  /// Changes to the empty plan. Does not throw.
+  void clear() { appearances_.clear(); }
+  /// Appearances of the plan's classes, in order. Valid until the next select() or clear().
   [[nodiscard]] std::span<const VolumeAppearance> appearances() const { return appearances_; }
   /// Within one generation, tables are equal if and only if their addresses are.
   [[nodiscard]] std::uint64_t generation() const { return generation_; }

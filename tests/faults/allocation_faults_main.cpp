@@ -1,17 +1,19 @@
 // splatlas-allocation-faults: failing allocations in opening, reading, rendering and writing.
-// Each allocation fails once, then it and all later ones. Each time the program must report kLimit, work
-// again once memory is back, and leak nothing.
+// Each allocation fails alone, then with all later ones. Each time the library must report kLimit, succeed in
+// a retry with memory, and leak nothing.
 
+#include <algorithm>
 #include <atomic>
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <functional>
 #include <iterator>
 #include <memory>
 #include <new>
 #include <optional>
+#include <span>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -42,10 +44,6 @@ struct Scenario {
   std::function<Work()> begin;
 };
 
-std::uint64_t checksum(const std::vector<std::byte>& bytes) {
-  return checksum_of(bytes);
-}
-
 /// Opens, selects, renders and encodes. The next attempt reuses the existing objects.
 Work rendering(const fs::path& atlas_path, const std::string& selection_text, const Camera& camera,
                const RenderOptions& options) {
@@ -61,7 +59,44 @@ Work rendering(const fs::path& atlas_path, const std::string& selection_text, co
     SPLATLAS_ASSIGN_OR_RETURN(const Picture picture, (*renderer)->render(camera, options));
     static_cast<void>((*renderer)->pick(options.size.width / 2.0, options.size.height / 2.0));
     SPLATLAS_ASSIGN_OR_RETURN(const auto bytes, encode_png(picture));
-    return checksum(bytes);
+    return checksum_of(bytes);
+  };
+}
+
+/// The fault of a renderer whose select() has failed: it picks or draws the selection before; "" for none.
+std::string fault_without_selection(Renderer& renderer, const Camera& camera, const RenderOptions& options) {
+  const auto [width, height] = options.size;
+  for (int n = 0; n < width * height; ++n) {
+    if (renderer.pick(n % width + 0.5, n / width + 0.5)) return "the frame before is picked";
+  }
+  const Result<Picture> picture = renderer.render(camera, options);
+  if (!picture) return "nothing cannot be drawn: " + picture.error().message;
+  const bool is_clear = std::ranges::all_of(picture->rgba, [](float channel) { return channel == 0; });
+  return is_clear ? "" : "the selection before is drawn";
+}
+
+/// Draws a selection, and replaces it by another one under faults.
+Work selecting(const fs::path& atlas_path, const Camera& camera) {
+  const RenderOptions options{.size = {40, 30}};
+  const auto renderer =
+      std::make_shared<Renderer>(Atlas::open(atlas_path).value(), RendererOptions{.threads = 2});
+  const auto selection = [&](const char* text) { return select(text, renderer->atlas().graph()).value(); };
+  if (!renderer->select(selection("*:both(opacity=0.4)")) || !renderer->render(camera, options))
+    throw std::runtime_error("the first selection cannot be drawn");
+  return [=, next = selection("left:volume + ball:surface")]() -> Result<std::uint64_t> {
+    Result<void> selected = fail(ErrorCode::kLimit, "thrown");
+    try {
+      selected = renderer->select(next);
+    } catch (const std::bad_alloc&) {  // for the message
+    }
+    if (!selected) {
+      FailingAllocator::disarm();
+      const std::string fault = fault_without_selection(*renderer, camera, options);
+      if (!fault.empty()) return fail(ErrorCode::kFailed, fault);
+      return tl::unexpected(selected.error());
+    }
+    SPLATLAS_ASSIGN_OR_RETURN(const Picture picture, renderer->render(camera, options));
+    return checksum_of(std::as_bytes(std::span(picture.rgba)));
   };
 }
 
@@ -71,7 +106,7 @@ Work reading(const fs::path& atlas_path) {
     SPLATLAS_ASSIGN_OR_RETURN(const auto atlas, Atlas::open(atlas_path));
     SPLATLAS_RETURN_IF_ERROR(atlas->verify());
     SPLATLAS_ASSIGN_OR_RETURN(const AtlasContent content, atlas->read_all());
-    return checksum(content.values.bytes);
+    return checksum_of(content.values.bytes);
   };
 }
 
@@ -111,6 +146,8 @@ std::vector<Scenario> scenarios(const AtlasContent& content, const fs::path& fol
           {"hybrid", render("*:both(opacity=0.4)", turned, cued)},
           {"rays", render("*:both(opacity=0.4)", perspective, small)},
           {"rays after", render("*:volume(profile=hard)", turned, after)},
+          {"select again", [=] { return selecting(atlas, turned); }},
+          {"select again, rays", [=] { return selecting(atlas, perspective); }},
           {"verify, read all", [=] { return reading(atlas); }},
           {"write", [=, &content] { return writing(content, output, false); }},
           {"write compact", [=, &content] { return writing(content, output, true); }}};
@@ -159,8 +196,8 @@ class Trial {
       complaint = judge(outcome, work);
     }
     ++tally_.points;
-    if (complaint.empty() && leaks(number, lasting)) complaint = "memory is lost";
-    if (complaint.empty() && names() != names_) complaint = "a file is left over";
+    if (complaint.empty() && leaks(number, lasting)) complaint = "memory leaks";
+    if (complaint.empty() && names() != names_) complaint = "a temporary file remains";
     if (!complaint.empty()) {
       ++tally_.wrong;
       fmt::print("  {}, allocation {}{}: {}\n", scenario_.name, number, lasting ? " and all after it" : "",
@@ -188,12 +225,12 @@ class Trial {
 
   [[nodiscard]] std::string judge(const Attempt& outcome, const Work& work) {
     ++(outcome.thrown ? tally_.thrown : outcome.result ? tally_.done : tally_.errors);
-    if (outcome.result && *outcome.result != expected_) return "success, and something else comes out";
+    if (outcome.result && *outcome.result != expected_) return "success with another result";
     if (!outcome.result && outcome.result.error().code != ErrorCode::kLimit)
-      return "the error is not out of memory: " + outcome.result.error().message;
+      return "another error than out of memory: " + outcome.result.error().message;
     const Result<std::uint64_t> again = work();
-    if (!again) return "with memory again: " + again.error().message;
-    return *again == expected_ ? "" : "with memory again, something else comes out";
+    if (!again) return "the retry fails: " + again.error().message;
+    return *again == expected_ ? "" : "the retry has another result";
   }
 
   [[nodiscard]] std::size_t names() const {
@@ -237,6 +274,6 @@ int run(const ChosenPoints& chosen) {
 }  // namespace splatlas
 
 int main(int argc, char** argv) {
-  return splatlas::run_harness(argc, argv, "splatlas-allocation-faults",
-                               "Memory that runs out at every allocation", splatlas::run);
+  return splatlas::run_harness(argc, argv, "splatlas-allocation-faults", "Failure of every allocation",
+                               splatlas::run);
 }
