@@ -8,7 +8,7 @@
 #include "bench/full_traversal.h"
 #include "bench/gallery.h"
 #include "bench/measure.h"
-#include "bench/table.h"
+#include "bench/report.h"
 #include "player/render_frame.h"
 
 namespace splatlas {
