@@ -6,8 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "bench/decoded_selection.h"
-#include "bench/qualities.h"
+#include "bench/frames.h"
 #include "bench/smooth_field.h"
 #include "format/system/result_macros.h"
 #include "player/rays/cast_rays.h"
@@ -110,8 +109,7 @@ Result<std::vector<Convergence>> refine_grid() {
 /// The volume of the ray caster.
 Result<RayVolume> ray_volume(const std::shared_ptr<const Atlas>& atlas, const Selection& selection,
                              Classification classification, ThreadPool& pool) {
-  SPLATLAS_ASSIGN_OR_RETURN(const DecodedSelection decoded,
-                            decode_selection(atlas, selection, Axis::kZ, pool));
+  SPLATLAS_ASSIGN_OR_RETURN(const DecodedVolumes decoded, decode_volumes(atlas, selection, Axis::kZ, pool));
   return RayVolume::build({.atlas = *atlas,
                            .selection = selection,
                            .plan = decoded.plan,

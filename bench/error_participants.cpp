@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "bench/qualities.h"
+#include "bench/frames.h"
 #include "format/system/result_macros.h"
 #include "player/view/shear.h"
 

@@ -4,7 +4,7 @@
 #include <span>
 #include <string>
 
-#include "bench/turned_camera.h"
+#include "bench/frames.h"
 #include "format/atlas_content.h"
 #include "format/selection.h"
 #include "tests/reference/masked_volume.h"

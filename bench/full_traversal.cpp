@@ -3,6 +3,7 @@
 #include <limits>
 #include <utility>
 
+#include "bench/frames.h"
 #include "bench/visit_voxels.h"
 #include "format/system/result_macros.h"
 #include "player/frame/stopwatch.h"

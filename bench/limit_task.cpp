@@ -3,8 +3,7 @@
 #include <limits>
 #include <utility>
 
-#include "bench/decoded_selection.h"
-#include "bench/turned_camera.h"
+#include "bench/frames.h"
 #include "format/system/result_macros.h"
 
 namespace splatlas {
@@ -26,8 +25,8 @@ Result<void> LimitTask::prepare(int turns) {
   for (int turn = 0; turn < turns; ++turn) {
     SPLATLAS_ASSIGN_OR_RETURN(const Frame frame, frame_of(turn));
     if (axes_.contains(frame.shear.principal)) continue;
-    SPLATLAS_ASSIGN_OR_RETURN(const DecodedSelection decoded,
-                              decode_selection(atlas_, model_.selection, frame.shear.principal, pool_));
+    SPLATLAS_ASSIGN_OR_RETURN(const DecodedVolumes decoded,
+                              decode_volumes(atlas_, model_.selection, frame.shear.principal, pool_));
     AxisModels& models = axes_[frame.shear.principal];
     models.builder.build({*decoded.runs, decoded.plan, *decoded.appearances, atlas_->classes(),
                           atlas_->grid(), *decoded.cache, false},

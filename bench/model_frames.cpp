@@ -3,9 +3,8 @@
 #include <limits>
 #include <utility>
 
-#include "bench/bits_differ.h"
 #include "bench/class_draws.h"
-#include "bench/turned_camera.h"
+#include "bench/frames.h"
 #include "format/system/result_macros.h"
 #include "player/spans/build_spans.h"
 #include "player/spans/span_writer.h"

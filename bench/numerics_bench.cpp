@@ -14,7 +14,7 @@
 #include "bench/convergence.h"
 #include "bench/draw_stress.h"
 #include "bench/error_cost.h"
-#include "bench/qualities.h"
+#include "bench/frames.h"
 #include "bench/ripple.h"
 #include "bench/thread_bits.h"
 #include "format/system/result_macros.h"

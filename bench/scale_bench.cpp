@@ -8,10 +8,10 @@
 
 #include "bench/atlases.h"
 #include "bench/bench.h"
+#include "bench/frames.h"
 #include "bench/grown_content.h"
 #include "bench/measure.h"
 #include "bench/scratch_folder.h"
-#include "bench/turned_camera.h"
 #include "format/atlas_writer.h"
 #include "format/system/result_macros.h"
 #include "player/render_frame.h"

@@ -11,8 +11,8 @@
 
 #include "bench/atlases.h"
 #include "bench/bench.h"
-#include "bench/bits_differ.h"
 #include "bench/error_participants.h"
+#include "bench/frames.h"
 #include "bench/measure.h"
 #include "bench/peers/x_server.h"
 #include "bench/scratch_folder.h"

@@ -11,11 +11,10 @@
 
 #include "bench/atlases.h"
 #include "bench/bench.h"
-#include "bench/bits_differ.h"
+#include "bench/frames.h"
 #include "bench/isolated.h"
 #include "bench/measure.h"
 #include "bench/skip_selections.h"
-#include "bench/turned_camera.h"
 #include "format/atlas_writer.h"
 #include "format/system/result_macros.h"
 #include "player/render_frame.h"

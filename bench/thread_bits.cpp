@@ -1,6 +1,6 @@
 #include "bench/thread_bits.h"
 
-#include "bench/bits_differ.h"
+#include "bench/frames.h"
 #include "format/selection.h"
 #include "format/system/result_macros.h"
 

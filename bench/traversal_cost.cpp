@@ -3,8 +3,7 @@
 #include <set>
 #include <utility>
 
-#include "bench/bits_differ.h"
-#include "bench/turned_camera.h"
+#include "bench/frames.h"
 #include "format/selection.h"
 #include "format/system/result_macros.h"
 

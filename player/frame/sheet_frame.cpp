@@ -131,13 +131,4 @@ ShownFrame SheetFrame::shown() const {
   return {{request_.view}, shear.principal, shear.scan.slice_axis, shear.ascending ? 1.0 : -1.0};
 }
 
-Result<FrameCounters> draw_frame(const FrameRequest& frame, FrameBuffers& buffers, Picture& picture,
-                                 ThreadPool& pool) {
-  SheetFrame steps(frame, buffers, pool);
-  SPLATLAS_RETURN_IF_ERROR(steps.rasterize());
-  SPLATLAS_RETURN_IF_ERROR(steps.render_sheets());
-  steps.resolve(picture);
-  return steps.counters();
-}
-
 }  // namespace splatlas

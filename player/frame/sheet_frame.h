@@ -50,8 +50,4 @@ class SheetFrame {
   FrameCounters counters_;
 };
 
-/// Runs all stages except depths. kLimit as for the stages.
-[[nodiscard]] Result<FrameCounters> draw_frame(const FrameRequest& frame, FrameBuffers& buffers,
-                                               Picture& picture, ThreadPool& pool);
-
 }  // namespace splatlas
