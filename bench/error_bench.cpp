@@ -110,7 +110,7 @@ Table perspective_table() {
 
 Result<Report> run_error_bench(const BenchOptions& options) {
   Report report;
-  SPLATLAS_ASSIGN_OR_RETURN(const XServer display, XServer::start_unless_there_is_one());
+  SPLATLAS_ASSIGN_OR_RETURN(const XServer display, start_x_server());
   SPLATLAS_ASSIGN_OR_RETURN(const std::shared_ptr<const Atlas> atlas, open_colin27(options));
   SPLATLAS_ASSIGN_OR_RETURN(const AtlasContent content, atlas->read_all());
   const Effort effort = options.quick ? quick_effort() : Effort{};

@@ -230,7 +230,7 @@ void summarise(const HybridTask& task, const std::vector<HybridCost>& costs,
 
 Result<Report> run_hybrid_bench(const BenchOptions& options) {
   Report report;
-  SPLATLAS_ASSIGN_OR_RETURN(const XServer display, XServer::start_unless_there_is_one());
+  SPLATLAS_ASSIGN_OR_RETURN(const XServer display, start_x_server());
   SPLATLAS_ASSIGN_OR_RETURN(const std::shared_ptr<const Atlas> atlas, open_colin27(options));
   SPLATLAS_ASSIGN_OR_RETURN(const AtlasContent content, atlas->read_all());
   Table table{

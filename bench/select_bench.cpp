@@ -297,7 +297,7 @@ Result<Table> measure_reading(const AtlasContent& content, const std::shared_ptr
 
 Result<Report> run_select_bench(const BenchOptions& options) {
   Report report;
-  SPLATLAS_ASSIGN_OR_RETURN(const XServer display, XServer::start_unless_there_is_one());
+  SPLATLAS_ASSIGN_OR_RETURN(const XServer display, start_x_server());
   SPLATLAS_ASSIGN_OR_RETURN(const std::shared_ptr<const Atlas> atlas, open_colin27(options));
   SPLATLAS_ASSIGN_OR_RETURN(const AtlasContent content, atlas->read_all());
   SPLATLAS_ASSIGN_OR_RETURN(const SelectTask task, make_task(content));
