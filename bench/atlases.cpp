@@ -4,17 +4,17 @@
 
 #include <fmt/format.h>
 
-#include "bench/scratch_folder.h"
 #include "format/system/result_macros.h"
 #include "preprocess/build_atlas.h"
 #include "tests/phantom/phantom_files.h"
+#include "tests/support/temporary_folder.h"
 
 namespace splatlas {
 namespace {
 
 /// The folder may be removed on return: an open atlas needs no path.
 Result<std::shared_ptr<const Atlas>> build_and_open(const SourceFiles& sources, const char* title,
-                                                    const ScratchFolder& folder,
+                                                    const TemporaryFolder& folder,
                                                     const BenchOptions& options) {
   options.tell(fmt::format("building the atlas of {}", title));
   BuildOptions build;
@@ -38,7 +38,7 @@ Result<void> check_installed(const std::filesystem::path& path) {
 
 Result<std::shared_ptr<const Atlas>> open_phantom(const BenchOptions& options) {
   if (!options.atlas.empty()) return Atlas::open(options.atlas);
-  SPLATLAS_ASSIGN_OR_RETURN(const ScratchFolder folder, ScratchFolder::make());
+  const TemporaryFolder folder;
   SPLATLAS_RETURN_IF_ERROR(phantom::write_files(folder.path()));
   SourceFiles sources;
   sources.labels = folder.path() / "labels.nrrd";
@@ -79,7 +79,7 @@ Result<SourceFiles> colin27_sources() {
 Result<std::shared_ptr<const Atlas>> open_colin27(const BenchOptions& options) {
   if (!options.atlas.empty()) return Atlas::open(options.atlas);
   SPLATLAS_ASSIGN_OR_RETURN(const SourceFiles sources, colin27_sources());
-  SPLATLAS_ASSIGN_OR_RETURN(const ScratchFolder folder, ScratchFolder::make());
+  const TemporaryFolder folder;
   return build_and_open(sources, "Colin 27", folder, options);
 }
 

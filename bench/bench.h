@@ -1,9 +1,8 @@
-// Interface of benches, one file each, registered in benches.cpp.
+// Interface of benches, one file each, registered in bench_main.cpp.
 #pragma once
 
 #include <filesystem>
 #include <functional>
-#include <span>
 #include <string>
 
 #include "bench/report.h"
@@ -18,13 +17,11 @@ struct BenchOptions {
   std::function<void(const std::string&)> tell = [](const std::string&) {};  ///< reports progress
 };
 
-struct Bench {
+/// A selection to measure.
+struct BenchScene {
   const char* name;
-  const char* shows;  ///< description for --help
-  Result<Report> (*run)(const BenchOptions& options);
+  const char* selection;  ///< selection text
 };
-
-[[nodiscard]] std::span<const Bench> benches();
 
 [[nodiscard]] Result<Report> run_phantom_bench(const BenchOptions& options);
 [[nodiscard]] Result<Report> run_head_bench(const BenchOptions& options);

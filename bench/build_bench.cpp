@@ -11,10 +11,10 @@
 #include "bench/bench.h"
 #include "bench/measure.h"
 #include "bench/peak_memory.h"
-#include "bench/scratch_folder.h"
 #include "format/run_model.h"
 #include "format/system/result_macros.h"
 #include "preprocess/build_atlas.h"
+#include "tests/support/temporary_folder.h"
 
 namespace splatlas {
 namespace {
@@ -56,7 +56,7 @@ Result<Builds> build_in_turns(const SourceFiles& sources, const std::filesystem:
 }
 
 Table stage_table(const Builds& builds) {
-  Table table{"stages", "Building Colin 27's atlas, stage by stage, seconds (medians)", {}, {}};
+  Table table{"stages", "Building Colin 27's atlas, stage by stage, seconds (medians)"};
   for (std::size_t stage = 0; stage < builds.reports[0].stages.size(); ++stage) {
     std::vector<double> seconds;
     for (const BuildReport& report : builds.reports) seconds.push_back(report.stages[stage].seconds);
@@ -69,8 +69,7 @@ Table stage_table(const Builds& builds) {
 Result<Table> measure_runs(const Atlas& atlas, int repeats, nlohmann::ordered_json& summary) {
   Table table{"runs",
               "Run encoding of the class volume, one thread",
-              {"ns_per_voxel: CPU time, minimum over repeats"},
-              {}};
+              {"ns_per_voxel: CPU time, minimum over repeats"}};
   SPLATLAS_ASSIGN_OR_RETURN(const AtlasContent content, atlas.read_all());
   const Index3 size = storage_grid(content).size;
   double sum = 0;
@@ -98,7 +97,7 @@ Result<Table> measure_runs(const Atlas& atlas, int repeats, nlohmann::ordered_js
 Result<Report> run_build_bench(const BenchOptions& options) {
   Report report;
   SPLATLAS_ASSIGN_OR_RETURN(const SourceFiles sources, colin27_sources());
-  SPLATLAS_ASSIGN_OR_RETURN(const ScratchFolder folder, ScratchFolder::make());
+  const TemporaryFolder folder;
   const std::filesystem::path file = folder.path() / "build.atlas";
   SPLATLAS_ASSIGN_OR_RETURN(const Builds builds,
                             build_in_turns(sources, file, options.quick ? 1 : 5, options));
@@ -115,8 +114,8 @@ Result<Report> run_build_bench(const BenchOptions& options) {
          {"file_bytes", builds.reports[0].bytes}}}});
   report.summary["build_seconds"] = build;
   report.summary["build_over_load"] = build / load;
-  SPLATLAS_ASSIGN_OR_RETURN(Table runs, measure_runs(*atlas, options.quick ? 2 : 9, report.summary));
-  report.tables.push_back(std::move(runs));
+  SPLATLAS_ASSIGN_OR_RETURN(report.tables.emplace_back(),
+                            measure_runs(*atlas, options.quick ? 2 : 9, report.summary));
   report.summary["peak_bytes_per_voxel"] =
       static_cast<double>(builds.peak_bytes) / static_cast<double>(atlas->grid().voxels());
   return report;

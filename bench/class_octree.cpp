@@ -7,8 +7,6 @@
 #include <map>
 #include <utility>
 
-#include "bench/class_draws.h"
-
 namespace splatlas {
 namespace {
 

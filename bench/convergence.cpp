@@ -3,17 +3,18 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include <fmt/format.h>
 
-#include "bench/decoded_selection.h"
-#include "bench/qualities.h"
-#include "bench/smooth_field.h"
+#include "bench/frames.h"
 #include "format/system/result_macros.h"
 #include "player/rays/cast_rays.h"
 #include "tests/reference/optical_field.h"
 #include "tests/reference/perspective.h"
 #include "tests/reference/picture_difference.h"
+#include "tests/reference/ray.h"
+#include "tests/reference/reference_radiance.h"
 #include "tests/reference/reference_volume.h"
 #include "tests/support/render.h"
 
@@ -21,6 +22,36 @@ namespace splatlas {
 namespace {
 
 using reference::ReferencePicture;
+
+constexpr double kMaxGrey = 2;  // end of the transfer function
+constexpr double kTruthStepMm = 0.05;
+
+struct Blob {
+  Vec3 center_mm;
+  double width_mm;
+};
+constexpr std::array kBlobs{Blob{{-3, 2, -1}, 4}, Blob{{3, -3, 2}, 3.5}, Blob{{1, 4, 3}, 3},
+                            Blob{{-2, -4, -4}, 3}};
+
+/// Reach of the field: the corners of the cube.
+const double kReachMm = 0.5 * std::sqrt(3.0) * kFieldSideMm;
+
+reference::RayRadiance radiance_along(const Vec3& from_mm, const Vec3& direction, double length_mm) {
+  reference::RayRadiance sum;
+  const auto steps = static_cast<int>(std::ceil(length_mm / kTruthStepMm));
+  const double step = length_mm / steps;
+  for (int n = 0; n < steps; ++n) {
+    Vec3 at{};
+    for (std::size_t a = 0; a < 3; ++a) at[a] = from_mm[a] + (n + 0.5) * step * direction[a];
+    const double grey = smooth_field(at);
+    reference::RayRadiance slab;
+    slab.transmittance = std::exp(-kFieldExtinctionPerMm * grey * step);
+    const double shade = grey / kMaxGrey;
+    slab.color.fill(shade * (1 - slab.transmittance));
+    sum.add(slab);
+  }
+  return sum;
+}
 
 /// A close-up, in which every quality has its finest sheets on every grid: eight pixels per voxel of the
 /// coarsest grid, four of the finest.
@@ -30,27 +61,13 @@ constexpr std::array kVoxelsMm{1.5, 1.0, 0.75};
 /// Off all symmetries; principal axes z, y and x.
 constexpr std::array<std::array<double, 2>, 3> kDirections{{{17, 62}, {25, 14}, {68, -21}}};
 
-/// RMS over several pictures.
-struct ErrorSum {
-  double squares = 0;
-  int pictures = 0;
-
-  void add(const reference::PictureDifference& d) {
-    squares += d.rms * d.rms;
-    ++pictures;
-  }
-  [[nodiscard]] double rms() const { return std::sqrt(squares / pictures); }
-};
-
 Camera camera_from(const std::array<double, 2>& direction, const Display& display,
                    CameraProjection projection) {
-  Camera camera;
-  camera.azimuth_deg = direction[0];
-  camera.elevation_deg = direction[1];
-  camera.center_lps_mm = Vec3{0.3, -0.2, 0.1};
-  camera.zoom = zoom_for(display, kSize.width, kMmPerPixel);
-  camera.projection = projection;
-  return camera;
+  return {.azimuth_deg = direction[0],
+          .elevation_deg = direction[1],
+          .zoom = zoom_for(display, kSize.width, kMmPerPixel),
+          .center_lps_mm = Vec3{0.3, -0.2, 0.1},
+          .projection = projection};
 }
 
 /// A renderer in the refinement of the grid.
@@ -78,7 +95,7 @@ Result<std::vector<Convergence>> refine_grid() {
     const AtlasContent content = sampled_field(voxel_mm);
     Renderer renderer(open_in_memory(content), {.threads = 0});
     SPLATLAS_RETURN_IF_ERROR(renderer.select(field_selection(content, voxel_mm)));
-    std::array<ErrorSum, kGridRenderers.size()> errors;
+    std::array<double, kGridRenderers.size()> squares{};
     for (const auto& direction : kDirections) {
       for (const CameraProjection projection :
            {CameraProjection::kParallel, CameraProjection::kPerspective}) {
@@ -88,20 +105,19 @@ Result<std::vector<Convergence>> refine_grid() {
         for (std::size_t n = 0; n < kGridRenderers.size(); ++n) {
           const GridRenderer& ours = kGridRenderers[n];
           if (ours.projection != projection) continue;
-          RenderOptions options;
-          options.size = kSize;
-          options.quality = ours.quality;
-          options.classification = ours.classification;
-          options.hybrid_shading = false;
-          options.termination_threshold = 0;
+          const RenderOptions options{.size = kSize,
+                                      .quality = ours.quality,
+                                      .classification = ours.classification,
+                                      .hybrid_shading = false,
+                                      .termination_threshold = 0.0f};
           SPLATLAS_ASSIGN_OR_RETURN(const Picture picture, renderer.render(camera, options));
-          errors[n].add(difference(picture, truth));
+          squares[n] += std::pow(difference(picture, truth).rms, 2);
         }
       }
     }
     for (std::size_t n = 0; n < rows.size(); ++n) {
       rows[n].steps.push_back(voxel_mm);
-      rows[n].errors.push_back(errors[n].rms());
+      rows[n].errors.push_back(std::sqrt(squares[n] / static_cast<double>(kDirections.size())));
     }
   }
   return rows;
@@ -110,8 +126,7 @@ Result<std::vector<Convergence>> refine_grid() {
 /// The volume of the ray caster.
 Result<RayVolume> ray_volume(const std::shared_ptr<const Atlas>& atlas, const Selection& selection,
                              Classification classification, ThreadPool& pool) {
-  SPLATLAS_ASSIGN_OR_RETURN(const DecodedSelection decoded,
-                            decode_selection(atlas, selection, Axis::kZ, pool));
+  SPLATLAS_ASSIGN_OR_RETURN(const DecodedVolumes decoded, decode_volumes(atlas, selection, Axis::kZ, pool));
   return RayVolume::build({.atlas = *atlas,
                            .selection = selection,
                            .plan = decoded.plan,
@@ -161,6 +176,64 @@ Result<Convergence> refine_steps() {
 }
 
 }  // namespace
+
+double smooth_field(const Vec3& at_mm) {
+  double sum = 0;
+  for (const Blob& blob : kBlobs) {
+    double squares = 0;
+    for (std::size_t a = 0; a < 3; ++a)
+      squares += std::pow((at_mm[a] - blob.center_mm[a]) / blob.width_mm, 2);
+    sum += std::exp(-0.5 * squares);
+  }
+  return sum;
+}
+
+AtlasContent sampled_field(double voxel_mm) {
+  const auto side = static_cast<std::int64_t>(std::lround(kFieldSideMm / voxel_mm));
+  const double first = 0.5 * (voxel_mm - kFieldSideMm);
+  TestVolume volume;
+  volume.grid = {
+      {side, side, side}, {voxel_mm, voxel_mm, voxel_mm}, {first, first, first}, {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+  std::vector<float> greys;
+  volume.structures = {{"field", make_mask(volume.grid.size, [&](auto i, auto j, auto k) {
+                          const auto mm = [&](auto n) { return first + voxel_mm * static_cast<double>(n); };
+                          greys.push_back(static_cast<float>(smooth_field({mm(i), mm(j), mm(k)})));
+                          return true;
+                        })}};
+  volume.values = make_values(VoxelType::kFloat32, greys);
+  volume.window_high = kMaxGrey;
+  return make_content(volume);
+}
+
+Selection field_selection(const AtlasContent& content, double voxel_mm) {
+  const double opacity = -std::expm1(-kFieldExtinctionPerMm * kMaxGrey * voxel_mm);
+  return selection_of(fmt::format("field:volume(color=#ffffff,curve=0:0:0/{}:{:.12f}:1)", kMaxGrey, opacity),
+                      content.graph);
+}
+
+reference::ReferencePicture field_truth(const View& view) {
+  const auto [width, height] = view.plane.size;
+  reference::ReferencePicture truth{view.plane.size, {}};
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      const Vec3 point = view.plane.point_lps_mm(x + 0.5, y + 0.5);
+      Vec3 from = point;
+      Vec3 direction = view.plane.forward_lps;
+      double length = 2 * kReachMm;
+      if (view.eye_mm) {
+        from = view.eye_lps_mm();
+        direction = reference::minus(point, from);
+        const double to_plane = std::sqrt(reference::dot(direction, direction));
+        for (double& part : direction) part /= to_plane;
+        length = to_plane + kReachMm;
+      } else {
+        for (std::size_t a = 0; a < 3; ++a) from[a] -= kReachMm * direction[a];
+      }
+      truth.pixels.push_back(radiance_along(from, direction, length).rgba());
+    }
+  }
+  return truth;
+}
 
 double observed_order(std::span<const double> steps, std::span<const double> errors) {
   double x_mean = 0, y_mean = 0;

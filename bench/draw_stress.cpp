@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bench/qualities.h"
+#include "bench/frames.h"
 #include "tests/support/random_scene.h"
 
 namespace splatlas {

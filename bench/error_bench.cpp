@@ -7,13 +7,18 @@
 
 #include "bench/atlases.h"
 #include "bench/bench.h"
-#include "bench/error_cost.h"
 #include "bench/error_plot.h"
+#include "bench/participants.h"
 #include "bench/peers/x_server.h"
 #include "format/system/result_macros.h"
 
 namespace splatlas {
 namespace {
+
+/// Sample distances of both VTK mappers.
+struct VtkSteps {
+  std::vector<double> fixed_point_mm, gpu_mm;
+};
 
 struct Effort {
   std::vector<int> sizes{512, 1024};
@@ -28,6 +33,26 @@ Effort quick_effort() {
   Effort effort{.sizes = {512}, .frames = 3, .repeats = 1, .views_compared = 1};
   effort.all_steps = effort.quoted_steps;
   return effort;
+}
+
+/// Parallel projection, pre-classified: Splatlas with one and two threads, and VolPack. Or perspective
+/// projection, post-classified: Splatlas, and VTK at these steps.
+Result<std::vector<RendererCost>> measure(const ErrorTask& task, Classification classification,
+                                          const VtkSteps& steps, int views_compared) {
+  std::vector<Participant> participants;
+  for (const unsigned threads : {1u, 2u})
+    SPLATLAS_RETURN_IF_ERROR(add_ours(task, classification, threads, participants));
+  if (classification == Classification::kBefore) {
+    for (const OpacityRounding rounding : {OpacityRounding::kDown, OpacityRounding::kNearest})
+      SPLATLAS_RETURN_IF_ERROR(add_volpack(task, rounding, participants));
+  } else {
+    for (const double step_mm : steps.fixed_point_mm)
+      SPLATLAS_RETURN_IF_ERROR(add_vtk(task, VtkVolumeMapper::kFixedPoint, step_mm, participants));
+    for (const double step_mm : steps.gpu_mm)
+      SPLATLAS_RETURN_IF_ERROR(add_vtk(task, VtkVolumeMapper::kGpu, step_mm, participants));
+  }
+  SPLATLAS_RETURN_IF_ERROR(compare(participants, task, classification, views_compared));
+  return take_times(std::move(participants), task);
 }
 
 const RendererCost& cost_of(const std::vector<RendererCost>& costs, const std::string& renderer,
@@ -89,33 +114,23 @@ void add_rows(const ErrorScene& scene, int size, const ErrorAppearance& appearan
   }
 }
 
-Table parallel_table() {
-  return {"parallel",
-          "Time and error, parallel projection, pre-classified",
-          {"wall_ratio, cpu_ratio, rmse_ratio: against VolPack, which has one thread",
-           "rmse, largest, mean: against ground truth in double precision, in 1/255, linear RGBA",
-           "VolPack rounded: opacities rounded to the nearest 255th, as VolPack itself rounds down"},
-          {}};
-}
-
-Table perspective_table() {
-  return {"perspective",
-          "Time and error, perspective projection, post-classified",
-          {"wall_ratio, cpu_ratio, rmse_ratio: against VTK FixedPoint at a step of 1 mm",
-           "VTK pictures have 8 bits, which costs an error of 0.29 alone"},
-          {}};
-}
-
 }  // namespace
 
 Result<Report> run_error_bench(const BenchOptions& options) {
   Report report;
-  SPLATLAS_ASSIGN_OR_RETURN(const XServer display, XServer::start_unless_there_is_one());
+  SPLATLAS_ASSIGN_OR_RETURN(const XServer display, start_x_server());
   SPLATLAS_ASSIGN_OR_RETURN(const std::shared_ptr<const Atlas> atlas, open_colin27(options));
   SPLATLAS_ASSIGN_OR_RETURN(const AtlasContent content, atlas->read_all());
   const Effort effort = options.quick ? quick_effort() : Effort{};
-  Table parallel = parallel_table();
-  Table perspective = perspective_table();
+  Table parallel{"parallel",
+                 "Time and error, parallel projection, pre-classified",
+                 {"wall_ratio, cpu_ratio, rmse_ratio: against VolPack, which has one thread",
+                  "rmse, largest, mean: against ground truth in double precision, in 1/255, linear RGBA",
+                  "VolPack rounded: opacities rounded to the nearest 255th, as VolPack itself rounds down"}};
+  Table perspective{"perspective",
+                    "Time and error, perspective projection, post-classified",
+                    {"wall_ratio, cpu_ratio, rmse_ratio: against VTK FixedPoint at a step of 1 mm",
+                     "VTK pictures have 8 bits, which costs an error of 0.29 alone"}};
   for (const ErrorScene& scene : error_scenes()) {
     for (const ErrorAppearance& appearance : error_appearances()) {
       SPLATLAS_ASSIGN_OR_RETURN(const ErrorModel model, error_model(content, scene, appearance));
@@ -124,12 +139,13 @@ Result<Report> run_error_bench(const BenchOptions& options) {
         const bool smallest = size == effort.sizes.front();
         const ErrorTask task{atlas, model, {size, size}, effort.frames, smallest ? effort.repeats : 1};
         const int views = smallest ? effort.views_compared : 1;
-        SPLATLAS_ASSIGN_OR_RETURN(const std::vector<RendererCost> fast, measure_parallel(task, views));
+        const VtkSteps& steps = smallest ? effort.all_steps : effort.quoted_steps;
+        SPLATLAS_ASSIGN_OR_RETURN(const std::vector<RendererCost> fast,
+                                  measure(task, Classification::kBefore, steps, views));
         add_rows(scene, size, appearance, fast, cost_of(fast, "VolPack", "classified", 1), parallel);
         summarise_parallel(fast, appearance.name, report.summary);
-        const VtkSteps& steps = smallest ? effort.all_steps : effort.quoted_steps;
         SPLATLAS_ASSIGN_OR_RETURN(const std::vector<RendererCost> accurate,
-                                  measure_perspective(task, steps, views));
+                                  measure(task, Classification::kAfter, steps, views));
         add_rows(scene, size, appearance, accurate, cost_of(accurate, "VTK FixedPoint", "step 1", 2),
                  perspective);
         if (smallest) summarise_perspective(accurate, scene.name, report.summary);

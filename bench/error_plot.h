@@ -5,7 +5,7 @@
 #include <span>
 #include <string>
 
-#include "bench/table.h"
+#include "bench/report.h"
 #include "format/result.h"
 
 namespace splatlas {

@@ -1,12 +1,13 @@
-// Scenes of the bench `error`.
+// Scenes of the bench `error`, in the form that all renderers take.
 #pragma once
 
 #include <span>
 #include <string>
+#include <string_view>
 
-#include "bench/turned_camera.h"
 #include "format/atlas_content.h"
 #include "format/selection.h"
+#include "player/camera.h"
 #include "tests/reference/masked_volume.h"
 
 namespace splatlas {
@@ -26,13 +27,18 @@ struct ErrorAppearance {
 };
 [[nodiscard]] std::span<const ErrorAppearance> error_appearances();
 
-/// One scene with one transfer function, in the form that all renderers take.
+/// "NAME:volume(OPTIONS) + ...": the structures as volume with one appearance.
+[[nodiscard]] std::string selection_text(std::string_view structures, std::string_view options);
+
+/// A selection whose volumes have one appearance, in the form that all renderers take.
 struct ErrorModel {
   Selection selection;
   reference::MaskedVolume volume;
   reference::GreyAppearance appearance;
   Camera camera;  ///< camera of the first frame
 };
+[[nodiscard]] Result<ErrorModel> error_model(const AtlasContent& content, std::string_view selection);
+/// One scene with one transfer function.
 [[nodiscard]] Result<ErrorModel> error_model(const AtlasContent& content, const ErrorScene& scene,
                                              const ErrorAppearance& appearance);
 

@@ -5,13 +5,20 @@
 #include <memory>
 #include <vector>
 
-#include "bench/voxel_model.h"
-#include "format/decision_tree.h"
+#include "bench/frames.h"
 #include "format/system/thread_pool.h"
-#include "player/frame/sheet_frame.h"
-#include "player/transfer/volume_appearances.h"
 
 namespace splatlas {
+
+/// The atlas without classes and runs: dense volumes in memory order of the grid, and all surfaces.
+struct VoxelModel {
+  Grid grid;
+  std::vector<ClassId> classes;
+  VoxelBuffer values;                 ///< kNone and empty if the atlas has none
+  std::vector<PackedNormal> normals;  ///< boundary voxels; 0 elsewhere
+  std::vector<SurfaceMesh> surfaces;  ///< per structure
+};
+[[nodiscard]] Result<VoxelModel> read_voxel_model(const Atlas& atlas);
 
 /// Every frame tests every voxel and every triangle of every structure for selection. The code of the player
 /// then draws the selected ones, so that only the traversal differs and pictures equal those of the player
@@ -43,7 +50,7 @@ class FullTraversal {
   Selection selection_;
   DrawPlan plan_;
   VolumeAppearances appearances_;             // per class of plan_
-  std::vector<std::uint32_t> draw_of_class_;  // index into plan_.classes, or VoxelSelection::kNotDrawn
+  std::vector<std::uint32_t> draw_of_class_;  // index into plan_.classes, or kNotDrawn
   std::vector<bool> draws_surface_;           // per structure
 
   std::vector<std::vector<StructureIndex>> owners_;  // owner of each triangle, per structure

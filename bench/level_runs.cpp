@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "bench/class_draws.h"
 #include "format/codec/run_codec.h"
 #include "format/system/result_macros.h"
 

@@ -1,6 +1,7 @@
 #include "bench/measure.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "format/system/result_macros.h"
 
@@ -32,16 +33,6 @@ std::vector<Elapsed> medians_by_frame(std::span<const Elapsed> turns, int frames
   return medians;
 }
 
-Elapsed median_ratio(std::span<const Elapsed> turns, std::span<const Elapsed> unit, int frames) {
-  std::vector<Elapsed> ratios = medians_by_frame(turns, frames);
-  const std::vector<Elapsed> units = medians_by_frame(unit, frames);
-  for (std::size_t frame = 0; frame < ratios.size(); ++frame) {
-    ratios[frame].wall_ms /= units[frame].wall_ms;
-    ratios[frame].cpu_ms /= units[frame].cpu_ms;
-  }
-  return median(ratios);
-}
-
 std::vector<Elapsed> best_of_repeats(std::span<const Elapsed> turns, int frames) {
   const auto count = std::min(turns.size(), static_cast<std::size_t>(frames));
   std::vector<Elapsed> best(turns.begin(), turns.begin() + static_cast<std::ptrdiff_t>(count));
@@ -51,6 +42,26 @@ std::vector<Elapsed> best_of_repeats(std::span<const Elapsed> turns, int frames)
     min.cpu_ms = std::min(min.cpu_ms, turns[turn].cpu_ms);
   }
   return best;
+}
+
+Elapsed median_ratio(std::vector<Elapsed> frames, std::span<const Elapsed> units) {
+  for (std::size_t frame = 0; frame < frames.size(); ++frame) {
+    frames[frame].wall_ms /= units[frame].wall_ms;
+    frames[frame].cpu_ms /= units[frame].cpu_ms;
+  }
+  return median(frames);
+}
+
+Elapsed median_ratio(std::span<const Elapsed> turns, std::span<const Elapsed> unit, int frames) {
+  return median_ratio(medians_by_frame(turns, frames), medians_by_frame(unit, frames));
+}
+
+Contender timed(std::function<Result<void>(int turn)> work) {
+  return [work = std::move(work)](int turn) -> Result<std::vector<Elapsed>> {
+    Stopwatch watch;
+    SPLATLAS_RETURN_IF_ERROR(work(turn));
+    return std::vector{watch.lap()};
+  };
 }
 
 Result<std::vector<StageTimes>> measure_interleaved(std::span<const Contender> contenders, int turns) {

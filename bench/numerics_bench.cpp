@@ -13,16 +13,13 @@
 #include "bench/bench.h"
 #include "bench/convergence.h"
 #include "bench/draw_stress.h"
-#include "bench/error_cost.h"
-#include "bench/qualities.h"
+#include "bench/participants.h"
 #include "bench/ripple.h"
-#include "bench/thread_bits.h"
 #include "format/system/result_macros.h"
 
 namespace splatlas {
 namespace {
 
-constexpr std::array kThreads{2u, 8u};  // compared with one
 /// The default quality, reported in the summary.
 constexpr const char* kQuoted = "normal";
 
@@ -56,24 +53,21 @@ Result<void> measure_pictures(const std::shared_ptr<const Atlas>& atlas, const E
       "bias",
       "Mean signed error, parallel projection, grey values classified before interpolation",
       {"mean, rmse: against the truth in double precision, in 1/255 of linear light, all four channels",
-       "bias_max: the largest absolute mean of our normal quality, soft and thin"},
-      {}};
+       "bias_max: the largest absolute mean of our normal quality, soft and thin"}};
   Table pop{"pop",
             "Popping: differences across a switch of the principal axis, 2e-6 rad apart",
             {"between the axes named, at this elevation: RMS over what either picture shows, all four "
              "channels, in 1/255 of linear light; largest: of any pixel of any of them",
-             "pop_soft, pop_hard: the largest of our normal quality"},
-            {}};
+             "pop_soft, pop_hard: the largest of our normal quality"}};
   for (const ErrorScene& scene : error_scenes()) {
     for (const ErrorAppearance& appearance : error_appearances()) {
       options.tell(fmt::format("bias and popping: {}, {}", scene.name, appearance.name));
       SPLATLAS_ASSIGN_OR_RETURN(const ErrorModel model, error_model(content, scene, appearance));
       const ErrorTask task{atlas, model, {effort.size, effort.size}};
       std::vector<Participant> participants;
-      SPLATLAS_RETURN_IF_ERROR(add_ours(task, 2, participants));
-      SPLATLAS_ASSIGN_OR_RETURN(Participant volpack, volpack_participant(task, OpacityRounding::kDown));
-      participants.push_back(std::move(volpack));
-      SPLATLAS_RETURN_IF_ERROR(compare_parallel(participants, task, effort.views_compared));
+      SPLATLAS_RETURN_IF_ERROR(add_ours(task, Classification::kBefore, 2, participants));
+      SPLATLAS_RETURN_IF_ERROR(add_volpack(task, OpacityRounding::kDown, participants));
+      SPLATLAS_RETURN_IF_ERROR(compare(participants, task, Classification::kBefore, effort.views_compared));
       SPLATLAS_ASSIGN_OR_RETURN(const std::vector<AxisSwitch> switches,
                                 axis_switches(model.camera, atlas->grid(), atlas->display()));
       const std::string appearance_name = appearance.name;
@@ -113,8 +107,7 @@ Result<void> measure_ripples(const Effort& effort, Report& report) {
        "voxel",
        "faces_of_slices: rays enter and leave through faces that slices are parallel to, so that what is "
        "left is the sum of footprints (ripple: of our normal quality)",
-       "side_faces: slices cut through the faces, whose slopes they sample (ripple_side_faces)"},
-      {}};
+       "side_faces: slices cut through the faces, whose slopes they sample (ripple_side_faces)"}};
   for (const CameraProjection projection : {CameraProjection::kParallel, CameraProjection::kPerspective}) {
     for (const NamedQuality& quality : kQualities) {
       SPLATLAS_ASSIGN_OR_RETURN(const Ripple ripple,
@@ -135,13 +128,82 @@ Result<void> measure_ripples(const Effort& effort, Report& report) {
   return {};
 }
 
+constexpr std::array kThreads{2u, 8u};  // compared with one
+constexpr PictureSize kSize{253, 211};  // no multiple of bands, vectors or packets
+
+constexpr const char* kVolume = "Brain:volume(opacity=0.3)";
+constexpr const char* kHard = "Head:volume(profile=hard)";
+constexpr const char* kSurfaces = "\"Left hemisphere\":surface(opacity=0.5) + Cerebellum:surface";
+constexpr const char* kHybrid =
+    "\"Left hemisphere\":both(opacity=0.4) + \"Right hemisphere\":surface(opacity=0.4) + Cerebellum:surface";
+
+/// A mode of drawing.
+struct DrawingMode {
+  const char* name;
+  const char* selection;
+  CameraProjection projection = CameraProjection::kParallel;
+  RenderOptions options{};
+};
+std::vector<DrawingMode> drawing_modes() {
+  using enum CameraProjection;
+  const auto with = [](Quality quality, Classification classification = Classification::kBefore) {
+    return RenderOptions{.size = kSize, .quality = quality, .classification = classification};
+  };
+  RenderOptions edges = with(Quality::kNormal);
+  edges.depth_cue = DepthCue::kEdges;
+  return {
+      {"draft", kVolume, kParallel, with(Quality::kDraft)},
+      {"normal", kVolume, kParallel, with(Quality::kNormal)},
+      {"high", kVolume, kParallel, with(Quality::kHigh)},
+      {"hard, normal", kHard, kParallel, with(Quality::kNormal)},
+      {"classified after", kHard, kParallel, with(Quality::kNormal, Classification::kAfter)},
+      {"perspective", kVolume, kPerspective, with(Quality::kNormal)},
+      {"perspective, post-classified", kHard, kPerspective, with(Quality::kNormal, Classification::kAfter)},
+      {"surfaces", kSurfaces, kParallel, with(Quality::kNormal)},
+      {"surfaces, perspective", kSurfaces, kPerspective, with(Quality::kNormal)},
+      {"hybrid", kHybrid, kParallel, with(Quality::kNormal)},
+      {"hybrid, perspective", kHybrid, kPerspective, with(Quality::kNormal)},
+      {"depth cue", kHybrid, kParallel, edges},
+      {"depth cue, perspective", kHybrid, kPerspective, edges},
+  };
+}
+
+/// `views` views, 25 degrees apart.
+Result<std::vector<Picture>> pictures_with(const std::shared_ptr<const Atlas>& atlas, const DrawingMode& mode,
+                                           unsigned threads, int views) {
+  Renderer renderer(atlas, {.threads = threads});
+  SPLATLAS_ASSIGN_OR_RETURN(const Selection selection, select(mode.selection, atlas->graph()));
+  SPLATLAS_RETURN_IF_ERROR(renderer.select(selection));
+  std::vector<Picture> pictures;
+  for (int view = 0; view < views; ++view) {
+    const Camera camera{
+        .azimuth_deg = 31.0 + 25 * view, .elevation_deg = 19.0 + 12 * view, .projection = mode.projection};
+    SPLATLAS_ASSIGN_OR_RETURN(pictures.emplace_back(), renderer.render(camera, mode.options));
+  }
+  return pictures;
+}
+
+/// Number of values whose bits differ from those of one thread.
+Result<std::uint64_t> thread_bits_differ(const std::shared_ptr<const Atlas>& atlas, const DrawingMode& mode,
+                                         int views) {
+  SPLATLAS_ASSIGN_OR_RETURN(const std::vector<Picture> expected, pictures_with(atlas, mode, 1, views));
+  std::uint64_t differ = 0;
+  for (const unsigned count : kThreads) {
+    SPLATLAS_ASSIGN_OR_RETURN(const std::vector<Picture> pictures, pictures_with(atlas, mode, count, views));
+    for (std::size_t n = 0; n < pictures.size(); ++n) {
+      differ += bits_differ(pictures[n].rgba, expected[n].rgba);
+    }
+  }
+  return differ;
+}
+
 Result<void> measure_threads(const std::shared_ptr<const Atlas>& atlas, const Effort& effort,
                              Report& report) {
-  Table table{"threads", "Values whose bits differ between 1, 2 and 8 threads, Colin 27", {}, {}};
+  Table table{"threads", "Values whose bits differ between 1, 2 and 8 threads, Colin 27"};
   std::uint64_t all = 0;
   for (const DrawingMode& mode : drawing_modes()) {
     SPLATLAS_ASSIGN_OR_RETURN(const std::uint64_t differ,
-                              thread_bits_differ(atlas, mode, kThreads, effort.thread_views));
+                              thread_bits_differ(atlas, mode, effort.thread_views));
     table.rows.push_back({{"mode", mode.name}, {"views", effort.thread_views}, {"differ", differ}});
     all += differ;
   }
@@ -157,8 +219,7 @@ void measure_stress(const Effort& effort, const BenchOptions& options, Report& r
       "Stress inputs at every quality, in both projections, classified before and after interpolation",
       {"nan_pixels: pixels with a value that is not finite",
        "unphysical: pixels without 0 <= colour <= alpha <= 1, to 1e-5",
-       "refused: pictures that ended with an error, as views that are not finite must"},
-      {}};
+       "refused: pictures that ended with an error, as views that are not finite must"}};
   StressOutcome all;
   const auto add = [&](const std::string& name, const StressOutcome& outcome) {
     table.rows.push_back({{"input", name},
@@ -187,8 +248,7 @@ Result<void> measure_orders(Report& report) {
   Table table{"order",
               "Orders of convergence on a smooth field: the slope of the error's logarithm",
               {"errors: RMS in 1/255, coarse to fine (grid: 1.5, 1, 0.75 mm; steps: 1, 2, 4, 8 to a slab)",
-               "order_error_max: the largest deviation of an observed order from that of the method"},
-              {}};
+               "order_error_max: the largest deviation of an observed order from that of the method"}};
   SPLATLAS_ASSIGN_OR_RETURN(const std::vector<Convergence> rows, measure_convergence());
   for (const Convergence& row : rows) {
     const double off = std::abs(row.order() - row.theory);

@@ -21,11 +21,10 @@ constexpr double kFieldOfViewDeg = 10;
 
 /// A plate with its large faces normal to `axis`.
 AtlasContent plate(std::size_t axis) {
-  TestVolume volume;
-  volume.grid.size = {kWide, kWide, kWide};
-  volume.grid.size[axis] = kThick;
-  volume.structures = {{"plate", make_mask(volume.grid.size, [](auto...) { return true; })}};
-  return make_content(volume);
+  Index3 size{kWide, kWide, kWide};
+  size[axis] = kThick;
+  return make_content(
+      {.grid = {.size = size}, .structures = {{"plate", make_mask(size, [](auto...) { return true; })}}});
 }
 
 /// Derives numbers from the bits of the generator, as standard distributions differ between implementations.
@@ -119,10 +118,7 @@ Result<void> measure_plate(std::size_t axis, const RippleOptions& options, Rippl
   const Grid grid = storage_grid(content);
   Renderer renderer(open_in_memory(content), {.threads = 1});
   RandomViews views(static_cast<std::uint32_t>(axis));
-  RenderOptions render;
-  render.size = kSize;
-  render.quality = options.quality;
-  render.hybrid_shading = false;
+  const RenderOptions render{.size = kSize, .quality = options.quality, .hybrid_shading = false};
   for (int measured = 0; measured < options.views;) {
     const Camera camera = views.next(content, options);
     SPLATLAS_ASSIGN_OR_RETURN(const View view, view_of(camera, kSize, content.display));

@@ -1,15 +1,26 @@
-// Collector that sorts runs by scanline.
+// Draws of a selection by class, and collector that sorts their runs by scanline.
 #pragma once
 
 #include <cstdint>
 #include <span>
 #include <vector>
 
-#include "format/class_table.h"
-#include "format/decision_tree.h"
 #include "format/run_model.h"
+#include "player/spans/selected_runs.h"
+#include "player/transfer/volume_appearances.h"
 
 namespace splatlas {
+
+inline constexpr std::uint32_t kNotDrawn = SelectedRuns::kNotDrawn;
+
+/// Per class, the index of the plan entry that draws its volume, or kNotDrawn.
+[[nodiscard]] std::vector<std::uint32_t> draws_by_class(const DrawPlan& plan, std::size_t classes);
+
+/// As draws_by_class(), but classes of equal appearance share their first entry: without boundary shading
+/// they are one. `appearances` correspond to the classes of the plan.
+[[nodiscard]] std::vector<std::uint32_t> shared_draws_by_class(const DrawPlan& plan,
+                                                               std::span<const VolumeAppearance> appearances,
+                                                               std::size_t classes);
 
 /// Bounding box of the voxels that a plan draws as volume.
 [[nodiscard]] IndexBox drawn_box(const DrawPlan& plan, const ClassTable& classes);

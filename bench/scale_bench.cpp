@@ -8,14 +8,14 @@
 
 #include "bench/atlases.h"
 #include "bench/bench.h"
+#include "bench/frames.h"
 #include "bench/grown_content.h"
 #include "bench/measure.h"
-#include "bench/scratch_folder.h"
-#include "bench/turned_camera.h"
 #include "format/atlas_writer.h"
 #include "format/system/result_macros.h"
 #include "player/render_frame.h"
 #include "tests/reference/picture_difference.h"
+#include "tests/support/temporary_folder.h"
 
 namespace splatlas {
 namespace {
@@ -32,15 +32,11 @@ struct Step {
 };
 constexpr std::array kSteps{Step{1, {1, 1, 1}}, Step{2, {2, 1, 1}}, Step{4, {2, 2, 1}}, Step{8, {2, 2, 2}}};
 
-struct NamedSelection {
-  const char* name;
-  const char* selection;
-};
 constexpr std::array kSame{
-    NamedSelection{"brain",
-                   "\"Left hemisphere\":volume(color=#ffffff) + \"Right hemisphere\":volume(color=#ffffff)"},
-    NamedSelection{"left", "\"Left hemisphere\":volume(color=#ffffff)"},
-    NamedSelection{"one", "Hippocampus_L:volume(color=#ffffff) + Amygdala_L:volume(color=#ffffff)"}};
+    BenchScene{"brain",
+               "\"Left hemisphere\":volume(color=#ffffff) + \"Right hemisphere\":volume(color=#ffffff)"},
+    BenchScene{"left", "\"Left hemisphere\":volume(color=#ffffff)"},
+    BenchScene{"one", "Hippocampus_L:volume(color=#ffffff) + Amygdala_L:volume(color=#ffffff)"}};
 constexpr const char* kAll = "Head:volume(color=#ffffff)";
 
 struct Effort {
@@ -53,17 +49,16 @@ struct Contestant {
   Step step;
   std::shared_ptr<const Atlas> atlas;
   Renderer renderer;
-  RenderOptions options;
-  Elapsed first;                 // frame of the selection, reading included
+  RenderOptions options = {};
+  Elapsed first = {};            // frame of the selection, reading included
   std::uint64_t read_bytes = 0;  // bytes read for it
-  Picture picture;               // of the latest frame
+  Picture picture = {};          // of the latest frame
 
   static Result<Contestant> make(const Step& step, const std::filesystem::path& path, const char* selection,
                                  int side) {
     SPLATLAS_ASSIGN_OR_RETURN(const std::shared_ptr<const Atlas> atlas, Atlas::open(path));
-    Contestant made{step, atlas, Renderer(atlas, {.threads = 1}), {}, {}, 0, {}};
-    made.options.size = {side, side};
-    made.options.hybrid_shading = false;  // the atlas has no normals
+    Contestant made{step, atlas, Renderer(atlas, {.threads = 1})};
+    made.options = {.size = {side, side}, .hybrid_shading = false};  // the atlas has no normals
     SPLATLAS_ASSIGN_OR_RETURN(const Selection selected, select(selection, atlas->graph()));
     Stopwatch watch;
     SPLATLAS_RETURN_IF_ERROR(made.renderer.select(selected));
@@ -73,11 +68,8 @@ struct Contestant {
     return made;
   }
 
-  Result<Elapsed> draw(int turn, int frames) {
-    const Camera camera = turned(oblique_camera(), turn, frames);
-    Stopwatch watch;
-    SPLATLAS_RETURN_IF_ERROR(renderer.render(camera, options, picture));
-    return watch.lap();
+  Result<void> draw(int turn, int frames) {
+    return renderer.render(turned(oblique_camera(), turn, frames), options, picture);
   }
 };
 
@@ -87,10 +79,7 @@ Result<std::vector<std::vector<Elapsed>>> take_times(std::vector<Contestant>& co
                                                      const Effort& effort) {
   std::vector<Contender> contenders;
   for (Contestant& contestant : contestants) {
-    contenders.emplace_back([&contestant, &effort](int turn) -> Result<std::vector<Elapsed>> {
-      SPLATLAS_ASSIGN_OR_RETURN(const Elapsed elapsed, contestant.draw(turn, effort.frames));
-      return std::vector<Elapsed>{elapsed};
-    });
+    contenders.push_back(timed([&](int turn) { return contestant.draw(turn, effort.frames); }));
   }
   SPLATLAS_RETURN_IF_ERROR(measure_interleaved(contenders, effort.frames));
   SPLATLAS_ASSIGN_OR_RETURN(const std::vector<StageTimes> stages,
@@ -100,37 +89,34 @@ Result<std::vector<std::vector<Elapsed>>> take_times(std::vector<Contestant>& co
   return times;
 }
 
-/// The atlas at every size, in files.
+/// The atlas at every size, in files of a folder.
 class GrowingAtlas {
  public:
-  static Result<GrowingAtlas> make(const BenchOptions& options) {
+  explicit GrowingAtlas(const std::filesystem::path& folder) : folder_(folder) {}
+
+  Result<void> write(const BenchOptions& options) const {
     SPLATLAS_ASSIGN_OR_RETURN(const std::shared_ptr<const Atlas> atlas, open_colin27(options));
     SPLATLAS_ASSIGN_OR_RETURN(const AtlasContent content, atlas->read_all());
-    SPLATLAS_ASSIGN_OR_RETURN(ScratchFolder folder, ScratchFolder::make());
-    GrowingAtlas growing(std::move(folder));
     for (const Step& step : kSteps) {
       options.tell(fmt::format("building atlases of {} times the voxels", step.times));
       SPLATLAS_ASSIGN_OR_RETURN(const AtlasContent around, surrounded(content, step.along));
-      SPLATLAS_RETURN_IF_ERROR(write_atlas(around, growing.surrounded_path(step), {.level = 1}));
+      SPLATLAS_RETURN_IF_ERROR(write_atlas(around, surrounded_path(step), {.level = 1}));
       Index3 finer = storage_grid(content).size;
       for (std::int64_t& n : finer) n = std::llround(static_cast<double>(n) * std::cbrt(step.times));
-      SPLATLAS_RETURN_IF_ERROR(
-          write_atlas(refined(content, finer), growing.refined_path(step), {.level = 1}));
+      SPLATLAS_RETURN_IF_ERROR(write_atlas(refined(content, finer), refined_path(step), {.level = 1}));
     }
-    return growing;
+    return {};
   }
 
   [[nodiscard]] std::filesystem::path surrounded_path(const Step& step) const {
-    return folder_.path() / fmt::format("surrounded_{}.atlas", step.times);
+    return folder_ / fmt::format("surrounded_{}.atlas", step.times);
   }
   [[nodiscard]] std::filesystem::path refined_path(const Step& step) const {
-    return folder_.path() / fmt::format("refined_{}.atlas", step.times);
+    return folder_ / fmt::format("refined_{}.atlas", step.times);
   }
 
  private:
-  explicit GrowingAtlas(ScratchFolder folder) : folder_(std::move(folder)) {}
-
-  ScratchFolder folder_;
+  std::filesystem::path folder_;
 };
 
 /// The difference between a contestant and the unit; "" for none.
@@ -164,10 +150,9 @@ Result<void> add_same(const GrowingAtlas& growing, const Effort& effort, const B
               "The same selection, more voxels around it: frames of 512x512, one thread",
               {"growth: CPU time of frames over that in the original atlas",
                "first_ms: from the selection to its first picture, reading included; read: bytes of the file",
-               "rms: of the last picture, against that of the original atlas, in 1/255"},
-              {}};
+               "rms: of the last picture, against that of the original atlas, in 1/255"}};
   double largest = 0;
-  for (const NamedSelection& scene : kSame) {
+  for (const BenchScene& scene : kSame) {
     options.tell(fmt::format("{}, surrounded", scene.name));
     std::vector<Contestant> contestants;
     for (const Step& step : kSteps) {
@@ -179,14 +164,13 @@ Result<void> add_same(const GrowingAtlas& growing, const Effort& effort, const B
     for (std::size_t n = 0; n < contestants.size(); ++n) {
       const Elapsed growth = median_ratio(times[n], times[0], effort.frames);
       const double rms = reference::whole_picture_rms(contestants[n].picture, contestants[0].picture);
-      Row row{{"scene", scene.name}};
+      Row& row = table.rows.emplace_back(Row{{"scene", scene.name}});
       row.update(row_of(contestants[n], times[n]));
       row.update({{"growth", growth.cpu_ms},
                   {"growth_wall", growth.wall_ms},
                   {"first_ms", contestants[n].first.wall_ms},
                   {"read", contestants[n].read_bytes},
                   {"rms", rms}});
-      table.rows.push_back(std::move(row));
       if (const std::string what = what_differs(contestants[n], contestants[0], rms); !what.empty()) {
         report.failures.push_back(
             fmt::format("{} among {} times the voxels: {}", scene.name, contestants[n].step.times, what));
@@ -205,8 +189,7 @@ Result<void> add_all(const GrowingAtlas& growing, const Effort& effort, const Be
       "all",
       "Everything selected, finer grids: one thread",
       {"growth: CPU time per grid voxel over that of the original atlas; growing pictures keep their pixels "
-       "per voxel"},
-      {}};
+       "per voxel"}};
   for (const bool growing_picture : {true, false}) {
     options.tell(fmt::format("everything, pictures that {}", growing_picture ? "grow" : "stay"));
     std::vector<Contestant> contestants;
@@ -222,9 +205,9 @@ Result<void> add_all(const GrowingAtlas& growing, const Effort& effort, const Be
     };
     for (std::size_t n = 0; n < contestants.size(); ++n) {
       const double growth = median_ratio(times[n], times[0], effort.frames).cpu_ms * voxels(0) / voxels(n);
-      Row row = row_of(contestants[n], times[n]);
-      row.update({{"ns_per_voxel", 1e6 * median(times[n]).cpu_ms / voxels(n)}, {"growth", growth}});
-      table.rows.push_back(std::move(row));
+      table.rows.push_back(row_of(contestants[n], times[n]));
+      table.rows.back().update(
+          {{"ns_per_voxel", 1e6 * median(times[n]).cpu_ms / voxels(n)}, {"growth", growth}});
       if (growing_picture && n + 1 == contestants.size()) report.summary["all_growth_per_voxel"] = growth;
     }
   }
@@ -237,7 +220,9 @@ Result<void> add_all(const GrowingAtlas& growing, const Effort& effort, const Be
 Result<Report> run_scale_bench(const BenchOptions& options) {
   const Effort effort = options.quick ? Effort{3, 1} : Effort{};
   Report report;
-  SPLATLAS_ASSIGN_OR_RETURN(const GrowingAtlas growing, GrowingAtlas::make(options));
+  const TemporaryFolder folder;
+  const GrowingAtlas growing(folder.path());
+  SPLATLAS_RETURN_IF_ERROR(growing.write(options));
   SPLATLAS_RETURN_IF_ERROR(add_same(growing, effort, options, report));
   SPLATLAS_RETURN_IF_ERROR(add_all(growing, effort, options, report));
   return report;

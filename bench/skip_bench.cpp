@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <array>
 #include <memory>
-#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -11,20 +10,20 @@
 
 #include "bench/atlases.h"
 #include "bench/bench.h"
-#include "bench/bits_differ.h"
+#include "bench/error_scenes.h"
+#include "bench/frames.h"
 #include "bench/isolated.h"
 #include "bench/measure.h"
 #include "bench/skip_selections.h"
-#include "bench/turned_camera.h"
 #include "format/atlas_writer.h"
 #include "format/system/result_macros.h"
 #include "player/render_frame.h"
-#include "player/view/shear.h"
 
 namespace splatlas {
 namespace {
 
 constexpr PictureSize kSize{512, 512};
+constexpr const char* kAppearance = "opacity=0.3,color=#ffffff";
 constexpr std::size_t kAtOnce = 16;  // selections measured interleaved with all and with nothing
 
 /// Factor of turns for comparisons of two atlases, to separate their difference from noise.
@@ -38,17 +37,6 @@ struct Effort {
   [[nodiscard]] int turns() const { return frames * repeats; }
 };
 
-RenderOptions render_options() {
-  RenderOptions options;
-  options.size = kSize;
-  options.hybrid_shading = false;
-  return options;
-}
-
-Camera camera_of(int turn, const Effort& effort) {
-  return turned(oblique_camera(), turn, effort.frames);
-}
-
 /// A turning selection on one thread. Spans of all axes exist ahead of measurements.
 class Turning {
  public:
@@ -57,43 +45,34 @@ class Turning {
 
   Result<void> select(const Selection& selection) {
     SPLATLAS_RETURN_IF_ERROR(renderer_->select(selection));
-    std::set<Axis> prepared;
-    for (int turn = 0; turn < effort_.turns(); ++turn) {
-      SPLATLAS_ASSIGN_OR_RETURN(const ParallelView view,
-                                parallel_view(camera_of(turn, effort_), kSize, renderer_->atlas().display()));
-      if (!prepared.insert(factorise(view, renderer_->atlas().grid()).principal).second) continue;
-      SPLATLAS_RETURN_IF_ERROR(draw(turn));
-    }
+    SPLATLAS_ASSIGN_OR_RETURN(
+        const std::vector<Camera> cameras,
+        cameras_by_axis(oblique_camera(), effort_.turns(), effort_.frames, renderer_->atlas()));
+    for (const Camera& camera : cameras) SPLATLAS_RETURN_IF_ERROR(draw(camera));
     return {};
   }
 
-  Result<std::vector<Elapsed>> draw(int turn) {
-    Stopwatch watch;
-    SPLATLAS_RETURN_IF_ERROR(renderer_->render(camera_of(turn, effort_), render_options(), picture_));
-    return std::vector{watch.lap()};
+  [[nodiscard]] Contender contender() {
+    return timed([this](int turn) { return draw(turned(oblique_camera(), turn, effort_.frames)); });
   }
 
   [[nodiscard]] std::uint64_t visible_voxels() const { return renderer_->stats().voxels_visited; }
   [[nodiscard]] const Picture& picture() const { return picture_; }
 
  private:
+  Result<void> draw(const Camera& camera) {
+    return renderer_->render(camera, {.size = kSize, .hybrid_shading = false}, picture_);
+  }
+
   std::unique_ptr<Renderer> renderer_;
   Effort effort_;
   Picture picture_;
 };
 
-Contender contender(Turning& turning) {
-  return [&turning](int turn) { return turning.draw(turn); };
-}
-
-/// Median over frames of the ratio of minimum CPU times.
+/// Ratio of CPU times: minimum over repeats of each frame, median over frames.
 double ratio(const StageTimes& times, const StageTimes& unit, const Effort& effort) {
-  const auto ours = best_of_repeats(times[0], effort.frames);
-  const auto theirs = best_of_repeats(unit[0], effort.frames);
-  std::vector<double> ratios;
-  for (std::size_t frame = 0; frame < ours.size(); ++frame)
-    ratios.push_back(ours[frame].cpu_ms / theirs[frame].cpu_ms);
-  return median(ratios);
+  return median_ratio(best_of_repeats(times[0], effort.frames), best_of_repeats(unit[0], effort.frames))
+      .cpu_ms;
 }
 
 /// One batch of selections, beside everything and nothing.
@@ -110,7 +89,7 @@ Result<void> measure_batch(const std::shared_ptr<const Atlas>& atlas, const Sele
     SPLATLAS_RETURN_IF_ERROR(turning[n + 2].select(batch[n].selection));
   }
   std::vector<Contender> contenders;
-  for (Turning& each : turning) contenders.push_back(contender(each));
+  for (Turning& each : turning) contenders.push_back(each.contender());
   SPLATLAS_ASSIGN_OR_RETURN(const std::vector<StageTimes> times,
                             measure_interleaved(contenders, effort.turns()));
   const double empty = ratio(times[1], times[0], effort);
@@ -138,17 +117,12 @@ Result<Table> measure_skipping(const std::shared_ptr<const Atlas>& atlas, const 
       "Cost against what is selected: volumes of Colin 27, soft, 512x512, normal quality, one thread",
       {"over_all: CPU time over that of the whole head, minimum over repeats of each frame, median over "
        "frames; empty_over_all: the same of nothing",
-       "excess: over_all less 1.15 x visible_fraction less empty_over_all; the largest first"},
-      {}};
-  StructureDraw draw;
-  draw.mode = DrawMode::kVolume;
-  draw.opacity = 0.3f;
-  draw.color = {255, 255, 255};
+       "excess: over_all less 1.15 x visible_fraction less empty_over_all; the largest first"}};
+  const StructureDraw draw{.mode = DrawMode::kVolume, .opacity = 0.3f, .color = {255, 255, 255}};
   std::vector<NamedSelection> selections;
   const std::vector<NamedSelection> many = many_selections(atlas->graph(), draw, effort.unions);
   for (std::size_t n = 0; n < many.size(); n += effort.every) selections.push_back(many[n]);
-  SPLATLAS_ASSIGN_OR_RETURN(const Selection all,
-                            select("Head:volume(opacity=0.3,color=#ffffff)", atlas->graph()));
+  SPLATLAS_ASSIGN_OR_RETURN(const Selection all, select(selection_text("Head", kAppearance), atlas->graph()));
   for (std::size_t first = 0; first < selections.size(); first += kAtOnce) {
     const std::size_t count = std::min(kAtOnce, selections.size() - first);
     options.tell(fmt::format("selections {} to {} of {}", first + 1, first + count, selections.size()));
@@ -196,19 +170,12 @@ Result<Table> measure_isolation(const AtlasContent& content, const Effort& effor
   Table table{"isolation",
               "Selections in the full atlas against atlases of those structures alone",
               {"time: CPU time in the full atlas over that in the small one, one thread",
-               "bytes: of chunks read from either file for all views, its directory left out"},
-              {}};
+               "bytes: of chunks read from either file for all views, its directory left out"}};
   SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::byte> full_bytes, encode_atlas(content));
   for (std::size_t n = 0; n < kIsolated.size(); n += options.quick ? 4 : 1) {
     options.tell(fmt::format("isolated: {}", kIsolated[n]));
-    std::string text;
-    for (std::string_view rest = kIsolated[n]; !rest.empty();) {
-      const std::size_t end = std::min(rest.find(" + "), rest.size());
-      text += fmt::format("{}{}:volume(opacity=0.3,color=#ffffff)", text.empty() ? "" : " + ",
-                          rest.substr(0, end));
-      rest.remove_prefix(std::min(end + 3, rest.size()));
-    }
-    SPLATLAS_ASSIGN_OR_RETURN(const Selection selection, select(text, content.graph));
+    SPLATLAS_ASSIGN_OR_RETURN(const Selection selection,
+                              select(selection_text(kIsolated[n], kAppearance), content.graph));
     SPLATLAS_ASSIGN_OR_RETURN(const std::shared_ptr<const Atlas> full, Atlas::open_bytes(full_bytes));
     Selection alone_selection;
     SPLATLAS_ASSIGN_OR_RETURN(const std::shared_ptr<const Atlas> alone,
@@ -219,7 +186,7 @@ Result<Table> measure_isolation(const AtlasContent& content, const Effort& effor
     SPLATLAS_ASSIGN_OR_RETURN(const std::uint64_t full_read, chunk_bytes_read(*full, turning[0], selection));
     SPLATLAS_ASSIGN_OR_RETURN(const std::uint64_t alone_read,
                               chunk_bytes_read(*alone, turning[1], alone_selection));
-    const std::vector<Contender> contenders{contender(turning[0]), contender(turning[1])};
+    const std::vector<Contender> contenders{turning[0].contender(), turning[1].contender()};
     SPLATLAS_ASSIGN_OR_RETURN(const std::vector<StageTimes> times,
                               measure_interleaved(contenders, kIsolationTurns * effort.turns()));
     const double time = ratio(times[0], times[1], effort);
@@ -250,11 +217,11 @@ Result<Report> run_skip_bench(const BenchOptions& options) {
   Report report;
   const Effort effort = options.quick ? Effort{.frames = 3, .repeats = 2, .unions = 6, .every = 5} : Effort{};
   SPLATLAS_ASSIGN_OR_RETURN(const std::shared_ptr<const Atlas> atlas, open_colin27(options));
-  SPLATLAS_ASSIGN_OR_RETURN(Table skip, measure_skipping(atlas, effort, options, report.summary));
-  report.tables.push_back(std::move(skip));
+  SPLATLAS_ASSIGN_OR_RETURN(report.tables.emplace_back(),
+                            measure_skipping(atlas, effort, options, report.summary));
   SPLATLAS_ASSIGN_OR_RETURN(const AtlasContent content, atlas->read_all());
-  SPLATLAS_ASSIGN_OR_RETURN(Table isolation, measure_isolation(content, effort, options, report));
-  report.tables.push_back(std::move(isolation));
+  SPLATLAS_ASSIGN_OR_RETURN(report.tables.emplace_back(),
+                            measure_isolation(content, effort, options, report));
   return report;
 }
 

@@ -17,17 +17,11 @@ constexpr Matrix3 kStraight{1, 0, 0, 0, 1, 0, 0, 0, 1};
 constexpr double kTurnOffDeg = 1e-6 * 180 / std::numbers::pi;
 
 RenderOptions sized(int width, int height) {
-  RenderOptions options;
-  options.size = {width, height};
-  return options;
+  return {.size = {width, height}};
 }
 
 Camera looking(double azimuth_deg, double elevation_deg, double zoom = 1) {
-  Camera camera;
-  camera.azimuth_deg = azimuth_deg;
-  camera.elevation_deg = elevation_deg;
-  camera.zoom = zoom;
-  return camera;
+  return {.azimuth_deg = azimuth_deg, .elevation_deg = elevation_deg, .zoom = zoom};
 }
 
 std::vector<Camera> usual_views() {
@@ -36,8 +30,6 @@ std::vector<Camera> usual_views() {
 
 /// Two overlapping structures, one at a border of the grid.
 TestVolume two_structures(const Grid& grid) {
-  TestVolume volume;
-  volume.grid = grid;
   const auto in_ball = [&](auto i, auto j, auto k) {
     double squares = 0;
     const std::array<double, 3> at{static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)};
@@ -45,16 +37,13 @@ TestVolume two_structures(const Grid& grid) {
       squares += std::pow((at[a] + 0.5) / static_cast<double>(grid.size[a]) - 0.5, 2);
     return squares < 0.2;
   };
-  volume.structures = {{"ball", make_mask(grid.size, in_ball), {255, 100, 50}},
-                       {"half",
-                        make_mask(grid.size, [&](auto i, auto, auto) { return 2 * i < grid.size[0]; }),
-                        {50, 100, 255}}};
-  return volume;
+  const auto in_half = [&](auto i, auto, auto) { return 2 * i < grid.size[0]; };
+  return {.grid = grid,
+          .structures = {{"ball", make_mask(grid.size, in_ball), {255, 100, 50}},
+                         {"half", make_mask(grid.size, in_half), {50, 100, 255}}}};
 }
 
-Grid small_grid() {
-  return {{12, 14, 10}, {1, 1, 1}, {0, 0, 0}, kStraight};
-}
+const Grid kSmallGrid{.size = {12, 14, 10}};
 
 constexpr const char* kMixed = "ball:both(opacity=0.5) + half:volume(opacity=0.2)";
 
@@ -63,10 +52,15 @@ StressInput input_of(const TestVolume& volume, std::vector<std::string> selectio
 }
 
 StressInput box(const Index3& size, std::vector<std::string> selections) {
-  TestVolume volume;
-  volume.grid.size = size;
-  volume.structures = {{"box", make_mask(size, [](auto...) { return true; })}};
-  return input_of(volume, std::move(selections));
+  return input_of(
+      {.grid = {.size = size}, .structures = {{"box", make_mask(size, [](auto...) { return true; })}}},
+      std::move(selections));
+}
+
+/// The two structures in special views.
+std::vector<StressInput> seen_from(std::vector<Camera> cameras,
+                                   std::vector<RenderOptions> options = {sized(17, 15)}) {
+  return {{make_content(two_structures(kSmallGrid)), {kMixed}, std::move(cameras), std::move(options)}};
 }
 
 std::vector<std::string> boxes_with(const std::vector<const char*>& opacities) {
@@ -89,19 +83,17 @@ std::vector<StressInput> layers() {
 }
 
 std::vector<StressInput> directions() {
-  StressInput input = input_of(two_structures(small_grid()));
-  input.cameras.clear();
+  std::vector<Camera> cameras;
   const double diagonal = std::atan(std::sqrt(0.5)) * 180 / std::numbers::pi;
   for (const double azimuth : {0.0, 45.0, 90.0, 135.0, -180.0, -45.0}) {
     for (const double elevation : {0.0, 45.0, diagonal, 90.0, -90.0}) {
       for (const double off : {-kTurnOffDeg, 0.0, kTurnOffDeg}) {
-        input.cameras.push_back(looking(azimuth + off, elevation));
-        input.cameras.push_back(looking(azimuth, elevation + off));
+        cameras.push_back(looking(azimuth + off, elevation));
+        cameras.push_back(looking(azimuth, elevation + off));
       }
     }
   }
-  input.options = {sized(17, 17)};
-  return {input};
+  return seen_from(std::move(cameras), {sized(17, 17)});
 }
 
 std::vector<StressInput> grids() {
@@ -113,7 +105,7 @@ std::vector<StressInput> grids() {
     for (const Vec3& spacing :
          {Vec3{1e-6, 1e-6, 1e-6}, Vec3{1e6, 1e6, 1e6}, Vec3{1, 1, 50}, Vec3{50, 1, 1}, Vec3{0.02, 1, 1}}) {
       for (const double away : {0.0, 1e7}) {
-        Grid grid = small_grid();
+        Grid grid = kSmallGrid;
         grid.spacing_mm = spacing;
         grid.direction_lps = direction;
         grid.origin_lps_mm = {away * spacing[0], -away * spacing[1], 0.3 * away * spacing[2]};
@@ -126,25 +118,22 @@ std::vector<StressInput> grids() {
 }
 
 std::vector<StressInput> eyes() {
-  StressInput input = input_of(two_structures(small_grid()));
-  input.cameras.clear();
+  std::vector<Camera> cameras;
   for (const double degrees : {1e-3, 1.0, 30.0, 90.0, 150.0, 179.0}) {
     for (const double zoom : {0.01, 1.0, 4.0, 1e3}) {
       for (const Vec3& center : {Vec3{6, 7, 5}, Vec3{0, 0, 0}, Vec3{-0.5, 6.5, 4.5}, Vec3{1e3, 0, 0}}) {
-        Camera camera = looking(33, 21, zoom);
+        Camera& camera = cameras.emplace_back(looking(33, 21, zoom));
         camera.field_of_view_deg = degrees;
         camera.center_lps_mm = center;
-        input.cameras.push_back(camera);
       }
     }
   }
-  input.options = {sized(17, 15)};
-  return {input};
+  return seen_from(std::move(cameras));
 }
 
 template <typename T>
 StressInput with_values(VoxelType type, const std::vector<T>& pattern) {
-  TestVolume volume = two_structures(small_grid());
+  TestVolume volume = two_structures(kSmallGrid);
   std::vector<T> values;
   for (std::int64_t n = 0; n < volume.grid.voxels(); ++n)
     values.push_back(pattern[static_cast<std::size_t>(n * 7 % 31) % pattern.size()]);
@@ -171,21 +160,17 @@ std::vector<StressInput> values() {
 }
 
 std::vector<StressInput> broken_views() {
-  StressInput input = input_of(two_structures(small_grid()));
-  input.cameras.clear();
+  std::vector<Camera> cameras;
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   for (const double broken : {kNan, kInfinity, -kInfinity, 1e308, 1e-308, 0.0, -1.0}) {
-    std::array<Camera, 5> cameras;
-    cameras[0].azimuth_deg = broken;
-    cameras[1].elevation_deg = broken;
-    cameras[2].zoom = broken;
-    cameras[3].center_lps_mm = Vec3{broken, 0, 0};
-    cameras[4].field_of_view_deg = broken;
-    input.cameras.insert(input.cameras.end(), cameras.begin(), cameras.end());
+    cameras.insert(cameras.end(), {{.azimuth_deg = broken},
+                                   {.elevation_deg = broken},
+                                   {.zoom = broken},
+                                   {.center_lps_mm = Vec3{broken, 0, 0}},
+                                   {.field_of_view_deg = broken}});
   }
-  input.options = {sized(17, 15)};
-  return {input};
+  return seen_from(std::move(cameras));
 }
 
 std::vector<StressInput> shapes() {
@@ -203,13 +188,11 @@ std::vector<StressInput> labels() {
   std::vector<StressInput> inputs;
   std::mt19937 random(1);
   const auto add = [&](const auto& holds) {
-    TestVolume volume;
-    volume.grid.size = {19, 18, 17};
-    volume.structures = {
-        {"even", make_mask(volume.grid.size, holds), {255, 100, 50}},
-        {"odd",
-         make_mask(volume.grid.size, [&](auto i, auto j, auto k) { return !holds(i, j, k); }),
-         {50, 100, 255}}};
+    const Index3 size{19, 18, 17};
+    const auto others = [&](auto i, auto j, auto k) { return !holds(i, j, k); };
+    const TestVolume volume{.grid = {.size = size},
+                            .structures = {{"even", make_mask(size, holds), {255, 100, 50}},
+                                           {"odd", make_mask(size, others), {50, 100, 255}}}};
     inputs.push_back(input_of(volume, {"even:both(opacity=0.4)", "*:both(opacity=0.4)", "even - *"}));
   };
   add([](auto i, auto j, auto k) { return (i + j + k) % 2 == 0; });
@@ -220,11 +203,8 @@ std::vector<StressInput> labels() {
 
 /// Degenerate triangles and slivers, in every plane of voxels.
 std::vector<StressInput> triangles() {
-  TestVolume volume = two_structures(small_grid());
-  StressInput input{make_content(volume),
-                    {"ball:surface(opacity=0.5)", kMixed, "*:both(opacity=0.3)"},
-                    usual_views(),
-                    {sized(33, 29)}};
+  StressInput input =
+      input_of(two_structures(kSmallGrid), {"ball:surface(opacity=0.5)", kMixed, "*:both(opacity=0.3)"});
   SurfaceMesh& mesh = input.content.surfaces[0];
   const auto vertices = static_cast<std::uint32_t>(mesh.positions_ijk.size());
   for (std::size_t n = 0; n + 2 < mesh.triangles.size(); n += 7) {
@@ -240,11 +220,9 @@ std::vector<StressInput> triangles() {
 }
 
 std::vector<StressInput> zooms() {
-  StressInput input = input_of(two_structures(small_grid()));
-  input.cameras.clear();
-  for (const double zoom : {1e-6, 1e-3, 0.05, 30.0, 1e3, 1e6}) input.cameras.push_back(looking(33, 21, zoom));
-  input.options = {sized(17, 15), sized(1, 1), sized(1, 400), sized(400, 1)};
-  return {input};
+  std::vector<Camera> cameras;
+  for (const double zoom : {1e-6, 1e-3, 0.05, 30.0, 1e3, 1e6}) cameras.push_back(looking(33, 21, zoom));
+  return seen_from(std::move(cameras), {sized(17, 15), sized(1, 1), sized(1, 400), sized(400, 1)});
 }
 
 /// Rows of 1 to 17 voxels: remainders of vectors.
@@ -259,7 +237,7 @@ std::vector<StressInput> tails() {
 }
 
 std::vector<StressInput> curves() {
-  TestVolume volume = two_structures(small_grid());
+  TestVolume volume = two_structures(kSmallGrid);
   std::vector<std::uint8_t> values;
   for (std::int64_t n = 0; n < volume.grid.voxels(); ++n)
     values.push_back(static_cast<std::uint8_t>(n * 37 % 256));

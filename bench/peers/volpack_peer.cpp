@@ -1,9 +1,10 @@
 #include "bench/peers/volpack_peer.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
-#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <volpack.h>
@@ -127,11 +128,6 @@ struct VolpackPeer::Impl {
   }
 };
 
-VolpackPeer::VolpackPeer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
-VolpackPeer::~VolpackPeer() = default;
-VolpackPeer::VolpackPeer(VolpackPeer&&) noexcept = default;
-VolpackPeer& VolpackPeer::operator=(VolpackPeer&&) noexcept = default;
-
 Result<VolpackPeer> VolpackPeer::classify(const MaskedVolume& volume, const GreyAppearance& appearance,
                                           OpacityRounding rounding) {
   const Grid& grid = volume.grid;
@@ -146,7 +142,7 @@ Result<VolpackPeer> VolpackPeer::classify(const MaskedVolume& volume, const Grey
                 fmt::format("VolPack takes at most {} voxels along an axis, not {} x {} x {}",
                             VP_MAX_VOLUME_DIM, grid.size[0], grid.size[1], grid.size[2]));
   }
-  auto impl = std::make_unique<Impl>();
+  auto impl = std::make_shared<Impl>();
   impl->grid = grid;
   impl->set_appearance(appearance, rounding);
   SPLATLAS_RETURN_IF_ERROR(impl->set_up());

@@ -1,10 +1,9 @@
 // VolPack, Lacroute's shear-warp renderer, as a peer: the fastest CPU volume renderer in Debian.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <memory>
-#include <vector>
+#include <utility>
 
 #include "format/result.h"
 #include "player/camera.h"
@@ -21,7 +20,7 @@ enum class OpacityRounding : std::uint8_t {
 
 /// VolPack 1.0 in its fastest mode: pre-classified runs along all three axes, look-up shading, opacities
 /// corrected for the view direction, early ray termination at an opacity of 0.999 (or as requested). One
-/// thread, parallel projection, 8-bit opacities and colours.
+/// thread, parallel projection, 8-bit opacities and colours. Copies share their state.
 class VolpackPeer {
  public:
   /// Classifies: opacity 1 - exp(-extinction * voxel) and colour of every grey value. kFailed if voxels are
@@ -29,9 +28,6 @@ class VolpackPeer {
   [[nodiscard]] static Result<VolpackPeer> classify(const reference::MaskedVolume& volume,
                                                     const reference::GreyAppearance& appearance,
                                                     OpacityRounding rounding);
-  ~VolpackPeer();
-  VolpackPeer(VolpackPeer&&) noexcept;
-  VolpackPeer& operator=(VolpackPeer&&) noexcept;
 
   /// Draws into its own 8-bit picture.
   [[nodiscard]] Result<void> render(const ParallelView& view);
@@ -43,8 +39,8 @@ class VolpackPeer {
 
  private:
   struct Impl;
-  explicit VolpackPeer(std::unique_ptr<Impl> impl);
-  std::unique_ptr<Impl> impl_;
+  explicit VolpackPeer(std::shared_ptr<Impl> impl) : impl_(std::move(impl)) {}
+  std::shared_ptr<Impl> impl_;
 };
 
 }  // namespace splatlas

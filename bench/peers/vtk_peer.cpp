@@ -162,7 +162,7 @@ struct VtkPeer::Impl {
   }
 };
 
-VtkPeer::VtkPeer(const PictureSize& size) : impl_(std::make_unique<Impl>()) {
+VtkPeer::VtkPeer(const PictureSize& size) : impl_(std::make_shared<Impl>()) {
   impl_->size = size;
   vtkRenderWindow& window = *impl_->window;
   window.SetOffScreenRendering(1);
@@ -173,9 +173,6 @@ VtkPeer::VtkPeer(const PictureSize& size) : impl_(std::make_unique<Impl>()) {
   impl_->renderer->SetBackground(0, 0, 0);
   impl_->renderer->SetBackgroundAlpha(0);
 }
-VtkPeer::~VtkPeer() = default;
-VtkPeer::VtkPeer(VtkPeer&&) noexcept = default;
-VtkPeer& VtkPeer::operator=(VtkPeer&&) noexcept = default;
 
 void VtkPeer::add_volume(const MaskedVolume& volume, const GreyAppearance& appearance, VtkVolumeMapper mapper,
                          double step_mm) {

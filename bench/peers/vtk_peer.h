@@ -20,13 +20,10 @@ enum class VtkVolumeMapper : std::uint8_t {
 
 /// An off-screen VTK window with volumes and surfaces. No shading, no adjustment for frame rates, no
 /// multisampling. Needs a display (x_server.h). Both mappers interpolate grey values trilinearly and
-/// post-classify them.
+/// post-classify them. Copies share their state.
 class VtkPeer {
  public:
   explicit VtkPeer(const PictureSize& size);
-  ~VtkPeer();
-  VtkPeer(VtkPeer&&) noexcept;
-  VtkPeer& operator=(VtkPeer&&) noexcept;
 
   /// Copies the volume with a layer of 0 around it, as the volume is empty outside its grid. Samples are
   /// `step_mm` apart.
@@ -49,7 +46,7 @@ class VtkPeer {
 
  private:
   struct Impl;
-  std::unique_ptr<Impl> impl_;
+  std::shared_ptr<Impl> impl_;
 };
 
 }  // namespace splatlas

@@ -1,25 +1,17 @@
 // Virtual X display for VTK, which cannot draw without one.
 #pragma once
 
-#include <sys/types.h>
+#include <memory>
 
 #include "format/result.h"
 
 namespace splatlas {
 
-/// Xvfb (Debian package xvfb) at a free display number, which DISPLAY names during its lifetime. One instance
-/// at a time.
-class XServer {
- public:
-  /// Starts nothing if DISPLAY is set. kFailed without Xvfb.
-  [[nodiscard]] static Result<XServer> start_unless_there_is_one();
-  ~XServer();
-  XServer(XServer&& other) noexcept;
-  XServer& operator=(XServer&& other) noexcept;
+/// Ends Xvfb, which DISPLAY names until then.
+using XServer = std::shared_ptr<const void>;
 
- private:
-  explicit XServer(pid_t server) : server_(server) {}
-  pid_t server_;  // -1: not started
-};
+/// Starts Xvfb (Debian package xvfb) at a free display number; once at a time. Starts nothing if DISPLAY is
+/// set. kFailed without Xvfb.
+[[nodiscard]] Result<XServer> start_x_server();
 
 }  // namespace splatlas

@@ -109,14 +109,4 @@ void SheetFrame::add_volume_depths(const ViewDepth& view_depth) {
   add_span_depths(spans_, shear_, view_depth, buffers_.depths, pool_);
 }
 
-Result<RenderStats> draw_frame(const FrameScene& scene, const SpanModel& spans, const Shear& shear,
-                               FrameBuffers& buffers, Picture& picture, ThreadPool& pool) {
-  RenderStats stats;
-  SheetFrame frame(scene, spans, shear, buffers, stats, pool);
-  SPLATLAS_RETURN_IF_ERROR(frame.rasterize());
-  SPLATLAS_RETURN_IF_ERROR(frame.render_volume(picture));
-  frame.resolve(picture);
-  return stats;
-}
-
 }  // namespace splatlas

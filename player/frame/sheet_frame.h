@@ -27,9 +27,4 @@ class SheetFrame : public FrameRenderer {
   const Shear& shear_;
 };
 
-/// Runs all stages except the depth cue, and returns their statistics. kLimit as for the stages.
-[[nodiscard]] Result<RenderStats> draw_frame(const FrameScene& scene, const SpanModel& spans,
-                                             const Shear& shear, FrameBuffers& buffers, Picture& picture,
-                                             ThreadPool& pool);
-
 }  // namespace splatlas

@@ -14,10 +14,7 @@ namespace {
 const Display kDisplay{.center_lps_mm = {10, 10, 10}, .radius_mm = 20};
 
 TEST(AxisSwitches, AreBetweenAllPairsOfAxesAMillionthOfARadianOff) {
-  const Grid grid{{20, 20, 20}, {1, 1, 1}, {0, 0, 0}, {1, 0, 0, 0, 1, 0, 0, 0, 1}};
-  Camera camera;
-  camera.zoom = 3;
-  const auto switches = axis_switches(camera, grid, kDisplay);
+  const auto switches = axis_switches({.zoom = 3}, {.size = {20, 20, 20}}, kDisplay);
   ASSERT_TRUE(switches);
   std::set<std::pair<Axis, Axis>> pairs;
   for (const AxisSwitch& across : *switches) {
@@ -37,8 +34,7 @@ TEST(AxisSwitches, AreBetweenAllPairsOfAxesAMillionthOfARadianOff) {
 }
 
 TEST(AxisSwitches, AreRefusedWhereTheAxisDoesNotSwitch) {
-  const Grid flat{{20, 20, 20}, {1, 1, 2}, {0, 0, 0}, {1, 0, 0, 0, 1, 0, 0, 0, 1}};
-  const auto switches = axis_switches(Camera{}, flat, kDisplay);
+  const auto switches = axis_switches({}, {.size = {20, 20, 20}, .spacing_mm = {1, 1, 2}}, kDisplay);
   ASSERT_FALSE(switches);
   EXPECT_THAT(switches.error().message, testing::HasSubstr("voxels must be cubes"));
 }

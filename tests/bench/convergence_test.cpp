@@ -5,8 +5,6 @@
 
 #include <gtest/gtest.h>
 
-#include "bench/smooth_field.h"
-
 namespace splatlas {
 namespace {
 

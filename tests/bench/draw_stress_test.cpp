@@ -25,14 +25,10 @@ TEST(Inspect, CountsPixelsThatAreNoNumbersAndThoseThatShineTooBright) {
 }
 
 TEST(DrawStress, DrawsEverySelectionCameraAndOptionAllWays) {
-  TestVolume volume;
-  volume.grid.size = {3, 4, 5};
-  volume.structures = {{"box", make_mask(volume.grid.size, [](auto...) { return true; })}};
-  Camera broken;
-  broken.azimuth_deg = std::numeric_limits<double>::quiet_NaN();
-  RenderOptions options;
-  options.size = {7, 5};
-  const StressInput input{make_content(volume), {"box:both(opacity=0.5)", "box"}, {{}, broken}, {options}};
+  const TestVolume volume{.grid = {.size = {3, 4, 5}}, .structures = {{"box", std::vector(60, true)}}};
+  const Camera broken{.azimuth_deg = std::numeric_limits<double>::quiet_NaN()};
+  const StressInput input{
+      make_content(volume), {"box:both(opacity=0.5)", "box"}, {{}, broken}, {{.size = {7, 5}}}};
   const StressOutcome outcome = draw_stress(input);
   // 2 selections, 2 cameras, 3 qualities, 2 projections, 2 classifications; half of the cameras are refused.
   EXPECT_EQ(outcome.pictures, 48u);

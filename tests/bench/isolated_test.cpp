@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "bench/bits_differ.h"
+#include "bench/frames.h"
 #include "tests/support/random_scene.h"
 #include "tests/support/render.h"
 #include "tests/support/standard_scenes.h"

@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 namespace splatlas {
@@ -14,37 +15,29 @@ TEST(Median, IsTheMiddleOne) {
   EXPECT_EQ(median(std::vector<double>{9, 1, 100, 3}), 6);
 }
 
+/// Wall clock and CPU time.
+auto elapsed(double wall_ms, double cpu_ms) {
+  return testing::AllOf(testing::Field(&Elapsed::wall_ms, wall_ms), testing::Field(&Elapsed::cpu_ms, cpu_ms));
+}
+
 TEST(Median, TakesWallAndCpuEachForItself) {
-  const Elapsed middle = median(std::vector<Elapsed>{{1, 30}, {2, 20}, {3, 10}});
-  EXPECT_EQ(middle.wall_ms, 2);
-  EXPECT_EQ(middle.cpu_ms, 20);
+  EXPECT_THAT(median(std::vector<Elapsed>{{1, 30}, {2, 20}, {3, 10}}), elapsed(2, 20));
 }
 
 TEST(MediansByFrame, TakesTheMiddleOfTheRepeatsOfEachFrame) {
   const std::vector<Elapsed> turns{{1, 2}, {10, 20}, {3, 6}, {90, 20}, {2, 4}, {11, 30}};
-  const std::vector<Elapsed> medians = medians_by_frame(turns, 2);
-  ASSERT_EQ(medians.size(), 2u);
-  EXPECT_EQ(medians[0].wall_ms, 2);
-  EXPECT_EQ(medians[0].cpu_ms, 4);
-  EXPECT_EQ(medians[1].wall_ms, 11);
-  EXPECT_EQ(medians[1].cpu_ms, 20);
+  EXPECT_THAT(medians_by_frame(turns, 2), testing::ElementsAre(elapsed(2, 4), elapsed(11, 20)));
 }
 
 TEST(MedianRatio, IsThatOfTheFramesNotOfTheMedians) {
   const std::vector<Elapsed> turns{{2, 2}, {30, 10}, {8, 1}};
   const std::vector<Elapsed> unit{{1, 1}, {10, 10}, {1, 1}};
-  EXPECT_EQ(median_ratio(turns, unit, 3).wall_ms, 3);  // of 2, 3 and 8
-  EXPECT_EQ(median_ratio(turns, unit, 3).cpu_ms, 1);
+  EXPECT_THAT(median_ratio(turns, unit, 3), elapsed(3, 1));  // of 2, 3 and 8
 }
 
 TEST(BestOfRepeats, IsTheMinimumOfEachFrameInWallAndCpu) {
   const std::vector<Elapsed> turns{{5, 9}, {7, 1}, {4, 10}, {8, 2}, {6, 8}};  // of 2 frames
-  const std::vector<Elapsed> best = best_of_repeats(turns, 2);
-  ASSERT_EQ(best.size(), 2u);
-  EXPECT_EQ(best[0].wall_ms, 4);
-  EXPECT_EQ(best[0].cpu_ms, 8);
-  EXPECT_EQ(best[1].wall_ms, 7);
-  EXPECT_EQ(best[1].cpu_ms, 1);
+  EXPECT_THAT(best_of_repeats(turns, 2), testing::ElementsAre(elapsed(4, 8), elapsed(7, 1)));
   EXPECT_TRUE(best_of_repeats({}, 3).empty());
 }
 

@@ -5,9 +5,9 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-#include "bench/class_draws.h"
 #include "bench/class_octree.h"
 #include "bench/level_runs.h"
+#include "bench/run_collector.h"
 #include "tests/format/random_content.h"
 #include "tests/support/test_content.h"
 
@@ -91,13 +91,10 @@ RC_GTEST_PROP(OtherModels, FindTheVoxelsThatARunModelFinds, ()) {
 
 /// A cube of 16 voxels a side with a corner of `side` voxels of class 1.
 ClassOctree corner_octree(std::int64_t side, std::int64_t leaf_side) {
-  std::vector<ClassId> volume;
-  for (std::int64_t k = 0; k < 16; ++k) {
-    for (std::int64_t j = 0; j < 16; ++j) {
-      for (std::int64_t i = 0; i < 16; ++i) volume.push_back(i < side && j < side && k < side ? 1 : 0);
-    }
-  }
-  return {volume, {16, 16, 16}, leaf_side};
+  const Index3 size{16, 16, 16};
+  const std::vector<bool> corner =
+      make_mask(size, [&](auto i, auto j, auto k) { return i < side && j < side && k < side; });
+  return {std::vector<ClassId>(corner.begin(), corner.end()), size, leaf_side};
 }
 
 TEST(ClassOctree, HalvesOnlyWhatIsNotOfOneClass) {
@@ -140,13 +137,11 @@ TEST(RunCollector, UnitesRunsOfOneDrawThatTouchOrOverlap) {
 
 TEST(LevelRuns, TakesTheHighestStructureThatIsDrawnAlike) {
   // Two halves of a row of eight voxels, below one group.
-  TestVolume volume;
-  volume.grid.size = {8, 1, 1};
-  volume.structures = {
-      {"All", {}, {255, 255, 255}, {}},
-      {"Low", make_mask(volume.grid.size, [](auto i, auto, auto) { return i < 4; }), {255, 0, 0}, {0}},
-      {"High", make_mask(volume.grid.size, [](auto i, auto, auto) { return i >= 4; }), {0, 255, 0}, {0}}};
-  const auto atlas = open_in_memory(make_content(volume));
+  const auto atlas =
+      open_in_memory(make_content({.grid = {.size = {8, 1, 1}},
+                                   .structures = {{"All", {}},
+                                                  {"Low", {1, 1, 1, 1, 0, 0, 0, 0}, {}, {0}},
+                                                  {"High", {0, 0, 0, 0, 1, 1, 1, 1}, {}, {0}}}}));
   const LevelRuns levels = LevelRuns::build(*atlas).value();
   EXPECT_EQ(levels.runs(Axis::kZ), 2u + 3u);  // two classes; two structures and their group
   const auto runs_of = [&](const std::vector<std::uint32_t>& draws) {

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "bench/decoded_selection.h"
+#include "bench/frames.h"
 #include "player/spans/build_spans.h"
 #include "tests/support/standard_scenes.h"
 
@@ -35,7 +35,7 @@ TEST(PackSpans, HoldsAllVoxelsInFullRows) {
   for (const auto& [scene, parts] : {std::pair(phantom_scene(), 1), {labels_scene(), 3}}) {
     const auto atlas = open_in_memory(scene.content);
     for (const Axis axis : kAxes) {
-      const auto decoded = decode_selection(atlas, scene.selection, axis, pool);
+      const auto decoded = decode_volumes(atlas, scene.selection, axis, pool);
       ASSERT_TRUE(decoded);
       SpanBuilder builder;
       builder.build({*decoded->runs, decoded->plan, *decoded->appearances, atlas->classes(), atlas->grid(),

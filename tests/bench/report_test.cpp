@@ -8,6 +8,30 @@ namespace {
 
 using ::testing::HasSubstr;
 
+TEST(Table, AlignsWordsToTheLeftAndNumbersToTheRight) {
+  const Table table{"",
+                    "A table",
+                    {"a note"},
+                    {{{"name", "a"}, {"count", 12345}, {"ms", 0.12345}},
+                     {{"name", "longer"}, {"count", 7}, {"ms", 12.3456}}}};
+  EXPECT_EQ(to_text(table),
+            "A table\n"
+            "  name    count     ms\n"
+            "  a       12345  0.123\n"
+            "  longer      7  12.35\n"
+            "  a note\n");
+}
+
+TEST(Table, LeavesOutNothingThatOnlySomeRowsHave) {
+  const Table table{"", "Gaps", {}, {{{"a", 1}}, {{"a", nullptr}, {"b", 200.04}}, {{"b", 1234.5}}}};
+  EXPECT_EQ(to_text(table),
+            "Gaps\n"
+            "  a      b\n"
+            "  1      -\n"
+            "  -  200.0\n"
+            "  -   1234\n");
+}
+
 Report small_report() {
   Report report;
   report.tables.push_back({"1", "First", {}, {{{"n", 1}}, {{"n", 2}}}});

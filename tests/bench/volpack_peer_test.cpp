@@ -20,21 +20,7 @@ using reference::ReferencePicture;
 
 const Display kDisplay{.center_lps_mm = {19.5, 24.5, 29.5}, .radius_mm = 45};
 
-MaskedVolume empty_volume() {
-  MaskedVolume volume;
-  volume.grid.size = {40, 50, 60};
-  volume.greys.assign(static_cast<std::size_t>(volume.grid.voxels()), 0);
-  return volume;
-}
-
-ParallelView view_at(double azimuth_deg, double elevation_deg, double zoom) {
-  Camera camera;
-  camera.azimuth_deg = azimuth_deg;
-  camera.elevation_deg = elevation_deg;
-  camera.zoom = zoom;
-  camera.center_lps_mm = Vec3{12, 16, 20};
-  return *parallel_view(camera, {256, 200}, kDisplay);
-}
+const MaskedVolume kEmpty{{.size = {40, 50, 60}}, std::vector<std::uint8_t>(40 * 50 * 60)};
 
 constexpr std::array<std::array<double, 2>, 7> kViews{
     {{0, 0}, {90, 0}, {30, 20}, {120, -35}, {0, 80}, {200, 10}, {-60, -70}}};
@@ -42,7 +28,7 @@ constexpr std::array<std::array<double, 2>, 7> kViews{
 /// An off-centre box in a volume of three different sides: axes, signs, half voxels and half pixels must all
 /// be right.
 TEST(VolpackPeer, ShowsABoxWhereItIs) {
-  MaskedVolume volume = empty_volume();
+  MaskedVolume volume = kEmpty;
   put_box(volume, {5, 10, 12}, 3, 255);
   const GreyAppearance appearance{{{0, 0, {1, 1, 1}}, {255, 0.3, {1, 1, 1}}}};
   auto peer = VolpackPeer::classify(volume, appearance, OpacityRounding::kDown);
@@ -50,7 +36,8 @@ TEST(VolpackPeer, ShowsABoxWhereItIs) {
   const GreyTruth truth(volume, appearance, Classification::kBefore);
   for (const auto& [azimuth, elevation] : kViews) {
     for (const double zoom : {1.0, 2.5}) {
-      const ParallelView view = view_at(azimuth, elevation, zoom);
+      const Camera camera{azimuth, elevation, zoom, Vec3{12, 16, 20}};
+      const ParallelView view = *parallel_view(camera, {256, 200}, kDisplay);
       const ReferencePicture expected = render_grey_truth(truth, volume.grid, view, 1);
       ASSERT_TRUE(peer->render(view));
       SCOPED_TRACE(testing::Message() << azimuth << " " << elevation << " " << zoom);
@@ -63,7 +50,7 @@ TEST(VolpackPeer, ShowsABoxWhereItIs) {
 
 /// Two opaque boxes, one behind the other: the nearer one hides the other.
 TEST(VolpackPeer, HidesWhatIsBehind) {
-  MaskedVolume volume = empty_volume();
+  MaskedVolume volume = kEmpty;
   put_box(volume, {14, 8, 24}, 12, 100);   // anterior
   put_box(volume, {14, 30, 24}, 12, 200);  // posterior
   const GreyAppearance appearance{
@@ -71,9 +58,7 @@ TEST(VolpackPeer, HidesWhatIsBehind) {
   auto peer = VolpackPeer::classify(volume, appearance, OpacityRounding::kDown);
   ASSERT_TRUE(peer);
   const auto middle_of = [&](double azimuth) {
-    Camera camera;
-    camera.azimuth_deg = azimuth;
-    EXPECT_TRUE(peer->render(*parallel_view(camera, {100, 100}, kDisplay)));
+    EXPECT_TRUE(peer->render(*parallel_view({.azimuth_deg = azimuth}, {100, 100}, kDisplay)));
     return peer->picture().at(50, 50);
   };
   EXPECT_THAT(middle_of(0), testing::Pointwise(testing::FloatNear(0.01f), {1.0f, 0.0f, 0.0f, 1.0f}));
@@ -82,7 +67,7 @@ TEST(VolpackPeer, HidesWhatIsBehind) {
 
 /// 20 voxels of opacity 1.6/255: 1/255 rounded down, 2/255 rounded to nearest.
 TEST(VolpackPeer, RoundsThinOpacitiesAsTold) {
-  MaskedVolume volume = empty_volume();
+  MaskedVolume volume = kEmpty;
   put_box(volume, {10, 15, 20}, 20, 255);
   const GreyAppearance appearance{{{0, 0, {1, 1, 1}}, {255, -std::log1p(-1.6 / 255), {1, 1, 1}}}};
   const auto middle_with = [&](OpacityRounding rounding) {
@@ -96,7 +81,7 @@ TEST(VolpackPeer, RoundsThinOpacitiesAsTold) {
 }
 
 TEST(VolpackPeer, ClassifiesOnlyWhatIsVisible) {
-  MaskedVolume volume = empty_volume();
+  MaskedVolume volume = kEmpty;
   const GreyAppearance appearance{{{9, 0, {1, 1, 1}}, {10, 0.3, {1, 1, 1}}}};
   put_box(volume, {2, 2, 2}, 20, 9);  // invisible
   const auto clear = VolpackPeer::classify(volume, appearance, OpacityRounding::kDown);
@@ -108,14 +93,12 @@ TEST(VolpackPeer, ClassifiesOnlyWhatIsVisible) {
 
 TEST(VolpackPeer, RefusesWhatItCannotDrawRight) {
   const GreyAppearance appearance{{{0, 0, {1, 1, 1}}, {255, 1, {1, 1, 1}}}};
-  MaskedVolume flat = empty_volume();
+  MaskedVolume flat = kEmpty;
   flat.grid.spacing_mm = {1, 1, 2};
   const auto anisotropic = VolpackPeer::classify(flat, appearance, OpacityRounding::kDown);
   ASSERT_FALSE(anisotropic);
   EXPECT_THAT(anisotropic.error().message, testing::HasSubstr("1 x 1 x 2 mm"));
-  MaskedVolume lengthy;
-  lengthy.grid.size = {2000, 1, 1};
-  lengthy.greys.assign(2000, 0);
+  const MaskedVolume lengthy{{.size = {2000, 1, 1}}, std::vector<std::uint8_t>(2000)};
   const auto too_long = VolpackPeer::classify(lengthy, appearance, OpacityRounding::kDown);
   ASSERT_FALSE(too_long);
   EXPECT_THAT(too_long.error().message, testing::HasSubstr("2000 x 1 x 1"));

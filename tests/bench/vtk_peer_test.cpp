@@ -23,7 +23,7 @@ using reference::ReferencePicture;
 class VtkPeerTest : public testing::TestWithParam<VtkVolumeMapper> {
  protected:
   static void SetUpTestSuite() {
-    static const Result<XServer> server = XServer::start_unless_there_is_one();
+    static const Result<XServer> server = start_x_server();
     ASSERT_TRUE(server);
   }
 };
@@ -31,18 +31,13 @@ class VtkPeerTest : public testing::TestWithParam<VtkVolumeMapper> {
 const Display kDisplay{.center_lps_mm = {-9, -14, 30}, .radius_mm = 40};
 
 /// Rotated and translated, as the Colin 27 head is.
-MaskedVolume empty_volume() {
-  MaskedVolume volume;
-  volume.grid.size = {20, 30, 40};
-  volume.grid.direction_lps = {-1, 0, 0, 0, -1, 0, 0, 0, 1};
-  volume.grid.origin_lps_mm = {0, 0, 10};
-  volume.greys.assign(static_cast<std::size_t>(volume.grid.voxels()), 0);
-  return volume;
-}
+const MaskedVolume kEmpty{
+    {.size = {20, 30, 40}, .origin_lps_mm = {0, 0, 10}, .direction_lps = {-1, 0, 0, 0, -1, 0, 0, 0, 1}},
+    std::vector<std::uint8_t>(20 * 30 * 40)};
 
 /// A box at a corner of the grid, whose outermost layer VTK would cut without padding.
 TEST_P(VtkPeerTest, ShowsABoxWhereItIs) {
-  MaskedVolume volume = empty_volume();
+  MaskedVolume volume = kEmpty;
   put_box(volume, {0, 0, 0}, 6, 255);
   const GreyAppearance appearance{{{0, 0, {1, 0.5, 0.25}}, {255, 0.3, {1, 0.5, 0.25}}}};
   const GreyTruth truth(volume, appearance, Classification::kAfter);
@@ -60,7 +55,7 @@ TEST_P(VtkPeerTest, ShowsABoxWhereItIs) {
 }
 
 TEST_P(VtkPeerTest, ShowsTheVolumeThatReplacesAnother) {
-  MaskedVolume first = empty_volume(), second = empty_volume();
+  MaskedVolume first = kEmpty, second = kEmpty;
   put_box(first, {2, 2, 2}, 8, 255);
   put_box(second, {10, 12, 14}, 6, 255);
   const GreyAppearance appearance{{{0, 0, {1, 1, 1}}, {255, 0.3, {1, 1, 1}}}};
@@ -76,13 +71,12 @@ TEST_P(VtkPeerTest, ShowsTheVolumeThatReplacesAnother) {
 
 /// 10 mm of constant fog; premultiplied colours.
 TEST_P(VtkPeerTest, ComposesAsTheClosedFormHasIt) {
-  MaskedVolume volume = empty_volume();
+  MaskedVolume volume = kEmpty;
   put_box(volume, {4, 8, 12}, 10, 200);
   const GreyAppearance appearance{{{199, 0, {0.5, 0.25, 1}}, {200, 0.1, {0.5, 0.25, 1}}}};
   VtkPeer peer({64, 64});
   peer.add_volume(volume, appearance, GetParam(), 0.1);
-  Camera camera;
-  camera.center_lps_mm = index_to_lps_mm(volume.grid).apply({8.5, 12.5, 16.5});
+  const Camera camera{.center_lps_mm = index_to_lps_mm(volume.grid).apply({8.5, 12.5, 16.5})};
   peer.render(*parallel_view(camera, {64, 64}, kDisplay));
   // Grey values reach 200 at the outermost voxel centres only: 9 mm of fog, and a little of a ramp.
   const float alpha = static_cast<float>(1 - std::exp(-0.1 * 9));
@@ -99,7 +93,7 @@ INSTANTIATE_TEST_SUITE_P(Mappers, VtkPeerTest,
 
 /// Two translucent squares with fog between them, added in the wrong order.
 TEST_F(VtkPeerTest, PeelsSurfacesAndVolumeInOrder) {
-  MaskedVolume volume = empty_volume();
+  MaskedVolume volume = kEmpty;
   put_box(volume, {0, 10, 0}, 9, 255);
   const GreyAppearance appearance{{{254, 0, {0, 0, 1}}, {255, 0.2, {0, 0, 1}}}};
   const auto square_at = [](float j) {
@@ -113,9 +107,7 @@ TEST_F(VtkPeerTest, PeelsSurfacesAndVolumeInOrder) {
   peer.add_surface(square_at(27), volume.grid, {0, 1, 0}, 0.5);
   peer.add_volume(volume, appearance, VtkVolumeMapper::kGpu, 0.1);
   peer.peel_depths();
-  Camera camera;
-  camera.center_lps_mm = index_to_lps_mm(volume.grid).apply({4, 14, 4});
-  camera.zoom = 3;
+  Camera camera{.zoom = 3, .center_lps_mm = index_to_lps_mm(volume.grid).apply({4, 14, 4})};
   const auto fog = static_cast<float>(1 - std::exp(-0.2 * 8));
   peer.render(*parallel_view(camera, {64, 64}, kDisplay));
   EXPECT_THAT(peer.picture().at(32, 32),

@@ -22,11 +22,18 @@ class BuildAtlas : public testing::Test {
     EXPECT_TRUE(written) << written.error().message;
     return file(name);
   }
-  BuildOptions options(const std::string& output = "a.atlas") const {
+  BuildOptions options() const {
     BuildOptions options;
-    options.output = file(output);
+    options.output = file("a.atlas");
     options.level = 1;
     options.threads = 2;
+    return options;
+  }
+  /// The same, of images in these files.
+  BuildOptions options(const Image& labels, const Image& volume, const std::string& ending = ".nrrd") const {
+    BuildOptions options = this->options();
+    options.sources.labels = write("labels" + ending, labels);
+    options.sources.volume = write("volume" + ending, volume);
     return options;
   }
   AtlasContent build(const BuildOptions& options) const {

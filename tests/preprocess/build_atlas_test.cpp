@@ -3,7 +3,6 @@
 #include "preprocess/build_atlas.h"
 
 #include <csignal>
-#include <fstream>
 #include <random>
 
 #include <gmock/gmock.h>
@@ -51,11 +50,7 @@ TEST_F(BuildAtlas, LabelsAndVolumeComeBackVoxelForVoxel) {
         const AxisOrder& order = orders[next_order = (next_order + 7) % orders.size()];
         const Image labels = in_order(random_labels(awkward_grid(angle), type, random), order);
         const Image volume = in_order(random_volume(awkward_grid(angle), type, random), order);
-        BuildOptions build_options = options();
-        build_options.sources.labels = write("labels" + ending, labels);
-        build_options.sources.volume = write("volume" + ending, volume);
-        const AtlasContent content = build(build_options);
-        EXPECT_EQ(content.label_type, type);
+        EXPECT_EQ(build(options(labels, volume, ending)).label_type, type);
         export_all("labels_back" + ending, "volume_back" + ending);
 
         for (const std::string name : {"labels", "volume"}) {
@@ -79,12 +74,9 @@ TEST_F(BuildAtlas, NanAndInfinityComeBackThroughEveryFormat) {
   const std::array strange{Limits::quiet_NaN(), -Limits::quiet_NaN(), Limits::infinity(), -Limits::infinity(),
                            -0.f};
   std::ranges::copy(strange, volume.voxels.as<float>());
-  const std::string labels = write("labels.nrrd", random_labels(awkward_grid(0), VoxelType::kUInt8, random));
+  const Image labels = random_labels(awkward_grid(0), VoxelType::kUInt8, random);
   for (const std::string from : {".nrrd", ".mha", ".nii", ".nii.gz"}) {
-    BuildOptions build_options = options();
-    build_options.sources.labels = labels;
-    build_options.sources.volume = write("volume" + from, volume);
-    build(build_options);
+    build(options(labels, volume, from));
     for (const std::string to : {".nrrd", ".mha", ".nii", ".nii.gz"}) {
       SCOPED_TRACE(from + " to " + to);
       export_all("", "back" + to);
@@ -100,10 +92,7 @@ TEST_F(BuildAtlas, AllAxisOrdersOfOneVolumeGiveOneAtlas) {
   const Image volume = random_volume(grid, VoxelType::kInt16, random);
   AtlasContent first;
   for (const AxisOrder& order : all_axis_orders()) {
-    BuildOptions build_options = options();
-    build_options.sources.labels = write("labels.nrrd", in_order(labels, order));
-    build_options.sources.volume = write("volume.nrrd", in_order(volume, order));
-    AtlasContent content = build(build_options);
+    AtlasContent content = build(options(in_order(labels, order), in_order(volume, order)));
     if (first.surfaces.empty()) first = content;
     EXPECT_EQ(content.class_volume, first.class_volume);
     EXPECT_EQ(content.values, first.values);
@@ -128,36 +117,23 @@ TEST_F(BuildAtlas, AllAxisOrdersOfOneVolumeGiveOneAtlas) {
 
 TEST_F(BuildAtlas, ThreadsDoNotChangeTheFile) {
   std::mt19937 random(3);
-  BuildOptions build_options = options("one.atlas");
-  build_options.sources.labels =
-      write("labels.nrrd", random_labels(awkward_grid(0), VoxelType::kUInt8, random));
-  build_options.sources.volume =
-      write("volume.nrrd", random_volume(awkward_grid(0), VoxelType::kInt16, random));
+  BuildOptions build_options = options(random_labels(awkward_grid(0), VoxelType::kUInt8, random),
+                                       random_volume(awkward_grid(0), VoxelType::kInt16, random));
   build_options.threads = 1;
   ASSERT_TRUE(build_atlas(build_options));
+  const std::string one = read_bytes(build_options.output);
   build_options.output = file("five.atlas");
   build_options.threads = 5;
   ASSERT_TRUE(build_atlas(build_options));
-  const auto bytes = [](const std::string& path) {
-    std::ifstream stream(path, std::ios::binary);
-    return std::string{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-  };
-  EXPECT_EQ(bytes(file("one.atlas")), bytes(file("five.atlas")));
+  EXPECT_EQ(one, read_bytes(build_options.output));
 }
 
 TEST_F(BuildAtlas, OverlappingMasksComeBackAsMasks) {
-  Grid grid;
-  grid.size = {6, 6, 6};
+  const Grid grid{.size = {6, 6, 6}};
   std::filesystem::create_directory(file("masks"));
-  const auto mask = [&](auto holds) {
-    Image image{grid, {VoxelType::kUInt8, std::vector<std::byte>(216)}};
-    for (std::int64_t v = 0; v < 216; ++v)
-      image.voxels.bytes[static_cast<std::size_t>(v)] = std::byte{holds(v % 6, v / 6 % 6, v / 36)};
-    return image;
-  };
-  const Image body = mask([](auto i, auto, auto) { return i > 0; }),
-              heart = mask([](auto i, auto j, auto k) { return i > 1 && j > 1 && k > 1; });
-  const Image none = mask([](auto, auto, auto) { return false; });
+  const Image body = byte_image(grid, [](auto i, auto, auto) { return i > 0; }),
+              heart = byte_image(grid, [](auto i, auto j, auto k) { return i > 1 && j > 1 && k > 1; }),
+              none = zeros(grid, VoxelType::kUInt8);
   write("masks/body.nii.gz", body);
   write("masks/a_heart.nii.gz", heart);
   write("masks/spleen.nii.gz", none);
@@ -194,13 +170,9 @@ TEST_F(BuildAtlas, OverlappingMasksComeBackAsMasks) {
 
 /// A file size limit simulates a full disk.
 TEST_F(BuildAtlas, AnExportThatEndsEarlyTellsWhatIsThere) {
-  Grid grid;
-  grid.size = {20, 20, 20};
-  const Image labels{grid, {VoxelType::kUInt8, std::vector<std::byte>(8000, std::byte{1})}};
-  const Image volume{grid, {VoxelType::kFloat64, std::vector<std::byte>(64000)}};
-  BuildOptions build = options();
-  build.sources.labels = write("l.nii.gz", labels);
-  build.sources.volume = write("v.nii.gz", volume);
+  const Grid grid{.size = {20, 20, 20}};
+  const BuildOptions build =
+      options(byte_image(grid, [](auto...) { return true; }), zeros(grid, VoxelType::kFloat64), ".nii.gz");
   ASSERT_TRUE(build_atlas(build));
 
   ExportOptions back;
@@ -227,25 +199,16 @@ TEST_F(BuildAtlas, AnExportThatEndsEarlyTellsWhatIsThere) {
 }
 
 TEST_F(BuildAtlas, SegmentsTakeWhatNoLabelHoldsAndLeaveLabelsAlone) {
-  Grid grid;
-  grid.size = {8, 8, 8};
-  Image labels{grid, {VoxelType::kUInt8, std::vector<std::byte>(512)}};
-  Image values = labels, mask = labels;
-  for (std::int64_t v = 0; v < 512; ++v) {
-    const std::int64_t i = v % 8, j = v / 8 % 8, k = v / 64;
-    const bool inner = std::min({i, j, k}) >= 3 && std::max({i, j, k}) <= 4;   // 8 voxels
-    const bool middle = std::min({i, j, k}) >= 2 && std::max({i, j, k}) <= 5;  // 64
-    const bool outer = std::min({i, j, k}) >= 1 && std::max({i, j, k}) <= 6;   // 216
-    labels.voxels.bytes[static_cast<std::size_t>(v)] = std::byte{static_cast<unsigned char>(inner ? 7 : 0)};
-    mask.voxels.bytes[static_cast<std::size_t>(v)] = std::byte{middle};
-    values.voxels.bytes[static_cast<std::size_t>(v)] = std::byte{static_cast<unsigned char>(inner   ? 0
-                                                                                            : outer ? 100
-                                                                                                    : 0)};
-  }
+  const Grid grid{.size = {8, 8, 8}};
+  const auto in_cube = [](std::int64_t low, auto... at) {
+    return std::min({at...}) >= low && std::max({at...}) <= 7 - low;
+  };
+  const Image labels = byte_image(grid, [&](auto... at) { return in_cube(3, at...) ? 7 : 0; });  // 8 voxels
+  const Image mask = byte_image(grid, [&](auto... at) { return in_cube(2, at...); });            // 64
+  Image values = byte_image(
+      grid, [&](auto... at) { return in_cube(1, at...) && !in_cube(3, at...) ? 100 : 0; });  // 216 - 8
   values.voxels.bytes[0] = std::byte{200};  // a disconnected speck
-  BuildOptions build_options = options();
-  build_options.sources.labels = write("labels.nrrd", labels);
-  build_options.sources.volume = write("volume.nrrd", values);
+  BuildOptions build_options = options(labels, values);
   build_options.sources.segments = {*parse_segment("Middle=mask:" + write("mask.nrrd", mask)),
                                     *parse_segment("Outer=threshold:50")};
   const AtlasContent content = build(build_options);
@@ -265,10 +228,7 @@ TEST_F(BuildAtlas, SegmentsTakeWhatNoLabelHoldsAndLeaveLabelsAlone) {
 }
 
 TEST_F(BuildAtlas, ThresholdsAloneMakeAnAtlas) {
-  std::mt19937 random(4);
-  Grid grid;
-  grid.size = {6, 6, 6};
-  Image values{grid, {VoxelType::kFloat32, std::vector<std::byte>(216 * 4)}};
+  Image values = zeros({.size = {6, 6, 6}}, VoxelType::kFloat32);
   for (std::size_t v = 0; v < 216; ++v) values.voxels.as<float>()[v] = v / 36 < 3 ? 10.f : 20.f;
   BuildOptions build_options = options();
   build_options.sources.volume = write("volume.nrrd", values);
@@ -282,15 +242,13 @@ TEST_F(BuildAtlas, ThresholdsAloneMakeAnAtlas) {
 TEST_F(BuildAtlas, ProvenanceHoldsHashesAndWordsOfTheAuthorOnly) {
   std::mt19937 random(5);
   BuildOptions build_options = options();
-  build_options.sources.labels =
-      write("CANARY-labels.nrrd", random_labels(awkward_grid(0), VoxelType::kUInt8, random));
-  std::string volume = nrrd_header("raw", "content: CANARY\npatient:=CANARY\n# CANARY\n");
   build_options.title = "A title";
   build_options.citation = "A citation";
   build_options.licence = "CC0";
   build_options.tool = "tests";
-  write_bytes(file("CANARY.nrrd"), volume + RawImage::payload());
-  Grid grid = import_image(file("CANARY.nrrd"))->grid;
+  write_bytes(file("CANARY.nrrd"),
+              nrrd_header("raw", "content: CANARY\npatient:=CANARY\n# CANARY\n") + RawImage::payload());
+  const Grid grid = import_image(file("CANARY.nrrd"))->grid;
   build_options.sources.labels = write("CANARY-labels.nrrd", random_labels(grid, VoxelType::kUInt8, random));
   build_options.sources.volume = file("CANARY.nrrd");
   const AtlasContent content = build(build_options);
@@ -303,9 +261,7 @@ TEST_F(BuildAtlas, ProvenanceHoldsHashesAndWordsOfTheAuthorOnly) {
   EXPECT_EQ(content.provenance.sources[1].role, "volume");
   EXPECT_THAT(content.provenance.sources[1].hash, testing::MatchesRegex("xxh64:[0-9a-f]{16}"));
   for (const Structure& s : content.graph.structures()) EXPECT_EQ(s.name.find("CANARY"), std::string::npos);
-  std::ifstream stream(build_options.output, std::ios::binary);
-  const std::string bytes{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-  EXPECT_EQ(bytes.find("CANARY"), std::string::npos);
+  EXPECT_EQ(read_bytes(build_options.output).find("CANARY"), std::string::npos);
 }
 
 RC_GTEST_PROP(BuildAtlasProperty, RandomVolumesComeBack, ()) {

@@ -29,8 +29,7 @@ TEST(MeasureDisplay, TheBallReachesTheFarthestCorner) {
 }
 
 TEST(MeasureDisplay, NothingAtAllFramesTheGrid) {
-  Grid grid;
-  grid.size = {4, 4, 4};
+  const Grid grid{.size = {4, 4, 4}};
   const StructureGraph graph = flat_graph(1);
   const Display display =
       measure_display(classify({std::vector<std::uint8_t>(64, 0)}, grid, graph), graph, {}, grid);
@@ -40,8 +39,7 @@ TEST(MeasureDisplay, NothingAtAllFramesTheGrid) {
 
 TEST(MeasureDisplay, TheWindowIsOfLabelledStructures) {
   // Values 0..999 along i; structure A has a label and holds 100..299, B has none and holds the rest.
-  Grid grid;
-  grid.size = {1000, 1, 1};
+  const Grid grid{.size = {1000, 1, 1}};
   VoxelBuffer values{VoxelType::kUInt16, std::vector<std::byte>(2000)};
   for (std::size_t v = 0; v < 1000; ++v) values.as<std::uint16_t>()[v] = static_cast<std::uint16_t>(v);
   const Masks masks{make_mask(grid.size, [](auto i, auto, auto) { return i >= 100 && i < 300; }),
@@ -61,8 +59,7 @@ TEST(MeasureDisplay, TheWindowIsOfLabelledStructures) {
 }
 
 TEST(MeasureDisplay, ConstantAndBrokenValuesStillGiveAWindow) {
-  Grid grid;
-  grid.size = {4, 1, 1};
+  const Grid grid{.size = {4, 1, 1}};
   VoxelBuffer values{VoxelType::kFloat32, std::vector<std::byte>(16)};
   const StructureGraph graph = flat_graph(1);
   const Classification all = classify({std::vector<std::uint8_t>(4, 1)}, grid, graph);

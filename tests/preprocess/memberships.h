@@ -6,6 +6,7 @@
 
 #include "preprocess/membership_volume.h"
 #include "preprocess/structures/build_graph.h"
+#include "tests/phantom/two_spheres.h"
 
 namespace splatlas {
 
@@ -25,16 +26,28 @@ inline StructureGraph flat_graph(std::size_t structures) {
   return build_graph(sources, {}, "")->graph;
 }
 
-/// The mask of the voxels that satisfy `holds(i, j, k)`.
-template <typename Holds>
-std::vector<std::uint8_t> make_mask(const Index3& size, Holds holds) {
+/// `value(i, j, k)` for every voxel, i fastest; true is 1.
+template <typename Value>
+std::vector<std::uint8_t> make_mask(const Index3& size, const Value& value) {
   std::vector<std::uint8_t> mask;
   for (std::int64_t k = 0; k < size[2]; ++k) {
     for (std::int64_t j = 0; j < size[1]; ++j) {
-      for (std::int64_t i = 0; i < size[0]; ++i) mask.push_back(holds(i, j, k) ? 1 : 0);
+      for (std::int64_t i = 0; i < size[0]; ++i) mask.push_back(static_cast<std::uint8_t>(value(i, j, k)));
     }
   }
   return mask;
+}
+
+/// The balls of the golden phantom.
+inline constexpr Index3 kPhantomSize{phantom::kSize, phantom::kSize, phantom::kSize};
+inline Masks phantom_masks() {
+  Masks masks;
+  for (const phantom::Ball& ball : phantom::kBalls) {
+    masks.push_back(make_mask(kPhantomSize, [&](auto i, auto j, auto k) {
+      return ball.holds(static_cast<int>(i), static_cast<int>(j), static_cast<int>(k));
+    }));
+  }
+  return masks;
 }
 
 }  // namespace splatlas

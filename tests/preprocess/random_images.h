@@ -3,12 +3,13 @@
 
 #include <array>
 #include <cmath>
-#include <cstring>
+#include <limits>
 #include <random>
-#include <string>
+#include <span>
 #include <vector>
 
 #include "preprocess/import/images/import_image.h"
+#include "tests/preprocess/memberships.h"
 #include "tests/support/axis_orders.h"
 
 namespace splatlas {
@@ -17,20 +18,21 @@ inline constexpr std::array<VoxelType, 8> kVoxelTypes{
     VoxelType::kUInt8,  VoxelType::kInt8,  VoxelType::kUInt16,  VoxelType::kInt16,
     VoxelType::kUInt32, VoxelType::kInt32, VoxelType::kFloat32, VoxelType::kFloat64};
 
-/// Rotation by `angle` around z and then around x, columns mirrored by `order`.
-inline Matrix3 oblique_direction(double angle) {
+/// Sizes, spacings and origin without symmetry, rotated by `angle` in radians around z and then around x.
+inline Grid awkward_grid(double angle) {
   const double c = std::cos(angle), s = std::sin(angle);
-  return {c, -s, 0, c * s, c * c, -s, s * s, s * c, c};
+  return {.size = {7, 5, 4},
+          .spacing_mm = {0.75, 1.5, 3.25},
+          .origin_lps_mm = {-12.5, 33.25, 7},
+          .direction_lps = {c, -s, 0, c * s, c * c, -s, s * s, s * c, c}};
 }
 
-/// Sizes, spacings and origin without symmetry, rotated by `angle` in radians.
-inline Grid awkward_grid(double angle) {
-  Grid grid;
-  grid.size = {7, 5, 4};
-  grid.spacing_mm = {0.75, 1.5, 3.25};
-  grid.origin_lps_mm = {-12.5, 33.25, 7};
-  grid.direction_lps = oblique_direction(angle);
-  return grid;
+/// 8-bit values `value(i, j, k)`.
+template <typename Value>
+Image byte_image(const Grid& grid, const Value& value) {
+  const std::vector<std::uint8_t> values = make_mask(grid.size, value);
+  const auto bytes = std::as_bytes(std::span(values));
+  return {grid, {VoxelType::kUInt8, {bytes.begin(), bytes.end()}}};
 }
 
 /// The same volume in another axis order.
@@ -42,9 +44,13 @@ inline Image in_order(const Image& image, const AxisOrder& order) {
   return result;
 }
 
+inline Image zeros(const Grid& grid, VoxelType type) {
+  return {grid, {type, std::vector<std::byte>(static_cast<std::size_t>(grid.voxels()) * bytes_of(type))}};
+}
+
 /// Any values of the type; finite for floats.
 inline Image random_volume(const Grid& grid, VoxelType type, std::mt19937& random) {
-  Image image{grid, {type, std::vector<std::byte>(static_cast<std::size_t>(grid.voxels()) * bytes_of(type))}};
+  Image image = zeros(grid, type);
   visit_voxel_type(type, [&]<typename T>(T) {
     for (std::int64_t v = 0; v < grid.voxels(); ++v) {
       if constexpr (std::is_integral_v<T>) {
@@ -60,7 +66,7 @@ inline Image random_volume(const Grid& grid, VoxelType type, std::mt19937& rando
 /// Labels 0 to 3 in clusters; the third is the maximum of the type below 2^24, which floats represent
 /// exactly.
 inline Image random_labels(const Grid& grid, VoxelType type, std::mt19937& random) {
-  Image image{grid, {type, std::vector<std::byte>(static_cast<std::size_t>(grid.voxels()) * bytes_of(type))}};
+  Image image = zeros(grid, type);
   visit_voxel_type(type, [&]<typename T>(T) {
     double largest = 16777215;
     if constexpr (std::is_integral_v<T>) largest = static_cast<double>(std::numeric_limits<T>::max());

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <fstream>
+#include <iterator>
 #include <string>
 #include <vector>
 
@@ -34,6 +35,11 @@ template <typename T>
 std::string with_number(std::string bytes, std::size_t offset, T value) {
   bytes.replace(offset, sizeof(T), reinterpret_cast<const char*>(&value), sizeof(T));
   return bytes;
+}
+
+/// `text` with the first `from` replaced, which it must contain.
+inline std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  return text.replace(text.find(from), from.size(), to);
 }
 
 /// `bytes` as a gzip file, or a zlib stream.
@@ -107,6 +113,10 @@ inline std::string compressed_nrrd() {
   return nrrd_header("gzip") + deflated(RawImage::payload(), true);
 }
 
+inline std::string read_bytes(const std::string& path) {
+  std::ifstream stream(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+}
 inline void write_bytes(const std::string& path, const std::string& bytes) {
   std::ofstream(path, std::ios::binary | std::ios::trunc) << bytes;
 }

@@ -1,4 +1,4 @@
-// Temporary folder of a test.
+// Temporary folder of a test or a benchmark.
 #pragma once
 
 #include <algorithm>
@@ -10,12 +10,14 @@
 
 namespace splatlas {
 
-/// A new folder below the system temporary folder, removed with its contents at the end.
+/// A new folder below the system temporary folder, removed with its contents at the end. Throws
+/// std::runtime_error.
 class TemporaryFolder {
  public:
   TemporaryFolder() {
     std::string name = (std::filesystem::temp_directory_path() / "splatlas-test-XXXXXX").string();
-    if (::mkdtemp(name.data()) == nullptr) throw std::runtime_error("cannot make " + name);
+    if (::mkdtemp(name.data()) == nullptr)
+      throw std::runtime_error(name + ": cannot be made; set TMPDIR to a folder that can be written");
     path_ = name;
   }
   ~TemporaryFolder() {

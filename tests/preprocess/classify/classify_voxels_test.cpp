@@ -6,7 +6,6 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-#include "tests/phantom/two_spheres.h"
 #include "tests/preprocess/memberships.h"
 #include "tests/support/neighbours.h"
 
@@ -37,14 +36,7 @@ Members expected_members(const Masks& masks, const Index3& size, std::span<const
 }
 
 TEST(ClassifyVoxels, TheGoldenPhantomHasThePapersCounts) {
-  const Index3 size{phantom::kSize, phantom::kSize, phantom::kSize};
-  Masks masks;
-  for (const phantom::Ball& ball : phantom::kBalls) {
-    masks.push_back(make_mask(size, [&](auto i, auto j, auto k) {
-      return ball.holds(static_cast<int>(i), static_cast<int>(j), static_cast<int>(k));
-    }));
-  }
-  const auto result = classify_voxels(memberships_of(masks, size), {}, flat_graph(2));
+  const auto result = classify_voxels(memberships_of(phantom_masks(), kPhantomSize), {}, flat_graph(2));
   ASSERT_TRUE(result) << result.error().message;
   const ClassTable& classes = result->classes;
   ASSERT_EQ(classes.size(), 5u);

@@ -11,11 +11,21 @@ namespace {
 
 using testing::HasSubstr;
 
+/// The number of voxels of a rule; -1 if it is refused.
+std::int64_t count(const VoxelBuffer& values, const Grid& grid, const std::string& rule) {
+  const auto mask = segment_volume(values, grid, *parse_segment("A=threshold:" + rule));
+  EXPECT_TRUE(mask) << mask.error().message;
+  return mask ? std::ranges::count(*mask, 1) : -1;
+}
+
 struct Scene {
   Grid grid;
   VoxelBuffer values;
   float& at(std::int64_t i, std::int64_t j, std::int64_t k) {
     return values.as<float>()[grid.offset(i, j, k)];
+  }
+  [[nodiscard]] std::int64_t count(const std::string& rule) const {
+    return splatlas::count(values, grid, rule);
   }
 };
 
@@ -37,21 +47,16 @@ Scene shell() {
   return scene;
 }
 
-std::int64_t count(const Result<std::vector<std::uint8_t>>& mask) {
-  EXPECT_TRUE(mask) << (mask ? "" : mask.error().message);
-  return mask ? std::count(mask->begin(), mask->end(), 1) : -1;
-}
-
 TEST(SegmentVolume, TakesTheLargestPieceWithItsHolesFilled) {
   const Scene scene = shell();
-  EXPECT_EQ(count(segment_volume(scene.values, scene.grid, *parse_segment("A=threshold:50"))), 512);
-  EXPECT_EQ(count(segment_volume(scene.values, scene.grid, *parse_segment("A=threshold:otsu"))), 512);
-  EXPECT_EQ(count(segment_volume(scene.values, scene.grid, *parse_segment("A=threshold:5:50"))), 64);
+  EXPECT_EQ(scene.count("50"), 512);
+  EXPECT_EQ(scene.count("otsu"), 512);
+  EXPECT_EQ(scene.count("5:50"), 64);
 }
 
 TEST(SegmentVolume, LimitsAreIncluded) {
   const Scene scene = shell();
-  EXPECT_EQ(count(segment_volume(scene.values, scene.grid, *parse_segment("A=threshold:100:100"))), 512);
+  EXPECT_EQ(scene.count("100:100"), 512);
   EXPECT_FALSE(segment_volume(scene.values, scene.grid, *parse_segment("A=threshold:100.5")));
 }
 
@@ -59,38 +64,36 @@ TEST(SegmentVolume, AHoleThatTheGridCutsOpenIsAHole) {
   Scene scene = shell();
   scene.grid.size[2] = 7;  // cut in the middle: the cavity is open at the last slice
   scene.values.bytes.resize(14 * 14 * 7 * 4);
-  EXPECT_EQ(count(segment_volume(scene.values, scene.grid, *parse_segment("A=threshold:50"))), 8 * 8 * 4);
+  EXPECT_EQ(scene.count("50"), 8 * 8 * 4);
 }
 
 TEST(SegmentVolume, NarrowGapsAreClosedOnRequest) {
   Scene scene = shell();
   for (std::int64_t k = 3; k <= 4; ++k) scene.at(6, 6, k) = 0;  // a channel one voxel wide
-  EXPECT_EQ(count(segment_volume(scene.values, scene.grid, *parse_segment("A=threshold:50"))), 512 - 64 - 2);
-  EXPECT_EQ(count(segment_volume(scene.values, scene.grid, *parse_segment("A=threshold:50:close=1"))), 512);
+  EXPECT_EQ(scene.count("50"), 512 - 64 - 2);
+  EXPECT_EQ(scene.count("50:close=1"), 512);
 }
 
 TEST(SegmentVolume, NumbersThatAreNoneAreOutside) {
   Scene scene = shell();
   scene.at(3, 3, 3) = std::nanf("");
   scene.at(10, 10, 10) = -INFINITY;
-  EXPECT_EQ(count(segment_volume(scene.values, scene.grid, *parse_segment("A=threshold:50"))), 510);
-  EXPECT_EQ(count(segment_volume(scene.values, scene.grid, *parse_segment("A=threshold:otsu"))), 510);
+  EXPECT_EQ(scene.count("50"), 510);
+  EXPECT_EQ(scene.count("otsu"), 510);
   scene.at(13, 13, 13) = -INFINITY;  // at a corner, as the speck is: neither is a hole, as the shell has one
-  EXPECT_EQ(count(segment_volume(scene.values, scene.grid, *parse_segment("A=threshold:-5000:0.5"))),
-            14 * 14 * 14 - 2);
+  EXPECT_EQ(scene.count("-5000:0.5"), 14 * 14 * 14 - 2);
 }
 
 TEST(SegmentVolume, EveryTypeIsComparedExactly) {
-  Grid grid;
-  grid.size = {2, 1, 1};
+  const Grid grid{.size = {2, 1, 1}};
   VoxelBuffer large{VoxelType::kUInt32, std::vector<std::byte>(8)};
   large.as<std::uint32_t>()[0] = 4294967294u;
   large.as<std::uint32_t>()[1] = 4294967295u;
-  EXPECT_EQ(count(segment_volume(large, grid, *parse_segment("A=threshold:4294967295"))), 1);
+  EXPECT_EQ(count(large, grid, "4294967295"), 1);
   VoxelBuffer fine{VoxelType::kFloat64, std::vector<std::byte>(16)};
   fine.as<double>()[0] = 1;
   fine.as<double>()[1] = 1 + 1e-15;
-  EXPECT_EQ(count(segment_volume(fine, grid, *parse_segment("A=threshold:1.000000000000001"))), 1);
+  EXPECT_EQ(count(fine, grid, "1.000000000000001"), 1);
 }
 
 TEST(ParseSegment, ReadsRules) {

@@ -13,24 +13,10 @@
 namespace splatlas {
 namespace {
 
-Grid grid_of(const Index3& size) {
-  Grid grid;
-  grid.size = size;
-  return grid;
-}
-
 TriangleMesh triangle(const Vec3& a, const Vec3& b, const Vec3& c) {
   TriangleMesh mesh;
   mesh.positions_lps_mm = {a, b, c};
   mesh.triangles = {{0, 1, 2}};
-  return mesh;
-}
-
-/// A tetrahedron, counter-clockwise seen from outside.
-TriangleMesh tetrahedron(const std::array<Vec3, 4>& corners) {
-  TriangleMesh mesh;
-  mesh.positions_lps_mm.assign(corners.begin(), corners.end());
-  mesh.triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
   return mesh;
 }
 
@@ -45,23 +31,22 @@ Vec3 area_vector(const Vec3& a, const Vec3& b, const Vec3& c) {
           0.5 * (u[0] * v[1] - u[1] * v[0])};
 }
 
-double area_of(const SurfaceMesh& mesh) {
-  double area = 0;
-  for (const auto& [a, b, c] : mesh.triangles) {
-    const Vec3 v = area_vector(corner_of(mesh, a), corner_of(mesh, b), corner_of(mesh, c));
-    area += std::hypot(v[0], v[1], v[2]);
-  }
-  return area;
-}
+/// Area, and for a closed surface the enclosed volume, in voxels.
+struct Extent {
+  double area = 0, volume = 0;
 
-/// Volume enclosed by a closed surface, in voxels.
-double volume_of(const SurfaceMesh& mesh) {
-  double volume = 0;
-  for (const auto& [a, b, c] : mesh.triangles) {
-    const Vec3 p = corner_of(mesh, a), v = area_vector(p, corner_of(mesh, b), corner_of(mesh, c));
-    volume += (p[0] * v[0] + p[1] * v[1] + p[2] * v[2]) / 3;
+  void add(const Vec3& a, const Vec3& b, const Vec3& c) {
+    const Vec3 v = area_vector(a, b, c);
+    area += std::hypot(v[0], v[1], v[2]);
+    volume += (a[0] * v[0] + a[1] * v[1] + a[2] * v[2]) / 3;
   }
-  return volume;
+};
+
+Extent extent_of(const SurfaceMesh& mesh) {
+  Extent extent;
+  for (const auto& [a, b, c] : mesh.triangles)
+    extent.add(corner_of(mesh, a), corner_of(mesh, b), corner_of(mesh, c));
+  return extent;
 }
 
 /// Whether every triangle lies within one voxel, triangles are sorted by voxel, and these voxels are the
@@ -96,37 +81,37 @@ TEST(ClipMesh, APlaneThroughVoxelCentresCrossesExactlyThose) {
   TriangleMesh mesh = triangle({1, 1, 3}, {6, 1, 3}, {6, 6, 3});
   mesh.positions_lps_mm.push_back({1, 6, 3});
   mesh.triangles.push_back({0, 2, 3});
-  const Grid grid = grid_of({8, 8, 8});
+  const Grid grid{.size = {8, 8, 8}};
   const auto clipped = clip_mesh(mesh, grid);
   ASSERT_TRUE(clipped);
   EXPECT_TRUE(lies_in_its_voxels(*clipped, grid));
   EXPECT_EQ(clipped->crossed.size(), 36u);
   for (const std::int64_t v : clipped->crossed) EXPECT_EQ(v / 64, 3);
-  EXPECT_DOUBLE_EQ(area_of(clipped->surface), 25);
+  EXPECT_DOUBLE_EQ(extent_of(clipped->surface).area, 25);
   EXPECT_EQ(clipped->outside, 0);
   EXPECT_EQ(clipped->surface.position_scale, 1024u);
   for (const auto& n : clipped->surface.normals_lps) EXPECT_EQ(n, (std::array<float, 3>{0, 0, 1}));
 }
 
 TEST(ClipMesh, APlaneBetweenVoxelsBelongsToTheUpperOnes) {
-  const Grid grid = grid_of({4, 4, 4});
+  const Grid grid{.size = {4, 4, 4}};
   for (const auto& [z, slice] : {std::pair<double, std::int64_t>{-0.5, 0}, {1.5, 2}, {3.5, 3}}) {
     const auto clipped = clip_mesh(triangle({0, 0, z}, {2, 0, z}, {0, 2, z}), grid);
     ASSERT_TRUE(clipped);
     EXPECT_TRUE(clipped->crossed.size() == 6 || z != 1.5) << clipped->crossed.size();
-    EXPECT_DOUBLE_EQ(area_of(clipped->surface), 2);
+    EXPECT_DOUBLE_EQ(extent_of(clipped->surface).area, 2);
     for (const std::int64_t v : clipped->crossed) EXPECT_EQ(v / 16, slice);
   }
 }
 
 TEST(ClipMesh, WhatLiesBeyondTheGridIsCutOffAndTold) {
-  const Grid grid = grid_of({4, 4, 4});
+  const Grid grid{.size = {4, 4, 4}};
   // Half of the height of the triangle is outside: a quarter of its area lies beyond x = 3.5.
   const auto clipped = clip_mesh(triangle({1.5, 0, 1}, {5.5, 0, 1}, {1.5, 2, 1}), grid);
   ASSERT_TRUE(clipped);
   EXPECT_TRUE(lies_in_its_voxels(*clipped, grid));
   EXPECT_NEAR(clipped->outside, 0.25, 1e-12);
-  EXPECT_NEAR(area_of(clipped->surface), 3, 1e-3);
+  EXPECT_NEAR(extent_of(clipped->surface).area, 3, 1e-3);
   const auto none = clip_mesh(triangle({10, 0, 0}, {11, 0, 0}, {10, 1, 0}), grid);
   ASSERT_TRUE(none);
   EXPECT_TRUE(none->crossed.empty());
@@ -136,13 +121,13 @@ TEST(ClipMesh, WhatLiesBeyondTheGridIsCutOffAndTold) {
   const auto huge = clip_mesh(triangle({-1e9, -1e9, 1}, {1e9, -1e9, 1}, {0, 1e9, 1}), grid);
   ASSERT_TRUE(huge);
   EXPECT_EQ(huge->crossed.size(), 16u);
-  EXPECT_NEAR(area_of(huge->surface), 16, 1e-3);
+  EXPECT_NEAR(extent_of(huge->surface).area, 16, 1e-3);
 }
 
 TEST(ClipMesh, NormalsAreTheFilesAndAreInterpolated) {
   TriangleMesh mesh = triangle({0, 0, 1}, {4, 0, 1}, {0, 4, 1});
   mesh.normals_lps = {{1, 0, 0}, {0, 1, 0}, {1, 0, 0}};
-  const auto clipped = clip_mesh(mesh, grid_of({5, 5, 3}));
+  const auto clipped = clip_mesh(mesh, {.size = {5, 5, 3}});
   ASSERT_TRUE(clipped);
   bool found = false;
   for (std::size_t v = 0; v < clipped->surface.positions_ijk.size(); ++v) {
@@ -169,7 +154,7 @@ TEST(ClipMesh, MillimetresBecomeIndices) {
 }
 
 RC_GTEST_PROP(ClipMesh, AClosedSurfaceStaysClosedAndKeepsAreaAndVolume, ()) {
-  const Grid grid = grid_of({6, 7, 8});
+  const Grid grid{.size = {6, 7, 8}};
   const auto coordinate = [](double n) {  // some exactly on voxel faces and centres
     return *rc::gen::oneOf(
         rc::gen::map(rc::gen::inRange(0, 2 * static_cast<int>(n) - 1), [](int h) { return 0.5 * h - 0.5; }),
@@ -181,13 +166,15 @@ RC_GTEST_PROP(ClipMesh, AClosedSurfaceStaysClosedAndKeepsAreaAndVolume, ()) {
   for (Vec3& c : corners) {
     for (double& x : c) x = std::round(x * 1024) / 1024;
   }
-  const TriangleMesh mesh = tetrahedron(corners);
-  double area = 0, volume = 0, thinnest = 1e9;
+  TriangleMesh mesh;
+  mesh.positions_lps_mm.assign(corners.begin(), corners.end());
+  mesh.triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};  // counter-clockwise seen from outside
+  Extent whole;
+  double thinnest = 1e9;
   for (const auto& [a, b, c] : mesh.triangles) {
-    const Vec3 v = area_vector(corners[a], corners[b], corners[c]);
-    area += std::hypot(v[0], v[1], v[2]);
-    thinnest = std::min(thinnest, std::hypot(v[0], v[1], v[2]));
-    volume += (corners[a][0] * v[0] + corners[a][1] * v[1] + corners[a][2] * v[2]) / 3;
+    const double before = whole.area;
+    whole.add(corners[a], corners[b], corners[c]);
+    thinnest = std::min(thinnest, whole.area - before);
   }
   RC_PRE(thinnest > 0.1);
   const auto clipped = clip_mesh(mesh, grid);
@@ -195,8 +182,8 @@ RC_GTEST_PROP(ClipMesh, AClosedSurfaceStaysClosedAndKeepsAreaAndVolume, ()) {
   RC_ASSERT(lies_in_its_voxels(*clipped, grid));
   RC_ASSERT(clipped->outside < 1e-9);
   // A cut moves a vertex by at most half a step of 1/1024 per axis.
-  RC_ASSERT(std::abs(area_of(clipped->surface) - area) < 0.02 * area + 0.02);
-  RC_ASSERT(std::abs(volume_of(clipped->surface) - volume) < area / 1024);
+  RC_ASSERT(std::abs(extent_of(clipped->surface).area - whole.area) < 0.02 * whole.area + 0.02);
+  RC_ASSERT(std::abs(extent_of(clipped->surface).volume - whole.volume) < whole.area / 1024);
 }
 
 TEST(ClipMesh, NeighboursStayJoined) {
@@ -204,7 +191,7 @@ TEST(ClipMesh, NeighboursStayJoined) {
   TriangleMesh mesh = triangle({0.3, 0.2, 0.1}, {5.7, 4.1, 6.3}, {0.2, 5.9, 2.2});
   mesh.positions_lps_mm.push_back({6.1, 0.4, 1.3});
   mesh.triangles.push_back({1, 0, 3});
-  const Grid grid = grid_of({7, 7, 7});
+  const Grid grid{.size = {7, 7, 7}};
   TriangleMesh first = mesh, second = mesh;
   first.triangles = {mesh.triangles[0]};
   second.triangles = {mesh.triangles[1]};

@@ -6,7 +6,6 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-#include "tests/phantom/two_spheres.h"
 #include "tests/preprocess/memberships.h"
 
 namespace splatlas {
@@ -22,12 +21,6 @@ Extracted extract(const Masks& masks, const Grid& grid, unsigned threads = 2) {
   Extracted result{*classify_voxels(memberships_of(masks, grid.size), {}, graph, 1), {}};
   result.surfaces = extract_surfaces(result.classification, graph, grid, threads);
   return result;
-}
-
-Grid grid_of(const Index3& size) {
-  Grid grid;
-  grid.size = size;
-  return grid;
 }
 
 /// A rotation off the axes, right-handed or (mirrored) left-handed.
@@ -67,18 +60,8 @@ bool is_closed(const SurfaceMesh& mesh) {
   return true;
 }
 
-Masks phantom_masks() {
-  Masks masks;
-  for (const phantom::Ball& ball : phantom::kBalls) {
-    masks.push_back(make_mask({phantom::kSize, phantom::kSize, phantom::kSize}, [&](auto i, auto j, auto k) {
-      return ball.holds(static_cast<int>(i), static_cast<int>(j), static_cast<int>(k));
-    }));
-  }
-  return masks;
-}
-
 TEST(ExtractSurfaces, TheGoldenPhantomHasThePapersTriangles) {
-  const Extracted e = extract(phantom_masks(), grid_of({phantom::kSize, phantom::kSize, phantom::kSize}));
+  const Extracted e = extract(phantom_masks(), {.size = kPhantomSize});
   ASSERT_EQ(e.surfaces.surfaces.size(), 2u);
   EXPECT_EQ(e.surfaces.surfaces[0].triangles.size(), 3704u);
   EXPECT_EQ(e.surfaces.surfaces[1].triangles.size(), 1352u);
@@ -86,9 +69,7 @@ TEST(ExtractSurfaces, TheGoldenPhantomHasThePapersTriangles) {
 
 TEST(ExtractSurfaces, TrianglesFaceOutwardsWhateverTheGrid) {
   for (const bool mirrored : {false, true}) {
-    Grid grid = grid_of({phantom::kSize, phantom::kSize, phantom::kSize});
-    grid.direction_lps = oblique(mirrored);
-    grid.spacing_mm = {0.5, 0.8, 2};
+    const Grid grid{.size = kPhantomSize, .spacing_mm = {0.5, 0.8, 2}, .direction_lps = oblique(mirrored)};
     const Extracted e = extract(phantom_masks(), grid);
     for (std::size_t n = 0; n < 2; ++n) {
       const SurfaceMesh& mesh = e.surfaces.surfaces[n];
@@ -103,8 +84,7 @@ TEST(ExtractSurfaces, TrianglesFaceOutwardsWhateverTheGrid) {
 
 TEST(ExtractSurfaces, NormalsOfABallPointAwayFromItsCentre) {
   for (const bool mirrored : {false, true}) {
-    Grid grid = grid_of({41, 41, 41});
-    grid.direction_lps = oblique(mirrored);
+    const Grid grid{.size = {41, 41, 41}, .direction_lps = oblique(mirrored)};
     const Masks ball{make_mask(grid.size, [](auto i, auto j, auto k) {
       return (i - 20) * (i - 20) + (j - 20) * (j - 20) + (k - 20) * (k - 20) < 18 * 18;
     })};
@@ -131,9 +111,7 @@ TEST(ExtractSurfaces, NormalsOfABallPointAwayFromItsCentre) {
 
 TEST(ExtractSurfaces, ThePlaneOfAnAnisotropicGridHasItsNormal) {
   // A half space along k, far from the border of the grid.
-  Grid grid = grid_of({16, 16, 16});
-  grid.spacing_mm = {1, 2, 5};
-  grid.direction_lps = oblique(true);
+  const Grid grid{.size = {16, 16, 16}, .spacing_mm = {1, 2, 5}, .direction_lps = oblique(true)};
   const Extracted e = extract({make_mask(grid.size, [](auto, auto, auto k) { return k < 8; })}, grid);
   const SurfaceMesh& mesh = e.surfaces.surfaces[0];
   std::size_t seen = 0;
@@ -147,7 +125,7 @@ TEST(ExtractSurfaces, ThePlaneOfAnAnisotropicGridHasItsNormal) {
 }
 
 TEST(ExtractSurfaces, SurfacesCloseAtTheBorderOfTheGrid) {
-  const Grid grid = grid_of({3, 4, 5});
+  const Grid grid{.size = {3, 4, 5}};
   const Extracted e = extract({std::vector<std::uint8_t>(60, 1)}, grid);
   const SurfaceMesh& mesh = e.surfaces.surfaces[0];
   EXPECT_TRUE(is_closed(mesh));
@@ -160,7 +138,7 @@ TEST(ExtractSurfaces, SurfacesCloseAtTheBorderOfTheGrid) {
 RC_GTEST_PROP(ExtractSurfaces, EveryTriangleIsListedUnderItsLeadingVoxel, ()) {
   const Index3 size{*rc::gen::inRange<std::int64_t>(1, 7), *rc::gen::inRange<std::int64_t>(1, 7),
                     *rc::gen::inRange<std::int64_t>(1, 7)};
-  const Grid grid = grid_of(size);
+  const Grid grid{.size = size};
   Masks masks;
   for (int s = 0; s < 2; ++s) {
     masks.push_back(*rc::gen::container<std::vector<std::uint8_t>>(static_cast<std::size_t>(grid.voxels()),
@@ -216,7 +194,7 @@ RC_GTEST_PROP(ExtractSurfaces, EveryTriangleIsListedUnderItsLeadingVoxel, ()) {
 TEST(ExtractSurfaces, BoundaryNormalsStandInMemoryOrder) {
   // A slab: normals point down on its lower side, up on its upper side.
   int seen = 0;
-  const Grid grid = grid_of({9, 9, 9});
+  const Grid grid{.size = {9, 9, 9}};
   const Extracted e =
       extract({make_mask(grid.size, [](auto, auto, auto k) { return k >= 2 && k <= 6; })}, grid);
   for (ClassId c = 0; c < e.classification.classes.size(); ++c) {

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cstring>
+#include <stdexcept>
 #include <string>
+#include <utility>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -18,6 +20,12 @@ class ImportImage : public testing::Test {
   Result<Image> import_bytes(const std::string& name, const std::string& bytes) const {
     write_bytes(folder_.file(name), bytes);
     return import_image(folder_.file(name));
+  }
+  /// Throws std::runtime_error with the library's message.
+  Image imported(const std::string& name, const std::string& bytes) const {
+    Result<Image> image = import_bytes(name, bytes);
+    if (!image) throw std::runtime_error(image.error().message);
+    return *std::move(image);
   }
   /// Expects an error of one line that names the file and contains `text`.
   void refuses(const std::string& name, const std::string& bytes, const std::string& text) const {

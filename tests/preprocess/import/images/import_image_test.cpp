@@ -19,31 +19,27 @@ TEST_F(ImportImage, ReadsEveryFormatAlike) {
                                     {"b.mha", compressed_meta_image()},
                                     {"a.nrrd", nrrd()},
                                     {"b.nrrd", compressed_nrrd()}}) {
-    const Result<Image> image = import_bytes(name, bytes);
-    ASSERT_TRUE(image) << image.error().message;
-    expect_raw_image(*image);
-    EXPECT_EQ(image->grid.origin_lps_mm, (Vec3{10, 20, 30}));
-    EXPECT_EQ(image->grid.direction_lps, Matrix3({1, 0, 0, 0, 1, 0, 0, 0, 1}));
+    const Image image = imported(name, bytes);
+    expect_raw_image(image);
+    EXPECT_EQ(image.grid.origin_lps_mm, (Vec3{10, 20, 30}));
+    EXPECT_EQ(image.grid.direction_lps, Matrix3({1, 0, 0, 0, 1, 0, 0, 0, 1}));
   }
 }
 
 TEST_F(ImportImage, TurnsNiftiFromRasToLps) {
   for (const auto& [name, bytes] :
        {std::pair<const char*, std::string>{"a.nii", nifti()}, {"a.nii.gz", deflated(nifti(), true)}}) {
-    const Result<Image> image = import_bytes(name, bytes);
-    ASSERT_TRUE(image) << image.error().message;
-    expect_raw_image(*image);
-    EXPECT_EQ(image->grid.origin_lps_mm, (Vec3{-10, -20, 30}));
-    EXPECT_EQ(image->grid.direction_lps, Matrix3({-1, 0, 0, 0, -1, 0, 0, 0, 1}));
+    const Image image = imported(name, bytes);
+    expect_raw_image(image);
+    EXPECT_EQ(image.grid.origin_lps_mm, (Vec3{-10, -20, 30}));
+    EXPECT_EQ(image.grid.direction_lps, Matrix3({-1, 0, 0, 0, -1, 0, 0, 0, 1}));
   }
 }
 
 TEST_F(ImportImage, ReadsGzipFilesOfSeveralMembers) {
   const std::string all = nifti();
-  const Result<Image> image =
-      import_bytes("a.nii.gz", deflated(all.substr(0, 400), true) + deflated(all.substr(400), true));
-  ASSERT_TRUE(image) << image.error().message;
-  expect_raw_image(*image);
+  expect_raw_image(
+      imported("a.nii.gz", deflated(all.substr(0, 400), true) + deflated(all.substr(400), true)));
 }
 
 TEST_F(ImportImage, TakesThePixelsOfTheFileThatIsNamed) {
@@ -51,10 +47,9 @@ TEST_F(ImportImage, TakesThePixelsOfTheFileThatIsNamed) {
   std::string other = nifti();
   other.replace(352, 4, "abcd");
   write_bytes(folder_.file("a.nii"), other);
-  const Result<Image> image = import_bytes("a.nii.gz", deflated(nifti(), true));
-  ASSERT_TRUE(image) << image.error().message;
-  expect_raw_image(*image);
-  EXPECT_NE(import_image(folder_.file("a.nii"))->voxels, image->voxels);
+  const Image image = imported("a.nii.gz", deflated(nifti(), true));
+  expect_raw_image(image);
+  EXPECT_NE(import_image(folder_.file("a.nii"))->voxels, image.voxels);
   // And its geometry: ITK reads a qform alone.
   const auto with_qform = [](float x) {
     const std::string alone = with_number<std::int16_t>(nifti(), 254, 0);
@@ -66,30 +61,23 @@ TEST_F(ImportImage, TakesThePixelsOfTheFileThatIsNamed) {
 
 TEST_F(ImportImage, ReadsDetachedPixelsBesideTheHeader) {
   write_bytes(folder_.file("pixels.raw"), RawImage::payload());
-  const Result<Image> meta = import_bytes("a.mhd", meta_header("", "pixels.raw"));
-  ASSERT_TRUE(meta) << meta.error().message;
-  expect_raw_image(*meta);
-  const Result<Image> detached = import_bytes("a.nhdr", nrrd_header("raw", "data file: pixels.raw\n"));
-  ASSERT_TRUE(detached) << detached.error().message;
-  expect_raw_image(*detached);
+  expect_raw_image(imported("a.mhd", meta_header("", "pixels.raw")));
+  expect_raw_image(imported("a.nhdr", nrrd_header("raw", "data file: pixels.raw\n")));
 }
 
 TEST_F(ImportImage, ATwoDimensionalImageIsAVolumeOfOneSlice) {
   const std::string header =
       "NDims = 2\nDimSize = 3 2\nElementSpacing = 0.5 0.25\nElementType = MET_UCHAR\nElementDataFile = "
       "LOCAL\n";
-  const Result<Image> image = import_bytes("a.mha", header + "abcdef");
-  ASSERT_TRUE(image) << image.error().message;
-  EXPECT_EQ(image->grid.size, (Index3{3, 2, 1}));
-  EXPECT_EQ(image->grid.spacing_mm, (Vec3{0.5, 0.25, 1}));
-  EXPECT_EQ(image->grid.direction_lps, Matrix3({1, 0, 0, 0, 1, 0, 0, 0, 1}));
+  const Image image = imported("a.mha", header + "abcdef");
+  EXPECT_EQ(image.grid.size, (Index3{3, 2, 1}));
+  EXPECT_EQ(image.grid.spacing_mm, (Vec3{0.5, 0.25, 1}));
+  EXPECT_EQ(image.grid.direction_lps, Matrix3({1, 0, 0, 0, 1, 0, 0, 0, 1}));
 }
 
 TEST_F(ImportImage, AFourthDimensionOfOneIsNoDimension) {
   const std::string four = with_number<std::int16_t>(nifti(), 40, 4);  // dim[4] is 1
-  const Result<Image> image = import_bytes("a.nii", four);
-  ASSERT_TRUE(image) << image.error().message;
-  expect_raw_image(*image);
+  expect_raw_image(imported("a.nii", four));
 }
 
 TEST_F(ImportImage, RefusesEveryTruncation) {
@@ -176,16 +164,11 @@ TEST_F(ImportImage, RefusesImpossibleGeometry) {
   for (std::size_t n = 0; n < 12; ++n) singular = with_number<float>(singular, 280 + 4 * n, 0);
   EXPECT_FALSE(import_bytes("a.nii", singular) && !validate(import_bytes("a.nii", singular)->grid, ""));
   for (const char* spacing : {"1 2 0", "1 2 -3", "1 2 nan", "1 2", "1 2 3 4", "a b c"}) {
-    std::string header = meta_header();
-    header.replace(header.find("= 1 2 3") + 2, 5, spacing);
+    const std::string header = replaced(meta_header(), "= 1 2 3", fmt::format("= {}", spacing));
     refuses("a.mha", header + RawImage::payload(), "ElementSpacing");
   }
-  std::string direction = nrrd_header();
-  direction.replace(direction.find("(0,0,3)"), 7, "(0,0,nan)");
-  refuses("a.nrrd", direction + RawImage::payload(), "space directions");
-  direction = nrrd_header();
-  direction.replace(direction.find("(0,0,3)"), 7, "(0,0,0)");
-  refuses("a.nrrd", direction + RawImage::payload(), "spacing");
+  refuses("a.nrrd", replaced(nrrd(), "(0,0,3)", "(0,0,nan)"), "space directions");
+  refuses("a.nrrd", replaced(nrrd(), "(0,0,3)", "(0,0,0)"), "spacing");
 }
 
 TEST_F(ImportImage, RefusesSizesThatCannotBe) {
@@ -197,30 +180,22 @@ TEST_F(ImportImage, RefusesSizesThatCannotBe) {
   refuses("a.nii", with_number<float>(nifti(), 108, 1e30f), "byte");
   refuses("a.nii", with_number<float>(nifti(), 108, -1.f), "byte");
   refuses("a.nii", with_number<std::int16_t>(nifti(), 72, 8), "bits");
-  std::string huge = meta_header();
-  huge.replace(huge.find("8 4 2"), 5, "99999999 9 9");
-  refuses("a.mha", huge + RawImage::payload(), "size");
-  huge.replace(huge.find("99999999 9 9"), 12, "1000 1000 100");
-  refuses("a.mha", huge + RawImage::payload(), "truncated");
+  const std::string meta = meta_header() + RawImage::payload();
+  refuses("a.mha", replaced(meta, "8 4 2", "99999999 9 9"), "size");
+  refuses("a.mha", replaced(meta, "8 4 2", "1000 1000 100"), "truncated");
   // A gigabyte cannot come from a kilobyte of gzip: refused ahead of allocation.
-  std::string bomb = nrrd_header("gzip");
-  bomb.replace(bomb.find("8 4 2"), 5, "1024 1024 512");
-  refuses("a.nrrd", bomb + deflated(RawImage::payload(), true), "truncated");
+  refuses("a.nrrd", replaced(compressed_nrrd(), "8 4 2", "1024 1024 512"), "truncated");
 }
 
 TEST_F(ImportImage, RefusesPixelsThatAtlasesDoNotTake) {
   refuses("a.nii", with_number<std::int16_t>(nifti(), 70, 1024), "type 1024");  // int64
   refuses("a.nii", with_number<std::int16_t>(nifti(), 70, 128), "type 128");    // RGB
-  std::string type = nrrd();
-  type.replace(type.find("type: short"), 11, "type: int64");
-  refuses("a.nrrd", type, "int64");
-  std::string channels = meta_header("ElementNumberOfChannels = 3\n");
-  refuses("a.mha", channels + RawImage::payload() + RawImage::payload() + RawImage::payload(), "3 values");
-  std::string vectors = nrrd_header();
-  vectors.replace(vectors.find("sizes: 8 4 2"), 12, "sizes: 2 4 8");
-  vectors.replace(vectors.find("kinds: domain"), 13, "kinds: vector");
-  vectors.replace(vectors.find("(1,0,0)"), 7, "none   ");
-  EXPECT_FALSE(import_bytes("a.nrrd", vectors + RawImage::payload()));
+  refuses("a.nrrd", replaced(nrrd(), "type: short", "type: int64"), "int64");
+  const std::string channels = meta_header("ElementNumberOfChannels = 3\n"), pixels = RawImage::payload();
+  refuses("a.mha", channels + pixels + pixels + pixels, "3 values");
+  std::string vectors = replaced(nrrd(), "sizes: 8 4 2", "sizes: 2 4 8");
+  vectors = replaced(vectors, "kinds: domain", "kinds: vector");
+  EXPECT_FALSE(import_bytes("a.nrrd", replaced(vectors, "(1,0,0)", "none   ")));
 }
 
 TEST_F(ImportImage, RefusesPixelsElsewhere) {
@@ -260,9 +235,7 @@ TEST_F(ImportImage, CountsThePixelsOfATruncatedFileAlike) {
 }
 
 TEST(CheckSameGrid, GivesBothValues) {
-  Grid a;
-  a.size = {10, 20, 30};
-  a.spacing_mm = {1, 2, 3};
+  const Grid a{.size = {10, 20, 30}, .spacing_mm = {1, 2, 3}};
   Grid b = a;
   EXPECT_TRUE(check_same_grid(a, "a", b, "b"));
   b.size[2] = 31;

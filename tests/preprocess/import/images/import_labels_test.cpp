@@ -19,10 +19,8 @@ using testing::HasSubstr;
 
 template <typename T>
 Image row(VoxelType type, const std::vector<T>& values) {
-  Image image;
-  image.grid.size = {static_cast<std::int64_t>(values.size()), 1, 1};
-  image.voxels = {type, std::vector<std::byte>(values.size() * sizeof(T))};
-  std::copy(values.begin(), values.end(), image.voxels.as<T>());
+  Image image = zeros({.size = {std::ssize(values), 1, 1}}, type);
+  std::ranges::copy(values, image.voxels.as<T>());
   return image;
 }
 
@@ -79,11 +77,7 @@ TEST(ImportLabels, BackgroundAloneIsANote) {
 }
 
 LabelName name(std::int64_t label, const std::string& text, std::size_t line) {
-  LabelName result;
-  result.label = label;
-  result.name = text;
-  result.line = line;
-  return result;
+  return {.label = label, .name = text, .code = {}, .color = {}, .line = line};
 }
 
 TEST(NameLabels, NamesMustFitTheVoxels) {

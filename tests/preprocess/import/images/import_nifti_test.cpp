@@ -1,9 +1,9 @@
 // Values, byte orders and geometry of NIfTI images.
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <random>
+#include <span>
 
 #include "tests/preprocess/import/images/import_image_fixture.h"
 
@@ -12,11 +12,10 @@ namespace {
 
 TEST_F(ImportImage, AScaledNiftiIsReadInItsValues) {
   const std::string scaled = with_number<float>(with_number<float>(nifti(), 112, 0.5f), 116, 3.f);
-  const Result<Image> image = import_bytes("a.nii", scaled);
-  ASSERT_TRUE(image) << image.error().message;
-  visit_voxel_type(image->voxels.type, [&]<typename T>(T) {
+  const Image image = imported("a.nii", scaled);
+  visit_voxel_type(image.voxels.type, [&]<typename T>(T) {
     for (std::size_t v = 0; v < RawImage::kVoxels; ++v) {
-      ASSERT_EQ(static_cast<double>(image->voxels.as<T>()[v]), 0.5 * (static_cast<double>(v) - 100) + 3);
+      ASSERT_EQ(static_cast<double>(image.voxels.as<T>()[v]), 0.5 * (static_cast<double>(v) - 100) + 3);
     }
   });
 }
@@ -44,23 +43,18 @@ std::vector<T> strange_pixels() {
 }
 
 TEST_F(ImportImage, NiftiKeepsEveryBitOfFloats) {
-  const auto expect_bits = [](const Result<Image>& image, const auto& pixels) {
-    ASSERT_TRUE(image) << image.error().message;
-    ASSERT_EQ(image->voxels.bytes.size(), pixels.size() * sizeof(pixels[0]));
-    EXPECT_EQ(std::memcmp(image->voxels.bytes.data(), pixels.data(), image->voxels.bytes.size()), 0);
+  const auto expect_bits = [](const Image& image, const auto& pixels) {
+    EXPECT_TRUE(std::ranges::equal(image.voxels.bytes, std::as_bytes(std::span(pixels))));
   };
   const auto floats = strange_pixels<float>();
   const auto doubles = strange_pixels<double>();
-  expect_bits(import_bytes("a.nii", nifti_of<float>(16, floats)), floats);
-  expect_bits(import_bytes("a.nii.gz", deflated(nifti_of<float>(16, floats), true)), floats);
-  expect_bits(import_bytes("a.nii", nifti_of<double>(64, doubles)), doubles);
+  expect_bits(imported("a.nii", nifti_of<float>(16, floats)), floats);
+  expect_bits(imported("a.nii.gz", deflated(nifti_of<float>(16, floats), true)), floats);
+  expect_bits(imported("a.nii", nifti_of<double>(64, doubles)), doubles);
 }
 
 TEST_F(ImportImage, ANiftiSlopeOfZeroScalesNothing) {
-  const Result<Image> image =
-      import_bytes("a.nii", with_number<float>(with_number<float>(nifti(), 112, 0), 116, 3));
-  ASSERT_TRUE(image) << image.error().message;
-  expect_raw_image(*image);
+  expect_raw_image(imported("a.nii", with_number<float>(with_number<float>(nifti(), 112, 0), 116, 3)));
 }
 
 /// Every number of nifti() in the other byte order.
@@ -82,11 +76,9 @@ std::string in_other_order(std::string bytes) {
 }
 
 TEST_F(ImportImage, ReadsNiftiInEitherByteOrder) {
-  const Result<Image> own = import_bytes("a.nii", nifti()),
-                      other = import_bytes("b.nii", in_other_order(nifti()));
-  ASSERT_TRUE(own && other);
-  expect_raw_image(*other);
-  EXPECT_EQ(own->grid, other->grid);
+  const Image other = imported("b.nii", in_other_order(nifti()));
+  expect_raw_image(other);
+  EXPECT_EQ(imported("a.nii", nifti()).grid, other.grid);
 }
 
 TEST_F(ImportImage, TakesEverySformThatIsARotationInFloats) {
@@ -119,11 +111,10 @@ TEST_F(ImportImage, TakesEverySformThatIsARotationInFloats) {
                                    static_cast<float>(ras[3 * row + axis] * double{mm}));
       }
     }
-    const Result<Image> image = import_bytes("a.nii", bytes);
-    ASSERT_TRUE(image) << n << ": " << image.error().message;
-    EXPECT_EQ(image->grid.spacing_mm, spacings);
-    EXPECT_EQ(image->grid.origin_lps_mm, (Vec3{-10, -20, 30}));
-    const Matrix3& direction = image->grid.direction_lps;
+    const Grid grid = imported("a.nii", bytes).grid;
+    EXPECT_EQ(grid.spacing_mm, spacings);
+    EXPECT_EQ(grid.origin_lps_mm, (Vec3{-10, -20, 30}));
+    const Matrix3& direction = grid.direction_lps;
     for (std::size_t row = 0; row < 3; ++row) {
       for (std::size_t column = 0; column < 3; ++column) {
         // Equal to float rounding, and orthonormal in doubles.

@@ -195,8 +195,7 @@ TEST_F(ImportMesh, NoTruncationBringsItDown) {
   surface.triangles = {{0, 1, 2}, {1, 2, 3}};
   for (const std::string name : {"a.stl", "a.ply", "a.vtk"}) {
     ASSERT_TRUE(write_mesh(std::span(&surface, 1), awkward_grid(0), folder_.file(name)));
-    std::ifstream stream(folder_.file(name), std::ios::binary);
-    const std::string bytes{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+    const std::string bytes = read_bytes(folder_.file(name));
     for (std::size_t length = 0; length < bytes.size(); ++length) {
       const auto mesh = import_bytes(name, bytes.substr(0, length));
       if (!mesh) continue;  // the rest may be irrelevant, but is never a triangle

@@ -1,4 +1,4 @@
-#include "bench/bits_differ.h"
+#include "bench/frames.h"
 
 #include <array>
 #include <cmath>
