@@ -11,6 +11,7 @@
 #include "format/codec/chunk_codec.h"
 #include "format/file/directory.h"
 #include "format/file/file_layout.h"
+#include "format/system/checksum.h"
 
 namespace splatlas {
 
@@ -23,18 +24,39 @@ struct AtlasParts {
   std::vector<Bytes> chunks;  ///< stored bytes, in file order
 };
 
+/// The bytes from `begin` to before `end`.
+inline Bytes slice(const Bytes& bytes, std::size_t begin, std::size_t end) {
+  return {bytes.begin() + static_cast<std::ptrdiff_t>(begin),
+          bytes.begin() + static_cast<std::ptrdiff_t>(end)};
+}
+
+inline FileHeader header_of(const Bytes& file) {
+  FileHeader header;
+  std::memcpy(&header, file.data(), sizeof header);
+  return header;
+}
+
+/// Changes the header and repairs its checksum.
+template <typename Change>
+void edit_header(Bytes& file, const Change& change) {
+  FileHeader header = header_of(file);
+  change(header);
+  header.header_checksum =
+      checksum_of(std::as_bytes(std::span(&header, 1)).first(offsetof(FileHeader, header_checksum)));
+  std::memcpy(file.data(), &header, sizeof header);
+}
+
+/// The directory bytes of a file.
+inline Bytes directory_bytes(const Bytes& file) {
+  return slice(file, sizeof(FileHeader), sizeof(FileHeader) + header_of(file).directory_bytes);
+}
+
 inline AtlasParts take_apart(const Bytes& file) {
-  AtlasParts parts;
-  std::memcpy(&parts.header, file.data(), sizeof(FileHeader));
-  const Bytes directory(
-      file.begin() + sizeof(FileHeader),
-      file.begin() + static_cast<std::ptrdiff_t>(sizeof(FileHeader) + parts.header.directory_bytes));
-  parts.directory = decode_directory(directory).value();
+  const Bytes directory = directory_bytes(file);
+  AtlasParts parts{header_of(file), decode_directory(directory).value(), {}};
   const FileLayout layout = lay_out(parts.directory, directory.size()).value();
-  for (std::size_t n = 0; n < parts.directory.chunks.size(); ++n) {
-    parts.chunks.emplace_back(file.begin() + static_cast<std::ptrdiff_t>(layout.chunk_offset[n]),
-                              file.begin() + static_cast<std::ptrdiff_t>(layout.chunk_offset[n + 1]));
-  }
+  for (std::size_t n = 0; n < parts.directory.chunks.size(); ++n)
+    parts.chunks.push_back(slice(file, layout.chunk_offset[n], layout.chunk_offset[n + 1]));
   return parts;
 }
 
@@ -54,14 +76,6 @@ inline Bytes put_together(const AtlasParts& parts) {
   return put_together(encode_directory(parts.directory).value(), parts.chunks);
 }
 
-/// The directory bytes of a file.
-inline Bytes directory_bytes(const Bytes& file) {
-  FileHeader header;
-  std::memcpy(&header, file.data(), sizeof header);
-  return Bytes(file.begin() + sizeof header,
-               file.begin() + static_cast<std::ptrdiff_t>(sizeof header + header.directory_bytes));
-}
-
 /// The decoded streams of a section.
 inline std::vector<Bytes> decode_streams(const AtlasParts& parts, SectionKind kind) {
   const FileLayout layout = lay_out(parts.directory, 0).value();
@@ -74,10 +88,8 @@ inline std::vector<Bytes> decode_streams(const AtlasParts& parts, SectionKind ki
     if (!done) throw std::runtime_error(done.error().message);
   }
   std::vector<Bytes> streams;
-  for (std::size_t n = 0; n + 1 < section.stream_begin.size(); ++n) {
-    streams.emplace_back(decoded.begin() + static_cast<std::ptrdiff_t>(section.stream_begin[n]),
-                         decoded.begin() + static_cast<std::ptrdiff_t>(section.stream_begin[n + 1]));
-  }
+  for (std::size_t n = 0; n + 1 < section.stream_begin.size(); ++n)
+    streams.push_back(slice(decoded, section.stream_begin[n], section.stream_begin[n + 1]));
   return streams;
 }
 

@@ -97,15 +97,12 @@ struct Voxels {
 };
 
 Voxels random_voxels(const StructureGraph& graph, std::mt19937& random) {
-  const auto below = [&random](std::size_t m) {
-    return std::uniform_int_distribution<std::size_t>(0, m - 1)(random);
-  };
   Voxels voxels;
   for (std::int64_t n = 0; n < 200; ++n) {
     Members members;
     for (StructureIndex s = 0; s < graph.size(); ++s) {
-      if (below(graph.size() + 2) >= 2) continue;
-      members.push_back({s, graph[s].external ? Part::kCrossed : static_cast<Part>(below(2))});
+      if (below(graph.size() + 2, random) >= 2) continue;
+      members.push_back({s, graph[s].external ? Part::kCrossed : static_cast<Part>(below(2, random))});
     }
     voxels.classes.push_back(voxels.table.intern(members));
     voxels.table.count(voxels.classes.back(), 1, {{n, 0, 0}, {n, 0, 0}});
@@ -116,8 +113,7 @@ Voxels random_voxels(const StructureGraph& graph, std::mt19937& random) {
 
 /// The rules for one voxel, structure by structure.
 ClassDraw draw_of(const Members& members, const Selection& selection) {
-  bool volume = false;
-  bool surface = false;
+  bool volume = false, surface = false;
   ClassDraw draw;
   std::uint32_t latest = 0;
   for (const auto& [s, part] : members) {  // in index order
@@ -140,9 +136,8 @@ ClassDraw draw_of(const Members& members, const Selection& selection) {
 }
 
 RC_GTEST_PROP(DecisionTree, PlansWhatEveryVoxelSays, ()) {
-  const auto n = *uniform<std::size_t>(1, 14);
   auto random = *random_source();
-  const StructureGraph graph = random_graph(n, random);
+  const StructureGraph graph = random_graph(random);
   const Voxels voxels = random_voxels(graph, random);
   Selection selection = random_selection(graph, random);
   for (StructureDraw& draw : selection.structures)
@@ -159,9 +154,7 @@ RC_GTEST_PROP(DecisionTree, PlansWhatEveryVoxelSays, ()) {
     before = draw.id;
     planned[draw.id] = draw;
   }
-  std::uint64_t volume = 0;
-  std::uint64_t surface = 0;
-  std::uint64_t hybrid = 0;
+  std::uint64_t volume = 0, surface = 0, hybrid = 0;
   for (std::size_t v = 0; v < voxels.members.size(); ++v) {
     ClassDraw expected = draw_of(voxels.members[v], selection);
     if (expected.role != VoxelRole::kNone) expected.id = voxels.classes[v];
@@ -178,31 +171,27 @@ RC_GTEST_PROP(DecisionTree, PlansWhatEveryVoxelSays, ()) {
   for (StructureIndex s = 0; s < graph.size(); ++s) {
     const DrawMode mode = selection.structures[s].mode;
     const bool drawn = mode != DrawMode::kOff && (graph[s].external || mode != DrawMode::kVolume);
-    const bool has_boundary =
-        std::any_of(voxels.members.begin(), voxels.members.end(), [&](const Members& members) {
-          return std::any_of(members.begin(), members.end(), [&](const Membership& m) {
-            return m.structure == s && m.part != Part::kInterior;
-          });
-        });
+    const auto in_boundary = [&](const Membership& m) {
+      return m.structure == s && m.part != Part::kInterior;
+    };
+    const bool has_boundary = std::ranges::any_of(
+        voxels.members, [&](const Members& members) { return std::ranges::any_of(members, in_boundary); });
     if (drawn && has_boundary) surfaces.push_back(s);
   }
   RC_ASSERT(plan.surfaces == surfaces);
 }
 
 RC_GTEST_PROP(DecisionTree, CountsEachVoxelOnce, ()) {
-  const auto n = *uniform<std::size_t>(1, 14);
   auto random = *random_source();
-  const StructureGraph graph = random_graph(n, random);
+  const StructureGraph graph = random_graph(random);
   const Voxels voxels = random_voxels(graph, random);
   const DecisionTree tree(graph, voxels.table);
   for (StructureIndex s = 0; s < graph.size(); ++s) {
     const auto below = graph.descendants(s);
     const std::set<StructureIndex> group(below.begin(), below.end());
-    std::uint64_t interior = 0;
-    std::uint64_t boundary = 0;
+    std::uint64_t interior = 0, boundary = 0;
     for (const Members& members : voxels.members) {
-      bool in = false;
-      bool on = false;
+      bool in = false, on = false;
       for (const Membership& m : members) {
         if (group.contains(m.structure)) (m.part == Part::kInterior ? in : on) = true;
       }
@@ -215,21 +204,19 @@ RC_GTEST_PROP(DecisionTree, CountsEachVoxelOnce, ()) {
 }
 
 RC_GTEST_PROP(DecisionTree, LeavesAreTheClassesOfAStructureItself, ()) {
-  const auto n = *uniform<std::size_t>(1, 14);
   auto random = *random_source();
-  const StructureGraph graph = random_graph(n, random);
+  const StructureGraph graph = random_graph(random);
   const ClassTable table = random_voxels(graph, random).table;
   const DecisionTree tree(graph, table);
   for (StructureIndex s = 0; s < graph.size(); ++s) {
-    std::vector<ClassId> interior;
-    std::vector<ClassId> boundary;
+    std::vector<ClassId> interior, boundary;
     for (ClassId c = 0; c < table.size(); ++c) {
       for (const Membership& m : table.members(c)) {
         if (m.structure == s) (m.part == Part::kInterior ? interior : boundary).push_back(c);
       }
     }
-    RC_ASSERT(std::vector(tree.interior_classes(s).begin(), tree.interior_classes(s).end()) == interior);
-    RC_ASSERT(std::vector(tree.boundary_classes(s).begin(), tree.boundary_classes(s).end()) == boundary);
+    RC_ASSERT(std::ranges::equal(tree.interior_classes(s), interior));
+    RC_ASSERT(std::ranges::equal(tree.boundary_classes(s), boundary));
   }
 }
 

@@ -5,7 +5,6 @@
 #include <array>
 #include <cmath>
 #include <cstring>
-#include <numeric>
 #include <random>
 #include <string>
 #include <utility>
@@ -13,7 +12,7 @@
 
 #include "format/atlas_content.h"
 #include "tests/format/random_graph.h"
-#include "tests/support/neighbours.h"
+#include "tests/support/fill_classes.h"
 
 namespace splatlas {
 
@@ -84,7 +83,7 @@ class RandomContent {
       radius[a] = real(0.5, static_cast<double>(size_[a]));
     }
     std::vector<bool> mask;
-    for_each_voxel([&](const Index3& at) {
+    for_each_voxel(size_, [&](const Index3& at) {
       double squares = 0, largest = 0;
       for (std::size_t a = 0; a < 3; ++a) {
         const double d = (static_cast<double>(at[a]) - center[a]) / radius[a];
@@ -96,21 +95,11 @@ class RandomContent {
     return mask;
   }
 
-  template <typename Visit>
-  void for_each_voxel(const Visit& visit) const {
-    for (std::int64_t k = 0; k < size_[2]; ++k) {
-      for (std::int64_t j = 0; j < size_[1]; ++j) {
-        for (std::int64_t i = 0; i < size_[0]; ++i) visit(Index3{i, j, k});
-      }
-    }
-  }
-
   void make_classes() {
     const StructureGraph& graph = content_.graph;
     std::vector<std::vector<bool>> masks;
     for (StructureIndex s = 0; s < graph.size(); ++s) masks.push_back(make_mask());
-    ClassTable classes;
-    for_each_voxel([&](const Index3& at) {
+    fill_classes(content_, [&](const Index3& at) {
       std::vector<Membership> members;
       for (StructureIndex s = 0; s < graph.size(); ++s) {
         const auto holds = holds_in(masks[s], size_);
@@ -122,16 +111,8 @@ class RandomContent {
           members.push_back({s, boundary ? Part::kBoundary : Part::kInterior});
         }
       }
-      const ClassId c = classes.intern(std::move(members));
-      classes.count(c, 1, {at, at});
-      content_.class_volume.push_back(c);
+      return members;
     });
-
-    const std::vector<ClassId> order = storage_order(classes, graph);
-    std::vector<ClassId> number(order.size());
-    for (ClassId c = 0; c < order.size(); ++c) number[order[c]] = c;
-    for (ClassId& c : content_.class_volume) c = number[c];
-    content_.classes = classes.renumbered(order);
     for (ClassId c = 0; c < content_.classes.size(); ++c) {
       const auto members = content_.classes.members(c);
       const bool has = std::any_of(members.begin(), members.end(),
@@ -195,6 +176,21 @@ class RandomContent {
 
 inline AtlasContent random_content(std::mt19937& random, const ContentLimits& limits = {}) {
   return RandomContent(random, limits).make();
+}
+
+inline AtlasContent random_content(std::uint32_t seed, const ContentLimits& limits = {}) {
+  std::mt19937 random(seed);
+  return random_content(random, limits);
+}
+
+/// The first random atlas of this seed that is `wanted(content)`.
+template <typename Wanted>
+AtlasContent random_content_with(const Wanted& wanted, std::uint32_t seed, const ContentLimits& limits) {
+  std::mt19937 random(seed);
+  for (;;) {
+    AtlasContent content = random_content(random, limits);
+    if (wanted(content)) return content;
+  }
 }
 
 inline bool same_classes(const ClassTable& a, const ClassTable& b) {

@@ -10,7 +10,6 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <rapidcheck.h>
 
 #include "format/selection.h"
 #include "format/structure_graph.h"
@@ -41,9 +40,6 @@ inline void showValue(const Selection& selection, std::ostream& out) {
 /// A directed acyclic graph of `n` structures in any order: forests, trees and several parents. Names repeat;
 /// ids contain "-" and capitals.
 inline StructureGraph random_graph(std::size_t n, std::mt19937& random) {
-  const auto below = [&random](std::size_t m) {
-    return std::uniform_int_distribution<std::size_t>(0, m - 1)(random);
-  };
   std::vector<StructureIndex> at(n);  // place in graph order -> index
   std::iota(at.begin(), at.end(), StructureIndex{0});
   std::shuffle(at.begin(), at.end(), random);
@@ -51,18 +47,23 @@ inline StructureGraph random_graph(std::size_t n, std::mt19937& random) {
   std::vector<Structure> structures(n);
   for (std::size_t place = 0; place < n; ++place) {
     Structure& s = structures[at[place]];
-    s.id = fmt::format("{}{}", below(2) == 0 ? "S-" : "s_", at[place]);
-    s.name = below(2) == 0 ? names[below(names.size())] : s.id + " name";
-    s.color = default_color(below(4));
-    s.external = below(5) == 0;
-    const std::size_t parents = place == 0 ? 0 : std::min(place, below(4));
+    s.id = fmt::format("{}{}", below(2, random) == 0 ? "S-" : "s_", at[place]);
+    s.name = below(2, random) == 0 ? names[below(names.size(), random)] : s.id + " name";
+    s.color = default_color(below(4, random));
+    s.external = below(5, random) == 0;
+    const std::size_t parents = place == 0 ? 0 : std::min(place, below(4, random));
     while (s.parents.size() < parents) {
-      const StructureIndex parent = at[below(place)];
+      const StructureIndex parent = at[below(place, random)];
       if (std::find(s.parents.begin(), s.parents.end(), parent) == s.parents.end())
         s.parents.push_back(parent);
     }
   }
   return *StructureGraph::build(std::move(structures));
+}
+
+/// A graph of 1 to 14 structures, for a property.
+inline StructureGraph random_graph(std::mt19937& random) {
+  return random_graph(*uniform<std::size_t>(1, 14), random);
 }
 
 /// Points of random bits or of plain numbers.
@@ -97,24 +98,21 @@ inline VolumeStyle random_style(std::mt19937& random) {
 
 /// Appearances often equal those of a parent, so that whole subtrees match.
 inline Selection random_selection(const StructureGraph& graph, std::mt19937& random) {
-  const auto below = [&random](std::size_t m) {
-    return std::uniform_int_distribution<std::size_t>(0, m - 1)(random);
-  };
   Selection selection;
   selection.structures.resize(graph.size());
   for (const StructureIndex s : graph.topological()) {
     StructureDraw& draw = selection.structures[s];
     const auto& parents = graph[s].parents;
-    if (!parents.empty() && below(4) != 0) {
-      const StructureIndex parent = parents[below(parents.size())];
+    if (!parents.empty() && below(4, random) != 0) {
+      const StructureIndex parent = parents[below(parents.size(), random)];
       draw = selection.structures[parent];
       if (draw.color == graph[parent].color) draw.color = graph[s].color;
-      if (below(4) == 0) draw.volume = random_style(random);
+      if (below(4, random) == 0) draw.volume = random_style(random);
     } else {
-      draw.mode =
-          std::vector{DrawMode::kOff, DrawMode::kVolume, DrawMode::kSurface, DrawMode::kBoth}[below(4)];
-      draw.color = below(3) == 0 ? default_color(below(4)) : graph[s].color;
-      if (below(2) == 0) draw.opacity = std::vector{0.1f, 0.5f, 1.0f, 1e-6f}[below(4)];
+      draw.mode = std::vector{DrawMode::kOff, DrawMode::kVolume, DrawMode::kSurface,
+                              DrawMode::kBoth}[below(4, random)];
+      draw.color = below(3, random) == 0 ? default_color(below(4, random)) : graph[s].color;
+      if (below(2, random) == 0) draw.opacity = std::vector{0.1f, 0.5f, 1.0f, 1e-6f}[below(4, random)];
       draw.volume = random_style(random);
     }
     if (draw.mode == DrawMode::kOff) draw = {};

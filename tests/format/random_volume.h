@@ -35,6 +35,11 @@ inline rc::Gen<std::mt19937> random_source() {
                       [](std::uint32_t seed) { return std::mt19937(seed); });
 }
 
+/// Below `n`, which is not 0.
+inline std::size_t below(std::size_t n, std::mt19937& random) {
+  return std::uniform_int_distribution<std::size_t>(0, n - 1)(random);
+}
+
 /// Noise, runs that ignore the ends of scanlines, or a checkerboard.
 inline std::vector<ClassId> random_classes(const Index3& size, ClassId class_count, std::mt19937& random) {
   const auto below = [&random](ClassId n) {

@@ -6,6 +6,7 @@
 
 #include "format/system/exit_status.h"
 #include "format/system/result_macros.h"
+#include "tests/support/fails_with.h"
 
 namespace splatlas {
 namespace {
@@ -38,16 +39,10 @@ Result<int> both(bool first, bool second, int& reached) {
 
 TEST(Result, MacrosPassErrorsOn) {
   int reached = 0;
-  const auto first = both(false, true, reached);
-  ASSERT_FALSE(first);
-  EXPECT_EQ(first.error().code, ErrorCode::kUsage);
-  EXPECT_EQ(first.error().message, "wrong");
+  EXPECT_THAT(both(false, true, reached), FailsWith(ErrorCode::kUsage, "wrong"));
   EXPECT_EQ(reached, 0);
 
-  const auto second = both(true, false, reached);
-  ASSERT_FALSE(second);
-  EXPECT_EQ(second.error().code, ErrorCode::kLimit);
-  EXPECT_EQ(second.error().message, "too much");
+  EXPECT_THAT(both(true, false, reached), FailsWith(ErrorCode::kLimit, "too much"));
   EXPECT_EQ(reached, 1);
 
   const auto third = both(true, true, reached);

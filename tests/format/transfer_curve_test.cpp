@@ -9,6 +9,7 @@
 #include <rapidcheck/gtest.h>
 
 #include "tests/format/random_graph.h"
+#include "tests/support/fails_with.h"
 
 namespace splatlas {
 namespace {
@@ -94,10 +95,7 @@ TEST(TransferCurve, RefusesWhatIsNoCurve) {
       {{{{1, 0.5f, nan}}}, "shade nan must be"},
   };
   for (const auto& [curve, part] : faults) {
-    const auto checked = check_curve(curve);
-    ASSERT_FALSE(checked) << part;
-    EXPECT_EQ(checked.error().code, ErrorCode::kUsage);
-    EXPECT_THAT(checked.error().message, testing::HasSubstr(part));
+    EXPECT_THAT(check_curve(curve), FailsWith(ErrorCode::kUsage, testing::HasSubstr(part))) << part;
   }
 }
 

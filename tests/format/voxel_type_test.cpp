@@ -1,6 +1,5 @@
 #include "format/voxel_type.h"
 
-#include <limits>
 #include <set>
 #include <string>
 

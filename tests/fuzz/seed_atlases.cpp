@@ -3,8 +3,8 @@
 #include <random>
 
 #include "format/atlas_writer.h"
-#include "tests/format/fit_content.h"
 #include "tests/format/random_content.h"
+#include "tests/support/fit_parts.h"
 
 namespace splatlas {
 

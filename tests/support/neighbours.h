@@ -1,4 +1,4 @@
-// Brute-force definition of boundary voxels.
+// Visits of all voxels, and the brute-force definition of boundary voxels.
 #pragma once
 
 #include <cstdint>
@@ -9,6 +9,16 @@
 #include "format/run_model.h"
 
 namespace splatlas {
+
+/// Calls `visit(index)` for every voxel in memory order, i fastest.
+template <typename Visit>
+void for_each_voxel(const Index3& size, const Visit& visit) {
+  for (std::int64_t k = 0; k < size[2]; ++k) {
+    for (std::int64_t j = 0; j < size[1]; ++j) {
+      for (std::int64_t i = 0; i < size[0]; ++i) visit(Index3{i, j, k});
+    }
+  }
+}
 
 /// Whether `holds(index)` is false for a voxel that shares a face or an edge with `at`, or for `at`.
 template <typename Holds>
@@ -37,13 +47,9 @@ template <typename Mask>
 std::vector<ClassId> split_by_definition(const Mask& mask, const Index3& size) {
   const auto holds = holds_in(mask, size);
   std::vector<ClassId> parts;
-  Index3 at{};
-  for (at[2] = 0; at[2] < size[2]; ++at[2]) {
-    for (at[1] = 0; at[1] < size[1]; ++at[1]) {
-      for (at[0] = 0; at[0] < size[0]; ++at[0])
-        parts.push_back(!holds(at) ? 0u : is_boundary(at, holds) ? 2u : 1u);
-    }
-  }
+  for_each_voxel(size, [&](const Index3& at) {
+    parts.push_back(!holds(at) ? 0u : is_boundary(at, holds) ? 2u : 1u);
+  });
   return parts;
 }
 

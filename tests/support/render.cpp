@@ -2,13 +2,13 @@
 
 #include <stdexcept>
 
+#include "tests/support/value_or_throw.h"
+
 namespace splatlas {
 
 Picture render_or_throw(Renderer& renderer, const Camera& camera, const RenderOptions& options,
                         const RenderOverrides& overrides) {
-  auto picture = render_with(renderer, camera, options, overrides);
-  if (!picture) throw std::runtime_error(picture.error().message);
-  return *std::move(picture);
+  return value_or_throw(render_with(renderer, camera, options, overrides));
 }
 
 Picture render_or_throw(const AtlasContent& content, const Selection& selection, const Camera& camera,

@@ -1,7 +1,6 @@
 // One-call rendering of test atlases.
 #pragma once
 
-#include <string_view>
 #include <vector>
 
 #include "player/frame/render_overrides.h"

@@ -2,13 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
-#include <stdexcept>
 #include <utility>
 
 #include "format/atlas_writer.h"
+#include "format/derive/fit_surface.h"
+#include "tests/support/fill_classes.h"
 #include "tests/support/marching_tetrahedra.h"
-#include "tests/support/neighbours.h"
 #include "tests/support/value_or_throw.h"
 
 namespace splatlas {
@@ -58,48 +57,29 @@ class Classifier {
         crossed_[s][static_cast<std::size_t>(grid.offset(voxel[0], voxel[1], voxel[2]))] = true;
       }
     }
-    content_of_each_voxel();
   }
 
-  void fill(AtlasContent& content) {
-    const std::vector<ClassId> order = storage_order(classes_, content.graph);
-    std::vector<ClassId> number(order.size());
-    for (ClassId c = 0; c < order.size(); ++c) number[order[c]] = c;
-    content.classes = classes_.renumbered(order);
-    content.boundary_normals.resize(order.size());
-    content.class_volume.clear();
-    std::size_t n = 0;
-    for (const ClassId old : volume_) {
-      const ClassId c = number[old];
-      content.class_volume.push_back(c);
-      const auto members = content.classes.members(c);
-      const auto boundary = std::find_if(members.begin(), members.end(),
-                                         [](const Membership& m) { return m.part == Part::kBoundary; });
-      if (boundary != members.end()) {
-        content.boundary_normals[c].push_back(normal(masks_[boundary->structure], voxel(n)));
-      }
-      ++n;
-    }
+  void fill(AtlasContent& content) const {
+    fill_classes(content, [&](const Index3& at) { return members_of(at); });
+    const std::vector<StructureIndex> owners = normal_owners(content.classes);
+    content.boundary_normals.resize(owners.size());
+    auto c = content.class_volume.begin();
+    for_each_voxel(grid_.size, [&](const Index3& at) {
+      if (owners[*c] != kNoStructure) content.boundary_normals[*c].push_back(normal(masks_[owners[*c]], at));
+      ++c;
+    });
   }
 
  private:
-  [[nodiscard]] Index3 voxel(std::size_t n) const {
-    const auto at = static_cast<std::int64_t>(n);
-    return {at % grid_.size[0], at / grid_.size[0] % grid_.size[1], at / (grid_.size[0] * grid_.size[1])};
-  }
-  void content_of_each_voxel() {
-    for (std::size_t n = 0; n < static_cast<std::size_t>(grid_.voxels()); ++n) {
-      const Index3 at = voxel(n);
-      std::vector<Membership> members;
-      for (StructureIndex s = 0; s < masks_.size(); ++s) {
-        if (!crossed_[s].empty() && crossed_[s][n]) members.push_back({s, Part::kCrossed});
-        const auto holds = holds_in(masks_[s], grid_.size);
-        if (holds(at)) members.push_back({s, is_boundary(at, holds) ? Part::kBoundary : Part::kInterior});
-      }
-      const ClassId c = classes_.intern(std::move(members));
-      classes_.count(c, 1, {at, at});
-      volume_.push_back(c);
+  [[nodiscard]] std::vector<Membership> members_of(const Index3& at) const {
+    const auto voxel = static_cast<std::size_t>(grid_.offset(at[0], at[1], at[2]));
+    std::vector<Membership> members;
+    for (StructureIndex s = 0; s < masks_.size(); ++s) {
+      if (!crossed_[s].empty() && crossed_[s][voxel]) members.push_back({s, Part::kCrossed});
+      const auto holds = holds_in(masks_[s], grid_.size);
+      if (holds(at)) members.push_back({s, is_boundary(at, holds) ? Part::kBoundary : Part::kInterior});
     }
+    return members;
   }
 
   /// Direction in which the mask falls off, LPS.
@@ -122,21 +102,16 @@ class Classifier {
   const Grid& grid_;
   std::vector<std::vector<bool>> masks_;
   std::vector<std::vector<bool>> crossed_;  // empty if there are none
-  ClassTable classes_;
-  std::vector<ClassId> volume_;
 };
 
 /// Bounding ball of all structures; of the grid if there are none.
 void frame(const std::vector<std::vector<bool>>& masks, const Grid& grid, Display& display) {
   IndexBox box;
   for (const auto& mask : masks) {
-    for (std::size_t n = 0; n < mask.size(); ++n) {
-      const auto at = static_cast<std::int64_t>(n);
-      if (mask[n]) {
-        box.include(
-            Index3{at % grid.size[0], at / grid.size[0] % grid.size[1], at / (grid.size[0] * grid.size[1])});
-      }
-    }
+    const auto holds = holds_in(mask, grid.size);
+    for_each_voxel(grid.size, [&](const Index3& at) {
+      if (holds(at)) box.include(at);
+    });
   }
   if (box.empty()) box = {{0, 0, 0}, {grid.size[0] - 1, grid.size[1] - 1, grid.size[2] - 1}};
   const Affine to_lps = index_to_lps_mm(grid);
@@ -191,10 +166,7 @@ AtlasContent make_content(const TestVolume& volume) {
 }
 
 std::shared_ptr<const Atlas> open_in_memory(const AtlasContent& content) {
-  WriteOptions options;
-  options.level = 1;
-  options.threads = 1;
-  return value_or_throw(Atlas::open_bytes(value_or_throw(encode_atlas(content, options))));
+  return value_or_throw(Atlas::open_bytes(value_or_throw(encode_atlas(content, {.level = 1, .threads = 1}))));
 }
 
 Selection selection_of(std::string_view text, const StructureGraph& graph) {

@@ -9,6 +9,7 @@
 #include "format/atlas_content.h"
 #include "format/atlas_reader.h"
 #include "format/selection.h"
+#include "tests/support/neighbours.h"
 
 namespace splatlas {
 
@@ -33,11 +34,7 @@ struct TestVolume {
 template <typename Holds>
 [[nodiscard]] std::vector<bool> make_mask(const Index3& size, const Holds& holds) {
   std::vector<bool> mask;
-  for (std::int64_t k = 0; k < size[2]; ++k) {
-    for (std::int64_t j = 0; j < size[1]; ++j) {
-      for (std::int64_t i = 0; i < size[0]; ++i) mask.push_back(holds(i, j, k));
-    }
-  }
+  for_each_voxel(size, [&](const Index3& at) { mask.push_back(holds(at[0], at[1], at[2])); });
   return mask;
 }
 

@@ -1,12 +1,9 @@
 #include "tests/format/bad_files/good_atlas.h"
 
-#include <utility>
 #include <vector>
 
-#include "format/derive/fit_surface.h"
-#include "format/derive/structure_crop.h"
-#include "format/run_model.h"
-#include "tests/support/neighbours.h"
+#include "tests/support/fill_classes.h"
+#include "tests/support/fit_parts.h"
 
 namespace splatlas {
 namespace {
@@ -39,24 +36,6 @@ std::vector<Membership> members_of(const Index3& at) {
   return members;
 }
 
-void classify(AtlasContent& content) {
-  ClassTable classes;
-  for (std::int64_t k = 0; k < kSize[2]; ++k) {
-    for (std::int64_t j = 0; j < kSize[1]; ++j) {
-      for (std::int64_t i = 0; i < kSize[0]; ++i) {
-        const ClassId c = classes.intern(members_of({i, j, k}));
-        classes.count(c, 1, {{i, j, k}, {i, j, k}});
-        content.class_volume.push_back(c);
-      }
-    }
-  }
-  const std::vector<ClassId> order = storage_order(classes, content.graph);
-  std::vector<ClassId> number(order.size());
-  for (ClassId c = 0; c < order.size(); ++c) number[order[c]] = c;
-  for (ClassId& c : content.class_volume) c = number[c];
-  content.classes = classes.renumbered(order);
-}
-
 SurfaceMesh one_triangle(std::uint32_t position_scale) {
   SurfaceMesh mesh;
   mesh.position_scale = position_scale;
@@ -68,30 +47,21 @@ SurfaceMesh one_triangle(std::uint32_t position_scale) {
 
 /// Surfaces of core and knob and the normals of the knob are derived; the others are stored.
 void add_surfaces(AtlasContent& content) {
-  const Grid grid = storage_grid(content);
   content.surfaces.resize(content.graph.size());
   content.surfaces[good::kRim] = one_triangle(2);
   content.surfaces[good::kNeedle] = one_triangle(8192);
   content.boundary_normals.resize(content.classes.size());
-  const StructureClasses held(content.classes, content.graph.size());
-  for (const auto& [s, box] : {std::pair{good::kCore, kCoreBox}, std::pair{good::kKnob, kKnobBox}}) {
-    const std::vector<std::uint8_t> parts = parts_of(held.of(s), content.classes.size());
-    const StructureCrop crop = crop_structure(content.class_volume, kSize, {box.first, box.last}, parts);
-    content.surfaces[s] = fit_surface(crop, grid);
-  }
+  fit_parts(content, good::kCore);
+  fit_parts(content, good::kKnob);
   const std::vector<StructureIndex> owners = normal_owners(content.classes);
+  for (ClassId c = 0; c < owners.size(); ++c) {
+    if (owners[c] != good::kKnob) content.boundary_normals[c].clear();
+  }
   for (std::size_t v = 0; v < content.class_volume.size(); ++v) {
     const ClassId c = content.class_volume[v];
     if (owners[c] != kNoStructure && owners[c] != good::kKnob) {
       content.boundary_normals[c].push_back(static_cast<PackedNormal>(v * 257));
     }
-  }
-  StructureCrop knob = empty_crop_around({kKnobBox.first, kKnobBox.last});
-  const RunModel runs = encode_runs(content.class_volume, kSize, Axis::kZ, content.classes.size());
-  const std::vector<std::uint8_t> parts = parts_of(held.of(good::kKnob), content.classes.size());
-  for (ClassId c = 1; c < parts.size(); ++c) paint_runs(runs.classes[c], kSize[1], parts[c], knob);
-  for (ClassId c = 1; c < parts.size(); ++c) {
-    if (owners[c] == good::kKnob) content.boundary_normals[c] = fit_normals(knob, runs.classes[c], grid);
   }
 }
 
@@ -107,7 +77,7 @@ AtlasContent good_content() {
                                          {"needle", "Needle", {7, 8, 9}, {}, {}, true},
                                          {"knob", "Knob", {10, 11, 12}, 9, {good::kAll}}})
                       .value();
-  classify(content);
+  fill_classes(content, members_of);
   content.values = {VoxelType::kUInt8, {}};
   for (int v = 0; v < 200; ++v) content.values.bytes.push_back(static_cast<std::byte>(v * 37 % 251));
   content.label_type = VoxelType::kInt16;

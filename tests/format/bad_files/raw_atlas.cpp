@@ -190,14 +190,7 @@ Bytes file_of(const RawAtlas& atlas) {
   Bytes directory = encode(atlas.directory);
   if (atlas.on_directory) atlas.on_directory(directory);
   Bytes file = put_together(directory, atlas.chunks);
-  if (atlas.on_header) {
-    FileHeader header;
-    std::memcpy(&header, file.data(), sizeof header);
-    atlas.on_header(header);
-    header.header_checksum =
-        checksum_of(std::as_bytes(std::span(&header, 1)).first(offsetof(FileHeader, header_checksum)));
-    std::memcpy(file.data(), &header, sizeof header);
-  }
+  if (atlas.on_header) edit_header(file, atlas.on_header);
   if (atlas.on_file) atlas.on_file(file);
   return file;
 }

@@ -28,16 +28,12 @@ template <typename Covers>
 Shape shape_of(const Index3& size, Axis axis, Covers&& covers) {
   std::vector<ClassId> volume;
   Shape shape{size, axis, {}, {}, 0};
-  for (std::int64_t k = 0; k < size[2]; ++k) {
-    for (std::int64_t j = 0; j < size[1]; ++j) {
-      for (std::int64_t i = 0; i < size[0]; ++i) {
-        volume.push_back(covers(i, j, k) ? 1 : 0);
-        if (volume.back() == 0) continue;
-        shape.box.include(IndexBox{{i, j, k}, {i, j, k}});
-        ++shape.voxels;
-      }
-    }
-  }
+  for_each_voxel(size, [&](const Index3& at) {
+    volume.push_back(covers(at[0], at[1], at[2]) ? 1 : 0);
+    if (volume.back() == 0) return;
+    shape.box.include(at);
+    ++shape.voxels;
+  });
   shape.runs = encode_runs(volume, size, axis, 2).classes[1];
   return shape;
 }

@@ -5,6 +5,7 @@
 #include <rapidcheck/gtest.h>
 
 #include "tests/format/random_volume.h"
+#include "tests/support/message_of.h"
 
 namespace splatlas {
 namespace {
@@ -84,9 +85,7 @@ RC_GTEST_PROP(RunCodec, SurvivesAnyBytes, (std::vector<std::uint8_t> bytes)) {
 }
 
 TEST(RunCodec, RefusesMoreRunsThanVoxels) {
-  const auto runs = decode_run_list(encode({{0, 0, 1}, {1, 0, 1}}), 1);
-  ASSERT_FALSE(runs);
-  EXPECT_THAT(runs.error().message, HasSubstr("2 runs"));
+  EXPECT_THAT(message_of(decode_run_list(encode({{0, 0, 1}, {1, 0, 1}}), 1)), HasSubstr("2 runs"));
 }
 
 TEST(RunCodec, RefusesNumbersThatWrap) {

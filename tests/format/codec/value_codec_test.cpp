@@ -109,11 +109,7 @@ class PlainCoder {
  public:
   PlainCoder(const Index3& size, const std::vector<std::byte>& values, std::span<const std::byte> model)
       : size_(size), values_(values), model_(model.begin(), model.end()) {
-    for (std::int64_t k = 0; k < size[2]; ++k) {
-      for (std::int64_t j = 0; j < size[1]; ++j) {
-        for (std::int64_t i = 0; i < size[0]; ++i) code_voxel(i, j, k);
-      }
-    }
+    for_each_voxel(size, [&](const Index3& at) { code_voxel(at[0], at[1], at[2]); });
   }
 
   [[nodiscard]] std::vector<std::byte> code() const {
@@ -343,10 +339,8 @@ TEST(ValueGroups, HoldClassesThatDifferInTheirPartsOnly) {
 }
 
 TEST(ReadValues, GivesEveryClassItsOwnInAnyOrderAndAgain) {
-  std::mt19937 random(7);
-  AtlasContent content;
-  do content = random_content(random, {12, 6, 5});
-  while (content.values.empty() || content.classes.size() < 6);
+  const auto has_values = [](const AtlasContent& c) { return !c.values.empty() && c.classes.size() >= 6; };
+  const AtlasContent content = random_content_with(has_values, 7, {12, 6, 5});
   const auto atlas = *Atlas::open_bytes(*encode_atlas(content, {.threads = 1}));
   const std::size_t value_bytes = bytes_of(content.values.type);
   std::vector<std::vector<std::byte>> expected(content.classes.size());

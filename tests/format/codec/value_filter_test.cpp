@@ -1,7 +1,6 @@
 #include "format/codec/value_filter.h"
 
 #include <algorithm>
-#include <limits>
 #include <random>
 #include <vector>
 

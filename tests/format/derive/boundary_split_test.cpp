@@ -7,7 +7,8 @@
 #include "format/atlas_reader.h"
 #include "format/atlas_writer.h"
 #include "tests/format/atlas_surgery.h"
-#include "tests/support/neighbours.h"
+#include "tests/support/fails_with.h"
+#include "tests/support/fill_classes.h"
 
 namespace splatlas {
 namespace {
@@ -58,20 +59,19 @@ TEST(FindSplitGroups, WantsAnInteriorAndABoundaryOfStructuresThatNoOtherGroupHol
   EXPECT_EQ(split({{{0, in}}, {{0, on}}, {{0, on}, {1, on}}}), (Split{false, false, false}));
 }
 
-/// A block of one structure with its derived boundary.
-AtlasContent block() {
+/// A block of one structure with its derived boundary. `marked` belongs to the boundary, too.
+AtlasContent block(const Index3& marked = {-1, -1, -1}) {
   AtlasContent content;
   content.source_grid.size = {8, 7, 6};
   content.graph = *StructureGraph::build({{.id = "block"}});
-  content.classes.intern({{0, Part::kInterior}});
-  content.classes.intern({{0, Part::kBoundary}});
-  std::vector<std::uint8_t> mask;
-  for (int n = 0; n < 8 * 7 * 6; ++n) mask.push_back(n % 8 > 0 && n % 8 < 6 && n / 8 % 7 > 1 && n / 56 > 0);
-  content.class_volume = split_by_definition(mask, content.source_grid.size);
-  for (std::int64_t n = 0; n < 8 * 7 * 6; ++n) {
-    const Index3 at{n % 8, n / 8 % 7, n / 56};
-    content.classes.count(content.class_volume[static_cast<std::size_t>(n)], 1, {at, at});
-  }
+  const auto holds = [&](const Index3& at) {
+    return content.source_grid.contains(at[0], at[1], at[2]) && at[0] > 0 && at[0] < 6 && at[1] > 1 &&
+           at[2] > 0;
+  };
+  fill_classes(content, [&](const Index3& at) -> std::vector<Membership> {
+    if (!holds(at)) return {};
+    return {{0, is_boundary(at, holds) || at == marked ? Part::kBoundary : Part::kInterior}};
+  });
   content.surfaces.resize(1);
   content.boundary_normals.resize(3);
   content.boundary_normals[2].resize(content.classes.voxels(2));
@@ -95,22 +95,8 @@ TEST(SharedRuns, BothClassesComeFromOneList) {
 }
 
 TEST(SharedRuns, ABoundaryThatIsNoneHasAListOfItsOwn) {
-  AtlasContent content = block();
-  // An interior voxel marked as boundary.
-  const auto at = std::ranges::find(content.class_volume, ClassId{1});
-  ASSERT_NE(at, content.class_volume.end());
-  const auto n = at - content.class_volume.begin();
-  *at = 2;
-  ClassTable classes;
-  classes.intern({{0, Part::kInterior}});
-  classes.intern({{0, Part::kBoundary}});
-  for (std::int64_t v = 0; v < 8 * 7 * 6; ++v) {
-    const Index3 voxel{v % 8, v / 8 % 7, v / 56};
-    classes.count(content.class_volume[static_cast<std::size_t>(v)], 1, {voxel, voxel});
-  }
-  ASSERT_GT(n, 0);
-  content.classes = classes;
-  content.boundary_normals[2].resize(classes.voxels(2));
+  const AtlasContent content = block({3, 3, 3});
+  ASSERT_EQ(content.classes.voxels(1), block().classes.voxels(1) - 1);
   const Bytes file = *encode_atlas(content);
   EXPECT_GT(take_apart(file).directory.run_bytes[2][2], 0u);
   const auto atlas = *Atlas::open_bytes(file);
@@ -130,24 +116,13 @@ TEST(SharedRuns, VoxelCountsThatTheListDoesNotGiveAreRefused) {
   classes = changed;
   parts.directory.normals_fitted.assign(3, true);
   parts.directory.normals_fitted[0] = parts.directory.normals_fitted[1] = false;
-  std::vector<SectionEntry>& sections = parts.directory.sections;
   // Marks normals as derived, as the lengths of their chunks would change.
-  for (std::size_t n = 0, chunk = 0; n < sections.size(); chunk += sections[n++].chunks) {
-    if (sections[n].kind != static_cast<std::uint32_t>(SectionKind::kNormals)) continue;
-    parts.chunks.erase(parts.chunks.begin() + static_cast<std::ptrdiff_t>(chunk),
-                       parts.chunks.begin() + static_cast<std::ptrdiff_t>(chunk + sections[n].chunks));
-    parts.directory.chunks.erase(
-        parts.directory.chunks.begin() + static_cast<std::ptrdiff_t>(chunk),
-        parts.directory.chunks.begin() + static_cast<std::ptrdiff_t>(chunk + sections[n].chunks));
-    sections[n].chunks = 0;
-  }
+  replace_streams(parts, SectionKind::kNormals, {});
   const auto atlas = Atlas::open_bytes(put_together(parts));
   ASSERT_TRUE(atlas.has_value()) << atlas.error().message;
   for (const ClassId c : {1u, 2u}) {
-    const auto runs = (*atlas)->read_runs(c, Axis::kZ);
-    ASSERT_FALSE(runs.has_value());
-    EXPECT_EQ(runs.error().code, ErrorCode::kInvalidAtlas);
-    EXPECT_THAT(runs.error().message, HasSubstr("runs_z of class 1"));
+    EXPECT_THAT((*atlas)->read_runs(c, Axis::kZ),
+                FailsWith(ErrorCode::kInvalidAtlas, HasSubstr("runs_z of class 1")));
   }
 }
 

@@ -1,7 +1,5 @@
 #include "format/derive/fit_surface.h"
 
-#include <algorithm>
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
@@ -10,9 +8,11 @@
 #include "format/atlas_writer.h"
 #include "format/file/fitted_content.h"
 #include "tests/format/atlas_surgery.h"
-#include "tests/format/fit_content.h"
 #include "tests/format/random_content.h"
 #include "tests/format/random_volume.h"
+#include "tests/support/fill_classes.h"
+#include "tests/support/fit_parts.h"
+#include "tests/support/message_of.h"
 
 namespace splatlas {
 namespace {
@@ -52,28 +52,16 @@ AtlasContent ball() {
   AtlasContent content;
   content.source_grid.size = {12, 13, 14};
   content.graph = *StructureGraph::build({{.id = "ball"}});
-  const auto holds = [](std::int64_t i, std::int64_t j, std::int64_t k) {
+  const auto holds = [](const Index3& at) {
+    const auto [i, j, k] = at;
     return (i - 5) * (i - 5) + (j - 6) * (j - 6) + (k - 6) * (k - 6) < 25;
   };
-  const ClassId interior = content.classes.intern({{0, Part::kInterior}});
-  const ClassId boundary = content.classes.intern({{0, Part::kBoundary}});
-  for (std::int64_t k = 0; k < 14; ++k) {
-    for (std::int64_t j = 0; j < 13; ++j) {
-      for (std::int64_t i = 0; i < 12; ++i) {
-        bool all = true;
-        for (int n = 0; n < 27; ++n) {
-          const std::int64_t x = n % 3 - 1, y = n / 3 % 3 - 1, z = n / 9 - 1;
-          if (x * x + y * y + z * z < 3) all = all && holds(i + x, j + y, k + z);
-        }
-        const ClassId c = !holds(i, j, k) ? kEmptyClass : all ? interior : boundary;
-        content.class_volume.push_back(c);
-        content.classes.count(c, 1, {{i, j, k}, {i, j, k}});
-      }
-    }
-  }
+  fill_classes(content, [&](const Index3& at) -> std::vector<Membership> {
+    if (!holds(at)) return {};
+    return {{0, is_boundary(at, holds) ? Part::kBoundary : Part::kInterior}};
+  });
   content.surfaces.resize(1);
   content.boundary_normals.resize(3);
-  content.boundary_normals[boundary].resize(content.classes.voxels(boundary));
   return content;
 }
 
@@ -109,39 +97,42 @@ TEST(FitSurface, NormalsOfAClassNeedTheOwnersOtherClassesAround) {
 }
 
 /// The message of opening a changed file and reading its surface and normals.
-template <typename Change>
-std::string refusal_after(const Change& change) {
+std::string refusal_after(void (*change)(Directory& directory)) {
   AtlasParts parts = take_apart(*encode_atlas(fitted(ball())));
   change(parts.directory);
   const auto atlas = Atlas::open_bytes(put_together(parts), "changed");
   if (!atlas) return atlas.error().message;
-  if (const auto normals = (*atlas)->read_normals(2); !normals) return normals.error().message;
-  if (const auto surface = (*atlas)->read_surface(0); !surface) return surface.error().message;
-  return "";
+  return message_of((*atlas)->read_normals(2)) + message_of((*atlas)->read_surface(0));
 }
 
 TEST(FitSurface, WhatTheVoxelsDoNotGiveIsRefused) {
   EXPECT_EQ(refusal_after([](Directory&) {}), "");
-  EXPECT_THAT(refusal_after([](Directory& d) { ++d.surfaces[0].triangles; }), HasSubstr("its voxels give"));
-  EXPECT_THAT(refusal_after([](Directory& d) { --d.surfaces[0].vertices; }), HasSubstr("its voxels give"));
-  EXPECT_THAT(refusal_after([](Directory& d) { d.surfaces[0].triangles = 0; }), HasSubstr("fitted"));
-  EXPECT_THAT(refusal_after([](Directory& d) { d.surfaces[0].position_scale = 4; }), HasSubstr("fitted"));
-  EXPECT_THAT(refusal_after([](Directory& d) { d.normals_fitted.pop_back(); }),
-              HasSubstr("normals of 2 classes"));
-  EXPECT_THAT(refusal_after([](Directory& d) { d.normals_fitted[0] = true; }), HasSubstr("no boundary"));
-  EXPECT_THAT(refusal_after([](Directory& d) { d.normals_fitted[2] = false; }), HasSubstr("section normals"));
-  EXPECT_THAT(refusal_after([](Directory& d) {
-                ClassTable classes;
-                for (ClassId c = 1; c < d.classes.size(); ++c)
-                  classes.intern({d.classes.members(c).begin(), d.classes.members(c).end()});
-                for (ClassId c = 0; c < d.classes.size(); ++c) {
-                  IndexBox box = d.classes.box(c);
-                  if (c == 2) ++box.first[0], ++box.last[0];
-                  classes.count(c, d.classes.voxels(c), box);
-                }
-                d.classes = classes;
-              }),
-              HasSubstr("box of class 2"));
+  struct Fault {
+    void (*change)(Directory& directory);
+    const char* part;
+  };
+  constexpr Fault kFaults[] = {
+      {[](auto& d) { ++d.surfaces[0].triangles; }, "its voxels give"},
+      {[](auto& d) { --d.surfaces[0].vertices; }, "its voxels give"},
+      {[](auto& d) { d.surfaces[0].triangles = 0; }, "fitted"},
+      {[](auto& d) { d.surfaces[0].position_scale = 4; }, "fitted"},
+      {[](auto& d) { d.normals_fitted.pop_back(); }, "normals of 2 classes"},
+      {[](auto& d) { d.normals_fitted[0] = true; }, "no boundary"},
+      {[](auto& d) { d.normals_fitted[2] = false; }, "section normals"},
+      {[](auto& d) {
+         ClassTable classes;
+         for (ClassId c = 1; c < d.classes.size(); ++c)
+           classes.intern({d.classes.members(c).begin(), d.classes.members(c).end()});
+         for (ClassId c = 0; c < d.classes.size(); ++c) {
+           IndexBox box = d.classes.box(c);
+           if (c == 2) ++box.first[0], ++box.last[0];
+           classes.count(c, d.classes.voxels(c), box);
+         }
+         d.classes = classes;
+       },
+       "box of class 2"},
+  };
+  for (const auto& [change, part] : kFaults) EXPECT_THAT(refusal_after(change), HasSubstr(part));
 }
 
 TEST(FitSurface, CropsAreCountedWithWhatNormalsDependOn) {

@@ -1,7 +1,6 @@
 #include "format/derive/marching_cubes.h"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <set>
 

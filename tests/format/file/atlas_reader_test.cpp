@@ -16,6 +16,9 @@
 #include "format/system/checksum.h"
 #include "tests/format/atlas_surgery.h"
 #include "tests/format/random_content.h"
+#include "tests/support/fails_with.h"
+#include "tests/support/file_bytes.h"
+#include "tests/support/message_of.h"
 #include "tests/support/temporary_folder.h"
 
 namespace splatlas {
@@ -24,15 +27,8 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
-WriteOptions quick(bool compact = false) {
-  WriteOptions options;
-  options.level = 1;
-  options.compact = compact;
-  return options;
-}
-
 Bytes encode(const AtlasContent& content, bool compact = false) {
-  return encode_atlas(content, quick(compact)).value();
+  return encode_atlas(content, {.level = 1, .compact = compact}).value();
 }
 
 RC_GTEST_PROP(Atlas, ReadsWhatWasWritten, ()) {
@@ -155,18 +151,14 @@ RC_GTEST_PROP(Atlas, ReadsTheChunksOfWhatIsAskedForAndNoOthers, ()) {
 }
 
 TEST(Atlas, ReadingEverythingTouchesEveryByteOnce) {
-  std::mt19937 random(5);
-  const AtlasContent content = random_content(random, {40, 8, 500});
-  const auto atlas = Atlas::open_bytes(encode(content)).value();
+  const auto atlas = Atlas::open_bytes(encode(random_content(5, {40, 8, 500}))).value();
   ASSERT_TRUE(atlas->verify());
   ASSERT_TRUE(atlas->verify());
   EXPECT_EQ(atlas->counters().read, atlas->counters().file);
 }
 
 TEST(Atlas, SharesChunksAmongSmallClassesOnly) {
-  std::mt19937 random(8);
-  const AtlasContent content = random_content(random, {40, 8, 500});
-  const AtlasParts parts = take_apart(encode(content));
+  const AtlasParts parts = take_apart(encode(random_content(8, {40, 8, 500})));
   const std::vector<std::uint64_t> sizes = stream_sizes(parts.directory, SectionKind::kValues);
   for (std::size_t g = 0; g < sizes.size(); ++g) {
     const std::uint64_t decoded = cost_of(parts, SectionKind::kValues, g).second;
@@ -175,8 +167,7 @@ TEST(Atlas, SharesChunksAmongSmallClassesOnly) {
 }
 
 TEST(Atlas, IsSafeToReadFromSeveralThreads) {
-  std::mt19937 random(6);
-  const AtlasContent content = random_content(random, {40, 8, 500});
+  const AtlasContent content = random_content(6, {40, 8, 500});
   const auto atlas = Atlas::open_bytes(encode(content)).value();
   std::vector<std::thread> threads;
   std::vector<std::string> differences(8, "not run");
@@ -193,8 +184,7 @@ TEST(Atlas, IsSafeToReadFromSeveralThreads) {
 }
 
 TEST(Atlas, ClassesAndStructuresOutOfRangeAreErrors) {
-  std::mt19937 random(7);
-  const auto atlas = Atlas::open_bytes(encode(random_content(random))).value();
+  const auto atlas = Atlas::open_bytes(encode(random_content(7))).value();
   const auto classes = static_cast<ClassId>(atlas->classes().size());
   EXPECT_EQ(atlas->read_runs(classes, Axis::kX).error().code, ErrorCode::kUsage);
   EXPECT_EQ(atlas->read_values(classes).error().code, ErrorCode::kUsage);
@@ -219,10 +209,8 @@ TEST(Atlas, RefusesStreamsThatNeedMoreMemoryThanThereIs) {
       {3, 0, kChunkBytes, 0}, {4, kChunks, kChunkBytes, 0}, {5, 0, kChunkBytes, 0}, {6, 0, kChunkBytes, 0}};
   const auto atlas = Atlas::open_bytes(put_together(parts));
   ASSERT_TRUE(atlas) << atlas.error().message;
-  const auto values = (*atlas)->read_values(kEmptyClass);
-  ASSERT_FALSE(values);
-  EXPECT_EQ(values.error().code, ErrorCode::kLimit);
-  EXPECT_THAT(values.error().message, HasSubstr("(memory): values needs a stream of 8388608 MiB, "));
+  EXPECT_THAT((*atlas)->read_values(kEmptyClass),
+              FailsWith(ErrorCode::kLimit, HasSubstr("(memory): values needs a stream of 8388608 MiB, ")));
   EXPECT_EQ((*atlas)->verify().error().message,
             "(memory): damaged: 1 bytes, expected 16777216 of values of class 0");
 }
@@ -244,11 +232,10 @@ TEST(Atlas, RefusesToDeriveWhatTakesMemoryByTheVoxel) {
   directory.sections = {{3, 1, 262'144, 4}, {5, 0, 262'144, 4}, {6, 0, 262'144, 4}};
   const auto atlas = Atlas::open_bytes(put_together(parts));
   ASSERT_TRUE(atlas) << atlas.error().message;
-  const auto runs = (*atlas)->read_runs(cube, Axis::kX);
-  ASSERT_FALSE(runs);
-  EXPECT_EQ(runs.error().code, ErrorCode::kLimit);
-  EXPECT_EQ(runs.error().message,
-            "(memory): class 1 has 8589934592 voxels, too many to derive a run model from another");
+  EXPECT_THAT(
+      (*atlas)->read_runs(cube, Axis::kX),
+      FailsWith(ErrorCode::kLimit,
+                "(memory): class 1 has 8589934592 voxels, too many to derive a run model from another"));
   const auto surface = (*atlas)->read_surface(0);
   ASSERT_FALSE(surface);
   EXPECT_EQ(surface.error().code, ErrorCode::kLimit);
@@ -256,8 +243,7 @@ TEST(Atlas, RefusesToDeriveWhatTakesMemoryByTheVoxel) {
 }
 
 TEST(Atlas, OpensFilesOfNewerMinorVersionsAndSkipsTheirSections) {
-  std::mt19937 random(9);
-  const AtlasContent content = random_content(random);
+  const AtlasContent content = random_content(9);
   AtlasParts parts = take_apart(encode(content));
   const EncodedChunk extra = encode_chunk(Bytes(1000, std::byte{1}), 3);
   parts.directory.sections.insert(parts.directory.sections.begin(), {4711, 1, 5, 7});
@@ -265,12 +251,10 @@ TEST(Atlas, OpensFilesOfNewerMinorVersionsAndSkipsTheirSections) {
   parts.directory.chunks[0].codec = static_cast<ChunkCodec>(9);
   parts.chunks.insert(parts.chunks.begin(), extra.bytes);
   Bytes file = put_together(parts);
-  FileHeader header;
-  std::memcpy(&header, file.data(), sizeof header);
-  header.minor = 3;
-  header.optional_features = 1;
-  header.header_checksum = checksum_of(std::as_bytes(std::span(&header, 1)).first(56));
-  std::memcpy(file.data(), &header, sizeof header);
+  edit_header(file, [](FileHeader& header) {
+    header.minor = 3;
+    header.optional_features = 1;
+  });
 
   const auto atlas = Atlas::open_bytes(file).value();
   EXPECT_EQ(atlas->format_version(), "1.3");
@@ -279,26 +263,15 @@ TEST(Atlas, OpensFilesOfNewerMinorVersionsAndSkipsTheirSections) {
   EXPECT_EQ(atlas->sections()[2].name, "section 4711");
 
   // Unknown chunks are checked for damage.
-  const std::size_t at = sizeof(FileHeader) + header.directory_bytes;
-  file[at + 3] ^= std::byte{1};
-  const auto verified = Atlas::open_bytes(file).value()->verify();
-  ASSERT_FALSE(verified);
-  EXPECT_EQ(verified.error().message, "(memory): damaged: checksum of section 4711 chunk 0");
+  file[sizeof(FileHeader) + header_of(file).directory_bytes + 3] ^= std::byte{1};
+  EXPECT_EQ(message_of(Atlas::open_bytes(file).value()->verify()),
+            "(memory): damaged: checksum of section 4711 chunk 0");
 }
 
 struct AtlasFileTest : ::testing::Test {
   TemporaryFolder folder;
   std::filesystem::path path = folder.path() / "a.atlas";
-  AtlasContent content = [] {
-    std::mt19937 random(10);
-    return random_content(random, {30, 6, 300});
-  }();
-
-  static std::string message_of(const Result<void>& result) { return result ? "" : result.error().message; }
-  void write(const Bytes& bytes) const {
-    std::ofstream(path, std::ios::binary)
-        .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-  }
+  AtlasContent content = random_content(10, {30, 6, 300});
 };
 
 /// 2^32 voxels. The values of the empty class are a hole of 4 GiB in the file, followed by those of a class
@@ -364,14 +337,14 @@ TEST_F(AtlasFileTest, ErrorsNameTheFile) {
   EXPECT_EQ(Atlas::open(path).error().code, ErrorCode::kFailed);
   EXPECT_EQ(Atlas::open(path).error().message,
             path.string() + ": cannot be opened: No such file or directory");
-  write({});
+  write_bytes(path, {});
   EXPECT_EQ(Atlas::open(path).error().code, ErrorCode::kInvalidAtlas);
   EXPECT_EQ(Atlas::open(path).error().message, path.string() + ": not an atlas (the file is empty)");
   EXPECT_EQ(Atlas::open(folder.path()).error().code, ErrorCode::kInvalidAtlas);
 }
 
 TEST_F(AtlasFileTest, AFileTruncatedWhileOpenIsAnError) {
-  ASSERT_TRUE(write_atlas(content, path, quick()));
+  ASSERT_TRUE(write_atlas(content, path, {.level = 1}));
   const auto atlas = Atlas::open(path).value();
   std::filesystem::resize_file(path, sizeof(FileHeader));
   EXPECT_THAT(message_of(atlas->verify()), HasSubstr(path.string() + ": truncated while open"));
@@ -380,17 +353,16 @@ TEST_F(AtlasFileTest, AFileTruncatedWhileOpenIsAnError) {
 }
 
 TEST_F(AtlasFileTest, AFileOverwrittenWhileOpenIsAnError) {
-  ASSERT_TRUE(write_atlas(content, path, quick()));
+  ASSERT_TRUE(write_atlas(content, path, {.level = 1}));
   const auto atlas = Atlas::open(path).value();
-  write(Bytes(std::filesystem::file_size(path), std::byte{0x5a}));
+  write_bytes(path, Bytes(std::filesystem::file_size(path), std::byte{0x5a}));
   EXPECT_THAT(message_of(atlas->verify()), HasSubstr("damaged: checksum of"));
 }
 
 TEST_F(AtlasFileTest, AFileReplacedWhileOpenStaysTheOldOne) {
-  ASSERT_TRUE(write_atlas(content, path, quick()));
+  ASSERT_TRUE(write_atlas(content, path, {.level = 1}));
   const auto atlas = Atlas::open(path).value();
-  std::mt19937 random(99);
-  ASSERT_TRUE(write_atlas(random_content(random), path, quick()));
+  ASSERT_TRUE(write_atlas(random_content(99), path, {.level = 1}));
   EXPECT_EQ(difference(content, atlas->read_all().value()), "");
 }
 

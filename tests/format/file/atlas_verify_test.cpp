@@ -1,5 +1,4 @@
 // Detection of damage by open() and verify(): truncation, flipped bits, forgery with right checksums.
-#include <chrono>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,6 +8,7 @@
 #include "format/atlas_writer.h"
 #include "format/codec/run_codec.h"
 #include "tests/format/atlas_surgery.h"
+#include "tests/format/bad_files/bad_files.h"
 #include "tests/format/random_content.h"
 
 namespace splatlas {
@@ -19,16 +19,13 @@ using ::testing::HasSubstr;
 
 /// A small atlas with all sections.
 AtlasContent small_content() {
-  std::mt19937 random(2);
-  for (;;) {
-    AtlasContent content = random_content(random, {7, 5, 12});
-    const auto triangles = [](const SurfaceMesh& m) { return !m.triangles.empty(); };
-    if (content.classes.size() > 4 && content.classes.voxels(0) > 0 && content.classes.voxels(1) > 3 &&
-        content.classes.voxels(2) > 3 && bytes_of(content.values.type) == 2 && content.scenes.size() == 1 &&
-        std::ranges::count_if(content.surfaces, triangles) > 1 && !content.boundary_normals[1].empty()) {
-      return content;
-    }
-  }
+  const auto triangles = [](const SurfaceMesh& m) { return !m.triangles.empty(); };
+  const auto wanted = [&](const AtlasContent& c) {
+    return c.classes.size() > 4 && c.classes.voxels(0) > 0 && c.classes.voxels(1) > 3 &&
+           c.classes.voxels(2) > 3 && bytes_of(c.values.type) == 2 && c.scenes.size() == 1 &&
+           std::ranges::count_if(c.surfaces, triangles) > 1 && !c.boundary_normals[1].empty();
+  };
+  return random_content_with(wanted, 2, {7, 5, 12});
 }
 
 const Bytes& small_file() {
@@ -36,26 +33,11 @@ const Bytes& small_file() {
   return file;
 }
 
-/// The fault found by opening, then by verifying; "" for none. Reading everything must not crash either way.
-std::string fault_of(Bytes file) {
-  const auto atlas = Atlas::open_bytes(std::move(file), "F");
-  if (!atlas) {
-    EXPECT_EQ(atlas.error().code, ErrorCode::kInvalidAtlas) << atlas.error().message;
-    return atlas.error().message;
-  }
-  (void)(*atlas)->read_all();
-  const auto verified = (*atlas)->verify();
-  if (verified) return "";
-  EXPECT_EQ(verified.error().code, ErrorCode::kInvalidAtlas) << verified.error().message;
-  return verified.error().message;
-}
-
 TEST(AtlasDamage, TruncationAtEveryLengthIsToldWithBothSizes) {
   const Bytes& file = small_file();
-  ASSERT_EQ(fault_of(file), "");
+  ASSERT_EQ(fault_of_file(file), "");
   for (std::size_t length = 0; length < file.size(); ++length) {
-    const std::string fault =
-        fault_of(Bytes(file.begin(), file.begin() + static_cast<std::ptrdiff_t>(length)));
+    const std::string fault = fault_of_file(slice(file, 0, length));
     if (length == 0) {
       EXPECT_EQ(fault, "F: not an atlas (the file is empty)");
     } else if (length < sizeof(FileHeader)) {
@@ -69,7 +51,7 @@ TEST(AtlasDamage, TruncationAtEveryLengthIsToldWithBothSizes) {
 TEST(AtlasDamage, TrailingBytesAreAnError) {
   Bytes file = small_file();
   file.push_back(std::byte{0});
-  EXPECT_THAT(fault_of(file), HasSubstr("1 trailing bytes"));
+  EXPECT_THAT(fault_of_file(file), HasSubstr("1 trailing bytes"));
 }
 
 TEST(AtlasDamage, EveryFlippedByteIsFound) {
@@ -78,7 +60,8 @@ TEST(AtlasDamage, EveryFlippedByteIsFound) {
     for (const int mask : {0x01, 0x80, 0xff}) {
       Bytes flipped = file;
       flipped[n] ^= static_cast<std::byte>(mask);
-      EXPECT_THAT(fault_of(flipped), AnyOf(HasSubstr("damaged: checksum"), HasSubstr("not an atlas"))) << n;
+      EXPECT_THAT(fault_of_file(flipped), AnyOf(HasSubstr("damaged: checksum"), HasSubstr("not an atlas")))
+          << n;
     }
   }
 }
@@ -92,7 +75,7 @@ TEST(AtlasDamage, ChecksumFaultsNameWhatIsDamaged) {
   for (std::size_t n = 0; n < expected.size(); ++n) {
     Bytes file = small_file();
     file[layout.chunk_offset[layout.sections[n].first_chunk]] ^= std::byte{1};
-    EXPECT_THAT(fault_of(file), HasSubstr("F: damaged: checksum of " + expected[n]));
+    EXPECT_THAT(fault_of_file(file), HasSubstr("F: damaged: checksum of " + expected[n]));
   }
 }
 
@@ -106,7 +89,7 @@ TEST(AtlasDamage, ForgedDirectoriesDoNoHarm) {
     for (const int mask : {0x01, 0x40, 0x80, 0xff}) {
       Bytes forged = directory;
       forged[n] ^= static_cast<std::byte>(mask);
-      refused += !fault_of(put_together(forged, parts.chunks)).empty();
+      refused += !fault_of_file(put_together(forged, parts.chunks)).empty();
     }
   }
   EXPECT_GT(refused, directory.size());
@@ -116,9 +99,7 @@ TEST(AtlasDamage, ForgedDirectoriesDoNoHarm) {
 RC_GTEST_PROP(AtlasDamage, ForgedWordsDoNoHarm, ()) {
   auto random = *random_source();
   const AtlasContent content = random_content(random, {6, 5, 12});
-  WriteOptions options;
-  options.level = 1;
-  const Bytes file = encode_atlas(content, options).value();
+  const Bytes file = encode_atlas(content, {.level = 1}).value();
   const AtlasParts parts = take_apart(file);
   const Bytes directory = directory_bytes(file);
   const std::array<std::uint32_t, 7> words{0, 1, 4, 0x7fffffff, 0x80000000, 0xfffffffc, 0xffffffff};
@@ -128,7 +109,7 @@ RC_GTEST_PROP(AtlasDamage, ForgedWordsDoNoHarm, ()) {
       const std::uint32_t word = words[random() % words.size()];
       std::memcpy(forged.data() + random() % (forged.size() / 4) * 4, &word, 4);
     }
-    (void)fault_of(put_together(forged, parts.chunks));
+    (void)fault_of_file(put_together(forged, parts.chunks));
   }
 }
 
@@ -143,7 +124,7 @@ RC_GTEST_PROP(AtlasDamage, ForgedStreamsDoNoHarm, ()) {
     if (!stream.empty()) stream[random() % stream.size()] = static_cast<std::byte>(random());
   }
   replace_streams(parts, kind, streams);
-  const std::string fault = fault_of(put_together(parts));
+  const std::string fault = fault_of_file(put_together(parts));
   if (kind == SectionKind::kNormals) RC_ASSERT(fault == "");  // any bytes are valid
 }
 
@@ -158,7 +139,7 @@ std::string fault_with_runs(ClassId c, Axis axis, const std::function<void(Class
   parts.directory.run_bytes[c][static_cast<std::size_t>(axis)] =
       static_cast<std::uint32_t>(streams[c].size());
   replace_streams(parts, run_section(axis), streams);
-  return fault_of(put_together(parts));
+  return fault_of_file(put_together(parts));
 }
 
 TEST(AtlasVerify, FindsRunsThatAreNotThoseOfTheClass) {
@@ -203,7 +184,7 @@ TEST(AtlasVerify, FindsBoxesThatAreNotTight) {
   AtlasParts parts = take_apart(small_file());
   const Index3 size = storage_grid(small_content()).size;
   parts.directory.classes.count(2, 0, {{0, 0, 0}, {size[0] - 1, size[1] - 1, size[2] - 1}});
-  EXPECT_EQ(fault_of(put_together(parts)), "F: invalid: the box of class 2 does not match its runs");
+  EXPECT_EQ(fault_of_file(put_together(parts)), "F: invalid: the box of class 2 does not match its runs");
 }
 
 // Found by fuzzing: such a file was accepted, but could not be written again.
@@ -214,7 +195,7 @@ TEST(AtlasVerify, FindsABoxOfTheEmptyClassThatIsNotTight) {
     const AtlasContent content =
         random_content(random, {.max_side = 5, .max_structures = 3, .max_vertices = 3});
     const Bytes file = encode_atlas(content, {}).value();
-    EXPECT_EQ(fault_of(file), "");
+    EXPECT_EQ(fault_of_file(file), "");
     const Index3 size = storage_grid(content).size;
     const IndexBox& box = content.classes.box(kEmptyClass);
     const IndexBox grid{{0, 0, 0}, {size[0] - 1, size[1] - 1, size[2] - 1}};
@@ -222,7 +203,7 @@ TEST(AtlasVerify, FindsABoxOfTheEmptyClassThatIsNotTight) {
     ++grown;
     AtlasParts parts = take_apart(file);
     parts.directory.classes.count(kEmptyClass, 0, grid);
-    EXPECT_EQ(fault_of(put_together(parts)), "F: invalid: the box of class 0 does not match its voxels");
+    EXPECT_EQ(fault_of_file(put_together(parts)), "F: invalid: the box of class 0 does not match its voxels");
   }
   EXPECT_GT(grown, 50);
 }
@@ -230,16 +211,14 @@ TEST(AtlasVerify, FindsABoxOfTheEmptyClassThatIsNotTight) {
 TEST(AtlasVerify, FindsTotalsThatDoNotAddUp) {
   AtlasParts parts = take_apart(small_file());
   --parts.directory.run_totals[1];
-  EXPECT_THAT(fault_of(put_together(parts)), HasSubstr("F: invalid: runs_y has "));
+  EXPECT_THAT(fault_of_file(put_together(parts)), HasSubstr("F: invalid: runs_y has "));
 }
 
 TEST(AtlasVerify, CountsTheRunsThatACompactFileLeavesOut) {
-  WriteOptions options;
-  options.compact = true;
-  AtlasParts parts = take_apart(encode_atlas(small_content(), options).value());
-  EXPECT_EQ(fault_of(put_together(parts)), "");
+  AtlasParts parts = take_apart(encode_atlas(small_content(), {.compact = true}).value());
+  EXPECT_EQ(fault_of_file(put_together(parts)), "");
   ++parts.directory.run_totals[0];
-  EXPECT_THAT(fault_of(put_together(parts)), HasSubstr("F: invalid: runs_x has "));
+  EXPECT_THAT(fault_of_file(put_together(parts)), HasSubstr("F: invalid: runs_x has "));
 }
 
 TEST(AtlasVerify, FindsClassesThatOverlap) {
@@ -247,18 +226,20 @@ TEST(AtlasVerify, FindsClassesThatOverlap) {
   AtlasContent content;
   content.source_grid.size = {6, 1, 1};
   content.graph = *StructureGraph::build({{"a", "", {}, {}, {}, false}, {"b", "", {}, {}, {}, false}});
-  content.classes.intern({{0, Part::kBoundary}});
-  content.classes.intern({{1, Part::kBoundary}});
+  const auto classes_in = [](const IndexBox& box_of_2) {
+    ClassTable classes;
+    for (const StructureIndex s : {0u, 1u}) classes.intern({{s, Part::kBoundary}});
+    classes.count(0, 2, {{0, 0, 0}, {5, 0, 0}});
+    classes.count(1, 2, {{1, 0, 0}, {2, 0, 0}});
+    classes.count(2, 2, box_of_2);
+    return classes;
+  };
   content.class_volume = {0, 1, 1, 2, 2, 0};
-  content.classes.count(0, 2, {{0, 0, 0}, {5, 0, 0}});
-  content.classes.count(1, 2, {{1, 0, 0}, {2, 0, 0}});
-  content.classes.count(2, 2, {{3, 0, 0}, {4, 0, 0}});
+  content.classes = classes_in({{3, 0, 0}, {4, 0, 0}});
   content.surfaces.resize(2);
   content.boundary_normals = {{}, {0, 0}, {0, 0}};
   for (const bool compact : {false, true}) {
-    WriteOptions options;
-    options.compact = compact;
-    AtlasParts parts = take_apart(encode_atlas(content, options).value());
+    AtlasParts parts = take_apart(encode_atlas(content, {.compact = compact}).value());
     for (const SectionEntry& section : std::vector(parts.directory.sections)) {
       if (section.kind > 3) continue;
       const auto kind = static_cast<SectionKind>(section.kind);
@@ -266,14 +247,9 @@ TEST(AtlasVerify, FindsClassesThatOverlap) {
       streams[2] = streams[1];
       replace_streams(parts, kind, streams);
     }
-    ClassTable moved;
-    moved.intern({{0, Part::kBoundary}});
-    moved.intern({{1, Part::kBoundary}});
-    moved.count(0, 2, {{0, 0, 0}, {5, 0, 0}});
-    moved.count(1, 2, {{1, 0, 0}, {2, 0, 0}});
-    moved.count(2, 2, {{1, 0, 0}, {2, 0, 0}});
-    parts.directory.classes = moved;
-    EXPECT_EQ(fault_of(put_together(parts)), "F: invalid: runs_z of classes 1 and 2 overlap in scanline 0");
+    parts.directory.classes = classes_in({{1, 0, 0}, {2, 0, 0}});
+    EXPECT_EQ(fault_of_file(put_together(parts)),
+              "F: invalid: runs_z of classes 1 and 2 overlap in scanline 0");
   }
 }
 
@@ -285,7 +261,8 @@ TEST(AtlasVerify, FindsSurfacesThatDoNotDecode) {
   streams[n][0] ^= std::byte{1};  // the length of its first part
   replace_streams(parts, SectionKind::kSurfaces, streams);
   const std::string id = parts.directory.graph[parts.directory.graph.preorder()[n]].id;
-  EXPECT_THAT(fault_of(put_together(parts)), HasSubstr("F: invalid: surface of structure '" + id + "': "));
+  EXPECT_THAT(fault_of_file(put_together(parts)),
+              HasSubstr("F: invalid: surface of structure '" + id + "': "));
 }
 
 TEST(AtlasVerify, DamageCostsItsOwnStreamsOnly) {
@@ -305,16 +282,16 @@ TEST(AtlasVerify, DamageCostsItsOwnStreamsOnly) {
 TEST(AtlasDamage, DeclaredSizesAreCheckedBeforeTheyAreBelieved) {
   AtlasParts parts = take_apart(small_file());
   parts.directory.source_grid.size = {1 << 14, 1 << 13, 1 << 13};
-  EXPECT_THAT(fault_of(put_together(parts)), HasSubstr("invalid: classes have"));
+  EXPECT_THAT(fault_of_file(put_together(parts)), HasSubstr("invalid: classes have"));
 
   parts.directory.classes.count(
       0, (std::uint64_t{1} << 40) - static_cast<std::uint64_t>(storage_grid(small_content()).voxels()), {});
-  EXPECT_THAT(fault_of(put_together(parts)), HasSubstr("invalid: "));
+  EXPECT_THAT(fault_of_file(put_together(parts)), HasSubstr("invalid: "));
 
   parts = take_apart(small_file());
   const StructureIndex s = parts.directory.graph.preorder()[0];
   parts.directory.surfaces[s] = {0xffffffff, 0xffffffff, 2, 0xffffffff};
-  EXPECT_THAT(fault_of(put_together(parts)), HasSubstr("invalid: "));
+  EXPECT_THAT(fault_of_file(put_together(parts)), HasSubstr("invalid: "));
 }
 
 }  // namespace

@@ -1,7 +1,6 @@
 #include "format/file/value_cache.h"
 
 #include <atomic>
-#include <string>
 #include <thread>
 
 #include <gtest/gtest.h>

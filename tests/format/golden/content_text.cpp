@@ -1,9 +1,9 @@
-#include "tests/format/golden/content_text.h"
-
 #include <iterator>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+
+#include "tests/format/golden/golden_contents.h"
 
 namespace splatlas {
 namespace {

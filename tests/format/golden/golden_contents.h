@@ -1,4 +1,4 @@
-// Contents of the golden files.
+// Contents of the golden files, and their text.
 #pragma once
 
 #include <string>
@@ -13,6 +13,9 @@ struct GoldenContent {
   AtlasContent content;
   bool compact = false;
 };
+
+/// All numbers of an atlas as plain text, stored beside golden files; equal text for equal content.
+[[nodiscard]] std::string content_text(const AtlasContent& content);
 
 /// Small atlases that together cover all features of the format and all value types.
 [[nodiscard]] std::vector<GoldenContent> golden_contents();

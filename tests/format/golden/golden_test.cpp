@@ -1,25 +1,18 @@
 // Golden files: files of older format versions stay readable.
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 
 #include <gtest/gtest.h>
 
 #include "format/atlas_reader.h"
 #include "format/atlas_writer.h"
-#include "tests/format/golden/content_text.h"
 #include "tests/format/golden/golden_contents.h"
+#include "tests/support/file_bytes.h"
 
 namespace splatlas {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string text_of_file(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-}
 
 /// Folders in SPLATLAS_GOLDEN, one per version.
 std::vector<fs::path> version_folders() {
@@ -44,7 +37,7 @@ TEST(Golden, FilesOfEveryVersionHoldWhatTheyHeld) {
       EXPECT_TRUE(valid) << valid.error().message;
       const auto content = (*atlas)->read_all();
       ASSERT_TRUE(content) << content.error().message;
-      EXPECT_EQ(content_text(*content), text_of_file(fs::path(entry.path()).replace_extension(".txt")))
+      EXPECT_EQ(content_text(*content), read_bytes(fs::path(entry.path()).replace_extension(".txt")))
           << entry.path();
     }
   }
@@ -55,9 +48,7 @@ TEST(Golden, FilesOfEveryVersionHoldWhatTheyHeld) {
 /// Current contents survive a round trip, so that golden files of this version can be written at any time.
 TEST(Golden, ContentsComeBackAsTheyWere) {
   for (const GoldenContent& golden : golden_contents()) {
-    WriteOptions options;
-    options.compact = golden.compact;
-    const auto atlas = Atlas::open_bytes(encode_atlas(golden.content, options).value());
+    const auto atlas = Atlas::open_bytes(encode_atlas(golden.content, {.compact = golden.compact}).value());
     ASSERT_TRUE(atlas) << golden.name << ": " << atlas.error().message;
     const auto valid = (*atlas)->verify();
     EXPECT_TRUE(valid) << golden.name << ": " << valid.error().message;

@@ -4,12 +4,9 @@
 #include <filesystem>
 #include <stdexcept>
 
-#include <fmt/format.h>
-
 #include "format/atlas_reader.h"
 #include "format/atlas_writer.h"
 #include "format/system/output_file.h"
-#include "tests/format/golden/content_text.h"
 #include "tests/format/golden/golden_contents.h"
 
 namespace {
@@ -25,9 +22,8 @@ int main(int argc, char** argv) try {
   const std::filesystem::path folder = argv[1];
   std::filesystem::create_directories(folder);
   for (const splatlas::GoldenContent& golden : splatlas::golden_contents()) {
-    splatlas::WriteOptions options;
-    options.compact = golden.compact;
-    must(splatlas::write_atlas(golden.content, folder / (golden.name + ".atlas"), options));
+    must(splatlas::write_atlas(golden.content, folder / (golden.name + ".atlas"),
+                               {.compact = golden.compact}));
     const std::string text = splatlas::content_text(golden.content);
     must(splatlas::write_file(folder / (golden.name + ".txt"), std::as_bytes(std::span(text))));
   }

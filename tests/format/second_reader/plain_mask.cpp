@@ -1,7 +1,7 @@
-#include "tests/format/second_reader/plain_mask.h"
-
 #include <algorithm>
 #include <cmath>
+
+#include "tests/format/second_reader/plain_codecs.h"
 
 namespace splatlas::second {
 namespace {

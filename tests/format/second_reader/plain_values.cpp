@@ -1,11 +1,10 @@
-#include "tests/format/second_reader/plain_values.h"
-
 #include <algorithm>
 #include <bit>
 #include <cstdlib>
 #include <map>
 
 #include "tests/format/second_reader/flat_directory.h"
+#include "tests/format/second_reader/plain_codecs.h"
 
 namespace splatlas::second {
 namespace {

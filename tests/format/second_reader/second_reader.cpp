@@ -7,8 +7,7 @@
 #include <zstd.h>
 
 #include "tests/format/second_reader/flat_directory.h"
-#include "tests/format/second_reader/plain_mask.h"
-#include "tests/format/second_reader/plain_values.h"
+#include "tests/format/second_reader/plain_codecs.h"
 
 namespace splatlas::second {
 namespace {

@@ -29,19 +29,16 @@ std::string difference(const AtlasContent& content, const std::vector<std::byte>
 
 TEST(SecondReader, ReadsTheContentsOfGoldenFiles) {
   for (const GoldenContent& golden : golden_contents()) {
-    WriteOptions options;
-    options.compact = golden.compact;
-    EXPECT_EQ(difference(golden.content, encode_atlas(golden.content, options).value()), "") << golden.name;
+    const auto file = encode_atlas(golden.content, {.compact = golden.compact}).value();
+    EXPECT_EQ(difference(golden.content, file), "") << golden.name;
   }
 }
 
 RC_GTEST_PROP(SecondReader, ReadsRandomAtlases, ()) {
   auto random = *random_source();
   const AtlasContent content = random_content(random, {9, 6, 20});
-  WriteOptions options;
-  options.level = 1;
-  options.compact = random() % 2 == 0;
-  RC_ASSERT(difference(content, encode_atlas(content, options).value()) == "");
+  const auto file = encode_atlas(content, {.level = 1, .compact = random() % 2 == 0}).value();
+  RC_ASSERT(difference(content, file) == "");
 }
 
 }  // namespace

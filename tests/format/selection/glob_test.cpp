@@ -5,6 +5,7 @@
 
 #include "format/system/ascii_text.h"
 #include "tests/format/random_volume.h"
+#include "tests/support/find_slowly.h"
 
 namespace splatlas {
 namespace {
@@ -35,18 +36,6 @@ TEST(Glob, ReadsPieceByPiece) {
   Glob::merge(glob.read(start, "/nowhere"), merged);
   Glob::merge(glob.read(start, "?"), merged);
   EXPECT_TRUE(glob.accepts(glob.read(merged, "/left")));
-}
-
-/// Brute force over the length of each star; both arguments in lower case.
-bool matches_slowly(std::string_view pattern, std::string_view text) {
-  if (pattern.empty()) return text.empty();
-  if (pattern[0] == '*') {
-    for (std::size_t n = 0; n <= text.size(); ++n) {
-      if (matches_slowly(pattern.substr(1), text.substr(n))) return true;
-    }
-    return false;
-  }
-  return !text.empty() && text[0] == pattern[0] && matches_slowly(pattern.substr(1), text.substr(1));
 }
 
 RC_GTEST_PROP(Glob, MatchesLikeBruteForce, ()) {

@@ -99,9 +99,8 @@ TEST(SelectionText, OpacitiesComeBackToTheBit) {
 }
 
 RC_GTEST_PROP(SelectionText, SelectsExactlyWhatWasWritten, ()) {
-  const auto n = *uniform<std::size_t>(1, 14);
   auto random = *random_source();
-  const StructureGraph graph = random_graph(n, random);
+  const StructureGraph graph = random_graph(random);
   const Selection wanted = random_selection(graph, random);
   const std::string text = to_text(wanted, graph);
   const auto selected = select(text, graph);
@@ -111,9 +110,8 @@ RC_GTEST_PROP(SelectionText, SelectsExactlyWhatWasWritten, ()) {
 }
 
 RC_GTEST_PROP(SelectionText, IsStable, ()) {
-  const auto n = *uniform<std::size_t>(1, 14);
   auto random = *random_source();
-  const StructureGraph graph = random_graph(n, random);
+  const StructureGraph graph = random_graph(random);
   const std::string text = to_text(random_selection(graph, random), graph);
   RC_ASSERT(to_text(*select(text, graph), graph) == text);
 }

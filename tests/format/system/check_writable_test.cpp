@@ -9,6 +9,7 @@
 #include <sys/stat.h>
 
 #include "tests/format/ordinary_user.h"
+#include "tests/support/fails_with.h"
 #include "tests/support/temporary_folder.h"
 
 namespace splatlas {
@@ -46,10 +47,7 @@ TEST_F(CheckWritableTest, NewAndOldFilesCanBeWrittenAndStayAsTheyAre) {
 }
 
 TEST_F(CheckWritableTest, OutputsHaveNames) {
-  const auto checked = check_writable_file("");
-  ASSERT_FALSE(checked);
-  EXPECT_EQ(checked.error().code, ErrorCode::kUsage);
-  EXPECT_EQ(checked.error().message, "\"\": the output must have a name");
+  EXPECT_THAT(check_writable_file(""), FailsWith(ErrorCode::kUsage, "\"\": the output must have a name"));
 }
 
 TEST_F(CheckWritableTest, WhatIsNoFileIsTold) {

@@ -2,12 +2,11 @@
 
 #include <fstream>
 
-#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
+#include "tests/support/fails_with.h"
 #include "tests/support/temporary_folder.h"
 
 namespace splatlas {
@@ -61,10 +60,8 @@ TEST_F(InputFileTest, ReadsPastFourGibibytes) {
 }
 
 TEST_F(InputFileTest, MissingFilesAreNoAtlasFault) {
-  const auto file = InputFile::open(path);
-  ASSERT_FALSE(file);
-  EXPECT_EQ(file.error().code, ErrorCode::kFailed);
-  EXPECT_EQ(file.error().message, path.string() + ": cannot be opened: No such file or directory");
+  EXPECT_THAT(InputFile::open(path),
+              FailsWith(ErrorCode::kFailed, path.string() + ": cannot be opened: No such file or directory"));
 }
 
 TEST_F(InputFileTest, OpensRegularFilesOnly) {

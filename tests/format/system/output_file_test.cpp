@@ -2,7 +2,6 @@
 
 #include <csignal>
 #include <fstream>
-#include <iterator>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -12,6 +11,8 @@
 #include <unistd.h>
 
 #include "tests/format/ordinary_user.h"
+#include "tests/support/file_bytes.h"
+#include "tests/support/message_of.h"
 #include "tests/support/temporary_folder.h"
 
 namespace splatlas {
@@ -33,19 +34,15 @@ struct OutputFileTest : ::testing::Test {
     EXPECT_THAT(written.error().message, HasSubstr(to.string() + ": cannot be written: "));
     return written.error().message;
   }
-  static std::string read(const std::filesystem::path& from) {
-    std::ifstream file(from, std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), {}};
-  }
 };
 
 TEST_F(OutputFileTest, WritesAndReplaces) {
   EXPECT_EQ(write(path, "one"), "");
-  EXPECT_EQ(read(path), "one");
+  EXPECT_EQ(read_bytes(path), "one");
   EXPECT_EQ(write(path, std::string(3'000'000, 'x')), "");
-  EXPECT_EQ(read(path), std::string(3'000'000, 'x'));
+  EXPECT_EQ(read_bytes(path), std::string(3'000'000, 'x'));
   EXPECT_EQ(write(path, ""), "");
-  EXPECT_EQ(read(path), "");
+  EXPECT_EQ(read_bytes(path), "");
   EXPECT_THAT(folder.names(), ElementsAre("out.atlas"));
 }
 
@@ -71,7 +68,7 @@ TEST_F(OutputFileTest, LeavesWhatMayNotBeWrittenTo) {
     const OrdinaryUser user;
     EXPECT_THAT(write(path, "two"), HasSubstr("Permission denied"));
   }
-  EXPECT_EQ(read(path), "one");
+  EXPECT_EQ(read_bytes(path), "one");
   EXPECT_THAT(folder.names(), ElementsAre("out.atlas"));
 }
 
@@ -101,7 +98,7 @@ TEST_F(OutputFileTest, GrantsAnotherGroupWhatOthersMayDo) {
     const OrdinaryUser user;
     EXPECT_EQ(write(path, "two"), "");
   }
-  EXPECT_EQ(read(path), "two");
+  EXPECT_EQ(read_bytes(path), "two");
   EXPECT_EQ(std::filesystem::status(path).permissions(), std::filesystem::perms(root ? 0666 : 02676));
 }
 
@@ -112,7 +109,7 @@ TEST_F(OutputFileTest, WritesIntoFoldersThatMayNotBeListed) {
     const OrdinaryUser user;
     EXPECT_EQ(write(path, "one"), "");
   }
-  EXPECT_EQ(read(path), "one");
+  EXPECT_EQ(read_bytes(path), "one");
 }
 
 TEST_F(OutputFileTest, LeavesAFolderThatAppearsMeanwhile) {
@@ -120,9 +117,7 @@ TEST_F(OutputFileTest, LeavesAFolderThatAppearsMeanwhile) {
     auto file = OutputFile::create(path);
     ASSERT_TRUE(file);
     std::filesystem::create_directory(path);
-    const auto committed = file->commit();
-    ASSERT_FALSE(committed);
-    EXPECT_EQ(committed.error().message, path.string() + ": cannot be written: Is a directory");
+    EXPECT_EQ(message_of(file->commit()), path.string() + ": cannot be written: Is a directory");
   }
   EXPECT_THAT(folder.names(), ElementsAre("out.atlas"));
   EXPECT_TRUE(std::filesystem::is_directory(path));
@@ -148,12 +143,10 @@ TEST_F(OutputFileTest, ReadsBackWhatItWrote) {
       std::fstream(file->temporary(), std::ios::in | std::ios::out | std::ios::binary).seekp(2'345'678)
           << 'y';
     }
-    const auto committed = file->commit();
-    ASSERT_FALSE(committed);
-    EXPECT_EQ(committed.error().message,
+    EXPECT_EQ(message_of(file->commit()),
               path.string() + ": cannot be written: other bytes come back from the disk than were written");
   }
-  EXPECT_EQ(read(path), "old");
+  EXPECT_EQ(read_bytes(path), "old");
   EXPECT_THAT(folder.names(), ElementsAre("out.atlas"));
 }
 
@@ -163,7 +156,7 @@ TEST_F(OutputFileTest, FollowsLinks) {
   std::filesystem::create_symlink("out.atlas", link);
   EXPECT_EQ(write(link, "two"), "");
   EXPECT_TRUE(std::filesystem::is_symlink(link));
-  EXPECT_EQ(read(path), "two");
+  EXPECT_EQ(read_bytes(path), "two");
 }
 
 TEST_F(OutputFileTest, FollowsLinksToWhatIsNotThereYet) {
@@ -171,7 +164,7 @@ TEST_F(OutputFileTest, FollowsLinksToWhatIsNotThereYet) {
   std::filesystem::create_symlink("link", folder.path() / "link to link");
   EXPECT_EQ(write(folder.path() / "link to link", "two"), "");
   EXPECT_TRUE(std::filesystem::is_symlink(folder.path() / "link"));
-  EXPECT_EQ(read(path), "two");
+  EXPECT_EQ(read_bytes(path), "two");
 }
 
 TEST_F(OutputFileTest, RefusesLinksThatLeadNowhere) {
@@ -213,7 +206,7 @@ TEST_F(OutputFileTest, AFullDiskLeavesTheOldFileAndNoTemporary) {
   ::setrlimit(RLIMIT_FSIZE, &before);
   std::signal(SIGXFSZ, old_handler);
   EXPECT_THAT(message, HasSubstr("File too large"));
-  EXPECT_EQ(read(path), "old");
+  EXPECT_EQ(read_bytes(path), "old");
   EXPECT_THAT(folder.names(), ElementsAre("out.atlas"));
 }
 
@@ -227,9 +220,9 @@ TEST_F(OutputFileTest, LibrariesWriteToItsPath) {
     EXPECT_THAT(file->temporary().string(), EndsWith(".nii.gz"));
     if (replace) std::filesystem::remove(file->temporary());
     std::ofstream(file->temporary()) << "new";
-    EXPECT_NE(read(path), "new");
+    EXPECT_NE(read_bytes(path), "new");
     ASSERT_TRUE(file->commit());
-    EXPECT_EQ(read(path), "new");
+    EXPECT_EQ(read_bytes(path), "new");
     EXPECT_EQ(std::filesystem::status(path).permissions(), std::filesystem::perms{0640});
     ASSERT_EQ(write(path, "old"), "");
   }
@@ -244,7 +237,7 @@ TEST_F(OutputFileTest, WhatIsNotCommittedIsRemoved) {
     ASSERT_TRUE(file->write(std::as_bytes(std::span("half", 4))));
     EXPECT_EQ(folder.names().size(), 2u);
   }
-  EXPECT_EQ(read(path), "old");
+  EXPECT_EQ(read_bytes(path), "old");
   EXPECT_THAT(folder.names(), ElementsAre("out.atlas"));
 }
 
@@ -264,12 +257,12 @@ TEST_F(OutputFileTest, OfSeveralNoneIsRenamedBeforeAllAreComplete) {
     if (fails) {
       EXPECT_THAT(committed.error().message, HasSubstr("stats.json: cannot be written: No such file"));
       files.clear();
-      EXPECT_EQ(read(path), "old");
+      EXPECT_EQ(read_bytes(path), "old");
       EXPECT_THAT(folder.names(), ElementsAre("out.atlas"));
     }
   }
-  EXPECT_EQ(read(path), "new");
-  EXPECT_EQ(read(folder.path() / "stats.json"), "new");
+  EXPECT_EQ(read_bytes(path), "new");
+  EXPECT_EQ(read_bytes(folder.path() / "stats.json"), "new");
   EXPECT_THAT(folder.names(), UnorderedElementsAre("out.atlas", "stats.json"));
 }
 

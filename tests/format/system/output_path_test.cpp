@@ -6,6 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/support/fails_with.h"
 #include "tests/support/temporary_folder.h"
 
 namespace splatlas {
@@ -22,10 +23,7 @@ struct OutputPathTest : ::testing::Test {
 
   static void expect_refused(const std::vector<fs::path>& outputs, const std::vector<fs::path>& inputs,
                              const std::string& text) {
-    const auto checked = check_outputs(outputs, inputs);
-    ASSERT_FALSE(checked) << text;
-    EXPECT_EQ(checked.error().code, ErrorCode::kUsage);
-    EXPECT_THAT(checked.error().message, HasSubstr(text));
+    EXPECT_THAT(check_outputs(outputs, inputs), FailsWith(ErrorCode::kUsage, HasSubstr(text))) << text;
   }
 };
 

@@ -2,14 +2,14 @@
 
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <string>
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include "tests/support/file_bytes.h"
+#include "tests/support/message_of.h"
 #include "tests/support/temporary_folder.h"
 
 namespace splatlas {
@@ -44,12 +44,6 @@ class StandardOutputTo {
 struct StandardOutputTest : ::testing::Test {
   TemporaryFolder folder;
   std::filesystem::path path = folder.path() / "said";
-
-  [[nodiscard]] std::string said() const {
-    std::ifstream file(path);
-    return {std::istreambuf_iterator<char>(file), {}};
-  }
-  static std::string message_of(const Result<void>& result) { return result ? "" : result.error().message; }
 };
 
 TEST_F(StandardOutputTest, IsHandedOnAtOnce) {
@@ -57,7 +51,7 @@ TEST_F(StandardOutputTest, IsHandedOnAtOnce) {
   {
     const StandardOutputTo file(path);
     message = message_of(print_text("some text"));
-    at_once = said();
+    at_once = read_bytes(path);
   }
   EXPECT_EQ(message, "");
   EXPECT_EQ(at_once, "some text");

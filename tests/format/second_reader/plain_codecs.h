@@ -1,4 +1,4 @@
-// Decoder of predicted grey values, voxel by voxel.
+// Decoders of masks and of predicted grey values, voxel by voxel (docs/atlas_format.md).
 #pragma once
 
 #include <array>
@@ -7,6 +7,12 @@
 #include <vector>
 
 namespace splatlas::second {
+
+/// The voxels of a grid that a mask of a box covers, in memory order.
+[[nodiscard]] std::vector<bool> decode_mask(const std::vector<std::byte>& stream,
+                                            const std::array<std::int64_t, 3>& first,
+                                            const std::array<std::int64_t, 3>& last,
+                                            const std::array<std::int64_t, 3>& size, std::size_t axis);
 
 /// Bytes ahead of the residuals.
 inline constexpr std::uint64_t kModelBytes = 16 * 4 + 14 + 1 + 1;
