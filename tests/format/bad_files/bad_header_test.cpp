@@ -1,7 +1,6 @@
 // Invalid files: the header.
 #include <fstream>
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -19,190 +18,143 @@ Bytes bytes_of(std::string_view text) {
   return Bytes(bytes.begin(), bytes.end());
 }
 
-template <std::size_t at>
-void flip(Bytes& file) {
-  file[at] ^= std::byte{0x10};
-}
+/// A flipped bit under the old checksums.
+struct Flip {
+  const char* what;
+  std::size_t at;
+  const char* message = "";
+};
 
-template <std::size_t length>
-void cut(Bytes& file) {
-  file.resize(length);
-}
+constexpr Flip kMagicBytes[] = {
+    {"byte 0", 0, "99 53 50 4c 41 54 0d 0a"}, {"byte 1", 1, "89 43 50 4c 41 54 0d 0a"},
+    {"byte 2", 2, "89 53 40 4c 41 54 0d 0a"}, {"byte 3", 3, "89 53 50 5c 41 54 0d 0a"},
+    {"byte 4", 4, "89 53 50 4c 51 54 0d 0a"}, {"byte 5", 5, "89 53 50 4c 41 44 0d 0a"},
+    {"byte 6", 6, "89 53 50 4c 41 54 1d 0a"}, {"byte 7", 7, "89 53 50 4c 41 54 0d 1a"},
+};
 
-constexpr BadFile kNoAtlases[] = {
-    {"nothing", [](RawAtlas& a) { a.on_file = [](Bytes& f) { f.clear(); }; },
-     "F: not an atlas (the file is empty)"},
-    {"one byte of the magic", [](RawAtlas& a) { a.on_file = cut<1>; },
-     "F: truncated: the header has 64 bytes, the file has 1"},
-    {"the magic alone", [](RawAtlas& a) { a.on_file = cut<8>; },
-     "F: truncated: the header has 64 bytes, the file has 8"},
-    {"all of the header but a byte", [](RawAtlas& a) { a.on_file = cut<63>; },
-     "F: truncated: the header has 64 bytes, the file has 63"},
-    {"the header alone", [](RawAtlas& a) { a.on_file = cut<64>; },
-     "F: truncated: header says {0} bytes, file has 64"},
-    {"half of the directory", [](RawAtlas& a) { a.on_file = cut<500>; },
-     "F: truncated: header says {0} bytes, file has 500"},
-    {"all but the last byte", [](RawAtlas& a) { a.on_file = [](Bytes& f) { f.pop_back(); }; },
-     "F: truncated: header says {0} bytes, file has {1}"},
-    {"one byte more", [](RawAtlas& a) { a.on_file = [](Bytes& f) { f.push_back(std::byte{0}); }; },
-     "F: 1 trailing bytes: header says {0} bytes, file has {1}"},
-    {"twice the file",
-     [](RawAtlas& a) {
-       a.on_file = [](Bytes& f) {
-         const Bytes copy = f;
-         f.insert(f.end(), copy.begin(), copy.end());
-       };
-     },
-     "F: {0} trailing bytes: header says {0} bytes, file has {1}"},
-    {"one other byte", [](RawAtlas& a) { a.on_file = [](Bytes& f) { f = bytes_of("\n"); }; },
-     "F: not an atlas (its first bytes are 0a)"},
-    {"plain text", [](RawAtlas& a) { a.on_file = [](Bytes& f) { f = bytes_of("name,label\ncore,7\n"); }; },
-     "F: not an atlas (its first bytes are 6e 61 6d 65 2c 6c 61 62)"},
-    {"a page of a web server",
-     [](RawAtlas& a) { a.on_file = [](Bytes& f) { f = bytes_of("<!DOCTYPE html><title>404</title>"); }; },
-     "F: not an atlas (its first bytes are 3c 21 44 4f 43 54 59 50)"},
-    {"a gzip file",
-     [](RawAtlas& a) { a.on_file = [](Bytes& f) { f = bytes_of("\x1f\x8b\x08\x04 and so on"); }; },
-     "F: not an atlas (its first bytes are 1f 8b 08 04 20 61 6e 64)"},
-    {"a PNG file",
-     [](RawAtlas& a) { a.on_file = [](Bytes& f) { f = bytes_of("\x89PNG\r\n\x1a\n and so on"); }; },
-     "F: not an atlas (its first bytes are 89 50 4e 47 0d 0a 1a 0a)"},
-    {"zeros", [](RawAtlas& a) { a.on_file = [](Bytes& f) { f.assign(f.size(), std::byte{0}); }; },
-     "F: not an atlas (its first bytes are 00 00 00 00 00 00 00 00)"},
+constexpr Flip kHeaderBytes[] = {
+    {"major version", 8},       {"minor version", 10},   {"required features", 12}, {"optional features", 16},
+    {"reserved", 20},           {"file bytes", 24},      {"directory offset", 32},  {"directory bytes", 40},
+    {"directory checksum", 48}, {"header checksum", 56},
+};
+
+constexpr Flip kDirectoryBytes[] = {{"the first byte", 64}, {"a byte", 1000}};
+
+constexpr BadFile<Bytes> kForeignFiles[] = {
+    {"one other byte", [](Bytes& f) { f = bytes_of("\n"); }, "0a"},
+    {"plain text", [](Bytes& f) { f = bytes_of("name,label\ncore,7\n"); }, "6e 61 6d 65 2c 6c 61 62"},
+    {"a page of a web server", [](Bytes& f) { f = bytes_of("<!DOCTYPE html><title>404</title>"); },
+     "3c 21 44 4f 43 54 59 50"},
+    {"a gzip file", [](Bytes& f) { f = bytes_of("\x1f\x8b\x08\x04 and so on"); }, "1f 8b 08 04 20 61 6e 64"},
+    {"a PNG file", [](Bytes& f) { f = bytes_of("\x89PNG\r\n\x1a\n and so on"); }, "89 50 4e 47 0d 0a 1a 0a"},
+    {"zeros", [](Bytes& f) { f.assign(f.size(), std::byte{0}); }, "00 00 00 00 00 00 00 00"},
     {"an atlas behind a byte order mark",
-     [](RawAtlas& a) {
-       a.on_file = [](Bytes& f) {
-         const Bytes mark = bytes_of("\xef\xbb\xbf");
-         f.insert(f.begin(), mark.begin(), mark.end());
-       };
+     [](Bytes& f) {
+       const Bytes mark = bytes_of("\xef\xbb\xbf");
+       f.insert(f.begin(), mark.begin(), mark.end());
      },
-     "F: not an atlas (its first bytes are ef bb bf 89 53 50 4c 41)"},
-    {"line ends made those of Unix",
-     [](RawAtlas& a) { a.on_file = [](Bytes& f) { f.erase(f.begin() + 6); }; },
-     "F: not an atlas (its first bytes are 89 53 50 4c 41 54 0a 01)"},
+     "ef bb bf 89 53 50 4c 41"},
+    {"line ends made those of Unix", [](Bytes& f) { f.erase(f.begin() + 6); }, "89 53 50 4c 41 54 0a 01"},
     {"bytes made seven bits",
-     [](RawAtlas& a) {
-       a.on_file = [](Bytes& f) {
-         for (std::byte& b : f) b &= std::byte{0x7f};
-       };
+     [](Bytes& f) {
+       for (std::byte& b : f) b &= std::byte{0x7f};
      },
-     "F: not an atlas (its first bytes are 09 53 50 4c 41 54 0d 0a)"},
-    {"magic, byte 0", [](RawAtlas& a) { a.on_file = flip<0>; },
-     "F: not an atlas (its first bytes are 99 53 50 4c 41 54 0d 0a)"},
-    {"magic, byte 1", [](RawAtlas& a) { a.on_file = flip<1>; },
-     "F: not an atlas (its first bytes are 89 43 50 4c 41 54 0d 0a)"},
-    {"magic, byte 2", [](RawAtlas& a) { a.on_file = flip<2>; },
-     "F: not an atlas (its first bytes are 89 53 40 4c 41 54 0d 0a)"},
-    {"magic, byte 3", [](RawAtlas& a) { a.on_file = flip<3>; },
-     "F: not an atlas (its first bytes are 89 53 50 5c 41 54 0d 0a)"},
-    {"magic, byte 4", [](RawAtlas& a) { a.on_file = flip<4>; },
-     "F: not an atlas (its first bytes are 89 53 50 4c 51 54 0d 0a)"},
-    {"magic, byte 5", [](RawAtlas& a) { a.on_file = flip<5>; },
-     "F: not an atlas (its first bytes are 89 53 50 4c 41 44 0d 0a)"},
-    {"magic, byte 6", [](RawAtlas& a) { a.on_file = flip<6>; },
-     "F: not an atlas (its first bytes are 89 53 50 4c 41 54 1d 0a)"},
-    {"magic, byte 7", [](RawAtlas& a) { a.on_file = flip<7>; },
-     "F: not an atlas (its first bytes are 89 53 50 4c 41 54 0d 1a)"},
+     "09 53 50 4c 41 54 0d 0a"},
 };
 
-/// Each field with flipped bits, under the old checksum.
-constexpr BadFile kDamagedHeaders[] = {
-    {"major version", [](RawAtlas& a) { a.on_file = flip<8>; }, "F: damaged: checksum of the header"},
-    {"minor version", [](RawAtlas& a) { a.on_file = flip<10>; }, "F: damaged: checksum of the header"},
-    {"required features", [](RawAtlas& a) { a.on_file = flip<12>; }, "F: damaged: checksum of the header"},
-    {"optional features", [](RawAtlas& a) { a.on_file = flip<16>; }, "F: damaged: checksum of the header"},
-    {"reserved", [](RawAtlas& a) { a.on_file = flip<20>; }, "F: damaged: checksum of the header"},
-    {"file bytes", [](RawAtlas& a) { a.on_file = flip<24>; }, "F: damaged: checksum of the header"},
-    {"directory offset", [](RawAtlas& a) { a.on_file = flip<32>; }, "F: damaged: checksum of the header"},
-    {"directory bytes", [](RawAtlas& a) { a.on_file = flip<40>; }, "F: damaged: checksum of the header"},
-    {"directory checksum", [](RawAtlas& a) { a.on_file = flip<48>; }, "F: damaged: checksum of the header"},
-    {"header checksum", [](RawAtlas& a) { a.on_file = flip<56>; }, "F: damaged: checksum of the header"},
-    {"the directory's first byte", [](RawAtlas& a) { a.on_file = flip<64>; },
-     "F: damaged: checksum of the directory"},
-    {"a byte of the directory", [](RawAtlas& a) { a.on_file = flip<1000>; },
-     "F: damaged: checksum of the directory"},
+constexpr BadFile<Bytes> kOtherLengths[] = {
+    {"nothing", [](Bytes& f) { f.clear(); }, "not an atlas (the file is empty)"},
+    {"one byte of the magic", [](Bytes& f) { f.resize(1); },
+     "truncated: the header has 64 bytes, the file has 1"},
+    {"the magic alone", [](Bytes& f) { f.resize(8); }, "truncated: the header has 64 bytes, the file has 8"},
+    {"all of the header but a byte", [](Bytes& f) { f.resize(63); },
+     "truncated: the header has 64 bytes, the file has 63"},
+    {"the header alone", [](Bytes& f) { f.resize(64); }, "truncated: header says {0} bytes, file has 64"},
+    {"half of the directory", [](Bytes& f) { f.resize(500); },
+     "truncated: header says {0} bytes, file has 500"},
+    {"all but the last byte", [](Bytes& f) { f.pop_back(); },
+     "truncated: header says {0} bytes, file has {1}"},
+    {"one byte more", [](Bytes& f) { f.push_back(std::byte{0}); },
+     "1 trailing bytes: header says {0} bytes, file has {1}"},
+    {"twice the file",
+     [](Bytes& f) {
+       const Bytes copy = f;
+       f.insert(f.end(), copy.begin(), copy.end());
+     },
+     "{0} trailing bytes: header says {0} bytes, file has {1}"},
 };
 
-constexpr BadFile kForgedHeaders[] = {
-    {"major version 0", [](RawAtlas& a) { a.on_header = [](FileHeader& h) { h.major = 0; }; },
-     "F: needs format 0, this program reads format 1"},
-    {"the next major version", [](RawAtlas& a) { a.on_header = [](FileHeader& h) { h.major = 2; }; },
-     "F: needs format 2, this program reads format 1"},
-    {"the last major version", [](RawAtlas& a) { a.on_header = [](FileHeader& h) { h.major = 65535; }; },
-     "F: needs format 65535, this program reads format 1"},
-    {"required feature 0", [](RawAtlas& a) { a.on_header = [](FileHeader& h) { h.required_features = 1; }; },
-     "F: needs format features 0x1 that this program (format 1.0) does not know"},
-    {"required feature 31",
-     [](RawAtlas& a) { a.on_header = [](FileHeader& h) { h.required_features = 0x80000000; }; },
-     "F: needs format features 0x80000000 that this program (format 1.0) does not know"},
-    {"all required features",
-     [](RawAtlas& a) { a.on_header = [](FileHeader& h) { h.required_features = 0xffffffff; }; },
-     "F: needs format features 0xffffffff that this program (format 1.0) does not know"},
-    {"a major version and features",
-     [](RawAtlas& a) {
-       a.on_header = [](FileHeader& h) {
-         h.major = 3;
-         h.required_features = 4;
-       };
-     },
-     "F: needs format 3, this program reads format 1"},
-    {"no file bytes", [](RawAtlas& a) { a.on_header = [](FileHeader& h) { h.file_bytes = 0; }; },
-     "F: {0} trailing bytes: header says 0 bytes, file has {1}"},
-    {"one file byte less", [](RawAtlas& a) { a.on_header = [](FileHeader& h) { --h.file_bytes; }; },
-     "F: 1 trailing bytes: header says {2} bytes, file has {1}"},
-    {"one file byte more", [](RawAtlas& a) { a.on_header = [](FileHeader& h) { ++h.file_bytes; }; },
-     "F: truncated: header says {3} bytes, file has {1}"},
-    {"the maximum file size",
-     [](RawAtlas& a) { a.on_header = [](FileHeader& h) { h.file_bytes = ~std::uint64_t{0}; }; },
-     "F: truncated: header says 18446744073709551615 bytes, file has {1}"},
-    {"a directory at 0", [](RawAtlas& a) { a.on_header = [](FileHeader& h) { h.directory_offset = 0; }; },
-     "F: invalid: directory at 0, expected 64"},
-    {"a directory inside the header",
-     [](RawAtlas& a) { a.on_header = [](FileHeader& h) { h.directory_offset = 56; }; },
-     "F: invalid: directory at 56, expected 64"},
-    {"a directory after a gap",
-     [](RawAtlas& a) { a.on_header = [](FileHeader& h) { h.directory_offset = 72; }; },
-     "F: invalid: directory at 72, expected 64"},
-    {"a directory that wraps around",
-     [](RawAtlas& a) { a.on_header = [](FileHeader& h) { h.directory_offset = ~std::uint64_t{0} - 7; }; },
-     "F: invalid: directory at 18446744073709551608, expected 64"},
-    {"a directory of no bytes",
-     [](RawAtlas& a) { a.on_header = [](FileHeader& h) { h.directory_bytes = 0; }; },
-     "F: damaged: checksum of the directory"},
-    {"a directory of the whole file",
-     [](RawAtlas& a) { a.on_header = [](FileHeader& h) { h.directory_bytes = h.file_bytes; }; },
-     "F: invalid: directory of {0} bytes in a file of {1} (limit 1073741824)"},
-    {"a directory one byte short",
-     [](RawAtlas& a) { a.on_header = [](FileHeader& h) { --h.directory_bytes; }; },
-     "F: damaged: checksum of the directory"},
-    {"a directory one byte long",
-     [](RawAtlas& a) { a.on_header = [](FileHeader& h) { ++h.directory_bytes; }; },
-     "F: damaged: checksum of the directory"},
-    {"a directory above the limit",
-     [](RawAtlas& a) { a.on_header = [](FileHeader& h) { h.directory_bytes = (1u << 30) + 1; }; },
-     "F: invalid: directory of 1073741825 bytes in a file of {1} (limit 1073741824)"},
-    {"a directory of the maximum size",
-     [](RawAtlas& a) { a.on_header = [](FileHeader& h) { h.directory_bytes = ~std::uint64_t{0}; }; },
-     "F: invalid: directory of 18446744073709551615 bytes in a file of {1} (limit 1073741824)"},
-    {"another directory's checksum",
-     [](RawAtlas& a) { a.on_header = [](FileHeader& h) { ++h.directory_checksum; }; },
-     "F: damaged: checksum of the directory"},
-    {"a newer minor version, which is none",
-     [](RawAtlas& a) { a.on_header = [](FileHeader& h) { h.minor = 9; }; }, ""},
-    {"optional features, which are none",
-     [](RawAtlas& a) { a.on_header = [](FileHeader& h) { h.optional_features = ~0u; }; }, ""},
-    {"reserved bits, which are not read",
-     [](RawAtlas& a) { a.on_header = [](FileHeader& h) { h.reserved = ~0u; }; }, ""},
+using BadHeader = BadFile<FileHeader>;
+
+constexpr BadPart<FileHeader> kVersions[] = {
+    {[](auto& h) { h.major = 0; }, "format 0, this program reads format 1"},
+    {[](auto& h) { h.major = 2; }, "format 2, this program reads format 1"},
+    {[](auto& h) { h.major = 65535; }, "format 65535, this program reads format 1"},
+    {[](auto& h) { h.required_features = 1; },
+     "format features 0x1 that this program (format 1.0) does not know"},
+    {[](auto& h) { h.required_features = 0x80000000; },
+     "format features 0x80000000 that this program (format 1.0) does not know"},
+    {[](auto& h) { h.required_features = 0xffffffff; },
+     "format features 0xffffffff that this program (format 1.0) does not know"},
+    {[](auto& h) { h.major = 3, h.required_features = 4; }, "format 3, this program reads format 1"},
+};
+
+constexpr BadPart<FileHeader> kSizes[] = {
+    {[](auto& h) { h.file_bytes = 0; }, "{0} trailing bytes: header says 0 bytes, file has {1}"},
+    {[](auto& h) { --h.file_bytes; }, "1 trailing bytes: header says {2} bytes, file has {1}"},
+    {[](auto& h) { ++h.file_bytes; }, "truncated: header says {3} bytes, file has {1}"},
+    {[](auto& h) { h.file_bytes = ~std::uint64_t{0}; },
+     "truncated: header says 18446744073709551615 bytes, file has {1}"},
+    {[](auto& h) { h.directory_bytes = h.file_bytes; },
+     "invalid: directory of {0} bytes in a file of {1} (limit 1073741824)"},
+    {[](auto& h) { h.directory_bytes = (1u << 30) + 1; },
+     "invalid: directory of 1073741825 bytes in a file of {1} (limit 1073741824)"},
+    {[](auto& h) { h.directory_bytes = ~std::uint64_t{0}; },
+     "invalid: directory of 18446744073709551615 bytes in a file of {1} (limit 1073741824)"},
+};
+
+constexpr BadPart<FileHeader> kOffsets[] = {
+    {[](auto& h) { h.directory_offset = 0; }, "0"},
+    {[](auto& h) { h.directory_offset = 56; }, "56"},
+    {[](auto& h) { h.directory_offset = 72; }, "72"},
+    {[](auto& h) { h.directory_offset = ~std::uint64_t{0} - 7; }, "18446744073709551608"},
+};
+
+constexpr BadPart<FileHeader> kDirectories[] = {
+    {[](auto& h) { h.directory_bytes = 0; }},
+    {[](auto& h) { --h.directory_bytes; }},
+    {[](auto& h) { ++h.directory_bytes; }},
+    {[](auto& h) { ++h.directory_checksum; }},
+};
+
+constexpr BadHeader kValidHeaders[] = {
+    {"a newer minor version", [](auto& h) { h.minor = 9; }},
+    {"optional features", [](auto& h) { h.optional_features = ~0u; }},
+    {"reserved bits", [](auto& h) { h.reserved = ~0u; }},
 };
 
 TEST(BadFiles, ThatAreNoAtlases) {
-  expect_refused(kNoAtlases);
+  const auto in_file = [](RawAtlas& a, const auto& row) { a.on_file = row.change; };
+  expect_faults(kForeignFiles, "F: not an atlas (its first bytes are {})", in_file);
+  expect_faults(kOtherLengths, "F: {}", in_file);
 }
-TEST(BadFiles, WithADamagedHeader) {
-  expect_refused(kDamagedHeaders);
+
+TEST(BadFiles, WithAFlippedByte) {
+  const auto flip = [](RawAtlas& a, const Flip& row) {
+    a.on_file = [at = row.at](Bytes& f) { f[at] ^= std::byte{0x10}; };
+  };
+  expect_faults(kMagicBytes, "F: not an atlas (its first bytes are {})", flip);
+  expect_faults(kHeaderBytes, "F: damaged: checksum of the header", flip);
+  expect_faults(kDirectoryBytes, "F: damaged: checksum of the directory", flip);
 }
+
 TEST(BadFiles, WithAForgedHeader) {
-  expect_refused(kForgedHeaders);
+  const auto in_header = [](RawAtlas& a, const auto& row) { a.on_header = row.change; };
+  expect_faults(kVersions, "F: needs {}", in_header);
+  expect_faults(kSizes, "F: {}", in_header);
+  expect_faults(kOffsets, "F: invalid: directory at {}, expected 64", in_header);
+  expect_faults(kDirectories, "F: damaged: checksum of the directory", in_header);
+  expect_faults(kValidHeaders, "", in_header);
 }
 
 /// Refused without being read.

@@ -1,4 +1,6 @@
 // Invalid files: structures, their hierarchy, and strings.
+#include <string_view>
+
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -6,6 +8,8 @@
 
 namespace splatlas {
 namespace {
+
+using namespace std::string_view_literals;
 
 /// Strings by their number in the file.
 enum Text : std::size_t {
@@ -26,219 +30,167 @@ enum Text : std::size_t {
   kHash
 };
 
-constexpr BadFile kIds[] = {
-    {"no id", [](RawAtlas& a) { a.set_text(kIdOfCore, ""); }, "F: invalid: structure 1 (\"Core\") has no id"},
-    {"no id and a strange name",
-     [](RawAtlas& a) {
-       a.set_text(kIdOfCore, "");
-       a.set_text(kNameOfCore, "a\x1b[2J");
-     },
-     "F: invalid: structure 1 (\"a?[2J\") has no id"},
-    {"a blank in an id", [](RawAtlas& a) { a.set_text(kIdOfCore, "co re"); },
-     "F: invalid: the id \"co re\" of a structure holds other characters than letters, digits, \"_\", \"-\" "
-     "and \".\""},
-    {"a slash in an id", [](RawAtlas& a) { a.set_text(kIdOfCore, "../core"); },
-     "F: invalid: the id \"../core\" of a structure holds other characters than letters, digits, \"_\", "
-     "\"-\" and \".\""},
-    {"an id beyond ASCII", [](RawAtlas& a) { a.set_text(kIdOfCore, "Größe"); },
-     "F: invalid: the id \"Gr\xC3\xB6\xC3\x9F"
-     "e\" of a structure holds other characters than letters, digits, \"_\", \"-\" and \".\""},
-    {"a zero in an id", [](RawAtlas& a) { a.set_text(kIdOfCore, std::string("co\0re", 5)); },
-     "F: invalid: the id \"co?re\" of a structure holds other characters than letters, digits, \"_\", \"-\" "
-     "and \".\""},
-    {"an id of a megabyte with a bad end",
-     [](RawAtlas& a) { a.set_text(kIdOfCore, std::string(1 << 20, 'x') + "*"); },
-     "F: invalid: the id "
-     "\"xxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxx...\" of a structure "
-     "holds other characters than letters, digits, \"_\", \"-\" and \".\""},
-    {"an id twice", [](RawAtlas& a) { a.set_text(kIdOfRim, "core"); },
-     "F: invalid: two structures have the id \"core\" (case does not count)"},
-    {"an id twice but for its case", [](RawAtlas& a) { a.set_text(kIdOfRim, "CORE"); },
-     "F: invalid: two structures have the id \"CORE\" (case does not count)"},
-    {"a name twice, which may be", [](RawAtlas& a) { a.set_text(kNameOfRim, "Core"); }, ""},
-    {"no name, which may be", [](RawAtlas& a) { a.set_text(kNameOfRim, ""); }, ""},
+/// Another text of a string.
+struct BadText {
+  Text string;
+  std::string_view text;
+  const char* message = "";
 };
 
-constexpr BadFile kParents[] = {
-    {"its own parent", [](RawAtlas& a) { a.directory.parents[0] = good::kCore; },
-     "F: invalid: structures form a cycle: core in core"},
-    {"two in a circle", [](RawAtlas& a) { a.directory.parents[0] = good::kRim; },
-     "F: invalid: structures form a cycle: core in rim in core"},
-    {"three in a circle",
-     [](RawAtlas& a) {
-       a.directory.parents = {good::kRim, good::kKnob, good::kKnob, good::kCore};
-       a.directory.parents[2] = good::kAll;
-     },
-     "F: invalid: structures form a cycle: core in rim in knob in core"},
-    {"a parent twice", [](RawAtlas& a) { a.directory.parents[2] = good::kAll; },
-     "F: invalid: structure \"rim\" has the parent \"all\" twice"},
-    {"a parent that is not there", [](RawAtlas& a) { a.directory.parents[3] = 5; },
-     "F: invalid: structure \"knob\" has parent number 5 of 5 structures"},
-    {"the largest parent", [](RawAtlas& a) { a.directory.parents[3] = 0xffffffff; },
-     "F: invalid: structure \"knob\" has parent number 4294967295 of 5 structures"},
-    {"one parent too many", [](RawAtlas& a) { a.directory.parents.push_back(0); },
-     "F: invalid: inconsistent offsets of directory table of parents"},
-    {"one parent too few", [](RawAtlas& a) { a.directory.parents.pop_back(); },
-     "F: invalid: inconsistent offsets of directory table of parents"},
-    {"ends of parents that fall", [](RawAtlas& a) { a.directory.structures[2].parents_end = 0; },
-     "F: invalid: inconsistent offsets of directory table of parents"},
-    {"an end of parents beyond them", [](RawAtlas& a) { a.directory.structures[4].parents_end = 5; },
-     "F: invalid: inconsistent offsets of directory table of parents"},
-    {"the largest end of parents", [](RawAtlas& a) { a.directory.structures[1].parents_end = 0xffffffff; },
-     "F: invalid: inconsistent offsets of directory table of parents"},
-    {"one structure too few", [](RawAtlas& a) { a.directory.structures.pop_back(); },
-     "F: invalid: directory has 19 strings, expected 17"},
-    {"one structure too many",
-     [](RawAtlas& a) { a.directory.structures.push_back(a.directory.structures.back()); },
-     "F: invalid: directory has 19 strings, expected 21"},
-    {"no structures", [](RawAtlas& a) { a.directory.structures.clear(); },
-     "F: invalid: directory has 19 strings, expected 9"},
-    {"a chain 257 deep",
-     [](RawAtlas& a) {
-       RawDirectory& d = a.directory;
-       std::vector<std::uint32_t> ends;
-       for (std::uint32_t s = 0; s < 257; ++s) {
-         d.structures.push_back({0, static_cast<std::uint32_t>(d.parents.size()), {}, 0});
-         if (s > 0)
-           d.parents.push_back(5 + s - 1),
-               d.structures.back().parents_end = static_cast<std::uint32_t>(d.parents.size());
-       }
-       const std::vector<std::uint8_t> text(d.text.begin(), d.text.end());
-       for (std::uint32_t s = 0; s < 257;
-            ++s) {  // an id and no name for each, ahead of the text of the scene
-         const std::string id = fmt::format("d{}", s);
-         const std::size_t at = 14 + 2 * std::size_t{s};
-         const std::uint32_t begin = d.text_ends[at - 1];
-         d.text_ends.insert(d.text_ends.begin() + static_cast<std::ptrdiff_t>(at), 2, begin);
-         a.set_text(at, id);
-       }
-     },
-     "F: invalid: structure \"d256\" lies deeper than 256 levels"},
-    {"more structures than the limit",
-     [](RawAtlas& a) {
-       const RawStructure last = a.directory.structures.back();
-       a.directory.structures.resize((1 << 20) + 1, last);
-       a.directory.text_ends.resize(a.directory.text_ends.size() + 2 * ((1 << 20) - 4),
-                                    a.directory.text_ends.back());
-     },
-     "F: invalid: 1048577 structures (limit 1048576) and 8 classes (1 to 16777216)"},
-    {"unknown flags, which are not read", [](RawAtlas& a) { a.directory.structures[0].flags |= 0xfc; }, ""},
-    {"a label where none is said to be, which is not read",
-     [](RawAtlas& a) { a.directory.structures[0].label = 1; }, ""},
+constexpr auto set_text = [](RawAtlas& a, const BadText& row) {
+  a.set_text(row.string, std::string(row.text));
 };
 
-constexpr BadFile kTexts[] = {
-    {"title not UTF-8", [](RawAtlas& a) { a.set_text(kTitle, "G\xff"); },
-     "F: invalid: provenance is not UTF-8 (byte 1)"},
-    {"citation not UTF-8", [](RawAtlas& a) { a.set_text(kCitation, "\xc3("); },
-     "F: invalid: provenance is not UTF-8 (byte 0)"},
-    {"licence not UTF-8", [](RawAtlas& a) { a.set_text(kLicence, "\xed\xa0\x80"); },
-     "F: invalid: provenance is not UTF-8 (byte 0)"},
-    {"tool not UTF-8", [](RawAtlas& a) { a.set_text(kTool, "\xc0\xaf"); },
-     "F: invalid: provenance is not UTF-8 (byte 0)"},
-    {"a name not UTF-8", [](RawAtlas& a) { a.set_text(kNameOfCore, "K\xf6rper"); },
-     "F: invalid: name of structure 1 is not UTF-8 (byte 1)"},
-    {"a scene's name not UTF-8", [](RawAtlas& a) { a.set_text(kSceneName, "\x80"); },
-     "F: invalid: text of scene 0 is not UTF-8 (byte 0)"},
-    {"a caption not UTF-8", [](RawAtlas& a) { a.set_text(kCaption, "cut off \xe2\x82"); },
-     "F: invalid: text of scene 0 is not UTF-8 (byte 8)"},
-    {"a selection not UTF-8", [](RawAtlas& a) { a.set_text(kSelection, "\xf4\x90\x80\x80"); },
-     "F: invalid: text of scene 0 is not UTF-8 (byte 0)"},
-    {"a role not UTF-8", [](RawAtlas& a) { a.set_text(kRole, "\xfe"); },
-     "F: invalid: a source's role is not UTF-8 (byte 0)"},
-    {"a hash not UTF-8", [](RawAtlas& a) { a.set_text(kHash, "\xf0\x9f\xa7"); },
-     "F: invalid: a source's hash is not UTF-8 (byte 0)"},
-    {"a zero in the title", [](RawAtlas& a) { a.set_text(kTitle, std::string("a\0b", 3)); },
-     "F: invalid: provenance has a control character (byte 1: U+0000)"},
-    {"a bell in the citation", [](RawAtlas& a) { a.set_text(kCitation, "ring\a"); },
-     "F: invalid: provenance has a control character (byte 4: U+0007)"},
-    {"a carriage return in the licence", [](RawAtlas& a) { a.set_text(kLicence, "MIT\r"); },
-     "F: invalid: provenance has a control character (byte 3: U+000D)"},
-    {"an escape in the tool", [](RawAtlas& a) { a.set_text(kTool, "\x1b]0;owned\a"); },
-     "F: invalid: provenance has a control character (byte 0: U+001B)"},
-    {"a delete in a name", [](RawAtlas& a) { a.set_text(kNameOfCore, "Core\x7f"); },
-     "F: invalid: name of structure 1 has a control character (byte 4: U+007F)"},
-    {"a backspace in a scene's name", [](RawAtlas& a) { a.set_text(kSceneName, "First\b"); },
-     "F: invalid: text of scene 0 has a control character (byte 5: U+0008)"},
-    {"a form feed in a caption", [](RawAtlas& a) { a.set_text(kCaption, "a\fb"); },
-     "F: invalid: text of scene 0 has a control character (byte 1: U+000C)"},
-    {"an escape in a selection", [](RawAtlas& a) { a.set_text(kSelection, "\x1b[2J"); },
-     "F: invalid: text of scene 0 has a control character (byte 0: U+001B)"},
-    {"a control character in a role", [](RawAtlas& a) { a.set_text(kRole, "\x01"); },
-     "F: invalid: a source's role has a control character (byte 0: U+0001)"},
-    {"a control character in a hash", [](RawAtlas& a) { a.set_text(kHash, "\x1f"); },
-     "F: invalid: a source's hash has a control character (byte 0: U+001F)"},
-    {"a control sequence of eight bits in a name",
-     [](RawAtlas& a) {
-       a.set_text(kNameOfCore,
-                  "a\xc2\x9b"
-                  "2J");
-     },
-     "F: invalid: name of structure 1 has a control character (byte 1: U+009B)"},
-    {"text that runs backwards in a name",
-     [](RawAtlas& a) {
-       a.set_text(kNameOfCore,
-                  "a\xe2\x80\xae"
-                  "b");
-     },
-     "F: invalid: name of structure 1 has a bidirectional control character (byte 1: U+202E)"},
-    {"an isolate in a caption",
-     [](RawAtlas& a) {
-       a.set_text(kCaption,
-                  "a\xe2\x81\xa6"
-                  "b");
-     },
-     "F: invalid: text of scene 0 has a bidirectional control character (byte 1: U+2066)"},
-    {"line feeds and tabs, which may be", [](RawAtlas& a) { a.set_text(kCaption, "one\n\ttwo"); }, ""},
-    {"Hebrew with its marks, which may be",
-     [](RawAtlas& a) { a.set_text(kNameOfCore, "\xd7\x9e\xd7\x95\xd7\x97\xe2\x80\x8f"); }, ""},
+constexpr BadText kCharacters[] = {
+    {kIdOfCore, "co re", "co re"},
+    {kIdOfCore, "../core", "../core"},
+    {kIdOfCore, "Größe", "Größe"},
+    {kIdOfCore, "co\0re"sv, "co?re"},
 };
 
-constexpr BadFile kTextTables[] = {
-    {"one string too few", [](RawAtlas& a) { a.directory.text_ends.pop_back(); },
-     "F: invalid: directory has 18 strings, expected 19"},
-    {"one string too many",
-     [](RawAtlas& a) { a.directory.text_ends.push_back(a.directory.text_ends.back()); },
-     "F: invalid: directory has 20 strings, expected 19"},
-    {"no strings", [](RawAtlas& a) { a.directory.text_ends.clear(); },
-     "F: invalid: directory has 0 strings, expected 19"},
-    {"ends of strings that fall",
-     [](RawAtlas& a) { a.directory.text_ends[3] = a.directory.text_ends[2] - 1; },
-     "F: invalid: inconsistent offsets of directory text"},
-    {"a string that ends beyond the text", [](RawAtlas& a) { ++a.directory.text_ends.back(); },
-     "F: invalid: inconsistent offsets of directory text"},
-    {"text that no string has", [](RawAtlas& a) { a.directory.text.push_back('x'); },
-     "F: invalid: inconsistent offsets of directory text"},
-    {"the largest end of a string", [](RawAtlas& a) { a.directory.text_ends[0] = 0xffffffff; },
-     "F: invalid: inconsistent offsets of directory text"},
-    {"no text", [](RawAtlas& a) { a.directory.text.clear(); },
-     "F: invalid: inconsistent offsets of directory text"},
-    {"one source too many", [](RawAtlas& a) { ++a.directory.sources; },
-     "F: invalid: directory has 19 strings, expected 21"},
-    {"one source too few", [](RawAtlas& a) { --a.directory.sources; },
-     "F: invalid: directory has 19 strings, expected 17"},
-    {"2^32 - 1 sources", [](RawAtlas& a) { a.directory.sources = 0xffffffff; },
-     "F: invalid: directory has 19 strings, expected 8589934607"},
-    {"one scene too many",
-     [](RawAtlas& a) {
-       a.directory.scenes.push_back({0, 0, 1});
+constexpr BadText kRepeatedIds[] = {
+    {kIdOfRim, "core", "core"},
+    {kIdOfRim, "CORE", "CORE"},
+};
+
+constexpr BadText kTexts[] = {
+    {kTitle, "G\xff", "provenance is not UTF-8 (byte 1)"},
+    {kCitation, "\xc3(", "provenance is not UTF-8 (byte 0)"},
+    {kLicence, "\xed\xa0\x80", "provenance is not UTF-8 (byte 0)"},
+    {kTool, "\xc0\xaf", "provenance is not UTF-8 (byte 0)"},
+    {kNameOfCore, "K\xf6rper", "name of structure 1 is not UTF-8 (byte 1)"},
+    {kSceneName, "\x80", "text of scene 0 is not UTF-8 (byte 0)"},
+    {kCaption, "cut off \xe2\x82", "text of scene 0 is not UTF-8 (byte 8)"},
+    {kSelection, "\xf4\x90\x80\x80", "text of scene 0 is not UTF-8 (byte 0)"},
+    {kRole, "\xfe", "a source's role is not UTF-8 (byte 0)"},
+    {kHash, "\xf0\x9f\xa7", "a source's hash is not UTF-8 (byte 0)"},
+    {kTitle, "a\0b"sv, "provenance has a control character (byte 1: U+0000)"},
+    {kCitation, "ring\a", "provenance has a control character (byte 4: U+0007)"},
+    {kLicence, "MIT\r", "provenance has a control character (byte 3: U+000D)"},
+    {kTool, "\x1b]0;owned\a", "provenance has a control character (byte 0: U+001B)"},
+    {kNameOfCore, "Core\x7f", "name of structure 1 has a control character (byte 4: U+007F)"},
+    {kSceneName, "First\b", "text of scene 0 has a control character (byte 5: U+0008)"},
+    {kCaption, "a\fb", "text of scene 0 has a control character (byte 1: U+000C)"},
+    {kSelection, "\x1b[2J", "text of scene 0 has a control character (byte 0: U+001B)"},
+    {kRole, "\x01", "a source's role has a control character (byte 0: U+0001)"},
+    {kHash, "\x1f", "a source's hash has a control character (byte 0: U+001F)"},
+    {kNameOfCore, "a\u009b2J", "name of structure 1 has a control character (byte 1: U+009B)"},
+    {kNameOfCore, "a\u202eb", "name of structure 1 has a bidirectional control character (byte 1: U+202E)"},
+    {kCaption, "a\u2066b", "text of scene 0 has a bidirectional control character (byte 1: U+2066)"},
+};
+
+constexpr BadText kValidTexts[] = {
+    {kCaption, "one\n\ttwo"},
+    {kNameOfCore, "\u05de\u05d5\u05d7\u200f"},  // Hebrew with its marks
+    {kNameOfRim, "Core"},                       // a name twice
+    {kNameOfRim, ""},
+};
+
+using BadDirectory = BadFile<RawDirectory>;
+
+constexpr BadPart<RawDirectory> kParents[] = {
+    {[](auto& d) { d.parents[0] = good::kCore; }, "structures form a cycle: core in core"},
+    {[](auto& d) { d.parents[0] = good::kRim; }, "structures form a cycle: core in rim in core"},
+    {[](auto& d) {
+       d.parents = {good::kRim, good::kKnob, good::kAll, good::kCore};
      },
-     "F: invalid: directory has 19 strings, expected 22"},
-    {"no scenes", [](RawAtlas& a) { a.directory.scenes.clear(); },
-     "F: invalid: directory has 19 strings, expected 16"},
+     "structures form a cycle: core in rim in knob in core"},
+    {[](auto& d) { d.parents[2] = good::kAll; }, "structure \"rim\" has the parent \"all\" twice"},
+    {[](auto& d) { d.parents[3] = 5; }, "structure \"knob\" has parent number 5 of 5 structures"},
+    {[](auto& d) { d.parents[3] = 0xffffffff; },
+     "structure \"knob\" has parent number 4294967295 of 5 structures"},
+    {[](auto& d) {
+       const RawStructure last = d.structures.back();
+       d.structures.resize((1 << 20) + 1, last);
+       d.text_ends.resize(d.text_ends.size() + 2 * ((1 << 20) - 4), d.text_ends.back());
+     },
+     "1048577 structures (limit 1048576) and 8 classes (1 to 16777216)"},
+};
+
+constexpr BadDirectory kEndsOfParents[] = {
+    {"one parent too many", [](auto& d) { d.parents.push_back(0); }},
+    {"one parent too few", [](auto& d) { d.parents.pop_back(); }},
+    {"that fall", [](auto& d) { d.structures[2].parents_end = 0; }},
+    {"beyond the parents", [](auto& d) { d.structures[4].parents_end = 5; }},
+    {"at the largest number", [](auto& d) { d.structures[1].parents_end = 0xffffffff; }},
+};
+
+constexpr BadDirectory kValidStructures[] = {
+    {"unknown flags", [](auto& d) { d.structures[0].flags |= 0xfc; }},
+    {"a label where none is said to be", [](auto& d) { d.structures[0].label = 1; }},
+};
+
+constexpr BadPart<RawDirectory> kStringCounts[] = {
+    {[](auto& d) { d.structures.pop_back(); }, "19 strings, expected 17"},
+    {[](auto& d) { d.structures.push_back(d.structures.back()); }, "19 strings, expected 21"},
+    {[](auto& d) { d.structures.clear(); }, "19 strings, expected 9"},
+    {[](auto& d) { d.text_ends.pop_back(); }, "18 strings, expected 19"},
+    {[](auto& d) { d.text_ends.push_back(d.text_ends.back()); }, "20 strings, expected 19"},
+    {[](auto& d) { d.text_ends.clear(); }, "0 strings, expected 19"},
+    {[](auto& d) { ++d.sources; }, "19 strings, expected 21"},
+    {[](auto& d) { --d.sources; }, "19 strings, expected 17"},
+    {[](auto& d) { d.sources = 0xffffffff; }, "19 strings, expected 8589934607"},
+    {[](auto& d) {
+       d.scenes.push_back(RawScene{0, 0, 1});
+     },
+     "19 strings, expected 22"},
+    {[](auto& d) { d.scenes.clear(); }, "19 strings, expected 16"},
+};
+
+constexpr BadDirectory kEndsOfText[] = {
+    {"that fall", [](auto& d) { d.text_ends[3] = d.text_ends[2] - 1; }},
+    {"beyond the text", [](auto& d) { ++d.text_ends.back(); }},
+    {"ahead of text", [](auto& d) { d.text.push_back('x'); }},
+    {"at the largest number", [](auto& d) { d.text_ends[0] = 0xffffffff; }},
+    {"of no text", [](auto& d) { d.text.clear(); }},
 };
 
 TEST(BadFiles, WithABadId) {
-  expect_refused(kIds);
+  const char* const message =
+      "F: invalid: the id \"{}\" of a structure holds other characters than letters, digits, \"_\", \"-\" "
+      "and "
+      "\".\"";
+  expect_faults(kCharacters, message, set_text);
+  RawAtlas atlas = raw_atlas(good_file());
+  atlas.set_text(kIdOfCore, std::string(1 << 20, 'x') + "*");
+  expect_fault(atlas, message, (std::string(80, 'x') + "...").c_str(), "a megabyte with a bad end");
+  expect_faults(kRepeatedIds, "F: invalid: two structures have the id \"{}\" (case does not count)",
+                set_text);
+
+  atlas.set_text(kIdOfCore, "");
+  expect_fault(atlas, "F: invalid: structure 1 (\"Core\") has no id", "", "no id");
+  atlas.set_text(kNameOfCore, "a\x1b[2J");
+  expect_fault(atlas, "F: invalid: structure 1 (\"a?[2J\") has no id", "", "no id and a strange name");
 }
+
 TEST(BadFiles, WithABadParent) {
-  expect_refused(kParents);
+  expect_faults(kParents, "F: invalid: {}", in_directory);
+  expect_faults(kEndsOfParents, "F: invalid: inconsistent offsets of directory table of parents",
+                in_directory);
+  expect_faults(kValidStructures, "", in_directory);
 }
+
+TEST(BadFiles, WithAChainOfParentsThatIsTooDeep) {
+  RawAtlas atlas = raw_atlas(good_file());
+  RawDirectory& d = atlas.directory;
+  constexpr std::uint32_t kChain = 257;
+  for (std::uint32_t s = 0; s < kChain; ++s) {
+    if (s > 0) d.parents.push_back(5 + s - 1);
+    d.structures.push_back({0, static_cast<std::uint32_t>(d.parents.size()), {}, 0});
+  }
+  for (std::uint32_t s = 0; s < kChain; ++s) {  // an id and no name for each, ahead of the text of the scene
+    const std::size_t at = kSceneName + 2 * std::size_t{s};
+    d.text_ends.insert(d.text_ends.begin() + static_cast<std::ptrdiff_t>(at), 2, d.text_ends[at - 1]);
+    atlas.set_text(at, fmt::format("d{}", s));
+  }
+  EXPECT_EQ(fault_of_file(file_of(atlas)), "F: invalid: structure \"d256\" lies deeper than 256 levels");
+}
+
 TEST(BadFiles, WithBadText) {
-  expect_refused(kTexts);
-}
-TEST(BadFiles, WithABadTextTable) {
-  expect_refused(kTextTables);
+  expect_faults(kTexts, "F: invalid: {}", set_text);
+  expect_faults(kValidTexts, "", set_text);
+  expect_faults(kStringCounts, "F: invalid: directory has {}", in_directory);
+  expect_faults(kEndsOfText, "F: invalid: inconsistent offsets of directory text", in_directory);
 }
 
 }  // namespace
