@@ -1,14 +1,10 @@
 // Fuzz target: untrusted atlas files, with right or wrong checksums, opened, verified, read and rendered.
 // Time and memory must stay bounded. Input: the file. Its reserved header field, which readers ignore,
 // chooses the frame.
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <vector>
-
-#include <fmt/format.h>
 
 #include "format/atlas_reader.h"
 #include "format/atlas_writer.h"
@@ -131,6 +127,8 @@ void check_rewriting(const Atlas& atlas) {
           "an atlas is another one when written again");
 }
 
+}  // namespace
+
 void fuzz(FuzzInput input) {
   const auto file = input.rest();
   std::uint32_t reserved = 0;
@@ -154,10 +152,4 @@ void fuzz(FuzzInput input) {
   }
 }
 
-}  // namespace
 }  // namespace splatlas
-
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  splatlas::fuzz({data, size});
-  return 0;
-}

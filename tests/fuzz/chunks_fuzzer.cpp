@@ -25,6 +25,8 @@ void check_round_trip(std::span<const std::byte> content, int level, ChunkConten
   require(!decode_chunk(chunk.bytes, chunk.entry, decoded).has_value(), "a flipped bit is not seen");
 }
 
+}  // namespace
+
 void fuzz(FuzzInput input) {
   const auto choices = input.number<std::uint8_t>();
   std::vector<std::byte> decoded(input.number<std::uint16_t>());
@@ -41,10 +43,4 @@ void fuzz(FuzzInput input) {
   check_round_trip(decoded, level, kind);
 }
 
-}  // namespace
 }  // namespace splatlas
-
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  splatlas::fuzz({data, size});
-  return 0;
-}

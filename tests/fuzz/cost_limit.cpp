@@ -1,6 +1,5 @@
 #include "tests/fuzz/cost_limit.h"
 
-#include <algorithm>
 #include <atomic>
 #include <ctime>
 #include <mutex>

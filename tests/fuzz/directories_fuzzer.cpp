@@ -35,6 +35,8 @@ void check_rewriting(const Directory& directory) {
   require(validate(again).has_value(), "a sound directory is not sound when read again");
 }
 
+}  // namespace
+
 void fuzz(FuzzInput input) {
   const auto rest = input.rest();
   const std::vector<std::byte> bytes(rest.begin(), rest.end());  // aligned
@@ -47,10 +49,4 @@ void fuzz(FuzzInput input) {
   check_rewriting(*directory);
 }
 
-}  // namespace
 }  // namespace splatlas
-
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  splatlas::fuzz({data, size});
-  return 0;
-}

@@ -1,10 +1,9 @@
 // libFuzzer entry point of mutate_directory().
-#include <algorithm>
 #include <cstdint>
 #include <cstring>
 #include <vector>
 
-#include "tests/fuzz/mutate_directory.h"
+#include "tests/fuzz/mutators.h"
 
 extern "C" std::size_t LLVMFuzzerMutate(std::uint8_t* data, std::size_t size, std::size_t max_size);
 

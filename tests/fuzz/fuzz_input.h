@@ -53,4 +53,7 @@ class FuzzInput {
   std::span<const std::byte> bytes_;
 };
 
+/// The target of this program. Aborts on a finding.
+void fuzz(FuzzInput input);
+
 }  // namespace splatlas

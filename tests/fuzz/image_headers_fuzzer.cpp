@@ -1,7 +1,6 @@
 // Fuzz target: untrusted image files, as far as they are read without ITK.
 // Input: a byte of choices, then the file.
 #include <array>
-#include <cstdint>
 #include <string>
 
 #include "format/system/result_macros.h"
@@ -25,6 +24,8 @@ Result<void> check_image_file(const std::filesystem::path& path) {
   return {};
 }
 
+}  // namespace
+
 void fuzz(FuzzInput input) {
   static const std::array<std::string, 6> kNames{"image.nii",  "image.nii.gz", "image.nrrd",
                                                  "image.nhdr", "image.mha",    "image.mhd"};
@@ -34,10 +35,4 @@ void fuzz(FuzzInput input) {
   if (!sound) require_error(sound.error(), {ErrorCode::kFailed});
 }
 
-}  // namespace
 }  // namespace splatlas
-
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  splatlas::fuzz({data, size});
-  return 0;
-}

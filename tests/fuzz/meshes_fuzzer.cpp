@@ -29,6 +29,8 @@ void check_mesh(const TriangleMesh& mesh) {
   }
 }
 
+}  // namespace
+
 void fuzz(FuzzInput input) {
   static const std::array<std::string, 3> kNames{"mesh.stl", "mesh.obj", "mesh.ply"};
   const auto choices = input.number<std::uint8_t>();
@@ -40,10 +42,4 @@ void fuzz(FuzzInput input) {
   check_mesh(*mesh);
 }
 
-}  // namespace
 }  // namespace splatlas
-
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  splatlas::fuzz({data, size});
-  return 0;
-}

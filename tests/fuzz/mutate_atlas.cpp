@@ -1,15 +1,11 @@
 #include <algorithm>
-#include <array>
-#include <cstring>
 #include <exception>
 #include <optional>
-#include <span>
 #include <utility>
 
 #include "format/atlas_writer.h"
 #include "format/system/checksum.h"
 #include "tests/format/atlas_surgery.h"
-#include "tests/fuzz/mutate_directory.h"
 #include "tests/fuzz/mutators.h"
 #include "tests/fuzz/seed_atlases.h"
 
@@ -19,8 +15,7 @@ namespace {
 /// The parts of a file whose directory can be read and laid out.
 std::optional<AtlasParts> parts_of_file(const Bytes& file) {
   if (file.size() < sizeof(FileHeader)) return std::nullopt;
-  FileHeader header;
-  std::memcpy(&header, file.data(), sizeof header);
+  const FileHeader header = header_of(file);
   if (header.directory_bytes > file.size() - sizeof header) return std::nullopt;
   const auto directory = decode_directory(directory_bytes(file));
   if (!directory || !validate(*directory)) return std::nullopt;
@@ -32,28 +27,8 @@ std::optional<AtlasParts> parts_of_file(const Bytes& file) {
 /// Keeps the frame choices of the header.
 Bytes put_together_again(const Bytes& directory, const std::vector<Bytes>& chunks, std::uint32_t choices) {
   Bytes file = put_together(directory, chunks);
-  std::memcpy(&file[offsetof(FileHeader, reserved)], &choices, sizeof choices);
-  const std::uint64_t checksum = checksum_of(std::span(file).first(offsetof(FileHeader, header_checksum)));
-  std::memcpy(&file[offsetof(FileHeader, header_checksum)], &checksum, sizeof checksum);
+  edit_header(file, [&](FileHeader& header) { header.reserved = choices; });
   return file;
-}
-
-void mutate_header(Bytes& file, Random& random) {
-  FileHeader header;
-  std::memcpy(&header, file.data(), sizeof header);
-  switch (below(8, random)) {
-    case 0: mutate_number(header.major, random); break;
-    case 1: mutate_number(header.minor, random); break;
-    case 2: mutate_number(header.required_features, random); break;
-    case 3: mutate_number(header.optional_features, random); break;
-    case 4: mutate_number(header.file_bytes, random); break;
-    case 5: mutate_number(header.directory_offset, random); break;
-    case 6: mutate_number(header.directory_bytes, random); break;
-    default: mutate_number(header.directory_checksum, random); break;
-  }
-  std::memcpy(file.data(), &header, sizeof header);
-  header.header_checksum = checksum_of(std::span(file).first(offsetof(FileHeader, header_checksum)));
-  std::memcpy(file.data(), &header, sizeof header);
 }
 
 /// Mutates stored bytes of a chunk, ahead of decompression.
@@ -115,8 +90,7 @@ Bytes mutate_parts(AtlasParts parts, std::size_t max_bytes, Random& random, cons
 
 /// Mutates the raw bytes of the directory.
 Bytes mutate_directory_bytes(const Bytes& file, std::size_t max_bytes, const MutateBytes& mutate_bytes) {
-  FileHeader header;
-  std::memcpy(&header, file.data(), sizeof header);
+  const FileHeader header = header_of(file);
   const std::size_t length = std::min<std::uint64_t>(header.directory_bytes, file.size() - sizeof header);
   const auto begin = file.begin() + sizeof header, end = begin + static_cast<std::ptrdiff_t>(length);
   Bytes directory(begin, end);
@@ -129,7 +103,12 @@ Bytes mutate_directory_bytes(const Bytes& file, std::size_t max_bytes, const Mut
 Bytes mutate_atlas(Bytes file, std::size_t max_bytes, Random& random, const MutateBytes& mutate_bytes) {
   if (file.size() < sizeof(FileHeader) || below(50, random) == 0) return seed_atlas(random);
   switch (below(16, random)) {
-    case 0: mutate_header(file, random); return file;
+    case 0:
+      edit_header(file, [&](FileHeader& h) {
+        mutate_any(random, h.major, h.minor, h.required_features, h.optional_features, h.file_bytes,
+                   h.directory_offset, h.directory_bytes, h.directory_checksum);
+      });
+      return file;
     case 1: mutate_bytes(file, max_bytes); return file;
     case 2: return mutate_directory_bytes(file, max_bytes, mutate_bytes);
     default: break;

@@ -1,10 +1,9 @@
-#include "tests/fuzz/mutate_directory.h"
-
-#include <algorithm>
 #include <array>
 #include <string>
 #include <utility>
 #include <vector>
+
+#include "tests/fuzz/mutators.h"
 
 namespace splatlas {
 namespace {
@@ -22,25 +21,20 @@ void mutate_text(std::string& text, Random& random) {
 }
 
 void mutate_grid(Directory& d, Random& random) {
-  switch (below(5, random)) {
-    case 0: mutate_number(d.source_grid.size[below(3, random)], random); break;
-    case 1: mutate_number(d.source_grid.spacing_mm[below(3, random)], random); break;
-    case 2: mutate_number(d.source_grid.origin_lps_mm[below(3, random)], random); break;
-    case 3: mutate_number(d.source_grid.direction_lps[below(9, random)], random); break;
-    default:
-      std::swap(d.source_to_storage.from[below(3, random)], d.source_to_storage.from[below(3, random)]);
-      d.source_to_storage.flipped[below(3, random)] ^= true;
-      break;
+  const std::size_t a = below(3, random);
+  if (below(5, random) == 0) {
+    std::swap(d.source_to_storage.from[a], d.source_to_storage.from[below(3, random)]);
+    d.source_to_storage.flipped[below(3, random)] ^= true;
+  } else {
+    Grid& grid = d.source_grid;
+    mutate_any(random, grid.size[a], grid.spacing_mm[a], grid.origin_lps_mm[a],
+               grid.direction_lps[below(9, random)]);
   }
 }
 
-void mutate_display(Directory& d, Random& random) {
-  switch (below(4, random)) {
-    case 0: mutate_number(d.display.window_low, random); break;
-    case 1: mutate_number(d.display.window_high, random); break;
-    case 2: mutate_number(d.display.center_lps_mm[below(3, random)], random); break;
-    default: mutate_number(d.display.radius_mm, random); break;
-  }
+void mutate_display(Display& display, Random& random) {
+  mutate_any(random, display.window_low, display.window_high, display.center_lps_mm[below(3, random)],
+             display.radius_mm);
 }
 
 void mutate_type(VoxelType& type, Random& random) {
@@ -69,21 +63,17 @@ struct ClassRow {
 };
 
 void mutate_row(ClassRow& row, std::size_t structures, Random& random) {
-  switch (below(4, random)) {
-    case 0: mutate_number(row.voxels, random); break;
-    case 1: mutate_number(row.box.first[below(3, random)], random); break;
-    case 2: mutate_number(row.box.last[below(3, random)], random); break;
-    default:
-      if (row.members.empty() || below(2, random) == 0) {
-        if (structures == 0) return;
-        row.members.push_back({static_cast<StructureIndex>(below(structures, random)), Part::kBoundary});
-      } else if (Membership& member = any_of(row.members, random); below(2, random) == 0) {
-        member.part = static_cast<Part>(below(3, random));
-      } else {
-        member = row.members.back();
-        row.members.pop_back();
-      }
-      break;
+  if (below(4, random) != 0) {
+    const std::size_t a = below(3, random);
+    mutate_any(random, row.voxels, row.box.first[a], row.box.last[a]);
+  } else if (row.members.empty() || below(2, random) == 0) {
+    if (structures == 0) return;
+    row.members.push_back({static_cast<StructureIndex>(below(structures, random)), Part::kBoundary});
+  } else if (Membership& member = any_of(row.members, random); below(2, random) == 0) {
+    member.part = static_cast<Part>(below(3, random));
+  } else {
+    member = row.members.back();
+    row.members.pop_back();
   }
 }
 
@@ -118,12 +108,7 @@ void mutate_lengths(Directory& d, Random& random) {
 void mutate_surface(Directory& d, Random& random) {
   if (d.surfaces.empty()) return;
   SurfaceEntry& surface = any_of(d.surfaces, random);
-  switch (below(4, random)) {
-    case 0: mutate_number(surface.vertices, random); break;
-    case 1: mutate_number(surface.triangles, random); break;
-    case 2: mutate_number(surface.position_scale, random); break;
-    default: mutate_number(surface.bytes, random); break;
-  }
+  mutate_any(random, surface.vertices, surface.triangles, surface.position_scale, surface.bytes);
 }
 
 void mutate_scenes(Directory& d, Random& random) {
@@ -140,30 +125,24 @@ void mutate_scenes(Directory& d, Random& random) {
 void mutate_sections(Directory& d, Random& random) {
   if (d.sections.empty()) return;
   SectionEntry& section = any_of(d.sections, random);
-  switch (below(5, random)) {
-    case 0: mutate_number(section.kind, random); break;
-    case 1: mutate_number(section.chunks, random); break;
-    case 2: mutate_number(section.chunk_bytes, random); break;
-    case 3: mutate_number(section.shared_bytes, random); break;
-    default: std::swap(section, any_of(d.sections, random)); break;
-  }
+  if (below(5, random) == 0) return std::swap(section, any_of(d.sections, random));
+  mutate_any(random, section.kind, section.chunks, section.chunk_bytes, section.shared_bytes);
 }
 
 void mutate_chunk(Directory& d, Random& random) {
   if (d.chunks.empty()) return;
   ChunkEntry& chunk = any_of(d.chunks, random);
-  switch (below(4, random)) {
-    case 0: mutate_number(chunk.stored_bytes, random); break;
-    case 1: mutate_number(chunk.checksum, random); break;
-    case 2: chunk.codec = static_cast<ChunkCodec>(below(4, random)); break;
-    default: mutate_number(chunk.filter, random); break;
+  if (below(4, random) == 0) {
+    chunk.codec = static_cast<ChunkCodec>(below(4, random));
+  } else {
+    mutate_any(random, chunk.stored_bytes, chunk.checksum, chunk.filter);
   }
 }
 
 void mutate_once(Directory& d, Random& random) {
   switch (below(12, random)) {
     case 0: return mutate_grid(d, random);
-    case 1: return mutate_display(d, random);
+    case 1: return mutate_display(d.display, random);
     case 2: return mutate_type(below(2, random) == 0 ? d.value_type : d.label_type, random);
     case 3: return mutate_structures(d, random);
     case 4:

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <concepts>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <random>
 #include <vector>
@@ -47,6 +48,13 @@ void mutate_number(T& number, Random& random) {
     case 6: number = static_cast<T>(static_cast<double>(below(2000, random)) / 10 - 100); break;
     default: number += static_cast<T>(static_cast<double>(below(201, random)) / 100 - 1); break;
   }
+}
+
+/// Mutates one of several numbers.
+template <typename... T>
+void mutate_any(Random& random, T&... numbers) {
+  std::size_t rest = below(sizeof...(T), random);
+  ((rest-- == 0 ? mutate_number(numbers, random) : void()), ...);
 }
 
 /// A random entry of a table that is not empty.

@@ -5,6 +5,7 @@
 #include <functional>
 #include <vector>
 
+#include "format/file/directory.h"
 #include "tests/fuzz/mutate_number.h"
 
 namespace splatlas {
@@ -12,6 +13,9 @@ namespace splatlas {
 using Bytes = std::vector<std::byte>;
 /// Mutates bytes as libFuzzer does, to at most `max_bytes` of them.
 using MutateBytes = std::function<void(Bytes& bytes, std::size_t max_bytes)>;
+
+/// Changes one to three entries of any table, to valid or invalid values.
+void mutate_directory(Directory& directory, Random& random);
 
 /// A mutated atlas: other directory entries, stream or chunk bytes or header fields, or another atlas. Input
 /// that is no atlas becomes one. The result may exceed `max_bytes`.

@@ -50,7 +50,10 @@ void check_placed(const PlacedStructures& placed, const std::vector<SourceStruct
   }
 }
 
-void fuzz(std::string_view text) {
+}  // namespace
+
+void fuzz(FuzzInput input) {
+  const std::string_view text = input.rest_as_text();
   constexpr std::string_view kSeparator = "\n----\n";
   const std::size_t end = text.find(kSeparator);
   const std::string_view tree = end == std::string_view::npos ? "" : text.substr(end + kSeparator.size());
@@ -64,10 +67,4 @@ void fuzz(std::string_view text) {
   check_placed(*placed, *sources);
 }
 
-}  // namespace
 }  // namespace splatlas
-
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  splatlas::fuzz(splatlas::FuzzInput(data, size).rest_as_text());
-  return 0;
-}

@@ -76,6 +76,8 @@ std::vector<ClassId> mask_of(std::span<const std::byte> bits, std::size_t voxels
   return mask;
 }
 
+}  // namespace
+
 void fuzz(FuzzInput input) {
   Index3 size{};
   for (std::int64_t& n : size) n = 1 + static_cast<std::int64_t>(input.below(kMaxVoxelsASide));
@@ -111,10 +113,4 @@ void fuzz(FuzzInput input) {
   check_valid_runs(runs, size, axis);
 }
 
-}  // namespace
 }  // namespace splatlas
-
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  splatlas::fuzz({data, size});
-  return 0;
-}

@@ -1,6 +1,5 @@
 // Fuzz target: selection text, on a graph with difficult names.
 // Input: the text.
-#include <cstdint>
 #include <string>
 
 #include "format/selection.h"
@@ -48,6 +47,8 @@ bool have_same_appearance(Selection a, const Selection& b) {
   return a == b;
 }
 
+}  // namespace
+
 void fuzz(FuzzInput input) {
   static const StructureGraph graph = make_graph();
   const std::string_view text = input.rest_as_text();
@@ -61,10 +62,4 @@ void fuzz(FuzzInput input) {
           "a selection's text selects another one");
 }
 
-}  // namespace
 }  // namespace splatlas
-
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  splatlas::fuzz({data, size});
-  return 0;
-}

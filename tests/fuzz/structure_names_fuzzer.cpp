@@ -1,17 +1,15 @@
 // Fuzz target: look-up of names, ids, paths and patterns in any graph, against an enumeration of all paths.
 // Input: the number of structures, for each a byte of parents and a name of up to three letters, then the
 // query.
-#include <cstdint>
-#include <set>
 #include <string>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "format/selection.h"
-#include "format/system/ascii_text.h"
 #include "tests/fuzz/fuzz_input.h"
 #include "tests/fuzz/require.h"
+#include "tests/support/find_slowly.h"
 
 namespace splatlas {
 namespace {
@@ -34,52 +32,7 @@ StructureGraph read_graph(FuzzInput& input) {
   return require_value(StructureGraph::build(std::move(structures)));
 }
 
-/// Brute force over the length of each "*". Both arguments are in lower case.
-bool matches(std::string_view pattern, std::string_view text) {
-  if (pattern.empty()) return text.empty();
-  if (pattern[0] == '*')
-    return matches(pattern.substr(1), text) || (!text.empty() && matches(pattern, text.substr(1)));
-  return !text.empty() && pattern[0] == text[0] && matches(pattern.substr(1), text.substr(1));
-}
-
-/// Every path from any structure above (roots only if `whole`) down to `s`, in lower case.
-void collect_paths(const StructureGraph& graph, StructureIndex s, const std::string& below, bool whole,
-                   std::set<std::string>& paths) {
-  const std::string path = to_lower(graph[s].name) + below;
-  if (!whole || graph[s].parents.empty()) paths.insert(path);
-  for (const StructureIndex parent : graph[s].parents) collect_paths(graph, parent, "/" + path, whole, paths);
-}
-
-template <typename Fits>
-std::vector<StructureIndex> all_that(const StructureGraph& graph, const Fits& fits) {
-  std::vector<StructureIndex> found;
-  for (StructureIndex s = 0; s < graph.size(); ++s) {
-    if (fits(s)) found.push_back(s);
-  }
-  return found;
-}
-
-/// The definition in selection.h.
-std::vector<StructureIndex> find_by_definition(const StructureGraph& graph, const std::string& sought) {
-  const auto paths = [&](StructureIndex s, bool whole) {
-    std::set<std::string> all;
-    collect_paths(graph, s, "", whole, all);
-    return all;
-  };
-  if (sought.find('*') != std::string::npos) {
-    return all_that(graph, [&](StructureIndex s) {
-      std::set<std::string> texts = paths(s, sought.find('/') == std::string::npos);
-      texts.insert({to_lower(graph[s].id), to_lower(graph[s].name)});
-      return std::ranges::any_of(texts, [&](const std::string& text) { return matches(sought, text); });
-    });
-  }
-  auto found = all_that(graph, [&](StructureIndex s) { return to_lower(graph[s].id) == sought; });
-  if (found.empty())
-    found = all_that(graph, [&](StructureIndex s) { return to_lower(graph[s].name) == sought; });
-  if (found.empty() && sought.find('/') != std::string::npos)
-    found = all_that(graph, [&](StructureIndex s) { return paths(s, false).contains(sought); });
-  return found;
-}
+}  // namespace
 
 void fuzz(FuzzInput input) {
   const StructureGraph graph = read_graph(input);
@@ -90,7 +43,7 @@ void fuzz(FuzzInput input) {
     sought += of_letters ? kLetters[byte % kLetters.size()] : static_cast<char>(byte);
   }
   if (std::ranges::count(sought, '*') > 6) return;  // brute force takes too long
-  const auto expected = find_by_definition(graph, to_lower(sought));
+  const auto expected = find_slowly(graph, sought);
   const auto found = find_structures(graph, sought);
   const bool is_pattern = sought.find('*') != std::string::npos;
   if (!found) {
@@ -101,10 +54,4 @@ void fuzz(FuzzInput input) {
   }
 }
 
-}  // namespace
 }  // namespace splatlas
-
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  splatlas::fuzz({data, size});
-  return 0;
-}

@@ -27,6 +27,8 @@ void check_mesh(const SurfaceMesh& mesh, const SurfaceEntry& entry, const Index3
     require(std::ranges::max(triangle) < entry.vertices, "a triangle with a vertex that does not exist");
 }
 
+}  // namespace
+
 void fuzz(FuzzInput input) {
   Index3 size{};
   for (std::int64_t& n : size) n = 1 + std::int64_t{input.number<std::uint16_t>()};
@@ -49,10 +51,4 @@ void fuzz(FuzzInput input) {
           "a surface decodes to another one");
 }
 
-}  // namespace
 }  // namespace splatlas
-
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  splatlas::fuzz({data, size});
-  return 0;
-}

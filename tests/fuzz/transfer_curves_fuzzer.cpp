@@ -60,6 +60,8 @@ void check_table(const TransferCurve& curve, VoxelType type) {
   }
 }
 
+}  // namespace
+
 void fuzz(FuzzInput input) {
   const auto choices = input.number<std::uint8_t>();
   Display display;
@@ -91,10 +93,4 @@ void fuzz(FuzzInput input) {
   check_table(curve, static_cast<VoxelType>(choices >> 5));
 }
 
-}  // namespace
 }  // namespace splatlas
-
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  splatlas::fuzz({data, size});
-  return 0;
-}

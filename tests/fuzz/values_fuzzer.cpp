@@ -1,7 +1,6 @@
 // Fuzz target: untrusted codes of grey values, decoded or refused; round trips of any values.
 // Input: width, height, depth and a byte of choices; a number of runs and their lengths, in voxels
 // alternately outside and inside the group; then the code or the values.
-#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -53,6 +52,8 @@ void check_round_trip(const GroupVoxels& group, VoxelType type, const std::vecto
   require(require_value(decode_values(group, type, code)) == values, "values decode to others");
 }
 
+}  // namespace
+
 void fuzz(FuzzInput input) {
   Index3 size{};
   for (std::int64_t& n : size) n = 1 + static_cast<std::int64_t>(input.below(kMaxVoxelsASide));
@@ -72,10 +73,4 @@ void fuzz(FuzzInput input) {
   check_round_trip(group, type, *values);
 }
 
-}  // namespace
 }  // namespace splatlas
-
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  splatlas::fuzz({data, size});
-  return 0;
-}

@@ -2,9 +2,9 @@
 #include <algorithm>
 #include <cstdint>
 #include <filesystem>
-#include <fstream>
 #include <iterator>
 #include <span>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -17,6 +17,7 @@
 #include "format/codec/value_codec.h"
 #include "tests/format/atlas_surgery.h"
 #include "tests/fuzz/seed_atlases.h"
+#include "tests/support/file_bytes.h"
 
 namespace splatlas {
 namespace {
@@ -106,9 +107,8 @@ class SeedWriter {
 
   void write(const std::string& target, const Bytes& bytes) {
     fs::create_directories(folder_ / target);
-    std::ofstream file(folder_ / target / fmt::format("{:04}", count_++), std::ios::binary);
-    file.exceptions(std::ios::failbit | std::ios::badbit);
-    file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+    const fs::path path = folder_ / target / fmt::format("{:04}", count_++);
+    if (!write_bytes(path, bytes)) throw std::runtime_error(path.string() + ": cannot be written");
   }
 
   fs::path folder_;
