@@ -1,21 +1,22 @@
-// splatlas-disk-faults: every system call on a file, of every command that writes, killed, failing or cut
-// short.
-// Afterwards the output must be the old file or the complete new one, and exit status and message must match.
+// splatlas-disk-faults: kills, errors and short transfers at every system call on a file, in every command
+// that writes. Afterwards the output must be the old file or the complete new one, and exit status and
+// message must match.
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
 #include <cstdio>
 #include <fstream>
-#include <iterator>
 #include <map>
+#include <random>
+#include <stdexcept>
 #include <string>
+#include <vector>
 
 #include <fmt/format.h>
 
-#include "tests/faults/fault_scenarios.h"
 #include "tests/faults/run_harness.h"
 #include "tests/faults/run_with_fault.h"
+#include "tests/support/file_bytes.h"
 
 namespace splatlas {
 namespace {
@@ -26,20 +27,87 @@ using Effect = FileCall::Effect;
 
 constexpr int kKilled = 128 + 9;
 
-std::string contents(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
+/// A command of either program that writes files, over an existing output.
+struct FaultScenario {
+  std::string name;
+  std::vector<std::string> words;  ///< command line, to be run in the folder
+  std::string output;              ///< file or folder that it creates or replaces
+  bool replaces = true;            ///< an old output exists
+};
+
+constexpr unsigned kSize = 20;
+
+/// Two structures, one in each half of the grid, and noise as grey values.
+void write_sources(const fs::path& folder) {
+  const std::string header = fmt::format(
+      "ObjectType = Image\nNDims = 3\nDimSize = {0} {0} {0}\nElementType = MET_UCHAR\n"
+      "ElementDataFile = LOCAL\n",
+      kSize);
+  std::string labels, greys;
+  std::mt19937 random(1);
+  for (unsigned v = 0; v < kSize * kSize * kSize; ++v) {
+    const unsigned i = v % kSize, j = v / kSize % kSize, k = v / kSize / kSize;
+    const bool is_inside = i > 2 && i < 17 && j > 3 && j < 16 && k > 2 && k < 15;
+    labels += static_cast<char>(is_inside ? 1 + (i > 9 ? 1 : 0) : 0);
+    greys += static_cast<char>(random() % 256);
+  }
+  std::ofstream(folder / "labels.mha", std::ios::binary) << header << labels;
+  std::ofstream(folder / "volume.mha", std::ios::binary) << header << greys;
+  std::ofstream(folder / "names.txt") << "1 left\n2 right\n";
+}
+
+std::vector<std::string> build_words(const std::string& output) {
+  return {SPLATLAS_PREPROCESS, "build",      "-o",      output,      "--labels",   "labels.mha",
+          "--volume",          "volume.mha", "--names", "names.txt", "--progress", "none"};
+}
+
+FaultScenario exported(const std::string& output, const std::string& option, const std::string& value,
+                       bool replaces = true) {
+  return {"export " + output, {SPLATLAS_PREPROCESS, "export", "in.atlas", option, value}, output, replaces};
+}
+
+/// Writes a small volume, its labels and an atlas of them into the folder.
+void prepare_inputs(const fs::path& folder) {
+  write_sources(folder);
+  const ProgramResult built = run_program(build_words("in.atlas"), folder);
+  if (built.status != 0) throw std::runtime_error("cannot build the atlas: " + built.err);
+}
+
+/// Builds, exports of every kind and pictures in every format.
+std::vector<FaultScenario> fault_scenarios() {
+  std::vector<FaultScenario> scenarios{{"build", build_words("out.atlas"), "out.atlas"},
+                                       {"build --compact", build_words("out.atlas"), "out.atlas"}};
+  scenarios[1].words.emplace_back("--compact");
+  for (const char* format : {"nrrd", "nii", "nii.gz", "mha"}) {
+    scenarios.push_back(
+        exported(fmt::format("labels.{}", format), "--labels", fmt::format("labels.{}", format)));
+  }
+  scenarios[5].output = scenarios[5].words[4] = "exported.mha";  // labels.mha is an input
+  scenarios.push_back(exported("volume.nrrd", "--volume", "volume.nrrd"));
+  scenarios.push_back(exported("masks", "--labels", "masks/", false));
+  for (const char* format : {"stl", "ply", "obj", "vtk"}) {
+    scenarios.push_back(
+        exported(fmt::format("surface.{}", format), "--surface", fmt::format("left=surface.{}", format)));
+  }
+  for (const char* format : {"png", "jpg", "tif", "exr"}) {
+    const std::string output = fmt::format("picture.{}", format);
+    scenarios.push_back({"render " + output,
+                         {SPLATLAS_PLAYER, "render", "in.atlas", "-o", output, "--select",
+                          "left + right:surface", "--size", "32x32", "--threads", "1"},
+                         output});
+  }
+  return scenarios;
 }
 
 /// Names and bytes of everything below a file or folder; empty when it does not exist.
 std::map<std::string, std::string> tree_of(const fs::path& path) {
   std::map<std::string, std::string> tree;
   if (!fs::is_directory(path)) {
-    if (fs::exists(path)) tree[""] = contents(path);
+    if (fs::exists(path)) tree[""] = read_bytes(path);
     return tree;
   }
   for (const auto& entry : fs::recursive_directory_iterator(path))
-    tree[fs::relative(entry.path(), path)] = entry.is_directory() ? "" : contents(entry.path());
+    tree[fs::relative(entry.path(), path)] = entry.is_directory() ? "" : read_bytes(entry.path());
   return tree;
 }
 
@@ -111,7 +179,7 @@ class Rehearsal {
     return names;
   }
 
-  /// The fault after a run; empty: none.
+  /// The fault after a run; empty for none.
   [[nodiscard]] std::string judge(const ProgramResult& result, const Fault& fault) {
     const auto found = tree_of(output_);
     const bool is_new = found == new_, is_old = found == old_;
@@ -123,10 +191,10 @@ class Rehearsal {
     if (!is_new && !is_old) return "the output is neither the old one nor the new one";
     if (kills && result.status != 0 && result.status != kKilled) return "another status than SIGKILL's";
     if (!kills && result.status != 0 && result.status != 1) return "another status than 0 and 1";
-    if (result.status == 0 && !is_new) return "success, and the old output";
+    if (result.status == 0 && !is_new) return "success with the old output";
     if (result.status == 1) {
       if (is_new && result.err.find("is written whole") == std::string::npos)
-        return "failure, and the new output";
+        return "failure with the new output";
       if (!names_a_file(result.err)) return "the message is not one line with a file's name";
     }
     return judge_debris(kills || fault.lasts);
@@ -136,12 +204,12 @@ class Rehearsal {
   [[nodiscard]] std::string judge_debris(bool may_leave) const {
     const auto is_known = [&](const std::string& name) { return std::ranges::binary_search(names_, name); };
     if (std::ranges::all_of(names(), is_known)) return "";
-    if (!may_leave) return "something is left over";
+    if (!may_leave) return "a temporary remains";
     fs::remove_all(output_);
     const FaultyRun again = run_with_fault(scenario_.words, folder_);
     if (again.result.status != 0) return "the next run fails: " + again.result.err;
     if (tree_of(output_) != new_) return "the next run writes something else";
-    return names() == names_ ? "" : "something is left over after the next run";
+    return names() == names_ ? "" : "a temporary remains after the next run";
   }
 
   [[nodiscard]] bool names_a_file(const std::string& message) const {

@@ -1,7 +1,6 @@
 // System calls on files, and the selection of those on the files of one folder.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <optional>

@@ -1,6 +1,5 @@
 // splatlas-file-races: atlases that others truncate, overwrite, replace or remove during opening, verifying
-// and rendering.
-// Each time the picture must be right, or an error must name the file.
+// and rendering. Each time the picture must be right, or an error must name the file.
 
 #include <array>
 #include <atomic>
@@ -8,12 +7,10 @@
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <functional>
 #include <optional>
 #include <random>
 #include <stdexcept>
-#include <string>
 #include <thread>
 #include <vector>
 
@@ -26,6 +23,7 @@
 #include "format/system/result_macros.h"
 #include "player/render_frame.h"
 #include "tests/faults/small_atlas.h"
+#include "tests/support/file_bytes.h"
 #include "tests/support/run_program.h"
 
 namespace splatlas {
@@ -38,11 +36,6 @@ enum class Attack : std::uint8_t { kTruncate, kOverwrite, kWriteOver, kReplace, 
 constexpr std::array<const char*, 6> kAttacks{"truncated", "overwritten", "written over",
                                               "replaced",  "removed",     "grown"};
 
-void put(const fs::path& path, const Bytes& bytes) {
-  std::ofstream(path, std::ios::binary)
-      .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-}
-
 /// Progress of the reader.
 enum Stage : int { kBegins, kOpened, kSelected, kSeen };
 
@@ -51,7 +44,7 @@ class Attacker {
  public:
   Attacker(const fs::path& path, Attack kind, const Bytes& other, std::uint32_t seed)
       : path_(path), kind_(kind), other_(other), random_(seed) {
-    put(prepared_, other_);
+    write_bytes(prepared_, other_);
     stage_ = static_cast<int>(random_() % kSeen);
     thread_ = std::thread([this, own_seed = random_()] { wait_and_attack(own_seed); });
   }
@@ -155,9 +148,9 @@ class Races {
       : path_(folder / "raced.atlas"),
         atlas_(encode_atlas(small_atlas(1)).value()),
         other_(encode_atlas(small_atlas(2)).value()) {
-    put(path_, other_);
+    write_bytes(path_, other_);
     new_pictures_ = draw_pictures(path_, true).value();
-    put(path_, atlas_);
+    write_bytes(path_, atlas_);
     old_pictures_ = draw_pictures(path_, true).value();
     if (are_same(old_pictures_, new_pictures_))
       throw std::runtime_error("both atlases draw the same pictures");
@@ -166,7 +159,7 @@ class Races {
   void run(std::uint32_t seed) {
     const auto kind = static_cast<Attack>(seed % kAttacks.size());
     fs::remove(path_);
-    put(path_, atlas_);
+    write_bytes(path_, atlas_);
     std::optional<Attacker> attacker(std::in_place, path_, kind, other_, seed);
     const auto seen = draw_pictures(path_, seed % 4 == 0, [&](Stage stage) { attacker->reached(stage); });
     attacker.reset();
@@ -213,10 +206,10 @@ class Races {
 }  // namespace splatlas
 
 int main(int argc, char** argv) try {
-  CLI::App app{"Files that change while they are open", "splatlas-file-races"};
+  CLI::App app{"Concurrent changes of an open atlas", "splatlas-file-races"};
   std::uint32_t races = 10000, first = 0;
-  app.add_option("--races", races, "how many")->capture_default_str();
-  app.add_option("--first", first, "number of the first one")->capture_default_str();
+  app.add_option("--races", races, "number of races")->capture_default_str();
+  app.add_option("--first", first, "number of the first race")->capture_default_str();
   CLI11_PARSE(app, argc, argv);
   const splatlas::TemporaryFolder folder;
   splatlas::Races all(folder.path());

@@ -11,9 +11,9 @@ int run_harness(int argc, char** argv, const std::string& name, const std::strin
                 const std::function<int(const ChosenPoints&)>& run) {
   ChosenPoints points;
   CLI::App app{what, name};
-  app.add_option("--every", points.every, "take one of so many points")->check(CLI::PositiveNumber);
-  app.add_option("--first", points.first, "the first point to take");
-  app.add_option("--only", points.only, "what has this in its name");
+  app.add_option("--every", points.every, "stride of the points")->check(CLI::PositiveNumber);
+  app.add_option("--first", points.first, "the first point");
+  app.add_option("--only", points.only, "scenarios with this in their names");
   CLI11_PARSE(app, argc, argv);
   try {
     return run(points);
