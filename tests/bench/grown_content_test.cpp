@@ -7,6 +7,7 @@
 
 #include "format/atlas_writer.h"
 #include "tests/format/random_content.h"
+#include "tests/support/neighbours.h"
 
 namespace splatlas {
 namespace {
@@ -24,15 +25,6 @@ std::vector<std::byte> value_at(const AtlasContent& content, const Index3& at) {
   const auto bytes = static_cast<std::ptrdiff_t>(bytes_of(content.values.type));
   const auto first = content.values.bytes.begin() + offset * bytes;
   return {first, first + bytes};
-}
-
-template <typename Visit>
-void for_each_voxel(const Index3& size, const Visit& visit) {
-  for (std::int64_t k = 0; k < size[2]; ++k) {
-    for (std::int64_t j = 0; j < size[1]; ++j) {
-      for (std::int64_t i = 0; i < size[0]; ++i) visit(Index3{i, j, k});
-    }
-  }
 }
 
 /// The voxel of `content` nearest to voxel `at` of `grid`; it may lie outside.
