@@ -10,14 +10,11 @@
 #include <unistd.h>
 
 namespace splatlas {
-namespace {
 
-std::string contents(const std::filesystem::path& path) {
+std::string file_bytes(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
 }
-
-}  // namespace
 
 ProgramResult run_program(const std::vector<std::string>& words, const std::filesystem::path& folder,
                           const std::function<void(int)>& meanwhile, const std::function<void()>& before) {
@@ -47,8 +44,8 @@ ProgramResult run_program(const std::vector<std::string>& words, const std::file
   if (waitpid(child, &status, 0) != child) throw std::runtime_error("cannot wait for the program");
   ProgramResult result;
   result.status = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-  result.out = contents(out);
-  result.err = contents(err);
+  result.out = file_bytes(out);
+  result.err = file_bytes(err);
   return result;
 }
 

@@ -23,4 +23,7 @@ struct ProgramResult {
                                         const std::function<void(int)>& meanwhile = {},
                                         const std::function<void()>& before = {});
 
+/// Empty for a missing file.
+[[nodiscard]] std::string file_bytes(const std::filesystem::path& path);
+
 }  // namespace splatlas
