@@ -12,8 +12,8 @@
 #include "format/system/result_macros.h"
 #include "player/rays/cast_rays.h"
 #include "tests/reference/optical_field.h"
-#include "tests/reference/perspective.h"
 #include "tests/reference/picture_difference.h"
+#include "tests/reference/ray.h"
 #include "tests/reference/reference_volume.h"
 #include "tests/support/render.h"
 

@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "tests/reference/perspective.h"
 #include "tests/reference/ray.h"
 #include "tests/support/test_content.h"
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "player/surfaces/clip_triangle.h"
-#include "tests/reference/perspective.h"
+#include "tests/reference/ray.h"
 #include "tests/reference/reference_volume.h"
 
 namespace splatlas {
