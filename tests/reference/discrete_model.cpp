@@ -91,34 +91,27 @@ double DiscreteModel::first_slab() const {
   return nearest - (parts_ == 1 ? 0.5 : 1.0);
 }
 
-DiscreteModel::SlabSample DiscreteModel::sample(std::int64_t n, const Place& place) const {
+std::vector<RayRadiance> DiscreteModel::along_ray(const Place& place, std::span<const double> depths) const {
   const double along = per_mm_[axes_.slice_axis];
   const double thickness = 1.0 / parts_;
-  SlabSample slab;
-  slab.begin = first_slab() + static_cast<double>(n) * thickness;
-  const double middle = slab.begin + 0.5 * thickness;
-  const double k = along > 0 ? middle : -middle;
-  Vec3 index{};
-  index[axes_.slice_axis] = parts_ == 1 ? std::round(k) : k;
-  index[axes_.scan_axis] = place.u + (k - middle_) * per_mm_[axes_.scan_axis] / along;
-  index[axes_.row_axis] = place.v + (k - middle_) * per_mm_[axes_.row_axis] / along;
-  slab.optics = field_.trilinear(index);
-  return slab;
-}
-
-std::vector<RayRadiance> DiscreteModel::along_ray(const Place& place, std::span<const double> depths) const {
-  const double thickness = 1.0 / parts_;
-  const double voxel_mm = 1 / std::abs(per_mm_[axes_.slice_axis]);
+  const double voxel_mm = 1 / std::abs(along);
   std::vector<RayRadiance> before(depths.size() + 1);
   RayRadiance sum;
   for (std::int64_t n = 0; n < slabs(); ++n) {
-    const SlabSample sampled = sample(n, place);
+    const double begin = first_slab() + static_cast<double>(n) * thickness;
+    const double middle = begin + 0.5 * thickness;
+    const double k = along > 0 ? middle : -middle;
+    Vec3 index{};
+    index[axes_.slice_axis] = parts_ == 1 ? std::round(k) : k;
+    index[axes_.scan_axis] = place.u + (k - middle_) * per_mm_[axes_.scan_axis] / along;
+    index[axes_.row_axis] = place.v + (k - middle_) * per_mm_[axes_.row_axis] / along;
+    const VoxelOptics optics = field_.trilinear(index);
     for (std::size_t d = 0; d < depths.size(); ++d) {
-      if (depths[d] < sampled.begin) continue;
+      if (depths[d] < begin) continue;
       before[d] = sum;
-      before[d].add(slab(sampled.optics, voxel_mm * std::min(thickness, depths[d] - sampled.begin)));
+      before[d].add(slab(optics, voxel_mm * std::min(thickness, depths[d] - begin)));
     }
-    sum.add(slab(sampled.optics, voxel_mm * thickness));
+    sum.add(slab(optics, voxel_mm * thickness));
   }
   before.back() = sum;
   return before;
