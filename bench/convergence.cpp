@@ -11,7 +11,6 @@
 #include "format/system/result_macros.h"
 #include "player/rays/cast_rays.h"
 #include "tests/reference/optical_field.h"
-#include "tests/reference/perspective.h"
 #include "tests/reference/picture_difference.h"
 #include "tests/reference/ray.h"
 #include "tests/reference/reference_radiance.h"

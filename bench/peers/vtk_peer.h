@@ -9,7 +9,7 @@
 #include "player/camera.h"
 #include "player/picture.h"
 #include "tests/reference/masked_volume.h"
-#include "tests/reference/perspective.h"
+#include "tests/reference/ray.h"
 
 namespace splatlas {
 

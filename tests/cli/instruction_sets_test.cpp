@@ -1,22 +1,21 @@
 // Colin 27 by every instruction set: one picture on every CPU.
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstdlib>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "tests/cli/programs.h"
 #include "tests/cli/read_pixels.h"
-#include "tests/support/run_program.h"
 
 namespace splatlas {
 namespace {
 
 const std::string kTemplates = "/usr/share/mricron/templates/";  // of Debian's package mricron-data
 
-/// SPLATLAS_SIMD while it lives.
+/// Sets SPLATLAS_SIMD during its lifetime.
 class ForcedSimd {
  public:
   explicit ForcedSimd(const char* name) { setenv("SPLATLAS_SIMD", name, 1); }
@@ -25,12 +24,10 @@ class ForcedSimd {
   ForcedSimd& operator=(const ForcedSimd&) = delete;
 };
 
-std::vector<float> rendered(const TemporaryFolder& folder, const char* simd,
-                            const std::vector<std::string>& options) {
+std::vector<float> rendered(const TemporaryFolder& folder, const char* simd, const Words& options) {
   const ForcedSimd forced(simd);
-  std::vector<std::string> command{SPLATLAS_PLAYER, "render", "colin27.atlas", "-o", "picture.exr"};
-  command.insert(command.end(), options.begin(), options.end());
-  const ProgramResult render = run_program(command, folder.path());
+  const ProgramResult render =
+      run_player(joined({"render", "colin27.atlas", "-o", "picture.exr"}, options), folder.path());
   EXPECT_EQ(render.status, 0) << render.err;
   return read_pixels(folder.file("picture.exr"));
 }
@@ -38,18 +35,18 @@ std::vector<float> rendered(const TemporaryFolder& folder, const char* simd,
 TEST(InstructionSets, AgreeWithTheScalarReferenceOnColin27) {
   const TemporaryFolder folder;
   const ProgramResult build =
-      run_program({SPLATLAS_PREPROCESS, "build", "-o", "colin27.atlas", "--labels", kTemplates + "aal.nii.gz",
-                   "--names", kTemplates + "aal.nii.txt", "--volume", kTemplates + "ch2.nii.gz", "--progress",
-                   "none", "--level", "1"},
-                  folder.path());
+      run_preprocess({"build", "-o", "colin27.atlas", "--labels", kTemplates + "aal.nii.gz", "--names",
+                      kTemplates + "aal.nii.txt", "--volume", kTemplates + "ch2.nii.gz", "--progress", "none",
+                      "--level", "1"},
+                     folder.path());
   ASSERT_EQ(build.status, 0) << build.err;
 
-  const std::array<std::vector<std::string>, 5> views{{{"--view", "anterior"},
-                                                       {"--view", "left", "--zoom", "2.5"},
-                                                       {"--view", "superior"},
-                                                       {"--azimuth", "37", "--elevation", "25"},
-                                                       {"--azimuth", "-120", "--elevation", "-50"}}};
-  const std::array<std::vector<std::string>, 5> ways{
+  const std::array<Words, 5> views{{{"--view", "anterior"},
+                                    {"--view", "left", "--zoom", "2.5"},
+                                    {"--view", "superior"},
+                                    {"--azimuth", "37", "--elevation", "25"},
+                                    {"--azimuth", "-120", "--elevation", "-50"}}};
+  const std::array<Words, 5> modes{
       {{"--quality", "normal"},
        {"--projection", "perspective", "--quality", "draft"},
        {"--projection", "perspective", "--quality", "normal"},
@@ -59,20 +56,17 @@ TEST(InstructionSets, AgreeWithTheScalarReferenceOnColin27) {
       "*", "*_L(profile=hard,low=40,high=160) + Cerebel*:surface(opacity=0.5)", "*(profile=thin)"};
   std::size_t seen = 0;
   for (std::size_t view = 0; view < views.size(); ++view) {
-    for (std::size_t way = 0; way < ways.size(); ++way) {
-      std::vector<std::string> options{"--size", "96x96", "--select", selections[(view + way) % 3]};
-      options.insert(options.end(), views[view].begin(), views[view].end());
-      options.insert(options.end(), ways[way].begin(), ways[way].end());
+    for (std::size_t mode = 0; mode < modes.size(); ++mode) {
+      const Words common{"--size", "96x96", "--select", selections[(view + mode) % 3]};
+      const Words options = joined(joined(common, views[view]), modes[mode]);
       const std::vector<float> reference = rendered(folder, "scalar", options);
       ASSERT_EQ(reference.size(), 4u * 96 * 96);
       seen += static_cast<std::size_t>(std::ranges::count_if(reference, [](float v) { return v > 0.01f; }));
-      for (const char* const simd : {"sse4", "avx2", "avx3"}) {  // those that the machine lacks: its best
+      for (const char* const simd : {"sse4", "avx2", "avx3"}) {  // an unsupported one falls back to the best
         const std::vector<float> picture = rendered(folder, simd, options);
         ASSERT_EQ(picture.size(), reference.size());
-        float largest = 0;
-        for (std::size_t n = 0; n < picture.size(); ++n)
-          largest = std::max(largest, std::abs(picture[n] - reference[n]));
-        EXPECT_LE(largest, 2e-5f) << simd << ", view " << view << ", way " << way;
+        EXPECT_LE(largest_difference(picture, reference), 2e-5f)
+            << simd << ", view " << view << ", mode " << mode;
       }
     }
   }

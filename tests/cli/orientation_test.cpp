@@ -2,7 +2,6 @@
 // Needs SPLATLAS_TEST_DATA, a folder with nifti-orient48 (one NIfTI file per order). tests/preprocess tests
 // the same with synthetic volumes.
 
-#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <map>
@@ -10,21 +9,15 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "tests/cli/programs.h"
 #include "tests/cli/read_pixels.h"
-#include "tests/support/run_program.h"
 
 namespace splatlas {
 namespace {
 
-float largest_difference(const std::vector<float>& a, const std::vector<float>& b) {
-  float largest = 0;
-  for (std::size_t n = 0; n < a.size(); ++n) largest = std::max(largest, std::abs(a[n] - b[n]));
-  return largest;
-}
-
 /// The parts of `info --json` that do not depend on the axis order of the source.
 nlohmann::json content(const std::string& atlas) {
-  const ProgramResult result = run_program({SPLATLAS_PLAYER, "info", atlas, "--json"});
+  const ProgramResult result = run_player({"info", atlas, "--json"});
   EXPECT_EQ(result.status, 0) << result.err;
   nlohmann::json info = nlohmann::json::parse(result.out);
   // Every file rounds another corner of the volume to 32-bit floats.
@@ -50,18 +43,17 @@ TEST(Orientation, All48OrdersGiveTheSameAtlasAndPictures) {
   for (const std::filesystem::path& file : files) {
     SCOPED_TRACE(file.filename().string());
     const ProgramResult build =
-        run_program({SPLATLAS_PREPROCESS, "build", "-o", "a.atlas", "--volume", file.string(), "--segment",
-                     "Brain=threshold:otsu", "--progress", "none", "--level", "1"},
-                    folder.path());
+        run_preprocess({"build", "-o", "a.atlas", "--volume", file.string(), "--segment",
+                        "Brain=threshold:otsu", "--progress", "none", "--level", "1"},
+                       folder.path());
     ASSERT_EQ(build.status, 0) << build.err;
     const nlohmann::json this_content = content(folder.file("a.atlas"));
     if (first_content.is_null()) first_content = this_content;
     EXPECT_EQ(this_content, first_content);
     for (const std::string view : {"anterior", "posterior", "left", "right", "superior", "inferior"}) {
-      const ProgramResult render =
-          run_program({SPLATLAS_PLAYER, "render", "a.atlas", "-o", "v.exr", "--view", view, "--select",
-                       "Brain:both(opacity=0.5)", "--size", "128x128"},
-                      folder.path());
+      const ProgramResult render = run_player({"render", "a.atlas", "-o", "v.exr", "--view", view, "--select",
+                                               "Brain:both(opacity=0.5)", "--size", "128x128"},
+                                              folder.path());
       ASSERT_EQ(render.status, 0) << render.err;
       const std::vector<float> picture = read_pixels(folder.file("v.exr"));
       const std::vector<float>& first = first_pictures.try_emplace(view, picture).first->second;

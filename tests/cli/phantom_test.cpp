@@ -1,12 +1,11 @@
 // The paper's tables 1 and 2, from NRRD files to counts, through the command line.
 
-#include <fstream>
-
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include "tests/cli/phantom_atlas.h"
 #include "tests/phantom/two_spheres.h"
+#include "tests/support/file_bytes.h"
 
 namespace splatlas {
 namespace {
@@ -14,7 +13,7 @@ namespace {
 using nlohmann::json;
 
 json phantom_info() {
-  const ProgramResult info = run_program({SPLATLAS_PLAYER, "info", phantom_atlas(), "--json"});
+  const ProgramResult info = run_player({"info", phantom_atlas(), "--json"});
   EXPECT_EQ(info.status, 0) << info.err;
   return json::parse(info.out);
 }
@@ -53,28 +52,29 @@ TEST(Phantom, ItsGroupCountsEveryVoxelOnce) {
   EXPECT_EQ(phantom::kVoxels - interior - boundary, phantom::kEmptyVoxels);
 }
 
-struct Table2Row {
-  const char* select;
-  std::uint64_t volume, surface, hybrid;
-};
-
-class Table2 : public testing::TestWithParam<Table2Row> {};
-
-TEST_P(Table2, CountsComeOutOfStats) {
-  const TemporaryFolder folder;
-  const ProgramResult render =
-      run_program({SPLATLAS_PLAYER, "render", phantom_atlas(), "-o", "x.png", "--size", "64x64", "--select",
-                   GetParam().select, "--stats", "stats.json"},
-                  folder.path());
-  ASSERT_EQ(render.status, 0) << render.err;
-  EXPECT_EQ(folder.names(), (std::vector<std::string>{"stats.json", "x.png"}));
-  std::ifstream file(folder.file("stats.json"));
-  const json stats = json::parse(file);
-  EXPECT_EQ(stats["voxels"]["volume"], GetParam().volume);
-  EXPECT_EQ(stats["voxels"]["surface"], GetParam().surface);
-  EXPECT_EQ(stats["voxels"]["hybrid"], GetParam().hybrid);
-  const double selected = static_cast<double>(GetParam().volume + GetParam().surface + GetParam().hybrid);
-  EXPECT_DOUBLE_EQ(stats["occupancy"].get<double>(), selected / 32768.0);
+TEST(Phantom, Table2ComesOutOfStats) {
+  struct Row {
+    const char* select;
+    std::uint64_t volume, surface, hybrid;
+  };
+  for (const Row& row : {Row{"\"Sphere 1\":surface + \"Sphere 2\":surface", 0, 1904, 0},
+                         {"\"Sphere 1\":volume + \"Sphere 2\":volume", 5046, 0, 0},
+                         {"\"Sphere 1\":surface + \"Sphere 2\":both", 437, 1440, 464},
+                         {"\"Sphere 1\":volume + \"Sphere 2\":surface", 4145, 464, 0}}) {
+    SCOPED_TRACE(row.select);
+    const TemporaryFolder folder;
+    const ProgramResult render = run_player({"render", phantom_atlas(), "-o", "x.png", "--size", "64x64",
+                                             "--select", row.select, "--stats", "stats.json"},
+                                            folder.path());
+    ASSERT_EQ(render.status, 0) << render.err;
+    EXPECT_EQ(folder.names(), (Words{"stats.json", "x.png"}));
+    const json stats = json::parse(read_bytes(folder.file("stats.json")));
+    EXPECT_EQ(stats["voxels"]["volume"], row.volume);
+    EXPECT_EQ(stats["voxels"]["surface"], row.surface);
+    EXPECT_EQ(stats["voxels"]["hybrid"], row.hybrid);
+    const double selected = static_cast<double>(row.volume + row.surface + row.hybrid);
+    EXPECT_DOUBLE_EQ(stats["occupancy"].get<double>(), selected / 32768.0);
+  }
 }
 
 TEST(PhantomProgram, MakesNoFolderOfAnOption) {
@@ -82,21 +82,10 @@ TEST(PhantomProgram, MakesNoFolderOfAnOption) {
   const ProgramResult help = run_program({SPLATLAS_PHANTOM, "--help"}, folder.path());
   EXPECT_EQ(help.status, 0);
   EXPECT_TRUE(help.out.starts_with("usage: splatlas-phantom FOLDER\n")) << help.out;
-  for (const std::vector<std::string>& words :
-       {std::vector<std::string>{"--hepl"}, {"-x"}, {""}, {}, {"one", "two"}}) {
-    std::vector<std::string> all{SPLATLAS_PHANTOM};
-    all.insert(all.end(), words.begin(), words.end());
-    EXPECT_EQ(run_program(all, folder.path()).status, 2);
-  }
+  for (const Words& words : {Words{"--hepl"}, {"-x"}, {""}, {}, {"one", "two"}})
+    EXPECT_EQ(run_program(joined({SPLATLAS_PHANTOM}, words), folder.path()).status, 2);
   EXPECT_TRUE(folder.names().empty());
 }
-
-INSTANTIATE_TEST_SUITE_P(
-    Paper, Table2,
-    testing::Values(Table2Row{"\"Sphere 1\":surface + \"Sphere 2\":surface", 0, 1904, 0},
-                    Table2Row{"\"Sphere 1\":volume + \"Sphere 2\":volume", 5046, 0, 0},
-                    Table2Row{"\"Sphere 1\":surface + \"Sphere 2\":both", 437, 1440, 464},
-                    Table2Row{"\"Sphere 1\":volume + \"Sphere 2\":surface", 4145, 464, 0}));
 
 }  // namespace
 }  // namespace splatlas

@@ -2,12 +2,11 @@
 
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "tests/cli/phantom_atlas.h"
+#include "tests/support/file_bytes.h"
 
 namespace splatlas {
 namespace {
@@ -15,11 +14,6 @@ namespace {
 namespace fs = std::filesystem;
 using testing::ElementsAre;
 using testing::HasSubstr;
-
-std::string bytes_of_file(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-}
 
 /// A folder with one atlas under several names.
 struct PlayerOutput : testing::Test {
@@ -29,21 +23,18 @@ struct PlayerOutput : testing::Test {
     fs::create_symlink("a.png", folder.file("link.png"));
     fs::create_hard_link(folder.file("a.png"), folder.file("hard.png"));
   }
-  [[nodiscard]] ProgramResult render(const std::vector<std::string>& words) const {
-    std::vector<std::string> all{SPLATLAS_PLAYER, "render", "a.png", "--size", "64x64"};
-    all.insert(all.end(), words.begin(), words.end());
-    return run_program(all, folder.path());
+  [[nodiscard]] ProgramResult render(const Words& options) const {
+    return run_player(joined({"render", "a.png", "--size", "64x64"}, options), folder.path());
   }
   void expect_unchanged() const {
     EXPECT_THAT(folder.names(), ElementsAre("a.png", "hard.png", "link.png"));
-    EXPECT_TRUE(bytes_of_file(folder.file("a.png")) == bytes_of_file(phantom_atlas()));
+    EXPECT_TRUE(read_bytes(folder.file("a.png")) == read_bytes(phantom_atlas()));
   }
 };
 
 TEST_F(PlayerOutput, IsNeverAnInput) {
-  for (const std::string& same :
-       std::vector<std::string>{"a.png", "./a.png", "link.png", "hard.png", folder.file("a.png")}) {
-    for (const auto& words : {std::vector<std::string>{"-o", same}, {"-o", "x.png", "--stats", same}}) {
+  for (const std::string& same : Words{"a.png", "./a.png", "link.png", "hard.png", folder.file("a.png")}) {
+    for (const Words& words : {Words{"-o", same}, {"-o", "x.png", "--stats", same}}) {
       const ProgramResult result = render(words);
       EXPECT_EQ(result.status, 2) << same;
       EXPECT_EQ(result.err, "splatlas-player: " + same + ": is an input (a.png); write to another file\n");
@@ -60,8 +51,8 @@ TEST_F(PlayerOutput, IsNeverAnotherOutput) {
 }
 
 TEST_F(PlayerOutput, IsCheckedBeforeAnythingIsRead) {
-  const ProgramResult result = run_program(
-      {SPLATLAS_PLAYER, "render", "missing.atlas", "-o", "x.png", "--stats", "x.png"}, folder.path());
+  const ProgramResult result =
+      run_player({"render", "missing.atlas", "-o", "x.png", "--stats", "x.png"}, folder.path());
   EXPECT_EQ(result.status, 2);
   const ProgramResult no_folder =
       run_program({SPLATLAS_PLAYER, "render", "missing.atlas", "-o", "nowhere/x.png"}, folder.path());
@@ -81,31 +72,27 @@ TEST_F(PlayerOutput, IsAllOrNothing) {
   expect_unchanged();
   std::ofstream(folder.file("s.json")) << "old";
   EXPECT_EQ(render({"-o", "nowhere/x.png", "--stats", "s.json"}).status, 1);
-  EXPECT_EQ(bytes_of_file(folder.file("s.json")), "old");
+  EXPECT_EQ(read_bytes(folder.file("s.json")), "old");
 }
 
-/// A file size limit simulates a full disk.
 TEST_F(PlayerOutput, IsNotLeftHalfWrittenByAFullDisk) {
   for (const std::string name : {"x.png", "x.jpg", "x.tif", "x.exr"}) {
-    const ProgramResult result = run_program({"sh", "-c", "ulimit -f 1; exec \"$0\" \"$@\"", SPLATLAS_PLAYER,
-                                              "render", "a.png", "--size", "200x200", "-o", name},
-                                             folder.path());
+    const ProgramResult result = run_by_shell(
+        kFullDisk, {SPLATLAS_PLAYER, "render", "a.png", "--size", "200x200", "-o", name}, folder.path());
     EXPECT_EQ(result.status, 1) << name;
     EXPECT_EQ(result.err, "splatlas-player: " + name + ": cannot be written: File too large\n");
     expect_unchanged();
   }
 }
 
-TEST_F(PlayerOutput, ThatNobodyGotIsNoSuccess) {
-  for (const auto& words : {std::vector<std::string>{"verify", "a.png"},
-                            {"info", "a.png"},
-                            {"info", "a.png", "--json"},
-                            {"--help"},
-                            {"render", "--help"},
-                            {"--version"}}) {
-    std::vector<std::string> all{"sh", "-c", "exec \"$0\" \"$@\" > /dev/full", SPLATLAS_PLAYER};
-    all.insert(all.end(), words.begin(), words.end());
-    const ProgramResult result = run_program(all, folder.path());
+TEST_F(PlayerOutput, FailsOnAFullStandardOutput) {
+  for (const Words& words : {Words{"verify", "a.png"},
+                             {"info", "a.png"},
+                             {"info", "a.png", "--json"},
+                             {"--help"},
+                             {"render", "--help"},
+                             {"--version"}}) {
+    const ProgramResult result = run_by_shell(kFullDevice, joined({SPLATLAS_PLAYER}, words), folder.path());
     EXPECT_EQ(result.status, 1) << words.front();
     EXPECT_EQ(result.err, "splatlas-player: standard output: cannot be written: No space left on device\n");
   }

@@ -8,9 +8,8 @@
 #include <thread>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
-#include "tests/support/run_program.h"
+#include "tests/cli/programs.h"
 
 namespace splatlas {
 namespace {
@@ -34,9 +33,9 @@ const TemporaryFolder& cubes() {
     }
     std::ofstream(folder.file("labels.mha"), std::ios::binary) << header << labels;
     std::ofstream(folder.file("volume.mha"), std::ios::binary) << header << noise;
-    const ProgramResult build = run_program({SPLATLAS_PREPROCESS, "build", "-o", "cubes.atlas", "--labels",
-                                             "labels.mha", "--volume", "volume.mha", "--progress", "none"},
-                                            folder.path());
+    const ProgramResult build = run_preprocess({"build", "-o", "cubes.atlas", "--labels", "labels.mha",
+                                                "--volume", "volume.mha", "--progress", "none"},
+                                               folder.path());
     EXPECT_EQ(build.status, 0) << build.err;
     return build.status == 0;
   }();

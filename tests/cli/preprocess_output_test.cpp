@@ -2,13 +2,12 @@
 
 #include <algorithm>
 #include <fstream>
-#include <iterator>
 #include <random>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "tests/cli/phantom_atlas.h"
+#include "tests/support/file_bytes.h"
 
 namespace splatlas {
 namespace {
@@ -24,13 +23,11 @@ class PreprocessOutput : public testing::Test {
  protected:
   PreprocessOutput() { std::filesystem::copy_file(phantom_atlas(), folder_.file("a.atlas")); }
 
-  ProgramResult run_export(const std::vector<std::string>& words) const {
-    std::vector<std::string> all{SPLATLAS_PREPROCESS, "export", "a.atlas"};
-    all.insert(all.end(), words.begin(), words.end());
-    return run_program(all, folder_.path());
+  ProgramResult run_export(const Words& words) const {
+    return run_preprocess(joined({"export", "a.atlas"}, words), folder_.path());
   }
   /// Expects one line that contains `text`, and no new file.
-  void refuses(const std::vector<std::string>& words, int status, const std::string& text) const {
+  void refuses(const Words& words, int status, const std::string& text) const {
     const std::vector<std::string> before = folder_.names();
     const ProgramResult result = run_export(words);
     EXPECT_EQ(result.status, status) << result.err;
@@ -39,15 +36,9 @@ class PreprocessOutput : public testing::Test {
     EXPECT_THAT(result.out, IsEmpty());
     EXPECT_EQ(folder_.names(), before);
   }
-  std::string bytes(const std::string& name) const {
-    std::ifstream file(folder_.file(name), std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-  }
-  /// The shell runs `setup`, then replaces itself by splatlas-preprocess with `words`.
-  ProgramResult run_after(const std::string& setup, const std::vector<std::string>& words) const {
-    std::vector<std::string> all{"/bin/sh", "-c", setup + R"( exec "$0" "$@")", SPLATLAS_PREPROCESS};
-    all.insert(all.end(), words.begin(), words.end());
-    return run_program(all, folder_.path());
+  std::string bytes(const std::string& name) const { return read_bytes(folder_.file(name)); }
+  ProgramResult run_on(const char* script, const Words& words) const {
+    return run_by_shell(script, joined({SPLATLAS_PREPROCESS}, words), folder_.path());
   }
   TemporaryFolder folder_;
 };
@@ -78,9 +69,8 @@ TEST_F(PreprocessOutput, NoOutputIsTheAtlas) {
 TEST_F(PreprocessOutput, AnAtlasGoesOverNoSource) {
   const std::string labels = phantom_folder().file("labels.nrrd");
   std::filesystem::create_symlink(labels, folder_.file("link.atlas"));
-  const ProgramResult result = run_program(
-      {SPLATLAS_PREPROCESS, "build", "-o", "link.atlas", "--labels", labels, "--progress", "none"},
-      folder_.path());
+  const ProgramResult result =
+      run_preprocess({"build", "-o", "link.atlas", "--labels", labels, "--progress", "none"}, folder_.path());
   EXPECT_EQ(result.status, 2);
   EXPECT_THAT(result.err, HasSubstr("is an input"));
 }
@@ -96,7 +86,7 @@ TEST_F(PreprocessOutput, UnknownEndingsAreWrongUsageBeforeAnythingIsRead) {
   refuses({"--labels", "x.nii"}, 3, "a.atlas");
 }
 
-TEST_F(PreprocessOutput, WhatCannotBeWrittenIsToldBeforeAnythingIsWritten) {
+TEST_F(PreprocessOutput, UnwritableOutputsAreReportedBeforeAnythingIsWritten) {
   std::filesystem::create_directory(folder_.file("full"));
   std::ofstream(folder_.file("full/file")) << "kept";
   std::filesystem::create_directory(folder_.file("folder.nrrd"));
@@ -111,7 +101,7 @@ TEST_F(PreprocessOutput, WhatCannotBeWrittenIsToldBeforeAnythingIsWritten) {
 }
 
 /// Damaged values do not keep labels and surfaces from being written.
-TEST_F(PreprocessOutput, DamageCostsTheFilesThatNeedWhatIsDamaged) {
+TEST_F(PreprocessOutput, DamageOmitsTheFilesThatNeedTheDamagedPart) {
   std::string damaged = bytes("a.atlas");
   damaged.back() = static_cast<char>(damaged.back() ^ 1);
   std::ofstream(folder_.file("a.atlas"), std::ios::binary) << damaged;
@@ -125,12 +115,10 @@ TEST_F(PreprocessOutput, DamageCostsTheFilesThatNeedWhatIsDamaged) {
   EXPECT_THAT(folder_.names(), ElementsAre("a.atlas", "l.nrrd", "s.ply"));
 }
 
-TEST_F(PreprocessOutput, AFullDiskIsToldInOneLine) {
-  // File size limit: one block of 512 bytes.
-  const std::string full = "ulimit -f 1;";
+TEST_F(PreprocessOutput, AFullDiskIsReportedInOneLine) {
   const auto fills_the_disk = [&](const std::string& option, const std::string& before,
                                   const std::string& output) {
-    const ProgramResult result = run_after(full, {"export", "a.atlas", option, before + output});
+    const ProgramResult result = run_on(kFullDisk, {"export", "a.atlas", option, before + output});
     EXPECT_EQ(result.status, 1) << output;
     EXPECT_THAT(result.err, AllOf(HasSubstr(output + ": cannot be written"), Not(HasSubstr(".splatlas")),
                                   Not(HasSubstr("0x"))));
@@ -151,27 +139,24 @@ TEST_F(PreprocessOutput, AFullDiskLeavesNoFolderOfMasks) {
       << "ObjectType = Image\nNDims = 3\nDimSize = 24 24 24\nElementType = MET_UCHAR\n"
       << "ElementDataFile = LOCAL\n"
       << voxels;
-  ASSERT_EQ(run_after("", {"build", "-o", "a.atlas", "--labels", "noise.mha"}).status, 0);
-  const ProgramResult result = run_after("ulimit -f 1;", {"export", "a.atlas", "--labels", "masks/"});
+  ASSERT_EQ(run_preprocess({"build", "-o", "a.atlas", "--labels", "noise.mha"}, folder_.path()).status, 0);
+  const ProgramResult result = run_on(kFullDisk, {"export", "a.atlas", "--labels", "masks/"});
   EXPECT_EQ(result.status, 1);
   EXPECT_THAT(result.err, HasSubstr("masks/Label_1.nii.gz: cannot be written"));
   EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
   EXPECT_THAT(folder_.names(), ElementsAre("a.atlas", "noise.mha"));
 }
 
-TEST_F(PreprocessOutput, ALineThatCannotBeSaidIsAFailure) {
-  const auto full_device = [&](const std::vector<std::string>& words) {
-    std::vector<std::string> all{"/bin/sh", "-c", R"(exec "$0" "$@" >/dev/full)", SPLATLAS_PREPROCESS};
-    all.insert(all.end(), words.begin(), words.end());
-    const ProgramResult result = run_program(all, folder_.path());
+TEST_F(PreprocessOutput, UnwrittenStandardOutputIsAFailure) {
+  const std::string labels = phantom_folder().file("labels.nrrd");
+  for (const Words& words : {Words{"export", "a.atlas", "--labels", "l.nii.gz"},
+                             {"build", "-o", "b.atlas", "--labels", labels, "--progress", "none"},
+                             {"--help"},
+                             {"--version"}}) {
+    const ProgramResult result = run_on(kFullDevice, words);
     EXPECT_EQ(result.status, 1);
     EXPECT_THAT(result.err, HasSubstr("No space left on device"));
-  };
-  full_device({"export", "a.atlas", "--labels", "l.nii.gz"});
-  full_device(
-      {"build", "-o", "b.atlas", "--labels", phantom_folder().file("labels.nrrd"), "--progress", "none"});
-  full_device({"--help"});
-  full_device({"--version"});
+  }
 }
 
 }  // namespace

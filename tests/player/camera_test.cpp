@@ -53,8 +53,7 @@ TEST(Camera, NamedViewsShowTheSideTheyAreNamedAfter) {
 }
 
 TEST(Camera, AzimuthTurnsAroundTheSuperiorAxisTowardsTheSubjectsLeft) {
-  Camera camera;
-  camera.azimuth_deg = 90;
+  Camera camera{.azimuth_deg = 90};
   EXPECT_EQ(view_of(camera).forward_lps, kRight);  // from the left, looking right
   camera.azimuth_deg = 30;
   ParallelView view = view_of(camera);
@@ -95,9 +94,7 @@ TEST(Camera, ZoomOneFitsTheBallIntoThePicture) {
 }
 
 TEST(Camera, PointsAreOnTheRaysOfTheirPixels) {
-  Camera camera;
-  camera.azimuth_deg = 20;
-  camera.elevation_deg = -35;
+  Camera camera{.azimuth_deg = 20, .elevation_deg = -35};
   const ParallelView view = view_of(camera);
   EXPECT_EQ(view.point_lps_mm(32, 24), (Vec3{5, -6, 7}));  // the picture centre shows the centre of the ball
   const Vec3 moved = reference::minus(view.point_lps_mm(42, 19), view.center_lps_mm);
@@ -117,9 +114,7 @@ void expect_refused(const Camera& camera, PictureSize size, const std::string& w
 }
 
 TEST(Camera, AnEyeSeesWhatTheParallelViewShowsInThePlaneOfTheCentre) {
-  Camera camera;
-  camera.azimuth_deg = 20;
-  camera.elevation_deg = -35;
+  Camera camera{.azimuth_deg = 20, .elevation_deg = -35};
   const Display display{0, 1, {5, -6, 7}, 40};
   EXPECT_FALSE(view_of(camera, {64, 48}, display)->eye_mm);
   camera.projection = CameraProjection::kPerspective;
@@ -137,8 +132,7 @@ TEST(Camera, AnEyeSeesWhatTheParallelViewShowsInThePlaneOfTheCentre) {
 }
 
 TEST(Camera, RefusesFieldsOfViewThatSeeNothing) {
-  Camera camera;
-  camera.projection = CameraProjection::kPerspective;
+  Camera camera{.projection = CameraProjection::kPerspective};
   for (const double degrees : {0.0, -30.0, 1e-4, 179.5, 180.0, 360.0, kNan, kInfinity}) {
     camera.field_of_view_deg = degrees;
     const auto view = view_of(camera, {8, 8}, Display{});
@@ -186,30 +180,14 @@ TEST(Camera, NothingBehindTheEyeHasAPicturePoint) {
 
 TEST(Camera, RefusesWhatIsNotFiniteOrOutOfRange) {
   for (const double bad : {kNan, kInfinity, -kInfinity}) {
-    Camera camera;
-    camera.azimuth_deg = bad;
-    expect_refused(camera, {8, 8}, "azimuth");
-    camera = {};
-    camera.elevation_deg = bad;
-    expect_refused(camera, {8, 8}, "elevation");
-    camera = {};
-    camera.zoom = bad;
-    expect_refused(camera, {8, 8}, "zoom");
-    for (std::size_t a = 0; a < 3; ++a) {
-      camera = {};
-      camera.center_lps_mm = Vec3{0, 0, 0};
-      (*camera.center_lps_mm)[a] = bad;
-      expect_refused(camera, {8, 8}, "centre");
-    }
+    expect_refused({.azimuth_deg = bad}, {8, 8}, "azimuth");
+    expect_refused({.elevation_deg = bad}, {8, 8}, "elevation");
+    expect_refused({.zoom = bad}, {8, 8}, "zoom");
+    for (const Vec3& center : {Vec3{bad, 0, 0}, {0, bad, 0}, {0, 0, bad}})
+      expect_refused({.center_lps_mm = center}, {8, 8}, "centre");
   }
-  Camera far;
-  far.center_lps_mm = Vec3{0, 1.1e15, 0};
-  expect_refused(far, {8, 8}, "centre");
-  for (const double zoom : {0.0, -1.0, 9e-7, 1.1e6}) {
-    Camera camera;
-    camera.zoom = zoom;
-    expect_refused(camera, {8, 8}, "zoom");
-  }
+  expect_refused({.center_lps_mm = Vec3{0, 1.1e15, 0}}, {8, 8}, "centre");
+  for (const double zoom : {0.0, -1.0, 9e-7, 1.1e6}) expect_refused({.zoom = zoom}, {8, 8}, "zoom");
   for (const PictureSize size : {PictureSize{0, 8}, {8, 0}, {-1, 8}, {32769, 8}, {8, 32769}}) {
     expect_refused({}, size, "picture size");
   }

@@ -5,7 +5,7 @@
 #include <thread>
 #include <vector>
 
-#include <gmock/gmock.h>
+#include <gtest/gtest.h>
 
 #include "tests/support/render.h"
 #include "tests/support/standard_scenes.h"
@@ -39,28 +39,35 @@ Result<Picture> render_until(Renderer& renderer, const FrameCase& frame, int n) 
                                                        }});
 }
 
-class Cancellation : public testing::TestWithParam<FrameCase> {};
+class Cancellation : public testing::TestWithParam<FrameCase> {
+ protected:
+  [[nodiscard]] Renderer new_renderer(unsigned threads) const {
+    return renderer_of(scene_.content, scene_.selection, threads);
+  }
+  [[nodiscard]] static Picture picture_of(Renderer& renderer) {
+    return render_or_throw(renderer, GetParam().camera, GetParam().options);
+  }
+
+  const StandardScene scene_ = hybrid_scene();
+};
 INSTANTIATE_TEST_SUITE_P(Frames, Cancellation, testing::ValuesIn(frame_cases()),
                          [](const auto& tested) { return std::string(tested.param.name); });
 
 /// At every report of progress: the next picture, its counters and its picks are as without.
 TEST_P(Cancellation, LeavesNoTraceInLaterPictures) {
-  const StandardScene scene = hybrid_scene();
-  Renderer untouched(open_in_memory(scene.content), {.threads = 1});
-  ASSERT_TRUE(untouched.select(scene.selection));
-  const Picture expected = render_or_throw(untouched, GetParam().camera, GetParam().options);
+  Renderer untouched = new_renderer(1);
+  const Picture expected = picture_of(untouched);
   const auto expected_pick = untouched.pick(20.3, 15.2);
   ASSERT_TRUE(expected_pick);
   int cancelled = 0;
   for (int n = 1;; ++n) {
-    Renderer renderer(open_in_memory(scene.content), {.threads = 3});
-    ASSERT_TRUE(renderer.select(scene.selection));
+    Renderer renderer = new_renderer(3);
     const Result<Picture> stopped = render_until(renderer, GetParam(), n);
     if (stopped) break;  // all reports have been counted
     ++cancelled;
     EXPECT_EQ(stopped.error().code, ErrorCode::kCancelled) << stopped.error().message;
     EXPECT_TRUE(renderer.missing().empty());
-    ASSERT_EQ(render_or_throw(renderer, GetParam().camera, GetParam().options).rgba, expected.rgba) << n;
+    ASSERT_EQ(picture_of(renderer).rgba, expected.rgba) << n;
     EXPECT_EQ(renderer.stats().voxels_visited, untouched.stats().voxels_visited);
     EXPECT_EQ(renderer.stats().runs_visited, untouched.stats().runs_visited);
     EXPECT_EQ(renderer.stats().triangles, untouched.stats().triangles);
@@ -74,30 +81,27 @@ TEST_P(Cancellation, LeavesNoTraceInLaterPictures) {
 
 /// With spans, ray volumes and light of another selection and view at hand.
 TEST_P(Cancellation, LeavesNoTraceInRenderersThatKeepSomething) {
-  const StandardScene scene = hybrid_scene();
-  const Selection first = selection_of("*:volume(opacity=0.2)", scene.content.graph);
-  Renderer untouched(open_in_memory(scene.content), {.threads = 1});
-  ASSERT_TRUE(untouched.select(scene.selection));
-  const Picture expected = render_or_throw(untouched, GetParam().camera, GetParam().options);
-  Renderer renderer(open_in_memory(scene.content), {.threads = 3});
+  const Selection first = selection_of("*:volume(opacity=0.2)", scene_.content.graph);
+  Renderer untouched = new_renderer(1);
+  const Picture expected = picture_of(untouched);
+  Renderer renderer(open_in_memory(scene_.content), {.threads = 3});
   for (int n = 1;; ++n) {
     ASSERT_TRUE(renderer.select(first));
     (void)render_or_throw(renderer, Camera{.azimuth_deg = 40}, GetParam().options);
-    ASSERT_TRUE(renderer.select(scene.selection));
+    ASSERT_TRUE(renderer.select(scene_.selection));
     if (render_until(renderer, GetParam(), n)) break;
-    ASSERT_EQ(render_or_throw(renderer, GetParam().camera, GetParam().options).rgba, expected.rgba) << n;
+    ASSERT_EQ(picture_of(renderer).rgba, expected.rgba) << n;
     // The same selection, light from elsewhere, cancelled again.
     (void)render_or_throw(renderer, Camera{.azimuth_deg = -20}, GetParam().options);
     (void)render_until(renderer, GetParam(), n);
-    ASSERT_EQ(render_or_throw(renderer, GetParam().camera, GetParam().options).rgba, expected.rgba) << n;
+    ASSERT_EQ(picture_of(renderer).rgba, expected.rgba) << n;
   }
 }
 
 TEST_P(Cancellation, ReadsNothingAfterAStop) {
-  const StandardScene scene = hybrid_scene();
-  const auto atlas = open_in_memory(scene.content);
+  const auto atlas = open_in_memory(scene_.content);
   Renderer renderer(atlas, {.threads = 2});
-  ASSERT_TRUE(renderer.select(scene.selection));
+  ASSERT_TRUE(renderer.select(scene_.selection));
   const std::uint64_t read = atlas->counters().read;
   std::stop_source stop;
   stop.request_stop();
@@ -110,9 +114,7 @@ TEST_P(Cancellation, ReadsNothingAfterAStop) {
 }
 
 TEST_P(Cancellation, FromAnotherThreadReturns) {
-  const StandardScene scene = hybrid_scene();
-  Renderer renderer(open_in_memory(scene.content), {.threads = 3});
-  ASSERT_TRUE(renderer.select(scene.selection));
+  Renderer renderer = new_renderer(3);
   std::binary_semaphore started(0), stopped(0);
   std::stop_source stop;
   std::jthread other([&] {
@@ -132,9 +134,7 @@ TEST_P(Cancellation, FromAnotherThreadReturns) {
 }
 
 TEST_P(Cancellation, ProgressRisesToOne) {
-  const StandardScene scene = hybrid_scene();
-  Renderer renderer(open_in_memory(scene.content), {.threads = 3});
-  ASSERT_TRUE(renderer.select(scene.selection));
+  Renderer renderer = new_renderer(3);
   for (int frame = 0; frame < 2; ++frame) {
     std::vector<double> reports;
     ASSERT_TRUE(renderer.render(GetParam().camera, GetParam().options,

@@ -2,9 +2,7 @@
 #include <cmath>
 #include <map>
 
-#include <fmt/format.h>
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "format/atlas_writer.h"
 #include "format/system/result_macros.h"

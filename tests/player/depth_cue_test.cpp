@@ -9,7 +9,7 @@
 #include "player/rays/ray_depths.h"
 #include "player/render_options.h"
 #include "player/sheets/span_depths.h"
-#include "player/spans/build_spans.h"
+#include "tests/player/prepared_selection.h"
 #include "tests/support/render.h"
 #include "tests/support/standard_scenes.h"
 #include "tests/support/uniform_box.h"
@@ -21,12 +21,8 @@ namespace {
 AtlasContent wall_and_block() {
   TestVolume volume;
   volume.grid.size = {40, 20, 40};
-  volume.structures = {
-      {"wall", make_mask(volume.grid.size, [](auto, auto j, auto) { return j >= 14; }), {255, 255, 255}},
-      {"block",
-       make_mask(volume.grid.size,
-                 [](auto i, auto j, auto k) { return j < 6 && i >= 14 && i < 26 && k >= 14 && k < 26; }),
-       {255, 255, 255}}};
+  volume.structures = {{"wall", box_mask(volume.grid.size, {0, 14, 0}, {39, 19, 39}), {255, 255, 255}},
+                       {"block", box_mask(volume.grid.size, {14, 0, 14}, {25, 5, 25}), {255, 255, 255}}};
   return make_content(volume);
 }
 
@@ -45,12 +41,7 @@ constexpr Mode kModes[] = {
      Classification::kBefore}};
 
 RenderOptions options_of(const Mode& mode, DepthCue cue) {
-  RenderOptions options;
-  options.size = {96, 96};
-  options.classification = mode.classification;
-  options.hybrid_shading = false;
-  options.depth_cue = cue;
-  return options;
+  return {.size = {96, 96}, .classification = mode.classification, .hybrid_shading = false, .depth_cue = cue};
 }
 
 TEST(DepthCueOfFrames, DarkensTheWallAroundTheBlockAndNothingElse) {
@@ -62,7 +53,7 @@ TEST(DepthCueOfFrames, DarkensTheWallAroundTheBlockAndNothingElse) {
     const Selection selection = selection_of(mode.selection, content.graph);
     const Picture off = render_or_throw(content, selection, camera, options_of(mode, DepthCue::kNone));
     RenderOptions options = options_of(mode, DepthCue::kEdges);
-    const Picture on = render_or_throw(content, selection, camera, options);
+    const Picture on = render_with_threads(content, selection, camera, options);
     const double mm_per_pixel = view_of(camera, options.size, content.display)->plane.mm_per_pixel;
     // The side of the block is 6 mm from the centre; the radius of the cue is 2 pixels.
     const int edge = static_cast<int>(
@@ -82,10 +73,6 @@ TEST(DepthCueOfFrames, DarkensTheWallAroundTheBlockAndNothingElse) {
 
     options.depth_cue_strength = 0;
     EXPECT_EQ(render_or_throw(content, selection, camera, options).rgba, off.rgba) << mode.name;
-    options.depth_cue_strength = 0.7f;
-    for (const unsigned threads : {2u, 8u}) {
-      EXPECT_EQ(render_or_throw(content, selection, camera, options, threads).rgba, on.rgba) << mode.name;
-    }
   }
 }
 
@@ -93,48 +80,26 @@ TEST(DepthCueOfFrames, DarkensTheWallAroundTheBlockAndNothingElse) {
 TEST(DepthCueOfFrames, VolumesLieAtTransmittanceOneHalf) {
   TestVolume volume;
   volume.grid = {{30, 24, 28}, {1, 1.5, 0.8}, {-15, -18, -11}, {1, 0, 0, 0, 1, 0, 0, 0, 1}};
-  volume.structures = {{"box", make_mask(volume.grid.size, [](auto...) { return true; })}};
+  volume.structures = {{"box", full_mask(volume.grid.size)}};
   const AtlasContent content = make_content(volume);
-  const auto atlas = open_in_memory(content);
-  const Selection selection = selection_of("box(opacity=0.2)", content.graph);
-  const DrawPlan plan = atlas->tree().plan(selection);
-  ThreadPool pool(2);
-  ClassCache cache(atlas);
-  VolumeAppearances appearances(*atlas);
-  appearances.select(plan, selection);
-  std::vector<ClassId> classes;
-  for (const ClassDraw& draw : plan.classes) classes.push_back(draw.id);
+  PreparedSelection prepared(content, selection_of("box(opacity=0.2)", content.graph), 2);
+  const Grid& grid = prepared.atlas->grid();
+  ThreadPool& pool = prepared.pool;
   const double length = std::cbrt(1.2);
   const double half_mm = std::log(0.5) / std::log(0.8) * length;
   for (const double azimuth : {0.0, 20.0, -160.0}) {
-    Camera camera;
-    camera.azimuth_deg = azimuth;
-    camera.zoom = 4;
+    const Camera camera{.azimuth_deg = azimuth, .zoom = 4};
     const PictureSize size{21, 19};
     const View view = *view_of(camera, size, content.display);
-    const ViewDepth view_depth(view, atlas->grid());
-    const Shear shear = factorise(view.plane, atlas->grid());
+    const ViewDepth view_depth(view, grid);
+    const Shear shear = factorise(view.plane, grid);
     ASSERT_EQ(shear.principal, Axis::kY);
     DepthMap of_spans, of_rays;
     of_spans.clear(size);
-    ASSERT_TRUE(cache.require(classes, Axis::kY, pool));
-    const SelectedRuns runs(plan, atlas->classes(), cache, Axis::kY);
-    SpanBuilder spans;
-    spans.build({runs, plan, appearances, atlas->classes(), atlas->grid(), cache, false}, pool);
-    add_span_depths(spans.model(), shear, view_depth, of_spans, pool);
+    add_span_depths(prepared.spans(Axis::kY, false), shear, view_depth, of_spans, pool);
     of_rays.clear(size);
-    ASSERT_TRUE(cache.require(classes, Axis::kZ, pool));
-    const SelectedRuns runs_z(plan, atlas->classes(), cache, Axis::kZ);
-    const auto rays = RayVolume::build({.atlas = *atlas,
-                                        .selection = selection,
-                                        .plan = plan,
-                                        .appearances = appearances.appearances(),
-                                        .runs = runs_z,
-                                        .cache = cache,
-                                        .max_memory_bytes = std::uint64_t{1} << 30},
-                                       pool);
-    ASSERT_TRUE(rays);
-    add_ray_depths(*rays, view, atlas->grid(), best_march(), view_depth, of_rays, pool);
+    add_ray_depths(prepared.rays(Classification::kBefore), view, grid, best_march(), view_depth, of_rays,
+                   pool);
     for (int y = 0; y < size.height; ++y) {
       for (int x = 0; x < size.width; ++x) {
         const auto n = static_cast<std::size_t>(y * size.width + x);
@@ -153,14 +118,11 @@ TEST(DepthCueOfFrames, VolumesLieAtTransmittanceOneHalf) {
 TEST(DepthCueOfFrames, LongRowsSeenFromNearbyTakeLittleMemory) {
   const std::int64_t length = 100001;
   const AtlasContent content = box_content({1, 1, length});
-  Camera camera;
-  camera.azimuth_deg = 45;
-  camera.elevation_deg = 35;
-  camera.zoom = zoom_for(content.display, 16, 0.25);
-  camera.center_lps_mm = Vec3{0, 0, 0.5 * length};
-  RenderOptions options;
-  options.size = {16, 16};
-  options.depth_cue = DepthCue::kEdges;
+  const Camera camera{.azimuth_deg = 45,
+                      .elevation_deg = 35,
+                      .zoom = zoom_for(content.display, 16, 0.25),
+                      .center_lps_mm = Vec3{0, 0, 0.5 * length}};
+  const RenderOptions options{.size = {16, 16}, .depth_cue = DepthCue::kEdges};
   const Picture picture =
       render_or_throw(content, with_opacity(content, 0.9f), camera, options, 1, {.principal_axis = Axis::kZ});
   EXPECT_GT(picture.at(8, 8)[3], 0.5f);
@@ -183,9 +145,7 @@ TEST(DepthCueOfFrames, DepthsOfSurfacesStop) {
 
 TEST(DepthCueOfFrames, ViewDepthGoesBothWays) {
   const StandardScene scene = hybrid_scene();
-  Camera camera;
-  camera.azimuth_deg = 33;
-  camera.elevation_deg = 21;
+  Camera camera{.azimuth_deg = 33, .elevation_deg = 21};
   const Grid grid = storage_grid(scene.content);
   for (const CameraProjection projection : {CameraProjection::kParallel, CameraProjection::kPerspective}) {
     camera.projection = projection;

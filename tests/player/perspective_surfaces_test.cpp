@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "player/surfaces/rasterize.h"
-#include "tests/reference/perspective.h"
+#include "tests/reference/ray.h"
 #include "tests/reference/reference_radiance.h"
 
 namespace splatlas {
@@ -21,10 +21,8 @@ constexpr Grid kGrid{{16, 16, 16}, {1, 1, 1}, {0, 0, 0}, {1, 0, 0, 0, 1, 0, 0, 0
 
 reference::PerspectiveView view_from(double azimuth_deg, double elevation_deg, double mm_per_pixel,
                                      double fov_deg) {
-  Camera camera;
-  camera.azimuth_deg = azimuth_deg;
-  camera.elevation_deg = elevation_deg;
-  camera.center_lps_mm = Vec3{8, 8, 8};
+  const Camera camera{
+      .azimuth_deg = azimuth_deg, .elevation_deg = elevation_deg, .center_lps_mm = Vec3{8, 8, 8}};
   reference::PerspectiveView view{*parallel_view(camera, {40, 30}, Display{}), fov_deg};
   view.in_plane.mm_per_pixel = mm_per_pixel;
   return view;
@@ -176,8 +174,7 @@ TEST(PerspectiveSurfaces, InterpolatesNormalsOverTheTriangleNotOverThePicture) {
 
 /// Vertices millions of pixels away: the picture lies inside the triangle, or across one of its edges.
 TEST(PerspectiveSurfaces, TrianglesBeyondTheGuardBandAreCutNotLost) {
-  Camera camera;
-  camera.center_lps_mm = Vec3{8, 8, 8};
+  const Camera camera{.center_lps_mm = Vec3{8, 8, 8}};
   ParallelView view = *parallel_view(camera, {16, 12}, Display{});
   view.mm_per_pixel = 1e-6;
   SurfaceMesh mesh;

@@ -1,7 +1,5 @@
 #include "player/render_frame.h"
 
-#include <cmath>
-#include <cstring>
 #include <random>
 
 #include <fmt/format.h>
@@ -10,34 +8,14 @@
 #include "format/atlas_writer.h"
 #include "player/frame/render_overrides.h"
 #include "player/spans/span_model.h"
-#include "tests/phantom/two_spheres.h"
-#include "tests/reference/optical_field.h"
 #include "tests/reference/picture_difference.h"
+#include "tests/support/phantom_content.h"
 #include "tests/support/random_scene.h"
 #include "tests/support/render.h"
+#include "tests/support/standard_scenes.h"
 
 namespace splatlas {
 namespace {
-
-AtlasContent phantom_content() {
-  TestVolume volume;
-  volume.grid.size = {phantom::kSize, phantom::kSize, phantom::kSize};
-  volume.structures = {{"Spheres", {}}};
-  for (const phantom::Ball& ball : phantom::kBalls) {
-    volume.structures.push_back({fmt::format("Sphere_{}", ball.label),
-                                 make_mask(volume.grid.size,
-                                           [&](auto i, auto j, auto k) {
-                                             return ball.holds(static_cast<int>(i), static_cast<int>(j),
-                                                               static_cast<int>(k));
-                                           }),
-                                 {255, 200, 100},
-                                 {0}});
-  }
-  volume.values = make_values(VoxelType::kUInt8, phantom::values());
-  volume.window_low = 0;
-  volume.window_high = 250;
-  return make_content(volume);
-}
 
 /// The paper's table 2, and the effect of the boundary rule in each mode.
 TEST(Renderer, CountsVoxelsByRole) {
@@ -64,39 +42,6 @@ TEST(Renderer, CountsVoxelsByRole) {
   }
 }
 
-/// Exactly the drawn voxels and runs are visited.
-TEST(Renderer, VisitsTheSelectedRunsAndVisibleVoxels) {
-  for (std::uint32_t number = 0; number < 60; ++number) {
-    RandomScene scene = random_scene(number);
-    scene.camera.zoom = 0.8;  // everything is in view
-    scene.camera.center_lps_mm.reset();
-    scene.options.size = {64, 64};
-    const auto atlas = open_in_memory(scene.content);
-    Renderer renderer(atlas, {1, 0});
-    ASSERT_TRUE(renderer.select(scene.selection));
-    const DrawPlan plan = atlas->tree().plan(scene.selection);
-    for (const Axis axis : kAxes) {
-      scene.overrides.principal_axis = axis;
-      const auto view = parallel_view(scene.camera, scene.options.size, atlas->display());
-      const reference::OpticalField field =
-          reference::optical_field(scene.content, scene.selection, *view, false);
-      std::uint64_t visible = 0;
-      for (const reference::VoxelOptics& voxel : field.voxels) visible += voxel.extinction > 0 ? 1 : 0;
-      std::uint64_t runs = 0;
-      for (const ClassDraw& draw : plan.classes) {
-        if (draw.role != VoxelRole::kSurface) runs += atlas->read_runs(draw.id, axis)->size();
-      }
-      std::uint64_t triangles = 0;
-      for (const StructureIndex s : plan.surfaces) triangles += atlas->triangles(s);
-      if (!render_with(renderer, scene.camera, scene.options, scene.overrides))
-        continue;  // refused: perpendicular to this axis
-      EXPECT_EQ(renderer.stats().voxels_visited, visible) << "scene " << number;
-      EXPECT_EQ(renderer.stats().runs_visited, runs);
-      EXPECT_EQ(renderer.stats().triangles, triangles);
-    }
-  }
-}
-
 /// Bytes read and decoded equal those of an atlas asked for exactly the selected parts.
 TEST(Renderer, ReadsNothingOfWhatIsNotSelected) {
   TestVolume volume;
@@ -106,10 +51,9 @@ TEST(Renderer, ReadsNothingOfWhatIsNotSelected) {
   volume.values = make_values(VoxelType::kUInt16, values);
   volume.window_high = 65535;
   for (int s = 0; s < 16; ++s) {
+    const Index3 first{10 * (s % 4), 10 * (s / 4), 0};
     volume.structures.push_back(
-        {fmt::format("s{}", s), make_mask(volume.grid.size, [s](auto i, auto j, auto) {
-           return i / 10 == s % 4 && j / 10 == s / 4;
-         })});
+        {fmt::format("s{}", s), box_mask(volume.grid.size, first, {first[0] + 9, first[1] + 9, 19})});
   }
   const AtlasContent content = make_content(volume);
   const auto bytes = encode_atlas(content);
@@ -142,15 +86,9 @@ TEST(Renderer, GivesTheSameBitsWithAnyNumberOfThreads) {
   for (std::uint32_t number = 0; number < 24; ++number) {
     RandomScene scene = random_scene(number, 24);
     scene.options.size = {75, 67};
-    std::vector<float> first;
-    for (const unsigned threads : {1u, 2u, 8u}) {
-      const Picture picture = render_or_throw(scene.content, scene.selection, scene.camera, scene.options,
-                                              threads, scene.overrides);
-      if (threads == 1) first = picture.rgba;
-      ASSERT_EQ(std::memcmp(picture.rgba.data(), first.data(), first.size() * sizeof(float)), 0)
-          << threads << " threads, scene " << number;
-    }
-    for (const float value : first) rendered += value > 0 ? 1 : 0;
+    const Picture picture =
+        render_with_threads(scene.content, scene.selection, scene.camera, scene.options, scene.overrides);
+    for (const float value : picture.rgba) rendered += value > 0 ? 1 : 0;
   }
   EXPECT_GT(rendered, 50000);
 }
@@ -163,10 +101,8 @@ TEST(Renderer, GivesTheSameBitsWhateverWasRenderedBefore) {
   Renderer used(open_in_memory(content), {2, 0});
   for (int step = 0; step < 24; ++step) {
     const Selection selection = selection_of(kSelections[step % 4], content.graph);
-    Camera camera;
-    camera.azimuth_deg = 37.0 * step;
-    camera.elevation_deg = 11.0 * (step % 7) - 30;
-    camera.zoom = 1 + step % 3;
+    const Camera camera{
+        .azimuth_deg = 37.0 * step, .elevation_deg = 11.0 * (step % 7) - 30, .zoom = 1.0 + step % 3};
     const RenderOptions options{.size = {40 + step, 33}, .hybrid_shading = step % 3 != 0};
     if (step % 2 == 0) {
       ASSERT_TRUE(used.select(selection));
@@ -209,8 +145,7 @@ TEST(Renderer, GivesTheSameBitsWhateverWasSelectedBefore) {
 
 TEST(Renderer, AnEmptySelectionIsTransparentBlackEverywhere) {
   const AtlasContent content = phantom_content();
-  Renderer renderer(open_in_memory(content), {2, 0});
-  ASSERT_TRUE(renderer.select({}));
+  Renderer renderer = renderer_of(content, {}, 2);
   for (const Selection& empty :
        {Selection{}, selection_of("", content.graph), selection_of("Spheres - Spheres", content.graph)}) {
     ASSERT_TRUE(renderer.select(empty));
@@ -241,13 +176,10 @@ TEST(Renderer, RendersAnAtlasWithoutStructures) {
 /// Content outside the picture, near or far, has no effect.
 TEST(Renderer, LooksPastTheAtlas) {
   const AtlasContent content = phantom_content();
-  Renderer renderer(open_in_memory(content), {1, 0});
-  ASSERT_TRUE(renderer.select(selection_of("*:both(opacity=0.5)", content.graph)));
+  Renderer renderer = renderer_of(content, selection_of("*:both(opacity=0.5)", content.graph));
   for (const double away_mm : {60.0, 1e3, 1e9}) {
     for (const double zoom : {1e-6, 1.0, 1e6}) {
-      Camera camera;
-      camera.azimuth_deg = 20;
-      camera.zoom = zoom;
+      Camera camera{.azimuth_deg = 20, .zoom = zoom};
       const ParallelView view = *parallel_view(camera, {32, 32}, content.display);
       camera.center_lps_mm = content.display.center_lps_mm;
       for (std::size_t a = 0; a < 3; ++a) (*camera.center_lps_mm)[a] += away_mm * view.right_lps[a];
@@ -276,8 +208,7 @@ TEST(Renderer, RefusesSelectionsThatNeedTooMuchMemoryAndKeepsTheOldOne) {
 TEST(Renderer, RefusesPicturesThatNeedTooMuchMemoryBeforeItReads) {
   const AtlasContent content = phantom_content();
   const auto atlas = open_in_memory(content);
-  RenderOptions options;
-  options.size = {64, 48};
+  RenderOptions options{.size = {64, 48}};
   // Surfaces only: no memory for volumes.
   const Selection selection = *select("Spheres:surface", atlas->graph());
   const std::uint64_t enough = picture_bytes(options.size) + span_model_bytes(0, 0);
@@ -303,12 +234,10 @@ TEST(Renderer, PicksNothingAfterAFrameThatWasRefused) {
   // Memory for 3000 fragments.
   Renderer renderer(open_in_memory(content), {1, (1200 << 10) + picture_bytes({99, 99})});
   ASSERT_TRUE(renderer.select(selection_of("Spheres:both(opacity=0.5)", content.graph)));
-  Camera far_away;
-  far_away.zoom = 0.05;
+  const Camera far_away{.zoom = 0.05};
   (void)render_or_throw(renderer, far_away, {.size = {99, 99}});
   EXPECT_TRUE(renderer.pick(49, 50));
-  Camera close;
-  close.zoom = 1.5;
+  const Camera close{.zoom = 1.5};
   const auto refused = renderer.render(close, {.size = {99, 99}});
   ASSERT_FALSE(refused.has_value());
   EXPECT_EQ(refused.error().code, ErrorCode::kLimit);
@@ -316,12 +245,35 @@ TEST(Renderer, PicksNothingAfterAFrameThatWasRefused) {
   EXPECT_FALSE(renderer.pick(40, 60));
 }
 
-/// Early ray termination: no value changes by more than the transmittance of its pixel.
-TEST(Renderer, EarlyTerminationStaysWithinItsBound) {
+/// Early ray termination adds no radiance, takes at most `threshold`, and at least `min_loss` of some value.
+void expect_termination(Renderer& renderer, const Camera& camera, RenderOptions options, float threshold,
+                        float min_loss) {
+  options.termination_threshold = 0;
+  const Picture all = render_or_throw(renderer, camera, options);
+  options.termination_threshold = threshold;
+  const Picture ended = render_or_throw(renderer, camera, options);
+  float largest = 0;
+  for (std::size_t n = 0; n < all.rgba.size(); ++n) {
+    EXPECT_LE(ended.rgba[n], all.rgba[n] + 1e-6f);
+    largest = std::max(largest, all.rgba[n] - ended.rgba[n]);
+  }
+  EXPECT_LE(largest, threshold * 1.0001f);
+  EXPECT_GT(largest, min_loss) << "nothing was left out: the test shows nothing";
+}
+
+TEST(Renderer, EarlyTerminationOfRaysStaysWithinItsThreshold) {
+  const StandardScene scene = phantom_scene();
+  Renderer renderer = renderer_of(scene.content, scene.selection);
+  const Camera camera{.azimuth_deg = 33, .elevation_deg = 21, .projection = CameraProjection::kPerspective};
+  expect_termination(renderer, camera,
+                     {.size = {40, 36}, .classification = Classification::kAfter, .hybrid_shading = false},
+                     0.05f, 1e-4f);
+}
+
+TEST(Renderer, EarlyTerminationOfSheetsStaysWithinItsThreshold) {
   TestVolume volume;
   volume.grid.size = {64, 40, 8};  // whole blocks, and deep
-  volume.structures = {
-      {"box", make_mask(volume.grid.size, [](auto, auto, auto) { return true; }), {200, 180, 90}}};
+  volume.structures = {{"box", full_mask(volume.grid.size), {200, 180, 90}}};
   const AtlasContent content = make_content(volume);
   Renderer renderer(open_in_memory(content), {1, 0});
   for (const auto& [quality, opacity] :
@@ -329,19 +281,8 @@ TEST(Renderer, EarlyTerminationStaysWithinItsBound) {
     SCOPED_TRACE(fmt::format("{}, quality {}", opacity, static_cast<int>(quality)));
     const auto text = fmt::format("box:volume(opacity={})", opacity);
     ASSERT_TRUE(renderer.select(selection_of(text, content.graph)));
-    RenderOptions options{.size = {90, 30}, .quality = quality, .termination_threshold = 0};
-    const Picture all = render_or_throw(renderer, {}, options);
-    for (const float floor : {1e-2f, 1e-3f}) {
-      options.termination_threshold = floor;
-      const Picture picture = render_or_throw(renderer, {}, options);
-      float largest = 0;
-      for (std::size_t n = 0; n < all.rgba.size(); ++n) {
-        EXPECT_LE(picture.rgba[n], all.rgba[n] + 1e-6f) << "termination must not add radiance";
-        largest = std::max(largest, all.rgba[n] - picture.rgba[n]);
-      }
-      EXPECT_LE(largest, floor * 1.0001f);
-      EXPECT_GT(largest, floor / 100) << "nothing was left out: the test shows nothing";
-    }
+    for (const float threshold : {1e-2f, 1e-3f})
+      expect_termination(renderer, {}, {.size = {90, 30}, .quality = quality}, threshold, threshold / 100);
   }
 }
 

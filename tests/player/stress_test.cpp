@@ -1,6 +1,4 @@
 // Stress cases of docs/renderer.md that no other test covers.
-#include <algorithm>
-#include <cmath>
 #include <limits>
 #include <numbers>
 
@@ -22,60 +20,16 @@ RenderOptions by_rays(const PictureSize& size) {
   return {.size = size, .classification = Classification::kAfter, .hybrid_shading = false};
 }
 
-TEST(Stress, ThousandsOfThinLayersAddUpAlongRays) {
-  constexpr int kLayers = 4000;
-  const AtlasContent content = box_content({5, 5, kLayers});
-  Renderer renderer(open_in_memory(content), {1, 0});
-  Camera camera = Camera::of(NamedView::kSuperior);
-  camera.zoom = kLayers / 5.0;
-  for (const float opacity : {1e-8f, 1e-6f, 1e-4f, 1e-2f}) {
-    ASSERT_TRUE(renderer.select(with_opacity(content, opacity)));
-    for (const bool simd : {false, true}) {
-      const double expected = opacity_through(kLayers, opacity);
-      // Threshold of early ray termination; else every addition rounds by half a unit in the last place.
-      EXPECT_NEAR(render_or_throw(renderer, camera, by_rays({9, 9}), {.simd = simd}).at(4, 4)[3], expected,
-                  std::max(kLayers * 6e-8 * expected, expected > 0.999 ? 1e-4 : 0))
-          << opacity;
-    }
-  }
-}
-
-/// A plate has constant opacity at any angle, for rays too.
-TEST(Stress, PlatesAreFlatAlongRays) {
-  const AtlasContent content = box_content({64, 7, 64});
-  const float opacity = 0.12f;
-  Renderer renderer(open_in_memory(content), {1, 0});
-  ASSERT_TRUE(renderer.select(with_opacity(content, opacity)));
-  for (const auto& [azimuth, elevation] : kPlateDirections) {
-    Camera camera;
-    camera.azimuth_deg = azimuth;
-    camera.elevation_deg = elevation;
-    camera.zoom = zoom_for(content.display, 15, 0.5);
-    camera.center_lps_mm = Vec3{31.77, 3.0, 31.41};
-    const Picture picture = render_or_throw(renderer, camera, by_rays({15, 15}));
-    const double length =
-        7 / (std::cos(azimuth * std::numbers::pi / 180) * std::cos(elevation * std::numbers::pi / 180));
-    for (int n = 0; n < 15 * 15; ++n) {
-      EXPECT_NEAR(picture.at(n % 15, n / 15)[3], opacity_through(length, opacity), 4e-6)
-          << "azimuth " << azimuth << ", elevation " << elevation;
-    }
-  }
-}
-
 /// At the switch of the principal axis, and 1e-6 rad to either side: finite values, within the cost of
 /// slicing a smooth field along another axis (0.2/255; rays: 0.1/255).
 TEST(Stress, AnAxisSwitchIsSmall) {
   const StandardScene scene = blobs_scene();
-  Renderer renderer(open_in_memory(scene.content), {1, 0});
-  ASSERT_TRUE(renderer.select(scene.selection));
+  Renderer renderer = renderer_of(scene.content, scene.selection);
   for (const auto& [azimuth, elevation] : {std::pair(45.0, 0.0), {45.0, 15.0}, {0.0, 45.0}, {135.0, 25.0}}) {
     for (const bool rays : {false, true}) {
-      RenderOptions options;
-      options.size = {48, 48};
-      options.classification = rays ? Classification::kAfter : Classification::kBefore;
-      Camera camera;
-      camera.azimuth_deg = azimuth;
-      camera.elevation_deg = elevation;
+      const RenderOptions options{.size = {48, 48},
+                                  .classification = rays ? Classification::kAfter : Classification::kBefore};
+      const Camera camera{.azimuth_deg = azimuth, .elevation_deg = elevation};
       const Picture there = render_or_throw(renderer, camera, options);
       for (const double aside : {-1e-6, 1e-6}) {
         Camera beside = camera;
@@ -94,13 +48,10 @@ TEST(Stress, AnAxisSwitchIsSmall) {
 /// sheet pixels per picture pixel the maxima would be 1.2 and 0.65.
 TEST(Stress, AnAxisSwitchIsSmallAtSharpEdges) {
   const StandardScene scene = labels_scene();
-  Renderer renderer(open_in_memory(scene.content), {1, 0});
-  ASSERT_TRUE(renderer.select(scene.selection));
+  Renderer renderer = renderer_of(scene.content, scene.selection);
   for (const auto& [quality, max_rms] : {std::pair(Quality::kNormal, 0.8), {Quality::kHigh, 0.4}}) {
     for (const double elevation : {5.0, 15.0, 25.0}) {
-      Camera camera;
-      camera.azimuth_deg = 45;
-      camera.elevation_deg = elevation;
+      const Camera camera{.azimuth_deg = 45, .elevation_deg = elevation};
       const RenderOptions options{.size = {72, 72}, .quality = quality};
       const Picture along_x = render_or_throw(renderer, camera, options, {.principal_axis = Axis::kX});
       const Picture along_y = render_or_throw(renderer, camera, options, {.principal_axis = Axis::kY});
@@ -122,11 +73,8 @@ TEST(Stress, CheckerboardsAndCombsEqualTheModel) {
   for (const char* words : {"black(opacity=0.3)", "black:both(opacity=0.3) + white(opacity=0.9)",
                             "comb:surface(opacity=0.4) + white(opacity=0.5)"}) {
     const Selection selection = selection_of(words, content.graph);
-    Renderer renderer(open_in_memory(content), {1, 0});
-    ASSERT_TRUE(renderer.select(selection));
-    Camera camera;
-    camera.azimuth_deg = 33;
-    camera.elevation_deg = -17;
+    Renderer renderer = renderer_of(content, selection);
+    const Camera camera{.azimuth_deg = 33, .elevation_deg = -17};
     const RenderOptions options{.size = {30, 30}, .antialiasing = false};
     const Picture picture = render_or_throw(renderer, camera, options);
     const auto d =
@@ -170,15 +118,13 @@ TEST(Stress, AllNoneAndComplementsAreTheSameSelections) {
 TEST(Stress, ZoomsFromHundredthsToThousandsOfPixelsAVoxel) {
   const AtlasContent plate = box_content({400, 7, 400});
   const float opacity = 0.12f;
-  Renderer renderer(open_in_memory(plate), {1, 0});
-  ASSERT_TRUE(renderer.select(with_opacity(plate, opacity)));
+  Renderer renderer = renderer_of(plate, with_opacity(plate, opacity));
   for (const bool rays : {false, true}) {
     for (const double pixels_per_voxel : {0.01, 0.1, 10.0, 1000.0}) {
       RenderOptions options{.size = {3, 3}, .hybrid_shading = false};
       if (rays) options = by_rays({3, 3});
-      Camera camera;
-      camera.zoom = zoom_for(plate.display, 3, 1 / pixels_per_voxel);
-      camera.center_lps_mm = Vec3{200.3, 3, 200.4};
+      const Camera camera{.zoom = zoom_for(plate.display, 3, 1 / pixels_per_voxel),
+                          .center_lps_mm = Vec3{200.3, 3, 200.4}};
       const Picture picture = render_or_throw(renderer, camera, options);
       EXPECT_NEAR(picture.at(1, 1)[3], opacity_through(7, opacity), 4e-6) << pixels_per_voxel << rays;
       EXPECT_LE(reference::energy_violation(picture), 1e-6);
@@ -190,12 +136,9 @@ TEST(Stress, ZoomsFromHundredthsToThousandsOfPixelsAVoxel) {
 /// switch.
 TEST(Stress, SlowTurnsAreSteady) {
   const StandardScene scene = blobs_scene();
-  Renderer renderer(open_in_memory(scene.content), {1, 0});
-  ASSERT_TRUE(renderer.select(scene.selection));
+  Renderer renderer = renderer_of(scene.content, scene.selection);
   const auto turned = [&](int step) {
-    Camera camera;
-    camera.azimuth_deg = 45.005 + 0.01 * step;
-    camera.elevation_deg = 12;
+    const Camera camera{.azimuth_deg = 45.005 + 0.01 * step, .elevation_deg = 12};
     return render_or_throw(renderer, camera, {.size = {48, 48}});
   };
   Picture before = turned(-11);

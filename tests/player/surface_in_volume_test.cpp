@@ -8,7 +8,6 @@
 
 #include "player/view/shear.h"
 #include "tests/reference/discrete_model.h"
-#include "tests/reference/picture_difference.h"
 #include "tests/reference/reference_radiance.h"
 #include "tests/support/render.h"
 
@@ -32,7 +31,7 @@ struct Plane {
 AtlasContent content_for(std::size_t surfaces) {
   TestVolume volume;
   volume.grid.size = {kWidth, kDepth, kWidth};
-  volume.structures = {{"fog", make_mask(volume.grid.size, [](auto...) { return true; }), kFogColor}};
+  volume.structures = {{"fog", full_mask(volume.grid.size), kFogColor}};
   for (std::size_t n = 0; n < surfaces; ++n) {
     // The player ignores which voxels lead to a surface.
     const auto mask =
@@ -129,37 +128,45 @@ std::array<double, 4> expected_pixel(const std::vector<Plane>& in_order, const F
   return sum.rgba();
 }
 
-void expect_everywhere(const Picture& picture, const std::array<double, 4>& expected,
-                       const std::string& what) {
+void expect_everywhere(const Picture& picture, const std::array<double, 4>& expected) {
   for (int n = 0; n < picture.size.width * picture.size.height; ++n) {
     const auto pixel = picture.at(n % picture.size.width, n / picture.size.width);
     for (std::size_t c = 0; c < 4; ++c) {
       // About ten float compositing steps, each rounding by some 1e-7.
-      ASSERT_NEAR(pixel[c], expected[c], 1.5e-6) << what << ", channel " << c << ", pixel " << n;
+      ASSERT_NEAR(pixel[c], expected[c], 1.5e-6) << "channel " << c << ", pixel " << n;
     }
   }
 }
 
-const std::vector<std::pair<double, double>> kDirections{{0, 0}, {180, 0}, {31, -17}, {-140, 25}, {44.9, 0}};
+/// The closed form from all directions. `front_to_back` and `back_to_front`: the planes in the order of rays
+/// along y and against it.
+void expect_closed_form(const std::vector<Plane>& planes, const std::vector<std::size_t>& front_to_back,
+                        const std::vector<std::size_t>& back_to_front,
+                        const std::vector<Quality>& qualities = {Quality::kNormal}) {
+  const AtlasContent content = fog_content(planes);
+  Renderer renderer = renderer_of(content, fog_selection(planes));
+  for (const auto& [azimuth, elevation] :
+       {std::pair(0.0, 0.0), {180.0, 0.0}, {31.0, -17.0}, {-140.0, 25.0}, {44.9, 0.0}}) {
+    for (const Quality quality : qualities) {
+      SCOPED_TRACE(fmt::format("first plane at {}, azimuth {}", planes[0].at, azimuth));
+      const FogView view(azimuth, elevation, content, quality);
+      const bool behind = view.view.forward_lps[1] < 0;
+      std::vector<Plane> in_order;
+      for (const std::size_t n : behind ? back_to_front : front_to_back) {
+        in_order.push_back(planes[n]);
+        if (behind) in_order.back().at = kDepth - 1 - planes[n].at;  // the fog has the reverse order
+      }
+      expect_everywhere(render_or_throw(renderer, view.camera, view.options), expected_pixel(in_order, view));
+    }
+  }
+}
 
 /// Planes in front of the fog, on its border, on slices, halfway between, in between, and behind.
 TEST(SurfaceInVolume, SweptPlanesFollowTheClosedForm) {
   for (int step = -16; step <= 16 * kDepth; ++step) {
     if (step % 4 != 0 && (step < 28 || step > 60)) continue;
-    const std::vector<Plane> planes{{step / 16.0, {255, 80, 20}, 0.6f, true}};
-    const AtlasContent content = fog_content(planes);
-    Renderer renderer(open_in_memory(content), {1, 0});
-    ASSERT_TRUE(renderer.select(fog_selection(planes)));
-    for (const auto& [azimuth, elevation] : kDirections) {
-      for (const Quality quality : {Quality::kDraft, Quality::kNormal}) {
-        const FogView view(azimuth, elevation, content, quality);
-        std::vector<Plane> seen = planes;
-        // From behind, the fog has the reverse order.
-        if (view.view.forward_lps[1] < 0) seen[0].at = kDepth - 1 - seen[0].at;
-        expect_everywhere(render_or_throw(renderer, view.camera, view.options), expected_pixel(seen, view),
-                          fmt::format("plane at {}, azimuth {}", step / 16.0, azimuth));
-      }
-    }
+    expect_closed_form({{step / 16.0, {255, 80, 20}, 0.6f, true}}, {0}, {0},
+                       {Quality::kDraft, Quality::kNormal});
   }
 }
 
@@ -187,49 +194,25 @@ TEST(SurfaceInVolume, SweptPlanesChangeMonotonouslyAndContinuously) {
 
 TEST(SurfaceInVolume, SeveralSurfacesInOneVoxelKeepTheirOrder) {
   // File order differs from ray order; three planes lie within half a voxel, around the border of a slab.
-  const std::vector<Plane> planes{{4.75, {20, 20, 255}, 0.5f, true},
-                                  {4.375, {255, 20, 20}, 0.4f, true},
-                                  {4.5, {20, 255, 20}, 0.3f, false},
-                                  {2.125, {250, 250, 20}, 0.2f, true}};
-  const AtlasContent content = fog_content(planes);
-  Renderer renderer(open_in_memory(content), {1, 0});
-  ASSERT_TRUE(renderer.select(fog_selection(planes)));
-  for (const auto& [azimuth, elevation] : kDirections) {
-    const FogView view(azimuth, elevation, content);
-    std::vector<Plane> in_order{planes[3], planes[1], planes[2], planes[0]};
-    if (view.view.forward_lps[1] < 0) {
-      std::reverse(in_order.begin(), in_order.end());
-      for (Plane& plane : in_order) plane.at = kDepth - 1 - plane.at;
-    }
-    expect_everywhere(render_or_throw(renderer, view.camera, view.options), expected_pixel(in_order, view),
-                      fmt::format("azimuth {}", azimuth));
-  }
+  expect_closed_form({{4.75, {20, 20, 255}, 0.5f, true},
+                      {4.375, {255, 20, 20}, 0.4f, true},
+                      {4.5, {20, 255, 20}, 0.3f, false},
+                      {2.125, {250, 250, 20}, 0.2f, true}},
+                     {3, 1, 2, 0}, {0, 2, 1, 3});
 }
 
+/// The second faces away at azimuth 0: the ray leaves it. From behind, the first does.
 TEST(SurfaceInVolume, CoincidingFacesAreLeftBeforeTheyAreEntered) {
-  const std::vector<Plane> planes{{3.5, {255, 20, 20}, 0.5f, true}, {3.5, {20, 20, 255}, 0.5f, false}};
-  const AtlasContent content = fog_content(planes);
-  Renderer renderer(open_in_memory(content), {1, 0});
-  ASSERT_TRUE(renderer.select(fog_selection(planes)));
-  for (const auto& [azimuth, elevation] : kDirections) {
-    const FogView view(azimuth, elevation, content);
-    // The second faces away at azimuth 0: the ray leaves it. From behind, the first does.
-    const bool behind = view.view.forward_lps[1] < 0;
-    std::vector<Plane> in_order{planes[behind ? 0 : 1], planes[behind ? 1 : 0]};
-    for (Plane& plane : in_order) plane.at = behind ? kDepth - 1 - plane.at : plane.at;
-    expect_everywhere(render_or_throw(renderer, view.camera, view.options), expected_pixel(in_order, view),
-                      fmt::format("azimuth {}", azimuth));
-  }
+  expect_closed_form({{3.5, {255, 20, 20}, 0.5f, true}, {3.5, {20, 20, 255}, 0.5f, false}}, {1, 0}, {0, 1});
 }
 
 TEST(SurfaceInVolume, OpaqueSurfacesHideWhatIsBehindThem) {
   std::vector<Plane> planes{{3.25, {255, 20, 20}, 1.0f, true}, {6.5, {20, 20, 255}, 0.5f, true}};
   const AtlasContent content = fog_content(planes);
-  Renderer renderer(open_in_memory(content), {1, 0});
-  ASSERT_TRUE(renderer.select(fog_selection(planes)));
+  Renderer renderer = renderer_of(content, fog_selection(planes));
   const FogView view(12, 34, content);
   const Picture with = render_or_throw(renderer, view.camera, view.options);
-  expect_everywhere(with, expected_pixel({planes[0]}, view), "opaque");
+  expect_everywhere(with, expected_pixel({planes[0]}, view));
   for (int n = 0; n < 49; ++n) EXPECT_FLOAT_EQ(with.at(n % 7, n / 7)[3], 1.0f);
   planes[1].color = {255, 255, 255};
   ASSERT_TRUE(renderer.select(fog_selection(planes)));

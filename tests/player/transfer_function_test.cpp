@@ -35,18 +35,20 @@ VolumeStyle curve(std::vector<TransferPoint> points) {
 
 using Points = std::vector<TransferPoint>;
 
+Points points_of(const VolumeStyle& style, std::optional<float> opacity = std::nullopt) {
+  return transfer_curve(styled(style, opacity), kDisplay).points;
+}
+
 TEST(TransferFunction, RampsOverTheDisplayWindowByDefault) {
   EXPECT_EQ(transfer_curve({}, kDisplay).points, (Points{{20, 0, 0.25f}, {220, 0.3f, 1}}));
-  EXPECT_EQ(transfer_curve(styled({}, 0.5f), kDisplay).points, (Points{{20, 0, 0.25f}, {220, 0.5f, 1}}));
-  EXPECT_EQ(transfer_curve(styled({}, 1.0f), kDisplay).points,
-            (Points{{20, 0, 0.25f}, {220, kMaxVolumeOpacity, 1}}));
+  EXPECT_EQ(points_of({}, 0.5f), (Points{{20, 0, 0.25f}, {220, 0.5f, 1}}));
+  EXPECT_EQ(points_of({}, 1.0f), (Points{{20, 0, 0.25f}, {220, kMaxVolumeOpacity, 1}}));
 }
 
 TEST(TransferFunction, ThinIsTheSameRampAllButClear) {
-  EXPECT_EQ(transfer_curve(styled(ramp({}, {}, TransferProfile::kThin)), kDisplay).points,
-            (Points{{20, 0, 0.25f}, {220, 0.01f, 1}}));
-  EXPECT_EQ(transfer_curve(styled(ramp({}, {}, TransferProfile::kThin), 0.02f), kDisplay).points,
-            (Points{{20, 0, 0.25f}, {220, 0.02f, 1}}));
+  const VolumeStyle thin = ramp({}, {}, TransferProfile::kThin);
+  EXPECT_EQ(points_of(thin), (Points{{20, 0, 0.25f}, {220, 0.01f, 1}}));
+  EXPECT_EQ(points_of(thin, 0.02f), (Points{{20, 0, 0.25f}, {220, 0.02f, 1}}));
 }
 
 TEST(TransferFunction, HardIsAStepInTheMiddleWithTheShadesOfTheRamp) {
@@ -70,17 +72,15 @@ TEST(TransferFunction, HardIsAStepInTheMiddleWithTheShadesOfTheRamp) {
 }
 
 TEST(TransferFunction, EndsThatAreLeftOpenAreTheWindows) {
-  EXPECT_EQ(transfer_curve(styled(ramp(50, {})), kDisplay).points, (Points{{50, 0, 0.25f}, {220, 0.3f, 1}}));
-  EXPECT_EQ(transfer_curve(styled(ramp({}, 50)), kDisplay).points, (Points{{20, 0, 0.25f}, {50, 0.3f, 1}}));
-  EXPECT_EQ(transfer_curve(styled(ramp(-5, 5)), kDisplay).points, (Points{{-5, 0, 0.25f}, {5, 0.3f, 1}}));
+  EXPECT_EQ(points_of(ramp(50, {})), (Points{{50, 0, 0.25f}, {220, 0.3f, 1}}));
+  EXPECT_EQ(points_of(ramp({}, 50)), (Points{{20, 0, 0.25f}, {50, 0.3f, 1}}));
+  EXPECT_EQ(points_of(ramp(-5, 5)), (Points{{-5, 0, 0.25f}, {5, 0.3f, 1}}));
 }
 
 TEST(TransferFunction, RampsBeyondTheWindowAreAsWide) {
-  EXPECT_EQ(transfer_curve(styled(ramp(300, {})), kDisplay).points,
-            (Points{{300, 0, 0.25f}, {500, 0.3f, 1}}));
-  EXPECT_EQ(transfer_curve(styled(ramp(220, {})), kDisplay).points,
-            (Points{{220, 0, 0.25f}, {420, 0.3f, 1}}));
-  EXPECT_EQ(transfer_curve(styled(ramp({}, -7)), kDisplay).points, (Points{{-207, 0, 0.25f}, {-7, 0.3f, 1}}));
+  EXPECT_EQ(points_of(ramp(300, {})), (Points{{300, 0, 0.25f}, {500, 0.3f, 1}}));
+  EXPECT_EQ(points_of(ramp(220, {})), (Points{{220, 0, 0.25f}, {420, 0.3f, 1}}));
+  EXPECT_EQ(points_of(ramp({}, -7)), (Points{{-207, 0, 0.25f}, {-7, 0.3f, 1}}));
   // A window lost in rounding becomes a step.
   const TransferCurve step = transfer_curve(styled(ramp(1e300, {}, TransferProfile::kHard)), kDisplay);
   ASSERT_EQ(step.points.size(), 2u);
@@ -104,21 +104,21 @@ TEST(TransferFunction, IsFullEverywhereWithoutAWindow) {
 
 TEST(TransferFunction, CurvesAreTakenAsTheyAre) {
   const Points points{{-3, 0.1f, 0.5f}, {4, 0.75f, 1}, {5, 0}};
-  EXPECT_EQ(transfer_curve(styled(curve(points)), kDisplay).points, points);
+  EXPECT_EQ(points_of(curve(points)), points);
   EXPECT_EQ(full_opacity(styled(curve(points))), 0.75f);
-  EXPECT_EQ(transfer_curve(styled(curve(points), 0.75f), kDisplay).points, points);
+  EXPECT_EQ(points_of(curve(points), 0.75f), points);
 }
 
 TEST(TransferFunction, AnOpacityScalesACurve) {
   const Points points{{0, 0}, {1, 0.5f, 0.5f}, {2, 0.75f}};  // depths 0, ln 2, 2 ln 2
-  const Points scaled = transfer_curve(styled(curve(points), 0.9375f), kDisplay).points;
+  const Points scaled = points_of(curve(points), 0.9375f);
   ASSERT_EQ(scaled.size(), 3u);  // depths twice as large
   EXPECT_EQ(scaled[0], points[0]);
   EXPECT_NEAR(scaled[1].opacity, 0.75, 1e-7);
   EXPECT_EQ(scaled[1].shade, 0.5f);
   EXPECT_EQ(scaled[2].opacity, 0.9375f);
   const Points clear{{0, 0}, {1, 0}};
-  EXPECT_EQ(transfer_curve(styled(curve(clear), 0.5f), kDisplay).points, clear);
+  EXPECT_EQ(points_of(curve(clear), 0.5f), clear);
   EXPECT_EQ(full_opacity(styled(curve(clear), 0.5f)), 0);
 }
 

@@ -22,15 +22,15 @@ struct Layer {
 
 /// A white box from above, with one grey value per layer, top layer first.
 template <typename T>
-AtlasContent layered_box(VoxelType type, const std::vector<Layer>& layers) {
+AtlasContent layered_box(const std::vector<Layer>& layers) {
   TestVolume volume;
   volume.grid.size = {5, 5, static_cast<std::int64_t>(layers.size())};
-  volume.structures = {{"box", make_mask(volume.grid.size, [](auto...) { return true; })}};
+  volume.structures = {{"box", full_mask(volume.grid.size)}};
   std::vector<T> values;
   for (auto layer = layers.rbegin(); layer != layers.rend(); ++layer) {
     values.insert(values.end(), 25, static_cast<T>(layer->grey));
   }
-  volume.values = make_values(type, values);
+  volume.values = make_values(voxel_type_of<T>(), values);
   volume.window_low = 0;
   volume.window_high = 100;
   return make_content(volume);
@@ -38,8 +38,9 @@ AtlasContent layered_box(VoxelType type, const std::vector<Layer>& layers) {
 
 /// Draws the box with `options` and checks its centre pixel.
 template <typename T>
-void expect_picture(VoxelType type, const std::string& options, const std::vector<Layer>& layers) {
-  const AtlasContent content = layered_box<T>(type, layers);
+void expect_picture(const std::string& options, const std::vector<Layer>& layers) {
+  const std::string told = options + ", " + name_of(voxel_type_of<T>());
+  const AtlasContent content = layered_box<T>(layers);
   Camera camera = Camera::of(NamedView::kSuperior);
   camera.zoom = std::max(1.0, static_cast<double>(layers.size()) / 5);
   const Picture picture = render_or_throw(
@@ -53,11 +54,11 @@ void expect_picture(VoxelType type, const std::string& options, const std::vecto
     transmittance *= passes;
   }
   // Pixels may terminate at a transmittance of 1e-4.
-  EXPECT_NEAR(picture.at(4, 4)[3], 1 - transmittance, 1.1e-4) << options << ", " << name_of(type);
-  EXPECT_NEAR(picture.at(4, 4)[0], radiance, 1.1e-4) << options << ", " << name_of(type);
+  EXPECT_NEAR(picture.at(4, 4)[3], 1 - transmittance, 1.1e-4) << told;
+  EXPECT_NEAR(picture.at(4, 4)[0], radiance, 1.1e-4) << told;
   if (transmittance > 1e-3) {
-    EXPECT_NEAR(picture.at(4, 4)[3], 1 - transmittance, 1e-6) << options << ", " << name_of(type);
-    EXPECT_NEAR(picture.at(4, 4)[0], radiance, 1e-6) << options << ", " << name_of(type);
+    EXPECT_NEAR(picture.at(4, 4)[3], 1 - transmittance, 1e-6) << told;
+    EXPECT_NEAR(picture.at(4, 4)[0], radiance, 1e-6) << told;
   }
 }
 
@@ -65,19 +66,16 @@ void expect_picture(VoxelType type, const std::string& options, const std::vecto
 constexpr const char* kPeak = "curve=0:0/10:0.5/20:0.75:0.5/30:0";
 
 TEST(TransferPicture, CurvesOfBytes) {
-  expect_picture<std::uint8_t>(VoxelType::kUInt8, kPeak, {{10, 1}, {20, 2, 0.5}, {5, 0.5}});
-  expect_picture<std::uint8_t>(VoxelType::kUInt8, kPeak, {{0, 0}, {15, 1.5, 0.75}, {30, 0}, {255, 0}});
-  expect_picture<std::uint8_t>(VoxelType::kUInt8, kPeak, {{25, 1, 0.75}, {29, 0.2, 0.95}, {1, 0.1}});
-  expect_picture<std::int8_t>(VoxelType::kInt8, "curve=-100:0.5/-50:0",
-                              {{-128, 1}, {-100, 1}, {-75, 0.5}, {-50, 0}, {127, 0}});
+  expect_picture<std::uint8_t>(kPeak, {{10, 1}, {20, 2, 0.5}, {5, 0.5}});
+  expect_picture<std::uint8_t>(kPeak, {{0, 0}, {15, 1.5, 0.75}, {30, 0}, {255, 0}});
+  expect_picture<std::uint8_t>(kPeak, {{25, 1, 0.75}, {29, 0.2, 0.95}, {1, 0.1}});
+  expect_picture<std::int8_t>("curve=-100:0.5/-50:0", {{-128, 1}, {-100, 1}, {-75, 0.5}, {-50, 0}, {127, 0}});
 }
 
 TEST(TransferPicture, CurvesOfNegativeShortValues) {
   const char* const bone = "curve=-1000:0/-500:0.5:0.5/1000:0.5";
-  expect_picture<std::int16_t>(VoxelType::kInt16, bone,
-                               {{-32768, 0}, {-1000, 0}, {-750, 0.5, 0.75}, {-500, 1, 0.5}});
-  expect_picture<std::int16_t>(VoxelType::kInt16, bone,
-                               {{250, 1, 0.75}, {1000, 1}, {32767, 1}, {-600, 0.8, 0.6}});
+  expect_picture<std::int16_t>(bone, {{-32768, 0}, {-1000, 0}, {-750, 0.5, 0.75}, {-500, 1, 0.5}});
+  expect_picture<std::int16_t>(bone, {{250, 1, 0.75}, {1000, 1}, {32767, 1}, {-600, 0.8, 0.6}});
 }
 
 TEST(TransferPicture, CurvesOfFloatsWithNaNAndInfinities) {
@@ -85,32 +83,30 @@ TEST(TransferPicture, CurvesOfFloatsWithNaNAndInfinities) {
   const double infinity = std::numeric_limits<double>::infinity();
   const std::vector<Layer> layers{
       {nan, 1, 0.5}, {-infinity, 1, 0.5}, {0.25, 1.25, 0.625}, {infinity, 2}, {1e30, 2}};
-  expect_picture<float>(VoxelType::kFloat32, "curve=0:0.5:0.5/1:0.75", layers);
-  expect_picture<double>(VoxelType::kFloat64, "curve=0:0.5:0.5/1:0.75", layers);
+  expect_picture<float>("curve=0:0.5:0.5/1:0.75", layers);
+  expect_picture<double>("curve=0:0.5:0.5/1:0.75", layers);
   // If the first point is transparent, so is not-a-number.
-  expect_picture<float>(VoxelType::kFloat32, kPeak, {{nan, 0}, {10, 1}, {nan, 0}, {infinity, 0}});
+  expect_picture<float>(kPeak, {{nan, 0}, {10, 1}, {nan, 0}, {infinity, 0}});
 }
 
 TEST(TransferPicture, LongValues) {
-  expect_picture<std::uint32_t>(VoxelType::kUInt32, "curve=4e9:0/4.2e9:0.75",
-                                {{4.1e9, 1}, {4e9, 0}, {4.2e9, 2}});
-  expect_picture<std::int32_t>(VoxelType::kInt32, "curve=-2e9:0.5/2e9:0", {{-2.1e9, 1}, {0, 0.5}, {2e9, 0}});
+  expect_picture<std::uint32_t>("curve=4e9:0/4.2e9:0.75", {{4.1e9, 1}, {4e9, 0}, {4.2e9, 2}});
+  expect_picture<std::int32_t>("curve=-2e9:0.5/2e9:0", {{-2.1e9, 1}, {0, 0.5}, {2e9, 0}});
 }
 
 TEST(TransferPicture, OnePointIsTheSameForEveryValue) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  expect_picture<std::uint8_t>(VoxelType::kUInt8, "curve=40:0.5:0.25",
-                               {{0, 1, 0.25}, {40, 1, 0.25}, {255, 1, 0.25}});
-  expect_picture<float>(VoxelType::kFloat32, "curve=40:0.5:0.25", {{nan, 1, 0.25}, {-1e9, 1, 0.25}});
+  expect_picture<std::uint8_t>("curve=40:0.5:0.25", {{0, 1, 0.25}, {40, 1, 0.25}, {255, 1, 0.25}});
+  expect_picture<float>("curve=40:0.5:0.25", {{nan, 1, 0.25}, {-1e9, 1, 0.25}});
 }
 
 TEST(TransferPicture, StepsAreAllOrNothing) {
   // Over the window from 0 to 100, and between two given ends.
-  expect_picture<std::uint8_t>(VoxelType::kUInt8, "profile=hard,opacity=0.5",
+  expect_picture<std::uint8_t>("profile=hard,opacity=0.5",
                                {{49, 0}, {51, 1, 0.6325}, {0, 0}, {100, 1}, {200, 1}, {50, 0.5, 0.625}});
-  expect_picture<std::int16_t>(VoxelType::kInt16, "profile=hard,opacity=0.5,low=-300,high=-100",
+  expect_picture<std::int16_t>("profile=hard,opacity=0.5,low=-300,high=-100",
                                {{-301, 0}, {-202, 0}, {-150, 1, 0.8125}, {-100, 1}, {5, 1}});
-  expect_picture<double>(VoxelType::kFloat64, "curve=1:0/1.0000000000000002:0.5",
+  expect_picture<double>("curve=1:0/1.0000000000000002:0.5",
                          {{1, 0}, {1 + std::numeric_limits<double>::epsilon(), 1}});
 }
 
@@ -118,12 +114,11 @@ TEST(TransferPicture, RampsAndTheirDefaults) {
   const double soft = -std::log2(1 - 0.3);
   const double thin = -std::log2(1 - 0.01);
   const double hard = -std::log2(1 - 0.95);
-  expect_picture<std::uint8_t>(VoxelType::kUInt8, "low=50", {{75, soft / 2, 0.625}, {50, 0}, {255, soft}});
-  expect_picture<std::uint8_t>(VoxelType::kUInt8, "high=50", {{25, soft / 2, 0.625}, {50, soft}, {0, 0}});
-  expect_picture<std::uint8_t>(VoxelType::kUInt8, "profile=thin,low=10,high=20",
-                               {{15, thin / 2, 0.625}, {20, thin}});
-  expect_picture<std::uint8_t>(VoxelType::kUInt8, "profile=hard,low=10,high=20", {{12, 0}, {18, hard, 0.85}});
-  expect_picture<std::uint8_t>(VoxelType::kUInt8, "low=150", {{200, soft / 2, 0.625}, {250, soft}});
+  expect_picture<std::uint8_t>("low=50", {{75, soft / 2, 0.625}, {50, 0}, {255, soft}});
+  expect_picture<std::uint8_t>("high=50", {{25, soft / 2, 0.625}, {50, soft}, {0, 0}});
+  expect_picture<std::uint8_t>("profile=thin,low=10,high=20", {{15, thin / 2, 0.625}, {20, thin}});
+  expect_picture<std::uint8_t>("profile=hard,low=10,high=20", {{12, 0}, {18, hard, 0.85}});
+  expect_picture<std::uint8_t>("low=150", {{200, soft / 2, 0.625}, {250, soft}});
 }
 
 /// Four structures side by side in every scanline, three voxels wide each, with one grey value.

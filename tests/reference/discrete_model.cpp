@@ -4,21 +4,12 @@
 #include <array>
 #include <cmath>
 
+#include "tests/reference/cubic.h"
+
 namespace splatlas::reference {
 namespace {
 
 constexpr int kMaxSamplesPerSide = 16;
-
-/// A slab of constant optical properties; exact.
-RayRadiance slab(const VoxelOptics& optics, double length_mm) {
-  RayRadiance out;
-  if (optics.extinction <= 0) return out;
-  const double depth = optics.extinction * length_mm;
-  for (std::size_t c = 0; c < 3; ++c)
-    out.color[c] = optics.emission[c] * -std::expm1(-depth) / optics.extinction;
-  out.transmittance = std::exp(-depth);
-  return out;
-}
 
 /// Radiance part of the way into a slab, as if its optical properties were constant.
 RayRadiance part_of_slab(const RayRadiance& before, const RayRadiance& behind, double part) {
@@ -33,12 +24,6 @@ RayRadiance part_of_slab(const RayRadiance& before, const RayRadiance& behind, d
   for (std::size_t c = 0; c < 3; ++c) sum.color[c] += share * (behind.color[c] - before.color[c]);
   sum.transmittance += share * (behind.transmittance - before.transmittance);
   return sum;
-}
-
-double catmull_rom(double distance) {
-  const double d = std::abs(distance);
-  if (d < 1) return (1.5 * d - 2.5) * d * d + 1;
-  return d < 2 ? ((-0.5 * d + 2.5) * d - 4) * d + 2 : 0;
 }
 
 /// Length of a step of one pixel to the right, and one down, in the middle slice, in voxels.
@@ -101,61 +86,32 @@ DiscreteModel::Place DiscreteModel::place_of(double x, double y) const {
   return {met[axes_.scan_axis], met[axes_.row_axis]};
 }
 
-VoxelOptics DiscreteModel::in_slice(std::int64_t k, double scan, double row) const {
-  const double left = std::floor(scan);
-  const double upper = std::floor(row);
-  VoxelOptics sum;
-  for (const int x : {0, 1}) {
-    for (const int y : {0, 1}) {
-      std::array<std::int64_t, 3> at{};
-      at[axes_.slice_axis] = k;
-      at[axes_.scan_axis] = static_cast<std::int64_t>(left) + x;
-      at[axes_.row_axis] = static_cast<std::int64_t>(upper) + y;
-      const double weight =
-          (x == 1 ? scan - left : 1 - (scan - left)) * (y == 1 ? row - upper : 1 - (row - upper));
-      sum.add(weight, field_.at(at[0], at[1], at[2]));
-    }
-  }
-  return sum;
-}
-
 double DiscreteModel::first_slab() const {
   const double nearest = per_mm_[axes_.slice_axis] > 0 ? 0.0 : 1.0 - static_cast<double>(slices_);
   return nearest - (parts_ == 1 ? 0.5 : 1.0);
 }
 
-DiscreteModel::SlabSample DiscreteModel::sample(std::int64_t n, const Place& place) const {
+std::vector<RayRadiance> DiscreteModel::along_ray(const Place& place, std::span<const double> depths) const {
   const double along = per_mm_[axes_.slice_axis];
   const double thickness = 1.0 / parts_;
-  SlabSample slab;
-  slab.begin = first_slab() + static_cast<double>(n) * thickness;
-  const double middle = slab.begin + 0.5 * thickness;
-  const double k = along > 0 ? middle : -middle;
-  const double scan = place.u + (k - middle_) * per_mm_[axes_.scan_axis] / along;
-  const double row = place.v + (k - middle_) * per_mm_[axes_.row_axis] / along;
-  if (parts_ == 1) {
-    slab.optics = in_slice(std::llround(k), scan, row);
-  } else {
-    const double below = std::floor(k);
-    slab.optics.add(1 - (k - below), in_slice(static_cast<std::int64_t>(below), scan, row));
-    slab.optics.add(k - below, in_slice(static_cast<std::int64_t>(below) + 1, scan, row));
-  }
-  return slab;
-}
-
-std::vector<RayRadiance> DiscreteModel::along_ray(const Place& place, std::span<const double> depths) const {
-  const double thickness = 1.0 / parts_;
-  const double voxel_mm = 1 / std::abs(per_mm_[axes_.slice_axis]);
+  const double voxel_mm = 1 / std::abs(along);
   std::vector<RayRadiance> before(depths.size() + 1);
   RayRadiance sum;
   for (std::int64_t n = 0; n < slabs(); ++n) {
-    const SlabSample sampled = sample(n, place);
+    const double begin = first_slab() + static_cast<double>(n) * thickness;
+    const double middle = begin + 0.5 * thickness;
+    const double k = along > 0 ? middle : -middle;
+    Vec3 index{};
+    index[axes_.slice_axis] = parts_ == 1 ? std::round(k) : k;
+    index[axes_.scan_axis] = place.u + (k - middle_) * per_mm_[axes_.scan_axis] / along;
+    index[axes_.row_axis] = place.v + (k - middle_) * per_mm_[axes_.row_axis] / along;
+    const VoxelOptics optics = field_.trilinear(index);
     for (std::size_t d = 0; d < depths.size(); ++d) {
-      if (depths[d] < sampled.begin) continue;
+      if (depths[d] < begin) continue;
       before[d] = sum;
-      before[d].add(slab(sampled.optics, voxel_mm * std::min(thickness, depths[d] - sampled.begin)));
+      before[d].add(slab(optics, voxel_mm * std::min(thickness, depths[d] - begin)));
     }
-    sum.add(slab(sampled.optics, voxel_mm * thickness));
+    sum.add(slab(optics, voxel_mm * thickness));
   }
   before.back() = sum;
   return before;

@@ -53,13 +53,6 @@ class DiscreteModel {
   [[nodiscard]] const RayRadiance& sheet_pixel(std::int64_t column, std::int64_t row) const;
   /// Correction of the bilinear weights of the warp for the motion of rays across a slice.
   [[nodiscard]] double smear() const;
-  [[nodiscard]] VoxelOptics in_slice(std::int64_t k, double scan, double row) const;
-  /// Optical properties at the centre of the n-th slab from the viewer, and the near side of the slab.
-  struct SlabSample {
-    VoxelOptics optics;
-    double begin = 0;  ///< depth, in voxels
-  };
-  [[nodiscard]] SlabSample sample(std::int64_t n, const Place& place) const;
   [[nodiscard]] double first_slab() const;
   [[nodiscard]] std::int64_t slabs() const { return parts_ == 1 ? slices_ : (slices_ + 1) * parts_; }
 

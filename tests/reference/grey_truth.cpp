@@ -13,44 +13,15 @@ namespace splatlas::reference {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kMaxDepthPerStep = 0.25;
 constexpr double kMinTransmittance = 1e-7;
 /// Part of a cell in which a cubic grey value crosses a knot at most once; further crossings are missed.
 constexpr int kPartsPerCell = 8;
 
 /// Gauss-Legendre quadrature with four nodes on [0, 1], exact for polynomials of degree 7.
-struct Node {
-  double at, weight;
-};
 constexpr std::array<Node, 4> kNodes{{{0.06943184420297371, 0.17392742256872693},
                                       {0.33000947820757187, 0.32607257743127307},
                                       {0.66999052179242813, 0.32607257743127307},
                                       {0.93056815579702629, 0.17392742256872693}}};
-
-/// Radiance of the part [t0, t1] of a ray segment of `length_mm`, with cubic extinction and smooth
-/// emission(t).
-template <typename Emission>
-RayRadiance integrate(const Cubic& extinction, const Emission& emission, double t0, double t1,
-                      double length_mm) {
-  RayRadiance sum;
-  const double depth_before = extinction.integral(t0);
-  const double depth = length_mm * (extinction.integral(t1) - depth_before);
-  if (!(depth > 0)) return sum;
-  const double max_extinction = std::max({extinction(t0), extinction(0.5 * (t0 + t1)), extinction(t1)});
-  const int steps = 1 + static_cast<int>(max_extinction * (t1 - t0) * length_mm / kMaxDepthPerStep);
-  const double step_part = (t1 - t0) / steps;
-  for (int step = 0; step < steps; ++step) {
-    for (const Node& node : kNodes) {
-      const double t = t0 + (step + node.at) * step_part;
-      const double transmittance = std::exp(-length_mm * (extinction.integral(t) - depth_before));
-      const double weight = length_mm * node.weight * step_part * transmittance;
-      const std::array<double, 3> emitted = emission(t);
-      for (std::size_t c = 0; c < 3; ++c) sum.color[c] += weight * emitted[c];
-    }
-  }
-  sum.transmittance = std::exp(-depth);
-  return sum;
-}
 
 /// Trilinear weights of the eight corners of a cell (i fastest) at a point of a ray.
 std::array<double, 8> corner_weights(const Vec3& index, const Index3& cell) {
@@ -157,7 +128,7 @@ RayRadiance integrate_classified(const Cubic& grey, const GreyAppearance& appear
     }
     return emitted;
   };
-  return integrate(extinction, emission, t0, t1, length_mm);
+  return integrate(kNodes, extinction, emission, t0, t1, length_mm);
 }
 
 /// A segment with a cubic grey value, cut at the knots of the appearance.
@@ -192,10 +163,6 @@ RayRadiance classify_after(const Cubic& grey, const GreyAppearance& appearance, 
 
 }  // namespace
 
-struct GreyTruth::Corners {
-  std::array<std::uint8_t, 8> greys;
-};
-
 GreyTruth::GreyTruth(const MaskedVolume& volume, GreyAppearance appearance, Classification classification)
     : volume_(volume), appearance_(std::move(appearance)), classification_(classification), optics_(256) {
   for (std::size_t grey = 0; grey < optics_.size(); ++grey) {
@@ -216,12 +183,12 @@ GreyTruth::Corners GreyTruth::corners_of(std::int64_t i, std::int64_t j, std::in
   if (i >= 0 && j >= 0 && k >= 0 && i + 1 < size[0] && j + 1 < size[1] && k + 1 < size[2]) {
     const std::uint8_t* low = volume_.greys.data() + volume_.grid.offset(i, j, k);
     const std::uint8_t* high = low + size[0] * size[1];
-    return {
-        {low[0], low[1], low[size[0]], low[size[0] + 1], high[0], high[1], high[size[0]], high[size[0] + 1]}};
+    return {low[0],  low[1],  low[size[0]],  low[size[0] + 1],
+            high[0], high[1], high[size[0]], high[size[0] + 1]};
   }
   Corners corners{};
   for (std::int64_t n = 0; n < 8; ++n) {
-    corners.greys[static_cast<std::size_t>(n)] = volume_.at(i + (n & 1), j + (n >> 1 & 1), k + (n >> 2));
+    corners[static_cast<std::size_t>(n)] = volume_.at(i + (n & 1), j + (n >> 1 & 1), k + (n >> 2));
   }
   return corners;
 }
@@ -243,7 +210,7 @@ void GreyTruth::mark_visible_cells() {
   for (std::int64_t k = -1; k < size[2]; ++k) {
     for (std::int64_t j = -1; j < size[1]; ++j) {
       for (std::int64_t i = -1; i < size[0]; ++i) {
-        const auto [greys] = corners_of(i, j, k);
+        const Corners greys = corners_of(i, j, k);
         const auto [low, high] = std::minmax_element(greys.begin(), greys.end());
         const bool shows =
             classification_ == Classification::kAfter
@@ -265,15 +232,15 @@ RayRadiance GreyTruth::in_cell(const Corners& corners, const Ray& ray, const Ind
   if (classification_ == Classification::kAfter) {
     std::array<double, 4> grey{};
     for (std::size_t n = 0; n < 4; ++n) {
-      for (std::size_t c = 0; c < 8; ++c) grey[n] += weights[n][c] * corners.greys[c];
+      for (std::size_t c = 0; c < 8; ++c) grey[n] += weights[n][c] * corners[c];
     }
-    const auto [low, high] = std::minmax_element(corners.greys.begin(), corners.greys.end());
+    const auto [low, high] = std::minmax_element(corners.begin(), corners.end());
     return classify_after(Cubic::through(grey[0], grey[1], grey[2], grey[3]), appearance_, *low, *high,
                           length_mm);
   }
   std::array<std::array<double, 4>, 4> optics{};
   for (std::size_t c = 0; c < 8; ++c) {
-    const std::array<double, 4>& corner = optics_[corners.greys[c]];
+    const std::array<double, 4>& corner = optics_[corners[c]];
     for (std::size_t n = 0; n < 4; ++n) {
       for (std::size_t channel = 0; channel < 4; ++channel)
         optics[n][channel] += weights[n][c] * corner[channel];
@@ -285,7 +252,7 @@ RayRadiance GreyTruth::in_cell(const Corners& corners, const Ray& ray, const Ind
         Cubic::through(optics[0][channel], optics[1][channel], optics[2][channel], optics[3][channel]);
   }
   const auto emission = [&](double t) { return std::array{cubics[1](t), cubics[2](t), cubics[3](t)}; };
-  return integrate(cubics[0], emission, 0, 1, length_mm);
+  return integrate(kNodes, cubics[0], emission, 0, 1, length_mm);
 }
 
 RayRadiance GreyTruth::along(const Ray& ray, double from_mm) const {
@@ -299,8 +266,12 @@ RayRadiance GreyTruth::along(const Ray& ray, double from_mm) const {
   return sum;
 }
 
-ReferencePicture render_grey_truth(const GreyTruth& truth, const PictureSize& size, const RayOfPixel& ray,
-                                   double from_mm, unsigned threads) {
+namespace {
+
+/// `ray(x, y)`: the ray through picture coordinates.
+template <typename RayOfPixel>
+ReferencePicture render(const GreyTruth& truth, const PictureSize& size, const RayOfPixel& ray,
+                        double from_mm, unsigned threads) {
   const auto width = static_cast<std::size_t>(size.width);
   ReferencePicture picture{size, {}};
   picture.pixels.resize(width * static_cast<std::size_t>(size.height));
@@ -314,18 +285,18 @@ ReferencePicture render_grey_truth(const GreyTruth& truth, const PictureSize& si
   return picture;
 }
 
+}  // namespace
+
 ReferencePicture render_grey_truth(const GreyTruth& truth, const Grid& grid, const ParallelView& view,
                                    unsigned threads) {
-  return render_grey_truth(
-      truth, view.size, [&](double x, double y) { return ray_through(view, grid, x, y); }, -kInfinity,
-      threads);
+  const auto ray = [&](double x, double y) { return ray_through(view, grid, x, y); };
+  return render(truth, view.size, ray, -kInfinity, threads);
 }
 
 ReferencePicture render_grey_truth(const GreyTruth& truth, const Grid& grid, const PerspectiveView& view,
                                    unsigned threads) {
-  return render_grey_truth(
-      truth, view.in_plane.size, [&](double x, double y) { return ray_through(view, grid, x, y); }, 0,
-      threads);
+  const auto ray = [&](double x, double y) { return ray_through(view, grid, x, y); };
+  return render(truth, view.in_plane.size, ray, 0, threads);
 }
 
 }  // namespace splatlas::reference

@@ -1,13 +1,12 @@
 // Reference ray caster for masked copies in double precision, fast enough for whole pictures of a head.
 #pragma once
 
+#include <array>
 #include <cstdint>
-#include <functional>
 #include <vector>
 
 #include "player/render_options.h"
 #include "tests/reference/masked_volume.h"
-#include "tests/reference/perspective.h"
 #include "tests/reference/ray.h"
 #include "tests/reference/reference_picture.h"
 #include "tests/reference/reference_radiance.h"
@@ -31,7 +30,7 @@ class GreyTruth {
   [[nodiscard]] RayRadiance along(const Ray& ray, double from_mm) const;
 
  private:
-  struct Corners;
+  using Corners = std::array<std::uint8_t, 8>;  // grey values of a cell, i fastest
   [[nodiscard]] std::size_t cell_number(std::int64_t i, std::int64_t j, std::int64_t k) const;
   [[nodiscard]] Corners corners_of(std::int64_t i, std::int64_t j, std::int64_t k) const;
   void mark_visible_cells();
@@ -45,16 +44,9 @@ class GreyTruth {
   std::vector<std::uint8_t> visible_;          // per cell, from one before the first voxel on
 };
 
-/// The ray through picture coordinates (x, y). Pixel centres lie at integers plus one half.
-using RayOfPixel = std::function<Ray(double x, double y)>;
-
-/// One ray per pixel centre, from `from_mm` on. `threads`: 0 for one per core.
-[[nodiscard]] ReferencePicture render_grey_truth(const GreyTruth& truth, const PictureSize& size,
-                                                 const RayOfPixel& ray, double from_mm, unsigned threads);
-// In parallel and in perspective projection.
+/// One ray per pixel centre. `threads`: 0 for one per core.
 [[nodiscard]] ReferencePicture render_grey_truth(const GreyTruth& truth, const Grid& grid,
                                                  const ParallelView& view, unsigned threads);
-
 [[nodiscard]] ReferencePicture render_grey_truth(const GreyTruth& truth, const Grid& grid,
                                                  const PerspectiveView& view, unsigned threads);
 

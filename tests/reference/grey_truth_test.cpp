@@ -47,20 +47,9 @@ Ray random_ray(std::mt19937& random) {
   return ray;
 }
 
-double trilinear_grey(const MaskedVolume& volume, const Vec3& at) {
-  double sum = 0;
-  for (int n = 0; n < 8; ++n) {
-    double weight = 1;
-    Index3 corner{};
-    for (std::size_t a = 0; a < 3; ++a) {
-      const double low = std::floor(at[a]);
-      const bool high = (n >> a & 1) != 0;
-      weight *= high ? at[a] - low : 1 - (at[a] - low);
-      corner[a] = static_cast<std::int64_t>(low) + (high ? 1 : 0);
-    }
-    sum += weight * volume.at(corner[0], corner[1], corner[2]);
-  }
-  return sum;
+VoxelOptics optics_at(const GreyAppearance& appearance, double grey) {
+  const GreyAppearance::Knot knot = appearance.at(grey);
+  return optics_of({knot.extinction_per_mm, 1}, knot.color);
 }
 
 TEST(GreyTruth, ClassifiedBeforehandEqualsTheOtherReference) {
@@ -69,12 +58,7 @@ TEST(GreyTruth, ClassifiedBeforehandEqualsTheOtherReference) {
     const MaskedVolume volume = random_volume(random);
     const GreyAppearance appearance = stepped_appearance();
     OpticalField field{volume.grid, {}};
-    for (const std::uint8_t grey : volume.greys) {
-      const GreyAppearance::Knot knot = appearance.at(grey);
-      VoxelOptics optics{knot.extinction_per_mm, knot.color};
-      for (double& emission : optics.emission) emission *= knot.extinction_per_mm;
-      field.voxels.push_back(optics);
-    }
+    for (const std::uint8_t grey : volume.greys) field.voxels.push_back(optics_at(appearance, grey));
     const Ray ray = random_ray(random);
     const double from_mm = n % 2 == 0 ? -kInfinity : 0;
     const RayRadiance expected = integrate_ray(field, ray, from_mm, kInfinity);
@@ -96,12 +80,11 @@ TEST(GreyTruth, ClassifiedAfterwardsEqualsBruteForce) {
     const double step_mm = (kReach - start) / kSteps;
     RayRadiance expected;
     for (int step = 0; step < kSteps; ++step) {
-      const GreyAppearance::Knot knot =
-          appearance.at(trilinear_grey(volume, ray.at(start + (step + 0.5) * step_mm)));
-      const double absorbed = -std::expm1(-knot.extinction_per_mm * step_mm);
-      RayRadiance slab{knot.color, 1 - absorbed};
-      for (double& color : slab.color) color *= absorbed;
-      expected.add(slab);
+      double grey = 0;
+      for_each_corner(ray.at(start + (step + 0.5) * step_mm), [&](const Index3& corner, double weight) {
+        grey += weight * volume.at(corner[0], corner[1], corner[2]);
+      });
+      expected.add(slab(optics_at(appearance, grey), step_mm));
     }
     const RayRadiance radiance =
         GreyTruth(volume, appearance, Classification::kAfter).along(ray, n % 2 == 0 ? -kInfinity : 0);

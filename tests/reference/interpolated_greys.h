@@ -1,13 +1,15 @@
 // Reference for post-classification of any selection.
 #pragma once
 
+#include <array>
+#include <optional>
 #include <vector>
 
 #include "format/atlas_content.h"
 #include "format/selection.h"
 #include "player/transfer_function.h"
+#include "tests/reference/optical_field.h"
 #include "tests/reference/ray.h"
-#include "tests/reference/reference_radiance.h"
 
 namespace splatlas::reference {
 
@@ -26,17 +28,14 @@ class InterpolatedGreys {
   struct Field {
     TransferCurve curve;
     bool classified_before = false;
-    double outside = 0;                              // grey value of other voxels
-    std::vector<bool> drawn;                         // per voxel
-    std::vector<std::array<double, 3>> color;        // per voxel
-    std::vector<std::array<double, 4>> optics = {};  // per voxel, if classified_before
+    double outside = 0;                                       // grey value of other voxels
+    std::vector<std::optional<std::array<double, 3>>> color;  // of the voxels that it draws
   };
-  /// Extinction and red, green and blue emission.
-  [[nodiscard]] std::array<double, 4> at(const Field& field, const Vec3& index) const;
-  [[nodiscard]] double grey(std::size_t voxel) const;
+  [[nodiscard]] VoxelOptics at(const Field& field, const Vec3& index) const;
+  [[nodiscard]] const Grid& grid() const { return classified_before_.grid; }
 
-  Grid grid_;
   VoxelBuffer values_;
+  OpticalField classified_before_;
   double reference_length_mm_;
   std::vector<Field> fields_;
 };

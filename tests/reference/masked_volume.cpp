@@ -14,7 +14,7 @@ Result<MaskedVolume> masked_volume(const AtlasContent& content, const Selection&
   }
   std::vector<bool> drawn(content.classes.size(), false);
   for (const ClassDraw& draw : DecisionTree(content.graph, content.classes).plan(selection).classes) {
-    drawn[draw.id] = draw.role == VoxelRole::kVolume || draw.role == VoxelRole::kHybrid;
+    drawn[draw.id] = draws_volume(draw.role);
   }
   MaskedVolume volume{storage_grid(content), std::vector<std::uint8_t>(content.class_volume.size(), 0)};
   const auto greys = content.values.as<std::uint8_t>();

@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "tests/support/test_content.h"
 
@@ -13,8 +12,8 @@ namespace {
 AtlasContent two_halves(const VoxelBuffer& values) {
   TestVolume volume;
   volume.grid.size = {4, 3, 3};
-  volume.structures = {{"low", make_mask(volume.grid.size, [](auto i, auto, auto) { return i < 2; })},
-                       {"high", make_mask(volume.grid.size, [](auto i, auto, auto) { return i >= 2; })}};
+  volume.structures = {{"low", box_mask(volume.grid.size, {0, 0, 0}, {1, 2, 2})},
+                       {"high", box_mask(volume.grid.size, {2, 0, 0}, {3, 2, 2})}};
   volume.values = values;
   return make_content(volume);
 }

@@ -5,17 +5,9 @@
 
 #include "format/decision_tree.h"
 #include "player/transfer_function.h"
-#include "tests/reference/reference_radiance.h"
 
 namespace splatlas::reference {
 namespace {
-
-double value_of(const VoxelBuffer& values, std::size_t n) {
-  return visit_voxel_type(values.type, [&](auto tag) {
-    using T = decltype(tag);
-    return static_cast<double>(values.as<T>()[n]);
-  });
-}
 
 double densest_of(const TransferCurve& curve, double reference_length_mm) {
   double densest = 0;
@@ -31,28 +23,34 @@ void VoxelOptics::add(double weight, const VoxelOptics& other) {
   for (std::size_t c = 0; c < 3; ++c) emission[c] += weight * other.emission[c];
 }
 
+VoxelOptics optics_of(const TransferValue& value, const std::array<double, 3>& color) {
+  const double emission = value.extinction_per_mm * value.shade;
+  return {value.extinction_per_mm, {emission * color[0], emission * color[1], emission * color[2]}};
+}
+
+RayRadiance slab(const VoxelOptics& optics, double length_mm) {
+  if (optics.extinction <= 0) return {};
+  const double absorbed = -std::expm1(-optics.extinction * length_mm);
+  RayRadiance radiance{optics.emission, 1 - absorbed};
+  for (double& color : radiance.color) color *= absorbed / optics.extinction;
+  return radiance;
+}
+
+double value_of(const VoxelBuffer& values, std::size_t n) {
+  return visit_voxel_type(values.type,
+                          [&](auto tag) { return static_cast<double>(values.as<decltype(tag)>()[n]); });
+}
+
 VoxelOptics OpticalField::at(std::int64_t i, std::int64_t j, std::int64_t k) const {
   if (!grid.contains(i, j, k)) return {};
   return voxels[static_cast<std::size_t>(grid.offset(i, j, k))];
 }
 
 VoxelOptics OpticalField::trilinear(const Vec3& index) const {
-  std::array<std::int64_t, 3> low{};
-  Vec3 part{};
-  for (std::size_t a = 0; a < 3; ++a) {
-    low[a] = static_cast<std::int64_t>(std::floor(index[a]));
-    part[a] = index[a] - std::floor(index[a]);
-  }
   VoxelOptics sum;
-  for (const int x : {0, 1}) {
-    for (const int y : {0, 1}) {
-      for (const int z : {0, 1}) {
-        const double weight = (x == 1 ? part[0] : 1 - part[0]) * (y == 1 ? part[1] : 1 - part[1]) *
-                              (z == 1 ? part[2] : 1 - part[2]);
-        sum.add(weight, at(low[0] + x, low[1] + y, low[2] + z));
-      }
-    }
-  }
+  for_each_corner(index, [&](const Index3& corner, double weight) {
+    sum.add(weight, at(corner[0], corner[1], corner[2]));
+  });
   return sum;
 }
 
@@ -77,22 +75,17 @@ OpticalField optical_field(const AtlasContent& content, const Selection& selecti
     const ClassId c = content.class_volume[n];
     const std::size_t number_in_class = met[c]++;
     const ClassDraw* draw = draw_of[c];
-    if (draw == nullptr || (draw->role != VoxelRole::kVolume && draw->role != VoxelRole::kHybrid)) continue;
+    if (draw == nullptr || !draws_volume(draw->role)) continue;
     const StructureDraw& appearance = selection.structures[draw->volume_of];
     const TransferCurve& curve = curve_of[draw->volume_of];
     const double grey = content.values.empty() ? HUGE_VAL : value_of(content.values, n);
-    const TransferValue value = transfer(curve, grey, reference_length_mm);
-    double shade = value.shade;
+    TransferValue value = transfer(curve, grey, reference_length_mm);
     if (hybrid_shading && draw->boundary) {
       const auto normal = unpack_normal(content.boundary_normals[c][number_in_class]);
-      shade *= diffuse(view, {normal[0], normal[1], normal[2]});
+      value.shade *= diffuse(view, {normal[0], normal[1], normal[2]});
     }
     field.mean_densest += (densest_of(curve, reference_length_mm) - field.mean_densest) / ++drawn;
-    VoxelOptics& optics = field.voxels[n];
-    optics.extinction = value.extinction_per_mm;
-    for (std::size_t channel = 0; channel < 3; ++channel) {
-      optics.emission[channel] = optics.extinction * shade * linear_of(appearance.color)[channel];
-    }
+    field.voxels[n] = optics_of(value, linear_of(appearance.color));
   }
   return field;
 }

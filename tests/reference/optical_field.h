@@ -2,12 +2,14 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
 #include "format/atlas_content.h"
 #include "format/selection.h"
 #include "player/camera.h"
+#include "tests/reference/reference_radiance.h"
 
 namespace splatlas::reference {
 
@@ -18,6 +20,29 @@ struct VoxelOptics {
 
   void add(double weight, const VoxelOptics& other);
 };
+/// Optical properties of a transfer function's value in this colour.
+[[nodiscard]] VoxelOptics optics_of(const TransferValue& value, const std::array<double, 3>& color);
+/// Radiance of a slab of constant optical properties; exact.
+[[nodiscard]] RayRadiance slab(const VoxelOptics& optics, double length_mm);
+
+/// Calls visit(corner, weight) for the eight voxels around a continuous voxel index, with trilinear weights.
+template <typename Visit>
+void for_each_corner(const Vec3& index, const Visit& visit) {
+  for (unsigned n = 0; n < 8; ++n) {
+    double weight = 1;
+    Index3 corner{};
+    for (std::size_t a = 0; a < 3; ++a) {
+      const double low = std::floor(index[a]);
+      const bool high = (n >> a & 1u) != 0;
+      weight *= high ? index[a] - low : 1 - (index[a] - low);
+      corner[a] = static_cast<std::int64_t>(low) + (high ? 1 : 0);
+    }
+    visit(corner, weight);
+  }
+}
+
+/// The n-th grey value.
+[[nodiscard]] double value_of(const VoxelBuffer& values, std::size_t n);
 
 /// One entry per voxel of the storage grid. Voxels not selected as volume have zero extinction and emission,
 /// as in a masked copy.

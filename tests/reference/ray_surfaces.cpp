@@ -5,44 +5,32 @@
 
 #include "format/decision_tree.h"
 #include "player/view/shear.h"
-#include "tests/reference/reference_radiance.h"
 
 namespace splatlas::reference {
+
 RaySurfaces::RaySurfaces(const AtlasContent& content, const Selection& selection, const View& view)
-    : plane_(view.plane) {
+    : plane_(view.plane), selection_(selection) {
   const Grid grid = storage_grid(content);
-  const Affine to_lps = index_to_lps_mm(grid);
-  to_lps_ = to_lps.linear;
+  to_lps_ = index_to_lps_mm(grid);
   const Shear shear = factorise(view.plane, grid);
   depth_axis_ = shear.scan.slice_axis;
   depth_sign_ = shear.ascending ? 1 : -1;
-  appearances_.resize(content.graph.size());
-  for (const StructureIndex s : DecisionTree(content.graph, content.classes).plan(selection).surfaces) {
-    const StructureDraw& draw = selection.structures[s];
-    appearances_[s] = {linear_of(draw.color), static_cast<double>(draw.opacity.value_or(1.0f))};
-    add(content.surfaces[s], s, to_lps);
-  }
+  for (const StructureIndex s : DecisionTree(content.graph, content.classes).plan(selection).surfaces)
+    add(content.surfaces[s], s);
 }
 
-void RaySurfaces::add(const SurfaceMesh& mesh, StructureIndex structure, const Affine& to_lps) {
+void RaySurfaces::add(const SurfaceMesh& mesh, StructureIndex structure) {
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
     Triangle triangle;
     triangle.structure = structure;
     triangle.number = t;
-    std::array<Vec3, 3> at{};
-    Vec3 outwards{0, 0, 0};
     for (std::size_t n = 0; n < 3; ++n) {
       const std::uint32_t corner = mesh.triangles[t][n];
       for (std::size_t a = 0; a < 3; ++a) {
         triangle.corner_ijk[n][a] = mesh.positions_ijk[corner][a];
         triangle.normal_lps[n][a] = mesh.normals_lps[corner][a];
-        outwards[a] += triangle.normal_lps[n][a];
       }
-      at[n] = to_lps.apply(triangle.corner_ijk[n]);
-    }
-    triangle.front_lps = cross(minus(at[1], at[0]), minus(at[2], at[0]));
-    if (dot(triangle.front_lps, outwards) < 0) {
-      for (double& x : triangle.front_lps) x = -x;
+      triangle.corner_lps[n] = to_lps_.apply(triangle.corner_ijk[n]);
     }
     triangles_.push_back(triangle);
   }
@@ -78,9 +66,7 @@ bool RaySurfaces::near_edge(const Ray& ray, const Ray& beside, const Ray& below)
 }
 
 std::vector<Crossing> RaySurfaces::crossings(const Ray& ray, double from_mm) const {
-  Affine to_lps;
-  to_lps.linear = to_lps_;
-  const Vec3 along_lps = to_lps.apply_linear(ray.per_mm);
+  const Vec3 along_lps = to_lps_.apply_linear(ray.per_mm);
   std::vector<Crossing> all;
   for (const Triangle& triangle : triangles_) {
     const std::optional<Hit> met = hit(triangle, ray);
@@ -92,16 +78,8 @@ std::vector<Crossing> RaySurfaces::crossings(const Ray& ray, double from_mm) con
     crossing.depth = depth_sign_ * ray.at(s_mm)[depth_axis_];
     crossing.structure = triangle.structure;
     crossing.triangle = triangle.number;
-    crossing.entering = dot(triangle.front_lps, along_lps) <= 0;
-    Vec3 normal{0, 0, 0};  // of the visible side
-    for (std::size_t n = 0; n < 3; ++n) {
-      const double share = crossing.entering ? weight[n] : -weight[n];
-      for (std::size_t a = 0; a < 3; ++a) normal[a] += share * triangle.normal_lps[n][a];
-    }
-    const Appearance& appearance = appearances_[triangle.structure];
-    const std::array<double, 3> color = shade_surface(plane_, appearance.color, normal);
-    for (std::size_t c = 0; c < 3; ++c) crossing.rgba[c] = color[c] * appearance.opacity;
-    crossing.rgba[3] = appearance.opacity;
+    crossing.entering = meets_front(triangle.corner_lps, triangle.normal_lps, along_lps);
+    shade(crossing, plane_, selection_, triangle.normal_lps, weight);
     all.push_back(crossing);
   }
   put_in_order(all);

@@ -16,7 +16,7 @@ namespace splatlas::reference {
 /// The selected surfaces of an atlas.
 class RaySurfaces {
  public:
-  /// Keeps a reference to `content`. Depths run along the principal axis of the centre of the view.
+  /// Keeps a reference to `selection`. Depths run along the principal axis of the centre of the view.
   RaySurfaces(const AtlasContent& content, const Selection& selection, const View& view);
 
   /// All crossings of a ray from `from_mm` on in exact geometry (Moeller and Trumbore 1997), front to back up
@@ -29,15 +29,9 @@ class RaySurfaces {
 
  private:
   struct Triangle {
-    std::array<Vec3, 3> corner_ijk;
-    std::array<Vec3, 3> normal_lps;
-    Vec3 front_lps{};  ///< geometric normal, on the side of the vertex normals
+    std::array<Vec3, 3> corner_ijk, corner_lps, normal_lps;
     StructureIndex structure = kNoStructure;
     std::uint32_t number = 0;
-  };
-  struct Appearance {
-    std::array<double, 3> color{};
-    double opacity = 1;
   };
   /// Intersection of a ray with the plane of a triangle.
   struct Hit {
@@ -45,14 +39,14 @@ class RaySurfaces {
     double s_mm = 0;
   };
   [[nodiscard]] static std::optional<Hit> hit(const Triangle& triangle, const Ray& ray);
-  void add(const SurfaceMesh& mesh, StructureIndex structure, const Affine& to_lps);
+  void add(const SurfaceMesh& mesh, StructureIndex structure);
 
   ParallelView plane_;
-  Matrix3 to_lps_;
+  const Selection& selection_;
+  Affine to_lps_;
   std::size_t depth_axis_;
   double depth_sign_;
   std::vector<Triangle> triangles_;
-  std::vector<Appearance> appearances_;  // per structure
 };
 
 }  // namespace splatlas::reference

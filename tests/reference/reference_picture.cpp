@@ -75,11 +75,13 @@ class DiscreteScene {
   [[nodiscard]] RayRadiance at(double x, double y) const {
     return compose_at(surfaces_.crossings(x, y), x, y);
   }
-  /// Without surfaces and with a finite sheet, the mean over the pixel.
-  [[nodiscard]] RayRadiance pixel(int column, int row) const {
-    const std::vector<Crossing> crossings = surfaces_.crossings(column + 0.5, row + 0.5);
-    if (crossings.empty() && !unlimited_) return model_.pixel_mean(column, row);
-    return compose_at(crossings, column + 0.5, row + 0.5);
+  /// Without surfaces and with a finite sheet, means over pixels.
+  [[nodiscard]] ReferencePicture picture() const {
+    return render(setup_.view.size, [&](int column, int row) {
+      const std::vector<Crossing> crossings = surfaces_.crossings(column + 0.5, row + 0.5);
+      if (crossings.empty() && !unlimited_) return model_.pixel_mean(column, row);
+      return compose_at(crossings, column + 0.5, row + 0.5);
+    });
   }
 
  private:
@@ -130,8 +132,7 @@ ReferencePicture render_mean_truth(const ReferenceScene& scene, int n) {
 }
 
 ReferencePicture render_model(const ReferenceScene& scene) {
-  const DiscreteScene discrete(scene, false);
-  return render(scene.options.size, [&](int column, int row) { return discrete.pixel(column, row); });
+  return DiscreteScene(scene, false).picture();
 }
 ReferencePicture render_model(const ReferenceScene& scene, std::span<const SubPixel> places) {
   const DiscreteScene discrete(scene, false);
@@ -145,8 +146,7 @@ ReferencePicture render_model(const ReferenceScene& scene, std::span<const SubPi
   });
 }
 ReferencePicture render_slabs(const ReferenceScene& scene) {
-  const DiscreteScene discrete(scene, true);
-  return render(scene.options.size, [&](int column, int row) { return discrete.pixel(column, row); });
+  return DiscreteScene(scene, true).picture();
 }
 
 }  // namespace splatlas::reference

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <array>
-#include <cstdint>
 
 #include "format/color.h"
 #include "format/transfer_curve.h"

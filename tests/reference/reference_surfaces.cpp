@@ -56,30 +56,11 @@ double plane_at(const std::array<Point, 3>& corner, const std::array<double, 3>&
   return std::clamp(at, low, high);
 }
 
-/// Whether the visible side of three points is the side of their normals. Geometry in mm along (right, up,
-/// towards the viewer). True if the normals are ambiguous.
-bool shows_front(const ParallelView& view, const std::array<Point, 3>& seen,
-                 const std::array<double, 3>& s_mm, const std::array<Vec3, 3>& normals) {
-  std::array<Vec3, 2> edges{};
-  for (std::size_t n = 0; n < 2; ++n) {
-    edges[n] = {(seen[n + 1].x - seen[0].x) * view.mm_per_pixel,
-                (seen[0].y - seen[n + 1].y) * view.mm_per_pixel, s_mm[0] - s_mm[n + 1]};
-  }
-  const auto& [a, b] = edges;
-  const Vec3 normal{a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-  double along = 0;
-  for (const Vec3& n : normals) {
-    along += normal[0] * dot(n, view.right_lps) + normal[1] * dot(n, view.up_lps) +
-             normal[2] * -dot(n, view.forward_lps);
-  }
-  return along > 0 ? normal[2] >= 0 : !(along < 0) || normal[2] < 0;
-}
-
 }  // namespace
 
 SurfacesInView::SurfacesInView(const AtlasContent& content, const Selection& selection,
                                const ParallelView& view, Axis principal, Coverage coverage)
-    : view_(view) {
+    : view_(view), selection_(selection), to_lps_(index_to_lps_mm(storage_grid(content))) {
   const Grid grid = storage_grid(content);
   const auto axis = static_cast<std::size_t>(principal);
   const double away = ray_through(view, grid, 0, 0).per_mm[axis] < 0 ? -1 : 1;
@@ -88,14 +69,11 @@ SurfacesInView::SurfacesInView(const AtlasContent& content, const Selection& sel
     if (coverage == Coverage::kExact) return coordinate;
     return std::nearbyint((coordinate - 0.5) * kSubPixels) / kSubPixels + 0.5;
   };
-  const Affine to_lps = index_to_lps_mm(grid);
   const DrawPlan plan = DecisionTree(content.graph, content.classes).plan(selection);
   for (const StructureIndex s : plan.surfaces) {
-    const StructureDraw& appearance = selection.structures[s];
-    Surface surface{&content.surfaces[s], s, linear_of(appearance.color), 1, {}};
-    if (appearance.opacity) surface.opacity = static_cast<double>(*appearance.opacity);
+    Surface surface{&content.surfaces[s], s, {}};
     for (const auto& p : content.surfaces[s].positions_ijk) {
-      const Vec3 from_center = minus(to_lps.apply({p[0], p[1], p[2]}), view.center_lps_mm);
+      const Vec3 from_center = minus(to_lps_.apply({p[0], p[1], p[2]}), view.center_lps_mm);
       const double x = 0.5 * view.size.width + dot(from_center, view.right_lps) / view.mm_per_pixel;
       const double y = 0.5 * view.size.height - dot(from_center, view.up_lps) / view.mm_per_pixel;
       surface.vertices.push_back(
@@ -145,20 +123,36 @@ void SurfacesInView::cross(const Surface& surface, std::uint32_t triangle, doubl
   crossing.depth = plane_at(seen, depth, x, y);
   crossing.structure = surface.structure;
   crossing.triangle = triangle;
-  std::array<Vec3, 3> normals{};
+  std::array<Vec3, 3> corners{}, normals{};
   for (std::size_t n = 0; n < 3; ++n) {
+    const auto& position = surface.mesh->positions_ijk[corner[n]];
+    corners[n] = to_lps_.apply({position[0], position[1], position[2]});
     for (std::size_t a = 0; a < 3; ++a) normals[n][a] = surface.mesh->normals_lps[corner[n]][a];
   }
-  crossing.entering = shows_front(view_, seen, s_mm, normals);
+  crossing.entering = meets_front(corners, normals, view_.forward_lps);
+  shade(crossing, view_, selection_, normals, *weights);
+  out.push_back(crossing);
+}
+
+bool meets_front(const std::array<Vec3, 3>& corners_lps, const std::array<Vec3, 3>& normals_lps,
+                 const Vec3& along_lps) {
+  const Vec3 front = cross(minus(corners_lps[1], corners_lps[0]), minus(corners_lps[2], corners_lps[0]));
+  double outwards = 0;
+  for (const Vec3& normal : normals_lps) outwards += dot(front, normal);
+  return outwards > 0 ? dot(front, along_lps) <= 0 : !(outwards < 0) || dot(front, along_lps) > 0;
+}
+
+void shade(Crossing& crossing, const ParallelView& view, const Selection& selection,
+           const std::array<Vec3, 3>& normals_lps, const std::array<double, 3>& weights) {
   Vec3 normal{0, 0, 0};  // of the visible side
   for (std::size_t n = 0; n < 3; ++n) {
-    const double weight = crossing.entering ? (*weights)[n] : -(*weights)[n];
-    for (std::size_t a = 0; a < 3; ++a) normal[a] += weight * normals[n][a];
+    const double weight = crossing.entering ? weights[n] : -weights[n];
+    for (std::size_t a = 0; a < 3; ++a) normal[a] += weight * normals_lps[n][a];
   }
-  const std::array<double, 3> color = shade_surface(view_, surface.color, normal);
-  for (std::size_t c = 0; c < 3; ++c) crossing.rgba[c] = color[c] * surface.opacity;
-  crossing.rgba[3] = surface.opacity;
-  out.push_back(crossing);
+  const StructureDraw& draw = selection.structures[crossing.structure];
+  const double opacity = draw.opacity.value_or(1.0f);
+  const std::array<double, 3> color = shade_surface(view, linear_of(draw.color), normal);
+  crossing.rgba = {color[0] * opacity, color[1] * opacity, color[2] * opacity, opacity};
 }
 
 void put_in_order(std::vector<Crossing>& all) {

@@ -18,11 +18,17 @@ struct Crossing {
   std::array<double, 4> rgba{0, 0, 0, 0};  ///< shaded, premultiplied, linear
   StructureIndex structure = kNoStructure;
   std::uint32_t triangle = 0;
-  /// Whether the front is visible: the geometric normal, on the side of the vertex normals, points to the
-  /// viewer. Interpolated normals are flipped for back faces only.
-  bool entering = false;
+  bool entering = false;  ///< see meets_front(); interpolated normals are flipped for back faces only
 };
 
+/// Whether a ray meets the front of a triangle: the geometric normal, on the side of the vertex normals,
+/// points against it. True if the vertex normals are ambiguous.
+[[nodiscard]] bool meets_front(const std::array<Vec3, 3>& corners_lps, const std::array<Vec3, 3>& normals_lps,
+                               const Vec3& along_lps);
+/// Sets the colour of a crossing, given its structure, its side, the normals of the triangle's corners and
+/// their weights.
+void shade(Crossing& crossing, const ParallelView& view, const Selection& selection,
+           const std::array<Vec3, 3>& normals_lps, const std::array<double, 3>& weights);
 /// Sorts front to back up to the first opaque crossing. Of coincident surfaces (within 1/4096 voxel), those
 /// that the ray leaves come first.
 void put_in_order(std::vector<Crossing>& crossings);
@@ -36,7 +42,7 @@ enum class Coverage {
 /// The selected surfaces of an atlas in one view.
 class SurfacesInView {
  public:
-  /// Keeps a reference to `content`. `principal`: the axis of depths.
+  /// Keeps references to `content` and `selection`. `principal`: the axis of depths.
   SurfacesInView(const AtlasContent& content, const Selection& selection, const ParallelView& view,
                  Axis principal, Coverage coverage);
 
@@ -54,8 +60,6 @@ class SurfacesInView {
   struct Surface {
     const SurfaceMesh* mesh = nullptr;
     StructureIndex structure = kNoStructure;
-    std::array<double, 3> color{};
-    double opacity = 1;
     std::vector<Seen> vertices;
   };
   struct TriangleRef {
@@ -67,6 +71,8 @@ class SurfacesInView {
              std::vector<Crossing>& out) const;
 
   ParallelView view_;
+  const Selection& selection_;
+  Affine to_lps_;
   std::vector<Surface> surfaces_;
   std::vector<std::vector<TriangleRef>> rows_;  // per picture row: triangles that may cover a centre
 };

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <limits>
 #include <vector>
 
@@ -12,12 +11,8 @@ namespace splatlas::reference {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kMaxDepthPerStep = 0.25;
 
 /// Gauss-Legendre quadrature with six nodes on [0, 1], exact for polynomials of degree 11.
-struct Node {
-  double at, weight;
-};
 constexpr std::array<Node, 6> kNodes{{{0.03376524289842399, 0.08566224618958517},
                                       {0.16939530676686774, 0.18038078652406930},
                                       {0.38069040695840155, 0.23395696728634552},
@@ -56,20 +51,8 @@ RayRadiance integrate_piece(const OpticalField& field, const Ray& ray, double fr
   for (std::size_t c = 0; c < 3; ++c)
     emission[c] = cubic([c](const VoxelOptics& v) { return v.emission[c]; });
 
-  const double max_extinction =
-      std::max({optics[0].extinction, optics[1].extinction, optics[2].extinction, optics[3].extinction});
-  if (max_extinction == 0) return {};  // a cubic with four zeros
-  const int steps = 1 + static_cast<int>(max_extinction * length_mm / kMaxDepthPerStep);
-  RayRadiance sum;
-  for (int step = 0; step < steps; ++step) {
-    for (const Node& node : kNodes) {
-      const double t = (step + node.at) / steps;
-      const double weight = length_mm * node.weight / steps * std::exp(-length_mm * extinction.integral(t));
-      for (std::size_t c = 0; c < 3; ++c) sum.color[c] += weight * emission[c](t);
-    }
-  }
-  sum.transmittance = std::exp(-length_mm * extinction.integral(1));
-  return sum;
+  const auto emitted = [&](double t) { return std::array{emission[0](t), emission[1](t), emission[2](t)}; };
+  return integrate(kNodes, extinction, emitted, 0, 1, length_mm);
 }
 
 }  // namespace

@@ -13,29 +13,86 @@
 #include "player/frame/render_overrides.h"
 #include "player/view/shear.h"
 #include "tests/reference/picture_difference.h"
-#include "tests/scenes/expected_counts.h"
 #include "tests/scenes/ray_truth.h"
-#include "tests/support/render.h"
+#include "tests/support/kernel_targets.h"
 
 namespace splatlas {
 namespace {
 
 constexpr double kRounding = 2e-5;
 
+/// The rules of VoxelRole, restated.
+struct Drawn {
+  bool volume = false, surface = false;
+
+  Drawn(const ClassTable& classes, ClassId c, const Selection& selection) {
+    for (const Membership& member : classes.members(c)) {
+      const DrawMode mode = selection.structures[member.structure].mode;
+      if (mode == DrawMode::kOff) continue;
+      volume |= member.part != Part::kCrossed && mode != DrawMode::kSurface;
+      surface |=
+          member.part == Part::kCrossed || (member.part == Part::kBoundary && mode != DrawMode::kVolume);
+    }
+  }
+};
+
+/// Brute-force counts of a frame.
+struct ExpectedCounts {
+  std::uint64_t volume = 0, surface = 0, hybrid = 0;  ///< voxels (paper, table 2)
+  std::uint64_t runs = 0;       ///< of classes drawn as volume, along scanlines of the principal axis
+  std::uint64_t triangles = 0;  ///< of the selected surfaces
+
+  ExpectedCounts(const AtlasContent& content, const Selection& selection, Axis principal) {
+    std::vector<Drawn> of_class;
+    for (ClassId c = 0; c < content.classes.size(); ++c) of_class.emplace_back(content.classes, c, selection);
+    const Grid grid = storage_grid(content);
+    const ScanOrder order = ScanOrder::of(principal);
+    Index3 at{};
+    std::int64_t &slice = at[order.slice_axis], &row = at[order.row_axis], &scan = at[order.scan_axis];
+    for (slice = 0; slice < grid.size[order.slice_axis]; ++slice) {
+      for (row = 0; row < grid.size[order.row_axis]; ++row) {
+        ClassId before = kEmptyClass;
+        for (scan = 0; scan < grid.size[order.scan_axis]; ++scan) {
+          const ClassId c = content.class_volume[static_cast<std::size_t>(grid.offset(at[0], at[1], at[2]))];
+          const Drawn& role = of_class[c];
+          volume += role.volume && !role.surface ? 1 : 0;
+          surface += role.surface && !role.volume ? 1 : 0;
+          hybrid += role.surface && role.volume ? 1 : 0;
+          runs += role.volume && c != before ? 1 : 0;
+          before = c;
+        }
+      }
+    }
+    for (StructureIndex s = 0; s < content.graph.size(); ++s) {
+      const DrawMode mode = selection.structures[s].mode;
+      const bool shown = content.graph[s].external ? mode != DrawMode::kOff
+                                                   : mode == DrawMode::kSurface || mode == DrawMode::kBoth;
+      if (shown) triangles += content.surfaces[s].triangles.size();
+    }
+  }
+};
+
 class Checker {
  public:
   Checker(const RandomScene& scene, const SceneChecks& checks)
-      : scene_(scene), checks_(checks), atlas_(open_in_memory(scene.content)) {
+      : scene_(scene),
+        checks_(checks),
+        atlas_(open_in_memory(scene.content)),
+        alone_(atlas_, {.threads = 1}) {
     report_.rays = scene.options.classification == Classification::kAfter ||
                    scene.camera.projection == CameraProjection::kPerspective;
   }
 
   SceneReport run() {
+    if (!select(alone_)) return report_;
+    check_kernels();
     const auto picture = render(scene_.options, 1);
     if (!picture) return report_;
+    report_.adaptive = report_.rays && scene_.options.quality != Quality::kDraft;
     for (std::size_t n = 3; n < picture->rgba.size(); n += 4)
       report_.shows = report_.shows || picture->rgba[n] > 0;
     check_counts();
+    if (!report_.rays && checks_.thorough) check_visits();
     check_range(*picture);
     for (const unsigned threads : {2u, 8u}) {
       const auto other = render(scene_.options, threads);
@@ -57,13 +114,22 @@ class Checker {
  private:
   void fault(std::string text) { report_.faults.push_back(std::move(text)); }
 
+  bool select(Renderer& renderer) {
+    const auto selected = renderer.select(scene_.selection);
+    if (!selected) fault("select: " + selected.error().message);
+    return selected.has_value();
+  }
+
   std::optional<Picture> render(const RenderOptions& options, unsigned threads) {
-    Renderer renderer(atlas_, {threads, 0});
-    if (const auto selected = renderer.select(scene_.selection); !selected) {
-      fault("select: " + selected.error().message);
+    return render(options, threads, scene_.overrides);
+  }
+  std::optional<Picture> render(const RenderOptions& options, unsigned threads,
+                                const RenderOverrides& overrides) {
+    std::optional<Renderer> several;
+    if (threads > 1 && !select(several.emplace(atlas_, RendererOptions{.threads = threads})))
       return std::nullopt;
-    }
-    auto picture = render_with(renderer, scene_.camera, options, scene_.overrides);
+    Renderer& renderer = several ? *several : alone_;
+    auto picture = render_with(renderer, scene_.camera, options, overrides);
     stats_ = renderer.stats();
     if (picture) return *std::move(picture);
     report_.refused = picture.error().code == ErrorCode::kUsage &&
@@ -72,10 +138,27 @@ class Checker {
     return std::nullopt;
   }
 
+  void check_kernels() {
+    RenderOptions options = scene_.options;
+    options.termination_threshold = 0;
+    const auto scalar = render(options, 1, {.simd = false});
+    for (const std::int64_t target : kernel_targets()) {
+      const DispatchTo only(target);
+      const auto picture = render(options, 1, {});
+      if (picture.has_value() != scalar.has_value()) {
+        fault(fmt::format("only one of {} and the scalar reference draws", hwy::TargetName(target)));
+      } else if (picture) {
+        const double largest = reference::difference(*picture, *scalar).largest;
+        if (largest <= kRounding) continue;
+        fault(fmt::format("{} differs from the scalar reference by {}", hwy::TargetName(target), largest));
+      }
+    }
+  }
+
   void check_counts() {
     const View view = *view_of(scene_.camera, scene_.options.size, scene_.content.display);
     const Axis axis = report_.rays ? Axis::kZ : factorise(view.plane, storage_grid(scene_.content)).principal;
-    const ExpectedCounts expected = expected_counts(scene_.content, scene_.selection, axis);
+    const ExpectedCounts expected(scene_.content, scene_.selection, axis);
     const auto compare = [&](const char* what, std::uint64_t is, std::uint64_t should) {
       if (is != should) fault(fmt::format("{}: {}, not {}", what, is, should));
     };
@@ -86,6 +169,31 @@ class Checker {
     compare("triangles", stats_.triangles, expected.triangles);
     if (stats_.voxels_visited > expected.volume + expected.hybrid) {
       fault(fmt::format("{} voxels visited", stats_.voxels_visited));
+    }
+  }
+
+  /// With everything in view, along every axis: exactly the visible voxels and their runs.
+  void check_visits() {
+    Camera camera = scene_.camera;
+    camera.zoom = 0.8;
+    camera.center_lps_mm.reset();
+    RenderOptions options = scene_.options;
+    options.size = {64, 64};
+    const ParallelView view = *parallel_view(camera, options.size, scene_.content.display);
+    const auto voxels = reference::optical_field(scene_.content, scene_.selection, view, false).voxels;
+    const auto visible = std::count_if(voxels.begin(), voxels.end(),
+                                       [](const reference::VoxelOptics& v) { return v.extinction > 0; });
+    for (const Axis axis : kAxes) {
+      const RenderOverrides overrides{.simd = scene_.overrides.simd, .principal_axis = axis};
+      if (!render_with(alone_, camera, options, overrides)) continue;  // perpendicular to this axis
+      const RenderStats& stats = alone_.stats();
+      const ExpectedCounts expected(scene_.content, scene_.selection, axis);
+      if (stats.voxels_visited != static_cast<std::uint64_t>(visible) ||
+          stats.runs_visited != expected.runs || stats.triangles != expected.triangles) {
+        fault(fmt::format("axis {}: visits {} voxels, {} runs, {} triangles, not {}, {}, {}",
+                          static_cast<int>(axis), stats.voxels_visited, stats.runs_visited, stats.triangles,
+                          visible, expected.runs, expected.triangles));
+      }
     }
   }
 
@@ -173,6 +281,7 @@ class Checker {
     options.quality = Quality::kHigh;
     const auto picture = render(options, 1);
     if (!picture) return;
+    check_range(*picture);
     options.antialiasing = true;
     const auto antialiased = render(options, 1);
     if (stats_.triangles == 0 && antialiased && antialiased->rgba != picture->rgba) {
@@ -212,6 +321,7 @@ class Checker {
   const RandomScene& scene_;
   SceneChecks checks_;
   std::shared_ptr<const Atlas> atlas_;
+  Renderer alone_;  // with one thread
   RenderStats stats_;
   SceneReport report_;
 };

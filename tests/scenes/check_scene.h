@@ -11,7 +11,7 @@
 namespace splatlas {
 
 struct SceneChecks {
-  bool thorough = false;  ///< also the slow checks: antialiasing, every pixel of rays
+  bool thorough = false;  ///< also the slow checks: antialiasing, visited voxels, every pixel of rays
   /// Maximum RMS error of rays at high quality over the pixels that picture or reference show, 1/255.
   double max_visible_rms = std::numeric_limits<double>::infinity();
 };
@@ -21,15 +21,18 @@ struct SceneReport {
   double largest_from_model = 0;    ///< sheets: maximum error of a value against the discrete model
   double rms_from_truth = 0;        ///< rays: RMS error at high quality, 1/255
   bool rays = false;                ///< drawn by ray casting
+  bool adaptive = false;            ///< drawn by rays with steps that a tolerance chooses
   bool shows = false;               ///< not empty
   bool refused = false;             ///< field of view too wide for surfaces
-  std::uint32_t pixels = 0;         ///< rays: sampled pixels
-  std::uint32_t compared = 0;       ///< of them, without the ambiguous ones (see RayTruth)
+  std::size_t pixels = 0;           ///< rays: sampled pixels
+  std::size_t compared = 0;         ///< of them, without the ambiguous ones (see RayTruth)
   std::size_t antialiased = 0;      ///< sheets, thorough: pixels that differ from their central sample
 };
 
 /// Renders the scene, several times, and compares:
-///   - the numbers of voxels by role, runs and triangles with counts over all voxels and triangles;
+///   - every instruction set, without early ray termination: the scalar reference kernels, to 2e-5;
+///   - the numbers of voxels by role, runs and triangles with counts over all voxels and triangles; sheets
+///     along every axis, with everything in view: also the number of visited voxels;
 ///   - values: finite, 0 <= alpha <= 1 and 0 <= colour <= alpha;
 ///   - pictures of 1, 2 and 8 threads: equal bits;
 ///   - early ray termination: no value changes by more than the threshold, and none of volumes alone grows;

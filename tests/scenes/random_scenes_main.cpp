@@ -1,88 +1,133 @@
 // splatlas-random-scenes: random scenes against brute force (check_scene.h).
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <cstdio>
 #include <exception>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "tests/scenes/check_scene.h"
 
+namespace splatlas {
 namespace {
 
-struct Totals {
-  std::uint32_t scenes = 0, rays = 0, refused = 0, failed = 0, shows = 0;
-  std::uint64_t pixels = 0, compared = 0;
-  double largest_from_model = 0, worst_rms = 0;
-  std::uint32_t of_largest = 0, of_worst = 0;
+/// A scene, and the checks that it gets.
+struct CheckedScene {
+  RandomScene scene;
+  SceneChecks checks;
 };
 
-void run_scene(std::uint32_t seed, std::uint32_t number, Totals& totals) {
-  const splatlas::RandomScene scene = splatlas::whole_scene(seed, number);
-  const splatlas::SceneReport report = splatlas::check_scene(scene, {.thorough = number % 16 == 0});
-  totals.shows += report.shows ? 1 : 0;
-  totals.pixels += report.pixels;
-  totals.compared += report.compared;
-  totals.rays += report.rays ? 1 : 0;
-  totals.refused += report.refused ? 1 : 0;
-  totals.failed += report.faults.empty() ? 0 : 1;
-  if (report.largest_from_model > totals.largest_from_model) {
-    totals.largest_from_model = report.largest_from_model;
-    totals.of_largest = number;
+/// Rays through a volume without surfaces, in pairs of post- and pre-classification. The eye may lie inside.
+CheckedScene volume_scene(std::uint32_t pair, bool after) {
+  RandomScene scene = after ? random_scene(pair, 9) : random_scene(pair);
+  for (StructureDraw& draw : scene.selection.structures) {
+    if (draw.mode != DrawMode::kOff) draw.mode = DrawMode::kVolume;
   }
-  if (report.rms_from_truth > totals.worst_rms) {
-    totals.worst_rms = report.rms_from_truth;
-    totals.of_worst = number;
+  if (after) {
+    scene.options.size.width = std::min(scene.options.size.width, 14);
+    scene.options.size.height = std::min(scene.options.size.height, 14);
+    scene.options.hybrid_shading = false;
+    scene.options.classification = Classification::kAfter;
   }
-  for (const std::string& fault : report.faults) {
-    fmt::print("--seed {} --first {} --scenes 1: {}\n    {}\n", seed, number, fault, describe(scene));
+  if (!after || pair % 3 != 0) {
+    scene.camera.projection = CameraProjection::kPerspective;
+    scene.camera.field_of_view_deg = std::array{0.01, 30.0, 75.0, 120.0, after ? 170.0 : 179.0}[pair % 5];
   }
+  return {std::move(scene), {.thorough = true, .max_visible_rms = after ? 0.5 : 1.0}};
 }
 
-/// Whether enough scenes show anything and enough pixels were compared.
-bool is_conclusive(const Totals& totals) {
-  constexpr std::uint32_t kSeries = 50;  // shorter series may be empty by chance
-  if (totals.scenes < kSeries) return true;
-  const bool covered = 2 * totals.shows > totals.scenes && 4 * totals.rays > totals.scenes &&
-                       4 * totals.rays < 3 * totals.scenes && 4 * totals.refused < totals.rays;
-  return covered && 4 * totals.compared > 3 * totals.pixels;
+CheckedScene make_scene(const std::string& kind, std::uint32_t seed, std::uint32_t number) {
+  if (kind == "sheets") return {random_scene(number), {.thorough = number % 5 == 0}};
+  if (kind == "volumes") return volume_scene(number / 2, number % 2 == 0);
+  return {whole_scene(seed, number), {.thorough = number % 16 == 0}};
+}
+
+/// How many of the scenes have a property.
+template <typename Property>
+std::size_t count(const std::vector<SceneReport>& reports, const Property& property) {
+  return static_cast<std::size_t>(std::ranges::count_if(reports, property));
+}
+
+std::size_t sum(const std::vector<SceneReport>& reports, std::size_t SceneReport::*number) {
+  std::size_t total = 0;
+  for (const SceneReport& report : reports) total += report.*number;
+  return total;
+}
+
+/// Whether enough scenes show anything, by either renderer, and enough pixels were compared.
+bool is_conclusive(const std::string& kind, const std::vector<SceneReport>& reports) {
+  constexpr std::size_t kSeries = 50;  // shorter series may be empty by chance
+  const std::size_t scenes = reports.size();
+  if (scenes < kSeries || kind == "volumes") return true;
+  if (kind == "sheets") return sum(reports, &SceneReport::antialiased) > scenes;
+  const std::size_t rays = count(reports, &SceneReport::rays),
+                    refused = count(reports, &SceneReport::refused);
+  return 2 * count(reports, &SceneReport::shows) > scenes && 4 * rays > scenes && 4 * rays < 3 * scenes &&
+         8 * count(reports, &SceneReport::adaptive) > scenes && 8 * refused < scenes && 4 * refused < rays &&
+         4 * sum(reports, &SceneReport::compared) > 3 * sum(reports, &SceneReport::pixels);
 }
 
 }  // namespace
 
-int main(int argc, char** argv) try {
+int check_scenes(int argc, char** argv) {
   CLI::App app("Renders random scenes and compares them with brute force. Exit status 1 when one fails.");
+  std::string kind = "whole";
   std::uint32_t seed = 1, scenes = 10000, first = 0;
-  app.add_option("--seed", seed, "seed of the series")->capture_default_str();
+  app.add_option("--kind", kind, "kind of scenes")
+      ->check(CLI::IsMember({"whole", "sheets", "volumes"}))
+      ->capture_default_str();
+  app.add_option("--seed", seed, "seed of whole scenes")->capture_default_str();
   app.add_option("--scenes", scenes, "number of scenes")->capture_default_str();
-  app.add_option("--first", first, "number of the first scene; seed and number determine a scene")
+  app.add_option("--first", first, "number of the first scene; kind, seed and number determine a scene")
       ->capture_default_str();
   CLI11_PARSE(app, argc, argv);
-  Totals totals;
-  totals.scenes = scenes;
+  std::vector<SceneReport> reports(scenes);
   for (std::uint32_t n = 0; n < scenes; ++n) {
+    const auto print = [&](const std::string& text) {
+      fmt::print("--kind {} --seed {} --first {} --scenes 1: {}\n", kind, seed, first + n, text);
+    };
     try {
-      run_scene(seed, first + n, totals);
+      const auto [scene, checks] = make_scene(kind, seed, first + n);
+      reports[n] = check_scene(scene, checks);
+      for (const std::string& fault : reports[n].faults) print(fault + "\n    " + describe(scene));
     } catch (const std::exception& error) {
-      ++totals.failed;
-      fmt::print("--seed {} --first {} --scenes 1: {}\n", seed, first + n, error.what());
+      reports[n].faults = {error.what()};
+      print(error.what());
     }
     std::fflush(stdout);
   }
+  const std::size_t failed = count(reports, [](const SceneReport& r) { return !r.faults.empty(); });
+  const std::size_t rays = count(reports, &SceneReport::rays);
+  const auto worst_model = std::ranges::max_element(reports, {}, &SceneReport::largest_from_model);
+  const auto worst_rays = std::ranges::max_element(reports, {}, &SceneReport::rms_from_truth);
   fmt::print(
       "{} scenes: {} failed; {} by sheets, {} by rays, of which {} were too wide for surfaces. "
-      "{} are not empty.\n"
+      "{} are not empty.\n",
+      scenes, failed, scenes - rays, rays, count(reports, &SceneReport::refused),
+      count(reports, &SceneReport::shows));
+  if (scenes == 0) return 0;
+  fmt::print(
       "Sheets: maximum error {:.2e} against the discrete model (scene {}).\n"
       "Rays: maximum RMS error {:.3f}/255 against the reference (scene {}); {} of {} pixels compared.\n",
-      scenes, totals.failed, scenes - totals.rays, totals.rays, totals.refused, totals.shows,
-      totals.largest_from_model, totals.of_largest, totals.worst_rms, totals.of_worst, totals.compared,
-      totals.pixels);
-  if (!is_conclusive(totals)) {
+      worst_model->largest_from_model, first + (worst_model - reports.begin()), worst_rays->rms_from_truth,
+      first + (worst_rays - reports.begin()), sum(reports, &SceneReport::compared),
+      sum(reports, &SceneReport::pixels));
+  if (!is_conclusive(kind, reports)) {
     fmt::print("Inconclusive: too few scenes show anything, or too few pixels were compared.\n");
     return 1;
   }
-  return totals.failed == 0 ? 0 : 1;
+  return failed == 0 ? 0 : 1;
+}
+
+}  // namespace splatlas
+
+int main(int argc, char** argv) try {
+  return splatlas::check_scenes(argc, argv);
 } catch (const std::exception& error) {
   std::fprintf(stderr, "splatlas-random-scenes: %s\n", error.what());
   return 1;

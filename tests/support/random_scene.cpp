@@ -18,40 +18,23 @@ class SceneMaker {
  public:
   SceneMaker(std::mt19937 random, std::int64_t max_side) : random_(random), max_side_(max_side) {}
 
-  RandomScene make() {
+  /// `whole`: a scene of whole_scene().
+  RandomScene make(bool whole) {
     TestVolume volume;
     volume.grid = make_grid();
-    const std::size_t structures = 1 + below(4);
-    for (std::size_t s = 0; s < structures; ++s) {
-      TestStructure structure{fmt::format("s{}", s), make_structure_mask(volume.grid.size)};
-      structure.color = make_color();
-      if (s > 0 && below(3) == 0) structure.parents = {static_cast<StructureIndex>(below(s))};
-      volume.structures.push_back(std::move(structure));
-    }
-    volume.values = make_grey_values(volume.grid.voxels());
-    volume.window_low = real(-20, 60);
-    volume.window_high = below(10) == 0 ? volume.window_low : volume.window_low + real(10, 200);
-    RandomScene scene{make_content(volume), make_selection(structures), {}, {}};
-    make_view(scene);
-    return scene;
-  }
-
-  /// A scene of whole_scene().
-  RandomScene make_whole() {
-    TestVolume volume;
-    volume.grid = make_grid();
-    stretch(volume.grid);
-    const std::size_t structures = 2 + below(6);
-    for (std::size_t s = 0; s < structures; ++s) volume.structures.push_back(make_node(s, volume.grid));
-    volume.values =
-        below(3) == 0 ? make_odd_values(volume.grid.voxels()) : make_grey_values(volume.grid.voxels());
+    if (whole) stretch(volume.grid);
+    const std::size_t structures = whole ? 2 + below(6) : 1 + below(4);
+    for (std::size_t s = 0; s < structures; ++s)
+      volume.structures.push_back(whole ? make_node(s, volume.grid) : make_structure(s, volume.grid));
+    const std::int64_t voxels = volume.grid.voxels();
+    volume.values = whole && below(3) == 0 ? make_odd_values(voxels) : make_grey_values(voxels);
     volume.window_low = real(-20, 60);
     volume.window_high = below(10) == 0 ? volume.window_low : volume.window_low + real(10, 200);
     RandomScene scene{make_content(volume), {}, {}, {}};
-    scene.selection = below(2) == 0 ? make_selection(structures)
-                                    : selection_of(make_words(structures), scene.content.graph);
+    scene.selection = whole && below(2) != 0 ? selection_of(make_words(structures), scene.content.graph)
+                                             : make_selection(structures);
     make_view(scene);
-    make_rays(scene);
+    if (whole) make_rays(scene);
     return scene;
   }
 
@@ -107,6 +90,13 @@ class SceneMaker {
       grid.spacing_mm[a] *= scale;
       grid.origin_lps_mm[a] *= scale * away;
     }
+  }
+
+  TestStructure make_structure(std::size_t s, const Grid& grid) {
+    TestStructure structure{fmt::format("s{}", s), make_structure_mask(grid.size)};
+    structure.color = make_color();
+    if (s > 0 && below(3) == 0) structure.parents = {static_cast<StructureIndex>(below(s))};
+    return structure;
   }
 
   /// A structure, a group or an external surface, with up to three parents.
@@ -311,12 +301,12 @@ class SceneMaker {
 }  // namespace
 
 RandomScene random_scene(std::uint32_t number, std::int64_t max_side) {
-  return SceneMaker(std::mt19937(number), max_side).make();
+  return SceneMaker(std::mt19937(number), max_side).make(false);
 }
 
 RandomScene whole_scene(std::uint32_t seed, std::uint32_t number) {
   std::seed_seq both{seed, number};
-  return SceneMaker(std::mt19937(both), 10).make_whole();
+  return SceneMaker(std::mt19937(both), 10).make(true);
 }
 
 std::string describe(const RandomScene& scene) {

@@ -1,10 +1,20 @@
 #include "tests/support/render.h"
 
+#include <cstring>
 #include <stdexcept>
+#include <string>
 
 #include "tests/support/value_or_throw.h"
 
 namespace splatlas {
+
+Renderer renderer_of(const AtlasContent& content, const Selection& selection, unsigned threads) {
+  Renderer renderer(open_in_memory(content), {.threads = threads});
+  if (auto selected = renderer.select(selection); !selected) {
+    throw std::runtime_error(selected.error().message);
+  }
+  return renderer;
+}
 
 Picture render_or_throw(Renderer& renderer, const Camera& camera, const RenderOptions& options,
                         const RenderOverrides& overrides) {
@@ -13,11 +23,20 @@ Picture render_or_throw(Renderer& renderer, const Camera& camera, const RenderOp
 
 Picture render_or_throw(const AtlasContent& content, const Selection& selection, const Camera& camera,
                         const RenderOptions& options, unsigned threads, const RenderOverrides& overrides) {
-  Renderer renderer(open_in_memory(content), {threads, 0});
-  if (auto selected = renderer.select(selection); !selected) {
-    throw std::runtime_error(selected.error().message);
-  }
+  Renderer renderer = renderer_of(content, selection, threads);
   return render_or_throw(renderer, camera, options, overrides);
+}
+
+Picture render_with_threads(const AtlasContent& content, const Selection& selection, const Camera& camera,
+                            const RenderOptions& options, const RenderOverrides& overrides) {
+  Picture one = render_or_throw(content, selection, camera, options, 1, overrides);
+  for (const unsigned threads : {2u, 8u}) {
+    const Picture several = render_or_throw(content, selection, camera, options, threads, overrides);
+    if (several.rgba != one.rgba ||
+        std::memcmp(several.rgba.data(), one.rgba.data(), one.rgba.size() * sizeof(float)) != 0)
+      throw std::runtime_error(std::to_string(threads) + " threads give other bits");
+  }
+  return one;
 }
 
 double zoom_for(const Display& display, int picture_side, double mm_per_pixel) {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tests/phantom/two_spheres.h"
+#include "tests/support/phantom_content.h"
 
 namespace splatlas {
 namespace {
@@ -13,11 +13,7 @@ TestVolume phantom_volume() {
   volume.grid.size = {phantom::kSize, phantom::kSize, phantom::kSize};
   const std::array<Rgb, 2> colors{Rgb{240, 150, 110}, Rgb{120, 180, 250}};
   for (std::size_t n = 0; n < 2; ++n) {
-    const phantom::Ball& ball = phantom::kBalls[n];
-    const auto holds = [&](auto i, auto j, auto k) {
-      return ball.holds(static_cast<int>(i), static_cast<int>(j), static_cast<int>(k));
-    };
-    volume.structures.push_back({n == 0 ? "first" : "second", make_mask(volume.grid.size, holds), colors[n]});
+    volume.structures.push_back({n == 0 ? "first" : "second", phantom_mask(phantom::kBalls[n]), colors[n]});
   }
   volume.values = make_values(VoxelType::kUInt8, phantom::values());
   volume.window_high = 250;
@@ -66,21 +62,9 @@ StandardScene blobs_scene() {
 StandardScene labels_scene() {
   TestVolume volume;
   volume.grid.size = {28, 28, 28};
-  const auto in_ball = [](auto i, auto j, auto k, std::int64_t center, std::int64_t radius) {
-    return (i - center) * (i - center) + (j - center) * (j - center) + (k - center) * (k - center) <
-           radius * radius;
-  };
-  volume.structures = {
-      {"box",
-       make_mask(volume.grid.size,
-                 [](auto i, auto j, auto k) { return i > 3 && i < 12 && j > 5 && k > 3 && k < 22; }),
-       {250, 80, 60}},
-      {"ball",
-       make_mask(volume.grid.size, [&](auto i, auto j, auto k) { return in_ball(i, j, k, 16, 9); }),
-       {80, 230, 90}},
-      {"core",
-       make_mask(volume.grid.size, [&](auto i, auto j, auto k) { return in_ball(i, j, k, 17, 4); }),
-       {90, 110, 250}}};
+  volume.structures = {{"box", box_mask(volume.grid.size, {4, 6, 4}, {11, 27, 21}), {250, 80, 60}},
+                       {"ball", ball_mask(volume.grid.size, {16, 16, 16}, 9 * 9), {80, 230, 90}},
+                       {"core", ball_mask(volume.grid.size, {17, 17, 17}, 4 * 4), {90, 110, 250}}};
   return scene_of("labels", volume, "*:volume(opacity=0.9)");
 }
 
@@ -94,21 +78,6 @@ StandardScene hybrid_scene() {
   return scene_of(
       "hybrid", volume,
       "first:volume(opacity=0.2) + first:surface + second:both(opacity=0.3) + hull:surface(opacity=0.15)");
-}
-
-std::vector<StandardScene> standard_scenes() {
-  std::vector<StandardScene> all;
-  all.push_back(phantom_scene());
-  all.push_back(blobs_scene());
-  all.push_back(labels_scene());
-  all.push_back(hybrid_scene());
-  return all;
-}
-
-const std::vector<std::pair<double, double>>& standard_views() {
-  static const std::vector<std::pair<double, double>> views{
-      {0, 0}, {17, 9}, {31, 24}, {45, 0.01}, {45, 35.26}};
-  return views;
 }
 
 }  // namespace splatlas

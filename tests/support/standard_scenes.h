@@ -2,8 +2,6 @@
 #pragma once
 
 #include <string>
-#include <utility>
-#include <vector>
 
 #include "format/selection.h"
 #include "tests/support/test_content.h"
@@ -24,11 +22,5 @@ struct StandardScene {
 [[nodiscard]] StandardScene labels_scene();
 /// The golden phantom: both balls as volume with translucent surfaces, and their hull.
 [[nodiscard]] StandardScene hybrid_scene();
-/// All standard scenes.
-[[nodiscard]] std::vector<StandardScene> standard_scenes();
-
-/// Azimuth and elevation in degrees: axis-parallel, slightly turned, further turned, at 45 degrees to one
-/// axis and to two.
-[[nodiscard]] const std::vector<std::pair<double, double>>& standard_views();
 
 }  // namespace splatlas

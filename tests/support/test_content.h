@@ -38,6 +38,37 @@ template <typename Holds>
   return mask;
 }
 
+/// Every voxel.
+[[nodiscard]] inline std::vector<bool> full_mask(const Index3& size) {
+  return make_mask(size, [](auto...) { return true; });
+}
+
+/// The voxels from `first` to `last`, inclusive.
+[[nodiscard]] inline std::vector<bool> box_mask(const Index3& size, const Index3& first, const Index3& last) {
+  return make_mask(size, [&](std::int64_t i, std::int64_t j, std::int64_t k) {
+    return i >= first[0] && i <= last[0] && j >= first[1] && j <= last[1] && k >= first[2] && k <= last[2];
+  });
+}
+
+/// The voxels at less than the root of `squared_radius` from `center`, in voxels.
+[[nodiscard]] inline std::vector<bool> ball_mask(const Index3& size, const Index3& center,
+                                                 std::int64_t squared_radius) {
+  return make_mask(size, [&](std::int64_t i, std::int64_t j, std::int64_t k) {
+    const Index3 d{i - center[0], j - center[1], k - center[2]};
+    return d[0] * d[0] + d[1] * d[1] + d[2] * d[2] < squared_radius;
+  });
+}
+
+template <typename T>
+[[nodiscard]] VoxelType voxel_type_of() {
+  VoxelType found = VoxelType::kNone;
+  for (std::uint8_t n = 1; n <= 8; ++n) {
+    const auto type = static_cast<VoxelType>(n);
+    visit_voxel_type(type, [&](auto tag) { found = std::is_same_v<decltype(tag), T> ? type : found; });
+  }
+  return found;
+}
+
 /// A buffer of these values.
 template <typename T>
 [[nodiscard]] VoxelBuffer make_values(VoxelType type, const std::vector<T>& values) {

@@ -1,10 +1,8 @@
 #include "tests/window/player_session.h"
 
-#include <chrono>
 #include <cstdlib>
 #include <fstream>
 #include <stdexcept>
-#include <thread>
 
 #include "format/atlas_writer.h"
 #include "tests/support/phantom_content.h"
@@ -12,8 +10,6 @@
 namespace splatlas {
 namespace {
 
-constexpr std::chrono::seconds kLongest{60};
-constexpr std::chrono::milliseconds kPause{20};
 constexpr const char* kAtlas = "phantom.atlas";
 constexpr const char* kLog = "window.log";
 
@@ -58,22 +54,20 @@ void PlayerSession::read_log() {
 
 PlayerSession::Json PlayerSession::wait_for(const std::string& name,
                                             const std::function<bool(const Json&)>& holds) {
-  const auto deadline = std::chrono::steady_clock::now() + kLongest;
-  Json latest;
-  while (true) {
+  Json event, latest;
+  const auto comes = [&] {
     read_log();
     while (!events_.empty()) {
-      Json event = std::move(events_.front());
+      event = std::move(events_.front());
       events_.erase(events_.begin());
       if (event.at("event") != name) continue;
-      if (!holds || holds(event)) return event;
-      latest = std::move(event);
+      if (!holds || holds(event)) return true;
+      latest = event;
     }
-    if (std::chrono::steady_clock::now() > deadline) {
-      throw std::runtime_error("waited in vain for '" + name + "'; the latest: " + latest.dump());
-    }
-    std::this_thread::sleep_for(kPause);
-  }
+    return false;
+  };
+  wait_until(comes, [&] { return "'" + name + "'; the latest: " + latest.dump(); });
+  return event;
 }
 
 PlayerSession::Json PlayerSession::wait_for_final_picture() {
@@ -81,14 +75,11 @@ PlayerSession::Json PlayerSession::wait_for_final_picture() {
 }
 
 void PlayerSession::wait_for_layout(const std::function<bool(const Json&)>& holds) {
-  const auto deadline = std::chrono::steady_clock::now() + kLongest;
-  while (!holds(layout_)) {
-    if (std::chrono::steady_clock::now() > deadline) {
-      throw std::runtime_error("waited in vain for a layout; the latest: " + layout_.dump());
-    }
-    std::this_thread::sleep_for(kPause);
+  const auto comes = [&] {
     read_log();
-  }
+    return holds(layout_);
+  };
+  wait_until(comes, [&] { return "a layout; the latest: " + layout_.dump(); });
 }
 
 std::array<int, 2> PlayerSession::place(const std::string& pointer) {
@@ -100,7 +91,7 @@ std::array<int, 2> PlayerSession::place(const std::string& pointer) {
 
 ProgramResult PlayerSession::close() {
   display_->request_close();
-  if (player_.wait_for(kLongest) != std::future_status::ready) {
+  if (player_.wait_for(std::chrono::minutes(1)) != std::future_status::ready) {
     throw std::runtime_error("the window does not close");
   }
   return player_.get();

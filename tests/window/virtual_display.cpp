@@ -1,14 +1,10 @@
 #include "tests/window/virtual_display.h"
 
-#include <chrono>
-#include <csignal>
 #include <cstdlib>
 #include <stdexcept>
-#include <thread>
 
 #include <X11/Xlib.h>
 #include <X11/Xutil.h>
-#include <fmt/format.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -16,23 +12,6 @@
 #include "tests/support/xvfb.h"
 
 namespace splatlas {
-namespace {
-
-constexpr std::chrono::seconds kLongest{60};
-constexpr std::chrono::milliseconds kPause{20};
-
-/// Calls `attempt` until it returns true.
-template <typename Attempt>
-void wait_until(const std::string& what, Attempt attempt) {
-  const auto deadline = std::chrono::steady_clock::now() + kLongest;
-  while (!attempt()) {
-    if (std::chrono::steady_clock::now() > deadline) throw std::runtime_error("waited in vain for " + what);
-    std::this_thread::sleep_for(kPause);
-  }
-}
-
-}  // namespace
-
 struct VirtualDisplay::Connection {
   Connection() : display(XOpenDisplay(nullptr)) {
     if (display == nullptr) throw std::runtime_error("the virtual display does not answer");
@@ -62,12 +41,12 @@ VirtualDisplay::~VirtualDisplay() {
 }
 
 void VirtualDisplay::find_window(const std::string& title) {
-  wait_until("a window called " + title, [&] {
+  const auto find = [&] {
     const ProgramResult found = run_program({SPLATLAS_XDOTOOL, "search", "--onlyvisible", "--name", title});
-    if (found.status != 0) return false;
-    window_ = std::stoul(found.out);
-    return true;
-  });
+    if (found.status == 0) window_ = std::stoul(found.out);
+    return found.status == 0;
+  };
+  wait_until(find, [&] { return "a window called " + title; });
 }
 
 void VirtualDisplay::xdotool(const std::vector<std::string>& words) {
@@ -115,8 +94,8 @@ std::string VirtualDisplay::clipboard() {
   const Atom place = connection_->atom("SPLATLAS_TEST"), text = connection_->atom("UTF8_STRING");
   XConvertSelection(display, connection_->atom("CLIPBOARD"), text, place, reader, CurrentTime);
   XEvent event;
-  wait_until("the clipboard",
-             [&] { return XCheckTypedWindowEvent(display, reader, SelectionNotify, &event) == True; });
+  wait_until([&] { return XCheckTypedWindowEvent(display, reader, SelectionNotify, &event) == True; },
+             [] { return std::string("the clipboard"); });
   Atom type = None;
   int format = 0;
   unsigned long items = 0, left = 0;

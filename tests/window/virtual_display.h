@@ -2,14 +2,27 @@
 #pragma once
 
 #include <array>
+#include <chrono>
 #include <cstdint>
 #include <memory>
+#include <stdexcept>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <sys/types.h>
 
 namespace splatlas {
+
+/// Calls attempt() until it returns true. Throws std::runtime_error with what() after a minute.
+template <typename Attempt, typename What>
+void wait_until(const Attempt& attempt, const What& what) {
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::minutes(1);
+  while (!attempt()) {
+    if (std::chrono::steady_clock::now() > deadline) throw std::runtime_error("waited in vain for " + what());
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+}
 
 /// An Xvfb server at a free display number, which DISPLAY names during its lifetime. Throws
 /// std::runtime_error on failures.

@@ -4,7 +4,6 @@
 #include <fstream>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "format/selection.h"
 #include "player/camera.h"
@@ -25,11 +24,9 @@ std::array<int, 2> place_of(const phantom::Ball& ball, const Json& layout) {
   const Json& view = layout.at("view");
   const double x = view.at(0), y = view.at(1), width = view.at(2), height = view.at(3);
   const PictureSize size{static_cast<int>(width), static_cast<int>(height)};
-  const double mm_per_pixel = parallel_view(Camera{}, size, display)->mm_per_pixel;
-  const double right = (ball.center[0] - display.center_lps_mm[0]) / mm_per_pixel;
-  const double up = (ball.center[2] - display.center_lps_mm[2]) / mm_per_pixel;
-  return {static_cast<int>(std::lround(x + width / 2 + right)),
-          static_cast<int>(std::lround(y + height / 2 - up))};
+  const auto [i, j, k] = ball.center;
+  const auto shown = view_of(Camera{}, size, display)->picture_point({1.0 * i, 1.0 * j, 1.0 * k});
+  return {static_cast<int>(std::lround(x + shown->x)), static_cast<int>(std::lround(y + shown->y))};
 }
 
 Selection selection_in(const Json& event) {
@@ -44,7 +41,14 @@ class WindowTest : public testing::Test {
   std::array<int, 2> sphere(int n) {
     return place_of(phantom::kBalls[static_cast<std::size_t>(n - 1)], player_.layout());
   }
-  void expect_closes() {
+  void enter_selection(const std::string& text) {
+    screen().key("ctrl+l");
+    screen().key("ctrl+a");
+    screen().type(text);
+    screen().key("Return");
+  }
+  /// The window closes without a word.
+  void TearDown() override {
     const ProgramResult result = player_.close();
     EXPECT_EQ(result.status, 0);
     EXPECT_EQ(result.out, "");
@@ -70,7 +74,6 @@ TEST_F(WindowTest, NamesWhatIsUnderThePointerAndShowsItsColor) {
 
   click(sphere(1));
   EXPECT_EQ(player_.wait_for("current").at("structure"), "Sphere_1");
-  expect_closes();
 }
 
 TEST_F(WindowTest, ModeButtonsChangeTheSelectionAndThePicture) {
@@ -93,7 +96,6 @@ TEST_F(WindowTest, ModeButtonsChangeTheSelectionAndThePicture) {
   screen().key("ctrl+z");
   screen().key("ctrl+z");
   EXPECT_EQ(player_.wait_for("selection", [](const Json& e) { return e.at("text") == "*"; }).at("text"), "*");
-  expect_closes();
 }
 
 /// On a busy machine, pictures become final during a drag.
@@ -121,14 +123,10 @@ TEST_F(WindowTest, TurnsZoomsAndComesBack) {
   wait_for_camera([](const Json& camera) {
     return camera == Json{{"azimuth", 0}, {"elevation", 0}, {"zoom", 1}};
   });
-  expect_closes();
 }
 
 TEST_F(WindowTest, TheSelectionTextIsReadAndWritten) {
-  screen().key("ctrl+l");
-  screen().key("ctrl+a");
-  screen().type("sphere_2:both(opacity=0.5)");
-  screen().key("Return");
+  enter_selection("sphere_2:both(opacity=0.5)");
   EXPECT_EQ(player_.wait_for("selection").at("text"), "sphere_2:both(opacity=0.5)");
   EXPECT_EQ(player_.wait_for_final_picture().at("selection"), "sphere_2:both(opacity=0.5)");
 
@@ -136,12 +134,8 @@ TEST_F(WindowTest, TheSelectionTextIsReadAndWritten) {
   player_.wait_for("status");
   EXPECT_EQ(screen().clipboard(), "sphere_2:both(opacity=0.5)");
 
-  screen().key("ctrl+l");
-  screen().key("ctrl+a");
-  screen().type("Sphere_7");
-  screen().key("Return");
+  enter_selection("Sphere_7");
   EXPECT_THAT(player_.wait_for("text_error").at("text"), testing::HasSubstr("Sphere_7"));
-  expect_closes();
 }
 
 TEST_F(WindowTest, SearchingLeavesTheRowsThatAreFound) {
@@ -150,7 +144,6 @@ TEST_F(WindowTest, SearchingLeavesTheRowsThatAreFound) {
   player_.wait_for_layout([](const Json& layout) { return layout.at("rows").size() == 1; });
   click(player_.place("/rows/Sphere_2/off"));
   EXPECT_EQ(selection_in(player_.wait_for("selection")).structures[kSphere2].mode, DrawMode::kOff);
-  expect_closes();
 }
 
 TEST_F(WindowTest, SavesThePictureBesideTheAtlas) {
@@ -167,7 +160,6 @@ TEST_F(WindowTest, SavesThePictureBesideTheAtlas) {
   std::string signature(8, '\0');
   file.read(signature.data(), 8);
   EXPECT_EQ(signature, "\x89PNG\r\n\x1a\n");
-  expect_closes();
 }
 
 TEST_F(WindowTest, ThePictureFollowsTheWindowsSize) {
@@ -177,7 +169,6 @@ TEST_F(WindowTest, ThePictureFollowsTheWindowsSize) {
       "picture", [&](const Json& e) { return e.at("final") == true && e.at("size").at(0) < before; });
   EXPECT_EQ(picture.at("size").at(0), player_.layout().at("view").at(2));
   EXPECT_EQ(picture.at("size").at(1), player_.layout().at("view").at(3));
-  expect_closes();
 }
 
 TEST(WindowWithoutDisplay, SaysSoInOneLine) {

@@ -2,15 +2,12 @@
 #include "player/rays/cast_rays.h"
 
 #include <cmath>
-#include <numbers>
 
 #include <gtest/gtest.h>
 
+#include "tests/player/prepared_selection.h"
 #include "tests/reference/grey_truth.h"
-#include "tests/reference/optical_field.h"
 #include "tests/reference/picture_difference.h"
-#include "tests/reference/reference_volume.h"
-#include "tests/support/random_scene.h"
 #include "tests/support/render.h"
 #include "tests/support/standard_scenes.h"
 
@@ -19,7 +16,6 @@ namespace {
 
 using reference::GreyTruth;
 using reference::PerspectiveView;
-using reference::PictureDifference;
 using reference::ReferencePicture;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -29,19 +25,17 @@ AtlasContent fog() {
   TestVolume volume;
   volume.grid.size = {21, 21, 21};
   volume.grid.origin_lps_mm = {-10, -10, -10};
-  volume.structures = {{"fog", make_mask(volume.grid.size, [](auto...) { return true; }), {255, 255, 255}}};
+  volume.structures = {{"fog", full_mask(volume.grid.size), {255, 255, 255}}};
   volume.values = make_values(VoxelType::kUInt8, std::vector<std::uint8_t>(21 * 21 * 21, 200));
   volume.window_high = 200;
   return make_content(volume);
 }
 
 Camera perspective(double field_of_view_deg = 30) {
-  Camera camera;
-  camera.azimuth_deg = 33;
-  camera.elevation_deg = 21;
-  camera.projection = CameraProjection::kPerspective;
-  camera.field_of_view_deg = field_of_view_deg;
-  return camera;
+  return {.azimuth_deg = 33,
+          .elevation_deg = 21,
+          .projection = CameraProjection::kPerspective,
+          .field_of_view_deg = field_of_view_deg};
 }
 
 /// Puts the eye at a point, whatever the size of the picture.
@@ -53,12 +47,10 @@ Camera with_eye_at(const Vec3& eye, Camera camera, const PictureSize& size, cons
 }
 
 RenderOptions accurate(Quality quality = Quality::kNormal) {
-  RenderOptions options;
-  options.size = {40, 36};
-  options.quality = quality;
-  options.classification = Classification::kAfter;
-  options.hybrid_shading = false;
-  return options;
+  return {.size = {40, 36},
+          .quality = quality,
+          .classification = Classification::kAfter,
+          .hybrid_shading = false};
 }
 
 /// The truth of a selection with one look of grey bytes.
@@ -80,9 +72,7 @@ StandardScene smooth_bytes(const std::string& options) {
   TestVolume volume;
   volume.grid.size = {26, 24, 25};
   volume.grid.spacing_mm = {1, 1.1, 0.9};
-  volume.structures = {{"ball",
-                        make_mask(volume.grid.size, [](std::int64_t i, auto, auto) { return i < 19; }),
-                        {255, 160, 90}}};
+  volume.structures = {{"ball", box_mask(volume.grid.size, {0, 0, 0}, {18, 23, 24}), {255, 160, 90}}};
   std::vector<std::uint8_t> greys;
   for (int k = 0; k < 25; ++k) {
     for (int j = 0; j < 24; ++j) {
@@ -152,17 +142,10 @@ TEST(CastRays, StepsAtABorderAreMetByRaysThatPassAnEdge) {
     int passed = 0;
     for (int y = 0; y < options.size.height; ++y) {
       for (int x = 0; x < options.size.width; ++x) {
-        const double px = x + 0.5, py = y + 0.5;
         const reference::Ray ray =
-            view.eye_mm ? ray_through(PerspectiveView{view.plane, camera.field_of_view_deg}, grid, px, py)
-                        : reference::ray_through(view.plane, grid, px, py);
-        double from = -kInfinity, to = kInfinity;
-        for (std::size_t a = 0; a < 3; ++a) {
-          const double one = (-1 - ray.start[a]) / ray.per_mm[a], other = (21 - ray.start[a]) / ray.per_mm[a];
-          from = std::max(from, std::min(one, other));
-          to = std::min(to, std::max(one, other));
-        }
-        const double length = std::max(0.0, to - from);
+            reference::ray_through(view, camera.field_of_view_deg, grid, x + 0.5, y + 0.5);
+        const auto [from_mm, to_mm] = clip_to_field(ray, grid.size, {-kInfinity, kInfinity});
+        const double length = std::max(0.0, to_mm - from_mm);
         passed += length > 0 && length < 0.5 ? 1 : 0;
         EXPECT_NEAR(picture.at(x, y)[3], 1 - std::pow(0.5, length), 2e-3) << x << ", " << y << ": " << length;
       }
@@ -204,8 +187,7 @@ TEST(CastRays, AreCloseToTheTruthAtEveryQuality) {
       Camera camera = perspective();
       if (!in_perspective) camera.projection = CameraProjection::kParallel;
       const ReferencePicture truth = truth_of(scene, camera, size);
-      Renderer renderer(open_in_memory(scene.content), {1, 0});
-      ASSERT_TRUE(renderer.select(scene.selection));
+      Renderer renderer = renderer_of(scene.content, scene.selection);
       const auto rms = [&](Quality quality) {
         return 255 * reference::difference(render_or_throw(renderer, camera, accurate(quality)), truth).rms;
       };
@@ -222,30 +204,12 @@ TEST(CastRays, TheErrorFallsWithTheSquareOfTheSteps) {
   const Camera camera = perspective();
   const PictureSize size{40, 36};
   const ReferencePicture truth = truth_of(scene, camera, size);
-  const auto atlas = open_in_memory(scene.content);
-  ThreadPool pool(1);
-  ClassCache cache(atlas);
-  VolumeAppearances appearances(*atlas);
-  const DrawPlan plan = atlas->tree().plan(scene.selection);
-  appearances.select(plan, scene.selection);
-  std::vector<ClassId> classes;
-  for (const ClassDraw& draw : plan.classes) classes.push_back(draw.id);
-  ASSERT_TRUE(cache.require(classes, Axis::kZ, pool));
-  const SelectedRuns runs(plan, atlas->classes(), cache, Axis::kZ);
-  const auto volume = RayVolume::build({.atlas = *atlas,
-                                        .selection = scene.selection,
-                                        .plan = plan,
-                                        .appearances = appearances.appearances(),
-                                        .runs = runs,
-                                        .cache = cache,
-                                        .classification = Classification::kAfter,
-                                        .max_memory_bytes = std::uint64_t{1} << 30},
-                                       pool);
-  ASSERT_TRUE(volume);
+  PreparedSelection prepared(scene.content, scene.selection);
+  const RayVolume volume = prepared.rays(Classification::kAfter);
   const auto rms = [&](int steps) {
     Picture picture;
-    cast_rays(*volume, *view_of(camera, size, atlas->display()), atlas->grid(),
-              {.min_steps = steps, .max_steps = steps}, best_march(), picture, pool);
+    cast_rays(volume, *view_of(camera, size, scene.content.display), prepared.atlas->grid(),
+              {.min_steps = steps, .max_steps = steps}, best_march(), picture, prepared.pool);
     return reference::difference(picture, truth).rms;
   };
   double before = rms(1);
@@ -253,38 +217,6 @@ TEST(CastRays, TheErrorFallsWithTheSquareOfTheSteps) {
     const double now = rms(steps);
     EXPECT_NEAR(std::log2(before / now), 2.0, 0.2) << steps;
     before = now;
-  }
-}
-
-/// Classified beforehand, lit voxels, any type of grey values, curves, several structures, any grid.
-TEST(CastRays, PerspectiveOfRandomScenesIsTheTruth) {
-  for (std::uint32_t number = 0; number < 60; ++number) {
-    RandomScene scene = random_scene(number);
-    for (StructureDraw& draw : scene.selection.structures) {
-      if (draw.mode != DrawMode::kOff) draw.mode = DrawMode::kVolume;
-    }
-    scene.camera.projection = CameraProjection::kPerspective;
-    scene.camera.field_of_view_deg = std::array{0.01, 30.0, 75.0, 120.0, 179.0}[number % 5];
-    scene.options.termination_threshold = 0;
-    scene.options.quality = Quality::kHigh;
-    const Picture picture =
-        render_or_throw(scene.content, scene.selection, scene.camera, scene.options, 1, scene.overrides);
-    EXPECT_LE(reference::energy_violation(picture), 1e-5) << number << ": " << describe(scene);
-    const View view = *view_of(scene.camera, scene.options.size, scene.content.display);
-    const Grid grid = storage_grid(scene.content);
-    const reference::OpticalField field =
-        reference::optical_field(scene.content, scene.selection, view.plane, scene.options.hybrid_shading);
-    ReferencePicture truth{scene.options.size, {}};
-    for (int y = 0; y < scene.options.size.height; ++y) {
-      for (int x = 0; x < scene.options.size.width; ++x) {
-        const reference::Ray ray =
-            ray_through(PerspectiveView{view.plane, scene.camera.field_of_view_deg}, grid, x + 0.5, y + 0.5);
-        const reference::RayRadiance light = integrate_ray(field, ray, 0, kInfinity);
-        truth.pixels.push_back({light.color[0], light.color[1], light.color[2], 1 - light.transmittance});
-      }
-    }
-    const PictureDifference d = reference::difference(picture, truth);
-    EXPECT_LE(255 * d.rms, 1) << number << ": " << describe(scene) << ": " << to_text(d);
   }
 }
 
@@ -296,30 +228,10 @@ TEST(CastRays, ThreadsDoNotChangeABit) {
       options.size = {101, 77};
       options.classification = classification;
       options.hybrid_shading = shade;
-      const Picture one = render_or_throw(scene.content, scene.selection, perspective(), options, 1);
-      EXPECT_GT(one.at(50, 38)[3], 0.1);
-      for (const unsigned threads : {2u, 8u}) {
-        EXPECT_EQ(render_or_throw(scene.content, scene.selection, perspective(), options, threads).rgba,
-                  one.rgba);
-      }
+      const Picture picture = render_with_threads(scene.content, scene.selection, perspective(), options);
+      EXPECT_GT(picture.at(50, 38)[3], 0.1);
     }
   }
-}
-
-TEST(CastRays, EarlyTerminationIsWithinItsFloorAndNeverMoreLight) {
-  const StandardScene scene = phantom_scene();
-  RenderOptions options = accurate();
-  options.termination_threshold = 0;
-  const Picture all = render_or_throw(scene.content, scene.selection, perspective(), options);
-  options.termination_threshold = 0.05f;
-  const Picture ended = render_or_throw(scene.content, scene.selection, perspective(), options);
-  float largest = 0;
-  for (std::size_t n = 0; n < all.rgba.size(); ++n) {
-    largest = std::max(largest, all.rgba[n] - ended.rgba[n]);
-    EXPECT_LE(ended.rgba[n], all.rgba[n] + 1e-6f);
-  }
-  EXPECT_LE(largest, 0.05f);
-  EXPECT_GT(largest, 1e-4f);
 }
 
 /// A narrow field of view from far away is a parallel view.
@@ -339,12 +251,8 @@ TEST(CastRays, AFarEyeSeesInParallel) {
 TEST(CastRays, ColoursMeetWithoutAGap) {
   TestVolume volume;
   volume.grid.size = {8, 8, 8};
-  for (const bool left : {true, false}) {
-    volume.structures.push_back(
-        {left ? "a" : "b",
-         make_mask(volume.grid.size, [&](std::int64_t i, auto, auto) { return (i < 4) == left; }),
-         left ? Rgb{255, 0, 0} : Rgb{0, 0, 255}});
-  }
+  volume.structures = {{"a", box_mask(volume.grid.size, {0, 0, 0}, {3, 7, 7}), {255, 0, 0}},
+                       {"b", box_mask(volume.grid.size, {4, 0, 0}, {7, 7, 7}), {0, 0, 255}}};
   volume.values = make_values(VoxelType::kUInt8, std::vector<std::uint8_t>(512, 150));
   volume.window_high = 200;
   const AtlasContent content = make_content(volume);

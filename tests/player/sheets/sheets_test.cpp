@@ -32,8 +32,7 @@ TEST(Sheets, CutSpansAtTheBordersOfThePicture) {
   Renderer renderer(open_in_memory(content), {1, 0});
   const Selection selection = selection_of("stripes", content.graph);
   ASSERT_TRUE(renderer.select(selection));
-  RenderOptions options;
-  options.size = {24, 8};
+  const RenderOptions options{.size = {24, 8}};
   Camera camera;
   camera.zoom = content.display.radius_mm * 2 / 0.96 / 8;  // one voxel per pixel
   double shown = 0;

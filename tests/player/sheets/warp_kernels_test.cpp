@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/reference/cubic.h"
 #include "tests/support/every_kernel.h"
 
 namespace splatlas {
@@ -87,12 +88,6 @@ TEST_P(WarpKernelsOf, WeighsFourNeighboursAndWritesNoMoreThanAsked) {
   }
 }
 
-double catmull_rom(double distance) {
-  const double d = std::abs(distance);
-  if (d < 1) return (1.5 * d - 2.5) * d * d + 1;
-  return d < 2 ? ((-0.5 * d + 2.5) * d - 4) * d + 2 : 0;
-}
-
 /// Inside the sheet, across its border and beside it.
 TEST_P(WarpKernelsOf, CubicsWeighSixteenNeighboursAndStayInBounds) {
   std::mt19937 random(2);
@@ -118,8 +113,8 @@ TEST_P(WarpKernelsOf, CubicsWeighSixteenNeighboursAndStayInBounds) {
         std::array<double, 4> expected{};
         for (std::int64_t row = 0; row < walk.rows; ++row) {
           for (std::int64_t column = 0; column < walk.columns; ++column) {
-            const double weight =
-                catmull_rom(x - static_cast<double>(column)) * catmull_rom(y - static_cast<double>(row));
+            const double weight = reference::catmull_rom(x - static_cast<double>(column)) *
+                                  reference::catmull_rom(y - static_cast<double>(row));
             if (weight == 0) continue;
             const float* const from =
                 &pixels[static_cast<std::size_t>((row * walk.stride + column) * channels)];

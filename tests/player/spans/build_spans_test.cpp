@@ -1,7 +1,7 @@
 #include "player/spans/build_spans.h"
 
+#include <algorithm>
 #include <array>
-#include <cmath>
 #include <random>
 #include <tuple>
 
@@ -9,40 +9,12 @@
 #include <gtest/gtest.h>
 
 #include "player/transfer/shading.h"
+#include "tests/player/prepared_selection.h"
 #include "tests/reference/optical_field.h"
 #include "tests/support/random_scene.h"
 
 namespace splatlas {
 namespace {
-
-/// Inputs of a span build, for a scene.
-struct Prepared {
-  std::shared_ptr<const Atlas> atlas;
-  DrawPlan plan;
-  VolumeAppearances appearances;
-  ThreadPool pool;
-  ClassCache cache;
-
-  explicit Prepared(const RandomScene& scene, unsigned threads = 1)
-      : atlas(open_in_memory(scene.content)), appearances(*atlas), pool(threads), cache(atlas) {
-    select(scene.selection);
-  }
-
-  void select(const Selection& selection) {
-    plan = atlas->tree().plan(selection);
-    appearances.select(plan, selection);
-  }
-  void build(Axis axis, SpanBuilder& builder, bool shade = true) {
-    EXPECT_TRUE(cache.require(volume_classes(plan), axis, pool));
-    const SelectedRuns runs(plan, atlas->classes(), cache, axis);
-    builder.build({runs, plan, appearances, atlas->classes(), atlas->grid(), cache, shade}, pool);
-  }
-  SpanModel build(Axis axis) {
-    SpanBuilder builder;
-    build(axis, builder);
-    return std::move(builder.model());
-  }
-};
 
 /// Unpacks spans into a volume, and checks their order and blocks.
 std::vector<reference::VoxelOptics> unpacked(const SpanModel& model, const Grid& grid) {
@@ -92,9 +64,9 @@ TEST(BuildSpans, HoldsTheLightOfEverySelectedVoxelWithAndWithoutShading) {
   for (std::uint32_t number = 0; number < 50; ++number) {
     const RandomScene scene = random_scene(number, 20);
     const ParallelView view = *parallel_view(scene.camera, scene.options.size, scene.content.display);
-    Prepared prepared(scene);
+    PreparedSelection prepared(scene.content, scene.selection);
     for (const Axis axis : kAxes) {
-      SpanModel model = prepared.build(axis);
+      SpanModel model = prepared.spans(axis);
       for (const bool shade : {false, true, false}) {
         shade_spans(model, shade ? Lighting(view).table() : std::vector<float>(65536, 1.0f), prepared.pool);
         const reference::OpticalField field =
@@ -118,11 +90,11 @@ TEST(BuildSpans, HoldsTheLightOfEverySelectedVoxelWithAndWithoutShading) {
 
 TEST(BuildSpans, DoesNotDependOnTheNumberOfThreads) {
   const RandomScene scene = random_scene(4, 24);
-  Prepared one(scene, 1);
-  Prepared eight(scene, 8);
+  PreparedSelection one(scene.content, scene.selection, 1);
+  PreparedSelection eight(scene.content, scene.selection, 8);
   for (const Axis axis : kAxes) {
-    const SpanModel a = one.build(axis);
-    const SpanModel b = eight.build(axis);
+    const SpanModel a = one.spans(axis);
+    const SpanModel b = eight.spans(axis);
     ASSERT_EQ(a.voxels, b.voxels);
     for (std::size_t s = 0; s < a.slices.size(); ++s) {
       ASSERT_EQ(a.slices[s].optics.size(), b.slices[s].optics.size());
@@ -144,9 +116,8 @@ TEST(BuildSpans, TakesNoMoreMemoryThanItSays) {
         volume.structures = {{"a", by_value ? std::vector<bool>(mask.size(), true) : mask}};
         volume.values = make_values(VoxelType::kUInt8, std::vector<std::uint8_t>(mask.begin(), mask.end()));
         const AtlasContent content = make_content(volume);
-        const RandomScene scene{content, selection_of("a", content.graph), {}, {}};
-        Prepared prepared(scene);
-        const SpanModel model = prepared.build(Axis::kZ);
+        PreparedSelection prepared(content, selection_of("a", content.graph));
+        const SpanModel model = prepared.spans(Axis::kZ);
         std::uint64_t bytes = 0;
         for (const SliceSpans& slice : model.slices) {
           bytes += slice.optics.size() * sizeof(float) + slice.spans.size() * sizeof(Span) +
@@ -159,27 +130,16 @@ TEST(BuildSpans, TakesNoMoreMemoryThanItSays) {
   }
 }
 
-void expect_equal(const SliceSpans& a, const SliceSpans& b) {
-  ASSERT_EQ(a.emissions, b.emissions);
-  ASSERT_EQ(a.first_row, b.first_row);
-  ASSERT_EQ(a.last_row, b.last_row);
-  ASSERT_EQ(a.first_span, b.first_span);
-  ASSERT_EQ(a.voxels, b.voxels);
-  ASSERT_EQ(a.spans.size(), b.spans.size());
-  for (std::size_t n = 0; n < a.spans.size(); ++n) {
-    ASSERT_EQ(a.spans[n].first_block, b.spans[n].first_block);
-    ASSERT_EQ(a.spans[n].blocks, b.spans[n].blocks);
-    ASSERT_EQ(a.spans[n].voxels, b.spans[n].voxels);
-    ASSERT_EQ(a.spans[n].offset, b.spans[n].offset);
-  }
-  ASSERT_TRUE(std::equal(a.optics.data(), a.optics.data() + a.optics.size(), b.optics.data(),
-                         b.optics.data() + b.optics.size()));
-  ASSERT_EQ(a.shaded.size(), b.shaded.size());
-  for (std::size_t n = 0; n < a.shaded.size(); ++n) {
-    ASSERT_EQ(a.shaded[n].place, b.shaded[n].place);
-    ASSERT_EQ(a.shaded[n].normal, b.shaded[n].normal);
-    ASSERT_EQ(a.shaded[n].emission, b.shaded[n].emission);
-  }
+bool equal(const SliceSpans& a, const SliceSpans& b) {
+  const auto facts = [](const SliceSpans& s) {
+    return std::tie(s.emissions, s.first_row, s.last_row, s.first_span, s.voxels);
+  };
+  const auto of_span = [](const Span& s) { return std::tie(s.first_block, s.blocks, s.voxels, s.offset); };
+  const auto of_voxel = [](const ShadedVoxel& v) { return std::tie(v.place, v.normal, v.emission); };
+  return facts(a) == facts(b) && std::ranges::equal(a.spans, b.spans, {}, of_span, of_span) &&
+         std::equal(a.optics.data(), a.optics.data() + a.optics.size(), b.optics.data(),
+                    b.optics.data() + b.optics.size()) &&
+         std::ranges::equal(a.shaded, b.shaded, {}, of_voxel, of_voxel);
 }
 
 void expect_equal(const SpanModel& a, const SpanModel& b) {
@@ -189,7 +149,7 @@ void expect_equal(const SpanModel& a, const SpanModel& b) {
   ASSERT_EQ(std::tuple(a.slice_first, a.row_first, a.rows, a.scan_first, a.scan_voxels),
             std::tuple(b.slice_first, b.row_first, b.rows, b.scan_first, b.scan_voxels));
   ASSERT_EQ(a.slices.size(), b.slices.size());
-  for (std::size_t n = 0; n < a.slices.size(); ++n) expect_equal(a.slices[n], b.slices[n]);
+  for (std::size_t n = 0; n < a.slices.size(); ++n) ASSERT_TRUE(equal(a.slices[n], b.slices[n])) << n;
 }
 
 /// Some structures of a scene, with one of a few appearances each.
@@ -214,7 +174,7 @@ TEST(BuildSpans, OneSelectionAfterAnotherGivesWhatEachWouldAlone) {
   std::size_t kept = 0, built = 0;
   for (std::uint32_t number = 0; number < 40; ++number) {
     const RandomScene scene = random_scene(number, 16);
-    Prepared prepared(scene, 2);
+    PreparedSelection prepared(scene.content, scene.selection, 2);
     const Axis axis = kAxes[random() % 3];
     SpanBuilder builder;
     for (int change = 0; change < 8; ++change) {
@@ -239,13 +199,11 @@ TEST(BuildSpans, OnlySlicesThatChangeAreBuilt) {
   TestVolume volume;
   volume.grid.size = {20, 20, 30};
   for (const int n : {0, 1, 2}) {
-    volume.structures.push_back(
-        {std::string(1, static_cast<char>('a' + n)), make_mask(volume.grid.size, [&](auto i, auto j, auto k) {
-           return i > 2 && i < 17 && j > 2 && j < 17 && k / 10 == n;
-         })});
+    volume.structures.push_back({std::string(1, static_cast<char>('a' + n)),
+                                 box_mask(volume.grid.size, {3, 3, 10 * n}, {16, 16, 10 * n + 9})});
   }
   const AtlasContent content = make_content(volume);
-  Prepared prepared({content, selection_of("*:volume(color=#ffffff)", content.graph), {}, {}});
+  PreparedSelection prepared(content, selection_of("*:volume(color=#ffffff)", content.graph));
   SpanBuilder builder;
   const auto built_for = [&](const std::string& text) {
     prepared.select(selection_of(text, content.graph));

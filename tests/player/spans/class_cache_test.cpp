@@ -66,12 +66,19 @@ TEST(ClassCache, HoldsWhatTheAtlasHolds) {
   }
 }
 
+/// An atlas of many classes, and all of them but the empty one.
+struct EncodedScene {
+  AtlasContent content = random_scene(3, 16).content;
+  std::vector<std::byte> bytes = encode_atlas(content).value();
+  std::vector<ClassId> all = std::vector<ClassId>(content.classes.size() - 1);
+
+  EncodedScene() { std::iota(all.begin(), all.end(), 1); }
+  [[nodiscard]] std::shared_ptr<const Atlas> open() const { return Atlas::open_bytes(bytes).value(); }
+};
+
 TEST(ClassCache, ReadsNothingTwiceAndNothingElse) {
-  const RandomScene scene = random_scene(3, 16);
-  const auto bytes = encode_atlas(scene.content);
-  ASSERT_TRUE(bytes);
-  const auto open = [&] { return *Atlas::open_bytes(*bytes); };
-  const auto atlas = open();
+  const EncodedScene scene;
+  const auto atlas = scene.open();
   ASSERT_GE(atlas->classes().size(), 5u);
   const std::vector<ClassId> some{2, 4};
   ThreadPool pool(2);
@@ -80,7 +87,7 @@ TEST(ClassCache, ReadsNothingTwiceAndNothingElse) {
   const Atlas::Counters first = atlas->counters();
 
   // An atlas that is asked for exactly these parts.
-  const auto other = open();
+  const auto other = scene.open();
   for (const ClassId c : some) {
     (void)other->read_runs(c, Axis::kZ);
     (void)other->read_values(c);
@@ -98,12 +105,9 @@ TEST(ClassCache, ReadsNothingTwiceAndNothingElse) {
 
 /// Unneeded parts are not read: no normals without shading, and along y only runs.
 TEST(ClassCache, ReadsNormalsOnlyWhereTheyAreWanted) {
-  const RandomScene scene = random_scene(3, 16);
-  const auto bytes = encode_atlas(scene.content);
-  ASSERT_TRUE(bytes);
-  const auto atlas = *Atlas::open_bytes(*bytes), other = *Atlas::open_bytes(*bytes);
-  std::vector<ClassId> all(atlas->classes().size() - 1);
-  std::iota(all.begin(), all.end(), 1);
+  const EncodedScene scene;
+  const std::vector<ClassId>& all = scene.all;
+  const auto atlas = scene.open(), other = scene.open();
   ThreadPool pool(2);
   ClassCache cache(atlas);
   ASSERT_TRUE(cache.require(all, Axis::kY, pool, false));
@@ -121,27 +125,11 @@ TEST(ClassCache, ReadsNormalsOnlyWhereTheyAreWanted) {
   }
 }
 
-/// An atlas of many classes, and all of them but the empty one.
-struct EncodedScene {
-  AtlasContent content;
-  Result<std::vector<std::byte>> bytes;
-  std::vector<ClassId> all;
-};
-
-EncodedScene encoded_scene() {
-  AtlasContent content = random_scene(3, 16).content;
-  Result<std::vector<std::byte>> bytes = encode_atlas(content);
-  std::vector<ClassId> all(content.classes.size() - 1);
-  std::iota(all.begin(), all.end(), 1);
-  return {std::move(content), std::move(bytes), std::move(all)};
-}
-
 /// Small classes share chunks: the first thread decodes them for all.
 TEST(ClassCache, DecodesAsMuchWithManyThreadsAsWithOne) {
-  const EncodedScene scene = encoded_scene();
-  ASSERT_TRUE(scene.bytes);
+  const EncodedScene scene;
   const auto decoded = [&](unsigned threads) {
-    const auto atlas = *Atlas::open_bytes(*scene.bytes);
+    const auto atlas = scene.open();
     ThreadPool pool(threads);
     ClassCache cache(atlas);
     EXPECT_TRUE(cache.require(scene.all, Axis::kX, pool));
@@ -152,25 +140,24 @@ TEST(ClassCache, DecodesAsMuchWithManyThreadsAsWithOne) {
 }
 
 TEST(ClassCache, DamageIsToldAndNothingOfTheDamagedClassIsKept) {
-  const auto [content, bytes, all] = encoded_scene();
-  ASSERT_TRUE(bytes);
+  const EncodedScene scene;
   ThreadPool pool(2);
   std::size_t failures = 0;
-  for (std::size_t at = 0; at < bytes->size(); at += 1 + bytes->size() / 100) {
-    auto damaged = *bytes;
+  for (std::size_t at = 0; at < scene.bytes.size(); at += 1 + scene.bytes.size() / 100) {
+    auto damaged = scene.bytes;
     damaged[at] ^= std::byte{0x10};
     const auto atlas = Atlas::open_bytes(std::move(damaged));
     if (!atlas) continue;
     ClassCache cache(*atlas);
     for (const Axis axis : kAxes) {
-      const auto first = cache.require(all, axis, pool);
-      const auto again = cache.require(all, axis, pool);
+      const auto first = cache.require(scene.all, axis, pool);
+      const auto again = cache.require(scene.all, axis, pool);
       EXPECT_EQ(first.has_value(), again.has_value()) << "a damaged class was kept";
       if (!first) {
         ++failures;
         EXPECT_EQ(first.error().code, ErrorCode::kInvalidAtlas);
       } else {
-        expect_equal(content, cache, all, axis);
+        expect_equal(scene.content, cache, scene.all, axis);
       }
     }
   }

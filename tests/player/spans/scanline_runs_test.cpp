@@ -66,8 +66,11 @@ TEST(ScanlineRuns, HoldsWhatHasBeenInsertedInOrder) {
   }
 }
 
-std::vector<std::tuple<std::uint32_t, std::uint32_t>> places(const ScanlineRuns& runs, std::int64_t slice) {
-  std::vector<std::tuple<std::uint32_t, std::uint32_t>> found;
+/// Rows and starts.
+using Places = std::vector<std::tuple<std::uint32_t, std::uint32_t>>;
+
+Places places(const ScanlineRuns& runs, std::int64_t slice) {
+  Places found;
   for (const ClassRun& run : runs.slice(slice)) found.emplace_back(run.row, run.start);
   return found;
 }
@@ -81,9 +84,8 @@ TEST(ScanlineRuns, RunsMayLieFarApart) {
   ScanlineRuns runs;
   const std::array<std::pair<ClassId, const ClassRuns*>, 2> both{std::pair{7u, &a}, {9u, &b}};
   runs.insert(both, kManyRows, pool);
-  EXPECT_EQ(places(runs, 0),
-            (std::vector<std::tuple<std::uint32_t, std::uint32_t>>{{0, 1}, {0, kFar}, {kFar, 0}, {kFar, 3}}));
-  EXPECT_EQ(places(runs, 1), (std::vector<std::tuple<std::uint32_t, std::uint32_t>>{{1u << 20, 4}}));
+  EXPECT_EQ(places(runs, 0), (Places{{0, 1}, {0, kFar}, {kFar, 0}, {kFar, 3}}));
+  EXPECT_EQ(places(runs, 1), (Places{{1u << 20, 4}}));
 }
 
 /// Only forged files contain these: the kept runs stay sorted.
@@ -94,8 +96,7 @@ TEST(ScanlineRuns, OfRunsThatBeginAtOneVoxelOneStays) {
     ScanlineRuns runs;
     const std::array<std::pair<ClassId, const ClassRuns*>, 2> both{std::pair{1u, &a}, {2u, &b}};
     runs.insert(both, 2, pool);
-    EXPECT_EQ(places(runs, 0),
-              (std::vector<std::tuple<std::uint32_t, std::uint32_t>>{{0, 2}, {1, 5}, {1, 6}, {1, last}}));
+    EXPECT_EQ(places(runs, 0), (Places{{0, 2}, {1, 5}, {1, 6}, {1, last}}));
   }
 }
 

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/player/prepared_selection.h"
 #include "tests/support/random_scene.h"
 
 namespace splatlas {
@@ -25,19 +26,14 @@ std::map<std::int64_t, std::uint32_t> drawn_voxels(const AtlasContent& content, 
 TEST(SelectedRuns, HoldEverySelectedVoxelOnceInScanlineOrder) {
   for (std::uint32_t number = 0; number < 80; ++number) {
     const RandomScene scene = random_scene(number, 9);
-    const auto atlas = open_in_memory(scene.content);
-    const DrawPlan plan = atlas->tree().plan(scene.selection);
-    const auto expected = drawn_voxels(scene.content, plan);
-    ThreadPool pool(1);
-    ClassCache cache(atlas);
+    PreparedSelection prepared(scene.content, scene.selection);
+    const auto expected = drawn_voxels(scene.content, prepared.plan);
     std::vector<ClassId> others;  // decoded but not selected
-    for (ClassId c = 1; c < atlas->classes().size(); c += 2) others.push_back(c);
-    const std::vector<ClassId> classes = volume_classes(plan);
-    const Grid& grid = atlas->grid();
+    for (ClassId c = 1; c < prepared.atlas->classes().size(); c += 2) others.push_back(c);
+    const Grid& grid = prepared.atlas->grid();
     for (const Axis axis : kAxes) {
-      ASSERT_TRUE(cache.require(others, axis, pool));
-      ASSERT_TRUE(cache.require(classes, axis, pool));
-      const SelectedRuns runs(plan, atlas->classes(), cache, axis);
+      ASSERT_TRUE(prepared.cache.require(others, axis, prepared.pool));
+      const SelectedRuns runs = prepared.runs(axis);
       ASSERT_EQ(runs.axis(), axis);
       const ScanOrder scan = ScanOrder::of(axis);
       const Index3& size = grid.size;
@@ -71,7 +67,8 @@ TEST(SelectedRuns, HoldEverySelectedVoxelOnceInScanlineOrder) {
       }
       ASSERT_EQ(met, expected) << "scene " << number;
       std::size_t stored = 0;
-      for (const ClassId c : classes) stored += atlas->read_runs(c, axis)->size();
+      for (const ClassId c : volume_classes(prepared.plan))
+        stored += prepared.atlas->read_runs(c, axis)->size();
       ASSERT_EQ(count, stored) << "every run of a selected class, and no other";
       ASSERT_EQ(runs.count(), stored);
       for (std::int64_t n = 0; n < grid.voxels(); ++n) {

@@ -1,7 +1,5 @@
 #include "player/surfaces/rasterize.h"
 
-#include <algorithm>
-#include <cmath>
 #include <limits>
 #include <map>
 #include <random>
@@ -19,10 +17,8 @@ namespace {
 /// A view with pixels `mm_per_pixel` wide around `center_lps_mm`.
 ParallelView view_from(double azimuth_deg, double elevation_deg, PictureSize size, double mm_per_pixel,
                        const Vec3& center_lps_mm) {
-  Camera camera;
-  camera.azimuth_deg = azimuth_deg;
-  camera.elevation_deg = elevation_deg;
-  camera.center_lps_mm = center_lps_mm;
+  const Camera camera{
+      .azimuth_deg = azimuth_deg, .elevation_deg = elevation_deg, .center_lps_mm = center_lps_mm};
   ParallelView view = *parallel_view(camera, size, Display{});
   view.mm_per_pixel = mm_per_pixel;
   return view;

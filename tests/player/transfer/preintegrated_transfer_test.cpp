@@ -29,6 +29,17 @@ std::size_t segment_of(const PreintegratedTransfer& curve, double grey) {
   return segment;
 }
 
+/// Rows and segments, up to this one, that are not finite.
+std::size_t infinities(const PreintegratedTransfer& transfer, std::size_t last_segment) {
+  std::size_t count = 0;
+  for (std::size_t row = 0; row < PreintegratedTransfer::kRows; ++row) {
+    const float* const values = transfer.row(static_cast<PreintegratedTransfer::Row>(row));
+    count += static_cast<std::size_t>(
+        std::count_if(values, values + last_segment + 1, [](float value) { return !std::isfinite(value); }));
+  }
+  return count;
+}
+
 TEST(PreintegratedTransfer, EverySegmentIsTheCurve) {
   std::mt19937 random(1);
   for (const std::size_t points : {1u, 2u, 5u, 16u, 256u}) {
@@ -69,12 +80,7 @@ TEST(PreintegratedTransfer, IsFiniteAtEveryWidth) {
         ASSERT_TRUE(scale);
         EXPECT_EQ(scale->stored(0), -scale->offset * scale->scale);
         const PreintegratedTransfer prepared(curve, *scale, 1e-6);
-        for (std::size_t row = 0; row < PreintegratedTransfer::kRows; ++row) {
-          for (std::size_t s = 0; s <= prepared.points(); ++s) {
-            EXPECT_TRUE(std::isfinite(prepared.row(static_cast<PreintegratedTransfer::Row>(row))[s]))
-                << low << " to " << high << ", row " << row << ", segment " << s;
-          }
-        }
+        EXPECT_EQ(infinities(prepared, prepared.points()), 0u) << low << " to " << high;
       }
     }
   }
@@ -83,11 +89,7 @@ TEST(PreintegratedTransfer, IsFiniteAtEveryWidth) {
 TEST(PreintegratedTransfer, RampsThatAreTooNarrowForFloatsAreSteps) {
   const TransferCurve curve{{{0, 0, 0.25f}, {4e-44, 0, 0.5f}, {5e-44, 0.5f, 0.5f}, {255, 0.5f, 0.5f}}};
   const PreintegratedTransfer prepared(curve, *grey_scale(curve, VoxelType::kUInt8), 1e-9);
-  for (std::size_t row = 0; row < PreintegratedTransfer::kRows; ++row) {
-    for (std::size_t s = 0; s <= prepared.points(); ++s)
-      EXPECT_TRUE(std::isfinite(prepared.row(static_cast<PreintegratedTransfer::Row>(row))[s]))
-          << row << ", " << s;
-  }
+  EXPECT_EQ(infinities(prepared, prepared.points()), 0u);
   EXPECT_FALSE(prepared.shows(0, 0));
   EXPECT_EQ(prepared.row(PreintegratedTransfer::kExtinction)[3],
             static_cast<float>(extinction_of(0.5f, 1e-9)));
@@ -172,11 +174,7 @@ TEST(PreintegratedTransfer, NarrowRampsFarAwayAreSteps) {
     const auto scale = grey_scale(curve, VoxelType::kFloat64);
     ASSERT_TRUE(scale);
     const PreintegratedTransfer prepared(curve, *scale, kLength);
-    for (std::size_t row = 0; row < PreintegratedTransfer::kRows; ++row) {
-      for (std::size_t n = 0; n < PreintegratedTransfer::kMaxSegments; ++n) {
-        ASSERT_TRUE(std::isfinite(prepared.row(static_cast<PreintegratedTransfer::Row>(row))[n]));
-      }
-    }
+    ASSERT_EQ(infinities(prepared, PreintegratedTransfer::kMaxSegments - 1), 0u);
     const auto at = [&](double grey) { return static_cast<float>(scale->stored(grey)); };
     EXPECT_FALSE(low < 0 ? prepared.shows(at(low / 2), 0) : prepared.shows(0, at(low * 0.9999))) << low;
     EXPECT_TRUE(prepared.shows(at(low * 1.0001), at(low * 1.0001))) << low;

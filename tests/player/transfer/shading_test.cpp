@@ -13,9 +13,7 @@ namespace splatlas {
 namespace {
 
 ParallelView view_from(double azimuth_deg, double elevation_deg) {
-  Camera camera;
-  camera.azimuth_deg = azimuth_deg;
-  camera.elevation_deg = elevation_deg;
+  const Camera camera{.azimuth_deg = azimuth_deg, .elevation_deg = elevation_deg};
   return *parallel_view(camera, {8, 8}, Display{});
 }
 

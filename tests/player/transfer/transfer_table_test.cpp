@@ -19,16 +19,6 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 template <typename T>
 class TransferTableOf : public testing::Test {
  public:
-  static constexpr VoxelType type() {
-    if constexpr (std::is_same_v<T, std::uint8_t>) return VoxelType::kUInt8;
-    if constexpr (std::is_same_v<T, std::int8_t>) return VoxelType::kInt8;
-    if constexpr (std::is_same_v<T, std::uint16_t>) return VoxelType::kUInt16;
-    if constexpr (std::is_same_v<T, std::int16_t>) return VoxelType::kInt16;
-    if constexpr (std::is_same_v<T, std::uint32_t>) return VoxelType::kUInt32;
-    if constexpr (std::is_same_v<T, std::int32_t>) return VoxelType::kInt32;
-    if constexpr (std::is_same_v<T, float>) return VoxelType::kFloat32;
-    return VoxelType::kFloat64;
-  }
   /// Every value of small types; limits and values around the window of large ones.
   static std::vector<T> values() {
     using Limits = std::numeric_limits<T>;
@@ -70,7 +60,7 @@ std::vector<TransferCurve> curves() {
 
 TYPED_TEST(TransferTableOf, FollowsTheCurveForEveryValue) {
   const std::vector<TypeParam> values = TestFixture::values();
-  const VoxelBuffer buffer = make_values(TestFixture::type(), values);
+  const VoxelBuffer buffer = make_values(voxel_type_of<TypeParam>(), values);
   for (const TransferCurve& curve : curves()) {
     const TransferShape shape = shape_of(curve);
     double densest = 0;
@@ -102,7 +92,7 @@ TYPED_TEST(TransferTableOf, FollowsTheCurveForEveryValue) {
 TYPED_TEST(TransferTableOf, StridesThroughTheValues) {
   std::vector<TypeParam> values;
   for (int n = 0; n < 100; ++n) values.push_back(static_cast<TypeParam>(n));
-  const VoxelBuffer buffer = make_values(TestFixture::type(), values);
+  const VoxelBuffer buffer = make_values(voxel_type_of<TypeParam>(), values);
   const TransferShape ramp{{{0, 0, 0}, {100, 1, 1}}};
   for (const bool tabulated : {true, false}) {
     std::vector<ClassifiedVoxel> appearances(9, {-1, -1});

@@ -5,8 +5,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "tests/player/prepared_selection.h"
 #include "tests/reference/reference_radiance.h"
-#include "tests/support/test_content.h"
 
 namespace splatlas {
 namespace {
@@ -29,27 +29,23 @@ AtlasContent row_of(std::size_t structures) {
 }
 
 /// Classified voxel of every structure.
-std::vector<ClassifiedVoxel> classified_voxels(const AtlasContent& content, const DrawPlan& plan,
-                                               std::span<const VolumeAppearance> appearances) {
+std::vector<ClassifiedVoxel> classified_voxels(const AtlasContent& content, PreparedSelection& prepared) {
   std::vector<ClassifiedVoxel> voxels(content.graph.size());
-  for (std::size_t n = 0; n < plan.classes.size(); ++n) {
-    const StructureIndex s = plan.classes[n].volume_of;
-    appearances[n].look_up(content.values.bytes.data(), s, 1, 1, &voxels[s]);
+  for (std::size_t n = 0; n < prepared.plan.classes.size(); ++n) {
+    const StructureIndex s = prepared.plan.classes[n].volume_of;
+    prepared.appearances.appearances()[n].look_up(content.values.bytes.data(), s, 1, 1, &voxels[s]);
   }
   return voxels;
 }
 
 TEST(VolumeAppearances, GiveEveryStructureItsOwnTransferFunction) {
   const AtlasContent content = row_of(6);
-  const auto atlas = open_in_memory(content);
-  VolumeAppearances appearances(*atlas);
   const Selection selection = selection_of(
       "s0 + s1(opacity=0.5) + s2(low=-19,high=-17) + s3(profile=hard,low=-18,high=-17) + "
       "s4(curve=-16:0.5:0.5) + s5(curve=-16:0.5/-14:0)",
       content.graph);
-  const DrawPlan plan = atlas->tree().plan(selection);
-  appearances.select(plan, selection);
-  const std::vector<ClassifiedVoxel> voxels = classified_voxels(content, plan, appearances.appearances());
+  PreparedSelection prepared(content, selection);
+  const std::vector<ClassifiedVoxel> voxels = classified_voxels(content, prepared);
   const double ln2 = std::log(2.0);
   EXPECT_EQ(voxels[0].extinction_per_mm, 0);  // at the low end of the window
   EXPECT_NEAR(voxels[1].extinction_per_mm, 0.01 * ln2, 1e-8);
@@ -64,25 +60,23 @@ TEST(VolumeAppearances, GiveEveryStructureItsOwnTransferFunction) {
 TEST(VolumeAppearances, HoldForMoreTransferFunctionsThanTables) {
   const std::size_t count = 100;
   const AtlasContent content = row_of(count);
-  const auto atlas = open_in_memory(content);
-  VolumeAppearances appearances(*atlas);
+  const Selection plain = selection_of("*", content.graph);
+  PreparedSelection prepared(content, plain);
   for (const int shift : {0, 7, 0, 50}) {
-    Selection selection = selection_of("*", content.graph);
+    Selection selection = plain;
     for (std::size_t s = 0; s < count; ++s) {
       selection.structures[s].volume.low = static_cast<double>(s) - 21.0 - shift;
       selection.structures[s].volume.high = static_cast<double>(s) - 19.0;
     }
-    const DrawPlan plan = atlas->tree().plan(selection);
-    appearances.select(plan, selection);
-    for (const ClassifiedVoxel& appearance : classified_voxels(content, plan, appearances.appearances())) {
+    prepared.select(selection);
+    for (const ClassifiedVoxel& appearance : classified_voxels(content, prepared)) {
       const double t = (1.0 + shift) / (2.0 + shift);
       EXPECT_NEAR(appearance.extinction_per_mm, -t * std::log(0.7), 1e-7) << shift;
       EXPECT_NEAR(appearance.shade, 0.25 + 0.75 * t, 1e-7) << shift;
     }
     // Appearances without options are restored.
-    const Selection plain = selection_of("*", content.graph);
-    appearances.select(plan, plain);
-    const std::vector<ClassifiedVoxel> voxels = classified_voxels(content, plan, appearances.appearances());
+    prepared.select(plain);
+    const std::vector<ClassifiedVoxel> voxels = classified_voxels(content, prepared);
     for (std::size_t s = 0; s < count; ++s) {
       EXPECT_NEAR(voxels[s].extinction_per_mm, static_cast<double>(s) / 100 * -std::log(0.7), 1e-7);
     }
@@ -91,27 +85,23 @@ TEST(VolumeAppearances, HoldForMoreTransferFunctionsThanTables) {
 
 TEST(VolumeAppearances, ShareOneTableAmongOpacities) {
   const AtlasContent content = row_of(3);
-  const auto atlas = open_in_memory(content);
-  VolumeAppearances appearances(*atlas);
-  const Selection selection = selection_of("s0 + s1(opacity=0.9) + s2(profile=thin)", content.graph);
-  const DrawPlan plan = atlas->tree().plan(selection);
-  appearances.select(plan, selection);
-  for (const VolumeAppearance& appearance : appearances.appearances())
-    EXPECT_EQ(appearance.transfer, appearances.appearances()[0].transfer);
+  PreparedSelection prepared(content, selection_of("s0 + s1(opacity=0.9) + s2(profile=thin)", content.graph));
+  const auto appearances = prepared.appearances.appearances();
+  for (const VolumeAppearance& appearance : appearances)
+    EXPECT_EQ(appearance.transfer, appearances[0].transfer);
 }
 
 TEST(VolumeAppearances, ReachTheirOpacityOverTheReferenceLength) {
   for (const double spacing_mm : {1e-6, 0.7, 1e6}) {
     AtlasContent content = row_of(1);
     content.source_grid.spacing_mm = {spacing_mm, spacing_mm, spacing_mm};
-    const auto atlas = open_in_memory(content);
-    VolumeAppearances appearances(*atlas);
+    Selection selection = selection_of("s0", content.graph);
+    PreparedSelection prepared(content, selection);
     for (const float opacity : {1e-8f, 1e-4f, 0.1f, 0.5f, 0.999f}) {
-      Selection selection = selection_of("s0", content.graph);
       selection.structures[0].opacity = opacity;
-      const DrawPlan plan = atlas->tree().plan(selection);
-      appearances.select(plan, selection);
-      const double depth = appearances.appearances()[0].extinction_per_mm * atlas->reference_length_mm();
+      prepared.select(selection);
+      const double depth =
+          prepared.appearances.appearances()[0].extinction_per_mm * prepared.atlas->reference_length_mm();
       // The float extinction rounds the depth by a relative 6e-8.
       EXPECT_NEAR(-std::expm1(-depth) / static_cast<double>(opacity), 1, 2e-7)
           << opacity << ", " << spacing_mm;
@@ -119,16 +109,14 @@ TEST(VolumeAppearances, ReachTheirOpacityOverTheReferenceLength) {
   }
 }
 
-TEST(VolumeAppearances, ColorsAreLinearLight) {
+TEST(VolumeAppearances, ColorsAreLinear) {
   const AtlasContent content = row_of(1);
-  const auto atlas = open_in_memory(content);
-  VolumeAppearances appearances(*atlas);
   Selection selection = selection_of("s0", content.graph);
-  const DrawPlan plan = atlas->tree().plan(selection);
+  PreparedSelection prepared(content, selection);
   for (int channel = 0; channel < 256; ++channel) {
     selection.structures[0].color = {static_cast<std::uint8_t>(channel), 0, 255};
-    appearances.select(plan, selection);
-    const VolumeAppearance& appearance = appearances.appearances()[0];
+    prepared.select(selection);
+    const VolumeAppearance& appearance = prepared.appearances.appearances()[0];
     EXPECT_NEAR(appearance.color[0], reference::linear_of(selection.structures[0].color)[0], 1e-7);
     EXPECT_EQ(appearance.color[1], 0.0f);
     EXPECT_EQ(appearance.color[2], 1.0f);

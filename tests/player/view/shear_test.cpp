@@ -32,11 +32,11 @@ Grid random_grid() {
 }
 
 ParallelView random_view(const Grid& grid) {
-  Camera camera;
-  camera.azimuth_deg = *rc::gen::arbitrary<bool>() ? 45.0 * *uniform<int>(-8, 8) : random_real(-360, 360);
-  camera.elevation_deg = *rc::gen::arbitrary<bool>() ? 45.0 * *uniform<int>(-2, 2) : random_real(-90, 90);
-  camera.zoom = std::exp(random_real(-3, 3));
-  camera.center_lps_mm = index_to_lps_mm(grid).apply({random_real(0, 300), random_real(0, 300), 7});
+  const Camera camera{
+      .azimuth_deg = *rc::gen::arbitrary<bool>() ? 45.0 * *uniform<int>(-8, 8) : random_real(-360, 360),
+      .elevation_deg = *rc::gen::arbitrary<bool>() ? 45.0 * *uniform<int>(-2, 2) : random_real(-90, 90),
+      .zoom = std::exp(random_real(-3, 3)),
+      .center_lps_mm = index_to_lps_mm(grid).apply({random_real(0, 300), random_real(0, 300), 7})};
   return *parallel_view(camera, {*uniform<int>(1, 2000), *uniform<int>(1, 2000)}, {0, 1, {0, 0, 0}, 100});
 }
 
@@ -91,8 +91,7 @@ TEST(Shear, StraightViewsHaveNone) {
 TEST(Shear, PrincipalAxisChangesAtFortyFiveDegreesAndNowhereElse) {
   const Grid grid{{32, 32, 32}, {1, 1, 1}, {0, 0, 0}, {1, 0, 0, 0, 1, 0, 0, 0, 1}};
   for (int step = -1800; step <= 1800; ++step) {
-    Camera camera;
-    camera.azimuth_deg = step / 10.0;
+    const Camera camera{.azimuth_deg = step / 10.0};
     const Shear shear = factorise(*parallel_view(camera, {8, 8}, Display{}), grid);
     const double from_y = std::abs(std::remainder(camera.azimuth_deg, 180));
     if (std::abs(from_y - 45) > 1e-9) {
@@ -105,9 +104,7 @@ TEST(Shear, PrincipalAxisChangesAtFortyFiveDegreesAndNowhereElse) {
 
 TEST(Shear, ForcedAxesAreTaken) {
   const Grid grid{{32, 32, 32}, {1, 1, 1}, {0, 0, 0}, {1, 0, 0, 0, 1, 0, 0, 0, 1}};
-  Camera camera;
-  camera.azimuth_deg = 50;
-  camera.elevation_deg = 25;
+  const Camera camera{.azimuth_deg = 50, .elevation_deg = 25};
   const ParallelView view = *parallel_view(camera, {8, 8}, Display{});
   for (const Axis axis : kAxes) {
     const Shear shear = factorise(view, grid, &axis);
@@ -120,13 +117,11 @@ TEST(Shear, ForcedAxesAreTaken) {
 TEST(Shear, RenderRefusesAForcedAxisThatTheViewRunsAcross) {
   TestVolume volume;
   volume.grid = {{8, 8, 8}, {1, 1, 1}, {0, 0, 0}, {1, 0, 0, 0, 1, 0, 0, 0, 1}};
-  volume.structures = {{"a", make_mask(volume.grid.size, [](auto...) { return true; })}};
+  volume.structures = {{"a", full_mask(volume.grid.size)}};
   const AtlasContent content = make_content(volume);
-  Renderer renderer(open_in_memory(content), {1, 0});
-  ASSERT_TRUE(renderer.select(selection_of("a:both", content.graph)));
+  Renderer renderer = renderer_of(content, selection_of("a:both", content.graph));
   for (const double azimuth : {0.0, 1e-9}) {
-    Camera camera;
-    camera.azimuth_deg = azimuth;
+    const Camera camera{.azimuth_deg = azimuth};
     for (const Axis axis : {Axis::kX, Axis::kZ}) {
       const auto picture = render_with(renderer, camera, {.size = {16, 16}}, {.principal_axis = axis});
       ASSERT_FALSE(picture.has_value()) << "azimuth " << azimuth;

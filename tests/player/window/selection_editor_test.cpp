@@ -1,7 +1,6 @@
 #include "player/window/selection_editor.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
 #include "tests/format/random_graph.h"

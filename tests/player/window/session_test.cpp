@@ -8,7 +8,6 @@
 #include <stdexcept>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include "format/atlas_writer.h"
@@ -76,14 +75,9 @@ class Desk {
 
 /// Position of the centre of a ball in the view.
 ViewPoint place_of(const phantom::Ball& ball, const Camera& camera, const Display& display) {
-  const auto view = *parallel_view(camera, kSize, display);
-  double right = 0, up = 0;
-  for (std::size_t a = 0; a < 3; ++a) {
-    const double mm = ball.center[a] - view.center_lps_mm[a];
-    right += mm * view.right_lps[a];
-    up += mm * view.up_lps[a];
-  }
-  return {0.5 + right / view.mm_per_pixel / kSize.width, 0.5 - up / view.mm_per_pixel / kSize.height};
+  const auto [i, j, k] = ball.center;
+  const auto shown = view_of(camera, kSize, display)->picture_point(Vec3{1.0 * i, 1.0 * j, 1.0 * k});
+  return {shown->x / kSize.width, shown->y / kSize.height};
 }
 
 bool is_black(const Frame& frame) {
