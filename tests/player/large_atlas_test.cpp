@@ -28,7 +28,7 @@ constexpr Index3 kShift{1985, 2085, 1085};
 constexpr std::uint32_t kHoleChunk = 1u << 24;
 
 /// A box in 12^3 voxels with grey values, at its LPS position in the large grid.
-AtlasContent box_content() {
+AtlasContent content_of_box() {
   TestVolume volume;
   volume.grid.size = {12, 12, 12};
   for (std::size_t a = 0; a < 3; ++a) volume.grid.origin_lps_mm[a] = static_cast<double>(kShift[a]);
@@ -163,7 +163,7 @@ class LargeFile {
 
 struct LargeAtlas : ::testing::Test {
   TemporaryFolder folder;
-  Bytes small_file = encode_atlas(box_content()).value();
+  Bytes small_file = encode_atlas(content_of_box()).value();
   std::filesystem::path path = folder.path() / "large.atlas";
 
   LargeAtlas() { LargeFile(small_file, path); }

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "format/system/task_control.h"
+#include "tests/player/prepared_selection.h"
 #include "tests/reference/picture_difference.h"
 #include "tests/support/random_scene.h"
 #include "tests/support/render.h"
@@ -105,33 +106,18 @@ TEST(CastSurfaces, StopsBetweenPackets) {
                                      stop.request_stop();
                                    }};
   const AtlasContent content = box_content({8, 8, 8});
-  const auto atlas = open_in_memory(content);
-  const Selection selection = selection_of("*:both", content.graph);
-  const DrawPlan plan = atlas->tree().plan(selection);
-  ThreadPool pool(1);
-  ClassCache cache(atlas);
-  ASSERT_TRUE(cache.require(volume_classes(plan), Axis::kZ, pool));
-  VolumeAppearances appearances(*atlas);
-  appearances.select(plan, selection);
-  const SelectedRuns runs(plan, atlas->classes(), cache, Axis::kZ);
-  const auto volume = RayVolume::build({.atlas = *atlas,
-                                        .selection = selection,
-                                        .plan = plan,
-                                        .appearances = appearances.appearances(),
-                                        .runs = runs,
-                                        .cache = cache,
-                                        .max_memory_bytes = std::uint64_t{1} << 30},
-                                       pool);
-  ASSERT_TRUE(volume);
+  PreparedSelection prepared(content, selection_of("*:both", content.graph));
+  const RayVolume volume = prepared.rays(Classification::kBefore);
   Picture picture{{8, 8}, std::vector<float>(4 * 64)};
   const View view = *view_of({}, picture.size, content.display);
   const Lighting lighting(view.plane);
-  const RasterScene scene = *raster_scene_of_rays({}, view, atlas->grid(), lighting);
+  const RasterScene scene = *raster_scene_of_rays({}, view, prepared.atlas->grid(), lighting);
   FragmentList fragments;  // a sample without fragments in every pixel
   fragments.samples.resize(65);
   for (std::uint32_t n = 0; n < 64; ++n) fragments.samples[n].pixel = n;
   TaskControl task(stop.get_token(), {});
-  EXPECT_THROW(cast_surfaces(*volume, view, atlas->grid(), scene, fragments, {}, kStopping, picture, pool),
+  EXPECT_THROW(cast_surfaces(volume, view, prepared.atlas->grid(), scene, fragments, {}, kStopping, picture,
+                             prepared.pool),
                Cancelled);
   EXPECT_EQ(packets, 1);
 }
