@@ -44,7 +44,10 @@ struct Sample {
   [[nodiscard]] double x(int width) const {
     return pixel % static_cast<std::uint32_t>(width) + place.right();
   }
-  [[nodiscard]] double y(int width) const { return pixel / static_cast<std::uint32_t>(width) + place.down(); }
+  [[nodiscard]] double y(int width) const {
+    const std::uint32_t row = pixel / static_cast<std::uint32_t>(width);
+    return row + place.down();
+  }
 };
 
 /// Radiance of the volume in front of a slab, without (`before`) and with the slab (`behind`).
