@@ -69,7 +69,7 @@ struct PlateView {
     return ray;
   }
 
-  /// Whether the ray crosses both large faces, well inside their borders.
+  /// True if the ray crosses both large faces, well inside their borders.
   [[nodiscard]] bool crosses_faces(const reference::Ray& ray) const {
     if (std::abs(ray.per_mm[axis]) < 0.2) return false;
     for (const double face : {-1.0, static_cast<double>(kThick)}) {

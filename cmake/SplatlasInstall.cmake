@@ -1,6 +1,6 @@
-# Installs the programs, the light libraries (format, player) with their public headers, and the CMake package
-# `splatlas`, by which other projects link them: find_package(splatlas), splatlas::format, splatlas::player. They include
-# <splatlas/player/render_frame.h>; the headers among themselves "player/render_frame.h", as in the source tree.
+# Installs the programs, the libraries format and player with their public headers, and the CMake package `splatlas`.
+# Other projects use find_package(splatlas), link splatlas::format or splatlas::player, and include
+# <splatlas/player/render_frame.h>. Headers include each other as "player/render_frame.h", as in the source tree.
 
 include(CMakePackageConfigHelpers)
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/splatlas)

@@ -1,4 +1,4 @@
-# Language, warnings, sanitizers, compiler cache and the libraries that every part shares.
+# Language, warnings, sanitizers, compiler cache and shared libraries.
 
 include(GNUInstallDirs)
 
@@ -21,7 +21,7 @@ if(SPLATLAS_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
   set(CMAKE_CXX_COMPILER_LAUNCHER ${SPLATLAS_CCACHE})
 endif()
 
-# Flags of our own code only: never of the interface that others link.
+# Flags of this project's own code, never of exported interfaces.
 add_library(splatlas_flags INTERFACE)
 target_compile_options(splatlas_flags INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -Wnon-virtual-dtor -Wold-style-cast
@@ -36,14 +36,14 @@ if(SPLATLAS_SANITIZE)
   add_compile_definitions("HWY_DISABLED_TARGETS=(HWY_SSSE3|HWY_SSE4|HWY_AVX3|HWY_AVX3_DL)")
 endif()
 
-# splatlas_alone(SOURCE...): sources that are never part of a unity batch, because their local names clash with another's
-# or because they are measured.
+# splatlas_alone(SOURCE...): sources outside unity batches, because their local names clash with another source's, or
+# because they are measured.
 function(splatlas_alone)
   set_source_files_properties(${ARGN} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 endfunction()
 
-# splatlas_find(PACKAGE): a package that an exported library is linked with; those who use the installed library
-# find it too.
+# splatlas_find(PACKAGE): finds a package that an exported library is linked with. The installed CMake package finds it
+# too.
 macro(splatlas_find package)
   find_package(${package} REQUIRED)
   set_property(GLOBAL APPEND PROPERTY SPLATLAS_DEPENDENCIES ${package})
@@ -55,7 +55,7 @@ splatlas_find(hwy)
 splatlas_find(meshoptimizer)
 splatlas_find(tl-expected)
 splatlas_find(zstd)
-# Headers only, inside the library: nobody else needs them.
+# Headers of the implementation only.
 find_package(FlatBuffers CONFIG REQUIRED)
 find_package(utf8cpp REQUIRED)
 find_package(PkgConfig REQUIRED)
@@ -71,7 +71,7 @@ function(splatlas_library name)
   target_sources(splatlas_${name} PUBLIC FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR} FILES ${arg_HEADERS})
   target_link_libraries(splatlas_${name} PRIVATE $<BUILD_INTERFACE:splatlas_flags>)
   target_compile_features(splatlas_${name} PUBLIC cxx_std_20)
-  if(SPLATLAS_SANITIZE)  # a library to use is compiled source by source
+  if(SPLATLAS_SANITIZE)  # installed libraries are compiled source by source
     set_target_properties(splatlas_${name} PROPERTIES UNITY_BUILD ${SPLATLAS_UNITY})
   endif()
 endfunction()

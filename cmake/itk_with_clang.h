@@ -1,5 +1,5 @@
-// Debian's ITK asks which compiler reads it and knows GCC alone. To be included before everything else (-include) by
-// Clang and clang-tidy, which then pass for GCC 12 as long as ITK asks.
+// Compiler detection of Debian's ITK, which knows GCC alone. Clang and clang-tidy include this file first (-include)
+// and identify themselves as GCC 12 while ITK asks.
 #pragma once
 
 #if defined(__clang__) && __has_include(<itk_compiler_detection.h>)

@@ -34,8 +34,8 @@ struct FailedSurface {
   Error error;
 };
 
-/// Removes unreadable classes and surfaces from a plan, and returns them by structure. A class takes along
-/// all classes of the same set of structures, so that interior and boundary are drawn together or not at all.
+/// Removes unreadable classes and surfaces from a plan, and returns them by structure. All classes of the
+/// same structures are removed with a class, so interior and boundary are drawn together or not at all.
 /// Voxels count for the structure that gives them their appearance. O(classes + surfaces).
 [[nodiscard]] std::vector<MissingPart> leave_out(std::span<const FailedClass> failed_classes,
                                                  std::span<const FailedSurface> failed_surfaces,

@@ -6,8 +6,8 @@
 
 namespace splatlas {
 
-/// The window is the 1st to the 99.5th percentile of finite grey values in labelled structures (in all
-/// structures if none has a label), from a regular subsample of large volumes. The sphere is centred on the
+/// The window is the 1st to the 99.5th percentile of finite grey values in labelled structures, or in all
+/// structures if none has a label. Large volumes are subsampled regularly. The sphere is centred on the
 /// bounding box of all structures' voxels and contains their corners; without such voxels it is that of the
 /// grid. `values` is in the storage grid and may be empty.
 [[nodiscard]] Display measure_display(const Classification& classification, const StructureGraph& graph,

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Proves that every source is as clang-format lays it out and has at most 400 lines.
-# To mend the layout: scripts/check_format.sh --fix
+# Checks that every source has the layout of clang-format and at most 400 lines.
+# To correct the layout: scripts/check_format.sh --fix
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -16,11 +16,11 @@ for source in "${sources[@]}"; do
     echo "check_format: $source: $lines lines; split it: at most 400" >&2
     wrong=1
   fi
-  # The first lines of the difference show what is meant; the rest of a file is like it.
+  # Print the first lines of the difference only.
   clang-format "$source" | diff --label "$source" --label "clang-format's" -u "$source" - | head -n 12 || wrong=1
 done
 if ((wrong)); then
-  echo "check_format: findings stand above; for the layout: scripts/check_format.sh --fix" >&2
+  echo "check_format: see the findings above; for the layout: scripts/check_format.sh --fix" >&2
   exit 1
 fi
 echo "${#sources[@]} sources are laid out by clang-format, none above 400 lines."

@@ -1,9 +1,8 @@
 #!/usr/bin/env bash
-# Proves the layers: schemas <- format <- {preprocess, player} <- bench, tests; ITK and VTK in preprocess only,
-# but for VTK as a peer in bench/peers.
-# Inside format/ and player/: at most 20 modules on 8 levels, no circle.
+# Checks the layers: schemas <- format <- {preprocess, player} <- bench, tests. Only preprocess uses ITK and VTK; VTK is
+# also a peer in bench/peers. In format/ and player/: at most 20 modules on 8 levels, no circle.
 #   check_layers.sh            the sources
-#   check_layers.sh PROGRAM    as well, that this program is linked with neither ITK nor VTK
+#   check_layers.sh PROGRAM    also the program, which must be linked with neither ITK nor VTK
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -13,7 +12,7 @@ tell() {
   bad=1
 }
 
-# may_include FOLDER LAYER...: no source in the folder includes a header of a layer that is not listed.
+# may_include FOLDER LAYER...: sources in the folder include headers of these layers only.
 may_include() {
   local folder=$1 line layer
   shift
@@ -24,7 +23,7 @@ may_include() {
     '^ *# *include *"(schemas|format|preprocess|player|bench|tests)/' "$folder")
 }
 
-# must_not_include PATTERN WHY FOLDER...: no source in the folders includes a header whose name starts so.
+# must_not_include PATTERN WHY FOLDER...: no source in the folders includes a header whose name starts with the pattern.
 must_not_include() {
   local pattern=$1 why=$2 line
   shift 2
@@ -52,7 +51,7 @@ must_not_include 'itk|vtk|gdcm|vnl' 'VTK is a peer: bench/peers only' "${bench_i
 must_not_include 'itk|gdcm|vnl' 'ITK belongs to preprocess' bench/peers
 must_not_include 'SDL|imgui|GL/' 'the window belongs to the player' format preprocess bench
 
-# module_graph LAYER: "FROM TO" for each include between modules; a folder is one, and so is a header with its source.
+# module_graph LAYER: "FROM TO" for each include between modules. A module is a folder, or a header with its source.
 module_graph() {
   grep -rHoE --include='*.h' --include='*.cpp' "^ *# *include *\"$1/[^\"]+" "$1" |
     awk -v layer="$1" '
@@ -66,13 +65,13 @@ module_graph() {
         if (from != to) print from, to }' | sort -u
 }
 
-# check_graph NAME MODULES LEVELS <GRAPH: prints what is wrong; nothing where no circle is found and both limits hold.
+# check_graph NAME MODULES LEVELS <GRAPH: prints circles, and excesses of both limits.
 check_graph() {
   awk -v name="$1" -v max_modules="$2" -v max_levels="$3" '
     { edges[$1, $2]; level[$1]; level[$2] }
     END {
       for (module in level) { modules++; level[module] = 1 }
-      do {  # every module stands above those that it includes
+      do {  # a module has a higher level than those that it includes
         moved = 0
         for (edge in edges) {
           split(edge, end, SUBSEP)
@@ -88,7 +87,7 @@ check_graph() {
     }'
 }
 
-# The check itself: a circle and a level too many are found, a diamond is none.
+# Test the check itself: it finds a circle, and excessive levels and modules. A diamond is not a circle.
 [[ $(printf '%s\n' 'a b' 'b c' 'c a' | check_graph test 9 9) == *circle* ]] || tell "check_graph misses a circle"
 [[ $(printf '%s\n' 'a b' 'b c' | check_graph test 9 2) == *levels* ]] || tell "check_graph misses a level"
 [[ $(printf '%s\n' 'a b' 'b c' | check_graph test 2 9) == *modules* ]] || tell "check_graph misses a module"

@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
 # Runs clang-tidy over sources, as the preset release compiles each of them alone (configured in build/tidy).
 #   check_tidy.sh                      every source
-#   check_tidy.sh SOURCE...            these
-#   check_tidy.sh --changed-since REV  what differs from the merge base of REV and HEAD, in the working tree too
-#   check_tidy.sh --recent             the files that commits changed last, 100 at most: a bound for CI, whose fresh clone
-#                                      does not tell what was there before
-# A header that changed is read with a source that includes it. Where the history is missing, every source is taken.
+#   check_tidy.sh SOURCE...            these sources
+#   check_tidy.sh --changed-since REV  changes since the merge base of REV and HEAD, uncommitted ones included
+#   check_tidy.sh --recent             files of the newest commits, at most 100; for CI, whose fresh clone has no
+#                                      earlier state to compare with
+# A changed header is checked with a source that includes it. Without history, every source is checked.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -13,7 +13,7 @@ readonly recent_files=100
 
 all_sources() { find format preprocess player bench -name '*.cpp' | sort; }
 
-# changed_since REV: files that differ, those that git does not know yet among them.
+# changed_since REV: files that differ, untracked ones included.
 changed_since() {
   git diff --name-only --diff-filter=d "$1" -- format preprocess player bench
   git ls-files --others --exclude-standard -- format preprocess player bench
@@ -25,7 +25,7 @@ recently_changed() {
     while IFS= read -r file; do [[ ! -f $file ]] || printf '%s\n' "$file"; done | sed "${recent_files}q"
 }
 
-# Changed sources; for a changed header without one that includes it, the first that does.
+# Changed sources, and one source for each changed header that none of them includes.
 sources_of() {
   local file source taken=()
   mapfile -t taken < <(printf '%s\n' "$@" | grep '\.cpp$')
@@ -64,10 +64,10 @@ fi
 cmake --preset release -B build/tidy -DSPLATLAS_UNITY=OFF --log-level=NOTICE --no-warn-unused-cli >/dev/null
 cmake --build build/tidy --target splatlas_schema_header >/dev/null
 echo "${#sources[@]} sources, $(nproc) at a time"
-# One line per finding, the checks of .clang-tidy; "N warnings generated" counts what other people's headers hold.
-# Clang reads ITK's headers only with the file that is included first.
+# Prints one line per finding. "N warnings generated" counts warnings in headers of libraries.
+# Clang accepts ITK's headers only after the header that is included first.
 printf '%s\n' "${sources[@]}" |
   xargs -P "$(nproc)" -n 1 sh -c '
     out=$(clang-tidy --quiet -p build/tidy --extra-arg=-include --extra-arg="$PWD/cmake/itk_with_clang.h" "$0" 2>&1) || { printf "%s\n" "$out"; exit 1; }' ||
-  { echo "check_tidy: findings stand above" >&2; exit 1; }
+  { echo "check_tidy: see the findings above" >&2; exit 1; }
 echo "clang-tidy finds nothing."

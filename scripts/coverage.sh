@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Tells which part of the format's lines and branches its tests take: tests/format/, and from tests/faults/ the failing
-# allocations and the races. Branches that only an exception takes are not counted; neither is what a process does that
-# a signal ends, as the tests of interrupts do.
+# Coverage of the lines and branches of format/ by its tests: tests/format/, and failing allocations and races from
+# tests/faults/. Branches of exceptions are not counted, nor are processes that a signal ends, as in tests of
+# interrupts.
 # Prints a table of files; build/coverage/report/index.html shows the lines. Needs gcovr.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -12,7 +12,7 @@ command -v gcovr >/dev/null || { echo "coverage.sh: needs gcovr; first: apt-get 
 
 build() {
   configure coverage
-  find build/coverage -name '*.gcda' -delete  # what earlier runs have counted
+  find build/coverage -name '*.gcda' -delete  # counts of earlier runs
   cmake --build --preset coverage
 }
 
@@ -22,7 +22,7 @@ run_tests() {
   "${tests[@]}" --tests-regex '^player\.(allocation_faults|file_races)'
 }
 
-# gcov leaves its files where it is run.
+# gcov writes into the current folder.
 report() {
   mkdir -p build/coverage/report
   (cd build/coverage && gcovr --root ../.. --filter ../../format/ --exclude-throw-branches --csv report/files.csv \

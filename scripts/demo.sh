@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# From a fresh Debian 12 machine to pictures: installs what is missing, builds the programs, makes the phantom's and
-# the Colin 27 brain's atlas, and renders the gallery (scripts/gallery.tsv) to out/. What is up to date is kept.
+# Pictures on a fresh Debian 12 machine: installs missing packages, builds the programs and the atlases of the phantom
+# and of the Colin 27 brain, and renders the gallery (scripts/gallery.tsv) to out/. Keeps outputs that are up to date.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 # shellcheck source=scripts/steps.sh

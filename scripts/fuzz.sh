@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
 # Fuzzes with libFuzzer, AddressSanitizer and UndefinedBehaviorSanitizer: builds the preset fuzz, runs its targets, and
-# tells how often each was executed. Findings and what was learnt (the corpus) are kept in build/fuzz/.
-#   fuzz.sh                       every target for 60 seconds
-#   fuzz.sh SECONDS [TARGET]...   these (see tests/fuzz/CMakeLists.txt) for longer
-# As many run at a time as FUZZ_JOBS says, else as there are processors.
+# prints the number of executions of each. Findings and the corpus are kept in build/fuzz/fuzzing/.
+#   fuzz.sh                       every target, 60 seconds each
+#   fuzz.sh SECONDS [TARGET]...   these targets (see tests/fuzz/CMakeLists.txt), or all
+# FUZZ_JOBS is the number of targets that run at a time; default: the number of processors.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 # shellcheck source=scripts/steps.sh
@@ -29,11 +29,11 @@ all_targets() {
   done
 }
 
-# Files that targets write for readers of files are in memory where that can be.
+# Keep scratch files of the targets in memory, if possible.
 [[ ! -d /dev/shm ]] || export TMPDIR=/dev/shm
 
-# What a target learnt comes first: new inputs are kept there. Weighing inputs by what is rare in them (-entropic) takes
-# most of the time where pictures are drawn.
+# The saved corpus of a target comes first: libFuzzer adds new inputs to it. Weighting inputs by rare features
+# (-entropic) takes most of the time of targets that draw pictures.
 fuzz() {
   local target=$1 inputs=("$folder/corpus/$1") options=()
   mkdir -p "$folder/corpus/$target"
@@ -64,7 +64,7 @@ fuzz_all() {
   return "$failed"
 }
 
-# What a target found stands behind its count, or the end of its log where it stopped without one.
+# Prints the finding of a target after its count, or the end of its log without a count.
 tell_executions() {
   local target count sum=0
   for target in "${targets[@]}"; do

@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
-# Installs, from Debian 12's packages, what Splatlas needs to be built, run and tested; only what is missing.
-# Where nothing is missing it neither asks for rights nor touches the network.
+# Installs missing Debian 12 packages that building, running and testing Splatlas needs. If none is missing, it needs
+# neither privileges nor the network.
 set -euo pipefail
 
-# One package a line; what it is for.
+# One package per line, with its purpose.
 packages=(
   build-essential          # compiler and linker
   ca-certificates          # for package sources over https
@@ -31,7 +31,7 @@ packages=(
   libhwy-dev               # player: portable SIMD
   libpng-dev               # player: PNG
   libopenimageio-dev       # player: JPEG, TIFF and EXR
-  libopencv-core-dev       # a folder that OpenImageIO's CMake package names but does not depend on
+  libopencv-core-dev       # include folder of OpenImageIO's CMake package, which does not depend on it
   nlohmann-json3-dev       # statistics and reports
   libgl-dev                # window: OpenGL
   libimgui-dev             # window: Dear ImGui
@@ -44,7 +44,7 @@ packages=(
   libclang-rt-dev          # tests: libFuzzer, and Clang's sanitizers
   fonts-dejavu-core        # tests and gallery: text in pictures
   libgl1-mesa-dri          # tests: OpenGL in software, under Xvfb
-  libx11-dev               # tests: what a window manager and other programs do to a window
+  libx11-dev               # tests: requests of window managers and other programs to a window
   xdotool                  # tests: mouse and keys
   xvfb                     # tests: a display without a screen
 

@@ -1,4 +1,4 @@
-# Steps with names and times, for demo.sh and test.sh; to be sourced.
+# Steps with names and times, sourced by other scripts.
 # shellcheck shell=bash
 
 steps_begun=$SECONDS
@@ -6,8 +6,8 @@ steps_done=()
 
 elapsed() { printf '%d:%02d min' $((($1) / 60)) $((($1) % 60)); }
 
-# step NAME COMMAND...: runs the command under a headline, tells its time; a failure ends the script.
-# The command is not run within a condition, so `set -e` holds inside functions too.
+# step NAME COMMAND...: runs the command under a headline and prints its time. A failure ends the script.
+# The command does not run within a condition, so `set -e` applies inside functions too.
 step() {
   local name=$1 begun=$SECONDS
   shift
@@ -24,7 +24,7 @@ step() {
 tell_failed_step() {
   local status=$?
   if ((status != 0)); then
-    printf '\nFAILED%s (exit status %d); what it said stands above.\n' "${step_name:+: $step_name}" "$status" >&2
+    printf '\nFAILED%s (exit status %d); see its output above.\n' "${step_name:+: $step_name}" "$status" >&2
   fi
   exit "$status"
 }
@@ -46,7 +46,7 @@ up_to_date() {
   done
 }
 
-# configure PRESET: only where Ninja has nothing to start from; later changes Ninja sees itself.
+# configure PRESET: only without build files. Ninja detects later changes itself.
 configure() {
   [[ -e build/$1/build.ninja ]] || cmake --preset "$1" --log-level=NOTICE --no-warn-unused-cli >/dev/null
 }

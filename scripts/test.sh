@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Installs what is missing, builds, and runs the checks and tests; CI runs the form without options.
-# The first failure ends it.
+# Installs missing packages, builds, and runs the checks and tests. CI runs it without options. The first failure ends
+# it.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -8,13 +8,15 @@ help() {
   cat <<'HELP'
 Usage: scripts/test.sh [--quick | --all | --help]
 
-  (no option)  What CI runs, in about half an hour from nothing on two cores: layers and layout of the sources; release
-               build and tests; player without ITK and VTK, installed and used; clang-tidy over what changed; address and
-               undefined behaviour sanitizers; thread sanitizer for tests with threads; 15 seconds of each fuzz target.
+  (no option)  The checks of CI, in about half an hour from nothing on two cores: layers and layout of the sources;
+               release build and tests; clang-tidy over recent changes; player without ITK and VTK, installed and used;
+               address and undefined behaviour sanitizers; thread sanitizer for tests with threads; 15 seconds of each
+               fuzz target.
   --quick      For daily work, within five minutes of a recent build: layers, layout, release build and tests,
-               clang-tidy over what differs from origin/HEAD.
-  --all        Every check at full length, in some hours: every preset with all its tests, each test source compiled
-               alone (preset dev), clang-tidy over every source, an hour of fuzzing.
+               clang-tidy over changes since origin/HEAD.
+  --all        Every check at full length, in some hours: all tests of the release build, of each source compiled alone
+               (preset dev), and of the player without ITK and VTK; clang-tidy over every source; both sanitizers with
+               the tests of format and player, the first also with those of preprocess; an hour of fuzzing.
 
 Every form ends with `N passed, 0 failed`; a failure ends it with the name of the step and an exit status other than 0.
 HELP
@@ -33,19 +35,19 @@ esac
 source scripts/steps.sh
 
 export CMAKE_BUILD_PARALLEL_LEVEL=${CMAKE_BUILD_PARALLEL_LEVEL:-$(nproc)}
-export CCACHE_BASEDIR=$PWD  # presets share what does not differ between them
-launcher=()  # what builds and tests are run by
+export CCACHE_BASEDIR=$PWD  # presets share equal objects
+launcher=()  # command in front of builds and tests
 passed=0
 totals=()
 
-# build PRESET [TARGET]...: these, or everything.
+# build PRESET [TARGET]...: these targets, or all.
 build() {
   configure "$1"
   "${launcher[@]}" cmake --build --preset "$1" ${2:+--target "${@:2}"}
 }
 
-# run_tests PRESET [CTEST_OPTION]...: every test, or those that the options name; none at all is a failure. A shard of a
-# test program counts as the cases in it.
+# run_tests PRESET [CTEST_OPTION]...: all tests, or those that the options select. No test at all is a failure. A shard
+# of a test program counts as its cases.
 run_tests() {
   local preset=$1 log=build/$1/ctest.log total
   "${launcher[@]}" ctest --preset "$preset" --parallel "$(nproc)" --no-tests=error "${@:2}" | tee "$log"
@@ -56,10 +58,10 @@ run_tests() {
   passed=$((passed + total))
 }
 
-# Without ITK and VTK: the other objects are those of the release build, whose tests need not run twice.
+# Without ITK and VTK. The objects are those of the release build, so their tests need not run twice.
 build_player_only() { build player-only splatlas-player splatlas-phantom-atlas; }
 
-# What threads share: pools, caches, the session of the window, readers and writers of atlases, frames.
+# Shared by threads: pools, caches, the session of the window, readers and writers of atlases, frames.
 run_tests_with_threads() {
   GTEST_FILTER='*Thread*:ParallelFor*:TaskControl*:*Cancellation*:Session*:Interrupts*:ClassCache*:OpticalArena*'
   GTEST_FILTER+=':SharedRuns*:ValueCache*:AtlasWriter*:AtlasVerify*:LargeAtlas*:Renderer*:Pick*:Antialiasing*'
@@ -68,7 +70,7 @@ run_tests_with_threads() {
   unset GTEST_FILTER
 }
 
-# Debian 12's thread sanitizer cannot place its memory where the kernel randomises more address bits than it knows.
+# Debian 12's thread sanitizer fails on kernels that randomise more address bits than it expects.
 fix_addresses() { ! setarch -R true 2>/dev/null || launcher=(setarch -R); }
 
 step "Packages" scripts/install_packages.sh
@@ -104,7 +106,7 @@ else
   fix_addresses
   step "Thread sanitizer: build" build tsan
   step "Thread sanitizer: tests" run_tests tsan --label-regex '^(format|player)$'
-  # Twelve targets, two to a processor: 1200 seconds each, in an hour on two cores.
+  # Twelve targets, two per core, 1200 seconds each: an hour on two cores.
   step "Fuzzing" env FUZZ_JOBS=$((2 * $(nproc))) scripts/fuzz.sh 1200
 fi
 

@@ -6,8 +6,8 @@
 namespace splatlas {
 namespace {
 
-/// Smallest step of progress that is reported.
-constexpr double kLeastProgress = 1.0 / 256;
+/// Minimum step of reported progress.
+constexpr double kMinProgress = 1.0 / 256;
 
 thread_local TaskControl* current_task = nullptr;
 
@@ -67,7 +67,7 @@ void TaskControl::run_item(const std::function<void(std::size_t)>& body, std::si
 }
 
 void TaskControl::report(double fraction) {
-  if (!progress_ || fraction < reported_ + kLeastProgress) return;
+  if (!progress_ || fraction < reported_ + kMinProgress) return;
   reported_ = fraction;
   progress_(fraction);
 }

@@ -72,8 +72,8 @@ struct MarchKernels {
   /// function. The colour of a step is composited exactly if it is linear in the share of the step's optical
   /// depth.
   ///
-  /// A slab, from one plane of voxels to the next, is integrated as march_tolerance.h defines, or in n equal
-  /// steps with the smallest n for which all rays of the packet satisfy
+  /// A slab is the space between two planes of voxels. It is integrated as march_tolerance.h defines, or in n
+  /// equal steps. n is the smallest number for which all rays of the packet satisfy
   ///   transmittance * segment length * (max - min extinction over the cells it crosses)
   ///     <= kEvenShare * tolerance * n^1.5.
   /// Cost: the samples in non-empty bricks that are not hidden.

@@ -1,4 +1,4 @@
-// Writer of mesh files, through VTK, and verification of what it wrote.
+// Writer of mesh files, through VTK, and verification of the written file.
 #pragma once
 
 #include <array>

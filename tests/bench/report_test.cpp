@@ -40,7 +40,7 @@ Report small_report() {
   return report;
 }
 
-TEST(Report, HasTheContractsFormInJson) {
+TEST(Report, HasTheDocumentedFormInJson) {
   const auto json = nlohmann::ordered_json::parse(report_json("phantom", small_report()));
   EXPECT_EQ(json["bench"], "phantom");
   EXPECT_EQ(json["rows"].dump(), R"([{"table":"1","n":1},{"table":"1","n":2},{"table":"2","m":0.5}])");

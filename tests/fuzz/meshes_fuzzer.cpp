@@ -24,7 +24,7 @@ void check_mesh(const TriangleMesh& mesh) {
     }
   }
   for (const auto& normal : vertex_normals(mesh)) {
-    for (const float n : normal) require(std::abs(n) <= 1.0001f, "a normal that is none");
+    for (const float n : normal) require(std::abs(n) <= 1.0001f, "an invalid normal");
   }
 }
 

@@ -36,7 +36,7 @@ void check_terms(const std::vector<SelectionTerm>& terms, std::string_view text)
   for (const SelectionTerm& term : terms) {
     require(term.column < text.size(), "a term begins behind the text");
     require(!term.opacity || (*term.opacity > 0 && *term.opacity <= 1), "an opacity out of range");
-    require(!term.curve || check_curve(*term.curve).has_value(), "a curve that is none");
+    require(!term.curve || check_curve(*term.curve).has_value(), "an invalid curve");
     require(!term.low || !term.high || *term.low < *term.high, "a ramp without width");
   }
 }

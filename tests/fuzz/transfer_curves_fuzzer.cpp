@@ -88,7 +88,7 @@ void fuzz(FuzzInput input) {
   if (checked && (choices & 32) == 0) draw.volume = {.curve = std::make_shared<const TransferCurve>(written)};
 
   const TransferCurve curve = transfer_curve(draw, display);
-  require(check_curve(curve).has_value(), "words come to a curve that is none");
+  require(check_curve(curve).has_value(), "text gives an invalid curve");
   check_values(curve, grey);
   check_table(curve, static_cast<VoxelType>(choices >> 5));
 }

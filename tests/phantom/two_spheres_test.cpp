@@ -9,7 +9,7 @@
 namespace splatlas::phantom {
 namespace {
 
-/// Whether all 18 neighbours of (i, j, k) have its label. Asserts that the phantom stays clear of the border.
+/// True if all 18 neighbours of (i, j, k) have its label. Asserts that the phantom stays clear of the border.
 bool is_interior(const std::vector<std::uint8_t>& labels, int i, int j, int k) {
   const auto at = [&](int x, int y, int z) {
     return labels.at(static_cast<std::size_t>((z * kSize + y) * kSize + x));

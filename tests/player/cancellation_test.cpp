@@ -79,7 +79,7 @@ TEST_P(Cancellation, LeavesNoTraceInLaterPictures) {
   EXPECT_GT(cancelled, 10);
 }
 
-/// With spans, ray volumes and light of another selection and view at hand.
+/// With spans, ray volumes and lighting of another selection and view at hand.
 TEST_P(Cancellation, LeavesNoTraceInRenderersThatKeepSomething) {
   const Selection first = selection_of("*:volume(opacity=0.2)", scene_.content.graph);
   Renderer untouched = new_renderer(1);
@@ -91,7 +91,7 @@ TEST_P(Cancellation, LeavesNoTraceInRenderersThatKeepSomething) {
     ASSERT_TRUE(renderer.select(scene_.selection));
     if (render_until(renderer, GetParam(), n)) break;
     ASSERT_EQ(picture_of(renderer).rgba, expected.rgba) << n;
-    // The same selection, light from elsewhere, cancelled again.
+    // The same selection with other lighting, cancelled again.
     (void)render_or_throw(renderer, Camera{.azimuth_deg = -20}, GetParam().options);
     (void)render_until(renderer, GetParam(), n);
     ASSERT_EQ(picture_of(renderer).rgba, expected.rgba) << n;

@@ -129,8 +129,8 @@ void expect_flat_plate(const RenderOptions& options, double mm_per_pixel, double
   }
 }
 
-/// Where rays enter and leave through faces parallel to the slices, slabs are exact: the plate is flat for
-/// every angle, zoom and pixel position.
+/// Slabs are exact between faces parallel to the slices: the plate is flat for every angle, zoom and pixel
+/// position.
 TEST(ClosedForm, PlatesAreFlatAtAnyAngle) {
   for (const double mm_per_pixel : {0.11, 0.5, 1.0, 1.37}) {
     for (const Quality quality : {Quality::kDraft, Quality::kNormal, Quality::kHigh}) {
@@ -146,9 +146,9 @@ TEST(ClosedForm, PlatesAreFlatAlongRays) {
   expect_flat_plate(unlit({15, 15}, Classification::kAfter), 0.5, 4e-6);
 }
 
-/// Where rays enter and leave through faces perpendicular to the slices, slices sample the rise from 0 to 1
-/// over one voxel, at steps of t = tan(angle to the face) < 1 voxel. The sum of samples of a piecewise linear
-/// function errs by at most t^2 / 12 voxels at each of its four kinks, two with either sign.
+/// At faces perpendicular to the slices, slices sample the rise from 0 to 1 over one voxel, at steps of
+/// t = tan(angle to the face) < 1 voxel. The sum of samples of a piecewise linear function errs by at most
+/// t^2 / 12 voxels at each of its four kinks, two with either sign.
 TEST(ClosedForm, RippleOfPlatesSeenAcrossTheirSlicesIsBounded) {
   const AtlasContent content = box_content({96, 7, 96});
   const float opacity = 0.12f;

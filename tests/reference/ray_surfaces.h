@@ -24,7 +24,7 @@ class RaySurfaces {
   /// triangles.
   [[nodiscard]] std::vector<Crossing> crossings(const Ray& ray, double from_mm) const;
 
-  /// Whether an edge of a triangle is as near to a ray as two others, beside and below it.
+  /// True if an edge of a triangle is as near to a ray as two others, beside and below it.
   [[nodiscard]] bool near_edge(const Ray& ray, const Ray& beside, const Ray& below) const;
 
  private:

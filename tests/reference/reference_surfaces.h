@@ -21,8 +21,8 @@ struct Crossing {
   bool entering = false;  ///< see meets_front(); interpolated normals are flipped for back faces only
 };
 
-/// Whether a ray meets the front of a triangle: the geometric normal, on the side of the vertex normals,
-/// points against it. True if the vertex normals are ambiguous.
+/// True if a ray meets the front of a triangle: the geometric normal, on the side of the vertex normals,
+/// points against it. Also true if the vertex normals are ambiguous.
 [[nodiscard]] bool meets_front(const std::array<Vec3, 3>& corners_lps, const std::array<Vec3, 3>& normals_lps,
                                const Vec3& along_lps);
 /// Sets the colour of a crossing, given its structure, its side, the normals of the triangle's corners and

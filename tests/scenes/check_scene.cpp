@@ -205,7 +205,7 @@ class Checker {
   }
 
   void check_termination(const Picture& ended, const Picture& all) {
-    // A value may also grow: what a skipped block would have absorbed stays visible behind it.
+    // A value may also grow: radiance from behind a skipped block is not absorbed.
     const double threshold = static_cast<double>(termination_threshold(scene_.options));
     for (std::size_t n = 0; n < all.rgba.size(); ++n) {
       const double loss = static_cast<double>(all.rgba[n]) - static_cast<double>(ended.rgba[n]);
@@ -263,7 +263,7 @@ class Checker {
     return max;
   }
 
-  /// Whether post-classified grey values reach far beyond the transfer functions, which are at most 200 wide.
+  /// True if post-classified grey values reach far beyond the transfer functions, which are at most 200 wide.
   /// A transfer function then spans a vanishing part of a cell, along a curved isosurface.
   [[nodiscard]] bool has_step_transfer() const {
     const VoxelBuffer& values = scene_.content.values;

@@ -47,7 +47,7 @@ CheckedScene make_scene(const std::string& kind, std::uint32_t seed, std::uint32
   return {whole_scene(seed, number), {.thorough = number % 16 == 0}};
 }
 
-/// How many of the scenes have a property.
+/// Number of scenes with a property.
 template <typename Property>
 std::size_t count(const std::vector<SceneReport>& reports, const Property& property) {
   return static_cast<std::size_t>(std::ranges::count_if(reports, property));
@@ -59,7 +59,7 @@ std::size_t sum(const std::vector<SceneReport>& reports, std::size_t SceneReport
   return total;
 }
 
-/// Whether enough scenes show anything, by either renderer, and enough pixels were compared.
+/// True if enough pictures of both renderers are not empty, and enough pixels were compared.
 bool is_conclusive(const std::string& kind, const std::vector<SceneReport>& reports) {
   constexpr std::size_t kSeries = 50;  // shorter series may be empty by chance
   const std::size_t scenes = reports.size();

@@ -12,7 +12,7 @@
 
 namespace splatlas {
 
-/// Whether a pattern with "*" for any characters matches a text: tries every length of each "*".
+/// True if a pattern with "*" for any characters matches a text: tries every length of each "*".
 inline bool matches_slowly(std::string_view pattern, std::string_view text) {
   if (pattern.empty()) return text.empty();
   if (pattern[0] == '*') {

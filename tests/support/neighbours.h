@@ -20,7 +20,7 @@ void for_each_voxel(const Index3& size, const Visit& visit) {
   }
 }
 
-/// Whether `holds(index)` is false for a voxel that shares a face or an edge with `at`, or for `at`.
+/// True if `holds(index)` is false for a voxel that shares a face or an edge with `at`, or for `at`.
 template <typename Holds>
 bool is_boundary(const Index3& at, const Holds& holds) {
   for (std::int64_t n = 0; n < 27; ++n) {
@@ -31,7 +31,7 @@ bool is_boundary(const Index3& at, const Holds& holds) {
   return false;
 }
 
-/// Whether a voxel is in a mask, i fastest; false outside the grid. Keeps a reference to `mask`.
+/// Predicate: true if a voxel is in a mask, i fastest; false outside the grid. Keeps a reference to `mask`.
 template <typename Mask>
 auto holds_in(const Mask& mask, const Index3& size) {
   return [&mask, size](const Index3& at) {

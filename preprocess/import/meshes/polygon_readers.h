@@ -11,9 +11,9 @@
 namespace splatlas {
 
 /// Reads vertices (x, y, z, optionally nx, ny, nz) and faces (vertex_indices or vertex_index) of a text or
-/// binary PLY file. kFailed for a header without these properties, for faces of more than 255 corners, for
-/// faces before the vertices, for invalid corner indices, and for truncated files. Cost: one pass; memory in
-/// proportion to the file.
+/// binary PLY file. kFailed for headers without these properties, faces of more than 255 corners, faces
+/// before the vertices, invalid corner indices, and truncated files. Cost: one pass; memory in proportion
+/// to the file.
 [[nodiscard]] Result<vtkSmartPointer<vtkPolyData>> read_ply(const std::filesystem::path& path);
 
 /// Reads vertices, normals and faces of a Wavefront OBJ file, without texture coordinates, lines and

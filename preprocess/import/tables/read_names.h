@@ -29,9 +29,9 @@ struct LabelName : SourceStructure {
 
 /// Reads one label per line: "label name [code]" (AAL and most others; quote a name that ends in a number),
 /// or the eight columns of ITK-SNAP, `label R G B A visible mesh "name"`. Ignores blank lines, lines that
-/// start with "#", and label 0 (background). kFailed, with file and line, for a label that is not from 0 to
-/// 2^32 - 1, colours that are not from 0 to 255, quotes without an end, duplicate labels, missing names,
-/// names refused by check_structure_name() and duplicate names (ignoring case).
+/// start with "#", and label 0 (background). kFailed, with file and line, for labels outside 0 to 2^32 - 1,
+/// duplicate labels, colours outside 0 to 255, and quotes without an end. Also for missing names, duplicate
+/// names (ignoring case), and names that check_structure_name() refuses.
 [[nodiscard]] Result<std::vector<LabelName>> read_names(const std::filesystem::path& path);
 
 /// Reads a colour table of 768 bytes (MRIcron's .lut: 256 reds, 256 greens, 256 blues), indexed by label.

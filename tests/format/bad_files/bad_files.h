@@ -16,7 +16,7 @@ struct BadFile {
   const char* message = "";  ///< takes the place of {} in the message of the table
 };
 
-/// A change that says what is wrong.
+/// A change and its message.
 template <typename Part>
 struct BadPart {
   void (*change)(Part& part);

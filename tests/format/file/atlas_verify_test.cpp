@@ -1,4 +1,4 @@
-// Detection of damage by open() and verify(): truncation, flipped bits, forgery with right checksums.
+// Detection of damage by open() and verify(): truncation, flipped bits, tampering with right checksums.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -184,7 +184,7 @@ std::vector<bool> covered(const std::vector<Run>& runs, const std::array<std::in
   return voxels;
 }
 
-/// Whether all 18 neighbours of a voxel are covered.
+/// True if all 18 neighbours of a voxel are covered.
 bool is_inside(const std::vector<bool>& voxels, const std::array<std::int64_t, 3>& size, std::size_t voxel) {
   const auto v = static_cast<std::int64_t>(voxel);
   const std::int64_t i = v % size[0], j = v / size[0] % size[1], k = v / (size[0] * size[1]);
@@ -217,7 +217,7 @@ std::vector<std::vector<std::size_t>> groups_of(const FlatDirectory& directory) 
   return groups;
 }
 
-/// Whether the second class of a group shares the list of the first along an axis.
+/// True if the second class of a group shares the list of the first along an axis.
 bool shares_list(const FlatDirectory& directory, const std::vector<std::size_t>& group, std::size_t axis) {
   if (group.size() != 2) return false;
   const ClassRow& second = directory.classes[group[1]];

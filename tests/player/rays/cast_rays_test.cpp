@@ -53,7 +53,7 @@ RenderOptions accurate(Quality quality = Quality::kNormal) {
           .hybrid_shading = false};
 }
 
-/// The truth of a selection with one look of grey bytes.
+/// Ground truth of a selection with one appearance and byte grey values.
 ReferencePicture truth_of(const StandardScene& scene, const Camera& camera, const PictureSize& size) {
   const auto volume = reference::masked_volume(scene.content, scene.selection);
   const Grid& grid = volume->grid;
@@ -127,8 +127,8 @@ TEST(CastRays, AnEyeAtThePointThatItLooksAtSeesAsOneNearIt) {
   for (std::size_t n = 0; n < at.rgba.size(); ++n) EXPECT_NEAR(at.rgba[n], near.rgba[n], 2e-6) << n;
 }
 
-/// Found by random scenes. What shows every trace of a structure fills all that is within one voxel of it:
-/// rays that cut off an edge are in it for a small part of a slab.
+/// Found by random scenes. A transfer function that shows any grey value above 0 fills the space within one
+/// voxel of a structure. Rays that cut off an edge of it are inside for a small part of a slab.
 TEST(CastRays, StepsAtABorderAreMetByRaysThatPassAnEdge) {
   const AtlasContent content = fog();
   const Selection selection = selection_of("fog:volume(curve=0:0/0.000001:0.5)", content.graph);
@@ -166,9 +166,9 @@ TEST(CastRays, AWideFieldOfViewIsSeamless) {
     const Picture picture = render_or_throw(content, selection, camera, options);
     for (int y = 0; y < 41; ++y) {
       for (int x = 0; x < 41; ++x) {
-        Vec3 way = reference::minus(view.plane.point_lps_mm(x + 0.5, y + 0.5), view.eye_lps_mm());
-        const double most = std::max({std::abs(way[0]), std::abs(way[1]), std::abs(way[2])});
-        const double per_mm = std::sqrt(reference::dot(way, way)) / most;
+        Vec3 along = reference::minus(view.plane.point_lps_mm(x + 0.5, y + 0.5), view.eye_lps_mm());
+        const double max = std::max({std::abs(along[0]), std::abs(along[1]), std::abs(along[2])});
+        const double per_mm = std::sqrt(reference::dot(along, along)) / max;
         // 10 mm of fog and a border of one more that thins out: by half on the way through a side, and by
         // more where edges and corners are near.
         const double depth = -std::log(1 - 0.05) * per_mm;
@@ -247,7 +247,7 @@ TEST(CastRays, AFarEyeSeesInParallel) {
   }
 }
 
-/// Where structures differ by colour alone, their border is a blend of colours without a gap.
+/// The border of structures that differ by colour alone is a blend of colours without a gap.
 TEST(CastRays, ColoursMeetWithoutAGap) {
   TestVolume volume;
   volume.grid.size = {8, 8, 8};

@@ -49,7 +49,7 @@ Extent extent_of(const SurfaceMesh& mesh) {
   return extent;
 }
 
-/// Whether every triangle lies within one voxel, triangles are sorted by voxel, and these voxels are the
+/// True if every triangle lies within one voxel, triangles are sorted by voxel, and these voxels are the
 /// crossed ones.
 bool lies_in_its_voxels(const ClippedMesh& clipped, const Grid& grid) {
   std::vector<std::int64_t> voxels;

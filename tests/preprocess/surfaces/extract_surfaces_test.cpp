@@ -47,7 +47,7 @@ double enclosed_mm3(const Grid& grid, const SurfaceMesh& mesh) {
   return volume;
 }
 
-/// Whether each edge occurs once in each direction.
+/// True if each edge occurs once in each direction.
 bool is_closed(const SurfaceMesh& mesh) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
   for (const auto& t : mesh.triangles) {
