@@ -57,5 +57,5 @@ Result<void> run(int argc, char** argv) {
 }  // namespace splatlas
 
 int main(int argc, char** argv) {
-  return splatlas::run_program("splatlas-preprocess", [&] { return splatlas::run(argc, argv); });
+  return splatlas::run_main("splatlas-preprocess", [&] { return splatlas::run(argc, argv); });
 }

@@ -64,7 +64,7 @@ build_player_only() { build player-only splatlas-player splatlas-phantom-atlas; 
 # Shared by threads: pools, caches, the session of the window, readers and writers of atlases, frames.
 run_tests_with_threads() {
   GTEST_FILTER='*Thread*:ParallelFor*:TaskControl*:*Cancellation*:Session*:Interrupts*:ClassCache*:OpticalArena*'
-  GTEST_FILTER+=':SharedRuns*:ValueCache*:AtlasWriter*:AtlasVerify*:LargeAtlas*:Renderer*:Pick*:Antialiasing*'
+  GTEST_FILTER+=':SharedRuns*:ValueCache*:AtlasWriter*:AtlasVerify*:LargeAtlas*:Renderer*:Pick*:Antialiasing*:DepthCue*'
   export GTEST_FILTER
   run_tests tsan --label-regex '^(format|player)$' --tests-regex 'shard|threads'
   unset GTEST_FILTER

@@ -13,6 +13,7 @@
 #include "format/codec/value_codec.h"
 #include "format/derive/boundary_split.h"
 #include "format/derive/fit_surface.h"
+#include "format/file/content_check.h"
 #include "format/file/directory.h"
 #include "format/file/file_layout.h"
 #include "format/file/fitted_content.h"

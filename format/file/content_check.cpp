@@ -1,4 +1,5 @@
-// check_content(AtlasContent), used by the writer.
+#include "format/file/content_check.h"
+
 #include <vector>
 
 #include "format/file/directory.h"

@@ -88,8 +88,4 @@ struct Directory {
 /// The same with precomputed streams of its classes.
 [[nodiscard]] Result<void> validate(const Directory& directory, const RunStreams& streams);
 
-/// kFailed if sizes, class ids, counts, boxes or the order of classes of the content are inconsistent.
-/// validate() checks its directory, and encode_surface() its surfaces. Cost: one pass over the class volume.
-[[nodiscard]] Result<void> check_content(const AtlasContent& content);
-
 }  // namespace splatlas

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <functional>
-#include <string>
 
 #include "format/result.h"
 
@@ -23,7 +22,7 @@ namespace splatlas {
 
 /// Runs a program: prints the error or exception of `run` to standard error, after the program's name.
 /// Returns the exit status. `remedy` ends the message of a program that runs out of memory.
-[[nodiscard]] int run_program(const std::string& name, const std::function<Result<void>()>& run,
-                              const char* remedy = "");
+[[nodiscard]] int run_main(const char* name, const std::function<Result<void>()>& run,
+                           const char* remedy = "");
 
 }  // namespace splatlas

@@ -161,6 +161,6 @@ Result<void> run(int argc, char** argv) {
 }  // namespace splatlas
 
 int main(int argc, char** argv) {
-  return splatlas::run_program(
+  return splatlas::run_main(
       "splatlas-player", [&] { return splatlas::run(argc, argv); }, ": take a smaller --size or select less");
 }

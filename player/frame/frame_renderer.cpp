@@ -67,7 +67,7 @@ void FrameRenderer::cue_depth(Picture& picture) {
 }
 
 ShownFrame FrameRenderer::shown() const {
-  return {scene_.view, sheets(), raster_->depth_axis, raster_->depth_sign};
+  return {scene_.view, slice_axis(), raster_->depth_axis, raster_->depth_sign};
 }
 
 void add_surface_depths(const FragmentList& fragments, const ShownFrame& frame, const ViewDepth& view,

@@ -74,7 +74,7 @@ class FrameRenderer {
   /// Merges the depths of the volume into the depth map of the buffers.
   virtual void add_volume_depths(const ViewDepth& view_depth) = 0;
   /// Normal of the slices; none for rays.
-  [[nodiscard]] virtual std::optional<Axis> sheets() const = 0;
+  [[nodiscard]] virtual std::optional<Axis> slice_axis() const = 0;
 
   const FrameScene& scene_;
   FrameBuffers& buffers_;

@@ -20,7 +20,7 @@ class RayFrame : public FrameRenderer {
  private:
   [[nodiscard]] Result<RasterScene> raster_scene_of_view() const override;
   void add_volume_depths(const ViewDepth& view_depth) override;
-  [[nodiscard]] std::optional<Axis> sheets() const override { return std::nullopt; }
+  [[nodiscard]] std::optional<Axis> slice_axis() const override { return std::nullopt; }
 
   const RayVolume& volume_;
   const MarchKernels& kernels_;

@@ -21,7 +21,7 @@ class SheetFrame : public FrameRenderer {
  private:
   [[nodiscard]] Result<RasterScene> raster_scene_of_view() const override;
   void add_volume_depths(const ViewDepth& view_depth) override;
-  [[nodiscard]] std::optional<Axis> sheets() const override { return shear_.principal; }
+  [[nodiscard]] std::optional<Axis> slice_axis() const override { return shear_.principal; }
 
   const SpanModel& spans_;
   const Shear& shear_;

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "format/structure_graph.h"
-#include "preprocess/import/tables/read_names.h"
 #include "preprocess/import/tables/read_tree.h"
+#include "preprocess/import/tables/source_structure.h"
 
 namespace splatlas {
 

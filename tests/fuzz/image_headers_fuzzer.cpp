@@ -7,6 +7,7 @@
 #include "format/system/result_macros.h"
 #include "preprocess/import/images/check_image_file.h"
 #include "preprocess/import/images/nifti_file.h"
+#include "preprocess/import/images/read_deflated.h"
 #include "tests/fuzz/cost_limit.h"
 #include "tests/fuzz/fuzz_input.h"
 #include "tests/fuzz/require.h"
@@ -22,8 +23,8 @@ Result<void> check_image_file(const std::filesystem::path& path) {
                                                           ? check_nrrd_file(path)
                                                           : check_meta_image_file(path));
     if (!pixels.is_deflated) return {};
-    std::vector<std::byte> bytes(pixels.bytes);
-    return read_deflated(pixels.file, pixels.start, bytes);
+    std::vector<std::byte> bytes;
+    return read_deflated(pixels.file, pixels.start, pixels.bytes, bytes);
   }
   SPLATLAS_ASSIGN_OR_RETURN(NiftiFile file, NiftiFile::open(path));
   SPLATLAS_ASSIGN_OR_RETURN(const VoxelBuffer voxels, file.read_voxels());

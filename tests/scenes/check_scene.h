@@ -35,7 +35,7 @@ struct SceneReport {
 ///     along every axis, with everything in view: also the number of visited voxels;
 ///   - values: finite, 0 <= alpha <= 1 and 0 <= colour <= alpha;
 ///   - pictures of 1, 2 and 8 threads: equal bits;
-///   - early ray termination: no value changes by more than the threshold, and none of volumes alone grows;
+///   - early ray termination: no value changes by more than the threshold;
 ///   - depth cue: colours darken by at most its strength, opacities stay;
 ///   - sheets: the discrete model to float rounding; antialiased pixels: the mean of the model's samples;
 ///   - rays at high quality: the reference, with surfaces in order with the volume, to 1/255 RMS.

@@ -11,7 +11,6 @@
 #include <string_view>
 
 #include "format/result.h"
-#include "format/voxel_type.h"
 
 namespace splatlas {
 
@@ -42,17 +41,11 @@ struct PixelData {
 [[nodiscard]] Result<PixelData> check_nrrd_file(const std::filesystem::path& path);
 [[nodiscard]] Result<PixelData> check_meta_image_file(const std::filesystem::path& path);
 
-/// Decompresses the zlib or gzip stream at `offset` to `pixels` in one pass. kFailed if it is damaged or too
-/// short. Reads at most kMaxSurplus bytes beyond the pixels, for the checksum.
-[[nodiscard]] Result<void> read_deflated(const std::filesystem::path& path, std::uint64_t offset,
-                                         std::span<std::byte> pixels);
-/// Reverses the byte order of all voxels.
-void swap_bytes(VoxelBuffer& voxels);
-
 // Parts of the checks of all formats.
 
 /// Maximum compression ratio; deflate reaches about 1032.
 inline constexpr std::uint64_t kMaxDeflateRatio = 1100;
+
 /// Bytes beyond the pixels that are read to reach a compressed stream's checksum.
 inline constexpr std::uint64_t kMaxSurplus = 16u << 20;
 

@@ -1,5 +1,6 @@
 // Checks of the image formats with text headers: NRRD and MetaImage.
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
 #include <string>
@@ -74,23 +75,33 @@ Result<TextHeader> read_text_header(const fs::path& path, HeaderLine (*parse_lin
   return header;
 }
 
-/// Bytes of a pixel of a supported type, by its names in both formats; 0 for others.
-std::uint64_t bytes_of_type(const std::string& type) {
-  static const std::map<std::uint64_t, std::set<std::string>> kTypes{
-      {1,
-       {"signed char", "int8", "int8_t", "uchar", "unsigned char", "uint8", "uint8_t", "met_char",
-        "met_uchar"}},
+/// Names of the supported pixel types, by their bytes.
+using TypeNames = std::map<std::uint64_t, std::set<std::string>>;
+
+const TypeNames& nrrd_types() {
+  static const TypeNames kTypes{
+      {1, {"signed char", "int8", "int8_t", "uchar", "unsigned char", "uint8", "uint8_t"}},
       {2,
        {"short", "short int", "signed short", "signed short int", "int16", "int16_t", "ushort",
-        "unsigned short", "unsigned short int", "uint16", "uint16_t", "met_short", "met_ushort"}},
-      {4,
-       {"int", "signed int", "int32", "int32_t", "uint", "unsigned int", "uint32", "uint32_t", "float",
-        "met_int", "met_uint", "met_float"}},
-      {8, {"double", "met_double"}}};
-  for (const auto& [bytes, names] : kTypes) {
-    if (names.contains(to_lower(type))) return bytes;
-  }
-  return 0;
+        "unsigned short", "unsigned short int", "uint16", "uint16_t"}},
+      {4, {"int", "signed int", "int32", "int32_t", "uint", "unsigned int", "uint32", "uint32_t", "float"}},
+      {8, {"double"}}};
+  return kTypes;
+}
+
+const TypeNames& meta_types() {
+  static const TypeNames kTypes{{1, {"MET_CHAR", "MET_UCHAR"}},
+                                {2, {"MET_SHORT", "MET_USHORT"}},
+                                {4, {"MET_INT", "MET_UINT", "MET_FLOAT"}},
+                                {8, {"MET_DOUBLE"}}};
+  return kTypes;
+}
+
+/// Bytes of a pixel; 0 for types that are not supported.
+std::uint64_t bytes_of_type(const TypeNames& types, const std::string& type) {
+  const auto found =
+      std::ranges::find_if(types, [&](const auto& names) { return names.second.contains(type); });
+  return found == types.end() ? 0 : found->first;
 }
 
 /// True for the numbers of a geometry: `count` of them (0: any number), plausible and, if required, positive.
@@ -103,7 +114,12 @@ bool are_numbers(const std::vector<std::string_view>& parts, std::size_t count, 
 
 Result<std::vector<std::int64_t>> parse_sizes(const std::string& text, const fs::path& path) {
   std::vector<std::int64_t> sizes;
-  for (const std::string_view part : split_blanks(text)) sizes.push_back(parse_integer(part).value_or(0));
+  for (const std::string_view part : split_blanks(text)) {
+    const auto size = parse_number(part);
+    if (!size || std::floor(*size) != *size || std::abs(*size) > 1e12)
+      return bad_file(path, "has sizes '{}'; whole numbers are needed", text);
+    sizes.push_back(static_cast<std::int64_t>(*size));
+  }
   if (sizes.size() >= 2 && sizes.size() <= 4) return sizes;
   return bad_file(path, "has {} dimensions; a volume has 2 or 3", sizes.size());
 }
@@ -129,8 +145,9 @@ Result<PixelData> find_pixels(const fs::path& path, const TextHeader& header, co
                               std::uint64_t bytes) {
   PixelData pixels{path, header.bytes, bytes};
   if (name.empty()) return pixels;
-  if (to_lower(name) == "list" || to_lower(name).starts_with("list ") ||
-      name.find('%') != std::string::npos) {
+  // ITK's readers take any name that begins so for a list, and follow its lines to any file.
+  const std::string lower = to_lower(name);
+  if (lower.starts_with("list") || lower.starts_with("skiplist") || name.find('%') != std::string::npos) {
     return bad_file(path, "spreads its pixels over several files; give one file");
   }
   pixels.start = 0;
@@ -176,7 +193,7 @@ Result<PixelData> check_nrrd_file(const fs::path& path) {
   SPLATLAS_ASSIGN_OR_RETURN(const TextHeader header, read_text_header(path, parse_nrrd_line));
   SPLATLAS_RETURN_IF_ERROR(check_nrrd_geometry(header, path));
   SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::int64_t> sizes, parse_sizes(header.get("sizes"), path));
-  const std::uint64_t bytes_per_voxel = bytes_of_type(header.get("type"));
+  const std::uint64_t bytes_per_voxel = bytes_of_type(nrrd_types(), to_lower(header.get("type")));
   if (bytes_per_voxel == 0) return bad_pixel_type(path, "type '" + header.get("type") + "'");
   SPLATLAS_ASSIGN_OR_RETURN(const std::uint64_t bytes, payload_bytes(path, sizes, bytes_per_voxel));
   SPLATLAS_ASSIGN_OR_RETURN(
@@ -198,7 +215,9 @@ Result<PixelData> check_nrrd_file(const fs::path& path) {
   } else if (encoding != "raw") {
     return bad_file(path, "has pixels in encoding '{}'; raw, gzip, ascii and hex are read", encoding);
   }
-  SPLATLAS_RETURN_IF_ERROR(check_raw_payload(pixels.file, pixels.start, stored, bytes));
+  const bool is_deflated = stored < bytes;
+  SPLATLAS_RETURN_IF_ERROR(
+      check_raw_payload(pixels.file, pixels.start, stored, is_deflated ? bytes : stored));
   return pixels;
 }
 
@@ -220,12 +239,12 @@ Result<PixelData> check_meta_image_file(const fs::path& path) {
     return bad_file(path, "has {} values a voxel; one is needed", header.get("ElementNumberOfChannels"));
   }
   const std::string type = header.get("ElementType", "(none)");
-  if (bytes_of_type(type) == 0) return bad_pixel_type(path, "type " + type);
-  SPLATLAS_ASSIGN_OR_RETURN(const std::uint64_t bytes, payload_bytes(path, sizes, bytes_of_type(type)));
+  const std::uint64_t bytes_per_voxel = bytes_of_type(meta_types(), type);
+  if (bytes_per_voxel == 0) return bad_pixel_type(path, "type " + type);
+  SPLATLAS_ASSIGN_OR_RETURN(const std::uint64_t bytes, payload_bytes(path, sizes, bytes_per_voxel));
   SPLATLAS_ASSIGN_OR_RETURN(PixelData pixels,
                             find_pixels(path, header, to_lower(name) == "local" ? "" : name, bytes));
-  pixels.is_big_endian =
-      is_true(header.get("BinaryDataByteOrderMSB")) || is_true(header.get("ElementByteOrderMSB"));
+  pixels.is_big_endian = is_true(header.get("BinaryDataByteOrderMSB", header.get("ElementByteOrderMSB")));
   pixels.is_deflated = is_true(header.get("CompressedData"));
   const auto skip = parse_integer(header.get("HeaderSize", "0"));
   if (!skip || *skip < -1) return bad_file(path, "has HeaderSize = {}", header.get("HeaderSize"));

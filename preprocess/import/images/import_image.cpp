@@ -11,6 +11,7 @@
 #include "preprocess/import/images/check_image_file.h"
 #include "preprocess/import/images/image_io.h"
 #include "preprocess/import/images/itk_call.h"
+#include "preprocess/import/images/read_deflated.h"
 #include "preprocess/import/images/read_nifti_file.h"
 #include "preprocess/import/import_error.h"
 #include "preprocess/import/tables/text_file.h"
@@ -46,12 +47,15 @@ Result<Image> read_with(itk::ImageIOBase& io, const fs::path& path, const PixelD
   SPLATLAS_RETURN_IF_ERROR(validate(image.grid, name));
 
   image.voxels.type = voxel_type_of(io.GetComponentType());
-  image.voxels.bytes.resize(static_cast<std::size_t>(image.grid.voxels()) * bytes_of(image.voxels.type));
-  if (pixels.is_deflated && pixels.bytes == image.voxels.bytes.size()) {
-    SPLATLAS_RETURN_IF_ERROR(read_deflated(pixels.file, pixels.start, image.voxels.bytes));
+  const std::size_t bytes = static_cast<std::size_t>(image.grid.voxels()) * bytes_of(image.voxels.type);
+  if (pixels.is_deflated) {
+    if (pixels.bytes != bytes)
+      return bad_file(path, "has {} bytes of pixels by its header, {} by ITK's reading", pixels.bytes, bytes);
+    SPLATLAS_RETURN_IF_ERROR(read_deflated(pixels.file, pixels.start, bytes, image.voxels.bytes));
     if (pixels.is_big_endian) swap_bytes(image.voxels);
     return image;
   }
+  image.voxels.bytes.resize(bytes);
   itk::ImageIORegion region(io.GetNumberOfDimensions());
   for (unsigned a = 0; a < io.GetNumberOfDimensions(); ++a) region.SetSize(a, io.GetDimensions(a));
   io.SetIORegion(region);

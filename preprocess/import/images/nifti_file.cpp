@@ -7,6 +7,7 @@
 #include "format/system/ascii_text.h"
 #include "format/system/result_macros.h"
 #include "preprocess/import/images/check_image_file.h"
+#include "preprocess/import/images/read_deflated.h"
 #include "preprocess/import/import_error.h"
 
 namespace splatlas {

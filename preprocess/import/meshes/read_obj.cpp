@@ -110,9 +110,10 @@ Result<vtkSmartPointer<vtkPolyData>> read_obj(const std::filesystem::path& path)
   ObjFile obj;
   std::string line;
   for (std::size_t number = 1, lines = 1; std::getline(file, line); number += lines) {
-    // A backslash continues a line.
+    // A backslash continues a line, but not a comment.
     lines = 1;
-    for (std::string next; trimmed(line).ends_with('\\') && std::getline(file, next); ++lines)
+    const auto continues = [&] { return trimmed(line).ends_with('\\') && !trimmed(line).starts_with('#'); };
+    for (std::string next; continues() && std::getline(file, next); ++lines)
       line.replace(line.rfind('\\'), std::string::npos, " " + next);
     const std::vector<std::string_view> words = split_blanks(trimmed(line));
     if (words.empty()) continue;

@@ -223,7 +223,7 @@ class PlyReader {
 Result<vtkSmartPointer<vtkPolyData>> read_ply(const std::filesystem::path& path) {
   PlyReader reader(path);
   if (!reader.read_header()) {
-    return bad_file(path, "is no PLY file of vertices (x, y, z) and faces (vertex_indices)");
+    return bad_file(path, "is no PLY file of vertices (x, y, z) and faces (vertex_indices or vertex_index)");
   }
   if (!reader.read_body()) {
     return bad_file(path, "is truncated or damaged: not all of its elements or corners are there");

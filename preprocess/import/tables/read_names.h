@@ -10,17 +10,9 @@
 
 #include "format/color.h"
 #include "format/result.h"
+#include "preprocess/import/tables/source_structure.h"
 
 namespace splatlas {
-
-/// A structure before its placement in the graph. Its index in the list of these is its source number.
-struct SourceStructure {
-  std::string name;
-  std::optional<std::int64_t> label;
-  std::optional<std::int64_t> code;  ///< AAL's third column, a hierarchical region code
-  std::optional<Rgb> color;
-  bool external = false;
-};
 
 /// A structure from a line of a names file; it has a label.
 struct LabelName : SourceStructure {

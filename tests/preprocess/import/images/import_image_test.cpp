@@ -137,6 +137,25 @@ TEST_F(ImportImage, ReadsCompressedPixelsInEitherByteOrder) {
   }
 }
 
+TEST_F(ImportImage, ReadsCompressedPixelsInEveryPlace) {
+  const std::string pixels = RawImage::payload(), zlib = deflated(pixels, false);
+  write_bytes(folder_.file("pixels.zraw"), zlib);
+  write_bytes(folder_.file("pixels.raw.gz"), deflated(pixels, true));
+  const std::string members = deflated(pixels.substr(0, 50), true) + deflated(pixels.substr(50), true);
+  const std::string lower_order = "CompressedData = True\nElementByteOrderMSB = True\n";
+  for (const auto& [name, bytes] :
+       {std::pair<const char*, std::string>{"a.mhd", meta_header("CompressedData = True\n", "pixels.zraw")},
+        {"a.nhdr", nrrd_header("gzip", "data file: pixels.raw.gz\n")},
+        {"members.nrrd", nrrd_header("gzip") + members},
+        {"surplus.mha", meta_header("CompressedData = True\n") + zlib + "abc"},
+        {"wrong.mha", meta_header("CompressedData = True\nCompressedDataSize = 7\n") + zlib},
+        {"order.mha", meta_header(lower_order) + zlib}}) {
+    const Result<Image> image = import_bytes(name, bytes);
+    ASSERT_TRUE(image) << image.error().message;
+    expect_raw_image(*image);
+  }
+}
+
 TEST_F(ImportImage, RefusesTextPixelsOfAnotherNumber) {
   std::string pixels;
   for (const int value : RawImage::voxels()) pixels += fmt::format("{} ", value);
@@ -183,6 +202,10 @@ TEST_F(ImportImage, RefusesSizesThatCannotBe) {
   const std::string meta = meta_header() + RawImage::payload();
   refuses("a.mha", replaced(meta, "8 4 2", "99999999 9 9"), "size");
   refuses("a.mha", replaced(meta, "8 4 2", "1000 1000 100"), "truncated");
+  refuses("a.mha", replaced(meta, "8 4 2", "8.5 4 2"), "'8.5 4 2'");
+  EXPECT_TRUE(import_bytes("a.mha", replaced(meta, "8 4 2", "8.0 4 2")));
+  refuses("a.nrrd", nrrd_header("hex") + std::string(100, '0'),
+          "promises 256 bytes of pixels, 100 are there");
   // A gigabyte cannot come from a kilobyte of gzip: refused ahead of allocation.
   refuses("a.nrrd", replaced(compressed_nrrd(), "8 4 2", "1024 1024 512"), "truncated");
 }
@@ -191,6 +214,8 @@ TEST_F(ImportImage, RefusesPixelsThatAtlasesDoNotTake) {
   refuses("a.nii", with_number<std::int16_t>(nifti(), 70, 1024), "type 1024");  // int64
   refuses("a.nii", with_number<std::int16_t>(nifti(), 70, 128), "type 128");    // RGB
   refuses("a.nrrd", replaced(nrrd(), "type: short", "type: int64"), "int64");
+  refuses("a.nrrd", replaced(nrrd(), "type: short", "type: MET_SHORT"), "MET_SHORT");
+  refuses("a.mha", replaced(meta_image(), "MET_SHORT", "short"), "type short");
   const std::string channels = meta_header("ElementNumberOfChannels = 3\n"), pixels = RawImage::payload();
   refuses("a.mha", channels + pixels + pixels + pixels, "3 values");
   std::string vectors = replaced(nrrd(), "sizes: 8 4 2", "sizes: 2 4 8");
@@ -208,9 +233,13 @@ TEST_F(ImportImage, RefusesPixelsElsewhere) {
   }
   std::filesystem::create_symlink(folder_.path() / "pixels.raw", folder_.path() / "below" / "link.raw");
   refuses("below/a.mhd", meta_header("", "link.raw"), "outside its own folder");
-  refuses("a.mhd", meta_header("", "LIST"), "several files");
   refuses("a.mhd", meta_header("", "slice%03d.raw 0 3 1"), "several files");
-  refuses("a.nhdr", nrrd_header("raw", "data file: LIST\n"), "several files");
+  // The readers of ITK take every name that begins so for a list, whose lines may name any file.
+  for (const std::string name : {"LIST", "LISTx", "LIST3", "LIST\t2", "SKIPLIST"}) {
+    write_bytes(folder_.file(name), RawImage::payload());
+    refuses("a.mhd", meta_header("", name), "several files");
+    refuses("a.nhdr", nrrd_header("raw", "data file: " + name + "\n"), "several files");
+  }
   EXPECT_FALSE(import_bytes("a.mhd", meta_header("", "missing.raw")));
 }
 

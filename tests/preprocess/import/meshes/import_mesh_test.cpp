@@ -114,6 +114,10 @@ TEST_F(ImportMesh, ABackslashContinuesALineOfObj) {
     EXPECT_THAT(error("a.obj", continued + "f 1 \\" + end + "2 9\n"), HasSubstr("line 9: corner '9'"));
   }
   EXPECT_THAT(error("a.obj", std::string(kSquareObj) + "f 1 2 3 \\"), HasSubstr("line 7"));
+  // But not a comment: many end in a folder's name.
+  const auto mesh = import_bytes("c.obj", "# C:\\models\\\n" + std::string(kSquareObj));
+  ASSERT_TRUE(mesh) << mesh.error().message;
+  EXPECT_EQ(mesh->positions_lps_mm, import_bytes("b.obj", kSquareObj)->positions_lps_mm);
 }
 
 TEST_F(ImportMesh, RefusesDamagedFiles) {

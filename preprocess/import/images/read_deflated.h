@@ -1,0 +1,23 @@
+// Decompression and byte order of pixels.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+#include "format/result.h"
+#include "format/voxel_type.h"
+
+namespace splatlas {
+
+/// Decompresses `bytes` bytes from the zlib or gzip stream at `offset`, in one pass. kFailed if it is damaged
+/// or too short. Reads at most kMaxSurplus bytes more, for the checksum. Touches memory in proportion to the
+/// stream, not to `bytes`.
+[[nodiscard]] Result<void> read_deflated(const std::filesystem::path& path, std::uint64_t offset,
+                                         std::uint64_t bytes, std::vector<std::byte>& pixels);
+
+/// Reverses the byte order of all voxels.
+void swap_bytes(VoxelBuffer& voxels);
+
+}  // namespace splatlas
