@@ -1,0 +1,8 @@
+// Leaks of libraries, for LeakSanitizer: ITK's NRRD reader drops its buffers when a read fails.
+
+/// Called by the sanitizer's shared library, so it must be visible there.
+extern "C" [[gnu::visibility("default")]] const char* __lsan_default_suppressions();
+
+const char* __lsan_default_suppressions() {
+  return "leak:libITKNrrdIO\n";
+}
