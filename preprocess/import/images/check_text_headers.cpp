@@ -202,6 +202,7 @@ Result<PixelData> check_nrrd_file(const fs::path& path) {
 
   const std::string encoding = to_lower(header.get("encoding"));
   std::uint64_t stored = bytes;  // at least
+  bool is_text = false;
   if (encoding == "gzip" || encoding == "gz") {
     stored = bytes / kMaxDeflateRatio;
     const auto skips = [&](const std::string& what) {
@@ -210,14 +211,14 @@ Result<PixelData> check_nrrd_file(const fs::path& path) {
     pixels.is_deflated = !skips("line") && !skips("byte");  // ITK finds pixels behind other text
   } else if (encoding == "hex") {
     stored = 2 * bytes;
+    is_text = true;
   } else if (encoding == "ascii" || encoding == "text" || encoding == "txt") {
     stored = 2 * bytes / bytes_per_voxel - 1;  // a digit and a blank per pixel; ITK counts exactly
+    is_text = true;
   } else if (encoding != "raw") {
     return bad_file(path, "has pixels in encoding '{}'; raw, gzip, ascii and hex are read", encoding);
   }
-  const bool is_deflated = stored < bytes;
-  SPLATLAS_RETURN_IF_ERROR(
-      check_raw_payload(pixels.file, pixels.start, stored, is_deflated ? bytes : stored));
+  SPLATLAS_RETURN_IF_ERROR(check_raw_payload(pixels.file, pixels.start, stored, is_text ? stored : bytes));
   return pixels;
 }
 

@@ -206,6 +206,8 @@ TEST_F(ImportImage, RefusesSizesThatCannotBe) {
   EXPECT_TRUE(import_bytes("a.mha", replaced(meta, "8 4 2", "8.0 4 2")));
   refuses("a.nrrd", nrrd_header("hex") + std::string(100, '0'),
           "promises 256 bytes of pixels, 100 are there");
+  refuses("a.nrrd", nrrd_header("ascii") + std::string(100, '0'),
+          "promises 127 bytes of pixels, 100 are there");
   // A gigabyte cannot come from a kilobyte of gzip: refused ahead of allocation.
   refuses("a.nrrd", replaced(compressed_nrrd(), "8 4 2", "1024 1024 512"), "truncated");
 }
