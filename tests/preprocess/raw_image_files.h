@@ -3,13 +3,13 @@
 
 #include <array>
 #include <cstdint>
-#include <fstream>
-#include <iterator>
 #include <string>
 #include <vector>
 
 #include <fmt/format.h>
 #include <zlib.h>
+
+#include "tests/support/file_bytes.h"
 
 namespace splatlas {
 
@@ -111,14 +111,6 @@ inline std::string nrrd() {
 }
 inline std::string compressed_nrrd() {
   return nrrd_header("gzip") + deflated(RawImage::payload(), true);
-}
-
-inline std::string read_bytes(const std::string& path) {
-  std::ifstream stream(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-}
-inline void write_bytes(const std::string& path, const std::string& bytes) {
-  std::ofstream(path, std::ios::binary | std::ios::trunc) << bytes;
 }
 
 }  // namespace splatlas

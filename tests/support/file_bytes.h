@@ -7,6 +7,7 @@
 #include <iterator>
 #include <span>
 #include <string>
+#include <string_view>
 
 namespace splatlas {
 
@@ -22,6 +23,10 @@ inline bool write_bytes(const std::filesystem::path& path, std::span<const std::
   file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
   file.close();
   return file.good();
+}
+
+inline bool write_bytes(const std::filesystem::path& path, std::string_view bytes) {
+  return write_bytes(path, std::as_bytes(std::span(bytes)));
 }
 
 }  // namespace splatlas
