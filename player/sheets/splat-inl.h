@@ -23,9 +23,12 @@
 HWY_BEFORE_NAMESPACE();
 namespace splatlas::HWY_NAMESPACE {
 
-// A vector is a block, on every instruction set: blocks decide alike about absorption methods and skipping.
-using Lanes = WideTag<float, kBlock>;
+// A block is one or more native vectors, its parts. Parts are composited one by one, to stay in registers.
+// Blocks decide about absorption methods and skipping, so that all instruction sets decide alike.
+using Lanes = NativeTag<WideTag<float, kBlock>>;
 using Vector = WideVec<Lanes>;
+constexpr auto kPart = static_cast<std::int64_t>(kLanesOf<Lanes>);
+constexpr int kParts = kBlock / kPart;
 
 /// Software prefetch: skipped blocks defeat the hardware prefetcher.
 template <std::int64_t kFloats>
@@ -46,7 +49,11 @@ class Splat {
   static constexpr std::int64_t kBlockFloats = kBlock * kPlanes;
   static constexpr int kStreams = kRows * kPhases;  // of pixels: row by row, phase by phase
   using Streams = float* const (&)[kStreams];
-  using Planes = const Vector (&)[kPlanes];
+
+  /// Values of a plane at voxels of a part, and differences to the previous voxels.
+  struct Voxels {
+    Vector here, step;
+  };
 
  public:
   HWY_INLINE Splat(const SheetRows& rows, float slab_mm, float termination_threshold, const ImageRows& image)
@@ -186,7 +193,8 @@ class Splat {
     const Lanes d;
     auto min_opacity = Set(d, 1.0f);
     for (const float* stream : streams) {
-      min_opacity = Min(min_opacity, LoadU(d, stream + kEmissions * image_.plane_stride));
+      for (std::int64_t part = 0; part < kBlock; part += kPart)
+        min_opacity = Min(min_opacity, LoadU(d, stream + kEmissions * image_.plane_stride + part));
     }
     return AllTrue(d, Ge(min_opacity, opaque_));
   }
@@ -207,84 +215,122 @@ class Splat {
   HWY_INLINE void CarryFromSkipped() {
     max_depth_carry_ = Zero(Lanes());
     for (int row = 0; row < kRows; ++row) {
-      Vector mixed[kPlanes];
-      Mix(skipped_upper_, skipped_lower_, row, mixed);
-      max_depth_carry_ = Max(max_depth_carry_, mixed[0]);
-      for (int plane = 0; plane < kPlanes; ++plane) carry_[row][plane] = Rotated(mixed[plane]);
+      for (std::int64_t part = 0; part < kBlock; part += kPart)
+        max_depth_carry_ = Max(max_depth_carry_, Mix(skipped_upper_, skipped_lower_, row, 0, part));
+      for (int plane = 0; plane < kPlanes; ++plane)
+        carry_[row][plane] = Rotated(Mix(skipped_upper_, skipped_lower_, row, plane, kBlock - kPart));
     }
     skipped_upper_ = nullptr;
   }
 
-  HWY_INLINE void Mix(const float* upper, const float* lower, int row, Vector (&mixed)[kPlanes]) const {
+  HWY_INLINE Vector Mix(const float* upper, const float* lower, int row, int plane, std::int64_t part) const {
     const Lanes d;
-    for (int plane = 0; plane < kPlanes; ++plane) {
-      const auto above = Mul(slab_, Load(d, upper + plane * kBlock));
-      const auto rise = FusedMulSub(d, slab_, Load(d, lower + plane * kBlock), above);
-      mixed[plane] = MulAdd(lower_[row], rise, above);
-    }
+    const std::int64_t n = plane * kBlock + part;
+    const auto above = Mul(slab_, Load(d, upper + n));
+    const auto rise = FusedMulSub(d, slab_, Load(d, lower + n), above);
+    return FusedMulAdd(d, lower_[row], rise, above);
+  }
+
+  /// Interpolates the next voxels of a plane between the voxel rows.
+  HWY_INLINE Voxels NextVoxels(const float* upper, const float* lower, int row, int plane,
+                               std::int64_t part) {
+    Vector& carry = carry_[row][plane];
+    Voxels voxels;
+    voxels.here = Mix(upper, lower, row, plane, part);
+    const auto rotated = Rotated(voxels.here);
+    voxels.step = Sub(WithFirstLane(carry, rotated), voxels.here);
+    carry = rotated;
+    return voxels;
+  }
+
+  static HWY_INLINE Vector Between(Vector before, const Voxels& voxels) {
+    return FusedMulAdd(Lanes(), before, voxels.step, voxels.here);
   }
 
   HWY_INLINE void CompositeBlock(const float* upper, const float* lower, Streams streams) {
-    // Interpolate the voxel rows, and find differences to the previous voxel
-    Vector here[kRows][kPlanes], step[kRows][kPlanes];
+    // Interpolate the depths
+    Voxels depths[kRows][kParts];
+    auto max_depth = Zero(Lanes());
     for (int row = 0; row < kRows; ++row) {
-      Mix(upper, lower, row, here[row]);
-      for (int plane = 0; plane < kPlanes; ++plane) {
-        const auto rotated = Rotated(here[row][plane]);
-        step[row][plane] = Sub(WithFirstLane(carry_[row][plane], rotated), here[row][plane]);
-        carry_[row][plane] = rotated;
+      for (int part = 0; part < kParts; ++part) {
+        depths[row][part] = NextVoxels(upper, lower, row, 0, part * kPart);
+        max_depth = Max(max_depth, depths[row][part].here);
       }
     }
 
     // Choose the absorption method: pixels are no denser than both of their voxels
-    auto max_depth = here[0][0];
-    for (int row = 1; row < kRows; ++row) max_depth = Max(max_depth, here[row][0]);
     const auto max_depth_of_both = Max(max_depth, max_depth_carry_);
     max_depth_carry_ = max_depth;
     if (HWY_LIKELY(AllUpTo(kThin, max_depth_of_both))) {
-      CompositeStreams<AbsorptionMethod::kThinSlab>(here, step, streams);
+      CompositeParts<AbsorptionMethod::kThinSlab>(depths, upper, lower, streams);
     } else if (HWY_LIKELY(AllUpTo(kModerate, max_depth_of_both))) {
-      CompositeStreams<AbsorptionMethod::kModerateSlab>(here, step, streams);
+      CompositeParts<AbsorptionMethod::kModerateSlab>(depths, upper, lower, streams);
     } else {
-      CompositeStreams<AbsorptionMethod::kAnySlab>(here, step, streams);
+      CompositeParts<AbsorptionMethod::kAnySlab>(depths, upper, lower, streams);
     }
   }
 
   template <AbsorptionMethod kMethod>
-  HWY_INLINE void CompositeStreams(const Vector (&here)[kRows][kPlanes], const Vector (&step)[kRows][kPlanes],
-                                   Streams streams) const {
-    for (int s = 0; s < kStreams; ++s)
-      CompositePixels<kMethod>(before_[s % kPhases], here[s / kPhases], step[s / kPhases], streams[s]);
+  HWY_INLINE void CompositeParts(const Voxels (&depths)[kRows][kParts], const float* upper,
+                                 const float* lower, Streams streams) {
+    // Skip hidden streams: at the edges of dense structures most pixels are opaque
+    bool hidden[kStreams] = {};
+    if constexpr (kMethod != AbsorptionMethod::kThinSlab) {
+      for (int s = 0; s < kStreams; ++s)
+        hidden[s] = Hidden(before_[s % kPhases], depths[s / kPhases], streams[s]);
+    }
+
+    for (int part = 0; part < kParts; ++part) {
+      for (int row = 0; row < kRows; ++row) {
+        Voxels colors[kEmissions];
+        for (int emission = 0; emission < kEmissions; ++emission)
+          colors[emission] = NextVoxels(upper, lower, row, 1 + emission, part * kPart);
+        for (int phase = 0; phase < kPhases; ++phase) {
+          const int s = row * kPhases + phase;
+          if (hidden[s]) continue;
+          CompositePixels<kMethod>(before_[phase], depths[row][part], colors, streams[s] + part * kPart);
+        }
+      }
+    }
+  }
+
+  /// Whether all pixels of a block are opaque or get nothing.
+  HWY_INLINE bool Hidden(Vector before, const Voxels (&depths)[kParts], const float* pixels) const {
+    const Lanes d;
+    for (int part = 0; part < kParts; ++part) {
+      const auto opacity = LoadU(d, pixels + kEmissions * image_.plane_stride + part * kPart);
+      const auto empty = Le(Between(before, depths[part]), Zero(d));
+      if (!AllTrue(d, Or(empty, Ge(opacity, opaque_)))) return false;
+    }
+    return true;
   }
 
   template <AbsorptionMethod kMethod>
-  HWY_INLINE void CompositePixels(Vector before, Planes here, Planes step, float* pixels) const {
+  HWY_INLINE void CompositePixels(Vector before, const Voxels& depths, const Voxels (&colors)[kEmissions],
+                                  float* pixels) const {
     const Lanes d;
     float* const opacities = pixels + kEmissions * image_.plane_stride;
     const auto opacity = LoadU(d, opacities);
-    const auto depth = MulAdd(before, step[0], here[0]);
+    const auto depth = Between(before, depths);
     const auto transmittance = Sub(Set(d, 1.0f), opacity);
     if constexpr (kMethod == AbsorptionMethod::kThinSlab) {
       const auto weight = Mul(transmittance, ThinMean(d, depth));
-      AddEmissions(weight, before, here, step, pixels);
-      StoreU(MulAdd(weight, depth, opacity), d, opacities);
+      AddEmissions(weight, before, colors, pixels);
+      StoreU(FusedMulAdd(d, weight, depth, opacity), d, opacities);
     } else {
-      // Skip hidden vectors: at the edges of dense structures most pixels are opaque
-      const auto hidden = Or(Le(depth, Zero(d)), Ge(opacity, opaque_));
-      if (AllTrue(d, hidden)) return;
       const auto slab =
           kMethod == AbsorptionMethod::kModerateSlab ? ModerateAbsorption(d, depth) : AnyAbsorption(d, depth);
-      AddEmissions(Mul(transmittance, slab.mean), before, here, step, pixels);
-      StoreU(MulAdd(transmittance, slab.absorbed, opacity), d, opacities);
+      AddEmissions(Mul(transmittance, slab.mean), before, colors, pixels);
+      StoreU(FusedMulAdd(d, transmittance, slab.absorbed, opacity), d, opacities);
     }
   }
 
-  HWY_INLINE void AddEmissions(Vector weight, Vector before, Planes here, Planes step, float* pixels) const {
+  HWY_INLINE void AddEmissions(Vector weight, Vector before, const Voxels (&colors)[kEmissions],
+                               float* pixels) const {
     const Lanes d;
     for (int emission = 0; emission < kEmissions; ++emission) {
-      float* const colors = pixels + emission * image_.plane_stride;
-      const auto splatted = MulAdd(before, step[1 + emission], here[1 + emission]);
-      StoreU(MulAdd(weight, splatted, LoadU(d, colors)), d, colors);
+      float* const sums = pixels + emission * image_.plane_stride;
+      StoreU(FusedMulAdd(d, weight, Between(before, colors[emission]), LoadU(d, sums)), d, sums);
     }
   }
 
@@ -295,8 +341,8 @@ class Splat {
   std::int64_t pair_ = 0;
   Vector slab_, opaque_;
   Vector lower_[kRows], before_[kPhases];
-  Vector carry_[kRows][kPlanes];  // rotated vectors of the previous block
-  Vector max_depth_carry_;        // their maximum depth
+  Vector carry_[kRows][kPlanes];  // rotated vectors of the previous voxels
+  Vector max_depth_carry_;        // maximum depth of the previous block
   // Optical properties of the previous block if it was skipped and the carry is pending, else null.
   const float* skipped_upper_ = nullptr;
   const float* skipped_lower_ = nullptr;
@@ -346,22 +392,6 @@ inline void CompositeRows(const SheetRows& rows, float slab_mm, float terminatio
                           const ImageRows& image) {
   rows.slice->emissions == 1 ? CompositeEmissions<1>(rows, slab_mm, termination_threshold, image)
                              : CompositeEmissions<3>(rows, slab_mm, termination_threshold, image);
-}
-
-inline void MixOptics(const WeightedOptics& a, const WeightedOptics& b, std::size_t floats, float* mixed) {
-  const Lanes d;
-  const auto weight_a = Set(d, a.weight), weight_b = Set(d, b.weight);
-  if (a.optics == nullptr || b.optics == nullptr) {
-    const float* const optics = a.optics != nullptr ? a.optics : b.optics;
-    const auto weight = a.optics != nullptr ? weight_a : weight_b;
-    for (std::size_t n = 0; n < floats; n += kLanesOf<Lanes>)
-      Store(Mul(weight, Load(d, optics + n)), d, mixed + n);
-    return;
-  }
-  for (std::size_t n = 0; n < floats; n += kLanesOf<Lanes>) {
-    const auto of_a = Mul(weight_a, Load(d, a.optics + n));
-    Store(FusedMulAdd(d, weight_b, Load(d, b.optics + n), of_a), d, mixed + n);
-  }
 }
 
 }  // namespace splatlas::HWY_NAMESPACE

@@ -3,6 +3,7 @@
 #define HWY_COMPILE_ONLY_SCALAR
 #include <hwy/highway.h>
 
+#include "player/sheets/mix_optics-inl.h"
 #include "player/sheets/splat-inl.h"
 #include "player/sheets/splat_kernels.h"
 

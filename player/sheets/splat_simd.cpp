@@ -7,6 +7,7 @@
 
 #include "player/sheets/splat_kernels.h"
 #if HWY_TARGET != HWY_SCALAR
+#include "player/sheets/mix_optics-inl.h"
 #include "player/sheets/splat-inl.h"
 #endif
 

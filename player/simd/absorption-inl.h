@@ -21,11 +21,11 @@ constexpr float kThin = 0.75f;
 template <class D, class V = WideVec<D>>
 HWY_INLINE V ThinMean(D d, V depth) {
   auto mean = Set(d, -1.067719662e-03f);
-  mean = MulAdd(mean, depth, Set(d, 8.132654303e-03f));
-  mean = MulAdd(mean, depth, Set(d, -4.161409106e-02f));
-  mean = MulAdd(mean, depth, Set(d, 1.666617870e-01f));
-  mean = MulAdd(mean, depth, Set(d, -4.999999269e-01f));
-  return MulAdd(mean, depth, Set(d, 1.0f));
+  mean = FusedMulAdd(d, mean, depth, Set(d, 8.132654303e-03f));
+  mean = FusedMulAdd(d, mean, depth, Set(d, -4.161409106e-02f));
+  mean = FusedMulAdd(d, mean, depth, Set(d, 1.666617870e-01f));
+  mean = FusedMulAdd(d, mean, depth, Set(d, -4.999999269e-01f));
+  return FusedMulAdd(d, mean, depth, Set(d, 1.0f));
 }
 
 /// 1 - exp(-depth) for depth >= 0 to about 1e-7 relative: exp(-depth) = 2^n * (1 + r * q(r)) with |r| <=
@@ -35,20 +35,20 @@ HWY_INLINE V Absorbed(D d, V depth) {
   const auto one = Set(d, 1.0f);
   const auto x = Neg(Min(depth, Set(d, 87.0f)));
   const auto n = Round(Mul(x, Set(d, 1.44269504f)));
-  auto r = NegMulAdd(n, Set(d, 0.693359375f), x);
-  r = NegMulAdd(n, Set(d, -2.12194440e-4f), r);
+  auto r = FusedNegMulAdd(d, n, Set(d, 0.693359375f), x);
+  r = FusedNegMulAdd(d, n, Set(d, -2.12194440e-4f), r);
   // q(r) = (exp(r) - 1) / r, Taylor: the first term left out is below 2e-8.
   auto q = Set(d, 1.0f / 5040);
-  q = MulAdd(q, r, Set(d, 1.0f / 720));
-  q = MulAdd(q, r, Set(d, 1.0f / 120));
-  q = MulAdd(q, r, Set(d, 1.0f / 24));
-  q = MulAdd(q, r, Set(d, 1.0f / 6));
-  q = MulAdd(q, r, Set(d, 0.5f));
-  q = MulAdd(q, r, one);
+  q = FusedMulAdd(d, q, r, Set(d, 1.0f / 720));
+  q = FusedMulAdd(d, q, r, Set(d, 1.0f / 120));
+  q = FusedMulAdd(d, q, r, Set(d, 1.0f / 24));
+  q = FusedMulAdd(d, q, r, Set(d, 1.0f / 6));
+  q = FusedMulAdd(d, q, r, Set(d, 0.5f));
+  q = FusedMulAdd(d, q, r, one);
   const SignedTag<D> di;
   const auto bits = ShiftBitsLeft<23>(Add(ConvertTo(di, n), Set(di, 127)));
   const auto scale = BitCast(d, bits);
-  return NegMulAdd(scale, Mul(r, q), Sub(one, scale));
+  return FusedNegMulAdd(d, scale, Mul(r, q), Sub(one, scale));
 }
 
 /// Opacity of a slab, 1 - exp(-depth), and the same divided by its depth.

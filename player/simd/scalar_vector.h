@@ -109,6 +109,13 @@ inline ScalarVec<float, kLanes> NegMulAdd(const ScalarVec<float, kLanes>& factor
                                           const ScalarVec<float, kLanes>& addend) {
   return MulAdd(Neg(factor), x, addend);
 }
+template <std::size_t kLanes>
+inline ScalarVec<float, kLanes> FusedNegMulAdd(ScalarTag<float, kLanes>,
+                                               const ScalarVec<float, kLanes>& factor,
+                                               const ScalarVec<float, kLanes>& x,
+                                               const ScalarVec<float, kLanes>& addend) {
+  return NegMulAdd(factor, x, addend);
+}
 template <int kBits, typename T, std::size_t kLanes>
 inline ScalarVec<T, kLanes> ShiftBitsLeft(const ScalarVec<T, kLanes>& v) {
   return detail::per_lane<T, kLanes>([&](std::size_t n) { return v.lane[n] << kBits; });

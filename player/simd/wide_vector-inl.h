@@ -36,7 +36,16 @@ struct TagTraits {
   using Mask = hn::Mask<D>;
 };
 
+template <class D>
+struct NativeTagOf {
+  using type = D;
+};
+
 }  // namespace detail
+
+/// Tag of the native vectors that a wide vector is made of; plain arrays are their own.
+template <class D>
+using NativeTag = typename detail::NativeTagOf<D>::type;
 
 template <class D>
 using SignedTag = typename detail::TagTraits<D>::Signed;
@@ -91,6 +100,9 @@ template <class D>
 struct PairTag {};
 
 namespace detail {
+
+template <class D>
+struct NativeTagOf<PairTag<D>> : NativeTagOf<D> {};
 
 template <class D>
 struct TagTraits<PairTag<D>> {
