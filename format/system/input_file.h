@@ -13,13 +13,16 @@
 
 namespace splatlas {
 
-/// Reads with pread, not mmap: truncation of a mapped file ends the process with SIGBUS, a short read is an
-/// ordinary error. Enables read-ahead only after a large part of the file was requested, so that small
-/// selections read only their pages. Movable, not copyable. Reading is thread-safe.
+/// Maps the file into memory, so that several processes share its pages, and copies ranges out of the mapping
+/// by process_vm_readv(): a page that is gone, because the file was truncated or its disk fails, is an
+/// ordinary error there, and SIGBUS elsewhere. Callers check the copy, which nobody else can change. Reads
+/// with pread() on systems that refuse to map the file or to copy so. Reads no pages beyond the requested
+/// ones until a large part of the file was requested. Movable, not copyable. Reading is thread-safe.
 class InputFile {
  public:
   /// kFailed if the file cannot be opened; kInvalidAtlas, without reading, for folders, pipes and devices.
-  [[nodiscard]] static Result<InputFile> open(const std::filesystem::path& path);
+  /// Always reads with pread() if `map` is false.
+  [[nodiscard]] static Result<InputFile> open(const std::filesystem::path& path, bool map = true);
   InputFile(std::vector<std::byte> bytes, std::string name);
   InputFile(InputFile&& other) noexcept;
   ~InputFile();
@@ -27,13 +30,21 @@ class InputFile {
   [[nodiscard]] const std::string& name() const { return name_; }
   /// Size in bytes at the time of opening.
   [[nodiscard]] std::uint64_t size() const { return size_; }
+  [[nodiscard]] bool is_mapped() const { return mapping_ != nullptr; }
   /// Fills `to` from `offset`. kInvalidAtlas if the file was truncated, kFailed if it cannot be read.
   [[nodiscard]] Result<void> read(std::uint64_t offset, std::span<std::byte> to) const;
 
  private:
   InputFile() = default;
+  void map();
+  /// Enables read-ahead once a large part of the file was requested.
+  void count(std::uint64_t bytes) const;
+  /// Copies from the mapping. Returns the length of the valid prefix of `to`.
+  [[nodiscard]] std::size_t copy_mapped(std::uint64_t offset, std::span<std::byte> to) const;
+  [[nodiscard]] Result<void> read_positioned(std::uint64_t offset, std::span<std::byte> to) const;
 
   int descriptor_ = -1;  // -1 for bytes in memory
+  const std::byte* mapping_ = nullptr;
   std::vector<std::byte> bytes_;
   std::uint64_t size_ = 0;
   std::string name_;

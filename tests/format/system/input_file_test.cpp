@@ -1,10 +1,15 @@
 #include "format/system/input_file.h"
 
+#include <algorithm>
 #include <fstream>
+#include <vector>
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/mman.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include "tests/support/fails_with.h"
 #include "tests/support/temporary_folder.h"
@@ -14,10 +19,12 @@ namespace {
 
 using ::testing::HasSubstr;
 
-struct InputFileTest : ::testing::Test {
+/// Reads through a mapping, or with pread().
+struct InputFileTest : ::testing::TestWithParam<bool> {
   TemporaryFolder folder;
   std::filesystem::path path = folder.path() / "file";
 
+  [[nodiscard]] auto open() const { return InputFile::open(path, GetParam()); }
   void write(const std::string& text) { std::ofstream(path, std::ios::binary) << text; }
   static std::string read(const InputFile& file, std::uint64_t offset, std::size_t size) {
     std::string text(size, '?');
@@ -26,9 +33,13 @@ struct InputFileTest : ::testing::Test {
   }
 };
 
-TEST_F(InputFileTest, ReadsRanges) {
+INSTANTIATE_TEST_SUITE_P(Access, InputFileTest, ::testing::Bool(),
+                         [](const auto& info) { return info.param ? "Mapped" : "Positioned"; });
+
+TEST_P(InputFileTest, ReadsRanges) {
   write("0123456789");
-  InputFile file = InputFile::open(path).value();
+  InputFile file = open().value();
+  EXPECT_EQ(file.is_mapped(), GetParam());
   EXPECT_EQ(file.size(), 10u);
   EXPECT_EQ(file.name(), path.string());
   EXPECT_EQ(read(file, 0, 10), "0123456789");
@@ -41,32 +52,32 @@ TEST_F(InputFileTest, ReadsRanges) {
   EXPECT_EQ(read(moved, 9, 1), "9");
 }
 
-TEST_F(InputFileTest, ReadsBytesInMemoryAlike) {
+TEST_P(InputFileTest, ReadsBytesInMemoryAlike) {
   const InputFile file({std::byte{'a'}, std::byte{'b'}}, "name");
   EXPECT_EQ(file.name(), "name");
   EXPECT_EQ(read(file, 1, 1), "b");
   EXPECT_THAT(read(file, 1, 2), HasSubstr("truncated"));
 }
 
-TEST_F(InputFileTest, ReadsPastFourGibibytes) {
+TEST_P(InputFileTest, ReadsPastFourGibibytes) {
   write("begin");
   std::filesystem::resize_file(path, (std::uint64_t{5} << 30) + 1);  // sparse except for its ends
   std::fstream(path, std::ios::binary | std::ios::in | std::ios::out).seekp(std::int64_t{5} << 30) << "e";
-  const InputFile file = InputFile::open(path).value();
+  const InputFile file = open().value();
   EXPECT_EQ(file.size(), (std::uint64_t{5} << 30) + 1);
   EXPECT_EQ(read(file, std::uint64_t{5} << 30, 1), "e");
   EXPECT_EQ(read(file, std::uint64_t{1} << 32, 1), std::string(1, '\0'));
   EXPECT_EQ(read(file, 0, 5), "begin");
 }
 
-TEST_F(InputFileTest, MissingFilesAreNoAtlasFault) {
-  EXPECT_THAT(InputFile::open(path),
+TEST_P(InputFileTest, MissingFilesAreNoAtlasFault) {
+  EXPECT_THAT(open(),
               FailsWith(ErrorCode::kFailed, path.string() + ": cannot be opened: No such file or directory"));
 }
 
-TEST_F(InputFileTest, OpensRegularFilesOnly) {
+TEST_P(InputFileTest, OpensRegularFilesOnly) {
   const auto refusal = [](const std::filesystem::path& p) {
-    const auto file = InputFile::open(p);
+    const auto file = InputFile::open(p, GetParam());
     EXPECT_EQ(file.error().code, ErrorCode::kInvalidAtlas);
     return file.error().message;
   };
@@ -77,17 +88,61 @@ TEST_F(InputFileTest, OpensRegularFilesOnly) {
   EXPECT_THAT(refusal("/dev/zero"), HasSubstr("not an atlas (not a regular file)"));
 }
 
-TEST_F(InputFileTest, AFileThatBecomesShorterIsAnError) {
+TEST_P(InputFileTest, AFileThatBecomesShorterIsAnError) {
   write(std::string(100'000, 'x'));
-  const InputFile file = InputFile::open(path).value();
+  const InputFile file = open().value();
   std::filesystem::resize_file(path, 50'000);
   EXPECT_EQ(read(file, 49'999, 1), "x");
   EXPECT_THAT(read(file, 0, 100'000), HasSubstr("truncated while open: ends at 50000, had 100000 bytes"));
+  EXPECT_THAT(read(file, 49'999, 2),
+              HasSubstr("truncated while open: ends at 50000"));  // within its last page
+  EXPECT_THAT(read(file, 90'000, 1), HasSubstr("truncated while open: ends at 50000"));
 }
 
-TEST_F(InputFileTest, AFileThatIsReplacedStaysTheOldOne) {
+TEST_P(InputFileTest, EmptyFilesAreReadAlike) {
+  write("");
+  const InputFile file = open().value();
+  EXPECT_EQ(file.size(), 0u);
+  EXPECT_EQ(read(file, 0, 0), "");
+  EXPECT_THAT(read(file, 0, 1), HasSubstr("truncated"));
+}
+
+/// Numbers of pages of the file in memory. The test's mapping reads none of them.
+std::size_t resident_pages(const std::filesystem::path& path) {
+  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  const std::size_t bytes = std::filesystem::file_size(path);
+  void* const mapping = ::mmap(nullptr, bytes, PROT_READ, MAP_SHARED, file, 0);
+  std::vector<unsigned char> resident((bytes + 4095) / 4096);
+  EXPECT_EQ(::mincore(mapping, bytes, resident.data()), 0);
+  ::munmap(mapping, bytes);
+  ::close(file);
+  return static_cast<std::size_t>(
+      std::ranges::count_if(resident, [](unsigned char page) { return (page & 1) != 0; }));
+}
+
+void drop_pages(const std::filesystem::path& path) {
+  const int file = ::open(path.c_str(), O_RDWR | O_CLOEXEC);
+  EXPECT_EQ(::fsync(file), 0);
+  EXPECT_EQ(::posix_fadvise(file, 0, 0, POSIX_FADV_DONTNEED), 0);
+  ::close(file);
+}
+
+TEST_P(InputFileTest, ReadsThePagesOfARangeOnly) {
+  constexpr std::size_t kPage = 4096, kPages = 2048;
+  if (::sysconf(_SC_PAGESIZE) != kPage) GTEST_SKIP() << "pages have another size";
+  write(std::string(kPages * kPage, 'x'));
+  drop_pages(path);
+  if (resident_pages(path) != 0) GTEST_SKIP() << "this file system keeps all pages in memory";
+  const InputFile file = open().value();
+  EXPECT_EQ(read(file, 700 * kPage + 100, 1), "x");
+  EXPECT_EQ(resident_pages(path), 1u);
+  EXPECT_EQ(read(file, 1000 * kPage - 1, 20 * kPage), std::string(20 * kPage, 'x'));
+  EXPECT_EQ(resident_pages(path), 1u + 21u);
+}
+
+TEST_P(InputFileTest, AFileThatIsReplacedStaysTheOldOne) {
   write("old");
-  const InputFile file = InputFile::open(path).value();
+  const InputFile file = open().value();
   std::filesystem::rename(path, folder.path() / "aside");
   write("new");
   EXPECT_EQ(read(file, 0, 3), "old");
