@@ -1,11 +1,17 @@
 #include "preprocess/export/write_image.h"
 
+#include <cmath>
+#include <cstddef>
+#include <new>
+#include <span>
+#include <string>
+#include <vector>
+
 #include "format/system/ascii_text.h"
 #include "format/system/output_file.h"
 #include "format/system/result_macros.h"
-#include "preprocess/import/images/check_image_file.h"
-#include "preprocess/import/images/image_io.h"
-#include "preprocess/import/images/itk_call.h"
+#include "preprocess/export/deflate.h"
+#include "preprocess/export/image_header.h"
 #include "preprocess/import/import_error.h"
 
 namespace splatlas {
@@ -13,56 +19,79 @@ namespace {
 
 namespace fs = std::filesystem;
 
-Result<void> write_with(itk::ImageIOBase& io, const Image& image, const fs::path& path) {
-  io.SetFileName(path.string());
-  io.SetNumberOfDimensions(3);
-  itk::ImageIORegion region(3);
-  for (unsigned a = 0; a < 3; ++a) {
-    const auto size = static_cast<itk::SizeValueType>(image.grid.size[a]);
-    io.SetDimensions(a, size);
-    region.SetSize(a, size);
-    io.SetSpacing(a, image.grid.spacing_mm[a]);
-    io.SetOrigin(a, image.grid.origin_lps_mm[a]);
-    const Matrix3& direction = image.grid.direction_lps;
-    io.SetDirection(a, std::vector<double>{direction[a], direction[3 + a], direction[6 + a]});
-  }
-  io.SetIORegion(region);
-  io.SetPixelType(itk::IOPixelEnum::SCALAR);
-  io.SetNumberOfComponents(1);
-  io.SetComponentType(component_of(image.voxels.type));
-  io.SetUseCompression(true);  // ignored by NIfTI, which compresses by file extension
-  io.Write(image.voxels.bytes.data());
-  return {};
-}
+using Bytes = std::span<const std::byte>;
 
-tl::unexpected<Error> cannot_write_whole(const fs::path& path) {
-  return bad_file(path, "cannot be written whole; is the disk full?");
-}
+/// Compression levels of ITK's writers.
+constexpr int kNiftiLevel = 6, kTextHeaderLevel = 2;
 
-/// Writes `temporary`. Messages call it `path`.
-Result<void> write_quietly(ImageFormat format, const Image& image, const fs::path& temporary,
-                           const fs::path& path) {
-  const QuietStandardError quiet;
-  Result<void> written = call_itk(path.string() + ": cannot be written",
-                                  [&] { return write_with(*make_image_io(format), image, temporary); });
-  // Replace the messages of the NRRD library, which are call stacks.
-  if (!written && written.error().code == ErrorCode::kFailed && format == ImageFormat::kNrrd)
-    return cannot_write_whole(path);
-  if (!written) return fail(written.error().code, with_path(written.error().message, temporary, path));
-  return written;
-}
-
-/// Compares `file` with the image. Messages call it `path`.
-Result<void> compare(const Image& image, const fs::path& file, const fs::path& path) {
-  const Result<Image> back = import_image(file);
-  if (!back) return cannot_write_whole(path);
-  if (back->voxels != image.voxels) {
-    return bad_file(path, "other voxels come back than were written; write .nrrd");
-  }
-  if (!check_same_grid(image.grid, "", back->grid, "")) {
-    return bad_file(path, "this format cannot hold the volume's geometry; write .nrrd");
+/// kFailed for a geometry that import_image() refuses.
+Result<void> check_readable(const Grid& grid, const fs::path& path) {
+  const auto refuse = [&](double mm) {
+    return bad_file(path, "the volume's geometry has {:.4g} mm; files can hold at most 1e9 mm", mm);
+  };
+  constexpr double kMaxPlausible = 1e9;  // is_plausible()
+  for (std::size_t a = 0; a < 3; ++a) {
+    if (std::abs(grid.origin_lps_mm[a]) > kMaxPlausible) return refuse(grid.origin_lps_mm[a]);
+    for (std::size_t row = 0; row < 3; ++row) {
+      const double mm = grid.spacing_mm[a] * grid.direction_lps[3 * row + a];
+      if (std::abs(mm) > kMaxPlausible) return refuse(mm);
+    }
   }
   return {};
+}
+
+Bytes bytes_of_text(const std::string& text) {
+  return std::as_bytes(std::span(text));
+}
+
+Result<void> write_nifti(const Image& image, const fs::path& path) {
+  SPLATLAS_ASSIGN_OR_RETURN(const std::string header, nifti_header(image.grid, image.voxels.type, path));
+  SPLATLAS_ASSIGN_OR_RETURN(OutputFile file, OutputFile::create(path));
+  if (to_lower(path.extension().string()) == ".gz") {
+    SPLATLAS_RETURN_IF_ERROR(deflate_in_pieces({bytes_of_text(header), image.voxels.bytes},
+                                               DeflateWrapper::kGzip, kNiftiLevel, path,
+                                               [&](Bytes piece) { return file.write(piece); }));
+  } else {
+    SPLATLAS_RETURN_IF_ERROR(file.write(bytes_of_text(header)));
+    SPLATLAS_RETURN_IF_ERROR(file.write(image.voxels.bytes));
+  }
+  return file.commit();
+}
+
+Result<void> write_nrrd(const Image& image, const fs::path& path) {
+  const std::string header = nrrd_header(image.grid, image.voxels.type);
+  SPLATLAS_ASSIGN_OR_RETURN(OutputFile file, OutputFile::create(path));
+  SPLATLAS_RETURN_IF_ERROR(file.write(bytes_of_text(header)));
+  SPLATLAS_RETURN_IF_ERROR(deflate_in_pieces({image.voxels.bytes}, DeflateWrapper::kGzip, kTextHeaderLevel,
+                                             path, [&](Bytes piece) { return file.write(piece); }));
+  return file.commit();
+}
+
+/// The header holds the number of compressed bytes, so they are kept in memory.
+Result<void> write_meta_image(const Image& image, const fs::path& path) {
+  std::vector<std::vector<std::byte>> pieces;
+  std::uint64_t bytes = 0;
+  const auto keep = [&](Bytes piece) -> Result<void> {
+    pieces.emplace_back(piece.begin(), piece.end());
+    bytes += piece.size();
+    return {};
+  };
+  SPLATLAS_RETURN_IF_ERROR(
+      deflate_in_pieces({image.voxels.bytes}, DeflateWrapper::kZlib, kTextHeaderLevel, path, keep));
+  const std::string header = meta_image_header(image.grid, image.voxels.type, bytes);
+  SPLATLAS_ASSIGN_OR_RETURN(OutputFile file, OutputFile::create(path));
+  SPLATLAS_RETURN_IF_ERROR(file.write(bytes_of_text(header)));
+  for (const std::vector<std::byte>& piece : pieces) SPLATLAS_RETURN_IF_ERROR(file.write(piece));
+  return file.commit();
+}
+
+Result<void> write_as(ImageFormat format, const Image& image, const fs::path& path) {
+  switch (format) {
+    case ImageFormat::kNifti: return write_nifti(image, path);
+    case ImageFormat::kNrrd: return write_nrrd(image, path);
+    case ImageFormat::kMetaImage: break;
+  }
+  return write_meta_image(image, path);
 }
 
 }  // namespace
@@ -84,10 +113,12 @@ Result<ImageFormat> writable_image_format(const fs::path& path) {
 
 Result<void> write_image(const Image& image, const fs::path& path) {
   SPLATLAS_ASSIGN_OR_RETURN(const ImageFormat format, writable_image_format(path));
-  return write_atomically(path, [&](const fs::path& temporary) -> Result<void> {
-    SPLATLAS_RETURN_IF_ERROR(write_quietly(format, image, temporary, path));
-    return compare(image, temporary, path);
-  });
+  SPLATLAS_RETURN_IF_ERROR(check_readable(image.grid, path));
+  try {
+    return write_as(format, image, path);
+  } catch (const std::bad_alloc&) {
+    return fail(ErrorCode::kLimit, "{}: cannot be written: out of memory", path.string());
+  }
 }
 
 }  // namespace splatlas

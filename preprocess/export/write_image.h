@@ -1,4 +1,4 @@
-// Writer of volume files, through ITK.
+// Writer of volume files.
 #pragma once
 
 #include <filesystem>
@@ -11,8 +11,9 @@ namespace splatlas {
 /// Output format by file extension; kUsage for unknown extensions and formats with two files.
 [[nodiscard]] Result<ImageFormat> writable_image_format(const std::filesystem::path& path);
 
-/// Writes .nii, .nii.gz, .nrrd or .mha, atomically. Reads the file back and compares before the rename: ITK's
-/// writers do not detect a full disk, and some formats cannot represent every geometry.
+/// Writes .nii, .nii.gz, .nrrd or .mha, atomically (format/system/output_file.h). The voxels have a type and
+/// fill the grid, which is valid. kFailed, before a file exists, for a geometry that the format cannot hold
+/// (image_header.h). Cost: compresses in pieces; .mha keeps the compressed voxels in memory.
 [[nodiscard]] Result<void> write_image(const Image& image, const std::filesystem::path& path);
 
 }  // namespace splatlas

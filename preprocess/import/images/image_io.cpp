@@ -37,11 +37,6 @@ VoxelType voxel_type_of(itk::IOComponentEnum component) {
   return found == kTypes.end() ? VoxelType::kNone : found->first;
 }
 
-itk::IOComponentEnum component_of(VoxelType type) {
-  const auto found = std::ranges::find(kTypes, type, &TypePair::first);
-  return found == kTypes.end() ? itk::IOComponentEnum::UNKNOWNCOMPONENTTYPE : found->second;
-}
-
 Grid grid_of(const itk::ImageIOBase& io) {
   Grid grid;
   grid.size = {1, 1, 1};

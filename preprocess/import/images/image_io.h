@@ -1,4 +1,4 @@
-// ITK image readers and writers, without ITK's object factories.
+// ITK image readers, without ITK's object factories.
 #pragma once
 
 #include <itkImageIOBase.h>
@@ -13,7 +13,6 @@ namespace splatlas {
 
 /// Voxel type of an ITK component type; kNone for unsupported types such as 64-bit integers.
 [[nodiscard]] VoxelType voxel_type_of(itk::IOComponentEnum component);
-[[nodiscard]] itk::IOComponentEnum component_of(VoxelType type);
 
 /// The grid of the file whose header `io` has read. A 2-D image gets a third, orthogonal axis of size 1.
 [[nodiscard]] Grid grid_of(const itk::ImageIOBase& io);

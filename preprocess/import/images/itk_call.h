@@ -32,7 +32,7 @@ template <typename Call>
 }
 
 /// Redirects standard error of the whole process to /dev/null during its lifetime. NIfTI's library and MetaIO
-/// print errors there that they also return, or that reading the file back finds.
+/// print errors there that they also return.
 class QuietStandardError {
  public:
   QuietStandardError();

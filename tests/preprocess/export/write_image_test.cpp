@@ -1,0 +1,250 @@
+// Volume files as ITK reads them.
+#include "preprocess/export/write_image.h"
+
+#include <csignal>
+#include <cstring>
+
+#include <gmock/gmock.h>
+#include <itkImageIOBase.h>
+#include <sys/resource.h>
+
+#include "preprocess/import/images/image_io.h"
+#include "tests/preprocess/random_images.h"
+#include "tests/support/fails_with.h"
+#include "tests/support/file_bytes.h"
+#include "tests/support/message_of.h"
+#include "tests/support/temporary_folder.h"
+
+namespace splatlas {
+namespace {
+
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+const std::array<std::string, 4> kEndings{".nii", ".nii.gz", ".nrrd", ".mha"};
+
+bool is_nifti(const std::string& ending) {
+  return ending.starts_with(".nii");
+}
+
+/// The file by ITK alone. NIfTI's library replaces NaN and infinities by 0.
+Image read_by_itk(const std::filesystem::path& path) {
+  const itk::ImageIOBase::Pointer io = make_image_io(*image_format(path));
+  io->SetFileName(path.string());
+  io->ReadImageInformation();
+  Image image{grid_of(*io), {voxel_type_of(io->GetComponentType()), {}}};
+  image.voxels.bytes.resize(static_cast<std::size_t>(image.grid.voxels()) * bytes_of(image.voxels.type));
+  itk::ImageIORegion region(io->GetNumberOfDimensions());
+  for (unsigned a = 0; a < io->GetNumberOfDimensions(); ++a) region.SetSize(a, io->GetDimensions(a));
+  io->SetIORegion(region);
+  io->Read(image.voxels.bytes.data());
+  return image;
+}
+
+/// Spacings relative; origins in mm.
+double max_difference(const Grid& a, const Grid& b) {
+  double difference = 0;
+  for (std::size_t n = 0; n < 3; ++n) {
+    difference = std::max(difference, std::abs(a.spacing_mm[n] / b.spacing_mm[n] - 1));
+    difference = std::max(difference, std::abs(a.origin_lps_mm[n] - b.origin_lps_mm[n]));
+  }
+  for (std::size_t n = 0; n < 9; ++n)
+    difference = std::max(difference, std::abs(a.direction_lps[n] - b.direction_lps[n]));
+  return difference;
+}
+
+/// Grids of all kinds; the 48 axis orders have all flips and both handednesses.
+std::vector<Grid> grids() {
+  std::vector<Grid> grids{awkward_grid(0), awkward_grid(3.1)};  // the second is nearly half a turn
+  for (const AxisOrder& order : all_axis_orders()) grids.push_back(reordered(awkward_grid(0.3), order));
+  for (const Index3& size :
+       {Index3{1, 5, 4}, Index3{7, 1, 4}, Index3{7, 5, 1}, Index3{1, 1, 4}, Index3{1, 1, 1}}) {
+    grids.push_back(awkward_grid(0.3));
+    grids.back().size = size;
+  }
+  grids.push_back(awkward_grid(-0.7));
+  grids.back().spacing_mm = {0.01, 1, 40};
+  return grids;
+}
+
+TEST(WriteImage, ItkReadsTheSameVoxelsAndGrid) {
+  std::mt19937 random(3);
+  for (const std::string& ending : kEndings) {
+    const TemporaryFolder folder;  // ITK would read v.nii for v.nii.gz
+    for (const VoxelType type : kVoxelTypes) {
+      for (const Grid& grid : grids()) {
+        const Image image = random_volume(grid, type, random);
+        const std::string path = folder.file("v" + ending);
+        const Result<void> written = write_image(image, path);
+        ASSERT_TRUE(written) << written.error().message;
+        for (const Image& back : {read_by_itk(path), *import_image(path)}) {
+          ASSERT_EQ(back.voxels, image.voxels) << ending << " " << name_of(type);
+          ASSERT_EQ(message_of(check_same_grid(grid, "written", back.grid, "read")), "");
+          // Floats have 24 bits. Doubles of NRRD are multiplied by the spacing and divided again.
+          const double max = is_nifti(ending) ? 4e-6 : ending == ".nrrd" ? 1e-15 : 0;
+          ASSERT_LE(max_difference(grid, back.grid), max) << ending;
+        }
+      }
+    }
+    EXPECT_THAT(folder.names(), ElementsAre("v" + ending));
+  }
+}
+
+TEST(WriteImage, CompressedVoxelsOfSeveralPieces) {
+  std::mt19937 random(4);
+  Grid grid = awkward_grid(0);
+  grid.size = {101, 67, 83};
+  const Image noise = random_volume(grid, VoxelType::kFloat64, random);
+  const Image empty = zeros(grid, VoxelType::kInt16);
+  for (const std::string& ending : kEndings) {
+    const TemporaryFolder folder;
+    const std::string path = folder.file("v" + ending);
+    for (const Image* image : {&noise, &empty}) {
+      ASSERT_TRUE(write_image(*image, path));
+      EXPECT_EQ(read_by_itk(path).voxels, image->voxels) << ending;
+      EXPECT_EQ(import_image(path)->voxels, image->voxels) << ending;
+    }
+    EXPECT_TRUE(ending == ".nii" || std::filesystem::file_size(path) < 20'000);  // of 1.1 MB
+  }
+}
+
+TEST(WriteImage, KeepsNanAndInfinitiesBitByBit) {
+  const TemporaryFolder folder;
+  const auto special = [&]<typename T>(T, VoxelType type) {
+    using Limits = std::numeric_limits<T>;
+    const std::array<T, 8> values{Limits::quiet_NaN(), -Limits::quiet_NaN(), Limits::infinity(),
+                                  -Limits::infinity(), Limits::denorm_min(), T{-0.0},
+                                  Limits::max(),       Limits::lowest()};
+    Image image = zeros({.size = {2, 2, 2}}, type);
+    std::memcpy(image.voxels.bytes.data(), values.data(), sizeof(values));
+    for (const std::string& ending : kEndings) {
+      ASSERT_TRUE(write_image(image, folder.file("v" + ending)));
+      EXPECT_EQ(import_image(folder.file("v" + ending))->voxels, image.voxels) << ending;
+    }
+  };
+  special(float{}, VoxelType::kFloat32);
+  special(double{}, VoxelType::kFloat64);
+}
+
+/// Expects an error with `text`, and no file.
+void refuses(const Grid& grid, const std::string& ending, const std::string& text) {
+  const TemporaryFolder folder;
+  const std::string path = folder.file("v" + ending);
+  EXPECT_THAT(write_image(zeros(grid, VoxelType::kUInt8), path),
+              FailsWith(ErrorCode::kFailed, AllOf(HasSubstr(path + ": "), HasSubstr(text))));
+  EXPECT_THAT(folder.names(), IsEmpty());
+}
+
+/// Expects the geometry in NRRD and MetaImage files, and that NIfTI files cannot hold it.
+void fits_doubles_only(const Grid& grid) {
+  for (const std::string& ending : kEndings) {
+    if (is_nifti(ending)) {
+      refuses(grid, ending, "this format cannot hold the volume's geometry; write .nrrd");
+      continue;
+    }
+    const TemporaryFolder folder;
+    const std::string path = folder.file("v" + ending);
+    EXPECT_EQ(message_of(write_image(zeros(grid, VoxelType::kUInt8), path)), "");
+    EXPECT_EQ(message_of(check_same_grid(grid, "written", import_image(path)->grid, "read")), "") << ending;
+  }
+}
+
+TEST(WriteImage, RefusesGeometryBeyondSinglePrecision) {
+  Grid far = awkward_grid(0.3);
+  far.spacing_mm = {0.001, 0.001, 0.001};
+  far.origin_lps_mm = {1e6 + 1.0 / 3, 0, 0};  // floats are 0.06 mm apart
+  fits_doubles_only(far);
+}
+
+TEST(WriteImage, RefusesAxesThatAreNotOrthonormal) {
+  Grid sheared = awkward_grid(0.3);
+  for (const std::size_t row : {0, 1, 2})
+    sheared.direction_lps[3 * row] += 0.1 * sheared.direction_lps[3 * row + 1];
+  fits_doubles_only(sheared);
+  Grid longer = awkward_grid(0.3);
+  for (const std::size_t row : {0, 1, 2}) longer.direction_lps[3 * row] *= 1.5;
+  fits_doubles_only(longer);
+}
+
+TEST(WriteImage, RefusesCoordinatesThatCannotBeReadBack) {
+  Grid far = awkward_grid(0.3);
+  far.spacing_mm = {1e6, 1e6, 1e6};
+  far.origin_lps_mm[1] = -2e9;
+  for (const std::string& ending : kEndings)
+    refuses(far, ending, "geometry has -2e+09 mm; files can hold at most 1e9 mm");
+  far.origin_lps_mm[1] = -1e9;
+  far.spacing_mm = {1e9, 1e9, 1e9};
+  for (const std::string& ending : kEndings) {
+    const TemporaryFolder folder;
+    const std::string path = folder.file("v" + ending);
+    EXPECT_EQ(message_of(write_image(zeros(far, VoxelType::kUInt8), path)), "");
+    EXPECT_EQ(message_of(check_same_grid(far, "written", import_image(path)->grid, "read")), "") << ending;
+  }
+}
+
+/// Readers refuse numbers below 1e-37.
+TEST(WriteImage, TinyCoordinatesAreZeros) {
+  Grid grid;
+  grid.size = {3, 3, 3};
+  grid.direction_lps = {1, 1e-40, -1e-300, -1e-37, 1, 0, 0, -0.0, 1};
+  grid.origin_lps_mm = {1e-40, -1e-308, -0.0};
+  for (const std::string& ending : kEndings) {
+    const TemporaryFolder folder;
+    const std::string path = folder.file("v" + ending);
+    EXPECT_EQ(message_of(write_image(zeros(grid, VoxelType::kUInt8), path)), "");
+    const Result<Image> back = import_image(path);
+    ASSERT_TRUE(back) << back.error().message;
+    EXPECT_EQ(back->grid.direction_lps, Grid{}.direction_lps);
+    EXPECT_EQ(back->grid.origin_lps_mm, Vec3{});
+  }
+}
+
+TEST(WriteImage, NiftiHasAtMost32767VoxelsAlongAnAxis) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    Grid grid{.size = {1, 1, 1}};
+    for (const std::string& ending : kEndings) {
+      grid.size[axis] = 32768;
+      if (is_nifti(ending)) {
+        const std::array<const char*, 3> sizes{"32768 x 1 x 1", "1 x 32768 x 1", "1 x 1 x 32768"};
+        refuses(grid, ending,
+                std::string("this format cannot hold ") + sizes[axis] +
+                    " voxels: at most 32767 along an axis; write .nrrd");
+        grid.size[axis] = 32767;
+      }
+      const TemporaryFolder folder;
+      const std::string path = folder.file("v" + ending);
+      EXPECT_EQ(message_of(write_image(zeros(grid, VoxelType::kUInt8), path)), "");
+      EXPECT_EQ(import_image(path)->grid.size, grid.size);
+    }
+  }
+}
+
+/// A file size limit simulates a full disk.
+TEST(WriteImage, AFullDiskLeavesTheOldFileAndGivesTheReason) {
+  std::mt19937 random(5);
+  const Image image = random_volume({.size = {40, 40, 40}}, VoxelType::kInt32, random);
+  rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
+  const auto old_handler = std::signal(SIGXFSZ, SIG_IGN);
+  for (const std::string& ending : kEndings) {
+    for (const rlim_t limit : {100, 5'000, 250'000}) {
+      const TemporaryFolder folder;
+      const std::string path = folder.file("v" + ending);
+      write_bytes(path, "old");
+      const rlimit small{limit, before.rlim_max};
+      ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &small), 0);
+      const Result<void> written = write_image(image, path);
+      ::setrlimit(RLIMIT_FSIZE, &before);
+      EXPECT_THAT(written,
+                  FailsWith(ErrorCode::kFailed, AllOf(HasSubstr(path), HasSubstr("File too large"))));
+      EXPECT_EQ(read_bytes(path), "old");
+      EXPECT_THAT(folder.names(), ElementsAre("v" + ending));
+    }
+  }
+  std::signal(SIGXFSZ, old_handler);
+}
+
+}  // namespace
+}  // namespace splatlas
