@@ -6,6 +6,8 @@
 #include <cstring>
 #include <string>
 
+#include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 namespace splatlas {
@@ -18,13 +20,14 @@ std::atomic<int> waiting_signal{0};
 struct FileToRemove {
   std::atomic<bool> taken{false};
   std::atomic<bool> named{false};
-  std::array<char, 4096> path{};
+  std::array<char, 256> name{};
+  int folder = -1, file = -1;
 };
 std::array<FileToRemove, 16> files_to_remove;
 
 void end_by(int signal) {
   for (const FileToRemove& file : files_to_remove) {
-    if (file.named) ::unlink(file.path.data());
+    if (file.named) remove_file_named(file.folder, file.name.data(), file.file);
   }
   std::signal(signal, SIG_DFL);
   std::raise(signal);
@@ -67,14 +70,23 @@ bool interrupt_waits() {
   return waiting_signal != 0;
 }
 
-RemoveOnInterrupt::RemoveOnInterrupt(const std::filesystem::path& path) : slot_(files_to_remove.size()) {
-  const std::string& bytes = path.native();
-  if (bytes.size() >= files_to_remove.front().path.size()) return;
+void remove_file_named(int folder, const char* name, int file) {
+  struct stat open {
+  }, named{};
+  if (::fstat(file, &open) != 0 || ::fstatat(folder, name, &named, AT_SYMLINK_NOFOLLOW) != 0) return;
+  if (open.st_dev == named.st_dev && open.st_ino == named.st_ino) ::unlinkat(folder, name, 0);
+}
+
+RemoveOnInterrupt::RemoveOnInterrupt(int folder, const std::string& name, int file)
+    : slot_(files_to_remove.size()) {
+  if (name.size() >= files_to_remove.front().name.size()) return;
   for (slot_ = 0; slot_ < files_to_remove.size(); ++slot_) {
-    FileToRemove& file = files_to_remove[slot_];
-    if (file.taken.exchange(true)) continue;
-    std::memcpy(file.path.data(), bytes.c_str(), bytes.size() + 1);
-    file.named = true;
+    FileToRemove& to_remove = files_to_remove[slot_];
+    if (to_remove.taken.exchange(true)) continue;
+    std::memcpy(to_remove.name.data(), name.c_str(), name.size() + 1);
+    to_remove.folder = folder;
+    to_remove.file = file;
+    to_remove.named = true;
     return;
   }
 }

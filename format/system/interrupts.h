@@ -2,7 +2,7 @@
 #pragma once
 
 #include <cstddef>
-#include <filesystem>
+#include <string>
 
 namespace splatlas {
 
@@ -23,11 +23,16 @@ class DeferInterrupts {
 /// True if a deferred interrupt is pending. Long operations should then stop early and clean up.
 [[nodiscard]] bool interrupt_waits();
 
-/// Removes a file on interrupts during its lifetime. Supports 16 files at a time with paths of up to 4095
-/// bytes; others are not removed. Thread-safe.
+/// Removes the name of an open file in an open folder, unless the name is of another file meanwhile. Safe in
+/// signal handlers.
+void remove_file_named(int folder, const char* name, int file);
+
+/// Removes a file on interrupts during its lifetime, as remove_file_named() does. Supports 16 files at a time
+/// with names of up to 255 bytes; others are not removed. Thread-safe.
 class RemoveOnInterrupt {
  public:
-  explicit RemoveOnInterrupt(const std::filesystem::path& path);
+  /// The descriptors must stay open during the lifetime.
+  RemoveOnInterrupt(int folder, const std::string& name, int file);
   ~RemoveOnInterrupt();
   RemoveOnInterrupt(const RemoveOnInterrupt&) = delete;
   RemoveOnInterrupt& operator=(const RemoveOnInterrupt&) = delete;

@@ -3,60 +3,48 @@
 
 #include <cstddef>
 #include <filesystem>
-#include <functional>
 #include <memory>
 #include <span>
-#include <string>
-#include <string_view>
 
 #include "format/result.h"
 
 namespace splatlas {
 
-/// A temporary file in the folder of its target. The target is unchanged until commit() and on all errors.
-/// Files without commit() are removed, on interrupts, too (format/system/interrupts.h). The next create()
-/// removes files of killed processes (format/system/temporary_entry.h). Follows links. Keeps permissions,
-/// group and owner of the old file if possible; other hard links keep the old file. All errors are kFailed,
-/// with target and reason.
+/// A new file in the folder of its target, without a name there (format/system/staged_file.h). The target is
+/// unchanged until commit() and on all errors. Files without commit() vanish, also when the process is
+/// killed. Follows links. Keeps permissions (without setuid, setgid and sticky bits), group and owner of the
+/// old file if possible; nobody else can read the new one before commit(). Other hard links keep the old
+/// file. All errors are kFailed, with target and reason.
 class OutputFile {
  public:
-  /// Creates the empty temporary file, with a name that ends in `ending`. Refuses an existing target that is
-  /// not a regular file or is read-only.
-  [[nodiscard]] static Result<OutputFile> create(const std::filesystem::path& target,
-                                                 std::string_view ending = ".tmp");
+  /// Creates the empty file. Refuses an existing target that is not a regular file or is read-only.
+  [[nodiscard]] static Result<OutputFile> create(const std::filesystem::path& target);
   ~OutputFile();
   OutputFile(OutputFile&&) noexcept;
   OutputFile& operator=(OutputFile&&) noexcept;
 
-  /// Path of the temporary file, for libraries that write to a path.
-  [[nodiscard]] const std::filesystem::path& temporary() const;
+  /// Path to the unfinished file, for libraries that write to a path. Has no ending.
+  [[nodiscard]] std::filesystem::path temporary() const;
   /// Appends bytes.
   [[nodiscard]] Result<void> write(std::span<const std::byte> bytes);
 
-  /// Syncs the temporary file, verifies the checksum of the bytes of write() by reading them back, renames
-  /// the file to the target, and syncs the folder. If only the last step fails, the target is the new file,
-  /// and the message says so.
+  /// Syncs the file, verifies the checksum of the bytes of write() by reading them back, gives the file the
+  /// target's name, and syncs the folder. If only the last step fails, the target is the new file, and the
+  /// message says so.
   [[nodiscard]] Result<void> commit();
 
  private:
   friend Result<void> commit_files(std::span<OutputFile> files);
+  friend class OutputFolder;
   struct Impl;
   explicit OutputFile(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
 };
 
-/// Commits several files: renames them only after all are complete on disk.
+/// Commits several files: names them only after all are complete on disk.
 [[nodiscard]] Result<void> commit_files(std::span<OutputFile> files);
 
 /// Creates, writes and commits one file.
 [[nodiscard]] Result<void> write_file(const std::filesystem::path& path, std::span<const std::byte> bytes);
-
-/// The same for libraries that write to a path: calls write(temporary) with a path of the same extension.
-[[nodiscard]] Result<void> write_atomically(
-    const std::filesystem::path& path,
-    const std::function<Result<void>(const std::filesystem::path&)>& write);
-/// Replaces the temporary path in `message` by `path`.
-[[nodiscard]] std::string with_path(std::string message, const std::filesystem::path& temporary,
-                                    const std::filesystem::path& path);
 
 }  // namespace splatlas

@@ -2,30 +2,112 @@
 
 #include <cerrno>
 #include <cstring>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include "format/system/check_writable.h"
+#include "format/system/output_file_impl.h"
 #include "format/system/output_path.h"
 #include "format/system/result_macros.h"
+#include "format/system/staged_file.h"
 
 namespace splatlas {
+namespace {
 
 namespace fs = std::filesystem;
 
+/// Maximum number of unnamed files: half of the usual limit of open files is left.
+constexpr std::size_t kMaxUnnamed = 128;
+constexpr mode_t kPrivate = 0700, kPublic = 0777;
+
+}  // namespace
+
+struct OutputFolder::Impl {
+  ~Impl();
+  [[nodiscard]] Result<void> name_files();
+  [[nodiscard]] tl::unexpected<Error> error() const { return cannot_write(path, std::strerror(errno)); }
+
+  fs::path path, target;           // as given, and with links resolved
+  std::optional<struct stat> old;  // of the empty folder to be replaced
+  FolderHandle parent, folder;
+  std::string random_name;           // of `folder`; empty before it exists and after the rename
+  std::vector<OutputFile> unnamed;   // complete files
+  std::vector<std::string> members;  // names of files in `folder`
+};
+
+OutputFolder::Impl::~Impl() {
+  if (random_name.empty()) return;
+  for (const std::string& member : members) ::unlinkat(folder.descriptor(), member.c_str(), 0);
+  ::unlinkat(parent.descriptor(), random_name.c_str(), AT_REMOVEDIR);
+}
+
+Result<void> OutputFolder::Impl::name_files() {
+  if (random_name.empty()) {
+    const std::string name = splatlas::random_name();
+    if (!folder.create(parent, name, old ? kPrivate : kPublic)) return error();
+    random_name = name;
+  }
+  for (OutputFile& file : unnamed) {
+    const std::string name = file.impl_->target.filename();
+    members.push_back(name);
+    if (!file.impl_->staged.publish(folder, name)) {
+      members.pop_back();
+      return cannot_write(file.impl_->path, std::strerror(errno));
+    }
+  }
+  unnamed.clear();
+  return {};
+}
+
+OutputFolder::OutputFolder(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+OutputFolder::~OutputFolder() = default;
+OutputFolder::OutputFolder(OutputFolder&&) noexcept = default;
+OutputFolder& OutputFolder::operator=(OutputFolder&&) noexcept = default;
+
 Result<OutputFolder> OutputFolder::create(const fs::path& target) {
   SPLATLAS_RETURN_IF_ERROR(check_writable_folder(target));
-  OutputFolder folder;
-  folder.path_ = target;
-  folder.target_ = resolve_output(without_end_slash(target));
-  const fs::path parent = folder.target_.parent_path();
-  remove_stale_temporaries(parent);
-  if (!folder.temporary_->make(parent, TemporaryEntry::Kind::kFolder))
-    return cannot_write(target, std::strerror(errno));
-  return folder;
+  auto impl = std::make_unique<Impl>();
+  impl->path = target;
+  impl->target = resolve_output(without_end_slash(target));
+  struct stat old {};
+  if (::stat(impl->target.c_str(), &old) == 0) impl->old = old;
+  if (!impl->parent.open(impl->target.parent_path())) return impl->error();
+  return OutputFolder(std::move(impl));
+}
+
+const fs::path& OutputFolder::path() const {
+  return impl_->path;
+}
+
+Result<OutputFile> OutputFolder::create_file(const std::string& name) {
+  auto file = std::make_unique<OutputFile::Impl>();
+  file->path = impl_->path / name;
+  file->target = impl_->target / name;
+  SPLATLAS_RETURN_IF_ERROR(file->create(impl_->target.parent_path()));
+  return OutputFile(std::move(file));
+}
+
+Result<void> OutputFolder::add(OutputFile file) {
+  SPLATLAS_RETURN_IF_ERROR(file.impl_->complete());
+  impl_->unnamed.push_back(std::move(file));
+  return impl_->unnamed.size() < kMaxUnnamed ? Result<void>{} : impl_->name_files();
 }
 
 Result<void> OutputFolder::commit() {
-  if (!temporary_->rename_to(target_)) return cannot_write(path_, std::strerror(errno));
-  return sync_folder_of(target_, path_);
+  SPLATLAS_RETURN_IF_ERROR(impl_->name_files());
+  if (impl_->old && !keep_owner_and_mode(impl_->folder.descriptor(), *impl_->old)) return impl_->error();
+  if (!impl_->folder.sync()) return impl_->error();
+  const std::string name = impl_->target.filename();
+  const int parent = impl_->parent.descriptor();
+  if (::renameat(parent, impl_->random_name.c_str(), parent, name.c_str()) != 0) return impl_->error();
+  impl_->random_name.clear();
+  if (impl_->parent.sync()) return {};
+  return cannot_sync_folder(impl_->path, std::strerror(errno));
 }
 
 }  // namespace splatlas

@@ -3,29 +3,39 @@
 
 #include <filesystem>
 #include <memory>
+#include <string>
 
 #include "format/result.h"
-#include "format/system/temporary_entry.h"
+#include "format/system/output_file.h"
 
 namespace splatlas {
 
-/// A temporary folder beside its target, analogous to OutputFile. Requires DeferInterrupts during its
-/// lifetime.
+/// Files that become a new folder together. Until commit() they have no names (format/system/staged_file.h),
+/// except that every 128 files move into a folder with a random name beside the target. Without commit() all
+/// of them are removed. Requires DeferInterrupts during its lifetime. A killed process leaves at most the
+/// folder with the random name. All errors are kFailed, with path and reason.
 class OutputFolder {
  public:
-  /// Creates the temporary folder. kFailed if this fails, or as in check_writable_folder().
+  /// Checks the target as check_writable_folder() does: it must not exist, or be empty.
   [[nodiscard]] static Result<OutputFolder> create(const std::filesystem::path& target);
+  ~OutputFolder();
+  OutputFolder(OutputFolder&&) noexcept;
+  OutputFolder& operator=(OutputFolder&&) noexcept;
 
-  /// The temporary folder, for writing files.
-  [[nodiscard]] const std::filesystem::path& temporary() const { return temporary_->path(); }
-  /// Renames it to the target, which must not exist or be an empty folder. Its files must be committed.
+  /// The target as given.
+  [[nodiscard]] const std::filesystem::path& path() const;
+  /// Creates a file of the folder. It becomes part of it by add().
+  [[nodiscard]] Result<OutputFile> create_file(const std::string& name);
+  /// Syncs the file and verifies its bytes, as OutputFile::commit() does.
+  [[nodiscard]] Result<void> add(OutputFile file);
+  /// Names the files, syncs the folder and gives it the target's name. Keeps permissions, group and owner of
+  /// an empty folder that is there if possible.
   [[nodiscard]] Result<void> commit();
 
  private:
-  OutputFolder() = default;
-
-  std::filesystem::path path_, target_;  // as given, and with links resolved
-  std::unique_ptr<TemporaryEntry> temporary_ = std::make_unique<TemporaryEntry>();
+  struct Impl;
+  explicit OutputFolder(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace splatlas

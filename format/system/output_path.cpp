@@ -25,6 +25,11 @@ tl::unexpected<Error> cannot_write(const fs::path& path, std::string_view reason
   return fail(ErrorCode::kFailed, "{}: cannot be written: {}", path.string(), reason);
 }
 
+tl::unexpected<Error> cannot_sync_folder(const fs::path& path, std::string_view reason) {
+  return fail(ErrorCode::kFailed, "{}: is written whole, but its folder cannot be synced: {}", path.string(),
+              reason);
+}
+
 bool is_same_file(const fs::path& a, const fs::path& b) {
   std::error_code error;
   const bool same = fs::equivalent(a, b, error);

@@ -16,6 +16,10 @@ namespace splatlas {
 /// kFailed: "PATH: cannot be written: " and the reason.
 [[nodiscard]] tl::unexpected<Error> cannot_write(const std::filesystem::path& path, std::string_view reason);
 
+/// kFailed: the file is complete, but its folder was not synced.
+[[nodiscard]] tl::unexpected<Error> cannot_sync_folder(const std::filesystem::path& path,
+                                                       std::string_view reason);
+
 /// True for two paths to the same file, through links or hard links. The file need not exist.
 [[nodiscard]] bool is_same_file(const std::filesystem::path& a, const std::filesystem::path& b);
 

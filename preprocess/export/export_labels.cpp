@@ -1,9 +1,7 @@
 #include "preprocess/export/export_labels.h"
 
 #include "format/derive/structure_crop.h"
-#include "format/system/check_writable.h"
 #include "format/system/interrupts.h"
-#include "format/system/output_file.h"
 #include "format/system/output_folder.h"
 #include "format/system/result_macros.h"
 #include "preprocess/export/write_image.h"
@@ -34,7 +32,7 @@ Result<std::vector<std::int64_t>> labels_of_classes(const AtlasContent& content,
   return labels;
 }
 
-Result<std::size_t> write_masks(const AtlasContent& content, const fs::path& folder) {
+Result<std::size_t> write_masks(const AtlasContent& content, OutputFolder& folder) {
   std::size_t masks = 0;
   const StructureClasses structure_classes(content.classes, content.graph.size());
   for (StructureIndex s = 0; s < content.graph.size(); ++s) {
@@ -44,10 +42,10 @@ Result<std::size_t> write_masks(const AtlasContent& content, const fs::path& fol
     VoxelBuffer mask{VoxelType::kUInt8, std::vector<std::byte>(content.class_volume.size())};
     for (std::size_t v = 0; v < mask.bytes.size(); ++v)
       mask.bytes[v] = std::byte{parts[content.class_volume[v]] != 0};
-    SPLATLAS_RETURN_IF_ERROR(write_image({content.source_grid, to_source_order(mask, content)},
-                                         folder / (content.graph[s].id + ".nii.gz")));
+    SPLATLAS_RETURN_IF_ERROR(write_image({content.source_grid, to_source_order(mask, content)}, folder,
+                                         content.graph[s].id + ".nii.gz"));
     ++masks;
-    if (interrupt_waits()) return bad_file(folder, "interrupted");
+    if (interrupt_waits()) return bad_file(folder.path(), "interrupted");
   }
   return masks;
 }
@@ -78,11 +76,7 @@ Result<std::size_t> export_masks(const AtlasContent& content, const fs::path& pa
   // An interrupt waits for the current mask; then the temporary folder is removed.
   const DeferInterrupts no_folder_left;
   SPLATLAS_ASSIGN_OR_RETURN(OutputFolder folder, OutputFolder::create(path));
-  Result<std::size_t> masks = write_masks(content, folder.temporary());
-  if (!masks) {
-    return fail(masks.error().code,
-                with_path(masks.error().message, folder.temporary(), without_end_slash(path)));
-  }
+  SPLATLAS_ASSIGN_OR_RETURN(const std::size_t masks, write_masks(content, folder));
   SPLATLAS_RETURN_IF_ERROR(folder.commit());
   return masks;
 }

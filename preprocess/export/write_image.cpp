@@ -2,9 +2,11 @@
 
 #include <cmath>
 #include <cstddef>
+#include <functional>
 #include <new>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "format/system/ascii_text.h"
@@ -20,6 +22,8 @@ namespace {
 namespace fs = std::filesystem;
 
 using Bytes = std::span<const std::byte>;
+/// Creates the file once its header is known to hold the image.
+using CreateFile = std::function<Result<OutputFile>()>;
 
 /// Compression levels of ITK's writers.
 constexpr int kNiftiLevel = 6, kTextHeaderLevel = 2;
@@ -44,9 +48,9 @@ Bytes bytes_of_text(const std::string& text) {
   return std::as_bytes(std::span(text));
 }
 
-Result<void> write_nifti(const Image& image, const fs::path& path) {
+Result<OutputFile> write_nifti(const Image& image, const fs::path& path, const CreateFile& create) {
   SPLATLAS_ASSIGN_OR_RETURN(const std::string header, nifti_header(image.grid, image.voxels.type, path));
-  SPLATLAS_ASSIGN_OR_RETURN(OutputFile file, OutputFile::create(path));
+  SPLATLAS_ASSIGN_OR_RETURN(OutputFile file, create());
   if (to_lower(path.extension().string()) == ".gz") {
     SPLATLAS_RETURN_IF_ERROR(deflate_in_pieces({bytes_of_text(header), image.voxels.bytes},
                                                DeflateWrapper::kGzip, kNiftiLevel, path,
@@ -55,20 +59,20 @@ Result<void> write_nifti(const Image& image, const fs::path& path) {
     SPLATLAS_RETURN_IF_ERROR(file.write(bytes_of_text(header)));
     SPLATLAS_RETURN_IF_ERROR(file.write(image.voxels.bytes));
   }
-  return file.commit();
+  return file;
 }
 
-Result<void> write_nrrd(const Image& image, const fs::path& path) {
+Result<OutputFile> write_nrrd(const Image& image, const fs::path& path, const CreateFile& create) {
   const std::string header = nrrd_header(image.grid, image.voxels.type);
-  SPLATLAS_ASSIGN_OR_RETURN(OutputFile file, OutputFile::create(path));
+  SPLATLAS_ASSIGN_OR_RETURN(OutputFile file, create());
   SPLATLAS_RETURN_IF_ERROR(file.write(bytes_of_text(header)));
   SPLATLAS_RETURN_IF_ERROR(deflate_in_pieces({image.voxels.bytes}, DeflateWrapper::kGzip, kTextHeaderLevel,
                                              path, [&](Bytes piece) { return file.write(piece); }));
-  return file.commit();
+  return file;
 }
 
 /// The header holds the number of compressed bytes, so they are kept in memory.
-Result<void> write_meta_image(const Image& image, const fs::path& path) {
+Result<OutputFile> write_meta_image(const Image& image, const fs::path& path, const CreateFile& create) {
   std::vector<std::vector<std::byte>> pieces;
   std::uint64_t bytes = 0;
   const auto keep = [&](Bytes piece) -> Result<void> {
@@ -79,19 +83,26 @@ Result<void> write_meta_image(const Image& image, const fs::path& path) {
   SPLATLAS_RETURN_IF_ERROR(
       deflate_in_pieces({image.voxels.bytes}, DeflateWrapper::kZlib, kTextHeaderLevel, path, keep));
   const std::string header = meta_image_header(image.grid, image.voxels.type, bytes);
-  SPLATLAS_ASSIGN_OR_RETURN(OutputFile file, OutputFile::create(path));
+  SPLATLAS_ASSIGN_OR_RETURN(OutputFile file, create());
   SPLATLAS_RETURN_IF_ERROR(file.write(bytes_of_text(header)));
   for (const std::vector<std::byte>& piece : pieces) SPLATLAS_RETURN_IF_ERROR(file.write(piece));
-  return file.commit();
+  return file;
 }
 
-Result<void> write_as(ImageFormat format, const Image& image, const fs::path& path) {
-  switch (format) {
-    case ImageFormat::kNifti: return write_nifti(image, path);
-    case ImageFormat::kNrrd: return write_nrrd(image, path);
-    case ImageFormat::kMetaImage: break;
+/// Writes everything into a new file, without committing it.
+Result<OutputFile> write_whole(const Image& image, const fs::path& path, const CreateFile& create) {
+  SPLATLAS_ASSIGN_OR_RETURN(const ImageFormat format, writable_image_format(path));
+  SPLATLAS_RETURN_IF_ERROR(check_readable(image.grid, path));
+  try {
+    switch (format) {
+      case ImageFormat::kNifti: return write_nifti(image, path, create);
+      case ImageFormat::kNrrd: return write_nrrd(image, path, create);
+      case ImageFormat::kMetaImage: break;
+    }
+    return write_meta_image(image, path, create);
+  } catch (const std::bad_alloc&) {
+    return fail(ErrorCode::kLimit, "{}: cannot be written: out of memory", path.string());
   }
-  return write_meta_image(image, path);
 }
 
 }  // namespace
@@ -112,13 +123,15 @@ Result<ImageFormat> writable_image_format(const fs::path& path) {
 }
 
 Result<void> write_image(const Image& image, const fs::path& path) {
-  SPLATLAS_ASSIGN_OR_RETURN(const ImageFormat format, writable_image_format(path));
-  SPLATLAS_RETURN_IF_ERROR(check_readable(image.grid, path));
-  try {
-    return write_as(format, image, path);
-  } catch (const std::bad_alloc&) {
-    return fail(ErrorCode::kLimit, "{}: cannot be written: out of memory", path.string());
-  }
+  SPLATLAS_ASSIGN_OR_RETURN(OutputFile file,
+                            write_whole(image, path, [&] { return OutputFile::create(path); }));
+  return file.commit();
+}
+
+Result<void> write_image(const Image& image, OutputFolder& folder, const std::string& name) {
+  SPLATLAS_ASSIGN_OR_RETURN(
+      OutputFile file, write_whole(image, folder.path() / name, [&] { return folder.create_file(name); }));
+  return folder.add(std::move(file));
 }
 
 }  // namespace splatlas

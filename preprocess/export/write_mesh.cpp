@@ -2,13 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
 #include <vector>
 
+#include <fmt/format.h>
 #include <vtkCellArray.h>
 #include <vtkFloatArray.h>
 #include <vtkNew.h>
 #include <vtkOBJWriter.h>
-#include <vtkPLYWriter.h>
 #include <vtkPointData.h>
 #include <vtkPoints.h>
 #include <vtkPolyData.h>
@@ -63,22 +67,51 @@ std::vector<Corners> corners_of(std::span<const SurfaceMesh> surfaces, const Gri
 }
 
 template <typename Writer>
-std::string write_with(vtkPolyData& polygons, const fs::path& path) {
+bool write_with(vtkPolyData& polygons, const fs::path& path) {
   vtkNew<Writer> writer;
   writer->SetInputData(&polygons);
   writer->SetFileName(path.c_str());
   if constexpr (requires { writer->SetFileTypeToBinary(); }) writer->SetFileTypeToBinary();
-  return update_quietly(*writer);
+  return update_quietly(*writer).empty();
 }
 
-std::string write_as(MeshFormat format, vtkPolyData& polygons, const fs::path& path) {
+template <typename T>
+void append(T value, std::vector<std::byte>& bytes) {
+  const auto raw = std::as_bytes(std::span(&value, 1));
+  bytes.insert(bytes.end(), raw.begin(), raw.end());
+}
+
+/// Binary PLY. VTK's writer appends ".ply" to other file names, and its output to memory is empty.
+Result<void> write_ply(vtkPolyData& polygons, OutputFile& file) {
+  const std::string header = fmt::format(
+      "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty float x\nproperty float y\n"
+      "property float z\nelement face {}\nproperty list uchar int vertex_indices\nend_header\n",
+      polygons.GetNumberOfPoints(), polygons.GetNumberOfPolys());
+  SPLATLAS_RETURN_IF_ERROR(file.write(std::as_bytes(std::span(header))));
+  std::vector<std::byte> bytes;
+  for (vtkIdType p = 0; p < polygons.GetNumberOfPoints(); ++p) {
+    for (const double mm : std::span(polygons.GetPoint(p), 3)) append(static_cast<float>(mm), bytes);
+  }
+  for (vtkIdType t = 0; t < polygons.GetNumberOfPolys(); ++t) {
+    vtkIdType corners = 0;
+    const vtkIdType* ids = nullptr;
+    polygons.GetPolys()->GetCellAtId(t, corners, ids);
+    append(static_cast<std::uint8_t>(corners), bytes);
+    for (const vtkIdType id : std::span(ids, static_cast<std::size_t>(corners)))
+      append(static_cast<std::int32_t>(id), bytes);
+  }
+  return file.write(bytes);
+}
+
+/// Returns VTK's success.
+Result<bool> write_as(MeshFormat format, vtkPolyData& polygons, OutputFile& file) {
   switch (format) {
-    case MeshFormat::kStl: return write_with<vtkSTLWriter>(polygons, path);
-    case MeshFormat::kObj: return write_with<vtkOBJWriter>(polygons, path);
-    case MeshFormat::kPly: return write_with<vtkPLYWriter>(polygons, path);
+    case MeshFormat::kStl: return write_with<vtkSTLWriter>(polygons, file.temporary());
+    case MeshFormat::kObj: return write_with<vtkOBJWriter>(polygons, file.temporary());
+    case MeshFormat::kPly: SPLATLAS_RETURN_IF_ERROR(write_ply(polygons, file)); return true;
     case MeshFormat::kVtk: break;
   }
-  return write_with<vtkPolyDataWriter>(polygons, path);
+  return write_with<vtkPolyDataWriter>(polygons, file.temporary());
 }
 
 /// Compares within the precision of VTK's text output, six digits.
@@ -133,16 +166,14 @@ Result<MeshFormat> writable_mesh_format(const fs::path& path) {
 
 Result<void> write_mesh(std::span<const SurfaceMesh> surfaces, const Grid& grid, const fs::path& path) {
   SPLATLAS_ASSIGN_OR_RETURN(const MeshFormat format, writable_mesh_format(path));
-  return write_atomically(path, [&](const fs::path& temporary) -> Result<void> {
-    const vtkNew<vtkPolyData> polygons = to_polygons(surfaces, grid);
-    const bool written = write_as(format, *polygons, temporary).empty();
-    // Read back: VTK detects a full disk only for some formats, and lost bytes for none.
-    const auto back = import_mesh(temporary, MeshFrame::kLps);
-    if (!written || !back || !holds_triangles(*back, corners_of(surfaces, grid))) {
-      return bad_file(path, "cannot be written whole; is the disk full?");
-    }
-    return {};
-  });
+  SPLATLAS_ASSIGN_OR_RETURN(OutputFile file, OutputFile::create(path));
+  const vtkNew<vtkPolyData> polygons = to_polygons(surfaces, grid);
+  SPLATLAS_ASSIGN_OR_RETURN(const bool written, write_as(format, *polygons, file));
+  // Read back: VTK detects a full disk only for some formats, and lost bytes for none.
+  const auto back = import_mesh(file.temporary(), format, MeshFrame::kLps);
+  if (!written || !back || !holds_triangles(*back, corners_of(surfaces, grid)))
+    return bad_file(path, "cannot be written whole; is the disk full?");
+  return file.commit();
 }
 
 }  // namespace splatlas

@@ -1,13 +1,15 @@
 // splatlas-disk-faults: kills, errors and short transfers at every system call on a file, in every command
 // that writes. Afterwards the output must be the old file or the complete new one, and exit status and
-// message must match.
+// message must match. No command may remove, rename or open for writing a name that it did not create.
 
 #include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <fstream>
+#include <iterator>
 #include <map>
 #include <random>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -33,6 +35,7 @@ struct FaultScenario {
   std::vector<std::string> words;  ///< command line, to be run in the folder
   std::string output;              ///< file or folder that it creates or replaces
   bool replaces = true;            ///< an old output exists
+  Naming naming = Naming::kUnnamed;
 };
 
 constexpr unsigned kSize = 20;
@@ -73,6 +76,24 @@ void prepare_inputs(const fs::path& folder) {
   if (built.status != 0) throw std::runtime_error("cannot build the atlas: " + built.err);
 }
 
+/// Builds, masks and pictures without an old output, and on a file system without unnamed files.
+void add_variants(std::vector<FaultScenario>& scenarios) {
+  const std::vector<FaultScenario> originals = scenarios;
+  for (const FaultScenario& original : originals) {
+    if (original.output != "out.atlas" && original.output != "picture.png" && original.output != "masks")
+      continue;
+    FaultScenario variant = original;
+    variant.naming = Naming::kNamed;
+    variant.name = original.name + ", named";
+    scenarios.push_back(variant);
+    if (!original.replaces) continue;
+    variant = original;
+    variant.replaces = false;
+    variant.name = original.name + ", new";
+    scenarios.push_back(variant);
+  }
+}
+
 /// Builds, exports of every kind and pictures in every format.
 std::vector<FaultScenario> fault_scenarios() {
   std::vector<FaultScenario> scenarios{{"build", build_words("out.atlas"), "out.atlas"},
@@ -96,6 +117,7 @@ std::vector<FaultScenario> fault_scenarios() {
                           "left + right:surface", "--size", "32x32", "--threads", "1"},
                          output});
   }
+  add_variants(scenarios);
   return scenarios;
 }
 
@@ -132,6 +154,48 @@ std::vector<Fault> faults_at(const FileCall& call) {
   return faults;
 }
 
+/// Names that a run has created and not renamed to its output or removed.
+class CreatedNames {
+ public:
+  explicit CreatedNames(fs::path output) : output_(std::move(output)) {}
+
+  /// Follows a call. False if it changes a name that neither is the output nor was created.
+  bool follow(const FileCall& call) {
+    using Use = FileCall::NameUse;
+    if (call.use == Use::kNone || is_in(call.path, output_)) return true;
+    if (call.use == Use::kCreates) return names_.insert(call.path).second;
+    if (names_.erase(call.path) == 0) return false;
+    const bool removes = call.name.starts_with("unlink") || call.name == "rmdir";
+    if (call.target.empty() && !removes) names_.insert(call.path);
+    if (!call.target.empty() && !is_in(call.target, output_)) names_.insert(call.target);
+    return true;
+  }
+  /// Number of these names in the folder itself.
+  [[nodiscard]] std::size_t count_in(const fs::path& folder) const {
+    return static_cast<std::size_t>(std::ranges::count(names_, folder, &fs::path::parent_path));
+  }
+
+ private:
+  fs::path output_;
+  std::set<fs::path> names_;
+};
+
+/// Checks a whole run: every changed name was created by it, nothing is left of them, and atlases are read
+/// through their mapping. Returns the first fault; empty for none.
+std::string judge_calls(const FaultyRun& run, const fs::path& folder, const fs::path& output) {
+  CreatedNames created(output);
+  for (const FileCall& call : run.calls) {
+    if (!created.follow(call)) return call.name + " changes a foreign name: " + call.path.string();
+    if (call.transfers && call.path.extension() == ".atlas")
+      return call.name + " of an atlas beside its mapping: " + call.path.string();
+  }
+  for (const FileCall& call : run.outside) {
+    if (!is_in(call.path, "/proc/self/fd") && !is_in(call.path, "/dev"))
+      return call.name + " outside the folder of its output: " + call.path.string();
+  }
+  return created.count_in(folder) == 0 ? "" : "a name remains";
+}
+
 /// Outcomes of the points of a scenario.
 struct Tally {
   std::size_t calls = 0, points = 0, old_kept = 0, new_whole = 0, killed = 0, wrong = 0;
@@ -144,8 +208,10 @@ class Rehearsal {
       : scenario_(scenario), folder_(std::move(folder)), output_(folder_ / scenario.output) {
     put_old();
     old_ = tree_of(output_);
-    usual_ = run_with_fault(scenario_.words, folder_);
+    usual_ = run_with_fault(scenario_.words, folder_, scenario_.naming);
     if (usual_.result.status != 0) throw std::runtime_error(scenario_.name + ": " + usual_.result.err);
+    if (const std::string fault = judge_calls(usual_, folder_, output_); !fault.empty())
+      throw std::runtime_error(scenario_.name + ": " + fault);
     new_ = tree_of(output_);
     if (new_ == old_) throw std::runtime_error(scenario_.name + ": changes nothing");
     names_ = names();
@@ -157,9 +223,9 @@ class Rehearsal {
 
   void strike(std::size_t number, const Fault& fault) {
     put_old();
-    const FaultyRun run = run_with_fault(scenario_.words, folder_, number, fault);
+    const FaultyRun run = run_with_fault(scenario_.words, folder_, scenario_.naming, number, fault);
     ++tally_.points;
-    const std::string complaint = judge(run.result, fault);
+    const std::string complaint = judge(run, number, fault);
     if (complaint.empty()) return;
     ++tally_.wrong;
     fmt::print("  {}: {} at call {} ({}): {}; status {}: {}\n", scenario_.name, fault.name, number,
@@ -180,14 +246,18 @@ class Rehearsal {
   }
 
   /// The fault after a run; empty for none.
-  [[nodiscard]] std::string judge(const ProgramResult& result, const Fault& fault) {
+  [[nodiscard]] std::string judge(const FaultyRun& run, std::size_t number, const Fault& fault) {
+    const ProgramResult& result = run.result;
     const auto found = tree_of(output_);
     const bool is_new = found == new_, is_old = found == old_;
     const bool kills = fault.kind == Kind::kKill || fault.kind == Kind::kTear;
     // Unreadable chunks cost their structures: the program draws the rest and says so.
     const bool is_rest = result.status == 3 && result.err.ends_with("was written without what is missing\n");
     ++(result.status == kKilled ? tally_.killed : is_new || is_rest ? tally_.new_whole : tally_.old_kept);
-    if (is_rest) return judge_debris(fault.lasts);
+    // Only the kernel cleans up after a kill, and nobody while removals fail.
+    const std::size_t kept = kills ? names_before(number) : 0;
+    const std::size_t may_keep = kills ? kept : (fault.lasts ? 1 : 0);
+    if (is_rest) return judge_debris(kept, may_keep);
     if (!is_new && !is_old) return "the output is neither the old one nor the new one";
     if (kills && result.status != 0 && result.status != kKilled) return "another status than SIGKILL's";
     if (!kills && result.status != 0 && result.status != 1) return "another status than 0 and 1";
@@ -197,19 +267,31 @@ class Rehearsal {
         return "failure with the new output";
       if (!names_a_file(result.err)) return "the message is not one line with a file's name";
     }
-    return judge_debris(kills || fault.lasts);
+    return judge_debris(result.status == kKilled ? kept : 0, may_keep);
   }
 
-  /// Temporaries must be gone; after a failed removal, the next run must remove them.
-  [[nodiscard]] std::string judge_debris(bool may_leave) const {
-    const auto is_known = [&](const std::string& name) { return std::ranges::binary_search(names_, name); };
-    if (std::ranges::all_of(names(), is_known)) return "";
-    if (!may_leave) return "a temporary remains";
+  /// Number of temporaries with names before the call of this number.
+  [[nodiscard]] std::size_t names_before(std::size_t number) const {
+    CreatedNames created(output_);
+    for (std::size_t n = 0; n < number; ++n) created.follow(usual_.calls[n]);
+    return created.count_in(folder_);
+  }
+
+  /// At least `kept` and at most `may_keep` temporaries may remain, one at most. The next run must succeed
+  /// and leave them alone.
+  [[nodiscard]] std::string judge_debris(std::size_t kept, std::size_t may_keep) const {
+    std::vector<std::string> debris;
+    std::ranges::set_difference(names(), names_, std::back_inserter(debris));
+    if (debris.empty() && kept == 0) return "";
+    if (debris.size() < kept || debris.size() > may_keep || may_keep > 1)
+      return fmt::format("{} temporaries remain, expected {} to {}", debris.size(), kept, may_keep);
     fs::remove_all(output_);
     const FaultyRun again = run_with_fault(scenario_.words, folder_);
     if (again.result.status != 0) return "the next run fails: " + again.result.err;
     if (tree_of(output_) != new_) return "the next run writes something else";
-    return names() == names_ ? "" : "a temporary remains after the next run";
+    const bool stays = fs::exists(folder_ / debris[0]);
+    fs::remove_all(folder_ / debris[0]);
+    return stays ? "" : "the next run removes an entry of another process";
   }
 
   [[nodiscard]] bool names_a_file(const std::string& message) const {

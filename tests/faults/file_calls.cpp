@@ -16,46 +16,64 @@ namespace {
 namespace fs = std::filesystem;
 using Effect = FileCall::Effect;
 
+using NameUse = FileCall::NameUse;
+
 struct KnownCall {
   int number;
   const char* name;
   Effect effect;
-  int path_argument;        ///< -1: the first argument is a descriptor
-  int flags_argument = -1;  ///< of open calls: O_CREAT and others make them store
-  bool transfers = false, has_position = false;
+  /// Arguments with the path and the folder that it is relative to; -1: the first argument is a descriptor.
+  int path_argument = -1, folder_argument = -1;
+  NameUse use = NameUse::kNone;
+  int target_argument = -1, target_folder_argument = -1;  ///< of renames
+  int flags_argument = -1;                                ///< of open calls: the flags determine the effect
 };
 
 constexpr std::array kCalls{
 #ifdef SYS_open
-    KnownCall{SYS_open, "open", Effect::kReads, 0, 1},
-    KnownCall{SYS_creat, "creat", Effect::kStores, 0},
-    KnownCall{SYS_rename, "rename", Effect::kStores, 0},
-    KnownCall{SYS_unlink, "unlink", Effect::kChanges, 0},
-    KnownCall{SYS_mkdir, "mkdir", Effect::kStores, 0},
-    KnownCall{SYS_rmdir, "rmdir", Effect::kChanges, 0},
-    KnownCall{SYS_chmod, "chmod", Effect::kChanges, 0},
+    KnownCall{SYS_open, "open", Effect::kReads, 0, -1, NameUse::kNone, -1, -1, 1},
+    KnownCall{SYS_creat, "creat", Effect::kStores, 0, -1, NameUse::kChanges},
+    KnownCall{SYS_rename, "rename", Effect::kStores, 0, -1, NameUse::kChanges, 1},
+    KnownCall{SYS_unlink, "unlink", Effect::kChanges, 0, -1, NameUse::kChanges},
+    KnownCall{SYS_mkdir, "mkdir", Effect::kStores, 0, -1, NameUse::kCreates},
+    KnownCall{SYS_rmdir, "rmdir", Effect::kChanges, 0, -1, NameUse::kChanges},
+    KnownCall{SYS_chmod, "chmod", Effect::kChanges, 0, -1, NameUse::kChanges},
+    KnownCall{SYS_chown, "chown", Effect::kChanges, 0, -1, NameUse::kChanges},
+    KnownCall{SYS_link, "link", Effect::kStores, 1, -1, NameUse::kCreates},
+    KnownCall{SYS_symlink, "symlink", Effect::kStores, 1, -1, NameUse::kCreates},
 #endif
-    KnownCall{SYS_openat, "openat", Effect::kReads, 1, 2},
-    KnownCall{SYS_renameat, "renameat", Effect::kStores, 1},
-    KnownCall{SYS_renameat2, "renameat2", Effect::kStores, 1},
-    KnownCall{SYS_unlinkat, "unlinkat", Effect::kChanges, 1},
-    KnownCall{SYS_mkdirat, "mkdirat", Effect::kStores, 1},
-    KnownCall{SYS_fchmodat, "fchmodat", Effect::kChanges, 1},
-    KnownCall{SYS_read, "read", Effect::kReads, -1, -1, true},
-    KnownCall{SYS_pread64, "pread", Effect::kReads, -1, -1, true, true},
-    KnownCall{SYS_readv, "readv", Effect::kReads, -1},
-    KnownCall{SYS_getdents64, "getdents", Effect::kReads, -1},
-    KnownCall{SYS_write, "write", Effect::kStores, -1, -1, true},
-    KnownCall{SYS_pwrite64, "pwrite", Effect::kStores, -1, -1, true, true},
-    KnownCall{SYS_writev, "writev", Effect::kStores, -1},
-    KnownCall{SYS_fsync, "fsync", Effect::kStores, -1},
-    KnownCall{SYS_fdatasync, "fdatasync", Effect::kStores, -1},
-    KnownCall{SYS_ftruncate, "ftruncate", Effect::kStores, -1},
-    KnownCall{SYS_fallocate, "fallocate", Effect::kStores, -1},
-    KnownCall{SYS_fchmod, "fchmod", Effect::kChanges, -1},
-    KnownCall{SYS_fchown, "fchown", Effect::kChanges, -1},
-    KnownCall{SYS_close, "close", Effect::kChanges, -1},
+    KnownCall{SYS_openat, "openat", Effect::kReads, 1, 0, NameUse::kNone, -1, -1, 2},
+    KnownCall{SYS_renameat, "renameat", Effect::kStores, 1, 0, NameUse::kChanges, 3, 2},
+    KnownCall{SYS_renameat2, "renameat2", Effect::kStores, 1, 0, NameUse::kChanges, 3, 2},
+    KnownCall{SYS_linkat, "linkat", Effect::kStores, 3, 2, NameUse::kCreates},
+    KnownCall{SYS_symlinkat, "symlinkat", Effect::kStores, 2, 1, NameUse::kCreates},
+    KnownCall{SYS_unlinkat, "unlinkat", Effect::kChanges, 1, 0, NameUse::kChanges},
+    KnownCall{SYS_mkdirat, "mkdirat", Effect::kStores, 1, 0, NameUse::kCreates},
+    KnownCall{SYS_fchmodat, "fchmodat", Effect::kChanges, 1, 0, NameUse::kChanges},
+    KnownCall{SYS_fchownat, "fchownat", Effect::kChanges, 1, 0, NameUse::kChanges},
+    KnownCall{SYS_truncate, "truncate", Effect::kStores, 0, -1, NameUse::kChanges},
+    KnownCall{SYS_read, "read", Effect::kReads},
+    KnownCall{SYS_pread64, "pread", Effect::kReads},
+    KnownCall{SYS_readv, "readv", Effect::kReads},
+    KnownCall{SYS_getdents64, "getdents", Effect::kReads},
+    KnownCall{SYS_write, "write", Effect::kStores},
+    KnownCall{SYS_pwrite64, "pwrite", Effect::kStores},
+    KnownCall{SYS_writev, "writev", Effect::kStores},
+    KnownCall{SYS_fsync, "fsync", Effect::kStores},
+    KnownCall{SYS_fdatasync, "fdatasync", Effect::kStores},
+    KnownCall{SYS_ftruncate, "ftruncate", Effect::kStores},
+    KnownCall{SYS_fallocate, "fallocate", Effect::kStores},
+    KnownCall{SYS_fchmod, "fchmod", Effect::kChanges},
+    KnownCall{SYS_fchown, "fchown", Effect::kChanges},
+    KnownCall{SYS_close, "close", Effect::kChanges},
 };
+
+bool has_position(int number) {
+  return number == SYS_pread64 || number == SYS_pwrite64;
+}
+bool transfers(int number) {
+  return number == SYS_read || number == SYS_write || has_position(number);
+}
 
 /// The string at an address of another process; empty when there is none.
 std::string text_at(pid_t process, std::uint64_t address) {
@@ -74,24 +92,40 @@ std::string text_at(pid_t process, std::uint64_t address) {
   return {};
 }
 
+fs::path path_of_descriptor(const seccomp_notif& request, int argument) {
+  std::error_code error;
+  const auto descriptor = static_cast<int>(request.data.args[static_cast<std::size_t>(argument)]);
+  return fs::read_symlink(fmt::format("/proc/{}/fd/{}", request.pid, descriptor), error);
+}
+
+/// Path of an argument; relative to the folder of another argument, or to the working directory.
+fs::path path_of(const seccomp_notif& request, int argument, int folder_argument, const fs::path& folder) {
+  const std::string text =
+      text_at(static_cast<pid_t>(request.pid), request.data.args[static_cast<std::size_t>(argument)]);
+  if (text.empty()) return {};
+  const bool is_relative_to_folder =
+      folder_argument >= 0 &&
+      static_cast<int>(request.data.args[static_cast<std::size_t>(folder_argument)]) != AT_FDCWD;
+  return ((is_relative_to_folder ? path_of_descriptor(request, folder_argument) : folder) / text)
+      .lexically_normal();
+}
+
+/// Effects of an open call by its flags.
+void apply_flags(FileCall& call, int flags) {
+  constexpr int kUnnamed = O_TMPFILE & ~O_DIRECTORY;
+  call.is_unnamed_file = (flags & kUnnamed) != 0;
+  if ((flags & (O_CREAT | O_TRUNC | O_WRONLY | O_RDWR)) == 0 && !call.is_unnamed_file) return;
+  call.effect = Effect::kStores;
+  if (call.is_unnamed_file) return;
+  call.use = (flags & (O_CREAT | O_EXCL)) == (O_CREAT | O_EXCL) ? NameUse::kCreates : NameUse::kChanges;
+}
+
+}  // namespace
+
 bool is_in(const fs::path& path, const fs::path& folder) {
   const std::string &inner = path.native(), &outer = folder.native();
   return inner.starts_with(outer) && (inner.size() == outer.size() || inner[outer.size()] == '/');
 }
-
-fs::path file_of(const seccomp_notif& request, const KnownCall& call, const fs::path& folder) {
-  const auto process = static_cast<pid_t>(request.pid);
-  if (call.path_argument >= 0) {
-    const auto argument = static_cast<std::size_t>(call.path_argument);
-    const std::string text = text_at(process, request.data.args[argument]);
-    return text.empty() ? fs::path() : folder / text;
-  }
-  std::error_code error;
-  return fs::read_symlink(fmt::format("/proc/{}/fd/{}", process, static_cast<int>(request.data.args[0])),
-                          error);
-}
-
-}  // namespace
 
 std::span<const int> file_call_numbers() {
   static const std::vector<int> numbers = [] {
@@ -103,18 +137,23 @@ std::span<const int> file_call_numbers() {
 }
 
 std::optional<FileCall> file_call_of(const seccomp_notif& request, const fs::path& folder) {
-  const auto call = std::ranges::find(kCalls, request.data.nr, &KnownCall::number);
-  if (call == kCalls.end()) return std::nullopt;
-  const fs::path file = file_of(request, *call, folder);
-  if (!is_in(file, folder)) return std::nullopt;
-  Effect effect = call->effect;
-  if (call->flags_argument >= 0) {
-    const auto flags = request.data.args[static_cast<std::size_t>(call->flags_argument)];
-    if ((flags & (O_CREAT | O_TRUNC | O_WRONLY | O_RDWR)) != 0) effect = Effect::kStores;
+  const auto known = std::ranges::find(kCalls, request.data.nr, &KnownCall::number);
+  if (known == kCalls.end()) return std::nullopt;
+  FileCall call{
+      known->name, known->effect, transfers(known->number), has_position(known->number), known->use, {}, {}};
+  const bool has_path = known->path_argument >= 0;
+  call.path = has_path ? path_of(request, known->path_argument, known->folder_argument, folder)
+                       : path_of_descriptor(request, 0);
+  if (known->target_argument >= 0)
+    call.target = path_of(request, known->target_argument, known->target_folder_argument, folder);
+  if (known->flags_argument >= 0) {
+    apply_flags(call, static_cast<int>(request.data.args[static_cast<std::size_t>(known->flags_argument)]));
   }
-  // The loader probes many names for libraries.
-  if (call->path_argument >= 0 && effect == Effect::kReads && !fs::exists(file)) return std::nullopt;
-  return FileCall{call->name, effect, call->transfers, call->has_position};
+  if (has_path && call.effect == Effect::kReads && !fs::exists(call.path)) return std::nullopt;
+  std::error_code error;
+  const bool exists = fs::exists(fs::symlink_status(call.path, error));
+  if (call.use == NameUse::kCreates && exists) call.use = NameUse::kNone;  // the call fails
+  return call;
 }
 
 }  // namespace splatlas

@@ -103,12 +103,13 @@ seccomp_notif_resp transfer_half(const seccomp_notif& request, const FileCall& c
 /// Answers the calls of one process until it ends.
 class Supervisor {
  public:
-  Supervisor(int listener, pid_t child, const std::filesystem::path& folder, std::size_t number,
-             const Fault& fault)
+  Supervisor(int listener, pid_t child, const std::filesystem::path& folder, Naming naming,
+             std::size_t number, const Fault& fault)
       : listener_(listener),
         child_(child),
         process_(static_cast<int>(::syscall(SYS_pidfd_open, child, 0))),
         folder_(folder),
+        naming_(naming),
         number_(number),
         fault_(fault) {}
   ~Supervisor() {
@@ -118,7 +119,7 @@ class Supervisor {
   Supervisor(const Supervisor&) = delete;
   Supervisor& operator=(const Supervisor&) = delete;
 
-  std::vector<FileCall> run() {
+  void run() {
     pollfd waiting{listener_, POLLIN, 0};
     while (::poll(&waiting, 1, -1) >= 0 || errno == EINTR) {
       if ((waiting.revents & POLLIN) == 0) break;
@@ -128,16 +129,22 @@ class Supervisor {
       seccomp_notif_resp answer = answer_to(request);
       ::ioctl(listener_, SECCOMP_IOCTL_NOTIF_SEND, &answer);
     }
-    return std::move(calls_);
   }
+
+  std::vector<FileCall> calls, outside;
 
  private:
   [[nodiscard]] seccomp_notif_resp answer_to(const seccomp_notif& request) {
     const seccomp_notif_resp go_on{request.id, 0, 0, SECCOMP_USER_NOTIF_FLAG_CONTINUE};
     const std::optional<FileCall> call = file_call_of(request, folder_);
     if (!call) return go_on;
-    calls_.push_back(*call);
-    const std::size_t n = calls_.size() - 1;
+    if (!is_in(call->path, folder_)) {
+      if (call->use != FileCall::NameUse::kNone) outside.push_back(*call);
+      return go_on;
+    }
+    calls.push_back(*call);
+    if (call->is_unnamed_file && naming_ == Naming::kNamed) return {request.id, 0, -EOPNOTSUPP, 0};
+    const std::size_t n = calls.size() - 1;
     if (n == number_) {
       struck_ = *call;
       return strike(request, *call, fault_.kind);
@@ -166,16 +173,16 @@ class Supervisor {
   pid_t child_;
   int process_;
   const std::filesystem::path& folder_;
+  Naming naming_;
   std::size_t number_;
   const Fault& fault_;
   FileCall struck_;
-  std::vector<FileCall> calls_;
 };
 
 }  // namespace
 
 FaultyRun run_with_fault(const std::vector<std::string>& words, const std::filesystem::path& folder,
-                         std::size_t number, const Fault& fault) {
+                         Naming naming, std::size_t number, const Fault& fault) {
   std::array<int, 2> sockets{};
   if (::socketpair(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0, sockets.data()) != 0)
     throw std::runtime_error("cannot make a socket pair");
@@ -183,7 +190,10 @@ FaultyRun run_with_fault(const std::vector<std::string>& words, const std::files
   ::setsockopt(sockets[0], SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
   FaultyRun run;
   const auto supervise = [&](int child) {
-    run.calls = Supervisor(receive_descriptor(sockets[0]), child, folder, number, fault).run();
+    Supervisor supervisor(receive_descriptor(sockets[0]), child, folder, naming, number, fault);
+    supervisor.run();
+    run.calls = std::move(supervisor.calls);
+    run.outside = std::move(supervisor.outside);
   };
   const auto watch = [&] { send_descriptor(sockets[1], watch_this_process()); };
   run.result = run_program(words, folder, supervise, watch);

@@ -29,8 +29,12 @@ struct Fault {
 
 struct FaultyRun {
   ProgramResult result;
-  std::vector<FileCall> calls;  ///< on files of the folder, up to the end of the run
+  std::vector<FileCall> calls;    ///< on files of the folder, up to the end of the run
+  std::vector<FileCall> outside;  ///< on names elsewhere, if they create or change them
 };
+
+/// File system of the run: with unnamed files (O_TMPFILE), or without as on many network file systems.
+enum class Naming : std::uint8_t { kUnnamed, kNamed };
 
 /// No call has this number.
 inline constexpr std::size_t kNoCall = std::numeric_limits<std::size_t>::max();
@@ -38,7 +42,7 @@ inline constexpr std::size_t kNoCall = std::numeric_limits<std::size_t>::max();
 /// Runs `words` in `folder`, a canonical path, with the fault at the call of this number. Needs Linux 5.9:
 /// the user notification of seccomp covers all calls, those of libraries included.
 [[nodiscard]] FaultyRun run_with_fault(const std::vector<std::string>& words,
-                                       const std::filesystem::path& folder, std::size_t number = kNoCall,
-                                       const Fault& fault = {});
+                                       const std::filesystem::path& folder, Naming naming = Naming::kUnnamed,
+                                       std::size_t number = kNoCall, const Fault& fault = {});
 
 }  // namespace splatlas

@@ -64,9 +64,7 @@ Result<void> check_stl(const fs::path& path) {
   return {};
 }
 
-Result<vtkSmartPointer<vtkPolyData>> read_polygons(const fs::path& path) {
-  SPLATLAS_RETURN_IF_ERROR(check_regular_file(path));
-  SPLATLAS_ASSIGN_OR_RETURN(const MeshFormat format, mesh_format(path));
+Result<vtkSmartPointer<vtkPolyData>> read_polygons(const fs::path& path, MeshFormat format) {
   switch (format) {
     case MeshFormat::kStl: SPLATLAS_RETURN_IF_ERROR(check_stl(path)); return read_with<vtkSTLReader>(path);
     case MeshFormat::kObj: return read_obj(path);
@@ -157,7 +155,13 @@ Result<MeshFormat> mesh_format(const fs::path& path) {
 }
 
 Result<TriangleMesh> import_mesh(const fs::path& path, MeshFrame frame) {
-  SPLATLAS_ASSIGN_OR_RETURN(const vtkSmartPointer<vtkPolyData> polygons, read_polygons(path));
+  SPLATLAS_ASSIGN_OR_RETURN(const MeshFormat format, mesh_format(path));
+  return import_mesh(path, format, frame);
+}
+
+Result<TriangleMesh> import_mesh(const fs::path& path, MeshFormat format, MeshFrame frame) {
+  SPLATLAS_RETURN_IF_ERROR(check_regular_file(path));
+  SPLATLAS_ASSIGN_OR_RETURN(const vtkSmartPointer<vtkPolyData> polygons, read_polygons(path, format));
   SPLATLAS_RETURN_IF_ERROR(check_corners(*polygons, path));
   vtkNew<vtkTriangleFilter> triangulate;
   triangulate->SetInputData(polygons);

@@ -34,6 +34,9 @@ struct TriangleMesh {
 /// triangles. Prints nothing. VTK reads STL and VTK files only: its readers of OBJ and PLY trust counts and
 /// indices.
 [[nodiscard]] Result<TriangleMesh> import_mesh(const std::filesystem::path& path, MeshFrame frame);
+/// The same for a file of any name.
+[[nodiscard]] Result<TriangleMesh> import_mesh(const std::filesystem::path& path, MeshFormat format,
+                                               MeshFrame frame);
 
 /// Vertex normals: area-weighted means of the adjacent triangles' normals.
 [[nodiscard]] std::vector<std::array<float, 3>> vertex_normals(const TriangleMesh& mesh);

@@ -1,13 +1,16 @@
 #include "format/system/output_folder.h"
 
 #include <fstream>
+#include <iterator>
 #include <string>
 
-#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
+#include "tests/support/file_bytes.h"
 #include "tests/support/message_of.h"
 #include "tests/support/temporary_folder.h"
 
@@ -17,69 +20,121 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::EndsWith;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::MatchesRegex;
 
 struct OutputFolderTest : ::testing::Test {
   TemporaryFolder folder;
   std::filesystem::path path = folder.path() / "masks";
 
   static void put(const std::filesystem::path& file) { std::ofstream(file) << "x"; }
+  static void add(OutputFolder& to, const std::string& name) {
+    auto file = to.create_file(name);
+    ASSERT_TRUE(file) << message_of(file);
+    ASSERT_TRUE(file->write(std::as_bytes(std::span(name))));
+    const Result<void> added = to.add(std::move(*file));
+    ASSERT_TRUE(added) << message_of(added);
+  }
 };
 
 TEST_F(OutputFolderTest, AppearsWhole) {
-  for (const bool there : {false, true}) {  // an empty folder is replaced
-    std::filesystem::remove_all(path);
-    if (there) std::filesystem::create_directory(path);
+  for (const bool exists : {false, true}) {
+    if (exists) std::filesystem::create_directory(path);
     auto made = OutputFolder::create(path / "");
-    ASSERT_TRUE(made) << made.error().message;
-    put(made->temporary() / "one.nii.gz");
-    EXPECT_FALSE(std::filesystem::exists(path / "one.nii.gz"));
-    ASSERT_TRUE(made->commit());
-    EXPECT_TRUE(std::filesystem::exists(path / "one.nii.gz"));
+    ASSERT_TRUE(made);
+    add(*made, "one.nii.gz");
+    add(*made, "two.nii.gz");
+    EXPECT_EQ(folder.names().size(), exists ? 1u : 0u);
+    const Result<void> committed = made->commit();
+    ASSERT_TRUE(committed) << message_of(committed);
+    EXPECT_EQ(read_bytes(path / "one.nii.gz"), "one.nii.gz");
+    EXPECT_EQ(read_bytes(path / "two.nii.gz"), "two.nii.gz");
     EXPECT_THAT(folder.names(), ElementsAre("masks"));
+    std::filesystem::remove_all(path);
   }
+}
+
+/// Unnamed files are open files: more than a process may open must do.
+TEST_F(OutputFolderTest, HoldsMoreFilesThanMayBeOpen) {
+  constexpr int kFiles = 400;
+  rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_NOFILE, &before), 0);
+  const rlimit small{300, before.rlim_max};
+  ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &small), 0);
+  {
+    auto made = OutputFolder::create(path);
+    ASSERT_TRUE(made);
+    for (int n = 0; n < kFiles; ++n) add(*made, std::to_string(n));
+    ASSERT_THAT(folder.names(), ElementsAre(MatchesRegex("\\.splatlas-[0-9a-f]{32}")));
+  }
+  ASSERT_THAT(folder.names(), IsEmpty());  // without commit()
+  auto made = OutputFolder::create(path);
+  ASSERT_TRUE(made);
+  for (int n = 0; n < kFiles; ++n) add(*made, std::to_string(n));
+  ASSERT_TRUE(made->commit());
+  ::setrlimit(RLIMIT_NOFILE, &before);
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(path), {}), kFiles);
+  EXPECT_EQ(read_bytes(path / "399"), "399");
 }
 
 TEST_F(OutputFolderTest, WhatIsNotCommittedIsRemoved) {
   {
-    const auto made = OutputFolder::create(path);
+    auto made = OutputFolder::create(path);
     ASSERT_TRUE(made);
-    put(made->temporary() / "one.nii.gz");
+    add(*made, "one.nii.gz");
   }
-  EXPECT_TRUE(folder.names().empty());
+  EXPECT_THAT(folder.names(), IsEmpty());
+}
+
+/// Somebody else puts a file into the folder with the random name. It is not ours to remove.
+TEST_F(OutputFolderTest, LeavesFilesOfOthers) {
+  {
+    auto made = OutputFolder::create(path);
+    ASSERT_TRUE(made);
+    for (int n = 0; n < 128; ++n) add(*made, std::to_string(n));
+    ASSERT_EQ(folder.names().size(), 1u);
+    put(folder.path() / folder.names()[0] / "thesis");
+  }
+  ASSERT_EQ(folder.names().size(), 1u);
+  const auto left = folder.path() / folder.names()[0];
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(left), {}), 1);
+  EXPECT_EQ(read_bytes(left / "thesis"), "x");
 }
 
 TEST_F(OutputFolderTest, ReplacesNothing) {
   put(path);
-  EXPECT_THAT(OutputFolder::create(path).error().message,
+  EXPECT_THAT(message_of(OutputFolder::create(path)),
               EndsWith("masks: cannot be written: it exists and is not an empty folder"));
   std::filesystem::remove(path);
   auto made = OutputFolder::create(path);
   ASSERT_TRUE(made);
+  add(*made, "one.nii.gz");
   std::filesystem::create_directory(path);
   put(path / "other");  // meanwhile
   EXPECT_THAT(message_of(made->commit()), HasSubstr("masks: cannot be written: Directory not empty"));
+  made = OutputFolder::create(folder.path() / "others");
+  EXPECT_THAT(folder.names(), ElementsAre("masks"));
+  EXPECT_EQ(read_bytes(path / "other"), "x");
 }
 
-/// All candidate names are taken by entries that are not stale.
-TEST_F(OutputFolderTest, WhatCannotBeMadeTellsWhy) {
-  const auto made = OutputFolder::create(path);
-  ASSERT_TRUE(made);
-  const std::string name = made->temporary().string();
-  const std::size_t digits = name.rfind('-') + 1;
-  const unsigned long number = std::stoul(name.substr(digits));
-  for (unsigned long n = 1; n <= 100; ++n)
-    std::filesystem::create_symlink("nowhere", fmt::format("{}{}", name.substr(0, digits), number + n));
-  EXPECT_EQ(message_of(OutputFolder::create(path)), path.string() + ": cannot be written: File exists");
-}
-
-TEST_F(OutputFolderTest, RemovesWhatKilledWritersLeft) {
-  const auto stale = folder.path() / (".splatlas-" + std::to_string(::getpid()) + "-4000000");
-  std::filesystem::create_directory(stale);
-  put(stale / "one.nii.gz");
+TEST_F(OutputFolderTest, KeepsThePermissionsOfAnEmptyFolder) {
+  std::filesystem::create_directory(path);
+  ASSERT_EQ(::chmod(path.c_str(), 02750), 0);
   auto made = OutputFolder::create(path);
   ASSERT_TRUE(made);
   ASSERT_TRUE(made->commit());
-  EXPECT_THAT(folder.names(), ElementsAre("masks"));
+  EXPECT_EQ(std::filesystem::status(path).permissions(), std::filesystem::perms{0750});
+}
+
+TEST_F(OutputFolderTest, TouchesNoOtherEntry) {
+  const auto other = folder.path() / (".splatlas-" + std::to_string(::getpid()) + "-4000000");
+  std::filesystem::create_directory(other);
+  put(other / "thesis");
+  auto made = OutputFolder::create(path);
+  ASSERT_TRUE(made);
+  ASSERT_TRUE(made->commit());
+  EXPECT_EQ(folder.names().size(), 2u);
+  EXPECT_EQ(read_bytes(other / "thesis"), "x");
 }
 
 }  // namespace

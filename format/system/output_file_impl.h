@@ -1,0 +1,34 @@
+// Members of OutputFile.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+
+#include <sys/stat.h>
+
+#include "format/system/checksum.h"
+#include "format/system/output_file.h"
+#include "format/system/staged_file.h"
+
+namespace splatlas {
+
+struct OutputFile::Impl {
+  /// Creates the staged file in `folder`, on the file system of the target.
+  [[nodiscard]] Result<void> create(const std::filesystem::path& folder);
+  /// Verifies the bytes of write(), sets owner and permissions, and syncs the file.
+  [[nodiscard]] Result<void> complete() const;
+
+  std::filesystem::path path, target;  // as given, and with links resolved
+  std::optional<struct stat> old;      // of the file to be replaced
+  StagedFile staged;
+  std::optional<RunningChecksum> written;  // of the bytes of write(), if it was called
+  std::uint64_t written_bytes = 0;
+};
+
+/// Copies owner, group and permissions (no setuid, setgid and sticky bits) to an open file or folder. Only
+/// root can keep another owner. If the group cannot be kept, the new group gets the permissions of others.
+/// False, with errno set, on failure.
+[[nodiscard]] bool keep_owner_and_mode(int descriptor, const struct stat& old);
+
+}  // namespace splatlas
