@@ -59,8 +59,8 @@ bool keep_owner_and_mode(int descriptor, const struct stat& old) {
   return ::fchmod(descriptor, mode) == 0;
 }
 
-Result<void> OutputFile::Impl::create(const fs::path& folder) {
-  if (staged.create(folder, old ? kPrivate : kPublic)) return {};
+Result<void> OutputFile::Impl::create(FolderHandle folder) {
+  if (folder.descriptor() >= 0 && staged.create(std::move(folder), old ? kPrivate : kPublic)) return {};
   return cannot_write(path, std::strerror(errno));
 }
 
@@ -92,7 +92,9 @@ Result<OutputFile> OutputFile::create(const fs::path& target) {
     return cannot_write(target, std::strerror(errno));
   }
   if (target.filename().empty()) return cannot_write(target, "it names no file");
-  SPLATLAS_RETURN_IF_ERROR(impl->create(impl->target.parent_path()));
+  FolderHandle folder;
+  if (!folder.open(impl->target.parent_path())) return cannot_write(target, std::strerror(errno));
+  SPLATLAS_RETURN_IF_ERROR(impl->create(std::move(folder)));
   return OutputFile(std::move(impl));
 }
 

@@ -14,8 +14,9 @@
 namespace splatlas {
 
 struct OutputFile::Impl {
-  /// Creates the staged file in `folder`, on the file system of the target.
-  [[nodiscard]] Result<void> create(const std::filesystem::path& folder);
+  /// Creates the staged file in `folder`, on the file system of the target. kFailed also for a closed handle,
+  /// with the reason from errno.
+  [[nodiscard]] Result<void> create(FolderHandle folder);
   /// Verifies the bytes of write(), sets owner and permissions, and syncs the file.
   [[nodiscard]] Result<void> complete() const;
 

@@ -29,30 +29,38 @@ constexpr mode_t kPrivate = 0700, kPublic = 0777;
 
 struct OutputFolder::Impl {
   ~Impl();
+  /// Creates the folder with the random name.
+  [[nodiscard]] Result<void> create_folder();
+  /// Moves the complete files into that folder.
   [[nodiscard]] Result<void> name_files();
   [[nodiscard]] tl::unexpected<Error> error() const { return cannot_write(path, std::strerror(errno)); }
 
   fs::path path, target;           // as given, and with links resolved
   std::optional<struct stat> old;  // of the empty folder to be replaced
   FolderHandle parent, folder;
+  bool has_unnamed_files = true;     // they are created in `parent`, else in `folder`
   std::string random_name;           // of `folder`; empty before it exists and after the rename
-  std::vector<OutputFile> unnamed;   // complete files
+  std::vector<OutputFile> complete;  // files to be named
   std::vector<std::string> members;  // names of files in `folder`
 };
 
 OutputFolder::Impl::~Impl() {
+  complete.clear();  // they may have random names in the folder
   if (random_name.empty()) return;
   for (const std::string& member : members) ::unlinkat(folder.descriptor(), member.c_str(), 0);
   ::unlinkat(parent.descriptor(), random_name.c_str(), AT_REMOVEDIR);
 }
 
+Result<void> OutputFolder::Impl::create_folder() {
+  const std::string name = splatlas::random_name();
+  if (!folder.create(parent, name, old ? kPrivate : kPublic)) return error();
+  random_name = name;
+  return {};
+}
+
 Result<void> OutputFolder::Impl::name_files() {
-  if (random_name.empty()) {
-    const std::string name = splatlas::random_name();
-    if (!folder.create(parent, name, old ? kPrivate : kPublic)) return error();
-    random_name = name;
-  }
-  for (OutputFile& file : unnamed) {
+  if (random_name.empty()) SPLATLAS_RETURN_IF_ERROR(create_folder());
+  for (OutputFile& file : complete) {
     const std::string name = file.impl_->target.filename();
     members.push_back(name);
     if (!file.impl_->staged.publish(folder, name)) {
@@ -60,7 +68,7 @@ Result<void> OutputFolder::Impl::name_files() {
       return cannot_write(file.impl_->path, std::strerror(errno));
     }
   }
-  unnamed.clear();
+  complete.clear();
   return {};
 }
 
@@ -77,6 +85,7 @@ Result<OutputFolder> OutputFolder::create(const fs::path& target) {
   struct stat old {};
   if (::stat(impl->target.c_str(), &old) == 0) impl->old = old;
   if (!impl->parent.open(impl->target.parent_path())) return impl->error();
+  impl->has_unnamed_files = impl->parent.supports_unnamed_files();
   return OutputFolder(std::move(impl));
 }
 
@@ -88,14 +97,17 @@ Result<OutputFile> OutputFolder::create_file(const std::string& name) {
   auto file = std::make_unique<OutputFile::Impl>();
   file->path = impl_->path / name;
   file->target = impl_->target / name;
-  SPLATLAS_RETURN_IF_ERROR(file->create(impl_->target.parent_path()));
+  if (!impl_->has_unnamed_files && impl_->random_name.empty())
+    SPLATLAS_RETURN_IF_ERROR(impl_->create_folder());
+  SPLATLAS_RETURN_IF_ERROR(
+      file->create((impl_->has_unnamed_files ? impl_->parent : impl_->folder).duplicate()));
   return OutputFile(std::move(file));
 }
 
 Result<void> OutputFolder::add(OutputFile file) {
   SPLATLAS_RETURN_IF_ERROR(file.impl_->complete());
-  impl_->unnamed.push_back(std::move(file));
-  return impl_->unnamed.size() < kMaxUnnamed ? Result<void>{} : impl_->name_files();
+  impl_->complete.push_back(std::move(file));
+  return impl_->complete.size() < kMaxUnnamed ? Result<void>{} : impl_->name_files();
 }
 
 Result<void> OutputFolder::commit() {

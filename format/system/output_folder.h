@@ -11,9 +11,10 @@
 namespace splatlas {
 
 /// Files that become a new folder together. Until commit() they have no names (format/system/staged_file.h),
-/// except that every 128 files move into a folder with a random name beside the target. Without commit() all
-/// of them are removed. Requires DeferInterrupts during its lifetime. A killed process leaves at most the
-/// folder with the random name. All errors are kFailed, with path and reason.
+/// except that every 128 files move into a folder with a random name beside the target. On file systems
+/// without unnamed files they are in that folder from the start. Without commit() all of them are removed.
+/// Requires DeferInterrupts during its lifetime. A killed process leaves at most the folder with the random
+/// name. All errors are kFailed, with path and reason.
 class OutputFolder {
  public:
   /// Checks the target as check_writable_folder() does: it must not exist, or be empty.

@@ -31,6 +31,17 @@ std::string path_of_descriptor(int descriptor) {
   return fmt::format("/proc/self/fd/{}", descriptor);
 }
 
+/// A new file without a name, that linkat() can name; -1, with errno set, on failure.
+int open_unnamed_file(int folder, mode_t mode) {
+  const int file = ::openat(folder, ".", O_TMPFILE | O_RDWR | O_CLOEXEC, mode);
+  if (file < 0) return -1;
+  // linkat() needs this path; /proc may be missing.
+  if (::faccessat(AT_FDCWD, path_of_descriptor(file).c_str(), F_OK, AT_EACCESS) == 0) return file;
+  ::close(file);
+  errno = EOPNOTSUPP;
+  return -1;
+}
+
 /// Closes a descriptor and keeps errno.
 void close_quietly(int descriptor) {
   const int reason = errno;
@@ -67,6 +78,18 @@ bool FolderHandle::create(const FolderHandle& parent, const std::string& name, m
   return false;
 }
 
+FolderHandle FolderHandle::duplicate() const {
+  FolderHandle other;
+  other.descriptor_ = ::openat(descriptor_, ".", kFolderFlags);
+  return other;
+}
+
+bool FolderHandle::supports_unnamed_files() const {
+  const int file = open_unnamed_file(descriptor_, 0600);
+  close_quietly(file);
+  return file >= 0;
+}
+
 bool FolderHandle::sync() const {
   const int readable = ::openat(descriptor_, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (readable < 0) return errno == EACCES;  // a folder may be writable and not readable
@@ -92,22 +115,10 @@ StagedFile::~StagedFile() {
   close_quietly(descriptor_);
 }
 
-bool StagedFile::create(const fs::path& folder, mode_t mode) {
-  if (!folder_.open(folder)) return false;
-  return create_unnamed(mode) || (lacks_unnamed_files(errno) && create_named(mode));
-}
-
-bool StagedFile::create_unnamed(mode_t mode) {
-  const int file = ::openat(folder_.descriptor(), ".", O_TMPFILE | O_RDWR | O_CLOEXEC, mode);
-  if (file < 0) return false;
-  // publish() needs this path; /proc may be missing.
-  if (::faccessat(AT_FDCWD, path_of_descriptor(file).c_str(), F_OK, AT_EACCESS) != 0) {
-    ::close(file);
-    errno = EOPNOTSUPP;
-    return false;
-  }
-  descriptor_ = file;
-  return true;
+bool StagedFile::create(FolderHandle folder, mode_t mode) {
+  folder_ = std::move(folder);
+  descriptor_ = open_unnamed_file(folder_.descriptor(), mode);
+  return descriptor_ >= 0 || (lacks_unnamed_files(errno) && create_named(mode));
 }
 
 bool StagedFile::create_named(mode_t mode) {

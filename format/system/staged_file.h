@@ -25,6 +25,10 @@ class FolderHandle {
   /// Creates a folder in `parent` and opens it for reading. False, with errno set, on failure.
   [[nodiscard]] bool create(const FolderHandle& parent, const std::string& name, mode_t mode);
   [[nodiscard]] int descriptor() const { return descriptor_; }
+  /// Another handle of the folder. Closed on failure, with errno set.
+  [[nodiscard]] FolderHandle duplicate() const;
+  /// True if files in it can be without a name, and publish() can name them.
+  [[nodiscard]] bool supports_unnamed_files() const;
   /// Syncs its names to the disk. Ignores file systems that cannot, and folders that may not be read.
   [[nodiscard]] bool sync() const;
 
@@ -43,7 +47,7 @@ class StagedFile {
   StagedFile& operator=(const StagedFile&) = delete;
 
   /// Creates the file with these permissions, less those of the umask. Call once.
-  [[nodiscard]] bool create(const std::filesystem::path& folder, mode_t mode);
+  [[nodiscard]] bool create(FolderHandle folder, mode_t mode);
 
   /// Gives it its final name in `folder`, on the same file system, and replaces an old file there. An unnamed
   /// file that replaces one has a random name for the time of one system call.
@@ -55,7 +59,6 @@ class StagedFile {
   [[nodiscard]] std::filesystem::path path() const;
 
  private:
-  [[nodiscard]] bool create_unnamed(mode_t mode);
   [[nodiscard]] bool create_named(mode_t mode);
   void remove_name();
 

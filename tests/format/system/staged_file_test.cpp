@@ -43,6 +43,11 @@ void deny_unnamed_files() {
   if (::prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &program) != 0) ::_exit(126);
 }
 
+bool create(StagedFile& file, const std::filesystem::path& folder, mode_t mode) {
+  FolderHandle handle;
+  return handle.open(folder) && file.create(std::move(handle), mode);
+}
+
 /// The wait status of a process that runs `body`, without unnamed files if `named`.
 int in_process(bool named, const std::function<void()>& body) {
   const pid_t child = ::fork();
@@ -72,7 +77,7 @@ TEST_P(StagedFileTest, HasItsNameOnlyOncePublished) {
   EXPECT_EQ(in_process(is_named(),
                        [&] {
                          StagedFile file;
-                         ASSERT_TRUE(file.create(folder.path(), 0666));
+                         ASSERT_TRUE(create(file, folder.path(), 0666));
                          fill(file);
                          ASSERT_EQ(folder.names().size(), expected_names());
                          if (is_named()) {
@@ -92,7 +97,7 @@ TEST_P(StagedFileTest, ReplacesAnOldFile) {
   EXPECT_EQ(in_process(is_named(),
                        [&] {
                          StagedFile file;
-                         ASSERT_TRUE(file.create(folder.path(), 0600));
+                         ASSERT_TRUE(create(file, folder.path(), 0600));
                          fill(file);
                          ASSERT_TRUE(file.publish(file.folder(), "out"));
                        }),
@@ -105,7 +110,7 @@ TEST_P(StagedFileTest, VanishesUnlessPublished) {
   EXPECT_EQ(in_process(is_named(),
                        [&] {
                          StagedFile file;
-                         ASSERT_TRUE(file.create(folder.path(), 0600));
+                         ASSERT_TRUE(create(file, folder.path(), 0600));
                        }),
             0);
   EXPECT_THAT(folder.names(), IsEmpty());
@@ -114,7 +119,7 @@ TEST_P(StagedFileTest, VanishesUnlessPublished) {
 TEST_P(StagedFileTest, LeavesNothingThatTheKernelCannotRemoveWhenKilled) {
   const int status = in_process(is_named(), [&] {
     StagedFile file;
-    ASSERT_TRUE(file.create(folder.path(), 0600));
+    ASSERT_TRUE(create(file, folder.path(), 0600));
     std::raise(SIGKILL);
   });
   EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL);
@@ -125,7 +130,7 @@ TEST_P(StagedFileTest, IsRemovedByInterrupts) {
   const int status = in_process(is_named(), [&] {
     install_interrupt_handlers();
     StagedFile file;
-    ASSERT_TRUE(file.create(folder.path(), 0600));
+    ASSERT_TRUE(create(file, folder.path(), 0600));
     std::raise(SIGTERM);
   });
   EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == SIGTERM);
@@ -137,7 +142,7 @@ TEST_P(StagedFileTest, DoesNotReplaceAFolder) {
   EXPECT_EQ(in_process(is_named(),
                        [&] {
                          StagedFile file;
-                         ASSERT_TRUE(file.create(folder.path(), 0600));
+                         ASSERT_TRUE(create(file, folder.path(), 0600));
                          EXPECT_FALSE(file.publish(file.folder(), "out"));
                          EXPECT_EQ(errno, EISDIR);
                          EXPECT_THAT(folder.names(), ElementsAre("out"));
@@ -152,7 +157,7 @@ TEST(StagedFileOfOthersTest, Stays) {
   EXPECT_EQ(in_process(true,
                        [&] {
                          StagedFile file;
-                         ASSERT_TRUE(file.create(folder.path(), 0600));
+                         ASSERT_TRUE(create(file, folder.path(), 0600));
                          const auto name = folder.path() / folder.names().at(0);
                          std::filesystem::remove(name);
                          std::ofstream(name) << "thesis";
@@ -168,7 +173,7 @@ TEST_P(StagedFileTest, StaysInItsFolder) {
   EXPECT_EQ(in_process(is_named(),
                        [&] {
                          StagedFile file;
-                         ASSERT_TRUE(file.create(folder.path() / "mine", 0600));
+                         ASSERT_TRUE(create(file, folder.path() / "mine", 0600));
                          std::filesystem::rename(folder.path() / "mine", folder.path() / "moved");
                          std::filesystem::create_directory(folder.path() / "mine");
                          ASSERT_TRUE(file.publish(file.folder(), "out"));
@@ -180,12 +185,24 @@ TEST_P(StagedFileTest, StaysInItsFolder) {
 
 TEST_P(StagedFileTest, TellsWhyItCannotBeCreated) {
   StagedFile file;
-  EXPECT_FALSE(file.create(folder.path() / "none", 0600));
+  EXPECT_FALSE(create(file, folder.path() / "none", 0600));
   EXPECT_EQ(errno, ENOENT);
   put("file");
   StagedFile in_file;
-  EXPECT_FALSE(in_file.create(folder.path() / "file", 0600));
+  EXPECT_FALSE(create(in_file, folder.path() / "file", 0600));
   EXPECT_EQ(errno, ENOTDIR);
+}
+
+TEST_P(StagedFileTest, TellsWhetherThereAreUnnamedFiles) {
+  EXPECT_EQ(in_process(is_named(),
+                       [&] {
+                         FolderHandle handle;
+                         ASSERT_TRUE(handle.open(folder.path()));
+                         EXPECT_EQ(handle.supports_unnamed_files(), !is_named());
+                         EXPECT_EQ(handle.duplicate().supports_unnamed_files(), !is_named());
+                       }),
+            0);
+  EXPECT_THAT(folder.names(), IsEmpty());
 }
 
 TEST(RandomNameTest, RepeatsNoName) {
