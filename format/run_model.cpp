@@ -217,6 +217,31 @@ Result<void> validate_runs(std::span<const Run> runs, const Index3& size, Axis a
   return {};
 }
 
+IndexBox box_of(std::span<const Run> runs, const Index3& size, Axis axis) {
+  const ScanOrder order = ScanOrder::of(axis);
+  const auto rows = static_cast<std::uint64_t>(size[order.row_axis]);
+  std::uint32_t first = std::numeric_limits<std::uint32_t>::max(), end = 0;
+  std::uint64_t first_row = rows, last_row = 0, scanline = ~std::uint64_t{0};
+  for (const Run& run : runs) {
+    first = std::min(first, run.start);
+    end = std::max(end, run.start + run.length);
+    if (run.scanline == scanline) continue;
+    scanline = run.scanline;
+    first_row = std::min(first_row, scanline % rows);
+    last_row = std::max(last_row, scanline % rows);
+  }
+  IndexBox box;
+  if (runs.empty()) return box;
+  const auto set = [&](std::size_t a, std::uint64_t low, std::uint64_t high) {
+    box.first[a] = static_cast<std::int64_t>(low);
+    box.last[a] = static_cast<std::int64_t>(high);
+  };
+  set(order.scan_axis, first, end - 1);
+  set(order.row_axis, first_row, last_row);
+  set(order.slice_axis, runs.front().scanline / rows, runs.back().scanline / rows);
+  return box;
+}
+
 ClassRuns convert_runs(std::span<const Run> runs, const Index3& size, Axis from, Axis to) {
   ClassRuns result(runs.begin(), runs.end());
   if (from == to) return result;

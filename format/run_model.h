@@ -63,6 +63,9 @@ struct RunModel {
 [[nodiscard]] Result<void> validate_runs(std::span<const Run> runs, const Index3& size, Axis axis,
                                          std::uint64_t voxels);
 
+/// Bounding box of the voxels of valid runs (see validate_runs()).
+[[nodiscard]] IndexBox box_of(std::span<const Run> runs, const Index3& size, Axis axis);
+
 /// Converts runs to another principal axis. `runs` must pass validate_runs. Cost: linear in the runs if both
 /// axes share scanlines (y and z), else in the voxels covered and the side lengths of their bounding box.
 /// Memory: linear in the runs.

@@ -1,13 +1,14 @@
 #include "format/derive/run_fingerprint.h"
 
+#include <algorithm>
+
 namespace splatlas {
 
 namespace {
 
 constexpr std::uint64_t kPrime = (std::uint64_t{1} << 61) - 1;
-/// Evaluation points: digits of pi and of e, reduced by the prime.
-constexpr std::array<std::uint64_t, 2> kBases{0x0'243f'6a88'85a3'08d3 % kPrime,
-                                              0x0'2b7e'1516'28ae'd2a6 % kPrime};
+/// Digits of pi, reduced by the prime.
+constexpr std::uint64_t kBase = 0x243f'6a88'85a3'08d3 % kPrime;
 
 __extension__ using Product = unsigned __int128;
 
@@ -37,56 +38,68 @@ constexpr std::uint64_t inverse(std::uint64_t a) {
   return power(a, kPrime - 2);
 }
 
+/// Voxels along an axis whose powers need no second table.
+constexpr unsigned kLowBits = 12;
+constexpr std::uint64_t kLow = std::uint64_t{1} << kLowBits;
+
+std::vector<std::uint64_t> powers_of(std::uint64_t base, std::uint64_t count) {
+  std::vector<std::uint64_t> powers(count, 1);
+  for (std::size_t n = 1; n < count; ++n) powers[n] = multiply(powers[n - 1], base);
+  return powers;
+}
+
 }  // namespace
 
-RunFingerprinter::Powers::Powers(std::uint64_t base) : table_(std::size_t{kDigits} << kDigitBits) {
-  for (unsigned digit = 0; digit < kDigits; ++digit) {
-    std::uint64_t* row = table_.data() + (std::size_t{digit} << kDigitBits);
-    row[0] = 1;
-    for (std::size_t n = 1; n < std::size_t{1} << kDigitBits; ++n) row[n] = multiply(row[n - 1], base);
-    base = power(base, std::uint64_t{1} << kDigitBits);
-  }
+VoxelSetFingerprint add_fingerprints(VoxelSetFingerprint a, VoxelSetFingerprint b) {
+  return add(a, b);
+}
+VoxelSetFingerprint subtract_fingerprints(VoxelSetFingerprint a, VoxelSetFingerprint b) {
+  return subtract(a, b);
+}
+bool is_fingerprint(std::uint64_t value) {
+  return value < kPrime;
 }
 
-std::uint64_t RunFingerprinter::Powers::of(std::uint64_t exponent) const {
-  constexpr std::uint64_t kDigitMask = (std::uint64_t{1} << kDigitBits) - 1;
-  std::uint64_t result = table_[exponent & kDigitMask];
-  for (unsigned digit = 1; digit < kDigits; ++digit) {
-    const std::uint64_t value = (exponent >> (digit * kDigitBits)) & kDigitMask;
-    result = multiply(result, table_[(std::size_t{digit} << kDigitBits) + value]);
-  }
-  return result;
+RunFingerprinter::Powers::Powers(std::uint64_t step, std::int64_t side)
+    : low_(powers_of(step, std::min<std::uint64_t>(static_cast<std::uint64_t>(side) + 1, kLow))),
+      high_(powers_of(power(step, kLow), (static_cast<std::uint64_t>(side) >> kLowBits) + 1)),
+      series_factor_(inverse(subtract(step, 1))) {}
+
+std::uint64_t RunFingerprinter::Powers::of(std::uint64_t n) const {
+  const std::uint64_t low = low_[n % kLow];
+  return n < kLow ? low : multiply(low, high_[n >> kLowBits]);
 }
 
-RunFingerprinter::RunFingerprinter(const Index3& size) : size_(size), stride_{1, size[0], size[0] * size[1]} {
-  for (const std::uint64_t base : kBases) {
-    Point point{Powers(base), {}};
-    for (std::size_t a = 0; a < 3; ++a) {
-      point.inverse[a] = inverse(subtract(power(base, static_cast<std::uint64_t>(stride_[a])), 1));
-    }
-    points_.push_back(std::move(point));
-  }
-}
+RunFingerprinter::RunFingerprinter(const Index3& size)
+    : size_(size),
+      powers_{Powers(kBase, size[0]), Powers(power(kBase, static_cast<std::uint64_t>(size[0])), size[1]),
+              Powers(power(kBase, static_cast<std::uint64_t>(size[0] * size[1])), size[2])} {}
 
 VoxelSetFingerprint RunFingerprinter::of(std::span<const Run> runs, Axis axis) const {
   const ScanOrder order = ScanOrder::of(axis);
-  const auto slice_stride = static_cast<std::uint64_t>(stride_[order.slice_axis]);
-  const auto row_stride = static_cast<std::uint64_t>(stride_[order.row_axis]);
-  const auto stride = static_cast<std::uint64_t>(stride_[order.scan_axis]);
   const auto rows = static_cast<std::uint64_t>(size_[order.row_axis]);
-  VoxelSetFingerprint sums{};
+  const Powers& along = powers_[order.scan_axis];
+  std::uint64_t sum = 0, scanline = 0, row_power = 1;
   for (const Run& run : runs) {
-    const std::uint64_t slice = run.scanline / rows, row = run.scanline % rows;
-    const std::uint64_t first = slice * slice_stride + row * row_stride + run.start * stride;
-    // Sum the geometric series base^first + base^(first + stride) + ...
-    for (std::size_t p = 0; p < points_.size(); ++p) {
-      const Point& point = points_[p];
-      const std::uint64_t difference =
-          subtract(point.powers.of(first + run.length * stride), point.powers.of(first));
-      sums[p] = add(sums[p], multiply(difference, point.inverse[order.scan_axis]));
+    if (run.scanline != scanline) {
+      scanline = run.scanline;
+      row_power = multiply(powers_[order.slice_axis].of(scanline / rows),
+                           powers_[order.row_axis].of(scanline % rows));
     }
+    // Geometric series step^start + step^(start + 1) + ..., without its factor
+    const std::uint64_t start = run.start;
+    sum = add(sum, multiply(row_power, subtract(along.of(start + run.length), along.of(start))));
   }
-  return sums;
+  return multiply(sum, along.series_factor());
+}
+
+VoxelSetFingerprint RunFingerprinter::of_grid() const {
+  std::uint64_t product = 1;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const std::uint64_t series = subtract(powers_[a].of(static_cast<std::uint64_t>(size_[a])), 1);
+    product = multiply(product, multiply(series, powers_[a].series_factor()));
+  }
+  return product;
 }
 
 }  // namespace splatlas

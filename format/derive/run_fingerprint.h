@@ -11,36 +11,44 @@
 
 namespace splatlas {
 
-/// Fingerprint of a set of voxels: a polynomial with the memory offsets of voxels as exponents, evaluated at
-/// two fixed points of the prime field of order 2^61 - 1. Two different sets collide with probability at most
-/// (voxels / 2^61)^2 (Schwartz-Zippel lemma): below 2^-42 for the largest grids.
-using VoxelSetFingerprint = std::array<std::uint64_t, 2>;
+/// Fingerprint of a set of voxels: the sum of base^offset over their memory offsets, in the prime field of
+/// order 2^61 - 1, with a fixed base (docs/atlas_format.md). Two different sets that arise without regard to
+/// the base collide with probability at most voxels / 2^61 (Schwartz-Zippel lemma). No protection against
+/// forgery. Disjoint sets: their fingerprints add up.
+using VoxelSetFingerprint = std::uint64_t;
 
-/// Computes fingerprints in time linear in the runs, independent of their lengths. Thread-safe.
+/// Sum and difference in the field; both values must be below 2^61 - 1.
+[[nodiscard]] VoxelSetFingerprint add_fingerprints(VoxelSetFingerprint a, VoxelSetFingerprint b);
+[[nodiscard]] VoxelSetFingerprint subtract_fingerprints(VoxelSetFingerprint a, VoxelSetFingerprint b);
+/// True for values of the field.
+[[nodiscard]] bool is_fingerprint(std::uint64_t value);
+
+/// Computes fingerprints in time linear in the runs, independent of their lengths. Construction takes time
+/// and memory linear in the side lengths of the grid, up to 4096 voxels each, and little beyond. Thread-safe.
 class RunFingerprinter {
  public:
   explicit RunFingerprinter(const Index3& size);
   /// Fingerprint of valid runs (see validate_runs()) of principal axis `axis`.
   [[nodiscard]] VoxelSetFingerprint of(std::span<const Run> runs, Axis axis) const;
+  /// Fingerprint of all voxels of the grid.
+  [[nodiscard]] VoxelSetFingerprint of_grid() const;
 
  private:
-  /// Table of the powers of one base: four multiplications for any exponent below 2^45.
+  /// Powers of a step along one axis: base^(stride * n) for n up to the side length.
   class Powers {
    public:
-    explicit Powers(std::uint64_t base);
-    [[nodiscard]] std::uint64_t of(std::uint64_t exponent) const;
+    Powers(std::uint64_t step, std::int64_t side);
+    [[nodiscard]] std::uint64_t of(std::uint64_t n) const;
+    /// Factor of power differences that gives sums of geometric series: 1 / (step - 1).
+    [[nodiscard]] std::uint64_t series_factor() const { return series_factor_; }
 
    private:
-    static constexpr unsigned kDigitBits = 9, kDigits = 5;
-    std::vector<std::uint64_t> table_;  // [digit][value]
-  };
-  struct Point {
-    Powers powers;
-    std::array<std::uint64_t, 3> inverse;  // [axis]: 1 / (base^stride - 1)
+    std::vector<std::uint64_t> low_, high_;
+    std::uint64_t series_factor_;
   };
 
-  Index3 size_, stride_;
-  std::vector<Point> points_;
+  Index3 size_;
+  std::array<Powers, 3> powers_;  // [axis]
 };
 
 }  // namespace splatlas

@@ -63,14 +63,6 @@ Result<std::vector<PackedNormal>> Atlas::Impl::fit_normals_of(ClassId c) const {
   if (directory.classes.box(c).empty()) return std::vector<PackedNormal>{};
   SPLATLAS_ASSIGN_OR_RETURN(const ClassRuns runs, read_stored_runs(c, Axis::kZ));
   SPLATLAS_ASSIGN_OR_RETURN(const StructureCrop crop, read_crop(owner, directory.classes.box(c), true));
-  // verify() reports runs outside the class's box. Refuse them here for memory safety.
-  for (const Run& run : runs) {
-    IndexBox together = directory.classes.box(c);
-    together.include(box_of(run, grid.size[1]));
-    if (together != directory.classes.box(c)) {
-      return named(ErrorCode::kInvalidAtlas, "invalid: the box of class {} does not match its runs", c);
-    }
-  }
   return fit_normals(crop, runs, grid);
 }
 

@@ -12,6 +12,7 @@
 #include "format/atlas_reader.h"
 #include "format/decision_tree.h"
 #include "format/derive/boundary_split.h"
+#include "format/derive/run_fingerprint.h"
 #include "format/derive/structure_crop.h"
 #include "format/derive/value_groups.h"
 #include "format/file/directory.h"
@@ -39,6 +40,9 @@ struct Atlas::Impl {
   using SharedSplit = std::shared_ptr<const SplitRuns>;
   [[nodiscard]] Result<SharedSplit> read_split_runs(ClassId c, Axis axis) const;
   [[nodiscard]] Result<SplitRuns> split_runs(ClassId c, Axis axis) const;
+  /// Checks runs of a class against its box and fingerprint, or in files without fingerprints against the z
+  /// model.
+  [[nodiscard]] Result<void> check_voxels(ClassId c, Axis axis, const ClassRuns& runs) const;
   /// The run list in the stream of a class, with `voxels` voxels.
   [[nodiscard]] Result<ClassRuns> read_run_list(ClassId c, Axis axis, std::uint64_t voxels) const;
   /// Bounding box of the voxels in the stream of a class.
@@ -75,6 +79,7 @@ struct Atlas::Impl {
   const ValueGroups& groups;
   std::vector<std::uint32_t> surface_stream;  ///< [structure]: index of its stream
   StructureClasses structure_classes;
+  RunFingerprinter fingerprinter;
 
   /// Cache of split runs: the other class, its values and normals are often read next.
   struct RecentSplit {

@@ -6,8 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "format/codec/mask_codec.h"
-#include "format/codec/run_codec.h"
 #include "format/file/atlas_impl.h"
 #include "format/system/checksum.h"
 #include "format/system/memory_limit.h"
@@ -16,9 +14,6 @@
 namespace splatlas {
 
 namespace {
-
-/// Limit of derive_runs(): its memory may grow with the number of voxels.
-constexpr std::uint64_t kMaxDerivedVoxels = std::uint64_t{1} << 32;
 
 struct OpenedDirectory {
   FileHeader header;
@@ -64,6 +59,7 @@ Atlas::Impl::Impl(InputFile opened_file, const FileHeader& checked_header, Direc
       groups(run_streams.groups()),
       surface_stream(directory.graph.size()),
       structure_classes(directory.classes, directory.graph.size()),
+      fingerprinter(grid.size),
       value_cache(groups.size(), kMaxCachedBytes) {
   const auto preorder = directory.graph.preorder();
   for (std::uint32_t n = 0; n < preorder.size(); ++n) surface_stream[preorder[n]] = n;
@@ -167,90 +163,6 @@ Result<std::vector<std::byte>> Atlas::Impl::read_stream(SectionKind kind, std::s
     return bytes;
   } catch (const std::bad_alloc&) {
     return named(ErrorCode::kLimit, "out of memory for a stream of {} bytes", size);
-  }
-}
-
-Result<ClassRuns> Atlas::Impl::read_stored_runs(ClassId c, Axis axis) const {
-  if (shares_runs(c, axis)) {
-    SPLATLAS_ASSIGN_OR_RETURN(const SharedSplit split, read_split_runs(c, axis));
-    return c == run_streams.pair_of(c)[0] ? split->interior : split->boundary;
-  }
-  return read_run_list(c, axis, c == kEmptyClass ? 0 : directory.classes.voxels(c));
-}
-
-bool Atlas::Impl::shares_runs(ClassId c, Axis axis) const {
-  return run_streams.is_shared(directory.classes, c, [&](ClassId of) {
-    return directory.run_bytes[of][static_cast<std::size_t>(axis)];
-  });
-}
-
-Result<Atlas::Impl::SharedSplit> Atlas::Impl::read_split_runs(ClassId c, Axis axis) const {
-  const ClassId first = run_streams.pair_of(c)[0];
-  {
-    const std::lock_guard lock(recent_mutex);
-    for (const RecentSplit& recent : recent_splits) {
-      if (recent.first == first && recent.axis == axis) return recent.runs;
-    }
-  }
-  SPLATLAS_ASSIGN_OR_RETURN(SplitRuns split, split_runs(c, axis));
-  const SharedSplit shared = std::make_shared<const SplitRuns>(std::move(split));
-  const std::lock_guard lock(recent_mutex);
-  recent_splits.push_back({first, axis, shared});
-  if (recent_splits.size() > kMaxRecentSplits) recent_splits.pop_front();
-  return shared;
-}
-
-Result<SplitRuns> Atlas::Impl::split_runs(ClassId c, Axis axis) const {
-  const auto pair = run_streams.pair_of(c);
-  const std::uint64_t interior = directory.classes.voxels(pair[0]);
-  const std::uint64_t boundary = directory.classes.voxels(pair[1]);
-  SPLATLAS_ASSIGN_OR_RETURN(const ClassRuns runs, read_run_list(pair[0], axis, interior + boundary));
-  SplitRuns split = split_boundary(runs, grid.size, axis);
-  std::uint64_t found = 0;
-  for (const Run& run : split.interior) found += run.length;
-  if (found == interior) return split;
-  return named(ErrorCode::kInvalidAtlas,
-               "invalid: {} of class {}: {} voxels are interior to classes {} and {}, expected {}",
-               section_name(run_section(axis)), pair[0], found, pair[0], pair[1], interior);
-}
-
-IndexBox Atlas::Impl::list_box(ClassId c, Axis axis) const {
-  IndexBox box = directory.classes.box(c);
-  if (shares_runs(c, axis)) box.include(directory.classes.box(run_streams.pair_of(c)[1]));
-  return box;
-}
-
-Result<ClassRuns> Atlas::Impl::read_run_list(ClassId c, Axis axis, std::uint64_t voxels) const {
-  SPLATLAS_ASSIGN_OR_RETURN(const auto bytes, read_stream(run_section(axis), c));
-  const bool is_mask = !bytes.empty() && bytes.front() == kMaskMark;
-  auto runs = is_mask ? decode_mask(bytes, list_box(c, axis), grid.size, axis, voxels)
-                      : decode_run_list(bytes, voxels);
-  const Result<void> valid =
-      runs ? validate_runs(*runs, grid.size, axis, voxels) : tl::unexpected(runs.error());
-  if (!valid) {
-    return named(ErrorCode::kInvalidAtlas, "invalid: {} of class {}: {}", section_name(run_section(axis)), c,
-                 valid.error().message);
-  }
-  return runs;
-}
-
-Result<ClassRuns> Atlas::Impl::derive_runs(ClassId c, Axis axis) const {
-  if (const std::uint64_t voxels = directory.classes.voxels(c);
-      c != kEmptyClass && voxels > kMaxDerivedVoxels) {
-    return named(ErrorCode::kLimit, "class {} has {} voxels, too many to derive a run model from another", c,
-                 voxels);
-  }
-  SPLATLAS_ASSIGN_OR_RETURN(const ClassRuns runs, read_stored_runs(c, Axis::kZ));
-  return convert_runs(runs, grid.size, Axis::kZ, axis);
-}
-
-Result<ClassRuns> Atlas::read_runs(ClassId c, Axis axis) const {
-  SPLATLAS_RETURN_IF_ERROR(impl_->check_class(c));
-  try {
-    return impl_->layout.find(run_section(axis)) ? impl_->read_stored_runs(c, axis)
-                                                 : impl_->derive_runs(c, axis);
-  } catch (const std::bad_alloc&) {
-    return impl_->named(ErrorCode::kLimit, "out of memory for the runs of class {}", c);
   }
 }
 

@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "format/derive/run_fingerprint.h"
 #include "format/file/atlas_impl.h"
 #include "format/system/result_macros.h"
 
@@ -14,19 +13,20 @@ namespace splatlas {
 
 namespace {
 
-/// Verifies the run models class by class. Memory: the runs of the largest class and 24 bytes per run of the
-/// z model, but no volume.
+/// Verifies the run models class by class; reading checks each list. Memory: the runs of the largest class
+/// and 24 bytes per run of the z model, but no volume.
 class RunVerifier {
  public:
-  RunVerifier(const Atlas& atlas, const FileLayout& layout)
-      : atlas_(atlas), layout_(layout), fingerprinter_(atlas.grid().size) {}
+  explicit RunVerifier(const Atlas& atlas) : atlas_(atlas) {}
 
   [[nodiscard]] Result<void> verify() {
     for (ClassId c = 1; c < atlas_.classes().size(); ++c) {
       SPLATLAS_ASSIGN_OR_RETURN(const ClassRuns runs, atlas_.read_runs(c, Axis::kZ));
-      SPLATLAS_RETURN_IF_ERROR(check_box(c, runs));
       add(c, runs);
-      for (const Axis axis : {Axis::kX, Axis::kY}) SPLATLAS_RETURN_IF_ERROR(compare(c, runs, axis));
+      for (const Axis axis : {Axis::kX, Axis::kY}) {
+        SPLATLAS_ASSIGN_OR_RETURN(const ClassRuns others, atlas_.read_runs(c, axis));
+        totals_[static_cast<std::size_t>(axis)] += others.size();
+      }
     }
     SPLATLAS_RETURN_IF_ERROR(check_totals());
     SPLATLAS_RETURN_IF_ERROR(check_overlap());
@@ -46,25 +46,9 @@ class RunVerifier {
     return invalid_atlas("{}: invalid: {}", atlas_.name(), fmt::format(text, std::forward<Args>(args)...));
   }
 
-  [[nodiscard]] Result<void> check_box(ClassId c, const ClassRuns& runs) const {
-    IndexBox box;
-    for (const Run& run : runs) box.include(box_of(run, atlas_.grid().size[1]));
-    if (box == atlas_.classes().box(c)) return {};
-    return invalid("the box of class {} does not match its runs", c);
-  }
-
   void add(ClassId c, const ClassRuns& runs) {
     for (const Run& run : runs) spans_.push_back({run.scanline, run.start, run.start + run.length, c});
     totals_[2] += runs.size();
-  }
-
-  /// Checks that a stored run model covers the voxels of the z model. Counts the runs of derived models, too.
-  [[nodiscard]] Result<void> compare(ClassId c, const ClassRuns& runs_z, Axis axis) {
-    SPLATLAS_ASSIGN_OR_RETURN(const ClassRuns runs, atlas_.read_runs(c, axis));
-    totals_[static_cast<std::size_t>(axis)] += runs.size();
-    if (!layout_.find(run_section(axis))) return {};
-    if (fingerprinter_.of(runs, axis) == fingerprinter_.of(runs_z, Axis::kZ)) return {};
-    return invalid("{} and runs_z of class {} cover different voxels", section_name(run_section(axis)), c);
   }
 
   [[nodiscard]] Result<void> check_totals() const {
@@ -131,8 +115,6 @@ class RunVerifier {
   }
 
   const Atlas& atlas_;
-  const FileLayout& layout_;
-  const RunFingerprinter fingerprinter_;
   std::vector<Span> spans_;
   std::array<std::uint64_t, 3> totals_{};
 };
@@ -155,7 +137,7 @@ Result<void> Atlas::verify() const {
       }
     }
     SPLATLAS_RETURN_IF_ERROR(verify_order(*this));
-    SPLATLAS_RETURN_IF_ERROR(RunVerifier(*this, impl_->layout).verify());
+    SPLATLAS_RETURN_IF_ERROR(RunVerifier(*this).verify());
     for (std::size_t g = 0; g < impl_->groups.size(); ++g) SPLATLAS_RETURN_IF_ERROR(impl_->decode_group(g));
     for (StructureIndex s = 0; s < graph().size(); ++s) SPLATLAS_RETURN_IF_ERROR(read_surface(s));
     return {};

@@ -175,6 +175,19 @@ void AtlasEncoder::append_runs(const ClassRuns& runs, const IndexBox& box, Axis 
   bytes.insert(bytes.end(), list.begin(), list.end());
 }
 
+/// [class]; the empty class has all voxels that no other class has.
+std::vector<VoxelSetFingerprint> fingerprints_of(const RunModel& model, const Index3& size) {
+  const RunFingerprinter fingerprinter(size);
+  std::vector<VoxelSetFingerprint> fingerprints(model.classes.size());
+  VoxelSetFingerprint rest = fingerprinter.of_grid();
+  for (ClassId c = 1; c < fingerprints.size(); ++c) {
+    fingerprints[c] = fingerprinter.of(model.classes[c], model.axis);
+    rest = subtract_fingerprints(rest, fingerprints[c]);
+  }
+  fingerprints[kEmptyClass] = rest;
+  return fingerprints;
+}
+
 Result<SectionBytes> AtlasEncoder::gather_runs(Axis axis) {
   RunModel model = encode_runs(content_.class_volume, size_, axis, content_.classes.size());
   const auto a = static_cast<std::size_t>(axis);
@@ -199,7 +212,10 @@ Result<SectionBytes> AtlasEncoder::gather_runs(Axis axis) {
     }
     directory_.run_bytes[c][a] = static_cast<std::uint32_t>(bytes.size() - begin);
   }
-  if (axis == Axis::kZ) z_runs_ = std::move(model);
+  if (axis == Axis::kZ) {
+    z_runs_ = std::move(model);
+    directory_.fingerprints = fingerprints_of(z_runs_, size_);
+  }
   return bytes;
 }
 

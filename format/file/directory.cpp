@@ -170,7 +170,8 @@ Result<std::vector<std::byte>> encode_directory(const Directory& directory) {
           builder.CreateVector(text.bytes()), builder.CreateVectorOfStructs(sections),
           builder.CreateVectorOfStructs(chunks),
           builder.CreateVector(
-              std::vector<std::uint8_t>(directory.normals_fitted.begin(), directory.normals_fitted.end()))),
+              std::vector<std::uint8_t>(directory.normals_fitted.begin(), directory.normals_fitted.end())),
+          directory.fingerprints.empty() ? 0 : builder.CreateVector(directory.fingerprints)),
       schema::DirectoryIdentifier());
   const auto* begin = reinterpret_cast<const std::byte*>(builder.GetBufferPointer());
   return std::vector<std::byte>(begin, begin + builder.GetSize());
@@ -207,13 +208,15 @@ bool ends_are_valid(const Rows& rows, End&& end, std::uint64_t total) {
 
 /// Checks the alignment of elements: the FlatBuffers verifier checks only that of the length field.
 template <typename Row>
-bool is_aligned(const flatbuffers::Vector<const Row*>& rows) {
-  return rows.size() == 0 || reinterpret_cast<std::uintptr_t>(rows.Data()) % alignof(Row) == 0;
+bool is_aligned(const flatbuffers::Vector<Row>& rows) {
+  return rows.size() == 0 ||
+         reinterpret_cast<std::uintptr_t>(rows.Data()) % alignof(std::remove_pointer_t<Row>) == 0;
 }
 
 Result<void> check_tables(const schema::Directory& d) {
   if (!is_aligned(*d.structures()) || !is_aligned(*d.surfaces()) || !is_aligned(*d.classes()) ||
-      !is_aligned(*d.scenes()) || !is_aligned(*d.sections()) || !is_aligned(*d.chunks())) {
+      !is_aligned(*d.scenes()) || !is_aligned(*d.sections()) || !is_aligned(*d.chunks()) ||
+      (d.fingerprints() != nullptr && !is_aligned(*d.fingerprints()))) {
     return invalid_atlas("invalid: directory tables are not aligned");
   }
   const std::uint64_t strings = 4 + 2 * std::uint64_t{d.structures()->size()} +
@@ -363,6 +366,8 @@ Result<Directory> decode_directory(std::span<const std::byte> bytes) {
     directory.surfaces.push_back({row->vertices(), row->triangles(), row->position_scale(), row->bytes()});
   }
   for (const std::uint8_t fitted : *d.normals_fitted()) directory.normals_fitted.push_back(fitted != 0);
+  if (d.fingerprints() != nullptr)
+    directory.fingerprints.assign(d.fingerprints()->begin(), d.fingerprints()->end());
   read_scenes_and_sources(d, text, directory);
   SPLATLAS_RETURN_IF_ERROR(read_chunks(d, directory));
   return directory;

@@ -145,6 +145,22 @@ Result<void> check_normals(const Directory& d) {
   return {};
 }
 
+/// Fingerprints must add up to that of the grid: classes partition the voxels.
+Result<void> check_fingerprints(const Directory& d, const Grid& grid) {
+  if (d.fingerprints.empty()) return {};
+  if (d.fingerprints.size() != d.classes.size()) {
+    return invalid_atlas("invalid: {} fingerprints of {} classes", d.fingerprints.size(), d.classes.size());
+  }
+  VoxelSetFingerprint sum = 0;
+  for (ClassId c = 0; c < d.classes.size(); ++c) {
+    if (!is_fingerprint(d.fingerprints[c]))
+      return invalid_atlas("invalid: fingerprint {} of class {}", d.fingerprints[c], c);
+    sum = add_fingerprints(sum, d.fingerprints[c]);
+  }
+  if (sum == RunFingerprinter(grid.size).of_grid()) return {};
+  return invalid_atlas("invalid: fingerprints of classes do not add up to that of the grid");
+}
+
 Result<void> check_surfaces(const Directory& d, const Grid& grid) {
   if (d.surfaces.size() != d.graph.size()) {
     return invalid_atlas("invalid: {} surfaces of {} structures", d.surfaces.size(), d.graph.size());
@@ -170,6 +186,7 @@ Result<void> validate(const Directory& d, const RunStreams& streams) {
   if (auto valid = validate(grid, "storage grid"); !valid)
     return invalid_atlas("invalid: {}", valid.error().message);
   SPLATLAS_RETURN_IF_ERROR(check_classes(d, grid));
+  SPLATLAS_RETURN_IF_ERROR(check_fingerprints(d, grid));
   SPLATLAS_RETURN_IF_ERROR(check_runs(d, streams));
   SPLATLAS_RETURN_IF_ERROR(check_normals(d));
   SPLATLAS_RETURN_IF_ERROR(check_surfaces(d, grid));

@@ -21,7 +21,7 @@
 namespace splatlas {
 
 inline constexpr std::uint16_t kFormatMajor = 1;
-inline constexpr std::uint16_t kFormatMinor = 0;
+inline constexpr std::uint16_t kFormatMinor = 1;
 /// Supported feature bits. Files that require others are refused.
 inline constexpr std::uint32_t kKnownRequiredFeatures = 0;
 /// Maximum size of a directory, below the limit of FlatBuffers (2 GiB).

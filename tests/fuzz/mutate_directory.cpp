@@ -98,9 +98,12 @@ void mutate_classes(Directory& d, Random& random) {
 }
 
 void mutate_lengths(Directory& d, Random& random) {
-  switch (below(3, random)) {
-    case 0: mutate_number(any_of(d.run_bytes, random)[below(3, random)], random); break;
-    case 1: mutate_number(d.run_totals[below(3, random)], random); break;
+  switch (below(4, random)) {
+    case 0:
+      if (!d.fingerprints.empty()) return mutate_number(any_of(d.fingerprints, random), random);
+      [[fallthrough]];
+    case 1: mutate_number(any_of(d.run_bytes, random)[below(3, random)], random); break;
+    case 2: mutate_number(d.run_totals[below(3, random)], random); break;
     default: d.normals_fitted[below(d.normals_fitted.size(), random)].flip(); break;
   }
 }

@@ -155,6 +155,31 @@ constexpr BadDirectory kValid[] = {
     {"no box of the empty class", [](auto& d) { clear_box(d.classes[0]); }},
 };
 
+constexpr BadPart<std::vector<std::uint64_t>> kFingerprints[] = {
+    {[](auto& f) { f.pop_back(); }, "invalid: 7 fingerprints of 8 classes"},
+    {[](auto& f) { f.push_back(0); }, "invalid: 9 fingerprints of 8 classes"},
+    {[](auto& f) { f[1] = (std::uint64_t{1} << 61) - 1; },
+     "invalid: fingerprint 2305843009213693951 of class 1"},
+    {[](auto& f) { f[7] = ~std::uint64_t{0}; }, "invalid: fingerprint 18446744073709551615 of class 7"},
+    {[](auto& f) { f[1] ^= 1; }, "invalid: fingerprints of classes do not add up to that of the grid"},
+    {[](auto& f) { f[0] = 0; }, "invalid: fingerprints of classes do not add up to that of the grid"},
+    {[](auto& f) { std::swap(f[1], f[3]); },
+     "invalid: runs_z of class 1 covers other voxels than its fingerprint"},
+    {[](auto& f) { std::swap(f[5], f[6]); },
+     "invalid: runs_z of class 5 covers other voxels than its fingerprint"},
+};
+
+TEST(BadFiles, WithABadFingerprint) {
+  expect_faults(kFingerprints, "F: {}", in_part(&RawDirectory::fingerprints));
+}
+
+/// Files of version 1.0 have none.
+TEST(BadFiles, WithoutFingerprintsAreValid) {
+  RawAtlas atlas = raw_atlas(good_file());
+  atlas.directory.fingerprints.clear();
+  EXPECT_EQ(fault_of_file(file_of(atlas)), "");
+}
+
 TEST(BadFiles, WithABadMembership) {
   expect_faults(kMembers, "F: invalid: {}", in_directory);
   expect_faults(kEndsOfMembers, "F: invalid: inconsistent offsets of directory table of class members",
@@ -164,7 +189,7 @@ TEST(BadFiles, WithABadMembership) {
 TEST(BadFiles, WithABadClass) {
   expect_faults(kVoxels, "F: invalid: {}", in_directory);
   expect_faults(kBoxes, "F: invalid: box of {} voxels in the grid", in_directory);
-  expect_faults(kOtherBoxes, "F: invalid: the box of {} does not match its runs", in_directory);
+  expect_faults(kOtherBoxes, "F: invalid: the box of {} does not match its runs_z", in_directory);
   expect_faults(kOtherLengths, "F: damaged: {}", in_directory);
   expect_faults(kValid, "", in_directory);
 }

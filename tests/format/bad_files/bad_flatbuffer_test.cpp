@@ -114,6 +114,7 @@ constexpr BadBuffer kMisaligned[] = {
     {"classes", misalign<D::VT_CLASSES, 48>},
     {"scenes", misalign<D::VT_SCENES, 24>},
     {"chunks", misalign<D::VT_CHUNKS, 16>},
+    {"fingerprints", misalign<D::VT_FINGERPRINTS, 8>},
 };
 
 constexpr BadBuffer kOtherBuffers[] = {

@@ -91,11 +91,11 @@ constexpr BadPart<FileHeader> kVersions[] = {
     {[](auto& h) { h.major = 2; }, "format 2, this program reads format 1"},
     {[](auto& h) { h.major = 65535; }, "format 65535, this program reads format 1"},
     {[](auto& h) { h.required_features = 1; },
-     "format features 0x1 that this program (format 1.0) does not know"},
+     "format features 0x1 that this program (format 1.1) does not know"},
     {[](auto& h) { h.required_features = 0x80000000; },
-     "format features 0x80000000 that this program (format 1.0) does not know"},
+     "format features 0x80000000 that this program (format 1.1) does not know"},
     {[](auto& h) { h.required_features = 0xffffffff; },
-     "format features 0xffffffff that this program (format 1.0) does not know"},
+     "format features 0xffffffff that this program (format 1.1) does not know"},
     {[](auto& h) { h.major = 3, h.required_features = 4; }, "format 3, this program reads format 1"},
 };
 

@@ -123,10 +123,17 @@ constexpr BadList<ClassRuns> kRuns[] = {
      "y of class 4: runs cover 10 voxels, 9 expected"},
     {"of a shared list one voxel too few", Axis::kX, kKnobInterior, [](auto& r) { --r.back().length; },
      "x of class 5: runs cover 26 voxels, 27 expected"},
-    {"along x elsewhere", Axis::kX, kCoreInterior, [](auto& r) { ++r[0].scanline; },
-     "x and runs_z of class 1 cover different voxels"},
-    {"along y elsewhere", Axis::kY, kCoreInterior, [](auto& r) { ++r[0].start; },
-     "y and runs_z of class 1 cover different voxels"},
+    {"along x elsewhere", Axis::kX, kCoreBoundary,
+     [](auto& r) {
+       // One voxel on either side of the interior one: the second moves there.
+       const auto one_of_two = std::ranges::adjacent_find(r, {}, &Run::scanline);
+       ++one_of_two->length;
+       r.erase(one_of_two + 1);
+     },
+     "x and runs_z of class 2 cover different voxels"},
+    {"along y elsewhere", Axis::kY, kCoreBoundary,
+     [](auto& r) { std::ranges::find(r, 1u, &Run::length)->start = 2; },
+     "y and runs_z of class 2 cover different voxels"},
 };
 
 constexpr BadList<ClassRuns> kRunsOutside[] = {
@@ -160,8 +167,11 @@ constexpr BadList<ClassRuns> kRunsTogether[] = {
 };
 
 constexpr BadList<ClassRuns> kRunsOutOfBox[] = {
-    {"along z", Axis::kZ, kCoreInterior, [](auto& r) { ++r[0].start; }, "1"},
-    {"of a shared list", Axis::kZ, kKnobInterior, [](auto& r) { r[0].start = 5; }, "6"},
+    {"along x", Axis::kX, kCoreInterior, [](auto& r) { ++r[0].scanline; }, "1 does not match its runs_x"},
+    {"along y", Axis::kY, kCoreInterior, [](auto& r) { ++r[0].start; }, "1 does not match its runs_y"},
+    {"along z", Axis::kZ, kCoreInterior, [](auto& r) { ++r[0].start; }, "1 does not match its runs_z"},
+    {"of a shared list", Axis::kZ, kKnobInterior, [](auto& r) { r[0].start = 5; },
+     "6 does not match its runs_z"},
 };
 
 TEST(BadFiles, WithABadRunList) {
@@ -175,7 +185,7 @@ TEST(BadFiles, WithABadRunList) {
   expect_faults(kRunsOutside, "F: invalid: runs_{} voxels", edit_runs);
   expect_faults(kRunsTogether,
                 "F: invalid: runs_z of {} is out of order, or not apart from the run before it", edit_runs);
-  expect_faults(kRunsOutOfBox, "F: invalid: the box of class {} does not match its runs", edit_runs);
+  expect_faults(kRunsOutOfBox, "F: invalid: the box of class {}", edit_runs);
 }
 
 /// A class moved over another one, with its box.

@@ -57,6 +57,7 @@ RawDirectory read_directory(const Bytes& bytes) {
           .sections = raw_rows<RawSection>(*d.sections()),
           .chunks = raw_rows<RawChunk>(*d.chunks()),
           .normals_fitted = numbers_of(*d.normals_fitted()),
+          .fingerprints = numbers_of(*d.fingerprints()),
           .left_out = {}};
 }
 
@@ -73,6 +74,7 @@ Bytes encode(const RawDirectory& d) {
   const auto sections = vector_of<schema::Section>(b, d.sections);
   const auto chunks = vector_of<schema::Chunk>(b, d.chunks);
   const auto normals_fitted = b.CreateVector(d.normals_fitted);
+  const auto fingerprints = b.CreateVector(d.fingerprints);
   schema::DirectoryBuilder table(b);
   const auto add = [&](const char* field, const auto& add_field) {
     if (!d.left_out.contains(field)) add_field();
@@ -96,6 +98,7 @@ Bytes encode(const RawDirectory& d) {
   add("sections", [&] { table.add_sections(sections); });
   add("chunks", [&] { table.add_chunks(chunks); });
   add("normals_fitted", [&] { table.add_normals_fitted(normals_fitted); });
+  if (!d.fingerprints.empty()) table.add_fingerprints(fingerprints);
   // Not Finish(), which asserts that all fields are present.
   b.Finish(flatbuffers::Offset<schema::Directory>(b.EndTable(table.start_)), schema::DirectoryIdentifier());
   const auto* begin = reinterpret_cast<const std::byte*>(b.GetBufferPointer());
@@ -135,6 +138,7 @@ void RawAtlas::edit_stream(SectionKind kind, std::size_t stream, const std::func
   replace_streams(parts, kind, streams);
   const auto length = static_cast<std::uint32_t>(streams[stream].size());
   if (kind <= SectionKind::kRunsZ) {
+    directory.fingerprints.clear();
     directory.classes[stream].run_bytes[static_cast<std::size_t>(kind) - 1] = length;
   } else if (kind == SectionKind::kSurfaces) {
     directory.surfaces[parts.directory.graph.preorder()[stream]].bytes = length;

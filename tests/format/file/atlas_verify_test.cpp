@@ -129,8 +129,10 @@ RC_GTEST_PROP(AtlasDamage, ForgedStreamsDoNoHarm, ()) {
 }
 
 /// The fault of the file with other runs of one class along one axis, under right checksums.
-std::string fault_with_runs(ClassId c, Axis axis, const std::function<void(ClassRuns&)>& change) {
+std::string fault_with_runs(ClassId c, Axis axis, const std::function<void(ClassRuns&)>& change,
+                            bool fingerprints = true) {
   AtlasParts parts = take_apart(small_file());
+  if (!fingerprints) parts.directory.fingerprints.clear();
   std::vector<Bytes> streams = decode_streams(parts, run_section(axis));
   ClassRuns runs = decode_run_list(streams[c], ~std::uint64_t{0}).value();
   change(runs);
@@ -152,39 +154,47 @@ TEST(AtlasVerify, FindsRunsThatAreNotThoseOfTheClass) {
               HasSubstr("F: invalid: runs_y of class 2: "));
 }
 
-/// Moves the first voxel of the runs and keeps their order.
-void move_a_voxel(ClassRuns& runs) {
+/// Moves a run by one voxel. The bounding box stays, or changes. False if no run can be moved so.
+bool move_a_run(ClassRuns& runs, const Index3& size, Axis axis, bool keeps_box) {
+  const IndexBox box = box_of(runs, size, axis);
   for (std::size_t n = 0; n < runs.size(); ++n) {
     const bool room = n == 0 || runs[n - 1].scanline != runs[n].scanline ||
                       runs[n - 1].start + runs[n - 1].length + 1 < runs[n].start;
-    if (room && runs[n].start > 0) {
-      --runs[n].start;
-      return;
-    }
+    if (!room || runs[n].start == 0) continue;
+    --runs[n].start;
+    if ((box_of(runs, size, axis) == box) == keeps_box) return true;
+    ++runs[n].start;
   }
-  FAIL() << "no run can be moved";
+  return false;
 }
 
 TEST(AtlasVerify, FindsRunModelsThatDiffer) {
-  const std::size_t classes = small_content().classes.size();
-  std::size_t moved = 0;
-  for (ClassId c = 1; c < classes; ++c) {
-    for (const Axis axis : {Axis::kX, Axis::kY}) {
-      const ClassRuns runs = (*Atlas::open_bytes(small_file()))->read_runs(c, axis).value();
-      if (runs.size() < 2 || runs[0].start == 0) continue;
-      ++moved;
-      EXPECT_THAT(fault_with_runs(c, axis, move_a_voxel),
-                  HasSubstr(fmt::format("class {} cover different voxels", c)));
+  const Index3 size = storage_grid(small_content()).size;
+  for (const bool keeps_box : {true, false}) {
+    std::size_t moved = 0;
+    for (ClassId c = 1; c < small_content().classes.size(); ++c) {
+      for (const Axis axis : {Axis::kX, Axis::kY}) {
+        ClassRuns runs = (*Atlas::open_bytes(small_file()))->read_runs(c, axis).value();
+        if (!move_a_run(runs, size, axis, keeps_box)) continue;
+        ++moved;
+        const auto move = [&](ClassRuns& to_change) { to_change = runs; };
+        EXPECT_THAT(fault_with_runs(c, axis, move),
+                    keeps_box ? HasSubstr(fmt::format("class {} covers other voxels than its fingerprint", c))
+                              : HasSubstr(fmt::format("the box of class {} does not match its runs_", c)));
+        EXPECT_THAT(fault_with_runs(c, axis, move, false),
+                    HasSubstr(keeps_box ? fmt::format("class {} cover different voxels", c)
+                                        : fmt::format("the box of class {} does not match", c)));
+      }
     }
+    EXPECT_GT(moved, 0u);
   }
-  EXPECT_GT(moved, 2u);
 }
 
 TEST(AtlasVerify, FindsBoxesThatAreNotTight) {
   AtlasParts parts = take_apart(small_file());
   const Index3 size = storage_grid(small_content()).size;
   parts.directory.classes.count(2, 0, {{0, 0, 0}, {size[0] - 1, size[1] - 1, size[2] - 1}});
-  EXPECT_EQ(fault_of_file(put_together(parts)), "F: invalid: the box of class 2 does not match its runs");
+  EXPECT_EQ(fault_of_file(put_together(parts)), "F: invalid: the box of class 2 does not match its runs_z");
 }
 
 // Found by fuzzing: such a file was accepted, but could not be written again.
@@ -248,6 +258,13 @@ TEST(AtlasVerify, FindsClassesThatOverlap) {
       replace_streams(parts, kind, streams);
     }
     parts.directory.classes = classes_in({{1, 0, 0}, {2, 0, 0}});
+    EXPECT_EQ(fault_of_file(put_together(parts)),
+              "F: invalid: runs_z of class 2 covers other voxels than its fingerprint");
+    // Forged fingerprints
+    std::vector<VoxelSetFingerprint>& fingerprints = parts.directory.fingerprints;
+    fingerprints[0] =
+        subtract_fingerprints(add_fingerprints(fingerprints[0], fingerprints[2]), fingerprints[1]);
+    fingerprints[2] = fingerprints[1];
     EXPECT_EQ(fault_of_file(put_together(parts)),
               "F: invalid: runs_z of classes 1 and 2 overlap in scanline 0");
   }

@@ -104,7 +104,7 @@ TEST_F(HeaderTest, IsAccepted) {
 
 TEST_F(HeaderTest, HasTheBytesOfTheFormat) {
   const auto* bytes = reinterpret_cast<const unsigned char*>(&header);
-  const std::vector<unsigned> expected{0x89, 'S', 'P', 'L', 'A', 'T', 0x0d, 0x0a, 1,   0, 0, 0, 0, 0, 0, 0,
+  const std::vector<unsigned> expected{0x89, 'S', 'P', 'L', 'A', 'T', 0x0d, 0x0a, 1,   0, 1, 0, 0, 0, 0, 0,
                                        0,    0,   0,   0,   0,   0,   0,    0,    164, 0, 0, 0, 0, 0, 0, 0,
                                        64,   0,   0,   0,   0,   0,   0,    0,    100, 0, 0, 0, 0, 0, 0, 0};
   EXPECT_EQ(std::vector<unsigned>(bytes, bytes + 48), expected);

@@ -240,6 +240,21 @@ std::vector<bool> covered_by(const Bytes& stream, const FlatDirectory& directory
   return decode_mask(stream, first, last, directory.size, axis);
 }
 
+/// Compares the fingerprint of each class with its definition.
+void check_fingerprints(const FlatDirectory& directory, const std::vector<std::uint32_t>& volume) {
+  if (directory.fingerprints.empty()) return;
+  __extension__ using Wide = unsigned __int128;
+  constexpr Wide kPrime = (Wide{1} << 61) - 1, kBase = Wide{0x243f6a8885a308d3} % kPrime;
+  std::vector<Wide> sums(directory.classes.size());
+  Wide power = 1;
+  for (const std::uint32_t c : volume) {
+    sums.at(c) = (sums.at(c) + power) % kPrime;
+    power = power * kBase % kPrime;
+  }
+  for (std::size_t c = 0; c < sums.size(); ++c)
+    must(sums[c] == directory.fingerprints.at(c), "a fingerprint of other voxels");
+}
+
 std::vector<std::uint32_t> read_class_volume(const Sections& sections, const FlatDirectory& directory,
                                              std::size_t axis) {
   const auto kind = static_cast<std::uint32_t>(axis + 1);
@@ -261,6 +276,7 @@ std::vector<std::uint32_t> read_class_volume(const Sections& sections, const Fla
       }
     }
   }
+  check_fingerprints(directory, volume);
   return volume;
 }
 
