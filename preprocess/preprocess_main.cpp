@@ -39,7 +39,7 @@ Result<void> run(int argc, char** argv) {
   } catch (const CLI::Success& help_or_version) {
     std::ostringstream text;
     app.exit(help_or_version, text);
-    return print_text(text.str());
+    return print_text(PrintableText::of_layout(text.str()));
   } catch (const CLI::ValidationError& error) {
     return fail(ErrorCode::kUsage, error.what());
   } catch (const CLI::ParseError& error) {
@@ -49,7 +49,11 @@ Result<void> run(int argc, char** argv) {
     return fail(ErrorCode::kUsage, "{}; see --help", error.what());
   }
   install_interrupt_handlers();
-  SPLATLAS_RETURN_IF_ERROR(build->parsed() ? run_build(request) : run_export(export_options));
+  SPLATLAS_RETURN_IF_ERROR(run_on_file(build->parsed() ? request.options.output : export_options.atlas,
+                                       "free memory, or raise the program's limit", [&] {
+                                         return build->parsed() ? run_build(request)
+                                                                : run_export(export_options);
+                                       }));
   return finish_standard_output();
 }
 

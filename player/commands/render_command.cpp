@@ -13,6 +13,7 @@
 
 #include "format/system/check_writable.h"
 #include "format/system/command_options.h"
+#include "format/system/json_text.h"
 #include "format/system/output_file.h"
 #include "format/system/output_path.h"
 #include "format/system/result_macros.h"
@@ -205,7 +206,7 @@ Result<std::vector<std::string>> run_render(const RenderRequest& request) {
   SPLATLAS_RETURN_IF_ERROR(renderer.select(selection));
   SPLATLAS_ASSIGN_OR_RETURN(const Picture picture, renderer.render(request.camera, request.options));
   SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::byte> bytes, encoder.encode(picture, request.background));
-  SPLATLAS_RETURN_IF_ERROR(write_outputs(request, bytes, stats_json(renderer, open_ms).dump(2) + "\n"));
+  SPLATLAS_RETURN_IF_ERROR(write_outputs(request, bytes, json_text(stats_json(renderer, open_ms))));
   std::vector<std::string> missing;
   for (const MissingPart& part : renderer.missing()) {
     missing.push_back(describe(part, renderer.atlas().graph()));

@@ -4,6 +4,7 @@
 #include "format/system/ascii_text.h"
 #include "format/system/command_options.h"
 #include "format/system/result_macros.h"
+#include "format/system/standard_output.h"
 #include "preprocess/commands/commands.h"
 
 namespace splatlas {
@@ -61,12 +62,13 @@ void add_sources(CLI::App& build, SourceFiles& sources) {
                  "keep named labels without voxels, as empty structures");
 }
 
-void print_summary(const BuildReport& report, const std::string& output) {
+Result<void> print_summary(const BuildReport& report, const std::filesystem::path& output) {
   double seconds = 0;
   for (const auto& stage : report.stages) seconds += stage.seconds;
-  fmt::print("{}: {} structures, {} classes, {} + {} + {} runs, {} triangles, {} bytes, {:.2f} s\n", output,
-             report.structures, report.classes, report.runs[0], report.runs[1], report.runs[2],
-             report.triangles, report.bytes, seconds);
+  return print_text(
+      PrintableText("{}: {} structures, {} classes, {} + {} + {} runs, {} triangles, {} bytes, {:.2f} s\n",
+                    output, report.structures, report.classes, report.runs[0], report.runs[1], report.runs[2],
+                    report.triangles, report.bytes, seconds));
 }
 
 }  // namespace
@@ -100,10 +102,9 @@ Result<void> run_build(const BuildRequest& request) {
   display.finish();
   if (!report) return tl::unexpected(report.error());
   if (request.progress != ProgressMode::kJson) {
-    for (const std::string& note : report->notes) fmt::print(stderr, "note: {}\n", note);
+    for (const std::string& note : report->notes) print_to(stderr, PrintableText("note: {}\n", note));
   }
-  print_summary(*report, options.output.string());
-  return {};
+  return print_summary(*report, options.output);
 }
 
 }  // namespace splatlas

@@ -47,7 +47,8 @@ CLI::App* add_export(CLI::App& app, ExportOptions& options) {
 
 Result<void> run_export(const ExportOptions& options) {
   SPLATLAS_ASSIGN_OR_RETURN(const ExportedFiles files, export_atlas(options));
-  for (const std::string& line : files.written) SPLATLAS_RETURN_IF_ERROR(print_text(line + "\n"));
+  for (const std::string& line : files.written)
+    SPLATLAS_RETURN_IF_ERROR(print_text(PrintableText("{}\n", line)));
   if (files.failures.empty()) return {};
   Error error = files.failures.front();
   if (files.failures.size() > 1) error.message += fmt::format("; nor are {} more", files.failures.size() - 1);
