@@ -16,7 +16,8 @@ constexpr const char* kFooter = R"(Examples:
   splatlas-preprocess export body.atlas --labels masks/
 
 Volumes (.nii, .nii.gz, .nrrd, .mha) have the source's grid, order of axes and pixel type. Surfaces (.stl, .obj, .ply,
-.vtk) are in LPS mm; a group's surfaces are those of all its descendants.
+.vtk) are in LPS mm; a group's surfaces are those of all its descendants. Masks are named by their ids; ids that are no
+safe file names are changed, and a note lists them.
 
 Exit status: 0 done; 1 could not be done; 2 wrong usage; 3 not a valid atlas; 4 name not found.)";
 
@@ -49,6 +50,7 @@ Result<void> run_export(const ExportOptions& options) {
   SPLATLAS_ASSIGN_OR_RETURN(const ExportedFiles files, export_atlas(options));
   for (const std::string& line : files.written)
     SPLATLAS_RETURN_IF_ERROR(print_text(PrintableText("{}\n", line)));
+  for (const std::string& note : files.notes) print_to(stderr, PrintableText("note: {}\n", note));
   if (files.failures.empty()) return {};
   Error error = files.failures.front();
   if (files.failures.size() > 1) error.message += fmt::format("; nor are {} more", files.failures.size() - 1);

@@ -16,9 +16,11 @@ namespace {
 namespace fs = std::filesystem;
 using testing::AllOf;
 using testing::AnyOf;
+using testing::EndsWith;
 using testing::HasSubstr;
 using testing::Not;
 using testing::StartsWith;
+using testing::UnorderedElementsAre;
 
 /// File names with control characters, with characters that reorder or hide text, and without UTF-8.
 const std::vector<std::string> kHostileFiles{"\x1b[2Ja",
@@ -133,6 +135,47 @@ TEST_F(HostileText, OfNotes) {
                      folder.path());
   expect_safe(build, 1);
   EXPECT_THAT(build.err, AllOf(StartsWith("note: segment"), HasSubstr("Le?ft?note: forged")));
+}
+
+/// Exports a mask per id of an atlas.
+ProgramResult export_masks(const std::vector<std::string>& ids, const TemporaryFolder& folder) {
+  write_bytes(folder.file("a.atlas"), value_or_throw(encode_atlas(hostile_content(ids, ids))));
+  return run_preprocess({"export", "a.atlas", "--labels", "masks/"}, folder.path());
+}
+
+TEST_F(HostileText, OfIdsMakesNoHostileFileNames) {
+  const std::string longest(248, 'x');
+  const ProgramResult exported =
+      export_masks({".", "..", "-rf", "Safe.name-1", "CON", "_con", longest + "y", longest}, folder);
+  expect_safe(exported, 1);
+  EXPECT_EQ(exported.out, "masks/: 8 masks\n");
+  EXPECT_EQ(
+      exported.err,
+      "note: masks/: 5 ids are no safe file names: \".\" is __.nii.gz, \"..\" is _._.nii.gz, \"-rf\" is "
+      "_-rf.nii.gz, \"CON\" is _CON_2.nii.gz, \"" +
+          longest.substr(0, 80) + "...\" is " + longest.substr(2) + "_2.nii.gz\n");
+  std::vector<std::string> files;
+  for (const auto& entry : fs::directory_iterator(folder.path() / "masks"))
+    files.push_back(entry.path().filename().string());
+  EXPECT_THAT(files, UnorderedElementsAre("__.nii.gz", "_._.nii.gz", "_-rf.nii.gz", "Safe.name-1.nii.gz",
+                                          "_CON_2.nii.gz", "_con.nii.gz", longest.substr(2) + "_2.nii.gz",
+                                          longest + ".nii.gz"));
+}
+
+TEST_F(HostileText, OfManyIdsIsCounted) {
+  std::vector<std::string> ids;
+  for (int n = 0; n < 13; ++n) ids.push_back("-" + std::to_string(n));
+  const ProgramResult exported = export_masks(ids, folder);
+  expect_safe(exported, 1);
+  EXPECT_THAT(exported.err,
+              StartsWith("note: masks/: 13 ids are no safe file names: \"-0\" is _-0.nii.gz, "));
+  EXPECT_THAT(exported.err, EndsWith("\"-9\" is _-9.nii.gz and 3 more\n"));
+}
+
+TEST_F(HostileText, OfSafeIdsNeedsNoNote) {
+  const ProgramResult exported = export_masks({"Putamen_L", "a.b"}, folder);
+  expect_safe(exported, 1);
+  EXPECT_EQ(exported.err, "");
 }
 
 TEST_F(HostileText, OfCommandLines) {
