@@ -15,6 +15,7 @@
 #include "format/system/check_writable.h"
 #include "format/system/exit_status.h"
 #include "format/system/interrupts.h"
+#include "format/system/memory_limit.h"
 #include "format/system/output_file.h"
 #include "format/system/output_path.h"
 #include "format/system/result_macros.h"
@@ -120,7 +121,7 @@ int run(int argc, char** argv) {
 }  // namespace splatlas
 
 int main(int argc, char** argv) try { return splatlas::run(argc, argv); } catch (const std::bad_alloc&) {
-  splatlas::print_error("splatlas-bench", "out of memory; free memory, or raise the program's limit");
+  splatlas::print_error("splatlas-bench", std::string("out of memory; ") + splatlas::kOutOfMemoryRemedy);
   return 1;
 } catch (const std::exception& exception) {
   splatlas::print_error("splatlas-bench", exception.what());

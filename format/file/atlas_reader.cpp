@@ -89,7 +89,7 @@ Result<std::shared_ptr<const Atlas>> Atlas::open_file(InputFile file) {
                                        std::move(opened->streams), std::move(opened->layout));
     return std::shared_ptr<const Atlas>(new Atlas(std::move(impl)));
   } catch (const std::bad_alloc&) {
-    return fail(ErrorCode::kLimit, file.name() + ": out of memory");
+    return fail(ErrorCode::kLimit, "{}: out of memory; {}", file.name(), kOutOfMemoryRemedy);
   }
 }
 
@@ -166,7 +166,7 @@ Result<std::vector<std::byte>> Atlas::Impl::read_stream(SectionKind kind, std::s
     if (!bytes) return named(bytes.error());
     return bytes;
   } catch (const std::bad_alloc&) {
-    return named(ErrorCode::kLimit, "out of memory for a stream of {} bytes", size);
+    return out_of_memory(fmt::format(" for a stream of {} bytes", size));
   }
 }
 
@@ -250,7 +250,7 @@ Result<ClassRuns> Atlas::read_runs(ClassId c, Axis axis) const {
     return impl_->layout.find(run_section(axis)) ? impl_->read_stored_runs(c, axis)
                                                  : impl_->derive_runs(c, axis);
   } catch (const std::bad_alloc&) {
-    return impl_->named(ErrorCode::kLimit, "out of memory for the runs of class {}", c);
+    return impl_->out_of_memory(fmt::format(" for the runs of class {}", c));
   }
 }
 

@@ -2,7 +2,9 @@
 
 #include <exception>
 #include <new>
+#include <string>
 
+#include "format/system/memory_limit.h"
 #include "format/system/result_macros.h"
 #include "format/system/standard_output.h"
 
@@ -25,7 +27,7 @@ int run_main(const char* name, const std::function<Result<void>()>& run) try {
   print_error(name, result.error().message);
   return exit_status(result.error().code);
 } catch (const std::bad_alloc&) {
-  print_error(name, "out of memory; free memory, or raise the program's limit");
+  print_error(name, std::string("out of memory; ") + kOutOfMemoryRemedy);
   return 1;
 } catch (const std::exception& exception) {
   print_error(name, exception.what());

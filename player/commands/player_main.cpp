@@ -103,14 +103,14 @@ struct CommandLine {
   CommandLine() {
     app.set_version_flag("--version", kVersion);
     app.get_formatter()->column_width(28);
-    app.add_option("ATLAS", atlas, "atlas file to open in a window");
+    app.add_option("ATLAS", atlas, "atlas file to open in a window")->check(names_a_file());
     add_threads(app, window_threads, "0: one per core");
     render = add_render(app, request);
     info = app.add_subcommand("info", "List grid, structures, counts and sizes");
-    info->add_option("ATLAS", atlas, "atlas file")->required();
+    info->add_option("ATLAS", atlas, "atlas file")->required()->check(names_a_file());
     info->add_flag("--json", json, "as a JSON document");
     verify = app.add_subcommand("verify", "Check every byte of an atlas");
-    verify->add_option("ATLAS", atlas, "atlas file")->required();
+    verify->add_option("ATLAS", atlas, "atlas file")->required()->check(names_a_file());
     app.require_subcommand(0, 1);
   }
 };

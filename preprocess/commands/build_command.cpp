@@ -47,11 +47,12 @@ std::string check_text(const std::string& text) {
 }
 
 void add_sources(CLI::App& build, SourceFiles& sources) {
-  build.add_option("--labels", sources.labels, "label map, or folder of masks");
-  build.add_option("--volume", sources.volume, "grey values");
-  build.add_option("--names", sources.names, "names of the labels");
-  build.add_option("--colors", sources.colors, "colour table of 768 bytes (MRIcron's .lut)");
-  build.add_option("--tree", sources.tree, "hierarchy of the structures");
+  build.add_option("--labels", sources.labels, "label map, or folder of masks")->check(names_a_file());
+  build.add_option("--volume", sources.volume, "grey values")->check(names_a_file());
+  build.add_option("--names", sources.names, "names of the labels")->check(names_a_file());
+  build.add_option("--colors", sources.colors, "colour table of 768 bytes (MRIcron's .lut)")
+      ->check(names_a_file());
+  build.add_option("--tree", sources.tree, "hierarchy of the structures")->check(names_a_file());
   add_repeated(build, "--segment", sources.segments, parse_segment,
                "NAME=RULE: a structure from thresholds or a mask (repeatable)");
   add_repeated(build, "--mesh", sources.meshes, parse_mesh,
@@ -78,7 +79,7 @@ CLI::App* add_build(CLI::App& app, BuildRequest& request) {
   CLI::App* build =
       app.add_subcommand("build", "Make an atlas from volumes, labels, names, trees and surfaces");
   build->footer(std::string(kFooter) + kTreeFormat + kFooterEnd);
-  build->add_option("-o,--output", options.output, "atlas file to write")->required();
+  build->add_option("-o,--output", options.output, "atlas file to write")->required()->check(names_a_file());
   add_sources(*build, options.sources);
   build->add_option("--title", options.title, "stored in the atlas")->check(check_text);
   build->add_option("--citation", options.citation, "stored in the atlas")->check(check_text);

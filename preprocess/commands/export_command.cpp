@@ -36,9 +36,10 @@ Result<std::pair<std::string, std::filesystem::path>> parse_name_and_file(std::s
 CLI::App* add_export(CLI::App& app, ExportOptions& options) {
   CLI::App* command = app.add_subcommand("export", "Write the labels, volume or surfaces of an atlas");
   command->footer(kFooter);
-  command->add_option("ATLAS", options.atlas, "atlas file")->required();
-  command->add_option("--labels", options.labels, "label map to write; FOLDER/ for one mask per structure");
-  command->add_option("--volume", options.volume, "grey values to write");
+  command->add_option("ATLAS", options.atlas, "atlas file")->required()->check(names_a_file());
+  command->add_option("--labels", options.labels, "label map to write; FOLDER/ for one mask per structure")
+      ->check(names_a_file());
+  command->add_option("--volume", options.volume, "grey values to write")->check(names_a_file());
   add_repeated(
       *command, "--surface", options.surfaces,
       [](std::string_view text) { return parse_name_and_file("--surface", text); },

@@ -26,10 +26,11 @@ Result<std::vector<std::vector<StructureIndex>>> find_surfaces(const Atlas& atla
                                                                const ExportOptions& options) {
   std::vector<std::vector<StructureIndex>> result;
   for (const auto& [name, path] : options.surfaces) {
-    SPLATLAS_ASSIGN_OR_RETURN(const auto found, find_structures(atlas.graph(), name));
+    const auto found = find_structures(atlas.graph(), name);
+    if (!found) return fail(found.error().code, "{}: {}", atlas.name(), found.error().message);
     std::set<StructureIndex> all;
     std::uint64_t triangles = 0;
-    for (const StructureIndex top : found) {
+    for (const StructureIndex top : *found) {
       for (const StructureIndex s : atlas.graph().descendants(top)) {
         if (all.insert(s).second) triangles += atlas.triangles(s);
       }
@@ -62,7 +63,8 @@ Result<void> check_words(const ExportOptions& options) {
     outputs.push_back(path);
   }
   if (outputs.empty()) {
-    return fail(ErrorCode::kUsage, "nothing to export: give --labels, --volume or --surface");
+    return fail(ErrorCode::kUsage, "{}: nothing to export: give --labels, --volume or --surface",
+                options.atlas.string());
   }
   if (is_folder_of_masks(options)) {
     const fs::path folder = resolve_output(outputs.front());
