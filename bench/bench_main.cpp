@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdio>
 #include <new>
 #include <span>
 #include <sstream>
@@ -13,10 +12,10 @@
 #include <fmt/format.h>
 
 #include "bench/bench.h"
-#include "format/system/ascii_text.h"
 #include "format/system/check_writable.h"
 #include "format/system/exit_status.h"
 #include "format/system/interrupts.h"
+#include "format/system/memory_limit.h"
 #include "format/system/output_file.h"
 #include "format/system/output_path.h"
 #include "format/system/result_macros.h"
@@ -59,7 +58,7 @@ constexpr std::array kBenches{
 };
 
 int report_error(const Error& error) {
-  std::fprintf(stderr, "splatlas-bench: %s\n", printable(error.message).c_str());
+  print_error("splatlas-bench", error.message);
   return exit_status(error.code);
 }
 
@@ -78,7 +77,7 @@ Result<void> run_bench(const std::string& name, const BenchOptions& options, con
       check_outputs(std::vector<std::filesystem::path>{json}, std::vector{options.atlas}));
   if (!json.empty()) SPLATLAS_RETURN_IF_ERROR(check_writable_file(json));
   SPLATLAS_ASSIGN_OR_RETURN(const Report report, bench->run(options));
-  SPLATLAS_RETURN_IF_ERROR(print_text(report_text(report)));
+  SPLATLAS_RETURN_IF_ERROR(print_text(PrintableText::of_layout(report_text(report))));
   if (!json.empty()) {
     const std::string text = report_json(name, report);
     SPLATLAS_RETURN_IF_ERROR(write_file(json, std::as_bytes(std::span(text))));
@@ -104,7 +103,7 @@ int run(int argc, char** argv) {
   } catch (const CLI::Success& help) {
     std::ostringstream text;
     app.exit(help, text);
-    const Result<void> shown = print_text(text.str());
+    const Result<void> shown = print_text(PrintableText::of_layout(text.str()));
     return shown ? 0 : report_error(shown.error());
   } catch (const CLI::ParseError& error) {
     return report_error({ErrorCode::kUsage, fmt::format("{}; see splatlas-bench --help", error.what())});
@@ -113,7 +112,7 @@ int run(int argc, char** argv) {
     return report_error({ErrorCode::kUsage, "--json \"\": must name a file"});
   }
   install_interrupt_handlers();
-  options.tell = [](const std::string& what) { std::fprintf(stderr, "splatlas-bench: %s\n", what.c_str()); };
+  options.tell = [](const std::string& what) { print_error("splatlas-bench", what); };
   const Result<void> result = run_bench(name, options, json);
   return result ? 0 : report_error(result.error());
 }
@@ -122,9 +121,9 @@ int run(int argc, char** argv) {
 }  // namespace splatlas
 
 int main(int argc, char** argv) try { return splatlas::run(argc, argv); } catch (const std::bad_alloc&) {
-  std::fputs("splatlas-bench: out of memory\n", stderr);
+  splatlas::print_error("splatlas-bench", std::string("out of memory; ") + splatlas::kOutOfMemoryRemedy);
   return 1;
 } catch (const std::exception& exception) {
-  std::fprintf(stderr, "splatlas-bench: %s\n", exception.what());
+  splatlas::print_error("splatlas-bench", exception.what());
   return 1;
 }

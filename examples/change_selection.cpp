@@ -51,6 +51,6 @@ Result<void> run(const char* path, const char* name, const std::string& prefix) 
 int main(int argc, char** argv) {
   const auto done = argc == 4 ? run(argv[1], argv[2], argv[3])
                               : fail(ErrorCode::kUsage, "usage: change_selection ATLAS STRUCTURE PREFIX");
-  if (!done) std::fprintf(stderr, "change_selection: %s\n", done.error().message.c_str());
+  if (!done) std::fprintf(stderr, "change_selection: %s\n", printable(done.error().message).c_str());
   return done ? 0 : 1;
 }

@@ -31,8 +31,8 @@ Result<void> run(const char* path, const char* text, double x, double y) {
     return {};
   }
   const Vec3& point = pick->point_lps_mm;
-  std::printf("%s at L %.1f P %.1f S %.1f mm\n", (*atlas)->graph()[pick->structure].name.c_str(), point[0],
-              point[1], point[2]);
+  std::printf("%s at L %.1f P %.1f S %.1f mm\n", printable((*atlas)->graph()[pick->structure].name).c_str(),
+              point[0], point[1], point[2]);
 
   const auto view = view_of(camera, options.size, (*atlas)->display());
   if (!view) return tl::unexpected(view.error());
@@ -44,6 +44,6 @@ Result<void> run(const char* path, const char* text, double x, double y) {
 int main(int argc, char** argv) {
   const auto done = argc == 5 ? run(argv[1], argv[2], std::atof(argv[3]), std::atof(argv[4]))
                               : fail(ErrorCode::kUsage, "usage: pick_structure ATLAS SELECTION X Y");
-  if (!done) std::fprintf(stderr, "pick_structure: %s\n", done.error().message.c_str());
+  if (!done) std::fprintf(stderr, "pick_structure: %s\n", printable(done.error().message).c_str());
   return done ? 0 : 1;
 }

@@ -40,7 +40,7 @@ Result<void> run(const char* path, const char* name) {
     });
   }
   const Vec3& mm = atlas.grid().spacing_mm;
-  std::printf("%s: %llu voxels, %.3f ml, mean grey value %.3f\n", name,
+  std::printf("%s: %llu voxels, %.3f ml, mean grey value %.3f\n", printable(name).c_str(),
               static_cast<unsigned long long>(voxels),
               static_cast<double>(voxels) * mm[0] * mm[1] * mm[2] / 1000,
               voxels > 0 ? sum / static_cast<double>(voxels) : 0);
@@ -50,6 +50,6 @@ Result<void> run(const char* path, const char* name) {
 int main(int argc, char** argv) {
   const auto done =
       argc == 3 ? run(argv[1], argv[2]) : fail(ErrorCode::kUsage, "usage: read_voxels ATLAS STRUCTURE");
-  if (!done) std::fprintf(stderr, "read_voxels: %s\n", done.error().message.c_str());
+  if (!done) std::fprintf(stderr, "read_voxels: %s\n", printable(done.error().message).c_str());
   return done ? 0 : 1;
 }

@@ -32,6 +32,6 @@ Result<void> run(const char* path, const char* text, const char* output) {
 int main(int argc, char** argv) {
   const auto done = argc == 4 ? run(argv[1], argv[2], argv[3])
                               : fail(ErrorCode::kUsage, "usage: render_picture ATLAS SELECTION OUT.png");
-  if (!done) std::fprintf(stderr, "render_picture: %s\n", done.error().message.c_str());
+  if (!done) std::fprintf(stderr, "render_picture: %s\n", printable(done.error().message).c_str());
   return done ? 0 : 1;
 }

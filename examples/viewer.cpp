@@ -88,9 +88,9 @@ class Viewer {
   void choose(double x, double y) {
     const auto pick = renderer_.pick(x, y);
     chosen_ = pick ? pick->structure : kNoStructure;
-    const char* name = pick ? atlas_->graph()[chosen_].name.c_str() : "nothing";
-    std::puts(name);
-    SDL_SetWindowTitle(window_, name);
+    const std::string name = pick ? printable(atlas_->graph()[chosen_].name) : "nothing";
+    std::puts(name.c_str());
+    SDL_SetWindowTitle(window_, name.c_str());
   }
 
   void press(SDL_Keycode key) {
@@ -131,7 +131,7 @@ void push_next(std::istream& script) {
 int main(int argc, char** argv) {
   const auto atlas = argc > 1 ? Atlas::open(argv[1]) : fail(ErrorCode::kUsage, "usage: viewer ATLAS");
   if (!atlas || SDL_Init(SDL_INIT_VIDEO) != 0) {
-    std::fprintf(stderr, "viewer: %s\n", atlas ? SDL_GetError() : atlas.error().message.c_str());
+    std::fprintf(stderr, "viewer: %s\n", atlas ? SDL_GetError() : printable(atlas.error().message).c_str());
     return 1;
   }
   const bool scripted = argc == 4;

@@ -54,6 +54,6 @@ AtlasContent make_content() {
 
 int main(int argc, char** argv) {
   const auto written = write_atlas(make_content(), argc > 1 ? argv[1] : "ball.atlas");
-  if (!written) std::fprintf(stderr, "write_atlas: %s\n", written.error().message.c_str());
+  if (!written) std::fprintf(stderr, "write_atlas: %s\n", printable(written.error().message).c_str());
   return written ? 0 : 1;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include <tl/expected.hpp>
@@ -18,7 +19,8 @@ enum class ErrorCode {
   kCancelled,     ///< the caller asked for a stop
 };
 
-/// A failure. The message is one line: file, fault, value, remedy.
+/// A failure. The message is one line: file, fault, value, remedy. It quotes names from files and command
+/// lines: print it with printable().
 struct Error {
   ErrorCode code = ErrorCode::kFailed;
   std::string message;
@@ -32,5 +34,9 @@ using Result = tl::expected<T, Error>;
 [[nodiscard]] inline tl::unexpected<Error> fail(ErrorCode code, std::string message) {
   return tl::unexpected<Error>(Error{code, std::move(message)});
 }
+
+/// Makes text safe for one line of a terminal: replaces characters that a terminal interprets, that reorder
+/// text or that show nothing by "?", and bytes that are not UTF-8 by "\xNN".
+[[nodiscard]] std::string printable(std::string_view text);
 
 }  // namespace splatlas

@@ -230,6 +230,15 @@ struct Renderer::Impl {
     return fail(ErrorCode::kLimit, atlas->name() + ": out of memory; take a smaller size or select less");
   }
 
+  /// The result. Errors other than kUsage, which are about options, name the atlas.
+  [[nodiscard]] Result<void> named(Result<void> result) const {
+    if (result || result.error().code == ErrorCode::kUsage) return result;
+    Error& error = result.error();
+    if (!error.message.starts_with(atlas->name() + ": "))
+      error.message = atlas->name() + ": " + error.message;
+    return result;
+  }
+
   std::shared_ptr<const Atlas> atlas;
   ThreadPool pool;
   const std::uint64_t max_memory_bytes;
@@ -264,7 +273,7 @@ const std::vector<MissingPart>& Renderer::missing() const {
 
 Result<void> Renderer::select(const Selection& selection) {
   try {
-    return impl_->select(selection);
+    return impl_->named(impl_->select(selection));
   } catch (const std::bad_alloc&) {
     impl_->draw_nothing();
     return impl_->out_of_memory();
@@ -295,7 +304,7 @@ Result<void> render_with(Renderer& renderer, const Camera& camera, const RenderO
   Renderer::Impl& r = *renderer.impl_;
   try {
     TaskControl task(control.stop, control.progress);
-    Result<void> rendered = r.render(camera, options, overrides, task, picture);
+    Result<void> rendered = r.named(r.render(camera, options, overrides, task, picture));
     if (rendered) task.finish();
     return rendered;
   } catch (const std::bad_alloc&) {

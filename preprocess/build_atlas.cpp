@@ -60,15 +60,17 @@ std::vector<CrossedVoxel> crossed_voxels(const SourceModel& model, const PlacedS
 }
 
 /// Builds the structure graph, runs segmentations, classifies the voxels and extracts surfaces. Fills only
-/// the hashes of the provenance. The content does not depend on `threads` (0: one per core).
-Result<AtlasContent> build_content(SourceModel model, unsigned threads, StageClock& clock,
-                                   std::vector<std::string>& notes) {
+/// the hashes of the provenance. Messages about the labels call them `labels`. The content does not depend on
+/// `threads` (0: one per core).
+Result<AtlasContent> build_content(SourceModel model, const std::string& labels, unsigned threads,
+                                   StageClock& clock, std::vector<std::string>& notes) {
   AtlasContent content;
   content.source_grid = model.source_grid;
   content.source_to_storage = storage_order(model.source_grid);
   const Grid grid = storage_grid(content);
-  SPLATLAS_ASSIGN_OR_RETURN(PlacedStructures placed,
-                            build_graph(model.structures, model.tree, model.tree_file));
+  SPLATLAS_ASSIGN_OR_RETURN(
+      PlacedStructures placed,
+      build_graph(model.structures, model.tree, model.tree_file.empty() ? labels : model.tree_file));
 
   if (!model.segments.empty()) {
     clock.begin("segment", 0.2);
@@ -76,9 +78,10 @@ Result<AtlasContent> build_content(SourceModel model, unsigned threads, StageClo
   }
   clock.begin("classify", 0.05);
   model.memberships.renumber(placed.index_of_source);
-  SPLATLAS_ASSIGN_OR_RETURN(
-      Classification classification,
-      classify_voxels(model.memberships, crossed_voxels(model, placed), placed.graph, threads));
+  Result<Classification> classified =
+      classify_voxels(model.memberships, crossed_voxels(model, placed), placed.graph, threads);
+  if (!classified) return fail(classified.error().code, "{}: {}", labels, classified.error().message);
+  Classification& classification = *classified;
   model.memberships = MembershipVolume(Index3{0, 0, 0});
 
   clock.begin("surfaces", 0.25);
@@ -124,8 +127,9 @@ Result<BuildReport> build_atlas(const BuildOptions& options) {
   clock.begin("read", 0.1);
   SPLATLAS_ASSIGN_OR_RETURN(SourceModel model, import_sources(options.sources, update));
   std::vector<std::string> notes = model.notes;
-  SPLATLAS_ASSIGN_OR_RETURN(AtlasContent content,
-                            build_content(std::move(model), options.threads, clock, notes));
+  SPLATLAS_ASSIGN_OR_RETURN(
+      AtlasContent content,
+      build_content(std::move(model), options.sources.labels.string(), options.threads, clock, notes));
   content.provenance.title = options.title;
   content.provenance.citation = options.citation;
   content.provenance.licence = options.licence;

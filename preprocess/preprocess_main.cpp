@@ -5,8 +5,10 @@
 
 #include <CLI/CLI.hpp>
 
+#include "format/system/ascii_text.h"
 #include "format/system/exit_status.h"
 #include "format/system/interrupts.h"
+#include "format/system/memory_limit.h"
 #include "format/system/result_macros.h"
 #include "format/system/standard_output.h"
 #include "preprocess/commands/commands.h"
@@ -24,6 +26,20 @@ constexpr const char* kDescription =
     "\n"
     "COMMAND --help describes a command.";
 
+/// `first`: the first word of the command line, or "". `fault`: CLI11's message.
+tl::unexpected<Error> wrong_usage(const CLI::App& app, const std::string& first, const std::string& fault) {
+  if (!app.get_subcommands().empty()) {
+    return fail(ErrorCode::kUsage, "{}; see splatlas-preprocess {} --help", fault,
+                app.get_subcommands().front()->get_name());
+  }
+  if (first.empty()) {
+    return fail(ErrorCode::kUsage,
+                "no command is given; there are build and export; see splatlas-preprocess --help");
+  }
+  return fail(ErrorCode::kUsage, "{}: no such {}; there are build and export; see splatlas-preprocess --help",
+              in_quotes(first), first.starts_with('-') ? "option" : "command");
+}
+
 Result<void> run(int argc, char** argv) {
   CLI::App app{kDescription, "splatlas-preprocess"};
   app.set_version_flag("--version", std::string(kTool) + " (atlas format 1)");
@@ -39,17 +55,16 @@ Result<void> run(int argc, char** argv) {
   } catch (const CLI::Success& help_or_version) {
     std::ostringstream text;
     app.exit(help_or_version, text);
-    return print_text(text.str());
+    return print_text(PrintableText::of_layout(text.str()));
   } catch (const CLI::ValidationError& error) {
     return fail(ErrorCode::kUsage, error.what());
   } catch (const CLI::ParseError& error) {
-    if (argc > 1 && argv[1][0] != '-' && app.get_subcommands().empty()) {
-      return fail(ErrorCode::kUsage, "{}: no such command; there are build and export", argv[1]);
-    }
-    return fail(ErrorCode::kUsage, "{}; see --help", error.what());
+    return wrong_usage(app, argc > 1 ? argv[1] : "", error.what());
   }
   install_interrupt_handlers();
-  SPLATLAS_RETURN_IF_ERROR(build->parsed() ? run_build(request) : run_export(export_options));
+  SPLATLAS_RETURN_IF_ERROR(
+      run_on_file(build->parsed() ? request.options.output : export_options.atlas, kOutOfMemoryRemedy,
+                  [&] { return build->parsed() ? run_build(request) : run_export(export_options); }));
   return finish_standard_output();
 }
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Checks the layers: schemas <- format <- {preprocess, player} <- bench, tests. Only preprocess uses ITK and VTK; VTK is
-# also a peer in bench/peers. In format/ and player/: at most 20 modules on 8 levels, no circle.
+# also a peer in bench/peers. In format/ and player/: at most 20 modules on 8 levels, no circle. One source prints.
 #   check_layers.sh            the sources
 #   check_layers.sh PROGRAM    also the program, which must be linked with neither ITK nor VTK
 set -euo pipefail
@@ -97,6 +97,15 @@ for layer in format player; do
   [[ -z $wrong ]] || tell "$wrong"
 done
 
+# Only standard_output.cpp prints, and only PrintableText: no name from a file reaches a terminal unescaped.
+printing='\b(std::)?(v?printf|v?fprintf|puts|putchar|fputs|fputc|perror) *\(|fmt::print|std::(cout|cerr|clog) *<<|fwrite\(.*std(out|err)'
+[[ 'std::fprintf(stderr, "x")' =~ $printing && ! 'std::snprintf(text, 9, "x")' =~ $printing ]] ||
+  tell "the check of printing is wrong"
+while IFS= read -r line; do
+  tell "$line: print PrintableText (format/system/standard_output.h)"
+done < <(grep -rnE --include='*.h' --include='*.cpp' "$printing" format preprocess player bench |
+  grep -v '^format/system/standard_output.cpp:')
+
 if (($# > 0)); then
   linked=$(readelf --dynamic "$1" | sed -nE 's/.*\(NEEDED\).*\[(.*)\]/\1/p')
   [[ -n $linked ]] || tell "$1: readelf lists no libraries"
@@ -104,5 +113,5 @@ if (($# > 0)); then
   [[ -z $foreign ]] || tell "$1 is linked with ${foreign//$'\n'/, }: the player needs neither ITK nor VTK"
 fi
 
-((bad == 0)) && echo "Every include follows the layers; modules form no circle."
+((bad == 0)) && echo "Every include follows the layers; modules form no circle; one source prints."
 exit "$bad"

@@ -80,7 +80,7 @@ Result<SurfaceMesh> Atlas::read_surface(StructureIndex s) const {
     }
     return mesh;
   } catch (const std::bad_alloc&) {
-    return impl_->named(ErrorCode::kLimit, "out of memory for the surface of structure '{}'", graph()[s].id);
+    return impl_->out_of_memory(fmt::format(" for the surface of structure '{}'", graph()[s].id));
   }
 }
 
@@ -93,7 +93,7 @@ Result<std::vector<PackedNormal>> Atlas::read_normals(ClassId c) const {
     if (!bytes.empty()) std::memcpy(normals.data(), bytes.data(), bytes.size());
     return normals;
   } catch (const std::bad_alloc&) {
-    return impl_->named(ErrorCode::kLimit, "out of memory for the normals of class {}", c);
+    return impl_->out_of_memory(fmt::format(" for the normals of class {}", c));
   }
 }
 

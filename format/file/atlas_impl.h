@@ -6,6 +6,7 @@
 #include <memory>
 #include <mutex>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -20,6 +21,7 @@
 #include "format/file/section_reader.h"
 #include "format/file/value_cache.h"
 #include "format/system/input_file.h"
+#include "format/system/memory_limit.h"
 #include "format/system/result_macros.h"
 
 namespace splatlas {
@@ -66,6 +68,10 @@ struct Atlas::Impl {
   [[nodiscard]] tl::unexpected<Error> named(ErrorCode code, fmt::format_string<Args...> text,
                                             Args&&... args) const {
     return fail(code, "{}: {}", file.name(), fmt::format(text, std::forward<Args>(args)...));
+  }
+  /// kLimit. `purpose` is empty, or begins with " for ".
+  [[nodiscard]] tl::unexpected<Error> out_of_memory(std::string_view purpose = {}) const {
+    return named(ErrorCode::kLimit, "out of memory{}; {}", purpose, kOutOfMemoryRemedy);
   }
 
   InputFile file;

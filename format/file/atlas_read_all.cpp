@@ -57,7 +57,7 @@ Result<AtlasContent> Atlas::read_classes() const {
     SPLATLAS_ASSIGN_OR_RETURN(content.class_volume, read_class_volume(*this));
     return content;
   } catch (const std::bad_alloc&) {
-    return impl_->named(ErrorCode::kLimit, "out of memory");
+    return impl_->out_of_memory();
   }
 }
 
@@ -70,7 +70,7 @@ Result<VoxelBuffer> Atlas::read_value_volume(std::span<const ClassId> class_volu
     }
     return assemble_values(value_type(), of_class, class_volume);
   } catch (const std::bad_alloc&) {
-    return impl_->named(ErrorCode::kLimit, "out of memory");
+    return impl_->out_of_memory();
   }
 }
 
@@ -88,7 +88,7 @@ Result<AtlasContent> Atlas::read_all() const {
     }
     return content;
   } catch (const std::bad_alloc&) {
-    return impl_->named(ErrorCode::kLimit, "out of memory");
+    return impl_->out_of_memory();
   }
 }
 

@@ -85,7 +85,7 @@ Result<std::shared_ptr<const Atlas>> Atlas::open_file(InputFile file) {
                                        std::move(opened->streams), std::move(opened->layout));
     return std::shared_ptr<const Atlas>(new Atlas(std::move(impl)));
   } catch (const std::bad_alloc&) {
-    return fail(ErrorCode::kLimit, file.name() + ": out of memory");
+    return fail(ErrorCode::kLimit, "{}: out of memory; {}", file.name(), kOutOfMemoryRemedy);
   }
 }
 
@@ -162,7 +162,7 @@ Result<std::vector<std::byte>> Atlas::Impl::read_stream(SectionKind kind, std::s
     if (!bytes) return named(bytes.error());
     return bytes;
   } catch (const std::bad_alloc&) {
-    return named(ErrorCode::kLimit, "out of memory for a stream of {} bytes", size);
+    return out_of_memory(fmt::format(" for a stream of {} bytes", size));
   }
 }
 

@@ -120,7 +120,7 @@ Result<ClassRuns> Atlas::read_runs(ClassId c, Axis axis) const {
     return impl_->layout.find(run_section(axis)) ? impl_->read_stored_runs(c, axis)
                                                  : impl_->derive_runs(c, axis);
   } catch (const std::bad_alloc&) {
-    return impl_->named(ErrorCode::kLimit, "out of memory for the runs of class {}", c);
+    return impl_->out_of_memory(fmt::format(" for the runs of class {}", c));
   }
 }
 

@@ -74,7 +74,7 @@ Result<std::vector<std::byte>> Atlas::read_values(ClassId c) const {
     if (value_type() == VoxelType::kNone) return std::vector<std::byte>{};
     return impl_->read_class_values(c);
   } catch (const std::bad_alloc&) {
-    return impl_->named(ErrorCode::kLimit, "out of memory for the values of class {}", c);
+    return impl_->out_of_memory(fmt::format(" for the values of class {}", c));
   }
 }
 

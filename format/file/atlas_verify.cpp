@@ -142,7 +142,7 @@ Result<void> Atlas::verify() const {
     for (StructureIndex s = 0; s < graph().size(); ++s) SPLATLAS_RETURN_IF_ERROR(read_surface(s));
     return {};
   } catch (const std::bad_alloc&) {
-    return impl_->named(ErrorCode::kLimit, "out of memory");
+    return impl_->out_of_memory();
   }
 }
 

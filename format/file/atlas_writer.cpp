@@ -18,6 +18,7 @@
 #include "format/file/file_layout.h"
 #include "format/file/fitted_content.h"
 #include "format/run_model.h"
+#include "format/system/memory_limit.h"
 #include "format/system/output_file.h"
 #include "format/system/parallel.h"
 #include "format/system/result_macros.h"
@@ -378,7 +379,7 @@ Result<std::vector<std::byte>> encode_atlas(const AtlasContent& content, const W
     if (!file) return fail(ErrorCode::kFailed, "cannot write this atlas: " + file.error().message);
     return file;
   } catch (const std::bad_alloc&) {
-    return fail(ErrorCode::kLimit, "cannot write this atlas: out of memory");
+    return fail(ErrorCode::kLimit, "cannot write this atlas: out of memory; {}", kOutOfMemoryRemedy);
   }
 }
 

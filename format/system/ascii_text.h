@@ -6,6 +6,8 @@
 #include <string>
 #include <string_view>
 
+#include "format/result.h"  // printable()
+
 namespace splatlas {
 
 /// Converts ASCII letters to lower case; keeps all other bytes, including UTF-8.
@@ -26,13 +28,21 @@ namespace splatlas {
   return (c >= 0x202a && c <= 0x202e) || (c >= 0x2066 && c <= 0x2069);
 }
 
+/// Characters that change a terminal, reorder text, or show nothing: control characters with line feed and
+/// tab, line and paragraph separators, interlinear annotations, and Unicode's properties Bidi_Control and
+/// Default_Ignorable_Code_Point (zero-width characters, joiners, variation selectors, tags).
+[[nodiscard]] bool is_unsafe_to_show(std::uint32_t c);
+
 /// Describes the first fault of a text, as the end of a sentence: invalid UTF-8, is_control() or
 /// is_bidi_control(). "" for valid text.
 [[nodiscard]] std::string fault_of_text(std::string_view text);
 
-/// Makes text safe for one line of a terminal: replaces control and bidirectional formatting characters by
-/// "?", and bytes that are not UTF-8 by "\xNN".
-[[nodiscard]] std::string printable(std::string_view text);
+/// printable(), but keeps line feeds and tabs: for layout of the program's own.
+[[nodiscard]] std::string printable_lines(std::string_view text);
+
+/// Escapes is_unsafe_to_show() in a JSON document as \uXXXX, with surrogate pairs. Keeps the document's line
+/// feeds and tabs, which are outside its strings. Replaces bytes that are not UTF-8 by U+FFFD.
+[[nodiscard]] std::string escaped_json(std::string_view document);
 
 /// Printable text in double quotes, truncated to 80 bytes with "...".
 [[nodiscard]] std::string in_quotes(std::string_view text);

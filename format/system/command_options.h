@@ -79,6 +79,12 @@ CLI::Option* add_choice(CLI::App& app, const std::string& name, Value& value,
   return option;
 }
 
+/// Check of an option or argument that names a file: refuses "".
+[[nodiscard]] inline CLI::Validator names_a_file() {
+  return CLI::Validator([](const std::string& text) { return text.empty() ? "\"\": must name a file" : ""; },
+                        "");
+}
+
 /// Binds --threads to `threads`; 0 stands for one thread per core.
 inline CLI::Option* add_threads(CLI::App& app, unsigned& threads, const std::string& help) {
   constexpr unsigned kMaxThreads = 1024;

@@ -1,23 +1,36 @@
 #include "format/system/exit_status.h"
 
-#include <cstdio>
 #include <exception>
 #include <new>
+#include <string>
 
-#include "format/system/ascii_text.h"
+#include "format/system/memory_limit.h"
+#include "format/system/result_macros.h"
+#include "format/system/standard_output.h"
 
 namespace splatlas {
 
-int run_main(const char* name, const std::function<Result<void>()>& run, const char* remedy) try {
+Result<void> run_on_file(const std::filesystem::path& file, const char* remedy,
+                         const std::function<Result<void>()>& run) {
+  try {
+    return run();
+  } catch (const std::bad_alloc&) {
+    return fail(ErrorCode::kLimit, "{}: out of memory; {}", file.string(), remedy);
+  } catch (const std::exception& exception) {
+    return fail(ErrorCode::kFailed, "{}: {}", file.string(), exception.what());
+  }
+}
+
+int run_main(const char* name, const std::function<Result<void>()>& run) try {
   const Result<void> result = run();
   if (result) return 0;
-  std::fprintf(stderr, "%s: %s\n", name, printable(result.error().message).c_str());
+  print_error(name, result.error().message);
   return exit_status(result.error().code);
 } catch (const std::bad_alloc&) {
-  std::fprintf(stderr, "%s: out of memory%s\n", name, remedy);
+  print_error(name, std::string("out of memory; ") + kOutOfMemoryRemedy);
   return 1;
 } catch (const std::exception& exception) {
-  std::fprintf(stderr, "%s: %s\n", name, exception.what());
+  print_error(name, exception.what());
   return 1;
 }
 

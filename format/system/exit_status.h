@@ -1,6 +1,7 @@
 // Exit statuses and outermost function of the programs.
 #pragma once
 
+#include <filesystem>
 #include <functional>
 
 #include "format/result.h"
@@ -20,9 +21,13 @@ namespace splatlas {
   return 1;
 }
 
+/// Runs the work on one file. Exceptions become errors that name the file: std::bad_alloc is kLimit with
+/// `remedy`, an imperative sentence; others are kFailed.
+[[nodiscard]] Result<void> run_on_file(const std::filesystem::path& file, const char* remedy,
+                                       const std::function<Result<void>()>& run);
+
 /// Runs a program: prints the error or exception of `run` to standard error, after the program's name.
-/// Returns the exit status. `remedy` ends the message of a program that runs out of memory.
-[[nodiscard]] int run_main(const char* name, const std::function<Result<void>()>& run,
-                           const char* remedy = "");
+/// Returns the exit status.
+[[nodiscard]] int run_main(const char* name, const std::function<Result<void>()>& run);
 
 }  // namespace splatlas

@@ -9,4 +9,7 @@ namespace splatlas {
 /// lower. Larger requests are refused up front, because the system overcommits and ends the process later.
 [[nodiscard]] std::uint64_t default_memory_limit();
 
+/// Ends messages about allocations that failed.
+inline constexpr const char* kOutOfMemoryRemedy = "free memory, or raise the program's limit";
+
 }  // namespace splatlas

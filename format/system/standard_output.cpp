@@ -3,6 +3,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <exception>
 
 #include "format/system/result_macros.h"
 
@@ -15,8 +16,9 @@ tl::unexpected<Error> cannot_write(const char* reason) {
 
 }  // namespace
 
-Result<void> print_text(std::string_view text) {
-  if (std::fwrite(text.data(), 1, text.size(), stdout) == text.size()) return finish_standard_output();
+Result<void> print_text(const PrintableText& text) {
+  const std::string& bytes = text.text();
+  if (std::fwrite(bytes.data(), 1, bytes.size(), stdout) == bytes.size()) return finish_standard_output();
   return cannot_write(std::strerror(errno));
 }
 
@@ -25,6 +27,20 @@ Result<void> finish_standard_output() {
   const bool flushed = std::fflush(stdout) == 0;
   if (flushed && !failed_before) return {};
   return cannot_write(flushed ? "an earlier write failed" : std::strerror(errno));
+}
+
+void print_to(std::FILE* stream, const PrintableText& text) {
+  std::fwrite(text.text().data(), 1, text.text().size(), stream);
+  std::fflush(stream);
+}
+
+void print_error(const char* program, std::string_view message) noexcept {
+  try {
+    print_to(stderr, PrintableText("{}: {}\n", program, message));
+  } catch (const std::exception&) {  // std::bad_alloc
+    std::fputs(program, stderr);
+    std::fputs(": out of memory\n", stderr);
+  }
 }
 
 }  // namespace splatlas

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "format/system/json_text.h"
+
 namespace splatlas {
 namespace {
 
@@ -62,27 +64,26 @@ std::string info_json(const Atlas& atlas) {
                         {"citation", provenance.citation},
                         {"licence", provenance.licence},
                         {"tool", provenance.tool}};
-  // Names come from untrusted files: replace invalid UTF-8 instead of throwing.
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json_text(json);
 }
 
-std::string info_text(const Atlas& atlas) {
-  std::string text;
-  const auto out = std::back_inserter(text);
+PrintableText info_text(const Atlas& atlas) {
+  PrintableText text;
   const Grid& grid = atlas.source_grid();
-  fmt::format_to(out, "{}: atlas {}, {} bytes\n", atlas.name(), atlas.format_version(),
-                 atlas.counters().file);
-  if (!atlas.provenance().title.empty()) fmt::format_to(out, "title     {}\n", atlas.provenance().title);
-  fmt::format_to(out, "grid      {} x {} x {} voxels of {:g} x {:g} x {:g} mm, values {}\n", grid.size[0],
-                 grid.size[1], grid.size[2], grid.spacing_mm[0], grid.spacing_mm[1], grid.spacing_mm[2],
-                 name_of(atlas.value_type()));
-  fmt::format_to(out, "classes   {}\nruns      x {}, y {}, z {}\nsections ", atlas.classes().size(),
-                 atlas.runs(Axis::kX), atlas.runs(Axis::kY), atlas.runs(Axis::kZ));
-  for (const SectionSize& section : atlas.sections())
-    fmt::format_to(out, " {} {},", section.name, section.bytes);
-  text.back() = '\n';
-  fmt::format_to(out, "\n{:<50} {:>10} {:>10} {:>10}\n", "structure (again under every parent)", "interior",
-                 "boundary", "triangles");
+  text.add("{}: atlas {}, {} bytes\n", atlas.name(), atlas.format_version(), atlas.counters().file);
+  if (!atlas.provenance().title.empty()) text.add("title     {}\n", atlas.provenance().title);
+  text.add("grid      {} x {} x {} voxels of {:g} x {:g} x {:g} mm, values {}\n", grid.size[0], grid.size[1],
+           grid.size[2], grid.spacing_mm[0], grid.spacing_mm[1], grid.spacing_mm[2],
+           name_of(atlas.value_type()));
+  text.add("classes   {}\nruns      x {}, y {}, z {}\nsections ", atlas.classes().size(),
+           atlas.runs(Axis::kX), atlas.runs(Axis::kY), atlas.runs(Axis::kZ));
+  const char* separator = "";
+  for (const SectionSize& section : atlas.sections()) {
+    text.add("{} {} {}", separator, section.name, section.bytes);
+    separator = ",";
+  }
+  text.add("\n\n{:<50} {:>10} {:>10} {:>10}\n", "structure (again under every parent)", "interior",
+           "boundary", "triangles");
   // Depth first with an explicit stack; a structure appears under each of its parents.
   constexpr std::size_t kMaxLines = 10000;
   std::size_t lines = 0;
@@ -95,14 +96,13 @@ std::string info_text(const Atlas& atlas) {
     ++lines;
     const DecisionTree::VoxelCounts counts = atlas.tree().voxel_counts(s);
     const std::string label = std::string(2 * depth, ' ') + atlas.graph()[s].name;
-    fmt::format_to(out, "{:<50} {:>10} {:>10} {:>10}\n", label, counts.interior, counts.boundary,
-                   triangles_below(atlas, s));
+    text.add("{:<50} {:>10} {:>10} {:>10}\n", label, counts.interior, counts.boundary,
+             triangles_below(atlas, s));
     const auto children = atlas.graph().children(s);
     for (auto child = children.rbegin(); child != children.rend(); ++child)
       stack.emplace_back(*child, depth + 1);
   }
-  if (!stack.empty())
-    fmt::format_to(out, "... (more than {} lines; --json lists every structure once)\n", kMaxLines);
+  if (!stack.empty()) text.add("... (more than {} lines; --json lists every structure once)\n", kMaxLines);
   return text;
 }
 

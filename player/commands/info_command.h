@@ -4,12 +4,13 @@
 #include <string>
 
 #include "format/atlas_reader.h"
+#include "format/system/printable_text.h"
 
 namespace splatlas {
 
-/// JSON document with grid, structures, counts and sizes.
+/// JSON document, safe to print, with grid, structures, counts and sizes.
 [[nodiscard]] std::string info_json(const Atlas& atlas);
 /// Text with grid, sizes and the tree of structures.
-[[nodiscard]] std::string info_text(const Atlas& atlas);
+[[nodiscard]] PrintableText info_text(const Atlas& atlas);
 
 }  // namespace splatlas

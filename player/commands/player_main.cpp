@@ -1,7 +1,6 @@
 // Program splatlas-player: window and command-line renderer of atlases.
 
 #include <array>
-#include <cstdio>
 #include <filesystem>
 #include <sstream>
 #include <string>
@@ -46,22 +45,21 @@ tl::unexpected<Error> no_command_or_atlas(const CLI::App& app, const std::filesy
 
 Result<void> print_info(const std::filesystem::path& path, bool json) {
   SPLATLAS_ASSIGN_OR_RETURN(const auto atlas, Atlas::open(path));
-  return print_text(json ? info_json(*atlas) : info_text(*atlas));
+  return print_text(json ? PrintableText::of_layout(info_json(*atlas)) : info_text(*atlas));
 }
 
 Result<void> verify_file(const std::filesystem::path& path) {
   SPLATLAS_ASSIGN_OR_RETURN(const auto atlas, Atlas::open(path));
   SPLATLAS_RETURN_IF_ERROR(atlas->verify());
-  return print_text(fmt::format("{}: a valid atlas, {} bytes, every checksum and every number checked\n",
-                                path.string(), atlas->counters().file));
+  return print_text(PrintableText("{}: a valid atlas, {} bytes, every checksum and every number checked\n",
+                                  path, atlas->counters().file));
 }
 
 /// Renders a picture. A damaged atlas gives a picture of its intact parts and an error for scripts.
 Result<void> render_picture(const RenderRequest& request) {
   SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::string> missing, run_render(request));
   if (missing.empty()) return {};
-  for (const std::string& line : missing)
-    std::fprintf(stderr, "splatlas-player: %s\n", printable(line).c_str());
+  for (const std::string& line : missing) print_error("splatlas-player", line);
   return fail(ErrorCode::kInvalidAtlas, fmt::format("{}: damaged; {} was written without what is missing",
                                                     request.atlas.string(), request.output.string()));
 }
@@ -105,14 +103,14 @@ struct CommandLine {
   CommandLine() {
     app.set_version_flag("--version", kVersion);
     app.get_formatter()->column_width(28);
-    app.add_option("ATLAS", atlas, "atlas file to open in a window");
+    app.add_option("ATLAS", atlas, "atlas file to open in a window")->check(names_a_file());
     add_threads(app, window_threads, "0: one per core");
     render = add_render(app, request);
     info = app.add_subcommand("info", "List grid, structures, counts and sizes");
-    info->add_option("ATLAS", atlas, "atlas file")->required();
+    info->add_option("ATLAS", atlas, "atlas file")->required()->check(names_a_file());
     info->add_flag("--json", json, "as a JSON document");
     verify = app.add_subcommand("verify", "Check every byte of an atlas");
-    verify->add_option("ATLAS", atlas, "atlas file")->required();
+    verify->add_option("ATLAS", atlas, "atlas file")->required()->check(names_a_file());
     app.require_subcommand(0, 1);
   }
 };
@@ -140,7 +138,7 @@ Result<void> run(int argc, char** argv) {
   } catch (const CLI::Success& help_or_version) {
     std::ostringstream text;
     line.app.exit(help_or_version, text);
-    return print_text(text.str());
+    return print_text(PrintableText::of_layout(text.str()));
   } catch (const CLI::ExtrasError& error) {
     std::error_code ignored;
     const bool has_command = !line.app.get_subcommands().empty();
@@ -153,7 +151,9 @@ Result<void> run(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return wrong_usage(line.app, error.what());
   }
-  SPLATLAS_RETURN_IF_ERROR(run_command(line));
+  SPLATLAS_RETURN_IF_ERROR(run_on_file(line.render->parsed() ? line.request.atlas : line.atlas,
+                                       "take a smaller --size or select less",
+                                       [&] { return run_command(line); }));
   return finish_standard_output();
 }
 
@@ -161,6 +161,5 @@ Result<void> run(int argc, char** argv) {
 }  // namespace splatlas
 
 int main(int argc, char** argv) {
-  return splatlas::run_main(
-      "splatlas-player", [&] { return splatlas::run(argc, argv); }, ": take a smaller --size or select less");
+  return splatlas::run_main("splatlas-player", [&] { return splatlas::run(argc, argv); });
 }

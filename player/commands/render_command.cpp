@@ -2,6 +2,7 @@
 
 #include <charconv>
 #include <chrono>
+#include <cmath>
 #include <cstddef>
 #include <span>
 #include <string_view>
@@ -13,6 +14,7 @@
 
 #include "format/system/check_writable.h"
 #include "format/system/command_options.h"
+#include "format/system/json_text.h"
 #include "format/system/output_file.h"
 #include "format/system/output_path.h"
 #include "format/system/result_macros.h"
@@ -52,7 +54,8 @@ std::optional<PictureSize> parse_size(std::string_view text) {
   const std::size_t x = std::min(text.find('x'), text.size());
   const auto width = whole_number<int>(text.substr(0, x));
   const auto height = whole_number<int>(text.substr(std::min(x + 1, text.size())));
-  if (!width || !height) return std::nullopt;
+  const auto is_side = [](std::optional<int> side) { return side && *side >= 1 && *side <= kMaxPictureSide; };
+  if (!is_side(width) || !is_side(height)) return std::nullopt;
   return PictureSize{*width, *height};
 }
 
@@ -66,8 +69,14 @@ std::optional<std::filesystem::path> parse_file_name(std::string_view text) {
   return text.empty() ? std::nullopt : std::optional<std::filesystem::path>(text);
 }
 
-CLI::Option* add_number(CLI::App& command, const std::string& name, double& value, const std::string& help) {
-  return add_parsed(command, name, value, whole_number<double>, "must be a number", help);
+std::optional<double> parse_angle(std::string_view text) {
+  const auto degrees = whole_number<double>(text);
+  return degrees && std::isfinite(*degrees) ? degrees : std::nullopt;
+}
+
+std::optional<double> parse_zoom(std::string_view text) {
+  const auto zoom = whole_number<double>(text);
+  return zoom && *zoom >= 1e-6 && *zoom <= 1e6 ? zoom : std::nullopt;
 }
 
 /// Adds camera options. CLI11 assigns values in this order, so single settings override --view.
@@ -79,15 +88,19 @@ void add_camera(CLI::App& command, Camera& camera) {
               {"right", Camera::of(NamedView::kRight)},
               {"superior", Camera::of(NamedView::kSuperior)},
               {"inferior", Camera::of(NamedView::kInferior)}});
-  add_number(command, "--azimuth", camera.azimuth_deg,
+  constexpr const char* kFiniteAngle = "must be a finite angle in degrees";
+  add_parsed(command, "--azimuth", camera.azimuth_deg, parse_angle, kFiniteAngle,
              "degrees around the superior axis: 0 anterior, 90 the subject's left");
-  add_number(command, "--elevation", camera.elevation_deg, "degrees above the horizon");
-  add_number(command, "--zoom", camera.zoom, "1 fits the atlas into the picture")
+  add_parsed(command, "--elevation", camera.elevation_deg, parse_angle, kFiniteAngle,
+             "degrees above the horizon");
+  add_parsed(command, "--zoom", camera.zoom, parse_zoom, "must be a number from 1e-6 to 1e6",
+             "1 fits the atlas into the picture")
       ->default_str(fmt::to_string(camera.zoom));
   add_choice(command, "--projection", camera.projection,
              {{"parallel", CameraProjection::kParallel}, {"perspective", CameraProjection::kPerspective}});
   const CLI::Option* field_of_view =
-      add_number(command, "--field-of-view", camera.field_of_view_deg,
+      add_parsed(command, "--field-of-view", camera.field_of_view_deg, whole_number<double>,
+                 "must be a number of degrees",
                  "vertical field of view in degrees, with --projection perspective")
           ->default_str(fmt::to_string(camera.field_of_view_deg));
   command.final_callback([&camera, field_of_view] {
@@ -162,13 +175,15 @@ Result<void> write_outputs(const RenderRequest& request, std::span<const std::by
 
 CLI::App* add_render(CLI::App& app, RenderRequest& request) {
   CLI::App* command = app.add_subcommand("render", "Render a selection to a picture file, without a window");
-  command->add_option("ATLAS", request.atlas, "atlas file")->required();
+  command->add_option("ATLAS", request.atlas, "atlas file")->required()->check(names_a_file());
   add_parsed(*command, "-o,--output", request.output, parse_file_name, "must name a file",
              "picture: .png, .jpg, .tif, or .exr (linear float RGBA)")
       ->required();
   command->add_option("--select", request.select, "selection text (see below)")->capture_default_str();
-  add_parsed(*command, "--size", request.options.size, parse_size,
-             "must be WIDTHxHEIGHT in pixels, as in 1024x768", "WIDTHxHEIGHT in pixels")
+  add_parsed(
+      *command, "--size", request.options.size, parse_size,
+      fmt::format("must be WIDTHxHEIGHT in pixels, each from 1 to {}, as in 1024x768", kMaxPictureSide),
+      "WIDTHxHEIGHT in pixels")
       ->default_str(fmt::format("{}x{}", request.options.size.width, request.options.size.height));
   add_camera(*command, request.camera);
   add_quality(*command, request.options);
@@ -198,14 +213,15 @@ Result<std::vector<std::string>> run_render(const RenderRequest& request) {
   SPLATLAS_ASSIGN_OR_RETURN(std::shared_ptr<const Atlas> atlas, Atlas::open(request.atlas));
   const double open_ms =
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-  SPLATLAS_ASSIGN_OR_RETURN(const Selection selection, resolve_selection(terms, atlas->graph()));
+  const Result<Selection> selection = resolve_selection(terms, atlas->graph());
+  if (!selection) return fail(selection.error().code, "{}: {}", atlas->name(), selection.error().message);
 
   PictureEncoder encoder(request.output);
   Renderer renderer(std::move(atlas), {.threads = request.threads});
-  SPLATLAS_RETURN_IF_ERROR(renderer.select(selection));
+  SPLATLAS_RETURN_IF_ERROR(renderer.select(*selection));
   SPLATLAS_ASSIGN_OR_RETURN(const Picture picture, renderer.render(request.camera, request.options));
   SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::byte> bytes, encoder.encode(picture, request.background));
-  SPLATLAS_RETURN_IF_ERROR(write_outputs(request, bytes, stats_json(renderer, open_ms).dump(2) + "\n"));
+  SPLATLAS_RETURN_IF_ERROR(write_outputs(request, bytes, json_text(stats_json(renderer, open_ms))));
   std::vector<std::string> missing;
   for (const MissingPart& part : renderer.missing()) {
     missing.push_back(describe(part, renderer.atlas().graph()));

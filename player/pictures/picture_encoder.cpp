@@ -83,7 +83,9 @@ Result<void> PictureEncoder::check_ending(const std::filesystem::path& path) {
 Result<void> PictureEncoder::check_size(const std::filesystem::path& path, const PictureSize& size,
                                         std::optional<Rgb> background) {
   if (known_ending(path) != ".png") return {};
-  return check_png_size(size, !background);
+  const Result<void> fits = check_png_size(size, !background);
+  if (fits) return fits;
+  return fail(fits.error().code, fmt::format("{}: {}", path.string(), fits.error().message));
 }
 
 Result<std::vector<std::byte>> PictureEncoder::encode(const Picture& picture, std::optional<Rgb> background) {

@@ -255,7 +255,8 @@ Result<Classification> classify_voxels(const MembershipVolume& memberships,
   constexpr std::size_t kMaxStructuresPerVoxel = 64;  // bits of Combination::boundary
   for (const auto& set : memberships.sets()) {
     if (set.size() > kMaxStructuresPerVoxel) {
-      return fail(ErrorCode::kLimit, "{} structures hold one voxel ('{}' among them); at most {} may",
+      return fail(ErrorCode::kLimit,
+                  "{} structures hold one voxel ('{}' among them); at most {} may; leave out masks",
                   set.size(), graph[set.front()].name, kMaxStructuresPerVoxel);
     }
   }

@@ -4,6 +4,7 @@
 #include "format/system/ascii_text.h"
 #include "format/system/command_options.h"
 #include "format/system/result_macros.h"
+#include "format/system/standard_output.h"
 #include "preprocess/commands/commands.h"
 
 namespace splatlas {
@@ -46,11 +47,12 @@ std::string check_text(const std::string& text) {
 }
 
 void add_sources(CLI::App& build, SourceFiles& sources) {
-  build.add_option("--labels", sources.labels, "label map, or folder of masks");
-  build.add_option("--volume", sources.volume, "grey values");
-  build.add_option("--names", sources.names, "names of the labels");
-  build.add_option("--colors", sources.colors, "colour table of 768 bytes (MRIcron's .lut)");
-  build.add_option("--tree", sources.tree, "hierarchy of the structures");
+  build.add_option("--labels", sources.labels, "label map, or folder of masks")->check(names_a_file());
+  build.add_option("--volume", sources.volume, "grey values")->check(names_a_file());
+  build.add_option("--names", sources.names, "names of the labels")->check(names_a_file());
+  build.add_option("--colors", sources.colors, "colour table of 768 bytes (MRIcron's .lut)")
+      ->check(names_a_file());
+  build.add_option("--tree", sources.tree, "hierarchy of the structures")->check(names_a_file());
   add_repeated(build, "--segment", sources.segments, parse_segment,
                "NAME=RULE: a structure from thresholds or a mask (repeatable)");
   add_repeated(build, "--mesh", sources.meshes, parse_mesh,
@@ -61,12 +63,13 @@ void add_sources(CLI::App& build, SourceFiles& sources) {
                  "keep named labels without voxels, as empty structures");
 }
 
-void print_summary(const BuildReport& report, const std::string& output) {
+Result<void> print_summary(const BuildReport& report, const std::filesystem::path& output) {
   double seconds = 0;
   for (const auto& stage : report.stages) seconds += stage.seconds;
-  fmt::print("{}: {} structures, {} classes, {} + {} + {} runs, {} triangles, {} bytes, {:.2f} s\n", output,
-             report.structures, report.classes, report.runs[0], report.runs[1], report.runs[2],
-             report.triangles, report.bytes, seconds);
+  return print_text(
+      PrintableText("{}: {} structures, {} classes, {} + {} + {} runs, {} triangles, {} bytes, {:.2f} s\n",
+                    output, report.structures, report.classes, report.runs[0], report.runs[1], report.runs[2],
+                    report.triangles, report.bytes, seconds));
 }
 
 }  // namespace
@@ -76,7 +79,7 @@ CLI::App* add_build(CLI::App& app, BuildRequest& request) {
   CLI::App* build =
       app.add_subcommand("build", "Make an atlas from volumes, labels, names, trees and surfaces");
   build->footer(std::string(kFooter) + kTreeFormat + kFooterEnd);
-  build->add_option("-o,--output", options.output, "atlas file to write")->required();
+  build->add_option("-o,--output", options.output, "atlas file to write")->required()->check(names_a_file());
   add_sources(*build, options.sources);
   build->add_option("--title", options.title, "stored in the atlas")->check(check_text);
   build->add_option("--citation", options.citation, "stored in the atlas")->check(check_text);
@@ -100,10 +103,9 @@ Result<void> run_build(const BuildRequest& request) {
   display.finish();
   if (!report) return tl::unexpected(report.error());
   if (request.progress != ProgressMode::kJson) {
-    for (const std::string& note : report->notes) fmt::print(stderr, "note: {}\n", note);
+    for (const std::string& note : report->notes) print_to(stderr, PrintableText("note: {}\n", note));
   }
-  print_summary(*report, options.output.string());
-  return {};
+  return print_summary(*report, options.output);
 }
 
 }  // namespace splatlas

@@ -16,7 +16,8 @@ constexpr const char* kFooter = R"(Examples:
   splatlas-preprocess export body.atlas --labels masks/
 
 Volumes (.nii, .nii.gz, .nrrd, .mha) have the source's grid, order of axes and pixel type. Surfaces (.stl, .obj, .ply,
-.vtk) are in LPS mm; a group's surfaces are those of all its descendants.
+.vtk) are in LPS mm; a group's surfaces are those of all its descendants. Masks are named by their ids; ids that are no
+safe file names are changed, and a note lists them.
 
 Exit status: 0 done; 1 could not be done; 2 wrong usage; 3 not a valid atlas; 4 name not found.)";
 
@@ -35,9 +36,10 @@ Result<std::pair<std::string, std::filesystem::path>> parse_name_and_file(std::s
 CLI::App* add_export(CLI::App& app, ExportOptions& options) {
   CLI::App* command = app.add_subcommand("export", "Write the labels, volume or surfaces of an atlas");
   command->footer(kFooter);
-  command->add_option("ATLAS", options.atlas, "atlas file")->required();
-  command->add_option("--labels", options.labels, "label map to write; FOLDER/ for one mask per structure");
-  command->add_option("--volume", options.volume, "grey values to write");
+  command->add_option("ATLAS", options.atlas, "atlas file")->required()->check(names_a_file());
+  command->add_option("--labels", options.labels, "label map to write; FOLDER/ for one mask per structure")
+      ->check(names_a_file());
+  command->add_option("--volume", options.volume, "grey values to write")->check(names_a_file());
   add_repeated(
       *command, "--surface", options.surfaces,
       [](std::string_view text) { return parse_name_and_file("--surface", text); },
@@ -47,7 +49,9 @@ CLI::App* add_export(CLI::App& app, ExportOptions& options) {
 
 Result<void> run_export(const ExportOptions& options) {
   SPLATLAS_ASSIGN_OR_RETURN(const ExportedFiles files, export_atlas(options));
-  for (const std::string& line : files.written) SPLATLAS_RETURN_IF_ERROR(print_text(line + "\n"));
+  for (const std::string& line : files.written)
+    SPLATLAS_RETURN_IF_ERROR(print_text(PrintableText("{}\n", line)));
+  for (const std::string& note : files.notes) print_to(stderr, PrintableText("note: {}\n", note));
   if (files.failures.empty()) return {};
   Error error = files.failures.front();
   if (files.failures.size() > 1) error.message += fmt::format("; nor are {} more", files.failures.size() - 1);

@@ -9,6 +9,9 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
+#include "format/system/json_text.h"
+#include "format/system/standard_output.h"
+
 namespace splatlas {
 namespace {
 
@@ -60,7 +63,7 @@ void ProgressDisplay::show(const BuildProgress& progress) {
     case ProgressMode::kJson: return show_json(progress);
     case ProgressMode::kLines:
       if (progress.stage_ended)
-        fmt::print(stream_, "{:<10} {:6.2f} s\n", progress.stage, progress.stage_seconds);
+        print_to(stream_, PrintableText("{:<10} {:6.2f} s\n", progress.stage, progress.stage_seconds));
       return;
     case ProgressMode::kNone: return;
   }
@@ -77,9 +80,8 @@ void ProgressDisplay::show_bar(const BuildProgress& progress) {
   const std::string line =
       fmt::format("{:<10} [{}] {:3.0f} %  {}", progress.stage, bar(progress.stage_fraction, width),
                   100 * progress.stage_fraction, time);
-  fmt::print(stream_, "\r{}\x1b[K{}", line.substr(0, static_cast<std::size_t>(columns - 1)),
-             ended ? "\n" : "");
-  std::fflush(stream_);
+  PrintableText text("\r{}\x1b[K", line.substr(0, static_cast<std::size_t>(columns - 1)));
+  print_to(stream_, ended ? text.add("\n") : text);
   line_open_ = !ended;
 }
 
@@ -91,12 +93,11 @@ void ProgressDisplay::show_json(const BuildProgress& progress) {
                               {"stage_seconds", milli(progress.stage_seconds)},
                               {"seconds", milli(progress.total_seconds)}};
   if (const auto remaining = estimate_remaining(progress)) line["remaining_seconds"] = milli(*remaining);
-  fmt::print(stream_, "{}\n", line.dump());
-  std::fflush(stream_);
+  print_to(stream_, PrintableText::of_layout(json_text(line, -1)));
 }
 
 void ProgressDisplay::finish() {
-  if (line_open_) fmt::print(stream_, "\n");
+  if (line_open_) print_to(stream_, PrintableText("\n"));
   line_open_ = false;
 }
 

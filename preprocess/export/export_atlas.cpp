@@ -26,10 +26,11 @@ Result<std::vector<std::vector<StructureIndex>>> find_surfaces(const Atlas& atla
                                                                const ExportOptions& options) {
   std::vector<std::vector<StructureIndex>> result;
   for (const auto& [name, path] : options.surfaces) {
-    SPLATLAS_ASSIGN_OR_RETURN(const auto found, find_structures(atlas.graph(), name));
+    const auto found = find_structures(atlas.graph(), name);
+    if (!found) return fail(found.error().code, "{}: {}", atlas.name(), found.error().message);
     std::set<StructureIndex> all;
     std::uint64_t triangles = 0;
-    for (const StructureIndex top : found) {
+    for (const StructureIndex top : *found) {
       for (const StructureIndex s : atlas.graph().descendants(top)) {
         if (all.insert(s).second) triangles += atlas.triangles(s);
       }
@@ -62,7 +63,8 @@ Result<void> check_words(const ExportOptions& options) {
     outputs.push_back(path);
   }
   if (outputs.empty()) {
-    return fail(ErrorCode::kUsage, "nothing to export: give --labels, --volume or --surface");
+    return fail(ErrorCode::kUsage, "{}: nothing to export: give --labels, --volume or --surface",
+                options.atlas.string());
   }
   if (is_folder_of_masks(options)) {
     const fs::path folder = resolve_output(outputs.front());
@@ -87,12 +89,13 @@ Result<void> check_writable(const ExportOptions& options) {
   return {};
 }
 
-/// Exports labels as a label map or as masks.
+/// Exports labels as a label map or as masks. Adds notes.
 Result<std::string> export_labels(const AtlasContent& content, const Atlas& atlas,
-                                  const ExportOptions& options) {
+                                  const ExportOptions& options, std::vector<std::string>& notes) {
   if (is_folder_of_masks(options)) {
-    SPLATLAS_ASSIGN_OR_RETURN(const std::size_t masks, export_masks(content, options.labels));
-    return fmt::format("{}: {} masks", options.labels, masks);
+    SPLATLAS_ASSIGN_OR_RETURN(const ExportedMasks masks, export_masks(content, options.labels));
+    if (!masks.note.empty()) notes.push_back(masks.note);
+    return fmt::format("{}: {} masks", options.labels, masks.count);
   }
   SPLATLAS_RETURN_IF_ERROR(export_label_map(content, atlas.name(), options.labels));
   return fmt::format("{}: labels, {}", options.labels, name_of(content.label_type));
@@ -134,7 +137,7 @@ bool export_voxels(const Atlas& atlas, const ExportOptions& options, ExportedFil
   const auto from_content = [&](const auto& write) {
     return content ? write(*content) : Result<std::string>(tl::unexpected(content.error()));
   };
-  const auto labels = [&](const AtlasContent& c) { return export_labels(c, atlas, options); };
+  const auto labels = [&](const AtlasContent& c) { return export_labels(c, atlas, options, files.notes); };
   const auto volume = [&](const AtlasContent& c) { return export_volume(c, atlas, options.volume); };
   return (options.labels.empty() || note(from_content(labels), options.labels, files)) &&
          (options.volume.empty() || note(from_content(volume), options.volume.string(), files));

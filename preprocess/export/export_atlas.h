@@ -22,6 +22,7 @@ struct ExportOptions {
 /// Result of an export.
 struct ExportedFiles {
   std::vector<std::string> written;  ///< one line per file
+  std::vector<std::string> notes;    ///< one line each
   /// One error per file that could not be written because of damage, or the error that ended the export.
   std::vector<Error> failures;
 };

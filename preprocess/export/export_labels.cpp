@@ -1,9 +1,15 @@
 #include "preprocess/export/export_labels.h"
 
+#include <string_view>
+
+#include <fmt/format.h>
+
 #include "format/derive/structure_crop.h"
+#include "format/system/ascii_text.h"
 #include "format/system/interrupts.h"
 #include "format/system/output_folder.h"
 #include "format/system/result_macros.h"
+#include "preprocess/export/file_names.h"
 #include "preprocess/export/write_image.h"
 #include "preprocess/import/import_error.h"
 
@@ -32,22 +38,50 @@ Result<std::vector<std::int64_t>> labels_of_classes(const AtlasContent& content,
   return labels;
 }
 
-Result<std::size_t> write_masks(const AtlasContent& content, OutputFolder& folder) {
-  std::size_t masks = 0;
+constexpr std::string_view kMaskEnding = ".nii.gz";
+
+/// Structures with a mask: no groups, no external surfaces.
+std::vector<StructureIndex> masked_structures(const StructureGraph& graph, const StructureClasses& classes) {
+  std::vector<StructureIndex> masked;
+  for (StructureIndex s = 0; s < graph.size(); ++s) {
+    const bool is_group = classes.of(s).empty() && !graph.children(s).empty();
+    if (!graph[s].external && !is_group) masked.push_back(s);
+  }
+  return masked;
+}
+
+/// Lists ids whose files have other names: at most ten. "" if there are none.
+std::string note_changed_names(const std::vector<std::string>& ids, const std::vector<std::string>& files,
+                               const std::string& folder) {
+  constexpr std::size_t kMaxListed = 10;
+  std::size_t changed = 0;
+  std::string list;
+  for (std::size_t n = 0; n < ids.size(); ++n) {
+    if (files[n] == ids[n] + std::string(kMaskEnding) || ++changed > kMaxListed) continue;
+    list += fmt::format("{}{} is {}", list.empty() ? "" : ", ", in_quotes(ids[n]), files[n]);
+  }
+  if (changed == 0) return {};
+  if (changed > kMaxListed) list += fmt::format(" and {} more", changed - kMaxListed);
+  return fmt::format("{}: {} {} no safe file {}: {}", folder, changed, changed == 1 ? "id is" : "ids are",
+                     changed == 1 ? "name" : "names", list);
+}
+
+Result<ExportedMasks> write_masks(const AtlasContent& content, OutputFolder& folder) {
   const StructureClasses structure_classes(content.classes, content.graph.size());
-  for (StructureIndex s = 0; s < content.graph.size(); ++s) {
-    const bool is_group = structure_classes.of(s).empty() && !content.graph.children(s).empty();
-    if (content.graph[s].external || is_group) continue;
-    const std::vector<std::uint8_t> parts = parts_of(structure_classes.of(s), content.classes.size());
+  const std::vector<StructureIndex> masked = masked_structures(content.graph, structure_classes);
+  std::vector<std::string> ids;
+  for (const StructureIndex s : masked) ids.push_back(content.graph[s].id);
+  const std::vector<std::string> files = file_names_of(ids, kMaskEnding);
+  for (std::size_t n = 0; n < masked.size(); ++n) {
+    const std::vector<std::uint8_t> parts = parts_of(structure_classes.of(masked[n]), content.classes.size());
     VoxelBuffer mask{VoxelType::kUInt8, std::vector<std::byte>(content.class_volume.size())};
     for (std::size_t v = 0; v < mask.bytes.size(); ++v)
       mask.bytes[v] = std::byte{parts[content.class_volume[v]] != 0};
-    SPLATLAS_RETURN_IF_ERROR(write_image({content.source_grid, to_source_order(mask, content)}, folder,
-                                         content.graph[s].id + ".nii.gz"));
-    ++masks;
+    SPLATLAS_RETURN_IF_ERROR(
+        write_image({content.source_grid, to_source_order(mask, content)}, folder, files[n]));
     if (interrupt_waits()) return bad_file(folder.path(), "interrupted");
   }
-  return masks;
+  return ExportedMasks{masked.size(), note_changed_names(ids, files, folder.path().string())};
 }
 
 }  // namespace
@@ -72,11 +106,11 @@ Result<void> export_label_map(const AtlasContent& content, const std::string& na
   return write_image({content.source_grid, to_source_order(stored, content)}, path);
 }
 
-Result<std::size_t> export_masks(const AtlasContent& content, const fs::path& path) {
+Result<ExportedMasks> export_masks(const AtlasContent& content, const fs::path& path) {
   // An interrupt waits for the current mask; then the temporary folder is removed.
   const DeferInterrupts no_folder_left;
   SPLATLAS_ASSIGN_OR_RETURN(OutputFolder folder, OutputFolder::create(path));
-  SPLATLAS_ASSIGN_OR_RETURN(const std::size_t masks, write_masks(content, folder));
+  SPLATLAS_ASSIGN_OR_RETURN(ExportedMasks masks, write_masks(content, folder));
   SPLATLAS_RETURN_IF_ERROR(folder.commit());
   return masks;
 }

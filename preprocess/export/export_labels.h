@@ -17,9 +17,15 @@ namespace splatlas {
 [[nodiscard]] Result<void> export_label_map(const AtlasContent& content, const std::string& name,
                                             const std::filesystem::path& path);
 
+/// The masks of a folder.
+struct ExportedMasks {
+  std::size_t count = 0;
+  std::string note;  ///< one line about ids that are no safe file names; "" if all are
+};
+
 /// Writes one mask (uint8, 1 inside) per structure, ID.nii.gz, to a new or empty folder, atomically. Groups
-/// and external surfaces have no mask. Returns the number of masks.
-[[nodiscard]] Result<std::size_t> export_masks(const AtlasContent& content,
-                                               const std::filesystem::path& folder);
+/// and external surfaces have no mask. Ids that are unsafe as file names are changed by file_names_of().
+[[nodiscard]] Result<ExportedMasks> export_masks(const AtlasContent& content,
+                                                 const std::filesystem::path& folder);
 
 }  // namespace splatlas

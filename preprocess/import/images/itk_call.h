@@ -8,6 +8,7 @@
 #include <itkMacro.h>
 
 #include "format/result.h"
+#include "format/system/memory_limit.h"
 
 namespace splatlas {
 
@@ -21,9 +22,9 @@ template <typename Call>
   try {
     return call();
   } catch (const std::bad_alloc&) {
-    return fail(ErrorCode::kLimit, what + ": out of memory");
+    return fail(ErrorCode::kLimit, what + ": out of memory; " + kOutOfMemoryRemedy);
   } catch (const itk::MemoryAllocationError&) {
-    return fail(ErrorCode::kLimit, what + ": out of memory");
+    return fail(ErrorCode::kLimit, what + ": out of memory; " + kOutOfMemoryRemedy);
   } catch (const itk::ExceptionObject& error) {
     return fail(ErrorCode::kFailed, what + ": " + message_of(error));
   } catch (const std::exception& error) {

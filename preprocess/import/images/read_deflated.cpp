@@ -7,6 +7,7 @@
 
 #include <zlib.h>
 
+#include "format/system/memory_limit.h"
 #include "format/system/result_macros.h"
 #include "preprocess/import/images/check_image_file.h"
 #include "preprocess/import/import_error.h"
@@ -37,7 +38,7 @@ Result<void> read_deflated(const fs::path& path, std::uint64_t offset, std::uint
   std::ifstream file(path, std::ios::binary);
   file.seekg(static_cast<std::streamoff>(offset));
   const Inflater stream = make_inflater();
-  if (!stream) return fail(ErrorCode::kLimit, "{}: out of memory", path.string());
+  if (!stream) return fail(ErrorCode::kLimit, "{}: out of memory; {}", path.string(), kOutOfMemoryRemedy);
 
   constexpr std::uint64_t kPiece = 16u << 20;  // touched memory follows the stream, not its header
   std::vector<char> packed(1 << 18);

@@ -1,6 +1,11 @@
 #include "format/system/ascii_text.h"
 
+#include <array>
+#include <cstdint>
+#include <iterator>
+
 #include <gtest/gtest.h>
+#include <utf8cpp/utf8.h>
 
 namespace splatlas {
 namespace {
@@ -51,6 +56,48 @@ TEST(AsciiText, BytesThatAreNotUtf8AreEscaped) {
                       "b\xe2\x81\xa6"),
             "a?b?");  // characters that turn text around
   EXPECT_EQ(in_quotes("Left \xe9"), "\"Left \\xe9\"");
+}
+
+/// Characters that a terminal interprets, that reorder text, or that show nothing.
+constexpr std::array kUnsafe{0x00u,   0x07u,   0x09u,   0x0au,    0x0du,    0x1bu,    0x1fu,    0x7fu,
+                             0x80u,   0x85u,   0x9bu,   0x9fu,    0xadu,    0x34fu,   0x61cu,   0x115fu,
+                             0x1160u, 0x180eu, 0x200bu, 0x200cu,  0x200du,  0x200eu,  0x200fu,  0x2028u,
+                             0x2029u, 0x202au, 0x202bu, 0x202cu,  0x202du,  0x202eu,  0x2060u,  0x2064u,
+                             0x2066u, 0x2067u, 0x2068u, 0x2069u,  0x206fu,  0x3164u,  0xfe0fu,  0xfeffu,
+                             0xffa0u, 0xfff9u, 0xfffbu, 0xe0000u, 0xe0001u, 0xe0041u, 0xe007fu, 0xe01efu};
+/// Visible neighbours of those.
+constexpr std::array kSafe{0x20u,   0x7eu,    0xa0u,    0xacu,    0xaeu,    0x34eu,  0x61bu,
+                           0x61du,  0x200au,  0x2010u,  0x2027u,  0x202fu,  0x205fu, 0x2070u,
+                           0x3163u, 0xfdffu,  0xfe10u,  0xfefcu,  0xff9fu,  0xffa1u, 0xfffcu,
+                           0xfffdu, 0x1f9e0u, 0xdffffu, 0xe1000u, 0x10ffffu};
+
+std::string utf8_of(std::uint32_t c) {
+  std::string text;
+  utf8::append(static_cast<char32_t>(c), std::back_inserter(text));
+  return text;
+}
+
+TEST(AsciiText, UnsafeCharactersAreReplaced) {
+  for (const std::uint32_t c : kUnsafe) {
+    EXPECT_TRUE(is_unsafe_to_show(c)) << std::hex << c;
+    EXPECT_EQ(printable("a" + utf8_of(c) + "b"), "a?b") << std::hex << c;
+    EXPECT_EQ(in_quotes("a" + utf8_of(c)), "\"a?\"") << std::hex << c;
+  }
+  for (const std::uint32_t c : kSafe) {
+    EXPECT_FALSE(is_unsafe_to_show(c)) << std::hex << c;
+    EXPECT_EQ(printable(utf8_of(c)), utf8_of(c)) << std::hex << c;
+  }
+}
+
+TEST(AsciiText, LayoutKeepsLineFeedsAndTabsOnly) {
+  EXPECT_EQ(printable_lines("a\tb\nc\r\x1b[K\xe2\x80\x8f"), "a\tb\nc??[K?");
+}
+
+TEST(AsciiText, JsonEscapesUnsafeCharacters) {
+  EXPECT_EQ(escaped_json("{\n\t\"a\": \"\xc3\xa4\"\n}"), "{\n\t\"a\": \"\xc3\xa4\"\n}");
+  EXPECT_EQ(escaped_json("\x7f\xc2\x9b\xe2\x80\x8f\xe2\x80\xa8"), "\\u007f\\u009b\\u200f\\u2028");
+  EXPECT_EQ(escaped_json("\xf3\xa0\x81\x81"), "\\udb40\\udc41");  // U+E0041
+  EXPECT_EQ(escaped_json("a\xff"), "a\xef\xbf\xbd");
 }
 
 }  // namespace

@@ -50,7 +50,7 @@ TEST_F(StandardOutputTest, IsHandedOnAtOnce) {
   std::string message, at_once;
   {
     const StandardOutputTo file(path);
-    message = message_of(print_text("some text"));
+    message = message_of(print_text(PrintableText("some text")));
     at_once = read_bytes(path);
   }
   EXPECT_EQ(message, "");
@@ -63,7 +63,7 @@ TEST_F(StandardOutputTest, AFullDiskIsTold) {
     {
       std::filesystem::remove(path);
       const StandardOutputTo full("/dev/full");
-      printed = print_text(std::string(bytes, 'x'));
+      printed = print_text(PrintableText("{}", std::string(bytes, 'x')));
       StandardOutputTo::go_to(path);
       finished = finish_standard_output();
     }

@@ -1,0 +1,227 @@
+// Failing command lines of both programs: one safe line with the fault's file or option, and the exit status.
+
+#include <algorithm>
+
+#include <gmock/gmock.h>
+#include <sys/resource.h>
+
+#include "format/system/ascii_text.h"
+#include "tests/cli/phantom_atlas.h"
+#include "tests/support/file_bytes.h"
+
+namespace splatlas {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+/// A command line that fails.
+struct Case {
+  Words words;
+  int status;
+  std::string subject;    ///< start of the message after the program's name: the file or option at fault
+  std::string rest = {};  ///< part of the message: fault, value or remedy
+};
+
+/// A folder of sound and faulty files.
+struct ErrorLines : testing::Test {
+  TemporaryFolder folder;
+
+  ErrorLines() {
+    for (const std::string name : {"labels.nrrd", "volume.nrrd"})
+      fs::copy_file(phantom_folder().file(name), folder.file(name));
+    fs::copy_file(phantom_atlas(), folder.file("a.atlas"));
+    write_bytes(folder.file("bad.atlas"), "x");
+    write_bytes(folder.file("cut.atlas"), read_bytes(phantom_atlas()).substr(0, 3000));
+    write_bytes(folder.file("bad.nrrd"), "NRRD0004\n");
+    write_bytes(folder.file("bad.stl"), "solid\n");
+    write_bytes(folder.file("bad.txt"), "1 \xff\n");
+    write_bytes(folder.file("twice.txt"), "1 a\n1 b\n");
+    write_bytes(folder.file("empty.txt"), "");
+    write_bytes(folder.file("bad.tree"), "A/*/x\n");
+    write_bytes(folder.file("none.tree"), "A/Nothing\n");
+    write_bytes(folder.file("short.lut"), "abc");
+    fs::create_directory(folder.file("full"));
+    write_bytes(folder.file("full/file"), "kept");
+  }
+
+  using Run = std::function<ProgramResult(const Words&)>;
+  void check(const std::string& program, const std::vector<Case>& cases, const Run& run) const {
+    for (const Case& c : cases) {
+      std::string line;
+      for (const std::string& word : c.words) line += " " + printable(word);
+      SCOPED_TRACE(program + line);
+      const std::vector<std::string> before = folder.names();
+      const ProgramResult result = run(c.words);
+      EXPECT_EQ(result.status, c.status);
+      EXPECT_THAT(result.err, StartsWith(program + ": " + c.subject));
+      EXPECT_THAT(result.err, HasSubstr(c.rest));
+      EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+      EXPECT_TRUE(result.err.ends_with('\n'));
+      EXPECT_EQ(result.err, printable_lines(result.err));
+      EXPECT_EQ(result.out, "");
+      EXPECT_EQ(folder.names(), before);
+    }
+  }
+  void check_player(const std::vector<Case>& cases) const {
+    check("splatlas-player", cases, [&](const Words& words) { return run_player(words, folder.path()); });
+  }
+  void check_preprocess(const std::vector<Case>& cases) const {
+    check("splatlas-preprocess", cases, [&](const Words& words) {
+      const bool builds = words.size() > 1 && words[0] == "build";
+      return run_preprocess(builds ? joined(words, {"--progress", "none"}) : words, folder.path());
+    });
+  }
+};
+
+TEST_F(ErrorLines, OfThePlayersCommands) {
+  check_player({{{}, 2, "no atlas file is given", "--help"},
+                {{"rendr"}, 2, "\"rendr\"", "render, info, verify"},
+                {{"--none"}, 2, "", "--none; see splatlas-player --help"},
+                {{""}, 2, "ATLAS: \"\"", "must name a file"},
+                {{"missing.atlas"}, 1, "missing.atlas: ", "No such file"},
+                {{"bad.atlas"}, 3, "bad.atlas: ", "not an atlas"},
+                {{"info"}, 2, "ATLAS is required", "splatlas-player info --help"},
+                {{"info", ""}, 2, "ATLAS: \"\"", "must name a file"},
+                {{"info", "missing.atlas"}, 1, "missing.atlas: ", "No such file"},
+                {{"info", "missing\x1b[2J\n.atlas"}, 1, "missing?[2J?.atlas: "},
+                {{"info", "full"}, 3, "full: ", "a folder"},
+                {{"info", "bad.atlas", "--json"}, 3, "bad.atlas: ", "78"},
+                {{"info", "a.atlas", "more"}, 2, "", "more; see splatlas-player info --help"},
+                {{"verify", "labels.nrrd"}, 3, "labels.nrrd: ", "not an atlas"},
+                {{"verify", "cut.atlas"}, 3, "cut.atlas: ", "truncated"},
+                {{"verify", "a.atlas", "--json"}, 2, "", "--json; see splatlas-player verify --help"}});
+}
+
+TEST_F(ErrorLines, OfRender) {
+  std::vector<Case> cases{{{"render"}, 2, "ATLAS is required"},
+                          {{"render", "a.atlas"}, 2, "--output is required"},
+                          {{"render", "", "-o", "x.png"}, 2, "ATLAS: \"\"", "must name a file"},
+                          {{"render", "missing.atlas", "-o", "x.png"}, 1, "missing.atlas: "},
+                          {{"render", "cut.atlas", "-o", "x.png"}, 3, "cut.atlas: ", "3000"},
+                          {{"render", "a.atlas", "-o", ""}, 2, "--output \"\"", "must name a file"},
+                          {{"render", "a.atlas", "-o", "x.bmp"}, 2, "x.bmp: ", ".png, .jpg, .tif or .exr"},
+                          {{"render", "a.atlas", "-o", "none/x.png"}, 1, "none/x.png: ", "no folder none"},
+                          {{"render", "a.atlas", "-o", "full/file/x.png"}, 1, "full/file/x.png: "},
+                          {{"render", "a.atlas", "-o", "x\xe2\x80\x8f.bmp"}, 2, "x?.bmp: "}};
+  const auto refuses = [&](const Words& options, const std::string& subject, const std::string& rest,
+                           int status = 2) {
+    cases.push_back({joined({"render", "a.atlas", "-o", "x.png"}, options), status, subject, rest});
+  };
+  refuses({"--size", "0x0"}, "--size \"0x0\"", "from 1 to 32768");
+  refuses({"--size", "99999x9"}, "--size \"99999x9\"", "WIDTHxHEIGHT");
+  refuses({"--size", "32768x32768", "--background", "transparent"}, "x.png: ", "2^32");
+  refuses({"--zoom", "0"}, "--zoom \"0\"", "from 1e-6 to 1e6");
+  refuses({"--zoom", "inf"}, "--zoom \"inf\"", "from 1e-6 to 1e6");
+  refuses({"--azimuth", "nan"}, "--azimuth \"nan\"", "finite");
+  refuses({"--elevation", "x"}, "--elevation \"x\"", "degrees");
+  refuses({"--field-of-view", "20"}, "--field-of-view: ", "--projection perspective");
+  refuses({"--projection", "perspective", "--field-of-view", "190"}, "camera: field of view 190", "179");
+  refuses({"--view", "up"}, "--view \"up\"", "superior");
+  refuses({"--quality", "\x1b"}, "--quality \"?\"", "draft, normal or high");
+  refuses({"--background", "blue"}, "--background \"blue\"", "#rrggbb");
+  refuses({"--threads", "9999"}, "--threads: ", "9999");
+  refuses({"--select", "Nope"}, "a.atlas: selection, column 1", "the nearest: ", 4);
+  refuses({"--select", "Sphere*:solid"}, "selection \"Sphere*:solid\"", "column");
+  refuses({"--stats", "./x.png"}, "./x.png: ", "write to two files");
+  refuses({"--stats", "a.atlas"}, "a.atlas: ", "is an input");
+  refuses({"--stats", "none/s.json"}, "none/s.json: ", "no folder none", 1);
+  refuses({"--none"}, "", "--none; see splatlas-player render --help");
+  check_player(cases);
+}
+
+TEST_F(ErrorLines, OfPreprocessCommandsAndExport) {
+  check_preprocess(
+      {{{}, 2, "no command is given", "splatlas-preprocess --help"},
+       {{"bild"}, 2, "\"bild\": no such command", "build and export"},
+       {{"--none"}, 2, "\"--none\": no such option", "splatlas-preprocess --help"},
+       {{"export"}, 2, "ATLAS is required", "splatlas-preprocess export --help"},
+       {{"export", "", "--labels", "x.nii"}, 2, "ATLAS: \"\"", "must name a file"},
+       {{"export", "a.atlas"}, 2, "a.atlas: nothing to export", "--labels, --volume or --surface"},
+       {{"export", "a.atlas", "--labels", ""}, 2, "--labels: \"\"", "must name a file"},
+       {{"export", "a.atlas", "--volume", ""}, 2, "--volume: \"\"", "must name a file"},
+       {{"export", "missing.atlas", "--labels", "x.nii"}, 1, "missing.atlas: "},
+       {{"export", "bad.atlas", "--labels", "x.nii"}, 3, "bad.atlas: "},
+       {{"export", "cut.atlas", "--labels", "x.nii"}, 3, "cut.atlas: "},
+       {{"export", "a.atlas", "--labels", "x.foo"}, 2, "x.foo: ", ".nii.gz"},
+       {{"export", "a.atlas", "--labels", "full/"}, 1, "full/: ", "not an empty folder"},
+       {{"export", "a.atlas", "--labels", "none/x.nii"}, 1, "none/x.nii: ", "no folder none"},
+       {{"export", "a.atlas", "--volume", "x.mhd"}, 2, "x.mhd: ", "write .mha"},
+       {{"export", "a.atlas", "--surface", "x"}, 2, "--surface 'x'", "NAME=FILE"},
+       {{"export", "a.atlas", "--surface", "Nope=x.stl"}, 4, "a.atlas: ", "the nearest: "},
+       {{"export", "a.atlas", "--surface", "Sphere 1=x.foo"}, 2, "x.foo: ", ".stl"},
+       {{"export", "a.atlas", "--labels", "x.nii", "--volume", "x.nii"}, 2, "x.nii: "},
+       {{"export", "a.atlas", "--none"}, 2, "", "--none; see splatlas-preprocess export --help"}});
+}
+
+TEST_F(ErrorLines, OfBuild) {
+  std::vector<Case> cases{
+      {{"build"}, 2, "--output is required", "splatlas-preprocess build --help"},
+      {{"build", "-o", "x.atlas"}, 2, "no structures: give --labels or a --segment"},
+      {{"build", "-o", "", "--labels", "labels.nrrd"}, 2, "--output: \"\"", "must name a file"},
+      {{"build", "-o", "x.atlas", "--labels", ""}, 2, "--labels: \"\"", "must name a file"},
+      {{"build", "-o", "x.atlas", "--labels", "missing.nrrd"}, 1, "missing.nrrd: ", "no such file"},
+      {{"build", "-o", "x.atlas", "--labels", "m\n.nrrd"}, 1, "m?.nrrd: ", "no such file"},
+      {{"build", "-o", "x.atlas", "--labels", "full"}, 1, "full: ", "no mask"},
+      {{"build", "-o", "x.atlas", "--labels", "bad.nrrd"}, 1, "bad.nrrd: ", "0 dimensions"},
+      {{"build", "-o", "x.atlas", "--labels", "bad.txt"}, 1, "bad.txt: ", ".nii.gz"},
+      {{"build", "-o", "x.atlas", "--names", "empty.txt"}, 2, "no structures: give --labels"},
+      {{"build", "-o", "x.atlas", "--volume", "volume.nrrd", "--segment", "S=threshold:1e9"},
+       1,
+       "--segment \"S\"",
+       "thresholds"}};
+  const auto refuses = [&](const Words& options, const std::string& subject, const std::string& rest,
+                           int status = 1) {
+    cases.push_back(
+        {joined({"build", "-o", "x.atlas", "--labels", "labels.nrrd"}, options), status, subject, rest});
+  };
+  refuses({"--volume", "bad.nrrd"}, "bad.nrrd: ", "0 dimensions");
+  refuses({"--volume", ""}, "--volume: \"\"", "must name a file", 2);
+  refuses({"--names", "missing.txt"}, "missing.txt: ", "no such file");
+  refuses({"--names", "bad.txt"}, "bad.txt: line 1", "UTF-8");
+  refuses({"--names", "twice.txt"}, "twice.txt: line 2", "line 1");
+  refuses({"--names", "empty.txt"}, "empty.txt: ", "names no label");
+  refuses({"--tree", "bad.tree"}, "bad.tree: line 1", "pattern");
+  refuses({"--tree", "none.tree"}, "none.tree: line 1", "the nearest: ");
+  refuses({"--colors", "short.lut"}, "short.lut: ", "768 bytes");
+  refuses({"--mesh", "S"}, "--mesh 'S'", "NAME=FILE", 2);
+  refuses({"--mesh", "S=missing.stl"}, "missing.stl: ", "no such file");
+  refuses({"--mesh", "S=bad.stl"}, "bad.stl: ", "STL");
+  refuses({"--segment", "S"}, "--segment 'S'", "threshold:otsu", 2);
+  refuses({"--segment", "S=threshold:1"}, "--segment \"S\"", "--volume", 2);
+  refuses({"--segment", "S=mask:missing.nrrd"}, "missing.nrrd: ", "no such file");
+  refuses({"--level", "99"}, "--level: ", "1 to 22", 2);
+  refuses({"--mesh-frame", "x"}, "--mesh-frame \"x\"", "lps or ras", 2);
+  refuses({"--title", "\x1b"}, "--title: \"?\"", "control character", 2);
+  check_preprocess(cases);
+}
+
+/// Without memory, every message still names the file.
+TEST_F(ErrorLines, OfExhaustedMemory) {
+  const auto run_with = [&](rlim_t megabytes, const Words& words) {
+    return run_program(words, folder.path(), {}, [megabytes] {
+      const rlimit limit{megabytes << 20, megabytes << 20};
+      setrlimit(RLIMIT_AS, &limit);
+    });
+  };
+  const auto check_limit = [&](const std::string& program, const std::string& path, const Words& words,
+                               const std::string& file) {
+    int failures = 0;
+    for (rlim_t megabytes = 256; megabytes >= 16; megabytes -= 8) {
+      const ProgramResult result = run_with(megabytes, joined({path}, words));
+      if (result.status == 0) continue;
+      if (!result.err.starts_with(program)) break;  // the limit is too low to load the program
+      ++failures;
+      EXPECT_EQ(result.status, 1) << result.err;
+      EXPECT_THAT(result.err, StartsWith(program + ": " + file + ": ")) << megabytes << " MiB";
+      EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+    }
+    EXPECT_GT(failures, 0);
+  };
+  check_limit("splatlas-player", SPLATLAS_PLAYER,
+              {"render", "a.atlas", "-o", "x.png", "--size", "1500x1500", "--threads", "1"}, "a.atlas");
+}
+
+}  // namespace
+}  // namespace splatlas
