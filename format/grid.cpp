@@ -17,6 +17,9 @@ namespace {
 /// Minimum determinant of a direction with normalized columns; below, its inverse is inaccurate.
 constexpr double kMinDeterminant = 1e-6;
 
+/// Deviation of the determinant of orthonormal axes from 1 whose cosines were rounded to single precision.
+constexpr double kRoundingOfDeterminant = 1e-6;
+
 Matrix3 inverted(const Matrix3& m) {
   const double d = determinant(m);
   return {(m[4] * m[8] - m[5] * m[7]) / d, (m[2] * m[7] - m[1] * m[8]) / d, (m[1] * m[5] - m[2] * m[4]) / d,
@@ -99,8 +102,14 @@ Vec3 Affine::apply_linear(const Vec3& x) const {
           linear[6] * x[0] + linear[7] * x[1] + linear[8] * x[2]};
 }
 
+double voxel_volume_mm3(const Grid& grid) {
+  const double of_spacings = grid.spacing_mm[0] * grid.spacing_mm[1] * grid.spacing_mm[2];
+  const double of_direction = std::abs(determinant(grid.direction_lps));
+  return std::abs(of_direction - 1) <= kRoundingOfDeterminant ? of_spacings : of_spacings * of_direction;
+}
+
 double reference_length_mm(const Grid& grid) {
-  return std::cbrt(grid.spacing_mm[0] * grid.spacing_mm[1] * grid.spacing_mm[2]);
+  return std::cbrt(voxel_volume_mm3(grid));
 }
 
 Affine index_to_lps_mm(const Grid& grid) {

@@ -54,6 +54,10 @@ struct Grid {
   }
 };
 
+/// Volume of a voxel (mm^3), a parallelepiped if the axes are sheared. If the determinant of the direction is
+/// 1 within the rounding of single precision, it is exactly the product of the spacings: it depends on no
+/// rounding of a rotation.
+[[nodiscard]] double voxel_volume_mm3(const Grid& grid);
 /// Cube root of the volume of a voxel: the path length to which volume opacities refer.
 [[nodiscard]] double reference_length_mm(const Grid& grid);
 

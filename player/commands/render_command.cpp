@@ -28,6 +28,7 @@ constexpr const char* kFooter =
     "  NAME[:surface|:volume|:both][(opacity=0.4,color=#ff8800)]\n"
     "NAME is a structure's id, name or path (Brain/Cerebellum/Left), '*' stands for any characters;\n"
     "quote it where it holds a blank, a sign or a colon. A node selects all its descendants.\n"
+    "The default mode is volume; 'both' is a volume with its surface.\n"
     "Options; the last four are for volumes only:\n"
     "  opacity=0.4            of a surface, or of one voxel of a volume: above 0, at most 1\n"
     "  color=#ff8800\n"

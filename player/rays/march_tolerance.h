@@ -31,8 +31,8 @@ inline constexpr int kMaxSubdivisions = 5;
 /// Weight of several slabs, in tolerances, below which one step integrates them all.
 inline constexpr float kFaintShare = 0.02f;
 
-/// Lower bound of the extinction at both ends of a segment together, as a share of the mean: it locates the
-/// emission within the segment.
+/// Lower bound of the sum of the extinctions at both ends of a segment, in mean extinctions of the segment.
+/// The slope of the colour along the segment is divided by this sum.
 inline constexpr float kMinEnds = 1e-3f;
 
 /// Error bound of a step in a slab that is divided evenly, in tolerances: the field in between is unknown.

@@ -38,25 +38,23 @@ struct Pass {
   SheetImage& image;
 };
 
-/// out[n * kStreams + s] = streams[s][n].
-template <std::size_t kStreams>
-void interleave(const float* const* streams, std::int64_t count, float* out) {
+/// out[n * kRows + r] = rows[r][n].
+template <std::size_t kRows>
+void interleave(const float* const* rows, std::int64_t count, float* out) {
   for (std::int64_t n = 0; n < count; ++n) {
-    for (std::size_t s = 0; s < kStreams; ++s)
-      out[static_cast<std::size_t>(n) * kStreams + s] = streams[s][n];
+    for (std::size_t r = 0; r < kRows; ++r) out[static_cast<std::size_t>(n) * kRows + r] = rows[r][n];
   }
 }
 
-void interleave(std::span<const float* const> streams, std::int64_t count, float* out) {
-  switch (streams.size()) {
-    case 2: return interleave<2>(streams.data(), count, out);
-    case 4: return interleave<4>(streams.data(), count, out);
-    case 8: return interleave<8>(streams.data(), count, out);
+void interleave(std::span<const float* const> rows, std::int64_t count, float* out) {
+  switch (rows.size()) {
+    case 2: return interleave<2>(rows.data(), count, out);
+    case 4: return interleave<4>(rows.data(), count, out);
+    case 8: return interleave<8>(rows.data(), count, out);
     default: break;
   }
-  for (std::size_t s = 0; s < streams.size(); ++s) {
-    for (std::int64_t n = 0; n < count; ++n)
-      out[static_cast<std::size_t>(n) * streams.size() + s] = streams[s][n];
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    for (std::int64_t n = 0; n < count; ++n) out[static_cast<std::size_t>(n) * rows.size() + r] = rows[r][n];
   }
 }
 
@@ -246,16 +244,16 @@ class Band {
   /// Interleaves phases and planes into the finished sheet.
   void store() {
     SheetImage& sheet = pass_.image;
-    std::vector<const float*> streams;
+    std::vector<const float*> phase_rows;  // of every plane
     for (std::int64_t row = first_ * scale_; row < last_ * scale_; ++row) {
-      streams.clear();
+      phase_rows.clear();
       for (std::int64_t phase = 0; phase < scale_; ++phase) {
         for (std::int64_t plane = 0; plane < image_.planes(); ++plane)
-          streams.push_back(image_.row(row, phase) + plane * image_.plane_stride());
+          phase_rows.push_back(image_.row(row, phase) + plane * image_.plane_stride());
       }
       float* out = &sheet.pixels[static_cast<std::size_t>((row + 1) * sheet.stride() * sheet.channels)];
       std::fill_n(out, sheet.channels, 0.0f);
-      interleave(streams, pass_.window.columns, out + sheet.channels);
+      interleave(phase_rows, pass_.window.columns, out + sheet.channels);
       std::fill_n(out + (sheet.stride() - 1) * sheet.channels, sheet.channels, 0.0f);
     }
   }

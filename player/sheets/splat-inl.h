@@ -47,8 +47,8 @@ template <int kEmissions, int kRows, int kPhases>
 class Splat {
   static constexpr int kPlanes = 1 + kEmissions;
   static constexpr std::int64_t kBlockFloats = kBlock * kPlanes;
-  static constexpr int kStreams = kRows * kPhases;  // of pixels: row by row, phase by phase
-  using Streams = float* const (&)[kStreams];
+  static constexpr int kPhaseRows = kRows * kPhases;  // row by row, phase by phase
+  using PhaseRows = float* const (&)[kPhaseRows];
 
   /// Values of a plane at voxels of a part, and differences to the previous voxels.
   struct Voxels {
@@ -100,19 +100,19 @@ class Splat {
   static constexpr std::int64_t kNoBlock = std::numeric_limits<std::int64_t>::max();
   static constexpr Blocks kNone{kNoBlock, kNoBlock};
 
-  [[nodiscard]] HWY_INLINE OpaquePixels& OpaqueOf(std::int64_t pair, int stream) const {
-    return image_.opaque[pair * image_.opaque_pair_stride + stream / kPhases * image_.opaque_row_stride +
-                         stream % kPhases];
+  [[nodiscard]] HWY_INLINE OpaquePixels& OpaqueOf(std::int64_t pair, int phase_row) const {
+    return image_.opaque[pair * image_.opaque_pair_stride + phase_row / kPhases * image_.opaque_row_stride +
+                         phase_row % kPhases];
   }
-  [[nodiscard]] HWY_INLINE std::int64_t ShiftOf(int stream) const {
-    return rows_.phases[static_cast<std::size_t>(stream % kPhases)].shift;
+  [[nodiscard]] HWY_INLINE std::int64_t ShiftOf(int phase_row) const {
+    return rows_.phases[static_cast<std::size_t>(phase_row % kPhases)].shift;
   }
 
-  /// Blocks whose pixels are known to be opaque in all streams.
+  /// Blocks whose pixels are known to be opaque in all phase rows.
   HWY_INLINE Blocks HiddenBlocks(std::int64_t pair) const {
     if (image_.opaque == nullptr) return kNone;
     Blocks hidden{-kNoBlock, kNoBlock};
-    for (int n = 0; n < kStreams; ++n) {
+    for (int n = 0; n < kPhaseRows; ++n) {
       const OpaquePixels& opaque = OpaqueOf(pair, n);
       if (opaque.first == opaque.last) return kNone;
       hidden.first = std::max(hidden.first, (opaque.first - ShiftOf(n) + kBlock - 1) >> kBlockBits);
@@ -138,7 +138,7 @@ class Splat {
   /// Extends the known opaque pixels, or replaces them by a longer interval.
   HWY_INLINE void KeepOpaque(const Blocks& blocks) const {
     if (image_.opaque == nullptr) return;
-    for (int n = 0; n < kStreams; ++n) {
+    for (int n = 0; n < kPhaseRows; ++n) {
       OpaquePixels& known = OpaqueOf(pair_, n);
       const OpaquePixels found{blocks.first * kBlock + ShiftOf(n), blocks.last * kBlock + ShiftOf(n)};
       if (found.first <= known.last && known.first <= found.last) {
@@ -150,26 +150,26 @@ class Splat {
   }
 
   HWY_INLINE void CompositeBlocks(const BlockRun& run, const Blocks& blocks) {
-    // Find the pixels of each stream
-    float* streams[kStreams];
-    for (int n = 0; n < kStreams; ++n) {
+    // Find the pixels of each phase row
+    float* phase_rows[kPhaseRows];
+    for (int n = 0; n < kPhaseRows; ++n) {
       const int row = n / kPhases, phase = n % kPhases;
-      streams[n] = image_.pixels + pair_ * image_.pair_stride + row * image_.row_stride +
-                   phase * image_.phase_stride + ShiftOf(n) + blocks.first * kBlock;
+      phase_rows[n] = image_.pixels + pair_ * image_.pair_stride + row * image_.row_stride +
+                      phase * image_.phase_stride + ShiftOf(n) + blocks.first * kBlock;
     }
     const bool none_hidden = next_hidden_.first == kNoBlock;
-    const auto advance = [&streams] {
-      for (float*& stream : streams) stream += kBlock;
+    const auto advance = [&phase_rows] {
+      for (float*& pixels : phase_rows) pixels += kBlock;
     };
 
     // Composite blocks, and skip opaque ones
     for (std::int64_t block = blocks.first; block < blocks.last; ++block) {
-      if (HWY_UNLIKELY(Opaque(streams))) {
+      if (HWY_UNLIKELY(Opaque(phase_rows))) {
         const std::int64_t first = block;
         do {
           advance();
           ++block;
-        } while (block < blocks.last && Opaque(streams));
+        } while (block < blocks.last && Opaque(phase_rows));
         KeepOpaque({first, block});
         SkipTo(run, block - 1);
         if (block == blocks.last) return;
@@ -178,7 +178,7 @@ class Splat {
       const float* lower = run.lower.optics(block, kBlockFloats, kEmptyBlock.data());
       if (none_hidden) PrefetchAhead<kBlockFloats>(lower);
       if (HWY_UNLIKELY(skipped_upper_ != nullptr)) CarryFromSkipped();
-      CompositeBlock(upper, lower, streams);
+      CompositeBlock(upper, lower, phase_rows);
       advance();
     }
   }
@@ -189,12 +189,12 @@ class Splat {
     skipped_lower_ = run.lower.optics(block, kBlockFloats, kEmptyBlock.data());
   }
 
-  HWY_INLINE bool Opaque(Streams streams) const {
+  HWY_INLINE bool Opaque(PhaseRows phase_rows) const {
     const Lanes d;
     auto min_opacity = Set(d, 1.0f);
-    for (const float* stream : streams) {
+    for (const float* pixels : phase_rows) {
       for (std::int64_t part = 0; part < kBlock; part += kPart)
-        min_opacity = Min(min_opacity, LoadU(d, stream + kEmissions * image_.plane_stride + part));
+        min_opacity = Min(min_opacity, LoadU(d, pixels + kEmissions * image_.plane_stride + part));
     }
     return AllTrue(d, Ge(min_opacity, opaque_));
   }
@@ -247,7 +247,7 @@ class Splat {
     return FusedMulAdd(Lanes(), before, voxels.step, voxels.here);
   }
 
-  HWY_INLINE void CompositeBlock(const float* upper, const float* lower, Streams streams) {
+  HWY_INLINE void CompositeBlock(const float* upper, const float* lower, PhaseRows phase_rows) {
     // Interpolate the depths
     Voxels depths[kRows][kParts];
     auto max_depth = Zero(Lanes());
@@ -262,22 +262,22 @@ class Splat {
     const auto max_depth_of_both = Max(max_depth, max_depth_carry_);
     max_depth_carry_ = max_depth;
     if (HWY_LIKELY(AllUpTo(kThin, max_depth_of_both))) {
-      CompositeParts<AbsorptionMethod::kThinSlab>(depths, upper, lower, streams);
+      CompositeParts<AbsorptionMethod::kThinSlab>(depths, upper, lower, phase_rows);
     } else if (HWY_LIKELY(AllUpTo(kModerate, max_depth_of_both))) {
-      CompositeParts<AbsorptionMethod::kModerateSlab>(depths, upper, lower, streams);
+      CompositeParts<AbsorptionMethod::kModerateSlab>(depths, upper, lower, phase_rows);
     } else {
-      CompositeParts<AbsorptionMethod::kAnySlab>(depths, upper, lower, streams);
+      CompositeParts<AbsorptionMethod::kAnySlab>(depths, upper, lower, phase_rows);
     }
   }
 
   template <AbsorptionMethod kMethod>
   HWY_INLINE void CompositeParts(const Voxels (&depths)[kRows][kParts], const float* upper,
-                                 const float* lower, Streams streams) {
-    // Skip hidden streams: at the edges of dense structures most pixels are opaque
-    bool hidden[kStreams] = {};
+                                 const float* lower, PhaseRows phase_rows) {
+    // Skip hidden phase rows: at the edges of dense structures most pixels are opaque
+    bool hidden[kPhaseRows] = {};
     if constexpr (kMethod != AbsorptionMethod::kThinSlab) {
-      for (int s = 0; s < kStreams; ++s)
-        hidden[s] = Hidden(before_[s % kPhases], depths[s / kPhases], streams[s]);
+      for (int s = 0; s < kPhaseRows; ++s)
+        hidden[s] = Hidden(before_[s % kPhases], depths[s / kPhases], phase_rows[s]);
     }
 
     for (int part = 0; part < kParts; ++part) {
@@ -288,7 +288,7 @@ class Splat {
         for (int phase = 0; phase < kPhases; ++phase) {
           const int s = row * kPhases + phase;
           if (hidden[s]) continue;
-          CompositePixels<kMethod>(before_[phase], depths[row][part], colors, streams[s] + part * kPart);
+          CompositePixels<kMethod>(before_[phase], depths[row][part], colors, phase_rows[s] + part * kPart);
         }
       }
     }
@@ -355,21 +355,21 @@ HWY_INLINE void CompositePairs(const SheetRows& rows, float slab_mm, float termi
   for (std::int64_t pair = 0; pair < rows.pairs; ++pair) splat.CompositePair(pair);
 }
 
-/// Every row and phase by itself.
+/// Every phase row by itself.
 template <int kEmissions>
-HWY_INLINE void CompositeStreamwise(const SheetRows& rows, float slab_mm, float termination_threshold,
-                                    const ImageRows& image) {
+HWY_INLINE void CompositeOneByOne(const SheetRows& rows, float slab_mm, float termination_threshold,
+                                  const ImageRows& image) {
   SheetRows one = rows;
   one.rows_between = one.phase_count = 1;
   for (std::size_t row = 0; row < rows.rows_between; ++row) {
     for (std::size_t phase = 0; phase < rows.phase_count; ++phase) {
       one.lower_weights[0] = rows.lower_weights[row];
       one.phases[0] = rows.phases[phase];
-      ImageRows stream = image;
+      ImageRows phase_row = image;
       const auto r = static_cast<std::int64_t>(row), p = static_cast<std::int64_t>(phase);
-      stream.pixels += r * image.row_stride + p * image.phase_stride;
-      if (stream.opaque != nullptr) stream.opaque += r * image.opaque_row_stride + p;
-      CompositePairs<kEmissions, 1, 1>(one, slab_mm, termination_threshold, stream);
+      phase_row.pixels += r * image.row_stride + p * image.phase_stride;
+      if (phase_row.opaque != nullptr) phase_row.opaque += r * image.opaque_row_stride + p;
+      CompositePairs<kEmissions, 1, 1>(one, slab_mm, termination_threshold, phase_row);
     }
   }
 }
@@ -384,7 +384,7 @@ HWY_INLINE void CompositeEmissions(const SheetRows& rows, float slab_mm, float t
     case 21: return CompositePairs<kEmissions, 2, 1>(rows, slab_mm, termination_threshold, image);
     case 22: return CompositePairs<kEmissions, 2, 2>(rows, slab_mm, termination_threshold, image);
     case 33: return CompositePairs<kEmissions, 3, 3>(rows, slab_mm, termination_threshold, image);
-    default: return CompositeStreamwise<kEmissions>(rows, slab_mm, termination_threshold, image);
+    default: return CompositeOneByOne<kEmissions>(rows, slab_mm, termination_threshold, image);
   }
 }
 

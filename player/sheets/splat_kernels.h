@@ -34,7 +34,7 @@ struct SheetRows {
   std::size_t phase_count = 1;                  ///< 1 to kMaxPhases
 };
 
-/// Pixels [first, last) of a row and phase with a transmittance of at most the termination threshold.
+/// Pixels [first, last) of a phase row with a transmittance of at most the termination threshold.
 struct OpaquePixels {
   std::int64_t first = 0, last = 0;
 };
@@ -50,7 +50,7 @@ struct ImageRows {
   std::int64_t columns = 0;
   /// In floats; `pair_stride` is that between the first rows of consecutive pairs.
   std::int64_t plane_stride = 0, phase_stride = 0, row_stride = 0, pair_stride = 0;
-  /// Known opaque pixels of each row and phase, empty before the first slice and extended by kernels.
+  /// Known opaque pixels of each phase row, empty before the first slice and extended by kernels.
   /// Requires the same termination threshold for all slices. May be null.
   OpaquePixels* opaque = nullptr;
   std::int64_t opaque_row_stride = 0, opaque_pair_stride = 0;  ///< phases are adjacent

@@ -25,8 +25,7 @@ StructureFacts facts_of(const Atlas& atlas, StructureIndex s) {
   const DecisionTree::VoxelCounts counts = atlas.tree().voxel_counts(s);
   facts.voxels = counts.interior + counts.boundary;
   for (const StructureIndex d : atlas.graph().descendants(s)) facts.triangles += atlas.triangles(d);
-  const Vec3& spacing = atlas.grid().spacing_mm;
-  facts.millilitres = static_cast<double>(facts.voxels) * spacing[0] * spacing[1] * spacing[2] / 1000.0;
+  facts.millilitres = static_cast<double>(facts.voxels) * voxel_volume_mm3(atlas.grid()) / 1000.0;
   return facts;
 }
 

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <functional>
 #include <limits>
 #include <numbers>
 
@@ -81,6 +82,31 @@ TEST(Grid, CountsAndPlacesVoxelsWithIFastest) {
   EXPECT_FALSE(grid.contains(0, 4, 0));
   EXPECT_FALSE(grid.contains(0, 0, 5));
   EXPECT_FALSE(grid.contains(-1, 0, 0));
+}
+
+TEST(Grid, ReferenceLengthIsTheCubeRootOfAShearedVoxel) {
+  // Columns (1, 0, 0), (1.9, 0.3, 0) and (0, 0, 3): a voxel of 1 * 0.3 * 3 mm^3.
+  const double length = std::hypot(1.9, 0.3);
+  const Grid sheared{.size = {4, 4, 4},
+                     .spacing_mm = {1, length, 3},
+                     .direction_lps = {1, 1.9 / length, 0, 0, 0.3 / length, 0, 0, 0, 1}};
+  EXPECT_NEAR(reference_length_mm(sheared), std::cbrt(0.9), 1e-15);
+  Grid mirrored = sheared;
+  mirrored.direction_lps[8] = -1;
+  EXPECT_NEAR(reference_length_mm(mirrored), std::cbrt(0.9), 1e-15);
+  // Columns of other lengths than 1 scale the voxel, too.
+  EXPECT_NEAR(reference_length_mm({.spacing_mm = {1, 2, 3}, .direction_lps = {2, 0, 0, 0, 1, 0, 0, 0, -1}}),
+              std::cbrt(12), 1e-15);
+}
+
+RC_GTEST_PROP(Grid, ReferenceLengthOfOrthonormalAxesIsThatOfTheSpacings, ()) {
+  auto random = *random_source();
+  Grid grid = random_grid(random);
+  const double expected = std::cbrt(grid.spacing_mm[0] * grid.spacing_mm[1] * grid.spacing_mm[2]);
+  RC_ASSERT(std::equal_to<>()(reference_length_mm(grid), expected));
+  // Also with the rounding of single precision, as in files
+  for (double& cosine : grid.direction_lps) cosine = static_cast<float>(cosine);
+  RC_ASSERT(std::equal_to<>()(reference_length_mm(grid), expected));
 }
 
 TEST(Grid, IndexToMmIsTheFormulaOfItk) {

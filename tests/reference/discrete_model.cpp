@@ -59,8 +59,7 @@ int sheet_pixels_per_voxel(Quality quality, const ParallelView& view, const Opti
   const auto rounded = [&](double per_pixel, int min, int max) {
     return std::clamp(static_cast<int>(std::ceil(per_pixel * pixels_per_voxel - 0.25)), min, max);
   };
-  const Vec3& spacing = field.grid.spacing_mm;
-  const bool sharp = field.mean_densest * std::cbrt(spacing[0] * spacing[1] * spacing[2]) >= 1;
+  const bool sharp = field.mean_densest * voxel_side_mm(field.grid) >= 1;
   switch (quality) {
     case Quality::kNormal: return sharp ? rounded(2.25, 1, 6) : rounded(1.5, 1, 4);
     case Quality::kHigh: return rounded(sharp ? 2.5 : 2, 2, 8);

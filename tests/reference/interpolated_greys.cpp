@@ -10,7 +10,7 @@ namespace splatlas::reference {
 InterpolatedGreys::InterpolatedGreys(const AtlasContent& content, const Selection& selection)
     : values_(content.values),
       classified_before_(optical_field(content, selection, {}, false)),
-      reference_length_mm_(std::cbrt(grid().spacing_mm[0] * grid().spacing_mm[1] * grid().spacing_mm[2])) {
+      reference_length_mm_(voxel_side_mm(grid())) {
   for (const ClassDraw& draw : DecisionTree(content.graph, content.classes).plan(selection).classes) {
     if (!draws_volume(draw.role)) continue;
     const StructureDraw& structure = selection.structures[draw.volume_of];

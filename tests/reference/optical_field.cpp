@@ -41,6 +41,14 @@ double value_of(const VoxelBuffer& values, std::size_t n) {
                           [&](auto tag) { return static_cast<double>(values.as<decltype(tag)>()[n]); });
 }
 
+double voxel_side_mm(const Grid& grid) {
+  const Affine to_mm = index_to_lps_mm(grid);
+  const Vec3 i = to_mm.apply_linear({1, 0, 0}), j = to_mm.apply_linear({0, 1, 0}),
+             k = to_mm.apply_linear({0, 0, 1});
+  const Vec3 normal{i[1] * j[2] - i[2] * j[1], i[2] * j[0] - i[0] * j[2], i[0] * j[1] - i[1] * j[0]};
+  return std::cbrt(std::abs(normal[0] * k[0] + normal[1] * k[1] + normal[2] * k[2]));
+}
+
 VoxelOptics OpticalField::at(std::int64_t i, std::int64_t j, std::int64_t k) const {
   if (!grid.contains(i, j, k)) return {};
   return voxels[static_cast<std::size_t>(grid.offset(i, j, k))];
@@ -58,8 +66,7 @@ OpticalField optical_field(const AtlasContent& content, const Selection& selecti
                            bool hybrid_shading) {
   OpticalField field{storage_grid(content), {}};
   field.voxels.resize(content.class_volume.size());
-  const Vec3& spacing = field.grid.spacing_mm;
-  const double reference_length_mm = std::cbrt(spacing[0] * spacing[1] * spacing[2]);
+  const double reference_length_mm = voxel_side_mm(field.grid);
   const DrawPlan plan = DecisionTree(content.graph, content.classes).plan(selection);
   std::vector<const ClassDraw*> draw_of(content.classes.size(), nullptr);
   for (const ClassDraw& draw : plan.classes) draw_of[draw.id] = &draw;

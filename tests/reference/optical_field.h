@@ -41,6 +41,9 @@ void for_each_corner(const Vec3& index, const Visit& visit) {
   }
 }
 
+/// Side of a cube with the volume of a voxel, by the triple product of its edges.
+[[nodiscard]] double voxel_side_mm(const Grid& grid);
+
 /// The n-th grey value.
 [[nodiscard]] double value_of(const VoxelBuffer& values, std::size_t n);
 

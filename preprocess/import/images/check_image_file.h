@@ -29,6 +29,7 @@ enum class ImageFormat { kNifti, kNrrd, kMetaImage };
 struct PixelData {
   std::filesystem::path file;
   std::uint64_t start = 0, bytes = 0;  ///< offset in the file, and decompressed length
+  std::uint64_t skipped_bytes = 0;     ///< decompressed bytes before the pixels
   bool is_deflated = false;  ///< a zlib or gzip stream for read_deflated(); else ITK reads the pixels
   bool is_big_endian = false;
 };

@@ -1,11 +1,13 @@
 // Checks of the image formats with text headers: NRRD and MetaImage.
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <map>
 #include <set>
 #include <string>
 #include <vector>
 
+#include "format/grid.h"
 #include "format/system/ascii_text.h"
 #include "format/system/result_macros.h"
 #include "preprocess/import/images/check_image_file.h"
@@ -186,6 +188,54 @@ bool is_true(const std::string& value) {
   return value.starts_with('T') || value.starts_with('t') || value == "1";
 }
 
+/// The offset behind the first `lines` lines from `start` on. kFailed if there are fewer.
+Result<std::uint64_t> skip_lines(const fs::path& path, std::uint64_t start, std::uint64_t lines) {
+  std::ifstream file(path, std::ios::binary);
+  file.seekg(static_cast<std::streamoff>(start));
+  std::vector<char> piece(1 << 16);
+  for (std::uint64_t left = lines; left > 0;) {
+    file.read(piece.data(), static_cast<std::streamsize>(piece.size()));
+    if (file.gcount() <= 0) return bad_file(path, "is truncated: its header skips {} lines", lines);
+    for (std::streamsize n = 0; n < file.gcount() && left > 0; ++n) {
+      ++start;
+      if (piece[static_cast<std::size_t>(n)] == '\n') --left;
+    }
+  }
+  return start;
+}
+
+/// Applies NRRD's "line skip", in the file, and "byte skip", in the decompressed bytes, to compressed pixels.
+/// Only ITK finds pixels at the end (-1).
+Result<void> skip_nrrd_start(const TextHeader& header, const fs::path& path, PixelData& pixels) {
+  const auto text_of = [&](const std::string& what) {
+    return header.get(what + " skip", header.get(what + "skip", "0"));
+  };
+  const std::string line_skip = text_of("line"), byte_skip = text_of("byte");
+  const auto lines = parse_integer(line_skip), bytes = parse_integer(byte_skip);
+  if (!lines || *lines < 0 || !bytes || *bytes < -1 || *bytes > kMaxVoxels)
+    return bad_file(path, "has line skip: {} and byte skip: {}; they must be counts", line_skip, byte_skip);
+  if (*bytes < 0) return {};
+  pixels.is_deflated = true;
+  pixels.skipped_bytes = static_cast<std::uint64_t>(*bytes);
+  SPLATLAS_ASSIGN_OR_RETURN(pixels.start,
+                            skip_lines(pixels.file, pixels.start, static_cast<std::uint64_t>(*lines)));
+  return {};
+}
+
+/// Moves the start of MetaImage's pixels to HeaderSize, an offset in their file. 0 stands for no such offset,
+/// and -1 for pixels at the end of the file.
+Result<void> skip_header_size(const TextHeader& header, const fs::path& path, PixelData& pixels) {
+  const auto size = parse_integer(header.get("HeaderSize", "0"));
+  if (!size || *size < -1) return bad_file(path, "has HeaderSize = {}", header.get("HeaderSize"));
+  if (*size <= 0) return {};
+  if (static_cast<std::uint64_t>(*size) < pixels.start) {
+    return bad_file(path, "has HeaderSize = {}, but its header alone has {} bytes; remove HeaderSize", *size,
+                    pixels.start);
+  }
+  pixels.start = static_cast<std::uint64_t>(*size);
+  return {};
+}
+
 }  // namespace
 
 Result<PixelData> check_nrrd_file(const fs::path& path) {
@@ -204,11 +254,8 @@ Result<PixelData> check_nrrd_file(const fs::path& path) {
   std::uint64_t stored = bytes;  // at least
   bool is_text = false;
   if (encoding == "gzip" || encoding == "gz") {
-    stored = bytes / kMaxDeflateRatio;
-    const auto skips = [&](const std::string& what) {
-      return parse_integer(header.get(what + " skip", header.get(what + "skip", "0"))) != 0;
-    };
-    pixels.is_deflated = !skips("line") && !skips("byte");  // ITK finds pixels behind other text
+    SPLATLAS_RETURN_IF_ERROR(skip_nrrd_start(header, path, pixels));
+    stored = (pixels.skipped_bytes + bytes) / kMaxDeflateRatio;
   } else if (encoding == "hex") {
     stored = 2 * bytes;
     is_text = true;
@@ -247,12 +294,9 @@ Result<PixelData> check_meta_image_file(const fs::path& path) {
                             find_pixels(path, header, to_lower(name) == "local" ? "" : name, bytes));
   pixels.is_big_endian = is_true(header.get("BinaryDataByteOrderMSB", header.get("ElementByteOrderMSB")));
   pixels.is_deflated = is_true(header.get("CompressedData"));
-  const auto skip = parse_integer(header.get("HeaderSize", "0"));
-  if (!skip || *skip < -1) return bad_file(path, "has HeaderSize = {}", header.get("HeaderSize"));
-  const std::uint64_t offset = pixels.start + (*skip > 0 ? static_cast<std::uint64_t>(*skip) : 0);
-  SPLATLAS_RETURN_IF_ERROR(pixels.is_deflated
-                               ? check_raw_payload(pixels.file, pixels.start, bytes / kMaxDeflateRatio, bytes)
-                               : check_raw_payload(pixels.file, offset, bytes, bytes));
+  SPLATLAS_RETURN_IF_ERROR(skip_header_size(header, path, pixels));
+  SPLATLAS_RETURN_IF_ERROR(check_raw_payload(pixels.file, pixels.start,
+                                             pixels.is_deflated ? bytes / kMaxDeflateRatio : bytes, bytes));
   return pixels;
 }
 

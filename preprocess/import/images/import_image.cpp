@@ -51,7 +51,10 @@ Result<Image> read_with(itk::ImageIOBase& io, const fs::path& path, const PixelD
   if (pixels.is_deflated) {
     if (pixels.bytes != bytes)
       return bad_file(path, "has {} bytes of pixels by its header, {} by ITK's reading", pixels.bytes, bytes);
-    SPLATLAS_RETURN_IF_ERROR(read_deflated(pixels.file, pixels.start, bytes, image.voxels.bytes));
+    SPLATLAS_RETURN_IF_ERROR(
+        read_deflated(pixels.file, pixels.start, pixels.skipped_bytes + bytes, image.voxels.bytes));
+    image.voxels.bytes.erase(image.voxels.bytes.begin(),
+                             image.voxels.bytes.begin() + static_cast<std::ptrdiff_t>(pixels.skipped_bytes));
     if (pixels.is_big_endian) swap_bytes(image.voxels);
     return image;
   }

@@ -68,8 +68,10 @@ Result<Grid> grid_by_itk(const fs::path& path) {
     io->ReadImageInformation();
   } catch (const itk::ExceptionObject& error) {
     if (message_of(error).find("orthonormal") == std::string::npos) throw;
-    return bad_file(path,
-                    "has sheared axes (sform), but they must be orthonormal; resample it to orthogonal axes");
+    return bad_file(
+        path,
+        "has sheared axes (sform), but ITK's axes of NIfTI files must be orthonormal; resample it to "
+        "orthogonal axes, or convert it to NRRD, which can hold sheared ones");
   }
   return grid_of(*io);
 }

@@ -7,6 +7,7 @@
 
 #include "tests/player/prepared_selection.h"
 #include "tests/reference/grey_truth.h"
+#include "tests/reference/optical_field.h"
 #include "tests/reference/picture_difference.h"
 #include "tests/support/render.h"
 #include "tests/support/standard_scenes.h"
@@ -60,7 +61,7 @@ ReferencePicture truth_of(const StandardScene& scene, const Camera& camera, cons
   const auto appearance = reference::grey_appearance(
       *std::find_if(scene.selection.structures.begin(), scene.selection.structures.end(),
                     [](const StructureDraw& draw) { return draw.mode != DrawMode::kOff; }),
-      scene.content.display, std::cbrt(grid.spacing_mm[0] * grid.spacing_mm[1] * grid.spacing_mm[2]));
+      scene.content.display, reference::voxel_side_mm(grid));
   const GreyTruth truth(*volume, *appearance, Classification::kAfter);
   const View view = *view_of(camera, size, scene.content.display);
   if (!view.eye_mm) return render_grey_truth(truth, grid, view.plane, 1);

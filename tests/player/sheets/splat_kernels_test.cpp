@@ -40,17 +40,17 @@ SliceSpans slice_of(const std::vector<Scanline>& rows, int emissions) {
   return slice;
 }
 
-/// Pixel streams of an image (a row and a phase each), with margins and guard pixels.
+/// Phase rows of an image, with margins and guard pixels.
 class Image {
  public:
   static constexpr std::int64_t kGuard = 8;
 
-  Image(std::int64_t columns, std::size_t streams, std::size_t planes)
+  Image(std::int64_t columns, std::size_t phase_rows, std::size_t planes)
       : columns_(columns),
         stride_(columns + 2 * (ImageRows::kMargin + kGuard)),
-        streams_(streams),
+        phase_rows_(phase_rows),
         planes_(planes),
-        floats_(streams * planes * static_cast<std::size_t>(stride_)) {}
+        floats_(phase_rows * planes * static_cast<std::size_t>(stride_)) {}
 
   /// Order: rows between a pair, then phases.
   [[nodiscard]] ImageRows rows(std::size_t phases, std::size_t rows_between) {
@@ -59,12 +59,12 @@ class Image {
     return {floats_.data() + kGuard + ImageRows::kMargin,        columns_, stride_, plane_floats, row_floats,
             row_floats * static_cast<std::int64_t>(rows_between)};
   }
-  [[nodiscard]] float& at(std::size_t stream, std::size_t plane, std::int64_t x) {
-    return floats_[(stream * planes_ + plane) * static_cast<std::size_t>(stride_) +
+  [[nodiscard]] float& at(std::size_t phase_row, std::size_t plane, std::int64_t x) {
+    return floats_[(phase_row * planes_ + plane) * static_cast<std::size_t>(stride_) +
                    static_cast<std::size_t>(kGuard + ImageRows::kMargin + x)];
   }
   [[nodiscard]] std::int64_t columns() const { return columns_; }
-  [[nodiscard]] std::size_t streams() const { return streams_; }
+  [[nodiscard]] std::size_t phase_rows() const { return phase_rows_; }
   [[nodiscard]] std::size_t planes() const { return planes_; }
 
   void fill(std::mt19937& random) {
@@ -74,7 +74,7 @@ class Image {
 
  private:
   std::int64_t columns_, stride_;
-  std::size_t streams_, planes_;
+  std::size_t phase_rows_, planes_;
   std::vector<float> floats_;
 };
 
@@ -129,14 +129,14 @@ struct Case {
   }
 
   /// The definition, in double precision.
-  [[nodiscard]] double splatted(std::size_t stream, std::int64_t x, std::size_t plane) const {
-    return weigh(stream, x, plane, [](double first, double second, double weight) {
+  [[nodiscard]] double splatted(std::size_t phase_row, std::int64_t x, std::size_t plane) const {
+    return weigh(phase_row, x, plane, [](double first, double second, double weight) {
       return (1 - weight) * first + weight * second;
     });
   }
   /// The maximum of the interpolated voxels, the scale of rounding errors.
-  [[nodiscard]] double largest(std::size_t stream, std::int64_t x, std::size_t plane) const {
-    return weigh(stream, x, plane,
+  [[nodiscard]] double largest(std::size_t phase_row, std::int64_t x, std::size_t plane) const {
+    return weigh(phase_row, x, plane,
                  [](double first, double second, double) { return std::max(first, second); });
   }
 
@@ -149,9 +149,9 @@ struct Case {
     return n < static_cast<std::int64_t>(line.size()) ? line[static_cast<std::size_t>(n)][plane] : 0;
   }
   template <typename Mix>
-  [[nodiscard]] double weigh(std::size_t stream, std::int64_t x, std::size_t plane, const Mix& mix) const {
-    const Phase& phase = rows.phases[stream % rows.phase_count];
-    const std::size_t row = stream / rows.phase_count;
+  [[nodiscard]] double weigh(std::size_t phase_row, std::int64_t x, std::size_t plane, const Mix& mix) const {
+    const Phase& phase = rows.phases[phase_row % rows.phase_count];
+    const std::size_t row = phase_row / rows.phase_count;
     const float lower_weight = rows.lower_weights[row % rows.rows_between];
     const std::int64_t upper = rows.upper + static_cast<std::int64_t>(row / rows.rows_between);
     const auto mixed = [&](std::int64_t n) {
@@ -192,7 +192,7 @@ TEST_P(SplatKernelsOf, CompositeTheDefinition) {
     const double slab_mm = 0.8f;
     scene.composite(kernels(), 0.8f, 0, image);
     const std::size_t opacity = image.planes() - 1;
-    for (std::size_t s = 0; s < image.streams(); ++s) {
+    for (std::size_t s = 0; s < image.phase_rows(); ++s) {
       for (std::int64_t x = 0; x < image.columns(); ++x) {
         const double depth = scene.splatted(s, x, 0) * slab_mm;
         const double transmittance = 1 - static_cast<double>(before.at(s, opacity, x));
@@ -300,7 +300,7 @@ TEST_P(SplatKernelsOf, RecordedOpaquePixelsHaveNoEffect) {
     Case scene(random, 8.0f);
     Image with = scene.black_image();
     Image without = with;
-    std::vector<OpaquePixels> opaque(with.streams());
+    std::vector<OpaquePixels> opaque(with.phase_rows());
     ImageRows rows = with.rows(scene.rows.phase_count, scene.rows.rows_between);
     rows.opaque = opaque.data();
     rows.opaque_row_stride = static_cast<std::int64_t>(scene.rows.phase_count);
@@ -310,7 +310,7 @@ TEST_P(SplatKernelsOf, RecordedOpaquePixelsHaveNoEffect) {
       scene.composite(kernels(), 0.9f, kThreshold, without);
       for (Phase& phase : scene.rows.phases) phase.shift += slice % 4 == 0 ? 1 : 0;
     }
-    for (std::size_t s = 0; s < with.streams(); ++s) {
+    for (std::size_t s = 0; s < with.phase_rows(); ++s) {
       for (std::size_t plane = 0; plane < with.planes(); ++plane) {
         for (std::int64_t x = 0; x < with.columns(); ++x)
           ASSERT_EQ(with.at(s, plane, x), without.at(s, plane, x)) << "scene " << n;
@@ -336,7 +336,7 @@ TEST_P(VectorSplatKernels, AgreeWithTheScalarReference) {
       scene.composite(scalar_kernels(), 1.7f, threshold, scalar);
       for (Phase& phase : scene.rows.phases) ++phase.shift;
     }
-    for (std::size_t s = 0; s < image.streams(); ++s) {
+    for (std::size_t s = 0; s < image.phase_rows(); ++s) {
       for (std::size_t plane = 0; plane < image.planes(); ++plane) {
         for (std::int64_t x = 0; x < image.columns(); ++x) {
           const float expected = scalar.at(s, plane, x);

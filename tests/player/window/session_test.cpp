@@ -255,6 +255,14 @@ TEST_F(SessionTest, WhatIsDamagedIsToldBesideThePictureOfTheRest) {
   EXPECT_EQ(desk->status().text, "");
 }
 
+TEST_F(SessionTest, AVolumeInMillilitresFollowsShearedAxes) {
+  AtlasContent content = phantom_content();
+  content.source_grid.direction_lps = {1, 0.6, 0, 0, 0.8, 0, 0, 0, 1};
+  Desk desk(*Atlas::open_bytes(*encode_atlas(content), "sheared.atlas"));
+  desk->choose(kSphere1, true);
+  EXPECT_DOUBLE_EQ(desk->current()->millilitres, 0.8 * 4.145);
+}
+
 TEST_F(SessionTest, ChoosingTellsTheFacts) {
   Desk desk(atlas());
   desk->choose(kSphere1, true);

@@ -1,5 +1,6 @@
 #include "preprocess/import/images/import_image.h"
 
+#include <cmath>
 #include <filesystem>
 #include <limits>
 
@@ -169,6 +170,11 @@ TEST_F(ImportImage, RefusesTextPixelsOfAnotherNumber) {
                 testing::AllOf(HasSubstr("a.nrrd: "), HasSubstr("sizes, type and encoding"),
                                testing::Not(HasSubstr("[nrrd]")), testing::Not(HasSubstr("\n"))));
   }
+}
+
+TEST_F(ImportImage, ReadsShearedAxesOfNrrdFiles) {
+  const Image image = imported("a.nrrd", replaced(nrrd(), "(1,0,0) (0,2,0)", "(1,0,0) (1.9,0.3,0)"));
+  EXPECT_NEAR(reference_length_mm(image.grid), std::cbrt(1 * 0.3 * 3), 1e-12);
 }
 
 TEST_F(ImportImage, RefusesImpossibleGeometry) {
