@@ -280,18 +280,12 @@ Result<Picture> Renderer::render(const Camera& camera, const RenderOptions& opti
 
 Result<void> Renderer::render(const Camera& camera, const RenderOptions& options, Picture& picture,
                               const RenderControl& control) {
-  return render_with(*this, camera, options, {}, picture, control);
+  return RendererInternals::render(*this, camera, options, {}, picture, control);
 }
 
-Result<Picture> render_with(Renderer& renderer, const Camera& camera, const RenderOptions& options,
-                            const RenderOverrides& overrides) {
-  Picture picture;
-  SPLATLAS_RETURN_IF_ERROR(render_with(renderer, camera, options, overrides, picture));
-  return picture;
-}
-
-Result<void> render_with(Renderer& renderer, const Camera& camera, const RenderOptions& options,
-                         const RenderOverrides& overrides, Picture& picture, const RenderControl& control) {
+Result<void> RendererInternals::render(Renderer& renderer, const Camera& camera, const RenderOptions& options,
+                                       const RenderOverrides& overrides, Picture& picture,
+                                       const RenderControl& control) {
   Renderer::Impl& r = *renderer.impl_;
   try {
     TaskControl task(control.stop, control.progress);

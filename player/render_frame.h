@@ -14,8 +14,6 @@
 
 namespace splatlas {
 
-struct RenderOverrides;
-
 /// Renders one selection of an atlas at a time. Caches decoded data: a new selection reads only additional
 /// chunks. Owns a thread pool. Not thread-safe: serialise all calls on one renderer.
 class Renderer {
@@ -69,9 +67,7 @@ class Renderer {
   [[nodiscard]] std::optional<Pick> pick(double x, double y) const;
 
  private:
-  friend Result<void> render_with(Renderer& renderer, const Camera& camera, const RenderOptions& options,
-                                  const RenderOverrides& overrides, Picture& picture,
-                                  const RenderControl& control);
+  friend struct RendererInternals;
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
