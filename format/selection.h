@@ -113,6 +113,7 @@ struct Selection {
                                                                   std::string_view name);
 
 /// Applies the terms to the graph. kNotFound, with the column of the term, if a name is unknown or ambiguous.
+/// The name "*" selects nothing in a graph without structures.
 [[nodiscard]] Result<Selection> resolve_selection(std::span<const SelectionTerm> terms,
                                                   const StructureGraph& graph);
 /// parse_selection() followed by resolve_selection().
