@@ -81,7 +81,7 @@ struct SelectionTerm {
 /// Draw mode and appearance of one structure; StructureDraw{} if it is not selected.
 struct StructureDraw {
   DrawMode mode = DrawMode::kOff;
-  /// Opacity per crossing of a surface. For volumes, opacity per reference length
+  /// Opacity from 0 to 1 per crossing of a surface. For volumes, opacity per reference length
   /// (Atlas::reference_length_mm) at the maximum of the transfer function. Default: that of the mode and
   /// profile, or that of the curve.
   std::optional<float> opacity = std::nullopt;
@@ -98,6 +98,15 @@ struct Selection {
   friend bool operator==(const Selection&, const Selection&) = default;
   [[nodiscard]] bool empty() const;
 };
+
+/// kUsage with the first invalid structure, its index and the value:
+///   - more structures than the graph; missing ones are off
+///   - a mode or profile that is no enumerator
+///   - an opacity outside [0, 1]
+///   - ends of a ramp that are not finite, or low not below high
+///   - a curve that fails check_curve(), or with a profile, low or high beside it
+/// Structures that are off may have any appearance. O(structures and points of curves), thread-safe.
+[[nodiscard]] Result<void> check_selection(const Selection& selection, const StructureGraph& graph);
 
 /// Parses selection text without resolving names. A blank text has no terms. kUsage with the column (bytes,
 /// from 1) of the first fault.

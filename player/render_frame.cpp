@@ -56,6 +56,7 @@ struct Renderer::Impl {
 
   [[nodiscard]] Result<void> select(const Selection& selection) {
     Stopwatch watch;
+    SPLATLAS_RETURN_IF_ERROR(check_selection(selection, atlas->graph()));
     DrawPlan plan = atlas->tree().plan(selection);
     const std::uint64_t voxels = plan.volume_voxels + plan.hybrid_voxels;
     // Bound the selection's runs, which are unknown yet, by all runs of an axis.

@@ -26,9 +26,12 @@ class Renderer {
 
   [[nodiscard]] const Atlas& atlas() const;
 
-  /// Replaces the selection. render() reads and decodes its data later. kLimit, keeping the old selection, if
-  /// the new one needs more than RendererOptions::max_memory_bytes. kLimit, with an empty selection, when out
-  /// of memory. Cost: the draw plan of the selection.
+  /// Replaces the selection. render() reads and decodes its data later. Errors:
+  ///   - kUsage, keeping the old selection and picture, for an invalid selection (see check_selection()).
+  ///   - kLimit, keeping the old ones, if the new selection needs more memory than
+  ///     RendererOptions::max_memory_bytes.
+  ///   - kLimit, with an empty selection, when out of memory.
+  /// Cost: the draw plan of the selection.
   [[nodiscard]] Result<void> select(const Selection& selection);
 
   /// Renders the selection. The picture is bit-identical for any number of threads.

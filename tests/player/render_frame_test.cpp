@@ -1,14 +1,18 @@
 #include "player/render_frame.h"
 
+#include <cmath>
+#include <memory>
 #include <random>
 
 #include <fmt/format.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "format/atlas_writer.h"
 #include "player/frame/render_overrides.h"
 #include "player/spans/span_model.h"
 #include "tests/reference/picture_difference.h"
+#include "tests/support/fails_with.h"
 #include "tests/support/phantom_content.h"
 #include "tests/support/random_scene.h"
 #include "tests/support/render.h"
@@ -243,6 +247,35 @@ TEST(Renderer, PicksNothingAfterAFrameThatWasRefused) {
   EXPECT_EQ(refused.error().code, ErrorCode::kLimit);
   EXPECT_FALSE(renderer.pick(49, 50));
   EXPECT_FALSE(renderer.pick(40, 60));
+}
+
+TEST(Renderer, RefusesInvalidSelectionsAndKeepsTheOldOne) {
+  const AtlasContent content = phantom_content();
+  Renderer renderer = renderer_of(content, selection_of("Sphere_2:both", content.graph));
+  const Picture before = render_or_throw(renderer, {}, {.size = {20, 20}});
+  const auto picks = [&] {
+    std::vector<StructureIndex> picked;
+    for (int n = 0; n < 400; ++n) {
+      const auto pick = renderer.pick(n % 20 + 0.5, n / 20 + 0.5);
+      if (pick) picked.push_back(pick->structure);
+    }
+    return picked;
+  };
+  const std::vector<StructureIndex> picks_before = picks();
+  ASSERT_FALSE(picks_before.empty());
+  const Selection valid = selection_of("*:both", content.graph);
+  const auto last = valid.structures.size() - 1;
+  Selection invalid = valid;
+  invalid.structures[last].opacity = NAN;
+  Selection no_points = valid;
+  no_points.structures[last].volume.curve = std::make_shared<const TransferCurve>();
+  Selection too_long = valid;
+  too_long.structures.resize(1000, valid.structures[last]);
+  for (const Selection& refused : {invalid, no_points, too_long}) {
+    EXPECT_THAT(renderer.select(refused), FailsWith(ErrorCode::kUsage, testing::HasSubstr("selection: ")));
+    EXPECT_EQ(picks(), picks_before);
+    EXPECT_EQ(render_or_throw(renderer, {}, {.size = {20, 20}}).rgba, before.rgba);
+  }
 }
 
 /// Early ray termination adds no radiance, takes at most `threshold`, and at least `min_loss` of some value.
