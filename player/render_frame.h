@@ -37,7 +37,8 @@ class Renderer {
   /// Renders the selection. The picture is bit-identical for any number of threads.
   ///
   /// Errors keep the selection and the decoded data:
-  ///   - kUsage for an invalid camera or picture size (see view_of()).
+  ///   - kUsage for an invalid camera or picture size (see view_of()). Also for a perspective field of view
+  ///     that is too wide for surfaces: above about 70 degrees, from oblique directions.
   ///   - kLimit when the picture exceeds the allowed memory, before any read or allocation, or when out of
   ///     memory.
   ///   - kCancelled after a stop request in `control`. All threads check it every few milliseconds. Later
