@@ -213,7 +213,7 @@ struct Renderer::Impl {
   /// Runs the stages of a frame.
   [[nodiscard]] Result<void> run_stages(FrameRenderer& frame, std::size_t volume_loops, TaskControl& task,
                                         Picture& picture) {
-    shown.reset();  // its buffers are overwritten below
+    has_shown_fragments = false;
     task.begin_stage(kRasterized, kRasterLoops);
     SPLATLAS_RETURN_IF_ERROR(frame.rasterize());
     task.begin_stage(kVolumeDrawn, volume_loops);
@@ -224,7 +224,31 @@ struct Renderer::Impl {
     frame.cue_depth(picture);
 
     shown = frame.shown();
+    has_shown_fragments = true;
     return {};
+  }
+
+  /// Picks in the shown frame. Rasterises its surfaces again if an unfinished frame has replaced its
+  /// fragments.
+  [[nodiscard]] std::optional<Pick> pick(double x, double y) {
+    if (!shown) return std::nullopt;
+    if (!has_shown_fragments) {
+      const std::vector<SurfaceDraw> surfaces = drawn.surfaces(decoded.cache());
+      has_shown_fragments = rasterize_again(*shown, surfaces, atlas->grid(), buffers, pool).has_value();
+      if (!has_shown_fragments) return std::nullopt;
+    }
+    const Axis axis = shown->sheets.value_or(Axis::kZ);
+    const SelectedRuns* runs = shown->sheets ? spans.runs(axis) : nullptr;
+    std::optional<SelectedRuns> own_runs;
+    if (runs == nullptr) runs = &own_runs.emplace(drawn.plan(), atlas->classes(), decoded.cache(), axis);
+    const PickScene scene{.frame = *shown,
+                          .grid = atlas->grid(),
+                          .runs = *runs,
+                          .plan = drawn.plan(),
+                          .appearances = drawn.appearances().appearances(),
+                          .cache = decoded.cache(),
+                          .fragments = buffers.fragments};
+    return pick_structure(scene, x, y);
   }
 
   [[nodiscard]] tl::unexpected<Error> out_of_memory() const {
@@ -241,9 +265,10 @@ struct Renderer::Impl {
   SpanStore spans;
   std::optional<RayVolume> ray_volume;
 
-  // State of the latest frame.
+  // State of the latest frame, and of the latest finished one.
   FrameBuffers buffers;
   std::optional<ShownFrame> shown;
+  bool has_shown_fragments = false;  // false: an unfinished frame has replaced them
   RenderStats stats;
 };
 
@@ -301,25 +326,7 @@ Result<void> RendererInternals::render(Renderer& renderer, const Camera& camera,
 }
 
 std::optional<Pick> Renderer::pick(double x, double y) const {
-  const Impl& r = *impl_;
-  if (!r.shown) return std::nullopt;
-  const ShownFrame& shown = *r.shown;
-  const auto pick_among = [&](const SelectedRuns& runs) {
-    const PickScene scene{.frame = shown,
-                          .grid = r.atlas->grid(),
-                          .runs = runs,
-                          .plan = r.drawn.plan(),
-                          .appearances = r.drawn.appearances().appearances(),
-                          .cache = r.decoded.cache(),
-                          .fragments = r.buffers.fragments};
-    return pick_structure(scene, x, y);
-  };
-  if (!shown.sheets) {
-    return pick_among(SelectedRuns(r.drawn.plan(), r.atlas->classes(), r.decoded.cache(), Axis::kZ));
-  }
-  const SelectedRuns* runs = r.spans.runs(*shown.sheets);
-  if (runs == nullptr) return std::nullopt;
-  return pick_among(*runs);
+  return impl_->pick(x, y);
 }
 
 }  // namespace splatlas

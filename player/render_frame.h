@@ -63,11 +63,15 @@ class Renderer {
   /// The next select() clears the list, and render() tries them again.
   [[nodiscard]] const std::vector<MissingPart>& missing() const;
 
-  /// Casts a ray through picture coordinates (x, y) of the latest picture. Returns the structure with the
-  /// largest contribution to the pixel, and the point of its largest contribution in LPS mm. None for the
-  /// background, outside the picture, after select(), and after a render() that failed once drawing had
-  /// begun. Cost: a binary search among the decoded runs of each slice, and the samples of surfaces in the
-  /// picture row; after ray casting, also linear in the classes of the atlas. Throws std::bad_alloc.
+  /// Casts a ray through picture coordinates (x, y) of the latest finished picture. Cancelled and failed
+  /// calls of render() do not change it, so a draft can be picked while its refinement is cancelled. Returns
+  /// the structure with the largest contribution to the pixel, and the point of its largest contribution in
+  /// LPS mm. None for the background, outside the picture, after select(), and after a render() that failed
+  /// and added to missing().
+  ///
+  /// Cost: a binary search among the decoded runs of each slice, and the samples of surfaces in the picture
+  /// row. After ray casting, also linear in the classes of the atlas. Once after a cancelled or failed
+  /// render(), also the rasterisation of the surfaces. Throws std::bad_alloc.
   [[nodiscard]] std::optional<Pick> pick(double x, double y) const;
 
  private:

@@ -232,20 +232,25 @@ TEST(Renderer, RefusesPicturesThatNeedTooMuchMemoryBeforeItReads) {
   EXPECT_FALSE(too_small.render({}, options));
 }
 
-/// A refused frame leaves neither a picture nor a structure to pick.
-TEST(Renderer, PicksNothingAfterAFrameThatWasRefused) {
+/// The picture before a refused frame stays on the screen.
+TEST(Renderer, PicksThePictureBeforeAFrameThatWasRefused) {
   const AtlasContent content = phantom_content();
   // Memory for 3000 fragments.
   Renderer renderer(open_in_memory(content), {1, (1200 << 10) + picture_bytes({99, 99})});
   ASSERT_TRUE(renderer.select(selection_of("Spheres:both(opacity=0.5)", content.graph)));
   const Camera far_away{.zoom = 0.05};
   (void)render_or_throw(renderer, far_away, {.size = {99, 99}});
-  EXPECT_TRUE(renderer.pick(49, 50));
+  const auto pick = renderer.pick(49, 50);
+  ASSERT_TRUE(pick);
+  EXPECT_FALSE(renderer.pick(40, 60));
   const Camera close{.zoom = 1.5};
   const auto refused = renderer.render(close, {.size = {99, 99}});
   ASSERT_FALSE(refused.has_value());
   EXPECT_EQ(refused.error().code, ErrorCode::kLimit);
-  EXPECT_FALSE(renderer.pick(49, 50));
+  const auto again = renderer.pick(49, 50);
+  ASSERT_TRUE(again);
+  EXPECT_EQ(again->structure, pick->structure);
+  EXPECT_EQ(again->point_lps_mm, pick->point_lps_mm);
   EXPECT_FALSE(renderer.pick(40, 60));
 }
 
