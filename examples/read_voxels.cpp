@@ -20,9 +20,11 @@ Result<void> run(const char* path, const char* name) {
   if (!found) return tl::unexpected(found.error());
 
   std::set<ClassId> classes;
-  for (const StructureIndex s : atlas.graph().descendants(found->front())) {
-    for (const ClassId c : atlas.tree().interior_classes(s)) classes.insert(c);
-    for (const ClassId c : atlas.tree().boundary_classes(s)) classes.insert(c);
+  for (const StructureIndex top : *found) {  // several for a name with wildcards
+    for (const StructureIndex s : atlas.graph().descendants(top)) {
+      for (const ClassId c : atlas.tree().interior_classes(s)) classes.insert(c);
+      for (const ClassId c : atlas.tree().boundary_classes(s)) classes.insert(c);
+    }
   }
 
   std::uint64_t voxels = 0;
