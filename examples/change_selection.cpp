@@ -19,17 +19,19 @@ Result<void> run(const char* path, const char* name, const std::string& prefix) 
   if (!atlas) return tl::unexpected(atlas.error());
   const StructureGraph& graph = (*atlas)->graph();
   auto selection = select("*:surface(opacity=0.1)", graph);
+  if (!selection) return tl::unexpected(selection.error());
   const auto found = find_structures(graph, name);
   if (!found) return tl::unexpected(found.error());
+  Selection alone{std::vector<StructureDraw>(graph.size())};
   for (const StructureIndex top : *found) {
     for (const StructureIndex s : graph.descendants(top)) {
       StructureDraw& draw = selection->structures[s];
       draw.mode = DrawMode::kVolume;
       draw.opacity = 0.5f;
       draw.volume.profile = TransferProfile::kHard;  // low and high default to the display window
+      alone.structures[s] = draw;
     }
   }
-  // The transfer function of the volume, for example for a plot.
   const TransferCurve curve = transfer_curve(selection->structures[found->front()], (*atlas)->display());
   for (const TransferPoint& point : curve.points)
     std::printf("grey %g: opacity %g\n", point.grey, static_cast<double>(point.opacity));
@@ -41,11 +43,13 @@ Result<void> run(const char* path, const char* name, const std::string& prefix) 
   if (!picture) return tl::unexpected(picture.error());
   if (auto written = write_png(*picture, prefix + "-1.png", Rgb{0, 0, 0}); !written) return written;
 
-  const auto box = bounding_box(**atlas, *select(std::string("\"") + name + '"', graph));
+  const auto box = bounding_box(**atlas, alone);
   const Camera close = box ? fitted({}, *box, options.size, (*atlas)->display()) : Camera();
   picture = renderer.render(close, options);
   if (!picture) return tl::unexpected(picture.error());
-  return write_png(*picture, prefix + "-2.png", Rgb{0, 0, 0});
+  if (auto written = write_png(*picture, prefix + "-2.png", Rgb{0, 0, 0}); !written) return written;
+  if (renderer.missing().empty()) return {};
+  return fail(ErrorCode::kInvalidAtlas, "incomplete pictures: " + describe(renderer.missing()[0], graph));
 }
 
 int main(int argc, char** argv) {

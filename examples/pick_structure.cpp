@@ -7,12 +7,17 @@
 // to the picture and unprojects them, in parallel and perspective projection.
 #include <cstdio>
 #include <cstdlib>
+#include <string>
 
 #include <splatlas/player/render_frame.h>
 
 using namespace splatlas;
 
-Result<void> run(const char* path, const char* text, double x, double y) {
+Result<void> run(const char* path, const char* text, const char* at_x, const char* at_y) {
+  char* end[2] = {};
+  const double x = std::strtod(at_x, &end[0]), y = std::strtod(at_y, &end[1]);
+  if (end[0] == at_x || end[1] == at_y || *end[0] != 0 || *end[1] != 0)
+    return fail(ErrorCode::kUsage, std::string("X and Y must be numbers: ") + at_x + " " + at_y);
   const auto atlas = Atlas::open(path);
   if (!atlas) return tl::unexpected(atlas.error());
   const auto selection = select(text, (*atlas)->graph());
@@ -24,6 +29,11 @@ Result<void> run(const char* path, const char* text, double x, double y) {
   const RenderOptions options{.size = {640, 480}, .quality = Quality::kDraft};
   const auto picture = renderer.render(camera, options);
   if (!picture) return tl::unexpected(picture.error());
+
+  // Structures that a damaged file lacks cannot be picked.
+  for (const MissingPart& part : renderer.missing())
+    std::fprintf(stderr, "%s\n", describe(part, (*atlas)->graph()).c_str());
+  if (!renderer.missing().empty()) return fail(ErrorCode::kInvalidAtlas, std::string(path) + ": damaged");
 
   const auto pick = renderer.pick(x, y);  // of the latest picture
   if (!pick) {
@@ -42,7 +52,7 @@ Result<void> run(const char* path, const char* text, double x, double y) {
 }
 
 int main(int argc, char** argv) {
-  const auto done = argc == 5 ? run(argv[1], argv[2], std::atof(argv[3]), std::atof(argv[4]))
+  const auto done = argc == 5 ? run(argv[1], argv[2], argv[3], argv[4])
                               : fail(ErrorCode::kUsage, "usage: pick_structure ATLAS SELECTION X Y");
   if (!done) std::fprintf(stderr, "pick_structure: %s\n", printable(done.error().message).c_str());
   return done ? 0 : 1;

@@ -20,9 +20,11 @@ Result<void> run(const char* path, const char* name) {
   if (!found) return tl::unexpected(found.error());
 
   std::set<ClassId> classes;
-  for (const StructureIndex s : atlas.graph().descendants(found->front())) {
-    for (const ClassId c : atlas.tree().interior_classes(s)) classes.insert(c);
-    for (const ClassId c : atlas.tree().boundary_classes(s)) classes.insert(c);
+  for (const StructureIndex top : *found) {  // several for a name with wildcards
+    for (const StructureIndex s : atlas.graph().descendants(top)) {
+      for (const ClassId c : atlas.tree().interior_classes(s)) classes.insert(c);
+      for (const ClassId c : atlas.tree().boundary_classes(s)) classes.insert(c);
+    }
   }
 
   std::uint64_t voxels = 0;
@@ -39,10 +41,9 @@ Result<void> run(const char* path, const char* name) {
       for (std::uint64_t n = 0; n < atlas.classes().voxels(c); ++n) sum += static_cast<double>(value[n]);
     });
   }
-  const Vec3& mm = atlas.grid().spacing_mm;
   std::printf("%s: %llu voxels, %.3f ml, mean grey value %.3f\n", printable(name).c_str(),
               static_cast<unsigned long long>(voxels),
-              static_cast<double>(voxels) * mm[0] * mm[1] * mm[2] / 1000,
+              static_cast<double>(voxels) * voxel_volume_mm3(atlas.grid()) / 1000,
               voxels > 0 ? sum / static_cast<double>(voxels) : 0);
   return {};
 }

@@ -5,6 +5,7 @@
 // Every function that can fail returns a Result: a value, or an Error with a code and one line of text.
 // Opening an atlas reads its directory only; a picture reads the selected structures only.
 #include <cstdio>
+#include <string>
 
 #include <splatlas/player/render_frame.h>
 #include <splatlas/player/write_png.h>
@@ -26,7 +27,13 @@ Result<void> run(const char* path, const char* text, const char* output) {
   if (!picture) return tl::unexpected(picture.error());
 
   // Pictures are premultiplied linear RGBA; without a background, the PNG is transparent.
-  return write_png(*picture, output, Rgb{0, 0, 0});
+  if (auto written = write_png(*picture, output, Rgb{0, 0, 0}); !written) return written;
+
+  // Damage affects only its own structures. The picture shows the others.
+  for (const MissingPart& part : renderer.missing())
+    std::fprintf(stderr, "%s\n", describe(part, (*atlas)->graph()).c_str());
+  if (renderer.missing().empty()) return {};
+  return fail(ErrorCode::kInvalidAtlas, std::string(path) + ": damaged; the picture is incomplete");
 }
 
 int main(int argc, char** argv) {

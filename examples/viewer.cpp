@@ -2,59 +2,39 @@
 //
 //   viewer brain.atlas                  drag: orbit; right drag: pan; wheel: zoom; click: choose a structure;
 //                                       T: hide or show it; Escape: quit
-//   viewer brain.atlas SCRIPT OUT.png   plays "drag DX DY", "click X Y" and "key T", and saves the picture
+//   viewer brain.atlas SCRIPT OUT.png   plays "drag DX DY", "click X Y" and "key T" like a user in a hurry,
+//                                       each while the picture is refined, and saves the last picture
 //
 // Drafts follow the mouse. The viewer refines the picture when no event is pending. The next event cancels
-// the refinement through RenderControl, so the window stays responsive.
-#include <cstdio>
-#include <fstream>
-#include <string>
-
+// the refinement through RenderControl, so the window stays responsive. A click then picks in the draft.
 #include <SDL.h>
 #include <splatlas/player/camera_moves.h>
 #include <splatlas/player/render_frame.h>
 #include <splatlas/player/write_png.h>
 
+#include "viewer_script.h"
+
 using namespace splatlas;
 
 class Viewer {
  public:
-  Viewer(std::shared_ptr<const Atlas> atlas, SDL_Window* window)
-      : atlas_(std::move(atlas)), window_(window), renderer_(atlas_) {
-    selection_ = *select("*:surface", atlas_->graph());
-    (void)renderer_.select(selection_);
-  }
+  Viewer(std::shared_ptr<const Atlas> atlas, const Selection& selection, SDL_Window* window, Script& script)
+      : renderer_(std::move(atlas)), selection_(selection), window_(window), script_(script) {}
 
-  void handle(const SDL_Event& event) {
-    if (event.type == SDL_QUIT) quit_ = true;
-    if (event.type == SDL_KEYDOWN) press(event.key.keysym.sym);
-    if (event.type == SDL_WINDOWEVENT) shown_ = Shown::kNothing;  // resized, uncovered
-    if (event.type == SDL_MOUSEBUTTONDOWN) dragged_ = false;
-    if (event.type == SDL_MOUSEBUTTONUP && !dragged_) choose(event.button.x + 0.5, event.button.y + 0.5);
-    if (event.type == SDL_MOUSEMOTION && event.motion.state != 0) {
-      const int dx = event.motion.xrel, dy = event.motion.yrel;
-      const bool orbits = (event.motion.state & SDL_BUTTON_LMASK) != 0;
-      camera_ = orbits ? turned_by_drag(camera_, dx, dy, size())
-                       : moved_by_drag(camera_, dx, dy, size(), atlas_->display());
-      dragged_ = true;
-      shown_ = Shown::kNothing;
+  /// Runs until the user quits or the script ends, then saves the picture. Damage is an error at the end.
+  Result<void> run(const char* output) {
+    for (SDL_Event event; !quit_ && state_;) {
+      const bool is_finished = shown_ == Shown::kFinal;
+      if (is_finished && script_.is_open() && !script_.push_next()) break;
+      if (is_finished && SDL_WaitEvent(&event) == 1) handle(event);
+      while (SDL_PollEvent(&event) == 1) handle(event);
+      if (state_ && shown_ == Shown::kNothing) render(Quality::kDraft, Shown::kDraft);
+      if (state_ && shown_ == Shown::kDraft) render(Quality::kNormal, Shown::kFinal);
     }
-    if (event.type == SDL_MOUSEWHEEL) {
-      const double factor = event.wheel.y > 0 ? 1.2 : 1 / 1.2;
-      const int x = event.wheel.mouseX, y = event.wheel.mouseY;
-      camera_ = zoomed_at(camera_, factor, x, y, size(), atlas_->display());
-      shown_ = Shown::kNothing;
-    }
+    if (state_) state_ = script_.check();
+    if (state_ && output) state_ = write_png(picture_, output, Rgb{0, 0, 0});
+    return state_ && told_ > 0 ? fail(ErrorCode::kInvalidAtlas, "the atlas is damaged") : state_;
   }
-
-  /// Renders a draft, then the final picture unless an event interrupts it.
-  void draw() {
-    if (shown_ == Shown::kNothing && render(Quality::kDraft)) shown_ = Shown::kDraft;
-    if (shown_ == Shown::kDraft && render(Quality::kNormal)) shown_ = Shown::kFinal;
-  }
-  bool is_finished() const { return shown_ == Shown::kFinal; }
-  bool has_quit() const { return quit_; }
-  bool save(const char* path) const { return write_png(picture_, path, Rgb{0, 0, 0}).has_value(); }
 
  private:
   enum class Shown { kNothing, kDraft, kFinal };
@@ -65,30 +45,59 @@ class Viewer {
     return size;
   }
 
-  bool render(Quality quality) {
+  void handle(const SDL_Event& event) {
+    const bool drags = event.type == SDL_MOUSEMOTION && event.motion.state != 0;
+    if (event.type == SDL_QUIT) quit_ = true;
+    if (event.type == SDL_KEYDOWN) press(event.key.keysym.sym);
+    if (event.type == SDL_MOUSEBUTTONUP && !dragged_) choose(event.button.x + 0.5, event.button.y + 0.5);
+    if (event.type == SDL_MOUSEBUTTONDOWN || drags) dragged_ = drags;
+    if (drags || event.type == SDL_MOUSEWHEEL || event.type == SDL_WINDOWEVENT) shown_ = Shown::kNothing;
+    if (drags) {
+      const int dx = event.motion.xrel, dy = event.motion.yrel;
+      const bool orbits = (event.motion.state & SDL_BUTTON_LMASK) != 0;
+      camera_ = orbits ? turned_by_drag(camera_, dx, dy, size())
+                       : moved_by_drag(camera_, dx, dy, size(), renderer_.atlas().display());
+    }
+    if (event.type == SDL_MOUSEWHEEL) {
+      const double factor = event.wheel.y > 0 ? 1.2 : 1 / 1.2;
+      const int x = event.wheel.mouseX, y = event.wheel.mouseY;
+      camera_ = zoomed_at(camera_, factor, x, y, size(), renderer_.atlas().display());
+    }
+  }
+
+  void render(Quality quality, Shown shown) {
     std::stop_source stop;
-    const auto stop_for_events = [&](double) {
+    const auto stop_for_events = [&](double fraction) {
+      if (fraction >= 0.5 && !stop.stop_requested()) script_.push_next();
       SDL_PumpEvents();
       if (SDL_HasEvents(SDL_FIRSTEVENT, SDL_LASTEVENT)) stop.request_stop();
     };
     RenderControl control;
     if (quality != Quality::kDraft) control = {.stop = stop.get_token(), .progress = stop_for_events};
-    const auto rendered = renderer_.render(camera_, {.size = size(), .quality = quality}, picture_, control);
-    if (!rendered) return rendered.error().code != ErrorCode::kCancelled;  // other errors are final
-    auto rgb = to_srgb8(picture_, Rgb{0, 0, 0});
+    state_ = renderer_.render(camera_, {.size = size(), .quality = quality}, picture_, control);
+    if (state_) show(shown);
+    if (!state_ && state_.error().code == ErrorCode::kCancelled) state_ = {};
+  }
+
+  void show(Shown shown) {
+    for (; told_ < renderer_.missing().size(); ++told_)
+      std::fprintf(stderr, "viewer: %s\n",
+                   describe(renderer_.missing()[told_], renderer_.atlas().graph()).c_str());
     const auto [w, h] = picture_.size;
-    SDL_Surface* from =
-        SDL_CreateRGBSurfaceWithFormatFrom(rgb.data(), w, h, 24, 3 * w, SDL_PIXELFORMAT_RGB24);
-    SDL_BlitSurface(from, nullptr, SDL_GetWindowSurface(window_), nullptr);
-    SDL_UpdateWindowSurface(window_);
-    SDL_FreeSurface(from);
-    return true;
+    rgb_.resize(picture_.rgba.size() / 4 * 3);
+    state_ = to_srgb8(picture_, Rgb{0, 0, 0}, rgb_);
+    SDL_Surface* rgb =
+        SDL_CreateRGBSurfaceWithFormatFrom(rgb_.data(), w, h, 24, 3 * w, SDL_PIXELFORMAT_RGB24);
+    const bool copied = SDL_BlitSurface(rgb, nullptr, SDL_GetWindowSurface(window_), nullptr) == 0;
+    SDL_FreeSurface(rgb);
+    if (!copied || SDL_UpdateWindowSurface(window_) != 0) state_ = fail(ErrorCode::kFailed, SDL_GetError());
+    shown_ = shown;
   }
 
   void choose(double x, double y) {
     const auto pick = renderer_.pick(x, y);
     chosen_ = pick ? pick->structure : kNoStructure;
-    const std::string name = pick ? printable(atlas_->graph()[chosen_].name) : "nothing";
+    const std::string name = pick ? printable(renderer_.atlas().graph()[chosen_].name) : "nothing";
     std::puts(name.c_str());
     SDL_SetWindowTitle(window_, name.c_str());
   }
@@ -98,52 +107,43 @@ class Viewer {
     if (key != SDLK_t || chosen_ == kNoStructure) return;
     DrawMode& mode = selection_.structures[chosen_].mode;
     mode = mode == DrawMode::kOff ? DrawMode::kSurface : DrawMode::kOff;
-    (void)renderer_.select(selection_);  // never fails for surfaces only
+    state_ = renderer_.select(selection_);
     shown_ = Shown::kNothing;
   }
 
-  std::shared_ptr<const Atlas> atlas_;
-  SDL_Window* window_;
   Renderer renderer_;
   Selection selection_;
+  SDL_Window* window_;
+  Script& script_;
+  Result<void> state_ = renderer_.select(selection_);
   Camera camera_;
   Picture picture_;
+  std::vector<std::uint8_t> rgb_;
   StructureIndex chosen_ = kNoStructure;
   Shown shown_ = Shown::kNothing;
+  std::size_t told_ = 0;
   bool dragged_ = false, quit_ = false;
 };
 
-/// Pushes the events of the next script command.
-void push_next(std::istream& script) {
-  std::string what, key;
-  int x = 0, y = 0;
-  const auto push = [](SDL_Event event) { SDL_PushEvent(&event); };
-  if (!(script >> what)) return push({.type = SDL_QUIT});
-  if (what == "key" && script >> key)
-    return push({.key = {.type = SDL_KEYDOWN, .keysym = {.sym = SDL_GetKeyFromName(key.c_str())}}});
-  script >> x >> y;
-  if (what == "drag")
-    return push({.motion = {.type = SDL_MOUSEMOTION, .state = SDL_BUTTON_LMASK, .xrel = x, .yrel = y}});
-  push({.button = {.type = SDL_MOUSEBUTTONDOWN, .x = x, .y = y}});
-  push({.button = {.type = SDL_MOUSEBUTTONUP, .x = x, .y = y}});
+Result<void> run(const char* path, const char* script_path, const char* output) {
+  const auto atlas = Atlas::open(path);
+  if (!atlas) return tl::unexpected(atlas.error());
+  const auto selection = select("*:surface", (*atlas)->graph());
+  if (!selection) return tl::unexpected(selection.error());
+  Script script;
+  if (const auto opened = output ? script.open(script_path) : Result<void>(); !opened) return opened;
+  const int any = SDL_WINDOWPOS_UNDEFINED;
+  SDL_Window* window = SDL_Init(SDL_INIT_VIDEO) != 0
+                           ? nullptr
+                           : SDL_CreateWindow("Splatlas", any, any, 640, 480, SDL_WINDOW_RESIZABLE);
+  if (window == nullptr) return fail(ErrorCode::kFailed, SDL_GetError());
+  return Viewer(*atlas, *selection, window, script).run(output);
 }
 
 int main(int argc, char** argv) {
-  const auto atlas = argc > 1 ? Atlas::open(argv[1]) : fail(ErrorCode::kUsage, "usage: viewer ATLAS");
-  if (!atlas || SDL_Init(SDL_INIT_VIDEO) != 0) {
-    std::fprintf(stderr, "viewer: %s\n", atlas ? SDL_GetError() : printable(atlas.error().message).c_str());
-    return 1;
-  }
-  const bool scripted = argc == 4;
-  std::ifstream script(scripted ? argv[2] : "");
-  const int any = SDL_WINDOWPOS_UNDEFINED;
-  Viewer viewer(*atlas, SDL_CreateWindow("Splatlas", any, any, 640, 480, SDL_WINDOW_RESIZABLE));
-  for (SDL_Event event; !viewer.has_quit();) {
-    if (viewer.is_finished() && scripted) push_next(script);
-    if (viewer.is_finished() && SDL_WaitEvent(&event) == 1) viewer.handle(event);
-    while (SDL_PollEvent(&event) == 1) viewer.handle(event);
-    viewer.draw();
-  }
+  const auto done = argc == 2 || argc == 4 ? run(argv[1], argv[2], argc == 4 ? argv[3] : nullptr)
+                                           : fail(ErrorCode::kUsage, "usage: viewer ATLAS [SCRIPT OUT.png]");
+  if (!done) std::fprintf(stderr, "viewer: %s\n", printable(done.error().message).c_str());
   SDL_Quit();
-  return !scripted || viewer.save(argv[3]) ? 0 : 1;
+  return done ? 0 : 1;
 }

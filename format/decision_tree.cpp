@@ -88,7 +88,8 @@ std::span<const ClassId> DecisionTree::boundary_classes(StructureIndex s) const 
 DrawPlan DecisionTree::plan(const Selection& selection) const {
   DrawPlan plan;
   std::vector<ClassDemand> demands(classes_.size());
-  for (StructureIndex s = 0; s < selection.structures.size(); ++s) {
+  const std::size_t structures = std::min(selection.structures.size(), graph_.size());
+  for (StructureIndex s = 0; s < structures; ++s) {
     const DrawMode mode = selection.structures[s].mode;
     if (mode == DrawMode::kOff) continue;
     if (has_volume(mode)) {

@@ -58,7 +58,7 @@ class DecisionTree {
   /// Voxels that are only crossed by an external surface are drawn as surface in every mode. A class that is
   /// volume for one selected structure and surface for another is hybrid. If several selected structures
   /// contain a voxel, the one of the latest term determines the appearance; within a term, the one with the
-  /// higher index (the more specific one). `selection` must belong to this graph or be empty. Cost: linear in
+  /// higher index (the more specific one). Entries beyond the graph are ignored. Cost: linear in
   /// the leaves of the selected structures and in the number of structures and classes.
   [[nodiscard]] DrawPlan plan(const Selection& selection) const;
 

@@ -81,7 +81,7 @@ struct SelectionTerm {
 /// Draw mode and appearance of one structure; StructureDraw{} if it is not selected.
 struct StructureDraw {
   DrawMode mode = DrawMode::kOff;
-  /// Opacity per crossing of a surface. For volumes, opacity per reference length
+  /// Opacity from 0 to 1 per crossing of a surface. For volumes, opacity per reference length
   /// (Atlas::reference_length_mm) at the maximum of the transfer function. Default: that of the mode and
   /// profile, or that of the curve.
   std::optional<float> opacity = std::nullopt;
@@ -99,6 +99,15 @@ struct Selection {
   [[nodiscard]] bool empty() const;
 };
 
+/// kUsage with the first invalid structure, its index and the value:
+///   - more structures than the graph; missing ones are off
+///   - a mode or profile that is no enumerator
+///   - an opacity outside [0, 1]
+///   - ends of a ramp that are not finite, or low not below high
+///   - a curve that fails check_curve(), or with a profile, low or high beside it
+/// Structures that are off may have any appearance. O(structures and points of curves), thread-safe.
+[[nodiscard]] Result<void> check_selection(const Selection& selection, const StructureGraph& graph);
+
 /// Parses selection text without resolving names. A blank text has no terms. kUsage with the column (bytes,
 /// from 1) of the first fault.
 [[nodiscard]] Result<std::vector<SelectionTerm>> parse_selection(std::string_view text);
@@ -113,6 +122,7 @@ struct Selection {
                                                                   std::string_view name);
 
 /// Applies the terms to the graph. kNotFound, with the column of the term, if a name is unknown or ambiguous.
+/// The name "*" selects nothing in a graph without structures.
 [[nodiscard]] Result<Selection> resolve_selection(std::span<const SelectionTerm> terms,
                                                   const StructureGraph& graph);
 /// parse_selection() followed by resolve_selection().

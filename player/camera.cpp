@@ -61,10 +61,13 @@ Result<ParallelView> parallel_view(const Camera& camera, const PictureSize& size
     return fail(ErrorCode::kUsage, fmt::format("picture size {}x{}: each side must be from 1 to {} pixels",
                                                size.width, size.height, kMaxPictureSide));
   }
-  if (!std::isfinite(camera.azimuth_deg) || !std::isfinite(camera.elevation_deg)) {
+  if (!std::isfinite(camera.azimuth_deg)) {
     return fail(ErrorCode::kUsage,
-                fmt::format("camera: azimuth {} and elevation {} must be finite angles in degrees",
-                            camera.azimuth_deg, camera.elevation_deg));
+                fmt::format("camera: azimuth {} must be a finite angle in degrees", camera.azimuth_deg));
+  }
+  if (!std::isfinite(camera.elevation_deg)) {
+    return fail(ErrorCode::kUsage,
+                fmt::format("camera: elevation {} must be a finite angle in degrees", camera.elevation_deg));
   }
   if (!(camera.zoom >= 1e-6 && camera.zoom <= 1e6)) {
     return fail(ErrorCode::kUsage, fmt::format("camera: zoom {} must be from 1e-6 to 1e6", camera.zoom));
@@ -132,8 +135,8 @@ Result<View> view_of(const Camera& camera, const PictureSize& size, const Displa
   const double eye_mm = half_height_mm / std::tan(degrees * std::numbers::pi / 360);
   if (!(eye_mm >= kMinEyeDistanceMm && std::isfinite(eye_mm))) {
     return fail(ErrorCode::kUsage,
-                fmt::format("camera: the eye is {} mm from the point that it looks at; change zoom {}",
-                            eye_mm, camera.zoom));
+                fmt::format("camera: zoom {}: the eye is {} mm from the point that it looks at; change it",
+                            camera.zoom, eye_mm));
   }
   return View{plane, eye_mm};
 }

@@ -11,13 +11,18 @@ constexpr double kDegreesPerSide = 180;
 /// Size of the box after fitted(), relative to the picture.
 constexpr double kFill = 0.96;
 
+/// Clamps `to` to the interval, extended to `from`: no move from outside goes the wrong way.
+double moved_within(double from, double to, double min, double max) {
+  return std::clamp(to, std::min(min, from), std::max(max, from));
+}
+
 }  // namespace
 
 Camera turned(const Camera& camera, double azimuth_deg, double elevation_deg) {
   Camera result = camera;
   result.azimuth_deg = std::remainder(camera.azimuth_deg + azimuth_deg, 360.0);
   if (result.azimuth_deg <= -180) result.azimuth_deg += 360;
-  result.elevation_deg = std::clamp(camera.elevation_deg + elevation_deg, -90.0, 90.0);
+  result.elevation_deg = moved_within(camera.elevation_deg, camera.elevation_deg + elevation_deg, -90, 90);
   return result;
 }
 
@@ -42,7 +47,7 @@ Camera moved_by_drag(const Camera& camera, double dx, double dy, const PictureSi
 Camera zoomed_at(const Camera& camera, double factor, double x, double y, const PictureSize& size,
                  const Display& display) {
   Camera result = camera;
-  result.zoom = std::clamp(camera.zoom * factor, kMinZoom, kMaxZoom);
+  result.zoom = moved_within(camera.zoom, camera.zoom * factor, kMinZoom, kMaxZoom);
   const auto before = parallel_view(camera, size, display);
   const auto after = parallel_view(result, size, display);
   if (!before || !after) return camera;

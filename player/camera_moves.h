@@ -14,7 +14,8 @@ namespace splatlas {
 inline constexpr double kMinZoom = 0.1;
 inline constexpr double kMaxZoom = 60;
 
-/// Orbits by angles in degrees. Wraps the azimuth to (-180, 180] and clamps the elevation to [-90, 90].
+/// Orbits by angles in degrees. Wraps the azimuth to (-180, 180] and clamps the elevation to [-90, 90]. A
+/// camera beyond these limits can only return towards them.
 [[nodiscard]] Camera turned(const Camera& camera, double azimuth_deg, double elevation_deg);
 /// Orbits by a drag of (dx, dy) pixels. The side that faces the viewer follows the pointer. A drag across the
 /// smaller picture side is a turn of 180 degrees.
@@ -26,7 +27,8 @@ inline constexpr double kMaxZoom = 60;
                                    const Display& display);
 
 /// Zooms by a factor about picture coordinates (x, y): their point in the plane of the centre is fixed.
-/// Clamps the zoom to [kMinZoom, kMaxZoom]. Returns the camera unchanged if parallel_view() fails.
+/// Clamps the zoom to [kMinZoom, kMaxZoom]; a zoom beyond these limits can only return towards them. Returns
+/// the camera unchanged if parallel_view() fails.
 [[nodiscard]] Camera zoomed_at(const Camera& camera, double factor, double x, double y,
                                const PictureSize& size, const Display& display);
 

@@ -3,6 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/format.h>
+
+#include "format/system/result_macros.h"
+
 namespace splatlas {
 namespace {
 
@@ -35,31 +39,57 @@ const SrgbEncoder& srgb_encoder() {
   return encoder;
 }
 
-}  // namespace
+/// kUsage unless a buffer has this many bytes per pixel.
+Result<void> check_bytes(const Picture& picture, std::size_t per_pixel, std::span<const std::uint8_t> out) {
+  const std::size_t bytes = picture.rgba.size() / 4 * per_pixel;
+  if (out.size() == bytes) return {};
+  return fail(ErrorCode::kUsage,
+              fmt::format("picture: the buffer has {} bytes; its pixels take {}", out.size(), bytes));
+}
 
-std::vector<std::uint8_t> to_srgb8(const Picture& picture, Rgb background) {
+void fill_srgb8(const Picture& picture, Rgb background, std::span<std::uint8_t> out) {
   const SrgbEncoder& encode = srgb_encoder();
   const std::array<float, 3> behind{srgb_to_linear(background.r), srgb_to_linear(background.g),
                                     srgb_to_linear(background.b)};
-  const std::size_t pixels = picture.rgba.size() / 4;
-  std::vector<std::uint8_t> bytes(3 * pixels);
-  for (std::size_t n = 0; n < pixels; ++n) {
+  for (std::size_t n = 0; n < out.size() / 3; ++n) {
     const float* p = &picture.rgba[4 * n];
-    for (std::size_t c = 0; c < 3; ++c) bytes[3 * n + c] = encode(p[c] + (1.0f - p[3]) * behind[c]);
+    for (std::size_t c = 0; c < 3; ++c) out[3 * n + c] = encode(p[c] + (1.0f - p[3]) * behind[c]);
   }
+}
+
+void fill_srgba8(const Picture& picture, std::span<std::uint8_t> out) {
+  const SrgbEncoder& encode = srgb_encoder();
+  for (std::size_t n = 0; n < out.size() / 4; ++n) {
+    const float* p = &picture.rgba[4 * n];
+    // Divide: the reciprocal of the smallest opacities is infinite.
+    for (std::size_t c = 0; c < 3; ++c) out[4 * n + c] = encode(p[3] > 0 ? p[c] / p[3] : 0.0f);
+    out[4 * n + 3] = static_cast<std::uint8_t>(std::lround(255.0f * unit(p[3])));
+  }
+}
+
+}  // namespace
+
+Result<void> to_srgb8(const Picture& picture, Rgb background, std::span<std::uint8_t> out) {
+  SPLATLAS_RETURN_IF_ERROR(check_bytes(picture, 3, out));
+  fill_srgb8(picture, background, out);
+  return {};
+}
+
+std::vector<std::uint8_t> to_srgb8(const Picture& picture, Rgb background) {
+  std::vector<std::uint8_t> bytes(picture.rgba.size() / 4 * 3);
+  fill_srgb8(picture, background, bytes);
   return bytes;
 }
 
+Result<void> to_srgba8(const Picture& picture, std::span<std::uint8_t> out) {
+  SPLATLAS_RETURN_IF_ERROR(check_bytes(picture, 4, out));
+  fill_srgba8(picture, out);
+  return {};
+}
+
 std::vector<std::uint8_t> to_srgba8(const Picture& picture) {
-  const SrgbEncoder& encode = srgb_encoder();
-  const std::size_t pixels = picture.rgba.size() / 4;
-  std::vector<std::uint8_t> bytes(4 * pixels);
-  for (std::size_t n = 0; n < pixels; ++n) {
-    const float* p = &picture.rgba[4 * n];
-    // Divide: the reciprocal of the smallest opacities is infinite.
-    for (std::size_t c = 0; c < 3; ++c) bytes[4 * n + c] = encode(p[3] > 0 ? p[c] / p[3] : 0.0f);
-    bytes[4 * n + 3] = static_cast<std::uint8_t>(std::lround(255.0f * unit(p[3])));
-  }
+  std::vector<std::uint8_t> bytes(picture.rgba.size());
+  fill_srgba8(picture, bytes);
   return bytes;
 }
 

@@ -3,10 +3,12 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "format/color.h"
 #include "format/grid.h"
+#include "format/result.h"
 #include "format/structure_graph.h"
 #include "player/camera.h"
 
@@ -40,9 +42,14 @@ struct Pick {
 /// Composites the picture over a background and converts it to 8-bit sRGB triples (IEC 61966-2-1). Values are
 /// clamped to [0, 1] and rounded here; NaN counts as 0. O(pixels), thread-safe.
 [[nodiscard]] std::vector<std::uint8_t> to_srgb8(const Picture& picture, Rgb background);
+/// The same into an existing buffer, for viewers: a new one costs page faults in every frame. kUsage unless
+/// `out` has 3 bytes per pixel. Allocates nothing.
+[[nodiscard]] Result<void> to_srgb8(const Picture& picture, Rgb background, std::span<std::uint8_t> out);
 
 /// Converts the picture to 8-bit sRGB with straight (not premultiplied) alpha, for transparent backgrounds.
 /// Clamps and rounds as to_srgb8(). O(pixels), thread-safe.
 [[nodiscard]] std::vector<std::uint8_t> to_srgba8(const Picture& picture);
+/// The same into an existing buffer. kUsage unless `out` has 4 bytes per pixel. Allocates nothing.
+[[nodiscard]] Result<void> to_srgba8(const Picture& picture, std::span<std::uint8_t> out);
 
 }  // namespace splatlas

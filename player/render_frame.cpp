@@ -56,6 +56,7 @@ struct Renderer::Impl {
 
   [[nodiscard]] Result<void> select(const Selection& selection) {
     Stopwatch watch;
+    SPLATLAS_RETURN_IF_ERROR(check_selection(selection, atlas->graph()));
     DrawPlan plan = atlas->tree().plan(selection);
     const std::uint64_t voxels = plan.volume_voxels + plan.hybrid_voxels;
     // Bound the selection's runs, which are unknown yet, by all runs of an axis.
@@ -212,7 +213,7 @@ struct Renderer::Impl {
   /// Runs the stages of a frame.
   [[nodiscard]] Result<void> run_stages(FrameRenderer& frame, std::size_t volume_loops, TaskControl& task,
                                         Picture& picture) {
-    shown.reset();  // its buffers are overwritten below
+    has_shown_fragments = false;
     task.begin_stage(kRasterized, kRasterLoops);
     SPLATLAS_RETURN_IF_ERROR(frame.rasterize());
     task.begin_stage(kVolumeDrawn, volume_loops);
@@ -223,7 +224,31 @@ struct Renderer::Impl {
     frame.cue_depth(picture);
 
     shown = frame.shown();
+    has_shown_fragments = true;
     return {};
+  }
+
+  /// Picks in the shown frame. Rasterises its surfaces again if an unfinished frame has replaced its
+  /// fragments.
+  [[nodiscard]] std::optional<Pick> pick(double x, double y) {
+    if (!shown) return std::nullopt;
+    if (!has_shown_fragments) {
+      const std::vector<SurfaceDraw> surfaces = drawn.surfaces(decoded.cache());
+      has_shown_fragments = rasterize_again(*shown, surfaces, atlas->grid(), buffers, pool).has_value();
+      if (!has_shown_fragments) return std::nullopt;
+    }
+    const Axis axis = shown->sheets.value_or(Axis::kZ);
+    const SelectedRuns* runs = shown->sheets ? spans.runs(axis) : nullptr;
+    std::optional<SelectedRuns> own_runs;
+    if (runs == nullptr) runs = &own_runs.emplace(drawn.plan(), atlas->classes(), decoded.cache(), axis);
+    const PickScene scene{.frame = *shown,
+                          .grid = atlas->grid(),
+                          .runs = *runs,
+                          .plan = drawn.plan(),
+                          .appearances = drawn.appearances().appearances(),
+                          .cache = decoded.cache(),
+                          .fragments = buffers.fragments};
+    return pick_structure(scene, x, y);
   }
 
   [[nodiscard]] tl::unexpected<Error> out_of_memory() const {
@@ -249,9 +274,10 @@ struct Renderer::Impl {
   SpanStore spans;
   std::optional<RayVolume> ray_volume;
 
-  // State of the latest frame.
+  // State of the latest frame, and of the latest finished one.
   FrameBuffers buffers;
   std::optional<ShownFrame> shown;
+  bool has_shown_fragments = false;  // false: an unfinished frame has replaced them
   RenderStats stats;
 };
 
@@ -289,18 +315,12 @@ Result<Picture> Renderer::render(const Camera& camera, const RenderOptions& opti
 
 Result<void> Renderer::render(const Camera& camera, const RenderOptions& options, Picture& picture,
                               const RenderControl& control) {
-  return render_with(*this, camera, options, {}, picture, control);
+  return RendererInternals::render(*this, camera, options, {}, picture, control);
 }
 
-Result<Picture> render_with(Renderer& renderer, const Camera& camera, const RenderOptions& options,
-                            const RenderOverrides& overrides) {
-  Picture picture;
-  SPLATLAS_RETURN_IF_ERROR(render_with(renderer, camera, options, overrides, picture));
-  return picture;
-}
-
-Result<void> render_with(Renderer& renderer, const Camera& camera, const RenderOptions& options,
-                         const RenderOverrides& overrides, Picture& picture, const RenderControl& control) {
+Result<void> RendererInternals::render(Renderer& renderer, const Camera& camera, const RenderOptions& options,
+                                       const RenderOverrides& overrides, Picture& picture,
+                                       const RenderControl& control) {
   Renderer::Impl& r = *renderer.impl_;
   try {
     TaskControl task(control.stop, control.progress);
@@ -315,25 +335,7 @@ Result<void> render_with(Renderer& renderer, const Camera& camera, const RenderO
 }
 
 std::optional<Pick> Renderer::pick(double x, double y) const {
-  const Impl& r = *impl_;
-  if (!r.shown) return std::nullopt;
-  const ShownFrame& shown = *r.shown;
-  const auto pick_among = [&](const SelectedRuns& runs) {
-    const PickScene scene{.frame = shown,
-                          .grid = r.atlas->grid(),
-                          .runs = runs,
-                          .plan = r.drawn.plan(),
-                          .appearances = r.drawn.appearances().appearances(),
-                          .cache = r.decoded.cache(),
-                          .fragments = r.buffers.fragments};
-    return pick_structure(scene, x, y);
-  };
-  if (!shown.sheets) {
-    return pick_among(SelectedRuns(r.drawn.plan(), r.atlas->classes(), r.decoded.cache(), Axis::kZ));
-  }
-  const SelectedRuns* runs = r.spans.runs(*shown.sheets);
-  if (runs == nullptr) return std::nullopt;
-  return pick_among(*runs);
+  return impl_->pick(x, y);
 }
 
 }  // namespace splatlas

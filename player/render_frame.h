@@ -14,8 +14,6 @@
 
 namespace splatlas {
 
-struct RenderOverrides;
-
 /// Renders one selection of an atlas at a time. Caches decoded data: a new selection reads only additional
 /// chunks. Owns a thread pool. Not thread-safe: serialise all calls on one renderer.
 class Renderer {
@@ -28,15 +26,19 @@ class Renderer {
 
   [[nodiscard]] const Atlas& atlas() const;
 
-  /// Replaces the selection. render() reads and decodes its data later. kLimit, keeping the old selection, if
-  /// the new one needs more than RendererOptions::max_memory_bytes. kLimit, with an empty selection, when out
-  /// of memory. Cost: the draw plan of the selection.
+  /// Replaces the selection. render() reads and decodes its data later. Errors:
+  ///   - kUsage, keeping the old selection and picture, for an invalid selection (see check_selection()).
+  ///   - kLimit, keeping the old ones, if the new selection needs more memory than
+  ///     RendererOptions::max_memory_bytes.
+  ///   - kLimit, with an empty selection, when out of memory.
+  /// Cost: the draw plan of the selection.
   [[nodiscard]] Result<void> select(const Selection& selection);
 
   /// Renders the selection. The picture is bit-identical for any number of threads.
   ///
   /// Errors keep the selection and the decoded data:
-  ///   - kUsage for an invalid camera or picture size (see view_of()).
+  ///   - kUsage for an invalid camera or picture size (see view_of()). Also for a perspective field of view
+  ///     that is too wide for surfaces: above about 70 degrees, from oblique directions.
   ///   - kLimit when the picture exceeds the allowed memory, before any read or allocation, or when out of
   ///     memory.
   ///   - kCancelled after a stop request in `control`. All threads check it every few milliseconds. Later
@@ -61,17 +63,19 @@ class Renderer {
   /// The next select() clears the list, and render() tries them again.
   [[nodiscard]] const std::vector<MissingPart>& missing() const;
 
-  /// Casts a ray through picture coordinates (x, y) of the latest picture. Returns the structure with the
-  /// largest contribution to the pixel, and the point of its largest contribution in LPS mm. None for the
-  /// background, outside the picture, after select(), and after a render() that failed once drawing had
-  /// begun. Cost: a binary search among the decoded runs of each slice, and the samples of surfaces in the
-  /// picture row; after ray casting, also linear in the classes of the atlas. Throws std::bad_alloc.
+  /// Casts a ray through picture coordinates (x, y) of the latest finished picture. Cancelled and failed
+  /// calls of render() do not change it, so a draft can be picked while its refinement is cancelled. Returns
+  /// the structure with the largest contribution to the pixel, and the point of its largest contribution in
+  /// LPS mm. None for the background, outside the picture, after select(), and after a render() that failed
+  /// and added to missing().
+  ///
+  /// Cost: a binary search among the decoded runs of each slice, and the samples of surfaces in the picture
+  /// row. After ray casting, also linear in the classes of the atlas. Once after a cancelled or failed
+  /// render(), also the rasterisation of the surfaces. Throws std::bad_alloc.
   [[nodiscard]] std::optional<Pick> pick(double x, double y) const;
 
  private:
-  friend Result<void> render_with(Renderer& renderer, const Camera& camera, const RenderOptions& options,
-                                  const RenderOverrides& overrides, Picture& picture,
-                                  const RenderControl& control);
+  friend struct RendererInternals;
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };

@@ -105,6 +105,7 @@ Result<Selection> resolve_selection(std::span<const SelectionTerm> terms, const 
   selection.structures.resize(graph.size());
   for (std::uint32_t number = 0; number < terms.size(); ++number) {
     const SelectionTerm& term = terms[number];
+    if (term.name == "*" && graph.size() == 0) continue;
     const auto named = find_structures(graph, term.name);
     if (!named) {
       return fail(named.error().code, "selection, column {}: {}", term.column + 1, named.error().message);

@@ -4,6 +4,7 @@
 
 #include "format/system/result_macros.h"
 #include "player/frame/stopwatch.h"
+#include "player/rays/cast_surfaces.h"
 
 namespace splatlas {
 namespace {
@@ -67,7 +68,20 @@ void FrameRenderer::cue_depth(Picture& picture) {
 }
 
 ShownFrame FrameRenderer::shown() const {
-  return {scene_.view, slice_axis(), raster_->depth_axis, raster_->depth_sign};
+  return {scene_.view, slice_axis(), raster_->depth_axis, raster_->depth_sign,
+          raster_options(scene_.options, scene_.max_memory_bytes)};
+}
+
+Result<void> rasterize_again(const ShownFrame& frame, std::span<const SurfaceDraw> surfaces, const Grid& grid,
+                             FrameBuffers& buffers, ThreadPool& pool) {
+  const ParallelView& plane = frame.view.plane;
+  const Lighting lighting(plane);
+  SPLATLAS_ASSIGN_OR_RETURN(
+      const RasterScene scene,
+      frame.sheets ? raster_scene(surfaces, plane, factorise(plane, grid, &*frame.sheets), grid, lighting)
+                   : raster_scene_of_rays(surfaces, frame.view, grid, lighting));
+  SPLATLAS_RETURN_IF_ERROR(buffers.rasterizer.draw(scene, frame.raster, buffers.fragments, pool));
+  return {};
 }
 
 void add_surface_depths(const FragmentList& fragments, const ShownFrame& frame, const ViewDepth& view,

@@ -32,6 +32,7 @@ struct ShownFrame {
   std::optional<Axis> sheets;  ///< normal of the slices; none: ray casting
   std::size_t depth_axis = 2;  ///< fragment depth: `depth_sign` * position along this axis, in voxels
   double depth_sign = 1;
+  RasterOptions raster = {};  ///< of its surfaces
 };
 
 /// Scene and options of a frame, without its volume. All references must outlive the frame.
@@ -82,6 +83,11 @@ class FrameRenderer {
   ThreadPool& pool_;
   std::optional<RasterScene> raster_;
 };
+
+/// Rasterises the surfaces of an earlier frame again, with the same fragments. Fails only as that frame
+/// would.
+[[nodiscard]] Result<void> rasterize_again(const ShownFrame& frame, std::span<const SurfaceDraw> surfaces,
+                                           const Grid& grid, FrameBuffers& buffers, ThreadPool& pool);
 
 /// Merges the depths of surfaces into `depths` by minimum. The depth of a sample is that of the fragment at
 /// which its transmittance falls to one half; a pixel takes its nearest sample. O(fragments).

@@ -17,6 +17,13 @@ struct RenderOverrides {
   std::optional<Axis> principal_axis = std::nullopt;
 };
 
+/// Access to the state of a renderer, for render_with().
+struct RendererInternals {
+  [[nodiscard]] static Result<void> render(Renderer& renderer, const Camera& camera,
+                                           const RenderOptions& options, const RenderOverrides& overrides,
+                                           Picture& picture, const RenderControl& control);
+};
+
 /// Renderer::render() with overrides. Sheets: also kUsage for views beyond kMaxForcedSlope of a forced axis.
 [[nodiscard]] Result<void> render_with(Renderer& renderer, const Camera& camera, const RenderOptions& options,
                                        const RenderOverrides& overrides, Picture& picture,

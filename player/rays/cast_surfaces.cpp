@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <vector>
 
 #include <fmt/format.h>
@@ -106,9 +107,13 @@ Result<RasterScene> raster_scene_of_rays(std::span<const SurfaceDraw> surfaces, 
       ray = to_index.apply_linear(ray);
       const double along = std::max({std::abs(ray[0]), std::abs(ray[1]), std::abs(ray[2])});
       if (scene.depth_sign * ray[scene.depth_axis] >= kMinSlope * along) continue;
-      return fail(ErrorCode::kUsage,
-                  "camera: the field of view is too wide for surfaces from this direction; make it narrower, "
-                  "or select volumes only");
+      const double half_height_mm = 0.5 * view.plane.size.height * view.plane.mm_per_pixel;
+      const double degrees = 360 / std::numbers::pi * std::atan(half_height_mm / *view.eye_mm);
+      return fail(
+          ErrorCode::kUsage,
+          fmt::format("camera: field of view {:.6g} is too wide for surfaces from this direction; make "
+                      "it narrower, or select volumes only",
+                      degrees));
     }
   }
   return scene;

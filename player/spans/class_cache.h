@@ -10,7 +10,7 @@
 
 #include "format/atlas_reader.h"
 #include "format/system/thread_pool.h"
-#include "player/missing_parts.h"
+#include "player/spans/failed_parts.h"
 #include "player/spans/scanline_runs.h"
 #include "player/spans/sparse_bytes.h"
 

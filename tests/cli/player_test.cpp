@@ -39,6 +39,29 @@ class PlayerRender : public testing::Test {
   TemporaryFolder folder_;
 };
 
+/// A label map of background only is a valid atlas. The default selection shows nothing of it.
+TEST_F(PlayerRender, ShowsAnAtlasWithoutStructures) {
+  std::ofstream(folder_.file("zero.nrrd"), std::ios::binary)
+      << "NRRD0004\ntype: uint8\ndimension: 3\nspace: left-posterior-superior\nsizes: 4 4 4\n"
+         "space directions: (1,0,0) (0,1,0) (0,0,1)\nspace origin: (0,0,0)\nencoding: raw\n\n"
+      << std::string(64, '\0');
+  const ProgramResult built = run_preprocess(
+      {"build", "-o", "zero.atlas", "--labels", "zero.nrrd", "--progress", "none"}, folder_.path());
+  ASSERT_EQ(built.status, 0) << built.err;
+  for (const std::string text : {"*", "*:surface"}) {
+    const ProgramResult rendered =
+        run({"render", "zero.atlas", "-o", "zero.png", "--size", "4x3", "--select", text});
+    EXPECT_EQ(rendered.status, 0) << rendered.err;
+    EXPECT_THAT(rendered.err, IsEmpty());
+    EXPECT_THAT(pixels("zero.png"), testing::Each(0));
+  }
+  for (const std::string text : {"A", "A*"}) {
+    const ProgramResult refused = run({"render", "zero.atlas", "-o", "none.png", "--select", text});
+    EXPECT_EQ(refused.status, 4);
+    EXPECT_THAT(refused.err, HasSubstr("there are none"));
+  }
+}
+
 TEST_F(PlayerRender, WritesEveryFormat) {
   for (const auto& [name, magic] :
        {std::pair("a.png", "\x89PNG"), {"a.jpg", "\xff\xd8"}, {"a.tif", ""}, {"a.exr", "\x76\x2f\x31\x01"}}) {

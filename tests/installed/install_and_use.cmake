@@ -22,6 +22,14 @@ function(expect_failure expected pattern)
   endif()
 endfunction()
 
+# expect_damage(COMMAND...): exit status 1, and all output is messages that name the missing structure.
+function(expect_damage)
+  execute_process(COMMAND ${ARGN} RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE message)
+  if(NOT status EQUAL 1 OR NOT output STREQUAL "" OR NOT message MATCHES "\"Sphere_1\": its surface is missing")
+    message(FATAL_ERROR "${ARGN}: exit status ${status}, output: ${output}, message: ${message}")
+  endif()
+endfunction()
+
 # expect_output(PATTERN COMMAND...): succeeds, and all of its output matches.
 function(expect_output pattern)
   execute_process(COMMAND ${ARGN} OUTPUT_VARIABLE output COMMAND_ERROR_IS_FATAL ANY)
@@ -67,6 +75,25 @@ if(left)
   message(FATAL_ERROR "left behind: ${left}")
 endif()
 
+# Damage: a message and exit status 1. The picture shows the intact structures.
+set(damaged ${WORK_DIR}/damaged.atlas)
+run(${PHANTOM_ATLAS} ${damaged} damaged)
+expect_damage(${render} ${damaged} "*:surface" ${WORK_DIR}/damaged.png)
+expect_picture(${WORK_DIR}/damaged.png ${phantom} --view left --select Sphere_2:surface)
+expect_damage(${examples}/pick_structure ${damaged} "*:surface" 320 240)
+execute_process(COMMAND ${examples}/change_selection ${damaged} Sphere_2 ${WORK_DIR}/damaged OUTPUT_QUIET
+  RESULT_VARIABLE status ERROR_VARIABLE message)
+if(NOT status EQUAL 1 OR NOT message MATCHES "\"Sphere_1\": its surface is missing")
+  message(FATAL_ERROR "change_selection of a damaged atlas: exit status ${status}, message: ${message}")
+endif()
+
+# An atlas without structures.
+set(empty ${WORK_DIR}/empty.atlas)
+run(${PHANTOM_ATLAS} ${empty} empty)
+run(${render} ${empty} "*" ${WORK_DIR}/empty.png)
+expect_picture(${WORK_DIR}/empty.png ${empty} --view left)
+expect_failure(1 "no structure is called" ${examples}/change_selection ${empty} "*" ${WORK_DIR}/none)
+
 # A changed selection, and its transfer function.
 expect_output("grey 0: opacity 0\ngrey 123\\.75: opacity 0\ngrey 126\\.25: opacity 0\\.5\ngrey 250: opacity 0\\.5\n"
   ${examples}/change_selection ${phantom} Sphere_2 ${WORK_DIR}/changed)
@@ -77,6 +104,8 @@ expect_picture(${WORK_DIR}/changed-1.png ${phantom}
 expect_output("Sphere_[12] at L [0-9.]+ P [0-9.]+ S [0-9.]+ mm\nshown at 320\\.0, 240\\.0, -?[0-9.]+ mm behind the centre\n"
   ${examples}/pick_structure ${phantom} Sphere_1:surface 320 240)
 expect_output("background\n" ${examples}/pick_structure ${phantom} "*:surface" 1 1)
+expect_failure(1 "X and Y must be numbers: abc def" ${examples}/pick_structure ${phantom} "*:surface" abc def)
+expect_failure(1 "X and Y must be numbers: 320 240x" ${examples}/pick_structure ${phantom} "*:surface" 320 240x)
 
 # The same voxel counts as the program.
 execute_process(COMMAND ${WORK_DIR}/prefix/bin/splatlas-player info --json ${phantom} OUTPUT_VARIABLE info
@@ -97,16 +126,39 @@ run(${WORK_DIR}/prefix/bin/splatlas-player verify ${WORK_DIR}/ball.atlas)
 run(${examples}/render_picture ${WORK_DIR}/ball.atlas Ball ${WORK_DIR}/ball.png)
 expect_picture(${WORK_DIR}/ball.png ${WORK_DIR}/ball.atlas --view left)
 
-# If SDL2 is installed, the viewer without a screen: 120 of 480 pixels turn the camera by 45 degrees.
+# If SDL2 is installed, the viewer without a screen: 120 of 480 pixels turn the camera by 45 degrees. Each command
+# interrupts the refinement of the picture before, so the click refers to a draft.
 if(EXISTS ${examples}/viewer)
-  file(WRITE ${WORK_DIR}/script "drag 120 0\nclick 320 240\nkey T\n")
-  execute_process(COMMAND ${CMAKE_COMMAND} -E env SDL_VIDEODRIVER=dummy
-    ${examples}/viewer ${phantom} ${WORK_DIR}/script ${WORK_DIR}/viewer.png
+  set(viewer ${CMAKE_COMMAND} -E env SDL_VIDEODRIVER=dummy ${examples}/viewer)
+  set(script ${WORK_DIR}/script)
+  file(WRITE ${script} "drag 120 0\nclick 320 240\nkey T\n")
+  execute_process(COMMAND ${viewer} ${phantom} ${script} ${WORK_DIR}/viewer.png
     OUTPUT_VARIABLE clicked OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
   if(NOT clicked MATCHES "^Sphere_[12]$")
     message(FATAL_ERROR "the viewer tells of a click: ${clicked}")
   endif()
   expect_picture(${WORK_DIR}/viewer.png ${phantom} --azimuth -45 --select "*:surface - ${clicked}")
+
+  run(${viewer} ${empty} ${script} ${WORK_DIR}/viewer.png)
+  expect_picture(${WORK_DIR}/viewer.png ${empty})
+  file(WRITE ${WORK_DIR}/quick "")
+  execute_process(COMMAND ${viewer} ${damaged} ${WORK_DIR}/quick ${WORK_DIR}/viewer.png RESULT_VARIABLE status
+    ERROR_VARIABLE message)
+  if(NOT status EQUAL 1 OR NOT message MATCHES "\"Sphere_1\": its surface is missing")
+    message(FATAL_ERROR "the viewer of a damaged atlas: exit status ${status}, message: ${message}")
+  endif()
+  expect_picture(${WORK_DIR}/viewer.png ${phantom} --select Sphere_2:surface)
+
+  # Wrong usage, and files that cannot be read or written.
+  file(WRITE ${WORK_DIR}/wrong "drag 10 0\nclick here\n")
+  expect_failure(1 "usage: viewer" ${viewer})
+  expect_failure(1 "usage: viewer" ${viewer} ${phantom} ${script})
+  expect_failure(1 "missing\\.atlas" ${viewer} ${WORK_DIR}/missing.atlas)
+  expect_failure(1 "no_script: cannot be read" ${viewer} ${phantom} ${WORK_DIR}/no_script ${WORK_DIR}/none.png)
+  expect_failure(1 "wrong: click: must be" ${viewer} ${phantom} ${WORK_DIR}/wrong ${WORK_DIR}/none.png)
+  expect_failure(1 "no_folder" ${viewer} ${phantom} ${script} ${WORK_DIR}/no_folder/none.png)
+  expect_failure(1 "viewer: [^\n]*no_driver" ${CMAKE_COMMAND} -E env SDL_VIDEODRIVER=no_driver
+    ${examples}/viewer ${phantom})
 endif()
 
 # If splatlas-preprocess is installed too: the phantom, from its files to a picture.

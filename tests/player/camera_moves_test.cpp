@@ -53,6 +53,22 @@ TEST(CameraMovesTest, ZoomHasLimits) {
   EXPECT_EQ(zoomed_at(Camera{}, 1e-9, 320, 240, kSize, kDisplay).zoom, kMinZoom);
 }
 
+/// Cameras outside the limits of the moves are valid. A move brings them back or keeps them.
+TEST(CameraMovesTest, NoMoveGoesTheWrongWay) {
+  const auto zoomed = [](double zoom, double factor) {
+    return zoomed_at(Camera{.zoom = zoom}, factor, 320, 240, kSize, kDisplay).zoom;
+  };
+  EXPECT_EQ(zoomed(1000, 1.2), 1000);
+  EXPECT_EQ(zoomed(1000, 0.5), 500);
+  EXPECT_EQ(zoomed(1000, 1e-9), kMinZoom);
+  EXPECT_EQ(zoomed(1e-3, 0.5), 1e-3);
+  EXPECT_EQ(zoomed(1e-3, 2), 2e-3);
+  EXPECT_EQ(zoomed(1e-3, 1e9), kMaxZoom);
+  EXPECT_EQ(turned(Camera{.elevation_deg = 120}, 10, 5).elevation_deg, 120);
+  EXPECT_EQ(turned(Camera{.elevation_deg = 120}, 10, -5).elevation_deg, 115);
+  EXPECT_EQ(turned(Camera{.elevation_deg = -120}, 10, -5).elevation_deg, -120);
+}
+
 TEST(CameraMovesTest, MovingTakesThePointUnderThePointerAlong) {
   for (const NamedView named : {NamedView::kAnterior, NamedView::kLeft, NamedView::kSuperior}) {
     const Camera camera = Camera::of(named);

@@ -1,8 +1,10 @@
 // Cancelled calls of Renderer::render(): they end with kCancelled, and leave no trace in later pictures.
 #include <algorithm>
 #include <functional>
+#include <optional>
 #include <semaphore>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -95,6 +97,37 @@ TEST_P(Cancellation, LeavesNoTraceInRenderersThatKeepSomething) {
     (void)render_or_throw(renderer, Camera{.azimuth_deg = -20}, GetParam().options);
     (void)render_until(renderer, GetParam(), n);
     ASSERT_EQ(picture_of(renderer).rgba, expected.rgba) << n;
+  }
+}
+
+/// Picks of the latest picture on a coarse grid of pixels.
+std::vector<std::optional<std::pair<StructureIndex, Vec3>>> picks_of(const Renderer& renderer) {
+  std::vector<std::optional<std::pair<StructureIndex, Vec3>>> picks;
+  for (double y = 0.4; y < 30; y += 3) {
+    for (double x = 0.3; x < 40; x += 4) {
+      const auto pick = renderer.pick(x, y);
+      picks.push_back(pick ? std::optional(std::pair(pick->structure, pick->point_lps_mm)) : std::nullopt);
+    }
+  }
+  return picks;
+}
+
+/// A picture of another view, quality and path stays on the screen while the next one is cancelled.
+TEST_P(Cancellation, LeavesThePictureBeforeToPick) {
+  for (FrameCase before : frame_cases()) {
+    SCOPED_TRACE(before.name);
+    before.camera.azimuth_deg = 60;
+    before.options.quality = Quality::kDraft;
+    Renderer renderer = new_renderer(2);
+    (void)render_or_throw(renderer, before.camera, before.options);
+    const auto expected = picks_of(renderer);
+    ASSERT_GT(std::ranges::count_if(expected, [](const auto& pick) { return pick.has_value(); }), 20);
+    int n = 0;
+    for (; !render_until(renderer, GetParam(), n + 1); ++n) {
+      ASSERT_EQ(picks_of(renderer), expected) << n;
+    }
+    EXPECT_GT(n, 10);
+    EXPECT_NE(picks_of(renderer), expected);
   }
 }
 

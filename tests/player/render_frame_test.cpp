@@ -1,14 +1,18 @@
 #include "player/render_frame.h"
 
+#include <cmath>
+#include <memory>
 #include <random>
 
 #include <fmt/format.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "format/atlas_writer.h"
 #include "player/frame/render_overrides.h"
 #include "player/spans/span_model.h"
 #include "tests/reference/picture_difference.h"
+#include "tests/support/fails_with.h"
 #include "tests/support/phantom_content.h"
 #include "tests/support/random_scene.h"
 #include "tests/support/render.h"
@@ -228,21 +232,55 @@ TEST(Renderer, RefusesPicturesThatNeedTooMuchMemoryBeforeItReads) {
   EXPECT_FALSE(too_small.render({}, options));
 }
 
-/// A refused frame leaves neither a picture nor a structure to pick.
-TEST(Renderer, PicksNothingAfterAFrameThatWasRefused) {
+/// The picture before a refused frame stays on the screen.
+TEST(Renderer, PicksThePictureBeforeAFrameThatWasRefused) {
   const AtlasContent content = phantom_content();
   // Memory for 3000 fragments.
   Renderer renderer(open_in_memory(content), {1, (1200 << 10) + picture_bytes({99, 99})});
   ASSERT_TRUE(renderer.select(selection_of("Spheres:both(opacity=0.5)", content.graph)));
   const Camera far_away{.zoom = 0.05};
   (void)render_or_throw(renderer, far_away, {.size = {99, 99}});
-  EXPECT_TRUE(renderer.pick(49, 50));
+  const auto pick = renderer.pick(49, 50);
+  ASSERT_TRUE(pick);
+  EXPECT_FALSE(renderer.pick(40, 60));
   const Camera close{.zoom = 1.5};
   const auto refused = renderer.render(close, {.size = {99, 99}});
   ASSERT_FALSE(refused.has_value());
   EXPECT_EQ(refused.error().code, ErrorCode::kLimit);
-  EXPECT_FALSE(renderer.pick(49, 50));
+  const auto again = renderer.pick(49, 50);
+  ASSERT_TRUE(again);
+  EXPECT_EQ(again->structure, pick->structure);
+  EXPECT_EQ(again->point_lps_mm, pick->point_lps_mm);
   EXPECT_FALSE(renderer.pick(40, 60));
+}
+
+TEST(Renderer, RefusesInvalidSelectionsAndKeepsTheOldOne) {
+  const AtlasContent content = phantom_content();
+  Renderer renderer = renderer_of(content, selection_of("Sphere_2:both", content.graph));
+  const Picture before = render_or_throw(renderer, {}, {.size = {20, 20}});
+  const auto picks = [&] {
+    std::vector<StructureIndex> picked;
+    for (int n = 0; n < 400; ++n) {
+      const auto pick = renderer.pick(n % 20 + 0.5, n / 20 + 0.5);
+      if (pick) picked.push_back(pick->structure);
+    }
+    return picked;
+  };
+  const std::vector<StructureIndex> picks_before = picks();
+  ASSERT_FALSE(picks_before.empty());
+  const Selection valid = selection_of("*:both", content.graph);
+  const auto last = valid.structures.size() - 1;
+  Selection invalid = valid;
+  invalid.structures[last].opacity = NAN;
+  Selection no_points = valid;
+  no_points.structures[last].volume.curve = std::make_shared<const TransferCurve>();
+  Selection too_long = valid;
+  too_long.structures.resize(1000, valid.structures[last]);
+  for (const Selection& refused : {invalid, no_points, too_long}) {
+    EXPECT_THAT(renderer.select(refused), FailsWith(ErrorCode::kUsage, testing::HasSubstr("selection: ")));
+    EXPECT_EQ(picks(), picks_before);
+    EXPECT_EQ(render_or_throw(renderer, {}, {.size = {20, 20}}).rgba, before.rgba);
+  }
 }
 
 /// Early ray termination adds no radiance, takes at most `threshold`, and at least `min_loss` of some value.

@@ -54,6 +54,21 @@ TEST(Selection, NothingSelectsNothing) {
   EXPECT_FALSE(select("A", brain())->empty());
 }
 
+TEST(Selection, EverythingOfNothingIsNothing) {
+  const StructureGraph none = *StructureGraph::build({});
+  for (const char* text : {"*", "*:surface", "\"*\":both(opacity=0.5)", "* - *", ""}) {
+    const auto selection = select(text, none);
+    ASSERT_TRUE(selection) << text << ": " << selection.error().message;
+    EXPECT_TRUE(selection->structures.empty());
+  }
+  for (const char* text : {"A", "A*", "**", "*/*"}) {
+    const auto selection = select(text, none);
+    ASSERT_FALSE(selection) << text;
+    EXPECT_EQ(selection.error().code, ErrorCode::kNotFound);
+    EXPECT_THAT(selection.error().message, HasSubstr("there are none"));
+  }
+}
+
 TEST(Selection, ANodeStandsForItsDescendants) {
   EXPECT_EQ(selected("right"), (std::vector<StructureDraw>{kOff, kOff, draw(kVolume, kGreen, 0), kOff,
                                                            draw(kVolume, kBlue, 0), kOff}));
