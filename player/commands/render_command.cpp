@@ -153,17 +153,10 @@ nlohmann::ordered_json stats_json(const Renderer& renderer, double open_ms) {
       {"missing", missing_json(renderer)}};
 }
 
-/// Names the options of a camera or picture size that the renderer refuses, instead of their terms.
-Error with_options(Error error) {
-  constexpr std::pair<std::string_view, std::string_view> kOptions[] = {
-      {"picture size", "--size"},
-      {"camera: azimuth", "--azimuth"},
-      {"camera: elevation", "--elevation"},
-      {"camera: zoom", "--zoom"},
-      {"camera: field of view", "--field-of-view"}};
-  for (const auto& [term, option] : kOptions) {
-    if (error.message.starts_with(term)) error.message.replace(0, term.size(), option);
-  }
+/// Names the option of a field of view that the renderer refuses.
+Error with_option(Error error) {
+  constexpr std::string_view kTerm = "camera: field of view";
+  if (error.message.starts_with(kTerm)) error.message.replace(0, kTerm.size(), "--field-of-view");
   return error;
 }
 
@@ -220,7 +213,7 @@ Result<std::vector<std::string>> run_render(const RenderRequest& request) {
   if (!request.stats.empty()) SPLATLAS_RETURN_IF_ERROR(check_writable_file(request.stats));
   // Report errors that do not need the atlas before opening it.
   SPLATLAS_ASSIGN_OR_RETURN(const auto terms, parse_selection(request.select));
-  SPLATLAS_RETURN_IF_ERROR(view_of(request.camera, request.options.size, Display{}).map_error(with_options));
+  SPLATLAS_RETURN_IF_ERROR(view_of(request.camera, request.options.size, Display{}).map_error(with_option));
   SPLATLAS_RETURN_IF_ERROR(
       PictureEncoder::check_size(request.output, request.options.size, request.background));
 
@@ -235,7 +228,7 @@ Result<std::vector<std::string>> run_render(const RenderRequest& request) {
   Renderer renderer(std::move(atlas), {.threads = request.threads});
   SPLATLAS_RETURN_IF_ERROR(renderer.select(*selection));
   SPLATLAS_ASSIGN_OR_RETURN(const Picture picture,
-                            renderer.render(request.camera, request.options).map_error(with_options));
+                            renderer.render(request.camera, request.options).map_error(with_option));
   SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::byte> bytes, encoder.encode(picture, request.background));
   SPLATLAS_RETURN_IF_ERROR(write_outputs(request, bytes, json_text(stats_json(renderer, open_ms))));
   std::vector<std::string> missing;

@@ -117,7 +117,7 @@ TEST_F(ErrorLines, OfRender) {
   refuses({"--azimuth", "nan"}, "--azimuth \"nan\"", "finite");
   refuses({"--elevation", "x"}, "--elevation \"x\"", "degrees");
   refuses({"--field-of-view", "20"}, "--field-of-view: ", "--projection perspective");
-  refuses({"--projection", "perspective", "--field-of-view", "190"}, "camera: field of view 190", "179");
+  refuses({"--projection", "perspective", "--field-of-view", "190"}, "--field-of-view 190", "179");
   refuses({"--view", "up"}, "--view \"up\"", "superior");
   refuses({"--quality", "\x1b"}, "--quality \"?\"", "draft, normal or high");
   refuses({"--background", "blue"}, "--background \"blue\"", "#rrggbb");

@@ -100,9 +100,15 @@ class LargeFile {
  private:
   void add_runs(Axis axis) {
     Bytes decoded;
+    const RunFingerprinter fingerprinter(kLarge);
+    directory_.fingerprints[kEmptyClass] = fingerprinter.of_grid();
     for (ClassId c = 1; c < directory_.classes.size(); ++c) {
       const std::size_t begin = decoded.size();
-      append_run_list(shifted(atlas_->read_runs(c, axis).value(), atlas_->grid().size, axis), decoded);
+      const ClassRuns runs = shifted(atlas_->read_runs(c, axis).value(), atlas_->grid().size, axis);
+      append_run_list(runs, decoded);
+      directory_.fingerprints[c] = fingerprinter.of(runs, axis);
+      directory_.fingerprints[kEmptyClass] =
+          subtract_fingerprints(directory_.fingerprints[kEmptyClass], directory_.fingerprints[c]);
       directory_.run_bytes[c][static_cast<std::size_t>(axis)] =
           static_cast<std::uint32_t>(decoded.size() - begin);
     }
