@@ -44,6 +44,9 @@ Result<InputFile> InputFile::open(const std::filesystem::path& path, bool map) {
   if (::fstat(file.descriptor_, &status) != 0) {
     return fail(ErrorCode::kFailed, "{}: cannot be read: {}", file.name_, std::strerror(errno));
   }
+  if (S_ISFIFO(status.st_mode) || S_ISSOCK(status.st_mode)) {
+    return fail(ErrorCode::kFailed, "{}: is a pipe; save the atlas to a file first", file.name_);
+  }
   if (!S_ISREG(status.st_mode)) {
     return invalid_atlas("{}: not an atlas ({})", file.name_,
                          S_ISDIR(status.st_mode) ? "a folder" : "not a regular file");

@@ -20,8 +20,8 @@ namespace splatlas {
 /// ones until a large part of the file was requested. Movable, not copyable. Reading is thread-safe.
 class InputFile {
  public:
-  /// kFailed if the file cannot be opened; kInvalidAtlas, without reading, for folders, pipes and devices.
-  /// Always reads with pread() if `map` is false.
+  /// kFailed if the file cannot be opened, and for pipes; kInvalidAtlas, without reading, for folders and
+  /// devices. Always reads with pread() if `map` is false.
   [[nodiscard]] static Result<InputFile> open(const std::filesystem::path& path, bool map = true);
   InputFile(std::vector<std::byte> bytes, std::string name);
   InputFile(InputFile&& other) noexcept;

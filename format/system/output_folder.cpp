@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 
 /// Maximum number of unnamed files: half of the usual limit of open files is left.
 constexpr std::size_t kMaxUnnamed = 128;
-constexpr mode_t kPrivate = 0700, kPublic = 0777;
+constexpr mode_t kPrivateFolder = 0700, kPublicFolder = 0777;
 
 }  // namespace
 
@@ -53,7 +53,7 @@ OutputFolder::Impl::~Impl() {
 
 Result<void> OutputFolder::Impl::create_folder() {
   const std::string name = splatlas::random_name();
-  if (!folder.create(parent, name, old ? kPrivate : kPublic)) return error();
+  if (!folder.create(parent, name, old ? kPrivateFolder : kPublicFolder)) return error();
   random_name = name;
   return {};
 }

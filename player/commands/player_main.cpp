@@ -18,6 +18,7 @@
 #include "format/system/standard_output.h"
 #include "player/commands/info_command.h"
 #include "player/commands/render_command.h"
+#include "player/simd/simd_choice.h"
 #include "player/window/window_module.h"
 
 namespace splatlas {
@@ -115,6 +116,28 @@ struct CommandLine {
   }
 };
 
+/// Refuses words and options in front of a command: they are those of the window.
+Result<void> check_order(const CommandLine& line) {
+  if (line.app.get_subcommands().empty()) return {};
+  const std::string& command = line.app.get_subcommands().front()->get_name();
+  for (const CLI::Option* option : line.app.get_options()) {
+    if (option->count() == 0) continue;
+    const std::string& text = option->get_positional() ? option->results().front() : option->get_name();
+    return wrong_usage(
+        line.app, fmt::format("{} in front of {}: write it behind the command", in_quotes(text), command));
+  }
+  return {};
+}
+
+/// Refuses unknown values of SPLATLAS_SIMD and instruction sets that the machine lacks.
+Result<void> check_simd() {
+  if (simd_is_available()) return {};
+  return fail(
+      ErrorCode::kUsage,
+      "SPLATLAS_SIMD={} in the environment: must be scalar, sse4, avx2 or avx3, and one of the machine's",
+      forced_simd());
+}
+
 Result<void> run_command(const CommandLine& line) {
   if (line.render->parsed()) {
     install_interrupt_handlers();
@@ -151,6 +174,8 @@ Result<void> run(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return wrong_usage(line.app, error.what());
   }
+  SPLATLAS_RETURN_IF_ERROR(check_order(line));
+  SPLATLAS_RETURN_IF_ERROR(check_simd());
   SPLATLAS_RETURN_IF_ERROR(run_on_file(line.render->parsed() ? line.request.atlas : line.atlas,
                                        "take a smaller --size or select less",
                                        [&] { return run_command(line); }));

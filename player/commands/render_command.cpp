@@ -91,9 +91,9 @@ void add_camera(CLI::App& command, Camera& camera) {
               {"inferior", Camera::of(NamedView::kInferior)}});
   constexpr const char* kFiniteAngle = "must be a finite angle in degrees";
   add_parsed(command, "--azimuth", camera.azimuth_deg, parse_angle, kFiniteAngle,
-             "degrees around the superior axis: 0 anterior, 90 the subject's left");
+             "degrees around the superior axis: 0 anterior, 90 the subject's left; overrides --view");
   add_parsed(command, "--elevation", camera.elevation_deg, parse_angle, kFiniteAngle,
-             "degrees above the horizon");
+             "degrees above the horizon; overrides --view");
   add_parsed(command, "--zoom", camera.zoom, parse_zoom, "must be a number from 1e-6 to 1e6",
              "1 fits the atlas into the picture")
       ->default_str(fmt::to_string(camera.zoom));
@@ -195,9 +195,15 @@ CLI::App* add_render(CLI::App& app, RenderRequest& request) {
       ->default_str(fmt::format("{}x{}", request.options.size.width, request.options.size.height));
   add_camera(*command, request.camera);
   add_quality(*command, request.options);
-  add_parsed(*command, "--background", request.background, parse_background, "must be #rrggbb or transparent",
-             "#rrggbb or transparent")
-      ->default_str(request.background ? to_hex(*request.background) : "transparent");
+  const CLI::Option* background =
+      add_parsed(*command, "--background", request.background, parse_background,
+                 "must be #rrggbb or transparent", "#rrggbb or transparent; black for transparent .jpg")
+          ->default_str(request.background ? to_hex(*request.background) : "transparent");
+  command->parse_complete_callback([&request, background] {
+    if (background->count() == 0 || request.background || !PictureEncoder::is_opaque(request.output)) return;
+    throw CLI::ValidationError("--background \"transparent\"",
+                               "a .jpg picture has no transparency; write .png, .tif or .exr");
+  });
   add_threads(*command, request.threads, "0: one per core; the picture does not depend on it");
   add_parsed(*command, "--stats", request.stats, parse_file_name, "must name a file",
              "JSON file to write: voxels visited, bytes read, times");

@@ -74,6 +74,10 @@ PictureEncoder::PictureEncoder(std::filesystem::path path)
   if (!ending_.empty() && ending_ != ".png") module_ = std::async(std::launch::async, load_module);
 }
 
+bool PictureEncoder::is_opaque(const std::filesystem::path& path) {
+  return known_ending(path) == ".jpg";
+}
+
 Result<void> PictureEncoder::check_ending(const std::filesystem::path& path) {
   if (!known_ending(path).empty()) return {};
   return fail(ErrorCode::kUsage, fmt::format("{}: unknown picture ending '{}'; use .png, .jpg, .tif or .exr",
@@ -84,7 +88,7 @@ Result<void> PictureEncoder::check_size(const std::filesystem::path& path, const
                                         std::optional<Rgb> background) {
   if (known_ending(path) != ".png") return {};
   const Result<void> fits = check_png_size(size, !background);
-  if (fits) return fits;
+  if (fits) return {};
   return fail(fits.error().code, fmt::format("{}: {}", path.string(), fits.error().message));
 }
 

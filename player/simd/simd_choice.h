@@ -1,6 +1,7 @@
 // Choice of the instruction set of the kernels.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <cstdlib>
@@ -13,8 +14,8 @@
 namespace splatlas {
 
 /// SPLATLAS_SIMD in the environment, for comparisons: "scalar" forces the scalar reference kernels; "sse4",
-/// "avx2" and "avx3" the instruction sets of these names, where the machine has them. Other values are
-/// ignored.
+/// "avx2" and "avx3" the instruction sets of these names, where the machine has them. The library ignores
+/// other values.
 inline std::string_view forced_simd() {
   const char* const forced = std::getenv("SPLATLAS_SIMD");
   return forced != nullptr ? forced : "";
@@ -24,12 +25,22 @@ inline bool scalar_is_forced() {
   return forced_simd() == "scalar";
 }
 
+/// Instruction sets by their names.
+inline constexpr std::array<std::pair<std::string_view, std::int64_t>, 3> kSimdNames{
+    {{"sse4", HWY_SSE4}, {"avx2", HWY_AVX2}, {"avx3", HWY_AVX3}}};
+
+/// True unless SPLATLAS_SIMD has an unknown name, or that of an instruction set that the machine lacks.
+inline bool simd_is_available() {
+  if (forced_simd().empty() || scalar_is_forced()) return true;
+  return std::ranges::any_of(kSimdNames, [](const auto& simd) {
+    return simd.first == forced_simd() && (hwy::SupportedTargets() & simd.second) != 0;
+  });
+}
+
 /// The name of the instruction set that kernels are dispatched to. Applies SPLATLAS_SIMD, once.
 inline const char* best_target() {
   static const bool kApplied = [] {
-    constexpr std::array<std::pair<std::string_view, std::int64_t>, 3> kNames{
-        {{"sse4", HWY_SSE4}, {"avx2", HWY_AVX2}, {"avx3", HWY_AVX3}}};
-    for (const auto& [name, target] : kNames) {
+    for (const auto& [name, target] : kSimdNames) {
       if (forced_simd() != name || (hwy::SupportedTargets() & target) == 0) continue;
       hwy::DisableTargets(target - 1);  // better targets are lower bits
       hwy::GetChosenTarget().Update(hwy::SupportedTargets());

@@ -204,9 +204,11 @@ Result<std::vector<std::uint8_t>> run_filters(const VoxelBuffer& values, const G
 
 Result<SegmentRule> parse_segment(std::string_view text) {
   const auto refuse = [&] {
-    return fail(ErrorCode::kUsage,
-                "--segment '{}': must be NAME=mask:FILE, NAME=threshold:LOW[:HIGH] or NAME=threshold:otsu",
-                text);
+    return fail(
+        ErrorCode::kUsage,
+        "--segment '{}': must be NAME=mask:FILE, NAME=threshold:LOW[:HIGH][:close=MM] with LOW at most "
+        "HIGH and MM from 0 to {}, or NAME=threshold:otsu[:close=MM]",
+        text, kMaxClosingMm);
   };
   const std::size_t equals = text.find('=');
   if (equals == std::string_view::npos) return refuse();

@@ -55,10 +55,11 @@ void add_sources(CLI::App& build, SourceFiles& sources) {
   build.add_option("--tree", sources.tree, "hierarchy of the structures")->check(names_a_file());
   add_repeated(build, "--segment", sources.segments, parse_segment,
                "NAME=RULE: a structure from thresholds or a mask (repeatable)");
-  add_repeated(build, "--mesh", sources.meshes, parse_mesh,
-               "NAME=FILE: an external surface, .stl .obj .ply .vtk (repeatable)");
+  CLI::Option* mesh = add_repeated(build, "--mesh", sources.meshes, parse_mesh,
+                                   "NAME=FILE: an external surface, .stl .obj .ply .vtk (repeatable)");
   add_choice(build, "--mesh-frame", sources.mesh_frame, {{"lps", MeshFrame::kLps}, {"ras", MeshFrame::kRas}},
-             "coordinate frame of the surfaces, in mm");
+             "coordinate frame of the surfaces, in mm")
+      ->needs(mesh);
   build.add_flag("--allow-empty", sources.allow_empty,
                  "keep named labels without voxels, as empty structures");
 }

@@ -104,7 +104,9 @@ TEST_F(ErrorLines, OfRender) {
                           {{"render", "a.atlas", "-o", "x.bmp"}, 2, "x.bmp: ", ".png, .jpg, .tif or .exr"},
                           {{"render", "a.atlas", "-o", "none/x.png"}, 1, "none/x.png: ", "no folder none"},
                           {{"render", "a.atlas", "-o", "full/file/x.png"}, 1, "full/file/x.png: "},
-                          {{"render", "a.atlas", "-o", "x\xe2\x80\x8f.bmp"}, 2, "x?.bmp: "}};
+                          {{"render", "a.atlas", "-o", "x\xe2\x80\x8f.bmp"}, 2, "x?.bmp: "},
+                          {{"bogus", "render", "a.atlas", "-o", "x.png"}, 2, "\"bogus\" in front of render"},
+                          {{"--threads", "2", "info", "a.atlas"}, 2, "\"--threads\" in front of info"}};
   const auto refuses = [&](const Words& options, const std::string& subject, const std::string& rest,
                            int status = 2) {
     cases.push_back({joined({"render", "a.atlas", "-o", "x.png"}, options), status, subject, rest});
@@ -121,6 +123,10 @@ TEST_F(ErrorLines, OfRender) {
   refuses({"--view", "up"}, "--view \"up\"", "superior");
   refuses({"--quality", "\x1b"}, "--quality \"?\"", "draft, normal or high");
   refuses({"--background", "blue"}, "--background \"blue\"", "#rrggbb");
+  cases.push_back({{"render", "a.atlas", "-o", "x.jpeg", "--background", "transparent"},
+                   2,
+                   "--background \"transparent\": a .jpg picture",
+                   ".png"});
   refuses({"--threads", "9999"}, "--threads: ", "9999");
   refuses({"--select", "Nope"}, "a.atlas: selection, column 1", "the nearest: ", 4);
   refuses({"--select", "Sphere*:solid"}, "selection \"Sphere*:solid\"", "column");
@@ -189,10 +195,14 @@ TEST_F(ErrorLines, OfBuild) {
   refuses({"--mesh", "S=missing.stl"}, "missing.stl: ", "no such file");
   refuses({"--mesh", "S=bad.stl"}, "bad.stl: ", "STL");
   refuses({"--segment", "S"}, "--segment 'S'", "threshold:otsu", 2);
+  refuses({"--segment", "S=threshold:9:1"}, "--segment 'S=threshold:9:1'", "LOW at most HIGH", 2);
+  refuses({"--segment", "S=threshold:1:close=99"}, "--segment 'S=threshold:1:close=99'", "MM from 0 to 50",
+          2);
   refuses({"--segment", "S=threshold:1"}, "--segment \"S\"", "--volume", 2);
   refuses({"--segment", "S=mask:missing.nrrd"}, "missing.nrrd: ", "no such file");
   refuses({"--level", "99"}, "--level: ", "1 to 22", 2);
   refuses({"--mesh-frame", "x"}, "--mesh-frame \"x\"", "lps or ras", 2);
+  refuses({"--mesh-frame", "ras"}, "--mesh-frame requires --mesh", "", 2);
   refuses({"--title", "\x1b"}, "--title: \"?\"", "control character", 2);
   check_preprocess(cases);
 }

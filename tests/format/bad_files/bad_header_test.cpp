@@ -170,7 +170,8 @@ TEST(BadFiles, ThatAreNoFiles) {
   EXPECT_EQ(refusal(folder.path() / "none"),
             "1 " + name + "/none: cannot be opened: No such file or directory");
   ASSERT_EQ(::mkfifo((name + "/pipe").c_str(), 0600), 0);
-  EXPECT_EQ(refusal(folder.path() / "pipe"), "3 " + name + "/pipe: not an atlas (not a regular file)");
+  EXPECT_EQ(refusal(folder.path() / "pipe"),
+            "1 " + name + "/pipe: is a pipe; save the atlas to a file first");
   EXPECT_EQ(refusal("/dev/zero"), "3 /dev/zero: not an atlas (not a regular file)");
   std::filesystem::create_symlink("loop", folder.path() / "loop");
   EXPECT_EQ(refusal(folder.path() / "loop"),
