@@ -162,8 +162,12 @@ std::span<const StructureIndex> StructureGraph::children(StructureIndex s) const
 }
 
 std::vector<StructureIndex> StructureGraph::descendants(StructureIndex s) const {
+  return descendants({&s, 1});
+}
+
+std::vector<StructureIndex> StructureGraph::descendants(std::span<const StructureIndex> structures) const {
   std::unordered_set<StructureIndex> seen;  // a set, because a subtree may be small
-  return walk({&s, 1}, [&](StructureIndex below) { return seen.insert(below).second; });
+  return walk(structures, [&](StructureIndex below) { return seen.insert(below).second; });
 }
 
 std::vector<std::string> StructureGraph::paths(StructureIndex s, std::size_t limit) const {

@@ -57,6 +57,8 @@ class StructureGraph {
   /// `s` and its descendants, each once, in depth-first preorder from `s`. Cost: linear in the result and its
   /// edges.
   [[nodiscard]] std::vector<StructureIndex> descendants(StructureIndex s) const;
+  /// The same for several structures together: each structure is visited once.
+  [[nodiscard]] std::vector<StructureIndex> descendants(std::span<const StructureIndex> structures) const;
   /// Paths of names from the roots to `s`, joined by "/"; at most `limit`, in the order of parents.
   [[nodiscard]] std::vector<std::string> paths(StructureIndex s, std::size_t limit = 64) const;
 

@@ -48,13 +48,8 @@ void add(const SelectionTerm& term, std::uint32_t number, const Structure& struc
 /// `structures` and their descendants, sorted, each once.
 std::vector<StructureIndex> with_descendants(const StructureGraph& graph,
                                              std::span<const StructureIndex> structures) {
-  std::vector<StructureIndex> result;
-  for (const StructureIndex s : structures) {
-    const auto below = graph.descendants(s);
-    result.insert(result.end(), below.begin(), below.end());
-  }
+  std::vector<StructureIndex> result = graph.descendants(structures);
   std::sort(result.begin(), result.end());
-  result.erase(std::unique(result.begin(), result.end()), result.end());
   return result;
 }
 

@@ -53,6 +53,7 @@ TEST(StructureGraph, WalksInPreorder) {
   EXPECT_THAT(graph.descendants(6), ElementsAre(6, 5, 3, 4));
   EXPECT_THAT(graph.descendants(0), ElementsAre(0, 1, 3, 2, 4));
   EXPECT_THAT(graph.descendants(4), ElementsAre(4));
+  EXPECT_THAT(graph.descendants(std::vector<StructureIndex>{3, 6, 4}), ElementsAre(3, 6, 5, 4));
 }
 
 TEST(StructureGraph, ListsEveryWayFromARoot) {
@@ -150,6 +151,7 @@ RC_GTEST_PROP(StructureGraph, OrdersFollowTheirDefinitions, ()) {
   };
   for (const StructureIndex root : graph.roots()) visit(root);
   RC_ASSERT(list(graph.preorder()) == visited);
+  RC_ASSERT(graph.descendants(graph.roots()) == visited);
 
   std::set<StructureIndex> before;
   for (const StructureIndex s : graph.topological()) {
