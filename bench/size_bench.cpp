@@ -16,11 +16,11 @@
 #include "bench/bench.h"
 #include "bench/frames.h"
 #include "bench/measure.h"
-#include "bench/page_residency.h"
 #include "format/selection.h"
 #include "format/system/result_macros.h"
 #include "player/render_frame.h"
 #include "preprocess/build_atlas.h"
+#include "tests/support/page_residency.h"
 #include "tests/support/temporary_folder.h"
 #ifdef SPLATLAS_HAS_DRACO
 #include "bench/peers/draco_peer.h"

@@ -12,10 +12,6 @@
 namespace splatlas {
 namespace {
 
-bool is_ascii_letter_or_digit(char c) {
-  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
-}
-
 Result<void> check_ids(std::span<const Structure> structures) {
   std::unordered_set<std::string> seen;
   seen.reserve(structures.size());

@@ -36,12 +36,6 @@ StructureCrop empty_crop(const IndexBox& box) {
   return crop;
 }
 
-IndexBox box_of(const Run& run, std::int64_t rows) {
-  const auto scanline = static_cast<std::int64_t>(run.scanline);
-  const std::int64_t j = scanline % rows, k = scanline / rows;
-  return {{run.start, j, k}, {std::int64_t{run.start} + run.length - 1, j, k}};
-}
-
 void paint_runs(std::span<const Run> runs, std::int64_t rows, std::uint8_t part, StructureCrop& crop) {
   for (const Run& run : runs) {
     const auto scanline = static_cast<std::int64_t>(run.scanline);

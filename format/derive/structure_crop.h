@@ -51,8 +51,6 @@ void for_each_voxel(const StructureCrop& crop, std::int64_t k, const Grid& grid,
 
 /// A crop of `box`, padded by one voxel, with all voxels outside. Fill it with paint_runs().
 [[nodiscard]] StructureCrop empty_crop(const IndexBox& box);
-/// The voxels of a run (principal axis z) in a grid with `rows` rows per slice.
-[[nodiscard]] IndexBox box_of(const Run& run, std::int64_t rows);
 /// Paints runs (principal axis z, valid in a grid with `rows` rows per slice), clipped to the crop.
 void paint_runs(std::span<const Run> runs, std::int64_t rows, std::uint8_t part, StructureCrop& crop);
 

@@ -45,14 +45,6 @@ void add(const SelectionTerm& term, std::uint32_t number, const Structure& struc
   draw.term = number;
 }
 
-/// `structures` and their descendants, sorted, each once.
-std::vector<StructureIndex> with_descendants(const StructureGraph& graph,
-                                             std::span<const StructureIndex> structures) {
-  std::vector<StructureIndex> result = graph.descendants(structures);
-  std::sort(result.begin(), result.end());
-  return result;
-}
-
 }  // namespace
 
 const char* name_of(DrawMode mode) {
@@ -105,7 +97,7 @@ Result<Selection> resolve_selection(std::span<const SelectionTerm> terms, const 
     if (!named) {
       return fail(named.error().code, "selection, column {}: {}", term.column + 1, named.error().message);
     }
-    apply_term(term, number, with_descendants(graph, *named), graph, selection);
+    apply_term(term, number, graph.descendants(*named), graph, selection);
   }
   return selection;
 }

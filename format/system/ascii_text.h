@@ -10,6 +10,10 @@
 
 namespace splatlas {
 
+[[nodiscard]] constexpr bool is_ascii_letter_or_digit(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
+}
+
 /// Converts ASCII letters to lower case; keeps all other bytes, including UTF-8.
 [[nodiscard]] constexpr char to_lower(char c) {
   return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
@@ -30,7 +34,8 @@ namespace splatlas {
 
 /// Characters that change a terminal, reorder text, or show nothing: control characters with line feed and
 /// tab, line and paragraph separators, interlinear annotations, and Unicode's properties Bidi_Control and
-/// Default_Ignorable_Code_Point (zero-width characters, joiners, variation selectors, tags).
+/// Default_Ignorable_Code_Point (zero-width space, variation selectors, tags). Not the joiners U+200C and
+/// U+200D, which Persian and Indic words need.
 [[nodiscard]] bool is_unsafe_to_show(std::uint32_t c);
 
 /// Describes the first fault of a text, as the end of a sentence: invalid UTF-8, is_control() or

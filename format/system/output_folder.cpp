@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Maximum number of unnamed files: half of the usual limit of open files is left.
+/// Maximum number of unnamed files: with two descriptors each, a quarter of the usual limit.
 constexpr std::size_t kMaxUnnamed = 128;
 constexpr mode_t kPrivateFolder = 0700, kPublicFolder = 0777;
 

@@ -22,9 +22,9 @@ class PictureEncoder {
   /// Prepares for a file of this name, and begins to load the module if needed.
   explicit PictureEncoder(std::filesystem::path path);
 
-  /// kUsage, with the supported extensions, unless `path` has one of them.
   /// True for formats without transparency, by the file's ending.
   [[nodiscard]] static bool is_opaque(const std::filesystem::path& path);
+  /// kUsage, with the supported extensions, unless `path` has one of them.
   [[nodiscard]] static Result<void> check_ending(const std::filesystem::path& path);
   /// kUsage, with a remedy, if the format of `path` does not support pictures of this size. The extension
   /// must be supported.

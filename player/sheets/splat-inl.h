@@ -294,7 +294,7 @@ class Splat {
     }
   }
 
-  /// Whether all pixels of a block are opaque or get nothing.
+  /// True if all pixels of a block are opaque or have no optical depth.
   HWY_INLINE bool Hidden(Vector before, const Voxels (&depths)[kParts], const float* pixels) const {
     const Lanes d;
     for (int part = 0; part < kParts; ++part) {

@@ -19,7 +19,8 @@
 // Highway's scalar target has plain arrays instead. Code calls the operations of Highway without `hn::`:
 // argument-dependent lookup finds Highway's own or those below. Results have the same bits on every
 // instruction set: multiplications and additions round as written (files that include this header are
-// compiled with -ffp-contract=off), and MulAdd rounds once everywhere.
+// compiled with -ffp-contract=off), and MulAdd of pairs and FusedMulAdd of any vector round once everywhere.
+// Highway's MulAdd of native vectors rounds twice on SSE.
 
 HWY_BEFORE_NAMESPACE();
 namespace splatlas::HWY_NAMESPACE {

@@ -15,8 +15,7 @@ namespace {
 constexpr std::size_t kMaxFileNameBytes = 255;  // NAME_MAX of Linux; NTFS and APFS allow as many characters
 
 bool is_safe_character(char c) {
-  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-' ||
-         c == '.';
+  return is_ascii_letter_or_digit(c) || c == '_' || c == '-' || c == '.';
 }
 
 /// Windows opens a device for these names, whatever follows the first dot.

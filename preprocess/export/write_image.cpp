@@ -14,6 +14,7 @@
 #include "format/system/result_macros.h"
 #include "preprocess/export/deflate.h"
 #include "preprocess/export/image_header.h"
+#include "preprocess/import/images/check_image_file.h"
 #include "preprocess/import/import_error.h"
 
 namespace splatlas {
@@ -33,7 +34,6 @@ Result<void> check_readable(const Grid& grid, const fs::path& path) {
   const auto refuse = [&](double mm) {
     return bad_file(path, "the volume's geometry has {:.4g} mm; files can hold at most 1e9 mm", mm);
   };
-  constexpr double kMaxPlausible = 1e9;  // is_plausible()
   for (std::size_t a = 0; a < 3; ++a) {
     if (std::abs(grid.origin_lps_mm[a]) > kMaxPlausible) return refuse(grid.origin_lps_mm[a]);
     for (std::size_t row = 0; row < 3; ++row) {

@@ -16,10 +16,12 @@ namespace splatlas {
 
 enum class ImageFormat { kNifti, kNrrd, kMetaImage };
 
-/// True for numbers that are valid in a geometry: 0, or a magnitude from 1e-37 to 1e9. ITK's linear algebra
-/// aborts on NaN, does not terminate on 1e38, and prints warnings about 1e-40.
+/// Maximum magnitude of numbers in a geometry, in mm.
+inline constexpr double kMaxPlausible = 1e9;
+/// True for numbers that are valid in a geometry: 0, or a magnitude from 1e-37 to kMaxPlausible. ITK's linear
+/// algebra aborts on NaN, does not terminate on 1e38, and prints warnings about 1e-40.
 [[nodiscard]] inline bool is_plausible(double x) {
-  return x == 0 || (std::abs(x) > 1e-37 && std::abs(x) <= 1e9);
+  return x == 0 || (std::abs(x) > 1e-37 && std::abs(x) <= kMaxPlausible);
 }
 
 /// The format by the file's ending: .nii, .nii.gz; .nrrd, .nhdr; .mha, .mhd. kFailed for any other.

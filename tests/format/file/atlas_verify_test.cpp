@@ -6,7 +6,6 @@
 
 #include "format/atlas_reader.h"
 #include "format/atlas_writer.h"
-#include "format/codec/run_codec.h"
 #include "tests/format/atlas_surgery.h"
 #include "tests/format/bad_files/bad_files.h"
 #include "tests/format/random_content.h"
@@ -133,14 +132,7 @@ std::string fault_with_runs(ClassId c, Axis axis, const std::function<void(Class
                             bool fingerprints = true) {
   AtlasParts parts = take_apart(small_file());
   if (!fingerprints) parts.directory.fingerprints.clear();
-  std::vector<Bytes> streams = decode_streams(parts, run_section(axis));
-  ClassRuns runs = decode_run_list(streams[c], ~std::uint64_t{0}).value();
-  change(runs);
-  streams[c].clear();
-  append_run_list(runs, streams[c]);
-  parts.directory.run_bytes[c][static_cast<std::size_t>(axis)] =
-      static_cast<std::uint32_t>(streams[c].size());
-  replace_streams(parts, run_section(axis), streams);
+  edit_run_list(parts, c, axis, change);
   return fault_of_file(put_together(parts));
 }
 

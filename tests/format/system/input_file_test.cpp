@@ -1,17 +1,14 @@
 #include "format/system/input_file.h"
 
-#include <algorithm>
 #include <fstream>
-#include <vector>
 
-#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include "tests/support/fails_with.h"
+#include "tests/support/page_residency.h"
 #include "tests/support/temporary_folder.h"
 
 namespace splatlas {
@@ -108,37 +105,15 @@ TEST_P(InputFileTest, EmptyFilesAreReadAlike) {
   EXPECT_THAT(read(file, 0, 1), HasSubstr("truncated"));
 }
 
-/// Numbers of pages of the file in memory. The test's mapping reads none of them.
-std::size_t resident_pages(const std::filesystem::path& path) {
-  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  const std::size_t bytes = std::filesystem::file_size(path);
-  void* const mapping = ::mmap(nullptr, bytes, PROT_READ, MAP_SHARED, file, 0);
-  std::vector<unsigned char> resident((bytes + 4095) / 4096);
-  EXPECT_EQ(::mincore(mapping, bytes, resident.data()), 0);
-  ::munmap(mapping, bytes);
-  ::close(file);
-  return static_cast<std::size_t>(
-      std::ranges::count_if(resident, [](unsigned char page) { return (page & 1) != 0; }));
-}
-
-void drop_pages(const std::filesystem::path& path) {
-  const int file = ::open(path.c_str(), O_RDWR | O_CLOEXEC);
-  EXPECT_EQ(::fsync(file), 0);
-  EXPECT_EQ(::posix_fadvise(file, 0, 0, POSIX_FADV_DONTNEED), 0);
-  ::close(file);
-}
-
 TEST_P(InputFileTest, ReadsThePagesOfARangeOnly) {
-  constexpr std::size_t kPage = 4096, kPages = 2048;
-  if (::sysconf(_SC_PAGESIZE) != kPage) GTEST_SKIP() << "pages have another size";
-  write(std::string(kPages * kPage, 'x'));
-  drop_pages(path);
-  if (resident_pages(path) != 0) GTEST_SKIP() << "this file system keeps all pages in memory";
+  const auto page = static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
+  write(std::string(2048 * page, 'x'));
+  if (const Result<void> evicted = evict(path); !evicted) GTEST_SKIP() << evicted.error().message;
   const InputFile file = open().value();
-  EXPECT_EQ(read(file, 700 * kPage + 100, 1), "x");
-  EXPECT_EQ(resident_pages(path), 1u);
-  EXPECT_EQ(read(file, 1000 * kPage - 1, 20 * kPage), std::string(20 * kPage, 'x'));
-  EXPECT_EQ(resident_pages(path), 1u + 21u);
+  EXPECT_EQ(read(file, 700 * page + 100, 1), "x");
+  EXPECT_EQ(*resident_bytes(path), page);
+  EXPECT_EQ(read(file, 1000 * page - 1, 20 * page), std::string(20 * page, 'x'));
+  EXPECT_EQ(*resident_bytes(path), (1 + 21) * page);
 }
 
 TEST_P(InputFileTest, AFileThatIsReplacedStaysTheOldOne) {

@@ -1,4 +1,4 @@
-#include "bench/page_residency.h"
+#include "tests/support/page_residency.h"
 
 #include <algorithm>
 #include <cerrno>
