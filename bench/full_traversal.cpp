@@ -102,6 +102,7 @@ void trim(SpanModel& model, std::span<const IndexBox> selected) {
   model.slices.erase(model.slices.begin() + box.last[0] + 1, model.slices.end());
   model.slices.erase(model.slices.begin(), model.slices.begin() + box.first[0]);
   model.slice_first = box.first[0];
+  model.slice_count = box.last[0] - box.first[0] + 1;
   model.row_first = box.first[1];
   model.rows = box.last[1] - box.first[1] + 1;
   model.scan_first = box.first[2];
@@ -122,6 +123,7 @@ SpanModel visit_voxels(const VoxelModel& model, const VoxelSelection& selection,
   std::vector<IndexBox> selected(slices);
   pool.for_each(slices, [&](std::size_t n) {
     SliceVisit visit(model, selection, scan, spans.emissions);
+    spans.slices[n].number = static_cast<std::int64_t>(n);
     visit.visit(static_cast<std::int64_t>(n), spans.slices[n]);
     selected[n] = visit.selected();
   });

@@ -149,7 +149,10 @@ class ModelFrames {
     spans_.row_first = selected.box().first[1];
     spans_.rows = selected.rows();
     spans_.slice_first = selected.box().first[2];
+    spans_.slice_count = selected.slices();
     spans_.slices.resize(static_cast<std::size_t>(selected.slices()));  // slices keep their memory
+    for (std::size_t n = 0; n < spans_.slices.size(); ++n)
+      spans_.slices[n].number = spans_.slice_first + static_cast<std::int64_t>(n);
     spans_.voxels = 0;
     runs_ = 0;
     for (std::int64_t slice = selected.box().first[2]; slice <= selected.box().last[2]; ++slice)

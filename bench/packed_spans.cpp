@@ -63,7 +63,8 @@ PackedSpans pack_spans(const SpanModel& model, const Shear& shear, const SheetWi
   const std::vector<Planes> voxels = all_voxels(model);
   const auto per_slice = static_cast<std::size_t>(into.rows * into.scan_voxels);
   for (std::size_t first = 0; first < voxels.size(); first += per_slice) {
-    pack_slice(voxels, first, into, into.slices.emplace_back());
+    into.slices.emplace_back().number = into.slice_count++;
+    pack_slice(voxels, first, into, into.slices.back());
     into.voxels += into.slices.back().voxels;
   }
   return packed;

@@ -2,9 +2,12 @@
 
 #include <cmath>
 #include <numeric>
+#include <tuple>
 #include <utility>
 
 #include "format/derive/marching_cubes.h"
+#include "format/derive/sparse_surface.h"
+#include "format/system/task_control.h"
 
 namespace splatlas {
 namespace {
@@ -19,6 +22,16 @@ float dot(const Vec3f& a, const Vec3f& b) {
 }
 Vec3f difference(const Vec3f& a, const Vec3f& b) {
   return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
+
+constexpr std::array kTowardsEnds{-0.25f, 0.25f};
+
+/// The voxel at one end of a vertex's cell edge: halves round down or up, integers stay.
+Index3 end_voxel(const Vec3f& position, float towards) {
+  Index3 at;
+  for (std::size_t a = 0; a < 3; ++a)
+    at[a] = static_cast<std::int64_t>(std::floor(position[a] + towards + 0.5f));
+  return at;
 }
 
 /// One of the two voxels at the ends of a vertex's cell edge.
@@ -37,14 +50,11 @@ VertexEnds ends_by_slice(const SurfaceMesh& mesh, const StructureCrop& crop) {
   result.first_of_slice.assign(static_cast<std::size_t>(crop.size[2]) + 1, 0);
   const auto visit_ends = [&](auto&& visit) {
     for (std::uint32_t v = 0; v < mesh.positions_ijk.size(); ++v) {
-      for (const float towards : {-0.25f, 0.25f}) {  // rounds halves down, then up; keeps integers
-        Index3 at;
-        for (std::size_t a = 0; a < 3; ++a) {
-          at[a] = static_cast<std::int64_t>(std::floor(mesh.positions_ijk[v][a] + towards + 0.5f)) -
-                  crop.first[a];
-        }
-        visit(static_cast<std::size_t>(at[2]),
-              VertexEnd{v, static_cast<std::uint32_t>(at[1] * crop.size[0] + at[0])});
+      for (const float towards : kTowardsEnds) {
+        const Index3 at = end_voxel(mesh.positions_ijk[v], towards);
+        const std::int64_t row = at[1] - crop.first[1], in_row = at[0] - crop.first[0];
+        visit(static_cast<std::size_t>(at[2] - crop.first[2]),
+              VertexEnd{v, static_cast<std::uint32_t>(row * crop.size[0] + in_row)});
       }
     }
   };
@@ -99,6 +109,46 @@ std::vector<Vec3f> vertex_gradients(const SurfaceMesh& mesh, const StructureCrop
   return gradients;
 }
 
+/// The same from runs.
+std::vector<Vec3f> sparse_vertex_gradients(const SurfaceMesh& mesh, const PartRows& rows) {
+  struct End {
+    Index3 at{0, 0, 0};
+    std::uint32_t vertex = 0;
+  };
+  std::vector<End> ends;
+  ends.reserve(2 * mesh.positions_ijk.size());
+  for (std::uint32_t v = 0; v < mesh.positions_ijk.size(); ++v) {
+    for (const float towards : kTowardsEnds) ends.push_back({end_voxel(mesh.positions_ijk[v], towards), v});
+  }
+  std::ranges::sort(ends, {}, [](const End& end) { return std::tuple(end.at[2], end.at[1], end.at[0]); });
+  std::vector<Vec3f> gradients(mesh.positions_ijk.size(), Vec3f{0, 0, 0});
+  SparseGradient gradient(rows);
+  Vec3f g{0, 0, 0};
+  for (std::size_t n = 0; n < ends.size(); ++n) {
+    if (n % 4096 == 0) check_cancelled();
+    const auto [i, j, k] = ends[n].at;
+    if (n == 0 || ends[n].at != ends[n - 1].at) g = gradient.at(i, j, k);
+    for (std::size_t a = 0; a < 3; ++a) gradients[ends[n].vertex][a] += g[a];
+  }
+  return gradients;
+}
+
+/// Turns triangles outwards, and sets the normals of the vertices.
+void add_normals(SurfaceMesh& mesh, std::span<const Vec3f> gradients, const Grid& grid) {
+  const Affine to_mm = index_to_lps_mm(grid);
+  if (determinant(to_mm.linear) < 0) {  // mirrors
+    for (auto& triangle : mesh.triangles) std::swap(triangle[1], triangle[2]);
+  }
+  mesh.normals_lps = face_normals(mesh, to_mm);
+  const VoxelNormals voxel_normals(grid);
+  for (std::size_t v = 0; v < gradients.size(); ++v) {
+    Vec3f& normal = mesh.normals_lps[v];
+    const Vec3f inwards = voxel_normals.to_lps(gradients[v]);
+    if (dot(inwards, normal) < 0) normal = {-inwards[0], -inwards[1], -inwards[2]};
+    normal = unpack_normal(pack_normal(unit_or_up(normal)));
+  }
+}
+
 }  // namespace
 
 Vec3f VoxelNormals::to_lps(const Vec3f& g) const {
@@ -115,30 +165,26 @@ PackedNormal VoxelNormals::normal(const Vec3f& gradient) const {
 }
 
 SurfaceMesh fit_surface(const StructureCrop& crop, const Grid& grid, const SliceVisitor& visit_slice) {
-  const Affine to_mm = index_to_lps_mm(grid);
   SurfaceMesh mesh = marching_cubes(crop);
-  if (determinant(to_mm.linear) < 0) {  // mirrors
-    for (auto& triangle : mesh.triangles) std::swap(triangle[1], triangle[2]);
-  }
   const std::vector<Vec3f> gradients = vertex_gradients(mesh, crop, visit_slice);
-  mesh.normals_lps = face_normals(mesh, to_mm);
-  const VoxelNormals voxel_normals(grid);
-  for (std::size_t v = 0; v < gradients.size(); ++v) {
-    Vec3f& normal = mesh.normals_lps[v];
-    const Vec3f inwards = voxel_normals.to_lps(gradients[v]);
-    if (dot(inwards, normal) < 0) normal = {-inwards[0], -inwards[1], -inwards[2]};
-    normal = unpack_normal(pack_normal(unit_or_up(normal)));
-  }
+  add_normals(mesh, gradients, grid);
   return mesh;
 }
 
-StructureCrop empty_crop_around(const IndexBox& box) {
+std::optional<SurfaceMesh> fit_sparse_surface(const PartRows& rows, const Grid& grid,
+                                              std::uint64_t max_triangles) {
+  std::optional<SurfaceMesh> mesh = sparse_marching_cubes(rows, max_triangles);
+  if (mesh) add_normals(*mesh, sparse_vertex_gradients(*mesh, rows), grid);
+  return mesh;
+}
+
+IndexBox around(const IndexBox& box) {
   IndexBox wider = box;
   for (std::size_t a = 0; a < 3; ++a) {
     wider.first[a] -= SmoothGradient::kRadius - 1;
     wider.last[a] += SmoothGradient::kRadius - 1;
   }
-  return empty_crop(wider);  // adds the last voxel of padding
+  return wider;
 }
 
 std::vector<PackedNormal> fit_normals(const StructureCrop& crop, std::span<const Run> runs,
@@ -157,6 +203,23 @@ std::vector<PackedNormal> fit_normals(const StructureCrop& crop, std::span<const
         const std::int64_t at = std::int64_t{runs[n].start} + i - crop.first[0];
         normals.push_back(voxel_normals.normal(gradient.at(at, j)));
       }
+    }
+  }
+  return normals;
+}
+
+std::vector<PackedNormal> fit_sparse_normals(const PartRows& rows, std::span<const Run> runs,
+                                             const Grid& grid) {
+  const VoxelNormals voxel_normals(grid);
+  std::vector<PackedNormal> normals;
+  SparseGradient gradient(rows);
+  for (const Run& run : runs) {
+    check_cancelled();
+    const auto scanline = static_cast<std::int64_t>(run.scanline);
+    for (std::uint32_t n = 0; n < run.length; ++n) {
+      const Vec3f g =
+          gradient.at(std::int64_t{run.start} + n, scanline % grid.size[1], scanline / grid.size[1]);
+      normals.push_back(voxel_normals.normal(g));
     }
   }
   return normals;

@@ -21,19 +21,22 @@ void convolve(const std::array<float, kTaps>& kernel, const float* in, std::size
 
 }  // namespace
 
-SmoothGradient::SmoothGradient(const StructureCrop& crop) : crop_(crop) {
+GradientKernels::GradientKernels() {
   double sum = 0, moment = 0;
-  const auto gauss = [](double t) { return std::exp(-0.5 * t * t); };
+  const auto gauss_at = [](double t) { return std::exp(-0.5 * t * t); };
   for (std::int64_t n = 0; n < kTaps; ++n) {
     const auto t = static_cast<double>(n - kRadius);
-    sum += gauss(t);
-    moment += t * t * gauss(t);
+    sum += gauss_at(t);
+    moment += t * t * gauss_at(t);
   }
   for (std::size_t n = 0; n < kTaps; ++n) {
     const double t = static_cast<double>(n) - kRadius;
-    gauss_[n] = static_cast<float>(gauss(t) / sum);
-    derivative_[n] = static_cast<float>(t * gauss(t) / moment);  // 1 on a ramp of slope 1
+    gauss[n] = static_cast<float>(gauss_at(t) / sum);
+    derivative[n] = static_cast<float>(t * gauss_at(t) / moment);
   }
+}
+
+SmoothGradient::SmoothGradient(const StructureCrop& crop) : crop_(crop) {
   const auto width = static_cast<std::size_t>(crop.size[0]), height = static_cast<std::size_t>(crop.size[1]);
   row_.resize(width + kTaps - 1);
   rows_smooth_.resize(width * (height + kTaps - 1));
@@ -58,8 +61,8 @@ void SmoothGradient::filter_row(std::int64_t j, std::int64_t k) {
   }
   for (std::size_t i = 0; i < width; ++i)
     row_[i + kRadius] = parts[i] != StructureCrop::kOutside ? 1.0f : 0.0f;
-  convolve(gauss_, row_.data(), 1, width, &rows_smooth_[at]);
-  convolve(derivative_, row_.data(), 1, width, &rows_derived_[at]);
+  convolve(kernels_.gauss, row_.data(), 1, width, &rows_smooth_[at]);
+  convolve(kernels_.derivative, row_.data(), 1, width, &rows_derived_[at]);
 }
 
 void SmoothGradient::filter_plane(std::int64_t k) {
@@ -80,9 +83,9 @@ void SmoothGradient::filter_plane(std::int64_t k) {
         std::fill_n(&(*values)[at], width, 0.f);
       continue;
     }
-    convolve(gauss_, &rows_smooth_[at], width, width, &plane.smooth[at]);
-    convolve(derivative_, &rows_smooth_[at], width, width, &plane.along_j[at]);
-    convolve(gauss_, &rows_derived_[at], width, width, &plane.along_i[at]);
+    convolve(kernels_.gauss, &rows_smooth_[at], width, width, &plane.smooth[at]);
+    convolve(kernels_.derivative, &rows_smooth_[at], width, width, &plane.along_j[at]);
+    convolve(kernels_.gauss, &rows_derived_[at], width, width, &plane.along_i[at]);
   }
 }
 

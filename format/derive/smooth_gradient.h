@@ -9,6 +9,17 @@
 
 namespace splatlas {
 
+/// Filters of a Gaussian with a sigma of one voxel, cut at three voxels: the Gaussian, with sum 1, and its
+/// derivative, which is 1 on a ramp of slope 1.
+struct GradientKernels {
+  static constexpr std::int64_t kRadius = 3;
+  static constexpr std::int64_t kTaps = 2 * kRadius + 1;
+  using Kernel = std::array<float, kTaps>;
+
+  Kernel gauss{}, derivative{};
+  GradientKernels();
+};
+
 /// Convolves a crop with the derivatives of a Gaussian with a sigma of one voxel along every axis. The filter
 /// is isotropic in index space; the inverse transpose of the grid's matrix transforms gradients to mm. The
 /// normals of planes are thus exact for any spacing. Slices are filtered along i and j in sequence, into a
@@ -29,19 +40,18 @@ class SmoothGradient {
     const auto n = static_cast<std::size_t>(j * crop_.size[0] + i);
     std::array<float, 3> gradient{0, 0, 0};
     for (std::size_t t = 0; t < kTaps; ++t) {
-      gradient[0] += gauss_[t] * planes_[t]->along_i[n];
-      gradient[1] += gauss_[t] * planes_[t]->along_j[n];
-      gradient[2] += derivative_[t] * planes_[t]->smooth[n];
+      gradient[0] += kernels_.gauss[t] * planes_[t]->along_i[n];
+      gradient[1] += kernels_.gauss[t] * planes_[t]->along_j[n];
+      gradient[2] += kernels_.derivative[t] * planes_[t]->smooth[n];
     }
     return gradient;
   }
 
   /// Filter radius in voxels along every axis.
-  static constexpr std::int64_t kRadius = 3;
+  static constexpr std::int64_t kRadius = GradientKernels::kRadius;
 
  private:
-  static constexpr std::int64_t kTaps = 2 * kRadius + 1;
-  using Kernel = std::array<float, kTaps>;
+  static constexpr std::int64_t kTaps = GradientKernels::kTaps;
   /// One slice after the passes along i and j: smoothed mask and its derivatives d/dj and d/di.
   struct Plane {
     std::vector<float> smooth, along_j, along_i;
@@ -51,7 +61,7 @@ class SmoothGradient {
   void filter_row(std::int64_t j, std::int64_t k);
 
   const StructureCrop& crop_;
-  Kernel gauss_{}, derivative_{};
+  const GradientKernels kernels_;
   std::int64_t next_ = 0;         // next slice
   std::int64_t planes_made_ = 0;  // number of planes filtered so far
   std::vector<float> row_;        // one row of the mask, zero-padded

@@ -28,6 +28,13 @@ struct StructureCrop {
   }
 };
 
+/// The voxels of a crop, padding included.
+[[nodiscard]] inline IndexBox box_of(const StructureCrop& crop) {
+  IndexBox box{crop.first, crop.first};
+  for (std::size_t a = 0; a < 3; ++a) box.last[a] += crop.size[a] - 1;
+  return box;
+}
+
 /// Calls visit(i, j, grid offset) for the structure's voxels in slice k of the crop of a whole structure. i
 /// and j are crop indices.
 template <typename Visit>

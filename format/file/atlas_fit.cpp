@@ -1,6 +1,7 @@
 // Reading of surfaces and normals, stored or fitted to the voxels.
 #include <cstring>
 #include <new>
+#include <optional>
 #include <vector>
 
 #include "format/codec/surface_codec.h"
@@ -12,57 +13,87 @@
 namespace splatlas {
 namespace {
 
-bool overlap(const IndexBox& box, const StructureCrop& crop) {
-  for (std::size_t a = 0; a < 3; ++a) {
-    if (box.last[a] < crop.first[a] || box.first[a] >= crop.first[a] + crop.size[a]) return false;
+bool overlap(const IndexBox& a, const IndexBox& b) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (a.last[axis] < b.first[axis] || a.first[axis] > b.last[axis]) return false;
   }
-  return !box.empty();
+  return !a.empty();
+}
+
+/// True if fitting by runs is faster than by a crop of the bounding box: a vertex or voxel then costs about
+/// as much as 200 voxels of a crop.
+bool is_sparse(std::uint64_t crop_voxels, std::uint64_t items) {
+  return crop_voxels / 200 > items;
 }
 
 }  // namespace
 
-Result<StructureCrop> Atlas::Impl::read_crop(StructureIndex s, const IndexBox& box, bool around) const {
-  if (crop_voxels(box) > kMaxFittedVoxels) {
-    return named(ErrorCode::kLimit, "structure '{}' is too large to fit a surface to it",
-                 directory.graph[s].id);
-  }
-  StructureCrop crop = around ? empty_crop_around(box) : empty_crop(box);
+template <typename Take>
+Result<void> Atlas::Impl::read_parts(StructureIndex s, const IndexBox& near, const Take& take) const {
   for (const auto& [c, part] : structure_classes.of(s)) {
-    if (shares_runs(c, Axis::kZ)) {  // paint both classes at once: they are in the same structures
+    if (shares_runs(c, Axis::kZ)) {  // take both classes at once: they are in the same structures
       const auto pair = run_streams.pair_of(c);
       if (c != pair[0]) continue;
       SPLATLAS_ASSIGN_OR_RETURN(const SharedSplit split, read_split_runs(c, Axis::kZ));
-      paint_runs(split->interior, grid.size[1], StructureCrop::kInterior, crop);
-      paint_runs(split->boundary, grid.size[1], StructureCrop::kBoundary, crop);
+      take(split->interior, StructureCrop::kInterior);
+      take(split->boundary, StructureCrop::kBoundary);
       continue;
     }
-    if (!overlap(directory.classes.box(c), crop)) continue;
+    if (!overlap(directory.classes.box(c), near)) continue;
     SPLATLAS_ASSIGN_OR_RETURN(const ClassRuns runs, read_stored_runs(c, Axis::kZ));
-    paint_runs(runs, grid.size[1], StructureCrop::part_of(part), crop);
+    take(runs, StructureCrop::part_of(part));
   }
+  return {};
+}
+
+Result<StructureCrop> Atlas::Impl::read_crop(StructureIndex s, StructureCrop crop) const {
+  const auto paint = [&](const ClassRuns& runs, std::uint8_t part) {
+    paint_runs(runs, grid.size[1], part, crop);
+  };
+  SPLATLAS_RETURN_IF_ERROR(read_parts(s, box_of(crop), paint));
   return crop;
+}
+
+Result<PartRows> Atlas::Impl::read_rows(StructureIndex s, const IndexBox& near) const {
+  PartRows rows(grid.size);
+  SPLATLAS_RETURN_IF_ERROR(
+      read_parts(s, near, [&](const ClassRuns& runs, std::uint8_t part) { rows.add(runs, part); }));
+  rows.sort();
+  return rows;
 }
 
 Result<SurfaceMesh> Atlas::Impl::fit_surface_of(StructureIndex s) const {
   const SurfaceEntry& entry = directory.surfaces[s];
   const IndexBox box = box_of(directory.classes, structure_classes.of(s));
-  SurfaceMesh mesh;
-  if (!box.empty()) {
-    SPLATLAS_ASSIGN_OR_RETURN(const StructureCrop crop, read_crop(s, box, false));
+  std::optional<SurfaceMesh> mesh;
+  if (box.empty()) {
+    mesh.emplace();
+  } else if (is_sparse(crop_voxels(box), entry.vertices)) {
+    SPLATLAS_ASSIGN_OR_RETURN(const PartRows rows, read_rows(s, box));
+    mesh = fit_sparse_surface(rows, grid, entry.triangles);
+  } else {
+    SPLATLAS_ASSIGN_OR_RETURN(const StructureCrop crop, read_crop(s, empty_crop(box)));
     mesh = fit_surface(crop, grid);
   }
-  if (mesh.positions_ijk.size() == entry.vertices && mesh.triangles.size() == entry.triangles) return mesh;
+  if (mesh && mesh->positions_ijk.size() == entry.vertices && mesh->triangles.size() == entry.triangles)
+    return *std::move(mesh);
+  const std::string found =
+      mesh ? fmt::format("{} and {}", mesh->positions_ijk.size(), mesh->triangles.size()) : "more";
   return named(ErrorCode::kInvalidAtlas,
-               "invalid: surface of structure '{}': {} vertices and {} triangles, its voxels give {} and {}",
-               directory.graph[s].id, entry.vertices, entry.triangles, mesh.positions_ijk.size(),
-               mesh.triangles.size());
+               "invalid: surface of structure '{}': {} vertices and {} triangles, its voxels give {}",
+               directory.graph[s].id, entry.vertices, entry.triangles, found);
 }
 
 Result<std::vector<PackedNormal>> Atlas::Impl::fit_normals_of(ClassId c) const {
   const StructureIndex owner = normal_owner(directory.classes.members(c));
-  if (directory.classes.box(c).empty()) return std::vector<PackedNormal>{};
+  const IndexBox& box = directory.classes.box(c);
+  if (box.empty()) return std::vector<PackedNormal>{};
   SPLATLAS_ASSIGN_OR_RETURN(const ClassRuns runs, read_stored_runs(c, Axis::kZ));
-  SPLATLAS_ASSIGN_OR_RETURN(const StructureCrop crop, read_crop(owner, directory.classes.box(c), true));
+  if (is_sparse(crop_voxels(box), directory.classes.voxels(c))) {
+    SPLATLAS_ASSIGN_OR_RETURN(const PartRows rows, read_rows(owner, around(box)));
+    return fit_sparse_normals(rows, runs, grid);
+  }
+  SPLATLAS_ASSIGN_OR_RETURN(const StructureCrop crop, read_crop(owner, empty_crop(around(box))));
   return fit_normals(crop, runs, grid);
 }
 

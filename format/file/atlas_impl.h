@@ -13,6 +13,7 @@
 #include "format/atlas_reader.h"
 #include "format/decision_tree.h"
 #include "format/derive/boundary_split.h"
+#include "format/derive/part_rows.h"
 #include "format/derive/run_fingerprint.h"
 #include "format/derive/structure_crop.h"
 #include "format/derive/value_groups.h"
@@ -49,8 +50,13 @@ struct Atlas::Impl {
   [[nodiscard]] Result<ClassRuns> read_run_list(ClassId c, Axis axis, std::uint64_t voxels) const;
   /// Bounding box of the voxels in the stream of a class.
   [[nodiscard]] IndexBox list_box(ClassId c, Axis axis) const;
-  /// The voxels of a structure in a box; with `around`, padded by the support of normals.
-  [[nodiscard]] Result<StructureCrop> read_crop(StructureIndex s, const IndexBox& box, bool around) const;
+  /// Calls take(runs, part) with the runs (principal axis z) of a structure's classes that overlap a box.
+  template <typename Take>
+  [[nodiscard]] Result<void> read_parts(StructureIndex s, const IndexBox& near, const Take& take) const;
+  /// Paints the voxels of a structure into an empty crop.
+  [[nodiscard]] Result<StructureCrop> read_crop(StructureIndex s, StructureCrop crop) const;
+  /// The rows of a structure; those of classes that do not overlap a box may be missing.
+  [[nodiscard]] Result<PartRows> read_rows(StructureIndex s, const IndexBox& near) const;
   [[nodiscard]] Result<SurfaceMesh> fit_surface_of(StructureIndex s) const;
   [[nodiscard]] Result<std::vector<PackedNormal>> fit_normals_of(ClassId c) const;
   /// The voxels of a group of classes.

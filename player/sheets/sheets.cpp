@@ -102,14 +102,18 @@ class Band {
         fragments_(fragments) {}
 
   void render() {
-    const auto slices = static_cast<std::int64_t>(pass_.model.slices.size());
     const bool around_slices = pass_.window.parts == 1;
-    for (std::int64_t n = around_slices ? 0 : -1; n < slices; ++n) {
+    std::int64_t next = -1;  // first interval that is not rendered yet
+    const std::vector<SliceSpans>& slices = pass_.model.slices;
+    for (std::size_t place = 0; place < slices.size(); ++place) {
+      const SliceSpans& slice = slices[pass_.shear.ascending ? place : slices.size() - 1 - place];
+      if (slice.spans.empty()) continue;
+      const std::int64_t n = from_viewer(slice.number);
       if (around_slices) {
-        render_slice(n);
-      } else {
-        render_between(n);
+        render_slab(slice, static_cast<double>(slice.number));
+        continue;
       }
+      for (next = std::max(next, n - 1); next <= n; ++next) render_between(next);
     }
     if (!pass_.fragments.empty()) {
       for (std::int64_t row = image_.first_fine_row(); row < image_.last_fine_row(); ++row)
@@ -119,23 +123,20 @@ class Band {
   }
 
  private:
+  /// Rank of a slice of the grid from the viewer, 0 for the model's nearest.
+  [[nodiscard]] std::int64_t from_viewer(std::int64_t number) const {
+    const std::int64_t n = number - pass_.model.slice_first;
+    return pass_.shear.ascending ? n : pass_.model.slice_count - 1 - n;
+  }
   /// The model's n-th slice from the viewer; null if it is empty or outside the model.
   [[nodiscard]] const SliceSpans* slice(std::int64_t n) const {
-    const std::vector<SliceSpans>& slices = pass_.model.slices;
-    if (n < 0 || n >= std::ssize(slices)) return nullptr;
-    const SliceSpans& found =
-        slices[static_cast<std::size_t>(pass_.shear.ascending ? n : std::ssize(slices) - 1 - n)];
-    return found.spans.empty() ? nullptr : &found;
+    return pass_.model.slice(pass_.model.slice_first +
+                             (pass_.shear.ascending ? n : pass_.model.slice_count - 1 - n));
   }
   /// Position along the principal axis of slice n from the viewer; n may be fractional.
   [[nodiscard]] double place_of(double n) const {
-    const double of_model =
-        pass_.shear.ascending ? n : static_cast<double>(pass_.model.slices.size()) - 1 - n;
+    const double of_model = pass_.shear.ascending ? n : static_cast<double>(pass_.model.slice_count) - 1 - n;
     return static_cast<double>(pass_.model.slice_first) + of_model;
-  }
-
-  void render_slice(std::int64_t n) {
-    if (slice(n) != nullptr) render_slab(*slice(n), place_of(static_cast<double>(n)));
   }
 
   /// Renders the interpolated slabs between slice n and the next one.
@@ -268,10 +269,9 @@ class Band {
 /// Number of voxels in the rows that overlap the window.
 std::uint64_t count_voxels(const Pass& pass) {
   std::uint64_t voxels = 0;
-  for (std::size_t n = 0; n < pass.model.slices.size(); ++n) {
-    const SliceSpans& slice = pass.model.slices[n];
+  for (const SliceSpans& slice : pass.model.slices) {
     if (slice.spans.empty()) continue;
-    const SliceRows rows(pass, static_cast<double>(pass.model.slice_first) + static_cast<double>(n));
+    const SliceRows rows(pass, static_cast<double>(slice.number));
     // The footprint of a voxel row extends to its neighbours: include one row on either side.
     const std::int64_t first = rows.upper_from(pass.window.scale - 1, 0);
     const std::int64_t last = rows.upper_from(0, pass.window.fine_rows()) + 1;
@@ -299,8 +299,7 @@ SheetWindow sheet_window(const SpanModel& model, const Shear& shear, const Pictu
   };
   const double reach = sampling.parts == 1 ? 0 : 1;  // support of a slice along the principal axis
   const double k_first = static_cast<double>(model.slice_first) - reach;
-  const double k_last =
-      static_cast<double>(model.slice_first) + static_cast<double>(model.slices.size()) - 1 + reach;
+  const double k_last = static_cast<double>(model.slice_first + model.slice_count - 1) + reach;
   auto [u_min, u_max] = seen(static_cast<double>(model.scan_first), static_cast<double>(model.scan_voxels),
                              shear.u_shift(k_first), shear.u_shift(k_last));
   auto [v_min, v_max] = seen(static_cast<double>(model.row_first), static_cast<double>(model.rows),

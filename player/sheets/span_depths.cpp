@@ -59,12 +59,11 @@ class SheetDepths {
   void find_row(std::int64_t row, std::vector<float>& depths, std::vector<float>& mixed) {
     std::fill(depths.begin(), depths.end(), 0.0f);
     float* places = &places_[static_cast<std::size_t>(row * columns_)];
-    const auto count = static_cast<std::int64_t>(model_.slices.size());
-    for (std::int64_t n = 0; n < count; ++n) {
-      const std::int64_t number = shear_.ascending ? n : count - 1 - n;
-      const SliceSpans& slice = model_.slices[static_cast<std::size_t>(number)];
+    const std::size_t count = model_.slices.size();
+    for (std::size_t n = 0; n < count; ++n) {
+      const SliceSpans& slice = model_.slices[shear_.ascending ? n : count - 1 - n];
       if (slice.spans.empty()) continue;
-      const auto k = static_cast<double>(model_.slice_first + number);
+      const auto k = static_cast<double>(slice.number);
       const double v = static_cast<double>(row + window_.v0) - shear_.v_shift(k);
       const double above = std::floor(v);
       const auto upper = static_cast<std::int64_t>(above);

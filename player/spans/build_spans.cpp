@@ -74,7 +74,7 @@ std::vector<bool> SpanBuilder::changed_slices(const SpanRequest& request, const 
   if (other_kind) return changed;
   const std::uint8_t slice_axis = ScanOrder::of(model_.axis).slice_axis;
   const auto in_model = [&](std::int64_t slice) {
-    return changed.begin() + std::clamp<std::int64_t>(slice - model_.slice_first, 0, std::ssize(changed));
+    return changed.begin() + static_cast<std::ptrdiff_t>(model_.place_of(slice));
   };
   for (ClassId c = 0; c < appearances_.of_class.size(); ++c) {
     if (!appearances_.differ(appearances_before, c)) continue;
@@ -88,11 +88,11 @@ std::vector<bool> SpanBuilder::changed_slices(const SpanRequest& request, const 
 /// their memory.
 void SpanBuilder::take_over(SpanModel& before, std::vector<bool>& changed) {
   std::vector<bool> taken(model_.slices.size(), false);
-  for (std::size_t n = 0; n < before.slices.size(); ++n) {
-    const std::int64_t place = before.slice_first + static_cast<std::int64_t>(n) - model_.slice_first;
-    if (place < 0 || place >= std::ssize(model_.slices)) continue;
-    taken[static_cast<std::size_t>(place)] = true;
-    model_.slices[static_cast<std::size_t>(place)] = std::move(before.slices[n]);
+  for (SliceSpans& slice : before.slices) {
+    const std::size_t place = model_.place_of(slice.number);
+    if (place == model_.slices.size() || model_.slices[place].number != slice.number) continue;
+    taken[place] = true;
+    model_.slices[place] = std::move(slice);
   }
   before.slices.clear();
   std::uint64_t kept = 0;
@@ -186,7 +186,8 @@ void SpanBuilder::build(const SpanRequest& request, ThreadPool& pool) {
   model_.row_first = runs.box().first[1];
   model_.rows = runs.rows();
   model_.slice_first = runs.box().first[2];
-  model_.slices.resize(static_cast<std::size_t>(runs.slices()));
+  model_.slice_count = runs.slices();
+  for (const std::int64_t slice : runs.occupied()) model_.slices.emplace_back().number = slice;
   const ClassAppearances appearances_before =
       std::exchange(appearances_, class_appearances(request, model_.emissions > 1));
 
@@ -206,7 +207,7 @@ void SpanBuilder::build(const SpanRequest& request, ThreadPool& pool) {
     for (std::size_t n = first; n < std::min(first + kSlicesAtOnce, to_build.size()); ++n) {
       SliceSpans& slice = model_.slices[to_build[n]];
       slice.optics = arena_.lend(max_floats_of_slice());
-      write_slice(request, model_.slice_first + static_cast<std::int64_t>(to_build[n]), slice);
+      write_slice(request, slice.number, slice);
       arena_.settle(slice.optics);
     }
   });

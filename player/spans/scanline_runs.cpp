@@ -1,6 +1,7 @@
 #include "player/spans/scanline_runs.h"
 
 #include <algorithm>
+#include <iterator>
 #include <limits>
 #include <tuple>
 
@@ -62,28 +63,55 @@ class RunPlaces {
 struct NewRuns {
   ClassId id = kEmptyClass;
   std::span<const Run> runs;
-  std::int64_t first_slice = 0;
-  std::vector<std::size_t> first_run;  // of each slice from first_slice on, and the end
+  std::vector<std::int64_t> slices;    // with runs, ascending
+  std::vector<std::size_t> first_run;  // of each of them, and the end
   std::uint32_t scan_voxels = 0;       // upper bound of the first voxels of runs
 
   NewRuns() = default;
   NewRuns(ClassId of, std::span<const Run> all, std::uint64_t rows) : id(of), runs(all) {
-    if (all.empty()) return;
-    first_slice = static_cast<std::int64_t>(all.front().scanline / rows);
-    std::uint64_t slice_begins = static_cast<std::uint64_t>(first_slice) * rows;
+    std::uint64_t end_of_slice = 0;  // scanline
     for (std::size_t n = 0; n < all.size(); ++n) {
-      for (; all[n].scanline >= slice_begins; slice_begins += rows) first_run.push_back(n);
+      if (all[n].scanline >= end_of_slice) {
+        const std::uint64_t slice = all[n].scanline / rows;
+        slices.push_back(static_cast<std::int64_t>(slice));
+        first_run.push_back(n);
+        end_of_slice = (slice + 1) * rows;
+      }
       scan_voxels = std::max(scan_voxels, all[n].start + 1);
     }
     first_run.push_back(all.size());
   }
-  [[nodiscard]] std::int64_t end_slice() const { return first_slice + std::ssize(first_run) - 1; }
   [[nodiscard]] std::span<const Run> of_slice(std::int64_t slice) const {
-    if (runs.empty() || slice < first_slice || slice >= end_slice()) return {};
-    const std::size_t* const first = &first_run[static_cast<std::size_t>(slice - first_slice)];
+    const auto found = std::ranges::lower_bound(slices, slice);
+    if (found == slices.end() || *found != slice) return {};
+    const std::size_t* const first = &first_run[static_cast<std::size_t>(found - slices.begin())];
     return runs.subspan(first[0], first[1] - first[0]);
   }
 };
+
+/// Numbers of the slices with runs to insert, ascending.
+std::vector<std::int64_t> slices_of(std::span<const NewRuns> classes) {
+  std::int64_t first = std::numeric_limits<std::int64_t>::max(), last = -1;
+  std::vector<std::int64_t> numbers;
+  for (const NewRuns& of_class : classes) {
+    if (of_class.slices.empty()) continue;
+    first = std::min(first, of_class.slices.front());
+    last = std::max(last, of_class.slices.back());
+    numbers.insert(numbers.end(), of_class.slices.begin(), of_class.slices.end());
+  }
+  if (last - first > std::ssize(numbers)) {  // sparse
+    std::ranges::sort(numbers);
+    numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+    return numbers;
+  }
+  std::vector<bool> occupied(numbers.empty() ? 0 : static_cast<std::size_t>(last - first + 1));
+  for (const std::int64_t slice : numbers) occupied[static_cast<std::size_t>(slice - first)] = true;
+  numbers.clear();
+  for (std::size_t n = 0; n < occupied.size(); ++n) {
+    if (occupied[n]) numbers.push_back(first + static_cast<std::int64_t>(n));
+  }
+  return numbers;
+}
 
 /// The existing runs of a slice and the runs to insert.
 class SliceRuns {
@@ -148,14 +176,27 @@ class SliceRuns {
 
 }  // namespace
 
-/// Extends the range to include slices [first, last) of the grid.
-void ScanlineRuns::make_room(std::int64_t first, std::int64_t last) {
-  if (slices_.empty()) first_ = first;
-  if (first < first_) {
-    slices_.insert(slices_.begin(), static_cast<std::size_t>(first_ - first), {});
-    first_ = first;
+std::span<const ClassRun> ScanlineRuns::slice(std::int64_t n) const {
+  const auto found = std::ranges::lower_bound(numbers_, n);
+  if (found == numbers_.end() || *found != n) return {};
+  return slices_[static_cast<std::size_t>(found - numbers_.begin())];
+}
+
+std::span<const std::int64_t> ScanlineRuns::occupied(std::int64_t first, std::int64_t last) const {
+  return {std::ranges::lower_bound(numbers_, first), std::ranges::upper_bound(numbers_, last)};
+}
+
+/// Adds the slices that are missing.
+void ScanlineRuns::make_room(std::span<const std::int64_t> numbers) {
+  std::vector<std::int64_t> all;
+  std::ranges::set_union(numbers_, numbers, std::back_inserter(all));
+  if (all.size() == numbers_.size()) return;
+  std::vector<std::vector<ClassRun>> slices(all.size());
+  for (std::size_t n = 0, before = 0; before < numbers_.size(); ++n) {
+    if (all[n] == numbers_[before]) slices[n] = std::move(slices_[before++]);
   }
-  slices_.resize(std::max(slices_.size(), static_cast<std::size_t>(last - first_)));
+  numbers_ = std::move(all);
+  slices_ = std::move(slices);
 }
 
 void ScanlineRuns::insert(std::span<const std::pair<ClassId, const ClassRuns*>> classes, std::int64_t rows,
@@ -165,20 +206,14 @@ void ScanlineRuns::insert(std::span<const std::pair<ClassId, const ClassRuns*>> 
   pool.for_each(classes.size(), [&](std::size_t n) {
     inserted[n] = NewRuns(classes[n].first, *classes[n].second, static_cast<std::uint64_t>(rows));
   });
-  std::int64_t first = std::numeric_limits<std::int64_t>::max(), last = 0;
-  for (const NewRuns& of_class : inserted) {
-    if (of_class.runs.empty()) continue;
-    first = std::min(first, of_class.first_slice);
-    last = std::max(last, of_class.end_slice());
-  }
-  if (first >= last) return;
-  make_room(first, last);
+  const std::vector<std::int64_t> numbers = slices_of(inserted);
+  make_room(numbers);
 
   // Merge slices in parallel
-  pool.for_each(static_cast<std::size_t>(last - first), [&](std::size_t n) {
-    const std::int64_t slice = first + static_cast<std::int64_t>(n);
-    std::vector<ClassRun>& existing = slices_[static_cast<std::size_t>(slice - first_)];
-    const SliceRuns runs(existing, inserted, slice, rows);
+  pool.for_each(numbers.size(), [&](std::size_t n) {
+    const auto place = std::ranges::lower_bound(numbers_, numbers[n]) - numbers_.begin();
+    std::vector<ClassRun>& existing = slices_[static_cast<std::size_t>(place)];
+    const SliceRuns runs(existing, inserted, numbers[n], rows);
     if (runs.changed()) existing = runs.ordered();
   });
 }

@@ -18,7 +18,7 @@ struct ClassRun {
 };
 
 /// The runs of all inserted classes for one principal axis, by slice, row and start. A change of selection
-/// needs no sorting: traversal filters the runs in order.
+/// needs no sorting: traversal filters the runs in order. Slices without runs take neither memory nor time.
 class ScanlineRuns {
  public:
   /// Adds new classes, each with its runs in traversal order. `rows` is the number of rows of a slice of the
@@ -27,17 +27,16 @@ class ScanlineRuns {
   void insert(std::span<const std::pair<ClassId, const ClassRuns*>> classes, std::int64_t rows,
               ThreadPool& pool);
 
-  /// The runs of a slice of the grid; empty for slices without insertions.
-  [[nodiscard]] std::span<const ClassRun> slice(std::int64_t n) const {
-    if (n < first_ || n - first_ >= static_cast<std::int64_t>(slices_.size())) return {};
-    return slices_[static_cast<std::size_t>(n - first_)];
-  }
+  /// The runs of a slice of the grid; empty for slices without insertions. Cost: logarithmic in the slices.
+  [[nodiscard]] std::span<const ClassRun> slice(std::int64_t n) const;
+  /// Numbers of the slices with runs from `first` to `last`, inclusive, ascending.
+  [[nodiscard]] std::span<const std::int64_t> occupied(std::int64_t first, std::int64_t last) const;
 
  private:
-  void make_room(std::int64_t first, std::int64_t last);
+  void make_room(std::span<const std::int64_t> numbers);
 
-  std::int64_t first_ = 0;  // slice of the grid of slices_[0]
-  std::vector<std::vector<ClassRun>> slices_;
+  std::vector<std::int64_t> numbers_;          // of slices with runs, ascending
+  std::vector<std::vector<ClassRun>> slices_;  // [index into numbers_]
 };
 
 }  // namespace splatlas

@@ -45,7 +45,11 @@ class SelectedRuns {
   /// The same for all slices.
   template <typename Take>
   void for_each(const Take& take) const {
-    for (std::int64_t slice = box_.first[2]; slice <= box_.last[2]; ++slice) for_each(slice, take);
+    for (const std::int64_t slice : occupied()) for_each(slice, take);
+  }
+  /// Numbers of the slices with runs of decoded classes in the box, ascending.
+  [[nodiscard]] std::span<const std::int64_t> occupied() const {
+    return runs_.occupied(box_.first[2], box_.last[2]);
   }
   /// The run of a selected class that contains a voxel, given by slice, row and position along the scanline;
   /// null if there is none. The position may be outside the grid.

@@ -1,6 +1,7 @@
 // Spans: merged runs of the selected classes with the optical properties of their voxels.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <span>
@@ -36,6 +37,7 @@ struct ShadedVoxel {
 
 /// The spans of one slice, built by SpanWriter.
 struct SliceSpans {
+  std::int64_t number = 0;                   ///< of the slice in the grid
   int emissions = 3;                         ///< 1 or 3
   std::int64_t first_row = 0, last_row = 0;  ///< spans are in rows [first_row, last_row) of the grid
   std::vector<std::uint32_t> first_span;     ///< last_row - first_row + 1 offsets; empty without spans
@@ -64,15 +66,28 @@ struct SliceSpans {
 /// All spans of a selection for one principal axis. Slices, rows and voxels are indices of the grid.
 struct SpanModel {
   Axis axis = Axis::kZ;
-  /// The selection's bounding box: slices [slice_first, slice_first + slices.size()), and so on.
-  std::int64_t slice_first = 0, row_first = 0, rows = 0, scan_first = 0, scan_voxels = 0;
+  /// The selection's bounding box: slices [slice_first, slice_first + slice_count), and so on.
+  std::int64_t slice_first = 0, slice_count = 0, row_first = 0, rows = 0, scan_first = 0, scan_voxels = 0;
   int emissions = 3;                    ///< of every slice
   std::array<float, 3> color{1, 1, 1};  ///< linear; of a volume with one emission
   /// Maximum extinction of the appearances, averaged over the selected voxels, 1/mm.
   double mean_densest_per_mm = 0;
-  std::vector<SliceSpans> slices;
+  std::vector<SliceSpans> slices;  ///< by number; slices without spans may be missing
   std::uint64_t voxels = 0;
   std::uint64_t shaded_voxels = 0;  ///< voxels with hybrid shading
+
+  /// Index of the first slice with at least this number.
+  [[nodiscard]] std::size_t place_of(std::int64_t number) const {
+    return static_cast<std::size_t>(std::ranges::lower_bound(slices, number, {}, &SliceSpans::number) -
+                                    slices.begin());
+  }
+  /// The spans of a slice of the grid; null if there are none.
+  [[nodiscard]] const SliceSpans* slice(std::int64_t number) const {
+    const std::size_t place = place_of(number);
+    if (place == slices.size() || slices[place].number != number || slices[place].spans.empty())
+      return nullptr;
+    return &slices[place];
+  }
 };
 
 /// Upper bound of the size of a model of `voxels` selected voxels in `runs` runs, without row offsets.

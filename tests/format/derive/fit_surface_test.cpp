@@ -82,12 +82,39 @@ TEST(FitSurface, ABallTakesNoBytesAndOneNormalThatDiffersCostsAllOfItsClass) {
   EXPECT_EQ(*stored->read_surface(0), content.surfaces[0]);
 }
 
+/// The structure's runs in the z model of the content.
+PartRows rows_of(const AtlasContent& content, const RunModel& runs, StructureIndex s) {
+  PartRows rows(storage_grid(content).size);
+  const StructureClasses held(content.classes, content.graph.size());
+  for (const auto& [c, part] : held.of(s)) rows.add(runs.classes[c], StructureCrop::part_of(part));
+  rows.sort();
+  return rows;
+}
+
+RC_GTEST_PROP(FitSurface, SparseFitsHaveTheSameBits, ()) {
+  auto random = *random_source();
+  const AtlasContent content = fitted(random_content(random, {9, 7, 30}));
+  const Grid grid = storage_grid(content);
+  const RunModel runs = encode_runs(content.class_volume, grid.size, Axis::kZ, content.classes.size());
+  for (StructureIndex s = 0; s < content.graph.size(); ++s) {
+    const PartRows rows = rows_of(content, runs, s);
+    if (rows.rows().empty()) continue;
+    const SurfaceMesh& surface = content.surfaces[s];
+    RC_ASSERT(fit_sparse_surface(rows, grid, surface.triangles.size()) == surface);
+    RC_ASSERT(!fit_sparse_surface(rows, grid, surface.triangles.size() - 1).has_value());
+    for (ClassId c = 1; c < content.classes.size(); ++c) {
+      if (normal_owner(content.classes.members(c)) != s) continue;
+      RC_ASSERT(fit_sparse_normals(rows, runs.classes[c], grid) == content.boundary_normals[c]);
+    }
+  }
+}
+
 TEST(FitSurface, NormalsOfAClassNeedTheOwnersOtherClassesAround) {
   const AtlasContent content = fitted(ball());
   const Grid grid = storage_grid(content);
   const RunModel runs = encode_runs(content.class_volume, grid.size, Axis::kZ, 3);
   const auto normals = [&](bool with_interior) {
-    StructureCrop crop = empty_crop_around(content.classes.box(2));
+    StructureCrop crop = empty_crop(around(content.classes.box(2)));
     if (with_interior) paint_runs(runs.classes[1], grid.size[1], StructureCrop::kInterior, crop);
     paint_runs(runs.classes[2], grid.size[1], StructureCrop::kBoundary, crop);
     return fit_normals(crop, runs.classes[2], grid);
@@ -138,7 +165,7 @@ TEST(FitSurface, WhatTheVoxelsDoNotGiveIsRefused) {
 TEST(FitSurface, CropsAreCountedWithWhatNormalsDependOn) {
   const IndexBox box{{0, 0, 0}, {0, 1, 2}};
   EXPECT_EQ(crop_voxels(box), 7u * 8 * 9);
-  EXPECT_EQ(empty_crop_around(box).parts.size(), crop_voxels(box));
+  EXPECT_EQ(empty_crop(around(box)).parts.size(), crop_voxels(box));
 }
 
 TEST(PaintRuns, ClipsAtTheCrop) {

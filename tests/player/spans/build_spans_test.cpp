@@ -36,7 +36,7 @@ std::vector<reference::VoxelOptics> unpacked(const SpanModel& model, const Grid&
             continue;
           }
           Index3 at{};
-          at[scan.slice_axis] = model.slice_first + static_cast<std::int64_t>(s);
+          at[scan.slice_axis] = slice.number;
           at[scan.row_axis] = row;
           at[scan.scan_axis] = n;
           reference::VoxelOptics& voxel = voxels[static_cast<std::size_t>(grid.offset(at[0], at[1], at[2]))];
@@ -132,7 +132,7 @@ TEST(BuildSpans, TakesNoMoreMemoryThanItSays) {
 
 bool equal(const SliceSpans& a, const SliceSpans& b) {
   const auto facts = [](const SliceSpans& s) {
-    return std::tie(s.emissions, s.first_row, s.last_row, s.first_span, s.voxels);
+    return std::tie(s.number, s.emissions, s.first_row, s.last_row, s.first_span, s.voxels);
   };
   const auto of_span = [](const Span& s) { return std::tie(s.first_block, s.blocks, s.voxels, s.offset); };
   const auto of_voxel = [](const ShadedVoxel& v) { return std::tie(v.place, v.normal, v.emission); };
@@ -146,8 +146,8 @@ void expect_equal(const SpanModel& a, const SpanModel& b) {
   ASSERT_EQ(a.voxels, b.voxels);
   ASSERT_EQ(a.shaded_voxels, b.shaded_voxels);
   ASSERT_EQ(a.color, b.color);
-  ASSERT_EQ(std::tuple(a.slice_first, a.row_first, a.rows, a.scan_first, a.scan_voxels),
-            std::tuple(b.slice_first, b.row_first, b.rows, b.scan_first, b.scan_voxels));
+  ASSERT_EQ(std::tuple(a.slice_first, a.slice_count, a.row_first, a.rows, a.scan_first, a.scan_voxels),
+            std::tuple(b.slice_first, b.slice_count, b.row_first, b.rows, b.scan_first, b.scan_voxels));
   ASSERT_EQ(a.slices.size(), b.slices.size());
   for (std::size_t n = 0; n < a.slices.size(); ++n) ASSERT_TRUE(equal(a.slices[n], b.slices[n])) << n;
 }

@@ -1,0 +1,35 @@
+#include "format/derive/part_rows.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace splatlas {
+
+void PartRows::add(std::span<const Run> runs, std::uint8_t part) {
+  for (const Run& run : runs)
+    placed_.push_back({run.scanline, {run.start, std::int64_t{run.start} + run.length, part}});
+}
+
+void PartRows::sort() {
+  std::ranges::sort(placed_, {}, [](const PlacedRun& p) { return std::pair(p.scanline, p.run.start); });
+  runs_.reserve(placed_.size());
+  for (std::size_t n = 0; n < placed_.size(); ++n) {
+    if (n == 0 || placed_[n].scanline != placed_[n - 1].scanline) {
+      const auto scanline = static_cast<std::int64_t>(placed_[n].scanline);
+      rows_.push_back({scanline % size_[1], scanline / size_[1], n});
+    }
+    runs_.push_back(placed_[n].run);
+  }
+  placed_ = {};
+}
+
+std::span<const PartRun> PartRows::row(std::int64_t j, std::int64_t k) const {
+  const auto place = [](const Row& row) { return std::pair(row.k, row.j); };
+  const auto found = std::ranges::lower_bound(rows_, std::pair(k, j), {}, place);
+  if (found == rows_.end() || place(*found) != std::pair(k, j)) return {};
+  const auto next = found + 1;
+  const std::size_t end = next == rows_.end() ? runs_.size() : next->first_run;
+  return std::span(runs_).subspan(found->first_run, end - found->first_run);
+}
+
+}  // namespace splatlas

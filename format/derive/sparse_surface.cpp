@@ -1,0 +1,246 @@
+#include "format/derive/sparse_surface.h"
+
+#include <algorithm>
+#include <tuple>
+#include <utility>
+
+#include "format/derive/marching_cubes.h"
+#include "format/derive/structure_crop.h"
+#include "format/system/task_control.h"
+
+namespace splatlas {
+namespace {
+
+/// Offsets in a grid with one more voxel before and behind every side.
+class PaddedGrid {
+ public:
+  explicit PaddedGrid(const Index3& size) : width_(size[0] + 2), height_(size[1] + 2) {}
+  [[nodiscard]] std::uint64_t offset(std::int64_t i, std::int64_t j, std::int64_t k) const {
+    return static_cast<std::uint64_t>(((k + 1) * height_ + j + 1) * width_ + i + 1);
+  }
+
+ private:
+  std::int64_t width_, height_;
+};
+
+/// A triangle with the keys of its vertices and of its place in the order of triangles.
+struct PlacedTriangle {
+  std::uint64_t leading = 0;                ///< padded offset of the first boundary voxel of the cell
+  std::uint64_t cell = 0;                   ///< padded offset of the cell
+  std::uint32_t number = 0;                 ///< within the cell
+  std::array<std::uint64_t, 3> vertices{};  ///< padded offset of the edge's first voxel times 4, plus axis
+};
+
+/// Visits the cells between four rows: (j, k), (j + 1, k), (j, k + 1), (j + 1, k + 1).
+class CellRow {
+ public:
+  CellRow(const PartRows& rows, std::int64_t j, std::int64_t k) {
+    for (std::size_t n = 0; n < 4; ++n) {
+      rows_[n] = rows.row(j + static_cast<std::int64_t>(n & 1), k + static_cast<std::int64_t>(n >> 1));
+      for (const PartRun& run : rows_[n]) {
+        changes_.push_back(run.start);
+        changes_.push_back(run.end);
+      }
+    }
+    std::ranges::sort(changes_);
+    changes_.erase(std::unique(changes_.begin(), changes_.end()), changes_.end());
+  }
+
+  /// Calls visit(i, parts) for every cell with corners inside and outside. parts[c] is the part of corner c.
+  template <typename Visit>
+  void for_each_crossed_cell(const Visit& visit) {
+    Column before{};
+    for (std::size_t n = 0; n < changes_.size(); ++n) {
+      const Column column = column_at(changes_[n]);
+      visit_cell(changes_[n] - 1, before, column, visit);
+      // Columns are equal up to the next change
+      const std::int64_t end = n + 1 < changes_.size() ? changes_[n + 1] : changes_[n] + 1;
+      if (is_crossed(column, column)) {
+        for (std::int64_t i = changes_[n]; i + 1 < end; ++i) visit_cell(i, column, column, visit);
+      }
+      before = column;
+    }
+  }
+
+ private:
+  using Column = std::array<std::uint8_t, 4>;  // [row]: part
+
+  [[nodiscard]] Column column_at(std::int64_t i) {
+    Column column{};
+    for (std::size_t n = 0; n < 4; ++n) {
+      while (next_[n] < rows_[n].size() && rows_[n][next_[n]].end <= i) ++next_[n];
+      if (next_[n] < rows_[n].size() && rows_[n][next_[n]].start <= i) column[n] = rows_[n][next_[n]].part;
+    }
+    return column;
+  }
+  [[nodiscard]] static bool is_crossed(const Column& a, const Column& b) {
+    const auto inside = [](const Column& column) {
+      return std::ranges::count_if(column, [](std::uint8_t part) { return part != 0; });
+    };
+    const auto count = inside(a) + inside(b);
+    return count != 0 && count != 8;
+  }
+  template <typename Visit>
+  static void visit_cell(std::int64_t i, const Column& low, const Column& high, const Visit& visit) {
+    if (!is_crossed(low, high)) return;
+    std::array<std::uint8_t, 8> parts{};
+    for (std::size_t row = 0; row < 4; ++row) {
+      parts[2 * row] = low[row];
+      parts[2 * row + 1] = high[row];
+    }
+    visit(i, parts);
+  }
+
+  std::array<std::span<const PartRun>, 4> rows_;
+  std::array<std::size_t, 4> next_{};
+  std::vector<std::int64_t> changes_;
+};
+
+/// Rows (k, j) of cells next to an occupied row of voxels, in order.
+std::vector<std::pair<std::int64_t, std::int64_t>> cell_rows(const PartRows& rows) {
+  std::vector<std::pair<std::int64_t, std::int64_t>> found;
+  for (const PartRows::Row& row : rows.rows()) {
+    for (const std::int64_t k : {row.k - 1, row.k}) {
+      for (const std::int64_t j : {row.j - 1, row.j}) found.emplace_back(k, j);
+    }
+  }
+  std::ranges::sort(found);
+  found.erase(std::unique(found.begin(), found.end()), found.end());
+  return found;
+}
+
+Index3 corner_of(const Index3& cell, unsigned corner) {
+  return {cell[0] + (corner & 1), cell[1] + (corner >> 1 & 1), cell[2] + (corner >> 2)};
+}
+
+void add_cell(const Index3& cell, const std::array<std::uint8_t, 8>& parts, const PaddedGrid& grid,
+              std::vector<PlacedTriangle>& triangles) {
+  unsigned inside = 0;
+  PlacedTriangle placed{.cell = grid.offset(cell[0], cell[1], cell[2])};
+  for (unsigned corner = 8; corner-- > 0;) {
+    inside |= unsigned{parts[corner] != StructureCrop::kOutside} << corner;
+    const Index3 at = corner_of(cell, corner);
+    if (parts[corner] == StructureCrop::kBoundary) placed.leading = grid.offset(at[0], at[1], at[2]);
+  }
+  for (const std::array<CellEdge, 3>& triangle : cell_triangles(static_cast<std::uint8_t>(inside))) {
+    for (std::size_t n = 0; n < 3; ++n) {
+      const Index3 at = corner_of(cell, triangle[n].corner);
+      placed.vertices[n] = grid.offset(at[0], at[1], at[2]) << 2 | triangle[n].axis;
+    }
+    triangles.push_back(placed);
+    ++placed.number;
+  }
+}
+
+/// Numbers vertices by first use.
+SurfaceMesh number_vertices(std::span<const PlacedTriangle> triangles, const Index3& size) {
+  struct Use {
+    std::uint64_t vertex = 0;
+    std::uint32_t place = 0;  ///< corner of a triangle, counted over all triangles
+  };
+  std::vector<Use> uses;
+  uses.reserve(3 * triangles.size());
+  for (const PlacedTriangle& triangle : triangles) {
+    for (const std::uint64_t vertex : triangle.vertices)
+      uses.push_back({vertex, static_cast<std::uint32_t>(uses.size())});
+  }
+  std::ranges::sort(uses, {}, [](const Use& use) { return std::pair(use.vertex, use.place); });
+  std::vector<std::uint32_t> first_use(uses.size());  // [place]
+  for (std::size_t n = 0; n < uses.size(); ++n) {
+    const bool is_first = n == 0 || uses[n].vertex != uses[n - 1].vertex;
+    first_use[uses[n].place] = is_first ? uses[n].place : first_use[uses[n - 1].place];
+  }
+  SurfaceMesh mesh;
+  std::vector<std::uint32_t> number(uses.size());  // [place of first use]
+  const std::uint64_t width = static_cast<std::uint64_t>(size[0]) + 2;
+  const std::uint64_t height = static_cast<std::uint64_t>(size[1]) + 2;
+  for (std::uint32_t place = 0; place < uses.size(); ++place) {
+    if (place % 3 == 0) mesh.triangles.emplace_back();
+    if (first_use[place] == place) {
+      number[place] = static_cast<std::uint32_t>(mesh.positions_ijk.size());
+      const std::uint64_t vertex = triangles[place / 3].vertices[place % 3], offset = vertex >> 2;
+      const std::array<std::uint64_t, 3> at{offset % width, offset / width % height, offset / width / height};
+      std::array<float, 3>& position = mesh.positions_ijk.emplace_back();
+      for (std::size_t a = 0; a < 3; ++a)
+        position[a] =
+            static_cast<float>(static_cast<std::int64_t>(at[a]) - 1) + (a == (vertex & 3) ? 0.5f : 0.0f);
+    }
+    mesh.triangles.back()[place % 3] = number[first_use[place]];
+  }
+  return mesh;
+}
+
+}  // namespace
+
+std::optional<SurfaceMesh> sparse_marching_cubes(const PartRows& rows, std::uint64_t max_triangles) {
+  const PaddedGrid grid(rows.size());
+  std::vector<PlacedTriangle> triangles;
+  bool fits = true;
+  for (const auto& [k, j] : cell_rows(rows)) {
+    check_cancelled();
+    CellRow(rows, j, k).for_each_crossed_cell([&](std::int64_t i, const std::array<std::uint8_t, 8>& parts) {
+      if (fits) add_cell({i, j, k}, parts, grid, triangles);
+      fits = triangles.size() <= max_triangles;
+    });
+    if (!fits) return std::nullopt;
+  }
+  std::ranges::sort(triangles, [](const PlacedTriangle& a, const PlacedTriangle& b) {
+    return std::tuple(a.leading, a.cell, a.number) < std::tuple(b.leading, b.cell, b.number);
+  });
+  return number_vertices(triangles, rows.size());
+}
+
+SparseGradient::SparseGradient(const PartRows& rows) : rows_(rows) {
+  for (std::size_t bits = 0; bits < smooth_.size(); ++bits) {
+    for (std::size_t t = 0; t < static_cast<std::size_t>(kTaps); ++t) {
+      const float covered = bits >> t & 1 ? 1.0f : 0.0f;
+      smooth_[bits] += kernels_.gauss[t] * covered;
+      derived_[bits] += kernels_.derivative[t] * covered;
+    }
+  }
+}
+
+void SparseGradient::go_to_row(std::int64_t j, std::int64_t k) {
+  for (std::int64_t slice = 0; slice < kTaps; ++slice) {
+    for (std::int64_t row = 0; row < kTaps; ++row) {
+      around_[static_cast<std::size_t>(slice * kTaps + row)] = {
+          rows_.row(j + row - GradientKernels::kRadius, k + slice - GradientKernels::kRadius), 0};
+    }
+  }
+  j_ = j;
+  k_ = k;
+  placed_ = true;
+}
+
+unsigned SparseGradient::covered(RowCursor& row, std::int64_t i) {
+  const std::int64_t first = i - GradientKernels::kRadius;
+  while (row.next < row.runs.size() && row.runs[row.next].end <= first) ++row.next;
+  unsigned bits = 0;
+  for (std::size_t n = row.next; n < row.runs.size() && row.runs[n].start < first + kTaps; ++n) {
+    const auto from = static_cast<unsigned>(std::max<std::int64_t>(row.runs[n].start - first, 0));
+    const auto to = static_cast<unsigned>(std::min<std::int64_t>(row.runs[n].end - first, kTaps));
+    bits |= (1u << to) - (1u << from);
+  }
+  return bits;
+}
+
+std::array<float, 3> SparseGradient::at(std::int64_t i, std::int64_t j, std::int64_t k) {
+  if (!placed_ || j != j_ || k != k_ || i < i_) go_to_row(j, k);
+  i_ = i;
+  std::array<float, 3> gradient{0, 0, 0};
+  for (std::size_t slice = 0; slice < static_cast<std::size_t>(kTaps); ++slice) {
+    float smooth = 0, along_j = 0, along_i = 0;
+    for (std::size_t row = 0; row < static_cast<std::size_t>(kTaps); ++row) {
+      const unsigned bits = covered(around_[slice * kTaps + row], i);
+      smooth += kernels_.gauss[row] * smooth_[bits];
+      along_j += kernels_.derivative[row] * smooth_[bits];
+      along_i += kernels_.gauss[row] * derived_[bits];
+    }
+    gradient[0] += kernels_.gauss[slice] * along_i;
+    gradient[1] += kernels_.gauss[slice] * along_j;
+    gradient[2] += kernels_.derivative[slice] * smooth;
+  }
+  return gradient;
+}
+
+}  // namespace splatlas

@@ -1,0 +1,26 @@
+// Atlas files of few voxels in large grids, without a class volume.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "format/class_table.h"
+#include "format/grid.h"
+
+namespace splatlas {
+
+/// Boxes of voxels of one structure, apart by at least two voxels and at most two voxels thick along some
+/// axis, so that every voxel is a boundary voxel.
+using SparseStructure = std::vector<IndexBox>;
+
+/// A file with one class per structure, "s0", "s1" and so on, without grey values. Surfaces and normals are
+/// fitted. Structures must not overlap. Cost: linear in the voxels of the boxes. Throws std::runtime_error.
+[[nodiscard]] std::vector<std::byte> sparse_atlas(const Index3& size,
+                                                  const std::vector<SparseStructure>& structures);
+
+/// One voxel.
+[[nodiscard]] inline IndexBox voxel_box(const Index3& at) {
+  return {at, at};
+}
+
+}  // namespace splatlas
