@@ -88,6 +88,20 @@ TEST(RunCodec, RefusesMoreRunsThanVoxels) {
   EXPECT_THAT(message_of(decode_run_list(encode({{0, 0, 1}, {1, 0, 1}}), 1)), HasSubstr("2 runs"));
 }
 
+TEST(RunCodec, AcceptsLongerFormsOfNumbers) {
+  // One run: count 1, scanline 0, length 1, start 0.
+  const ClassRuns one{{0, 0, 1}};
+  EXPECT_EQ(decode_run_list(bytes_of({0x81, 0x00, 0x80, 0x00, 0x80, 0x80, 0x00, 0x00}), 1).value(), one);
+  const auto with_scanline_step = [](int length) {  // 0 in `length` bytes
+    std::vector<std::byte> bytes = bytes_of({1});
+    bytes.insert(bytes.end(), static_cast<std::size_t>(length) - 1, std::byte{0x80});
+    bytes.resize(bytes.size() + 3);  // its last byte, the length and the start
+    return bytes;
+  };
+  EXPECT_EQ(decode_run_list(with_scanline_step(10), 1).value(), one);
+  EXPECT_FALSE(decode_run_list(with_scanline_step(11), 1));
+}
+
 TEST(RunCodec, RefusesNumbersThatWrap) {
   // One run: count, scanline step, length, start. Ten bytes of 0x80 and above exceed 64 bits.
   EXPECT_FALSE(
