@@ -13,6 +13,7 @@
 #include "format/decision_tree.h"
 #include "format/result.h"
 #include "format/run_model.h"
+#include "format/work_budget.h"
 
 namespace splatlas {
 
@@ -24,19 +25,27 @@ struct SectionSize {
   std::uint64_t bytes = 0;
 };
 
+/// Options of Atlas::open().
+struct AtlasOptions {
+  /// Factor of the limit of work (format/work_budget.h); at least 1. Raise it for files that you trust.
+  double max_work = 1;
+};
+
 /// An open atlas. open() reads and checks only the header and the directory. The read functions load chunks
 /// on demand and verify their checksums. Every size, offset and index is checked before use: untrusted files
 /// are safe, and so are files that are truncated, replaced or overwritten while open. Thread-safe.
 ///
 /// Errors of all functions: kFailed if the file cannot be read, kInvalidAtlas if it is damaged, kUsage for a
-/// class or structure out of range, kLimit if memory does not suffice.
+/// class or structure out of range, kLimit if memory or the work budget does not suffice.
 class Atlas {
  public:
   /// Opens a file. kInvalidAtlas also if it is not an atlas or its version is too new.
-  [[nodiscard]] static Result<std::shared_ptr<const Atlas>> open(const std::filesystem::path& path);
+  [[nodiscard]] static Result<std::shared_ptr<const Atlas>> open(const std::filesystem::path& path,
+                                                                 const AtlasOptions& options = {});
   /// Opens an atlas in memory. Messages call it `name`.
   [[nodiscard]] static Result<std::shared_ptr<const Atlas>> open_bytes(std::vector<std::byte> bytes,
-                                                                       std::string name = "(memory)");
+                                                                       std::string name = "(memory)",
+                                                                       const AtlasOptions& options = {});
   ~Atlas();
   Atlas(const Atlas&) = delete;
   Atlas& operator=(const Atlas&) = delete;
@@ -78,6 +87,18 @@ class Atlas {
   /// Reads and checks every byte of the file. Returns the first fault, with its section, or success.
   [[nodiscard]] Result<void> verify() const;
 
+  /// Work of the functions above, in units of format/work_budget.h. verify(), read_all(), read_classes() and
+  /// read_value_volume() check theirs against work_budget(); readers of parts check the sum of their parts.
+  /// Cost: linear in the arguments and in the classes of their structures; that of verify() in all classes.
+  [[nodiscard]] Work work_of_runs(std::span<const ClassId> classes, Axis axis) const;
+  [[nodiscard]] Work work_of_values(std::span<const ClassId> classes) const;
+  [[nodiscard]] Work work_of_normals(ClassId c) const;
+  [[nodiscard]] Work work_of_surface(StructureIndex s) const;
+  [[nodiscard]] Work work_of_class_volume() const;
+  [[nodiscard]] Work work_of_value_volume() const;
+  [[nodiscard]] Work work_of_verify() const;
+  [[nodiscard]] const WorkBudget& work_budget() const;
+
   [[nodiscard]] std::vector<SectionSize> sections() const;
   /// Bytes of the file, bytes read so far (header, directory and each chunk once) and bytes decoded from
   /// chunks.
@@ -88,7 +109,8 @@ class Atlas {
 
  private:
   struct Impl;
-  [[nodiscard]] static Result<std::shared_ptr<const Atlas>> open_file(InputFile file);
+  [[nodiscard]] static Result<std::shared_ptr<const Atlas>> open_file(InputFile file,
+                                                                      const AtlasOptions& options);
   explicit Atlas(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
 };

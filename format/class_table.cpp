@@ -24,6 +24,20 @@ void normalize(std::vector<Membership>& members) {
 
 }  // namespace
 
+std::uint64_t IndexBox::voxels() const {
+  if (empty()) return 0;
+  std::uint64_t voxels = 1;
+  for (std::size_t a = 0; a < 3; ++a) voxels *= static_cast<std::uint64_t>(last[a] - first[a] + 1);
+  return voxels;
+}
+
+bool overlap(const IndexBox& a, const IndexBox& b) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (a.last[axis] < b.first[axis] || a.first[axis] > b.last[axis]) return false;
+  }
+  return !a.empty() && !b.empty();
+}
+
 void IndexBox::include(const Index3& voxel) {
   include(IndexBox{voxel, voxel});
 }

@@ -37,9 +37,13 @@ struct IndexBox {
   Index3 last{-1, -1, -1};
   friend bool operator==(const IndexBox&, const IndexBox&) = default;
   [[nodiscard]] bool empty() const { return first[0] > last[0]; }
+  [[nodiscard]] std::uint64_t voxels() const;
   void include(const Index3& voxel);
   void include(const IndexBox& other);
 };
+
+/// True if the boxes have a voxel in common.
+[[nodiscard]] bool overlap(const IndexBox& a, const IndexBox& b);
 
 /// Memberships (sorted by structure), voxel count and bounding box of every class. Class 0 is the empty
 /// class.

@@ -11,23 +11,6 @@
 #include "format/system/result_macros.h"
 
 namespace splatlas {
-namespace {
-
-bool overlap(const IndexBox& a, const IndexBox& b) {
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    if (a.last[axis] < b.first[axis] || a.first[axis] > b.last[axis]) return false;
-  }
-  return !a.empty();
-}
-
-/// True if fitting by runs is faster than by a crop of the bounding box: a vertex or voxel then costs about
-/// as much as 200 voxels of a crop.
-bool is_sparse(std::uint64_t crop_voxels, std::uint64_t items) {
-  return crop_voxels / 200 > items;
-}
-
-}  // namespace
-
 template <typename Take>
 Result<void> Atlas::Impl::read_parts(StructureIndex s, const IndexBox& near, const Take& take) const {
   for (const auto& [c, part] : structure_classes.of(s)) {
@@ -68,7 +51,7 @@ Result<SurfaceMesh> Atlas::Impl::fit_surface_of(StructureIndex s) const {
   std::optional<SurfaceMesh> mesh;
   if (box.empty()) {
     mesh.emplace();
-  } else if (is_sparse(crop_voxels(box), entry.vertices)) {
+  } else if (fits_sparsely(box, entry.vertices)) {
     SPLATLAS_ASSIGN_OR_RETURN(const PartRows rows, read_rows(s, box));
     mesh = fit_sparse_surface(rows, grid, entry.triangles);
   } else {
@@ -89,7 +72,7 @@ Result<std::vector<PackedNormal>> Atlas::Impl::fit_normals_of(ClassId c) const {
   const IndexBox& box = directory.classes.box(c);
   if (box.empty()) return std::vector<PackedNormal>{};
   SPLATLAS_ASSIGN_OR_RETURN(const ClassRuns runs, read_stored_runs(c, Axis::kZ));
-  if (is_sparse(crop_voxels(box), directory.classes.voxels(c))) {
+  if (fits_sparsely(box, directory.classes.voxels(c))) {
     SPLATLAS_ASSIGN_OR_RETURN(const PartRows rows, read_rows(owner, around(box)));
     return fit_sparse_normals(rows, runs, grid);
   }

@@ -1,6 +1,8 @@
 // Private state of Atlas, included only by its sources.
 #pragma once
 
+#include <array>
+#include <atomic>
 #include <cstdint>
 #include <deque>
 #include <memory>
@@ -29,7 +31,7 @@ namespace splatlas {
 
 struct Atlas::Impl {
   Impl(InputFile opened_file, const FileHeader& checked_header, Directory checked_directory,
-       RunStreams streams, FileLayout file_layout);
+       RunStreams streams, FileLayout file_layout, const AtlasOptions& options);
 
   /// Reads and decodes a stream; empty if the file has no such section.
   [[nodiscard]] Result<std::vector<std::byte>> read_stream(SectionKind kind, std::size_t stream) const;
@@ -65,6 +67,17 @@ struct Atlas::Impl {
   [[nodiscard]] Result<std::vector<std::byte>> read_class_values(ClassId c) const;
   [[nodiscard]] Result<void> check_class(ClassId c) const;
   [[nodiscard]] Result<void> check_structure(StructureIndex s) const;
+  /// Counts the runs of a class when it is first read. kInvalidAtlas if an axis has more than the directory
+  /// states.
+  [[nodiscard]] Result<void> count_runs(ClassId c, Axis axis, std::size_t runs) const;
+
+  [[nodiscard]] Work work_of_stream(SectionKind kind, std::size_t stream) const;
+  [[nodiscard]] Work work_of_runs(std::span<const ClassId> of, Axis axis) const;
+  [[nodiscard]] Work work_of_values(std::size_t group) const;
+  [[nodiscard]] Work work_of_normals(ClassId c) const;
+  [[nodiscard]] Work work_of_surface(StructureIndex s) const;
+  /// Work of read_parts().
+  [[nodiscard]] Work work_of_parts(StructureIndex s, const IndexBox& near) const;
 
   /// Prefixes the message of an error with the file name.
   [[nodiscard]] tl::unexpected<Error> named(const Error& error) const {
@@ -92,6 +105,10 @@ struct Atlas::Impl {
   std::vector<std::uint32_t> surface_stream;  ///< [structure]: index of its stream
   StructureClasses structure_classes;
   RunFingerprinter fingerprinter;
+  WorkBudget budget;
+
+  mutable std::array<std::vector<std::atomic<bool>>, 3> runs_counted;  // [axis][class]
+  mutable std::array<std::atomic<std::uint64_t>, 3> runs_read{};       // [axis], each class once
 
   /// Cache of split runs: the other class, its values and normals are often read next.
   struct RecentSplit {

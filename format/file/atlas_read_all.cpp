@@ -44,6 +44,7 @@ VoxelBuffer assemble_values(VoxelType type, const std::vector<std::vector<std::b
 }  // namespace
 
 Result<AtlasContent> Atlas::read_classes() const {
+  SPLATLAS_RETURN_IF_ERROR(work_budget().check(work_of_class_volume(), "reading all voxels"));
   try {
     AtlasContent content;
     content.source_grid = source_grid();
@@ -64,6 +65,7 @@ Result<AtlasContent> Atlas::read_classes() const {
 Result<VoxelBuffer> Atlas::read_value_volume(std::span<const ClassId> class_volume) const {
   try {
     if (value_type() == VoxelType::kNone) return VoxelBuffer{};
+    SPLATLAS_RETURN_IF_ERROR(work_budget().check(work_of_value_volume(), "reading all grey values"));
     std::vector<std::vector<std::byte>> of_class(classes().size());
     for (ClassId c = 0; c < of_class.size(); ++c) {
       SPLATLAS_ASSIGN_OR_RETURN(of_class[c], read_values(c));
@@ -75,6 +77,11 @@ Result<VoxelBuffer> Atlas::read_value_volume(std::span<const ClassId> class_volu
 }
 
 Result<AtlasContent> Atlas::read_all() const {
+  Work work = work_of_class_volume();
+  work += work_of_value_volume();
+  for (StructureIndex s = 0; s < graph().size(); ++s) work += work_of_surface(s);
+  for (ClassId c = 0; c < classes().size(); ++c) work += work_of_normals(c);
+  SPLATLAS_RETURN_IF_ERROR(work_budget().check(work, "reading the whole atlas"));
   try {
     SPLATLAS_ASSIGN_OR_RETURN(AtlasContent content, read_classes());
     SPLATLAS_ASSIGN_OR_RETURN(content.values, read_value_volume(content.class_volume));

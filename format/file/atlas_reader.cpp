@@ -47,7 +47,7 @@ Result<OpenedDirectory> read_directory(const InputFile& file) {
 }  // namespace
 
 Atlas::Impl::Impl(InputFile opened_file, const FileHeader& checked_header, Directory checked_directory,
-                  RunStreams streams, FileLayout file_layout)
+                  RunStreams streams, FileLayout file_layout, const AtlasOptions& options)
     : file(std::move(opened_file)),
       header(checked_header),
       directory(std::move(checked_directory)),
@@ -60,29 +60,33 @@ Atlas::Impl::Impl(InputFile opened_file, const FileHeader& checked_header, Direc
       surface_stream(directory.graph.size()),
       structure_classes(directory.classes, directory.graph.size()),
       fingerprinter(grid.size),
+      budget(file.name(), header.file_bytes, options.max_work),
       value_cache(groups.size(), kMaxCachedBytes) {
   const auto preorder = directory.graph.preorder();
   for (std::uint32_t n = 0; n < preorder.size(); ++n) surface_stream[preorder[n]] = n;
+  for (auto& counted : runs_counted) counted = std::vector<std::atomic<bool>>(directory.classes.size());
 }
 
 Atlas::Atlas(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Atlas::~Atlas() = default;
 
-Result<std::shared_ptr<const Atlas>> Atlas::open(const std::filesystem::path& path) {
+Result<std::shared_ptr<const Atlas>> Atlas::open(const std::filesystem::path& path,
+                                                 const AtlasOptions& options) {
   SPLATLAS_ASSIGN_OR_RETURN(InputFile file, InputFile::open(path));
-  return open_file(std::move(file));
+  return open_file(std::move(file), options);
 }
 
-Result<std::shared_ptr<const Atlas>> Atlas::open_bytes(std::vector<std::byte> bytes, std::string name) {
-  return open_file(InputFile(std::move(bytes), std::move(name)));
+Result<std::shared_ptr<const Atlas>> Atlas::open_bytes(std::vector<std::byte> bytes, std::string name,
+                                                       const AtlasOptions& options) {
+  return open_file(InputFile(std::move(bytes), std::move(name)), options);
 }
 
-Result<std::shared_ptr<const Atlas>> Atlas::open_file(InputFile file) {
+Result<std::shared_ptr<const Atlas>> Atlas::open_file(InputFile file, const AtlasOptions& options) {
   try {
     auto opened = read_directory(file);
     if (!opened) return fail(opened.error().code, file.name() + ": " + opened.error().message);
     auto impl = std::make_unique<Impl>(std::move(file), opened->header, std::move(opened->directory),
-                                       std::move(opened->streams), std::move(opened->layout));
+                                       std::move(opened->streams), std::move(opened->layout), options);
     return std::shared_ptr<const Atlas>(new Atlas(std::move(impl)));
   } catch (const std::bad_alloc&) {
     return fail(ErrorCode::kLimit, "{}: out of memory; {}", file.name(), kOutOfMemoryRemedy);

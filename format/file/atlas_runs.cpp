@@ -21,8 +21,19 @@ Result<ClassRuns> Atlas::Impl::read_stored_runs(ClassId c, Axis axis) const {
   }
   SPLATLAS_ASSIGN_OR_RETURN(ClassRuns runs,
                             read_run_list(c, axis, c == kEmptyClass ? 0 : directory.classes.voxels(c)));
+  SPLATLAS_RETURN_IF_ERROR(count_runs(c, axis, runs.size()));
   SPLATLAS_RETURN_IF_ERROR(check_voxels(c, axis, runs));
   return runs;
+}
+
+Result<void> Atlas::Impl::count_runs(ClassId c, Axis axis, std::size_t runs) const {
+  const auto a = static_cast<std::size_t>(axis);
+  if (runs_counted[a][c].exchange(true)) return {};
+  if ((runs_read[a] += runs) <= directory.run_totals[a]) return {};
+  runs_read[a] -= runs;  // another attempt fails, too
+  runs_counted[a][c] = false;
+  return named(ErrorCode::kInvalidAtlas, "invalid: {} has more than the {} runs that the directory states",
+               section_name(run_section(axis)), directory.run_totals[a]);
 }
 
 bool Atlas::Impl::shares_runs(ClassId c, Axis axis) const {
@@ -60,6 +71,7 @@ Result<SplitRuns> Atlas::Impl::split_runs(ClassId c, Axis axis) const {
                  "invalid: {} of class {}: {} voxels are interior to classes {} and {}, expected {}",
                  section_name(run_section(axis)), pair[0], found, pair[0], pair[1], interior);
   }
+  SPLATLAS_RETURN_IF_ERROR(count_runs(pair[0], axis, split.interior.size() + split.boundary.size()));
   SPLATLAS_RETURN_IF_ERROR(check_voxels(pair[0], axis, split.interior));
   SPLATLAS_RETURN_IF_ERROR(check_voxels(pair[1], axis, split.boundary));
   return split;
@@ -111,7 +123,9 @@ Result<ClassRuns> Atlas::Impl::derive_runs(ClassId c, Axis axis) const {
                  voxels);
   }
   SPLATLAS_ASSIGN_OR_RETURN(const ClassRuns runs, read_stored_runs(c, Axis::kZ));
-  return convert_runs(runs, grid.size, Axis::kZ, axis);
+  ClassRuns derived = convert_runs(runs, grid.size, Axis::kZ, axis);
+  SPLATLAS_RETURN_IF_ERROR(count_runs(c, axis, derived.size()));
+  return derived;
 }
 
 Result<ClassRuns> Atlas::read_runs(ClassId c, Axis axis) const {

@@ -128,6 +128,7 @@ Result<void> verify_order(const Atlas& atlas) {
 }  // namespace
 
 Result<void> Atlas::verify() const {
+  SPLATLAS_RETURN_IF_ERROR(work_budget().check(work_of_verify(), "checking the file"));
   try {
     for (const SectionLayout& section : impl_->layout.sections) {
       const auto n = static_cast<std::size_t>(&section - impl_->layout.sections.data());

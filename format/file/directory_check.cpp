@@ -161,13 +161,36 @@ Result<void> check_fingerprints(const Directory& d, const Grid& grid) {
   return invalid_atlas("invalid: fingerprints of classes do not add up to that of the grid");
 }
 
+/// [structure]: its voxels.
+std::vector<std::uint64_t> voxels_of_structures(const Directory& d) {
+  std::vector<std::uint64_t> voxels(d.graph.size(), 0);
+  for (ClassId c = 0; c < d.classes.size(); ++c) {
+    for (const Membership& m : d.classes.members(c)) {
+      if (m.holds()) voxels[m.structure] += d.classes.voxels(c);
+    }
+  }
+  return voxels;
+}
+
+/// A vertex of a fitted surface lies on one of the six grid edges of a voxel, and in one loop of each of the
+/// four cells around that edge.
+bool counts_fit(const SurfaceEntry& entry, std::uint64_t voxels) {
+  return entry.vertices <= 6 * voxels && entry.triangles / 4 < entry.vertices;
+}
+
 Result<void> check_surfaces(const Directory& d, const Grid& grid) {
   if (d.surfaces.size() != d.graph.size()) {
     return invalid_atlas("invalid: {} surfaces of {} structures", d.surfaces.size(), d.graph.size());
   }
+  const std::vector<std::uint64_t> voxels = voxels_of_structures(d);
   for (StructureIndex s = 0; s < d.graph.size(); ++s) {
-    if (auto fits = check_surface_entry(d.surfaces[s], grid.size); !fits) {
+    const SurfaceEntry& entry = d.surfaces[s];
+    if (auto fits = check_surface_entry(entry, grid.size); !fits) {
       return invalid_atlas("invalid: surface of structure '{}': {}", d.graph[s].id, fits.error().message);
+    }
+    if (is_fitted(entry) && !counts_fit(entry, voxels[s])) {
+      return invalid_atlas("invalid: surface of structure '{}': {} vertices and {} triangles for {} voxels",
+                           d.graph[s].id, entry.vertices, entry.triangles, voxels[s]);
     }
   }
   return {};

@@ -14,6 +14,12 @@ inline constexpr std::uint64_t kMaxFittedVoxels = std::uint64_t{1} << 28;
 /// Number of voxels of empty_crop(around(box)), the larger of the two crops.
 [[nodiscard]] std::uint64_t crop_voxels(const IndexBox& box);
 
+/// True if a reader fits faster from runs than from a crop of the bounding box. `items` are vertices of a
+/// surface or voxels with normals; one costs about as much as 200 voxels of a crop.
+[[nodiscard]] inline bool fits_sparsely(const IndexBox& box, std::uint64_t items) {
+  return crop_voxels(box) / 200 > items;
+}
+
 /// Surfaces and normals that need not be stored.
 struct FittedParts {
   std::vector<bool> surfaces;  ///< [structure]: its surface equals fit_surface()

@@ -93,4 +93,14 @@ inline CLI::Option* add_threads(CLI::App& app, unsigned& threads, const std::str
       ->capture_default_str();
 }
 
+/// Binds --max-work to the factor of AtlasOptions.
+inline CLI::Option* add_max_work(CLI::App& app, double& max_work) {
+  constexpr double kMaxWork = 1e9;
+  return app
+      .add_option("--max-work", max_work,
+                  "limit of work for the file, in multiples of the usual one; for files that you trust")
+      ->check(CLI::Range(1.0, kMaxWork).description(""))
+      ->capture_default_str();
+}
+
 }  // namespace splatlas

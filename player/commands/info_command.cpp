@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "format/subtree_counts.h"
 #include "format/system/json_text.h"
 
 namespace splatlas {
@@ -17,23 +18,22 @@ Json grid_json(const Grid& grid) {
           {"direction_lps", grid.direction_lps}};
 }
 
-std::uint64_t triangles_below(const Atlas& atlas, StructureIndex s) {
-  std::uint64_t triangles = 0;
-  for (const StructureIndex d : atlas.graph().descendants(s)) triangles += atlas.triangles(d);
-  return triangles;
+std::vector<SubtreeCounts> counts_of(const Atlas& atlas) {
+  std::vector<std::uint64_t> triangles(atlas.graph().size());
+  for (StructureIndex s = 0; s < triangles.size(); ++s) triangles[s] = atlas.triangles(s);
+  return subtree_counts(atlas.graph(), atlas.classes(), triangles);
 }
 
-Json structure_json(const Atlas& atlas, StructureIndex s) {
+Json structure_json(const Atlas& atlas, StructureIndex s, const SubtreeCounts& counts) {
   const Structure& structure = atlas.graph()[s];
   Json parents = Json::array();
   for (const StructureIndex p : structure.parents) parents.push_back(atlas.graph()[p].id);
-  const DecisionTree::VoxelCounts counts = atlas.tree().voxel_counts(s);
   Json json{{"id", structure.id},
             {"name", structure.name},
             {"parents", parents},
             {"color", to_hex(structure.color)},
             {"voxels", {{"interior", counts.interior}, {"boundary", counts.boundary}}},
-            {"triangles", triangles_below(atlas, s)}};
+            {"triangles", counts.triangles}};
   if (structure.label) json["label"] = *structure.label;
   return json;
 }
@@ -49,8 +49,9 @@ std::string info_json(const Atlas& atlas) {
         {{"axis", std::string(1, "xyz"[static_cast<std::size_t>(axis)])}, {"runs", atlas.runs(axis)}});
   }
   json["structures"] = Json::array();
+  const std::vector<SubtreeCounts> counts = counts_of(atlas);
   for (StructureIndex s = 0; s < atlas.graph().size(); ++s)
-    json["structures"].push_back(structure_json(atlas, s));
+    json["structures"].push_back(structure_json(atlas, s, counts[s]));
   json["sections"] = Json::array();
   for (const SectionSize& section : atlas.sections()) {
     json["sections"].push_back({{"name", section.name}, {"bytes", section.bytes}});
@@ -86,6 +87,7 @@ PrintableText info_text(const Atlas& atlas) {
            "boundary", "triangles");
   // Depth first with an explicit stack; a structure appears under each of its parents.
   constexpr std::size_t kMaxLines = 10000;
+  const std::vector<SubtreeCounts> counts = counts_of(atlas);
   std::size_t lines = 0;
   std::vector<std::pair<StructureIndex, std::size_t>> stack;
   const auto roots = atlas.graph().roots();
@@ -94,10 +96,9 @@ PrintableText info_text(const Atlas& atlas) {
     const auto [s, depth] = stack.back();
     stack.pop_back();
     ++lines;
-    const DecisionTree::VoxelCounts counts = atlas.tree().voxel_counts(s);
     const std::string label = std::string(2 * depth, ' ') + atlas.graph()[s].name;
-    text.add("{:<50} {:>10} {:>10} {:>10}\n", label, counts.interior, counts.boundary,
-             triangles_below(atlas, s));
+    text.add("{:<50} {:>10} {:>10} {:>10}\n", label, counts[s].interior, counts[s].boundary,
+             counts[s].triangles);
     const auto children = atlas.graph().children(s);
     for (auto child = children.rbegin(); child != children.rend(); ++child)
       stack.emplace_back(*child, depth + 1);

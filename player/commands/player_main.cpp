@@ -49,8 +49,8 @@ Result<void> print_info(const std::filesystem::path& path, bool json) {
   return print_text(json ? PrintableText::of_layout(info_json(*atlas)) : info_text(*atlas));
 }
 
-Result<void> verify_file(const std::filesystem::path& path) {
-  SPLATLAS_ASSIGN_OR_RETURN(const auto atlas, Atlas::open(path));
+Result<void> verify_file(const std::filesystem::path& path, const AtlasOptions& options) {
+  SPLATLAS_ASSIGN_OR_RETURN(const auto atlas, Atlas::open(path, options));
   SPLATLAS_RETURN_IF_ERROR(atlas->verify());
   return print_text(PrintableText("{}: a valid atlas, {} bytes, every checksum and every number checked\n",
                                   path, atlas->counters().file));
@@ -68,7 +68,7 @@ Result<void> render_picture(const RenderRequest& request) {
 #ifdef SPLATLAS_HAS_WINDOW
 /// Shows an atlas until the user closes the window. SDL2, OpenGL and Dear ImGui are in a module, so that the
 /// other commands do not depend on them.
-Result<void> open_window(const std::filesystem::path& path, unsigned threads) {
+Result<void> open_window(const std::filesystem::path& path, unsigned threads, const AtlasOptions& options) {
   // Never unloaded: OpenGL drivers leave threads and exit handlers behind.
   void* module = dlopen(kWindowModule, RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
   void* function = module != nullptr ? dlsym(module, kShowWindowName) : nullptr;
@@ -79,12 +79,13 @@ Result<void> open_window(const std::filesystem::path& path, unsigned threads) {
   }
   std::array<char, 2048> error{};
   const auto show = reinterpret_cast<ShowWindow>(function);
-  const int code = show(path.c_str(), threads, error.data(), error.size());
+  const int code = show(path.c_str(), threads, options.max_work, error.data(), error.size());
   if (code == kWindowClosed) return {};
   return fail(static_cast<ErrorCode>(code), error.data());
 }
 #else
-Result<void> open_window(const std::filesystem::path& path, unsigned /*threads*/) {
+Result<void> open_window(const std::filesystem::path& path, unsigned /*threads*/,
+                         const AtlasOptions& /*options*/) {
   return fail(ErrorCode::kUsage,
               fmt::format("{}: this player was built without a window; use 'render'", path.string()));
 }
@@ -95,6 +96,7 @@ struct CommandLine {
   CLI::App app{kDescription, "splatlas-player"};
   std::filesystem::path atlas;  // argument of all commands except render
   unsigned window_threads = 0;
+  AtlasOptions atlas_options;  // of all commands except render
   bool json = false;
   RenderRequest request;
   CLI::App* render = nullptr;
@@ -106,12 +108,14 @@ struct CommandLine {
     app.get_formatter()->column_width(28);
     app.add_option("ATLAS", atlas, "atlas file to open in a window")->check(names_a_file());
     add_threads(app, window_threads, "0: one per core");
+    add_max_work(app, atlas_options.max_work);
     render = add_render(app, request);
     info = app.add_subcommand("info", "List grid, structures, counts and sizes");
     info->add_option("ATLAS", atlas, "atlas file")->required()->check(names_a_file());
     info->add_flag("--json", json, "as a JSON document");
     verify = app.add_subcommand("verify", "Check every byte of an atlas");
     verify->add_option("ATLAS", atlas, "atlas file")->required()->check(names_a_file());
+    add_max_work(*verify, atlas_options.max_work);
     app.require_subcommand(0, 1);
   }
 };
@@ -144,14 +148,14 @@ Result<void> run_command(const CommandLine& line) {
     return render_picture(line.request);
   }
   if (line.info->parsed()) return print_info(line.atlas, line.json);
-  if (line.verify->parsed()) return verify_file(line.atlas);
+  if (line.verify->parsed()) return verify_file(line.atlas, line.atlas_options);
   if (line.atlas.empty()) return wrong_usage(line.app, "no atlas file is given");
   // A lone word is more likely a misspelt command than a missing file.
   std::error_code ignored;
   const bool is_word = !line.atlas.has_parent_path() && !line.atlas.has_extension();
   if (is_word && !std::filesystem::exists(line.atlas, ignored))
     return no_command_or_atlas(line.app, line.atlas);
-  return open_window(line.atlas, line.window_threads);
+  return open_window(line.atlas, line.window_threads, line.atlas_options);
 }
 
 Result<void> run(int argc, char** argv) {

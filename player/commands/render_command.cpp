@@ -205,6 +205,7 @@ CLI::App* add_render(CLI::App& app, RenderRequest& request) {
                                "a .jpg picture has no transparency; write .png, .tif or .exr");
   });
   add_threads(*command, request.threads, "0: one per core; the picture does not depend on it");
+  add_max_work(*command, request.atlas_options.max_work);
   add_parsed(*command, "--stats", request.stats, parse_file_name, "must name a file",
              "JSON file to write: voxels visited, bytes read, times");
   command->footer(kFooter);
@@ -224,7 +225,8 @@ Result<std::vector<std::string>> run_render(const RenderRequest& request) {
       PictureEncoder::check_size(request.output, request.options.size, request.background));
 
   const auto start = std::chrono::steady_clock::now();
-  SPLATLAS_ASSIGN_OR_RETURN(std::shared_ptr<const Atlas> atlas, Atlas::open(request.atlas));
+  SPLATLAS_ASSIGN_OR_RETURN(std::shared_ptr<const Atlas> atlas,
+                            Atlas::open(request.atlas, request.atlas_options));
   const double open_ms =
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   const Result<Selection> selection = resolve_selection(terms, atlas->graph());

@@ -22,6 +22,7 @@ struct RenderRequest {
   Camera camera;
   RenderOptions options;
   unsigned threads = 0;
+  AtlasOptions atlas_options;
   std::optional<Rgb> background = Rgb{0, 0, 0};  ///< none: transparent
   std::filesystem::path stats;                   ///< JSON file; empty: none
 };

@@ -7,6 +7,7 @@
 #include <span>
 
 #include "format/system/thread_pool.h"
+#include "format/work_budget.h"
 #include "player/depth_cue/depth_edges.h"
 #include "player/frame/render_overrides.h"
 #include "player/sheets/fragment_order.h"
@@ -43,6 +44,7 @@ struct FrameScene {
   const Lighting& lighting;
   const RenderOptions& options;
   const RenderOverrides& overrides;
+  const WorkBudget& budget;
   std::uint64_t max_memory_bytes = 0;  ///< limit; fragments may take a quarter of it
 };
 

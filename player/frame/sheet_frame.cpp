@@ -60,6 +60,17 @@ float skew_of(const Shear& shear, const SheetSampling& sampling) {
   return static_cast<float>(std::clamp(covariance, -kMaxSkew, kMaxSkew));
 }
 
+/// Work of a sheet that is much finer than the picture, because voxels are.
+Work work_of_sheet(const SheetWindow& window, const SpanModel& model, const PictureSize& size) {
+  constexpr double kPerPixel = 20;  // and channel
+  constexpr double kUsual = 8;      // sheet pixels per picture pixel
+  const double pixels = static_cast<double>(window.fine_rows()) * static_cast<double>(window.fine_columns());
+  const double beyond = std::max(0.0, pixels - kUsual * size.width * size.height);
+  Work work;
+  work.add(WorkKind::kPixels, beyond, kPerPixel * (1 + model.emissions));
+  return work;
+}
+
 Result<SheetWindow> choose_window(const SpanModel& model, const Shear& shear, const Grid& grid,
                                   const RenderOptions& options) {
   SheetSampling sampling{sheet_scale(options.quality, shear, has_sharp_edges(model, grid)),
@@ -88,6 +99,8 @@ Result<void> SheetFrame::render_volume(Picture& /*picture*/) {
   Stopwatch watch;
   const RenderOptions& options = scene_.options;
   SPLATLAS_ASSIGN_OR_RETURN(const SheetWindow window, choose_window(spans_, shear_, scene_.grid, options));
+  SPLATLAS_RETURN_IF_ERROR(
+      scene_.budget.check(work_of_sheet(window, spans_, options.size), "the sheet of the selection"));
   buffers_.order.build(buffers_.fragments, shear_, window, options.size, scene_.grid, pool_);
   // The positive weights of the cubic kernel sum to at most 1.28, which amplifies the error of the sheet.
   const float threshold = termination_threshold(options) / (window.cubic ? 1.3f : 1.0f);

@@ -139,6 +139,13 @@ class RayVolume::Builder {
                                 request_.atlas.name()));
       }
     }
+    // Tables of bricks and of slices
+    constexpr double kPerSlice = 200, kBytesPerSlice = 64;
+    Work work;
+    work.add(WorkKind::kVoxels, static_cast<double>(voxels), 1);
+    work.add(WorkKind::kRows, static_cast<double>(size[2]), kPerSlice);
+    work.hold(static_cast<double>(voxels) / 8 + kBytesPerSlice * static_cast<double>(size[2]));
+    SPLATLAS_RETURN_IF_ERROR(request_.atlas.work_budget().check(work, "the box around the selection"));
     if (const std::uint64_t bytes = bytes_needed(voxels); bytes > request_.max_memory_bytes) {
       return fail(ErrorCode::kLimit,
                   fmt::format("{}: the selection's grey values take up to {} MiB for rays; {} MiB are "

@@ -85,6 +85,59 @@ std::vector<ClassCache::Missing> ClassCache::missing_of(std::span<const ClassId>
   return missing;
 }
 
+Work ClassCache::work_of(std::span<const ClassId> classes, Axis axis, bool normals) const {
+  constexpr double kPerSpanVoxel = 40, kPerRow = 20, kPerPage = 16384, kPageBytes = 4096;
+  const Grid& grid = atlas_->grid();
+  const ScanOrder order = ScanOrder::of(axis);
+  std::vector<ClassId> runs, values, in_memory_order;
+  Work work;
+  IndexBox box;
+  double voxels = 0, pages = 0;
+  for (const Missing& of : missing_of(classes, axis, normals)) {
+    if (of.runs) runs.push_back(of.id);
+    if (of.values) values.push_back(of.id);
+    if (of.values || of.normals) in_memory_order.push_back(of.id);
+    if (of.normals) work += atlas_->work_of_normals(of.id);
+    const IndexBox& of_class = atlas_->classes().box(of.id);
+    const auto in_class = static_cast<double>(atlas_->classes().voxels(of.id));
+    box.include(of_class);
+    voxels += in_class;
+    const double reach =
+        static_cast<double>((of_class.last[2] - of_class.first[2] + 1) * grid.size[1] * grid.size[0]);
+    pages += std::min(in_class, 1 + reach * static_cast<double>(value_bytes()) / kPageBytes);
+  }
+  if (box.empty()) return work;
+  work += atlas_->work_of_runs(runs, axis);
+  work += atlas_->work_of_values(values);
+  if (axis == Axis::kX) work += atlas_->work_of_runs(in_memory_order, Axis::kZ);
+
+  // Voxels are spread over the pages of the grid, and spans over the rows of the box
+  const double grid_bytes = static_cast<double>(grid.voxels()) * static_cast<double>(value_bytes());
+  work.add(WorkKind::kVoxels, std::min(pages, 1 + grid_bytes / kPageBytes), kPerPage);
+  work.add(WorkKind::kVoxels, voxels, kPerSpanVoxel);
+  const auto side = [&](std::uint8_t a) { return static_cast<double>(box.last[a] - box.first[a] + 1); };
+  const double slices = std::min({side(order.slice_axis), voxels, static_cast<double>(atlas_->runs(axis))});
+  work.add(WorkKind::kRows, slices * side(order.row_axis), kPerRow);
+  // for_each_in_memory() has a table of planes
+  if (axis == Axis::kY) {
+    const auto planes = static_cast<double>(grid.size[2]);
+    work.add(WorkKind::kRows, planes * static_cast<double>(in_memory_order.size()), 2);
+    work.hold(planes * sizeof(std::size_t) *
+              std::min<double>(8, static_cast<double>(in_memory_order.size())));
+  }
+  return work;
+}
+
+Work ClassCache::work_of_surfaces(std::span<const StructureIndex> structures) const {
+  constexpr double kPerDrawnTriangle = 200;
+  Work work;
+  for (const StructureIndex s : structures) {
+    if (!surfaces_.contains(s)) work += atlas_->work_of_surface(s);
+    work.add(WorkKind::kTriangles, static_cast<double>(atlas_->triangles(s)), kPerDrawnTriangle);
+  }
+  return work;
+}
+
 Result<void> ClassCache::reserve(std::span<const Missing> missing) {
   const auto voxels = static_cast<std::size_t>(atlas_->grid().voxels());
   std::uint64_t new_voxels = 0;

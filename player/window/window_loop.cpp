@@ -124,8 +124,8 @@ class Window {
 
 /// Opens an atlas, shows it in a window, and returns when the user closes the window. Sleeps between events.
 /// Errors of Atlas::open(), and kFailed without a display.
-Result<void> run_window(const std::filesystem::path& path, unsigned threads) {
-  auto atlas = Atlas::open(path);
+Result<void> run_window(const std::filesystem::path& path, unsigned threads, double max_work) {
+  auto atlas = Atlas::open(path, {.max_work = max_work});
   if (!atlas) return tl::unexpected(std::move(atlas).error());
   auto log = SessionLog::from_environment();
   if (!log) return tl::unexpected(std::move(log).error());
@@ -141,9 +141,9 @@ Result<void> run_window(const std::filesystem::path& path, unsigned threads) {
 }  // namespace splatlas
 
 extern "C" __attribute__((visibility("default"))) int splatlas_show_window(const char* path, unsigned threads,
-                                                                           char* error,
+                                                                           double max_work, char* error,
                                                                            std::size_t error_size) try {
-  if (const auto result = splatlas::run_window(path, threads); !result) {
+  if (const auto result = splatlas::run_window(path, threads, max_work); !result) {
     *fmt::format_to_n(error, error_size - 1, "{}", result.error().message).out = '\0';
     return static_cast<int>(result.error().code);
   }

@@ -1,8 +1,9 @@
 #include "preprocess/export/export_atlas.h"
 
+#include <algorithm>
 #include <array>
-#include <set>
 #include <span>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -28,15 +29,11 @@ Result<std::vector<std::vector<StructureIndex>>> find_surfaces(const Atlas& atla
   for (const auto& [name, path] : options.surfaces) {
     const auto found = find_structures(atlas.graph(), name);
     if (!found) return fail(found.error().code, "{}: {}", atlas.name(), found.error().message);
-    std::set<StructureIndex> all;
-    std::uint64_t triangles = 0;
-    for (const StructureIndex top : *found) {
-      for (const StructureIndex s : atlas.graph().descendants(top)) {
-        if (all.insert(s).second) triangles += atlas.triangles(s);
-      }
-    }
-    if (triangles == 0) return bad_file(atlas.name(), "'{}' has no surface", name);
-    result.emplace_back(all.begin(), all.end());
+    std::vector<StructureIndex> all = atlas.graph().descendants(*found);
+    if (std::ranges::all_of(all, [&](StructureIndex s) { return atlas.triangles(s) == 0; }))
+      return bad_file(atlas.name(), "'{}' has no surface", name);
+    std::ranges::sort(all);
+    result.push_back(std::move(all));
   }
   return result;
 }
@@ -89,19 +86,35 @@ Result<void> check_writable(const ExportOptions& options) {
   return {};
 }
 
+/// Work of writing `files` volume files with values of `bytes` bytes.
+Work work_of_volumes(const Grid& grid, std::size_t files, std::size_t bytes) {
+  constexpr double kPerByte = 15;  // copied, reordered, compressed
+  const double all = static_cast<double>(grid.voxels()) * static_cast<double>(bytes);
+  Work work;
+  work.add(WorkKind::kVoxels, all * static_cast<double>(files), kPerByte);
+  work.hold(static_cast<double>(grid.voxels()) * sizeof(ClassId) + 2 * all);
+  return work;
+}
+
 /// Exports labels as a label map or as masks. Adds notes.
 Result<std::string> export_labels(const AtlasContent& content, const Atlas& atlas,
                                   const ExportOptions& options, std::vector<std::string>& notes) {
   if (is_folder_of_masks(options)) {
+    const Work work = work_of_volumes(atlas.grid(), count_masks(content), 1);
+    SPLATLAS_RETURN_IF_ERROR(atlas.work_budget().check(work, "writing all masks"));
     SPLATLAS_ASSIGN_OR_RETURN(const ExportedMasks masks, export_masks(content, options.labels));
     if (!masks.note.empty()) notes.push_back(masks.note);
     return fmt::format("{}: {} masks", options.labels, masks.count);
   }
+  const Work work = work_of_volumes(atlas.grid(), 1, bytes_of(content.label_type));
+  SPLATLAS_RETURN_IF_ERROR(atlas.work_budget().check(work, "writing the labels"));
   SPLATLAS_RETURN_IF_ERROR(export_label_map(content, atlas.name(), options.labels));
   return fmt::format("{}: labels, {}", options.labels, name_of(content.label_type));
 }
 
 Result<std::string> export_volume(const AtlasContent& content, const Atlas& atlas, const fs::path& path) {
+  const Work work = work_of_volumes(atlas.grid(), 1, bytes_of(atlas.value_type()));
+  SPLATLAS_RETURN_IF_ERROR(atlas.work_budget().check(work, "writing the grey values"));
   SPLATLAS_ASSIGN_OR_RETURN(const VoxelBuffer values, atlas.read_value_volume(content.class_volume));
   SPLATLAS_RETURN_IF_ERROR(write_image({content.source_grid, to_source_order(values, content)}, path));
   return fmt::format("{}: volume, {}", path.string(), name_of(values.type));
@@ -109,6 +122,9 @@ Result<std::string> export_volume(const AtlasContent& content, const Atlas& atla
 
 Result<std::string> export_surface(const Atlas& atlas, const std::vector<StructureIndex>& structures,
                                    const fs::path& path) {
+  Work work;
+  for (const StructureIndex s : structures) work += atlas.work_of_surface(s);
+  SPLATLAS_RETURN_IF_ERROR(atlas.work_budget().check(work, "writing surfaces"));
   std::vector<SurfaceMesh> surfaces;
   std::uint64_t triangles = 0;
   for (const StructureIndex s : structures) {
@@ -148,7 +164,8 @@ bool export_voxels(const Atlas& atlas, const ExportOptions& options, ExportedFil
 Result<ExportedFiles> export_atlas(const ExportOptions& options) {
   SPLATLAS_RETURN_IF_ERROR(check_words(options));
   SPLATLAS_RETURN_IF_ERROR(check_writable(options));
-  SPLATLAS_ASSIGN_OR_RETURN(const std::shared_ptr<const Atlas> atlas, Atlas::open(options.atlas));
+  SPLATLAS_ASSIGN_OR_RETURN(const std::shared_ptr<const Atlas> atlas,
+                            Atlas::open(options.atlas, options.atlas_options));
   SPLATLAS_ASSIGN_OR_RETURN(const auto structures, find_surfaces(*atlas, options));
   if (!options.volume.empty() && atlas->value_type() == VoxelType::kNone) {
     return bad_file(atlas->name(), "holds no grey values to export");

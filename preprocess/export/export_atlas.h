@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "format/atlas_reader.h"
 #include "format/result.h"
 
 namespace splatlas {
@@ -17,6 +18,7 @@ struct ExportOptions {
   std::filesystem::path volume;  ///< a volume file
   /// Structures (names, ids, paths or patterns; with descendants) and their mesh files.
   std::vector<std::pair<std::string, std::filesystem::path>> surfaces;
+  AtlasOptions atlas_options = {};
 };
 
 /// Result of an export.

@@ -106,6 +106,10 @@ Result<void> export_label_map(const AtlasContent& content, const std::string& na
   return write_image({content.source_grid, to_source_order(stored, content)}, path);
 }
 
+std::size_t count_masks(const AtlasContent& content) {
+  return masked_structures(content.graph, StructureClasses(content.classes, content.graph.size())).size();
+}
+
 Result<ExportedMasks> export_masks(const AtlasContent& content, const fs::path& path) {
   // An interrupt waits for the current mask; then the temporary folder is removed.
   const DeferInterrupts no_folder_left;

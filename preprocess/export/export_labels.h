@@ -23,6 +23,8 @@ struct ExportedMasks {
   std::string note;  ///< one line about ids that are no safe file names; "" if all are
 };
 
+/// Number of masks that export_masks() writes.
+[[nodiscard]] std::size_t count_masks(const AtlasContent& content);
 /// Writes one mask (uint8, 1 inside) per structure, ID.nii.gz, to a new or empty folder, atomically. Groups
 /// and external surfaces have no mask. Ids that are unsafe as file names are changed by file_names_of().
 [[nodiscard]] Result<ExportedMasks> export_masks(const AtlasContent& content,

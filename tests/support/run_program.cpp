@@ -3,6 +3,7 @@
 #include <stdexcept>
 
 #include <fcntl.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -35,9 +36,15 @@ ProgramResult run_program(const std::vector<std::string>& words, const std::file
   }
   if (meanwhile) meanwhile(child);
   int status = 0;
-  if (waitpid(child, &status, 0) != child) throw std::runtime_error("cannot wait for the program");
+  rusage usage{};
+  if (wait4(child, &status, 0, &usage) != child) throw std::runtime_error("cannot wait for the program");
   ProgramResult result;
   result.status = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  const auto seconds = [](const timeval& t) {
+    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+  };
+  result.cpu_seconds = seconds(usage.ru_utime) + seconds(usage.ru_stime);
+  result.peak_bytes = static_cast<std::uint64_t>(usage.ru_maxrss) << 10;
   result.out = read_bytes(out);
   result.err = read_bytes(err);
   return result;

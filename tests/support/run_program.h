@@ -1,6 +1,7 @@
 // Child processes of tests, with their output.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <string>
@@ -13,6 +14,8 @@ namespace splatlas {
 struct ProgramResult {
   int status = -1;  ///< exit status; 128 + signal number if a signal ended it
   std::string out, err;
+  double cpu_seconds = 0;
+  std::uint64_t peak_bytes = 0;  ///< resident memory, that of this process at the fork included
 };
 
 /// Runs `words[0]` with the other words as arguments, without a shell, in `folder`. `meanwhile` is called

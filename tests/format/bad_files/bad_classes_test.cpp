@@ -111,9 +111,9 @@ constexpr BadPart<RawDirectory> kTotals[] = {
 };
 
 constexpr BadPart<RawDirectory> kOtherTotals[] = {
-    {[](auto& d) { --d.run_totals[0]; }, "x has 31 runs, the directory says 30"},
+    {[](auto& d) { --d.run_totals[0]; }, "x has more than the 30 runs that the directory states"},
     {[](auto& d) { ++d.run_totals[1]; }, "y has 40 runs, the directory says 41"},
-    {[](auto& d) { d.run_totals[2] = 0; }, "z has 40 runs, the directory says 0"},
+    {[](auto& d) { d.run_totals[2] = 0; }, "z has more than the 0 runs that the directory states"},
     {[](auto& d) { ++d.classes[2].run_bytes[2], --d.classes[3].run_bytes[2]; },
      "z of class 2: trailing bytes after the run list"},
 };

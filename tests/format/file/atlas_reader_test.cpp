@@ -211,8 +211,8 @@ TEST(Atlas, RefusesStreamsThatNeedMoreMemoryThanThereIs) {
   ASSERT_TRUE(atlas) << atlas.error().message;
   EXPECT_THAT((*atlas)->read_values(kEmptyClass),
               FailsWith(ErrorCode::kLimit, HasSubstr("(memory): values needs a stream of 8388608 MiB, ")));
-  EXPECT_EQ((*atlas)->verify().error().message,
-            "(memory): damaged: 1 bytes, expected 16777216 of values of class 0");
+  EXPECT_THAT((*atlas)->verify(),
+              FailsWith(ErrorCode::kLimit, HasSubstr("a file of 8913464 bytes may take 7.94e+10. If you")));
 }
 
 /// A cube of 2^33 voxels in a file of 1 kB.
@@ -236,10 +236,6 @@ TEST(Atlas, RefusesToDeriveWhatTakesMemoryByTheVoxel) {
       (*atlas)->read_runs(cube, Axis::kX),
       FailsWith(ErrorCode::kLimit,
                 "(memory): class 1 has 8589934592 voxels, too many to derive a run model from another"));
-  const auto surface = (*atlas)->read_surface(0);
-  ASSERT_FALSE(surface);
-  EXPECT_EQ(surface.error().code, ErrorCode::kLimit);
-  EXPECT_EQ(surface.error().message, "(memory): structure 'cube' is too large to fit a surface to it");
 }
 
 TEST(Atlas, OpensFilesOfNewerMinorVersionsAndSkipsTheirSections) {

@@ -1,0 +1,119 @@
+#include "format/subtree_counts.h"
+
+#include <algorithm>
+#include <bit>
+
+namespace splatlas {
+namespace {
+
+constexpr std::size_t kBatch = 64;
+using Mask = std::uint64_t;  // bit n: the n-th structure of the batch
+
+/// Calls add(n) for the structures of a mask.
+template <typename Add>
+void for_each_bit(Mask mask, const Add& add) {
+  for (; mask != 0; mask &= mask - 1) add(static_cast<std::size_t>(std::countr_zero(mask)));
+}
+
+/// Memberships by structure.
+class MembersOf {
+ public:
+  struct Member {
+    ClassId id = kEmptyClass;
+    bool boundary = false;
+  };
+  MembersOf(const ClassTable& classes, std::size_t structures) : first_(structures + 1, 0) {
+    for_each(classes, [&](StructureIndex s, const Member&) { ++first_[s + 1]; });
+    for (std::size_t s = 0; s < structures; ++s) first_[s + 1] += first_[s];
+    members_.resize(first_.back());
+    std::vector<std::size_t> next(first_.begin(), first_.end() - 1);
+    for_each(classes, [&](StructureIndex s, const Member& member) { members_[next[s]++] = member; });
+  }
+  [[nodiscard]] std::span<const Member> of(StructureIndex s) const {
+    return std::span(members_).subspan(first_[s], first_[s + 1] - first_[s]);
+  }
+
+ private:
+  template <typename Take>
+  static void for_each(const ClassTable& classes, const Take& take) {
+    for (ClassId c = 0; c < classes.size(); ++c) {
+      for (const Membership& m : classes.members(c)) take(m.structure, Member{c, m.part != Part::kInterior});
+    }
+  }
+  std::vector<std::size_t> first_;
+  std::vector<Member> members_;
+};
+
+/// Counts of up to 64 structures by one traversal of their descendants.
+class BatchCounter {
+ public:
+  BatchCounter(const StructureGraph& graph, const ClassTable& classes,
+               std::span<const std::uint64_t> triangles)
+      : graph_(graph),
+        classes_(classes),
+        triangles_(triangles),
+        members_(classes, graph.size()),
+        rank_(graph.size()),
+        above_(graph.size(), 0),
+        inside_(classes.size(), 0),
+        on_boundary_(classes.size(), 0) {
+    const auto order = graph.topological();
+    for (std::uint32_t n = 0; n < order.size(); ++n) rank_[order[n]] = n;
+  }
+
+  void count(std::span<const StructureIndex> batch, std::vector<SubtreeCounts>& counts) {
+    const std::vector<StructureIndex> below = descend(batch);
+    for (const StructureIndex s : below) {
+      for_each_bit(above_[s], [&](std::size_t n) { counts[batch[n]].triangles += triangles_[s]; });
+      for (const MembersOf::Member& member : members_.of(s)) {
+        if (inside_[member.id] == 0) touched_.push_back(member.id);
+        inside_[member.id] |= above_[s];
+        if (member.boundary) on_boundary_[member.id] |= above_[s];
+      }
+      above_[s] = 0;
+    }
+    for (const ClassId c : touched_) {
+      const std::uint64_t voxels = classes_.voxels(c);
+      for_each_bit(on_boundary_[c], [&](std::size_t n) { counts[batch[n]].boundary += voxels; });
+      for_each_bit(inside_[c] & ~on_boundary_[c],
+                   [&](std::size_t n) { counts[batch[n]].interior += voxels; });
+      inside_[c] = on_boundary_[c] = 0;
+    }
+    touched_.clear();
+  }
+
+ private:
+  /// Sets above_ of all descendants, and returns them in topological order.
+  std::vector<StructureIndex> descend(std::span<const StructureIndex> batch) {
+    std::vector<StructureIndex> below = graph_.descendants(batch);
+    std::ranges::sort(below, {}, [&](StructureIndex s) { return rank_[s]; });
+    for (std::size_t n = 0; n < batch.size(); ++n) above_[batch[n]] |= Mask{1} << n;
+    for (const StructureIndex s : below) {
+      for (const StructureIndex child : graph_.children(s)) above_[child] |= above_[s];
+    }
+    return below;
+  }
+
+  const StructureGraph& graph_;
+  const ClassTable& classes_;
+  std::span<const std::uint64_t> triangles_;
+  const MembersOf members_;
+  std::vector<std::uint32_t> rank_;         // [structure]: in topological order
+  std::vector<Mask> above_;                 // [structure]: structures of the batch that contain it
+  std::vector<Mask> inside_, on_boundary_;  // [class]
+  std::vector<ClassId> touched_;
+};
+
+}  // namespace
+
+std::vector<SubtreeCounts> subtree_counts(const StructureGraph& graph, const ClassTable& classes,
+                                          std::span<const std::uint64_t> triangles) {
+  std::vector<SubtreeCounts> counts(graph.size());
+  BatchCounter counter(graph, classes, triangles);
+  const auto order = graph.preorder();  // neighbours share most descendants
+  for (std::size_t first = 0; first < order.size(); first += kBatch)
+    counter.count(order.subspan(first, std::min(kBatch, order.size() - first)), counts);
+  return counts;
+}
+
+}  // namespace splatlas

@@ -1,0 +1,208 @@
+#include "tests/faults/work_bombs.h"
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "format/atlas_writer.h"
+#include "tests/format/atlas_surgery.h"
+#include "tests/support/sparse_atlas.h"
+#include "tests/support/test_content.h"
+
+namespace splatlas {
+namespace {
+
+Bytes two_voxels(const Index3& size) {
+  return sparse_atlas(size, {{voxel_box({0, 0, 0}), voxel_box({size[0] - 1, size[1] - 1, size[2] - 1})}});
+}
+
+/// Structures of two voxels, whose bounding boxes overlap.
+Bytes fitted_pairs(std::int64_t structures, std::int64_t side) {
+  std::vector<SparseStructure> all;
+  for (std::int64_t n = 0; n < structures; ++n)
+    all.push_back({voxel_box({3 * n, 0, 0}), voxel_box({3 * n + side, side, side})});
+  return sparse_atlas({side + 3 * structures + 1, side + 1, side + 1}, all);
+}
+
+/// One structure of voxels at every other place, so that every voxel is a run of every axis.
+Bytes lattice(std::int64_t columns, std::int64_t rows, std::int64_t slices) {
+  SparseStructure voxels;
+  for (std::int64_t k = 0; k < slices; ++k) {
+    for (std::int64_t j = 0; j < rows; ++j) {
+      for (std::int64_t i = 0; i < columns; ++i) voxels.push_back(voxel_box({3 * i, 3 * j, 3 * k}));
+    }
+  }
+  return sparse_atlas({3 * columns, 3 * rows, 3 * slices}, {voxels});
+}
+
+/// Three lines through the middle of a cube, one along every axis: few voxels, and no empty slice.
+Bytes cross(std::int64_t side) {
+  const std::int64_t m = side / 2;
+  return sparse_atlas({side, side, side}, {{{{0, m, m - 9}, {side - 1, m, m - 9}}},
+                                           {{{m, 0, m}, {m, side - 1, m}}},
+                                           {{{m, m - 9, 0}, {m, m - 9, m - 12}}}});
+}
+
+/// A diagonal of voxels: as many rows, columns and slices as voxels.
+Bytes diagonal(std::int64_t voxels) {
+  SparseStructure all;
+  for (std::int64_t n = 0; n < voxels; ++n) all.push_back(voxel_box({3 * n, 3 * n, 3 * n}));
+  return sparse_atlas({3 * voxels, 3 * voxels, 3 * voxels}, {all});
+}
+
+/// A plate of two voxels' thickness.
+Bytes plate(std::int64_t side) {
+  return sparse_atlas({side, side, 2}, {{{{0, 0, 0}, {side - 1, side - 1, 1}}}});
+}
+
+/// Layers of structures, each a child of all structures in the layer above.
+Bytes layered_graph(std::size_t layers, std::size_t per_layer) {
+  TestVolume volume;
+  volume.grid.size = {2, 2, 2};
+  for (std::size_t layer = 0; layer < layers; ++layer) {
+    std::vector<StructureIndex> parents;
+    for (std::size_t n = 0; layer > 0 && n < per_layer; ++n)
+      parents.push_back(static_cast<StructureIndex>((layer - 1) * per_layer + n));
+    for (std::size_t n = 0; n < per_layer; ++n)
+      volume.structures.push_back(
+          {"s" + std::to_string(volume.structures.size()), {}, {255, 255, 255}, parents});
+  }
+  volume.structures.back().mask = box_mask(volume.grid.size, {0, 0, 0}, {0, 0, 0});
+  return encode_atlas(make_content(volume)).value();
+}
+
+/// The file with grey values of 0: 8 bytes per voxel that compress to almost nothing.
+Bytes with_zero_values(const Bytes& file) {
+  AtlasParts parts = take_apart(file);
+  parts.directory.value_type = VoxelType::kFloat64;
+  constexpr std::uint32_t kChunkBytes = 1u << 24;
+  const auto cuts =
+      cut_streams(begins_of(stream_sizes(parts.directory, SectionKind::kValues)), kChunkBytes, 0, 1u << 20)
+          .value();
+  const EncodedChunk whole = encode_chunk(Bytes(kChunkBytes), 3);
+  for (std::size_t n = 0; n + 1 < cuts.size(); ++n) {
+    const std::uint64_t bytes = cuts[n + 1] - cuts[n];
+    const EncodedChunk chunk = bytes == kChunkBytes ? whole : encode_chunk(Bytes(bytes), 3);
+    parts.directory.chunks.push_back(chunk.entry);
+    parts.chunks.push_back(chunk.bytes);
+  }
+  const auto is_values = [](const SectionEntry& section) {
+    return section.kind == static_cast<std::uint32_t>(SectionKind::kValues);
+  };
+  std::erase_if(parts.directory.sections, is_values);
+  parts.directory.sections.push_back({static_cast<std::uint32_t>(SectionKind::kValues),
+                                      static_cast<std::uint32_t>(cuts.size() - 1), kChunkBytes, 0});
+  return put_together(parts);
+}
+
+/// A number from 1 to `most`, of any magnitude.
+std::int64_t magnitude(std::int64_t most, std::mt19937& random) {
+  const double share = std::uniform_real_distribution<double>(0, 1)(random);
+  return std::clamp<std::int64_t>(std::llround(std::exp(share * std::log(static_cast<double>(most)))), 1,
+                                  most);
+}
+
+bool are_near(const IndexBox& a, const IndexBox& b) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (a.last[axis] + 3 < b.first[axis] || b.last[axis] + 3 < a.first[axis]) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+std::vector<WorkBomb> work_bombs() {
+  return {
+      {"two voxels in 2^24 x 2^16",
+       [] {
+         return two_voxels({1 << 24, 1 << 16, 1});
+       }},
+      {"two voxels in 2^16 x 2^24",
+       [] {
+         return two_voxels({1 << 16, 1 << 24, 1});
+       }},
+      {"two voxels in 1 x 2^16 x 2^24",
+       [] {
+         return two_voxels({1, 1 << 16, 1 << 24});
+       }},
+      {"two voxels in a row of 2^24",
+       [] {
+         return two_voxels({1, 1, 1 << 24});
+       }},
+      {"two voxels in 8192^3",
+       [] {
+         return two_voxels({8192, 8192, 8192});
+       }},
+      {"two voxels in 2000^3",
+       [] {
+         return two_voxels({2000, 2000, 2000});
+       }},
+      {"two voxels in 640^3",
+       [] {
+         return two_voxels({640, 640, 640});
+       }},
+      {"two voxels in 280^3",
+       [] {
+         return two_voxels({280, 280, 280});
+       }},
+      {"20 fitted pairs", [] { return fitted_pairs(20, 500); }},
+      {"1000 fitted pairs", [] { return fitted_pairs(1000, 500); }},
+      {"228 600 parents", [] { return layered_graph(255, 30); }},
+      {"many groups", [] { return layered_graph(2, 300); }},
+      {"1 million runs", [] { return lattice(1000, 1000, 1); }},
+      {"1.5 million runs", [] { return lattice(1000, 1500, 1); }},
+      {"1.5 million runs in a cube", [] { return lattice(115, 115, 115); }},
+      {"6 million runs", [] { return lattice(3000, 2000, 1); }},
+      {"cross of 500", [] { return cross(500); }},
+      {"cross of 16000", [] { return cross(8000); }},
+      {"diagonal of 600", [] { return diagonal(600); }},
+      {"diagonal of 3000", [] { return diagonal(3000); }},
+      {"plate of 300^2", [] { return plate(300); }},
+      {"plate of 900^2", [] { return plate(900); }},
+      {"plate of 4000^2", [] { return plate(4000); }},
+      {"30 MB of values",
+       [] {
+         return with_zero_values(two_voxels({160, 160, 150}));
+       }},
+      {"48 MB of values",
+       [] {
+         return with_zero_values(two_voxels({200, 200, 150}));
+       }},
+      {"4 GB of values",
+       [] {
+         return with_zero_values(two_voxels({800, 800, 800}));
+       }},
+  };
+}
+
+Bytes sparse_giant(std::uint32_t seed) {
+  std::mt19937 random(seed);
+  Index3 size;
+  std::int64_t rest = kMaxVoxels;
+  for (std::int64_t& side : size) {
+    side = magnitude(std::min(rest, kMaxAxisSize), random);
+    rest /= side;
+  }
+  std::shuffle(size.begin(), size.end(), random);
+  std::vector<SparseStructure> structures(static_cast<std::size_t>(magnitude(30, random)));
+  std::vector<IndexBox> placed;
+  for (SparseStructure& structure : structures) {
+    const std::int64_t boxes = magnitude(20, random);
+    for (int tries = 0; tries < 1000 && (structure.empty() || tries < boxes); ++tries) {
+      IndexBox box;
+      for (std::size_t a = 0; a < 3; ++a) {
+        const std::int64_t extent =
+            magnitude(std::min<std::int64_t>(size[a], a == seed % 3 ? 2 : 300), random);
+        box.first[a] = std::uniform_int_distribution<std::int64_t>(0, size[a] - extent)(random);
+        box.last[a] = box.first[a] + extent - 1;
+      }
+      if (std::ranges::any_of(placed, [&](const IndexBox& other) { return are_near(box, other); })) continue;
+      placed.push_back(box);
+      structure.push_back(box);
+    }
+  }
+  std::erase_if(structures, [](const SparseStructure& structure) { return structure.empty(); });
+  return sparse_atlas(size, structures);
+}
+
+}  // namespace splatlas

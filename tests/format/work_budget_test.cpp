@@ -1,0 +1,117 @@
+#include "format/work_budget.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include "format/atlas_reader.h"
+#include "format/atlas_writer.h"
+#include "tests/format/random_content.h"
+#include "tests/format/random_volume.h"
+#include "tests/support/fails_with.h"
+#include "tests/support/fit_parts.h"
+#include "tests/support/sparse_atlas.h"
+
+namespace splatlas {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+TEST(WorkBudget, GrowsWithTheFile) {
+  EXPECT_EQ(WorkBudget("F", 100, 1).allowed(), 8e8);
+  EXPECT_EQ(WorkBudget("F", 1 << 20, 1).allowed(), 8e8);
+  EXPECT_EQ(WorkBudget("F", (1 << 20) + 5, 1).allowed(), 8e8 + 5e4);
+  EXPECT_EQ(WorkBudget("F", 100, 2.5).allowed(), 2e9);
+  EXPECT_EQ(WorkBudget("F", 100, 0).allowed(), 8e8) << "no option lowers it";
+}
+
+TEST(WorkBudget, NamesNumberAndOption) {
+  Work work;
+  work.add(WorkKind::kRuns, 1e6, 100);
+  work.add(WorkKind::kBytes, 1e9, 3);
+  EXPECT_EQ(work.units(), 3.1e9);
+  const Result<void> refused = WorkBudget("a.atlas", 21234, 1).check(work, "the selection");
+  EXPECT_THAT(refused,
+              FailsWith(ErrorCode::kLimit,
+                        "a.atlas: the selection takes 3.1e+09 units of work (1e+09 decoded bytes); a file of "
+                        "21234 bytes may take 8e+08. If you trust the file, allow it with --max-work 4"));
+  EXPECT_TRUE(WorkBudget("a.atlas", 21234, 4).check(work, "the selection"));
+  EXPECT_FALSE(WorkBudget("a.atlas", 21234, 3).check(work, "the selection"));
+}
+
+/// 200 MB at once take the budget of a small file. Steps follow one another: their memory does not add up.
+TEST(WorkBudget, CountsMemory) {
+  Work work, step;
+  step.hold(150e6);
+  for (int n = 0; n < 5; ++n) work += step;
+  EXPECT_EQ(work.units(), 6e8);
+  work.hold(210e6);
+  EXPECT_THAT(WorkBudget("F", 1, 1).check(work, "it"),
+              FailsWith(ErrorCode::kLimit, AllOf(HasSubstr("(200 MiB at once)"), HasSubstr("--max-work 2"))));
+}
+
+/// Estimates bound what is decoded.
+RC_GTEST_PROP(WorkBudget, BoundsDecodedBytes, ()) {
+  auto random = *random_source();
+  const AtlasContent content = fitted(random_content(random, {9, 7, 30}));
+  const auto atlas =
+      *Atlas::open_bytes(*encode_atlas(content, {.compact = below(2, random) == 1, .threads = 1}));
+  double estimate = 0;
+  const auto charged = [&](const Work& work) {
+    estimate += work.units();
+    return true;
+  };
+  for (ClassId c = 0; c < content.classes.size(); ++c) {
+    for (const Axis axis : kAxes)
+      RC_ASSERT(charged(atlas->work_of_runs({&c, 1}, axis)) && atlas->read_runs(c, axis));
+    RC_ASSERT(charged(atlas->work_of_values({&c, 1})) && atlas->read_values(c));
+    RC_ASSERT(charged(atlas->work_of_normals(c)) && atlas->read_normals(c));
+  }
+  for (StructureIndex s = 0; s < content.graph.size(); ++s)
+    RC_ASSERT(charged(atlas->work_of_surface(s)) && atlas->read_surface(s));
+  RC_ASSERT(4 * static_cast<double>(atlas->counters().decoded) <= estimate);
+}
+
+/// Two voxels, whatever the distance: the work of their surface does not grow.
+TEST(WorkBudget, FollowsTheContentOfSparseGrids) {
+  double latest = 0;
+  for (const std::int64_t side : {100, 1000, 10000}) {
+    const auto atlas =
+        Atlas::open_bytes(sparse_atlas({side, side, side},
+                                       {{voxel_box({0, 0, 0}), voxel_box({side - 1, side - 1, side - 1})}}))
+            .value();
+    const double units = atlas->work_of_verify().units();
+    if (latest > 0) {
+      EXPECT_NEAR(units, latest, 100);
+    }
+    latest = units;
+    EXPECT_TRUE(atlas->verify());
+    EXPECT_EQ(atlas->read_surface(0).value().triangles.size(), 16u);
+  }
+  EXPECT_LT(latest, 1e5);
+}
+
+/// A file of a few hundred bytes: a volume of all voxels would take a TiB.
+TEST(WorkBudget, RefusesVolumesOfSparseGrids) {
+  const auto bytes =
+      sparse_atlas({8192, 8192, 8192}, {{voxel_box({0, 0, 0}), voxel_box({8191, 8191, 8191})}});
+  EXPECT_LT(bytes.size(), 1000u);
+  const auto atlas = Atlas::open_bytes(bytes, "cube").value();
+  for (const auto& refused : {atlas->read_classes(), atlas->read_all()})
+    EXPECT_THAT(refused,
+                FailsWith(ErrorCode::kLimit, AllOf(HasSubstr("cube: reading"), HasSubstr("--max-work"))));
+  EXPECT_EQ(atlas->counters().decoded, 0u);
+}
+
+/// More runs than the directory states are refused while reading, in any order.
+TEST(WorkBudget, RunsAreCounted) {
+  const AtlasContent content = fitted(random_content(3));
+  const auto atlas = Atlas::open_bytes(encode_atlas(content).value()).value();
+  for (int repeat = 0; repeat < 3; ++repeat) {  // a class counts once
+    for (ClassId c = 0; c < content.classes.size(); ++c) EXPECT_TRUE(atlas->read_runs(c, Axis::kX));
+  }
+}
+
+}  // namespace
+}  // namespace splatlas
