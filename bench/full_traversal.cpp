@@ -32,7 +32,7 @@ class SliceVisit {
 
   void visit(std::int64_t slice, SliceSpans& out) {
     const Index3& size = model_.grid.size;
-    SpanWriter writer(0, size[scan_.scan_axis], emissions_, out);
+    SpanWriter writer(emissions_, out);
     for (std::int64_t row = 0; row < size[scan_.row_axis]; ++row) {
       visit_row(slice, row, writer);
       writer.end_row(row);

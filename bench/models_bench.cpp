@@ -167,8 +167,7 @@ class ModelFrames {
     const ScanOrder scan = ScanOrder::of(spans_.axis);
     const std::array<std::size_t, 3> step{1, static_cast<std::size_t>(grid.size[0]),
                                           static_cast<std::size_t>(grid.size[0] * grid.size[1])};
-    SpanWriter writer(spans_.scan_first, spans_.scan_voxels, spans_.emissions,
-                      spans_.slices[static_cast<std::size_t>(slice - spans_.slice_first)]);
+    SpanWriter writer(spans_.emissions, spans_.slices[static_cast<std::size_t>(slice - spans_.slice_first)]);
     FoundRun whole;
     const auto write = [&] {
       if (whole.length == 0) return;

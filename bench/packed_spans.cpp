@@ -31,7 +31,7 @@ std::vector<Planes> all_voxels(const SpanModel& model) {
 /// Packs voxels from `first` on, row by row, as many as fit.
 void pack_slice(const std::vector<Planes>& voxels, std::size_t first, const SpanModel& model,
                 SliceSpans& slice) {
-  SpanWriter writer(model.scan_first, model.scan_voxels, model.emissions, slice);
+  SpanWriter writer(model.emissions, slice);
   for (std::int64_t row = 0; row < model.rows && first < voxels.size(); ++row) {
     const std::size_t count = std::min(voxels.size() - first, static_cast<std::size_t>(model.scan_voxels));
     writer.add(0, static_cast<std::uint32_t>(count));

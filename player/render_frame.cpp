@@ -142,8 +142,8 @@ struct Renderer::Impl {
 
     // Rasterise surfaces, render sheets, resolve both into the picture
     const std::vector<SurfaceDraw> surfaces = drawn.surfaces(decoded.cache());
-    const FrameScene scene{surfaces, view,      atlas->grid(),        lighting,
-                           options,  overrides, atlas->work_budget(), max_memory_bytes};
+    const FrameScene scene{surfaces, view,      atlas->grid(),    lighting,
+                           options,  overrides, max_memory_bytes, &atlas->work_budget()};
     SheetFrame frame(scene, axis_spans.model(), shear, buffers, stats, pool);
     SPLATLAS_RETURN_IF_ERROR(run_stages(frame, kSheetLoops, task, picture));
     stats.runs_visited = axis_spans.runs().count();
@@ -172,8 +172,8 @@ struct Renderer::Impl {
 
     // Rasterise surfaces, cast rays, resolve both into the picture
     const std::vector<SurfaceDraw> surfaces = drawn.surfaces(decoded.cache());
-    const FrameScene scene{surfaces, view,      atlas->grid(),        lighting,
-                           options,  overrides, atlas->work_budget(), max_memory_bytes};
+    const FrameScene scene{surfaces, view,      atlas->grid(),    lighting,
+                           options,  overrides, max_memory_bytes, &atlas->work_budget()};
     RayFrame frame(scene, *ray_volume, buffers, stats, pool);
     SPLATLAS_RETURN_IF_ERROR(run_stages(frame, kRayLoops, task, picture));
     stats.runs_visited = ray_volume->runs();

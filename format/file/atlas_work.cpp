@@ -21,8 +21,9 @@ constexpr double kPerDerivedVoxel = 8;  // of a run model that is not stored
 constexpr double kPerPredictedByte = 30;
 constexpr double kPerValueByte = 8;
 constexpr double kPerCropVoxel = 4, kPerFittedVertex = 100;  // of a dense crop
-constexpr double kPerSparseVertex = 900, kPerSparseVoxel = 300;
-constexpr double kPerTriangle = 200;
+constexpr double kPerSparseVertex = 900, kPerSparseVoxel = 300, kPerSparseTriangle = 300;
+constexpr double kBytesPerSparseTriangle = 200;
+constexpr double kPerTriangle = 100;
 constexpr double kPerGridVoxel = 12;
 /// Streams in larger chunks are charged for the rest of the chunk: it may be decoded again.
 constexpr double kFreeChunkBytes = 1 << 16;
@@ -161,6 +162,10 @@ Work Atlas::Impl::work_of_surface(StructureIndex s) const {
   if (!sparse) {
     work.add(WorkKind::kVoxels, number(crop_voxels(box)), kPerCropVoxel);
     work.hold(crop_bytes(box));
+  }
+  if (sparse) {
+    work.add(WorkKind::kTriangles, entry.triangles, kPerSparseTriangle);
+    work.hold(kBytesPerSparseTriangle * entry.triangles);
   }
   work.add(WorkKind::kTriangles, entry.vertices, sparse ? kPerSparseVertex : kPerFittedVertex);
   return work;

@@ -44,8 +44,8 @@ struct FrameScene {
   const Lighting& lighting;
   const RenderOptions& options;
   const RenderOverrides& overrides;
-  const WorkBudget& budget;
   std::uint64_t max_memory_bytes = 0;  ///< limit; fragments may take a quarter of it
+  const WorkBudget* budget = nullptr;  ///< of the atlas; null: unlimited
 };
 
 /// Bytes of a picture, of its encoder and of its depth map.

@@ -64,10 +64,16 @@ float skew_of(const Shear& shear, const SheetSampling& sampling) {
 Work work_of_sheet(const SheetWindow& window, const SpanModel& model, const PictureSize& size) {
   constexpr double kPerPixel = 20;  // and channel
   constexpr double kUsual = 8;      // sheet pixels per picture pixel
+  constexpr double kPerRow = 100, kBytesPerRow = 64;
   const double pixels = static_cast<double>(window.fine_rows()) * static_cast<double>(window.fine_columns());
   const double beyond = std::max(0.0, pixels - kUsual * size.width * size.height);
   Work work;
+  if (beyond == 0) return work;
+  const auto rows = static_cast<double>(window.fine_rows());
   work.add(WorkKind::kPixels, beyond, kPerPixel * (1 + model.emissions));
+  work.add(WorkKind::kRows, rows, kPerRow);
+  const double sheet_pixels = (rows + 2) * static_cast<double>(window.fine_columns() + 2);
+  work.hold(2 * sizeof(float) * (1 + model.emissions) * sheet_pixels + kBytesPerRow * rows);
   return work;
 }
 
@@ -99,8 +105,10 @@ Result<void> SheetFrame::render_volume(Picture& /*picture*/) {
   Stopwatch watch;
   const RenderOptions& options = scene_.options;
   SPLATLAS_ASSIGN_OR_RETURN(const SheetWindow window, choose_window(spans_, shear_, scene_.grid, options));
-  SPLATLAS_RETURN_IF_ERROR(
-      scene_.budget.check(work_of_sheet(window, spans_, options.size), "the sheet of the selection"));
+  if (scene_.budget != nullptr) {
+    SPLATLAS_RETURN_IF_ERROR(
+        scene_.budget->check(work_of_sheet(window, spans_, options.size), "the sheet of the selection"));
+  }
   buffers_.order.build(buffers_.fragments, shear_, window, options.size, scene_.grid, pool_);
   // The positive weights of the cubic kernel sum to at most 1.28, which amplifies the error of the sheet.
   const float threshold = termination_threshold(options) / (window.cubic ? 1.3f : 1.0f);

@@ -107,12 +107,11 @@ void SpanBuilder::take_over(SpanModel& before, std::vector<bool>& changed) {
   for (SliceSpans& slice : model_.slices) slice.optics = {};
 }
 
-/// All blocks of the selection's bounding box, and an empty block at the end of each row.
-std::size_t SpanBuilder::max_floats_of_slice() const {
-  const std::int64_t first_block = model_.scan_first >> kBlockBits;
-  const std::int64_t last_block = (model_.scan_first + model_.scan_voxels - 1) >> kBlockBits;
-  return static_cast<std::size_t>(model_.rows * (last_block - first_block + 2) * kBlock *
-                                  (1 + model_.emissions));
+/// All blocks of the runs, and an empty block behind each of them.
+std::size_t SpanBuilder::max_floats(const SelectedRuns& runs, std::int64_t slice) const {
+  std::int64_t blocks = 0;
+  runs.for_each(slice, [&](const ClassRun& run, std::uint32_t) { blocks += run.length / kBlock + 3; });
+  return static_cast<std::size_t>(blocks * kBlock * (1 + model_.emissions));
 }
 
 void SpanBuilder::write_slice(const SpanRequest& request, std::int64_t slice, SliceSpans& out) const {
@@ -123,7 +122,7 @@ void SpanBuilder::write_slice(const SpanRequest& request, std::int64_t slice, Sl
   const std::size_t row_step = step[scan.row_axis], scan_step = step[scan.scan_axis];
   const std::size_t first_voxel = static_cast<std::size_t>(slice) * step[scan.slice_axis];
   constexpr std::size_t kRowsAhead = 2;
-  SpanWriter writer(model_.scan_first, model_.scan_voxels, model_.emissions, out);
+  SpanWriter writer(model_.emissions, out);
 
   // Classify the grey values of a piece
   const auto write = [&](const Piece& piece) {
@@ -206,7 +205,7 @@ void SpanBuilder::build(const SpanRequest& request, ThreadPool& pool) {
     const std::size_t first = part * kSlicesAtOnce;
     for (std::size_t n = first; n < std::min(first + kSlicesAtOnce, to_build.size()); ++n) {
       SliceSpans& slice = model_.slices[to_build[n]];
-      slice.optics = arena_.lend(max_floats_of_slice());
+      slice.optics = arena_.lend(max_floats(runs, slice.number));
       write_slice(request, slice.number, slice);
       arena_.settle(slice.optics);
     }

@@ -66,7 +66,7 @@ class SpanBuilder {
                                                  const ClassAppearances& appearances_before) const;
   void take_over(SpanModel& before, std::vector<bool>& changed);
   void write_slice(const SpanRequest& request, std::int64_t slice, SliceSpans& out) const;
-  [[nodiscard]] std::size_t max_floats_of_slice() const;
+  [[nodiscard]] std::size_t max_floats(const SelectedRuns& runs, std::int64_t slice) const;
 
   SpanModel model_;
   OpticalArena arena_;  // of the model's optical properties

@@ -8,6 +8,7 @@
 #include "format/file/directory.h"
 #include "format/system/result_macros.h"
 #include "format/system/task_control.h"
+#include "player/spans/span_model.h"
 
 namespace splatlas {
 
@@ -86,9 +87,11 @@ std::vector<ClassCache::Missing> ClassCache::missing_of(std::span<const ClassId>
 }
 
 Work ClassCache::work_of(std::span<const ClassId> classes, Axis axis, bool normals) const {
-  constexpr double kPerSpanVoxel = 40, kPerRow = 20, kPerPage = 16384, kPageBytes = 4096;
+  constexpr double kPerSpanVoxel = 40, kPerRow = 20, kPerPage = 1000, kPageBytes = 4096;
   const Grid& grid = atlas_->grid();
   const ScanOrder order = ScanOrder::of(axis);
+  const auto grid_voxels = static_cast<double>(grid.voxels());
+  const auto voxel_bytes = static_cast<double>(value_bytes() + (normals ? sizeof(PackedNormal) : 0));
   std::vector<ClassId> runs, values, in_memory_order;
   Work work;
   IndexBox box;
@@ -99,32 +102,35 @@ Work ClassCache::work_of(std::span<const ClassId> classes, Axis axis, bool norma
     if (of.values || of.normals) in_memory_order.push_back(of.id);
     if (of.normals) work += atlas_->work_of_normals(of.id);
     const IndexBox& of_class = atlas_->classes().box(of.id);
+    const auto of_slices = static_cast<double>(of_class.last[2] - of_class.first[2] + 1);
     const auto in_class = static_cast<double>(atlas_->classes().voxels(of.id));
     box.include(of_class);
     voxels += in_class;
-    const double reach =
-        static_cast<double>((of_class.last[2] - of_class.first[2] + 1) * grid.size[1] * grid.size[0]);
-    pages += std::min(in_class, 1 + reach * static_cast<double>(value_bytes()) / kPageBytes);
+    pages += std::min(2 * in_class, 2 + of_slices / static_cast<double>(grid.size[2]) * grid_voxels *
+                                            voxel_bytes / kPageBytes);
   }
   if (box.empty()) return work;
   work += atlas_->work_of_runs(runs, axis);
   work += atlas_->work_of_values(values);
   if (axis == Axis::kX) work += atlas_->work_of_runs(in_memory_order, Axis::kZ);
 
-  // Voxels are spread over the pages of the grid, and spans over the rows of the box
-  const double grid_bytes = static_cast<double>(grid.voxels()) * static_cast<double>(value_bytes());
-  work.add(WorkKind::kVoxels, std::min(pages, 1 + grid_bytes / kPageBytes), kPerPage);
-  work.add(WorkKind::kVoxels, voxels, kPerSpanVoxel);
+  // Values and normals are spread over the pages of the grid
+  pages = std::min(pages, 2 + grid_voxels * voxel_bytes / kPageBytes);
+  work.add(WorkKind::kVoxels, pages, kPerPage);
+  // Spans take up to two blocks per run, and offsets of all rows between their first and last
+  constexpr double kBlockBytes = 4 * kBlock * sizeof(float), kRunBytes = 3 * sizeof(ClassRun);
   const auto side = [&](std::uint8_t a) { return static_cast<double>(box.last[a] - box.first[a] + 1); };
-  const double slices = std::min({side(order.slice_axis), voxels, static_cast<double>(atlas_->runs(axis))});
-  work.add(WorkKind::kRows, slices * side(order.row_axis), kPerRow);
-  // for_each_in_memory() has a table of planes
-  if (axis == Axis::kY) {
-    const auto planes = static_cast<double>(grid.size[2]);
-    work.add(WorkKind::kRows, planes * static_cast<double>(in_memory_order.size()), 2);
-    work.hold(planes * sizeof(std::size_t) *
-              std::min<double>(8, static_cast<double>(in_memory_order.size())));
-  }
+  const double all_runs = std::min(voxels, static_cast<double>(atlas_->runs(axis)));
+  const double rows = std::min(side(order.slice_axis), all_runs) * side(order.row_axis);
+  const double blocks = std::min(2 * all_runs + voxels / kBlock, rows * (side(order.scan_axis) / kBlock + 2));
+  work.add(WorkKind::kVoxels, voxels, kPerSpanVoxel);
+  work.add(WorkKind::kRows, rows, kPerRow);
+  // The tables of for_each_in_memory() hold all planes
+  const double planes =
+      axis == Axis::kY ? static_cast<double>(grid.size[2]) * static_cast<double>(in_memory_order.size()) : 0;
+  work.add(WorkKind::kRows, planes, 2);
+  work.hold(pages * kPageBytes + all_runs * kRunBytes + blocks * kBlockBytes + rows * sizeof(std::uint32_t) +
+            voxels * sizeof(ShadedVoxel) + std::min(8.0 * static_cast<double>(grid.size[2]), planes) * 8);
   return work;
 }
 

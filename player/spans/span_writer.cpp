@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <utility>
 
 namespace splatlas {
 namespace {
@@ -19,11 +20,7 @@ std::uint32_t count_absorbing(const float* extinctions) {
 
 }  // namespace
 
-SpanWriter::SpanWriter(std::int64_t scan_first, std::int64_t scan_voxels, int emissions, SliceSpans& out)
-    : out_(out), origin_(block_of(scan_first) << kBlockBits) {
-  const std::uint32_t blocks = block_of(scan_first + scan_voxels - 1) + 1 - block_of(scan_first);
-  plane_floats_ = std::int64_t{blocks} << kBlockBits;
-  line_.resize(static_cast<std::size_t>(plane_floats_ * (1 + emissions)));
+SpanWriter::SpanWriter(int emissions, SliceSpans& out) : out_(out) {
   out.emissions = emissions;
   out.first_row = out.last_row = 0;
   out.first_span.clear();
@@ -38,8 +35,22 @@ void SpanWriter::add(std::uint32_t first, std::uint32_t count) {
   if (!blocks_.empty() && first_block <= blocks_.back().last) {
     blocks_.back().last = last_block;
   } else {
-    blocks_.push_back({first_block, last_block});
+    blocks_.push_back({first_block, last_block, blocks_.empty() ? 0 : blocks_.back().end()});
   }
+  make_room(blocks_.back().end());
+}
+
+/// Extends every plane of the scanline buffer to `floats`.
+void SpanWriter::make_room(std::size_t floats) {
+  const auto before = static_cast<std::size_t>(plane_floats_);
+  if (floats <= before) return;
+  const std::size_t now = std::max({floats, 2 * before, std::size_t{512}});
+  const auto planes = static_cast<std::size_t>(1 + out_.emissions);
+  std::vector<float> line(now * planes);
+  for (std::size_t plane = 0; plane < planes; ++plane)
+    std::copy_n(line_.data() + plane * before, before, line.data() + plane * now);
+  line_ = std::move(line);
+  plane_floats_ = static_cast<std::int64_t>(now);
 }
 
 void SpanWriter::color(std::uint32_t first, std::uint32_t count, const std::array<float, 3>& color) {
@@ -58,7 +69,9 @@ void SpanWriter::shade(std::uint32_t first, std::uint32_t count, const PackedNor
 void SpanWriter::end_row(std::int64_t row) {
   const std::size_t first_of_row = out_.spans.size();
   for (const Blocks& blocks : blocks_) {
-    for (std::uint32_t block = blocks.first; block < blocks.last; ++block) keep(block, first_of_row);
+    float* line = line_.data() + blocks.place;
+    for (std::uint32_t block = blocks.first; block < blocks.last; ++block, line += kBlock)
+      keep(block, line, first_of_row);
   }
   blocks_.clear();
   end_span(first_of_row);
@@ -76,8 +89,7 @@ void SpanWriter::finish() {
 }
 
 /// Appends a block of the scanline buffer unless it is transparent, and clears it.
-void SpanWriter::keep(std::uint32_t block, std::size_t first_of_row) {
-  float* const line = line_.data() + ((block << kBlockBits) - origin_);
+void SpanWriter::keep(std::uint32_t block, float* line, std::size_t first_of_row) {
   const std::uint32_t absorbing = count_absorbing(line);
   if (absorbing == 0) return;
   std::vector<Span>& spans = out_.spans;

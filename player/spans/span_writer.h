@@ -10,18 +10,22 @@
 
 namespace splatlas {
 
-/// Writes the spans of one slice, row by row. The caller fills a dense scanline buffer with optical
-/// properties; end_row() keeps the blocks with positive extinction. Cost: linear in the added voxels and the
-/// rows of the slice.
+/// Writes the spans of one slice, row by row. The caller fills a scanline buffer of the blocks with added
+/// voxels; end_row() keeps those with positive extinction. Cost: linear in the added voxels and the rows of
+/// the slice.
 class SpanWriter {
  public:
-  /// Voxels are in [scan_first, scan_first + scan_voxels). `out` is cleared and keeps its capacity.
-  SpanWriter(std::int64_t scan_first, std::int64_t scan_voxels, int emissions, SliceSpans& out);
+  /// `out` is cleared and keeps its capacity.
+  SpanWriter(int emissions, SliceSpans& out);
 
   /// Adds `count` voxels from `first` on, in ascending order. The caller sets their extinctions and
-  /// emissions; the emission of a voxel without extinction must be 0.
+  /// emissions before the next add(); the emission of a voxel without extinction must be 0.
   void add(std::uint32_t first, std::uint32_t count);
-  [[nodiscard]] float* extinctions(std::uint32_t first) { return line_.data() + (first - origin_); }
+  /// Extinctions of the latest voxels, from `first` on.
+  [[nodiscard]] float* extinctions(std::uint32_t first) {
+    const Blocks& latest = blocks_.back();
+    return line_.data() + latest.place + (first - (latest.first << kBlockBits));
+  }
   [[nodiscard]] float* emissions(std::uint32_t first, int n) {
     return extinctions(first) + (1 + n) * plane_floats_;
   }
@@ -35,22 +39,25 @@ class SpanWriter {
   void finish();
 
  private:
+  /// Consecutive blocks [first, last) of a row, from `place` on in every plane of the buffer.
   struct Blocks {
     std::uint32_t first = 0, last = 0;
+    std::size_t place = 0;
+    [[nodiscard]] std::size_t end() const { return place + (std::size_t{last - first} << kBlockBits); }
   };
   struct ShadedRun {
     std::uint32_t first = 0, count = 0;
     const PackedNormal* normals = nullptr;
     std::size_t stride = 1;
   };
-  void keep(std::uint32_t block, std::size_t first_of_row);
+  void make_room(std::size_t floats);
+  void keep(std::uint32_t block, float* line, std::size_t first_of_row);
   void append(const float* line);
   void end_span(std::size_t first_of_row);
   void list(const ShadedRun& run, std::size_t first_of_row);
 
   SliceSpans& out_;
-  std::uint32_t origin_;  // first voxel of line_, at a block boundary
-  std::int64_t plane_floats_;
+  std::int64_t plane_floats_ = 0;
   std::vector<float> line_;  // planes: extinction, emissions; zero outside blocks_
   std::vector<Blocks> blocks_;
   std::vector<ShadedRun> shaded_;

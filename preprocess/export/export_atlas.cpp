@@ -123,7 +123,14 @@ Result<std::string> export_volume(const AtlasContent& content, const Atlas& atla
 Result<std::string> export_surface(const Atlas& atlas, const std::vector<StructureIndex>& structures,
                                    const fs::path& path) {
   Work work;
-  for (const StructureIndex s : structures) work += atlas.work_of_surface(s);
+  double written = 0;
+  for (const StructureIndex s : structures) {
+    work += atlas.work_of_surface(s);
+    written += static_cast<double>(atlas.triangles(s));
+  }
+  constexpr double kPerWrittenTriangle = 500, kBytesPerTriangle = 60;
+  work.add(WorkKind::kTriangles, written, kPerWrittenTriangle);
+  work.hold(written * kBytesPerTriangle);
   SPLATLAS_RETURN_IF_ERROR(atlas.work_budget().check(work, "writing surfaces"));
   std::vector<SurfaceMesh> surfaces;
   std::uint64_t triangles = 0;

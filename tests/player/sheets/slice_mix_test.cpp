@@ -33,7 +33,7 @@ Dense random_voxels(std::mt19937& random) {
 
 SliceSpans slice_of(const Dense& voxels) {
   SliceSpans slice;
-  SpanWriter writer(0, kVoxels, 1, slice);
+  SpanWriter writer(1, slice);
   for (std::int64_t row = 0; row < kRows; ++row) {
     for (std::uint32_t n = 0; n < kVoxels; ++n) {
       const auto& voxel = voxels[static_cast<std::size_t>(row * kVoxels + n)];

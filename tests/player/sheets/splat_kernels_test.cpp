@@ -23,9 +23,7 @@ using Scanline = std::vector<Optics4>;
 /// A slice with rows of voxels, in the layout of the kernels.
 SliceSpans slice_of(const std::vector<Scanline>& rows, int emissions) {
   SliceSpans slice;
-  std::size_t longest = 1;
-  for (const Scanline& row : rows) longest = std::max(longest, row.size());
-  SpanWriter writer(0, static_cast<std::int64_t>(longest), emissions, slice);
+  SpanWriter writer(emissions, slice);
   for (std::size_t r = 0; r < rows.size(); ++r) {
     for (std::uint32_t n = 0; n < rows[r].size(); ++n) {
       if (rows[r][n][0] <= 0) continue;

@@ -29,7 +29,7 @@ using Layout = std::vector<std::array<std::uint32_t, 4>>;
 
 TEST(SpanWriter, KeepsTheBlocksThatAbsorb) {
   SliceSpans slice;
-  SpanWriter writer(5, 200, 1, slice);
+  SpanWriter writer(1, slice);
   set(writer, 5, 3);        // block 0
   set(writer, 8, 7, 0);     // nothing
   set(writer, 33, 30);      // blocks 2 and 3, up to the last but one voxel
@@ -66,7 +66,7 @@ TEST(SpanWriter, KeepsTheBlocksThatAbsorb) {
 /// A footprint beyond the last block gets an empty block, even outside the scanline.
 TEST(SpanWriter, SpansEndInTheDark) {
   SliceSpans slice;
-  SpanWriter writer(16, 16, 3, slice);
+  SpanWriter writer(3, slice);
   writer.add(16, 16);
   std::fill_n(writer.extinctions(16), 16, 2.0f);
   writer.end_row(0);
@@ -79,7 +79,7 @@ TEST(SpanWriter, SpansEndInTheDark) {
 
 TEST(SpanWriter, ListsShadedVoxelsThatAbsorb) {
   SliceSpans slice;
-  SpanWriter writer(0, 100, 1, slice);
+  SpanWriter writer(1, slice);
   std::vector<PackedNormal> normals(200);
   for (std::size_t n = 0; n < normals.size(); ++n) normals[n] = static_cast<PackedNormal>(n);
   set(writer, 2, 3);
@@ -102,7 +102,7 @@ TEST(SpanWriter, ListsShadedVoxelsThatAbsorb) {
 TEST(SpanWriter, ASliceIsWrittenAnew) {
   SliceSpans slice;
   const auto write = [&](std::uint32_t voxels) {
-    SpanWriter writer(0, 64, 1, slice);
+    SpanWriter writer(1, slice);
     if (voxels > 0) set(writer, 0, voxels);
     writer.end_row(3);
     writer.finish();
