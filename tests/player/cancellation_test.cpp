@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/render.h"
+#include "tests/support/repetitions.h"
 #include "tests/support/standard_scenes.h"
 
 namespace splatlas {
@@ -61,12 +62,11 @@ TEST_P(Cancellation, LeavesNoTraceInLaterPictures) {
   const Picture expected = picture_of(untouched);
   const auto expected_pick = untouched.pick(20.3, 15.2);
   ASSERT_TRUE(expected_pick);
-  int cancelled = 0;
-  for (int n = 1;; ++n) {
+  int n = 1;
+  for (;; n += kEveryNth) {
     Renderer renderer = new_renderer(3);
     const Result<Picture> stopped = render_until(renderer, GetParam(), n);
     if (stopped) break;  // all reports have been counted
-    ++cancelled;
     EXPECT_EQ(stopped.error().code, ErrorCode::kCancelled) << stopped.error().message;
     EXPECT_TRUE(renderer.missing().empty());
     ASSERT_EQ(picture_of(renderer).rgba, expected.rgba) << n;
@@ -78,7 +78,7 @@ TEST_P(Cancellation, LeavesNoTraceInLaterPictures) {
     EXPECT_EQ(pick->structure, expected_pick->structure);
     EXPECT_EQ(pick->point_lps_mm, expected_pick->point_lps_mm);
   }
-  EXPECT_GT(cancelled, 10);
+  EXPECT_GT(n, 11);
 }
 
 /// With spans, ray volumes and lighting of another selection and view at hand.
@@ -87,7 +87,7 @@ TEST_P(Cancellation, LeavesNoTraceInRenderersThatKeepSomething) {
   Renderer untouched = new_renderer(1);
   const Picture expected = picture_of(untouched);
   Renderer renderer(open_in_memory(scene_.content), {.threads = 3});
-  for (int n = 1;; ++n) {
+  for (int n = 1;; n += kEveryNth) {
     ASSERT_TRUE(renderer.select(first));
     (void)render_or_throw(renderer, Camera{.azimuth_deg = 40}, GetParam().options);
     ASSERT_TRUE(renderer.select(scene_.selection));
@@ -123,7 +123,7 @@ TEST_P(Cancellation, LeavesThePictureBeforeToPick) {
     const auto expected = picks_of(renderer);
     ASSERT_GT(std::ranges::count_if(expected, [](const auto& pick) { return pick.has_value(); }), 20);
     int n = 0;
-    for (; !render_until(renderer, GetParam(), n + 1); ++n) {
+    for (; !render_until(renderer, GetParam(), n + 1); n += kEveryNth) {
       ASSERT_EQ(picks_of(renderer), expected) << n;
     }
     EXPECT_GT(n, 10);

@@ -1,5 +1,6 @@
 // Pictures with values known in closed form.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -9,6 +10,7 @@
 #include "tests/reference/picture_difference.h"
 #include "tests/support/phantom_content.h"
 #include "tests/support/render.h"
+#include "tests/support/repetitions.h"
 #include "tests/support/uniform_box.h"
 
 namespace splatlas {
@@ -27,7 +29,9 @@ TEST(ClosedForm, ThousandsOfThinLayersAddUp) {
     const AtlasContent content = box_content({5, 5, layers});
     Camera camera = Camera::of(NamedView::kSuperior);
     camera.zoom = layers / 5.0;
-    for (const float opacity : {1e-8f, 1e-7f, 1e-6f, 1e-5f, 1e-4f, 1e-3f, 1e-2f}) {
+    constexpr std::array kOpacities{1e-8f, 1e-7f, 1e-6f, 1e-5f, 1e-4f, 1e-3f, 1e-2f};
+    for (std::size_t n = 0; n < kOpacities.size(); n += kEveryNth) {
+      const float opacity = kOpacities[n];
       SCOPED_TRACE(testing::Message() << layers << " layers of " << opacity << (sheets ? "" : ", by rays"));
       Renderer renderer = renderer_of(content, with_opacity(content, opacity));
       for (const bool simd : {false, true}) {

@@ -16,6 +16,7 @@
 #include "tests/support/phantom_content.h"
 #include "tests/support/random_scene.h"
 #include "tests/support/render.h"
+#include "tests/support/repetitions.h"
 #include "tests/support/standard_scenes.h"
 
 namespace splatlas {
@@ -122,7 +123,7 @@ TEST(Renderer, GivesTheSameBitsWhateverWasRenderedBefore) {
 /// Spans of the previous selection are reused, shaded or not.
 TEST(Renderer, GivesTheSameBitsWhateverWasSelectedBefore) {
   std::mt19937 random(1);
-  for (std::uint32_t number = 0; number < 40; ++number) {
+  for (std::uint32_t number = 0; number < repetitions(40); ++number) {
     const RandomScene scene = random_scene(number, 16);
     const StructureGraph& graph = scene.content.graph;
     Renderer used(open_in_memory(scene.content), {2, 0});

@@ -10,12 +10,12 @@
 
 namespace splatlas {
 
-/// A new folder below the system temporary folder, removed with its contents at the end. Throws
-/// std::runtime_error.
+/// A new folder, removed with its contents at the end.
 class TemporaryFolder {
  public:
-  TemporaryFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "splatlas-test-XXXXXX").string();
+  /// The system temporary folder may be in memory. Throws std::runtime_error.
+  explicit TemporaryFolder(const std::filesystem::path& parent = std::filesystem::temp_directory_path()) {
+    std::string name = (parent / "splatlas-test-XXXXXX").string();
     if (::mkdtemp(name.data()) == nullptr)
       throw std::runtime_error(name + ": cannot be made; set TMPDIR to a folder that can be written");
     path_ = name;

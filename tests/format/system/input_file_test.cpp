@@ -106,6 +106,8 @@ TEST_P(InputFileTest, EmptyFilesAreReadAlike) {
 }
 
 TEST_P(InputFileTest, ReadsThePagesOfARangeOnly) {
+  const TemporaryFolder on_disk(std::filesystem::current_path());
+  path = on_disk.path() / "file";
   const auto page = static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
   write(std::string(2048 * page, 'x'));
   if (const Result<void> evicted = evict(path); !evicted) GTEST_SKIP() << evicted.error().message;

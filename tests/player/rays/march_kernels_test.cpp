@@ -12,6 +12,7 @@
 #include "tests/player/rays/march_definition.h"
 #include "tests/player/rays/random_sources.h"
 #include "tests/support/every_kernel.h"
+#include "tests/support/repetitions.h"
 
 namespace splatlas {
 namespace {
@@ -76,7 +77,7 @@ class MarchKernelsOf : public EveryKernel {
 INSTANTIATE_TEST_SUITE_P(Every, MarchKernelsOf, testing::ValuesIn(targets_and_reference()), kernel_name);
 
 TEST_P(MarchKernelsOf, ComputeTheDefinitionInEqualSteps) {
-  for (std::uint32_t seed = 0; seed < 40; ++seed) {
+  for (std::uint32_t seed = 0; seed < repetitions(40); ++seed) {
     RandomSources random(seed);
     for (const std::size_t points : {2u, 4u, 9u, 30u, 256u}) {
       const PreintegratedTransfer curve = random.curve(points), other = random.curve(3);
@@ -126,7 +127,7 @@ INSTANTIATE_TEST_SUITE_P(Every, MarchTargets, testing::ValuesIn(simd_targets()),
 TEST_P(MarchTargets, AgreeWithTheScalarReference) {
   constexpr std::array kTolerances{0.054f, 0.0046f, 1e-4f};
   constexpr std::array kThresholds{0.0f, 1e-3f, 0.3f, 1e-4f};
-  for (std::uint32_t seed = 0; seed < 360; ++seed) {
+  for (std::uint32_t seed = 0; seed < repetitions(360); ++seed) {
     RandomSources random(seed, {.one_of = seed % 2 == 0 ? 3u : 30u, .sparse = seed % 2 != 0});
     const PreintegratedTransfer curve = random.curve(2 + seed % 19), other = random.curve(3);
     const RayPacket rays = seed % 3 == 0 ? random.diagonals() : random.rays_of_all_axes();

@@ -8,6 +8,7 @@
 
 #include "format/atlas_writer.h"
 #include "tests/support/random_scene.h"
+#include "tests/support/repetitions.h"
 
 namespace splatlas {
 namespace {
@@ -136,7 +137,7 @@ TEST(ClassCache, DecodesAsMuchWithManyThreadsAsWithOne) {
     return atlas->counters().decoded;
   };
   const std::uint64_t expected = decoded(1);
-  for (int n = 0; n < 300; ++n) ASSERT_EQ(decoded(8), expected) << "try " << n;
+  for (std::uint32_t n = 0; n < repetitions(300); ++n) ASSERT_EQ(decoded(8), expected) << "try " << n;
 }
 
 TEST(ClassCache, DamageIsToldAndNothingOfTheDamagedClassIsKept) {

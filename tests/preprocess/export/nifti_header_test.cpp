@@ -2,11 +2,11 @@
 #include <cmath>
 
 #include <gtest/gtest.h>
-#include <itkNiftiImageIO.h>
 #include <rapidcheck/gtest.h>
 
 #include "preprocess/export/image_header.h"
 #include "preprocess/export/write_image.h"
+#include "tests/preprocess/itk_volumes.h"
 #include "tests/preprocess/random_images.h"
 #include "tests/support/file_bytes.h"
 #include "tests/support/message_of.h"
@@ -14,41 +14,6 @@
 
 namespace splatlas {
 namespace {
-
-itk::IOComponentEnum component_of(VoxelType type) {
-  using Type = itk::IOComponentEnum;
-  constexpr std::array<Type, 9> kTypes{Type::UNKNOWNCOMPONENTTYPE,
-                                       Type::UCHAR,
-                                       Type::CHAR,
-                                       Type::USHORT,
-                                       Type::SHORT,
-                                       Type::UINT,
-                                       Type::INT,
-                                       Type::FLOAT,
-                                       Type::DOUBLE};
-  return kTypes[static_cast<std::size_t>(type)];
-}
-
-void write_by_itk(const Image& image, const std::string& path) {
-  const itk::NiftiImageIO::Pointer io = itk::NiftiImageIO::New();
-  io->SetFileName(path);
-  io->SetNumberOfDimensions(3);
-  itk::ImageIORegion region(3);
-  for (unsigned a = 0; a < 3; ++a) {
-    const auto size = static_cast<itk::SizeValueType>(image.grid.size[a]);
-    io->SetDimensions(a, size);
-    region.SetSize(a, size);
-    io->SetSpacing(a, image.grid.spacing_mm[a]);
-    io->SetOrigin(a, image.grid.origin_lps_mm[a]);
-    const Matrix3& direction = image.grid.direction_lps;
-    io->SetDirection(a, std::vector<double>{direction[a], direction[3 + a], direction[6 + a]});
-  }
-  io->SetIORegion(region);
-  io->SetPixelType(itk::IOPixelEnum::SCALAR);
-  io->SetNumberOfComponents(1);
-  io->SetComponentType(component_of(image.voxels.type));
-  io->Write(image.voxels.bytes.data());
-}
 
 /// Files are equal byte by byte: header, voxels and compression.
 TEST(NiftiHeader, EqualsItks) {

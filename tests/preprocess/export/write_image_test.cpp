@@ -5,10 +5,9 @@
 #include <cstring>
 
 #include <gmock/gmock.h>
-#include <itkImageIOBase.h>
 #include <sys/resource.h>
 
-#include "preprocess/import/images/image_io.h"
+#include "tests/preprocess/itk_volumes.h"
 #include "tests/preprocess/random_images.h"
 #include "tests/support/fails_with.h"
 #include "tests/support/file_bytes.h"
@@ -27,20 +26,6 @@ const std::array<std::string, 4> kEndings{".nii", ".nii.gz", ".nrrd", ".mha"};
 
 bool is_nifti(const std::string& ending) {
   return ending.starts_with(".nii");
-}
-
-/// The file by ITK alone. NIfTI's library replaces NaN and infinities by 0.
-Image read_by_itk(const std::filesystem::path& path) {
-  const itk::ImageIOBase::Pointer io = make_image_io(*image_format(path));
-  io->SetFileName(path.string());
-  io->ReadImageInformation();
-  Image image{grid_of(*io), {voxel_type_of(io->GetComponentType()), {}}};
-  image.voxels.bytes.resize(static_cast<std::size_t>(image.grid.voxels()) * bytes_of(image.voxels.type));
-  itk::ImageIORegion region(io->GetNumberOfDimensions());
-  for (unsigned a = 0; a < io->GetNumberOfDimensions(); ++a) region.SetSize(a, io->GetDimensions(a));
-  io->SetIORegion(region);
-  io->Read(image.voxels.bytes.data());
-  return image;
 }
 
 /// Spacings relative; origins in mm.
