@@ -94,7 +94,7 @@ Result<std::string> export_labels(const AtlasContent& content, const Atlas& atla
                                   const ExportOptions& options, std::vector<std::string>& notes) {
   if (is_folder_of_masks(options)) {
     SPLATLAS_ASSIGN_OR_RETURN(const ExportedMasks masks, export_masks(content, options.labels));
-    if (!masks.note.empty()) notes.push_back(masks.note);
+    notes.insert(notes.end(), masks.notes.begin(), masks.notes.end());
     return fmt::format("{}: {} masks", options.labels, masks.count);
   }
   SPLATLAS_RETURN_IF_ERROR(export_label_map(content, atlas.name(), options.labels));
