@@ -34,6 +34,8 @@ static_assert(sizeof(Vertex<std::uint16_t>) == 8 && sizeof(Vertex<std::uint32_t>
 /// Vertices of fitted surfaces are midpoints of cell edges.
 constexpr std::uint32_t kFittedPositionScale = 2;
 constexpr std::size_t kLengthsBytes = 2 * sizeof(std::uint32_t);
+/// First bytes of the codes: meshoptimizer's decoders take other versions, too.
+constexpr std::byte kVertexHeader{0xa0}, kIndexHeader{0xe1};
 
 std::uint64_t max_coordinate(std::int64_t size, std::uint32_t scale) {
   return static_cast<std::uint64_t>(size + 1) * scale;
@@ -157,9 +159,18 @@ Result<void> check_mesh(const SurfaceMesh& mesh, const Index3& size) {
   return {};
 }
 
+Result<void> check_code_header(std::span<const std::byte> code, std::byte header, const char* name) {
+  if (!code.empty() && code.front() == header) return {};
+  return code.empty()
+             ? invalid_atlas("the {} code is empty", name)
+             : invalid_atlas("the {} code begins with {:#04x}, expected {:#04x}", name,
+                             std::to_integer<unsigned>(code.front()), std::to_integer<unsigned>(header));
+}
+
 template <typename Coordinate>
 Result<void> decode_vertices(std::span<const std::byte> code, std::uint32_t count, const Index3& size,
                              SurfaceMesh& mesh) {
+  SPLATLAS_RETURN_IF_ERROR(check_code_header(code, kVertexHeader, "vertex"));
   std::vector<Vertex<Coordinate>> vertices(count);
   if (meshopt_decodeVertexBuffer(vertices.data(), count, sizeof(Vertex<Coordinate>),
                                  reinterpret_cast<const unsigned char*>(code.data()), code.size()) != 0) {
@@ -187,6 +198,7 @@ Result<void> decode_triangles(std::span<const std::byte> code, std::span<const s
                               const SurfaceEntry& entry, std::vector<Triangle>& triangles) {
   triangles.resize(entry.triangles);
   if (triangles.empty()) return {};
+  SPLATLAS_RETURN_IF_ERROR(check_code_header(code, kIndexHeader, "index"));
   if (meshopt_decodeIndexBuffer(triangles.front().data(), triangles.size() * 3, sizeof(std::uint32_t),
                                 reinterpret_cast<const unsigned char*>(code.data()), code.size()) != 0) {
     return invalid_atlas("triangles cannot be decoded");

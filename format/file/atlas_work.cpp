@@ -14,16 +14,16 @@ namespace splatlas {
 namespace {
 
 constexpr double kPerDecodedByte = 4;
-constexpr double kPerRun = 100;
+constexpr double kPerRun = 60;
 constexpr double kPerSortedRun = 60;    // of all classes together
-constexpr double kPerMaskVoxel = 10;    // of the box
+constexpr double kPerMaskVoxel = 6;     // of the box
 constexpr double kPerDerivedVoxel = 8;  // of a run model that is not stored
 constexpr double kPerPredictedByte = 30;
 constexpr double kPerValueByte = 8;
-constexpr double kPerCropVoxel = 4, kPerFittedVertex = 100;  // of a dense crop
+constexpr double kPerCropVoxel = 2.5, kPerFittedVertex = 60;  // of a dense crop
 constexpr double kPerSparseVertex = 900, kPerSparseVoxel = 300, kPerSparseTriangle = 300;
 constexpr double kBytesPerSparseTriangle = 200;
-constexpr double kPerTriangle = 100;
+constexpr double kPerTriangle = 60;
 constexpr double kPerGridVoxel = 12;
 /// Streams in larger chunks are charged for the rest of the chunk: it may be decoded again.
 constexpr double kFreeChunkBytes = 1 << 16;

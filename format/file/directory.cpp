@@ -296,9 +296,12 @@ Result<void> read_classes(const schema::Directory& d, Directory& directory) {
     if (directory.classes.intern(std::move(members)) != c) {
       return invalid_atlas("invalid: class {} repeats another class", c);
     }
-    directory.classes.count(
-        c, row.voxels(),
-        {to_array<3, std::int64_t>(*row.box_first()), to_array<3, std::int64_t>(*row.box_last())});
+    const IndexBox box{to_array<3, std::int64_t>(*row.box_first()),
+                       to_array<3, std::int64_t>(*row.box_last())};
+    if (box.empty() && box != IndexBox{}) {  // the class table would forget its numbers
+      return invalid_atlas("invalid: empty box of class {}: must be (0, 0, 0) to (-1, -1, -1)", c);
+    }
+    directory.classes.count(c, row.voxels(), box);
     directory.run_bytes.push_back(to_array<3, std::uint32_t>(*row.run_bytes()));
   }
   return {};

@@ -75,7 +75,8 @@ Result<void> check_geometry(const Directory& d) {
   return {};
 }
 
-/// True if the box is inside the grid and large enough for the voxels. The empty class may have no box.
+/// True if the box is inside the grid and large enough for the voxels. Classes without voxels have no box;
+/// the empty class may have none.
 bool box_fits(const IndexBox& box, std::uint64_t voxels, bool may_be_empty, const Index3& size) {
   if (box == IndexBox{}) return voxels == 0 || may_be_empty;
   std::uint64_t room = 1;
@@ -155,6 +156,9 @@ Result<void> check_fingerprints(const Directory& d, const Grid& grid) {
   for (ClassId c = 0; c < d.classes.size(); ++c) {
     if (!is_fingerprint(d.fingerprints[c]))
       return invalid_atlas("invalid: fingerprint {} of class {}", d.fingerprints[c], c);
+    if (d.fingerprints[c] != 0 && d.classes.voxels(c) == 0) {
+      return invalid_atlas("invalid: fingerprint {} of class {}, which has no voxels", d.fingerprints[c], c);
+    }
     sum = add_fingerprints(sum, d.fingerprints[c]);
   }
   if (sum == RunFingerprinter(grid.size).of_grid()) return {};

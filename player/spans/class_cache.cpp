@@ -87,7 +87,7 @@ std::vector<ClassCache::Missing> ClassCache::missing_of(std::span<const ClassId>
 }
 
 Work ClassCache::work_of(std::span<const ClassId> classes, Axis axis, bool normals) const {
-  constexpr double kPerSpanVoxel = 40, kPerRow = 20, kPerPage = 1000, kPageBytes = 4096;
+  constexpr double kPerSpanVoxel = 20, kPerRow = 20, kPerPage = 1000, kPageBytes = 4096;
   const Grid& grid = atlas_->grid();
   const ScanOrder order = ScanOrder::of(axis);
   const auto grid_voxels = static_cast<double>(grid.voxels());
@@ -135,7 +135,7 @@ Work ClassCache::work_of(std::span<const ClassId> classes, Axis axis, bool norma
 }
 
 Work ClassCache::work_of_surfaces(std::span<const StructureIndex> structures) const {
-  constexpr double kPerDrawnTriangle = 200;
+  constexpr double kPerDrawnTriangle = 100;
   Work work;
   for (const StructureIndex s : structures) {
     if (!surfaces_.contains(s)) work += atlas_->work_of_surface(s);

@@ -17,7 +17,8 @@ constexpr const char* kFooter = R"(Examples:
 
 Volumes (.nii, .nii.gz, .nrrd, .mha) have the source's grid, order of axes and pixel type. Surfaces (.stl, .obj, .ply,
 .vtk) are in LPS mm; a group's surfaces are those of all its descendants. Masks are named by their ids; ids that are no
-safe file names are changed, and a note lists them.
+safe file names are changed, and a note lists them. Masks are .nii.gz files, or .nrrd if the grid is sheared or has an
+axis of more than 32767 voxels.
 
 Exit status: 0 done; 1 could not be done; 2 wrong usage; 3 not a valid atlas; 4 name not found.)";
 

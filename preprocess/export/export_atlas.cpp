@@ -103,7 +103,7 @@ Result<std::string> export_labels(const AtlasContent& content, const Atlas& atla
     const Work work = work_of_volumes(atlas.grid(), count_masks(content), 1);
     SPLATLAS_RETURN_IF_ERROR(atlas.work_budget().check(work, "writing all masks"));
     SPLATLAS_ASSIGN_OR_RETURN(const ExportedMasks masks, export_masks(content, options.labels));
-    if (!masks.note.empty()) notes.push_back(masks.note);
+    notes.insert(notes.end(), masks.notes.begin(), masks.notes.end());
     return fmt::format("{}: {} masks", options.labels, masks.count);
   }
   const Work work = work_of_volumes(atlas.grid(), 1, bytes_of(content.label_type));
@@ -128,7 +128,7 @@ Result<std::string> export_surface(const Atlas& atlas, const std::vector<Structu
     work += atlas.work_of_surface(s);
     written += static_cast<double>(atlas.triangles(s));
   }
-  constexpr double kPerWrittenTriangle = 500, kBytesPerTriangle = 60;
+  constexpr double kPerWrittenTriangle = 300, kBytesPerTriangle = 280;
   work.add(WorkKind::kTriangles, written, kPerWrittenTriangle);
   work.hold(written * kBytesPerTriangle);
   SPLATLAS_RETURN_IF_ERROR(atlas.work_budget().check(work, "writing surfaces"));

@@ -1,6 +1,10 @@
 #include "preprocess/export/export_labels.h"
 
-#include <string_view>
+#include <bit>
+#include <cstdint>
+#include <limits>
+#include <type_traits>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -10,6 +14,7 @@
 #include "format/system/output_folder.h"
 #include "format/system/result_macros.h"
 #include "preprocess/export/file_names.h"
+#include "preprocess/export/image_header.h"
 #include "preprocess/export/write_image.h"
 #include "preprocess/import/import_error.h"
 
@@ -18,10 +23,22 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// True if voxels of the type represent the label exactly.
+bool holds_label(VoxelType type, std::int64_t label) {
+  return visit_voxel_type(type, [&]<typename T>(T) {
+    if constexpr (std::is_integral_v<T>) return std::in_range<T>(label);
+    // Exact if at most `digits` bits remain between the highest and the lowest set bit
+    const std::uint64_t size =
+        label < 0 ? 0 - static_cast<std::uint64_t>(label) : static_cast<std::uint64_t>(label);
+    return size == 0 || std::bit_width(size) - std::countr_zero(size) <= std::numeric_limits<T>::digits;
+  });
+}
+
 /// [class]: its label, or 0.
 Result<std::vector<std::int64_t>> labels_of_classes(const AtlasContent& content, const std::string& name) {
   std::vector<std::int64_t> labels(content.classes.size(), 0);
   for (ClassId c = 0; c < labels.size(); ++c) {
+    if (content.classes.voxels(c) == 0) continue;
     const Structure* labelled = nullptr;
     for (const Membership& m : content.classes.members(c)) {
       const Structure& structure = content.graph[m.structure];
@@ -31,6 +48,10 @@ Result<std::vector<std::int64_t>> labels_of_classes(const AtlasContent& content,
             name, "'{}' and '{}' overlap; a label map cannot represent this; export masks: --labels FOLDER/",
             labelled->name, structure.name);
       }
+      if (!holds_label(content.label_type, *structure.label)) {
+        return bad_file(name, "'{}' has label {}, which {} cannot hold; export masks: --labels FOLDER/",
+                        structure.name, *structure.label, name_of(content.label_type));
+      }
       labelled = &structure;
       labels[c] = *structure.label;
     }
@@ -38,7 +59,10 @@ Result<std::vector<std::int64_t>> labels_of_classes(const AtlasContent& content,
   return labels;
 }
 
-constexpr std::string_view kMaskEnding = ".nii.gz";
+/// Ending of masks: that of NRRD for grids that NIfTI cannot hold.
+std::string mask_ending(const Grid& grid) {
+  return nifti_header(grid, VoxelType::kUInt8, {}) ? ".nii.gz" : ".nrrd";
+}
 
 /// Structures with a mask: no groups, no external surfaces.
 std::vector<StructureIndex> masked_structures(const StructureGraph& graph, const StructureClasses& classes) {
@@ -52,12 +76,12 @@ std::vector<StructureIndex> masked_structures(const StructureGraph& graph, const
 
 /// Lists ids whose files have other names: at most ten. "" if there are none.
 std::string note_changed_names(const std::vector<std::string>& ids, const std::vector<std::string>& files,
-                               const std::string& folder) {
+                               const std::string& ending, const std::string& folder) {
   constexpr std::size_t kMaxListed = 10;
   std::size_t changed = 0;
   std::string list;
   for (std::size_t n = 0; n < ids.size(); ++n) {
-    if (files[n] == ids[n] + std::string(kMaskEnding) || ++changed > kMaxListed) continue;
+    if (files[n] == ids[n] + ending || ++changed > kMaxListed) continue;
     list += fmt::format("{}{} is {}", list.empty() ? "" : ", ", in_quotes(ids[n]), files[n]);
   }
   if (changed == 0) return {};
@@ -71,7 +95,8 @@ Result<ExportedMasks> write_masks(const AtlasContent& content, OutputFolder& fol
   const std::vector<StructureIndex> masked = masked_structures(content.graph, structure_classes);
   std::vector<std::string> ids;
   for (const StructureIndex s : masked) ids.push_back(content.graph[s].id);
-  const std::vector<std::string> files = file_names_of(ids, kMaskEnding);
+  const std::string ending = mask_ending(content.source_grid);
+  const std::vector<std::string> files = file_names_of(ids, ending);
   for (std::size_t n = 0; n < masked.size(); ++n) {
     const std::vector<std::uint8_t> parts = parts_of(structure_classes.of(masked[n]), content.classes.size());
     VoxelBuffer mask{VoxelType::kUInt8, std::vector<std::byte>(content.class_volume.size())};
@@ -81,7 +106,14 @@ Result<ExportedMasks> write_masks(const AtlasContent& content, OutputFolder& fol
         write_image({content.source_grid, to_source_order(mask, content)}, folder, files[n]));
     if (interrupt_waits()) return bad_file(folder.path(), "interrupted");
   }
-  return ExportedMasks{masked.size(), note_changed_names(ids, files, folder.path().string())};
+  ExportedMasks written{masked.size(), {}};
+  const std::string path = folder.path().string();
+  if (ending == ".nrrd") {
+    written.notes.push_back(path + ": .nii.gz files cannot hold the atlas's grid; the masks are .nrrd files");
+  }
+  if (std::string note = note_changed_names(ids, files, ending, path); !note.empty())
+    written.notes.push_back(std::move(note));
+  return written;
 }
 
 }  // namespace

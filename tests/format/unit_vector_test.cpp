@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 #include <numbers>
 #include <random>
@@ -27,6 +28,30 @@ TEST(UnitVector, EveryCodeIsAUnitVectorThatPacksToItself) {
     ASSERT_NEAR(std::hypot(double{n[0]}, double{n[1]}, double{n[2]}), 1, 2e-7) << code;
     ASSERT_LT(degrees_between(unpack_normal(pack_normal(n)), n), 1e-4) << code;
   }
+}
+
+/// The code that packing gives for the direction of a code: a positive second coordinate on the seam.
+unsigned canonical(unsigned code) {
+  int x = static_cast<std::int8_t>(code & 0xff), y = static_cast<std::int8_t>(code >> 8);
+  x = std::max(x, -127), y = std::max(y, -127);
+  if (std::abs(x) == 127 && std::abs(y) == 127) {
+    x = y = 127;
+  } else if (std::abs(x) == 127) {
+    y = std::abs(y);
+  } else if (std::abs(y) == 127) {
+    x = std::abs(x);
+  }
+  return static_cast<unsigned>((x & 0xff) | (y & 0xff) << 8);
+}
+
+TEST(UnitVector, PackingInvertsUnpackingExceptForSecondCodesOnTheSeam) {
+  int second_codes = 0;
+  for (unsigned code = 0; code <= 0xffff; ++code) {
+    ASSERT_EQ(pack_normal(unpack_normal(static_cast<PackedNormal>(code))), canonical(code)) << code;
+    const bool has_128 = (code & 0xff) == 0x80 || code >> 8 == 0x80;
+    second_codes += canonical(code) != code && !has_128;
+  }
+  EXPECT_EQ(second_codes, 507);
 }
 
 TEST(UnitVector, TheSixAxesAreExact) {

@@ -1,10 +1,13 @@
-// splatlas-phantom-atlas FILE [KIND]: the golden phantom as an atlas, without ITK and VTK. KIND "damaged":
-// with a flipped byte in the first surface; "empty": its grid without structures.
+// splatlas-phantom-atlas FILE [KIND]: the golden phantom as an atlas, without ITK and VTK.
 #include <cstdio>
+#include <exception>
 #include <fstream>
-#include <string_view>
+#include <string>
+
+#include <CLI/CLI.hpp>
 
 #include "format/atlas_writer.h"
+#include "format/system/command_options.h"
 #include "format/system/exit_status.h"
 #include "tests/format/atlas_surgery.h"
 #include "tests/support/phantom_content.h"
@@ -25,28 +28,37 @@ Bytes with_damage(Bytes file) {
   return file;
 }
 
-Result<void> write_kind(const char* path, std::string_view kind) {
+Result<void> write_kind(const std::string& path, const std::string& kind) {
   if (kind != "damaged") return write_atlas(kind == "empty" ? empty_content() : phantom_content(), path);
   const Bytes file = with_damage(encode_atlas(phantom_content()).value());
   std::ofstream out(path, std::ios::binary);
   out.write(reinterpret_cast<const char*>(file.data()), static_cast<std::streamsize>(file.size()));
   out.close();
   if (out) return {};
-  return fail(ErrorCode::kFailed, "cannot write");
+  return fail(ErrorCode::kFailed, path + ": cannot be written");
 }
 
 }  // namespace
 }  // namespace splatlas
 
-int main(int argc, char** argv) {
-  const std::string_view kind = argc == 3 ? argv[2] : "";
-  const bool is_known = argc == 2 || kind == "damaged" || kind == "empty";
-  if (argc < 2 || argc > 3 || !is_known) {
-    std::fputs("usage: splatlas-phantom-atlas FILE [damaged|empty]\n", stderr);
-    return 2;
+int main(int argc, char** argv) try {
+  using namespace splatlas;
+  CLI::App app("Writes the golden phantom as an atlas.", "splatlas-phantom-atlas");
+  std::string path, kind = "whole";
+  app.add_option("FILE", path, "the atlas to write")->required()->check(names_a_file());
+  app.add_option("KIND", kind, "damaged: with a flipped byte in the first surface; empty: its grid alone")
+      ->check(CLI::IsMember({"whole", "damaged", "empty"}))
+      ->capture_default_str();
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : exit_status(ErrorCode::kUsage);
   }
-  const auto written = splatlas::write_kind(argv[1], kind);
+  const auto written = write_kind(path, kind);
   if (written) return 0;
-  std::fprintf(stderr, "splatlas-phantom-atlas: %s: %s\n", argv[1], written.error().message.c_str());
-  return splatlas::exit_status(written.error().code);
+  std::fprintf(stderr, "splatlas-phantom-atlas: %s\n", written.error().message.c_str());
+  return exit_status(written.error().code);
+} catch (const std::exception& error) {
+  std::fprintf(stderr, "splatlas-phantom-atlas: %s\n", error.what());
+  return 1;
 }

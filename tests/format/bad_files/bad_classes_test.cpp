@@ -1,4 +1,6 @@
 // Invalid files: classes, their memberships, boxes and lengths.
+#include <utility>
+
 #include <gtest/gtest.h>
 
 #include "tests/format/bad_files/bad_files.h"
@@ -67,6 +69,15 @@ constexpr void clear_box(RawClass& c) {
   c.box_last = {-1, -1, -1};
 }
 
+/// Moves all voxels of the class to the empty class.
+constexpr RawClass& leave_without_voxels(RawDirectory& d, ClassId c) {
+  RawClass& row = d.classes[c];
+  d.classes[0].voxels += std::exchange(row.voxels, 0);
+  clear_box(row);
+  row.run_bytes = {};
+  return row;
+}
+
 constexpr BadPart<RawDirectory> kBoxes[] = {
     {[](auto& d) { d.classes[1].box_first[0] = -1; }, "class 1 does not fit its 1"},
     {[](auto& d) { d.classes[2].box_first[1] = -1; }, "class 2 does not fit its 17"},
@@ -74,12 +85,21 @@ constexpr BadPart<RawDirectory> kBoxes[] = {
     {[](auto& d) { d.classes[4].box_last[0] = 10; }, "class 4 does not fit its 9"},
     {[](auto& d) { d.classes[5].box_last[1] = 5; }, "class 5 does not fit its 1"},
     {[](auto& d) { d.classes[6].box_last[2] = 0x7fffffff; }, "class 6 does not fit its 26"},
-    {[](auto& d) { d.classes[7].box_last[0] = -1; }, "class 7 does not fit its 6"},
     {[](auto& d) { std::swap(d.classes[2].box_first[1], d.classes[2].box_last[1]); },
      "class 2 does not fit its 17"},
     {[](auto& d) { d.classes[7].box_last[0] = 4; }, "class 7 does not fit its 6"},
     {[](auto& d) { clear_box(d.classes[1]); }, "class 1 does not fit its 1"},
     {[](auto& d) { d.classes[0].box_last[0] = 10; }, "class 0 does not fit its 131"},
+    {[](auto& d) { d.classes[0].box_first[1] = 5; }, "class 0 does not fit its 131"},
+};
+
+constexpr BadPart<RawDirectory> kEmptyBoxes[] = {
+    {[](auto& d) { d.classes[0].box_first[0] = 251; }, "0"},
+    {[](auto& d) { d.classes[0].box_last[0] = -1; }, "0"},
+    {[](auto& d) { d.classes[7].box_last[0] = -1; }, "7"},
+    {[](auto& d) { leave_without_voxels(d, kNeedleCrossed).box_last[0] = -2; }, "7"},
+    {[](auto& d) { leave_without_voxels(d, kNeedleCrossed).box_last[1] = 0; }, "7"},
+    {[](auto& d) { leave_without_voxels(d, kNeedleCrossed).box_first[2] = 1; }, "7"},
 };
 
 constexpr BadPart<RawDirectory> kOtherBoxes[] = {
@@ -155,6 +175,13 @@ constexpr BadDirectory kValid[] = {
     {"no box of the empty class", [](auto& d) { clear_box(d.classes[0]); }},
 };
 
+constexpr BadPart<RawDirectory> kFingerprintsWithoutVoxels[] = {
+    {[](auto& d) { leave_without_voxels(d, kNeedleCrossed), d.fingerprints[kNeedleCrossed] = 1; },
+     "fingerprint 1 of class 7"},
+    {[](auto& d) { leave_without_voxels(d, kCoreInterior), d.fingerprints[kCoreInterior] = 77; },
+     "fingerprint 77 of class 1"},
+};
+
 constexpr BadPart<std::vector<std::uint64_t>> kFingerprints[] = {
     {[](auto& f) { f.pop_back(); }, "invalid: 7 fingerprints of 8 classes"},
     {[](auto& f) { f.push_back(0); }, "invalid: 9 fingerprints of 8 classes"},
@@ -171,6 +198,7 @@ constexpr BadPart<std::vector<std::uint64_t>> kFingerprints[] = {
 
 TEST(BadFiles, WithABadFingerprint) {
   expect_faults(kFingerprints, "F: {}", in_part(&RawDirectory::fingerprints));
+  expect_faults(kFingerprintsWithoutVoxels, "F: invalid: {}, which has no voxels", in_directory);
 }
 
 /// Files of version 1.0 have none.
@@ -189,6 +217,8 @@ TEST(BadFiles, WithABadMembership) {
 TEST(BadFiles, WithABadClass) {
   expect_faults(kVoxels, "F: invalid: {}", in_directory);
   expect_faults(kBoxes, "F: invalid: box of {} voxels in the grid", in_directory);
+  expect_faults(kEmptyBoxes, "F: invalid: empty box of class {}: must be (0, 0, 0) to (-1, -1, -1)",
+                in_directory);
   expect_faults(kOtherBoxes, "F: invalid: the box of {} does not match its runs_z", in_directory);
   expect_faults(kOtherLengths, "F: damaged: {}", in_directory);
   expect_faults(kValid, "", in_directory);

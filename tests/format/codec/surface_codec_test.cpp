@@ -2,6 +2,7 @@
 
 #include <limits>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
@@ -114,6 +115,28 @@ TEST(SurfaceCodec, RefusesEveryPrefixAndEveryExtraByte) {
     }
     encoded.bytes.push_back(std::byte{0});
     EXPECT_FALSE(decode_surface(encoded.bytes, encoded.entry, kSize));
+  }
+}
+
+TEST(SurfaceCodec, RefusesOtherVersionsOfTheMeshCodes) {
+  const EncodedSurface good = encode_surface(tetrahedron(), kSize).value();
+  const std::size_t vertices = 8, indices = vertices + std::to_integer<std::size_t>(good.bytes[0]);
+  ASSERT_EQ(good.bytes[vertices], std::byte{0xa0});
+  ASSERT_EQ(good.bytes[indices], std::byte{0xe1});
+  const auto with = [&](std::size_t at, unsigned value) {
+    auto bytes = good.bytes;
+    bytes[at] = static_cast<std::byte>(value);
+    return decode_surface(bytes, good.entry, kSize);
+  };
+  for (const unsigned header : {0x00u, 0xa1u, 0xafu, 0xe1u}) {
+    EXPECT_THAT(with(vertices, header),
+                FailsWith(ErrorCode::kInvalidAtlas,
+                          fmt::format("the vertex code begins with {:#04x}, expected 0xa0", header)));
+  }
+  for (const unsigned header : {0x00u, 0xe0u, 0xe2u, 0xa0u}) {
+    EXPECT_THAT(with(indices, header),
+                FailsWith(ErrorCode::kInvalidAtlas,
+                          fmt::format("the index code begins with {:#04x}, expected 0xe1", header)));
   }
 }
 

@@ -1,5 +1,7 @@
 #include "format/derive/fit_surface.h"
 
+#include <cmath>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
@@ -107,6 +109,49 @@ RC_GTEST_PROP(FitSurface, SparseFitsHaveTheSameBits, ()) {
       RC_ASSERT(fit_sparse_normals(rows, runs.classes[c], grid) == content.boundary_normals[c]);
     }
   }
+}
+
+RC_GTEST_PROP(FitSurface, SparseFitsOfWrongPartsHaveTheSameBits, ()) {
+  auto random = *random_source();
+  Grid grid;
+  for (auto& n : grid.size) n = 1 + static_cast<std::int64_t>(below(8, random));
+  const std::vector<ClassId> parts = random_classes(grid.size, 3, random);  // 0: outside
+  const RunModel runs = encode_runs(parts, grid.size, Axis::kZ, 3);
+  StructureCrop crop = empty_crop({{0, 0, 0}, {grid.size[0] - 1, grid.size[1] - 1, grid.size[2] - 1}});
+  PartRows rows(grid.size);
+  for (const std::uint8_t part : {StructureCrop::kInterior, StructureCrop::kBoundary}) {
+    paint_runs(runs.classes[part], grid.size[1], part, crop);
+    rows.add(runs.classes[part], part);
+  }
+  rows.sort();
+  const SurfaceMesh surface = fit_surface(crop, grid);
+  RC_ASSERT(fit_sparse_surface(rows, grid, surface.triangles.size()) == surface);
+}
+
+TEST(FitSurface, CellsWithoutABoundaryVoxelComeFirst) {
+  const Grid grid{.size = {9, 4, 1}};
+  StructureCrop crop = empty_crop({{0, 0, 0}, {8, 3, 0}});
+  PartRows rows(grid.size);
+  const auto add = [&](const splatlas::Run& run, std::uint8_t part) {
+    paint_runs({&run, 1}, grid.size[1], part, crop);
+    rows.add({&run, 1}, part);
+  };
+  add({0, 0, 1}, StructureCrop::kBoundary);
+  add({0, 7, 1}, StructureCrop::kInterior);
+  add({3, 4, 1}, StructureCrop::kInterior);
+  rows.sort();
+  const SurfaceMesh surface = fit_surface(crop, grid);
+  EXPECT_TRUE(fit_sparse_surface(rows, grid, surface.triangles.size()) == surface);
+  ASSERT_EQ(surface.triangles.size(), 24u);  // 8 cells of one triangle around each voxel
+  // Below the voxels, then above them: cells in memory order, those of the boundary voxel last
+  std::vector<float> voxel_of_triangle;
+  for (const auto& triangle : surface.triangles) {
+    float i = 0;
+    for (const std::uint32_t vertex : triangle) i += surface.positions_ijk[vertex][0];
+    voxel_of_triangle.push_back(std::round(i / 3));
+  }
+  EXPECT_EQ(voxel_of_triangle, (std::vector<float>{7, 7, 7, 7, 4, 4, 4, 4, 7, 7, 7, 7, 4, 4, 4, 4,  //
+                                                   0, 0, 0, 0, 0, 0, 0, 0}));
 }
 
 TEST(FitSurface, NormalsOfAClassNeedTheOwnersOtherClassesAround) {

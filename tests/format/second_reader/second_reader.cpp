@@ -233,7 +233,7 @@ std::vector<bool> covered_by(const Bytes& stream, const FlatDirectory& directory
   if (shares_list(directory, group, axis)) {
     const ClassRow& second = directory.classes[group[1]];
     for (std::size_t a = 0; a < 3; ++a) {
-      first[a] = std::min(first[a], second.box_first[a]);
+      first[a] = last[a] < 0 ? second.box_first[a] : std::min(first[a], second.box_first[a]);
       last[a] = std::max(last[a], second.box_last[a]);
     }
   }

@@ -1,0 +1,114 @@
+#include "preprocess/export/export_labels.h"
+
+#include <filesystem>
+#include <limits>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/preprocess/random_images.h"
+#include "tests/support/fails_with.h"
+#include "tests/support/fill_classes.h"
+#include "tests/support/run_program.h"
+
+namespace splatlas {
+namespace {
+
+using testing::ElementsAre;
+
+/// One structure with this label in the first voxel of a row of three.
+AtlasContent labelled_voxel(VoxelType type, std::int64_t label) {
+  AtlasContent content;
+  content.source_grid.size = {3, 1, 1};
+  content.graph = StructureGraph::build({{.id = "one", .name = "One", .label = label}}).value();
+  content.label_type = type;
+  fill_classes(content, [](const Index3& at) {
+    return at[0] == 0 ? std::vector<Membership>{{0, Part::kBoundary}} : std::vector<Membership>{};
+  });
+  return content;
+}
+
+struct Label {
+  VoxelType type;
+  std::int64_t label;
+};
+
+TEST(ExportLabels, WritesTheExtremeLabelsOfEachType) {
+  const TemporaryFolder folder;
+  for (const auto& [type, label] : {Label{VoxelType::kUInt8, 255},
+                                    {VoxelType::kInt8, -128},
+                                    {VoxelType::kUInt16, 65535},
+                                    {VoxelType::kInt16, -32768},
+                                    {VoxelType::kUInt32, 4294967295},
+                                    {VoxelType::kInt32, -2147483648},
+                                    {VoxelType::kFloat32, 16777216},
+                                    {VoxelType::kFloat64, 4294967295}}) {
+    const auto written = export_label_map(labelled_voxel(type, label), "A", folder.file("labels.nrrd"));
+    ASSERT_TRUE(written) << written.error().message;
+    const Image back = import_image(folder.file("labels.nrrd")).value();
+    visit_voxel_type(type, [&]<typename T>(T) {
+      EXPECT_EQ(static_cast<std::int64_t>(back.voxels.as<T>()[0]), label) << name_of(type);
+      EXPECT_EQ(back.voxels.as<T>()[1], T{0});
+    });
+  }
+}
+
+TEST(ExportLabels, RefusesLabelsThatTheTypeCannotHold) {
+  const TemporaryFolder folder;
+  for (const auto& [type, label] : {Label{VoxelType::kUInt8, 256},
+                                    {VoxelType::kUInt8, -1},
+                                    {VoxelType::kInt8, 128},
+                                    {VoxelType::kUInt16, 65536},
+                                    {VoxelType::kInt16, -32769},
+                                    {VoxelType::kUInt32, 4294967296},
+                                    {VoxelType::kInt32, 2147483648},
+                                    {VoxelType::kFloat32, 16777217},
+                                    {VoxelType::kFloat32, std::numeric_limits<std::int64_t>::max()},
+                                    {VoxelType::kFloat64, 9007199254740993},
+                                    {VoxelType::kFloat64, std::numeric_limits<std::int64_t>::max()}}) {
+    EXPECT_THAT(
+        export_label_map(labelled_voxel(type, label), "A", folder.file("labels.nrrd")),
+        FailsWith(ErrorCode::kFailed,
+                  fmt::format("A: 'One' has label {}, which {} cannot hold; export masks: --labels FOLDER/",
+                              label, name_of(type))));
+  }
+  EXPECT_TRUE(folder.names().empty());
+}
+
+TEST(ExportLabels, StructuresWithoutVoxelsNeedNoPlaceInTheLabelMap) {
+  AtlasContent content = labelled_voxel(VoxelType::kUInt8, 7);
+  content.graph = StructureGraph::build({{.id = "one", .label = 7}, {.id = "two", .label = 300}}).value();
+  content.classes.intern({{0, Part::kBoundary}, {1, Part::kBoundary}});
+  content.classes.intern({{1, Part::kBoundary}});
+  const TemporaryFolder folder;
+  const auto written = export_label_map(content, "A", folder.file("labels.nrrd"));
+  ASSERT_TRUE(written) << written.error().message;
+  EXPECT_EQ(import_image(folder.file("labels.nrrd"))->voxels.bytes,
+            (std::vector{std::byte{7}, std::byte{0}, std::byte{0}}));
+}
+
+TEST(ExportMasks, WritesNrrdFilesOfGridsThatNiftiCannotHold) {
+  AtlasContent content = labelled_voxel(VoxelType::kNone, 7);
+  const TemporaryFolder folder;
+  const ExportedMasks straight = export_masks(content, folder.path() / "straight").value();
+  EXPECT_EQ(straight.count, 1u);
+  EXPECT_TRUE(straight.notes.empty());
+  EXPECT_TRUE(std::filesystem::exists(folder.path() / "straight" / "one.nii.gz"));
+
+  content.source_grid.direction_lps = {1, 0.6, 0, 0, 0.8, 0, 0, 0, 1};  // sheared
+  content.graph = StructureGraph::build({{.id = "-one"}}).value();
+  const std::filesystem::path path = folder.path() / "sheared";
+  const ExportedMasks sheared = export_masks(content, path).value();
+  EXPECT_EQ(sheared.count, 1u);
+  EXPECT_THAT(
+      sheared.notes,
+      ElementsAre(path.string() + ": .nii.gz files cannot hold the atlas's grid; the masks are .nrrd files",
+                  path.string() + ": 1 id is no safe file name: \"-one\" is _-one.nrrd"));
+  const Image mask = import_image(path / "_-one.nrrd").value();
+  EXPECT_EQ(mask.grid, content.source_grid);
+  EXPECT_EQ(mask.voxels.bytes, (std::vector{std::byte{1}, std::byte{0}, std::byte{0}}));
+}
+
+}  // namespace
+}  // namespace splatlas
