@@ -45,7 +45,7 @@ void SpanWriter::make_room(std::size_t floats) {
   const auto before = static_cast<std::size_t>(plane_floats_);
   if (floats <= before) return;
   const std::size_t now = std::max({floats, 2 * before, std::size_t{512}});
-  const auto planes = static_cast<std::size_t>(1 + out_.emissions);
+  const std::size_t planes = 1 + static_cast<std::size_t>(out_.emissions);
   std::vector<float> line(now * planes);
   for (std::size_t plane = 0; plane < planes; ++plane)
     std::copy_n(line_.data() + plane * before, before, line.data() + plane * now);
