@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "format/subtree_counts.h"
+#include "format/derive/subtree_counts.h"
 #include "format/system/json_text.h"
 
 namespace splatlas {

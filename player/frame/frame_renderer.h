@@ -6,8 +6,8 @@
 #include <optional>
 #include <span>
 
+#include "format/atlas_reader.h"
 #include "format/system/thread_pool.h"
-#include "format/work_budget.h"
 #include "player/depth_cue/depth_edges.h"
 #include "player/frame/render_overrides.h"
 #include "player/sheets/fragment_order.h"

@@ -1,5 +1,3 @@
-#include "format/work_budget.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>

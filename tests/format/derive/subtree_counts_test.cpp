@@ -1,4 +1,4 @@
-#include "format/subtree_counts.h"
+#include "format/derive/subtree_counts.h"
 
 #include <set>
 

@@ -1,11 +1,10 @@
-#include "format/work_budget.h"
-
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "format/atlas_reader.h"
 #include "format/system/result_macros.h"
 
 namespace splatlas {
