@@ -20,4 +20,21 @@ std::vector<std::uint32_t> brick_sums(const BrickMask& mask) {
   return sums;
 }
 
+Work work_of_ray_volume(const MarchGrid& grid, std::uint64_t runs) {
+  constexpr double kPerBrick = 60, kBytesPerBrick = 16, kPerSlice = 200, kBytesPerSlice = 64;
+  constexpr double kVoxelBytes = 16, kPageBytes = 4096, kPagesPerRun = 6, kRunBytes = 64;
+  double bricks = 1, voxels = 1;
+  for (std::size_t a = 0; a < 3; ++a) {
+    bricks *= static_cast<double>(grid.bricks(a));
+    voxels *= static_cast<double>(grid.size[a]);
+  }
+  const auto slices = static_cast<double>(grid.size[2]), all_runs = static_cast<double>(runs);
+  Work work;
+  work.add(WorkKind::kRows, bricks, kPerBrick);
+  work.add(WorkKind::kRows, slices, kPerSlice);
+  work.hold(bricks * kBytesPerBrick + slices * kBytesPerSlice + all_runs * kRunBytes +
+            std::min(kVoxelBytes * voxels, all_runs * kPagesPerRun * kPageBytes));
+  return work;
+}
+
 }  // namespace splatlas

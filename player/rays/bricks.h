@@ -7,9 +7,14 @@
 #include <limits>
 #include <vector>
 
+#include "format/atlas_reader.h"
 #include "player/rays/march_kernels.h"
 
 namespace splatlas {
+
+/// Work of the tables of a ray volume with these runs, and memory of the pages that they touch here and in
+/// the class cache.
+[[nodiscard]] Work work_of_ray_volume(const MarchGrid& grid, std::uint64_t runs);
 
 /// One byte per brick, x fastest: nonzero for non-empty bricks.
 struct BrickMask {

@@ -139,15 +139,7 @@ class RayVolume::Builder {
                                 request_.atlas.name()));
       }
     }
-    // Tables of bricks and of slices
-    constexpr double kPerSlice = 200, kBytesPerSlice = 64;
-    constexpr double kVoxelBytes = 16, kPagesPerRun = 4;
-    Work work;
-    work.add(WorkKind::kVoxels, static_cast<double>(voxels), 1);
-    work.add(WorkKind::kRows, static_cast<double>(size[2]), kPerSlice);
-    const double values = std::min(kVoxelBytes * static_cast<double>(voxels),
-                                   kPagesPerRun * static_cast<double>(kPageBytes * runs.count()));
-    work.hold(values + static_cast<double>(voxels) / 8 + kBytesPerSlice * static_cast<double>(size[2]));
+    const Work work = work_of_ray_volume(volume_.grid_, runs.count());
     SPLATLAS_RETURN_IF_ERROR(request_.atlas.work_budget().check(work, "the box around the selection"));
     if (const std::uint64_t bytes = bytes_needed(voxels); bytes > request_.max_memory_bytes) {
       return fail(ErrorCode::kLimit,
