@@ -176,8 +176,9 @@ std::optional<SurfaceMesh> sparse_marching_cubes(const PartRows& rows, std::uint
   const PaddedGrid grid(rows.size());
   std::vector<PlacedTriangle> triangles;
   bool fits = true;
-  for (const auto& [k, j] : cell_rows(rows)) {
+  for (const auto& row : cell_rows(rows)) {
     check_cancelled();
+    const auto k = row.first, j = row.second;
     CellRow(rows, j, k).for_each_crossed_cell([&](std::int64_t i, const std::array<std::uint8_t, 8>& parts) {
       if (fits) add_cell({i, j, k}, parts, grid, triangles);
       fits = triangles.size() <= max_triangles;
