@@ -16,14 +16,6 @@ Bytes two_voxels(const Index3& size) {
   return sparse_atlas(size, {{voxel_box({0, 0, 0}), voxel_box({size[0] - 1, size[1] - 1, size[2] - 1})}});
 }
 
-/// Structures of two voxels, whose bounding boxes overlap.
-Bytes fitted_pairs(std::int64_t structures, std::int64_t side) {
-  std::vector<SparseStructure> all;
-  for (std::int64_t n = 0; n < structures; ++n)
-    all.push_back({voxel_box({3 * n, 0, 0}), voxel_box({3 * n + side, side, side})});
-  return sparse_atlas({side + 3 * structures + 1, side + 1, side + 1}, all);
-}
-
 /// One structure of voxels at every other place, so that every voxel is a run of every axis.
 Bytes lattice(std::int64_t columns, std::int64_t rows, std::int64_t slices) {
   SparseStructure voxels;
@@ -55,7 +47,22 @@ Bytes plate(std::int64_t side) {
   return sparse_atlas({side, side, 2}, {{{{0, 0, 0}, {side - 1, side - 1, 1}}}});
 }
 
-/// Layers of structures, each a child of all structures in the layer above.
+/// A number from 1 to `most`, of any magnitude.
+std::int64_t magnitude(std::int64_t most, std::mt19937& random) {
+  const double share = std::uniform_real_distribution<double>(0, 1)(random);
+  return std::clamp<std::int64_t>(std::llround(std::exp(share * std::log(static_cast<double>(most)))), 1,
+                                  most);
+}
+
+}  // namespace
+
+Bytes fitted_pairs(std::int64_t structures, std::int64_t side) {
+  std::vector<SparseStructure> all;
+  for (std::int64_t n = 0; n < structures; ++n)
+    all.push_back({voxel_box({3 * n, 0, 0}), voxel_box({3 * n + side, side, side})});
+  return sparse_atlas({side + 3 * structures + 1, side + 1, side + 1}, all);
+}
+
 Bytes layered_graph(std::size_t layers, std::size_t per_layer) {
   TestVolume volume;
   volume.grid.size = {2, 2, 2};
@@ -71,7 +78,6 @@ Bytes layered_graph(std::size_t layers, std::size_t per_layer) {
   return encode_atlas(make_content(volume)).value();
 }
 
-/// The file with grey values of 0: 8 bytes per voxel that compress to almost nothing.
 Bytes with_zero_values(const Bytes& file) {
   AtlasParts parts = take_apart(file);
   parts.directory.value_type = VoxelType::kFloat64;
@@ -94,22 +100,6 @@ Bytes with_zero_values(const Bytes& file) {
                                       static_cast<std::uint32_t>(cuts.size() - 1), kChunkBytes, 0});
   return put_together(parts);
 }
-
-/// A number from 1 to `most`, of any magnitude.
-std::int64_t magnitude(std::int64_t most, std::mt19937& random) {
-  const double share = std::uniform_real_distribution<double>(0, 1)(random);
-  return std::clamp<std::int64_t>(std::llround(std::exp(share * std::log(static_cast<double>(most)))), 1,
-                                  most);
-}
-
-bool are_near(const IndexBox& a, const IndexBox& b) {
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    if (a.last[axis] + 3 < b.first[axis] || b.last[axis] + 3 < a.first[axis]) return false;
-  }
-  return true;
-}
-
-}  // namespace
 
 std::vector<WorkBomb> work_bombs() {
   return {
@@ -175,7 +165,7 @@ std::vector<WorkBomb> work_bombs() {
   };
 }
 
-Bytes sparse_giant(std::uint32_t seed) {
+Bytes sparse_giant(std::uint32_t seed, const SparseExtent& extent) {
   std::mt19937 random(seed);
   Index3 size;
   std::int64_t rest = kMaxVoxels;
@@ -184,17 +174,17 @@ Bytes sparse_giant(std::uint32_t seed) {
     rest /= side;
   }
   std::shuffle(size.begin(), size.end(), random);
-  std::vector<SparseStructure> structures(static_cast<std::size_t>(magnitude(30, random)));
+  std::vector<SparseStructure> structures(static_cast<std::size_t>(magnitude(extent.structures, random)));
   std::vector<IndexBox> placed;
   for (SparseStructure& structure : structures) {
-    const std::int64_t boxes = magnitude(20, random);
+    const std::int64_t boxes = magnitude(extent.boxes, random);
     for (int tries = 0; tries < 1000 && (structure.empty() || tries < boxes); ++tries) {
       IndexBox box;
       for (std::size_t a = 0; a < 3; ++a) {
-        const std::int64_t extent =
-            magnitude(std::min<std::int64_t>(size[a], a == seed % 3 ? 2 : 300), random);
-        box.first[a] = std::uniform_int_distribution<std::int64_t>(0, size[a] - extent)(random);
-        box.last[a] = box.first[a] + extent - 1;
+        const std::int64_t side =
+            magnitude(std::min<std::int64_t>(size[a], a == seed % 3 ? 2 : extent.side), random);
+        box.first[a] = std::uniform_int_distribution<std::int64_t>(0, size[a] - side)(random);
+        box.last[a] = box.first[a] + side - 1;
       }
       if (std::ranges::any_of(placed, [&](const IndexBox& other) { return are_near(box, other); })) continue;
       placed.push_back(box);

@@ -1,8 +1,10 @@
 #include "tests/fuzz/cost_limit.h"
 
+#include <algorithm>
 #include <atomic>
 #include <ctime>
 #include <mutex>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -46,17 +48,28 @@ double processor_seconds() {
 
 }  // namespace
 
-CostLimit::CostLimit() : begun_seconds_(processor_seconds()) {
+Cost limit_of(const Work& work) {
+  constexpr double kSecondsPerUnit = 30e-9, kSeconds = 0.1;
+  constexpr double kUnitsPerByte = 4, kBytes = 4 << 20;
+  return {kSeconds + kSecondsPerUnit * work.units(), kBytes + work.units() / kUnitsPerByte};
+}
+
+CostLimit::CostLimit(const Cost& limit, std::string what)
+    : limit_(limit), what_(std::move(what)), begun_seconds_(processor_seconds()) {
   install_hooks();
-  held = 0;
-  max_held = 0;
+  begun_bytes_ = held;
+  max_bytes_outside_ = max_held.exchange(begun_bytes_);
 }
 
 CostLimit::~CostLimit() {
   const double seconds = processor_seconds() - begun_seconds_;
-  require(seconds <= kMaxSeconds, fmt::format("it took {:.2f} s", seconds));
-  const auto bytes = static_cast<std::size_t>(max_held.load());
-  require(bytes <= kMaxBytes, fmt::format("it held {} MiB at once", bytes >> 20));
+  const std::int64_t max_bytes = max_held;
+  max_held = std::max(max_bytes, max_bytes_outside_);
+  require(seconds <= limit_.seconds,
+          fmt::format("{} took {:.2f} s, more than {:.2f} s", what_, seconds, limit_.seconds));
+  const auto bytes = static_cast<double>(max_bytes - begun_bytes_);
+  require(bytes <= limit_.bytes, fmt::format("{} held {:.1f} MiB at once, more than {:.1f} MiB", what_,
+                                             bytes / 0x1p20, limit_.bytes / 0x1p20));
 }
 
 }  // namespace splatlas

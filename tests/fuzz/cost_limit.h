@@ -1,25 +1,51 @@
-// Limits on CPU time and heap memory of one fuzz input.
+// Limits on CPU time and heap memory of fuzz inputs and of operations on them.
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <string>
+
+#include "format/work_budget.h"
 
 namespace splatlas {
 
-/// More than a second of CPU time, or more than 256 MiB of heap at once, between construction and destruction
-/// is a finding. Heap is counted with sanitizers only. They slow programs down five to ten times, so that
-/// their time limit is stricter.
+/// CPU seconds and bytes of heap.
+struct Cost {
+  double seconds = 0, bytes = 0;
+};
+
+/// A floor, and more for each byte of the input.
+struct InputLimit {
+  Cost floor, per_byte;
+
+  [[nodiscard]] Cost of(std::size_t input_bytes) const {
+    const auto n = static_cast<double>(input_bytes);
+    return {floor.seconds + n * per_byte.seconds, floor.bytes + n * per_byte.bytes};
+  }
+};
+
+/// Limit of every input of this target. fuzz_entry.cpp has a default; targets that need another define it.
+[[nodiscard]] InputLimit input_limit();
+
+/// Limit of an operation of this estimated work. A unit is a nanosecond or a quarter of a byte
+/// (format/work_budget.h). Sanitizers slow programs down five to ten times, and other programs up to three
+/// times: 30 ns. The floors are for tables of fixed size and for clocks that tick every 10 ms.
+[[nodiscard]] Cost limit_of(const Work& work);
+
+/// A finding if CPU time, or heap held beyond that at construction, exceeds the limit before destruction.
+/// Heap is counted with sanitizers only. Limits nest; not thread-safe. `what` names the operation.
 class CostLimit {
  public:
-  CostLimit();
+  CostLimit(const Cost& limit, std::string what);
   ~CostLimit();
   CostLimit(const CostLimit&) = delete;
   CostLimit& operator=(const CostLimit&) = delete;
 
-  static constexpr double kMaxSeconds = 1;
-  static constexpr std::size_t kMaxBytes = std::size_t{256} << 20;
-
  private:
+  Cost limit_;
+  std::string what_;
   double begun_seconds_;
+  std::int64_t begun_bytes_, max_bytes_outside_;
 };
 
 }  // namespace splatlas

@@ -5,7 +5,6 @@
 
 #include "format/file/directory.h"
 #include "format/file/file_layout.h"
-#include "tests/fuzz/cost_limit.h"
 #include "tests/fuzz/fuzz_input.h"
 #include "tests/fuzz/require.h"
 
@@ -40,7 +39,6 @@ void check_rewriting(const Directory& directory) {
 void fuzz(FuzzInput input) {
   const auto rest = input.rest();
   const std::vector<std::byte> bytes(rest.begin(), rest.end());  // aligned
-  const CostLimit limit;
   const auto directory = decode_directory(bytes);
   if (!directory) return require_error(directory.error(), {ErrorCode::kInvalidAtlas});
   if (const auto valid = validate(*directory); !valid)

@@ -8,7 +8,6 @@
 #include "preprocess/import/images/check_image_file.h"
 #include "preprocess/import/images/nifti_file.h"
 #include "preprocess/import/images/read_deflated.h"
-#include "tests/fuzz/cost_limit.h"
 #include "tests/fuzz/fuzz_input.h"
 #include "tests/fuzz/require.h"
 #include "tests/fuzz/scratch_file.h"
@@ -38,7 +37,6 @@ void fuzz(FuzzInput input) {
   static const std::array<std::string, 6> kNames{"image.nii",  "image.nii.gz", "image.nrrd",
                                                  "image.nhdr", "image.mha",    "image.mhd"};
   const auto path = write_input_file(kNames[input.below(kNames.size())], input.rest());
-  const CostLimit limit;
   const auto sound = check_image_file(path);
   if (!sound) require_error(sound.error(), {ErrorCode::kFailed});
 }

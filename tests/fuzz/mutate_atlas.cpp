@@ -90,6 +90,10 @@ Bytes mutate_parts(AtlasParts parts, std::size_t max_bytes, Random& random, cons
   return put_together_again(encode_directory(parts.directory).value(), parts.chunks, choices);
 }
 
+Bytes any_seed(Random& random) {
+  return below(8, random) == 0 ? work_seed(random) : seed_atlas(random);
+}
+
 /// Mutates the raw bytes of the directory.
 Bytes mutate_directory_bytes(const Bytes& file, std::size_t max_bytes, const MutateBytes& mutate_bytes) {
   const FileHeader header = header_of(file);
@@ -103,7 +107,7 @@ Bytes mutate_directory_bytes(const Bytes& file, std::size_t max_bytes, const Mut
 }  // namespace
 
 Bytes mutate_atlas(Bytes file, std::size_t max_bytes, Random& random, const MutateBytes& mutate_bytes) {
-  if (file.size() < sizeof(FileHeader) || below(50, random) == 0) return seed_atlas(random);
+  if (file.size() < sizeof(FileHeader) || below(50, random) == 0) return any_seed(random);
   switch (below(16, random)) {
     case 0:
       edit_header(file, [&](FileHeader& h) {
@@ -116,12 +120,17 @@ Bytes mutate_atlas(Bytes file, std::size_t max_bytes, Random& random, const Muta
     default: break;
   }
   try {
-    if (auto parts = parts_of_file(file))
+    if (auto parts = parts_of_file(file); parts && below(64, random) == 0) {
+      Bytes stretched = stretched_atlas(parts->directory, random);
+      edit_header(stretched, [&](FileHeader& header) { header.reserved = parts->header.reserved; });
+      return stretched;
+    } else if (parts) {
       return mutate_parts(std::move(*parts), max_bytes, random, mutate_bytes);
+    }
   } catch (const std::exception&) {
     // An earlier mutation made the streams undecodable.
   }
-  return below(2, random) == 0 ? seed_atlas(random) : mutate_directory_bytes(file, max_bytes, mutate_bytes);
+  return below(2, random) == 0 ? any_seed(random) : mutate_directory_bytes(file, max_bytes, mutate_bytes);
 }
 
 }  // namespace splatlas

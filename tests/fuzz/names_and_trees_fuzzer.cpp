@@ -8,7 +8,6 @@
 #include "preprocess/import/tables/read_names.h"
 #include "preprocess/import/tables/structure_name.h"
 #include "preprocess/structures/build_graph.h"
-#include "tests/fuzz/cost_limit.h"
 #include "tests/fuzz/fuzz_input.h"
 #include "tests/fuzz/require.h"
 #include "tests/fuzz/scratch_file.h"
@@ -57,7 +56,6 @@ void fuzz(FuzzInput input) {
   constexpr std::string_view kSeparator = "\n----\n";
   const std::size_t end = text.find(kSeparator);
   const std::string_view tree = end == std::string_view::npos ? "" : text.substr(end + kSeparator.size());
-  const CostLimit limit;
   const auto lines = read_tree(write_input_file("tree.txt", bytes_of(tree)));
   if (!lines) require_error(lines.error(), {ErrorCode::kFailed});
   const auto sources = read_sources(text.substr(0, end));

@@ -15,4 +15,8 @@ namespace splatlas {
 /// Such an atlas as a file, compact or not.
 [[nodiscard]] std::vector<std::byte> seed_atlas(Random& random);
 
+/// A file below 8 KiB that asks for much work: a large sparse grid, fitted surfaces in large boxes, a deep or
+/// wide graph, or grey values that compress to almost nothing.
+[[nodiscard]] std::vector<std::byte> work_seed(Random& random);
+
 }  // namespace splatlas

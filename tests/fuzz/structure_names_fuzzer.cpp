@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "format/selection.h"
+#include "tests/fuzz/cost_limit.h"
 #include "tests/fuzz/fuzz_input.h"
 #include "tests/fuzz/require.h"
 #include "tests/support/find_slowly.h"
@@ -34,6 +35,12 @@ StructureGraph read_graph(FuzzInput& input) {
 
 }  // namespace
 
+/// Enumerating the matches of up to six "*" in 20 letters on all paths takes up to half a second.
+/// find_structures() has a limit of its own.
+InputLimit input_limit() {
+  return {.floor = {2, 8 << 20}, .per_byte = {}};
+}
+
 void fuzz(FuzzInput input) {
   const StructureGraph graph = read_graph(input);
   std::string sought;
@@ -44,7 +51,10 @@ void fuzz(FuzzInput input) {
   }
   if (std::ranges::count(sought, '*') > 6) return;  // brute force takes too long
   const auto expected = find_slowly(graph, sought);
-  const auto found = find_structures(graph, sought);
+  const auto found = [&] {
+    const CostLimit limit({.seconds = 0.1, .bytes = 1 << 20}, "find_structures()");
+    return find_structures(graph, sought);
+  }();
   const bool is_pattern = sought.find('*') != std::string::npos;
   if (!found) {
     require_error(found.error(), {ErrorCode::kNotFound});

@@ -29,12 +29,15 @@ class SeedWriter {
   explicit SeedWriter(fs::path folder) : folder_(std::move(folder)) {}
 
   void write_of(const AtlasContent& content, const Bytes& file) {
-    write("atlases", file);
-    write("directories", directory_bytes(file));
+    write_file(file);
     for (ClassId c = 1; c < content.classes.size(); ++c) write_runs(content, c);
     for (const SurfaceMesh& mesh : content.surfaces) write_surface(mesh, storage_grid(content).size);
     write_values(content);
     write_chunks(take_apart(file));
+  }
+  void write_file(const Bytes& file) {
+    write("atlases", file);
+    write("directories", directory_bytes(file));
   }
   [[nodiscard]] std::size_t count() const { return count_; }
 
@@ -124,12 +127,13 @@ int main(int argc, char** argv) {
     fmt::print(stderr, "usage: {} FOLDER\n", argv[0]);
     return 2;
   }
-  constexpr std::size_t kAtlases = 12;
+  constexpr std::size_t kAtlases = 12, kWorkSeeds = 16;
   Random random(1);
   SeedWriter writer(argv[1]);
   for (std::size_t n = 0; n < kAtlases; ++n) {
     const AtlasContent content = seed_content(random);
     writer.write_of(content, encode_atlas(content, {.compact = n % 3 == 0, .threads = 1}).value());
   }
+  for (std::size_t n = 0; n < kWorkSeeds; ++n) writer.write_file(work_seed(random));
   fmt::print("{} seeds\n", writer.count());
 }

@@ -57,6 +57,13 @@ SurfaceEntry entry_of(const SparseStructure& boxes) {
 
 }  // namespace
 
+bool are_near(const IndexBox& a, const IndexBox& b) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (a.last[axis] + 3 < b.first[axis] || b.last[axis] + 3 < a.first[axis]) return false;
+  }
+  return true;
+}
+
 std::vector<std::byte> sparse_atlas(const Index3& size, const std::vector<SparseStructure>& structures) {
   AtlasParts parts = take_apart(encode_atlas(content_in_a_row(structures.size())).value());
   Directory& directory = parts.directory;

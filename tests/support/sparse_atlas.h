@@ -18,6 +18,9 @@ using SparseStructure = std::vector<IndexBox>;
 [[nodiscard]] std::vector<std::byte> sparse_atlas(const Index3& size,
                                                   const std::vector<SparseStructure>& structures);
 
+/// True if boxes are too close for sparse_atlas().
+[[nodiscard]] bool are_near(const IndexBox& a, const IndexBox& b);
+
 /// One voxel.
 [[nodiscard]] inline IndexBox voxel_box(const Index3& at) {
   return {at, at};
