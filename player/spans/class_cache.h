@@ -37,12 +37,12 @@ class ClassCache {
   [[nodiscard]] std::span<const FailedClass> failed_classes() const { return failed_classes_; }
   [[nodiscard]] std::span<const FailedSurface> failed_surfaces() const { return failed_surfaces_; }
 
-  /// The runs of all classes that have been required for an axis.
   /// Work of require(), and of building the spans of these classes.
   [[nodiscard]] Work work_of(std::span<const ClassId> classes, Axis axis, bool normals) const;
   /// Work of require_surfaces(), and of drawing them.
   [[nodiscard]] Work work_of_surfaces(std::span<const StructureIndex> structures) const;
 
+  /// The runs of all classes that have been required for an axis.
   [[nodiscard]] const ScanlineRuns& runs(Axis axis) const { return runs_[static_cast<std::size_t>(axis)]; }
   /// Number of runs, and surface; the class, axis or structure must have been required.
   [[nodiscard]] std::size_t run_count(ClassId c, Axis axis) const {

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string>
 
-#include "format/work_budget.h"
+#include "format/atlas_reader.h"
 
 namespace splatlas {
 
@@ -28,7 +28,7 @@ struct InputLimit {
 [[nodiscard]] InputLimit input_limit();
 
 /// Limit of an operation of this estimated work. A unit is a nanosecond or a quarter of a byte
-/// (format/work_budget.h). Sanitizers slow programs down five to ten times, and other programs up to three
+/// (WorkBudget). Sanitizers slow programs down five to ten times, and other programs up to three
 /// times: 30 ns. The floors are for tables of fixed size and for clocks that tick every 10 ms.
 [[nodiscard]] Cost limit_of(const Work& work);
 
