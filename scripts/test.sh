@@ -14,9 +14,10 @@ Usage: scripts/test.sh [--quick | --all | --help]
                fuzz target.
   --quick      For daily work, within five minutes of a recent build: layers, layout, release build and tests,
                clang-tidy over changes since origin/HEAD.
-  --all        Every check at full length, in some hours: all tests of the release build, of each source compiled alone
-               (preset dev), and of the player without ITK and VTK; clang-tidy over every source; both sanitizers with
-               the tests of format and player, the first also with those of preprocess; an hour of fuzzing.
+  --all        Every check, in some hours: all tests of the release build, of each source compiled alone (preset dev),
+               and of the player without ITK and VTK; clang-tidy over every source; both sanitizers with the tests of
+               format and player, the first also with those of preprocess; an hour of fuzzing. Under sanitizers, tests
+               repeat random cases less often (tests/support/repetitions.h).
 
 Every form ends with `N passed, 0 failed`; a failure ends it with the name of the step and an exit status other than 0.
 HELP
