@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <cstdio>
+#include <exception>
 #include <filesystem>
 #include <random>
 #include <string>
@@ -139,7 +141,7 @@ int run(const Options& options) {
 }  // namespace
 }  // namespace splatlas
 
-int main(int argc, char** argv) {
+int main(int argc, char** argv) try {
   splatlas::Options options;
   CLI::App app{
       "Small files that ask for much work: every command ends within its limits, or names the budget"};
@@ -150,4 +152,7 @@ int main(int argc, char** argv) {
   app.add_option("--mebibytes", options.limits.mebibytes, "limit per command")->capture_default_str();
   CLI11_PARSE(app, argc, argv);
   return splatlas::run(options);
+} catch (const std::exception& exception) {
+  std::fprintf(stderr, "splatlas-work-limits: %s\n", exception.what());
+  return 1;
 }
