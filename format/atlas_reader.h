@@ -38,8 +38,8 @@ enum class WorkKind : std::uint8_t {
 };
 inline constexpr std::size_t kWorkKinds = 6;
 
-/// Counted work. One unit is about one nanosecond of one core, or a quarter of a nanosecond per byte of
-/// memory that the operation holds at once, whichever is more. Counts saturate as double.
+/// Counted work. The units are the larger of two sums: about one per nanosecond of one core, and four per
+/// byte of memory held at once.
 class Work {
  public:
   /// Adds `count` items of `units_each` units.

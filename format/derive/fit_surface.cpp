@@ -216,11 +216,9 @@ std::vector<PackedNormal> fit_sparse_normals(const PartRows& rows, std::span<con
   for (const Run& run : runs) {
     check_cancelled();
     const auto scanline = static_cast<std::int64_t>(run.scanline);
-    for (std::uint32_t n = 0; n < run.length; ++n) {
-      const Vec3f g =
-          gradient.at(std::int64_t{run.start} + n, scanline % grid.size[1], scanline / grid.size[1]);
-      normals.push_back(voxel_normals.normal(g));
-    }
+    const std::int64_t j = scanline % grid.size[1], k = scanline / grid.size[1];
+    for (std::uint32_t n = 0; n < run.length; ++n)
+      normals.push_back(voxel_normals.normal(gradient.at(std::int64_t{run.start} + n, j, k)));
   }
   return normals;
 }

@@ -16,7 +16,7 @@ struct PartRun {
   std::uint8_t part = 0;
 };
 
-/// The voxels of one structure as sorted runs (principal axis z). Memory: 24 bytes per run, 16 per row.
+/// The voxels of one structure as sorted runs (principal axis z). Memory: 24 bytes per run and per row.
 class PartRows {
  public:
   explicit PartRows(const Index3& size) : size_(size) {}

@@ -15,44 +15,15 @@ void for_each_bit(Mask mask, const Add& add) {
   for (; mask != 0; mask &= mask - 1) add(static_cast<std::size_t>(std::countr_zero(mask)));
 }
 
-/// Memberships by structure.
-class MembersOf {
- public:
-  struct Member {
-    ClassId id = kEmptyClass;
-    bool boundary = false;
-  };
-  MembersOf(const ClassTable& classes, std::size_t structures) : first_(structures + 1, 0) {
-    for_each(classes, [&](StructureIndex s, const Member&) { ++first_[s + 1]; });
-    for (std::size_t s = 0; s < structures; ++s) first_[s + 1] += first_[s];
-    members_.resize(first_.back());
-    std::vector<std::size_t> next(first_.begin(), first_.end() - 1);
-    for_each(classes, [&](StructureIndex s, const Member& member) { members_[next[s]++] = member; });
-  }
-  [[nodiscard]] std::span<const Member> of(StructureIndex s) const {
-    return std::span(members_).subspan(first_[s], first_[s + 1] - first_[s]);
-  }
-
- private:
-  template <typename Take>
-  static void for_each(const ClassTable& classes, const Take& take) {
-    for (ClassId c = 0; c < classes.size(); ++c) {
-      for (const Membership& m : classes.members(c)) take(m.structure, Member{c, m.part != Part::kInterior});
-    }
-  }
-  std::vector<std::size_t> first_;
-  std::vector<Member> members_;
-};
-
 /// Counts of up to 64 structures by one traversal of their descendants.
 class BatchCounter {
  public:
-  BatchCounter(const StructureGraph& graph, const ClassTable& classes,
+  BatchCounter(const StructureGraph& graph, const ClassTable& classes, const DecisionTree& tree,
                std::span<const std::uint64_t> triangles)
       : graph_(graph),
         classes_(classes),
+        tree_(tree),
         triangles_(triangles),
-        members_(classes, graph.size()),
         rank_(graph.size()),
         above_(graph.size(), 0),
         inside_(classes.size(), 0),
@@ -65,11 +36,8 @@ class BatchCounter {
     const std::vector<StructureIndex> below = descend(batch);
     for (const StructureIndex s : below) {
       for_each_bit(above_[s], [&](std::size_t n) { counts[batch[n]].triangles += triangles_[s]; });
-      for (const MembersOf::Member& member : members_.of(s)) {
-        if (inside_[member.id] == 0) touched_.push_back(member.id);
-        inside_[member.id] |= above_[s];
-        if (member.boundary) on_boundary_[member.id] |= above_[s];
-      }
+      for (const ClassId c : tree_.interior_classes(s)) mark(inside_, c, s);
+      for (const ClassId c : tree_.boundary_classes(s)) mark(on_boundary_, c, s);
       above_[s] = 0;
     }
     for (const ClassId c : touched_) {
@@ -83,6 +51,11 @@ class BatchCounter {
   }
 
  private:
+  void mark(std::vector<Mask>& masks, ClassId c, StructureIndex s) {
+    if ((inside_[c] | on_boundary_[c]) == 0) touched_.push_back(c);
+    masks[c] |= above_[s];
+  }
+
   /// Sets above_ of all descendants, and returns them in topological order.
   std::vector<StructureIndex> descend(std::span<const StructureIndex> batch) {
     std::vector<StructureIndex> below = graph_.descendants(batch);
@@ -96,8 +69,8 @@ class BatchCounter {
 
   const StructureGraph& graph_;
   const ClassTable& classes_;
+  const DecisionTree& tree_;
   std::span<const std::uint64_t> triangles_;
-  const MembersOf members_;
   std::vector<std::uint32_t> rank_;         // [structure]: in topological order
   std::vector<Mask> above_;                 // [structure]: structures of the batch that contain it
   std::vector<Mask> inside_, on_boundary_;  // [class]
@@ -107,9 +80,10 @@ class BatchCounter {
 }  // namespace
 
 std::vector<SubtreeCounts> subtree_counts(const StructureGraph& graph, const ClassTable& classes,
+                                          const DecisionTree& tree,
                                           std::span<const std::uint64_t> triangles) {
   std::vector<SubtreeCounts> counts(graph.size());
-  BatchCounter counter(graph, classes, triangles);
+  BatchCounter counter(graph, classes, tree, triangles);
   const auto order = graph.preorder();  // neighbours share most descendants
   for (std::size_t first = 0; first < order.size(); first += kBatch)
     counter.count(order.subspan(first, std::min(kBatch, order.size() - first)), counts);

@@ -44,8 +44,8 @@ VoxelBuffer assemble_values(VoxelType type, const std::vector<std::vector<std::b
 }  // namespace
 
 Result<AtlasContent> Atlas::read_classes() const {
-  SPLATLAS_RETURN_IF_ERROR(work_budget().check(work_of_class_volume(), "reading all voxels"));
   try {
+    SPLATLAS_RETURN_IF_ERROR(work_budget().check(work_of_class_volume(), "reading all voxels"));
     AtlasContent content;
     content.source_grid = source_grid();
     content.source_to_storage = source_to_storage();
@@ -77,12 +77,12 @@ Result<VoxelBuffer> Atlas::read_value_volume(std::span<const ClassId> class_volu
 }
 
 Result<AtlasContent> Atlas::read_all() const {
-  Work work = work_of_class_volume();
-  work += work_of_value_volume();
-  for (StructureIndex s = 0; s < graph().size(); ++s) work += work_of_surface(s);
-  for (ClassId c = 0; c < classes().size(); ++c) work += work_of_normals(c);
-  SPLATLAS_RETURN_IF_ERROR(work_budget().check(work, "reading the whole atlas"));
   try {
+    Work work = work_of_class_volume();
+    work += work_of_value_volume();
+    for (StructureIndex s = 0; s < graph().size(); ++s) work += work_of_surface(s);
+    for (ClassId c = 0; c < classes().size(); ++c) work += work_of_normals(c);
+    SPLATLAS_RETURN_IF_ERROR(work_budget().check(work, "reading the whole atlas"));
     SPLATLAS_ASSIGN_OR_RETURN(AtlasContent content, read_classes());
     SPLATLAS_ASSIGN_OR_RETURN(content.values, read_value_volume(content.class_volume));
     for (StructureIndex s = 0; s < graph().size(); ++s) {

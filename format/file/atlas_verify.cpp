@@ -128,8 +128,8 @@ Result<void> verify_order(const Atlas& atlas) {
 }  // namespace
 
 Result<void> Atlas::verify() const {
-  SPLATLAS_RETURN_IF_ERROR(work_budget().check(work_of_verify(), "checking the file"));
   try {
+    SPLATLAS_RETURN_IF_ERROR(work_budget().check(work_of_verify(), "checking the file"));
     for (const SectionLayout& section : impl_->layout.sections) {
       const auto n = static_cast<std::size_t>(&section - impl_->layout.sections.data());
       for (std::uint32_t chunk = 0; chunk < impl_->directory.sections[n].chunks; ++chunk) {

@@ -158,16 +158,15 @@ Work Atlas::Impl::work_of_surface(StructureIndex s) const {
   const IndexBox box = box_of(directory.classes, structure_classes.of(s));
   if (box.empty()) return work;
   work += work_of_parts(s, box);
-  const bool sparse = fits_sparsely(box, entry.vertices);
-  if (!sparse) {
+  if (fits_sparsely(box, entry.vertices)) {
+    work.add(WorkKind::kTriangles, entry.triangles, kPerSparseTriangle);
+    work.add(WorkKind::kTriangles, entry.vertices, kPerSparseVertex);
+    work.hold(kBytesPerSparseTriangle * entry.triangles);
+  } else {
     work.add(WorkKind::kVoxels, number(crop_voxels(box)), kPerCropVoxel);
+    work.add(WorkKind::kTriangles, entry.vertices, kPerFittedVertex);
     work.hold(crop_bytes(box));
   }
-  if (sparse) {
-    work.add(WorkKind::kTriangles, entry.triangles, kPerSparseTriangle);
-    work.hold(kBytesPerSparseTriangle * entry.triangles);
-  }
-  work.add(WorkKind::kTriangles, entry.vertices, sparse ? kPerSparseVertex : kPerFittedVertex);
   return work;
 }
 

@@ -79,12 +79,10 @@ Result<void> check_geometry(const Directory& d) {
 /// the empty class may have none.
 bool box_fits(const IndexBox& box, std::uint64_t voxels, bool may_be_empty, const Index3& size) {
   if (box == IndexBox{}) return voxels == 0 || may_be_empty;
-  std::uint64_t room = 1;
   for (std::size_t a = 0; a < 3; ++a) {
     if (box.first[a] < 0 || box.first[a] > box.last[a] || box.last[a] >= size[a]) return false;
-    room *= static_cast<std::uint64_t>(box.last[a] - box.first[a] + 1);
   }
-  return voxels > 0 && voxels <= room;
+  return voxels > 0 && voxels <= box.voxels();
 }
 
 Result<void> check_classes(const Directory& d, const Grid& grid) {

@@ -21,7 +21,7 @@ Json grid_json(const Grid& grid) {
 std::vector<SubtreeCounts> counts_of(const Atlas& atlas) {
   std::vector<std::uint64_t> triangles(atlas.graph().size());
   for (StructureIndex s = 0; s < triangles.size(); ++s) triangles[s] = atlas.triangles(s);
-  return subtree_counts(atlas.graph(), atlas.classes(), triangles);
+  return subtree_counts(atlas.graph(), atlas.classes(), atlas.tree(), triangles);
 }
 
 Json structure_json(const Atlas& atlas, StructureIndex s, const SubtreeCounts& counts) {

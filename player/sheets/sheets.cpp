@@ -108,7 +108,7 @@ class Band {
     for (std::size_t place = 0; place < slices.size(); ++place) {
       const SliceSpans& slice = slices[pass_.shear.ascending ? place : slices.size() - 1 - place];
       if (slice.spans.empty()) continue;
-      const std::int64_t n = from_viewer(slice.number);
+      const std::int64_t n = from_viewer(slice.number - pass_.model.slice_first);
       if (around_slices) {
         render_slab(slice, static_cast<double>(slice.number));
         continue;
@@ -123,15 +123,13 @@ class Band {
   }
 
  private:
-  /// Rank of a slice of the grid from the viewer, 0 for the model's nearest.
-  [[nodiscard]] std::int64_t from_viewer(std::int64_t number) const {
-    const std::int64_t n = number - pass_.model.slice_first;
+  /// Maps the n-th slice of the model to its rank from the viewer, 0 for the nearest, and back.
+  [[nodiscard]] std::int64_t from_viewer(std::int64_t n) const {
     return pass_.shear.ascending ? n : pass_.model.slice_count - 1 - n;
   }
   /// The model's n-th slice from the viewer; null if it is empty or outside the model.
   [[nodiscard]] const SliceSpans* slice(std::int64_t n) const {
-    return pass_.model.slice(pass_.model.slice_first +
-                             (pass_.shear.ascending ? n : pass_.model.slice_count - 1 - n));
+    return pass_.model.slice(pass_.model.slice_first + from_viewer(n));
   }
   /// Position along the principal axis of slice n from the viewer; n may be fractional.
   [[nodiscard]] double place_of(double n) const {

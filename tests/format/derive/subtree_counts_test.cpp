@@ -31,7 +31,8 @@ RC_GTEST_PROP(SubtreeCounts, EqualSetsOfDescendants, ()) {
   const ClassTable classes = random_classes(structures, random);
   std::vector<std::uint64_t> triangles(structures);
   for (std::uint64_t& n : triangles) n = below(1000, random);
-  const std::vector<SubtreeCounts> counts = subtree_counts(graph, classes, triangles);
+  const std::vector<SubtreeCounts> counts =
+      subtree_counts(graph, classes, DecisionTree(graph, classes), triangles);
   RC_ASSERT(counts.size() == structures);
   for (StructureIndex s = 0; s < structures; ++s) {
     const auto list = graph.descendants(s);
@@ -51,7 +52,9 @@ RC_GTEST_PROP(SubtreeCounts, EqualSetsOfDescendants, ()) {
 }
 
 TEST(SubtreeCounts, OfNothingAreNone) {
-  EXPECT_TRUE(subtree_counts({}, ClassTable(), {}).empty());
+  const StructureGraph graph;
+  const ClassTable classes;
+  EXPECT_TRUE(subtree_counts(graph, classes, DecisionTree(graph, classes), {}).empty());
 }
 
 }  // namespace
