@@ -24,7 +24,7 @@ class Lighting {
   explicit Lighting(const ParallelView& view);
 
   /// Ambient and diffuse factor of a voxel's colour, in [0, 1]. Voxels are two-sided: a normal that points
-  /// away from the viewer is negated.
+  /// away from the viewer is mirrored at the plane of the picture. The factor is thus continuous.
   [[nodiscard]] float diffuse(const std::array<float, 3>& normal_lps) const;
   /// Lighting of a surface. `normal_lps` is the interpolated normal of the visible side; it is not negated
   /// where it points away from the viewer near a silhouette.
@@ -37,7 +37,7 @@ class Lighting {
     for (int n = 0; n < kHighlightSquarings; ++n) highlight *= highlight;
     return {kAmbient + (1.0f - kAmbient) * std::min(facing, 1.0f), kHighlight * highlight};
   }
-  /// diffuse() of all 65536 packed normals, for hybrid shading.
+  /// diffuse() of all 65536 packed normals, for hybrid shading. Cost: about 0.1 ms.
   [[nodiscard]] std::vector<float> table() const;
 
  private:

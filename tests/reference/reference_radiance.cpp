@@ -66,8 +66,11 @@ double one_sided(const ParallelView& view, const Vec3& normal_lps) {
 }  // namespace
 
 double diffuse(const ParallelView& view, const Vec3& normal_lps) {
-  const bool away = dot(normal_lps, to_viewer(view)) < 0;
-  return one_sided(view, away ? minus({0, 0, 0}, normal_lps) : normal_lps);
+  const Vec3 viewer = to_viewer(view);
+  const double away = std::min(0.0, dot(normal_lps, viewer));
+  Vec3 mirrored = normal_lps;  // at the plane of the picture
+  for (std::size_t a = 0; a < 3; ++a) mirrored[a] -= 2 * away * viewer[a];
+  return one_sided(view, mirrored);
 }
 
 std::array<double, 3> shade_surface(const ParallelView& view, const std::array<double, 3>& color,
