@@ -121,6 +121,11 @@ struct Selection {
 [[nodiscard]] Result<std::vector<StructureIndex>> find_structures(const StructureGraph& graph,
                                                                   std::string_view name);
 
+/// The same for a NAME of the selection language. Quotes are optional here: text that does not begin with one
+/// is the name as it is. kUsage for a quote that is never closed, and for text behind the closing one.
+[[nodiscard]] Result<std::vector<StructureIndex>> find_named(const StructureGraph& graph,
+                                                             std::string_view text);
+
 /// Applies the terms to the graph. kNotFound, with the column of the term, if a name is unknown or ambiguous.
 /// The name "*" selects nothing in a graph without structures.
 [[nodiscard]] Result<Selection> resolve_selection(std::span<const SelectionTerm> terms,

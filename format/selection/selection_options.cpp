@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -19,10 +18,8 @@ tl::unexpected<OptionFault> fault(std::string what, std::size_t offset = 0) {
 /// Parses text that is exactly one finite number.
 template <typename Number>
 std::optional<Number> number_of(std::string_view text) {
-  Number number = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(number)) return std::nullopt;
-  return number;
+  const auto number = parse_number<Number>(text);
+  return number && std::isfinite(*number) ? number : std::nullopt;
 }
 
 OptionResult read_opacity(std::string_view value, SelectionTerm& term) {

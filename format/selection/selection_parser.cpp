@@ -37,6 +37,14 @@ class Parser {
     }
   }
 
+  /// A quoted name and nothing behind it.
+  Result<std::string> lone_quoted_name() {
+    SPLATLAS_ASSIGN_OR_RETURN(std::string name, quoted_name());
+    skip_blanks();
+    if (!at_end()) return fault("expected nothing behind the closing quote");
+    return name;
+  }
+
  private:
   Result<SelectionTerm> term(bool remove) {
     SelectionTerm result;
@@ -161,6 +169,12 @@ bool is_name_character(char c) {
 
 Result<std::vector<SelectionTerm>> parse_selection(std::string_view text) {
   return Parser(text).selection();
+}
+
+Result<std::vector<StructureIndex>> find_named(const StructureGraph& graph, std::string_view text) {
+  if (!text.starts_with('"')) return find_structures(graph, text);
+  SPLATLAS_ASSIGN_OR_RETURN(const std::string name, Parser(text).lone_quoted_name());
+  return find_structures(graph, name);
 }
 
 }  // namespace splatlas

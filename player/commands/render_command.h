@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "format/result.h"
+#include "player/commands/framing.h"
 #include "player/render_frame.h"
 
 namespace CLI {
@@ -19,7 +20,8 @@ namespace splatlas {
 struct RenderRequest {
   std::filesystem::path atlas, output;
   std::string select = "*";
-  Camera camera;
+  Camera camera;  ///< its zoom multiplies that of the framing
+  Framing framing;
   RenderOptions options;
   unsigned threads = 0;
   AtlasOptions atlas_options;
