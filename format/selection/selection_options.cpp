@@ -148,11 +148,21 @@ std::span<const SelectionOption> selection_options() {
   return kOptions;
 }
 
-const SelectionOption* find_option(std::string_view name) {
-  const auto found = std::find_if(kOptions.begin(), kOptions.end(), [&](const SelectionOption& option) {
-    return equal_ignoring_case(name, option.name);
-  });
-  return found == kOptions.end() ? nullptr : &*found;
+const SelectionOption* find_option(std::string_view name, std::span<const SelectionOption> options) {
+  const auto found = std::ranges::find_if(
+      options, [&](const SelectionOption& option) { return equal_ignoring_case(name, option.name); });
+  return found == options.end() ? nullptr : &*found;
+}
+
+std::string write_options(const SelectionTerm& term, std::span<const SelectionOption> options) {
+  std::string text;
+  for (const SelectionOption& option : options) {
+    if (!option.is_given(term)) continue;
+    if (!text.empty()) text += ',';
+    text += option.name;
+    if (!option.is_flag) text += '=' + option.write(term);
+  }
+  return text;
 }
 
 }  // namespace splatlas

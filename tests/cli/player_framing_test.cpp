@@ -103,7 +103,7 @@ TEST_F(PlayerFraming, CentersAStructureOrAPoint) {
       std::to_string(center[0]) + "," + std::to_string(center[1]) + ".0," + std::to_string(center[2]) + "e0";
   const std::string here = picture(joined(small, {"--center", "Sphere 2"}));
   for (const std::string& text : {point, std::string("sphere_2"), std::string("\"Sphere 2\""),
-                                  std::string("Phantom/Sphere 2"), std::string("*2")}) {
+                                  std::string("Phantom/Sphere 2"), std::string("#2"), std::string("*2")}) {
     EXPECT_TRUE(here == picture(joined(small, {"--center", text}))) << text;
   }
   // The zoom stays: the ball moves, and keeps its size
@@ -138,9 +138,10 @@ TEST_F(PlayerFraming, RefusesWhatIsNoCentre) {
   EXPECT_THAT(
       refused({"--center", "Spere 1"}, 4),
       testing::AllOf(HasSubstr("--center: no structure is called \"Spere 1\""), HasSubstr("Sphere 1")));
+  EXPECT_THAT(refused({"--center", "#3"}, 4), HasSubstr("no structure has the label 3; the nearest: #2"));
   EXPECT_THAT(refused({"--center", "Sphere*x"}, 4), HasSubstr("no structure"));
   EXPECT_THAT(refused({"--center", "\"Sphere 1"}, 2), HasSubstr("never closed"));
-  EXPECT_THAT(refused({"--center", "\"Sphere 1\":surface"}, 2), HasSubstr("behind the closing quote"));
+  EXPECT_THAT(refused({"--center", "\"Sphere 1\":surface"}, 2), HasSubstr("behind the name"));
   EXPECT_THAT(refused({"--fit", "all"}, 2), HasSubstr("selection or grid"));
   EXPECT_THAT(refused(joined(kBall, {"--zoom", "1e6"}), 2), HasSubstr("--zoom 1000000: multiplied by "));
 }
