@@ -28,6 +28,7 @@ constexpr const char* kFooter =
     "  NAME[:surface|:volume|:both][(opacity=0.4,color=#ff8800)]\n"
     "NAME is a structure's id, name or path (Brain/Cerebellum/Left), '*' stands for any characters;\n"
     "quote it where it holds a blank, a sign or a colon. A node selects all its descendants.\n"
+    "#17 in place of NAME is the structure with label 17; rest is everything that no other term names.\n"
     "The default mode is volume; 'both' is a volume with its surface.\n"
     "Options; the last four are for volumes only:\n"
     "  opacity=0.4            of a surface, or of one voxel of a volume: above 0, at most 1\n"
@@ -170,6 +171,22 @@ Result<void> write_outputs(const RenderRequest& request, std::span<const std::by
   return commit_files(files);
 }
 
+/// A line for each hidden term, up to a limit.
+Result<std::vector<std::string>> selection_warnings(std::span<const SelectionTerm> terms,
+                                                    const Atlas& atlas) {
+  constexpr std::size_t kMaxWarnings = 5;
+  SPLATLAS_ASSIGN_OR_RETURN(const std::vector<HiddenTerm> hidden,
+                            find_hidden_terms(terms, atlas.graph(), atlas.tree()));
+  std::vector<std::string> warnings;
+  for (const HiddenTerm& term : std::span(hidden).first(std::min(hidden.size(), kMaxWarnings))) {
+    warnings.push_back(term.message);
+  }
+  if (hidden.size() > kMaxWarnings) {
+    warnings.push_back(fmt::format("selection: {} more terms are hidden", hidden.size() - kMaxWarnings));
+  }
+  return warnings;
+}
+
 }  // namespace
 
 CLI::App* add_render(CLI::App& app, RenderRequest& request) {
@@ -204,7 +221,7 @@ CLI::App* add_render(CLI::App& app, RenderRequest& request) {
   return command;
 }
 
-Result<std::vector<std::string>> run_render(const RenderRequest& request) {
+Result<RenderReport> run_render(const RenderRequest& request) {
   SPLATLAS_RETURN_IF_ERROR(PictureEncoder::check_ending(request.output));
   SPLATLAS_RETURN_IF_ERROR(
       check_outputs(std::vector{request.output, request.stats}, std::vector{request.atlas}));
@@ -223,6 +240,8 @@ Result<std::vector<std::string>> run_render(const RenderRequest& request) {
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   const Result<Selection> selection = resolve_selection(terms, atlas->graph());
   if (!selection) return fail(selection.error().code, "{}: {}", atlas->name(), selection.error().message);
+  RenderReport report;
+  SPLATLAS_ASSIGN_OR_RETURN(report.warnings, selection_warnings(terms, *atlas));
 
   PictureEncoder encoder(request.output);
   Renderer renderer(std::move(atlas), {.threads = request.threads});
@@ -234,11 +253,10 @@ Result<std::vector<std::string>> run_render(const RenderRequest& request) {
                             renderer.render(camera, request.options).map_error(with_option));
   SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::byte> bytes, encoder.encode(picture, request.background));
   SPLATLAS_RETURN_IF_ERROR(write_outputs(request, bytes, json_text(stats_json(renderer, open_ms))));
-  std::vector<std::string> missing;
   for (const MissingPart& part : renderer.missing()) {
-    missing.push_back(describe(part, renderer.atlas().graph()));
+    report.missing.push_back(describe(part, renderer.atlas().graph()));
   }
-  return missing;
+  return report;
 }
 
 }  // namespace splatlas

@@ -192,9 +192,17 @@ void Session::choose_nothing() {
 
 void Session::apply_text(std::string_view text) {
   const Result<void> applied = editor_.set_text(text);
+  if (applied) warn_of_hidden_terms(text);
   const std::string error = applied ? std::string() : applied.error().message;
   if (error != text_error_ && !error.empty()) log_.write("text_error", {{"text", error}});
   text_error_ = error;
+}
+
+void Session::warn_of_hidden_terms(std::string_view text) {
+  const auto terms = parse_selection(text);
+  if (!terms) return;
+  const auto hidden = find_hidden_terms(*terms, graph(), atlas_->tree());
+  if (hidden && !hidden->empty()) set_status({"warning: " + hidden->front().message, false});
 }
 
 void Session::save_picture() {

@@ -106,7 +106,7 @@ class Session {
 
   // Text, files and messages.
 
-  /// Sets the selection from text. Invalid text sets text_error().
+  /// Sets the selection from text. Invalid text sets text_error(); a hidden term sets status().
   void apply_text(std::string_view text);
   [[nodiscard]] const std::string& text_error() const { return text_error_; }
   /// Renders the view in high quality and writes it as the next unused "NAME-1.png". The folder is that of
@@ -126,6 +126,7 @@ class Session {
   void request_frame();
   void request_pick();
   void notice_selection();
+  void warn_of_hidden_terms(std::string_view text);
 
   std::shared_ptr<const Atlas> atlas_;
   SessionLog log_;

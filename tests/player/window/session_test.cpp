@@ -1,11 +1,7 @@
 #include "player/window/session.h"
 
 #include <algorithm>
-#include <chrono>
-#include <condition_variable>
 #include <fstream>
-#include <mutex>
-#include <stdexcept>
 
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
@@ -13,7 +9,7 @@
 #include "format/atlas_writer.h"
 #include "player/camera_moves.h"
 #include "player/spans/span_model.h"
-#include "tests/support/phantom_content.h"
+#include "tests/player/window/session_desk.h"
 #include "tests/support/run_program.h"
 
 namespace splatlas {
@@ -23,74 +19,11 @@ using phantom_structure::kSphere1;
 using phantom_structure::kSphere2;
 using phantom_structure::kSpheres;
 
-constexpr PictureSize kSize{96, 64};
-constexpr std::chrono::seconds kLongest{60};
-
-/// Session with a replacement for the window's event loop.
-class Desk {
- public:
-  explicit Desk(std::shared_ptr<const Atlas> atlas, const RendererOptions& options = {.threads = 2},
-                SessionLog log = {})
-      : session_(
-            std::move(atlas), options, [this] { wake(); }, std::move(log)) {
-    session_.resize(kSize);
-  }
-
-  Session* operator->() { return &session_; }
-
-  /// Updates now and at every wake until `holds`. Throws after a timeout.
-  template <typename Holds>
-  void until(Holds holds) {
-    const auto deadline = std::chrono::steady_clock::now() + kLongest;
-    session_.update();
-    while (!holds()) {
-      std::unique_lock lock(mutex_);
-      if (!changed_.wait_until(lock, deadline, [this] { return woken_; })) {
-        throw std::runtime_error("the session does not get there");
-      }
-      woken_ = false;
-      lock.unlock();
-      session_.update();
-    }
-  }
-  /// Runs until the latest picture has final quality.
-  void until_done() {
-    until([this] { return session_.frame() && !session_.refining(); });
-  }
-
- private:
-  void wake() {
-    {
-      const std::lock_guard lock(mutex_);
-      woken_ = true;
-    }
-    changed_.notify_one();
-  }
-
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  bool woken_ = false;
-  Session session_;  // last, so that its thread ends first
-};
-
-/// Position of the centre of a ball in the view.
-ViewPoint place_of(const phantom::Ball& ball, const Camera& camera, const Display& display) {
-  const auto [i, j, k] = ball.center;
-  const auto shown = view_of(camera, kSize, display)->picture_point(Vec3{1.0 * i, 1.0 * j, 1.0 * k});
-  return {shown->x / kSize.width, shown->y / kSize.height};
-}
+constexpr PictureSize kSize = kDeskSize;
 
 bool is_black(const Frame& frame) {
   return std::all_of(frame.srgb8.begin(), frame.srgb8.end(), [](std::uint8_t byte) { return byte == 0; });
 }
-
-class SessionTest : public testing::Test {
- protected:
-  static std::shared_ptr<const Atlas> atlas() {
-    static const std::shared_ptr<const Atlas> opened = open_in_memory(phantom_content());
-    return opened;
-  }
-};
 
 TEST_F(SessionTest, ShowsEverythingFirst) {
   Desk desk(atlas());
@@ -102,80 +35,6 @@ TEST_F(SessionTest, ShowsEverythingFirst) {
   EXPECT_EQ(frame.quality, Quality::kNormal);
   EXPECT_EQ(frame.stats.volume_voxels, 2705u + 1440u + 437u + 464u);
   EXPECT_FALSE(is_black(frame));
-}
-
-/// The camera of Renderer::fit() for these structures of a selection.
-Camera fitted_to(const std::string& text, const Camera& direction, std::vector<StructureIndex> part = {}) {
-  Renderer renderer(open_in_memory(phantom_content()), {.threads = 1});
-  EXPECT_TRUE(renderer.select(selection_of(text, renderer.atlas().graph())));
-  const RenderOptions options{.size = kSize};
-  return *(part.empty() ? renderer.fit(direction, options) : renderer.fit(direction, options, part));
-}
-
-void expect_camera(const Camera& camera, const Camera& expected) {
-  EXPECT_EQ(camera.azimuth_deg, expected.azimuth_deg);
-  EXPECT_EQ(camera.elevation_deg, expected.elevation_deg);
-  EXPECT_EQ(camera.zoom, expected.zoom);
-  EXPECT_EQ(camera.center_lps_mm, expected.center_lps_mm);
-}
-
-TEST_F(SessionTest, OpensWithTheSelectionFillingTheView) {
-  Desk desk(atlas());
-  desk.until_done();
-  expect_camera(desk->camera(), fitted_to("*", {}));
-  expect_camera(desk->frame()->request.camera, desk->camera());
-  EXPECT_GT(desk->camera().zoom, 1);
-  EXPECT_EQ(desk->zoom(), 1);
-}
-
-TEST_F(SessionTest, OnlyARequestFramesAnotherSelection) {
-  Desk desk(atlas());
-  desk.until_done();
-  const Camera opened = desk->camera();
-  desk->apply_text("Sphere_2");
-  desk.until_done();
-  expect_camera(desk->camera(), opened);
-  desk->set_camera(turned(desk->camera(), 40, 10));
-  desk.until_done();
-  EXPECT_EQ(desk->camera().zoom, opened.zoom);
-  desk->frame_selection();
-  desk.until_done();
-  expect_camera(desk->camera(), fitted_to("Sphere_2", {.azimuth_deg = 40, .elevation_deg = 10}));
-  expect_camera(desk->frame()->request.camera, desk->camera());
-  desk->set_camera(zoomed(desk->camera(), 2));
-  desk.until_done();
-  EXPECT_DOUBLE_EQ(desk->zoom(), 2);
-  desk->reset_view();
-  desk.until_done();
-  expect_camera(desk->camera(), fitted_to("Sphere_2", {}));
-}
-
-TEST_F(SessionTest, FramesTheStructureAtAPoint) {
-  Desk desk(atlas());
-  desk.until_done();
-  const Camera opened = desk->camera();
-  desk->frame_at(place_of(phantom::kBalls[1], opened, desk->atlas().display()));
-  desk.until([&] { return desk->camera().zoom != opened.zoom && !desk->refining(); });
-  expect_camera(desk->camera(), fitted_to("*", {}, {kSphere2}));
-  EXPECT_FALSE(desk->current());
-  desk->frame_at({0.01, 0.01});  // the background
-  desk.until([&] { return desk->camera().zoom == opened.zoom && !desk->refining(); });
-  expect_camera(desk->camera(), opened);
-  desk->frame_structure(kSpheres);  // a group
-  desk.until_done();
-  expect_camera(desk->camera(), opened);
-}
-
-/// A camera that moves before the answer keeps its direction, and is fitted.
-TEST_F(SessionTest, AFitFollowsTheLatestDirection) {
-  Desk desk(atlas());
-  for (int n = 0; n < 20; ++n) {
-    desk->set_camera(turned(desk->camera(), 1, 0));
-    desk->frame_selection();
-    desk->update();
-  }
-  desk.until_done();
-  expect_camera(desk->camera(), fitted_to("*", {.azimuth_deg = 20}));
 }
 
 TEST_F(SessionTest, RendersNothingBeforeTheViewHasASize) {
@@ -264,6 +123,28 @@ TEST_F(SessionTest, TellsWhatIsWrongWithTypedText) {
   desk.until_done();
   EXPECT_EQ(desk->frame()->request.text, "Large:surface");
   EXPECT_EQ(desk->frame()->stats.surface_voxels, 1440u);
+}
+
+TEST_F(SessionTest, TakesTheRestAndWarnsOfHiddenTerms) {
+  Desk desk(atlas());
+  desk->apply_text("Sphere_2 + rest:surface(opacity=0.1)");
+  EXPECT_EQ(desk->status().text, "");
+  desk.until_done();
+  EXPECT_EQ(desk->editor().text(), "Sphere_2 + rest:surface(opacity=0.1)");
+  EXPECT_EQ(desk->frame()->stats.surface_voxels, 1440u);
+  desk->editor().set_opacity(kSphere2, 0.5f);  // writes other text
+  EXPECT_EQ(desk->editor().selection().structures[kSphere1].mode, DrawMode::kSurface);
+  EXPECT_EQ(desk->editor().selection().structures[kSphere2].opacity, 0.5f);
+
+  desk->apply_text("Sphere_2 + Spheres");
+  desk->update();
+  EXPECT_EQ(desk->text_error(), "");
+  EXPECT_THAT(desk->status().text,
+              testing::HasSubstr("warning: selection, column 1: \"Sphere_2\" has no effect"));
+  EXPECT_FALSE(desk->status().error);
+  desk->apply_text("Spheres");
+  desk->update();
+  EXPECT_EQ(desk->status().text, "");
 }
 
 TEST_F(SessionTest, AnEditTakesTheMessageAboutTheTextAway) {
