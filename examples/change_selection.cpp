@@ -7,7 +7,6 @@
 #include <cstdio>
 #include <string>
 
-#include <splatlas/player/camera_moves.h>
 #include <splatlas/player/render_frame.h>
 #include <splatlas/player/transfer_function.h>
 #include <splatlas/player/write_png.h>
@@ -22,14 +21,12 @@ Result<void> run(const char* path, const char* name, const std::string& prefix) 
   if (!selection) return tl::unexpected(selection.error());
   const auto found = find_structures(graph, name);
   if (!found) return tl::unexpected(found.error());
-  Selection alone{std::vector<StructureDraw>(graph.size())};
   for (const StructureIndex top : *found) {
     for (const StructureIndex s : graph.descendants(top)) {
       StructureDraw& draw = selection->structures[s];
       draw.mode = DrawMode::kVolume;
       draw.opacity = 0.5f;
       draw.volume.profile = TransferProfile::kHard;  // low and high default to the display window
-      alone.structures[s] = draw;
     }
   }
   const TransferCurve curve = transfer_curve(selection->structures[found->front()], (*atlas)->display());
@@ -39,13 +36,15 @@ Result<void> run(const char* path, const char* name, const std::string& prefix) 
   Renderer renderer(*atlas);
   if (const auto selected = renderer.select(*selection); !selected) return selected;
   RenderOptions options{.size = {640, 480}};
-  auto picture = renderer.render({}, options);
+  const auto whole = renderer.fit({}, options);
+  if (!whole) return tl::unexpected(whole.error());
+  auto picture = renderer.render(*whole, options);
   if (!picture) return tl::unexpected(picture.error());
   if (auto written = write_png(*picture, prefix + "-1.png", Rgb{0, 0, 0}); !written) return written;
 
-  const auto box = bounding_box(**atlas, alone);
-  const Camera close = box ? fitted({}, *box, options.size, (*atlas)->display()) : Camera();
-  picture = renderer.render(close, options);
+  const auto close = renderer.fit({}, options, graph.descendants(*found));
+  if (!close) return tl::unexpected(close.error());
+  picture = renderer.render(*close, options);
   if (!picture) return tl::unexpected(picture.error());
   if (auto written = write_png(*picture, prefix + "-2.png", Rgb{0, 0, 0}); !written) return written;
   if (renderer.missing().empty()) return {};

@@ -21,9 +21,12 @@ Result<void> run(const char* path, const char* text, const char* output) {
   Renderer renderer(*atlas);
   if (const auto selected = renderer.select(*selection); !selected) return selected;
 
-  // Standard views look along an axis. Camera{.azimuth_deg = 30} gives any other direction.
-  const Camera camera = Camera::of(NamedView::kLeft);
-  const auto picture = renderer.render(camera, {.size = {640, 480}, .quality = Quality::kNormal});
+  // Standard views look along an axis; Camera{.azimuth_deg = 30} gives any other direction. The selection
+  // fills the picture.
+  const RenderOptions options{.size = {640, 480}, .quality = Quality::kNormal};
+  const auto camera = renderer.fit(Camera::of(NamedView::kLeft), options);
+  if (!camera) return tl::unexpected(camera.error());
+  const auto picture = renderer.render(*camera, options);
   if (!picture) return tl::unexpected(picture.error());
 
   // Pictures are premultiplied linear RGBA; without a background, the PNG is transparent.

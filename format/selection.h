@@ -1,15 +1,21 @@
 // Selection language of the command line, scenes and the window.
 //
 //   selection := term { ("+" | "-") term }
-//   term      := NAME [":surface" | ":volume" | ":both"] [ "(" option { "," option } ")" ]
+//   term      := target [":surface" | ":volume" | ":both"] [ "(" option { "," option } ")" ]
+//   target    := NAME | "#" label | "rest"
 //   option    := "opacity=" number in (0, 1]  |  "color=" "#rrggbb"
 //              | "profile=" ("soft" | "thin" | "hard")  |  "low=" grey value  |  "high=" grey value
 //              | "curve=" point { "/" point }
 //   point     := grey value ":" opacity from 0 to 0.9999 [":" shade from 0 to 1]
 //   NAME      := id, name or path of a structure ("Brain/Cerebellum/Left")
+//   label     := whole number: value of the structure in the source label map
 //
 // In a NAME, "*" matches any characters, including "/". Unquoted names consist of letters, digits, non-ASCII
-// characters and _ . / * '. Other names are in double quotes; a double quote in them is doubled.
+// characters and _ . / * '. Other names are in double quotes; a double quote in them is doubled. So are names
+// that begin with "#", and a structure called "rest".
+//
+// "rest" stands for every structure that no other term selects or removes, wherever it stands. Where
+// structures overlap, the other terms win. It cannot be removed.
 //
 // Matching ignores the case of ASCII letters. Blanks between tokens are ignored. Terms apply from left to
 // right, each to the structures that match its NAME and to all their descendants:
@@ -65,10 +71,15 @@ struct VolumeStyle {
   friend bool operator==(const VolumeStyle& a, const VolumeStyle& b);
 };
 
+/// Kind of a term's target.
+enum class TermTarget : std::uint8_t { kName, kLabel, kRest };
+
 /// One parsed term.
 struct SelectionTerm {
   bool remove = false;
-  std::string name;
+  TermTarget target = TermTarget::kName;
+  std::string name;                ///< without quotes; "#17" of a label, "rest"
+  std::int64_t label = 0;          ///< of kLabel
   DrawMode mode = DrawMode::kOff;  ///< kOff if not given
   std::optional<float> opacity = std::nullopt;
   std::optional<Rgb> color = std::nullopt;
@@ -86,7 +97,9 @@ struct StructureDraw {
   /// profile, or that of the curve.
   std::optional<float> opacity = std::nullopt;
   Rgb color = {};
-  std::uint32_t term = 0;  ///< latest term that selected it: the later term's appearance takes precedence
+  /// Latest term that selected it: where structures overlap, the higher number takes precedence. Terms are
+  /// numbered from 0: first those for the rest, then the others, in the order of the text.
+  std::uint32_t term = 0;
   VolumeStyle volume = {};
   friend bool operator==(const StructureDraw&, const StructureDraw&) = default;
 };
@@ -121,7 +134,18 @@ struct Selection {
 [[nodiscard]] Result<std::vector<StructureIndex>> find_structures(const StructureGraph& graph,
                                                                   std::string_view name);
 
-/// Applies the terms to the graph. kNotFound, with the column of the term, if a name is unknown or ambiguous.
+/// The structure with a value in the source label map. kNotFound, with the nearest labels, if there is none,
+/// and if it is ambiguous. Cost: linear in the structures.
+[[nodiscard]] Result<StructureIndex> find_label(const StructureGraph& graph, std::int64_t label);
+
+/// The structures of a NAME or a label of the selection language, as "Left cerebrum" or #17. Quotes are
+/// optional here: text that begins neither with a quote nor with "#" is the name as it is. kUsage for a quote
+/// that is never closed, for text behind the closing one, and for "#" without a whole number.
+[[nodiscard]] Result<std::vector<StructureIndex>> find_named(const StructureGraph& graph,
+                                                             std::string_view text);
+
+/// Applies the terms to the graph. kNotFound, with the column of the term, if a name or label is unknown or
+/// ambiguous.
 /// The name "*" selects nothing in a graph without structures.
 [[nodiscard]] Result<Selection> resolve_selection(std::span<const SelectionTerm> terms,
                                                   const StructureGraph& graph);

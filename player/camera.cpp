@@ -69,7 +69,7 @@ Result<ParallelView> parallel_view(const Camera& camera, const PictureSize& size
     return fail(ErrorCode::kUsage,
                 fmt::format("camera: elevation {} must be a finite angle in degrees", camera.elevation_deg));
   }
-  if (!(camera.zoom >= 1e-6 && camera.zoom <= 1e6)) {
+  if (!(camera.zoom >= kMinCameraZoom && camera.zoom <= kMaxCameraZoom)) {
     return fail(ErrorCode::kUsage, fmt::format("camera: zoom {} must be from 1e-6 to 1e6", camera.zoom));
   }
   const Vec3 center = camera.center_lps_mm.value_or(display.center_lps_mm);

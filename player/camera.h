@@ -16,6 +16,9 @@ enum class NamedView : std::uint8_t { kAnterior, kPosterior, kLeft, kRight, kSup
 /// Projection of the volume onto the picture.
 enum class CameraProjection : std::uint8_t { kParallel, kPerspective };
 
+/// Minimum and maximum zoom of a camera.
+inline constexpr double kMinCameraZoom = 1e-6, kMaxCameraZoom = 1e6;
+
 /// Orbit camera around a centre in LPS.
 /// Azimuth 0 looks at the subject's anterior side, azimuth 90 at the left side. A positive elevation looks
 /// down from superior. Superior is up in the picture. At elevations of +-90 degrees, the up vector is the
@@ -23,7 +26,9 @@ enum class CameraProjection : std::uint8_t { kParallel, kPerspective };
 struct Camera {
   double azimuth_deg = 0;
   double elevation_deg = 0;
-  double zoom = 1;  ///< from 1e-6 to 1e6; at 1 the atlas's bounding sphere fits into the picture
+  /// From kMinCameraZoom to kMaxCameraZoom. At 1, the atlas's bounding sphere fits into the picture;
+  /// Renderer::fit() finds the zoom of a selection.
+  double zoom = 1;
   std::optional<Vec3> center_lps_mm =
       std::nullopt;  ///< middle of the picture; not set: the centre of the bounding sphere
   /// Both projections show the same part of the plane through the centre. In perspective, a larger zoom
@@ -56,7 +61,7 @@ struct ParallelView {
 };
 
 /// The orthographic view of a camera; ignores its projection. kUsage for angles that are not finite, a zoom
-/// outside [1e-6, 1e6], a centre beyond kMaxMm, and a side outside [1, kMaxPictureSide]. O(1), thread-safe;
+/// outside its limits, a centre beyond kMaxMm, and a side outside [1, kMaxPictureSide]. O(1), thread-safe;
 /// allocates memory for error messages only.
 [[nodiscard]] Result<ParallelView> parallel_view(const Camera& camera, const PictureSize& size,
                                                  const Display& display);

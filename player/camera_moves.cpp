@@ -2,14 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "player/view/fit_extents.h"
 
 namespace splatlas {
 namespace {
 
 constexpr double kDegreesPerSide = 180;
-/// Size of the box after fitted(), relative to the picture.
-constexpr double kFill = 0.96;
 
 /// Clamps `to` to the interval, extended to `from`: no move from outside goes the wrong way.
 double moved_within(double from, double to, double min, double max) {
@@ -44,10 +43,15 @@ Camera moved_by_drag(const Camera& camera, double dx, double dy, const PictureSi
   return result;
 }
 
-Camera zoomed_at(const Camera& camera, double factor, double x, double y, const PictureSize& size,
-                 const Display& display) {
+Camera zoomed(const Camera& camera, double factor) {
   Camera result = camera;
   result.zoom = moved_within(camera.zoom, camera.zoom * factor, kMinZoom, kMaxZoom);
+  return result;
+}
+
+Camera zoomed_at(const Camera& camera, double factor, double x, double y, const PictureSize& size,
+                 const Display& display) {
+  Camera result = zoomed(camera, factor);
   const auto before = parallel_view(camera, size, display);
   const auto after = parallel_view(result, size, display);
   if (!before || !after) return camera;
@@ -81,33 +85,17 @@ std::optional<LpsBox> bounding_box(const Atlas& atlas, const Selection& selectio
 }
 
 Camera fitted(const Camera& camera, const LpsBox& box, const PictureSize& size, const Display& display) {
-  const auto view = parallel_view(camera, size, display);
-  if (!view) return camera;
-  const double aspect = static_cast<double>(size.width) / size.height;
-  const bool perspective = camera.projection == CameraProjection::kPerspective;
-  const double slope = perspective ? std::tan(camera.field_of_view_deg * std::numbers::pi / 360) : 0;
-  // A corner is visible if the half height in the plane of the centre is at least |up| - depth * slope. The
-  // width has the same condition.
-  double half_height_mm = 0;
+  const auto frame = FitFrame::of(camera, size, display);
+  if (!frame) return camera;
+  const FitPlanes planes = frame->planes(Affine());
+  FitExtents extents;
   for (unsigned corner = 0; corner < 8; ++corner) {
-    double right = 0, up = 0, depth = 0;
-    for (std::size_t a = 0; a < 3; ++a) {
-      const double half_side = 0.5 * (box.last[a] - box.first[a]);
-      const double from_middle = (corner >> a & 1u) != 0 ? half_side : -half_side;
-      right += from_middle * view->right_lps[a];
-      up += from_middle * view->up_lps[a];
-      depth += from_middle * view->forward_lps[a];
-    }
-    const double needed = std::max(std::abs(up), std::abs(right) / aspect) / kFill - depth * slope;
-    half_height_mm = std::max(half_height_mm, needed);
+    Vec3 point{};
+    for (std::size_t a = 0; a < 3; ++a) point[a] = (corner >> a & 1u) != 0 ? box.last[a] : box.first[a];
+    extents.include(planes, point);
   }
-  Camera result = camera;
-  const double shown_mm = 0.5 * size.height * view->mm_per_pixel;
-  result.zoom =
-      std::clamp(half_height_mm > 0 ? camera.zoom * shown_mm / half_height_mm : kMaxZoom, kMinZoom, kMaxZoom);
-  Vec3 middle{};
-  for (std::size_t a = 0; a < 3; ++a) middle[a] = 0.5 * (box.first[a] + box.last[a]);
-  result.center_lps_mm = middle;
+  Camera result = frame->fitted(extents);
+  result.zoom = std::clamp(result.zoom, kMinZoom, kMaxZoom);
   return result;
 }
 

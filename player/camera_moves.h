@@ -12,7 +12,7 @@ namespace splatlas {
 
 /// Range of zooms that zoomed_at() and fitted() return.
 inline constexpr double kMinZoom = 0.1;
-inline constexpr double kMaxZoom = 60;
+inline constexpr double kMaxZoom = 1000;
 
 /// Orbits by angles in degrees. Wraps the azimuth to (-180, 180] and clamps the elevation to [-90, 90]. A
 /// camera beyond these limits can only return towards them.
@@ -26,9 +26,11 @@ inline constexpr double kMaxZoom = 60;
 [[nodiscard]] Camera moved_by_drag(const Camera& camera, double dx, double dy, const PictureSize& size,
                                    const Display& display);
 
-/// Zooms by a factor about picture coordinates (x, y): their point in the plane of the centre is fixed.
-/// Clamps the zoom to [kMinZoom, kMaxZoom]; a zoom beyond these limits can only return towards them. Returns
-/// the camera unchanged if parallel_view() fails.
+/// Zooms by a factor about the centre. Clamps the zoom to [kMinZoom, kMaxZoom]; a zoom beyond these limits
+/// can only return towards them.
+[[nodiscard]] Camera zoomed(const Camera& camera, double factor);
+/// The same about picture coordinates (x, y): their point in the plane of the centre is fixed. Returns the
+/// camera unchanged if parallel_view() fails.
 [[nodiscard]] Camera zoomed_at(const Camera& camera, double factor, double x, double y,
                                const PictureSize& size, const Display& display);
 
@@ -41,8 +43,9 @@ struct LpsBox {
 /// selection, and O(1) per selected class; reads nothing from the file.
 [[nodiscard]] std::optional<LpsBox> bounding_box(const Atlas& atlas, const Selection& selection);
 
-/// Centres the box and zooms until it fits into the picture; keeps the view direction. Clamps the zoom to
-/// [kMinZoom, kMaxZoom]. Returns the camera unchanged if parallel_view() fails.
+/// The camera whose picture the box fills, but for margins of 2 %; keeps the view direction. Renderer::fit()
+/// fits the selected voxels themselves. Clamps the zoom to [kMinZoom, kMaxZoom]. Returns the camera unchanged
+/// if view_of() fails.
 [[nodiscard]] Camera fitted(const Camera& camera, const LpsBox& box, const PictureSize& size,
                             const Display& display);
 

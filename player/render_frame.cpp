@@ -13,6 +13,7 @@
 #include "format/system/thread_pool.h"
 #include "player/frame/decoded_selection.h"
 #include "player/frame/drawn_selection.h"
+#include "player/frame/fit_selection.h"
 #include "player/frame/pick_structure.h"
 #include "player/frame/ray_frame.h"
 #include "player/frame/sheet_frame.h"
@@ -44,6 +45,11 @@ Result<Shear> shear_of(const ParallelView& view, const Grid& grid, const RenderO
                           "xyz"[static_cast<std::size_t>(shear.principal)]));
 }
 
+/// True for pictures by ray casting, false for shear-warp factorisation.
+bool is_by_rays(const View& view, const RenderOptions& options) {
+  return view.eye_mm || options.classification == Classification::kAfter;
+}
+
 }  // namespace
 
 struct Renderer::Impl {
@@ -72,6 +78,7 @@ struct Renderer::Impl {
     drawn.select(selection, bytes);
     decoded.forget_missing();
     stats = {};
+    fit_decode_ms = 0;
     draw(std::move(plan));
     stats.select_ms = watch.lap().wall_ms;
     return {};
@@ -102,18 +109,41 @@ struct Renderer::Impl {
   [[nodiscard]] Result<void> render(const Camera& camera, const RenderOptions& options,
                                     const RenderOverrides& overrides, TaskControl& task, Picture& picture) {
     SPLATLAS_ASSIGN_OR_RETURN(const View view, view_of(camera, options.size, atlas->display()));
+    SPLATLAS_RETURN_IF_ERROR(reserve_memory(options));
+    const FrameCall call{view, options, overrides, task};
+    return is_by_rays(view, options) ? render_rays(call, picture) : render_sheets(call, picture);
+  }
+
+  /// Frees memory for a picture, or refuses the picture.
+  [[nodiscard]] Result<void> reserve_memory(const RenderOptions& options) {
     const std::uint64_t bytes = frame_bytes(options), reserved = drawn.max_span_bytes();
     spans.make_room(max_memory_bytes - std::min(reserved + bytes, max_memory_bytes));
-    if (bytes > max_memory_bytes - reserved) {
-      return fail(ErrorCode::kLimit,
-                  fmt::format("{}: a picture of {}x{} pixels takes {} MiB, and the selection's volumes up to "
-                              "{} MiB; {} MiB are allowed. Take a smaller size",
-                              atlas->name(), options.size.width, options.size.height, bytes >> 20,
-                              reserved >> 20, max_memory_bytes >> 20));
-    }
-    const bool by_rays = view.eye_mm || options.classification == Classification::kAfter;
-    const FrameCall call{view, options, overrides, task};
-    return by_rays ? render_rays(call, picture) : render_sheets(call, picture);
+    if (bytes <= max_memory_bytes - reserved) return {};
+    return fail(ErrorCode::kLimit,
+                fmt::format("{}: a picture of {}x{} pixels takes {} MiB, and the selection's volumes up to "
+                            "{} MiB; {} MiB are allowed. Take a smaller size",
+                            atlas->name(), options.size.width, options.size.height, bytes >> 20,
+                            reserved >> 20, max_memory_bytes >> 20));
+  }
+
+  /// Fits a camera to the selection, or to its part in some structures.
+  [[nodiscard]] Result<Camera> fit(const Camera& camera, const RenderOptions& options,
+                                   std::optional<std::span<const StructureIndex>> structures) {
+    SPLATLAS_ASSIGN_OR_RETURN(const FitFrame frame, FitFrame::of(camera, options.size, atlas->display()));
+    SPLATLAS_RETURN_IF_ERROR(reserve_memory(options));
+
+    // Decode the data of the picture
+    Stopwatch watch;
+    const Axis axis =
+        is_by_rays(frame.view(), options) ? Axis::kZ : factorise(frame.view().plane, atlas->grid()).principal;
+    SPLATLAS_RETURN_IF_ERROR(decode(axis, options));
+    fit_decode_ms += watch.lap().wall_ms;
+
+    const DrawPlan part = structures ? part_of(drawn.plan(), *structures, *atlas) : drawn.plan();
+    const FitExtents extents =
+        extents_of(part, *atlas, decoded.cache(), axis, frame.planes(index_to_lps_mm(atlas->grid())), pool);
+    stats.select_ms += watch.lap().wall_ms;
+    return extents.empty() ? frame.whole() : frame.fitted(extents);
   }
 
   /// Renders by shear-warp factorisation: parallel projection, pre-classification.
@@ -126,7 +156,7 @@ struct Renderer::Impl {
     task.begin_stage(kDecoded);
     Stopwatch watch;
     SPLATLAS_RETURN_IF_ERROR(decode(shear.principal, options));
-    stats.decode_ms = watch.lap().wall_ms;
+    stats.decode_ms = std::exchange(fit_decode_ms, 0) + watch.lap().wall_ms;
 
     // Merge runs to spans, and light them
     task.begin_stage(kPrepared, 2);
@@ -158,7 +188,7 @@ struct Renderer::Impl {
     task.begin_stage(kDecoded);
     Stopwatch watch;
     SPLATLAS_RETURN_IF_ERROR(decode(Axis::kZ, options));
-    stats.decode_ms = watch.lap().wall_ms;
+    stats.decode_ms = std::exchange(fit_decode_ms, 0) + watch.lap().wall_ms;
 
     // Build the ray volume, and light it
     task.begin_stage(kPrepared, 4);
@@ -258,7 +288,8 @@ struct Renderer::Impl {
   }
 
   /// The result. Errors other than kUsage, which are about options, name the atlas.
-  [[nodiscard]] Result<void> named(Result<void> result) const {
+  template <typename Value>
+  [[nodiscard]] Result<Value> named(Result<Value> result) const {
     if (result || result.error().code == ErrorCode::kUsage) return result;
     Error& error = result.error();
     if (!error.message.starts_with(atlas->name() + ": "))
@@ -281,6 +312,7 @@ struct Renderer::Impl {
   std::optional<ShownFrame> shown;
   bool has_shown_fragments = false;  // false: an unfinished frame has replaced them
   RenderStats stats;
+  double fit_decode_ms = 0;  // of calls of fit() since the latest frame
 };
 
 Renderer::Renderer(std::shared_ptr<const Atlas> atlas, const RendererOptions& options)
@@ -304,6 +336,15 @@ Result<void> Renderer::select(const Selection& selection) {
     return impl_->named(impl_->select(selection));
   } catch (const std::bad_alloc&) {
     impl_->draw_nothing();
+    return impl_->out_of_memory();
+  }
+}
+
+Result<Camera> Renderer::fit(const Camera& camera, const RenderOptions& options,
+                             std::optional<std::span<const StructureIndex>> structures) {
+  try {
+    return impl_->named(impl_->fit(camera, options, structures));
+  } catch (const std::bad_alloc&) {
     return impl_->out_of_memory();
   }
 }

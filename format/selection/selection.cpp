@@ -1,6 +1,7 @@
 #include "format/selection.h"
 
 #include <algorithm>
+#include <numeric>
 
 #include "format/selection/selection_terms.h"
 #include "format/system/result_macros.h"
@@ -87,18 +88,66 @@ void apply_term(const SelectionTerm& term, std::uint32_t number, std::span<const
   }
 }
 
+std::vector<std::size_t> application_order(std::span<const SelectionTerm> terms) {
+  std::vector<std::size_t> order(terms.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::stable_partition(order, [&](std::size_t n) { return terms[n].target == TermTarget::kRest; });
+  return order;
+}
+
+Result<std::vector<StructureIndex>> find_target(const StructureGraph& graph, const SelectionTerm& term) {
+  if (term.target == TermTarget::kRest) return std::vector<StructureIndex>();
+  if (term.target == TermTarget::kName) {
+    if (term.name == "*" && graph.size() == 0) return std::vector<StructureIndex>();
+    return find_structures(graph, term.name);
+  }
+  SPLATLAS_ASSIGN_OR_RETURN(const StructureIndex labelled, find_label(graph, term.label));
+  return std::vector{labelled};
+}
+
+Result<void> for_each_term(
+    std::span<const SelectionTerm> terms, const StructureGraph& graph,
+    const std::function<void(const SelectionTerm&, std::uint32_t, std::span<const StructureIndex>)>& take) {
+  const auto structures_of = [&](const SelectionTerm& term) -> Result<std::vector<StructureIndex>> {
+    const auto found = find_target(graph, term);
+    if (found) return graph.descendants(*found);
+    return fail(found.error().code, "selection, column {}: {}", term.column + 1, found.error().message);
+  };
+  const std::vector<std::size_t> order = application_order(terms);
+
+  // Find the rest, if it is needed: what no term names
+  std::vector<StructureIndex> rest;
+  if (!order.empty() && terms[order.front()].target == TermTarget::kRest) {
+    std::vector<bool> named(graph.size());
+    for (const SelectionTerm& term : terms) {
+      SPLATLAS_ASSIGN_OR_RETURN(const std::vector<StructureIndex> structures, structures_of(term));
+      for (const StructureIndex s : structures) named[s] = true;
+    }
+    for (StructureIndex s = 0; s < graph.size(); ++s) {
+      if (!named[s]) rest.push_back(s);
+    }
+  }
+
+  for (std::uint32_t number = 0; number < order.size(); ++number) {
+    const SelectionTerm& term = terms[order[number]];
+    if (term.target == TermTarget::kRest) {
+      take(term, number, rest);
+      continue;
+    }
+    SPLATLAS_ASSIGN_OR_RETURN(const std::vector<StructureIndex> structures, structures_of(term));
+    take(term, number, structures);
+  }
+  return {};
+}
+
 Result<Selection> resolve_selection(std::span<const SelectionTerm> terms, const StructureGraph& graph) {
   Selection selection;
   selection.structures.resize(graph.size());
-  for (std::uint32_t number = 0; number < terms.size(); ++number) {
-    const SelectionTerm& term = terms[number];
-    if (term.name == "*" && graph.size() == 0) continue;
-    const auto named = find_structures(graph, term.name);
-    if (!named) {
-      return fail(named.error().code, "selection, column {}: {}", term.column + 1, named.error().message);
-    }
-    apply_term(term, number, graph.descendants(*named), graph, selection);
-  }
+  SPLATLAS_RETURN_IF_ERROR(for_each_term(
+      terms, graph,
+      [&](const SelectionTerm& term, std::uint32_t number, std::span<const StructureIndex> structures) {
+        apply_term(term, number, structures, graph, selection);
+      }));
   return selection;
 }
 

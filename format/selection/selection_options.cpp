@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -19,10 +18,8 @@ tl::unexpected<OptionFault> fault(std::string what, std::size_t offset = 0) {
 /// Parses text that is exactly one finite number.
 template <typename Number>
 std::optional<Number> number_of(std::string_view text) {
-  Number number = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(number)) return std::nullopt;
-  return number;
+  const auto number = parse_number<Number>(text);
+  return number && std::isfinite(*number) ? number : std::nullopt;
 }
 
 OptionResult read_opacity(std::string_view value, SelectionTerm& term) {
@@ -151,11 +148,21 @@ std::span<const SelectionOption> selection_options() {
   return kOptions;
 }
 
-const SelectionOption* find_option(std::string_view name) {
-  const auto found = std::find_if(kOptions.begin(), kOptions.end(), [&](const SelectionOption& option) {
-    return equal_ignoring_case(name, option.name);
-  });
-  return found == kOptions.end() ? nullptr : &*found;
+const SelectionOption* find_option(std::string_view name, std::span<const SelectionOption> options) {
+  const auto found = std::ranges::find_if(
+      options, [&](const SelectionOption& option) { return equal_ignoring_case(name, option.name); });
+  return found == options.end() ? nullptr : &*found;
+}
+
+std::string write_options(const SelectionTerm& term, std::span<const SelectionOption> options) {
+  std::string text;
+  for (const SelectionOption& option : options) {
+    if (!option.is_given(term)) continue;
+    if (!text.empty()) text += ',';
+    text += option.name;
+    if (!option.is_flag) text += '=' + option.write(term);
+  }
+  return text;
 }
 
 }  // namespace splatlas

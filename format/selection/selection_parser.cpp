@@ -17,7 +17,7 @@ bool is_blank(char c) {
 /// One function per rule of the grammar in selection.h.
 class Parser {
  public:
-  explicit Parser(std::string_view text) : text_(text) {}
+  Parser(std::string_view text, std::span<const SelectionOption> options) : text_(text), options_(options) {}
 
   Result<std::vector<SelectionTerm>> selection() {
     std::vector<SelectionTerm> terms;
@@ -37,13 +37,26 @@ class Parser {
     }
   }
 
+  /// A quoted name or a label, and nothing behind it.
+  Result<SelectionTerm> lone_target() {
+    SelectionTerm result;
+    SPLATLAS_RETURN_IF_ERROR(target(result));
+    skip_blanks();
+    if (!at_end()) return fault("expected nothing behind the name");
+    return result;
+  }
+
  private:
   Result<SelectionTerm> term(bool remove) {
     SelectionTerm result;
     result.remove = remove;
     skip_blanks();
     result.column = at_;
-    SPLATLAS_ASSIGN_OR_RETURN(result.name, next_is('"') ? quoted_name() : plain_name());
+    SPLATLAS_RETURN_IF_ERROR(target(result));
+    if (remove && result.target == TermTarget::kRest) {
+      return fault_at(result.column,
+                      "the rest cannot be removed; leave it out, or quote a structure called \"rest\"");
+    }
     if (skip(':')) {
       SPLATLAS_ASSIGN_OR_RETURN(result.mode, mode());
     }
@@ -56,11 +69,31 @@ class Parser {
     return result;
   }
 
-  Result<std::string> plain_name() {
-    const std::size_t start = at_;
-    while (!at_end() && is_name_character(text_[at_])) ++at_;
-    if (at_ > start) return std::string(text_.substr(start, at_ - start));
-    return fault("expected the name of a structure");
+  Result<void> target(SelectionTerm& term) {
+    if (next_is('#')) return label(term);
+    if (next_is('"')) {
+      SPLATLAS_ASSIGN_OR_RETURN(term.name, quoted_name());
+      return {};
+    }
+    term.name = word();
+    if (term.name.empty()) return fault("expected the name of a structure");
+    if (is_rest(term.name)) term.target = TermTarget::kRest;
+    return {};
+  }
+
+  Result<void> label(SelectionTerm& term) {
+    const std::size_t start = at_++;
+    if (next_is('-')) ++at_;
+    (void)word();
+    term.name = text_.substr(start, at_ - start);
+    const auto number = parse_number<std::int64_t>(std::string_view(term.name).substr(1));
+    if (!number) {
+      return fault_at(start, fmt::format("{} is not a label: write # and a whole number, or quote the name",
+                                         in_quotes(term.name)));
+    }
+    term.target = TermTarget::kLabel;
+    term.label = *number;
+    return {};
   }
 
   Result<std::string> quoted_name() {
@@ -104,7 +137,7 @@ class Parser {
     skip_blanks();
     const std::size_t start = at_;
     const std::string_view key = word();
-    const SelectionOption* const option = find_option(key);
+    const SelectionOption* const option = find_option(key, options_);
     if (option == nullptr) {
       return fault_at(
           start,
@@ -113,10 +146,13 @@ class Parser {
               "write opacity=0.4, color=#ff8800, profile=thin, low=40, high=160 or curve=40:0/160:0.3"));
     }
     if (option->is_given(term)) return fault_at(start, fmt::format("{} is given twice", option->name));
-    if (!skip('=')) return fault(fmt::format("expected \"=\" after {}", option->name));
+    if (skip('=') == option->is_flag) {
+      if (option->is_flag) return fault(fmt::format("{} takes no value", option->name));
+      return fault(fmt::format("expected \"=\" after {}", option->name));
+    }
     skip_blanks();
     const std::size_t value_start = at_;
-    while (!at_end() && !is_blank(text_[at_]) && !next_is(',') && !next_is(')')) ++at_;
+    while (!option->is_flag && !at_end() && !is_blank(text_[at_]) && !next_is(',') && !next_is(')')) ++at_;
     const OptionResult read = option->read(text_.substr(value_start, at_ - value_start), term);
     if (!read) return fault_at(value_start + read.error().offset, read.error().what);
     return {};
@@ -148,6 +184,7 @@ class Parser {
   }
 
   std::string_view text_;
+  std::span<const SelectionOption> options_;
   std::size_t at_ = 0;
 };
 
@@ -159,8 +196,23 @@ bool is_name_character(char c) {
   return alphanumeric || beyond_ascii || std::string_view("_./*'").find(c) != std::string_view::npos;
 }
 
+bool is_rest(std::string_view name) {
+  return equal_ignoring_case(name, "rest");
+}
+
 Result<std::vector<SelectionTerm>> parse_selection(std::string_view text) {
-  return Parser(text).selection();
+  return parse_selection(text, selection_options());
+}
+
+Result<std::vector<SelectionTerm>> parse_selection(std::string_view text,
+                                                   std::span<const SelectionOption> options) {
+  return Parser(text, options).selection();
+}
+
+Result<std::vector<StructureIndex>> find_named(const StructureGraph& graph, std::string_view text) {
+  if (!text.starts_with('"') && !text.starts_with('#')) return find_structures(graph, text);
+  SPLATLAS_ASSIGN_OR_RETURN(const SelectionTerm term, Parser(text, {}).lone_target());
+  return find_target(graph, term);
 }
 
 }  // namespace splatlas

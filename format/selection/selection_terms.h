@@ -2,7 +2,10 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
+#include <string_view>
+#include <vector>
 
 #include "format/selection.h"
 
@@ -12,7 +15,24 @@ namespace splatlas {
 void apply_term(const SelectionTerm& term, std::uint32_t number, std::span<const StructureIndex> structures,
                 const StructureGraph& graph, Selection& selection);
 
+/// Numbers of the terms in the order of application: those for the rest first. StructureDraw::term is an
+/// index into it.
+[[nodiscard]] std::vector<std::size_t> application_order(std::span<const SelectionTerm> terms);
+
+/// The structures of a term's name or label, without descendants. Empty for the rest, and for the name "*" in
+/// a graph without structures. kNotFound if there are none.
+[[nodiscard]] Result<std::vector<StructureIndex>> find_target(const StructureGraph& graph,
+                                                              const SelectionTerm& term);
+
+/// Calls take(term, its index in application_order(), its structures with descendants) for the terms in the
+/// order of application. kNotFound, with the column of the term, if there are no such structures.
+[[nodiscard]] Result<void> for_each_term(
+    std::span<const SelectionTerm> terms, const StructureGraph& graph,
+    const std::function<void(const SelectionTerm&, std::uint32_t, std::span<const StructureIndex>)>& take);
+
 /// True if unquoted names may contain the character.
 [[nodiscard]] bool is_name_character(char c);
+/// True for the word that stands for the rest unless it is quoted.
+[[nodiscard]] bool is_rest(std::string_view name);
 
 }  // namespace splatlas

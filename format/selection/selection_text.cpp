@@ -11,16 +11,13 @@ namespace splatlas {
 namespace {
 
 std::string text_of(const SelectionTerm& term) {
-  const bool plain = std::all_of(term.name.begin(), term.name.end(), is_name_character);
+  const bool plain =
+      std::all_of(term.name.begin(), term.name.end(), is_name_character) && !is_rest(term.name);
   std::string text = plain ? term.name : '"' + term.name + '"';  // ids and "*" contain no quotes
   const bool is_default_mode = term.mode == (term.remove ? DrawMode::kOff : DrawMode::kVolume);
   if (!is_default_mode) text += fmt::format(":{}", name_of(term.mode));
-  std::vector<std::string> options;
-  for (const SelectionOption& option : selection_options()) {
-    if (option.is_given(term)) options.push_back(fmt::format("{}={}", option.name, option.write(term)));
-  }
-  if (!options.empty()) text += fmt::format("({})", fmt::join(options, ","));
-  return text;
+  const std::string options = write_options(term, selection_options());
+  return options.empty() ? text : fmt::format("{}({})", text, options);
 }
 
 bool have_same_appearance(const StructureDraw& a, const StructureDraw& b) {

@@ -1,8 +1,10 @@
-// Case-insensitive ASCII comparison, detection of characters that are unsafe to display, and escaping of text
-// for messages.
+// Case-insensitive ASCII comparison, parsing of numbers, detection of characters that are unsafe to display,
+// and escaping of text for messages.
 #pragma once
 
+#include <charconv>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -22,6 +24,15 @@ namespace splatlas {
 
 /// Compares, ignoring the case of ASCII letters.
 [[nodiscard]] bool equal_ignoring_case(std::string_view a, std::string_view b);
+
+/// Parses text that is exactly one number, possibly infinite or not a number; no blanks, no "+".
+template <typename Number>
+[[nodiscard]] std::optional<Number> parse_number(std::string_view text) {
+  Number number{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return number;
+}
 
 /// C0 and C1 control characters and delete, except line feed and tab. Terminals interpret both sets.
 [[nodiscard]] constexpr bool is_control(std::uint32_t c) {

@@ -1,6 +1,5 @@
 #include "player/commands/render_command.h"
 
-#include <charconv>
 #include <chrono>
 #include <cmath>
 #include <cstddef>
@@ -12,6 +11,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "format/system/ascii_text.h"
 #include "format/system/check_writable.h"
 #include "format/system/command_options.h"
 #include "format/system/json_text.h"
@@ -28,6 +28,7 @@ constexpr const char* kFooter =
     "  NAME[:surface|:volume|:both][(opacity=0.4,color=#ff8800)]\n"
     "NAME is a structure's id, name or path (Brain/Cerebellum/Left), '*' stands for any characters;\n"
     "quote it where it holds a blank, a sign or a colon. A node selects all its descendants.\n"
+    "#17 in place of NAME is the structure with label 17; rest is everything that no other term names.\n"
     "The default mode is volume; 'both' is a volume with its surface.\n"
     "Options; the last four are for volumes only:\n"
     "  opacity=0.4            of a surface, or of one voxel of a volume: above 0, at most 1\n"
@@ -42,19 +43,10 @@ constexpr const char* kFooter =
 
 using Background = std::optional<Rgb>;
 
-/// Parses the whole text as a number. CLI11's conversion skips blanks and accepts hexadecimal digits.
-template <typename Number>
-std::optional<Number> whole_number(std::string_view text) {
-  Number number{};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return number;
-}
-
 std::optional<PictureSize> parse_size(std::string_view text) {
   const std::size_t x = std::min(text.find('x'), text.size());
-  const auto width = whole_number<int>(text.substr(0, x));
-  const auto height = whole_number<int>(text.substr(std::min(x + 1, text.size())));
+  const auto width = parse_number<int>(text.substr(0, x));
+  const auto height = parse_number<int>(text.substr(std::min(x + 1, text.size())));
   const auto is_side = [](std::optional<int> side) { return side && *side >= 1 && *side <= kMaxPictureSide; };
   if (!is_side(width) || !is_side(height)) return std::nullopt;
   return PictureSize{*width, *height};
@@ -71,13 +63,13 @@ std::optional<std::filesystem::path> parse_file_name(std::string_view text) {
 }
 
 std::optional<double> parse_angle(std::string_view text) {
-  const auto degrees = whole_number<double>(text);
+  const auto degrees = parse_number<double>(text);
   return degrees && std::isfinite(*degrees) ? degrees : std::nullopt;
 }
 
 std::optional<double> parse_zoom(std::string_view text) {
-  const auto zoom = whole_number<double>(text);
-  return zoom && *zoom >= 1e-6 && *zoom <= 1e6 ? zoom : std::nullopt;
+  const auto zoom = parse_number<double>(text);
+  return zoom && *zoom >= kMinCameraZoom && *zoom <= kMaxCameraZoom ? zoom : std::nullopt;
 }
 
 /// Adds camera options. CLI11 assigns values in this order, so single settings override --view.
@@ -95,12 +87,12 @@ void add_camera(CLI::App& command, Camera& camera) {
   add_parsed(command, "--elevation", camera.elevation_deg, parse_angle, kFiniteAngle,
              "degrees above the horizon; overrides --view");
   add_parsed(command, "--zoom", camera.zoom, parse_zoom, "must be a number from 1e-6 to 1e6",
-             "1 fits the atlas into the picture")
+             "1 fits the selection or the grid into the picture; larger is nearer")
       ->default_str(fmt::to_string(camera.zoom));
   add_choice(command, "--projection", camera.projection,
              {{"parallel", CameraProjection::kParallel}, {"perspective", CameraProjection::kPerspective}});
   const CLI::Option* field_of_view =
-      add_parsed(command, "--field-of-view", camera.field_of_view_deg, whole_number<double>,
+      add_parsed(command, "--field-of-view", camera.field_of_view_deg, parse_number<double>,
                  "must be a number of degrees",
                  "vertical field of view in degrees, with --projection perspective")
           ->default_str(fmt::to_string(camera.field_of_view_deg));
@@ -179,6 +171,22 @@ Result<void> write_outputs(const RenderRequest& request, std::span<const std::by
   return commit_files(files);
 }
 
+/// A line for each hidden term, up to a limit.
+Result<std::vector<std::string>> selection_warnings(std::span<const SelectionTerm> terms,
+                                                    const Atlas& atlas) {
+  constexpr std::size_t kMaxWarnings = 5;
+  SPLATLAS_ASSIGN_OR_RETURN(const std::vector<HiddenTerm> hidden,
+                            find_hidden_terms(terms, atlas.graph(), atlas.tree()));
+  std::vector<std::string> warnings;
+  for (const HiddenTerm& term : std::span(hidden).first(std::min(hidden.size(), kMaxWarnings))) {
+    warnings.push_back(term.message);
+  }
+  if (hidden.size() > kMaxWarnings) {
+    warnings.push_back(fmt::format("selection: {} more terms are hidden", hidden.size() - kMaxWarnings));
+  }
+  return warnings;
+}
+
 }  // namespace
 
 CLI::App* add_render(CLI::App& app, RenderRequest& request) {
@@ -194,6 +202,7 @@ CLI::App* add_render(CLI::App& app, RenderRequest& request) {
       "WIDTHxHEIGHT in pixels")
       ->default_str(fmt::format("{}x{}", request.options.size.width, request.options.size.height));
   add_camera(*command, request.camera);
+  add_framing(*command, request.framing);
   add_quality(*command, request.options);
   const CLI::Option* background =
       add_parsed(*command, "--background", request.background, parse_background,
@@ -212,7 +221,7 @@ CLI::App* add_render(CLI::App& app, RenderRequest& request) {
   return command;
 }
 
-Result<std::vector<std::string>> run_render(const RenderRequest& request) {
+Result<RenderReport> run_render(const RenderRequest& request) {
   SPLATLAS_RETURN_IF_ERROR(PictureEncoder::check_ending(request.output));
   SPLATLAS_RETURN_IF_ERROR(
       check_outputs(std::vector{request.output, request.stats}, std::vector{request.atlas}));
@@ -231,19 +240,23 @@ Result<std::vector<std::string>> run_render(const RenderRequest& request) {
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   const Result<Selection> selection = resolve_selection(terms, atlas->graph());
   if (!selection) return fail(selection.error().code, "{}: {}", atlas->name(), selection.error().message);
+  RenderReport report;
+  SPLATLAS_ASSIGN_OR_RETURN(report.warnings, selection_warnings(terms, *atlas));
 
   PictureEncoder encoder(request.output);
   Renderer renderer(std::move(atlas), {.threads = request.threads});
   SPLATLAS_RETURN_IF_ERROR(renderer.select(*selection));
+  SPLATLAS_ASSIGN_OR_RETURN(
+      const Camera camera,
+      framed(request.camera, request.framing, request.options, renderer).map_error(with_option));
   SPLATLAS_ASSIGN_OR_RETURN(const Picture picture,
-                            renderer.render(request.camera, request.options).map_error(with_option));
+                            renderer.render(camera, request.options).map_error(with_option));
   SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::byte> bytes, encoder.encode(picture, request.background));
   SPLATLAS_RETURN_IF_ERROR(write_outputs(request, bytes, json_text(stats_json(renderer, open_ms))));
-  std::vector<std::string> missing;
   for (const MissingPart& part : renderer.missing()) {
-    missing.push_back(describe(part, renderer.atlas().graph()));
+    report.missing.push_back(describe(part, renderer.atlas().graph()));
   }
-  return missing;
+  return report;
 }
 
 }  // namespace splatlas

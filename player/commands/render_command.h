@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "format/result.h"
+#include "player/commands/framing.h"
 #include "player/render_frame.h"
 
 namespace CLI {
@@ -19,7 +20,8 @@ namespace splatlas {
 struct RenderRequest {
   std::filesystem::path atlas, output;
   std::string select = "*";
-  Camera camera;
+  Camera camera;  ///< its zoom multiplies that of the framing
+  Framing framing;
   RenderOptions options;
   unsigned threads = 0;
   AtlasOptions atlas_options;
@@ -31,8 +33,14 @@ struct RenderRequest {
 /// CLI::ValidationError with option, value and remedy.
 CLI::App* add_render(CLI::App& app, RenderRequest& request);
 
+/// Lines to report after a picture.
+struct RenderReport {
+  std::vector<std::string> warnings;
+  std::vector<std::string> missing;  ///< parts of a damaged atlas
+};
+
 /// Renders a picture and writes it, with the statistics if requested: both files or none. Renders the intact
-/// parts of a damaged atlas, and returns a line for each missing part. Errors name the file.
-[[nodiscard]] Result<std::vector<std::string>> run_render(const RenderRequest& request);
+/// parts of a damaged atlas. Errors name the file.
+[[nodiscard]] Result<RenderReport> run_render(const RenderRequest& request);
 
 }  // namespace splatlas

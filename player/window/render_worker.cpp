@@ -57,8 +57,8 @@ void RenderWorker::show(FrameRequest request) {
   });
 }
 
-void RenderWorker::pick(double u, double v, bool click) {
-  change([&] { (click ? click_ : pointer_) = Point{u, v, click}; });
+void RenderWorker::pick(double u, double v, PickPurpose purpose) {
+  change([&] { picks_[static_cast<std::size_t>(purpose)] = Point{u, v}; });
 }
 
 void RenderWorker::save(FrameRequest request, std::filesystem::path path) {
@@ -78,9 +78,17 @@ void RenderWorker::push_event(WorkerEvent event) {
   wake_();
 }
 
+/// The most urgent pending pick: clicks before the pointer.
+std::optional<PickPurpose> RenderWorker::next_pick() const {
+  for (const auto purpose : {PickPurpose::kClick, PickPurpose::kFraming, PickPurpose::kPointer}) {
+    if (picks_[static_cast<std::size_t>(purpose)]) return purpose;
+  }
+  return std::nullopt;
+}
+
 /// Waits for a request or for the time to refine. Returns false when the thread must end.
 bool RenderWorker::wait_for_work(std::unique_lock<std::mutex>& lock) {
-  const auto urgent = [this] { return stop_ || request_ || click_ || pointer_ || !saves_.empty(); };
+  const auto urgent = [this] { return stop_ || request_ || next_pick() || !saves_.empty(); };
   while (!urgent()) {
     if (!unrefined_) {
       changed_.wait(lock);
@@ -98,10 +106,10 @@ void RenderWorker::run() {
       const FrameRequest request = *std::exchange(request_, std::nullopt);
       lock.unlock();
       render_frame(request, Quality::kDraft);
-    } else if (click_ || pointer_) {
-      const Point point = *std::exchange(click_ ? click_ : pointer_, std::nullopt);
+    } else if (const auto purpose = next_pick()) {
+      const Point point = *std::exchange(picks_[static_cast<std::size_t>(*purpose)], std::nullopt);
       lock.unlock();
-      answer(point);
+      answer(point, *purpose);
     } else if (!saves_.empty()) {
       const SaveJob job = std::move(saves_.front());
       saves_.erase(saves_.begin());
@@ -143,7 +151,28 @@ std::string RenderWorker::missing_text() const {
   return missing.size() == 1 ? first : fmt::format("{} (and {} more)", first, missing.size() - 1);
 }
 
-void RenderWorker::render_frame(const FrameRequest& request, Quality quality) {
+/// Replaces the target of a request by the camera that fits it. Reports either the camera or a failure.
+bool RenderWorker::fit_camera(FrameRequest& request) {
+  const auto fit = [&]() -> Result<Camera> {
+    if (auto selected = select(request); !selected) return tl::unexpected(std::move(selected).error());
+    const RenderOptions options{.size = request.size};
+    if (!request.fit->structure) return renderer_.fit(request.camera, options);
+    const auto part = renderer_.atlas().graph().descendants(*request.fit->structure);
+    return renderer_.fit(request.camera, options, part);
+  };
+  Result<Camera> camera = guarded(fit);
+  if (!camera) {
+    push_event(FrameFailed{request, std::move(camera).error()});
+    return false;
+  }
+  push_event(CameraFitted{request, *camera});
+  request.camera = *camera;
+  request.fit.reset();
+  return true;
+}
+
+void RenderWorker::render_frame(FrameRequest request, Quality quality) {
+  if (request.fit && !fit_camera(request)) return;
   const auto make_frame = [&]() -> Result<std::shared_ptr<const Frame>> {
     const Result<Picture> picture = render(request, quality);
     if (!picture) return tl::unexpected(picture.error());
@@ -161,16 +190,16 @@ void RenderWorker::render_frame(const FrameRequest& request, Quality quality) {
     if (ms > kSlowDraftMs) draft_divisor_ = std::min(draft_divisor_ + 1, kMaxDraftDivisor);
     if (ms < kQuickDraftMs) draft_divisor_ = std::max(draft_divisor_ - 1, 1);
     const std::lock_guard lock(mutex_);
-    if (!request_) unrefined_ = request;
+    if (!request_) unrefined_ = std::move(request);
   }
   push_event(FrameDone{*std::move(frame), !draft});
 }
 
-void RenderWorker::answer(const Point& point) {
+void RenderWorker::answer(const Point& point, PickPurpose purpose) {
   const auto pick = guarded([&]() -> Result<std::optional<Pick>> {
     return renderer_.pick(point.u * rendered_.width, point.v * rendered_.height);
   });
-  Picked picked{.click = point.click, .structure = std::nullopt};
+  Picked picked{.purpose = purpose, .structure = std::nullopt};
   if (pick && *pick) picked.structure = (*pick)->structure;
   push_event(picked);
 }

@@ -1,6 +1,7 @@
 // Render thread of the window.
 #pragma once
 
+#include <array>
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
@@ -18,6 +19,12 @@
 
 namespace splatlas {
 
+/// Content to which a camera is fitted: the selection, or its part below a structure.
+struct FitTarget {
+  std::optional<StructureIndex> structure = std::nullopt;
+  friend bool operator==(const FitTarget&, const FitTarget&) = default;
+};
+
 /// Request for a frame.
 struct FrameRequest {
   std::shared_ptr<const Selection> selection;
@@ -25,6 +32,7 @@ struct FrameRequest {
   Camera camera;
   PictureSize size;
   DepthCue depth_cue = DepthCue::kNone;
+  std::optional<FitTarget> fit = std::nullopt;  ///< fits the camera first; frames have no target
 };
 
 /// Rendered frame, ready for display.
@@ -37,8 +45,16 @@ struct Frame {
   std::string missing;  ///< one line about missing parts of a damaged file; empty for intact files
 };
 
+/// Purpose of a pick.
+enum class PickPurpose : std::uint8_t { kPointer, kClick, kFraming };
+
 // Events of the worker, in chronological order.
 
+/// The camera of a request is fitted to its target. The frame follows.
+struct CameraFitted {
+  FrameRequest request;  ///< as requested
+  Camera camera;
+};
 /// A frame is finished.
 struct FrameDone {
   std::shared_ptr<const Frame> frame;
@@ -51,7 +67,7 @@ struct FrameFailed {
 };
 /// Answer to RenderWorker::pick().
 struct Picked {
-  bool click = false;                       ///< `click` of the question
+  PickPurpose purpose = PickPurpose::kPointer;
   std::optional<StructureIndex> structure;  ///< none: background
 };
 /// A picture was saved, or could not be saved.
@@ -59,11 +75,11 @@ struct PictureSaved {
   std::filesystem::path path;
   Result<void> result;
 };
-using WorkerEvent = std::variant<FrameDone, FrameFailed, Picked, PictureSaved>;
+using WorkerEvent = std::variant<CameraFitted, FrameDone, FrameFailed, Picked, PictureSaved>;
 
 /// Owns the renderer, which only the worker's thread uses.
-/// Order of work: draft of the latest request; picks; pictures to save; the picture in normal quality once
-/// requests have paused. The resolution of drafts adapts to their render time. Call all members on the
+/// Order of work: fit and draft of the latest request; picks; pictures to save; the picture in normal quality
+/// once requests have paused. The resolution of drafts adapts to their render time. Call all members on the
 /// window's thread.
 class RenderWorker {
  public:
@@ -78,8 +94,8 @@ class RenderWorker {
   /// Requests a frame. Replaces a pending request.
   void show(FrameRequest request);
   /// Requests the structure at (u, v), as fractions of the width and height of the latest picture. Replaces a
-  /// pending request with the same `click`.
-  void pick(double u, double v, bool click);
+  /// pending request with the same purpose.
+  void pick(double u, double v, PickPurpose purpose);
   /// Renders `request` in high quality over a black background, and writes a PNG file.
   void save(FrameRequest request, std::filesystem::path path);
 
@@ -89,8 +105,8 @@ class RenderWorker {
  private:
   struct Point {
     double u = 0, v = 0;
-    bool click = false;
   };
+  static constexpr std::size_t kPurposes = 3;
   struct SaveJob {
     FrameRequest request;
     std::filesystem::path path;
@@ -101,12 +117,14 @@ class RenderWorker {
   void change(const Change& apply);
   void run();
   [[nodiscard]] bool wait_for_work(std::unique_lock<std::mutex>& lock);
+  [[nodiscard]] std::optional<PickPurpose> next_pick() const;
   void push_event(WorkerEvent event);
   [[nodiscard]] Result<void> select(const FrameRequest& request);
   [[nodiscard]] Result<Picture> render(const FrameRequest& request, Quality quality);
   [[nodiscard]] std::string missing_text() const;
-  void render_frame(const FrameRequest& request, Quality quality);
-  void answer(const Point& point);
+  [[nodiscard]] bool fit_camera(FrameRequest& request);
+  void render_frame(FrameRequest request, Quality quality);
+  void answer(const Point& point, PickPurpose purpose);
   void save_picture(const SaveJob& job);
 
   // Shared by both threads; guarded by mutex_.
@@ -116,7 +134,7 @@ class RenderWorker {
   std::optional<FrameRequest> request_;    // pending
   std::optional<FrameRequest> unrefined_;  // shown as a draft
   Clock::time_point refine_at_;
-  std::optional<Point> pointer_, click_;  // pending
+  std::array<std::optional<Point>, kPurposes> picks_;  // pending, by purpose
   std::vector<SaveJob> saves_;
   std::vector<WorkerEvent> events_;
 

@@ -6,7 +6,7 @@ namespace splatlas {
 namespace {
 
 constexpr const char* kHints =
-    "drag: turn     shift+drag: move     wheel: zoom     A P L R S I: views     Home: reset     /: search    "
+    "drag: turn     shift+drag: move     wheel: zoom     A P L R S I: views     F: fit     /: search    "
     " "
     "Ctrl+Z: undo     F1: all keys";
 

@@ -50,7 +50,7 @@ bool same_camera(const Camera& a, const Camera& b) {
 
 /// True if both requests yield the same frame.
 bool same_frame(const FrameRequest& a, const FrameRequest& b) {
-  return a.selection == b.selection && a.size == b.size && a.depth_cue == b.depth_cue &&
+  return a.selection == b.selection && a.size == b.size && a.depth_cue == b.depth_cue && a.fit == b.fit &&
          same_camera(a.camera, b.camera);
 }
 
@@ -93,9 +93,13 @@ void Session::notice_selection() {
   log_.write("selection", {{"text", editor_.text()}});
 }
 
+FrameRequest Session::wanted_frame() const {
+  return {selection_, editor_.text(), camera_, size_, depth_cue_, framing_};
+}
+
 void Session::request_frame() {
   if (size_.width < 1 || size_.height < 1) return;
-  FrameRequest wanted{selection_, editor_.text(), camera_, size_, depth_cue_};
+  FrameRequest wanted = wanted_frame();
   if (requested_ && same_frame(*requested_, wanted)) return;
   requested_ = std::move(wanted);
   refining_ = true;
@@ -113,7 +117,16 @@ void Session::request_pick() {
   }
   if (asked_ == point_) return;
   asked_ = point_;
-  worker_.pick(point_->u, point_->v, false);
+  worker_.pick(point_->u, point_->v, PickPurpose::kPointer);
+}
+
+/// Takes over the camera, unless a newer request is about to replace this one.
+void Session::handle(const CameraFitted& fitted) {
+  if (!same_frame(wanted_frame(), fitted.request)) return;
+  camera_ = fitted.camera;
+  fitted_zoom_ = camera_.zoom;
+  framing_.reset();
+  requested_ = wanted_frame();  // the worker goes on with it
 }
 
 void Session::handle(const FrameDone& done) {
@@ -142,9 +155,11 @@ void Session::handle(const FrameFailed& failed) {
 }
 
 void Session::handle(const Picked& picked) {
-  if (picked.click) {
-    picked.structure ? choose(*picked.structure, true) : choose_nothing();
-    return;
+  switch (picked.purpose) {
+    case PickPurpose::kClick: return picked.structure ? choose(*picked.structure, true) : choose_nothing();
+    case PickPurpose::kFraming:
+      return picked.structure ? frame_structure(*picked.structure) : frame_selection();
+    case PickPurpose::kPointer: break;
   }
   if (!point_ || hovered_ == picked.structure) return;
   hovered_ = picked.structure;
@@ -177,9 +192,17 @@ void Session::choose_nothing() {
 
 void Session::apply_text(std::string_view text) {
   const Result<void> applied = editor_.set_text(text);
+  if (applied) warn_of_hidden_terms(text);
   const std::string error = applied ? std::string() : applied.error().message;
   if (error != text_error_ && !error.empty()) log_.write("text_error", {{"text", error}});
   text_error_ = error;
+}
+
+void Session::warn_of_hidden_terms(std::string_view text) {
+  const auto terms = parse_selection(text);
+  if (!terms) return;
+  const auto hidden = find_hidden_terms(*terms, graph(), atlas_->tree());
+  if (hidden && !hidden->empty()) set_status({"warning: " + hidden->front().message, false});
 }
 
 void Session::save_picture() {

@@ -41,7 +41,8 @@ struct ViewPoint {
 
 /// One open atlas with camera, selection and render worker.
 /// Panels change the editor, the rows and the camera; update() then exchanges requests and events with the
-/// worker. Starts with all structures as volumes in an anterior view. For the window's thread only.
+/// worker. Starts with all structures as volumes in an anterior view that they fill. For the window's thread
+/// only.
 class Session {
  public:
   /// Calls `wake` on another thread when update() has events to process.
@@ -63,8 +64,22 @@ class Session {
   void set_camera(const Camera& camera) { camera_ = camera; }
   /// Turns the camera to a standard view; keeps zoom and centre.
   void turn_to(NamedView view);
-  /// Returns to the initial view: anterior, with the whole atlas in the picture.
-  void reset_view() { camera_ = {}; }
+  /// Fits the view to the selection, in the present direction. The camera changes once the worker has
+  /// answered; changes of the camera before that keep their direction only. Later changes of the selection do
+  /// not move it.
+  void frame_selection() { framing_ = FitTarget(); }
+  /// The same for a structure with its descendants.
+  void frame_structure(StructureIndex s) { framing_ = FitTarget{s}; }
+  /// The same for the structure at this point, or for the selection at the background, after an answer of the
+  /// worker.
+  void frame_at(ViewPoint point) { worker_.pick(point.u, point.v, PickPurpose::kFraming); }
+  /// Returns to an anterior view, fitted to the selection.
+  void reset_view() {
+    camera_ = {};
+    frame_selection();
+  }
+  /// Zoom relative to the latest fit.
+  [[nodiscard]] double zoom() const { return camera_.zoom / fitted_zoom_; }
   [[nodiscard]] DepthCue depth_cue() const { return depth_cue_; }
   void set_depth_cue(DepthCue cue) { depth_cue_ = cue; }
   /// Sets the size of the view in pixels. Rendering starts after the first call.
@@ -81,7 +96,7 @@ class Session {
   void point_at(std::optional<ViewPoint> point) { point_ = point; }
   [[nodiscard]] std::optional<StructureIndex> hovered() const { return hovered_; }
   /// Makes the structure at this point current, or none for the background, after an answer of the worker.
-  void click_at(ViewPoint point) { worker_.pick(point.u, point.v, true); }
+  void click_at(ViewPoint point) { worker_.pick(point.u, point.v, PickPurpose::kClick); }
   /// Makes a structure current. `reveal`: also shows it in the tree.
   void choose(StructureIndex s, bool reveal);
   void choose_nothing();
@@ -91,7 +106,7 @@ class Session {
 
   // Text, files and messages.
 
-  /// Sets the selection from text. Invalid text sets text_error().
+  /// Sets the selection from text. Invalid text sets text_error(); a hidden term sets status().
   void apply_text(std::string_view text);
   [[nodiscard]] const std::string& text_error() const { return text_error_; }
   /// Renders the view in high quality and writes it as the next unused "NAME-1.png". The folder is that of
@@ -102,13 +117,16 @@ class Session {
   void set_status(Status status);
 
  private:
+  void handle(const CameraFitted& fitted);
   void handle(const FrameDone& done);
   void handle(const FrameFailed& failed);
   void handle(const Picked& picked);
   void handle(const PictureSaved& saved);
+  [[nodiscard]] FrameRequest wanted_frame() const;
   void request_frame();
   void request_pick();
   void notice_selection();
+  void warn_of_hidden_terms(std::string_view text);
 
   std::shared_ptr<const Atlas> atlas_;
   SessionLog log_;
@@ -119,6 +137,8 @@ class Session {
   std::uint64_t version_ = 0;
   std::string good_text_;  // text of the latest selection that could be rendered
   Camera camera_;
+  std::optional<FitTarget> framing_ = FitTarget();  // pending fit
+  double fitted_zoom_ = 1;
   PictureSize size_;
   DepthCue depth_cue_ = DepthCue::kNone;
   std::optional<FrameRequest> requested_;

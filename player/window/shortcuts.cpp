@@ -22,9 +22,11 @@ struct Help {
 };
 constexpr std::array kHelp{
     Help{"Drag", "turn"},
-    Help{"Shift + drag, right drag", "move"},
+    Help{"Shift, middle or right drag", "move"},
     Help{"Wheel, + and -", "zoom"},
-    Help{"Double click, Home", "first view"},
+    Help{"F", "fit: the selection fills the picture"},
+    Help{"Double click", "fit to a structure, or to the selection"},
+    Help{"Home", "first view"},
     Help{"Arrow keys", "turn by 15 degrees"},
     Help{"A  P  L  R  S  I", "anterior, posterior, left, right, superior, inferior"},
     Help{"D", "depth: darker behind what is near, and in furrows"},
@@ -46,9 +48,7 @@ void turn(Session& session, double azimuth_deg, double elevation_deg) {
 }
 
 void zoom(Session& session, double factor) {
-  Camera camera = session.camera();
-  camera.zoom = std::clamp(camera.zoom * factor, kMinZoom, kMaxZoom);
-  session.set_camera(camera);
+  session.set_camera(zoomed(session.camera(), factor));
 }
 
 bool camera_key(SDL_Keycode key, Session& session) {
@@ -68,6 +68,7 @@ bool camera_key(SDL_Keycode key, Session& session) {
     case SDLK_MINUS:
     case SDLK_KP_MINUS: zoom(session, 1 / kKeyZoom); return true;
     case SDLK_HOME: session.reset_view(); return true;
+    case SDLK_f: session.frame_selection(); return true;
     default: return false;
   }
 }

@@ -82,8 +82,9 @@ void mouse(Session& session, const ViewArea& area) {
   session.point_at(hovered && !dragging ? std::optional(point) : std::nullopt);
   if (!hovered) return;
   if (ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left)) {
-    session.reset_view();
-  } else if (ImGui::IsMouseReleased(ImGuiMouseButton_Left) && !has_travelled(ImGuiMouseButton_Left)) {
+    session.frame_at(point);
+  } else if (ImGui::IsMouseReleased(ImGuiMouseButton_Left) && !has_travelled(ImGuiMouseButton_Left) &&
+             io.MouseClickedLastCount[ImGuiMouseButton_Left] == 1) {
     session.click_at(point);
   }
   if (io.MouseWheel != 0) {
@@ -146,7 +147,7 @@ void draw_view_state(const Session& session, const ViewArea& area) {
   std::string text =
       view ? fmt::format("{} view", title_of(*view))
            : fmt::format("azimuth {:.0f}, elevation {:.0f}", camera.azimuth_deg, camera.elevation_deg);
-  if (std::abs(camera.zoom - 1) > 0.005) text += fmt::format(", zoom {:.2f}", camera.zoom);
+  if (std::abs(session.zoom() - 1) > 0.005) text += fmt::format(", zoom {:.2f}", session.zoom());
   draw_over_picture({area.min.x + gap, area.min.y + gap}, kDimColor, text);
   if (!session.refining()) return;
   const std::string mark = session.frame() ? "refining ..." : "reading ...";
@@ -198,7 +199,10 @@ void view_toolbar(Session& session, UiState& ui, LayoutLog& layout) {
   }
   ImGui::SameLine(0, ImGui::GetFontSize());
   if (layout.button("Reset", "reset")) session.reset_view();
-  if (ImGui::IsItemHovered()) ImGui::SetTooltip("first view, everything in the picture (Home)");
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("first view, fitted to the selection (Home)");
+  ImGui::SameLine();
+  if (layout.button("Fit", "fit")) session.frame_selection();
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("the selection fills the picture (F)");
   ImGui::SameLine();
   bool edges = session.depth_cue() == DepthCue::kEdges;
   if (ImGui::Checkbox("Depth", &edges)) session.set_depth_cue(edges ? DepthCue::kEdges : DepthCue::kNone);

@@ -21,7 +21,7 @@ class ViewPanel {
 
   /// Fills the current ImGui window except for `height_below` at its bottom.
   /// Drag: orbit. Drag with Shift, or with the right or middle button: pan. Wheel: zoom at the pointer.
-  /// Click: make the structure current. Double click: reset the view.
+  /// Click: make the structure current. Double click: fit the view to the structure, or to the selection.
   void draw(Session& session, UiState& ui, const Fonts& fonts, LayoutLog& layout, float height_below);
 
  private:

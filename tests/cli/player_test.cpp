@@ -133,6 +133,36 @@ TEST_F(PlayerRender, AnEmptySelectionGivesTheBackground) {
   }
 }
 
+TEST_F(PlayerRender, SelectsLabelsAndTheRest) {
+  const auto picture_of = [&](const std::string& text) {
+    render({"-o", "l.exr", "--fit", "grid", "--select", text});
+    return bytes("l.exr");
+  };
+  EXPECT_TRUE(picture_of("#2:surface") == picture_of("\"Sphere 2\":surface"));
+  EXPECT_FALSE(picture_of("#1:surface") == picture_of("#2:surface"));
+  EXPECT_TRUE(picture_of("#1 + rest:surface(opacity=0.1)") ==
+              picture_of("\"Sphere 2\":surface(opacity=0.1) + \"Sphere 1\""));
+}
+
+TEST_F(PlayerRender, WarnsOfHiddenTerms) {
+  const auto warnings_of = [&](const std::string& text) {
+    const ProgramResult result =
+        run({"render", phantom_atlas(), "-o", "w.png", "--size", "8x8", "--select", text});
+    EXPECT_EQ(result.status, 0);
+    return result.err;
+  };
+  EXPECT_EQ(
+      warnings_of("\"Sphere 1\" + Phantom"),
+      "warning: selection, column 1: \"Sphere 1\" has no effect: the later \"Phantom\" selects the same in "
+      "the same way; write \"Sphere 1\" after it, with a mode, opacity or color of its own\n");
+  EXPECT_EQ(warnings_of("Phantom + \"Sphere 1\":surface"), "");
+  std::string many = "#1";
+  for (int n = 0; n < 8; ++n) many += " + #1";
+  const std::string lines = warnings_of(many);
+  EXPECT_EQ(std::count(lines.begin(), lines.end(), '\n'), 6);
+  EXPECT_THAT(lines, HasSubstr("warning: selection: 3 more terms are hidden\n"));
+}
+
 TEST_F(PlayerRender, ReadsOnlyWhatIsSelected) {
   const auto stats_of = [&](const std::string& select) {
     render({"-o", "x.png", "--select", select, "--stats", "s.json"}, "512x512");

@@ -44,6 +44,8 @@ TEST(PlayerUsage, NamesTheFileAtFault) {
 
 TEST(PlayerUsage, NamesTheOptionAtFault) {
   EXPECT_THAT(refused_picture({"--select", "Spere"}, 4), HasSubstr("Sphere 1"));
+  EXPECT_THAT(refused_picture({"--select", "#3"}, 4), HasSubstr("the nearest: #2 (\"Sphere 2\"), #1"));
+  EXPECT_THAT(refused_picture({"--select", "#x"}), HasSubstr("not a label"));
   const std::vector<std::pair<Words, std::string>> cases{
       {{"--select", "\"Sphere 1\":solid"}, "solid"},
       {{"--select", "\"Sphere 1\"(opacity=2)"}, "opacity"},

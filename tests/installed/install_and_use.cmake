@@ -137,7 +137,7 @@ if(EXISTS ${examples}/viewer)
   if(NOT clicked MATCHES "^Sphere_[12]$")
     message(FATAL_ERROR "the viewer tells of a click: ${clicked}")
   endif()
-  expect_picture(${WORK_DIR}/viewer.png ${phantom} --azimuth -45 --select "*:surface - ${clicked}")
+  expect_picture(${WORK_DIR}/viewer.png ${phantom} --fit grid --azimuth -45 --select "*:surface - ${clicked}")
 
   run(${viewer} ${empty} ${script} ${WORK_DIR}/viewer.png)
   expect_picture(${WORK_DIR}/viewer.png ${empty})
@@ -147,7 +147,7 @@ if(EXISTS ${examples}/viewer)
   if(NOT status EQUAL 1 OR NOT message MATCHES "\"Sphere_1\": its surface is missing")
     message(FATAL_ERROR "the viewer of a damaged atlas: exit status ${status}, message: ${message}")
   endif()
-  expect_picture(${WORK_DIR}/viewer.png ${phantom} --select Sphere_2:surface)
+  expect_picture(${WORK_DIR}/viewer.png ${phantom} --fit grid --select Sphere_2:surface)
 
   # Wrong usage, and files that cannot be read or written.
   file(WRITE ${WORK_DIR}/wrong "drag 10 0\nclick here\n")

@@ -56,11 +56,13 @@ TEST(CameraMovesTest, ZoomHasLimits) {
 /// Cameras outside the limits of the moves are valid. A move brings them back or keeps them.
 TEST(CameraMovesTest, NoMoveGoesTheWrongWay) {
   const auto zoomed = [](double zoom, double factor) {
-    return zoomed_at(Camera{.zoom = zoom}, factor, 320, 240, kSize, kDisplay).zoom;
+    const double at_middle = zoomed_at(Camera{.zoom = zoom}, factor, 320, 240, kSize, kDisplay).zoom;
+    EXPECT_EQ(splatlas::zoomed(Camera{.zoom = zoom}, factor).zoom, at_middle);
+    return at_middle;
   };
-  EXPECT_EQ(zoomed(1000, 1.2), 1000);
-  EXPECT_EQ(zoomed(1000, 0.5), 500);
-  EXPECT_EQ(zoomed(1000, 1e-9), kMinZoom);
+  EXPECT_EQ(zoomed(5000, 1.2), 5000);
+  EXPECT_EQ(zoomed(5000, 0.5), 2500);
+  EXPECT_EQ(zoomed(5000, 1e-9), kMinZoom);
   EXPECT_EQ(zoomed(1e-3, 0.5), 1e-3);
   EXPECT_EQ(zoomed(1e-3, 2), 2e-3);
   EXPECT_EQ(zoomed(1e-3, 1e9), kMaxZoom);

@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 
 #include "format/selection.h"
-#include "player/camera.h"
+#include "player/render_frame.h"
 #include "tests/phantom/two_spheres.h"
 #include "tests/support/phantom_content.h"
 #include "tests/window/player_session.h"
@@ -18,14 +18,37 @@ using Json = PlayerSession::Json;
 using phantom_structure::kSphere1;
 using phantom_structure::kSphere2;
 
-/// Position of the centre of a ball in the window, from anterior at zoom 1.
+/// Size of the view.
+PictureSize size_of(const Json& layout) {
+  const Json& view = layout.at("view");
+  return {view.at(2).get<int>(), view.at(3).get<int>()};
+}
+
+/// A camera as in the log.
+Json json_of(const Camera& camera) {
+  return {{"azimuth", camera.azimuth_deg},
+          {"elevation", camera.elevation_deg},
+          {"zoom", camera.zoom},
+          {"center_lps_mm", camera.center_lps_mm.value()}};
+}
+
+/// The fit of a selection from anterior.
+Camera fitted_to(const std::string& text, const PictureSize& size) {
+  static const auto atlas = open_in_memory(phantom_content());
+  Renderer renderer(atlas, {.threads = 1});
+  EXPECT_TRUE(renderer.select(selection_of(text, atlas->graph())));
+  return *renderer.fit({}, {.size = size});
+}
+
+/// Position of the centre of a ball in the window, from anterior, with everything fitted into the view.
 std::array<int, 2> place_of(const phantom::Ball& ball, const Json& layout) {
   static const Display display = phantom_content().display;
   const Json& view = layout.at("view");
-  const double x = view.at(0), y = view.at(1), width = view.at(2), height = view.at(3);
-  const PictureSize size{static_cast<int>(width), static_cast<int>(height)};
+  const double x = view.at(0), y = view.at(1);
+  const PictureSize size = size_of(layout);
   const auto [i, j, k] = ball.center;
-  const auto shown = view_of(Camera{}, size, display)->picture_point({1.0 * i, 1.0 * j, 1.0 * k});
+  const Camera camera = fitted_to("*", size);
+  const auto shown = view_of(camera, size, display)->picture_point({1.0 * i, 1.0 * j, 1.0 * k});
   return {static_cast<int>(std::lround(x + shown->x)), static_cast<int>(std::lround(y + shown->y))};
 }
 
@@ -60,10 +83,10 @@ class WindowTest : public testing::Test {
 };
 
 TEST_F(WindowTest, NamesWhatIsUnderThePointerAndShowsItsColor) {
+  point(sphere(2));  // the pointer may begin at Sphere 1
+  EXPECT_EQ(player_.wait_for("pointer").at("name"), "Sphere_2");
   point(sphere(1));
   EXPECT_EQ(player_.wait_for("pointer").at("structure"), "Sphere_1");
-  point(sphere(2));
-  EXPECT_EQ(player_.wait_for("pointer").at("name"), "Sphere_2");
   const auto [red1, green1, blue1] = screen().pixel(sphere(1)[0], sphere(1)[1]);
   EXPECT_GT(red1, blue1 + 60);  // an orange ball
   const auto [red2, green2, blue2] = screen().pixel(sphere(2)[0], sphere(2)[1]);
@@ -107,6 +130,7 @@ TEST_F(WindowTest, TurnsZoomsAndComesBack) {
             [&](const Json& picture) { return picture.at("final") == true && holds(picture.at("camera")); })
         .at("camera");
   };
+  const double zoom = fitted_to("*", size_of(player_.layout())).zoom;
   const auto [x, y] = sphere(1);
   screen().drag({x, y}, {x - 120, y + 60});
   wait_for_camera([](const Json& camera) { return camera.at("azimuth") > 5 && camera.at("elevation") > 2; });
@@ -116,13 +140,40 @@ TEST_F(WindowTest, TurnsZoomsAndComesBack) {
       [](const Json& camera) { return camera.at("azimuth") == 90 && camera.at("elevation") == 0; });
 
   screen().xdotool({"click", "4"});  // the wheel
-  wait_for_camera([](const Json& camera) { return camera.at("zoom") > 1.1; });
+  wait_for_camera([&](const Json& camera) { return camera.at("zoom") > 1.1 * zoom; });
   click(player_.place("/Superior"));
-  wait_for_camera([](const Json& camera) { return camera.at("elevation") == 90 && camera.at("zoom") > 1.1; });
+  wait_for_camera(
+      [&](const Json& camera) { return camera.at("elevation") == 90 && camera.at("zoom") > 1.1 * zoom; });
   screen().key("Home");
-  wait_for_camera([](const Json& camera) {
-    return camera == Json{{"azimuth", 0}, {"elevation", 0}, {"zoom", 1}};
-  });
+  const Json opened = json_of(fitted_to("*", size_of(player_.layout())));
+  wait_for_camera([&](const Json& camera) { return camera == opened; });
+}
+
+/// A change of the selection does not move the camera; the button, F and double clicks do.
+TEST_F(WindowTest, FitsTheViewToWhatIsAskedFor) {
+  const PictureSize size = size_of(player_.layout());
+  const auto wait_for_fit = [&](const std::string& text) {
+    const Json camera = json_of(fitted_to(text, size));
+    player_.wait_for("picture",
+                     [&](const Json& e) { return e.at("final") == true && e.at("camera") == camera; });
+  };
+  enter_selection("Sphere_2");
+  player_.wait_for("selection");
+  EXPECT_EQ(player_.wait_for_final_picture().at("camera"), json_of(fitted_to("*", size)));
+  click(player_.place("/fit"));
+  wait_for_fit("Sphere_2");
+  screen().key("ctrl+z");
+  EXPECT_EQ(player_.wait_for("selection").at("text"), "*");
+  EXPECT_EQ(player_.wait_for_final_picture().at("camera"), json_of(fitted_to("Sphere_2", size)));
+
+  const Json& view = player_.layout().at("view");
+  click({view.at(0).get<int>() + 4, view.at(1).get<int>() + 4});
+  screen().key("f");
+  wait_for_fit("*");
+  point(sphere(2));
+  screen().xdotool({"click", "--repeat", "2", "--delay", "50", "1"});
+  EXPECT_EQ(player_.wait_for("current").at("structure"), "Sphere_2");
+  wait_for_fit("Sphere_2");
 }
 
 TEST_F(WindowTest, TheSelectionTextIsReadAndWritten) {

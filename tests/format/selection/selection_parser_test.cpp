@@ -4,6 +4,7 @@
 #include <rapidcheck/gtest.h>
 
 #include "format/selection.h"
+#include "format/selection/selection_options.h"
 #include "tests/support/fails_with.h"
 #include "tests/support/message_of.h"
 
@@ -59,6 +60,65 @@ TEST(ParseSelection, ReadsNames) {
   EXPECT_EQ(only_term("\"back\\slash\"").name, "back\\slash");
   EXPECT_EQ(only_term("*").name, "*");
   EXPECT_EQ(only_term("37").name, "37");
+}
+
+TEST(ParseSelection, ReadsLabels) {
+  for (const auto& [text, label] : {std::pair<const char*, std::int64_t>{"#17", 17},
+                                    {" #0 ", 0},
+                                    {"#-5", -5},
+                                    {"#007", 7},
+                                    {"#9223372036854775807", INT64_MAX},
+                                    {"#-9223372036854775808", INT64_MIN}}) {
+    const SelectionTerm term = only_term(text);
+    EXPECT_EQ(term.target, TermTarget::kLabel) << text;
+    EXPECT_EQ(term.label, label);
+  }
+  const auto terms = parse_selection("#1:surface(opacity=0.5)+#2 - #3:volume-#4");
+  ASSERT_TRUE(terms);
+  ASSERT_EQ(terms->size(), 4u);
+  EXPECT_EQ((*terms)[0].name, "#1");
+  EXPECT_EQ((*terms)[0].mode, DrawMode::kSurface);
+  EXPECT_EQ((*terms)[0].opacity, 0.5f);
+  EXPECT_EQ((*terms)[2].label, 3);
+  EXPECT_TRUE((*terms)[3].remove);
+  EXPECT_EQ(only_term("\"#17\"").target, TermTarget::kName);
+  EXPECT_EQ(only_term("\"#17\"").name, "#17");
+}
+
+TEST(ParseSelection, ReadsTheRest) {
+  for (const char* text : {"rest", "REST", " Rest:surface(opacity=0.1)"}) {
+    EXPECT_EQ(only_term(text).target, TermTarget::kRest) << text;
+  }
+  for (const char* text : {"\"rest\"", "rest*", "Brain/rest", "rests", "\"Rest of brain\"", "a.rest"}) {
+    EXPECT_EQ(only_term(text).target, TermTarget::kName) << text;
+  }
+}
+
+/// A table with a flag, which the language does not have yet.
+TEST(ParseSelection, TakesFlags) {
+  const auto is_given = [](const SelectionTerm& term) { return term.opacity == 0.25f; };
+  const auto read = [](std::string_view value, SelectionTerm& term) -> OptionResult {
+    EXPECT_EQ(value, "");
+    term.opacity = 0.25f;
+    return {};
+  };
+  std::vector<SelectionOption> options(selection_options().begin(), selection_options().end());
+  options.erase(options.begin());  // opacity stands for the flag
+  options.push_back({"faint", is_given, read, nullptr, true});
+  for (const char* text : {"A(faint)", "A( FAINT )", "A(faint,color=#ff8800)", "A(color=#ff8800 , faint )"}) {
+    const auto terms = parse_selection(text, options);
+    ASSERT_TRUE(terms) << text << terms.error().message;
+    EXPECT_EQ((*terms)[0].opacity, 0.25f);
+    const std::string written = write_options((*terms)[0], options);
+    EXPECT_EQ(written, (*terms)[0].color ? "color=#ff8800,faint" : "faint");
+  }
+  for (const auto& [text, message] : {std::pair{"A(faint=1)", "column 9: faint takes no value"},
+                                      {"A(faint=)", "faint takes no value"},
+                                      {"A(faint,faint)", "column 9: faint is given twice"},
+                                      {"A(color)", "expected \"=\" after color"},
+                                      {"A(faint 1)", "column 9: expected \",\" or \")\""}}) {
+    EXPECT_THAT(parse_selection(text, options), FailsWith(ErrorCode::kUsage, HasSubstr(message)));
+  }
 }
 
 TEST(ParseSelection, ReadsModesAndOptionsInAnyCaseAndSpacing) {
@@ -186,6 +246,17 @@ TEST(ParseSelection, NamesTheColumnOfEachFault) {
       {"A - B(low=5)", 6, "a removal takes no options"},
       {"A - B(opacity=0.5)", 6, "a removal takes no options"},
       {"A)", 2, "expected \"+\" or \"-\""},
+      {"#", 1, "\"#\" is not a label: write # and a whole number"},
+      {"A + #x", 5, "\"#x\" is not a label"},
+      {"#1.5", 1, "\"#1.5\" is not a label"},
+      {"#1a", 1, "\"#1a\" is not a label"},
+      {"#-", 1, "\"#-\" is not a label"},
+      {"#--1", 1, "\"#-\" is not a label"},
+      {"# 1", 1, "\"#\" is not a label"},
+      {"#9223372036854775808", 1, "is not a label"},
+      {"#1#2", 3, "expected \"+\" or \"-\""},
+      {"A - rest", 5, "the rest cannot be removed"},
+      {"A - Rest:surface", 5, "the rest cannot be removed"},
   };
   for (const auto& [text, column, part] : faults) {
     const std::string at = fmt::format(", column {}: ", column);

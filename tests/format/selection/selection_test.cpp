@@ -54,6 +54,60 @@ TEST(Selection, NothingSelectsNothing) {
   EXPECT_FALSE(select("A", brain())->empty());
 }
 
+/// The rest is all that no other term names, before or behind it, as a removal, too.
+TEST(Selection, TheRestIsWhatNoOtherTermNames) {
+  const StructureDraw faint{kSurface, 0.1f, kRed, 0};
+  auto rest = selected("A:both + rest:surface(opacity=0.1)");
+  EXPECT_EQ(rest[0], faint);
+  EXPECT_EQ(rest[3], draw(kBoth, kGreen, 1));  // numbered after the rest
+  EXPECT_EQ(rest[4], draw(kSurface, kBlue, 0, 0.1f));
+  EXPECT_EQ(rest, selected("rest:surface(opacity=0.1) + A:both"));
+  EXPECT_EQ(rest[5], draw(kSurface, kBlue, 0, 0.1f));
+
+  const auto removed = selected("A + rest - Lobe:surface");
+  EXPECT_EQ(removed[0].mode, kVolume);
+  EXPECT_EQ(removed[4], kOff);  // below Lobe
+  EXPECT_EQ(removed[5], kOff);
+  EXPECT_EQ(selected("rest"), selected("*"));
+  EXPECT_EQ(selected("* + rest:surface")[3].mode, kVolume);
+  const auto twice = selected("rest:surface + Left + rest(opacity=0.5)");
+  EXPECT_EQ(twice[4], draw(kBoth, kBlue, 1, 0.5f));
+  EXPECT_EQ(twice[3], draw(kVolume, kGreen, 2));
+}
+
+TEST(Selection, AStructureMayBeCalledRest) {
+  const StructureGraph graph = *StructureGraph::build(
+      {{.id = "rest", .name = "Rest"}, {.id = "h", .name = "#17"}, {.id = "o", .label = 17}});
+  const auto is_on = [&](const char* text) {
+    std::vector<bool> on;
+    const Selection selection = *select(text, graph);
+    for (const StructureDraw& draw : selection.structures) on.push_back(draw.mode != DrawMode::kOff);
+    return on;
+  };
+  EXPECT_EQ(is_on("\"rest\""), (std::vector{true, false, false}));
+  EXPECT_EQ(is_on("h + rest"), (std::vector{true, true, true}));
+  EXPECT_EQ(is_on("\"#17\""), (std::vector{false, true, false}));
+  EXPECT_EQ(is_on("#17"), (std::vector{false, false, true}));
+  EXPECT_EQ(is_on("rest - #17"), (std::vector{true, true, false}));
+}
+
+TEST(Selection, UnknownLabelsAreErrors) {
+  const StructureGraph graph = *StructureGraph::build({{.id = "a", .name = "Area", .label = 16},
+                                                       {.id = "b", .label = -3},
+                                                       {.id = "c", .label = 40},
+                                                       {.id = "d", .label = 40}});
+  const auto error = [&](const char* text) { return select(text, graph).error(); };
+  EXPECT_EQ(error("a + #17").code, ErrorCode::kNotFound);
+  EXPECT_EQ(
+      error("a + #17").message,
+      "selection, column 5: no structure has the label 17; the nearest: #16 (\"Area\"), #-3 (\"\"), #40 "
+      "(\"\"), #40 (\"\")");
+  EXPECT_THAT(error("rest + #17").message, HasSubstr("column 8: no structure has the label 17"));
+  EXPECT_THAT(error("#40").message, HasSubstr("stands for 2 structures"));
+  EXPECT_THAT(error("#-9223372036854775808").message, HasSubstr("the nearest: #-3"));
+  EXPECT_THAT(select("#1", brain()).error().message, HasSubstr("no structure has one; write a name"));
+}
+
 TEST(Selection, EverythingOfNothingIsNothing) {
   const StructureGraph none = *StructureGraph::build({});
   for (const char* text : {"*", "*:surface", "\"*\":both(opacity=0.5)", "* - *", ""}) {

@@ -88,6 +88,21 @@ TEST(SelectionText, LeavesOutWhatChangesNothing) {
   }
 }
 
+TEST(SelectionText, QuotesAStructureCalledRest) {
+  const StructureGraph graph = *StructureGraph::build({{.id = "Rest"}, {.id = "A", .label = 17}});
+  for (const auto& [text, written] : {std::pair{"\"rest\":surface", "\"Rest\":surface"},
+                                      {"#17(opacity=0.5)", "A(opacity=0.5)"},
+                                      {"A:surface + rest", "* - A + A:surface"},
+                                      {"rest", "*"}}) {
+    const auto selection = select(text, graph);
+    ASSERT_TRUE(selection) << text;
+    const std::string again = to_text(*selection, graph);
+    EXPECT_TRUE(again == written || again == "A:surface + \"Rest\"" || again == "\"Rest\" + A:surface")
+        << again;
+    EXPECT_EQ(without_term_numbers(*select(again, graph)), without_term_numbers(*selection));
+  }
+}
+
 TEST(SelectionText, OpacitiesComeBackToTheBit) {
   const StructureGraph graph = brain();
   for (const float opacity : {0.1f, 1.0f / 3, 1e-7f, 1e-38f, 0.99999994f, 1.0f}) {

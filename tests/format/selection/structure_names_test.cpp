@@ -4,6 +4,7 @@
 
 #include "format/selection.h"
 #include "tests/format/random_graph.h"
+#include "tests/support/fails_with.h"
 #include "tests/support/find_slowly.h"
 #include "tests/support/message_of.h"
 
@@ -128,6 +129,29 @@ TEST(FindStructures, TheNearestListEachStructureOnce) {
   EXPECT_THAT(nearest("Left cerebelum"), Not(HasSubstr("_")));
   EXPECT_THAT(nearest("Left_cerebelum"), HasSubstr("the nearest: \"Left_cerebellum\", "));
   EXPECT_THAT(nearest("v8"), HasSubstr("the nearest: \"v9\", "));
+}
+
+TEST(FindNamed, TakesNamesQuotedOrNotAndLabels) {
+  const StructureGraph graph = *StructureGraph::build({{.id = "a", .name = "Left cerebrum", .label = 3},
+                                                       {.id = "b", .name = "rest"},
+                                                       {.id = "c", .name = "#3"}});
+  for (const auto& [text, expected] : {std::pair<const char*, StructureIndex>{"left cerebrum", 0},
+                                       {"\"Left cerebrum\"", 0},
+                                       {"\"a\" ", 0},
+                                       {"#3", 0},
+                                       {"rest", 1},
+                                       {"\"rest\"", 1},
+                                       {"\"#3\"", 2},
+                                       {"*rebrum", 0}}) {
+    const auto found = find_named(graph, text);
+    ASSERT_TRUE(found) << text << found.error().message;
+    EXPECT_THAT(*found, ElementsAre(expected)) << text;
+  }
+  EXPECT_THAT(find_named(graph, "#4"), FailsWith(ErrorCode::kNotFound, HasSubstr("the nearest: #3")));
+  EXPECT_THAT(find_named(graph, "d"), FailsWith(ErrorCode::kNotFound, HasSubstr("the nearest: ")));
+  EXPECT_THAT(find_named(graph, "\"a"), FailsWith(ErrorCode::kUsage, HasSubstr("never closed")));
+  EXPECT_THAT(find_named(graph, "\"a\":surface"), FailsWith(ErrorCode::kUsage, HasSubstr("behind the name")));
+  EXPECT_THAT(find_named(graph, "#x"), FailsWith(ErrorCode::kUsage, HasSubstr("not a label")));
 }
 
 TEST(FindStructures, ManyWaysToAStructureTakeNoLonger) {

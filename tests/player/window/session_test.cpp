@@ -1,11 +1,7 @@
 #include "player/window/session.h"
 
 #include <algorithm>
-#include <chrono>
-#include <condition_variable>
 #include <fstream>
-#include <mutex>
-#include <stdexcept>
 
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
@@ -13,7 +9,7 @@
 #include "format/atlas_writer.h"
 #include "player/camera_moves.h"
 #include "player/spans/span_model.h"
-#include "tests/support/phantom_content.h"
+#include "tests/player/window/session_desk.h"
 #include "tests/support/run_program.h"
 
 namespace splatlas {
@@ -23,74 +19,11 @@ using phantom_structure::kSphere1;
 using phantom_structure::kSphere2;
 using phantom_structure::kSpheres;
 
-constexpr PictureSize kSize{96, 64};
-constexpr std::chrono::seconds kLongest{60};
-
-/// Session with a replacement for the window's event loop.
-class Desk {
- public:
-  explicit Desk(std::shared_ptr<const Atlas> atlas, const RendererOptions& options = {.threads = 2},
-                SessionLog log = {})
-      : session_(
-            std::move(atlas), options, [this] { wake(); }, std::move(log)) {
-    session_.resize(kSize);
-  }
-
-  Session* operator->() { return &session_; }
-
-  /// Updates now and at every wake until `holds`. Throws after a timeout.
-  template <typename Holds>
-  void until(Holds holds) {
-    const auto deadline = std::chrono::steady_clock::now() + kLongest;
-    session_.update();
-    while (!holds()) {
-      std::unique_lock lock(mutex_);
-      if (!changed_.wait_until(lock, deadline, [this] { return woken_; })) {
-        throw std::runtime_error("the session does not get there");
-      }
-      woken_ = false;
-      lock.unlock();
-      session_.update();
-    }
-  }
-  /// Runs until the latest picture has final quality.
-  void until_done() {
-    until([this] { return session_.frame() && !session_.refining(); });
-  }
-
- private:
-  void wake() {
-    {
-      const std::lock_guard lock(mutex_);
-      woken_ = true;
-    }
-    changed_.notify_one();
-  }
-
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  bool woken_ = false;
-  Session session_;  // last, so that its thread ends first
-};
-
-/// Position of the centre of a ball in the view.
-ViewPoint place_of(const phantom::Ball& ball, const Camera& camera, const Display& display) {
-  const auto [i, j, k] = ball.center;
-  const auto shown = view_of(camera, kSize, display)->picture_point(Vec3{1.0 * i, 1.0 * j, 1.0 * k});
-  return {shown->x / kSize.width, shown->y / kSize.height};
-}
+constexpr PictureSize kSize = kDeskSize;
 
 bool is_black(const Frame& frame) {
   return std::all_of(frame.srgb8.begin(), frame.srgb8.end(), [](std::uint8_t byte) { return byte == 0; });
 }
-
-class SessionTest : public testing::Test {
- protected:
-  static std::shared_ptr<const Atlas> atlas() {
-    static const std::shared_ptr<const Atlas> opened = open_in_memory(phantom_content());
-    return opened;
-  }
-};
 
 TEST_F(SessionTest, ShowsEverythingFirst) {
   Desk desk(atlas());
@@ -112,6 +45,7 @@ TEST_F(SessionTest, RendersNothingBeforeTheViewHasASize) {
 
 TEST_F(SessionTest, NamesWhatIsUnderThePointer) {
   Desk desk(atlas());
+  desk.until_done();
   for (const NamedView view : {NamedView::kAnterior, NamedView::kLeft, NamedView::kSuperior}) {
     desk->turn_to(view);
     for (const StructureIndex s : {kSphere1, kSphere2}) {
@@ -128,6 +62,7 @@ TEST_F(SessionTest, NamesWhatIsUnderThePointer) {
 
 TEST_F(SessionTest, TheNameFollowsTheSelectionUnderARestingPointer) {
   Desk desk(atlas());
+  desk.until_done();
   desk->point_at(place_of(phantom::kBalls[0], desk->camera(), desk->atlas().display()));
   desk.until([&] { return desk->hovered() == kSphere1; });
   desk->editor().set_mode(kSphere1, DrawMode::kOff);
@@ -155,6 +90,7 @@ TEST_F(SessionTest, TheLatestOfManyRequestsIsShown) {
 
 TEST_F(SessionTest, TheDepthCueComesAndGoes) {
   Desk desk(atlas());
+  desk.until_done();
   desk->set_camera({.azimuth_deg = 60, .zoom = 2});
   desk.until_done();
   const auto without = desk->frame()->srgb8;
@@ -187,6 +123,28 @@ TEST_F(SessionTest, TellsWhatIsWrongWithTypedText) {
   desk.until_done();
   EXPECT_EQ(desk->frame()->request.text, "Large:surface");
   EXPECT_EQ(desk->frame()->stats.surface_voxels, 1440u);
+}
+
+TEST_F(SessionTest, TakesTheRestAndWarnsOfHiddenTerms) {
+  Desk desk(atlas());
+  desk->apply_text("Sphere_2 + rest:surface(opacity=0.1)");
+  EXPECT_EQ(desk->status().text, "");
+  desk.until_done();
+  EXPECT_EQ(desk->editor().text(), "Sphere_2 + rest:surface(opacity=0.1)");
+  EXPECT_EQ(desk->frame()->stats.surface_voxels, 1440u);
+  desk->editor().set_opacity(kSphere2, 0.5f);  // writes other text
+  EXPECT_EQ(desk->editor().selection().structures[kSphere1].mode, DrawMode::kSurface);
+  EXPECT_EQ(desk->editor().selection().structures[kSphere2].opacity, 0.5f);
+
+  desk->apply_text("Sphere_2 + Spheres");
+  desk->update();
+  EXPECT_EQ(desk->text_error(), "");
+  EXPECT_THAT(desk->status().text,
+              testing::HasSubstr("warning: selection, column 1: \"Sphere_2\" has no effect"));
+  EXPECT_FALSE(desk->status().error);
+  desk->apply_text("Spheres");
+  desk->update();
+  EXPECT_EQ(desk->status().text, "");
 }
 
 TEST_F(SessionTest, AnEditTakesTheMessageAboutTheTextAway) {

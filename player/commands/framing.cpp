@@ -1,0 +1,97 @@
+#include "player/commands/framing.h"
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "format/system/ascii_text.h"
+#include "format/system/command_options.h"
+#include "format/system/result_macros.h"
+#include "player/camera_moves.h"
+
+namespace splatlas {
+namespace {
+
+/// Parses three numbers, which need not be valid coordinates.
+std::optional<Vec3> parse_numbers(std::string_view text) {
+  Vec3 numbers{};
+  for (std::size_t a = 0; a < 3; ++a) {
+    const std::size_t end = a < 2 ? text.find(',') : text.size();
+    const auto number = parse_number<double>(text.substr(0, end));
+    if (!number || end == std::string_view::npos) return std::nullopt;
+    numbers[a] = *number;
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+  return numbers;
+}
+
+std::optional<FrameCenter> parse_center(std::string_view text) {
+  if (const auto point = parse_numbers(text)) {
+    return is_within_reach(*point) ? std::optional<FrameCenter>(*point) : std::nullopt;
+  }
+  constexpr std::string_view kPointCharacters = "0123456789+-.,eE ";
+  const bool is_point = text.find(',') != std::string_view::npos &&
+                        text.find_first_not_of(kPointCharacters) == std::string_view::npos;
+  if (text.empty() || is_point) return std::nullopt;
+  return FrameCenter(std::string(text));
+}
+
+/// Centre of the bounding box of the named structures' voxels.
+Result<Vec3> center_of(const std::string& name, const Atlas& atlas) {
+  SPLATLAS_ASSIGN_OR_RETURN(const std::vector<StructureIndex> named, find_named(atlas.graph(), name));
+  Selection selection{std::vector<StructureDraw>(atlas.graph().size())};
+  for (const StructureIndex s : atlas.graph().descendants(named)) {
+    selection.structures[s].mode = DrawMode::kVolume;
+  }
+  const auto box = bounding_box(atlas, selection);
+  if (!box) return fail(ErrorCode::kFailed, "{} has no voxels; name another structure", in_quotes(name));
+  Vec3 center{};
+  for (std::size_t a = 0; a < 3; ++a) center[a] = 0.5 * (box->first[a] + box->last[a]);
+  return center;
+}
+
+}  // namespace
+
+void add_framing(CLI::App& command, Framing& framing) {
+  add_choice(command, "--fit", framing.fit, {{"selection", Fit::kSelection}, {"grid", Fit::kGrid}},
+             "fills the picture at zoom 1: the selected voxels and surfaces, or the whole atlas");
+  add_parsed(command, "--center", framing.center, parse_center,
+             fmt::format("must be X,Y,Z in LPS mm, each at most {} from 0, or name a structure", kMaxMm),
+             "middle of the picture: a structure (see NAME), or X,Y,Z in LPS mm; the zoom stays");
+}
+
+Result<Camera> framed(const Camera& camera, const Framing& framing, const RenderOptions& options,
+                      Renderer& renderer) {
+  // Find the centre first: it needs no data of the picture
+  std::optional<Vec3> center;
+  if (const auto* point = std::get_if<Vec3>(&framing.center)) center = *point;
+  if (const auto* name = std::get_if<std::string>(&framing.center)) {
+    const auto named = center_of(*name, renderer.atlas());
+    if (!named) {
+      return fail(named.error().code, "{}: --center: {}", renderer.atlas().name(), named.error().message);
+    }
+    center = *named;
+  }
+
+  Camera result = camera;
+  if (framing.fit == Fit::kSelection) {
+    SPLATLAS_ASSIGN_OR_RETURN(result, renderer.fit(camera, options));
+    const double fitted = result.zoom;
+    result.zoom *= camera.zoom;
+    if (!(result.zoom >= kMinCameraZoom && result.zoom <= kMaxCameraZoom)) {
+      return fail(ErrorCode::kUsage,
+                  "--zoom {}: multiplied by {}, the zoom that fits the selection, it must be from {} to {}",
+                  camera.zoom, fitted, kMinCameraZoom, kMaxCameraZoom);
+    }
+  }
+  if (center) result.center_lps_mm = center;
+  return result;
+}
+
+}  // namespace splatlas

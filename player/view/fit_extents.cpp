@@ -1,0 +1,89 @@
+#include "player/view/fit_extents.h"
+
+#include <cmath>
+
+#include "format/system/result_macros.h"
+
+namespace splatlas {
+namespace {
+
+/// Order of FitPlanes.
+enum : std::size_t { kUp, kDown, kRight, kLeft, kFar, kNear };
+
+/// Distance of the eye from the nearest point, relative to the depth of all points.
+constexpr double kMinEyeDistance = 1e-3;
+
+}  // namespace
+
+void FitExtents::grow(const FitPlanes& planes, double reach) {
+  for (std::size_t n = 0; n < FitPlanes::kCount; ++n) {
+    const Vec3& gradient = planes.gradient[n];
+    max_[n] += reach * (std::abs(gradient[0]) + std::abs(gradient[1]) + std::abs(gradient[2]));
+  }
+}
+
+Result<FitFrame> FitFrame::of(const Camera& camera, const PictureSize& size, const Display& display) {
+  Camera whole = camera;
+  whole.zoom = 1;
+  whole.center_lps_mm.reset();
+  SPLATLAS_ASSIGN_OR_RETURN(const View view, view_of(whole, size, display));
+  return FitFrame(whole, view);
+}
+
+FitFrame::FitFrame(const Camera& camera, const View& view)
+    : camera_(camera),
+      view_(view),
+      half_height_mm_(0.5 * view.plane.size.height * view.plane.mm_per_pixel),
+      aspect_(static_cast<double>(view.plane.size.width) / view.plane.size.height),
+      slope_(view.eye_mm ? half_height_mm_ / *view.eye_mm : 0) {}
+
+FitPlanes FitFrame::planes(const Affine& to_lps_mm) const {
+  // A point is inside the margins if |up| <= kFill * (H + depth * slope) for the half height H, and
+  // |right| <= kFill * aspect * (H + depth * slope)
+  FitPlanes planes;
+  Vec3 offset = to_lps_mm.offset;  // from the centre of the bounding sphere
+  for (std::size_t a = 0; a < 3; ++a) offset[a] -= view_.plane.center_lps_mm[a];
+  const auto set = [&](std::size_t n, const Vec3& side, double sign, double depths) {
+    Vec3 normal{};
+    for (std::size_t a = 0; a < 3; ++a) normal[a] = sign * side[a] + depths * view_.plane.forward_lps[a];
+    for (std::size_t a = 0; a < 3; ++a) {
+      for (std::size_t b = 0; b < 3; ++b) planes.gradient[n][a] += normal[b] * to_lps_mm.linear[3 * b + a];
+      planes.offset[n] += normal[a] * offset[a];
+    }
+  };
+  set(kUp, view_.plane.up_lps, 1, -kFill * slope_);
+  set(kDown, view_.plane.up_lps, -1, -kFill * slope_);
+  set(kRight, view_.plane.right_lps, 1, -kFill * aspect_ * slope_);
+  set(kLeft, view_.plane.right_lps, -1, -kFill * aspect_ * slope_);
+  set(kFar, {}, 0, 1);
+  set(kNear, {}, 0, -1);
+  return planes;
+}
+
+Camera FitFrame::fitted(const FitExtents& extents) const {
+  const auto middle = [&](std::size_t above, std::size_t below) {
+    return 0.5 * (extents.max(above) - extents.max(below));
+  };
+  const auto half = [&](std::size_t above, std::size_t below) {
+    return 0.5 * (extents.max(above) + extents.max(below));
+  };
+  // Find the half height in the plane of depth 0, then move the plane to the middle of the points
+  const double depth = middle(kFar, kNear);
+  double half_height = std::max(half(kUp, kDown), half(kRight, kLeft) / aspect_) / kFill;
+  if (slope_ > 0) {
+    const double nearest = -extents.max(kNear) - kMinEyeDistance * half(kFar, kNear);
+    half_height = std::max(half_height, -nearest * slope_) + depth * slope_;
+  }
+  Camera camera = camera_;
+  camera.zoom = half_height > 0 ? std::clamp(half_height_mm_ / half_height, kMinCameraZoom, kMaxCameraZoom)
+                                : kMaxCameraZoom;
+  Vec3 center = view_.plane.center_lps_mm;
+  for (std::size_t a = 0; a < 3; ++a) {
+    center[a] += middle(kRight, kLeft) * view_.plane.right_lps[a] +
+                 middle(kUp, kDown) * view_.plane.up_lps[a] + depth * view_.plane.forward_lps[a];
+  }
+  camera.center_lps_mm = center;
+  return camera;
+}
+
+}  // namespace splatlas

@@ -1,0 +1,264 @@
+// Fit of cameras to selections: Renderer::fit().
+#include "player/frame/fit_selection.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <random>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "format/run_model.h"
+#include "player/camera_moves.h"
+#include "tests/support/phantom_content.h"
+#include "tests/support/random_scene.h"
+#include "tests/support/render.h"
+#include "tests/support/repetitions.h"
+#include "tests/support/value_or_throw.h"
+
+namespace splatlas {
+namespace {
+
+constexpr double kMargin = 0.02;  // of the picture's sides
+
+/// Corners of the drawn content, voxel by voxel: volumes with the reach of interpolation, and the vertices of
+/// surfaces.
+std::vector<Vec3> corners_lps(const Atlas& atlas, const Selection& selection) {
+  const DrawPlan plan = atlas.tree().plan(selection);
+  const Affine to_lps = index_to_lps_mm(atlas.grid());
+  std::vector<Vec3> corners;
+  for (const ClassDraw& draw : plan.classes) {
+    if (!draws_volume(draw.role)) continue;
+    for (const Run& run : value_or_throw(atlas.read_runs(draw.id, Axis::kZ))) {
+      const auto rows = static_cast<std::uint64_t>(atlas.grid().size[1]);
+      for (std::uint32_t i = run.start; i < run.start + run.length; ++i) {
+        for (unsigned corner = 0; corner < 8; ++corner) {
+          Vec3 index{static_cast<double>(i), static_cast<double>(run.scanline % rows),
+                     static_cast<double>(run.scanline / rows)};
+          for (std::size_t a = 0; a < 3; ++a) index[a] += (corner >> a & 1u) != 0 ? 1 : -1;
+          corners.push_back(to_lps.apply(index));
+        }
+      }
+    }
+  }
+  for (const StructureIndex s : plan.surfaces) {
+    const SurfaceMesh mesh = value_or_throw(atlas.read_surface(s));
+    for (const auto& p : mesh.positions_ijk) corners.push_back(to_lps.apply({p[0], p[1], p[2]}));
+  }
+  return corners;
+}
+
+/// Extents of points in a picture: -1 and 1 are its borders.
+struct Extents {
+  double left = 2, right = -2, top = 2, bottom = -2;
+};
+
+Extents extents_in(const View& view, const std::vector<Vec3>& points) {
+  Extents extents;
+  for (const Vec3& point : points) {
+    const auto shown = view.picture_point(point);
+    EXPECT_TRUE(shown) << "behind the eye";
+    if (!shown) continue;
+    const double x = 2 * shown->x / view.plane.size.width - 1, y = 2 * shown->y / view.plane.size.height - 1;
+    extents = {std::min(extents.left, x), std::max(extents.right, x), std::min(extents.top, y),
+               std::max(extents.bottom, y)};
+  }
+  return extents;
+}
+
+/// Scene whose every drawn voxel and surface is visible. Every other one is in perspective.
+RandomScene visible_scene(std::uint32_t number) {
+  RandomScene scene = random_scene(number);
+  for (StructureDraw& draw : scene.selection.structures) {
+    draw.opacity = 0.9f;
+    draw.volume = {};
+    draw.volume.curve = std::make_shared<const TransferCurve>(TransferCurve{{{0, 0.9f, 1}}});
+  }
+  scene.options.size = {80 + static_cast<int>(number * 7 % 50), 80 + static_cast<int>(number * 11 % 50)};
+  if (number % 2 == 1) {
+    scene.camera.projection = CameraProjection::kPerspective;
+    scene.camera.field_of_view_deg = std::array{5.0, 15.0, 30.0}[number / 2 % 3];
+  }
+  return scene;
+}
+
+/// The content touches the margins on both sides of one axis, and crosses no margin. In parallel projection,
+/// it lies in the middle of the other axis. All of it is in front of the eye.
+TEST(FitSelection, TouchesTheMarginsAndCrossesNone) {
+  std::uint32_t drawn = 0;
+  for (std::uint32_t number = 0; drawn < repetitions(200); ++number) {
+    SCOPED_TRACE(number);
+    RandomScene scene = visible_scene(number);
+    if (number % 8 == 3) scene.camera.field_of_view_deg = 60;
+    if (number % 8 == 7) scene.camera.field_of_view_deg = 150;
+    const auto atlas = open_in_memory(scene.content);
+    const std::vector<Vec3> corners = corners_lps(*atlas, scene.selection);
+    Renderer renderer = renderer_of(scene.content, scene.selection);
+    const Camera camera = value_or_throw(renderer.fit(scene.camera, scene.options));
+    EXPECT_EQ(camera.azimuth_deg, scene.camera.azimuth_deg);
+    EXPECT_EQ(camera.elevation_deg, scene.camera.elevation_deg);
+    if (corners.empty()) {
+      EXPECT_EQ(camera.zoom, 1);
+      EXPECT_EQ(camera.center_lps_mm, std::nullopt);
+      continue;
+    }
+    ++drawn;
+    const View view = value_or_throw(view_of(camera, scene.options.size, atlas->display()));
+    const Extents shown = extents_in(view, corners);
+    // Coordinates of some hundred mm have 13 digits behind the point, and pixels are above 1e-3 mm
+    constexpr double kRounding = 1e-9;
+    const bool is_wide = shown.right - shown.left > shown.bottom - shown.top;
+    EXPECT_LE(std::max(shown.right, shown.bottom), 1 - 2 * kMargin + kRounding);
+    EXPECT_GE(std::min(shown.left, shown.top), 2 * kMargin - 1 - kRounding);
+    // With a wider field of view, the nearest corner keeps the eye away
+    if (scene.camera.projection == CameraProjection::kPerspective && scene.camera.field_of_view_deg > 90)
+      continue;
+    EXPECT_NEAR(is_wide ? shown.right : shown.bottom, 1 - 2 * kMargin, kRounding);
+    EXPECT_NEAR(is_wide ? shown.left : shown.top, 2 * kMargin - 1, kRounding);
+    if (scene.camera.projection == CameraProjection::kPerspective) continue;
+    EXPECT_NEAR(shown.right, -shown.left, kRounding);
+    EXPECT_NEAR(shown.bottom, -shown.top, kRounding);
+  }
+}
+
+/// Pixels of a picture that show something: columns and rows from first to last.
+struct Silhouette {
+  int left = 1 << 20, right = -1, top = 1 << 20, bottom = -1;
+};
+
+Silhouette silhouette_of(const Picture& picture) {
+  constexpr float kVisible = 1.0f / 255;
+  Silhouette of;
+  for (int y = 0; y < picture.size.height; ++y) {
+    for (int x = 0; x < picture.size.width; ++x) {
+      if (picture.at(x, y)[3] < kVisible) continue;
+      of = {std::min(of.left, x), std::max(of.right, x), std::min(of.top, y), std::max(of.bottom, y)};
+    }
+  }
+  return of;
+}
+
+/// Largest extent of a voxel in the picture, in pixels.
+double voxel_pixels(const View& view, const Grid& grid) {
+  const Affine to_lps = index_to_lps_mm(grid);
+  double right = 0, up = 0;
+  for (std::size_t a = 0; a < 3; ++a) {
+    Vec3 axis{};
+    axis[a] = 1;
+    const Vec3 mm = to_lps.apply_linear(axis);
+    double along_right = 0, along_up = 0;
+    for (std::size_t b = 0; b < 3; ++b) {
+      along_right += mm[b] * view.plane.right_lps[b];
+      along_up += mm[b] * view.plane.up_lps[b];
+    }
+    right += std::abs(along_right);
+    up += std::abs(along_up);
+  }
+  return std::max(right, up) / view.plane.mm_per_pixel;
+}
+
+TEST(FitSelection, SilhouettesEndAtTheMargins) {
+  std::uint32_t drawn = 0;
+  for (std::uint32_t number = 0; drawn < repetitions(200); ++number) {
+    SCOPED_TRACE(number);
+    RandomScene scene = visible_scene(number);
+    scene.options.quality = Quality::kNormal;
+    Renderer renderer = renderer_of(scene.content, scene.selection);
+    const DrawPlan plan = renderer.atlas().tree().plan(scene.selection);
+    if (plan.classes.empty()) continue;
+    ++drawn;
+    const Camera camera = value_or_throw(renderer.fit(scene.camera, scene.options));
+    const Picture picture = render_or_throw(renderer, camera, scene.options);
+    const Silhouette seen = silhouette_of(picture);
+    const View view = value_or_throw(view_of(camera, picture.size, renderer.atlas().display()));
+    const double voxel = voxel_pixels(view, renderer.atlas().grid());
+    const double margin_x = kMargin * picture.size.width, margin_y = kMargin * picture.size.height;
+    const double room = std::min({seen.left - margin_x, picture.size.width - margin_x - seen.right - 1,
+                                  seen.top - margin_y, picture.size.height - margin_y - seen.bottom - 1});
+    EXPECT_GE(room, -1) << describe(scene);
+    EXPECT_LE(room, voxel) << describe(scene);
+  }
+}
+
+TEST(FitSelection, DoesNotDependOnThreads) {
+  for (std::uint32_t number = 0; number < repetitions(40); ++number) {
+    const RandomScene scene = visible_scene(number);
+    std::vector<Camera> cameras;
+    for (const unsigned threads : {1u, 2u, 8u}) {
+      Renderer renderer = renderer_of(scene.content, scene.selection, threads);
+      cameras.push_back(value_or_throw(renderer.fit(scene.camera, scene.options)));
+    }
+    for (const Camera& camera : cameras) {
+      EXPECT_EQ(camera.zoom, cameras[0].zoom);
+      EXPECT_EQ(camera.center_lps_mm, cameras[0].center_lps_mm);
+    }
+  }
+}
+
+/// The data of the picture, and no other chunk.
+TEST(FitSelection, ReadsTheDataOfThePicture) {
+  for (std::uint32_t number = 0; number < repetitions(100); ++number) {
+    SCOPED_TRACE(number);
+    RandomScene scene = visible_scene(number);
+    if (number % 4 == 0) scene.options.classification = Classification::kAfter;
+    Renderer fits = renderer_of(scene.content, scene.selection);
+    const Camera camera = value_or_throw(fits.fit(scene.camera, scene.options));
+    const Atlas::Counters of_fit = fits.atlas().counters();
+    (void)render_or_throw(fits, camera, scene.options);
+    Renderer plain = renderer_of(scene.content, scene.selection);
+    (void)render_or_throw(plain, camera, scene.options);
+    EXPECT_EQ(of_fit.read, plain.atlas().counters().read);
+    EXPECT_EQ(of_fit.decoded, plain.atlas().counters().decoded);
+    EXPECT_EQ(fits.atlas().counters().read, of_fit.read);
+    EXPECT_EQ(fits.atlas().counters().decoded, of_fit.decoded);
+  }
+}
+
+TEST(FitSelection, IgnoresZoomAndCentre) {
+  const AtlasContent content = phantom_content();
+  Renderer renderer = renderer_of(content, selection_of("*", content.graph));
+  const Camera plain = value_or_throw(renderer.fit({.azimuth_deg = 30}));
+  const Camera moved =
+      value_or_throw(renderer.fit({.azimuth_deg = 30, .zoom = 7, .center_lps_mm = Vec3{1, 2, 3}}));
+  EXPECT_EQ(moved.zoom, plain.zoom);
+  EXPECT_EQ(moved.center_lps_mm, plain.center_lps_mm);
+}
+
+/// A fit to a structure is the fit of a selection of the structure alone.
+TEST(FitSelection, FitsToAPartOfTheSelection) {
+  using phantom_structure::kSphere2;
+  const AtlasContent content = phantom_content();
+  for (const std::string mode : {"volume", "surface", "both"}) {
+    Renderer renderer = renderer_of(content, selection_of("*:" + mode, content.graph));
+    Renderer alone = renderer_of(content, selection_of("Sphere_2:" + mode, content.graph));
+    const Camera direction{.azimuth_deg = 33, .elevation_deg = 21};
+    const std::vector<StructureIndex> part{kSphere2};
+    const Camera fitted = value_or_throw(renderer.fit(direction, {}, part));
+    const Camera expected = value_or_throw(alone.fit(direction));
+    EXPECT_EQ(fitted.zoom, expected.zoom);
+    EXPECT_EQ(fitted.center_lps_mm, expected.center_lps_mm);
+    const Camera whole = value_or_throw(renderer.fit(direction));
+    EXPECT_GT(fitted.zoom, whole.zoom);
+    EXPECT_EQ(value_or_throw(renderer.fit(direction, {}, std::vector<StructureIndex>{})).zoom, 1);
+    EXPECT_EQ(value_or_throw(alone.fit(direction, {}, std::vector<StructureIndex>{99})).zoom, 1);
+  }
+}
+
+TEST(FitSelection, RefusesWhatRenderingRefuses) {
+  const AtlasContent content = phantom_content();
+  Renderer renderer = renderer_of(content, selection_of("*", content.graph));
+  EXPECT_EQ(renderer.fit({.azimuth_deg = HUGE_VAL}).error().code, ErrorCode::kUsage);
+  EXPECT_EQ(renderer.fit({}, {.size = {0, 10}}).error().code, ErrorCode::kUsage);
+  EXPECT_EQ(
+      renderer.fit({.projection = CameraProjection::kPerspective, .field_of_view_deg = 180}).error().code,
+      ErrorCode::kUsage);
+  Renderer small(open_in_memory(content), {.threads = 1, .max_memory_bytes = 1 << 20});
+  ASSERT_TRUE(small.select(selection_of("Sphere_2:surface", content.graph)));
+  const auto too_large = small.fit({}, {.size = {1000, 1000}});
+  ASSERT_FALSE(too_large);
+  EXPECT_EQ(too_large.error().code, ErrorCode::kLimit);
+}
+
+}  // namespace
+}  // namespace splatlas
