@@ -72,15 +72,9 @@ class CaseBuilder {
                                          static_cast<std::uint8_t>(slot), kind};
   }
 
-  [[nodiscard]] constexpr CellCase finish() const {
-    CellCase padded = result;
-    for (std::size_t n = padded.edge_count; n < kCellEdges; ++n) padded.edges[n] = padded.edges[0];
-    return padded;
-  }
-
- private:
   CellCase result;
 
+ private:
   constexpr std::uint8_t index_of(std::uint8_t edge) {
     std::uint8_t n = 0;
     while (n < result.edge_count && result.edges[n] != edge) ++n;
@@ -218,7 +212,7 @@ constexpr CellCases make_cases(CellTable table) {
         builder.add_fan(loops.loops[n], fan_start(loops.loops[n]));
     }
     add_links(inside, builder);
-    cases[inside] = builder.finish();
+    cases[inside] = builder.result;
   }
   return cases;
 }

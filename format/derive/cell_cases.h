@@ -46,7 +46,7 @@ struct CellCase {
   };
 
   std::uint8_t edge_count = 0, triangle_count = 0, link_count = 0;
-  /// Numbers, by first use in `triangles`; behind the last, the first one again.
+  /// Numbers, by first use in `triangles`.
   std::array<std::uint8_t, kCellEdges> edges{};
   /// Indices into `edges`; counter-clockwise seen from outside in right-handed index axes.
   std::array<std::array<std::uint8_t, 3>, kMaxTriangles> triangles{};

@@ -30,7 +30,7 @@ Vec3f difference(const Vec3f& a, const Vec3f& b) {
 std::array<Index3, 2> ends_of(const NetVertex& vertex) {
   std::array<Index3, 2> ends{Index3{vertex.voxel[0], vertex.voxel[1], vertex.voxel[2]}, {}};
   ends[1] = ends[0];
-  ++ends[1][vertex.axis];
+  ++ends[1][vertex.axis()];
   return ends;
 }
 
@@ -159,7 +159,7 @@ SurfaceMesh triangles_of(SurfaceNet& net, const Grid& grid, SurfaceRule rule) {
 Vec3f position_of(const NetVertex& vertex, float offset) {
   Vec3f position;
   for (std::size_t a = 0; a < 3; ++a) position[a] = static_cast<float>(vertex.voxel[a]);
-  position[vertex.axis] += offset;
+  position[vertex.axis()] += offset;
   return position;
 }
 

@@ -29,19 +29,16 @@ class NetBuilder {
     // Local copies: the compiler cannot know that the stores below leave the members alone.
     Place place{net_.vertices.data(), net_.neighbours.data(), net_.kinds.data(),
                 static_cast<std::uint32_t>(vertices_)};
-    // Counts vary from cell to cell: padded elements cost less than mispredicted ends of loops.
+    // Counts vary from cell to cell: padded links and triangles cost less than mispredicted ends of loops.
     std::array<std::uint32_t, kCellEdges + 1> numbers;  // [edge of the case]: its vertex
     const auto number_edges = [&](std::size_t begin, std::size_t end) {
       for (std::size_t n = begin; n < end; ++n) {
         const CellEdge edge = kEdges[of.edges[n]];
-        numbers[n] = number_edge(cell, inside, edge, id_at(edge), live_from(edge), place);
+        numbers[n] = number_edge(cell, inside, of.edges[n], id_at(edge), live_from(edge), place);
       }
     };
-    number_edges(0, 4);
-    if (of.edge_count > 4) {
-      number_edges(4, 6);
-      if (of.edge_count > 6) number_edges(6, kCellEdges);
-    }
+    number_edges(0, 3);
+    number_edges(3, of.edge_count);
     numbers[CellCase::kNoEdge] = place.count;
     for (const CellCase::Link& link : of.links) {
       const std::uint32_t from = numbers[link.from];
@@ -82,6 +79,16 @@ class NetBuilder {
     return edges;
   }();
 
+  /// Vertices of the edges of the cell at (0, 0, 0).
+  static constexpr std::array<NetVertex, kCellEdges> kSteps = [] {
+    std::array<NetVertex, kCellEdges> steps{};
+    for (std::size_t n = 0; n < steps.size(); ++n) {
+      const auto [corner, axis] = cell_edge(n);
+      steps[n] = {{corner & 1, corner >> 1 & 1, corner >> 2}, axis};
+    }
+    return steps;
+  }();
+
   void make_room() {
     if (vertices_ + kCellEdges >= net_.vertices.size() ||
         triangles_ + CellCase::kMaxTriangles > net_.triangles.size())
@@ -101,16 +108,15 @@ class NetBuilder {
   /// The vertex of an edge. Without branches: the place behind the last vertex is overwritten until it is
   /// used.
   static std::uint32_t number_edge(const std::array<std::int32_t, 3>& cell, unsigned inside,
-                                   const CellEdge& edge, std::uint32_t& id, std::uint32_t live_from,
+                                   std::size_t number, std::uint32_t& id, std::uint32_t live_from,
                                    Place& place) {
     const std::uint32_t next = place.count, old = id;
     const bool is_new = old < live_from;
-    const unsigned corner = edge.corner;
-    place.vertices[next] = {{cell[0] + static_cast<std::int32_t>(corner & 1u),
-                             cell[1] + static_cast<std::int32_t>(corner >> 1 & 1u),
-                             cell[2] + static_cast<std::int32_t>(corner >> 2)},
-                            edge.axis,
-                            static_cast<std::uint16_t>(inside >> corner & 1u)};
+    const NetVertex& step = kSteps[number];
+    const auto side =
+        static_cast<std::int32_t>((inside >> kEdges[number].corner & 1u) * NetVertex::kFirstIsInside);
+    place.vertices[next] = {{cell[0] + step.voxel[0], cell[1] + step.voxel[1], cell[2] + step.voxel[2]},
+                            step.kind + side};
     place.neighbours[next] = {next, next, next, next};
     place.kinds[next] = kCentres;
     const std::uint32_t now = is_new ? next + 1 : old;

@@ -28,14 +28,53 @@ constexpr Integer shifted(Integer x) {
   return (x + (x >> kSignBit & ((Integer{1} << kBits) - 1))) >> kBits;
 }
 
+/// The target of a vertex, times 2048: constant + sum of weights * offsets of its neighbours.
+struct Pull {
+  std::int32_t constant = 0;
+  std::array<std::int16_t, 4> weights{};
+};
+
+/// Arrays of one vertex each. Threads keep them for their next surface: new pages cost as much as the work.
+struct Scratch {
+  static constexpr std::size_t kMaxKept = std::size_t{1} << 18;
+  std::vector<std::int64_t> lanes, next_lanes;
+  std::vector<Vec4i> sums, next_sums;
+  std::vector<Pull> pulls;
+  std::vector<std::int16_t> before, now, next;
+
+  /// Of the calling thread, for `vertices` vertices.
+  static Scratch& of_thread(std::size_t vertices) {
+    static thread_local Scratch scratch;
+    scratch.visit([&](auto& array) {
+      if (array.size() < vertices) array.resize(vertices);
+    });
+    return scratch;
+  }
+  void shrink() {
+    visit([](auto& array) {
+      if (array.size() > kMaxKept) array = {};
+    });
+  }
+
+ private:
+  template <typename Visit>
+  void visit(const Visit& one) {
+    one(lanes), one(next_lanes), one(sums), one(next_sums), one(pulls), one(before), one(now), one(next);
+  }
+};
+
 /// Directions by averaging of area vectors over the net.
 class DirectionFilter {
  public:
-  explicit DirectionFilter(const SurfaceNet& net) : net_(net), count_(net.vertices.size()) {}
+  DirectionFilter(const SurfaceNet& net, Scratch& scratch)
+      : net_(net),
+        count_(net.vertices.size()),
+        scratch_(scratch),
+        sums_(scratch.sums.data()),
+        next_(scratch.next_sums.data()) {}
 
   [[nodiscard]] std::vector<Vec4i> filter() {
     std::vector<Vec4i> directions(count_);
-    next_.resize(count_);
     first_mean(directions);
     for (int mean = 1; mean < kMeans; ++mean) {
       check_cancelled();
@@ -66,9 +105,9 @@ class DirectionFilter {
   }
 
   void first_mean(std::vector<Vec4i>& directions) {
-    std::vector<std::int64_t> now(count_), next(count_);
+    std::int64_t *now = scratch_.lanes.data(), *next = scratch_.next_lanes.data();
     for (std::size_t v = 0; v < count_; ++v)
-      now[v] = packed(net_.vertices[v].first_is_inside != 0 ? 1 : -1, net_.vertices[v].axis);
+      now[v] = packed(net_.vertices[v].first_is_inside() ? 1 : -1, net_.vertices[v].axis());
     for (int step = 0; step < kStepsOfMean; ++step) {
       for (std::size_t v = 0; v < count_; ++v) {
         const auto& [p, q, r, s] = net_.neighbours[v];
@@ -76,11 +115,10 @@ class DirectionFilter {
       }
       std::swap(now, next);
     }
-    sums_.resize(count_);
     for (std::size_t v = 0; v < count_; ++v) {
       Vec4i total = unpacked(now[v]);
       for (std::size_t a = 0; a < 3; ++a) total[a] *= kOne;
-      directions[v][net_.vertices[v].axis] = net_.vertices[v].first_is_inside != 0 ? kOne : -kOne;
+      directions[v][net_.vertices[v].axis()] = net_.vertices[v].first_is_inside() ? kOne : -kOne;
       sums_[v] = take_mean(total, directions[v]);
     }
   }
@@ -101,27 +139,30 @@ class DirectionFilter {
 
   const SurfaceNet& net_;
   std::size_t count_;
-  std::vector<Vec4i> sums_, next_;
+  Scratch& scratch_;
+  Vec4i *sums_, *next_;
 };
 
 /// Moves vertices along their edges until the net is perpendicular to its directions.
 class Relaxation {
  public:
-  Relaxation(const SurfaceNet& net, const std::vector<Vec4i>& directions)
-      : net_(net), directions_(directions), pulls_(net.vertices.size()) {}
+  Relaxation(const SurfaceNet& net, const std::vector<Vec4i>& directions, Scratch& scratch)
+      : net_(net), directions_(directions), scratch_(scratch) {}
 
   [[nodiscard]] std::vector<std::uint8_t> relax() {
-    const std::size_t count = pulls_.size();
-    std::vector<std::int16_t> before(count, 0), now(count), next(count);
+    const std::size_t count = net_.vertices.size();
+    std::int16_t *before = scratch_.before.data(), *now = scratch_.now.data(), *next = scratch_.next.data();
+    std::fill_n(before, count, std::int16_t{0});
     for (std::size_t v = 0; v < count; ++v) {
-      pulls_[v] = pull_of(v);
-      now[v] = relaxed(0, kOmega[0], pulls_[v].constant);
+      const Pull pull = pull_of(v);
+      scratch_.pulls[v] = pull;
+      now[v] = relaxed(0, kOmega[0], pull.constant);
     }
     for (std::size_t step = 1; step < kRelaxations; ++step) {
       check_cancelled();
       relax_once(step + 1 < kRelaxations ? before : now, now, static_cast<std::int16_t>(kOmega[step]), next);
-      before.swap(now);
-      now.swap(next);
+      std::swap(before, now);
+      std::swap(now, next);
     }
     std::vector<std::uint8_t> offsets(count);
     for (std::size_t v = 0; v < count; ++v)
@@ -130,27 +171,21 @@ class Relaxation {
   }
 
  private:
-  /// The target of a vertex, times 2048: constant + sum of weights * offsets of its neighbours.
-  struct Pull {
-    std::int32_t constant = 0;
-    std::array<std::int16_t, 4> weights{};
-  };
-
   /// Blocks of sums, so that compilers use vectors for what follows them.
-  void relax_once(const std::vector<std::int16_t>& from, const std::vector<std::int16_t>& now,
-                  std::int16_t omega, std::vector<std::int16_t>& next) const {
+  void relax_once(const std::int16_t* from, const std::int16_t* now, std::int16_t omega,
+                  std::int16_t* next) const {
     constexpr std::size_t kBlock = 256;
     std::array<std::int32_t, kBlock> sums;
-    for (std::size_t first = 0; first < now.size(); first += kBlock) {
-      const std::size_t count = std::min(kBlock, now.size() - first);
+    for (std::size_t first = 0; first < net_.vertices.size(); first += kBlock) {
+      const std::size_t count = std::min(kBlock, net_.vertices.size() - first);
       for (std::size_t n = 0; n < count; ++n) {
         const auto& [p, q, r, s] = net_.neighbours[first + n];
-        const Pull& pull = pulls_[first + n];
+        const Pull& pull = scratch_.pulls[first + n];
         sums[n] = pull.constant + pull.weights[0] * now[p] + pull.weights[1] * now[q] +
                   pull.weights[2] * now[r] + pull.weights[3] * now[s];
       }
-      const std::int16_t* const origin = &from[first];
-      std::int16_t* const to = &next[first];
+      const std::int16_t* const origin = from + first;
+      std::int16_t* const to = next + first;
       for (std::size_t n = 0; n < count; ++n) to[n] = relaxed(origin[n], omega, sums[n]);
     }
   }
@@ -167,9 +202,9 @@ class Relaxation {
   [[nodiscard]] Pull pull_of(std::size_t v) const {
     const NetVertex& vertex = net_.vertices[v];
     const auto& neighbours = net_.neighbours[v];
-    const std::size_t a = vertex.axis, b = a == 2 ? 0 : a + 1, c = b == 2 ? 0 : b + 1;
+    const std::size_t a = vertex.axis(), b = a == 2 ? 0 : a + 1, c = b == 2 ? 0 : b + 1;
     const Vec4i& own = directions_[v];
-    const std::int32_t sign = vertex.first_is_inside != 0 ? 1 : -1;
+    const std::int32_t sign = vertex.first_is_inside() ? 1 : -1;
     // Components of the mean direction of each link, along the edge and towards the neighbour.
     std::array<std::int32_t, 4> along, beside;
     std::uint32_t bits = 0;
@@ -215,15 +250,17 @@ class Relaxation {
 
   const SurfaceNet& net_;
   const std::vector<Vec4i>& directions_;
-  std::vector<Pull> pulls_;
+  Scratch& scratch_;
 };
 
 }  // namespace
 
 SmoothedNet smooth(const SurfaceNet& net) {
   SmoothedNet result;
-  result.directions = DirectionFilter(net).filter();
-  result.offsets = Relaxation(net, result.directions).relax();
+  Scratch& scratch = Scratch::of_thread(net.vertices.size());
+  result.directions = DirectionFilter(net, scratch).filter();
+  result.offsets = Relaxation(net, result.directions, scratch).relax();
+  scratch.shrink();
   return result;
 }
 

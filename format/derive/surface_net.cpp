@@ -27,7 +27,9 @@ class BitRows {
     }
   }
 
+  /// Words from a row to the next, and from a slice to the next.
   [[nodiscard]] std::size_t words() const { return words_; }
+  [[nodiscard]] std::size_t slice_words() const { return words_ * static_cast<std::size_t>(height_); }
   [[nodiscard]] const Word* inside(std::int64_t j, std::int64_t k) const { return &inside_[row_at(j, k)]; }
   [[nodiscard]] const Word* boundary(std::int64_t j, std::int64_t k) const {
     return &boundary_[row_at(j, k)];
@@ -55,14 +57,18 @@ class BitRows {
     static_assert(StructureCrop::kInterior == 1 && StructureCrop::kBoundary == 2);
     constexpr std::size_t kTogether = 8;
     constexpr Word kOnes = 0x0101010101010101, kGather = 0x0102040810204080;  // lowest bits to the top byte
-    for (std::size_t i = 0; i < width; i += kTogether) {
-      Word bytes = 0;
-      std::memcpy(&bytes, parts + i, std::min(kTogether, width - i));
-      if (bytes == 0) continue;
+    const auto fill = [&](std::size_t i, Word bytes) {
       const Word boundary = bytes >> 1 & kOnes, inside = boundary | (bytes & kOnes);
       inside_[word + i / kBits] |= inside * kGather >> 56 << i % kBits;
       boundary_[word + i / kBits] |= boundary * kGather >> 56 << i % kBits;
+    };
+    std::size_t i = 0;
+    for (; i + kTogether <= width; i += kTogether) {
+      Word bytes = 0;
+      std::memcpy(&bytes, parts + i, kTogether);
+      if (bytes != 0) fill(i, bytes);
     }
+    for (; i < width; ++i) fill(i, parts[i]);
     for (auto* bits : {&inside_, &boundary_}) {
       (*bits)[word] &= ~Word{1};
       (*bits)[word + (width - 1) / kBits] &= ~(Word{1} << (width - 1) % kBits);
@@ -80,13 +86,19 @@ class NetWalker {
   NetWalker(const StructureCrop& crop, CellTable table)
       : crop_(crop), rows_(crop), builder_(table, count_vertices()) {
     for (Slice& slice : slices_) slice.ids.resize(static_cast<std::size_t>(crop.size[0] * crop.size[1]));
+    around_.resize(rows_.words());
   }
 
   SurfaceNet walk() {
     for (std::int64_t k = 0; k + 1 < crop_.size[2]; ++k) {
       check_cancelled();
       slices_[static_cast<std::size_t>((k + 1) % 3)].live_from = builder_.next_id();
+      if (k == 0) {  // such rows have no voxels: only cells without a leading voxel
+        for (Around& around : around_) around = {};
+      }
+      for (std::int64_t j = 0; j < 2; ++j) load_row(j, k);
       for (std::int64_t j = 0; j + 1 < crop_.size[1]; ++j) {
+        if (j > 0) load_row(j + 1, k);
         for (std::size_t w = 0; w < rows_.words(); ++w) {
           add_cells_led_from(j, k, w);
           add_cells_without_leading_voxel(j, k, w);
@@ -108,6 +120,8 @@ class NetWalker {
   struct Pairs {
     std::array<Word, 2> any{}, all{}, any_boundary{};
   };
+  /// [slice k - 1, k, k + 1][row j % 3]
+  using Around = std::array<std::array<Pairs, 3>, 3>;
 
   [[nodiscard]] std::size_t count_vertices() const {
     std::size_t count = 0;
@@ -135,25 +149,33 @@ class NetWalker {
             {edge[w] | rows_.successors(edge, w), edge[w] | BitRows::predecessors(edge, w)}};
   }
 
+  /// Adds row j of slices k - 1 to k + 1 to the rows around.
+  void load_row(std::int64_t j, std::int64_t k) {
+    for (std::size_t w = 0; w < rows_.words(); ++w) {
+      for (std::int64_t slice = std::max<std::int64_t>(k - 1, 0); slice <= k + 1; ++slice)
+        around_[w][static_cast<std::size_t>(slice - k + 1)][static_cast<std::size_t>(j % 3)] =
+            pairs_at(j, slice, w);
+    }
+  }
+
   /// Adds the cells whose leading voxel is in word w of a row of voxels. The crop is padded, so that such
   /// voxels have rows all around.
   void add_cells_led_from(std::int64_t j, std::int64_t k, std::size_t w) {
     const Word* const edge = rows_.boundary(j, k);
     const Word voxels = edge[w];
     if (voxels == 0) return;
-    std::array<std::array<Pairs, 3>, 3> around;  // [slice][row]
-    for (std::size_t dk = 0; dk < 3; ++dk) {
-      for (std::size_t dj = 0; dj < 3; ++dj) {
-        around[dk][dj] =
-            pairs_at(j + static_cast<std::int64_t>(dj) - 1, k + static_cast<std::int64_t>(dk) - 1, w);
-      }
-    }
+    const auto pairs = [&](std::size_t dk, std::size_t dj) {  // 0 to 2, from the row and slice before
+      return &around_[w][dk][(static_cast<std::size_t>(j) + dj + 2) % 3];
+    };
+    const std::array<std::array<const Pairs*, 3>, 3> around{{{pairs(0, 0), pairs(0, 1), pairs(0, 2)},
+                                                             {pairs(1, 0), pairs(1, 1), pairs(1, 2)},
+                                                             {pairs(2, 0), pairs(2, 1), pairs(2, 2)}}};
     std::array<Word, 8> led{};  // [corner]: voxels that lead the cell with them at that corner
     Word any = 0;
     for (std::size_t corner = 0; corner < 8; ++corner) {
       const std::size_t side = corner & 1, dj = corner >> 1 & 1, dk = corner >> 2;
-      const std::array<const Pairs*, 4> rows{&around[1 - dk][1 - dj], &around[1 - dk][2 - dj],
-                                             &around[2 - dk][1 - dj], &around[2 - dk][2 - dj]};
+      const std::array<const Pairs*, 4> rows{around[1 - dk][1 - dj], around[1 - dk][2 - dj],
+                                             around[2 - dk][1 - dj], around[2 - dk][2 - dj]};
       Word some = 0, every = ~Word{0}, earlier = side == 1 ? BitRows::predecessors(edge, w) : 0;
       for (std::size_t row = 0; row < 4; ++row) {
         some |= rows[row]->any[side];
@@ -182,14 +204,10 @@ class NetWalker {
 
   /// Only wrong parts cause such cells.
   void add_cells_without_leading_voxel(std::int64_t j, std::int64_t k, std::size_t w) {
-    const auto any_inside = [&](std::int64_t row, std::int64_t slice) { return rows_.inside(row, slice)[w]; };
-    if ((any_inside(j, k) | any_inside(j + 1, k) | any_inside(j, k + 1) | any_inside(j + 1, k + 1)) == 0 &&
-        w + 1 == rows_.words())
-      return;
     Word some = 0, every = ~Word{0}, boundary = 0;
-    for (const std::int64_t slice : {k, k + 1}) {
+    for (const std::size_t slice : {1, 2}) {
       for (const std::int64_t row : {j, j + 1}) {
-        const Pairs pairs = pairs_at(row, slice, w);
+        const Pairs& pairs = around_[w][slice][static_cast<std::size_t>(row % 3)];
         some |= pairs.any[0];
         every &= pairs.all[0];
         boundary |= pairs.any_boundary[0];
@@ -230,6 +248,7 @@ class NetWalker {
   BitRows rows_;
   NetBuilder builder_;
   std::array<Slice, 3> slices_;  // [k % 3]
+  std::vector<Around> around_;   // [word]
 };
 
 }  // namespace

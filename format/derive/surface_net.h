@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -13,8 +14,11 @@ namespace splatlas {
 /// Edge between a voxel and its successor along `axis`, one inside and one outside.
 struct NetVertex {
   std::array<std::int32_t, 3> voxel{};  ///< grid index of the first one, from -1 on
-  std::uint16_t axis = 0;
-  std::uint16_t first_is_inside = 0;  ///< 1 if `voxel` is inside
+  std::int32_t kind = 0;                ///< its axis, and kFirstIsInside
+
+  static constexpr std::int32_t kFirstIsInside = 4;
+  [[nodiscard]] std::size_t axis() const { return static_cast<std::size_t>(kind & 3); }
+  [[nodiscard]] bool first_is_inside() const { return (kind & kFirstIsInside) != 0; }
   friend bool operator==(const NetVertex&, const NetVertex&) = default;
 };
 

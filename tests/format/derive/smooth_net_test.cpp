@@ -24,7 +24,8 @@ Vertices smoothed(const Mask& mask, CellTable table = CellTable::kVtk) {
   const SmoothedNet result = smooth(net);
   Vertices vertices;
   for (std::size_t v = 0; v < net.vertices.size(); ++v) {
-    const auto& [voxel, axis, inside] = net.vertices[v];
+    const std::array<std::int32_t, 3>& voxel = net.vertices[v].voxel;
+    const auto axis = static_cast<std::int64_t>(net.vertices[v].axis());
     const auto& d = result.directions[v];
     vertices[{voxel[0], voxel[1], voxel[2], axis}] = {result.offsets[v], {d[0], d[1], d[2]}};
   }

@@ -26,7 +26,7 @@ Mask random_mask(std::mt19937& random) {
 std::array<float, 3> midpoint(const NetVertex& vertex) {
   std::array<float, 3> at{static_cast<float>(vertex.voxel[0]), static_cast<float>(vertex.voxel[1]),
                           static_cast<float>(vertex.voxel[2])};
-  at[vertex.axis] += 0.5f;
+  at[vertex.axis()] += 0.5f;
   return at;
 }
 
@@ -55,7 +55,7 @@ RC_GTEST_PROP(SurfaceNet, IsClosedAndHasOneVertexOnEveryCrossedEdge, ()) {
     for (const NetVertex& vertex : net.vertices) {
       positions.insert(midpoint(vertex));
       RC_ASSERT(mask.holds({vertex.voxel[0], vertex.voxel[1], vertex.voxel[2]}) ==
-                (vertex.first_is_inside != 0));
+                (vertex.first_is_inside()));
     }
     RC_ASSERT(positions.size() == net.vertices.size());
     for (std::int64_t k = -1; k < mask.size[2]; ++k) {
@@ -87,7 +87,7 @@ RC_GTEST_PROP(SurfaceNet, LinksAreMutual, ()) {
       const unsigned kind = net.kinds[v] >> 2 * slot & 3u;
       RC_ASSERT((other == v) == (kind == static_cast<unsigned>(LinkKind::kCentre)));
       if (other == v) continue;
-      RC_ASSERT((net.vertices[v].axis == net.vertices[other].axis) ==
+      RC_ASSERT((net.vertices[v].axis() == net.vertices[other].axis()) ==
                 (kind == static_cast<unsigned>(LinkKind::kParallel)));
       RC_ASSERT(std::ranges::count(net.neighbours[other], v) > 0);
     }
@@ -132,7 +132,7 @@ RC_GTEST_PROP(SurfaceNet, TrianglesAreSortedByTheLeadingVoxelOfTheirCell, ()) {
         const CellEdge edge = cell_edge(of.edges[of.triangles[t][n]]);
         const NetVertex& vertex = net.vertices[net.triangles[next][n]];
         for (std::size_t a = 0; a < 3; ++a) RC_ASSERT(vertex.voxel[a] == corner[a] + (edge.corner >> a & 1));
-        RC_ASSERT(vertex.axis == edge.axis);
+        RC_ASSERT(vertex.axis() == edge.axis);
       }
     }
   }
