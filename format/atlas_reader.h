@@ -75,10 +75,18 @@ class WorkBudget {
   double max_work_;
 };
 
+/// Rule of the surfaces that a reader derives from the voxels. Stored surfaces do not change.
+enum class SurfaceChoice : std::uint8_t {
+  kAsInFile,
+  kSmooth,  ///< SurfaceRule::kSmooth, in grids that admit it
+  kVoxels   ///< vertices midway between voxels
+};
+
 /// Options of Atlas::open().
 struct AtlasOptions {
   /// Factor of the limit of work (WorkBudget); at least 1. Raise it for files that you trust.
   double max_work = 1;
+  SurfaceChoice surfaces = SurfaceChoice::kAsInFile;
 };
 
 /// An open atlas. open() reads and checks only the header and the directory. The read functions load chunks
@@ -128,7 +136,7 @@ class Atlas {
   /// The surface of one structure; empty for a group.
   [[nodiscard]] Result<SurfaceMesh> read_surface(StructureIndex s) const;
 
-  /// Decodes the whole content for export and rewriting, exactly as written.
+  /// Decodes the whole content for export and rewriting: exactly as written with SurfaceChoice::kAsInFile.
   [[nodiscard]] Result<AtlasContent> read_all() const;
   /// The content without values, surfaces and normals; succeeds even if these are damaged.
   [[nodiscard]] Result<AtlasContent> read_classes() const;

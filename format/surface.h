@@ -7,6 +7,22 @@
 
 namespace splatlas {
 
+/// Rule by which a surface follows from the voxels of its structure (docs/atlas_surfaces.md). The values are
+/// the position scales of such surfaces in files.
+enum class SurfaceRule : std::uint32_t {
+  kFans = 2,     ///< vertices midway between voxels, triangles in fans: files of version 1.1
+  kVoxels = 4,   ///< the same vertices, triangles of vtkMarchingCubes
+  kSmooth = 256  ///< smoothing 1: vertices moved along their voxel edges, triangles of vtkMarchingCubes
+};
+
+/// Maximum size of a grid along each axis for SurfaceRule::kSmooth: positions are exact in single precision.
+inline constexpr std::int64_t kMaxSmoothSize = 65535;
+/// The rule, or kVoxels instead of kSmooth in a grid that is too large.
+[[nodiscard]] inline SurfaceRule rule_for(SurfaceRule rule, const std::array<std::int64_t, 3>& size) {
+  const bool is_large = size[0] > kMaxSmoothSize || size[1] > kMaxSmoothSize || size[2] > kMaxSmoothSize;
+  return rule == SurfaceRule::kSmooth && is_large ? SurfaceRule::kVoxels : rule;
+}
+
 /// Surface of one structure in continuous voxel indices of the storage grid. A fitted triangle (marching
 /// cubes) lies in one cell of eight voxel centres; an external triangle is clipped to one voxel. Triangles
 /// are sorted by the memory offset of their voxel: the first boundary voxel in a fitted triangle's cell, or
@@ -16,8 +32,9 @@ struct SurfaceMesh {
   /// Unit normals in LPS, out of the structure, one per position. Files store PackedNormal.
   std::vector<std::array<float, 3>> normals_lps;
   std::vector<std::array<std::uint32_t, 3>> triangles;  ///< counter-clockwise seen from outside, in LPS
-  std::uint32_t position_scale =
-      2;  ///< files store positions as integers in units of 1 / position_scale voxel
+  /// Files store positions as integers in units of 1 / position_scale voxel. A value of SurfaceRule for
+  /// fitted surfaces.
+  std::uint32_t position_scale = 2;
 
   friend bool operator==(const SurfaceMesh&, const SurfaceMesh&) = default;
   [[nodiscard]] bool empty() const { return triangles.empty(); }

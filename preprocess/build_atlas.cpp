@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include "format/atlas_reader.h"
 #include "format/atlas_writer.h"
 #include "format/system/check_writable.h"
@@ -59,11 +61,25 @@ std::vector<CrossedVoxel> crossed_voxels(const SourceModel& model, const PlacedS
   return crossed;
 }
 
+void note_surfaces(SurfaceRule rule, const Grid& grid, const ExtractedSurfaces& extracted,
+                   std::vector<std::string>& notes) {
+  if (rule_for(rule, grid.size) != rule) {
+    notes.push_back(fmt::format("surfaces are not smoothed: an axis of the grid has more than {} voxels",
+                                kMaxSmoothSize));
+  }
+  if (extracted.not_derived > 0) {
+    notes.push_back(
+        fmt::format("{} surfaces of VTK have other triangles than the file format derives; they "
+                    "are stored",
+                    extracted.not_derived));
+  }
+}
+
 /// Builds the structure graph, runs segmentations, classifies the voxels and extracts surfaces. Fills only
 /// the hashes of the provenance. Messages about the labels call them `labels`. The content does not depend on
 /// `threads` (0: one per core).
-Result<AtlasContent> build_content(SourceModel model, const std::string& labels, unsigned threads,
-                                   StageClock& clock, std::vector<std::string>& notes) {
+Result<AtlasContent> build_content(SourceModel model, const std::string& labels, SurfaceRule rule,
+                                   unsigned threads, StageClock& clock, std::vector<std::string>& notes) {
   AtlasContent content;
   content.source_grid = model.source_grid;
   content.source_to_storage = storage_order(model.source_grid);
@@ -85,8 +101,11 @@ Result<AtlasContent> build_content(SourceModel model, const std::string& labels,
   model.memberships = MembershipVolume(Index3{0, 0, 0});
 
   clock.begin("surfaces", 0.25);
-  ExtractedSurfaces extracted = extract_surfaces(classification, placed.graph, grid, threads,
-                                                 [&](double fraction) { clock.update(fraction); });
+  SPLATLAS_ASSIGN_OR_RETURN(
+      ExtractedSurfaces extracted,
+      extract_surfaces(classification, placed.graph, grid,
+                       {rule, threads, [&](double fraction) { clock.update(fraction); }}));
+  note_surfaces(rule, grid, extracted, notes);
   for (std::size_t n = 0; n < model.meshes.size(); ++n) {
     extracted.surfaces[placed.index_of_source[first_mesh(model) + n]] = std::move(model.meshes[n].surface);
   }
@@ -127,9 +146,9 @@ Result<BuildReport> build_atlas(const BuildOptions& options) {
   clock.begin("read", 0.1);
   SPLATLAS_ASSIGN_OR_RETURN(SourceModel model, import_sources(options.sources, update));
   std::vector<std::string> notes = model.notes;
-  SPLATLAS_ASSIGN_OR_RETURN(
-      AtlasContent content,
-      build_content(std::move(model), options.sources.labels.string(), options.threads, clock, notes));
+  SPLATLAS_ASSIGN_OR_RETURN(AtlasContent content,
+                            build_content(std::move(model), options.sources.labels.string(), options.surfaces,
+                                          options.threads, clock, notes));
   content.provenance.title = options.title;
   content.provenance.citation = options.citation;
   content.provenance.licence = options.licence;

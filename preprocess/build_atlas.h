@@ -19,8 +19,9 @@ struct BuildOptions {
   std::string tool;                      ///< name and version of the program, for provenance
   int level = 12;                        ///< Zstandard level, 1 (fast) to 22 (small)
   bool compact = false;                  ///< see WriteOptions
-  unsigned threads = 0;                  ///< 0: one per core. The file does not depend on it.
-  ProgressFunction progress;             ///< may be empty
+  SurfaceRule surfaces = SurfaceRule::kSmooth;
+  unsigned threads = 0;       ///< 0: one per core. The file does not depend on it.
+  ProgressFunction progress;  ///< may be empty
 };
 
 /// Statistics of a finished build.

@@ -31,8 +31,10 @@ struct Vertex {
 };
 static_assert(sizeof(Vertex<std::uint16_t>) == 8 && sizeof(Vertex<std::uint32_t>) == 16);
 
-/// Vertices of fitted surfaces are midpoints of cell edges.
-constexpr std::uint32_t kFittedPositionScale = 2;
+/// Position scales of fitted surfaces.
+constexpr std::array kFittedScales{static_cast<std::uint32_t>(SurfaceRule::kFans),
+                                   static_cast<std::uint32_t>(SurfaceRule::kVoxels),
+                                   static_cast<std::uint32_t>(SurfaceRule::kSmooth)};
 constexpr std::size_t kLengthsBytes = 2 * sizeof(std::uint32_t);
 /// First bytes of the codes: meshoptimizer's decoders take other versions, too.
 constexpr std::byte kVertexHeader{0xa0}, kIndexHeader{0xe1};
@@ -280,9 +282,12 @@ Result<void> check_surface_entry(const SurfaceEntry& entry, const Index3& size) 
     return invalid_atlas("no vertices, {} triangles, {} bytes", entry.triangles, entry.bytes);
   }
   if (is_fitted(entry)) {  // fitting checks the counts
-    if (entry.position_scale == kFittedPositionScale && entry.triangles > 0) return {};
-    return invalid_atlas("fitted, with position scale {} and {} triangles", entry.position_scale,
-                         entry.triangles);
+    if (std::ranges::count(kFittedScales, entry.position_scale) == 0 || entry.triangles == 0) {
+      return invalid_atlas("fitted, with position scale {} and {} triangles", entry.position_scale,
+                           entry.triangles);
+    }
+    if (rule_for(rule_of(entry), size) == rule_of(entry)) return {};
+    return invalid_atlas("smoothed, in a grid of more than {} voxels along an axis", kMaxSmoothSize);
   }
   const std::size_t vertex_bytes = fits_16_bits(size, entry.position_scale) ? sizeof(Vertex<std::uint16_t>)
                                                                             : sizeof(Vertex<std::uint32_t>);

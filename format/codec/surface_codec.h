@@ -14,13 +14,19 @@ namespace splatlas {
 
 /// Directory entry of a surface.
 struct SurfaceEntry {
-  std::uint32_t vertices = 0, triangles = 0, position_scale = 2;
+  std::uint32_t vertices = 0, triangles = 0;
+  std::uint32_t position_scale = 2;  ///< a SurfaceRule if fitted
   std::uint32_t bytes = 0;  ///< decoded length of the stream; 0 also for fitted surfaces, see is_fitted()
 };
 
 /// True if the surface is not stored: readers derive it from the structure's voxels by fit_surface().
 [[nodiscard]] inline bool is_fitted(const SurfaceEntry& entry) {
   return entry.vertices > 0 && entry.bytes == 0;
+}
+
+/// The rule of a fitted surface.
+[[nodiscard]] inline SurfaceRule rule_of(const SurfaceEntry& entry) {
+  return static_cast<SurfaceRule>(entry.position_scale);
 }
 
 /// Directory entry and stream of a surface.

@@ -1,12 +1,14 @@
 #include "format/derive/fit_surface.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <tuple>
 #include <utility>
 
-#include "format/derive/marching_cubes.h"
+#include "format/derive/smooth_net.h"
 #include "format/derive/sparse_surface.h"
+#include "format/derive/surface_net.h"
 #include "format/system/task_control.h"
 
 namespace splatlas {
@@ -24,14 +26,12 @@ Vec3f difference(const Vec3f& a, const Vec3f& b) {
   return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
 }
 
-constexpr std::array kTowardsEnds{-0.25f, 0.25f};
-
-/// The voxel at one end of a vertex's cell edge: halves round down or up, integers stay.
-Index3 end_voxel(const Vec3f& position, float towards) {
-  Index3 at;
-  for (std::size_t a = 0; a < 3; ++a)
-    at[a] = static_cast<std::int64_t>(std::floor(position[a] + towards + 0.5f));
-  return at;
+/// The voxels at both ends of a vertex's edge.
+std::array<Index3, 2> ends_of(const NetVertex& vertex) {
+  std::array<Index3, 2> ends{Index3{vertex.voxel[0], vertex.voxel[1], vertex.voxel[2]}, {}};
+  ends[1] = ends[0];
+  ++ends[1][vertex.axis()];
+  return ends;
 }
 
 /// One of the two voxels at the ends of a vertex's cell edge.
@@ -45,13 +45,12 @@ struct VertexEnds {
   std::vector<std::size_t> first_of_slice;  ///< size + 1 offsets
 };
 
-VertexEnds ends_by_slice(const SurfaceMesh& mesh, const StructureCrop& crop) {
+VertexEnds ends_by_slice(std::span<const NetVertex> vertices, const StructureCrop& crop) {
   VertexEnds result;
   result.first_of_slice.assign(static_cast<std::size_t>(crop.size[2]) + 1, 0);
   const auto visit_ends = [&](auto&& visit) {
-    for (std::uint32_t v = 0; v < mesh.positions_ijk.size(); ++v) {
-      for (const float towards : kTowardsEnds) {
-        const Index3 at = end_voxel(mesh.positions_ijk[v], towards);
+    for (std::uint32_t v = 0; v < vertices.size(); ++v) {
+      for (const Index3& at : ends_of(vertices[v])) {
         const std::int64_t row = at[1] - crop.first[1], in_row = at[0] - crop.first[0];
         visit(static_cast<std::size_t>(at[2] - crop.first[2]),
               VertexEnd{v, static_cast<std::uint32_t>(row * crop.size[0] + in_row)});
@@ -91,10 +90,10 @@ Vec3f unit_or_up(const Vec3f& v) {
 }
 
 /// Sums of the gradients at both ends of every vertex's cell edge.
-std::vector<Vec3f> vertex_gradients(const SurfaceMesh& mesh, const StructureCrop& crop,
+std::vector<Vec3f> vertex_gradients(std::span<const NetVertex> vertices, const StructureCrop& crop,
                                     const SliceVisitor& visit_slice) {
-  const VertexEnds ends = ends_by_slice(mesh, crop);
-  std::vector<Vec3f> gradients(mesh.positions_ijk.size(), Vec3f{0, 0, 0});
+  const VertexEnds ends = ends_by_slice(vertices, crop);
+  std::vector<Vec3f> gradients(vertices.size(), Vec3f{0, 0, 0});
   SmoothGradient gradient(crop);
   for (std::int64_t k = 0; k < crop.size[2]; ++k) {
     gradient.next_slice();
@@ -110,18 +109,18 @@ std::vector<Vec3f> vertex_gradients(const SurfaceMesh& mesh, const StructureCrop
 }
 
 /// The same from runs.
-std::vector<Vec3f> sparse_vertex_gradients(const SurfaceMesh& mesh, const PartRows& rows) {
+std::vector<Vec3f> sparse_vertex_gradients(std::span<const NetVertex> vertices, const PartRows& rows) {
   struct End {
     Index3 at{0, 0, 0};
     std::uint32_t vertex = 0;
   };
   std::vector<End> ends;
-  ends.reserve(2 * mesh.positions_ijk.size());
-  for (std::uint32_t v = 0; v < mesh.positions_ijk.size(); ++v) {
-    for (const float towards : kTowardsEnds) ends.push_back({end_voxel(mesh.positions_ijk[v], towards), v});
+  ends.reserve(2 * vertices.size());
+  for (std::uint32_t v = 0; v < vertices.size(); ++v) {
+    for (const Index3& at : ends_of(vertices[v])) ends.push_back({at, v});
   }
   std::ranges::sort(ends, {}, [](const End& end) { return std::tuple(end.at[2], end.at[1], end.at[0]); });
-  std::vector<Vec3f> gradients(mesh.positions_ijk.size(), Vec3f{0, 0, 0});
+  std::vector<Vec3f> gradients(vertices.size(), Vec3f{0, 0, 0});
   SparseGradient gradient(rows);
   Vec3f g{0, 0, 0};
   for (std::size_t n = 0; n < ends.size(); ++n) {
@@ -133,20 +132,71 @@ std::vector<Vec3f> sparse_vertex_gradients(const SurfaceMesh& mesh, const PartRo
   return gradients;
 }
 
-/// Turns triangles outwards, and sets the normals of the vertices.
-void add_normals(SurfaceMesh& mesh, std::span<const Vec3f> gradients, const Grid& grid) {
-  const Affine to_mm = index_to_lps_mm(grid);
-  if (determinant(to_mm.linear) < 0) {  // mirrors
+void visit_slices(const StructureCrop& crop, const SliceVisitor& visit_slice) {
+  SmoothGradient gradient(crop);
+  for (std::int64_t k = 0; k < crop.size[2]; ++k) {
+    gradient.next_slice();
+    visit_slice(gradient, k);
+  }
+}
+
+CellTable table_of(SurfaceRule rule) {
+  return rule == SurfaceRule::kFans ? CellTable::kFans : CellTable::kVtk;
+}
+
+/// The triangles of a net, turned outwards in LPS, without vertices.
+SurfaceMesh triangles_of(SurfaceNet& net, const Grid& grid, SurfaceRule rule) {
+  SurfaceMesh mesh;
+  mesh.position_scale = static_cast<std::uint32_t>(rule);
+  mesh.triangles = std::move(net.triangles);
+  if (determinant(index_to_lps_mm(grid).linear) < 0) {  // mirrors
     for (auto& triangle : mesh.triangles) std::swap(triangle[1], triangle[2]);
   }
-  mesh.normals_lps = face_normals(mesh, to_mm);
+  return mesh;
+}
+
+/// Position at `offset` from a vertex's first voxel.
+Vec3f position_of(const NetVertex& vertex, float offset) {
+  Vec3f position;
+  for (std::size_t a = 0; a < 3; ++a) position[a] = static_cast<float>(vertex.voxel[a]);
+  position[vertex.axis()] += offset;
+  return position;
+}
+
+/// A mesh with vertices midway between voxels. Consumes the net.
+SurfaceMesh midway_mesh(SurfaceNet net, const std::vector<Vec3f>& gradients, const Grid& grid,
+                        SurfaceRule rule) {
+  SurfaceMesh mesh = triangles_of(net, grid, rule);
+  mesh.positions_ijk.reserve(net.vertices.size());
+  for (const NetVertex& vertex : net.vertices) mesh.positions_ijk.push_back(position_of(vertex, 0.5f));
+  mesh.normals_lps = face_normals(mesh, index_to_lps_mm(grid));
   const VoxelNormals voxel_normals(grid);
   for (std::size_t v = 0; v < gradients.size(); ++v) {
     Vec3f& normal = mesh.normals_lps[v];
     const Vec3f inwards = voxel_normals.to_lps(gradients[v]);
     if (dot(inwards, normal) < 0) normal = {-inwards[0], -inwards[1], -inwards[2]};
-    normal = unpack_normal(pack_normal(unit_or_up(normal)));
+    normal = unit_or_up(normal);
   }
+  round_normals(mesh.normals_lps);
+  return mesh;
+}
+
+/// A smoothed mesh. Consumes the net.
+SurfaceMesh smooth_mesh(SurfaceNet net, const Grid& grid) {
+  const SmoothedNet smoothed = smooth(net);
+  SurfaceMesh mesh = triangles_of(net, grid, SurfaceRule::kSmooth);
+  mesh.positions_ijk.resize(net.vertices.size());
+  mesh.normals_lps.resize(net.vertices.size());
+  const VoxelNormals voxel_normals(grid);
+  for (std::size_t v = 0; v < net.vertices.size(); ++v) {
+    constexpr float kUnit = 1.0f / SmoothedNet::kScale;
+    mesh.positions_ijk[v] = position_of(net.vertices[v], kUnit * static_cast<float>(smoothed.offsets[v]));
+    Vec3f direction;
+    for (std::size_t a = 0; a < 3; ++a) direction[a] = static_cast<float>(smoothed.directions[v][a]);
+    mesh.normals_lps[v] = voxel_normals.to_lps(direction);
+  }
+  round_normals(mesh.normals_lps);
+  return mesh;
 }
 
 }  // namespace
@@ -164,18 +214,24 @@ PackedNormal VoxelNormals::normal(const Vec3f& gradient) const {
   return pack_normal({-inwards[0], -inwards[1], -inwards[2]});
 }
 
-SurfaceMesh fit_surface(const StructureCrop& crop, const Grid& grid, const SliceVisitor& visit_slice) {
-  SurfaceMesh mesh = marching_cubes(crop);
-  const std::vector<Vec3f> gradients = vertex_gradients(mesh, crop, visit_slice);
-  add_normals(mesh, gradients, grid);
-  return mesh;
+SurfaceMesh fit_surface(const StructureCrop& crop, const Grid& grid, SurfaceRule rule,
+                        const SliceVisitor& visit_slice) {
+  SurfaceNet net = surface_net(crop, table_of(rule));
+  if (rule == SurfaceRule::kSmooth) {
+    if (visit_slice) visit_slices(crop, visit_slice);
+    return smooth_mesh(std::move(net), grid);
+  }
+  const std::vector<Vec3f> gradients = vertex_gradients(net.vertices, crop, visit_slice);
+  return midway_mesh(std::move(net), gradients, grid, rule);
 }
 
-std::optional<SurfaceMesh> fit_sparse_surface(const PartRows& rows, const Grid& grid,
+std::optional<SurfaceMesh> fit_sparse_surface(const PartRows& rows, const Grid& grid, SurfaceRule rule,
                                               std::uint64_t max_triangles) {
-  std::optional<SurfaceMesh> mesh = sparse_marching_cubes(rows, max_triangles);
-  if (mesh) add_normals(*mesh, sparse_vertex_gradients(*mesh, rows), grid);
-  return mesh;
+  std::optional<SurfaceNet> net = sparse_surface_net(rows, table_of(rule), max_triangles);
+  if (!net) return std::nullopt;
+  if (rule == SurfaceRule::kSmooth) return smooth_mesh(*std::move(net), grid);
+  const std::vector<Vec3f> gradients = sparse_vertex_gradients(net->vertices, rows);
+  return midway_mesh(*std::move(net), gradients, grid, rule);
 }
 
 IndexBox around(const IndexBox& box) {

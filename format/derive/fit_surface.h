@@ -35,17 +35,18 @@ class VoxelNormals {
 /// Called with the gradients of each slice k of the crop, in order.
 using SliceVisitor = std::function<void(const SmoothGradient& gradient, std::int64_t k)>;
 
-/// Marching cubes (Lorensen and Cline 1987) on the crop of a whole structure. The normal of a vertex is the
-/// sum of the smoothed gradients at both ends of its cell edge, or the face normal if that sum points
-/// inwards. Normals are rounded to unpack_normal(pack_normal(n)), as in files. `visit_slice` may be empty.
-/// Cost: linear in the voxels of the crop.
-[[nodiscard]] SurfaceMesh fit_surface(const StructureCrop& crop, const Grid& grid,
+/// Marching cubes (Lorensen and Cline 1987) on the crop of a whole structure, by a rule that the grid admits.
+/// The normals of kSmooth are the directions of smooth(). Otherwise the normal of a vertex is the sum of the
+/// smoothed gradients at both ends of its cell edge, or the face normal if that sum points inwards. Normals
+/// are rounded to unpack_normal(pack_normal(n)), as in files. `visit_slice` may be empty. Cost: see
+/// surface_net() and smooth(); gradients are linear in the voxels of the crop.
+[[nodiscard]] SurfaceMesh fit_surface(const StructureCrop& crop, const Grid& grid, SurfaceRule rule,
                                       const SliceVisitor& visit_slice = {});
 
 /// fit_surface() from the structure's runs, with the same bits, or nothing if it has more than
-/// `max_triangles` triangles. Cost: see sparse_marching_cubes(), and about 0.5 us per vertex.
+/// `max_triangles` triangles. Cost: see sparse_surface_net(), and about 0.5 us per vertex for gradients.
 [[nodiscard]] std::optional<SurfaceMesh> fit_sparse_surface(const PartRows& rows, const Grid& grid,
-                                                            std::uint64_t max_triangles);
+                                                            SurfaceRule rule, std::uint64_t max_triangles);
 
 /// `box` with all but the outermost voxels that the normals of its voxels depend on. empty_crop() adds those.
 [[nodiscard]] IndexBox around(const IndexBox& box);

@@ -1,10 +1,10 @@
 #include "format/derive/sparse_surface.h"
 
 #include <algorithm>
-#include <tuple>
+#include <numeric>
 #include <utility>
 
-#include "format/derive/marching_cubes.h"
+#include "format/derive/net_builder.h"
 #include "format/derive/structure_crop.h"
 #include "format/system/task_control.h"
 
@@ -18,17 +18,21 @@ class PaddedGrid {
   [[nodiscard]] std::uint64_t offset(std::int64_t i, std::int64_t j, std::int64_t k) const {
     return static_cast<std::uint64_t>(((k + 1) * height_ + j + 1) * width_ + i + 1);
   }
+  [[nodiscard]] Index3 index(std::uint64_t offset) const {
+    const auto at = static_cast<std::int64_t>(offset);
+    return {at % width_ - 1, at / width_ % height_ - 1, at / width_ / height_ - 1};
+  }
 
  private:
   std::int64_t width_, height_;
 };
 
-/// A triangle with the keys of its vertices and of its place in the order of triangles.
-struct PlacedTriangle {
-  std::uint64_t leading = 0;                ///< padded offset of the first boundary voxel of the cell
-  std::uint64_t cell = 0;                   ///< padded offset of the cell
-  std::uint32_t number = 0;                 ///< within the cell
-  std::array<std::uint64_t, 3> vertices{};  ///< padded offset of the edge's first voxel times 4, plus axis
+/// A cell with corners inside and outside.
+struct SparseCell {
+  std::uint64_t offset = 0;            ///< padded offset of corner 0
+  std::uint64_t leading = 0;           ///< padded offset of the first boundary voxel, or 0
+  std::array<std::uint32_t, 3> ids{};  ///< of the vertices on the edges from corner 0, see NetBuilder
+  std::uint8_t inside = 0;
 };
 
 /// Visits the cells between four rows: (j, k), (j + 1, k), (j, k + 1), (j + 1, k + 1).
@@ -113,82 +117,74 @@ Index3 corner_of(const Index3& cell, unsigned corner) {
   return {cell[0] + (corner & 1), cell[1] + (corner >> 1 & 1), cell[2] + (corner >> 2)};
 }
 
-void add_cell(const Index3& cell, const std::array<std::uint8_t, 8>& parts, const PaddedGrid& grid,
-              std::vector<PlacedTriangle>& triangles) {
-  unsigned inside = 0;
-  PlacedTriangle placed{.cell = grid.offset(cell[0], cell[1], cell[2])};
+SparseCell sparse_cell(const Index3& cell, const std::array<std::uint8_t, 8>& parts, const PaddedGrid& grid) {
+  SparseCell result{.offset = grid.offset(cell[0], cell[1], cell[2])};
   for (unsigned corner = 8; corner-- > 0;) {
-    inside |= unsigned{parts[corner] != StructureCrop::kOutside} << corner;
+    if (parts[corner] == StructureCrop::kOutside) continue;
+    result.inside = static_cast<std::uint8_t>(result.inside | 1u << corner);
     const Index3 at = corner_of(cell, corner);
-    if (parts[corner] == StructureCrop::kBoundary) placed.leading = grid.offset(at[0], at[1], at[2]);
+    if (parts[corner] == StructureCrop::kBoundary) result.leading = grid.offset(at[0], at[1], at[2]);
   }
-  for (const std::array<CellEdge, 3>& triangle : cell_triangles(static_cast<std::uint8_t>(inside))) {
-    for (std::size_t n = 0; n < 3; ++n) {
-      const Index3 at = corner_of(cell, triangle[n].corner);
-      placed.vertices[n] = grid.offset(at[0], at[1], at[2]) << 2 | triangle[n].axis;
-    }
-    triangles.push_back(placed);
-    ++placed.number;
-  }
+  return result;
 }
 
-/// Numbers vertices by first use.
-SurfaceMesh number_vertices(std::span<const PlacedTriangle> triangles, const Index3& size) {
-  struct Use {
-    std::uint64_t vertex = 0;
-    std::uint32_t place = 0;  ///< corner of a triangle, counted over all triangles
-  };
-  std::vector<Use> uses;
-  uses.reserve(3 * triangles.size());
-  for (const PlacedTriangle& triangle : triangles) {
-    for (const std::uint64_t vertex : triangle.vertices)
-      uses.push_back({vertex, static_cast<std::uint32_t>(uses.size())});
-  }
-  std::ranges::sort(uses, {}, [](const Use& use) { return std::pair(use.vertex, use.place); });
-  std::vector<std::uint32_t> first_use(uses.size());  // [place]
-  for (std::size_t n = 0; n < uses.size(); ++n) {
-    const bool is_first = n == 0 || uses[n].vertex != uses[n - 1].vertex;
-    first_use[uses[n].place] = is_first ? uses[n].place : first_use[uses[n - 1].place];
-  }
-  SurfaceMesh mesh;
-  std::vector<std::uint32_t> number(uses.size());  // [place of first use]
-  const std::uint64_t width = static_cast<std::uint64_t>(size[0]) + 2;
-  const std::uint64_t height = static_cast<std::uint64_t>(size[1]) + 2;
-  for (std::uint32_t place = 0; place < uses.size(); ++place) {
-    if (place % 3 == 0) mesh.triangles.emplace_back();
-    if (first_use[place] == place) {
-      number[place] = static_cast<std::uint32_t>(mesh.positions_ijk.size());
-      const std::uint64_t vertex = triangles[place / 3].vertices[place % 3], offset = vertex >> 2;
-      const std::array<std::uint64_t, 3> at{offset % width, offset / width % height, offset / width / height};
-      std::array<float, 3>& position = mesh.positions_ijk.emplace_back();
-      for (std::size_t a = 0; a < 3; ++a)
-        position[a] =
-            static_cast<float>(static_cast<std::int64_t>(at[a]) - 1) + (a == (vertex & 3) ? 0.5f : 0.0f);
-    }
-    mesh.triangles.back()[place % 3] = number[first_use[place]];
-  }
-  return mesh;
-}
-
-}  // namespace
-
-std::optional<SurfaceMesh> sparse_marching_cubes(const PartRows& rows, std::uint64_t max_triangles) {
-  const PaddedGrid grid(rows.size());
-  std::vector<PlacedTriangle> triangles;
-  bool fits = true;
+/// All cells in memory order, or nothing if they have more than `max_triangles` triangles.
+std::optional<std::vector<SparseCell>> find_cells(const PartRows& rows, const PaddedGrid& grid,
+                                                  CellTable table, std::uint64_t max_triangles) {
+  std::vector<SparseCell> cells;
+  std::uint64_t triangles = 0;
   for (const auto& row : cell_rows(rows)) {
     check_cancelled();
     const auto k = row.first, j = row.second;
     CellRow(rows, j, k).for_each_crossed_cell([&](std::int64_t i, const std::array<std::uint8_t, 8>& parts) {
-      if (fits) add_cell({i, j, k}, parts, grid, triangles);
-      fits = triangles.size() <= max_triangles;
+      if (triangles > max_triangles) return;
+      cells.push_back(sparse_cell({i, j, k}, parts, grid));
+      triangles += cell_cases(table)[cells.back().inside].triangle_count;
     });
-    if (!fits) return std::nullopt;
+    if (triangles > max_triangles) return std::nullopt;
   }
-  std::ranges::sort(triangles, [](const PlacedTriangle& a, const PlacedTriangle& b) {
-    return std::tuple(a.leading, a.cell, a.number) < std::tuple(b.leading, b.cell, b.number);
-  });
-  return number_vertices(triangles, rows.size());
+  return cells;
+}
+
+/// The cells with corner 0 at the corners of a cell. All with a crossed edge there are in the list.
+std::array<SparseCell*, 8> cells_at_corners(std::vector<SparseCell>& cells, std::size_t n,
+                                            const PaddedGrid& grid) {
+  std::array<SparseCell*, 8> found{};
+  const Index3 cell = grid.index(cells[n].offset);
+  auto next = cells.begin() + static_cast<std::ptrdiff_t>(n);
+  for (unsigned corner = 0; corner < 8; ++corner) {
+    const Index3 at = corner_of(cell, corner);
+    next = std::ranges::lower_bound(next, cells.end(), grid.offset(at[0], at[1], at[2]), {},
+                                    &SparseCell::offset);
+    if (next == cells.end()) break;
+    found[corner] = &*next;
+  }
+  return found;
+}
+
+}  // namespace
+
+std::optional<SurfaceNet> sparse_surface_net(const PartRows& rows, CellTable table,
+                                             std::uint64_t max_triangles) {
+  const PaddedGrid grid(rows.size());
+  std::optional<std::vector<SparseCell>> cells = find_cells(rows, grid, table, max_triangles);
+  if (!cells) return std::nullopt;
+  std::vector<std::uint32_t> order(cells->size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::ranges::stable_sort(order, {}, [&](std::uint32_t n) { return (*cells)[n].leading; });
+  NetBuilder builder(table, cells->size());
+  for (std::size_t n = 0; n < order.size(); ++n) {
+    if (n % 4096 == 0) check_cancelled();
+    const Index3 cell = grid.index((*cells)[order[n]].offset);
+    const std::array<SparseCell*, 8> at_corners = cells_at_corners(*cells, order[n], grid);
+    builder.add_cell(
+        {static_cast<std::int32_t>(cell[0]), static_cast<std::int32_t>(cell[1]),
+         static_cast<std::int32_t>(cell[2])},
+        (*cells)[order[n]].inside,
+        [&](const CellEdge& edge) -> std::uint32_t& { return at_corners[edge.corner]->ids[edge.axis]; },
+        [](const CellEdge&) { return 1u; });
+  }
+  return builder.finish();
 }
 
 SparseGradient::SparseGradient(const PartRows& rows) : rows_(rows) {

@@ -1,4 +1,4 @@
-// Marching cubes and gradients on runs, for structures that fill little of their bounding box.
+// Surface nets and gradients from runs, for structures that fill little of their bounding box.
 #pragma once
 
 #include <array>
@@ -9,15 +9,15 @@
 
 #include "format/derive/part_rows.h"
 #include "format/derive/smooth_gradient.h"
-#include "format/surface.h"
+#include "format/derive/surface_net.h"
 
 namespace splatlas {
 
-/// The surface of marching_cubes() on a crop of the same voxels: the same bits, in the same order. Stops with
-/// nothing once it has more than `max_triangles` triangles. Cost: n log n for n runs and triangles, with 100
-/// bytes per triangle, whatever the size of the bounding box.
-[[nodiscard]] std::optional<SurfaceMesh> sparse_marching_cubes(const PartRows& rows,
-                                                               std::uint64_t max_triangles);
+/// surface_net() of a crop of the same voxels: the same bits, in the same order. Stops with nothing once it
+/// has more than `max_triangles` triangles. Cost: n log n for n runs and triangles, with 100 bytes per
+/// triangle, whatever the size of the bounding box.
+[[nodiscard]] std::optional<SurfaceNet> sparse_surface_net(const PartRows& rows, CellTable table,
+                                                           std::uint64_t max_triangles);
 
 /// The gradient of SmoothGradient at any voxel, with the same bits, from the 49 rows around it. Fast if
 /// successive voxels are sorted by memory order.

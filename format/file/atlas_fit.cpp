@@ -45,6 +45,15 @@ Result<PartRows> Atlas::Impl::read_rows(StructureIndex s, const IndexBox& near) 
   return rows;
 }
 
+SurfaceRule Atlas::Impl::rule_of_surface(StructureIndex s) const {
+  const SurfaceRule rule = rule_of(directory.surfaces[s]);
+  if (surfaces == SurfaceChoice::kSmooth) {
+    const SurfaceRule smooth = rule_for(SurfaceRule::kSmooth, grid.size);
+    return smooth == SurfaceRule::kSmooth ? smooth : rule;
+  }
+  return surfaces == SurfaceChoice::kVoxels && rule == SurfaceRule::kSmooth ? SurfaceRule::kVoxels : rule;
+}
+
 Result<SurfaceMesh> Atlas::Impl::fit_surface_of(StructureIndex s) const {
   const SurfaceEntry& entry = directory.surfaces[s];
   const IndexBox box = box_of(directory.classes, structure_classes.of(s));
@@ -53,10 +62,10 @@ Result<SurfaceMesh> Atlas::Impl::fit_surface_of(StructureIndex s) const {
     mesh.emplace();
   } else if (fits_sparsely(box, entry.vertices)) {
     SPLATLAS_ASSIGN_OR_RETURN(const PartRows rows, read_rows(s, box));
-    mesh = fit_sparse_surface(rows, grid, entry.triangles);
+    mesh = fit_sparse_surface(rows, grid, rule_of_surface(s), entry.triangles);
   } else {
     SPLATLAS_ASSIGN_OR_RETURN(const StructureCrop crop, read_crop(s, empty_crop(box)));
-    mesh = fit_surface(crop, grid);
+    mesh = fit_surface(crop, grid, rule_of_surface(s));
   }
   if (mesh && mesh->positions_ijk.size() == entry.vertices && mesh->triangles.size() == entry.triangles)
     return *std::move(mesh);

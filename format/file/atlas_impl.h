@@ -59,6 +59,8 @@ struct Atlas::Impl {
   [[nodiscard]] Result<StructureCrop> read_crop(StructureIndex s, StructureCrop crop) const;
   /// The rows of a structure; those of classes that do not overlap a box may be missing.
   [[nodiscard]] Result<PartRows> read_rows(StructureIndex s, const IndexBox& near) const;
+  /// The rule by which a surface is derived: that of the file or of AtlasOptions.
+  [[nodiscard]] SurfaceRule rule_of_surface(StructureIndex s) const;
   [[nodiscard]] Result<SurfaceMesh> fit_surface_of(StructureIndex s) const;
   [[nodiscard]] Result<std::vector<PackedNormal>> fit_normals_of(ClassId c) const;
   /// The voxels of a group of classes.
@@ -105,6 +107,7 @@ struct Atlas::Impl {
   std::vector<std::uint32_t> surface_stream;  ///< [structure]: index of its stream
   StructureClasses structure_classes;
   RunFingerprinter fingerprinter;
+  SurfaceChoice surfaces;
   WorkBudget budget;
 
   mutable std::array<std::vector<std::atomic<bool>>, 3> runs_counted;  // [axis][class]

@@ -36,6 +36,9 @@ Result<OpenedDirectory> read_directory(const InputFile& file) {
   SPLATLAS_ASSIGN_OR_RETURN(Directory directory, decode_directory(bytes));
   RunStreams streams(directory.classes);
   SPLATLAS_RETURN_IF_ERROR(validate(directory, streams));
+  if (const std::uint32_t missing = required_features(directory) & ~header.required_features; missing != 0)
+    return invalid_atlas("invalid: its surfaces need format features {:#x}, its header has {:#x}", missing,
+                         header.required_features);
   SPLATLAS_ASSIGN_OR_RETURN(FileLayout layout, lay_out(directory, streams.groups(), header.directory_bytes));
   if (layout.file_bytes() != header.file_bytes) {
     return invalid_atlas("invalid: chunks end at {}, the file has {} bytes", layout.file_bytes(),
@@ -60,6 +63,7 @@ Atlas::Impl::Impl(InputFile opened_file, const FileHeader& checked_header, Direc
       surface_stream(directory.graph.size()),
       structure_classes(directory.classes, directory.graph.size()),
       fingerprinter(grid.size),
+      surfaces(options.surfaces),
       budget(file.name(), header.file_bytes, options.max_work),
       value_cache(groups.size(), kMaxCachedBytes) {
   const auto preorder = directory.graph.preorder();

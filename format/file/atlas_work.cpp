@@ -20,7 +20,8 @@ constexpr double kPerMaskVoxel = 6;     // of the box
 constexpr double kPerDerivedVoxel = 8;  // of a run model that is not stored
 constexpr double kPerPredictedByte = 30;
 constexpr double kPerValueByte = 8;
-constexpr double kPerCropVoxel = 2.5, kPerFittedVertex = 60;  // of a dense crop
+constexpr double kPerCropVoxel = 2.5, kPerFittedVertex = 160;  // of a dense crop
+constexpr double kBytesPerFittedVertex = 200;
 constexpr double kPerSparseVertex = 900, kPerSparseVoxel = 300, kPerSparseTriangle = 300;
 constexpr double kBytesPerSparseTriangle = 200;
 constexpr double kPerTriangle = 60;
@@ -165,7 +166,7 @@ Work Atlas::Impl::work_of_surface(StructureIndex s) const {
   } else {
     work.add(WorkKind::kVoxels, number(crop_voxels(box)), kPerCropVoxel);
     work.add(WorkKind::kTriangles, entry.vertices, kPerFittedVertex);
-    work.hold(crop_bytes(box));
+    work.hold(crop_bytes(box) + kBytesPerFittedVertex * entry.vertices);
   }
   return work;
 }

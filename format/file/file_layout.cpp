@@ -48,8 +48,17 @@ Result<void> check_version(const FileHeader& header) {
 
 }  // namespace
 
-FileHeader make_header(std::span<const std::byte> directory, std::uint64_t file_bytes) {
+std::uint32_t required_features(const Directory& directory) {
+  const bool any = std::ranges::any_of(directory.surfaces, [](const SurfaceEntry& entry) {
+    return is_fitted(entry) && rule_of(entry) != SurfaceRule::kFans;
+  });
+  return any ? kFeatureVtkSurfaces : 0;
+}
+
+FileHeader make_header(std::span<const std::byte> directory, std::uint64_t file_bytes,
+                       std::uint32_t required_features) {
   FileHeader header;
+  header.required_features = required_features;
   header.file_bytes = file_bytes;
   header.directory_bytes = directory.size();
   header.directory_checksum = checksum_of(directory);

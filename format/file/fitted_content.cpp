@@ -1,6 +1,7 @@
 #include "format/file/fitted_content.h"
 
 #include <algorithm>
+#include <optional>
 
 #include "format/derive/fit_surface.h"
 #include "format/derive/structure_crop.h"
@@ -8,6 +9,15 @@
 
 namespace splatlas {
 namespace {
+
+/// The rule that a surface may follow.
+std::optional<SurfaceRule> rule_of(const SurfaceMesh& mesh, const Index3& size) {
+  if (mesh.empty()) return std::nullopt;
+  for (const SurfaceRule rule : {SurfaceRule::kFans, SurfaceRule::kVoxels, SurfaceRule::kSmooth}) {
+    if (mesh.position_scale == static_cast<std::uint32_t>(rule) && rule_for(rule, size) == rule) return rule;
+  }
+  return std::nullopt;
+}
 
 /// Compares fitted surfaces and normals with those of the content.
 class FitComparer {
@@ -32,7 +42,7 @@ class FitComparer {
   [[nodiscard]] bool surface_is_fitted(StructureIndex s) {
     const std::span<const StructureClass> members = structure_classes_.of(s);
     const IndexBox box = box_of(content_.classes, members);
-    const bool is_candidate = !content_.surfaces[s].empty() && content_.surfaces[s].position_scale == 2;
+    const std::optional<SurfaceRule> rule = rule_of(content_.surfaces[s], grid_.size);
     const bool fits = !box.empty() && crop_voxels(box) <= kMaxFittedVoxels;
     const auto is_owned = [&](const StructureClass& h) { return owners_[h.id] == s; };
     if (!fits) {
@@ -40,12 +50,13 @@ class FitComparer {
         if (is_owned(h)) normals_differ_[h.id] = 1;
       }
     }
-    if (!fits || (!is_candidate && std::ranges::none_of(members, is_owned))) return false;
+    if (!fits || (!rule && std::ranges::none_of(members, is_owned))) return false;
     const std::vector<std::uint8_t> parts = parts_of(members, owners_.size());
     const StructureCrop crop = crop_structure(content_.class_volume, grid_.size, box, parts);
-    const SurfaceMesh mesh = fit_surface(crop, grid_, [&](const SmoothGradient& gradient, std::int64_t k) {
+    const auto visit = [&](const SmoothGradient& gradient, std::int64_t k) {
       compare_normals(s, crop, gradient, k);
-    });
+    };
+    const SurfaceMesh mesh = fit_surface(crop, grid_, rule.value_or(SurfaceRule::kVoxels), visit);
     return mesh == content_.surfaces[s];
   }
 

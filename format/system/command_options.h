@@ -79,6 +79,13 @@ CLI::Option* add_choice(CLI::App& app, const std::string& name, Value& value,
   return option;
 }
 
+/// Binds --surfaces to a rule or choice of surfaces.
+template <typename Surfaces>
+CLI::Option* add_surfaces(CLI::App& app, Surfaces& surfaces, const std::string& help) {
+  return add_choice(app, "--surfaces", surfaces,
+                    {{"smooth", Surfaces::kSmooth}, {"voxels", Surfaces::kVoxels}}, help);
+}
+
 /// Check of an option or argument that names a file: refuses "".
 [[nodiscard]] inline CLI::Validator names_a_file() {
   return CLI::Validator([](const std::string& text) { return text.empty() ? "\"\": must name a file" : ""; },

@@ -214,6 +214,8 @@ CLI::App* add_render(CLI::App& app, RenderRequest& request) {
                                "a .jpg picture has no transparency; write .png, .tif or .exr");
   });
   add_threads(*command, request.threads, "0: one per core; the picture does not depend on it");
+  add_surfaces(*command, request.atlas_options.surfaces,
+               "surfaces that follow from the voxels; as in the atlas if not given");
   add_max_work(*command, request.atlas_options.max_work);
   add_parsed(*command, "--stats", request.stats, parse_file_name, "must name a file",
              "JSON file to write: voxels visited, bytes read, times");

@@ -45,6 +45,8 @@ CLI::App* add_export(CLI::App& app, ExportOptions& options) {
       *command, "--surface", options.surfaces,
       [](std::string_view text) { return parse_name_and_file("--surface", text); },
       "STRUCTURE=FILE: a surface to write (repeatable)");
+  add_surfaces(*command, options.atlas_options.surfaces,
+               "surfaces that follow from the voxels; as in the atlas if not given");
   add_max_work(*command, options.atlas_options.max_work);
   return command;
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <fstream>
 #include <span>
 #include <string>
 #include <vector>
@@ -66,11 +67,20 @@ std::vector<Corners> corners_of(std::span<const SurfaceMesh> surfaces, const Gri
   return corners;
 }
 
+/// "smoothed 1" if any surface is smoothed; else empty.
+std::string comment_of(std::span<const SurfaceMesh> surfaces) {
+  constexpr auto kSmooth = static_cast<std::uint32_t>(SurfaceRule::kSmooth);
+  return std::ranges::count(surfaces, kSmooth, &SurfaceMesh::position_scale) > 0 ? "smoothed 1" : "";
+}
+
 template <typename Writer>
-bool write_with(vtkPolyData& polygons, const fs::path& path) {
+bool write_with(vtkPolyData& polygons, const std::string& comment, const fs::path& path) {
   vtkNew<Writer> writer;
   writer->SetInputData(&polygons);
   writer->SetFileName(path.c_str());
+  if constexpr (requires { writer->SetHeader(comment.c_str()); }) {
+    if (!comment.empty()) writer->SetHeader(comment.c_str());
+  }
   if constexpr (requires { writer->SetFileTypeToBinary(); }) writer->SetFileTypeToBinary();
   return update_quietly(*writer).empty();
 }
@@ -82,11 +92,12 @@ void append(T value, std::vector<std::byte>& bytes) {
 }
 
 /// Binary PLY. VTK's writer appends ".ply" to other file names, and its output to memory is empty.
-Result<void> write_ply(vtkPolyData& polygons, OutputFile& file) {
+Result<void> write_ply(vtkPolyData& polygons, const std::string& comment, OutputFile& file) {
   const std::string header = fmt::format(
-      "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty float x\nproperty float y\n"
+      "ply\nformat binary_little_endian 1.0\n{}{}{}element vertex {}\nproperty float x\nproperty float y\n"
       "property float z\nelement face {}\nproperty list uchar int vertex_indices\nend_header\n",
-      polygons.GetNumberOfPoints(), polygons.GetNumberOfPolys());
+      comment.empty() ? "" : "comment ", comment, comment.empty() ? "" : "\n", polygons.GetNumberOfPoints(),
+      polygons.GetNumberOfPolys());
   SPLATLAS_RETURN_IF_ERROR(file.write(std::as_bytes(std::span(header))));
   std::vector<std::byte> bytes;
   for (vtkIdType p = 0; p < polygons.GetNumberOfPoints(); ++p) {
@@ -103,15 +114,25 @@ Result<void> write_ply(vtkPolyData& polygons, OutputFile& file) {
   return file.write(bytes);
 }
 
+/// VTK's writer has no comments of its own.
+bool write_obj(vtkPolyData& polygons, const std::string& comment, const fs::path& path) {
+  if (!write_with<vtkOBJWriter>(polygons, comment, path)) return false;
+  if (comment.empty()) return true;
+  std::ofstream end(path, std::ios::binary | std::ios::app);
+  end << "# " << comment << '\n' << std::flush;
+  return end.good();
+}
+
 /// Returns VTK's success.
-Result<bool> write_as(MeshFormat format, vtkPolyData& polygons, OutputFile& file) {
+Result<bool> write_as(MeshFormat format, vtkPolyData& polygons, const std::string& comment,
+                      OutputFile& file) {
   switch (format) {
-    case MeshFormat::kStl: return write_with<vtkSTLWriter>(polygons, file.temporary());
-    case MeshFormat::kObj: return write_with<vtkOBJWriter>(polygons, file.temporary());
-    case MeshFormat::kPly: SPLATLAS_RETURN_IF_ERROR(write_ply(polygons, file)); return true;
+    case MeshFormat::kStl: return write_with<vtkSTLWriter>(polygons, comment, file.temporary());
+    case MeshFormat::kObj: return write_obj(polygons, comment, file.temporary());
+    case MeshFormat::kPly: SPLATLAS_RETURN_IF_ERROR(write_ply(polygons, comment, file)); return true;
     case MeshFormat::kVtk: break;
   }
-  return write_with<vtkPolyDataWriter>(polygons, file.temporary());
+  return write_with<vtkPolyDataWriter>(polygons, comment, file.temporary());
 }
 
 /// Compares within the precision of VTK's text output, six digits.
@@ -168,7 +189,7 @@ Result<void> write_mesh(std::span<const SurfaceMesh> surfaces, const Grid& grid,
   SPLATLAS_ASSIGN_OR_RETURN(const MeshFormat format, writable_mesh_format(path));
   SPLATLAS_ASSIGN_OR_RETURN(OutputFile file, OutputFile::create(path));
   const vtkNew<vtkPolyData> polygons = to_polygons(surfaces, grid);
-  SPLATLAS_ASSIGN_OR_RETURN(const bool written, write_as(format, *polygons, file));
+  SPLATLAS_ASSIGN_OR_RETURN(const bool written, write_as(format, *polygons, comment_of(surfaces), file));
   // Read back: VTK detects a full disk only for some formats, and lost bytes for none.
   const auto back = import_mesh(file.temporary(), format, MeshFrame::kLps);
   if (!written || !back || !holds_triangles(*back, corners_of(surfaces, grid)))

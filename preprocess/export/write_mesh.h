@@ -22,7 +22,8 @@ using Corners = std::array<Vec3, 3>;
 [[nodiscard]] Result<MeshFormat> writable_mesh_format(const std::filesystem::path& path);
 
 /// Writes all surfaces, in LPS mm, to one .stl, .ply, .vtk (all binary) or .obj file, atomically; with
-/// normals if the format supports them. `grid` is the storage grid.
+/// normals if the format supports them. If any surface is smoothed, the file's comment is "smoothed 1".
+/// `grid` is the storage grid.
 [[nodiscard]] Result<void> write_mesh(std::span<const SurfaceMesh> surfaces, const Grid& grid,
                                       const std::filesystem::path& path);
 

@@ -1,10 +1,13 @@
 #include "preprocess/surfaces/extract_surfaces.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "format/derive/fit_surface.h"
 #include "format/derive/structure_crop.h"
 #include "format/system/parallel.h"
+#include "format/system/result_macros.h"
+#include "preprocess/surfaces/vtk_surface.h"
 
 namespace splatlas {
 namespace {
@@ -13,23 +16,32 @@ namespace {
 class StructureExtractor {
  public:
   StructureExtractor(const Classification& classification, const StructureClasses& structure_classes,
-                     const Grid& grid, std::span<const StructureIndex> normal_owner,
+                     const Grid& grid, SurfaceRule rule, std::span<const StructureIndex> normal_owner,
                      std::span<PackedNormal> normals)
       : classification_(classification),
         structure_classes_(structure_classes),
         grid_(grid),
+        rule_(rule_for(rule, grid.size)),
         voxel_normals_(grid),
         normal_owner_(normal_owner),
         normals_(normals) {}
 
+  struct Extracted {
+    SurfaceMesh mesh;
+    bool is_derived = true;
+  };
   /// The surface of a structure within `box`; writes the normals of the boundary voxels that it owns.
-  [[nodiscard]] SurfaceMesh extract(StructureIndex structure, const IndexBox& box) const {
+  [[nodiscard]] Result<Extracted> extract(StructureIndex structure, const IndexBox& box) const {
     const std::vector<std::uint8_t> parts =
         parts_of(structure_classes_.of(structure), classification_.classes.size());
     const StructureCrop crop = crop_structure(classification_.volume, grid_.size, box, parts);
-    return fit_surface(crop, grid_, [&](const SmoothGradient& gradient, std::int64_t k) {
+    Extracted result;
+    result.mesh = fit_surface(crop, grid_, rule_, [&](const SmoothGradient& gradient, std::int64_t k) {
       write_voxel_normals(structure, crop, gradient, k);
     });
+    SPLATLAS_ASSIGN_OR_RETURN(const MidwayTriangles vtk, extract_with_vtk(crop));
+    SPLATLAS_ASSIGN_OR_RETURN(result.is_derived, adopt_triangles(vtk, crop, grid_, result.mesh));
+    return result;
   }
 
  private:
@@ -44,6 +56,7 @@ class StructureExtractor {
   const Classification& classification_;
   const StructureClasses& structure_classes_;
   const Grid& grid_;
+  SurfaceRule rule_;
   VoxelNormals voxel_normals_;
   std::span<const StructureIndex> normal_owner_;
   std::span<PackedNormal> normals_;
@@ -82,26 +95,34 @@ std::vector<std::vector<PackedNormal>> gather_by_class(const Classification& cla
 
 }  // namespace
 
-ExtractedSurfaces extract_surfaces(const Classification& classification, const StructureGraph& graph,
-                                   const Grid& storage_grid, unsigned threads,
-                                   const std::function<void(double)>& progress) {
+Result<ExtractedSurfaces> extract_surfaces(const Classification& classification, const StructureGraph& graph,
+                                           const Grid& storage_grid, const ExtractOptions& options) {
   ExtractedSurfaces result;
   result.surfaces.resize(graph.size());
   const std::vector<StructureIndex> owners = normal_owners(classification.classes);
   std::vector<PackedNormal> normals(classification.volume.size());
   const StructureClasses structure_classes(classification.classes, graph.size());
-  const StructureExtractor extractor(classification, structure_classes, storage_grid, owners, normals);
+  const StructureExtractor extractor(classification, structure_classes, storage_grid, options.rule, owners,
+                                     normals);
   const auto structures = structures_to_extract(classification.classes, structure_classes, graph);
 
+  std::vector<Result<StructureExtractor::Extracted>> extracted(structures.size());
   parallel_for(
-      structures.size(), threads,
-      [&](std::size_t n) {
-        const auto& [structure, box] = structures[n];
-        result.surfaces[structure] = extractor.extract(structure, box);
-      },
+      structures.size(), options.threads,
+      [&](std::size_t n) { extracted[n] = extractor.extract(structures[n].first, structures[n].second); },
       [&](std::size_t done) {
-        if (progress) progress(static_cast<double>(done) / static_cast<double>(structures.size()));
+        if (options.progress)
+          options.progress(static_cast<double>(done) / static_cast<double>(structures.size()));
       });
+  for (std::size_t n = 0; n < structures.size(); ++n) {
+    const StructureIndex structure = structures[n].first;
+    if (!extracted[n]) {
+      return fail(extracted[n].error().code, "surface of structure '{}': {}", graph[structure].id,
+                  extracted[n].error().message);
+    }
+    result.surfaces[structure] = std::move(extracted[n]->mesh);
+    if (!extracted[n]->is_derived) ++result.not_derived;
+  }
   result.boundary_normals = gather_by_class(classification, owners, normals);
   return result;
 }

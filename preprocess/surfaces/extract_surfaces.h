@@ -15,17 +15,26 @@ namespace splatlas {
 struct ExtractedSurfaces {
   std::vector<SurfaceMesh> surfaces;                        ///< per structure; empty without voxels
   std::vector<std::vector<PackedNormal>> boundary_normals;  ///< per class, as in AtlasContent
+  /// Number of surfaces whose triangles do not follow from the voxels, see adopt_triangles(). Files store
+  /// them.
+  std::size_t not_derived = 0;
 };
 
-/// Extracts the surface of each structure's own voxels by fit_surface() (marching cubes, Lorensen and Cline
-/// 1987), closed at the border of the grid. Normals come from the mask smoothed with a Gaussian of one voxel.
-/// A boundary voxel of several structures has the normal of the lowest index. `progress` receives the
-/// fraction done on the calling thread and may be empty. Parallel over structures; the result does not depend
-/// on `threads` (0: one per core). Memory per thread: one byte per voxel of a structure's box; total: two
-/// bytes per voxel of the grid.
-[[nodiscard]] ExtractedSurfaces extract_surfaces(const Classification& classification,
-                                                 const StructureGraph& graph, const Grid& storage_grid,
-                                                 unsigned threads = 0,
-                                                 const std::function<void(double)>& progress = {});
+/// Options of extract_surfaces().
+struct ExtractOptions {
+  SurfaceRule rule = SurfaceRule::kSmooth;
+  unsigned threads = 0;                  ///< 0: one per core. The result does not depend on it.
+  std::function<void(double)> progress;  ///< receives the fraction done on the calling thread; may be empty
+};
+
+/// Extracts the surface of each structure's own voxels with VTK (marching cubes, Lorensen and Cline 1987),
+/// closed at the border of the grid, and compares it with fit_surface(), which readers use. Boundary normals
+/// come from the mask smoothed with a Gaussian of one voxel. A boundary voxel of several structures has the
+/// normal of the lowest index. Errors name the structure. Parallel over structures. Memory per thread: two
+/// bytes per voxel of a structure's box; total: two bytes per voxel of the grid.
+[[nodiscard]] Result<ExtractedSurfaces> extract_surfaces(const Classification& classification,
+                                                         const StructureGraph& graph,
+                                                         const Grid& storage_grid,
+                                                         const ExtractOptions& options = {});
 
 }  // namespace splatlas

@@ -122,6 +122,7 @@ TEST_F(ErrorLines, OfRender) {
   refuses({"--projection", "perspective", "--field-of-view", "190"}, "--field-of-view 190", "179");
   refuses({"--view", "up"}, "--view \"up\"", "superior");
   refuses({"--quality", "\x1b"}, "--quality \"?\"", "draft, normal or high");
+  refuses({"--surfaces", "round"}, "--surfaces \"round\"", "must be smooth or voxels");
   refuses({"--background", "blue"}, "--background \"blue\"", "#rrggbb");
   cases.push_back({{"render", "a.atlas", "-o", "x.jpeg", "--background", "transparent"},
                    2,
@@ -154,6 +155,7 @@ TEST_F(ErrorLines, OfPreprocessCommandsAndExport) {
        {{"export", "a.atlas", "--labels", "full/"}, 1, "full/: ", "not an empty folder"},
        {{"export", "a.atlas", "--labels", "none/x.nii"}, 1, "none/x.nii: ", "no folder none"},
        {{"export", "a.atlas", "--volume", "x.mhd"}, 2, "x.mhd: ", "write .mha"},
+       {{"export", "a.atlas", "--surfaces", "round"}, 2, "--surfaces \"round\"", "must be smooth or voxels"},
        {{"export", "a.atlas", "--surface", "x"}, 2, "--surface 'x'", "NAME=FILE"},
        {{"export", "a.atlas", "--surface", "Nope=x.stl"}, 4, "a.atlas: ", "the nearest: "},
        {{"export", "a.atlas", "--surface", "Sphere 1=x.foo"}, 2, "x.foo: ", ".stl"},

@@ -61,11 +61,13 @@ inline AtlasParts take_apart(const Bytes& file) {
   return parts;
 }
 
-/// A file of this directory and these chunks, with right lengths and checksums in the header.
-inline Bytes put_together(const Bytes& directory, const std::vector<Bytes>& chunks) {
+/// A file of this directory and these chunks, with right lengths and checksums in the header, and these
+/// feature bits.
+inline Bytes put_together(const Bytes& directory, const std::vector<Bytes>& chunks,
+                          std::uint32_t features = kKnownRequiredFeatures) {
   std::size_t size = sizeof(FileHeader) + directory.size();
   for (const Bytes& chunk : chunks) size += chunk.size();
-  const FileHeader header = make_header(directory, size);
+  const FileHeader header = make_header(directory, size, features);
   Bytes file(size);
   std::memcpy(file.data(), &header, sizeof header);
   auto end = std::ranges::copy(directory, file.begin() + sizeof header).out;
@@ -74,7 +76,8 @@ inline Bytes put_together(const Bytes& directory, const std::vector<Bytes>& chun
 }
 
 inline Bytes put_together(const AtlasParts& parts) {
-  return put_together(encode_directory(parts.directory).value(), parts.chunks);
+  return put_together(encode_directory(parts.directory).value(), parts.chunks,
+                      required_features(parts.directory));
 }
 
 /// The decoded streams of a section.

@@ -6,6 +6,7 @@
 #include <limits>
 #include <numbers>
 #include <random>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -92,6 +93,25 @@ TEST(UnitVector, NoDirectionPacksAsPlusZ) {
   EXPECT_EQ(unpack_normal(pack_normal({1, kNan, 0})), z);
   EXPECT_EQ(unpack_normal(pack_normal({0, -1, kNan})), z);
   EXPECT_EQ(unpack_normal(pack_normal({kInfinity, 0, 0})), z);
+}
+
+TEST(RoundNormals, GivesTheBitsOfPackingAndUnpacking) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<float> component(-1, 1);
+  for (const std::size_t count : {0u, 1u, 63u, 64u, 65u, 20000u}) {
+    std::vector<std::array<float, 3>> normals(count);
+    for (auto& normal : normals) {
+      const float scale = std::exp2(60 * component(random));
+      for (float& x : normal) x = random() % 8 == 0 ? 0 : scale * component(random);
+      if (random() % 16 == 0) normal = unpack_normal(static_cast<PackedNormal>(random()));
+      if (random() % 16 == 0) normal = {scale * normal[0], -scale * normal[0], scale * normal[0]};
+      if (count < 100 && random() % 64 == 0) normal[1] = std::numeric_limits<float>::infinity();
+    }
+    std::vector<std::array<float, 3>> expected = normals;
+    for (auto& normal : expected) normal = unpack_normal(pack_normal(normal));
+    round_normals(normals);
+    EXPECT_EQ(normals, expected) << count;
+  }
 }
 
 }  // namespace

@@ -111,6 +111,10 @@ void mutate_lengths(Directory& d, Random& random) {
 void mutate_surface(Directory& d, Random& random) {
   if (d.surfaces.empty()) return;
   SurfaceEntry& surface = any_of(d.surfaces, random);
+  if (below(3, random) == 0) {  // another rule, with the same counts
+    surface.position_scale = std::array<std::uint32_t, 3>{2, 4, 256}[below(3, random)];
+    return;
+  }
   mutate_any(random, surface.vertices, surface.triangles, surface.position_scale, surface.bytes);
 }
 

@@ -110,7 +110,10 @@ std::vector<std::byte> sparse_atlas(const Index3& size, const std::vector<Sparse
       directory.fingerprints[c] = fingerprinter.of(runs, axis);
     }
     directory.fingerprints[0] = subtract_fingerprints(directory.fingerprints[0], directory.fingerprints[c]);
-    directory.surfaces[members.front().structure] = entry_of(structures[s]);
+    SurfaceEntry& entry = directory.surfaces[members.front().structure];
+    entry = entry_of(structures[s]);
+    constexpr std::array kRules{SurfaceRule::kSmooth, SurfaceRule::kFans, SurfaceRule::kVoxels};
+    entry.position_scale = static_cast<std::uint32_t>(rule_for(kRules[s % kRules.size()], size));
     directory.normals_fitted[c] = true;
   }
   classes.count(kEmptyClass, empty, {});

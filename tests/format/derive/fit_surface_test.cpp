@@ -30,7 +30,7 @@ std::uint64_t section_bytes(const Atlas& atlas, const std::string& name) {
 
 RC_GTEST_PROP(FitSurface, WhatFollowsFromTheVoxelsIsNotStoredAndComesBack, ()) {
   auto random = *random_source();
-  const AtlasContent content = fitted(random_content(random, {9, 5, 30}));
+  const AtlasContent content = fitted_by_all_rules(random_content(random, {9, 5, 30}));
   const FittedParts parts = find_fitted_parts(content, 1);
   const StructureClasses held(content.classes, content.graph.size());
   for (StructureIndex s = 0; s < content.graph.size(); ++s) {
@@ -95,15 +95,16 @@ PartRows rows_of(const AtlasContent& content, const RunModel& runs, StructureInd
 
 RC_GTEST_PROP(FitSurface, SparseFitsHaveTheSameBits, ()) {
   auto random = *random_source();
-  const AtlasContent content = fitted(random_content(random, {9, 7, 30}));
+  const AtlasContent content = fitted_by_all_rules(random_content(random, {9, 7, 30}));
   const Grid grid = storage_grid(content);
   const RunModel runs = encode_runs(content.class_volume, grid.size, Axis::kZ, content.classes.size());
   for (StructureIndex s = 0; s < content.graph.size(); ++s) {
     const PartRows rows = rows_of(content, runs, s);
     if (rows.rows().empty()) continue;
     const SurfaceMesh& surface = content.surfaces[s];
-    RC_ASSERT(fit_sparse_surface(rows, grid, surface.triangles.size()) == surface);
-    RC_ASSERT(!fit_sparse_surface(rows, grid, surface.triangles.size() - 1).has_value());
+    const auto rule = static_cast<SurfaceRule>(surface.position_scale);
+    RC_ASSERT(fit_sparse_surface(rows, grid, rule, surface.triangles.size()) == surface);
+    RC_ASSERT(!fit_sparse_surface(rows, grid, rule, surface.triangles.size() - 1).has_value());
     for (ClassId c = 1; c < content.classes.size(); ++c) {
       if (normal_owner(content.classes.members(c)) != s) continue;
       RC_ASSERT(fit_sparse_normals(rows, runs.classes[c], grid) == content.boundary_normals[c]);
@@ -124,8 +125,10 @@ RC_GTEST_PROP(FitSurface, SparseFitsOfWrongPartsHaveTheSameBits, ()) {
     rows.add(runs.classes[part], part);
   }
   rows.sort();
-  const SurfaceMesh surface = fit_surface(crop, grid);
-  RC_ASSERT(fit_sparse_surface(rows, grid, surface.triangles.size()) == surface);
+  for (const SurfaceRule rule : {SurfaceRule::kFans, SurfaceRule::kVoxels, SurfaceRule::kSmooth}) {
+    const SurfaceMesh surface = fit_surface(crop, grid, rule);
+    RC_ASSERT(fit_sparse_surface(rows, grid, rule, surface.triangles.size()) == surface);
+  }
 }
 
 TEST(FitSurface, CellsWithoutABoundaryVoxelComeFirst) {
@@ -140,8 +143,8 @@ TEST(FitSurface, CellsWithoutABoundaryVoxelComeFirst) {
   add({0, 7, 1}, StructureCrop::kInterior);
   add({3, 4, 1}, StructureCrop::kInterior);
   rows.sort();
-  const SurfaceMesh surface = fit_surface(crop, grid);
-  EXPECT_TRUE(fit_sparse_surface(rows, grid, surface.triangles.size()) == surface);
+  const SurfaceMesh surface = fit_surface(crop, grid, SurfaceRule::kSmooth);
+  EXPECT_TRUE(fit_sparse_surface(rows, grid, SurfaceRule::kSmooth, surface.triangles.size()) == surface);
   ASSERT_EQ(surface.triangles.size(), 24u);  // 8 cells of one triangle around each voxel
   // Below the voxels, then above them: cells in memory order, those of the boundary voxel last
   std::vector<float> voxel_of_triangle;
@@ -187,7 +190,7 @@ TEST(FitSurface, WhatTheVoxelsDoNotGiveIsRefused) {
       {[](auto& d) { ++d.surfaces[0].triangles; }, "its voxels give"},
       {[](auto& d) { --d.surfaces[0].vertices; }, "its voxels give"},
       {[](auto& d) { d.surfaces[0].triangles = 0; }, "fitted"},
-      {[](auto& d) { d.surfaces[0].position_scale = 4; }, "fitted"},
+      {[](auto& d) { d.surfaces[0].position_scale = 3; }, "fitted"},
       {[](auto& d) { d.normals_fitted.pop_back(); }, "normals of 2 classes"},
       {[](auto& d) { d.normals_fitted[0] = true; }, "no boundary"},
       {[](auto& d) { d.normals_fitted[2] = false; }, "section normals"},

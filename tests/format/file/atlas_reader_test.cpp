@@ -55,7 +55,7 @@ RC_GTEST_PROP(Atlas, TellsAboutItselfWithoutReadingChunks, ()) {
   const Bytes file = encode(content);
   const auto atlas = Atlas::open_bytes(file, "name").value();
   RC_ASSERT(atlas->name() == "name");
-  RC_ASSERT(atlas->format_version() == "1.1");
+  RC_ASSERT(atlas->format_version() == "1.2");
   RC_ASSERT(atlas->grid() == storage_grid(content));
   RC_ASSERT(atlas->value_type() == content.values.type);
   RC_ASSERT(atlas->label_type() == content.label_type);

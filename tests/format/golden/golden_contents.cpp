@@ -1,6 +1,7 @@
 #include "tests/format/golden/golden_contents.h"
 
 #include "tests/format/bad_files/good_atlas.h"
+#include "tests/support/fit_parts.h"
 
 namespace splatlas {
 namespace {
@@ -43,6 +44,7 @@ AtlasContent turned() {
 std::vector<GoldenContent> golden_contents() {
   std::vector<GoldenContent> contents{{"good", good_content()},
                                       {"compact", good_content(), true},
+                                      {"surfaces", fitted_by_all_rules(good_content())},
                                       {"nothing", nothing()},
                                       {"turned", turned()}};
   for (int type = 0; type <= static_cast<int>(VoxelType::kFloat64); ++type) {

@@ -351,7 +351,7 @@ Atlas read_atlas(const std::vector<std::byte>& file) {
   constexpr std::array<unsigned char, 8> kMagic{0x89, 'S', 'P', 'L', 'A', 'T', '\r', '\n'};
   must(file.size() >= 64 && std::memcmp(file.data(), kMagic.data(), kMagic.size()) == 0, "magic");
   must(XXH3_64bits(file.data(), 56) == number_at<std::uint64_t>(file, 56), "checksum of the header");
-  must(number_at<std::uint16_t>(file, 8) == 1 && number_at<std::uint32_t>(file, 12) == 0, "version");
+  must(number_at<std::uint16_t>(file, 8) == 1 && number_at<std::uint32_t>(file, 12) <= 1, "version");
   must(number_at<std::uint64_t>(file, 24) == file.size() && number_at<std::uint64_t>(file, 32) == 64,
        "lengths");
   const auto directory_bytes = number_at<std::uint64_t>(file, 40);

@@ -7,6 +7,7 @@
 #include <rapidcheck/gtest.h>
 
 #include "tests/preprocess/memberships.h"
+#include "tests/support/value_or_throw.h"
 
 namespace splatlas {
 namespace {
@@ -16,10 +17,11 @@ struct Extracted {
   ExtractedSurfaces surfaces;
 };
 
-Extracted extract(const Masks& masks, const Grid& grid, unsigned threads = 2) {
+Extracted extract(const Masks& masks, const Grid& grid, unsigned threads = 2,
+                  SurfaceRule rule = SurfaceRule::kSmooth) {
   const StructureGraph graph = flat_graph(masks.size());
   Extracted result{*classify_voxels(memberships_of(masks, grid.size), {}, graph, 1), {}};
-  result.surfaces = extract_surfaces(result.classification, graph, grid, threads);
+  result.surfaces = value_or_throw(extract_surfaces(result.classification, graph, grid, {rule, threads, {}}));
   return result;
 }
 
@@ -110,23 +112,30 @@ TEST(ExtractSurfaces, NormalsOfABallPointAwayFromItsCentre) {
 }
 
 TEST(ExtractSurfaces, ThePlaneOfAnAnisotropicGridHasItsNormal) {
-  // A half space along k, far from the border of the grid.
-  const Grid grid{.size = {16, 16, 16}, .spacing_mm = {1, 2, 5}, .direction_lps = oblique(true)};
-  const Extracted e = extract({make_mask(grid.size, [](auto, auto, auto k) { return k < 8; })}, grid);
-  const SurfaceMesh& mesh = e.surfaces.surfaces[0];
-  std::size_t seen = 0;
-  for (std::size_t v = 0; v < mesh.positions_ijk.size(); ++v) {
-    const auto& [i, j, k] = mesh.positions_ijk[v];
-    if (i < 4 || i > 11 || j < 4 || j > 11 || k < 7) continue;
-    EXPECT_NEAR(mesh.normals_lps[v][2], 1, 1e-6);
-    ++seen;
+  // A half space along k, farther from the border of the grid than normals reach: 3 voxels, or 16 edges.
+  for (const auto& [rule, border] :
+       {std::pair{SurfaceRule::kVoxels, 4}, std::pair{SurfaceRule::kSmooth, 18}}) {
+    const std::int64_t side = 2 * border + 8;
+    const Grid grid{.size = {side, side, 16}, .spacing_mm = {1, 2, 5}, .direction_lps = oblique(true)};
+    const Extracted e =
+        extract({make_mask(grid.size, [](auto, auto, auto k) { return k < 8; })}, grid, 1, rule);
+    const SurfaceMesh& mesh = e.surfaces.surfaces[0];
+    std::size_t seen = 0;
+    for (std::size_t v = 0; v < mesh.positions_ijk.size(); ++v) {
+      const auto& [i, j, k] = mesh.positions_ijk[v];
+      const auto low = static_cast<float>(border), high = static_cast<float>(border + 7);
+      if (i < low || i > high || j < low || j > high || k < 7) continue;
+      EXPECT_NEAR(mesh.normals_lps[v][2], 1, 1e-6);
+      EXPECT_EQ(k, 7.5f);
+      ++seen;
+    }
+    EXPECT_EQ(seen, 64u);
   }
-  EXPECT_EQ(seen, 64u);
 }
 
 TEST(ExtractSurfaces, SurfacesCloseAtTheBorderOfTheGrid) {
   const Grid grid{.size = {3, 4, 5}};
-  const Extracted e = extract({std::vector<std::uint8_t>(60, 1)}, grid);
+  const Extracted e = extract({std::vector<std::uint8_t>(60, 1)}, grid, 1, SurfaceRule::kVoxels);
   const SurfaceMesh& mesh = e.surfaces.surfaces[0];
   EXPECT_TRUE(is_closed(mesh));
   float low = 9, high = -9;

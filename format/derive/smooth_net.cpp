@@ -1,0 +1,267 @@
+#include "format/derive/smooth_net.h"
+
+#include <algorithm>
+#include <bit>
+#include <cstddef>
+#include <cstdlib>
+#include <utility>
+
+#include "format/system/task_control.h"
+
+namespace splatlas {
+namespace {
+
+using Vec4i = std::array<std::int32_t, 4>;
+
+constexpr std::int32_t kOne = 1 << 20;           // length of an area vector at the start
+constexpr std::int32_t kStepsOfMean = 4;         // steps between divisions
+constexpr std::int32_t kMeans = 4, kMean = 625;  // 5 to the power of kStepsOfMean
+constexpr std::int32_t kMinLength = 5 << 16;     // sum of components that replaces a direction
+constexpr int kRelaxations = 8;
+constexpr std::array<std::int32_t, kRelaxations> kOmega{4096, 7464, 6956, 6640, 6458, 6358, 6304, 2731};
+constexpr std::int32_t kMaxStep = 8192, kMaxOffset = 1792;  // 2 and 7/16 voxel, in 1/4096 voxel
+
+/// Quotient by a power of two, rounded towards zero.
+template <int kBits, typename Integer>
+constexpr Integer shifted(Integer x) {
+  constexpr int kSignBit = 8 * sizeof(Integer) - 1;
+  return (x + (x >> kSignBit & ((Integer{1} << kBits) - 1))) >> kBits;
+}
+
+/// The target of a vertex, times 2048: constant + sum of weights * offsets of its neighbours.
+struct Pull {
+  std::int32_t constant = 0;
+  std::array<std::int16_t, 4> weights{};
+};
+
+/// Arrays of one vertex each. Threads keep them for their next surface: new pages cost as much as the work.
+struct Scratch {
+  static constexpr std::size_t kMaxKept = std::size_t{1} << 18;
+  std::vector<std::int64_t> lanes, next_lanes;
+  std::vector<Vec4i> sums, next_sums;
+  std::vector<Pull> pulls;
+  std::vector<std::int16_t> before, now, next;
+
+  /// Of the calling thread, for `vertices` vertices.
+  static Scratch& of_thread(std::size_t vertices) {
+    static thread_local Scratch scratch;
+    scratch.visit([&](auto& array) {
+      if (array.size() < vertices) array.resize(vertices);
+    });
+    return scratch;
+  }
+  void shrink() {
+    visit([](auto& array) {
+      if (array.size() > kMaxKept) array = {};
+    });
+  }
+
+ private:
+  template <typename Visit>
+  void visit(const Visit& one) {
+    one(lanes), one(next_lanes), one(sums), one(next_sums), one(pulls), one(before), one(now), one(next);
+  }
+};
+
+/// Directions by averaging of area vectors over the net.
+class DirectionFilter {
+ public:
+  DirectionFilter(const SurfaceNet& net, Scratch& scratch)
+      : net_(net),
+        count_(net.vertices.size()),
+        scratch_(scratch),
+        sums_(scratch.sums.data()),
+        next_(scratch.next_sums.data()) {}
+
+  [[nodiscard]] std::vector<Vec4i> filter() {
+    std::vector<Vec4i> directions(count_);
+    first_mean(directions);
+    for (int mean = 1; mean < kMeans; ++mean) {
+      check_cancelled();
+      for (int step = 1; step < kStepsOfMean; ++step) {
+        for (std::size_t v = 0; v < count_; ++v) next_[v] = sum(v);
+        std::swap(sums_, next_);
+      }
+      for (std::size_t v = 0; v < count_; ++v) next_[v] = take_mean(sum(v), directions[v]);
+      std::swap(sums_, next_);
+    }
+    return directions;
+  }
+
+ private:
+  /// Sums of unit vectors of four steps, three lanes of 16 bits in the arithmetic sum of a word.
+  static constexpr int kLaneBits = 16;
+
+  [[nodiscard]] static std::int64_t packed(std::int64_t x, std::size_t lane) {
+    return x * (std::int64_t{1} << kLaneBits * lane);
+  }
+  [[nodiscard]] static Vec4i unpacked(std::int64_t lanes) {
+    Vec4i result{};
+    for (std::size_t a = 0; a < 3; ++a) {
+      result[a] = static_cast<std::int16_t>(lanes & 0xffff);
+      lanes = (lanes - result[a]) >> kLaneBits;
+    }
+    return result;
+  }
+
+  void first_mean(std::vector<Vec4i>& directions) {
+    std::int64_t *now = scratch_.lanes.data(), *next = scratch_.next_lanes.data();
+    for (std::size_t v = 0; v < count_; ++v)
+      now[v] = packed(net_.vertices[v].first_is_inside() ? 1 : -1, net_.vertices[v].axis());
+    for (int step = 0; step < kStepsOfMean; ++step) {
+      for (std::size_t v = 0; v < count_; ++v) {
+        const auto& [p, q, r, s] = net_.neighbours[v];
+        next[v] = now[v] + now[p] + now[q] + now[r] + now[s];
+      }
+      std::swap(now, next);
+    }
+    for (std::size_t v = 0; v < count_; ++v) {
+      Vec4i total = unpacked(now[v]);
+      for (std::size_t a = 0; a < 3; ++a) total[a] *= kOne;
+      directions[v][net_.vertices[v].axis()] = net_.vertices[v].first_is_inside() ? kOne : -kOne;
+      sums_[v] = take_mean(total, directions[v]);
+    }
+  }
+
+  [[nodiscard]] Vec4i sum(std::size_t v) const {
+    const auto& neighbours = net_.neighbours[v];
+    const Vec4i &o = sums_[v], &p = sums_[neighbours[0]], &q = sums_[neighbours[1]],
+                &r = sums_[neighbours[2]], &s = sums_[neighbours[3]];
+    Vec4i total;
+    for (std::size_t a = 0; a < 4; ++a) total[a] = o[a] + p[a] + q[a] + r[a] + s[a];
+    return total;
+  }
+  [[nodiscard]] static Vec4i take_mean(Vec4i total, Vec4i& direction) {
+    for (std::size_t a = 0; a < 3; ++a) total[a] /= kMean;
+    if (std::abs(total[0]) + std::abs(total[1]) + std::abs(total[2]) >= kMinLength) direction = total;
+    return total;
+  }
+
+  const SurfaceNet& net_;
+  std::size_t count_;
+  Scratch& scratch_;
+  Vec4i *sums_, *next_;
+};
+
+/// Moves vertices along their edges until the net is perpendicular to its directions.
+class Relaxation {
+ public:
+  Relaxation(const SurfaceNet& net, const std::vector<Vec4i>& directions, Scratch& scratch)
+      : net_(net), directions_(directions), scratch_(scratch) {}
+
+  [[nodiscard]] std::vector<std::uint8_t> relax() {
+    const std::size_t count = net_.vertices.size();
+    std::int16_t *before = scratch_.before.data(), *now = scratch_.now.data(), *next = scratch_.next.data();
+    std::fill_n(before, count, std::int16_t{0});
+    for (std::size_t v = 0; v < count; ++v) {
+      const Pull pull = pull_of(v);
+      scratch_.pulls[v] = pull;
+      now[v] = relaxed(0, kOmega[0], pull.constant);
+    }
+    for (std::size_t step = 1; step < kRelaxations; ++step) {
+      check_cancelled();
+      relax_once(step + 1 < kRelaxations ? before : now, now, static_cast<std::int16_t>(kOmega[step]), next);
+      std::swap(before, now);
+      std::swap(now, next);
+    }
+    std::vector<std::uint8_t> offsets(count);
+    for (std::size_t v = 0; v < count; ++v)
+      offsets[v] = static_cast<std::uint8_t>(128 + (now[v] + (now[v] < 0 ? -8 : 8)) / 16);
+    return offsets;
+  }
+
+ private:
+  /// Blocks of sums, so that compilers use vectors for what follows them.
+  void relax_once(const std::int16_t* from, const std::int16_t* now, std::int16_t omega,
+                  std::int16_t* next) const {
+    constexpr std::size_t kBlock = 256;
+    std::array<std::int32_t, kBlock> sums;
+    for (std::size_t first = 0; first < net_.vertices.size(); first += kBlock) {
+      const std::size_t count = std::min(kBlock, net_.vertices.size() - first);
+      for (std::size_t n = 0; n < count; ++n) {
+        const auto& [p, q, r, s] = net_.neighbours[first + n];
+        const Pull& pull = scratch_.pulls[first + n];
+        sums[n] = pull.constant + pull.weights[0] * now[p] + pull.weights[1] * now[q] +
+                  pull.weights[2] * now[r] + pull.weights[3] * now[s];
+      }
+      const std::int16_t* const origin = from + first;
+      std::int16_t* const to = next + first;
+      for (std::size_t n = 0; n < count; ++n) to[n] = relaxed(origin[n], omega, sums[n]);
+    }
+  }
+
+  [[nodiscard]] static std::int16_t relaxed(std::int16_t from, std::int16_t omega, std::int32_t sum) {
+    const auto limited = [](std::int32_t x, std::int32_t limit) {  // without branches
+      x = x < -limit ? -limit : x;
+      return static_cast<std::int16_t>(x > limit ? limit : x);
+    };
+    const std::int16_t step = static_cast<std::int16_t>(limited(shifted<11>(sum), kMaxStep) - from);
+    return limited(from + shifted<12>(step * omega), kMaxOffset);
+  }
+
+  [[nodiscard]] Pull pull_of(std::size_t v) const {
+    const NetVertex& vertex = net_.vertices[v];
+    const auto& neighbours = net_.neighbours[v];
+    const std::size_t a = vertex.axis(), b = a == 2 ? 0 : a + 1, c = b == 2 ? 0 : b + 1;
+    const Vec4i& own = directions_[v];
+    const std::int32_t sign = vertex.first_is_inside() ? 1 : -1;
+    // Components of the mean direction of each link, along the edge and towards the neighbour.
+    std::array<std::int32_t, 4> along, beside;
+    std::uint32_t bits = 0;
+    for (std::size_t slot = 0; slot < 4; ++slot) {
+      const Vec4i& other = directions_[neighbours[slot]];
+      const std::size_t l = slot < 2 ? b : c;
+      along[slot] = sign * (own[a] + other[a]);
+      beside[slot] = (slot & 1) != 0 ? -sign * (own[l] + other[l]) : sign * (own[l] + other[l]);
+      bits |= static_cast<std::uint32_t>(std::abs(along[slot]) | std::abs(beside[slot]));
+    }
+    if (bits == 0) return {};
+    const int length = std::bit_width(bits), down = std::max(length - kWeightBits, 0),
+              up = std::max(kWeightBits - length, 0);
+    const std::int32_t bias = (1 << down) - 1;
+    const auto scaled = [&](std::int32_t x) { return (x + (x >> 31 & bias)) >> down << up; };
+
+    std::int32_t total = 0, constant = 0;
+    std::array<std::int32_t, 4> weights;
+    for (std::size_t slot = 0; slot < 4; ++slot) {
+      const std::int32_t alpha = scaled(along[slot]), beta = scaled(beside[slot]);
+      const KindFactors& factors = kFactors[net_.kinds[v] >> 2 * slot & 3];
+      total += alpha;
+      constant += factors.constant_alpha * alpha + factors.constant_beta * beta;
+      weights[slot] = factors.weight_alpha * alpha +
+                      ((slot & 1) != 0 ? -factors.weight_beta * beta : factors.weight_beta * beta);
+    }
+    if (total <= 0) return {};
+    const std::int64_t inverse = (1 << 29) / (total + 1024);
+    Pull pull{static_cast<std::int32_t>(shifted<7>(constant * inverse)), {}};
+    for (std::size_t slot = 0; slot < 4; ++slot)
+      pull.weights[slot] = static_cast<std::int16_t>(shifted<18>(weights[slot] * inverse));
+    return pull;
+  }
+
+  static constexpr int kWeightBits = 14;
+  struct KindFactors {
+    std::int32_t constant_alpha, constant_beta, weight_alpha, weight_beta;
+  };
+  static constexpr std::array<KindFactors, 4> kFactors{{{0, 2, 1, 0},    // kParallel
+                                                        {-1, 1, 0, 1},   // kLow
+                                                        {1, 1, 0, 1},    // kHigh
+                                                        {0, 1, 0, 0}}};  // kCentre
+
+  const SurfaceNet& net_;
+  const std::vector<Vec4i>& directions_;
+  Scratch& scratch_;
+};
+
+}  // namespace
+
+SmoothedNet smooth(const SurfaceNet& net) {
+  SmoothedNet result;
+  Scratch& scratch = Scratch::of_thread(net.vertices.size());
+  result.directions = DirectionFilter(net, scratch).filter();
+  result.offsets = Relaxation(net, result.directions, scratch).relax();
+  scratch.shrink();
+  return result;
+}
+
+}  // namespace splatlas

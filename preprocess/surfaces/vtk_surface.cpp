@@ -1,0 +1,166 @@
+#include "preprocess/surfaces/vtk_surface.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include <vtkCellArray.h>
+#include <vtkFlyingEdges3D.h>
+#include <vtkImageData.h>
+#include <vtkNew.h>
+#include <vtkPointData.h>
+#include <vtkPolyData.h>
+#include <vtkUnsignedCharArray.h>
+
+#include "format/system/result_macros.h"
+#include "preprocess/import/meshes/quiet_vtk.h"
+
+namespace splatlas {
+namespace {
+
+using Triangle = std::array<std::uint32_t, 3>;
+
+/// A voxel edge: its first voxel, and its axis.
+using EdgeKey = std::array<std::int64_t, 4>;
+
+/// The edge of a vertex: one of its coordinates lies strictly between two voxels.
+EdgeKey edge_of(const std::array<float, 3>& position) {
+  EdgeKey key{0, 0, 0, 3};
+  for (std::size_t a = 0; a < 3; ++a) {
+    key[a] = static_cast<std::int64_t>(std::floor(position[a]));
+    if (static_cast<float>(key[a]) != position[a]) key[3] = static_cast<std::int64_t>(a);
+  }
+  return key;
+}
+
+/// Vertices of a mesh by their edges.
+class VertexFinder {
+ public:
+  explicit VertexFinder(const SurfaceMesh& mesh) {
+    for (std::uint32_t v = 0; v < mesh.positions_ijk.size(); ++v)
+      found_.emplace_back(edge_of(mesh.positions_ijk[v]), v);
+    std::ranges::sort(found_);
+  }
+  [[nodiscard]] std::optional<std::uint32_t> find(const std::array<float, 3>& position) const {
+    const EdgeKey key = edge_of(position);
+    const auto at = std::ranges::lower_bound(found_, key, {}, &std::pair<EdgeKey, std::uint32_t>::first);
+    if (at == found_.end() || at->first != key) return std::nullopt;
+    return at->second;
+  }
+
+ private:
+  std::vector<std::pair<EdgeKey, std::uint32_t>> found_;
+};
+
+Triangle smallest_rotation(const Triangle& t) {
+  return std::min({t, Triangle{t[1], t[2], t[0]}, Triangle{t[2], t[0], t[1]}});
+}
+
+std::vector<Triangle> as_set(std::vector<Triangle> triangles) {
+  for (Triangle& triangle : triangles) triangle = smallest_rotation(triangle);
+  std::ranges::sort(triangles);
+  return triangles;
+}
+
+/// Sorts triangles by the leading voxel of their cell, then by cell.
+class CellOrder {
+ public:
+  CellOrder(const StructureCrop& crop, const SurfaceMesh& mesh) : crop_(crop), mesh_(mesh) {}
+
+  void sort(std::vector<Triangle>& triangles) const {
+    std::ranges::stable_sort(triangles, {}, [this](const Triangle& triangle) { return place_of(triangle); });
+  }
+
+ private:
+  /// Offsets in the crop of the leading voxel plus 1, or 0, and of the cell.
+  [[nodiscard]] std::pair<std::size_t, std::size_t> place_of(const Triangle& triangle) const {
+    Index3 cell{};
+    for (std::size_t a = 0; a < 3; ++a) {
+      float low = mesh_.positions_ijk[triangle[0]][a];
+      for (const std::uint32_t v : triangle) low = std::min(low, mesh_.positions_ijk[v][a]);
+      cell[a] = static_cast<std::int64_t>(std::floor(low)) - crop_.first[a];
+    }
+    for (std::int64_t corner = 0; corner < 8; ++corner) {
+      const std::size_t at =
+          crop_.offset(cell[0] + (corner & 1), cell[1] + (corner >> 1 & 1), cell[2] + (corner >> 2));
+      if (crop_.parts[at] == StructureCrop::kBoundary)
+        return {at + 1, crop_.offset(cell[0], cell[1], cell[2])};
+    }
+    return {0, crop_.offset(cell[0], cell[1], cell[2])};
+  }
+
+  const StructureCrop& crop_;
+  const SurfaceMesh& mesh_;
+};
+
+}  // namespace
+
+Result<MidwayTriangles> extract_with_vtk(const StructureCrop& crop) {
+  vtkNew<vtkUnsignedCharArray> mask;
+  mask->SetNumberOfValues(static_cast<vtkIdType>(crop.parts.size()));
+  std::ranges::transform(crop.parts, mask->GetPointer(0), [](std::uint8_t part) {
+    return static_cast<unsigned char>(part != StructureCrop::kOutside);
+  });
+  vtkNew<vtkImageData> image;
+  image->SetDimensions(static_cast<int>(crop.size[0]), static_cast<int>(crop.size[1]),
+                       static_cast<int>(crop.size[2]));
+  image->GetPointData()->SetScalars(mask);
+  vtkNew<vtkFlyingEdges3D> extract;
+  extract->SetInputData(image);
+  extract->SetValue(0, 0.5);
+  extract->ComputeNormalsOff();
+  extract->ComputeGradientsOff();
+  extract->ComputeScalarsOff();
+  if (const std::string fault = update_quietly(*extract); !fault.empty())
+    return fail(ErrorCode::kFailed, "VTK cannot extract the surface: {}", fault);
+
+  vtkPolyData& found = *extract->GetOutput();
+  MidwayTriangles result;
+  result.positions_ijk.resize(static_cast<std::size_t>(found.GetNumberOfPoints()));
+  for (std::size_t v = 0; v < result.positions_ijk.size(); ++v) {
+    const double* const point = found.GetPoint(static_cast<vtkIdType>(v));
+    for (std::size_t a = 0; a < 3; ++a)
+      result.positions_ijk[v][a] = static_cast<float>(point[a] + static_cast<double>(crop.first[a]));
+  }
+  vtkCellArray& cells = *found.GetPolys();
+  result.triangles.reserve(static_cast<std::size_t>(cells.GetNumberOfCells()));
+  for (vtkIdType t = 0; t < cells.GetNumberOfCells(); ++t) {
+    vtkIdType count = 0;
+    const vtkIdType* corners = nullptr;
+    cells.GetCellAtId(t, count, corners);
+    if (count != 3) return fail(ErrorCode::kFailed, "VTK's surface has a polygon of {} corners", count);
+    result.triangles.push_back({static_cast<std::uint32_t>(corners[0]),
+                                static_cast<std::uint32_t>(corners[1]),
+                                static_cast<std::uint32_t>(corners[2])});
+  }
+  return result;
+}
+
+Result<bool> adopt_triangles(const MidwayTriangles& vtk, const StructureCrop& crop, const Grid& grid,
+                             SurfaceMesh& mesh) {
+  const VertexFinder finder(mesh);
+  std::vector<std::uint32_t> vertex_of(vtk.positions_ijk.size());  // [vertex of VTK]
+  for (std::size_t v = 0; v < vertex_of.size(); ++v) {
+    const std::optional<std::uint32_t> vertex = finder.find(vtk.positions_ijk[v]);
+    if (!vertex) {
+      const auto& [i, j, k] = vtk.positions_ijk[v];
+      return fail(ErrorCode::kFailed,
+                  "VTK's surface has a vertex at ({}, {}, {}), where no voxel edge crosses it", i, j, k);
+    }
+    vertex_of[v] = *vertex;
+  }
+  const bool mirrored = determinant(index_to_lps_mm(grid).linear) < 0;
+  std::vector<Triangle> triangles = vtk.triangles;
+  for (Triangle& triangle : triangles) {
+    for (std::uint32_t& v : triangle) v = vertex_of[v];
+    if (mirrored) std::swap(triangle[1], triangle[2]);
+  }
+  if (as_set(triangles) == as_set(mesh.triangles)) return true;
+  CellOrder(crop, mesh).sort(triangles);
+  mesh.triangles = std::move(triangles);
+  return false;
+}
+
+}  // namespace splatlas

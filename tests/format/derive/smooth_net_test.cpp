@@ -1,0 +1,311 @@
+#include "format/derive/smooth_net.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include "tests/format/derive/masks.h"
+#include "tests/format/derive/plain_smoothing.h"
+#include "tests/format/random_volume.h"
+#include "tests/phantom/two_spheres.h"
+
+namespace splatlas {
+namespace {
+
+using plain::Edge;
+using plain::SmoothVertex;
+using Vertices = std::map<Edge, SmoothVertex>;
+
+Vertices smoothed(const Mask& mask, CellTable table = CellTable::kVtk) {
+  const SurfaceNet net = surface_net(crop_of(mask), table);
+  const SmoothedNet result = smooth(net);
+  Vertices vertices;
+  for (std::size_t v = 0; v < net.vertices.size(); ++v) {
+    const std::array<std::int32_t, 3>& voxel = net.vertices[v].voxel;
+    const auto axis = static_cast<std::int64_t>(net.vertices[v].axis());
+    const auto& d = result.directions[v];
+    vertices[{voxel[0], voxel[1], voxel[2], axis}] = {result.offsets[v], {d[0], d[1], d[2]}};
+  }
+  return vertices;
+}
+
+/// Noise of any density, or a ball with bumps.
+Mask random_mask(std::mt19937& random) {
+  Index3 size{};
+  for (std::int64_t& n : size) n = 1 + static_cast<std::int64_t>(below(9, random));
+  const std::size_t density = 2 + below(69, random);  // per cent
+  if (below(3, random) != 0) {
+    return mask_of(size, [&](auto, auto, auto) { return below(100, random) < density; });
+  }
+  return mask_of(size, [&](auto i, auto j, auto k) {
+    const std::int64_t x = 2 * i - size[0] + 1, y = 2 * j - size[1] + 1, z = 2 * k - size[2] + 1;
+    return x * x + y * y + z * z < 30 + static_cast<std::int64_t>(below(30, random));
+  });
+}
+
+RC_GTEST_PROP(Smooth, EqualsThePlainDefinition, ()) {
+  auto random = *random_source();
+  const Mask mask = random_mask(random);
+  const Vertices expected = plain::smooth_vertices(mask);
+  RC_ASSERT(smoothed(mask) == expected);
+  RC_ASSERT(smoothed(mask, CellTable::kFans) == expected);  // does not depend on the triangles
+}
+
+RC_GTEST_PROP(Smooth, KeepsVerticesOnTheirEdgesWithADirection, ()) {
+  auto random = *random_source();
+  for (const auto& [edge, vertex] : smoothed(random_mask(random))) {
+    RC_ASSERT(vertex.offset >= 16 && vertex.offset <= 240);
+    RC_ASSERT(vertex.direction != (std::array<std::int64_t, 3>{0, 0, 0}));
+  }
+}
+
+RC_GTEST_PROP(Smooth, ComplementsHaveTheSamePlacesAndOppositeDirections, ()) {
+  auto random = *random_source();
+  const Mask mask = random_mask(random);
+  const Index3& size = mask.size;
+  // Inside a frame of two voxels, the complement has the mask's surface and the frame's own.
+  const auto framed = [&](bool complement) {
+    constexpr std::int64_t kFrame = 27;  // beyond the reach of 24 steps
+    return mask_of({size[0] + 2 * kFrame, size[1] + 2 * kFrame, size[2] + 2 * kFrame},
+                   [&](std::int64_t i, std::int64_t j, std::int64_t k) {
+                     return mask.holds({i - kFrame, j - kFrame, k - kFrame}) != complement;
+                   });
+  };
+  const Vertices vertices = smoothed(framed(false)), others = smoothed(framed(true));
+  for (const auto& [edge, vertex] : vertices) {
+    const SmoothVertex& other = others.at(edge);
+    RC_ASSERT(other.offset == vertex.offset);
+    for (std::size_t a = 0; a < 3; ++a) RC_ASSERT(other.direction[a] == -vertex.direction[a]);
+  }
+}
+
+RC_GTEST_PROP(Smooth, MirroredMasksHaveMirroredSurfaces, ()) {
+  auto random = *random_source();
+  const Mask mask = random_mask(random);
+  const Vertices vertices = smoothed(mask);
+  for (std::size_t a = 0; a < 3; ++a) {
+    const Vertices mirrored = smoothed(mask_of(mask.size, [&](auto i, auto j, auto k) {
+      Index3 at{i, j, k};
+      at[a] = mask.size[a] - 1 - at[a];
+      return mask.holds(at);
+    }));
+    RC_ASSERT(mirrored.size() == vertices.size());
+    for (const auto& [edge, vertex] : vertices) {
+      Edge at = edge;
+      SmoothVertex expected = vertex;
+      const bool is_along = edge[3] == static_cast<std::int64_t>(a);
+      at[a] = mask.size[a] - 1 - edge[a] - (is_along ? 1 : 0);
+      if (is_along) expected.offset = 256 - vertex.offset;
+      expected.direction[a] = -vertex.direction[a];
+      RC_ASSERT(mirrored.at(at) == expected);
+    }
+  }
+}
+
+RC_GTEST_PROP(Smooth, PermutedAxesPermuteTheSurface, ()) {
+  auto random = *random_source();
+  const Mask mask = random_mask(random);
+  const Index3& size = mask.size;
+  const Vertices vertices = smoothed(mask);
+  const Vertices turned = smoothed(mask_of({size[2], size[0], size[1]}, [&](auto i, auto j, auto k) {
+    return mask.holds({j, k, i});
+  }));
+  const Vertices swapped = smoothed(mask_of({size[1], size[0], size[2]}, [&](auto i, auto j, auto k) {
+    return mask.holds({j, i, k});
+  }));
+  for (const auto& [e, vertex] : vertices) {
+    const auto& d = vertex.direction;
+    RC_ASSERT(turned.at({e[2], e[0], e[1], (e[3] + 1) % 3}) ==
+              (SmoothVertex{vertex.offset, {d[2], d[0], d[1]}}));
+    RC_ASSERT(swapped.at({e[1], e[0], e[2], e[3] == 2 ? 2 : 1 - e[3]}) ==
+              (SmoothVertex{vertex.offset, {d[1], d[0], d[2]}}));
+  }
+}
+
+/// FNV-1a of 64 bits over offsets in the order of vertices.
+std::uint64_t hash_of(const Mask& mask) {
+  std::uint64_t hash = 0xcbf29ce484222325;
+  for (const std::uint8_t offset : smooth(surface_net(crop_of(mask), CellTable::kVtk)).offsets)
+    hash = (hash ^ offset) * 0x100000001b3;
+  return hash;
+}
+
+TEST(Smooth, TheBallsOfThePhantomHaveTheseBits) {
+  std::vector<std::uint64_t> hashes;
+  for (const phantom::Ball& ball : phantom::kBalls) {
+    const Mask mask = mask_of({phantom::kSize, phantom::kSize, phantom::kSize}, [&](auto i, auto j, auto k) {
+      return ball.holds(static_cast<int>(i), static_cast<int>(j), static_cast<int>(k));
+    });
+    hashes.push_back(hash_of(mask));
+  }
+  EXPECT_EQ(hashes, (std::vector<std::uint64_t>{14514533835157610623u, 2287289982503310639u}));
+}
+
+/// Errors against a shape of a closed form: angles of directions in degrees, distances of vertices in mm.
+struct Errors {
+  double normals_rms = 0, normals_max = 0, distance_rms = 0, distance_max = 0, moved_max = 0;
+};
+
+/// `distance(p)` and `normal(p)` of the shape at a position in mm; vertices count if `counts(p)`.
+template <typename Distance, typename Normal, typename Counts>
+Errors errors_of(const Mask& mask, const Vec3& spacing, const Distance& distance, const Normal& normal,
+                 const Counts& counts) {
+  Errors errors;
+  double n = 0;
+  for (const auto& [edge, vertex] : smoothed(mask)) {
+    Vec3 p{}, direction{};
+    for (std::size_t a = 0; a < 3; ++a) {
+      p[a] = static_cast<double>(edge[a]) +
+             (edge[3] == static_cast<std::int64_t>(a) ? static_cast<double>(vertex.offset) / 256 : 0);
+      p[a] *= spacing[a];
+      direction[a] = static_cast<double>(vertex.direction[a]) / spacing[a];  // a covector
+    }
+    if (!counts(p)) continue;
+    const Vec3 truth = normal(p);
+    const double cosine = (direction[0] * truth[0] + direction[1] * truth[1] + direction[2] * truth[2]) /
+                          std::hypot(direction[0], direction[1], direction[2]) /
+                          std::hypot(truth[0], truth[1], truth[2]);
+    const double angle = std::acos(std::clamp(cosine, -1.0, 1.0)) * 180 / M_PI, away = std::abs(distance(p));
+    errors.normals_rms += angle * angle;
+    errors.normals_max = std::max(errors.normals_max, angle);
+    errors.distance_rms += away * away;
+    errors.distance_max = std::max(errors.distance_max, away);
+    errors.moved_max = std::max(errors.moved_max, std::abs(static_cast<double>(vertex.offset) / 256 - 0.5));
+    ++n;
+  }
+  errors.normals_rms = std::sqrt(errors.normals_rms / n);
+  errors.distance_rms = std::sqrt(errors.distance_rms / n);
+  return errors;
+}
+
+/// A ball off the voxel centres.
+Errors ball_errors(double radius, const Vec3& spacing, const Vec3& offset) {
+  Index3 size{};
+  Vec3 center{};
+  for (std::size_t a = 0; a < 3; ++a) {
+    size[a] = 2 * static_cast<std::int64_t>(std::ceil(radius / spacing[a])) + 5;
+    center[a] = (static_cast<double>(size[a] - 1) / 2 + offset[a]) * spacing[a];
+  }
+  const auto from_center = [&](const Vec3& p) {
+    return Vec3{p[0] - center[0], p[1] - center[1], p[2] - center[2]};
+  };
+  const auto distance = [&](const Vec3& p) {
+    const Vec3 d = from_center(p);
+    return std::hypot(d[0], d[1], d[2]) - radius;
+  };
+  const Mask mask = mask_of(size, [&](auto i, auto j, auto k) {
+    return distance({static_cast<double>(i) * spacing[0], static_cast<double>(j) * spacing[1],
+                     static_cast<double>(k) * spacing[2]}) < 0;
+  });
+  return errors_of(mask, spacing, distance, from_center, [](const Vec3&) { return true; });
+}
+
+TEST(Smooth, BallsAreRound) {
+  struct Bound {
+    double radius, normals_rms, normals_max, distance_rms, distance_max;
+  };
+  for (const Bound& bound : {Bound{6, 3.55, 8.5, .0685, .245}, Bound{10, 2.15, 5.5, .0455, .265},
+                             Bound{20, 1.25, 4.5, .0415, .175}, Bound{40, 1.05, 5.5, .0425, .295}}) {
+    const Errors errors = ball_errors(bound.radius, {1, 1, 1}, {.15, .35, .4});
+    EXPECT_LT(errors.normals_rms, bound.normals_rms) << bound.radius;
+    EXPECT_LT(errors.normals_max, bound.normals_max) << bound.radius;
+    EXPECT_LT(errors.distance_rms, bound.distance_rms) << bound.radius;
+    EXPECT_LT(errors.distance_max, bound.distance_max) << bound.radius;
+    EXPECT_LT(errors.moved_max, 0.5) << bound.radius;
+  }
+}
+
+TEST(Smooth, ABallOfAnisotropicVoxelsIsRound) {
+  const Errors errors = ball_errors(20, {1, 1, 3}, {.4, .35, .15});
+  EXPECT_LT(errors.normals_rms, 3.95);
+  EXPECT_LT(errors.normals_max, 12.5);
+  EXPECT_LT(errors.distance_rms, .165);
+}
+
+/// Between two parallel planes across a unit direction, `thickness` apart; vertices near the border of the
+/// grid do not count.
+Errors plate_errors(Vec3 across, double thickness, const Vec3& middle = {39.6, 39.3, 39.45}) {
+  const double length = std::hypot(across[0], across[1], across[2]);
+  for (double& x : across) x /= length;
+  constexpr std::int64_t kSize = 80, kBorder = 18;
+  const auto height = [&](const Vec3& p) {
+    return (p[0] - middle[0]) * across[0] + (p[1] - middle[1]) * across[1] + (p[2] - middle[2]) * across[2];
+  };
+  const Mask mask = mask_of({kSize, kSize, kSize}, [&](auto i, auto j, auto k) {
+    return std::abs(height({static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)})) <
+           thickness / 2;
+  });
+  return errors_of(
+      mask, {1, 1, 1}, [&](const Vec3& p) { return std::abs(height(p)) - thickness / 2; },
+      [&](const Vec3& p) {
+        const double side = height(p) < 0 ? -1 : 1;
+        return Vec3{side * across[0], side * across[1], side * across[2]};
+      },
+      [&](const Vec3& p) {
+        return std::ranges::all_of(p, [](double x) { return x > kBorder && x < kSize - 1 - kBorder; });
+      });
+}
+
+TEST(Smooth, PlatesAreFlat) {
+  const Errors tilted = plate_errors({1, .3, .15}, 20);
+  EXPECT_LT(tilted.normals_rms, .65);
+  EXPECT_LT(tilted.normals_max, 1);
+  const Errors terraces = plate_errors({.1, .05, 1}, 20);
+  EXPECT_LT(terraces.normals_rms, 3.05);
+  EXPECT_LT(terraces.normals_max, 5.1);
+  EXPECT_LT(terraces.distance_rms, .078);
+  const Errors sheet = plate_errors({1, .3, .15}, 1.1, {40.1, 40.2, 40.3});
+  EXPECT_LT(sheet.normals_rms, .75);
+  EXPECT_LT(sheet.normals_max, 1.5);
+}
+
+Errors vessel_errors(Vec3 along, double radius, const Vec3& middle) {
+  const double length = std::hypot(along[0], along[1], along[2]);
+  for (double& x : along) x /= length;
+  constexpr std::int64_t kSize = 70, kBorder = 17;
+  const auto from_axis = [&](const Vec3& p) {
+    const Vec3 d{p[0] - middle[0], p[1] - middle[1], p[2] - middle[2]};
+    const double t = d[0] * along[0] + d[1] * along[1] + d[2] * along[2];
+    return Vec3{d[0] - t * along[0], d[1] - t * along[1], d[2] - t * along[2]};
+  };
+  const auto distance = [&](const Vec3& p) {
+    const Vec3 d = from_axis(p);
+    return std::hypot(d[0], d[1], d[2]) - radius;
+  };
+  const Mask mask = mask_of({kSize, kSize, kSize}, [&](auto i, auto j, auto k) {
+    return distance({static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)}) < 0;
+  });
+  return errors_of(mask, {1, 1, 1}, distance, from_axis, [&](const Vec3& p) {
+    const double t =
+        (p[0] - middle[0]) * along[0] + (p[1] - middle[1]) * along[1] + (p[2] - middle[2]) * along[2];
+    return std::abs(t) < kSize / 2 - kBorder;
+  });
+}
+
+TEST(Smooth, VesselsKeepTheirRadius) {
+  const Errors straight = vessel_errors({0, 0, 1}, 1.5, {35.1, 35.3, 35});
+  EXPECT_LT(straight.normals_rms, 12.1);
+  EXPECT_LT(straight.distance_rms, .165);
+  const Errors tilted = vessel_errors({1, .7, .4}, 1.5, {35.15, 35.35, 35.4});
+  EXPECT_LT(tilted.normals_rms, 6.3);
+  EXPECT_LT(tilted.distance_rms, .07);
+  EXPECT_LT(tilted.distance_max, .17);
+}
+
+TEST(Smooth, SingleVoxelsAndLinesStayAsTheyAre) {
+  for (const Index3 size : {Index3{1, 1, 1}, Index3{2, 1, 1}}) {
+    for (const auto& [edge, vertex] : smoothed(mask_of(size, [](auto, auto, auto) { return true; }))) {
+      EXPECT_EQ(vertex.offset, 128);
+      const auto axis = static_cast<std::size_t>(edge[3]);
+      const bool is_low_side = edge[axis] < 0;
+      EXPECT_EQ(vertex.direction[axis] < 0, is_low_side);
+      EXPECT_NE(vertex.direction[axis], 0);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace splatlas

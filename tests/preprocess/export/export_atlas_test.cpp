@@ -1,0 +1,112 @@
+#include "preprocess/export/export_atlas.h"
+
+#include <cmath>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/phantom/two_spheres.h"
+#include "tests/preprocess/build_atlas_fixture.h"
+#include "tests/support/file_bytes.h"
+
+namespace splatlas {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+class ExportSurfaces : public BuildAtlas {
+ protected:
+  static Image image_of(const std::vector<std::uint8_t>& voxels) {
+    Image image;
+    image.grid = {.size = {phantom::kSize, phantom::kSize, phantom::kSize}, .spacing_mm = {1, 0.5, 2}};
+    image.voxels.type = VoxelType::kUInt8;
+    const auto bytes = std::as_bytes(std::span(voxels));
+    image.voxels.bytes.assign(bytes.begin(), bytes.end());
+    return image;
+  }
+  /// Builds the phantom.
+  std::string build_phantom(SurfaceRule rule, const std::string& name) const {
+    BuildOptions options = this->options(image_of(phantom::labels()), image_of(phantom::values()));
+    options.surfaces = rule;
+    options.output = file(name);
+    const Result<BuildReport> report = build_atlas(options);
+    EXPECT_TRUE(report) << report.error().message;
+    return file(name);
+  }
+  std::string export_surface(const std::string& atlas, const std::string& mesh, SurfaceChoice choice) const {
+    ExportOptions options;
+    options.atlas = atlas;
+    options.surfaces = {{"Label 1", file(mesh)}};
+    options.atlas_options.surfaces = choice;
+    const auto written = export_atlas(options);
+    EXPECT_TRUE(written && written->failures.empty());
+    return read_bytes(file(mesh));
+  }
+  static SurfaceMesh surface_of(const std::string& atlas, SurfaceChoice choice) {
+    return *(*Atlas::open(atlas, {.surfaces = choice}))->read_surface(0);
+  }
+};
+
+TEST_F(ExportSurfaces, AreSmoothByDefaultAndEitherWayOnRequest) {
+  ASSERT_EQ(BuildOptions().surfaces, SurfaceRule::kSmooth);
+  const std::string smooth = build_phantom(SurfaceRule::kSmooth, "smooth.atlas"),
+                    voxels = build_phantom(SurfaceRule::kVoxels, "voxels.atlas");
+  const SurfaceMesh moved = surface_of(smooth, SurfaceChoice::kAsInFile),
+                    midway = surface_of(voxels, SurfaceChoice::kAsInFile);
+  EXPECT_EQ(moved.position_scale, 256u);
+  EXPECT_EQ(midway.position_scale, 4u);
+  EXPECT_EQ(moved.triangles, midway.triangles);
+  EXPECT_EQ(moved.triangles.size(), 3704u);
+  EXPECT_EQ(surface_of(smooth, SurfaceChoice::kSmooth), moved);
+  EXPECT_EQ(surface_of(voxels, SurfaceChoice::kSmooth), moved);
+  EXPECT_EQ(surface_of(smooth, SurfaceChoice::kVoxels), midway);
+  EXPECT_EQ(surface_of(voxels, SurfaceChoice::kVoxels), midway);
+  float largest = 0;
+  for (std::size_t v = 0; v < moved.positions_ijk.size(); ++v) {
+    for (std::size_t a = 0; a < 3; ++a)
+      largest = std::max(largest, std::abs(moved.positions_ijk[v][a] - midway.positions_ijk[v][a]));
+  }
+  EXPECT_GT(largest, 0.25f);
+  EXPECT_LT(largest, 0.5f);
+}
+
+TEST_F(ExportSurfaces, HaveTheGeometryThatPlayersDraw) {
+  const std::string smooth = build_phantom(SurfaceRule::kSmooth, "smooth.atlas"),
+                    voxels = build_phantom(SurfaceRule::kVoxels, "voxels.atlas");
+  const Affine to_mm = index_to_lps_mm((*Atlas::open(smooth))->grid());
+  for (const std::string ending : {".stl", ".ply", ".obj", ".vtk"}) {
+    SCOPED_TRACE(ending);
+    const std::string bytes = export_surface(smooth, "smooth" + ending, SurfaceChoice::kAsInFile);
+    EXPECT_THAT(bytes, HasSubstr("smoothed 1"));
+    const SurfaceMesh drawn = surface_of(smooth, SurfaceChoice::kAsInFile);
+    const auto back = import_mesh(file("smooth" + ending), MeshFrame::kLps);
+    ASSERT_TRUE(back) << back.error().message;
+    ASSERT_EQ(back->triangles.size(), drawn.triangles.size());
+    for (std::size_t t = 0; t < drawn.triangles.size(); ++t) {
+      for (std::size_t n = 0; n < 3; ++n) {
+        const auto& [i, j, k] = drawn.positions_ijk[drawn.triangles[t][n]];
+        const Vec3 expected = to_mm.apply({i, j, k});
+        for (std::size_t a = 0; a < 3; ++a) {
+          // Six digits of text, of at most 64 mm
+          EXPECT_NEAR(back->positions_lps_mm[back->triangles[t][n]][a], expected[a], 1e-4);
+        }
+      }
+    }
+    const std::string plain = export_surface(smooth, "voxels" + ending, SurfaceChoice::kVoxels);
+    EXPECT_THAT(plain, Not(HasSubstr("smoothed")));
+    EXPECT_EQ(plain, export_surface(voxels, "same" + ending, SurfaceChoice::kAsInFile));
+    EXPECT_EQ(bytes, export_surface(voxels, "again" + ending, SurfaceChoice::kSmooth));
+  }
+}
+
+TEST_F(ExportSurfaces, OfManyThreadsAreTheSame) {
+  const std::string one = build_phantom(SurfaceRule::kSmooth, "one.atlas");
+  BuildOptions options = this->options(image_of(phantom::labels()), image_of(phantom::values()));
+  options.threads = 1;
+  ASSERT_TRUE(build_atlas(options));
+  EXPECT_EQ(read_bytes(one), read_bytes(options.output));
+}
+
+}  // namespace
+}  // namespace splatlas
