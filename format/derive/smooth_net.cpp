@@ -36,7 +36,6 @@ struct Pull {
 
 /// Arrays of one vertex each. Threads keep them for their next surface: new pages cost as much as the work.
 struct Scratch {
-  static constexpr std::size_t kMaxKept = std::size_t{1} << 18;
   std::vector<std::int64_t> lanes, next_lanes;
   std::vector<Vec4i> sums, next_sums;
   std::vector<Pull> pulls;
@@ -52,7 +51,7 @@ struct Scratch {
   }
   void shrink() {
     visit([](auto& array) {
-      if (array.size() > kMaxKept) array = {};
+      if (array.size() > kMaxKeptVertices) array = {};
     });
   }
 
@@ -73,8 +72,8 @@ class DirectionFilter {
         sums_(scratch.sums.data()),
         next_(scratch.next_sums.data()) {}
 
-  [[nodiscard]] std::vector<Vec4i> filter() {
-    std::vector<Vec4i> directions(count_);
+  void filter(std::vector<Vec4i>& directions) {
+    directions.resize(count_);
     first_mean(directions);
     for (int mean = 1; mean < kMeans; ++mean) {
       check_cancelled();
@@ -85,7 +84,6 @@ class DirectionFilter {
       for (std::size_t v = 0; v < count_; ++v) next_[v] = take_mean(sum(v), directions[v]);
       std::swap(sums_, next_);
     }
-    return directions;
   }
 
  private:
@@ -118,6 +116,7 @@ class DirectionFilter {
     for (std::size_t v = 0; v < count_; ++v) {
       Vec4i total = unpacked(now[v]);
       for (std::size_t a = 0; a < 3; ++a) total[a] *= kOne;
+      directions[v] = {};
       directions[v][net_.vertices[v].axis()] = net_.vertices[v].first_is_inside() ? kOne : -kOne;
       sums_[v] = take_mean(total, directions[v]);
     }
@@ -149,7 +148,7 @@ class Relaxation {
   Relaxation(const SurfaceNet& net, const std::vector<Vec4i>& directions, Scratch& scratch)
       : net_(net), directions_(directions), scratch_(scratch) {}
 
-  [[nodiscard]] std::vector<std::uint8_t> relax() {
+  void relax(std::vector<std::uint8_t>& offsets) {
     const std::size_t count = net_.vertices.size();
     std::int16_t *before = scratch_.before.data(), *now = scratch_.now.data(), *next = scratch_.next.data();
     std::fill_n(before, count, std::int16_t{0});
@@ -164,10 +163,9 @@ class Relaxation {
       std::swap(before, now);
       std::swap(now, next);
     }
-    std::vector<std::uint8_t> offsets(count);
+    offsets.resize(count);
     for (std::size_t v = 0; v < count; ++v)
       offsets[v] = static_cast<std::uint8_t>(128 + (now[v] + (now[v] < 0 ? -8 : 8)) / 16);
-    return offsets;
   }
 
  private:
@@ -255,11 +253,11 @@ class Relaxation {
 
 }  // namespace
 
-SmoothedNet smooth(const SurfaceNet& net) {
-  SmoothedNet result;
+SmoothedNet smooth(const SurfaceNet& net, SmoothedNet reused) {
+  SmoothedNet result = std::move(reused);
   Scratch& scratch = Scratch::of_thread(net.vertices.size());
-  result.directions = DirectionFilter(net, scratch).filter();
-  result.offsets = Relaxation(net, result.directions, scratch).relax();
+  DirectionFilter(net, scratch).filter(result.directions);
+  Relaxation(net, result.directions, scratch).relax(result.offsets);
   scratch.shrink();
   return result;
 }
