@@ -1,4 +1,4 @@
-// Bench `build`: time of preprocessing by stage, run encoding, memory.
+// Bench `build`: time of preprocessing by stage, run encoding, derived surfaces, memory.
 #include <algorithm>
 #include <cstdint>
 #include <string>
@@ -11,6 +11,9 @@
 #include "bench/bench.h"
 #include "bench/measure.h"
 #include "bench/peak_memory.h"
+#include "format/derive/fit_surface.h"
+#include "format/derive/smooth_net.h"
+#include "format/derive/surface_net.h"
 #include "format/run_model.h"
 #include "format/system/result_macros.h"
 #include "preprocess/build_atlas.h"
@@ -66,11 +69,10 @@ Table stage_table(const Builds& builds) {
 }
 
 /// The minimum over repeats, in ns per voxel.
-Result<Table> measure_runs(const Atlas& atlas, int repeats, nlohmann::ordered_json& summary) {
+Table measure_runs(const AtlasContent& content, int repeats, nlohmann::ordered_json& summary) {
   Table table{"runs",
               "Run encoding of the class volume, one thread",
               {"ns_per_voxel: CPU time, minimum over repeats"}};
-  SPLATLAS_ASSIGN_OR_RETURN(const AtlasContent content, atlas.read_all());
   const Index3 size = storage_grid(content).size;
   double sum = 0;
   for (const Axis axis : kAxes) {
@@ -89,6 +91,46 @@ Result<Table> measure_runs(const Atlas& atlas, int repeats, nlohmann::ordered_js
     sum += ns;
   }
   summary["runs_ns_per_voxel"] = sum;
+  return table;
+}
+
+/// The minimum over repeats of all surfaces that follow from the voxels.
+Table measure_surfaces(const AtlasContent& content, int repeats) {
+  Table table{
+      "surfaces",
+      "Deriving all surfaces from crops of the class volume, one thread, ns per triangle",
+      {"net: cells in order, triangles, links; smooth: net with smoothing 1; whole: with positions and "
+       "normals"}};
+  const Grid grid = storage_grid(content);
+  const StructureClasses structure_classes(content.classes, content.graph.size());
+  std::vector<StructureCrop> crops;
+  std::uint64_t triangles = 0;
+  for (StructureIndex s = 0; s < content.graph.size(); ++s) {
+    const IndexBox box = box_of(content.classes, structure_classes.of(s));
+    if (box.empty() || content.surfaces[s].position_scale != static_cast<std::uint32_t>(SurfaceRule::kSmooth))
+      continue;
+    crops.push_back(crop_structure(content.class_volume, grid.size, box,
+                                   parts_of(structure_classes.of(s), content.classes.size())));
+    triangles += content.surfaces[s].triangles.size();
+  }
+  const auto add = [&](const char* step, const auto& derive) {
+    double wall = 0, cpu = 0;
+    for (int repeat = 0; repeat < repeats; ++repeat) {
+      Stopwatch watch;
+      for (const StructureCrop& crop : crops) derive(crop);
+      const auto lap = watch.lap();
+      wall = repeat == 0 ? lap.wall_ms : std::min(wall, lap.wall_ms);
+      cpu = repeat == 0 ? lap.cpu_ms : std::min(cpu, lap.cpu_ms);
+    }
+    const double per_triangle = 1e6 / static_cast<double>(std::max<std::uint64_t>(triangles, 1));
+    table.rows.push_back({{"step", step},
+                          {"triangles", triangles},
+                          {"wall_ns", wall * per_triangle},
+                          {"cpu_ns", cpu * per_triangle}});
+  };
+  add("net", [](const StructureCrop& crop) { (void)surface_net(crop, CellTable::kVtk); });
+  add("smooth", [](const StructureCrop& crop) { (void)smooth(surface_net(crop, CellTable::kVtk)); });
+  add("whole", [&](const StructureCrop& crop) { (void)fit_surface(crop, grid, SurfaceRule::kSmooth); });
   return table;
 }
 
@@ -114,8 +156,10 @@ Result<Report> run_build_bench(const BenchOptions& options) {
          {"file_bytes", builds.reports[0].bytes}}}});
   report.summary["build_seconds"] = build;
   report.summary["build_over_load"] = build / load;
-  SPLATLAS_ASSIGN_OR_RETURN(report.tables.emplace_back(),
-                            measure_runs(*atlas, options.quick ? 2 : 9, report.summary));
+  SPLATLAS_ASSIGN_OR_RETURN(const AtlasContent content, atlas->read_all());
+  const int repeats = options.quick ? 2 : 9;
+  report.tables.push_back(measure_runs(content, repeats, report.summary));
+  report.tables.push_back(measure_surfaces(content, repeats));
   report.summary["peak_bytes_per_voxel"] =
       static_cast<double>(builds.peak_bytes) / static_cast<double>(atlas->grid().voxels());
   return report;

@@ -181,9 +181,20 @@ SurfaceMesh midway_mesh(SurfaceNet net, const std::vector<Vec3f>& gradients, con
   return mesh;
 }
 
-/// A smoothed mesh. Consumes the net.
+/// Memory of a thread's last net.
+struct Kept {
+  SurfaceNet net;
+  SmoothedNet smoothed;
+
+  static Kept& of_thread() {
+    static thread_local Kept kept;
+    return kept;
+  }
+};
+
+/// A smoothed mesh. Consumes the net and keeps its memory.
 SurfaceMesh smooth_mesh(SurfaceNet net, const Grid& grid) {
-  const SmoothedNet smoothed = smooth(net);
+  SmoothedNet smoothed = smooth(net, std::move(Kept::of_thread().smoothed));
   SurfaceMesh mesh = triangles_of(net, grid, SurfaceRule::kSmooth);
   mesh.positions_ijk.resize(net.vertices.size());
   mesh.normals_lps.resize(net.vertices.size());
@@ -196,6 +207,7 @@ SurfaceMesh smooth_mesh(SurfaceNet net, const Grid& grid) {
     mesh.normals_lps[v] = voxel_normals.to_lps(direction);
   }
   round_normals(mesh.normals_lps);
+  if (net.vertices.size() <= kMaxKeptVertices) Kept::of_thread() = {std::move(net), std::move(smoothed)};
   return mesh;
 }
 
@@ -216,7 +228,7 @@ PackedNormal VoxelNormals::normal(const Vec3f& gradient) const {
 
 SurfaceMesh fit_surface(const StructureCrop& crop, const Grid& grid, SurfaceRule rule,
                         const SliceVisitor& visit_slice) {
-  SurfaceNet net = surface_net(crop, table_of(rule));
+  SurfaceNet net = surface_net(crop, table_of(rule), std::move(Kept::of_thread().net));
   if (rule == SurfaceRule::kSmooth) {
     if (visit_slice) visit_slices(crop, visit_slice);
     return smooth_mesh(std::move(net), grid);

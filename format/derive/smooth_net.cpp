@@ -36,7 +36,6 @@ struct Pull {
 
 /// Arrays of one vertex each. Threads keep them for their next surface: new pages cost as much as the work.
 struct Scratch {
-  static constexpr std::size_t kMaxKept = std::size_t{1} << 18;
   std::vector<std::int64_t> lanes, next_lanes;
   std::vector<Vec4i> sums, next_sums;
   std::vector<Pull> pulls;
@@ -52,7 +51,7 @@ struct Scratch {
   }
   void shrink() {
     visit([](auto& array) {
-      if (array.size() > kMaxKept) array = {};
+      if (array.size() > kMaxKeptVertices) array = {};
     });
   }
 
@@ -73,8 +72,8 @@ class DirectionFilter {
         sums_(scratch.sums.data()),
         next_(scratch.next_sums.data()) {}
 
-  [[nodiscard]] std::vector<Vec4i> filter() {
-    std::vector<Vec4i> directions(count_);
+  void filter(std::vector<Vec4i>& directions) {
+    directions.resize(count_);
     first_mean(directions);
     for (int mean = 1; mean < kMeans; ++mean) {
       check_cancelled();
@@ -85,7 +84,6 @@ class DirectionFilter {
       for (std::size_t v = 0; v < count_; ++v) next_[v] = take_mean(sum(v), directions[v]);
       std::swap(sums_, next_);
     }
-    return directions;
   }
 
  private:
@@ -118,6 +116,7 @@ class DirectionFilter {
     for (std::size_t v = 0; v < count_; ++v) {
       Vec4i total = unpacked(now[v]);
       for (std::size_t a = 0; a < 3; ++a) total[a] *= kOne;
+      directions[v] = {};
       directions[v][net_.vertices[v].axis()] = net_.vertices[v].first_is_inside() ? kOne : -kOne;
       sums_[v] = take_mean(total, directions[v]);
     }
@@ -149,35 +148,36 @@ class Relaxation {
   Relaxation(const SurfaceNet& net, const std::vector<Vec4i>& directions, Scratch& scratch)
       : net_(net), directions_(directions), scratch_(scratch) {}
 
-  [[nodiscard]] std::vector<std::uint8_t> relax() {
+  void relax(std::vector<std::uint8_t>& offsets) {
     const std::size_t count = net_.vertices.size();
     std::int16_t *before = scratch_.before.data(), *now = scratch_.now.data(), *next = scratch_.next.data();
     std::fill_n(before, count, std::int16_t{0});
-    for (std::size_t v = 0; v < count; ++v) {
-      const Pull pull = pull_of(v);
-      scratch_.pulls[v] = pull;
-      now[v] = relaxed(0, kOmega[0], pull.constant);
+    Links links{};
+    for (std::size_t first = 0; first < count; first += kBlock) {
+      const std::size_t in_block = std::min(kBlock, count - first);
+      gather(first, in_block, links);
+      find_pulls(first, in_block, links);
     }
+    for (std::size_t v = 0; v < count; ++v) now[v] = relaxed(0, kOmega[0], scratch_.pulls[v].constant);
     for (std::size_t step = 1; step < kRelaxations; ++step) {
       check_cancelled();
       relax_once(step + 1 < kRelaxations ? before : now, now, static_cast<std::int16_t>(kOmega[step]), next);
       std::swap(before, now);
       std::swap(now, next);
     }
-    std::vector<std::uint8_t> offsets(count);
+    offsets.resize(count);
     for (std::size_t v = 0; v < count; ++v)
       offsets[v] = static_cast<std::uint8_t>(128 + (now[v] + (now[v] < 0 ? -8 : 8)) / 16);
-    return offsets;
   }
 
  private:
   /// Blocks of sums, so that compilers use vectors for what follows them.
   void relax_once(const std::int16_t* from, const std::int16_t* now, std::int16_t omega,
                   std::int16_t* next) const {
-    constexpr std::size_t kBlock = 256;
-    std::array<std::int32_t, kBlock> sums;
-    for (std::size_t first = 0; first < net_.vertices.size(); first += kBlock) {
-      const std::size_t count = std::min(kBlock, net_.vertices.size() - first);
+    constexpr std::size_t kSums = 256;
+    std::array<std::int32_t, kSums> sums;
+    for (std::size_t first = 0; first < net_.vertices.size(); first += kSums) {
+      const std::size_t count = std::min(kSums, net_.vertices.size() - first);
       for (std::size_t n = 0; n < count; ++n) {
         const auto& [p, q, r, s] = net_.neighbours[first + n];
         const Pull& pull = scratch_.pulls[first + n];
@@ -199,54 +199,82 @@ class Relaxation {
     return limited(from + shifted<12>(step * omega), kMaxOffset);
   }
 
-  [[nodiscard]] Pull pull_of(std::size_t v) const {
-    const NetVertex& vertex = net_.vertices[v];
-    const auto& neighbours = net_.neighbours[v];
-    const std::size_t a = vertex.axis(), b = a == 2 ? 0 : a + 1, c = b == 2 ? 0 : b + 1;
-    const Vec4i& own = directions_[v];
-    const std::int32_t sign = vertex.first_is_inside() ? 1 : -1;
-    // Components of the mean direction of each link, along the edge and towards the neighbour.
-    std::array<std::int32_t, 4> along, beside;
-    std::uint32_t bits = 0;
-    for (std::size_t slot = 0; slot < 4; ++slot) {
-      const Vec4i& other = directions_[neighbours[slot]];
-      const std::size_t l = slot < 2 ? b : c;
-      along[slot] = sign * (own[a] + other[a]);
-      beside[slot] = (slot & 1) != 0 ? -sign * (own[l] + other[l]) : sign * (own[l] + other[l]);
-      bits |= static_cast<std::uint32_t>(std::abs(along[slot]) | std::abs(beside[slot]));
-    }
-    if (bits == 0) return {};
-    const int length = std::bit_width(bits), down = std::max(length - kWeightBits, 0),
-              up = std::max(kWeightBits - length, 0);
-    const std::int32_t bias = (1 << down) - 1;
-    const auto scaled = [&](std::int32_t x) { return (x + (x >> 31 & bias)) >> down << up; };
+  static constexpr std::size_t kBlock = 64;
+  template <typename Number>
+  using Lanes = std::array<Number, kBlock>;
 
-    std::int32_t total = 0, constant = 0;
-    std::array<std::int32_t, 4> weights;
-    for (std::size_t slot = 0; slot < 4; ++slot) {
-      const std::int32_t alpha = scaled(along[slot]), beta = scaled(beside[slot]);
-      const KindFactors& factors = kFactors[net_.kinds[v] >> 2 * slot & 3];
-      total += alpha;
-      constant += factors.constant_alpha * alpha + factors.constant_beta * beta;
-      weights[slot] = factors.weight_alpha * alpha +
-                      ((slot & 1) != 0 ? -factors.weight_beta * beta : factors.weight_beta * beta);
+  /// Components of the sums of directions of a block of links, along the edges and towards the neighbours.
+  struct Links {
+    std::array<Lanes<std::int32_t>, 4> along, beside;  // [slot]
+    Lanes<std::int32_t> bits, kinds;                   // all bits of the absolute values; kinds of slots
+  };
+
+  void gather(std::size_t first, std::size_t count, Links& links) const {
+    for (std::size_t n = 0; n < count; ++n) {
+      const std::size_t v = first + n;
+      const auto& neighbours = net_.neighbours[v];
+      const std::size_t a = net_.vertices[v].axis(), b = a == 2 ? 0 : a + 1, c = b == 2 ? 0 : b + 1;
+      const Vec4i& own = directions_[v];
+      const std::int32_t sign = net_.vertices[v].first_is_inside() ? 1 : -1;
+      std::int32_t bits = 1;
+      for (std::size_t slot = 0; slot < 4; ++slot) {
+        const Vec4i& other = directions_[neighbours[slot]];
+        const std::size_t l = slot < 2 ? b : c;
+        const std::int32_t along = sign * (own[a] + other[a]), beside = sign * (own[l] + other[l]);
+        bits |= std::abs(along) | std::abs(beside);
+        links.along[slot][n] = along;
+        links.beside[slot][n] = (slot & 1) != 0 ? -beside : beside;
+      }
+      links.bits[n] = bits;
+      links.kinds[n] = net_.kinds[v];
     }
-    if (total <= 0) return {};
-    const std::int64_t inverse = (1 << 29) / (total + 1024);
-    Pull pull{static_cast<std::int32_t>(shifted<7>(constant * inverse)), {}};
-    for (std::size_t slot = 0; slot < 4; ++slot)
-      pull.weights[slot] = static_cast<std::int16_t>(shifted<18>(weights[slot] * inverse));
-    return pull;
+  }
+
+  /// Pulls of a block, without branches, so that compilers use vectors. Sums and products are whole numbers
+  /// below 2^53, and exact; quotients by powers of two are rounded once, towards zero.
+  void find_pulls(std::size_t first, std::size_t count, const Links& links) {
+    Lanes<float> scale;
+    for (std::size_t n = 0; n < kBlock; ++n) {  // 2^(kWeightBits - bit length), from the exponent of a float
+      const std::int32_t exponent = std::bit_cast<std::int32_t>(static_cast<float>(links.bits[n])) >> 23;
+      scale[n] = std::bit_cast<float>((2 * 127 + kWeightBits - 1 - exponent) << 23);
+    }
+    Lanes<std::int32_t> total{}, constant{};
+    std::array<Lanes<std::int32_t>, 4> weights;
+    for (std::size_t slot = 0; slot < 4; ++slot) {
+      const std::int32_t side = (slot & 1) != 0 ? -1 : 0;  // as a mask
+      for (std::size_t n = 0; n < kBlock; ++n) {
+        const auto alpha = static_cast<std::int32_t>(scale[n] * static_cast<float>(links.along[slot][n]));
+        const auto beta = static_cast<std::int32_t>(scale[n] * static_cast<float>(links.beside[slot][n]));
+        const std::int32_t kind = links.kinds[n] >> 2 * slot & 3;
+        const std::int32_t is_parallel = kind == 0 ? -1 : 0, is_low = kind == 1 ? -1 : 0,
+                           is_high = kind == 2 ? -1 : 0;
+        total[n] += alpha;
+        constant[n] += beta + (is_parallel & beta) + (is_high & alpha) - (is_low & alpha);
+        weights[slot][n] = (is_parallel & alpha) + ((is_low | is_high) & ((beta ^ side) - side));
+      }
+    }
+    Lanes<double> inverse;
+    for (std::size_t n = 0; n < kBlock; ++n) {
+      const std::int32_t divisor = total[n] > 0 ? total[n] + 1024 : 1 << 30;  // then 0
+      inverse[n] = static_cast<std::int32_t>(static_cast<double>(1 << 29) / static_cast<double>(divisor));
+    }
+    for (std::size_t n = 0; n < kBlock; ++n)
+      constant[n] =
+          static_cast<std::int32_t>(static_cast<double>(constant[n]) * inverse[n] * (1.0 / (1 << 7)));
+    for (auto& of_slot : weights) {
+      for (std::size_t n = 0; n < kBlock; ++n)
+        of_slot[n] =
+            static_cast<std::int32_t>(static_cast<double>(of_slot[n]) * inverse[n] * (1.0 / (1 << 18)));
+    }
+    for (std::size_t n = 0; n < count; ++n) {
+      Pull& pull = scratch_.pulls[first + n];
+      pull.constant = constant[n];
+      for (std::size_t slot = 0; slot < 4; ++slot)
+        pull.weights[slot] = static_cast<std::int16_t>(weights[slot][n]);
+    }
   }
 
   static constexpr int kWeightBits = 14;
-  struct KindFactors {
-    std::int32_t constant_alpha, constant_beta, weight_alpha, weight_beta;
-  };
-  static constexpr std::array<KindFactors, 4> kFactors{{{0, 2, 1, 0},    // kParallel
-                                                        {-1, 1, 0, 1},   // kLow
-                                                        {1, 1, 0, 1},    // kHigh
-                                                        {0, 1, 0, 0}}};  // kCentre
 
   const SurfaceNet& net_;
   const std::vector<Vec4i>& directions_;
@@ -255,11 +283,11 @@ class Relaxation {
 
 }  // namespace
 
-SmoothedNet smooth(const SurfaceNet& net) {
-  SmoothedNet result;
+SmoothedNet smooth(const SurfaceNet& net, SmoothedNet reused) {
+  SmoothedNet result = std::move(reused);
   Scratch& scratch = Scratch::of_thread(net.vertices.size());
-  result.directions = DirectionFilter(net, scratch).filter();
-  result.offsets = Relaxation(net, result.directions, scratch).relax();
+  DirectionFilter(net, scratch).filter(result.directions);
+  Relaxation(net, result.directions, scratch).relax(result.offsets);
   scratch.shrink();
   return result;
 }

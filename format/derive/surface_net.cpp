@@ -2,7 +2,7 @@
 
 #include <bit>
 #include <cstring>
-#include <span>
+#include <utility>
 
 #include "format/derive/net_builder.h"
 #include "format/system/task_control.h"
@@ -83,8 +83,8 @@ class BitRows {
 /// Visits the cells of a crop by leading voxel, 64 voxels at a time.
 class NetWalker {
  public:
-  NetWalker(const StructureCrop& crop, CellTable table)
-      : crop_(crop), rows_(crop), builder_(table, count_vertices()) {
+  NetWalker(const StructureCrop& crop, CellTable table, SurfaceNet reused)
+      : crop_(crop), rows_(crop), builder_(table, count_vertices(), std::move(reused)) {
     for (Slice& slice : slices_) slice.ids.resize(static_cast<std::size_t>(crop.size[0] * crop.size[1]));
     around_.resize(rows_.words());
   }
@@ -253,7 +253,8 @@ class NetWalker {
 
 }  // namespace
 
-NetBuilder::NetBuilder(CellTable table, std::size_t vertices) : cases_(cell_cases(table)) {
+NetBuilder::NetBuilder(CellTable table, std::size_t vertices, SurfaceNet reused)
+    : cases_(cell_cases(table)), net_(std::move(reused)) {
   net_.vertices.resize(vertices + kCellEdges + 1);
   net_.neighbours.resize(net_.vertices.size());
   net_.kinds.resize(net_.vertices.size());
@@ -314,8 +315,8 @@ void NetBuilder::put_early_cells_first() {
   net_ = std::move(ordered);
 }
 
-SurfaceNet surface_net(const StructureCrop& crop, CellTable table) {
-  return NetWalker(crop, table).walk();
+SurfaceNet surface_net(const StructureCrop& crop, CellTable table, SurfaceNet reused) {
+  return NetWalker(crop, table, std::move(reused)).walk();
 }
 
 }  // namespace splatlas

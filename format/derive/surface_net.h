@@ -33,8 +33,12 @@ struct SurfaceNet {
   std::vector<std::array<std::uint32_t, 3>> triangles;
 };
 
-/// The net of a crop of a whole structure. Cost: linear in the voxels of the crop, an eighth of a byte each,
-/// and about 20 ns per triangle.
-[[nodiscard]] SurfaceNet surface_net(const StructureCrop& crop, CellTable table);
+/// Threads keep the memory of nets up to this size for their next one: about 100 bytes per vertex. New pages
+/// cost as much time as the work in them.
+inline constexpr std::size_t kMaxKeptVertices = std::size_t{1} << 18;
+
+/// The net of a crop of a whole structure, in the memory of `reused`. Cost: linear in the voxels of the crop,
+/// an eighth of a byte each, and about 20 ns per triangle.
+[[nodiscard]] SurfaceNet surface_net(const StructureCrop& crop, CellTable table, SurfaceNet reused = {});
 
 }  // namespace splatlas
