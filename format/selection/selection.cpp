@@ -91,7 +91,8 @@ void apply_term(const SelectionTerm& term, std::uint32_t number, std::span<const
 std::vector<std::size_t> application_order(std::span<const SelectionTerm> terms) {
   std::vector<std::size_t> order(terms.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  std::ranges::stable_partition(order, [&](std::size_t n) { return terms[n].target == TermTarget::kRest; });
+  std::stable_partition(order.begin(), order.end(),
+                        [&](std::size_t n) { return terms[n].target == TermTarget::kRest; });
   return order;
 }
 

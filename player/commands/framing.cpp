@@ -60,7 +60,7 @@ Result<Vec3> center_of(const std::string& name, const Atlas& atlas) {
 
 void add_framing(CLI::App& command, Framing& framing) {
   add_choice(command, "--fit", framing.fit, {{"selection", Fit::kSelection}, {"grid", Fit::kGrid}},
-             "fills the picture at zoom 1: the selected voxels and surfaces, or the whole atlas");
+             "content of the picture at zoom 1: the selected voxels and surfaces, or the whole atlas");
   add_parsed(command, "--center", framing.center, parse_center,
              fmt::format("must be X,Y,Z in LPS mm, each at most {} from 0, or name a structure", kMaxMm),
              "middle of the picture: a structure (see NAME), or X,Y,Z in LPS mm; the zoom stays");

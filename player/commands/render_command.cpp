@@ -87,7 +87,7 @@ void add_camera(CLI::App& command, Camera& camera) {
   add_parsed(command, "--elevation", camera.elevation_deg, parse_angle, kFiniteAngle,
              "degrees above the horizon; overrides --view");
   add_parsed(command, "--zoom", camera.zoom, parse_zoom, "must be a number from 1e-6 to 1e6",
-             "1 fits the selection or the grid into the picture; larger is nearer")
+             "multiplies the zoom of --fit, around its centre or --center")
       ->default_str(fmt::to_string(camera.zoom));
   add_choice(command, "--projection", camera.projection,
              {{"parallel", CameraProjection::kParallel}, {"perspective", CameraProjection::kPerspective}});

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <span>
 
 #include "player/sheets/sheets.h"
 
@@ -14,6 +15,9 @@ constexpr std::size_t kChunks = 32;
 /// Lower bound of transmittance. With a float resolution of 6e-8 it limits the error of the radiance in front
 /// of a fragment to 1e-5.
 constexpr float kMinTransmittance = 2e-4f;
+
+/// Rows with fewer fragments are sorted without a table of the slabs.
+constexpr std::size_t kMaxSlabsPerFragment = 64;
 
 /// Place of a sample in the sheet.
 struct SheetPlace {
@@ -147,11 +151,17 @@ void FragmentOrder::scatter(const FragmentList& list, const Shear& shear, const 
   });
 }
 
-/// Counting sort of a row's fragments by slab.
+/// Sorts a row's fragments by slab, by counting unless slabs are many. Both sorts are stable.
 void FragmentOrder::sort_row(std::size_t n, std::vector<std::uint32_t>& next_of_slab) {
   const std::size_t first = first_of_row_[n];
   const std::size_t last = first_of_row_[n + 1];
   if (first == last) return;
+  if (static_cast<std::size_t>(slabs_.count) / kMaxSlabsPerFragment > last - first) {
+    const auto row = std::span(unsorted_).subspan(first, last - first);
+    std::ranges::stable_sort(row, {}, [](const Unsorted& of) { return of.entry.slab; });
+    for (std::size_t e = first; e < last; ++e) put(unsorted_[e], e);
+    return;
+  }
   next_of_slab.assign(static_cast<std::size_t>(slabs_.count) + 1, 0);
   for (std::size_t e = first; e < last; ++e) {
     ++next_of_slab[static_cast<std::size_t>(unsorted_[e].entry.slab) + 1];
@@ -161,11 +171,14 @@ void FragmentOrder::sort_row(std::size_t n, std::vector<std::uint32_t>& next_of_
   }
   for (std::size_t e = first; e < last; ++e) {
     const Unsorted& from = unsorted_[e];
-    const std::size_t to = first + next_of_slab[static_cast<std::size_t>(from.entry.slab)]++;
-    entries_[to] = from.entry;
-    radiance_[to] = {};
-    place_[from.fragment] = static_cast<std::uint32_t>(to);
+    put(from, first + next_of_slab[static_cast<std::size_t>(from.entry.slab)]++);
   }
+}
+
+void FragmentOrder::put(const Unsorted& from, std::size_t to) {
+  entries_[to] = from.entry;
+  radiance_[to] = {};
+  place_[from.fragment] = static_cast<std::uint32_t>(to);
 }
 
 FragmentOrder::SlabPlace FragmentOrder::slab_at(double along) const {

@@ -89,6 +89,7 @@ class FragmentOrder {
   void scatter(const FragmentList& fragments, const Shear& shear, const SheetWindow& window,
                const PictureSize& size, ThreadPool& pool);
   void sort_row(std::size_t n, std::vector<std::uint32_t>& next_of_slab);
+  void put(const Unsorted& from, std::size_t to);
 
   bool ascending_ = true;
   std::int64_t slices_ = 1;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
@@ -121,6 +123,27 @@ TEST_F(PlayerFraming, ReadsNothingMore) {
     return nlohmann::json::parse(read_bytes(folder_.file("s.json"))).at("bytes");
   };
   EXPECT_EQ(bytes("selection"), bytes("grid"));
+}
+
+TEST_F(PlayerFraming, AGroupWithoutVoxelsHasNoCentre) {
+  std::ofstream(folder_.file("groups.tree")) << "Empty/\nBalls/Sphere 1\n";
+  const std::string source = phantom_folder().path().string();
+  const ProgramResult built =
+      run_preprocess({"build", "-o", "g.atlas", "--labels", source + "/labels.nrrd", "--names",
+                      source + "/names.txt", "--tree", "groups.tree", "--progress", "none"},
+                     folder_.path());
+  ASSERT_EQ(built.status, 0) << built.err;
+  const auto render = [&](const std::string& center) {
+    return run_player({"render", "g.atlas", "-o", "x.png", "--size", "8x8", "--center", center},
+                      folder_.path());
+  };
+  EXPECT_EQ(render("Balls").status, 0);
+  std::filesystem::remove(folder_.file("x.png"));
+  const ProgramResult refused = render("Empty");
+  EXPECT_EQ(refused.status, 1);
+  EXPECT_EQ(refused.err,
+            "splatlas-player: g.atlas: --center: \"Empty\" has no voxels; name another structure\n");
+  EXPECT_FALSE(std::filesystem::exists(folder_.file("x.png")));
 }
 
 TEST_F(PlayerFraming, RefusesWhatIsNoCentre) {

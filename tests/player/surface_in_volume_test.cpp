@@ -232,5 +232,32 @@ TEST(SurfaceInVolume, SurfacesAloneMultiplyTheirTransmittances) {
   }
 }
 
+/// A long gap between two plates changes nothing of their picture along it. Slices there outnumber the
+/// fragments, so that these are sorted without a table of slices.
+TEST(SurfaceInVolume, ALongGapIsNotSeen) {
+  const auto picture_of = [](std::int64_t slices) {
+    TestVolume volume;
+    volume.grid.size = {6, 5, slices};
+    for (const std::int64_t k : {slices - 3, std::int64_t{1}}) {
+      volume.structures.push_back(
+          {fmt::format("plate{}", k == 1), box_mask(volume.grid.size, {1, 1, k}, {4, 3, k + 1})});
+    }
+    volume.structures[1].color = {20, 200, 20};
+    const AtlasContent content = make_content(volume);
+    Camera camera = Camera::of(NamedView::kSuperior);
+    camera.zoom = zoom_for(content.display, 40, 0.15);
+    return render_or_throw(content, selection_of("*:both(opacity=0.4)", content.graph), camera,
+                           {.size = {40, 40}});
+  };
+  const Picture near = picture_of(8), far = picture_of(3000);
+  ASSERT_EQ(near.rgba.size(), far.rgba.size());
+  float largest = 0;
+  for (std::size_t n = 0; n < near.rgba.size(); ++n) {
+    EXPECT_NEAR(near.rgba[n], far.rgba[n], 1e-4f);  // depths of 3000 voxels have four digits less
+    largest = std::max(largest, near.rgba[n]);
+  }
+  EXPECT_GT(largest, 0.5f);
+}
+
 }  // namespace
 }  // namespace splatlas
