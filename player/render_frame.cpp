@@ -81,6 +81,7 @@ struct Renderer::Impl {
   void draw(DrawPlan plan) {
     spans.outdate();  // first: out of memory in draw() leaves an empty plan
     ray_volume.reset();
+    faces.reset();
     shown.reset();
     drawn.draw(std::move(plan));
     const DrawPlan& now = drawn.plan();
@@ -96,6 +97,7 @@ struct Renderer::Impl {
     drawn.clear();
     spans.clear();
     ray_volume.reset();
+    faces.reset();
     shown.reset();
   }
 
@@ -143,7 +145,8 @@ struct Renderer::Impl {
     // Rasterise surfaces, render sheets, resolve both into the picture
     const std::vector<SurfaceDraw> surfaces = drawn.surfaces(decoded.cache());
     const FrameScene scene{surfaces, view,      atlas->grid(),    lighting,
-                           options,  overrides, max_memory_bytes, &atlas->work_budget()};
+                           options,  overrides, max_memory_bytes, &atlas->work_budget(),
+                           faces};
     SheetFrame frame(scene, axis_spans.model(), shear, buffers, stats, pool);
     SPLATLAS_RETURN_IF_ERROR(run_stages(frame, kSheetLoops, task, picture));
     stats.runs_visited = axis_spans.runs().count();
@@ -173,7 +176,8 @@ struct Renderer::Impl {
     // Rasterise surfaces, cast rays, resolve both into the picture
     const std::vector<SurfaceDraw> surfaces = drawn.surfaces(decoded.cache());
     const FrameScene scene{surfaces, view,      atlas->grid(),    lighting,
-                           options,  overrides, max_memory_bytes, &atlas->work_budget()};
+                           options,  overrides, max_memory_bytes, &atlas->work_budget(),
+                           faces};
     RayFrame frame(scene, *ray_volume, buffers, stats, pool);
     SPLATLAS_RETURN_IF_ERROR(run_stages(frame, kRayLoops, task, picture));
     stats.runs_visited = ray_volume->runs();
@@ -189,6 +193,26 @@ struct Renderer::Impl {
     if (!decoded.missing().empty() && drawn.draws_nothing()) {
       return tl::unexpected(decoded.missing().front().error);
     }
+    return require_faces(axis, options);
+  }
+
+  /// Reads the voxels at the faces of a cut unless they are known.
+  [[nodiscard]] Result<void> require_faces(Axis axis, const RenderOptions& options) {
+    if (!shows_faces(options)) {
+      faces.reset();
+      return {};
+    }
+    if (faces && faces->planes() == options.cuts) return {};
+    std::vector<FaceClass> classes = face_classes(atlas->classes(), drawn.selection(), drawn.plan());
+    SPLATLAS_RETURN_IF_ERROR(decoded.require_faces(classes, axis, pool));
+    const FaceVoxels voxels{.atlas = *atlas,
+                            .cache = decoded.cache(),
+                            .axis = axis,
+                            .classes = {},
+                            .appearances = drawn.appearances().appearances()};
+    SPLATLAS_ASSIGN_OR_RETURN(CutFaces built,
+                              CutFaces::build(options.cuts, std::move(classes), voxels, faces.get(), pool));
+    faces = std::make_shared<const CutFaces>(std::move(built));
     return {};
   }
 
@@ -275,6 +299,7 @@ struct Renderer::Impl {
   DecodedSelection decoded;
   SpanStore spans;
   std::optional<RayVolume> ray_volume;
+  std::shared_ptr<const CutFaces> faces;  // of the latest cut; null: none
 
   // State of the latest frame, and of the latest finished one.
   FrameBuffers buffers;

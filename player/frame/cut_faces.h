@@ -1,0 +1,59 @@
+// Faces of a cut: the points where rays enter and leave its half spaces inside drawn structures.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "player/frame/face_map.h"
+#include "player/render_options.h"
+#include "player/surfaces/face_layer.h"
+#include "player/view/cut_rays.h"
+
+namespace splatlas {
+
+/// Faces of all planes of a cut for one selection. Immutable and thread-safe.
+class CutFaces {
+ public:
+  /// Errors and cost as for FaceMap::build(), for each plane. Reuses the maps of `former` for planes that
+  /// have not changed; `former` must be of the same selection.
+  [[nodiscard]] static Result<CutFaces> build(const CutPlanes& planes, std::vector<FaceClass> classes,
+                                              FaceVoxels voxels, const CutFaces* former, ThreadPool& pool);
+
+  [[nodiscard]] const CutPlanes& planes() const { return planes_; }
+  [[nodiscard]] const std::vector<FaceClass>& classes() const { return classes_; }
+
+  /// The face where a ray crosses plane `plane` at a continuous voxel index. Its depth is not set.
+  [[nodiscard]] Face at(int plane, const Vec3& index, CapMode mode) const;
+
+ private:
+  CutPlanes planes_;
+  std::vector<FaceClass> classes_;                    // by ClassId
+  std::vector<std::shared_ptr<const FaceMap>> maps_;  // of the planes
+};
+
+/// Faces of the rays of a view. Thread-safe.
+class ViewFaces {
+ public:
+  /// References must outlive it. Depths are `depth_sign` * index along `depth_axis`, as of fragments.
+  ViewFaces(const CutFaces& faces, const CutRays& rays, CapMode mode, std::size_t depth_axis,
+            double depth_sign)
+      : faces_(faces), rays_(rays), mode_(mode), axis_(depth_axis), sign_(depth_sign) {}
+
+  /// The faces on the ray through picture coordinates (x, y).
+  [[nodiscard]] RayFaces through(double x, double y) const;
+
+ private:
+  const CutFaces& faces_;
+  const CutRays& rays_;
+  CapMode mode_;
+  std::size_t axis_;
+  double sign_;
+};
+
+/// Replaces the layer by the faces at the pixel centres. Cost: linear in the pixels.
+void fill_faces(const ViewFaces& faces, const PictureSize& size, FaceLayer& layer, ThreadPool& pool);
+
+}  // namespace splatlas
