@@ -25,8 +25,9 @@ class CutFaces {
   [[nodiscard]] const CutPlanes& planes() const { return planes_; }
   [[nodiscard]] const std::vector<FaceClass>& classes() const { return classes_; }
 
-  /// The face where a ray crosses plane `plane` at a continuous voxel index. Its depth is not set.
-  [[nodiscard]] Face at(int plane, const Vec3& index, CapMode mode) const;
+  [[nodiscard]] const FaceMap& map(int plane) const { return *maps_[static_cast<std::size_t>(plane)]; }
+  /// The face of a sample of a map.
+  [[nodiscard]] Face face(const FaceSample& sample, CapMode mode, float depth) const;
 
  private:
   CutPlanes planes_;
@@ -44,8 +45,15 @@ class ViewFaces {
 
   /// The faces on the ray through picture coordinates (x, y).
   [[nodiscard]] RayFaces through(double x, double y) const;
+  /// Writes the faces at the pixel centres of a row to `front` and `back`, which must be empty. `back` may be
+  /// null if no ray leaves the kept part. Returns the columns that may have a face.
+  FaceLayer::Extent row(std::int32_t row, std::int32_t width, Face* front, Face* back) const;
+  /// False if no ray has a face at its far end.
+  [[nodiscard]] bool has_back() const { return rays_.can_leave(); }
 
  private:
+  FaceLayer::Extent row_of_parallel_rays(double y, std::int32_t width, Face* front, Face* back) const;
+
   const CutFaces& faces_;
   const CutRays& rays_;
   CapMode mode_;

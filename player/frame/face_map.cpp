@@ -170,35 +170,4 @@ Result<FaceMap> FaceMap::build(const VoxelPlane& plane, const FaceVoxels& voxels
   return map;
 }
 
-FaceSample FaceMap::at(double b, double c) const {
-  // Find the nearest voxel
-  const double near_b = std::floor(b + 0.5), near_c = std::floor(c + 0.5);
-  const bool inside = near_b > static_cast<double>(first_b_) && near_c > static_cast<double>(first_c_) &&
-                      near_b < static_cast<double>(first_b_ + columns_ - 1) &&
-                      near_c < static_cast<double>(first_c_ + rows_ - 1);
-  if (!inside) return {};
-  const double a = height(b, c);
-  const Texel nearest = texels()[place(static_cast<std::int64_t>(std::floor(a + to_kept_ + 0.5)),
-                                       static_cast<std::int64_t>(near_b), static_cast<std::int64_t>(near_c))];
-  if (nearest.id == kEmptyClass) return {};
-
-  // Interpolate between the voxels with faces among the eight around the point
-  const double floor_a = std::floor(a), floor_b = std::floor(b), floor_c = std::floor(c);
-  const auto in_a = static_cast<float>(a - floor_a), in_b = static_cast<float>(b - floor_b),
-             in_c = static_cast<float>(c - floor_c);
-  const auto first_a = static_cast<std::int64_t>(floor_a), first_b = static_cast<std::int64_t>(floor_b),
-             first_c = static_cast<std::int64_t>(floor_c);
-  float sum = 0, weights = 0;
-  for (std::int64_t n = 0; n < 8; ++n) {
-    const std::int64_t da = n & 1, db = n >> 1 & 1, dc = n >> 2;
-    const Texel& texel = texels()[place(first_a + da, first_b + db, first_c + dc)];
-    const float weight =
-        (da != 0 ? in_a : 1 - in_a) * (db != 0 ? in_b : 1 - in_b) * (dc != 0 ? in_c : 1 - in_c);
-    const float counted = texel.id != kEmptyClass ? weight : 0;
-    weights += counted;
-    sum += counted * texel.grey;
-  }
-  return {nearest.id, sum / weights};
-}
-
 }  // namespace splatlas

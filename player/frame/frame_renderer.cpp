@@ -39,7 +39,7 @@ void find_sample_faces(const ViewFaces& faces, int width, FragmentList& list, Th
 /// triangles.
 Result<std::uint64_t> draw_surfaces(RasterScene scene, const ShownFrame& frame, const Grid& grid,
                                     FrameBuffers& buffers, ThreadPool& pool) {
-  buffers.faces.clear();
+  if (frame.faces == nullptr) buffers.faces.clear();
   buffers.fragments.faces.clear();
   if (frame.cuts.empty()) return buffers.rasterizer.draw(scene, frame.raster, buffers.fragments, pool);
   const CutRays surface_cuts(frame.cuts, frame.view, grid, kCutMargin);
@@ -160,9 +160,12 @@ void add_surface_depths(const FragmentList& fragments, const FaceLayer& faces, c
   // Find the depths of faces at pixel centres
   const auto columns = static_cast<std::size_t>(width);
   pool.for_each(static_cast<std::size_t>(depths.size.height), [&](std::size_t row) {
-    for (std::size_t column = 0; column < columns; ++column) {
+    const FaceLayer::Extent shown = faces.shown[row];
+    for (auto column = static_cast<std::size_t>(shown.first); column < static_cast<std::size_t>(shown.last);
+         ++column) {
       const std::size_t pixel = row * columns + column;
-      const auto& [front, back] = faces.at(pixel);
+      const RayFaces of_pixel = faces.at(pixel);
+      const auto& [front, back] = of_pixel;
       const double x = static_cast<double>(column) + 0.5, y = static_cast<double>(row) + 0.5;
       if (front.rgba[3] >= 0.5f) {
         include(pixel, x, y, front.depth);

@@ -98,9 +98,8 @@ void add_faces(const FaceLayer& faces, Picture& picture, ThreadPool& pool) {
   const auto width = static_cast<std::size_t>(picture.size.width);
   const auto height = static_cast<std::size_t>(picture.size.height);
   pool.for_each((height + kRowsPerJob - 1) / kRowsPerJob, [&](std::size_t job) {
-    const std::size_t end = std::min(height, (job + 1) * kRowsPerJob) * width;
-    for (std::size_t pixel = job * kRowsPerJob * width; pixel < end; ++pixel)
-      faces.add_to(pixel, &picture.rgba[4 * pixel]);
+    for (std::size_t row = job * kRowsPerJob; row < std::min(height, (job + 1) * kRowsPerJob); ++row)
+      faces.add_to_row(row, &picture.rgba[4 * row * width]);
   });
 }
 

@@ -257,13 +257,6 @@ void warp_rows(const SheetImage& sheet, const Affine2& map, int samples, const W
   }
 }
 
-/// Composites the faces of a cut with the warped pixels of a row.
-void add_faces(const FaceLayer& faces, std::size_t row, Picture& picture) {
-  const auto width = static_cast<std::size_t>(picture.size.width);
-  for (std::size_t pixel = row * width; pixel < (row + 1) * width; ++pixel)
-    faces.add_to(pixel, &picture.rgba[4 * pixel]);
-}
-
 /// Replaces the warped pixels of a row that have fragments.
 void compose_row(const SheetImage& sheet, const Shear& shear, const Affine2& map,
                  const FragmentsInVolume& fragments, std::size_t row, Picture& picture) {
@@ -299,7 +292,8 @@ void resolve(const SheetImage& sheet, const Shear& shear, const FragmentsInVolum
     const std::size_t last = std::min(first + kBandRows, height);
     warp_rows(sheet, map, samples, kernels, first, last, picture);
     for (std::size_t row = first; row < last; ++row) {
-      if (fragments.faces != nullptr) add_faces(*fragments.faces, row, picture);
+      if (fragments.faces != nullptr)
+        fragments.faces->add_to_row(row, &picture.rgba[4 * row * static_cast<std::size_t>(size.width)]);
       compose_row(sheet, shear, map, fragments, row, picture);
     }
   });

@@ -83,10 +83,12 @@ class Splat {
 
     // Composite visible blocks run by run
     Blocks reach = reach_;
+    [[maybe_unused]] std::int64_t first_removed = kNoBlock;
     if constexpr (kCut) {
       const KeptBlocks kept(kept_->pixels[pair], rows_);
       reach = {std::max(reach.first, kept.visible.first), std::min(reach.last, kept.visible.last)};
       whole_ = kept.whole;
+      first_removed = kept.visible.first;
     }
     BlockRuns runs(rows_, pair, reach);
     std::int64_t next_block = std::numeric_limits<std::int64_t>::min();
@@ -94,6 +96,13 @@ class Splat {
       if (run.first != next_block) ClearCarry();
       next_block = run.last;
       for (std::int64_t block = run.first; block < run.last;) {
+        if constexpr (kCut) {
+          if (block == first_removed) {  // supplies the carry
+            SkipTo(run, block);
+            ++block;
+            continue;
+          }
+        }
         if (hidden.contains(block)) {
           block = std::min(hidden.last, run.last);
           SkipTo(run, block - 1);

@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "format/structure_graph.h"
+#include "player/camera.h"
 
 namespace splatlas {
 
@@ -35,21 +37,36 @@ struct RayFaces {
 
 /// Faces at the pixel centres of a picture, row by row. Keeps its memory from frame to frame.
 struct FaceLayer {
-  std::vector<Face> front, back;  ///< empty without faces
+  /// Columns [first, last) of a row.
+  struct Extent {
+    std::int32_t first = 0, last = 0;
+  };
+
+  PictureSize size{};
+  std::vector<Face> front;    ///< by pixel; empty without faces
+  std::vector<Face> back;     ///< by pixel; empty if no ray leaves the kept part
+  std::vector<Extent> shown;  ///< of each row: pixels outside have no face
 
   [[nodiscard]] bool empty() const { return front.empty(); }
-  [[nodiscard]] RayFaces at(std::size_t pixel) const { return {front[pixel], back[pixel]}; }
-  /// Composites the faces of a pixel with the radiance between them (RGBA).
-  void add_to(std::size_t pixel, float* rgba) const {
-    const RayFaces faces = at(pixel);
-    if (!faces.show()) return;
-    std::array<float, 4> between;
-    std::copy_n(rgba, 4, between.begin());
-    std::ranges::copy(faces.around(between), rgba);
+  [[nodiscard]] RayFaces at(std::size_t pixel) const {
+    return {front[pixel], back.empty() ? Face{} : back[pixel]};
+  }
+  /// Composites the faces of a row with the radiance between them (RGBA, the whole row).
+  void add_to_row(std::size_t row, float* rgba) const {
+    const std::size_t first = row * static_cast<std::size_t>(size.width);
+    for (std::int32_t column = shown[row].first; column < shown[row].last; ++column) {
+      const RayFaces faces = at(first + static_cast<std::size_t>(column));
+      if (!faces.show()) continue;
+      float* const pixel = rgba + std::ptrdiff_t{4} * column;
+      std::array<float, 4> between;
+      std::copy_n(pixel, 4, between.begin());
+      std::ranges::copy(faces.around(between), pixel);
+    }
   }
   void clear() {
     front.clear();
     back.clear();
+    shown.clear();
   }
 };
 

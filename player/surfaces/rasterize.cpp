@@ -80,8 +80,9 @@ bool Rasterizer::draw_centers(const RasterScene& scene, const RasterOptions& opt
       SlotFaces faces;
       if (scene.faces != nullptr) {
         const std::size_t first = static_cast<std::size_t>(first_row) * width;
-        faces = {std::span(scene.faces->front).subspan(first, worker->slots()),
-                 std::span(scene.faces->back).subspan(first, worker->slots())};
+        faces.front = std::span(scene.faces->front).subspan(first, worker->slots());
+        if (!scene.faces->back.empty())
+          faces.back = std::span(scene.faces->back).subspan(first, worker->slots());
       }
       worker->finish(options.termination_threshold, centers_[n], seen, faces);
       count.add(worker->crossings());

@@ -1,5 +1,6 @@
 #include "player/view/cut_rays.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace splatlas {
@@ -89,6 +90,29 @@ KeptDepths CutRays::depths(double x, double y, std::size_t axis, double sign) co
   if (std::isfinite(kept.from)) depths.from = sign * index_at(x, y, kept.from, axis);
   if (std::isfinite(kept.to)) depths.to = sign * index_at(x, y, kept.to, axis);
   return depths;
+}
+
+CutRays::Row CutRays::row(double y, double width) const {
+  Row row{0, width, {}};
+  for (std::size_t n = 0; n < distances_.size(); ++n) {
+    const RayDistance& of = distances_[n];
+    const double start = of.start + y * of.start_y;
+    if (of.along != 0) {
+      row.crossings.push_back({static_cast<int>(n), of.along < 0, -start / of.along, -of.start_x / of.along});
+    } else if (of.start_x == 0) {
+      if (start > 0) row.last = -1;
+    } else {
+      const double at = -start / of.start_x;
+      (of.start_x > 0 ? row.last : row.first) =
+          of.start_x > 0 ? std::min(row.last, at) : std::max(row.first, at);
+    }
+  }
+  return row;
+}
+
+bool CutRays::can_leave() const {
+  return perspective_ ||
+         std::any_of(distances_.begin(), distances_.end(), [](const auto& of) { return of.along > 0; });
 }
 
 std::uint8_t CutRays::removing(const std::array<float, 3>& index) const {

@@ -64,6 +64,23 @@ class CutRays {
   /// Kept part of that ray in depths sign * (index along `axis`), which grow away from the viewer.
   [[nodiscard]] KeptDepths depths(double x, double y, std::size_t axis, double sign) const;
 
+  /// Crossing of a plane by the rays of a picture row in a parallel view: t = at_zero + per_x * x.
+  struct RowCrossing {
+    int plane = 0;
+    bool enters = false;  ///< the kept part, away from the viewer
+    double at_zero = 0, per_x = 0;
+  };
+  /// Picture coordinates [first, last] of a row in a parallel view whose rays are not removed by planes along
+  /// them, and the crossings of all other planes.
+  struct Row {
+    double first = 0, last = 0;
+    std::vector<RowCrossing> crossings;
+  };
+  [[nodiscard]] bool is_parallel() const { return !perspective_; }
+  [[nodiscard]] Row row(double y, double width) const;
+  /// False if no ray leaves the kept part.
+  [[nodiscard]] bool can_leave() const;
+
   /// Bit set of the planes that remove a point.
   [[nodiscard]] std::uint8_t removing(const std::array<float, 3>& index) const;
 
