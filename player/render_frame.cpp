@@ -138,7 +138,8 @@ struct Renderer::Impl {
     stats.traversal = watch.lap();
     stats.select_ms += stats.traversal.wall_ms;
     const Lighting lighting(view.plane);
-    axis_spans.update_lighting(view.plane, lighting, options.hybrid_shading, pool);
+    axis_spans.update_lighting(view.plane, lighting, options.hybrid_shading, options.cuts, atlas->grid(),
+                               pool);
     const Elapsed light = watch.lap();
     stats.traversal += light;
 

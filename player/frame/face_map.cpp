@@ -6,6 +6,7 @@
 
 #include "format/run_model.h"
 #include "format/system/result_macros.h"
+#include "format/system/task_control.h"
 
 namespace splatlas {
 namespace {
@@ -58,6 +59,7 @@ class FaceMap::Builder {
         texels_(reinterpret_cast<Texel*>(map.texels_.data())) {}
 
   void add_slice(std::int64_t slice) {
+    check_cancelled();
     for (const ClassRun& run : voxels_.cache.runs(voxels_.axis).slice(slice)) {
       if (voxels_.classes[run.id].has_face()) add_run(slice, run);
     }

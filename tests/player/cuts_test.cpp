@@ -6,9 +6,11 @@
 
 #include "player/render_frame.h"
 #include "tests/reference/picture_difference.h"
+#include "tests/reference/reference_picture.h"
 #include "tests/support/fails_with.h"
 #include "tests/support/phantom_content.h"
 #include "tests/support/render.h"
+#include "tests/support/standard_scenes.h"
 #include "tests/support/test_content.h"
 
 namespace splatlas {
@@ -249,6 +251,27 @@ TEST(Cuts, HaveDepthsOfFacesAndOfClippedVolumes) {
         for (std::size_t c = 0; c < 4; ++c)
           EXPECT_NEAR(middle_pixel(cued, at, at)[c], middle_pixel(plain, at, at)[c], 0.01) << text;
       }
+    }
+  }
+}
+
+/// Sheets of a smooth field converge to the exact picture with cuts at any angle, as they do without.
+TEST(Cuts, ApproachTheExactPicture) {
+  const StandardScene scene = blobs_scene();
+  const Vec3 center = scene.content.display.center_lps_mm;
+  for (const Vec3& normal : {Vec3{1, 0, 0}, {0.5, -1, 0.3}, {0, 0.2, -1}, {-1, -1, 0.1}}) {
+    RenderOptions options{.size = {64, 64}, .antialiasing = false, .termination_threshold = 0};
+    double offset = 1.3;
+    for (std::size_t a = 0; a < 3; ++a) offset += normal[a] * center[a];
+    options.cuts = cuts_of({{normal, offset}});
+    const Camera camera{.azimuth_deg = 25, .elevation_deg = 15, .zoom = 1.2};
+    const auto exact = reference::render_truth({scene.content, scene.selection, camera, options});
+    for (const Quality quality : {Quality::kNormal, Quality::kHigh}) {
+      options.quality = quality;
+      const Picture picture = render_or_throw(scene.content, scene.selection, camera, options);
+      const auto error = reference::difference(picture, exact);
+      EXPECT_LT(255 * error.rms, 0.5)
+          << to_text(error) << " with normal " << normal[0] << "," << normal[1] << "," << normal[2];
     }
   }
 }
