@@ -9,7 +9,8 @@
 namespace splatlas {
 namespace {
 
-/// Camera options such as "--azimuth 30 --elevation 20 --zoom 2".
+/// Camera options such as "--azimuth 30 --elevation 20 --zoom 2". Skips cuts and their faces, which are not
+/// measured.
 std::optional<Camera> parse_camera(const std::string& text) {
   Camera camera;
   std::istringstream words(text);
@@ -19,6 +20,10 @@ std::optional<Camera> parse_camera(const std::string& text) {
                           : option == "--elevation" ? &camera.elevation_deg
                           : option == "--zoom"      ? &camera.zoom
                                                     : nullptr;
+    if (std::string skipped; option == "--cut" || option == "--cap") {
+      if (!(words >> skipped)) return std::nullopt;
+      continue;
+    }
     if (value == nullptr || !(words >> *value)) return std::nullopt;
   }
   return camera;

@@ -3,6 +3,7 @@
 
 #include "bench/atlases.h"
 #include "bench/bench.h"
+#include "bench/cut_rows.h"
 #include "bench/paper_rows.h"
 #include "format/system/result_macros.h"
 
@@ -22,6 +23,7 @@ Result<Report> run_head_bench(const BenchOptions& options) {
   const TraversalTable table_4{"4", "Table 4: traversals of the head, 512x512", paper::kTable4,
                                paper::kHeadVoxels, figures};
   SPLATLAS_RETURN_IF_ERROR(add_traversal_tables(atlas, table_4, options, report));
+  SPLATLAS_RETURN_IF_ERROR(add_cut_table(atlas, options, report));
   return report;
 }
 

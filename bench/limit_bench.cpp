@@ -98,7 +98,7 @@ class LimitTask {
     Stopwatch watch;
     no_fragments_.build(none, packed.shear, packed.window, options_.size, task_.atlas->grid(), pool_);
     const std::uint64_t voxels = render_sheets(packed.model, packed.shear, packed.window, best_kernels(), 0,
-                                               no_fragments_, packed_sheet_, pool_);
+                                               {}, no_fragments_, packed_sheet_, pool_);
     const Elapsed elapsed = watch.lap();
     if (voxels != packed.model.voxels)
       return fail(ErrorCode::kFailed, "a part of the packed voxels lies outside of the sheet");

@@ -88,6 +88,7 @@ struct Renderer::Impl {
   void draw(DrawPlan plan) {
     spans.outdate();  // first: out of memory in draw() leaves an empty plan
     ray_volume.reset();
+    faces.reset();
     shown.reset();
     drawn.draw(std::move(plan));
     const DrawPlan& now = drawn.plan();
@@ -103,6 +104,7 @@ struct Renderer::Impl {
     drawn.clear();
     spans.clear();
     ray_volume.reset();
+    faces.reset();
     shown.reset();
   }
 
@@ -166,14 +168,16 @@ struct Renderer::Impl {
     stats.traversal = watch.lap();
     stats.select_ms += stats.traversal.wall_ms;
     const Lighting lighting(view.plane);
-    axis_spans.update_lighting(view.plane, lighting, options.hybrid_shading, pool);
+    axis_spans.update_lighting(view.plane, lighting, options.hybrid_shading, options.cuts, atlas->grid(),
+                               pool);
     const Elapsed light = watch.lap();
     stats.traversal += light;
 
     // Rasterise surfaces, render sheets, resolve both into the picture
     const std::vector<SurfaceDraw> surfaces = drawn.surfaces(decoded.cache());
     const FrameScene scene{surfaces, view,      atlas->grid(),    lighting,
-                           options,  overrides, max_memory_bytes, &atlas->work_budget()};
+                           options,  overrides, max_memory_bytes, &atlas->work_budget(),
+                           faces};
     SheetFrame frame(scene, axis_spans.model(), shear, buffers, stats, pool);
     SPLATLAS_RETURN_IF_ERROR(run_stages(frame, kSheetLoops, task, picture));
     stats.runs_visited = axis_spans.runs().count();
@@ -203,7 +207,8 @@ struct Renderer::Impl {
     // Rasterise surfaces, cast rays, resolve both into the picture
     const std::vector<SurfaceDraw> surfaces = drawn.surfaces(decoded.cache());
     const FrameScene scene{surfaces, view,      atlas->grid(),    lighting,
-                           options,  overrides, max_memory_bytes, &atlas->work_budget()};
+                           options,  overrides, max_memory_bytes, &atlas->work_budget(),
+                           faces};
     RayFrame frame(scene, *ray_volume, buffers, stats, pool);
     SPLATLAS_RETURN_IF_ERROR(run_stages(frame, kRayLoops, task, picture));
     stats.runs_visited = ray_volume->runs();
@@ -219,6 +224,26 @@ struct Renderer::Impl {
     if (!decoded.missing().empty() && drawn.draws_nothing()) {
       return tl::unexpected(decoded.missing().front().error);
     }
+    return require_faces(axis, options);
+  }
+
+  /// Reads the voxels at the faces of a cut unless they are known.
+  [[nodiscard]] Result<void> require_faces(Axis axis, const RenderOptions& options) {
+    if (!shows_faces(options)) {
+      faces.reset();
+      return {};
+    }
+    if (faces && faces->planes() == options.cuts) return {};
+    std::vector<FaceClass> classes = face_classes(atlas->classes(), drawn.selection(), drawn.plan());
+    SPLATLAS_RETURN_IF_ERROR(decoded.require_faces(classes, axis, pool));
+    const FaceVoxels voxels{.atlas = *atlas,
+                            .cache = decoded.cache(),
+                            .axis = axis,
+                            .classes = {},
+                            .appearances = drawn.appearances().appearances()};
+    SPLATLAS_ASSIGN_OR_RETURN(CutFaces built,
+                              CutFaces::build(options.cuts, std::move(classes), voxels, faces.get(), pool));
+    faces = std::make_shared<const CutFaces>(std::move(built));
     return {};
   }
 
@@ -306,6 +331,7 @@ struct Renderer::Impl {
   DecodedSelection decoded;
   SpanStore spans;
   std::optional<RayVolume> ray_volume;
+  std::shared_ptr<const CutFaces> faces;  // of the latest cut; null: none
 
   // State of the latest frame, and of the latest finished one.
   FrameBuffers buffers;

@@ -7,6 +7,7 @@
 #include <stop_token>
 
 #include "format/grid.h"
+#include "player/camera.h"
 #include "player/picture.h"
 
 namespace splatlas {
@@ -35,6 +36,14 @@ enum class DepthCue : std::uint8_t {
 /// Rays draw perspective projections and post-classification. Steps per slab: 1, 1 to 32, 8 to 64.
 enum class Quality : std::uint8_t { kDraft, kNormal, kHigh };
 
+/// Contents of the faces of a cut: the points where a plane meets drawn structures.
+enum class CapMode : std::uint8_t {
+  kValues,  ///< grey values through the display window
+  kLabels,  ///< colours of structures
+  kBoth,    ///< grey values, tinted by the colours of structures
+  kNone,    ///< no faces: cut surfaces are hollow
+};
+
 /// Options of one picture.
 struct RenderOptions {
   PictureSize size{512, 512};
@@ -50,6 +59,9 @@ struct RenderOptions {
   /// Early ray termination threshold: pixels stop once their transmittance falls to this value, which bounds
   /// the error of each channel. 0 disables termination. Not set: 1e-3 in drafts, 1e-4 otherwise.
   std::optional<float> termination_threshold = std::nullopt;
+  /// Half spaces to remove from volumes and surfaces. What remains is unchanged.
+  CutPlanes cuts = {};
+  CapMode caps = CapMode::kBoth;  ///< faces of the cuts
 };
 
 /// Cancellation and progress of one call of Renderer::render().

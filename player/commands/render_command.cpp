@@ -1,5 +1,7 @@
 #include "player/commands/render_command.h"
 
+#include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstddef>
@@ -70,6 +72,62 @@ std::optional<double> parse_angle(std::string_view text) {
 std::optional<double> parse_zoom(std::string_view text) {
   const auto zoom = parse_number<double>(text);
   return zoom && *zoom >= kMinCameraZoom && *zoom <= kMaxCameraZoom ? zoom : std::nullopt;
+}
+
+constexpr const char* kCutForms =
+    "must be SIDE=MM (left, right, anterior, posterior, superior or inferior) or NX,NY,NZ,D, in LPS mm";
+
+/// Parses SIDE=MM or NX,NY,NZ,D.
+std::optional<CutPlane> parse_cut(std::string_view text) {
+  static constexpr std::array<std::pair<std::string_view, Vec3>, 6> kSides{{{"left", {1, 0, 0}},
+                                                                            {"right", {-1, 0, 0}},
+                                                                            {"anterior", {0, -1, 0}},
+                                                                            {"posterior", {0, 1, 0}},
+                                                                            {"superior", {0, 0, 1}},
+                                                                            {"inferior", {0, 0, -1}}}};
+  if (const std::size_t equals = text.find('='); equals != std::string_view::npos) {
+    const auto side =
+        std::ranges::find(kSides, text.substr(0, equals), &std::pair<std::string_view, Vec3>::first);
+    const auto mm = parse_number<double>(text.substr(equals + 1));
+    if (side == kSides.end() || !mm) return std::nullopt;
+    return CutPlane{side->second, *mm};
+  }
+  std::array<double, 4> numbers{};
+  for (std::size_t n = 0; n < numbers.size(); ++n) {
+    const std::size_t comma = n + 1 < numbers.size() ? text.find(',') : text.size();
+    const auto number = parse_number<double>(text.substr(0, comma));
+    if (!number || comma == std::string_view::npos) return std::nullopt;
+    numbers[n] = *number;
+    text.remove_prefix(std::min(comma + 1, text.size()));
+  }
+  return CutPlane{{numbers[0], numbers[1], numbers[2]}, numbers[3]};
+}
+
+void add_cuts(CLI::App& command, RenderOptions& options) {
+  const auto append = [&options](const std::vector<std::string>& texts) {
+    for (const std::string& text : texts) {
+      const auto plane = parse_cut(text);
+      if (!plane) throw CLI::ValidationError(fmt::format("--cut {}", in_quotes(text)), kCutForms);
+      if (options.cuts.size() == CutPlanes::kMax) {
+        throw CLI::ValidationError(fmt::format("--cut {}", in_quotes(text)),
+                                   fmt::format("is one too many; at most {} cuts", CutPlanes::kMax));
+      }
+      if (!options.cuts.add(*plane)) {
+        throw CLI::ValidationError(fmt::format("--cut {}", in_quotes(text)),
+                                   "must have finite numbers and a normal other than 0");
+      }
+    }
+  };
+  command.add_option_function<std::vector<std::string>>(
+      "--cut", append,
+      "SIDE=MM removes what lies further to that side of the origin; NX,NY,NZ,D removes n.p > D (LPS mm); "
+      "up to six");
+  add_choice(command, "--cap", options.caps,
+             {{"values", CapMode::kValues},
+              {"labels", CapMode::kLabels},
+              {"both", CapMode::kBoth},
+              {"none", CapMode::kNone}},
+             "faces of cuts: grey values, structure colours, tinted grey values or hollow");
 }
 
 /// Adds camera options. CLI11 assigns values in this order, so single settings override --view.
@@ -204,6 +262,7 @@ CLI::App* add_render(CLI::App& app, RenderRequest& request) {
   add_camera(*command, request.camera);
   add_framing(*command, request.framing);
   add_quality(*command, request.options);
+  add_cuts(*command, request.options);
   const CLI::Option* background =
       add_parsed(*command, "--background", request.background, parse_background,
                  "must be #rrggbb or transparent", "#rrggbb or transparent; black for transparent .jpg")

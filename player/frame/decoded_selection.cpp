@@ -32,16 +32,38 @@ Result<std::optional<DrawPlan>> DecodedSelection::require(const DrawPlan& plan, 
   DrawPlan rest = plan;
   for (MissingPart& part :
        leave_out(cache_.failed_classes(), cache_.failed_surfaces(), atlas_->classes(), rest)) {
-    const auto known = std::ranges::find_if(missing_, [&](const MissingPart& other) {
-      return other.structure == part.structure && other.surface == part.surface;
-    });
-    if (known == missing_.end()) {
-      missing_.push_back(std::move(part));
-    } else {
-      known->voxels += part.voxels;
-    }
+    list_missing(std::move(part));
   }
   return rest;
+}
+
+void DecodedSelection::list_missing(MissingPart part) {
+  const auto known = std::ranges::find_if(missing_, [&](const MissingPart& other) {
+    return other.structure == part.structure && other.surface == part.surface;
+  });
+  if (known == missing_.end()) {
+    missing_.push_back(std::move(part));
+  } else {
+    known->voxels += part.voxels;
+  }
+}
+
+Result<void> DecodedSelection::require_faces(std::span<const FaceClass> faces, Axis axis, ThreadPool& pool) {
+  std::vector<ClassId> classes;
+  for (ClassId c = 0; c < faces.size(); ++c) {
+    if (faces[c].has_face()) classes.push_back(c);
+  }
+  const Work work = cache_.work_of(classes, axis, false);
+  SPLATLAS_RETURN_IF_ERROR(atlas_->work_budget().check(work, "the faces of the cut"));
+  const Result<void> required = cache_.require(classes, axis, pool, false);
+  if (required) return {};
+  if (cache_.failed_classes().empty()) return required;
+  for (const FailedClass& of : cache_.failed_classes()) {
+    if (of.error.code == ErrorCode::kLimit) return tl::unexpected(of.error);
+  }
+  for (const FailedClass& of : cache_.failed_classes())
+    list_missing({faces[of.id].structure, false, atlas_->classes().voxels(of.id), of.error});
+  return {};
 }
 
 }  // namespace splatlas

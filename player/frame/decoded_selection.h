@@ -3,8 +3,10 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
+#include "player/frame/face_classes.h"
 #include "player/missing_parts.h"
 #include "player/spans/class_cache.h"
 
@@ -20,6 +22,9 @@ class DecodedSelection {
   /// parts are intact. kLimit when out of memory.
   [[nodiscard]] Result<std::optional<DrawPlan>> require(const DrawPlan& plan, Axis axis, bool normals,
                                                         ThreadPool& pool);
+  /// Reads and decodes uncached classes of faces of a cut, after the plan's. Lists damaged ones in missing(),
+  /// with the structures of `faces` (by ClassId), and succeeds. kLimit when out of memory.
+  [[nodiscard]] Result<void> require_faces(std::span<const FaceClass> faces, Axis axis, ThreadPool& pool);
   /// Clears missing(), so that require() tries these parts again. For a new selection.
   void forget_missing() { missing_.clear(); }
 
@@ -27,6 +32,8 @@ class DecodedSelection {
   [[nodiscard]] const std::vector<MissingPart>& missing() const { return missing_; }
 
  private:
+  void list_missing(MissingPart part);
+
   std::shared_ptr<const Atlas> atlas_;
   ClassCache cache_;
   std::vector<MissingPart> missing_;

@@ -21,6 +21,40 @@ std::uint64_t pixels_of(const PictureSize& size) {
   return static_cast<std::uint64_t>(size.width) * static_cast<std::uint64_t>(size.height);
 }
 
+/// Distance from a cutting plane, in voxels, within which surfaces are removed: its face covers them.
+constexpr double kCutMargin = 1.0 / 4096;
+
+/// Finds the faces of a cut at the samples of fragments.
+void find_sample_faces(const ViewFaces& faces, int width, FragmentList& list, ThreadPool& pool) {
+  constexpr std::size_t kSamplesPerJob = 1024;
+  list.faces.resize(list.sample_count());
+  pool.for_each((list.sample_count() + kSamplesPerJob - 1) / kSamplesPerJob, [&](std::size_t job) {
+    const std::size_t end = std::min(list.sample_count(), (job + 1) * kSamplesPerJob);
+    for (std::size_t n = job * kSamplesPerJob; n < end; ++n)
+      list.faces[n] = faces.through(list.samples[n].x(width), list.samples[n].y(width));
+  });
+}
+
+/// Rasterises surfaces, clipped by the frame's cut, and finds the faces of the cut. Returns the number of
+/// triangles.
+Result<std::uint64_t> draw_surfaces(RasterScene scene, const ShownFrame& frame, const Grid& grid,
+                                    FrameBuffers& buffers, ThreadPool& pool) {
+  if (frame.faces == nullptr) buffers.faces.clear();
+  buffers.fragments.faces.clear();
+  if (frame.cuts.empty()) return buffers.rasterizer.draw(scene, frame.raster, buffers.fragments, pool);
+  const CutRays surface_cuts(frame.cuts, frame.view, grid, kCutMargin);
+  scene.cuts = &surface_cuts;
+  if (frame.faces == nullptr) return buffers.rasterizer.draw(scene, frame.raster, buffers.fragments, pool);
+  const CutRays cuts(frame.cuts, frame.view, grid);
+  const ViewFaces faces(*frame.faces, cuts, frame.caps, frame.depth_axis, frame.depth_sign);
+  fill_faces(faces, scene.size, buffers.faces, pool);
+  scene.faces = &buffers.faces;
+  SPLATLAS_ASSIGN_OR_RETURN(const std::uint64_t triangles,
+                            buffers.rasterizer.draw(scene, frame.raster, buffers.fragments, pool));
+  find_sample_faces(faces, scene.size.width, buffers.fragments, pool);
+  return triangles;
+}
+
 bool cues_depth(const RenderOptions& options) {
   return options.depth_cue == DepthCue::kEdges && options.depth_cue_strength > 0;
 }
@@ -38,18 +72,27 @@ RasterOptions raster_options(const RenderOptions& options, std::uint64_t max_mem
 
 }  // namespace
 
+bool shows_faces(const RenderOptions& options) {
+  return !options.cuts.empty() && options.caps != CapMode::kNone;
+}
+
 std::uint64_t frame_bytes(const RenderOptions& options) {
-  return picture_bytes(options.size) + (cues_depth(options) ? pixels_of(options.size) * sizeof(float) : 0);
+  std::uint64_t bytes_per_pixel = cues_depth(options) ? sizeof(float) : 0;
+  if (shows_faces(options)) bytes_per_pixel += sizeof(RayFaces);
+  return picture_bytes(options.size) + pixels_of(options.size) * bytes_per_pixel;
+}
+
+FrameRenderer::FrameRenderer(const FrameScene& scene, FrameBuffers& buffers, RenderStats& stats,
+                             ThreadPool& pool)
+    : scene_(scene), buffers_(buffers), stats_(stats), pool_(pool) {
+  if (!scene.options.cuts.empty()) cuts_.emplace(scene.options.cuts, scene.view, scene.grid);
 }
 
 Result<void> FrameRenderer::rasterize() {
   Stopwatch watch;
   SPLATLAS_ASSIGN_OR_RETURN(const RasterScene raster, raster_scene_of_view());
   raster_.emplace(raster);
-  SPLATLAS_ASSIGN_OR_RETURN(
-      stats_.triangles,
-      buffers_.rasterizer.draw(*raster_, raster_options(scene_.options, scene_.max_memory_bytes),
-                               buffers_.fragments, pool_));
+  SPLATLAS_ASSIGN_OR_RETURN(stats_.triangles, draw_surfaces(*raster_, shown(), scene_.grid, buffers_, pool_));
   stats_.rasterize = watch.lap();
   return {};
 }
@@ -59,7 +102,7 @@ void FrameRenderer::cue_depth(Picture& picture) {
   if (cues_depth(scene_.options)) {
     const ViewDepth view_depth(scene_.view, scene_.grid);
     buffers_.depths.clear(scene_.options.size);
-    add_surface_depths(buffers_.fragments, shown(), view_depth, buffers_.depths, pool_);
+    add_surface_depths(buffers_.fragments, buffers_.faces, shown(), view_depth, buffers_.depths, pool_);
     add_volume_depths(view_depth);
     darken_edges(buffers_.depths, depth_edges(scene_.view.plane, scene_.options.depth_cue_strength), picture,
                  pool_);
@@ -68,8 +111,14 @@ void FrameRenderer::cue_depth(Picture& picture) {
 }
 
 ShownFrame FrameRenderer::shown() const {
-  return {scene_.view, slice_axis(), raster_->depth_axis, raster_->depth_sign,
-          raster_options(scene_.options, scene_.max_memory_bytes)};
+  return {scene_.view,
+          slice_axis(),
+          raster_->depth_axis,
+          raster_->depth_sign,
+          raster_options(scene_.options, scene_.max_memory_bytes),
+          scene_.options.cuts,
+          scene_.options.caps,
+          scene_.faces};
 }
 
 Result<void> rasterize_again(const ShownFrame& frame, std::span<const SurfaceDraw> surfaces, const Grid& grid,
@@ -80,26 +129,48 @@ Result<void> rasterize_again(const ShownFrame& frame, std::span<const SurfaceDra
       const RasterScene scene,
       frame.sheets ? raster_scene(surfaces, plane, factorise(plane, grid, &*frame.sheets), grid, lighting)
                    : raster_scene_of_rays(surfaces, frame.view, grid, lighting));
-  SPLATLAS_RETURN_IF_ERROR(buffers.rasterizer.draw(scene, frame.raster, buffers.fragments, pool));
+  SPLATLAS_RETURN_IF_ERROR(draw_surfaces(scene, frame, grid, buffers, pool));
   return {};
 }
 
-void add_surface_depths(const FragmentList& fragments, const ShownFrame& frame, const ViewDepth& view,
-                        DepthMap& depths, ThreadPool& pool) {
+void add_surface_depths(const FragmentList& fragments, const FaceLayer& faces, const ShownFrame& frame,
+                        const ViewDepth& view, DepthMap& depths, ThreadPool& pool) {
   const int width = depths.size.width;
+  const auto include = [&](std::size_t pixel, double x, double y, float depth) {
+    const auto mm =
+        static_cast<float>(view.mm(x, y, frame.depth_axis, frame.depth_sign * static_cast<double>(depth)));
+    depths.mm[pixel] = std::min(depths.mm[pixel], mm);
+  };
+  // Find the depths of fragments and of faces around them
   const std::size_t rows = fragments.first_of_row.size() - 1;
   pool.for_each((rows + kRowsPerJob - 1) / kRowsPerJob, [&](std::size_t job) {
     const std::size_t end = fragments.first_of_row[std::min(rows, (job + 1) * kRowsPerJob)];
     for (std::size_t n = fragments.first_of_row[job * kRowsPerJob]; n < end; ++n) {
       const Sample& sample = fragments.samples[n];
-      float transmittance = 1;
+      float transmittance = fragments.faces.empty() ? 1 : 1 - fragments.faces[n].front.rgba[3];
       for (const Fragment& fragment : fragments.of_sample(n)) {
+        if (transmittance <= 0.5f) break;
         transmittance *= 1 - fragment.rgba[3];
-        if (transmittance > 0.5f) continue;
-        const auto mm = static_cast<float>(
-            view.mm(sample.x(width), sample.y(width), frame.depth_axis, frame.depth_sign * fragment.depth));
-        depths.mm[sample.pixel] = std::min(depths.mm[sample.pixel], mm);
-        break;
+        if (transmittance <= 0.5f) include(sample.pixel, sample.x(width), sample.y(width), fragment.depth);
+      }
+    }
+  });
+  if (faces.empty()) return;
+
+  // Find the depths of faces at pixel centres
+  const auto columns = static_cast<std::size_t>(width);
+  pool.for_each(static_cast<std::size_t>(depths.size.height), [&](std::size_t row) {
+    const FaceLayer::Extent shown = faces.shown[row];
+    for (auto column = static_cast<std::size_t>(shown.first); column < static_cast<std::size_t>(shown.last);
+         ++column) {
+      const std::size_t pixel = row * columns + column;
+      const RayFaces of_pixel = faces.at(pixel);
+      const auto& [front, back] = of_pixel;
+      const double x = static_cast<double>(column) + 0.5, y = static_cast<double>(row) + 0.5;
+      if (front.rgba[3] >= 0.5f) {
+        include(pixel, x, y, front.depth);
+      } else if ((1 - front.rgba[3]) * (1 - back.rgba[3]) <= 0.5f) {
+        include(pixel, x, y, back.depth);
       }
     }
   });

@@ -3,17 +3,20 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 
 #include "format/atlas_reader.h"
 #include "format/system/thread_pool.h"
 #include "player/depth_cue/depth_edges.h"
+#include "player/frame/cut_faces.h"
 #include "player/frame/render_overrides.h"
 #include "player/sheets/fragment_order.h"
 #include "player/sheets/sheets.h"
 #include "player/surfaces/raster_scene.h"
 #include "player/surfaces/rasterize.h"
+#include "player/view/cut_rays.h"
 #include "player/view/view_frame.h"
 
 namespace splatlas {
@@ -22,6 +25,7 @@ namespace splatlas {
 struct FrameBuffers {
   Rasterizer rasterizer;
   FragmentList fragments;
+  FaceLayer faces;      ///< of a cut; empty: none
   FragmentOrder order;  ///< depth order of the fragments, and the volume in front of them
   SheetImage sheet;
   DepthMap depths;
@@ -34,6 +38,9 @@ struct ShownFrame {
   std::size_t depth_axis = 2;  ///< fragment depth: `depth_sign` * position along this axis, in voxels
   double depth_sign = 1;
   RasterOptions raster = {};  ///< of its surfaces
+  CutPlanes cuts = {};
+  CapMode caps = CapMode::kNone;
+  std::shared_ptr<const CutFaces> faces = nullptr;  ///< null: none
 };
 
 /// Scene and options of a frame, without its volume. All references must outlive the frame.
@@ -44,11 +51,14 @@ struct FrameScene {
   const Lighting& lighting;
   const RenderOptions& options;
   const RenderOverrides& overrides;
-  std::uint64_t max_memory_bytes = 0;  ///< limit; fragments may take a quarter of it
-  const WorkBudget* budget = nullptr;  ///< of the atlas; null: unlimited
+  std::uint64_t max_memory_bytes = 0;               ///< limit; fragments may take a quarter of it
+  const WorkBudget* budget = nullptr;               ///< of the atlas; null: unlimited
+  std::shared_ptr<const CutFaces> faces = nullptr;  ///< of the cuts of the options; null: none
 };
 
-/// Bytes of a picture, of its encoder and of its depth map.
+/// True if the faces of cuts are drawn.
+[[nodiscard]] bool shows_faces(const RenderOptions& options);
+/// Bytes of a picture, of its encoder, of its depth map and of its faces.
 [[nodiscard]] std::uint64_t frame_bytes(const RenderOptions& options);
 
 /// Stages of a frame; call them in this order. Each sets its counter and its time in the statistics.
@@ -70,8 +80,15 @@ class FrameRenderer {
   [[nodiscard]] ShownFrame shown() const;
 
  protected:
-  FrameRenderer(const FrameScene& scene, FrameBuffers& buffers, RenderStats& stats, ThreadPool& pool)
-      : scene_(scene), buffers_(buffers), stats_(stats), pool_(pool) {}
+  FrameRenderer(const FrameScene& scene, FrameBuffers& buffers, RenderStats& stats, ThreadPool& pool);
+
+  /// Clips volumes; null without a cut.
+  [[nodiscard]] const CutRays* cuts() const { return cuts_ ? &*cuts_ : nullptr; }
+  [[nodiscard]] std::span<const VoxelPlane> planes() const {
+    return cuts_ ? std::span<const VoxelPlane>(cuts_->planes()) : std::span<const VoxelPlane>();
+  }
+  /// Faces of the cut at pixel centres; null without any.
+  [[nodiscard]] const FaceLayer* faces() const { return buffers_.faces.empty() ? nullptr : &buffers_.faces; }
 
   [[nodiscard]] virtual Result<RasterScene> raster_scene_of_view() const = 0;
   /// Merges the depths of the volume into the depth map of the buffers.
@@ -84,6 +101,9 @@ class FrameRenderer {
   RenderStats& stats_;
   ThreadPool& pool_;
   std::optional<RasterScene> raster_;
+
+ private:
+  std::optional<CutRays> cuts_;
 };
 
 /// Rasterises the surfaces of an earlier frame again, with the same fragments. Fails only as that frame
@@ -91,9 +111,10 @@ class FrameRenderer {
 [[nodiscard]] Result<void> rasterize_again(const ShownFrame& frame, std::span<const SurfaceDraw> surfaces,
                                            const Grid& grid, FrameBuffers& buffers, ThreadPool& pool);
 
-/// Merges the depths of surfaces into `depths` by minimum. The depth of a sample is that of the fragment at
-/// which its transmittance falls to one half; a pixel takes its nearest sample. O(fragments).
-void add_surface_depths(const FragmentList& fragments, const ShownFrame& frame, const ViewDepth& view,
-                        DepthMap& depths, ThreadPool& pool);
+/// Merges the depths of surfaces and of faces of cuts into `depths` by minimum. The depth of a sample is that
+/// of the fragment at which its transmittance falls to one half; a pixel takes its nearest sample.
+/// O(fragments).
+void add_surface_depths(const FragmentList& fragments, const FaceLayer& faces, const ShownFrame& frame,
+                        const ViewDepth& view, DepthMap& depths, ThreadPool& pool);
 
 }  // namespace splatlas

@@ -69,6 +69,9 @@ struct PickRay {
   double slab_mm = 0;  // length of the ray between two planes
   double from = 0;     // position of the eye along the axis; infinite in parallel views
   bool ascending = true;
+  KeptDepths kept;             // of a cut: position along the axis, in the direction of the ray
+  RayFaces faces;              // of a cut
+  double front = 0, back = 0;  // positions of the faces along the axis
 
   PickRay(const Grid& grid, const ShownFrame& frame, double x, double y) {
     const View& view = frame.view;
@@ -89,6 +92,7 @@ struct PickRay {
     origin[axis] = 0;
     const Vec3 slab = index_to_lps_mm(grid).apply_linear(per_plane);
     slab_mm = std::sqrt(slab[0] * slab[0] + slab[1] * slab[1] + slab[2] * slab[2]);
+    if (!frame.cuts.empty()) cut(grid, frame, x, y);
     from = view.eye_mm ? depth.index_at(x, y, -*view.eye_mm)[axis] : ascending ? -HUGE_VAL : HUGE_VAL;
   }
 
@@ -97,9 +101,24 @@ struct PickRay {
     for (std::size_t a = 0; a < 3; ++a) index[a] = origin[a] + plane * per_plane[a];
     return index;
   }
+  /// Kept part of the slab around a plane of voxels, 0 to 1.
+  [[nodiscard]] double kept_part(double plane) const {
+    const double along = ascending ? plane : -plane;
+    return std::clamp(std::min(along + 0.5, kept.to) - std::max(along - 0.5, kept.from), 0.0, 1.0);
+  }
   [[nodiscard]] bool is_behind_eye(double plane) const { return ascending ? plane < from : plane > from; }
 
  private:
+  /// Clips the ray by the frame's cut, and finds its faces.
+  void cut(const Grid& grid, const ShownFrame& frame, double x, double y) {
+    const CutRays cuts(frame.cuts, frame.view, grid);
+    kept = cuts.depths(x, y, axis, ascending ? 1 : -1);
+    if (frame.faces == nullptr) return;
+    faces = ViewFaces(*frame.faces, cuts, frame.caps, axis, 1).through(x, y);
+    front = static_cast<double>(faces.front.depth);
+    back = static_cast<double>(faces.back.depth);
+  }
+
   /// Length of the segment that defines the ray's direction, at the scale of the view.
   static double reach_mm(const View& view) {
     return view.eye_mm.value_or(view.plane.mm_per_pixel * (view.plane.size.width + view.plane.size.height));
@@ -131,13 +150,15 @@ std::optional<Pick> pick_structure(const PickScene& scene, double x, double y) {
     }
   };
 
+  if (ray.faces.front.shows()) walk.add(ray.faces.front.structure, ray.faces.front.rgba[3], ray.front);
   const ScanOrder order = ScanOrder::of(scene.runs.axis());
   const std::size_t along = ray.axis == order.scan_axis ? 0 : ray.axis == order.row_axis ? 1 : 2;
   const std::int64_t first = scene.runs.box().first[along], last = scene.runs.box().last[along];
   for (std::int64_t n = 0; n <= last - first; ++n) {
     const std::int64_t k = ray.ascending ? first + n : last - n;
     const auto plane = static_cast<double>(k);
-    if (ray.is_behind_eye(plane)) continue;
+    const double kept_part = ray.kept_part(plane);
+    if (ray.is_behind_eye(plane) || kept_part <= 0) continue;
     pass_surfaces(plane);
     const Vec3 at = ray.at(plane);
     Index3 voxel{std::llround(at[0]), std::llround(at[1]), std::llround(at[2])};
@@ -151,10 +172,11 @@ std::optional<Pick> pick_structure(const PickScene& scene, double x, double y) {
     scene.appearances[draw].look_up(scene.cache.values(),
                                     static_cast<std::size_t>(scene.grid.offset(voxel[0], voxel[1], voxel[2])),
                                     1, 1, &appearance);
-    const double depth = static_cast<double>(appearance.extinction_per_mm) * ray.slab_mm;
+    const double depth = static_cast<double>(appearance.extinction_per_mm) * ray.slab_mm * kept_part;
     walk.add(scene.plan.classes[draw].volume_of, -std::expm1(-depth), plane);
   }
   pass_surfaces(sign * HUGE_VAL);
+  if (ray.faces.back.shows()) walk.add(ray.faces.back.structure, ray.faces.back.rgba[3], ray.back);
 
   const auto winner = walk.winner();
   if (!winner) return std::nullopt;

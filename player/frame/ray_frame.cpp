@@ -41,6 +41,8 @@ Result<RasterScene> RayFrame::raster_scene_of_view() const {
 
 Result<void> RayFrame::render_volume(Picture& picture) {
   Stopwatch watch;
+  options_.cuts = cuts();
+  options_.faces = faces();
   cast_rays(volume_, scene_.view, scene_.grid, options_, kernels_, picture, pool_);
   stats_.voxels_visited = volume_.voxels();
   stats_.sheets = watch.lap();
@@ -55,7 +57,7 @@ void RayFrame::resolve(Picture& picture) {
 }
 
 void RayFrame::add_volume_depths(const ViewDepth& view_depth) {
-  add_ray_depths(volume_, scene_.view, scene_.grid, kernels_, view_depth, buffers_.depths, pool_);
+  add_ray_depths(volume_, scene_.view, scene_.grid, kernels_, cuts(), view_depth, buffers_.depths, pool_);
 }
 
 }  // namespace splatlas

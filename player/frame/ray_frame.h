@@ -24,7 +24,7 @@ class RayFrame : public FrameRenderer {
 
   const RayVolume& volume_;
   const MarchKernels& kernels_;
-  const CastOptions options_;
+  CastOptions options_;
 };
 
 }  // namespace splatlas

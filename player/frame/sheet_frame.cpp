@@ -78,11 +78,11 @@ Work work_of_sheet(const SheetWindow& window, const SpanModel& model, const Pict
 }
 
 Result<SheetWindow> choose_window(const SpanModel& model, const Shear& shear, const Grid& grid,
-                                  const RenderOptions& options) {
+                                  const RenderOptions& options, std::span<const VoxelPlane> planes) {
   SheetSampling sampling{sheet_scale(options.quality, shear, has_sharp_edges(model, grid)),
                          slab_parts(options.quality), options.quality != Quality::kDraft};
   while (true) {
-    SheetWindow window = sheet_window(model, shear, options.size, sampling);
+    SheetWindow window = sheet_window(model, shear, options.size, sampling, planes);
     window.skew = skew_of(shear, sampling);
     if (window.empty() || window.fine_rows() <= kMaxSheetPixels / window.fine_columns()) return window;
     if (sampling.scale == 1) {
@@ -104,7 +104,8 @@ Result<RasterScene> SheetFrame::raster_scene_of_view() const {
 Result<void> SheetFrame::render_volume(Picture& /*picture*/) {
   Stopwatch watch;
   const RenderOptions& options = scene_.options;
-  SPLATLAS_ASSIGN_OR_RETURN(const SheetWindow window, choose_window(spans_, shear_, scene_.grid, options));
+  SPLATLAS_ASSIGN_OR_RETURN(const SheetWindow window,
+                            choose_window(spans_, shear_, scene_.grid, options, planes()));
   if (scene_.budget != nullptr) {
     SPLATLAS_RETURN_IF_ERROR(
         scene_.budget->check(work_of_sheet(window, spans_, options.size), "the sheet of the selection"));
@@ -113,21 +114,22 @@ Result<void> SheetFrame::render_volume(Picture& /*picture*/) {
   // The positive weights of the cubic kernel sum to at most 1.28, which amplifies the error of the sheet.
   const float threshold = termination_threshold(options) / (window.cubic ? 1.3f : 1.0f);
   const SplatKernels& kernels = scene_.overrides.simd ? best_kernels() : scalar_kernels();
-  stats_.voxels_visited =
-      render_sheets(spans_, shear_, window, kernels, threshold, buffers_.order, buffers_.sheet, pool_);
+  stats_.voxels_visited = render_sheets(spans_, shear_, window, kernels, threshold, planes(), buffers_.order,
+                                        buffers_.sheet, pool_);
   stats_.sheets = watch.lap();
   return {};
 }
 
 void SheetFrame::resolve(Picture& picture) {
   Stopwatch watch;
-  splatlas::resolve(buffers_.sheet, shear_, {buffers_.fragments, buffers_.order}, scene_.options.size,
+  const FragmentsInVolume fragments{buffers_.fragments, buffers_.order, cuts(), faces()};
+  splatlas::resolve(buffers_.sheet, shear_, fragments, scene_.options.size,
                     scene_.overrides.simd ? best_warp() : scalar_warp(), picture, pool_);
   stats_.resolve = watch.lap();
 }
 
 void SheetFrame::add_volume_depths(const ViewDepth& view_depth) {
-  add_span_depths(spans_, shear_, view_depth, buffers_.depths, pool_);
+  add_span_depths(spans_, shear_, view_depth, planes(), buffers_.depths, pool_);
 }
 
 }  // namespace splatlas

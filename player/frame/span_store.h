@@ -22,8 +22,10 @@ class AxisSpans {
   /// std::bad_alloc.
   void require(const DrawPlan& plan, const VolumeAppearances& appearances, const Atlas& atlas,
                const ClassCache& cache, Axis axis, bool shade, ThreadPool& pool);
-  /// Hybrid shading: applies the lighting of `view` to boundary voxels if it has changed.
-  void update_lighting(const ParallelView& view, const Lighting& lighting, bool shade, ThreadPool& pool);
+  /// Hybrid shading: applies the lighting of `view` to boundary voxels if it has changed, except to voxels
+  /// that the cuts remove.
+  void update_lighting(const ParallelView& view, const Lighting& lighting, bool shade, const CutPlanes& cuts,
+                       const Grid& grid, ThreadPool& pool);
 
   /// The selected runs, while the spans are current.
   [[nodiscard]] const SelectedRuns& runs() const { return *runs_; }
@@ -35,6 +37,7 @@ class AxisSpans {
   SpanBuilder spans_;
   bool lists_shaded_ = false;
   std::optional<ParallelView> shaded_for_;  // nullopt if unshaded
+  CutPlanes shaded_cuts_;                   // voxels that these remove have other shading
   bool partly_shaded_ = false;              // some slices have other shading
 };
 

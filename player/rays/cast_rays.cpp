@@ -50,9 +50,11 @@ PixelBox shown_box(const RayVolume& volume, const View& view, const Grid& grid) 
 
 /// Casts the rays of a block of pixels.
 void render_block(int left, int top, const PixelRays& rays, const MarchScene& scene,
-                  const MarchKernels& kernels, Picture& picture) {
+                  const CastOptions& options, const MarchKernels& kernels, Picture& picture) {
   check_cancelled();
-  const RayPacket packet = rays.through(block_centers(left, top, picture.size));
+  const RayPoints points = block_centers(left, top, picture.size);
+  RayPacket packet = rays.through(points);
+  if (options.cuts != nullptr) rays.clip(*options.cuts, points, packet);
   RadiancePacket radiance;
   kernels.march(scene, packet, radiance);
   const int columns = std::min(kBlockSide, picture.size.width - left);
@@ -67,6 +69,38 @@ void render_block(int left, int top, const PixelRays& rays, const MarchScene& sc
       for (std::size_t c = 0; c < 4; ++c) *out++ = radiance.planes[c][n];
     }
   }
+}
+
+/// Casts the rays of all blocks that may show the volume.
+void cast_blocks(const RayVolume& volume, const View& view, const Grid& grid, const CastOptions& options,
+                 const MarchKernels& kernels, Picture& picture, ThreadPool& pool) {
+  const PixelRays rays(view, grid, volume.first(), options.principal_axis);
+  const MarchScene scene = march_scene(volume, options);
+  const PixelBox shown = shown_box(volume, view, grid);
+  const int columns = (shown.right - shown.left + kTileSide - 1) / kTileSide;
+  const int rows = (shown.bottom - shown.top + kTileSide - 1) / kTileSide;
+  if (columns <= 0 || rows <= 0) return;
+  pool.for_each(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows), [&](std::size_t n) {
+    const int left = shown.left + static_cast<int>(n % static_cast<std::size_t>(columns)) * kTileSide;
+    const int top = shown.top + static_cast<int>(n / static_cast<std::size_t>(columns)) * kTileSide;
+    const int right = std::min(left + kTileSide, shown.right);
+    const int bottom = std::min(top + kTileSide, shown.bottom);
+    for (int y = top; y < bottom; y += kBlockSide) {
+      for (int x = left; x < right; x += kBlockSide)
+        render_block(x, y, rays, scene, options, kernels, picture);
+    }
+  });
+}
+
+/// Composites the faces of a cut with the pixels.
+void add_faces(const FaceLayer& faces, Picture& picture, ThreadPool& pool) {
+  constexpr std::size_t kRowsPerJob = 16;
+  const auto width = static_cast<std::size_t>(picture.size.width);
+  const auto height = static_cast<std::size_t>(picture.size.height);
+  pool.for_each((height + kRowsPerJob - 1) / kRowsPerJob, [&](std::size_t job) {
+    for (std::size_t row = job * kRowsPerJob; row < std::min(height, (job + 1) * kRowsPerJob); ++row)
+      faces.add_to_row(row, &picture.rgba[4 * row * width]);
+  });
 }
 
 }  // namespace
@@ -86,22 +120,8 @@ void cast_rays(const RayVolume& volume, const View& view, const Grid& grid, cons
   const PictureSize size = view.plane.size;
   picture.size = size;
   picture.rgba.assign(4 * static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height), 0.0f);
-  if (volume.empty()) return;
-  const PixelRays rays(view, grid, volume.first(), options.principal_axis);
-  const MarchScene scene = march_scene(volume, options);
-  const PixelBox shown = shown_box(volume, view, grid);
-  const int columns = (shown.right - shown.left + kTileSide - 1) / kTileSide;
-  const int rows = (shown.bottom - shown.top + kTileSide - 1) / kTileSide;
-  if (columns <= 0 || rows <= 0) return;
-  pool.for_each(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows), [&](std::size_t n) {
-    const int left = shown.left + static_cast<int>(n % static_cast<std::size_t>(columns)) * kTileSide;
-    const int top = shown.top + static_cast<int>(n / static_cast<std::size_t>(columns)) * kTileSide;
-    const int right = std::min(left + kTileSide, shown.right);
-    const int bottom = std::min(top + kTileSide, shown.bottom);
-    for (int y = top; y < bottom; y += kBlockSide) {
-      for (int x = left; x < right; x += kBlockSide) render_block(x, y, rays, scene, kernels, picture);
-    }
-  });
+  if (!volume.empty()) cast_blocks(volume, view, grid, options, kernels, picture, pool);
+  if (options.faces != nullptr) add_faces(*options.faces, picture, pool);
 }
 
 }  // namespace splatlas

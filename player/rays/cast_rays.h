@@ -8,6 +8,8 @@
 #include "player/picture.h"
 #include "player/rays/march_kernels.h"
 #include "player/rays/ray_volume.h"
+#include "player/surfaces/face_layer.h"
+#include "player/view/cut_rays.h"
 
 namespace splatlas {
 
@@ -17,7 +19,9 @@ struct CastOptions {
   float tolerance = 0;               ///< error bound of a step (MarchKernels::march); 0: always min_steps
   float termination_threshold = 0;   ///< early ray termination; also bounds the error of a value
   std::optional<Axis> principal_axis =
-      std::nullopt;  ///< forced, for measurements; by default the best axis of each ray
+      std::nullopt;                  ///< forced, for measurements; by default the best axis of each ray
+  const CutRays* cuts = nullptr;     ///< clips the volume; null: no cut
+  const FaceLayer* faces = nullptr;  ///< of the cut, at pixel centres; null: none
 };
 
 /// View of `volume` for the kernels. The volume must outlive the scene.

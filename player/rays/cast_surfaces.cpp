@@ -30,7 +30,8 @@ class SamplePacket {
         first_(first),
         count_(std::min(kPacketRays, list.sample_count() - first)) {}
 
-  void render(const PixelRays& rays, int width, const RasterScene& scene, Radiance* out) {
+  void render(const PixelRays& rays, const CutRays* cuts, int width, const RasterScene& scene,
+              Radiance* out) {
     RayPoints points;
     for (std::size_t n = 0; n < kPacketRays; ++n) {
       const Sample& sample = list_.samples[first_ + std::min(n, count_ - 1)];
@@ -38,6 +39,7 @@ class SamplePacket {
       points.y[n] = sample.y(width);
     }
     packet_ = rays.through(points);
+    if (cuts != nullptr) rays.clip(*cuts, points, packet_);
     end_ = packet_.to;
     for (std::size_t n = count_; n < kPacketRays; ++n) end_[n] = packet_.from[n];
     std::size_t layers = 0;
@@ -48,6 +50,7 @@ class SamplePacket {
     march_to(end_);
     for (std::size_t n = 0; n < count_; ++n) {
       for (std::size_t c = 0; c < 4; ++c) out[n].rgba[c] = radiance_.planes[c][n];
+      if (!list_.faces.empty()) out[n].rgba = list_.faces[first_ + n].around(out[n].rgba);
     }
   }
 
@@ -133,7 +136,7 @@ void cast_surfaces(const RayVolume& volume, const View& view, const Grid& grid, 
     for (std::size_t first = job * kSamplesPerJob; first < last; first += kPacketRays) {
       check_cancelled();
       SamplePacket packet(volume, march, kernels, fragments, first);
-      packet.render(rays, picture.size.width, scene, &radiances[first]);
+      packet.render(rays, options.cuts, picture.size.width, scene, &radiances[first]);
     }
   });
   for (std::size_t first = 0; first < samples;) {

@@ -29,6 +29,12 @@ RayPoints block_centers(int left, int top, const PictureSize& size) {
   return centers;
 }
 
+std::size_t principal_axis_of(const RayPacket& rays, std::size_t n) {
+  std::size_t axis = 0;
+  while (axis < 2 && !(std::abs(rays.step[axis][n]) == 1.0f && rays.origin[axis][n] == 0.0f)) ++axis;
+  return axis;
+}
+
 /// Rays as start + s * direction.
 struct PixelRays::Lines {
   std::array<RayNumbers, 3> start, direction;
@@ -38,6 +44,7 @@ struct PixelRays::Lines {
 PixelRays::PixelRays(const View& view, const Grid& grid, const Index3& first,
                      const std::optional<Axis>& principal_axis)
     : perspective_(view.eye_mm.has_value()),
+      first_(first),
       forced_(principal_axis),
       frame_(view, to_place(grid, first)),
       eye_mm_(view.eye_mm.value_or(0)),
@@ -135,6 +142,26 @@ RayPacket PixelRays::through(const RayPoints& points) const {
   }
   for (std::size_t n = 0; n < kPacketRays; ++n) set_rays(lines, principal_axis(lines, n), n, n + 1, packet);
   return packet;
+}
+
+void PixelRays::clip(const CutRays& cuts, const RayPoints& points, RayPacket& packet) const {
+  for (std::size_t n = 0; n < kPacketRays; ++n) {
+    const double x = points.x[n], y = points.y[n];
+    const KeptInterval kept = cuts.through(x, y);
+    if (kept.empty()) {
+      packet.to[n] = packet.from[n];
+      continue;
+    }
+    const std::size_t axis = principal_axis_of(packet, n);
+    const auto t_of = [&](double along_ray) {
+      const double place = cuts.index_at(x, y, along_ray, axis) - static_cast<double>(first_[axis]);
+      return std::clamp(static_cast<double>(packet.step[axis][n]) * place, -kFarAway, kFarAway);
+    };
+    if (kept.front != KeptInterval::kNoPlane)
+      packet.from[n] = std::max(packet.from[n], static_cast<float>(t_of(kept.from)));
+    if (kept.back != KeptInterval::kNoPlane)
+      packet.to[n] = std::min(packet.to[n], static_cast<float>(t_of(kept.to)));
+  }
 }
 
 }  // namespace splatlas

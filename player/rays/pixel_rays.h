@@ -8,6 +8,7 @@
 #include "format/grid.h"
 #include "player/camera.h"
 #include "player/rays/march_kernels.h"
+#include "player/view/cut_rays.h"
 #include "player/view/view_frame.h"
 
 namespace splatlas {
@@ -27,6 +28,9 @@ static_assert(std::size_t{kBlockSide} * kBlockSide == kPacketRays);
 /// Centres of a block of pixels, row by row. Beyond the edge of the picture they repeat its last pixel.
 [[nodiscard]] RayPoints block_centers(int left, int top, const PictureSize& size);
 
+/// Principal axis of a ray of a packet.
+[[nodiscard]] std::size_t principal_axis_of(const RayPacket& rays, std::size_t n);
+
 /// Generator of ray packets. Thread-safe.
 class PixelRays {
  public:
@@ -38,6 +42,8 @@ class PixelRays {
   /// Rays through points of the picture. t counts planes along the principal axis of each ray. Rays begin at
   /// the eye in perspective, else in front of the volume, and do not end.
   [[nodiscard]] RayPacket through(const RayPoints& points) const;
+  /// Clips the rays through these points to the kept part.
+  void clip(const CutRays& cuts, const RayPoints& points, RayPacket& packet) const;
 
  private:
   struct Lines;
@@ -49,6 +55,7 @@ class PixelRays {
                 RayPacket& packet) const;
 
   bool perspective_;
+  Index3 first_;
   std::optional<Axis> forced_;
   ViewFrame frame_;  // voxels
   double eye_mm_ = 0, mm_per_pixel_ = 0, middle_x_ = 0, middle_y_ = 0;

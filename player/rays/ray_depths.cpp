@@ -103,17 +103,10 @@ class DepthSearch {
   PerRay found_{};
 };
 
-/// Principal axis of a ray.
-std::size_t axis_of(const RayPacket& rays, std::size_t n) {
-  std::size_t axis = 0;
-  while (axis < 2 && !(std::abs(rays.step[axis][n]) == 1.0f && rays.origin[axis][n] == 0.0f)) ++axis;
-  return axis;
-}
-
 }  // namespace
 
 void add_ray_depths(const RayVolume& volume, const View& view, const Grid& grid, const MarchKernels& kernels,
-                    const ViewDepth& view_depth, DepthMap& depths, ThreadPool& pool) {
+                    const CutRays* cuts, const ViewDepth& view_depth, DepthMap& depths, ThreadPool& pool) {
   if (volume.empty()) return;
   const PixelRays pixel_rays(view, grid, volume.first(), std::nullopt);
   const MarchScene scene = march_scene(volume, {});
@@ -125,11 +118,12 @@ void add_ray_depths(const RayVolume& volume, const View& view, const Grid& grid,
       check_cancelled();
       const RayPoints points = block_centers(left, top, depths.size);
       const auto& [x, y] = points;
-      const RayPacket rays = pixel_rays.through(points);
+      RayPacket rays = pixel_rays.through(points);
+      if (cuts != nullptr) pixel_rays.clip(*cuts, points, rays);
       const PerRay places = DepthSearch(scene, rays, kernels).run();
       for (std::size_t n = 0; n < kPacketRays; ++n) {
         if (places[n] == DepthMap::kBackground) continue;
-        const std::size_t axis = axis_of(rays, n);
+        const std::size_t axis = principal_axis_of(rays, n);
         const double index =
             static_cast<double>(rays.step[axis][n] * places[n]) + static_cast<double>(volume.first()[axis]);
         float& mm = depths.mm[static_cast<std::size_t>(y[n]) * static_cast<std::size_t>(width) +

@@ -5,13 +5,14 @@
 #include "player/depth_cue/depth_edges.h"
 #include "player/rays/march_kernels.h"
 #include "player/rays/ray_volume.h"
+#include "player/view/cut_rays.h"
 #include "player/view/view_frame.h"
 
 namespace splatlas {
 
-/// Merges the depths of volumes into `depths`, by minimum: points at which the transmittance of a ray falls
-/// to one half, sampled once per slab.
+/// Merges the depths of volumes, clipped by `cuts` unless it is null, into `depths`, by minimum: points at
+/// which the transmittance of a ray falls to one half, sampled once per slab.
 void add_ray_depths(const RayVolume& volume, const View& view, const Grid& grid, const MarchKernels& kernels,
-                    const ViewDepth& view_depth, DepthMap& depths, ThreadPool& pool);
+                    const CutRays* cuts, const ViewDepth& view_depth, DepthMap& depths, ThreadPool& pool);
 
 }  // namespace splatlas

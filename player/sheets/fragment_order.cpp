@@ -145,7 +145,7 @@ void FragmentOrder::scatter(const FragmentList& list, const Shear& shear, const 
       for (std::uint32_t fragment = first; fragment < last; ++fragment) {
         Unsorted& to = unsorted_[next++];
         to = {fragment, place->entry};
-        to.entry.slab = slab_at(along_of_depth(list.fragments[fragment].depth)).slab;
+        to.entry.slab = slab_at(along_of_depth(static_cast<double>(list.fragments[fragment].depth))).slab;
       }
     });
   });
@@ -187,7 +187,15 @@ FragmentOrder::SlabPlace FragmentOrder::slab_at(double along) const {
   return {static_cast<std::int32_t>(slab), static_cast<float>(std::clamp(slabs - slab, 0.0, 1.0))};
 }
 
-Radiance FragmentOrder::in_front_of(std::size_t fragment, float depth) const {
+float FragmentOrder::kept_part(std::int32_t slab, double depth, const KeptDepths& kept) const {
+  const double begin = slabs_.begin + slab * slabs_.thickness;
+  const double from = std::max(begin, along_of_depth(kept.from));
+  const double to = std::min(begin + slabs_.thickness, along_of_depth(kept.to));
+  if (!(from < to)) return 0;
+  return static_cast<float>(std::clamp((along_of_depth(depth) - from) / (to - from), 0.0, 1.0));
+}
+
+Radiance FragmentOrder::in_front_of(std::size_t fragment, float depth, const KeptDepths* kept) const {
   if (place_[fragment] == kNowhere) return {};
   const SlabRadiance& slab = radiance_[place_[fragment]];
   const float transmittance = 1 - slab.before.rgba[3];
@@ -195,8 +203,9 @@ Radiance FragmentOrder::in_front_of(std::size_t fragment, float depth) const {
   if (!(added > 0)) return slab.before;
   // Limit the opacity of the slab: rounding leaves too few digits of the transmittance behind it.
   const float max_added = transmittance - kMinTransmittance;
-  const float share = share_of_slab(std::min(added, std::max(max_added, 0.0f)) / transmittance,
-                                    slab_at(along_of_depth(depth)).part);
+  const SlabPlace place = slab_at(along_of_depth(static_cast<double>(depth)));
+  const float part = kept == nullptr ? place.part : kept_part(place.slab, static_cast<double>(depth), *kept);
+  const float share = share_of_slab(std::min(added, std::max(max_added, 0.0f)) / transmittance, part);
   Radiance radiance;
   for (std::size_t c = 0; c < 4; ++c) {
     radiance.rgba[c] = slab.before.rgba[c] + share * (slab.behind.rgba[c] - slab.before.rgba[c]);

@@ -8,6 +8,7 @@
 
 #include "format/system/thread_pool.h"
 #include "player/surfaces/fragments.h"
+#include "player/view/cut_rays.h"
 #include "player/view/shear.h"
 
 namespace splatlas {
@@ -62,8 +63,9 @@ class FragmentOrder {
   void prefetch(std::size_t fragment) const {
     if (place_[fragment] != kNowhere) __builtin_prefetch(radiance_.data() + place_[fragment]);
   }
-  /// Radiance of the volume in front of a fragment, exact for a slab of constant optical properties.
-  [[nodiscard]] Radiance in_front_of(std::size_t fragment, float depth) const;
+  /// Radiance of the volume in front of a fragment, exact for a slab of constant optical properties. `kept`:
+  /// kept part of its ray; null without a cut.
+  [[nodiscard]] Radiance in_front_of(std::size_t fragment, float depth, const KeptDepths* kept) const;
 
   /// Index of the slab that contains position `k` along the principal axis, in voxels of the grid.
   [[nodiscard]] std::int32_t slab_of(double k) const { return slab_at(along_of_place(k)).slab; }
@@ -82,10 +84,12 @@ class FragmentOrder {
   [[nodiscard]] double along_of_place(double k) const {
     return ascending_ ? k : static_cast<double>(slices_ - 1) - k;
   }
-  [[nodiscard]] double along_of_depth(float depth) const {
-    return ascending_ ? depth : static_cast<double>(depth) + static_cast<double>(slices_ - 1);
+  [[nodiscard]] double along_of_depth(double depth) const {
+    return ascending_ ? depth : depth + static_cast<double>(slices_ - 1);
   }
   [[nodiscard]] SlabPlace slab_at(double along) const;
+  /// Share of the kept part of a slab in front of a depth.
+  [[nodiscard]] float kept_part(std::int32_t slab, double depth, const KeptDepths& kept) const;
   void scatter(const FragmentList& fragments, const Shear& shear, const SheetWindow& window,
                const PictureSize& size, ThreadPool& pool);
   void sort_row(std::size_t n, std::vector<std::uint32_t>& next_of_slab);

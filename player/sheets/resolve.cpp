@@ -93,8 +93,9 @@ std::pair<int, int> covered(const SheetImage& sheet, const Affine2& map, double 
 }
 
 /// Composites the fragments of a sample with the segments of the volume between them, front to back (Porter
-/// and Duff 1984). `whole` is the radiance of the whole volume.
-Radiance compose(const FragmentsInVolume& fragments, std::size_t sample, const Radiance& whole) {
+/// and Duff 1984). `whole` is the radiance of the whole volume, `kept` the kept part of the sample's ray.
+Radiance compose(const FragmentsInVolume& fragments, std::size_t sample, const Radiance& whole,
+                 const KeptDepths* kept) {
   Radiance sum;
   Radiance before;          // of the volume in front of the previous fragment
   float transmittance = 1;  // of the surfaces so far
@@ -103,7 +104,7 @@ Radiance compose(const FragmentsInVolume& fragments, std::size_t sample, const R
        ++n) {
     const Fragment& fragment = list.fragments[n];
     if (n + kFragmentsAhead < list.fragments.size()) fragments.order.prefetch(n + kFragmentsAhead);
-    const Radiance volume = fragments.order.in_front_of(n, fragment.depth);
+    const Radiance volume = fragments.order.in_front_of(n, fragment.depth, kept);
     const float volume_transmittance = 1 - volume.rgba[3];
     for (std::size_t c = 0; c < 4; ++c) {
       sum.rgba[c] +=
@@ -122,7 +123,7 @@ struct Pixel {
 
 /// Mean of the samples [first, last) of a pixel.
 Radiance mean_of(const FragmentsInVolume& fragments, std::uint32_t first, std::uint32_t last,
-                 const SheetImage& sheet, const Affine2& map, const Pixel& pixel) {
+                 const SheetImage& sheet, const Shear& shear, const Affine2& map, const Pixel& pixel) {
   Radiance sum;
   for (std::uint32_t n = first; n < last; ++n) {
     // Point-sample the volume: the radiance in front of fragments is a point sample, too.
@@ -130,7 +131,14 @@ Radiance mean_of(const FragmentsInVolume& fragments, std::uint32_t first, std::u
     const double x = pixel.column + place.right();
     const double y = pixel.row + place.down();
     const Radiance whole = sample(sheet, map.xx * x + map.xy * y + map.x0, map.yx * x + map.yy * y + map.y0);
-    sum += compose(fragments, n, whole);
+    if (fragments.cuts == nullptr) {
+      sum += compose(fragments, n, whole, nullptr);
+      continue;
+    }
+    const KeptDepths kept = fragments.cuts->depths(x, y, shear.scan.slice_axis, shear.ascending ? 1.0 : -1.0);
+    Radiance radiance = compose(fragments, n, whole, &kept);
+    if (fragments.faces != nullptr) radiance.rgba = fragments.list.faces[n].around(radiance.rgba);
+    sum += radiance;
   }
   const float share = 1.0f / static_cast<float>(last - first);
   for (float& c : sum.rgba) c *= share;
@@ -250,8 +258,8 @@ void warp_rows(const SheetImage& sheet, const Affine2& map, int samples, const W
 }
 
 /// Replaces the warped pixels of a row that have fragments.
-void compose_row(const SheetImage& sheet, const Affine2& map, const FragmentsInVolume& fragments,
-                 std::size_t row, Picture& picture) {
+void compose_row(const SheetImage& sheet, const Shear& shear, const Affine2& map,
+                 const FragmentsInVolume& fragments, std::size_t row, Picture& picture) {
   const FragmentList& list = fragments.list;
   const auto width = static_cast<std::size_t>(picture.size.width);
   const std::uint32_t end = list.first_of_row[row + 1];
@@ -260,7 +268,8 @@ void compose_row(const SheetImage& sheet, const Affine2& map, const FragmentsInV
     while (last < end && list.samples[last].pixel == list.samples[first].pixel) ++last;
     const std::size_t pixel = list.samples[first].pixel;
     const auto column = static_cast<int>(pixel - row * width);
-    const Radiance radiance = mean_of(fragments, first, last, sheet, map, {column, static_cast<int>(row)});
+    const Radiance radiance =
+        mean_of(fragments, first, last, sheet, shear, map, {column, static_cast<int>(row)});
     std::copy(radiance.rgba.begin(), radiance.rgba.end(), &picture.rgba[4 * pixel]);
     first = last;
   }
@@ -282,7 +291,11 @@ void resolve(const SheetImage& sheet, const Shear& shear, const FragmentsInVolum
     const std::size_t first = band * kBandRows;
     const std::size_t last = std::min(first + kBandRows, height);
     warp_rows(sheet, map, samples, kernels, first, last, picture);
-    for (std::size_t row = first; row < last; ++row) compose_row(sheet, map, fragments, row, picture);
+    for (std::size_t row = first; row < last; ++row) {
+      if (fragments.faces != nullptr)
+        fragments.faces->add_to_row(row, &picture.rgba[4 * row * static_cast<std::size_t>(size.width)]);
+      compose_row(sheet, shear, map, fragments, row, picture);
+    }
   });
 }
 

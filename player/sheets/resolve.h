@@ -14,12 +14,14 @@ namespace splatlas {
 struct FragmentsInVolume {
   const FragmentList& list;
   const FragmentOrder& order;
+  const CutRays* cuts = nullptr;     ///< clips the volume; null: no cut
+  const FaceLayer* faces = nullptr;  ///< of the cut, at pixel centres; null: none
 };
 
 /// Warps the sheet (Lacroute and Levoy 1994) and composites fragments with the segments of the volume between
 /// them, in exact depth order. Interpolation in the sheet is bilinear, or cubic for pixels without fragments
-/// if the window asks for it. Minified pixels are the mean of several samples. Cost: linear in pixels and
-/// fragments.
+/// if the window asks for it. Minified pixels are the mean of several samples. Faces of a cut are composited
+/// in front of and behind everything else. Cost: linear in pixels and fragments.
 void resolve(const SheetImage& sheet, const Shear& shear, const FragmentsInVolume& fragments,
              const PictureSize& size, const WarpKernels& kernels, Picture& picture, ThreadPool& pool);
 

@@ -5,6 +5,7 @@
 
 #include "format/system/task_control.h"
 #include "player/sheets/band_image.h"
+#include "player/sheets/kept_slabs.h"
 #include "player/sheets/sheet_fragments.h"
 #include "player/sheets/slice_mix.h"
 
@@ -34,6 +35,7 @@ struct Pass {
   const SheetWindow& window;
   const SplatKernels& kernels;
   float termination_threshold;
+  const KeptSlabs* kept;  // null without a cut
   FragmentOrder& fragments;
   SheetImage& image;
 };
@@ -146,16 +148,35 @@ class Band {
       const double middle = (part + 0.5) / pass_.window.parts;
       const double k = place_of(static_cast<double>(n) + middle);
       pair.behind_weight = static_cast<float>(middle);
+      if (removes(k)) continue;
       const SliceRows rows(pass_, k);
-      mix_slices(pair, rows.upper_from(scale_ - 1, image_.first_fine_row()),
-                 rows.upper_from(0, image_.last_fine_row()) + 1, pass_.kernels, mixed);
+      const std::int64_t first = rows.upper_from(scale_ - 1, image_.first_fine_row());
+      const std::int64_t last = rows.upper_from(0, image_.last_fine_row()) + 1;
+      list_visible_voxels(k, first, last);
+      mix_slices(pair, first, last, visible_, pass_.kernels, mixed);
       if (!mixed.spans.empty()) render_slab(mixed, k);
+    }
+  }
+
+  /// True if a plane removes the whole slab.
+  [[nodiscard]] bool removes(double k) const {
+    return pass_.kept != nullptr && pass_.kept->state(k, image_.first_fine_row(), image_.last_fine_row()) ==
+                                        KeptSlabs::State::kRemoved;
+  }
+  /// Voxels of rows [first, last) that cut slabs show; none without a cut.
+  void list_visible_voxels(double k, std::int64_t first, std::int64_t last) {
+    visible_.clear();
+    if (pass_.kept == nullptr) return;
+    for (std::int64_t row = first; row < last; ++row) {
+      const auto [first_voxel, last_voxel] = pass_.kept->visible_voxels(k, row);
+      visible_.push_back({first_voxel >> kBlockBits, (last_voxel + kBlock - 1) >> kBlockBits});
     }
   }
 
   /// Splats and composites a slab at position `k` along the principal axis.
   void render_slab(const SliceSpans& slice, double k) {
     check_cancelled();
+    if (removes(k)) return;
     // Find the sub-pixel offset of each phase
     const double u_shift = pass_.shear.u_shift(k) - static_cast<double>(pass_.window.u0);
     phases_.clear();
@@ -202,6 +223,28 @@ class Band {
   void composite(const SliceSpans& slice, double k, const SliceRows& slice_rows, std::int64_t between,
                  std::int64_t count, std::int64_t first, std::int64_t last) {
     if (first >= last) return;
+    const std::int64_t fine_row = slice_rows.fine_row(first, between);
+    const KeptSlabs::State state_of_all =
+        pass_.kept == nullptr ? KeptSlabs::State::kWhole
+                              : pass_.kept->state(k, fine_row, fine_row + (last - first) * scale_);
+    if (state_of_all == KeptSlabs::State::kWhole)
+      return composite_kept(slice, k, slice_rows, between, count, first, last, nullptr);
+    if (state_of_all == KeptSlabs::State::kRemoved) return;
+    // Split the pairs by removed, cut and whole rows
+    kept_.fill(*pass_.kept, k, fine_row, last - first, count);
+    for (std::int64_t begin = first, end = first; begin < last; begin = end) {
+      const KeptSlabs::State state = kept_.state(begin - first);
+      while (end < last && kept_.state(end - first) == state) ++end;
+      if (state == KeptSlabs::State::kRemoved) continue;
+      const KeptRows rows = kept_.from(begin - first, 0);
+      composite_kept(slice, k, slice_rows, between, count, begin, end,
+                     state == KeptSlabs::State::kCut ? &rows : nullptr);
+    }
+  }
+
+  /// The same for pairs that all are cut, as `kept` describes, or all whole.
+  void composite_kept(const SliceSpans& slice, double k, const SliceRows& slice_rows, std::int64_t between,
+                      std::int64_t count, std::int64_t first, std::int64_t last, const KeptRows* kept) {
     SheetRows rows;
     rows.slice = &slice;
     rows.upper = first;
@@ -220,9 +263,15 @@ class Band {
       rows.phase_count = std::min<std::size_t>(group_, phases_.size() - phase);
       std::copy_n(phases_.begin() + static_cast<std::ptrdiff_t>(phase), rows.phase_count,
                   rows.phases.begin());
-      pass_.kernels.composite(rows, static_cast<float>(pass_.shear.slab_mm / pass_.window.parts),
-                              pass_.termination_threshold,
-                              image_.rows(fine_row, static_cast<std::int64_t>(phase)));
+      const auto slab_mm = static_cast<float>(pass_.shear.slab_mm / pass_.window.parts);
+      const ImageRows image = image_.rows(fine_row, static_cast<std::int64_t>(phase));
+      if (kept == nullptr) {
+        pass_.kernels.composite(rows, slab_mm, pass_.termination_threshold, image);
+        continue;
+      }
+      KeptRows of_phases = *kept;
+      of_phases.lines += static_cast<std::int64_t>(phase) * kept->phase_stride;
+      pass_.kernels.composite_cut(rows, of_phases, slab_mm, pass_.termination_threshold, image);
     }
     for_each_row_with_fragments(
         rows, fine_row, [&](std::int64_t row) { fragments_.behind_slab(row, image_.accumulated(row)); });
@@ -261,8 +310,25 @@ class Band {
   std::int64_t scale_, group_, first_, last_;
   BandImage image_;
   SheetFragments& fragments_;
-  std::vector<Phase> phases_;  // of the current slice
+  std::vector<Phase> phases_;    // of the current slice
+  KeptSlabs::Rows kept_;         // of the current rows, with a cut
+  std::vector<Blocks> visible_;  // of the current voxel rows, with a cut
 };
+
+/// Number of voxels of spans in rows [first, last) that a cut does not remove as a whole.
+std::uint64_t count_kept(const KeptSlabs& kept, const SliceSpans& slice, std::int64_t first,
+                         std::int64_t last) {
+  std::uint64_t voxels = 0;
+  for (std::int64_t row = std::max(first, slice.first_row); row < std::min(last, slice.last_row); ++row) {
+    if (slice.row(row).empty()) continue;
+    const auto [begin, end] = kept.visible_voxels(static_cast<double>(slice.number), row, 1);
+    for (const Span& span : slice.row(row)) {
+      const std::int64_t voxel = std::int64_t{span.first_block} * kBlock;
+      if (voxel < end && voxel + std::int64_t{span.blocks} * kBlock > begin) voxels += span.voxels;
+    }
+  }
+  return voxels;
+}
 
 /// Number of voxels in the rows that overlap the window.
 std::uint64_t count_voxels(const Pass& pass) {
@@ -273,6 +339,10 @@ std::uint64_t count_voxels(const Pass& pass) {
     // The footprint of a voxel row extends to its neighbours: include one row on either side.
     const std::int64_t first = rows.upper_from(pass.window.scale - 1, 0);
     const std::int64_t last = rows.upper_from(0, pass.window.fine_rows()) + 1;
+    if (pass.kept != nullptr) {
+      voxels += count_kept(*pass.kept, slice, first, last);
+      continue;
+    }
     if (first <= slice.first_row && last >= slice.last_row) {
       voxels += slice.voxels;
       continue;
@@ -286,49 +356,10 @@ std::uint64_t count_voxels(const Pass& pass) {
 
 }  // namespace
 
-SheetWindow sheet_window(const SpanModel& model, const Shear& shear, const PictureSize& size,
-                         const SheetSampling& sampling) {
-  SheetWindow window{sampling};
-  if (model.voxels == 0) return window;
-  // Bound the voxels' projections; a footprint extends one voxel to each side
-  const auto seen = [&](double first, double voxels, double shift_first, double shift_last) {
-    return std::pair(first - 1 + std::min(shift_first, shift_last),
-                     first + voxels + std::max(shift_first, shift_last));
-  };
-  const double reach = sampling.parts == 1 ? 0 : 1;  // support of a slice along the principal axis
-  const double k_first = static_cast<double>(model.slice_first) - reach;
-  const double k_last = static_cast<double>(model.slice_first + model.slice_count - 1) + reach;
-  auto [u_min, u_max] = seen(static_cast<double>(model.scan_first), static_cast<double>(model.scan_voxels),
-                             shear.u_shift(k_first), shear.u_shift(k_last));
-  auto [v_min, v_max] = seen(static_cast<double>(model.row_first), static_cast<double>(model.rows),
-                             shear.v_shift(k_first), shear.v_shift(k_last));
-
-  // Intersect with the picture, padded for interpolation
-  const double around = sampling.cubic ? 2 : 1;
-  const Affine2& map = shear.picture_to_sheet;
-  const auto shown = [&](double per_x, double per_y, double origin) {
-    const double x = per_x * size.width;
-    const double y = per_y * size.height;
-    return std::pair(origin + std::min(x, 0.0) + std::min(y, 0.0) - around,
-                     origin + std::max(x, 0.0) + std::max(y, 0.0) + around);
-  };
-  const auto [u_low, u_high] = shown(map.xx, map.xy, map.x0);
-  const auto [v_low, v_high] = shown(map.yx, map.yy, map.y0);
-  u_min = std::max(u_min, u_low);
-  u_max = std::min(u_max, u_high);
-  v_min = std::max(v_min, v_low);
-  v_max = std::min(v_max, v_high);
-  if (!(u_min < u_max && v_min < v_max)) return window;
-  window.u0 = static_cast<std::int64_t>(std::floor(u_min));
-  window.v0 = static_cast<std::int64_t>(std::floor(v_min));
-  window.columns = static_cast<std::int64_t>(std::ceil(u_max)) - window.u0 + 1;
-  window.rows = static_cast<std::int64_t>(std::ceil(v_max)) - window.v0 + 1;
-  return window;
-}
-
 std::uint64_t render_sheets(const SpanModel& model, const Shear& shear, const SheetWindow& window,
                             const SplatKernels& kernels, float termination_threshold,
-                            FragmentOrder& fragments, SheetImage& image, ThreadPool& pool) {
+                            std::span<const VoxelPlane> planes, FragmentOrder& fragments, SheetImage& image,
+                            ThreadPool& pool) {
   // Clear the border of the sheet
   image.window = window;
   image.channels = 1 + model.emissions;
@@ -339,7 +370,9 @@ std::uint64_t render_sheets(const SpanModel& model, const Shear& shear, const Sh
   std::fill_n(image.pixels.end() - static_cast<std::ptrdiff_t>(row_floats), row_floats, 0.0f);
 
   // Split the window into bands
-  const Pass pass{model, shear, window, kernels, termination_threshold, fragments, image};
+  const KeptSlabs kept(planes, shear, window);
+  const Pass pass{model,     shear, window, kernels, termination_threshold, planes.empty() ? nullptr : &kept,
+                  fragments, image};
   const std::int64_t row_bytes =
       BandImage::stride(window) * window.scale * window.scale * image.channels * std::int64_t{sizeof(float)};
   const std::int64_t band_rows =

@@ -45,17 +45,19 @@ void open_blocks(std::uint32_t first, std::uint32_t count, std::size_t first_of_
   spans.push_back({first, count, 0, static_cast<std::uint32_t>(blocks)});
 }
 
-void mix_row(const SlicePair& pair, std::int64_t row, const SplatKernels& kernels, SliceSpans& mixed) {
+void mix_row(const SlicePair& pair, std::int64_t row, const Blocks& visible, const SplatKernels& kernels,
+             SliceSpans& mixed) {
   RowCursor before(pair.before, row), behind(pair.behind, row);
   const auto block_floats = static_cast<std::size_t>(mixed.block_floats());
   const std::size_t first_of_row = mixed.spans.size();
-  for (std::uint32_t block = 0;;) {
+  const auto end = static_cast<std::uint32_t>(std::clamp<std::int64_t>(visible.last, 0, RowCursor::kNone));
+  for (auto block = static_cast<std::uint32_t>(std::max<std::int64_t>(visible.first, 0));;) {
     const std::uint32_t next_before = before.next_from(block), next_behind = behind.next_from(block);
     block = std::min(next_before, next_behind);
-    if (block == RowCursor::kNone) return;
+    if (block >= end) return;
 
     // Find the run of blocks with the same set of slices
-    std::uint32_t count = RowCursor::kNone;
+    std::uint32_t count = end - block;
     for (const auto& [cursor, next] : {std::pair(&before, next_before), {&behind, next_behind}}) {
       if (next != RowCursor::kNone)
         count = std::min(count, next == block ? cursor->count_from(block) : next - block);
@@ -73,8 +75,8 @@ void mix_row(const SlicePair& pair, std::int64_t row, const SplatKernels& kernel
 
 }  // namespace
 
-void mix_slices(const SlicePair& pair, std::int64_t first, std::int64_t last, const SplatKernels& kernels,
-                SliceSpans& mixed) {
+void mix_slices(const SlicePair& pair, std::int64_t first, std::int64_t last, std::span<const Blocks> visible,
+                const SplatKernels& kernels, SliceSpans& mixed) {
   std::int64_t first_row = std::numeric_limits<std::int64_t>::max(), last_row = first;
   for (const SliceSpans* slice : {pair.before, pair.behind}) {
     if (slice == nullptr || slice->spans.empty()) continue;
@@ -89,7 +91,9 @@ void mix_slices(const SlicePair& pair, std::int64_t first, std::int64_t last, co
   mixed.optics.clear();
   for (std::int64_t row = mixed.first_row; row < mixed.last_row; ++row) {
     mixed.first_span.push_back(static_cast<std::uint32_t>(mixed.spans.size()));
-    mix_row(pair, row, kernels, mixed);
+    const Blocks all{0, RowCursor::kNone};
+    mix_row(pair, row, visible.empty() ? all : visible[static_cast<std::size_t>(row - first)], kernels,
+            mixed);
   }
   mixed.first_span.push_back(static_cast<std::uint32_t>(mixed.spans.size()));
 }

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
+#include "player/sheets/block_runs.h"
 #include "player/sheets/splat_kernels.h"
 #include "player/spans/span_model.h"
 
@@ -15,10 +17,11 @@ struct SlicePair {
   float behind_weight = 0;  ///< 0 at the slice before, 1 at the slice behind
 };
 
-/// Interpolates rows [first, last) of the grid. `mixed` is overwritten and keeps its capacity. Its spans are
+/// Interpolates rows [first, last) of the grid; of each, only the blocks that `visible` names, unless it is
+/// empty. `mixed` is overwritten and keeps its capacity. Its spans are
 /// the union of both slices' spans, without voxel counts and shaded voxels. Cost: linear in the blocks of the
 /// rows.
-void mix_slices(const SlicePair& pair, std::int64_t first, std::int64_t last, const SplatKernels& kernels,
-                SliceSpans& mixed);
+void mix_slices(const SlicePair& pair, std::int64_t first, std::int64_t last, std::span<const Blocks> visible,
+                const SplatKernels& kernels, SliceSpans& mixed);
 
 }  // namespace splatlas

@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "player/sheets/kept_slabs.h"
 #include "player/sheets/sheets.h"
 
 namespace splatlas {
@@ -22,8 +23,11 @@ constexpr std::size_t kRowsPerJob = 8;
 class SheetDepths {
  public:
   /// Covers the rays of the window.
-  SheetDepths(const SpanModel& model, const Shear& shear, const SheetWindow& window)
-      : model_(model), shear_(shear), window_(window), columns_(window.columns) {}
+  SheetDepths(const SpanModel& model, const Shear& shear, const SheetWindow& window,
+              std::span<const VoxelPlane> planes)
+      : model_(model), shear_(shear), window_(window), columns_(window.columns) {
+    for (const VoxelPlane& plane : planes) planes_.emplace_back(plane, shear);
+  }
 
   void find(ThreadPool& pool) {
     places_.assign(static_cast<std::size_t>(window_.rows) * static_cast<std::size_t>(columns_), kNowhere);
@@ -31,9 +35,10 @@ class SheetDepths {
     pool.for_each((rows + kRowsPerJob - 1) / kRowsPerJob, [&](std::size_t job) {
       std::vector<float> depths(static_cast<std::size_t>(columns_));
       std::vector<float> mixed(static_cast<std::size_t>(columns_ + 3 * kBlock));
+      std::vector<KeptPart> kept;
       const std::size_t end = std::min(rows, (job + 1) * kRowsPerJob);
       for (std::size_t row = job * kRowsPerJob; row < end; ++row) {
-        find_row(static_cast<std::int64_t>(row), depths, mixed);
+        find_row(static_cast<std::int64_t>(row), depths, mixed, kept);
       }
     });
   }
@@ -55,9 +60,42 @@ class SheetDepths {
   }
 
  private:
+  /// Kept part of a ray along the principal axis, away from the viewer, in voxels.
+  struct KeptPart {
+    float from = -kNowhere, to = kNowhere;
+  };
+  /// Clips the rays of a row of the sheet; no parts without a cut.
+  void clip_row(std::int64_t row, std::vector<KeptPart>& kept) const {
+    kept.clear();
+    if (planes_.empty()) return;
+    const double sign = shear_.ascending ? 1 : -1;
+    for (std::int64_t column = 0; column < columns_; ++column) {
+      KeptPart part;
+      for (const ShearedPlane& plane : planes_) {
+        const double at = plane.at_origin + plane.per_u * static_cast<double>(column + window_.u0) +
+                          plane.per_v * static_cast<double>(row + window_.v0);
+        const double along = sign * plane.per_k;
+        if (along == 0) {
+          if (at > 0) part.to = -kNowhere;
+          continue;
+        }
+        const auto crossed = static_cast<float>(
+            std::clamp(-at / along, -static_cast<double>(kNowhere), static_cast<double>(kNowhere)));
+        if (along < 0) {
+          part.from = std::max(part.from, crossed);
+        } else {
+          part.to = std::min(part.to, crossed);
+        }
+      }
+      kept.push_back(part);
+    }
+  }
+
   /// Traverses all slices for one row of the sheet, front to back.
-  void find_row(std::int64_t row, std::vector<float>& depths, std::vector<float>& mixed) {
+  void find_row(std::int64_t row, std::vector<float>& depths, std::vector<float>& mixed,
+                std::vector<KeptPart>& kept) {
     std::fill(depths.begin(), depths.end(), 0.0f);
+    clip_row(row, kept);
     float* places = &places_[static_cast<std::size_t>(row * columns_)];
     const std::size_t count = model_.slices.size();
     for (std::size_t n = 0; n < count; ++n) {
@@ -69,7 +107,7 @@ class SheetDepths {
       const auto upper = static_cast<std::int64_t>(above);
       std::int64_t from = 0, to = 0;
       mix_rows(slice, upper, static_cast<float>(v - above), mixed, from, to);
-      if (from < to) accumulate_slice(k, mixed, from, to, depths, places);
+      if (from < to) accumulate_slice(k, mixed, from, to, kept, depths, places);
     }
   }
 
@@ -109,7 +147,7 @@ class SheetDepths {
   /// Adds the optical depths of a slab, and stores the position of rays that reach a transmittance of 1/2 in
   /// it.
   void accumulate_slice(double k, const std::vector<float>& mixed, std::int64_t from, std::int64_t to,
-                        std::vector<float>& depths, float* places) const {
+                        const std::vector<KeptPart>& kept, std::vector<float>& depths, float* places) const {
     // Clip the columns to the voxels: column c interpolates at voxel c + u0 - u_shift
     const double shift = static_cast<double>(window_.u0) - shear_.u_shift(k);
     const double whole = std::floor(shift);
@@ -126,6 +164,19 @@ class SheetDepths {
     const float* voxels = &mixed[static_cast<std::size_t>(first + offset - from + kBlock)];
     float* sum = &depths[static_cast<std::size_t>(first)];
     places += first;
+    if (!kept.empty()) {
+      const KeptPart* of_ray = &kept[static_cast<std::size_t>(first)];
+      for (std::int64_t c = 0; c < last - first; ++c) {
+        const float begin = std::max(sign * place - 0.5f, of_ray[c].from);
+        const float length = std::min(sign * place + 0.5f, of_ray[c].to) - begin;
+        if (!(length > 0)) continue;
+        const float before = sum[c];
+        const float added = length * slab * (voxels[c] + right_share * (voxels[c + 1] - voxels[c]));
+        sum[c] = before + added;
+        if (before < kHalf && sum[c] >= kHalf) places[c] = sign * (begin + length * (kHalf - before) / added);
+      }
+      return;
+    }
     for (std::int64_t c = 0; c < last - first; ++c) {
       const float before = sum[c];
       const float added = slab * (voxels[c] + right_share * (voxels[c + 1] - voxels[c]));
@@ -139,16 +190,17 @@ class SheetDepths {
   const Shear& shear_;
   const SheetWindow& window_;
   std::int64_t columns_;
+  std::vector<ShearedPlane> planes_;
   std::vector<float> places_;
 };
 
 }  // namespace
 
-void add_span_depths(const SpanModel& model, const Shear& shear, const ViewDepth& view, DepthMap& depths,
-                     ThreadPool& pool) {
+void add_span_depths(const SpanModel& model, const Shear& shear, const ViewDepth& view,
+                     std::span<const VoxelPlane> planes, DepthMap& depths, ThreadPool& pool) {
   const SheetWindow window = sheet_window(model, shear, depths.size, {});
   if (window.empty()) return;
-  SheetDepths sheet(model, shear, window);
+  SheetDepths sheet(model, shear, window, planes);
   sheet.find(pool);
   const Affine2& map = shear.picture_to_sheet;
   pool.for_each(static_cast<std::size_t>(depths.size.height), [&](std::size_t row) {

@@ -16,6 +16,7 @@
 #include <hwy/highway.h>
 
 #include "player/sheets/block_runs.h"
+#include "player/sheets/kept_pixels-inl.h"
 #include "player/sheets/splat_kernels.h"
 #include "player/simd/absorption-inl.h"
 #include "player/simd/wide_vector-inl.h"
@@ -42,8 +43,9 @@ HWY_INLINE void PrefetchAhead(const float* block) {
 enum class AbsorptionMethod { kThinSlab, kModerateSlab, kAnySlab };
 
 /// Splatting and compositing of `kRows` rows of pixels with `kPhases` phases and `kEmissions` emissions.
-/// Optical properties are scaled by the slab length on load: optical depths instead of extinctions.
-template <int kEmissions, int kRows, int kPhases>
+/// Optical properties are scaled by the slab length on load: optical depths instead of extinctions. `kCut`:
+/// planes cut the slab, as `kept` describes.
+template <int kEmissions, int kRows, int kPhases, bool kCut = false>
 class Splat {
   static constexpr int kPlanes = 1 + kEmissions;
   static constexpr std::int64_t kBlockFloats = kBlock * kPlanes;
@@ -56,9 +58,11 @@ class Splat {
   };
 
  public:
-  HWY_INLINE Splat(const SheetRows& rows, float slab_mm, float termination_threshold, const ImageRows& image)
+  HWY_INLINE Splat(const SheetRows& rows, float slab_mm, float termination_threshold, const ImageRows& image,
+                   const KeptRows* kept = nullptr)
       : rows_(rows),
         image_(image),
+        kept_(kept),
         reach_(blocks_in_reach(rows, image)),
         next_hidden_(HiddenBlocks(0)),
         slab_(Set(Lanes(), slab_mm)),
@@ -78,12 +82,27 @@ class Splat {
     if (next_hidden_.first != kNoBlock) PrefetchVisible(rows_.upper + pair + 2, next_hidden_);
 
     // Composite visible blocks run by run
-    BlockRuns runs(rows_, pair, reach_);
+    Blocks reach = reach_;
+    [[maybe_unused]] std::int64_t first_removed = kNoBlock;
+    if constexpr (kCut) {
+      const KeptBlocks kept(kept_->pixels[pair], rows_);
+      reach = {std::max(reach.first, kept.visible.first), std::min(reach.last, kept.visible.last)};
+      whole_ = kept.whole;
+      first_removed = kept.visible.first;
+    }
+    BlockRuns runs(rows_, pair, reach);
     std::int64_t next_block = std::numeric_limits<std::int64_t>::min();
     for (BlockRun run; runs.next(run);) {
       if (run.first != next_block) ClearCarry();
       next_block = run.last;
       for (std::int64_t block = run.first; block < run.last;) {
+        if constexpr (kCut) {
+          if (block == first_removed) {  // supplies the carry
+            SkipTo(run, block);
+            ++block;
+            continue;
+          }
+        }
         if (hidden.contains(block)) {
           block = std::min(hidden.last, run.last);
           SkipTo(run, block - 1);
@@ -99,6 +118,14 @@ class Splat {
  private:
   static constexpr std::int64_t kNoBlock = std::numeric_limits<std::int64_t>::max();
   static constexpr Blocks kNone{kNoBlock, kNoBlock};
+
+  /// Kept fraction of the slab at the pixels of a part of a block.
+  HWY_INLINE Vector Kept(int phase_row, int part) const {
+    const KeptLine* lines = kept_->lines + pair_ * kept_->pair_stride +
+                            phase_row / kPhases * kept_->row_stride +
+                            phase_row % kPhases * kept_->phase_stride;
+    return KeptFractions(Lanes(), *kept_, lines, block_ * kBlock + ShiftOf(phase_row) + part * kPart);
+  }
 
   [[nodiscard]] HWY_INLINE OpaquePixels& OpaqueOf(std::int64_t pair, int phase_row) const {
     return image_.opaque[pair * image_.opaque_pair_stride + phase_row / kPhases * image_.opaque_row_stride +
@@ -178,6 +205,7 @@ class Splat {
       const float* lower = run.lower.optics(block, kBlockFloats, kEmptyBlock.data());
       if (none_hidden) PrefetchAhead<kBlockFloats>(lower);
       if (HWY_UNLIKELY(skipped_upper_ != nullptr)) CarryFromSkipped();
+      if constexpr (kCut) block_ = block;
       CompositeBlock(upper, lower, phase_rows);
       advance();
     }
@@ -288,7 +316,15 @@ class Splat {
         for (int phase = 0; phase < kPhases; ++phase) {
           const int s = row * kPhases + phase;
           if (hidden[s]) continue;
-          CompositePixels<kMethod>(before_[phase], depths[row][part], colors, phase_rows[s] + part * kPart);
+          float* const pixels = phase_rows[s] + part * kPart;
+          if constexpr (kCut) {
+            if (!whole_.contains(block_)) {
+              const auto kept = Kept(s, part);
+              CompositePixels<kMethod, true>(before_[phase], depths[row][part], colors, pixels, kept);
+              continue;
+            }
+          }
+          CompositePixels<kMethod>(before_[phase], depths[row][part], colors, pixels, Vector());
         }
       }
     }
@@ -305,22 +341,25 @@ class Splat {
     return true;
   }
 
-  template <AbsorptionMethod kMethod>
+  /// `kPartly`: of the slab, the fraction `kept` remains.
+  template <AbsorptionMethod kMethod, bool kPartly = false>
   HWY_INLINE void CompositePixels(Vector before, const Voxels& depths, const Voxels (&colors)[kEmissions],
-                                  float* pixels) const {
+                                  float* pixels, [[maybe_unused]] Vector kept) const {
     const Lanes d;
     float* const opacities = pixels + kEmissions * image_.plane_stride;
     const auto opacity = LoadU(d, opacities);
-    const auto depth = Between(before, depths);
+    auto depth = Between(before, depths);
+    if constexpr (kPartly) depth = Mul(kept, depth);
     const auto transmittance = Sub(Set(d, 1.0f), opacity);
     if constexpr (kMethod == AbsorptionMethod::kThinSlab) {
       const auto weight = Mul(transmittance, ThinMean(d, depth));
-      AddEmissions(weight, before, colors, pixels);
+      AddEmissions(kPartly ? Mul(kept, weight) : weight, before, colors, pixels);
       StoreU(FusedMulAdd(d, weight, depth, opacity), d, opacities);
     } else {
       const auto slab =
           kMethod == AbsorptionMethod::kModerateSlab ? ModerateAbsorption(d, depth) : AnyAbsorption(d, depth);
-      AddEmissions(Mul(transmittance, slab.mean), before, colors, pixels);
+      const auto weight = Mul(transmittance, slab.mean);
+      AddEmissions(kPartly ? Mul(kept, weight) : weight, before, colors, pixels);
       StoreU(FusedMulAdd(d, transmittance, slab.absorbed, opacity), d, opacities);
     }
   }
@@ -336,6 +375,9 @@ class Splat {
 
   const SheetRows& rows_;
   const ImageRows& image_;
+  const KeptRows* kept_;                     // null without a cut
+  Blocks whole_;                             // of the current pair, with a cut
+  [[maybe_unused]] std::int64_t block_ = 0;  // the current one, with a cut
   Blocks reach_;
   Blocks next_hidden_;
   std::int64_t pair_ = 0;
@@ -347,52 +389,6 @@ class Splat {
   const float* skipped_upper_ = nullptr;
   const float* skipped_lower_ = nullptr;
 };
-
-template <int kEmissions, int kRows, int kPhases>
-HWY_INLINE void CompositePairs(const SheetRows& rows, float slab_mm, float termination_threshold,
-                               const ImageRows& image) {
-  Splat<kEmissions, kRows, kPhases> splat(rows, slab_mm, termination_threshold, image);
-  for (std::int64_t pair = 0; pair < rows.pairs; ++pair) splat.CompositePair(pair);
-}
-
-/// Every phase row by itself.
-template <int kEmissions>
-HWY_INLINE void CompositeOneByOne(const SheetRows& rows, float slab_mm, float termination_threshold,
-                                  const ImageRows& image) {
-  SheetRows one = rows;
-  one.rows_between = one.phase_count = 1;
-  for (std::size_t row = 0; row < rows.rows_between; ++row) {
-    for (std::size_t phase = 0; phase < rows.phase_count; ++phase) {
-      one.lower_weights[0] = rows.lower_weights[row];
-      one.phases[0] = rows.phases[phase];
-      ImageRows phase_row = image;
-      const auto r = static_cast<std::int64_t>(row), p = static_cast<std::int64_t>(phase);
-      phase_row.pixels += r * image.row_stride + p * image.phase_stride;
-      if (phase_row.opaque != nullptr) phase_row.opaque += r * image.opaque_row_stride + p;
-      CompositePairs<kEmissions, 1, 1>(one, slab_mm, termination_threshold, phase_row);
-    }
-  }
-}
-
-template <int kEmissions>
-HWY_INLINE void CompositeEmissions(const SheetRows& rows, float slab_mm, float termination_threshold,
-                                   const ImageRows& image) {
-  switch (10 * rows.rows_between + rows.phase_count) {
-    case 11: return CompositePairs<kEmissions, 1, 1>(rows, slab_mm, termination_threshold, image);
-    case 12: return CompositePairs<kEmissions, 1, 2>(rows, slab_mm, termination_threshold, image);
-    case 13: return CompositePairs<kEmissions, 1, 3>(rows, slab_mm, termination_threshold, image);
-    case 21: return CompositePairs<kEmissions, 2, 1>(rows, slab_mm, termination_threshold, image);
-    case 22: return CompositePairs<kEmissions, 2, 2>(rows, slab_mm, termination_threshold, image);
-    case 33: return CompositePairs<kEmissions, 3, 3>(rows, slab_mm, termination_threshold, image);
-    default: return CompositeOneByOne<kEmissions>(rows, slab_mm, termination_threshold, image);
-  }
-}
-
-inline void CompositeRows(const SheetRows& rows, float slab_mm, float termination_threshold,
-                          const ImageRows& image) {
-  rows.slice->emissions == 1 ? CompositeEmissions<1>(rows, slab_mm, termination_threshold, image)
-                             : CompositeEmissions<3>(rows, slab_mm, termination_threshold, image);
-}
 
 }  // namespace splatlas::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();

@@ -4,13 +4,15 @@
 #include <hwy/highway.h>
 
 #include "player/sheets/mix_optics-inl.h"
-#include "player/sheets/splat-inl.h"
+#include "player/sheets/splat_cut-inl.h"
 #include "player/sheets/splat_kernels.h"
+#include "player/sheets/splat_rows-inl.h"
 
 namespace splatlas {
 
 const SplatKernels& scalar_kernels() {
-  static constexpr SplatKernels kKernels{"scalar", HWY_NAMESPACE::CompositeRows, HWY_NAMESPACE::MixOptics};
+  static constexpr SplatKernels kKernels{"scalar", HWY_NAMESPACE::CompositeRows,
+                                         HWY_NAMESPACE::CompositeCutRows, HWY_NAMESPACE::MixOptics};
   return kKernels;
 }
 

@@ -8,7 +8,7 @@
 #include "player/sheets/splat_kernels.h"
 #if HWY_TARGET != HWY_SCALAR
 #include "player/sheets/mix_optics-inl.h"
-#include "player/sheets/splat-inl.h"
+#include "player/sheets/splat_rows-inl.h"
 #endif
 
 HWY_BEFORE_NAMESPACE();
@@ -55,7 +55,7 @@ void mix(const WeightedOptics& a, const WeightedOptics& b, std::size_t floats, f
 
 const SplatKernels& best_kernels() {
   static const SplatKernels kKernels =
-      scalar_is_forced() ? scalar_kernels() : SplatKernels{best_target(), composite, mix};
+      scalar_is_forced() ? scalar_kernels() : SplatKernels{best_target(), composite, best_composite_cut, mix};
   return kKernels;
 }
 

@@ -98,14 +98,17 @@ struct SpanModel {
   return voxels * (kOptics + sizeof(ShadedVoxel)) + runs * (2 * kBlock * kOptics + sizeof(Span));
 }
 
+/// Multiplies the emission of a shaded voxel of a slice by `factors[normal]`.
+inline void shade(const ShadedVoxel& voxel, std::span<const float> factors, SliceSpans& slice) {
+  for (std::size_t c = 0; c < static_cast<std::size_t>(slice.emissions); ++c)
+    slice.optics.data()[voxel.place + (c + 1) * kBlock] = voxel.emission[c] * factors[voxel.normal];
+}
+
 /// Multiplies the emission of shaded voxels by `factors[normal]` (65536 entries), once per change of view.
 inline void shade_spans(SpanModel& model, std::span<const float> factors, ThreadPool& pool) {
   pool.for_each(model.slices.size(), [&](std::size_t n) {
     SliceSpans& slice = model.slices[n];
-    for (const ShadedVoxel& voxel : slice.shaded) {
-      for (std::size_t c = 0; c < static_cast<std::size_t>(slice.emissions); ++c)
-        slice.optics.data()[voxel.place + (c + 1) * kBlock] = voxel.emission[c] * factors[voxel.normal];
-    }
+    for (const ShadedVoxel& voxel : slice.shaded) shade(voxel, factors, slice);
   });
 }
 

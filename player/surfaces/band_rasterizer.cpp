@@ -15,6 +15,8 @@ constexpr double kDepthOffset = 0.3183;
 /// Margins of the occlusion test, in voxels and relative to the depth, above bin width and rounding.
 constexpr float kSurelyBehind = 2 / 4096.0f;
 constexpr float kRounding = 0x1p-22f;
+/// Sides of faces of cuts in SurfacesSeen::add().
+constexpr std::uint32_t kFaceSide = 0x80000000;
 constexpr double kDepthBias = 0x1p40;  // bins; exceeds the depth of any grid, so that all bins are positive
 
 }  // namespace
@@ -61,6 +63,7 @@ void BandRasterizer::draw(const TriangleRef& ref) {
                                : std::array{snapped(ref.part->corner[0]), snapped(ref.part->corner[1]),
                                             snapped(ref.part->corner[2])});
   if (t.area == 0) return;
+  cuts_ = bins_->meets_cut(ref.surface, corners) ? scene_->cuts : nullptr;
   if (slot_of_pixel_.empty()) {
     sample_centers(t);
   } else {
@@ -81,7 +84,9 @@ void BandRasterizer::sample_centers(const ScreenTriangle& t) {
         if (is_hidden(t, slot + static_cast<std::uint32_t>(x))) continue;
         attributes.emplace(*scene_, t.ref);
       }
-      add(t, *attributes, slot + static_cast<std::uint32_t>(x), t.weights(edges), attributes->depth_at(x, y));
+      const double depth = attributes->depth_at(x, y);
+      if (cuts_ != nullptr && is_cut_away(x, y, depth)) continue;
+      add(t, *attributes, slot + static_cast<std::uint32_t>(x), t.weights(edges), depth);
     }
   }
 }
@@ -102,8 +107,10 @@ void BandRasterizer::sample_patterns(const ScreenTriangle& t) {
           if (is_hidden(t, slots[x] + n)) continue;
           attributes.emplace(*scene_, t.ref);
         }
-        add(t, *attributes, slots[x] + n, t.weights(edges),
-            attributes->depth_at(x + pattern_[n].x / kSubPixels, y + pattern_[n].y / kSubPixels));
+        const double sample_x = x + pattern_[n].x / kSubPixels, sample_y = y + pattern_[n].y / kSubPixels;
+        const double depth = attributes->depth_at(sample_x, sample_y);
+        if (cuts_ != nullptr && is_cut_away(sample_x, sample_y, depth)) continue;
+        add(t, *attributes, slots[x] + n, t.weights(edges), depth);
       }
     }
   }
@@ -120,6 +127,11 @@ bool BandRasterizer::is_hidden(const ScreenTriangle& t, std::uint32_t slot) cons
   };
   const float nearest = nearest_[slot].depth;
   return std::min({depth(0), depth(1), depth(2)}) > nearest + kSurelyBehind + std::abs(nearest) * kRounding;
+}
+
+bool BandRasterizer::is_cut_away(double x, double y, double depth) const {
+  const KeptDepths kept = cuts_->depths(x + 0.5, y + 0.5, scene_->depth_axis, scene_->depth_sign);
+  return !(depth >= kept.from && depth <= kept.to);
 }
 
 bool BandRasterizer::in_front(const Crossing& a, const Crossing& b) const {
@@ -171,7 +183,8 @@ SurfaceShading BandRasterizer::shade(const SurfaceMesh& mesh, std::uint32_t tria
   return scene_->lighting.on_surface(normal);
 }
 
-void BandRasterizer::finish(float termination_threshold, BandFragments& out, std::span<SurfacesSeen> seen) {
+void BandRasterizer::finish(float termination_threshold, BandFragments& out, std::span<SurfacesSeen> seen,
+                            const SlotFaces& faces) {
   // Shade the visible opaque crossings and sort all by slot
   take_opaque();
   sort_by_slot();
@@ -187,6 +200,12 @@ void BandRasterizer::finish(float termination_threshold, BandFragments& out, std
     sort_slot(of_slot);
     SurfacesSeen sum;
     float transmittance = 1;
+    const auto pass_face = [&](const Face& face) {
+      if (face.shows() && transmittance > termination_threshold)
+        sum.add(kFaceSide | face.structure, transmittance, {face.depth, face.rgba, face.structure});
+      transmittance *= 1 - face.rgba[3];
+    };
+    if (!faces.front.empty()) pass_face(faces.front[slot]);
     for (const std::uint32_t n : of_slot) {
       if (transmittance <= termination_threshold) break;
       const Crossing& crossing = sorted_[n];
@@ -197,6 +216,7 @@ void BandRasterizer::finish(float termination_threshold, BandFragments& out, std
       }
       transmittance *= 1 - last.rgba[3];
     }
+    if (!faces.back.empty()) pass_face(faces.back[slot]);
     out.end_of_slot[slot] = kept;
     if (!seen.empty()) seen[slot] = sum;
   }

@@ -26,6 +26,11 @@ struct BandFragments {
   }
 };
 
+/// Faces of a cut by slot; empty: none.
+struct SlotFaces {
+  std::span<const Face> front, back;
+};
+
 /// Rasteriser of one band after another; keeps its memory between bands. A slot is a sample position with a
 /// list of crossings. Not thread-safe.
 class BandRasterizer {
@@ -40,8 +45,9 @@ class BandRasterizer {
   void draw(const TriangleRef& ref);
   /// Sorts fragments by slot and depth. A slot ends once its transmittance is at most
   /// `termination_threshold`, such as behind an opaque fragment. `seen` receives a summary of every slot
-  /// unless it is empty.
-  void finish(float termination_threshold, BandFragments& out, std::span<SurfacesSeen> seen);
+  /// unless it is empty. `faces` of a cut are in front of and behind all fragments.
+  void finish(float termination_threshold, BandFragments& out, std::span<SurfacesSeen> seen,
+              const SlotFaces& faces = {});
 
   /// Number of translucent crossings so far; after finish(), with the visible opaque ones.
   [[nodiscard]] std::size_t crossings() const { return crossings_.size(); }
@@ -68,6 +74,8 @@ class BandRasterizer {
   /// Pixels of the band.
   [[nodiscard]] PixelBox band() const { return {0, width_ - 1, first_row_, last_row_ - 1}; }
   [[nodiscard]] bool in_front(const Crossing& a, const Crossing& b) const;
+  /// `x`, `y`: the slot's sample, with integer pixel centres.
+  [[nodiscard]] bool is_cut_away(double x, double y, double depth) const;
   void add(const ScreenTriangle& triangle, const TriangleAttributes& attributes, std::uint32_t slot,
            std::array<float, 3> weight, double depth);
   [[nodiscard]] SurfaceShading shade(const SurfaceMesh& mesh, std::uint32_t triangle, bool front,
@@ -79,6 +87,7 @@ class BandRasterizer {
 
   const RasterScene* scene_ = nullptr;
   const TriangleBins* bins_ = nullptr;
+  const CutRays* cuts_ = nullptr;  // of the current triangle; null if it is kept whole
   std::int32_t width_ = 0, first_row_ = 0, last_row_ = 0;
   std::span<const SubPixel> pattern_;
   std::vector<std::uint32_t> slot_of_pixel_;  // first slot; empty if every pixel has one slot

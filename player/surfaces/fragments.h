@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "format/structure_graph.h"
+#include "player/surfaces/face_layer.h"
 #include "player/view/sample_pattern.h"
 
 namespace splatlas {
@@ -61,6 +62,7 @@ struct FragmentList {
   std::vector<Fragment> fragments;
   std::vector<Sample> samples{Sample{}};
   std::vector<std::uint32_t> first_of_row;  ///< height + 1 offsets of samples, per picture row
+  std::vector<RayFaces> faces;              ///< of the samples; empty without faces of cuts
 
   [[nodiscard]] std::size_t sample_count() const { return samples.size() - 1; }
   [[nodiscard]] std::span<const Fragment> of_sample(std::size_t n) const {

@@ -7,8 +7,10 @@
 
 #include "format/grid.h"
 #include "format/surface.h"
+#include "player/surfaces/face_layer.h"
 #include "player/surfaces/triangle_bins.h"
 #include "player/transfer/shading.h"
+#include "player/view/cut_rays.h"
 #include "player/view/projection.h"
 #include "player/view/shear.h"
 
@@ -35,9 +37,11 @@ struct RasterScene {
   Projection projection;
   Facing facing;
   const Lighting& lighting;
-  std::size_t depth_axis = 2;  ///< principal axis of the view, an axis of the grid
-  double depth_sign = 1;       ///< depth is depth_sign * index along depth_axis
-  float pixel_voxels = 1;      ///< width of a pixel in voxels of depth_axis
+  std::size_t depth_axis = 2;        ///< principal axis of the view, an axis of the grid
+  double depth_sign = 1;             ///< depth is depth_sign * index along depth_axis
+  float pixel_voxels = 1;            ///< width of a pixel in voxels of depth_axis
+  const CutRays* cuts = nullptr;     ///< clips surfaces; null: no cut
+  const FaceLayer* faces = nullptr;  ///< of the pixel centres; null: none
 };
 /// The scene of a parallel view; arguments must outlive it.
 [[nodiscard]] RasterScene raster_scene(std::span<const SurfaceDraw> surfaces, const ParallelView& view,

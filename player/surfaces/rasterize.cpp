@@ -46,10 +46,10 @@ Result<std::uint64_t> Rasterizer::draw(const RasterScene& scene, const RasterOpt
   out.fragments.clear();
   out.samples.assign(1, Sample{});
   out.first_of_row.assign(static_cast<std::size_t>(scene.size.height) + 1, 0);
-  if (triangles == 0) return triangles;
+  if (triangles == 0 && (scene.faces == nullptr || options.edge_samples == 1)) return triangles;
 
   Count count{options.max_fragments};
-  bins_.fill(scene.surfaces, scene.projection, scene.size, pool);
+  bins_.fill(scene.surfaces, scene.projection, scene.size, scene.cuts, pool);
   if (!draw_centers(scene, options, count, pool) || !draw_edges(scene, options, count, pool)) {
     return fail(
         ErrorCode::kLimit,
@@ -77,7 +77,14 @@ bool Rasterizer::draw_centers(const RasterScene& scene, const RasterOptions& opt
       if (finds_edges) {
         seen = std::span(seen_).subspan(static_cast<std::size_t>(first_row) * width, worker->slots());
       }
-      worker->finish(options.termination_threshold, centers_[n], seen);
+      SlotFaces faces;
+      if (scene.faces != nullptr) {
+        const std::size_t first = static_cast<std::size_t>(first_row) * width;
+        faces.front = std::span(scene.faces->front).subspan(first, worker->slots());
+        if (!scene.faces->back.empty())
+          faces.back = std::span(scene.faces->back).subspan(first, worker->slots());
+      }
+      worker->finish(options.termination_threshold, centers_[n], seen, faces);
       count.add(worker->crossings());
     }
     give_back(std::move(worker));

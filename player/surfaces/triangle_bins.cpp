@@ -25,10 +25,11 @@ ScreenVertex snapped(const ScreenPoint& point) {
 }
 
 void TriangleBins::fill(std::span<const SurfaceDraw> surfaces, const Projection& projection,
-                        const PictureSize& size, ThreadPool& pool) {
+                        const PictureSize& size, const CutRays* cuts, ThreadPool& pool) {
   // Split vertices into chunks
   bands_ = (static_cast<std::size_t>(size.height) + kBandRows - 1) / kBandRows;
   list_chunks(surfaces);
+  removing_.resize(cuts != nullptr ? vertices_.size() : 0);
 
   struct VertexChunk {
     std::size_t surface = 0, first = 0, last = 0;
@@ -49,6 +50,9 @@ void TriangleBins::fill(std::span<const SurfaceDraw> surfaces, const Projection&
     for (std::size_t v = chunk.first; v < chunk.last; ++v) {
       out[v] = snapped(projection.on_screen(positions[v]));
     }
+    if (cuts == nullptr) return;
+    std::uint8_t* removing = removing_.data() + first_vertex_[chunk.surface];
+    for (std::size_t v = chunk.first; v < chunk.last; ++v) removing[v] = cuts->removing(positions[v]);
   });
 
   // Clip triangles and sort them into bins
@@ -102,6 +106,7 @@ void TriangleBins::clip_chunk(Chunk& chunk, const Projection& projection) const 
   chunk.parts.clear();
   for (std::uint32_t t = chunk.first; t < chunk.last; ++t) {
     const auto& [a, b, c] = chunk.mesh->triangles[t];
+    if (is_removed(chunk, t)) continue;
     if (vertices[a].is_on() && vertices[b].is_on() && vertices[c].is_on()) continue;
     clip_triangle(*chunk.mesh, t, projection, chunk.parts);
   }
@@ -128,7 +133,7 @@ void TriangleBins::fill_chunk(Chunk& chunk, const PictureSize& size, std::int32_
     const ScreenVertex a = vertices[corner[0]];
     const ScreenVertex b = vertices[corner[1]];
     const ScreenVertex c = vertices[corner[2]];
-    if (!a.is_on() || !b.is_on() || !c.is_on()) continue;
+    if (!a.is_on() || !b.is_on() || !c.is_on() || is_removed(chunk, t)) continue;
     sort_in(pixels_of(a, b, c, reach), t, chunk.of_band);
   }
   for (std::uint32_t n = 0; n < chunk.parts.size(); ++n) {

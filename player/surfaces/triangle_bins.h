@@ -12,6 +12,7 @@
 #include "format/surface.h"
 #include "format/system/thread_pool.h"
 #include "player/surfaces/clip_triangle.h"
+#include "player/view/cut_rays.h"
 #include "player/view/projection.h"
 #include "player/view/sample_pattern.h"
 
@@ -70,9 +71,10 @@ class TriangleBins {
   static constexpr int kBandRows = 8;  ///< the crossings of a band fit the L2 cache
 
   /// Projects every vertex once. Sorts each triangle into the bands of the pixel centres in its bounding box.
-  /// Surfaces and their triangles stay in order within a band.
+  /// Surfaces and their triangles stay in order within a band. Omits triangles that one plane of `cuts`
+  /// removes; null: no cut.
   void fill(std::span<const SurfaceDraw> surfaces, const Projection& projection, const PictureSize& size,
-            ThreadPool& pool);
+            const CutRays* cuts, ThreadPool& pool);
 
   /// Replaces the bins by the triangles that may overlap a wanted pixel at any of its points. `wanted` has a
   /// flag for every pixel of the picture.
@@ -81,6 +83,12 @@ class TriangleBins {
   [[nodiscard]] std::size_t bands() const { return bands_; }
   [[nodiscard]] std::span<const ScreenVertex> vertices(std::size_t surface) const {
     return std::span(vertices_).subspan(first_vertex_[surface]);
+  }
+  /// True if a plane of the cut removes at least one corner of a triangle.
+  [[nodiscard]] bool meets_cut(std::size_t surface, const std::array<std::uint32_t, 3>& corners) const {
+    if (removing_.empty()) return false;
+    const std::uint8_t* of = removing_.data() + first_vertex_[surface];
+    return (of[corners[0]] | of[corners[1]] | of[corners[2]]) != 0;
   }
   /// Calls visit(TriangleRef) for the triangles of a band, those of opaque surfaces or the others.
   template <typename Visit>
@@ -122,6 +130,13 @@ class TriangleBins {
     __builtin_prefetch(&chunk.mesh->normals_lps[corner]);
   }
 
+  /// True if one plane removes all corners.
+  [[nodiscard]] bool is_removed(const Chunk& chunk, std::uint32_t triangle) const {
+    if (removing_.empty()) return false;
+    const auto& [a, b, c] = chunk.mesh->triangles[triangle];
+    const std::uint8_t* of = removing_.data() + first_vertex_[chunk.surface];
+    return (of[a] & of[b] & of[c]) != 0;
+  }
   void list_chunks(std::span<const SurfaceDraw> surfaces);
   void clip_chunk(Chunk& chunk, const Projection& projection) const;
   template <typename IsWanted>
@@ -130,6 +145,7 @@ class TriangleBins {
   std::size_t bands_ = 0;
   std::vector<std::size_t> first_vertex_;  // of each surface
   std::vector<ScreenVertex> vertices_;
+  std::vector<std::uint8_t> removing_;  // CutRays::removing() of vertices_; empty without a cut
   std::vector<Chunk> chunks_;
 };
 

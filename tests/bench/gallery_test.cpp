@@ -27,7 +27,7 @@ TEST_F(Gallery, GivesTheFiguresOfOneAtlas) {
       "# a comment\n"
       "1a\tball\t--azimuth 30 --elevation -20\tBall:surface + \"A b\":volume\n"
       "2a\tcube\t--zoom 2\tCube\n"
-      "1b\tball\t\tBall\n");
+      "1b\tball\t--cut left=0 --cap none\tBall\n");
   const auto figures = read_gallery(path_, "ball");
   ASSERT_TRUE(figures) << figures.error().message;
   ASSERT_EQ(figures->size(), 2u);
@@ -40,8 +40,8 @@ TEST_F(Gallery, GivesTheFiguresOfOneAtlas) {
 }
 
 TEST_F(Gallery, TellsWhichLineIsWrong) {
-  for (const char* wrong :
-       {"1a\tball\tBall:surface", "1a\tball\t--azimuth\tBall", "1a\tball\t--from 3\tBall"}) {
+  for (const char* wrong : {"1a\tball\tBall:surface", "1a\tball\t--azimuth\tBall", "1a\tball\t--cut\tBall",
+                            "1a\tball\t--from 3\tBall"}) {
     write(std::string("# a comment\n\n") + wrong + "\n");
     const auto figures = read_gallery(path_, "ball");
     ASSERT_FALSE(figures) << wrong;

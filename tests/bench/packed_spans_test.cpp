@@ -63,7 +63,7 @@ TEST(PackSpans, HoldsAllVoxelsInFullRows) {
       none.first_of_row.assign(9, 0);
       order.build(none, packed.shear, packed.window, {8, 8}, atlas->grid(), pool);
       EXPECT_EQ(
-          render_sheets(packed.model, packed.shear, packed.window, best_kernels(), 0, order, sheet, pool),
+          render_sheets(packed.model, packed.shear, packed.window, best_kernels(), 0, {}, order, sheet, pool),
           model.voxels);
       const auto lit = std::count_if(sheet.pixels.begin(), sheet.pixels.end(), [](float f) { return f > 0; });
       EXPECT_GT(lit, 36 * 31) << "pixels of the slices, fully covered";

@@ -62,6 +62,17 @@ TEST(PlayerUsage, NamesTheOptionAtFault) {
       {{"--background", "blue"}, "--background \"blue\": must be #rrggbb or transparent"},
       {{"--projection", "fisheye"}, "parallel or perspective"},
       {{"--classify", "never"}, "before or after"},
+      {{"--cut", "left"}, "--cut \"left\": must be SIDE=MM"},
+      {{"--cut", "top=3"}, "--cut \"top=3\": must be SIDE=MM"},
+      {{"--cut", "left=3mm"}, "--cut \"left=3mm\": must be SIDE=MM"},
+      {{"--cut", "1,0,0"}, "--cut \"1,0,0\": must be SIDE=MM"},
+      {{"--cut", "1,0,0,2,3"}, "NX,NY,NZ,D"},
+      {{"--cut", "0,0,0,2"}, "--cut \"0,0,0,2\": must have finite numbers and a normal other than 0"},
+      {{"--cut", "left=inf"}, "--cut \"left=inf\": must have finite numbers"},
+      {{"--cut", "left=1", "--cut", "left=2", "--cut", "left=3", "--cut", "left=4", "--cut", "left=5",
+        "--cut", "left=6", "--cut", "left=7"},
+       "--cut \"left=7\": is one too many"},
+      {{"--cap", "skin"}, "values, labels, both or none"},
       {{"--projection", "perspective", "--field-of-view", "0"},
        "--field-of-view 0 must be from 0.001 to 179 degrees"},
       {{"--projection", "perspective", "--field-of-view", "180"},
@@ -78,9 +89,9 @@ TEST(PlayerUsage, NamesTheOptionAtFault) {
 }
 
 TEST(PlayerUsage, RefusesValuesThatDoNotParse) {
-  for (const std::string option :
-       {"--size", "--view", "--azimuth", "--elevation", "--zoom", "--projection", "--field-of-view",
-        "--classify", "--quality", "--shading", "--depth-cue", "--background", "--threads", "--stats"}) {
+  for (const std::string option : {"--size", "--view", "--azimuth", "--elevation", "--zoom", "--projection",
+                                   "--field-of-view", "--classify", "--quality", "--shading", "--cut",
+                                   "--cap", "--depth-cue", "--background", "--threads", "--stats"}) {
     EXPECT_THAT(refused_picture({option, ""}), HasSubstr(option));
   }
   for (const std::string size :

@@ -96,10 +96,10 @@ TEST(DepthCueOfFrames, VolumesLieAtTransmittanceOneHalf) {
     ASSERT_EQ(shear.principal, Axis::kY);
     DepthMap of_spans, of_rays;
     of_spans.clear(size);
-    add_span_depths(prepared.spans(Axis::kY, false), shear, view_depth, of_spans, pool);
+    add_span_depths(prepared.spans(Axis::kY, false), shear, view_depth, {}, of_spans, pool);
     of_rays.clear(size);
-    add_ray_depths(prepared.rays(Classification::kBefore), view, grid, best_march(), view_depth, of_rays,
-                   pool);
+    add_ray_depths(prepared.rays(Classification::kBefore), view, grid, best_march(), nullptr, view_depth,
+                   of_rays, pool);
     for (int y = 0; y < size.height; ++y) {
       for (int x = 0; x < size.width; ++x) {
         const auto n = static_cast<std::size_t>(y * size.width + x);
@@ -139,7 +139,7 @@ TEST(DepthCueOfFrames, DepthsOfSurfacesStop) {
   DepthMap depths;
   depths.clear(size);
   ThreadPool pool(1);
-  EXPECT_THROW(add_surface_depths(none, {view, std::nullopt}, ViewDepth(view, Grid{}), depths, pool),
+  EXPECT_THROW(add_surface_depths(none, {}, {view, std::nullopt}, ViewDepth(view, Grid{}), depths, pool),
                Cancelled);
 }
 

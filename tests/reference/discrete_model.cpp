@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "tests/reference/cubic.h"
 
@@ -69,9 +70,10 @@ int sheet_pixels_per_voxel(Quality quality, const ParallelView& view, const Opti
 }
 
 DiscreteModel::DiscreteModel(const OpticalField& field, const ParallelView& view, Axis principal,
-                             int pixels_per_voxel, int parts)
+                             int pixels_per_voxel, int parts, const ReferenceCut* cut)
     : field_(field),
       view_(view),
+      cut_(cut),
       axes_(ScanOrder::of(principal)),
       pixels_per_voxel_(pixels_per_voxel),
       parts_(parts),
@@ -90,6 +92,37 @@ double DiscreteModel::first_slab() const {
   return nearest - (parts_ == 1 ? 0.5 : 1.0);
 }
 
+Vec3 DiscreteModel::index_at(const Place& place, double k) const {
+  const double along = per_mm_[axes_.slice_axis];
+  Vec3 index{};
+  index[axes_.slice_axis] = k;
+  index[axes_.scan_axis] = place.u + (k - middle_) * per_mm_[axes_.scan_axis] / along;
+  index[axes_.row_axis] = place.v + (k - middle_) * per_mm_[axes_.row_axis] / along;
+  return index;
+}
+
+double DiscreteModel::kept_fraction(const Place& place, double k) const {
+  if (cut_ == nullptr) return 1;
+  double entering = 1, leaving = 1;
+  for (const IndexPlane& plane : cut_->planes()) {
+    // Differences of the distance across a slab, along the ray, and across a sheet pixel
+    const double at = plane.distance(index_at(place, k));
+    const double per_slice = plane.distance(index_at(place, k + 1)) - at;
+    const double across_pixel =
+        pixels_per_voxel_ == 0
+            ? 0
+            : (std::abs(plane.normal[axes_.scan_axis]) + std::abs(plane.normal[axes_.row_axis])) /
+                  pixels_per_voxel_;
+    const double width = std::max(std::abs(per_slice) / parts_, across_pixel - std::abs(per_slice));
+    const double kept = std::clamp(0.5 - at / width, 0.0, 1.0);
+    // Planes along the view count as leaving: rounding decides the sign
+    const bool enters = (per_mm_[axes_.slice_axis] > 0 ? per_slice : -per_slice) < -1e-6;
+    double& sum = enters ? entering : leaving;
+    sum = std::min(sum, kept);
+  }
+  return std::max(0.0, entering + leaving - 1);
+}
+
 std::vector<RayRadiance> DiscreteModel::along_ray(const Place& place, std::span<const double> depths) const {
   const double along = per_mm_[axes_.slice_axis];
   const double thickness = 1.0 / parts_;
@@ -105,12 +138,13 @@ std::vector<RayRadiance> DiscreteModel::along_ray(const Place& place, std::span<
     index[axes_.scan_axis] = place.u + (k - middle_) * per_mm_[axes_.scan_axis] / along;
     index[axes_.row_axis] = place.v + (k - middle_) * per_mm_[axes_.row_axis] / along;
     const VoxelOptics optics = field_.trilinear(index);
+    const double kept_mm = voxel_mm * kept_fraction(place, k);
     for (std::size_t d = 0; d < depths.size(); ++d) {
       if (depths[d] < begin) continue;
       before[d] = sum;
-      before[d].add(slab(optics, voxel_mm * std::min(thickness, depths[d] - begin)));
+      before[d].add(slab(optics, kept_mm * std::min(thickness, depths[d] - begin)));
     }
-    sum.add(slab(optics, voxel_mm * thickness));
+    sum.add(slab(optics, kept_mm * thickness));
   }
   before.back() = sum;
   return before;
@@ -173,6 +207,15 @@ double DiscreteModel::smear() const {
   return std::clamp(slopes * missing * pixels_per_voxel_ * pixels_per_voxel_, -0.25, 0.25);
 }
 
+RayInterval DiscreteModel::kept_depths(double x, double y) const {
+  if (cut_ == nullptr) return kWholeRay;
+  const Ray ray = ray_through(view_, field_.grid, x, y);
+  const KeptRay kept = cut_->clip(ray, -std::numeric_limits<double>::infinity());
+  const double start = ray.start[axes_.slice_axis], along = ray.per_mm[axes_.slice_axis];
+  const double sign = along > 0 ? 1 : -1;
+  return {sign * start + std::abs(along) * kept.from_mm, sign * start + std::abs(along) * kept.to_mm};
+}
+
 std::vector<RayRadiance> DiscreteModel::at(double x, double y, std::span<const double> depths) const {
   const double thickness = 1.0 / parts_;
   std::vector<double> borders;  // borders of the slabs that contain the depths
@@ -183,9 +226,12 @@ std::vector<RayRadiance> DiscreteModel::at(double x, double y, std::span<const d
     borders.push_back(first_slab() + (slab + 1) * thickness);
   }
   const std::vector<RayRadiance> radiances = warped(place_of(x, y), borders);
+  const RayInterval kept = kept_depths(x, y);
   std::vector<RayRadiance> before;
   for (std::size_t n = 0; n < depths.size(); ++n) {
-    const double part = std::clamp((depths[n] - borders[2 * n]) / thickness, 0.0, 1.0);
+    const double from = std::max(borders[2 * n], kept.from_mm);
+    const double to = std::min(borders[2 * n] + thickness, kept.to_mm);
+    const double part = from < to ? std::clamp((depths[n] - from) / (to - from), 0.0, 1.0) : 0;
     before.push_back(part_of_slab(radiances[2 * n], radiances[2 * n + 1], part));
   }
   before.push_back(radiances.back());

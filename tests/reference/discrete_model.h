@@ -14,6 +14,7 @@
 #include "player/render_frame.h"
 #include "tests/reference/optical_field.h"
 #include "tests/reference/ray.h"
+#include "tests/reference/reference_cut.h"
 #include "tests/reference/reference_radiance.h"
 
 namespace splatlas::reference {
@@ -30,8 +31,9 @@ class DiscreteModel {
   /// Keeps references. `pixels_per_voxel`: resolution of the sheet; 0: unlimited, so that slabs remain the
   /// only approximation. `principal`: the axis normal to slices. `parts`: slabs per slice. A single slab is
   /// centred on its slice. Several lie between it and the next slice, and are sampled at their centres.
+  /// `cut`: clips slabs; null: no cut.
   DiscreteModel(const OpticalField& field, const ParallelView& view, Axis principal, int pixels_per_voxel,
-                int parts = 1);
+                int parts = 1, const ReferenceCut* cut = nullptr);
 
   /// The volume in front of each depth and, last, all of it, at picture coordinates. Depths run along the
   /// principal axis in voxels, away from the viewer. Within a slab, interpolates between the warped radiance
@@ -56,8 +58,16 @@ class DiscreteModel {
   [[nodiscard]] double first_slab() const;
   [[nodiscard]] std::int64_t slabs() const { return parts_ == 1 ? slices_ : (slices_ + 1) * parts_; }
 
+  /// Kept fraction of a slab centred at position `k` along the principal axis.
+  [[nodiscard]] double kept_fraction(const Place& place, double k) const;
+  /// Kept part of the ray through picture coordinates, as depths.
+  [[nodiscard]] RayInterval kept_depths(double x, double y) const;
+  /// The point of a ray at position `k` along the principal axis.
+  [[nodiscard]] Vec3 index_at(const Place& place, double k) const;
+
   const OpticalField& field_;
   const ParallelView& view_;
+  const ReferenceCut* cut_;
   ScanOrder axes_;
   int pixels_per_voxel_, parts_;
   std::int64_t slices_;

@@ -1,6 +1,8 @@
 // Rays of a view in double precision.
 #pragma once
 
+#include <limits>
+
 #include "format/grid.h"
 #include "player/camera.h"
 
@@ -24,6 +26,8 @@ struct RayInterval {
 
   [[nodiscard]] bool empty() const { return !(from_mm < to_mm); }
 };
+inline constexpr RayInterval kWholeRay{-std::numeric_limits<double>::infinity(),
+                                       std::numeric_limits<double>::infinity()};
 /// Clips an interval of a ray to the trilinear field of a grid, which ends one voxel outside it.
 [[nodiscard]] RayInterval clip_to_field(const Ray& ray, const Index3& size, RayInterval interval);
 

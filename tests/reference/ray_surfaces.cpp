@@ -65,14 +65,15 @@ bool RaySurfaces::near_edge(const Ray& ray, const Ray& beside, const Ray& below)
   });
 }
 
-std::vector<Crossing> RaySurfaces::crossings(const Ray& ray, double from_mm) const {
+std::vector<Crossing> RaySurfaces::crossings(const Ray& ray, const RayInterval& kept) const {
   const Vec3 along_lps = to_lps_.apply_linear(ray.per_mm);
   std::vector<Crossing> all;
   for (const Triangle& triangle : triangles_) {
     const std::optional<Hit> met = hit(triangle, ray);
     if (!met) continue;
     const auto& [weight, s_mm] = *met;
-    if (!(std::min({weight[0], weight[1], weight[2]}) >= 0) || !(s_mm >= from_mm)) continue;
+    if (!(std::min({weight[0], weight[1], weight[2]}) >= 0) || !(s_mm >= kept.from_mm && s_mm <= kept.to_mm))
+      continue;
     Crossing crossing;
     crossing.s_mm = s_mm;
     crossing.depth = depth_sign_ * ray.at(s_mm)[depth_axis_];

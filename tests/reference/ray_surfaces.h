@@ -19,10 +19,10 @@ class RaySurfaces {
   /// Keeps a reference to `selection`. Depths run along the principal axis of the centre of the view.
   RaySurfaces(const AtlasContent& content, const Selection& selection, const View& view);
 
-  /// All crossings of a ray from `from_mm` on in exact geometry (Moeller and Trumbore 1997), front to back up
+  /// All crossings of a part of a ray in exact geometry (Moeller and Trumbore 1997), front to back up
   /// to the first opaque one. Of coincident surfaces, those that the ray leaves come first. Cost: all
   /// triangles.
-  [[nodiscard]] std::vector<Crossing> crossings(const Ray& ray, double from_mm) const;
+  [[nodiscard]] std::vector<Crossing> crossings(const Ray& ray, const RayInterval& kept) const;
 
   /// True if an edge of a triangle is as near to a ray as two others, beside and below it.
   [[nodiscard]] bool near_edge(const Ray& ray, const Ray& beside, const Ray& below) const;

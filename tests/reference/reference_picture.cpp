@@ -5,6 +5,7 @@
 
 #include "player/view/shear.h"
 #include "tests/reference/discrete_model.h"
+#include "tests/reference/reference_cut.h"
 #include "tests/reference/reference_surfaces.h"
 #include "tests/reference/reference_volume.h"
 
@@ -18,11 +19,25 @@ struct Setup {
   ParallelView view;
   Axis principal;
   OpticalField field;
+  ReferenceCut cut;
 
   explicit Setup(const ReferenceScene& scene)
       : view(view_of(scene)),
         principal(factorise(view, storage_grid(scene.content)).principal),
-        field(optical_field(scene.content, scene.selection, view, scene.options.hybrid_shading)) {}
+        field(optical_field(scene.content, scene.selection, view, scene.options.hybrid_shading)),
+        cut(scene.content, scene.selection, scene.options) {}
+
+  /// Composites the radiance between the faces of the cut with them.
+  [[nodiscard]] RayRadiance between_faces(const RayRadiance& radiance, double x, double y) const {
+    if (cut.empty()) return radiance;
+    const Ray ray = ray_through(view, field.grid, x, y);
+    const KeptRay kept = cut.clip(ray, -kInfinity);
+    RayRadiance sum;
+    sum.add_surface(cut.front(ray, kept).rgba);
+    sum.add(radiance);
+    sum.add_surface(cut.back(ray, kept).rgba);
+    return sum;
+  }
 
   static ParallelView view_of(const ReferenceScene& scene) {
     const auto view = parallel_view(scene.camera, scene.options.size, scene.content.display);
@@ -69,18 +84,17 @@ class DiscreteScene {
                unlimited ? 0
                          : sheet_pixels_per_voxel(scene.options.quality, setup_.view, setup_.field,
                                                   setup_.principal),
-               slabs_per_slice(scene.options.quality)),
+               slabs_per_slice(scene.options.quality), setup_.cut.empty() ? nullptr : &setup_.cut),
         surfaces_(scene.content, scene.selection, setup_.view, setup_.principal, Coverage::kSnapped) {}
 
-  [[nodiscard]] RayRadiance at(double x, double y) const {
-    return compose_at(surfaces_.crossings(x, y), x, y);
-  }
+  [[nodiscard]] RayRadiance at(double x, double y) const { return compose_at(crossings(x, y), x, y); }
   /// Without surfaces and with a finite sheet, means over pixels.
   [[nodiscard]] ReferencePicture picture() const {
     return render(setup_.view.size, [&](int column, int row) {
-      const std::vector<Crossing> crossings = surfaces_.crossings(column + 0.5, row + 0.5);
-      if (crossings.empty() && !unlimited_) return model_.pixel_mean(column, row);
-      return compose_at(crossings, column + 0.5, row + 0.5);
+      const double x = column + 0.5, y = row + 0.5;
+      const std::vector<Crossing> at_center = crossings(x, y);
+      if (at_center.empty() && !unlimited_) return setup_.between_faces(model_.pixel_mean(column, row), x, y);
+      return compose_at(at_center, x, y);
     });
   }
 
@@ -88,7 +102,11 @@ class DiscreteScene {
   [[nodiscard]] RayRadiance compose_at(const std::vector<Crossing>& crossings, double x, double y) const {
     std::vector<double> depths;
     for (const Crossing& crossing : crossings) depths.push_back(crossing.depth);
-    return compose(crossings, model_.at(x, y, depths));
+    return setup_.between_faces(compose(crossings, model_.at(x, y, depths)), x, y);
+  }
+  [[nodiscard]] std::vector<Crossing> crossings(double x, double y) const {
+    const Ray ray = ray_through(setup_.view, setup_.field.grid, x, y);
+    return surfaces_.crossings(x, y, setup_.cut.surfaces(ray, -kInfinity));
   }
 
   Setup setup_;
@@ -100,14 +118,16 @@ class DiscreteScene {
 RayRadiance truth_at(const Setup& setup, const SurfacesInView& surfaces, double x, double y) {
   const Ray ray = ray_through(setup.view, setup.field.grid, x, y);
   RayRadiance sum;
-  double from_mm = -kInfinity;
-  for (const Crossing& crossing : surfaces.crossings(x, y)) {
+  const KeptRay kept = setup.cut.clip(ray, -kInfinity);
+  if (kept.empty()) return sum;
+  double from_mm = kept.from_mm;
+  for (const Crossing& crossing : surfaces.crossings(x, y, setup.cut.surfaces(ray, -kInfinity))) {
     sum.add(integrate_ray(setup.field, ray, from_mm, crossing.s_mm));
     sum.add_surface(crossing.rgba);
     from_mm = crossing.s_mm;
   }
-  sum.add(integrate_ray(setup.field, ray, from_mm, kInfinity));
-  return sum;
+  sum.add(integrate_ray(setup.field, ray, from_mm, kept.to_mm));
+  return setup.between_faces(sum, x, y);
 }
 
 }  // namespace

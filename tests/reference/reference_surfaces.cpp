@@ -166,11 +166,12 @@ void put_in_order(std::vector<Crossing>& all) {
   if (opaque != all.end()) all.erase(opaque + 1, all.end());
 }
 
-std::vector<Crossing> SurfacesInView::crossings(double x, double y) const {
+std::vector<Crossing> SurfacesInView::crossings(double x, double y, const RayInterval& kept) const {
   std::vector<Crossing> all;
   for (const TriangleRef& ref : rows_[static_cast<std::size_t>(y)]) {
     cross(surfaces_[ref.surface], ref.triangle, x, y, all);
   }
+  std::erase_if(all, [&](const Crossing& c) { return !(c.s_mm >= kept.from_mm && c.s_mm <= kept.to_mm); });
   put_in_order(all);
   return all;
 }

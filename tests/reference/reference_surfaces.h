@@ -8,6 +8,7 @@
 #include "format/atlas_content.h"
 #include "format/selection.h"
 #include "player/camera.h"
+#include "tests/reference/ray.h"
 
 namespace splatlas::reference {
 
@@ -48,8 +49,10 @@ class SurfacesInView {
 
   /// All crossings of the ray through picture coordinates (x, y) within the picture, front to back up to the
   /// first opaque one. A point on an edge counts as slightly right of and below it. Of coincident surfaces,
-  /// those that the ray leaves come first. Cost: all triangles in the row of the picture.
-  [[nodiscard]] std::vector<Crossing> crossings(double x, double y) const;
+  /// those that the ray leaves come first. `kept`: part of the ray in which they count. Cost: all triangles
+  /// in the row of the picture.
+  [[nodiscard]] std::vector<Crossing> crossings(double x, double y,
+                                                const RayInterval& kept = kWholeRay) const;
 
  private:
   struct Seen {

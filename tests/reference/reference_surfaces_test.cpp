@@ -42,7 +42,7 @@ TEST(ReferenceSurfaces, EqualMoellerAndTrumbore) {
       for (int column = 0; column < 23; ++column) {
         const auto crossings = surfaces.crossings(column + 0.5, row + 0.5);
         const Ray ray = ray_through(view, scene.content.source_grid, column + 0.5, row + 0.5);
-        const std::vector<Crossing> expected = along_rays.crossings(ray, -HUGE_VAL);
+        const std::vector<Crossing> expected = along_rays.crossings(ray, kWholeRay);
         ASSERT_EQ(crossings.size(), expected.size()) << "direction " << direction;
         for (std::size_t n = 0; n < crossings.size(); ++n) {
           ASSERT_NEAR(crossings[n].s_mm, expected[n].s_mm, 1e-9);

@@ -12,7 +12,8 @@ namespace splatlas {
 
 struct SceneChecks {
   bool thorough = false;  ///< also the slow checks: antialiasing, visited voxels, every pixel of rays
-  /// Maximum RMS error of rays at high quality over the pixels that picture or reference show, 1/255.
+  double max_rms = 1;     ///< maximum RMS error of rays at high quality, 1/255; see check_scene() for steps
+  /// The same over the pixels that picture or reference show, 1/255.
   double max_visible_rms = std::numeric_limits<double>::infinity();
 };
 

@@ -44,6 +44,7 @@ CheckedScene volume_scene(std::uint32_t pair, bool after) {
 CheckedScene make_scene(const std::string& kind, std::uint32_t seed, std::uint32_t number) {
   if (kind == "sheets") return {random_scene(number), {.thorough = number % 5 == 0}};
   if (kind == "volumes") return volume_scene(number / 2, number % 2 == 0);
+  if (kind == "cuts") return {cut_scene(seed, number), {.thorough = true, .max_rms = 0.5}};
   return {whole_scene(seed, number), {.thorough = number % 16 == 0}};
 }
 
@@ -65,6 +66,10 @@ bool is_conclusive(const std::string& kind, const std::vector<SceneReport>& repo
   const std::size_t scenes = reports.size();
   if (scenes < kSeries || kind == "volumes") return true;
   if (kind == "sheets") return sum(reports, &SceneReport::antialiased) > scenes;
+  if (kind == "cuts") {  // planes remove most of some scenes
+    return 5 * count(reports, &SceneReport::shows) > 2 * scenes &&
+           4 * sum(reports, &SceneReport::compared) > 3 * sum(reports, &SceneReport::pixels);
+  }
   const std::size_t rays = count(reports, &SceneReport::rays),
                     refused = count(reports, &SceneReport::refused);
   return 2 * count(reports, &SceneReport::shows) > scenes && 4 * rays > scenes && 4 * rays < 3 * scenes &&
@@ -79,9 +84,9 @@ int check_scenes(int argc, char** argv) {
   std::string kind = "whole";
   std::uint32_t seed = 1, scenes = 10000, first = 0;
   app.add_option("--kind", kind, "kind of scenes")
-      ->check(CLI::IsMember({"whole", "sheets", "volumes"}))
+      ->check(CLI::IsMember({"whole", "sheets", "volumes", "cuts"}))
       ->capture_default_str();
-  app.add_option("--seed", seed, "seed of whole scenes")->capture_default_str();
+  app.add_option("--seed", seed, "seed of whole and cut scenes")->capture_default_str();
   app.add_option("--scenes", scenes, "number of scenes")->capture_default_str();
   app.add_option("--first", first, "number of the first scene; kind, seed and number determine a scene")
       ->capture_default_str();

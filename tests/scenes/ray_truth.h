@@ -11,6 +11,7 @@
 #include "player/surfaces/clip_triangle.h"
 #include "tests/reference/interpolated_greys.h"
 #include "tests/reference/ray_surfaces.h"
+#include "tests/reference/reference_cut.h"
 #include "tests/reference/reference_volume.h"
 #include "tests/support/random_scene.h"
 
@@ -23,7 +24,8 @@ class RayTruth {
       : scene_(scene),
         view_(*view_of(scene.camera, scene.options.size, scene.content.display)),
         grid_(storage_grid(scene.content)),
-        surfaces_(scene.content, scene.selection, view_) {
+        surfaces_(scene.content, scene.selection, view_),
+        cut_(scene.content, scene.selection, scene.options) {
     if (scene.options.classification == Classification::kAfter) {
       greys_.emplace(scene.content, scene.selection);
     } else {
@@ -31,8 +33,8 @@ class RayTruth {
     }
   }
 
-  /// RGBA of a pixel. Nothing for an ambiguous one: a ray 0.01 pixels beside it crosses other surfaces, or
-  /// the same in another order.
+  /// RGBA of a pixel. Nothing for an ambiguous one: a ray 0.01 pixels beside it crosses other surfaces or
+  /// faces of a cut, or the same in another order.
   [[nodiscard]] std::optional<std::array<double, 4>> at(int column, int row) const {
     const double x = column + 0.5, y = row + 0.5;
     const reference::Ray ray = ray_through(x, y);
@@ -40,17 +42,21 @@ class RayTruth {
     if (surfaces_.near_edge(ray, ray_through(x + 0.01, y), ray_through(x, y + 0.01))) return std::nullopt;
     for (const double aside : {-0.01, 0.01}) {
       for (const reference::Ray& beside : {ray_through(x + aside, y), ray_through(x, y + aside)}) {
-        if (!alike(crossings, crossings_of(beside))) return std::nullopt;
+        if (!alike(crossings, crossings_of(beside)) || !same_faces(ray, beside)) return std::nullopt;
       }
     }
     reference::RayRadiance sum;
-    double from_mm = view_.eye_mm ? 0 : -kInfinity;
+    const reference::KeptRay kept = kept_of(ray);
+    if (kept.empty()) return sum.rgba();
+    double from_mm = kept.from_mm;
+    sum.add_surface(cut_.front(ray, kept).rgba);
     for (const reference::Crossing& crossing : crossings) {
       sum.add(volume(ray, from_mm, crossing.s_mm));
       sum.add_surface(crossing.rgba);
       from_mm = std::max(from_mm, crossing.s_mm);
     }
-    if (crossings.empty() || crossings.back().rgba[3] < 1) sum.add(volume(ray, from_mm, kInfinity));
+    if (crossings.empty() || crossings.back().rgba[3] < 1) sum.add(volume(ray, from_mm, kept.to_mm));
+    sum.add_surface(cut_.back(ray, kept).rgba);
     return sum.rgba();
   }
 
@@ -69,7 +75,17 @@ class RayTruth {
     return reference::ray_through(view_, scene_.camera.field_of_view_deg, grid_, x, y);
   }
   [[nodiscard]] Crossings crossings_of(const reference::Ray& ray) const {
-    return surfaces_.crossings(ray, view_.eye_mm ? kNearPlane * *view_.eye_mm : -kInfinity);
+    return surfaces_.crossings(ray,
+                               cut_.surfaces(ray, view_.eye_mm ? kNearPlane * *view_.eye_mm : -kInfinity));
+  }
+  [[nodiscard]] reference::KeptRay kept_of(const reference::Ray& ray) const {
+    return cut_.clip(ray, view_.eye_mm ? 0 : -kInfinity);
+  }
+  [[nodiscard]] bool same_faces(const reference::Ray& a, const reference::Ray& b) const {
+    const reference::KeptRay of_a = kept_of(a), of_b = kept_of(b);
+    return of_a.empty() == of_b.empty() && of_a.front == of_b.front && of_a.back == of_b.back &&
+           cut_.front(a, of_a).structure == cut_.front(b, of_b).structure &&
+           cut_.back(a, of_a).structure == cut_.back(b, of_b).structure;
   }
   [[nodiscard]] reference::RayRadiance volume(const reference::Ray& ray, double from_mm, double to_mm) const {
     if (field_) return integrate_ray(*field_, ray, from_mm, to_mm);
@@ -85,6 +101,7 @@ class RayTruth {
   View view_;
   Grid grid_;
   reference::RaySurfaces surfaces_;
+  reference::ReferenceCut cut_;
   std::optional<reference::OpticalField> field_;
   std::optional<reference::InterpolatedGreys> greys_;
 };

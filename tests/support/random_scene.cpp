@@ -38,7 +38,46 @@ class SceneMaker {
     return scene;
   }
 
+  void add_cuts(RandomScene& scene) {
+    const Display& display = scene.content.display;
+    const View view = *view_of(scene.camera, scene.options.size, display);
+    scene.options.caps = std::array{CapMode::kBoth, CapMode::kBoth, CapMode::kLabels, CapMode::kValues,
+                                    CapMode::kNone}[below(5)];
+    const std::size_t count = below(2) == 0 ? 1 : 1 + below(CutPlanes::kMax);
+    for (std::size_t n = 0; n < count; ++n) {
+      CutPlane plane;
+      if (n > 0 && below(4) == 0) {  // parallel to the first
+        plane.normal_lps = scene.options.cuts.begin()->normal_lps;
+        for (double& component : plane.normal_lps) component *= -1.5;
+      } else {
+        plane.normal_lps = make_normal(view.plane);
+      }
+      Vec3 through = display.center_lps_mm;
+      for (double& mm : through) mm += real(-0.4, 0.4) * display.radius_mm;
+      plane.offset_mm = 0;
+      for (std::size_t a = 0; a < 3; ++a) plane.offset_mm += plane.normal_lps[a] * through[a];
+      (void)scene.options.cuts.add(plane);
+    }
+  }
+
  private:
+  Vec3 make_normal(const ParallelView& view) {
+    const double sign = below(2) == 0 ? 1 : -1;
+    Vec3 normal{};
+    switch (below(5)) {
+      case 0: normal[below(3)] = 1; break;
+      case 1: normal = view.forward_lps; break;
+      case 2:  // along the view
+        for (std::size_t a = 0; a < 3; ++a) normal[a] = view.right_lps[a] + 0.3 * view.up_lps[a];
+        break;
+      default:
+        for (double& component : normal) component = real(-1, 1);
+        break;
+    }
+    for (double& component : normal) component *= sign;
+    return normal;
+  }
+
   std::size_t below(std::size_t n) { return random_() % n; }
   double real(double low, double high) {
     return low + (high - low) * static_cast<double>(random_()) / 4294967296.0;
@@ -309,6 +348,14 @@ RandomScene whole_scene(std::uint32_t seed, std::uint32_t number) {
   return SceneMaker(std::mt19937(both), 10).make(true);
 }
 
+RandomScene cut_scene(std::uint32_t seed, std::uint32_t number) {
+  std::seed_seq both{seed, number};
+  SceneMaker maker(std::mt19937(both), 10);
+  RandomScene scene = maker.make(true);
+  maker.add_cuts(scene);
+  return scene;
+}
+
 std::string describe(const RandomScene& scene) {
   const Grid grid = storage_grid(scene.content);
   std::string text = fmt::format(
@@ -319,6 +366,10 @@ std::string describe(const RandomScene& scene) {
       scene.camera.projection == CameraProjection::kPerspective
           ? fmt::format(" field of view {}", scene.camera.field_of_view_deg)
           : "");
+  for (const CutPlane& plane : scene.options.cuts) {
+    const auto& [x, y, z] = plane.normal_lps;
+    text += fmt::format(" cut {},{},{},{};", x, y, z, plane.offset_mm);
+  }
   if (scene.options.classification == Classification::kAfter) text += " classified after interpolation;";
   for (const StructureDraw& draw : scene.selection.structures) {
     text += fmt::format(" {} {}", name_of(draw.mode), draw.opacity.value_or(-1));

@@ -31,6 +31,10 @@ struct RandomScene {
 /// volume, with pre- and post-classification.
 [[nodiscard]] RandomScene whole_scene(std::uint32_t seed, std::uint32_t number);
 
+/// whole_scene() with one to six planes through its structures: across and along the view and the axes of the
+/// grid, at random angles and parallel to each other; every cap mode.
+[[nodiscard]] RandomScene cut_scene(std::uint32_t seed, std::uint32_t number);
+
 /// Summary of a scene for failure messages.
 [[nodiscard]] std::string describe(const RandomScene& scene);
 

@@ -39,7 +39,7 @@ std::optional<Shares> contributions(const RandomScene& scene, const View& view, 
   if (by_rays) {
     const reference::RaySurfaces surfaces(scene.content, scene.selection, view);
     if (surfaces.near_edge(ray, ray_at(x + 0.01, y), ray_at(x, y + 0.01))) return std::nullopt;
-    crossings = surfaces.crossings(ray, view.eye_mm ? kNearPlane * *view.eye_mm : -HUGE_VAL);
+    crossings = surfaces.crossings(ray, {view.eye_mm ? kNearPlane * *view.eye_mm : -HUGE_VAL, HUGE_VAL});
   } else {
     crossings = reference::SurfacesInView(scene.content, scene.selection, view.plane, static_cast<Axis>(axis),
                                           reference::Coverage::kSnapped)

@@ -82,7 +82,7 @@ TEST(SliceMix, WeighsEveryVoxelOfTheRequestedRows) {
     const auto first = static_cast<std::int64_t>(random() % (kRows + 2)) - 1;
     const std::int64_t last = first + static_cast<std::int64_t>(random() % (kRows + 2));
     for (const SplatKernels* kernels : {&scalar_kernels(), &best_kernels()}) {
-      mix_slices({no_before ? nullptr : &before, no_behind ? nullptr : &behind, weight}, first, last,
+      mix_slices({no_before ? nullptr : &before, no_behind ? nullptr : &behind, weight}, first, last, {},
                  *kernels, mixed);
       const Dense voxels = voxels_of(mixed);
       for (std::int64_t row = 0; row < kRows; ++row) {

@@ -345,5 +345,50 @@ TEST_P(VectorSplatKernels, AgreeWithTheScalarReference) {
   }
 }
 
+/// Slabs cut by up to three planes: the definition with the kept fraction of each pixel.
+TEST_P(SplatKernelsOf, CompositeCutSlabs) {
+  std::mt19937 random(5);
+  for (int n = 0; n < 200; ++n) {
+    const Case scene(random, 0.5f);
+    Image image = scene.black_image(1 + random() % 120);
+    KeptRows kept;
+    kept.planes = 1 + static_cast<int>(random() % 3);
+    kept.entering = static_cast<int>(random() % static_cast<std::size_t>(kept.planes + 1));
+    kept.phase_stride = kept.planes;
+    kept.row_stride = kept.planes * static_cast<std::int64_t>(scene.rows.phase_count);
+    kept.pair_stride = kept.row_stride * static_cast<std::int64_t>(scene.rows.rows_between);
+    std::vector<KeptLine> lines;
+    for (std::size_t line = 0; line < image.phase_rows() * static_cast<std::size_t>(kept.planes); ++line) {
+      lines.push_back({static_cast<float>(random() % 100) / 100,
+                       std::array{0.0f, 0.03f, -0.2f, 8.0f}[random() % 4],
+                       static_cast<std::int32_t>(random() % 120)});
+    }
+    const auto fraction = [&](std::size_t phase_row, std::int64_t x) {
+      double entering = 1, leaving = 1;
+      for (int plane = 0; plane < kept.planes; ++plane) {
+        const KeptLine& line =
+            lines[phase_row * static_cast<std::size_t>(kept.planes) + static_cast<std::size_t>(plane)];
+        const double at = static_cast<double>(line.at_whole) +
+                          static_cast<double>(line.per_pixel) * static_cast<double>(x - line.whole);
+        double& sum = plane < kept.entering ? entering : leaving;
+        sum = std::min(sum, std::clamp(at, 0.0, 1.0));
+      }
+      return std::max(0.0, entering + leaving - 1);
+    };
+    const std::vector<KeptPixels> pixels(static_cast<std::size_t>(scene.rows.pairs),
+                                         {0, image.columns(), 0, 0});
+    kept.pixels = pixels.data();
+    kept.lines = lines.data();
+    kernels().composite_cut(scene.rows, kept, 0.8f, 0,
+                            image.rows(scene.rows.phase_count, scene.rows.rows_between));
+    for (std::size_t s = 0; s < image.phase_rows(); ++s) {
+      for (std::int64_t x = 0; x < image.columns(); ++x) {
+        const double depth = scene.splatted(s, x, 0) * 0.8f * fraction(s, x);
+        ASSERT_NEAR(image.at(s, image.planes() - 1, x), -std::expm1(-depth), 3e-6) << "scene " << n;
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace splatlas

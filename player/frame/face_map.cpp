@@ -1,0 +1,175 @@
+#include "player/frame/face_map.h"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include "format/run_model.h"
+#include "format/system/result_macros.h"
+#include "format/system/task_control.h"
+
+namespace splatlas {
+namespace {
+
+/// Decides between two voxels at the same distance.
+constexpr double kTie = 1e-6;
+/// Slack of the layers of a column for rounding.
+constexpr double kRounding = 1e-6;
+/// Grey values further outside the display window, in its widths, count as this far.
+constexpr double kMaxWindows = 100;
+
+/// Bounding box of all voxels with faces.
+IndexBox box_of(const FaceVoxels& voxels) {
+  IndexBox box;
+  for (ClassId c = 0; c < voxels.classes.size(); ++c) {
+    const IndexBox& of_class = voxels.atlas.classes().box(c);
+    if (voxels.classes[c].has_face() && !of_class.empty()) box.include(of_class);
+  }
+  return box;
+}
+
+/// Grey values relative to the display window.
+class Window {
+ public:
+  explicit Window(const Display& display)
+      : low_(display.window_low), width_(display.window_high - display.window_low) {}
+
+  template <typename T>
+  [[nodiscard]] float position(T value) const {
+    if (!(width_ > 0) || !std::isfinite(width_)) return 1;
+    const auto grey = static_cast<double>(value);
+    if (std::isnan(grey)) return 0;
+    return static_cast<float>(std::clamp((grey - low_) / width_, -kMaxWindows, kMaxWindows));
+  }
+
+ private:
+  double low_, width_;
+};
+
+}  // namespace
+
+/// Collects the voxels of runs near the plane.
+class FaceMap::Builder {
+ public:
+  Builder(FaceMap& map, const FaceVoxels& voxels)
+      : map_(map),
+        voxels_(voxels),
+        order_(ScanOrder::of(voxels.axis)),
+        window_(voxels.atlas.display()),
+        texels_(reinterpret_cast<Texel*>(map.texels_.data())) {}
+
+  void add_slice(std::int64_t slice) {
+    check_cancelled();
+    for (const ClassRun& run : voxels_.cache.runs(voxels_.axis).slice(slice)) {
+      if (voxels_.classes[run.id].has_face()) add_run(slice, run);
+    }
+  }
+
+ private:
+  /// Layers of a column: [first, last].
+  [[nodiscard]] std::pair<std::int64_t, std::int64_t> layers(const Index3& voxel) const {
+    const double height =
+        map_.height(static_cast<double>(voxel[map_.b_]), static_cast<double>(voxel[map_.c_]));
+    return {static_cast<std::int64_t>(std::floor(height - map_.reach_)),
+            static_cast<std::int64_t>(std::floor(height + map_.reach_)) + 1};
+  }
+
+  void add_run(std::int64_t slice, const ClassRun& run) {
+    Index3 voxel{};
+    voxel[order_.slice_axis] = slice;
+    voxel[order_.row_axis] = run.row;
+    const std::size_t scan = order_.scan_axis;
+    std::int64_t first = run.start, last = first + run.length - 1;
+    if (scan == map_.a_) {
+      const auto [first_layer, last_layer] = layers(voxel);
+      first = std::max(first, first_layer);
+      last = std::min(last, last_layer);
+    } else {
+      // Solve |height - a| <= reach + 2 along the scanline
+      const double slope = scan == map_.b_ ? map_.per_b_ : map_.per_c_;
+      voxel[scan] = 0;
+      const double above =
+          map_.height(static_cast<double>(voxel[map_.b_]), static_cast<double>(voxel[map_.c_])) -
+          static_cast<double>(voxel[map_.a_]);
+      const double reach = map_.reach_ + 2;
+      if (slope == 0) {
+        if (std::abs(above) > reach) return;
+      } else {
+        const double one = (-reach - above) / slope, other = (reach - above) / slope;
+        const auto voxels = [&](double position) {
+          return static_cast<std::int64_t>(
+              std::clamp(position, static_cast<double>(first - 1), static_cast<double>(last + 1)));
+        };
+        const std::int64_t from = voxels(std::floor(std::min(one, other)));
+        const std::int64_t to = voxels(std::ceil(std::max(one, other)));
+        first = std::max(first, from);
+        last = std::min(last, to);
+      }
+    }
+    for (voxel[scan] = first; voxel[scan] <= last; ++voxel[scan]) add_voxel(voxel, run.id);
+  }
+
+  void add_voxel(const Index3& voxel, ClassId id) {
+    const auto [first, last] = layers(voxel);
+    const std::int64_t a = voxel[map_.a_];
+    if (a < first || a > last) return;
+    const Grid& grid = voxels_.atlas.grid();
+    const auto offset = static_cast<std::size_t>(grid.offset(voxel[0], voxel[1], voxel[2]));
+    const std::byte* values = voxels_.cache.values();
+    if (const std::uint32_t draw = voxels_.classes[id].draw; draw != FaceClass::kEveryVoxel) {
+      ClassifiedVoxel classified;
+      voxels_.appearances[draw].look_up(values, offset, 1, 1, &classified);
+      if (!(classified.extinction_per_mm > 0)) return;
+    }
+    float grey = 1;
+    if (values != nullptr) {
+      grey = visit_voxel_type(voxels_.atlas.value_type(), [&](auto tag) {
+        return window_.position(reinterpret_cast<const decltype(tag)*>(values)[offset]);
+      });
+    }
+    texels_[map_.place(a, voxel[map_.b_], voxel[map_.c_])] = {grey, id};
+  }
+
+  const FaceMap& map_;
+  const FaceVoxels& voxels_;
+  ScanOrder order_;
+  Window window_;
+  Texel* texels_;
+};
+
+Result<FaceMap> FaceMap::build(const VoxelPlane& plane, const FaceVoxels& voxels, ThreadPool& pool) {
+  // Choose the axis nearest to the normal
+  FaceMap map;
+  for (const std::size_t axis : {1u, 0u}) {
+    if (std::abs(plane.normal[axis]) > std::abs(plane.normal[map.a_])) map.a_ = axis;
+  }
+  map.b_ = map.a_ == 0 ? 1 : 0;
+  map.c_ = map.a_ == 2 ? 1 : 2;
+  const double along = plane.normal[map.a_];
+  map.at_origin_ = plane.offset / along;
+  map.per_b_ = -plane.normal[map.b_] / along;
+  map.per_c_ = -plane.normal[map.c_] / along;
+  map.to_kept_ = along > 0 ? -kTie : kTie;
+
+  // Reserve the columns of the box of voxels with faces, padded by one voxel
+  const IndexBox box = box_of(voxels);
+  if (box.empty()) return map;
+  const double tilt = std::abs(map.per_b_) + std::abs(map.per_c_);  // at most 2
+  map.reach_ = tilt > 0 ? tilt + kRounding : 0;
+  const int layers = tilt > 0 ? static_cast<int>(2 * map.reach_) + 3 : 2;
+  while ((1 << map.layer_bits_) < layers) ++map.layer_bits_;
+  map.first_b_ = box.first[map.b_] - 1;
+  map.first_c_ = box.first[map.c_] - 1;
+  map.columns_ = box.last[map.b_] - map.first_b_ + 2;
+  map.rows_ = box.last[map.c_] - map.first_c_ + 2;
+  const auto columns = static_cast<std::size_t>(map.columns_) * static_cast<std::size_t>(map.rows_);
+  SPLATLAS_ASSIGN_OR_RETURN(map.texels_, SparseBytes::reserve((columns << map.layer_bits_) * sizeof(Texel)));
+
+  Builder builder(map, voxels);
+  const std::span<const std::int64_t> slices =
+      voxels.cache.runs(voxels.axis).occupied(0, std::numeric_limits<std::int64_t>::max());
+  pool.for_each(slices.size(), [&](std::size_t n) { builder.add_slice(slices[n]); });
+  return map;
+}
+
+}  // namespace splatlas

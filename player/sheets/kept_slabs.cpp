@@ -1,0 +1,209 @@
+#include "player/sheets/kept_slabs.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace splatlas {
+namespace {
+
+/// Largest distance of a visible slab centre or pixel from the kept part, in voxels.
+constexpr double kMargin = 2;
+/// Rays that approach the kept part by less, in voxels per slice, leave it: rounding decides the sign for
+/// planes along the view.
+constexpr double kMinEntering = 1e-6;
+
+/// Interval of x in which a + b x > limit, within [low, high].
+std::pair<double, double> above(double a, double b, double limit, double low, double high) {
+  if (b == 0) return a > limit ? std::pair(low, high) : std::pair(high, low);
+  const double at = (limit - a) / b;
+  return b > 0 ? std::pair(std::max(low, at), high) : std::pair(low, std::min(high, at));
+}
+
+}  // namespace
+
+ShearedPlane::ShearedPlane(const VoxelPlane& plane, const Shear& shear)
+    : per_u(plane.normal[shear.scan.scan_axis]), per_v(plane.normal[shear.scan.row_axis]) {
+  const double sheared = per_u * shear.slope_u + per_v * shear.slope_v;
+  per_k = plane.normal[shear.scan.slice_axis] + sheared;
+  at_origin = -plane.offset - sheared * shear.k_ref;
+}
+
+KeptSlabs::KeptSlabs(std::span<const VoxelPlane> planes, const Shear& shear, const SheetWindow& window)
+    : shear_(shear), window_(window) {
+  const double thickness = 1.0 / window.parts, pixel = 1.0 / window.scale;
+  for (const bool enters : {true, false}) {
+    for (const VoxelPlane& plane : planes) {
+      const ShearedPlane of(plane, shear);
+      if (enters != ((shear.ascending ? of.per_k : -of.per_k) < -kMinEntering)) continue;
+      const double across_slab = std::abs(of.per_k) * thickness;
+      const double across_pixel = (std::abs(of.per_u) + std::abs(of.per_v)) * pixel - std::abs(of.per_k);
+      const double scale = -1 / std::max(across_slab, across_pixel);
+      ramps_.push_back({0.5 + scale * of.at_origin, scale * of.per_u, scale * of.per_v, scale * of.per_k});
+      if (enters) ++entering_;
+    }
+  }
+}
+
+KeptSlabs::State KeptSlabs::state(double k, std::int64_t first_row, std::int64_t last_row) const {
+  const double u = static_cast<double>(window_.u0), columns = static_cast<double>(window_.columns);
+  const double v = static_cast<double>(window_.v0) + static_cast<double>(first_row) / window_.scale;
+  const double rows = static_cast<double>(last_row - first_row) / window_.scale;
+  State state = State::kWhole;
+  for (const Ramp& ramp : ramps_) {
+    const double corner = ramp.at_origin + ramp.per_u * u + ramp.per_v * v + ramp.per_k * k;
+    const double along_u = ramp.per_u * columns, along_v = ramp.per_v * rows;
+    if (corner + std::max(along_u, 0.0) + std::max(along_v, 0.0) <= 0) return State::kRemoved;
+    if (corner + std::min(along_u, 0.0) + std::min(along_v, 0.0) < 1) state = State::kCut;
+  }
+  return state;
+}
+
+std::pair<std::int64_t, std::int64_t> KeptSlabs::visible_voxels(double k, std::int64_t row,
+                                                                double slack) const {
+  // A voxel reaches pixels less than one voxel away
+  const double low = static_cast<double>(window_.u0) - 1;
+  const double high = static_cast<double>(window_.u0 + window_.columns) + 1;
+  const double v = static_cast<double>(row) + shear_.v_shift(k);
+  double first = low, last = high;
+  for (const Ramp& ramp : ramps_) {
+    const double at = ramp.at_origin + ramp.per_v * v + ramp.per_k * k + std::abs(ramp.per_v) +
+                      std::abs(ramp.per_k) * slack;
+    const auto [from, to] = above(at, ramp.per_u, 0, low, high);
+    first = std::max(first, from);
+    last = std::min(last, to);
+  }
+  if (!(first < last)) return {0, 0};
+  const double shift = shear_.u_shift(k);
+  return {static_cast<std::int64_t>(std::floor(first - shift - 1 - slack)),
+          static_cast<std::int64_t>(std::ceil(last - shift + 1 + slack)) + 1};
+}
+
+void KeptSlabs::Rows::fill(const KeptSlabs& slabs, double k, std::int64_t fine_row, std::int64_t pairs,
+                           std::int64_t rows_between) {
+  const SheetWindow& window = slabs.window_;
+  columns_ = window.columns;
+  rows_between_ = rows_between;
+  phases_ = window.scale;
+  entering_ = slabs.entering_;
+  planes_ = static_cast<int>(slabs.ramps_.size());
+  const double pixel = 1.0 / window.scale;
+  const double low = -static_cast<double>(ImageRows::kMargin);
+  const double high = static_cast<double>(columns_ + ImageRows::kMargin);
+  pixels_.resize(static_cast<std::size_t>(pairs));
+  lines_.resize(static_cast<std::size_t>(pairs * rows_between_ * phases_ * planes_));
+  KeptLine* line = lines_.data();
+  for (std::int64_t pair = 0; pair < pairs; ++pair) {
+    double first_visible = high, last_visible = low, first_whole = low, last_whole = high;
+    for (std::int64_t row = 0; row < rows_between_; ++row) {
+      const double v =
+          static_cast<double>(window.v0) + static_cast<double>(fine_row + pair * window.scale + row) * pixel;
+      for (std::int64_t phase = 0; phase < phases_; ++phase) {
+        const double u = static_cast<double>(window.u0) + static_cast<double>(phase) * pixel;
+        double first = low, last = high;  // visible pixels of this phase row
+        for (const Ramp& ramp : slabs.ramps_) {
+          const double at = ramp.at_origin + ramp.per_u * u + ramp.per_v * v + ramp.per_k * k;
+          const auto [from, to] = above(at, ramp.per_u, 0, low, high);
+          first = std::max(first, from);
+          last = std::min(last, to);
+          const auto [whole_from, whole_to] = above(at, ramp.per_u, 1, low, high);
+          first_whole = std::max(first_whole, whole_from);
+          last_whole = std::min(last_whole, whole_to);
+          // Anchor the line where it is 0
+          const double zero = ramp.per_u == 0 ? 0 : std::clamp(-at / ramp.per_u, low, high);
+          line->whole = static_cast<std::int32_t>(std::floor(zero));
+          line->at_whole = static_cast<float>(at + ramp.per_u * line->whole);
+          line->per_pixel = static_cast<float>(ramp.per_u);
+          ++line;
+        }
+        if (!(first < last)) continue;
+        first_visible = std::min(first_visible, first);
+        last_visible = std::max(last_visible, last);
+      }
+    }
+    KeptPixels& pixels = pixels_[static_cast<std::size_t>(pair)];
+    pixels = {};
+    if (first_visible < last_visible) {
+      pixels.first_visible = static_cast<std::int64_t>(std::floor(first_visible));
+      pixels.last_visible = static_cast<std::int64_t>(std::ceil(last_visible)) + 1;
+    }
+    if (first_whole < last_whole) {
+      pixels.first_whole = static_cast<std::int64_t>(std::ceil(first_whole)) + (first_whole > low ? 1 : 0);
+      pixels.last_whole = static_cast<std::int64_t>(std::floor(last_whole)) - (last_whole < high ? 1 : 0);
+    }
+  }
+}
+
+KeptSlabs::State KeptSlabs::Rows::state(std::int64_t pair) const {
+  const KeptPixels& pixels = pixels_[static_cast<std::size_t>(pair)];
+  if (pixels.last_visible <= std::max<std::int64_t>(pixels.first_visible, 0) ||
+      pixels.first_visible >= columns_) {
+    return State::kRemoved;
+  }
+  return pixels.first_whole <= 0 && pixels.last_whole >= columns_ ? State::kWhole : State::kCut;
+}
+
+KeptRows KeptSlabs::Rows::from(std::int64_t pair, std::int64_t phase) const {
+  KeptRows rows;
+  rows.entering = entering_;
+  rows.planes = planes_;
+  rows.phase_stride = planes_;
+  rows.row_stride = phases_ * planes_;
+  rows.pair_stride = rows_between_ * rows.row_stride;
+  rows.pixels = pixels_.data() + pair;
+  rows.lines = lines_.data() + pair * rows.pair_stride + phase * rows.phase_stride;
+  return rows;
+}
+
+SheetExtent kept_extent(std::span<const VoxelPlane> planes, const Vec3& first, const Vec3& last,
+                        const Shear& shear) {
+  // List the half spaces of the box and of the cut
+  std::vector<VoxelPlane> all;
+  for (std::size_t a = 0; a < 3; ++a) {
+    for (const double sign : {-1.0, 1.0}) {
+      VoxelPlane side;
+      side.normal = {0, 0, 0};
+      side.normal[a] = sign;
+      side.offset = sign > 0 ? last[a] : -first[a];
+      all.push_back(side);
+    }
+  }
+  for (VoxelPlane plane : planes) {
+    plane.offset += kMargin;
+    all.push_back(plane);
+  }
+
+  // Bound the vertices of their intersection
+  constexpr double kTolerance = 1e-6, kInfinity = std::numeric_limits<double>::infinity();
+  SheetExtent extent{kInfinity, -kInfinity, kInfinity, -kInfinity};
+  const auto include = [&](const Vec3& p) {
+    for (const VoxelPlane& plane : all) {
+      if (plane.distance(p) > kTolerance * (1 + std::abs(plane.offset))) return;
+    }
+    const double k = p[shear.scan.slice_axis];
+    const double u = p[shear.scan.scan_axis] + shear.u_shift(k);
+    const double v = p[shear.scan.row_axis] + shear.v_shift(k);
+    extent = {std::min(extent.u_min, u), std::max(extent.u_max, u), std::min(extent.v_min, v),
+              std::max(extent.v_max, v)};
+  };
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    for (std::size_t j = i + 1; j < all.size(); ++j) {
+      for (std::size_t n = j + 1; n < all.size(); ++n) {
+        const Vec3 &a = all[i].normal, &b = all[j].normal, &c = all[n].normal;
+        const Vec3 bc{b[1] * c[2] - b[2] * c[1], b[2] * c[0] - b[0] * c[2], b[0] * c[1] - b[1] * c[0]};
+        const Vec3 ca{c[1] * a[2] - c[2] * a[1], c[2] * a[0] - c[0] * a[2], c[0] * a[1] - c[1] * a[0]};
+        const Vec3 ab{a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+        const double volume = a[0] * bc[0] + a[1] * bc[1] + a[2] * bc[2];
+        if (std::abs(volume) < 1e-9) continue;
+        Vec3 p{};
+        for (std::size_t axis = 0; axis < 3; ++axis)
+          p[axis] = (all[i].offset * bc[axis] + all[j].offset * ca[axis] + all[n].offset * ab[axis]) / volume;
+        include(p);
+      }
+    }
+  }
+  return extent;
+}
+
+}  // namespace splatlas

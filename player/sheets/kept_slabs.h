@@ -1,0 +1,83 @@
+// Kept fractions of the slabs of a cut sheet.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "player/sheets/block_runs.h"
+#include "player/sheets/sheet_window.h"
+#include "player/sheets/splat_kernels.h"
+#include "player/view/cut_rays.h"
+#include "player/view/shear.h"
+
+namespace splatlas {
+
+/// A plane in sheared object space, where points on one ray share (u, v): its distance, in voxels, is
+/// at_origin + per_u * u + per_v * v + per_k * k. Removes points at positive distances.
+struct ShearedPlane {
+  double at_origin = 0, per_u = 0, per_v = 0, per_k = 0;
+
+  ShearedPlane(const VoxelPlane& plane, const Shear& shear);
+};
+
+/// Planes of a cut in sheared object space. The kept fraction of a slab at a sheet pixel is
+///   max(0, min over entering planes of r + min over leaving planes of r - 1),   r = clamp(1/2 - f / w, 0, 1)
+/// with f the distance of the slab's centre from the plane, in voxels. w is the change of f across the slab,
+/// which makes the fraction exact. For planes along the view, w is at least the change of f across the pixel
+/// less that across a voxel of depth, which antialiases their edges.
+class KeptSlabs {
+ public:
+  KeptSlabs(std::span<const VoxelPlane> planes, const Shear& shear, const SheetWindow& window);
+
+  /// Maximum of the fraction's bounds over a rectangle of the sheet. Fine rows [first, last).
+  enum class State : std::uint8_t { kRemoved, kCut, kWhole };
+  [[nodiscard]] State state(double k, std::int64_t first_row, std::int64_t last_row) const;
+
+  /// Kept rows of `pairs` pairs of voxel rows from `fine_row` on, with `rows_between` fine rows each, in all
+  /// phases.
+  class Rows;
+
+  /// Voxels [first, last) of row `row` of the slice at `k` whose footprints reach visible pixels of a slab
+  /// up to `slack` slices away.
+  [[nodiscard]] std::pair<std::int64_t, std::int64_t> visible_voxels(double k, std::int64_t row,
+                                                                     double slack = 0) const;
+
+ private:
+  /// r + 1/2 = at_origin + per_u * u + per_v * v + per_k * k.
+  struct Ramp {
+    double at_origin = 0, per_u = 0, per_v = 0, per_k = 0;
+  };
+
+  const Shear& shear_;
+  const SheetWindow& window_;
+  std::vector<Ramp> ramps_;  // entering planes first
+  int entering_ = 0;
+};
+
+class KeptSlabs::Rows {
+ public:
+  /// Replaces the rows. Keeps its memory.
+  void fill(const KeptSlabs& slabs, double k, std::int64_t fine_row, std::int64_t pairs,
+            std::int64_t rows_between);
+  [[nodiscard]] State state(std::int64_t pair) const;
+  /// Kernel access from a pair and a phase on.
+  [[nodiscard]] KeptRows from(std::int64_t pair, std::int64_t phase) const;
+
+ private:
+  std::int64_t columns_ = 0, rows_between_ = 1, phases_ = 1;
+  int entering_ = 0, planes_ = 0;
+  std::vector<KeptPixels> pixels_;
+  std::vector<KeptLine> lines_;  // [pair][row between][phase][plane]
+};
+
+/// Extent in (u, v) of the part of a box that the planes keep, with a margin for slabs and pixels. `first`,
+/// `last`: corners in continuous voxel indices.
+struct SheetExtent {
+  double u_min = 0, u_max = 0, v_min = 0, v_max = 0;
+};
+[[nodiscard]] SheetExtent kept_extent(std::span<const VoxelPlane> planes, const Vec3& first, const Vec3& last,
+                                      const Shear& shear);
+
+}  // namespace splatlas

@@ -1,0 +1,298 @@
+// Cuts: clipped volumes and surfaces, and their faces.
+#include <cmath>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "player/render_frame.h"
+#include "tests/reference/picture_difference.h"
+#include "tests/reference/reference_picture.h"
+#include "tests/support/fails_with.h"
+#include "tests/support/phantom_content.h"
+#include "tests/support/render.h"
+#include "tests/support/standard_scenes.h"
+#include "tests/support/test_content.h"
+
+namespace splatlas {
+namespace {
+
+CutPlanes cuts_of(const std::vector<CutPlane>& planes) {
+  CutPlanes cuts;
+  for (const CutPlane& plane : planes) EXPECT_TRUE(cuts.add(plane));
+  return cuts;
+}
+
+/// A box of 21^3 voxels of 1 mm around the origin, left half "l", right half "r" with other grey values.
+AtlasContent halves() {
+  TestVolume volume;
+  volume.grid.size = {21, 21, 21};
+  volume.grid.origin_lps_mm = {-10, -10, -10};
+  std::vector<std::uint8_t> greys;
+  for (int n = 0; n < 21 * 21 * 21; ++n) greys.push_back(n % 21 < 10 ? 50 : 150);
+  volume.values = make_values(VoxelType::kUInt8, greys);
+  volume.window_high = 200;
+  volume.structures.push_back({"r", box_mask(volume.grid.size, {2, 2, 2}, {9, 18, 18})});
+  volume.structures.push_back({"l", box_mask(volume.grid.size, {10, 2, 2}, {18, 18, 18})});
+  return make_content(volume);
+}
+
+std::array<float, 4> middle_pixel(const Picture& picture, int right = 0, int down = 0) {
+  const auto pixel = static_cast<std::size_t>((picture.size.height / 2 + down) * picture.size.width +
+                                              picture.size.width / 2 + right);
+  std::array<float, 4> rgba{};
+  std::copy_n(&picture.rgba[4 * pixel], 4, rgba.begin());
+  return rgba;
+}
+
+TEST(CutPlanes, RefusesBadPlanes) {
+  CutPlanes cuts;
+  for (const CutPlane& bad : {CutPlane{{0, 0, 0}, 1},
+                              {{std::nan(""), 0, 1}, 0},
+                              {{HUGE_VAL, 0, 0}, 0},
+                              {{0, 1, 0}, std::nan("")},
+                              {{0, 1, 0}, HUGE_VAL}}) {
+    EXPECT_THAT(cuts.add(bad), FailsWith(ErrorCode::kUsage, testing::HasSubstr("finite numbers")));
+  }
+  for (int n = 0; n < 6; ++n) EXPECT_TRUE(cuts.add({{1, 0, 0}, 1.0 * n}));
+  EXPECT_THAT(cuts.add({{1, 0, 0}, 7}),
+              FailsWith(ErrorCode::kUsage, testing::HasSubstr("more than 6 planes")));
+  EXPECT_EQ(cuts.size(), 6u);
+}
+
+/// Planes beside everything change no bit; planes before everything leave nothing.
+TEST(Cuts, KeepAllOrNothing) {
+  const AtlasContent content = phantom_content();
+  for (const char* text : {"Spheres", "Spheres:surface", "Sphere_1:both(opacity=0.5) + Sphere_2"}) {
+    Renderer renderer = renderer_of(content, selection_of(text, content.graph));
+    for (const auto projection : {CameraProjection::kParallel, CameraProjection::kPerspective}) {
+      for (const Quality quality : {Quality::kDraft, Quality::kNormal, Quality::kHigh}) {
+        const Camera camera{.azimuth_deg = 20, .elevation_deg = 10, .projection = projection};
+        RenderOptions options{.size = {60, 50}, .quality = quality};
+        const Picture whole = render_or_throw(renderer, camera, options);
+        options.cuts = cuts_of({{{1, 0.1, 0}, 1e4}, {{0, -1, 0.3}, 1e4}});
+        EXPECT_EQ(render_or_throw(renderer, camera, options).rgba, whole.rgba) << text;
+        EXPECT_GT(renderer.stats().voxels_visited + renderer.stats().triangles, 0u);
+        options.cuts = cuts_of({{{1, 0.1, 0}, -1e4}});
+        const Picture empty = render_or_throw(renderer, camera, options);
+        EXPECT_EQ(empty.rgba, std::vector<float>(empty.rgba.size())) << text;
+      }
+    }
+  }
+}
+
+/// Opacity through the middle of a homogeneous block that planes cut at any angle, against the closed form.
+TEST(Cuts, ClipHomogeneousBlocksExactly) {
+  AtlasContent content = halves();
+  content.values = {};
+  const Selection selection = selection_of("*:volume(opacity=0.1)", content.graph);
+  Renderer renderer = renderer_of(content, selection);
+  for (const auto classification : {Classification::kBefore, Classification::kAfter}) {
+    for (const Quality quality : {Quality::kDraft, Quality::kNormal, Quality::kHigh}) {
+      RenderOptions options{.size = {41, 41},
+                            .quality = quality,
+                            .classification = classification,
+                            .hybrid_shading = false,
+                            .termination_threshold = 0};
+      options.caps = CapMode::kNone;
+      for (const double front_mm : {-3.3, 0.0, 2.61}) {
+        // The view from anterior enters at y = front_mm and leaves at y = 5.2
+        options.cuts = cuts_of({{{0.2, -1, 0.1}, -front_mm}, {{0, 2, 0}, 2 * 5.2}});
+        const Picture picture = render_or_throw(renderer, Camera::of(NamedView::kAnterior), options);
+        const double expected = 1 - std::pow(0.9, 5.2 - front_mm);
+        EXPECT_NEAR(middle_pixel(picture)[3], expected, 1e-5) << front_mm;
+      }
+    }
+  }
+}
+
+/// Faces show the structures that a plane cuts, with their opacity.
+TEST(Cuts, HaveFacesOfStructures) {
+  const AtlasContent content = halves();
+  const auto face_at = [&](const char* text, CapMode caps, double anterior_mm, int right) {
+    Renderer renderer = renderer_of(content, selection_of(text, content.graph));
+    RenderOptions options{.size = {63, 63}, .hybrid_shading = false};
+    options.cuts = cuts_of({{{0, -1, 0}, -anterior_mm}});
+    options.caps = caps;
+    return middle_pixel(render_or_throw(renderer, Camera::of(NamedView::kAnterior), options), right);
+  };
+  const auto linear = [](double encoded) { return std::pow((encoded + 0.055) / 1.055, 2.4); };
+  constexpr const char* kSolid = "l:surface(color=#ff0000) + r:surface(color=#00ff00)";
+  using Rgba = std::array<float, 4>;
+
+  // The picture's right is the subject's left
+  EXPECT_EQ(face_at(kSolid, CapMode::kLabels, 0.2, 9), (Rgba{1, 0, 0, 1}));
+  EXPECT_EQ(face_at(kSolid, CapMode::kLabels, 0.2, -9), (Rgba{0, 1, 0, 1}));
+  const auto values = face_at(kSolid, CapMode::kValues, 0.2, 9);
+  for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(values[c], linear(150.0 / 200), 1e-5);
+  const auto both = face_at(kSolid, CapMode::kBoth, 0.2, -9);
+  EXPECT_NEAR(both[1], linear(50.0 / 200), 1e-5);
+  EXPECT_EQ(both[0], 0);
+  EXPECT_EQ(both[3], 1);
+
+  // Without faces, the far wall of the surface shows
+  EXPECT_NE(face_at(kSolid, CapMode::kNone, 0.2, 9), (Rgba{1, 0, 0, 1}));
+  // A face in front of fog, and no face beside the selection
+  const auto translucent = face_at("l:surface(opacity=0.25,color=#ff0000)", CapMode::kLabels, 9.5, 9);
+  EXPECT_EQ(translucent, (Rgba{0, 0, 0, 0})) << "the plane is behind the structure";
+  EXPECT_EQ(face_at("l:surface", CapMode::kLabels, 0.2, -9), (Rgba{0, 0, 0, 0}));
+  // Voxels that the transfer function hides have no face
+  EXPECT_EQ(face_at("r:volume(low=60,high=100)", CapMode::kLabels, 0.2, -9), (Rgba{0, 0, 0, 0}));
+  // The latest term wins
+  EXPECT_EQ(face_at("*:volume(color=#0000ff) + l:surface(color=#ff0000)", CapMode::kLabels, 0.2, 9),
+            (Rgba{1, 0, 0, 1}));
+}
+
+/// The plane between two layers of voxels shows the layer that stays.
+TEST(Cuts, ShowTheKeptSideBetweenVoxels) {
+  const AtlasContent content = halves();
+  Renderer renderer = renderer_of(
+      content, selection_of("l:surface(color=#ff0000) + r:surface(color=#00ff00)", content.graph));
+  RenderOptions options{.size = {40, 40}};
+  options.caps = CapMode::kLabels;
+  options.cuts = cuts_of({{{1, 0, 0}, -0.5}});
+  EXPECT_EQ(middle_pixel(render_or_throw(renderer, Camera::of(NamedView::kLeft), options))[1], 1);
+  options.cuts = cuts_of({{{-1, 0, 0}, 0.5}});
+  EXPECT_EQ(middle_pixel(render_or_throw(renderer, Camera::of(NamedView::kRight), options))[0], 1);
+}
+
+/// A plane along the view has a smooth edge: a thin volume has half the opacity where the plane halves a
+/// pixel.
+TEST(Cuts, AntialiasPlanesAlongTheView) {
+  AtlasContent content = halves();
+  content.values = {};
+  Renderer renderer = renderer_of(content, selection_of("*:volume(opacity=0.01)", content.graph));
+  RenderOptions options{.size = {41, 41}, .quality = Quality::kHigh, .hybrid_shading = false};
+  options.caps = CapMode::kNone;
+  options.cuts = cuts_of({{{1, 0, 0}, 0}});  // through the middle of the picture
+  const Picture picture = render_or_throw(renderer, Camera::of(NamedView::kAnterior), options);
+  const float inside = middle_pixel(picture, -3)[3], edge = middle_pixel(picture)[3],
+              outside = middle_pixel(picture, 3)[3];
+  EXPECT_GT(inside, 0.01f);
+  EXPECT_EQ(outside, 0.0f);
+  EXPECT_NEAR(edge, 0.5f * inside, 0.05f * inside);
+}
+
+/// Faces of solids meet the background in intermediate values, and their inside is flat.
+TEST(Cuts, AntialiasFaces) {
+  const AtlasContent content = halves();
+  Renderer renderer = renderer_of(content, selection_of("*:surface(color=#ffffff)", content.graph));
+  RenderOptions options{.size = {80, 80}};
+  options.caps = CapMode::kLabels;
+  options.cuts = cuts_of({{{0.3, -1, 0.2}, 0}});
+  const Camera camera{.azimuth_deg = 7, .elevation_deg = 12};
+  const auto between = [&](const Picture& picture) {
+    int pixels = 0;
+    for (std::size_t n = 3; n < picture.rgba.size(); n += 4)
+      pixels += picture.rgba[n] > 0 && picture.rgba[n] < 1 ? 1 : 0;
+    return pixels;
+  };
+  const Picture smooth = render_or_throw(renderer, camera, options);
+  EXPECT_GT(between(smooth), 40);
+  options.antialiasing = false;
+  EXPECT_EQ(between(render_or_throw(renderer, camera, options)), 0);
+  EXPECT_EQ(middle_pixel(smooth), (std::array<float, 4>{1, 1, 1, 1}));
+}
+
+/// Removed spans cost nothing.
+TEST(Cuts, VisitOnlyKeptVoxels) {
+  const AtlasContent content = phantom_content();
+  Renderer renderer = renderer_of(content, selection_of("Spheres", content.graph));
+  RenderOptions options{.size = {64, 64}};
+  for (const NamedView view : {NamedView::kAnterior, NamedView::kLeft, NamedView::kSuperior}) {
+    options.cuts = {};
+    (void)render_or_throw(renderer, Camera::of(view), options);
+    const double whole = static_cast<double>(renderer.stats().voxels_visited);
+    options.cuts = cuts_of({{{0, 0, 1}, content.display.center_lps_mm[2]}});
+    (void)render_or_throw(renderer, Camera::of(view), options);
+    EXPECT_LE(static_cast<double>(renderer.stats().voxels_visited), 0.75 * whole)
+        << "voxels beyond the plane contribute to the field before it";
+    options.cuts = cuts_of({{{0, 0, 1}, -1e4}});
+    (void)render_or_throw(renderer, Camera::of(view), options);
+    EXPECT_EQ(renderer.stats().voxels_visited, 0u);
+  }
+}
+
+/// pick() finds faces, and nothing in the removed part.
+TEST(Cuts, AreSeenByPick) {
+  const AtlasContent content = halves();
+  const StructureIndex l = 1;
+  ASSERT_EQ(content.graph[l].id, "l");
+  for (const char* text : {"l:surface", "l:volume(opacity=0.9)"}) {
+    Renderer renderer = renderer_of(content, selection_of(text, content.graph));
+    for (const auto projection : {CameraProjection::kParallel, CameraProjection::kPerspective}) {
+      Camera camera = Camera::of(NamedView::kLeft);
+      camera.projection = projection;
+      RenderOptions options{.size = {64, 64}};
+      options.cuts = cuts_of({{{1, 0, 0}, 3.3}});
+      (void)render_or_throw(renderer, camera, options);
+      const auto face = renderer.pick(32, 32);
+      ASSERT_TRUE(face);
+      EXPECT_EQ(face->structure, l);
+      EXPECT_NEAR(face->point_lps_mm[0], 3.3, 0.6);
+      options.cuts = cuts_of({{{1, 0, 0}, -0.6}});
+      (void)render_or_throw(renderer, camera, options);
+      EXPECT_FALSE(renderer.pick(32, 32));
+    }
+  }
+}
+
+/// Depth darkening leaves flat faces unchanged.
+TEST(Cuts, HaveDepthsOfFacesAndOfClippedVolumes) {
+  const AtlasContent content = halves();
+  for (const char* text : {"*:surface(color=#ffffff)", "*:volume(opacity=0.95)"}) {
+    Renderer renderer = renderer_of(content, selection_of(text, content.graph));
+    for (const auto classification : {Classification::kBefore, Classification::kAfter}) {
+      RenderOptions options{.size = {96, 96}, .classification = classification, .hybrid_shading = false};
+      options.cuts = cuts_of({{{0.4, -1, 0.3}, 0}});
+      const Picture plain = render_or_throw(renderer, {}, options);
+      options.depth_cue = DepthCue::kEdges;
+      const Picture cued = render_or_throw(renderer, {}, options);
+      for (const int at : {-12, -5, 0, 5, 12}) {
+        for (std::size_t c = 0; c < 4; ++c)
+          EXPECT_NEAR(middle_pixel(cued, at, at)[c], middle_pixel(plain, at, at)[c], 0.01) << text;
+      }
+    }
+  }
+}
+
+/// Sheets of a smooth field converge to the exact picture with cuts at any angle, as they do without.
+TEST(Cuts, ApproachTheExactPicture) {
+  const StandardScene scene = blobs_scene();
+  const Vec3 center = scene.content.display.center_lps_mm;
+  for (const Vec3& normal : {Vec3{1, 0, 0}, {0.5, -1, 0.3}, {0, 0.2, -1}, {-1, -1, 0.1}}) {
+    RenderOptions options{.size = {64, 64}, .antialiasing = false, .termination_threshold = 0};
+    double offset = 1.3;
+    for (std::size_t a = 0; a < 3; ++a) offset += normal[a] * center[a];
+    options.cuts = cuts_of({{normal, offset}});
+    const Camera camera{.azimuth_deg = 25, .elevation_deg = 15, .zoom = 1.2};
+    const auto exact = reference::render_truth({scene.content, scene.selection, camera, options});
+    for (const Quality quality : {Quality::kNormal, Quality::kHigh}) {
+      options.quality = quality;
+      const Picture picture = render_or_throw(scene.content, scene.selection, camera, options);
+      const auto error = reference::difference(picture, exact);
+      EXPECT_LT(255 * error.rms, 0.5)
+          << to_text(error) << " with normal " << normal[0] << "," << normal[1] << "," << normal[2];
+    }
+  }
+}
+
+/// A new cut of the same selection reuses nothing of the former picture.
+TEST(Cuts, FollowChangesOfPlanesAndSelections) {
+  const AtlasContent content = halves();
+  const Selection first = selection_of("l:surface + r", content.graph);
+  const Selection second = selection_of("r:both", content.graph);
+  Renderer renderer = renderer_of(content, first);
+  RenderOptions options{.size = {48, 40}};
+  const Camera camera{.azimuth_deg = 40, .elevation_deg = 25};
+  for (const Selection* selection : {&first, &second, &first}) {
+    ASSERT_TRUE(renderer.select(*selection));
+    for (const double mm : {0.0, 3.0, 0.0}) {
+      options.cuts = cuts_of({{{0, 0, 1}, mm}, {{1, 1, 0}, 2}});
+      const Picture picture = render_or_throw(renderer, camera, options);
+      EXPECT_EQ(picture.rgba, render_or_throw(content, *selection, camera, options).rgba);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace splatlas

@@ -1,0 +1,67 @@
+// Cutting planes and their faces in double precision.
+#pragma once
+
+#include <cstddef>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include "format/atlas_content.h"
+#include "format/selection.h"
+#include "player/render_options.h"
+#include "tests/reference/ray.h"
+#include "tests/reference/reference_radiance.h"
+
+namespace splatlas::reference {
+
+/// Removes points with normal * index > offset; the normal has length 1 in voxels.
+struct IndexPlane {
+  Vec3 normal{0, 0, 1};
+  double offset = 0;
+
+  [[nodiscard]] double distance(const Vec3& index) const { return dot(normal, index) - offset; }
+};
+
+/// Part of a ray in the kept half spaces, with the indices of the planes at its ends.
+struct KeptRay {
+  double from_mm = 0, to_mm = 0;
+  std::optional<std::size_t> front = std::nullopt, back = std::nullopt;
+
+  [[nodiscard]] bool empty() const { return !(from_mm < to_mm); }
+};
+
+/// A face on a ray.
+struct ReferenceFace {
+  std::array<double, 4> rgba{0, 0, 0, 0};  ///< premultiplied
+  StructureIndex structure = kNoStructure;
+};
+
+/// The cut of a scene, by brute force. Keeps references.
+class ReferenceCut {
+ public:
+  ReferenceCut(const AtlasContent& content, const Selection& selection, const RenderOptions& options);
+
+  [[nodiscard]] bool empty() const { return planes_.empty(); }
+  [[nodiscard]] const std::vector<IndexPlane>& planes() const { return planes_; }
+  /// The part of a ray from `from_mm` on. `margin`: moves the planes into the kept part, in voxels.
+  [[nodiscard]] KeptRay clip(const Ray& ray, double from_mm, double margin = 0) const;
+  /// The part in which surfaces are kept: 1/4096 voxel away from the planes.
+  [[nodiscard]] RayInterval surfaces(const Ray& ray, double from_mm) const;
+  /// The faces at the ends of a kept part.
+  [[nodiscard]] ReferenceFace front(const Ray& ray, const KeptRay& kept) const;
+  [[nodiscard]] ReferenceFace back(const Ray& ray, const KeptRay& kept) const;
+
+ private:
+  [[nodiscard]] ReferenceFace face(const Vec3& index, const IndexPlane& plane) const;
+  /// The structure of a voxel's face; none for voxels without one.
+  [[nodiscard]] std::optional<StructureIndex> structure_at(const Index3& voxel) const;
+  [[nodiscard]] double grey_at(const Index3& voxel) const;
+
+  const AtlasContent& content_;
+  const Selection& selection_;
+  CapMode caps_;
+  Grid grid_;
+  std::vector<IndexPlane> planes_;
+};
+
+}  // namespace splatlas::reference
