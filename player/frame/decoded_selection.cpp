@@ -55,7 +55,7 @@ Result<void> DecodedSelection::require_faces(std::span<const FaceClass> faces, A
   }
   const Work work = cache_.work_of(classes, axis, false);
   SPLATLAS_RETURN_IF_ERROR(atlas_->work_budget().check(work, "the faces of the cut"));
-  const Result<void> required = cache_.require(classes, axis, pool, false);
+  Result<void> required = cache_.require(classes, axis, pool, false);
   if (required) return {};
   if (cache_.failed_classes().empty()) return required;
   for (const FailedClass& of : cache_.failed_classes()) {

@@ -31,12 +31,12 @@ class KeptSlabs {
  public:
   KeptSlabs(std::span<const VoxelPlane> planes, const Shear& shear, const SheetWindow& window);
 
-  /// Maximum of the fraction's bounds over a rectangle of the sheet. Fine rows [first, last).
+  /// Kept fraction over several rows: 0 everywhere, 1 everywhere, or anything.
   enum class State : std::uint8_t { kRemoved, kCut, kWhole };
+  /// Conservative state of fine rows [first_row, last_row) of the slab centred at `k`.
   [[nodiscard]] State state(double k, std::int64_t first_row, std::int64_t last_row) const;
 
-  /// Kept rows of `pairs` pairs of voxel rows from `fine_row` on, with `rows_between` fine rows each, in all
-  /// phases.
+  /// Kept fractions of pairs of voxel rows.
   class Rows;
 
   /// Voxels [first, last) of row `row` of the slice at `k` whose footprints reach visible pixels of a slab
@@ -45,7 +45,7 @@ class KeptSlabs {
                                                                      double slack = 0) const;
 
  private:
-  /// r + 1/2 = at_origin + per_u * u + per_v * v + per_k * k.
+  /// r before the clamp: at_origin + per_u * u + per_v * v + per_k * k.
   struct Ramp {
     double at_origin = 0, per_u = 0, per_v = 0, per_k = 0;
   };
@@ -58,7 +58,8 @@ class KeptSlabs {
 
 class KeptSlabs::Rows {
  public:
-  /// Replaces the rows. Keeps its memory.
+  /// Replaces the rows by those of `pairs` pairs of voxel rows from `fine_row` on, with `rows_between` fine
+  /// rows each, in all phases, of the slab centred at `k`. Keeps its memory.
   void fill(const KeptSlabs& slabs, double k, std::int64_t fine_row, std::int64_t pairs,
             std::int64_t rows_between);
   [[nodiscard]] State state(std::int64_t pair) const;

@@ -107,6 +107,24 @@ TEST(DamagedAtlas, ASurfaceThatIsDamagedIsLeftOut) {
             "\"Sphere_1\": its surface is missing: F: damaged: checksum of surfaces of structure 'Sphere_1'");
 }
 
+TEST(DamagedAtlas, AFaceOfACutThatIsDamagedIsLeftOut) {
+  const AtlasContent content = phantom_content();
+  const Bytes file = encode_atlas(content).value();
+  const Selection selection = selection_of("*:surface", content.graph);
+  RenderOptions options{.size = {32, 32}};
+  ASSERT_TRUE(options.cuts.add({{0, 0, 1}, content.display.center_lps_mm[2]}));
+  const Camera camera = Camera::of(NamedView::kSuperior);
+  const auto intact = render(file, selection, camera, options).value();
+  EXPECT_TRUE(intact.missing.empty());
+  const auto got = render(with_damage(file, SectionKind::kValues, 1), selection, camera, options).value();
+  ASSERT_EQ(got.missing.size(), 1u);
+  EXPECT_THAT(describe(got.missing[0], content.graph), HasSubstr("\"Sphere_1\": its volume of"));
+  options.caps = CapMode::kNone;
+  const auto hollow = render(file, selection, camera, options).value();
+  EXPECT_NE(got.picture.rgba, intact.picture.rgba);
+  EXPECT_EQ(got.picture.rgba, hollow.picture.rgba) << "the plane cuts the damaged structure alone";
+}
+
 TEST(DamagedAtlas, WhereNothingIsLeftItIsAnErrorEachTime) {
   const AtlasContent content = phantom_content();
   const Bytes damaged = with_damage(encode_atlas(content).value(), SectionKind::kValues, 1);
