@@ -211,6 +211,14 @@ SurfaceMesh smooth_mesh(SurfaceNet net, const Grid& grid) {
   return mesh;
 }
 
+IndexBox widened(IndexBox box, std::int64_t voxels) {
+  for (std::size_t a = 0; a < 3; ++a) {
+    box.first[a] -= voxels;
+    box.last[a] += voxels;
+  }
+  return box;
+}
+
 }  // namespace
 
 Vec3f VoxelNormals::to_lps(const Vec3f& g) const {
@@ -247,12 +255,11 @@ std::optional<SurfaceMesh> fit_sparse_surface(const PartRows& rows, const Grid& 
 }
 
 IndexBox around(const IndexBox& box) {
-  IndexBox wider = box;
-  for (std::size_t a = 0; a < 3; ++a) {
-    wider.first[a] -= SmoothGradient::kRadius - 1;
-    wider.last[a] += SmoothGradient::kRadius - 1;
-  }
-  return wider;
+  return widened(box, SmoothGradient::kRadius);
+}
+
+StructureCrop crop_around(const IndexBox& box) {
+  return empty_crop(widened(box, SmoothGradient::kRadius - 1));  // empty_crop() adds one voxel on every side
 }
 
 std::vector<PackedNormal> fit_normals(const StructureCrop& crop, std::span<const Run> runs,

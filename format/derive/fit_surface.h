@@ -48,10 +48,12 @@ using SliceVisitor = std::function<void(const SmoothGradient& gradient, std::int
 [[nodiscard]] std::optional<SurfaceMesh> fit_sparse_surface(const PartRows& rows, const Grid& grid,
                                                             SurfaceRule rule, std::uint64_t max_triangles);
 
-/// `box` with all but the outermost voxels that the normals of its voxels depend on. empty_crop() adds those.
+/// `box` with all voxels that the normals of its voxels depend on.
 [[nodiscard]] IndexBox around(const IndexBox& box);
+/// The empty crop of around(box).
+[[nodiscard]] StructureCrop crop_around(const IndexBox& box);
 /// Normals of the voxels of `runs` (principal axis z), in memory order. `crop` is a painted
-/// empty_crop(around(box)) of a box that contains the runs.
+/// crop_around() of a box that contains the runs.
 [[nodiscard]] std::vector<PackedNormal> fit_normals(const StructureCrop& crop, std::span<const Run> runs,
                                                     const Grid& grid);
 /// fit_normals() from the runs of the voxels around, with the same bits. Cost: about 0.2 us per voxel.

@@ -13,6 +13,10 @@ void PartRows::add(std::span<const Run> runs, std::uint8_t part) {
 void PartRows::sort() {
   std::ranges::sort(placed_, {}, [](const PlacedRun& p) { return std::pair(p.scanline, p.run.start); });
   runs_.reserve(placed_.size());
+  std::size_t rows = 0;
+  for (std::size_t n = 0; n < placed_.size(); ++n)
+    rows += n == 0 || placed_[n].scanline != placed_[n - 1].scanline ? 1 : 0;
+  rows_.reserve(rows);
   for (std::size_t n = 0; n < placed_.size(); ++n) {
     if (n == 0 || placed_[n].scanline != placed_[n - 1].scanline) {
       const auto scanline = static_cast<std::int64_t>(placed_[n].scanline);

@@ -17,8 +17,12 @@ struct PartRun {
 };
 
 /// The voxels of one structure as sorted runs (principal axis z). Memory: 24 bytes per run and per row.
+/// Before and in sort(), up to kMaxBytesPerRun.
 class PartRows {
  public:
+  /// Bytes per run: placed runs of doubled capacity, and sorted runs and rows.
+  static constexpr double kMaxBytesPerRun = 112;
+
   explicit PartRows(const Index3& size) : size_(size) {}
 
   /// Adds runs that are valid in the grid. sort() must follow.

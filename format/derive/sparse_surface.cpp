@@ -103,6 +103,7 @@ class CellRow {
 /// Rows (k, j) of cells next to an occupied row of voxels, in order.
 std::vector<std::pair<std::int64_t, std::int64_t>> cell_rows(const PartRows& rows) {
   std::vector<std::pair<std::int64_t, std::int64_t>> found;
+  found.reserve(4 * rows.rows().size());
   for (const PartRows::Row& row : rows.rows()) {
     for (const std::int64_t k : {row.k - 1, row.k}) {
       for (const std::int64_t j : {row.j - 1, row.j}) found.emplace_back(k, j);

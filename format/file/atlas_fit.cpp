@@ -85,7 +85,7 @@ Result<std::vector<PackedNormal>> Atlas::Impl::fit_normals_of(ClassId c) const {
     SPLATLAS_ASSIGN_OR_RETURN(const PartRows rows, read_rows(owner, around(box)));
     return fit_sparse_normals(rows, runs, grid);
   }
-  SPLATLAS_ASSIGN_OR_RETURN(const StructureCrop crop, read_crop(owner, empty_crop(around(box))));
+  SPLATLAS_ASSIGN_OR_RETURN(const StructureCrop crop, read_crop(owner, crop_around(box)));
   return fit_normals(crop, runs, grid);
 }
 

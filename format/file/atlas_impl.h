@@ -74,12 +74,21 @@ struct Atlas::Impl {
   [[nodiscard]] Result<void> count_runs(ClassId c, Axis axis, std::size_t runs) const;
 
   [[nodiscard]] Work work_of_stream(SectionKind kind, std::size_t stream) const;
-  [[nodiscard]] Work work_of_runs(std::span<const ClassId> of, Axis axis) const;
+  /// `further_per_run` are units for a further step with each run.
+  [[nodiscard]] Work work_of_runs(std::span<const ClassId> of, Axis axis, double further_per_run = 0) const;
+  /// Work of reading run lists of a stored run model, without kRuns, and an upper bound of the runs.
+  struct RunLists {
+    Work work;
+    double runs = 0;
+  };
+  [[nodiscard]] RunLists run_lists(std::span<const ClassId> of, Axis axis) const;
   [[nodiscard]] Work work_of_values(std::size_t group) const;
   [[nodiscard]] Work work_of_normals(ClassId c) const;
   [[nodiscard]] Work work_of_surface(StructureIndex s) const;
-  /// Work of read_parts().
-  [[nodiscard]] Work work_of_parts(StructureIndex s, const IndexBox& near) const;
+  /// Work of read_crop(), or of read_rows() and a step that holds `bytes` besides the sorted rows.
+  [[nodiscard]] Work work_of_crop(StructureIndex s, const IndexBox& near) const;
+  [[nodiscard]] Work work_of_rows(StructureIndex s, const IndexBox& near, double bytes) const;
+  [[nodiscard]] std::vector<ClassId> classes_near(StructureIndex s, const IndexBox& near) const;
 
   /// Prefixes the message of an error with the file name.
   [[nodiscard]] tl::unexpected<Error> named(const Error& error) const {

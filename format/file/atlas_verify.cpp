@@ -20,6 +20,7 @@ class RunVerifier {
   explicit RunVerifier(const Atlas& atlas) : atlas_(atlas) {}
 
   [[nodiscard]] Result<void> verify() {
+    spans_.reserve(atlas_.runs(Axis::kZ));  // more are refused when they are read
     for (ClassId c = 1; c < atlas_.classes().size(); ++c) {
       SPLATLAS_ASSIGN_OR_RETURN(const ClassRuns runs, atlas_.read_runs(c, Axis::kZ));
       add(c, runs);

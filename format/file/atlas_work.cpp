@@ -15,7 +15,10 @@ namespace {
 
 constexpr double kPerDecodedByte = 4;
 constexpr double kPerRun = 60;
-constexpr double kPerSortedRun = 60;    // of all classes together
+constexpr double kPerSortedRun = 60;  // of all classes together
+constexpr double kBytesPerReadRun = 3 * sizeof(Run), kBytesPerVerifiedRun = 24;
+/// Of PartRows after sort(), and of the four rows of cells around each row.
+constexpr double kBytesPerSortedRun = 48 + 64;
 constexpr double kPerMaskVoxel = 6;     // of the box
 constexpr double kPerDerivedVoxel = 8;  // of a run model that is not stored
 constexpr double kPerPredictedByte = 30;
@@ -63,18 +66,28 @@ Work Atlas::Impl::work_of_stream(SectionKind kind, std::size_t stream) const {
   return work;
 }
 
-Work Atlas::Impl::work_of_runs(std::span<const ClassId> of, Axis axis) const {
-  Work work;
+Work Atlas::Impl::work_of_runs(std::span<const ClassId> of, Axis axis, double further_per_run) const {
+  // Reading never gives more runs than the directory states.
+  const double total = number(directory.run_totals[static_cast<std::size_t>(axis)]);
   if (!layout.find(run_section(axis))) {
-    work = work_of_runs(of, Axis::kZ);
+    Work work = work_of_runs(of, Axis::kZ);
+    double voxels = 0;
     for (const ClassId c : of) {
-      if (c != kEmptyClass)
-        work.add(WorkKind::kVoxels, number(directory.classes.voxels(c)), kPerDerivedVoxel);
+      if (c != kEmptyClass) voxels += number(directory.classes.voxels(c));
     }
-    work.add(WorkKind::kRuns, number(directory.run_totals[static_cast<std::size_t>(axis)]), kPerRun);
+    work.add(WorkKind::kVoxels, voxels, kPerDerivedVoxel);
+    work.add(WorkKind::kRuns, std::min(voxels, total), kPerRun + further_per_run);
     return work;
   }
-  double runs = 0;
+  RunLists lists = run_lists(of, axis);
+  lists.work.add(WorkKind::kRuns, lists.runs, kPerRun + further_per_run);
+  return lists.work;
+}
+
+Atlas::Impl::RunLists Atlas::Impl::run_lists(std::span<const ClassId> of, Axis axis) const {
+  RunLists lists;
+  Work& work = lists.work;
+  const double total = number(directory.run_totals[static_cast<std::size_t>(axis)]);
   for (std::size_t n = 0; n < of.size(); ++n) {
     ClassId c = of[n];
     if (c == kEmptyClass) continue;
@@ -92,14 +105,12 @@ Work Atlas::Impl::work_of_runs(std::span<const ClassId> of, Axis axis) const {
       work.add(WorkKind::kVoxels, number(box.voxels()), kPerMaskVoxel);
       runs_of_list = number(voxels);
     }
-    runs_of_list = std::min(runs_of_list, number(directory.run_totals[static_cast<std::size_t>(axis)]));
-    work.hold(3 * sizeof(Run) * runs_of_list);
-    runs += runs_of_list;
+    runs_of_list = std::min(runs_of_list, total);
+    work.hold(kBytesPerReadRun * runs_of_list);
+    lists.runs += runs_of_list;
   }
-  // Reading never gives more runs than the directory states.
-  const double total = number(directory.run_totals[static_cast<std::size_t>(axis)]);
-  work.add(WorkKind::kRuns, std::min(runs, total), kPerRun);
-  return work;
+  lists.runs = std::min(lists.runs, total);
+  return lists;
 }
 
 Work Atlas::Impl::work_of_values(std::size_t group) const {
@@ -107,24 +118,37 @@ Work Atlas::Impl::work_of_values(std::size_t group) const {
   const std::uint64_t voxels = group_voxels(groups, directory.classes, group);
   const double bytes = number(voxels) * number(bytes_of(directory.value_type));
   if (bytes == 0) return work;
-  if (predicts_values(directory.value_type, group_box(groups, directory.classes, group, grid.size), voxels)) {
-    work.add(WorkKind::kVoxels, number(voxels), kPerPredictedByte * number(bytes_of(directory.value_type)));
-  }
-  work.add(WorkKind::kVoxels, number(voxels), kPerValueByte * number(bytes_of(directory.value_type)));
+  double per_byte = kPerValueByte;
+  if (predicts_values(directory.value_type, group_box(groups, directory.classes, group, grid.size), voxels))
+    per_byte += kPerPredictedByte;
+  work.add(WorkKind::kVoxels, number(voxels), per_byte * number(bytes_of(directory.value_type)));
   work.hold(3 * bytes);
   if (groups.classes[group].size() > 1 || groups.classes[group].front() == kEmptyClass)
     work += work_of_runs(groups.locating_classes(group), Axis::kZ);
   return work;
 }
 
-Work Atlas::Impl::work_of_parts(StructureIndex s, const IndexBox& near) const {
+std::vector<ClassId> Atlas::Impl::classes_near(StructureIndex s, const IndexBox& near) const {
   constexpr std::size_t kMaxTested = 1024;  // structures with more classes are charged for all
   const std::span<const StructureClass> all = structure_classes.of(s);
   std::vector<ClassId> of;
   for (const StructureClass& h : all) {
     if (all.size() > kMaxTested || overlap(directory.classes.box(h.id), near)) of.push_back(h.id);
   }
-  return work_of_runs(of, Axis::kZ);
+  return of;
+}
+
+Work Atlas::Impl::work_of_crop(StructureIndex s, const IndexBox& near) const {
+  return work_of_runs(classes_near(s, near), Axis::kZ);
+}
+
+Work Atlas::Impl::work_of_rows(StructureIndex s, const IndexBox& near, double bytes) const {
+  RunLists lists = run_lists(classes_near(s, near), Axis::kZ);
+  lists.work.add(WorkKind::kRuns, lists.runs, kPerRun);
+  // Meanwhile, split lists are cached, and the last list is read
+  lists.work.hold((PartRows::kMaxBytesPerRun + sizeof(Run) + kBytesPerReadRun) * lists.runs);
+  lists.work.hold(kBytesPerSortedRun * lists.runs + bytes);
+  return lists.work;
 }
 
 Work Atlas::Impl::work_of_normals(ClassId c) const {
@@ -138,10 +162,12 @@ Work Atlas::Impl::work_of_normals(ClassId c) const {
   }
   const IndexBox& box = directory.classes.box(c);
   if (box.empty()) return work;
-  work = work_of_parts(normal_owner(directory.classes.members(c)), around(box));
+  const StructureIndex owner = normal_owner(directory.classes.members(c));
   if (fits_sparsely(box, directory.classes.voxels(c))) {
+    work = work_of_rows(owner, around(box), 3 * sizeof(PackedNormal) * voxels);
     work.add(WorkKind::kVoxels, voxels, kPerSparseVoxel);
   } else {
+    work = work_of_crop(owner, around(box));
     work.add(WorkKind::kVoxels, number(crop_voxels(box)), kPerCropVoxel);
     work.hold(crop_bytes(box));
   }
@@ -151,23 +177,24 @@ Work Atlas::Impl::work_of_normals(ClassId c) const {
 Work Atlas::Impl::work_of_surface(StructureIndex s) const {
   const SurfaceEntry& entry = directory.surfaces[s];
   Work work;
-  work.add(WorkKind::kTriangles, entry.triangles, kPerTriangle);
+  const double triangles = entry.triangles, vertices = entry.vertices;
   if (!is_fitted(entry)) {
+    work.add(WorkKind::kTriangles, triangles, kPerTriangle);
     work += work_of_stream(SectionKind::kSurfaces, surface_stream[s]);
     return work;
   }
   const IndexBox box = box_of(directory.classes, structure_classes.of(s));
-  if (box.empty()) return work;
-  work += work_of_parts(s, box);
-  if (fits_sparsely(box, entry.vertices)) {
-    work.add(WorkKind::kTriangles, entry.triangles, kPerSparseTriangle);
-    work.add(WorkKind::kTriangles, entry.vertices, kPerSparseVertex);
-    work.hold(kBytesPerSparseTriangle * entry.triangles);
-  } else {
+  double per_triangle = kPerTriangle;
+  if (!box.empty() && fits_sparsely(box, entry.vertices)) {
+    work = work_of_rows(s, box, kBytesPerSparseTriangle * triangles);
+    per_triangle += kPerSparseTriangle + kPerSparseVertex * vertices / triangles;
+  } else if (!box.empty()) {
+    work = work_of_crop(s, box);
     work.add(WorkKind::kVoxels, number(crop_voxels(box)), kPerCropVoxel);
-    work.add(WorkKind::kTriangles, entry.vertices, kPerFittedVertex);
-    work.hold(crop_bytes(box) + kBytesPerFittedVertex * entry.vertices);
+    work.hold(crop_bytes(box) + kBytesPerFittedVertex * vertices);
+    per_triangle += kPerFittedVertex * vertices / triangles;
   }
+  work.add(WorkKind::kTriangles, triangles, per_triangle);  // fitted surfaces have some
   return work;
 }
 
@@ -217,9 +244,8 @@ Work Atlas::work_of_verify() const {
       work.add(WorkKind::kBytes, number(section.chunk_begin.back()), kPerDecodedByte);
   }
   const std::vector<ClassId> all = all_classes(*this);
-  for (const Axis axis : kAxes) work += work_of_runs(all, axis);
-  work.add(WorkKind::kRuns, number(runs(Axis::kZ)), kPerSortedRun);
-  work.hold(64 * number(runs(Axis::kZ)));
+  for (const Axis axis : kAxes) work += impl_->work_of_runs(all, axis, axis == Axis::kZ ? kPerSortedRun : 0);
+  work.hold((kBytesPerVerifiedRun + kBytesPerReadRun) * number(runs(Axis::kZ)));
   work += work_of_values(all);
   for (StructureIndex s = 0; s < graph().size(); ++s) work += work_of_surface(s);
   return work;

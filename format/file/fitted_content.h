@@ -11,7 +11,7 @@ namespace splatlas {
 
 /// Maximum size of a crop for fitting on reading; surfaces of larger structures are stored.
 inline constexpr std::uint64_t kMaxFittedVoxels = std::uint64_t{1} << 28;
-/// Number of voxels of empty_crop(around(box)), the larger of the two crops.
+/// Number of voxels of crop_around(box), the larger of the two crops.
 [[nodiscard]] std::uint64_t crop_voxels(const IndexBox& box);
 
 /// True if a reader fits faster from runs than from a crop of the bounding box. `items` are vertices of a

@@ -63,16 +63,17 @@ Result<std::shared_ptr<const SectionReader::Bytes>> SectionReader::decode_shared
     if (kept.size() > kSharedKept && done != kept.end()) kept.erase(done);
     shared_changed_.notify_all();
   };
+  Result<void> result;
   try {
     auto decoded = std::make_shared<Bytes>(section.chunk_begin[n + 1] - section.chunk_begin[n]);
-    const Result<void> result = decode(section, n, *decoded);
+    result = decode(section, n, *decoded);
     if (result) bytes = std::move(decoded);
-    finish();
-    if (!result) return tl::unexpected(result.error());
   } catch (...) {
     finish();
     throw;
   }
+  finish();
+  if (!result) return tl::unexpected(std::move(result).error());  // a copy could throw
   return bytes;
 }
 

@@ -54,7 +54,9 @@ std::string Work::largest() const {
 }
 
 WorkBudget::WorkBudget(std::string file_name, std::uint64_t file_bytes, double max_work)
-    : file_name_(std::move(file_name)), file_bytes_(file_bytes), max_work_(std::max(max_work, 1.0)) {}
+    : file_name_(std::move(file_name)),
+      file_bytes_(file_bytes),
+      max_work_(max_work > 1 ? max_work : 1) {}  // 1 for NaN
 
 double WorkBudget::allowed() const {
   const double further = std::max(0.0, static_cast<double>(file_bytes_) - kSmallFileBytes);

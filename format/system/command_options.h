@@ -103,11 +103,13 @@ inline CLI::Option* add_threads(CLI::App& app, unsigned& threads, const std::str
 /// Binds --max-work to the factor of AtlasOptions.
 inline CLI::Option* add_max_work(CLI::App& app, double& max_work) {
   constexpr double kMaxWork = 1e9;
-  return app
-      .add_option("--max-work", max_work,
-                  "limit of work for the file, in multiples of the usual one; for files that you trust")
-      ->check(CLI::Range(1.0, kMaxWork).description(""))
-      ->capture_default_str();
+  const auto parse = [](std::string_view text) {
+    const auto factor = parse_number<double>(text);
+    return factor && *factor >= 1 && *factor <= kMaxWork ? factor : std::nullopt;
+  };
+  return add_parsed(app, "--max-work", max_work, parse, "must be a number from 1 to 1e9",
+                    "limit of work for the file, in multiples of the usual one; for files that you trust")
+      ->default_str(fmt::to_string(max_work));
 }
 
 }  // namespace splatlas

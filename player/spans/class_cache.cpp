@@ -116,14 +116,13 @@ Work ClassCache::work_of(std::span<const ClassId> classes, Axis axis, bool norma
 
   // Values and normals are spread over the pages of the grid
   pages = std::min(pages, 2 + grid_voxels * voxel_bytes / kPageBytes);
-  work.add(WorkKind::kVoxels, pages, kPerPage);
   // Spans take up to two blocks per run, and offsets of all rows between their first and last
   constexpr double kBlockBytes = 4 * kBlock * sizeof(float), kRunBytes = 3 * sizeof(ClassRun);
   const auto side = [&](std::uint8_t a) { return static_cast<double>(box.last[a] - box.first[a] + 1); };
   const double all_runs = std::min(voxels, static_cast<double>(atlas_->runs(axis)));
   const double rows = std::min(side(order.slice_axis), all_runs) * side(order.row_axis);
   const double blocks = std::min(2 * all_runs + voxels / kBlock, rows * (side(order.scan_axis) / kBlock + 2));
-  work.add(WorkKind::kVoxels, voxels, kPerSpanVoxel);
+  work.add(WorkKind::kVoxels, voxels, kPerSpanVoxel + kPerPage * pages / voxels);
   work.add(WorkKind::kRows, rows, kPerRow);
   // The tables of for_each_in_memory() hold all planes
   const double planes =

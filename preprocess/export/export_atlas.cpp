@@ -91,7 +91,8 @@ Work work_of_volumes(const Grid& grid, std::size_t files, std::size_t bytes) {
   constexpr double kPerByte = 15;  // copied, reordered, compressed
   const double all = static_cast<double>(grid.voxels()) * static_cast<double>(bytes);
   Work work;
-  work.add(WorkKind::kVoxels, all * static_cast<double>(files), kPerByte);
+  work.add(WorkKind::kVoxels, static_cast<double>(grid.voxels()) * static_cast<double>(files),
+           kPerByte * static_cast<double>(bytes));
   work.hold(static_cast<double>(grid.voxels()) * sizeof(ClassId) + 2 * all);
   return work;
 }

@@ -29,6 +29,8 @@
 #include "tests/faults/failing_allocator.h"
 #include "tests/faults/run_harness.h"
 #include "tests/faults/small_atlas.h"
+#include "tests/format/atlas_surgery.h"
+#include "tests/support/file_bytes.h"
 #include "tests/support/run_program.h"
 
 namespace splatlas {
@@ -117,6 +119,39 @@ Work writing(const AtlasContent& content, const fs::path& path, bool compact) {
   };
 }
 
+/// Writes the atlas with a wrong byte in every chunk.
+void write_damaged(const AtlasContent& content, const fs::path& path) {
+  AtlasParts parts = take_apart(encode_atlas(content).value());
+  for (Bytes& chunk : parts.chunks) chunk.back() ^= std::byte{1};
+  write_bytes(path.string(), put_together(parts));
+}
+
+/// Reads each part of a damaged atlas, on two threads. Returns the number of damaged parts.
+Work reading_damaged(const fs::path& atlas_path) {
+  const auto opened = std::make_shared<std::shared_ptr<const Atlas>>();
+  return [=]() -> Result<std::uint64_t> {
+    if (!*opened) {
+      SPLATLAS_ASSIGN_OR_RETURN(*opened, Atlas::open(atlas_path));
+    }
+    const Atlas& atlas = **opened;
+    std::atomic<std::uint64_t> damaged = 0;
+    std::atomic<bool> is_out_of_memory = false;
+    const auto count = [&](const auto& read) {
+      if (read) return;
+      (read.error().code == ErrorCode::kInvalidAtlas ? void(++damaged) : void(is_out_of_memory = true));
+    };
+    ThreadPool(2).for_each(atlas.classes().size(), [&](std::size_t n) {
+      const auto c = static_cast<ClassId>(n);
+      for (const Axis axis : kAxes) count(atlas.read_runs(c, axis));
+      count(atlas.read_values(c));
+      count(atlas.read_normals(c));
+    });
+    for (StructureIndex s = 0; s < atlas.graph().size(); ++s) count(atlas.read_surface(s));
+    if (is_out_of_memory) return fail(ErrorCode::kLimit, "out of memory");
+    return damaged.load();
+  };
+}
+
 /// Parallel loops of both kinds.
 Work threading() {
   return []() -> Result<std::uint64_t> {
@@ -149,6 +184,7 @@ std::vector<Scenario> scenarios(const AtlasContent& content, const fs::path& fol
           {"select again", [=] { return selecting(atlas, turned); }},
           {"select again, rays", [=] { return selecting(atlas, perspective); }},
           {"verify, read all", [=] { return reading(atlas); }},
+          {"damaged chunks", [=] { return reading_damaged(folder / "damaged.atlas"); }},
           {"write", [=, &content] { return writing(content, output, false); }},
           {"write compact", [=, &content] { return writing(content, output, true); }}};
 }
@@ -250,6 +286,7 @@ int run(const ChosenPoints& chosen) {
   const AtlasContent content = small_atlas();
   if (const auto written = write_atlas(content, temporary.path() / "in.atlas"); !written)
     throw std::runtime_error(written.error().message);
+  write_damaged(content, temporary.path() / "damaged.atlas");
   fmt::print("{:18} {:>8} {:>8} {:>8} {:>8} {:>8}\n", "", "points", "errors", "thrown", "done", "wrong");
   Tally sum;
   for (const Scenario& scenario : scenarios(content, temporary.path())) {

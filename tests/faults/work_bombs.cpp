@@ -27,6 +27,18 @@ Bytes lattice(std::int64_t columns, std::int64_t rows, std::int64_t slices) {
   return sparse_atlas({3 * columns, 3 * rows, 3 * slices}, {voxels});
 }
 
+/// Two voxels, and voxels at every other place in three structures. One more structure holds all of them.
+Bytes two_voxels_of_a_lattice(std::int64_t columns, std::int64_t rows) {
+  std::vector<SparseStructure> structures(4);
+  const Index3 size{3 * columns, 3 * rows + 9, 9};
+  structures[0] = {voxel_box({0, 0, 0}), voxel_box({3 * columns - 1, 3 * rows + 8, 8})};
+  for (std::int64_t j = 0; j < rows; ++j) {
+    for (std::int64_t i = 0; i < columns; ++i)
+      structures[static_cast<std::size_t>(1 + i % 3)].push_back(voxel_box({3 * i, 3 * j, 4}));
+  }
+  return sparse_atlas(size, structures, true);
+}
+
 /// Three lines through the middle of a cube, one along every axis: few voxels, and no empty slice.
 Bytes cross(std::int64_t side) {
   const std::int64_t m = side / 2;
@@ -143,6 +155,7 @@ std::vector<WorkBomb> work_bombs() {
       {"1.5 million runs", [] { return lattice(1000, 1500, 1); }},
       {"1.5 million runs in a cube", [] { return lattice(115, 115, 115); }},
       {"6 million runs", [] { return lattice(3000, 2000, 1); }},
+      {"2 of 6 million runs", [] { return two_voxels_of_a_lattice(3000, 2000); }, "s0"},
       {"cross of 500", [] { return cross(500); }},
       {"cross of 16000", [] { return cross(8000); }},
       {"diagonal of 600", [] { return diagonal(600); }},

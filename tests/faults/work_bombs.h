@@ -12,6 +12,7 @@ namespace splatlas {
 struct WorkBomb {
   std::string name;
   std::function<std::vector<std::byte>()> make;
+  std::string selection{};  ///< rendered, too, unless empty
 };
 
 /// Two voxels in giant grids, fitted surfaces in large boxes, deep graphs, long lists of runs, grey values

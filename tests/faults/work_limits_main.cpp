@@ -50,12 +50,13 @@ class WorkLimits {
   explicit WorkLimits(const Limits& limits) : limits_(limits) {}
 
   /// Runs every command on a file. Returns false if any exceeds its limits, or ends in another way.
-  bool try_file(const std::string& name, const std::vector<std::byte>& bytes) {
+  bool try_file(const std::string& name, const std::vector<std::byte>& bytes,
+                const std::string& selection = {}) {
     ++files_;
     const std::string atlas = folder_.file("a.atlas");
     write_bytes(atlas, bytes);
     bool passed = true;
-    const std::vector<std::pair<std::string, std::vector<std::string>>> commands{
+    std::vector<std::pair<std::string, std::vector<std::string>>> commands{
         {"info", {SPLATLAS_PLAYER, "info", atlas}},
         {"info --json", {SPLATLAS_PLAYER, "info", "--json", atlas}},
         {"verify", {SPLATLAS_PLAYER, "verify", atlas}},
@@ -71,6 +72,11 @@ class WorkLimits {
         {"export volume", {SPLATLAS_PREPROCESS, "export", atlas, "--volume", folder_.file("v.nrrd")}},
         {"export surface",
          {SPLATLAS_PREPROCESS, "export", atlas, "--surface", "*=" + folder_.file("s.ply")}}};
+    if (!selection.empty()) {
+      commands.push_back({"render some",
+                          {SPLATLAS_PLAYER, "render", atlas, "--size", "64x64", "--select", selection,
+                           "--view", "superior", "-o", folder_.file("p.png")}});
+    }
     for (const auto& [command, words] : commands) passed = run(name, command, words) && passed;
     return passed;
   }
@@ -130,7 +136,8 @@ int run(const Options& options) {
   WorkLimits limits(options.limits);
   bool passed = true;
   if (options.bombs) {
-    for (const WorkBomb& bomb : work_bombs()) passed = limits.try_file(bomb.name, bomb.make()) && passed;
+    for (const WorkBomb& bomb : work_bombs())
+      passed = limits.try_file(bomb.name, bomb.make(), bomb.selection) && passed;
   }
   for (std::uint32_t seed = options.first; seed < options.first + options.giants; ++seed)
     passed = limits.try_file(fmt::format("giant {}", seed), sparse_giant(seed)) && passed;

@@ -12,10 +12,14 @@
 namespace splatlas {
 namespace {
 
-/// As many structures, of one voxel each, in one row.
-AtlasContent content_in_a_row(std::size_t structures) {
+/// As many structures, of one voxel each, in one row, and before them one of all these voxels.
+AtlasContent content_in_a_row(std::size_t structures, bool in_one) {
   TestVolume volume;
   volume.grid.size = {static_cast<std::int64_t>(3 * structures + 1), 1, 1};
+  if (in_one) {
+    volume.structures.push_back(
+        {"all", make_mask(volume.grid.size, [](std::int64_t i, auto...) { return i % 3 == 1; })});
+  }
   for (std::size_t s = 0; s < structures; ++s) {
     const auto at = static_cast<std::int64_t>(3 * s + 1);
     volume.structures.push_back(
@@ -64,8 +68,9 @@ bool are_near(const IndexBox& a, const IndexBox& b) {
   return true;
 }
 
-std::vector<std::byte> sparse_atlas(const Index3& size, const std::vector<SparseStructure>& structures) {
-  AtlasParts parts = take_apart(encode_atlas(content_in_a_row(structures.size())).value());
+std::vector<std::byte> sparse_atlas(const Index3& size, const std::vector<SparseStructure>& structures,
+                                    bool in_one) {
+  AtlasParts parts = take_apart(encode_atlas(content_in_a_row(structures.size(), in_one)).value());
   Directory& directory = parts.directory;
   directory.source_grid.size = size;
   directory.source_to_storage = AxisOrder{};
@@ -110,8 +115,15 @@ std::vector<std::byte> sparse_atlas(const Index3& size, const std::vector<Sparse
       directory.fingerprints[c] = fingerprinter.of(runs, axis);
     }
     directory.fingerprints[0] = subtract_fingerprints(directory.fingerprints[0], directory.fingerprints[c]);
-    SurfaceEntry& entry = directory.surfaces[members.front().structure];
+    SurfaceEntry& entry = directory.surfaces[members.back().structure];
     entry = entry_of(structures[s]);
+    if (in_one) {
+      SurfaceEntry& all = directory.surfaces[members.front().structure];
+      if (s == 0) all = {};
+      all.vertices += entry.vertices;
+      all.triangles += entry.triangles;
+      all.position_scale = static_cast<std::uint32_t>(rule_for(SurfaceRule::kSmooth, size));
+    }
     constexpr std::array kRules{SurfaceRule::kSmooth, SurfaceRule::kFans, SurfaceRule::kVoxels};
     entry.position_scale = static_cast<std::uint32_t>(rule_for(kRules[s % kRules.size()], size));
     directory.normals_fitted[c] = true;

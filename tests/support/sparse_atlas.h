@@ -14,9 +14,11 @@ namespace splatlas {
 using SparseStructure = std::vector<IndexBox>;
 
 /// A file with one class per structure, "s0", "s1" and so on, without grey values. Surfaces and normals are
-/// fitted. Structures must not overlap. Cost: linear in the voxels of the boxes. Throws std::runtime_error.
+/// fitted. Structures must not overlap. With `in_one`, a structure "all" before them holds their voxels, too.
+/// Cost: linear in the voxels of the boxes. Throws std::runtime_error.
 [[nodiscard]] std::vector<std::byte> sparse_atlas(const Index3& size,
-                                                  const std::vector<SparseStructure>& structures);
+                                                  const std::vector<SparseStructure>& structures,
+                                                  bool in_one = false);
 
 /// True if boxes are too close for sparse_atlas().
 [[nodiscard]] bool are_near(const IndexBox& a, const IndexBox& b);

@@ -1,6 +1,8 @@
 #include "format/derive/fit_surface.h"
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -162,13 +164,66 @@ TEST(FitSurface, NormalsOfAClassNeedTheOwnersOtherClassesAround) {
   const Grid grid = storage_grid(content);
   const RunModel runs = encode_runs(content.class_volume, grid.size, Axis::kZ, 3);
   const auto normals = [&](bool with_interior) {
-    StructureCrop crop = empty_crop(around(content.classes.box(2)));
+    StructureCrop crop = crop_around(content.classes.box(2));
     if (with_interior) paint_runs(runs.classes[1], grid.size[1], StructureCrop::kInterior, crop);
     paint_runs(runs.classes[2], grid.size[1], StructureCrop::kBoundary, crop);
     return fit_normals(crop, runs.classes[2], grid);
   };
   EXPECT_EQ(normals(true), content.boundary_normals[2]);
   EXPECT_NE(normals(false), content.boundary_normals[2]);
+}
+
+/// Structure 0 has the part of structure 1, the corners or all voxels of a box, and voxels at `distance` from
+/// one of its faces.
+AtlasContent part_and_neighbours(std::int64_t distance, bool is_sparse, std::mt19937& random) {
+  constexpr std::int64_t kSide = 22, kFirst = 7, kLast = 14;
+  AtlasContent content;
+  content.source_grid.size = {kSide, kSide, kSide};
+  content.graph = *StructureGraph::build({{.id = "all"}, {.id = "part"}});
+  std::vector<bool> part, all;
+  const std::size_t axis = below(3, random);
+  const std::int64_t slice = below(2, random) == 0 ? kFirst - distance : kLast + distance;
+  for_each_voxel(content.source_grid.size, [&](const Index3& at) {
+    const auto inside = [&](std::int64_t n) { return n >= kFirst && n <= kLast; };
+    const auto is_corner = [&](std::int64_t n) { return n == kFirst || n == kLast; };
+    part.push_back(is_sparse ? std::ranges::all_of(at, is_corner) : std::ranges::all_of(at, inside));
+    all.push_back(part.back() || (at[axis] == slice && below(3, random) == 0));
+  });
+  const auto holds_all = holds_in(all, content.source_grid.size);
+  const auto holds_part = holds_in(part, content.source_grid.size);
+  fill_classes(content, [&](const Index3& at) {
+    std::vector<Membership> members;
+    if (holds_all(at)) members.push_back({0, is_boundary(at, holds_all) ? Part::kBoundary : Part::kInterior});
+    if (holds_part(at))
+      members.push_back({1, is_boundary(at, holds_part) ? Part::kBoundary : Part::kInterior});
+    return members;
+  });
+  content.surfaces.resize(2);
+  content.boundary_normals.resize(content.classes.size());
+  return fitted(std::move(content));
+}
+
+RC_GTEST_PROP(FitSurface, NormalsOfAClassNeedTheOwnersVoxelsUpToThreeVoxelsAway, ()) {
+  auto random = *random_source();
+  for (std::int64_t distance = 1; distance <= 4; ++distance) {
+    for (const bool is_sparse : {true, false}) {
+      const AtlasContent content = part_and_neighbours(distance, is_sparse, random);
+      const auto full = *Atlas::open_bytes(*encode_atlas(content, {.compact = false, .threads = 1}));
+      const auto compact = *Atlas::open_bytes(*encode_atlas(content, {.compact = true, .threads = 1}));
+      RC_ASSERT(section_bytes(*full, "normals") > 0);
+      RC_ASSERT(section_bytes(*compact, "normals") == 0);
+      bool fits_the_part_sparsely = false;
+      for (ClassId c = 0; c < content.classes.size(); ++c) {
+        if (content.classes.members(c).size() == 2) {
+          fits_the_part_sparsely =
+              fits_the_part_sparsely || fits_sparsely(content.classes.box(c), content.classes.voxels(c));
+        }
+        RC_ASSERT(*full->read_normals(c) == content.boundary_normals[c]);
+        RC_ASSERT(*compact->read_normals(c) == content.boundary_normals[c]);
+      }
+      RC_ASSERT(fits_the_part_sparsely == is_sparse);
+    }
+  }
 }
 
 /// The message of opening a changed file and reading its surface and normals.
@@ -213,7 +268,8 @@ TEST(FitSurface, WhatTheVoxelsDoNotGiveIsRefused) {
 TEST(FitSurface, CropsAreCountedWithWhatNormalsDependOn) {
   const IndexBox box{{0, 0, 0}, {0, 1, 2}};
   EXPECT_EQ(crop_voxels(box), 7u * 8 * 9);
-  EXPECT_EQ(empty_crop(around(box)).parts.size(), crop_voxels(box));
+  EXPECT_EQ(crop_around(box).parts.size(), crop_voxels(box));
+  EXPECT_EQ(box_of(crop_around(box)), around(box));
 }
 
 TEST(PaintRuns, ClipsAtTheCrop) {

@@ -1,3 +1,5 @@
+#include <cmath>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
@@ -9,6 +11,7 @@
 #include "tests/support/fails_with.h"
 #include "tests/support/fit_parts.h"
 #include "tests/support/sparse_atlas.h"
+#include "tests/support/test_content.h"
 
 namespace splatlas {
 namespace {
@@ -22,6 +25,7 @@ TEST(WorkBudget, GrowsWithTheFile) {
   EXPECT_EQ(WorkBudget("F", (1 << 20) + 5, 1).allowed(), 8e8 + 5e4);
   EXPECT_EQ(WorkBudget("F", 100, 2.5).allowed(), 2e9);
   EXPECT_EQ(WorkBudget("F", 100, 0).allowed(), 8e8) << "no option lowers it";
+  EXPECT_EQ(WorkBudget("F", 100, std::nan("")).allowed(), 8e8);
 }
 
 TEST(WorkBudget, NamesNumberAndOption) {
@@ -47,6 +51,37 @@ TEST(WorkBudget, CountsMemory) {
   work.hold(210e6);
   EXPECT_THAT(WorkBudget("F", 1, 1).check(work, "it"),
               FailsWith(ErrorCode::kLimit, AllOf(HasSubstr("(200 MiB at once)"), HasSubstr("--max-work 2"))));
+}
+
+/// A message names each item once, whatever is done with it.
+TEST(WorkBudget, CountsEachItemOnce) {
+  const auto atlas =
+      Atlas::open_bytes(sparse_atlas({100, 100, 100}, {{voxel_box({0, 0, 0}), voxel_box({99, 99, 99})}}))
+          .value();
+  EXPECT_EQ(atlas->work_of_surface(0).largest(), "16 triangles");
+}
+
+/// A class of two voxels has at most two runs, however many the axis has.
+TEST(WorkBudget, ChargesDerivedRunsByVoxels) {
+  const auto derived = [](std::int64_t others) {
+    TestVolume volume;
+    volume.grid.size = {40, 8, 8};
+    volume.structures.push_back({"two", box_mask(volume.grid.size, {0, 0, 0}, {1, 0, 0})});
+    volume.structures.push_back({"others", make_mask(volume.grid.size, [&](auto i, auto j, auto k) {
+                                   return i > 3 && i < others && (i + j + k) % 2 == 0;
+                                 })});
+    AtlasContent content = make_content(volume);
+    return Atlas::open_bytes(encode_atlas(content, {.compact = true, .threads = 1}).value()).value();
+  };
+  const auto units = [](const Atlas& atlas) {
+    ClassId of_two = 1;
+    while (atlas.classes().voxels(of_two) != 2) ++of_two;
+    return atlas.work_of_runs({&of_two, 1}, Axis::kX).units() -
+           atlas.work_of_runs({&of_two, 1}, Axis::kZ).units();
+  };
+  const auto few = derived(6), many = derived(40);
+  EXPECT_GT(many->runs(Axis::kX), few->runs(Axis::kX) + 100);
+  EXPECT_EQ(units(*many), units(*few));
 }
 
 /// Estimates bound what is decoded.
