@@ -157,6 +157,7 @@ Result<std::vector<HiddenTerm>> find_hidden_terms(std::span<const SelectionTerm>
     };
     if (const auto s = of.in_vain[number]) {
       const std::uint32_t by = of.selection.structures[*s].term;
+      if (by == number) continue;  // a removal took what it added
       report(by,
              fmt::format("has no effect: the later {} selects the same in the same way; write {} after it, "
                          "with a mode, opacity or color of its own",
