@@ -19,10 +19,10 @@ struct SubtreeCounts {
   friend bool operator==(const SubtreeCounts&, const SubtreeCounts&) = default;
 };
 
-/// [structure]: its counts, for all structures at once. `tree` is that of graph and
-/// classes; `triangles` has one entry per structure. Sixty-four
-/// structures share one traversal of their descendants. Cost in a graph of s structures and e parents: at
-/// most s / 64 * (s + e), and one step per pair of a structure and a class or structure below it.
+/// [structure]: its counts, for all structures at once. `tree` is that of graph and classes; `triangles` has
+/// one entry per structure. Sixty-four structures share one traversal of their descendants. Cost in a graph
+/// of s structures and e parents: at most s / 64 * (s + e), and one step per pair of a structure and a class
+/// or structure below it.
 [[nodiscard]] std::vector<SubtreeCounts> subtree_counts(const StructureGraph& graph,
                                                         const ClassTable& classes, const DecisionTree& tree,
                                                         std::span<const std::uint64_t> triangles);
