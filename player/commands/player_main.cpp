@@ -1,6 +1,7 @@
 // Program splatlas-player: window and command-line renderer of atlases.
 
 #include <array>
+#include <cstdio>
 #include <filesystem>
 #include <sstream>
 #include <string>
@@ -58,9 +59,10 @@ Result<void> verify_file(const std::filesystem::path& path, const AtlasOptions& 
 
 /// Renders a picture. A damaged atlas gives a picture of its intact parts and an error for scripts.
 Result<void> render_picture(const RenderRequest& request) {
-  SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::string> missing, run_render(request));
-  if (missing.empty()) return {};
-  for (const std::string& line : missing) print_error("splatlas-player", line);
+  SPLATLAS_ASSIGN_OR_RETURN(const RenderReport report, run_render(request));
+  for (const std::string& note : report.notes) print_to(stderr, PrintableText("note: {}\n", note));
+  if (report.missing.empty()) return {};
+  for (const std::string& line : report.missing) print_error("splatlas-player", line);
   return fail(ErrorCode::kInvalidAtlas, fmt::format("{}: damaged; {} was written without what is missing",
                                                     request.atlas.string(), request.output.string()));
 }

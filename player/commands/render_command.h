@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "format/result.h"
+#include "player/commands/annotate_options.h"
 #include "player/render_frame.h"
 
 namespace CLI {
@@ -24,7 +25,14 @@ struct RenderRequest {
   unsigned threads = 0;
   AtlasOptions atlas_options;
   std::optional<Rgb> background = Rgb{0, 0, 0};  ///< none: transparent
-  std::filesystem::path stats;                   ///< JSON file; empty: none
+  AnnotateRequest annotate;
+  std::filesystem::path stats;  ///< JSON file; empty: none
+};
+
+/// Lines about a written picture.
+struct RenderReport {
+  std::vector<std::string> missing;  ///< unreadable parts of a damaged atlas
+  std::vector<std::string> notes;
 };
 
 /// Adds the command. Parsing fills `request`, which must outlive `app`. Invalid values throw
@@ -32,7 +40,7 @@ struct RenderRequest {
 CLI::App* add_render(CLI::App& app, RenderRequest& request);
 
 /// Renders a picture and writes it, with the statistics if requested: both files or none. Renders the intact
-/// parts of a damaged atlas, and returns a line for each missing part. Errors name the file.
-[[nodiscard]] Result<std::vector<std::string>> run_render(const RenderRequest& request);
+/// parts of a damaged atlas. Errors name the file.
+[[nodiscard]] Result<RenderReport> run_render(const RenderRequest& request);
 
 }  // namespace splatlas
