@@ -143,6 +143,7 @@ extern "C" __attribute__((visibility("default"))) void splatlas_encode_pdf(const
                                                             points * page.size.height));
   cairo_pdf_surface_set_metadata(surface.get(), CAIRO_PDF_METADATA_TITLE, page.title.c_str());
   cairo_pdf_surface_set_metadata(surface.get(), CAIRO_PDF_METADATA_CREATOR, "Splatlas");
+  cairo_pdf_surface_set_metadata(surface.get(), CAIRO_PDF_METADATA_CREATE_DATE, "");  // reproducible files
   const Surface image = image_of(page);
   {
     const Context cairo(cairo_create(surface.get()));

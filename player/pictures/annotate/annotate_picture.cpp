@@ -15,6 +15,7 @@ namespace {
 using namespace typography;
 
 constexpr double kDefaultShortSideInch = 120 / 25.4;
+constexpr double kTightRows = 0.2, kWideRows = 0.5;             // gaps between labels, in em
 constexpr double kMaxLabelWidth = 0.26, kMinLabelWidth = 0.16;  // of the picture's width
 
 /// True if all texts lie in the picture, and a figure remains.
@@ -44,13 +45,17 @@ PageLayout lay_out(const AnnotatedScene& scene, const AnnotationOptions& options
 }  // namespace
 
 void PageLayout::place_structure_labels() {
-  // Choose the largest structures
+  // Choose the largest structures that no block of text covers
   std::vector<const NamedStructure*> chosen;
   for (const NamedStructure& one : scene.structures) chosen.push_back(&one);
   std::ranges::stable_sort(chosen, std::greater(),
                            [](const NamedStructure* one) { return one->visible.pixels; });
   const double em = kLabel * pt, leading = 1.2 * em;
   std::erase_if(chosen, [&](const NamedStructure* one) { return one->visible.pixels < em * em; });
+  std::erase_if(chosen, [&](const NamedStructure* one) {
+    const PagePoint anchor = one->visible.anchor;
+    return !contains(figure, {anchor.x, anchor.y, anchor.x, anchor.y});
+  });
   chosen.resize(std::min(chosen.size(), options.max_labels));
 
   // Break long names
@@ -67,9 +72,14 @@ void PageLayout::place_structure_labels() {
     if (!label.lines.empty()) labels.push_back(std::move(label));
   }
 
-  // Place them, and add their texts and leaders
-  const LabelSpace space{figure, gap, 0.22 * em, 0.3 * em, (kDot + 2 * kLeader) * pt, obstacles};
-  const std::vector<PlacedLabel> placed = place_labels(labels, space, free_space);
+  // Place them and add their texts and leaders,
+  // with generous gaps between rows if these lose no label.
+  const auto place = [&](double row_gap) {
+    const LabelSpace space{figure, gap, row_gap * em, 0.3 * em, (kDot + 2 * kLeader) * pt, obstacles};
+    return place_labels(labels, space, free_space);
+  };
+  std::vector<PlacedLabel> placed = place(kTightRows);
+  if (auto wider = place(kWideRows); wider.size() >= placed.size()) placed = std::move(wider);
   for (const PlacedLabel& one : placed) {
     const Label& label = labels[one.label];
     double baseline = one.box.top + kAscent * em;

@@ -80,7 +80,7 @@ void PageLayout::place_legend() {
   // Divide the page into columns as wide as the longest name
   double longest = 0;
   for (const NamedStructure& one : scene.structures) longest = std::max(longest, width(one.name));
-  const double cell = std::min(swatch + gap + longest + 2 * em, page.width());
+  const double cell = std::min(swatch + gap + 1.001 * longest + 2 * em, page.width() + 2 * em);
   const auto columns = std::max<std::size_t>(1, static_cast<std::size_t>((page.width() + 2 * em) / cell));
   const auto max_rows = static_cast<std::size_t>(std::max(1.0, kMaxLegend * scene.picture.size.height / row));
   const std::size_t all = scene.structures.size();

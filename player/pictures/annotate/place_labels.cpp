@@ -72,15 +72,17 @@ class Column {
   void add(std::size_t n) {
     const double middle = 0.5 * (space_.region.top + space_.region.bottom);
     Entry entry{n, middle + kFan * (labels_[n].anchor.y - middle), {}};
-    for (int k = 0; k < positions(); ++k) entry.allowed.push_back(is_allowed(at(n, center(k)).box));
+    for (int k = 0; k < positions(); ++k) entry.allowed.push_back(is_allowed(at(n, center(k))));
     if (std::ranges::find(entry.allowed, true) != entry.allowed.end()) entries_.push_back(std::move(entry));
   }
 
-  [[nodiscard]] bool is_allowed(const PageBox& box) const {
-    const PageBox padded = box.grown(0.5 * space_.row_gap);
-    return contains(space_.region, box) && free_space_.is_free(padded) &&
-           std::ranges::none_of(space_.obstacles,
-                                [&](const PageBox& other) { return overlap(other, padded); });
+  [[nodiscard]] bool is_allowed(const PlacedLabel& one) const {
+    const PageBox padded = one.box.grown(0.5 * space_.row_gap);
+    const PagePoint anchor = labels_[one.label].anchor;
+    return contains(space_.region, one.box) && free_space_.is_free(padded) &&
+           std::ranges::none_of(space_.obstacles, [&](const PageBox& other) {
+             return overlap(other, padded) || segment_meets(one.port, anchor, other);
+           });
   }
 
   /// Positions of all entries in their order, with the least sum of squared distances to the ideal ones: a
@@ -156,11 +158,6 @@ bool breaks_rule(const std::vector<Label>& labels, const LabelSpace& space, cons
 
 /// Leaves labels out until none breaks a rule.
 void prune(const std::vector<Label>& labels, const LabelSpace& space, std::vector<PlacedLabel>& placed) {
-  std::erase_if(placed, [&](const PlacedLabel& one) {
-    return std::ranges::any_of(space.obstacles, [&](const PageBox& box) {
-      return segment_meets(one.port, labels[one.label].anchor, box);
-    });
-  });
   std::ranges::stable_sort(placed, std::greater(),
                            [&](const PlacedLabel& one) { return labels[one.label].weight; });
   std::vector<PlacedLabel> kept;
