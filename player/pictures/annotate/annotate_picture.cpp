@@ -14,7 +14,7 @@ namespace {
 
 using namespace typography;
 
-constexpr double kDefaultShortSideInch = 120 / 25.4;
+constexpr double kDefaultShortSideInch = 160 / 25.4;
 constexpr double kTightRows = 0.2, kWideRows = 0.5;             // gaps between labels, in em
 constexpr double kMaxLabelWidth = 0.26, kMinLabelWidth = 0.16;  // of the picture's width
 
@@ -66,7 +66,7 @@ void PageLayout::place_structure_labels() {
   std::vector<Label> labels;
   for (const NamedStructure* one : chosen) {
     const auto width = [&](std::string_view words) { return width_of(words, kLabel); };
-    Label label{wrap_text(one->name, max_width, width), 0, 0, one->visible.anchor, one->visible.pixels};
+    Label label{balanced_lines(one->name, max_width, width), 0, 0, one->visible.anchor, one->visible.pixels};
     for (const std::string& words : label.lines) label.width = std::max(label.width, width(words));
     label.height = (static_cast<double>(label.lines.size()) - 1) * leading + (kAscent + kDescent) * em;
     if (!label.lines.empty()) labels.push_back(std::move(label));

@@ -171,7 +171,7 @@ void PageLayout::place_orientation() {
     const PageBox box{one.x, one.y - kCapHeight * em, one.x + one.width, one.y};
     const PageBox plate = box.grown(2 * pt);
     if (!free_space.is_free(box)) layer.boxes.push_back({plate, paper, kPlateOpacity}), covers = true;
-    obstacles.push_back(plate);
+    obstacles.push_back(one.box().grown(pt));
     layer.texts.push_back(std::move(one));
   }
   if (covers) {

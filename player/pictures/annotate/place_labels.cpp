@@ -14,6 +14,8 @@ constexpr int kPositionsPerLine = 4;
 constexpr int kMaxExchanges = 400;
 /// Labels spread further apart than their anchors, so that leaders fan out.
 constexpr double kFan = 1.15;
+/// Horizontal over vertical extent of leaders, at least: steeper ones run along other labels.
+constexpr double kMinSlope = 0.35;
 
 double turn(PagePoint a, PagePoint b, PagePoint c) {
   return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
@@ -79,6 +81,8 @@ class Column {
   [[nodiscard]] bool is_allowed(const PlacedLabel& one) const {
     const PageBox padded = one.box.grown(0.5 * space_.row_gap);
     const PagePoint anchor = labels_[one.label].anchor;
+    const double inwards = left_ ? anchor.x - one.port.x : one.port.x - anchor.x;
+    if (inwards < kMinSlope * std::abs(anchor.y - one.port.y)) return false;
     return contains(space_.region, one.box) && free_space_.is_free(padded) &&
            std::ranges::none_of(space_.obstacles, [&](const PageBox& other) {
              return overlap(other, padded) || segment_meets(one.port, anchor, other);

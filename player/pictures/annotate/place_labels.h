@@ -12,7 +12,7 @@ namespace splatlas {
 
 /// A name to place beside the structures.
 struct Label {
-  std::vector<std::string> lines;  ///< of text, broken by wrap_text()
+  std::vector<std::string> lines;  ///< of text, broken by balanced_lines()
   double width = 0, height = 0;    ///< of the text, in pixels
   PagePoint anchor;                ///< end of the leader
   double weight = 0;               ///< labels of small weight are left out first

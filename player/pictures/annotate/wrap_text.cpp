@@ -1,6 +1,8 @@
 #include "player/pictures/annotate/wrap_text.h"
 
+#include <algorithm>
 #include <cstddef>
+#include <utility>
 
 namespace splatlas {
 namespace {
@@ -50,6 +52,28 @@ std::vector<std::string> wrap_text(std::string_view text, double max_width,
     line = word;
   }
   if (!line.empty()) lines.push_back(line);
+  return lines;
+}
+
+std::vector<std::string> balanced_lines(std::string_view text, double max_width,
+                                        const std::function<double(std::string_view)>& width_of) {
+  // The longest word is the narrowest possible line
+  double narrow = 0;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = std::min(text.find(' ', at), text.size());
+    narrow = std::max(narrow, width_of(text.substr(at, end - at)));
+    at = end + 1;
+  }
+  double wide = std::max(narrow, max_width);
+  std::vector<std::string> lines = wrap_text(text, wide, width_of);
+  constexpr int kSteps = 12;
+  for (int step = 0; step < kSteps && lines.size() > 1; ++step) {
+    const double middle = 0.5 * (narrow + wide);
+    auto narrower = wrap_text(text, middle, width_of);
+    const bool same = narrower.size() == lines.size();
+    if (same) lines = std::move(narrower);
+    (same ? wide : narrow) = middle;
+  }
   return lines;
 }
 

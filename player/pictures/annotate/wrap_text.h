@@ -13,6 +13,10 @@ namespace splatlas {
 [[nodiscard]] std::vector<std::string> wrap_text(std::string_view text, double max_width,
                                                  const std::function<double(std::string_view)>& width_of);
 
+/// The same number of lines, but as equally long as possible. Words are never broken.
+[[nodiscard]] std::vector<std::string> balanced_lines(
+    std::string_view text, double max_width, const std::function<double(std::string_view)>& width_of);
+
 /// The longest beginning of the text that fits with an ellipsis; the whole text if it fits.
 [[nodiscard]] std::string shortened_text(std::string_view text, double max_width,
                                          const std::function<double(std::string_view)>& width_of);

@@ -109,21 +109,21 @@ TEST(AnnotatePicture, EndsLeadersInTheirStructures) {
 }
 
 TEST(AnnotatePicture, PlacesLabelsBesideTheirStructures) {
-  DiscScene discs({600, 400});
-  discs.add(0, 250, 200, 40);
-  discs.add(1, 350, 200, 40);
+  DiscScene discs({600, 600});
+  discs.add(0, 250, 300, 40);
+  discs.add(1, 350, 300, 40);
   const AnnotationLayer layer = annotated(discs.annotated(), {.items = {.labels = true}});
   const PlacedText* left = find_text(layer, "Structure number 0");
   const PlacedText* right = find_text(layer, "Structure number 1");
   ASSERT_TRUE(left && right);
-  // 400 pixels are 120 mm: 1.1759 pixels per point. Labels of 8.5 points begin 12 points beside the discs.
-  const double pt = 400 / (120 / 25.4) / 72;
+  // 600 pixels are 160 mm: 1.32 pixels per point. Labels of 8.5 points begin 12 points beside the discs.
+  const double pt = 600 / (160 / 25.4) / 72;
   EXPECT_NEAR(left->size, 8.5 * pt, 1e-9);
   EXPECT_NEAR(left->x + left->width, 210 - 12 * pt, 1e-9);
   EXPECT_NEAR(right->x, 390 + 12 * pt, 1e-9);
   // Half the distance of two positions, and the fan of anchors half a pixel beside the centre.
   const double middle = 0.5 * (left->box().top + left->box().bottom);
-  EXPECT_NEAR(middle, 200, 0.5 * 1.17 * left->size / 4 + 1.15 * 0.5);
+  EXPECT_NEAR(middle, 300, 0.5 * 1.17 * left->size / 4 + 1.15 * 0.5);
   EXPECT_EQ(left->y, right->y);
   EXPECT_EQ(layer.unlabelled, 0u);
 }
