@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -14,6 +15,9 @@ constexpr int kPositionsPerLine = 4;
 constexpr int kMaxExchanges = 400;
 /// Labels spread further apart than their anchors, so that leaders fan out.
 constexpr double kFan = 1.15;
+/// Distance beyond the middle, relative to the structures' width, from which a leader leads to the other
+/// column.
+constexpr double kMaxCrossover = 0.15;
 /// Horizontal over vertical extent of leaders, at least: steeper ones run along other labels.
 constexpr double kMinSlope = 0.35;
 
@@ -28,13 +32,23 @@ class Column {
          double edge, std::vector<std::size_t> members)
       : labels_(labels), space_(space), free_space_(free_space), left_(is_left), edge_(edge) {
     double line = kImpossible;
-    for (const std::size_t n : members) line = std::min(line, labels[n].height);
-    if (members.empty()) return;
+    for (const Label& label : labels) line = std::min(line, label.height);
     step_ = std::max(1.0, line / kPositionsPerLine);
     for (const std::size_t n : members) add(n);
     std::ranges::sort(entries_, [](const Entry& a, const Entry& b) {
       return std::pair(a.ideal, a.label) < std::pair(b.ideal, b.label);
     });
+  }
+
+  /// Possible positions of one label, the best first.
+  [[nodiscard]] std::vector<PlacedLabel> candidates(std::size_t n) const {
+    std::vector<PlacedLabel> list;
+    for (int k = 0; k < positions(); ++k) {
+      if (const PlacedLabel one = at(n, center(k)); is_allowed(one)) list.push_back(one);
+    }
+    const auto away = [&](const PlacedLabel& one) { return std::abs(one.port.y - ideal(n)); };
+    std::ranges::stable_sort(list, {}, away);
+    return list;
   }
 
   /// Positions without intersecting leaders, as far as exchanges of labels find them.
@@ -71,9 +85,14 @@ class Column {
     return {n, box, left_, {left_ ? box.right + space_.leader_gap : box.left - space_.leader_gap, y}};
   }
 
-  void add(std::size_t n) {
+  /// Preferred vertical centre of a label.
+  [[nodiscard]] double ideal(std::size_t n) const {
     const double middle = 0.5 * (space_.region.top + space_.region.bottom);
-    Entry entry{n, middle + kFan * (labels_[n].anchor.y - middle), {}};
+    return middle + kFan * (labels_[n].anchor.y - middle);
+  }
+
+  void add(std::size_t n) {
+    Entry entry{n, ideal(n), {}};
     for (int k = 0; k < positions(); ++k) entry.allowed.push_back(is_allowed(at(n, center(k))));
     if (std::ranges::find(entry.allowed, true) != entry.allowed.end()) entries_.push_back(std::move(entry));
   }
@@ -151,28 +170,40 @@ class Column {
   std::vector<Entry> entries_;
 };
 
-/// True if label `a` with its leader breaks a rule beside `b`.
-bool breaks_rule(const std::vector<Label>& labels, const LabelSpace& space, const PlacedLabel& a,
-                 const PlacedLabel& b) {
-  const PagePoint anchor = labels[a.label].anchor, other = labels[b.label].anchor;
-  return segments_meet(a.port, anchor, b.port, other) || overlap(a.box, b.box) ||
-         segment_meets(a.port, anchor, b.box) ||
-         distance_to_segment(other, a.port, anchor) < space.dot_clearance;
-}
+/// Placed labels that break no rule beside each other.
+class PlacedSet {
+ public:
+  PlacedSet(const std::vector<Label>& labels, const LabelSpace& space) : labels_(labels), space_(space) {}
 
-/// Leaves labels out until none breaks a rule.
-void prune(const std::vector<Label>& labels, const LabelSpace& space, std::vector<PlacedLabel>& placed) {
-  std::ranges::stable_sort(placed, std::greater(),
-                           [&](const PlacedLabel& one) { return labels[one.label].weight; });
-  std::vector<PlacedLabel> kept;
-  for (const PlacedLabel& one : placed) {
-    const bool fits = std::ranges::none_of(kept, [&](const PlacedLabel& other) {
-      return breaks_rule(labels, space, one, other) || breaks_rule(labels, space, other, one);
+  /// Adds the label unless it would break a rule.
+  bool add(const PlacedLabel& one) {
+    const bool fits = std::ranges::none_of(placed_, [&](const PlacedLabel& other) {
+      return breaks_rule(one, other) || breaks_rule(other, one);
     });
-    if (fits) kept.push_back(one);
+    if (fits) placed_.push_back(one);
+    return fits;
   }
-  placed = std::move(kept);
-}
+  [[nodiscard]] bool has(std::size_t label) const {
+    return std::ranges::find(placed_, label, &PlacedLabel::label) != placed_.end();
+  }
+  [[nodiscard]] std::vector<PlacedLabel> by_label() && {
+    std::ranges::sort(placed_, {}, &PlacedLabel::label);
+    return std::move(placed_);
+  }
+
+ private:
+  /// True if label `a` with its leader breaks a rule beside `b`.
+  [[nodiscard]] bool breaks_rule(const PlacedLabel& a, const PlacedLabel& b) const {
+    const PagePoint anchor = labels_[a.label].anchor, other = labels_[b.label].anchor;
+    return segments_meet(a.port, anchor, b.port, other) ||
+           overlap(a.box.grown(0.999 * space_.row_gap), b.box) || segment_meets(a.port, anchor, b.box) ||
+           distance_to_segment(other, a.port, anchor) < space_.dot_clearance;
+  }
+
+  const std::vector<Label>& labels_;
+  const LabelSpace& space_;
+  std::vector<PlacedLabel> placed_;
+};
 
 /// Vertical line at which a column ends: beside the structures, or further in if the labels are too wide.
 double column_edge(const std::vector<Label>& labels, const std::vector<std::size_t>& members,
@@ -205,18 +236,34 @@ std::vector<PlacedLabel> place_labels(const std::vector<Label>& labels, const La
   const auto split = order.begin() + std::clamp(by_middle, std::max(half - slack, std::ptrdiff_t{0}),
                                                 std::min(half + slack, std::ssize(order)));
 
-  // Place both columns
-  std::vector<PlacedLabel> placed;
+  // Place both columns, and keep the largest labels that break no rule
+  std::vector<Column> columns;
+  std::vector<PlacedLabel> proposed;
   for (const bool is_left : {true, false}) {
     const std::vector<std::size_t> members =
         is_left ? std::vector(order.begin(), split) : std::vector(split, order.end());
     const double edge = column_edge(labels, members, space, content, is_left);
-    Column column(labels, space, free_space, is_left, edge, members);
-    for (const PlacedLabel& one : column.placed()) placed.push_back(one);
+    Column& column = columns.emplace_back(labels, space, free_space, is_left, edge, members);
+    for (const PlacedLabel& one : column.placed()) proposed.push_back(one);
   }
-  prune(labels, space, placed);
-  std::ranges::sort(placed, {}, &PlacedLabel::label);
-  return placed;
+  const auto weight = [&](std::size_t n) { return labels[n].weight; };
+  std::ranges::stable_sort(proposed, std::greater(),
+                           [&](const PlacedLabel& one) { return weight(one.label); });
+  PlacedSet placed(labels, space);
+  for (const PlacedLabel& one : proposed) placed.add(one);
+
+  // Put the others into gaps
+  std::ranges::stable_sort(order, std::greater(), weight);
+  for (const std::size_t n : order) {
+    const double right = labels[n].anchor.x - middle;
+    for (const bool is_left : {right < 0, right >= 0}) {
+      const bool is_far = (is_left ? right : -right) > kMaxCrossover * content.width();
+      if (placed.has(n) || is_far) break;
+      const std::vector<PlacedLabel> candidates = columns[is_left ? 0 : 1].candidates(n);
+      std::ranges::find_if(candidates, [&](const PlacedLabel& one) { return placed.add(one); });
+    }
+  }
+  return std::move(placed).by_label();
 }
 
 bool segments_meet(PagePoint a, PagePoint b, PagePoint c, PagePoint d) {

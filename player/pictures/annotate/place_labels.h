@@ -41,8 +41,8 @@ struct PlacedLabel {
 ///   - no two leaders intersect, and none comes within `dot_clearance` of another anchor
 ///   - no label covers another one, a leader, an obstacle or a pixel of a structure
 ///   - all labels lie in the region
-/// Labels that would break a rule are left out, those of the smallest weight first. O(labels^2 * positions)
-/// for each exchange of two labels.
+/// Labels that would break a rule move into gaps, in the order of their weights, or are left out. O(labels^2
+/// * positions) for each exchange of two labels.
 [[nodiscard]] std::vector<PlacedLabel> place_labels(const std::vector<Label>& labels, const LabelSpace& space,
                                                     const FreeSpace& free_space);
 
