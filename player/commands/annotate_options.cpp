@@ -42,7 +42,7 @@ std::optional<Number> number_within(std::string_view text, Number min, Number ma
 std::string printed_name(const Structure& structure) {
   std::string name = structure.name.empty() ? structure.id : structure.name;
   std::ranges::replace(name, '_', ' ');
-  return name;
+  return printable(name);
 }
 
 /// The structures in the renderer's picture, in the order of the tree.
@@ -93,8 +93,10 @@ void add_annotations(CLI::App& command, AnnotateRequest& request) {
   CLI::Option* annotate = command.add_option_function<std::string>(
       "--annotate", parse, item_names() + ", separated by commas: items to draw over the picture");
   const auto needs_it = [&](CLI::Option* option) { option->needs(annotate); };
-  const auto any = [](std::string_view text) { return std::optional<std::string>(text); };
-  needs_it(add_parsed(command, "--caption", request.caption, any, "must be a text",
+  const auto line = [](std::string_view text) {
+    return printable(text) == text ? std::optional<std::string>(text) : std::nullopt;
+  };
+  needs_it(add_parsed(command, "--caption", request.caption, line, "must be one line of UTF-8 text",
                       "text below the picture; default: the title of the atlas"));
   const auto labels = [](std::string_view text) { return number_within<std::size_t>(text, 0, 1000); };
   needs_it(add_parsed(command, "--max-labels", request.max_labels, labels, "must be a number from 0 to 1000",
@@ -121,8 +123,8 @@ Result<AnnotationLayer> annotate_rendered(const Renderer& renderer, const Select
     scene.structures = structures_of(renderer, selection, picture);
   SPLATLAS_RETURN_IF_ERROR(drawer.wait());
   const AnnotationOptions options{request.items, request.max_labels,
-                                  request.caption.value_or(provenance.title), provenance.citation,
-                                  request.dpi};
+                                  request.caption.value_or(printable(provenance.title)),
+                                  printable(provenance.citation), request.dpi};
   const auto measure = [&](std::string_view text, double size, FontStyle style) {
     return drawer.width(text, size, style);
   };

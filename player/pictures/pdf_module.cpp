@@ -10,9 +10,8 @@
 #include <ft2build.h>
 #include FT_FREETYPE_H
 
+namespace splatlas {
 namespace {
-
-using namespace splatlas;
 
 template <auto destroy>
 struct Destroy {
@@ -129,29 +128,30 @@ cairo_status_t append(void* to, const unsigned char* data, unsigned length) {
 }
 
 }  // namespace
+}  // namespace splatlas
 
 extern "C" __attribute__((visibility("default"))) void splatlas_encode_pdf(const splatlas::PdfPage& page,
                                                                            std::vector<std::byte>& bytes,
                                                                            std::string& error) {
-  Fonts fonts;
+  splatlas::Fonts fonts;
   if (!page.layer->texts.empty()) error = fonts.load(page.fonts);
   if (!error.empty()) return;
 
   // A page of the picture's size in points, drawn in pixels
   const double points = 72 / page.dpi;
-  const Surface surface(cairo_pdf_surface_create_for_stream(append, &bytes, points * page.size.width,
-                                                            points * page.size.height));
+  const splatlas::Surface surface(cairo_pdf_surface_create_for_stream(
+      splatlas::append, &bytes, points * page.size.width, points * page.size.height));
   cairo_pdf_surface_set_metadata(surface.get(), CAIRO_PDF_METADATA_TITLE, page.title.c_str());
   cairo_pdf_surface_set_metadata(surface.get(), CAIRO_PDF_METADATA_CREATOR, "Splatlas");
   cairo_pdf_surface_set_metadata(surface.get(), CAIRO_PDF_METADATA_CREATE_DATE, "");  // reproducible files
-  const Surface image = image_of(page);
+  const splatlas::Surface image = splatlas::image_of(page);
   {
-    const Context cairo(cairo_create(surface.get()));
+    const splatlas::Context cairo(cairo_create(surface.get()));
     cairo_scale(cairo.get(), points, points);
     cairo_set_source_surface(cairo.get(), image.get(), 0, 0);
     cairo_pattern_set_filter(cairo_get_source(cairo.get()), CAIRO_FILTER_NEAREST);
     cairo_paint(cairo.get());
-    draw_layer(cairo.get(), *page.layer, fonts);
+    splatlas::draw_layer(cairo.get(), *page.layer, fonts);
     if (cairo_status(cairo.get()) != CAIRO_STATUS_SUCCESS)
       error = cairo_status_to_string(cairo_status(cairo.get()));
   }

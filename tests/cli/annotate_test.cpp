@@ -92,6 +92,8 @@ TEST_F(Annotate, ExplainsWrongOptions) {
        "\"arrows\" is no annotation; use labels, legend, scalebar, orientation, caption, citation, or all"},
       {{"--annotate", ""}, "\"\" is no annotation"},
       {{"--caption", "x"}, "--annotate"},
+      {{"--annotate", "caption", "--caption", "a\xff"}, "must be one line of UTF-8 text"},
+      {{"--annotate", "caption", "--caption", "a\nb"}, "must be one line of UTF-8 text"},
       {{"--annotate", "labels", "--max-labels", "-1"}, "--max-labels"},
       {{"--annotate", "labels", "--dpi", "9"}, "--dpi \"9\": must be a number from 72 to 2400"},
       {{"--annotate", "all", "--size", "50x40"}, "picture size 50x40: too small for its annotations"}};

@@ -12,8 +12,6 @@
 namespace splatlas {
 namespace {
 
-using namespace typography;
-
 constexpr double kDefaultShortSideInch = 160 / 25.4;
 constexpr double kTightRows = 0.2, kWideRows = 0.5;             // gaps between labels, in em
 constexpr double kMaxLabelWidth = 0.26, kMinLabelWidth = 0.16;  // of the picture's width
@@ -22,7 +20,7 @@ constexpr double kMaxLabelWidth = 0.26, kMinLabelWidth = 0.16;  // of the pictur
 bool fits(const PageLayout& layout) {
   const PictureSize& size = layout.scene.picture.size;
   const PageBox all{0, 0, static_cast<double>(size.width), static_cast<double>(size.height)};
-  const double em = kLabel * layout.pt;
+  const double em = kLabelPoints * layout.pt;
   if (layout.figure.width() < 4 * em || layout.figure.height() < 4 * em) return false;
   return std::ranges::all_of(layout.layer.texts,
                              [&](const PlacedText& text) { return contains(all, text.box()); }) &&
@@ -50,7 +48,7 @@ void PageLayout::place_structure_labels() {
   for (const NamedStructure& one : scene.structures) chosen.push_back(&one);
   std::ranges::stable_sort(chosen, std::greater(),
                            [](const NamedStructure* one) { return one->visible.pixels; });
-  const double em = kLabel * pt, leading = 1.2 * em;
+  const double em = kLabelPoints * pt, leading = 1.2 * em;
   std::erase_if(chosen, [&](const NamedStructure* one) { return one->visible.pixels < em * em; });
   std::erase_if(chosen, [&](const NamedStructure* one) {
     const PagePoint anchor = one->visible.anchor;
@@ -65,7 +63,7 @@ void PageLayout::place_structure_labels() {
   const double max_width = std::clamp(side, kMinLabelWidth * page_width, kMaxLabelWidth * page_width);
   std::vector<Label> labels;
   for (const NamedStructure* one : chosen) {
-    const auto width = [&](std::string_view words) { return width_of(words, kLabel); };
+    const auto width = [&](std::string_view words) { return width_of(words, kLabelPoints); };
     Label label{balanced_lines(one->name, max_width, width), 0, 0, one->visible.anchor, one->visible.pixels};
     for (const std::string& words : label.lines) label.width = std::max(label.width, width(words));
     label.height = (static_cast<double>(label.lines.size()) - 1) * leading + (kAscent + kDescent) * em;
@@ -75,7 +73,8 @@ void PageLayout::place_structure_labels() {
   // Place them and add their texts and leaders,
   // with generous gaps between rows if these lose no label.
   const auto place = [&](double row_gap) {
-    const LabelSpace space{figure, gap, row_gap * em, 0.3 * em, (kDot + 2 * kLeader) * pt, obstacles};
+    const LabelSpace space{figure,   gap, row_gap * em, 0.3 * em, (kDotPoints + 2 * kLeaderPoints) * pt,
+                           obstacles};
     return place_labels(labels, space, free_space);
   };
   std::vector<PlacedLabel> placed = place(kTightRows);
@@ -84,14 +83,14 @@ void PageLayout::place_structure_labels() {
     const Label& label = labels[one.label];
     double baseline = one.box.top + kAscent * em;
     for (const std::string& words : label.lines) {
-      PlacedText text_line = text(words, one.box.left, baseline, kLabel);
+      PlacedText text_line = text(words, one.box.left, baseline, kLabelPoints);
       if (one.is_left) text_line.x = one.box.right - text_line.width;
       layer.texts.push_back(std::move(text_line));
       baseline += leading;
     }
-    layer.lines.push_back(line(one.port, label.anchor, kLeader));
-    layer.lines.back().casing = kLeaderCasing * pt;
-    layer.dots.push_back({label.anchor, kDot * pt, kDotCasing * pt, ink, paper});
+    layer.lines.push_back(line(one.port, label.anchor, kLeaderPoints));
+    layer.lines.back().casing = kLeaderCasingPoints * pt;
+    layer.dots.push_back({label.anchor, kDotPoints * pt, kDotCasingPoints * pt, ink, paper});
   }
   layer.labels = placed.size();
   layer.unlabelled = scene.structures.size() - placed.size();
@@ -101,7 +100,7 @@ double annotation_dpi(const AnnotationOptions& options, const PictureSize& size)
   if (options.dpi) return *options.dpi;
   constexpr double kMinTextPixels = 9;
   const double fitted = std::min(size.width, size.height) / kDefaultShortSideInch;
-  return std::max(fitted, 72 * kMinTextPixels / kLabel);
+  return std::max(fitted, 72 * kMinTextPixels / kLabelPoints);
 }
 
 Result<AnnotationLayer> annotate_picture(const AnnotatedScene& scene, const AnnotationOptions& options,
@@ -122,7 +121,7 @@ Result<AnnotationLayer> annotate_picture(const AnnotatedScene& scene, const Anno
         ErrorCode::kUsage,
         fmt::format("picture size {}x{}: too small for its annotations, with labels of {:.0f} pixels; "
                     "take a larger --size, a smaller --dpi or fewer items",
-                    size.width, size.height, kLabel * layout->pt));
+                    size.width, size.height, kLabelPoints * layout->pt));
   }
   return std::move(layout->layer);
 }

@@ -12,8 +12,6 @@
 namespace splatlas {
 namespace {
 
-using namespace typography;
-
 constexpr double kMargin = 0.035;     // of the short side
 constexpr double kMaxScaleBar = 0.2;  // of the width
 constexpr double kMaxLegend = 0.3;    // of the height
@@ -65,7 +63,7 @@ void PageLayout::cover(const PageBox& box, std::string_view item) {
 void PageLayout::place_paragraph(std::string_view words, double points, FontStyle style, Rgb color) {
   const std::vector<std::string> lines =
       wrap_text(words, page.width(), [&](std::string_view part) { return width_of(part, points, style); });
-  const double leading = kLeading * points * pt;
+  const double leading = kLineSpacing * points * pt;
   for (std::size_t n = lines.size(); n-- > 0; figure.bottom -= leading) {
     layer.texts.push_back(text(lines[n], page.left, figure.bottom - kDescent * points * pt, points, style));
     layer.texts.back().color = color;
@@ -74,8 +72,8 @@ void PageLayout::place_paragraph(std::string_view words, double points, FontStyl
 
 void PageLayout::place_legend() {
   if (scene.structures.empty()) return;
-  const double em = kLegend * pt, swatch = 1.5 * em, gap = 0.5 * em, row = 1.45 * em;
-  const auto width = [&](std::string_view name) { return width_of(name, kLegend); };
+  const double em = kLegendPoints * pt, swatch = 1.5 * em, gap = 0.5 * em, row = 1.45 * em;
+  const auto width = [&](std::string_view name) { return width_of(name, kLegendPoints); };
 
   // Divide the page into columns as wide as the longest name
   double longest = 0;
@@ -89,21 +87,23 @@ void PageLayout::place_legend() {
   const std::size_t rows = (cells + columns - 1) / columns;
 
   // Fill them from top to bottom
+  const double pitch = (page.width() + 2 * em) / static_cast<double>(columns);
   const double top = figure.bottom - static_cast<double>(rows) * row;
   for (std::size_t n = 0; n < cells; ++n) {
-    const double x =
-        page.left + static_cast<double>(n / rows) * (page.width() + 2 * em) / static_cast<double>(columns);
+    const std::size_t column = n / rows;
+    const double x = page.left + static_cast<double>(column) * pitch;
     const double y = top + static_cast<double>(n % rows) * row,
                  baseline = y + 0.5 * row + 0.5 * kCapHeight * em;
     if (n == shown) {
       layer.texts.push_back(
-          text(fmt::format("and {} more", all - shown), x, baseline, kLegend, FontStyle::kItalic));
+          text(fmt::format("and {} more", all - shown), x, baseline, kLegendPoints, FontStyle::kItalic));
       continue;
     }
     const NamedStructure& one = scene.structures[n];
     const double room = std::min(x + cell - 2 * em, page.right) - x - swatch - gap;
     layer.boxes.push_back({{x, y + 0.5 * row - 0.4 * em, x + swatch, y + 0.5 * row + 0.4 * em}, one.color});
-    layer.texts.push_back(text(shortened_text(one.name, room, width), x + swatch + gap, baseline, kLegend));
+    layer.texts.push_back(
+        text(shortened_text(one.name, room, width), x + swatch + gap, baseline, kLegendPoints));
   }
   layer.legend_entries = shown;
   figure.bottom = top;
@@ -125,24 +125,25 @@ void PageLayout::place_blocks(std::size_t unlabelled) {
     figure.bottom -= gap;
   };
   if (options.items.citation && !options.citation.empty()) {
-    block("citation", [&] { place_paragraph(options.citation, kCitation, FontStyle::kRegular, faint); });
+    block("citation",
+          [&] { place_paragraph(options.citation, kCitationPoints, FontStyle::kRegular, faint); });
   }
   if (unlabelled > 0) {
     const std::string words = unlabelled == 1
                                   ? "1 more structure is not labelled."
                                   : fmt::format("{} more structures are not labelled.", unlabelled);
-    block("note", [&] { place_paragraph(words, kNote, FontStyle::kItalic, faint); });
+    block("note", [&] { place_paragraph(words, kNotePoints, FontStyle::kItalic, faint); });
   }
   if (options.items.caption && !options.caption.empty()) {
-    block("caption", [&] { place_paragraph(options.caption, kCaption, FontStyle::kBold, ink); });
+    block("caption", [&] { place_paragraph(options.caption, kCaptionPoints, FontStyle::kBold, ink); });
   }
   if (options.items.legend) block("legend", [&] { place_legend(); });
   if (figure.bottom == page.bottom) return;
 
   // Rule between the figure and the blocks
-  const PageBox rule{page.left, figure.bottom - kRule * pt, page.right, figure.bottom};
+  const PageBox rule{page.left, figure.bottom - kRulePoints * pt, page.right, figure.bottom};
   if (free_space.is_free(rule)) {
-    layer.lines.push_back(line({rule.left, figure.bottom}, {rule.right, figure.bottom}, kRule));
+    layer.lines.push_back(line({rule.left, figure.bottom}, {rule.right, figure.bottom}, kRulePoints));
     layer.lines.back().color = faint;
   }
   figure.bottom -= gap;
@@ -154,12 +155,12 @@ void PageLayout::place_orientation() {
   const std::array<std::string, 4> letters{
       direction_letters(opposite(plane.right_lps)), direction_letters(plane.right_lps),
       direction_letters(plane.up_lps), direction_letters(opposite(plane.up_lps))};
-  const double em = kLetters * pt, middle_x = 0.5 * (page.left + page.right),
+  const double em = kLettersPoints * pt, middle_x = 0.5 * (page.left + page.right),
                middle_y = 0.5 * (figure.top + figure.bottom);
   std::array<PlacedText, 4> texts;
   double side = 0;
   for (std::size_t n = 0; n < 4; ++n) {
-    texts[n] = text(letters[n], 0, 0, kLetters, FontStyle::kBold);
+    texts[n] = text(letters[n], 0, 0, kLettersPoints, FontStyle::kBold);
     if (n < 2) side = std::max(side, texts[n].width);
   }
   texts[0].x = page.left, texts[1].x = page.right - texts[1].width;
@@ -185,8 +186,8 @@ void PageLayout::place_scale_bar() {
   const double mm_per_pixel = scene.view.plane.mm_per_pixel;
   const double mm = scale_bar_mm(kMaxScaleBar * scene.picture.size.width * mm_per_pixel);
   if (mm <= 0) return;
-  const double length = mm / mm_per_pixel, em = kScale * pt, tick = kTick * pt;
-  PlacedText words = text(length_text(mm) + (scene.view.eye_mm ? " at the centre" : ""), 0, 0, kScale);
+  const double length = mm / mm_per_pixel, em = kScalePoints * pt, tick = kTickPoints * pt;
+  PlacedText words = text(length_text(mm) + (scene.view.eye_mm ? " at the centre" : ""), 0, 0, kScalePoints);
   const double width = std::max(length, words.width), height = tick + 1.35 * em;
 
   // Take the first free corner
@@ -206,10 +207,10 @@ void PageLayout::place_scale_bar() {
   // A bar with ticks, centred above its length
   const double middle = 0.5 * (box.left + box.right), left = middle - 0.5 * length,
                right = middle + 0.5 * length;
-  const double y = box.top + 0.5 * tick, half = 0.5 * kScaleBar * pt;
-  layer.lines.push_back(line({left, y}, {right, y}, kScaleBar));
-  layer.lines.push_back(line({left + half, box.top}, {left + half, box.top + tick}, kScaleBar));
-  layer.lines.push_back(line({right - half, box.top}, {right - half, box.top + tick}, kScaleBar));
+  const double y = box.top + 0.5 * tick, half = 0.5 * kScaleBarPoints * pt;
+  layer.lines.push_back(line({left, y}, {right, y}, kScaleBarPoints));
+  layer.lines.push_back(line({left + half, box.top}, {left + half, box.top + tick}, kScaleBarPoints));
+  layer.lines.push_back(line({right - half, box.top}, {right - half, box.top + tick}, kScaleBarPoints));
   words.x = middle - 0.5 * words.width, words.y = box.top + tick + 1.05 * em;
   layer.texts.push_back(std::move(words));
   obstacles.push_back(box.grown(4 * pt));

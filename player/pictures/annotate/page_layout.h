@@ -11,13 +11,12 @@
 namespace splatlas {
 
 /// Sizes of texts in points, and of lines.
-namespace typography {
-inline constexpr double kLabel = 8.5, kLegend = 8, kCaption = 9.5, kCitation = 7, kNote = 7, kScale = 8,
-                        kLetters = 13;
-inline constexpr double kLeading = 1.3;  ///< distance of baselines, in em
-inline constexpr double kLeader = 0.5, kLeaderCasing = 1.5, kDot = 1.3, kDotCasing = 0.6;
-inline constexpr double kRule = 0.4, kScaleBar = 1.2, kTick = 5;
-}  // namespace typography
+inline constexpr double kLabelPoints = 8.5, kLegendPoints = 8, kCaptionPoints = 9.5, kCitationPoints = 7,
+                        kNotePoints = 7, kScalePoints = 8, kLettersPoints = 13;
+inline constexpr double kLineSpacing = 1.3;  ///< distance of baselines, in em
+inline constexpr double kLeaderPoints = 0.5, kLeaderCasingPoints = 1.5, kDotPoints = 1.3,
+                        kDotCasingPoints = 0.6;
+inline constexpr double kRulePoints = 0.4, kScaleBarPoints = 1.2, kTickPoints = 5;
 
 /// Layout of one page. The functions of the parts add to `layer`, and to `obstacles` for labels.
 struct PageLayout {

@@ -29,7 +29,7 @@ double turn(PagePoint a, PagePoint b, PagePoint c) {
 class Column {
  public:
   Column(const std::vector<Label>& labels, const LabelSpace& space, const FreeSpace& free_space, bool is_left,
-         double edge, std::vector<std::size_t> members)
+         double edge, const std::vector<std::size_t>& members)
       : labels_(labels), space_(space), free_space_(free_space), left_(is_left), edge_(edge) {
     double line = kImpossible;
     for (const Label& label : labels) line = std::min(line, label.height);
