@@ -98,7 +98,7 @@ void PageLayout::place_structure_labels() {
 
 double annotation_dpi(const AnnotationOptions& options, const PictureSize& size) {
   if (options.dpi) return *options.dpi;
-  constexpr double kMinTextPixels = 9;
+  constexpr double kMinTextPixels = 11;
   const double fitted = std::min(size.width, size.height) / kDefaultShortSideInch;
   return std::max(fitted, 72 * kMinTextPixels / kLabelPoints);
 }

@@ -38,7 +38,7 @@ struct AnnotationOptions {
   AnnotationItems items = {};
   std::size_t max_labels = 40;  ///< labels of the largest structures
   std::string caption = {}, citation = {};
-  /// Pixels per inch in print. Not set: the short side has 160 mm, but text at least 9 pixels.
+  /// Pixels per inch in print. Not set: the short side has 160 mm, but labels at least 11 pixels.
   std::optional<double> dpi = std::nullopt;
 };
 
