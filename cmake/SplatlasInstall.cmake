@@ -11,7 +11,7 @@ foreach(program splatlas-preprocess splatlas-player)
   endif()
 endforeach()
 
-foreach(module splatlas_pictures splatlas_window)  # loaded by splatlas-player
+foreach(module splatlas_pictures splatlas_pdf splatlas_window)  # loaded by splatlas-player
   if(TARGET ${module})
     install(TARGETS ${module} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
   endif()

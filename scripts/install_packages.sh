@@ -25,11 +25,14 @@ packages=(
 
   libinsighttoolkit5-dev   # preprocess: readers, segmentation
   libvtk9-dev              # preprocess: marching cubes, mesh files
-  zlib1g-dev               # preprocess: checks compressed images
+  zlib1g-dev               # preprocess: checks compressed images; player: checksums of PNG
 
   libcli11-dev             # command lines
   libhwy-dev               # player: portable SIMD
   libpng-dev               # player: PNG
+  libcairo2-dev            # player: PDF
+  libfreetype-dev          # player: fonts of PDF
+  fonts-liberation         # player: text of annotations
   libopenimageio-dev       # player: JPEG, TIFF and EXR
   libopencv-core-dev       # include folder of OpenImageIO's CMake package, which does not depend on it
   nlohmann-json3-dev       # statistics and reports
@@ -54,6 +57,7 @@ packages=(
   libvolpack1-dev          # bench: VolPack, a peer (as is VTK, above, which draws under xvfb)
 
   mricron-data             # the Colin 27 brain: volume, AAL labels and names
+  poppler-utils            # tests: text and pages of PDF
   openimageio-tools        # oiiotool: the gallery's contact sheet
 )
 

@@ -1,6 +1,7 @@
 // Program splatlas-player: window and command-line renderer of atlases.
 
 #include <array>
+#include <cstdio>
 #include <filesystem>
 #include <sstream>
 #include <string>
@@ -60,6 +61,7 @@ Result<void> verify_file(const std::filesystem::path& path, const AtlasOptions& 
 Result<void> render_picture(const RenderRequest& request) {
   SPLATLAS_ASSIGN_OR_RETURN(const RenderReport report, run_render(request));
   for (const std::string& line : report.warnings) print_to(stderr, PrintableText("warning: {}\n", line));
+  for (const std::string& note : report.notes) print_to(stderr, PrintableText("note: {}\n", note));
   if (report.missing.empty()) return {};
   for (const std::string& line : report.missing) print_error("splatlas-player", line);
   return fail(ErrorCode::kInvalidAtlas, fmt::format("{}: damaged; {} was written without what is missing",

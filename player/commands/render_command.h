@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "format/result.h"
+#include "player/commands/annotate_options.h"
 #include "player/commands/framing.h"
 #include "player/render_frame.h"
 
@@ -26,7 +27,8 @@ struct RenderRequest {
   unsigned threads = 0;
   AtlasOptions atlas_options;
   std::optional<Rgb> background = Rgb{0, 0, 0};  ///< none: transparent
-  std::filesystem::path stats;                   ///< JSON file; empty: none
+  AnnotateRequest annotate;
+  std::filesystem::path stats;  ///< JSON file; empty: none
 };
 
 /// Adds the command. Parsing fills `request`, which must outlive `app`. Invalid values throw
@@ -35,8 +37,8 @@ CLI::App* add_render(CLI::App& app, RenderRequest& request);
 
 /// Lines to report after a picture.
 struct RenderReport {
-  std::vector<std::string> warnings;
-  std::vector<std::string> missing;  ///< parts of a damaged atlas
+  std::vector<std::string> warnings, notes;
+  std::vector<std::string> missing;  ///< unreadable parts of a damaged atlas
 };
 
 /// Renders a picture and writes it, with the statistics if requested: both files or none. Renders the intact

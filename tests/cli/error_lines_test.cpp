@@ -95,18 +95,19 @@ TEST_F(ErrorLines, OfThePlayersCommands) {
 }
 
 TEST_F(ErrorLines, OfRender) {
-  std::vector<Case> cases{{{"render"}, 2, "ATLAS is required"},
-                          {{"render", "a.atlas"}, 2, "--output is required"},
-                          {{"render", "", "-o", "x.png"}, 2, "ATLAS: \"\"", "must name a file"},
-                          {{"render", "missing.atlas", "-o", "x.png"}, 1, "missing.atlas: "},
-                          {{"render", "cut.atlas", "-o", "x.png"}, 3, "cut.atlas: ", "3000"},
-                          {{"render", "a.atlas", "-o", ""}, 2, "--output \"\"", "must name a file"},
-                          {{"render", "a.atlas", "-o", "x.bmp"}, 2, "x.bmp: ", ".png, .jpg, .tif or .exr"},
-                          {{"render", "a.atlas", "-o", "none/x.png"}, 1, "none/x.png: ", "no folder none"},
-                          {{"render", "a.atlas", "-o", "full/file/x.png"}, 1, "full/file/x.png: "},
-                          {{"render", "a.atlas", "-o", "x\xe2\x80\x8f.bmp"}, 2, "x?.bmp: "},
-                          {{"bogus", "render", "a.atlas", "-o", "x.png"}, 2, "\"bogus\" in front of render"},
-                          {{"--threads", "2", "info", "a.atlas"}, 2, "\"--threads\" in front of info"}};
+  std::vector<Case> cases{
+      {{"render"}, 2, "ATLAS is required"},
+      {{"render", "a.atlas"}, 2, "--output is required"},
+      {{"render", "", "-o", "x.png"}, 2, "ATLAS: \"\"", "must name a file"},
+      {{"render", "missing.atlas", "-o", "x.png"}, 1, "missing.atlas: "},
+      {{"render", "cut.atlas", "-o", "x.png"}, 3, "cut.atlas: ", "3000"},
+      {{"render", "a.atlas", "-o", ""}, 2, "--output \"\"", "must name a file"},
+      {{"render", "a.atlas", "-o", "x.bmp"}, 2, "x.bmp: ", ".png, .jpg, .tif, .exr, .svg or .pdf"},
+      {{"render", "a.atlas", "-o", "none/x.png"}, 1, "none/x.png: ", "no folder none"},
+      {{"render", "a.atlas", "-o", "full/file/x.png"}, 1, "full/file/x.png: "},
+      {{"render", "a.atlas", "-o", "x\xe2\x80\x8f.bmp"}, 2, "x?.bmp: "},
+      {{"bogus", "render", "a.atlas", "-o", "x.png"}, 2, "\"bogus\" in front of render"},
+      {{"--threads", "2", "info", "a.atlas"}, 2, "\"--threads\" in front of info"}};
   const auto refuses = [&](const Words& options, const std::string& subject, const std::string& rest,
                            int status = 2) {
     cases.push_back({joined({"render", "a.atlas", "-o", "x.png"}, options), status, subject, rest});

@@ -76,7 +76,7 @@ TEST_F(PlayerOutput, IsAllOrNothing) {
 }
 
 TEST_F(PlayerOutput, IsNotLeftHalfWrittenByAFullDisk) {
-  for (const std::string name : {"x.png", "x.jpg", "x.tif", "x.exr"}) {
+  for (const std::string name : {"x.png", "x.jpg", "x.tif", "x.exr", "x.svg", "x.pdf"}) {
     const ProgramResult result = run_by_shell(
         kFullDisk, {SPLATLAS_PLAYER, "render", "a.png", "--size", "200x200", "-o", name}, folder.path());
     EXPECT_EQ(result.status, 1) << name;

@@ -35,7 +35,8 @@ TEST(PlayerUsage, NamesTheFileAtFault) {
   EXPECT_THAT(refusal({"render", phantom_folder().file("labels.nrrd"), "-o", "x.png"}, 3),
               HasSubstr("not an atlas"));
   EXPECT_THAT(refusal({"render", phantom_folder().path().string(), "-o", "x.png"}, 3), HasSubstr("a folder"));
-  EXPECT_THAT(refusal({"render", phantom_atlas(), "-o", "x.bmp"}, 2), HasSubstr(".png, .jpg, .tif or .exr"));
+  EXPECT_THAT(refusal({"render", phantom_atlas(), "-o", "x.bmp"}, 2),
+              HasSubstr(".png, .jpg, .tif, .exr, .svg or .pdf"));
   EXPECT_THAT(refusal({"render", phantom_atlas(), "-o", "nowhere/x.png"}, 1),
               HasSubstr("nowhere/x.png: cannot be written"));
   EXPECT_THAT(refusal({"render", phantom_atlas(), "-o", ""}, 2),

@@ -83,9 +83,9 @@ TEST(HiddenTerms, WhatLastsIsNotHidden) {
 /// Removals are asked for.
 TEST(HiddenTerms, RemovalsHideNothing) {
   const Cerebrum brain;
-  for (const char* text : {"Hippocampus - Hippocampus", "Hippocampus - Cerebrum", "* - *",
-                           "Cerebrum:both - Hippocampus:surface", "Hippocampus - Cerebrum + Amygdala",
-                           "Hippocampus:surface + Hippocampus - Hippocampus:volume"}) {
+  for (const char* text :
+       {"Hippocampus - Hippocampus", "Hippocampus - Cerebrum", "* - *", "Cerebrum:both - Hippocampus:surface",
+        "Hippocampus - Cerebrum + Amygdala", "Hippocampus:surface + Hippocampus - Hippocampus:volume"}) {
     EXPECT_THAT(brain.hidden(text), IsEmpty()) << text;
   }
   EXPECT_THAT(brain.hidden("Hippocampus - Cerebrum + Cerebrum"), ElementsAre(std::pair(0, 2)));

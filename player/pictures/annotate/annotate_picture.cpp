@@ -1,0 +1,129 @@
+#include "player/pictures/annotate/annotate_picture.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "player/pictures/annotate/page_layout.h"
+#include "player/pictures/annotate/place_labels.h"
+#include "player/pictures/annotate/wrap_text.h"
+
+namespace splatlas {
+namespace {
+
+constexpr double kDefaultShortSideInch = 160 / 25.4;
+constexpr double kTightRows = 0.2, kWideRows = 0.5;             // gaps between labels, in em
+constexpr double kMaxLabelWidth = 0.26, kMinLabelWidth = 0.16;  // of the picture's width
+
+/// True if all texts lie in the picture, and a figure remains.
+bool fits(const PageLayout& layout) {
+  const PictureSize& size = layout.scene.picture.size;
+  const PageBox all{0, 0, static_cast<double>(size.width), static_cast<double>(size.height)};
+  const double em = kLabelPoints * layout.pt;
+  if (layout.figure.width() < 4 * em || layout.figure.height() < 4 * em) return false;
+  return std::ranges::all_of(layout.layer.texts,
+                             [&](const PlacedText& text) { return contains(all, text.box()); }) &&
+         std::ranges::all_of(layout.layer.lines, [&](const PlacedLine& line) {
+           return line.from.x >= 0 && line.to.x <= size.width;
+         });
+}
+
+/// All items. `unlabelled` is the number that the note reports.
+PageLayout lay_out(const AnnotatedScene& scene, const AnnotationOptions& options, const MeasureText& measure,
+                   const FreeSpace& free_space, std::size_t unlabelled) {
+  PageLayout layout(scene, options, measure, free_space);
+  layout.place_blocks(unlabelled);
+  if (options.items.orientation) layout.place_orientation();
+  if (options.items.scale_bar) layout.place_scale_bar();
+  if (options.items.labels) layout.place_structure_labels();
+  return layout;
+}
+
+}  // namespace
+
+void PageLayout::place_structure_labels() {
+  // Choose the largest structures that no block of text covers
+  std::vector<const NamedStructure*> chosen;
+  for (const NamedStructure& one : scene.structures) chosen.push_back(&one);
+  std::ranges::stable_sort(chosen, std::greater(),
+                           [](const NamedStructure* one) { return one->visible.pixels; });
+  const double em = kLabelPoints * pt, leading = 1.2 * em;
+  std::erase_if(chosen, [&](const NamedStructure* one) { return one->visible.pixels < em * em; });
+  std::erase_if(chosen, [&](const NamedStructure* one) {
+    const PagePoint anchor = one->visible.anchor;
+    return !contains(figure, {anchor.x, anchor.y, anchor.x, anchor.y});
+  });
+  chosen.resize(std::min(chosen.size(), options.max_labels));
+
+  // Break long names
+  const PageBox content = free_space.content().value_or(figure);
+  const double gap = 12 * pt, side = std::max(content.left - figure.left, figure.right - content.right) - gap;
+  const double page_width = scene.picture.size.width;
+  const double max_width = std::clamp(side, kMinLabelWidth * page_width, kMaxLabelWidth * page_width);
+  std::vector<Label> labels;
+  for (const NamedStructure* one : chosen) {
+    const auto width = [&](std::string_view words) { return width_of(words, kLabelPoints); };
+    Label label{balanced_lines(one->name, max_width, width), 0, 0, one->visible.anchor, one->visible.pixels};
+    for (const std::string& words : label.lines) label.width = std::max(label.width, width(words));
+    label.height = (static_cast<double>(label.lines.size()) - 1) * leading + (kAscent + kDescent) * em;
+    if (!label.lines.empty()) labels.push_back(std::move(label));
+  }
+
+  // Place them and add their texts and leaders,
+  // with generous gaps between rows if these lose no label.
+  const auto place = [&](double row_gap) {
+    const LabelSpace space{figure,   gap, row_gap * em, 0.3 * em, (kDotPoints + 2 * kLeaderPoints) * pt,
+                           obstacles};
+    return place_labels(labels, space, free_space);
+  };
+  std::vector<PlacedLabel> placed = place(kTightRows);
+  if (auto wider = place(kWideRows); wider.size() >= placed.size()) placed = std::move(wider);
+  for (const PlacedLabel& one : placed) {
+    const Label& label = labels[one.label];
+    double baseline = one.box.top + kAscent * em;
+    for (const std::string& words : label.lines) {
+      PlacedText text_line = text(words, one.box.left, baseline, kLabelPoints);
+      if (one.is_left) text_line.x = one.box.right - text_line.width;
+      layer.texts.push_back(std::move(text_line));
+      baseline += leading;
+    }
+    layer.lines.push_back(line(one.port, label.anchor, kLeaderPoints));
+    layer.lines.back().casing = kLeaderCasingPoints * pt;
+    layer.dots.push_back({label.anchor, kDotPoints * pt, kDotCasingPoints * pt, ink, paper});
+  }
+  layer.labels = placed.size();
+  layer.unlabelled = scene.structures.size() - placed.size();
+}
+
+double annotation_dpi(const AnnotationOptions& options, const PictureSize& size) {
+  if (options.dpi) return *options.dpi;
+  constexpr double kMinTextPixels = 11;
+  const double fitted = std::min(size.width, size.height) / kDefaultShortSideInch;
+  return std::max(fitted, 72 * kMinTextPixels / kLabelPoints);
+}
+
+Result<AnnotationLayer> annotate_picture(const AnnotatedScene& scene, const AnnotationOptions& options,
+                                         const MeasureText& measure) {
+  if (!options.items.any()) return AnnotationLayer{};
+  const FreeSpace free_space(scene.picture);
+  std::optional<PageLayout> layout(lay_out(scene, options, measure, free_space, 0));
+  // The note takes room from the labels, which may raise the number that it tells.
+  constexpr int kMaxPasses = 4;
+  std::size_t told = 0;
+  for (int pass = 0; pass < kMaxPasses && layout->layer.unlabelled > told; ++pass) {
+    told = layout->layer.unlabelled;
+    layout.emplace(lay_out(scene, options, measure, free_space, told));
+  }
+  if (!fits(*layout)) {
+    const PictureSize& size = scene.picture.size;
+    return fail(
+        ErrorCode::kUsage,
+        fmt::format("picture size {}x{}: too small for its annotations, with labels of {:.0f} pixels; "
+                    "take a larger --size, a smaller --dpi or fewer items",
+                    size.width, size.height, kLabelPoints * layout->pt));
+  }
+  return std::move(layout->layer);
+}
+
+}  // namespace splatlas

@@ -1,0 +1,115 @@
+// Annotated pictures and documents from the command line.
+
+#include <cstring>
+
+#include <gmock/gmock.h>
+
+#include "tests/cli/phantom_atlas.h"
+#include "tests/cli/read_pixels.h"
+#include "tests/support/file_bytes.h"
+
+namespace splatlas {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+struct Annotate : testing::Test {
+  TemporaryFolder folder;
+  [[nodiscard]] ProgramResult render(const Words& options) const {
+    return run_player(joined({"render", phantom_atlas()}, options), folder.path());
+  }
+  [[nodiscard]] std::string text_of(const std::string& pdf) const {
+    return run_program({"pdftotext", "-layout", pdf, "-"}, folder.path()).out;
+  }
+};
+
+const Words kScene{"--size", "900x600", "--zoom", "0.5", "--azimuth", "20"};
+
+TEST_F(Annotate, KeepsOtherPixels) {
+  const ProgramResult plain = render(joined(kScene, {"-o", "a.png"}));
+  const ProgramResult labelled = render(joined(kScene, {"-o", "b.png", "--annotate", "all"}));
+  ASSERT_EQ(plain.status, 0) << plain.err;
+  ASSERT_EQ(labelled.status, 0) << labelled.err;
+  EXPECT_THAT(labelled.err, HasSubstr("note: the atlas has no citation"));
+  const auto a = read_pixels(folder.file("a.png")), b = read_pixels(folder.file("b.png"));
+  ASSERT_EQ(a.size(), b.size());
+  std::size_t changed = 0;
+  for (std::size_t n = 0; n < a.size(); n += 3)
+    changed += a[n] != b[n] || a[n + 1] != b[n + 1] || a[n + 2] != b[n + 2];
+  EXPECT_GT(changed, 1000u);
+  EXPECT_LT(changed, a.size() / 3 / 10);
+}
+
+TEST_F(Annotate, IsReproducible) {
+  for (const std::string ending : {"png", "svg", "pdf", "tif", "exr", "jpg"}) {
+    for (const std::string name : {"a.", "b."}) {
+      const ProgramResult result =
+          render(joined(kScene, {"-o", name + ending, "--annotate", "labels,scalebar"}));
+      ASSERT_EQ(result.status, 0) << result.err;
+    }
+    EXPECT_TRUE(read_bytes(folder.file("a." + ending)) == read_bytes(folder.file("b." + ending))) << ending;
+  }
+}
+
+TEST_F(Annotate, WritesPdfPagesWithText) {
+  const ProgramResult result =
+      render({"-o", "page.pdf", "--size", "2480x3508", "--dpi", "300", "--zoom", "0.6", "--annotate",
+              "labels,legend,scalebar,orientation,caption", "--caption", "B\xc3\xa4lle \xce\xb1 \xd0\xaf"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  const std::string info = run_program({"pdfinfo", "page.pdf"}, folder.path()).out;
+  EXPECT_THAT(info, HasSubstr("595.2 x 841.92 pts (A4)"));
+  const std::string text = text_of("page.pdf");
+  EXPECT_THAT(text, HasSubstr("Sphere 1"));
+  EXPECT_THAT(text, HasSubstr("mm"));
+  EXPECT_THAT(text, HasSubstr("B\xc3\xa4lle \xce\xb1 \xd0\xaf"));
+  EXPECT_EQ(render({"-o", "plain.pdf"}).status, 0);
+  EXPECT_EQ(text_of("plain.pdf").find("Sphere"), std::string::npos);
+}
+
+TEST_F(Annotate, WritesSvgWithText) {
+  ASSERT_EQ(
+      render(joined(kScene, {"-o", "a.svg", "--annotate", "labels", "--background", "transparent"})).status,
+      0);
+  const std::string svg = read_bytes(folder.file("a.svg"));
+  EXPECT_THAT(svg, HasSubstr(">Sphere 1</text>"));
+  EXPECT_THAT(svg, HasSubstr("data:image/png;base64,iVBORw0KGgo"));
+}
+
+TEST_F(Annotate, StoresTheResolution) {
+  ASSERT_EQ(render({"-o", "a.png", "--dpi", "300", "--size", "64x64"}).status, 0);
+  const auto input = OIIO::ImageInput::open(folder.file("a.png"));
+  ASSERT_TRUE(input);
+  // Stored as 11811 pixels per metre.
+  EXPECT_NEAR(input->spec().get_float_attribute("XResolution") *
+                  (input->spec().get_string_attribute("ResolutionUnit") == "cm" ? 2.54 : 1),
+              300, 0.5);
+}
+
+TEST_F(Annotate, ExplainsWrongOptions) {
+  const std::vector<std::pair<Words, std::string>> cases{
+      {{"--annotate", "labels,arrows"},
+       "\"arrows\" is no annotation; use labels, legend, scalebar, orientation, caption, citation, or all"},
+      {{"--annotate", ""}, "\"\" is no annotation"},
+      {{"--caption", "x"}, "--annotate"},
+      {{"--annotate", "caption", "--caption", "a\xff"}, "must be one line of UTF-8 text"},
+      {{"--annotate", "caption", "--caption", "a\nb"}, "must be one line of UTF-8 text"},
+      {{"--annotate", "labels", "--max-labels", "-1"}, "--max-labels"},
+      {{"--annotate", "labels", "--dpi", "9"}, "--dpi \"9\": must be a number from 72 to 2400"},
+      {{"--annotate", "all", "--size", "50x40"}, "picture size 50x40: too small for its annotations"}};
+  for (const auto& [options, message] : cases) {
+    const ProgramResult result = render(joined({"-o", "x.png"}, options));
+    EXPECT_EQ(result.status, 2) << result.err;
+    EXPECT_THAT(result.err, HasSubstr(message));
+  }
+  const ProgramResult no_font = render({"-o", "x.pdf", "--annotate", "caption", "--font", "none.ttf"});
+  EXPECT_EQ(no_font.status, 1);
+  EXPECT_THAT(no_font.err, HasSubstr("none.ttf: is no font file"));
+  const ProgramResult bad_font = render({"-o", "x.png", "--annotate", "caption", "--font", phantom_atlas()});
+  EXPECT_EQ(bad_font.status, 1);
+  EXPECT_THAT(bad_font.err, HasSubstr("cannot be read as a font"));
+  EXPECT_THAT(folder.names(), testing::IsEmpty());
+}
+
+}  // namespace
+}  // namespace splatlas

@@ -1,0 +1,211 @@
+// Layout of annotations: rules in random pictures, and golden positions.
+#include "player/pictures/annotate/annotate_picture.h"
+
+#include <gmock/gmock.h>
+
+#include "player/pictures/annotate/free_space.h"
+#include "player/pictures/annotate/place_labels.h"
+#include "tests/player/pictures/annotate/label_scene.h"
+#include "tests/support/fails_with.h"
+#include "tests/support/repetitions.h"
+
+namespace splatlas {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr AnnotationItems kAllItems{true, true, true, true, true, true};
+
+AnnotationLayer annotated(const AnnotatedScene& scene, const AnnotationOptions& options) {
+  auto layer = annotate_picture(scene, options, fixed_width);
+  EXPECT_TRUE(layer) << layer.error().message;
+  return layer ? *std::move(layer) : AnnotationLayer{};
+}
+
+const PlacedText* find_text(const AnnotationLayer& layer, const std::string& words) {
+  const auto found = std::ranges::find(layer.texts, words, &PlacedText::text);
+  return found == layer.texts.end() ? nullptr : &*found;
+}
+
+/// Slow reference: looks at every pixel of the box.
+bool covers_structure(const Picture& picture, const PageBox& box) {
+  for (int y = std::max(0, static_cast<int>(box.top)); y < std::min<double>(picture.size.height, box.bottom);
+       ++y) {
+    for (int x = std::max(0, static_cast<int>(box.left)); x < std::min<double>(picture.size.width, box.right);
+         ++x) {
+      if (picture.at(x, y)[3] > 0) return true;
+    }
+  }
+  return false;
+}
+
+std::vector<PlacedLine> leaders(const AnnotationLayer& layer) {
+  std::vector<PlacedLine> lines;
+  std::ranges::copy_if(layer.lines, std::back_inserter(lines),
+                       [](const PlacedLine& one) { return one.casing > 0; });
+  return lines;
+}
+
+TEST(AnnotatePicture, KeepsTheRulesOfLabels) {
+  std::size_t labels = 0;
+  for (std::uint32_t seed = 0; seed < repetitions(200); ++seed) {
+    SCOPED_TRACE(seed);
+    const DiscScene discs = random_discs(seed);
+    const AnnotatedScene scene = discs.annotated();
+    const AnnotationLayer layer = annotated(scene, {.items = {.labels = true}});
+    labels += layer.labels;
+    ASSERT_EQ(layer.labels + layer.unlabelled, scene.structures.size());
+    ASSERT_EQ(layer.dots.size(), layer.labels);
+    const std::vector<PlacedLine> lines = leaders(layer);
+    ASSERT_EQ(lines.size(), layer.labels);
+    for (std::size_t a = 0; a < lines.size(); ++a) {
+      for (std::size_t b = a + 1; b < lines.size(); ++b) {
+        EXPECT_FALSE(segments_meet(lines[a].from, lines[a].to, lines[b].from, lines[b].to));
+      }
+      for (const PlacedText& text : layer.texts) {
+        EXPECT_FALSE(segment_meets(lines[a].from, lines[a].to, text.box())) << text.text;
+      }
+    }
+    for (const PlacedText& text : layer.texts) {
+      const bool is_note = text.style == FontStyle::kItalic;
+      EXPECT_TRUE(is_note || !covers_structure(scene.picture, text.box())) << text.text;
+    }
+  }
+  EXPECT_GT(labels, repetitions(200) * 5u);  // the rules hold with labels, not without them
+}
+
+TEST(AnnotatePicture, KeepsTextsInThePictureAndApart) {
+  for (std::uint32_t seed = 0; seed < repetitions(200); ++seed) {
+    SCOPED_TRACE(seed);
+    const DiscScene discs = random_discs(seed);
+    const AnnotatedScene scene = discs.annotated();
+    const auto layer = annotate_picture(
+        scene, {kAllItems, 40, "A caption of several words", "Someone et al. (2004)"}, fixed_width);
+    if (!layer) continue;  // too small; see RefusesPicturesThatAreTooSmall
+    const PageBox page{0, 0, 1.0 * scene.picture.size.width, 1.0 * scene.picture.size.height};
+    for (const PlacedText& text : layer->texts) {
+      EXPECT_TRUE(contains(page, text.box())) << text.text;
+      for (const PlacedText& other : layer->texts) {
+        if (&text >= &other) continue;
+        EXPECT_FALSE(overlap(text.box(), other.box())) << text.text << other.text;
+      }
+      for (const PlacedLine& line : leaders(*layer)) {
+        EXPECT_FALSE(segment_meets(line.from, line.to, text.box())) << text.text;
+      }
+    }
+  }
+}
+
+TEST(AnnotatePicture, EndsLeadersInTheirStructures) {
+  const DiscScene discs = random_discs(7);
+  const AnnotatedScene scene = discs.annotated();
+  const AnnotationLayer layer = annotated(scene, {.items = {.labels = true}});
+  for (const NamedStructure& one : scene.structures) {
+    const auto x = static_cast<std::size_t>(one.visible.anchor.x),
+               y = static_cast<std::size_t>(one.visible.anchor.y);
+    EXPECT_EQ(discs.grid.ids[y * static_cast<std::size_t>(discs.grid.columns) + x], one.visible.structure);
+  }
+  EXPECT_GT(layer.labels, 0u);
+}
+
+TEST(AnnotatePicture, PlacesLabelsBesideTheirStructures) {
+  DiscScene discs({600, 600});
+  discs.add(0, 250, 300, 40);
+  discs.add(1, 350, 300, 40);
+  const AnnotationLayer layer = annotated(discs.annotated(), {.items = {.labels = true}});
+  const PlacedText* left = find_text(layer, "Structure number 0");
+  const PlacedText* right = find_text(layer, "Structure number 1");
+  ASSERT_TRUE(left && right);
+  // 600 pixels are 160 mm: 1.32 pixels per point. Labels of 8.5 points begin 12 points beside the discs.
+  const double pt = 600 / (160 / 25.4) / 72;
+  EXPECT_NEAR(left->size, 8.5 * pt, 1e-9);
+  EXPECT_NEAR(left->x + left->width, 210 - 12 * pt, 1e-9);
+  EXPECT_NEAR(right->x, 390 + 12 * pt, 1e-9);
+  // Half the distance of two positions, and the fan of anchors half a pixel beside the centre.
+  const double middle = 0.5 * (left->box().top + left->box().bottom);
+  EXPECT_NEAR(middle, 300, 0.5 * 1.17 * left->size / 4 + 1.15 * 0.5);
+  EXPECT_EQ(left->y, right->y);
+  EXPECT_EQ(layer.unlabelled, 0u);
+}
+
+TEST(AnnotatePicture, CountsWhatIsNotLabelled) {
+  DiscScene discs({600, 400});
+  for (StructureIndex n = 0; n < 5; ++n) discs.add(n, 220 + 40 * n, 200, 10 + n);
+  const AnnotationLayer layer = annotated(discs.annotated(), {.items = {.labels = true}, .max_labels = 2});
+  EXPECT_EQ(layer.labels, 2u);
+  EXPECT_TRUE(find_text(layer, "Structure number 4"));
+  EXPECT_TRUE(find_text(layer, "3 more structures are not labelled."));
+  const AnnotationLayer four = annotated(discs.annotated(), {.items = {.labels = true}, .max_labels = 4});
+  EXPECT_TRUE(find_text(four, "1 more structure is not labelled."));
+}
+
+TEST(AnnotatePicture, DrawsAScaleBarOfExactLength) {
+  DiscScene discs({800, 400});
+  discs.add(0, 400, 200, 50);
+  AnnotatedScene scene = discs.annotated();  // 0.25 mm per pixel: a fifth of the width is 40 mm
+  const AnnotationLayer layer = annotated(scene, {.items = {.scale_bar = true}});
+  ASSERT_EQ(layer.lines.size(), 3u);
+  EXPECT_NEAR(layer.lines[0].to.x - layer.lines[0].from.x, 80, 1e-9);
+  EXPECT_NEAR(layer.lines[0].to.x, 800 - 0.035 * 400, 1e-9);
+  EXPECT_TRUE(find_text(layer, "20 mm"));
+  scene.view.eye_mm = 500;
+  EXPECT_TRUE(find_text(annotated(scene, {.items = {.scale_bar = true}}), "20 mm at the centre"));
+}
+
+TEST(AnnotatePicture, NamesTheDirectionsOfTheEdges) {
+  DiscScene discs({600, 400});
+  const AnnotationLayer layer = annotated(discs.annotated(), {.items = {.orientation = true}});
+  ASSERT_EQ(layer.texts.size(), 4u);  // left, right, top, bottom
+  EXPECT_EQ(layer.texts[0].text + layer.texts[1].text + layer.texts[2].text + layer.texts[3].text, "RLSI");
+  EXPECT_LT(layer.texts[0].x, 50);
+  EXPECT_GT(layer.texts[1].x, 550);
+  EXPECT_LT(layer.texts[2].y, 50);
+  EXPECT_GT(layer.texts[3].y, 350);
+}
+
+TEST(AnnotatePicture, ListsEveryStructureOrTheirNumber) {
+  DiscScene discs({600, 400});
+  for (StructureIndex n = 0; n < 7; ++n) discs.add(n, 100 + 40 * n, 100, 15);
+  const AnnotationLayer layer = annotated(discs.annotated(), {.items = {.legend = true}});
+  EXPECT_EQ(layer.legend_entries, 7u);
+  EXPECT_EQ(layer.boxes.size(), 7u);
+  EXPECT_TRUE(layer.notes.empty());
+
+  DiscScene many({600, 400});
+  for (StructureIndex n = 0; n < 200; ++n) many.add(n, 10 + 20.0 * (n % 29), 10 + 15.0 * (n / 29), 6);
+  const AnnotationLayer cut = annotated(many.annotated(), {.items = {.legend = true}});
+  EXPECT_LT(cut.legend_entries, 200u);
+  EXPECT_TRUE(find_text(cut, "and " + std::to_string(200 - cut.legend_entries) + " more"));
+}
+
+TEST(AnnotatePicture, ReportsItemsThatCoverStructures) {
+  DiscScene discs({600, 400});
+  discs.add(0, 300, 200, 400);
+  const AnnotationLayer layer = annotated(discs.annotated(), {{.caption = true}, 40, "Caption"});
+  ASSERT_EQ(layer.notes.size(), 1u);
+  EXPECT_THAT(layer.notes[0], HasSubstr("caption covers structures"));
+  EXPECT_EQ(layer.boxes.size(), 1u);  // a plate
+}
+
+TEST(AnnotatePicture, HasTextsOfAtLeastSevenPointsInPrint) {
+  DiscScene discs({2480, 1754});
+  discs.add(0, 1240, 600, 300);
+  const AnnotationLayer layer = annotated(discs.annotated(), {kAllItems, 0, "Caption", "Citation", 300.0});
+  for (const PlacedText& text : layer.texts) EXPECT_GE(text.size, 7 * 300 / 72.0 - 1e-9) << text.text;
+}
+
+TEST(AnnotatePicture, RefusesPicturesThatAreTooSmall) {
+  DiscScene discs({60, 40});
+  discs.add(0, 30, 20, 5);
+  EXPECT_THAT(annotate_picture(discs.annotated(), {kAllItems, 40, "Caption", "Citation"}, fixed_width),
+              FailsWith(ErrorCode::kUsage, HasSubstr("picture size 60x40: too small")));
+}
+
+TEST(AnnotatePicture, DoesNothingWithoutItems) {
+  const DiscScene discs({60, 40});
+  const AnnotationLayer layer = annotated(discs.annotated(), {});
+  EXPECT_TRUE(layer.texts.empty() && layer.lines.empty() && layer.boxes.empty());
+}
+
+}  // namespace
+}  // namespace splatlas
