@@ -13,6 +13,7 @@
 #include "format/system/thread_pool.h"
 #include "player/frame/decoded_selection.h"
 #include "player/frame/drawn_selection.h"
+#include "player/frame/face_store.h"
 #include "player/frame/fit_selection.h"
 #include "player/frame/pick_structure.h"
 #include "player/frame/ray_frame.h"
@@ -88,7 +89,7 @@ struct Renderer::Impl {
   void draw(DrawPlan plan) {
     spans.outdate();  // first: out of memory in draw() leaves an empty plan
     ray_volume.reset();
-    faces.reset();
+    faces.clear();
     shown.reset();
     drawn.draw(std::move(plan));
     const DrawPlan& now = drawn.plan();
@@ -104,7 +105,7 @@ struct Renderer::Impl {
     drawn.clear();
     spans.clear();
     ray_volume.reset();
-    faces.reset();
+    faces.clear();
     shown.reset();
   }
 
@@ -175,9 +176,7 @@ struct Renderer::Impl {
 
     // Rasterise surfaces, render sheets, resolve both into the picture
     const std::vector<SurfaceDraw> surfaces = drawn.surfaces(decoded.cache());
-    const FrameScene scene{surfaces, view,      atlas->grid(),    lighting,
-                           options,  overrides, max_memory_bytes, &atlas->work_budget(),
-                           faces};
+    const FrameScene scene = scene_of(call, surfaces, lighting);
     SheetFrame frame(scene, axis_spans.model(), shear, buffers, stats, pool);
     SPLATLAS_RETURN_IF_ERROR(run_stages(frame, kSheetLoops, task, picture));
     stats.runs_visited = axis_spans.runs().count();
@@ -206,9 +205,7 @@ struct Renderer::Impl {
 
     // Rasterise surfaces, cast rays, resolve both into the picture
     const std::vector<SurfaceDraw> surfaces = drawn.surfaces(decoded.cache());
-    const FrameScene scene{surfaces, view,      atlas->grid(),    lighting,
-                           options,  overrides, max_memory_bytes, &atlas->work_budget(),
-                           faces};
+    const FrameScene scene = scene_of(call, surfaces, lighting);
     RayFrame frame(scene, *ray_volume, buffers, stats, pool);
     SPLATLAS_RETURN_IF_ERROR(run_stages(frame, kRayLoops, task, picture));
     stats.runs_visited = ray_volume->runs();
@@ -224,27 +221,7 @@ struct Renderer::Impl {
     if (!decoded.missing().empty() && drawn.draws_nothing()) {
       return tl::unexpected(decoded.missing().front().error);
     }
-    return require_faces(axis, options);
-  }
-
-  /// Reads the voxels at the faces of a cut unless they are known.
-  [[nodiscard]] Result<void> require_faces(Axis axis, const RenderOptions& options) {
-    if (!shows_faces(options)) {
-      faces.reset();
-      return {};
-    }
-    if (faces && faces->planes() == options.cuts) return {};
-    std::vector<FaceClass> classes = face_classes(atlas->classes(), drawn.selection(), drawn.plan());
-    SPLATLAS_RETURN_IF_ERROR(decoded.require_faces(classes, axis, pool));
-    const FaceVoxels voxels{.atlas = *atlas,
-                            .cache = decoded.cache(),
-                            .axis = axis,
-                            .classes = {},
-                            .appearances = drawn.appearances().appearances()};
-    SPLATLAS_ASSIGN_OR_RETURN(CutFaces built,
-                              CutFaces::build(options.cuts, std::move(classes), voxels, faces.get(), pool));
-    faces = std::make_shared<const CutFaces>(std::move(built));
-    return {};
+    return faces.require(options, axis, *atlas, drawn, decoded, pool);
   }
 
   /// Builds the ray volume of the selection unless it is current. Frees the spans first.
@@ -265,6 +242,19 @@ struct Renderer::Impl {
                                                 .max_memory_bytes = max_memory_bytes - frame_bytes(options)},
                                                pool));
     return {};
+  }
+
+  [[nodiscard]] FrameScene scene_of(const FrameCall& call, std::span<const SurfaceDraw> surfaces,
+                                    const Lighting& lighting) const {
+    return {.surfaces = surfaces,
+            .view = call.view,
+            .grid = atlas->grid(),
+            .lighting = lighting,
+            .options = call.options,
+            .overrides = call.overrides,
+            .max_memory_bytes = max_memory_bytes,
+            .budget = &atlas->work_budget(),
+            .faces = faces.faces()};
   }
 
   /// Runs the stages of a frame.
@@ -331,7 +321,7 @@ struct Renderer::Impl {
   DecodedSelection decoded;
   SpanStore spans;
   std::optional<RayVolume> ray_volume;
-  std::shared_ptr<const CutFaces> faces;  // of the latest cut; null: none
+  FaceStore faces;
 
   // State of the latest frame, and of the latest finished one.
   FrameBuffers buffers;

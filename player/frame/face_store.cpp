@@ -1,0 +1,31 @@
+#include "player/frame/face_store.h"
+
+#include <utility>
+#include <vector>
+
+#include "format/system/result_macros.h"
+#include "player/frame/frame_renderer.h"
+
+namespace splatlas {
+
+Result<void> FaceStore::require(const RenderOptions& options, Axis axis, const Atlas& atlas,
+                                const DrawnSelection& drawn, DecodedSelection& decoded, ThreadPool& pool) {
+  if (!shows_faces(options)) {
+    clear();
+    return {};
+  }
+  if (faces_ && faces_->planes() == options.cuts) return {};
+  std::vector<FaceClass> classes = face_classes(atlas.classes(), drawn.selection(), drawn.plan());
+  SPLATLAS_RETURN_IF_ERROR(decoded.require_faces(classes, axis, pool));
+  const FaceVoxels voxels{.atlas = atlas,
+                          .cache = decoded.cache(),
+                          .axis = axis,
+                          .classes = {},
+                          .appearances = drawn.appearances().appearances()};
+  SPLATLAS_ASSIGN_OR_RETURN(CutFaces built,
+                            CutFaces::build(options.cuts, std::move(classes), voxels, faces_.get(), pool));
+  faces_ = std::make_shared<const CutFaces>(std::move(built));
+  return {};
+}
+
+}  // namespace splatlas
