@@ -50,6 +50,12 @@ struct PictureSize {
 /// Maximum width and height, for exact byte counts and fixed-point rasterisation.
 inline constexpr int kMaxPictureSide = 32768;
 
+/// Region of a picture, relative to its size: (0, 0) is its top left corner, (1, 1) its bottom right one.
+struct PictureRegion {
+  double left = 0, top = 0, right = 1, bottom = 1;
+  friend bool operator==(const PictureRegion&, const PictureRegion&) = default;
+};
+
 /// Orthographic view in LPS mm. Pixel (0, 0) is at the top left; its centre has the picture coordinates
 /// (0.5, 0.5).
 struct ParallelView {

@@ -66,10 +66,7 @@ struct Renderer::Impl {
     SPLATLAS_RETURN_IF_ERROR(check_selection(selection, atlas->graph()));
     DrawPlan plan = atlas->tree().plan(selection);
     const std::uint64_t voxels = plan.volume_voxels + plan.hybrid_voxels;
-    // Bound the selection's runs, which are unknown yet, by all runs of an axis.
-    std::uint64_t runs = 0;
-    for (const Axis axis : kAxes) runs = std::max(runs, atlas->runs(axis));
-    const std::uint64_t bytes = span_model_bytes(voxels, std::min(runs, voxels));
+    const std::uint64_t bytes = max_span_bytes(voxels, *atlas);
     if (bytes > max_memory_bytes) {
       return fail(ErrorCode::kLimit,
                   fmt::format("{}: the selection has {} volume voxels, which take up to {} MiB; {} MiB are "
@@ -131,8 +128,10 @@ struct Renderer::Impl {
 
   /// Fits a camera to the selection, or to its part in some structures.
   [[nodiscard]] Result<Camera> fit(const Camera& camera, const RenderOptions& options,
-                                   std::optional<std::span<const StructureIndex>> structures) {
-    SPLATLAS_ASSIGN_OR_RETURN(const FitFrame frame, FitFrame::of(camera, options.size, atlas->display()));
+                                   std::optional<std::span<const StructureIndex>> structures,
+                                   const PictureRegion& region) {
+    SPLATLAS_ASSIGN_OR_RETURN(const FitFrame frame,
+                              FitFrame::of(camera, options.size, atlas->display(), region));
     SPLATLAS_RETURN_IF_ERROR(reserve_memory(options));
 
     // Decode the data of the picture
@@ -143,8 +142,8 @@ struct Renderer::Impl {
     fit_decode_ms += watch.lap().wall_ms;
 
     const DrawPlan part = structures ? part_of(drawn.plan(), *structures, *atlas) : drawn.plan();
-    const FitExtents extents =
-        extents_of(part, *atlas, decoded.cache(), axis, frame.planes(index_to_lps_mm(atlas->grid())), pool);
+    const FitExtents extents = extents_of(part, *atlas, decoded.cache(), axis, options.cuts,
+                                          frame.planes(index_to_lps_mm(atlas->grid())), pool);
     stats.select_ms += watch.lap().wall_ms;
     return extents.empty() ? frame.whole() : frame.fitted(extents);
   }
@@ -357,9 +356,10 @@ Result<void> Renderer::select(const Selection& selection) {
 }
 
 Result<Camera> Renderer::fit(const Camera& camera, const RenderOptions& options,
-                             std::optional<std::span<const StructureIndex>> structures) {
+                             std::optional<std::span<const StructureIndex>> structures,
+                             const PictureRegion& region) {
   try {
-    return impl_->named(impl_->fit(camera, options, structures));
+    return impl_->named(impl_->fit(camera, options, structures, region));
   } catch (const std::bad_alloc&) {
     return impl_->out_of_memory();
   }

@@ -59,20 +59,23 @@ class Renderer {
                                     const RenderControl& control = {});
 
   /// Fits a camera to the selection, as render() draws it with these options. Returns the camera with the
-  /// centre and zoom at which the selected voxels and surfaces fill the picture, but for margins of 2 %.
-  /// Keeps its direction and projection; ignores its own zoom and centre. Multiply the zoom to see more or
-  /// less around the same centre.
+  /// centre and zoom at which the selected voxels and surfaces fill `region` of the picture, but for margins
+  /// of 2 %. Keeps its direction and projection; ignores its own zoom and centre. Multiply the zoom to see
+  /// more or less around the same centre.
   ///
   /// The fit holds for one direction, and is tight for oblique ones, too. A volume extends to the centres of
-  /// the next voxels, up to which interpolation spreads it. `structures`: fits to the part of the selection
-  /// in these structures (without their descendants). Without anything to draw, returns zoom 1 and the centre
-  /// of the bounding sphere.
+  /// the next voxels, up to which interpolation spreads it. Parts that cuts remove do not count; a cut volume
+  /// may leave up to two voxels of room. `structures`: fits to the part of the selection in these structures
+  /// (without their descendants). Without anything to draw, returns zoom 1 and the centre of the bounding
+  /// sphere.
   ///
   /// Reads and decodes the data of the picture, and nothing else. Damaged parts do not count; see missing().
-  /// The result does not depend on the number of threads. Errors as for render(). Cost: linear in the runs in
+  /// The result does not depend on the number of threads. Errors as for render(), and kUsage for
+  /// an invalid region. Cost: linear in the runs in
   /// the selection's bounding box and in the vertices of its surfaces.
   [[nodiscard]] Result<Camera> fit(const Camera& camera, const RenderOptions& options = {},
-                                   std::optional<std::span<const StructureIndex>> structures = std::nullopt);
+                                   std::optional<std::span<const StructureIndex>> structures = std::nullopt,
+                                   const PictureRegion& region = {});
 
   /// Counters and times of the latest render().
   [[nodiscard]] const RenderStats& stats() const;

@@ -66,6 +66,35 @@ std::vector<NamedStructure> structures_of(const Renderer& renderer, const Select
   return structures;
 }
 
+AnnotationOptions options_of(const AnnotateRequest& request, const Provenance& provenance) {
+  return {request.items, request.max_labels, request.caption.value_or(printable(provenance.title)),
+          printable(provenance.citation), request.dpi};
+}
+
+MeasureText measure_with(const TextDrawer& drawer) {
+  return [&drawer](std::string_view text, double size, FontStyle style) {
+    return drawer.width(text, size, style);
+  };
+}
+
+/// Structures of a small draft, with areas as in the picture.
+Result<std::vector<NamedStructure>> structures_of_draft(Renderer& renderer, const Selection& selection,
+                                                        const Camera& camera, const RenderOptions& options) {
+  constexpr int kLongSide = 192;
+  const double scale =
+      std::min(1.0, static_cast<double>(kLongSide) / std::max(options.size.width, options.size.height));
+  const auto side = [&](int pixels) { return std::max(1, static_cast<int>(pixels * scale)); };
+  RenderOptions draft = options;
+  draft.size = {side(options.size.width), side(options.size.height)};
+  draft.quality = Quality::kDraft;
+  draft.depth_cue = DepthCue::kNone;
+  SPLATLAS_ASSIGN_OR_RETURN(const Camera whole, renderer.fit(camera, draft));
+  SPLATLAS_ASSIGN_OR_RETURN(const Picture picture, renderer.render(whole, draft));
+  std::vector<NamedStructure> structures = structures_of(renderer, selection, picture);
+  for (NamedStructure& one : structures) one.visible.pixels /= scale * scale;
+  return structures;
+}
+
 }  // namespace
 
 Result<AnnotationItems> parse_annotations(std::string_view text) {
@@ -113,22 +142,32 @@ void add_annotations(CLI::App& command, AnnotateRequest& request) {
              "pixels per inch in print; A4 at 300: --size 2480x3508, or 3508x2480");
 }
 
+Result<PictureRegion> region_beside_annotations(Renderer& renderer, const Selection& selection,
+                                                const Camera& camera, const RenderOptions& options,
+                                                const AnnotateRequest& request, TextDrawer& drawer) {
+  const Picture blank{options.size, {}};
+  Camera whole = camera;
+  whole.zoom = 1;
+  whole.center_lps_mm.reset();
+  SPLATLAS_ASSIGN_OR_RETURN(const View view, view_of(whole, options.size, renderer.atlas().display()));
+  AnnotatedScene scene{blank, view};
+  if (request.items.labels || request.items.legend) {
+    SPLATLAS_ASSIGN_OR_RETURN(scene.structures, structures_of_draft(renderer, selection, whole, options));
+  }
+  SPLATLAS_RETURN_IF_ERROR(drawer.wait());
+  return region_of_figure(scene, options_of(request, renderer.atlas().provenance()), measure_with(drawer));
+}
+
 Result<AnnotationLayer> annotate_rendered(const Renderer& renderer, const Selection& selection,
                                           const Picture& picture, const View& view,
                                           std::optional<Rgb> background, const AnnotateRequest& request,
                                           TextDrawer& drawer) {
-  const Provenance& provenance = renderer.atlas().provenance();
   AnnotatedScene scene{picture, view, background};
   if (request.items.labels || request.items.legend)
     scene.structures = structures_of(renderer, selection, picture);
   SPLATLAS_RETURN_IF_ERROR(drawer.wait());
-  const AnnotationOptions options{request.items, request.max_labels,
-                                  request.caption.value_or(printable(provenance.title)),
-                                  printable(provenance.citation), request.dpi};
-  const auto measure = [&](std::string_view text, double size, FontStyle style) {
-    return drawer.width(text, size, style);
-  };
-  SPLATLAS_ASSIGN_OR_RETURN(AnnotationLayer layer, annotate_picture(scene, options, measure));
+  const AnnotationOptions options = options_of(request, renderer.atlas().provenance());
+  SPLATLAS_ASSIGN_OR_RETURN(AnnotationLayer layer, annotate_picture(scene, options, measure_with(drawer)));
   if (request.items.caption && options.caption.empty()) {
     layer.notes.emplace_back("the atlas has no title; give a caption with --caption TEXT");
   }

@@ -35,6 +35,15 @@ void add_annotations(CLI::App& command, AnnotateRequest& request);
 /// Parses a list of items: "labels,legend". kUsage, with the valid names.
 [[nodiscard]] Result<AnnotationItems> parse_annotations(std::string_view text);
 
+/// Region of the picture that leaves room for the annotations around the selection. Renders a small draft if
+/// labels or a legend are wanted. `drawer` is ready after this. `camera`: its zoom and centre do not matter.
+/// Errors of fonts, of modules and of the renderer.
+[[nodiscard]] Result<PictureRegion> region_beside_annotations(Renderer& renderer, const Selection& selection,
+                                                              const Camera& camera,
+                                                              const RenderOptions& options,
+                                                              const AnnotateRequest& request,
+                                                              TextDrawer& drawer);
+
 /// Lays out the annotations of the renderer's latest picture. `drawer` is ready after this. Picks at most
 /// some ten thousand pixels if labels or a legend are wanted. Errors of fonts, modules and layout.
 [[nodiscard]] Result<AnnotationLayer> annotate_rendered(const Renderer& renderer, const Selection& selection,

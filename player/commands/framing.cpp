@@ -67,7 +67,7 @@ void add_framing(CLI::App& command, Framing& framing) {
 }
 
 Result<Camera> framed(const Camera& camera, const Framing& framing, const RenderOptions& options,
-                      Renderer& renderer) {
+                      Renderer& renderer, const PictureRegion& region) {
   // Find the centre first: it needs no data of the picture
   std::optional<Vec3> center;
   if (const auto* point = std::get_if<Vec3>(&framing.center)) center = *point;
@@ -81,7 +81,7 @@ Result<Camera> framed(const Camera& camera, const Framing& framing, const Render
 
   Camera result = camera;
   if (framing.fit == Fit::kSelection) {
-    SPLATLAS_ASSIGN_OR_RETURN(result, renderer.fit(camera, options));
+    SPLATLAS_ASSIGN_OR_RETURN(result, renderer.fit(camera, options, std::nullopt, region));
     const double fitted = result.zoom;
     result.zoom *= camera.zoom;
     if (!(result.zoom >= kMinCameraZoom && result.zoom <= kMaxCameraZoom)) {

@@ -27,11 +27,12 @@ struct Framing {
 /// Adds the options. Parsing fills `framing`, which must outlive the command.
 void add_framing(CLI::App& command, Framing& framing);
 
-/// The camera with the zoom of the fit, multiplied by its own, around the centre of the framing. A centre
-/// does not change the zoom. The renderer's selection must be that of the picture. kNotFound for unknown
-/// names; kFailed for structures without voxels; kUsage if the product of the zooms is beyond the limits; the
-/// errors of Renderer::fit().
+/// The camera with the zoom of the fit to `region`, multiplied by its own, around the centre of the framing.
+/// A centre does not change the zoom. The renderer's selection must be that of the picture. kNotFound for
+/// unknown names; kFailed for structures without voxels; kUsage if the product of the zooms is beyond the
+/// limits; the errors of Renderer::fit().
 [[nodiscard]] Result<Camera> framed(const Camera& camera, const Framing& framing,
-                                    const RenderOptions& options, Renderer& renderer);
+                                    const RenderOptions& options, Renderer& renderer,
+                                    const PictureRegion& region = {});
 
 }  // namespace splatlas

@@ -43,8 +43,8 @@ constexpr const char* kFooter =
     "\n"
     "Annotations are sized for print: at --dpi 300, a picture of 3508x2480 pixels is an A4 page with texts "
     "of\n"
-    "7 to 13 points. Names stand beside the structures, so leave room for them:\n"
-    "  --annotate labels,legend,scalebar --size 3508x2480 --dpi 300 --background '#ffffff' --zoom 0.8\n"
+    "7 to 13 points. --fit leaves room for them:\n"
+    "  --annotate labels,legend,scalebar --size 3508x2480 --dpi 300 --background '#ffffff'\n"
     "\n"
     "Exit status: 0 done; 1 could not be done; 2 wrong usage; 3 not a valid atlas; 4 name not found.";
 
@@ -189,7 +189,7 @@ nlohmann::ordered_json missing_json(const Renderer& renderer) {
   return json;
 }
 
-nlohmann::ordered_json stats_json(const Renderer& renderer, double open_ms) {
+nlohmann::ordered_json stats_json(const Renderer& renderer, double open_ms, double draft_decode_ms) {
   const RenderStats& stats = renderer.stats();
   const Atlas::Counters bytes = renderer.atlas().counters();
   return {
@@ -203,7 +203,7 @@ nlohmann::ordered_json stats_json(const Renderer& renderer, double open_ms) {
       {"ms",
        {{"open", open_ms},
         {"select", stats.select_ms},
-        {"decode", stats.decode_ms},
+        {"decode", draft_decode_ms + stats.decode_ms},
         {"render", stats.render_ms}}},
       {"missing", missing_json(renderer)}};
 }
@@ -329,9 +329,16 @@ Result<RenderReport> run_render(const RenderRequest& request) {
   TextDrawer drawer(fonts);
   Renderer renderer(std::move(atlas), {.threads = request.threads});
   SPLATLAS_RETURN_IF_ERROR(renderer.select(*selection));
+  PictureRegion region;
+  double draft_decode_ms = 0;
+  if (request.annotate.items.any() && request.framing.fit == Fit::kSelection) {
+    SPLATLAS_ASSIGN_OR_RETURN(region, region_beside_annotations(renderer, *selection, request.camera,
+                                                                request.options, request.annotate, drawer));
+    draft_decode_ms = renderer.stats().decode_ms;
+  }
   SPLATLAS_ASSIGN_OR_RETURN(
       const Camera camera,
-      framed(request.camera, request.framing, request.options, renderer).map_error(with_option));
+      framed(request.camera, request.framing, request.options, renderer, region).map_error(with_option));
   SPLATLAS_ASSIGN_OR_RETURN(Picture picture, renderer.render(camera, request.options).map_error(with_option));
   FileAnnotations annotations{nullptr, &drawer, fonts, title_of(request, renderer.atlas()), dpi_of(request)};
   AnnotationLayer layer;
@@ -346,7 +353,8 @@ Result<RenderReport> run_render(const RenderRequest& request) {
   }
   SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::byte> bytes,
                             encoder.encode(picture, request.background, annotations));
-  SPLATLAS_RETURN_IF_ERROR(write_outputs(request, bytes, json_text(stats_json(renderer, open_ms))));
+  SPLATLAS_RETURN_IF_ERROR(
+      write_outputs(request, bytes, json_text(stats_json(renderer, open_ms, draft_decode_ms))));
   report.notes = std::move(layer.notes);
   for (const MissingPart& part : renderer.missing()) {
     report.missing.push_back(describe(part, renderer.atlas().graph()));

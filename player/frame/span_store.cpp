@@ -81,6 +81,13 @@ void shade_kept_spans(SpanModel& model, std::span<const float> factors, std::spa
 
 }  // namespace
 
+std::uint64_t max_span_bytes(std::uint64_t voxels, const Atlas& atlas) {
+  // The selection's runs are unknown yet; bound them by all runs of an axis
+  std::uint64_t runs = 0;
+  for (const Axis axis : kAxes) runs = std::max(runs, atlas.runs(axis));
+  return span_model_bytes(voxels, std::min(runs, voxels));
+}
+
 void AxisSpans::require(const DrawPlan& plan, const VolumeAppearances& appearances, const Atlas& atlas,
                         const ClassCache& cache, Axis axis, bool shade, ThreadPool& pool) {
   if (current(shade)) return;

@@ -11,6 +11,9 @@
 
 namespace splatlas {
 
+/// Upper bound of the memory of spans of this number of voxels.
+[[nodiscard]] std::uint64_t max_span_bytes(std::uint64_t voxels, const Atlas& atlas);
+
 /// Spans of the current or an earlier selection, with the lighting of one view. Not thread-safe.
 class AxisSpans {
  public:

@@ -22,24 +22,37 @@ void FitExtents::grow(const FitPlanes& planes, double reach) {
   }
 }
 
-Result<FitFrame> FitFrame::of(const Camera& camera, const PictureSize& size, const Display& display) {
+Result<FitFrame> FitFrame::of(const Camera& camera, const PictureSize& size, const Display& display,
+                              const PictureRegion& region) {
+  const bool is_inside = region.left >= 0 && region.left < region.right && region.right <= 1 &&
+                         region.top >= 0 && region.top < region.bottom && region.bottom <= 1;
+  if (!is_inside) {
+    return fail(ErrorCode::kUsage,
+                "camera: region of the picture from ({}, {}) to ({}, {}): must lie within (0, 0) to (1, 1)",
+                region.left, region.top, region.right, region.bottom);
+  }
   Camera whole = camera;
   whole.zoom = 1;
   whole.center_lps_mm.reset();
   SPLATLAS_ASSIGN_OR_RETURN(const View view, view_of(whole, size, display));
-  return FitFrame(whole, view);
+  return FitFrame(whole, view, region);
 }
 
-FitFrame::FitFrame(const Camera& camera, const View& view)
+FitFrame::FitFrame(const Camera& camera, const View& view, const PictureRegion& region)
     : camera_(camera),
       view_(view),
       half_height_mm_(0.5 * view.plane.size.height * view.plane.mm_per_pixel),
-      aspect_(static_cast<double>(view.plane.size.width) / view.plane.size.height),
-      slope_(view.eye_mm ? half_height_mm_ / *view.eye_mm : 0) {}
+      slope_(view.eye_mm ? half_height_mm_ / *view.eye_mm : 0) {
+  const double aspect = static_cast<double>(view.plane.size.width) / view.plane.size.height;
+  middle_right_ = aspect * (region.left + region.right - 1);
+  middle_up_ = 1 - region.top - region.bottom;
+  half_width_ = kFill * aspect * (region.right - region.left);
+  half_height_ = kFill * (region.bottom - region.top);
+}
 
 FitPlanes FitFrame::planes(const Affine& to_lps_mm) const {
-  // A point is inside the margins if |up| <= kFill * (H + depth * slope) for the half height H, and
-  // |right| <= kFill * aspect * (H + depth * slope)
+  // A point is inside the margins if |up - middle_up * h| <= half_height * h, and
+  // |right - middle_right * h| <= half_width * h, for h = H + depth * slope and the picture's half height H
   FitPlanes planes;
   Vec3 offset = to_lps_mm.offset;  // from the centre of the bounding sphere
   for (std::size_t a = 0; a < 3; ++a) offset[a] -= view_.plane.center_lps_mm[a];
@@ -51,10 +64,10 @@ FitPlanes FitFrame::planes(const Affine& to_lps_mm) const {
       planes.offset[n] += normal[a] * offset[a];
     }
   };
-  set(kUp, view_.plane.up_lps, 1, -kFill * slope_);
-  set(kDown, view_.plane.up_lps, -1, -kFill * slope_);
-  set(kRight, view_.plane.right_lps, 1, -kFill * aspect_ * slope_);
-  set(kLeft, view_.plane.right_lps, -1, -kFill * aspect_ * slope_);
+  set(kUp, view_.plane.up_lps, 1, -(half_height_ + middle_up_) * slope_);
+  set(kDown, view_.plane.up_lps, -1, -(half_height_ - middle_up_) * slope_);
+  set(kRight, view_.plane.right_lps, 1, -(half_width_ + middle_right_) * slope_);
+  set(kLeft, view_.plane.right_lps, -1, -(half_width_ - middle_right_) * slope_);
   set(kFar, {}, 0, 1);
   set(kNear, {}, 0, -1);
   return planes;
@@ -67,20 +80,25 @@ Camera FitFrame::fitted(const FitExtents& extents) const {
   const auto half = [&](std::size_t above, std::size_t below) {
     return 0.5 * (extents.max(above) + extents.max(below));
   };
-  // Find the half height in the plane of depth 0, then move the plane to the middle of the points
-  const double depth = middle(kFar, kNear);
-  double half_height = std::max(half(kUp, kDown), half(kRight, kLeft) / aspect_) / kFill;
+  // Find the half height in the plane of depth 0, and the middle of the picture
+  double half_height = std::max(half(kUp, kDown) / half_height_, half(kRight, kLeft) / half_width_);
   if (slope_ > 0) {
     const double nearest = -extents.max(kNear) - kMinEyeDistance * half(kFar, kNear);
-    half_height = std::max(half_height, -nearest * slope_) + depth * slope_;
+    half_height = std::max(half_height, -nearest * slope_);
   }
+  const double right = middle(kRight, kLeft) - middle_right_ * half_height;
+  const double up = middle(kUp, kDown) - middle_up_ * half_height;
+
+  // Move the plane to the middle of the points
+  const double depth = middle(kFar, kNear);
+  half_height += depth * slope_;
   Camera camera = camera_;
   camera.zoom = half_height > 0 ? std::clamp(half_height_mm_ / half_height, kMinCameraZoom, kMaxCameraZoom)
                                 : kMaxCameraZoom;
   Vec3 center = view_.plane.center_lps_mm;
   for (std::size_t a = 0; a < 3; ++a) {
-    center[a] += middle(kRight, kLeft) * view_.plane.right_lps[a] +
-                 middle(kUp, kDown) * view_.plane.up_lps[a] + depth * view_.plane.forward_lps[a];
+    center[a] +=
+        right * view_.plane.right_lps[a] + up * view_.plane.up_lps[a] + depth * view_.plane.forward_lps[a];
   }
   camera.center_lps_mm = center;
   return camera;

@@ -43,36 +43,38 @@ class FitExtents {
   std::array<double, FitPlanes::kCount> max_{};
 };
 
-/// Fit of points into the picture of a camera, whose zoom and centre do not matter.
+/// Fit of points into a region of the picture of a camera, whose zoom and centre do not matter.
 class FitFrame {
  public:
-  /// Size of fitted points relative to the picture. The rest is the margin.
+  /// Size of fitted points relative to the region. The rest is the margin.
   static constexpr double kFill = 0.96;
 
-  /// kUsage as for view_of().
+  /// kUsage as for view_of(), and for a region that is empty or not inside the picture.
   [[nodiscard]] static Result<FitFrame> of(const Camera& camera, const PictureSize& size,
-                                           const Display& display);
+                                           const Display& display, const PictureRegion& region = {});
 
   /// The camera at zoom 1, around the centre of the bounding sphere, and its view.
   [[nodiscard]] const Camera& whole() const { return camera_; }
   [[nodiscard]] const View& view() const { return view_; }
   /// The functions on points that `to_lps_mm` maps to LPS mm.
   [[nodiscard]] FitPlanes planes(const Affine& to_lps_mm) const;
-  /// The camera whose picture the points fill: with margins on both sides of its width, or of its height, and
-  /// at least these margins on the other sides. The centre is in the middle of the points, also in depth; in
-  /// perspective, the shorter side of the points may be off the middle of the picture. All points are in
-  /// front of the eye; with fields of view above 90 degrees, this can take more room than the margins. Clamps
-  /// the zoom to [kMinCameraZoom, kMaxCameraZoom]. `extents` must not be empty.
+  /// The camera whose region the points fill: with margins on both sides of its width, or of its height, and
+  /// at least these margins on the other sides. The points are in the middle of the region. In perspective,
+  /// their shorter side may be off the middle. The centre has their middle depth. All points are in front of
+  /// the eye; with fields of view above 90 degrees, this can take more room than the margins. Clamps the zoom
+  /// to [kMinCameraZoom, kMaxCameraZoom]. `extents` must not be empty.
   [[nodiscard]] Camera fitted(const FitExtents& extents) const;
 
  private:
-  FitFrame(const Camera& camera, const View& view);
+  FitFrame(const Camera& camera, const View& view, const PictureRegion& region);
 
   Camera camera_;
   View view_;
   double half_height_mm_;  // of the picture in the plane of the centre, at zoom 1
-  double aspect_;          // width / height
   double slope_;           // half the height of the picture / distance from the eye; 0: parallel
+  // Of the region without its margins, in half heights of the picture:
+  double middle_right_, middle_up_;  // from the picture's middle
+  double half_width_, half_height_;
 };
 
 }  // namespace splatlas

@@ -24,7 +24,7 @@ struct Annotate : testing::Test {
   }
 };
 
-const Words kScene{"--size", "900x600", "--zoom", "0.5", "--azimuth", "20"};
+const Words kScene{"--size", "900x600", "--fit", "grid", "--zoom", "0.5", "--azimuth", "20"};
 
 TEST_F(Annotate, KeepsOtherPixels) {
   const ProgramResult plain = render(joined(kScene, {"-o", "a.png"}));
@@ -39,6 +39,16 @@ TEST_F(Annotate, KeepsOtherPixels) {
     changed += a[n] != b[n] || a[n + 1] != b[n + 1] || a[n + 2] != b[n + 2];
   EXPECT_GT(changed, 1000u);
   EXPECT_LT(changed, a.size() / 3 / 10);
+}
+
+TEST_F(Annotate, LeavesRoomForAnnotations) {
+  for (const std::string view : {"anterior", "left", "superior"}) {
+    const ProgramResult result = render(
+        {"-o", "a.png", "--size", "900x700", "--view", view, "--annotate", "all", "--caption", "Spheres"});
+    ASSERT_EQ(result.status, 0) << result.err;
+    EXPECT_THAT(result.err, Not(HasSubstr("cover"))) << view;
+    EXPECT_THAT(result.err, Not(HasSubstr("label"))) << view;
+  }
 }
 
 TEST_F(Annotate, IsReproducible) {

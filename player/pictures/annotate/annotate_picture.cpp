@@ -15,6 +15,10 @@ namespace {
 constexpr double kDefaultShortSideInch = 160 / 25.4;
 constexpr double kTightRows = 0.2, kWideRows = 0.5;             // gaps between labels, in em
 constexpr double kMaxLabelWidth = 0.26, kMinLabelWidth = 0.16;  // of the picture's width
+constexpr double kReservedLabelWidth = 0.2;                     // of the picture's width, for each column
+constexpr double kLabelSpacing = 1.2;                           // distance of baselines, in em
+constexpr double kLabelGapPoints = 12;                          // from structures to labels
+constexpr double kMinFigure = 0.2;                              // of the picture's sides
 
 /// True if all texts lie in the picture, and a figure remains.
 bool fits(const PageLayout& layout) {
@@ -42,14 +46,30 @@ PageLayout lay_out(const AnnotatedScene& scene, const AnnotationOptions& options
 
 }  // namespace
 
-void PageLayout::place_structure_labels() {
-  // Choose the largest structures that no block of text covers
+std::vector<const NamedStructure*> PageLayout::labelled_structures() const {
   std::vector<const NamedStructure*> chosen;
   for (const NamedStructure& one : scene.structures) chosen.push_back(&one);
   std::ranges::stable_sort(chosen, std::greater(),
                            [](const NamedStructure* one) { return one->visible.pixels; });
-  const double em = kLabelPoints * pt, leading = 1.2 * em;
+  const double em = kLabelPoints * pt;
   std::erase_if(chosen, [&](const NamedStructure* one) { return one->visible.pixels < em * em; });
+  return chosen;
+}
+
+Label PageLayout::label_of(const NamedStructure& structure, double max_width) const {
+  const auto width = [&](std::string_view words) { return width_of(words, kLabelPoints); };
+  Label label{balanced_lines(structure.name, max_width, width), 0, 0, structure.visible.anchor,
+              structure.visible.pixels};
+  for (const std::string& words : label.lines) label.width = std::max(label.width, width(words));
+  const double em = kLabelPoints * pt;
+  label.height =
+      (static_cast<double>(label.lines.size()) - 1) * kLabelSpacing * em + (kAscent + kDescent) * em;
+  return label;
+}
+
+void PageLayout::place_structure_labels() {
+  // Choose the largest structures that no block of text covers
+  std::vector<const NamedStructure*> chosen = labelled_structures();
   std::erase_if(chosen, [&](const NamedStructure* one) {
     const PagePoint anchor = one->visible.anchor;
     return !contains(figure, {anchor.x, anchor.y, anchor.x, anchor.y});
@@ -57,16 +77,15 @@ void PageLayout::place_structure_labels() {
   chosen.resize(std::min(chosen.size(), options.max_labels));
 
   // Break long names
+  const double em = kLabelPoints * pt, leading = kLabelSpacing * em;
   const PageBox content = free_space.content().value_or(figure);
-  const double gap = 12 * pt, side = std::max(content.left - figure.left, figure.right - content.right) - gap;
+  const double gap = kLabelGapPoints * pt,
+               side = std::max(content.left - figure.left, figure.right - content.right) - gap;
   const double page_width = scene.picture.size.width;
   const double max_width = std::clamp(side, kMinLabelWidth * page_width, kMaxLabelWidth * page_width);
   std::vector<Label> labels;
   for (const NamedStructure* one : chosen) {
-    const auto width = [&](std::string_view words) { return width_of(words, kLabelPoints); };
-    Label label{balanced_lines(one->name, max_width, width), 0, 0, one->visible.anchor, one->visible.pixels};
-    for (const std::string& words : label.lines) label.width = std::max(label.width, width(words));
-    label.height = (static_cast<double>(label.lines.size()) - 1) * leading + (kAscent + kDescent) * em;
+    Label label = label_of(*one, max_width);
     if (!label.lines.empty()) labels.push_back(std::move(label));
   }
 
@@ -94,6 +113,42 @@ void PageLayout::place_structure_labels() {
   }
   layer.labels = placed.size();
   layer.unlabelled = scene.structures.size() - placed.size();
+}
+
+void PageLayout::reserve_room() {
+  const double letters = 1.3 * kCapHeight * kLettersPoints * pt;
+  if (options.items.orientation) figure.top += letters, figure.bottom -= letters;
+  if (!options.items.labels) return;
+  std::vector<const NamedStructure*> chosen = labelled_structures();
+  chosen.resize(std::min(chosen.size(), options.max_labels));
+  double width = 0;
+  for (const NamedStructure* one : chosen) {
+    width = std::max(width, label_of(*one, kReservedLabelWidth * scene.picture.size.width).width);
+  }
+  if (width == 0) return;
+  width += 1.5 * kLabelGapPoints * pt;
+  figure.left += width, figure.right -= width;
+}
+
+PictureRegion region_of_figure(const AnnotatedScene& scene, const AnnotationOptions& options,
+                               const MeasureText& measure) {
+  if (!options.items.any()) return {};
+  const FreeSpace empty(scene.picture.size);
+  PageLayout layout(scene, options, measure, empty);
+  // Reserve the line that tells the number of structures without a label
+  layout.place_blocks(options.items.labels && scene.structures.size() > options.max_labels ? 99 : 0);
+  if (options.items.orientation) layout.place_orientation();
+  layout.reserve_room();
+
+  const auto share = [](double from, double to, double side) {
+    from = std::clamp(from / side, 0.0, 1 - kMinFigure), to = std::clamp(to / side, kMinFigure, 1.0);
+    if (to - from >= kMinFigure) return std::pair(from, to);
+    const double middle = std::clamp(0.5 * (from + to), 0.5 * kMinFigure, 1 - 0.5 * kMinFigure);
+    return std::pair(middle - 0.5 * kMinFigure, middle + 0.5 * kMinFigure);
+  };
+  const auto [left, right] = share(layout.figure.left, layout.figure.right, scene.picture.size.width);
+  const auto [top, bottom] = share(layout.figure.top, layout.figure.bottom, scene.picture.size.height);
+  return {std::max(0.0, left), std::max(0.0, top), std::min(right, 1.0), std::min(bottom, 1.0)};
 }
 
 double annotation_dpi(const AnnotationOptions& options, const PictureSize& size) {

@@ -52,4 +52,10 @@ struct AnnotationOptions {
                                                        const AnnotationOptions& options,
                                                        const MeasureText& measure);
 
+/// Region of a picture for its structures, so that the annotations find room beside them. Takes the size of
+/// the picture, not its pixels, and the names and visible areas of the structures. The region has at least a
+/// fifth of the picture's width and height.
+[[nodiscard]] PictureRegion region_of_figure(const AnnotatedScene& scene, const AnnotationOptions& options,
+                                             const MeasureText& measure);
+
 }  // namespace splatlas

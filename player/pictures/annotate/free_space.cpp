@@ -12,11 +12,13 @@ constexpr float kVisibleAlpha = 1.0f / 512;
 
 }  // namespace
 
-FreeSpace::FreeSpace(const Picture& picture)
-    : cell_(std::max(1, std::min(picture.size.width, picture.size.height) / kCellsOnShortSide)),
-      columns_((picture.size.width + cell_ - 1) / cell_),
-      rows_((picture.size.height + cell_ - 1) / cell_),
-      sums_(static_cast<std::size_t>(columns_ + 1) * static_cast<std::size_t>(rows_ + 1)) {
+FreeSpace::FreeSpace(const PictureSize& size)
+    : cell_(std::max(1, std::min(size.width, size.height) / kCellsOnShortSide)),
+      columns_((size.width + cell_ - 1) / cell_),
+      rows_((size.height + cell_ - 1) / cell_),
+      sums_(static_cast<std::size_t>(columns_ + 1) * static_cast<std::size_t>(rows_ + 1)) {}
+
+FreeSpace::FreeSpace(const Picture& picture) : FreeSpace(picture.size) {
   // Mark the cells that show structures
   const auto at = [this](int column, int row) -> std::uint32_t& {
     return sums_[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_ + 1) +

@@ -14,6 +14,8 @@ namespace splatlas {
 /// a few pixels, so a box counts as covered up to one cell before it touches a structure.
 class FreeSpace {
  public:
+  /// Of a picture without structures. O(cells).
+  explicit FreeSpace(const PictureSize& size);
   /// Pixels above an alpha of 1/512 show structures: they may change an 8-bit picture. O(pixels).
   explicit FreeSpace(const Picture& picture);
 

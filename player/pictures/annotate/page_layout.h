@@ -7,6 +7,7 @@
 
 #include "player/pictures/annotate/annotate_picture.h"
 #include "player/pictures/annotate/free_space.h"
+#include "player/pictures/annotate/place_labels.h"
 
 namespace splatlas {
 
@@ -49,8 +50,14 @@ struct PageLayout {
   void place_scale_bar();
   /// Places the labels of at most `options.max_labels` structures.
   void place_structure_labels();
+  /// Takes room for the letters above and below the figure, and for the columns of labels beside it.
+  void reserve_room();
 
  private:
+  /// Structures to label: the largest ones first.
+  [[nodiscard]] std::vector<const NamedStructure*> labelled_structures() const;
+  /// A label with lines of at most `max_width` pixels, unless a word is longer.
+  [[nodiscard]] Label label_of(const NamedStructure& structure, double max_width) const;
   void place_paragraph(std::string_view words, double points, FontStyle style, Rgb color);
   void place_legend();
 };

@@ -83,8 +83,22 @@ RandomScene visible_scene(std::uint32_t number) {
   return scene;
 }
 
-/// The content touches the margins on both sides of one axis, and crosses no margin. In parallel projection,
-/// it lies in the middle of the other axis. All of it is in front of the eye.
+/// Some region of a picture.
+PictureRegion random_region(std::uint32_t seed) {
+  std::mt19937 random(seed);
+  const auto share = [&](double max) { return max * std::generate_canonical<double, 32>(random); };
+  return {share(0.4), share(0.4), 1 - share(0.4), 1 - share(0.4)};
+}
+
+/// The extents relative to a region: -1 and 1 are its borders.
+Extents within(const PictureRegion& region, const Extents& of) {
+  const auto relative = [](double at, double from, double to) { return (at + 1 - from - to) / (to - from); };
+  return {relative(of.left, region.left, region.right), relative(of.right, region.left, region.right),
+          relative(of.top, region.top, region.bottom), relative(of.bottom, region.top, region.bottom)};
+}
+
+/// The content touches the margins of its region on both sides of one axis, and crosses no margin. In
+/// parallel projection, it lies in the middle of the other axis. All of it is in front of the eye.
 TEST(FitSelection, TouchesTheMarginsAndCrossesNone) {
   std::uint32_t drawn = 0;
   for (std::uint32_t number = 0; drawn < repetitions(200); ++number) {
@@ -95,7 +109,8 @@ TEST(FitSelection, TouchesTheMarginsAndCrossesNone) {
     const auto atlas = open_in_memory(scene.content);
     const std::vector<Vec3> corners = corners_lps(*atlas, scene.selection);
     Renderer renderer = renderer_of(scene.content, scene.selection);
-    const Camera camera = value_or_throw(renderer.fit(scene.camera, scene.options));
+    const PictureRegion region = number % 3 == 0 ? PictureRegion() : random_region(number);
+    const Camera camera = value_or_throw(renderer.fit(scene.camera, scene.options, std::nullopt, region));
     EXPECT_EQ(camera.azimuth_deg, scene.camera.azimuth_deg);
     EXPECT_EQ(camera.elevation_deg, scene.camera.elevation_deg);
     if (corners.empty()) {
@@ -105,7 +120,7 @@ TEST(FitSelection, TouchesTheMarginsAndCrossesNone) {
     }
     ++drawn;
     const View view = value_or_throw(view_of(camera, scene.options.size, atlas->display()));
-    const Extents shown = extents_in(view, corners);
+    const Extents shown = within(region, extents_in(view, corners));
     // Coordinates of some hundred mm have 13 digits behind the point, and pixels are above 1e-3 mm
     constexpr double kRounding = 1e-9;
     const bool is_wide = shown.right - shown.left > shown.bottom - shown.top;
@@ -122,21 +137,51 @@ TEST(FitSelection, TouchesTheMarginsAndCrossesNone) {
   }
 }
 
-/// Pixels of a picture that show something: columns and rows from first to last.
-struct Silhouette {
-  int left = 1 << 20, right = -1, top = 1 << 20, bottom = -1;
-};
-
-Silhouette silhouette_of(const Picture& picture) {
-  constexpr float kVisible = 1.0f / 255;
-  Silhouette of;
-  for (int y = 0; y < picture.size.height; ++y) {
-    for (int x = 0; x < picture.size.width; ++x) {
-      if (picture.at(x, y)[3] < kVisible) continue;
-      of = {std::min(of.left, x), std::max(of.right, x), std::min(of.top, y), std::max(of.bottom, y)};
+/// Points of the drawn content that the cuts keep: samples of the boxes up to the next voxels' centres, and
+/// of triangles.
+std::vector<Vec3> kept_points_lps(const Atlas& atlas, const Selection& selection, const CutPlanes& cuts) {
+  constexpr int kSteps = 6;
+  const DrawPlan plan = atlas.tree().plan(selection);
+  const Affine to_lps = index_to_lps_mm(atlas.grid());
+  std::vector<Vec3> points;
+  const auto add = [&](const Vec3& index) {
+    const Vec3 p = to_lps.apply(index);
+    const bool is_kept = std::ranges::all_of(cuts, [&](const CutPlane& cut) {
+      const Vec3& n = cut.normal_lps;
+      return n[0] * p[0] + n[1] * p[1] + n[2] * p[2] <= cut.offset_mm;
+    });
+    if (is_kept) points.push_back(p);
+  };
+  for (const ClassDraw& draw : plan.classes) {
+    if (!draws_volume(draw.role)) continue;
+    for (const Run& run : value_or_throw(atlas.read_runs(draw.id, Axis::kZ))) {
+      const auto rows = static_cast<std::uint64_t>(atlas.grid().size[1]);
+      for (std::uint32_t i = run.start; i < run.start + run.length; ++i) {
+        for (int n = 0; n < kSteps * kSteps * kSteps; ++n) {
+          const auto step = [](int of) { return 2.0 * of / (kSteps - 1) - 1; };
+          add({i + step(n % kSteps), static_cast<double>(run.scanline % rows) + step(n / kSteps % kSteps),
+               static_cast<double>(run.scanline / rows) + step(n / kSteps / kSteps)});
+        }
+      }
     }
   }
-  return of;
+  for (const StructureIndex s : plan.surfaces) {
+    const SurfaceMesh mesh = value_or_throw(atlas.read_surface(s));
+    for (const auto& corners : mesh.triangles) {
+      for (int u = 0; u < kSteps; ++u) {
+        for (int v = 0; u + v < kSteps; ++v) {
+          const std::array<double, 3> weights{u / (kSteps - 1.0), v / (kSteps - 1.0),
+                                              (kSteps - 1.0 - u - v) / (kSteps - 1.0)};
+          Vec3 index{};
+          for (std::size_t c = 0; c < 3; ++c) {
+            for (std::size_t a = 0; a < 3; ++a) index[a] += weights[c] * mesh.positions_ijk[corners[c]][a];
+          }
+          add(index);
+        }
+      }
+    }
+  }
+  return points;
 }
 
 /// Largest extent of a voxel in the picture, in pixels.
@@ -156,6 +201,77 @@ double voxel_pixels(const View& view, const Grid& grid) {
     up += std::abs(along_up);
   }
   return std::max(right, up) / view.plane.mm_per_pixel;
+}
+
+/// Samples and interpolation leave some voxels of room.
+TEST(FitSelection, FitsToThePartThatCutsKeep) {
+  std::uint32_t drawn = 0, smaller = 0;
+  for (std::uint32_t number = 0; drawn < repetitions(60); ++number) {
+    SCOPED_TRACE(number);
+    RandomScene scene = visible_scene(number);
+    scene.options.size = {200, 150};
+    const auto atlas = open_in_memory(scene.content);
+    std::mt19937 random(number);
+    std::normal_distribution<double> normal;
+    const Affine to_lps = index_to_lps_mm(atlas->grid());
+    const Vec3 size{static_cast<double>(atlas->grid().size[0]), static_cast<double>(atlas->grid().size[1]),
+                    static_cast<double>(atlas->grid().size[2])};
+    const Vec3 middle = to_lps.apply({0.5 * size[0], 0.5 * size[1], 0.5 * size[2]});
+    for (std::uint32_t n = 0; n <= number % 3; ++n) {
+      const Vec3 side{normal(random), normal(random), normal(random)};
+      const double offset = side[0] * middle[0] + side[1] * middle[1] + side[2] * middle[2];
+      ASSERT_TRUE(scene.options.cuts.add({side, offset}));
+    }
+    const std::vector<Vec3> points = kept_points_lps(*atlas, scene.selection, scene.options.cuts);
+    if (points.empty()) continue;
+    ++drawn;
+    Renderer renderer = renderer_of(scene.content, scene.selection);
+    const Camera camera = value_or_throw(renderer.fit(scene.camera, scene.options));
+    const View view = value_or_throw(view_of(camera, scene.options.size, atlas->display()));
+    const Extents shown = extents_in(view, points);
+    const double side = 1 - 2 * kMargin + 1e-9;
+    EXPECT_LE(std::max(shown.right, shown.bottom), side);
+    EXPECT_GE(std::min(shown.left, shown.top), -side);
+    // In perspective, a voxel near the eye is larger than one in the plane of the centre
+    if (scene.camera.projection == CameraProjection::kPerspective) continue;
+    constexpr double kRoom = 3;
+    const double voxel = voxel_pixels(view, atlas->grid());
+    const double room = std::min((2 - (shown.right - shown.left)) * 100 - 4 * kMargin * 100,
+                                 (2 - (shown.bottom - shown.top)) * 75 - 4 * kMargin * 75);
+    EXPECT_LE(room, 2 * kRoom * voxel);
+    const Camera whole = value_or_throw(renderer.fit(scene.camera, {.size = scene.options.size}));
+    if (whole.zoom < camera.zoom) ++smaller;
+  }
+  EXPECT_GT(smaller, repetitions(60) / 4);
+}
+
+TEST(FitSelection, RefusesRegionsOutsideThePicture) {
+  const AtlasContent content = phantom_content();
+  Renderer renderer = renderer_of(content, selection_of("*", content.graph));
+  for (const PictureRegion& region :
+       {PictureRegion{-0.1, 0, 1, 1}, PictureRegion{0, 0, 1, 1.1}, PictureRegion{0.5, 0, 0.5, 1},
+        PictureRegion{0, 0.6, 1, 0.4}, PictureRegion{0, 0, NAN, 1}}) {
+    const auto camera = renderer.fit({}, {}, std::nullopt, region);
+    ASSERT_FALSE(camera);
+    EXPECT_EQ(camera.error().code, ErrorCode::kUsage);
+  }
+}
+
+/// Pixels of a picture that show something: columns and rows from first to last.
+struct Silhouette {
+  int left = 1 << 20, right = -1, top = 1 << 20, bottom = -1;
+};
+
+Silhouette silhouette_of(const Picture& picture) {
+  constexpr float kVisible = 1.0f / 255;
+  Silhouette of;
+  for (int y = 0; y < picture.size.height; ++y) {
+    for (int x = 0; x < picture.size.width; ++x) {
+      if (picture.at(x, y)[3] < kVisible) continue;
+      of = {std::min(of.left, x), std::max(of.right, x), std::min(of.top, y), std::max(of.bottom, y)};
+    }
+  }
+  return of;
 }
 
 TEST(FitSelection, SilhouettesEndAtTheMargins) {

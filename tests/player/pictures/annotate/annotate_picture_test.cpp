@@ -96,6 +96,64 @@ TEST(AnnotatePicture, KeepsTextsInThePictureAndApart) {
   }
 }
 
+/// Discs all over the region that annotations leave to structures.
+DiscScene discs_in(const PictureRegion& region, const PictureSize& size, std::size_t discs,
+                   std::uint32_t seed) {
+  std::mt19937 random(seed);
+  const auto within = [&](double from, double to) {
+    return from + (to - from) * std::generate_canonical<double, 32>(random);
+  };
+  DiscScene scene(size);
+  const double left = region.left * size.width, right = region.right * size.width,
+               top = region.top * size.height, bottom = region.bottom * size.height;
+  const double radius = 0.06 * std::min(right - left, bottom - top);
+  for (std::size_t n = 0; n < discs; ++n) {
+    scene.add(static_cast<StructureIndex>(n), within(left + radius, right - radius),
+              within(top + radius, bottom - radius), radius);
+  }
+  return scene;
+}
+
+TEST(AnnotatePicture, FindsRoomBesideTheRegionOfItsFigure) {
+  std::size_t labels = 0, structures = 0;
+  for (std::uint32_t seed = 0; seed < repetitions(200); ++seed) {
+    SCOPED_TRACE(seed);
+    const PictureSize size{700 + static_cast<int>(seed * 37 % 500), 700 + static_cast<int>(seed * 61 % 500)};
+    const AnnotationOptions options{kAllItems, 40, "A caption of several words", "Someone et al. (2004)"};
+    const std::size_t discs = 1 + seed % 12;
+    // Names and areas are known before the picture
+    const DiscScene names = discs_in({}, size, discs, seed);
+    const Picture blank{size, {}};
+    AnnotatedScene blank_scene{blank, names.annotated().view, Rgb{0, 0, 0}, names.annotated().structures};
+    const PictureRegion region = region_of_figure(blank_scene, options, fixed_width);
+    ASSERT_LT(region.left, region.right);
+    ASSERT_LT(region.top, region.bottom);
+
+    const DiscScene scene = discs_in(region, size, discs, seed);
+    const AnnotationLayer layer = annotated(scene.annotated(), options);
+    for (const std::string& note : layer.notes) EXPECT_THAT(note, HasSubstr("scale bar"));
+    labels += layer.labels;
+    structures += scene.annotated().structures.size();
+  }
+  EXPECT_GT(labels, structures * 9 / 10);
+}
+
+TEST(AnnotatePicture, LeavesThePictureToStructuresWithoutItems) {
+  const DiscScene discs = random_discs(1);
+  EXPECT_EQ(region_of_figure(discs.annotated(), {}, fixed_width), PictureRegion());
+  // A tiny picture keeps a fifth of its sides
+  const Picture tiny{{20, 20}, {}};
+  const AnnotatedScene scene{tiny, discs.annotated().view, Rgb{0, 0, 0}, discs.annotated().structures};
+  const PictureRegion region =
+      region_of_figure(scene, {kAllItems, 40, "A caption", "A citation"}, fixed_width);
+  EXPECT_GE(region.left, 0);
+  EXPECT_GE(region.top, 0);
+  EXPECT_LE(region.right, 1);
+  EXPECT_LE(region.bottom, 1);
+  EXPECT_NEAR(region.right - region.left, 0.2, 1e-12);
+  EXPECT_NEAR(region.bottom - region.top, 0.2, 1e-12);
+}
+
 TEST(AnnotatePicture, EndsLeadersInTheirStructures) {
   const DiscScene discs = random_discs(7);
   const AnnotatedScene scene = discs.annotated();
