@@ -2,7 +2,6 @@
 #pragma once
 
 #include <array>
-#include <atomic>
 #include <cstdint>
 #include <deque>
 #include <memory>
@@ -69,8 +68,8 @@ struct Atlas::Impl {
   [[nodiscard]] Result<std::vector<std::byte>> read_class_values(ClassId c) const;
   [[nodiscard]] Result<void> check_class(ClassId c) const;
   [[nodiscard]] Result<void> check_structure(StructureIndex s) const;
-  /// Counts the runs of a class when it is first read. kInvalidAtlas if an axis has more than the directory
-  /// states.
+  /// Counts the runs of a class when it is first read. kInvalidAtlas if the axis then has more than the
+  /// directory states; nothing is counted in this case. The order of reading decides which class fails.
   [[nodiscard]] Result<void> count_runs(ClassId c, Axis axis, std::size_t runs) const;
 
   [[nodiscard]] std::vector<ClassId> all_classes() const;
@@ -134,8 +133,9 @@ struct Atlas::Impl {
   SurfaceChoice surfaces;
   WorkBudget budget;
 
-  mutable std::array<std::vector<std::atomic<bool>>, 3> runs_counted;  // [axis][class]
-  mutable std::array<std::atomic<std::uint64_t>, 3> runs_read{};       // [axis], each class once
+  mutable std::mutex runs_mutex;                          // guards the next two
+  mutable std::array<std::vector<bool>, 3> runs_counted;  // [axis][class]
+  mutable std::array<std::uint64_t, 3> runs_read{};       // [axis], of counted classes; at most run_totals
 
   /// Cache of split runs: the other class, its values and normals are often read next.
   struct RecentSplit {

@@ -68,7 +68,7 @@ Atlas::Impl::Impl(InputFile opened_file, const FileHeader& checked_header, Direc
       value_cache(groups.size(), kMaxCachedBytes) {
   const auto preorder = directory.graph.preorder();
   for (std::uint32_t n = 0; n < preorder.size(); ++n) surface_stream[preorder[n]] = n;
-  for (auto& counted : runs_counted) counted = std::vector<std::atomic<bool>>(directory.classes.size());
+  for (auto& counted : runs_counted) counted.resize(directory.classes.size());
 }
 
 Atlas::Atlas(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}

@@ -216,6 +216,26 @@ TEST(WorkBudget, RefusesVolumesOfSparseGrids) {
   EXPECT_EQ(atlas->counters().decoded, 0u);
 }
 
+/// A class with too many runs never makes another one fail, even while its own reading fails.
+TEST(WorkBudget, OnlyClassesWithTooManyRunsFail) {
+  std::vector<SparseStructure> structures(1);
+  for (std::int64_t j = 0; j < 300; ++j) structures[0].push_back(voxel_box({0, 3 * j, 0}));
+  for (std::int64_t j = 0; j < 200; ++j) structures.push_back({voxel_box({5, 3 * j, 0})});
+  AtlasParts parts = take_apart(sparse_atlas({10, 900, 3}, structures));
+  parts.directory.run_totals[2] = 200;
+  const Bytes bytes = put_together(parts);
+  for (int round = 0; round < 30; ++round) {
+    const auto atlas = Atlas::open_bytes(bytes).value();
+    std::atomic<bool> done = false;
+    std::thread failing([&] {
+      while (!done) EXPECT_FALSE(atlas->read_runs(1, Axis::kZ));
+    });
+    for (ClassId c = 2; c < atlas->classes().size(); ++c) EXPECT_TRUE(atlas->read_runs(c, Axis::kZ)) << c;
+    done = true;
+    failing.join();
+  }
+}
+
 /// More runs than the directory states are refused while reading, in any order.
 TEST(WorkBudget, RunsAreCounted) {
   const AtlasContent content = fitted(random_content(3));
