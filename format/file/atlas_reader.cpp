@@ -30,9 +30,8 @@ Result<OpenedDirectory> read_directory(const InputFile& file) {
   SPLATLAS_ASSIGN_OR_RETURN(const FileHeader header, check_header(start, file.size()));
   std::vector<std::byte> bytes(header.directory_bytes);  // allocated with 16-byte alignment
   SPLATLAS_RETURN_IF_ERROR(file.read(header.directory_offset, bytes));
-  if (checksum_of(bytes) != header.directory_checksum) {
-    return invalid_atlas("damaged: checksum of the directory");
-  }
+  if (const std::uint64_t found = checksum_of(bytes); found != header.directory_checksum)
+    return wrong_checksum("directory", found, header.directory_checksum);
   SPLATLAS_ASSIGN_OR_RETURN(Directory directory, decode_directory(bytes));
   RunStreams streams(directory.classes);
   SPLATLAS_RETURN_IF_ERROR(validate(directory, streams));

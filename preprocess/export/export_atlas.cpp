@@ -149,7 +149,7 @@ bool note(Result<std::string> result, const std::string& output, ExportedFiles& 
   }
   Error error = std::move(result).error();
   const bool is_damage = error.code == ErrorCode::kInvalidAtlas;
-  if (is_damage) error.message += "; " + output + " is not written";
+  if (is_damage) files.damaged.push_back(output);
   files.failures.push_back(std::move(error));
   return is_damage;
 }
