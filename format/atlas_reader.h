@@ -39,17 +39,23 @@ enum class WorkKind : std::uint8_t {
 inline constexpr std::size_t kWorkKinds = 6;
 
 /// Counted work. The units are the larger of two sums: about one per nanosecond of one core, and four per
-/// byte of memory held at once.
+/// byte of memory held at once. Counts are of different items: an item with several steps counts once.
 class Work {
  public:
   /// Adds `count` items of `units_each` units.
   void add(WorkKind kind, double count, double units_each);
   /// Raises the memory that a single step of the operation holds at once.
   void hold(double bytes);
+  /// Adds work on other items.
   Work& operator+=(const Work& other);
+  /// Adds a further step on the same items: the larger count of each kind remains.
+  Work& then(const Work& step);
+  /// Lowers the count of a kind to at most `count`, for items that are estimated one by one.
+  void limit(WorkKind kind, double count);
 
   [[nodiscard]] double units() const;
-  /// Counts of the kind with the most units: "4.1e+09 decoded bytes".
+  [[nodiscard]] double count(WorkKind kind) const { return counts_[static_cast<std::size_t>(kind)]; }
+  /// Count of the kind with the most units: "4.1e+09 decoded bytes".
   [[nodiscard]] std::string largest() const;
 
  private:
@@ -147,13 +153,14 @@ class Atlas {
 
   /// Work of the functions above, in units of WorkBudget. verify(), read_all(), read_classes() and
   /// read_value_volume() check theirs against work_budget(); readers of parts check the sum of their parts.
-  /// Cost: linear in the arguments and in the classes of their structures; that of verify() in all classes.
+  /// Each argument is given once. Cost: linear in all classes and in the classes of the structures.
   [[nodiscard]] Work work_of_runs(std::span<const ClassId> classes, Axis axis) const;
   [[nodiscard]] Work work_of_values(std::span<const ClassId> classes) const;
-  [[nodiscard]] Work work_of_normals(ClassId c) const;
-  [[nodiscard]] Work work_of_surface(StructureIndex s) const;
+  [[nodiscard]] Work work_of_normals(std::span<const ClassId> classes) const;
+  [[nodiscard]] Work work_of_surfaces(std::span<const StructureIndex> structures) const;
   [[nodiscard]] Work work_of_class_volume() const;
   [[nodiscard]] Work work_of_value_volume() const;
+  [[nodiscard]] Work work_of_all() const;  ///< of read_all()
   [[nodiscard]] Work work_of_verify() const;
   [[nodiscard]] const WorkBudget& work_budget() const;
 

@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 
 #include "format/system/ascii_text.h"
+#include "format/system/command_options.h"
 #include "format/system/exit_status.h"
 #include "format/system/interrupts.h"
 #include "format/system/memory_limit.h"
@@ -59,7 +60,7 @@ Result<void> run(int argc, char** argv) {
   } catch (const CLI::ValidationError& error) {
     return fail(ErrorCode::kUsage, error.what());
   } catch (const CLI::ParseError& error) {
-    return wrong_usage(app, argc > 1 ? argv[1] : "", error.what());
+    return wrong_usage(app, argc > 1 ? argv[1] : "", fault_of_usage(app, error));
   }
   install_interrupt_handlers();
   SPLATLAS_RETURN_IF_ERROR(

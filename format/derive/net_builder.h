@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -15,8 +16,12 @@ namespace splatlas {
 /// element behind the last vertex takes padding.
 class NetBuilder {
  public:
+  /// Ids have 32 bits.
+  static constexpr std::size_t kMaxVertices = std::numeric_limits<std::uint32_t>::max() - 1;
+
   /// Ids of vertices are their numbers plus 1; smaller ids than `next_id()` at any time mean earlier
-  /// vertices. `vertices`: their expected number. The net is built in the memory of `reused`.
+  /// vertices. `vertices`: their expected number; more than kMaxVertices throw std::bad_alloc. The net is
+  /// built in the memory of `reused`.
   NetBuilder(CellTable table, std::size_t vertices, SurfaceNet reused = {});
 
   /// Adds a cell with corner 0 at grid index `cell`. `id_at(edge)` returns a reference to the id of an edge,

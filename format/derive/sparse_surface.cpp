@@ -1,6 +1,8 @@
 #include "format/derive/sparse_surface.h"
 
 #include <algorithm>
+#include <cstdint>
+#include <limits>
 #include <numeric>
 #include <utility>
 
@@ -168,6 +170,9 @@ std::array<SparseCell*, 8> cells_at_corners(std::vector<SparseCell>& cells, std:
 std::optional<SurfaceNet> sparse_surface_net(const PartRows& rows, CellTable table,
                                              std::uint64_t max_triangles) {
   const PaddedGrid grid(rows.size());
+  // Cells and vertices have 32-bit numbers. There are no more of them than triangles: a cell has one or more,
+  // and a vertex four or more with three vertices each.
+  max_triangles = std::min<std::uint64_t>(max_triangles, std::numeric_limits<std::uint32_t>::max());
   std::optional<std::vector<SparseCell>> cells = find_cells(rows, grid, table, max_triangles);
   if (!cells) return std::nullopt;
   std::vector<std::uint32_t> order(cells->size());

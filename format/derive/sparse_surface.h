@@ -14,8 +14,8 @@
 namespace splatlas {
 
 /// surface_net() of a crop of the same voxels: the same bits, in the same order. Stops with nothing once it
-/// has more than `max_triangles` triangles. Cost: n log n for n runs and triangles, with 100 bytes per
-/// triangle, whatever the size of the bounding box.
+/// has more than `max_triangles` or 2^32 - 1 triangles. Cost: n log n for n runs and triangles, with 100
+/// bytes per triangle, whatever the size of the bounding box.
 [[nodiscard]] std::optional<SurfaceNet> sparse_surface_net(const PartRows& rows, CellTable table,
                                                            std::uint64_t max_triangles);
 

@@ -2,6 +2,7 @@
 
 #include <bit>
 #include <cstring>
+#include <new>
 #include <utility>
 
 #include "format/derive/net_builder.h"
@@ -255,6 +256,7 @@ class NetWalker {
 
 NetBuilder::NetBuilder(CellTable table, std::size_t vertices, SurfaceNet reused)
     : cases_(cell_cases(table)), net_(std::move(reused)) {
+  if (vertices > kMaxVertices) throw std::bad_array_new_length();
   net_.vertices.resize(vertices + kCellEdges + 1);
   net_.neighbours.resize(net_.vertices.size());
   net_.kinds.resize(net_.vertices.size());

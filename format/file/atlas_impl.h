@@ -2,7 +2,6 @@
 #pragma once
 
 #include <array>
-#include <atomic>
 #include <cstdint>
 #include <deque>
 #include <memory>
@@ -69,10 +68,14 @@ struct Atlas::Impl {
   [[nodiscard]] Result<std::vector<std::byte>> read_class_values(ClassId c) const;
   [[nodiscard]] Result<void> check_class(ClassId c) const;
   [[nodiscard]] Result<void> check_structure(StructureIndex s) const;
-  /// Counts the runs of a class when it is first read. kInvalidAtlas if an axis has more than the directory
-  /// states.
+  /// Counts the runs of a class when it is first read. kInvalidAtlas if the axis then has more than the
+  /// directory states; nothing is counted in this case. The order of reading decides which class fails.
   [[nodiscard]] Result<void> count_runs(ClassId c, Axis axis, std::size_t runs) const;
 
+  [[nodiscard]] std::vector<ClassId> all_classes() const;
+  [[nodiscard]] std::vector<StructureIndex> all_structures() const;
+  /// Runs of an axis that the directory states. Reading gives no more.
+  [[nodiscard]] double total_runs(Axis axis) const;
   [[nodiscard]] Work work_of_stream(SectionKind kind, std::size_t stream) const;
   /// `further_per_run` are units for a further step with each run.
   [[nodiscard]] Work work_of_runs(std::span<const ClassId> of, Axis axis, double further_per_run = 0) const;
@@ -82,13 +85,24 @@ struct Atlas::Impl {
     double runs = 0;
   };
   [[nodiscard]] RunLists run_lists(std::span<const ClassId> of, Axis axis) const;
-  [[nodiscard]] Work work_of_values(std::size_t group) const;
-  [[nodiscard]] Work work_of_normals(ClassId c) const;
-  [[nodiscard]] Work work_of_surface(StructureIndex s) const;
-  /// Work of read_crop(), or of read_rows() and a step that holds `bytes` besides the sorted rows.
-  [[nodiscard]] Work work_of_crop(StructureIndex s, const IndexBox& near) const;
-  [[nodiscard]] Work work_of_rows(StructureIndex s, const IndexBox& near, double bytes) const;
-  [[nodiscard]] std::vector<ClassId> classes_near(StructureIndex s, const IndexBox& near) const;
+  /// Work of decode_group(): of its values, and of the runs that give their voxels.
+  struct GroupWork {
+    Work decoding, locating;
+  };
+  [[nodiscard]] GroupWork work_of_values(std::size_t group) const;
+  /// Work of reading or deriving surfaces and normals.
+  struct FitWork {
+    Work reading, deriving;
+    std::vector<bool> counted;  ///< [class]: `reading` has counted its runs, which other fits need, too
+  };
+  void add_normals(ClassId c, FitWork& sum) const;
+  void add_surface(StructureIndex s, FitWork& sum) const;
+  /// Adds the work of read_crop(). Returns an upper bound of the runs.
+  double add_lists(StructureIndex s, const IndexBox& near, FitWork& sum) const;
+  /// Adds the work of read_rows() and of a step that holds `bytes` besides the sorted rows.
+  void add_rows(StructureIndex s, const IndexBox& near, double bytes, FitWork& sum) const;
+  /// Classes of a structure whose streams in `runs_z` have voxels near a box; the first class of shared ones.
+  [[nodiscard]] std::vector<ClassId> lists_near(StructureIndex s, const IndexBox& near) const;
 
   /// Prefixes the message of an error with the file name.
   [[nodiscard]] tl::unexpected<Error> named(const Error& error) const {
@@ -119,8 +133,9 @@ struct Atlas::Impl {
   SurfaceChoice surfaces;
   WorkBudget budget;
 
-  mutable std::array<std::vector<std::atomic<bool>>, 3> runs_counted;  // [axis][class]
-  mutable std::array<std::atomic<std::uint64_t>, 3> runs_read{};       // [axis], each class once
+  mutable std::mutex runs_mutex;                          // guards the next two
+  mutable std::array<std::vector<bool>, 3> runs_counted;  // [axis][class]
+  mutable std::array<std::uint64_t, 3> runs_read{};       // [axis], of counted classes; at most run_totals
 
   /// Cache of split runs: the other class, its values and normals are often read next.
   struct RecentSplit {

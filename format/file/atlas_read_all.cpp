@@ -78,11 +78,7 @@ Result<VoxelBuffer> Atlas::read_value_volume(std::span<const ClassId> class_volu
 
 Result<AtlasContent> Atlas::read_all() const {
   try {
-    Work work = work_of_class_volume();
-    work += work_of_value_volume();
-    for (StructureIndex s = 0; s < graph().size(); ++s) work += work_of_surface(s);
-    for (ClassId c = 0; c < classes().size(); ++c) work += work_of_normals(c);
-    SPLATLAS_RETURN_IF_ERROR(work_budget().check(work, "reading the whole atlas"));
+    SPLATLAS_RETURN_IF_ERROR(work_budget().check(work_of_all(), "reading the whole atlas"));
     SPLATLAS_ASSIGN_OR_RETURN(AtlasContent content, read_classes());
     SPLATLAS_ASSIGN_OR_RETURN(content.values, read_value_volume(content.class_volume));
     for (StructureIndex s = 0; s < graph().size(); ++s) {

@@ -30,9 +30,8 @@ Result<OpenedDirectory> read_directory(const InputFile& file) {
   SPLATLAS_ASSIGN_OR_RETURN(const FileHeader header, check_header(start, file.size()));
   std::vector<std::byte> bytes(header.directory_bytes);  // allocated with 16-byte alignment
   SPLATLAS_RETURN_IF_ERROR(file.read(header.directory_offset, bytes));
-  if (checksum_of(bytes) != header.directory_checksum) {
-    return invalid_atlas("damaged: checksum of the directory");
-  }
+  if (const std::uint64_t found = checksum_of(bytes); found != header.directory_checksum)
+    return wrong_checksum("directory", found, header.directory_checksum);
   SPLATLAS_ASSIGN_OR_RETURN(Directory directory, decode_directory(bytes));
   RunStreams streams(directory.classes);
   SPLATLAS_RETURN_IF_ERROR(validate(directory, streams));
@@ -68,7 +67,7 @@ Atlas::Impl::Impl(InputFile opened_file, const FileHeader& checked_header, Direc
       value_cache(groups.size(), kMaxCachedBytes) {
   const auto preorder = directory.graph.preorder();
   for (std::uint32_t n = 0; n < preorder.size(); ++n) surface_stream[preorder[n]] = n;
-  for (auto& counted : runs_counted) counted = std::vector<std::atomic<bool>>(directory.classes.size());
+  for (auto& counted : runs_counted) counted.resize(directory.classes.size());
 }
 
 Atlas::Atlas(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}

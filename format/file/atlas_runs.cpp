@@ -28,10 +28,15 @@ Result<ClassRuns> Atlas::Impl::read_stored_runs(ClassId c, Axis axis) const {
 
 Result<void> Atlas::Impl::count_runs(ClassId c, Axis axis, std::size_t runs) const {
   const auto a = static_cast<std::size_t>(axis);
-  if (runs_counted[a][c].exchange(true)) return {};
-  if ((runs_read[a] += runs) <= directory.run_totals[a]) return {};
-  runs_read[a] -= runs;  // another attempt fails, too
-  runs_counted[a][c] = false;
+  {
+    const std::lock_guard lock(runs_mutex);
+    if (runs_counted[a][c]) return {};
+    if (runs <= directory.run_totals[a] - runs_read[a]) {
+      runs_read[a] += runs;
+      runs_counted[a][c] = true;
+      return {};
+    }
+  }
   return named(ErrorCode::kInvalidAtlas, "invalid: {} has more than the {} runs that the directory states",
                section_name(run_section(axis)), directory.run_totals[a]);
 }

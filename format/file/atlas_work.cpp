@@ -42,13 +42,23 @@ double crop_bytes(const IndexBox& box) {
   return voxels + 92 * voxels / static_cast<double>(box.last[2] - box.first[2] + 1);
 }
 
-std::vector<ClassId> all_classes(const Atlas& atlas) {
-  std::vector<ClassId> all(atlas.classes().size());
+}  // namespace
+
+std::vector<ClassId> Atlas::Impl::all_classes() const {
+  std::vector<ClassId> all(directory.classes.size());
   std::iota(all.begin(), all.end(), ClassId{0});
   return all;
 }
 
-}  // namespace
+std::vector<StructureIndex> Atlas::Impl::all_structures() const {
+  std::vector<StructureIndex> all(directory.graph.size());
+  std::iota(all.begin(), all.end(), StructureIndex{0});
+  return all;
+}
+
+double Atlas::Impl::total_runs(Axis axis) const {
+  return number(directory.run_totals[static_cast<std::size_t>(axis)]);
+}
 
 Work Atlas::Impl::work_of_stream(SectionKind kind, std::size_t stream) const {
   Work work;
@@ -67,17 +77,15 @@ Work Atlas::Impl::work_of_stream(SectionKind kind, std::size_t stream) const {
 }
 
 Work Atlas::Impl::work_of_runs(std::span<const ClassId> of, Axis axis, double further_per_run) const {
-  // Reading never gives more runs than the directory states.
-  const double total = number(directory.run_totals[static_cast<std::size_t>(axis)]);
   if (!layout.find(run_section(axis))) {
-    Work work = work_of_runs(of, Axis::kZ);
     double voxels = 0;
     for (const ClassId c : of) {
       if (c != kEmptyClass) voxels += number(directory.classes.voxels(c));
     }
-    work.add(WorkKind::kVoxels, voxels, kPerDerivedVoxel);
-    work.add(WorkKind::kRuns, std::min(voxels, total), kPerRun + further_per_run);
-    return work;
+    Work derived;
+    derived.add(WorkKind::kVoxels, voxels, kPerDerivedVoxel);
+    derived.add(WorkKind::kRuns, std::min(voxels, total_runs(axis)), kPerRun + further_per_run);
+    return work_of_runs(of, Axis::kZ).then(derived);
   }
   RunLists lists = run_lists(of, axis);
   lists.work.add(WorkKind::kRuns, lists.runs, kPerRun + further_per_run);
@@ -87,7 +95,7 @@ Work Atlas::Impl::work_of_runs(std::span<const ClassId> of, Axis axis, double fu
 Atlas::Impl::RunLists Atlas::Impl::run_lists(std::span<const ClassId> of, Axis axis) const {
   RunLists lists;
   Work& work = lists.work;
-  const double total = number(directory.run_totals[static_cast<std::size_t>(axis)]);
+  const double total = total_runs(axis);
   for (std::size_t n = 0; n < of.size(); ++n) {
     ClassId c = of[n];
     if (c == kEmptyClass) continue;
@@ -101,8 +109,8 @@ Atlas::Impl::RunLists Atlas::Impl::run_lists(std::span<const ClassId> of, Axis a
     work += work_of_stream(run_section(axis), c);
     double runs_of_list =
         std::min(number(voxels), directory.run_bytes[c][static_cast<std::size_t>(axis)] / 3.0);
-    if (const IndexBox box = list_box(c, axis); codes_mask(box, voxels)) {
-      work.add(WorkKind::kVoxels, number(box.voxels()), kPerMaskVoxel);
+    if (const IndexBox box = list_box(c, axis); voxels > 0 && codes_mask(box, voxels)) {
+      work.add(WorkKind::kVoxels, number(voxels), kPerMaskVoxel * number(box.voxels()) / number(voxels));
       runs_of_list = number(voxels);
     }
     runs_of_list = std::min(runs_of_list, total);
@@ -113,89 +121,95 @@ Atlas::Impl::RunLists Atlas::Impl::run_lists(std::span<const ClassId> of, Axis a
   return lists;
 }
 
-Work Atlas::Impl::work_of_values(std::size_t group) const {
-  Work work = work_of_stream(SectionKind::kValues, group);
+Atlas::Impl::GroupWork Atlas::Impl::work_of_values(std::size_t group) const {
+  GroupWork work{work_of_stream(SectionKind::kValues, group), {}};
   const std::uint64_t voxels = group_voxels(groups, directory.classes, group);
   const double bytes = number(voxels) * number(bytes_of(directory.value_type));
   if (bytes == 0) return work;
-  double per_byte = kPerValueByte;
-  if (predicts_values(directory.value_type, group_box(groups, directory.classes, group, grid.size), voxels))
-    per_byte += kPerPredictedByte;
-  work.add(WorkKind::kVoxels, number(voxels), per_byte * number(bytes_of(directory.value_type)));
-  work.hold(3 * bytes);
-  if (groups.classes[group].size() > 1 || groups.classes[group].front() == kEmptyClass)
-    work += work_of_runs(groups.locating_classes(group), Axis::kZ);
+  const bool is_predicted =
+      predicts_values(directory.value_type, group_box(groups, directory.classes, group, grid.size), voxels);
+  const double per_byte = kPerValueByte + (is_predicted ? kPerPredictedByte : 0);
+  work.decoding.add(WorkKind::kVoxels, number(voxels), per_byte * number(bytes_of(directory.value_type)));
+  work.decoding.hold(3 * bytes);
+  if (is_predicted || groups.classes[group].size() > 1)  // as in decode_group()
+    work.locating = work_of_runs(groups.locating_classes(group), Axis::kZ);
   return work;
 }
 
-std::vector<ClassId> Atlas::Impl::classes_near(StructureIndex s, const IndexBox& near) const {
+std::vector<ClassId> Atlas::Impl::lists_near(StructureIndex s, const IndexBox& near) const {
   constexpr std::size_t kMaxTested = 1024;  // structures with more classes are charged for all
   const std::span<const StructureClass> all = structure_classes.of(s);
-  std::vector<ClassId> of;
+  std::vector<ClassId> lists;
   for (const StructureClass& h : all) {
-    if (all.size() > kMaxTested || overlap(directory.classes.box(h.id), near)) of.push_back(h.id);
+    if (shares_runs(h.id, Axis::kZ) && h.id != run_streams.pair_of(h.id)[0]) continue;
+    if (all.size() > kMaxTested || overlap(list_box(h.id, Axis::kZ), near)) lists.push_back(h.id);
   }
-  return of;
+  return lists;
 }
 
-Work Atlas::Impl::work_of_crop(StructureIndex s, const IndexBox& near) const {
-  return work_of_runs(classes_near(s, near), Axis::kZ);
+double Atlas::Impl::add_lists(StructureIndex s, const IndexBox& near, FitWork& sum) const {
+  sum.counted.resize(directory.classes.size());
+  std::vector<ClassId> others, counted;
+  for (const ClassId c : lists_near(s, near)) {
+    (sum.counted[c] ? counted : others).push_back(c);
+    sum.counted[c] = true;
+  }
+  RunLists first = run_lists(others, Axis::kZ), again = run_lists(counted, Axis::kZ);
+  for (RunLists* lists : {&first, &again}) lists->work.add(WorkKind::kRuns, lists->runs, kPerRun);
+  sum.reading += first.work;
+  sum.reading.then(again.work);
+  return std::min(first.runs + again.runs, total_runs(Axis::kZ));
 }
 
-Work Atlas::Impl::work_of_rows(StructureIndex s, const IndexBox& near, double bytes) const {
-  RunLists lists = run_lists(classes_near(s, near), Axis::kZ);
-  lists.work.add(WorkKind::kRuns, lists.runs, kPerRun);
+void Atlas::Impl::add_rows(StructureIndex s, const IndexBox& near, double bytes, FitWork& sum) const {
+  const double runs = add_lists(s, near, sum);
   // Meanwhile, split lists are cached, and the last list is read
-  lists.work.hold((PartRows::kMaxBytesPerRun + sizeof(Run) + kBytesPerReadRun) * lists.runs);
-  lists.work.hold(kBytesPerSortedRun * lists.runs + bytes);
-  return lists.work;
+  sum.reading.hold((PartRows::kMaxBytesPerRun + sizeof(Run) + kBytesPerReadRun) * runs);
+  sum.reading.hold(kBytesPerSortedRun * runs + bytes);
 }
 
-Work Atlas::Impl::work_of_normals(ClassId c) const {
-  if (!has_normals(directory.classes, c)) return {};
+void Atlas::Impl::add_normals(ClassId c, FitWork& sum) const {
+  if (!has_normals(directory.classes, c)) return;
   const double voxels = number(directory.classes.voxels(c));
-  Work work;
   if (stores_normals(directory, c)) {
-    work = work_of_stream(SectionKind::kNormals, c);
-    work.add(WorkKind::kVoxels, voxels, kPerValueByte * sizeof(PackedNormal));
-    return work;
+    sum.deriving += work_of_stream(SectionKind::kNormals, c);
+    sum.deriving.add(WorkKind::kVoxels, voxels, kPerValueByte * sizeof(PackedNormal));
+    return;
   }
   const IndexBox& box = directory.classes.box(c);
-  if (box.empty()) return work;
+  if (box.empty()) return;
   const StructureIndex owner = normal_owner(directory.classes.members(c));
   if (fits_sparsely(box, directory.classes.voxels(c))) {
-    work = work_of_rows(owner, around(box), 3 * sizeof(PackedNormal) * voxels);
-    work.add(WorkKind::kVoxels, voxels, kPerSparseVoxel);
+    add_rows(owner, around(box), 3 * sizeof(PackedNormal) * voxels, sum);
+    sum.deriving.add(WorkKind::kVoxels, voxels, kPerSparseVoxel);
   } else {
-    work = work_of_crop(owner, around(box));
-    work.add(WorkKind::kVoxels, number(crop_voxels(box)), kPerCropVoxel);
-    work.hold(crop_bytes(box));
+    add_lists(owner, around(box), sum);
+    sum.deriving.add(WorkKind::kVoxels, voxels, kPerCropVoxel * number(crop_voxels(box)) / voxels);
+    sum.deriving.hold(crop_bytes(box));
   }
-  return work;
 }
 
-Work Atlas::Impl::work_of_surface(StructureIndex s) const {
+void Atlas::Impl::add_surface(StructureIndex s, FitWork& sum) const {
   const SurfaceEntry& entry = directory.surfaces[s];
-  Work work;
   const double triangles = entry.triangles, vertices = entry.vertices;
   if (!is_fitted(entry)) {
-    work.add(WorkKind::kTriangles, triangles, kPerTriangle);
-    work += work_of_stream(SectionKind::kSurfaces, surface_stream[s]);
-    return work;
+    sum.deriving.add(WorkKind::kTriangles, triangles, kPerTriangle);
+    sum.deriving += work_of_stream(SectionKind::kSurfaces, surface_stream[s]);
+    return;
   }
+  // Fitted surfaces have triangles
   const IndexBox box = box_of(directory.classes, structure_classes.of(s));
   double per_triangle = kPerTriangle;
   if (!box.empty() && fits_sparsely(box, entry.vertices)) {
-    work = work_of_rows(s, box, kBytesPerSparseTriangle * triangles);
+    add_rows(s, box, kBytesPerSparseTriangle * triangles, sum);
     per_triangle += kPerSparseTriangle + kPerSparseVertex * vertices / triangles;
   } else if (!box.empty()) {
-    work = work_of_crop(s, box);
-    work.add(WorkKind::kVoxels, number(crop_voxels(box)), kPerCropVoxel);
-    work.hold(crop_bytes(box) + kBytesPerFittedVertex * vertices);
-    per_triangle += kPerFittedVertex * vertices / triangles;
+    add_lists(s, box, sum);
+    const double crop = number(crop_voxels(box));
+    per_triangle += (kPerCropVoxel * crop + kPerFittedVertex * vertices) / triangles;
+    sum.deriving.hold(crop_bytes(box) + kBytesPerFittedVertex * vertices);
   }
-  work.add(WorkKind::kTriangles, triangles, per_triangle);  // fitted surfaces have some
-  return work;
+  sum.deriving.add(WorkKind::kTriangles, triangles, per_triangle);
 }
 
 Work Atlas::work_of_runs(std::span<const ClassId> of, Axis axis) const {
@@ -203,38 +217,63 @@ Work Atlas::work_of_runs(std::span<const ClassId> of, Axis axis) const {
 }
 
 Work Atlas::work_of_values(std::span<const ClassId> of) const {
-  Work work;
-  if (value_type() == VoxelType::kNone) return work;
+  Impl::GroupWork sum;
+  if (value_type() == VoxelType::kNone) return {};
+  const std::uint32_t of_empty = impl_->groups.group_of[kEmptyClass];
+  std::vector<bool> counted(impl_->groups.size());
   std::uint32_t latest = std::numeric_limits<std::uint32_t>::max();
+  Work again;  // of items that are counted in the sum
   for (const ClassId c : of) {
     const std::uint32_t group = impl_->groups.group_of[c];
     if (group == latest) continue;  // decoded once
     latest = group;
-    work += impl_->work_of_values(group);
+    const Impl::GroupWork work = impl_->work_of_values(group);
+    if (counted[group]) {
+      again.then(work.decoding).then(work.locating);
+    } else {
+      sum.decoding += work.decoding;
+      // The runs of all classes locate the values of the empty class
+      group == of_empty ? again.then(work.locating) : sum.locating += work.locating;
+    }
+    counted[group] = true;
   }
-  return work;
+  sum.locating.limit(WorkKind::kRuns, impl_->total_runs(Axis::kZ));
+  return sum.decoding.then(sum.locating).then(again);
 }
 
-Work Atlas::work_of_normals(ClassId c) const {
-  return impl_->work_of_normals(c);
+Work Atlas::work_of_normals(std::span<const ClassId> of) const {
+  Impl::FitWork sum;
+  for (const ClassId c : of) impl_->add_normals(c, sum);
+  sum.reading.limit(WorkKind::kRuns, impl_->total_runs(Axis::kZ));
+  return sum.reading.then(sum.deriving);
 }
 
-Work Atlas::work_of_surface(StructureIndex s) const {
-  return impl_->work_of_surface(s);
+Work Atlas::work_of_surfaces(std::span<const StructureIndex> of) const {
+  Impl::FitWork sum;
+  for (const StructureIndex s : of) impl_->add_surface(s, sum);
+  sum.reading.limit(WorkKind::kRuns, impl_->total_runs(Axis::kZ));
+  return sum.reading.then(sum.deriving);
 }
 
 Work Atlas::work_of_class_volume() const {
-  Work work = work_of_runs(all_classes(*this), Axis::kZ);
+  Work filling;
   const auto voxels = static_cast<double>(grid().voxels());
-  work.add(WorkKind::kVoxels, voxels, kPerGridVoxel);
-  work.hold(voxels * sizeof(ClassId));
-  return work;
+  filling.add(WorkKind::kVoxels, voxels, kPerGridVoxel);
+  filling.hold(voxels * sizeof(ClassId));
+  return work_of_runs(impl_->all_classes(), Axis::kZ).then(filling);
 }
 
 Work Atlas::work_of_value_volume() const {
-  Work work = work_of_values(all_classes(*this));
+  Work work = work_of_values(impl_->all_classes());
   work.hold(2 * static_cast<double>(grid().voxels()) * number(bytes_of(value_type())));
   return work;
+}
+
+Work Atlas::work_of_all() const {
+  Work work = work_of_class_volume();
+  work.then(work_of_value_volume());
+  work.then(work_of_surfaces(impl_->all_structures()));
+  return work.then(work_of_normals(impl_->all_classes()));
 }
 
 Work Atlas::work_of_verify() const {
@@ -243,12 +282,12 @@ Work Atlas::work_of_verify() const {
     if (!section.chunk_begin.empty())
       work.add(WorkKind::kBytes, number(section.chunk_begin.back()), kPerDecodedByte);
   }
-  const std::vector<ClassId> all = all_classes(*this);
-  for (const Axis axis : kAxes) work += impl_->work_of_runs(all, axis, axis == Axis::kZ ? kPerSortedRun : 0);
-  work.hold((kBytesPerVerifiedRun + kBytesPerReadRun) * number(runs(Axis::kZ)));
-  work += work_of_values(all);
-  for (StructureIndex s = 0; s < graph().size(); ++s) work += work_of_surface(s);
-  return work;
+  const std::vector<ClassId> all = impl_->all_classes();
+  for (const Axis axis : kAxes)
+    work.then(impl_->work_of_runs(all, axis, axis == Axis::kZ ? kPerSortedRun : 0));
+  work.hold((kBytesPerVerifiedRun + kBytesPerReadRun) * impl_->total_runs(Axis::kZ));
+  work.then(work_of_values(all));
+  return work.then(work_of_surfaces(impl_->all_structures()));
 }
 
 const WorkBudget& Atlas::work_budget() const {

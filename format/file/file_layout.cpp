@@ -27,7 +27,7 @@ std::uint64_t header_checksum(const FileHeader& header) {
 
 /// Message for a file without the magic number.
 std::string foreign_file(std::span<const std::byte> start) {
-  if (start.empty()) return "not an atlas (the file is empty)";
+  if (start.empty()) return "not an atlas (its size is 0 bytes)";
   std::string first;
   for (std::size_t n = 0; n < std::min<std::size_t>(start.size(), 8); ++n) {
     first += fmt::format("{}{:02x}", n == 0 ? "" : " ", std::to_integer<unsigned>(start[n]));
@@ -66,6 +66,12 @@ FileHeader make_header(std::span<const std::byte> directory, std::uint64_t file_
   return header;
 }
 
+tl::unexpected<Error> wrong_checksum(const char* part, std::uint64_t found, std::uint64_t stated) {
+  return invalid_atlas(
+      "damaged: checksum of the {} is {:016x}, the file states {:016x}; copy or build the file again", part,
+      found, stated);
+}
+
 Result<FileHeader> check_header(std::span<const std::byte> start, std::uint64_t file_bytes) {
   const std::size_t magic_bytes = std::min(start.size(), kMagic.size());
   if (start.empty() || std::memcmp(start.data(), kMagic.data(), magic_bytes) != 0) {
@@ -77,8 +83,8 @@ Result<FileHeader> check_header(std::span<const std::byte> start, std::uint64_t 
   }
   FileHeader header;
   std::memcpy(&header, start.data(), sizeof header);
-  if (header_checksum(header) != header.header_checksum)
-    return invalid_atlas("damaged: checksum of the header");
+  if (const std::uint64_t found = header_checksum(header); found != header.header_checksum)
+    return wrong_checksum("header", found, header.header_checksum);
   SPLATLAS_RETURN_IF_ERROR(check_version(header));
   if (file_bytes < header.file_bytes) {
     return invalid_atlas("truncated: header says {} bytes, file has {}", header.file_bytes, file_bytes);

@@ -52,6 +52,10 @@ static_assert(offsetof(FileHeader, file_bytes) == 24 && offsetof(FileHeader, dir
 static_assert(offsetof(FileHeader, directory_bytes) == 40 && offsetof(FileHeader, directory_checksum) == 48);
 static_assert(offsetof(FileHeader, header_checksum) == 56);
 
+/// kInvalidAtlas: the header or directory, `part`, has another checksum than the file states.
+[[nodiscard]] tl::unexpected<Error> wrong_checksum(const char* part, std::uint64_t found,
+                                                   std::uint64_t stated);
+
 /// Feature bits that the content of a directory requires.
 [[nodiscard]] std::uint32_t required_features(const Directory& directory);
 /// The complete header of a file, with checksums.

@@ -17,25 +17,27 @@ std::uint64_t bytes_of_all(const ValueCache::GroupValues& values) {
 }  // namespace
 
 void ValueCache::insert(std::size_t group, GroupValues values) {
+  // Allocations come first: they may throw
   Slot& slot = slots_[group];
   std::vector<bool> taken(values.size(), false);
+  std::list<std::size_t> latest{group};
   const std::lock_guard lock(mutex_);
-  groups_.push_back(group);  // may throw: first, so that nothing has changed
+  groups_.remove(group);
+  groups_.splice(groups_.end(), latest);
   bytes_ += bytes_of_all(values);
   bytes_ -= bytes_of_all(slot.values);
   slot.values = std::move(values);
   slot.taken = std::move(taken);
   // Evict the oldest groups, except this one and those locked by other threads.
-  for (std::size_t n = groups_.size(); n > 0 && bytes_ > max_bytes_; --n) {
-    const std::size_t oldest = groups_.front();
-    const std::unique_lock oldest_lock = oldest == group
-                                             ? std::unique_lock<std::mutex>()
-                                             : std::unique_lock(slots_[oldest].mutex, std::try_to_lock);
-    if (!oldest_lock) groups_.push_back(oldest);
-    groups_.pop_front();
-    if (!oldest_lock) continue;
-    bytes_ -= bytes_of_all(slots_[oldest].values);
-    slots_[oldest].values.clear();
+  for (auto next = groups_.begin(); next != groups_.end() && bytes_ > max_bytes_;) {
+    const auto oldest = next++;
+    if (*oldest == group) continue;
+    Slot& old = slots_[*oldest];
+    const std::unique_lock old_lock(old.mutex, std::try_to_lock);
+    if (!old_lock) continue;
+    bytes_ -= bytes_of_all(old.values);
+    old.values.clear();
+    groups_.erase(oldest);
   }
 }
 
@@ -54,7 +56,7 @@ Result<std::vector<std::byte>> ValueCache::take(std::size_t group, std::size_t n
   if (all_taken) slot.values.clear();
   const std::lock_guard totals_lock(mutex_);
   bytes_ -= values.size();
-  if (all_taken) std::erase(groups_, group);
+  if (all_taken) groups_.remove(group);
   return values;
 }
 

@@ -3,8 +3,8 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <deque>
 #include <functional>
+#include <list>
 #include <mutex>
 #include <vector>
 
@@ -38,9 +38,9 @@ class ValueCache {
   void insert(std::size_t group, GroupValues values);
 
   std::uint64_t max_bytes_;
-  std::vector<Slot> slots_;         // [group]
-  std::mutex mutex_;                // guards the members below; locked after a slot's mutex
-  std::deque<std::size_t> groups_;  // most recent last; may contain duplicates
+  std::vector<Slot> slots_;        // [group]
+  std::mutex mutex_;               // guards the members below; locked after a slot's mutex
+  std::list<std::size_t> groups_;  // those with values; most recent last
   std::uint64_t bytes_ = 0;
 };
 

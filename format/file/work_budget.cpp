@@ -40,6 +40,20 @@ Work& Work::operator+=(const Work& other) {
   return *this;
 }
 
+Work& Work::then(const Work& step) {
+  for (std::size_t n = 0; n < kWorkKinds; ++n) {
+    counts_[n] = std::max(counts_[n], step.counts_[n]);
+    units_[n] += step.units_[n];
+  }
+  hold(step.held_bytes_);
+  return *this;
+}
+
+void Work::limit(WorkKind kind, double count) {
+  double& known = counts_[static_cast<std::size_t>(kind)];
+  known = std::min(known, count);
+}
+
 double Work::units() const {
   double sum = 0;
   for (const double units : units_) sum += units;

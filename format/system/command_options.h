@@ -86,6 +86,13 @@ CLI::Option* add_surfaces(CLI::App& app, Surfaces& surfaces, const std::string& 
                     {{"smooth", Surfaces::kSmooth}, {"voxels", Surfaces::kVoxels}}, help);
 }
 
+/// Message of a failed parse. CLI11 lists unexpected arguments in reverse order.
+[[nodiscard]] inline std::string fault_of_usage(const CLI::App& app, const CLI::ParseError& error) {
+  const std::vector<std::string> words = app.remaining(true);
+  if (dynamic_cast<const CLI::ExtrasError*>(&error) == nullptr || words.size() < 2) return error.what();
+  return fmt::format("The following arguments were not expected: {}", fmt::join(words, " "));
+}
+
 /// Check of an option or argument that names a file: refuses "".
 [[nodiscard]] inline CLI::Validator names_a_file() {
   return CLI::Validator([](const std::string& text) { return text.empty() ? "\"\": must name a file" : ""; },

@@ -116,7 +116,7 @@ struct CommandLine {
     info = app.add_subcommand("info", "List grid, structures, counts and sizes");
     info->add_option("ATLAS", atlas, "atlas file")->required()->check(names_a_file());
     info->add_flag("--json", json, "as a JSON document");
-    verify = app.add_subcommand("verify", "Check every byte of an atlas");
+    verify = app.add_subcommand("verify", "Check every byte of an atlas; stops at the first fault");
     verify->add_option("ATLAS", atlas, "atlas file")->required()->check(names_a_file());
     add_max_work(*verify, atlas_options.max_work);
     app.require_subcommand(0, 1);
@@ -173,7 +173,7 @@ Result<void> run(int argc, char** argv) {
     std::error_code ignored;
     const bool has_command = !line.app.get_subcommands().empty();
     if (has_command || line.atlas.empty() || std::filesystem::exists(line.atlas, ignored)) {
-      return wrong_usage(line.app, error.what());
+      return wrong_usage(line.app, fault_of_usage(line.app, error));
     }
     return no_command_or_atlas(line.app, line.atlas);
   } catch (const CLI::ValidationError& error) {

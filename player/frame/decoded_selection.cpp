@@ -11,7 +11,7 @@ Result<std::optional<DrawPlan>> DecodedSelection::require(const DrawPlan& plan, 
                                                           ThreadPool& pool) {
   const std::vector<ClassId> of_volume = volume_classes(plan);
   Work work = cache_.work_of(of_volume, axis, normals);
-  work += cache_.work_of_surfaces(plan.surfaces);
+  work.then(cache_.work_of_surfaces(plan.surfaces));
   SPLATLAS_RETURN_IF_ERROR(atlas_->work_budget().check(work, "the selection"));
   const Result<void> classes = cache_.require(of_volume, axis, pool, normals);
   if (!classes && cache_.failed_classes().empty()) return tl::unexpected(classes.error());

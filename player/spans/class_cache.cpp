@@ -92,15 +92,14 @@ Work ClassCache::work_of(std::span<const ClassId> classes, Axis axis, bool norma
   const ScanOrder order = ScanOrder::of(axis);
   const auto grid_voxels = static_cast<double>(grid.voxels());
   const auto voxel_bytes = static_cast<double>(value_bytes() + (normals ? sizeof(PackedNormal) : 0));
-  std::vector<ClassId> runs, values, in_memory_order;
-  Work work;
+  std::vector<ClassId> runs, values, of_normals, in_memory_order;
   IndexBox box;
   double voxels = 0, pages = 0;
   for (const Missing& of : missing_of(classes, axis, normals)) {
-    if (of.runs) runs.push_back(of.id);
+    if (of.runs || axis != Axis::kX) runs.push_back(of.id);  // as in decode()
     if (of.values) values.push_back(of.id);
+    if (of.normals) of_normals.push_back(of.id);
     if (of.values || of.normals) in_memory_order.push_back(of.id);
-    if (of.normals) work += atlas_->work_of_normals(of.id);
     const IndexBox& of_class = atlas_->classes().box(of.id);
     const auto of_slices = static_cast<double>(of_class.last[2] - of_class.first[2] + 1);
     const auto in_class = static_cast<double>(atlas_->classes().voxels(of.id));
@@ -109,10 +108,11 @@ Work ClassCache::work_of(std::span<const ClassId> classes, Axis axis, bool norma
     pages += std::min(2 * in_class, 2 + of_slices / static_cast<double>(grid.size[2]) * grid_voxels *
                                             voxel_bytes / kPageBytes);
   }
+  Work work = atlas_->work_of_normals(of_normals);
   if (box.empty()) return work;
-  work += atlas_->work_of_runs(runs, axis);
-  work += atlas_->work_of_values(values);
-  if (axis == Axis::kX) work += atlas_->work_of_runs(in_memory_order, Axis::kZ);
+  work.then(atlas_->work_of_runs(runs, axis));
+  work.then(atlas_->work_of_values(values));
+  if (axis == Axis::kX) work.then(atlas_->work_of_runs(in_memory_order, Axis::kZ));
 
   // Values and normals are spread over the pages of the grid
   pages = std::min(pages, 2 + grid_voxels * voxel_bytes / kPageBytes);
@@ -122,25 +122,27 @@ Work ClassCache::work_of(std::span<const ClassId> classes, Axis axis, bool norma
   const double all_runs = std::min(voxels, static_cast<double>(atlas_->runs(axis)));
   const double rows = std::min(side(order.slice_axis), all_runs) * side(order.row_axis);
   const double blocks = std::min(2 * all_runs + voxels / kBlock, rows * (side(order.scan_axis) / kBlock + 2));
-  work.add(WorkKind::kVoxels, voxels, kPerSpanVoxel + kPerPage * pages / voxels);
-  work.add(WorkKind::kRows, rows, kPerRow);
+  Work spans;
+  spans.add(WorkKind::kVoxels, voxels, kPerSpanVoxel + kPerPage * pages / voxels);
+  spans.add(WorkKind::kRows, rows, kPerRow);
   // The tables of for_each_in_memory() hold all planes
   const double planes =
       axis == Axis::kY ? static_cast<double>(grid.size[2]) * static_cast<double>(in_memory_order.size()) : 0;
-  work.add(WorkKind::kRows, planes, 2);
-  work.hold(pages * kPageBytes + all_runs * kRunBytes + blocks * kBlockBytes + rows * sizeof(std::uint32_t) +
-            voxels * sizeof(ShadedVoxel) + std::min(8.0 * static_cast<double>(grid.size[2]), planes) * 8);
-  return work;
+  spans.add(WorkKind::kRows, planes, 2);
+  spans.hold(pages * kPageBytes + all_runs * kRunBytes + blocks * kBlockBytes + rows * sizeof(std::uint32_t) +
+             voxels * sizeof(ShadedVoxel) + std::min(8.0 * static_cast<double>(grid.size[2]), planes) * 8);
+  return work.then(spans);
 }
 
 Work ClassCache::work_of_surfaces(std::span<const StructureIndex> structures) const {
   constexpr double kPerDrawnTriangle = 100;
-  Work work;
+  std::vector<StructureIndex> missing;
+  Work drawing;
   for (const StructureIndex s : structures) {
-    if (!surfaces_.contains(s)) work += atlas_->work_of_surface(s);
-    work.add(WorkKind::kTriangles, static_cast<double>(atlas_->triangles(s)), kPerDrawnTriangle);
+    if (!surfaces_.contains(s)) missing.push_back(s);
+    drawing.add(WorkKind::kTriangles, static_cast<double>(atlas_->triangles(s)), kPerDrawnTriangle);
   }
-  return work;
+  return atlas_->work_of_surfaces(missing).then(drawing);
 }
 
 Result<void> ClassCache::reserve(std::span<const Missing> missing) {

@@ -136,6 +136,7 @@ void Session::handle(const FrameDone& done) {
   refining_ = !(latest && done.final);
   good_text_ = request.text;
   asked_.reset();  // the new frame may show another structure under the pointer
+  if (missing_.empty()) missing_ = frame_->missing;
   if (latest && !frame_->missing.empty()) set_status({frame_->missing, true});
   if (!log_.on()) return;
   log_.write("picture", {{"quality", frame_->quality == Quality::kDraft ? "draft" : "normal"},

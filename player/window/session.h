@@ -104,6 +104,9 @@ class Session {
   /// Returns the revealed row to scroll to, once.
   [[nodiscard]] std::optional<std::size_t> take_revealed_row() { return std::exchange(revealed_, {}); }
 
+  /// Missing parts of the first picture that was shown without them; empty for an intact atlas.
+  [[nodiscard]] const std::string& missing() const { return missing_; }
+
   // Text, files and messages.
 
   /// Sets the selection from text. Invalid text sets text_error(); a hidden term sets status().
@@ -149,7 +152,7 @@ class Session {
   std::optional<StructureIndex> hovered_;
   std::optional<StructureFacts> current_;
   std::optional<std::size_t> revealed_;
-  std::string text_error_;
+  std::string missing_, text_error_;
   Status status_;
   std::uint64_t status_version_ = 0;  // editor version of status_
   int next_picture_ = 1;

@@ -123,7 +123,7 @@ class Window {
 };
 
 /// Opens an atlas, shows it in a window, and returns when the user closes the window. Sleeps between events.
-/// Errors of Atlas::open(), and kFailed without a display.
+/// Errors of Atlas::open(), kFailed without a display, and kInvalidAtlas if pictures lacked damaged parts.
 Result<void> run_window(const std::filesystem::path& path, unsigned threads, double max_work) {
   auto atlas = Atlas::open(path, {.max_work = max_work});
   if (!atlas) return tl::unexpected(std::move(atlas).error());
@@ -134,7 +134,9 @@ Result<void> run_window(const std::filesystem::path& path, unsigned threads, dou
   Session session(
       *std::move(atlas), {.threads = threads}, [&] { (*host)->wake(); }, *std::move(log));
   Window(**host, session).run();
-  return {};
+  if (session.missing().empty()) return {};
+  return fail(ErrorCode::kInvalidAtlas, fmt::format("{}: damaged; was shown without what is missing: {}",
+                                                    path.string(), session.missing()));
 }
 
 }  // namespace

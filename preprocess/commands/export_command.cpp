@@ -58,7 +58,11 @@ Result<void> run_export(const ExportOptions& options) {
   for (const std::string& note : files.notes) print_to(stderr, PrintableText("note: {}\n", note));
   if (files.failures.empty()) return {};
   Error error = files.failures.front();
-  if (files.failures.size() > 1) error.message += fmt::format("; nor are {} more", files.failures.size() - 1);
+  if (const std::size_t count = files.damaged.size(); count > 0) {
+    for (std::size_t n = 0; n < count; ++n)
+      error.message += (n == 0 ? "; " : n + 1 < count ? ", " : " and ") + files.damaged[n];
+    error.message += count == 1 ? " is not written" : " are not written";
+  }
   return tl::unexpected(std::move(error));
 }
 

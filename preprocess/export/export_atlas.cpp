@@ -91,8 +91,8 @@ Work work_of_volumes(const Grid& grid, std::size_t files, std::size_t bytes) {
   constexpr double kPerByte = 15;  // copied, reordered, compressed
   const double all = static_cast<double>(grid.voxels()) * static_cast<double>(bytes);
   Work work;
-  work.add(WorkKind::kVoxels, static_cast<double>(grid.voxels()) * static_cast<double>(files),
-           kPerByte * static_cast<double>(bytes));
+  work.add(WorkKind::kVoxels, static_cast<double>(grid.voxels()),
+           kPerByte * static_cast<double>(bytes) * static_cast<double>(files));
   work.hold(static_cast<double>(grid.voxels()) * sizeof(ClassId) + 2 * all);
   return work;
 }
@@ -123,15 +123,13 @@ Result<std::string> export_volume(const AtlasContent& content, const Atlas& atla
 
 Result<std::string> export_surface(const Atlas& atlas, const std::vector<StructureIndex>& structures,
                                    const fs::path& path) {
-  Work work;
+  Work work = atlas.work_of_surfaces(structures), writing;
   double written = 0;
-  for (const StructureIndex s : structures) {
-    work += atlas.work_of_surface(s);
-    written += static_cast<double>(atlas.triangles(s));
-  }
+  for (const StructureIndex s : structures) written += static_cast<double>(atlas.triangles(s));
   constexpr double kPerWrittenTriangle = 300, kBytesPerTriangle = 280;
-  work.add(WorkKind::kTriangles, written, kPerWrittenTriangle);
-  work.hold(written * kBytesPerTriangle);
+  writing.add(WorkKind::kTriangles, written, kPerWrittenTriangle);
+  writing.hold(written * kBytesPerTriangle);
+  work.then(writing);
   SPLATLAS_RETURN_IF_ERROR(atlas.work_budget().check(work, "writing surfaces"));
   std::vector<SurfaceMesh> surfaces;
   std::uint64_t triangles = 0;
@@ -151,7 +149,7 @@ bool note(Result<std::string> result, const std::string& output, ExportedFiles& 
   }
   Error error = std::move(result).error();
   const bool is_damage = error.code == ErrorCode::kInvalidAtlas;
-  if (is_damage) error.message += "; " + output + " is not written";
+  if (is_damage) files.damaged.push_back(output);
   files.failures.push_back(std::move(error));
   return is_damage;
 }

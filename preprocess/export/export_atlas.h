@@ -27,6 +27,7 @@ struct ExportedFiles {
   std::vector<std::string> notes;    ///< one line each
   /// One error per file that could not be written because of damage, or the error that ended the export.
   std::vector<Error> failures;
+  std::vector<std::string> damaged;  ///< files that were not written because of damage
 };
 
 /// Exports files. Volumes have the grid, axis order and pixel type of the source. Before reading: kUsage for

@@ -36,7 +36,11 @@ struct ErrorLines : testing::Test {
     write_bytes(folder.file("cut.atlas"), read_bytes(phantom_atlas()).substr(0, 3000));
     write_bytes(folder.file("bad.nrrd"), "NRRD0004\n");
     write_bytes(folder.file("bad.stl"), "solid\n");
+    std::string damaged = read_bytes(phantom_atlas());
+    damaged[64] ^= 1;  // the directory's first byte
+    write_bytes(folder.file("damaged.atlas"), damaged);
     write_bytes(folder.file("bad.txt"), "1 \xff\n");
+    write_bytes(folder.file("tab.txt"), "1 a?\tb\n");
     write_bytes(folder.file("twice.txt"), "1 a\n1 b\n");
     write_bytes(folder.file("empty.txt"), "");
     write_bytes(folder.file("bad.tree"), "A/*/x\n");
@@ -89,6 +93,17 @@ TEST_F(ErrorLines, OfThePlayersCommands) {
                 {{"info", "full"}, 3, "full: ", "a folder"},
                 {{"info", "bad.atlas", "--json"}, 3, "bad.atlas: ", "78"},
                 {{"info", "a.atlas", "more"}, 2, "", "more; see splatlas-player info --help"},
+                {{"info", "a.atlas", "--max-work", "2"},
+                 2,
+                 "The following arguments were not expected: --max-work 2; see splatlas-player info --help"},
+                {{"a.atlas", "b", "c", "--none"},
+                 2,
+                 "The following arguments were not expected: b c --none; see splatlas-player --help"},
+                {{"info", "damaged.atlas"},
+                 3,
+                 "damaged.atlas: damaged: checksum of the directory is ",
+                 "; copy or build the file again"},
+                {{"info", "/proc/version"}, 3, "/proc/version: not an atlas (its size is 0 bytes)"},
                 {{"verify", "labels.nrrd"}, 3, "labels.nrrd: ", "not an atlas"},
                 {{"verify", "cut.atlas"}, 3, "cut.atlas: ", "truncated"},
                 {{"verify", "a.atlas", "--json"}, 2, "", "--json; see splatlas-player verify --help"}});
@@ -161,6 +176,7 @@ TEST_F(ErrorLines, OfPreprocessCommandsAndExport) {
        {{"export", "a.atlas", "--surface", "Nope=x.stl"}, 4, "a.atlas: ", "the nearest: "},
        {{"export", "a.atlas", "--surface", "Sphere 1=x.foo"}, 2, "x.foo: ", ".stl"},
        {{"export", "a.atlas", "--labels", "x.nii", "--volume", "x.nii"}, 2, "x.nii: "},
+       {{"export", "a.atlas", "b", "--none"}, 2, "The following arguments were not expected: b --none; see"},
        {{"export", "a.atlas", "--none"}, 2, "", "--none; see splatlas-preprocess export --help"}});
 }
 
@@ -189,6 +205,7 @@ TEST_F(ErrorLines, OfBuild) {
   refuses({"--volume", ""}, "--volume: \"\"", "must name a file", 2);
   refuses({"--names", "missing.txt"}, "missing.txt: ", "no such file");
   refuses({"--names", "bad.txt"}, "bad.txt: line 1", "UTF-8");
+  refuses({"--names", "tab.txt"}, "tab.txt: line 1", "\"a??b\" holds a tab as character 3");
   refuses({"--names", "twice.txt"}, "twice.txt: line 2", "line 1");
   refuses({"--names", "empty.txt"}, "empty.txt: ", "names no label");
   refuses({"--tree", "bad.tree"}, "bad.tree: line 1", "pattern");

@@ -140,6 +140,7 @@ TEST(PlayerUsage, HelpTeaches) {
   EXPECT_EQ(help.status, 0);
   EXPECT_THAT(help.out, HasSubstr("\"Left hemisphere\":volume + Cerebellum:surface(opacity=0.5) - Vermis*"));
   EXPECT_THAT(help.out, HasSubstr("Exit status"));
+  EXPECT_THAT(run_player({"verify", "--help"}).out, HasSubstr("stops at the first fault"));
 }
 
 }  // namespace

@@ -1,6 +1,8 @@
 // Output paths of splatlas-preprocess and the errors about them.
 
 #include <algorithm>
+#include <cstdint>
+#include <cstring>
 #include <fstream>
 #include <random>
 
@@ -113,6 +115,21 @@ TEST_F(PreprocessOutput, DamageOmitsTheFilesThatNeedTheDamagedPart) {
       "splatlas-preprocess: a.atlas: damaged: checksum of values of classes 3 to 4; v.nrrd is not written\n");
   EXPECT_EQ(std::count(result.out.begin(), result.out.end(), '\n'), 2) << result.out;
   EXPECT_THAT(folder_.names(), ElementsAre("a.atlas", "l.nrrd", "s.ply"));
+}
+
+TEST_F(PreprocessOutput, DamageNamesAllFilesThatAreNotWritten) {
+  std::string damaged = bytes("a.atlas");
+  std::uint64_t directory_bytes = 0;
+  std::memcpy(&directory_bytes, damaged.data() + 40, sizeof directory_bytes);
+  for (std::size_t at = 64 + directory_bytes; at < damaged.size(); ++at)
+    damaged[at] = static_cast<char>(damaged[at] ^ 1);
+  std::ofstream(folder_.file("a.atlas"), std::ios::binary) << damaged;
+  const ProgramResult result =
+      run_export({"--labels", "l.nrrd", "--volume", "v.nrrd", "--surface", "Sphere 2=s.ply"});
+  EXPECT_EQ(result.status, 3);
+  EXPECT_THAT(result.err, HasSubstr("; l.nrrd, v.nrrd and s.ply are not written\n"));
+  EXPECT_EQ(result.out, "");
+  EXPECT_THAT(folder_.names(), ElementsAre("a.atlas"));
 }
 
 TEST_F(PreprocessOutput, AFullDiskIsReportedInOneLine) {

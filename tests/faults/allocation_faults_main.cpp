@@ -20,6 +20,7 @@
 #include <fmt/format.h>
 
 #include "format/atlas_writer.h"
+#include "format/file/value_cache.h"
 #include "format/system/checksum.h"
 #include "format/system/parallel.h"
 #include "format/system/result_macros.h"
@@ -152,6 +153,24 @@ Work reading_damaged(const fs::path& atlas_path) {
   };
 }
 
+/// Takes values of a group that is larger than its cache. Returns the number of decodings.
+Work caching() {
+  const auto cache = std::make_shared<ValueCache>(1, 1);
+  return [=]() -> Result<std::uint64_t> {
+    constexpr int kTimes = 200;
+    std::uint64_t decodings = 0;
+    const auto decode = [&] {
+      ++decodings;
+      return Result<ValueCache::GroupValues>({{std::byte{1}, std::byte{2}}, {std::byte{3}}});
+    };
+    for (int n = 0; n < kTimes; ++n) {
+      SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::byte> values, cache->take(0, 0, decode));
+      if (values.size() != 2) return fail(ErrorCode::kFailed, "other values");
+    }
+    return decodings;
+  };
+}
+
 /// Parallel loops of both kinds.
 Work threading() {
   return []() -> Result<std::uint64_t> {
@@ -176,6 +195,7 @@ std::vector<Scenario> scenarios(const AtlasContent& content, const fs::path& fol
     return [=] { return rendering(atlas, text, camera, options); };
   };
   return {{"threads", threading},
+          {"value cache", caching},
           {"surface", render("*:surface(opacity=0.5)", turned, small)},
           {"volume", render("*:volume", turned, small)},
           {"hybrid", render("*:both(opacity=0.4)", turned, cued)},

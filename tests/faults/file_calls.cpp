@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <array>
+#include <initializer_list>
 #include <vector>
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/mman.h>
 #include <sys/syscall.h>
 #include <sys/uio.h>
 #include <unistd.h>
@@ -27,7 +29,18 @@ struct KnownCall {
   NameUse use = NameUse::kNone;
   int target_argument = -1, target_folder_argument = -1;  ///< of renames
   int flags_argument = -1;                                ///< of open calls: the flags determine the effect
+  int descriptor_argument = 0;                            ///< without a path: the file
 };
+
+#ifdef SYS_fchmodat2
+constexpr int kFchmodat2 = SYS_fchmodat2;
+#else
+constexpr int kFchmodat2 = 452;  // newer than the headers; the same on all architectures
+#endif
+
+constexpr KnownCall without_path(int number, const char* name, Effect effect, int descriptor_argument = 0) {
+  return {number, name, effect, -1, -1, NameUse::kNone, -1, -1, -1, descriptor_argument};
+}
 
 constexpr std::array kCalls{
 #ifdef SYS_open
@@ -43,6 +56,7 @@ constexpr std::array kCalls{
     KnownCall{SYS_symlink, "symlink", Effect::kStores, 1, -1, NameUse::kCreates},
 #endif
     KnownCall{SYS_openat, "openat", Effect::kReads, 1, 0, NameUse::kNone, -1, -1, 2},
+    KnownCall{SYS_openat2, "openat2", Effect::kReads, 1, 0},
     KnownCall{SYS_renameat, "renameat", Effect::kStores, 1, 0, NameUse::kChanges, 3, 2},
     KnownCall{SYS_renameat2, "renameat2", Effect::kStores, 1, 0, NameUse::kChanges, 3, 2},
     KnownCall{SYS_linkat, "linkat", Effect::kStores, 3, 2, NameUse::kCreates},
@@ -50,29 +64,49 @@ constexpr std::array kCalls{
     KnownCall{SYS_unlinkat, "unlinkat", Effect::kChanges, 1, 0, NameUse::kChanges},
     KnownCall{SYS_mkdirat, "mkdirat", Effect::kStores, 1, 0, NameUse::kCreates},
     KnownCall{SYS_fchmodat, "fchmodat", Effect::kChanges, 1, 0, NameUse::kChanges},
+    KnownCall{kFchmodat2, "fchmodat2", Effect::kChanges, 1, 0, NameUse::kChanges},
+    KnownCall{SYS_utimensat, "utimensat", Effect::kChanges, 1, 0, NameUse::kChanges},
     KnownCall{SYS_fchownat, "fchownat", Effect::kChanges, 1, 0, NameUse::kChanges},
     KnownCall{SYS_truncate, "truncate", Effect::kStores, 0, -1, NameUse::kChanges},
-    KnownCall{SYS_read, "read", Effect::kReads},
-    KnownCall{SYS_pread64, "pread", Effect::kReads},
-    KnownCall{SYS_readv, "readv", Effect::kReads},
-    KnownCall{SYS_getdents64, "getdents", Effect::kReads},
-    KnownCall{SYS_write, "write", Effect::kStores},
-    KnownCall{SYS_pwrite64, "pwrite", Effect::kStores},
-    KnownCall{SYS_writev, "writev", Effect::kStores},
-    KnownCall{SYS_fsync, "fsync", Effect::kStores},
-    KnownCall{SYS_fdatasync, "fdatasync", Effect::kStores},
-    KnownCall{SYS_ftruncate, "ftruncate", Effect::kStores},
-    KnownCall{SYS_fallocate, "fallocate", Effect::kStores},
-    KnownCall{SYS_fchmod, "fchmod", Effect::kChanges},
-    KnownCall{SYS_fchown, "fchown", Effect::kChanges},
-    KnownCall{SYS_close, "close", Effect::kChanges},
+    without_path(SYS_read, "read", Effect::kReads),
+    without_path(SYS_pread64, "pread", Effect::kReads),
+    without_path(SYS_readv, "readv", Effect::kReads),
+    without_path(SYS_preadv, "preadv", Effect::kReads),
+    without_path(SYS_preadv2, "preadv2", Effect::kReads),
+    without_path(SYS_getdents64, "getdents", Effect::kReads),
+    without_path(SYS_write, "write", Effect::kStores),
+    without_path(SYS_pwrite64, "pwrite", Effect::kStores),
+    without_path(SYS_writev, "writev", Effect::kStores),
+    without_path(SYS_pwritev, "pwritev", Effect::kStores),
+    without_path(SYS_pwritev2, "pwritev2", Effect::kStores),
+    without_path(SYS_sendfile, "sendfile", Effect::kStores),
+    without_path(SYS_copy_file_range, "copy_file_range", Effect::kStores, 2),
+    without_path(SYS_mmap, "mmap", Effect::kStores, 4),
+    without_path(SYS_fsync, "fsync", Effect::kStores),
+    without_path(SYS_fdatasync, "fdatasync", Effect::kStores),
+    without_path(SYS_ftruncate, "ftruncate", Effect::kStores),
+    without_path(SYS_fallocate, "fallocate", Effect::kStores),
+    without_path(SYS_fchmod, "fchmod", Effect::kChanges),
+    without_path(SYS_fchown, "fchown", Effect::kChanges),
+    without_path(SYS_close, "close", Effect::kChanges),
 };
 
+bool is_one_of(int number, std::initializer_list<int> numbers) {
+  return std::ranges::find(numbers, number) != numbers.end();
+}
 bool has_position(int number) {
-  return number == SYS_pread64 || number == SYS_pwrite64;
+  return is_one_of(number, {SYS_pread64, SYS_pwrite64, SYS_preadv, SYS_preadv2, SYS_pwritev, SYS_pwritev2});
+}
+bool has_vectors(int number) {
+  return is_one_of(number, {SYS_readv, SYS_preadv, SYS_preadv2, SYS_writev, SYS_pwritev, SYS_pwritev2});
 }
 bool transfers(int number) {
-  return number == SYS_read || number == SYS_write || has_position(number);
+  return is_one_of(number, {SYS_read, SYS_write}) || has_position(number) || has_vectors(number);
+}
+/// Only shared mappings for writing change a file.
+bool maps_for_writing(const seccomp_notif& request) {
+  return (request.data.args[2] & PROT_WRITE) != 0 && (request.data.args[3] & MAP_TYPE) != MAP_PRIVATE &&
+         (request.data.args[3] & MAP_ANONYMOUS) == 0;
 }
 
 /// The string at an address of another process; empty when there is none.
@@ -98,8 +132,19 @@ fs::path path_of_descriptor(const seccomp_notif& request, int argument) {
   return fs::read_symlink(fmt::format("/proc/{}/fd/{}", request.pid, descriptor), error);
 }
 
-/// Path of an argument; relative to the folder of another argument, or to the working directory.
+/// Flags of an openat2() call, the first field of its struct open_how.
+std::uint64_t flags_of_openat2(const seccomp_notif& request) {
+  std::uint64_t flags = 0;
+  iovec to{&flags, sizeof flags}, from{reinterpret_cast<void*>(request.data.args[2]), sizeof flags};
+  static_cast<void>(::process_vm_readv(static_cast<pid_t>(request.pid), &to, 1, &from, 1, 0));
+  return flags;
+}
+
+/// Path of an argument; relative to the folder of another argument, or to the working directory. utimensat()
+/// without a path means that folder's descriptor itself.
 fs::path path_of(const seccomp_notif& request, int argument, int folder_argument, const fs::path& folder) {
+  if (request.data.nr == SYS_utimensat && request.data.args[static_cast<std::size_t>(argument)] == 0)
+    return path_of_descriptor(request, folder_argument);
   const std::string text =
       text_at(static_cast<pid_t>(request.pid), request.data.args[static_cast<std::size_t>(argument)]);
   if (text.empty()) return {};
@@ -138,17 +183,22 @@ std::span<const int> file_call_numbers() {
 
 std::optional<FileCall> file_call_of(const seccomp_notif& request, const fs::path& folder) {
   const auto known = std::ranges::find(kCalls, request.data.nr, &KnownCall::number);
-  if (known == kCalls.end()) return std::nullopt;
-  FileCall call{
-      known->name, known->effect, transfers(known->number), has_position(known->number), known->use, {}, {}};
+  if (known == kCalls.end() || (known->number == SYS_mmap && !maps_for_writing(request))) return std::nullopt;
+  FileCall call{.name = known->name,
+                .effect = known->effect,
+                .transfers = transfers(known->number),
+                .has_position = has_position(known->number),
+                .has_vectors = has_vectors(known->number),
+                .use = known->use};
   const bool has_path = known->path_argument >= 0;
   call.path = has_path ? path_of(request, known->path_argument, known->folder_argument, folder)
-                       : path_of_descriptor(request, 0);
+                       : path_of_descriptor(request, known->descriptor_argument);
   if (known->target_argument >= 0)
     call.target = path_of(request, known->target_argument, known->target_folder_argument, folder);
   if (known->flags_argument >= 0) {
     apply_flags(call, static_cast<int>(request.data.args[static_cast<std::size_t>(known->flags_argument)]));
   }
+  if (known->number == SYS_openat2) apply_flags(call, static_cast<int>(flags_of_openat2(request)));
   if (has_path && call.effect == Effect::kReads && !fs::exists(call.path)) return std::nullopt;
   std::error_code error;
   const bool exists = fs::exists(fs::symlink_status(call.path, error));

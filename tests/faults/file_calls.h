@@ -25,10 +25,11 @@ struct FileCall {
   };
   std::string name;
   Effect effect = Effect::kReads;
-  bool transfers = false;     ///< reads or writes a buffer: may transfer less than requested
+  bool transfers = false;     ///< reads or writes buffers: may transfer less than requested
   bool has_position = false;  ///< ... at an explicit position
+  bool has_vectors = false;   ///< ... given by an array of iovec
   NameUse use = NameUse::kNone;
-  std::filesystem::path path, target;
+  std::filesystem::path path{}, target{};
   bool is_unnamed_file = false;  ///< creates a file without a name (O_TMPFILE)
 };
 

@@ -1,16 +1,20 @@
 // splatlas-file-races: atlases that others truncate, overwrite, replace or remove during opening, verifying
-// and rendering. Each time the picture must be right, or an error must name the file.
+// and rendering. Each time the picture must be right, or an error must name the file. Each attack must have
+// an effect in some races.
 
 #include <array>
 #include <atomic>
+#include <cerrno>
 #include <chrono>
 #include <cstdint>
 #include <cstdio>
+#include <cstring>
 #include <filesystem>
 #include <functional>
 #include <optional>
 #include <random>
 #include <stdexcept>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -36,6 +40,12 @@ enum class Attack : std::uint8_t { kTruncate, kOverwrite, kWriteOver, kReplace, 
 constexpr std::array<const char*, 6> kAttacks{"truncated", "overwritten", "written over",
                                               "replaced",  "removed",     "grown"};
 
+/// In some races of every attack, it is over before the file is opened.
+constexpr std::uint32_t kRacesOfOne = 8;
+bool is_before(std::uint32_t seed) {
+  return seed / kAttacks.size() % kRacesOfOne == 0;
+}
+
 /// Progress of the reader.
 enum Stage : int { kBegins, kOpened, kSelected, kSeen };
 
@@ -46,11 +56,12 @@ class Attacker {
       : path_(path), kind_(kind), other_(other), random_(seed) {
     write_bytes(prepared_, other_);
     stage_ = static_cast<int>(random_() % kSeen);
+    is_awaited_ = (random_() & 1) != 0;
+    if (is_before(seed)) stage_ = kBegins, is_awaited_ = true;
     thread_ = std::thread([this, own_seed = random_()] { wait_and_attack(own_seed); });
   }
   ~Attacker() {
-    reader_ = kSeen;
-    thread_.join();
+    finish();
     std::error_code ignored;
     fs::remove(prepared_, ignored);
     ::close(descriptor_);
@@ -58,10 +69,17 @@ class Attacker {
   Attacker(const Attacker&) = delete;
   Attacker& operator=(const Attacker&) = delete;
 
+  /// Waits for the end of the attack. Returns the error number of its system call, 0 for none.
+  int finish() {
+    reader_ = kSeen;
+    if (thread_.joinable()) thread_.join();
+    return error_;
+  }
+
   /// Called by the reader. Every other time it waits here until the attack is over.
   void reached(Stage stage) {
     reader_ = stage;
-    if (stage != stage_ || (random_() & 1) == 0) return;
+    if (stage != stage_ || !is_awaited_) return;
     while (!done_) std::this_thread::yield();
   }
 
@@ -79,25 +97,23 @@ class Attacker {
     const auto length = 1 + random() % kMaxNoise;
     while (reader_ < stage_) std::this_thread::yield();
     spin(std::chrono::microseconds(random() % 300));
-    change(place, length, random);
+    error_ = change(place, length, random) < 0 ? errno : 0;
     done_ = true;
   }
 
-  void change(off_t place, std::size_t length, std::mt19937& random) const {
+  /// Returns the result of the system call.
+  [[nodiscard]] ssize_t change(off_t place, std::size_t length, std::mt19937& random) const {
     std::array<char, kMaxNoise> noise{};
     for (char& byte : noise) byte = static_cast<char>(random());
     switch (kind_) {
-      case Attack::kTruncate: return checked(::ftruncate(descriptor_, place));
-      case Attack::kOverwrite: return checked(::pwrite(descriptor_, noise.data(), length, place));
-      case Attack::kWriteOver: return checked(::pwrite(descriptor_, other_.data(), other_.size(), 0));
-      case Attack::kReplace: return checked(::rename(prepared_.c_str(), path_.c_str()));
-      case Attack::kRemove: return checked(::unlink(path_.c_str()));
-      case Attack::kGrow: return checked(::pwrite(descriptor_, noise.data(), length, size_));
+      case Attack::kTruncate: return ::ftruncate(descriptor_, place);
+      case Attack::kOverwrite: return ::pwrite(descriptor_, noise.data(), length, place);
+      case Attack::kWriteOver: return ::pwrite(descriptor_, other_.data(), other_.size(), 0);
+      case Attack::kReplace: return ::rename(prepared_.c_str(), path_.c_str());
+      case Attack::kRemove: return ::unlink(path_.c_str());
+      case Attack::kGrow: return ::pwrite(descriptor_, noise.data(), length, size_);
     }
-  }
-
-  static void checked(ssize_t result) {
-    if (result < 0) throw std::runtime_error("cannot change the file");
+    return -1;
   }
 
   const fs::path& path_;
@@ -108,8 +124,10 @@ class Attacker {
   int descriptor_ = ::open(path_.c_str(), O_WRONLY | O_CLOEXEC);
   off_t size_ = static_cast<off_t>(fs::file_size(path_));
   int stage_ = 0;
+  bool is_awaited_ = false;
   std::atomic<int> reader_{-1};
   std::atomic<bool> done_{false};
+  int error_ = 0;  // of the thread; read after it
   std::thread thread_;
 };
 
@@ -140,6 +158,11 @@ bool are_same(const std::vector<Picture>& a, const std::vector<Picture>& b) {
 
 struct Tally {
   std::uint64_t old_pictures = 0, new_pictures = 0, errors = 0, wrong = 0;
+
+  /// False if the races gave nothing but the old pictures, although an attack was over before the opening.
+  [[nodiscard]] bool has_effect() const {
+    return new_pictures + errors + wrong > 0 || old_pictures < kRacesOfOne;
+  }
 };
 
 class Races {
@@ -162,8 +185,13 @@ class Races {
     write_bytes(path_, atlas_);
     std::optional<Attacker> attacker(std::in_place, path_, kind, other_, seed);
     const auto seen = draw_pictures(path_, seed % 4 == 0, [&](Stage stage) { attacker->reached(stage); });
+    const int error = attacker->finish();
     attacker.reset();
-    judge(seed, kind, seen);
+    if (error != 0) {
+      count_wrong(seed, kind, fmt::format("the attack fails: {}", std::strerror(error)));
+    } else {
+      judge(seed, kind, seen);
+    }
   }
 
   [[nodiscard]] std::uint64_t report() const {
@@ -175,6 +203,9 @@ class Races {
       fmt::print("{:14} {:12} {:12} {:8} {:8}\n", kAttacks[n], tally.old_pictures, tally.new_pictures,
                  tally.errors, tally.wrong);
       wrong += tally.wrong;
+      if (tally.has_effect()) continue;
+      fmt::print("  {}: no effect in {} races\n", kAttacks[n], tally.old_pictures);
+      ++wrong;
     }
     return wrong;
   }
@@ -190,10 +221,13 @@ class Races {
                (kind == Attack::kReplace || kind == Attack::kWriteOver)) {
       ++tally.new_pictures;
     } else {
-      ++tally.wrong;
-      fmt::print("--first {} --races 1: {}: {}\n", seed, kAttacks[static_cast<std::size_t>(kind)],
-                 seen ? "a picture of neither atlas" : seen.error().message);
+      count_wrong(seed, kind, seen ? "a picture of neither atlas" : seen.error().message);
     }
+  }
+
+  void count_wrong(std::uint32_t seed, Attack kind, const std::string& what) {
+    ++tallies_[static_cast<std::size_t>(kind)].wrong;
+    fmt::print("--first {} --races 1: {}: {}\n", seed, kAttacks[static_cast<std::size_t>(kind)], what);
   }
 
   fs::path path_;

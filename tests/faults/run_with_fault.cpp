@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <climits>
 #include <csignal>
 #include <cstddef>
 #include <cstring>
 #include <optional>
+#include <span>
 #include <stdexcept>
 #include <utility>
 
@@ -52,7 +54,11 @@ int receive_descriptor(int socket) {
   iovec one{&byte, 1};
   OneDescriptor control{};
   msghdr message = message_with(control, one);
-  if (::recvmsg(socket, &message, MSG_CMSG_CLOEXEC) != 1 || message.msg_controllen == 0)
+  ssize_t received = -1;
+  do {
+    received = ::recvmsg(socket, &message, MSG_CMSG_CLOEXEC);
+  } while (received < 0 && errno == EINTR);
+  if (received != 1 || message.msg_controllen == 0)
     throw std::runtime_error("this system has no seccomp notification");
   int descriptor = -1;
   std::memcpy(&descriptor, CMSG_DATA(&control.header), sizeof descriptor);
@@ -76,24 +82,53 @@ int watch_this_process() {
   return static_cast<int>(listener);
 }
 
+/// The first half of the memory that a call reads or writes, in the traced process.
+std::vector<iovec> first_half(const seccomp_notif& request, const FileCall& call) {
+  const auto pid = static_cast<pid_t>(request.pid);
+  void* const memory = reinterpret_cast<void*>(request.data.args[1]);
+  std::vector<iovec> parts{{memory, request.data.args[2]}};
+  if (call.has_vectors) {
+    parts.resize(std::min<std::size_t>(request.data.args[2], IOV_MAX));
+    iovec here{parts.data(), parts.size() * sizeof(iovec)}, there{memory, here.iov_len};
+    if (::process_vm_readv(pid, &here, 1, &there, 1, 0) != static_cast<ssize_t>(here.iov_len)) return {};
+  }
+  std::size_t left = 0;
+  for (const iovec& part : parts) left += part.iov_len;
+  left /= 2;
+  for (iovec& part : parts) {
+    part.iov_len = std::min(part.iov_len, left);
+    left -= part.iov_len;
+  }
+  return parts;
+}
+
+/// Copies between `bytes` and parts of another process's memory. Returns the number of bytes, or -1.
+using CopyMemory = decltype(&::process_vm_readv);
+ssize_t copy(CopyMemory copy_memory, pid_t pid, std::span<std::byte> bytes, const std::vector<iovec>& parts) {
+  iovec here{bytes.data(), bytes.size()};
+  return copy_memory(pid, &here, 1, parts.data(), parts.size(), 0);
+}
+
 /// Does half of a read or write on behalf of another process. Returns its result.
 seccomp_notif_resp transfer_half(const seccomp_notif& request, const FileCall& call, int process) {
   const auto descriptor =
       static_cast<int>(::syscall(SYS_pidfd_getfd, process, static_cast<int>(request.data.args[0]), 0));
-  std::vector<std::byte> bytes(request.data.args[2] / 2);
+  const std::vector<iovec> parts = first_half(request, call);
+  std::size_t half = 0;
+  for (const iovec& part : parts) half += part.iov_len;
+  std::vector<std::byte> bytes(half);
   const auto position = static_cast<off_t>(request.data.args[3]);
   const auto pid = static_cast<pid_t>(request.pid);
-  iovec here{bytes.data(), bytes.size()};
-  iovec there{reinterpret_cast<void*>(request.data.args[1]), bytes.size()};
+  const bool is_at_position = call.has_position && position >= 0;  // preadv2() has -1 for the file's own
   ssize_t done = -1;
   if (call.effect == FileCall::Effect::kReads) {
-    done = call.has_position ? ::pread(descriptor, bytes.data(), bytes.size(), position)
-                             : ::read(descriptor, bytes.data(), bytes.size());
-    here.iov_len = there.iov_len = static_cast<std::size_t>(std::max<ssize_t>(done, 0));
-    if (done > 0 && ::process_vm_writev(pid, &here, 1, &there, 1, 0) != done) done = -1;
-  } else if (::process_vm_readv(pid, &here, 1, &there, 1, 0) == static_cast<ssize_t>(bytes.size())) {
-    done = call.has_position ? ::pwrite(descriptor, bytes.data(), bytes.size(), position)
-                             : ::write(descriptor, bytes.data(), bytes.size());
+    done = is_at_position ? ::pread(descriptor, bytes.data(), bytes.size(), position)
+                          : ::read(descriptor, bytes.data(), bytes.size());
+    const auto got = std::span(bytes).first(static_cast<std::size_t>(std::max<ssize_t>(done, 0)));
+    if (done > 0 && copy(&::process_vm_writev, pid, got, parts) != done) done = -1;
+  } else if (copy(&::process_vm_readv, pid, bytes, parts) == static_cast<ssize_t>(bytes.size())) {
+    done = is_at_position ? ::pwrite(descriptor, bytes.data(), bytes.size(), position)
+                          : ::write(descriptor, bytes.data(), bytes.size());
   }
   const int reason = errno;
   ::close(descriptor);
@@ -120,14 +155,19 @@ class Supervisor {
   Supervisor& operator=(const Supervisor&) = delete;
 
   void run() {
-    pollfd waiting{listener_, POLLIN, 0};
-    while (::poll(&waiting, 1, -1) >= 0 || errno == EINTR) {
+    for (;;) {
+      pollfd waiting{listener_, POLLIN, 0};
+      if (::poll(&waiting, 1, -1) < 0) {
+        if (errno == EINTR) continue;  // `revents` is not set
+        break;
+      }
       if ((waiting.revents & POLLIN) == 0) break;
       seccomp_notif request{};
       if (::ioctl(listener_, SECCOMP_IOCTL_NOTIF_RECV, &request) != 0)
-        continue;  // the process was killed meanwhile
+        continue;  // interrupted, or the process was killed meanwhile
       seccomp_notif_resp answer = answer_to(request);
-      ::ioctl(listener_, SECCOMP_IOCTL_NOTIF_SEND, &answer);
+      while (::ioctl(listener_, SECCOMP_IOCTL_NOTIF_SEND, &answer) != 0 && errno == EINTR) {
+      }
     }
   }
 

@@ -137,7 +137,7 @@ SelectionWork work_of_selection(const std::shared_ptr<const Atlas>& atlas, const
   for (const Axis axis : kAxes) {
     Work& work = of_axes[static_cast<std::size_t>(axis)];
     work = cache.work_of(volume_classes(plan), axis, frame.options.hybrid_shading);
-    work += cache.work_of_surfaces(plan.surfaces);
+    work.then(cache.work_of_surfaces(plan.surfaces));
   }
   const auto [least, most] = std::ranges::minmax(of_axes, {}, &Work::units);
   return {least, most};
@@ -200,19 +200,10 @@ void check_pictures(const OpenAtlas& file, bool sound, Choices& choices) {
     require(std::abs(reference.rgba[n] - picture->rgba[n]) <= 2e-5f, "SIMD and scalar pictures differ");
 }
 
-/// Work of read_all().
-Work work_of_all(const Atlas& atlas) {
-  Work work = atlas.work_of_class_volume();
-  work += atlas.work_of_value_volume();
-  for (StructureIndex s = 0; s < atlas.graph().size(); ++s) work += atlas.work_of_surface(s);
-  for (ClassId c = 0; c < atlas.classes().size(); ++c) work += atlas.work_of_normals(c);
-  return work;
-}
-
 /// Everything in a valid file can be read. The contents, if they are few.
 std::optional<AtlasContent> read_content(const OpenAtlas& file, bool sound) {
   const Atlas& atlas = *file.atlas;
-  const Work work = work_of_all(atlas);
+  const Work work = atlas.work_of_all();
   if (!is_run(file, work)) return std::nullopt;
   const CostLimit limit(limit_in(atlas, work), "read_all()");
   auto content = atlas.read_all();

@@ -1,5 +1,6 @@
 #include "tests/support/run_program.h"
 
+#include <cerrno>
 #include <stdexcept>
 
 #include <fcntl.h>
@@ -37,7 +38,11 @@ ProgramResult run_program(const std::vector<std::string>& words, const std::file
   if (meanwhile) meanwhile(child);
   int status = 0;
   rusage usage{};
-  if (wait4(child, &status, 0, &usage) != child) throw std::runtime_error("cannot wait for the program");
+  pid_t ended = -1;
+  do {
+    ended = wait4(child, &status, 0, &usage);
+  } while (ended < 0 && errno == EINTR);
+  if (ended != child) throw std::runtime_error("cannot wait for the program");
   ProgramResult result;
   result.status = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
   const auto seconds = [](const timeval& t) {

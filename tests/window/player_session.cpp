@@ -21,8 +21,10 @@ void write_phantom_atlas(const std::string& path) {
   }
 }
 
-PlayerSession::PlayerSession() : display_(std::make_unique<VirtualDisplay>()) {
+PlayerSession::PlayerSession(const std::function<void(const std::string&)>& prepare)
+    : display_(std::make_unique<VirtualDisplay>()) {
   write_phantom_atlas(folder_.file(kAtlas));
+  if (prepare) prepare(folder_.file(kAtlas));
   setenv("SPLATLAS_WINDOW_LOG", folder_.file(kLog).c_str(), 1);
   setenv("LIBGL_ALWAYS_SOFTWARE", "1", 1);
   player_ = std::async(std::launch::async, [this] {

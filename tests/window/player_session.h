@@ -15,8 +15,8 @@ namespace splatlas {
 /// Runs splatlas-player on the phantom, in its own folder, until the window closes.
 class PlayerSession {
  public:
-  /// Waits for the first picture of final quality.
-  PlayerSession();
+  /// Waits for the first picture of final quality. `prepare` may change the atlas file before.
+  explicit PlayerSession(const std::function<void(const std::string& atlas)>& prepare = {});
   /// Closes the display and waits for a program that is still running.
   ~PlayerSession();
   PlayerSession(const PlayerSession&) = delete;

@@ -1,13 +1,17 @@
 // Player window under mouse and keyboard input.
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
 
 #include <gmock/gmock.h>
 
+#include "format/atlas_writer.h"
 #include "format/selection.h"
 #include "player/render_frame.h"
+#include "tests/format/atlas_surgery.h"
 #include "tests/phantom/two_spheres.h"
+#include "tests/support/file_bytes.h"
 #include "tests/support/phantom_content.h"
 #include "tests/window/player_session.h"
 
@@ -220,6 +224,22 @@ TEST_F(WindowTest, ThePictureFollowsTheWindowsSize) {
       "picture", [&](const Json& e) { return e.at("final") == true && e.at("size").at(0) < before; });
   EXPECT_EQ(picture.at("size").at(0), player_.layout().at("view").at(2));
   EXPECT_EQ(picture.at("size").at(1), player_.layout().at("view").at(3));
+}
+
+/// As after a render command: the readable parts are shown, and scripts notice the damage.
+TEST(WindowOfADamagedAtlas, EndsWithItsStatus) {
+  PlayerSession player([](const std::string& atlas) {
+    AtlasParts parts = take_apart(encode_atlas(phantom_content()).value());
+    const FileLayout layout = lay_out(parts.directory, 0).value();
+    parts.chunks[layout.find(SectionKind::kRunsY)->first_chunk].back() ^= std::byte{1};
+    write_bytes(atlas, put_together(parts));
+  });
+  const ProgramResult result = player.close();
+  EXPECT_EQ(result.status, 3);
+  EXPECT_THAT(result.err,
+              testing::StartsWith("splatlas-player: phantom.atlas: damaged; was shown without what "
+                                  "is missing: "));
+  EXPECT_EQ(std::ranges::count(result.err, '\n'), 1) << result.err;
 }
 
 TEST(WindowWithoutDisplay, SaysSoInOneLine) {

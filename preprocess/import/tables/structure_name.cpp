@@ -15,7 +15,11 @@ Result<void> check_structure_name(std::string_view name) {
   };
   if (trimmed(name).empty()) return refuse("is empty");
   if (const std::string fault = fault_of_text(name); !fault.empty()) return refuse(fault);
-  if (name.find_first_of("\t\n") != std::string_view::npos) return refuse("holds a tab or a newline");
+  if (const std::size_t at = name.find_first_of("\t\n"); at != std::string_view::npos) {
+    const auto before = utf8::distance(name.begin(), name.begin() + static_cast<std::ptrdiff_t>(at));
+    return refuse(fmt::format("holds a {} as character {}; write a blank instead",
+                              name[at] == '\t' ? "tab" : "line feed", before + 1));
+  }
   if (const auto characters = static_cast<std::size_t>(utf8::distance(name.begin(), name.end()));
       characters > kMaxNameCharacters) {
     return refuse(fmt::format("has {} characters; at most {}", characters, kMaxNameCharacters));

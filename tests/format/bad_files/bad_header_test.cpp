@@ -63,7 +63,7 @@ constexpr BadFile<Bytes> kForeignFiles[] = {
 };
 
 constexpr BadFile<Bytes> kOtherLengths[] = {
-    {"nothing", [](Bytes& f) { f.clear(); }, "not an atlas (the file is empty)"},
+    {"nothing", [](Bytes& f) { f.clear(); }, "not an atlas (its size is 0 bytes)"},
     {"one byte of the magic", [](Bytes& f) { f.resize(1); },
      "truncated: the header has 64 bytes, the file has 1"},
     {"the magic alone", [](Bytes& f) { f.resize(8); }, "truncated: the header has 64 bytes, the file has 8"},
@@ -139,6 +139,25 @@ constexpr BadHeader kValidHeaders[] = {
     {"reserved bits", [](auto& h) { h.reserved = ~0u; }},
 };
 
+/// Expects the fault of a checksum, with both values, for each row.
+template <typename Row, std::size_t kRows, typename Apply>
+void expect_wrong_checksums(const Row (&rows)[kRows], bool of_directory, const Apply& apply) {
+  for (const Row& row : rows) {
+    RawAtlas atlas = raw_atlas(good_file());
+    apply(atlas, row);
+    const Bytes bytes = file_of(atlas);
+    const FileHeader header = header_of(bytes);
+    const auto part = of_directory ? std::span(bytes).subspan(sizeof header, header.directory_bytes)
+                                   : std::span(bytes).first(offsetof(FileHeader, header_checksum));
+    EXPECT_EQ(
+        fault_of_file(bytes),
+        fmt::format("F: damaged: checksum of the {} is {:016x}, the file states {:016x}; copy or build the "
+                    "file again",
+                    of_directory ? "directory" : "header", checksum_of(part),
+                    of_directory ? header.directory_checksum : header.header_checksum));
+  }
+}
+
 TEST(BadFiles, ThatAreNoAtlases) {
   const auto in_file = [](RawAtlas& a, const auto& row) { a.on_file = row.change; };
   expect_faults(kForeignFiles, "F: not an atlas (its first bytes are {})", in_file);
@@ -150,8 +169,8 @@ TEST(BadFiles, WithAFlippedByte) {
     a.on_file = [at = row.at](Bytes& f) { f[at] ^= std::byte{0x10}; };
   };
   expect_faults(kMagicBytes, "F: not an atlas (its first bytes are {})", flip);
-  expect_faults(kHeaderBytes, "F: damaged: checksum of the header", flip);
-  expect_faults(kDirectoryBytes, "F: damaged: checksum of the directory", flip);
+  expect_wrong_checksums(kHeaderBytes, false, flip);
+  expect_wrong_checksums(kDirectoryBytes, true, flip);
 }
 
 TEST(BadFiles, WithAForgedHeader) {
@@ -160,7 +179,7 @@ TEST(BadFiles, WithAForgedHeader) {
   expect_faults(kFeatures, "F: invalid: its surfaces need {}", in_header);
   expect_faults(kSizes, "F: {}", in_header);
   expect_faults(kOffsets, "F: invalid: directory at {}, expected 64", in_header);
-  expect_faults(kDirectories, "F: damaged: checksum of the directory", in_header);
+  expect_wrong_checksums(kDirectories, true, in_header);
   expect_faults(kValidHeaders, "", in_header);
 }
 
@@ -184,7 +203,7 @@ TEST(BadFiles, ThatAreNoFiles) {
   EXPECT_EQ(refusal(folder.path() / "loop"),
             "1 " + name + "/loop: cannot be opened: Too many levels of symbolic links");
   std::ofstream(folder.path() / "empty");
-  EXPECT_EQ(refusal(folder.path() / "empty"), "3 " + name + "/empty: not an atlas (the file is empty)");
+  EXPECT_EQ(refusal(folder.path() / "empty"), "3 " + name + "/empty: not an atlas (its size is 0 bytes)");
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
+#include "format/derive/net_builder.h"
 #include "tests/format/derive/masks.h"
 #include "tests/format/random_volume.h"
 
@@ -28,6 +29,11 @@ std::array<float, 3> midpoint(const NetVertex& vertex) {
                           static_cast<float>(vertex.voxel[2])};
   at[vertex.axis()] += 0.5f;
   return at;
+}
+
+/// Ids of 32 bits would overflow, before or after hundreds of gigabytes.
+TEST(SurfaceNet, RefusesMoreVerticesThanIds) {
+  EXPECT_THROW(NetBuilder(CellTable::kVtk, NetBuilder::kMaxVertices + 1), std::bad_alloc);
 }
 
 RC_GTEST_PROP(SurfaceNet, IsClosedAndHasOneVertexOnEveryCrossedEdge, ()) {

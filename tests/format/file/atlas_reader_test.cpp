@@ -335,7 +335,7 @@ TEST_F(AtlasFileTest, ErrorsNameTheFile) {
             path.string() + ": cannot be opened: No such file or directory");
   write_bytes(path, "");
   EXPECT_EQ(Atlas::open(path).error().code, ErrorCode::kInvalidAtlas);
-  EXPECT_EQ(Atlas::open(path).error().message, path.string() + ": not an atlas (the file is empty)");
+  EXPECT_EQ(Atlas::open(path).error().message, path.string() + ": not an atlas (its size is 0 bytes)");
   EXPECT_EQ(Atlas::open(folder.path()).error().code, ErrorCode::kInvalidAtlas);
 }
 

@@ -38,7 +38,7 @@ TEST(AtlasDamage, TruncationAtEveryLengthIsToldWithBothSizes) {
   for (std::size_t length = 0; length < file.size(); ++length) {
     const std::string fault = fault_of_file(slice(file, 0, length));
     if (length == 0) {
-      EXPECT_EQ(fault, "F: not an atlas (the file is empty)");
+      EXPECT_EQ(fault, "F: not an atlas (its size is 0 bytes)");
     } else if (length < sizeof(FileHeader)) {
       EXPECT_THAT(fault, HasSubstr("F: truncated: ")) << length;
     } else {

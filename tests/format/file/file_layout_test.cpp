@@ -111,7 +111,7 @@ TEST_F(HeaderTest, HasTheBytesOfTheFormat) {
 }
 
 TEST_F(HeaderTest, ForeignFilesAreNotAtlases) {
-  EXPECT_EQ(check(0), "not an atlas (the file is empty)");
+  EXPECT_EQ(check(0), "not an atlas (its size is 0 bytes)");
   header.magic[0] = 'P';
   EXPECT_EQ(check(), "not an atlas (its first bytes are 50 53 50 4c 41 54 0d 0a)");
   EXPECT_THAT(check(1), StartsWith("not an atlas"));

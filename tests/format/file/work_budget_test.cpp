@@ -1,4 +1,7 @@
+#include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <thread>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,6 +9,7 @@
 
 #include "format/atlas_reader.h"
 #include "format/atlas_writer.h"
+#include "tests/format/atlas_surgery.h"
 #include "tests/format/random_content.h"
 #include "tests/format/random_volume.h"
 #include "tests/support/fails_with.h"
@@ -53,12 +57,87 @@ TEST(WorkBudget, CountsMemory) {
               FailsWith(ErrorCode::kLimit, AllOf(HasSubstr("(200 MiB at once)"), HasSubstr("--max-work 2"))));
 }
 
-/// A message names each item once, whatever is done with it.
+TEST(WorkBudget, AddsOtherItemsAndKeepsTheCountOfFurtherSteps) {
+  Work items, others, step;
+  items.add(WorkKind::kRuns, 10, 3);
+  others.add(WorkKind::kRuns, 5, 3);
+  step.add(WorkKind::kRuns, 12, 100);
+  step.add(WorkKind::kVoxels, 7, 1);
+  items += others;
+  EXPECT_EQ(items.count(WorkKind::kRuns), 15);
+  items.then(step);
+  EXPECT_EQ(items.count(WorkKind::kRuns), 15);
+  EXPECT_EQ(items.count(WorkKind::kVoxels), 7);
+  EXPECT_EQ(items.units(), 45 + 1200 + 7);
+  items.limit(WorkKind::kRuns, 4);
+  EXPECT_EQ(items.largest(), "4 runs");
+}
+
+/// An atlas of nested and overlapping structures with grey values: several steps need the same items.
+std::shared_ptr<const Atlas> overlapping_atlas(bool compact) {
+  TestVolume volume;
+  volume.grid.size = {24, 20, 16};
+  volume.structures.push_back({"block", box_mask(volume.grid.size, {2, 2, 2}, {20, 17, 13})});
+  volume.structures.push_back({"inner", box_mask(volume.grid.size, {4, 5, 4}, {18, 12, 9})});
+  volume.structures.push_back({"other", box_mask(volume.grid.size, {10, 1, 3}, {22, 10, 11})});
+  volume.values = VoxelBuffer{VoxelType::kUInt8, std::vector<std::byte>(24 * 20 * 16, std::byte{5})};
+  return Atlas::open_bytes(
+             encode_atlas(fitted(make_content(volume)), {.compact = compact, .threads = 1}).value())
+      .value();
+}
+
+std::uint64_t all_triangles(const Atlas& atlas) {
+  std::uint64_t triangles = 0;
+  for (StructureIndex s = 0; s < atlas.graph().size(); ++s) triangles += atlas.triangles(s);
+  return triangles;
+}
+
+/// Refusals name quantities of the file: no item counts twice, whatever is done with it.
 TEST(WorkBudget, CountsEachItemOnce) {
+  for (const bool compact : {false, true}) {
+    const auto atlas = overlapping_atlas(compact);
+    const auto voxels = static_cast<double>(atlas->grid().voxels());
+    const auto triangles = static_cast<double>(all_triangles(*atlas));
+    const auto runs = [&](Axis axis) { return static_cast<double>(atlas->runs(axis)); };
+
+    const Work verify = atlas->work_of_verify(), all = atlas->work_of_all();
+    for (const Work& work : {verify, all}) {
+      EXPECT_EQ(work.count(WorkKind::kVoxels), voxels);
+      EXPECT_EQ(work.count(WorkKind::kTriangles), triangles);
+    }
+    EXPECT_EQ(verify.count(WorkKind::kRuns), std::max({runs(Axis::kX), runs(Axis::kY), runs(Axis::kZ)}));
+    EXPECT_EQ(all.count(WorkKind::kRuns), runs(Axis::kZ));
+
+    const std::vector<StructureIndex> structures{0, 1, 2};
+    const Work surfaces = atlas->work_of_surfaces(structures);
+    EXPECT_EQ(surfaces.count(WorkKind::kTriangles), triangles);
+    EXPECT_LE(surfaces.count(WorkKind::kRuns), runs(Axis::kZ));
+    EXPECT_TRUE(atlas->verify());
+    EXPECT_LE(surfaces.count(WorkKind::kBytes), verify.count(WorkKind::kBytes));
+
+    std::vector<ClassId> classes;
+    double of_classes = 0;
+    for (ClassId c = 1; c < atlas->classes().size(); ++c) {
+      classes.push_back(c);
+      of_classes += static_cast<double>(atlas->classes().voxels(c));
+    }
+    const Work normals = atlas->work_of_normals(classes);
+    EXPECT_LE(normals.count(WorkKind::kVoxels), of_classes);
+    EXPECT_LE(normals.count(WorkKind::kRuns), runs(Axis::kZ));
+    for (const Axis axis : kAxes) {
+      const Work work = atlas->work_of_runs(classes, axis);
+      EXPECT_LE(work.count(WorkKind::kVoxels), of_classes);
+      EXPECT_LE(work.count(WorkKind::kRuns), std::max(runs(axis), runs(Axis::kZ)));
+    }
+  }
+}
+
+TEST(WorkBudget, CountsTrianglesOfSparseSurfacesOnce) {
   const auto atlas =
       Atlas::open_bytes(sparse_atlas({100, 100, 100}, {{voxel_box({0, 0, 0}), voxel_box({99, 99, 99})}}))
           .value();
-  EXPECT_EQ(atlas->work_of_surface(0).largest(), "16 triangles");
+  const StructureIndex first = 0;
+  EXPECT_EQ(atlas->work_of_surfaces({&first, 1}).largest(), "16 triangles");
 }
 
 /// A class of two voxels has at most two runs, however many the axis has.
@@ -99,10 +178,10 @@ RC_GTEST_PROP(WorkBudget, BoundsDecodedBytes, ()) {
     for (const Axis axis : kAxes)
       RC_ASSERT(charged(atlas->work_of_runs({&c, 1}, axis)) && atlas->read_runs(c, axis));
     RC_ASSERT(charged(atlas->work_of_values({&c, 1})) && atlas->read_values(c));
-    RC_ASSERT(charged(atlas->work_of_normals(c)) && atlas->read_normals(c));
+    RC_ASSERT(charged(atlas->work_of_normals({&c, 1})) && atlas->read_normals(c));
   }
   for (StructureIndex s = 0; s < content.graph.size(); ++s)
-    RC_ASSERT(charged(atlas->work_of_surface(s)) && atlas->read_surface(s));
+    RC_ASSERT(charged(atlas->work_of_surfaces({&s, 1})) && atlas->read_surface(s));
   RC_ASSERT(4 * static_cast<double>(atlas->counters().decoded) <= estimate);
 }
 
@@ -135,6 +214,26 @@ TEST(WorkBudget, RefusesVolumesOfSparseGrids) {
     EXPECT_THAT(refused,
                 FailsWith(ErrorCode::kLimit, AllOf(HasSubstr("cube: reading"), HasSubstr("--max-work"))));
   EXPECT_EQ(atlas->counters().decoded, 0u);
+}
+
+/// A class with too many runs never makes another one fail, even while its own reading fails.
+TEST(WorkBudget, OnlyClassesWithTooManyRunsFail) {
+  std::vector<SparseStructure> structures(1);
+  for (std::int64_t j = 0; j < 300; ++j) structures[0].push_back(voxel_box({0, 3 * j, 0}));
+  for (std::int64_t j = 0; j < 200; ++j) structures.push_back({voxel_box({5, 3 * j, 0})});
+  AtlasParts parts = take_apart(sparse_atlas({10, 900, 3}, structures));
+  parts.directory.run_totals[2] = 200;
+  const Bytes bytes = put_together(parts);
+  for (int round = 0; round < 30; ++round) {
+    const auto atlas = Atlas::open_bytes(bytes).value();
+    std::atomic<bool> done = false;
+    std::thread failing([&] {
+      while (!done) EXPECT_FALSE(atlas->read_runs(1, Axis::kZ));
+    });
+    for (ClassId c = 2; c < atlas->classes().size(); ++c) EXPECT_TRUE(atlas->read_runs(c, Axis::kZ)) << c;
+    done = true;
+    failing.join();
+  }
 }
 
 /// More runs than the directory states are refused while reading, in any order.

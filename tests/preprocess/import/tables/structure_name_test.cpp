@@ -22,11 +22,12 @@ TEST(StructureName, CountsCharactersNotBytes) {
 }
 
 TEST(StructureName, RefusesWhatNobodyCanType) {
-  const std::string blank = "holds a tab or a newline", control = "has a control character";
-  for (const auto& [name, what] : {std::pair<std::string, std::string>{"a\nb", blank},
-                                   {"a\tb", blank},
-                                   {"a\x7f", control + " (byte 1: U+007F)"},
-                                   {"\x1b[31m", control + " (byte 0: U+001B)"}}) {
+  const std::string blank = "; write a blank instead", control = "has a control character";
+  for (const auto& [name, what] :
+       {std::pair<std::string, std::string>{"a\nb", "\"a?b\" holds a line feed as character 2" + blank},
+        {"\u00fc?\tb", "holds a tab as character 3" + blank},
+        {"a\x7f", control + " (byte 1: U+007F)"},
+        {"\x1b[31m", control + " (byte 0: U+001B)"}}) {
     const auto refused = check_structure_name(name);
     ASSERT_FALSE(refused);
     EXPECT_THAT(refused.error().message, HasSubstr(what));
