@@ -40,13 +40,11 @@ const LinearLight& linear_light() {
 
 }  // namespace
 
-Result<CutFaces> CutFaces::build(const CutPlanes& planes, std::vector<FaceClass> classes, FaceVoxels voxels,
-                                 const CutFaces* former, ThreadPool& pool) {
+Result<CutFaces> CutFaces::build(const CutPlanes& planes, const FaceScene& scene, const CutFaces* former,
+                                 ThreadPool& pool) {
   CutFaces faces;
   faces.planes_ = planes;
-  faces.classes_ = std::move(classes);
-  voxels.classes = faces.classes_;
-  const std::vector<VoxelPlane> of_grid = voxel_planes(planes, voxels.atlas.grid());
+  const std::vector<VoxelPlane> of_grid = voxel_planes(planes, scene.atlas.grid());
   for (std::size_t n = 0; n < planes.size(); ++n) {
     if (former != nullptr) {
       const CutPlane* known = std::find(former->planes_.begin(), former->planes_.end(), planes.begin()[n]);
@@ -56,22 +54,22 @@ Result<CutFaces> CutFaces::build(const CutPlanes& planes, std::vector<FaceClass>
         continue;
       }
     }
-    SPLATLAS_ASSIGN_OR_RETURN(FaceMap map, FaceMap::build(of_grid[n], voxels, pool));
+    SPLATLAS_ASSIGN_OR_RETURN(FaceMap map, FaceMap::build(of_grid[n], scene, pool));
     faces.maps_.push_back(std::make_shared<const FaceMap>(std::move(map)));
   }
   return faces;
 }
 
-Face CutFaces::face(const FaceSample& sample, CapMode mode, float depth) const {
-  const FaceClass& of_class = classes_[sample.id];
-  if (sample.id == kEmptyClass || !of_class.has_face()) return {};
-  Face face{{}, depth, of_class.structure};
+Face CutFaces::face(const FaceSample& sample, CapMode mode, float depth) {
+  if (sample.style == nullptr) return {};
+  const FaceStyle& style = *sample.style;
+  Face face{{}, depth, style.structure};
   const float intensity = mode == CapMode::kLabels ? 1 : linear_light().of(sample.grey);
   for (std::size_t c = 0; c < 3; ++c) {
-    const float color = mode == CapMode::kValues ? 1 : of_class.color[c];
-    face.rgba[c] = of_class.opacity * intensity * color;
+    const float color = mode == CapMode::kValues ? 1 : style.color[c];
+    face.rgba[c] = style.opacity * intensity * color;
   }
-  face.rgba[3] = of_class.opacity;
+  face.rgba[3] = style.opacity;
   return face;
 }
 
@@ -82,8 +80,8 @@ RayFaces ViewFaces::through(double x, double y) const {
   const auto face_at = [&](int plane, double t) {
     const Vec3 index = rays_.index_at(x, y, t);
     const FaceMap& map = faces_.map(plane);
-    return faces_.face(map.at(index[map.axis_b()], index[map.axis_c()]), mode_,
-                       static_cast<float>(sign_ * index[axis_]));
+    return CutFaces::face(map.at(index[map.axis_b()], index[map.axis_c()]), mode_,
+                          static_cast<float>(sign_ * index[axis_]));
   };
   if (kept.front != KeptInterval::kNoPlane) faces.front = face_at(kept.front, kept.from);
   if (kept.back != KeptInterval::kNoPlane) faces.back = face_at(kept.back, kept.to);
@@ -138,7 +136,7 @@ FaceLayer::Extent ViewFaces::row_of_parallel_rays(double y, std::int32_t width, 
     map.along(here[map.axis_b()], here[map.axis_c()], step(map.axis_b()), step(map.axis_c()), end - begin,
               [&](std::int64_t n, const FaceSample& sample) {
                 const double along = here[axis_] + static_cast<double>(n) * step(axis_);
-                out[n] = faces_.face(sample, mode_, static_cast<float>(sign_ * along));
+                out[n] = CutFaces::face(sample, mode_, static_cast<float>(sign_ * along));
                 const auto column = static_cast<std::int32_t>(begin + n);
                 shown = {std::min(shown.first, column), std::max(shown.last, column + 1)};
               });

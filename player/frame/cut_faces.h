@@ -19,19 +19,16 @@ class CutFaces {
  public:
   /// Errors and cost as for FaceMap::build(), for each plane. Reuses the maps of `former` for planes that
   /// have not changed; `former` must be of the same selection.
-  [[nodiscard]] static Result<CutFaces> build(const CutPlanes& planes, std::vector<FaceClass> classes,
-                                              FaceVoxels voxels, const CutFaces* former, ThreadPool& pool);
+  [[nodiscard]] static Result<CutFaces> build(const CutPlanes& planes, const FaceScene& scene,
+                                              const CutFaces* former, ThreadPool& pool);
 
   [[nodiscard]] const CutPlanes& planes() const { return planes_; }
-  [[nodiscard]] const std::vector<FaceClass>& classes() const { return classes_; }
-
   [[nodiscard]] const FaceMap& map(int plane) const { return *maps_[static_cast<std::size_t>(plane)]; }
   /// The face of a sample of a map.
-  [[nodiscard]] Face face(const FaceSample& sample, CapMode mode, float depth) const;
+  [[nodiscard]] static Face face(const FaceSample& sample, CapMode mode, float depth);
 
  private:
   CutPlanes planes_;
-  std::vector<FaceClass> classes_;                    // by ClassId
   std::vector<std::shared_ptr<const FaceMap>> maps_;  // of the planes
 };
 

@@ -1,41 +1,52 @@
 #include "player/frame/face_classes.h"
 
-#include <tuple>
-
 #include "player/transfer_function.h"
 
 namespace splatlas {
 
+FaceStyle solid_style(StructureIndex structure, const Selection& selection) {
+  const StructureDraw& draw = selection.structures[structure];
+  return {structure,
+          draw.term,
+          draw.opacity.value_or(1.0f),
+          {srgb_to_linear(draw.color.r), srgb_to_linear(draw.color.g), srgb_to_linear(draw.color.b)}};
+}
+
+FaceStyle face_style(StructureIndex structure, const Selection& selection) {
+  const StructureDraw& draw = selection.structures[structure];
+  if (draw.mode == DrawMode::kOff) return {};
+  FaceStyle style = solid_style(structure, selection);
+  if (draw.mode == DrawMode::kVolume) style.opacity = full_opacity(draw);
+  return style;
+}
+
 std::vector<FaceClass> face_classes(const ClassTable& classes, const Selection& selection,
-                                    const DrawPlan& plan) {
-  std::vector<std::uint32_t> draw_of_class(classes.size(), FaceClass::kEveryVoxel);
+                                    const DrawPlan& plan, const std::vector<bool>& without) {
+  constexpr std::uint32_t kNotDrawn = FaceClass::kEveryVoxel;
+  std::vector<std::uint32_t> draw_of_class(classes.size(), kNotDrawn);
   for (std::uint32_t n = 0; n < plan.classes.size(); ++n) {
     if (draws_volume(plan.classes[n].role)) draw_of_class[plan.classes[n].id] = n;
   }
-  const auto draw_of = [&](StructureIndex s) {
-    return s < selection.structures.size() ? selection.structures[s] : StructureDraw{};
-  };
+  std::vector<FaceStyle> styles;
+  for (StructureIndex s = 0; s < selection.structures.size(); ++s) {
+    const bool is_left_out = s < without.size() && without[s];
+    styles.push_back(is_left_out ? FaceStyle() : face_style(s, selection));
+  }
   std::vector<FaceClass> faces(classes.size());
   for (ClassId c = 0; c < classes.size(); ++c) {
     FaceClass& face = faces[c];
-    std::uint32_t latest_term = 0;
     for (const Membership& member : classes.members(c)) {
-      const StructureDraw draw = draw_of(member.structure);
-      if (!member.holds() || draw.mode == DrawMode::kOff) continue;
-      if (face.has_face() &&
-          std::tuple(draw.term, member.structure) < std::tuple(latest_term, face.structure))
-        continue;
-      face.structure = member.structure;
-      latest_term = draw.term;
+      if (!member.holds() || member.structure >= styles.size()) continue;
+      const FaceStyle& style = styles[member.structure];
+      if (style.hides(face)) static_cast<FaceStyle&>(face) = style;
     }
-    if (!face.has_face()) continue;
-    const StructureDraw draw = draw_of(face.structure);
-    const bool is_solid = draw.mode != DrawMode::kVolume;
-    face.opacity = is_solid ? draw.opacity.value_or(1.0f) : full_opacity(draw);
-    face.color = {srgb_to_linear(draw.color.r), srgb_to_linear(draw.color.g), srgb_to_linear(draw.color.b)};
-    if (is_solid) continue;
-    face.draw = draw_of_class[c];
-    if (face.draw == FaceClass::kEveryVoxel) face = {};  // a damaged part
+    if (!face.has_face() || selection.structures[face.structure].mode != DrawMode::kVolume) continue;
+    const std::uint32_t draw = draw_of_class[c];
+    if (draw == kNotDrawn) {
+      face = {};  // a damaged part
+    } else if (plan.classes[draw].volume_of == face.structure) {
+      face.draw = draw;
+    }
   }
   return faces;
 }

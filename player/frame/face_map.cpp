@@ -19,11 +19,11 @@ constexpr double kRounding = 1e-6;
 constexpr double kMaxWindows = 100;
 
 /// Bounding box of all voxels with faces.
-IndexBox box_of(const FaceVoxels& voxels) {
+IndexBox box_of(const std::vector<FaceClass>& faces, const ClassTable& classes) {
   IndexBox box;
-  for (ClassId c = 0; c < voxels.classes.size(); ++c) {
-    const IndexBox& of_class = voxels.atlas.classes().box(c);
-    if (voxels.classes[c].has_face() && !of_class.empty()) box.include(of_class);
+  for (ClassId c = 0; c < faces.size(); ++c) {
+    const IndexBox& of_class = classes.box(c);
+    if (faces[c].has_face() && !of_class.empty()) box.include(of_class);
   }
   return box;
 }
@@ -51,17 +51,17 @@ class Window {
 /// Collects the voxels of runs near the plane.
 class FaceMap::Builder {
  public:
-  Builder(FaceMap& map, const FaceVoxels& voxels)
+  Builder(FaceMap& map, const FaceScene& scene)
       : map_(map),
-        voxels_(voxels),
-        order_(ScanOrder::of(voxels.axis)),
-        window_(voxels.atlas.display()),
+        scene_(scene),
+        order_(ScanOrder::of(scene.axis)),
+        window_(scene.atlas.display()),
         texels_(reinterpret_cast<Texel*>(map.texels_.data())) {}
 
   void add_slice(std::int64_t slice) {
     check_cancelled();
-    for (const ClassRun& run : voxels_.cache.runs(voxels_.axis).slice(slice)) {
-      if (voxels_.classes[run.id].has_face()) add_run(slice, run);
+    for (const ClassRun& run : scene_.cache.runs(scene_.axis).slice(slice)) {
+      if (map_.classes_[run.id].has_face()) add_run(slice, run);
     }
   }
 
@@ -113,31 +113,52 @@ class FaceMap::Builder {
     const auto [first, last] = layers(voxel);
     const std::int64_t a = voxel[map_.a_];
     if (a < first || a > last) return;
-    const Grid& grid = voxels_.atlas.grid();
+    const Grid& grid = scene_.atlas.grid();
     const auto offset = static_cast<std::size_t>(grid.offset(voxel[0], voxel[1], voxel[2]));
-    const std::byte* values = voxels_.cache.values();
-    if (const std::uint32_t draw = voxels_.classes[id].draw; draw != FaceClass::kEveryVoxel) {
-      ClassifiedVoxel classified;
-      voxels_.appearances[draw].look_up(values, offset, 1, 1, &classified);
-      if (!(classified.extinction_per_mm > 0)) return;
-    }
+    const bool has_face = shows(map_.classes_[id], offset);
+    const bool has_own_face =
+        !map_.solids_.empty() ? map_.apart_[id].has_face() && shows(map_.apart_[id], offset) : has_face;
+    if (!has_face && !has_own_face) return;
+    const std::byte* values = scene_.cache.values();
     float grey = 1;
     if (values != nullptr) {
-      grey = visit_voxel_type(voxels_.atlas.value_type(), [&](auto tag) {
+      grey = visit_voxel_type(scene_.atlas.value_type(), [&](auto tag) {
         return window_.position(reinterpret_cast<const decltype(tag)*>(values)[offset]);
       });
     }
-    texels_[map_.place(a, voxel[map_.b_], voxel[map_.c_])] = {grey, id};
+    texels_[map_.place(a, voxel[map_.b_], voxel[map_.c_])] = {grey, has_own_face ? id | kOwnFace : id};
+  }
+
+  /// False for voxels to which a transfer function gives no extinction.
+  [[nodiscard]] bool shows(const FaceClass& face, std::size_t offset) const {
+    if (face.draw == FaceClass::kEveryVoxel) return true;
+    ClassifiedVoxel classified;
+    scene_.appearances[face.draw].look_up(scene_.cache.values(), offset, 1, 1, &classified);
+    return classified.extinction_per_mm > 0;
   }
 
   const FaceMap& map_;
-  const FaceVoxels& voxels_;
+  const FaceScene& scene_;
   ScanOrder order_;
   Window window_;
   Texel* texels_;
 };
 
-Result<FaceMap> FaceMap::build(const VoxelPlane& plane, const FaceVoxels& voxels, ThreadPool& pool) {
+void FaceMap::add_solids(const VoxelPlane& plane, const FaceScene& scene, ThreadPool& pool) {
+  const std::vector<StructureIndex>& surfaces = scene.plan.surfaces;
+  for (const StructureIndex s : surfaces) solids_.push_back(solid_style(s, scene.selection));
+  std::ranges::sort(solids_, [](const FaceStyle& a, const FaceStyle& b) { return b.hides(a); });
+  std::vector<const SurfaceMesh*> meshes;
+  for (const FaceStyle& solid : solids_) meshes.push_back(&scene.cache.surface(solid.structure));
+  // Of surfaces in the plane, those of the kept side count
+  const VoxelPlane inside{plane.normal, plane.offset - kTie};
+  outlines_ = SolidOutlines(inside, b_, c_, meshes, pool);
+  std::vector<bool> outlined(scene.selection.structures.size());
+  for (std::uint32_t n = 0; n < solids_.size(); ++n) outlined[solids_[n].structure] = outlines_.is_closed(n);
+  apart_ = face_classes(scene.atlas.classes(), scene.selection, scene.plan, outlined);
+}
+
+Result<FaceMap> FaceMap::build(const VoxelPlane& plane, const FaceScene& scene, ThreadPool& pool) {
   // Choose the axis nearest to the normal
   FaceMap map;
   for (const std::size_t axis : {1u, 0u}) {
@@ -152,7 +173,9 @@ Result<FaceMap> FaceMap::build(const VoxelPlane& plane, const FaceVoxels& voxels
   map.to_kept_ = along > 0 ? -kTie : kTie;
 
   // Reserve the columns of the box of voxels with faces, padded by one voxel
-  const IndexBox box = box_of(voxels);
+  const ClassTable& classes = scene.atlas.classes();
+  map.classes_ = face_classes(classes, scene.selection, scene.plan);
+  const IndexBox box = box_of(map.classes_, classes);
   if (box.empty()) return map;
   const double tilt = std::abs(map.per_b_) + std::abs(map.per_c_);  // at most 2
   map.reach_ = tilt > 0 ? tilt + kRounding : 0;
@@ -165,9 +188,14 @@ Result<FaceMap> FaceMap::build(const VoxelPlane& plane, const FaceVoxels& voxels
   const auto columns = static_cast<std::size_t>(map.columns_) * static_cast<std::size_t>(map.rows_);
   SPLATLAS_ASSIGN_OR_RETURN(map.texels_, SparseBytes::reserve((columns << map.layer_bits_) * sizeof(Texel)));
 
-  Builder builder(map, voxels);
+  if (scene.plan.surfaces.empty()) {
+    map.apart_ = map.classes_;
+  } else {
+    map.add_solids(plane, scene, pool);
+  }
+  Builder builder(map, scene);
   const std::span<const std::int64_t> slices =
-      voxels.cache.runs(voxels.axis).occupied(0, std::numeric_limits<std::int64_t>::max());
+      scene.cache.runs(scene.axis).occupied(0, std::numeric_limits<std::int64_t>::max());
   pool.for_each(slices.size(), [&](std::size_t n) { builder.add_slice(slices[n]); });
   return map;
 }

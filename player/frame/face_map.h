@@ -1,4 +1,4 @@
-// Voxels around a cutting plane, for constant-time lookups of its face.
+// Face of a cutting plane: voxels around it, and outlines of solids.
 #pragma once
 
 #include <algorithm>
@@ -6,10 +6,12 @@
 #include <cmath>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "format/atlas_reader.h"
 #include "format/system/thread_pool.h"
 #include "player/frame/face_classes.h"
+#include "player/frame/solid_outlines.h"
 #include "player/spans/class_cache.h"
 #include "player/spans/sparse_bytes.h"
 #include "player/transfer/volume_appearances.h"
@@ -17,28 +19,33 @@
 
 namespace splatlas {
 
-/// Voxels that faces can show. References must outlive the call.
-struct FaceVoxels {
+/// Selection that faces can show. References must outlive the call.
+struct FaceScene {
   const Atlas& atlas;
-  const ClassCache& cache;                        ///< must hold the runs of `axis` of all classes with faces
-  Axis axis = Axis::kZ;                           ///< of the runs; any axis gives the same map
-  std::span<const FaceClass> classes;             ///< by ClassId; CutFaces::build() sets them
+  const Selection& selection;
+  const DrawPlan& plan;     ///< of the selection
+  const ClassCache& cache;  ///< must hold the runs of all classes with faces, and the surfaces
+  Axis axis = Axis::kZ;     ///< of the runs; any axis gives the same map
   std::span<const VolumeAppearance> appearances;  ///< of the plan's classes
 };
 
-/// Class and grey value at a point of a face.
+/// Structure and grey value at a point of a face.
 struct FaceSample {
-  ClassId id = kEmptyClass;  ///< of the nearest voxel; kEmptyClass: no face
+  const FaceStyle* style = nullptr;  ///< null: no face
   float grey = 0;  ///< interpolated between voxels with faces; 0 and 1 are the ends of the display window
 };
 
-/// The voxels within two layers of a plane, in columns along the axis nearest to its normal. Immutable and
-/// thread-safe.
+/// The voxels within two layers of a plane, in columns along the axis nearest to its normal, and the outlines
+/// of solids. A point has the face that hides all others of these:
+///   - solids whose surfaces enclose it
+///   - the structure of its nearest voxel, except for solids with closed outlines
+/// If there is none, but all eight voxels around it have faces, it has the face of the nearest one: smoothed
+/// surfaces leave tiny gaps between three solids. Immutable and thread-safe.
 class FaceMap {
  public:
-  /// kLimit if the system refuses address space. Cost: linear in the decoded runs and in the voxels near the
-  /// plane. Only pages with such voxels are resident.
-  [[nodiscard]] static Result<FaceMap> build(const VoxelPlane& plane, const FaceVoxels& voxels,
+  /// kLimit if the system refuses address space. Cost: linear in the decoded runs, in the triangles of solids
+  /// and in the voxels near the plane. Only pages with such voxels are resident.
+  [[nodiscard]] static Result<FaceMap> build(const VoxelPlane& plane, const FaceScene& scene,
                                              ThreadPool& pool);
 
   /// Axes across the columns.
@@ -71,22 +78,28 @@ class FaceMap {
       const double at_b = b + static_cast<double>(n) * per_step_b,
                    at_c = c + static_cast<double>(n) * per_step_c;
       if (!contains(at_b, at_c)) continue;
-      if (const FaceSample sample = at_inside(at_b, at_c); sample.id != kEmptyClass) take(n, sample);
+      if (const FaceSample sample = at_inside(at_b, at_c); sample.style != nullptr) take(n, sample);
     }
   }
 
  private:
+  /// Set in a texel if the voxel has a face apart from solids with outlines.
+  static constexpr std::uint32_t kOwnFace = std::uint32_t{1} << 31;
   struct Texel {
     float grey = 0;
-    ClassId id = kEmptyClass;
+    std::uint32_t id = kEmptyClass;  // with kOwnFace
+
+    [[nodiscard]] bool has_face() const { return id != kEmptyClass; }
+    [[nodiscard]] ClassId class_id() const { return id & ~kOwnFace; }
   };
   class Builder;
 
-  /// Points whose nearest voxel may have a face.
-  [[nodiscard]] double low_b() const { return static_cast<double>(first_b_) + 0.5; }
-  [[nodiscard]] double high_b() const { return static_cast<double>(first_b_ + columns_) - 1.5; }
-  [[nodiscard]] double low_c() const { return static_cast<double>(first_c_) + 0.5; }
-  [[nodiscard]] double high_c() const { return static_cast<double>(first_c_ + rows_) - 1.5; }
+  void add_solids(const VoxelPlane& plane, const FaceScene& scene, ThreadPool& pool);
+  /// Points next to voxels that may have a face.
+  [[nodiscard]] double low_b() const { return static_cast<double>(first_b_); }
+  [[nodiscard]] double high_b() const { return static_cast<double>(first_b_ + columns_) - 1; }
+  [[nodiscard]] double low_c() const { return static_cast<double>(first_c_); }
+  [[nodiscard]] double high_c() const { return static_cast<double>(first_c_ + rows_) - 1; }
   [[nodiscard]] bool contains(double b, double c) const {
     return b >= low_b() && b < high_b() && c >= low_c() && c < high_c();
   }
@@ -106,6 +119,10 @@ class FaceMap {
   std::int64_t columns_ = 0, rows_ = 0;           // along b and c
   int layer_bits_ = 1;                            // layers of a column: 2^layer_bits, by position mod them
   SparseBytes texels_;
+  std::vector<FaceClass> classes_;  // by ClassId: of all structures
+  std::vector<FaceClass> apart_;    // the same without solids that have outlines
+  std::vector<FaceStyle> solids_;   // of outlines_
+  SolidOutlines outlines_;
 };
 
 inline FaceSample FaceMap::at_inside(double b, double c) const {
@@ -123,22 +140,33 @@ inline FaceSample FaceMap::at_inside(double b, double c) const {
   for (std::int64_t n = 0; n < 4; ++n)
     columns[n] = texels() + (((c0 + (n >> 1)) * columns_ + b0 + (n & 1)) << layer_bits_);
 
-  const std::int64_t nearest_a = in_a + to_kept_ >= 0.5 ? high : low;
-  const ClassId id = columns[(in_b >= 0.5 ? 1 : 0) + (in_c >= 0.5 ? 2 : 0)][nearest_a].id;
-  if (id == kEmptyClass) return {};
-
   // Interpolate between those with faces
   const auto a1 = static_cast<float>(in_a), b1 = static_cast<float>(in_b), c1 = static_cast<float>(in_c);
   const float of_column[4] = {(1 - b1) * (1 - c1), b1 * (1 - c1), (1 - b1) * c1, b1 * c1};
   float sum = 0, weights = 0;
+  int faces = 0;
   for (std::size_t n = 0; n < 4; ++n) {
     const Texel lower = columns[n][low], upper = columns[n][high];
-    const float of_lower = lower.id != kEmptyClass ? of_column[n] * (1 - a1) : 0;
-    const float of_upper = upper.id != kEmptyClass ? of_column[n] * a1 : 0;
+    const float of_lower = lower.has_face() ? of_column[n] * (1 - a1) : 0;
+    const float of_upper = upper.has_face() ? of_column[n] * a1 : 0;
     weights += of_lower + of_upper;
     sum += of_lower * lower.grey + of_upper * upper.grey;
+    faces += (lower.has_face() ? 1 : 0) + (upper.has_face() ? 1 : 0);
   }
-  return {id, sum / weights};
+  if (!(weights > 0)) return {};
+
+  // Find the face that hides all others
+  const std::int64_t nearest_a = in_a + to_kept_ >= 0.5 ? high : low;
+  const Texel nearest = columns[(in_b >= 0.5 ? 1 : 0) + (in_c >= 0.5 ? 2 : 0)][nearest_a];
+  const FaceStyle* style = (nearest.id & kOwnFace) != 0 ? &apart_[nearest.class_id()] : nullptr;
+  if (!solids_.empty()) {
+    if (const std::uint32_t solid = outlines_.at(b, c); solid != SolidOutlines::kNone) {
+      if (style == nullptr || solids_[solid].hides(*style)) style = &solids_[solid];
+    }
+    if (style == nullptr && faces == 8) style = &classes_[nearest.class_id()];
+  }
+  if (style == nullptr) return {};
+  return {style, sum / weights};
 }
 
 }  // namespace splatlas

@@ -15,15 +15,15 @@ Result<void> FaceStore::require(const RenderOptions& options, Axis axis, const A
     return {};
   }
   if (faces_ && faces_->planes() == options.cuts) return {};
-  std::vector<FaceClass> classes = face_classes(atlas.classes(), drawn.selection(), drawn.plan());
+  const std::vector<FaceClass> classes = face_classes(atlas.classes(), drawn.selection(), drawn.plan());
   SPLATLAS_RETURN_IF_ERROR(decoded.require_faces(classes, axis, pool));
-  const FaceVoxels voxels{.atlas = atlas,
-                          .cache = decoded.cache(),
-                          .axis = axis,
-                          .classes = {},
-                          .appearances = drawn.appearances().appearances()};
-  SPLATLAS_ASSIGN_OR_RETURN(CutFaces built,
-                            CutFaces::build(options.cuts, std::move(classes), voxels, faces_.get(), pool));
+  const FaceScene scene{.atlas = atlas,
+                        .selection = drawn.selection(),
+                        .plan = drawn.plan(),
+                        .cache = decoded.cache(),
+                        .axis = axis,
+                        .appearances = drawn.appearances().appearances()};
+  SPLATLAS_ASSIGN_OR_RETURN(CutFaces built, CutFaces::build(options.cuts, scene, faces_.get(), pool));
   faces_ = std::make_shared<const CutFaces>(std::move(built));
   return {};
 }

@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <tuple>
+#include <utility>
 
+#include "format/decision_tree.h"
 #include "player/transfer_function.h"
 #include "tests/reference/optical_field.h"
 
@@ -15,6 +18,13 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 double linear_of_grey(double encoded) {
   const double e = std::clamp(encoded, 0.0, 1.0);
   return e <= 0.04045 ? e / 12.92 : std::pow((e + 0.055) / 1.055, 2.4);
+}
+
+/// Decides between voxels at the same distance, and between both sides of a surface in the plane.
+constexpr double kTie = 1e-6;
+
+IndexPlane slightly_inside(const IndexPlane& plane) {
+  return {plane.normal, plane.offset - kTie};
 }
 
 }  // namespace
@@ -35,6 +45,61 @@ ReferenceCut::ReferenceCut(const AtlasContent& content, const Selection& selecti
     for (double& component : of_index.normal) component /= length;
     planes_.push_back(of_index);
   }
+  solids_ = DecisionTree(content.graph, content.classes).plan(selection).surfaces;
+  for (const IndexPlane& plane : planes_) outlined_.push_back(outlined(slightly_inside(plane)));
+}
+
+std::vector<bool> ReferenceCut::outlined(const IndexPlane& plane) const {
+  std::vector<bool> result(content_.graph.size());
+  for (const StructureIndex s : solids_) {
+    const SurfaceMesh& mesh = content_.surfaces[s];
+    const auto is_removed = [&](const std::array<float, 3>& p) {
+      return plane.distance({p[0], p[1], p[2]}) > 0;
+    };
+    // Every edge across the plane belongs to as many triangles in one direction as in the other
+    std::map<std::pair<std::array<float, 3>, std::array<float, 3>>, int> edges;
+    for (const auto& corners : mesh.triangles) {
+      for (std::size_t n = 0; n < 3; ++n) {
+        const auto &a = mesh.positions_ijk[corners[n]], &b = mesh.positions_ijk[corners[(n + 1) % 3]];
+        if (is_removed(a) == is_removed(b)) continue;
+        edges[std::minmax(a, b)] += a < b ? 1 : -1;
+      }
+    }
+    result[s] = std::ranges::all_of(edges, [](const auto& edge) { return edge.second == 0; });
+  }
+  return result;
+}
+
+bool ReferenceCut::hides(StructureIndex a, StructureIndex b) const {
+  return std::tuple(selection_.structures[a].term, a) > std::tuple(selection_.structures[b].term, b);
+}
+
+std::optional<StructureIndex> ReferenceCut::solid_at(const Vec3& index, const IndexPlane& plane,
+                                                     const std::vector<bool>& outlined) const {
+  // The direction has no special angle to the axes
+  const Vec3 direction = cross(plane.normal, Vec3{0.53771, 0.71333, 0.44917});
+  std::optional<StructureIndex> best;
+  for (const StructureIndex s : solids_) {
+    if (!outlined[s] || (best && hides(*best, s))) continue;
+    const SurfaceMesh& mesh = content_.surfaces[s];
+    int winding = 0;
+    for (const auto& corners : mesh.triangles) {
+      const auto corner = [&](std::size_t n) {
+        const auto& p = mesh.positions_ijk[corners[n]];
+        return Vec3{p[0], p[1], p[2]};
+      };
+      // Moeller and Trumbore 1997
+      const Vec3 origin = corner(0), p = minus(corner(1), origin), q = minus(corner(2), origin);
+      const Vec3 across = cross(direction, q), from = minus(index, origin), beside = cross(from, p);
+      const double volume = dot(p, across);
+      if (volume == 0) continue;
+      const double u = dot(from, across) / volume, v = dot(direction, beside) / volume;
+      if (u < 0 || v < 0 || u + v > 1 || dot(q, beside) / volume <= 0) continue;
+      winding += volume > 0 ? 1 : -1;
+    }
+    if (winding != 0) best = s;
+  }
+  return best;
 }
 
 KeptRay ReferenceCut::clip(const Ray& ray, double from_mm, double margin) const {
@@ -64,25 +129,30 @@ RayInterval ReferenceCut::surfaces(const Ray& ray, double from_mm) const {
 
 ReferenceFace ReferenceCut::front(const Ray& ray, const KeptRay& kept) const {
   if (!kept.front || kept.empty() || caps_ == CapMode::kNone) return {};
-  return face(ray.at(kept.from_mm), planes_[*kept.front]);
+  return face(ray.at(kept.from_mm), *kept.front);
 }
 
 ReferenceFace ReferenceCut::back(const Ray& ray, const KeptRay& kept) const {
   if (!kept.back || kept.empty() || caps_ == CapMode::kNone) return {};
-  return face(ray.at(kept.to_mm), planes_[*kept.back]);
+  return face(ray.at(kept.to_mm), *kept.back);
 }
 
-std::optional<StructureIndex> ReferenceCut::structure_at(const Index3& voxel) const {
+std::optional<StructureIndex> ReferenceCut::structure_at(const Index3& voxel,
+                                                         const std::vector<bool>& without) const {
   if (!grid_.contains(voxel[0], voxel[1], voxel[2])) return std::nullopt;
   const auto place = static_cast<std::size_t>(grid_.offset(voxel[0], voxel[1], voxel[2]));
   std::optional<StructureIndex> best;
-  const auto rank = [&](StructureIndex s) { return std::tuple(selection_.structures[s].term, s); };
   for (const Membership& member : content_.classes.members(content_.class_volume[place])) {
     const StructureIndex s = member.structure;
-    if (!member.holds() || selection_.structures[s].mode == DrawMode::kOff) continue;
-    if (!best || rank(s) > rank(*best)) best = s;
+    if (!member.holds() || selection_.structures[s].mode == DrawMode::kOff || without[s]) continue;
+    if (!best || hides(s, *best)) best = s;
   }
   if (!best || selection_.structures[*best].mode != DrawMode::kVolume) return best;
+  for (const Membership& member : content_.classes.members(content_.class_volume[place])) {
+    const StructureIndex s = member.structure;
+    if (!member.holds() || !hides(s, *best)) continue;
+    if (selection_.structures[s].mode == DrawMode::kBoth) return best;  // drawn as the volume of this one
+  }
   const double grey = content_.values.empty() ? HUGE_VAL : value_of(content_.values, place);
   const TransferCurve curve = transfer_curve(selection_.structures[*best], content_.display);
   return transfer(curve, grey, voxel_side_mm(grid_)).extinction_per_mm > 0 ? best : std::nullopt;
@@ -98,23 +168,39 @@ double ReferenceCut::grey_at(const Index3& voxel) const {
   return std::clamp((grey - display.window_low) / width, -100.0, 100.0);
 }
 
-ReferenceFace ReferenceCut::face(const Vec3& index, const IndexPlane& plane) const {
-  // Find the nearest voxel; ties go to the kept side
+ReferenceFace ReferenceCut::face(const Vec3& index, std::size_t number) const {
+  const IndexPlane plane = slightly_inside(planes_[number]);
+  const std::vector<bool>& outlined = outlined_[number];
+  const std::vector<bool> none(outlined.size());
+  // Take the last of the solids that enclose the point and the volume of the nearest voxel; ties go to the
+  // kept side
+  Vec3 inside = index;
   Index3 nearest{};
-  for (std::size_t a = 0; a < 3; ++a)
-    nearest[a] = static_cast<std::int64_t>(std::floor(index[a] - 1e-6 * plane.normal[a] + 0.5));
-  const std::optional<StructureIndex> s = structure_at(nearest);
+  for (std::size_t a = 0; a < 3; ++a) {
+    inside[a] -= kTie * plane.normal[a];
+    nearest[a] = static_cast<std::int64_t>(std::floor(inside[a] + 0.5));
+  }
+  std::optional<StructureIndex> s = structure_at(nearest, outlined);
+  const auto solid = solid_at(inside, plane, outlined);
+  const bool is_enclosed = solid && (!s || hides(*solid, *s));
+  if (is_enclosed) s = solid;
+  if (!s) {
+    bool all = true;
+    for_each_corner(index, [&](const Index3& corner, double) { all = all && structure_at(corner, none); });
+    if (all) s = structure_at(nearest, none);
+  }
   if (!s) return {};
 
   double grey = 0, weights = 0;
   for_each_corner(index, [&](const Index3& corner, double weight) {
-    if (!structure_at(corner)) return;
+    if (!structure_at(corner, none)) return;
     weights += weight;
     grey += weight * grey_at(corner);
   });
+  if (weights == 0) return {};
   const StructureDraw& draw = selection_.structures[*s];
-  const double opacity = draw.mode == DrawMode::kVolume ? static_cast<double>(full_opacity(draw))
-                                                        : static_cast<double>(draw.opacity.value_or(1.0f));
+  const bool is_solid = draw.mode != DrawMode::kVolume || is_enclosed;  // external surfaces are always drawn
+  const double opacity = static_cast<double>(is_solid ? draw.opacity.value_or(1.0f) : full_opacity(draw));
   const double intensity = caps_ == CapMode::kLabels ? 1 : linear_of_grey(grey / weights);
   const std::array<double, 3> color =
       caps_ == CapMode::kValues ? std::array<double, 3>{1, 1, 1} : linear_of(draw.color);

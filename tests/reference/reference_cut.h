@@ -52,9 +52,18 @@ class ReferenceCut {
   [[nodiscard]] ReferenceFace back(const Ray& ray, const KeptRay& kept) const;
 
  private:
-  [[nodiscard]] ReferenceFace face(const Vec3& index, const IndexPlane& plane) const;
-  /// The structure of a voxel's face; none for voxels without one.
-  [[nodiscard]] std::optional<StructureIndex> structure_at(const Index3& voxel) const;
+  [[nodiscard]] ReferenceFace face(const Vec3& index, std::size_t plane) const;
+  /// The structure of a voxel's face, except for some; none for voxels without one.
+  [[nodiscard]] std::optional<StructureIndex> structure_at(const Index3& voxel,
+                                                           const std::vector<bool>& without) const;
+  /// By structure: those whose surfaces cross the plane in closed lines.
+  [[nodiscard]] std::vector<bool> outlined(const IndexPlane& plane) const;
+  /// The last of the outlined structures that encloses a point of the plane, by the winding number of a ray
+  /// in the plane.
+  [[nodiscard]] std::optional<StructureIndex> solid_at(const Vec3& index, const IndexPlane& plane,
+                                                       const std::vector<bool>& outlined) const;
+  /// True if a face of `a` hides one of `b`.
+  [[nodiscard]] bool hides(StructureIndex a, StructureIndex b) const;
   [[nodiscard]] double grey_at(const Index3& voxel) const;
 
   const AtlasContent& content_;
@@ -62,6 +71,8 @@ class ReferenceCut {
   CapMode caps_;
   Grid grid_;
   std::vector<IndexPlane> planes_;
+  std::vector<StructureIndex> solids_;
+  std::vector<std::vector<bool>> outlined_;  // by plane
 };
 
 }  // namespace splatlas::reference
