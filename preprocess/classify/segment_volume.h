@@ -23,10 +23,11 @@ struct SegmentRule {
   double low = 0;                                         ///< kThreshold: lower threshold, inclusive
   double high = std::numeric_limits<double>::infinity();  ///< kThreshold: upper threshold, inclusive
   double close_mm = 0;  ///< thresholds: radius of the morphological closing before holes are filled
+  double open_mm = 0;   ///< kMask: radius of the morphological opening, after other structures are left out
 };
 
-/// Parses NAME=mask:FILE or NAME=threshold:LOW[:HIGH][:close=MM] with LOW a number or "otsu"; kUsage
-/// otherwise.
+/// Parses NAME=mask:FILE[:open=MM] or NAME=threshold:LOW[:HIGH][:close=MM] with LOW a number or "otsu";
+/// kUsage otherwise.
 [[nodiscard]] Result<SegmentRule> parse_segment(std::string_view text);
 
 /// Segments by threshold (fixed, or Otsu 1979): the largest face-connected component, optionally closed, with
@@ -35,5 +36,9 @@ struct SegmentRule {
 /// thresholds.
 [[nodiscard]] Result<std::vector<std::uint8_t>> segment_volume(const VoxelBuffer& values, const Grid& grid,
                                                                const SegmentRule& rule);
+
+/// Morphological opening of a mask by a ball of rule.open_mm. Beyond the grid counts as inside.
+[[nodiscard]] Result<std::vector<std::uint8_t>> open_mask(const std::vector<std::uint8_t>& mask,
+                                                          const Grid& grid, const SegmentRule& rule);
 
 }  // namespace splatlas
