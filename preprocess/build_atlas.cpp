@@ -38,6 +38,17 @@ std::vector<CrossedVoxel> crossed_voxels(const SourceModel& model, const PlacedS
   return crossed;
 }
 
+std::vector<Isosurface> isosurfaces_of(const SourceModel& model, const PlacedStructures& placed) {
+  std::vector<Isosurface> isosurfaces;
+  const std::size_t first = first_mesh(model) - model.segments.size();
+  for (std::size_t n = 0; n < model.segments.size(); ++n) {
+    const SegmentRule& rule = model.segments[n].rule;
+    if (rule.kind == SegmentRule::Kind::kIsosurface)
+      isosurfaces.push_back({placed.index_of_source[first + n], rule.low});
+  }
+  return isosurfaces;
+}
+
 void note_surfaces(SurfaceRule rule, const Grid& grid, const ExtractedSurfaces& extracted,
                    std::vector<std::string>& notes) {
   if (rule_for(rule, grid.size) != rule) {
@@ -68,7 +79,7 @@ Result<AtlasContent> build_content(SourceModel model, const std::string& labels,
 
   if (!model.segments.empty()) clock.begin("segment", 0.2);
   SPLATLAS_RETURN_IF_ERROR(segment_structures(
-      model, grid, fragments, [&](double fraction) { clock.update(fraction); }, notes));
+      model, placed, grid, fragments, [&](double fraction) { clock.update(fraction); }, notes));
   clock.begin("classify", 0.05);
   model.memberships.renumber(placed.index_of_source);
   Result<Classification> classified =
@@ -78,10 +89,10 @@ Result<AtlasContent> build_content(SourceModel model, const std::string& labels,
   model.memberships = MembershipVolume(Index3{0, 0, 0});
 
   clock.begin("surfaces", 0.25);
-  SPLATLAS_ASSIGN_OR_RETURN(
-      ExtractedSurfaces extracted,
-      extract_surfaces(classification, placed.graph, grid,
-                       {rule, threads, [&](double fraction) { clock.update(fraction); }}));
+  SPLATLAS_ASSIGN_OR_RETURN(ExtractedSurfaces extracted,
+                            extract_surfaces(classification, placed.graph, grid,
+                                             {rule, threads, [&](double fraction) { clock.update(fraction); },
+                                              isosurfaces_of(model, placed), &model.values}));
   note_surfaces(rule, grid, extracted, notes);
   for (std::size_t n = 0; n < model.meshes.size(); ++n) {
     extracted.surfaces[placed.index_of_source[first_mesh(model) + n]] = std::move(model.meshes[n].surface);

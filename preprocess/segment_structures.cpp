@@ -1,14 +1,17 @@
 #include "preprocess/segment_structures.h"
 
 #include <algorithm>
+#include <utility>
 
 #include <fmt/format.h>
 
+#include "format/selection.h"
 #include "format/system/ascii_text.h"
 #include "format/system/result_macros.h"
 #include "preprocess/classify/fragments.h"
 #include "preprocess/import/tables/structure_name.h"
 #include "preprocess/import/tables/text_file.h"
+#include "preprocess/surfaces/isosurface.h"
 
 namespace splatlas {
 namespace {
@@ -96,6 +99,90 @@ class FragmentFilter {
   std::vector<StructureFragments> kept_, dropped_;
 };
 
+/// Finds the voxels of single segments.
+class Segmenter {
+ public:
+  Segmenter(SourceModel& model, const PlacedStructures& placed, const Grid& grid)
+      : model_(model), placed_(placed), grid_(grid) {}
+
+  /// Source numbers are in the order labels or masks, segments, meshes.
+  [[nodiscard]] std::size_t first_source() const {
+    return model_.structures.size() - model_.meshes.size() - model_.segments.size();
+  }
+
+  /// The mask of segment n. Consumes the mask from its file.
+  [[nodiscard]] Result<std::vector<std::uint8_t>> voxels_of(std::size_t n) const {
+    auto& [rule, mask] = model_.segments[n];
+    if (rule.kind == SegmentRule::Kind::kIsosurface) return isosurface(rule, n);
+    if (rule.kind != SegmentRule::Kind::kMask) {
+      SPLATLAS_ASSIGN_OR_RETURN(mask, segment_volume(model_.values, grid_, rule));
+    }
+    std::vector<bool> excludes(placed_.index_of_source.size(), true);  // [source]
+    for (std::size_t other = 0; other < model_.segments.size(); ++other) {
+      if (model_.segments[other].rule.kind == SegmentRule::Kind::kIsosurface)
+        excludes[first_source() + other] = false;
+    }
+    keep_voxels(mask, excludes, false);
+    if (rule.open_mm > 0) return open_mask(std::exchange(mask, {}), grid_, rule);
+    return std::exchange(mask, {});
+  }
+
+ private:
+  /// Clears voxels outside all `sources` (`kept`), or inside any of them.
+  void keep_voxels(std::vector<std::uint8_t>& mask, const std::vector<bool>& sources, bool kept) const {
+    std::vector<bool> keeps;  // [set]
+    for (const auto& set : model_.memberships.sets()) {
+      keeps.push_back(std::ranges::any_of(set, [&](StructureIndex s) { return sources[s]; }) == kept);
+    }
+    const auto sets = model_.memberships.voxels();
+    for (std::size_t v = 0; v < mask.size(); ++v) mask[v] = mask[v] != 0 && keeps[sets[v]];
+  }
+
+  [[nodiscard]] Result<std::vector<std::uint8_t>> isosurface(const SegmentRule& rule, std::size_t n) const {
+    if (std::ranges::max(grid_.size) > kMaxIsosurfaceSize) {
+      return fail(ErrorCode::kLimit,
+                  "--segment \"{}\": an isosurface needs a grid of at most {} voxels along each axis; crop "
+                  "the volume",
+                  rule.name, kMaxIsosurfaceSize);
+    }
+    std::vector<std::uint8_t> mask = voxels_from(model_.values, rule.low);
+    if (!rule.inside.empty()) {
+      SPLATLAS_ASSIGN_OR_RETURN(const std::vector<bool> enclosing, enclosing_sources(rule, n));
+      keep_voxels(mask, enclosing, true);
+    }
+    if (std::ranges::find(mask, 1) == mask.end()) {
+      return fail(ErrorCode::kFailed, "--segment \"{}\": no voxel {} has a value of {} or above", rule.name,
+                  rule.inside.empty() ? "of the volume" : "in " + in_quotes(rule.inside), rule.low);
+    }
+    return mask;
+  }
+
+  /// [source]: true for labels, masks and earlier segments in the enclosing structure.
+  [[nodiscard]] Result<std::vector<bool>> enclosing_sources(const SegmentRule& rule, std::size_t n) const {
+    const Result<std::vector<StructureIndex>> found = find_structures(placed_.graph, rule.inside);
+    if (!found)
+      return fail(found.error().code, "--segment \"{}\": inside={}", rule.name, found.error().message);
+    const std::vector<StructureIndex> inside = placed_.graph.descendants(*found);
+    std::vector<bool> sources(placed_.index_of_source.size(), false);
+    bool any = false;
+    for (std::size_t s = 0; s < first_source() + n; ++s) {
+      sources[s] = std::ranges::find(inside, placed_.index_of_source[s]) != inside.end();
+      any = any || sources[s];
+    }
+    if (!any) {
+      return fail(
+          ErrorCode::kUsage,
+          "--segment \"{}\": inside={} must be a label, a mask, an earlier segment or a group of them",
+          rule.name, in_quotes(rule.inside));
+    }
+    return sources;
+  }
+
+  SourceModel& model_;
+  const PlacedStructures& placed_;
+  const Grid& grid_;
+};
+
 }  // namespace
 
 Result<FragmentRule> parse_fragments(std::string_view text) {
@@ -112,28 +199,21 @@ Result<FragmentRule> parse_fragments(std::string_view text) {
   return rule;
 }
 
-Result<void> segment_structures(SourceModel& model, const Grid& grid, const std::vector<FragmentRule>& rules,
+Result<void> segment_structures(SourceModel& model, const PlacedStructures& placed, const Grid& grid,
+                                const std::vector<FragmentRule>& rules,
                                 const std::function<void(double)>& progress,
                                 std::vector<std::string>& notes) {
   SPLATLAS_ASSIGN_OR_RETURN(FragmentFilter fragments, FragmentFilter::make(model, rules));
-  // Source numbers are in the order labels or masks, segments, meshes.
-  const std::size_t first_segment = model.structures.size() - model.meshes.size() - model.segments.size();
+  const Segmenter segmenter(model, placed, grid);
+  const std::size_t first_segment = segmenter.first_source();
   fragments.apply(model.memberships, 0, first_segment);
   for (std::size_t n = 0; n < model.segments.size(); ++n) {
-    auto& [rule, mask] = model.segments[n];
-    if (rule.kind != SegmentRule::Kind::kMask) {
-      SPLATLAS_ASSIGN_OR_RETURN(mask, segment_volume(model.values, grid, rule));
-    }
-    const auto sets = model.memberships.voxels();
-    for (std::size_t v = 0; v < mask.size(); ++v) mask[v] = mask[v] != 0 && sets[v] == 0;
-    if (rule.open_mm > 0) {
-      SPLATLAS_ASSIGN_OR_RETURN(mask, open_mask(mask, grid, rule));
-    }
+    SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::uint8_t> mask, segmenter.voxels_of(n));
     const std::size_t structure = first_segment + n;
     if (model.memberships.add(static_cast<StructureIndex>(structure), mask) == 0) {
-      notes.push_back("segment '" + rule.name + "' has no voxel outside the other structures");
+      notes.push_back("segment '" + model.segments[n].rule.name +
+                      "' has no voxel outside the other structures");
     }
-    mask = {};
     fragments.apply(model.memberships, structure, structure + 1);
     progress(static_cast<double>(n + 1) / static_cast<double>(model.segments.size()));
   }

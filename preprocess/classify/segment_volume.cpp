@@ -227,14 +227,31 @@ std::optional<double> take_radius(std::string_view name, std::vector<std::string
   return radius;
 }
 
+/// Parses LEVEL[,inside=STRUCTURE]. Returns false if it is not valid.
+bool parse_isosurface(std::string_view text, SegmentRule& rule) {
+  rule.kind = SegmentRule::Kind::kIsosurface;
+  constexpr std::string_view kInside = ",inside=";
+  if (const std::size_t at = text.find(kInside); at != std::string_view::npos) {
+    rule.inside = std::string(trimmed(text.substr(at + kInside.size())));
+    if (rule.inside.empty()) return false;
+    text = text.substr(0, at);
+  }
+  const auto level = parse_number(trimmed(text));
+  if (!level || !std::isfinite(*level)) return false;
+  rule.low = *level;
+  return true;
+}
+
 }  // namespace
 
 Result<SegmentRule> parse_segment(std::string_view text) {
   const auto refuse = [&] {
-    return fail(ErrorCode::kUsage,
-                "--segment '{}': must be NAME=mask:FILE[:open=MM], NAME=threshold:LOW[:HIGH][:close=MM] with "
-                "LOW at most HIGH, or NAME=threshold:otsu[:close=MM], with MM from 0 to {}",
-                text, kMaxClosingMm);
+    return fail(
+        ErrorCode::kUsage,
+        "--segment '{}': must be NAME=mask:FILE[:open=MM], NAME=threshold:LOW[:HIGH][:close=MM] with "
+        "LOW at most HIGH, NAME=threshold:otsu[:close=MM], or NAME=iso:LEVEL[,inside=STRUCTURE], with "
+        "MM from 0 to {}",
+        text, kMaxClosingMm);
   };
   const std::size_t equals = text.find('=');
   if (equals == std::string_view::npos) return refuse();
@@ -256,6 +273,9 @@ Result<SegmentRule> parse_segment(std::string_view text) {
     }
     rule.mask = std::string(file);
     return rule;
+  }
+  if (constexpr std::string_view kIso = "iso:"; kind.starts_with(kIso)) {
+    return parse_isosurface(kind.substr(kIso.size()), rule) ? Result<SegmentRule>(rule) : refuse();
   }
   if (!kind.starts_with(kThreshold)) return refuse();
   std::vector<std::string_view> parts = split(kind.substr(kThreshold.size()), ':');
@@ -280,6 +300,17 @@ Result<std::vector<std::uint8_t>> segment_volume(const VoxelBuffer& values, cons
                                                  const SegmentRule& rule) {
   return call_itk(fmt::format("--segment \"{}\"", rule.name),
                   [&] { return run_filters(values, grid, rule); });
+}
+
+std::vector<std::uint8_t> voxels_from(const VoxelBuffer& values, double level) {
+  std::vector<std::uint8_t> mask(values.bytes.size() / bytes_of(values.type));
+  visit_voxel_type(values.type, [&]<typename T>(T) {
+    for (std::size_t v = 0; v < mask.size(); ++v) {
+      const auto value = static_cast<double>(values.as<T>()[v]);
+      mask[v] = std::isfinite(value) && value >= level;
+    }
+  });
+  return mask;
 }
 
 Result<std::vector<std::uint8_t>> open_mask(const std::vector<std::uint8_t>& mask, const Grid& grid,

@@ -28,12 +28,16 @@ Tree: )";
 
 constexpr const char* kFooterEnd = R"(
 
-Segments: voxels that no label holds yet get a structure of their own, in the order of the command line.
+Segments: voxels that no structure holds yet get one of their own, in the order of the command line.
   NAME=mask:FILE[:open=MM]              non-zero voxels of another volume on the same grid; an opening with a ball of
                                         radius MM removes thin parts that other structures leave
   NAME=threshold:LOW[:HIGH][:close=MM]  grey values from LOW to HIGH: the largest connected piece, gaps up to twice
                                         MM closed, holes filled
   NAME=threshold:otsu[:close=MM]        the same from Otsu's threshold on
+  NAME=iso:LEVEL[,inside=STRUCTURE]     grey values from LEVEL on, within a label, a mask, an earlier segment or a group
+                                        of them; the surface is the isosurface of the grey values, closed midway
+                                        between voxels at the border of the grid and of STRUCTURE
+Isosurfaces may overlap other structures, and take no voxels from them.
 
 Fragments: face-connected components of few voxels beside the largest one of their structure. A note counts those of
 fewer than 100 voxels. --drop-fragments N removes those of fewer than N voxels from all labels, masks and segments,
