@@ -27,29 +27,6 @@ namespace fs = std::filesystem;
 std::size_t first_mesh(const SourceModel& model) {
   return model.structures.size() - model.meshes.size();
 }
-std::size_t first_segment(const SourceModel& model) {
-  return first_mesh(model) - model.segments.size();
-}
-
-/// Adds the segments. A segment gets only voxels that no structure contains yet.
-Result<void> segment(SourceModel& model, const Grid& grid, StageClock& clock,
-                     std::vector<std::string>& notes) {
-  for (std::size_t n = 0; n < model.segments.size(); ++n) {
-    auto& [rule, mask] = model.segments[n];
-    if (rule.kind != SegmentRule::Kind::kMask) {
-      SPLATLAS_ASSIGN_OR_RETURN(mask, segment_volume(model.values, grid, rule));
-    }
-    const auto sets = model.memberships.voxels();
-    for (std::size_t v = 0; v < mask.size(); ++v) mask[v] = mask[v] != 0 && sets[v] == 0;
-    const auto structure = static_cast<StructureIndex>(first_segment(model) + n);
-    if (model.memberships.add(structure, mask) == 0) {
-      notes.push_back("segment '" + rule.name + "' has no voxel outside the other structures");
-    }
-    mask = {};
-    clock.update(static_cast<double>(n + 1) / static_cast<double>(model.segments.size()));
-  }
-  return {};
-}
 
 std::vector<CrossedVoxel> crossed_voxels(const SourceModel& model, const PlacedStructures& placed) {
   std::vector<CrossedVoxel> crossed;
@@ -59,6 +36,17 @@ std::vector<CrossedVoxel> crossed_voxels(const SourceModel& model, const PlacedS
   }
   std::sort(crossed.begin(), crossed.end());
   return crossed;
+}
+
+std::vector<Isosurface> isosurfaces_of(const SourceModel& model, const PlacedStructures& placed) {
+  std::vector<Isosurface> isosurfaces;
+  const std::size_t first = first_mesh(model) - model.segments.size();
+  for (std::size_t n = 0; n < model.segments.size(); ++n) {
+    const SegmentRule& rule = model.segments[n].rule;
+    if (rule.kind == SegmentRule::Kind::kIsosurface)
+      isosurfaces.push_back({placed.index_of_source[first + n], rule.low});
+  }
+  return isosurfaces;
 }
 
 void note_surfaces(SurfaceRule rule, const Grid& grid, const ExtractedSurfaces& extracted,
@@ -78,7 +66,8 @@ void note_surfaces(SurfaceRule rule, const Grid& grid, const ExtractedSurfaces& 
 /// Builds the structure graph, runs segmentations, classifies the voxels and extracts surfaces. Fills only
 /// the hashes of the provenance. Messages about the labels call them `labels`. The content does not depend on
 /// `threads` (0: one per core).
-Result<AtlasContent> build_content(SourceModel model, const std::string& labels, SurfaceRule rule,
+Result<AtlasContent> build_content(SourceModel model, const std::string& labels,
+                                   const std::vector<FragmentRule>& fragments, SurfaceRule rule,
                                    unsigned threads, StageClock& clock, std::vector<std::string>& notes) {
   AtlasContent content;
   content.source_grid = model.source_grid;
@@ -88,10 +77,9 @@ Result<AtlasContent> build_content(SourceModel model, const std::string& labels,
       PlacedStructures placed,
       build_graph(model.structures, model.tree, model.tree_file.empty() ? labels : model.tree_file));
 
-  if (!model.segments.empty()) {
-    clock.begin("segment", 0.2);
-    SPLATLAS_RETURN_IF_ERROR(segment(model, grid, clock, notes));
-  }
+  if (!model.segments.empty()) clock.begin("segment", 0.2);
+  SPLATLAS_RETURN_IF_ERROR(segment_structures(
+      model, placed, grid, fragments, [&](double fraction) { clock.update(fraction); }, notes));
   clock.begin("classify", 0.05);
   model.memberships.renumber(placed.index_of_source);
   Result<Classification> classified =
@@ -101,10 +89,10 @@ Result<AtlasContent> build_content(SourceModel model, const std::string& labels,
   model.memberships = MembershipVolume(Index3{0, 0, 0});
 
   clock.begin("surfaces", 0.25);
-  SPLATLAS_ASSIGN_OR_RETURN(
-      ExtractedSurfaces extracted,
-      extract_surfaces(classification, placed.graph, grid,
-                       {rule, threads, [&](double fraction) { clock.update(fraction); }}));
+  SPLATLAS_ASSIGN_OR_RETURN(ExtractedSurfaces extracted,
+                            extract_surfaces(classification, placed.graph, grid,
+                                             {rule, threads, [&](double fraction) { clock.update(fraction); },
+                                              isosurfaces_of(model, placed), &model.values}));
   note_surfaces(rule, grid, extracted, notes);
   for (std::size_t n = 0; n < model.meshes.size(); ++n) {
     extracted.surfaces[placed.index_of_source[first_mesh(model) + n]] = std::move(model.meshes[n].surface);
@@ -146,9 +134,10 @@ Result<BuildReport> build_atlas(const BuildOptions& options) {
   clock.begin("read", 0.1);
   SPLATLAS_ASSIGN_OR_RETURN(SourceModel model, import_sources(options.sources, update));
   std::vector<std::string> notes = model.notes;
-  SPLATLAS_ASSIGN_OR_RETURN(AtlasContent content,
-                            build_content(std::move(model), options.sources.labels.string(), options.surfaces,
-                                          options.threads, clock, notes));
+  SPLATLAS_ASSIGN_OR_RETURN(
+      AtlasContent content,
+      build_content(std::move(model), options.sources.labels.string(), options.fragments, options.surfaces,
+                    options.threads, clock, notes));
   content.provenance.title = options.title;
   content.provenance.citation = options.citation;
   content.provenance.licence = options.licence;

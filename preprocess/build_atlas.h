@@ -8,6 +8,7 @@
 
 #include "preprocess/build_progress.h"
 #include "preprocess/import_sources.h"
+#include "preprocess/segment_structures.h"
 
 namespace splatlas {
 
@@ -19,6 +20,7 @@ struct BuildOptions {
   std::string tool;                      ///< name and version of the program, for provenance
   int level = 12;                        ///< Zstandard level, 1 (fast) to 22 (small)
   bool compact = false;                  ///< see WriteOptions
+  std::vector<FragmentRule> fragments;   ///< at most one rule per name; the last one holds
   SurfaceRule surfaces = SurfaceRule::kSmooth;
   unsigned threads = 0;       ///< 0: one per core. The file does not depend on it.
   ProgressFunction progress;  ///< may be empty

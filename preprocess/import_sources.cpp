@@ -141,7 +141,8 @@ class SourceImporter {
         segment.mask = mask_of(to_storage_order(std::move(image.voxels), model_.source_grid));
         SPLATLAS_RETURN_IF_ERROR(remember("segment", rule.mask));
       } else if (model_.values.empty()) {
-        return fail(ErrorCode::kUsage, "--segment \"{}\": a threshold needs a --volume", rule.name);
+        return fail(ErrorCode::kUsage, "--segment \"{}\": {} needs a --volume", rule.name,
+                    rule.kind == SegmentRule::Kind::kIsosurface ? "an isosurface" : "a threshold");
       }
       SourceStructure structure;
       structure.name = rule.name;

@@ -36,6 +36,16 @@ std::uint64_t MembershipVolume::add(StructureIndex structure, std::span<const st
   return count;
 }
 
+void MembershipVolume::remove(StructureIndex structure, std::size_t first, std::size_t count) {
+  for (std::size_t v = first; v < first + count;) {
+    const SetId from = voxels_[v];
+    std::vector<StructureIndex> set = sets_[from];
+    std::erase(set, structure);
+    const SetId to = intern(std::move(set));
+    for (; v < first + count && voxels_[v] == from; ++v) voxels_[v] = to;
+  }
+}
+
 void MembershipVolume::renumber(std::span<const StructureIndex> new_numbers) {
   index_.clear();
   for (SetId id = 0; id < sets_.size(); ++id) {

@@ -33,8 +33,10 @@ make_colin27_atlas() {
     echo "$atlas is up to date"
     return
   fi
+  # AAL leaves a comb of thin strips of the brain at its border. The opening removes it, and the filter its crumbs.
   "$programs/splatlas-preprocess" build -o $atlas --labels $labels --names $names --volume $head --tree $tree \
-    --segment "Rest of brain=mask:$brain" --segment "Non-brain head=threshold:28:close=2" \
+    --segment "Rest of brain=mask:$brain:open=1" --segment "Non-brain head=threshold:28:close=2" \
+    --drop-fragments "Rest of brain=10000" --drop-fragments "Non-brain head=4" \
     --title "The Colin 27 head with the structures of AAL" \
     --citation "Holmes et al., J Comput Assist Tomogr 22 (1998); Tzourio-Mazoyer et al., NeuroImage 15 (2002)"
 }

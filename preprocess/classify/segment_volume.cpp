@@ -7,6 +7,7 @@
 #include <itkBinaryBallStructuringElement.h>
 #include <itkBinaryFillholeImageFilter.h>
 #include <itkBinaryMorphologicalClosingImageFilter.h>
+#include <itkBinaryMorphologicalOpeningImageFilter.h>
 #include <itkBinaryThresholdImageFilter.h>
 #include <itkConnectedComponentImageFilter.h>
 #include <itkHistogram.h>
@@ -137,9 +138,9 @@ typename itk::Image<std::uint8_t, kDimension>::Pointer without_holes(
   return filter->GetOutput();
 }
 
-/// Morphological closing with a ball.
-MaskImage::Pointer with_gaps_closed(const MaskImage& mask, const Grid& grid, double radius_mm) {
-  using Ball = itk::BinaryBallStructuringElement<std::uint8_t, 3>;
+using Ball = itk::BinaryBallStructuringElement<std::uint8_t, 3>;
+
+Ball make_ball(const Grid& grid, double radius_mm) {
   Ball ball;
   Ball::SizeType radius;
   for (unsigned a = 0; a < 3; ++a) {
@@ -147,9 +148,14 @@ MaskImage::Pointer with_gaps_closed(const MaskImage& mask, const Grid& grid, dou
   }
   ball.SetRadius(radius);
   ball.CreateStructuringElement();
+  return ball;
+}
+
+/// Morphological closing with a ball.
+MaskImage::Pointer with_gaps_closed(const MaskImage& mask, const Grid& grid, double radius_mm) {
   auto filter = itk::BinaryMorphologicalClosingImageFilter<MaskImage, MaskImage, Ball>::New();
   filter->SetInput(&mask);
-  filter->SetKernel(ball);
+  filter->SetKernel(make_ball(grid, radius_mm));
   filter->SetForegroundValue(1);
   filter->Update();
   return filter->GetOutput();
@@ -200,14 +206,51 @@ Result<std::vector<std::uint8_t>> run_filters(const VoxelBuffer& values, const G
   return result;
 }
 
+std::vector<std::uint8_t> run_opening(const std::vector<std::uint8_t>& mask, const Grid& grid,
+                                      double radius_mm) {
+  const MaskImage::Pointer image = make_image<std::uint8_t>(grid.size);
+  std::ranges::copy(mask, image->GetBufferPointer());
+  auto filter = itk::BinaryMorphologicalOpeningImageFilter<MaskImage, MaskImage, Ball>::New();
+  filter->SetInput(image);
+  filter->SetKernel(make_ball(grid, radius_mm));
+  filter->SetForegroundValue(1);
+  filter->Update();
+  const std::uint8_t* const first = filter->GetOutput()->GetBufferPointer();
+  return {first, first + mask.size()};
+}
+
+/// Takes "name=MM" off the end of a rule. nullopt if MM is not from 0 to kMaxClosingMm.
+std::optional<double> take_radius(std::string_view name, std::vector<std::string_view>& parts) {
+  const auto radius = parse_number(parts.back().substr(name.size()));
+  if (!radius || !(*radius >= 0 && *radius <= kMaxClosingMm)) return std::nullopt;
+  parts.pop_back();
+  return radius;
+}
+
+/// Parses LEVEL[,inside=STRUCTURE]. Returns false if it is not valid.
+bool parse_isosurface(std::string_view text, SegmentRule& rule) {
+  rule.kind = SegmentRule::Kind::kIsosurface;
+  constexpr std::string_view kInside = ",inside=";
+  if (const std::size_t at = text.find(kInside); at != std::string_view::npos) {
+    rule.inside = std::string(trimmed(text.substr(at + kInside.size())));
+    if (rule.inside.empty()) return false;
+    text = text.substr(0, at);
+  }
+  const auto level = parse_number(trimmed(text));
+  if (!level || !std::isfinite(*level)) return false;
+  rule.low = *level;
+  return true;
+}
+
 }  // namespace
 
 Result<SegmentRule> parse_segment(std::string_view text) {
   const auto refuse = [&] {
     return fail(
         ErrorCode::kUsage,
-        "--segment '{}': must be NAME=mask:FILE, NAME=threshold:LOW[:HIGH][:close=MM] with LOW at most "
-        "HIGH and MM from 0 to {}, or NAME=threshold:otsu[:close=MM]",
+        "--segment '{}': must be NAME=mask:FILE[:open=MM], NAME=threshold:LOW[:HIGH][:close=MM] with "
+        "LOW at most HIGH, NAME=threshold:otsu[:close=MM], or NAME=iso:LEVEL[,inside=STRUCTURE], with "
+        "MM from 0 to {}",
         text, kMaxClosingMm);
   };
   const std::size_t equals = text.find('=');
@@ -219,16 +262,27 @@ Result<SegmentRule> parse_segment(std::string_view text) {
   constexpr std::string_view kMask = "mask:", kThreshold = "threshold:";
   if (kind.starts_with(kMask) && kind.size() > kMask.size()) {
     rule.kind = SegmentRule::Kind::kMask;
-    rule.mask = std::string(kind.substr(kMask.size()));
+    std::string_view file = kind.substr(kMask.size());
+    constexpr std::string_view kOpen = ":open=";
+    if (const std::size_t at = file.rfind(kOpen); at != std::string_view::npos) {
+      std::vector<std::string_view> parts{file.substr(at)};
+      const auto radius = take_radius(kOpen, parts);
+      if (!radius || at == 0) return refuse();
+      rule.open_mm = *radius;
+      file = file.substr(0, at);
+    }
+    rule.mask = std::string(file);
     return rule;
+  }
+  if (constexpr std::string_view kIso = "iso:"; kind.starts_with(kIso)) {
+    return parse_isosurface(kind.substr(kIso.size()), rule) ? Result<SegmentRule>(rule) : refuse();
   }
   if (!kind.starts_with(kThreshold)) return refuse();
   std::vector<std::string_view> parts = split(kind.substr(kThreshold.size()), ':');
   if (constexpr std::string_view kClose = "close="; parts.size() > 1 && parts.back().starts_with(kClose)) {
-    const auto radius = parse_number(parts.back().substr(kClose.size()));
-    if (!radius || !(*radius >= 0 && *radius <= kMaxClosingMm)) return refuse();
+    const auto radius = take_radius(kClose, parts);
+    if (!radius) return refuse();
     rule.close_mm = *radius;
-    parts.pop_back();
   }
   if (parts.size() == 1 && parts[0] == "otsu") {
     rule.kind = SegmentRule::Kind::kOtsu;
@@ -246,6 +300,24 @@ Result<std::vector<std::uint8_t>> segment_volume(const VoxelBuffer& values, cons
                                                  const SegmentRule& rule) {
   return call_itk(fmt::format("--segment \"{}\"", rule.name),
                   [&] { return run_filters(values, grid, rule); });
+}
+
+std::vector<std::uint8_t> voxels_from(const VoxelBuffer& values, double level) {
+  std::vector<std::uint8_t> mask(values.bytes.size() / bytes_of(values.type));
+  visit_voxel_type(values.type, [&]<typename T>(T) {
+    for (std::size_t v = 0; v < mask.size(); ++v) {
+      const auto value = static_cast<double>(values.as<T>()[v]);
+      mask[v] = std::isfinite(value) && value >= level;
+    }
+  });
+  return mask;
+}
+
+Result<std::vector<std::uint8_t>> open_mask(const std::vector<std::uint8_t>& mask, const Grid& grid,
+                                            const SegmentRule& rule) {
+  return call_itk(fmt::format("--segment \"{}\"", rule.name), [&]() -> Result<std::vector<std::uint8_t>> {
+    return run_opening(mask, grid, rule.open_mm);
+  });
 }
 
 }  // namespace splatlas

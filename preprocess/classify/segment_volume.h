@@ -16,24 +16,33 @@ namespace splatlas {
 
 /// Rule of one --segment option.
 struct SegmentRule {
-  enum class Kind { kMask, kThreshold, kOtsu };
+  enum class Kind { kMask, kThreshold, kOtsu, kIsosurface };
   std::string name;
   Kind kind = Kind::kThreshold;
-  std::filesystem::path mask;                             ///< kMask: file with non-zero voxels inside
-  double low = 0;                                         ///< kThreshold: lower threshold, inclusive
+  std::filesystem::path mask;  ///< kMask: file with non-zero voxels inside
+  double low = 0;              ///< lower threshold or level of the isosurface, inclusive
   double high = std::numeric_limits<double>::infinity();  ///< kThreshold: upper threshold, inclusive
   double close_mm = 0;  ///< thresholds: radius of the morphological closing before holes are filled
+  double open_mm = 0;   ///< kMask: radius of the morphological opening, after other structures are left out
+  std::string inside;   ///< kIsosurface: enclosing structure; empty for none
 };
 
-/// Parses NAME=mask:FILE or NAME=threshold:LOW[:HIGH][:close=MM] with LOW a number or "otsu"; kUsage
-/// otherwise.
+/// Parses NAME=mask:FILE[:open=MM], NAME=threshold:LOW[:HIGH][:close=MM] with LOW a number or "otsu", or
+/// NAME=iso:LEVEL[,inside=STRUCTURE]; kUsage otherwise.
 [[nodiscard]] Result<SegmentRule> parse_segment(std::string_view text);
 
 /// Segments by threshold (fixed, or Otsu 1979): the largest face-connected component, optionally closed, with
 /// filled holes. Also fills holes that are open only at the border of the grid. Returns 1 inside, 0 outside;
-/// NaN voxels are outside. `rule` must not be kMask. Uses all cores. kFailed if no voxel is within the
-/// thresholds.
+/// NaN voxels are outside. `rule` must be kThreshold or kOtsu. Uses all cores. kFailed if no voxel is within
+/// the thresholds.
 [[nodiscard]] Result<std::vector<std::uint8_t>> segment_volume(const VoxelBuffer& values, const Grid& grid,
                                                                const SegmentRule& rule);
+
+/// 1 for finite values from `level` on, else 0.
+[[nodiscard]] std::vector<std::uint8_t> voxels_from(const VoxelBuffer& values, double level);
+
+/// Morphological opening of a mask by a ball of rule.open_mm. Beyond the grid counts as inside.
+[[nodiscard]] Result<std::vector<std::uint8_t>> open_mask(const std::vector<std::uint8_t>& mask,
+                                                          const Grid& grid, const SegmentRule& rule);
 
 }  // namespace splatlas

@@ -28,11 +28,20 @@ Tree: )";
 
 constexpr const char* kFooterEnd = R"(
 
-Segments: voxels that no label holds yet get a structure of their own, in the order of the command line.
-  NAME=mask:FILE                        what is not 0 in another volume on the same grid
+Segments: voxels that no structure holds yet get one of their own, in the order of the command line.
+  NAME=mask:FILE[:open=MM]              non-zero voxels of another volume on the same grid; an opening with a ball of
+                                        radius MM removes thin parts that other structures leave
   NAME=threshold:LOW[:HIGH][:close=MM]  grey values from LOW to HIGH: the largest connected piece, gaps up to twice
                                         MM closed, holes filled
   NAME=threshold:otsu[:close=MM]        the same from Otsu's threshold on
+  NAME=iso:LEVEL[,inside=STRUCTURE]     grey values from LEVEL on, within a label, a mask, an earlier segment or a group
+                                        of them; the surface is the isosurface of the grey values, closed midway
+                                        between voxels at the border of the grid and of STRUCTURE
+Isosurfaces may overlap other structures, and take no voxels from them.
+
+Fragments: face-connected components of few voxels beside the largest one of their structure. A note counts those of
+fewer than 100 voxels. --drop-fragments N removes those of fewer than N voxels from all labels, masks and segments,
+NAME=N from one of them. 0 keeps them without a note. Dropped voxels become background, or get into later segments.
 
 Exit status: 0 done; 1 could not be done; 2 wrong usage. A failed or interrupted build leaves nothing behind.)";
 
@@ -85,6 +94,8 @@ CLI::App* add_build(CLI::App& app, BuildRequest& request) {
   build->add_option("--title", options.title, "stored in the atlas")->check(check_text);
   build->add_option("--citation", options.citation, "stored in the atlas")->check(check_text);
   build->add_option("--licence,--license", options.licence, "stored in the atlas")->check(check_text);
+  add_repeated(*build, "--drop-fragments", options.fragments, parse_fragments,
+               "[NAME=]N: drop components of fewer than N voxels beside the largest one (repeatable)");
   build->add_flag("--compact", options.compact, "leave out data that a player derives in milliseconds");
   add_surfaces(*build, options.surfaces,
                "surfaces of structures; smooth ones stay within half a voxel of the labels' border");

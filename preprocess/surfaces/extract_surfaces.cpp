@@ -7,6 +7,7 @@
 #include "format/derive/structure_crop.h"
 #include "format/system/parallel.h"
 #include "format/system/result_macros.h"
+#include "preprocess/surfaces/isosurface.h"
 #include "preprocess/surfaces/vtk_surface.h"
 
 namespace splatlas {
@@ -16,12 +17,13 @@ namespace {
 class StructureExtractor {
  public:
   StructureExtractor(const Classification& classification, const StructureClasses& structure_classes,
-                     const Grid& grid, SurfaceRule rule, std::span<const StructureIndex> normal_owner,
-                     std::span<PackedNormal> normals)
+                     const Grid& grid, const ExtractOptions& options,
+                     std::span<const StructureIndex> normal_owner, std::span<PackedNormal> normals)
       : classification_(classification),
         structure_classes_(structure_classes),
         grid_(grid),
-        rule_(rule_for(rule, grid.size)),
+        options_(options),
+        rule_(rule_for(options.rule, grid.size)),
         voxel_normals_(grid),
         normal_owner_(normal_owner),
         normals_(normals) {}
@@ -41,6 +43,12 @@ class StructureExtractor {
     });
     SPLATLAS_ASSIGN_OR_RETURN(const MidwayTriangles vtk, extract_with_vtk(crop));
     SPLATLAS_ASSIGN_OR_RETURN(result.is_derived, adopt_triangles(vtk, crop, grid_, result.mesh));
+    const auto isosurface = std::ranges::find(options_.isosurfaces, structure, &Isosurface::structure);
+    if (isosurface != options_.isosurfaces.end()) {
+      SPLATLAS_RETURN_IF_ERROR(
+          move_to_isosurface(*options_.values, isosurface->level, crop, grid_, vtk, result.mesh));
+      result.is_derived = true;  // nothing to note: isosurfaces are stored anyway
+    }
     return result;
   }
 
@@ -56,6 +64,7 @@ class StructureExtractor {
   const Classification& classification_;
   const StructureClasses& structure_classes_;
   const Grid& grid_;
+  const ExtractOptions& options_;
   SurfaceRule rule_;
   VoxelNormals voxel_normals_;
   std::span<const StructureIndex> normal_owner_;
@@ -102,7 +111,7 @@ Result<ExtractedSurfaces> extract_surfaces(const Classification& classification,
   const std::vector<StructureIndex> owners = normal_owners(classification.classes);
   std::vector<PackedNormal> normals(classification.volume.size());
   const StructureClasses structure_classes(classification.classes, graph.size());
-  const StructureExtractor extractor(classification, structure_classes, storage_grid, options.rule, owners,
+  const StructureExtractor extractor(classification, structure_classes, storage_grid, options, owners,
                                      normals);
   const auto structures = structures_to_extract(classification.classes, structure_classes, graph);
 

@@ -7,6 +7,7 @@
 #include "format/grid.h"
 #include "format/surface.h"
 #include "format/unit_vector.h"
+#include "format/voxel_type.h"
 #include "preprocess/classify/classify_voxels.h"
 
 namespace splatlas {
@@ -20,18 +21,26 @@ struct ExtractedSurfaces {
   std::size_t not_derived = 0;
 };
 
+/// A structure whose surface is an isosurface of the grey values.
+struct Isosurface {
+  StructureIndex structure = kNoStructure;
+  double level = 0;  ///< inside from here on
+};
+
 /// Options of extract_surfaces().
 struct ExtractOptions {
   SurfaceRule rule = SurfaceRule::kSmooth;
   unsigned threads = 0;                  ///< 0: one per core. The result does not depend on it.
   std::function<void(double)> progress;  ///< receives the fraction done on the calling thread; may be empty
+  std::vector<Isosurface> isosurfaces = {};  ///< see move_to_isosurface()
+  const VoxelBuffer* values = nullptr;       ///< grey values for isosurfaces
 };
 
 /// Extracts the surface of each structure's own voxels with VTK (marching cubes, Lorensen and Cline 1987),
 /// closed at the border of the grid, and compares it with fit_surface(), which readers use. Boundary normals
 /// come from the mask smoothed with a Gaussian of one voxel. A boundary voxel of several structures has the
 /// normal of the lowest index. Errors name the structure. Parallel over structures. Memory per thread: two
-/// bytes per voxel of a structure's box; total: two bytes per voxel of the grid.
+/// bytes per voxel of a structure's box, six of an isosurface's; total: two bytes per voxel of the grid.
 [[nodiscard]] Result<ExtractedSurfaces> extract_surfaces(const Classification& classification,
                                                          const StructureGraph& graph,
                                                          const Grid& storage_grid,

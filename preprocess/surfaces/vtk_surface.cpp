@@ -7,6 +7,7 @@
 #include <utility>
 
 #include <vtkCellArray.h>
+#include <vtkFloatArray.h>
 #include <vtkFlyingEdges3D.h>
 #include <vtkImageData.h>
 #include <vtkNew.h>
@@ -95,21 +96,15 @@ class CellOrder {
   const SurfaceMesh& mesh_;
 };
 
-}  // namespace
-
-Result<MidwayTriangles> extract_with_vtk(const StructureCrop& crop) {
-  vtkNew<vtkUnsignedCharArray> mask;
-  mask->SetNumberOfValues(static_cast<vtkIdType>(crop.parts.size()));
-  std::ranges::transform(crop.parts, mask->GetPointer(0), [](std::uint8_t part) {
-    return static_cast<unsigned char>(part != StructureCrop::kOutside);
-  });
+/// The contour of scalars on the voxels of a crop.
+Result<MidwayTriangles> extract_contour(const StructureCrop& crop, vtkDataArray& scalars, double value) {
   vtkNew<vtkImageData> image;
   image->SetDimensions(static_cast<int>(crop.size[0]), static_cast<int>(crop.size[1]),
                        static_cast<int>(crop.size[2]));
-  image->GetPointData()->SetScalars(mask);
+  image->GetPointData()->SetScalars(&scalars);
   vtkNew<vtkFlyingEdges3D> extract;
   extract->SetInputData(image);
-  extract->SetValue(0, 0.5);
+  extract->SetValue(0, value);
   extract->ComputeNormalsOff();
   extract->ComputeGradientsOff();
   extract->ComputeScalarsOff();
@@ -138,10 +133,27 @@ Result<MidwayTriangles> extract_with_vtk(const StructureCrop& crop) {
   return result;
 }
 
-Result<bool> adopt_triangles(const MidwayTriangles& vtk, const StructureCrop& crop, const Grid& grid,
-                             SurfaceMesh& mesh) {
+}  // namespace
+
+Result<MidwayTriangles> extract_with_vtk(const StructureCrop& crop) {
+  vtkNew<vtkUnsignedCharArray> mask;
+  mask->SetNumberOfValues(static_cast<vtkIdType>(crop.parts.size()));
+  std::ranges::transform(crop.parts, mask->GetPointer(0), [](std::uint8_t part) {
+    return static_cast<unsigned char>(part != StructureCrop::kOutside);
+  });
+  return extract_contour(crop, *mask, 0.5);
+}
+
+Result<MidwayTriangles> extract_zeros_with_vtk(const StructureCrop& crop, std::span<const float> field) {
+  vtkNew<vtkFloatArray> scalars;
+  // VTK does not write to its input.
+  scalars->SetArray(const_cast<float*>(field.data()), static_cast<vtkIdType>(field.size()), 1);
+  return extract_contour(crop, *scalars, 0);
+}
+
+Result<std::vector<std::uint32_t>> match_vertices(const MidwayTriangles& vtk, const SurfaceMesh& mesh) {
   const VertexFinder finder(mesh);
-  std::vector<std::uint32_t> vertex_of(vtk.positions_ijk.size());  // [vertex of VTK]
+  std::vector<std::uint32_t> vertex_of(vtk.positions_ijk.size());
   for (std::size_t v = 0; v < vertex_of.size(); ++v) {
     const std::optional<std::uint32_t> vertex = finder.find(vtk.positions_ijk[v]);
     if (!vertex) {
@@ -151,6 +163,12 @@ Result<bool> adopt_triangles(const MidwayTriangles& vtk, const StructureCrop& cr
     }
     vertex_of[v] = *vertex;
   }
+  return vertex_of;
+}
+
+Result<bool> adopt_triangles(const MidwayTriangles& vtk, const StructureCrop& crop, const Grid& grid,
+                             SurfaceMesh& mesh) {
+  SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::uint32_t> vertex_of, match_vertices(vtk, mesh));
   const bool mirrored = determinant(index_to_lps_mm(grid).linear) < 0;
   std::vector<Triangle> triangles = vtk.triangles;
   for (Triangle& triangle : triangles) {

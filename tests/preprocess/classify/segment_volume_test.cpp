@@ -102,15 +102,45 @@ TEST(ParseSegment, ReadsRules) {
   EXPECT_EQ(mask->name, "Rest of brain");
   EXPECT_EQ(mask->kind, SegmentRule::Kind::kMask);
   EXPECT_EQ(mask->mask, "a=b.nii");
+  const auto opened = parse_segment("Rest=mask:a.nii:open=1.5");
+  ASSERT_TRUE(opened);
+  EXPECT_EQ(opened->mask, "a.nii");
+  EXPECT_EQ(opened->open_mm, 1.5);
   const auto range = parse_segment("Bone=threshold:-1.5:3e2:close=2.5");
   ASSERT_TRUE(range);
   EXPECT_EQ(range->low, -1.5);
   EXPECT_EQ(range->high, 300);
   EXPECT_EQ(range->close_mm, 2.5);
   EXPECT_EQ(parse_segment("Bone=threshold:otsu:close=1")->kind, SegmentRule::Kind::kOtsu);
-  for (const char* wrong : {"", "A", "=mask:x", "A=", "A=mask:", "A=threshold:", "A=threshold:x",
-                            "A=threshold:3:2", "A=threshold:1:2:3", "A=threshold:nan", "A=otsu",
-                            "A=threshold:1:close=-1", "A=threshold:1:close=x"}) {
+  const auto isosurface = parse_segment("Skull=iso:-2.5,inside= Head, left");
+  ASSERT_TRUE(isosurface);
+  EXPECT_EQ(isosurface->kind, SegmentRule::Kind::kIsosurface);
+  EXPECT_EQ(isosurface->low, -2.5);
+  EXPECT_EQ(isosurface->inside, "Head, left");
+  EXPECT_EQ(parse_segment("Skin=iso:3")->inside, "");
+  for (const char* wrong : {"",
+                            "A",
+                            "=mask:x",
+                            "A=",
+                            "A=mask:",
+                            "A=threshold:",
+                            "A=threshold:x",
+                            "A=threshold:3:2",
+                            "A=threshold:1:2:3",
+                            "A=threshold:nan",
+                            "A=otsu",
+                            "A=mask::open=1",
+                            "A=mask:x:open=y",
+                            "A=mask:x:open=51",
+                            "A=iso:",
+                            "A=iso:x",
+                            "A=iso:nan",
+                            "A=iso:inf",
+                            "A=iso:1,inside=",
+                            "A=iso:1,B",
+                            "A=iso:1:close=2",
+                            "A=threshold:1:close=-1",
+                            "A=threshold:1:close=x"}) {
     const auto rule = parse_segment(wrong);
     ASSERT_FALSE(rule) << wrong;
     EXPECT_EQ(rule.error().code, ErrorCode::kUsage);
