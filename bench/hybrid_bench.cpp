@@ -69,6 +69,7 @@ Result<void> add_vtk_with_surfaces(const HybridTask& task, std::vector<Participa
                                       srgb_to_linear(draw.color.b)};
     vtk.add_surface(task.content.surfaces[s], task.model.volume.grid, color, draw.opacity.value_or(1.0f));
   }
+  vtk.shade_volumes(task.lit());
   if (task.scene.peeled()) vtk.peel_depths();
   Participant& participant = participants.emplace_back();
   participant.cost = {task.scene.peeled() ? "VTK peeling" : "VTK FixedPoint", fmt::format("step {}", kStepMm),
@@ -109,7 +110,7 @@ Result<std::vector<double>> measure_errors(const HybridTask& task, int tiles_per
     const auto at = [&](int n) { return 0.25 + 0.5 * (n + 0.5) / tiles_per_side; };
     SPLATLAS_ASSIGN_OR_RETURN(const Camera camera,
                               tile_camera(task, at(tile % tiles_per_side), at(tile / tiles_per_side)));
-    RenderOptions options{.size = {kTilePixels, kTilePixels}, .hybrid_shading = false};
+    RenderOptions options{.size = {kTilePixels, kTilePixels}, .hybrid_shading = task.lit()};
     const reference::ReferenceScene scene{task.content, task.model.selection, camera, options};
     const std::array truths{reference::render_truth(scene),
                             reference::render_mean_truth(scene, kRaysPerSide)};

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -34,9 +35,10 @@ Result<void> add_ours(const ErrorTask& task, Classification classification, unsi
     const RenderOptions options{.size = task.size,
                                 .quality = setting.quality,
                                 .classification = classification,
-                                .hybrid_shading = false,
+                                .hybrid_shading = task.lit(),
                                 .antialiasing = setting.antialiasing};
     Participant& participant = participants.emplace_back();
+    participant.compared_lit = task.lit();
     participant.cost = {rays ? "splatlas rays" : "splatlas", setting.name, threads};
     participant.draw = [ours, options, rays](Camera camera) {
       if (rays) {
@@ -61,9 +63,12 @@ Result<void> add_ours(const ErrorTask& task, Classification classification, unsi
 
 Result<void> add_volpack(const ErrorTask& task, OpacityRounding rounding,
                          std::vector<Participant>& participants) {
-  SPLATLAS_ASSIGN_OR_RETURN(VolpackPeer volpack,
-                            VolpackPeer::classify(task.model.volume, task.model.appearance, rounding));
+  SPLATLAS_ASSIGN_OR_RETURN(
+      VolpackPeer volpack,
+      VolpackPeer::classify(task.model.volume, task.model.appearance, rounding,
+                            task.lit() ? VolpackShading::kHybrid : VolpackShading::kUnlit));
   Participant& participant = participants.emplace_back();
+  participant.compared_lit = task.lit();
   participant.cost = {"VolPack", rounding == OpacityRounding::kDown ? "classified" : "rounded"};
   participant.draw = [volpack, task](const Camera& camera) mutable -> Result<void> {
     SPLATLAS_ASSIGN_OR_RETURN(const ParallelView view, task.view(camera));
@@ -77,6 +82,7 @@ Result<void> add_vtk(const ErrorTask& task, VtkVolumeMapper mapper, double step_
                      std::vector<Participant>& participants) {
   VtkPeer vtk(task.size);
   vtk.add_volume(task.model.volume, task.model.appearance, mapper, step_mm);
+  vtk.shade_volumes(task.lit());
   Participant& participant = participants.emplace_back();
   participant.cost = {mapper == VtkVolumeMapper::kGpu ? "VTK GPU" : "VTK FixedPoint",
                       fmt::format("step {}", step_mm), 2};
@@ -86,29 +92,56 @@ Result<void> add_vtk(const ErrorTask& task, VtkVolumeMapper mapper, double step_
     return {};
   };
   participant.picture = [vtk] { return vtk.picture(); };
+  participant.compared_lit = false;
+  if (task.lit()) {
+    participant.draw_unlit = [vtk, task](const Camera& camera) mutable -> Result<void> {
+      SPLATLAS_ASSIGN_OR_RETURN(const ParallelView view, task.view(camera));
+      vtk.shade_volumes(false);
+      vtk.render(PerspectiveView{view, kVerticalFovDeg});
+      vtk.shade_volumes(true);
+      return {};
+    };
+  }
   return participant.draw(task.camera(0));
 }
 
+namespace {
+
+/// Adds the error of the latest picture. `rms` holds the mean square until the last view.
+void add_error(const Participant& participant, const ReferencePicture& expected, int views_compared,
+               PictureDifference& mean) {
+  const PictureDifference d = difference(participant.picture(), expected);
+  mean.rms += d.rms * d.rms / views_compared;
+  mean.mean += d.mean / views_compared;
+  mean.largest = std::max(mean.largest, d.largest);
+  mean.pixels += d.pixels;
+}
+
+}  // namespace
+
 Result<void> compare(std::vector<Participant>& participants, const ErrorTask& task,
                      Classification classification, int views_compared) {
-  const Grid& grid = task.model.volume.grid;
-  const reference::GreyTruth truth(task.model.volume, task.model.appearance, classification);
+  const auto truth_of = [&](const ParallelView& view, bool lit) {
+    const Grid& grid = task.model.volume.grid;
+    const reference::GreyTruth truth(task.model.volume, task.model.appearance, classification,
+                                     lit ? &view : nullptr);
+    return classification == Classification::kBefore
+               ? render_grey_truth(truth, grid, view, 0)
+               : render_grey_truth(truth, grid, PerspectiveView{view, kVerticalFovDeg}, 0);
+  };
   for (Participant& participant : participants) participant.cost.error = {};
   for (int n = 0; n < views_compared; ++n) {
     const Camera camera = task.camera(2 * n);
     SPLATLAS_ASSIGN_OR_RETURN(const ParallelView view, task.view(camera));
-    const ReferencePicture expected =
-        classification == Classification::kBefore
-            ? render_grey_truth(truth, grid, view, 0)
-            : render_grey_truth(truth, grid, PerspectiveView{view, kVerticalFovDeg}, 0);
-    for (Participant& participant : participants) {
-      SPLATLAS_RETURN_IF_ERROR(participant.draw(camera));
-      const PictureDifference d = difference(participant.picture(), expected);
-      PictureDifference& mean = participant.cost.error;  // with the mean square until the last view
-      mean.rms += d.rms * d.rms / views_compared;
-      mean.mean += d.mean / views_compared;
-      mean.largest = std::max(mean.largest, d.largest);
-      mean.pixels += d.pixels;
+    for (const bool lit : {true, false}) {
+      std::optional<ReferencePicture> expected;
+      for (Participant& participant : participants) {
+        if (participant.compared_lit != lit) continue;
+        if (!expected) expected = truth_of(view, lit);
+        SPLATLAS_RETURN_IF_ERROR(participant.draw_unlit ? participant.draw_unlit(camera)
+                                                        : participant.draw(camera));
+        add_error(participant, *expected, views_compared, participant.cost.error);
+      }
     }
   }
   for (Participant& participant : participants)

@@ -30,8 +30,18 @@ struct RendererCost {
 struct Participant {
   RendererCost cost;
   std::function<Result<void>(const Camera& camera)> draw;
-  std::function<Picture()> picture;                     ///< latest picture
+  std::function<Picture()> picture;  ///< latest picture
+  /// Shading in `picture`: that of the model, or none. The error is measured against the same.
+  bool compared_lit = true;
+  /// Draws for the comparison if draw() has a shading of its own.
+  std::function<Result<void>(const Camera& camera)> draw_unlit = nullptr;
   std::function<const RenderStats*()> stats = nullptr;  ///< statistics of the latest picture; may be empty
+};
+
+/// Shading of a task's pictures.
+enum class TaskShading : std::uint8_t {
+  kDefault,  ///< hybrid shading, which users get by default; peers have theirs
+  kUnlit,
 };
 
 /// Inputs of all participants. References must outlive them.
@@ -40,7 +50,9 @@ struct ErrorTask {
   const ErrorModel& model;
   PictureSize size;
   int frames = 7, repeats = 1;
+  TaskShading shading = TaskShading::kDefault;
 
+  [[nodiscard]] bool lit() const { return shading == TaskShading::kDefault; }
   [[nodiscard]] int turns() const { return frames * repeats; }
   [[nodiscard]] Camera camera(int turn) const { return turned(model.camera, turn, frames); }
   [[nodiscard]] Result<ParallelView> view(const Camera& camera) const {
@@ -58,17 +70,18 @@ inline constexpr double kVerticalFovDeg = 30;
                                     std::vector<Participant>& participants,
                                     std::span<const NamedQuality> settings = kQualities);
 
-/// Adds VolPack. Classifies in advance.
+/// Adds VolPack, with the shading of the model. Classifies in advance.
 [[nodiscard]] Result<void> add_volpack(const ErrorTask& task, OpacityRounding rounding,
                                        std::vector<Participant>& participants);
 
-/// Adds VTK in perspective. Draws once in advance.
+/// Adds VTK in perspective. It shades by the gradient of the grey values, which is not the model's shading:
+/// its error is that of unlit pictures. Draws once in advance.
 [[nodiscard]] Result<void> add_vtk(const ErrorTask& task, VtkVolumeMapper mapper, double step_mm,
                                    std::vector<Participant>& participants);
 
 /// Sets the errors of renderers over `views_compared` views, which are every second frame, against ground
-/// truth in double precision: in parallel projection with pre-classification, or in perspective with
-/// post-classification.
+/// truth in double precision with the same shading: in parallel projection with pre-classification, or in
+/// perspective with post-classification.
 [[nodiscard]] Result<void> compare(std::vector<Participant>& participants, const ErrorTask& task,
                                    Classification classification, int views_compared);
 

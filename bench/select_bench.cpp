@@ -59,10 +59,8 @@ constexpr std::array kScenes{
 /// differ between the two.
 Result<std::vector<Elapsed>> change_to(Renderer& renderer, const Selection& selection, const Method& method,
                                        std::uint64_t& differ) {
-  const RenderOptions options{.size = kSize,
-                              .quality = method.quality,
-                              .classification = method.classification,
-                              .hybrid_shading = false};
+  const RenderOptions options{
+      .size = kSize, .quality = method.quality, .classification = method.classification};
   Camera camera = oblique_camera();
   camera.projection = method.projection;
   camera.field_of_view_deg = kVerticalFovDeg;
@@ -81,7 +79,7 @@ Result<std::vector<Elapsed>> change_to(Renderer& renderer, const Selection& sele
 Result<Table> measure_decoded(const std::shared_ptr<const Atlas>& atlas, std::span<const ErrorModel> models,
                               int turns, Report& report) {
   Table table{"decoded",
-              "Selection change among structures already decoded, Colin 27, soft, 512x512, 2 threads",
+              "Selection change among structures already decoded, Colin 27, soft, lit, 512x512, 2 threads",
               {"first: from select() to the first picture; steady: the next picture of the same view",
                "ratio: by the wall clock, of minima over turns (first_over_steady_max: in parallel "
                "projection and normal quality, the default)"}};
@@ -115,37 +113,71 @@ Result<Table> measure_decoded(const std::shared_ptr<const Atlas>& atlas, std::sp
   return table;
 }
 
-/// The classes that a selection draws as volume: look-up table of masking.
-std::vector<std::uint8_t> drawn_classes(const AtlasContent& content, const Atlas& atlas,
-                                        const Selection& selection) {
-  std::vector<std::uint8_t> drawn(content.classes.size(), 0);
+/// Look-up tables of masking, by class.
+struct DrawnClasses {
+  std::vector<std::uint8_t> drawn;  ///< 0xff for classes drawn as volume, otherwise 0
+  std::vector<bool> lit;            ///< drawn, and on the boundary
+};
+DrawnClasses drawn_classes(const AtlasContent& content, const Atlas& atlas, const Selection& selection) {
+  DrawnClasses classes{std::vector<std::uint8_t>(content.classes.size(), 0),
+                       std::vector<bool>(content.classes.size(), false)};
   for (const ClassDraw& draw : atlas.tree().plan(selection).classes) {
-    if (draws_volume(draw.role)) drawn[draw.id] = 0xff;
+    if (!draws_volume(draw.role)) continue;
+    classes.drawn[draw.id] = 0xff;
+    classes.lit[draw.id] = draw.boundary;
   }
-  return drawn;
+  return classes;
 }
 
 /// Share of the peers in a change: the masked copy, one pass over all voxels.
-void mask(const AtlasContent& content, const std::vector<std::uint8_t>& drawn,
-          reference::MaskedVolume& volume) {
+void mask(const AtlasContent& content, const DrawnClasses& classes, reference::MaskedVolume& volume) {
   const auto* greys = content.values.as<std::uint8_t>();
-  for (std::size_t n = 0; n < volume.greys.size(); ++n) {
-    volume.greys[n] = static_cast<std::uint8_t>(greys[n] & drawn[content.class_volume[n]]);
+  for (std::size_t n = 0; n < volume.greys.size(); ++n)
+    volume.greys[n] = static_cast<std::uint8_t>(greys[n] & classes.drawn[content.class_volume[n]]);
+}
+
+/// The same for normals, of which VTK takes none. `all`: packed normals of all boundary voxels.
+void mask_normals(const AtlasContent& content, const std::vector<std::int32_t>& all,
+                  const DrawnClasses& classes, reference::MaskedVolume& volume) {
+  using reference::MaskedVolume;
+  for (std::size_t n = 0; n < volume.normals.size(); ++n) {
+    const ClassId c = content.class_volume[n];
+    volume.normals[n] = classes.lit[c]          ? all[n]
+                        : classes.drawn[c] != 0 ? MaskedVolume::kUnlit
+                                                : MaskedVolume::kOutside;
   }
+}
+
+/// Packed normals of all voxels of classes with a boundary, whatever is selected; 0 elsewhere.
+std::vector<std::int32_t> all_normals(const AtlasContent& content) {
+  std::vector<std::int32_t> normals(content.class_volume.size(), 0);
+  std::vector<std::size_t> met(content.classes.size(), 0);  // voxels per class so far
+  for (std::size_t n = 0; n < normals.size(); ++n) {
+    const std::vector<PackedNormal>& of_class = content.boundary_normals[content.class_volume[n]];
+    std::size_t& next = met[content.class_volume[n]];
+    if (next < of_class.size()) normals[n] = of_class[next++];
+  }
+  return normals;
 }
 
 /// Peers in use, showing another selection at the start of the clock.
 class Peers {
  public:
   Peers(const AtlasContent& content, const Atlas& atlas, const ErrorModel& first, const ParallelView& view)
-      : content_(content), atlas_(atlas), view_(view), masked_(first.volume), vtk_(kSize) {
+      : content_(content),
+        atlas_(atlas),
+        view_(view),
+        masked_(first.volume),
+        normals_(all_normals(content)),
+        vtk_(kSize) {
     vtk_.add_volume(masked_, first.appearance, VtkVolumeMapper::kFixedPoint, kStepMm);
+    vtk_.shade_volumes(true);
   }
 
   /// Masks, uploads the masked copy and draws.
   Result<std::vector<Elapsed>> change_vtk(const ErrorModel& model) {
     const reference::PerspectiveView view{view_, kVerticalFovDeg};
-    const std::vector<std::uint8_t> drawn = drawn_classes(content_, atlas_, model.selection);
+    const DrawnClasses drawn = drawn_classes(content_, atlas_, model.selection);
     Stopwatch watch;
     mask(content_, drawn, masked_);
     vtk_.replace_volume(masked_);
@@ -157,11 +189,13 @@ class Peers {
 
   /// Masks, classifies into runs and draws.
   Result<std::vector<Elapsed>> change_volpack(const ErrorModel& model) {
-    const std::vector<std::uint8_t> drawn = drawn_classes(content_, atlas_, model.selection);
+    const DrawnClasses drawn = drawn_classes(content_, atlas_, model.selection);
     Stopwatch watch;
     mask(content_, drawn, masked_);
-    SPLATLAS_ASSIGN_OR_RETURN(VolpackPeer volpack,
-                              VolpackPeer::classify(masked_, model.appearance, OpacityRounding::kDown));
+    mask_normals(content_, normals_, drawn, masked_);
+    SPLATLAS_ASSIGN_OR_RETURN(
+        VolpackPeer volpack,
+        VolpackPeer::classify(masked_, model.appearance, OpacityRounding::kDown, VolpackShading::kHybrid));
     SPLATLAS_RETURN_IF_ERROR(volpack.render(view_));
     const Elapsed first = watch.lap();
     SPLATLAS_RETURN_IF_ERROR(volpack.render(view_));
@@ -173,6 +207,7 @@ class Peers {
   const Atlas& atlas_;
   const ParallelView& view_;
   reference::MaskedVolume masked_;
+  std::vector<std::int32_t> normals_;
   VtkPeer vtk_;
 };
 
@@ -222,7 +257,7 @@ Result<Table> measure_reading(const AtlasContent& content, const std::shared_ptr
                               Report& report) {
   Table table{
       "newly read",
-      "Selection change to structures not yet read from the file, Colin 27, soft, 512x512",
+      "Selection change to structures not yet read from the file, Colin 27, soft, lit, 512x512",
       {"first: from select() to the first picture, the file open and in the system's cache, nothing "
        "decoded; peers: from masking to the first picture; minima over turns",
        "VTK FixedPoint: mask, upload, draw in perspective at steps of 1 mm; VolPack: mask, classify, "

@@ -60,9 +60,7 @@ class Turning {
   [[nodiscard]] const Picture& picture() const { return picture_; }
 
  private:
-  Result<void> draw(const Camera& camera) {
-    return renderer_->render(camera, {.size = kSize, .hybrid_shading = false}, picture_);
-  }
+  Result<void> draw(const Camera& camera) { return renderer_->render(camera, {.size = kSize}, picture_); }
 
   std::unique_ptr<Renderer> renderer_;
   Effort effort_;

@@ -4,12 +4,16 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <limits>
+#include <optional>
 #include <vector>
 
 #include <fmt/format.h>
 #include <volpack.h>
 
 #include "format/system/result_macros.h"
+#include "format/unit_vector.h"
+#include "player/transfer/shading.h"
 
 namespace splatlas {
 namespace {
@@ -23,9 +27,13 @@ constexpr double kMinVoxelOpacity = 0;
 
 /// Voxel layout of VolPack: the two-byte field of the colour look-up comes first.
 struct RawVoxel {
-  std::uint16_t color_index;
+  std::uint16_t color_index;  // grey value; with hybrid shading, code of the normal or kUnlitIndex
   std::uint8_t grey;
 };
+/// Colour look-up of voxels without a normal, behind those of all normals.
+constexpr std::uint16_t kUnlitIndex = VP_NORM_MAX + 1;
+/// VolPack weights the colours of materials, if there are several. The second one is black.
+constexpr int kMaterials = 2;
 constexpr int kColorField = 0;
 constexpr int kGreyField = 1;
 
@@ -43,6 +51,34 @@ Result<void> check(vpContext* context, vpResult code, const char* what) {
 double nearest_255th(double opacity) {
   const double steps = std::round(255 * opacity);
   return steps == 0 ? 0 : std::min(1.0, (steps + 0.01) / 255);
+}
+
+/// VolPack's code of every packed normal, as a direction in LPS.
+const std::vector<std::uint16_t>& codes_of_normals() {
+  static const std::vector<std::uint16_t> kCodes = [] {
+    std::vector<std::uint16_t> codes;
+    for (std::uint32_t n = 0; n <= std::numeric_limits<PackedNormal>::max(); ++n) {
+      const std::array<float, 3> normal = unpack_normal(static_cast<PackedNormal>(n));
+      codes.push_back(static_cast<std::uint16_t>(vpNormalIndex(
+          static_cast<double>(normal[0]), static_cast<double>(normal[1]), static_cast<double>(normal[2]))));
+    }
+    return codes;
+  }();
+  return kCodes;
+}
+
+/// The direction of every code of VolPack.
+const std::vector<std::array<float, 3>>& normals_of_codes() {
+  static const std::vector<std::array<float, 3>> kNormals = [] {
+    std::vector<std::array<float, 3>> normals;
+    for (int code = 0; code <= VP_NORM_MAX; ++code) {
+      Vec3 n{};
+      vpNormal(code, n.data(), &n[1], &n[2]);
+      normals.push_back({static_cast<float>(n[0]), static_cast<float>(n[1]), static_cast<float>(n[2])});
+    }
+    return normals;
+  }();
+  return kNormals;
 }
 
 /// VolPack object coordinates to eye coordinates in mm. The longest side of the volume spans -1/2 to 1/2. The
@@ -75,7 +111,12 @@ struct VolpackPeer::Impl {
   Grid grid;
   std::unique_ptr<vpContext, DestroyContext> context{vpCreateContext()};
   std::array<float, 256> opacity{};
-  std::array<std::array<float, 3>, 256> color{};
+  std::array<std::array<float, 3>, 256> color{};  // unlit
+  VolpackShading shading = VolpackShading::kUnlit;
+  std::vector<std::array<std::array<float, 3>, kMaterials>> shade_table;  // by code of the normal; then unlit
+  std::array<std::array<float, kMaterials>, 256> weights{};               // by grey value
+  std::array<float, 3> hue{};
+  std::optional<ParallelView> shaded_for;
   PictureSize size;
   std::vector<std::uint8_t> rgba;
 
@@ -89,23 +130,71 @@ struct VolpackPeer::Impl {
     }
   }
 
+  /// Splits colours into a hue and the weight of a grey value.
+  Result<void> set_hue() {
+    const auto brightest = std::max_element(color.begin(), color.end());
+    hue = *brightest;
+    const auto channel = std::max_element(hue.begin(), hue.end()) - hue.begin();
+    const auto c = static_cast<std::size_t>(channel);
+    for (std::size_t grey = 0; grey < color.size(); ++grey) {
+      weights[grey] = {hue[c] > 0 ? color[grey][c] / hue[c] : 0, 0};
+      for (std::size_t other = 0; other < 3; ++other) {
+        if (std::abs(weights[grey][0] * hue[other] - color[grey][other]) > 0.01f)
+          return fail(ErrorCode::kFailed, "VolPack lights one hue only; the colours of grey values differ");
+      }
+    }
+    return {};
+  }
+
+  /// Hybrid shading for a view, with the table filled by the caller, as VolPack's guide describes.
+  void fill_shade_table(const ParallelView& view) {
+    if (shaded_for && have_same_lighting(*shaded_for, view)) return;
+    shaded_for = view;
+    const Lighting lighting(view);
+    const std::vector<std::array<float, 3>>& normals = normals_of_codes();
+    for (std::size_t code = 0; code < normals.size(); ++code) {
+      const float factor = lighting.diffuse(normals[code]);
+      for (std::size_t c = 0; c < 3; ++c) shade_table[code][0][c] = factor * hue[c];
+    }
+  }
+
+  Result<void> set_shader() {
+    vpContext* vp = context.get();
+    if (shading == VolpackShading::kUnlit) {
+      return check(
+          vp, vpSetLookupShader(vp, 3, 1, kColorField, color.front().data(), sizeof(color), 0, nullptr, 0),
+          "shader");
+    }
+    SPLATLAS_RETURN_IF_ERROR(set_hue());
+    shade_table.assign(kUnlitIndex + 1, {});
+    shade_table[kUnlitIndex][0] = hue;
+    const std::size_t table_bytes = shade_table.size() * sizeof(shade_table.front());
+    return check(
+        vp,
+        vpSetLookupShader(vp, 3, kMaterials, kColorField, shade_table.front().front().data(),
+                          static_cast<int>(table_bytes), kGreyField, weights.front().data(), sizeof(weights)),
+        "shader");
+  }
+
   Result<void> set_up() {
     vpContext* vp = context.get();
     const auto [nx, ny, nz] = grid.size;
     SPLATLAS_RETURN_IF_ERROR(
         check(vp, vpSetVolumeSize(vp, static_cast<int>(nx), static_cast<int>(ny), static_cast<int>(nz)),
               "volume size"));
-    SPLATLAS_RETURN_IF_ERROR(check(vp, vpSetVoxelSize(vp, sizeof(RawVoxel), 2, 1, 1), "voxel size"));
-    SPLATLAS_RETURN_IF_ERROR(check(
-        vp, vpSetVoxelField(vp, kColorField, sizeof(std::uint16_t), offsetof(RawVoxel, color_index), 255),
-        "field"));
+    const bool lit = shading == VolpackShading::kHybrid;
+    const int shade_fields = lit ? 2 : 1;  // colour, and weight
+    SPLATLAS_RETURN_IF_ERROR(
+        check(vp, vpSetVoxelSize(vp, sizeof(RawVoxel), 2, shade_fields, 1), "voxel size"));
+    SPLATLAS_RETURN_IF_ERROR(check(vp,
+                                   vpSetVoxelField(vp, kColorField, sizeof(std::uint16_t),
+                                                   offsetof(RawVoxel, color_index), lit ? kUnlitIndex : 255),
+                                   "field"));
     SPLATLAS_RETURN_IF_ERROR(check(
         vp, vpSetVoxelField(vp, kGreyField, sizeof(std::uint8_t), offsetof(RawVoxel, grey), 255), "field"));
     SPLATLAS_RETURN_IF_ERROR(
         check(vp, vpSetClassifierTable(vp, 0, kGreyField, opacity.data(), sizeof(opacity)), "classifier"));
-    SPLATLAS_RETURN_IF_ERROR(check(
-        vp, vpSetLookupShader(vp, 3, 1, kColorField, color.front().data(), sizeof(color), 0, nullptr, 0),
-        "shader"));
+    SPLATLAS_RETURN_IF_ERROR(set_shader());
     SPLATLAS_RETURN_IF_ERROR(
         check(vp, vpSetd(vp, VP_MIN_VOXEL_OPACITY, kMinVoxelOpacity), "smallest opacity"));
     return check(vp, vpSetd(vp, VP_MAX_RAY_OPACITY, kMaxRayOpacity), "largest opacity");
@@ -113,7 +202,15 @@ struct VolpackPeer::Impl {
 
   Result<void> classify(const MaskedVolume& volume) {
     std::vector<RawVoxel> voxels(volume.greys.size());
-    for (std::size_t n = 0; n < voxels.size(); ++n) voxels[n] = {volume.greys[n], volume.greys[n]};
+    if (shading == VolpackShading::kUnlit) {
+      for (std::size_t n = 0; n < voxels.size(); ++n) voxels[n] = {volume.greys[n], volume.greys[n]};
+    } else {
+      const std::vector<std::uint16_t>& codes = codes_of_normals();
+      for (std::size_t n = 0; n < voxels.size(); ++n) {
+        const std::int32_t normal = volume.normals[n];
+        voxels[n] = {normal < 0 ? kUnlitIndex : codes[static_cast<std::size_t>(normal)], volume.greys[n]};
+      }
+    }
     vpContext* vp = context.get();
     const auto voxel_bytes = static_cast<int>(sizeof(RawVoxel));
     const int row_bytes = voxel_bytes * static_cast<int>(grid.size[0]);
@@ -129,7 +226,7 @@ struct VolpackPeer::Impl {
 };
 
 Result<VolpackPeer> VolpackPeer::classify(const MaskedVolume& volume, const GreyAppearance& appearance,
-                                          OpacityRounding rounding) {
+                                          OpacityRounding rounding, VolpackShading shading) {
   const Grid& grid = volume.grid;
   const Vec3& spacing = grid.spacing_mm;
   if (spacing[0] != spacing[1] || spacing[1] != spacing[2]) {
@@ -142,8 +239,11 @@ Result<VolpackPeer> VolpackPeer::classify(const MaskedVolume& volume, const Grey
                 fmt::format("VolPack takes at most {} voxels along an axis, not {} x {} x {}",
                             VP_MAX_VOLUME_DIM, grid.size[0], grid.size[1], grid.size[2]));
   }
+  if (shading == VolpackShading::kHybrid && volume.normals.size() != volume.greys.size())
+    return fail(ErrorCode::kFailed, "VolPack lights voxels by their normals; the volume has none");
   auto impl = std::make_shared<Impl>();
   impl->grid = grid;
+  impl->shading = shading;
   impl->set_appearance(appearance, rounding);
   SPLATLAS_RETURN_IF_ERROR(impl->set_up());
   SPLATLAS_RETURN_IF_ERROR(impl->classify(volume));
@@ -154,6 +254,7 @@ Result<void> VolpackPeer::render(const ParallelView& view) {
   vpContext* vp = impl_->context.get();
   const auto [width, height] = view.size;
   impl_->size = view.size;
+  if (impl_->shading == VolpackShading::kHybrid) impl_->fill_shade_table(view);
   impl_->rgba.resize(4 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
   SPLATLAS_RETURN_IF_ERROR(
       check(vp, vpSetImage(vp, impl_->rgba.data(), width, height, 4 * width, VP_RGBA), "picture"));

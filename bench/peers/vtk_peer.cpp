@@ -25,6 +25,7 @@
 #include <vtkSmartPointer.h>
 #include <vtkUnsignedCharArray.h>
 #include <vtkVolume.h>
+#include <vtkVolumeCollection.h>
 #include <vtkVolumeProperty.h>
 
 namespace splatlas {
@@ -35,6 +36,7 @@ using reference::MaskedVolume;
 
 constexpr int kThreads = 2;
 constexpr int kMaxPeels = 100;
+constexpr double kAmbient = 0.15;  // of the model
 
 /// The volume padded by a layer of 0.
 vtkSmartPointer<vtkImageData> padded_image(const MaskedVolume& volume) {
@@ -85,6 +87,9 @@ vtkSmartPointer<vtkVolumeProperty> property_of(const GreyAppearance& appearance)
   property->SetScalarOpacityUnitDistance(1);
   property->SetInterpolationTypeToLinear();
   property->ShadeOff();
+  property->SetAmbient(kAmbient);
+  property->SetDiffuse(1 - kAmbient);
+  property->SetSpecular(0);
   return property;
 }
 
@@ -194,6 +199,12 @@ void VtkPeer::add_volume(const MaskedVolume& volume, const GreyAppearance& appea
 
 void VtkPeer::replace_volume(const MaskedVolume& volume) {
   impl_->volume_mapper->SetInputDataObject(padded_image(volume));
+}
+
+void VtkPeer::shade_volumes(bool lit) {
+  vtkVolumeCollection& volumes = *impl_->renderer->GetVolumes();
+  for (int n = 0; n < volumes.GetNumberOfItems(); ++n)
+    static_cast<vtkVolume*>(volumes.GetItemAsObject(n))->GetProperty()->SetShade(lit ? 1 : 0);
 }
 
 void VtkPeer::add_surface(const SurfaceMesh& mesh, const Grid& grid, const std::array<double, 3>& color,

@@ -18,7 +18,7 @@ enum class VtkVolumeMapper : std::uint8_t {
   kGpu,         ///< vtkOpenGLGPUVolumeRayCastMapper, on the OpenGL of the display
 };
 
-/// An off-screen VTK window with volumes and surfaces. No shading, no adjustment for frame rates, no
+/// An off-screen VTK window with volumes and surfaces. Unlit by default, no adjustment for frame rates, no
 /// multisampling. Needs a display (x_server.h). Both mappers interpolate grey values trilinearly and
 /// post-classify them. Copies share their state.
 class VtkPeer {
@@ -31,6 +31,10 @@ class VtkPeer {
                   VtkVolumeMapper mapper, double step_mm);
   /// Replaces the voxels of the latest volume; grid and appearance stay.
   void replace_volume(const reference::MaskedVolume& volume);
+  /// Lights all volumes by the gradients of their grey values and VTK's light at the camera, or none:
+  /// diffuse, with the ambient share of the model. The next picture includes the calculation of the
+  /// gradients.
+  void shade_volumes(bool lit);
   /// Unlit. `color`: linear RGB, used as is.
   void add_surface(const SurfaceMesh& mesh, const Grid& grid, const std::array<double, 3>& color,
                    double opacity);

@@ -4,6 +4,8 @@
 #include <cstring>
 #include <utility>
 
+#include <hwy/cache_control.h>
+
 namespace splatlas {
 namespace {
 
@@ -64,6 +66,8 @@ void SpanWriter::color(std::uint32_t first, std::uint32_t count, const std::arra
 void SpanWriter::shade(std::uint32_t first, std::uint32_t count, const PackedNormal* normals,
                        std::size_t stride) {
   shaded_.push_back({first, count, normals, stride});
+  if (stride == 1) return;  // the hardware prefetcher finds consecutive normals
+  for (std::uint32_t n = 0; n < count; ++n) hwy::Prefetch(normals + n * stride);
 }
 
 void SpanWriter::end_row(std::int64_t row) {

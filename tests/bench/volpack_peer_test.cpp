@@ -6,6 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "format/unit_vector.h"
 #include "tests/bench/peer_pictures.h"
 #include "tests/reference/grey_truth.h"
 
@@ -91,6 +92,71 @@ TEST(VolpackPeer, ClassifiesOnlyWhatIsVisible) {
   EXPECT_GE(fog->classified_bytes(), clear->classified_bytes() + 3 * 4 * 8000);  // 4 bytes per voxel and axis
 }
 
+/// Red light of the quarters of a picture.
+template <typename RedAt>
+std::array<double, 4> red_of_quarters(const PictureSize& size, const RedAt& red_at) {
+  std::array<double, 4> red{};
+  for (int y = 0; y < size.height; ++y) {
+    for (int x = 0; x < size.width; ++x)
+      red[static_cast<std::size_t>((x < size.width / 2 ? 0 : 1) + (y < size.height / 2 ? 0 : 2))] +=
+          red_at(x, y);
+  }
+  return red;
+}
+std::array<double, 4> red_of_quarters(const Picture& picture) {
+  return red_of_quarters(picture.size,
+                         [&](int x, int y) { return static_cast<double>(picture.at(x, y)[0]); });
+}
+std::array<double, 4> red_of_quarters(const ReferencePicture& picture) {
+  return red_of_quarters(picture.size, [&](int x, int y) {
+    return picture.pixels[static_cast<std::size_t>(y * picture.size.width + x)][0];
+  });
+}
+
+/// Fog in two grey values with the normals of a ball in its outer layers, and none inside.
+MaskedVolume ball_with_normals() {
+  MaskedVolume volume = kEmpty;
+  volume.normals.assign(volume.greys.size(), MaskedVolume::kOutside);
+  for (std::int64_t k = 0; k < 60; ++k) {
+    for (std::int64_t j = 0; j < 50; ++j) {
+      for (std::int64_t i = 0; i < 40; ++i) {
+        const std::array<float, 3> normal{static_cast<float>(i - 19), static_cast<float>(j - 24),
+                                          static_cast<float>(k - 29)};
+        const float radius = std::hypot(normal[0], normal[1], normal[2]);
+        if (radius > 15) continue;
+        const auto voxel = static_cast<std::size_t>(volume.grid.offset(i, j, k));
+        volume.greys[voxel] = i < 19 ? 100 : 200;
+        volume.normals[voxel] = radius > 12 ? std::int32_t{pack_normal(normal)} : MaskedVolume::kUnlit;
+      }
+    }
+  }
+  return volume;
+}
+
+/// The share of light that shading leaves in each quarter of the picture is that of the model. The ratio of
+/// two pictures is free of VolPack's errors of opacity. Its codes of normals are up to 2 degrees off.
+TEST(VolpackPeer, LightsBoundaryVoxelsAsTheModelDoes) {
+  const MaskedVolume volume = ball_with_normals();
+  const GreyAppearance appearance{{{0, 0, {0.25, 0.125, 0}}, {255, 0.5, {1, 0.5, 0}}}};
+  auto lit = VolpackPeer::classify(volume, appearance, OpacityRounding::kNearest, VolpackShading::kHybrid);
+  auto unlit = VolpackPeer::classify(volume, appearance, OpacityRounding::kNearest);
+  ASSERT_TRUE(lit && unlit);
+  for (const auto& [azimuth, elevation] : kViews) {
+    SCOPED_TRACE(testing::Message() << azimuth << " " << elevation);
+    const ParallelView view = *parallel_view({azimuth, elevation}, {128, 128}, kDisplay);
+    ASSERT_TRUE(lit->render(view) && unlit->render(view));
+    const GreyTruth lit_truth(volume, appearance, Classification::kBefore, &view);
+    const GreyTruth unlit_truth(volume, appearance, Classification::kBefore);
+    const auto with = red_of_quarters(lit->picture()), without = red_of_quarters(unlit->picture());
+    const auto expected_with = red_of_quarters(render_grey_truth(lit_truth, volume.grid, view, 1));
+    const auto expected_without = red_of_quarters(render_grey_truth(unlit_truth, volume.grid, view, 1));
+    for (std::size_t n = 0; n < 4; ++n) {
+      EXPECT_LT(expected_with[n], 0.97 * expected_without[n]);
+      EXPECT_NEAR(with[n] / without[n], expected_with[n] / expected_without[n], 0.015) << n;
+    }
+  }
+}
+
 TEST(VolpackPeer, RefusesWhatItCannotDrawRight) {
   const GreyAppearance appearance{{{0, 0, {1, 1, 1}}, {255, 1, {1, 1, 1}}}};
   MaskedVolume flat = kEmpty;
@@ -102,6 +168,15 @@ TEST(VolpackPeer, RefusesWhatItCannotDrawRight) {
   const auto too_long = VolpackPeer::classify(lengthy, appearance, OpacityRounding::kDown);
   ASSERT_FALSE(too_long);
   EXPECT_THAT(too_long.error().message, testing::HasSubstr("2000 x 1 x 1"));
+  const auto lit = [&](const MaskedVolume& volume, const GreyAppearance& colors) {
+    const auto peer = VolpackPeer::classify(volume, colors, OpacityRounding::kDown, VolpackShading::kHybrid);
+    return peer ? "" : peer.error().message;
+  };
+  EXPECT_THAT(lit(kEmpty, appearance), testing::HasSubstr("has none"));
+  MaskedVolume outside = kEmpty;
+  outside.normals.assign(outside.greys.size(), MaskedVolume::kOutside);
+  EXPECT_THAT(lit(outside, {{{0, 0, {1, 0, 0}}, {255, 1, {0, 1, 0}}}}), testing::HasSubstr("one hue"));
+  EXPECT_EQ(lit(outside, appearance), "");
 }
 
 }  // namespace

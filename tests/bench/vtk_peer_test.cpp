@@ -85,6 +85,32 @@ TEST_P(VtkPeerTest, ComposesAsTheClosedFormHasIt) {
   EXPECT_THAT(peer.picture().at(2, 2), testing::Each(0.0f));
 }
 
+/// An opaque box, with a face 30 degrees from the view. The light is at the camera, so the GPU mapper
+/// multiplies the colour by ambient + diffuse * cos(30 degrees) = 0.15 + 0.85 * 0.866 = 0.886. FixedPoint
+/// interpolates the shades of voxels. Those inside the box have no gradient, so it is darker.
+TEST_P(VtkPeerTest, LightsByGradientsIfTold) {
+  MaskedVolume volume = kEmpty;
+  put_box(volume, {4, 8, 12}, 16, 200);
+  const GreyAppearance appearance{{{100, 0, {1, 1, 1}}, {101, 5, {1, 1, 1}}}};
+  VtkPeer peer({64, 64});
+  peer.add_volume(volume, appearance, GetParam(), 0.1);
+  Camera camera = Camera::of(NamedView::kAnterior);
+  camera.azimuth_deg += 30;
+  camera.zoom = 2;
+  camera.center_lps_mm = index_to_lps_mm(volume.grid).apply({11.5, 15.5, 19.5});
+  const auto red = [&] {
+    peer.render(*parallel_view(camera, {64, 64}, kDisplay));
+    return peer.picture().at(32, 32)[0];
+  };
+  EXPECT_NEAR(red(), 1, 0.02);
+  peer.shade_volumes(true);
+  const float lit = red();
+  EXPECT_LT(lit, 0.886 + 0.04);
+  EXPECT_GT(lit, GetParam() == VtkVolumeMapper::kGpu ? 0.886 - 0.04 : 0.6);
+  peer.shade_volumes(false);
+  EXPECT_NEAR(red(), 1, 0.02);
+}
+
 INSTANTIATE_TEST_SUITE_P(Mappers, VtkPeerTest,
                          testing::Values(VtkVolumeMapper::kFixedPoint, VtkVolumeMapper::kGpu),
                          [](const auto& which) {

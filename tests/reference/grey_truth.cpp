@@ -115,16 +115,19 @@ double crossing(const Cubic& cubic, double value, double t0, double t1) {
   return 0.5 * (t0 + t1);
 }
 
-RayRadiance integrate_classified(const Cubic& grey, const GreyAppearance& appearance, double t0, double t1,
-                                 double length_mm) {
+/// `lighting(t)`: factor of the colour.
+template <typename LightingAt>
+RayRadiance integrate_classified(const Cubic& grey, const GreyAppearance& appearance,
+                                 const LightingAt& lighting, double t0, double t1, double length_mm) {
   const Segment segment = segment_at(appearance, grey(0.5 * (t0 + t1)));
   const double slope = segment.per_grey.extinction_per_mm;
   const Cubic extinction{{segment.at_0.extinction_per_mm + slope * grey.a[0], slope * grey.a[1],
                           slope * grey.a[2], slope * grey.a[3]}};
   const auto emission = [&](double t) {
     std::array<double, 3> emitted{};
+    const double lit = lighting(t);
     for (std::size_t c = 0; c < 3; ++c) {
-      emitted[c] = extinction(t) * (segment.at_0.color[c] + segment.per_grey.color[c] * grey(t));
+      emitted[c] = lit * extinction(t) * (segment.at_0.color[c] + segment.per_grey.color[c] * grey(t));
     }
     return emitted;
   };
@@ -132,15 +135,16 @@ RayRadiance integrate_classified(const Cubic& grey, const GreyAppearance& appear
 }
 
 /// A segment with a cubic grey value, cut at the knots of the appearance.
-RayRadiance classify_after(const Cubic& grey, const GreyAppearance& appearance, double lowest, double highest,
-                           double length_mm) {
+template <typename LightingAt>
+RayRadiance classify_after(const Cubic& grey, const GreyAppearance& appearance, const LightingAt& lighting,
+                           double lowest, double highest, double length_mm) {
   std::vector<double> inner;  // knots within the range of the cell
   for (const GreyAppearance::Knot& knot : appearance.knots) {
     if (knot.grey > lowest && knot.grey < highest && (inner.empty() || inner.back() != knot.grey)) {
       inner.push_back(knot.grey);
     }
   }
-  if (inner.empty()) return integrate_classified(grey, appearance, 0, 1, length_mm);
+  if (inner.empty()) return integrate_classified(grey, appearance, lighting, 0, 1, length_mm);
   std::vector<double> cuts{0};
   for (int part = 0; part < kPartsPerCell; ++part) {
     const double t0 = static_cast<double>(part) / kPartsPerCell;
@@ -156,19 +160,27 @@ RayRadiance classify_after(const Cubic& grey, const GreyAppearance& appearance, 
   RayRadiance sum;
   for (std::size_t n = 1; n < cuts.size(); ++n) {
     if (cuts[n] > cuts[n - 1])
-      sum.add(integrate_classified(grey, appearance, cuts[n - 1], cuts[n], length_mm));
+      sum.add(integrate_classified(grey, appearance, lighting, cuts[n - 1], cuts[n], length_mm));
   }
   return sum;
 }
 
 }  // namespace
 
-GreyTruth::GreyTruth(const MaskedVolume& volume, GreyAppearance appearance, Classification classification)
+GreyTruth::GreyTruth(const MaskedVolume& volume, GreyAppearance appearance, Classification classification,
+                     const ParallelView* lit_for)
     : volume_(volume), appearance_(std::move(appearance)), classification_(classification), optics_(256) {
   for (std::size_t grey = 0; grey < optics_.size(); ++grey) {
     const GreyAppearance::Knot knot = appearance_.at(static_cast<double>(grey));
     optics_[grey] = {knot.extinction_per_mm, knot.extinction_per_mm * knot.color[0],
                      knot.extinction_per_mm * knot.color[1], knot.extinction_per_mm * knot.color[2]};
+  }
+  if (lit_for != nullptr && !volume.normals.empty()) {
+    constexpr std::size_t kNormals = std::size_t{std::numeric_limits<PackedNormal>::max()} + 1;
+    for (std::size_t n = 0; n < kNormals; ++n) {
+      const std::array<float, 3> normal = unpack_normal(static_cast<PackedNormal>(n));
+      factors_.push_back(diffuse(*lit_for, {normal[0], normal[1], normal[2]}));
+    }
   }
   mark_visible_cells();
 }
@@ -191,6 +203,19 @@ GreyTruth::Corners GreyTruth::corners_of(std::int64_t i, std::int64_t j, std::in
     corners[static_cast<std::size_t>(n)] = volume_.at(i + (n & 1), j + (n >> 1 & 1), k + (n >> 2));
   }
   return corners;
+}
+
+std::array<GreyTruth::CornerLighting, 8> GreyTruth::lighting_of(const Index3& cell) const {
+  std::array<CornerLighting, 8> lighting;
+  for (std::int64_t n = 0; n < 8; ++n) {
+    const std::int64_t i = cell[0] + (n & 1), j = cell[1] + (n >> 1 & 1), k = cell[2] + (n >> 2);
+    if (!volume_.grid.contains(i, j, k)) continue;
+    const std::int32_t normal = volume_.normals[static_cast<std::size_t>(volume_.grid.offset(i, j, k))];
+    if (normal == MaskedVolume::kOutside) continue;
+    const bool unlit = normal == MaskedVolume::kUnlit;
+    lighting[static_cast<std::size_t>(n)] = {unlit ? 1 : factors_[static_cast<std::size_t>(normal)], 1};
+  }
+  return lighting;
 }
 
 void GreyTruth::mark_visible_cells() {
@@ -229,18 +254,33 @@ RayRadiance GreyTruth::in_cell(const Corners& corners, const Ray& ray, const Ind
   for (std::size_t n = 0; n < 4; ++n) {
     weights[n] = corner_weights(ray.at(from_mm + length_mm * static_cast<double>(n) / 3), cell);
   }
+  std::array<CornerLighting, 8> lighting;
+  if (!factors_.empty()) lighting = lighting_of(cell);
   if (classification_ == Classification::kAfter) {
-    std::array<double, 4> grey{};
+    std::array<double, 4> grey{}, factor{}, members{};
     for (std::size_t n = 0; n < 4; ++n) {
-      for (std::size_t c = 0; c < 8; ++c) grey[n] += weights[n][c] * corners[c];
+      for (std::size_t c = 0; c < 8; ++c) {
+        grey[n] += weights[n][c] * corners[c];
+        factor[n] += weights[n][c] * lighting[c].factor;
+        members[n] += weights[n][c] * lighting[c].member;
+      }
     }
     const auto [low, high] = std::minmax_element(corners.begin(), corners.end());
-    return classify_after(Cubic::through(grey[0], grey[1], grey[2], grey[3]), appearance_, *low, *high,
-                          length_mm);
+    const Cubic greys = Cubic::through(grey[0], grey[1], grey[2], grey[3]);
+    if (factors_.empty())
+      return classify_after(
+          greys, appearance_, [](double) { return 1.0; }, *low, *high, length_mm);
+    const Cubic factors = Cubic::through(factor[0], factor[1], factor[2], factor[3]);
+    const Cubic weight = Cubic::through(members[0], members[1], members[2], members[3]);
+    const auto mean_factor = [&](double t) { return weight(t) > 0 ? factors(t) / weight(t) : 1.0; };
+    return classify_after(greys, appearance_, mean_factor, *low, *high, length_mm);
   }
   std::array<std::array<double, 4>, 4> optics{};
   for (std::size_t c = 0; c < 8; ++c) {
-    const std::array<double, 4>& corner = optics_[corners[c]];
+    std::array<double, 4> corner = optics_[corners[c]];
+    if (!factors_.empty()) {
+      for (std::size_t channel = 1; channel < 4; ++channel) corner[channel] *= lighting[c].factor;
+    }
     for (std::size_t n = 0; n < 4; ++n) {
       for (std::size_t channel = 0; channel < 4; ++channel)
         optics[n][channel] += weights[n][c] * corner[channel];

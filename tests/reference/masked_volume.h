@@ -15,6 +15,10 @@ namespace splatlas::reference {
 struct MaskedVolume {
   Grid grid;
   std::vector<std::uint8_t> greys;
+  /// Per voxel, the PackedNormal of a boundary voxel, kUnlit, or kOutside the selection: for hybrid shading.
+  /// Empty if the voxels have no normals.
+  std::vector<std::int32_t> normals = {};
+  static constexpr std::int32_t kUnlit = -1, kOutside = -2;
 
   /// 0 outside the grid.
   [[nodiscard]] std::uint8_t at(std::int64_t i, std::int64_t j, std::int64_t k) const {
@@ -22,7 +26,8 @@ struct MaskedVolume {
   }
 };
 
-/// The voxels selected as volume. kFailed if the atlas has no 8-bit grey values.
+/// The voxels selected as volume, with the normals of the content, if any. kFailed if the atlas has no 8-bit
+/// grey values.
 [[nodiscard]] Result<MaskedVolume> masked_volume(const AtlasContent& content, const Selection& selection);
 
 /// Extinction and colour as functions of the grey value: piecewise linear between knots, constant outside.

@@ -39,6 +39,23 @@ TEST(MaskedVolume, HoldsTheSelectedVoxelsAndNothingElse) {
   EXPECT_THAT(surfaces->greys, testing::Each(0));
 }
 
+/// "high" has 2 x 3 x 3 voxels, all on its boundary. Its normals come in the order of its voxels.
+TEST(MaskedVolume, HoldsTheNormalsOfSelectedBoundaryVoxels) {
+  const AtlasContent content = two_halves(make_values(VoxelType::kUInt8, std::vector<std::uint8_t>(36, 9)));
+  const auto masked = masked_volume(content, selection_of("high", content.graph));
+  ASSERT_TRUE(masked);
+  ASSERT_EQ(masked->normals.size(), masked->greys.size());
+  std::size_t met = 0;
+  for (std::size_t n = 0; n < masked->normals.size(); ++n) {
+    if (n % 4 < 2) {
+      EXPECT_EQ(masked->normals[n], MaskedVolume::kOutside);
+    } else {
+      EXPECT_EQ(masked->normals[n], content.boundary_normals[content.class_volume[n]][met++]);
+    }
+  }
+  EXPECT_EQ(met, 18);
+}
+
 TEST(MaskedVolume, NeedsGreyValuesOf8Bits) {
   const AtlasContent content = two_halves(make_values(VoxelType::kInt16, std::vector<std::int16_t>(36, 5)));
   EXPECT_FALSE(masked_volume(content, selection_of("high", content.graph)));
