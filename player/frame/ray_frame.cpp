@@ -56,6 +56,10 @@ void RayFrame::resolve(Picture& picture) {
   stats_.resolve = watch.lap();
 }
 
+void RayFrame::resolve_ids(const Picture& picture) {
+  if (scene_.options.ids) buffers_.ids = {picture.size, {}};
+}
+
 void RayFrame::add_volume_depths(const ViewDepth& view_depth) {
   add_ray_depths(volume_, scene_.view, scene_.grid, kernels_, cuts(), view_depth, buffers_.depths, pool_);
 }
