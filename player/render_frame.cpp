@@ -222,10 +222,12 @@ struct Renderer::Impl {
 
   /// Builds the ray volume of the selection unless it is current. Frees the spans first.
   [[nodiscard]] Result<void> require_ray_volume(const RenderOptions& options) {
-    if (ray_volume && ray_volume->fits(options.classification, options.hybrid_shading)) return {};
+    const bool fits = ray_volume && ray_volume->fits(options.classification, options.hybrid_shading);
+    if (fits && (!options.ids || ray_volume->numbers() != nullptr)) return {};
+    const SelectedRuns runs(drawn.plan(), atlas->classes(), decoded.cache(), Axis::kZ);
+    if (fits) return ray_volume->number(runs, drawn.numbers(), pool);
     ray_volume.reset();
     spans.clear();
-    const SelectedRuns runs(drawn.plan(), atlas->classes(), decoded.cache(), Axis::kZ);
     SPLATLAS_ASSIGN_OR_RETURN(ray_volume,
                               RayVolume::build({.atlas = *atlas,
                                                 .selection = drawn.selection(),
@@ -237,7 +239,7 @@ struct Renderer::Impl {
                                                 .shade = options.hybrid_shading,
                                                 .max_memory_bytes = max_memory_bytes - frame_bytes(options)},
                                                pool));
-    return {};
+    return options.ids ? ray_volume->number(runs, drawn.numbers(), pool) : Result<void>();
   }
 
   [[nodiscard]] FrameScene scene_of(const FrameCall& call, std::span<const SurfaceDraw> surfaces,
@@ -285,7 +287,8 @@ struct Renderer::Impl {
                           .plan = drawn.plan(),
                           .appearances = drawn.appearances().appearances(),
                           .cache = decoded.cache(),
-                          .fragments = buffers.fragments};
+                          .fragments = buffers.fragments,
+                          .ids = ids};
     return pick_structure(scene, x, y);
   }
 

@@ -68,6 +68,12 @@ using ShareChannels = std::array<StructureIndex, 3>;
 [[nodiscard]] inline std::array<double, 3> share_color(const ShareChannels& channels, StructureIndex s) {
   return {channels[0] == s ? 1.0 : 0.0, channels[1] == s ? 1.0 : 0.0, channels[2] == s ? 1.0 : 0.0};
 }
+/// The same of a surface with an opacity, premultiplied.
+[[nodiscard]] inline std::array<double, 4> share_rgba(const ShareChannels& channels, StructureIndex s,
+                                                      double opacity) {
+  const std::array<double, 3> color = share_color(channels, s);
+  return {opacity * color[0], opacity * color[1], opacity * color[2], opacity};
+}
 
 /// `hybrid_shading`: lights boundary voxels by their normals, for `view`. `shares`: emits shares instead of
 /// colours, unlit.

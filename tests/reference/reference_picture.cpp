@@ -44,10 +44,7 @@ struct Setup {
   /// Colour and opacity of a crossing or face, or its shares.
   template <typename Surface>
   [[nodiscard]] std::array<double, 4> seen(const Surface& surface) const {
-    if (!shares) return surface.rgba;
-    const std::array<double, 3> of = share_color(*shares, surface.structure);
-    const double opacity = surface.rgba[3];
-    return {opacity * of[0], opacity * of[1], opacity * of[2], opacity};
+    return shares ? share_rgba(*shares, surface.structure, surface.rgba[3]) : surface.rgba;
   }
 
   static ParallelView view_of(const ReferenceScene& scene) {

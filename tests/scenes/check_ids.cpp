@@ -10,6 +10,7 @@
 
 #include "player/frame/render_overrides.h"
 #include "tests/reference/reference_picture.h"
+#include "tests/scenes/ray_truth.h"
 
 namespace splatlas {
 namespace {
@@ -44,7 +45,10 @@ class IdChecker {
     }
     const bool rays = scene_.options.classification == Classification::kAfter ||
                       scene_.camera.projection == CameraProjection::kPerspective;
-    if (rays) return report_;
+    if (rays) {
+      compare_rays(options);
+      return report_;
+    }
     compare(*frame, options, {});
     options.antialiasing = true;
     if (const auto antialiased = render(options, 1))
@@ -117,6 +121,37 @@ class IdChecker {
         return fault(fmt::format("pixel {}, of opacity {}: structure {} has a share {} below the largest", n,
                                  opacity, number - 1, lacks));
       }
+    }
+  }
+
+  /// Compares rays at high quality with the shares along the rays of pixel centres.
+  void compare_rays(RenderOptions options) {
+    options.quality = Quality::kHigh;
+    const auto frame = render(options, 1);
+    if (!frame) return;
+    Shares shares(scene_.selection.structures.size());
+    std::vector<bool> is_known(frame->ids.numbers.size(), true);
+    for (StructureIndex first = 0; first < shares.size(); first += 3) {
+      const RayTruth truth(scene_, false, reference::ShareChannels{first, first + 1, first + 2});
+      for (std::size_t n = 0; n < is_known.size(); ++n) {
+        const auto width = static_cast<std::size_t>(options.size.width);
+        const auto pixel = truth.at(static_cast<int>(n % width), static_cast<int>(n / width));
+        if (!pixel) is_known[n] = false;
+        for (std::size_t c = 0; c < 3 && first + c < shares.size(); ++c)
+          shares[first + c].push_back(pixel ? (*pixel)[c] : 0);
+      }
+    }
+    for (std::size_t n = 0; n < is_known.size(); ++n) {
+      const StructureNumber number = frame->ids.numbers[n];
+      if (!is_known[n] || number == 0) continue;
+      ++report_.pixels;
+      report_.mixed += is_mixed(shares, n) ? 1 : 0;
+      double largest = 0;
+      for (const auto& of_structure : shares) largest = std::max(largest, of_structure[n]);
+      const double lacks = largest - shares[number - 1u][n];
+      if (lacks > kShareTolerance)
+        return fault(
+            fmt::format("pixel {}: structure {} has a share {} below the largest", n, number - 1, lacks));
     }
   }
 

@@ -18,7 +18,8 @@ struct IdReport {
 /// Renders the scene with ids, several times, and compares:
 ///   - pictures with and without ids: equal bits;
 ///   - ids of 1, 2 and 8 threads: equal;
-///   - sheets: each pixel's share in the reference is at least the largest one less 1e-3.
+///   - each pixel's share in the reference is at least the largest one less 1e-3. References are the discrete
+///     model for sheets, also of antialiased pixels, and exact rays for rays at high quality.
 [[nodiscard]] IdReport check_ids(const RandomScene& scene);
 
 }  // namespace splatlas
