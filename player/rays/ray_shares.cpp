@@ -11,6 +11,7 @@ RayShares::RayShares(const RayVolume& volume) : volume_(volume) {
   trace_.take = [](MarchTrace& trace) { static_cast<Trace&>(trace).owner->take(); };
   if (volume.empty()) return;
   numbers_ = volume.numbers();
+  cells_ = volume.cell_numbers();
   if (volume.classification() == Classification::kBefore) extinctions_ = volume.sources()[0].optics;
   const auto& size = volume.grid().size;
   const std::size_t row = static_cast<std::size_t>(size[0]), slice = row * static_cast<std::size_t>(size[1]);
@@ -59,19 +60,12 @@ void RayShares::add(std::size_t ray, float rise, float t) {
                                 static_cast<std::size_t>(size[0]) +
                             static_cast<std::size_t>(cell[0]);
 
-  // All its voxels usually belong to one structure, or to none
-  const StructureNumber* const numbers = numbers_ + first;
-  StructureNumber one = 0;
-  bool differ = false;
-  for (const std::size_t corner : corners_) {
-    const StructureNumber number = numbers[corner];
-    differ = differ || (number != one && number != 0 && one != 0);
-    one = number != 0 ? number : one;
-  }
+  const StructureNumber one = cells_[first];
   if (one == 0) return;
-  if (!differ) return shares_[ray].add(one, rise);
+  if (one != RayVolume::kSeveralNumbers) return shares_[ray].add(one, rise);
 
   // Divide the opacity
+  const StructureNumber* const numbers = numbers_ + first;
   std::array<float, 8> weights{};
   float sum = 0;
   for (std::size_t n = 0; n < 8; ++n) {
@@ -81,7 +75,7 @@ void RayShares::add(std::size_t ray, float rise, float t) {
     weights[n] = weight;
     sum += weight;
   }
-  if (!(sum > 0)) return shares_[ray].add(one, rise);
+  if (!(sum > 0)) return;
   for (std::size_t n = 0; n < 8; ++n) {
     if (weights[n] > 0) shares_[ray].add(numbers[corners_[n]], rise * weights[n] / sum);
   }

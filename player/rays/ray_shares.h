@@ -39,8 +39,9 @@ class RayShares {
   void add(std::size_t ray, float rise, float t);
 
   const RayVolume& volume_;
-  const float* extinctions_ = nullptr;  // of voxels, every fourth float; null: post-classified
-  const StructureNumber* numbers_ = nullptr;
+  const float* extinctions_ = nullptr;        // of voxels, every fourth float; null: post-classified
+  const StructureNumber* numbers_ = nullptr;  // of voxels
+  const StructureNumber* cells_ = nullptr;
   std::array<std::size_t, 8> corners_{};  // offsets of the voxels around a cell
   const RayPacket* rays_ = nullptr;
   std::array<float, kPacketRays> seen_{};  // opacity so far

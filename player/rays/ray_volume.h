@@ -62,6 +62,12 @@ class RayVolume {
   }
 
   [[nodiscard]] Classification classification() const { return classification_; }
+  /// The number of all selected corners of each cell; 0 without any, kSeveralNumbers if they differ.
+  static constexpr StructureNumber kSeveralNumbers = 0xffff;
+  [[nodiscard]] const StructureNumber* cell_numbers() const {
+    return reinterpret_cast<const StructureNumber*>(cell_numbers_.data());
+  }
+
   /// True if no voxel is selected.
   [[nodiscard]] bool empty() const { return sources_.empty(); }
   /// Voxel of the grid at position (0, 0, 0).
@@ -98,7 +104,7 @@ class RayVolume {
   std::vector<Source> sources_;
   std::vector<MarchSource> views_;
   std::vector<std::uint32_t> active_;
-  SparseBytes numbers_;
+  SparseBytes numbers_, cell_numbers_;
   std::uint64_t runs_ = 0, voxels_ = 0, shaded_voxels_ = 0;
   Classification classification_ = Classification::kBefore;
   bool shade_ = false;

@@ -1,7 +1,8 @@
 #include "player/sheets/sheet_shares.h"
 
 #include <algorithm>
-#include <cmath>
+#include <bit>
+#include <optional>
 
 #include "player/sheets/block_runs.h"
 
@@ -37,17 +38,15 @@ struct BandShares::Surroundings {
     float slice_weight = 1;
     bool is_lower = false;
     const StructureNumber* numbers = nullptr;  // kVoxels, from the last voxel of the previous block on
-    std::array<float, kVoxels> extinctions{};
+    std::array<float, kVoxels> extinctions;
   };
 
-  std::int64_t block = 0;
   std::size_t row_count = 0, structure_count = 0;
   std::array<Row, kMaxRows> rows;
   std::array<StructureNumber, kMaxStructures> structures;
 
   /// Finds the structures. Fetches extinctions only if there are several.
-  Surroundings(const NumberedSlices& slices, std::int64_t upper, std::int64_t number_of_block)
-      : block(number_of_block) {
+  Surroundings(const NumberedSlices& slices, std::int64_t upper, std::int64_t block) {
     StructureNumber one = 0;
     const auto merge = [&one](StructureNumber number) {
       if (number != 0 && number != one) one = one == 0 ? number : SliceNumbers::kSeveral;
@@ -74,13 +73,14 @@ struct BandShares::Surroundings {
       return;
     }
     for (std::size_t n = 0; n < row_count; ++n) {
-      fetch(*spans[n], numbers_of_rows[n], rows[n]);
+      fetch(*spans[n], numbers_of_rows[n], block, rows[n]);
       list(rows[n]);
     }
   }
 
  private:
-  void fetch(const SliceSpans& slice, std::int64_t number, Row& row) const {
+  static void fetch(const SliceSpans& slice, std::int64_t number, std::int64_t block, Row& row) {
+    row.extinctions.fill(0);
     if (const float* before = extinctions_of(slice, number, block - 1))
       row.extinctions[0] = before[kBlock - 1];
     if (const float* here = extinctions_of(slice, number, block))
@@ -137,13 +137,13 @@ bool BandShares::take_rise(std::int64_t fine_row, std::int64_t phase, std::int64
       image_->row(fine_row, phase) + (image_->planes() - 1) * image_->plane_stride() + pixel;
   float* const seen = &seen_[static_cast<std::size_t>(((fine_row - first_) * scale_ + phase) * stride_ +
                                                       ImageRows::kMargin + pixel)];
-  float sum = 0;
+  std::uint32_t any = 0;  // bits, since a sum of floats is not vectorised
   for (std::size_t n = 0; n < kLanes; ++n) {
-    rise[n] = std::max(opacity[n] - seen[n], 0.0f);
+    rise[n] = opacity[n] - seen[n];
     seen[n] = opacity[n];
-    sum += rise[n];
+    any |= std::bit_cast<std::uint32_t>(rise[n]);
   }
-  return sum > 0;
+  return any != 0;
 }
 
 void BandShares::add(const SheetRows& rows, std::span<const Phase> phases, std::int64_t fine_row,
@@ -160,21 +160,21 @@ void BandShares::add(const SheetRows& rows, std::span<const Phase> phases, std::
     BlockRuns runs(rows, pair, reach);
     for (BlockRun run; runs.next(run);) {
       for (std::int64_t block = run.first; block < run.last; ++block)
-        add_block(rows, phases, fine_row + pair * scale_, Surroundings(slices, rows.upper + pair, block));
+        add_block(rows, phases, fine_row + pair * scale_, {slices, rows.upper + pair, block});
     }
   }
 }
 
 void BandShares::add_block(const SheetRows& rows, std::span<const Phase> phases, std::int64_t fine_row,
-                           const Surroundings& around) {
-  if (around.structure_count == 0) return;
+                           const VoxelBlock& voxel_block) {
   constexpr std::size_t kVoxels = Surroundings::kVoxels;
+  std::optional<Surroundings> found;  // once a pixel is not hidden
   for (std::size_t between = 0; between < rows.rows_between; ++between) {
     const std::int64_t row = fine_row + static_cast<std::int64_t>(between);
     // Weigh the extinctions of each structure with those of the rows
     std::array<std::array<float, kVoxels>, Surroundings::kMaxStructures> weighted;
-    bool is_weighted = around.structure_count == 1;
-    const auto weigh = [&] {
+    bool is_weighted = false;
+    const auto weigh = [&](const Surroundings& around) {
       is_weighted = true;
       for (std::size_t s = 0; s < around.structure_count; ++s) {
         weighted[s].fill(0);
@@ -190,11 +190,14 @@ void BandShares::add_block(const SheetRows& rows, std::span<const Phase> phases,
     };
 
     for (std::size_t phase = 0; phase < phases.size(); ++phase) {
-      const std::int64_t pixel = around.block * kBlock + phases[phase].shift;
+      const std::int64_t pixel = voxel_block.block * kBlock + phases[phase].shift;
       if (pixel < -ImageRows::kMargin || pixel >= columns_) continue;
       alignas(64) std::array<float, kLanes> rise;
       const auto number_of_phase = static_cast<std::int64_t>(phase);
       if (!take_rise(row, number_of_phase, pixel, rise.data())) continue;
+      if (!found) found.emplace(voxel_block.slices, voxel_block.upper, voxel_block.block);
+      const Surroundings& around = *found;
+      if (around.structure_count == 0) return;
       const std::size_t block = block_of(row, number_of_phase, pixel), lane = PixelBlocks::lane(pixel);
       if (around.structure_count == 1) {
         float* const sums = sums_of(block, around.structures[0]) + lane;
@@ -202,7 +205,7 @@ void BandShares::add_block(const SheetRows& rows, std::span<const Phase> phases,
         continue;
       }
       // Divide the opacity in proportion to the interpolated extinctions
-      if (!is_weighted) weigh();
+      if (!is_weighted) weigh(around);
       const float before = phases[phase].before;
       alignas(64) std::array<float, kLanes> total{};
       const auto extinction = [&](std::size_t s, std::size_t n) {

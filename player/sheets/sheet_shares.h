@@ -116,8 +116,13 @@ class BandShares {
                                     PixelBlocks::block(column));
   }
   float* sums_of(std::size_t block, StructureNumber number);
+  /// A block of a pair of voxel rows.
+  struct VoxelBlock {
+    const NumberedSlices& slices;
+    std::int64_t upper = 0, block = 0;
+  };
   void add_block(const SheetRows& rows, std::span<const Phase> phases, std::int64_t fine_row,
-                 const Surroundings& around);
+                 const VoxelBlock& voxel_block);
   /// Opacity added to kBlock pixels since the last call; false if there is none.
   bool take_rise(std::int64_t fine_row, std::int64_t phase, std::int64_t pixel, float* rise);
 
