@@ -27,6 +27,27 @@ struct Picture {
   }
 };
 
+/// Number of a structure in an id image: StructureIndex + 1; 0: none.
+using StructureNumber = std::uint16_t;
+/// Maximum number of structures of an atlas with id images.
+inline constexpr std::size_t kMaxNumberedStructures = 65534;
+
+/// Structure of each pixel: the one with the largest share of the pixel's opacity (docs/model.md). 0 where
+/// the opacity is below 1/255. Top row first.
+struct IdImage {
+  PictureSize size{0, 0};
+  std::vector<StructureNumber> numbers;  ///< width * height; empty: none
+
+  [[nodiscard]] bool empty() const { return numbers.empty(); }
+  /// The structure in column x and row y, both in range; kNoStructure for the background.
+  [[nodiscard]] StructureIndex at(int x, int y) const {
+    const StructureNumber number =
+        numbers[static_cast<std::size_t>(y) * static_cast<std::size_t>(size.width) +
+                static_cast<std::size_t>(x)];
+    return number == 0 ? kNoStructure : StructureIndex{number} - 1;
+  }
+};
+
 /// Structure with the largest contribution to a pixel.
 struct Pick {
   StructureIndex structure = kNoStructure;

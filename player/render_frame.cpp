@@ -32,19 +32,9 @@ struct FrameCall {
   TaskControl& task;
 };
 
-/// Progress of a frame at the end of each stage.
-constexpr double kDecoded = 0.2, kPrepared = 0.3, kRasterized = 0.4, kVolumeDrawn = 0.9, kResolved = 0.95;
-/// Number of loops that report progress.
-constexpr std::size_t kRasterLoops = 8, kSheetLoops = 4, kRayLoops = 1, kCueLoops = 4;
-
-/// Shear-warp factorisation of the view. kUsage when it runs along the slices of a forced axis.
-Result<Shear> shear_of(const ParallelView& view, const Grid& grid, const RenderOverrides& overrides) {
-  const Shear shear = factorise(view, grid, overrides.principal_axis ? &*overrides.principal_axis : nullptr);
-  if (std::abs(shear.slope_u) <= kMaxForcedSlope && std::abs(shear.slope_v) <= kMaxForcedSlope) return shear;
-  return fail(ErrorCode::kUsage,
-              fmt::format("principal axis {}: the view runs along its slices; take another",
-                          "xyz"[static_cast<std::size_t>(shear.principal)]));
-}
+/// Progress of a frame after decoding, and number of loops that draw its volume.
+constexpr double kDecoded = 0.2, kPrepared = 0.3;
+constexpr std::size_t kSheetLoops = 4, kRayLoops = 1;
 
 /// True for pictures by ray casting, false for shear-warp factorisation.
 bool is_by_rays(const View& view, const RenderOptions& options) {
@@ -87,7 +77,7 @@ struct Renderer::Impl {
     spans.outdate();  // first: out of memory in draw() leaves an empty plan
     ray_volume.reset();
     faces.clear();
-    shown.reset();
+    forget_frame();
     drawn.draw(std::move(plan));
     const DrawPlan& now = drawn.plan();
     stats.volume_voxels = now.volume_voxels;
@@ -103,12 +93,18 @@ struct Renderer::Impl {
     spans.clear();
     ray_volume.reset();
     faces.clear();
+    forget_frame();
+  }
+
+  void forget_frame() {
     shown.reset();
+    ids = {};
   }
 
   [[nodiscard]] Result<void> render(const Camera& camera, const RenderOptions& options,
                                     const RenderOverrides& overrides, TaskControl& task, Picture& picture) {
     SPLATLAS_ASSIGN_OR_RETURN(const View view, view_of(camera, options.size, atlas->display()));
+    SPLATLAS_RETURN_IF_ERROR(check_ids(options, *atlas));
     SPLATLAS_RETURN_IF_ERROR(reserve_memory(options));
     const FrameCall call{view, options, overrides, task};
     return is_by_rays(view, options) ? render_rays(call, picture) : render_sheets(call, picture);
@@ -176,7 +172,7 @@ struct Renderer::Impl {
     // Rasterise surfaces, render sheets, resolve both into the picture
     const std::vector<SurfaceDraw> surfaces = drawn.surfaces(decoded.cache());
     const FrameScene scene = scene_of(call, surfaces, lighting);
-    SheetFrame frame(scene, axis_spans.model(), shear, buffers, stats, pool);
+    SheetFrame frame(scene, axis_spans, shear, buffers, stats, pool);
     SPLATLAS_RETURN_IF_ERROR(run_stages(frame, kSheetLoops, task, picture));
     stats.runs_visited = axis_spans.runs().count();
     stats.render_ms = light.wall_ms + watch.lap().wall_ms;
@@ -225,10 +221,12 @@ struct Renderer::Impl {
 
   /// Builds the ray volume of the selection unless it is current. Frees the spans first.
   [[nodiscard]] Result<void> require_ray_volume(const RenderOptions& options) {
-    if (ray_volume && ray_volume->fits(options.classification, options.hybrid_shading)) return {};
+    const bool fits = ray_volume && ray_volume->fits(options.classification, options.hybrid_shading);
+    if (fits && (!options.ids || ray_volume->numbers() != nullptr)) return {};
+    const SelectedRuns runs(drawn.plan(), atlas->classes(), decoded.cache(), Axis::kZ);
+    if (fits) return ray_volume->number(runs, drawn.numbers(), pool);
     ray_volume.reset();
     spans.clear();
-    const SelectedRuns runs(drawn.plan(), atlas->classes(), decoded.cache(), Axis::kZ);
     SPLATLAS_ASSIGN_OR_RETURN(ray_volume,
                               RayVolume::build({.atlas = *atlas,
                                                 .selection = drawn.selection(),
@@ -240,7 +238,7 @@ struct Renderer::Impl {
                                                 .shade = options.hybrid_shading,
                                                 .max_memory_bytes = max_memory_bytes - frame_bytes(options)},
                                                pool));
-    return {};
+    return options.ids ? ray_volume->number(runs, drawn.numbers(), pool) : Result<void>();
   }
 
   [[nodiscard]] FrameScene scene_of(const FrameCall& call, std::span<const SurfaceDraw> surfaces,
@@ -253,24 +251,19 @@ struct Renderer::Impl {
             .overrides = call.overrides,
             .max_memory_bytes = max_memory_bytes,
             .budget = &atlas->work_budget(),
-            .faces = faces.faces()};
+            .faces = faces.faces(),
+            .numbers = drawn.numbers()};
   }
 
   /// Runs the stages of a frame.
   [[nodiscard]] Result<void> run_stages(FrameRenderer& frame, std::size_t volume_loops, TaskControl& task,
                                         Picture& picture) {
     has_shown_fragments = false;
-    task.begin_stage(kRasterized, kRasterLoops);
-    SPLATLAS_RETURN_IF_ERROR(frame.rasterize());
-    task.begin_stage(kVolumeDrawn, volume_loops);
-    SPLATLAS_RETURN_IF_ERROR(frame.render_volume(picture));
-    task.begin_stage(kResolved);
-    frame.resolve(picture);
-    task.begin_stage(1, kCueLoops);
-    frame.cue_depth(picture);
-
+    SPLATLAS_RETURN_IF_ERROR(frame.run(volume_loops, task, picture));
     shown = frame.shown();
     has_shown_fragments = true;
+    std::swap(ids, buffers.ids);  // empty without ids
+    buffers.ids.numbers.clear();
     return {};
   }
 
@@ -293,7 +286,8 @@ struct Renderer::Impl {
                           .plan = drawn.plan(),
                           .appearances = drawn.appearances().appearances(),
                           .cache = decoded.cache(),
-                          .fragments = buffers.fragments};
+                          .fragments = buffers.fragments,
+                          .ids = ids};
     return pick_structure(scene, x, y);
   }
 
@@ -325,6 +319,7 @@ struct Renderer::Impl {
   // State of the latest frame, and of the latest finished one.
   FrameBuffers buffers;
   std::optional<ShownFrame> shown;
+  IdImage ids;                       // of the shown frame
   bool has_shown_fragments = false;  // false: an unfinished frame has replaced them
   RenderStats stats;
   double fit_decode_ms = 0;  // of calls of fit() since the latest frame
@@ -391,6 +386,10 @@ Result<void> RendererInternals::render(Renderer& renderer, const Camera& camera,
   } catch (const Cancelled&) {
     return fail(ErrorCode::kCancelled, r.atlas->name() + ": rendering was cancelled");
   }
+}
+
+const IdImage& Renderer::ids() const {
+  return impl_->ids;
 }
 
 std::optional<Pick> Renderer::pick(double x, double y) const {

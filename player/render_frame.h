@@ -83,6 +83,10 @@ class Renderer {
   /// The next select() clears the list, and render() tries them again.
   [[nodiscard]] const std::vector<MissingPart>& missing() const;
 
+  /// Structures of the pixels of the latest finished picture, if its options asked for ids; else empty. Like
+  /// pick(), does not change with cancelled and failed calls of render(), and is empty after select().
+  [[nodiscard]] const IdImage& ids() const;
+
   /// Casts a ray through picture coordinates (x, y) of the latest finished picture. Cancelled and failed
   /// calls of render() do not change it, so a draft can be picked while its refinement is cancelled. Returns
   /// the structure with the largest contribution to the pixel, and the point of its largest contribution in

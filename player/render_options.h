@@ -62,6 +62,7 @@ struct RenderOptions {
   /// Half spaces to remove from volumes and surfaces. What remains is unchanged.
   CutPlanes cuts = {};
   CapMode caps = CapMode::kBoth;  ///< faces of the cuts
+  bool ids = false;               ///< also makes the id image, Renderer::ids(); the picture is the same
 };
 
 /// Cancellation and progress of one call of Renderer::render().
@@ -104,8 +105,9 @@ struct RenderStats {
   ///   - rasterize: surfaces to fragments.
   ///   - sheets: splatting and compositing of sheets, or ray casting.
   ///   - resolve: warps the sheet and composites fragments.
+  ///   - ids: id image, from the shares of structures that the other stages accumulate.
   ///   - depth_cue: depth map and darkening.
-  Elapsed traversal, rasterize, sheets, resolve, depth_cue;
+  Elapsed traversal, rasterize, sheets, resolve, ids, depth_cue;
 };
 
 /// Resources of a renderer.

@@ -20,6 +20,7 @@
 #include "format/system/output_file.h"
 #include "format/system/output_path.h"
 #include "format/system/result_macros.h"
+#include "player/pictures/id_encoder.h"
 #include "player/pictures/picture_encoder.h"
 
 namespace splatlas {
@@ -189,10 +190,21 @@ nlohmann::ordered_json missing_json(const Renderer& renderer) {
   return json;
 }
 
+/// Ids of the structures in an id image, by number.
+nlohmann::ordered_json ids_json(const IdImage& ids, const StructureGraph& graph) {
+  auto json = nlohmann::ordered_json::object();
+  std::vector<bool> is_shown(graph.size() + 1);
+  for (const StructureNumber number : ids.numbers) is_shown[number] = true;
+  for (std::size_t number = 1; number <= graph.size(); ++number) {
+    if (is_shown[number]) json[std::to_string(number)] = graph[static_cast<StructureIndex>(number - 1)].id;
+  }
+  return json;
+}
+
 nlohmann::ordered_json stats_json(const Renderer& renderer, double open_ms, double draft_decode_ms) {
   const RenderStats& stats = renderer.stats();
   const Atlas::Counters bytes = renderer.atlas().counters();
-  return {
+  nlohmann::ordered_json json{
       {"voxels",
        {{"volume", stats.volume_voxels}, {"surface", stats.surface_voxels}, {"hybrid", stats.hybrid_voxels}}},
       {"occupancy", stats.occupancy},
@@ -206,6 +218,8 @@ nlohmann::ordered_json stats_json(const Renderer& renderer, double open_ms, doub
         {"decode", draft_decode_ms + stats.decode_ms},
         {"render", stats.render_ms}}},
       {"missing", missing_json(renderer)}};
+  if (!renderer.ids().empty()) json["ids"] = ids_json(renderer.ids(), renderer.atlas().graph());
+  return json;
 }
 
 /// Names the option of a field of view that the renderer refuses.
@@ -231,10 +245,15 @@ Result<OutputFile> written(const std::filesystem::path& path, std::span<const st
   return file;
 }
 
-/// Writes both files or none.
+/// Writes all files or none.
 Result<void> write_outputs(const RenderRequest& request, std::span<const std::byte> picture,
-                           const std::string& stats) {
+                           const std::string& stats, const IdImage& ids) {
   std::vector<OutputFile> files;
+  if (!request.ids.empty()) {
+    SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::byte> bytes, encode_ids(ids, request.ids));
+    SPLATLAS_ASSIGN_OR_RETURN(OutputFile file, written(request.ids, bytes));
+    files.push_back(std::move(file));
+  }
   if (!request.stats.empty()) {
     SPLATLAS_ASSIGN_OR_RETURN(OutputFile file, written(request.stats, std::as_bytes(std::span(stats))));
     files.push_back(std::move(file));
@@ -294,16 +313,22 @@ CLI::App* add_render(CLI::App& app, RenderRequest& request) {
   add_max_work(*command, request.atlas_options.max_work);
   add_parsed(*command, "--stats", request.stats, parse_file_name, "must name a file",
              "JSON file to write: voxels visited, bytes read, times");
+  add_parsed(
+      *command, "--ids", request.ids, parse_file_name, "must name a file",
+      "id image to write, .png (16-bit grey) or .exr: the number of the structure that each pixel shows; "
+      "--stats lists the numbers");
   command->footer(kFooter);
   return command;
 }
 
 Result<RenderReport> run_render(const RenderRequest& request) {
   SPLATLAS_RETURN_IF_ERROR(PictureEncoder::check_ending(request.output));
+  if (!request.ids.empty()) SPLATLAS_RETURN_IF_ERROR(check_id_ending(request.ids));
   SPLATLAS_RETURN_IF_ERROR(
-      check_outputs(std::vector{request.output, request.stats}, std::vector{request.atlas}));
+      check_outputs(std::vector{request.output, request.stats, request.ids}, std::vector{request.atlas}));
   SPLATLAS_RETURN_IF_ERROR(check_writable_file(request.output));
-  if (!request.stats.empty()) SPLATLAS_RETURN_IF_ERROR(check_writable_file(request.stats));
+  for (const std::filesystem::path& path : {request.stats, request.ids})
+    if (!path.empty()) SPLATLAS_RETURN_IF_ERROR(check_writable_file(path));
   // Report errors that do not need the atlas before opening it.
   SPLATLAS_ASSIGN_OR_RETURN(const auto terms, parse_selection(request.select));
   SPLATLAS_RETURN_IF_ERROR(view_of(request.camera, request.options.size, Display{}).map_error(with_option));
@@ -339,7 +364,9 @@ Result<RenderReport> run_render(const RenderRequest& request) {
   SPLATLAS_ASSIGN_OR_RETURN(
       const Camera camera,
       framed(request.camera, request.framing, request.options, renderer, region).map_error(with_option));
-  SPLATLAS_ASSIGN_OR_RETURN(Picture picture, renderer.render(camera, request.options).map_error(with_option));
+  RenderOptions options = request.options;
+  options.ids = !request.ids.empty();
+  SPLATLAS_ASSIGN_OR_RETURN(Picture picture, renderer.render(camera, options).map_error(with_option));
   FileAnnotations annotations{nullptr, &drawer, fonts, title_of(request, renderer.atlas()), dpi_of(request)};
   AnnotationLayer layer;
   if (request.annotate.items.any()) {
@@ -353,8 +380,8 @@ Result<RenderReport> run_render(const RenderRequest& request) {
   }
   SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::byte> bytes,
                             encoder.encode(picture, request.background, annotations));
-  SPLATLAS_RETURN_IF_ERROR(
-      write_outputs(request, bytes, json_text(stats_json(renderer, open_ms, draft_decode_ms))));
+  SPLATLAS_RETURN_IF_ERROR(write_outputs(
+      request, bytes, json_text(stats_json(renderer, open_ms, draft_decode_ms)), renderer.ids()));
   report.notes = std::move(layer.notes);
   for (const MissingPart& part : renderer.missing()) {
     report.missing.push_back(describe(part, renderer.atlas().graph()));

@@ -29,6 +29,7 @@ struct RenderRequest {
   std::optional<Rgb> background = Rgb{0, 0, 0};  ///< none: transparent
   AnnotateRequest annotate;
   std::filesystem::path stats;  ///< JSON file; empty: none
+  std::filesystem::path ids;    ///< id image; empty: none
 };
 
 /// Adds the command. Parsing fills `request`, which must outlive `app`. Invalid values throw
@@ -41,8 +42,8 @@ struct RenderReport {
   std::vector<std::string> missing;  ///< unreadable parts of a damaged atlas
 };
 
-/// Renders a picture and writes it, with the statistics if requested: both files or none. Renders the intact
-/// parts of a damaged atlas. Errors name the file.
+/// Renders a picture and writes it, with statistics and id image if requested: all files or none. Renders the
+/// intact parts of a damaged atlas. Errors name the file.
 [[nodiscard]] Result<RenderReport> run_render(const RenderRequest& request);
 
 }  // namespace splatlas

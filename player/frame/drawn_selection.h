@@ -3,12 +3,14 @@
 
 #include <cstdint>
 #include <new>
+#include <span>
 #include <utility>
 #include <vector>
 
 #include "format/decision_tree.h"
 #include "format/selection.h"
 #include "player/spans/class_cache.h"
+#include "player/surfaces/pixel_shares.h"
 #include "player/surfaces/rasterize.h"
 #include "player/transfer/volume_appearances.h"
 
@@ -28,6 +30,8 @@ class DrawnSelection {
   void draw(DrawPlan plan) {
     plan_ = std::move(plan);
     try {
+      numbers_.clear();
+      for (const ClassDraw& of_class : plan_.classes) numbers_.push_back(number_of(of_class.volume_of));
       appearances_.select(plan_, selection_);
     } catch (const std::bad_alloc&) {
       clear();
@@ -43,6 +47,8 @@ class DrawnSelection {
   [[nodiscard]] const Selection& selection() const { return selection_; }
   [[nodiscard]] const DrawPlan& plan() const { return plan_; }
   [[nodiscard]] const VolumeAppearances& appearances() const { return appearances_; }
+  /// Numbers of the structures of the plan's classes, for id images.
+  [[nodiscard]] std::span<const StructureNumber> numbers() const { return numbers_; }
   [[nodiscard]] std::uint64_t max_span_bytes() const { return max_span_bytes_; }
   [[nodiscard]] bool draws_nothing() const { return volume_classes(plan_).empty() && plan_.surfaces.empty(); }
 
@@ -58,7 +64,8 @@ class DrawnSelection {
  private:
   Selection selection_;
   DrawPlan plan_;
-  VolumeAppearances appearances_;  // of plan_.classes
+  VolumeAppearances appearances_;         // of plan_.classes
+  std::vector<StructureNumber> numbers_;  // the same
   std::uint64_t max_span_bytes_ = 0;
 };
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
+
 #include "format/system/result_macros.h"
 #include "player/frame/stopwatch.h"
 #include "player/rays/cast_surfaces.h"
@@ -9,12 +11,19 @@
 namespace splatlas {
 namespace {
 
+/// Progress of a frame at the end of each stage.
+constexpr double kRasterized = 0.4, kVolumeDrawn = 0.9, kResolved = 0.95;
+/// Number of loops that report progress.
+constexpr std::size_t kRasterLoops = 8, kResolveLoops = 2, kCueLoops = 4;
+
 /// Bytes of the rasteriser and the volume pass per fragment, for samples with a single fragment.
 constexpr std::size_t kBytesPerFragment = 200;
 /// Bytes per pixel of edge detection.
 constexpr std::uint64_t kBytesToFindEdges = 48;
 /// Maximum of 32-bit fragment indices.
 constexpr std::size_t kMaxFragments = 0xfffffffe;
+/// Bytes per pixel of id images, and of the shares of structures.
+constexpr std::uint64_t kBytesOfIds = 2 * sizeof(StructureNumber) + 60;
 constexpr std::size_t kRowsPerJob = 16;
 
 std::uint64_t pixels_of(const PictureSize& size) {
@@ -79,13 +88,34 @@ bool shows_faces(const RenderOptions& options) {
 std::uint64_t frame_bytes(const RenderOptions& options) {
   std::uint64_t bytes_per_pixel = cues_depth(options) ? sizeof(float) : 0;
   if (shows_faces(options)) bytes_per_pixel += sizeof(RayFaces);
+  if (options.ids) bytes_per_pixel += kBytesOfIds;
   return picture_bytes(options.size) + pixels_of(options.size) * bytes_per_pixel;
+}
+
+Result<void> check_ids(const RenderOptions& options, const Atlas& atlas) {
+  if (!options.ids || atlas.graph().size() <= kMaxNumberedStructures) return {};
+  return fail(ErrorCode::kUsage,
+              fmt::format("{}: the atlas has {} structures; id images number at most {}. Render without ids",
+                          atlas.name(), atlas.graph().size(), kMaxNumberedStructures));
 }
 
 FrameRenderer::FrameRenderer(const FrameScene& scene, FrameBuffers& buffers, RenderStats& stats,
                              ThreadPool& pool)
     : scene_(scene), buffers_(buffers), stats_(stats), pool_(pool) {
   if (!scene.options.cuts.empty()) cuts_.emplace(scene.options.cuts, scene.view, scene.grid);
+}
+
+Result<void> FrameRenderer::run(std::size_t volume_loops, TaskControl& task, Picture& picture) {
+  task.begin_stage(kRasterized, kRasterLoops);
+  SPLATLAS_RETURN_IF_ERROR(rasterize());
+  task.begin_stage(kVolumeDrawn, volume_loops);
+  SPLATLAS_RETURN_IF_ERROR(render_volume(picture));
+  task.begin_stage(kResolved, kResolveLoops);
+  resolve(picture);
+  resolve_ids(picture);
+  task.begin_stage(1, kCueLoops);
+  cue_depth(picture);
+  return {};
 }
 
 Result<void> FrameRenderer::rasterize() {

@@ -8,11 +8,14 @@
 #include <span>
 
 #include "format/atlas_reader.h"
+#include "format/system/task_control.h"
 #include "format/system/thread_pool.h"
 #include "player/depth_cue/depth_edges.h"
 #include "player/frame/cut_faces.h"
 #include "player/frame/render_overrides.h"
 #include "player/sheets/fragment_order.h"
+#include "player/sheets/fragment_shares.h"
+#include "player/sheets/sheet_shares.h"
 #include "player/sheets/sheets.h"
 #include "player/surfaces/raster_scene.h"
 #include "player/surfaces/rasterize.h"
@@ -28,6 +31,9 @@ struct FrameBuffers {
   FaceLayer faces;      ///< of a cut; empty: none
   FragmentOrder order;  ///< depth order of the fragments, and the volume in front of them
   SheetImage sheet;
+  SheetShares shares;              ///< of an id image
+  FragmentShares fragment_shares;  ///< the same
+  IdImage ids;
   DepthMap depths;
 };
 
@@ -54,6 +60,8 @@ struct FrameScene {
   std::uint64_t max_memory_bytes = 0;               ///< limit; fragments may take a quarter of it
   const WorkBudget* budget = nullptr;               ///< of the atlas; null: unlimited
   std::shared_ptr<const CutFaces> faces = nullptr;  ///< of the cuts of the options; null: none
+  /// For an id image: numbers of the structures of the plan's classes; empty: none.
+  std::span<const StructureNumber> numbers = {};
 };
 
 /// True if the faces of cuts are drawn.
@@ -61,10 +69,16 @@ struct FrameScene {
 /// Bytes of a picture, of its encoder, of its depth map and of its faces.
 [[nodiscard]] std::uint64_t frame_bytes(const RenderOptions& options);
 
-/// Stages of a frame; call them in this order. Each sets its counter and its time in the statistics.
+/// kUsage if the options ask for ids and the atlas has too many structures for them.
+[[nodiscard]] Result<void> check_ids(const RenderOptions& options, const Atlas& atlas);
+
+/// Stages of a frame; each sets its counter and its time in the statistics.
 class FrameRenderer {
  public:
   virtual ~FrameRenderer() = default;
+
+  /// Runs all stages in order. `volume_loops`: loops of render_volume(), for progress.
+  [[nodiscard]] Result<void> run(std::size_t volume_loops, TaskControl& task, Picture& picture);
 
   /// Rasterises surfaces to fragments. kUsage when the field of view is too wide for surfaces; kLimit for too
   /// many fragments.
@@ -74,6 +88,8 @@ class FrameRenderer {
   [[nodiscard]] virtual Result<void> render_volume(Picture& picture) = 0;
   /// Composites the fragments with the segments of the volume between them. Warps the sheet into the picture.
   virtual void resolve(Picture& picture) = 0;
+  /// Finds the id image of the resolved picture, if the options ask for it.
+  virtual void resolve_ids(const Picture& picture) = 0;
   /// Depth darkening (Luft et al. 2006) of the finished picture, if the options ask for it.
   void cue_depth(Picture& picture);
 

@@ -30,7 +30,11 @@ class RayWalk {
     }
     transmittance_ *= 1 - opacity;
   }
-  [[nodiscard]] std::optional<std::pair<StructureIndex, double>> winner() const {
+  /// The structure and its point. `shown` wins if it contributes.
+  [[nodiscard]] std::optional<std::pair<StructureIndex, double>> winner(StructureIndex shown) const {
+    if (const auto found = contributions_.find(shown);
+        found != contributions_.end() && found->second.total > 0)
+      return std::pair(found->first, found->second.plane);
     const auto best =
         std::max_element(contributions_.begin(), contributions_.end(), [](const auto& a, const auto& b) {
           return a.second.total != b.second.total ? a.second.total < b.second.total : a.first > b.first;
@@ -178,7 +182,9 @@ std::optional<Pick> pick_structure(const PickScene& scene, double x, double y) {
   pass_surfaces(sign * HUGE_VAL);
   if (ray.faces.back.shows()) walk.add(ray.faces.back.structure, ray.faces.back.rgba[3], ray.back);
 
-  const auto winner = walk.winner();
+  const StructureIndex shown =
+      scene.ids.empty() ? kNoStructure : scene.ids.at(static_cast<int>(x), static_cast<int>(y));
+  const auto winner = walk.winner(shown);
   if (!winner) return std::nullopt;
   return Pick{winner->first, index_to_lps_mm(scene.grid).apply(ray.at(winner->second))};
 }

@@ -1,8 +1,12 @@
 #include "player/frame/ray_frame.h"
 
+#include <cstddef>
+#include <vector>
+
 #include "player/frame/stopwatch.h"
 #include "player/rays/cast_surfaces.h"
 #include "player/rays/ray_depths.h"
+#include "player/surfaces/pixel_shares.h"
 
 namespace splatlas {
 namespace {
@@ -43,6 +47,7 @@ Result<void> RayFrame::render_volume(Picture& picture) {
   Stopwatch watch;
   options_.cuts = cuts();
   options_.faces = faces();
+  if (scene_.options.ids) options_.ids = &buffers_.ids;
   cast_rays(volume_, scene_.view, scene_.grid, options_, kernels_, picture, pool_);
   stats_.voxels_visited = volume_.voxels();
   stats_.sheets = watch.lap();
@@ -54,6 +59,17 @@ void RayFrame::resolve(Picture& picture) {
   cast_surfaces(volume_, scene_.view, scene_.grid, *raster_, buffers_.fragments, options_, kernels_, picture,
                 pool_);
   stats_.resolve = watch.lap();
+}
+
+void RayFrame::resolve_ids(const Picture& picture) {
+  Stopwatch watch;
+  if (scene_.options.ids) {
+    std::vector<StructureNumber>& numbers = buffers_.ids.numbers;
+    for (std::size_t n = 0; n < numbers.size(); ++n) {
+      if (picture.rgba[4 * n + 3] < kMinIdOpacity) numbers[n] = 0;
+    }
+  }
+  stats_.ids = watch.lap();
 }
 
 void RayFrame::add_volume_depths(const ViewDepth& view_depth) {

@@ -16,6 +16,7 @@ class RayFrame : public FrameRenderer {
 
   [[nodiscard]] Result<void> render_volume(Picture& picture) override;
   void resolve(Picture& picture) override;
+  void resolve_ids(const Picture& picture) override;
 
  private:
   [[nodiscard]] Result<RasterScene> raster_scene_of_view() const override;

@@ -5,6 +5,7 @@
 
 #include "format/grid.h"
 #include "player/render_options.h"
+#include "player/view/shear.h"
 
 namespace splatlas {
 
@@ -16,6 +17,10 @@ struct RenderOverrides {
   /// their best axis. Not set: the best axis of the view, or of each ray.
   std::optional<Axis> principal_axis = std::nullopt;
 };
+
+/// Shear-warp factorisation of a view. kUsage when it runs along the slices of a forced axis.
+[[nodiscard]] Result<Shear> shear_of(const ParallelView& view, const Grid& grid,
+                                     const RenderOverrides& overrides);
 
 /// Access to the state of a renderer, for render_with().
 struct RendererInternals {

@@ -7,7 +7,7 @@
 
 #include "format/system/result_macros.h"
 #include "player/frame/stopwatch.h"
-#include "player/sheets/resolve.h"
+#include "player/sheets/resolve_ids.h"
 #include "player/sheets/span_depths.h"
 #include "player/sheets/splat_kernels.h"
 
@@ -114,18 +114,28 @@ Result<void> SheetFrame::render_volume(Picture& /*picture*/) {
   // The positive weights of the cubic kernel sum to at most 1.28, which amplifies the error of the sheet.
   const float threshold = termination_threshold(options) / (window.cubic ? 1.3f : 1.0f);
   const SplatKernels& kernels = scene_.overrides.simd ? best_kernels() : scalar_kernels();
+  const VoxelNumbers numbers{runs_, scene_.numbers};
+  const SharePass shares{numbers, buffers_.shares, buffers_.fragment_shares};
   stats_.voxels_visited = render_sheets(spans_, shear_, window, kernels, threshold, planes(), buffers_.order,
-                                        buffers_.sheet, pool_);
+                                        buffers_.sheet, pool_, scene_.options.ids ? &shares : nullptr);
   stats_.sheets = watch.lap();
   return {};
 }
 
 void SheetFrame::resolve(Picture& picture) {
   Stopwatch watch;
-  const FragmentsInVolume fragments{buffers_.fragments, buffers_.order, cuts(), faces()};
-  splatlas::resolve(buffers_.sheet, shear_, fragments, scene_.options.size,
+  splatlas::resolve(buffers_.sheet, shear_, fragments(), scene_.options.size,
                     scene_.overrides.simd ? best_warp() : scalar_warp(), picture, pool_);
   stats_.resolve = watch.lap();
+}
+
+void SheetFrame::resolve_ids(const Picture& picture) {
+  Stopwatch watch;
+  if (scene_.options.ids) {
+    splatlas::resolve_ids(buffers_.shares, shear_, fragments(), buffers_.fragment_shares, picture,
+                          buffers_.ids, pool_);
+  }
+  stats_.ids = watch.lap();
 }
 
 void SheetFrame::add_volume_depths(const ViewDepth& view_depth) {

@@ -4,26 +4,38 @@
 #include <optional>
 
 #include "player/frame/frame_renderer.h"
+#include "player/frame/span_store.h"
+#include "player/sheets/resolve.h"
 
 namespace splatlas {
 
-/// The spans must be lit. They and the factorisation must outlive the frame.
+/// The spans must be lit. They, their runs and the factorisation must outlive the frame.
 class SheetFrame : public FrameRenderer {
  public:
-  SheetFrame(const FrameScene& scene, const SpanModel& spans, const Shear& shear, FrameBuffers& buffers,
+  SheetFrame(const FrameScene& scene, const AxisSpans& spans, const Shear& shear, FrameBuffers& buffers,
              RenderStats& stats, ThreadPool& pool)
-      : FrameRenderer(scene, buffers, stats, pool), spans_(spans), shear_(shear) {}
+      : FrameRenderer(scene, buffers, stats, pool),
+        spans_(spans.model()),
+        runs_(spans.runs()),
+        shear_(shear) {}
 
   /// Splats and composites the spans sheet by sheet (Westover 1990).
   [[nodiscard]] Result<void> render_volume(Picture& picture) override;
   void resolve(Picture& picture) override;
+  void resolve_ids(const Picture& picture) override;
 
  private:
   [[nodiscard]] Result<RasterScene> raster_scene_of_view() const override;
   void add_volume_depths(const ViewDepth& view_depth) override;
   [[nodiscard]] std::optional<Axis> slice_axis() const override { return shear_.principal; }
 
+  /// Surface fragments in the volume.
+  [[nodiscard]] FragmentsInVolume fragments() const {
+    return {buffers_.fragments, buffers_.order, cuts(), faces()};
+  }
+
   const SpanModel& spans_;
+  const SelectedRuns& runs_;
   const Shear& shear_;
 };
 

@@ -43,9 +43,12 @@ Result<Bytes> encode_through_module(void* function, const std::string& ending, c
   std::vector<std::uint8_t> srgb;
   if (!is_float) srgb = background ? to_srgb8(picture, *background) : to_srgba8(picture);
   const void* data = is_float ? static_cast<const void*>(picture.rgba.data()) : srgb.data();
-  const PixelsToEncode to_encode{ending.c_str(),      picture.size.width,
-                                 picture.size.height, background && !is_float ? 3 : 4,
-                                 is_float ? 1 : 0,    data,
+  const PixelsToEncode to_encode{ending.c_str(),
+                                 picture.size.width,
+                                 picture.size.height,
+                                 background && !is_float ? 3 : 4,
+                                 is_float ? kFloatPixels : kBytePixels,
+                                 data,
                                  is_float ? 0 : dpi};
   Bytes bytes;
   const auto take = [](void* context, const void* first, std::size_t size) {

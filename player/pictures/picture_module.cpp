@@ -24,14 +24,18 @@ void report(char* error, std::size_t error_size, std::string text) {
 }
 
 OIIO::ImageSpec spec_of(const splatlas::PixelsToEncode& pixels, const std::string& ending) {
-  const bool is_float = pixels.is_float != 0;
+  const bool is_float = pixels.type == splatlas::kFloatPixels;
+  const bool is_number = pixels.type == splatlas::kNumberPixels;
   OIIO::ImageSpec spec(pixels.width, pixels.height, pixels.channels,
-                       is_float ? OIIO::TypeDesc::FLOAT : OIIO::TypeDesc::UINT8);
+                       is_float    ? OIIO::TypeDesc::FLOAT
+                       : is_number ? OIIO::TypeDesc::UINT32
+                                   : OIIO::TypeDesc::UINT8);
+  if (is_number) spec.channelnames = {"id"};
   // In TIFF this attribute is EXIF, which OpenImageIO 2.4 corrupts in memory. 8-bit TIFF is sRGB by default.
-  if (ending != ".tif") spec.attribute("oiio:ColorSpace", is_float ? "Linear" : "sRGB");
+  if (ending != ".tif" && !is_number) spec.attribute("oiio:ColorSpace", is_float ? "Linear" : "sRGB");
   spec.attribute("Software", "Splatlas");
   spec.attribute("DateTime", "");  // for reproducible files
-  if (!is_float) spec.attribute("oiio:UnassociatedAlpha", 1);
+  if (!is_float && !is_number) spec.attribute("oiio:UnassociatedAlpha", 1);
   if (ending == ".jpg") spec.attribute("CompressionQuality", 95);
   if (ending == ".exr") spec.attribute("compression", "zip");
   if (pixels.dpi > 0) {

@@ -5,12 +5,15 @@
 
 namespace splatlas {
 
-/// Interleaved pixels, floats if `is_float`, else bytes; top row first. `ending` is the file extension
+/// Types of channels: 8-bit sRGB, linear floats, or 32-bit numbers of structures.
+enum PixelType : int { kBytePixels = 0, kFloatPixels = 1, kNumberPixels = 2 };
+
+/// Interleaved pixels of a PixelType, top row first. `ending` is the file extension
 /// (".exr"). The caller owns all pointers, which are used only during the call.
 struct PixelsToEncode {
   const char* ending;
   int width, height, channels;
-  int is_float;
+  int type;
   const void* pixels;
   double dpi;  ///< pixels per inch in print; 0: not stored
 };

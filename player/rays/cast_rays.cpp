@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "format/system/task_control.h"
 #include "player/rays/pixel_rays.h"
+#include "player/rays/ray_shares.h"
 #include "player/view/projection.h"
 
 namespace splatlas {
@@ -48,15 +50,42 @@ PixelBox shown_box(const RayVolume& volume, const View& view, const Grid& grid) 
           pixel(std::ceil(bottom + kRounding) + 1, size.height)};
 }
 
-/// Casts the rays of a block of pixels.
+/// Finds the structures of a block of pixels.
+void store_ids(int left, int top, const RayShares& shares, const CastOptions& options) {
+  IdImage& ids = *options.ids;
+  PixelShares sum;
+  for (int row = top; row < std::min(top + kBlockSide, ids.size.height); ++row) {
+    for (int column = left; column < std::min(left + kBlockSide, ids.size.width); ++column) {
+      const auto pixel = static_cast<std::size_t>(row) * static_cast<std::size_t>(ids.size.width) +
+                         static_cast<std::size_t>(column);
+      const PixelShares& volume =
+          shares.of_ray(static_cast<std::size_t>((row - top) * kBlockSide + column - left));
+      const RayFaces faces = options.faces != nullptr ? options.faces->at(pixel) : RayFaces{};
+      sum.clear();
+      if (faces.show()) sum.add_between(faces, volume, 1);
+      ids.numbers[pixel] = faces.show() ? sum.largest() : volume.largest();
+    }
+  }
+}
+
+/// Casts the rays of a block of pixels. `shares`: null without ids.
 void render_block(int left, int top, const PixelRays& rays, const MarchScene& scene,
-                  const CastOptions& options, const MarchKernels& kernels, Picture& picture) {
+                  const CastOptions& options, const MarchKernels& kernels, RayShares* shares,
+                  Picture& picture) {
   check_cancelled();
   const RayPoints points = block_centers(left, top, picture.size);
   RayPacket packet = rays.through(points);
   if (options.cuts != nullptr) rays.clip(*options.cuts, points, packet);
   RadiancePacket radiance;
+  if (shares != nullptr) {
+    shares->begin(packet);
+    radiance.trace = shares->trace();
+  }
   kernels.march(scene, packet, radiance);
+  if (shares != nullptr) {
+    shares->take();
+    store_ids(left, top, *shares, options);
+  }
   const int columns = std::min(kBlockSide, picture.size.width - left);
   const int rows = std::min(kBlockSide, picture.size.height - top);
   for (int row = 0; row < rows; ++row) {
@@ -85,9 +114,11 @@ void cast_blocks(const RayVolume& volume, const View& view, const Grid& grid, co
     const int top = shown.top + static_cast<int>(n / static_cast<std::size_t>(columns)) * kTileSide;
     const int right = std::min(left + kTileSide, shown.right);
     const int bottom = std::min(top + kTileSide, shown.bottom);
+    std::optional<RayShares> shares;
+    if (options.ids != nullptr) shares.emplace(volume);
     for (int y = top; y < bottom; y += kBlockSide) {
       for (int x = left; x < right; x += kBlockSide)
-        render_block(x, y, rays, scene, options, kernels, picture);
+        render_block(x, y, rays, scene, options, kernels, shares ? &*shares : nullptr, picture);
     }
   });
 }
@@ -101,6 +132,20 @@ void add_faces(const FaceLayer& faces, Picture& picture, ThreadPool& pool) {
     for (std::size_t row = job * kRowsPerJob; row < std::min(height, (job + 1) * kRowsPerJob); ++row)
       faces.add_to_row(row, &picture.rgba[4 * row * width]);
   });
+}
+
+/// Clears the ids, or begins with those of faces alone.
+void begin_ids(const PictureSize& size, const FaceLayer* faces, IdImage& ids) {
+  ids.size = size;
+  ids.numbers.assign(static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height), 0);
+  if (faces == nullptr) return;
+  for (std::size_t n = 0; n < ids.numbers.size(); ++n) {
+    const RayFaces of_pixel = faces->at(n);
+    if (!of_pixel.show()) continue;
+    PixelShares sum;
+    sum.add_between(of_pixel, {}, 1);
+    ids.numbers[n] = sum.largest();
+  }
 }
 
 }  // namespace
@@ -120,6 +165,7 @@ void cast_rays(const RayVolume& volume, const View& view, const Grid& grid, cons
   const PictureSize size = view.plane.size;
   picture.size = size;
   picture.rgba.assign(4 * static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height), 0.0f);
+  if (options.ids != nullptr) begin_ids(size, options.faces, *options.ids);
   if (!volume.empty()) cast_blocks(volume, view, grid, options, kernels, picture, pool);
   if (options.faces != nullptr) add_faces(*options.faces, picture, pool);
 }

@@ -22,6 +22,9 @@ struct CastOptions {
       std::nullopt;                  ///< forced, for measurements; by default the best axis of each ray
   const CutRays* cuts = nullptr;     ///< clips the volume; null: no cut
   const FaceLayer* faces = nullptr;  ///< of the cut, at pixel centres; null: none
+  /// Numbers of the structures of the pixels, whatever their opacity; null: not asked for. The volume must
+  /// have structure numbers.
+  IdImage* ids = nullptr;
 };
 
 /// View of `volume` for the kernels. The volume must outlive the scene.

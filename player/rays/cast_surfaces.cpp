@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "format/system/task_control.h"
 #include "player/rays/pixel_rays.h"
+#include "player/rays/ray_shares.h"
 
 namespace splatlas {
 namespace {
@@ -21,12 +23,14 @@ constexpr std::size_t kPacketsPerJob = 16;
 /// The rays of up to kPacketRays samples, with the radiance composited so far.
 class SamplePacket {
  public:
+  /// `shares`: null without ids.
   SamplePacket(const RayVolume& volume, const MarchScene& march, const MarchKernels& kernels,
-               const FragmentList& list, std::size_t first)
+               const FragmentList& list, std::size_t first, RayShares* shares)
       : volume_(volume),
         march_(march),
         kernels_(kernels),
         list_(list),
+        shares_(shares),
         first_(first),
         count_(std::min(kPacketRays, list.sample_count() - first)) {}
 
@@ -40,6 +44,10 @@ class SamplePacket {
     }
     packet_ = rays.through(points);
     if (cuts != nullptr) rays.clip(*cuts, points, packet_);
+    if (shares_ != nullptr) {
+      shares_->begin(packet_);
+      radiance_.trace = shares_->trace();
+    }
     end_ = packet_.to;
     for (std::size_t n = count_; n < kPacketRays; ++n) end_[n] = packet_.from[n];
     std::size_t layers = 0;
@@ -53,6 +61,11 @@ class SamplePacket {
       if (!list_.faces.empty()) out[n].rgba = list_.faces[first_ + n].around(out[n].rgba);
     }
   }
+  /// Shares of structures in a sample, faces included.
+  void add_shares(std::size_t n, float weight, PixelShares& sum) const {
+    sum.add_between(list_.faces.empty() ? RayFaces{} : list_.faces[first_ + n], shares_->of_ray(n), weight);
+  }
+  [[nodiscard]] std::size_t count() const { return count_; }
 
  private:
   /// Composites the volume up to the next fragment of every ray, and the fragment.
@@ -68,6 +81,7 @@ class SamplePacket {
       if (layer >= fragments.size()) continue;
       const float transmittance = 1 - radiance_.planes[3][n];
       for (std::size_t c = 0; c < 4; ++c) radiance_.planes[c][n] += transmittance * fragments[layer].rgba[c];
+      if (shares_ != nullptr) shares_->add_fragment(n, fragments[layer].structure, radiance_.planes[3][n]);
       if (fragments[layer].rgba[3] >= 1) end_[n] = packet_.from[n];  // opaque
     }
   }
@@ -75,6 +89,7 @@ class SamplePacket {
   void march_to(const std::array<float, kPacketRays>& to) {
     packet_.to = to;
     if (!volume_.empty()) kernels_.march(march_, packet_, radiance_);
+    if (shares_ != nullptr) shares_->take();
     packet_.from = to;
   }
 
@@ -88,6 +103,7 @@ class SamplePacket {
   const MarchScene& march_;
   const MarchKernels& kernels_;
   const FragmentList& list_;
+  RayShares* shares_;
   std::size_t first_, count_;
   RayPacket packet_;
   RadiancePacket radiance_;
@@ -130,13 +146,19 @@ void cast_surfaces(const RayVolume& volume, const View& view, const Grid& grid, 
   const PixelRays rays(view, grid, volume.first(), options.principal_axis);
   const MarchScene march = march_scene(volume, options);
   std::vector<Radiance> radiances(samples);
+  std::vector<PixelShares> shares(options.ids != nullptr ? samples : 0);
   constexpr std::size_t kSamplesPerJob = kPacketsPerJob * kPacketRays;
   pool.for_each((samples + kSamplesPerJob - 1) / kSamplesPerJob, [&](std::size_t job) {
     const std::size_t last = std::min(samples, (job + 1) * kSamplesPerJob);
+    std::optional<RayShares> of_packet;
+    if (options.ids != nullptr) of_packet.emplace(volume);
     for (std::size_t first = job * kSamplesPerJob; first < last; first += kPacketRays) {
       check_cancelled();
-      SamplePacket packet(volume, march, kernels, fragments, first);
+      SamplePacket packet(volume, march, kernels, fragments, first, of_packet ? &*of_packet : nullptr);
       packet.render(rays, options.cuts, picture.size.width, scene, &radiances[first]);
+      if (of_packet) {
+        for (std::size_t n = 0; n < packet.count(); ++n) packet.add_shares(n, 1, shares[first + n]);
+      }
     }
   });
   for (std::size_t first = 0; first < samples;) {
@@ -146,6 +168,10 @@ void cast_surfaces(const RayVolume& volume, const View& view, const Grid& grid, 
     for (; last < samples && fragments.samples[last].pixel == pixel; ++last) sum += radiances[last];
     for (std::size_t c = 0; c < 4; ++c) {
       picture.rgba[4 * std::size_t{pixel} + c] = sum.rgba[c] / static_cast<float>(last - first);
+    }
+    if (options.ids != nullptr) {
+      for (std::size_t n = first + 1; n < last; ++n) shares[first].add(shares[n], 1);
+      options.ids->numbers[pixel] = shares[first].largest();
     }
     first = last;
   }

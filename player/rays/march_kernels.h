@@ -57,9 +57,25 @@ struct RayPacket {
   alignas(64) std::array<float, kPacketRays> from{}, to{};  ///< interval to integrate; empty if from >= to
 };
 
+/// Opacity of a packet's rays behind each step, for the shares of structures.
+struct MarchTrace {
+  struct Step {
+    alignas(64) std::array<float, kPacketRays> middle;   ///< t of the middle of the step
+    alignas(64) std::array<float, kPacketRays> opacity;  ///< behind the step
+  };
+  static constexpr std::size_t kSteps = 32;
+
+  std::array<Step, kSteps> steps;
+  std::size_t count = 0;
+  /// Takes the steps, and sets `count` to 0. Kernels call it when the trace is full; the rest is the
+  /// caller's.
+  void (*take)(MarchTrace& trace) = nullptr;
+};
+
 /// Radiance along rays: red, green, blue (premultiplied, linear), opacity.
 struct RadiancePacket {
   alignas(64) std::array<std::array<float, kPacketRays>, 4> planes{};
+  MarchTrace* trace = nullptr;  ///< null: none; it changes no radiance
 };
 
 struct MarchKernels {

@@ -222,6 +222,7 @@ class MultiAppearance {
       accumulated_.color[n] = MulAdd(transmittance, of_color, accumulated_.color[n]);
     }
     accumulated_.opacity = MulAdd(transmittance, radiance.Opacity(), accumulated_.opacity);
+    accumulated_.Record(at, next);
   }
 
   const MarchScene& scene_;

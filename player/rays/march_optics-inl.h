@@ -243,8 +243,18 @@ HWY_INLINE Absorption<Vector> AbsorptionOf(Vector depth) {
 /// Radiance and opacity composited so far, front to back.
 struct Accumulated {
   Vector color[3], opacity;
+  MarchTrace* trace = nullptr;
 
   HWY_INLINE Vector Transmittance() const { return Sub(Set(Lanes(), 1.0f), opacity); }
+  /// Records a step that has been composited.
+  HWY_INLINE void Record(Vector from, Vector to) const {
+    if (HWY_LIKELY(trace == nullptr)) return;
+    const Lanes d;
+    MarchTrace::Step& step = trace->steps[trace->count++];
+    Store(Mul(Set(d, 0.5f), Add(from, to)), d, step.middle.data());
+    Store(opacity, d, step.opacity.data());
+    if (trace->count == MarchTrace::kSteps) trace->take(*trace);
+  }
 };
 
 /// Optical depth up to which attenuation within a segment is negligible.

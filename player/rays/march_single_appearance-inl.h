@@ -63,7 +63,7 @@ class SingleAppearance {
     valid_ = true;
     if (IsFaint()) {
       const Sampled sample = Sample(ends.places[kSlabs - 1]);
-      Step(Sub(ends.t[kSlabs - 1], at), sample.classified);
+      Step(at, ends.t[kSlabs - 1], sample.classified);
       last_ = sample;
       return;
     }
@@ -154,11 +154,11 @@ class SingleAppearance {
     for (int n = 1; n < steps; ++n) {
       const auto next = PartOf(begin, length, n, steps);
       const Classified between = Classify(transfer_, GreyAt(next));
-      Step(Sub(next, at), between);
+      Step(at, next, between);
       last_.classified = between;
       at = next;
     }
-    Step(Sub(end, at), sample.classified);
+    Step(at, end, sample.classified);
   }
 
   /// Transmittance times segment length, mm.
@@ -183,11 +183,11 @@ class SingleAppearance {
     const Lanes d;
     const auto half = Set(d, 0.5f);
     switch (MethodFor(at, end, sample)) {
-      case SlabMethod::kLinear: Step(Sub(end, at), sample.classified); break;
+      case SlabMethod::kLinear: Step(at, end, sample.classified); break;
       case SlabMethod::kSimpson: {
         const auto straight = Mul(half, Add(last_.classified.grey, sample.classified.grey));
         const auto above = Sub(GreyAt(Mul(half, Add(at, end))), straight);
-        Step(Sub(end, at), sample.classified, Mul(Set(d, kSimpsonShare), above));
+        Step(at, end, sample.classified, Mul(Set(d, kSimpsonShare), above));
         break;
       }
       case SlabMethod::kSubdivide: SubdivideSlab(at, end); break;
@@ -236,7 +236,7 @@ class SingleAppearance {
         continue;
       }
       const Classified next = Classify(transfer_, cubic.points[3]);
-      Step(Sub(cubic.t, at), next, cubic.MeanAboveChord());
+      Step(at, cubic.t, next, cubic.MeanAboveChord());
       last_.classified = next;
       at = cubic.t;
       --count;
@@ -256,16 +256,18 @@ class SingleAppearance {
     return AllTrue(d, Or(linear, Le(Mul(weight, cubic.Deviation()), limit)));
   }
 
-  HWY_INLINE void Step(Vector part, const Classified& next) {
+  HWY_INLINE void Step(Vector at, Vector end, const Classified& next) {
     if (IsEmpty(next)) return;
-    Composite(part, next, PreintegratedMeans(transfer_, last_.classified, next));
+    Composite(Sub(end, at), next, PreintegratedMeans(transfer_, last_.classified, next));
+    accumulated_.Record(at, end);
   }
   /// For a mean grey value that lies `shift` above the chord.
-  HWY_INLINE void Step(Vector part, const Classified& next, Vector shift) {
+  HWY_INLINE void Step(Vector at, Vector end, const Classified& next, Vector shift) {
     if (IsEmpty(next)) return;
     PreintegratedMeans means(transfer_, last_.classified, next);
     means.ShiftGrey(transfer_, last_.classified, next, shift);
-    Composite(part, next, means);
+    Composite(Sub(end, at), next, means);
+    accumulated_.Record(at, end);
   }
   HWY_INLINE bool IsEmpty(const Classified& next) const {
     const Lanes d;

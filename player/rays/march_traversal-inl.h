@@ -71,6 +71,7 @@ inline void MarchPacket(const MarchScene& scene, const RayPacket& packet, Radian
   const Lanes d;
   const Rays rays(scene.grid, packet);
   Accumulated accumulated;
+  accumulated.trace = radiance.trace;
   for (std::size_t c = 0; c < 3; ++c) accumulated.color[c] = Load(d, radiance.planes[c].data());
   accumulated.opacity = Load(d, radiance.planes[3].data());
   const MarchSource& source = scene.sources[0];

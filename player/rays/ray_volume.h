@@ -11,6 +11,7 @@
 #include "format/decision_tree.h"
 #include "format/selection.h"
 #include "format/system/thread_pool.h"
+#include "player/picture.h"
 #include "player/rays/march_kernels.h"
 #include "player/render_options.h"
 #include "player/spans/class_cache.h"
@@ -51,6 +52,22 @@ class RayVolume {
   /// Lights boundary voxels if the volume was built with `shade` and the view's lighting has changed.
   void light(const ParallelView& view, const Lighting& lighting, ThreadPool& pool);
 
+  /// Stores the structure numbers of the voxels, for id images, unless it has them. `of_draw`: by index into
+  /// the plan's classes. kLimit when out of memory. Cost: linear in the selected voxels.
+  [[nodiscard]] Result<void> number(const SelectedRuns& runs, std::span<const StructureNumber> of_draw,
+                                    ThreadPool& pool);
+  /// Structure numbers of the voxels, x fastest; null: none.
+  [[nodiscard]] const StructureNumber* numbers() const {
+    return reinterpret_cast<const StructureNumber*>(numbers_.data());
+  }
+
+  [[nodiscard]] Classification classification() const { return classification_; }
+  /// The number of all selected corners of each cell; 0 without any, kSeveralNumbers if they differ.
+  static constexpr StructureNumber kSeveralNumbers = 0xffff;
+  [[nodiscard]] const StructureNumber* cell_numbers() const {
+    return reinterpret_cast<const StructureNumber*>(cell_numbers_.data());
+  }
+
   /// True if no voxel is selected.
   [[nodiscard]] bool empty() const { return sources_.empty(); }
   /// Voxel of the grid at position (0, 0, 0).
@@ -87,6 +104,7 @@ class RayVolume {
   std::vector<Source> sources_;
   std::vector<MarchSource> views_;
   std::vector<std::uint32_t> active_;
+  SparseBytes numbers_, cell_numbers_;
   std::uint64_t runs_ = 0, voxels_ = 0, shaded_voxels_ = 0;
   Classification classification_ = Classification::kBefore;
   bool shade_ = false;

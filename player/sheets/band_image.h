@@ -45,7 +45,7 @@ class BandImage {
   }
   /// All phases of a fine row.
   [[nodiscard]] AccumulatedRow accumulated(std::int64_t fine_row) const {
-    return {row(fine_row, 0), planes_, stride_, phase_stride()};
+    return {row(fine_row, 0), planes_, stride_, phase_stride(), fine_row};
   }
   /// Kernel access from a fine row and a phase on. Pairs of voxel rows are `scale` fine rows apart.
   [[nodiscard]] ImageRows rows(std::int64_t fine_row, std::int64_t phase) {

@@ -195,17 +195,23 @@ float FragmentOrder::kept_part(std::int32_t slab, double depth, const KeptDepths
   return static_cast<float>(std::clamp((along_of_depth(depth) - from) / (to - from), 0.0, 1.0));
 }
 
-Radiance FragmentOrder::in_front_of(std::size_t fragment, float depth, const KeptDepths* kept) const {
-  if (place_[fragment] == kNowhere) return {};
+float FragmentOrder::slab_share(std::size_t fragment, float depth, const KeptDepths* kept) const {
   const SlabRadiance& slab = radiance_[place_[fragment]];
   const float transmittance = 1 - slab.before.rgba[3];
   const float added = slab.behind.rgba[3] - slab.before.rgba[3];
-  if (!(added > 0)) return slab.before;
+  if (!(added > 0)) return 0;
   // Limit the opacity of the slab: rounding leaves too few digits of the transmittance behind it.
   const float max_added = transmittance - kMinTransmittance;
   const SlabPlace place = slab_at(along_of_depth(static_cast<double>(depth)));
   const float part = kept == nullptr ? place.part : kept_part(place.slab, static_cast<double>(depth), *kept);
-  const float share = share_of_slab(std::min(added, std::max(max_added, 0.0f)) / transmittance, part);
+  return share_of_slab(std::min(added, std::max(max_added, 0.0f)) / transmittance, part);
+}
+
+Radiance FragmentOrder::in_front_of(std::size_t fragment, float depth, const KeptDepths* kept) const {
+  if (place_[fragment] == kNowhere) return {};
+  const SlabRadiance& slab = radiance_[place_[fragment]];
+  if (!(slab.behind.rgba[3] - slab.before.rgba[3] > 0)) return slab.before;
+  const float share = slab_share(fragment, depth, kept);
   Radiance radiance;
   for (std::size_t c = 0; c < 4; ++c) {
     radiance.rgba[c] = slab.before.rgba[c] + share * (slab.behind.rgba[c] - slab.before.rgba[c]);

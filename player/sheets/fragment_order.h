@@ -67,6 +67,13 @@ class FragmentOrder {
   /// kept part of its ray; null without a cut.
   [[nodiscard]] Radiance in_front_of(std::size_t fragment, float depth, const KeptDepths* kept) const;
 
+  /// Number of entries.
+  [[nodiscard]] std::size_t entries() const { return entries_.size(); }
+  /// Index of a fragment's entry, or kNowhere.
+  [[nodiscard]] std::uint32_t entry_of(std::size_t fragment) const { return place_[fragment]; }
+  /// Share of the radiance of a fragment's slab that is in front of it. The fragment has an entry.
+  [[nodiscard]] float slab_share(std::size_t fragment, float depth, const KeptDepths* kept) const;
+
   /// Index of the slab that contains position `k` along the principal axis, in voxels of the grid.
   [[nodiscard]] std::int32_t slab_of(double k) const { return slab_at(along_of_place(k)).slab; }
 

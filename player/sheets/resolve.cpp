@@ -5,20 +5,13 @@
 #include <tuple>
 #include <vector>
 
+#include "player/sheets/sheet_map.h"
+
 namespace splatlas {
 namespace {
 
-constexpr int kMaxSamplesPerSide = 16;
 /// Prefetch distance: the radiance in front of fragments is scattered in memory.
 constexpr std::size_t kFragmentsAhead = 12;
-
-/// Picture coordinates to sheet pixels.
-Affine2 picture_to_pixels(const Shear& shear, const SheetWindow& window) {
-  const Affine2& map = shear.picture_to_sheet;
-  const double scale = window.scale;
-  return {map.xx * scale, map.xy * scale, (map.x0 - static_cast<double>(window.u0)) * scale,
-          map.yx * scale, map.yy * scale, (map.y0 - static_cast<double>(window.v0)) * scale};
-}
 
 /// One bilinear sample, as in the warp; zero outside the sheet's border.
 Radiance sample(const SheetImage& sheet, double x, double y) {
@@ -143,11 +136,6 @@ Radiance mean_of(const FragmentsInVolume& fragments, std::uint32_t first, std::u
   const float share = 1.0f / static_cast<float>(last - first);
   for (float& c : sum.rgba) c *= share;
   return sum;
-}
-
-/// Maximum distance in the sheet, in its pixels, of adjacent picture pixels.
-double longest_step(const Affine2& map) {
-  return std::max(std::hypot(map.xx, map.yx), std::hypot(map.xy, map.yy));
 }
 
 /// The warp of a row of picture pixels.
@@ -284,9 +272,7 @@ void resolve(const SheetImage& sheet, const Shear& shear, const FragmentsInVolum
   const auto height = static_cast<std::size_t>(size.height);
   picture.rgba.resize(4 * static_cast<std::size_t>(size.width) * height);
   const Affine2 map = picture_to_pixels(shear, sheet.window);
-  // Choose samples per side by the pixel width in voxels: finer sheets add no detail.
-  const double voxels = longest_step(map) / sheet.window.scale;
-  const int samples = static_cast<int>(std::clamp(std::ceil(voxels - 0.25), 1.0, double{kMaxSamplesPerSide}));
+  const int samples = samples_per_side(map, sheet.window);
   pool.for_each((height + kBandRows - 1) / kBandRows, [&](std::size_t band) {
     const std::size_t first = band * kBandRows;
     const std::size_t last = std::min(first + kBandRows, height);

@@ -4,12 +4,15 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <vector>
 
 #include "player/sheets/fragment_order.h"
+#include "player/sheets/fragment_shares.h"
 
 namespace splatlas {
 
+class BandShares;
 struct SheetWindow;
 
 /// Accumulated radiance of a row of sheet pixels, in planes per phase: red, green, blue (or white alone),
@@ -18,6 +21,8 @@ struct AccumulatedRow {
   const float* first = nullptr;  ///< pixel 0 of phase 0, first plane
   std::int64_t planes = 4;       ///< 4 or 2
   std::int64_t plane_stride = 0, phase_stride = 0;
+  std::int64_t fine_row = 0;
+  const BandShares* shares = nullptr;  ///< of structures in the opacity so far; null: not asked for
 };
 
 /// Interpolates the accumulated radiance of a band of rows at the adjacent fragments. Rows change only while
@@ -48,6 +53,9 @@ class SheetFragments {
   /// Adds deferred contributions, once all bands are finished.
   void merge();
 
+  /// Takes the shares of structures in front of the fragments of all bands.
+  [[nodiscard]] static FragmentShares merge_shares(std::span<SheetFragments> bands);
+
  private:
   static constexpr std::int32_t kNoMore = std::numeric_limits<std::int32_t>::max();
   static constexpr std::int32_t kBehindEverything = kNoMore - 1;
@@ -67,6 +75,8 @@ class SheetFragments {
   /// The row's contribution to the interpolated radiance in front of a fragment.
   [[nodiscard]] Radiance share(const FragmentOrder::Entry& entry, bool row_is_below,
                                const AccumulatedRow& row) const;
+  /// Lists the row's contribution to the shares in front of entry `n`.
+  void list_shares(std::size_t n, bool before, bool behind, bool row_is_below, const AccumulatedRow& row);
 
   FragmentOrder& order_;
   std::int64_t first_;
@@ -74,6 +84,7 @@ class SheetFragments {
   std::array<float, 3> color_;
   std::vector<std::array<Cursor, 2>> cursors_;  // per row
   std::vector<SlabRadiance> deferred_;          // of the fragments above the first row
+  std::vector<FragmentShare> shares_;           // empty unless asked for
 };
 
 }  // namespace splatlas

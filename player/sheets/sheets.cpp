@@ -7,7 +7,9 @@
 #include "player/sheets/band_image.h"
 #include "player/sheets/kept_slabs.h"
 #include "player/sheets/sheet_fragments.h"
+#include "player/sheets/sheet_shares.h"
 #include "player/sheets/slice_mix.h"
+#include "player/sheets/slice_rows.h"
 
 namespace splatlas {
 namespace {
@@ -38,6 +40,14 @@ struct Pass {
   const KeptSlabs* kept;  // null without a cut
   FragmentOrder& fragments;
   SheetImage& image;
+  const SharePass* shares;  // null: not asked for
+};
+
+/// Memory of a band, reused: page faults would cost more than the band.
+struct BandMemory {
+  std::vector<float> floats;
+  BandNumbers numbers;
+  BandShares shares;
 };
 
 /// out[n * kRows + r] = rows[r][n].
@@ -60,48 +70,23 @@ void interleave(std::span<const float* const> rows, std::int64_t count, float* o
   }
 }
 
-/// Positions of a slice's voxel rows among the fine rows. There are `scale` fine rows per voxel row.
-class SliceRows {
- public:
-  SliceRows(const Pass& pass, double k) : scale_(pass.window.scale) {
-    // Find the continuous fine row of voxel row 0
-    const double fine =
-        (pass.shear.v_shift(k) - static_cast<double>(pass.window.v0)) * static_cast<double>(scale_);
-    first_ = static_cast<std::int64_t>(std::ceil(fine));
-    rest_ = static_cast<double>(first_) - fine;
-  }
-
-  /// The n-th fine row between voxel rows `upper` and `upper` + 1.
-  [[nodiscard]] std::int64_t fine_row(std::int64_t upper, std::int64_t n) const {
-    return first_ + upper * scale_ + n;
-  }
-  /// The first voxel row whose n-th fine row is at or below `row`.
-  [[nodiscard]] std::int64_t upper_from(std::int64_t n, std::int64_t row) const {
-    const std::int64_t rows = row - n - first_;
-    return rows >= 0 ? (rows + scale_ - 1) / scale_ : -(-rows / scale_);
-  }
-  /// Weight of the lower voxel row at the n-th fine row.
-  [[nodiscard]] float lower_weight(std::int64_t n) const {
-    return static_cast<float>((rest_ + static_cast<double>(n)) / static_cast<double>(scale_));
-  }
-
- private:
-  std::int64_t scale_, first_ = 0;
-  double rest_ = 0;
-};
-
 /// Rendering of rows [first, last) of the window through all slices, front to back.
 class Band {
  public:
-  Band(const Pass& pass, std::int64_t first, std::int64_t last, SheetFragments& fragments,
-       std::vector<float>& floats)
+  Band(const Pass& pass, std::int64_t first, std::int64_t last, SheetFragments& fragments, BandMemory& memory)
       : pass_(pass),
         scale_(pass.window.scale),
         group_(static_cast<std::int64_t>(SheetRows::group_size(pass.window.scale))),
         first_(first),
         last_(last),
-        image_(pass.window, pass.model.emissions, first, last, floats),
-        fragments_(fragments) {}
+        image_(pass.window, pass.model.emissions, first, last, memory.floats),
+        fragments_(fragments),
+        numbers_(memory.numbers),
+        shares_(memory.shares) {
+    if (pass.shares == nullptr) return;
+    numbers_.begin(pass.shares->numbers, pass.shear, pass.window, image_);
+    shares_.begin(pass.window, image_);
+  }
 
   void render() {
     const bool around_slices = pass_.window.parts == 1;
@@ -112,6 +97,7 @@ class Band {
       if (slice.spans.empty()) continue;
       const std::int64_t n = from_viewer(slice.number - pass_.model.slice_first);
       if (around_slices) {
+        if (pass_.shares != nullptr) numbers_.select({&slice, nullptr, 0});
         render_slab(slice, static_cast<double>(slice.number));
         continue;
       }
@@ -119,7 +105,7 @@ class Band {
     }
     if (!pass_.fragments.empty()) {
       for (std::int64_t row = image_.first_fine_row(); row < image_.last_fine_row(); ++row)
-        fragments_.finish(row, image_.accumulated(row));
+        fragments_.finish(row, accumulated(row));
     }
     store();
   }
@@ -149,12 +135,14 @@ class Band {
       const double k = place_of(static_cast<double>(n) + middle);
       pair.behind_weight = static_cast<float>(middle);
       if (removes(k)) continue;
-      const SliceRows rows(pass_, k);
+      const SliceRows rows(pass_.shear, pass_.window, k);
       const std::int64_t first = rows.upper_from(scale_ - 1, image_.first_fine_row());
       const std::int64_t last = rows.upper_from(0, image_.last_fine_row()) + 1;
       list_visible_voxels(k, first, last);
       mix_slices(pair, first, last, visible_, pass_.kernels, mixed);
-      if (!mixed.spans.empty()) render_slab(mixed, k);
+      if (mixed.spans.empty()) continue;
+      if (pass_.shares != nullptr) numbers_.select(pair);
+      render_slab(mixed, k);
     }
   }
 
@@ -186,7 +174,7 @@ class Band {
     }
 
     // Render the fine rows in groups
-    const SliceRows rows(pass_, k);
+    const SliceRows rows(pass_.shear, pass_.window, k);
     for (std::int64_t between = 0; between < scale_;) {
       const std::int64_t count = std::min<std::int64_t>(group_, scale_ - between);
       render_rows(slice, k, rows, between, count);
@@ -256,9 +244,8 @@ class Band {
     // Composite groups of phases between updates of the fragments
     const std::int64_t fine_row = slice_rows.fine_row(first, between);
     const std::int32_t slab = pass_.fragments.slab_of(k);
-    for_each_row_with_fragments(rows, fine_row, [&](std::int64_t row) {
-      fragments_.before_slab(row, slab, image_.accumulated(row));
-    });
+    for_each_row_with_fragments(
+        rows, fine_row, [&](std::int64_t row) { fragments_.before_slab(row, slab, accumulated(row)); });
     for (std::size_t phase = 0; phase < phases_.size(); phase += rows.phase_count) {
       rows.phase_count = std::min<std::size_t>(group_, phases_.size() - phase);
       std::copy_n(phases_.begin() + static_cast<std::ptrdiff_t>(phase), rows.phase_count,
@@ -273,8 +260,15 @@ class Band {
       of_phases.lines += static_cast<std::int64_t>(phase) * kept->phase_stride;
       pass_.kernels.composite_cut(rows, of_phases, slab_mm, pass_.termination_threshold, image);
     }
-    for_each_row_with_fragments(
-        rows, fine_row, [&](std::int64_t row) { fragments_.behind_slab(row, image_.accumulated(row)); });
+    if (pass_.shares != nullptr) shares_.add(rows, phases_, fine_row, numbers_.selected());
+    for_each_row_with_fragments(rows, fine_row,
+                                [&](std::int64_t row) { fragments_.behind_slab(row, accumulated(row)); });
+  }
+
+  [[nodiscard]] AccumulatedRow accumulated(std::int64_t fine_row) const {
+    AccumulatedRow row = image_.accumulated(fine_row);
+    if (pass_.shares != nullptr) row.shares = &shares_;
+    return row;
   }
 
   /// Calls body(fine row) for rows that receive footprints, if there are any fragments.
@@ -310,6 +304,8 @@ class Band {
   std::int64_t scale_, group_, first_, last_;
   BandImage image_;
   SheetFragments& fragments_;
+  BandNumbers& numbers_;         // of the current slab, if shares are asked for
+  BandShares& shares_;           // the same
   std::vector<Phase> phases_;    // of the current slice
   KeptSlabs::Rows kept_;         // of the current rows, with a cut
   std::vector<Blocks> visible_;  // of the current voxel rows, with a cut
@@ -335,7 +331,7 @@ std::uint64_t count_voxels(const Pass& pass) {
   std::uint64_t voxels = 0;
   for (const SliceSpans& slice : pass.model.slices) {
     if (slice.spans.empty()) continue;
-    const SliceRows rows(pass, static_cast<double>(slice.number));
+    const SliceRows rows(pass.shear, pass.window, static_cast<double>(slice.number));
     // The footprint of a voxel row extends to its neighbours: include one row on either side.
     const std::int64_t first = rows.upper_from(pass.window.scale - 1, 0);
     const std::int64_t last = rows.upper_from(0, pass.window.fine_rows()) + 1;
@@ -359,7 +355,7 @@ std::uint64_t count_voxels(const Pass& pass) {
 std::uint64_t render_sheets(const SpanModel& model, const Shear& shear, const SheetWindow& window,
                             const SplatKernels& kernels, float termination_threshold,
                             std::span<const VoxelPlane> planes, FragmentOrder& fragments, SheetImage& image,
-                            ThreadPool& pool) {
+                            ThreadPool& pool, const SharePass* shares) {
   // Clear the border of the sheet
   image.window = window;
   image.channels = 1 + model.emissions;
@@ -372,7 +368,7 @@ std::uint64_t render_sheets(const SpanModel& model, const Shear& shear, const Sh
   // Split the window into bands
   const KeptSlabs kept(planes, shear, window);
   const Pass pass{model,     shear, window, kernels, termination_threshold, planes.empty() ? nullptr : &kept,
-                  fragments, image};
+                  fragments, image, shares};
   const std::int64_t row_bytes =
       BandImage::stride(window) * window.scale * window.scale * image.channels * std::int64_t{sizeof(float)};
   const std::int64_t band_rows =
@@ -383,13 +379,17 @@ std::uint64_t render_sheets(const SpanModel& model, const Shear& shear, const Sh
     band_fragments.emplace_back(fragments, row * window.scale, last * window.scale, window, model.color);
   }
 
+  if (shares != nullptr) shares->shares.reset(window, band_rows);
+
   // Render bands in parallel
   pool.for_each(band_fragments.size(), [&](std::size_t n) {
-    static thread_local std::vector<float> floats;  // reused: page faults would cost more than the band
+    static thread_local BandMemory memory;
     const std::int64_t first = static_cast<std::int64_t>(n) * band_rows;
-    Band(pass, first, std::min(first + band_rows, window.rows), band_fragments[n], floats).render();
+    Band(pass, first, std::min(first + band_rows, window.rows), band_fragments[n], memory).render();
+    if (shares != nullptr) memory.shares.store(n, shares->shares);
   });
   for (SheetFragments& of_band : band_fragments) of_band.merge();
+  if (shares != nullptr) shares->of_fragments = SheetFragments::merge_shares(band_fragments);
   return count_voxels(pass);
 }
 

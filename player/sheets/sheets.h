@@ -8,6 +8,7 @@
 
 #include "format/system/thread_pool.h"
 #include "player/sheets/fragment_order.h"
+#include "player/sheets/fragment_shares.h"
 #include "player/sheets/sheet_window.h"
 #include "player/sheets/splat_kernels.h"
 #include "player/spans/span_model.h"
@@ -15,6 +16,16 @@
 #include "player/view/shear.h"
 
 namespace splatlas {
+
+struct SheetShares;
+struct VoxelNumbers;
+
+/// Shares of structures in the pixels of a sheet and in front of its fragments.
+struct SharePass {
+  const VoxelNumbers& numbers;
+  SheetShares& shares;
+  FragmentShares& of_fragments;
+};
 
 /// Weighted sum of the pixels at `upper`, to its right, and of the two pixels `row_floats` below. `color` is
 /// the factor of white for 2 channels.
@@ -52,10 +63,12 @@ struct SheetImage {
 /// `termination_threshold`. Bands of rows are independent and run in parallel; the result does not depend on
 /// the number of threads. The planes of a cut clip the slabs (KeptSlabs). Returns the number of splatted
 /// voxels, each counted once; with a cut, of spans that are not removed as a whole. Cost: visible voxels *
-/// scale^2 * parts, plus fragments and pixels of the window.
+/// scale^2 * parts, plus fragments and pixels of the window. `shares`: also computes the shares of
+/// structures; null: not asked for.
 [[nodiscard]] std::uint64_t render_sheets(const SpanModel& model, const Shear& shear,
                                           const SheetWindow& window, const SplatKernels& kernels,
                                           float termination_threshold, std::span<const VoxelPlane> planes,
-                                          FragmentOrder& fragments, SheetImage& image, ThreadPool& pool);
+                                          FragmentOrder& fragments, SheetImage& image, ThreadPool& pool,
+                                          const SharePass* shares = nullptr);
 
 }  // namespace splatlas

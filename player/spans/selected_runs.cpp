@@ -1,5 +1,6 @@
 #include "player/spans/selected_runs.h"
 
+#include <algorithm>
 #include <tuple>
 
 namespace splatlas {
@@ -23,13 +24,14 @@ SelectedRuns::SelectedRuns(const DrawPlan& plan, const ClassTable& classes, cons
   box_ = {in_scan_order(of_grid.first), in_scan_order(of_grid.last)};
 }
 
-std::span<const ClassRun> SelectedRuns::decoded(std::int64_t slice) const {
+std::span<const ClassRun> SelectedRuns::decoded(std::int64_t slice, std::int64_t first_row,
+                                                std::int64_t last_row) const {
   const std::span<const ClassRun> all = runs_.slice(slice);
   const auto row_begins = [&](std::int64_t row) {
     return std::partition_point(all.begin(), all.end(),
                                 [row](const ClassRun& run) { return std::int64_t{run.row} < row; });
   };
-  return {row_begins(box_.first[1]), row_begins(box_.last[1] + 1)};
+  return {row_begins(first_row), row_begins(std::max(first_row, last_row))};
 }
 
 const ClassRun* SelectedRuns::at(std::int64_t slice, std::int64_t row, std::int64_t scan) const {

@@ -38,7 +38,12 @@ class SelectedRuns {
   /// Calls take(run, index into the plan's classes) for the runs of a slice of the grid, in order.
   template <typename Take>
   void for_each(std::int64_t slice, const Take& take) const {
-    for (const ClassRun& run : decoded(slice)) {
+    for_each(slice, box_.first[1], box_.last[1] + 1, take);
+  }
+  /// The same for rows [first_row, last_row) of the slice.
+  template <typename Take>
+  void for_each(std::int64_t slice, std::int64_t first_row, std::int64_t last_row, const Take& take) const {
+    for (const ClassRun& run : decoded(slice, first_row, last_row)) {
       if (const std::uint32_t draw = draw_of_class_[run.id]; draw != kNotDrawn) take(run, draw);
     }
   }
@@ -56,8 +61,9 @@ class SelectedRuns {
   [[nodiscard]] const ClassRun* at(std::int64_t slice, std::int64_t row, std::int64_t scan) const;
 
  private:
-  /// Runs of decoded classes in the box's rows of a slice.
-  [[nodiscard]] std::span<const ClassRun> decoded(std::int64_t slice) const;
+  /// Runs of decoded classes in rows [first_row, last_row) of a slice.
+  [[nodiscard]] std::span<const ClassRun> decoded(std::int64_t slice, std::int64_t first_row,
+                                                  std::int64_t last_row) const;
 
   Axis axis_;
   const ScanlineRuns& runs_;

@@ -238,12 +238,12 @@ std::vector<RayRadiance> DiscreteModel::at(double x, double y, std::span<const d
   return before;
 }
 
-RayRadiance DiscreteModel::pixel_mean(int column, int row) const {
+RayRadiance DiscreteModel::pixel_mean(int column, int row, bool may_be_cubic) const {
   const auto axis = static_cast<Axis>(axes_.slice_axis);
   const auto reach = voxels_per_pixel(view_, field_.grid, axis);
   const int samples =
       std::clamp(static_cast<int>(std::ceil(std::max(reach[0], reach[1]) - 0.25)), 1, kMaxSamplesPerSide);
-  const bool cubic = parts_ > 1 && pixels_per_voxel_ > 0;
+  const bool cubic = may_be_cubic && parts_ > 1 && pixels_per_voxel_ > 0;
   RayRadiance sum{{0, 0, 0}, 0};
   for (int y = 0; y < samples; ++y) {
     for (int x = 0; x < samples; ++x) {

@@ -40,7 +40,7 @@ class DiscreteModel {
   /// in front of and behind it, as for constant optical properties.
   [[nodiscard]] std::vector<RayRadiance> at(double x, double y, std::span<const double> depths) const;
   /// The whole volume, averaged over the pixel where voxels are smaller than pixels.
-  [[nodiscard]] RayRadiance pixel_mean(int column, int row) const;
+  [[nodiscard]] RayRadiance pixel_mean(int column, int row, bool cubic = true) const;
 
  private:
   struct Place {

@@ -7,10 +7,13 @@
 
 namespace splatlas::reference {
 
-InterpolatedGreys::InterpolatedGreys(const AtlasContent& content, const Selection& selection)
+InterpolatedGreys::InterpolatedGreys(const AtlasContent& content, const Selection& selection,
+                                     const std::optional<ShareChannels>& shares)
     : values_(content.values),
       classified_before_(optical_field(content, selection, {}, false)),
-      reference_length_mm_(voxel_side_mm(grid())) {
+      reference_length_mm_(voxel_side_mm(grid())),
+      shares_(shares),
+      structures_(content.class_volume.size(), kNoStructure) {
   for (const ClassDraw& draw : DecisionTree(content.graph, content.classes).plan(selection).classes) {
     if (!draws_volume(draw.role)) continue;
     const StructureDraw& structure = selection.structures[draw.volume_of];
@@ -25,7 +28,9 @@ InterpolatedGreys::InterpolatedGreys(const AtlasContent& content, const Selectio
       field->color.resize(content.class_volume.size());
     }
     for (std::size_t v = 0; v < field->color.size(); ++v) {
-      if (content.class_volume[v] == draw.id) field->color[v] = linear_of(structure.color);
+      if (content.class_volume[v] != draw.id) continue;
+      field->color[v] = linear_of(structure.color);
+      structures_[v] = draw.volume_of;
     }
   }
 }
@@ -57,6 +62,22 @@ VoxelOptics InterpolatedGreys::at(const Field& field, const Vec3& index) const {
   return optics_of(transfer(field.curve, grey, reference_length_mm_), color);
 }
 
+VoxelOptics InterpolatedGreys::shares_at(double extinction, const Vec3& index) const {
+  VoxelOptics shares{extinction, {}};
+  double members = 0;
+  for_each_corner(index, [&](const Index3& corner, double weight) {
+    if (!grid().contains(corner[0], corner[1], corner[2])) return;
+    const StructureIndex s =
+        structures_[static_cast<std::size_t>(grid().offset(corner[0], corner[1], corner[2]))];
+    if (s == kNoStructure) return;
+    members += weight;
+    const std::array<double, 3> color = share_color(*shares_, s);
+    for (std::size_t c = 0; c < 3; ++c) shares.emission[c] += weight * extinction * color[c];
+  });
+  for (double& channel : shares.emission) channel /= std::max(members, 1e-300);
+  return shares;
+}
+
 RayRadiance InterpolatedGreys::along(const Ray& ray, double from_mm, double to_mm, int steps) const {
   RayRadiance sum;
   const double step_mm = (to_mm - from_mm) / steps;
@@ -64,7 +85,7 @@ RayRadiance InterpolatedGreys::along(const Ray& ray, double from_mm, double to_m
     VoxelOptics optics;
     const Vec3 index = ray.at(from_mm + (n + 0.5) * step_mm);
     for (const Field& field : fields_) optics.add(1, at(field, index));
-    sum.add(slab(optics, step_mm));
+    sum.add(slab(shares_ ? shares_at(optics.extinction, index) : optics, step_mm));
   }
   return sum;
 }

@@ -63,7 +63,7 @@ VoxelOptics OpticalField::trilinear(const Vec3& index) const {
 }
 
 OpticalField optical_field(const AtlasContent& content, const Selection& selection, const ParallelView& view,
-                           bool hybrid_shading) {
+                           bool hybrid_shading, const std::optional<ShareChannels>& shares) {
   OpticalField field{storage_grid(content), {}};
   field.voxels.resize(content.class_volume.size());
   const double reference_length_mm = voxel_side_mm(field.grid);
@@ -87,12 +87,15 @@ OpticalField optical_field(const AtlasContent& content, const Selection& selecti
     const TransferCurve& curve = curve_of[draw->volume_of];
     const double grey = content.values.empty() ? HUGE_VAL : value_of(content.values, n);
     TransferValue value = transfer(curve, grey, reference_length_mm);
-    if (hybrid_shading && draw->boundary) {
+    if (shares) {
+      value.shade = 1;
+    } else if (hybrid_shading && draw->boundary) {
       const auto normal = unpack_normal(content.boundary_normals[c][number_in_class]);
       value.shade *= diffuse(view, {normal[0], normal[1], normal[2]});
     }
     field.mean_densest += (densest_of(curve, reference_length_mm) - field.mean_densest) / ++drawn;
-    field.voxels[n] = optics_of(value, linear_of(appearance.color));
+    field.voxels[n] =
+        optics_of(value, shares ? share_color(*shares, draw->volume_of) : linear_of(appearance.color));
   }
   return field;
 }

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "format/atlas_content.h"
@@ -61,8 +62,23 @@ struct OpticalField {
   [[nodiscard]] VoxelOptics trilinear(const Vec3& index) const;
 };
 
-/// `hybrid_shading`: lights boundary voxels by their normals, for `view`.
+/// Structures whose shares in the opacity replace the colour channels of a picture.
+using ShareChannels = std::array<StructureIndex, 3>;
+/// Colour channels that show the share of a structure: 1 in its channel.
+[[nodiscard]] inline std::array<double, 3> share_color(const ShareChannels& channels, StructureIndex s) {
+  return {channels[0] == s ? 1.0 : 0.0, channels[1] == s ? 1.0 : 0.0, channels[2] == s ? 1.0 : 0.0};
+}
+/// The same of a surface with an opacity, premultiplied.
+[[nodiscard]] inline std::array<double, 4> share_rgba(const ShareChannels& channels, StructureIndex s,
+                                                      double opacity) {
+  const std::array<double, 3> color = share_color(channels, s);
+  return {opacity * color[0], opacity * color[1], opacity * color[2], opacity};
+}
+
+/// `hybrid_shading`: lights boundary voxels by their normals, for `view`. `shares`: emits shares instead of
+/// colours, unlit.
 [[nodiscard]] OpticalField optical_field(const AtlasContent& content, const Selection& selection,
-                                         const ParallelView& view, bool hybrid_shading);
+                                         const ParallelView& view, bool hybrid_shading,
+                                         const std::optional<ShareChannels>& shares = std::nullopt);
 
 }  // namespace splatlas::reference

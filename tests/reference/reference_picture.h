@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -9,6 +10,7 @@
 #include "format/selection.h"
 #include "player/render_frame.h"
 #include "player/view/sample_pattern.h"
+#include "tests/reference/optical_field.h"
 
 namespace splatlas::reference {
 
@@ -24,6 +26,9 @@ struct ReferenceScene {
   const Selection& selection;
   Camera camera{};
   RenderOptions options{};
+  /// Shares of these structures in the opacity of each pixel instead of colours, interpolated bilinearly in
+  /// sheets.
+  std::optional<ShareChannels> shares{};
 };
 
 /// Ground truth: the trilinear field of the selected voxels along the ray of each pixel centre, with every

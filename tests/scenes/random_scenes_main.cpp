@@ -11,6 +11,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "tests/scenes/check_ids.h"
 #include "tests/scenes/check_scene.h"
 
 namespace splatlas {
@@ -46,6 +47,35 @@ CheckedScene make_scene(const std::string& kind, std::uint32_t seed, std::uint32
   if (kind == "volumes") return volume_scene(number / 2, number % 2 == 0);
   if (kind == "cuts") return {cut_scene(seed, number), {.thorough = true, .max_rms = 0.5}};
   return {whole_scene(seed, number), {.thorough = number % 16 == 0}};
+}
+
+/// Scenes of all kinds, in turn.
+RandomScene id_scene(std::uint32_t seed, std::uint32_t number) {
+  switch (number % 4) {
+    case 0: return random_scene(number);
+    case 1: return cut_scene(seed, number);
+    case 2: return volume_scene(number, number % 8 == 2).scene;
+    default: break;
+  }
+  return whole_scene(seed, number);
+}
+
+/// Checks the id images of scenes.
+int check_id_scenes(std::uint32_t seed, std::uint32_t first, std::uint32_t scenes) {
+  std::size_t failed = 0, pixels = 0, mixed = 0;
+  for (std::uint32_t n = first; n < first + scenes; ++n) {
+    const RandomScene scene = id_scene(seed, n);
+    const IdReport report = check_ids(scene);
+    failed += report.faults.empty() ? 0 : 1;
+    pixels += report.pixels;
+    mixed += report.mixed;
+    for (const std::string& fault : report.faults)
+      fmt::print("--kind ids --seed {} --first {} --scenes 1: {}\n    {}\n", seed, n, fault, describe(scene));
+    std::fflush(stdout);
+  }
+  fmt::print("{} scenes: {} failed. {} pixels with a structure, {} of them with two similar shares.\n",
+             scenes, failed, pixels, mixed);
+  return failed == 0 && (scenes < 50 || mixed > 10 * scenes) ? 0 : 1;
 }
 
 /// Number of scenes with a property.
@@ -84,13 +114,14 @@ int check_scenes(int argc, char** argv) {
   std::string kind = "whole";
   std::uint32_t seed = 1, scenes = 10000, first = 0;
   app.add_option("--kind", kind, "kind of scenes")
-      ->check(CLI::IsMember({"whole", "sheets", "volumes", "cuts"}))
+      ->check(CLI::IsMember({"whole", "sheets", "volumes", "cuts", "ids"}))
       ->capture_default_str();
   app.add_option("--seed", seed, "seed of whole and cut scenes")->capture_default_str();
   app.add_option("--scenes", scenes, "number of scenes")->capture_default_str();
   app.add_option("--first", first, "number of the first scene; kind, seed and number determine a scene")
       ->capture_default_str();
   CLI11_PARSE(app, argc, argv);
+  if (kind == "ids") return check_id_scenes(seed, first, scenes);
   std::vector<SceneReport> reports(scenes);
   for (std::uint32_t n = 0; n < scenes; ++n) {
     const auto print = [&](const std::string& text) {

@@ -19,17 +19,20 @@ namespace splatlas {
 
 class RayTruth {
  public:
-  /// Keeps a reference to `scene`. Post-classified volumes are unlit.
-  RayTruth(const RandomScene& scene, bool hybrid_shading)
+  /// Keeps a reference to `scene`. Post-classified volumes are unlit. `shares`: shares of structures instead
+  /// of colours.
+  RayTruth(const RandomScene& scene, bool hybrid_shading,
+           const std::optional<reference::ShareChannels>& shares = std::nullopt)
       : scene_(scene),
+        shares_(shares),
         view_(*view_of(scene.camera, scene.options.size, scene.content.display)),
         grid_(storage_grid(scene.content)),
         surfaces_(scene.content, scene.selection, view_),
         cut_(scene.content, scene.selection, scene.options) {
     if (scene.options.classification == Classification::kAfter) {
-      greys_.emplace(scene.content, scene.selection);
+      greys_.emplace(scene.content, scene.selection, shares);
     } else {
-      field_ = reference::optical_field(scene.content, scene.selection, view_.plane, hybrid_shading);
+      field_ = reference::optical_field(scene.content, scene.selection, view_.plane, hybrid_shading, shares);
     }
   }
 
@@ -49,14 +52,14 @@ class RayTruth {
     const reference::KeptRay kept = kept_of(ray);
     if (kept.empty()) return sum.rgba();
     double from_mm = kept.from_mm;
-    sum.add_surface(cut_.front(ray, kept).rgba);
+    sum.add_surface(seen(cut_.front(ray, kept)));
     for (const reference::Crossing& crossing : crossings) {
       sum.add(volume(ray, from_mm, crossing.s_mm));
-      sum.add_surface(crossing.rgba);
+      sum.add_surface(seen(crossing));
       from_mm = std::max(from_mm, crossing.s_mm);
     }
     if (crossings.empty() || crossings.back().rgba[3] < 1) sum.add(volume(ray, from_mm, kept.to_mm));
-    sum.add_surface(cut_.back(ray, kept).rgba);
+    sum.add_surface(seen(cut_.back(ray, kept)));
     return sum.rgba();
   }
 
@@ -66,6 +69,10 @@ class RayTruth {
   /// Resolves the sharpest transfer functions within a cell.
   static constexpr int kStepsPerVoxel = 100;
 
+  template <typename Surface>
+  [[nodiscard]] std::array<double, 4> seen(const Surface& surface) const {
+    return shares_ ? reference::share_rgba(*shares_, surface.structure, surface.rgba[3]) : surface.rgba;
+  }
   static bool alike(const Crossings& a, const Crossings& b) {
     return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const auto& one, const auto& other) {
       return one.structure == other.structure && one.entering == other.entering;
@@ -98,6 +105,7 @@ class RayTruth {
   }
 
   const RandomScene& scene_;
+  std::optional<reference::ShareChannels> shares_;
   View view_;
   Grid grid_;
   reference::RaySurfaces surfaces_;

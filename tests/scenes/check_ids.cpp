@@ -1,0 +1,179 @@
+#include "tests/scenes/check_ids.h"
+
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "player/frame/render_overrides.h"
+#include "tests/reference/reference_picture.h"
+#include "tests/scenes/ray_truth.h"
+
+namespace splatlas {
+namespace {
+
+/// Difference of shares below which either structure is right, and of opacities at the threshold of ids.
+constexpr double kShareTolerance = 1e-3;
+constexpr double kMinOpacity = 1.0 / 255;
+
+struct Frame {
+  Picture picture;
+  IdImage ids;
+};
+
+class IdChecker {
+ public:
+  explicit IdChecker(const RandomScene& scene) : scene_(scene), atlas_(open_in_memory(scene.content)) {}
+
+  IdReport run() {
+    RenderOptions options = scene_.options;
+    options.termination_threshold = 0;
+    options.antialiasing = false;
+    const auto plain = render(options, 1);
+    options.ids = true;
+    const auto frame = render(options, 1);
+    if (!plain || !frame) return report_;
+    if (plain->picture.rgba != frame->picture.rgba) fault("ids change the picture");
+    if (!plain->ids.empty()) fault("there are ids that nobody asked for");
+    for (const unsigned threads : {2u, 8u}) {
+      const auto other = render(options, threads);
+      if (other && other->ids.numbers != frame->ids.numbers)
+        fault(fmt::format("{} threads give other ids", threads));
+    }
+    const bool rays = scene_.options.classification == Classification::kAfter ||
+                      scene_.camera.projection == CameraProjection::kPerspective;
+    if (rays) {
+      compare_rays(options);
+      return report_;
+    }
+    compare(*frame, options, {});
+    options.antialiasing = true;
+    if (const auto antialiased = render(options, 1))
+      compare(*antialiased, options, sample_pattern(samples()));
+    return report_;
+  }
+
+ private:
+  using Shares = std::vector<std::vector<double>>;  // by structure, then pixel
+
+  void fault(std::string text) { report_.faults.push_back(std::move(text)); }
+  [[nodiscard]] std::size_t samples() const {
+    switch (scene_.options.quality) {
+      case Quality::kNormal: return 4;
+      case Quality::kHigh: return 8;
+      case Quality::kDraft: break;
+    }
+    return 1;
+  }
+
+  std::optional<Frame> render(const RenderOptions& options, unsigned threads) {
+    Renderer renderer(atlas_, RendererOptions{.threads = threads});
+    if (const auto selected = renderer.select(scene_.selection); !selected) {
+      fault("select: " + selected.error().message);
+      return std::nullopt;
+    }
+    auto picture = render_with(renderer, scene_.camera, options, scene_.overrides);
+    if (picture) return Frame{*std::move(picture), renderer.ids()};
+    if (picture.error().message.find("too wide for surfaces") == std::string::npos)
+      fault("render: " + picture.error().message);
+    return std::nullopt;
+  }
+
+  /// Shares of all structures at pixel centres, or the means over `places`.
+  [[nodiscard]] Shares shares(const RenderOptions& options, std::span<const SubPixel> places) const {
+    Shares all;
+    const std::size_t structures = scene_.selection.structures.size();
+    for (StructureIndex first = 0; first < structures; first += 3) {
+      const reference::ReferenceScene scene{scene_.content, scene_.selection, scene_.camera, options,
+                                            reference::ShareChannels{first, first + 1, first + 2}};
+      const reference::ReferencePicture picture =
+          places.empty() ? reference::render_model(scene) : reference::render_model(scene, places);
+      for (std::size_t c = 0; c < 3 && first + c < structures; ++c) {
+        std::vector<double>& of_structure = all.emplace_back();
+        for (const auto& pixel : picture.pixels) of_structure.push_back(pixel[c]);
+      }
+    }
+    return all;
+  }
+
+  /// Compares with the shares at pixel centres and, of antialiased pixels, with those of the samples.
+  void compare(const Frame& frame, const RenderOptions& options, std::span<const SubPixel> places) {
+    const Shares at_centers = shares(options, {});
+    const Shares of_samples = places.empty() ? at_centers : shares(options, places);
+    for (std::size_t n = 0; n < frame.ids.numbers.size(); ++n) {
+      const StructureNumber number = frame.ids.numbers[n];
+      const float opacity = frame.picture.rgba[4 * n + 3];
+      if ((number == 0) != (opacity < static_cast<float>(kMinOpacity)))
+        return fault(fmt::format("pixel {} of opacity {} has number {}", n, opacity, number));
+      if (number == 0) continue;
+      ++report_.pixels;
+      const auto lacking = [&](const Shares& of) {
+        double largest = 0;
+        for (const auto& of_structure : of) largest = std::max(largest, of_structure[n]);
+        return largest - of[number - 1u][n];
+      };
+      const double lacks = std::min(lacking(at_centers), lacking(of_samples));
+      report_.mixed += is_mixed(at_centers, n) ? 1 : 0;
+      if (lacks > kShareTolerance) {
+        return fault(fmt::format("pixel {}, of opacity {}: structure {} has a share {} below the largest", n,
+                                 opacity, number - 1, lacks));
+      }
+    }
+  }
+
+  /// Compares rays at high quality with the shares along the rays of pixel centres.
+  void compare_rays(RenderOptions options) {
+    options.quality = Quality::kHigh;
+    const auto frame = render(options, 1);
+    if (!frame) return;
+    Shares shares(scene_.selection.structures.size());
+    std::vector<bool> is_known(frame->ids.numbers.size(), true);
+    for (StructureIndex first = 0; first < shares.size(); first += 3) {
+      const RayTruth truth(scene_, false, reference::ShareChannels{first, first + 1, first + 2});
+      for (std::size_t n = 0; n < is_known.size(); ++n) {
+        const auto width = static_cast<std::size_t>(options.size.width);
+        const auto pixel = truth.at(static_cast<int>(n % width), static_cast<int>(n / width));
+        if (!pixel) is_known[n] = false;
+        for (std::size_t c = 0; c < 3 && first + c < shares.size(); ++c)
+          shares[first + c].push_back(pixel ? (*pixel)[c] : 0);
+      }
+    }
+    for (std::size_t n = 0; n < is_known.size(); ++n) {
+      const StructureNumber number = frame->ids.numbers[n];
+      if (!is_known[n] || number == 0) continue;
+      ++report_.pixels;
+      report_.mixed += is_mixed(shares, n) ? 1 : 0;
+      double largest = 0;
+      for (const auto& of_structure : shares) largest = std::max(largest, of_structure[n]);
+      const double lacks = largest - shares[number - 1u][n];
+      if (lacks > kShareTolerance)
+        return fault(
+            fmt::format("pixel {}: structure {} has a share {} below the largest", n, number - 1, lacks));
+    }
+  }
+
+  /// True if the second largest share is at least a quarter of the largest.
+  static bool is_mixed(const Shares& shares, std::size_t pixel) {
+    double largest = 0, second = 0;
+    for (const auto& of_structure : shares) {
+      second = std::max(second, std::min(largest, of_structure[pixel]));
+      largest = std::max(largest, of_structure[pixel]);
+    }
+    return 4 * second >= largest;
+  }
+
+  const RandomScene& scene_;
+  std::shared_ptr<const Atlas> atlas_;
+  IdReport report_;
+};
+
+}  // namespace
+
+IdReport check_ids(const RandomScene& scene) {
+  return IdChecker(scene).run();
+}
+
+}  // namespace splatlas

@@ -1,0 +1,25 @@
+// Checks of a random scene's id image against brute force.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "tests/support/random_scene.h"
+
+namespace splatlas {
+
+struct IdReport {
+  std::vector<std::string> faults;  ///< one line each; empty when all checks pass
+  std::size_t pixels = 0;           ///< with a structure
+  std::size_t mixed = 0;            ///< of them, with two shares of similar size
+};
+
+/// Renders the scene with ids, several times, and compares:
+///   - pictures with and without ids: equal bits;
+///   - ids of 1, 2 and 8 threads: equal;
+///   - each pixel's share in the reference is at least the largest one less 1e-3. References are the discrete
+///     model for sheets, also of antialiased pixels, and exact rays for rays at high quality.
+[[nodiscard]] IdReport check_ids(const RandomScene& scene);
+
+}  // namespace splatlas
