@@ -35,6 +35,25 @@ int winding_across(const Point& from, const Point& to, const Point& a, const Poi
   return b_is_left ? 1 : -1;
 }
 
+/// Calls visit(row, cell) for the cells that a segment passes through.
+template <typename Visit>
+void for_each_cell(const Point& from, const Point& to, const Visit& visit) {
+  const double low = std::min(from[1], to[1]), high = std::max(from[1], to[1]);
+  const bool is_flat = high - low < kSlack;
+  const auto at = [&](double c) {
+    const double t = (std::clamp(c, low, high) - from[1]) / (to[1] - from[1]);
+    return from[0] + t * (to[0] - from[0]);
+  };
+  const auto last_row = static_cast<std::int32_t>(std::floor(high + kSlack));
+  for (auto row = static_cast<std::int32_t>(std::floor(low - kSlack)); row <= last_row; ++row) {
+    const double one = is_flat ? from[0] : at(row - kSlack), other = is_flat ? to[0] : at(row + 1 + kSlack);
+    const auto last_cell = static_cast<std::int32_t>(std::floor(std::max(one, other) + kSlack));
+    for (auto cell = static_cast<std::int32_t>(std::floor(std::min(one, other) - kSlack)); cell <= last_cell;
+         ++cell)
+      visit(row, cell);
+  }
+}
+
 /// Hash of a point (finaliser of MurmurHash3).
 std::uint64_t hash_of(const Point& p) {
   std::uint64_t h =
@@ -84,7 +103,7 @@ std::vector<SolidOutlines::Segment> SolidOutlines::slice(const SurfaceMesh& mesh
 /// Sorts the segments of one row of cells into intervals.
 class SolidOutlines::RowBuilder {
  public:
-  RowBuilder(SolidOutlines& outlines) : outlines_(outlines) {}
+  explicit RowBuilder(SolidOutlines& outlines) : outlines_(outlines) {}
 
   void add(std::span<const CellSegment> segments) {
     const std::int32_t row = segments.front().row;
@@ -199,25 +218,12 @@ SolidOutlines::SolidOutlines(const VoxelPlane& plane, std::size_t b, std::size_t
     for (const Segment& segment : of_solids[solid]) ends += hash_of(segment.to) - hash_of(segment.from);
     closed_[solid] = ends == 0;
     if (!closed_[solid]) continue;
-    for (const auto& [from, to] : of_solids[solid]) {
+    for (const Segment& segment : of_solids[solid]) {
       const auto number = static_cast<std::uint32_t>(segments_.size());
-      segments_.push_back({from, to});
-      // Walk its cells, row by row
-      const auto [low, high] = std::minmax(from[1], to[1]);
-      const auto last_row = static_cast<std::int32_t>(std::floor(high + kSlack));
-      for (auto row = static_cast<std::int32_t>(std::floor(low - kSlack)); row <= last_row; ++row) {
-        const auto at = [&](double of_c) {
-          const double clamped = std::clamp(of_c, low, high);
-          return to[1] == from[1] ? from[0]
-                                  : from[0] + (clamped - from[1]) / (to[1] - from[1]) * (to[0] - from[0]);
-        };
-        const bool is_flat = high - low < kSlack;
-        const auto [left, right] =
-            is_flat ? std::minmax({from[0], to[0]}) : std::minmax({at(row - kSlack), at(row + 1 + kSlack)});
-        const auto last_cell = static_cast<std::int32_t>(std::floor(right + kSlack));
-        for (auto cell = static_cast<std::int32_t>(std::floor(left - kSlack)); cell <= last_cell; ++cell)
-          cells.push_back({row, cell, solid, number});
-      }
+      segments_.push_back(segment);
+      for_each_cell(segment.from, segment.to, [&](std::int32_t row, std::int32_t cell) {
+        cells.push_back({row, cell, solid, number});
+      });
     }
   }
 
