@@ -172,7 +172,7 @@ struct Renderer::Impl {
     // Rasterise surfaces, render sheets, resolve both into the picture
     const std::vector<SurfaceDraw> surfaces = drawn.surfaces(decoded.cache());
     const FrameScene scene = scene_of(call, surfaces, lighting);
-    SheetFrame frame(scene, axis_spans, shear, buffers, stats, pool);
+    SheetFrame frame(scene, axis_spans.model(), &axis_spans.runs(), shear, buffers, stats, pool);
     SPLATLAS_RETURN_IF_ERROR(run_stages(frame, kSheetLoops, task, picture));
     stats.runs_visited = axis_spans.runs().count();
     stats.render_ms = light.wall_ms + watch.lap().wall_ms;

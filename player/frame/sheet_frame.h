@@ -9,15 +9,13 @@
 
 namespace splatlas {
 
-/// The spans must be lit. They, their runs and the factorisation must outlive the frame.
+/// The spans must be lit. They, their runs and the factorisation must outlive the frame. `runs` may be null
+/// in frames without ids.
 class SheetFrame : public FrameRenderer {
  public:
-  SheetFrame(const FrameScene& scene, const AxisSpans& spans, const Shear& shear, FrameBuffers& buffers,
-             RenderStats& stats, ThreadPool& pool)
-      : FrameRenderer(scene, buffers, stats, pool),
-        spans_(spans.model()),
-        runs_(spans.runs()),
-        shear_(shear) {}
+  SheetFrame(const FrameScene& scene, const SpanModel& spans, const SelectedRuns* runs, const Shear& shear,
+             FrameBuffers& buffers, RenderStats& stats, ThreadPool& pool)
+      : FrameRenderer(scene, buffers, stats, pool), spans_(spans), runs_(runs), shear_(shear) {}
 
   /// Splats and composites the spans sheet by sheet (Westover 1990).
   [[nodiscard]] Result<void> render_volume(Picture& picture) override;
@@ -35,7 +33,7 @@ class SheetFrame : public FrameRenderer {
   }
 
   const SpanModel& spans_;
-  const SelectedRuns& runs_;
+  const SelectedRuns* runs_;
   const Shear& shear_;
 };
 
