@@ -70,7 +70,7 @@ make_contact_sheet() {
   if up_to_date out/gallery.png "${pictures[@]}" scripts/contact_sheet.sh; then
     echo "out/gallery.png is up to date"
   else
-    scripts/contact_sheet.sh out/gallery.png 5 "${cells[@]}"
+    scripts/contact_sheet.sh out/gallery.png 6 "${cells[@]}"
     echo "out/gallery.png"
   fi
 }

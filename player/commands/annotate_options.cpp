@@ -80,7 +80,7 @@ MeasureText measure_with(const TextDrawer& drawer) {
 /// Structures of a small draft, with areas as in the picture.
 Result<std::vector<NamedStructure>> structures_of_draft(Renderer& renderer, const Selection& selection,
                                                         const Camera& camera, const RenderOptions& options) {
-  constexpr int kLongSide = 192;
+  constexpr int kLongSide = 320;
   const double scale =
       std::min(1.0, static_cast<double>(kLongSide) / std::max(options.size.width, options.size.height));
   const auto side = [&](int pixels) { return std::max(1, static_cast<int>(pixels * scale)); };

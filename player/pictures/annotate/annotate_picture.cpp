@@ -118,6 +118,8 @@ void PageLayout::place_structure_labels() {
 void PageLayout::reserve_room() {
   const double letters = 1.3 * kCapHeight * kLettersPoints * pt;
   if (options.items.orientation) figure.top += letters, figure.bottom -= letters;
+  // A draft misses tiny structures: leave a row of the legend for them
+  if (options.items.legend) figure.bottom -= kLegendRow * kLegendPoints * pt;
   if (!options.items.labels) return;
   std::vector<const NamedStructure*> chosen = labelled_structures();
   chosen.resize(std::min(chosen.size(), options.max_labels));
@@ -135,8 +137,8 @@ PictureRegion region_of_figure(const AnnotatedScene& scene, const AnnotationOpti
   if (!options.items.any()) return {};
   const FreeSpace empty(scene.picture.size);
   PageLayout layout(scene, options, measure, empty);
-  // Reserve the line that tells the number of structures without a label
-  layout.place_blocks(options.items.labels && scene.structures.size() > options.max_labels ? 99 : 0);
+  // Reserve the line that tells the number of structures without a label: there are nearly always some
+  layout.place_blocks(options.items.labels ? 99 : 0);
   if (options.items.orientation) layout.place_orientation();
   layout.reserve_room();
 

@@ -72,7 +72,7 @@ void PageLayout::place_paragraph(std::string_view words, double points, FontStyl
 
 void PageLayout::place_legend() {
   if (scene.structures.empty()) return;
-  const double em = kLegendPoints * pt, swatch = 1.5 * em, gap = 0.5 * em, row = 1.45 * em;
+  const double em = kLegendPoints * pt, swatch = 1.5 * em, gap = 0.5 * em, row = kLegendRow * em;
   const auto width = [&](std::string_view name) { return width_of(name, kLegendPoints); };
 
   // Divide the page into columns as wide as the longest name

@@ -15,6 +15,7 @@ namespace splatlas {
 inline constexpr double kLabelPoints = 8.5, kLegendPoints = 8, kCaptionPoints = 9.5, kCitationPoints = 7,
                         kNotePoints = 7, kScalePoints = 8, kLettersPoints = 13;
 inline constexpr double kLineSpacing = 1.3;  ///< distance of baselines, in em
+inline constexpr double kLegendRow = 1.45;   ///< height of a row of the legend, in em
 inline constexpr double kLeaderPoints = 0.5, kLeaderCasingPoints = 1.5, kDotPoints = 1.3,
                         kDotCasingPoints = 0.6;
 inline constexpr double kRulePoints = 0.4, kScaleBarPoints = 1.2, kTickPoints = 5;
