@@ -39,7 +39,7 @@ struct Owners {
     take(kSurfacePart, term.mode == DrawMode::kSurface || term.mode == DrawMode::kBoth);
     take(kOpacity, term.opacity.has_value());
     take(kColor, term.color.has_value());
-    // Which ends of a ramp reset which depends on both terms
+    // A new end of a ramp resets the other end, depending on both terms
     const auto is_reset = [&](const std::optional<double> VolumeStyle::*end) {
       return !term.curve && before.volume.*end && !(after.volume.*end);
     };

@@ -61,7 +61,7 @@ class FaceMap::Builder {
   void add_slice(std::int64_t slice) {
     check_cancelled();
     for (const ClassRun& run : scene_.cache.runs(scene_.axis).slice(slice)) {
-      if (map_.classes_[run.id].has_face()) add_run(slice, run);
+      if ((*map_.classes_)[run.id].has_face()) add_run(slice, run);
     }
   }
 
@@ -115,9 +115,9 @@ class FaceMap::Builder {
     if (a < first || a > last) return;
     const Grid& grid = scene_.atlas.grid();
     const auto offset = static_cast<std::size_t>(grid.offset(voxel[0], voxel[1], voxel[2]));
-    const bool has_face = shows(map_.classes_[id], offset);
-    const bool has_own_face =
-        !map_.solids_.empty() ? map_.apart_[id].has_face() && shows(map_.apart_[id], offset) : has_face;
+    const bool has_face = shows((*map_.classes_)[id], offset);
+    const FaceClass& apart = (*map_.apart_)[id];
+    const bool has_own_face = apart.has_face() && shows(apart, offset);
     if (!has_face && !has_own_face) return;
     const std::byte* values = scene_.cache.values();
     float grey = 1;
@@ -155,7 +155,8 @@ void FaceMap::add_solids(const VoxelPlane& plane, const FaceScene& scene, Thread
   outlines_ = SolidOutlines(inside, b_, c_, meshes, pool);
   std::vector<bool> outlined(scene.selection.structures.size());
   for (std::uint32_t n = 0; n < solids_.size(); ++n) outlined[solids_[n].structure] = outlines_.is_closed(n);
-  apart_ = face_classes(scene.atlas.classes(), scene.selection, scene.plan, outlined);
+  apart_ = std::make_shared<const std::vector<FaceClass>>(
+      face_classes(scene.atlas.classes(), scene.selection, scene.plan, outlined));
 }
 
 Result<FaceMap> FaceMap::build(const VoxelPlane& plane, const FaceScene& scene, ThreadPool& pool) {
@@ -173,9 +174,8 @@ Result<FaceMap> FaceMap::build(const VoxelPlane& plane, const FaceScene& scene, 
   map.to_kept_ = along > 0 ? -kTie : kTie;
 
   // Reserve the columns of the box of voxels with faces, padded by one voxel
-  const ClassTable& classes = scene.atlas.classes();
-  map.classes_ = face_classes(classes, scene.selection, scene.plan);
-  const IndexBox box = box_of(map.classes_, classes);
+  map.classes_ = map.apart_ = scene.classes;
+  const IndexBox box = box_of(*scene.classes, scene.atlas.classes());
   if (box.empty()) return map;
   const double tilt = std::abs(map.per_b_) + std::abs(map.per_c_);  // at most 2
   map.reach_ = tilt > 0 ? tilt + kRounding : 0;
@@ -188,11 +188,7 @@ Result<FaceMap> FaceMap::build(const VoxelPlane& plane, const FaceScene& scene, 
   const auto columns = static_cast<std::size_t>(map.columns_) * static_cast<std::size_t>(map.rows_);
   SPLATLAS_ASSIGN_OR_RETURN(map.texels_, SparseBytes::reserve((columns << map.layer_bits_) * sizeof(Texel)));
 
-  if (scene.plan.surfaces.empty()) {
-    map.apart_ = map.classes_;
-  } else {
-    map.add_solids(plane, scene, pool);
-  }
+  if (!scene.plan.surfaces.empty()) map.add_solids(plane, scene, pool);
   Builder builder(map, scene);
   const std::span<const std::int64_t> slices =
       scene.cache.runs(scene.axis).occupied(0, std::numeric_limits<std::int64_t>::max());

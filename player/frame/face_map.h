@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -23,7 +24,8 @@ namespace splatlas {
 struct FaceScene {
   const Atlas& atlas;
   const Selection& selection;
-  const DrawPlan& plan;     ///< of the selection
+  const DrawPlan& plan;                                   ///< of the selection
+  std::shared_ptr<const std::vector<FaceClass>> classes;  ///< of the plan, by ClassId
   const ClassCache& cache;  ///< must hold the runs of all classes with faces, and the surfaces
   Axis axis = Axis::kZ;     ///< of the runs; any axis gives the same map
   std::span<const VolumeAppearance> appearances;  ///< of the plan's classes
@@ -119,9 +121,9 @@ class FaceMap {
   std::int64_t columns_ = 0, rows_ = 0;           // along b and c
   int layer_bits_ = 1;                            // layers of a column: 2^layer_bits, by position mod them
   SparseBytes texels_;
-  std::vector<FaceClass> classes_;  // by ClassId: of all structures
-  std::vector<FaceClass> apart_;    // the same without solids that have outlines
-  std::vector<FaceStyle> solids_;   // of outlines_
+  std::shared_ptr<const std::vector<FaceClass>> classes_;  // by ClassId: of all structures
+  std::shared_ptr<const std::vector<FaceClass>> apart_;    // the same without solids that have outlines
+  std::vector<FaceStyle> solids_;                          // of outlines_
   SolidOutlines outlines_;
 };
 
@@ -158,12 +160,12 @@ inline FaceSample FaceMap::at_inside(double b, double c) const {
   // Find the face that hides all others
   const std::int64_t nearest_a = in_a + to_kept_ >= 0.5 ? high : low;
   const Texel nearest = columns[(in_b >= 0.5 ? 1 : 0) + (in_c >= 0.5 ? 2 : 0)][nearest_a];
-  const FaceStyle* style = (nearest.id & kOwnFace) != 0 ? &apart_[nearest.class_id()] : nullptr;
+  const FaceStyle* style = (nearest.id & kOwnFace) != 0 ? &(*apart_)[nearest.class_id()] : nullptr;
   if (!solids_.empty()) {
     if (const std::uint32_t solid = outlines_.at(b, c); solid != SolidOutlines::kNone) {
       if (style == nullptr || solids_[solid].hides(*style)) style = &solids_[solid];
     }
-    if (style == nullptr && faces == 8) style = &classes_[nearest.class_id()];
+    if (style == nullptr && faces == 8) style = &(*classes_)[nearest.class_id()];
   }
   if (style == nullptr) return {};
   return {style, sum / weights};

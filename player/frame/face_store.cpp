@@ -1,5 +1,6 @@
 #include "player/frame/face_store.h"
 
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -15,11 +16,13 @@ Result<void> FaceStore::require(const RenderOptions& options, Axis axis, const A
     return {};
   }
   if (faces_ && faces_->planes() == options.cuts) return {};
-  const std::vector<FaceClass> classes = face_classes(atlas.classes(), drawn.selection(), drawn.plan());
-  SPLATLAS_RETURN_IF_ERROR(decoded.require_faces(classes, axis, pool));
+  const auto classes = std::make_shared<const std::vector<FaceClass>>(
+      face_classes(atlas.classes(), drawn.selection(), drawn.plan()));
+  SPLATLAS_RETURN_IF_ERROR(decoded.require_faces(*classes, axis, pool));
   const FaceScene scene{.atlas = atlas,
                         .selection = drawn.selection(),
                         .plan = drawn.plan(),
+                        .classes = classes,
                         .cache = decoded.cache(),
                         .axis = axis,
                         .appearances = drawn.appearances().appearances()};

@@ -17,26 +17,17 @@ constexpr std::size_t kVerticesPerJob = 16384;
 
 /// Voxels [first, last] of a scanline.
 struct ReachedVoxels {
-  double first = -HUGE_VAL, last = HUGE_VAL;
+  double first, last;
 };
 
 /// Voxels of a scanline that the kept part of a cut reaches, by interpolation.
 ReachedVoxels reached_voxels(std::span<const VoxelPlane> planes, const ScanOrder& order, std::int64_t slice,
                              std::int64_t row) {
-  Vec3 start{};
-  start[order.slice_axis] = static_cast<double>(slice);
-  start[order.row_axis] = static_cast<double>(row);
-  ReachedVoxels kept;
-  for (const VoxelPlane& plane : planes) {
+  const KeptDepths kept = kept_scan(planes, order, slice, row, [](const VoxelPlane& plane) {
     const Vec3& n = plane.normal;
-    const double at =
-        plane.distance(start) - kVolumeReach * (std::abs(n[0]) + std::abs(n[1]) + std::abs(n[2]));
-    const double per_voxel = n[order.scan_axis];
-    if (per_voxel > 0) kept.last = std::min(kept.last, std::floor(-at / per_voxel));
-    if (per_voxel < 0) kept.first = std::max(kept.first, std::ceil(-at / per_voxel));
-    if (per_voxel == 0 && at > 0) kept.last = -HUGE_VAL;
-  }
-  return kept;
+    return kVolumeReach * (std::abs(n[0]) + std::abs(n[1]) + std::abs(n[2]));
+  });
+  return {std::ceil(kept.from), std::floor(kept.to)};
 }
 
 /// Extents of the centres of a slice's kept voxels. Only the ends of a scanline matter.
@@ -45,7 +36,7 @@ FitExtents extents_of_slice(const SelectedRuns& runs, std::int64_t slice,
   const ScanOrder order = ScanOrder::of(runs.axis());
   FitExtents extents;
   std::int64_t row = -1;
-  ReachedVoxels kept, line{0, -1};  // of the row; `line` is empty if it has no voxel
+  ReachedVoxels kept{}, line{0, -1};  // of the row; `line` is empty if it has no voxel
   const auto finish_line = [&] {
     if (line.first > line.last) return;
     for (const double voxel : {line.first, line.last}) {

@@ -18,17 +18,10 @@ constexpr double kReach = 4;
 /// Voxels [first, last) of a row whose lighting a cut may show.
 Blocks kept_voxels(const SpanModel& model, std::span<const VoxelPlane> planes, std::int64_t slice,
                    std::int64_t row) {
-  const ScanOrder order = ScanOrder::of(model.axis);
-  double first = 0, last = static_cast<double>(model.scan_first + model.scan_voxels);
-  for (const VoxelPlane& plane : planes) {
-    Vec3 start{};
-    start[order.slice_axis] = static_cast<double>(slice);
-    start[order.row_axis] = static_cast<double>(row);
-    const double at = plane.distance(start) - kReach, per_voxel = plane.normal[order.scan_axis];
-    if (per_voxel > 0) last = std::min(last, -at / per_voxel);
-    if (per_voxel < 0) first = std::max(first, -at / per_voxel);
-    if (per_voxel == 0 && at > 0) last = -1;
-  }
+  const KeptDepths kept =
+      kept_scan(planes, ScanOrder::of(model.axis), slice, row, [](const VoxelPlane&) { return kReach; });
+  const double first = std::max(0.0, kept.from);
+  const double last = std::min(static_cast<double>(model.scan_first + model.scan_voxels), kept.to);
   if (!(first < last)) return {0, 0};
   return {static_cast<std::int64_t>(first), static_cast<std::int64_t>(last) + 1};
 }

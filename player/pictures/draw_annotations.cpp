@@ -66,6 +66,26 @@ class Canvas {
     }
   }
 
+  void box(const PlacedBox& one) {
+    fill(one.box, one.color, one.opacity, [&](int x, int y) {
+      return unit_overlap(one.box.left, one.box.right, x + 0.5) *
+             unit_overlap(one.box.top, one.box.bottom, y + 0.5);
+    });
+  }
+  void stroke(const PlacedLine& line, double width, Rgb color, double opacity) {
+    const PageBox bounds{std::min(line.from.x, line.to.x), std::min(line.from.y, line.to.y),
+                         std::max(line.from.x, line.to.x), std::max(line.from.y, line.to.y)};
+    fill(bounds.grown(0.5 * width + 1), color, opacity,
+         [&](int x, int y) { return stroke_coverage(line, width, x, y); });
+  }
+  void disc(PagePoint center, double radius, Rgb color, double opacity) {
+    const PageBox bounds{center.x, center.y, center.x, center.y};
+    fill(bounds.grown(radius + 1), color, opacity, [&](int x, int y) {
+      const double away = std::hypot(x + 0.5 - center.x, y + 0.5 - center.y);
+      return std::clamp(radius + 0.5 - away, 0.0, 1.0);
+    });
+  }
+
  private:
   [[nodiscard]] double alpha_over_background(const float* pixel) const {
     return background_ ? 1.0 : std::clamp(static_cast<double>(pixel[3]), 0.0, 1.0);
@@ -81,21 +101,6 @@ class Canvas {
   Picture& picture_;
   std::optional<Rgb> background_;
 };
-
-void draw_stroke(Canvas& canvas, const PlacedLine& line, double width, Rgb color, double opacity) {
-  const PageBox box{std::min(line.from.x, line.to.x), std::min(line.from.y, line.to.y),
-                    std::max(line.from.x, line.to.x), std::max(line.from.y, line.to.y)};
-  canvas.fill(box.grown(0.5 * width + 1), color, opacity,
-              [&](int x, int y) { return stroke_coverage(line, width, x, y); });
-}
-
-void draw_disc(Canvas& canvas, PagePoint center, double radius, Rgb color, double opacity) {
-  const PageBox box{center.x, center.y, center.x, center.y};
-  canvas.fill(box.grown(radius + 1), color, opacity, [&](int x, int y) {
-    const double away = std::hypot(x + 0.5 - center.x, y + 0.5 - center.y);
-    return std::clamp(radius + 0.5 - away, 0.0, 1.0);
-  });
-}
 
 }  // namespace
 
@@ -115,22 +120,8 @@ Result<void> draw_annotations(Picture& picture, const AnnotationLayer& layer, st
     texts.push_back(std::move(drawn));
   }
 
-  // Boxes, then all casings, so that no casing cuts another line
   Canvas canvas(picture, background);
-  for (const PlacedBox& one : layer.boxes) {
-    canvas.fill(one.box, one.color, one.opacity, [&](int x, int y) {
-      return unit_overlap(one.box.left, one.box.right, x + 0.5) *
-             unit_overlap(one.box.top, one.box.bottom, y + 0.5);
-    });
-  }
-  for (const PlacedLine& one : layer.lines) {
-    if (one.casing > 0) draw_stroke(canvas, one, one.casing, one.casing_color, kCasingOpacity);
-  }
-  for (const PlacedDot& one : layer.dots) {
-    draw_disc(canvas, one.center, one.radius + one.casing, one.casing_color, kCasingOpacity);
-  }
-  for (const PlacedLine& one : layer.lines) draw_stroke(canvas, one, one.width, one.color, 1);
-  for (const PlacedDot& one : layer.dots) draw_disc(canvas, one.center, one.radius, one.color, 1);
+  paint_shapes(layer, canvas);
 
   // Texts
   for (std::size_t n = 0; n < texts.size(); ++n) {

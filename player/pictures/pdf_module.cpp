@@ -83,34 +83,31 @@ Surface image_of(const PdfPage& page) {
   return image;
 }
 
-void draw_stroke(cairo_t* cairo, const PlacedLine& line, double width, Rgb color, double opacity) {
-  set_color(cairo, color, opacity);
-  cairo_set_line_width(cairo, width);
-  cairo_move_to(cairo, line.from.x, line.from.y);
-  cairo_line_to(cairo, line.to.x, line.to.y);
-  cairo_stroke(cairo);
-}
+struct Painter {
+  cairo_t* cairo;
 
-void draw_disc(cairo_t* cairo, PagePoint center, double radius, Rgb color, double opacity) {
-  set_color(cairo, color, opacity);
-  cairo_arc(cairo, center.x, center.y, radius, 0, 2 * std::numbers::pi);
-  cairo_fill(cairo);
-}
-
-void draw_layer(cairo_t* cairo, const AnnotationLayer& layer, const Fonts& fonts) {
-  for (const PlacedBox& one : layer.boxes) {
+  void box(const PlacedBox& one) const {
     set_color(cairo, one.color, one.opacity);
     cairo_rectangle(cairo, one.box.left, one.box.top, one.box.width(), one.box.height());
     cairo_fill(cairo);
   }
-  for (const PlacedLine& one : layer.lines) {
-    if (one.casing > 0) draw_stroke(cairo, one, one.casing, one.casing_color, kCasingOpacity);
+  void stroke(const PlacedLine& line, double width, Rgb color, double opacity) const {
+    set_color(cairo, color, opacity);
+    cairo_set_line_width(cairo, width);
+    cairo_move_to(cairo, line.from.x, line.from.y);
+    cairo_line_to(cairo, line.to.x, line.to.y);
+    cairo_stroke(cairo);
   }
-  for (const PlacedDot& one : layer.dots) {
-    draw_disc(cairo, one.center, one.radius + one.casing, one.casing_color, kCasingOpacity);
+  void disc(PagePoint center, double radius, Rgb color, double opacity) const {
+    set_color(cairo, color, opacity);
+    cairo_arc(cairo, center.x, center.y, radius, 0, 2 * std::numbers::pi);
+    cairo_fill(cairo);
   }
-  for (const PlacedLine& one : layer.lines) draw_stroke(cairo, one, one.width, one.color, 1);
-  for (const PlacedDot& one : layer.dots) draw_disc(cairo, one.center, one.radius, one.color, 1);
+};
+
+void draw_layer(cairo_t* cairo, const AnnotationLayer& layer, const Fonts& fonts) {
+  const Painter painter{cairo};
+  paint_shapes(layer, painter);
   for (const PlacedText& one : layer.texts) {
     set_color(cairo, one.color);
     cairo_set_font_face(cairo, fonts[one.style]);

@@ -54,17 +54,17 @@ class Document {
     fmt::format_to(std::back_inserter(text), format, std::forward<Args>(args)...);
   }
 
-  void add_stroke(const PlacedLine& line, double width, Rgb color, double opacity) {
+  void stroke(const PlacedLine& line, double width, Rgb color, double opacity) {
     add("<line x1=\"{:.2f}\" y1=\"{:.2f}\" x2=\"{:.2f}\" y2=\"{:.2f}\" stroke=\"{}\" stroke-width=\"{:.2f}\"",
         line.from.x, line.from.y, line.to.x, line.to.y, to_hex(color), width);
     add_opacity("stroke-opacity", opacity);
   }
-  void add_disc(PagePoint center, double radius, Rgb color, double opacity) {
+  void disc(PagePoint center, double radius, Rgb color, double opacity) {
     add("<circle cx=\"{:.2f}\" cy=\"{:.2f}\" r=\"{:.2f}\" fill=\"{}\"", center.x, center.y, radius,
         to_hex(color));
     add_opacity("fill-opacity", opacity);
   }
-  void add_box(const PlacedBox& one) {
+  void box(const PlacedBox& one) {
     add("<rect x=\"{:.2f}\" y=\"{:.2f}\" width=\"{:.2f}\" height=\"{:.2f}\" fill=\"{}\"", one.box.left,
         one.box.top, one.box.width(), one.box.height(), to_hex(one.color));
     add_opacity("fill-opacity", one.opacity);
@@ -101,15 +101,7 @@ std::string svg_document(std::span<const std::byte> png, const PictureSize& size
       size.width * kMmPerInch / dpi, size.height * kMmPerInch / dpi, size.width, size.height);
   svg.add("<image width=\"{}\" height=\"{}\" xlink:href=\"data:image/png;base64,{}\"/>\n", size.width,
           size.height, base64(png));
-  for (const PlacedBox& one : layer.boxes) svg.add_box(one);
-  for (const PlacedLine& one : layer.lines) {
-    if (one.casing > 0) svg.add_stroke(one, one.casing, one.casing_color, kCasingOpacity);
-  }
-  for (const PlacedDot& one : layer.dots) {
-    svg.add_disc(one.center, one.radius + one.casing, one.casing_color, kCasingOpacity);
-  }
-  for (const PlacedLine& one : layer.lines) svg.add_stroke(one, one.width, one.color, 1);
-  for (const PlacedDot& one : layer.dots) svg.add_disc(one.center, one.radius, one.color, 1);
+  paint_shapes(layer, svg);
   for (const PlacedText& one : layer.texts) svg.add_text(one);
   svg.add("</svg>\n");
   return std::move(svg.text);

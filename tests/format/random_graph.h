@@ -96,6 +96,16 @@ inline VolumeStyle random_style(std::mt19937& random) {
   return style;
 }
 
+/// Gives a term a random style. Limits lie below and above one another, as no single term has them.
+inline void set_random_style(SelectionTerm& term, std::mt19937& random) {
+  const VolumeStyle style = random_style(random);
+  term.curve = style.curve;
+  if (style.profile != TransferProfile::kSoft) term.profile = style.profile;
+  const double shift = random() % 2 == 0 ? 0 : -100;
+  if (style.low) term.low = *style.low + shift;
+  if (style.high) term.high = *style.high + shift;
+}
+
 /// Appearances often equal those of a parent, so that whole subtrees match.
 inline Selection random_selection(const StructureGraph& graph, std::mt19937& random) {
   Selection selection;

@@ -104,4 +104,20 @@ struct AnnotationLayer {
   std::size_t labels = 0, unlabelled = 0, legend_entries = 0;
 };
 
+/// Calls painter.box(PlacedBox), painter.stroke(PlacedLine, width, color, opacity) and
+/// painter.disc(center, radius, color, opacity) for everything but the texts, in the order of drawing: all
+/// casings come before all lines and dots, so that no casing cuts another line.
+template <typename Painter>
+void paint_shapes(const AnnotationLayer& layer, Painter& painter) {
+  for (const PlacedBox& one : layer.boxes) painter.box(one);
+  for (const PlacedLine& one : layer.lines) {
+    if (one.casing > 0) painter.stroke(one, one.casing, one.casing_color, kCasingOpacity);
+  }
+  for (const PlacedDot& one : layer.dots) {
+    painter.disc(one.center, one.radius + one.casing, one.casing_color, kCasingOpacity);
+  }
+  for (const PlacedLine& one : layer.lines) painter.stroke(one, one.width, one.color, 1);
+  for (const PlacedDot& one : layer.dots) painter.disc(one.center, one.radius, one.color, 1);
+}
+
 }  // namespace splatlas

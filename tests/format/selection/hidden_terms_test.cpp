@@ -91,7 +91,7 @@ TEST(HiddenTerms, RemovalsHideNothing) {
   EXPECT_THAT(brain.hidden("Hippocampus - Cerebrum + Cerebrum"), ElementsAre(std::pair(0, 2)));
 }
 
-/// Where structures overlap, the later term takes the voxels.
+/// The later term takes the voxels of overlapping structures.
 TEST(HiddenTerms, AStructureHidesThoseWithin) {
   const Cerebrum brain;
   EXPECT_EQ(brain.message("Lesion + Cerebrum"),
@@ -124,12 +124,7 @@ SelectionTerm random_term(const StructureGraph& graph, std::mt19937& random) {
   if (random() % 4 == 0) term.opacity = 0.25f * static_cast<float>(1 + random() % 4);
   if (random() % 4 == 0) term.color = default_color(random() % 4);
   if (random() % 3 != 0) return term;
-  const VolumeStyle style = random_style(random);
-  term.curve = style.curve;
-  if (style.profile != TransferProfile::kSoft) term.profile = style.profile;
-  const double shift = random() % 2 == 0 ? 0 : -100;
-  if (style.low) term.low = *style.low + shift;
-  if (style.high) term.high = *style.high + shift;
+  set_random_style(term, random);
   return term;
 }
 

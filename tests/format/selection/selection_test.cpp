@@ -264,13 +264,7 @@ RC_GTEST_PROP(Selection, EveryStructureFollowsTheRules, ()) {
     if (term.remove) continue;
     if (random() % 2 == 0) term.opacity = 0.25f * static_cast<float>(1 + random() % 4);
     if (random() % 3 == 0) term.color = default_color(random() % 4);
-    const VolumeStyle style = random_style(random);
-    term.curve = style.curve;
-    if (style.profile != TransferProfile::kSoft) term.profile = style.profile;
-    // Limits below and above one another, as no single term has them.
-    const double shift = random() % 2 == 0 ? 0 : -100;
-    if (style.low) term.low = *style.low + shift;
-    if (style.high) term.high = *style.high + shift;
+    set_random_style(term, random);
   }
   const auto selection = resolve_selection(terms, graph);
   RC_ASSERT(selection.has_value());
