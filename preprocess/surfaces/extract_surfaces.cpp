@@ -7,6 +7,7 @@
 #include "format/derive/structure_crop.h"
 #include "format/system/parallel.h"
 #include "format/system/result_macros.h"
+#include "preprocess/import/meshes/quiet_vtk.h"
 #include "preprocess/surfaces/isosurface.h"
 #include "preprocess/surfaces/vtk_surface.h"
 
@@ -115,6 +116,7 @@ Result<ExtractedSurfaces> extract_surfaces(const Classification& classification,
                                      normals);
   const auto structures = structures_to_extract(classification.classes, structure_classes, graph);
 
+  initialize_vtk();
   std::vector<Result<StructureExtractor::Extracted>> extracted(structures.size());
   parallel_for(
       structures.size(), options.threads,

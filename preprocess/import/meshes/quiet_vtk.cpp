@@ -43,23 +43,24 @@ class SilentWindow : public vtkOutputWindow {
 };
 vtkStandardNewMacro(SilentWindow);
 
-void silence() {
-  static std::once_flag once;
-  std::call_once(once, [] {
-    vtkNew<SilentWindow> window;
-    vtkOutputWindow::SetInstance(window);
-    vtkLogger::SetStderrVerbosity(vtkLogger::VERBOSITY_OFF);
-  });
-}
-
 void hear(vtkObject*, unsigned long, void*, void* text) {
   remember(static_cast<const char*>(text));
 }
 
 }  // namespace
 
+void initialize_vtk() {
+  static std::once_flag once;
+  std::call_once(once, [] {
+    vtkObjectFactory::GetRegisteredFactories();
+    vtkNew<SilentWindow> window;
+    vtkOutputWindow::SetInstance(window);
+    vtkLogger::SetStderrVerbosity(vtkLogger::VERBOSITY_OFF);
+  });
+}
+
 std::string update_quietly(vtkAlgorithm& filter) {
-  silence();
+  initialize_vtk();
   first_complaint.clear();
   vtkNew<vtkCallbackCommand> listener;
   listener->SetCallback(hear);

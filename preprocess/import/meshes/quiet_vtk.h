@@ -7,8 +7,13 @@
 
 namespace splatlas {
 
-/// Runs filter.Update() and returns VTK's first error or warning, in one line; empty if there is none. From
-/// the first call on, VTK's output window of this process is silent.
+/// Initialises VTK's object factories, and silences its output window in this process. VTK's own
+/// initialisation at its first object is not thread-safe: call this before threads use VTK. Thread-safe; only
+/// the first call acts.
+void initialize_vtk();
+
+/// Runs filter.Update() and returns VTK's first error or warning, in one line; empty if there is none.
+/// Calls initialize_vtk().
 [[nodiscard]] std::string update_quietly(vtkAlgorithm& filter);
 
 }  // namespace splatlas
