@@ -53,6 +53,10 @@ class Work {
   /// Lowers the count of a kind to at most `count`, for items that are estimated one by one.
   void limit(WorkKind kind, double count);
 
+  /// Units without the memory held.
+  [[nodiscard]] double time_units() const;
+  [[nodiscard]] double held_bytes() const { return held_bytes_; }
+  /// The larger of both sums.
   [[nodiscard]] double units() const;
   [[nodiscard]] double count(WorkKind kind) const { return counts_[static_cast<std::size_t>(kind)]; }
   /// Count of the kind with the most units: "4.1e+09 decoded bytes".
@@ -63,13 +67,17 @@ class Work {
   double held_bytes_ = 0;
 };
 
-/// Limit of work for one file. A small file is refused if it takes long: a real atlas of its size does not.
+/// Limit of work for one file, against decompression bombs: time in proportion to the file, and half of the
+/// machine's memory.
 class WorkBudget {
  public:
-  /// `max_work` scales the limit; at least 1.
-  WorkBudget(std::string file_name, std::uint64_t file_bytes, double max_work);
+  /// `max_work` scales both limits: below 1 for files of strangers, above for giants. `machine_bytes`: the
+  /// machine's memory; 0 asks the system.
+  WorkBudget(std::string file_name, std::uint64_t file_bytes, double max_work,
+             std::uint64_t machine_bytes = 0);
 
-  /// Units allowed: 8e8 (about a second) for files up to 1 MiB, and 10 000 for each further byte.
+  /// Units allowed: 3e10 (about 30 seconds of one core) for files up to 1 MiB, and 10 000 for each further
+  /// byte.
   [[nodiscard]] double allowed() const;
   /// kLimit if the work exceeds the budget; the message has the numbers and the option --max-work that allows
   /// it. `purpose` names the operation: "the selection".
@@ -79,6 +87,7 @@ class WorkBudget {
   std::string file_name_;
   std::uint64_t file_bytes_;
   double max_work_;
+  double memory_bytes_;
 };
 
 /// Rule of the surfaces that a reader derives from the voxels. Stored surfaces do not change.
@@ -90,7 +99,8 @@ enum class SurfaceChoice : std::uint8_t {
 
 /// Options of Atlas::open().
 struct AtlasOptions {
-  /// Factor of the limit of work (WorkBudget); at least 1. Raise it for files that you trust.
+  /// Factor of the limit of work (WorkBudget). Raise it for giants that you trust, lower it for strangers'
+  /// files.
   double max_work = 1;
   SurfaceChoice surfaces = SurfaceChoice::kAsInFile;
 };

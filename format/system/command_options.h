@@ -109,13 +109,15 @@ inline CLI::Option* add_threads(CLI::App& app, unsigned& threads, const std::str
 
 /// Binds --max-work to the factor of AtlasOptions.
 inline CLI::Option* add_max_work(CLI::App& app, double& max_work) {
-  constexpr double kMaxWork = 1e9;
+  constexpr double kMinWork = 0.001, kMaxWork = 1e9;
   const auto parse = [](std::string_view text) {
     const auto factor = parse_number<double>(text);
-    return factor && *factor >= 1 && *factor <= kMaxWork ? factor : std::nullopt;
+    return factor && *factor >= kMinWork && *factor <= kMaxWork ? factor : std::nullopt;
   };
-  return add_parsed(app, "--max-work", max_work, parse, "must be a number from 1 to 1e9",
-                    "limit of work for the file, in multiples of the usual one; for files that you trust")
+  return add_parsed(app, "--max-work", max_work, parse, "must be a number from 0.001 to 1e9",
+                    "limit of time and memory for the file, in multiples of the usual one (30 s of one core, "
+                    "half of the "
+                    "memory): below 1 for files of strangers, above for giants")
       ->default_str(fmt::to_string(max_work));
 }
 

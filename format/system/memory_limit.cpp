@@ -7,7 +7,7 @@
 
 namespace splatlas {
 
-std::uint64_t default_memory_limit() {
+std::uint64_t machine_memory() {
   const long pages = sysconf(_SC_PHYS_PAGES);
   const long page_bytes = sysconf(_SC_PAGESIZE);
   const bool known = pages > 0 && page_bytes > 0;
@@ -19,7 +19,11 @@ std::uint64_t default_memory_limit() {
       memory = std::min<std::uint64_t>(memory, limit.rlim_cur);
     }
   }
-  return memory / 4 * 3;
+  return memory;
+}
+
+std::uint64_t default_memory_limit() {
+  return machine_memory() / 4 * 3;
 }
 
 }  // namespace splatlas

@@ -32,7 +32,7 @@ constexpr double kMaxRewrittenUnits = 1e6;
 constexpr std::uint64_t kRenderBytes = std::uint64_t{64} << 20;
 
 bool is_refused(const Atlas& atlas, const Work& work) {
-  return work.units() > atlas.work_budget().allowed();
+  return !atlas.work_budget().check(work, "it");
 }
 
 /// An open file, and the largest estimate of operations that are run.
@@ -240,7 +240,7 @@ void fuzz(FuzzInput input) {
   Choices choices(reserved);
   const bool rewrites = choices.below(8) == 0;
 
-  const auto opened = Atlas::open_bytes({file.begin(), file.end()}, "F");
+  const auto opened = Atlas::open_bytes({file.begin(), file.end()}, "F", {.max_work = 1.0 / 40});
   if (!opened) return require_error(opened.error(), {ErrorCode::kInvalidAtlas});
   // Other bits of the field than those of Choices
   const OpenAtlas atlas{*opened, reserved * 2654435761u >> 28 == 1 ? kMaxUnits : kUsualMaxUnits};

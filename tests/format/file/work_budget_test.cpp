@@ -21,40 +21,47 @@ namespace splatlas {
 namespace {
 
 using ::testing::AllOf;
+using ::testing::EndsWith;
 using ::testing::HasSubstr;
 
 TEST(WorkBudget, GrowsWithTheFile) {
-  EXPECT_EQ(WorkBudget("F", 100, 1).allowed(), 8e8);
-  EXPECT_EQ(WorkBudget("F", 1 << 20, 1).allowed(), 8e8);
-  EXPECT_EQ(WorkBudget("F", (1 << 20) + 5, 1).allowed(), 8e8 + 5e4);
-  EXPECT_EQ(WorkBudget("F", 100, 2.5).allowed(), 2e9);
-  EXPECT_EQ(WorkBudget("F", 100, 0).allowed(), 8e8) << "no option lowers it";
-  EXPECT_EQ(WorkBudget("F", 100, std::nan("")).allowed(), 8e8);
+  EXPECT_EQ(WorkBudget("F", 100, 1).allowed(), 3e10);
+  EXPECT_EQ(WorkBudget("F", 1 << 20, 1).allowed(), 3e10);
+  EXPECT_EQ(WorkBudget("F", (1 << 20) + 5, 1).allowed(), 3e10 + 5e4);
+  EXPECT_EQ(WorkBudget("F", 100, 2.5).allowed(), 7.5e10);
+  EXPECT_EQ(WorkBudget("F", 100, 0.5).allowed(), 1.5e10);
+  EXPECT_EQ(WorkBudget("F", 100, std::nan("")).allowed(), 3e10);
 }
 
 TEST(WorkBudget, NamesNumberAndOption) {
   Work work;
-  work.add(WorkKind::kRuns, 1e6, 100);
-  work.add(WorkKind::kBytes, 1e9, 3);
-  EXPECT_EQ(work.units(), 3.1e9);
+  work.add(WorkKind::kRuns, 1e6, 1000);
+  work.add(WorkKind::kBytes, 1e10, 10);
+  EXPECT_EQ(work.units(), 1.01e11);
   const Result<void> refused = WorkBudget("a.atlas", 21234, 1).check(work, "the selection");
-  EXPECT_THAT(refused,
-              FailsWith(ErrorCode::kLimit,
-                        "a.atlas: the selection takes 3.1e+09 units of work (1e+09 decoded bytes); a file of "
-                        "21234 bytes may take 8e+08. If you trust the file, allow it with --max-work 4"));
+  EXPECT_THAT(
+      refused,
+      FailsWith(ErrorCode::kLimit,
+                "a.atlas: the selection takes 1.01e+11 units of work (1e+10 decoded bytes); a file of "
+                "21234 bytes may take 3e+10. If you trust the file, allow it with --max-work 4"));
   EXPECT_TRUE(WorkBudget("a.atlas", 21234, 4).check(work, "the selection"));
   EXPECT_FALSE(WorkBudget("a.atlas", 21234, 3).check(work, "the selection"));
 }
 
-/// 200 MB at once take the budget of a small file. Steps follow one another: their memory does not add up.
+/// A file may hold half of the memory. Steps follow one another: their memory does not add up.
 TEST(WorkBudget, CountsMemory) {
   Work work, step;
   step.hold(150e6);
   for (int n = 0; n < 5; ++n) work += step;
   EXPECT_EQ(work.units(), 6e8);
   work.hold(210e6);
-  EXPECT_THAT(WorkBudget("F", 1, 1).check(work, "it"),
-              FailsWith(ErrorCode::kLimit, AllOf(HasSubstr("(200 MiB at once)"), HasSubstr("--max-work 2"))));
+  EXPECT_TRUE(WorkBudget("F", 1, 1, 420'000'000).check(work, "it"));
+  EXPECT_THAT(
+      WorkBudget("F", 1, 1, 400'000'000).check(work, "it"),
+      FailsWith(ErrorCode::kLimit, AllOf(HasSubstr("it holds 200 MiB at once; a file may take 191 MiB"),
+                                         HasSubstr("--max-work 2"))));
+  EXPECT_THAT(WorkBudget("F", 1, 0.5, 420'000'001).check(work, "it"),
+              FailsWith(ErrorCode::kLimit, EndsWith("--max-work 1")));
 }
 
 TEST(WorkBudget, AddsOtherItemsAndKeepsTheCountOfFurtherSteps) {
