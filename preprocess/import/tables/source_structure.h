@@ -4,10 +4,19 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "format/color.h"
 
 namespace splatlas {
+
+/// A name or code of a structure in another vocabulary: {"SNOMED", "64033007"}, {"synonym", "kidney"}, {"de",
+/// "Niere"}.
+struct SourceTerm {
+  std::string vocabulary, value;
+
+  friend bool operator==(const SourceTerm&, const SourceTerm&) = default;
+};
 
 /// A structure before its placement in the graph. Its index in the list of these is its source number.
 struct SourceStructure {
@@ -16,6 +25,7 @@ struct SourceStructure {
   std::optional<std::int64_t> code;  ///< AAL's third column, a hierarchical region code
   std::optional<Rgb> color;
   bool external = false;
+  std::vector<SourceTerm> terms;  ///< in the order of the source
 };
 
 }  // namespace splatlas
