@@ -23,6 +23,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
+const NoteKind kNotSmoothed{"not-smoothed", "", "", false}, kStoredSurfaces{"stored-surfaces", "", "", false};
+
+Result<void> check_no_warning(const Notes& notes) {
+  const auto warning =
+      std::ranges::find_if(notes.all(), [](const Note& note) { return note.kind.is_warning; });
+  if (warning == notes.all().end()) return {};
+  return fail(ErrorCode::kFailed, "--strict: {}; nothing is written", warning->message());
+}
+
 /// Source numbers are in the order labels or masks, segments, meshes.
 std::size_t first_mesh(const SourceModel& model) {
   return model.structures.size() - model.meshes.size();
@@ -49,17 +58,17 @@ std::vector<Isosurface> isosurfaces_of(const SourceModel& model, const PlacedStr
   return isosurfaces;
 }
 
-void note_surfaces(SurfaceRule rule, const Grid& grid, const ExtractedSurfaces& extracted,
-                   std::vector<std::string>& notes) {
+void note_surfaces(SurfaceRule rule, const Grid& grid, const ExtractedSurfaces& extracted, Notes& notes) {
   if (rule_for(rule, grid.size) != rule) {
-    notes.push_back(fmt::format("surfaces are not smoothed: an axis of the grid has more than {} voxels",
-                                kMaxSmoothSize));
+    notes.add(kNotSmoothed,
+              fmt::format("surfaces are not smoothed: an axis of the grid has more than {} voxels",
+                          kMaxSmoothSize));
   }
   if (extracted.not_derived > 0) {
-    notes.push_back(
-        fmt::format("{} surfaces of VTK have other triangles than the file format derives; they "
-                    "are stored",
-                    extracted.not_derived));
+    notes.add(kStoredSurfaces,
+              fmt::format("{} surfaces of VTK have other triangles than the file format derives; they "
+                          "are stored",
+                          extracted.not_derived));
   }
 }
 
@@ -68,7 +77,7 @@ void note_surfaces(SurfaceRule rule, const Grid& grid, const ExtractedSurfaces& 
 /// `threads` (0: one per core).
 Result<AtlasContent> build_content(SourceModel model, const std::string& labels,
                                    const std::vector<FragmentRule>& fragments, SurfaceRule rule,
-                                   unsigned threads, StageClock& clock, std::vector<std::string>& notes) {
+                                   unsigned threads, StageClock& clock, Notes& notes) {
   AtlasContent content;
   content.source_grid = model.source_grid;
   content.source_to_storage = storage_order(model.source_grid);
@@ -126,18 +135,23 @@ Result<BuildReport> report_on(const std::vector<std::byte>& bytes, const fs::pat
 }  // namespace
 
 Result<BuildReport> build_atlas(const BuildOptions& options) {
+  Notes notes;
+  return build_atlas(options, notes);
+}
+
+Result<BuildReport> build_atlas(const BuildOptions& options, Notes& notes) {
   SPLATLAS_RETURN_IF_ERROR(check_outputs(std::array{options.output}, list_files(options.sources)));
   SPLATLAS_RETURN_IF_ERROR(check_writable_file(options.output));
   StageClock clock(options.progress);
   const auto update = [&](double fraction) { clock.update(fraction); };
 
   clock.begin("read", 0.1);
-  SPLATLAS_ASSIGN_OR_RETURN(SourceModel model, import_sources(options.sources, update));
-  std::vector<std::string> notes = model.notes;
+  SPLATLAS_ASSIGN_OR_RETURN(SourceModel model, import_sources(options.sources, notes, update));
   SPLATLAS_ASSIGN_OR_RETURN(
       AtlasContent content,
       build_content(std::move(model), options.sources.labels.string(), options.fragments, options.surfaces,
                     options.threads, clock, notes));
+  if (options.strict) SPLATLAS_RETURN_IF_ERROR(check_no_warning(notes));
   content.provenance.title = options.title;
   content.provenance.citation = options.citation;
   content.provenance.licence = options.licence;
@@ -155,7 +169,7 @@ Result<BuildReport> build_atlas(const BuildOptions& options) {
   clock.end();
 
   report.stages = clock.stages();
-  report.notes = std::move(notes);
+  report.notes = notes;
   return report;
 }
 

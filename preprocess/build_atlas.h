@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "preprocess/build_progress.h"
+#include "preprocess/import/notes.h"
 #include "preprocess/import_sources.h"
 #include "preprocess/segment_structures.h"
 
@@ -23,6 +24,7 @@ struct BuildOptions {
   std::vector<FragmentRule> fragments;   ///< at most one rule per name; the last one holds
   SurfaceRule surfaces = SurfaceRule::kSmooth;
   unsigned threads = 0;       ///< 0: one per core. The file does not depend on it.
+  bool strict = false;        ///< fails at the first kind of warnings, before anything is written
   ProgressFunction progress;  ///< may be empty
 };
 
@@ -33,11 +35,13 @@ struct BuildReport {
   std::uint64_t triangles = 0;
   std::uint64_t bytes = 0;  ///< of the file
   std::vector<StageClock::Stage> stages;
-  std::vector<std::string> notes;  ///< notes and warnings, one line each
+  Notes notes;
 };
 
 /// Builds an atlas. Refuses an output that is an input or cannot be written before reading any input. On
-/// errors the old output file is unchanged.
+/// errors the old output file is unchanged. `notes` receives the notes also of a build that fails.
+[[nodiscard]] Result<BuildReport> build_atlas(const BuildOptions& options, Notes& notes);
+/// The same, with the notes in the report only.
 [[nodiscard]] Result<BuildReport> build_atlas(const BuildOptions& options);
 
 }  // namespace splatlas

@@ -8,8 +8,10 @@
 #include "format/system/result_macros.h"
 #include "preprocess/import/file_hash.h"
 #include "preprocess/import/images/import_image.h"
-#include "preprocess/import/images/import_labels.h"
 #include "preprocess/import/import_error.h"
+#include "preprocess/import/labels/import_labels.h"
+#include "preprocess/import/labels/label_map.h"
+#include "preprocess/import/resample.h"
 #include "preprocess/import/tables/read_names.h"
 #include "preprocess/import/tables/structure_name.h"
 
@@ -18,23 +20,37 @@ namespace {
 
 namespace fs = std::filesystem;
 
+const NoteKind kFurtherErrors{"further-errors", "further problem", "further problems", true};
+const NoteKind kVolumeResampled{
+    "resampled-volume", "volume is on another grid than the labels and is interpolated at their voxels",
+    "volumes are on other grids than the labels and are interpolated at their voxels", true};
+const NoteKind kMaskResampled{
+    "resampled-segment-masks", "mask of a segment is on another grid and is resampled to the nearest voxel",
+    "masks of segments are on other grids and are resampled to the nearest voxel", true};
+const NoteKind kDegenerate{"degenerate-triangles", "surface has triangles without area, which are dropped",
+                           "surfaces have triangles without area, which are dropped", false};
+const NoteKind kOutside{"surfaces-outside", "surface is partly outside the volume, and cut off there",
+                        "surfaces are partly outside the volume, and cut off there", true};
+
 /// Imports the files into a SourceModel, kind by kind.
 class SourceImporter {
  public:
-  SourceImporter(const SourceFiles& files, const std::function<void(double)>& progress)
-      : files_(files), progress_(progress) {}
+  SourceImporter(const SourceFiles& files, Notes& notes, const std::function<void(double)>& progress)
+      : files_(files), notes_(notes), progress_(progress) {}
 
   Result<SourceModel> import() {
-    SPLATLAS_RETURN_IF_ERROR(collect_names());
-    SPLATLAS_RETURN_IF_ERROR(import_tree());
-    SPLATLAS_RETURN_IF_ERROR(import_labels());
-    SPLATLAS_RETURN_IF_ERROR(check_names_of_labels());
+    keep_error(collect_names());
+    keep_error(import_tree());
+    keep_error(import_volume());
     report(0.4);
-    SPLATLAS_RETURN_IF_ERROR(import_volume());
+    keep_error(import_labels());
+    keep_error(check_names_of_labels());
     report(0.7);
-    SPLATLAS_RETURN_IF_ERROR(import_segment_masks());
+    if (!error_) keep_error(place_volume());
+    keep_error(import_segment_masks());
     report(0.9);
-    SPLATLAS_RETURN_IF_ERROR(import_meshes());
+    if (!error_) keep_error(import_meshes());
+    if (error_) return tl::unexpected(*error_);
     return std::move(model_);
   }
 
@@ -49,14 +65,14 @@ class SourceImporter {
     return {};
   }
 
-  /// The first volume determines the grid; all others must match it.
-  Result<void> join_grid(const Grid& grid, const std::string& file) {
-    if (grid_file_.empty()) {
-      model_.source_grid = grid;
-      grid_file_ = file;
-      return {};
+  /// Keeps the first error; notes further ones.
+  void keep_error(Result<void> result) {
+    if (result) return;
+    if (error_) {
+      notes_.add(kFurtherErrors, result.error().message);
+    } else {
+      error_ = std::move(result).error();
     }
-    return check_same_grid(model_.source_grid, grid_file_, grid, file);
   }
 
   /// Checks that the names of segments and meshes are unique.
@@ -95,16 +111,25 @@ class SourceImporter {
     return remember("tree", files_.tree);
   }
 
+  /// Reads the volume on its own grid.
+  Result<void> import_volume() {
+    if (files_.volume.empty()) return {};
+    ImageOptions options = files_.volume_options;
+    options.spacing_mm = files_.spacing_mm;
+    SPLATLAS_ASSIGN_OR_RETURN(volume_, import_image(files_.volume, options, notes_));
+    return {};
+  }
+
   Result<void> import_labels() {
     if (files_.labels.empty()) return {};
-    std::error_code unreadable;  // the importer reports it
-    const bool masks = fs::is_directory(files_.labels, unreadable);
-    SPLATLAS_ASSIGN_OR_RETURN(ImportedLabels labels,
-                              masks ? import_mask_folder(files_.labels) : import_label_map(files_.labels));
+    std::optional<Grid> grid;
+    if (files_.resample == ResampleTo::kVolume && volume_) grid = volume_->grid;
+    SPLATLAS_ASSIGN_OR_RETURN(
+        ImportedLabels labels,
+        splatlas::import_labels(files_.labels, {.spacing_mm = files_.spacing_mm}, grid));
     if (!files_.names.empty()) {
-      if (masks) return fail(ErrorCode::kUsage, "--names: is for label maps; masks are named by their files");
       SPLATLAS_ASSIGN_OR_RETURN(const std::vector<LabelName> names, read_names(files_.names));
-      SPLATLAS_RETURN_IF_ERROR(name_labels(labels, names, files_.names.string(), files_.allow_empty));
+      name_labels(labels, {names.begin(), names.end()}, files_.allow_empty);
       SPLATLAS_RETURN_IF_ERROR(remember("names", files_.names));
     }
     if (!files_.colors.empty()) {
@@ -115,20 +140,33 @@ class SourceImporter {
       }
       SPLATLAS_RETURN_IF_ERROR(remember("colors", files_.colors));
     }
-    SPLATLAS_RETURN_IF_ERROR(join_grid(labels.source_grid, labels.source));
     for (const fs::path& file : labels.files) SPLATLAS_RETURN_IF_ERROR(remember("labels", file));
+    notes_.add(labels.notes);
+    model_.source_grid = labels.source_grid;
     model_.label_type = labels.type;
     model_.memberships = std::move(labels.memberships);
     model_.structures = std::move(labels.structures);
-    model_.notes = std::move(labels.notes);
+    labels_source_ = labels.source;
     return {};
   }
 
-  Result<void> import_volume() {
-    if (files_.volume.empty()) return {};
-    SPLATLAS_ASSIGN_OR_RETURN(Image image, import_image(files_.volume));
-    SPLATLAS_RETURN_IF_ERROR(join_grid(image.grid, files_.volume.string()));
-    model_.values = to_storage_order(std::move(image.voxels), model_.source_grid);
+  /// Brings the volume onto the grid of the labels.
+  Result<void> place_volume() {
+    if (!volume_) return {};
+    if (files_.labels.empty()) model_.source_grid = volume_->grid;
+    if (const auto same =
+            check_same_grid(model_.source_grid, labels_source_, volume_->grid, files_.volume.string());
+        !same) {
+      if (!(overlap(model_.source_grid, volume_->grid) > 0)) {
+        return fail(ErrorCode::kFailed,
+                    "{}, and they do not overlap; were they made of one patient and frame?",
+                    same.error().message);
+      }
+      notes_.add(kVolumeResampled, fmt::format("{} ({}; --resample volume keeps its grid instead)",
+                                               files_.volume.string(), same.error().message));
+      volume_->voxels = resample_linear(*volume_, model_.source_grid);
+    }
+    model_.values = to_storage_order(std::move(volume_->voxels), model_.source_grid);
     return remember("volume", files_.volume);
   }
 
@@ -136,11 +174,8 @@ class SourceImporter {
     for (const SegmentRule& rule : files_.segments) {
       SourceModel::Segment segment{rule, {}};
       if (rule.kind == SegmentRule::Kind::kMask) {
-        SPLATLAS_ASSIGN_OR_RETURN(Image image, import_image(rule.mask));
-        SPLATLAS_RETURN_IF_ERROR(join_grid(image.grid, rule.mask.string()));
-        segment.mask = mask_of(to_storage_order(std::move(image.voxels), model_.source_grid));
-        SPLATLAS_RETURN_IF_ERROR(remember("segment", rule.mask));
-      } else if (model_.values.empty()) {
+        SPLATLAS_ASSIGN_OR_RETURN(segment.mask, import_segment_mask(rule));
+      } else if (files_.volume.empty()) {
         return fail(ErrorCode::kUsage, "--segment \"{}\": {} needs a --volume", rule.name,
                     rule.kind == SegmentRule::Kind::kIsosurface ? "an isosurface" : "a threshold");
       }
@@ -154,6 +189,20 @@ class SourceImporter {
     return {};
   }
 
+  Result<std::vector<std::uint8_t>> import_segment_mask(const SegmentRule& rule) {
+    SPLATLAS_ASSIGN_OR_RETURN(Image image,
+                              import_image(rule.mask, {.spacing_mm = files_.spacing_mm}, notes_));
+    if (model_.source_grid.voxels() == 0) model_.source_grid = image.grid;
+    if (!check_same_grid(model_.source_grid, "", image.grid, "")) {
+      if (!(overlap(image.grid, model_.source_grid) > 0))
+        return bad_file(rule.mask, "lies outside the grid of the other files");
+      notes_.add(kMaskResampled, rule.name);
+      image.voxels = resample_nearest(image, model_.source_grid);
+    }
+    SPLATLAS_RETURN_IF_ERROR(remember("segment", rule.mask));
+    return mask_of(to_storage_order(std::move(image.voxels), model_.source_grid));
+  }
+
   Result<void> import_meshes() {
     for (const SourceFiles::Mesh& source : files_.meshes) {
       const std::string file = source.file.string();
@@ -162,12 +211,12 @@ class SourceImporter {
       if (!clipped) return fail(clipped.error().code, "{}: {}", file, clipped.error().message);
       if (clipped->crossed.empty()) return bad_file(file, "is outside the volume; check --mesh-frame");
       if (mesh.dropped > 0) {
-        model_.notes.push_back(fmt::format("{}: {} degenerate triangles are dropped", file, mesh.dropped));
+        notes_.add(kDegenerate,
+                   fmt::format("{} ({} of {})", file, mesh.dropped, mesh.dropped + mesh.triangles.size()));
       }
       constexpr double kNegligible = 1e-6;
       if (clipped->outside > kNegligible) {
-        model_.notes.push_back(fmt::format("{}: {:.1f} % of the surface is outside the volume and dropped",
-                                           file, 100 * clipped->outside));
+        notes_.add(kOutside, fmt::format("{} ({:.1f} %)", file, 100 * clipped->outside));
       }
       SourceStructure structure;
       structure.name = source.name;
@@ -184,22 +233,26 @@ class SourceImporter {
   }
 
   const SourceFiles& files_;
+  Notes& notes_;
   const std::function<void(double)>& progress_;
   SourceModel model_;
-  std::string grid_file_;
+  std::optional<Image> volume_;
+  std::string labels_source_;
+  std::optional<Error> error_;                         // the first one
   std::map<std::string, std::string> option_of_name_;  // by name_key
 };
 
 }  // namespace
 
-Result<SourceModel> import_sources(const SourceFiles& files, const std::function<void(double)>& progress) {
+Result<SourceModel> import_sources(const SourceFiles& files, Notes& notes,
+                                   const std::function<void(double)>& progress) {
   if (files.labels.empty() && files.segments.empty()) {
     return fail(ErrorCode::kUsage, "no structures: give --labels or a --segment");
   }
   if (files.labels.empty() && (!files.names.empty() || !files.colors.empty())) {
     return fail(ErrorCode::kUsage, "--names and --colors need --labels");
   }
-  return SourceImporter(files, progress).import();
+  return SourceImporter(files, notes, progress).import();
 }
 
 std::vector<fs::path> list_files(const SourceFiles& files) {

@@ -1,16 +1,27 @@
 // Import of all source files of a build.
 #pragma once
 
+#include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "format/atlas_content.h"
 #include "preprocess/classify/segment_volume.h"
+#include "preprocess/import/images/source_image.h"
+#include "preprocess/import/notes.h"
 #include "preprocess/membership_volume.h"
 #include "preprocess/structures/build_graph.h"
 #include "preprocess/surfaces/clip_mesh.h"
 
 namespace splatlas {
+
+/// The grid that stays where labels and volume have different ones.
+enum class ResampleTo {
+  kAsk,     ///< that of the labels, with a warning
+  kLabels,  ///< grey values are interpolated linearly at the voxels of the labels
+  kVolume,  ///< labels are taken from the voxel that lies nearest
+};
 
 /// Source files from the command line. Empty paths are not given.
 struct SourceFiles {
@@ -24,6 +35,9 @@ struct SourceFiles {
   std::vector<Mesh> meshes;
   MeshFrame mesh_frame = MeshFrame::kLps;
   bool allow_empty = false;
+  ImageOptions volume_options;             ///< of `volume`
+  std::optional<Vec3> spacing_mm;          ///< of stacks of pictures, for labels and volume
+  ResampleTo resample = ResampleTo::kAsk;  ///< where labels and volume are on different grids
 };
 
 /// Imported sources. Volumes are in the storage order of `source_grid`. Source numbers of structures: labels
@@ -45,13 +59,12 @@ struct SourceModel {
   std::vector<TreeLine> tree;
   std::string tree_file;
   std::vector<Source> provenance;
-  std::vector<std::string> notes;  ///< notes and warnings, one line each
 };
 
-/// Reads and checks the files; errors are those of the importers. All volumes must have the same grid, and
-/// names of structures must be unique (ignoring case). `progress` receives the fraction done and may be
-/// empty.
-[[nodiscard]] Result<SourceModel> import_sources(const SourceFiles& files,
+/// Reads and checks the files, all of them even if one fails: the error is the first one, and `notes` has the
+/// others. Masks of segments on other grids are resampled to the nearest voxel. `progress` receives the
+/// fraction done and may be empty. Call it while this process has one thread (isolation/run_isolated.h).
+[[nodiscard]] Result<SourceModel> import_sources(const SourceFiles& files, Notes& notes,
                                                  const std::function<void(double)>& progress = {});
 
 /// All files that import_sources() would read, including those in folders.

@@ -36,6 +36,26 @@ std::uint64_t MembershipVolume::add(StructureIndex structure, std::span<const st
   return count;
 }
 
+void MembershipVolume::add_each(std::span<const StructureIndex> structures) {
+  std::map<std::pair<SetId, StructureIndex>, SetId> unions;
+  std::pair<SetId, StructureIndex> last{0, kNoStructure};
+  SetId last_union = 0;
+  for (std::size_t v = 0; v < voxels_.size(); ++v) {
+    if (structures[v] == kNoStructure) continue;
+    if (const std::pair pair{voxels_[v], structures[v]}; pair != last) {
+      const auto [entry, is_new] = unions.try_emplace(pair, 0);
+      if (is_new) {
+        std::vector<StructureIndex> set = sets_[pair.first];
+        set.insert(std::ranges::lower_bound(set, pair.second), pair.second);
+        entry->second = intern(std::move(set));
+      }
+      last = pair;
+      last_union = entry->second;
+    }
+    voxels_[v] = last_union;
+  }
+}
+
 void MembershipVolume::remove(StructureIndex structure, std::size_t first, std::size_t count) {
   for (std::size_t v = first; v < first + count;) {
     const SetId from = voxels_[v];

@@ -31,6 +31,8 @@ class MembershipVolume {
 
   /// Adds `structure` to the sets of all voxels with non-zero `mask`. Returns their number. Cost: one pass.
   std::uint64_t add(StructureIndex structure, std::span<const std::uint8_t> mask);
+  /// Adds to every voxel its structure, none for kNoStructure. Cost: one pass.
+  void add_each(std::span<const StructureIndex> structures);
   /// Removes `structure` from the sets of `count` voxels from `first` on, which must contain it.
   void remove(StructureIndex structure, std::size_t first, std::size_t count);
   /// Replaces structure n by `new_numbers[n]`. Cost: linear in the sets.

@@ -28,7 +28,6 @@ struct FragmentRule {
 /// receives the fraction done.
 [[nodiscard]] Result<void> segment_structures(SourceModel& model, const PlacedStructures& placed,
                                               const Grid& grid, const std::vector<FragmentRule>& rules,
-                                              const std::function<void(double)>& progress,
-                                              std::vector<std::string>& notes);
+                                              const std::function<void(double)>& progress, Notes& notes);
 
 }  // namespace splatlas

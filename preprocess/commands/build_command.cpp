@@ -1,11 +1,17 @@
+#include <algorithm>
+#include <span>
+
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "format/system/ascii_text.h"
 #include "format/system/command_options.h"
+#include "format/system/output_file.h"
 #include "format/system/result_macros.h"
 #include "format/system/standard_output.h"
+#include "preprocess/commands/build_report.h"
 #include "preprocess/commands/commands.h"
+#include "preprocess/import/tables/text_file.h"
 
 namespace splatlas {
 namespace {
@@ -16,10 +22,14 @@ constexpr const char* kFooter = R"(Examples:
   splatlas-preprocess build -o knee.atlas --labels knee.mha --volume knee_ct.mha --mesh Screw=screw.stl
   splatlas-preprocess build -o head.atlas --volume t1.nii.gz --segment Head=threshold:otsu:close=2
 
-Volumes: NIfTI (.nii, .nii.gz), NRRD (.nrrd, .nhdr), MetaImage (.mha, .mhd); all of one build on one grid.
+Volumes: NIfTI-1, NIfTI-2 and Analyze (.nii, .nii.gz, .hdr with .img), NRRD (.nrrd, .nhdr), MetaImage (.mha, .mhd),
+FreeSurfer (.mgz, .mgh); TIFF or PNG, one file or a folder of slices, with --spacing.
 
-Labels: a label map, every value above 0 a structure; or a folder with one mask per structure (TotalSegmentator's
-way), named by its file; masks may overlap.
+Labels: a label map, every value above 0 a structure; a segmentation of 3D Slicer (.seg.nrrd) with its names, colours
+and layers; or a folder of one mask file per structure, as TotalSegmentator writes: file names become structure names,
+and masks may overlap. Labels and volume may have different grids: the labels' stays, unless --resample volume.
+
+Notes and warnings tell what is odd, one line a kind. --report and --json list all cases; --strict stops at a warning.
 
 Names: one label a line, "label name [code]" as AAL's file has it, or the eight columns of ITK-SNAP. Without names
 label 7 is "Label 7".
@@ -55,9 +65,37 @@ std::string check_text(const std::string& text) {
   return fault.empty() ? fault : in_quotes(text) + " " + fault;
 }
 
+/// X,Y,Z in mm.
+Result<Vec3> parse_spacing(std::string_view text) {
+  const std::vector<std::string_view> parts = split(text, ',');
+  Vec3 spacing{};
+  for (std::size_t n = 0; n < 3 && parts.size() == 3; ++n) spacing[n] = parse_number(parts[n]).value_or(0);
+  if (std::ranges::all_of(spacing, [](double mm) { return mm >= kMinSpacingMm && mm <= kMaxSpacingMm; }))
+    return spacing;
+  return fail(ErrorCode::kUsage, "--spacing {}: must be X,Y,Z, three lengths in mm above 0", in_quotes(text));
+}
+
 void add_sources(CLI::App& build, SourceFiles& sources) {
-  build.add_option("--labels", sources.labels, "label map, or folder of masks")->check(names_a_file());
+  build.add_option("--labels", sources.labels, "label map, segmentation, or folder of masks")
+      ->check(names_a_file());
   build.add_option("--volume", sources.volume, "grey values")->check(names_a_file());
+  build
+      .add_option("--component", sources.volume_options.component,
+                  "volume of a --volume file that holds several, from 1")
+      ->check(CLI::Range(std::size_t{1}, std::size_t{1} << 24).description(""));
+  build.add_option("--series", sources.volume_options.series,
+                   "series of a --volume folder that holds several: number or UID");
+  add_choice(build, "--resample", sources.resample,
+             {{"labels", ResampleTo::kLabels}, {"volume", ResampleTo::kVolume}},
+             "the grid that stays where labels and volume have different ones");
+  build.add_option_function<std::string>(
+      "--spacing",
+      [&sources](const std::string& text) {
+        const Result<Vec3> spacing = parse_spacing(text);
+        if (!spacing) throw CLI::ValidationError(spacing.error().message);
+        sources.spacing_mm = *spacing;
+      },
+      "X,Y,Z in mm: size of the voxels of TIFF and PNG pictures");
   build.add_option("--names", sources.names, "names of the labels")->check(names_a_file());
   build.add_option("--colors", sources.colors, "colour table of 768 bytes (MRIcron's .lut)")
       ->check(names_a_file());
@@ -71,6 +109,10 @@ void add_sources(CLI::App& build, SourceFiles& sources) {
       ->needs(mesh);
   build.add_flag("--allow-empty", sources.allow_empty,
                  "keep named labels without voxels, as empty structures");
+}
+
+Result<void> write_text(const std::filesystem::path& path, const std::string& text) {
+  return write_file(path, std::as_bytes(std::span(text)));
 }
 
 Result<void> print_summary(const BuildReport& report, const std::filesystem::path& output) {
@@ -96,6 +138,9 @@ CLI::App* add_build(CLI::App& app, BuildRequest& request) {
   build->add_option("--licence,--license", options.licence, "stored in the atlas")->check(check_text);
   add_repeated(*build, "--drop-fragments", options.fragments, parse_fragments,
                "[NAME=]N: drop components of fewer than N voxels beside the largest one (repeatable)");
+  build->add_flag("--strict", options.strict, "stop at the first warning, and write nothing");
+  build->add_option("--report", request.report, "also write all notes to FILE.html")->check(names_a_file());
+  build->add_option("--json", request.json, "also write all notes to FILE.json")->check(names_a_file());
   build->add_flag("--compact", options.compact, "leave out data that a player derives in milliseconds");
   add_surfaces(*build, options.surfaces,
                "surfaces of structures; smooth ones stay within half a voxel of the labels' border");
@@ -113,12 +158,18 @@ Result<void> run_build(const BuildRequest& request) {
   BuildOptions options = request.options;
   ProgressDisplay display(request.progress, stderr);
   options.progress = [&](const BuildProgress& progress) { display.show(progress); };
-  const Result<BuildReport> report = build_atlas(options);
+  Notes notes;
+  const Result<BuildReport> report = build_atlas(options, notes);
   display.finish();
-  if (!report) return tl::unexpected(report.error());
   if (request.progress != ProgressMode::kJson) {
-    for (const std::string& note : report->notes) print_to(stderr, PrintableText("note: {}\n", note));
+    for (const Note& note : notes.all())
+      print_to(stderr, PrintableText("{}: {}\n", note.kind.is_warning ? "warning" : "note", note.message()));
   }
+  const std::string error = report ? std::string() : report.error().message;
+  if (!request.json.empty()) SPLATLAS_RETURN_IF_ERROR(write_text(request.json, report_as_json(notes, error)));
+  if (!request.report.empty())
+    SPLATLAS_RETURN_IF_ERROR(write_text(request.report, report_as_html(notes, error, options.output)));
+  if (!report) return tl::unexpected(report.error());
   return print_summary(*report, options.output);
 }
 

@@ -20,6 +20,7 @@ namespace splatlas {
 struct BuildRequest {
   BuildOptions options;
   ProgressMode progress = automatic_progress(stderr);
+  std::filesystem::path report, json;  ///< files for all notes; empty for none
 };
 
 /// Adds a command. Parsing fills its second argument, which must outlive `app`. Invalid values throw

@@ -10,6 +10,7 @@ namespace splatlas {
 std::string Note::message() const {
   constexpr std::size_t kMaxListed = 3;
   const std::span listed = std::span(items).first(std::min(items.size(), kMaxListed));
+  if (kind.one.empty()) return fmt::format("{}", fmt::join(items, "; "));
   std::string text = fmt::format("{} {}: {}", items.size(), items.size() == 1 ? kind.one : kind.many,
                                  fmt::join(listed, ", "));
   if (items.size() > kMaxListed) text += fmt::format(" and {} more", items.size() - kMaxListed);

@@ -7,7 +7,8 @@
 
 namespace splatlas {
 
-/// A kind of notes. `one` and `many` follow the count: "mask without voxels is dropped".
+/// A kind of notes. `one` and `many` follow the count: "mask without voxels is dropped". Both are empty if
+/// items are whole sentences.
 struct NoteKind {
   std::string id;  ///< stable, for --json: "empty-masks"
   std::string one, many;
@@ -32,6 +33,7 @@ class Notes {
   void add(const Notes& others);
   [[nodiscard]] std::span<const Note> all() const { return notes_; }
   [[nodiscard]] bool empty() const { return notes_.empty(); }
+  friend void transfer(auto& archive, Notes& notes) { archive(notes.notes_); }
 
  private:
   std::vector<Note> notes_;

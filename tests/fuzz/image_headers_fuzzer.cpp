@@ -6,8 +6,10 @@
 
 #include "format/system/result_macros.h"
 #include "preprocess/import/images/check_image_file.h"
-#include "preprocess/import/images/nifti_file.h"
+#include "preprocess/import/images/nifti/read_nifti.h"
+#include "preprocess/import/images/nrrd_segments.h"
 #include "preprocess/import/images/read_deflated.h"
+#include "preprocess/import/images/read_mgh.h"
 #include "tests/fuzz/fuzz_input.h"
 #include "tests/fuzz/require.h"
 #include "tests/fuzz/scratch_file.h"
@@ -15,27 +17,34 @@
 namespace splatlas {
 namespace {
 
+Result<void> check_text_header(const std::filesystem::path& path, bool is_nrrd) {
+  SPLATLAS_ASSIGN_OR_RETURN(const PixelData pixels,
+                            is_nrrd ? check_nrrd_file(path) : check_meta_image_file(path));
+  for (const SourceSegment& segment : segments_of_nrrd(pixels.pairs))
+    require(is_nrrd, segment.structure.name.c_str());
+  if (pixels.compression == Compression::kNone) return {};
+  std::vector<std::byte> bytes;
+  const auto read = pixels.compression == Compression::kDeflate ? read_deflated : read_bzip2;
+  return read(pixels.file, pixels.start, pixels.bytes, bytes);
+}
+
 Result<void> check_image_file(const std::filesystem::path& path) {
-  SPLATLAS_ASSIGN_OR_RETURN(const ImageFormat format, image_format(path));
-  if (format != ImageFormat::kNifti) {
-    SPLATLAS_ASSIGN_OR_RETURN(const PixelData pixels, format == ImageFormat::kNrrd
-                                                          ? check_nrrd_file(path)
-                                                          : check_meta_image_file(path));
-    if (!pixels.is_deflated) return {};
-    std::vector<std::byte> bytes;
-    return read_deflated(pixels.file, pixels.start, pixels.bytes, bytes);
-  }
-  SPLATLAS_ASSIGN_OR_RETURN(NiftiFile file, NiftiFile::open(path));
-  SPLATLAS_ASSIGN_OR_RETURN(const VoxelBuffer voxels, file.read_voxels());
-  require(!voxels.bytes.empty(), "an image without voxels");
+  const std::string ending = path.extension().string();
+  if (ending == ".nrrd" || ending == ".nhdr") return check_text_header(path, true);
+  if (ending == ".mha" || ending == ".mhd") return check_text_header(path, false);
+  SPLATLAS_ASSIGN_OR_RETURN(const SourceImage image,
+                            ending.starts_with(".mg") ? read_mgh(path) : read_nifti(path));
+  const auto voxels = static_cast<std::uint64_t>(image.grid.voxels()) * image.layers;
+  require(image.voxels.bytes.size() == voxels * bytes_of(image.voxels.type),
+          "an image of another size than its grid");
   return {};
 }
 
 }  // namespace
 
 void fuzz(FuzzInput input) {
-  static const std::array<std::string, 6> kNames{"image.nii",  "image.nii.gz", "image.nrrd",
-                                                 "image.nhdr", "image.mha",    "image.mhd"};
+  static const std::array<std::string, 8> kNames{"image.mgh",  "image.mgz",  "image.nii", "image.nii.gz",
+                                                 "image.nrrd", "image.nhdr", "image.mha", "image.mhd"};
   const auto path = write_input_file(kNames[input.below(kNames.size())], input.rest());
   const auto sound = check_image_file(path);
   if (!sound) require_error(sound.error(), {ErrorCode::kFailed});

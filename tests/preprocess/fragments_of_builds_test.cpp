@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/preprocess/build_atlas_fixture.h"
+#include "tests/preprocess/messages_of_notes.h"
 #include "tests/preprocess/random_images.h"
 
 namespace splatlas {
@@ -46,7 +47,7 @@ class FragmentsOfBuilds : public BuildAtlas {
   std::vector<std::string> notes_of(const BuildOptions& options) const {
     const Result<BuildReport> report = build_atlas(options);
     EXPECT_TRUE(report) << report.error().message;
-    return report ? report->notes : std::vector<std::string>();
+    return report ? messages_of(report->notes) : std::vector<std::string>();
   }
 };
 

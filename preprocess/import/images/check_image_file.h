@@ -7,7 +7,9 @@
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <span>
+#include <string>
 #include <string_view>
 
 #include "format/result.h"
@@ -27,17 +29,23 @@ inline constexpr double kMaxPlausible = 1e9;
 /// The format by the file's ending: .nii, .nii.gz; .nrrd, .nhdr; .mha, .mhd. kFailed for any other.
 [[nodiscard]] Result<ImageFormat> image_format(const std::filesystem::path& path);
 
-/// Location of the pixels behind an image header.
+enum class Compression : std::uint8_t { kNone, kDeflate, kBzip2 };
+
+/// Location and order of the pixels behind an image header.
 struct PixelData {
   std::filesystem::path file;
-  std::uint64_t start = 0, bytes = 0;  ///< offset in the file, and decompressed length
-  std::uint64_t skipped_bytes = 0;     ///< decompressed bytes before the pixels
-  bool is_deflated = false;  ///< a zlib or gzip stream for read_deflated(); else ITK reads the pixels
+  std::uint64_t start = 0, bytes = 0;            ///< offset in the file, and decompressed length
+  std::uint64_t skipped_bytes = 0;               ///< decompressed bytes before the pixels
+  Compression compression = Compression::kNone;  ///< else ITK reads the pixels
   bool is_big_endian = false;
+  std::size_t layers = 1;
+  bool layers_first = false;                 ///< the layers of a voxel stand together
+  bool has_no_space = false;                 ///< the axes of an NRRD file have no anatomical meaning
+  std::map<std::string, std::string> pairs;  ///< key/value pairs of an NRRD header
 };
 
 /// Checks a regular NRRD or MetaImage file. kFailed for:
-///   - another format, 64-bit or vector pixels, or more than three dimensions,
+///   - another format, colours, or more than five dimensions,
 ///   - spacings that are not positive, or numbers that are invalid in a geometry,
 ///   - fewer bytes than the voxels need at least, or pixels outside the file's folder.
 /// Cost: reads the header. read_deflated() checks compressed pixels, and NiftiFile checks NIfTI files.

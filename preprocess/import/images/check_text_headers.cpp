@@ -21,7 +21,8 @@ namespace fs = std::filesystem;
 
 struct TextHeader {
   std::map<std::string, std::string> fields;
-  std::uint64_t bytes = 0;  ///< length of the header; pixels may follow
+  std::map<std::string, std::string> pairs;  ///< key/value pairs of NRRD
+  std::uint64_t bytes = 0;                   ///< length of the header; pixels may follow
 
   /// The value of a field, or `otherwise`.
   [[nodiscard]] std::string get(const std::string& field, const std::string& otherwise = "") const {
@@ -32,17 +33,22 @@ struct TextHeader {
 
 /// A line of a header.
 struct HeaderLine {
-  enum class Kind { kField, kLastField, kComment, kEnd } kind = Kind::kEnd;
+  enum class Kind { kField, kLastField, kPair, kComment, kEnd } kind = Kind::kEnd;
   std::string field, value;
 };
 
-/// "field: value" of NRRD, names in lower case. A blank line ends the header.
+/// "field: value" of NRRD, names in lower case, or "key:=value". A blank line ends the header.
 HeaderLine parse_nrrd_line(std::string_view raw_line) {
   using Kind = HeaderLine::Kind;
   const std::string_view line = trimmed(raw_line);
   if (line.empty()) return {};
-  const std::size_t colon = line.find(": ");  // excludes "key:=value"
-  if (line.front() == '#' || colon == std::string_view::npos) return {Kind::kComment, {}, {}};
+  const std::size_t colon = line.find(": ");
+  const std::size_t assign = line.find(":=");
+  if (line.front() == '#') return {Kind::kComment, {}, {}};
+  if (assign < colon)
+    return {Kind::kPair, std::string(trimmed(line.substr(0, assign))),
+            std::string(trimmed(line.substr(assign + 2)))};
+  if (colon == std::string_view::npos) return {Kind::kComment, {}, {}};
   return {Kind::kField, to_lower(trimmed(line.substr(0, colon))),
           std::string(trimmed(line.substr(colon + 2)))};
 }
@@ -70,6 +76,7 @@ Result<TextHeader> read_text_header(const fs::path& path, HeaderLine (*parse_lin
     const std::size_t end = std::min(text.find('\n', header.bytes), text.size());
     line = parse_line(std::string_view(text).substr(header.bytes, end - header.bytes));
     header.bytes = std::min(end + 1, text.size());
+    if (line.kind == Kind::kPair) header.pairs[line.field] = line.value;
     const bool is_field = line.kind == Kind::kField || line.kind == Kind::kLastField;
     if (is_field && !header.fields.emplace(line.field, line.value).second)
       return bad_file(path, "says '{}' twice in its header", line.field);
@@ -87,15 +94,18 @@ const TypeNames& nrrd_types() {
        {"short", "short int", "signed short", "signed short int", "int16", "int16_t", "ushort",
         "unsigned short", "unsigned short int", "uint16", "uint16_t"}},
       {4, {"int", "signed int", "int32", "int32_t", "uint", "unsigned int", "uint32", "uint32_t", "float"}},
-      {8, {"double"}}};
+      {8,
+       {"double", "longlong", "long long", "long long int", "signed long long", "signed long long int",
+        "int64", "int64_t", "ulonglong", "unsigned long long", "unsigned long long int", "uint64",
+        "uint64_t"}}};
   return kTypes;
 }
 
 const TypeNames& meta_types() {
   static const TypeNames kTypes{{1, {"MET_CHAR", "MET_UCHAR"}},
                                 {2, {"MET_SHORT", "MET_USHORT"}},
-                                {4, {"MET_INT", "MET_UINT", "MET_FLOAT"}},
-                                {8, {"MET_DOUBLE"}}};
+                                {4, {"MET_INT", "MET_UINT", "MET_LONG", "MET_ULONG", "MET_FLOAT"}},
+                                {8, {"MET_DOUBLE", "MET_LONG_LONG", "MET_ULONG_LONG"}}};
   return kTypes;
 }
 
@@ -122,7 +132,7 @@ Result<std::vector<std::int64_t>> parse_sizes(const std::string& text, const fs:
       return bad_file(path, "has sizes '{}'; whole numbers are needed", text);
     sizes.push_back(static_cast<std::int64_t>(*size));
   }
-  if (sizes.size() >= 2 && sizes.size() <= 4) return sizes;
+  if (sizes.size() >= 2 && sizes.size() <= 5) return sizes;
   return bad_file(path, "has {} dimensions; a volume has 2 or 3", sizes.size());
 }
 
@@ -145,7 +155,10 @@ Result<fs::path> resolve_beside(const fs::path& header, const std::string& name)
 /// Pixels of `bytes` bytes in the file `name`, or behind the header if that is empty.
 Result<PixelData> find_pixels(const fs::path& path, const TextHeader& header, const std::string& name,
                               std::uint64_t bytes) {
-  PixelData pixels{path, header.bytes, bytes};
+  PixelData pixels;
+  pixels.file = path;
+  pixels.start = header.bytes;
+  pixels.bytes = bytes;
   if (name.empty()) return pixels;
   // ITK's readers take any name that begins so for a list, and follow its lines to any file.
   const std::string lower = to_lower(name);
@@ -163,11 +176,41 @@ Result<void> check_nrrd_geometry(const TextHeader& header, const fs::path& path)
     std::ranges::replace_if(
         text, [](char c) { return c == '(' || c == ')' || c == ','; }, ' ');
     std::vector<std::string_view> parts = split_blanks(text);
-    std::erase(parts, "none");  // marks axes outside space
+    std::erase(parts, "none");                          // marks axes outside space
+    if (field == "spacings") std::erase(parts, "nan");  // the same
     if (are_numbers(parts, 0, field == "spacings")) continue;
     return bad_file(path, "has '{}: {}' in its header, which is no geometry", field, header.get(field));
   }
   return {};
+}
+
+/// Number and position of the layers: axes outside space, first ("none" ahead of the directions) or last.
+Result<void> find_layers(const TextHeader& header, const std::vector<std::int64_t>& sizes,
+                         const fs::path& path, PixelData& pixels) {
+  const std::vector<std::string_view> directions = split_blanks(
+      header.fields.contains("space directions") ? std::string_view(header.fields.at("space directions"))
+                                                 : std::string_view());
+  const std::vector<std::string_view> kinds = split_blanks(
+      header.fields.contains("kinds") ? std::string_view(header.fields.at("kinds")) : std::string_view());
+  if (!kinds.empty() && to_lower(kinds.front()).find("color") != std::string::npos)
+    return bad_file(path, "holds colours (kind {}); a volume of numbers is needed", kinds.front());
+  const auto is_spatial = [&](std::size_t a) {
+    if (a < directions.size()) return directions[a] != "none";
+    return a >= kinds.size() || kinds[a] == "domain" || kinds[a] == "space" || kinds[a] == "???";
+  };
+  pixels.layers_first = !is_spatial(0);
+  if (pixels.layers_first) {
+    pixels.layers = static_cast<std::size_t>(sizes[0]);
+  } else {
+    for (std::size_t a = 3; a < sizes.size(); ++a) pixels.layers *= static_cast<std::size_t>(sizes[a]);
+  }
+  return {};
+}
+
+/// A name of NRRD's that says nothing about the patient.
+bool is_unknown_space(const std::string& space) {
+  return space.empty() || space.starts_with("scanner") || space.starts_with("3d-") ||
+         space.starts_with("3-d");
 }
 
 Result<void> check_meta_geometry(const TextHeader& header, std::size_t dimensions, const fs::path& path) {
@@ -215,7 +258,7 @@ Result<void> skip_nrrd_start(const TextHeader& header, const fs::path& path, Pix
   if (!lines || *lines < 0 || !bytes || *bytes < -1 || *bytes > kMaxVoxels)
     return bad_file(path, "has line skip: {} and byte skip: {}; they must be counts", line_skip, byte_skip);
   if (*bytes < 0) return {};
-  pixels.is_deflated = true;
+  pixels.compression = Compression::kDeflate;
   pixels.skipped_bytes = static_cast<std::uint64_t>(*bytes);
   SPLATLAS_ASSIGN_OR_RETURN(pixels.start,
                             skip_lines(pixels.file, pixels.start, static_cast<std::uint64_t>(*lines)));
@@ -249,6 +292,9 @@ Result<PixelData> check_nrrd_file(const fs::path& path) {
   SPLATLAS_ASSIGN_OR_RETURN(
       PixelData pixels, find_pixels(path, header, header.get("data file", header.get("datafile")), bytes));
   pixels.is_big_endian = to_lower(header.get("endian")) == "big";
+  pixels.pairs = header.pairs;
+  pixels.has_no_space = is_unknown_space(to_lower(header.get("space")));
+  SPLATLAS_RETURN_IF_ERROR(find_layers(header, sizes, path, pixels));
 
   const std::string encoding = to_lower(header.get("encoding"));
   std::uint64_t stored = bytes;  // at least
@@ -256,6 +302,9 @@ Result<PixelData> check_nrrd_file(const fs::path& path) {
   if (encoding == "gzip" || encoding == "gz") {
     SPLATLAS_RETURN_IF_ERROR(skip_nrrd_start(header, path, pixels));
     stored = (pixels.skipped_bytes + bytes) / kMaxDeflateRatio;
+  } else if (encoding == "bzip2" || encoding == "bz2") {
+    pixels.compression = Compression::kBzip2;
+    stored = 1;
   } else if (encoding == "hex") {
     stored = 2 * bytes;
     is_text = true;
@@ -263,7 +312,7 @@ Result<PixelData> check_nrrd_file(const fs::path& path) {
     stored = 2 * bytes / bytes_per_voxel - 1;  // a digit and a blank per pixel; ITK counts exactly
     is_text = true;
   } else if (encoding != "raw") {
-    return bad_file(path, "has pixels in encoding '{}'; raw, gzip, ascii and hex are read", encoding);
+    return bad_file(path, "has pixels in encoding '{}'; raw, gzip, bzip2, ascii and hex are read", encoding);
   }
   SPLATLAS_RETURN_IF_ERROR(check_raw_payload(pixels.file, pixels.start, stored, is_text ? stored : bytes));
   return pixels;
@@ -282,21 +331,28 @@ Result<PixelData> check_meta_image_file(const fs::path& path) {
     return bad_file(path, "has its pixels as text; write them as binary data");
   }
   SPLATLAS_RETURN_IF_ERROR(check_meta_geometry(header, sizes.size(), path));
-  if (sizes.size() == 4) SPLATLAS_RETURN_IF_ERROR(check_one_volume(path, sizes[3]));
-  if (header.get("ElementNumberOfChannels", "1") != "1") {
-    return bad_file(path, "has {} values a voxel; one is needed", header.get("ElementNumberOfChannels"));
-  }
+  std::vector<std::int64_t> numbers = sizes;
+  const auto channels = parse_integer(header.get("ElementNumberOfChannels", "1"));
+  if (!channels || *channels < 1)
+    return bad_file(path, "has ElementNumberOfChannels = {}", header.get("ElementNumberOfChannels"));
+  if (*channels > 1 && sizes.size() > 3)
+    return bad_file(path, "has several volumes of {} values a voxel", *channels);
+  numbers.push_back(*channels);
   const std::string type = header.get("ElementType", "(none)");
   const std::uint64_t bytes_per_voxel = bytes_of_type(meta_types(), type);
   if (bytes_per_voxel == 0) return bad_pixel_type(path, "type " + type);
-  SPLATLAS_ASSIGN_OR_RETURN(const std::uint64_t bytes, payload_bytes(path, sizes, bytes_per_voxel));
+  SPLATLAS_ASSIGN_OR_RETURN(const std::uint64_t bytes, payload_bytes(path, numbers, bytes_per_voxel));
   SPLATLAS_ASSIGN_OR_RETURN(PixelData pixels,
                             find_pixels(path, header, to_lower(name) == "local" ? "" : name, bytes));
   pixels.is_big_endian = is_true(header.get("BinaryDataByteOrderMSB", header.get("ElementByteOrderMSB")));
-  pixels.is_deflated = is_true(header.get("CompressedData"));
+  if (is_true(header.get("CompressedData"))) pixels.compression = Compression::kDeflate;
+  pixels.layers_first = *channels > 1;
+  pixels.layers = static_cast<std::size_t>(*channels);
+  for (std::size_t a = 3; a < sizes.size(); ++a) pixels.layers *= static_cast<std::size_t>(sizes[a]);
   SPLATLAS_RETURN_IF_ERROR(skip_header_size(header, path, pixels));
-  SPLATLAS_RETURN_IF_ERROR(check_raw_payload(pixels.file, pixels.start,
-                                             pixels.is_deflated ? bytes / kMaxDeflateRatio : bytes, bytes));
+  SPLATLAS_RETURN_IF_ERROR(
+      check_raw_payload(pixels.file, pixels.start,
+                        pixels.compression == Compression::kNone ? bytes : bytes / kMaxDeflateRatio, bytes));
   return pixels;
 }
 

@@ -1,84 +1,51 @@
 #include "preprocess/import/images/import_image.h"
 
-#include <algorithm>
 #include <cmath>
-#include <span>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "format/system/result_macros.h"
-#include "preprocess/import/images/check_image_file.h"
-#include "preprocess/import/images/image_io.h"
-#include "preprocess/import/images/itk_call.h"
-#include "preprocess/import/images/read_deflated.h"
-#include "preprocess/import/images/read_nifti_file.h"
+#include "preprocess/import/images/image_formats.h"
 #include "preprocess/import/import_error.h"
-#include "preprocess/import/tables/text_file.h"
 
 namespace splatlas {
 namespace {
 
 namespace fs = std::filesystem;
 
-Result<void> check_pixels(const itk::ImageIOBase& io, const fs::path& path) {
-  if (io.GetNumberOfComponents() != 1) {
-    return bad_file(path, "has {} values a voxel (colour or vectors); one is needed",
-                    io.GetNumberOfComponents());
+/// The chosen layer of a file.
+Result<VoxelBuffer> choose_layer(SourceImage& image, const fs::path& path, const ImageOptions& options) {
+  if (!options.component && image.layers == 1) return std::move(image.voxels);
+  if (!options.component) {
+    return fail(ErrorCode::kUsage, "{}: holds {} volumes; choose one with --component 1 to {}", path.string(),
+                image.layers, image.layers);
   }
-  if (voxel_type_of(io.GetComponentType()) == VoxelType::kNone) {
-    return bad_pixel_type(path, "type " + itk::ImageIOBase::GetComponentTypeAsString(io.GetComponentType()));
+  const std::size_t number = *options.component;
+  if (number < 1 || number > image.layers) {
+    return fail(ErrorCode::kUsage, "{}: has no volume {}; --component must be from 1 to {}", path.string(),
+                number, image.layers);
   }
-  for (unsigned a = 3; a < io.GetNumberOfDimensions(); ++a) {
-    SPLATLAS_RETURN_IF_ERROR(check_one_volume(path, static_cast<std::int64_t>(io.GetDimensions(a))));
-  }
-  return {};
-}
-
-/// ITK reads the header and plain pixels. MetaIO ignores damage in compressed ones.
-Result<Image> read_with(itk::ImageIOBase& io, const fs::path& path, const PixelData& pixels) {
-  const std::string name = path.string();
-  if (!io.CanReadFile(name.c_str())) return bad_file(path, "is not of the type that its ending says");
-  io.SetFileName(name);
-  io.ReadImageInformation();
-  SPLATLAS_RETURN_IF_ERROR(check_pixels(io, path));
-  Image image;
-  image.grid = grid_of(io);
-  SPLATLAS_RETURN_IF_ERROR(validate(image.grid, name));
-
-  image.voxels.type = voxel_type_of(io.GetComponentType());
-  const std::size_t bytes = static_cast<std::size_t>(image.grid.voxels()) * bytes_of(image.voxels.type);
-  if (pixels.is_deflated) {
-    if (pixels.bytes != bytes)
-      return bad_file(path, "has {} bytes of pixels by its header, {} by ITK's reading", pixels.bytes, bytes);
-    SPLATLAS_RETURN_IF_ERROR(
-        read_deflated(pixels.file, pixels.start, pixels.skipped_bytes + bytes, image.voxels.bytes));
-    image.voxels.bytes.erase(image.voxels.bytes.begin(),
-                             image.voxels.bytes.begin() + static_cast<std::ptrdiff_t>(pixels.skipped_bytes));
-    if (pixels.is_big_endian) swap_bytes(image.voxels);
-    return image;
-  }
-  image.voxels.bytes.resize(bytes);
-  itk::ImageIORegion region(io.GetNumberOfDimensions());
-  for (unsigned a = 0; a < io.GetNumberOfDimensions(); ++a) region.SetSize(a, io.GetDimensions(a));
-  io.SetIORegion(region);
-  io.Read(image.voxels.bytes.data());
-  return image;
+  const std::size_t bytes = image.voxels.bytes.size() / image.layers;
+  const auto first = image.voxels.bytes.begin() + static_cast<std::ptrdiff_t>((number - 1) * bytes);
+  return VoxelBuffer{image.voxels.type,
+                     std::vector<std::byte>(first, first + static_cast<std::ptrdiff_t>(bytes))};
 }
 
 }  // namespace
 
+Result<Image> import_image(const fs::path& path, const ImageOptions& options, Notes& notes) {
+  SPLATLAS_ASSIGN_OR_RETURN(SourceImage source, read_image(path, options));
+  notes.add(source.notes);
+  Image image{source.grid, {}};
+  SPLATLAS_ASSIGN_OR_RETURN(image.voxels, choose_layer(source, path, options));
+  return image;
+}
+
 Result<Image> import_image(const fs::path& path) {
-  SPLATLAS_RETURN_IF_ERROR(check_regular_file(path));
-  SPLATLAS_ASSIGN_OR_RETURN(const ImageFormat format, image_format(path));
-  const QuietStandardError quiet;
-  return call_itk(path.string(), [&]() -> Result<Image> {
-    if (format == ImageFormat::kNifti) return read_nifti_file(path);
-    SPLATLAS_ASSIGN_OR_RETURN(const PixelData pixels, format == ImageFormat::kNrrd
-                                                          ? check_nrrd_file(path)
-                                                          : check_meta_image_file(path));
-    return read_with(*make_image_io(format), path, pixels);
-  });
+  Notes ignored;
+  return import_image(path, {}, ignored);
 }
 
 Result<void> check_same_grid(const Grid& a, const std::string& name_of_a, const Grid& b,
@@ -111,17 +78,6 @@ VoxelBuffer to_storage_order(VoxelBuffer voxels, const Grid& source_grid) {
   VoxelBuffer stored{voxels.type, std::vector<std::byte>(voxels.bytes.size())};
   reorder_voxels(voxels.bytes.data(), source_grid.size, order, bytes_of(voxels.type), stored.bytes.data());
   return stored;
-}
-
-bool holds_several_values(const VoxelBuffer& voxels) {
-  return visit_voxel_type(voxels.type, [&]<typename T>(T) {
-    const std::span values(voxels.as<T>(), voxels.bytes.size() / sizeof(T));
-    const auto inside = [](T value) { return value > T(0) || value < T(0); };
-    const auto first = std::ranges::find_if(values, inside);
-    return first != values.end() && std::any_of(first, values.end(), [&](T value) {
-             return inside(value) && (value < *first || value > *first);
-           });
-  });
 }
 
 std::vector<std::uint8_t> mask_of(const VoxelBuffer& voxels) {

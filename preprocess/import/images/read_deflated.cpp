@@ -1,10 +1,12 @@
 #include "preprocess/import/images/read_deflated.h"
 
 #include <algorithm>
+#include <cstdio>
 #include <fstream>
 #include <memory>
 #include <span>
 
+#include <bzlib.h>
 #include <zlib.h>
 
 #include "format/system/memory_limit.h"
@@ -74,9 +76,43 @@ Result<void> read_deflated(const fs::path& path, std::uint64_t offset, std::uint
   return {};
 }
 
-void swap_bytes(VoxelBuffer& voxels) {
-  const auto size = static_cast<std::ptrdiff_t>(bytes_of(voxels.type));
-  for (auto at = voxels.bytes.begin(); at != voxels.bytes.end(); at += size) std::reverse(at, at + size);
+Result<void> read_bzip2(const fs::path& path, std::uint64_t offset, std::uint64_t bytes,
+                        std::vector<std::byte>& pixels) {
+  struct Close {
+    void operator()(std::FILE* file) const { std::fclose(file); }
+    void operator()(BZFILE* stream) const {
+      int ignored = BZ_OK;
+      BZ2_bzReadClose(&ignored, stream);
+    }
+  };
+  const std::unique_ptr<std::FILE, Close> file(std::fopen(path.c_str(), "rbe"));
+  if (!file || ::fseeko(file.get(), static_cast<off_t>(offset), SEEK_SET) != 0)
+    return bad_file(path, "cannot be read");
+  int status = BZ_OK;
+  const std::unique_ptr<BZFILE, Close> stream(BZ2_bzReadOpen(&status, file.get(), 0, 0, nullptr, 0));
+  constexpr std::uint64_t kPiece = 16u << 20;
+  pixels.clear();
+  while (status == BZ_OK && pixels.size() < bytes) {
+    const std::size_t done = pixels.size();
+    pixels.resize(std::min(bytes, done + kPiece));
+    const int found =
+        BZ2_bzRead(&status, stream.get(), &pixels[done], static_cast<int>(pixels.size() - done));
+    pixels.resize(done + static_cast<std::size_t>(std::max(found, 0)));
+  }
+  if (pixels.size() == bytes && status == BZ_OK) {  // the checksum follows the last byte
+    std::byte surplus{};
+    BZ2_bzRead(&status, stream.get(), &surplus, 1);
+  }
+  if (status != BZ_OK && status != BZ_STREAM_END)
+    return bad_file(path, "its compressed pixels are damaged after {} bytes (bzip2 error {})", pixels.size(),
+                    status);
+  if (pixels.size() < bytes) return truncated_file(path, bytes, pixels.size());
+  return {};
+}
+
+void swap_bytes(std::vector<std::byte>& voxels, std::size_t bytes_each) {
+  const auto size = static_cast<std::ptrdiff_t>(bytes_each);
+  for (auto at = voxels.begin(); at != voxels.end(); at += size) std::reverse(at, at + size);
 }
 
 }  // namespace splatlas

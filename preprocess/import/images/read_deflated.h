@@ -17,7 +17,11 @@ namespace splatlas {
 [[nodiscard]] Result<void> read_deflated(const std::filesystem::path& path, std::uint64_t offset,
                                          std::uint64_t bytes, std::vector<std::byte>& pixels);
 
-/// Reverses the byte order of all voxels.
-void swap_bytes(VoxelBuffer& voxels);
+/// The same for a bzip2 stream.
+[[nodiscard]] Result<void> read_bzip2(const std::filesystem::path& path, std::uint64_t offset,
+                                      std::uint64_t bytes, std::vector<std::byte>& pixels);
+
+/// Reverses the byte order of all voxels of `bytes_each` bytes.
+void swap_bytes(std::vector<std::byte>& voxels, std::size_t bytes_each);
 
 }  // namespace splatlas

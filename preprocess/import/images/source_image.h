@@ -34,8 +34,9 @@ struct SourceImage {
 
 /// Options that readers need. Those that do not concern a format are ignored by it.
 struct ImageOptions {
-  std::string series;  ///< DICOM: number in the list of stacks, from 1, or UID; empty for the only one
-  std::optional<Vec3> spacing_mm;  ///< of stacks of pictures, which have none
+  std::string series = {};  ///< DICOM: number in the list of stacks, from 1, or UID; empty for the only one
+  std::optional<std::size_t> component = {};  ///< volume of a file of several, from 1
+  std::optional<Vec3> spacing_mm = {};        ///< of stacks of pictures, which have none
 };
 
 }  // namespace splatlas

@@ -1,0 +1,63 @@
+#include "preprocess/commands/build_report.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "format/result.h"
+#include "format/system/json_text.h"
+
+namespace splatlas {
+namespace {
+
+std::string escaped_html(const std::string& text) {
+  std::string result;
+  for (const char c : printable(text)) {
+    switch (c) {
+      case '&': result += "&amp;"; break;
+      case '<': result += "&lt;"; break;
+      case '>': result += "&gt;"; break;
+      case '"': result += "&quot;"; break;
+      default: result += c;
+    }
+  }
+  return result;
+}
+
+constexpr const char* kHead = R"(<!DOCTYPE html>
+<html lang="en"><head><meta charset="utf-8"><title>{0}</title>
+<style>
+body {{ font: 16px/1.5 sans-serif; max-width: 50em; margin: 2em auto; padding: 0 1em; }}
+.error, .warning {{ border-left: 4px solid #c33; padding-left: .7em; }} .warning {{ border-color: #d90; }}
+.note {{ border-left: 4px solid #69c; padding-left: .7em; }} summary {{ cursor: pointer; }}
+</style></head><body><h1>{0}</h1>
+)";
+
+}  // namespace
+
+std::string report_as_json(const Notes& notes, const std::string& error) {
+  nlohmann::ordered_json report{{"error", nullptr}, {"notes", nlohmann::ordered_json::array()}};
+  if (!error.empty()) report["error"] = error;
+  for (const Note& note : notes.all()) {
+    report["notes"].push_back({{"kind", note.kind.id},
+                               {"warning", note.kind.is_warning},
+                               {"count", note.items.size()},
+                               {"message", note.message()},
+                               {"items", note.items}});
+  }
+  return json_text(report);
+}
+
+std::string report_as_html(const Notes& notes, const std::string& error, const std::filesystem::path& atlas) {
+  std::string page = fmt::format(kHead, "Build of " + escaped_html(atlas.filename().string()));
+  if (!error.empty()) page += fmt::format("<p class=\"error\">Failed: {}</p>\n", escaped_html(error));
+  if (notes.empty()) page += "<p>Nothing is odd.</p>\n";
+  for (const Note& note : notes.all()) {
+    page += fmt::format("<details class=\"{}\"><summary>{}</summary><ul>\n",
+                        note.kind.is_warning ? "warning" : "note", escaped_html(note.message()));
+    for (const std::string& item : note.items) page += fmt::format("<li>{}</li>\n", escaped_html(item));
+    page += "</ul></details>\n";
+  }
+  return page + "</body></html>\n";
+}
+
+}  // namespace splatlas

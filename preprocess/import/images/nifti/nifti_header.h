@@ -1,0 +1,43 @@
+// Header of NIfTI-1, NIfTI-2 and Analyze 7.5 files.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+
+#include "format/result.h"
+
+namespace splatlas {
+
+/// The fields of a header that describe its voxels and their geometry (nifti1.h, nifti2.h).
+struct NiftiHeader {
+  enum class Kind : std::uint8_t { kNifti1, kNifti2, kAnalyze };
+
+  Kind kind = Kind::kNifti1;
+  bool is_swapped = false;            ///< the file's byte order differs from this machine's
+  bool is_pair = false;               ///< voxels are in a second file, .img
+  std::array<std::int64_t, 8> dim{};  ///< number of axes, then voxels along axis 1...
+  std::int64_t datatype = 0, bits_per_voxel = 0;
+  std::array<double, 8> pixdim{};  ///< qfac, then spacing along axis 1...
+  double voxel_offset = 0, slope = 0, intercept = 0;
+  std::int64_t qform_code = 0, sform_code = 0;
+  std::array<double, 3> quaternion{}, qform_offset{};  ///< b, c, d
+  std::array<double, 12> sform{};                      ///< rows of the affine from indices to RAS
+  std::int64_t units = 0, intent = 0;
+
+  /// Length of the longest header, and of the header of a kind.
+  static constexpr std::size_t kMaxBytes = 540, kNifti1Bytes = 348;
+  [[nodiscard]] std::size_t bytes() const { return kind == Kind::kNifti2 ? kMaxBytes : kNifti1Bytes; }
+  /// Factor from the unit of length to mm; 1 if it is unknown.
+  [[nodiscard]] double mm_per_unit() const;
+};
+
+/// Parses the first bytes of a file, at most kMaxBytes. kFailed for other files, for numbers of axes beyond
+/// 7, and for CIFTI-2, which holds no volume. Analyze has no magic: a header of its length with a valid
+/// number of axes.
+[[nodiscard]] Result<NiftiHeader> parse_nifti_header(std::span<const std::byte> bytes,
+                                                     const std::filesystem::path& path);
+
+}  // namespace splatlas

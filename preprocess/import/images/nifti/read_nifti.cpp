@@ -1,0 +1,198 @@
+#include "preprocess/import/images/nifti/read_nifti.h"
+
+#include <cmath>
+#include <span>
+#include <string>
+#include <utility>
+
+#include "format/system/ascii_text.h"
+#include "format/system/result_macros.h"
+#include "preprocess/import/images/check_image_file.h"
+#include "preprocess/import/images/gzip_file.h"
+#include "preprocess/import/images/narrow_integers.h"
+#include "preprocess/import/images/nifti/nifti_grid.h"
+#include "preprocess/import/images/nifti/nifti_header.h"
+#include "preprocess/import/images/nifti/nifti_labels.h"
+#include "preprocess/import/images/read_deflated.h"
+#include "preprocess/import/import_error.h"
+
+namespace splatlas {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The file with the header, and the file with the voxels.
+struct FilePair {
+  fs::path header, voxels;
+};
+
+/// Header and voxels of a pair stand side by side, with equal names.
+FilePair files_of(const fs::path& path) {
+  const std::string name = to_lower(path.filename().string());
+  fs::path stem = path;
+  if (name.ends_with(".gz")) stem.replace_extension();
+  const std::string ending = to_lower(stem.extension().string());
+  if (ending != ".hdr" && ending != ".img") return {path, path};
+  const auto beside = [&](const char* other) {
+    for (const std::string& suffix : {std::string(other), std::string(other) + ".gz"}) {
+      fs::path candidate = stem;
+      candidate.replace_extension(suffix);
+      std::error_code error;
+      if (fs::exists(candidate, error)) return candidate;
+    }
+    return fs::path(stem).replace_extension(other);
+  };
+  if (ending == ".hdr") return {path, beside(".img")};
+  return {beside(".hdr"), path};
+}
+
+/// A stored type: that of an atlas, or integers of 64 bits, which are narrowed.
+struct StoredType {
+  VoxelType type = VoxelType::kNone;
+  WideInteger wide = WideInteger::kNone;
+
+  [[nodiscard]] std::size_t bytes() const { return wide == WideInteger::kNone ? bytes_of(type) : 8; }
+};
+
+Result<StoredType> stored_type(const NiftiHeader& header, const fs::path& path) {
+  switch (header.datatype) {
+    case 2: return StoredType{VoxelType::kUInt8};
+    case 256: return StoredType{VoxelType::kInt8};
+    case 4: return StoredType{VoxelType::kInt16};
+    case 512: return StoredType{VoxelType::kUInt16};
+    case 8: return StoredType{VoxelType::kInt32};
+    case 768: return StoredType{VoxelType::kUInt32};
+    case 16: return StoredType{VoxelType::kFloat32};
+    case 64: return StoredType{VoxelType::kFloat64};
+    case 1024: return StoredType{VoxelType::kNone, WideInteger::kSigned};
+    case 1280: return StoredType{VoxelType::kNone, WideInteger::kUnsigned};
+    case 128:
+    case 2304:
+      return bad_file(path, "holds colours (NIfTI type {}); a volume of numbers is needed", header.datatype);
+    default: return bad_pixel_type(path, fmt::format("NIfTI type {}", header.datatype));
+  }
+}
+
+template <typename Scaled>
+VoxelBuffer scaled(const VoxelBuffer& voxels, VoxelType type, double slope, double intercept) {
+  const std::size_t count = voxels.bytes.size() / bytes_of(voxels.type);
+  VoxelBuffer result{type, std::vector<std::byte>(count * sizeof(Scaled))};
+  visit_voxel_type(voxels.type, [&]<typename T>(T) {
+    for (std::size_t v = 0; v < count; ++v)
+      result.as<Scaled>()[v] =
+          static_cast<Scaled>(static_cast<double>(voxels.as<T>()[v]) * slope + intercept);
+  });
+  return result;
+}
+
+/// A slope of 0, or one that is no number, stands for unscaled values.
+VoxelBuffer with_scale(VoxelBuffer voxels, double slope, double intercept) {
+  const bool is_identity = !(slope < 1 || slope > 1) && !(intercept < 0 || intercept > 0);
+  if (is_identity || !(slope < 0 || slope > 0)) return voxels;
+  return voxels.type == VoxelType::kFloat64 ? scaled<double>(voxels, VoxelType::kFloat64, slope, intercept)
+                                            : scaled<float>(voxels, VoxelType::kFloat32, slope, intercept);
+}
+
+/// Reads the parts of a file or a pair in their order.
+class NiftiReader {
+ public:
+  explicit NiftiReader(const fs::path& path) : path_(path), files_(files_of(path)) {}
+
+  Result<SourceImage> read() {
+    SPLATLAS_RETURN_IF_ERROR(read_header());
+    SPLATLAS_ASSIGN_OR_RETURN(image_.grid, nifti_grid(header_, path_, image_.notes));
+    SPLATLAS_RETURN_IF_ERROR(measure());
+    SPLATLAS_RETURN_IF_ERROR(read_extensions());
+    SPLATLAS_RETURN_IF_ERROR(read_voxels());
+    return std::move(image_);
+  }
+
+ private:
+  Result<void> read_header() {
+    SPLATLAS_ASSIGN_OR_RETURN(file_, GzipFile::open(files_.header));
+    std::vector<std::byte> head(NiftiHeader::kMaxBytes);
+    SPLATLAS_ASSIGN_OR_RETURN(const std::size_t found, file_.read_some(head));
+    head.resize(found);
+    SPLATLAS_ASSIGN_OR_RETURN(header_, parse_nifti_header(head, files_.header));
+    if (header_.is_pair != (files_.header != files_.voxels)) {
+      return bad_file(path_, "{}",
+                      header_.is_pair ? "is the header of a pair; name it .hdr, beside its .img"
+                                      : "holds header and voxels in one; name it .nii");
+    }
+    if (!std::isfinite(header_.slope) || !std::isfinite(header_.intercept))
+      return bad_file(path_, "has a value scale (scl_slope, scl_inter) that is not a number");
+    if (header_.is_pair) {
+      SPLATLAS_ASSIGN_OR_RETURN(file_, GzipFile::open(files_.voxels));
+      header_.voxel_offset = std::max(header_.voxel_offset, 0.0);
+    }
+    return {};
+  }
+
+  /// Checks sizes and type, and that the file can hold them.
+  Result<void> measure() {
+    std::vector<std::int64_t> sizes;
+    for (std::size_t n = 1; n <= static_cast<std::size_t>(header_.dim[0]); ++n) {
+      // Trailing sizes of 0 stand for 1.
+      sizes.push_back(n > 3 ? std::max<std::int64_t>(header_.dim[n], 1) : header_.dim[n]);
+      if (n > 3)
+        image_.layers *= static_cast<std::size_t>(std::min<std::int64_t>(sizes.back(), kMaxAxisSize));
+      if (image_.layers > static_cast<std::size_t>(kMaxVoxels))
+        return bad_file(path_, "has {} volumes", image_.layers);
+    }
+    SPLATLAS_ASSIGN_OR_RETURN(type_, stored_type(header_, path_));
+    if (const auto bits = static_cast<std::int64_t>(8 * type_.bytes()); header_.bits_per_voxel != bits) {
+      return bad_file(path_, "contradicts itself: {} bits a voxel, but its type has {}",
+                      header_.bits_per_voxel, bits);
+    }
+    SPLATLAS_ASSIGN_OR_RETURN(voxel_bytes_, payload_bytes(path_, sizes, type_.bytes()));
+    const double least = header_.is_pair ? 0 : static_cast<double>(header_.bytes());
+    constexpr double kMostOffset = 1 << 30;
+    if (!(header_.voxel_offset >= least && header_.voxel_offset <= kMostOffset))
+      return bad_file(path_, "puts its pixels at byte {}, which cannot be", header_.voxel_offset);
+    const auto offset = static_cast<std::uint64_t>(header_.voxel_offset);
+    if (!file_.is_compressed()) return check_raw_payload(files_.voxels, offset, voxel_bytes_, voxel_bytes_);
+    return check_raw_payload(files_.voxels, 0, (offset + voxel_bytes_) / kMaxDeflateRatio, voxel_bytes_);
+  }
+
+  /// Names of labels stand between header and voxels.
+  Result<void> read_extensions() {
+    constexpr double kMostBytes = 16 << 20;
+    const double first = static_cast<double>(header_.bytes());
+    if (header_.is_pair || header_.voxel_offset <= first + 4) return {};
+    const double count = std::min(header_.voxel_offset - first, kMostBytes);
+    SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::byte> bytes,
+                              file_.read(header_.bytes(), static_cast<std::uint64_t>(count)));
+    image_.segments = labels_of_extensions({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+    return {};
+  }
+
+  Result<void> read_voxels() {
+    SPLATLAS_ASSIGN_OR_RETURN(std::vector<std::byte> bytes,
+                              file_.read(static_cast<std::uint64_t>(header_.voxel_offset), voxel_bytes_));
+    SPLATLAS_RETURN_IF_ERROR(file_.check_end());
+    if (header_.is_swapped) swap_bytes(bytes, type_.bytes());
+    if (type_.wide == WideInteger::kNone) {
+      image_.voxels = {type_.type, std::move(bytes)};
+    } else {
+      SPLATLAS_ASSIGN_OR_RETURN(image_.voxels, narrow_integers(bytes, type_.wide, path_));
+    }
+    image_.voxels = with_scale(std::move(image_.voxels), header_.slope, header_.intercept);
+    return {};
+  }
+
+  fs::path path_;
+  FilePair files_;
+  GzipFile file_;
+  NiftiHeader header_;
+  StoredType type_;
+  std::uint64_t voxel_bytes_ = 0;
+  SourceImage image_;
+};
+
+}  // namespace
+
+Result<SourceImage> read_nifti(const fs::path& path) {
+  return NiftiReader(path).read();
+}
+
+}  // namespace splatlas

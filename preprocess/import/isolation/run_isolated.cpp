@@ -1,0 +1,240 @@
+#include "preprocess/import/isolation/run_isolated.h"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cerrno>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <ctime>
+#include <exception>
+#include <new>
+
+#include <fcntl.h>
+#include <poll.h>
+#include <sys/mman.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+
+#include "format/system/memory_limit.h"
+#include "preprocess/import/import_error.h"
+
+namespace splatlas {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kAnswered = 42, kExited = 43, kOutOfMemory = 44, kThrown = 45, kNotWritten = 46;
+
+/// Page that parent and child share.
+struct Shared {
+  std::atomic<std::uint32_t> beats{0};
+  std::array<char, 1024> file{};  ///< the file being read; empty at first
+};
+static_assert(std::atomic<std::uint32_t>::is_always_lock_free);
+
+Shared* shared_of_this_child = nullptr;
+
+/// Anonymous memory that both processes see.
+class SharedPage {
+ public:
+  SharedPage()
+      : at_(::mmap(nullptr, sizeof(Shared), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0)) {
+    if (at_ != MAP_FAILED) new (at_) Shared;
+  }
+  ~SharedPage() {
+    if (at_ != MAP_FAILED) ::munmap(at_, sizeof(Shared));
+  }
+  SharedPage(const SharedPage&) = delete;
+  SharedPage& operator=(const SharedPage&) = delete;
+  [[nodiscard]] Shared* get() const { return at_ == MAP_FAILED ? nullptr : static_cast<Shared*>(at_); }
+
+ private:
+  void* at_;
+};
+
+constexpr bool kSanitized =
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+    true;  // sanitizers map terabytes
+#else
+    false;
+#endif
+
+void limit(int resource, rlim_t value) {
+  rlimit current{};
+  ::getrlimit(static_cast<__rlimit_resource>(resource), &current);
+  const rlimit lower{std::min(value, current.rlim_max), std::min(value, current.rlim_max)};
+  ::setrlimit(static_cast<__rlimit_resource>(resource), &lower);
+}
+
+/// Bytes of address space that this process has mapped.
+std::uint64_t mapped_bytes() {
+  unsigned long long pages = 0;
+  if (std::FILE* const file = std::fopen("/proc/self/statm", "re")) {
+    if (std::fscanf(file, "%llu", &pages) != 1) pages = 0;
+    std::fclose(file);
+  }
+  return pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
+}
+
+[[noreturn]] void exit_in_library() {
+  ::_exit(kExited);
+}
+
+/// Separates the child from the parent's signals, terminal, output and exit handlers, and limits it.
+void prepare_child(pid_t parent, const ChildLimits& limits) {
+  ::setpgid(0, 0);
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (::getppid() != parent) ::_exit(kExited);
+  // exit() inside a library would run the parent's handlers, and remove its files.
+  if (std::atexit(exit_in_library) != 0) ::_exit(kExited);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGABRT, SIGSEGV, SIGBUS, SIGFPE, SIGILL})
+    ::signal(signal, SIG_DFL);
+  ::signal(SIGXFSZ, SIG_IGN);  // a write fails instead
+  const int nowhere = ::open("/dev/null", O_RDWR | O_CLOEXEC);
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) ::dup2(nowhere, stream);
+  limit(RLIMIT_CORE, 0);
+  if (!kSanitized) {
+    limit(RLIMIT_FSIZE, limits.bytes);
+    limit(RLIMIT_AS, mapped_bytes() + limits.bytes);
+  }
+}
+
+[[noreturn]] void answer_as_child(const std::function<bool(int file)>& answer, int file) {
+  try {
+    ::_exit(answer(file) ? kAnswered : kNotWritten);
+  } catch (const std::bad_alloc&) {
+    ::_exit(kOutOfMemory);
+  } catch (...) {
+    ::_exit(kThrown);
+  }
+}
+
+double seconds_of(clockid_t clock) {
+  timespec time{};
+  if (::clock_gettime(clock, &time) != 0) return 0;
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+/// Why a child was ended by its parent.
+enum class Overrun { kNone, kCpu, kWall };
+
+/// Waits until the child ends, or exceeds a time limit. A child that has ended stays waitable.
+Overrun watch(pid_t child, const Shared& shared, const ChildLimits& limits) {
+  const int handle = static_cast<int>(::syscall(SYS_pidfd_open, child, 0));
+  clockid_t child_clock{};
+  ::clock_getcpuclockid(child, &child_clock);
+  std::uint32_t beats = 0;
+  double cpu_begun = 0, wall_begun = seconds_of(CLOCK_MONOTONIC);
+  Overrun overrun = Overrun::kNone;
+  while (overrun == Overrun::kNone) {
+    pollfd ended{handle, POLLIN, 0};
+    if (::poll(&ended, 1, 50) == 1) break;
+    const double cpu = seconds_of(child_clock), wall = seconds_of(CLOCK_MONOTONIC);
+    if (const std::uint32_t now = shared.beats.load(); now != beats) {
+      beats = now;
+      cpu_begun = cpu;
+      wall_begun = wall;
+    }
+    if (cpu - cpu_begun > limits.cpu_seconds) overrun = Overrun::kCpu;
+    if (wall - wall_begun > limits.wall_seconds) overrun = Overrun::kWall;
+  }
+  ::close(handle);
+  return overrun;
+}
+
+/// The child's last file, or `path`.
+fs::path file_read(const Shared& shared, const fs::path& path) {
+  const std::size_t length = ::strnlen(shared.file.data(), shared.file.size());
+  return length > 0 ? fs::path(std::string(shared.file.data(), length)) : path;
+}
+
+Result<void> check_end(int status, Overrun overrun, const ChildLimits& limits, const fs::path& file) {
+  if (overrun != Overrun::kNone) {
+    return bad_file(
+        file, "reading it took more than {:.0f} seconds without progress; it is damaged, or made to be slow",
+        overrun == Overrun::kCpu ? limits.cpu_seconds : limits.wall_seconds);
+  }
+  if (WIFSIGNALED(status))
+    return bad_file(file, "its reader crashed (signal {}); the file is damaged", WTERMSIG(status));
+  switch (WEXITSTATUS(status)) {
+    case kAnswered: return {};
+    case kOutOfMemory:
+    case kNotWritten:
+      return fail(ErrorCode::kLimit,
+                  "{}: reading it needs more than {} MiB, which no valid file of its size does",
+                  file.string(), limits.bytes >> 20);
+    default: return bad_file(file, "its reader gave up; the file is damaged");
+  }
+}
+
+}  // namespace
+
+ChildLimits limits_for(const fs::path& path) {
+  std::error_code error;
+  std::uint64_t bytes = 0;
+  if (fs::is_directory(path, error)) {
+    for (fs::recursive_directory_iterator entry(path, error), end; !error && entry != end;
+         entry.increment(error)) {
+      std::error_code unreadable;
+      const auto size = entry->file_size(unreadable);
+      if (!unreadable) bytes += size;
+    }
+  } else if (const auto size = fs::file_size(path, error); !error) {
+    bytes = size;
+  }
+  constexpr std::uint64_t kFloor = std::uint64_t{512} << 20,
+                          kPerByte = 3300;  // three copies, deflated 1100 times
+  constexpr double kSecondsPerByte = 2e-7;  // a volume deflated 50 times
+  ChildLimits limits;
+  limits.bytes = std::min(machine_memory() / 2, kFloor + kPerByte * std::min(bytes, std::uint64_t{1} << 40));
+  limits.cpu_seconds += kSecondsPerByte * static_cast<double>(bytes);
+  return limits;
+}
+
+void report_child_progress(const fs::path& file) {
+  if (shared_of_this_child == nullptr) return;
+  std::array<char, 1024>& name = shared_of_this_child->file;
+  std::strncpy(name.data(), file.c_str(), name.size() - 1);
+  ++shared_of_this_child->beats;
+}
+
+ChildAnswer::~ChildAnswer() {
+  if (file_ >= 0) ::close(file_);
+}
+
+std::uint64_t ChildAnswer::bytes() const {
+  struct stat status {};
+  return ::fstat(file_, &status) == 0 ? static_cast<std::uint64_t>(status.st_size) : 0;
+}
+
+Result<ChildAnswer> run_child(const fs::path& path, const ChildLimits& limits,
+                              const std::function<bool(int file)>& answer) {
+  const SharedPage page;
+  ChildAnswer file(::memfd_create("answer", MFD_CLOEXEC));
+  if (page.get() == nullptr || file.file() < 0)
+    return fail(ErrorCode::kLimit, "{}: no memory is left to read it", path.string());
+  std::fflush(nullptr);  // else both processes write what is buffered
+  const pid_t parent = ::getpid(), child = ::fork();
+  if (child < 0) return bad_file(path, "no process could be started to read it ({})", std::strerror(errno));
+  if (child == 0) {
+    shared_of_this_child = page.get();
+    prepare_child(parent, limits);
+    answer_as_child(answer, file.file());
+  }
+  const Overrun overrun = watch(child, *page.get(), limits);
+  ::kill(-child, SIGKILL);  // with its own children
+  ::kill(child, SIGKILL);   // before it has a group
+  int status = 0;
+  while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  SPLATLAS_RETURN_IF_ERROR(check_end(status, overrun, limits, file_read(*page.get(), path)));
+  return file;
+}
+
+}  // namespace splatlas

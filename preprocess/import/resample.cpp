@@ -1,0 +1,149 @@
+#include "preprocess/import/resample.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <span>
+
+#include "format/system/parallel.h"
+
+namespace splatlas {
+namespace {
+
+/// The index in `from` of a voxel of `to`.
+Affine index_map(const Grid& to, const Grid& from) {
+  const Affine to_mm = index_to_lps_mm(to), to_index = lps_mm_to_index(from);
+  Affine map;
+  map.offset = to_index.apply(to_mm.offset);
+  for (std::size_t a = 0; a < 3; ++a) {
+    Vec3 unit{0, 0, 0};
+    unit[a] = 1;
+    const Vec3 column = to_index.apply_linear(to_mm.apply_linear(unit));
+    for (std::size_t row = 0; row < 3; ++row) map.linear[3 * row + a] = column[row];
+  }
+  return map;
+}
+
+Vec3 as_vector(std::int64_t i, std::int64_t j, std::int64_t k) {
+  return {static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)};
+}
+
+/// Calls visit(v, index) for every voxel v of `grid`, slices in parallel.
+template <typename Visit>
+void for_each_voxel(const Grid& grid, const Affine& map, const Visit& visit) {
+  parallel_for(static_cast<std::size_t>(grid.size[2]), 0, [&](std::size_t slice) {
+    const auto k = static_cast<std::int64_t>(slice);
+    for (std::int64_t j = 0; j < grid.size[1]; ++j) {
+      for (std::int64_t i = 0; i < grid.size[0]; ++i)
+        visit(static_cast<std::size_t>(grid.offset(i, j, k)), map.apply(as_vector(i, j, k)));
+    }
+  });
+}
+
+void copy_nearest(std::span<const std::byte> from, const Grid& source, const Grid& grid,
+                  std::size_t bytes_each, std::span<std::byte> to) {
+  for_each_voxel(grid, index_map(grid, source), [&](std::size_t v, const Vec3& index) {
+    Index3 nearest;
+    for (std::size_t a = 0; a < 3; ++a) {
+      const double rounded = std::floor(index[a] + 0.5);
+      if (!(rounded >= 0 && rounded < static_cast<double>(source.size[a]))) return;
+      nearest[a] = static_cast<std::int64_t>(rounded);
+    }
+    const auto at = static_cast<std::size_t>(source.offset(nearest[0], nearest[1], nearest[2]));
+    std::memcpy(&to[v * bytes_each], &from[at * bytes_each], bytes_each);
+  });
+}
+
+template <typename T>
+class LinearSampler {
+ public:
+  LinearSampler(const T* values, const Grid& grid) : values_(values), grid_(grid) {
+    outside_ = *std::min_element(values, values + grid.voxels());
+  }
+
+  [[nodiscard]] T at(const Vec3& index) const {
+    std::array<std::array<std::int64_t, 2>, 3> ends{};
+    Vec3 part;
+    constexpr double kHalfVoxel = 0.5;
+    for (std::size_t a = 0; a < 3; ++a) {
+      const auto last = static_cast<double>(grid_.size[a] - 1);
+      if (!(index[a] >= -kHalfVoxel && index[a] <= last + kHalfVoxel)) return outside_;
+      const double inside = std::clamp(index[a], 0.0, last);
+      ends[a][0] = static_cast<std::int64_t>(inside);
+      ends[a][1] = std::min(ends[a][0] + 1, grid_.size[a] - 1);
+      part[a] = inside - static_cast<double>(ends[a][0]);
+    }
+    double sum = 0;
+    for (std::size_t corner = 0; corner < 8; ++corner) {
+      const std::size_t x = corner & 1, y = corner >> 1 & 1, z = corner >> 2;
+      const double weight = (x != 0 ? part[0] : 1 - part[0]) * (y != 0 ? part[1] : 1 - part[1]) *
+                            (z != 0 ? part[2] : 1 - part[2]);
+      if (weight > 0)
+        sum += weight * static_cast<double>(values_[grid_.offset(ends[0][x], ends[1][y], ends[2][z])]);
+    }
+    if constexpr (std::is_integral_v<T>) return static_cast<T>(std::floor(sum + 0.5));
+    return static_cast<T>(sum);
+  }
+
+ private:
+  const T* values_;
+  const Grid& grid_;
+  T outside_;
+};
+
+}  // namespace
+
+VoxelBuffer resample_nearest(const Image& image, const Grid& grid) {
+  const std::size_t bytes_each = bytes_of(image.voxels.type);
+  VoxelBuffer result{image.voxels.type,
+                     std::vector<std::byte>(static_cast<std::size_t>(grid.voxels()) * bytes_each)};
+  copy_nearest(image.voxels.bytes, image.grid, grid, bytes_each, result.bytes);
+  return result;
+}
+
+SourceImage resample_nearest(const SourceImage& image, const Grid& grid) {
+  SourceImage result = image;
+  const std::size_t bytes_each = bytes_of(image.voxels.type);
+  const std::size_t from = image.voxels.bytes.size() / image.layers;
+  const std::size_t to = static_cast<std::size_t>(grid.voxels()) * bytes_each;
+  result.grid = grid;
+  result.voxels.bytes.assign(to * image.layers, std::byte{0});
+  for (std::size_t n = 0; n < image.layers; ++n) {
+    copy_nearest(std::span(image.voxels.bytes).subspan(n * from, from), image.grid, grid, bytes_each,
+                 std::span(result.voxels.bytes).subspan(n * to, to));
+  }
+  return result;
+}
+
+VoxelBuffer resample_linear(const Image& image, const Grid& grid) {
+  VoxelBuffer result{image.voxels.type, std::vector<std::byte>(static_cast<std::size_t>(grid.voxels()) *
+                                                               bytes_of(image.voxels.type))};
+  visit_voxel_type(image.voxels.type, [&]<typename T>(T) {
+    const LinearSampler<T> sampler(image.voxels.as<T>(), image.grid);
+    T* const to = result.as<T>();
+    for_each_voxel(grid, index_map(grid, image.grid),
+                   [&](std::size_t v, const Vec3& index) { to[v] = sampler.at(index); });
+  });
+  return result;
+}
+
+double overlap(const Grid& grid, const Grid& other) {
+  constexpr int kPoints = 32;
+  const Affine map = index_map(grid, other);
+  int inside = 0;
+  for (int n = 0; n < kPoints * kPoints * kPoints; ++n) {
+    const std::array<int, 3> point{n % kPoints, n / kPoints % kPoints, n / kPoints / kPoints};
+    Vec3 index;
+    for (std::size_t a = 0; a < 3; ++a)
+      index[a] = (point[a] + 0.5) / kPoints * static_cast<double>(grid.size[a]) - 0.5;
+    const Vec3 found = map.apply(index);
+    bool is_inside = true;
+    for (std::size_t a = 0; a < 3; ++a)
+      is_inside = is_inside && found[a] >= -0.5 && found[a] <= static_cast<double>(other.size[a]) - 0.5;
+    inside += is_inside ? 1 : 0;
+  }
+  return static_cast<double>(inside) / (kPoints * kPoints * kPoints);
+}
+
+}  // namespace splatlas

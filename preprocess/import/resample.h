@@ -1,0 +1,22 @@
+// Resampling of images to another grid.
+#pragma once
+
+#include "preprocess/import/images/import_image.h"
+#include "preprocess/import/images/source_image.h"
+
+namespace splatlas {
+
+/// The voxels of `image` that lie nearest to the voxels of `grid`; 0 beyond the image.
+[[nodiscard]] VoxelBuffer resample_nearest(const Image& image, const Grid& grid);
+/// The same for every layer.
+[[nodiscard]] SourceImage resample_nearest(const SourceImage& image, const Grid& grid);
+
+/// Trilinear interpolation at the voxels of `grid`, rounded for integers; the least value of the image beyond
+/// it. Uses all cores.
+[[nodiscard]] VoxelBuffer resample_linear(const Image& image, const Grid& grid);
+
+/// Fraction of the voxels of `grid` that lie within `other`, estimated on a lattice of 32^3 points. 0: they
+/// lie elsewhere.
+[[nodiscard]] double overlap(const Grid& grid, const Grid& other);
+
+}  // namespace splatlas

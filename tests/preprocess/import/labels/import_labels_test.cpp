@@ -1,0 +1,167 @@
+#include "preprocess/import/labels/import_labels.h"
+
+#include <cmath>
+#include <filesystem>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "preprocess/export/write_image.h"
+#include "preprocess/import/labels/label_map.h"
+#include "preprocess/import/labels/mask_folder.h"
+#include "tests/preprocess/messages_of_notes.h"
+#include "tests/preprocess/random_images.h"
+#include "tests/preprocess/raw_image_files.h"
+#include "tests/support/run_program.h"
+
+namespace splatlas {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+template <typename T>
+Image row(VoxelType type, const std::vector<T>& values) {
+  Image image = zeros({.size = {std::ssize(values), 1, 1}}, type);
+  std::ranges::copy(values, image.voxels.as<T>());
+  return image;
+}
+
+SourceImage source(Image image) {
+  SourceImage result;
+  result.grid = image.grid;
+  result.voxels = std::move(image.voxels);
+  return result;
+}
+
+template <typename T>
+Result<ImportedLabels> read_row(VoxelType type, const std::vector<T>& values, const std::string& name) {
+  return read_label_map(source(row<T>(type, values)), name);
+}
+
+std::vector<std::string> names_of(const ImportedLabels& labels) {
+  std::vector<std::string> names;
+  for (const SourceStructure& s : labels.structures) names.push_back(s.name);
+  return names;
+}
+
+/// The single structure of a voxel; -1 for none.
+int holder(const ImportedLabels& labels, std::size_t voxel) {
+  const auto& set = labels.memberships.sets()[labels.memberships.voxels()[voxel]];
+  return set.empty() ? -1 : static_cast<int>(set.front());
+}
+
+TEST(ImportLabels, StructuresAreLabelsInOrder) {
+  const auto labels = read_row<std::uint16_t>(VoxelType::kUInt16, {700, 0, 7, 7, 65535, 700}, "a.nii");
+  ASSERT_TRUE(labels) << labels.error().message;
+  EXPECT_THAT(names_of(*labels), testing::ElementsAre("Label 7", "Label 700", "Label 65535"));
+  const std::vector<int> expected{1, -1, 0, 0, 2, 1};
+  for (std::size_t v = 0; v < 6; ++v) EXPECT_EQ(holder(*labels, v), expected[v]);
+  EXPECT_TRUE(labels->memberships.disjoint());
+  EXPECT_EQ(labels->type, VoxelType::kUInt16);
+}
+
+TEST(ImportLabels, LabelsReach32Bits) {
+  const auto integers = read_row<std::uint32_t>(VoxelType::kUInt32, {0, 4294967295u}, "a");
+  ASSERT_TRUE(integers);
+  EXPECT_EQ(integers->structures[0].label, 4294967295);
+  const auto doubles = read_row<double>(VoxelType::kFloat64, {-0.0, 4294967295.0}, "a");
+  ASSERT_TRUE(doubles);
+  EXPECT_EQ(doubles->structures[0].label, 4294967295);
+  EXPECT_EQ(holder(*doubles, 0), -1);
+}
+
+TEST(ImportLabels, RefusesWhatIsNoLabelWithItsValue) {
+  EXPECT_THAT(read_row<std::int16_t>(VoxelType::kInt16, {0, -3}, "a.nii").error().message,
+              AllOf(HasSubstr("a.nii"), HasSubstr("-3")));
+  EXPECT_THAT(read_row<float>(VoxelType::kFloat32, {0, 1.5f}, "a").error().message, HasSubstr("1.5"));
+  EXPECT_THAT(read_row<float>(VoxelType::kFloat32, {0, std::nanf("")}, "a").error().message,
+              HasSubstr("nan"));
+  EXPECT_THAT(read_row<float>(VoxelType::kFloat32, {INFINITY}, "a").error().message, HasSubstr("inf"));
+  EXPECT_FALSE(read_row<double>(VoxelType::kFloat64, {4294967296.0}, "a"));
+}
+
+TEST(ImportLabels, BackgroundAloneIsANote) {
+  const auto labels = read_row<std::uint8_t>(VoxelType::kUInt8, {0, 0}, "a.nii");
+  ASSERT_TRUE(labels);
+  EXPECT_TRUE(labels->structures.empty());
+  EXPECT_THAT(messages_of(labels->notes), testing::ElementsAre("1 label map holds background only: a.nii"));
+}
+
+SourceStructure name(std::int64_t label, const std::string& text) {
+  SourceStructure structure;
+  structure.name = text;
+  structure.label = label;
+  return structure;
+}
+
+TEST(NameLabels, CountsWhatDoesNotFit) {
+  const auto labels = read_row<std::uint8_t>(VoxelType::kUInt8, {1, 2, 3}, "a.nii");
+  ASSERT_TRUE(labels);
+  ImportedLabels named = *labels;
+  name_labels(named, {name(2, "two"), name(1, "one"), name(3, "three")}, false);
+  EXPECT_THAT(names_of(named), testing::ElementsAre("one", "two", "three"));
+  EXPECT_TRUE(named.notes.empty());
+
+  named = *labels;
+  name_labels(named, {name(1, "one"), name(9, "nine"), name(8, "eight")}, false);
+  EXPECT_THAT(names_of(named), testing::ElementsAre("one", "Label 2", "Label 3"));
+  EXPECT_THAT(messages_of(named.notes),
+              testing::ElementsAre("2 names have no voxels and are dropped: nine (9), eight (8)",
+                                   "2 labels have no names and are called \"Label N\": 2, 3"));
+  named = *labels;
+  name_labels(named, {name(1, "one"), name(9, "nine"), name(8, "eight")}, true);
+  EXPECT_THAT(names_of(named), testing::ElementsAre("one", "Label 2", "Label 3", "eight", "nine"));
+  EXPECT_EQ(named.structures[4].label, 9);
+}
+
+/// 64 values in blocks of a few voxels are labels; in a ramp they are grey values.
+TEST(ImportLabels, RecognisesGreyValues) {
+  std::vector<std::uint8_t> ramp, blocks;
+  for (std::size_t n = 0; n < 512; ++n) {
+    ramp.push_back(static_cast<std::uint8_t>(1 + n % 64));
+    blocks.push_back(static_cast<std::uint8_t>(1 + n / 2 % 64));
+  }
+  EXPECT_THAT(
+      read_row<std::uint8_t>(VoxelType::kUInt8, ramp, "t1.nii").error().message,
+      AllOf(HasSubstr("t1.nii: looks like grey values"), HasSubstr("64 values"), HasSubstr("--volume")));
+  EXPECT_TRUE(read_row<std::uint8_t>(VoxelType::kUInt8, blocks, "aal.nii"));
+}
+
+TEST(ImportMasks, RefusesFoldersThatAreNoMasks) {
+  const TemporaryFolder folder;
+  EXPECT_THAT(import_mask_folder(folder.path()).error().message, HasSubstr("holds no mask"));
+  ASSERT_TRUE(write_image(row<std::uint8_t>(VoxelType::kUInt8, {0, 1}), folder.file("liver.nii.gz")));
+  ASSERT_TRUE(write_image(row<std::uint8_t>(VoxelType::kUInt8, {0, 1}), folder.file("liver.nrrd")));
+  EXPECT_THAT(import_mask_folder(folder.path()).error().message, HasSubstr("same structure"));
+  std::filesystem::rename(folder.file("liver.nrrd"), folder.file("LIVER.nrrd"));
+  EXPECT_THAT(import_mask_folder(folder.path()).error().message, HasSubstr("same structure"));
+  std::filesystem::rename(folder.file("LIVER.nrrd"), folder.file("li\tver.nrrd"));
+  EXPECT_THAT(import_mask_folder(folder.path()).error().message, HasSubstr("a tab"));
+  std::filesystem::remove(folder.file("li\tver.nrrd"));
+  ASSERT_TRUE(write_image(row<std::uint8_t>(VoxelType::kUInt8, {0, 1, 1}), folder.file("spleen.nrrd")));
+  const auto resampled = import_mask_folder(folder.path());
+  ASSERT_TRUE(resampled) << resampled.error().message;
+  EXPECT_THAT(
+      messages_of(resampled->notes),
+      testing::ElementsAre("1 mask is on another grid and is resampled to the nearest voxel: spleen"));
+}
+
+TEST(ImportMasks, WhatIsNotZeroIsInside) {
+  const TemporaryFolder folder;
+  ASSERT_TRUE(write_image(row<float>(VoxelType::kFloat32, {0, 1, 0.5f, 255}), folder.file("liver.nrrd")));
+  const auto masks = import_mask_folder(folder.path());
+  ASSERT_TRUE(masks) << masks.error().message;
+  EXPECT_EQ(holder(*masks, 0), -1);
+  for (std::size_t v = 1; v < 4; ++v) EXPECT_EQ(holder(*masks, v), 0);
+  EXPECT_THAT(messages_of(masks->notes),
+              testing::ElementsAre("1 mask has several values; all but 0 are inside: liver"));
+  ASSERT_TRUE(
+      write_image(row<float>(VoxelType::kFloat32, {0, 255, std::nanf(""), 255}), folder.file("liver.nrrd")));
+  EXPECT_TRUE(import_mask_folder(folder.path())->notes.empty());
+  EXPECT_EQ(mask_of(row<float>(VoxelType::kFloat32, {std::nanf(""), 1}).voxels),
+            (std::vector<std::uint8_t>{0, 1}));
+}
+
+}  // namespace
+}  // namespace splatlas
