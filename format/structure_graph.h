@@ -20,6 +20,14 @@ inline constexpr StructureIndex kNoStructure = 0xffffffffu;
 inline constexpr std::size_t kMaxStructures = 1u << 20;
 inline constexpr std::size_t kMaxGraphDepth = 256;
 
+/// A name or code of a structure in another vocabulary: {"SNOMED", "64033007"}, {"synonym", "kidney"}, {"de",
+/// "Niere"}.
+struct Term {
+  std::string vocabulary, value;
+
+  friend bool operator==(const Term&, const Term&) = default;
+};
+
 /// An anatomical structure, or a group without voxels and triangles of its own that represents its
 /// descendants.
 struct Structure {
@@ -30,6 +38,7 @@ struct Structure {
   std::vector<StructureIndex> parents =
       {};                 ///< may be several: a gyrus belongs to a hemisphere and to a lobe
   bool external = false;  ///< surface from a mesh file (an implant, a needle)
+  std::vector<Term> terms = {};
 
   friend bool operator==(const Structure&, const Structure&) = default;
 };

@@ -1,8 +1,10 @@
 #include "preprocess/import_sources.h"
 
 #include <map>
+#include <span>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "format/system/ascii_text.h"
 #include "format/system/result_macros.h"
@@ -14,6 +16,7 @@
 #include "preprocess/import/resample.h"
 #include "preprocess/import/tables/read_names.h"
 #include "preprocess/import/tables/structure_name.h"
+#include "preprocess/import/widen_grid.h"
 
 namespace splatlas {
 namespace {
@@ -31,6 +34,9 @@ const NoteKind kDegenerate{"degenerate-triangles", "surface has triangles withou
                            "surfaces have triangles without area, which are dropped", false};
 const NoteKind kOutside{"surfaces-outside", "surface is partly outside the volume, and cut off there",
                         "surfaces are partly outside the volume, and cut off there", true};
+
+const NoteKind kWidened{"widened-grid", "grid is widened for surfaces", "grids are widened for surfaces",
+                        false};
 
 /// Imports the files into a SourceModel, kind by kind.
 class SourceImporter {
@@ -79,8 +85,7 @@ class SourceImporter {
   Result<void> collect_names() {
     for (const SegmentRule& rule : files_.segments)
       SPLATLAS_RETURN_IF_ERROR(collect_name("--segment", rule.name));
-    for (const SourceFiles::Mesh& mesh : files_.meshes)
-      SPLATLAS_RETURN_IF_ERROR(collect_name("--mesh", mesh.name));
+    for (const MeshSource& mesh : files_.meshes) SPLATLAS_RETURN_IF_ERROR(collect_name("--mesh", mesh.name));
     return {};
   }
 
@@ -185,7 +190,8 @@ class SourceImporter {
       model_.segments.push_back(std::move(segment));
     }
     // Without labels, start with empty memberships on the grid of the volume or the first mask.
-    if (files_.labels.empty()) model_.memberships = MembershipVolume(storage_grid().size);
+    if (files_.labels.empty() && model_.source_grid.voxels() > 0)
+      model_.memberships = MembershipVolume(storage_grid().size);
     return {};
   }
 
@@ -204,27 +210,112 @@ class SourceImporter {
   }
 
   Result<void> import_meshes() {
-    for (const SourceFiles::Mesh& source : files_.meshes) {
-      const std::string file = source.file.string();
-      SPLATLAS_ASSIGN_OR_RETURN(const TriangleMesh mesh, import_mesh(source.file, files_.mesh_frame));
-      Result<ClippedMesh> clipped = clip_mesh(mesh, storage_grid());
-      if (!clipped) return fail(clipped.error().code, "{}: {}", file, clipped.error().message);
-      if (clipped->crossed.empty()) return bad_file(file, "is outside the volume; check --mesh-frame");
+    if (files_.meshes.empty()) return {};
+    std::vector<TriangleMesh> meshes;
+    const std::optional<MmBox> labelled = labelled_box();
+    for (const MeshSource& source : files_.meshes) {
+      SPLATLAS_ASSIGN_OR_RETURN(TriangleMesh mesh, place_mesh(source, labelled, notes_));
       if (mesh.dropped > 0) {
-        notes_.add(kDegenerate,
-                   fmt::format("{} ({} of {})", file, mesh.dropped, mesh.dropped + mesh.triangles.size()));
+        notes_.add(kDegenerate, fmt::format("{} ({} of {})", source.file.string(), mesh.dropped,
+                                            mesh.dropped + mesh.triangles.size()));
       }
-      constexpr double kNegligible = 1e-6;
-      if (clipped->outside > kNegligible) {
-        notes_.add(kOutside, fmt::format("{} ({:.1f} %)", file, 100 * clipped->outside));
-      }
-      SourceStructure structure;
-      structure.name = source.name;
-      structure.external = true;
-      model_.structures.push_back(std::move(structure));
-      model_.meshes.push_back(std::move(*clipped));
-      SPLATLAS_RETURN_IF_ERROR(remember("mesh", source.file));
+      meshes.push_back(std::move(mesh));
     }
+    SPLATLAS_RETURN_IF_ERROR(fit_grid(meshes));
+    for (std::size_t n = 0; n < meshes.size(); ++n)
+      SPLATLAS_RETURN_IF_ERROR(add_mesh(files_.meshes[n], meshes[n]));
+    return {};
+  }
+
+  Result<void> add_mesh(const MeshSource& source, const TriangleMesh& mesh) {
+    Result<ClippedMesh> clipped = clip_mesh(mesh, storage_grid());
+    if (!clipped) return fail(clipped.error().code, "{}: {}", source.file.string(), clipped.error().message);
+    if (clipped->crossed.empty()) {
+      return bad_file(
+          source.file,
+          "is outside the volume; check its frame (frame=ras or frame=lps) and scale, or widen the "
+          "grid by --fit-grid");
+    }
+    constexpr double kNegligible = 1e-6;
+    if (clipped->outside > kNegligible)
+      notes_.add(kOutside, fmt::format("{} ({:.1f} %)", source.file.string(), 100 * clipped->outside));
+    SourceStructure structure;
+    structure.name = source.name;
+    structure.color = source.color;
+    structure.external = true;
+    model_.structures.push_back(std::move(structure));
+    model_.meshes.push_back(std::move(*clipped));
+    return remember("mesh", source.file);
+  }
+
+  /// The box of the labelled voxels; of the grid where there are none; nothing without a grid.
+  [[nodiscard]] std::optional<MmBox> labelled_box() const {
+    if (model_.source_grid.voxels() == 0) return std::nullopt;
+    const Grid grid = storage_grid();
+    IndexBox box;
+    const auto voxels = model_.memberships.voxels();
+    for (std::int64_t k = 0; k < grid.size[2]; ++k) {
+      for (std::int64_t j = 0; j < grid.size[1]; ++j) {
+        for (std::int64_t i = 0; i < grid.size[0]; ++i) {
+          if (voxels[static_cast<std::size_t>(grid.offset(i, j, k))] != 0) box.include({i, j, k});
+        }
+      }
+    }
+    if (box.empty()) box = {{0, 0, 0}, {grid.size[0] - 1, grid.size[1] - 1, grid.size[2] - 1}};
+    const Affine to_mm = index_to_lps_mm(grid);
+    MmBox result{to_mm.apply({0, 0, 0}), to_mm.apply({0, 0, 0})};
+    for (int corner = 0; corner < 8; ++corner) {
+      Vec3 index;
+      for (std::size_t a = 0; a < 3; ++a)
+        index[a] = static_cast<double>((corner >> a & 1) != 0 ? box.last[a] : box.first[a]);
+      const Vec3 mm = to_mm.apply(index);
+      for (std::size_t a = 0; a < 3; ++a) {
+        result.low[a] = corner == 0 ? mm[a] : std::min(result.low[a], mm[a]);
+        result.high[a] = corner == 0 ? mm[a] : std::max(result.high[a], mm[a]);
+      }
+    }
+    return result;
+  }
+
+  /// Widens the grid to hold the meshes, or makes one around them if there is none.
+  Result<void> fit_grid(const std::vector<TriangleMesh>& meshes) {
+    if (model_.source_grid.voxels() == 0) {
+      model_.source_grid = grid_around(meshes);
+      model_.memberships = MembershipVolume(storage_grid().size);
+      return {};
+    }
+    const Grid grid = storage_grid();
+    const Margin margin = files_.fit_grid ? margin_for(grid, meshes) : Margin{};
+    if (margin.empty()) return {};
+    const Grid wide = widened(grid, margin);
+    constexpr double kMostGrowth = 8;
+    const auto voxels = [](const Grid& g) {
+      return static_cast<double>(g.size[0]) * static_cast<double>(g.size[1]) * static_cast<double>(g.size[2]);
+    };
+    if (voxels(wide) > kMostGrowth * voxels(grid)) {
+      return fail(
+          ErrorCode::kLimit,
+          "--fit-grid: the surfaces would widen the grid from {} to {} voxels; check their frames and scales",
+          fmt::join(grid.size, "x"), fmt::join(wide.size, "x"));
+    }
+    model_.memberships.widen(margin);
+    for (SourceModel::Segment& segment : model_.segments) {
+      if (!segment.mask.empty())
+        segment.mask = splatlas::widened<std::uint8_t>(segment.mask, grid.size, margin, 0);
+    }
+    if (!model_.values.empty()) {
+      visit_voxel_type(model_.values.type, [&]<typename T>(T) {
+        const std::span<const T> values(model_.values.as<T>(), static_cast<std::size_t>(grid.voxels()));
+        const std::vector<T> wider =
+            splatlas::widened<T>(values, grid.size, margin, std::ranges::min(values));
+        const auto bytes = std::as_bytes(std::span(wider));
+        model_.values.bytes.assign(bytes.begin(), bytes.end());
+      });
+    }
+    notes_.add(kWidened,
+               fmt::format("from {} to {} voxels", fmt::join(grid.size, "x"), fmt::join(wide.size, "x")));
+    model_.source_grid =
+        widened(model_.source_grid, before_reordering(margin, storage_order(model_.source_grid)));
     return {};
   }
 
@@ -246,8 +337,8 @@ class SourceImporter {
 
 Result<SourceModel> import_sources(const SourceFiles& files, Notes& notes,
                                    const std::function<void(double)>& progress) {
-  if (files.labels.empty() && files.segments.empty()) {
-    return fail(ErrorCode::kUsage, "no structures: give --labels or a --segment");
+  if (files.labels.empty() && files.segments.empty() && files.meshes.empty()) {
+    return fail(ErrorCode::kUsage, "no structures: give --labels, a --segment or a --mesh");
   }
   if (files.labels.empty() && (!files.names.empty() || !files.colors.empty())) {
     return fail(ErrorCode::kUsage, "--names and --colors need --labels");

@@ -9,6 +9,7 @@
 #include "format/atlas_content.h"
 #include "preprocess/classify/segment_volume.h"
 #include "preprocess/import/images/source_image.h"
+#include "preprocess/import/meshes/place_mesh.h"
 #include "preprocess/import/notes.h"
 #include "preprocess/membership_volume.h"
 #include "preprocess/structures/build_graph.h"
@@ -28,12 +29,8 @@ struct SourceFiles {
   std::filesystem::path labels;  ///< a label map, or a folder of masks
   std::filesystem::path volume, names, colors, tree;
   std::vector<SegmentRule> segments;
-  struct Mesh {
-    std::string name;
-    std::filesystem::path file;
-  };
-  std::vector<Mesh> meshes;
-  MeshFrame mesh_frame = MeshFrame::kLps;
+  std::vector<MeshSource> meshes;
+  bool fit_grid = false;  ///< widens the grid for surfaces that reach beyond it
   bool allow_empty = false;
   ImageOptions volume_options;             ///< of `volume`
   std::optional<Vec3> spacing_mm;          ///< of stacks of pictures, for labels and volume

@@ -56,6 +56,11 @@ void MembershipVolume::add_each(std::span<const StructureIndex> structures) {
   }
 }
 
+void MembershipVolume::widen(const Margin& margin) {
+  voxels_ = widened<SetId>(voxels_, size_, margin, 0);
+  for (std::size_t a = 0; a < 3; ++a) size_[a] += margin.low[a] + margin.high[a];
+}
+
 void MembershipVolume::remove(StructureIndex structure, std::size_t first, std::size_t count) {
   for (std::size_t v = first; v < first + count;) {
     const SetId from = voxels_[v];

@@ -8,6 +8,7 @@
 
 #include "format/grid.h"
 #include "format/structure_graph.h"
+#include "preprocess/import/widen_grid.h"
 
 namespace splatlas {
 
@@ -33,6 +34,8 @@ class MembershipVolume {
   std::uint64_t add(StructureIndex structure, std::span<const std::uint8_t> mask);
   /// Adds to every voxel its structure, none for kNoStructure. Cost: one pass.
   void add_each(std::span<const StructureIndex> structures);
+  /// Adds empty voxels around.
+  void widen(const Margin& margin);
   /// Removes `structure` from the sets of `count` voxels from `first` on, which must contain it.
   void remove(StructureIndex structure, std::size_t first, std::size_t count);
   /// Replaces structure n by `new_numbers[n]`. Cost: linear in the sets.

@@ -25,6 +25,7 @@ packages=(
 
   libinsighttoolkit5-dev   # preprocess: readers, segmentation
   libvtk9-dev              # preprocess: marching cubes, mesh files
+  libexpat1-dev            # preprocess: GIFTI
   libbz2-dev               # preprocess: compressed NRRD
   zlib1g-dev               # preprocess: checks compressed images; player: checksums of PNG
 

@@ -68,6 +68,8 @@ TextWriter write_text(const Directory& directory) {
 struct StructureTable {
   std::vector<schema::Structure> structures;
   std::vector<std::uint32_t> parents;
+  std::vector<std::uint32_t> terms_end;
+  TextWriter term_text;
 };
 
 StructureTable write_structures(const StructureGraph& graph) {
@@ -78,6 +80,11 @@ StructureTable write_structures(const StructureGraph& graph) {
     const int flags = (s.label ? kHasLabel : 0) | (s.external ? kExternal : 0);
     table.structures.emplace_back(s.label.value_or(0), static_cast<std::uint32_t>(table.parents.size()),
                                   to_span(rgb), static_cast<std::uint8_t>(flags));
+    for (const Term& term : s.terms) {
+      table.term_text.add(term.vocabulary);
+      table.term_text.add(term.value);
+    }
+    table.terms_end.push_back(static_cast<std::uint32_t>(table.term_text.ends().size() / 2));
   }
   return table;
 }
@@ -158,6 +165,7 @@ Result<std::vector<std::byte>> encode_directory(const Directory& directory) {
     return schema::Chunk(c.checksum, c.stored_bytes, static_cast<std::uint8_t>(c.codec), c.filter, 0);
   });
 
+  const bool has_terms = !structures.term_text.ends().empty();
   flatbuffers::FlatBufferBuilder builder;
   builder.Finish(
       schema::CreateDirectory(
@@ -171,7 +179,10 @@ Result<std::vector<std::byte>> encode_directory(const Directory& directory) {
           builder.CreateVectorOfStructs(chunks),
           builder.CreateVector(
               std::vector<std::uint8_t>(directory.normals_fitted.begin(), directory.normals_fitted.end())),
-          directory.fingerprints.empty() ? 0 : builder.CreateVector(directory.fingerprints)),
+          directory.fingerprints.empty() ? 0 : builder.CreateVector(directory.fingerprints),
+          has_terms ? builder.CreateVector(structures.terms_end) : 0,
+          has_terms ? builder.CreateVector(structures.term_text.ends()) : 0,
+          has_terms ? builder.CreateVector(structures.term_text.bytes()) : 0),
       schema::DirectoryIdentifier());
   const auto* begin = reinterpret_cast<const std::byte*>(builder.GetBufferPointer());
   return std::vector<std::byte>(begin, begin + builder.GetSize());
@@ -182,15 +193,17 @@ namespace {
 /// Reads the strings in the order of TextWriter. check_tables() has checked their number.
 class TextReader {
  public:
-  explicit TextReader(const schema::Directory& directory) : directory_(directory) {}
+  TextReader(const flatbuffers::Vector<std::uint32_t>& ends, const flatbuffers::Vector<std::uint8_t>& text)
+      : ends_(ends), text_(text) {}
   std::string next() {
-    const std::uint32_t end = directory_.text_ends()->Get(n_++);
-    const auto* text = reinterpret_cast<const char*>(directory_.text()->data());
+    const std::uint32_t end = ends_.Get(n_++);
+    const auto* text = reinterpret_cast<const char*>(text_.data());
     return std::string(text + std::exchange(begin_, end), text + end);
   }
 
  private:
-  const schema::Directory& directory_;
+  const flatbuffers::Vector<std::uint32_t>& ends_;
+  const flatbuffers::Vector<std::uint8_t>& text_;
   flatbuffers::uoffset_t n_ = 0;
   std::uint32_t begin_ = 0;
 };
@@ -213,6 +226,19 @@ bool is_aligned(const flatbuffers::Vector<Row>& rows) {
          reinterpret_cast<std::uintptr_t>(rows.Data()) % alignof(std::remove_pointer_t<Row>) == 0;
 }
 
+/// Terms are in all three tables, or in none.
+Result<void> check_terms(const schema::Directory& d) {
+  if (d.terms_end() == nullptr && d.term_text_ends() == nullptr && d.term_text() == nullptr) return {};
+  const auto value = [](const auto& rows, auto n) { return rows.Get(n); };
+  if (d.terms_end() == nullptr || d.term_text_ends() == nullptr || d.term_text() == nullptr ||
+      d.terms_end()->size() != d.structures()->size() || d.term_text_ends()->size() % 2 != 0 ||
+      !ends_are_valid(*d.terms_end(), value, d.term_text_ends()->size() / 2) ||
+      !ends_are_valid(*d.term_text_ends(), value, d.term_text()->size())) {
+    return invalid_atlas("invalid: inconsistent offsets of directory tables of terms");
+  }
+  return {};
+}
+
 Result<void> check_tables(const schema::Directory& d) {
   if (!is_aligned(*d.structures()) || !is_aligned(*d.surfaces()) || !is_aligned(*d.classes()) ||
       !is_aligned(*d.scenes()) || !is_aligned(*d.sections()) || !is_aligned(*d.chunks()) ||
@@ -228,6 +254,7 @@ Result<void> check_tables(const schema::Directory& d) {
   if (!ends_are_valid(*d.text_ends(), value, d.text()->size())) {
     return invalid_atlas("invalid: inconsistent offsets of directory text");
   }
+  SPLATLAS_RETURN_IF_ERROR(check_terms(d));
   const auto parents_end = [](const auto& rows, auto n) { return rows.Get(n)->parents_end(); };
   if (!ends_are_valid(*d.structures(), parents_end, d.parents()->size())) {
     return invalid_atlas("invalid: inconsistent offsets of directory table of parents");
@@ -257,6 +284,15 @@ Result<void> check_flags(const schema::Directory& d) {
   return {};
 }
 
+void read_terms(const schema::Directory& d, std::vector<Structure>& structures) {
+  if (d.terms_end() == nullptr) return;
+  TextReader text(*d.term_text_ends(), *d.term_text());
+  std::uint32_t term = 0;
+  for (flatbuffers::uoffset_t n = 0; n < structures.size(); ++n) {
+    for (; term < d.terms_end()->Get(n); ++term) structures[n].terms.push_back({text.next(), text.next()});
+  }
+}
+
 Result<StructureGraph> read_structures(const schema::Directory& d, TextReader& text) {
   std::vector<Structure> structures(d.structures()->size());
   std::uint32_t parent = 0;
@@ -271,6 +307,7 @@ Result<StructureGraph> read_structures(const schema::Directory& d, TextReader& t
     s.external = (row.flags() & kExternal) != 0;
     for (; parent < row.parents_end(); ++parent) s.parents.push_back(d.parents()->Get(parent));
   }
+  read_terms(d, structures);
   auto graph = StructureGraph::build(std::move(structures));
   if (!graph) return invalid_atlas("invalid: {}", graph.error().message);
   return graph;
@@ -357,7 +394,7 @@ Result<Directory> decode_directory(std::span<const std::byte> bytes) {
                        to_array<3, double>(*d.display()->center_lps_mm()), d.display()->radius_mm()};
   directory.run_totals = to_array<3, std::uint64_t>(*d.run_totals()->runs());
 
-  TextReader text(d);
+  TextReader text(*d.text_ends(), *d.text());
   for (auto* part : {&directory.provenance.title, &directory.provenance.citation,
                      &directory.provenance.licence, &directory.provenance.tool}) {
     *part = text.next();

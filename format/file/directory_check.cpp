@@ -42,6 +42,10 @@ Result<void> check_texts(const Directory& d) {
     SPLATLAS_RETURN_IF_ERROR(check_text(d.graph[s].id, [s] { return fmt::format("id of structure {}", s); }));
     SPLATLAS_RETURN_IF_ERROR(
         check_text(d.graph[s].name, [s] { return fmt::format("name of structure {}", s); }));
+    for (const Term& term : d.graph[s].terms) {
+      for (const auto* text : {&term.vocabulary, &term.value})
+        SPLATLAS_RETURN_IF_ERROR(check_text(*text, [s] { return fmt::format("term of structure {}", s); }));
+    }
   }
   for (std::size_t n = 0; n < d.scenes.size(); ++n) {
     const Scene& scene = d.scenes[n];

@@ -35,6 +35,8 @@ Json structure_json(const Atlas& atlas, StructureIndex s, const SubtreeCounts& c
             {"voxels", {{"interior", counts.interior}, {"boundary", counts.boundary}}},
             {"triangles", counts.triangles}};
   if (structure.label) json["label"] = *structure.label;
+  for (const Term& term : structure.terms)
+    json["terms"].push_back({{"vocabulary", term.vocabulary}, {"value", term.value}});
   return json;
 }
 
@@ -97,8 +99,10 @@ PrintableText info_text(const Atlas& atlas) {
     stack.pop_back();
     ++lines;
     const std::string label = std::string(2 * depth, ' ') + atlas.graph()[s].name;
-    text.add("{:<50} {:>10} {:>10} {:>10}\n", label, counts[s].interior, counts[s].boundary,
+    text.add("{:<50} {:>10} {:>10} {:>10}", label, counts[s].interior, counts[s].boundary,
              counts[s].triangles);
+    for (const Term& term : atlas.graph()[s].terms) text.add("  {} {}", term.vocabulary, term.value);
+    text.add("\n");
     const auto children = atlas.graph().children(s);
     for (auto child = children.rbegin(); child != children.rend(); ++child)
       stack.emplace_back(*child, depth + 1);

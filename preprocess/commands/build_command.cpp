@@ -29,6 +29,10 @@ Labels: a label map, every value above 0 a structure; a segmentation of 3D Slice
 and layers; or a folder of one mask file per structure, as TotalSegmentator writes: file names become structure names,
 and masks may overlap. Labels and volume may have different grids: the labels' stays, unless --resample volume.
 
+Surfaces: STL, OBJ, PLY, VTK polygons (.vtk, .vtp) and GIFTI (.gii), alone or beside labels. Their frame is that of the
+option, else of the file (SPACE= of 3D Slicer; GIFTI is RAS), else the one that fits the labels. A transform is a text
+file of 4 x 4 numbers. What lies beyond the grid is cut off, unless --fit-grid widens it.
+
 Notes and warnings tell what is odd, one line a kind. --report and --json list all cases; --strict stops at a warning.
 
 Names: one label a line, "label name [code]" as AAL's file has it, or the eight columns of ITK-SNAP. Without names
@@ -54,11 +58,6 @@ fewer than 100 voxels. --drop-fragments N removes those of fewer than N voxels f
 NAME=N from one of them. 0 keeps them without a note. Dropped voxels become background, or get into later segments.
 
 Exit status: 0 done; 1 could not be done; 2 wrong usage. A failed or interrupted build leaves nothing behind.)";
-
-Result<SourceFiles::Mesh> parse_mesh(std::string_view text) {
-  SPLATLAS_ASSIGN_OR_RETURN(auto mesh, parse_name_and_file("--mesh", text));
-  return SourceFiles::Mesh{std::move(mesh.first), std::move(mesh.second)};
-}
 
 std::string check_text(const std::string& text) {
   const std::string fault = fault_of_text(text);
@@ -102,11 +101,10 @@ void add_sources(CLI::App& build, SourceFiles& sources) {
   build.add_option("--tree", sources.tree, "hierarchy of the structures")->check(names_a_file());
   add_repeated(build, "--segment", sources.segments, parse_segment,
                "NAME=RULE: a structure from thresholds or a mask (repeatable)");
-  CLI::Option* mesh = add_repeated(build, "--mesh", sources.meshes, parse_mesh,
-                                   "NAME=FILE: an external surface, .stl .obj .ply .vtk (repeatable)");
-  add_choice(build, "--mesh-frame", sources.mesh_frame, {{"lps", MeshFrame::kLps}, {"ras", MeshFrame::kRas}},
-             "coordinate frame of the surfaces, in mm")
-      ->needs(mesh);
+  add_repeated(build, "--mesh", sources.meshes, parse_mesh,
+               "NAME=FILE[,frame=ras|lps][,transform=FILE][,scale=S][,color=#rrggbb]: an external surface "
+               "(repeatable)");
+  build.add_flag("--fit-grid", sources.fit_grid, "widen the grid for surfaces that reach beyond it");
   build.add_flag("--allow-empty", sources.allow_empty,
                  "keep named labels without voxels, as empty structures");
 }

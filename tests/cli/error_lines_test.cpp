@@ -221,8 +221,9 @@ TEST_F(ErrorLines, OfBuild) {
   refuses({"--segment", "S=threshold:1"}, "--segment \"S\"", "--volume", 2);
   refuses({"--segment", "S=mask:missing.nrrd"}, "missing.nrrd: ", "no such file");
   refuses({"--level", "99"}, "--level: ", "1 to 22", 2);
-  refuses({"--mesh-frame", "x"}, "--mesh-frame \"x\"", "lps or ras", 2);
-  refuses({"--mesh-frame", "ras"}, "--mesh-frame requires --mesh", "", 2);
+  refuses({"--mesh", "A=a.stl,frame=x"}, "--mesh", "frame=x must be ras or lps", 2);
+  refuses({"--mesh", "A=a.stl,size=3"}, "--mesh", "size=3 is no option", 2);
+  refuses({"--mesh", "A=a.stl,scale=0"}, "--mesh", "scale=0 must be a number above 0", 2);
   refuses({"--title", "\x1b"}, "--title: \"?\"", "control character", 2);
   check_preprocess(cases);
 }

@@ -51,6 +51,7 @@ inline StructureGraph random_graph(std::size_t n, std::mt19937& random) {
     s.name = below(2, random) == 0 ? names[below(names.size(), random)] : s.id + " name";
     s.color = default_color(below(4, random));
     s.external = below(5, random) == 0;
+    for (auto terms = below(8, random); terms > 5; --terms) s.terms.push_back({names[terms - 1], s.name});
     const std::size_t parents = place == 0 ? 0 : std::min(place, below(4, random));
     while (s.parents.size() < parents) {
       const StructureIndex parent = at[below(place, random)];

@@ -31,9 +31,9 @@ void check_mesh(const TriangleMesh& mesh) {
 }  // namespace
 
 void fuzz(FuzzInput input) {
-  static const std::array<std::string, 3> kNames{"mesh.stl", "mesh.obj", "mesh.ply"};
+  static const std::array<std::string, 4> kNames{"mesh.stl", "mesh.obj", "mesh.ply", "mesh.gii"};
   const auto choices = input.number<std::uint8_t>();
-  const auto path = write_input_file(kNames[choices % 3], input.rest());
+  const auto path = write_input_file(kNames[choices % 4], input.rest());
   const auto mesh = import_mesh(path, (choices & 0x80) != 0 ? MeshFrame::kRas : MeshFrame::kLps);
   if (!mesh) return require_error(mesh.error(), {ErrorCode::kFailed});
   check_mesh(*mesh);

@@ -46,10 +46,14 @@ void mutate_structures(Directory& d, Random& random) {
   std::vector<Structure> structures(d.graph.structures().begin(), d.graph.structures().end());
   if (structures.empty()) return;
   Structure& s = any_of(structures, random);
-  switch (below(5, random)) {
+  switch (below(6, random)) {
     case 0: s.external = !s.external; break;
     case 1: mutate_text(s.name, random); break;
     case 2: s.id += "x"; break;
+    case 4:
+      s.terms.push_back({"SNOMED", s.name});
+      mutate_text(any_of(s.terms, random).value, random);
+      break;
     case 3: s.parents.push_back(static_cast<StructureIndex>(below(structures.size(), random))); break;
     default: s.parents.clear(); break;
   }

@@ -7,17 +7,21 @@
 
 #include <vtkCellArray.h>
 #include <vtkDataArray.h>
+#include <vtkFieldData.h>
 #include <vtkNew.h>
 #include <vtkPointData.h>
 #include <vtkPolyData.h>
 #include <vtkPolyDataReader.h>
 #include <vtkSTLReader.h>
 #include <vtkSmartPointer.h>
+#include <vtkStringArray.h>
 #include <vtkTriangleFilter.h>
+#include <vtkXMLPolyDataReader.h>
 
 #include "format/system/ascii_text.h"
 #include "format/system/result_macros.h"
 #include "preprocess/import/import_error.h"
+#include "preprocess/import/isolation/run_isolated.h"
 #include "preprocess/import/meshes/polygon_readers.h"
 #include "preprocess/import/meshes/quiet_vtk.h"
 #include "preprocess/import/tables/text_file.h"
@@ -69,6 +73,8 @@ Result<vtkSmartPointer<vtkPolyData>> read_polygons(const fs::path& path, MeshFor
     case MeshFormat::kStl: SPLATLAS_RETURN_IF_ERROR(check_stl(path)); return read_with<vtkSTLReader>(path);
     case MeshFormat::kObj: return read_obj(path);
     case MeshFormat::kPly: return read_ply(path);
+    case MeshFormat::kVtp: return read_with<vtkXMLPolyDataReader>(path);
+    case MeshFormat::kGifti: return read_gifti(path);
     case MeshFormat::kVtk: break;
   }
   if (!first_bytes(path, 32).starts_with("# vtk DataFile")) return bad_file(path, "is not a legacy VTK file");
@@ -108,12 +114,22 @@ bool has_area(const std::array<Vec3, 3>& corners) {
   return x * x + y * y + z * z > 0;
 }
 
-/// RAS to LPS is a rotation by 180 degrees around z: x and y change sign, the winding stays.
-double sign_of_axis(MeshFrame frame, std::size_t axis) {
-  return frame == MeshFrame::kRas && axis < 2 ? -1.0 : 1.0;
+/// The frame that a file names: a string array SPACE, or SPACE=RAS in its first lines.
+std::optional<MeshFrame> frame_in(vtkPolyData& polygons, const fs::path& path) {
+  std::string space;
+  if (auto* const array = vtkStringArray::SafeDownCast(polygons.GetFieldData()->GetAbstractArray("SPACE"));
+      array != nullptr && array->GetNumberOfValues() > 0) {
+    space = array->GetValue(0);
+  } else {
+    const std::string head = first_bytes(path, 1024);
+    if (const std::size_t at = head.find("SPACE="); at != std::string::npos) space = head.substr(at + 6, 3);
+  }
+  if (space == "RAS") return MeshFrame::kRas;
+  if (space == "LPS") return MeshFrame::kLps;
+  return std::nullopt;
 }
 
-TriangleMesh copy_mesh(vtkPolyData& triangles, MeshFrame frame) {
+TriangleMesh copy_mesh(vtkPolyData& triangles) {
   TriangleMesh mesh;
   const auto points = static_cast<std::size_t>(triangles.GetNumberOfPoints());
   vtkDataArray* const normals = triangles.GetPointData()->GetNormals();
@@ -121,12 +137,12 @@ TriangleMesh copy_mesh(vtkPolyData& triangles, MeshFrame frame) {
   if (normals != nullptr && normals->GetNumberOfComponents() == 3) mesh.normals_lps.resize(points);
   for (std::size_t p = 0; p < points; ++p) {
     const double* const at = triangles.GetPoint(static_cast<vtkIdType>(p));
-    for (std::size_t a = 0; a < 3; ++a) mesh.positions_lps_mm[p][a] = sign_of_axis(frame, a) * at[a];
+    for (std::size_t a = 0; a < 3; ++a) mesh.positions_lps_mm[p][a] = at[a];
     if (mesh.normals_lps.empty()) continue;
     const double* const normal = normals->GetTuple3(static_cast<vtkIdType>(p));
     for (std::size_t a = 0; a < 3; ++a) {
       const double finite = std::isfinite(normal[a]) ? normal[a] : 0.0;
-      mesh.normals_lps[p][a] = static_cast<float>(sign_of_axis(frame, a) * finite);
+      mesh.normals_lps[p][a] = static_cast<float>(finite);
     }
   }
   vtkCellArray* const cells = triangles.GetPolys();
@@ -143,7 +159,16 @@ TriangleMesh copy_mesh(vtkPolyData& triangles, MeshFrame frame) {
   return mesh;
 }
 
+void transfer(auto& archive, TriangleMesh& mesh) {
+  archive(mesh.positions_lps_mm, mesh.normals_lps, mesh.triangles, mesh.dropped);
+}
+
 }  // namespace
+
+void transfer(auto& archive, MeshFile& file) {
+  transfer(archive, file.mesh);
+  archive(file.frame);
+}
 
 Result<MeshFormat> mesh_format(const fs::path& path) {
   const std::string ending = to_lower(path.extension().string());
@@ -151,15 +176,12 @@ Result<MeshFormat> mesh_format(const fs::path& path) {
   if (ending == ".obj") return MeshFormat::kObj;
   if (ending == ".ply") return MeshFormat::kPly;
   if (ending == ".vtk") return MeshFormat::kVtk;
-  return bad_file(path, "is of no known type; surfaces end in .stl, .obj, .ply or .vtk");
+  if (ending == ".vtp") return MeshFormat::kVtp;
+  if (ending == ".gii") return MeshFormat::kGifti;
+  return bad_file(path, "is of no known type; surfaces end in .stl, .obj, .ply, .vtk, .vtp or .gii");
 }
 
-Result<TriangleMesh> import_mesh(const fs::path& path, MeshFrame frame) {
-  SPLATLAS_ASSIGN_OR_RETURN(const MeshFormat format, mesh_format(path));
-  return import_mesh(path, format, frame);
-}
-
-Result<TriangleMesh> import_mesh(const fs::path& path, MeshFormat format, MeshFrame frame) {
+Result<MeshFile> read_mesh_here(const fs::path& path, MeshFormat format) {
   SPLATLAS_RETURN_IF_ERROR(check_regular_file(path));
   SPLATLAS_ASSIGN_OR_RETURN(const vtkSmartPointer<vtkPolyData> polygons, read_polygons(path, format));
   SPLATLAS_RETURN_IF_ERROR(check_corners(*polygons, path));
@@ -170,9 +192,34 @@ Result<TriangleMesh> import_mesh(const fs::path& path, MeshFormat format, MeshFr
   if (const std::string complaint = update_quietly(*triangulate); !complaint.empty()) {
     return bad_file(path, "{}", complaint);
   }
-  TriangleMesh mesh = copy_mesh(*triangulate->GetOutput(), frame);
-  if (mesh.triangles.empty()) return bad_file(path, "holds no triangle");
-  return mesh;
+  MeshFile file{copy_mesh(*triangulate->GetOutput()), frame_in(*polygons, path)};
+  if (format == MeshFormat::kGifti) file.frame = MeshFrame::kRas;
+  if (file.mesh.triangles.empty()) return bad_file(path, "holds no triangle");
+  return file;
+}
+
+Result<MeshFile> read_mesh(const fs::path& path) {
+  SPLATLAS_RETURN_IF_ERROR(check_regular_file(path));
+  SPLATLAS_ASSIGN_OR_RETURN(const MeshFormat format, mesh_format(path));
+  initialize_vtk();
+  return run_isolated<MeshFile>(path, [&] { return read_mesh_here(path, format); });
+}
+
+void to_lps(TriangleMesh& mesh, MeshFrame frame) {
+  if (frame == MeshFrame::kLps) return;
+  for (Vec3& position : mesh.positions_lps_mm) position = {-position[0], -position[1], position[2]};
+  for (std::array<float, 3>& normal : mesh.normals_lps) normal = {-normal[0], -normal[1], normal[2]};
+}
+
+Result<TriangleMesh> import_mesh(const fs::path& path, MeshFrame frame) {
+  SPLATLAS_ASSIGN_OR_RETURN(const MeshFormat format, mesh_format(path));
+  return import_mesh(path, format, frame);
+}
+
+Result<TriangleMesh> import_mesh(const fs::path& path, MeshFormat format, MeshFrame frame) {
+  SPLATLAS_ASSIGN_OR_RETURN(MeshFile file, read_mesh_here(path, format));
+  to_lps(file.mesh, frame);
+  return std::move(file.mesh);
 }
 
 std::vector<std::array<float, 3>> vertex_normals(const TriangleMesh& mesh) {

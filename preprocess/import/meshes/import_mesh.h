@@ -4,15 +4,16 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <vector>
 
 #include "format/grid.h"
 
 namespace splatlas {
 
-enum class MeshFormat { kStl, kObj, kPly, kVtk };
+enum class MeshFormat { kStl, kObj, kPly, kVtk, kVtp, kGifti };
 
-/// The format by the file's ending: .stl, .obj, .ply, .vtk. kFailed for any other.
+/// The format by the file's ending: .stl, .obj, .ply, .vtk, .vtp, .gii. kFailed for any other.
 [[nodiscard]] Result<MeshFormat> mesh_format(const std::filesystem::path& path);
 
 /// Coordinate frame of mesh files.
@@ -21,7 +22,7 @@ enum class MeshFrame {
   kRas,  ///< x to the right, y to anterior
 };
 
-/// Triangles of a file, in LPS mm.
+/// Triangles in LPS mm.
 struct TriangleMesh {
   std::vector<Vec3> positions_lps_mm;
   std::vector<std::array<float, 3>> normals_lps;  ///< one per position; empty when the file has none
@@ -29,10 +30,24 @@ struct TriangleMesh {
   std::uint64_t dropped = 0;  ///< dropped triangles: zero area, or a corner that is not finite
 };
 
-/// Reads and triangulates STL, OBJ, PLY or legacy VTK polygons, by the file's ending. kFailed, in one line,
-/// for files that are missing, truncated or of another type, for invalid corner indices, and without
-/// triangles. Prints nothing. VTK reads STL and VTK files only: its readers of OBJ and PLY trust counts and
-/// indices.
+/// A mesh in the coordinates of its file.
+struct MeshFile {
+  TriangleMesh mesh;               ///< before to_lps()
+  std::optional<MeshFrame> frame;  ///< as the file says: SPACE of 3D Slicer; RAS in GIFTI
+};
+
+/// Reads and triangulates STL, OBJ, PLY, polygons of legacy and XML VTK files, and GIFTI, by the file's
+/// ending. kFailed, in one line, for files that are missing, truncated or of another type, for invalid corner
+/// indices, and without triangles. Prints nothing. VTK reads STL and VTK files only: its readers of OBJ and
+/// PLY trust counts and indices.
+[[nodiscard]] Result<MeshFile> read_mesh_here(const std::filesystem::path& path, MeshFormat format);
+/// The same in a child, so that no file brings this process down (run_isolated.h).
+[[nodiscard]] Result<MeshFile> read_mesh(const std::filesystem::path& path);
+
+/// Turns coordinates and normals of a frame to LPS. RAS to LPS is a rotation around z: the winding stays.
+void to_lps(TriangleMesh& mesh, MeshFrame frame);
+
+/// read_mesh_here() and to_lps(), whatever frame the file names.
 [[nodiscard]] Result<TriangleMesh> import_mesh(const std::filesystem::path& path, MeshFrame frame);
 /// The same for a file of any name.
 [[nodiscard]] Result<TriangleMesh> import_mesh(const std::filesystem::path& path, MeshFormat format,

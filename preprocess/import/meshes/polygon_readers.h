@@ -1,4 +1,4 @@
-// Readers of PLY and OBJ polygons. VTK's own readers trust the counts and indices of a file.
+// Readers of PLY, OBJ and GIFTI polygons. VTK's own readers trust the counts and indices of a file.
 #pragma once
 
 #include <filesystem>
@@ -20,5 +20,11 @@ namespace splatlas {
 /// materials. Splits vertices if corners have normals of their own. kFailed, with the line, for corners that
 /// do not exist and vertices without three numbers. Cost: one pass; memory in proportion to the file.
 [[nodiscard]] Result<vtkSmartPointer<vtkPolyData>> read_obj(const std::filesystem::path& path);
+
+/// Reads the points and triangles of a GIFTI surface (.gii), in RAS mm: ASCII, base64 and compressed arrays.
+/// Points are those of the scanner if the file has a matrix for it. FreeSurfer's surfaces move by the centre
+/// of their volume. kFailed for files without points or triangles (labels, time series), external arrays, and
+/// damage.
+[[nodiscard]] Result<vtkSmartPointer<vtkPolyData>> read_gifti(const std::filesystem::path& path);
 
 }  // namespace splatlas

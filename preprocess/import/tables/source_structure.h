@@ -6,17 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "format/color.h"
+#include "format/structure_graph.h"
 
 namespace splatlas {
 
-/// A name or code of a structure in another vocabulary: {"SNOMED", "64033007"}, {"synonym", "kidney"}, {"de",
-/// "Niere"}.
-struct SourceTerm {
-  std::string vocabulary, value;
-
-  friend bool operator==(const SourceTerm&, const SourceTerm&) = default;
-};
+using SourceTerm = Term;
 
 /// A structure before its placement in the graph. Its index in the list of these is its source number.
 struct SourceStructure {

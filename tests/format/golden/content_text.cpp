@@ -40,6 +40,7 @@ void tell_structures(const AtlasContent& content, Out out) {
     fmt::format_to(out, "structure {:?} {:?} color {} {} {} label {} parents [{}]{}\n", s.id, s.name,
                    s.color.r, s.color.g, s.color.b, s.label ? std::to_string(*s.label) : "none",
                    fmt::join(s.parents, " "), s.external ? " external" : "");
+    for (const Term& term : s.terms) fmt::format_to(out, "term {:?} {:?}\n", term.vocabulary, term.value);
   }
 }
 

@@ -1,0 +1,39 @@
+// Placement of external surfaces in the patient.
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "format/color.h"
+#include "preprocess/import/meshes/import_mesh.h"
+#include "preprocess/import/notes.h"
+
+namespace splatlas {
+
+/// One --mesh option.
+struct MeshSource {
+  std::string name;
+  std::filesystem::path file = {};
+  std::optional<MeshFrame> frame = {};   ///< else that of the file, else the one that fits the labels
+  std::filesystem::path transform = {};  ///< text file of 4 x 4 numbers; empty for none
+  double scale = 1;                 ///< mm per unit of the file
+  std::optional<Rgb> color = {};
+};
+
+/// Parses NAME=FILE[,frame=ras|lps][,transform=FILE][,scale=S][,color=#rrggbb]; kUsage otherwise.
+[[nodiscard]] Result<MeshSource> parse_mesh(std::string_view text);
+
+/// Box in LPS mm.
+struct MmBox {
+  Vec3 low{}, high{};
+};
+
+/// Reads a mesh and turns it to LPS mm: scale, transform, frame, in this order. Without a frame in the option
+/// or the file, takes the one with more vertices in `labelled`, LPS if they are equal, with a warning.
+[[nodiscard]] Result<TriangleMesh> place_mesh(const MeshSource& source, const std::optional<MmBox>& labelled,
+                                              Notes& notes);
+
+}  // namespace splatlas
