@@ -73,9 +73,13 @@ Result<AtlasContent> build_content(SourceModel model, const std::string& labels,
   content.source_grid = model.source_grid;
   content.source_to_storage = storage_order(model.source_grid);
   const Grid grid = storage_grid(content);
-  SPLATLAS_ASSIGN_OR_RETURN(
-      PlacedStructures placed,
-      build_graph(model.structures, model.tree, model.tree_file.empty() ? labels : model.tree_file));
+  Notes graph_notes;
+  SPLATLAS_ASSIGN_OR_RETURN(PlacedStructures placed,
+                            build_graph(model.structures, model.tree,
+                                        model.tree_file.empty() ? labels : model.tree_file, graph_notes));
+  for (const Note& note : graph_notes.all()) {
+    if (note.kind.is_warning) notes.push_back(note.message());
+  }
 
   if (!model.segments.empty()) clock.begin("segment", 0.2);
   SPLATLAS_RETURN_IF_ERROR(segment_structures(

@@ -35,6 +35,9 @@ class SourceImporter {
     SPLATLAS_RETURN_IF_ERROR(import_segment_masks());
     report(0.9);
     SPLATLAS_RETURN_IF_ERROR(import_meshes());
+    for (const Note& note : notes_.all()) {
+      if (note.kind.is_warning) model_.notes.push_back(note.message());
+    }
     return std::move(model_);
   }
 
@@ -91,7 +94,7 @@ class SourceImporter {
   Result<void> import_tree() {
     if (files_.tree.empty()) return {};
     model_.tree_file = files_.tree.string();
-    SPLATLAS_ASSIGN_OR_RETURN(model_.tree, read_tree(files_.tree));
+    SPLATLAS_ASSIGN_OR_RETURN(model_.tree, read_tree(files_.tree, notes_));
     return remember("tree", files_.tree);
   }
 
@@ -103,8 +106,8 @@ class SourceImporter {
                               masks ? import_mask_folder(files_.labels) : import_label_map(files_.labels));
     if (!files_.names.empty()) {
       if (masks) return fail(ErrorCode::kUsage, "--names: is for label maps; masks are named by their files");
-      SPLATLAS_ASSIGN_OR_RETURN(const std::vector<LabelName> names, read_names(files_.names));
-      SPLATLAS_RETURN_IF_ERROR(name_labels(labels, names, files_.names.string(), files_.allow_empty));
+      SPLATLAS_ASSIGN_OR_RETURN(const NamesTable table, read_names(files_.names, NamesFormat::kAuto, notes_));
+      SPLATLAS_RETURN_IF_ERROR(name_labels(labels, table.names, files_.names.string(), files_.allow_empty));
       SPLATLAS_RETURN_IF_ERROR(remember("names", files_.names));
     }
     if (!files_.colors.empty()) {
@@ -186,6 +189,7 @@ class SourceImporter {
   const SourceFiles& files_;
   const std::function<void(double)>& progress_;
   SourceModel model_;
+  Notes notes_;
   std::string grid_file_;
   std::map<std::string, std::string> option_of_name_;  // by name_key
 };

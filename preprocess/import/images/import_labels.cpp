@@ -181,6 +181,7 @@ Result<void> name_labels(ImportedLabels& labels, const std::vector<LabelName>& n
   for (SourceStructure& structure : labels.structures) unnamed.emplace(*structure.label, &structure);
   std::vector<SourceStructure> empty;
   for (const LabelName& name : names) {
+    if (!name.label) continue;  // a table of names alone
     const auto found = unnamed.find(*name.label);
     if (found == unnamed.end() && !allow_empty) {
       return bad_file(file,

@@ -77,7 +77,7 @@ TEST(ImportLabels, BackgroundAloneIsANote) {
 }
 
 LabelName name(std::int64_t label, const std::string& text, std::size_t line) {
-  return {{.name = text, .label = label, .code = {}, .color = {}}, line};
+  return {{.name = text, .label = label, .code = {}, .color = {}, .terms = {}}, line};
 }
 
 TEST(NameLabels, NamesMustFitTheVoxels) {
