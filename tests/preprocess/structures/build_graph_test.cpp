@@ -5,8 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/preprocess/raw_image_files.h"
-#include "tests/support/run_program.h"
+#include "tests/preprocess/structures/graph_cases.h"
 
 namespace splatlas {
 namespace {
@@ -16,67 +15,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::UnorderedElementsAre;
 
-/// Six structures with names and codes in the style of AAL.
-std::vector<SourceStructure> sources() {
-  std::vector<SourceStructure> result;
-  for (const auto& [name, code] : {std::pair<const char*, int>{"Precentral_L", 2001},
-                                   {"Precentral_R", 2002},
-                                   {"Insula_L", 3001},
-                                   {"Insula_R", 3002},
-                                   {"Vermis_3", 9110},
-                                   {"Rest of brain", 0}}) {
-    SourceStructure source;
-    source.name = name;
-    source.label = static_cast<std::int64_t>(result.size()) + 1;
-    if (code != 0) source.code = code;
-    result.push_back(source);
-  }
-  return result;
-}
-
-class BuildGraph : public testing::Test {
- protected:
-  Result<PlacedStructures> build(const std::string& tree) {
-    write_bytes(folder_.file("a.tree"), tree);
-    notes_ = {};
-    const auto lines = read_tree(folder_.file("a.tree"), notes_);
-    if (!lines) return tl::unexpected(lines.error());
-    return build_graph(sources(), *lines, "a.tree", notes_);
-  }
-  std::string error(const std::string& tree) {
-    const auto placed = build(tree);
-    return placed ? "no error" : placed.error().message;
-  }
-  /// Items of a kind of notes.
-  [[nodiscard]] std::vector<std::string> items(const std::string& kind) const {
-    for (const Note& note : notes_.all()) {
-      if (note.kind.id == kind) return note.items;
-    }
-    return {};
-  }
-  TemporaryFolder folder_;
-  Notes notes_;
-};
-
-StructureIndex named(const StructureGraph& graph, const std::string& name) {
-  for (StructureIndex s = 0; s < graph.size(); ++s) {
-    if (graph[s].name == name) return s;
-  }
-  ADD_FAILURE() << "no structure " << name;
-  return 0;
-}
-
-std::vector<std::string> parents_of(const StructureGraph& graph, const std::string& name) {
-  std::vector<std::string> parents;
-  for (const StructureIndex p : graph[named(graph, name)].parents) parents.push_back(graph[p].name);
-  return parents;
-}
-
-std::vector<std::string> names_below(const StructureGraph& graph, const std::string& name) {
-  std::vector<std::string> names;
-  for (const StructureIndex s : graph.descendants(named(graph, name))) names.push_back(graph[s].name);
-  return names;
-}
+class BuildGraph : public GraphTest {};
 
 TEST_F(BuildGraph, WithoutATreeAllAreRoots) {
   const auto placed = build("");
@@ -104,7 +43,8 @@ TEST_F(BuildGraph, AGyrusHasASideAndALobe) {
               UnorderedElementsAre("Frontal lobe", "Precentral_L", "Precentral_R"));
   EXPECT_EQ(names_below(graph, "Brain").size(), 11u);  // 5 groups, 6 structures, each once
   EXPECT_THAT(graph.roots(), ElementsAre(named(graph, "Brain")));
-  for (StructureIndex s = 0; s < 6; ++s) EXPECT_EQ(graph[placed->index_of_source[s]].name, sources()[s].name);
+  for (StructureIndex s = 0; s < 6; ++s)
+    EXPECT_EQ(graph[placed->index_of_source[s]].name, sources_of_aal()[s].name);
   // Indices follow the file: the first hierarchy is one range of them.
   EXPECT_EQ(graph[0].name, "Brain");
   EXPECT_EQ(graph[1].name, "Left hemisphere");
@@ -153,60 +93,6 @@ TEST_F(BuildGraph, LinesThatFitNothingAreCounted) {
   EXPECT_EQ(names_below(placed->graph, "Brain").size(), 3u);
   EXPECT_THAT(items("tree-lines-unused"),
               ElementsAre("line 2, \"*_X\"", "line 3, \"code:4000-4999\"", "line 4, \"code:2001&*_R\""));
-}
-
-TEST_F(BuildGraph, PlacesTheRowsOfATable) {
-  const auto placed = build(
-      "id,name,parent,color\n100,Brain,,#010203\n101,Left,100,\n1,Precentral,101,\n3,Insula,101,\n"
-      "102,Unused,100,\n77,Nothing,102,\n5,Vermis,Midline,\n6,Rest,200,\n");
-  ASSERT_TRUE(placed) << placed.error().message;
-  const StructureGraph& graph = placed->graph;
-  EXPECT_THAT(names_below(graph, "Brain"), ElementsAre("Brain", "Left", "Precentral_L", "Insula_L"));
-  EXPECT_THAT(parents_of(graph, "Vermis_3"), ElementsAre("Midline"));
-  EXPECT_EQ(graph[named(graph, "Brain")].color, (Rgb{1, 2, 3}));
-  EXPECT_EQ(graph.size(), 9u);  // 6 structures, 3 groups
-  EXPECT_EQ(graph[0].name, "Brain");
-  EXPECT_THAT(items("tree-entries-unused"), ElementsAre("\"Unused\"", "\"Nothing\""));
-  EXPECT_THAT(items("tree-parents-unknown"), ElementsAre("\"id:200\" of \"Rest\""));
-}
-
-TEST_F(BuildGraph, PlacesPathsOfIdsAndOfNames) {
-  for (const char* table : {"id,name,structure_id_path\n9,Brain,/9/\n8,Side,/9/8/\n1,x,/9/8/1/\n2,y,/9/2/\n",
-                            "label\tname\tpath\n1\tx\tBrain/Side\n2\ty\tBrain\n"}) {
-    const auto placed = build(table);
-    ASSERT_TRUE(placed) << placed.error().message;
-    EXPECT_EQ(placed->graph.size(), 8u);
-    EXPECT_THAT(names_below(placed->graph, "Brain"),
-                UnorderedElementsAre("Brain", "Side", "Precentral_L", "Precentral_R"));
-    EXPECT_THAT(parents_of(placed->graph, "Precentral_L"), ElementsAre("Side"));
-  }
-}
-
-TEST_F(BuildGraph, BreaksCirclesOfTables) {
-  const auto placed = build("id,name,parent\n10,A,11\n11,B,10\n1,x,10\n");
-  ASSERT_TRUE(placed) << placed.error().message;
-  EXPECT_THAT(items("tree-circles"), ElementsAre("\"A\" of \"B\""));
-  EXPECT_THAT(names_below(placed->graph, "B"), ElementsAre("B", "A", "Precentral_L"));
-}
-
-TEST_F(BuildGraph, PlacesMasksByTheNamesOfATable) {
-  std::vector<SourceStructure> masks(2);
-  masks[0].name = "heart", masks[1].name = "aorta";
-  write_bytes(folder_.file("a.csv"), "id,name,parent\n51,Heart,Thorax\n52,Aorta,Thorax\n");
-  const auto lines = read_tree(folder_.file("a.csv"), notes_);
-  ASSERT_TRUE(lines);
-  const auto placed = build_graph(masks, *lines, "a.csv", notes_);
-  ASSERT_TRUE(placed) << placed.error().message;
-  EXPECT_THAT(names_below(placed->graph, "Thorax"), UnorderedElementsAre("Thorax", "heart", "aorta"));
-}
-
-TEST_F(BuildGraph, RefusesTreesOfOtherLabels) {
-  EXPECT_THAT(
-      error("id,name,parent\n70,x,\n71,y,70\n"),
-      HasSubstr("a.tree: none of its 2 entries fits a structure by label or name; the first is \"x\""));
-  EXPECT_THAT(error("Brain/Precentral\nBrain/*_X\n"),
-              AllOf(HasSubstr("a.tree: line 1: "), HasSubstr("no line fits")));
-  EXPECT_THAT(error("{\"1\": \"spleen\"}"), HasSubstr("is no tree of the Allen Brain Atlas"));
 }
 
 TEST_F(BuildGraph, AStructureMayHoldOthers) {
