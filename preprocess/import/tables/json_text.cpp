@@ -21,6 +21,14 @@ bool is_json(std::string_view head) {
   return text.starts_with('{') || text.starts_with('[');
 }
 
+bool has_json_key(std::string_view head, std::string_view key) {
+  const std::string quoted = fmt::format("\"{}\"", key);
+  for (std::size_t at = head.find(quoted); at != std::string_view::npos; at = head.find(quoted, at + 1)) {
+    if (trimmed(head.substr(at + quoted.size(), 8)).starts_with(':')) return true;
+  }
+  return false;
+}
+
 std::string text_of(const Json& value) {
   if (value.is_string()) return value.get<std::string>();
   if (value.is_object() || value.is_null()) return {};

@@ -20,6 +20,9 @@ using Json = nlohmann::ordered_json;
 /// True if the first character that is no blank begins an object or a list.
 [[nodiscard]] bool is_json(std::string_view head);
 
+/// True if the text holds the key of a member: "key" and a colon.
+[[nodiscard]] bool has_json_key(std::string_view head, std::string_view key);
+
 /// A scalar or flat list as text: 17, "[1, 2]"; "" for null and objects.
 [[nodiscard]] std::string text_of(const Json& value);
 

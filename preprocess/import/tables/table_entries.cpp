@@ -88,6 +88,13 @@ class EntryReader {
     if (!entry.name.color) into_.add_bad_color(row.line, text);
   }
 
+  /// Adds a term once: two columns may have the same code.
+  static void add_term(TableEntry& entry, const std::string& vocabulary, const std::string& value) {
+    const SourceTerm term{vocabulary, value};
+    std::vector<SourceTerm>& terms = entry.name.terms;
+    if (std::ranges::find(terms, term) == terms.end()) terms.push_back(term);
+  }
+
   void read_terms(const Table::Row& row, TableEntry& entry) const {
     std::map<std::string, std::string> schemes;
     for (std::size_t n = 0; n < columns_.size(); ++n) {
@@ -95,18 +102,18 @@ class EntryReader {
       const std::string& vocabulary = columns_[n].vocabulary;
       if (value.empty()) continue;
       switch (columns_[n].role) {
-        case ColumnRole::kTerm: entry.name.terms.push_back({vocabulary, value}); break;
+        case ColumnRole::kTerm: add_term(entry, vocabulary, value); break;
         case ColumnRole::kScheme: schemes[vocabulary] = value == "SCT" ? "SNOMED" : value; break;
         case ColumnRole::kSchemeCode: {
           const std::string& scheme = schemes[vocabulary];
           if (scheme.empty()) break;
-          entry.name.terms.push_back({vocabulary.empty() ? scheme : scheme + " " + vocabulary, value});
+          add_term(entry, vocabulary.empty() ? scheme : scheme + " " + vocabulary, value);
           break;
         }
         case ColumnRole::kSynonym:
           for (const std::string_view synonym :
                split(value, value.find('|') != std::string::npos ? '|' : ';')) {
-            if (!synonym.empty()) entry.name.terms.push_back({"synonym", std::string(synonym)});
+            if (!synonym.empty()) add_term(entry, "synonym", std::string(synonym));
           }
           break;
         default: break;

@@ -42,8 +42,7 @@ Table flatten(const Json& roots) {
 }  // namespace
 
 bool recognise_allen(std::string_view head, std::string_view /*file*/) {
-  return is_json(head) && head.find("\"children\"") != std::string_view::npos &&
-         head.find("\"id\"") != std::string_view::npos;
+  return is_json(head) && has_json_key(head, "children") && has_json_key(head, "id");
 }
 
 Result<void> read_allen(const NamesInput& input, NamesCollector& into) {

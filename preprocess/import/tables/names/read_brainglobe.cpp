@@ -10,7 +10,7 @@
 namespace splatlas {
 
 bool recognise_brainglobe(std::string_view head, std::string_view /*file*/) {
-  return is_json(head) && head.find("\"structure_id_path\"") != std::string_view::npos;
+  return is_json(head) && has_json_key(head, "structure_id_path");
 }
 
 Result<void> read_brainglobe(const NamesInput& input, NamesCollector& into) {

@@ -37,6 +37,7 @@ bool recognise_csv(std::string_view head, std::string_view /*file*/) {
   const std::vector<TextLine> lines = lines_of(head);
   const Table table = parse_table(lines.front().text, *separator);
   if (is_row(table.columns)) return *separator != '\t';  // else a list of labels and names
+  if (parse_integer(split_blanks(lines.front().text).front())) return false;  // "7 lobe, label"
   for (const std::string& name : table.columns) {
     const ColumnRole role = column_of(name).role;
     if (role == ColumnRole::kLabel || role == ColumnRole::kKey || role == ColumnRole::kName) return true;

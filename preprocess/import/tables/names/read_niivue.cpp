@@ -19,11 +19,7 @@ std::string value_at(const Json& map, const char* key, std::size_t n) {
 }  // namespace
 
 bool recognise_niivue(std::string_view head, std::string_view /*file*/) {
-  if (!is_json(head)) return false;
-  for (const std::string_view key : {"\"R\"", "\"G\"", "\"B\""}) {
-    if (head.find(key) == std::string_view::npos) return false;
-  }
-  return true;
+  return is_json(head) && has_json_key(head, "R") && has_json_key(head, "G") && has_json_key(head, "B");
 }
 
 Result<void> read_niivue(const NamesInput& input, NamesCollector& into) {

@@ -106,7 +106,7 @@ class OpenAnatomyReader {
 }  // namespace
 
 bool recognise_open_anatomy(std::string_view head, std::string_view /*file*/) {
-  return is_json(head) && head.find("\"@type\"") != std::string_view::npos &&
+  return is_json(head) && has_json_key(head, "@type") &&
          (head.find("\"Header\"") != std::string_view::npos ||
           head.find("\"Structure\"") != std::string_view::npos);
 }

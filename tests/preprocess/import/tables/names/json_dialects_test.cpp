@@ -49,6 +49,12 @@ TEST_F(JsonDialects, ReadsAllensGraph) {
   EXPECT_THAT(error("{\"msg\": \"failed\", \"id\": 0, \"children\": 1}"), HasSubstr("holds no structures"));
 }
 
+TEST_F(JsonDialects, TellsKeysFromValues) {
+  const std::string text =
+      R"({"id": 1, "name": "R", "acronym" : "G", "children" : [{"id": 2, "name": "B"}]})";
+  EXPECT_THAT(summaries(names(text, NamesFormat::kAllen)), ElementsAre("1 R", "2 B"));
+}
+
 TEST_F(JsonDialects, ReadsBrainGlobe) {
   const auto table = read(R"([{"acronym": "root", "id": 9999, "name": "root", "structure_id_path": [9999],
                               "rgb_triplet": [255, 255, 254]},

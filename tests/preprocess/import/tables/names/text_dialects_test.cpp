@@ -93,6 +93,11 @@ TEST_F(TextDialects, ReadsNamesOfSeveralWordsTabsAndQuotes) {
   EXPECT_EQ(list[2].code, 5);
 }
 
+TEST_F(TextDialects, TakesCommasInNamesOfLists) {
+  EXPECT_THAT(summaries(names("7 lobe, label\n8 x\n", NamesFormat::kMricron)),
+              ElementsAre("7 lobe, label", "8 x"));
+}
+
 TEST_F(TextDialects, CountsOpenQuotesOfLists) {
   for (const std::string open : {"17 \"Left hippocampus", "17 Left \"hippocampus 4"}) {
     EXPECT_EQ(names("3 A\n" + open + "\n", NamesFormat::kMricron).size(), 1u);
