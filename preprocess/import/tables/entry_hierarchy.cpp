@@ -102,7 +102,7 @@ class HierarchyMaker {
   }
 
   std::string find_parent(const std::string& text, std::size_t line) {
-    if (const std::string key = key_of_id(text); entry_of_key_.contains(key)) return key;
+    if (std::string key = key_of_id(text); entry_of_key_.contains(key)) return key;
     for (const std::string& key : {"abbreviation:" + name_key(text), name_key(text)}) {
       if (const auto found = key_of_name_.find(key); found != key_of_name_.end()) return found->second;
     }
