@@ -84,7 +84,7 @@ Result<AtlasContent> build_content(SourceModel model, const std::string& labels,
   const Grid grid = storage_grid(content);
   SPLATLAS_ASSIGN_OR_RETURN(
       PlacedStructures placed,
-      build_graph(model.structures, model.tree, model.tree_file.empty() ? labels : model.tree_file));
+      build_graph(model.structures, model.tree, model.tree_file.empty() ? labels : model.tree_file, notes));
 
   if (!model.segments.empty()) clock.begin("segment", 0.2);
   SPLATLAS_RETURN_IF_ERROR(segment_structures(

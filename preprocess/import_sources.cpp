@@ -11,6 +11,7 @@
 #include "preprocess/import/file_hash.h"
 #include "preprocess/import/images/import_image.h"
 #include "preprocess/import/import_error.h"
+#include "preprocess/import/isolation/read_tables.h"
 #include "preprocess/import/labels/import_labels.h"
 #include "preprocess/import/labels/label_map.h"
 #include "preprocess/import/resample.h"
@@ -112,7 +113,7 @@ class SourceImporter {
   Result<void> import_tree() {
     if (files_.tree.empty()) return {};
     model_.tree_file = files_.tree.string();
-    SPLATLAS_ASSIGN_OR_RETURN(model_.tree, read_tree(files_.tree));
+    SPLATLAS_ASSIGN_OR_RETURN(model_.tree, read_tree_isolated(files_.tree, notes_));
     return remember("tree", files_.tree);
   }
 
@@ -133,8 +134,13 @@ class SourceImporter {
         ImportedLabels labels,
         splatlas::import_labels(files_.labels, {.spacing_mm = files_.spacing_mm}, grid));
     if (!files_.names.empty()) {
-      SPLATLAS_ASSIGN_OR_RETURN(const std::vector<LabelName> names, read_names(files_.names));
-      name_labels(labels, {names.begin(), names.end()}, files_.allow_empty);
+      SPLATLAS_ASSIGN_OR_RETURN(NamesTable table,
+                                read_names_isolated(files_.names, files_.names_format, notes_));
+      name_labels(labels, {table.names.begin(), table.names.end()}, files_.allow_empty);
+      if (files_.tree.empty() && !table.hierarchy.empty()) {
+        model_.tree = std::move(table.hierarchy);
+        model_.tree_file = files_.names.string();
+      }
       SPLATLAS_RETURN_IF_ERROR(remember("names", files_.names));
     }
     if (!files_.colors.empty()) {
@@ -257,7 +263,7 @@ class SourceImporter {
     for (std::int64_t k = 0; k < grid.size[2]; ++k) {
       for (std::int64_t j = 0; j < grid.size[1]; ++j) {
         for (std::int64_t i = 0; i < grid.size[0]; ++i) {
-          if (voxels[static_cast<std::size_t>(grid.offset(i, j, k))] != 0) box.include({i, j, k});
+          if (voxels[static_cast<std::size_t>(grid.offset(i, j, k))] != 0) box.include(Index3{i, j, k});
         }
       }
     }

@@ -11,6 +11,7 @@
 #include "preprocess/import/images/source_image.h"
 #include "preprocess/import/meshes/place_mesh.h"
 #include "preprocess/import/notes.h"
+#include "preprocess/import/tables/names_format.h"
 #include "preprocess/membership_volume.h"
 #include "preprocess/structures/build_graph.h"
 #include "preprocess/surfaces/clip_mesh.h"
@@ -31,6 +32,7 @@ struct SourceFiles {
   std::vector<SegmentRule> segments;
   std::vector<MeshSource> meshes;
   bool fit_grid = false;  ///< widens the grid for surfaces that reach beyond it
+  NamesFormat names_format = NamesFormat::kAuto;
   bool allow_empty = false;
   ImageOptions volume_options;             ///< of `volume`
   std::optional<Vec3> spacing_mm;          ///< of stacks of pictures, for labels and volume

@@ -35,8 +35,11 @@ file of 4 x 4 numbers. What lies beyond the grid is cut off, unless --fit-grid w
 
 Notes and warnings tell what is odd, one line a kind. --report and --json list all cases; --strict stops at a warning.
 
-Names: one label a line, "label name [code]" as AAL's file has it, or the eight columns of ITK-SNAP. Without names
-label 7 is "Label 7".
+Names: tables of ITK-SNAP, 3D Slicer (.ctbl, .txt, .csv), FreeSurfer (colour LUT), BIDS (dseg.tsv), MRIcron, niivue and
+Open Anatomy (JSON), Allen and BrainGlobe (structures.json); CSV or TSV with a header row or just label,name; lines of
+"label name [code]". The dialect is detected; --names-format overrides it. Synonyms, languages (name_de) and codes of
+ontologies (SNOMED, FMA, ...) are columns of CSV. Labels without a name become "Label 7"; names without voxels are
+dropped. A hierarchy in the table is the tree if there is no --tree.
 
 Tree: )";
 
@@ -96,6 +99,16 @@ void add_sources(CLI::App& build, SourceFiles& sources) {
       },
       "X,Y,Z in mm: size of the voxels of TIFF and PNG pictures");
   build.add_option("--names", sources.names, "names of the labels")->check(names_a_file());
+  build.add_option_function<std::string>(
+      "--names-format",
+      [&sources](const std::string& text) {
+        const Result<NamesFormat> format = parse_names_format(text);
+        if (!format) throw CLI::ValidationError(format.error().message);
+        sources.names_format = *format;
+      },
+      "dialect of --names, instead of the detected one: auto, itksnap, ctbl, freesurfer, bids, mricron, "
+      "niivue, csv, "
+      "allen, brainglobe, openanatomy, json");
   build.add_option("--colors", sources.colors, "colour table of 768 bytes (MRIcron's .lut)")
       ->check(names_a_file());
   build.add_option("--tree", sources.tree, "hierarchy of the structures")->check(names_a_file());

@@ -130,7 +130,9 @@ Result<bool> write_as(MeshFormat format, vtkPolyData& polygons, const std::strin
     case MeshFormat::kStl: return write_with<vtkSTLWriter>(polygons, comment, file.temporary());
     case MeshFormat::kObj: return write_obj(polygons, comment, file.temporary());
     case MeshFormat::kPly: SPLATLAS_RETURN_IF_ERROR(write_ply(polygons, comment, file)); return true;
-    case MeshFormat::kVtk: break;
+    case MeshFormat::kVtk:
+    case MeshFormat::kVtp:  // writable_mesh_format() refuses these
+    case MeshFormat::kGifti: break;
   }
   return write_with<vtkPolyDataWriter>(polygons, comment, file.temporary());
 }
@@ -181,7 +183,12 @@ bool holds_triangles(const TriangleMesh& file, std::span<const Corners> written)
 
 Result<MeshFormat> writable_mesh_format(const fs::path& path) {
   Result<MeshFormat> format = mesh_format(path);
-  if (!format) format.error().code = ErrorCode::kUsage;
+  if (!format) {
+    format.error().code = ErrorCode::kUsage;
+  } else if (*format == MeshFormat::kVtp || *format == MeshFormat::kGifti) {
+    return fail(ErrorCode::kUsage, "{}: is not written; surfaces are written as .stl, .obj, .ply or .vtk",
+                path.string());
+  }
   return format;
 }
 

@@ -1,4 +1,4 @@
-// Construction of the structure graph from sources and a tree file.
+// Construction of the structure graph from sources and a tree.
 #pragma once
 
 #include <span>
@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "format/structure_graph.h"
+#include "preprocess/import/notes.h"
 #include "preprocess/import/tables/read_tree.h"
 #include "preprocess/import/tables/source_structure.h"
 
@@ -17,10 +18,12 @@ struct PlacedStructures {
   std::vector<StructureIndex> index_of_source;  ///< [source number]: structure
 };
 
-/// Assigns unique ids and places the structures by the tree file (see kTreeFormat); without lines, all are
-/// roots. kFailed, with the line, for members that match nothing or are ambiguous and for malformed code
-/// lists; kFailed for cycles. Messages call the tree file `file`.
+/// Assigns unique ids and places the structures by the tree (see kTreeFormat); without lines, all are roots.
+/// Lines and nodes that fit no structure are counted in `notes`. kFailed, with the line, for malformed lists
+/// of codes and labels; kFailed if nothing of the tree fits, and for cycles of paths. Messages call the tree
+/// `file`. Cost: linear in sources and lines; a line with a pattern or codes takes a pass over the sources.
 [[nodiscard]] Result<PlacedStructures> build_graph(std::span<const SourceStructure> sources,
-                                                   std::span<const TreeLine> lines, const std::string& file);
+                                                   std::span<const TreeLine> lines, const std::string& file,
+                                                   Notes& notes);
 
 }  // namespace splatlas

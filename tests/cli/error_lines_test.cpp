@@ -41,7 +41,6 @@ struct ErrorLines : testing::Test {
     write_bytes(folder.file("damaged.atlas"), damaged);
     write_bytes(folder.file("bad.txt"), "1 \xff\n");
     write_bytes(folder.file("tab.txt"), "1 a?\tb\n");
-    write_bytes(folder.file("twice.txt"), "1 a\n1 b\n");
     write_bytes(folder.file("empty.txt"), "");
     write_bytes(folder.file("bad.tree"), "A/*/x\n");
     write_bytes(folder.file("none.tree"), "A/Nothing\n");
@@ -205,8 +204,8 @@ TEST_F(ErrorLines, OfBuild) {
   refuses({"--volume", ""}, "--volume: \"\"", "must name a file", 2);
   refuses({"--names", "missing.txt"}, "missing.txt: ", "no such file");
   refuses({"--names", "bad.txt"}, "bad.txt: line 1", "UTF-8");
-  refuses({"--names", "tab.txt"}, "tab.txt: line 1", "\"a??b\" holds a tab as character 3");
-  refuses({"--names", "twice.txt"}, "twice.txt: line 2", "line 1");
+  refuses({"--names", "tab.txt"}, "tab.txt: cannot be read as list of labels and names: line 1",
+          "\"a??b\" holds a tab as character 3");
   refuses({"--names", "empty.txt"}, "empty.txt: ", "names no label");
   refuses({"--tree", "bad.tree"}, "bad.tree: line 1", "pattern");
   refuses({"--tree", "none.tree"}, "none.tree: line 1", "the nearest: ");

@@ -21,19 +21,19 @@ std::span<const std::byte> bytes_of(std::string_view text) {
 
 /// Nothing if the names are refused.
 std::optional<std::vector<SourceStructure>> read_sources(std::string_view text) {
-  const auto names = read_names(write_input_file("names.txt", bytes_of(text)));
+  Notes notes;
+  const auto names = read_names(write_input_file("names.txt", bytes_of(text)), NamesFormat::kAuto, notes);
   if (!names) {
     require_error(names.error(), {ErrorCode::kFailed});
     return std::nullopt;
   }
   std::vector<SourceStructure> sources;
   std::set<std::int64_t> labels;
-  std::set<std::string> keys;
-  for (const LabelName& name : *names) {
-    require(name.label > 0 && name.label <= 0xffffffff && labels.insert(*name.label).second, "a label twice");
-    require(check_structure_name(name.name).has_value() && keys.insert(name_key(name.name)).second,
-            "a name twice");
-    sources.push_back({name.name, name.label, name.code, name.color});
+  for (const LabelName& name : names->names) {
+    require(!name.label || (name.label > 0 && name.label <= 0xffffffff && labels.insert(*name.label).second),
+            "a label twice");
+    require(check_structure_name(name.name).has_value(), "a name that is none");
+    sources.push_back(name);
   }
   return sources;
 }
@@ -56,11 +56,12 @@ void fuzz(FuzzInput input) {
   constexpr std::string_view kSeparator = "\n----\n";
   const std::size_t end = text.find(kSeparator);
   const std::string_view tree = end == std::string_view::npos ? "" : text.substr(end + kSeparator.size());
-  const auto lines = read_tree(write_input_file("tree.txt", bytes_of(tree)));
+  Notes notes;
+  const auto lines = read_tree(write_input_file("tree.txt", bytes_of(tree)), notes);
   if (!lines) require_error(lines.error(), {ErrorCode::kFailed});
   const auto sources = read_sources(text.substr(0, end));
   if (!lines || !sources) return;
-  const auto placed = build_graph(*sources, *lines, "tree.txt");
+  const auto placed = build_graph(*sources, *lines, "tree.txt", notes);
   if (!placed) return require_error(placed.error(), {ErrorCode::kFailed});
   check_placed(*placed, *sources);
 }

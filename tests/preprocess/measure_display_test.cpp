@@ -48,7 +48,8 @@ TEST(MeasureDisplay, TheWindowIsOfLabelledStructures) {
   sources[0].name.push_back('A');
   sources[1].name.push_back('B');
   sources[0].label = 1;
-  const StructureGraph labelled = build_graph(sources, {}, "")->graph;
+  Notes notes;
+  const StructureGraph labelled = build_graph(sources, {}, "", notes)->graph;
   Display display = measure_display(classify(masks, grid, labelled), labelled, values, grid);
   EXPECT_EQ(display.window_low, 101);   // 1 % of 200 values above 100
   EXPECT_EQ(display.window_high, 298);  // 99.5 %

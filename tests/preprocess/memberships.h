@@ -23,7 +23,8 @@ inline MembershipVolume memberships_of(const Masks& masks, const Index3& size) {
 inline StructureGraph flat_graph(std::size_t structures) {
   std::vector<SourceStructure> sources(structures);
   for (std::size_t s = 0; s < structures; ++s) sources[s].name.push_back(static_cast<char>('A' + s));
-  return build_graph(sources, {}, "")->graph;
+  Notes notes;
+  return build_graph(sources, {}, "", notes)->graph;
 }
 
 /// `value(i, j, k)` for every voxel, i fastest; true is 1.

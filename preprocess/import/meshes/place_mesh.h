@@ -19,7 +19,7 @@ struct MeshSource {
   std::filesystem::path file = {};
   std::optional<MeshFrame> frame = {};   ///< else that of the file, else the one that fits the labels
   std::filesystem::path transform = {};  ///< text file of 4 x 4 numbers; empty for none
-  double scale = 1;                 ///< mm per unit of the file
+  double scale = 1;                      ///< mm per unit of the file
   std::optional<Rgb> color = {};
 };
 

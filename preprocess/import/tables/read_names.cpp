@@ -1,116 +1,104 @@
 #include "preprocess/import/tables/read_names.h"
 
 #include <algorithm>
+#include <array>
 #include <fstream>
-#include <map>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include "format/system/ascii_text.h"
 #include "format/system/result_macros.h"
 #include "preprocess/import/import_error.h"
-#include "preprocess/import/tables/structure_name.h"
+#include "preprocess/import/tables/names/dialects.h"
 #include "preprocess/import/tables/text_file.h"
 
 namespace splatlas {
 namespace {
 
-constexpr std::int64_t kMaxLabel = 0xffffffff;
+const NoteKind kNamesFormat{"names-format", "names file has a known format", "names files have known formats",
+                            false};
 
-/// Words of a line. Text in double quotes is one word, without the quotes.
-struct Words {
-  std::vector<std::string_view> all;
-  bool last_is_quoted = false;
-  std::string_view unclosed;  ///< the text from a quote without an end
+struct Dialect {
+  NamesFormatInfo info;
+  bool (*recognise)(std::string_view head, std::string_view file);
+  Result<void> (*read)(const NamesInput& input, NamesCollector& into);
 };
 
-Words split_words(std::string_view line) {
-  Words words;
-  for (line = trimmed(line); !line.empty(); line = trimmed(line)) {
-    const bool opens = line.front() == '"';
-    const bool is_quoted = opens && line.find('"', 1) != std::string_view::npos;
-    if (opens && !is_quoted) words.unclosed = line;
-    const std::size_t end = is_quoted ? line.find('"', 1) : std::min(line.find_first_of(" \t"), line.size());
-    words.all.push_back(is_quoted ? line.substr(1, end - 1) : line.substr(0, end));
-    words.last_is_quoted = is_quoted;
-    line.remove_prefix(is_quoted ? end + 1 : end);
-  }
-  return words;
+/// Detection takes the first that fits: those with a clear mark come first.
+constexpr std::array kDialects{
+    Dialect{{NamesFormat::kItkSnap, "itksnap", "ITK-SNAP labels"}, recognise_itk_snap, read_itk_snap},
+    Dialect{{NamesFormat::kNiivue, "niivue", "NiiVue colour map"}, recognise_niivue, read_niivue},
+    Dialect{{NamesFormat::kOpenAnatomy, "openanatomy", "Open Anatomy atlas"},
+            recognise_open_anatomy,
+            read_open_anatomy},
+    Dialect{{NamesFormat::kBrainGlobe, "brainglobe", "BrainGlobe structures"},
+            recognise_brainglobe,
+            read_brainglobe},
+    Dialect{{NamesFormat::kAllen, "allen", "Allen structure graph"}, recognise_allen, read_allen},
+    Dialect{{NamesFormat::kJson, "json", "JSON class map"}, recognise_json_map, read_json_map},
+    Dialect{{NamesFormat::kFreeSurfer, "freesurfer", "FreeSurfer colour table"},
+            recognise_freesurfer,
+            read_freesurfer},
+    Dialect{{NamesFormat::kCtbl, "ctbl", "3D Slicer colour table"}, recognise_ctbl, read_ctbl},
+    Dialect{{NamesFormat::kBids, "bids", "BIDS segmentation table"}, recognise_bids, read_bids},
+    Dialect{{NamesFormat::kCsv, "csv", "table with columns (CSV or TSV)"}, recognise_csv, read_csv},
+    Dialect{{NamesFormat::kMricron, "mricron", "list of labels and names"}, recognise_mricron, read_mricron},
+};
+
+constexpr auto kInfos = [] {
+  std::array<NamesFormatInfo, kDialects.size()> infos{};
+  for (std::size_t n = 0; n < infos.size(); ++n) infos[n] = kDialects[n].info;
+  return infos;
+}();
+
+const Dialect* find_dialect(NamesFormat format, std::string_view text, std::string_view file) {
+  const std::string_view head = text.substr(0, kNamesHeadBytes);
+  const auto* found = std::ranges::find_if(kDialects, [&](const Dialect& dialect) {
+    return format == NamesFormat::kAuto ? dialect.recognise(head, file) : dialect.info.format == format;
+  });
+  return found == kDialects.end() ? nullptr : found;
 }
 
-/// True for the columns of ITK-SNAP: label R G B A visible mesh "name".
-bool is_itk_snap(const Words& words) {
-  return words.all.size() == 8 && words.last_is_quoted &&
-         std::all_of(words.all.begin(), words.all.end() - 1,
-                     [](std::string_view word) { return parse_number(word).has_value(); });
-}
-
-Result<LabelName> parse_itk_snap(const Words& words) {
-  std::array<std::uint8_t, 3> rgb{};
-  for (std::size_t n = 0; n < 3; ++n) {
-    const auto value = parse_integer(words.all[n + 1]);
-    if (!value || *value < 0 || *value > 255) {
-      return fail(ErrorCode::kFailed, "the colour value {} must be a whole number from 0 to 255",
-                  words.all[n + 1]);
-    }
-    rgb[n] = static_cast<std::uint8_t>(*value);
-  }
-  LabelName result;
-  result.name = std::string(words.all.back());
-  result.color = Rgb{rgb[0], rgb[1], rgb[2]};
-  return result;
-}
-
-/// Parses `label name [code]`: a number after the name is the code.
-LabelName parse_plain(std::string_view line, const Words& words) {
-  LabelName result;
-  std::string_view rest = trimmed(line.substr(line.find_first_of(" \t")));
-  const std::optional<std::int64_t> number = parse_integer(words.all.back());
-  if (words.all.size() > 2 && !words.last_is_quoted && number) {
-    result.code = number;
-    rest = trimmed(rest.substr(0, rest.find_last_of(" \t")));
-  }
-  if (rest.size() > 1 && rest.front() == '"' && rest.back() == '"') rest = rest.substr(1, rest.size() - 2);
-  result.name = std::string(trimmed(rest));
-  return result;
+std::string list_of_options() {
+  std::vector<const char*> options;
+  for (const NamesFormatInfo& info : kInfos) options.push_back(info.option);
+  return fmt::format("auto, {}", fmt::join(options, ", "));
 }
 
 }  // namespace
 
-Result<std::vector<LabelName>> read_names(const std::filesystem::path& path) {
-  SPLATLAS_ASSIGN_OR_RETURN(const std::vector<TextLine> lines, read_text_lines(path));
-  std::vector<LabelName> names;
-  std::map<std::int64_t, std::size_t> line_of_label;
-  std::map<std::string, std::size_t> line_of_name;
-  for (const TextLine& line : lines) {
-    const auto refuse = [&]<typename... Args>(fmt::format_string<Args...> what, Args&&... args) {
-      return bad_file(path, "line {}: {}", line.number, fmt::format(what, std::forward<Args>(args)...));
-    };
-    const std::string_view first_word = split_blanks(line.text).front();
-    const auto label = parse_integer(first_word);
-    if (!label || *label < 0 || *label > kMaxLabel) {
-      return refuse("'{}' is no label (0 to {}); a line is: label name [code]", first_word, kMaxLabel);
-    }
-    const Words words = split_words(line.text);
-    if (*label == 0) continue;
-    if (words.all.size() < 2) return refuse("label {} has no name", *label);
-    if (!words.unclosed.empty()) return refuse("{} has no closing quote; add it", words.unclosed);
-    Result<LabelName> parsed = is_itk_snap(words) ? parse_itk_snap(words) : parse_plain(line.text, words);
-    if (!parsed) return refuse("{}", parsed.error().message);
-    LabelName& name = *parsed;
-    if (name.name.empty()) return refuse("label {} has no name", *label);
-    if (const auto fit = check_structure_name(name.name); !fit) return refuse("{}", fit.error().message);
-    if (const auto [first, is_new] = line_of_name.emplace(name_key(name.name), line.number); !is_new) {
-      return refuse("the name '{}' is taken already, in line {}", name.name, first->second);
-    }
-    if (const auto [first, is_new] = line_of_label.emplace(*label, line.number); !is_new) {
-      return refuse("label {} has a name already, in line {}", *label, first->second);
-    }
-    name.label = *label;
-    name.line = line.number;
-    names.push_back(std::move(name));
+std::span<const NamesFormatInfo> names_formats() {
+  return kInfos;
+}
+
+Result<NamesFormat> parse_names_format(std::string_view option) {
+  if (equal_ignoring_case(option, "auto")) return NamesFormat::kAuto;
+  for (const NamesFormatInfo& info : kInfos) {
+    if (equal_ignoring_case(option, info.option)) return info.format;
   }
-  if (names.empty()) return bad_file(path, "names no label");
-  return names;
+  return fail(ErrorCode::kUsage, "{} is no format of names; give one of: {}", in_quotes(option),
+              list_of_options());
+}
+
+Result<NamesTable> read_names(const std::filesystem::path& path, NamesFormat format, Notes& notes) {
+  SPLATLAS_ASSIGN_OR_RETURN(std::string text, read_text(path));
+  const std::string file = path.filename().string();
+  const Dialect* dialect = find_dialect(format, text, file);
+  if (dialect == nullptr) {
+    const std::vector<TextLine> lines = lines_of(std::string_view(text).substr(0, kNamesHeadBytes));
+    if (lines.empty()) return bad_file(path, "names no label");
+    return bad_file(path, "line {}: {} begins no known table of names; give one of: --names-format {}",
+                    lines.front().number, in_quotes(lines.front().text), list_of_options());
+  }
+  const NamesInput input{path, std::move(text), dialect->info.title};
+  NamesCollector collector(input, notes);
+  SPLATLAS_RETURN_IF_ERROR(dialect->read(input, collector));
+  Result<NamesTable> table = collector.finish();
+  if (!table) return table;
+  table->dialect = dialect->info.format;
+  notes.add(kNamesFormat, fmt::format("{} is read as {}", file, dialect->info.title));
+  return table;
 }
 
 Result<std::array<Rgb, 256>> read_color_table(const std::filesystem::path& path) {

@@ -10,21 +10,31 @@
 
 #include "format/color.h"
 #include "format/result.h"
+#include "preprocess/import/notes.h"
+#include "preprocess/import/tables/names_format.h"
 #include "preprocess/import/tables/source_structure.h"
+#include "preprocess/import/tables/tree_line.h"
 
 namespace splatlas {
 
-/// A structure from a line of a names file; it has a label.
+/// A structure from a line of a names file. Without a label, it describes the structure with its name.
 struct LabelName : SourceStructure {
-  std::size_t line = 0;  ///< line number in the file, for messages
+  std::size_t line = 0;  ///< line or entry number in the file, for messages
 };
 
-/// Reads one label per line: "label name [code]" (AAL and most others; quote a name that ends in a number),
-/// or the eight columns of ITK-SNAP, `label R G B A visible mesh "name"`. Ignores blank lines, lines that
-/// start with "#", and label 0 (background). kFailed, with file and line, for labels outside 0 to 2^32 - 1,
-/// duplicate labels, colours outside 0 to 255, and quotes without an end. Also for missing names, duplicate
-/// names (ignoring case), and names that check_structure_name() refuses.
-[[nodiscard]] Result<std::vector<LabelName>> read_names(const std::filesystem::path& path);
+/// Content of a names file.
+struct NamesTable {
+  NamesFormat dialect = NamesFormat::kAuto;
+  std::vector<LabelName> names;     ///< labels from 1 to 2^32 - 1, each once; label 0 is background
+  std::vector<TreeLine> hierarchy;  ///< nodes; empty if the file has none
+};
+
+/// Reads names in one of the dialects; kAuto detects it from the content. Rows with faults are dropped, and
+/// the first of several rows of a label is kept: `notes` counts these by kind, and tells the dialect. Labels
+/// without a name become "Label 7". kFailed if the file cannot be read, is of no known or of another dialect,
+/// or if no row is usable; the message tells the first fault. Cost: linear in the file, at most 16 MiB.
+[[nodiscard]] Result<NamesTable> read_names(const std::filesystem::path& path, NamesFormat format,
+                                            Notes& notes);
 
 /// Reads a colour table of 768 bytes (MRIcron's .lut: 256 reds, 256 greens, 256 blues), indexed by label.
 /// kFailed for any other length.

@@ -1,59 +1,44 @@
 #include "preprocess/import/tables/read_tree.h"
 
+#include <algorithm>
+
+#include <fmt/format.h>
+
 #include "format/system/result_macros.h"
-#include "preprocess/import/import_error.h"
-#include "preprocess/import/tables/structure_name.h"
+#include "preprocess/import/tables/names/dialects.h"
 #include "preprocess/import/tables/text_file.h"
+#include "preprocess/import/tables/trees/dialects.h"
 
 namespace splatlas {
 namespace {
 
-/// Parses "#rrggbb" or "#rrggbb-#rrggbb".
-Result<ColorRange> parse_color_range(std::string_view text) {
-  const std::size_t dash = text.find('-');
-  SPLATLAS_ASSIGN_OR_RETURN(const Rgb first, parse_color(text.substr(0, dash)));
-  if (dash == std::string_view::npos) return ColorRange{first, first};
-  SPLATLAS_ASSIGN_OR_RETURN(const Rgb last, parse_color(text.substr(dash + 1)));
-  return ColorRange{first, last};
-}
+const NoteKind kTreeFormatNote{"tree-format", "tree has a known format", "trees have known formats", false};
 
-Result<TreeLine> parse_line(std::string_view text) {
-  TreeLine line;
-  constexpr std::string_view kColor = " color=";
-  if (const std::size_t at = text.rfind(kColor); at != std::string_view::npos) {
-    SPLATLAS_ASSIGN_OR_RETURN(line.color, parse_color_range(trimmed(text.substr(at + kColor.size()))));
-    text = trimmed(text.substr(0, at));
-  }
-  const std::vector<std::string_view> parts = split(text, '/');
-  for (std::size_t n = 0; n < parts.size(); ++n) {
-    const bool last = n + 1 == parts.size();
-    if (parts[n].empty() && !(last && n > 0)) return fail(ErrorCode::kUsage, "a part of the path is empty");
-    if (!last && parts[n].find('*') != std::string_view::npos) {
-      return fail(ErrorCode::kUsage, "'{}': only the last part may be a pattern", parts[n]);
-    }
-    if (last) {
-      line.member = std::string(parts[n]);
-    } else {
-      if (const auto fit = check_structure_name(parts[n]); !fit)
-        return fail(ErrorCode::kUsage, fit.error().message);
-      line.groups.emplace_back(parts[n]);
-    }
-  }
-  return line;
-}
+struct Dialect {
+  const char* title;
+  bool (*recognise)(std::string_view head);
+  Result<std::vector<TreeLine>> (*read)(const NamesInput& input, NamesCollector& into);
+};
+
+/// Detection takes the first that fits; the last fits all.
+constexpr Dialect kDialects[] = {
+    {"JSON tree", recognise_json_tree, read_json_tree},
+    {"table of parents or paths", recognise_table_tree, read_table_tree},
+    {"tree file", recognise_path_tree, read_path_tree},
+};
 
 }  // namespace
 
-Result<std::vector<TreeLine>> read_tree(const std::filesystem::path& path) {
-  SPLATLAS_ASSIGN_OR_RETURN(const std::vector<TextLine> lines, read_text_lines(path));
-  std::vector<TreeLine> result;
-  for (const TextLine& text : lines) {
-    Result<TreeLine> line = parse_line(text.text);
-    if (!line) return bad_file(path, "line {}: {}", text.number, line.error().message);
-    line->number = text.number;
-    result.push_back(std::move(*line));
-  }
-  return result;
+Result<std::vector<TreeLine>> read_tree(const std::filesystem::path& path, Notes& notes) {
+  SPLATLAS_ASSIGN_OR_RETURN(std::string text, read_text(path));
+  const std::string_view head = std::string_view(text).substr(0, kNamesHeadBytes);
+  const auto* dialect = std::ranges::find_if(kDialects, [&](const Dialect& d) { return d.recognise(head); });
+  const NamesInput input{path, std::move(text), dialect->title};
+  NamesCollector faults(input, notes);
+  auto lines = dialect->read(input, faults);
+  if (lines)
+    notes.add(kTreeFormatNote, fmt::format("{} is read as {}", path.filename().string(), dialect->title));
+  return lines;
 }
 
 }  // namespace splatlas

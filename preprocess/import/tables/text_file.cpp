@@ -14,6 +14,24 @@ namespace {
 
 constexpr std::uintmax_t kMaxTextBytes = 16u << 20;
 
+/// Lines of a text with any line endings.
+class LineReader {
+ public:
+  explicit LineReader(std::string_view text) : text_(text) {}
+
+  std::optional<std::string_view> next() {
+    if (start_ >= text_.size()) return std::nullopt;
+    const std::size_t end = std::min(text_.find_first_of("\r\n", start_), text_.size());
+    const std::string_view line = text_.substr(start_, end - start_);
+    start_ = end + (text_.substr(end).starts_with("\r\n") ? 2 : 1);
+    return line;
+  }
+
+ private:
+  std::string_view text_;
+  std::size_t start_ = 0;
+};
+
 }  // namespace
 
 Result<void> check_regular_file(const std::filesystem::path& path) {
@@ -31,7 +49,7 @@ Result<void> check_regular_file(const std::filesystem::path& path) {
   return {};
 }
 
-Result<std::vector<TextLine>> read_text_lines(const std::filesystem::path& path) {
+Result<std::string> read_text(const std::filesystem::path& path) {
   SPLATLAS_RETURN_IF_ERROR(check_regular_file(path));
   std::error_code error;
   const std::uintmax_t bytes = std::filesystem::file_size(path, error);
@@ -42,21 +60,30 @@ Result<std::vector<TextLine>> read_text_lines(const std::filesystem::path& path)
   if (!std::ifstream(path, std::ios::binary).read(all.data(), static_cast<std::streamsize>(bytes)))
     return bad_file(path, "cannot be read whole");
   if (all.starts_with("\xef\xbb\xbf")) all.erase(0, 3);  // byte order mark
-
-  std::vector<TextLine> lines;
   std::size_t number = 0;
-  for (std::size_t start = 0; start < all.size();) {
-    const std::size_t end = std::min(all.find_first_of("\r\n", start), all.size());
-    const std::string_view line = std::string_view(all).substr(start, end - start);
-    const std::string_view text = trimmed(line);
+  for (LineReader lines(all); const auto line = lines.next();) {
     ++number;
-    if (const std::string fault = fault_of_text(line); !fault.empty()) {
+    if (const std::string fault = fault_of_text(*line); !fault.empty()) {
       return bad_file(path, "line {} {}; plain UTF-8 text is needed here", number, fault);
     }
-    if (!text.empty() && text.front() != '#') lines.push_back({number, std::string(text)});
-    start = end + (all.compare(end, 2, "\r\n") == 0 ? 2 : 1);
   }
-  return lines;
+  return all;
+}
+
+std::vector<TextLine> lines_of(std::string_view text) {
+  std::vector<TextLine> result;
+  std::size_t number = 0;
+  for (LineReader lines(text); const auto line = lines.next();) {
+    ++number;
+    const std::string_view content = trimmed(*line);
+    if (!content.empty() && content.front() != '#') result.push_back({number, std::string(content)});
+  }
+  return result;
+}
+
+Result<std::vector<TextLine>> read_text_lines(const std::filesystem::path& path) {
+  SPLATLAS_ASSIGN_OR_RETURN(const std::string text, read_text(path));
+  return lines_of(text);
 }
 
 std::string first_bytes(const std::filesystem::path& path, std::size_t count) {

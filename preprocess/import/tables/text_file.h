@@ -18,6 +18,13 @@ struct TextLine {
   std::string text;        ///< trimmed
 };
 
+/// Reads a UTF-8 file of at most 16 MiB, without its byte order mark. kFailed if it cannot be read or is not
+/// plain text.
+[[nodiscard]] Result<std::string> read_text(const std::filesystem::path& path);
+
+/// The lines of a text with any line endings, without blank lines and lines that start with "#".
+[[nodiscard]] std::vector<TextLine> lines_of(std::string_view text);
+
 /// Reads the lines of a UTF-8 file of at most 16 MiB with any line endings. Skips blank lines and lines that
 /// start with "#". kFailed if it cannot be read or is not plain text.
 [[nodiscard]] Result<std::vector<TextLine>> read_text_lines(const std::filesystem::path& path);

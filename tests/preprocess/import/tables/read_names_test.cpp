@@ -4,113 +4,96 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-#include "tests/preprocess/raw_image_files.h"
-#include "tests/support/run_program.h"
+#include "tests/preprocess/import/tables/names_cases.h"
 
 namespace splatlas {
 namespace {
 
 using testing::AllOf;
+using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::StartsWith;
 
-class ReadNames : public testing::Test {
- protected:
-  Result<std::vector<LabelName>> read(const std::string& text) const {
-    write_bytes(folder_.file("names.txt"), text);
-    return read_names(folder_.file("names.txt"));
-  }
-  std::string error(const std::string& text) const {
-    const auto names = read(text);
-    return names ? "no error" : names.error().message;
-  }
-  TemporaryFolder folder_;
-};
+class ReadNames : public NamesTest {};
 
-TEST_F(ReadNames, ReadsAalsFile) {
-  const auto names = read("1 Precentral_L 2001\r\n2 Precentral_R 2002\r\n\r\n");
-  ASSERT_TRUE(names) << names.error().message;
-  ASSERT_EQ(names->size(), 2u);
-  EXPECT_EQ((*names)[1].label, 2);
-  EXPECT_EQ((*names)[1].name, "Precentral_R");
-  EXPECT_EQ((*names)[1].code, 2002);
-  EXPECT_FALSE((*names)[1].color);
-  EXPECT_EQ((*names)[1].line, 2u);
+TEST_F(ReadNames, TellsTheDialect) {
+  ASSERT_TRUE(read("1 A\n"));
+  EXPECT_THAT(items("names-format"), ElementsAre("names.txt is read as list of labels and names"));
+  EXPECT_FALSE(notes_.all().front().kind.is_warning);
 }
 
-TEST_F(ReadNames, ReadsNamesOfSeveralWordsTabsAndQuotes) {
-  const auto names = read(
-      "\xef\xbb\xbf# a comment\n0\tUnclassified\n7\tMiddle cerebellar peduncle\n8 \"Lobule 5\"\n9 Lobule "
-      "5\n10 Noyau caudé\r11 x");
-  ASSERT_TRUE(names) << names.error().message;
-  ASSERT_EQ(names->size(), 5u);
-  EXPECT_EQ((*names)[0].name, "Middle cerebellar peduncle");
-  EXPECT_EQ((*names)[0].line, 3u);
-  EXPECT_EQ((*names)[1].name, "Lobule 5");
-  EXPECT_FALSE((*names)[1].code);
-  EXPECT_EQ((*names)[2].name, "Lobule");
-  EXPECT_EQ((*names)[2].code, 5);
-  EXPECT_EQ((*names)[3].name, "Noyau caudé");
-  EXPECT_EQ((*names)[4].label, 11);
+TEST_F(ReadNames, OverridesTheDetection) {
+  const std::string rows = "1 a_b 255 0 0 255\n2 c 0 255 0 255\n";
+  EXPECT_THAT(summaries(names(rows, NamesFormat::kCtbl)), ElementsAre("1 a b #ff0000", "2 c #00ff00"));
+  const auto table = read(rows, NamesFormat::kFreeSurfer);
+  ASSERT_TRUE(table);
+  EXPECT_EQ(table->dialect, NamesFormat::kFreeSurfer);
+  EXPECT_THAT(summaries(table->names), ElementsAre("1 a_b #ff0000", "2 c #00ff00"));
+  EXPECT_THAT(error(rows, NamesFormat::kNiivue), HasSubstr("NiiVue colour map: byte 3 is no JSON"));
+  EXPECT_THAT(error(rows, NamesFormat::kCsv), HasSubstr("line 1: holds no comma"));
+  EXPECT_THAT(error(rows, NamesFormat::kBids), HasSubstr("the column \"index\" is missing"));
 }
 
-TEST_F(ReadNames, ReadsItkSnapsColumns) {
-  const auto names = read(
-      "    0     0    0    0        0  0  0    \"Clear Label\"\n   17   255  128    0        1  1  1    "
-      "\"Left Hippocampus\"\n");
-  ASSERT_TRUE(names) << names.error().message;
-  ASSERT_EQ(names->size(), 1u);
-  EXPECT_EQ((*names)[0].label, 17);
-  EXPECT_EQ((*names)[0].name, "Left Hippocampus");
-  EXPECT_EQ((*names)[0].color, (Rgb{255, 128, 0}));
+TEST_F(ReadNames, KeepsTheFirstOfTwoRowsOfALabel) {
+  EXPECT_THAT(summaries(names("5 A\n6 B\n5 C\n", NamesFormat::kMricron)), ElementsAre("5 A", "6 B"));
+  EXPECT_THAT(items("duplicate-labels"), ElementsAre("label 5 at names.txt line 3"));
+  EXPECT_TRUE(notes_.all().front().kind.is_warning);
 }
 
-TEST_F(ReadNames, TellsTheLineOfAFault) {
-  EXPECT_THAT(error("1 A\nsecond B\n"), AllOf(HasSubstr("names.txt: line 2"), HasSubstr("'second'")));
-  EXPECT_THAT(error("-3 A\n"), HasSubstr("'-3'"));
-  EXPECT_THAT(error("4294967296 A\n"), HasSubstr("'4294967296'"));
-  EXPECT_THAT(error("\n\n5\n"), AllOf(HasSubstr("line 3"), HasSubstr("label 5 has no name")));
-  EXPECT_THAT(error("5 A\n6 B\n5 C\n"), AllOf(HasSubstr("line 3"), HasSubstr("in line 1")));
-  EXPECT_THAT(error("# nothing\n"), HasSubstr("names no label"));
+TEST_F(ReadNames, KeepsNamesAndColoursThatStandTwice) {
+  EXPECT_EQ(names("1 A 9 9 9 0\n2 B 9 9 9 0\n3 a 9 9 9 0\n", NamesFormat::kFreeSurfer).size(), 3u);
+  EXPECT_THAT(items("duplicate-names"), ElementsAre("\"a\""));
+  EXPECT_THAT(items("duplicate-colors"), ElementsAre("#090909"));
+}
+
+TEST_F(ReadNames, NumbersLabelsWithoutAName) {
+  EXPECT_THAT(summaries(names("4 A\n5\n6 \"\"\n", NamesFormat::kMricron)),
+              ElementsAre("4 A", "5 Label 5", "6 Label 6"));
+  EXPECT_THAT(items("missing-names"), ElementsAre("5 (names.txt line 2)", "6 (names.txt line 3)"));
+}
+
+TEST_F(ReadNames, CountsFaultyRows) {
+  EXPECT_THAT(summaries(names("1 A\nsecond B\n-3 C\n4294967296 D\n4294967295 E\n", NamesFormat::kMricron)),
+              ElementsAre("1 A", "4294967295 E"));
+  EXPECT_THAT(items("faulty-rows"),
+              ElementsAre("names.txt line 2: \"second\" is no label (whole, 0 to 4294967295)",
+                          HasSubstr("line 3: \"-3\""), HasSubstr("line 4: \"4294967296\"")));
+  EXPECT_EQ(names("1 A\n2 a\tb\n3 " + std::string(201, 'x') + "\n", NamesFormat::kMricron).size(), 1u);
+  EXPECT_THAT(items("faulty-rows"), ElementsAre(HasSubstr("a tab"), HasSubstr("201 characters")));
+}
+
+TEST_F(ReadNames, RefusesFilesWithoutAUsableRow) {
+  EXPECT_THAT(error("# nothing\n"), HasSubstr("names.txt: names no label"));
+  EXPECT_THAT(error(""), HasSubstr("names.txt: names no label"));
+  EXPECT_THAT(error("0 Background\n"), HasSubstr("as list of labels and names: names no label; correct it"));
+  EXPECT_THAT(error("-3 A\n-4 B\n"), AllOf(HasSubstr("names.txt: cannot be read as list of labels and names: "
+                                                     "line 1: \"-3\" is no label"),
+                                           HasSubstr("--names-format")));
+  EXPECT_THAT(error("\"1\" A\n"), AllOf(HasSubstr("line 1: "), HasSubstr("auto, itksnap, niivue")));
   EXPECT_THAT(error(std::string("1 A\n2 B\0C\n", 10)),
               HasSubstr("names.txt: line 2 has a control character (byte 3: U+0000); plain UTF-8 text"));
   EXPECT_THAT(error("  # \xff\xfe\n1 A\n"),
               HasSubstr("names.txt: line 1 is not UTF-8 (byte 4); plain UTF-8 text"));
-  EXPECT_THAT(error("1 A\n2 b\xe2\x80\xae c\n"),
-              AllOf(HasSubstr("names.txt: line 2"), HasSubstr("bidirectional control character")));
-  EXPECT_THAT(error("1 A\n\"2\"foo\n"), AllOf(HasSubstr("names.txt: line 2"), HasSubstr("'\"2\"foo'")));
-  EXPECT_THAT(error("\"1\" A\n"), AllOf(HasSubstr("line 1"), HasSubstr("no label")));
-  EXPECT_THAT(error("1 \"\"\n"), HasSubstr("label 1 has no name"));
-  EXPECT_THAT(error("1 A\n2 B\n3 a\n"), AllOf(HasSubstr("line 3"), HasSubstr("'a'"), HasSubstr("in line 1")));
-  EXPECT_THAT(error("1 a\tb c\n"), AllOf(HasSubstr("line 1"), HasSubstr("a tab")));
-  EXPECT_THAT(error("1 " + std::string(201, 'x') + "\n"), HasSubstr("201 characters"));
+  EXPECT_THAT(error("1 A\n2 b\xe2\x80\xae c\n"), HasSubstr("bidirectional control character"));
 }
 
-TEST_F(ReadNames, RefusesColoursBeyondAByteAndOpenQuotes) {
-  const auto line = [](const std::string& colour) {
-    return "3 A\n17 " + colour + " 255 1 1 \"Hippocampus\"\n";
-  };
-  for (const std::string colour : {"256 0 0", "0 -1 0", "0 0 1.5", "0 0 99999999999999999999"}) {
-    EXPECT_THAT(error(line(colour)), AllOf(HasSubstr("names.txt: line 2: "), HasSubstr("from 0 to 255")));
-  }
-  EXPECT_THAT(error(line("300 0 0")), HasSubstr("the colour value 300 "));
-  EXPECT_EQ(error(line("255 0 0")), "no error");
-  EXPECT_EQ(read("4 one of the six other plain \"words\"\n")->front().name,
-            "one of the six other plain \"words\"");
-  for (const std::string open :
-       {"17 255 128 0 1 1 1 \"Left", "17 \"Left hippocampus", "17 Left \"hippocampus 4"}) {
-    EXPECT_THAT(error("3 A\n" + open + "\n"),
-                AllOf(HasSubstr("names.txt: line 2: \""), HasSubstr("no closing quote; add it")));
-  }
+TEST_F(ReadNames, ParsesTheOption) {
+  EXPECT_EQ(parse_names_format("auto"), NamesFormat::kAuto);
+  EXPECT_EQ(parse_names_format("FreeSurfer"), NamesFormat::kFreeSurfer);
+  const auto unknown = parse_names_format("xls");
+  ASSERT_FALSE(unknown);
+  EXPECT_THAT(unknown.error().message,
+              AllOf(StartsWith("\"xls\" is no format of names"), HasSubstr("mricron")));
+  EXPECT_EQ(names_formats().size(), 11u);
 }
 
-RC_GTEST_FIXTURE_PROP(ReadNames, AnyLineIsReadOrRefusedWithItsNumber, ()) {
+RC_GTEST_FIXTURE_PROP(ReadNames, AnySecondLineIsReadOrCounted, ()) {
   const auto line = *rc::gen::container<std::string>(rc::gen::elementOf(std::string("\"12 \tax#-")));
-  const auto names = read("7 first\n" + line + "\n");
-  if (names) {
-    for (const LabelName& name : *names) RC_ASSERT(!name.name.empty());
-  } else {
-    RC_ASSERT(names.error().message.find("names.txt: line 2: ") != std::string::npos);
-  }
+  const auto table = read("7 first\n" + line + "\n");
+  RC_ASSERT(table.has_value());
+  for (const LabelName& name : table->names) RC_ASSERT(!name.name.empty());
+  RC_ASSERT(table->names.size() + items("faulty-rows").size() + items("duplicate-labels").size() <= 2u);
 }
 
 TEST_F(ReadNames, ReadsColorTables) {

@@ -1,0 +1,85 @@
+#include "preprocess/import/tables/color_text.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "format/system/ascii_text.h"
+#include "preprocess/import/tables/text_file.h"
+
+namespace splatlas {
+namespace {
+
+struct CssColor {
+  const char* name;
+  Rgb color;
+};
+
+constexpr CssColor kCssColors[] = {
+    {"black", {0, 0, 0}},       {"silver", {192, 192, 192}}, {"gray", {128, 128, 128}},
+    {"grey", {128, 128, 128}},  {"white", {255, 255, 255}},  {"maroon", {128, 0, 0}},
+    {"red", {255, 0, 0}},       {"purple", {128, 0, 128}},   {"fuchsia", {255, 0, 255}},
+    {"magenta", {255, 0, 255}}, {"green", {0, 128, 0}},      {"lime", {0, 255, 0}},
+    {"olive", {128, 128, 0}},   {"yellow", {255, 255, 0}},   {"orange", {255, 165, 0}},
+    {"navy", {0, 0, 128}},      {"blue", {0, 0, 255}},       {"teal", {0, 128, 128}},
+    {"aqua", {0, 255, 255}},    {"cyan", {0, 255, 255}},     {"brown", {165, 42, 42}},
+    {"pink", {255, 192, 203}},
+};
+
+std::optional<Rgb> parse_hex(std::string_view digits) {
+  if (digits.size() == 4) digits = digits.substr(0, 3);  // with alpha
+  if (digits.size() == 8) digits = digits.substr(0, 6);
+  const auto color = parse_color(fmt::format("#{}", digits));
+  return color ? std::optional(*color) : std::nullopt;
+}
+
+/// What stands between `open` and the bracket at the end.
+std::optional<std::string_view> inside(std::string_view text, std::string_view open, char close) {
+  if (!text.starts_with(open) || !text.ends_with(close)) return std::nullopt;
+  return text.substr(open.size(), text.size() - open.size() - 1);
+}
+
+/// Parses three or four numbers with commas or blanks between them.
+std::optional<Rgb> parse_numbers(std::string_view list) {
+  const std::vector<std::string_view> parts =
+      list.find(',') != std::string_view::npos ? split(list, ',') : split_blanks(list);
+  if (parts.size() != 3 && parts.size() != 4) return std::nullopt;
+  std::array<std::uint8_t, 3> rgb{};
+  for (std::size_t n = 0; n < 3; ++n) {
+    const auto channel = parse_channel(parts[n]);
+    if (!channel) return std::nullopt;
+    rgb[n] = *channel;
+  }
+  return Rgb{rgb[0], rgb[1], rgb[2]};
+}
+
+}  // namespace
+
+std::optional<std::uint8_t> parse_channel(std::string_view text) {
+  const auto value = parse_number(text);
+  if (!value || !(*value >= 0 && *value <= 255) || std::floor(*value) != *value) return std::nullopt;
+  return static_cast<std::uint8_t>(*value);
+}
+
+std::optional<Rgb> parse_table_color(std::string_view text) {
+  const std::string lower = to_lower(trimmed(text));
+  if (lower.starts_with('#')) return parse_hex(std::string_view(lower).substr(1));
+  for (const auto& [open, close] : {std::pair("rgb(", ')'), {"rgba(", ')'}, {"[", ']'}, {"(", ')'}}) {
+    if (const auto list = inside(lower, open, close)) return parse_numbers(*list);
+  }
+  if (const auto color = parse_numbers(lower)) return color;
+  return lower.size() == 6 || lower.size() == 8 ? parse_hex(lower) : std::nullopt;
+}
+
+std::optional<Rgb> parse_css_color(std::string_view text) {
+  const std::string lower = to_lower(trimmed(text));
+  const auto* named = std::ranges::find_if(kCssColors, [&](const CssColor& c) { return c.name == lower; });
+  return named != std::end(kCssColors) ? std::optional(named->color) : parse_table_color(lower);
+}
+
+}  // namespace splatlas

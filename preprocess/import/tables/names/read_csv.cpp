@@ -1,0 +1,59 @@
+// Tables with columns by name, separated by commas, semicolons or tabs; also rows "label,name" without a
+// header.
+#include <fmt/format.h>
+
+#include "format/system/result_macros.h"
+#include "preprocess/import/tables/names/dialects.h"
+#include "preprocess/import/tables/table_columns.h"
+#include "preprocess/import/tables/table_entries.h"
+#include "preprocess/import/tables/text_file.h"
+
+namespace splatlas {
+namespace {
+
+/// True for a first row such as "1,spleen": it is no header.
+bool is_row(const std::vector<std::string>& header) {
+  return header.size() > 1 && parse_label(header[0]) && !parse_number(header[1]);
+}
+
+/// Gives columns to a table without a header: label, name, and one or three of the colour.
+void add_header(Table& table) {
+  table.rows.insert(table.rows.begin(), {1, table.columns});
+  static const std::vector<std::string> kShort{"label", "name", "color"};
+  static const std::vector<std::string> kLong{"label", "name", "r", "g", "b", "a"};
+  const std::vector<std::string>& all = table.columns.size() > 3 ? kLong : kShort;
+  const std::size_t known = std::min(table.columns.size(), all.size());
+  table.columns.resize(std::max(known, table.columns.size()));
+  for (std::size_t n = 0; n < table.columns.size(); ++n)
+    table.columns[n] = n < known ? all[n] : fmt::format("column {}", n + 1);
+  if (known == 4) table.columns[2] = "column 3", table.columns[3] = "column 4";
+}
+
+}  // namespace
+
+bool recognise_csv(std::string_view head, std::string_view /*file*/) {
+  const auto separator = find_separator(head);
+  if (!separator) return false;
+  const std::vector<TextLine> lines = lines_of(head);
+  const Table table = parse_table(lines.front().text, *separator);
+  if (is_row(table.columns)) return *separator != '\t';  // else a list of labels and names
+  if (parse_integer(split_blanks(lines.front().text).front())) return false;  // "7 lobe, label"
+  for (const std::string& name : table.columns) {
+    const ColumnRole role = column_of(name).role;
+    if (role == ColumnRole::kLabel || role == ColumnRole::kKey || role == ColumnRole::kName) return true;
+  }
+  return false;
+}
+
+Result<void> read_csv(const NamesInput& input, NamesCollector& into) {
+  const auto separator = find_separator(input.text);
+  if (!separator)
+    return input.refuse("line 1: holds no comma, semicolon or tab; give another --names-format");
+  Table table = parse_table(input.text, *separator);
+  if (is_row(table.columns)) add_header(table);
+  SPLATLAS_ASSIGN_OR_RETURN(TableEntries entries, read_entries(table, input, into));
+  add_entries(std::move(entries), into);
+  return {};
+}
+
+}  // namespace splatlas

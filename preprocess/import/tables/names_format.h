@@ -1,0 +1,41 @@
+// Dialects of names files.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include "format/result.h"
+
+namespace splatlas {
+
+/// Dialect of a names file; kAuto: by its content.
+enum class NamesFormat : std::uint8_t {
+  kAuto,
+  kItkSnap,      ///< label R G B A visible mesh "name"
+  kCtbl,         ///< 3D Slicer's colour table: index name R G B A
+  kFreeSurfer,   ///< colour lookup table: id name R G B A
+  kBids,         ///< _dseg.tsv: index, name and other columns
+  kMricron,      ///< label name [code]
+  kNiivue,       ///< JSON arrays R G B I and labels
+  kCsv,          ///< columns by name, or label,name
+  kAllen,        ///< JSON tree of id, name, acronym and children
+  kBrainGlobe,   ///< structures.json: a list with structure_id_path
+  kOpenAnatomy,  ///< atlasStructure.json
+  kJson,         ///< class map: {"1": "spleen"} or {"spleen": 1}
+};
+
+/// A dialect as a command line and a message know it.
+struct NamesFormatInfo {
+  NamesFormat format;
+  const char* option;  ///< value of --names-format
+  const char* title;   ///< for people
+};
+
+/// All dialects but kAuto, in the order of their detection.
+[[nodiscard]] std::span<const NamesFormatInfo> names_formats();
+
+/// kUsage, with the list of values, for text that is no value of --names-format.
+[[nodiscard]] Result<NamesFormat> parse_names_format(std::string_view option);
+
+}  // namespace splatlas

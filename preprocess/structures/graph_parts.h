@@ -1,0 +1,59 @@
+// Structures of a graph while it is built.
+#pragma once
+
+#include <algorithm>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "preprocess/structures/source_lookup.h"
+#include "preprocess/structures/unique_ids.h"
+
+namespace splatlas {
+
+/// Numbers sources and groups by their first use, and collects their parents.
+class GraphParts {
+ public:
+  GraphParts(const StructureGraph& flat, UniqueIds& ids)
+      : flat_(flat), ids_(ids), index_of_source_(flat.size(), kNoStructure) {}
+
+  /// The structure of a source, placed at its first use.
+  StructureIndex place_source(StructureIndex source) {
+    StructureIndex& index = index_of_source_[source];
+    if (index != kNoStructure) return index;
+    index = static_cast<StructureIndex>(structures_.size());
+    structures_.push_back(flat_[source]);
+    return index;
+  }
+
+  StructureIndex add_group(const std::string& name) {
+    Structure group;
+    group.id = ids_.claim(name);
+    group.name = name;
+    group.color = default_color(structures_.size());
+    structures_.push_back(std::move(group));
+    return static_cast<StructureIndex>(structures_.size() - 1);
+  }
+
+  void add_parent(StructureIndex child, StructureIndex parent) {
+    std::vector<StructureIndex>& parents = structures_[child].parents;
+    if (parent == kNoStructure || std::find(parents.begin(), parents.end(), parent) != parents.end()) return;
+    parents.push_back(parent);
+  }
+
+  void set_color(StructureIndex structure, Rgb color) { structures_[structure].color = color; }
+
+  /// Places the sources that no line mentions. The structures and [source number]: structure.
+  std::pair<std::vector<Structure>, std::vector<StructureIndex>> finish() {
+    for (StructureIndex n = 0; n < index_of_source_.size(); ++n) place_source(n);
+    return {std::move(structures_), std::move(index_of_source_)};
+  }
+
+ private:
+  const StructureGraph& flat_;
+  UniqueIds& ids_;
+  std::vector<Structure> structures_;
+  std::vector<StructureIndex> index_of_source_;
+};
+
+}  // namespace splatlas

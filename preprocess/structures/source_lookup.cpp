@@ -1,0 +1,131 @@
+#include "preprocess/structures/source_lookup.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "format/system/ascii_text.h"
+#include "format/system/result_macros.h"
+#include "preprocess/import/tables/text_file.h"
+
+namespace splatlas {
+namespace {
+
+/// Adds a key, or marks it as ambiguous.
+template <typename Map, typename Key>
+void add_or_mark(Map& map, const Key& key, StructureIndex source) {
+  const auto [entry, is_new] = map.emplace(key, source);
+  if (!is_new) entry->second = kNoStructure;
+}
+
+template <typename Map, typename Key>
+std::optional<StructureIndex> find_only(const Map& map, const Key& key) {
+  const auto found = map.find(key);
+  if (found == map.end() || found->second == kNoStructure) return std::nullopt;
+  return found->second;
+}
+
+/// True if the pattern, in which "*" stands for any characters, fits the whole text. Goes back to the last
+/// "*" only: those before it fit as early as possible.
+bool fits(std::string_view pattern, std::string_view text) {
+  std::size_t p = 0;
+  std::size_t t = 0;
+  std::size_t star = std::string_view::npos;
+  std::size_t star_text = 0;
+  while (t < text.size()) {
+    if (p < pattern.size() && pattern[p] == '*') {
+      star = p++;
+      star_text = t;
+    } else if (p < pattern.size() && pattern[p] == text[t]) {
+      ++p;
+      ++t;
+    } else if (star != std::string_view::npos) {
+      p = star + 1;
+      t = ++star_text;
+    } else {
+      return false;
+    }
+  }
+  return pattern.find_first_not_of('*', p) == std::string_view::npos;
+}
+
+}  // namespace
+
+SourceLookup::SourceLookup(std::span<const SourceStructure> sources, StructureGraph flat)
+    : sources_(sources), flat_(std::move(flat)) {
+  for (StructureIndex n = 0; n < sources_.size(); ++n) {
+    ids_.push_back(to_lower(flat_[n].id));
+    names_.push_back(to_lower(sources_[n].name));
+    source_of_id_.emplace(ids_[n], n);
+    add_or_mark(source_of_name_, names_[n], n);
+    if (sources_[n].label) add_or_mark(source_of_label_, *sources_[n].label, n);
+  }
+}
+
+std::optional<StructureIndex> SourceLookup::named(std::string_view text) const {
+  if (text.find('*') != std::string_view::npos) return std::nullopt;
+  const std::string key = to_lower(text);
+  const auto by_id = find_only(source_of_id_, key);
+  return by_id ? by_id : find_only(source_of_name_, key);
+}
+
+std::optional<StructureIndex> SourceLookup::labelled(std::int64_t label) const {
+  return find_only(source_of_label_, label);
+}
+
+Result<std::vector<StructureIndex>> SourceLookup::matching(std::string_view conditions) const {
+  std::vector<StructureIndex> found;
+  std::vector<std::size_t> hits(sources_.size(), 0);
+  const std::vector<std::string_view> parts = split(conditions, '&');
+  for (std::size_t n = 0; n < parts.size(); ++n) {
+    SPLATLAS_ASSIGN_OR_RETURN(const std::vector<StructureIndex> fitting, matching_one(parts[n]));
+    if (n == 0) found = fitting;
+    for (const StructureIndex source : fitting) ++hits[source];
+  }
+  std::erase_if(found, [&](StructureIndex source) { return hits[source] < parts.size(); });
+  return found;
+}
+
+Result<std::vector<StructureIndex>> SourceLookup::matching_one(std::string_view condition) const {
+  constexpr std::string_view kCode = "code:";
+  if (condition.starts_with(kCode)) return with_codes(condition.substr(kCode.size()));
+  if (condition.find('*') != std::string_view::npos) {
+    const std::string pattern = to_lower(condition);
+    std::vector<StructureIndex> found;
+    for (StructureIndex n = 0; n < sources_.size(); ++n) {
+      if (fits(pattern, ids_[n]) || fits(pattern, names_[n])) found.push_back(n);
+    }
+    return found;
+  }
+  std::optional<StructureIndex> source = named(condition);
+  if (!source && condition.starts_with('#')) {
+    const auto label = parse_integer(condition.substr(1));
+    if (!label) return fail(ErrorCode::kFailed, "'{}' is no label; write # and a whole number", condition);
+    source = labelled(*label);
+  }
+  return source ? std::vector{*source} : std::vector<StructureIndex>{};
+}
+
+/// Sources with codes in a list such as "2001-2999,3001", sorted by code.
+Result<std::vector<StructureIndex>> SourceLookup::with_codes(std::string_view list) const {
+  std::vector<std::pair<std::int64_t, StructureIndex>> found;
+  for (const std::string_view range : split(list, ',')) {
+    const std::size_t dash = range.find('-');
+    const auto low = parse_integer(trimmed(range.substr(0, dash)));
+    const auto high = dash == std::string_view::npos ? low : parse_integer(trimmed(range.substr(dash + 1)));
+    if (!low || !high || *low > *high) {
+      return fail(ErrorCode::kFailed, "'{}' is no code and no range of codes", range);
+    }
+    for (StructureIndex source = 0; source < sources_.size(); ++source) {
+      const auto code = sources_[source].code;
+      if (code && *code >= *low && *code <= *high) found.emplace_back(*code, source);
+    }
+  }
+  std::sort(found.begin(), found.end());
+  std::vector<StructureIndex> indices;
+  for (const auto& [code, source] : found) indices.push_back(source);
+  indices.erase(std::unique(indices.begin(), indices.end()), indices.end());
+  return indices;
+}
+
+}  // namespace splatlas

@@ -1,0 +1,115 @@
+// Dialects of tables: BIDS, CSV and TSV.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/preprocess/import/tables/names_cases.h"
+
+namespace splatlas {
+namespace {
+
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+class TableDialects : public NamesTest {};
+
+TEST_F(TableDialects, ReadsBids) {
+  EXPECT_THAT(summaries(names("index\tname\tabbreviation\tcolor\txyz\r\n0\tbackground\tn/a\tn/a\t1\r\n"
+                              "1\tLeft White Matter\tlwm\t#781283\t35, 58, 48\r\n255\tx\tn/a\tn/a\tn/a",
+                              NamesFormat::kBids)),
+              ElementsAre("1 Left White Matter #781283", "255 x"));
+  EXPECT_THAT(items("ignored-columns"), ElementsAre("\"xyz\""));
+  EXPECT_THAT(error("index\tlabel\n1\tA\n", NamesFormat::kBids), HasSubstr("column \"name\" is missing"));
+}
+
+TEST_F(TableDialects, ReadsColumnsByName) {
+  EXPECT_THAT(summaries(names("LabelValue,Name,Color_R,Color_G,Color_B,Color_A\n1,one,10,200,40,255\n",
+                              NamesFormat::kCsv)),
+              ElementsAre("1 one #0ac828"));
+  EXPECT_THAT(items("ignored-columns"), IsEmpty());
+  EXPECT_THAT(summaries(names("hex;STRUCTURE;Id\nff0000;A;3\n#0F0;B;4.0\n", NamesFormat::kCsv)),
+              ElementsAre("3 A #ff0000", "4 B #00ff00"));
+  EXPECT_THAT(summaries(names("index,label\n1,spleen\n2,liver\n", NamesFormat::kCsv)),
+              ElementsAre("1 spleen", "2 liver"));
+  EXPECT_THAT(
+      summaries(names("name,value,rgb\nA,1,\"1,2,3\"\nB,2,\"rgba(4, 5, 6, 0.5)\"\n", NamesFormat::kCsv)),
+      ElementsAre("1 A #010203", "2 B #040506"));
+}
+
+TEST_F(TableDialects, ReadsQuotedFields) {
+  EXPECT_THAT(summaries(names("\xef\xbb\xbfidx,name\r\n1,\"Frontal pole, layer 1\"\r\n2,\"the \"\"inner\"\" "
+                              "part\"\r\n3 , \"x\" \r\n4,A \"B\"",
+                              NamesFormat::kCsv)),
+              ElementsAre("1 Frontal pole, layer 1", "2 the \"inner\" part", "3 x", "4 A \"B\""));
+  EXPECT_EQ(names("id,name\n1,\"open\n2,B\n", NamesFormat::kCsv).size(), 1u);
+  EXPECT_THAT(items("faulty-rows"), ElementsAre("names.txt line 2: a quote has no end; add it"));
+}
+
+TEST_F(TableDialects, CountsRowsWithTooManyFields) {
+  EXPECT_EQ(names("id,name\n1,A,\n2,B, C\n3\n", NamesFormat::kCsv).size(), 2u);
+  EXPECT_THAT(items("faulty-rows"), ElementsAre(HasSubstr("line 3: has 3 fields, the header 2")));
+  EXPECT_THAT(items("missing-names"), ElementsAre("3 (names.txt line 4)"));
+}
+
+TEST_F(TableDialects, ReadsTablesWithoutAHeader) {
+  EXPECT_THAT(summaries(names("1,spleen\r\n2,\"kidney, right\"", NamesFormat::kCsv)),
+              ElementsAre("1 spleen", "2 kidney, right"));
+  EXPECT_THAT(summaries(names("1;spleen;#ff0000\n", NamesFormat::kCsv)), ElementsAre("1 spleen #ff0000"));
+  EXPECT_THAT(summaries(names("1,spleen,1,2,3\n2,x,4,5,6\n", NamesFormat::kCsv)),
+              ElementsAre("1 spleen #010203", "2 x #040506"));
+}
+
+TEST_F(TableDialects, ReadsTermsOfOtherVocabularies) {
+  const auto list = names(
+      "label,name,name_de,acronym,synonyms,SNOMED,FMA ID,Type_CodingScheme,Type_CodeValue,Type_CodeMeaning,"
+      "TypeModifier_CodingScheme,TypeModifier_CodeValue\n"
+      "1,left_kidney,Niere,LK,nephros; ren,64033007,7205,SCT,64033007,Kidney,SCT,7771000\n",
+      NamesFormat::kCsv);
+  ASSERT_EQ(list.size(), 1u);
+  EXPECT_THAT(list[0].terms, ElementsAre(SourceTerm{"de", "Niere"}, SourceTerm{"abbreviation", "LK"},
+                                         SourceTerm{"synonym", "nephros"}, SourceTerm{"synonym", "ren"},
+                                         SourceTerm{"SNOMED", "64033007"}, SourceTerm{"FMA", "7205"},
+                                         SourceTerm{"SNOMED modifier", "7771000"}));
+  EXPECT_THAT(items("ignored-columns"), IsEmpty());
+}
+
+TEST_F(TableDialects, ReadsNamesWithoutLabels) {
+  const auto list = names(
+      "Structure,SegmentedPropertyTypeCodeSequence.CodingSchemeDesignator,"
+      "SegmentedPropertyTypeCodeSequence.CodeValue,DicomRGBColor\n"
+      "aorta,SCT,15825003,\"216,108,54\"\nAorta,SCT,1,\n",
+      NamesFormat::kCsv);
+  EXPECT_THAT(summaries(list), ElementsAre("aorta #d86c36"));
+  EXPECT_FALSE(list[0].label);
+  EXPECT_THAT(list[0].terms, ElementsAre(SourceTerm{"SNOMED", "15825003"}));
+  EXPECT_THAT(items("duplicate-labels"), ElementsAre("\"Aorta\" at names.txt line 3"));
+}
+
+TEST_F(TableDialects, CountsColoursThatCannotBeRead) {
+  EXPECT_THAT(summaries(names("label,name,r,g,b\n1,A,255,foo,21\n2,B,1,2,3\n3,C,,,\n", NamesFormat::kCsv)),
+              ElementsAre("1 A", "2 B #010203", "3 C"));
+  EXPECT_THAT(items("bad-colors"), ElementsAre("names.txt line 2: \"255,foo,21\""));
+}
+
+TEST_F(TableDialects, RefusesTablesThatLackColumns) {
+  EXPECT_THAT(error("Name,Color_R,Color_G,Color_B\none,1,2,3\n"), HasSubstr("LabelValue is missing"));
+  EXPECT_THAT(error("LabelValue,Name,Color_R,Color_G\n1,one,1,2\n"),
+              HasSubstr("has 2 of the three colour columns red, green and blue; add the third"));
+  EXPECT_THAT(error("colour,weight\nred,2\n", NamesFormat::kCsv),
+              HasSubstr("no column has labels or names; call one \"label\" and one \"name\""));
+}
+
+TEST_F(TableDialects, ReadsTheHierarchy) {
+  const auto table = read("id,name,parent\n10,Brain,\n1,Left,10\n2,Leaf,Left\n");
+  ASSERT_TRUE(table) << table.error().message;
+  EXPECT_EQ(table->names.size(), 3u);
+  ASSERT_EQ(table->hierarchy.size(), 3u);
+  EXPECT_THAT(table->hierarchy[0].node->parents, IsEmpty());
+  EXPECT_THAT(table->hierarchy[1].node->parents, ElementsAre("id:10"));
+  EXPECT_THAT(table->hierarchy[2].node->parents, ElementsAre("id:1"));
+  EXPECT_EQ(table->hierarchy[2].node->label, 2);
+}
+
+}  // namespace
+}  // namespace splatlas

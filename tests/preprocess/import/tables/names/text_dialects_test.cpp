@@ -1,0 +1,111 @@
+// Dialects of lines: ITK-SNAP, 3D Slicer, FreeSurfer, MRIcron.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/preprocess/import/tables/names_cases.h"
+
+namespace splatlas {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+class TextDialects : public NamesTest {};
+
+TEST_F(TextDialects, ReadsItkSnap) {
+  EXPECT_THAT(summaries(names("################\r\n# ITK-SnAP Label Description File\r\n"
+                              "    0     0    0    0        0  0  0    \"Clear Label\"\r\n"
+                              "   17   255  128    0        0.5  1  1    \"Left, \t lower lobe\"\r\n"
+                              "614454277\t1\t2\t3\t1\t1\t1\t\"x\" rest",
+                              NamesFormat::kItkSnap)),
+              ElementsAre("614454277 x #010203"));  // a tab in a name is a fault
+  EXPECT_THAT(items("faulty-rows"), ElementsAre(HasSubstr("a tab")));
+  EXPECT_THAT(summaries(names("17 255 128 0 1 1 1 \"Left, lower lobe\"\n", NamesFormat::kItkSnap)),
+              ElementsAre("17 Left, lower lobe #ff8000"));
+}
+
+TEST_F(TextDialects, CountsFaultsOfItkSnap) {
+  const std::string good = "1 1 1 1 1 1 1 \"A\"\n2 2 2 2 1 1 1 \"B\"\n3 3 3 3 1 1 1 \"C\"\n";
+  EXPECT_EQ(names(good + "4 256 0 0 1 1 1 \"D\"\n", NamesFormat::kItkSnap).size(), 4u);
+  EXPECT_THAT(items("bad-colors"), ElementsAre("names.txt line 4: \"256 0 0\""));
+  EXPECT_EQ(names(good + "4 255 0 0 1 1 1 \"Open\n5 E\n", NamesFormat::kItkSnap).size(), 3u);
+  EXPECT_THAT(items("faulty-rows"), ElementsAre(HasSubstr("no closing quote"), HasSubstr("\"5 E\" is not")));
+}
+
+TEST_F(TextDialects, ReadsSlicersTables) {
+  EXPECT_THAT(summaries(names("# Color table file a.ctbl\n# 3 values\n0 zero 0 0 0 255\n1 Fallopian_tube 255 "
+                              "59 21 255\n2 5 41 84 255 255\n3 _ 1 1 1 255\n",
+                              NamesFormat::kCtbl)),
+              ElementsAre("1 Fallopian tube #ff3b15", "2 5 #2954ff", "3 Label 3 #010101"));
+  EXPECT_THAT(items("missing-names"), ElementsAre("3 (names.txt line 6)"));
+  EXPECT_THAT(summaries(names("5       Vagina  255   230   225   255\r\n", NamesFormat::kCtbl)),
+              ElementsAre("5 Vagina #ffe6e1"));
+  EXPECT_THAT(error("# Color procedural file x\n0 0 0 0\n"), HasSubstr("is a colour ramp"));
+}
+
+TEST_F(TextDialects, ReadsFreeSurfersTables) {
+  EXPECT_THAT(summaries(names("\n#No. Label Name:                            R   G   B   A\n\n"
+                              "0   Unknown                                 0   0   0   0\n"
+                              "17  Left-Hippocampus                        220 216 20  0\n"
+                              "902 Artery                                  255 0   0   255\n"
+                              "1001 ctx_lh_x 25 100 40 0 1",
+                              NamesFormat::kFreeSurfer)),
+              ElementsAre("17 Left-Hippocampus #dcd814", "902 Artery #ff0000", "1001 ctx_lh_x #196428"));
+}
+
+TEST_F(TextDialects, ReadsFastSurfersTables) {
+  EXPECT_THAT(
+      summaries(names("# Cerebellar parcellation labels\nID\tLabelName           \tR\tG\tB\tA\n"
+                      "0\tUnknown             \t0\t0\t0\t0\n1\tLeft_I_IV           \t70\t130\t180\t0\n",
+                      NamesFormat::kFreeSurfer)),
+      ElementsAre("1 Left_I_IV #4682b4"));
+}
+
+TEST_F(TextDialects, NeverTakesColoursForNames) {
+  for (const char* alpha : {" 0\n", " 255\n", "\n"}) {
+    const auto table = read(std::string("17 Left-Hippocampus 220 216 20") + alpha);
+    ASSERT_TRUE(table) << table.error().message;
+    EXPECT_THAT(summaries(table->names), ElementsAre(HasSubstr("ippocampus #dcd814")));
+  }
+  EXPECT_THAT(
+      summaries(names("1 A 9 9 9 0\n2 B 8 8 8 0\n3 C 300 0 0 0\n4 D 7 x 7 0\n", NamesFormat::kFreeSurfer)),
+      ElementsAre("1 A #090909", "2 B #080808", "3 C", "4 D"));
+  EXPECT_THAT(items("bad-colors"), ElementsAre(HasSubstr("300 0 0"), HasSubstr("4 D 7 x 7 0")));
+}
+
+TEST_F(TextDialects, ReadsAalsFile) {
+  const auto list = names("1 Precentral_L 2001\r\n2 Precentral_R 2002\r\n\r\n", NamesFormat::kMricron);
+  EXPECT_THAT(summaries(list), ElementsAre("1 Precentral_L", "2 Precentral_R"));
+  EXPECT_EQ(list[1].code, 2002);
+  EXPECT_EQ(list[1].line, 2u);
+}
+
+TEST_F(TextDialects, ReadsNamesOfSeveralWordsTabsAndQuotes) {
+  const auto list = names(
+      "\xef\xbb\xbf# a comment\n0\tUnclassified\n7\tMiddle cerebellar peduncle\n8 \"Lobule 5\"\n9 Lobule "
+      "5\n10 Noyau caudé\r11 x",
+      NamesFormat::kMricron);
+  EXPECT_THAT(summaries(list), ElementsAre("7 Middle cerebellar peduncle", "8 Lobule 5", "9 Lobule",
+                                           "10 Noyau caudé", "11 x"));
+  EXPECT_EQ(list[0].line, 3u);
+  EXPECT_FALSE(list[1].code);
+  EXPECT_EQ(list[2].code, 5);
+}
+
+TEST_F(TextDialects, TakesCommasInNamesOfLists) {
+  EXPECT_THAT(summaries(names("7 lobe, label\n8 x\n", NamesFormat::kMricron)),
+              ElementsAre("7 lobe, label", "8 x"));
+}
+
+TEST_F(TextDialects, CountsOpenQuotesOfLists) {
+  for (const std::string open : {"17 \"Left hippocampus", "17 Left \"hippocampus 4"}) {
+    EXPECT_EQ(names("3 A\n" + open + "\n", NamesFormat::kMricron).size(), 1u);
+    EXPECT_THAT(items("faulty-rows"), ElementsAre(HasSubstr("no closing quote; add it")));
+  }
+  EXPECT_THAT(summaries(names("4 one of the six other plain \"words\"\n", NamesFormat::kMricron)),
+              ElementsAre("4 one of the six other plain \"words\""));
+}
+
+}  // namespace
+}  // namespace splatlas
