@@ -107,7 +107,7 @@ class EntryReader {
         case ColumnRole::kSchemeCode: {
           const std::string& scheme = schemes[vocabulary];
           if (scheme.empty()) break;
-          add_term(entry, vocabulary.empty() ? scheme : scheme + " " + vocabulary, value);
+          add_term(entry, vocabulary.empty() ? scheme : fmt::format("{} {}", vocabulary, scheme), value);
           break;
         }
         case ColumnRole::kSynonym:

@@ -146,13 +146,13 @@ TEST_F(RealTables, AreRefusedWithAReason) {
 TEST_F(RealTables, HaveTermsOfTerminologies) {
   const NamesTable slicer = read("formats/names-slicer/ColorTestWithTerminology.csv");
   EXPECT_THAT(slicer.names[0].terms,
-              ElementsAre(SourceTerm{"SNOMED category", "123037004"}, SourceTerm{"SNOMED", "64033007"},
-                          SourceTerm{"SNOMED modifier", "7771000"}));
+              ElementsAre(SourceTerm{"category SNOMED", "123037004"}, SourceTerm{"SNOMED", "64033007"},
+                          SourceTerm{"modifier SNOMED", "7771000"}));
   const NamesTable table = read("totalseg/totalsegmentator_snomed_mapping.csv");
   ASSERT_EQ(table.names.size(), 170u);
   EXPECT_EQ(summary(table.names[2]), "aorta #d86c36");
   EXPECT_THAT(table.names[2].terms,
-              ElementsAre(SourceTerm{"SNOMED category", "123037004"}, SourceTerm{"SNOMED", "15825003"}));
+              ElementsAre(SourceTerm{"category SNOMED", "123037004"}, SourceTerm{"SNOMED", "15825003"}));
 }
 
 TEST_F(RealTables, HaveHierarchies) {

@@ -70,7 +70,7 @@ TEST_F(TableDialects, ReadsTermsOfOtherVocabularies) {
   EXPECT_THAT(list[0].terms, ElementsAre(SourceTerm{"de", "Niere"}, SourceTerm{"abbreviation", "LK"},
                                          SourceTerm{"synonym", "nephros"}, SourceTerm{"synonym", "ren"},
                                          SourceTerm{"SNOMED", "64033007"}, SourceTerm{"FMA", "7205"},
-                                         SourceTerm{"SNOMED modifier", "7771000"}));
+                                         SourceTerm{"modifier SNOMED", "7771000"}));
   EXPECT_THAT(items("ignored-columns"), IsEmpty());
 }
 
