@@ -36,7 +36,7 @@ Result<std::vector<TreeLine>> read_tree(const std::filesystem::path& path, Notes
   const NamesInput input{path, std::move(text), dialect->title};
   NamesCollector faults(input, notes);
   auto lines = dialect->read(input, faults);
-  if (lines)
+  if (lines && dialect->read != read_path_tree)
     notes.add(kTreeFormatNote, fmt::format("{} is read as {}", path.filename().string(), dialect->title));
   return lines;
 }
