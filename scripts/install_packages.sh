@@ -26,6 +26,8 @@ packages=(
   libinsighttoolkit5-dev   # preprocess: readers, segmentation
   libvtk9-dev              # preprocess: marching cubes, mesh files
   libbz2-dev               # preprocess: compressed NRRD
+  libdcmtk-dev             # preprocess: DICOM
+  libopenjp2-7-dev         # preprocess: JPEG 2000 in DICOM
   zlib1g-dev               # preprocess: checks compressed images; player: checksums of PNG
 
   libcli11-dev             # command lines
