@@ -27,6 +27,8 @@ packages=(
   libvtk9-dev              # preprocess: marching cubes, mesh files
   libexpat1-dev            # preprocess: GIFTI
   libbz2-dev               # preprocess: compressed NRRD
+  libdcmtk-dev             # preprocess: DICOM
+  libopenjp2-7-dev         # preprocess: JPEG 2000 in DICOM
   zlib1g-dev               # preprocess: checks compressed images; player: checksums of PNG
 
   libcli11-dev             # command lines

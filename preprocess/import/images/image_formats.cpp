@@ -6,6 +6,7 @@
 
 #include "format/system/ascii_text.h"
 #include "format/system/result_macros.h"
+#include "preprocess/import/dicom/import_dicom.h"
 #include "preprocess/import/images/nifti/read_nifti.h"
 #include "preprocess/import/images/read_itk_image.h"
 #include "preprocess/import/images/read_mgh.h"
@@ -68,6 +69,7 @@ constexpr std::array kFormats{
     ImageFormatEntry{"NRRD (.nrrd, .nhdr, .seg.nrrd)", is_nrrd, without_options<read_nrrd>},
     ImageFormatEntry{"MetaImage (.mha, .mhd)", is_meta_image, without_options<read_meta_image>},
     ImageFormatEntry{"FreeSurfer (.mgz, .mgh)", is_mgh, without_options<read_mgh>},
+    ImageFormatEntry{"DICOM (files or a folder)", is_dicom, import_dicom},
     ImageFormatEntry{"TIFF or PNG, one file or a folder of slices, with --spacing", is_picture_stack,
                      read_pictures},
 };
@@ -87,6 +89,14 @@ std::string remedy_for(const fs::path& path) {
   return "volumes and labels are read from " + list;
 }
 
+Result<const ImageFormatEntry*> known_format(const fs::path& path) {
+  if (!is_folder(path)) SPLATLAS_RETURN_IF_ERROR(check_regular_file(path));
+  const ImageFormatEntry* const format = find_image_format(path);
+  if (format != nullptr) return format;
+  if (is_folder(path)) return bad_file(path, "is a folder without images; {}", remedy_for(path));
+  return bad_file(path, "is of no known type; {}", remedy_for(path));
+}
+
 }  // namespace
 
 std::span<const ImageFormatEntry> image_formats() {
@@ -100,16 +110,14 @@ const ImageFormatEntry* find_image_format(const fs::path& path) {
 }
 
 Result<SourceImage> read_image_here(const fs::path& path, const ImageOptions& options) {
-  if (!is_folder(path)) SPLATLAS_RETURN_IF_ERROR(check_regular_file(path));
-  const ImageFormatEntry* const format = find_image_format(path);
-  if (format == nullptr && is_folder(path))
-    return bad_file(path, "is a folder without images; {}", remedy_for(path));
-  if (format == nullptr) return bad_file(path, "is of no known type; {}", remedy_for(path));
+  SPLATLAS_ASSIGN_OR_RETURN(const ImageFormatEntry* const format, known_format(path));
   return format->read(path, options);
 }
 
 Result<SourceImage> read_image(const fs::path& path, const ImageOptions& options) {
-  return run_isolated<SourceImage>(path, [&] { return read_image_here(path, options); });
+  SPLATLAS_ASSIGN_OR_RETURN(const ImageFormatEntry* const format, known_format(path));
+  if (format->read == import_dicom) load_dicom_dictionary();
+  return run_isolated<SourceImage>(path, [&] { return format->read(path, options); });
 }
 
 }  // namespace splatlas

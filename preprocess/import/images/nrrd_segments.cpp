@@ -28,7 +28,7 @@ std::optional<Rgb> color_of(const std::string& text) {
 void add_code(std::string_view code, const char* prefix, std::vector<SourceTerm>& terms) {
   const std::vector<std::string_view> parts = split(code, '^');
   if (parts.size() != 3 || parts[0].empty() || parts[1].empty()) return;
-  terms.push_back({prefix + std::string(parts[0]), std::string(parts[1])});
+  terms.push_back({prefix + vocabulary_of(parts[0]), std::string(parts[1])});
 }
 
 /// Terms of "TerminologyEntry:context~category~type~modifier~...|key:value|...".

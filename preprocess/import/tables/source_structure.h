@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "format/structure_graph.h"
@@ -11,6 +12,11 @@
 namespace splatlas {
 
 using SourceTerm = Term;
+
+/// The vocabulary of a coding scheme of DICOM: "SNOMED" for SCT, else the scheme itself.
+[[nodiscard]] inline std::string vocabulary_of(std::string_view scheme) {
+  return scheme == "SCT" ? "SNOMED" : std::string(scheme);
+}
 
 /// A structure before its placement in the graph. Its index in the list of these is its source number.
 struct SourceStructure {

@@ -103,7 +103,7 @@ class EntryReader {
       if (value.empty()) continue;
       switch (columns_[n].role) {
         case ColumnRole::kTerm: add_term(entry, vocabulary, value); break;
-        case ColumnRole::kScheme: schemes[vocabulary] = value == "SCT" ? "SNOMED" : value; break;
+        case ColumnRole::kScheme: schemes[vocabulary] = vocabulary_of(value); break;
         case ColumnRole::kSchemeCode: {
           const std::string& scheme = schemes[vocabulary];
           if (scheme.empty()) break;

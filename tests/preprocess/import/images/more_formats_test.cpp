@@ -266,7 +266,7 @@ TEST_F(MoreFormats, ReadsLayersAndSegmentsOfSlicer) {
     EXPECT_EQ(image.segments[0].structure.name, "left kidney");
     EXPECT_EQ(image.segments[0].structure.color, (Rgb{255, 128, 0}));
     EXPECT_THAT(image.segments[0].structure.terms,
-                ElementsAre(SourceTerm{"SCT", "64033007"}, SourceTerm{"modifier SCT", "7771000"}));
+                ElementsAre(SourceTerm{"SNOMED", "64033007"}, SourceTerm{"modifier SNOMED", "7771000"}));
     EXPECT_EQ(image.segments[1].layer, 1u);
   }
 }

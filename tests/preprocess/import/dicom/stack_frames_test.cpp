@@ -1,0 +1,153 @@
+// Order, geometry and completeness of DICOM series.
+#include <cmath>
+#include <numbers>
+
+#include "tests/preprocess/import/dicom/import_dicom_fixture.h"
+#include "tests/support/file_bytes.h"
+
+namespace splatlas {
+namespace {
+
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+TEST_F(ImportDicom, SlicesAreOrderedByPosition) {
+  write_series();
+  const SourceImage image = imported();
+  expect_ramps(image, 5);
+  EXPECT_EQ(image.grid.size, (Index3{8, 6, 5}));
+  // The file puts the spacing of rows first; along a row it is 0.25 mm.
+  EXPECT_EQ(image.grid.spacing_mm, (Vec3{0.25, 0.5, 2}));
+  EXPECT_EQ(image.grid.origin_lps_mm, (Vec3{-1, 2, 10}));
+  EXPECT_EQ(image.grid.direction_lps, (Matrix3{1, 0, 0, 0, 1, 0, 0, 0, 1}));
+  EXPECT_EQ(image.layers, 1u);
+  EXPECT_FALSE(image.is_segmentation);
+  EXPECT_THAT(notes_of(image), IsEmpty());
+}
+
+TEST_F(ImportDicom, AxesThatRunBackwardsKeepTheirDirection) {
+  for (int k = 0; k < 3; ++k) {
+    TestSlice slice = axial(k);
+    slice.axes = {-1, 0, 0, 0, 1, 0};  // the normal is -z
+    write_slice(slice, file(fmt::format("slice{}", k)));
+  }
+  const SourceImage image = imported();
+  EXPECT_EQ(image.grid.origin_lps_mm, (Vec3{-1, 2, 14}));
+  EXPECT_EQ(image.grid.direction_lps, (Matrix3{-1, 0, 0, 0, 1, 0, 0, 0, -1}));
+  EXPECT_EQ(image.voxels.as<std::int16_t>()[0], 200);
+}
+
+TEST_F(ImportDicom, ObliqueSlicesLieAlongTheirNormal) {
+  // Rows along (0.6, 0.8, 0), columns along (0, 0, -1): the normal is (-0.8, 0.6, 0).
+  for (int k = 0; k < 4; ++k) {
+    TestSlice slice = axial(k);
+    slice.axes = {0.6, 0.8, 0, 0, 0, -1};
+    slice.position = {5 - 0.8 * 3 * k, 6 + 0.6 * 3 * k, 7};
+    write_slice(slice, file(fmt::format("slice{}", (7 * k) % 5)));
+  }
+  const SourceImage image = imported();
+  expect_ramps(image, 4);
+  EXPECT_NEAR(image.grid.spacing_mm[2], 3, 1e-9);  // ten digits in the file
+  EXPECT_EQ(image.grid.origin_lps_mm, (Vec3{5, 6, 7}));
+  const Matrix3 expected{0.6, 0, -0.8, 0.8, 0, 0.6, 0, -1, 0};
+  for (std::size_t n = 0; n < 9; ++n) EXPECT_NEAR(image.grid.direction_lps[n], expected[n], 1e-12);
+  EXPECT_THAT(notes_of(image), IsEmpty());
+}
+
+TEST_F(ImportDicom, ATiltedStackHasAShearedGrid) {
+  const double angle = 15 * std::numbers::pi / 180;
+  const Vec3 step{0, -2.5 * std::sin(angle), 2.5 * std::cos(angle)};
+  for (int k = 0; k < 5; ++k) {
+    TestSlice slice = axial(k);
+    slice.position = {1, 2 + k * step[1], 3 + k * step[2]};
+    write_slice(slice, file(fmt::format("slice{}", k)));
+  }
+  const SourceImage image = imported();
+  expect_ramps(image, 5);
+  EXPECT_NEAR(image.grid.spacing_mm[2], 2.5, 1e-9);  // ten digits in the file
+  EXPECT_NEAR(image.grid.direction_lps[2], 0, 1e-9);
+  EXPECT_NEAR(image.grid.direction_lps[5], -std::sin(angle), 1e-9);
+  EXPECT_NEAR(image.grid.direction_lps[8], std::cos(angle), 1e-9);
+  const Vec3 last = index_to_lps_mm(image.grid).apply({0, 0, 4});
+  EXPECT_NEAR(last[1], 2 + 4 * step[1], 1e-8);
+  EXPECT_NEAR(last[2], 3 + 4 * step[2], 1e-8);
+  EXPECT_THAT(notes_of(image), ElementsAre("1 stack of slices is tilted; its grid is sheared: 15.0 degrees"));
+}
+
+TEST_F(ImportDicom, AMissingSliceIsAnErrorWithItsPlace) {
+  write_series();
+  std::filesystem::remove(file("slice7"));  // z = 14
+  EXPECT_THAT(import(),
+              FailsWith(ErrorCode::kFailed,
+                        AllOf(HasSubstr("lacks 1 slice at steps of 2 mm, from (-1, 2, 12) to (-1, 2, 16)"),
+                              HasSubstr("dcm2niix"))));
+}
+
+TEST_F(ImportDicom, UnevenStepsAreAnErrorWithTheirPlace) {
+  write_series();
+  TestSlice slice = axial(5);
+  slice.position[2] = 20.5;
+  write_slice(slice, file("slice0"));
+  EXPECT_THAT(import(), FailsWith(ErrorCode::kFailed,
+                                  AllOf(HasSubstr("most are 2 mm, but not (-1, 2, 18) to (-1, 2, 20.5)"),
+                                        HasSubstr("dcm2niix"))));
+}
+
+TEST_F(ImportDicom, RoundedPositionsAreEven) {
+  for (int k = 0; k < 5; ++k) {
+    TestSlice slice = axial(k);
+    slice.position[2] = std::round(100 * 0.625 * k) / 100;  // 0.63, 1.25, 1.88, 2.5
+    write_slice(slice, file(fmt::format("slice{}", k)));
+  }
+  EXPECT_NEAR(imported().grid.spacing_mm[2], 0.625, 1e-12);
+}
+
+TEST_F(ImportDicom, ASliceBesideTheOthersIsAnError) {
+  write_series();
+  TestSlice slice = axial(2);
+  slice.position[0] = 1;
+  write_slice(slice, file("slice7"));
+  EXPECT_THAT(import(),
+              FailsWith(ErrorCode::kFailed, HasSubstr("a slice at (1, 2, 14) that is 2 mm off the line")));
+}
+
+TEST_F(ImportDicom, TheFirstOfDuplicatesIsKept) {
+  write_series();
+  TestSlice copy = axial(3);
+  copy.stored = ramp(77);
+  write_slice(copy, file("slice99"));
+  copy.position = axial(1).position;
+  write_slice(copy, file("slice98"));
+  const SourceImage image = imported();
+  expect_ramps(image, 5);
+  EXPECT_THAT(notes_of(image),
+              ElementsAre("2 slices repeat others' positions and are ignored: (-1, 2, 12), (-1, 2, 16)"));
+}
+
+TEST_F(ImportDicom, OneSliceHasItsThickness) {
+  TestSlice slice = axial(0);
+  slice.texts = {{{0x0018, 0x0050}, "1.5"}};
+  write_slice(slice, file("a"));
+  EXPECT_EQ(imported().grid.spacing_mm[2], 1.5);
+  slice.texts.clear();
+  write_slice(slice, file("a"));
+  const SourceImage image = imported();
+  EXPECT_EQ(image.grid.spacing_mm[2], 1);
+  EXPECT_THAT(notes_of(image), ElementsAre("1 slice has no thickness; 1 mm is assumed: (-1, 2, 10)"));
+}
+
+TEST_F(ImportDicom, FramesOfAFileAreOrderedByPosition) {
+  std::vector<TestFrame> frames;
+  for (const int k : {3, 0, 4, 1, 2}) frames.push_back({{0, 0, 3. * k}, 1, 0, "ORIGINAL\\PRIMARY", ramp(k)});
+  write_enhanced(frames, file("a"));
+  const SourceImage image = imported();
+  ASSERT_EQ(image.voxels.type, VoxelType::kUInt16);
+  for (std::size_t v = 0; v < 5 * TestSlice::kPixels; ++v)
+    ASSERT_EQ(image.voxels.as<std::uint16_t>()[v], 100 * (v / TestSlice::kPixels) + v % TestSlice::kPixels);
+  EXPECT_EQ(image.grid.spacing_mm, (Vec3{0.5, 0.5, 3}));
+}
+
+}  // namespace
+}  // namespace splatlas
