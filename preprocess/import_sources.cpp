@@ -165,19 +165,21 @@ class SourceImporter {
   Result<void> place_volume() {
     if (!volume_) return {};
     if (files_.labels.empty()) model_.source_grid = volume_->grid;
-    if (const auto same =
-            check_same_grid(model_.source_grid, labels_source_, volume_->grid, files_.volume.string());
-        !same) {
+    if (!have_same_voxels(model_.source_grid, volume_->grid)) {
+      const std::string difference =
+          check_same_grid(model_.source_grid, labels_source_, volume_->grid, files_.volume.string())
+              .error()
+              .message;
       if (!(overlap(model_.source_grid, volume_->grid) > 0)) {
         return fail(ErrorCode::kFailed,
-                    "{}, and they do not overlap; were they made of one patient and frame?",
-                    same.error().message);
+                    "{}, and they do not overlap; were they made of one patient and frame?", difference);
       }
       notes_.add(kVolumeResampled, fmt::format("{} ({}; --resample volume keeps its grid instead)",
-                                               files_.volume.string(), same.error().message));
+                                               files_.volume.string(), difference));
       volume_->voxels = resample_linear(*volume_, model_.source_grid);
+      volume_->grid = model_.source_grid;
     }
-    model_.values = to_storage_order(std::move(volume_->voxels), model_.source_grid);
+    model_.values = to_storage_order(std::move(volume_->voxels), volume_->grid);
     return remember("volume", files_.volume);
   }
 
@@ -205,14 +207,15 @@ class SourceImporter {
     SPLATLAS_ASSIGN_OR_RETURN(Image image,
                               import_image(rule.mask, {.spacing_mm = files_.spacing_mm}, notes_));
     if (model_.source_grid.voxels() == 0) model_.source_grid = image.grid;
-    if (!check_same_grid(model_.source_grid, "", image.grid, "")) {
+    if (!have_same_voxels(model_.source_grid, image.grid)) {
       if (!(overlap(image.grid, model_.source_grid) > 0))
         return bad_file(rule.mask, "lies outside the grid of the other files");
       notes_.add(kMaskResampled, rule.name);
       image.voxels = resample_nearest(image, model_.source_grid);
+      image.grid = model_.source_grid;
     }
     SPLATLAS_RETURN_IF_ERROR(remember("segment", rule.mask));
-    return mask_of(to_storage_order(std::move(image.voxels), model_.source_grid));
+    return mask_of(to_storage_order(std::move(image.voxels), image.grid));
   }
 
   Result<void> import_meshes() {

@@ -72,6 +72,10 @@ Result<void> check_same_grid(const Grid& a, const std::string& name_of_a, const 
   return {};
 }
 
+bool have_same_voxels(const Grid& a, const Grid& b) {
+  return check_same_grid(reordered(a, storage_order(a)), "", reordered(b, storage_order(b)), "").has_value();
+}
+
 VoxelBuffer to_storage_order(VoxelBuffer voxels, const Grid& source_grid) {
   const AxisOrder order = storage_order(source_grid);
   if (order.is_identity()) return voxels;

@@ -24,6 +24,9 @@ struct Image {
 /// The same without options and notes.
 [[nodiscard]] Result<Image> import_image(const std::filesystem::path& path);
 
+/// True if two grids have the same voxels, in whatever order of axes, within 0.01 voxels.
+[[nodiscard]] bool have_same_voxels(const Grid& a, const Grid& b);
+
 /// kFailed, with both values, if two grids differ: in size, or in the positions of their voxels by more than
 /// 0.01 voxels.
 [[nodiscard]] Result<void> check_same_grid(const Grid& a, const std::string& name_of_a, const Grid& b,

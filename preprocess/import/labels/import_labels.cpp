@@ -59,7 +59,7 @@ Result<ImportedLabels> import_labels(const fs::path& path, const ImageOptions& o
   const ImageFormatEntry* const format = find_image_format(path);
   if (format == nullptr && fs::is_directory(path, unreadable)) return import_mask_folder(path, grid);
   SPLATLAS_ASSIGN_OR_RETURN(SourceImage image, read_image(path, options));
-  const bool is_resampled = grid && !check_same_grid(*grid, "", image.grid, "");
+  const bool is_resampled = grid && !have_same_voxels(*grid, image.grid);
   SourceImage moved = is_resampled ? resample_nearest(image, *grid) : SourceImage();
   SPLATLAS_ASSIGN_OR_RETURN(ImportedLabels labels, read_structures(std::move(image), path.string()));
   if (is_resampled) {

@@ -75,8 +75,8 @@ Result<Grid> most_frequent_grid(const std::vector<fs::path>& files) {
   std::vector<std::pair<Grid, std::size_t>> grids;
   for (const fs::path& file : files) {
     SPLATLAS_ASSIGN_OR_RETURN(const Image image, import_image(file));
-    const auto known = std::ranges::find_if(
-        grids, [&](const auto& one) { return check_same_grid(one.first, "", image.grid, "").has_value(); });
+    const auto known =
+        std::ranges::find_if(grids, [&](const auto& one) { return have_same_voxels(one.first, image.grid); });
     if (known != grids.end()) {
       ++known->second;
     } else {
@@ -123,7 +123,7 @@ class MaskFolder {
     if (const auto [other, is_new] = file_of_name_.emplace(name_key(name), file); !is_new)
       return bad_file(file, "names the same structure as {}", other->second.string());
     if (kind == MaskKind::kSeveralValues) labels_.notes.add(kWithSeveralValues, name);
-    if (!check_same_grid(labels_.source_grid, "", image.grid, "")) {
+    if (!have_same_voxels(labels_.source_grid, image.grid)) {
       is_resampled_ = true;
       labels_.notes.add(kResampled, name);
       image.voxels = resample_nearest(image, labels_.source_grid);
@@ -131,7 +131,7 @@ class MaskFolder {
     }
     const std::uint64_t count =
         labels_.memberships.add(static_cast<StructureIndex>(counts_.size()),
-                                mask_of(to_storage_order(std::move(image.voxels), labels_.source_grid)));
+                                mask_of(to_storage_order(std::move(image.voxels), image.grid)));
     if (count == 0) {  // outside the grid
       labels_.notes.add(kEmptyMasks, name);
       return {};
@@ -168,7 +168,7 @@ Result<ImportedLabels> import_mask_folder(const fs::path& folder, const std::opt
   SPLATLAS_ASSIGN_OR_RETURN(ImportedLabels labels, masks.import(grid));
   if (masks.is_resampled() && !grid) {
     SPLATLAS_ASSIGN_OR_RETURN(const Grid frequent, most_frequent_grid(files));
-    if (!check_same_grid(labels.source_grid, "", frequent, "")) {
+    if (!have_same_voxels(labels.source_grid, frequent)) {
       SPLATLAS_ASSIGN_OR_RETURN(labels, MaskFolder(files).import(frequent));
     }
   }
