@@ -1,6 +1,7 @@
 #include "preprocess/import_sources.h"
 
 #include <map>
+#include <set>
 #include <span>
 
 #include <fmt/format.h>
@@ -8,7 +9,9 @@
 
 #include "format/system/ascii_text.h"
 #include "format/system/result_macros.h"
+#include "preprocess/fit_grid.h"
 #include "preprocess/import/file_hash.h"
+#include "preprocess/import/images/brainglobe_folder.h"
 #include "preprocess/import/images/import_image.h"
 #include "preprocess/import/import_error.h"
 #include "preprocess/import/isolation/read_tables.h"
@@ -17,7 +20,6 @@
 #include "preprocess/import/resample.h"
 #include "preprocess/import/tables/read_names.h"
 #include "preprocess/import/tables/structure_name.h"
-#include "preprocess/import/widen_grid.h"
 
 namespace splatlas {
 namespace {
@@ -36,8 +38,20 @@ const NoteKind kDegenerate{"degenerate-triangles", "surface has triangles withou
 const NoteKind kOutside{"surfaces-outside", "surface is partly outside the volume, and cut off there",
                         "surfaces are partly outside the volume, and cut off there", true};
 
-const NoteKind kWidened{"widened-grid", "grid is widened for surfaces", "grids are widened for surfaces",
-                        false};
+/// Drops the names of groups of the table's hierarchy: they have no voxels of their own.
+void drop_groups(NamesTable& table, std::span<const SourceStructure> structures) {
+  std::set<std::string> parents;
+  for (const TreeLine& line : table.hierarchy) {
+    if (line.node) parents.insert(line.node->parents.begin(), line.node->parents.end());
+  }
+  std::set<std::int64_t> groups;
+  for (const TreeLine& line : table.hierarchy) {
+    if (line.node && line.node->label && parents.contains(line.node->key)) groups.insert(*line.node->label);
+  }
+  for (const SourceStructure& structure : structures) groups.erase(structure.label.value_or(0));
+  std::erase_if(table.names,
+                [&](const LabelName& name) { return name.label && groups.contains(*name.label); });
+}
 
 /// Imports the files into a SourceModel, kind by kind.
 class SourceImporter {
@@ -136,6 +150,7 @@ class SourceImporter {
     if (!files_.names.empty()) {
       SPLATLAS_ASSIGN_OR_RETURN(NamesTable table,
                                 read_names_isolated(files_.names, files_.names_format, notes_));
+      drop_groups(table, labels.structures);
       name_labels(labels, {table.names.begin(), table.names.end()}, files_.allow_empty);
       if (files_.tree.empty() && !table.hierarchy.empty()) {
         model_.tree = std::move(table.hierarchy);
@@ -221,7 +236,7 @@ class SourceImporter {
   Result<void> import_meshes() {
     if (files_.meshes.empty()) return {};
     std::vector<TriangleMesh> meshes;
-    const std::optional<MmBox> labelled = labelled_box();
+    const std::optional<MmBox> labelled = labelled_box(model_);
     for (const MeshSource& source : files_.meshes) {
       SPLATLAS_ASSIGN_OR_RETURN(TriangleMesh mesh, place_mesh(source, labelled, notes_));
       if (mesh.dropped > 0) {
@@ -230,7 +245,7 @@ class SourceImporter {
       }
       meshes.push_back(std::move(mesh));
     }
-    SPLATLAS_RETURN_IF_ERROR(fit_grid(meshes));
+    SPLATLAS_RETURN_IF_ERROR(fit_grid(model_, meshes, files_.fit_grid, notes_));
     for (std::size_t n = 0; n < meshes.size(); ++n)
       SPLATLAS_RETURN_IF_ERROR(add_mesh(files_.meshes[n], meshes[n]));
     return {};
@@ -257,77 +272,6 @@ class SourceImporter {
     return remember("mesh", source.file);
   }
 
-  /// The box of the labelled voxels; of the grid where there are none; nothing without a grid.
-  [[nodiscard]] std::optional<MmBox> labelled_box() const {
-    if (model_.source_grid.voxels() == 0) return std::nullopt;
-    const Grid grid = storage_grid();
-    IndexBox box;
-    const auto voxels = model_.memberships.voxels();
-    for (std::int64_t k = 0; k < grid.size[2]; ++k) {
-      for (std::int64_t j = 0; j < grid.size[1]; ++j) {
-        for (std::int64_t i = 0; i < grid.size[0]; ++i) {
-          if (voxels[static_cast<std::size_t>(grid.offset(i, j, k))] != 0) box.include(Index3{i, j, k});
-        }
-      }
-    }
-    if (box.empty()) box = {{0, 0, 0}, {grid.size[0] - 1, grid.size[1] - 1, grid.size[2] - 1}};
-    const Affine to_mm = index_to_lps_mm(grid);
-    MmBox result{to_mm.apply({0, 0, 0}), to_mm.apply({0, 0, 0})};
-    for (int corner = 0; corner < 8; ++corner) {
-      Vec3 index;
-      for (std::size_t a = 0; a < 3; ++a)
-        index[a] = static_cast<double>((corner >> a & 1) != 0 ? box.last[a] : box.first[a]);
-      const Vec3 mm = to_mm.apply(index);
-      for (std::size_t a = 0; a < 3; ++a) {
-        result.low[a] = corner == 0 ? mm[a] : std::min(result.low[a], mm[a]);
-        result.high[a] = corner == 0 ? mm[a] : std::max(result.high[a], mm[a]);
-      }
-    }
-    return result;
-  }
-
-  /// Widens the grid to hold the meshes, or makes one around them if there is none.
-  Result<void> fit_grid(const std::vector<TriangleMesh>& meshes) {
-    if (model_.source_grid.voxels() == 0) {
-      model_.source_grid = grid_around(meshes);
-      model_.memberships = MembershipVolume(storage_grid().size);
-      return {};
-    }
-    const Grid grid = storage_grid();
-    const Margin margin = files_.fit_grid ? margin_for(grid, meshes) : Margin{};
-    if (margin.empty()) return {};
-    const Grid wide = widened(grid, margin);
-    constexpr double kMostGrowth = 8;
-    const auto voxels = [](const Grid& g) {
-      return static_cast<double>(g.size[0]) * static_cast<double>(g.size[1]) * static_cast<double>(g.size[2]);
-    };
-    if (voxels(wide) > kMostGrowth * voxels(grid)) {
-      return fail(
-          ErrorCode::kLimit,
-          "--fit-grid: the surfaces would widen the grid from {} to {} voxels; check their frames and scales",
-          fmt::join(grid.size, "x"), fmt::join(wide.size, "x"));
-    }
-    model_.memberships.widen(margin);
-    for (SourceModel::Segment& segment : model_.segments) {
-      if (!segment.mask.empty())
-        segment.mask = splatlas::widened<std::uint8_t>(segment.mask, grid.size, margin, 0);
-    }
-    if (!model_.values.empty()) {
-      visit_voxel_type(model_.values.type, [&]<typename T>(T) {
-        const std::span<const T> values(model_.values.as<T>(), static_cast<std::size_t>(grid.voxels()));
-        const std::vector<T> wider =
-            splatlas::widened<T>(values, grid.size, margin, std::ranges::min(values));
-        const auto bytes = std::as_bytes(std::span(wider));
-        model_.values.bytes.assign(bytes.begin(), bytes.end());
-      });
-    }
-    notes_.add(kWidened,
-               fmt::format("from {} to {} voxels", fmt::join(grid.size, "x"), fmt::join(wide.size, "x")));
-    model_.source_grid =
-        widened(model_.source_grid, before_reordering(margin, storage_order(model_.source_grid)));
-    return {};
-  }
-
   [[nodiscard]] Grid storage_grid() const {
     return reordered(model_.source_grid, storage_order(model_.source_grid));
   }
@@ -342,6 +286,15 @@ class SourceImporter {
   std::map<std::string, std::string> option_of_name_;  // by name_key
 };
 
+/// Replaces a BrainGlobe folder by its files.
+SourceFiles without_folders(SourceFiles files) {
+  if (is_brainglobe_folder(files.volume)) files.volume /= "reference.tiff";
+  if (!is_brainglobe_folder(files.labels)) return files;
+  if (files.names.empty()) files.names = files.labels / "structures.json";
+  files.labels /= "annotation.tiff";
+  return files;
+}
+
 }  // namespace
 
 Result<SourceModel> import_sources(const SourceFiles& files, Notes& notes,
@@ -352,7 +305,8 @@ Result<SourceModel> import_sources(const SourceFiles& files, Notes& notes,
   if (files.labels.empty() && (!files.names.empty() || !files.colors.empty())) {
     return fail(ErrorCode::kUsage, "--names and --colors need --labels");
   }
-  return SourceImporter(files, notes, progress).import();
+  const SourceFiles single = without_folders(files);
+  return SourceImporter(single, notes, progress).import();
 }
 
 std::vector<fs::path> list_files(const SourceFiles& files) {

@@ -25,6 +25,7 @@ packages=(
 
   libinsighttoolkit5-dev   # preprocess: readers, segmentation
   libvtk9-dev              # preprocess: marching cubes, mesh files
+  libtiff-dev              # preprocess: TIFF
   libexpat1-dev            # preprocess: GIFTI
   libbz2-dev               # preprocess: compressed NRRD
   libdcmtk-dev             # preprocess: DICOM

@@ -22,7 +22,7 @@ static_assert(std::endian::native == std::endian::little, "MGH files are big-end
 
 constexpr std::size_t kHeaderBytes = 284;
 
-const NoteKind kNoOrientation{
+const NoteKind kNoMghOrientation{
     "no-orientation-mgh", "MGH file has no orientation; FreeSurfer's default (coronal, 1 mm) is used",
     "MGH files have no orientation; FreeSurfer's default (coronal, 1 mm) is used", true};
 
@@ -35,7 +35,7 @@ T number_at(std::span<const std::byte> header, std::size_t offset) {
   return value;
 }
 
-Result<VoxelType> type_of(std::int32_t type, const fs::path& path) {
+Result<VoxelType> mgh_type(std::int32_t type, const fs::path& path) {
   switch (type) {
     case 0: return VoxelType::kUInt8;
     case 1: return VoxelType::kInt32;
@@ -47,8 +47,8 @@ Result<VoxelType> type_of(std::int32_t type, const fs::path& path) {
 }
 
 /// The affine from indices to RAS mm: spacing, axes and the position of the centre, index size / 2.
-Result<Grid> grid_of(std::span<const std::byte> header, const Index3& size, const fs::path& path,
-                     Notes& notes) {
+Result<Grid> mgh_grid(std::span<const std::byte> header, const Index3& size, const fs::path& path,
+                      Notes& notes) {
   std::array<float, 3> spacing{1, 1, 1}, center{0, 0, 0};
   std::array<float, 9> axes{-1, 0, 0, 0, 0, -1, 0, 1, 0};  // x, y and z, each as r, a and s
   if (number_at<std::int16_t>(header, 28) > 0) {
@@ -56,7 +56,7 @@ Result<Grid> grid_of(std::span<const std::byte> header, const Index3& size, cons
     for (std::size_t n = 0; n < 9; ++n) axes[n] = number_at<float>(header, 42 + 4 * n);
     for (std::size_t n = 0; n < 3; ++n) center[n] = number_at<float>(header, 78 + 4 * n);
   } else {
-    notes.add(kNoOrientation, path.string());
+    notes.add(kNoMghOrientation, path.string());
   }
   std::array<double, 12> affine{};
   for (std::size_t row = 0; row < 3; ++row) {
@@ -94,13 +94,13 @@ Result<SourceImage> read_mgh(const fs::path& path) {
     return bad_file(path, "holds {} values of the vertices of a surface, and no volume", sizes[0]);
 
   SourceImage image;
-  SPLATLAS_ASSIGN_OR_RETURN(image.voxels.type, type_of(number_at<std::int32_t>(header, 20), path));
+  SPLATLAS_ASSIGN_OR_RETURN(image.voxels.type, mgh_type(number_at<std::int32_t>(header, 20), path));
   SPLATLAS_ASSIGN_OR_RETURN(const std::uint64_t bytes,
                             payload_bytes(path, sizes, bytes_of(image.voxels.type)));
   SPLATLAS_RETURN_IF_ERROR(
       check_raw_payload(path, 0, bytes / (file.is_compressed() ? kMaxDeflateRatio : 1), bytes));
   image.layers = static_cast<std::size_t>(sizes[3]);
-  SPLATLAS_ASSIGN_OR_RETURN(image.grid, grid_of(header, {sizes[0], sizes[1], sizes[2]}, path, image.notes));
+  SPLATLAS_ASSIGN_OR_RETURN(image.grid, mgh_grid(header, {sizes[0], sizes[1], sizes[2]}, path, image.notes));
   SPLATLAS_ASSIGN_OR_RETURN(image.voxels.bytes, file.read(kHeaderBytes, bytes));
   SPLATLAS_RETURN_IF_ERROR(file.check_end());
   swap_bytes(image.voxels.bytes, bytes_of(image.voxels.type));

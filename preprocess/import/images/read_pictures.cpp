@@ -1,19 +1,19 @@
 #include "preprocess/import/images/read_pictures.h"
 
 #include <algorithm>
-#include <cctype>
+#include <optional>
 #include <string>
 #include <utility>
 
-#include <fmt/ranges.h>
 #include <itkPNGImageIO.h>
-#include <itkTIFFImageIO.h>
 
 #include "format/system/ascii_text.h"
 #include "format/system/result_macros.h"
+#include "preprocess/import/images/brainglobe_folder.h"
 #include "preprocess/import/images/check_image_file.h"
 #include "preprocess/import/images/image_io.h"
 #include "preprocess/import/images/itk_call.h"
+#include "preprocess/import/images/read_tiff.h"
 #include "preprocess/import/import_error.h"
 #include "preprocess/import/isolation/run_isolated.h"
 
@@ -22,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const NoteKind kAssumedFrame{
+const NoteKind kAssumedPictureFrame{
     "no-orientation-pictures",
     "stack of pictures has no orientation and is read with x to the left, y to the back, z upwards",
     "stacks of pictures have no orientation and are read with x to the left, y to the back, z upwards", true};
@@ -65,40 +65,45 @@ std::vector<fs::path> list_pictures(const fs::path& path) {
   return files;
 }
 
-itk::ImageIOBase::Pointer io_for(const fs::path& file) {
-  if (to_lower(file.extension().string()) == ".png") return itk::PNGImageIO::New().GetPointer();
-  return itk::TIFFImageIO::New().GetPointer();
-}
-
-/// Appends the slices of a file.
-Result<void> add_picture(const fs::path& file, SourceImage& image) {
-  report_child_progress(file);
-  const itk::ImageIOBase::Pointer io = io_for(file);
+Result<SourceImage> read_png(const fs::path& file) {
+  const itk::PNGImageIO::Pointer io = itk::PNGImageIO::New();
   if (!io->CanReadFile(file.c_str())) return bad_file(file, "is not the picture that its ending says");
   io->SetFileName(file.string());
   io->ReadImageInformation();
   if (io->GetNumberOfComponents() != 1 || io->GetPixelType() != itk::IOPixelEnum::SCALAR)
     return bad_file(file, "holds colours or a palette; convert it to grey numbers of 8 or 16 bits");
-  const VoxelType type = voxel_type_of(io->GetComponentType());
-  if (type == VoxelType::kNone)
-    return bad_pixel_type(file, "type " + itk::ImageIOBase::GetComponentTypeAsString(io->GetComponentType()));
-  const Grid grid = grid_of(*io);
-  const bool is_first = image.voxels.empty();
-  if (!is_first && (type != image.voxels.type || grid.size[0] != image.grid.size[0] ||
-                    grid.size[1] != image.grid.size[1])) {
-    return bad_file(file, "has {} {} pixels, but the pictures before have {} {}", fmt::join(grid.size, "x"),
-                    name_of(type), fmt::join(image.grid.size, "x"), name_of(image.voxels.type));
-  }
-  const std::int64_t slices = is_first ? grid.size[2] : image.grid.size[2] + grid.size[2];
-  image.grid.size = {grid.size[0], grid.size[1], slices};
-  image.voxels.type = type;
-  SPLATLAS_ASSIGN_OR_RETURN(const std::uint64_t all, payload_bytes(file, image.grid.size, bytes_of(type)));
-  const std::size_t before = image.voxels.bytes.size();
-  image.voxels.bytes.resize(all);
-  itk::ImageIORegion region(io->GetNumberOfDimensions());
-  for (unsigned a = 0; a < io->GetNumberOfDimensions(); ++a) region.SetSize(a, io->GetDimensions(a));
+  SourceImage image;
+  image.grid.size = {static_cast<std::int64_t>(io->GetDimensions(0)),
+                     static_cast<std::int64_t>(io->GetDimensions(1)), 1};
+  image.voxels.type = voxel_type_of(io->GetComponentType());
+  SPLATLAS_ASSIGN_OR_RETURN(const std::uint64_t bytes,
+                            payload_bytes(file, image.grid.size, bytes_of(image.voxels.type)));
+  image.voxels.bytes.resize(bytes);
+  itk::ImageIORegion region(2);
+  for (unsigned a = 0; a < 2; ++a) region.SetSize(a, io->GetDimensions(a));
   io->SetIORegion(region);
-  io->Read(&image.voxels.bytes[before]);
+  io->Read(image.voxels.bytes.data());
+  return image;
+}
+
+/// Appends the slices of a file.
+Result<void> add_picture(const fs::path& file, SourceImage& image) {
+  report_child_progress(file);
+  const bool is_png = to_lower(file.extension().string()) == ".png";
+  SPLATLAS_ASSIGN_OR_RETURN(SourceImage next, is_png ? read_png(file) : read_tiff(file));
+  if (image.voxels.empty()) {
+    image = std::move(next);
+    return {};
+  }
+  if (next.voxels.type != image.voxels.type || next.grid.size[0] != image.grid.size[0] ||
+      next.grid.size[1] != image.grid.size[1]) {
+    return bad_file(file, "has {} x {} {} pixels, but the pictures before have {} x {} {}", next.grid.size[0],
+                    next.grid.size[1], name_of(next.voxels.type), image.grid.size[0], image.grid.size[1],
+                    name_of(image.voxels.type));
+  }
+  image.grid.size[2] += next.grid.size[2];
+  SPLATLAS_RETURN_IF_ERROR(payload_bytes(file, image.grid.size, bytes_of(image.voxels.type)));
+  image.voxels.bytes.insert(image.voxels.bytes.end(), next.voxels.bytes.begin(), next.voxels.bytes.end());
   return {};
 }
 
@@ -110,16 +115,25 @@ bool is_picture(const fs::path& path) {
 }
 
 Result<SourceImage> read_pictures(const fs::path& path, const ImageOptions& options) {
+  std::optional<PictureFrame> frame;
   if (!options.spacing_mm) {
-    return fail(ErrorCode::kUsage,
-                "{}: pictures hold no distances; give the voxels' size in mm: --spacing X,Y,Z",
-                path.string());
+    SPLATLAS_ASSIGN_OR_RETURN(frame, brainglobe_frame(path));
+    if (!frame) {
+      return fail(ErrorCode::kUsage,
+                  "{}: pictures hold no distances; give the voxels' size in mm: --spacing X,Y,Z",
+                  path.string());
+    }
   }
   return call_itk(path.string(), [&]() -> Result<SourceImage> {
     SourceImage image;
     for (const fs::path& file : list_pictures(path)) SPLATLAS_RETURN_IF_ERROR(add_picture(file, image));
-    image.grid.spacing_mm = *options.spacing_mm;
-    image.notes.add(kAssumedFrame, path.string());
+    if (frame) {
+      image.grid.spacing_mm = frame->spacing_mm;
+      image.grid.direction_lps = frame->direction_lps;
+    } else {
+      image.grid.spacing_mm = *options.spacing_mm;
+      image.notes.add(kAssumedPictureFrame, path.string());
+    }
     SPLATLAS_RETURN_IF_ERROR(validate(image.grid, path.string()));
     return image;
   });

@@ -18,8 +18,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const NoteKind kResampled{"resampled-structures", "structure is resampled to the grid of the volume",
-                          "structures are resampled to the grid of the volume", true};
+const NoteKind kResampledStructures{"resampled-structures",
+                                    "structure is resampled to the grid of the volume",
+                                    "structures are resampled to the grid of the volume", true};
 
 Result<ImportedLabels> read_structures(SourceImage image, const std::string& name) {
   return image.is_segmentation ? read_segments(std::move(image), name)
@@ -45,9 +46,10 @@ void note_changes(const ImportedLabels& before, ImportedLabels& after) {
   auto counts = count_voxels(after);
   for (const auto& [structure, voxels] : count_voxels(before)) {
     const std::uint64_t now = counts[structure];
-    after.notes.add(kResampled, fmt::format("{} ({} voxels, {:.4g} ml, become {} voxels, {:.4g} ml)",
-                                            structure.first, voxels, static_cast<double>(voxels) * ml_before,
-                                            now, static_cast<double>(now) * ml_after));
+    after.notes.add(
+        kResampledStructures,
+        fmt::format("{} ({} voxels, {:.4g} ml, become {} voxels, {:.4g} ml)", structure.first, voxels,
+                    static_cast<double>(voxels) * ml_before, now, static_cast<double>(now) * ml_after));
   }
 }
 

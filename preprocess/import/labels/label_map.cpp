@@ -25,8 +25,9 @@ const NoteKind kUnnamed{"unnamed-labels", "label has no name and is called \"Lab
                         "labels have no names and are called \"Label N\"", true};
 const NoteKind kUnused{"names-without-voxels", "name has no voxel and is dropped",
                        "names have no voxels and are dropped", true};
-const NoteKind kBadName{"bad-names", "name in an image file cannot be used; its label is called \"Label N\"",
-                        "names in an image file cannot be used; their labels are called \"Label N\"", true};
+const NoteKind kBadHeaderName{
+    "bad-names", "name in an image file cannot be used; its label is called \"Label N\"",
+    "names in an image file cannot be used; their labels are called \"Label N\"", true};
 
 /// The label of a voxel value; nothing for an invalid one.
 template <typename T>
@@ -72,26 +73,28 @@ Result<FoundLabels> find_labels(const VoxelBuffer& image, const std::string& nam
   return found;
 }
 
-/// Grey values: neighbours along a row mostly differ. Regions of label maps, even of one in the size of 8 mm,
-/// do not.
+/// Grey values: neighbours along a row mostly differ, or values have few voxels each. Neither holds for label
+/// maps, even with voxels of 8 mm.
 Result<void> check_no_grey(const FoundLabels& found, const Index3& size, const std::string& name) {
   constexpr std::size_t kMinValues = 64;
   constexpr double kMaxEqual = 0.4;
+  constexpr std::uint64_t kMinVoxelsEach = 8;  // of a label, in the mean
   if (found.labels.size() < kMinValues) return {};
-  std::uint64_t pairs = 0, equal = 0;
+  std::uint64_t pairs = 0, equal = 0, inside = found.voxels[0] != 0 ? 1 : 0;
   const auto row = static_cast<std::size_t>(size[0]);
   for (std::size_t v = 1; v < found.voxels.size(); ++v) {
+    inside += found.voxels[v] != 0 ? 1 : 0;
     if (v % row == 0 || found.voxels[v] == 0 || found.voxels[v - 1] == 0) continue;
     ++pairs;
     equal += found.voxels[v] == found.voxels[v - 1] ? 1 : 0;
   }
   const double fraction = pairs > 0 ? static_cast<double>(equal) / static_cast<double>(pairs) : 1;
-  if (fraction >= kMaxEqual) return {};
+  if (fraction >= kMaxEqual && inside >= kMinVoxelsEach * found.labels.size()) return {};
   return bad_file(
       name,
-      "looks like grey values, not labels: it has {} values, and only {:.0f} % of neighbours are equal; give "
-      "it as --volume, and make structures of it by --segment",
-      found.labels.size(), 100 * fraction);
+      "looks like grey values, not labels: {} values in {} voxels, and {:.0f} % of neighbours are equal; "
+      "give it as --volume, and make structures of it by --segment",
+      found.labels.size(), inside, 100 * fraction);
 }
 
 /// Names of the file itself.
@@ -102,7 +105,7 @@ void name_by_segments(const std::vector<SourceSegment>& segments, ImportedLabels
     const auto found = by_value.find(*structure.label);
     if (found == by_value.end()) continue;
     if (const auto fit = check_structure_name(found->second->name); !fit) {
-      labels.notes.add(kBadName, structure.name);
+      labels.notes.add(kBadHeaderName, structure.name);
       continue;
     }
     const auto label = structure.label;

@@ -27,8 +27,9 @@ const NoteKind kGreyFiles{"grey-masks", "file holds grey values, is no mask, and
 const NoteKind kWithSeveralValues{"masks-with-several-values",
                                   "mask has several values; all but 0 are inside",
                                   "masks have several values; all but 0 are inside", true};
-const NoteKind kResampled{"resampled-masks", "mask is on another grid and is resampled to the nearest voxel",
-                          "masks are on other grids and are resampled to the nearest voxel", true};
+const NoteKind kResampledMasks{"resampled-masks",
+                               "mask is on another grid and is resampled to the nearest voxel",
+                               "masks are on other grids and are resampled to the nearest voxel", true};
 
 /// The file's name without its ending, .nii.gz included.
 std::string structure_name(const fs::path& file) {
@@ -125,7 +126,7 @@ class MaskFolder {
     if (kind == MaskKind::kSeveralValues) labels_.notes.add(kWithSeveralValues, name);
     if (!have_same_voxels(labels_.source_grid, image.grid)) {
       is_resampled_ = true;
-      labels_.notes.add(kResampled, name);
+      labels_.notes.add(kResampledMasks, name);
       image.voxels = resample_nearest(image, labels_.source_grid);
       image.grid = labels_.source_grid;
     }

@@ -15,12 +15,12 @@
 namespace splatlas {
 namespace {
 
-const NoteKind kEmpty{"empty-segments", "segment without voxels is dropped",
-                      "segments without voxels are dropped", true};
+const NoteKind kEmptySegments{"empty-segments", "segment without voxels is dropped",
+                              "segments without voxels are dropped", true};
 const NoteKind kNoSegment{"values-without-segment", "value belongs to no segment; its voxels are background",
                           "values belong to no segment; their voxels are background", true};
-const NoteKind kBadName{"bad-segment-names", "segment has a name that cannot be used",
-                        "segments have names that cannot be used", true};
+const NoteKind kBadSegmentName{"bad-segment-names", "segment has a name that cannot be used",
+                               "segments have names that cannot be used", true};
 
 /// Adds the segments of one layer, and counts their voxels.
 class LayerReader {
@@ -70,7 +70,7 @@ void drop_empty(ImportedLabels& labels, std::vector<std::uint64_t>& counts) {
   for (std::size_t n = 0; n < counts.size(); ++n) {
     new_numbers[n] = static_cast<StructureIndex>(kept.size());
     if (counts[n] == 0) {
-      labels.notes.add(kEmpty, labels.structures[n].name);
+      labels.notes.add(kEmptySegments, labels.structures[n].name);
     } else {
       kept.push_back(std::move(labels.structures[n]));
       kept_counts.push_back(counts[n]);
@@ -94,7 +94,7 @@ Result<ImportedLabels> read_segments(SourceImage image, const std::string& name)
     SourceStructure structure = segment.structure;
     if (const auto fit = check_structure_name(structure.name); !fit) {
       structure.name = fmt::format("Segment {}", result.structures.size() + 1);
-      result.notes.add(kBadName, structure.name);
+      result.notes.add(kBadSegmentName, structure.name);
     }
     if (image.layers == 1) structure.label = segment.value;
     result.structures.push_back(std::move(structure));

@@ -16,8 +16,7 @@
 namespace splatlas {
 namespace {
 
-const NoteKind kNamesFormat{"names-format", "names file has a known format", "names files have known formats",
-                            false};
+const NoteKind kNamesFormat{"names-format", "", "", false};
 
 struct Dialect {
   NamesFormatInfo info;

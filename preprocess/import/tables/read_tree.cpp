@@ -12,7 +12,7 @@
 namespace splatlas {
 namespace {
 
-const NoteKind kTreeFormatNote{"tree-format", "tree has a known format", "trees have known formats", false};
+const NoteKind kTreeFormatNote{"tree-format", "", "", false};
 
 struct Dialect {
   const char* title;

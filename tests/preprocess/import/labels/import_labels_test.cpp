@@ -115,7 +115,7 @@ TEST(NameLabels, CountsWhatDoesNotFit) {
   EXPECT_EQ(named.structures[4].label, 9);
 }
 
-/// 64 values in blocks of a few voxels are labels; in a ramp they are grey values.
+/// 64 values in in blocks of a few voxels are labels; in a ramp they are grey values.
 TEST(ImportLabels, RecognisesGreyValues) {
   std::vector<std::uint8_t> ramp, blocks;
   for (std::size_t n = 0; n < 512; ++n) {
@@ -124,7 +124,7 @@ TEST(ImportLabels, RecognisesGreyValues) {
   }
   EXPECT_THAT(
       read_row<std::uint8_t>(VoxelType::kUInt8, ramp, "t1.nii").error().message,
-      AllOf(HasSubstr("t1.nii: looks like grey values"), HasSubstr("64 values"), HasSubstr("--volume")));
+      AllOf(HasSubstr("t1.nii: looks like grey values"), HasSubstr("64 values in"), HasSubstr("--volume")));
   EXPECT_TRUE(read_row<std::uint8_t>(VoxelType::kUInt8, blocks, "aal.nii"));
 }
 
