@@ -14,6 +14,7 @@ constexpr const char* kFooter = R"(Examples:
   splatlas-preprocess export brain.atlas --labels labels.nii.gz --volume volume.nii.gz
   splatlas-preprocess export brain.atlas --surface Cerebellum=cerebellum.stl --surface 'Vermis*=vermis.ply'
   splatlas-preprocess export body.atlas --labels masks/
+  splatlas-preprocess export brain.atlas --names names.csv --tree brain.tree
 
 Volumes (.nii, .nii.gz, .nrrd, .mha) have the source's grid, order of axes and pixel type. Surfaces (.stl, .obj, .ply,
 .vtk) are in LPS mm; a group's surfaces are those of all its descendants. Masks are named by their ids; ids that are no
@@ -35,7 +36,8 @@ Result<std::pair<std::string, std::filesystem::path>> parse_name_and_file(std::s
 }
 
 CLI::App* add_export(CLI::App& app, ExportOptions& options) {
-  CLI::App* command = app.add_subcommand("export", "Write the labels, volume or surfaces of an atlas");
+  CLI::App* command =
+      app.add_subcommand("export", "Write the labels, volume, surfaces, names or tree of an atlas");
   command->footer(kFooter);
   command->add_option("ATLAS", options.atlas, "atlas file")->required()->check(names_a_file());
   command->add_option("--labels", options.labels, "label map to write; FOLDER/ for one mask per structure")
@@ -45,6 +47,17 @@ CLI::App* add_export(CLI::App& app, ExportOptions& options) {
       *command, "--surface", options.surfaces,
       [](std::string_view text) { return parse_name_and_file("--surface", text); },
       "STRUCTURE=FILE: a surface to write (repeatable)");
+  command->add_option("--names", options.names, "names, colours and codes to write, as CSV")
+      ->check(names_a_file());
+  command->add_option_function<std::string>(
+      "--names-format",
+      [&options](const std::string& text) {
+        const Result<NamesFormat> format = parse_names_format(text);
+        if (!format) throw CLI::ValidationError(format.error().message);
+        options.names_format = *format;
+      },
+      "table of --names: csv, itksnap, ctbl, freesurfer, bids, mricron or niivue");
+  command->add_option("--tree", options.tree, "hierarchy to write, as paths")->check(names_a_file());
   add_surfaces(*command, options.atlas_options.surfaces,
                "surfaces that follow from the voxels; as in the atlas if not given");
   add_max_work(*command, options.atlas_options.max_work);

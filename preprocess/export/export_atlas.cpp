@@ -10,9 +10,11 @@
 #include "format/atlas_reader.h"
 #include "format/selection.h"
 #include "format/system/check_writable.h"
+#include "format/system/output_file.h"
 #include "format/system/output_path.h"
 #include "format/system/result_macros.h"
 #include "preprocess/export/export_labels.h"
+#include "preprocess/export/export_tables.h"
 #include "preprocess/export/write_image.h"
 #include "preprocess/export/write_mesh.h"
 #include "preprocess/import/import_error.h"
@@ -59,8 +61,12 @@ Result<void> check_words(const ExportOptions& options) {
     SPLATLAS_RETURN_IF_ERROR(writable_mesh_format(path));
     outputs.push_back(path);
   }
+  for (const fs::path& table : {options.names, options.tree}) {
+    if (!table.empty()) outputs.push_back(table);
+  }
   if (outputs.empty()) {
-    return fail(ErrorCode::kUsage, "{}: nothing to export: give --labels, --volume or --surface",
+    return fail(ErrorCode::kUsage,
+                "{}: nothing to export: give --labels, --volume, --surface, --names or --tree",
                 options.atlas.string());
   }
   if (is_folder_of_masks(options)) {
@@ -83,6 +89,9 @@ Result<void> check_writable(const ExportOptions& options) {
   }
   if (!options.volume.empty()) SPLATLAS_RETURN_IF_ERROR(check_writable_file(options.volume));
   for (const auto& [name, path] : options.surfaces) SPLATLAS_RETURN_IF_ERROR(check_writable_file(path));
+  for (const fs::path& table : {options.names, options.tree}) {
+    if (!table.empty()) SPLATLAS_RETURN_IF_ERROR(check_writable_file(table));
+  }
   return {};
 }
 
@@ -165,6 +174,11 @@ bool export_voxels(const Atlas& atlas, const ExportOptions& options, ExportedFil
          (options.volume.empty() || note(from_content(volume), options.volume.string(), files));
 }
 
+Result<std::string> export_table(const std::string& text, const char* kind, const fs::path& path) {
+  SPLATLAS_RETURN_IF_ERROR(write_file(path, std::as_bytes(std::span(text))));
+  return fmt::format("{}: {}", path.string(), kind);
+}
+
 }  // namespace
 
 Result<ExportedFiles> export_atlas(const ExportOptions& options) {
@@ -179,7 +193,14 @@ Result<ExportedFiles> export_atlas(const ExportOptions& options) {
   if (!options.labels.empty() && !is_folder_of_masks(options) && atlas->label_type() == VoxelType::kNone) {
     return bad_file(atlas->name(), "was not made from a label map; export masks: --labels FOLDER/");
   }
+  SPLATLAS_ASSIGN_OR_RETURN(const std::string names, names_text(atlas->graph(), options.names_format));
   ExportedFiles files;
+  if (!options.names.empty() &&
+      !note(export_table(names, "names", options.names), options.names.string(), files))
+    return files;
+  if (!options.tree.empty() &&
+      !note(export_table(tree_text(atlas->graph()), "tree", options.tree), options.tree.string(), files))
+    return files;
   if (!options.labels.empty() || !options.volume.empty()) {
     if (!export_voxels(*atlas, options, files)) return files;
   }

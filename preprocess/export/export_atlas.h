@@ -8,6 +8,7 @@
 
 #include "format/atlas_reader.h"
 #include "format/result.h"
+#include "preprocess/import/tables/names_format.h"
 
 namespace splatlas {
 
@@ -18,6 +19,9 @@ struct ExportOptions {
   std::filesystem::path volume;  ///< a volume file
   /// Structures (names, ids, paths or patterns; with descendants) and their mesh files.
   std::vector<std::pair<std::string, std::filesystem::path>> surfaces;
+  std::filesystem::path names;  ///< a table of names
+  NamesFormat names_format = NamesFormat::kAuto;
+  std::filesystem::path tree;  ///< a tree file
   AtlasOptions atlas_options = {};
 };
 

@@ -20,6 +20,7 @@ Result<StructureGraph> graph_of_sources(std::span<const SourceStructure> sources
     structure.color = source.color.value_or(default_color(structures.size()));
     structure.label = source.label;
     structure.external = source.external;
+    structure.terms = source.terms;
     structures.push_back(std::move(structure));
   }
   return StructureGraph::build(std::move(structures));

@@ -155,20 +155,28 @@ Result<ImportedLabels> read_label_map(SourceImage image, const std::string& name
 
 void name_labels(ImportedLabels& labels, std::vector<SourceStructure> names, bool keeps_empty) {
   std::map<std::int64_t, SourceStructure*> unnamed;
+  std::map<std::string, SourceStructure*> masks;
   for (SourceStructure& structure : labels.structures) {
-    if (structure.label) unnamed.emplace(*structure.label, &structure);
+    if (structure.label) {
+      unnamed.emplace(*structure.label, &structure);
+    } else {
+      masks.emplace(name_key(structure.name), &structure);
+    }
   }
   std::vector<SourceStructure> empty;
   for (SourceStructure& name : names) {
-    if (!name.label) continue;
-    const auto found = unnamed.find(*name.label);
+    const auto found = name.label ? unnamed.find(*name.label) : unnamed.end();
+    const auto mask = masks.find(name_key(name.name));
     if (found != unnamed.end()) {
       *found->second = std::move(name);
       unnamed.erase(found);
-    } else if (keeps_empty) {
+    } else if (mask != masks.end()) {
+      name.label.reset();
+      *mask->second = std::move(name);
+    } else if (keeps_empty && name.label) {
       empty.push_back(std::move(name));
     } else {
-      labels.notes.add(kUnused, fmt::format("{} ({})", name.name, *name.label));
+      labels.notes.add(kUnused, name.label ? fmt::format("{} ({})", name.name, *name.label) : name.name);
     }
   }
   for (const auto& [label, structure] : unnamed) labels.notes.add(kUnnamed, fmt::to_string(label));

@@ -14,7 +14,7 @@ namespace splatlas {
 /// passes.
 [[nodiscard]] Result<ImportedLabels> read_label_map(SourceImage image, const std::string& name);
 
-/// Gives structures of a label map the names, codes, colours and terms of `names`, by label. Notes count
+/// Gives structures the names, codes, colours and terms of `names`: by label, or masks by name. Notes count
 /// labels without a name and names without voxels; those are dropped, or become empty structures with
 /// `keeps_empty`.
 void name_labels(ImportedLabels& labels, std::vector<SourceStructure> names, bool keeps_empty);

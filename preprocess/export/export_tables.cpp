@@ -1,0 +1,181 @@
+#include "preprocess/export/export_tables.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "format/system/ascii_text.h"
+#include "format/system/json_text.h"
+#include "format/system/result_macros.h"
+#include "preprocess/import/tables/structure_name.h"
+
+namespace splatlas {
+namespace {
+
+/// A field of CSV (RFC 4180).
+std::string csv_field(const std::string& text) {
+  if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
+  std::string quoted;
+  for (const char c : text) quoted.append(c == '"' ? 2 : 1, c);
+  return fmt::format("\"{}\"", quoted);
+}
+
+std::string with_underscores(std::string name) {
+  std::ranges::replace(name, ' ', '_');
+  return name;
+}
+
+/// Structures with voxels of their own in a source: labelled ones, sorted by label.
+std::vector<const Structure*> labelled(const StructureGraph& graph) {
+  std::vector<const Structure*> result;
+  for (const Structure& structure : graph.structures()) {
+    if (structure.label) result.push_back(&structure);
+  }
+  std::ranges::sort(result, {}, [](const Structure* s) { return *s->label; });
+  return result;
+}
+
+/// label, name, color, and a column per vocabulary. Several terms of one vocabulary are joined by ";".
+std::string csv_text(const StructureGraph& graph) {
+  std::vector<std::string> vocabularies;
+  for (const Structure& structure : graph.structures()) {
+    for (const Term& term : structure.terms) {
+      if (std::ranges::find(vocabularies, term.vocabulary) == vocabularies.end())
+        vocabularies.push_back(term.vocabulary);
+    }
+  }
+  std::string text = "label,name,color";
+  for (const std::string& vocabulary : vocabularies) text += fmt::format(",{}", csv_field(vocabulary));
+  text += "\n";
+  for (StructureIndex s = 0; s < graph.size(); ++s) {
+    const Structure& structure = graph[s];
+    if (!structure.label && (structure.external || !graph.children(s).empty())) continue;
+    text += fmt::format("{},{},{}", structure.label ? fmt::to_string(*structure.label) : "",
+                        csv_field(structure.name), to_hex(structure.color));
+    for (const std::string& vocabulary : vocabularies) {
+      std::string values;
+      for (const Term& term : structure.terms) {
+        if (term.vocabulary == vocabulary) values += fmt::format("{}{}", values.empty() ? "" : ";", term.value);
+      }
+      text += fmt::format(",{}", csv_field(values));
+    }
+    text += "\n";
+  }
+  return text;
+}
+
+std::string niivue_text(const StructureGraph& graph) {
+  nlohmann::ordered_json json{{"R", {0}}, {"G", {0}}, {"B", {0}},
+                              {"A", {0}}, {"I", {0}}, {"labels", {"background"}}};
+  for (const Structure* s : labelled(graph)) {
+    json["R"].push_back(s->color.r);
+    json["G"].push_back(s->color.g);
+    json["B"].push_back(s->color.b);
+    json["A"].push_back(255);
+    json["I"].push_back(*s->label);
+    json["labels"].push_back(s->name);
+  }
+  return json_text(json, -1);
+}
+
+/// A line per labelled structure.
+template <typename Line>
+std::string lines_text(const StructureGraph& graph, std::string text, const Line& line) {
+  for (const Structure* structure : labelled(graph)) text += line(*structure) + "\n";
+  return text;
+}
+
+/// Names in a tree file that a reader takes for a structure with this name.
+class TreeNames {
+ public:
+  explicit TreeNames(const StructureGraph& graph) : graph_(graph) {
+    for (const Structure& structure : graph.structures()) {
+      ++uses_[name_key(structure.name)];
+      ++uses_[name_key(structure.id)];
+    }
+  }
+  [[nodiscard]] std::string of(StructureIndex s) const {
+    const Structure& structure = graph_[s];
+    const std::size_t own = name_key(structure.name) == name_key(structure.id) ? 2 : 1;
+    const bool is_plain = structure.name.find_first_of("/*&#") == std::string::npos &&
+                          structure.name.find(" color=") == std::string::npos &&
+                          !structure.name.starts_with("code:");
+    return is_plain && uses_.at(name_key(structure.name)) == own ? structure.name : structure.id;
+  }
+  /// Groups are known by their path: their names may repeat.
+  [[nodiscard]] std::string of_group(StructureIndex s) const {
+    const std::string& name = graph_[s].name;
+    return name.find_first_of("/*&#") == std::string::npos ? name : graph_[s].id;
+  }
+
+ private:
+  const StructureGraph& graph_;
+  std::map<std::string, std::size_t> uses_;
+};
+
+}  // namespace
+
+Result<std::string> names_text(const StructureGraph& graph, NamesFormat format) {
+  const auto rgb = [](const Structure& s, char separator) {
+    return fmt::format("{0}{3}{1}{3}{2}", s.color.r, s.color.g, s.color.b, separator);
+  };
+  switch (format) {
+    case NamesFormat::kAuto:
+    case NamesFormat::kCsv: return csv_text(graph);
+    case NamesFormat::kNiivue: return niivue_text(graph);
+    case NamesFormat::kItkSnap:
+      return lines_text(graph, "0 0 0 0 0 0 0 \"Clear Label\"\n", [&](const Structure& s) {
+        std::string name = s.name;
+        std::ranges::replace(name, '"', '\'');
+        return fmt::format("{} {} 1 1 1 \"{}\"", *s.label, rgb(s, ' '), name);
+      });
+    case NamesFormat::kCtbl:
+      return lines_text(graph, "# Color table file\n0 background 0 0 0 0\n", [&](const Structure& s) {
+        return fmt::format("{} {} {} 255", *s.label, with_underscores(s.name), rgb(s, ' '));
+      });
+    case NamesFormat::kFreeSurfer:
+      return lines_text(graph, "#No. Label Name: R G B A\n0 Unknown 0 0 0 0\n", [&](const Structure& s) {
+        return fmt::format("{} {} {} 0", *s.label, with_underscores(s.name), rgb(s, ' '));
+      });
+    case NamesFormat::kBids:
+      return lines_text(graph, "index\tname\tcolor\n", [&](const Structure& s) {
+        return fmt::format("{}\t{}\t{}", *s.label, s.name, to_hex(s.color));
+      });
+    case NamesFormat::kMricron:
+      return lines_text(graph, "",
+                        [&](const Structure& s) { return fmt::format("{} \"{}\"", *s.label, s.name); });
+    default:
+      return fail(
+          ErrorCode::kUsage,
+          "--names-format: names are written as csv, itksnap, ctbl, freesurfer, bids, mricron or niivue");
+  }
+}
+
+std::string tree_text(const StructureGraph& graph) {
+  const TreeNames names(graph);
+  std::string text;
+  // Depth first with an explicit stack; a structure has a line under each of its parents.
+  struct Place {
+    StructureIndex structure;
+    std::string above;
+  };
+  std::vector<Place> stack;
+  const auto roots = graph.roots();
+  for (auto root = roots.rbegin(); root != roots.rend(); ++root) stack.push_back({*root, ""});
+  while (!stack.empty()) {
+    const Place place = std::move(stack.back());
+    stack.pop_back();
+    const auto children = graph.children(place.structure);
+    const bool is_group = !children.empty();
+    const std::string path =
+        place.above + (is_group ? names.of_group(place.structure) + "/" : names.of(place.structure));
+    text += fmt::format("{} color={}\n", path, to_hex(graph[place.structure].color));
+    for (auto child = children.rbegin(); child != children.rend(); ++child) stack.push_back({*child, path});
+  }
+  return text;
+}
+
+}  // namespace splatlas

@@ -1,0 +1,22 @@
+// Export of names and trees as tables.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "format/structure_graph.h"
+#include "preprocess/import/tables/names_format.h"
+
+namespace splatlas {
+
+/// The labelled structures as a names file. kAuto: CSV, the only one that holds all: structures without
+/// labels, terms and colours. kUsage for dialects that are only read. Names are written as the dialect can
+/// hold them: 3D Slicer and FreeSurfer have "_" for blanks.
+[[nodiscard]] Result<std::string> names_text(const StructureGraph& graph, NamesFormat format);
+
+/// The hierarchy as a tree file (kTreeFormat), with colours: a line for each path of each structure.
+/// Structures whose name is not unique, or would not be read as a name, are written as their id.
+[[nodiscard]] std::string tree_text(const StructureGraph& graph);
+
+}  // namespace splatlas

@@ -1,0 +1,119 @@
+#include "preprocess/export/export_tables.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "preprocess/import/tables/read_names.h"
+#include "preprocess/import/tables/read_tree.h"
+#include "preprocess/structures/build_graph.h"
+#include "tests/support/fails_with.h"
+#include "tests/support/file_bytes.h"
+#include "tests/support/temporary_folder.h"
+
+namespace splatlas {
+namespace {
+
+using testing::HasSubstr;
+
+/// Two groups of one name, a structure with two parents, names that need care, codes.
+StructureGraph awkward_graph() {
+  std::vector<Structure> structures{
+      {.id = "Brain", .name = "Brain", .color = {1, 2, 3}},
+      {.id = "Left", .name = "Left", .color = {4, 5, 6}, .parents = {0}},
+      {.id = "Right", .name = "Right", .color = {7, 8, 9}, .parents = {0}},
+      {.id = "Zone_2", .name = "Zone 2", .color = {10, 11, 12}, .parents = {1}},
+      {.id = "Zone_2_2", .name = "Zone 2", .color = {13, 14, 15}, .parents = {2}},
+      {.id = "a", .name = "area, \"one\"", .color = {255, 0, 128}, .label = 7, .parents = {3}},
+      {.id = "b", .name = "white/grey", .color = {0, 255, 1}, .label = 9, .parents = {4, 0}},
+      {.id = "c", .name = "lone area", .color = {2, 2, 2}, .label = 4294967295}};
+  structures[5].terms = {
+      {"SNOMED", "64033007"}, {"synonym", "x"}, {"synonym", "y, z"}, {"de", "Gebiet \"1\""}};
+  return StructureGraph::build(std::move(structures)).value();
+}
+
+std::vector<SourceStructure> sources_of(const StructureGraph& graph) {
+  std::vector<SourceStructure> sources;
+  for (const Structure& structure : graph.structures()) {
+    if (!structure.label) continue;
+    SourceStructure& source = sources.emplace_back();
+    source.name = structure.name;
+    source.label = structure.label;
+  }
+  return sources;
+}
+
+TEST(NamesText, EveryDialectIsReadAsItself) {
+  const TemporaryFolder folder;
+  const StructureGraph graph = awkward_graph();
+  for (const NamesFormat format :
+       {NamesFormat::kCsv, NamesFormat::kItkSnap, NamesFormat::kCtbl, NamesFormat::kFreeSurfer,
+        NamesFormat::kBids, NamesFormat::kMricron, NamesFormat::kNiivue}) {
+    const std::string file = folder.file("names");
+    write_bytes(file, names_text(graph, format).value());
+    Notes notes;
+    const Result<NamesTable> table = read_names(file, NamesFormat::kAuto, notes);
+    ASSERT_TRUE(table) << table.error().message;
+    EXPECT_EQ(table->dialect, format);
+    ASSERT_EQ(table->names.size(), 3u);
+    for (const LabelName& name : table->names) {
+      if (name.label != 9) continue;
+      EXPECT_EQ(name.name, "white/grey");
+      if (format != NamesFormat::kMricron) {
+        EXPECT_EQ(name.color, (Rgb{0, 255, 1}));
+      }
+    }
+  }
+}
+
+TEST(NamesText, CsvHoldsEverything) {
+  const TemporaryFolder folder;
+  write_bytes(folder.file("names.csv"), names_text(awkward_graph(), NamesFormat::kAuto).value());
+  Notes notes;
+  const NamesTable table = read_names(folder.file("names.csv"), NamesFormat::kAuto, notes).value();
+  ASSERT_EQ(table.names.size(), 3u);
+  EXPECT_EQ(table.names[0].name, "area, \"one\"");
+  EXPECT_EQ(table.names[0].color, (Rgb{255, 0, 128}));
+  EXPECT_THAT(table.names[0].terms, testing::Contains(Term{"SNOMED", "64033007"}));
+  EXPECT_EQ(table.names[2].label, 4294967295);
+}
+
+TEST(NamesText, RefusesDialectsThatAreOnlyRead) {
+  EXPECT_THAT(names_text(awkward_graph(), NamesFormat::kAllen),
+              FailsWith(ErrorCode::kUsage, HasSubstr("csv, itksnap")));
+}
+
+TEST(TreeText, GivesTheSameGraph) {
+  const TemporaryFolder folder;
+  const StructureGraph graph = awkward_graph();
+  write_bytes(folder.file("tree"), tree_text(graph));
+  Notes notes;
+  const auto lines = read_tree(folder.file("tree"), notes);
+  ASSERT_TRUE(lines) << lines.error().message;
+  // Ids follow from names: those of the atlas are found by their labels.
+  std::vector<SourceStructure> sources = sources_of(graph);
+  sources[1].name = "b";
+  const auto placed = build_graph(sources, *lines, "tree", notes);
+  ASSERT_TRUE(placed) << placed.error().message;
+  EXPECT_TRUE(notes.empty()) << notes.all()[0].message();
+  ASSERT_EQ(placed->graph.size(), graph.size());
+  const auto paths_of = [&](std::int64_t label) {
+    for (StructureIndex s = 0; s < placed->graph.size(); ++s) {
+      if (placed->graph[s].label == label) return placed->graph.paths(s);
+    }
+    return std::vector<std::string>();
+  };
+  EXPECT_THAT(paths_of(7), testing::ElementsAre("Brain/Left/Zone 2/area, \"one\""));
+  EXPECT_THAT(paths_of(9), testing::UnorderedElementsAre("Brain/Right/Zone 2/b", "Brain/b"));
+  EXPECT_THAT(paths_of(4294967295), testing::ElementsAre("lone area"));
+  for (const Structure& structure : placed->graph.structures()) {
+    if (structure.label == 9) {
+      EXPECT_EQ(structure.color, (Rgb{0, 255, 1}));
+    }
+    if (structure.name == "Right") {
+      EXPECT_EQ(structure.color, (Rgb{7, 8, 9}));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace splatlas
