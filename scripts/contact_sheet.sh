@@ -19,14 +19,14 @@ trap 'rm -rf "$folder"' EXIT
 cell() {
   local number=$1 line y=$((margin + square + 22)) content=()
   if (($# == 3)); then
-    content+=("$2" --ch R,G,B --fit "${square}x$square" --swap --paste "+$margin+$margin")
+    content+=("$2" --ch 'R,G,B' --fit "${square}x$square" --swap --paste "+$margin+$margin")
     while IFS= read -r line; do
       content+=("--text:x=$((2 * margin)):y=$y:size=$font_size:font=DejaVuSans:color=$ink" "$line")
       y=$((y + line_height))
     done < <(fold --spaces --width=$characters_a_line <<<"$3")
   fi
-  oiiotool --wildcardoff --create "$cell_size" 3 --fill:color=$paper "$cell_size" "${content[@]}" -d uint8 \
-    -o "$folder/$(printf '%03d' "$number").png"
+  oiiotool --wildcardoff --evaloff --create "$cell_size" 3 --fill:color=$paper "$cell_size" "${content[@]}" -d uint8 \
+    -o "$folder/$(printf '%06d' "$number").png"
 }
 
 number=0
@@ -37,5 +37,7 @@ done
 while ((number % columns != 0)); do
   cell $((number += 1))
 done
-oiiotool "$folder"/*.png --mosaic "${columns}x$((number / columns))" -o "$folder/sheet.png"
+# Without date and command, the same pictures give the same bytes.
+oiiotool --nosoftwareattrib "$folder"/*.png --mosaic "${columns}x$((number / columns))" --eraseattrib DateTime \
+  -o "$folder/sheet.png"
 mv "$folder/sheet.png" "$sheet"

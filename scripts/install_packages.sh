@@ -53,6 +53,9 @@ packages=(
   fonts-dejavu-core        # tests and gallery: text in pictures
   libgl1-mesa-dri          # tests: OpenGL in software, under Xvfb
   libx11-dev               # tests: requests of window managers and other programs to a window
+  munge                    # tests: authentication of Slurm
+  slurm-wlm                # tests: docs/batch on a cluster
+  snakemake                # tests: docs/batch, many subjects
   xdotool                  # tests: mouse and keys
   xvfb                     # tests: a display without a screen
 
@@ -63,7 +66,7 @@ packages=(
 
   mricron-data             # the Colin 27 brain: volume, AAL labels and names
   poppler-utils            # tests: text and pages of PDF
-  openimageio-tools        # oiiotool: the gallery's contact sheet
+  openimageio-tools        # oiiotool: contact sheets of the gallery and of docs/batch
 )
 
 say() { printf '%s\n' "$*"; }
