@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "format/file/directory_text.h"
 #include "format/system/result_macros.h"
 #include "schemas/atlas_generated.h"
 
@@ -27,21 +28,6 @@ template <typename T, std::size_t n>
 flatbuffers::span<const T, n> to_span(const std::array<T, n>& values) {
   return flatbuffers::span<const T, n>(values.data(), n);
 }
-
-/// Concatenates all strings in the order of docs/atlas_format.md.
-class TextWriter {
- public:
-  void add(std::string_view text) {
-    bytes_.insert(bytes_.end(), text.begin(), text.end());
-    ends_.push_back(static_cast<std::uint32_t>(bytes_.size()));
-  }
-  [[nodiscard]] const std::vector<std::uint8_t>& bytes() const { return bytes_; }
-  [[nodiscard]] const std::vector<std::uint32_t>& ends() const { return ends_; }
-
- private:
-  std::vector<std::uint8_t> bytes_;
-  std::vector<std::uint32_t> ends_;
-};
 
 TextWriter write_text(const Directory& directory) {
   TextWriter text;
@@ -189,24 +175,6 @@ Result<std::vector<std::byte>> encode_directory(const Directory& directory) {
 }
 
 namespace {
-
-/// Reads the strings in the order of TextWriter. check_tables() has checked their number.
-class TextReader {
- public:
-  TextReader(const flatbuffers::Vector<std::uint32_t>& ends, const flatbuffers::Vector<std::uint8_t>& text)
-      : ends_(ends), text_(text) {}
-  std::string next() {
-    const std::uint32_t end = ends_.Get(n_++);
-    const auto* text = reinterpret_cast<const char*>(text_.data());
-    return std::string(text + std::exchange(begin_, end), text + end);
-  }
-
- private:
-  const flatbuffers::Vector<std::uint32_t>& ends_;
-  const flatbuffers::Vector<std::uint8_t>& text_;
-  flatbuffers::uoffset_t n_ = 0;
-  std::uint32_t begin_ = 0;
-};
 
 /// True if end offsets are non-decreasing and the last one is `total`.
 template <typename Rows, typename End>

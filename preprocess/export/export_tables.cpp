@@ -58,7 +58,8 @@ std::string csv_text(const StructureGraph& graph) {
     for (const std::string& vocabulary : vocabularies) {
       std::string values;
       for (const Term& term : structure.terms) {
-        if (term.vocabulary == vocabulary) values += fmt::format("{}{}", values.empty() ? "" : ";", term.value);
+        if (term.vocabulary == vocabulary)
+          values += fmt::format("{}{}", values.empty() ? "" : ";", term.value);
       }
       text += fmt::format(",{}", csv_field(values));
     }
