@@ -228,6 +228,53 @@ TEST(BadFiles, WithABadTableOfSurfaces) {
   expect_faults(kValidSurfaces, "", in_surface);
 }
 
+/// Of the five structures, the first has one term: "v" and "code".
+void add_terms(RawDirectory& d) {
+  d.terms_end = {1, 1, 1, 1, 1};
+  d.term_text_ends = {1, 5};
+  for (const char c : std::string("vcode")) d.term_text.push_back(static_cast<std::uint8_t>(c));
+}
+
+constexpr BadDirectory kTerms[] = {
+    {"one end too few", [](auto& d) { add_terms(d), d.terms_end.pop_back(); }},
+    {"falling ends",
+     [](auto& d) {
+       add_terms(d), d.terms_end = {1, 0, 1, 1, 1};
+     }},
+    {"more terms than strings", [](auto& d) { add_terms(d), d.terms_end.back() = 2; }},
+    {"fewer terms than strings",
+     [](auto& d) {
+       add_terms(d), d.terms_end = {0, 0, 0, 0, 0};
+     }},
+    {"an odd number of strings",
+     [](auto& d) {
+       add_terms(d), d.term_text_ends = {1, 4, 5};
+     }},
+    {"strings beyond the text", [](auto& d) { add_terms(d), d.term_text_ends.back() = 6; }},
+    {"text beyond the strings", [](auto& d) { add_terms(d), d.term_text.push_back('x'); }},
+    {"no ends", [](auto& d) { add_terms(d), d.terms_end.clear(); }},
+    {"no ends of strings", [](auto& d) { add_terms(d), d.term_text_ends.clear(); }},
+    {"no text", [](auto& d) { add_terms(d), d.term_text.clear(); }},
+};
+
+constexpr BadDirectory kTermTexts[] = {
+    {"a control character", [](auto& d) { add_terms(d), d.term_text[2] = 7; },
+     "has a control character (byte 1: U+0007)"},
+    {"bytes that are no UTF-8", [](auto& d) { add_terms(d), d.term_text[0] = 0xff; },
+     "is not UTF-8 (byte 0)"},
+};
+
+TEST(BadFiles, WithBadTerms) {
+  RawAtlas atlas = raw_atlas(good_file());
+  add_terms(atlas.directory);
+  const auto good = Atlas::open_bytes(file_of(atlas));
+  ASSERT_TRUE(good) << good.error().message;
+  EXPECT_EQ((*good)->graph()[0].terms, (std::vector<Term>{{"v", "code"}}));
+  EXPECT_TRUE((*good)->graph()[1].terms.empty());
+  expect_faults(kTerms, "F: invalid: inconsistent offsets of directory tables of terms", in_directory);
+  expect_faults(kTermTexts, "F: invalid: term of structure 0 {}", in_directory);
+}
+
 TEST(BadFiles, WithABadScene) {
   expect_faults(kScenes, "F: invalid: camera of scene 0: azimuth {}",
                 in_part([](auto& d) -> RawScene& { return d.scenes[0]; }));

@@ -37,6 +37,11 @@ auto vector_of(flatbuffers::FlatBufferBuilder& builder, const std::vector<Raw>& 
   return builder.CreateVectorOfStructs(reinterpret_cast<const Row*>(rows.data()), rows.size());
 }
 
+template <typename Vector>
+auto numbers_or_none(const Vector* numbers) {
+  return numbers != nullptr ? numbers_of(*numbers) : decltype(numbers_of(*numbers)){};
+}
+
 RawDirectory read_directory(const Bytes& bytes) {
   const schema::Directory& d = *schema::GetDirectory(bytes.data());
   return {.source_grid = raw_row<RawGrid>(*d.source_grid()),
@@ -58,6 +63,9 @@ RawDirectory read_directory(const Bytes& bytes) {
           .chunks = raw_rows<RawChunk>(*d.chunks()),
           .normals_fitted = numbers_of(*d.normals_fitted()),
           .fingerprints = numbers_of(*d.fingerprints()),
+          .terms_end = numbers_or_none(d.terms_end()),
+          .term_text_ends = numbers_or_none(d.term_text_ends()),
+          .term_text = numbers_or_none(d.term_text()),
           .left_out = {}};
 }
 
@@ -75,6 +83,9 @@ Bytes encode(const RawDirectory& d) {
   const auto chunks = vector_of<schema::Chunk>(b, d.chunks);
   const auto normals_fitted = b.CreateVector(d.normals_fitted);
   const auto fingerprints = b.CreateVector(d.fingerprints);
+  const auto terms_end = b.CreateVector(d.terms_end);
+  const auto term_text_ends = b.CreateVector(d.term_text_ends);
+  const auto term_text = b.CreateVector(d.term_text);
   schema::DirectoryBuilder table(b);
   const auto add = [&](const char* field, const auto& add_field) {
     if (!d.left_out.contains(field)) add_field();
@@ -99,6 +110,9 @@ Bytes encode(const RawDirectory& d) {
   add("chunks", [&] { table.add_chunks(chunks); });
   add("normals_fitted", [&] { table.add_normals_fitted(normals_fitted); });
   if (!d.fingerprints.empty()) table.add_fingerprints(fingerprints);
+  if (!d.terms_end.empty()) table.add_terms_end(terms_end);
+  if (!d.term_text_ends.empty()) table.add_term_text_ends(term_text_ends);
+  if (!d.term_text.empty()) table.add_term_text(term_text);
   // Not Finish(), which asserts that all fields are present.
   b.Finish(flatbuffers::Offset<schema::Directory>(b.EndTable(table.start_)), schema::DirectoryIdentifier());
   const auto* begin = reinterpret_cast<const std::byte*>(b.GetBufferPointer());

@@ -74,8 +74,10 @@ struct RawDirectory {
   std::vector<RawSection> sections;
   std::vector<RawChunk> chunks;
   std::vector<std::uint8_t> normals_fitted;
-  std::vector<std::uint64_t> fingerprints;  ///< left out if empty
-  std::set<std::string> left_out;           ///< omitted fields of the FlatBuffer
+  std::vector<std::uint64_t> fingerprints;               ///< left out if empty
+  std::vector<std::uint32_t> terms_end, term_text_ends;  ///< each left out if empty
+  std::vector<std::uint8_t> term_text;
+  std::set<std::string> left_out;  ///< omitted fields of the FlatBuffer
 };
 
 struct RawAtlas {

@@ -49,7 +49,7 @@ TEST_F(SkippedBytes, ArePassedAsByItk) {
   for (const SkippedCase& file : skipped_cases()) {
     SCOPED_TRACE(file.name);
     const std::string path = write(file);
-    const Result<Image> image = import_image(path);
+    const Result<Image> image = import_image_here(path);
     EXPECT_TRUE(image) << image.error().message;
     if (!image) continue;
     expect_raw_image(*image);
@@ -70,7 +70,7 @@ TEST_F(SkippedBytes, TruncatedPixelsBehindThemAreRefused) {
                                           : file.pixels.size() - 8;
     for (std::size_t length = 0; length < needed; ++length) {
       write_bytes(folder_.file("pixels"), file.pixels.substr(0, length));
-      EXPECT_FALSE(import_image(path)) << file.name << " cut to " << length;
+      EXPECT_FALSE(import_image_here(path)) << file.name << " cut to " << length;
     }
   }
 }
@@ -79,7 +79,7 @@ TEST_F(SkippedBytes, DamagedCompressedPixelsBehindThemAreRefused) {
   for (SkippedCase file : skipped_cases()) {
     if (file.pixels.ends_with(RawImage::payload())) continue;
     file.pixels[file.pixels.size() - 20] = static_cast<char>(file.pixels[file.pixels.size() - 20] ^ 0x10);
-    EXPECT_FALSE(import_image(write(file))) << file.name;
+    EXPECT_FALSE(import_image_here(write(file))) << file.name;
   }
 }
 
