@@ -45,7 +45,8 @@ Result<Builds> build_in_turns(const SourceFiles& sources, const std::filesystem:
     const double build_seconds = watch.lap().wall_ms / 1000;
     SPLATLAS_ASSIGN_OR_RETURN(const std::uint64_t peak, memory.grown_bytes());
     watch.lap();
-    SPLATLAS_RETURN_IF_ERROR(import_sources(sources));
+    Notes notes;
+    SPLATLAS_RETURN_IF_ERROR(import_sources(sources, notes));
     const double load_seconds = watch.lap().wall_ms / 1000;
     if (turn == 0) {
       builds.peak_bytes = peak;  // from fresh memory, which later builds reuse

@@ -19,21 +19,23 @@ struct DeflateEnd {
 };
 using Deflater = std::unique_ptr<z_stream, DeflateEnd>;
 
-Deflater make_deflater(DeflateWrapper wrapper, int level) {
+Deflater make_deflater(DeflateWrapper wrapper, DeflateEffort effort) {
   constexpr int kWindowBits = 15, kGzip = 16, kMemoryLevel = 8;  // zlib's defaults
   const int bits = wrapper == DeflateWrapper::kGzip ? kWindowBits + kGzip : kWindowBits;
   Deflater stream(new z_stream{});
-  const int status = deflateInit2(stream.get(), level, Z_DEFLATED, bits, kMemoryLevel, Z_DEFAULT_STRATEGY);
+  const int status = deflateInit2(stream.get(), effort.level, Z_DEFLATED, bits, kMemoryLevel,
+                                  effort.finds_runs_only ? Z_RLE : Z_DEFAULT_STRATEGY);
   return status == Z_OK ? std::move(stream) : nullptr;
 }
 
 }  // namespace
 
 Result<void> deflate_in_pieces(std::initializer_list<std::span<const std::byte>> parts,
-                               DeflateWrapper wrapper, int level, const std::filesystem::path& path,
+                               DeflateWrapper wrapper, DeflateEffort effort,
+                               const std::filesystem::path& path,
                                const std::function<Result<void>(std::span<const std::byte>)>& write) {
   constexpr std::size_t kMaxInput = std::size_t{1} << 30;  // zlib's counts have 32 bits
-  const Deflater stream = make_deflater(wrapper, level);
+  const Deflater stream = make_deflater(wrapper, effort);
   if (!stream) return fail(ErrorCode::kLimit, "{}: cannot be written: out of memory", path.string());
   std::vector<std::byte> packed(1 << 18);
 

@@ -12,6 +12,7 @@
 #include "format/system/ascii_text.h"
 #include "format/system/interrupts.h"
 #include "format/system/output_folder.h"
+#include "format/system/parallel.h"
 #include "format/system/result_macros.h"
 #include "preprocess/export/file_names.h"
 #include "preprocess/export/image_header.h"
@@ -97,13 +98,26 @@ Result<ExportedMasks> write_masks(const AtlasContent& content, OutputFolder& fol
   for (const StructureIndex s : masked) ids.push_back(content.graph[s].id);
   const std::string ending = mask_ending(content.source_grid);
   const std::vector<std::string> files = file_names_of(ids, ending);
-  for (std::size_t n = 0; n < masked.size(); ++n) {
+  // Classes in the source's order of axes, once for all masks.
+  std::vector<ClassId> classes(content.class_volume.size());
+  reorder_voxels(content.class_volume.data(), storage_grid(content).size, inverse(content.source_to_storage),
+                 sizeof(ClassId), classes.data());
+  const auto encode = [&](std::size_t n) {
     const std::vector<std::uint8_t> parts = parts_of(structure_classes.of(masked[n]), content.classes.size());
-    VoxelBuffer mask{VoxelType::kUInt8, std::vector<std::byte>(content.class_volume.size())};
-    for (std::size_t v = 0; v < mask.bytes.size(); ++v)
-      mask.bytes[v] = std::byte{parts[content.class_volume[v]] != 0};
-    SPLATLAS_RETURN_IF_ERROR(
-        write_image({content.source_grid, to_source_order(mask, content)}, folder, files[n]));
+    Image mask{content.source_grid, {VoxelType::kUInt8, std::vector<std::byte>(classes.size())}};
+    for (std::size_t v = 0; v < classes.size(); ++v) mask.voxels.bytes[v] = std::byte{parts[classes[v]] != 0};
+    return encode_mask(mask, folder.path() / files[n]);
+  };
+  constexpr std::size_t kAtOnce = 8;  // bounds the memory
+  for (std::size_t first = 0; first < masked.size(); first += kAtOnce) {
+    std::vector<Result<std::vector<std::byte>>> encoded(std::min(kAtOnce, masked.size() - first));
+    parallel_for(encoded.size(), 0, [&](std::size_t n) { encoded[n] = encode(first + n); });
+    for (std::size_t n = 0; n < encoded.size(); ++n) {
+      if (!encoded[n]) return tl::unexpected(encoded[n].error());
+      SPLATLAS_ASSIGN_OR_RETURN(OutputFile file, folder.create_file(files[first + n]));
+      SPLATLAS_RETURN_IF_ERROR(file.write(*encoded[n]));
+      SPLATLAS_RETURN_IF_ERROR(folder.add(std::move(file)));
+    }
     if (interrupt_waits()) return bad_file(folder.path(), "interrupted");
   }
   ExportedMasks written{masked.size(), {}};

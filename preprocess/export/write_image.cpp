@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <functional>
 #include <new>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -23,11 +24,12 @@ namespace {
 namespace fs = std::filesystem;
 
 using Bytes = std::span<const std::byte>;
-/// Creates the file once its header is known to hold the image.
-using CreateFile = std::function<Result<OutputFile>()>;
+/// Takes the bytes of a file, piece by piece. Not called before the header is known to hold the image.
+using Sink = std::function<Result<void>(Bytes)>;
 
-/// Compression levels of ITK's writers.
-constexpr int kNiftiLevel = 6, kTextHeaderLevel = 2;
+/// Compression of ITK's writers.
+constexpr DeflateEffort kNiftiEffort{6}, kTextHeaderEffort{2};
+constexpr DeflateEffort kMaskEffort{1, true};
 
 /// kFailed for a geometry that import_image() refuses.
 Result<void> check_readable(const Grid& grid, const fs::path& path) {
@@ -48,31 +50,24 @@ Bytes bytes_of_text(const std::string& text) {
   return std::as_bytes(std::span(text));
 }
 
-Result<OutputFile> write_nifti(const Image& image, const fs::path& path, const CreateFile& create) {
+Result<void> write_nifti(const Image& image, const fs::path& path, DeflateEffort effort, const Sink& sink) {
   SPLATLAS_ASSIGN_OR_RETURN(const std::string header, nifti_header(image.grid, image.voxels.type, path));
-  SPLATLAS_ASSIGN_OR_RETURN(OutputFile file, create());
   if (to_lower(path.extension().string()) == ".gz") {
-    SPLATLAS_RETURN_IF_ERROR(deflate_in_pieces({bytes_of_text(header), image.voxels.bytes},
-                                               DeflateWrapper::kGzip, kNiftiLevel, path,
-                                               [&](Bytes piece) { return file.write(piece); }));
-  } else {
-    SPLATLAS_RETURN_IF_ERROR(file.write(bytes_of_text(header)));
-    SPLATLAS_RETURN_IF_ERROR(file.write(image.voxels.bytes));
+    return deflate_in_pieces({bytes_of_text(header), image.voxels.bytes}, DeflateWrapper::kGzip, effort, path,
+                             sink);
   }
-  return file;
+  SPLATLAS_RETURN_IF_ERROR(sink(bytes_of_text(header)));
+  return sink(image.voxels.bytes);
 }
 
-Result<OutputFile> write_nrrd(const Image& image, const fs::path& path, const CreateFile& create) {
-  const std::string header = nrrd_header(image.grid, image.voxels.type);
-  SPLATLAS_ASSIGN_OR_RETURN(OutputFile file, create());
-  SPLATLAS_RETURN_IF_ERROR(file.write(bytes_of_text(header)));
-  SPLATLAS_RETURN_IF_ERROR(deflate_in_pieces({image.voxels.bytes}, DeflateWrapper::kGzip, kTextHeaderLevel,
-                                             path, [&](Bytes piece) { return file.write(piece); }));
-  return file;
+Result<void> write_nrrd(const Image& image, const fs::path& path, DeflateEffort effort, const Sink& sink) {
+  SPLATLAS_RETURN_IF_ERROR(sink(bytes_of_text(nrrd_header(image.grid, image.voxels.type))));
+  return deflate_in_pieces({image.voxels.bytes}, DeflateWrapper::kGzip, effort, path, sink);
 }
 
 /// The header holds the number of compressed bytes, so they are kept in memory.
-Result<OutputFile> write_meta_image(const Image& image, const fs::path& path, const CreateFile& create) {
+Result<void> write_meta_image(const Image& image, const fs::path& path, DeflateEffort effort,
+                              const Sink& sink) {
   std::vector<std::vector<std::byte>> pieces;
   std::uint64_t bytes = 0;
   const auto keep = [&](Bytes piece) -> Result<void> {
@@ -81,25 +76,24 @@ Result<OutputFile> write_meta_image(const Image& image, const fs::path& path, co
     return {};
   };
   SPLATLAS_RETURN_IF_ERROR(
-      deflate_in_pieces({image.voxels.bytes}, DeflateWrapper::kZlib, kTextHeaderLevel, path, keep));
-  const std::string header = meta_image_header(image.grid, image.voxels.type, bytes);
-  SPLATLAS_ASSIGN_OR_RETURN(OutputFile file, create());
-  SPLATLAS_RETURN_IF_ERROR(file.write(bytes_of_text(header)));
-  for (const std::vector<std::byte>& piece : pieces) SPLATLAS_RETURN_IF_ERROR(file.write(piece));
-  return file;
+      deflate_in_pieces({image.voxels.bytes}, DeflateWrapper::kZlib, effort, path, keep));
+  SPLATLAS_RETURN_IF_ERROR(sink(bytes_of_text(meta_image_header(image.grid, image.voxels.type, bytes))));
+  for (const std::vector<std::byte>& piece : pieces) SPLATLAS_RETURN_IF_ERROR(sink(piece));
+  return {};
 }
 
-/// Writes everything into a new file, without committing it.
-Result<OutputFile> write_whole(const Image& image, const fs::path& path, const CreateFile& create) {
+/// Writes everything into a sink.
+Result<void> write_whole(const Image& image, const fs::path& path, std::optional<DeflateEffort> effort,
+                         const Sink& sink) {
   SPLATLAS_ASSIGN_OR_RETURN(const ImageFormat format, writable_image_format(path));
   SPLATLAS_RETURN_IF_ERROR(check_readable(image.grid, path));
   try {
     switch (format) {
-      case ImageFormat::kNifti: return write_nifti(image, path, create);
-      case ImageFormat::kNrrd: return write_nrrd(image, path, create);
+      case ImageFormat::kNifti: return write_nifti(image, path, effort.value_or(kNiftiEffort), sink);
+      case ImageFormat::kNrrd: return write_nrrd(image, path, effort.value_or(kTextHeaderEffort), sink);
       case ImageFormat::kMetaImage: break;
     }
-    return write_meta_image(image, path, create);
+    return write_meta_image(image, path, effort.value_or(kTextHeaderEffort), sink);
   } catch (const std::bad_alloc&) {
     return fail(ErrorCode::kLimit, "{}: cannot be written: out of memory", path.string());
   }
@@ -123,15 +117,23 @@ Result<ImageFormat> writable_image_format(const fs::path& path) {
 }
 
 Result<void> write_image(const Image& image, const fs::path& path) {
-  SPLATLAS_ASSIGN_OR_RETURN(OutputFile file,
-                            write_whole(image, path, [&] { return OutputFile::create(path); }));
-  return file.commit();
+  std::optional<OutputFile> file;
+  SPLATLAS_RETURN_IF_ERROR(write_whole(image, path, std::nullopt, [&](Bytes piece) -> Result<void> {
+    if (!file) {
+      SPLATLAS_ASSIGN_OR_RETURN(file, OutputFile::create(path));
+    }
+    return file->write(piece);
+  }));
+  return file->commit();
 }
 
-Result<void> write_image(const Image& image, OutputFolder& folder, const std::string& name) {
-  SPLATLAS_ASSIGN_OR_RETURN(
-      OutputFile file, write_whole(image, folder.path() / name, [&] { return folder.create_file(name); }));
-  return folder.add(std::move(file));
+Result<std::vector<std::byte>> encode_mask(const Image& mask, const fs::path& path) {
+  std::vector<std::byte> bytes;
+  SPLATLAS_RETURN_IF_ERROR(write_whole(mask, path, kMaskEffort, [&](Bytes piece) -> Result<void> {
+    bytes.insert(bytes.end(), piece.begin(), piece.end());
+    return {};
+  }));
+  return bytes;
 }
 
 }  // namespace splatlas

@@ -3,8 +3,8 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
-#include "format/system/output_folder.h"
 #include "preprocess/import/images/check_image_file.h"
 #include "preprocess/import/images/import_image.h"
 
@@ -17,7 +17,8 @@ namespace splatlas {
 /// fill the grid, which is valid. kFailed, before a file exists, for a geometry that the format cannot hold
 /// (image_header.h). Cost: compresses in pieces; .mha keeps the compressed voxels in memory.
 [[nodiscard]] Result<void> write_image(const Image& image, const std::filesystem::path& path);
-/// The same for a file of a folder in the making; the folder's commit() names it.
-[[nodiscard]] Result<void> write_image(const Image& image, OutputFolder& folder, const std::string& name);
+/// The bytes of a mask's file, compressed for speed; `path` gives the format. Thread-safe.
+[[nodiscard]] Result<std::vector<std::byte>> encode_mask(const Image& mask,
+                                                         const std::filesystem::path& path);
 
 }  // namespace splatlas

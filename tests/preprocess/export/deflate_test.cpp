@@ -46,7 +46,7 @@ TEST(DeflateInPieces, JoinsPartsToOneStreamOfSmallPieces) {
   for (const DeflateWrapper wrapper : {DeflateWrapper::kZlib, DeflateWrapper::kGzip}) {
     std::string packed;
     std::vector<std::size_t> sizes;
-    ASSERT_TRUE(deflate_in_pieces({bytes_in(noise), {}, bytes_in(text)}, wrapper, 6, "f",
+    ASSERT_TRUE(deflate_in_pieces({bytes_in(noise), {}, bytes_in(text)}, wrapper, {6}, "f",
                                   [&](std::span<const std::byte> piece) -> Result<void> {
                                     packed.append(reinterpret_cast<const char*>(piece.data()), piece.size());
                                     sizes.push_back(piece.size());
@@ -61,7 +61,7 @@ TEST(DeflateInPieces, JoinsPartsToOneStreamOfSmallPieces) {
 
 TEST(DeflateInPieces, NoBytesAreAStreamToo) {
   std::string packed;
-  ASSERT_TRUE(deflate_in_pieces({}, DeflateWrapper::kZlib, 2, "f",
+  ASSERT_TRUE(deflate_in_pieces({}, DeflateWrapper::kZlib, {2}, "f",
                                 [&](std::span<const std::byte> piece) -> Result<void> {
                                   packed.append(reinterpret_cast<const char*>(piece.data()), piece.size());
                                   return {};
@@ -73,7 +73,7 @@ TEST(DeflateInPieces, StopsAtTheFirstError) {
   int calls = 0;
   const std::string noise = random_bytes(3'000'001);
   const Result<void> result =
-      deflate_in_pieces({bytes_in(noise)}, DeflateWrapper::kGzip, 2, "f", [&](auto) -> Result<void> {
+      deflate_in_pieces({bytes_in(noise)}, DeflateWrapper::kGzip, {2}, "f", [&](auto) -> Result<void> {
         if (++calls == 2) return fail(ErrorCode::kFailed, "full");
         return {};
       });
