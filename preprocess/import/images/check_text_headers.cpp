@@ -1,5 +1,6 @@
 // Checks of the image formats with text headers: NRRD and MetaImage.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fstream>
 #include <map>
@@ -207,10 +208,25 @@ Result<void> find_layers(const TextHeader& header, const std::vector<std::int64_
   return {};
 }
 
+/// The space of an NRRD file, as letters: "leftposteriorsuperior". Writers may use hyphens and blanks.
+std::string space_of(const TextHeader& header) {
+  std::string space = to_lower(header.get("space"));
+  std::erase_if(space, [](char c) { return c == '-' || c == ' '; });
+  return space;
+}
+
 /// A name of NRRD's that says nothing about the patient.
 bool is_unknown_space(const std::string& space) {
-  return space.empty() || space.starts_with("scanner") || space.starts_with("3d-") ||
-         space.starts_with("3-d");
+  return space.empty() || space.starts_with("scanner") || space.starts_with("3d");
+}
+
+/// The axes x and y that ITK leaves with the wrong sign: it turns x of LAS in place of y, and nothing in
+/// spaces with time.
+std::array<bool, 2> misread_axes(const std::string& space) {
+  if (space == "las" || space == "leftanteriorsuperior") return {true, true};
+  if (space == "rast" || space == "rightanteriorsuperiortime") return {true, true};
+  if (space == "last" || space == "leftanteriorsuperiortime") return {false, true};
+  return {false, false};
 }
 
 Result<void> check_meta_geometry(const TextHeader& header, std::size_t dimensions, const fs::path& path) {
@@ -293,7 +309,8 @@ Result<PixelData> check_nrrd_file(const fs::path& path) {
       PixelData pixels, find_pixels(path, header, header.get("data file", header.get("datafile")), bytes));
   pixels.is_big_endian = to_lower(header.get("endian")) == "big";
   pixels.pairs = header.pairs;
-  pixels.has_no_space = is_unknown_space(to_lower(header.get("space")));
+  pixels.has_no_space = is_unknown_space(space_of(header));
+  pixels.misread_axes = misread_axes(space_of(header));
   SPLATLAS_RETURN_IF_ERROR(find_layers(header, sizes, path, pixels));
 
   const std::string encoding = to_lower(header.get("encoding"));
