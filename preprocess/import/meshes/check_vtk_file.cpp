@@ -84,7 +84,7 @@ class VtkFileCheck {
       SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::int64_t> list, numbers(size, 4, section));
       std::int64_t found = 0;
       std::size_t at = 0;
-      for (; at < list.size() && list[at] >= 0; ++found) at += 1 + static_cast<std::size_t>(list[at]);
+      for (; at < list.size(); ++found) at += 1 + static_cast<std::size_t>(list[at]);
       if (found == cells && at == list.size()) return {};
       return bad_file(path_, "is damaged: its {} do not fill their list of {} numbers", section, size);
     }
@@ -116,9 +116,10 @@ class VtkFileCheck {
         value = value << 8 | static_cast<unsigned char>(text_[first + n * bytes + b]);
       list.push_back(bytes == 4 ? static_cast<std::int32_t>(value) : static_cast<std::int64_t>(value));
     }
-    if (is_binary_) return list;
-    at_ = first;
-    for (std::int64_t n = 0; n < size; ++n) list.push_back(parse_integer(word()).value_or(-1));
+    if (!is_binary_) at_ = first;
+    for (std::int64_t n = 0; n < size && !is_binary_; ++n) list.push_back(parse_integer(word()).value_or(-1));
+    if (std::ranges::any_of(list, [](std::int64_t number) { return number < 0; }))
+      return bad_file(path_, "is damaged: its {} have a corner that is no number from 0", what);
     return list;
   }
 

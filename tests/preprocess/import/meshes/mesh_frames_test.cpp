@@ -211,6 +211,8 @@ TEST_F(MeshFrames, LegacyFilesHoldWhatTheyPromise) {
   EXPECT_THAT(refusal("POLYGONS 4 16", "POLYGONS 5 16"), HasSubstr("do not fill their list of 16"));
   EXPECT_THAT(refusal("POLYGONS 4 16", "POLYGONS 4 15"), HasSubstr("do not fill their list of 15"));
   EXPECT_THAT(refusal("3 0 2 1", "9 0 2 1"), HasSubstr("do not fill their list"));
+  for (const char* corner : {"3 0 2 -1", "3 0 2 1e308", "3 0 2 1.5"})  // VTK stops in such a number
+    EXPECT_THAT(refusal("3 0 2 1", corner), HasSubstr("a corner that is no number from 0"));
   EXPECT_THAT(refusal("POLYDATA", "UNSTRUCTURED_GRID"), HasSubstr("'UNSTRUCTURED_GRID'; POLYDATA is needed"));
   EXPECT_THAT(refusal("POINTS", "PINTS"), HasSubstr("holds no points"));
   EXPECT_EQ(refusal("POLYGONS", "METADATA\nINFORMATION 0\n\nPOLYGONS"), "no error");
