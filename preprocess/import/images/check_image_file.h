@@ -4,6 +4,7 @@
 // replace invalid spacings silently, and abort on a NaN in an orientation.
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
@@ -41,6 +42,7 @@ struct PixelData {
   std::size_t layers = 1;
   bool layers_first = false;                 ///< the layers of a voxel stand together
   bool has_no_space = false;                 ///< the axes of an NRRD file have no anatomical meaning
+  std::array<bool, 2> misread_axes{};        ///< x and y that ITK leaves with the wrong sign
   std::map<std::string, std::string> pairs;  ///< key/value pairs of an NRRD header
 };
 

@@ -1,5 +1,6 @@
 // Checks of the image formats with text headers: NRRD and MetaImage.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fstream>
 #include <map>
@@ -30,6 +31,25 @@ struct TextHeader {
     return found == fields.end() ? otherwise : found->second;
   }
 };
+
+/// A value for messages. Damage may join other lines to it, whose free text may name a patient.
+std::string shown(const std::string& value) {
+  std::size_t end = value.size();
+  for (const char* mark : {": ", " = ", ":=", " #"}) end = std::min(end, value.find(mark));
+  if (end == value.size()) return value;
+  return value.substr(0, value.find_last_of(' ', end)) + " ...";
+}
+
+/// The fields that messages may name. Others hold free text, and so may their names.
+bool is_known_field(const std::string& field) {
+  static const std::set<std::string> kFields{
+      "type",           "dimension",   "space",           "sizes",      "space directions", "kinds",
+      "endian",         "encoding",    "space origin",    "spacings",   "space dimension",  "data file",
+      "ObjectType",     "NDims",       "DimSize",         "Offset",     "Position",         "Origin",
+      "ElementSpacing", "ElementType", "TransformMatrix", "Rotation",   "Orientation",      "CompressedData",
+      "BinaryData",     "HeaderSize",  "ElementDataFile", "ElementSize"};
+  return kFields.contains(field);
+}
 
 /// A line of a header.
 struct HeaderLine {
@@ -79,7 +99,7 @@ Result<TextHeader> read_text_header(const fs::path& path, HeaderLine (*parse_lin
     if (line.kind == Kind::kPair) header.pairs[line.field] = line.value;
     const bool is_field = line.kind == Kind::kField || line.kind == Kind::kLastField;
     if (is_field && !header.fields.emplace(line.field, line.value).second)
-      return bad_file(path, "says '{}' twice in its header", line.field);
+      return bad_file(path, "says '{}' twice in its header", is_known_field(line.field) ? line.field : "...");
   }
   return header;
 }
@@ -129,7 +149,7 @@ Result<std::vector<std::int64_t>> parse_sizes(const std::string& text, const fs:
   for (const std::string_view part : split_blanks(text)) {
     const auto size = parse_number(part);
     if (!size || std::floor(*size) != *size || std::abs(*size) > 1e12)
-      return bad_file(path, "has sizes '{}'; whole numbers are needed", text);
+      return bad_file(path, "has sizes '{}'; whole numbers are needed", shown(text));
     sizes.push_back(static_cast<std::int64_t>(*size));
   }
   if (sizes.size() >= 2 && sizes.size() <= 5) return sizes;
@@ -146,7 +166,7 @@ Result<fs::path> resolve_beside(const fs::path& header, const std::string& name)
   const auto [rest_of_folder, unused] =
       std::mismatch(folder.begin(), folder.end(), target.begin(), target.end());
   if (error || rest_of_folder != folder.end() || fs::path(name).is_absolute()) {
-    return bad_file(header, "names a pixel file outside its own folder: '{}'", name);
+    return bad_file(header, "names a pixel file outside its own folder: '{}'", shown(name));
   }
   SPLATLAS_RETURN_IF_ERROR(check_regular_file(target));
   return target;
@@ -179,7 +199,8 @@ Result<void> check_nrrd_geometry(const TextHeader& header, const fs::path& path)
     std::erase(parts, "none");                          // marks axes outside space
     if (field == "spacings") std::erase(parts, "nan");  // the same
     if (are_numbers(parts, 0, field == "spacings")) continue;
-    return bad_file(path, "has '{}: {}' in its header, which is no geometry", field, header.get(field));
+    return bad_file(path, "has '{}: {}' in its header, which is no geometry", field,
+                    shown(header.get(field)));
   }
   return {};
 }
@@ -207,10 +228,25 @@ Result<void> find_layers(const TextHeader& header, const std::vector<std::int64_
   return {};
 }
 
+/// The space of an NRRD file, as letters: "leftposteriorsuperior". Writers may use hyphens and blanks.
+std::string space_of(const TextHeader& header) {
+  std::string space = to_lower(header.get("space"));
+  std::erase_if(space, [](char c) { return c == '-' || c == ' '; });
+  return space;
+}
+
 /// A name of NRRD's that says nothing about the patient.
 bool is_unknown_space(const std::string& space) {
-  return space.empty() || space.starts_with("scanner") || space.starts_with("3d-") ||
-         space.starts_with("3-d");
+  return space.empty() || space.starts_with("scanner") || space.starts_with("3d");
+}
+
+/// The axes x and y that ITK leaves with the wrong sign: it turns x of LAS in place of y, and nothing in
+/// spaces with time.
+std::array<bool, 2> misread_axes(const std::string& space) {
+  if (space == "las" || space == "leftanteriorsuperior") return {true, true};
+  if (space == "rast" || space == "rightanteriorsuperiortime") return {true, true};
+  if (space == "last" || space == "leftanteriorsuperiortime") return {false, true};
+  return {false, false};
 }
 
 Result<void> check_meta_geometry(const TextHeader& header, std::size_t dimensions, const fs::path& path) {
@@ -221,7 +257,7 @@ Result<void> check_meta_geometry(const TextHeader& header, std::size_t dimension
     const std::size_t count = is_matrix ? dimensions * dimensions : dimensions;
     const std::string text = header.get(key);
     if (!header.fields.contains(key) || are_numbers(split_blanks(text), count, is_spacing)) continue;
-    return bad_file(path, "has {} = {}; it must be {} {} numbers", key, text, count,
+    return bad_file(path, "has {} = {}; it must be {} {} numbers", key, shown(text), count,
                     is_spacing ? "positive" : "finite");
   }
   return {};
@@ -269,7 +305,7 @@ Result<void> skip_nrrd_start(const TextHeader& header, const fs::path& path, Pix
 /// and -1 for pixels at the end of the file.
 Result<void> skip_header_size(const TextHeader& header, const fs::path& path, PixelData& pixels) {
   const auto size = parse_integer(header.get("HeaderSize", "0"));
-  if (!size || *size < -1) return bad_file(path, "has HeaderSize = {}", header.get("HeaderSize"));
+  if (!size || *size < -1) return bad_file(path, "has HeaderSize = {}", shown(header.get("HeaderSize")));
   if (*size <= 0) return {};
   if (static_cast<std::uint64_t>(*size) < pixels.start) {
     return bad_file(path, "has HeaderSize = {}, but its header alone has {} bytes; remove HeaderSize", *size,
@@ -287,13 +323,14 @@ Result<PixelData> check_nrrd_file(const fs::path& path) {
   SPLATLAS_RETURN_IF_ERROR(check_nrrd_geometry(header, path));
   SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::int64_t> sizes, parse_sizes(header.get("sizes"), path));
   const std::uint64_t bytes_per_voxel = bytes_of_type(nrrd_types(), to_lower(header.get("type")));
-  if (bytes_per_voxel == 0) return bad_pixel_type(path, "type '" + header.get("type") + "'");
+  if (bytes_per_voxel == 0) return bad_pixel_type(path, "type '" + shown(header.get("type")) + "'");
   SPLATLAS_ASSIGN_OR_RETURN(const std::uint64_t bytes, payload_bytes(path, sizes, bytes_per_voxel));
   SPLATLAS_ASSIGN_OR_RETURN(
       PixelData pixels, find_pixels(path, header, header.get("data file", header.get("datafile")), bytes));
   pixels.is_big_endian = to_lower(header.get("endian")) == "big";
   pixels.pairs = header.pairs;
-  pixels.has_no_space = is_unknown_space(to_lower(header.get("space")));
+  pixels.has_no_space = is_unknown_space(space_of(header));
+  pixels.misread_axes = misread_axes(space_of(header));
   SPLATLAS_RETURN_IF_ERROR(find_layers(header, sizes, path, pixels));
 
   const std::string encoding = to_lower(header.get("encoding"));
@@ -312,7 +349,8 @@ Result<PixelData> check_nrrd_file(const fs::path& path) {
     stored = 2 * bytes / bytes_per_voxel - 1;  // a digit and a blank per pixel; ITK counts exactly
     is_text = true;
   } else if (encoding != "raw") {
-    return bad_file(path, "has pixels in encoding '{}'; raw, gzip, bzip2, ascii and hex are read", encoding);
+    return bad_file(path, "has pixels in encoding '{}'; raw, gzip, bzip2, ascii and hex are read",
+                    shown(encoding));
   }
   SPLATLAS_RETURN_IF_ERROR(check_raw_payload(pixels.file, pixels.start, stored, is_text ? stored : bytes));
   return pixels;
@@ -324,8 +362,8 @@ Result<PixelData> check_meta_image_file(const fs::path& path) {
   if (name.empty()) return bad_file(path, "is not a MetaImage file (no ElementDataFile in its header)");
   SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::int64_t> sizes, parse_sizes(header.get("DimSize"), path));
   if (parse_integer(header.get("NDims")) != std::ssize(sizes)) {
-    return bad_file(path, "contradicts itself: NDims = {}, DimSize = {}", header.get("NDims", "(none)"),
-                    header.get("DimSize"));
+    return bad_file(path, "contradicts itself: NDims = {}, DimSize = {}",
+                    shown(header.get("NDims", "(none)")), shown(header.get("DimSize")));
   }
   if (header.fields.contains("BinaryData") && !is_true(header.get("BinaryData"))) {
     return bad_file(path, "has its pixels as text; write them as binary data");
@@ -334,13 +372,13 @@ Result<PixelData> check_meta_image_file(const fs::path& path) {
   std::vector<std::int64_t> numbers = sizes;
   const auto channels = parse_integer(header.get("ElementNumberOfChannels", "1"));
   if (!channels || *channels < 1)
-    return bad_file(path, "has ElementNumberOfChannels = {}", header.get("ElementNumberOfChannels"));
+    return bad_file(path, "has ElementNumberOfChannels = {}", shown(header.get("ElementNumberOfChannels")));
   if (*channels > 1 && sizes.size() > 3)
     return bad_file(path, "has several volumes of {} values a voxel", *channels);
   numbers.push_back(*channels);
   const std::string type = header.get("ElementType", "(none)");
   const std::uint64_t bytes_per_voxel = bytes_of_type(meta_types(), type);
-  if (bytes_per_voxel == 0) return bad_pixel_type(path, "type " + type);
+  if (bytes_per_voxel == 0) return bad_pixel_type(path, "type " + shown(type));
   SPLATLAS_ASSIGN_OR_RETURN(const std::uint64_t bytes, payload_bytes(path, numbers, bytes_per_voxel));
   SPLATLAS_ASSIGN_OR_RETURN(PixelData pixels,
                             find_pixels(path, header, to_lower(name) == "local" ? "" : name, bytes));

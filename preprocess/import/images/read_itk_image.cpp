@@ -100,6 +100,11 @@ Result<SourceImage> read_nrrd(const fs::path& path) {
   return call_itk(path.string(), [&]() -> Result<SourceImage> {
     SPLATLAS_ASSIGN_OR_RETURN(const PixelData pixels, check_nrrd_file(path));
     SPLATLAS_ASSIGN_OR_RETURN(SourceImage image, read_with(*make_image_io(ImageFormat::kNrrd), path, pixels));
+    for (std::size_t row = 0; row < 2; ++row) {
+      if (!pixels.misread_axes[row]) continue;
+      image.grid.origin_lps_mm[row] *= -1;
+      for (std::size_t a = 0; a < 3; ++a) image.grid.direction_lps[3 * row + a] *= -1;
+    }
     if (pixels.has_no_space) image.notes.add(kNoSpace, path.string());
     image.segments = segments_of_nrrd(pixels.pairs);
     image.is_segmentation = !image.segments.empty();

@@ -11,6 +11,7 @@
 #include "format/system/result_macros.h"
 #include "preprocess/import/images/brainglobe_folder.h"
 #include "preprocess/import/images/check_image_file.h"
+#include "preprocess/import/images/check_png.h"
 #include "preprocess/import/images/image_io.h"
 #include "preprocess/import/images/itk_call.h"
 #include "preprocess/import/images/read_tiff.h"
@@ -66,6 +67,7 @@ std::vector<fs::path> list_pictures(const fs::path& path) {
 }
 
 Result<SourceImage> read_png(const fs::path& file) {
+  SPLATLAS_RETURN_IF_ERROR(check_png(file));
   const itk::PNGImageIO::Pointer io = itk::PNGImageIO::New();
   if (!io->CanReadFile(file.c_str())) return bad_file(file, "is not the picture that its ending says");
   io->SetFileName(file.string());

@@ -22,6 +22,7 @@
 #include "format/system/result_macros.h"
 #include "preprocess/import/import_error.h"
 #include "preprocess/import/isolation/run_isolated.h"
+#include "preprocess/import/meshes/check_vtk_file.h"
 #include "preprocess/import/meshes/polygon_readers.h"
 #include "preprocess/import/meshes/quiet_vtk.h"
 #include "preprocess/import/tables/text_file.h"
@@ -77,7 +78,7 @@ Result<vtkSmartPointer<vtkPolyData>> read_polygons(const fs::path& path, MeshFor
     case MeshFormat::kGifti: return read_gifti(path);
     case MeshFormat::kVtk: break;
   }
-  if (!first_bytes(path, 32).starts_with("# vtk DataFile")) return bad_file(path, "is not a legacy VTK file");
+  SPLATLAS_RETURN_IF_ERROR(check_vtk_file(path));
   return read_with<vtkPolyDataReader>(path);
 }
 

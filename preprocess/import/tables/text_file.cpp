@@ -102,10 +102,11 @@ std::string_view trimmed(std::string_view text) {
 
 std::vector<std::string_view> split_blanks(std::string_view text) {
   std::vector<std::string_view> parts;
-  for (std::size_t at = text.find_first_not_of(" \t"); at != std::string_view::npos;) {
-    const std::size_t end = std::min(text.find_first_of(" \t", at), text.size());
+  constexpr const char* kBlanks = " \t\n";  // a stray carriage return is damage
+  for (std::size_t at = text.find_first_not_of(kBlanks); at != std::string_view::npos;) {
+    const std::size_t end = std::min(text.find_first_of(kBlanks, at), text.size());
     parts.push_back(text.substr(at, end - at));
-    at = text.find_first_not_of(" \t", end);
+    at = text.find_first_not_of(kBlanks, end);
   }
   return parts;
 }

@@ -37,7 +37,7 @@ struct TextLine {
 
 /// Removes white space at both ends.
 [[nodiscard]] std::string_view trimmed(std::string_view text);
-/// Splits at white space. The parts refer to `text`.
+/// Splits at blanks, tabs and ends of lines. The parts refer to `text`.
 [[nodiscard]] std::vector<std::string_view> split_blanks(std::string_view text);
 std::vector<std::string_view> split_blanks(std::string&& text) = delete;
 /// Splits at `separator` into trimmed parts; "a,,b" has three. The parts refer to `text`.

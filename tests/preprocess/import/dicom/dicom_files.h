@@ -75,7 +75,7 @@ struct TestSegment {
 
 struct TestSegmentFrame {
   int segment = 1;  // 0 in a label map
-  double z = 0;
+  double z = 0;     // mm along the normal
   std::vector<std::uint16_t> values;
 };
 
@@ -88,6 +88,8 @@ struct TestSegmentation {
   std::string type = "BINARY";
   int bits = 1;
   double slice_spacing = 0;  // not written if 0
+  std::array<double, 6> axes{1, 0, 0, 0, 1, 0};
+  Vec3 origin{}, normal{0, 0, 1};
   std::vector<TestSegment> segments;
   std::vector<TestSegmentFrame> frames;
   DicomTexts texts;

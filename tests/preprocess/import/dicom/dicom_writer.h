@@ -65,8 +65,9 @@ inline DcmItem& add_plane(DcmItem& groups, const Vec3& position) {
   return groups;
 }
 
-inline void add_shared_planes(DcmItem& shared, const std::string& spacing, double slice_spacing) {
-  put(item_of(shared, DCM_PlaneOrientationSequence), DCM_ImageOrientationPatient, "1\\0\\0\\0\\1\\0");
+inline void add_shared_planes(DcmItem& shared, const std::string& spacing, double slice_spacing,
+                              const std::array<double, 6>& axes = {1, 0, 0, 0, 1, 0}) {
+  put(item_of(shared, DCM_PlaneOrientationSequence), DCM_ImageOrientationPatient, joined(axes));
   DcmItem& measures = item_of(shared, DCM_PixelMeasuresSequence);
   put(measures, DCM_PixelSpacing, spacing);
   if (slice_spacing > 0) put(measures, DCM_SpacingBetweenSlices, fmt::format("{}", slice_spacing));

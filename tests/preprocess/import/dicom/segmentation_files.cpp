@@ -56,9 +56,12 @@ void write_segmentation(const TestSegmentation& segmentation, const std::filesys
   put(dataset, DCM_NumberOfFrames, std::to_string(segmentation.frames.size()));
   for (const TestSegment& segment : segmentation.segments)
     add_segment(item_of(dataset, DCM_SegmentSequence), segment);
-  add_shared_planes(item_of(dataset, DCM_SharedFunctionalGroupsSequence), "1\\1", segmentation.slice_spacing);
+  add_shared_planes(item_of(dataset, DCM_SharedFunctionalGroupsSequence), "1\\1", segmentation.slice_spacing,
+                    segmentation.axes);
   for (const TestSegmentFrame& frame : segmentation.frames) {
-    DcmItem& groups = add_plane(item_of(dataset, DCM_PerFrameFunctionalGroupsSequence), {0, 0, frame.z});
+    Vec3 position = segmentation.origin;
+    for (std::size_t a = 0; a < 3; ++a) position[a] += frame.z * segmentation.normal[a];
+    DcmItem& groups = add_plane(item_of(dataset, DCM_PerFrameFunctionalGroupsSequence), position);
     if (!is_label_map)
       put(item_of(groups, DCM_SegmentIdentificationSequence), DCM_ReferencedSegmentNumber,
           std::to_string(frame.segment));

@@ -1,0 +1,72 @@
+// PNG files that are cut or damaged, which libpng answers by ending the process.
+#include "preprocess/import/images/check_png.h"
+
+#include <cstdint>
+#include <string>
+
+#include <zlib.h>
+
+#include "preprocess/import/images/image_formats.h"
+#include "tests/preprocess/import/images/import_image_fixture.h"
+
+namespace splatlas {
+namespace {
+
+using testing::AnyOf;
+using testing::HasSubstr;
+
+std::string big_endian_bytes(std::uint32_t value) {
+  std::string bytes;
+  for (int shift = 24; shift >= 0; shift -= 8) bytes += static_cast<char>(value >> shift & 0xff);
+  return bytes;
+}
+
+std::string chunk(const std::string& type, const std::string& data) {
+  const std::string checked = type + data;
+  const uLong sum =
+      crc32(0, reinterpret_cast<const Bytef*>(checked.data()), static_cast<uInt>(checked.size()));
+  return big_endian_bytes(static_cast<std::uint32_t>(data.size())) + checked +
+         big_endian_bytes(static_cast<std::uint32_t>(sum));
+}
+
+const std::string kSignature = "\x89PNG\r\n\x1a\n";
+/// Of 3 x 2 grey pixels of 8 bits.
+std::string header_chunk() {
+  return chunk("IHDR", big_endian_bytes(3) + big_endian_bytes(2) + std::string("\x8\0\0\0\0", 5));
+}
+std::string pixel_chunk() {
+  return chunk("IDAT", deflated(std::string("\0\1\2\3\0\4\5\6", 8), false));
+}
+
+TEST_F(ImportImage, PngFilesAreCheckedBeforeLibpngReadsThem) {
+  const ImageOptions options{.spacing_mm = Vec3{1, 1, 1}};
+  const std::string path = folder_.file("a.png");
+  const auto refusal = [&](const std::string& bytes) {
+    write_bytes(path, bytes);
+    const Result<SourceImage> image = read_image(path, options);
+    return image ? "no error" : image.error().message;
+  };
+  const std::string whole = kSignature + header_chunk() + pixel_chunk() + chunk("IEND", "");
+  ASSERT_EQ(refusal(whole), "no error");
+  const Result<SourceImage> image = read_image(path, options);
+  ASSERT_EQ(image->voxels.bytes.size(), 6u);
+  for (std::size_t v = 0; v < 6; ++v) EXPECT_EQ(image->voxels.as<std::uint8_t>()[v], v + 1);
+  for (std::size_t length = 0; length < whole.size(); ++length) {
+    EXPECT_THAT(refusal(whole.substr(0, length)),
+                AnyOf(HasSubstr("a.png: is cut short"), HasSubstr("a.png: is no PNG file")))
+        << length;
+  }
+  // The signature is checked as such; every other byte has a checksum, or is one.
+  for (std::size_t at = 8; at < whole.size(); ++at) {
+    std::string damaged = whole;
+    damaged[at] ^= 0x10;
+    EXPECT_THAT(refusal(damaged), AnyOf(HasSubstr("a checksum is wrong"), HasSubstr("is cut short"),
+                                        HasSubstr("does not begin as a PNG file")))
+        << at;
+  }
+  EXPECT_THAT(refusal(kSignature + header_chunk() + chunk("IEND", "")), HasSubstr("holds no pixels"));
+  EXPECT_THAT(refusal(kSignature + pixel_chunk()), HasSubstr("does not begin as a PNG file"));
+}
+
+}  // namespace
+}  // namespace splatlas

@@ -1,0 +1,222 @@
+// Surfaces in RAS beside labels in LPS, transforms and scales.
+#include <array>
+#include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "preprocess/import/meshes/place_mesh.h"
+#include "tests/preprocess/messages_of_notes.h"
+#include "tests/support/file_bytes.h"
+#include "tests/support/temporary_folder.h"
+
+namespace splatlas {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+constexpr std::array<Vec3, 4> kCorners{Vec3{40, 20, 5}, Vec3{44, 20, 5}, Vec3{40, 28, 5}, Vec3{40, 20, 21}};
+constexpr const char* kPoints = "40 20 5 44 20 5 40 28 5 40 20 21";
+/// Counter-clockwise from outside.
+constexpr std::array<std::array<int, 3>, 4> kFaces{{{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}};
+
+std::string faces(const std::string& before, int first = 0) {
+  std::string text;
+  for (const auto& [a, b, c] : kFaces) {
+    text += before + std::to_string(a + first) + " " + std::to_string(b + first) + " " +
+            std::to_string(c + first) + "\n";
+  }
+  return text;
+}
+
+std::string vtk(const std::string& title) {
+  return "# vtk DataFile Version 3.0\n" + title + "\nASCII\nDATASET POLYDATA\nPOINTS 4 float\n" + kPoints +
+         "\nPOLYGONS 4 16\n" + faces("3 ");
+}
+
+/// `space` as codes of characters, as VTK writes strings.
+std::string vtp(const std::string& space) {
+  return R"(<VTKFile type="PolyData" version="0.1" byte_order="LittleEndian"><PolyData>)" +
+         (space.empty()
+              ? ""
+              : R"(<FieldData><Array type="String" Name="SPACE" NumberOfTuples="1" format="ascii">)" + space +
+                    "</Array></FieldData>") +
+         R"(<Piece NumberOfPoints="4" NumberOfVerts="0" NumberOfLines="0" NumberOfStrips="0" NumberOfPolys="4">)" +
+         R"(<Points><DataArray type="Float32" NumberOfComponents="3" format="ascii">)" + kPoints +
+         R"(</DataArray></Points><Polys><DataArray type="Int32" Name="connectivity" format="ascii">)" +
+         faces("") +
+         R"(</DataArray><DataArray type="Int32" Name="offsets" format="ascii">3 6 9 12</DataArray>)" +
+         "</Polys></Piece></PolyData></VTKFile>\n";
+}
+
+std::string stl(const std::string& header) {
+  std::string bytes = header;
+  bytes.resize(80, ' ');
+  const std::uint32_t count = 4;
+  bytes.append(reinterpret_cast<const char*>(&count), 4);
+  for (const auto& face : kFaces) {
+    bytes.append(12, '\0');
+    for (const int corner : face) {
+      for (const double mm : kCorners.at(static_cast<std::size_t>(corner))) {
+        const auto number = static_cast<float>(mm);
+        bytes.append(reinterpret_cast<const char*>(&number), 4);
+      }
+    }
+    bytes.append(2, '\0');
+  }
+  return bytes;
+}
+
+std::string ply(const std::string& comment) {
+  return "ply\nformat ascii 1.0\n" + comment +
+         "element vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement face 4\n"
+         "property list uchar int vertex_indices\nend_header\n40 20 5\n44 20 5\n40 28 5\n40 20 21\n" +
+         faces("3 ");
+}
+
+std::string obj(const std::string& comment) {
+  return comment + "v 40 20 5\nv 44 20 5\nv 40 28 5\nv 40 20 21\n" + faces("f ", 1);
+}
+
+/// Six times the volume within a closed surface; negative if it is inside out.
+double volume_of(const TriangleMesh& mesh) {
+  double sum = 0;
+  for (const auto& [i, j, k] : mesh.triangles) {
+    const Vec3 &a = mesh.positions_lps_mm[i], &b = mesh.positions_lps_mm[j], &c = mesh.positions_lps_mm[k];
+    sum += a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) +
+           a[2] * (b[0] * c[1] - b[1] * c[0]);
+  }
+  return sum;
+}
+
+Vec3 sum_of_corners(const TriangleMesh& mesh) {
+  Vec3 sum{0, 0, 0};
+  for (const auto& triangle : mesh.triangles) {
+    for (const std::uint32_t corner : triangle) {
+      for (std::size_t a = 0; a < 3; ++a) sum[a] += mesh.positions_lps_mm[corner][a];
+    }
+  }
+  return sum;  // each corner is in three triangles
+}
+
+class MeshFrames : public testing::Test {
+ protected:
+  TriangleMesh place(const std::string& name, const std::string& bytes, const std::string& options = "",
+                     const std::optional<MmBox>& labelled = std::nullopt) {
+    write_bytes(folder_.file(name), bytes);
+    notes_ = {};
+    const Result<MeshSource> source = parse_mesh("Screw=" + folder_.file(name) + options);
+    if (!source) throw std::runtime_error(source.error().message);
+    Result<TriangleMesh> mesh = place_mesh(*source, labelled, notes_);
+    if (!mesh) throw std::runtime_error(mesh.error().message);
+    return *std::move(mesh);
+  }
+
+  /// Expects kCorners with x and y times `sign`, and the outside outside.
+  static void expect_corners(const TriangleMesh& mesh, double sign) {
+    ASSERT_EQ(mesh.triangles.size(), 4u);
+    EXPECT_EQ(sum_of_corners(mesh), (Vec3{sign * 3 * 164, sign * 3 * 88, 3 * 36}));
+    EXPECT_EQ(volume_of(mesh), 4 * 8 * 16);
+  }
+  TemporaryFolder folder_;
+  Notes notes_;
+};
+
+TEST_F(MeshFrames, FilesNameTheirFrame) {
+  for (const auto& [space, codes, sign] : std::vector<std::tuple<std::string, std::string, double>>{
+           {"RAS", "82 65 83 0", -1}, {"LPS", "76 80 83 0", 1}}) {
+    for (const auto& [name, bytes] :
+         std::vector<std::pair<std::string, std::string>>{{"a.vtk", vtk("3D Slicer output. SPACE=" + space)},
+                                                          {"a.vtp", vtp(codes)},
+                                                          {"a.stl", stl("3D Slicer output. SPACE=" + space)},
+                                                          {"a.ply", ply("comment SPACE=" + space + "\n")},
+                                                          {"a.obj", obj("# SPACE=" + space + "\n")}}) {
+      SCOPED_TRACE(name + " " + space);
+      expect_corners(place(name, bytes), sign);
+      EXPECT_THAT(messages_of(notes_), IsEmpty());
+      expect_corners(place(name, bytes, ",frame=lps"), 1);  // the user decides
+      expect_corners(place(name, bytes, ",frame=ras"), -1);
+    }
+  }
+}
+
+TEST_F(MeshFrames, WithoutAFrameTheLabelsDecide) {
+  const MmBox right{{-50, -40, 0}, {-30, -10, 30}}, left{{30, 10, 0}, {50, 40, 30}};
+  for (const auto& [name, bytes] : std::vector<std::pair<std::string, std::string>>{{"a.vtk", vtk("x")},
+                                                                                    {"a.vtp", vtp("")},
+                                                                                    {"a.stl", stl("x")},
+                                                                                    {"a.ply", ply("")},
+                                                                                    {"a.obj", obj("")}}) {
+    SCOPED_TRACE(name);
+    expect_corners(place(name, bytes, "", right), -1);
+    EXPECT_THAT(messages_of(notes_),
+                ElementsAre(HasSubstr("(RAS: 100 % of its points lie among the labels, 0 % as LPS;")));
+    EXPECT_TRUE(notes_.all()[0].kind.is_warning);
+    expect_corners(place(name, bytes, "", left), 1);
+    EXPECT_THAT(messages_of(notes_), ElementsAre(HasSubstr("(LPS: 100 %")));
+    expect_corners(place(name, bytes), 1);
+    EXPECT_THAT(messages_of(notes_), ElementsAre(HasSubstr("(LPS: 0 %")));
+  }
+}
+
+/// Scale, then transform, then frame: (x, y, z) cm to (20 z + 1, 10 x + 2, 10 y + 3) mm in RAS.
+TEST_F(MeshFrames, AreScaledAndTransformedBeforeTheyAreTurned) {
+  write_bytes(folder_.file("t.txt"), "0 0 2 1\n1 0 0 2\n0 1 0 3\n0 0 0 1\n");
+  const TriangleMesh mesh =
+      place("a.obj", obj("# SPACE=RAS\n"), ",scale=10,transform=" + folder_.file("t.txt"));
+  EXPECT_EQ(sum_of_corners(mesh), (Vec3{-3 * (20. * 36 + 4), -3 * (10. * 164 + 8), 3 * (10. * 88 + 12)}));
+  EXPECT_EQ(volume_of(mesh), 2000 * 4 * 8 * 16);
+}
+
+TEST_F(MeshFrames, MirroredSurfacesKeepTheirOutside) {
+  write_bytes(folder_.file("t.txt"), "-1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n");
+  const TriangleMesh mesh = place("a.stl", stl("SPACE=LPS"), ",transform=" + folder_.file("t.txt"));
+  EXPECT_EQ(sum_of_corners(mesh), (Vec3{-3 * 164, 3 * 88, 3 * 36}));
+  EXPECT_EQ(volume_of(mesh), 4 * 8 * 16);
+}
+
+/// Before, VTK crashed at polygons that are cut, or read a part of them.
+TEST_F(MeshFrames, CutFilesAreRefused) {
+  for (const auto& [name, bytes] : std::vector<std::pair<std::string, std::string>>{
+           {"a.vtk", vtk("x")}, {"a.vtp", vtp("")}, {"a.stl", stl("x")}, {"a.ply", ply("")}}) {
+    for (const std::size_t percent : {40u, 50u, 60u, 80u, 90u}) {
+      SCOPED_TRACE(name + " " + std::to_string(percent));
+      write_bytes(folder_.file(name), bytes.substr(0, bytes.size() * percent / 100));
+      const Result<MeshFile> mesh = read_mesh(folder_.file(name));
+      ASSERT_FALSE(mesh);
+      EXPECT_THAT(mesh.error().message, testing::Not(HasSubstr("crashed")));
+      EXPECT_THAT(mesh.error().message, HasSubstr(name));
+    }
+  }
+}
+
+TEST_F(MeshFrames, LegacyFilesHoldWhatTheyPromise) {
+  const auto refusal = [&](const std::string& from, const std::string& to) {
+    std::string bytes = vtk("x");
+    bytes.replace(bytes.find(from), from.size(), to);
+    write_bytes(folder_.file("a.vtk"), bytes);
+    const Result<MeshFile> mesh = read_mesh(folder_.file("a.vtk"));
+    return mesh ? "no error" : mesh.error().message;
+  };
+  EXPECT_THAT(refusal("POINTS 4", "POINTS 5"), HasSubstr("promises 5 points, 4 are there"));
+  EXPECT_THAT(refusal("POINTS 4", "POINTS -1"), HasSubstr("no number of points"));
+  EXPECT_THAT(refusal("POINTS 4", "POINTS 99999999999"), HasSubstr("promises 99999999999 points"));
+  EXPECT_THAT(refusal("POLYGONS 4 16", "POLYGONS 4 17"),
+              HasSubstr("promises 17 numbers of polygons, 16 are"));
+  EXPECT_THAT(refusal("POLYGONS 4 16", "POLYGONS 5 16"), HasSubstr("do not fill their list of 16"));
+  EXPECT_THAT(refusal("POLYGONS 4 16", "POLYGONS 4 15"), HasSubstr("do not fill their list of 15"));
+  EXPECT_THAT(refusal("3 0 2 1", "9 0 2 1"), HasSubstr("do not fill their list"));
+  for (const char* corner : {"3 0 2 -1", "3 0 2 1e308", "3 0 2 1.5"})  // VTK stops in such a number
+    EXPECT_THAT(refusal("3 0 2 1", corner), HasSubstr("a corner that is no number from 0"));
+  EXPECT_THAT(refusal("POLYDATA", "UNSTRUCTURED_GRID"), HasSubstr("'UNSTRUCTURED_GRID'; POLYDATA is needed"));
+  EXPECT_THAT(refusal("POINTS", "PINTS"), HasSubstr("holds no points"));
+  EXPECT_EQ(refusal("POLYGONS", "METADATA\nINFORMATION 0\n\nPOLYGONS"), "no error");
+}
+
+}  // namespace
+}  // namespace splatlas

@@ -1,0 +1,170 @@
+// Grids that are widened for surfaces, and grids around surfaces alone.
+#include "preprocess/import/widen_grid.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "preprocess/import_sources.h"
+#include "tests/preprocess/import/side_volumes.h"
+#include "tests/preprocess/messages_of_notes.h"
+#include "tests/support/axis_orders.h"
+#include "tests/support/file_bytes.h"
+#include "tests/support/temporary_folder.h"
+
+namespace splatlas {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+/// A cuboid whose corners are mapped by `place`, as an OBJ file.
+template <typename Place>
+std::string cuboid(const Vec3& low, const Vec3& high, const Place& place) {
+  std::string text = "# SPACE=LPS\n";
+  for (std::size_t corner = 0; corner < 8; ++corner) {
+    Vec3 at;
+    for (std::size_t a = 0; a < 3; ++a) at[a] = (corner >> a & 1) != 0 ? high[a] : low[a];
+    const Vec3 mm = place(at);
+    text += fmt::format("v {:.17g} {:.17g} {:.17g}\n", mm[0], mm[1], mm[2]);
+  }
+  return text + "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
+}
+
+/// Area of a clipped surface in mm^2.
+double area_of(const SurfaceMesh& surface, const Grid& grid) {
+  double area = 0;
+  for (const auto& triangle : surface.triangles) {
+    std::array<Vec3, 3> corners;
+    for (std::size_t n = 0; n < 3; ++n) {
+      const auto& [i, j, k] = surface.positions_ijk[triangle[n]];
+      corners[n] = index_to_lps_mm(grid).apply({i, j, k});
+    }
+    Vec3 u, v;
+    for (std::size_t a = 0; a < 3; ++a)
+      u[a] = corners[1][a] - corners[0][a], v[a] = corners[2][a] - corners[0][a];
+    area += std::hypot(u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]) / 2;
+  }
+  return area;
+}
+
+class WidenGrid : public testing::Test {
+ protected:
+  SourceModel import(const SourceFiles& files) {
+    notes_ = {};
+    Result<SourceModel> model = import_sources(files, notes_);
+    if (!model) throw std::runtime_error(model.error().message);
+    return *std::move(model);
+  }
+  TemporaryFolder folder_;
+  Notes notes_;
+};
+
+/// The instrument sticks out at the left (by 3.7 voxels beyond the last face) and below (by 1.1).
+TEST_F(WidenGrid, HoldsTheInstrumentAndKeepsTheLabels) {
+  for (const AxisOrder& order : all_axis_orders()) {
+    for (const bool is_oblique : {false, true}) {
+      Body body;
+      if (is_oblique) body.axes_lps = oblique_axes();
+      PlacedVolume grey = placed(body, order);
+      write_bytes(folder_.file("labels.nrrd"), nrrd_in(grey, "LPS"));
+      for (std::uint8_t& value : grey.values) value = static_cast<std::uint8_t>(7 + value);
+      write_bytes(folder_.file("grey.nrrd"), nrrd_in(grey, "LPS"));
+      const auto place = [&](const Vec3& index) {
+        Vec3 mm = body.origin_lps_mm;
+        for (std::size_t a = 0; a < 3; ++a) {
+          for (std::size_t row = 0; row < 3; ++row)
+            mm[row] += body.axes_lps[a][row] * body.spacing_mm[a] * index[a];
+        }
+        return mm;
+      };
+      write_bytes(folder_.file("needle.obj"), cuboid({4.2, 2.2, -1.6}, {11.2, 3.3, 1.2}, place));
+      SourceFiles files;
+      files.labels = folder_.file("labels.nrrd");
+      files.volume = folder_.file("grey.nrrd");
+      files.meshes = {{.name = "Needle", .file = folder_.file("needle.obj")}};
+      const SourceModel cut = import(files);
+      EXPECT_THAT(messages_of(notes_), ElementsAre(HasSubstr("partly outside the volume")));
+      EXPECT_GT(cut.meshes[0].outside, 0.5);
+
+      files.fit_grid = true;
+      const SourceModel model = import(files);
+      EXPECT_THAT(messages_of(notes_),
+                  ElementsAre("1 grid is widened for surfaces: from 8x6x5 to 13x6x8 voxels"));
+      EXPECT_EQ(model.meshes[0].outside, 0);
+      const Grid grid = reordered(model.source_grid, storage_order(model.source_grid));
+      ASSERT_EQ(grid.size, (Index3{13, 6, 8}));
+      const Vec3 sides{7 * 0.75, 1.1 * 1.5, 2.8 * 3.25};
+      const double area = 2 * (sides[0] * sides[1] + sides[1] * sides[2] + sides[2] * sides[0]);
+      // Positions are multiples of 1/1024 voxel.
+      EXPECT_NEAR(area_of(model.meshes[0].surface, grid), area, 2e-3 * area);
+      const Affine to_mm = index_to_lps_mm(grid);
+      for (std::int64_t v = 0; v < grid.voxels(); ++v) {
+        const Index3 index{v % 13, v / 13 % 6, v / 78};
+        const Index3 inner{index[0], index[1], index[2] - 3};
+        const bool is_inside = inner[0] < 8 && inner[2] >= 0;
+        const int mark = is_inside ? body.mark(inner) : 0;
+        const auto& set = model.memberships.sets()[model.memberships.voxels()[static_cast<std::size_t>(v)]];
+        ASSERT_EQ(set.empty() ? 0 : static_cast<int>(set.front()) + 1, mark);
+        ASSERT_EQ(model.values.as<std::uint8_t>()[v], 7 + mark);
+        const Vec3 expected = body.position(inner),
+                   found = to_mm.apply({static_cast<double>(index[0]), static_cast<double>(index[1]),
+                                        static_cast<double>(index[2])});
+        for (std::size_t a = 0; a < 3; ++a) ASSERT_NEAR(found[a], expected[a], 1e-9);
+      }
+    }
+  }
+}
+
+TEST_F(WidenGrid, ALittleSurfaceWithinTheGridWidensNothing) {
+  const Body body;
+  write_bytes(folder_.file("labels.nrrd"), nrrd_in(placed(body, {}), "LPS"));
+  // Nearly to the outer faces of the outer voxels.
+  const auto place = [&](const Vec3& index) {
+    Vec3 mm;
+    for (std::size_t a = 0; a < 3; ++a) mm[a] = body.origin_lps_mm[a] + body.spacing_mm[a] * index[a];
+    return mm;
+  };
+  write_bytes(folder_.file("a.obj"), cuboid({-0.499, -0.499, -0.499}, {7.499, 5.499, 4.499}, place));
+  SourceFiles files;
+  files.labels = folder_.file("labels.nrrd");
+  files.meshes = {{.name = "Box", .file = folder_.file("a.obj")}};
+  files.fit_grid = true;
+  const SourceModel model = import(files);
+  EXPECT_EQ(model.source_grid.size, (Index3{8, 6, 5}));
+  write_bytes(folder_.file("a.obj"), cuboid({0, 0, 0}, {800, 5, 4}, place));
+  Notes notes;
+  const auto refused = import_sources(files, notes);
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().message, HasSubstr("--fit-grid: the surfaces would widen the grid from 8x6x5"));
+}
+
+/// 256 voxels along the longest side, which is 64 mm, and one more at each end.
+TEST_F(WidenGrid, SurfacesAloneHaveAGridOfTheirOwn) {
+  const auto place = [](const Vec3& mm) { return mm; };
+  write_bytes(folder_.file("a.obj"), cuboid({10, -20, 30}, {74, -19, 31}, place));
+  write_bytes(folder_.file("b.obj"), cuboid({20, -22, 30}, {24, -20.5, 32}, place));
+  SourceFiles files;
+  files.meshes = {{.name = "Plate", .file = folder_.file("a.obj")},
+                  {.name = "Screw", .file = folder_.file("b.obj")}};
+  const SourceModel model = import(files);
+  EXPECT_THAT(messages_of(notes_), IsEmpty());
+  EXPECT_EQ(model.source_grid.spacing_mm, (Vec3{0.25, 0.25, 0.25}));
+  EXPECT_EQ(model.source_grid.origin_lps_mm, (Vec3{9.75, -22.25, 29.75}));
+  EXPECT_EQ(model.source_grid.size, (Index3{259, 15, 11}));
+  ASSERT_EQ(model.meshes.size(), 2u);
+  EXPECT_NEAR(area_of(model.meshes[0].surface, model.source_grid), 2 * (64 + 64 + 1), 1e-9);
+  EXPECT_NEAR(area_of(model.meshes[1].surface, model.source_grid), 2 * (4 * 1.5 + 1.5 * 2 + 2 * 4), 1e-9);
+  for (std::size_t n = 0; n < 2; ++n) {
+    EXPECT_EQ(model.meshes[n].outside, 0);
+    EXPECT_TRUE(model.structures[n].external);
+  }
+}
+
+}  // namespace
+}  // namespace splatlas
