@@ -126,7 +126,7 @@ class Segmenter {
       if (model_.segments[other].rule.kind == SegmentRule::Kind::kIsosurface)
         excludes[first_source() + other] = false;
     }
-    keep_voxels(mask, excludes, false);
+    if (!rule.overlaps) keep_voxels(mask, excludes, false);
     if (rule.open_mm > 0) return open_mask(std::exchange(mask, {}), grid_, rule);
     return std::exchange(mask, {});
   }

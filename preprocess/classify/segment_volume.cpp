@@ -248,7 +248,8 @@ Result<SegmentRule> parse_segment(std::string_view text) {
   const auto refuse = [&] {
     return fail(
         ErrorCode::kUsage,
-        "--segment '{}': must be NAME=mask:FILE[:open=MM], NAME=threshold:LOW[:HIGH][:close=MM] with "
+        "--segment '{}': must be NAME=mask:FILE[:open=MM][:overlap], NAME=threshold:LOW[:HIGH][:close=MM] "
+        "with "
         "LOW at most HIGH, NAME=threshold:otsu[:close=MM], or NAME=iso:LEVEL[,inside=STRUCTURE], with "
         "MM from 0 to {}",
         text, kMaxClosingMm);
@@ -263,7 +264,11 @@ Result<SegmentRule> parse_segment(std::string_view text) {
   if (kind.starts_with(kMask) && kind.size() > kMask.size()) {
     rule.kind = SegmentRule::Kind::kMask;
     std::string_view file = kind.substr(kMask.size());
-    constexpr std::string_view kOpen = ":open=";
+    constexpr std::string_view kOpen = ":open=", kOverlap = ":overlap";
+    if (file.ends_with(kOverlap) && file.size() > kOverlap.size()) {
+      rule.overlaps = true;
+      file.remove_suffix(kOverlap.size());
+    }
     if (const std::size_t at = file.rfind(kOpen); at != std::string_view::npos) {
       std::vector<std::string_view> parts{file.substr(at)};
       const auto radius = take_radius(kOpen, parts);

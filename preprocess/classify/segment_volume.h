@@ -22,13 +22,14 @@ struct SegmentRule {
   std::filesystem::path mask;  ///< kMask: file with non-zero voxels inside
   double low = 0;              ///< lower threshold or level of the isosurface, inclusive
   double high = std::numeric_limits<double>::infinity();  ///< kThreshold: upper threshold, inclusive
-  double close_mm = 0;  ///< thresholds: radius of the morphological closing before holes are filled
-  double open_mm = 0;   ///< kMask: radius of the morphological opening, after other structures are left out
-  std::string inside;   ///< kIsosurface: enclosing structure; empty for none
+  double close_mm = 0;    ///< thresholds: radius of the morphological closing before holes are filled
+  double open_mm = 0;     ///< kMask: radius of the morphological opening, after other structures are left out
+  bool overlaps = false;  ///< kMask: also takes voxels of other structures
+  std::string inside;     ///< kIsosurface: enclosing structure; empty for none
 };
 
-/// Parses NAME=mask:FILE[:open=MM], NAME=threshold:LOW[:HIGH][:close=MM] with LOW a number or "otsu", or
-/// NAME=iso:LEVEL[,inside=STRUCTURE]; kUsage otherwise.
+/// Parses NAME=mask:FILE[:open=MM][:overlap], NAME=threshold:LOW[:HIGH][:close=MM] with LOW a number or
+/// "otsu", or NAME=iso:LEVEL[,inside=STRUCTURE]; kUsage otherwise.
 [[nodiscard]] Result<SegmentRule> parse_segment(std::string_view text);
 
 /// Segments by threshold (fixed, or Otsu 1979): the largest face-connected component, optionally closed, with

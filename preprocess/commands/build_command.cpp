@@ -46,8 +46,8 @@ Tree: )";
 constexpr const char* kFooterEnd = R"(
 
 Segments: voxels that no structure holds yet get one of their own, in the order of the command line.
-  NAME=mask:FILE[:open=MM]              non-zero voxels of another volume on the same grid; an opening with a ball of
-                                        radius MM removes thin parts that other structures leave
+  NAME=mask:FILE[:open=MM][:overlap]    non-zero voxels of another volume; an opening with a ball of radius MM removes
+                                        thin parts that other structures leave; with :overlap also voxels of others
   NAME=threshold:LOW[:HIGH][:close=MM]  grey values from LOW to HIGH: the largest connected piece, gaps up to twice
                                         MM closed, holes filled
   NAME=threshold:otsu[:close=MM]        the same from Otsu's threshold on

@@ -59,6 +59,15 @@ TEST_F(FragmentsOfBuilds, AreReportedOnce) {
                         HasSubstr("--drop-fragments 100"))));
 }
 
+/// 8 x 5 x 8 and 12 x 8 voxels of the mask, and 8 apart; the labels keep all of theirs.
+TEST_F(FragmentsOfBuilds, MasksMayOverlapLabels) {
+  BuildOptions build = scene();
+  build.sources.segments[0].overlaps = true;
+  const AtlasContent content = this->build(build);
+  EXPECT_EQ(voxels_of(content, "Rest"), 8u * 5 * 8 + 12 * 8 + 8);
+  EXPECT_EQ(voxels_of(content, "Label 1"), 201u);
+}
+
 TEST_F(FragmentsOfBuilds, OfLabelsMayGetIntoSegments) {
   BuildOptions build = scene();
   build.fragments = {*parse_fragments("9")};

@@ -106,6 +106,11 @@ TEST(ParseSegment, ReadsRules) {
   ASSERT_TRUE(opened);
   EXPECT_EQ(opened->mask, "a.nii");
   EXPECT_EQ(opened->open_mm, 1.5);
+  const auto overlapping = parse_segment("Tumour=mask:a.nii:open=2:overlap");
+  ASSERT_TRUE(overlapping);
+  EXPECT_TRUE(overlapping->overlaps && !opened->overlaps);
+  EXPECT_EQ(overlapping->mask, "a.nii");
+  EXPECT_EQ(overlapping->open_mm, 2);
   const auto range = parse_segment("Bone=threshold:-1.5:3e2:close=2.5");
   ASSERT_TRUE(range);
   EXPECT_EQ(range->low, -1.5);
