@@ -23,8 +23,11 @@ const NoteKind kNoLabel{"no-labels", "label map holds background only", "label m
                         true};
 const NoteKind kUnnamed{"unnamed-labels", "label has no name and is called \"Label N\"",
                         "labels have no names and are called \"Label N\"", true};
-const NoteKind kUnused{"names-without-voxels", "name has no voxel and is dropped",
-                       "names have no voxels and are dropped", true};
+/// A table that names mostly other structures serves many images: then unused names are no fault.
+NoteKind unused_names(bool is_warning) {
+  return {"names-without-voxels", "name has no voxel and is dropped", "names have no voxels and are dropped",
+          is_warning};
+}
 const NoteKind kBadHeaderName{
     "bad-names", "name in an image file cannot be used; its label is called \"Label N\"",
     "names in an image file cannot be used; their labels are called \"Label N\"", true};
@@ -164,6 +167,7 @@ void name_labels(ImportedLabels& labels, std::vector<SourceStructure> names, boo
     }
   }
   std::vector<SourceStructure> empty;
+  std::vector<std::string> unused;
   for (SourceStructure& name : names) {
     const auto found = name.label ? unnamed.find(*name.label) : unnamed.end();
     const auto mask = masks.find(name_key(name.name));
@@ -176,9 +180,11 @@ void name_labels(ImportedLabels& labels, std::vector<SourceStructure> names, boo
     } else if (keeps_empty && name.label) {
       empty.push_back(std::move(name));
     } else {
-      labels.notes.add(kUnused, name.label ? fmt::format("{} ({})", name.name, *name.label) : name.name);
+      unused.push_back(name.label ? fmt::format("{} ({})", name.name, *name.label) : name.name);
     }
   }
+  const NoteKind kind = unused_names(2 * unused.size() <= names.size());
+  for (std::string& name : unused) labels.notes.add(kind, std::move(name));
   for (const auto& [label, structure] : unnamed) labels.notes.add(kUnnamed, fmt::to_string(label));
   std::ranges::stable_sort(empty, {}, [](const SourceStructure& structure) { return *structure.label; });
   labels.structures.insert(labels.structures.end(), empty.begin(), empty.end());
