@@ -134,7 +134,7 @@ TEST_F(HostileText, OfNotes) {
                           labels},
                      folder.path());
   expect_safe(build, 1);
-  EXPECT_THAT(build.err, AllOf(StartsWith("note: segment"), HasSubstr("Le?ft?note: forged")));
+  EXPECT_THAT(build.err, AllOf(StartsWith("warning: 1 segment"), HasSubstr("Le?ft?note: forged")));
 }
 
 /// Exports a mask per id of an atlas.
