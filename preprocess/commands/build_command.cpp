@@ -5,8 +5,10 @@
 #include <fmt/format.h>
 
 #include "format/system/ascii_text.h"
+#include "format/system/check_writable.h"
 #include "format/system/command_options.h"
 #include "format/system/output_file.h"
+#include "format/system/output_path.h"
 #include "format/system/result_macros.h"
 #include "format/system/standard_output.h"
 #include "preprocess/commands/build_report.h"
@@ -169,6 +171,12 @@ Result<void> run_build(const BuildRequest& request) {
   BuildOptions options = request.options;
   ProgressDisplay display(request.progress, stderr);
   options.progress = [&](const BuildProgress& progress) { display.show(progress); };
+  std::vector<std::filesystem::path> outputs{options.output};
+  for (const std::filesystem::path& file : {request.json, request.report}) {
+    if (!file.empty()) outputs.push_back(file);
+  }
+  SPLATLAS_RETURN_IF_ERROR(check_outputs(outputs, list_files(options.sources)));
+  for (const std::filesystem::path& file : outputs) SPLATLAS_RETURN_IF_ERROR(check_writable_file(file));
   Notes notes;
   const Result<BuildReport> report = build_atlas(options, notes);
   display.finish();

@@ -120,6 +120,10 @@ class TreeNames {
 }  // namespace
 
 Result<std::string> names_text(const StructureGraph& graph, NamesFormat format) {
+  const bool needs_labels = format != NamesFormat::kAuto && format != NamesFormat::kCsv;
+  if (needs_labels && labelled(graph).empty())
+    return fail(ErrorCode::kFailed,
+                "--names-format: no structure has a label; only csv holds names without labels");
   const auto rgb = [](const Structure& s, char separator) {
     return fmt::format("{0}{3}{1}{3}{2}", s.color.r, s.color.g, s.color.b, separator);
   };

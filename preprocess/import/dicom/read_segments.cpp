@@ -33,7 +33,7 @@ void add_terms(DcmItem& segment, std::vector<SourceTerm>& terms) {
   if (auto code = code_in(*type)) terms.push_back({vocabulary_of(code->scheme), std::move(code->value)});
   for (DcmItem* const item : items_in(*type, DCM_SegmentedPropertyTypeModifierCodeSequence)) {
     if (const auto code = code_in(*item))
-      terms.push_back({"modifier " + vocabulary_of(code->scheme), std::move(code->value)});
+      terms.push_back({"modifier " + vocabulary_of(code->scheme), code->value});
   }
 }
 

@@ -44,18 +44,29 @@ bool is_mgh(const fs::path& path) {
   return ends_with_any(path, {".mgz", ".mgh", ".mgh.gz"});
 }
 
+/// True for a folder with image files of other kinds at its top: a folder of masks.
+bool holds_image_files(const fs::path& folder) {
+  std::error_code error;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
+    const fs::path& file = entry->path();
+    if (is_nifti(file) || is_nrrd(file) || is_meta_image(file) || is_mgh(file)) return true;
+  }
+  return false;
+}
+
+bool is_dicom_source(const fs::path& path) {
+  return !(is_folder(path) && holds_image_files(path)) && is_dicom(path);
+}
+
 /// A folder is a stack if it holds pictures, and no images of other kinds: those may have previews beside
 /// them.
 bool is_picture_stack(const fs::path& path) {
   if (!is_folder(path)) return is_picture(path);
   bool has_pictures = false;
   std::error_code error;
-  for (fs::directory_iterator entry(path, error), end; !error && entry != end; entry.increment(error)) {
-    const fs::path& file = entry->path();
-    if (is_nifti(file) || is_nrrd(file) || is_meta_image(file) || is_mgh(file)) return false;
-    has_pictures = has_pictures || is_picture(file);
-  }
-  return has_pictures;
+  for (fs::directory_iterator entry(path, error), end; !error && entry != end; entry.increment(error))
+    has_pictures = has_pictures || is_picture(entry->path());
+  return has_pictures && !holds_image_files(path);
 }
 
 template <Result<SourceImage> (*read)(const fs::path&)>
@@ -69,7 +80,7 @@ constexpr std::array kFormats{
     ImageFormatEntry{"NRRD (.nrrd, .nhdr, .seg.nrrd)", is_nrrd, without_options<read_nrrd>},
     ImageFormatEntry{"MetaImage (.mha, .mhd)", is_meta_image, without_options<read_meta_image>},
     ImageFormatEntry{"FreeSurfer (.mgz, .mgh)", is_mgh, without_options<read_mgh>},
-    ImageFormatEntry{"DICOM (files or a folder)", is_dicom, import_dicom},
+    ImageFormatEntry{"DICOM (files or a folder)", is_dicom_source, import_dicom},
     ImageFormatEntry{"TIFF or PNG, one file or a folder of slices, with --spacing", is_picture_stack,
                      read_pictures},
 };

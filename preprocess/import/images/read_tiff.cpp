@@ -1,6 +1,7 @@
 #include "preprocess/import/images/read_tiff.h"
 
 #include <algorithm>
+#include <cstdarg>
 #include <cstring>
 #include <memory>
 #include <utility>
@@ -18,6 +19,9 @@ namespace {
 namespace fs = std::filesystem;
 
 using Tiff = std::unique_ptr<TIFF, decltype(&TIFFClose)>;
+
+/// Set by libtiff's messages: it ends a cut file like a whole one.
+bool has_fault = false;
 
 /// Size and type of a page.
 struct Page {
@@ -99,7 +103,8 @@ bool read_pixels(TIFF* tiff, const Page& page, std::byte* to) {
 }  // namespace
 
 Result<SourceImage> read_tiff(const fs::path& path) {
-  TIFFSetErrorHandler(nullptr);
+  has_fault = false;
+  TIFFSetErrorHandler([](const char*, const char*, std::va_list) { has_fault = true; });
   TIFFSetWarningHandler(nullptr);
   const Tiff tiff(TIFFOpen(path.c_str(), "rm"), TIFFClose);  // m: not mapped, so that a cut file gives errors
   if (!tiff) return bad_file(path, "is not the picture that its ending says");
@@ -117,6 +122,8 @@ Result<SourceImage> read_tiff(const fs::path& path) {
     if (!read_pixels(tiff.get(), page, &bytes[before]))
       return bad_file(path, "page {} is damaged or cut; get the file again", image.grid.size[2]);
   } while (TIFFReadDirectory(tiff.get()) == 1);
+  if (has_fault)
+    return bad_file(path, "is damaged or cut behind page {}; get the file again", image.grid.size[2]);
   if (first.wide == WideInteger::kNone) {
     image.voxels = {first.type, std::move(bytes)};
   } else {

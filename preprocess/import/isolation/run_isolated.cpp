@@ -124,6 +124,32 @@ double seconds_of(clockid_t clock) {
 /// Why a child was ended by its parent.
 enum class Overrun { kNone, kCpu, kWall };
 
+/// Waits for the end of a child for up to 50 ms; it stays waitable. Without `handle` (old kernels) it polls.
+bool has_ended(pid_t child, int handle) {
+  pollfd ended{handle, POLLIN, 0};
+  if (handle >= 0) return ::poll(&ended, 1, 50) == 1;
+  ::usleep(2000);
+  siginfo_t info{};
+  return ::waitid(P_PID, static_cast<id_t>(child), &info, WEXITED | WNOHANG | WNOWAIT) != 0 ||
+         info.si_pid == child;
+}
+
+/// Children can be waited for during its lifetime, even if the caller ignores SIGCHLD.
+class WaitableChildren {
+ public:
+  WaitableChildren() {
+    struct sigaction action {};
+    action.sa_handler = SIG_DFL;
+    ::sigaction(SIGCHLD, &action, &before_);
+  }
+  ~WaitableChildren() { ::sigaction(SIGCHLD, &before_, nullptr); }
+  WaitableChildren(const WaitableChildren&) = delete;
+  WaitableChildren& operator=(const WaitableChildren&) = delete;
+
+ private:
+  struct sigaction before_ {};
+};
+
 /// Waits until the child ends, or exceeds a time limit. A child that has ended stays waitable.
 Overrun watch(pid_t child, const Shared& shared, const ChildLimits& limits) {
   const int handle = static_cast<int>(::syscall(SYS_pidfd_open, child, 0));
@@ -133,8 +159,7 @@ Overrun watch(pid_t child, const Shared& shared, const ChildLimits& limits) {
   double cpu_begun = 0, wall_begun = seconds_of(CLOCK_MONOTONIC);
   Overrun overrun = Overrun::kNone;
   while (overrun == Overrun::kNone) {
-    pollfd ended{handle, POLLIN, 0};
-    if (::poll(&ended, 1, 50) == 1) break;
+    if (has_ended(child, handle)) break;
     const double cpu = seconds_of(child_clock), wall = seconds_of(CLOCK_MONOTONIC);
     if (const std::uint32_t now = shared.beats.load(); now != beats) {
       beats = now;
@@ -144,7 +169,7 @@ Overrun watch(pid_t child, const Shared& shared, const ChildLimits& limits) {
     if (cpu - cpu_begun > limits.cpu_seconds) overrun = Overrun::kCpu;
     if (wall - wall_begun > limits.wall_seconds) overrun = Overrun::kWall;
   }
-  ::close(handle);
+  if (handle >= 0) ::close(handle);
   return overrun;
 }
 
@@ -194,6 +219,7 @@ ChildLimits limits_for(const fs::path& path) {
   ChildLimits limits;
   limits.bytes = std::min(machine_memory() / 2, kFloor + kPerByte * std::min(bytes, std::uint64_t{1} << 40));
   limits.cpu_seconds += kSecondsPerByte * static_cast<double>(bytes);
+  limits.wall_seconds += 5 * kSecondsPerByte * static_cast<double>(bytes);  // 1 MB/s
   return limits;
 }
 
@@ -215,6 +241,7 @@ std::uint64_t ChildAnswer::bytes() const {
 
 Result<ChildAnswer> run_child(const fs::path& path, const ChildLimits& limits,
                               const std::function<bool(int file)>& answer) {
+  const WaitableChildren waitable;
   const SharedPage page;
   ChildAnswer file(::memfd_create("answer", MFD_CLOEXEC));
   if (page.get() == nullptr || file.file() < 0)

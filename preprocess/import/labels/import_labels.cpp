@@ -62,6 +62,10 @@ Result<ImportedLabels> import_labels(const fs::path& path, const ImageOptions& o
   if (format == nullptr && fs::is_directory(path, unreadable)) return import_mask_folder(path, grid);
   SPLATLAS_ASSIGN_OR_RETURN(SourceImage image, read_image(path, options));
   const bool is_resampled = grid && !have_same_voxels(*grid, image.grid);
+  if (is_resampled && !(overlap(image.grid, *grid) > 0)) {
+    return fail(ErrorCode::kFailed, "{}, and they do not overlap; were they made of one patient and frame?",
+                check_same_grid(image.grid, path.string(), *grid, "the volume").error().message);
+  }
   SourceImage moved = is_resampled ? resample_nearest(image, *grid) : SourceImage();
   SPLATLAS_ASSIGN_OR_RETURN(ImportedLabels labels, read_structures(std::move(image), path.string()));
   if (is_resampled) {

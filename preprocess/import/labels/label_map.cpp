@@ -32,6 +32,10 @@ const NoteKind kBadHeaderName{
     "bad-names", "name in an image file cannot be used; its label is called \"Label N\"",
     "names in an image file cannot be used; their labels are called \"Label N\"", true};
 
+std::string default_name(std::int64_t label) {
+  return fmt::format("Label {}", label);
+}
+
 /// The label of a voxel value; nothing for an invalid one.
 template <typename T>
 std::optional<std::uint32_t> label_of(T value) {
@@ -146,7 +150,7 @@ Result<ImportedLabels> read_label_map(SourceImage image, const std::string& name
   }
   for (const std::uint32_t label : sorted) {
     SourceStructure structure;
-    structure.name = fmt::format("Label {}", label);
+    structure.name = default_name(label);
     structure.label = label;
     result.structures.push_back(std::move(structure));
   }
@@ -158,25 +162,23 @@ Result<ImportedLabels> read_label_map(SourceImage image, const std::string& name
 
 void name_labels(ImportedLabels& labels, std::vector<SourceStructure> names, bool keeps_empty) {
   std::map<std::int64_t, SourceStructure*> unnamed;
-  std::map<std::string, SourceStructure*> masks;
+  std::map<std::string, SourceStructure*> by_name;  // masks, and labels that the file itself names
   for (SourceStructure& structure : labels.structures) {
-    if (structure.label) {
-      unnamed.emplace(*structure.label, &structure);
-    } else {
-      masks.emplace(name_key(structure.name), &structure);
-    }
+    const bool is_named = !structure.label || structure.name != default_name(*structure.label);
+    if (structure.label) unnamed.emplace(*structure.label, &structure);
+    if (is_named) by_name.emplace(name_key(structure.name), &structure);
   }
   std::vector<SourceStructure> empty;
   std::vector<std::string> unused;
   for (SourceStructure& name : names) {
     const auto found = name.label ? unnamed.find(*name.label) : unnamed.end();
-    const auto mask = masks.find(name_key(name.name));
+    const auto same_name = by_name.find(name_key(name.name));
     if (found != unnamed.end()) {
       *found->second = std::move(name);
       unnamed.erase(found);
-    } else if (mask != masks.end()) {
-      name.label.reset();
-      *mask->second = std::move(name);
+    } else if (same_name != by_name.end()) {
+      name.label = same_name->second->label;
+      *same_name->second = std::move(name);
     } else if (keeps_empty && name.label) {
       empty.push_back(std::move(name));
     } else {
@@ -185,7 +187,9 @@ void name_labels(ImportedLabels& labels, std::vector<SourceStructure> names, boo
   }
   const NoteKind kind = unused_names(2 * unused.size() <= names.size());
   for (std::string& name : unused) labels.notes.add(kind, std::move(name));
-  for (const auto& [label, structure] : unnamed) labels.notes.add(kUnnamed, fmt::to_string(label));
+  for (const auto& [label, structure] : unnamed) {
+    if (structure->name == default_name(label)) labels.notes.add(kUnnamed, fmt::to_string(label));
+  }
   std::ranges::stable_sort(empty, {}, [](const SourceStructure& structure) { return *structure.label; });
   labels.structures.insert(labels.structures.end(), empty.begin(), empty.end());
 }

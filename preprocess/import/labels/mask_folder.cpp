@@ -94,7 +94,7 @@ class MaskFolder {
   Result<ImportedLabels> import(const std::optional<Grid>& grid) {
     if (grid) begin(*grid, "the volume");
     for (const fs::path& file : labels_.files) {
-      SPLATLAS_ASSIGN_OR_RETURN(Image image, import_image(file));
+      SPLATLAS_ASSIGN_OR_RETURN(Image image, import_image(file, {}, labels_.notes));
       SPLATLAS_RETURN_IF_ERROR(add(file, std::move(image)));
     }
     sort_by_size(labels_, counts_);

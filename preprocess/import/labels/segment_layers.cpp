@@ -52,7 +52,7 @@ class LayerReader {
   template <typename T>
   StructureIndex structure_of(T value, Notes& notes) {
     if (!(value > 0 || value < 0)) return kNoStructure;
-    const auto key = static_cast<std::int64_t>(value);
+    const auto key = static_cast<std::int64_t>(static_cast<double>(value));  // exact: values have 32 bits
     const auto [found, is_new] = structure_of_value_.emplace(key, kNoStructure);
     if (is_new) notes.add(kNoSegment, fmt::format("{} (layer {})", value, layer_ + 1));
     return found->second;

@@ -98,6 +98,11 @@ MeshFrame guess_frame(const TriangleMesh& mesh, const std::optional<MmBox>& labe
   const double lps = labelled ? fraction_within(mesh, MeshFrame::kLps, *labelled) : 0;
   const double ras = labelled ? fraction_within(mesh, MeshFrame::kRas, *labelled) : 0;
   const MeshFrame frame = ras > lps ? MeshFrame::kRas : MeshFrame::kLps;
+  if (!labelled) {
+    notes.add(kAssumedFrame,
+              fmt::format("{} (LPS: there are no labels; frame=ras or frame=lps decides)", file.string()));
+    return frame;
+  }
   notes.add(kAssumedFrame,
             fmt::format("{} ({}: {:.0f} % of its points lie among the labels, {:.0f} % as {}; frame=ras or "
                         "frame=lps decides)",

@@ -28,6 +28,7 @@ struct DataArray {
   std::map<std::string, std::string> attributes;
   std::map<std::string, std::string> metadata;
   std::string data;
+  bool is_of_scanner = false;  ///< its points are in the scanner's frame
   std::optional<std::array<double, 16>> to_scanner;
 
   [[nodiscard]] std::string get(const char* key) const {
@@ -86,6 +87,8 @@ class GiftiParser {
     if (name == "Data") array.data = std::move(text_);
     if (name == "Name") name_ = std::string(trimmed(text_));
     if (name == "Value") array.metadata[name_] = std::string(trimmed(text_));
+    if (name == "DataSpace")
+      array.is_of_scanner = array.is_of_scanner || trimmed(text_) == "NIFTI_XFORM_SCANNER_ANAT";
     if (name == "TransformedSpace") space_ = std::string(trimmed(text_));
     if (name == "MatrixData") matrix_ = std::move(text_);
     if (name == "CoordinateSystemTransformMatrix" && space_ == "NIFTI_XFORM_SCANNER_ANAT") {
@@ -179,6 +182,7 @@ Result<std::vector<double>> numbers_of(const DataArray& array, const fs::path& p
 
 /// Points to the scanner's frame: by the file's matrix, or by the centre of FreeSurfer's volume.
 void to_scanner(const DataArray& array, std::vector<double>& points) {
+  if (array.is_of_scanner) return;
   std::array<double, 16> matrix{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
   if (array.to_scanner) matrix = *array.to_scanner;
   for (std::size_t row = 0; row < 3 && !array.to_scanner; ++row) {
@@ -210,7 +214,8 @@ Result<vtkSmartPointer<vtkPolyData>> read_gifti(const fs::path& path) {
   to_scanner(*point_array, points);
   PolygonMesh mesh;
   for (std::size_t p = 0; p < points.size(); p += 3) mesh.points->InsertNextPoint(&points[p]);
-  const auto count = static_cast<double>(points.size() / 3);
+  const std::size_t point_count = points.size() / 3;
+  const auto count = static_cast<double>(point_count);
   for (std::size_t t = 0; t < corners.size(); t += 3) {
     std::array<vtkIdType, 3> triangle{};
     for (std::size_t n = 0; n < 3; ++n) {

@@ -119,7 +119,9 @@ class NiftiReader {
                       header_.is_pair ? "is the header of a pair; name it .hdr, beside its .img"
                                       : "holds header and voxels in one; name it .nii");
     }
-    if (!std::isfinite(header_.slope) || !std::isfinite(header_.intercept))
+    // No slope, 0 or NaN, stands for unscaled values.
+    const bool is_scaled = header_.slope < 0 || header_.slope > 0;
+    if (is_scaled && !(std::isfinite(header_.slope) && std::isfinite(header_.intercept)))
       return bad_file(path_, "has a value scale (scl_slope, scl_inter) that is not a number");
     if (header_.is_pair) {
       SPLATLAS_ASSIGN_OR_RETURN(file_, GzipFile::open(files_.voxels));

@@ -19,7 +19,7 @@ const NoteKind kFaultyRows{"faulty-rows", "row that cannot be read is dropped",
 const NoteKind kDuplicateLabels{"duplicate-labels", "row for a label that has one already is dropped",
                                 "rows for labels that have one already are dropped", true};
 const NoteKind kDuplicateNames{"duplicate-names", "name stands for several labels",
-                               "names stand for several labels", true};
+                               "names stand for several labels", false};
 const NoteKind kDuplicateColors{"duplicate-colors", "colour stands for several labels",
                                 "colours stand for several labels", false};
 const NoteKind kMissingNames{"missing-names", "label has no name and gets a numbered one",
@@ -51,6 +51,7 @@ std::string NamesCollector::place(std::size_t line) const {
 }
 
 void NamesCollector::add(std::string_view label, LabelName name) {
+  if (label.empty()) return add(std::move(name));
   name.label = parse_label(label);
   if (!name.label) {
     return add_fault(name.line, fmt::format("{} is no label (whole, 0 to {})", in_quotes(label), kMaxLabel));

@@ -184,7 +184,9 @@ TEST_F(ImportImage, RefusesImpossibleGeometry) {
   }
   refuses("a.nii", with_number(nifti(), 280, nan), "orientation");  // sform: ITK would abort
   refuses("a.nii", with_number(nifti(), 256, inf), "orientation");  // qform
-  refuses("a.nii", with_number(nifti(), 112, nan), "scale");
+  refuses("a.nii", with_number(nifti(), 112, inf), "scale");
+  refuses("a.nii", with_number(nifti(), 116, nan), "scale");
+  expect_raw_image(imported("a.nii", with_number(nifti(), 112, nan)));
   std::string singular = nifti();
   for (std::size_t n = 0; n < 12; ++n) singular = with_number<float>(singular, 280 + 4 * n, 0);
   EXPECT_FALSE(import_bytes("a.nii", singular) && !validate(import_bytes("a.nii", singular)->grid, ""));
