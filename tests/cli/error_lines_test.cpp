@@ -233,6 +233,9 @@ TEST_F(ErrorLines, OfBuild) {
   refuses({"--mesh", "A=a.stl,frame=x"}, "--mesh", "frame=x must be ras or lps", 2);
   refuses({"--mesh", "A=a.stl,size=3"}, "--mesh", "size=3 is no option", 2);
   refuses({"--mesh", "A=a.stl,scale=0"}, "--mesh", "scale=0 must be a number above 0", 2);
+  refuses({"--json", "labels.nrrd"}, "labels.nrrd", "is an input", 2);
+  refuses({"--report", "x.atlas"}, "x.atlas", "", 2);
+  refuses({"--json", "none/x.json"}, "none/x.json", "no folder");
   refuses({"--title", "\x1b"}, "--title: \"?\"", "control character", 2);
   check_preprocess(cases);
 }

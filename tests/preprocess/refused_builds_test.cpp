@@ -59,6 +59,9 @@ TEST_F(BuildAtlas, RefusesWhatDoesNotFitTogether) {
   other.origin_lps_mm[1] += 1e4;
   build_options.sources.volume = write("volume.nrrd", random_volume(other, VoxelType::kUInt8, random));
   EXPECT_THAT(error_of(build_options), HasSubstr("they do not overlap"));
+  build_options.sources.resample = ResampleTo::kVolume;
+  EXPECT_THAT(error_of(build_options), HasSubstr("they do not overlap"));
+  build_options.sources.resample = ResampleTo::kAsk;
   build_options.sources.volume.clear();
   build_options.sources.segments = {*parse_segment("S=threshold:3")};
   EXPECT_THAT(error_of(build_options), HasSubstr("--volume"));

@@ -77,6 +77,22 @@ TEST(NamesText, CsvHoldsEverything) {
   EXPECT_EQ(table.names[2].label, 4294967295);
 }
 
+TEST(NamesText, NamesOfMasksAreInCsvOnly) {
+  const TemporaryFolder folder;
+  const StructureGraph masks = StructureGraph::build({{.id = "liver", .name = "liver", .color = {9, 8, 7}},
+                                                      {.id = "spleen", .name = "spleen", .color = {1, 2, 3}}})
+                                   .value();
+  write_bytes(folder.file("names.csv"), names_text(masks, NamesFormat::kCsv).value());
+  Notes notes;
+  const NamesTable table = read_names(folder.file("names.csv"), NamesFormat::kAuto, notes).value();
+  ASSERT_EQ(table.names.size(), 2u);
+  EXPECT_EQ(table.names[1].name, "spleen");
+  EXPECT_EQ(table.names[1].color, (Rgb{1, 2, 3}));
+  EXPECT_FALSE(table.names[1].label);
+  EXPECT_THAT(names_text(masks, NamesFormat::kCtbl),
+              FailsWith(ErrorCode::kFailed, HasSubstr("only csv holds")));
+}
+
 TEST(NamesText, RefusesDialectsThatAreOnlyRead) {
   EXPECT_THAT(names_text(awkward_graph(), NamesFormat::kAllen),
               FailsWith(ErrorCode::kUsage, HasSubstr("csv, itksnap")));

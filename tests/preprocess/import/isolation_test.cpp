@@ -145,6 +145,12 @@ TEST(RunIsolated, EndsTheChildrenOfAChild) {
   ::close(ends[0]);
 }
 
+TEST(RunIsolated, WaitsForChildrenThatTheCallerIgnores) {
+  const auto before = ::signal(SIGCHLD, SIG_IGN);
+  EXPECT_EQ(isolated([] { return Number{3}; })->value, 3);
+  EXPECT_EQ(::signal(SIGCHLD, before), SIG_IGN) << "as before";
+}
+
 /// What libraries print may name patients.
 TEST(RunIsolated, DropsWhatAChildPrints) {
   testing::internal::CaptureStderr();

@@ -290,6 +290,66 @@ TEST_F(MoreFormats, ReadsBzip2) {
   EXPECT_FALSE(import_bytes("a.nrrd", header + damaged));
 }
 
+/// Pages of 3 x 2 uncompressed numbers (TIFF 6.0): the values of a page, then its directory.
+template <typename T>
+std::string tiff_of(const std::vector<std::vector<T>>& pages) {
+  std::string bytes("II*\0\0\0\0\0", 8);
+  std::size_t link = 4;
+  for (const std::vector<T>& page : pages) {
+    const auto strip = static_cast<std::uint32_t>(bytes.size());
+    bytes += pixels_of(page);
+    bytes.resize((bytes.size() + 1) / 2 * 2);
+    bytes = with_number(std::move(bytes), link, static_cast<std::uint32_t>(bytes.size()));
+    const std::array<std::pair<std::uint16_t, std::uint32_t>, 8> fields{{{256, 3},
+                                                                         {257, 2},
+                                                                         {258, 8 * sizeof(T)},
+                                                                         {259, 1},
+                                                                         {262, 1},
+                                                                         {273, strip},
+                                                                         {278, 2},
+                                                                         {279, 6 * sizeof(T)}}};
+    Bytes directory(2 + 12 * fields.size() + 4);
+    directory.put(0, static_cast<std::uint16_t>(fields.size()));
+    for (std::size_t n = 0; n < fields.size(); ++n) {
+      const std::size_t at = 2 + 12 * n;
+      directory.put(at, fields[n].first)
+          .put<std::uint16_t>(at + 2, 4)
+          .put<std::uint32_t>(at + 4, 1)
+          .put(at + 8, fields[n].second);
+    }
+    link = bytes.size() + directory.get().size() - 4;
+    bytes += directory.get();
+  }
+  return bytes;
+}
+
+/// ITK would read integers of 32 bits as background, and a cut file as one of fewer slices.
+TEST_F(MoreFormats, ReadsEveryPageOfATiffFile) {
+  const std::vector<std::vector<std::uint32_t>> pages{{1, 2, 3, 4, 5, 4294967295u}, {7, 8, 9, 10, 11, 12}};
+  const std::string bytes = tiff_of(pages);
+  ImageOptions options;
+  options.spacing_mm = Vec3{1, 2, 3};
+  const SourceImage image = source("a.tif", bytes, options);
+  EXPECT_EQ(image.grid.size, (Index3{3, 2, 2}));
+  EXPECT_EQ(image.grid.spacing_mm, (Vec3{1, 2, 3}));
+  ASSERT_EQ(image.voxels.type, VoxelType::kUInt32);
+  for (std::size_t v = 0; v < 12; ++v) EXPECT_EQ(image.voxels.as<std::uint32_t>()[v], pages[v / 6][v % 6]);
+  EXPECT_THAT(messages_of(image.notes),
+              ElementsAre(HasSubstr("no orientation and is read with x to the left")));
+  for (std::size_t length = 0; length < bytes.size(); ++length) {
+    write_bytes(folder_.file("a.tif"), bytes.substr(0, length));
+    EXPECT_FALSE(read_image_here(folder_.file("a.tif"), options)) << length;
+  }
+}
+
+TEST_F(MoreFormats, MasksAtTheTopComeBeforeDicomBelow) {
+  std::filesystem::create_directories(folder_.path() / "mix" / "dicom");
+  write_bytes(folder_.file("mix/dicom/slice"), std::string(128, '\0') + "DICM");
+  ASSERT_NE(find_image_format(folder_.path() / "mix"), nullptr);
+  write_bytes(folder_.file("mix/liver.nii"), nifti());
+  EXPECT_EQ(find_image_format(folder_.path() / "mix"), nullptr);
+}
+
 TEST_F(MoreFormats, PicturesNeedDistances) {
   write_bytes(folder_.file("a.tif"), "no picture");
   const Result<Image> image = import_image(folder_.file("a.tif"));

@@ -115,7 +115,20 @@ TEST(NameLabels, CountsWhatDoesNotFit) {
   EXPECT_EQ(named.structures[4].label, 9);
 }
 
-/// 64 values in in blocks of a few voxels are labels; in a ramp they are grey values.
+/// Masks, and labels that a header names, take colours and codes by their names.
+TEST(NameLabels, FindsStructuresByName) {
+  ImportedLabels named = *read_row<std::uint8_t>(VoxelType::kUInt8, {1, 2, 2}, "a.nii");
+  named.structures[0].name = "Spleen";
+  SourceStructure spleen = name(77, "spleen");
+  spleen.color = Rgb{1, 2, 3};
+  name_labels(named, {spleen}, false);
+  EXPECT_EQ(named.structures[0].color, (Rgb{1, 2, 3}));
+  EXPECT_EQ(named.structures[0].label, 1);
+  EXPECT_THAT(messages_of(named.notes),
+              testing::ElementsAre("1 label has no name and is called \"Label N\": 2"));
+}
+
+/// 64 values in blocks of a few voxels are labels; in a ramp they are grey values.
 TEST(ImportLabels, RecognisesGreyValues) {
   std::vector<std::uint8_t> ramp, blocks;
   for (std::size_t n = 0; n < 512; ++n) {
