@@ -1,8 +1,10 @@
 #include "preprocess/export/export_labels.h"
 
+#include <algorithm>
 #include <bit>
 #include <cstdint>
 #include <limits>
+#include <thread>
 #include <type_traits>
 #include <utility>
 
@@ -108,9 +110,9 @@ Result<ExportedMasks> write_masks(const AtlasContent& content, OutputFolder& fol
     for (std::size_t v = 0; v < classes.size(); ++v) mask.voxels.bytes[v] = std::byte{parts[classes[v]] != 0};
     return encode_mask(mask, folder.path() / files[n]);
   };
-  constexpr std::size_t kAtOnce = 8;  // bounds the memory
-  for (std::size_t first = 0; first < masked.size(); first += kAtOnce) {
-    std::vector<Result<std::vector<std::byte>>> encoded(std::min(kAtOnce, masked.size() - first));
+  const std::size_t at_once = std::clamp(std::thread::hardware_concurrency(), 1u, 4u);  // bounds the memory
+  for (std::size_t first = 0; first < masked.size(); first += at_once) {
+    std::vector<Result<std::vector<std::byte>>> encoded(std::min(at_once, masked.size() - first));
     parallel_for(encoded.size(), 0, [&](std::size_t n) { encoded[n] = encode(first + n); });
     for (std::size_t n = 0; n < encoded.size(); ++n) {
       if (!encoded[n]) return tl::unexpected(encoded[n].error());

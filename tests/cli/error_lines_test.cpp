@@ -192,7 +192,7 @@ TEST_F(ErrorLines, OfPreprocessCommandsAndExport) {
 TEST_F(ErrorLines, OfBuild) {
   std::vector<Case> cases{
       {{"build"}, 2, "--output is required", "splatlas-preprocess build --help"},
-      {{"build", "-o", "x.atlas"}, 2, "no structures: give --labels or a --segment"},
+      {{"build", "-o", "x.atlas"}, 2, "no structures: give --labels, a --segment or a --mesh"},
       {{"build", "-o", "", "--labels", "labels.nrrd"}, 2, "--output: \"\"", "must name a file"},
       {{"build", "-o", "x.atlas", "--labels", ""}, 2, "--labels: \"\"", "must name a file"},
       {{"build", "-o", "x.atlas", "--labels", "missing.nrrd"}, 1, "missing.nrrd: ", "no such file"},

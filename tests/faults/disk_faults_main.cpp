@@ -294,7 +294,10 @@ class Rehearsal {
     return stays ? "" : "the next run removes an entry of another process";
   }
 
-  [[nodiscard]] bool names_a_file(const std::string& message) const {
+  [[nodiscard]] bool names_a_file(std::string message) const {
+    // Notes on the inputs come before the error.
+    while (message.starts_with("note: ") || message.starts_with("warning: "))
+      message.erase(0, message.find('\n') + 1);
     const bool is_one_line = std::ranges::count(message, '\n') == 1 && message.back() == '\n';
     return is_one_line && std::ranges::any_of(names_, [&](const std::string& name) {
              return message.find(name) != std::string::npos;

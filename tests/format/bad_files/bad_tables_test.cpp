@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "format/atlas_reader.h"
 #include "tests/format/bad_files/bad_files.h"
 
 namespace splatlas {

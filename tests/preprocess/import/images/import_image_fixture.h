@@ -16,7 +16,8 @@
 
 namespace splatlas {
 
-/// import_image() without a child, for long series: a child of a sanitized process takes tens of milliseconds.
+/// import_image() without a child, for long series: a child of a sanitized process takes tens of
+/// milliseconds.
 inline Result<Image> import_image_here(const std::filesystem::path& path) {
   Result<SourceImage> source = read_image_here(path, {});
   if (!source) return tl::unexpected(source.error());
