@@ -102,7 +102,8 @@ Work work_of_volumes(const Grid& grid, std::size_t files, std::size_t bytes) {
   Work work;
   work.add(WorkKind::kVoxels, static_cast<double>(grid.voxels()),
            kPerByte * static_cast<double>(bytes) * static_cast<double>(files));
-  work.hold(static_cast<double>(grid.voxels()) * sizeof(ClassId) + 2 * all);
+  constexpr double kAtOnce = 4;  // masks, or the copies of one volume
+  work.hold(static_cast<double>(grid.voxels()) * sizeof(ClassId) + kAtOnce * all);
   return work;
 }
 

@@ -100,15 +100,13 @@ Result<ExportedMasks> write_masks(const AtlasContent& content, OutputFolder& fol
   for (const StructureIndex s : masked) ids.push_back(content.graph[s].id);
   const std::string ending = mask_ending(content.source_grid);
   const std::vector<std::string> files = file_names_of(ids, ending);
-  // Classes in the source's order of axes, once for all masks.
-  std::vector<ClassId> classes(content.class_volume.size());
-  reorder_voxels(content.class_volume.data(), storage_grid(content).size, inverse(content.source_to_storage),
-                 sizeof(ClassId), classes.data());
   const auto encode = [&](std::size_t n) {
     const std::vector<std::uint8_t> parts = parts_of(structure_classes.of(masked[n]), content.classes.size());
-    Image mask{content.source_grid, {VoxelType::kUInt8, std::vector<std::byte>(classes.size())}};
-    for (std::size_t v = 0; v < classes.size(); ++v) mask.voxels.bytes[v] = std::byte{parts[classes[v]] != 0};
-    return encode_mask(mask, folder.path() / files[n]);
+    VoxelBuffer mask{VoxelType::kUInt8, std::vector<std::byte>(content.class_volume.size())};
+    for (std::size_t v = 0; v < mask.bytes.size(); ++v)
+      mask.bytes[v] = std::byte{parts[content.class_volume[v]] != 0};
+    if (!content.source_to_storage.is_identity()) mask = to_source_order(mask, content);
+    return encode_mask({content.source_grid, std::move(mask)}, folder.path() / files[n]);
   };
   const std::size_t at_once = std::clamp(std::thread::hardware_concurrency(), 1u, 4u);  // bounds the memory
   for (std::size_t first = 0; first < masked.size(); first += at_once) {
