@@ -1,8 +1,10 @@
 #include "preprocess/import/images/read_tiff.h"
 
 #include <algorithm>
+#include <array>
 #include <cstdarg>
 #include <cstring>
+#include <fstream>
 #include <memory>
 #include <utility>
 
@@ -100,6 +102,23 @@ bool read_pixels(TIFF* tiff, const Page& page, std::byte* to) {
   return true;
 }
 
+/// True if the file ends behind the last directory's link to the next one: libtiff takes a link that is cut
+/// off for none.
+bool ends_behind_directory(TIFF* tiff, const fs::path& path) {
+  const std::uint64_t offset = TIFFCurrentDirOffset(tiff);
+  const bool is_big = TIFFIsBigTIFF(tiff) != 0;
+  std::array<char, 8> count{};
+  std::ifstream file(path, std::ios::binary);
+  file.seekg(static_cast<std::streamoff>(offset));
+  file.read(count.data(), is_big ? 8 : 2);
+  if (TIFFIsByteSwapped(tiff) != 0) std::reverse(count.begin(), count.begin() + (is_big ? 8 : 2));
+  std::uint64_t entries = 0;
+  std::memcpy(&entries, count.data(), count.size());
+  std::error_code error;
+  const std::uint64_t size = fs::file_size(path, error);
+  return file && !error && offset + (is_big ? 16 + 20 * entries : 6 + 12 * entries) <= size;
+}
+
 }  // namespace
 
 Result<SourceImage> read_tiff(const fs::path& path) {
@@ -122,7 +141,7 @@ Result<SourceImage> read_tiff(const fs::path& path) {
     if (!read_pixels(tiff.get(), page, &bytes[before]))
       return bad_file(path, "page {} is damaged or cut; get the file again", image.grid.size[2]);
   } while (TIFFReadDirectory(tiff.get()) == 1);
-  if (has_fault)
+  if (has_fault || !ends_behind_directory(tiff.get(), path))
     return bad_file(path, "is damaged or cut behind page {}; get the file again", image.grid.size[2]);
   if (first.wide == WideInteger::kNone) {
     image.voxels = {first.type, std::move(bytes)};
