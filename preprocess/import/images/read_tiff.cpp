@@ -104,8 +104,7 @@ bool read_pixels(TIFF* tiff, const Page& page, std::byte* to) {
 
 /// True if the file ends behind the last directory's link to the next one: libtiff takes a link that is cut
 /// off for none.
-bool ends_behind_directory(TIFF* tiff, const fs::path& path) {
-  const std::uint64_t offset = TIFFCurrentDirOffset(tiff);
+bool ends_behind_directory(TIFF* tiff, std::uint64_t offset, const fs::path& path) {
   const bool is_big = TIFFIsBigTIFF(tiff) != 0;
   std::array<char, 8> count{};
   std::ifstream file(path, std::ios::binary);
@@ -130,7 +129,9 @@ Result<SourceImage> read_tiff(const fs::path& path) {
   SPLATLAS_ASSIGN_OR_RETURN(const Page first, page_of(tiff.get(), path));
   SourceImage image;
   std::vector<std::byte> bytes;
+  std::uint64_t directory = 0;  // offset of the page's
   do {
+    directory = TIFFCurrentDirOffset(tiff.get());
     SPLATLAS_ASSIGN_OR_RETURN(const Page page, page_of(tiff.get(), path));
     if (page != first)
       return bad_file(path, "has pages of several sizes or types; save each volume as a file of its own");
@@ -141,7 +142,7 @@ Result<SourceImage> read_tiff(const fs::path& path) {
     if (!read_pixels(tiff.get(), page, &bytes[before]))
       return bad_file(path, "page {} is damaged or cut; get the file again", image.grid.size[2]);
   } while (TIFFReadDirectory(tiff.get()) == 1);
-  if (has_fault || !ends_behind_directory(tiff.get(), path))
+  if (has_fault || !ends_behind_directory(tiff.get(), directory, path))
     return bad_file(path, "is damaged or cut behind page {}; get the file again", image.grid.size[2]);
   if (first.wide == WideInteger::kNone) {
     image.voxels = {first.type, std::move(bytes)};
