@@ -12,7 +12,7 @@ namespace splatlas {
 
 // Messages of these errors go on after the file's name.
 
-/// Where a frame's attributes are. `shared` and `own` are null in classic images.
+/// Location of a frame's attributes. `shared` and `own` are null in classic images.
 struct FrameGroups {
   DcmItem& dataset;
   DcmItem* shared = nullptr;

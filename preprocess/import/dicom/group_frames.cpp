@@ -1,4 +1,4 @@
-// Which frames make up one volume.
+// Frames of one volume.
 #include <algorithm>
 #include <cmath>
 #include <map>

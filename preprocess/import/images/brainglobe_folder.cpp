@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Where an axis runs that begins at a side: LPS.
+/// Direction in LPS of an axis that begins at a side.
 std::optional<Vec3> direction_from(char side) {
   switch (side) {
     case 'r': return Vec3{1, 0, 0};

@@ -38,7 +38,7 @@ std::optional<Rgb> parse_hex(std::string_view digits) {
   return color ? std::optional(*color) : std::nullopt;
 }
 
-/// What stands between `open` and the bracket at the end.
+/// Text between `open` and the bracket at the end.
 std::optional<std::string_view> inside(std::string_view text, std::string_view open, char close) {
   if (!text.starts_with(open) || !text.ends_with(close)) return std::nullopt;
   return text.substr(open.size(), text.size() - open.size() - 1);

@@ -18,7 +18,7 @@ struct ColorRow {
 /// Splits "label name R G B [A [type]]". Nullopt unless the label is whole and the last words are colours.
 [[nodiscard]] std::optional<ColorRow> split_color_row(std::string_view line);
 
-/// What the rows of a head tell: whether most lines are such rows, and what their last column means.
+/// Statistics of the rows of a head: whether most lines are such rows, and the meaning of their last column.
 struct ColorRowsOfHead {
   bool are_most = false;
   bool are_transparencies = false;  ///< FreeSurfer: A is mostly 0, which is opaque there
