@@ -49,9 +49,4 @@ tl::unexpected<Error> bad_pixel_type(const fs::path& path, std::string_view type
   return bad_file(path, "has pixels of {}; 8, 16 and 32-bit integers, float and double are read", type);
 }
 
-Result<void> check_one_volume(const fs::path& path, std::int64_t volumes) {
-  if (volumes == 1) return {};
-  return bad_file(path, "holds {} volumes; give one volume a file", volumes);
-}
-
 }  // namespace splatlas

@@ -75,6 +75,5 @@ inline constexpr std::uint64_t kMaxSurplus = 16u << 20;
 [[nodiscard]] tl::unexpected<Error> truncated_file(const std::filesystem::path& path, std::uint64_t expected,
                                                    std::uint64_t found);
 [[nodiscard]] tl::unexpected<Error> bad_pixel_type(const std::filesystem::path& path, std::string_view type);
-[[nodiscard]] Result<void> check_one_volume(const std::filesystem::path& path, std::int64_t volumes);
 
 }  // namespace splatlas

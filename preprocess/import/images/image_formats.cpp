@@ -74,6 +74,7 @@ Result<SourceImage> without_options(const fs::path& path, const ImageOptions&) {
   return read(path);
 }
 
+/// In the order in which they are tried.
 constexpr std::array kFormats{
     ImageFormatEntry{"NIfTI or Analyze (.nii, .nii.gz, .hdr with .img)", is_nifti,
                      without_options<read_nifti>},
@@ -85,7 +86,7 @@ constexpr std::array kFormats{
                      read_pictures},
 };
 
-/// What leads on from a file that no reader takes.
+/// Remedy for a file that no reader takes.
 std::string remedy_for(const fs::path& path) {
   if (ends_with_any(path, {".mnc", ".mnc.gz"})) return "convert it with mnc2nii (MINC tools) to .nii";
   if (ends_with_any(path, {".zarr", ".ome.zarr"})) return "export it as a TIFF stack or .nrrd";
@@ -109,10 +110,6 @@ Result<const ImageFormatEntry*> known_format(const fs::path& path) {
 }
 
 }  // namespace
-
-std::span<const ImageFormatEntry> image_formats() {
-  return kFormats;
-}
 
 const ImageFormatEntry* find_image_format(const fs::path& path) {
   const auto found =

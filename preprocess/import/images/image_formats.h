@@ -2,7 +2,6 @@
 #pragma once
 
 #include <filesystem>
-#include <span>
 #include <string>
 
 #include "preprocess/import/images/source_image.h"
@@ -15,9 +14,6 @@ struct ImageFormatEntry {
   bool (*recognises)(const std::filesystem::path& file_or_folder);
   Result<SourceImage> (*read)(const std::filesystem::path& file_or_folder, const ImageOptions& options);
 };
-
-/// In the order in which they are tried.
-[[nodiscard]] std::span<const ImageFormatEntry> image_formats();
 
 /// The format of a file or a folder; null for others.
 [[nodiscard]] const ImageFormatEntry* find_image_format(const std::filesystem::path& file_or_folder);

@@ -1,11 +1,5 @@
 #include "preprocess/import/images/itk_call.h"
 
-#include <cstdio>
-#include <iostream>
-
-#include <fcntl.h>
-#include <unistd.h>
-
 #include "preprocess/import/import_error.h"
 
 namespace splatlas {
@@ -26,20 +20,6 @@ std::string message_of(const itk::ExceptionObject& error) {
     return one_line(text, "cannot be read") + "; sizes, type and encoding in its header must fit its pixels";
   }
   return one_line(text, "ITK gives no reason");
-}
-
-QuietStandardError::QuietStandardError() : kept_(::fcntl(STDERR_FILENO, F_DUPFD_CLOEXEC, 3)) {
-  const int nowhere = ::open("/dev/null", O_WRONLY | O_CLOEXEC);
-  if (kept_ >= 0 && nowhere >= 0) ::dup2(nowhere, STDERR_FILENO);
-  if (nowhere >= 0) ::close(nowhere);
-}
-
-QuietStandardError::~QuietStandardError() {
-  std::cerr.flush();
-  std::fflush(stderr);
-  if (kept_ < 0) return;
-  ::dup2(kept_, STDERR_FILENO);
-  ::close(kept_);
 }
 
 }  // namespace splatlas

@@ -1,4 +1,4 @@
-// Calls of ITK: conversion of its exceptions to errors, and suppression of its messages on standard error.
+// Calls of ITK: conversion of its exceptions to errors.
 #pragma once
 
 #include <exception>
@@ -31,18 +31,5 @@ template <typename Call>
     return fail(ErrorCode::kFailed, what + ": " + error.what());
   }
 }
-
-/// Redirects standard error of the whole process to /dev/null during its lifetime. NIfTI's library and MetaIO
-/// print errors there that they also return.
-class QuietStandardError {
- public:
-  QuietStandardError();
-  ~QuietStandardError();
-  QuietStandardError(const QuietStandardError&) = delete;
-  QuietStandardError& operator=(const QuietStandardError&) = delete;
-
- private:
-  int kept_;  // duplicate of standard error, or negative if it was closed
-};
 
 }  // namespace splatlas

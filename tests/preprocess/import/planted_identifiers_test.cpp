@@ -71,6 +71,17 @@ class PlantedIdentifiers : public testing::Test {
     EXPECT_EQ(text.find("9.8.7"), std::string::npos) << what;
   }
 
+  /// Builds from a file that is cut at a place, and from one with a wrong byte there.
+  void expect_variants_clean(const SourceFiles& sources, const std::string& path, const std::string& bytes,
+                             std::size_t at) const {
+    write_bytes(path, bytes.substr(0, at));
+    expect_clean(all_of_build(sources), fmt::format("{} cut at {}", path, at));
+    std::string damaged = bytes;
+    damaged[at] ^= 0x11;
+    write_bytes(path, damaged);
+    expect_clean(all_of_build(sources), fmt::format("{} damaged at {}", path, at));
+  }
+
   /// Builds from the whole file, and from files that are cut, or have a wrong byte.
   void expect_clean_builds(const std::string& path, const std::string& bytes,
                            const SourceFiles& sources) const {
@@ -81,12 +92,7 @@ class PlantedIdentifiers : public testing::Test {
     // Text headers are short; pixels are not worth as many.
     const std::size_t step = std::max<std::size_t>(std::min<std::size_t>(bytes.size(), 1500) / 40, 1);
     for (std::size_t at = 0; at < std::min<std::size_t>(bytes.size(), 1500); at += step) {
-      write_bytes(path, bytes.substr(0, at));
-      expect_clean(all_of_build(sources), fmt::format("{} cut at {}", path, at));
-      std::string damaged = bytes;
-      damaged[at] ^= 0x11;
-      write_bytes(path, damaged);
-      expect_clean(all_of_build(sources), fmt::format("{} damaged at {}", path, at));
+      expect_variants_clean(sources, path, bytes, at);
     }
     write_bytes(path, bytes);
   }
@@ -168,12 +174,7 @@ TEST_F(PlantedIdentifiers, OfDicomStayThere) {
   for (const std::string& path : {folder_.file("seg.dcm"), folder_.file("series/2")}) {
     const std::string bytes = read_bytes(path);
     for (std::size_t at = 200; at < bytes.size(); at += bytes.size() / 25) {
-      write_bytes(path, bytes.substr(0, at));
-      expect_clean(all_of_build(sources), fmt::format("{} cut at {}", path, at));
-      std::string damaged = bytes;
-      damaged[at] ^= 0x11;
-      write_bytes(path, damaged);
-      expect_clean(all_of_build(sources), fmt::format("{} damaged at {}", path, at));
+      expect_variants_clean(sources, path, bytes, at);
     }
     write_bytes(path, bytes);
   }

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "preprocess/structures/build_graph.h"
+#include "tests/preprocess/messages_of_notes.h"
 #include "tests/support/file_bytes.h"
 #include "tests/support/temporary_folder.h"
 
@@ -46,10 +47,7 @@ class GraphTest : public testing::Test {
   }
   /// Items of a kind of notes.
   [[nodiscard]] std::vector<std::string> items(const std::string& kind) const {
-    for (const Note& note : notes_.all()) {
-      if (note.kind.id == kind) return note.items;
-    }
-    return {};
+    return items_of(notes_, kind);
   }
   TemporaryFolder folder_;
   Notes notes_;

@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "preprocess/import/tables/read_names.h"
+#include "tests/preprocess/messages_of_notes.h"
 #include "tests/support/file_bytes.h"
 #include "tests/support/temporary_folder.h"
 
@@ -40,10 +41,7 @@ class NamesTest : public testing::Test {
   }
   /// Items of a kind of notes.
   [[nodiscard]] std::vector<std::string> items(const std::string& kind) const {
-    for (const Note& note : notes_.all()) {
-      if (note.kind.id == kind) return note.items;
-    }
-    return {};
+    return items_of(notes_, kind);
   }
 
   TemporaryFolder folder_;
