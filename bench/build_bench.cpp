@@ -11,6 +11,7 @@
 #include "bench/bench.h"
 #include "bench/measure.h"
 #include "bench/peak_memory.h"
+#include "bench/peers/itk_vtk_build.h"
 #include "format/derive/fit_surface.h"
 #include "format/derive/smooth_net.h"
 #include "format/derive/surface_net.h"
@@ -22,13 +23,20 @@
 namespace splatlas {
 namespace {
 
-/// Alternates builds and plain loading. The first build does not count: it reads from disk and takes new
-/// memory.
+/// Alternates builds, plain loading and the peer. The first turn does not count: it reads from disk and takes
+/// new memory.
 struct Builds {
   std::vector<BuildReport> reports;
-  std::vector<double> build_seconds, load_seconds;
+  std::vector<double> build_seconds, build_cpu_seconds, load_seconds, peer_seconds, peer_cpu_seconds;
   std::uint64_t peak_bytes = 0;
 };
+
+constexpr int kAalLabels = 116;
+constexpr double kHeadThreshold = 28;  // as in colin27_sources()
+
+ItkVtkSources peer_sources(const SourceFiles& sources) {
+  return {sources.volume, sources.labels, templates_folder() / "ch2bet.nii.gz"};
+}
 
 Result<Builds> build_in_turns(const SourceFiles& sources, const std::filesystem::path& output, int turns,
                               const BenchOptions& options) {
@@ -42,18 +50,23 @@ Result<Builds> build_in_turns(const SourceFiles& sources, const std::filesystem:
     SPLATLAS_ASSIGN_OR_RETURN(const PeakMemory memory, PeakMemory::start());
     Stopwatch watch;
     SPLATLAS_ASSIGN_OR_RETURN(BuildReport report, build_atlas(build));
-    const double build_seconds = watch.lap().wall_ms / 1000;
+    const auto built = watch.lap();
     SPLATLAS_ASSIGN_OR_RETURN(const std::uint64_t peak, memory.grown_bytes());
     watch.lap();
     Notes notes;
     SPLATLAS_RETURN_IF_ERROR(import_sources(sources, notes));
-    const double load_seconds = watch.lap().wall_ms / 1000;
+    const auto loaded = watch.lap();
+    SPLATLAS_RETURN_IF_ERROR(load_and_march(peer_sources(sources), kAalLabels, kHeadThreshold));
+    const auto marched = watch.lap();
     if (turn == 0) {
       builds.peak_bytes = peak;  // from fresh memory, which later builds reuse
       continue;
     }
-    builds.build_seconds.push_back(build_seconds);
-    builds.load_seconds.push_back(load_seconds);
+    builds.build_seconds.push_back(built.wall_ms / 1000);
+    builds.build_cpu_seconds.push_back(built.cpu_ms / 1000);
+    builds.load_seconds.push_back(loaded.wall_ms / 1000);
+    builds.peer_seconds.push_back(marched.wall_ms / 1000);
+    builds.peer_cpu_seconds.push_back(marched.cpu_ms / 1000);
     builds.reports.push_back(std::move(report));
   }
   return builds;
@@ -147,16 +160,22 @@ Result<Report> run_build_bench(const BenchOptions& options) {
   report.tables.push_back(stage_table(builds));
   SPLATLAS_ASSIGN_OR_RETURN(const auto atlas, Atlas::open(file));
   const double build = median(builds.build_seconds), load = median(builds.load_seconds);
-  report.tables.push_back(
-      {"build",
-       "Building Colin 27's atlas beside loading its files, all threads, wall clock",
-       {"load: reading and unpacking volume, labels and masks; peak: memory of the first build"},
-       {{{"build_seconds", build},
-         {"load_seconds", load},
-         {"peak_bytes", builds.peak_bytes},
-         {"file_bytes", builds.reports[0].bytes}}}});
+  const double peer = median(builds.peer_seconds);
+  report.tables.push_back({"build",
+                           "Building Colin 27's atlas beside loading its files, all threads, wall clock",
+                           {"load: reading and unpacking volume, labels and masks; peer: loading by ITK and "
+                            "marching cubes by VTK, one "
+                            "thread, nothing stored; peak: memory of the first build"},
+                           {{{"build_seconds", build},
+                             {"build_cpu_seconds", median(builds.build_cpu_seconds)},
+                             {"load_seconds", load},
+                             {"peer_seconds", peer},
+                             {"peer_cpu_seconds", median(builds.peer_cpu_seconds)},
+                             {"peak_bytes", builds.peak_bytes},
+                             {"file_bytes", builds.reports[0].bytes}}}});
   report.summary["build_seconds"] = build;
   report.summary["build_over_load"] = build / load;
+  report.summary["build_over_itk_vtk"] = build / peer;
   SPLATLAS_ASSIGN_OR_RETURN(const AtlasContent content, atlas->read_all());
   const int repeats = options.quick ? 2 : 9;
   report.tables.push_back(measure_runs(content, repeats, report.summary));

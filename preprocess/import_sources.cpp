@@ -1,5 +1,6 @@
 #include "preprocess/import_sources.h"
 
+#include <algorithm>
 #include <map>
 #include <set>
 #include <span>
@@ -33,6 +34,9 @@ const NoteKind kVolumeResampled{
 const NoteKind kMaskResampled{
     "resampled-segment-masks", "mask of a segment is on another grid and is resampled to the nearest voxel",
     "masks of segments are on other grids and are resampled to the nearest voxel", true};
+const NoteKind kStructureResampled{
+    "resampled-structures", "structure is on another grid and is resampled to the nearest voxel",
+    "structures are on other grids and are resampled to the nearest voxel", true};
 const NoteKind kDegenerate{"degenerate-triangles", "surface has triangles without area, which are dropped",
                            "surfaces have triangles without area, which are dropped", false};
 const NoteKind kOutside{"surfaces-outside", "surface is partly outside the volume, and cut off there",
@@ -168,12 +172,26 @@ class SourceImporter {
     }
     for (const fs::path& file : labels.files) SPLATLAS_RETURN_IF_ERROR(remember("labels", file));
     notes_.add(labels.notes);
+    note_resampled(labels);
     model_.source_grid = labels.source_grid;
     model_.label_type = labels.type;
     model_.memberships = std::move(labels.memberships);
     model_.structures = std::move(labels.structures);
     labels_source_ = labels.source;
     return {};
+  }
+
+  /// Notes voxels and volumes of each structure before and after resampling.
+  void note_resampled(const ImportedLabels& labels) {
+    for (const ResampledStructure& sizes : labels.resampled) {
+      const auto named = std::ranges::find_if(labels.structures, [&](const SourceStructure& structure) {
+        return sizes.label && structure.label == sizes.label;
+      });
+      notes_.add(kStructureResampled,
+                 fmt::format("{} ({} voxels, {:.4g} ml, become {} voxels, {:.4g} ml)",
+                             named != labels.structures.end() ? named->name : sizes.name, sizes.voxels_before,
+                             sizes.ml_before, sizes.voxels_after, sizes.ml_after));
+    }
   }
 
   /// Brings the volume onto the grid of the labels.

@@ -86,12 +86,17 @@ void add_sources(CLI::App& build, SourceFiles& sources) {
   build
       .add_option("--component", sources.volume_options.component,
                   "volume of a --volume file that holds several, from 1")
-      ->check(CLI::Range(std::size_t{1}, std::size_t{1} << 24).description(""));
-  build.add_option("--series", sources.volume_options.series,
-                   "series of a --volume folder that holds several: number or UID");
+      ->check(CLI::Range(std::size_t{1}, std::size_t{1} << 24).description(""))
+      ->needs("--volume");
+  build
+      .add_option("--series", sources.volume_options.series,
+                  "series of a --volume folder that holds several: number or UID")
+      ->needs("--volume");
   add_choice(build, "--resample", sources.resample,
              {{"labels", ResampleTo::kLabels}, {"volume", ResampleTo::kVolume}},
-             "the grid that stays where labels and volume have different ones");
+             "the grid that stays where labels and volume have different ones")
+      ->needs("--labels")
+      ->needs("--volume");
   build.add_option_function<std::string>(
       "--spacing",
       [&sources](const std::string& text) {
@@ -101,16 +106,9 @@ void add_sources(CLI::App& build, SourceFiles& sources) {
       },
       "X,Y,Z in mm: size of the voxels of TIFF and PNG pictures");
   build.add_option("--names", sources.names, "names of the labels")->check(names_a_file());
-  build.add_option_function<std::string>(
-      "--names-format",
-      [&sources](const std::string& text) {
-        const Result<NamesFormat> format = parse_names_format(text);
-        if (!format) throw CLI::ValidationError(format.error().message);
-        sources.names_format = *format;
-      },
-      "dialect of --names, instead of the detected one: auto, itksnap, ctbl, freesurfer, bids, mricron, "
-      "niivue, csv, "
-      "allen, brainglobe, openanatomy, json");
+  Choices<NamesFormat> formats{{"auto", NamesFormat::kAuto}};
+  for (const NamesFormatInfo& info : names_formats()) formats.emplace_back(info.option, info.format);
+  add_choice(build, "--names-format", sources.names_format, formats, "dialect of --names")->needs("--names");
   build.add_option("--colors", sources.colors, "colour table of 768 bytes (MRIcron's .lut)")
       ->check(names_a_file());
   build.add_option("--tree", sources.tree, "hierarchy of the structures")->check(names_a_file());

@@ -49,14 +49,16 @@ CLI::App* add_export(CLI::App& app, ExportOptions& options) {
       "STRUCTURE=FILE: a surface to write (repeatable)");
   command->add_option("--names", options.names, "names, colours and codes to write, as CSV")
       ->check(names_a_file());
-  command->add_option_function<std::string>(
-      "--names-format",
-      [&options](const std::string& text) {
-        const Result<NamesFormat> format = parse_names_format(text);
-        if (!format) throw CLI::ValidationError(format.error().message);
-        options.names_format = *format;
-      },
-      "table of --names: csv, itksnap, ctbl, freesurfer, bids, mricron or niivue");
+  add_choice(*command, "--names-format", options.names_format,
+             {{"csv", NamesFormat::kCsv},
+              {"itksnap", NamesFormat::kItkSnap},
+              {"ctbl", NamesFormat::kCtbl},
+              {"freesurfer", NamesFormat::kFreeSurfer},
+              {"bids", NamesFormat::kBids},
+              {"mricron", NamesFormat::kMricron},
+              {"niivue", NamesFormat::kNiivue}},
+             "table of --names")
+      ->needs("--names");
   command->add_option("--tree", options.tree, "hierarchy to write, as paths")->check(names_a_file());
   add_surfaces(*command, options.atlas_options.surfaces,
                "surfaces that follow from the voxels; as in the atlas if not given");

@@ -20,7 +20,7 @@ struct ExportOptions {
   /// Structures (names, ids, paths or patterns; with descendants) and their mesh files.
   std::vector<std::pair<std::string, std::filesystem::path>> surfaces;
   std::filesystem::path names;  ///< a table of names
-  NamesFormat names_format = NamesFormat::kAuto;
+  NamesFormat names_format = NamesFormat::kCsv;
   std::filesystem::path tree;  ///< a tree file
   AtlasOptions atlas_options = {};
 };

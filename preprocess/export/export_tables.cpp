@@ -120,7 +120,7 @@ class TreeNames {
 }  // namespace
 
 Result<std::string> names_text(const StructureGraph& graph, NamesFormat format) {
-  const bool needs_labels = format != NamesFormat::kAuto && format != NamesFormat::kCsv;
+  const bool needs_labels = format != NamesFormat::kCsv;
   if (needs_labels && labelled(graph).empty())
     return fail(ErrorCode::kFailed,
                 "--names-format: no structure has a label; only csv holds names without labels");
@@ -128,7 +128,6 @@ Result<std::string> names_text(const StructureGraph& graph, NamesFormat format) 
     return fmt::format("{0}{3}{1}{3}{2}", s.color.r, s.color.g, s.color.b, separator);
   };
   switch (format) {
-    case NamesFormat::kAuto:
     case NamesFormat::kCsv: return csv_text(graph);
     case NamesFormat::kNiivue: return niivue_text(graph);
     case NamesFormat::kItkSnap:

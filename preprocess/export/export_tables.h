@@ -10,7 +10,7 @@
 
 namespace splatlas {
 
-/// The labelled structures as a names file. kAuto: CSV, the only one that holds all: structures without
+/// The labelled structures as a names file. kCsv is the only one that holds all: structures without
 /// labels, terms and colours. kUsage for dialects that are only read. Names are written as the dialect can
 /// hold them: 3D Slicer and FreeSurfer have "_" for blanks.
 [[nodiscard]] Result<std::string> names_text(const StructureGraph& graph, NamesFormat format);

@@ -18,6 +18,7 @@
 #include "tests/preprocess/messages_of_notes.h"
 #include "tests/preprocess/random_images.h"
 #include "tests/preprocess/raw_image_files.h"
+#include "tests/support/file_bytes.h"
 #include "tests/support/run_program.h"
 
 namespace splatlas {
@@ -292,6 +293,21 @@ RC_GTEST_PROP(BuildAtlasProperty, RandomVolumesComeBack, ()) {
   RC_ASSERT(volume_back->voxels == volume.voxels);
   RC_ASSERT(labels_back->grid.size == grid.size);
   RC_ASSERT((*Atlas::open(options.output))->verify());
+}
+
+/// The note on resampled labels has the names of --names.
+TEST_F(BuildAtlas, ResampledStructuresHaveTheirFinalNames) {
+  Image labels = zeros({.size = {4, 1, 1}}, VoxelType::kUInt8);
+  labels.voxels.as<std::uint8_t>()[1] = labels.voxels.as<std::uint8_t>()[2] = 7;
+  BuildOptions build_options =
+      options(labels, zeros({.size = {8, 1, 1}, .spacing_mm = {0.5, 1, 1}}, VoxelType::kUInt8));
+  build_options.sources.resample = ResampleTo::kVolume;
+  build_options.sources.names = file("names.txt");
+  write_bytes(file("names.txt"), "7 Spleen\n");
+  const Result<BuildReport> report = build_atlas(build_options);
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_THAT(messages_of(report->notes),
+              testing::Contains(HasSubstr("Spleen (2 voxels, 0.002 ml, become 4 voxels, 0.002 ml)")));
 }
 
 }  // namespace

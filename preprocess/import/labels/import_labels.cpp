@@ -2,8 +2,7 @@
 
 #include <map>
 #include <utility>
-
-#include <fmt/format.h>
+#include <vector>
 
 #include "format/system/result_macros.h"
 #include "preprocess/import/images/image_formats.h"
@@ -17,10 +16,6 @@ namespace splatlas {
 namespace {
 
 namespace fs = std::filesystem;
-
-const NoteKind kResampledStructures{"resampled-structures",
-                                    "structure is resampled to the grid of the volume",
-                                    "structures are resampled to the grid of the volume", true};
 
 Result<ImportedLabels> read_structures(SourceImage image, const std::string& name) {
   return image.is_segmentation ? read_segments(std::move(image), name)
@@ -39,18 +34,17 @@ std::map<std::pair<std::string, std::int64_t>, std::uint64_t> count_voxels(const
   return counts;
 }
 
-/// Notes voxels and volumes of each structure before and after resampling.
-void note_changes(const ImportedLabels& before, ImportedLabels& after) {
+std::vector<ResampledStructure> compare(const ImportedLabels& before, const ImportedLabels& after) {
   const double ml_before = voxel_volume_mm3(before.source_grid) / 1000,
                ml_after = voxel_volume_mm3(after.source_grid) / 1000;
   auto counts = count_voxels(after);
+  std::vector<ResampledStructure> result;
   for (const auto& [structure, voxels] : count_voxels(before)) {
     const std::uint64_t now = counts[structure];
-    after.notes.add(
-        kResampledStructures,
-        fmt::format("{} ({} voxels, {:.4g} ml, become {} voxels, {:.4g} ml)", structure.first, voxels,
-                    static_cast<double>(voxels) * ml_before, now, static_cast<double>(now) * ml_after));
+    result.push_back({structure.first, structure.second, voxels, now, static_cast<double>(voxels) * ml_before,
+                      static_cast<double>(now) * ml_after});
   }
+  return result;
 }
 
 }  // namespace
@@ -73,7 +67,7 @@ Result<ImportedLabels> import_labels(const fs::path& path, const ImageOptions& o
     SPLATLAS_ASSIGN_OR_RETURN(ImportedLabels resampled, read_structures(std::move(moved), path.string()));
     Notes notes = std::move(labels.notes);
     resampled.notes = std::move(notes);
-    note_changes(labels, resampled);
+    resampled.resampled = compare(labels, resampled);
     labels = std::move(resampled);
   }
   labels.files = {path};

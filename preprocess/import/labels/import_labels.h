@@ -10,8 +10,8 @@
 namespace splatlas {
 
 /// Reads what `path` holds: label maps (label_map.h), segmentations (segment_layers.h), or masks
-/// (mask_folder.h). With `grid`, labels on another grid are resampled to it, to the nearest voxel; a note
-/// tells the structures' voxels and volumes before and after.
+/// (mask_folder.h). With `grid`, labels on another grid are resampled to it, to the nearest voxel;
+/// ImportedLabels::resampled tells the structures' voxels and volumes before and after.
 [[nodiscard]] Result<ImportedLabels> import_labels(const std::filesystem::path& path,
                                                    const ImageOptions& options = {},
                                                    const std::optional<Grid>& grid = std::nullopt);

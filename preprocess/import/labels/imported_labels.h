@@ -1,7 +1,9 @@
 // Structures of labels or masks, with their voxels.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,6 +14,14 @@
 
 namespace splatlas {
 
+/// Sizes of a structure before and after its voxels moved to another grid.
+struct ResampledStructure {
+  std::string name;                   ///< in the file
+  std::optional<std::int64_t> label;  ///< empty for masks
+  std::uint64_t voxels_before = 0, voxels_after = 0;
+  double ml_before = 0, ml_after = 0;
+};
+
 /// Voxels are in the storage order of `source_grid`; structures have source numbers.
 struct ImportedLabels {
   Grid source_grid;
@@ -19,7 +29,8 @@ struct ImportedLabels {
   VoxelType type = VoxelType::kNone;  ///< of the label map; kNone for masks and overlapping segments
   MembershipVolume memberships{Index3{0, 0, 0}};
   std::vector<SourceStructure> structures;
-  std::vector<std::filesystem::path> files;  ///< the files read, in a fixed order
+  std::vector<std::filesystem::path> files;   ///< the files read, in a fixed order
+  std::vector<ResampledStructure> resampled;  ///< import_sources() notes them, under their final names
   Notes notes;
 };
 

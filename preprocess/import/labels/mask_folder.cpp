@@ -27,10 +27,6 @@ const NoteKind kGreyFiles{"grey-masks", "file holds grey values, is no mask, and
 const NoteKind kWithSeveralValues{"masks-with-several-values",
                                   "mask has several values; all but 0 are inside",
                                   "masks have several values; all but 0 are inside", true};
-const NoteKind kResampledMasks{"resampled-masks",
-                               "mask is on another grid and is resampled to the nearest voxel",
-                               "masks are on other grids and are resampled to the nearest voxel", true};
-
 /// The file's name without its ending, .nii.gz included.
 std::string structure_name(const fs::path& file) {
   fs::path name = file.filename();
@@ -71,6 +67,11 @@ MaskKind kind_of(const VoxelBuffer& voxels) {
   });
 }
 
+std::uint64_t count_voxels(const VoxelBuffer& voxels) {
+  return static_cast<std::uint64_t>(
+      std::ranges::count_if(mask_of(voxels), [](std::uint8_t in) { return in != 0; }));
+}
+
 /// The grid that most files have. Reads all of them: only for folders where they differ.
 Result<Grid> most_frequent_grid(const std::vector<fs::path>& files) {
   std::vector<std::pair<Grid, std::size_t>> grids;
@@ -100,8 +101,6 @@ class MaskFolder {
     sort_by_size(labels_, counts_);
     return std::move(labels_);
   }
-  /// True if masks had to be resampled to the grid of the first file.
-  [[nodiscard]] bool is_resampled() const { return is_resampled_; }
 
  private:
   void begin(const Grid& grid, const std::string& source) {
@@ -124,15 +123,23 @@ class MaskFolder {
     if (const auto [other, is_new] = file_of_name_.emplace(name_key(name), file); !is_new)
       return bad_file(file, "names the same structure as {}", other->second.string());
     if (kind == MaskKind::kSeveralValues) labels_.notes.add(kWithSeveralValues, name);
-    if (!have_same_voxels(labels_.source_grid, image.grid)) {
-      is_resampled_ = true;
-      labels_.notes.add(kResampledMasks, name);
+    const bool is_resampled = !have_same_voxels(labels_.source_grid, image.grid);
+    ResampledStructure sizes;
+    sizes.name = name;
+    if (is_resampled) {
+      sizes.voxels_before = count_voxels(image.voxels);
+      sizes.ml_before = static_cast<double>(sizes.voxels_before) * voxel_volume_mm3(image.grid) / 1000;
       image.voxels = resample_nearest(image, labels_.source_grid);
       image.grid = labels_.source_grid;
     }
     const std::uint64_t count =
         labels_.memberships.add(static_cast<StructureIndex>(counts_.size()),
                                 mask_of(to_storage_order(std::move(image.voxels), image.grid)));
+    if (is_resampled) {
+      sizes.voxels_after = count;
+      sizes.ml_after = static_cast<double>(count) * voxel_volume_mm3(labels_.source_grid) / 1000;
+      labels_.resampled.push_back(std::move(sizes));
+    }
     if (count == 0) {  // outside the grid
       labels_.notes.add(kEmptyMasks, name);
       return {};
@@ -152,7 +159,7 @@ class MaskFolder {
   ImportedLabels labels_;
   std::vector<std::uint64_t> counts_;
   std::map<std::string, fs::path> file_of_name_;
-  bool has_grid_ = false, is_resampled_ = false;
+  bool has_grid_ = false;
 };
 
 }  // namespace
@@ -165,9 +172,8 @@ bool is_mask_folder(const fs::path& path) {
 Result<ImportedLabels> import_mask_folder(const fs::path& folder, const std::optional<Grid>& grid) {
   const std::vector<fs::path> files = list_images(folder);
   if (files.empty()) return bad_file(folder, "holds no mask (.nii.gz, .nrrd, .mha, .mgz, ...)");
-  MaskFolder masks(files);
-  SPLATLAS_ASSIGN_OR_RETURN(ImportedLabels labels, masks.import(grid));
-  if (masks.is_resampled() && !grid) {
+  SPLATLAS_ASSIGN_OR_RETURN(ImportedLabels labels, MaskFolder(files).import(grid));
+  if (!labels.resampled.empty() && !grid) {
     SPLATLAS_ASSIGN_OR_RETURN(const Grid frequent, most_frequent_grid(files));
     if (!have_same_voxels(labels.source_grid, frequent)) {
       SPLATLAS_ASSIGN_OR_RETURN(labels, MaskFolder(files).import(frequent));

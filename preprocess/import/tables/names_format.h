@@ -3,9 +3,6 @@
 
 #include <cstdint>
 #include <span>
-#include <string_view>
-
-#include "format/result.h"
 
 namespace splatlas {
 
@@ -34,8 +31,5 @@ struct NamesFormatInfo {
 
 /// All dialects but kAuto, in the order of their detection.
 [[nodiscard]] std::span<const NamesFormatInfo> names_formats();
-
-/// kUsage, with the list of values, for text that is no value of --names-format.
-[[nodiscard]] Result<NamesFormat> parse_names_format(std::string_view option);
 
 }  // namespace splatlas

@@ -71,15 +71,6 @@ std::span<const NamesFormatInfo> names_formats() {
   return kInfos;
 }
 
-Result<NamesFormat> parse_names_format(std::string_view option) {
-  if (equal_ignoring_case(option, "auto")) return NamesFormat::kAuto;
-  for (const NamesFormatInfo& info : kInfos) {
-    if (equal_ignoring_case(option, info.option)) return info.format;
-  }
-  return fail(ErrorCode::kUsage, "{} is no format of names; give one of: {}", in_quotes(option),
-              list_of_options());
-}
-
 Result<NamesTable> read_names(const std::filesystem::path& path, NamesFormat format, Notes& notes) {
   SPLATLAS_ASSIGN_OR_RETURN(std::string text, read_text(path));
   const std::string file = path.filename().string();

@@ -67,7 +67,7 @@ TEST(NamesText, EveryDialectIsReadAsItself) {
 
 TEST(NamesText, CsvHoldsEverything) {
   const TemporaryFolder folder;
-  write_bytes(folder.file("names.csv"), names_text(awkward_graph(), NamesFormat::kAuto).value());
+  write_bytes(folder.file("names.csv"), names_text(awkward_graph(), NamesFormat::kCsv).value());
   Notes notes;
   const NamesTable table = read_names(folder.file("names.csv"), NamesFormat::kAuto, notes).value();
   ASSERT_EQ(table.names.size(), 3u);

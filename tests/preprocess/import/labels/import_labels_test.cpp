@@ -155,9 +155,10 @@ TEST(ImportMasks, RefusesFoldersThatAreNoMasks) {
   ASSERT_TRUE(write_image(row<std::uint8_t>(VoxelType::kUInt8, {0, 1, 1}), folder.file("spleen.nrrd")));
   const auto resampled = import_mask_folder(folder.path());
   ASSERT_TRUE(resampled) << resampled.error().message;
-  EXPECT_THAT(
-      messages_of(resampled->notes),
-      testing::ElementsAre("1 mask is on another grid and is resampled to the nearest voxel: spleen"));
+  ASSERT_EQ(resampled->resampled.size(), 1u);
+  EXPECT_EQ(resampled->resampled[0].name, "spleen");
+  EXPECT_EQ(resampled->resampled[0].voxels_before, 2u);
+  EXPECT_EQ(resampled->resampled[0].voxels_after, 1u);
 }
 
 TEST(ImportMasks, WhatIsNotZeroIsInside) {

@@ -78,16 +78,6 @@ TEST_F(ReadNames, RefusesFilesWithoutAUsableRow) {
   EXPECT_THAT(error("1 A\n2 b\xe2\x80\xae c\n"), HasSubstr("bidirectional control character"));
 }
 
-TEST_F(ReadNames, ParsesTheOption) {
-  EXPECT_EQ(parse_names_format("auto"), NamesFormat::kAuto);
-  EXPECT_EQ(parse_names_format("FreeSurfer"), NamesFormat::kFreeSurfer);
-  const auto unknown = parse_names_format("xls");
-  ASSERT_FALSE(unknown);
-  EXPECT_THAT(unknown.error().message,
-              AllOf(StartsWith("\"xls\" is no format of names"), HasSubstr("mricron")));
-  EXPECT_EQ(names_formats().size(), 11u);
-}
-
 RC_GTEST_FIXTURE_PROP(ReadNames, AnySecondLineIsReadOrCounted, ()) {
   const auto line = *rc::gen::container<std::string>(rc::gen::elementOf(std::string("\"12 \tax#-")));
   const auto table = read("7 first\n" + line + "\n");
