@@ -95,13 +95,14 @@ Result<void> check_writable(const ExportOptions& options) {
   return {};
 }
 
-/// Work of writing `files` volume files with values of `bytes` bytes.
-Work work_of_volumes(const Grid& grid, std::size_t files, std::size_t bytes) {
-  constexpr double kPerByte = 15;  // copied, reordered, compressed
+constexpr double kPerByte = 15, kPerByteOfMask = 5;
+
+/// Work of writing `files` volume files with values of `bytes` bytes, each copied, reordered, compressed.
+Work work_of_volumes(const Grid& grid, std::size_t files, std::size_t bytes, double per_byte) {
   const double all = static_cast<double>(grid.voxels()) * static_cast<double>(bytes);
   Work work;
   work.add(WorkKind::kVoxels, static_cast<double>(grid.voxels()),
-           kPerByte * static_cast<double>(bytes) * static_cast<double>(files));
+           per_byte * static_cast<double>(bytes) * static_cast<double>(files));
   constexpr double kAtOnce = 4;  // masks, or the copies of one volume
   work.hold(static_cast<double>(grid.voxels()) * sizeof(ClassId) + kAtOnce * all);
   return work;
@@ -111,20 +112,20 @@ Work work_of_volumes(const Grid& grid, std::size_t files, std::size_t bytes) {
 Result<std::string> export_labels(const AtlasContent& content, const Atlas& atlas,
                                   const ExportOptions& options, std::vector<std::string>& notes) {
   if (is_folder_of_masks(options)) {
-    const Work work = work_of_volumes(atlas.grid(), count_masks(content), 1);
+    const Work work = work_of_volumes(atlas.grid(), count_masks(content), 1, kPerByteOfMask);
     SPLATLAS_RETURN_IF_ERROR(atlas.work_budget().check(work, "writing all masks"));
     SPLATLAS_ASSIGN_OR_RETURN(const ExportedMasks masks, export_masks(content, options.labels));
     notes.insert(notes.end(), masks.notes.begin(), masks.notes.end());
     return fmt::format("{}: {} masks", options.labels, masks.count);
   }
-  const Work work = work_of_volumes(atlas.grid(), 1, bytes_of(content.label_type));
+  const Work work = work_of_volumes(atlas.grid(), 1, bytes_of(content.label_type), kPerByte);
   SPLATLAS_RETURN_IF_ERROR(atlas.work_budget().check(work, "writing the labels"));
   SPLATLAS_RETURN_IF_ERROR(export_label_map(content, atlas.name(), options.labels));
   return fmt::format("{}: labels, {}", options.labels, name_of(content.label_type));
 }
 
 Result<std::string> export_volume(const AtlasContent& content, const Atlas& atlas, const fs::path& path) {
-  const Work work = work_of_volumes(atlas.grid(), 1, bytes_of(atlas.value_type()));
+  const Work work = work_of_volumes(atlas.grid(), 1, bytes_of(atlas.value_type()), kPerByte);
   SPLATLAS_RETURN_IF_ERROR(atlas.work_budget().check(work, "writing the grey values"));
   SPLATLAS_ASSIGN_OR_RETURN(const VoxelBuffer values, atlas.read_value_volume(content.class_volume));
   SPLATLAS_RETURN_IF_ERROR(write_image({content.source_grid, to_source_order(values, content)}, path));

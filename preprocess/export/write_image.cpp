@@ -1,8 +1,10 @@
 #include "preprocess/export/write_image.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <functional>
+#include <iterator>
 #include <new>
 #include <optional>
 #include <span>
@@ -28,8 +30,7 @@ using Bytes = std::span<const std::byte>;
 using Sink = std::function<Result<void>(Bytes)>;
 
 /// Compression of ITK's writers.
-constexpr DeflateEffort kNiftiEffort{6}, kTextHeaderEffort{2};
-constexpr DeflateEffort kMaskEffort{1, true};
+constexpr int kNiftiLevel = 6, kTextHeaderLevel = 2;
 
 /// kFailed for a geometry that import_image() refuses.
 Result<void> check_readable(const Grid& grid, const fs::path& path) {
@@ -50,24 +51,23 @@ Bytes bytes_of_text(const std::string& text) {
   return std::as_bytes(std::span(text));
 }
 
-Result<void> write_nifti(const Image& image, const fs::path& path, DeflateEffort effort, const Sink& sink) {
+Result<void> write_nifti(const Image& image, const fs::path& path, const Sink& sink) {
   SPLATLAS_ASSIGN_OR_RETURN(const std::string header, nifti_header(image.grid, image.voxels.type, path));
   if (to_lower(path.extension().string()) == ".gz") {
-    return deflate_in_pieces({bytes_of_text(header), image.voxels.bytes}, DeflateWrapper::kGzip, effort, path,
-                             sink);
+    return deflate_in_pieces({bytes_of_text(header), image.voxels.bytes}, DeflateWrapper::kGzip, kNiftiLevel,
+                             path, sink);
   }
   SPLATLAS_RETURN_IF_ERROR(sink(bytes_of_text(header)));
   return sink(image.voxels.bytes);
 }
 
-Result<void> write_nrrd(const Image& image, const fs::path& path, DeflateEffort effort, const Sink& sink) {
+Result<void> write_nrrd(const Image& image, const fs::path& path, const Sink& sink) {
   SPLATLAS_RETURN_IF_ERROR(sink(bytes_of_text(nrrd_header(image.grid, image.voxels.type))));
-  return deflate_in_pieces({image.voxels.bytes}, DeflateWrapper::kGzip, effort, path, sink);
+  return deflate_in_pieces({image.voxels.bytes}, DeflateWrapper::kGzip, kTextHeaderLevel, path, sink);
 }
 
 /// The header holds the number of compressed bytes, so they are kept in memory.
-Result<void> write_meta_image(const Image& image, const fs::path& path, DeflateEffort effort,
-                              const Sink& sink) {
+Result<void> write_meta_image(const Image& image, const fs::path& path, const Sink& sink) {
   std::vector<std::vector<std::byte>> pieces;
   std::uint64_t bytes = 0;
   const auto keep = [&](Bytes piece) -> Result<void> {
@@ -76,24 +76,23 @@ Result<void> write_meta_image(const Image& image, const fs::path& path, DeflateE
     return {};
   };
   SPLATLAS_RETURN_IF_ERROR(
-      deflate_in_pieces({image.voxels.bytes}, DeflateWrapper::kZlib, effort, path, keep));
+      deflate_in_pieces({image.voxels.bytes}, DeflateWrapper::kZlib, kTextHeaderLevel, path, keep));
   SPLATLAS_RETURN_IF_ERROR(sink(bytes_of_text(meta_image_header(image.grid, image.voxels.type, bytes))));
   for (const std::vector<std::byte>& piece : pieces) SPLATLAS_RETURN_IF_ERROR(sink(piece));
   return {};
 }
 
 /// Writes everything into a sink.
-Result<void> write_whole(const Image& image, const fs::path& path, std::optional<DeflateEffort> effort,
-                         const Sink& sink) {
+Result<void> write_whole(const Image& image, const fs::path& path, const Sink& sink) {
   SPLATLAS_ASSIGN_OR_RETURN(const ImageFormat format, writable_image_format(path));
   SPLATLAS_RETURN_IF_ERROR(check_readable(image.grid, path));
   try {
     switch (format) {
-      case ImageFormat::kNifti: return write_nifti(image, path, effort.value_or(kNiftiEffort), sink);
-      case ImageFormat::kNrrd: return write_nrrd(image, path, effort.value_or(kTextHeaderEffort), sink);
+      case ImageFormat::kNifti: return write_nifti(image, path, sink);
+      case ImageFormat::kNrrd: return write_nrrd(image, path, sink);
       case ImageFormat::kMetaImage: break;
     }
-    return write_meta_image(image, path, effort.value_or(kTextHeaderEffort), sink);
+    return write_meta_image(image, path, sink);
   } catch (const std::bad_alloc&) {
     return fail(ErrorCode::kLimit, "{}: cannot be written: out of memory", path.string());
   }
@@ -118,7 +117,7 @@ Result<ImageFormat> writable_image_format(const fs::path& path) {
 
 Result<void> write_image(const Image& image, const fs::path& path) {
   std::optional<OutputFile> file;
-  SPLATLAS_RETURN_IF_ERROR(write_whole(image, path, std::nullopt, [&](Bytes piece) -> Result<void> {
+  SPLATLAS_RETURN_IF_ERROR(write_whole(image, path, [&](Bytes piece) -> Result<void> {
     if (!file) {
       SPLATLAS_ASSIGN_OR_RETURN(file, OutputFile::create(path));
     }
@@ -127,13 +126,28 @@ Result<void> write_image(const Image& image, const fs::path& path) {
   return file->commit();
 }
 
-Result<std::vector<std::byte>> encode_mask(const Image& mask, const fs::path& path) {
-  std::vector<std::byte> bytes;
-  SPLATLAS_RETURN_IF_ERROR(write_whole(mask, path, kMaskEffort, [&](Bytes piece) -> Result<void> {
-    bytes.insert(bytes.end(), piece.begin(), piece.end());
-    return {};
-  }));
-  return bytes;
+Result<std::vector<std::byte>> encode_mask(const Grid& grid, const MaskSlices& mask, const fs::path& path) {
+  SPLATLAS_ASSIGN_OR_RETURN(const ImageFormat format, writable_image_format(path));
+  SPLATLAS_RETURN_IF_ERROR(check_readable(grid, path));
+  const auto slice = static_cast<std::uint64_t>(grid.size[0]) * static_cast<std::uint64_t>(grid.size[1]);
+  const std::uint64_t before = slice * static_cast<std::uint64_t>(mask.first);
+  try {
+    std::vector<std::byte> file;
+    GzipRuns packed;
+    if (format == ImageFormat::kNifti) {
+      SPLATLAS_ASSIGN_OR_RETURN(const std::string header, nifti_header(grid, VoxelType::kUInt8, path));
+      packed.add(bytes_of_text(header));
+    } else {
+      std::ranges::copy(bytes_of_text(nrrd_header(grid, VoxelType::kUInt8)), std::back_inserter(file));
+    }
+    packed.add_zeros(before);
+    packed.add(mask.voxels);
+    packed.add_zeros(static_cast<std::uint64_t>(grid.voxels()) - before - mask.voxels.size());
+    std::ranges::copy(packed.finish(), std::back_inserter(file));
+    return file;
+  } catch (const std::bad_alloc&) {
+    return fail(ErrorCode::kLimit, "{}: cannot be written: out of memory", path.string());
+  }
 }
 
 }  // namespace splatlas

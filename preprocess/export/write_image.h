@@ -1,6 +1,8 @@
 // Writer of volume files.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -17,8 +19,16 @@ namespace splatlas {
 /// fill the grid, which is valid. kFailed, before a file exists, for a geometry that the format cannot hold
 /// (image_header.h). Cost: compresses in pieces; .mha keeps the compressed voxels in memory.
 [[nodiscard]] Result<void> write_image(const Image& image, const std::filesystem::path& path);
-/// The bytes of a mask's file, compressed for speed; `path` gives the format. Thread-safe.
-[[nodiscard]] Result<std::vector<std::byte>> encode_mask(const Image& mask,
+
+/// Slices of a mask: uint8, 1 inside. All others are 0.
+struct MaskSlices {
+  std::int64_t first = 0;
+  std::vector<std::byte> voxels;
+};
+
+/// The bytes of a mask's file, .nii.gz or .nrrd by `path`; errors as of write_image(). Cost: that of the
+/// slices given. Thread-safe.
+[[nodiscard]] Result<std::vector<std::byte>> encode_mask(const Grid& grid, const MaskSlices& mask,
                                                          const std::filesystem::path& path);
 
 }  // namespace splatlas

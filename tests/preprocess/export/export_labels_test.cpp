@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/preprocess/random_images.h"
+#include "tests/support/axis_orders.h"
 #include "tests/support/fails_with.h"
 #include "tests/support/fill_classes.h"
 #include "tests/support/run_program.h"
@@ -108,6 +109,41 @@ TEST(ExportMasks, WritesNrrdFilesOfGridsThatNiftiCannotHold) {
   const Image mask = import_image(path / "_-one.nrrd").value();
   EXPECT_EQ(mask.grid, content.source_grid);
   EXPECT_EQ(mask.voxels.bytes, (std::vector{std::byte{1}, std::byte{0}, std::byte{0}}));
+}
+
+/// Structures at both ends, in the middle, everywhere and nowhere, in every axis order.
+TEST(ExportMasks, HoldTheVoxelsOfTheirStructureAlone) {
+  const std::vector<Structure> structures{{.id = "first"}, {.id = "last"}, {.id = "both"}, {.id = "none"}};
+  const auto holds = [](StructureIndex s, const Index3& at) {
+    const bool first = at == Index3{0, 0, 0}, last = at == Index3{2, 3, 4};
+    return s == 0 ? first : s == 1 ? last : s == 2 && (first || last);
+  };
+  for (const AxisOrder& order : all_axis_orders()) {
+    AtlasContent content;
+    content.graph = StructureGraph::build(structures).value();
+    content.source_grid = reordered({.size = {3, 4, 5}, .spacing_mm = {1, 2, 3}}, inverse(order));
+    content.source_to_storage = storage_order(content.source_grid);
+    fill_classes(content, [&](const Index3& at) {
+      std::vector<Membership> members;
+      for (StructureIndex s = 0; s < structures.size(); ++s) {
+        if (holds(s, at)) members.push_back({s, Part::kBoundary});
+      }
+      return members;
+    });
+    const TemporaryFolder folder;
+    ASSERT_TRUE(export_masks(content, folder.path() / "masks"));
+    for (StructureIndex s = 0; s < structures.size(); ++s) {
+      Image mask = import_image(folder.path() / "masks" / (structures[s].id + ".nii.gz")).value();
+      const VoxelBuffer stored = to_storage_order(std::move(mask.voxels), mask.grid);
+      std::int64_t v = 0;
+      for (std::int64_t k = 0; k < 5; ++k) {
+        for (std::int64_t j = 0; j < 4; ++j) {
+          for (std::int64_t i = 0; i < 3; ++i, ++v)
+            ASSERT_EQ(stored.as<std::uint8_t>()[v] != 0, holds(s, {i, j, k})) << structures[s].id << v;
+        }
+      }
+    }
+  }
 }
 
 }  // namespace
