@@ -142,8 +142,8 @@ Table measure_surfaces(const AtlasContent& content, int repeats) {
                           {"wall_ns", wall * per_triangle},
                           {"cpu_ns", cpu * per_triangle}});
   };
-  add("net", [](const StructureCrop& crop) { (void)surface_net(crop, CellTable::kVtk); });
-  add("smooth", [](const StructureCrop& crop) { (void)smooth(surface_net(crop, CellTable::kVtk)); });
+  add("net", [](const StructureCrop& crop) { (void)surface_net(crop); });
+  add("smooth", [](const StructureCrop& crop) { (void)smooth(surface_net(crop)); });
   add("whole", [&](const StructureCrop& crop) { (void)fit_surface(crop, grid, SurfaceRule::kSmooth); });
   return table;
 }

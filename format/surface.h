@@ -10,8 +10,7 @@ namespace splatlas {
 /// Rule by which a surface follows from the voxels of its structure (docs/atlas_surfaces.md). The values are
 /// the position scales of such surfaces in files.
 enum class SurfaceRule : std::uint32_t {
-  kFans = 2,     ///< vertices midway between voxels, triangles in fans: files of version 1.1
-  kVoxels = 4,   ///< the same vertices, triangles of vtkMarchingCubes
+  kVoxels = 4,   ///< vertices midway between voxels, triangles of vtkMarchingCubes
   kSmooth = 256  ///< smoothing 1: vertices moved along their voxel edges, triangles of vtkMarchingCubes
 };
 

@@ -32,8 +32,7 @@ struct Vertex {
 static_assert(sizeof(Vertex<std::uint16_t>) == 8 && sizeof(Vertex<std::uint32_t>) == 16);
 
 /// Position scales of fitted surfaces.
-constexpr std::array kFittedScales{static_cast<std::uint32_t>(SurfaceRule::kFans),
-                                   static_cast<std::uint32_t>(SurfaceRule::kVoxels),
+constexpr std::array kFittedScales{static_cast<std::uint32_t>(SurfaceRule::kVoxels),
                                    static_cast<std::uint32_t>(SurfaceRule::kSmooth)};
 constexpr std::size_t kLengthsBytes = 2 * sizeof(std::uint32_t);
 /// First bytes of the codes: meshoptimizer's decoders take other versions, too.

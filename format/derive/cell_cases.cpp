@@ -83,37 +83,6 @@ class CaseBuilder {
   }
 };
 
-// Table kFans
-
-/// True if all three edges are in one face of the cell.
-constexpr bool lie_in_a_face(const std::array<std::uint8_t, 3>& triangle) {
-  for (unsigned axis = 0; axis < 3; ++axis) {
-    for (unsigned side = 0; side < 2; ++side) {
-      bool all = true;
-      for (const std::uint8_t number : triangle) {
-        const CellEdge edge = cell_edge(number);
-        all = all && edge.axis != axis && (edge.corner >> axis & 1u) == side;
-      }
-      if (all) return true;
-    }
-  }
-  return false;
-}
-
-/// The first start of a fan without triangles in a face of the cell: the neighbouring cell could contain
-/// them, too.
-constexpr std::size_t fan_start(const Loop& loop) {
-  for (std::size_t start = 0; start < loop.count; ++start) {
-    bool fits = true;
-    for (std::size_t n = 1; n + 1 < loop.count; ++n)
-      fits = fits && !lie_in_a_face({loop.at(start), loop.at(start + n), loop.at(start + n + 1)});
-    if (fits) return start;
-  }
-  return 0;
-}
-
-// Table kVtk
-
 /// [inside]: triangulation of the loops of more than three edges, see add_as_vtk(). A cell has one such loop,
 /// or two of four edges.
 constexpr std::string_view kVtkDigits =
@@ -200,30 +169,24 @@ constexpr void add_links(unsigned inside, CaseBuilder& builder) {
   }
 }
 
-constexpr CellCases make_cases(CellTable table) {
+constexpr CellCases make_cases() {
   CellCases cases{};
   for (unsigned inside = 0; inside < cases.size(); ++inside) {
     const Loops loops = loops_of(inside);
     CaseBuilder builder;
-    if (table == CellTable::kVtk) {
-      add_as_vtk(loops, vtk_digit(inside), builder);
-    } else {
-      for (std::size_t n = 0; n < loops.count; ++n)
-        builder.add_fan(loops.loops[n], fan_start(loops.loops[n]));
-    }
+    add_as_vtk(loops, vtk_digit(inside), builder);
     add_links(inside, builder);
     cases[inside] = builder.result;
   }
   return cases;
 }
 
-constinit const CellCases kFanCases = make_cases(CellTable::kFans);
-constinit const CellCases kVtkCases = make_cases(CellTable::kVtk);
+constinit const CellCases kCases = make_cases();
 
 }  // namespace
 
-const CellCases& cell_cases(CellTable table) {
-  return table == CellTable::kVtk ? kVtkCases : kFanCases;
+const CellCases& cell_cases() {
+  return kCases;
 }
 
 }  // namespace splatlas

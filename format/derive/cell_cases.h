@@ -54,16 +54,10 @@ struct CellCase {
   std::array<Link, kMaxLinks> links{};
 };
 
-/// Triangulation of the loops around inside corners. Both tables have the same loops: on each face, one line
-/// separates every maximal chain of inside corners, so that diagonal inside corners stay separate and
-/// neighbouring cells agree.
-enum class CellTable : std::uint8_t {
-  kFans,  ///< fans without triangles in a face of the cell; of files of version 1.1
-  kVtk    ///< the oriented triangles of vtkMarchingCubesTriangleCases
-};
-
-/// Cases of cells by inside corners (bit c: corner c).
+/// Cases of cells by inside corners (bit c: corner c): the oriented triangles of
+/// vtkMarchingCubesTriangleCases. On each face, one line separates every maximal chain of inside corners, so
+/// that diagonal inside corners stay separate and neighbouring cells agree.
 using CellCases = std::array<CellCase, 256>;
-[[nodiscard]] const CellCases& cell_cases(CellTable table);
+[[nodiscard]] const CellCases& cell_cases();
 
 }  // namespace splatlas

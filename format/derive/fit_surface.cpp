@@ -140,10 +140,6 @@ void visit_slices(const StructureCrop& crop, const SliceVisitor& visit_slice) {
   }
 }
 
-CellTable table_of(SurfaceRule rule) {
-  return rule == SurfaceRule::kFans ? CellTable::kFans : CellTable::kVtk;
-}
-
 /// The triangles of a net, turned outwards in LPS, without vertices.
 SurfaceMesh triangles_of(SurfaceNet& net, const Grid& grid, SurfaceRule rule) {
   SurfaceMesh mesh;
@@ -236,7 +232,7 @@ PackedNormal VoxelNormals::normal(const Vec3f& gradient) const {
 
 SurfaceMesh fit_surface(const StructureCrop& crop, const Grid& grid, SurfaceRule rule,
                         const SliceVisitor& visit_slice) {
-  SurfaceNet net = surface_net(crop, table_of(rule), std::move(Kept::of_thread().net));
+  SurfaceNet net = surface_net(crop, std::move(Kept::of_thread().net));
   if (rule == SurfaceRule::kSmooth) {
     if (visit_slice) visit_slices(crop, visit_slice);
     return smooth_mesh(std::move(net), grid);
@@ -247,7 +243,7 @@ SurfaceMesh fit_surface(const StructureCrop& crop, const Grid& grid, SurfaceRule
 
 std::optional<SurfaceMesh> fit_sparse_surface(const PartRows& rows, const Grid& grid, SurfaceRule rule,
                                               std::uint64_t max_triangles) {
-  std::optional<SurfaceNet> net = sparse_surface_net(rows, table_of(rule), max_triangles);
+  std::optional<SurfaceNet> net = sparse_surface_net(rows, max_triangles);
   if (!net) return std::nullopt;
   if (rule == SurfaceRule::kSmooth) return smooth_mesh(*std::move(net), grid);
   const std::vector<Vec3f> gradients = sparse_vertex_gradients(net->vertices, rows);

@@ -133,7 +133,7 @@ SparseCell sparse_cell(const Index3& cell, const std::array<std::uint8_t, 8>& pa
 
 /// All cells in memory order, or nothing if they have more than `max_triangles` triangles.
 std::optional<std::vector<SparseCell>> find_cells(const PartRows& rows, const PaddedGrid& grid,
-                                                  CellTable table, std::uint64_t max_triangles) {
+                                                  std::uint64_t max_triangles) {
   std::vector<SparseCell> cells;
   std::uint64_t triangles = 0;
   for (const auto& row : cell_rows(rows)) {
@@ -142,7 +142,7 @@ std::optional<std::vector<SparseCell>> find_cells(const PartRows& rows, const Pa
     CellRow(rows, j, k).for_each_crossed_cell([&](std::int64_t i, const std::array<std::uint8_t, 8>& parts) {
       if (triangles > max_triangles) return;
       cells.push_back(sparse_cell({i, j, k}, parts, grid));
-      triangles += cell_cases(table)[cells.back().inside].triangle_count;
+      triangles += cell_cases()[cells.back().inside].triangle_count;
     });
     if (triangles > max_triangles) return std::nullopt;
   }
@@ -167,18 +167,17 @@ std::array<SparseCell*, 8> cells_at_corners(std::vector<SparseCell>& cells, std:
 
 }  // namespace
 
-std::optional<SurfaceNet> sparse_surface_net(const PartRows& rows, CellTable table,
-                                             std::uint64_t max_triangles) {
+std::optional<SurfaceNet> sparse_surface_net(const PartRows& rows, std::uint64_t max_triangles) {
   const PaddedGrid grid(rows.size());
   // Cells and vertices have 32-bit numbers. There are no more of them than triangles: a cell has one or more,
   // and a vertex four or more with three vertices each.
   max_triangles = std::min<std::uint64_t>(max_triangles, std::numeric_limits<std::uint32_t>::max());
-  std::optional<std::vector<SparseCell>> cells = find_cells(rows, grid, table, max_triangles);
+  std::optional<std::vector<SparseCell>> cells = find_cells(rows, grid, max_triangles);
   if (!cells) return std::nullopt;
   std::vector<std::uint32_t> order(cells->size());
   std::iota(order.begin(), order.end(), 0u);
   std::ranges::stable_sort(order, {}, [&](std::uint32_t n) { return (*cells)[n].leading; });
-  NetBuilder builder(table, cells->size());
+  NetBuilder builder(cells->size());
   for (std::size_t n = 0; n < order.size(); ++n) {
     if (n % 4096 == 0) check_cancelled();
     const Index3 cell = grid.index((*cells)[order[n]].offset);

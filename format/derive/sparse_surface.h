@@ -16,8 +16,7 @@ namespace splatlas {
 /// surface_net() of a crop of the same voxels: the same bits, in the same order. Stops with nothing once it
 /// has more than `max_triangles` or 2^32 - 1 triangles. Cost: n log n for n runs and triangles, with 100
 /// bytes per triangle, whatever the size of the bounding box.
-[[nodiscard]] std::optional<SurfaceNet> sparse_surface_net(const PartRows& rows, CellTable table,
-                                                           std::uint64_t max_triangles);
+[[nodiscard]] std::optional<SurfaceNet> sparse_surface_net(const PartRows& rows, std::uint64_t max_triangles);
 
 /// The gradient of SmoothGradient at any voxel, with the same bits, from the 49 rows around it. Fast if
 /// successive voxels are sorted by memory order.

@@ -84,8 +84,8 @@ class BitRows {
 /// Visits the cells of a crop by leading voxel, 64 voxels at a time.
 class NetWalker {
  public:
-  NetWalker(const StructureCrop& crop, CellTable table, SurfaceNet reused)
-      : crop_(crop), rows_(crop), builder_(table, count_vertices(), std::move(reused)) {
+  NetWalker(const StructureCrop& crop, SurfaceNet reused)
+      : crop_(crop), rows_(crop), builder_(count_vertices(), std::move(reused)) {
     for (Slice& slice : slices_) slice.ids.resize(static_cast<std::size_t>(crop.size[0] * crop.size[1]));
     around_.resize(rows_.words());
   }
@@ -254,8 +254,8 @@ class NetWalker {
 
 }  // namespace
 
-NetBuilder::NetBuilder(CellTable table, std::size_t vertices, SurfaceNet reused)
-    : cases_(cell_cases(table)), net_(std::move(reused)) {
+NetBuilder::NetBuilder(std::size_t vertices, SurfaceNet reused)
+    : cases_(cell_cases()), net_(std::move(reused)) {
   if (vertices > kMaxVertices) throw std::bad_array_new_length();
   net_.vertices.resize(vertices + kCellEdges + 1);
   net_.neighbours.resize(net_.vertices.size());
@@ -317,8 +317,8 @@ void NetBuilder::put_early_cells_first() {
   net_ = std::move(ordered);
 }
 
-SurfaceNet surface_net(const StructureCrop& crop, CellTable table, SurfaceNet reused) {
-  return NetWalker(crop, table, std::move(reused)).walk();
+SurfaceNet surface_net(const StructureCrop& crop, SurfaceNet reused) {
+  return NetWalker(crop, std::move(reused)).walk();
 }
 
 }  // namespace splatlas

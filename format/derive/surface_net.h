@@ -39,6 +39,6 @@ inline constexpr std::size_t kMaxKeptVertices = std::size_t{1} << 18;
 
 /// The net of a crop of a whole structure, in the memory of `reused`. Cost: linear in the voxels of the crop,
 /// an eighth of a byte each, and about 20 ns per triangle.
-[[nodiscard]] SurfaceNet surface_net(const StructureCrop& crop, CellTable table, SurfaceNet reused = {});
+[[nodiscard]] SurfaceNet surface_net(const StructureCrop& crop, SurfaceNet reused = {});
 
 }  // namespace splatlas

@@ -44,8 +44,7 @@ struct Atlas::Impl {
   using SharedSplit = std::shared_ptr<const SplitRuns>;
   [[nodiscard]] Result<SharedSplit> read_split_runs(ClassId c, Axis axis) const;
   [[nodiscard]] Result<SplitRuns> split_runs(ClassId c, Axis axis) const;
-  /// Checks runs of a class against its box and fingerprint, or in files without fingerprints against the z
-  /// model.
+  /// Checks runs of a class against its box and fingerprint.
   [[nodiscard]] Result<void> check_voxels(ClassId c, Axis axis, const ClassRuns& runs) const;
   /// The run list in the stream of a class, with `voxels` voxels.
   [[nodiscard]] Result<ClassRuns> read_run_list(ClassId c, Axis axis, std::uint64_t voxels) const;

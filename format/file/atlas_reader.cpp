@@ -35,9 +35,6 @@ Result<OpenedDirectory> read_directory(const InputFile& file) {
   SPLATLAS_ASSIGN_OR_RETURN(Directory directory, decode_directory(bytes));
   RunStreams streams(directory.classes);
   SPLATLAS_RETURN_IF_ERROR(validate(directory, streams));
-  if (const std::uint32_t missing = required_features(directory) & ~header.required_features; missing != 0)
-    return invalid_atlas("invalid: its surfaces need format features {:#x}, its header has {:#x}", missing,
-                         header.required_features);
   SPLATLAS_ASSIGN_OR_RETURN(FileLayout layout, lay_out(directory, streams.groups(), header.directory_bytes));
   if (layout.file_bytes() != header.file_bytes) {
     return invalid_atlas("invalid: chunks end at {}, the file has {} bytes", layout.file_bytes(),

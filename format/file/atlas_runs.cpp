@@ -88,16 +88,8 @@ Result<void> Atlas::Impl::check_voxels(ClassId c, Axis axis, const ClassRuns& ru
     return named(ErrorCode::kInvalidAtlas, "invalid: the box of class {} does not match its {}", c,
                  section_name(run_section(axis)));
   }
-  if (!directory.fingerprints.empty()) {
-    if (fingerprinter.of(runs, axis) == directory.fingerprints[c]) return {};
-    return named(ErrorCode::kInvalidAtlas, "invalid: {} of class {} covers other voxels than its fingerprint",
-                 section_name(run_section(axis)), c);
-  }
-  // Version 1.0 has no fingerprints: the z model stands for them.
-  if (axis == Axis::kZ) return {};
-  SPLATLAS_ASSIGN_OR_RETURN(const ClassRuns runs_z, read_stored_runs(c, Axis::kZ));
-  if (fingerprinter.of(runs, axis) == fingerprinter.of(runs_z, Axis::kZ)) return {};
-  return named(ErrorCode::kInvalidAtlas, "invalid: {} and runs_z of class {} cover different voxels",
+  if (fingerprinter.of(runs, axis) == directory.fingerprints[c]) return {};
+  return named(ErrorCode::kInvalidAtlas, "invalid: {} of class {} covers other voxels than its fingerprint",
                section_name(run_section(axis)), c);
 }
 

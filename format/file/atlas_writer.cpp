@@ -352,7 +352,7 @@ Result<std::vector<std::byte>> AtlasEncoder::assemble() const {
                 kMaxDirectoryBytes);
   }
   SPLATLAS_ASSIGN_OR_RETURN(const FileLayout layout, lay_out(directory_, directory.size()));
-  const FileHeader header = make_header(directory, layout.file_bytes(), required_features(directory_));
+  const FileHeader header = make_header(directory, layout.file_bytes());
   std::vector<std::byte> file(layout.file_bytes());
   std::memcpy(file.data(), &header, sizeof header);
   std::ranges::copy(directory, file.begin() + sizeof header);

@@ -165,7 +165,7 @@ Result<std::vector<std::byte>> encode_directory(const Directory& directory) {
           builder.CreateVectorOfStructs(chunks),
           builder.CreateVector(
               std::vector<std::uint8_t>(directory.normals_fitted.begin(), directory.normals_fitted.end())),
-          directory.fingerprints.empty() ? 0 : builder.CreateVector(directory.fingerprints),
+          builder.CreateVector(directory.fingerprints),
           has_terms ? builder.CreateVector(structures.terms_end) : 0,
           has_terms ? builder.CreateVector(structures.term_text.ends()) : 0,
           has_terms ? builder.CreateVector(structures.term_text.bytes()) : 0),
@@ -210,7 +210,7 @@ Result<void> check_terms(const schema::Directory& d) {
 Result<void> check_tables(const schema::Directory& d) {
   if (!is_aligned(*d.structures()) || !is_aligned(*d.surfaces()) || !is_aligned(*d.classes()) ||
       !is_aligned(*d.scenes()) || !is_aligned(*d.sections()) || !is_aligned(*d.chunks()) ||
-      (d.fingerprints() != nullptr && !is_aligned(*d.fingerprints()))) {
+      !is_aligned(*d.fingerprints())) {
     return invalid_atlas("invalid: directory tables are not aligned");
   }
   const std::uint64_t strings = 4 + 2 * std::uint64_t{d.structures()->size()} +
@@ -374,8 +374,7 @@ Result<Directory> decode_directory(std::span<const std::byte> bytes) {
     directory.surfaces.push_back({row->vertices(), row->triangles(), row->position_scale(), row->bytes()});
   }
   for (const std::uint8_t fitted : *d.normals_fitted()) directory.normals_fitted.push_back(fitted != 0);
-  if (d.fingerprints() != nullptr)
-    directory.fingerprints.assign(d.fingerprints()->begin(), d.fingerprints()->end());
+  directory.fingerprints.assign(d.fingerprints()->begin(), d.fingerprints()->end());
   read_scenes_and_sources(d, text, directory);
   SPLATLAS_RETURN_IF_ERROR(read_chunks(d, directory));
   return directory;

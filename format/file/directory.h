@@ -63,7 +63,7 @@ struct Directory {
   ClassTable classes;
   std::vector<std::array<std::uint32_t, 3>> run_bytes;  ///< [class][axis], decoded length; 0 if not stored
   std::array<std::uint64_t, 3> run_totals{};            ///< [axis], stored or not
-  std::vector<VoxelSetFingerprint> fingerprints;        ///< [class]: of its voxels; empty in version 1.0
+  std::vector<VoxelSetFingerprint> fingerprints;        ///< [class]: of its voxels
   std::vector<bool> normals_fitted;                     ///< [class]: not stored, derived by fit_normals()
   std::vector<SurfaceEntry> surfaces;                   ///< per structure
   std::vector<Scene> scenes;

@@ -150,7 +150,6 @@ Result<void> check_normals(const Directory& d) {
 
 /// Fingerprints must add up to that of the grid: classes partition the voxels.
 Result<void> check_fingerprints(const Directory& d, const Grid& grid) {
-  if (d.fingerprints.empty()) return {};
   if (d.fingerprints.size() != d.classes.size()) {
     return invalid_atlas("invalid: {} fingerprints of {} classes", d.fingerprints.size(), d.classes.size());
   }

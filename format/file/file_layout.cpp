@@ -39,26 +39,17 @@ Result<void> check_version(const FileHeader& header) {
   if (header.major != kFormatMajor) {
     return invalid_atlas("needs format {}, this program reads format {}", header.major, kFormatMajor);
   }
-  if (const std::uint32_t unknown = header.required_features & ~kKnownRequiredFeatures; unknown != 0) {
+  if (header.required_features != 0) {
     return invalid_atlas("needs format features {:#x} that this program (format {}.{}) does not know",
-                         unknown, kFormatMajor, kFormatMinor);
+                         header.required_features, kFormatMajor, kFormatMinor);
   }
   return {};
 }
 
 }  // namespace
 
-std::uint32_t required_features(const Directory& directory) {
-  const bool any = std::ranges::any_of(directory.surfaces, [](const SurfaceEntry& entry) {
-    return is_fitted(entry) && rule_of(entry) != SurfaceRule::kFans;
-  });
-  return any ? kFeatureVtkSurfaces : 0;
-}
-
-FileHeader make_header(std::span<const std::byte> directory, std::uint64_t file_bytes,
-                       std::uint32_t required_features) {
+FileHeader make_header(std::span<const std::byte> directory, std::uint64_t file_bytes) {
   FileHeader header;
-  header.required_features = required_features;
   header.file_bytes = file_bytes;
   header.directory_bytes = directory.size();
   header.directory_checksum = checksum_of(directory);

@@ -21,11 +21,7 @@
 namespace splatlas {
 
 inline constexpr std::uint16_t kFormatMajor = 1;
-inline constexpr std::uint16_t kFormatMinor = 2;
-/// Bit of required features: fitted surfaces by SurfaceRule::kVoxels or kSmooth.
-inline constexpr std::uint32_t kFeatureVtkSurfaces = 1;
-/// Supported feature bits. Files that require others are refused.
-inline constexpr std::uint32_t kKnownRequiredFeatures = kFeatureVtkSurfaces;
+inline constexpr std::uint16_t kFormatMinor = 0;
 /// Maximum size of a directory, below the limit of FlatBuffers (2 GiB).
 inline constexpr std::uint64_t kMaxDirectoryBytes = std::uint64_t{1} << 30;
 /// As in PNG, a high bit and CR LF detect transfers that alter bytes.
@@ -36,7 +32,7 @@ struct FileHeader {
   std::array<std::uint8_t, 8> magic = kMagic;
   std::uint16_t major = kFormatMajor;
   std::uint16_t minor = kFormatMinor;
-  std::uint32_t required_features = 0;  ///< bits of kKnownRequiredFeatures, or of newer versions
+  std::uint32_t required_features = 0;  ///< no bit is defined yet; files with one are refused
   std::uint32_t optional_features = 0;
   std::uint32_t reserved = 0;
   std::uint64_t file_bytes = 0;
@@ -56,11 +52,8 @@ static_assert(offsetof(FileHeader, header_checksum) == 56);
 [[nodiscard]] tl::unexpected<Error> wrong_checksum(const char* part, std::uint64_t found,
                                                    std::uint64_t stated);
 
-/// Feature bits that the content of a directory requires.
-[[nodiscard]] std::uint32_t required_features(const Directory& directory);
 /// The complete header of a file, with checksums.
-[[nodiscard]] FileHeader make_header(std::span<const std::byte> directory, std::uint64_t file_bytes,
-                                     std::uint32_t required_features = 0);
+[[nodiscard]] FileHeader make_header(std::span<const std::byte> directory, std::uint64_t file_bytes);
 /// Checks the header of a file of `file_bytes` bytes. `start` has its first 64 bytes, or all of a shorter
 /// file. kInvalidAtlas if it is not an atlas, damaged, truncated, too long, or of a newer version.
 [[nodiscard]] Result<FileHeader> check_header(std::span<const std::byte> start, std::uint64_t file_bytes);

@@ -13,7 +13,7 @@ namespace {
 /// The rule that a surface may follow.
 std::optional<SurfaceRule> rule_of(const SurfaceMesh& mesh, const Index3& size) {
   if (mesh.empty()) return std::nullopt;
-  for (const SurfaceRule rule : {SurfaceRule::kFans, SurfaceRule::kVoxels, SurfaceRule::kSmooth}) {
+  for (const SurfaceRule rule : {SurfaceRule::kVoxels, SurfaceRule::kSmooth}) {
     if (mesh.position_scale == static_cast<std::uint32_t>(rule) && rule_for(rule, size) == rule) return rule;
   }
   return std::nullopt;

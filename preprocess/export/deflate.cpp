@@ -15,19 +15,17 @@
 namespace splatlas {
 namespace {
 
-struct DeflateEnd {
-  void operator()(z_stream* stream) const {
-    deflateEnd(stream);
-    delete stream;
-  }
-};
-using Deflater = std::unique_ptr<z_stream, DeflateEnd>;
+using Deflater = std::unique_ptr<z_stream, void (*)(z_stream*)>;
 
 Deflater make_deflater(int window_bits, int level, int strategy) {
   constexpr int kMemoryLevel = 8;  // zlib's default
-  Deflater stream(new z_stream{});
+  Deflater stream(new z_stream{}, [](z_stream* of) {
+    deflateEnd(of);
+    delete of;
+  });
   const int status = deflateInit2(stream.get(), level, Z_DEFLATED, window_bits, kMemoryLevel, strategy);
-  return status == Z_OK ? std::move(stream) : nullptr;
+  if (status != Z_OK) stream.reset();
+  return stream;
 }
 
 const unsigned char* as_input(std::span<const std::byte> bytes) {
@@ -72,7 +70,7 @@ Result<void> deflate_in_pieces(std::initializer_list<std::span<const std::byte>>
 
 struct GzipRuns::Stream {
   static constexpr std::size_t kZeros = std::size_t{1} << 16;
-  Deflater deflater;
+  Deflater deflater{nullptr, nullptr};
   std::vector<std::byte> zeros;  ///< a compressed block of kZeros zeros
   uLong append_zeros = 0;        ///< zlib's operator of its checksum
 };

@@ -61,13 +61,11 @@ inline AtlasParts take_apart(const Bytes& file) {
   return parts;
 }
 
-/// A file of this directory and these chunks, with right lengths and checksums in the header, and these
-/// feature bits.
-inline Bytes put_together(const Bytes& directory, const std::vector<Bytes>& chunks,
-                          std::uint32_t features = kKnownRequiredFeatures) {
+/// A file of this directory and these chunks, with right lengths and checksums in the header.
+inline Bytes put_together(const Bytes& directory, const std::vector<Bytes>& chunks) {
   std::size_t size = sizeof(FileHeader) + directory.size();
   for (const Bytes& chunk : chunks) size += chunk.size();
-  const FileHeader header = make_header(directory, size, features);
+  const FileHeader header = make_header(directory, size);
   Bytes file(size);
   std::memcpy(file.data(), &header, sizeof header);
   auto end = std::ranges::copy(directory, file.begin() + sizeof header).out;
@@ -76,8 +74,7 @@ inline Bytes put_together(const Bytes& directory, const std::vector<Bytes>& chun
 }
 
 inline Bytes put_together(const AtlasParts& parts) {
-  return put_together(encode_directory(parts.directory).value(), parts.chunks,
-                      required_features(parts.directory));
+  return put_together(encode_directory(parts.directory).value(), parts.chunks);
 }
 
 /// The decoded streams of a section.

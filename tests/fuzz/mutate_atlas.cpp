@@ -73,8 +73,6 @@ Bytes mutate_parts(AtlasParts parts, std::size_t max_bytes, Random& random, cons
   std::uint32_t choices = parts.header.reserved;
   if (below(2, random) == 0)
     choices = static_cast<std::uint32_t>(random()) * 4 + static_cast<std::uint32_t>(random() % 4);
-  // Without fingerprints, mutated runs reach the decoders behind that check.
-  if (below(2, random) == 0) parts.directory.fingerprints.clear();
   for (std::size_t n = 1 + below(2, random); n > 0; --n) {
     switch (below(10, random)) {
       case 0: mutate_stored(parts, max_bytes, random, mutate_bytes); break;

@@ -41,7 +41,7 @@ inline void fit_parts(AtlasContent& content, StructureIndex s, SurfaceRule rule 
 }
 /// The same with all rules in turn.
 [[nodiscard]] inline AtlasContent fitted_by_all_rules(AtlasContent content) {
-  constexpr std::array kRules{SurfaceRule::kSmooth, SurfaceRule::kFans, SurfaceRule::kVoxels};
+  constexpr std::array kRules{SurfaceRule::kSmooth, SurfaceRule::kVoxels};
   for (StructureIndex s = 0; s < content.graph.size(); ++s) fit_parts(content, s, kRules[s % kRules.size()]);
   return content;
 }

@@ -124,7 +124,7 @@ std::vector<std::byte> sparse_atlas(const Index3& size, const std::vector<Sparse
       all.triangles += entry.triangles;
       all.position_scale = static_cast<std::uint32_t>(rule_for(SurfaceRule::kSmooth, size));
     }
-    constexpr std::array kRules{SurfaceRule::kSmooth, SurfaceRule::kFans, SurfaceRule::kVoxels};
+    constexpr std::array kRules{SurfaceRule::kSmooth, SurfaceRule::kVoxels};
     entry.position_scale = static_cast<std::uint32_t>(rule_for(kRules[s % kRules.size()], size));
     directory.normals_fitted[c] = true;
   }

@@ -201,13 +201,6 @@ TEST(BadFiles, WithABadFingerprint) {
   expect_faults(kFingerprintsWithoutVoxels, "F: invalid: {}, which has no voxels", in_directory);
 }
 
-/// Files of version 1.0 have none.
-TEST(BadFiles, WithoutFingerprintsAreValid) {
-  RawAtlas atlas = raw_atlas(good_file());
-  atlas.directory.fingerprints.clear();
-  EXPECT_EQ(fault_of_file(file_of(atlas)), "");
-}
-
 TEST(BadFiles, WithABadMembership) {
   expect_faults(kMembers, "F: invalid: {}", in_directory);
   expect_faults(kEndsOfMembers, "F: invalid: inconsistent offsets of directory table of class members",

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <zstd.h>
 
+#include "format/derive/run_fingerprint.h"
 #include "tests/format/bad_files/bad_files.h"
 
 namespace splatlas {
@@ -130,10 +131,10 @@ constexpr BadList<ClassRuns> kRuns[] = {
        ++one_of_two->length;
        r.erase(one_of_two + 1);
      },
-     "x and runs_z of class 2 cover different voxels"},
+     "x of class 2 covers other voxels than its fingerprint"},
     {"along y elsewhere", Axis::kY, kCoreBoundary,
      [](auto& r) { std::ranges::find(r, 1u, &Run::length)->start = 2; },
-     "y and runs_z of class 2 cover different voxels"},
+     "y of class 2 covers other voxels than its fingerprint"},
 };
 
 constexpr BadList<ClassRuns> kRunsOutside[] = {
@@ -195,7 +196,14 @@ TEST(BadFiles, WithRunsOverAnotherClass) {
   core.box_first[0] = core.box_last[0] = 4;
   atlas.edit_runs(Axis::kX, kCoreInterior, [](ClassRuns& r) { r[0].scanline += 2 * 4; });
   atlas.edit_runs(Axis::kY, kCoreInterior, [](ClassRuns& r) { r[0].start = 4; });
-  atlas.edit_runs(Axis::kZ, kCoreInterior, [](ClassRuns& r) { r[0].start = 4; });
+  atlas.edit_runs(Axis::kZ, kCoreInterior, [&](ClassRuns& r) {
+    r[0].start = 4;
+    auto& fingerprints = atlas.directory.fingerprints;
+    const VoxelSetFingerprint moved = RunFingerprinter(good_content().source_grid.size).of(r, Axis::kZ);
+    const VoxelSetFingerprint rest = add_fingerprints(fingerprints[0], fingerprints[kCoreInterior]);
+    fingerprints[0] = subtract_fingerprints(rest, moved);
+    fingerprints[kCoreInterior] = moved;
+  });
   EXPECT_EQ(fault_of_file(file_of(atlas)), "F: invalid: runs_z of classes 1 and 4 overlap in scanline 7");
 }
 

@@ -51,7 +51,10 @@ constexpr BadSurface kSurfaceRows[] = {
      "'knob': 54 vertices and 103 triangles, its voxels give 54 and 104"},
     {kKnob, [](auto& s) { s.vertices = s.triangles = 0xffffffff; },
      "'knob': 4294967295 vertices and 4294967295 triangles for 27 voxels"},
-    {kAll, [](auto& s) { s.vertices = 3, s.triangles = 1; },
+    {kAll,
+     [](auto& s) {
+       s = {3, 1, 4, 0};
+     },
      "'all': 3 vertices and 1 triangles for 0 voxels"},
     {kKnob, [](auto& s) { s.vertices = 6 * 27 + 1; }, "'knob': 163 vertices and 104 triangles for 27 voxels"},
     {kKnob, [](auto& s) { s.triangles = 4 * 54; }, "'knob': 54 vertices and 216 triangles for 27 voxels"},
@@ -68,7 +71,7 @@ constexpr BadSurface kSurfaceRows[] = {
 
 constexpr BadDirectory kOtherSurfaces[] = {
     {"fitted where they are stored", [](auto& d) { d.surfaces[kRim].bytes = d.surfaces[kNeedle].bytes = 0; },
-     "invalid: surface of structure 'needle': fitted, with position scale 8192 and 2 triangles"},
+     "invalid: surface of structure 'rim': fitted, with position scale 2 and 2 triangles"},
     {"one byte more", [](auto& d) { ++d.surfaces[kRim].bytes; },
      "damaged: wrong frame length (expected 181 bytes) of surfaces of structures 'rim' to 'needle'"},
 };

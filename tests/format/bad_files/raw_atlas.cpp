@@ -109,7 +109,7 @@ Bytes encode(const RawDirectory& d) {
   add("sections", [&] { table.add_sections(sections); });
   add("chunks", [&] { table.add_chunks(chunks); });
   add("normals_fitted", [&] { table.add_normals_fitted(normals_fitted); });
-  if (!d.fingerprints.empty()) table.add_fingerprints(fingerprints);
+  table.add_fingerprints(fingerprints);
   if (!d.terms_end.empty()) table.add_terms_end(terms_end);
   if (!d.term_text_ends.empty()) table.add_term_text_ends(term_text_ends);
   if (!d.term_text.empty()) table.add_term_text(term_text);
@@ -152,7 +152,6 @@ void RawAtlas::edit_stream(SectionKind kind, std::size_t stream, const std::func
   replace_streams(parts, kind, streams);
   const auto length = static_cast<std::uint32_t>(streams[stream].size());
   if (kind <= SectionKind::kRunsZ) {
-    directory.fingerprints.clear();
     directory.classes[stream].run_bytes[static_cast<std::size_t>(kind) - 1] = length;
   } else if (kind == SectionKind::kSurfaces) {
     directory.surfaces[parts.directory.graph.preorder()[stream]].bytes = length;

@@ -74,7 +74,7 @@ struct RawDirectory {
   std::vector<RawSection> sections;
   std::vector<RawChunk> chunks;
   std::vector<std::uint8_t> normals_fitted;
-  std::vector<std::uint64_t> fingerprints;               ///< left out if empty
+  std::vector<std::uint64_t> fingerprints;
   std::vector<std::uint32_t> terms_end, term_text_ends;  ///< each left out if empty
   std::vector<std::uint8_t> term_text;
   std::set<std::string> left_out;  ///< omitted fields of the FlatBuffer
@@ -91,8 +91,7 @@ struct RawAtlas {
 
   /// String n, in document order.
   void set_text(std::size_t n, const std::string& text);
-  /// Edits one stream of a section, recompresses the section, and updates chunks and lengths. Leaves out the
-  /// fingerprints if these are runs: readers then compare the run models, as in version 1.0.
+  /// Edits one stream of a section, recompresses the section, and updates chunks and lengths.
   void edit_stream(SectionKind kind, std::size_t stream, const std::function<void(Bytes&)>& change);
   /// Edits the run list of a class.
   void edit_runs(Axis axis, std::size_t of_class, const std::function<void(ClassRuns&)>& change);

@@ -16,20 +16,15 @@ bool is_inside(unsigned inside, unsigned corner) {
   return (inside >> corner & 1) != 0;
 }
 
-class CellCasesOf : public ::testing::TestWithParam<CellTable> {
- protected:
-  static std::vector<Triangle> triangles(unsigned inside) {
-    const CellCase& of = cell_cases(GetParam())[inside];
-    std::vector<Triangle> all;
-    for (std::size_t t = 0; t < of.triangle_count; ++t) {
-      Triangle& triangle = all.emplace_back();
-      for (std::size_t n = 0; n < 3; ++n) triangle[n] = cell_edge(of.edges[of.triangles[t][n]]);
-    }
-    return all;
+std::vector<Triangle> triangles(unsigned inside) {
+  const CellCase& of = cell_cases()[inside];
+  std::vector<Triangle> all;
+  for (std::size_t t = 0; t < of.triangle_count; ++t) {
+    Triangle& triangle = all.emplace_back();
+    for (std::size_t n = 0; n < 3; ++n) triangle[n] = cell_edge(of.edges[of.triangles[t][n]]);
   }
-};
-INSTANTIATE_TEST_SUITE_P(Tables, CellCasesOf, ::testing::Values(CellTable::kFans, CellTable::kVtk));
-
+  return all;
+}
 TEST(CellEdges, HaveTheNumbersOfTheFormat) {
   // By axis, then by corner
   const std::vector<unsigned> corners{0, 2, 4, 6, 0, 1, 4, 5, 0, 1, 2, 3};
@@ -40,7 +35,7 @@ TEST(CellEdges, HaveTheNumbersOfTheFormat) {
   }
 }
 
-TEST_P(CellCasesOf, TrianglesHaveTheirCornersOnEveryEdgeThatCrossesAndOnNoOther) {
+TEST(CellCases, TrianglesHaveTheirCornersOnEveryEdgeThatCrossesAndOnNoOther) {
   for (unsigned inside = 0; inside < 256; ++inside) {
     std::set<std::pair<unsigned, unsigned>> crossed, used;
     for (unsigned corner = 0; corner < 8; ++corner) {
@@ -53,11 +48,11 @@ TEST_P(CellCasesOf, TrianglesHaveTheirCornersOnEveryEdgeThatCrossesAndOnNoOther)
       for (const CellEdge& edge : triangle) used.emplace(edge.corner, edge.axis);
     }
     EXPECT_EQ(used, crossed) << inside;
-    EXPECT_EQ(cell_cases(GetParam())[inside].edge_count, crossed.size()) << inside;
+    EXPECT_EQ(cell_cases()[inside].edge_count, crossed.size()) << inside;
   }
 }
 
-TEST_P(CellCasesOf, TrianglesDoNotLieInAFaceThatTwoCellsShare) {
+TEST(CellCases, TrianglesDoNotLieInAFaceThatTwoCellsShare) {
   for (unsigned inside = 0; inside < 256; ++inside) {
     for (const auto& triangle : triangles(inside)) {
       for (unsigned axis = 0; axis < 3; ++axis) {
@@ -71,39 +66,7 @@ TEST_P(CellCasesOf, TrianglesDoNotLieInAFaceThatTwoCellsShare) {
   }
 }
 
-/// Directed edges of triangles that no other triangle has in the other direction: the loops.
-std::multiset<std::pair<std::size_t, std::size_t>> border(const std::vector<Triangle>& triangles) {
-  std::multiset<std::pair<std::size_t, std::size_t>> border;
-  for (const Triangle& t : triangles) {
-    for (std::size_t n = 0; n < 3; ++n) {
-      const std::size_t a = number_of(t[n]), b = number_of(t[(n + 1) % 3]);
-      if (const auto back = border.find({b, a}); back != border.end()) {
-        border.erase(back);
-      } else {
-        border.emplace(a, b);
-      }
-    }
-  }
-  return border;
-}
-
-TEST_P(CellCasesOf, TrianglesHaveTheSameLoopsInBothTables) {
-  std::size_t count = 0;
-  for (unsigned inside = 0; inside < 256; ++inside) {
-    const CellCase &fans = cell_cases(CellTable::kFans)[inside], &vtk = cell_cases(CellTable::kVtk)[inside];
-    std::vector<Triangle> as_fans;
-    for (std::size_t t = 0; t < fans.triangle_count; ++t) {
-      const auto& [a, b, c] = fans.triangles[t];
-      as_fans.push_back({cell_edge(fans.edges[a]), cell_edge(fans.edges[b]), cell_edge(fans.edges[c])});
-    }
-    EXPECT_EQ(border(triangles(inside)), border(as_fans)) << inside;
-    EXPECT_EQ(fans.triangle_count, vtk.triangle_count) << inside;
-    count += vtk.triangle_count;
-  }
-  EXPECT_EQ(count, 820u);
-}
-
-TEST_P(CellCasesOf, CutOffASingleCornerFacingAwayFromIt) {
+TEST(CellCases, CutOffASingleCornerFacingAwayFromIt) {
   for (unsigned corner = 0; corner < 8; ++corner) {
     for (const bool hole : {false, true}) {  // all corners but one are inside
       const unsigned inside = hole ? 255u ^ 1u << corner : 1u << corner;
@@ -126,7 +89,7 @@ TEST_P(CellCasesOf, CutOffASingleCornerFacingAwayFromIt) {
   }
 }
 
-TEST_P(CellCasesOf, KeepDiagonalCornersApart) {
+TEST(CellCases, KeepDiagonalCornersApart) {
   EXPECT_EQ(triangles(0b00001001).size(), 2u);  // on a face
   EXPECT_EQ(triangles(0b10000001).size(), 2u);  // of the cell
   EXPECT_EQ(triangles(0b01101001).size(), 4u);  // every second corner
@@ -145,7 +108,7 @@ std::uint32_t crc32(const std::vector<std::uint8_t>& bytes) {
   return ~crc;
 }
 
-TEST_P(CellCasesOf, HaveTheChecksumOfTheFormatDescription) {
+TEST(CellCases, HaveTheChecksumOfTheFormatDescription) {
   std::vector<std::uint8_t> bytes;
   for (unsigned inside = 0; inside < 256; ++inside) {
     const auto all = triangles(inside);
@@ -155,7 +118,7 @@ TEST_P(CellCasesOf, HaveTheChecksumOfTheFormatDescription) {
     }
   }
   EXPECT_EQ(bytes.size(), 2716u);
-  EXPECT_EQ(crc32(bytes), GetParam() == CellTable::kVtk ? 0x2f135cb0u : 0x7bcc7ca3u);
+  EXPECT_EQ(crc32(bytes), 0x2f135cb0u);
 }
 
 }  // namespace

@@ -127,7 +127,7 @@ RC_GTEST_PROP(FitSurface, SparseFitsOfWrongPartsHaveTheSameBits, ()) {
     rows.add(runs.classes[part], part);
   }
   rows.sort();
-  for (const SurfaceRule rule : {SurfaceRule::kFans, SurfaceRule::kVoxels, SurfaceRule::kSmooth}) {
+  for (const SurfaceRule rule : {SurfaceRule::kVoxels, SurfaceRule::kSmooth}) {
     const SurfaceMesh surface = fit_surface(crop, grid, rule);
     RC_ASSERT(fit_sparse_surface(rows, grid, rule, surface.triangles.size()) == surface);
   }

@@ -19,8 +19,8 @@ using plain::Edge;
 using plain::SmoothVertex;
 using Vertices = std::map<Edge, SmoothVertex>;
 
-Vertices smoothed(const Mask& mask, CellTable table = CellTable::kVtk) {
-  const SurfaceNet net = surface_net(crop_of(mask), table);
+Vertices smoothed(const Mask& mask) {
+  const SurfaceNet net = surface_net(crop_of(mask));
   const SmoothedNet result = smooth(net);
   Vertices vertices;
   for (std::size_t v = 0; v < net.vertices.size(); ++v) {
@@ -51,7 +51,6 @@ RC_GTEST_PROP(Smooth, EqualsThePlainDefinition, ()) {
   const Mask mask = random_mask(random);
   const Vertices expected = plain::smooth_vertices(mask);
   RC_ASSERT(smoothed(mask) == expected);
-  RC_ASSERT(smoothed(mask, CellTable::kFans) == expected);  // does not depend on the triangles
 }
 
 RC_GTEST_PROP(Smooth, KeepsVerticesOnTheirEdgesWithADirection, ()) {
@@ -128,7 +127,7 @@ RC_GTEST_PROP(Smooth, PermutedAxesPermuteTheSurface, ()) {
 /// FNV-1a of 64 bits over offsets in the order of vertices.
 std::uint64_t hash_of(const Mask& mask) {
   std::uint64_t hash = 0xcbf29ce484222325;
-  for (const std::uint8_t offset : smooth(surface_net(crop_of(mask), CellTable::kVtk)).offsets)
+  for (const std::uint8_t offset : smooth(surface_net(crop_of(mask))).offsets)
     hash = (hash ^ offset) * 0x100000001b3;
   return hash;
 }

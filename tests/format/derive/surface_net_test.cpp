@@ -33,60 +33,57 @@ std::array<float, 3> midpoint(const NetVertex& vertex) {
 
 /// Ids of 32 bits would overflow, before or after hundreds of gigabytes.
 TEST(SurfaceNet, RefusesMoreVerticesThanIds) {
-  EXPECT_THROW(NetBuilder(CellTable::kVtk, NetBuilder::kMaxVertices + 1), std::bad_alloc);
+  EXPECT_THROW(NetBuilder(NetBuilder::kMaxVertices + 1), std::bad_alloc);
 }
 
 RC_GTEST_PROP(SurfaceNet, IsClosedAndHasOneVertexOnEveryCrossedEdge, ()) {
   auto random = *random_source();
   const Mask mask = random_mask(random);
-  for (const CellTable table : {CellTable::kFans, CellTable::kVtk}) {
-    const SurfaceNet net = surface_net(crop_of(mask), table);
-    std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
-    std::uint32_t highest = 0;
-    for (const auto& t : net.triangles) {
-      for (std::size_t n = 0; n < 3; ++n) {
-        ++edges[{t[n], t[(n + 1) % 3]}];
-        RC_ASSERT(t[n] <= highest);  // numbered by first use
-        highest = std::max(highest, t[n] + 1);
-      }
+  const SurfaceNet net = surface_net(crop_of(mask));
+  std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
+  std::uint32_t highest = 0;
+  for (const auto& t : net.triangles) {
+    for (std::size_t n = 0; n < 3; ++n) {
+      ++edges[{t[n], t[(n + 1) % 3]}];
+      RC_ASSERT(t[n] <= highest);  // numbered by first use
+      highest = std::max(highest, t[n] + 1);
     }
-    RC_ASSERT(highest == net.vertices.size());
-    RC_ASSERT(net.neighbours.size() == net.vertices.size() && net.kinds.size() == net.vertices.size());
-    for (const auto& [edge, count] : edges) {
-      const auto back = edges.find({edge.second, edge.first});
-      RC_ASSERT(back != edges.end());
-      RC_ASSERT(back->second == count);
-    }
-    std::set<std::array<float, 3>> positions, expected;
-    for (const NetVertex& vertex : net.vertices) {
-      positions.insert(midpoint(vertex));
-      RC_ASSERT(mask.holds({vertex.voxel[0], vertex.voxel[1], vertex.voxel[2]}) ==
-                (vertex.first_is_inside()));
-    }
-    RC_ASSERT(positions.size() == net.vertices.size());
-    for (std::int64_t k = -1; k < mask.size[2]; ++k) {
-      for (std::int64_t j = -1; j < mask.size[1]; ++j) {
-        for (std::int64_t i = -1; i < mask.size[0]; ++i) {
-          for (std::size_t a = 0; a < 3; ++a) {
-            Index3 next{i, j, k};
-            ++next[a];
-            if (mask.holds({i, j, k}) == mask.holds(next)) continue;
-            std::array<float, 3> at{static_cast<float>(i), static_cast<float>(j), static_cast<float>(k)};
-            at[a] += 0.5f;
-            expected.insert(at);
-          }
+  }
+  RC_ASSERT(highest == net.vertices.size());
+  RC_ASSERT(net.neighbours.size() == net.vertices.size() && net.kinds.size() == net.vertices.size());
+  for (const auto& [edge, count] : edges) {
+    const auto back = edges.find({edge.second, edge.first});
+    RC_ASSERT(back != edges.end());
+    RC_ASSERT(back->second == count);
+  }
+  std::set<std::array<float, 3>> positions, expected;
+  for (const NetVertex& vertex : net.vertices) {
+    positions.insert(midpoint(vertex));
+    RC_ASSERT(mask.holds({vertex.voxel[0], vertex.voxel[1], vertex.voxel[2]}) == (vertex.first_is_inside()));
+  }
+  RC_ASSERT(positions.size() == net.vertices.size());
+  for (std::int64_t k = -1; k < mask.size[2]; ++k) {
+    for (std::int64_t j = -1; j < mask.size[1]; ++j) {
+      for (std::int64_t i = -1; i < mask.size[0]; ++i) {
+        for (std::size_t a = 0; a < 3; ++a) {
+          Index3 next{i, j, k};
+          ++next[a];
+          if (mask.holds({i, j, k}) == mask.holds(next)) continue;
+          std::array<float, 3> at{static_cast<float>(i), static_cast<float>(j), static_cast<float>(k)};
+          at[a] += 0.5f;
+          expected.insert(at);
         }
       }
     }
-    RC_ASSERT(positions == expected);
   }
+  RC_ASSERT(positions == expected);
 }
 
 /// Slot of the other end of a link: on the same axis in parallel faces, else from the neighbour's edge to
 /// this one's voxels.
 RC_GTEST_PROP(SurfaceNet, LinksAreMutual, ()) {
   auto random = *random_source();
-  const SurfaceNet net = surface_net(crop_of(random_mask(random)), CellTable::kVtk);
+  const SurfaceNet net = surface_net(crop_of(random_mask(random)));
   for (std::uint32_t v = 0; v < net.vertices.size(); ++v) {
     for (std::size_t slot = 0; slot < 4; ++slot) {
       const std::uint32_t other = net.neighbours[v][slot];
@@ -125,10 +122,10 @@ RC_GTEST_PROP(SurfaceNet, TrianglesAreSortedByTheLeadingVoxelOfTheirCell, ()) {
     }
   }
   std::ranges::sort(places);
-  const SurfaceNet net = surface_net(crop, CellTable::kVtk);
+  const SurfaceNet net = surface_net(crop);
   std::size_t next = 0;
   for (const auto& [leading, cell, inside] : places) {
-    const CellCase& of = cell_cases(CellTable::kVtk)[inside];
+    const CellCase& of = cell_cases()[inside];
     const auto at = static_cast<std::int64_t>(cell);
     const Index3 corner{at % crop.size[0] + crop.first[0], at / crop.size[0] % crop.size[1] + crop.first[1],
                         at / crop.size[0] / crop.size[1] + crop.first[2]};
@@ -148,7 +145,7 @@ RC_GTEST_PROP(SurfaceNet, TrianglesAreSortedByTheLeadingVoxelOfTheirCell, ()) {
 TEST(SurfaceNet, IgnoresVoxelsInThePaddingOfACrop) {
   StructureCrop crop = crop_of(mask_of({2, 2, 2}, [](auto, auto, auto) { return true; }));
   std::ranges::fill(crop.parts, StructureCrop::kBoundary);
-  EXPECT_EQ(surface_net(crop, CellTable::kVtk).vertices.size(), 24u);
+  EXPECT_EQ(surface_net(crop).vertices.size(), 24u);
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 #include "format/codec/run_codec.h"
 #include "format/codec/value_codec.h"
 #include "format/derive/boundary_split.h"
+#include "format/derive/run_fingerprint.h"
 #include "format/derive/value_groups.h"
 #include "format/system/checksum.h"
 #include "tests/format/atlas_surgery.h"
@@ -55,7 +56,7 @@ RC_GTEST_PROP(Atlas, TellsAboutItselfWithoutReadingChunks, ()) {
   const Bytes file = encode(content);
   const auto atlas = Atlas::open_bytes(file, "name").value();
   RC_ASSERT(atlas->name() == "name");
-  RC_ASSERT(atlas->format_version() == "1.2");
+  RC_ASSERT(atlas->format_version() == "1.0");
   RC_ASSERT(atlas->grid() == storage_grid(content));
   RC_ASSERT(atlas->value_type() == content.values.type);
   RC_ASSERT(atlas->label_type() == content.label_type);
@@ -200,6 +201,7 @@ TEST(Atlas, RefusesStreamsThatNeedMoreMemoryThanThereIs) {
   directory.value_type = VoxelType::kFloat64;
   directory.classes.count(kEmptyClass, std::uint64_t{1} << 40, {});
   directory.normals_fitted.resize(1);
+  directory.fingerprints = {RunFingerprinter(directory.source_grid.size).of_grid()};
   directory.run_bytes.resize(1);
   constexpr std::uint32_t kChunks = 1u << 19, kChunkBytes = 1u << 24;
   const Bytes stored{std::byte{0}};
@@ -224,8 +226,9 @@ TEST(Atlas, RefusesToDeriveWhatTakesMemoryByTheVoxel) {
   const ClassId cube = directory.classes.intern({{0, Part::kInterior}});
   directory.classes.count(cube, std::uint64_t{1} << 33, {{0, 0, 0}, {2047, 2047, 2047}});
   directory.run_totals = {1 << 22, 1 << 22, 1 << 22};
-  directory.surfaces = {{3, 1, 2, 0}};
+  directory.surfaces = {{3, 1, 4, 0}};
   directory.normals_fitted.resize(2);
+  directory.fingerprints = {0, RunFingerprinter(directory.source_grid.size).of_grid()};
   parts.chunks = {Bytes(4)};
   directory.run_bytes = {{}, {0, 0, 4}};
   directory.chunks = {{checksum_of(parts.chunks[0]), 4, ChunkCodec::kStored, 0}};
@@ -287,6 +290,9 @@ TEST_F(AtlasFileTest, ReadsVoxelsPastFourGibibytes) {
   directory.normals_fitted.resize(2);
 
   const ClassRuns runs{{65535, 65531, 5}};
+  const RunFingerprinter fingerprinter(directory.source_grid.size);
+  const VoxelSetFingerprint of_end = fingerprinter.of(runs, Axis::kZ);
+  directory.fingerprints = {subtract_fingerprints(fingerprinter.of_grid(), of_end), of_end};
   Bytes run_list;
   append_run_list(runs, run_list);
   directory.run_bytes = {{}, {0, 0, static_cast<std::uint32_t>(run_list.size())}};

@@ -104,7 +104,7 @@ TEST_F(HeaderTest, IsAccepted) {
 
 TEST_F(HeaderTest, HasTheBytesOfTheFormat) {
   const auto* bytes = reinterpret_cast<const unsigned char*>(&header);
-  const std::vector<unsigned> expected{0x89, 'S', 'P', 'L', 'A', 'T', 0x0d, 0x0a, 1,   0, 2, 0, 0, 0, 0, 0,
+  const std::vector<unsigned> expected{0x89, 'S', 'P', 'L', 'A', 'T', 0x0d, 0x0a, 1,   0, 0, 0, 0, 0, 0, 0,
                                        0,    0,   0,   0,   0,   0,   0,    0,    164, 0, 0, 0, 0, 0, 0, 0,
                                        64,   0,   0,   0,   0,   0,   0,    0,    100, 0, 0, 0, 0, 0, 0, 0};
   EXPECT_EQ(std::vector<unsigned>(bytes, bytes + 48), expected);
@@ -146,18 +146,6 @@ TEST_F(HeaderTest, NewerMinorVersionsOpenAndNewerMajorOnesSayWhatTheyNeed) {
   header.major = 1;
   header.required_features = 0x10;
   EXPECT_THAT(check_signed(), HasSubstr("needs format features 0x10"));
-}
-
-TEST(RequiredFeatures, AreThoseOfDerivedSurfaces) {
-  Directory directory;
-  EXPECT_EQ(required_features(directory), 0u);
-  directory.surfaces = {{6, 8, 2, 0}, {0, 0, 256, 0}, {6, 8, 256, 100}, {6, 8, 4, 100}};
-  EXPECT_EQ(required_features(directory), 0u);  // no vertices, or stored
-  for (const std::uint32_t scale : {4u, 256u}) {
-    directory.surfaces[0].position_scale = scale;
-    EXPECT_EQ(required_features(directory), kFeatureVtkSurfaces);
-  }
-  EXPECT_EQ(make_header({}, 64, kFeatureVtkSurfaces).required_features, 1u);
 }
 
 TEST_F(HeaderTest, TheDirectoryLiesInTheFile) {

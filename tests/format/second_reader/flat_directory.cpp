@@ -79,11 +79,9 @@ FlatDirectory read_directory(const std::vector<std::byte>& bytes) {
   table.for_each(kNormalsFitted, 1, [&](std::size_t at) {
     directory.classes.at(c++).normals_fitted = number_at<std::uint8_t>(bytes, at) == 1;
   });
-  if (table.field(kFingerprints) != 0) {
-    table.for_each(kFingerprints, 8, [&](std::size_t at) {
-      directory.fingerprints.push_back(number_at<std::uint64_t>(bytes, at));
-    });
-  }
+  table.for_each(kFingerprints, 8, [&](std::size_t at) {
+    directory.fingerprints.push_back(number_at<std::uint64_t>(bytes, at));
+  });
   table.for_each(kSections, 16, [&](std::size_t at) {
     directory.sections.push_back(
         {number_at<std::uint32_t>(bytes, at), number_at<std::uint32_t>(bytes, at + 4),

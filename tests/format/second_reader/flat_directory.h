@@ -38,7 +38,7 @@ struct FlatDirectory {
   std::array<std::int64_t, 3> size{};  ///< storage grid
   std::uint8_t value_type = 0;
   std::vector<ClassRow> classes;
-  std::vector<std::uint64_t> fingerprints;  ///< per class, or none
+  std::vector<std::uint64_t> fingerprints;  ///< per class
   std::vector<SectionRow> sections;
   std::vector<ChunkRow> chunks;
 };
