@@ -12,7 +12,7 @@ packages=(
   clang-tidy               # scripts/check_tidy.sh
   cmake                    # build system, tests, installation
   ninja-build              # the presets' generator
-  pkg-config               # finds xxHash and Dear ImGui
+  pkg-config               # finds xxHash, Cairo and Dear ImGui; tests: splatlas.pc
 
   libexpected-dev          # tl::expected, the type of every result
   libflatbuffers-dev       # directory of the atlas file
