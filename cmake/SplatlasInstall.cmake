@@ -1,4 +1,5 @@
-# Installs the programs, the libraries format and player with their public headers, and the CMake package `splatlas`.
+# Installs the programs, the libraries format and player with their public headers, the CMake package `splatlas`, and
+# the pkg-config module of the same name.
 # Other projects use find_package(splatlas), link splatlas::format or splatlas::player, and include
 # <splatlas/player/render_frame.h>. Headers include each other as "player/render_frame.h", as in the source tree.
 
@@ -36,6 +37,13 @@ configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/splatlasConfig.cmake.i
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/splatlasConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/splatlasConfig.cmake ${PROJECT_BINARY_DIR}/splatlasConfigVersion.cmake
   DESTINATION ${package_dir})
+
+# From the folder of splatlas.pc to the prefix: `cmake --install --prefix` may change the prefix.
+set(pkgconfig_dir ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+cmake_path(RELATIVE_PATH CMAKE_INSTALL_PREFIX BASE_DIRECTORY ${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig
+  OUTPUT_VARIABLE SPLATLAS_PC_TO_PREFIX)
+configure_file(${PROJECT_SOURCE_DIR}/cmake/splatlas.pc.in ${PROJECT_BINARY_DIR}/splatlas.pc @ONLY)
+install(FILES ${PROJECT_BINARY_DIR}/splatlas.pc DESTINATION ${pkgconfig_dir})
 
 if(SPLATLAS_BUILD_PREPROCESS)
   install(DIRECTORY preprocess/trees DESTINATION ${CMAKE_INSTALL_DATADIR}/splatlas)

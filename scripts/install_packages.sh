@@ -1,18 +1,24 @@
 #!/usr/bin/env bash
-# Installs missing Debian 12 packages that building, running and testing Splatlas needs. If none is missing, it needs
-# neither privileges nor the network.
+# Installs missing Debian 12 packages that building, running and testing Splatlas needs, or with --player those of the
+# player alone. If none is missing, it needs neither privileges nor the network.
 set -euo pipefail
+
+help() {
+  cat <<'HELP'
+Usage: scripts/install_packages.sh [--player | --help]
+
+  (no option)  Everything: programs, tests, benchmarks and their data.
+  --player     The player and its libraries alone, without ITK, VTK, tests and benchmarks. Then build with
+               cmake --preset player-only -DSPLATLAS_BUILD_TESTS=OFF && cmake --build --preset player-only
+HELP
+}
 
 # One package per line, with its purpose.
 packages=(
   build-essential          # compiler and linker
-  ca-certificates          # for package sources over https
-  ccache                   # repeated builds
-  clang-format             # scripts/check_format.sh
-  clang-tidy               # scripts/check_tidy.sh
   cmake                    # build system, tests, installation
   ninja-build              # the presets' generator
-  pkg-config               # finds xxHash and Dear ImGui
+  pkg-config               # finds xxHash, Cairo and Dear ImGui; tests: splatlas.pc
 
   libexpected-dev          # tl::expected, the type of every result
   libflatbuffers-dev       # directory of the atlas file
@@ -23,15 +29,6 @@ packages=(
   libxxhash-dev            # checksums of the atlas file
   libzstd-dev              # chunks of the atlas file
 
-  libinsighttoolkit5-dev   # preprocess: readers, segmentation
-  libvtk9-dev              # preprocess: marching cubes, mesh files
-  libtiff-dev              # preprocess: TIFF
-  libexpat1-dev            # preprocess: GIFTI
-  libbz2-dev               # preprocess: compressed NRRD
-  libdcmtk-dev             # preprocess: DICOM
-  libopenjp2-7-dev         # preprocess: JPEG 2000 in DICOM
-  zlib1g-dev               # preprocess: checks compressed images; player: checksums of PNG
-
   libcli11-dev             # command lines
   libhwy-dev               # player: portable SIMD
   libpng-dev               # player: PNG
@@ -40,10 +37,26 @@ packages=(
   fonts-liberation         # player: text of annotations
   libopenimageio-dev       # player: JPEG, TIFF and EXR
   libopencv-core-dev       # include folder of OpenImageIO's CMake package, which does not depend on it
+  openimageio-tools        # programs of OpenImageIO's CMake package; oiiotool: contact sheets
   nlohmann-json3-dev       # statistics and reports
+  zlib1g-dev               # player: checksums of PNG; preprocess: checks compressed images
   libgl-dev                # window: OpenGL
   libimgui-dev             # window: Dear ImGui
   libsdl2-dev              # window: SDL2
+)
+packages_beside_player=(
+  ca-certificates          # for package sources over https
+  ccache                   # repeated builds
+  clang-format             # scripts/check_format.sh
+  clang-tidy               # scripts/check_tidy.sh
+
+  libinsighttoolkit5-dev   # preprocess: readers, segmentation
+  libvtk9-dev              # preprocess: marching cubes, mesh files
+  libtiff-dev              # preprocess: TIFF
+  libexpat1-dev            # preprocess: GIFTI
+  libbz2-dev               # preprocess: compressed NRRD
+  libdcmtk-dev             # preprocess: DICOM
+  libopenjp2-7-dev         # preprocess: JPEG 2000 in DICOM
 
   libgmock-dev             # tests
   libgtest-dev             # tests
@@ -66,8 +79,15 @@ packages=(
 
   mricron-data             # the Colin 27 brain: volume, AAL labels and names
   poppler-utils            # tests: text and pages of PDF
-  openimageio-tools        # oiiotool: contact sheets of the gallery and of docs/batch
 )
+
+if (($# > 1)); then set -- "$*"; fi
+case ${1-} in
+  '') packages+=("${packages_beside_player[@]}") ;;
+  --player) ;;
+  --help | -h) help; exit 0 ;;
+  *) printf 'install_packages: %s: must be --player or --help\n' "$1" >&2; exit 2 ;;
+esac
 
 say() { printf '%s\n' "$*"; }
 give_up() { printf 'install_packages: %s\n' "$*" >&2; exit 1; }

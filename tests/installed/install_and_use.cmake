@@ -1,7 +1,7 @@
 # Installs BUILD_DIR into WORK_DIR, builds examples/ against the installed package only, runs every example, and
 # compares pictures with those of the installed splatlas-player.
 # Variables: BUILD_DIR, SOURCE_DIR, PHANTOM_ATLAS (the program that writes the phantom), WORK_DIR, CXX_COMPILER,
-# BUILD_TYPE.
+# BUILD_TYPE, PKG_CONFIG (the program), PKG_CONFIG_FOLDER (of splatlas.pc, below the prefix).
 
 function(run)
   execute_process(COMMAND ${ARGV} COMMAND_ECHO STDOUT COMMAND_ERROR_IS_FATAL ANY)
@@ -64,6 +64,14 @@ list(LENGTH hashes pictures)
 if(NOT pictures EQUAL 3)
   message(FATAL_ERROR "three selections give ${pictures} pictures")
 endif()
+
+# The same picture without CMake: one command with the flags of pkg-config.
+execute_process(COMMAND ${CMAKE_COMMAND} -E env PKG_CONFIG_PATH=${WORK_DIR}/prefix/${PKG_CONFIG_FOLDER}
+  ${PKG_CONFIG} --cflags --libs splatlas OUTPUT_VARIABLE flags COMMAND_ERROR_IS_FATAL ANY)
+separate_arguments(flags UNIX_COMMAND ${flags})
+run(${CXX_COMPILER} -std=c++20 ${SOURCE_DIR}/examples/render_picture.cpp -o ${WORK_DIR}/without_cmake ${flags})
+run(${WORK_DIR}/without_cmake ${phantom} Spheres:both ${WORK_DIR}/without_cmake.png)
+expect_picture(${WORK_DIR}/without_cmake.png ${phantom} --select Spheres:both --view left)
 
 # Failures print one line and leave no files.
 set(render ${examples}/render_picture)
