@@ -149,7 +149,7 @@ class LargeFile {
   void write(const std::filesystem::path& path) const {
     const Bytes directory = encode_directory(directory_).value();
     const FileLayout layout = lay_out(directory_, directory.size()).value();
-    const FileHeader header = make_header(directory, layout.file_bytes(), required_features(directory_));
+    const FileHeader header = make_header(directory, layout.file_bytes());
     std::ofstream file(path, std::ios::binary);
     const auto put = [&](std::uint64_t offset, const void* bytes, std::size_t size) {
       file.seekp(static_cast<std::streamoff>(offset));
