@@ -141,7 +141,7 @@ struct Renderer::Impl {
     const FitExtents extents = extents_of(part, *atlas, decoded.cache(), axis, options.cuts,
                                           frame.planes(index_to_lps_mm(atlas->grid())), pool);
     stats.select_ms += watch.lap().wall_ms;
-    return extents.empty() ? frame.whole() : frame.fitted(extents);
+    return within_reach(extents.empty() ? frame.whole() : frame.fitted(extents));
   }
 
   /// Renders by shear-warp factorisation: parallel projection, pre-classification.

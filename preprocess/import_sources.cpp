@@ -342,7 +342,10 @@ std::vector<fs::path> list_files(const SourceFiles& files) {
   for (const SegmentRule& rule : files.segments) {
     if (!rule.mask.empty()) list.push_back(rule.mask);
   }
-  for (const auto& mesh : files.meshes) list.push_back(mesh.file);
+  for (const MeshSource& mesh : files.meshes) {
+    list.push_back(mesh.file);
+    if (!mesh.transform.empty()) list.push_back(mesh.transform);
+  }
   return list;
 }
 

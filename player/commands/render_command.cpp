@@ -324,8 +324,8 @@ CLI::App* add_render(CLI::App& app, RenderRequest& request) {
 Result<RenderReport> run_render(const RenderRequest& request) {
   SPLATLAS_RETURN_IF_ERROR(PictureEncoder::check_ending(request.output));
   if (!request.ids.empty()) SPLATLAS_RETURN_IF_ERROR(check_id_ending(request.ids));
-  SPLATLAS_RETURN_IF_ERROR(
-      check_outputs(std::vector{request.output, request.stats, request.ids}, std::vector{request.atlas}));
+  SPLATLAS_RETURN_IF_ERROR(check_outputs(std::vector{request.output, request.stats, request.ids},
+                                         std::vector{request.atlas, request.annotate.font}));
   SPLATLAS_RETURN_IF_ERROR(check_writable_file(request.output));
   for (const std::filesystem::path& path : {request.stats, request.ids})
     if (!path.empty()) SPLATLAS_RETURN_IF_ERROR(check_writable_file(path));

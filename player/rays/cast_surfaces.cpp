@@ -6,18 +6,15 @@
 #include <optional>
 #include <vector>
 
-#include <fmt/format.h>
-
+#include "format/system/result_macros.h"
 #include "format/system/task_control.h"
 #include "player/rays/pixel_rays.h"
 #include "player/rays/ray_shares.h"
+#include "player/view/depth_axis.h"
 
 namespace splatlas {
 namespace {
 
-/// Minimum slope of rays along the depth axis, in voxels per voxel along the principal axis. Below it, depths
-/// do not locate a fragment on the ray.
-constexpr double kMinSlope = 0.05;
 constexpr std::size_t kPacketsPerJob = 16;
 
 /// The rays of up to kPacketRays samples, with the radiance composited so far.
@@ -110,6 +107,16 @@ class SamplePacket {
   std::array<float, kPacketRays> end_{};
 };
 
+tl::unexpected<Error> too_wide(const View& view) {
+  const double half_height_mm = 0.5 * view.plane.size.height * view.plane.mm_per_pixel;
+  const double degrees = 360 / std::numbers::pi * std::atan(half_height_mm / *view.eye_mm);
+  return fail(
+      ErrorCode::kUsage,
+      "camera: field of view {:.6g} is too wide for surfaces from this direction; make it narrower, or "
+      "select volumes only, without external surfaces, which every mode draws",
+      degrees);
+}
+
 }  // namespace
 
 Result<RasterScene> raster_scene_of_rays(std::span<const SurfaceDraw> surfaces, const View& view,
@@ -117,24 +124,12 @@ Result<RasterScene> raster_scene_of_rays(std::span<const SurfaceDraw> surfaces, 
   RasterScene scene = raster_scene(surfaces, view.plane, factorise(view.plane, grid), grid, lighting);
   if (!view.eye_mm || surfaces.empty()) return scene;
   scene.projection = Projection(view.plane, grid, *view.eye_mm);
-  const Affine to_index = lps_mm_to_index(grid);
-  const Vec3 eye = view.eye_lps_mm();
-  for (const double x : {0, view.plane.size.width}) {
-    for (const double y : {0, view.plane.size.height}) {
-      Vec3 ray = view.plane.point_lps_mm(x, y);
-      for (std::size_t a = 0; a < 3; ++a) ray[a] -= eye[a];
-      ray = to_index.apply_linear(ray);
-      const double along = std::max({std::abs(ray[0]), std::abs(ray[1]), std::abs(ray[2])});
-      if (scene.depth_sign * ray[scene.depth_axis] >= kMinSlope * along) continue;
-      const double half_height_mm = 0.5 * view.plane.size.height * view.plane.mm_per_pixel;
-      const double degrees = 360 / std::numbers::pi * std::atan(half_height_mm / *view.eye_mm);
-      return fail(
-          ErrorCode::kUsage,
-          fmt::format("camera: field of view {:.6g} is too wide for surfaces from this direction; make "
-                      "it narrower, or select volumes only",
-                      degrees));
-    }
-  }
+  const std::optional<DepthAxis> depth = depth_axis(view, grid);
+  if (!depth) return too_wide(view);
+  scene.depth_axis = depth->axis;
+  scene.depth_sign = depth->sign;
+  const Vec3 along = lps_mm_to_index(grid).apply_linear(view.plane.forward_lps);
+  scene.pixel_voxels = static_cast<float>(view.plane.mm_per_pixel * std::abs(along[depth->axis]));
   return scene;
 }
 

@@ -9,9 +9,8 @@
 
 namespace splatlas {
 
-/// Scene of the rasteriser for frames of rays, in either projection. kUsage if a ray of the picture runs
-/// along the planes of voxels that define depths: fields of view wider than about 70 degrees, from some
-/// directions.
+/// Scene of the rasteriser for frames of rays, in either projection. kUsage if there is no depth_axis():
+/// fields of view wider than about 70 degrees, from some directions.
 [[nodiscard]] Result<RasterScene> raster_scene_of_rays(std::span<const SurfaceDraw> surfaces,
                                                        const View& view, const Grid& grid,
                                                        const Lighting& lighting);

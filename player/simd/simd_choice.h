@@ -29,27 +29,22 @@ inline bool scalar_is_forced() {
 inline constexpr std::array<std::pair<std::string_view, std::int64_t>, 3> kSimdNames{
     {{"sse4", HWY_SSE4}, {"avx2", HWY_AVX2}, {"avx3", HWY_AVX3}}};
 
+/// Instruction sets of the machine, without those that a forced one excludes. Keeps the choice of the
+/// dispatch: hwy::SupportedTargets() alone resets it to all sets that the machine has.
+[[nodiscard]] std::int64_t supported_targets();
+
 /// True unless SPLATLAS_SIMD has an unknown name, or that of an instruction set that the machine lacks.
 inline bool simd_is_available() {
   if (forced_simd().empty() || scalar_is_forced()) return true;
   return std::ranges::any_of(kSimdNames, [](const auto& simd) {
-    return simd.first == forced_simd() && (hwy::SupportedTargets() & simd.second) != 0;
+    return simd.first == forced_simd() && (supported_targets() & simd.second) != 0;
   });
 }
 
 /// The name of the instruction set that kernels are dispatched to. Applies SPLATLAS_SIMD, once.
-inline const char* best_target() {
-  static const bool kApplied = [] {
-    for (const auto& [name, target] : kSimdNames) {
-      if (forced_simd() != name || (hwy::SupportedTargets() & target) == 0) continue;
-      hwy::DisableTargets(target - 1);  // better targets are lower bits
-      hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-    }
-    return true;
-  }();
-  static_cast<void>(kApplied);
-  const std::int64_t supported = hwy::SupportedTargets() & HWY_TARGETS;
-  return hwy::TargetName(supported & -supported);
-}
+[[nodiscard]] const char* best_target();
+
+/// The name of the instruction set that dispatch runs now, told by code compiled for it.
+[[nodiscard]] const char* dispatched_target();
 
 }  // namespace splatlas

@@ -37,7 +37,7 @@ struct RasterScene {
   Projection projection;
   Facing facing;
   const Lighting& lighting;
-  std::size_t depth_axis = 2;        ///< principal axis of the view, an axis of the grid
+  std::size_t depth_axis = 2;        ///< axis of the grid: depth_axis() of the view
   double depth_sign = 1;             ///< depth is depth_sign * index along depth_axis
   float pixel_voxels = 1;            ///< width of a pixel in voxels of depth_axis
   const CutRays* cuts = nullptr;     ///< clips surfaces; null: no cut

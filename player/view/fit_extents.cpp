@@ -104,4 +104,14 @@ Camera FitFrame::fitted(const FitExtents& extents) const {
   return camera;
 }
 
+Result<Camera> within_reach(const Camera& fitted) {
+  if (!fitted.center_lps_mm || is_within_reach(*fitted.center_lps_mm)) return fitted;
+  const auto& [x, y, z] = *fitted.center_lps_mm;
+  return fail(
+      ErrorCode::kFailed,
+      "the middle of the selection, at ({:.17g}, {:.17g}, {:.17g}) mm, is more than {} mm from the origin; "
+      "build the atlas from images with an origin nearer to 0",
+      x, y, z, kMaxMm);
+}
+
 }  // namespace splatlas

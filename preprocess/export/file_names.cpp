@@ -8,11 +8,15 @@
 #include <fmt/format.h>
 
 #include "format/system/ascii_text.h"
+#include "preprocess/import/tables/structure_name.h"
 
 namespace splatlas {
 namespace {
 
-constexpr std::size_t kMaxFileNameBytes = 255;  // NAME_MAX of Linux; NTFS and APFS allow as many characters
+// A mask builds back if its name is one of a structure. NAME_MAX of Linux is 255 bytes; NTFS and APFS allow
+// as many characters.
+constexpr std::size_t kMaxBytes = kMaxNameCharacters;
+static_assert(kMaxBytes + std::string_view(".nii.gz").size() <= 255);
 
 bool is_safe_character(char c) {
   return is_ascii_letter_or_digit(c) || c == '_' || c == '-' || c == '.';
@@ -27,8 +31,8 @@ bool is_device(std::string_view name) {
          base[3] <= '9';
 }
 
-/// The name with safe characters only, of at most `max_bytes` bytes. Safe names are unchanged.
-std::string safe_name(std::string_view name, std::size_t max_bytes) {
+/// The name with safe characters only, of at most kMaxBytes. Safe names are unchanged.
+std::string safe_name(std::string_view name) {
   std::string safe;
   bool in_run = false;
   for (const char c : name) {
@@ -37,7 +41,7 @@ std::string safe_name(std::string_view name, std::size_t max_bytes) {
     in_run = !is_safe;
   }
   if (safe.empty() || safe.front() == '-' || safe.front() == '.' || is_device(safe)) safe.insert(0, 1, '_');
-  safe.resize(std::min(safe.size(), max_bytes));
+  safe.resize(std::min(safe.size(), kMaxBytes));
   if (safe.back() == '.') safe.back() = '_';
   return safe;
 }
@@ -45,14 +49,13 @@ std::string safe_name(std::string_view name, std::size_t max_bytes) {
 }  // namespace
 
 std::vector<std::string> file_names_of(std::span<const std::string> names, std::string_view ending) {
-  const std::size_t max_bytes = kMaxFileNameBytes - ending.size();
   std::vector<std::string> result;
   std::set<std::string> taken;  // lower case
 
   // Keep safe names, the first of those that differ only by case
   std::vector<bool> is_kept;
   for (const std::string& name : names) {
-    result.push_back(safe_name(name, max_bytes));
+    result.push_back(safe_name(name));
     is_kept.push_back(result.back() == name && taken.insert(to_lower(name)).second);
   }
 
@@ -64,7 +67,7 @@ std::vector<std::string> file_names_of(std::span<const std::string> names, std::
     int& number = last_number.try_emplace(to_lower(base), 1).first->second;
     do {
       const std::string suffix = fmt::format("_{}", ++number);
-      result[n] = base.substr(0, max_bytes - suffix.size()) + suffix;
+      result[n] = base.substr(0, kMaxBytes - suffix.size()) + suffix;
     } while (!taken.insert(to_lower(result[n])).second);
   }
   for (std::string& name : result) name += ending;

@@ -160,6 +160,54 @@ bool is_thin(const Corners& corners) {
   return !(area > kThinness * longest * std::max(1.0, longest));
 }
 
+double smallest_voxel_edge_mm(const Grid& grid) {
+  const Affine to_mm = index_to_lps_mm(grid);
+  double smallest = HUGE_VAL;
+  for (std::size_t a = 0; a < 3; ++a)
+    smallest = std::min(smallest, std::hypot(to_mm.linear[a], to_mm.linear[3 + a], to_mm.linear[6 + a]));
+  return smallest;
+}
+
+/// The coordinate farthest from 0.
+double largest_coordinate_mm(std::span<const Corners> triangles) {
+  double largest = 0;
+  for (const Corners& corners : triangles) {
+    for (const Vec3& corner : corners) {
+      for (const double mm : corner) largest = std::abs(mm) > std::abs(largest) ? mm : largest;
+    }
+  }
+  return largest;
+}
+
+/// Distance of the numbers of single precision around a coordinate.
+double rounding_step_mm(double mm) {
+  const float size = std::abs(static_cast<float>(mm));
+  return static_cast<double>(std::nextafter(size, HUGE_VALF)) - static_cast<double>(size);
+}
+
+/// The triangle as a file holds it.
+Corners rounded(Corners corners) {
+  for (Vec3& corner : corners) {
+    for (double& mm : corner) mm = static_cast<double>(static_cast<float>(mm));
+  }
+  return corners;
+}
+
+bool loses_triangles(std::span<const Corners> triangles) {
+  return std::ranges::any_of(triangles, [](const Corners& c) { return is_thin(rounded(c)) && !is_thin(c); });
+}
+
+/// Surfaces have positions in 1/256 voxel: up to the limit, single precision tells them apart.
+tl::unexpected<Error> too_far(const fs::path& path, double largest_mm, double edge_mm) {
+  constexpr double kStepsPerVoxel = 256, kStepsPerNumber = 1 << 23;
+  const double limit_mm = std::min(kMaxMeshMm, edge_mm * kStepsPerNumber / kStepsPerVoxel);
+  return bad_file(
+      path,
+      "has a coordinate of {:.6g} mm; surfaces of voxels of {:.3g} mm can always be written up to {:.6g} mm. "
+      "Build from images with an origin nearer to 0",
+      largest_mm, edge_mm, limit_mm);
+}
+
 }  // namespace
 
 bool holds_triangles(const TriangleMesh& file, std::span<const Corners> written) {
@@ -194,14 +242,19 @@ Result<MeshFormat> writable_mesh_format(const fs::path& path) {
 
 Result<void> write_mesh(std::span<const SurfaceMesh> surfaces, const Grid& grid, const fs::path& path) {
   SPLATLAS_ASSIGN_OR_RETURN(const MeshFormat format, writable_mesh_format(path));
+  const std::vector<Corners> corners = corners_of(surfaces, grid);
+  const double largest_mm = largest_coordinate_mm(corners), edge_mm = smallest_voxel_edge_mm(grid);
+  constexpr double kMaxStep = 0.25;  // voxels
+  if (std::abs(largest_mm) > kMaxMeshMm || rounding_step_mm(largest_mm) > kMaxStep * edge_mm)
+    return too_far(path, largest_mm, edge_mm);
   SPLATLAS_ASSIGN_OR_RETURN(OutputFile file, OutputFile::create(path));
   const vtkNew<vtkPolyData> polygons = to_polygons(surfaces, grid);
   SPLATLAS_ASSIGN_OR_RETURN(const bool written, write_as(format, *polygons, comment_of(surfaces), file));
   // Read back: VTK detects a full disk only for some formats, and lost bytes for none.
   const auto back = import_mesh(file.temporary(), format, MeshFrame::kLps);
-  if (!written || !back || !holds_triangles(*back, corners_of(surfaces, grid)))
-    return bad_file(path, "cannot be written whole; is the disk full?");
-  return file.commit();
+  if (written && back && holds_triangles(*back, corners)) return file.commit();
+  if (written && loses_triangles(corners)) return too_far(path, largest_mm, edge_mm);
+  return bad_file(path, "cannot be written whole; is the disk full?");
 }
 
 }  // namespace splatlas

@@ -23,7 +23,7 @@ using Corners = std::array<Vec3, 3>;
 
 /// Writes all surfaces, in LPS mm, to one .stl, .ply, .vtk (all binary) or .obj file, atomically; with
 /// normals if the format supports them. If any surface is smoothed, the file's comment is "smoothed 1".
-/// `grid` is the storage grid.
+/// `grid` is the storage grid. kFailed for coordinates at which single precision cannot tell corners apart.
 [[nodiscard]] Result<void> write_mesh(std::span<const SurfaceMesh> surfaces, const Grid& grid,
                                       const std::filesystem::path& path);
 

@@ -15,6 +15,8 @@ namespace fs = std::filesystem;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
+const std::string kFont = "/usr/share/fonts/truetype/liberation/LiberationSans-Regular.ttf";
+
 /// A folder with one atlas under several names.
 struct PlayerOutput : testing::Test {
   TemporaryFolder folder;
@@ -40,6 +42,24 @@ TEST_F(PlayerOutput, IsNeverAnInput) {
       EXPECT_EQ(result.err, "splatlas-player: " + same + ": is an input (a.png); write to another file\n");
       expect_unchanged();
     }
+  }
+}
+
+TEST_F(PlayerOutput, IsNeverTheFont) {
+  const TemporaryFolder fonts;
+  const std::string font = fonts.file("font.png"), before = read_bytes(kFont);
+  fs::copy_file(kFont, font);
+  fs::create_symlink(font, fonts.file("link.json"));
+  const Words annotated{"--annotate", "caption", "--caption", "A", "--font", font};
+  for (const Words& words : {Words{"-o", font},
+                             {"-o", "x.png", "--stats", fonts.file("link.json")},
+                             {"-o", "x.png", "--ids", font}}) {
+    const ProgramResult result = render(joined(annotated, words));
+    EXPECT_EQ(result.status, 2) << words.back();
+    EXPECT_EQ(result.err,
+              "splatlas-player: " + words.back() + ": is an input (" + font + "); write to another file\n");
+    EXPECT_TRUE(read_bytes(font) == before);
+    expect_unchanged();
   }
 }
 

@@ -77,6 +77,19 @@ TEST_F(PreprocessOutput, AnAtlasGoesOverNoSource) {
   EXPECT_THAT(result.err, HasSubstr("is an input"));
 }
 
+TEST_F(PreprocessOutput, AReportGoesOverNoTransform) {
+  std::ofstream(folder_.file("moved.txt")) << "1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1";
+  const std::string before = bytes("moved.txt");
+  for (const char* const option : {"--json", "--report", "-o"}) {
+    Words words{"build", "--mesh", "A=a.stl,transform=moved.txt", "--progress", "none", option, "moved.txt"};
+    if (option != std::string("-o")) words = joined(words, {"-o", "x.atlas"});
+    const ProgramResult result = run_preprocess(words, folder_.path());
+    EXPECT_EQ(result.status, 2);
+    EXPECT_THAT(result.err, HasSubstr("moved.txt: is an input"));
+    EXPECT_EQ(bytes("moved.txt"), before);
+  }
+}
+
 TEST_F(PreprocessOutput, UnknownEndingsAreWrongUsageBeforeAnythingIsRead) {
   std::ofstream(folder_.file("a.atlas"), std::ios::trunc) << "no atlas";
   refuses({"--labels", "x.txt"}, 2, "x.txt");

@@ -1,8 +1,10 @@
 // Grids of extreme scale and position: pictures depend on shapes, not on millimetres.
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "tests/reference/picture_difference.h"
+#include "tests/support/fails_with.h"
 #include "tests/support/render.h"
 
 namespace splatlas {
@@ -59,6 +61,34 @@ TEST(ExtremeGrids, ScaleAndPlaceDoNotShow) {
       }
     }
   }
+}
+
+/// The centre of the grid is just within reach, that of a structure is not.
+TEST(ExtremeGrids, FitsBeyondReachNameTheAtlas) {
+  const AtlasContent content = make_content(volume_in({{12, 14, 10}, {4, 4, 4}, {kMaxMm - 22, 0, 0}}));
+  Renderer renderer = renderer_of(content, selection_of("ball:both", content.graph));
+  EXPECT_TRUE(renderer.render({}, {.size = {20, 20}}));
+  int beyond = 0;
+  std::vector<Camera> tried = cameras();
+  for (Camera camera : cameras()) {
+    camera.projection = CameraProjection::kPerspective;
+    tried.push_back(camera);
+  }
+  for (const Camera& camera : tried) {
+    const Result<Camera> fitted = renderer.fit(camera, {.size = {20, 20}});
+    if (fitted) {
+      EXPECT_TRUE(renderer.render(*fitted, {.size = {20, 20}}));
+      continue;
+    }
+    EXPECT_THAT(fitted,
+                FailsWith(ErrorCode::kFailed,
+                          testing::AllOf(
+                              testing::StartsWith(renderer.atlas().name() + ": "),
+                              testing::HasSubstr("(1000000000000000.5, "),
+                              testing::HasSubstr("more than 1000000000000000 mm from the origin; build"))));
+    ++beyond;
+  }
+  EXPECT_GT(beyond, 0);
 }
 
 TEST(ExtremeGrids, AnisotropicVoxelsEqualTheModel) {

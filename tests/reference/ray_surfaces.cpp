@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "format/decision_tree.h"
-#include "player/view/shear.h"
 
 namespace splatlas::reference {
 
@@ -12,9 +11,7 @@ RaySurfaces::RaySurfaces(const AtlasContent& content, const Selection& selection
     : plane_(view.plane), selection_(selection) {
   const Grid grid = storage_grid(content);
   to_lps_ = index_to_lps_mm(grid);
-  const Shear shear = factorise(view.plane, grid);
-  depth_axis_ = shear.scan.slice_axis;
-  depth_sign_ = shear.ascending ? 1 : -1;
+  depth_ = depth_axis(view, grid).value_or(DepthAxis{});
   for (const StructureIndex s : DecisionTree(content.graph, content.classes).plan(selection).surfaces)
     add(content.surfaces[s], s);
 }
@@ -76,7 +73,7 @@ std::vector<Crossing> RaySurfaces::crossings(const Ray& ray, const RayInterval& 
       continue;
     Crossing crossing;
     crossing.s_mm = s_mm;
-    crossing.depth = depth_sign_ * ray.at(s_mm)[depth_axis_];
+    crossing.depth = depth_.sign * ray.at(s_mm)[depth_.axis];
     crossing.structure = triangle.structure;
     crossing.triangle = triangle.number;
     crossing.entering = meets_front(triangle.corner_lps, triangle.normal_lps, along_lps);

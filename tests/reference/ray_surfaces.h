@@ -8,6 +8,7 @@
 #include "format/atlas_content.h"
 #include "format/selection.h"
 #include "player/camera.h"
+#include "player/view/depth_axis.h"
 #include "tests/reference/ray.h"
 #include "tests/reference/reference_surfaces.h"
 
@@ -16,7 +17,7 @@ namespace splatlas::reference {
 /// The selected surfaces of an atlas.
 class RaySurfaces {
  public:
-  /// Keeps a reference to `selection`. Depths run along the principal axis of the centre of the view.
+  /// Keeps a reference to `selection`. Depths run along depth_axis().
   RaySurfaces(const AtlasContent& content, const Selection& selection, const View& view);
 
   /// All crossings of a part of a ray in exact geometry (Moeller and Trumbore 1997), front to back up
@@ -44,8 +45,7 @@ class RaySurfaces {
   ParallelView plane_;
   const Selection& selection_;
   Affine to_lps_;
-  std::size_t depth_axis_;
-  double depth_sign_;
+  DepthAxis depth_;  // that of the player, or any one where the player refuses the view
   std::vector<Triangle> triangles_;
 };
 

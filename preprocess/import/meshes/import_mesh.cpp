@@ -99,14 +99,11 @@ Result<void> check_corners(vtkPolyData& polygons, const fs::path& path) {
   return {};
 }
 
-/// Maximum coordinate: 1000 km exceeds any anatomy, and prevents overflow in the products below.
-constexpr double kMaxCoordinateMm = 1e9;
-
 bool has_area(const std::array<Vec3, 3>& corners) {
   Vec3 a, b;
   for (std::size_t n = 0; n < 3; ++n) {
     for (const Vec3& corner : corners) {
-      if (!(std::abs(corner[n]) <= kMaxCoordinateMm)) return false;
+      if (!(std::abs(corner[n]) <= kMaxMeshMm)) return false;
     }
     a[n] = corners[1][n] - corners[0][n];
     b[n] = corners[2][n] - corners[0][n];

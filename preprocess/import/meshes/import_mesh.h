@@ -22,12 +22,15 @@ enum class MeshFrame {
   kRas,  ///< x to the right, y to anterior
 };
 
+/// Maximum coordinate of a mesh: 1000 km exceeds any anatomy, and prevents overflow in products.
+inline constexpr double kMaxMeshMm = 1e9;
+
 /// Triangles in LPS mm.
 struct TriangleMesh {
   std::vector<Vec3> positions_lps_mm;
   std::vector<std::array<float, 3>> normals_lps;  ///< one per position; empty when the file has none
   std::vector<std::array<std::uint32_t, 3>> triangles;
-  std::uint64_t dropped = 0;  ///< dropped triangles: zero area, or a corner that is not finite
+  std::uint64_t dropped = 0;  ///< dropped triangles: zero area, or a corner beyond kMaxMeshMm
 };
 
 /// A mesh in the coordinates of its file.

@@ -4,11 +4,14 @@
 #include <cmath>
 #include <stop_token>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "format/system/task_control.h"
 #include "tests/player/prepared_selection.h"
 #include "tests/reference/picture_difference.h"
+#include "tests/scenes/ray_truth.h"
+#include "tests/support/fails_with.h"
 #include "tests/support/random_scene.h"
 #include "tests/support/render.h"
 #include "tests/support/standard_scenes.h"
@@ -46,6 +49,66 @@ TEST(CastSurfaces, AreInOrderWithTheVolume) {
     EXPECT_LE(wrong, 1 + truth.pixels.size() / 50) << number << ": " << describe(scene);
   }
   EXPECT_GT(surfaces, 30);
+}
+
+/// Thick slices with an external surface, and a view along them but for seven degrees: rays run in the planes
+/// of voxels of the principal axis.
+RandomScene thick_slices(const char* selection) {
+  TestVolume volume;
+  volume.grid = {.size = {40, 40, 4}, .spacing_mm = {1, 1, 10}};
+  SurfaceMesh needle;
+  needle.positions_ijk = {{19.5f, 19.5f, 0.5f}, {20.5f, 19.5f, 0.5f}, {19.5f, 20.5f, 1.5f}};
+  needle.normals_lps.assign(3, {0, 0, 1});
+  needle.triangles = {{0, 1, 2}};
+  volume.structures = {{"fog", full_mask(volume.grid.size), {255, 255, 255}},
+                       {"cube", box_mask(volume.grid.size, {8, 8, 1}, {31, 31, 2}), {255, 0, 0}},
+                       {"needle", {}, {0, 0, 255}, {}, needle}};
+  RandomScene scene{make_content(volume), {}, {}, {}};
+  scene.selection = selection_of(selection, scene.content.graph);
+  scene.camera = {.elevation_deg = 83, .projection = CameraProjection::kPerspective};
+  scene.options = {.size = {40, 30},
+                   .quality = Quality::kHigh,
+                   .hybrid_shading = false,
+                   .antialiasing = false,
+                   .termination_threshold = 0};
+  return scene;
+}
+
+TEST(CastSurfaces, AreInOrderWhereRaysRunInPlanesOfThePrincipalAxis) {
+  for (const char* const text : {"fog:volume(opacity=0.05) + cube:both(opacity=0.3)", "*:volume"}) {
+    SCOPED_TRACE(text);
+    const RandomScene scene = thick_slices(text);
+    Renderer renderer = renderer_of(scene.content, scene.selection);
+    const Result<Picture> picture = renderer.render(scene.camera, scene.options);
+    ASSERT_TRUE(picture) << picture.error().message;
+    EXPECT_GT(renderer.stats().triangles, 0u);
+    const RayTruth truth(scene, false);
+    std::size_t compared = 0, wrong = 0;
+    for (int row = 0; row < 30; ++row) {
+      for (int column = 0; column < 40; ++column) {
+        const auto expected = truth.at(column, row);
+        if (!expected) continue;
+        double apart = 0;
+        for (std::size_t c = 0; c < 4; ++c)
+          apart = std::max(apart, std::abs(picture->at(column, row)[c] - (*expected)[c]));
+        ++compared;
+        wrong += apart > 0.01 ? 1 : 0;
+      }
+    }
+    EXPECT_GT(compared, 600u);
+    EXPECT_LE(wrong, compared / 100);
+  }
+}
+
+/// Every mode draws external surfaces: the remedy must not be another mode.
+TEST(CastSurfaces, OfTooWideAFieldOfViewNameExternalOnes) {
+  const StandardScene scene = hybrid_scene();
+  const Camera camera{.azimuth_deg = 33,
+                      .elevation_deg = 21,
+                      .projection = CameraProjection::kPerspective,
+                      .field_of_view_deg = 150};
+  EXPECT_THAT(renderer_of(scene.content, scene.selection).render(camera, {.size = {20, 20}}),
+              FailsWith(ErrorCode::kUsage, testing::HasSubstr("external surfaces, which every mode draws")));
 }
 
 /// A narrow field of view from far away is a parallel view, with edges antialiased, too.

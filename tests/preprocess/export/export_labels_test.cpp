@@ -7,6 +7,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "preprocess/import/labels/mask_folder.h"
+#include "preprocess/import/tables/structure_name.h"
 #include "tests/preprocess/random_images.h"
 #include "tests/support/axis_orders.h"
 #include "tests/support/fails_with.h"
@@ -109,6 +111,19 @@ TEST(ExportMasks, WritesNrrdFilesOfGridsThatNiftiCannotHold) {
   const Image mask = import_image(path / "_-one.nrrd").value();
   EXPECT_EQ(mask.grid, content.source_grid);
   EXPECT_EQ(mask.voxels.bytes, (std::vector{std::byte{1}, std::byte{0}, std::byte{0}}));
+}
+
+TEST(ExportMasks, OfTheLongestIdsBuildBack) {
+  AtlasContent content = labelled_voxel(VoxelType::kNone, 7);
+  const std::string longest(240, 'x');
+  content.graph = StructureGraph::build({{.id = longest}}).value();
+  const TemporaryFolder folder;
+  const ExportedMasks masks = export_masks(content, folder.path() / "masks").value();
+  EXPECT_THAT(masks.notes, ElementsAre(testing::HasSubstr("1 id is no safe file name")));
+  const Result<ImportedLabels> back = import_mask_folder(folder.path() / "masks");
+  ASSERT_TRUE(back) << back.error().message;
+  ASSERT_EQ(back->structures.size(), 1u);
+  EXPECT_EQ(back->structures[0].name, longest.substr(0, kMaxNameCharacters));
 }
 
 /// Structures at both ends, in the middle, everywhere and nowhere, in every axis order.
