@@ -16,6 +16,7 @@
 #include "format/decision_tree.h"
 #include "format/result.h"
 #include "format/run_model.h"
+#include "format/work_budget.h"
 
 namespace splatlas {
 
@@ -25,69 +26,6 @@ class InputFile;
 struct SectionSize {
   std::string name;  ///< "header", "directory", "runs_x", "runs_y", "runs_z", "values", "normals", "surfaces"
   std::uint64_t bytes = 0;
-};
-
-/// Quantities that follow from the directory of an atlas before any chunk is read.
-enum class WorkKind : std::uint8_t {
-  kBytes,      ///< decoded from chunks
-  kRuns,       ///< decoded or derived
-  kVoxels,     ///< decoded, fitted, drawn or written one by one
-  kTriangles,  ///< decoded, fitted or drawn
-  kRows,       ///< of tables of slices and bricks
-  kPixels,     ///< of sheets finer than the picture
-};
-inline constexpr std::size_t kWorkKinds = 6;
-
-/// Counted work. The units are the larger of two sums: about one per nanosecond of one core, and four per
-/// byte of memory held at once. Counts are of different items: an item with several steps counts once.
-class Work {
- public:
-  /// Adds `count` items of `units_each` units.
-  void add(WorkKind kind, double count, double units_each);
-  /// Raises the memory that a single step of the operation holds at once.
-  void hold(double bytes);
-  /// Adds work on other items.
-  Work& operator+=(const Work& other);
-  /// Adds a further step on the same items: the larger count of each kind remains.
-  Work& then(const Work& step);
-  /// Lowers the count of a kind to at most `count`, for items that are estimated one by one.
-  void limit(WorkKind kind, double count);
-
-  /// Units without the memory held.
-  [[nodiscard]] double time_units() const;
-  [[nodiscard]] double held_bytes() const { return held_bytes_; }
-  /// The larger of both sums.
-  [[nodiscard]] double units() const;
-  [[nodiscard]] double count(WorkKind kind) const { return counts_[static_cast<std::size_t>(kind)]; }
-  /// Count of the kind with the most units: "4.1e+09 decoded bytes".
-  [[nodiscard]] std::string largest() const;
-
- private:
-  std::array<double, kWorkKinds> counts_{}, units_{};
-  double held_bytes_ = 0;
-};
-
-/// Limit of work for one file, against decompression bombs: time in proportion to the file, and half of the
-/// machine's memory.
-class WorkBudget {
- public:
-  /// `max_work` scales both limits: below 1 for files of strangers, above for giants. `machine_bytes`: the
-  /// machine's memory; 0 asks the system.
-  WorkBudget(std::string file_name, std::uint64_t file_bytes, double max_work,
-             std::uint64_t machine_bytes = 0);
-
-  /// Units allowed: 3e10 (about 30 seconds of one core) for files up to 1 MiB, and 10 000 for each further
-  /// byte.
-  [[nodiscard]] double allowed() const;
-  /// kLimit if the work exceeds the budget; the message has the numbers and the option --max-work that allows
-  /// it. `purpose` names the operation: "the selection".
-  [[nodiscard]] Result<void> check(const Work& work, std::string_view purpose) const;
-
- private:
-  std::string file_name_;
-  std::uint64_t file_bytes_;
-  double max_work_;
-  double memory_bytes_;
 };
 
 /// Rule of the surfaces that a reader derives from the voxels. Stored surfaces do not change.
@@ -161,17 +99,8 @@ class Atlas {
   /// Reads and checks every byte of the file. Returns the first fault, with its section, or success.
   [[nodiscard]] Result<void> verify() const;
 
-  /// Work of the functions above, in units of WorkBudget. verify(), read_all(), read_classes() and
-  /// read_value_volume() check theirs against work_budget(); readers of parts check the sum of their parts.
-  /// Each argument is given once. Cost: linear in all classes and in the classes of the structures.
-  [[nodiscard]] Work work_of_runs(std::span<const ClassId> classes, Axis axis) const;
-  [[nodiscard]] Work work_of_values(std::span<const ClassId> classes) const;
-  [[nodiscard]] Work work_of_normals(std::span<const ClassId> classes) const;
-  [[nodiscard]] Work work_of_surfaces(std::span<const StructureIndex> structures) const;
-  [[nodiscard]] Work work_of_class_volume() const;
-  [[nodiscard]] Work work_of_value_volume() const;
-  [[nodiscard]] Work work_of_all() const;  ///< of read_all()
-  [[nodiscard]] Work work_of_verify() const;
+  /// Limit of the functions above. Each counts its own work, unless the thread works on a task that counts
+  /// it.
   [[nodiscard]] const WorkBudget& work_budget() const;
 
   [[nodiscard]] std::vector<SectionSize> sections() const;

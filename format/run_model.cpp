@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "format/system/result_macros.h"
+#include "format/system/task_control.h"
 
 namespace splatlas {
 namespace {
@@ -110,7 +111,11 @@ tl::unexpected<Error> out_of_order(const Run& run) {
 template <typename Key>
 void stable_sort_by(ClassRuns& runs, const Key& key) {
   if (runs.empty()) return;
-  const auto by_key = [&](const Run& a, const Run& b) { return key(a) < key(b); };
+  TaskPace pace;
+  const auto by_key = [&](const Run& a, const Run& b) {
+    pace.step();
+    return key(a) < key(b);
+  };
   const auto [smallest, largest] = std::minmax_element(runs.begin(), runs.end(), by_key);
   const std::uint64_t first = key(*smallest);
   const std::uint64_t range = key(*largest) - first + 1;
@@ -138,7 +143,10 @@ ClassRuns transpose_planes(const ClassRuns& runs) {
   constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
   std::vector<std::size_t> open(runs.empty() ? 0 : last - first, kNone);  // per b: its latest run in `result`
   ClassRuns result;
+  TaskPace pace;
   for (const Run& run : runs) {
+    pace.step();
+    check_memory(3.0 * sizeof(Run) * static_cast<double>(result.size()));
     const std::uint64_t k = run.scanline >> 32u;
     const auto a = static_cast<std::uint32_t>(run.scanline);
     for (std::uint32_t b = run.start; b < run.start + run.length; ++b) {
@@ -179,10 +187,13 @@ RunModel encode_runs(std::span<const ClassId> volume, const Index3& size, Axis a
 Result<std::vector<ClassId>> decode_runs(const RunModel& model, const Index3& size) {
   const Scanlines lines(size, model.axis);
   std::vector<ClassId> volume(static_cast<std::size_t>(size[0] * size[1] * size[2]), kEmptyClass);
+  TaskPace pace;
   for (ClassId c = 0; c < model.classes.size(); ++c) {
     if (c == kEmptyClass && !model.classes[c].empty()) return invalid_atlas("the empty class has runs");
     const Run* before = nullptr;
+    check_task();
     for (const Run& run : model.classes[c]) {
+      pace.step();
       SPLATLAS_RETURN_IF_ERROR(check_inside(run, lines));
       if (before && run < *before) return out_of_order(run);
       before = &run;
@@ -202,7 +213,9 @@ Result<void> validate_runs(std::span<const Run> runs, const Index3& size, Axis a
   const Scanlines lines(size, axis);
   std::uint64_t sum = 0;
   const Run* before = nullptr;
+  TaskPace pace;
   for (const Run& run : runs) {
+    pace.step();
     SPLATLAS_RETURN_IF_ERROR(check_inside(run, lines));
     if (before) {
       const std::uint64_t end = std::uint64_t{before->start} + before->length;

@@ -250,7 +250,6 @@ struct Renderer::Impl {
             .options = call.options,
             .overrides = call.overrides,
             .max_memory_bytes = max_memory_bytes,
-            .budget = &atlas->work_budget(),
             .faces = faces.faces(),
             .numbers = drawn.numbers()};
   }
@@ -343,7 +342,11 @@ const std::vector<MissingPart>& Renderer::missing() const {
 
 Result<void> Renderer::select(const Selection& selection) {
   try {
+    const TaskControl task({}, {}, &impl_->atlas->work_budget());
     return impl_->named(impl_->select(selection));
+  } catch (const OverBudget& over) {
+    impl_->draw_nothing();
+    return tl::unexpected(over.error());
   } catch (const std::bad_alloc&) {
     impl_->draw_nothing();
     return impl_->out_of_memory();
@@ -354,7 +357,10 @@ Result<Camera> Renderer::fit(const Camera& camera, const RenderOptions& options,
                              std::optional<std::span<const StructureIndex>> structures,
                              const PictureRegion& region) {
   try {
+    const TaskControl task({}, {}, &impl_->atlas->work_budget());
     return impl_->named(impl_->fit(camera, options, structures, region));
+  } catch (const OverBudget& over) {
+    return tl::unexpected(over.error());
   } catch (const std::bad_alloc&) {
     return impl_->out_of_memory();
   }
@@ -377,12 +383,14 @@ Result<void> RendererInternals::render(Renderer& renderer, const Camera& camera,
                                        const RenderControl& control) {
   Renderer::Impl& r = *renderer.impl_;
   try {
-    TaskControl task(control.stop, control.progress);
+    TaskControl task(control.stop, control.progress, &r.atlas->work_budget());
     Result<void> rendered = r.named(r.render(camera, options, overrides, task, picture));
     if (rendered) task.finish();
     return rendered;
   } catch (const std::bad_alloc&) {
     return r.out_of_memory();
+  } catch (const OverBudget& over) {
+    return tl::unexpected(over.error());
   } catch (const Cancelled&) {
     return fail(ErrorCode::kCancelled, r.atlas->name() + ": rendering was cancelled");
   }

@@ -167,7 +167,8 @@ Result<ClassRuns> decode_mask(std::span<const std::byte> bytes, const IndexBox& 
   ClassRuns runs;
   std::uint64_t found = 0;
   for (std::size_t slice = 0; slice < window.slices(); ++slice) {
-    check_cancelled();
+    check_task();
+    check_memory(3.0 * sizeof(Run) * static_cast<double>(runs.size()));
     window.next_slice();
     for (std::size_t row = 0; row < window.rows(); ++row) {
       bool was_covered = false;

@@ -4,10 +4,14 @@
 
 #include "format/codec/zigzag.h"
 #include "format/system/result_macros.h"
+#include "format/system/task_control.h"
 
 namespace splatlas {
 
 namespace {
+
+/// The list, and copies of its runs in other forms.
+constexpr double kBytesPerReadRun = 3 * sizeof(Run);
 
 /// Valid scanline numbers are below 2^40. Refusing larger values prevents overflow of sums.
 constexpr std::uint64_t kMaxScanline = std::uint64_t{1} << 48;
@@ -111,9 +115,12 @@ Result<ClassRuns> decode_run_list(std::span<const std::byte> bytes, std::uint64_
   if (!reader.read(count) || count == 0 || count > max_runs || count > bytes.size() / 3) {
     return invalid_atlas("run list says it has {} runs", count);
   }
+  check_memory(static_cast<double>(count) * kBytesPerReadRun);
+  TaskPace pace;
   ClassRuns runs(count);
   std::uint64_t scanline = 0;
   for (std::uint64_t n = 0; n < count; ++n) {
+    pace.step();
     if (!reader.read(code) || code > kMaxScanline) return not_a_run_list(n);
     scanline += code;
     if (scanline > kMaxScanline) return not_a_run_list(n);
@@ -129,11 +136,13 @@ Result<ClassRuns> decode_run_list(std::span<const std::byte> bytes, std::uint64_
   };
   Predictor lengths(runs);
   for (std::uint64_t n = 0; n < count; ++n) {
+    pace.step();
     lengths.advance(n);
     if (!read_difference(lengths.length(), runs[n].length)) return not_a_run_list(n);
   }
   Predictor starts(runs);
   for (std::uint64_t n = 0; n < count; ++n) {
+    pace.step();
     starts.advance(n);
     if (!read_difference(starts.start(), runs[n].start)) return not_a_run_list(n);
   }

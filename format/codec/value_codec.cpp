@@ -220,7 +220,7 @@ Result<std::vector<std::byte>> decode(const GroupVoxels& group, VoxelType type,
   std::byte* to = values.data();
   ValueWindow<Lane> window(group.box, model);
   walk(group, window, [&](std::int64_t begin, std::int64_t end) {
-    check_cancelled();
+    check_task();
     const auto run = window.code_run(begin, end, [&](const ValuePrediction& prediction) {
       const std::uint32_t residual = residuals.read(kBucketOf[prediction.errors]);
       return (prediction.value + unzigzag(residual)) & ValueWindow<Lane>::kMaxValue;

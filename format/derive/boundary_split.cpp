@@ -7,6 +7,8 @@
 #include <limits>
 #include <vector>
 
+#include "format/system/task_control.h"
+
 namespace splatlas {
 namespace {
 
@@ -161,7 +163,9 @@ ClassRuns join_runs(std::span<const Run> a, std::span<const Run> b) {
 SplitRuns split_boundary(std::span<const Run> runs, const Index3& size, Axis axis) {
   SplitRuns split;
   ScanlineWindow window(runs, size, axis);
+  TaskPace pace;
   for (std::size_t n = 0; n < runs.size();) {
+    pace.step();
     const std::uint64_t scanline = runs[n].scanline;
     const bool may_be_interior = window.go_to(scanline);
     for (; n < runs.size() && runs[n].scanline == scanline; ++n) {

@@ -124,7 +124,7 @@ std::vector<Vec3f> sparse_vertex_gradients(std::span<const NetVertex> vertices, 
   SparseGradient gradient(rows);
   Vec3f g{0, 0, 0};
   for (std::size_t n = 0; n < ends.size(); ++n) {
-    if (n % 4096 == 0) check_cancelled();
+    if (n % 4096 == 0) check_task();
     const auto [i, j, k] = ends[n].at;
     if (n == 0 || ends[n].at != ends[n - 1].at) g = gradient.at(i, j, k);
     for (std::size_t a = 0; a < 3; ++a) gradients[ends[n].vertex][a] += g[a];
@@ -285,7 +285,7 @@ std::vector<PackedNormal> fit_sparse_normals(const PartRows& rows, std::span<con
   std::vector<PackedNormal> normals;
   SparseGradient gradient(rows);
   for (const Run& run : runs) {
-    check_cancelled();
+    check_task();
     const auto scanline = static_cast<std::int64_t>(run.scanline);
     const std::int64_t j = scanline % grid.size[1], k = scanline / grid.size[1];
     for (std::uint32_t n = 0; n < run.length; ++n)

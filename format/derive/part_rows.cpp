@@ -3,15 +3,23 @@
 #include <algorithm>
 #include <utility>
 
+#include "format/system/task_control.h"
+
 namespace splatlas {
 
 void PartRows::add(std::span<const Run> runs, std::uint8_t part) {
+  check_memory(kMaxBytesPerRun * static_cast<double>(placed_.size() + runs.size()));
+  check_task();
   for (const Run& run : runs)
     placed_.push_back({run.scanline, {run.start, std::int64_t{run.start} + run.length, part}});
 }
 
 void PartRows::sort() {
-  std::ranges::sort(placed_, {}, [](const PlacedRun& p) { return std::pair(p.scanline, p.run.start); });
+  TaskPace pace;
+  std::ranges::sort(placed_, [&](const PlacedRun& a, const PlacedRun& b) {
+    pace.step();
+    return std::pair(a.scanline, a.run.start) < std::pair(b.scanline, b.run.start);
+  });
   runs_.reserve(placed_.size());
   std::size_t rows = 0;
   for (std::size_t n = 0; n < placed_.size(); ++n)

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "format/system/task_control.h"
+
 namespace splatlas {
 
 namespace {
@@ -80,7 +82,9 @@ VoxelSetFingerprint RunFingerprinter::of(std::span<const Run> runs, Axis axis) c
   const auto rows = static_cast<std::uint64_t>(size_[order.row_axis]);
   const Powers& along = powers_[order.scan_axis];
   std::uint64_t sum = 0, scanline = 0, row_power = 1;
+  TaskPace pace;
   for (const Run& run : runs) {
+    pace.step();
     if (run.scanline != scanline) {
       scanline = run.scanline;
       row_power = multiply(powers_[order.slice_axis].of(scanline / rows),

@@ -66,7 +66,7 @@ void SmoothGradient::filter_row(std::int64_t j, std::int64_t k) {
 }
 
 void SmoothGradient::filter_plane(std::int64_t k) {
-  check_cancelled();
+  check_task();
   Plane& plane = ring_[static_cast<std::size_t>(k % kTaps)];
   if (k >= crop_.size[2]) {  // outside the crop
     for (auto* values : {&plane.smooth, &plane.along_j, &plane.along_i})

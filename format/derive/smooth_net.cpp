@@ -76,7 +76,7 @@ class DirectionFilter {
     directions.resize(count_);
     first_mean(directions);
     for (int mean = 1; mean < kMeans; ++mean) {
-      check_cancelled();
+      check_task();
       for (int step = 1; step < kStepsOfMean; ++step) {
         for (std::size_t v = 0; v < count_; ++v) next_[v] = sum(v);
         std::swap(sums_, next_);
@@ -160,7 +160,7 @@ class Relaxation {
     }
     for (std::size_t v = 0; v < count; ++v) now[v] = relaxed(0, kOmega[0], scratch_.pulls[v].constant);
     for (std::size_t step = 1; step < kRelaxations; ++step) {
-      check_cancelled();
+      check_task();
       relax_once(step + 1 < kRelaxations ? before : now, now, static_cast<std::int16_t>(kOmega[step]), next);
       std::swap(before, now);
       std::swap(now, next);

@@ -137,7 +137,7 @@ std::optional<std::vector<SparseCell>> find_cells(const PartRows& rows, const Pa
   std::vector<SparseCell> cells;
   std::uint64_t triangles = 0;
   for (const auto& row : cell_rows(rows)) {
-    check_cancelled();
+    check_task();
     const auto k = row.first, j = row.second;
     CellRow(rows, j, k).for_each_crossed_cell([&](std::int64_t i, const std::array<std::uint8_t, 8>& parts) {
       if (triangles > max_triangles) return;
@@ -179,7 +179,7 @@ std::optional<SurfaceNet> sparse_surface_net(const PartRows& rows, std::uint64_t
   std::ranges::stable_sort(order, {}, [&](std::uint32_t n) { return (*cells)[n].leading; });
   NetBuilder builder(cells->size());
   for (std::size_t n = 0; n < order.size(); ++n) {
-    if (n % 4096 == 0) check_cancelled();
+    if (n % 4096 == 0) check_task();
     const Index3 cell = grid.index((*cells)[order[n]].offset);
     const std::array<SparseCell*, 8> at_corners = cells_at_corners(*cells, order[n], grid);
     builder.add_cell(

@@ -92,7 +92,7 @@ class NetWalker {
 
   SurfaceNet walk() {
     for (std::int64_t k = 0; k + 1 < crop_.size[2]; ++k) {
-      check_cancelled();
+      check_task();
       slices_[static_cast<std::size_t>((k + 1) % 3)].live_from = builder_.next_id();
       if (k == 0) {  // such rows have no voxels: only cells without a leading voxel
         for (Around& around : around_) around = {};

@@ -5,6 +5,8 @@
 #include <numeric>
 #include <utility>
 
+#include "format/system/task_control.h"
+
 namespace splatlas {
 
 ValueGroups::ValueGroups(const ClassTable& table) {
@@ -53,6 +55,7 @@ std::vector<ClassSpan> merge_runs(std::span<const ClassId> classes, std::span<co
   while (ends.size() > 2) {  // merge adjacent lists in pairs
     std::vector<std::ptrdiff_t> merged{0};
     for (std::size_t n = 0; n + 1 < ends.size(); n += 2) {
+      check_task();
       const std::ptrdiff_t last = ends[std::min(n + 2, ends.size() - 1)];
       std::inplace_merge(spans.begin() + ends[n], spans.begin() + ends[n + 1], spans.begin() + last, before);
       merged.push_back(last);
@@ -68,7 +71,9 @@ std::vector<ClassSpan> gaps_between(std::span<const ClassSpan> spans, const Inde
   const auto scanlines = static_cast<std::uint64_t>(size[1] * size[2]);
   std::uint64_t scanline = 0, at = 0;
   // Adds the gap from `at` to `end` in the scanline.
+  TaskPace pace;
   const auto close = [&](std::uint64_t end) {
+    pace.step();
     if (at < end) {
       gaps.push_back(
           {{scanline, static_cast<std::uint32_t>(at), static_cast<std::uint32_t>(end - at)}, kEmptyClass});
@@ -77,6 +82,8 @@ std::vector<ClassSpan> gaps_between(std::span<const ClassSpan> spans, const Inde
   };
   const auto next_scanline = [&] {
     close(width);
+    if (gaps.size() == gaps.capacity())
+      check_memory(2.0 * sizeof(ClassSpan) * static_cast<double>(gaps.size()));
     ++scanline;
     at = 0;
   };

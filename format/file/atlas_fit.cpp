@@ -11,6 +11,18 @@
 #include "format/system/result_macros.h"
 
 namespace splatlas {
+namespace {
+
+constexpr double kBytesPerSparseTriangle = 200, kBytesPerFittedVertex = 200;
+
+/// Bytes that fit_surface() or fit_normals() hold: the crop, and 23 floats per voxel of a slice.
+double crop_bytes(const IndexBox& box) {
+  const auto voxels = static_cast<double>(crop_voxels(box));
+  return voxels + 92 * voxels / static_cast<double>(box.last[2] - box.first[2] + 1);
+}
+
+}  // namespace
+
 template <typename Take>
 Result<void> Atlas::Impl::read_parts(StructureIndex s, const IndexBox& near, const Take& take) const {
   for (const auto& [c, part] : structure_classes.of(s)) {
@@ -61,9 +73,11 @@ Result<SurfaceMesh> Atlas::Impl::fit_surface_of(StructureIndex s) const {
   if (box.empty()) {
     mesh.emplace();
   } else if (fits_sparsely(box, entry.vertices)) {
+    check_memory(kBytesPerSparseTriangle * entry.triangles);
     SPLATLAS_ASSIGN_OR_RETURN(const PartRows rows, read_rows(s, box));
     mesh = fit_sparse_surface(rows, grid, rule_of_surface(s), entry.triangles);
   } else {
+    check_memory(crop_bytes(box) + kBytesPerFittedVertex * entry.vertices);
     SPLATLAS_ASSIGN_OR_RETURN(const StructureCrop crop, read_crop(s, empty_crop(box)));
     mesh = fit_surface(crop, grid, rule_of_surface(s));
   }
@@ -85,6 +99,7 @@ Result<std::vector<PackedNormal>> Atlas::Impl::fit_normals_of(ClassId c) const {
     SPLATLAS_ASSIGN_OR_RETURN(const PartRows rows, read_rows(owner, around(box)));
     return fit_sparse_normals(rows, runs, grid);
   }
+  check_memory(crop_bytes(box));
   SPLATLAS_ASSIGN_OR_RETURN(const StructureCrop crop, read_crop(owner, crop_around(box)));
   return fit_normals(crop, runs, grid);
 }
@@ -92,32 +107,31 @@ Result<std::vector<PackedNormal>> Atlas::Impl::fit_normals_of(ClassId c) const {
 Result<SurfaceMesh> Atlas::read_surface(StructureIndex s) const {
   SPLATLAS_RETURN_IF_ERROR(impl_->check_structure(s));
   const SurfaceEntry& entry = impl_->directory.surfaces[s];
-  try {
+  const auto read = [&]() -> Result<SurfaceMesh> {
     if (is_fitted(entry)) return impl_->fit_surface_of(s);
     SPLATLAS_ASSIGN_OR_RETURN(const auto bytes,
                               impl_->read_stream(SectionKind::kSurfaces, impl_->surface_stream[s]));
+    check_memory(64.0 * entry.vertices + 32.0 * entry.triangles);
     auto mesh = decode_surface(bytes, entry, impl_->grid.size);
     if (!mesh) {
       return impl_->named(ErrorCode::kInvalidAtlas, "invalid: surface of structure '{}': {}", graph()[s].id,
                           mesh.error().message);
     }
     return mesh;
-  } catch (const std::bad_alloc&) {
-    return impl_->out_of_memory(fmt::format(" for the surface of structure '{}'", graph()[s].id));
-  }
+  };
+  return impl_->guarded(read, fmt::format(" for the surface of structure '{}'", graph()[s].id));
 }
 
 Result<std::vector<PackedNormal>> Atlas::read_normals(ClassId c) const {
   SPLATLAS_RETURN_IF_ERROR(impl_->check_class(c));
-  try {
+  const auto read = [&]() -> Result<std::vector<PackedNormal>> {
     if (has_normals(classes(), c) && !stores_normals(impl_->directory, c)) return impl_->fit_normals_of(c);
     SPLATLAS_ASSIGN_OR_RETURN(const auto bytes, impl_->read_stream(SectionKind::kNormals, c));
     std::vector<PackedNormal> normals(bytes.size() / sizeof(PackedNormal));
     if (!bytes.empty()) std::memcpy(normals.data(), bytes.data(), bytes.size());
     return normals;
-  } catch (const std::bad_alloc&) {
-    return impl_->out_of_memory(fmt::format(" for the normals of class {}", c));
-  }
+  };
+  return impl_->guarded(read, fmt::format(" for the normals of class {}", c));
 }
 
 }  // namespace splatlas

@@ -25,6 +25,7 @@
 #include "format/system/input_file.h"
 #include "format/system/memory_limit.h"
 #include "format/system/result_macros.h"
+#include "format/system/task_control.h"
 
 namespace splatlas {
 
@@ -73,35 +74,20 @@ struct Atlas::Impl {
 
   [[nodiscard]] std::vector<ClassId> all_classes() const;
   [[nodiscard]] std::vector<StructureIndex> all_structures() const;
-  /// Runs of an axis that the directory states. Reading gives no more.
-  [[nodiscard]] double total_runs(Axis axis) const;
-  [[nodiscard]] Work work_of_stream(SectionKind kind, std::size_t stream) const;
-  /// `further_per_run` are units for a further step with each run.
-  [[nodiscard]] Work work_of_runs(std::span<const ClassId> of, Axis axis, double further_per_run = 0) const;
-  /// Work of reading run lists of a stored run model, without kRuns, and an upper bound of the runs.
-  struct RunLists {
-    Work work;
-    double runs = 0;
-  };
-  [[nodiscard]] RunLists run_lists(std::span<const ClassId> of, Axis axis) const;
-  /// Work of decode_group(): of its values, and of the runs that give their voxels.
-  struct GroupWork {
-    Work decoding, locating;
-  };
-  [[nodiscard]] GroupWork work_of_values(std::size_t group) const;
-  /// Work of reading or deriving surfaces and normals.
-  struct FitWork {
-    Work reading, deriving;
-    std::vector<bool> counted;  ///< [class]: `reading` has counted its runs, which other fits need, too
-  };
-  void add_normals(ClassId c, FitWork& sum) const;
-  void add_surface(StructureIndex s, FitWork& sum) const;
-  /// Adds the work of read_crop(). Returns an upper bound of the runs.
-  double add_lists(StructureIndex s, const IndexBox& near, FitWork& sum) const;
-  /// Adds the work of read_rows() and of a step that holds `bytes` besides the sorted rows.
-  void add_rows(StructureIndex s, const IndexBox& near, double bytes, FitWork& sum) const;
-  /// Classes of a structure whose streams in `runs_z` have voxels near a box; the first class of shared ones.
-  [[nodiscard]] std::vector<ClassId> lists_near(StructureIndex s, const IndexBox& near) const;
+  /// Calls body(), the work of a public function, as a task with the budget, unless the thread works on a
+  /// task already. Excess and std::bad_alloc become kLimit; `purpose` is empty, or begins with " for ".
+  template <typename Body>
+  [[nodiscard]] auto guarded(const Body& body, std::string_view purpose = {}) const -> decltype(body()) {
+    try {
+      if (TaskControl::current() != nullptr) return body();
+      const TaskControl task({}, {}, &budget);
+      return body();
+    } catch (const OverBudget& over) {
+      return tl::unexpected(over.error());
+    } catch (const std::bad_alloc&) {
+      return out_of_memory(purpose);
+    }
+  }
 
   /// Prefixes the message of an error with the file name.
   [[nodiscard]] tl::unexpected<Error> named(const Error& error) const {

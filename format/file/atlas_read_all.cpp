@@ -7,12 +7,15 @@
 
 #include "format/file/atlas_impl.h"
 #include "format/system/result_macros.h"
+#include "format/system/task_control.h"
 
 namespace splatlas {
 
 namespace {
 
 Result<std::vector<ClassId>> read_class_volume(const Atlas& atlas) {
+  check_memory(static_cast<double>(atlas.grid().voxels()) * sizeof(ClassId) +
+               static_cast<double>(atlas.runs(Axis::kZ)) * sizeof(Run));
   RunModel model{Axis::kZ, std::vector<ClassRuns>(atlas.classes().size())};
   for (ClassId c = 1; c < model.classes.size(); ++c) {
     SPLATLAS_ASSIGN_OR_RETURN(model.classes[c], atlas.read_runs(c, Axis::kZ));
@@ -29,7 +32,9 @@ VoxelBuffer assemble_values(VoxelType type, const std::vector<std::vector<std::b
   const std::size_t voxel_bytes = bytes_of(values.type);
   values.bytes.resize(class_volume.size() * voxel_bytes);
   std::vector<std::size_t> next(of_class.size(), 0);
+  TaskPace pace;
   for (std::size_t v = 0; v < class_volume.size();) {
+    pace.step();
     const ClassId c = class_volume[v];
     std::size_t end = v + 1;
     while (end < class_volume.size() && class_volume[end] == c) ++end;
@@ -44,8 +49,7 @@ VoxelBuffer assemble_values(VoxelType type, const std::vector<std::vector<std::b
 }  // namespace
 
 Result<AtlasContent> Atlas::read_classes() const {
-  try {
-    SPLATLAS_RETURN_IF_ERROR(work_budget().check(work_of_class_volume(), "reading all voxels"));
+  return impl_->guarded([&]() -> Result<AtlasContent> {
     AtlasContent content;
     content.source_grid = source_grid();
     content.source_to_storage = source_to_storage();
@@ -57,28 +61,23 @@ Result<AtlasContent> Atlas::read_classes() const {
     content.provenance = provenance();
     SPLATLAS_ASSIGN_OR_RETURN(content.class_volume, read_class_volume(*this));
     return content;
-  } catch (const std::bad_alloc&) {
-    return impl_->out_of_memory();
-  }
+  });
 }
 
 Result<VoxelBuffer> Atlas::read_value_volume(std::span<const ClassId> class_volume) const {
-  try {
+  return impl_->guarded([&]() -> Result<VoxelBuffer> {
     if (value_type() == VoxelType::kNone) return VoxelBuffer{};
-    SPLATLAS_RETURN_IF_ERROR(work_budget().check(work_of_value_volume(), "reading all grey values"));
+    check_memory(2 * static_cast<double>(grid().voxels()) * static_cast<double>(bytes_of(value_type())));
     std::vector<std::vector<std::byte>> of_class(classes().size());
     for (ClassId c = 0; c < of_class.size(); ++c) {
       SPLATLAS_ASSIGN_OR_RETURN(of_class[c], read_values(c));
     }
     return assemble_values(value_type(), of_class, class_volume);
-  } catch (const std::bad_alloc&) {
-    return impl_->out_of_memory();
-  }
+  });
 }
 
 Result<AtlasContent> Atlas::read_all() const {
-  try {
-    SPLATLAS_RETURN_IF_ERROR(work_budget().check(work_of_all(), "reading the whole atlas"));
+  return impl_->guarded([&]() -> Result<AtlasContent> {
     SPLATLAS_ASSIGN_OR_RETURN(AtlasContent content, read_classes());
     SPLATLAS_ASSIGN_OR_RETURN(content.values, read_value_volume(content.class_volume));
     for (StructureIndex s = 0; s < graph().size(); ++s) {
@@ -90,9 +89,7 @@ Result<AtlasContent> Atlas::read_all() const {
       content.boundary_normals.push_back(std::move(normals));
     }
     return content;
-  } catch (const std::bad_alloc&) {
-    return impl_->out_of_memory();
-  }
+  });
 }
 
 }  // namespace splatlas

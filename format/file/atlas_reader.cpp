@@ -22,6 +22,15 @@ struct OpenedDirectory {
   FileLayout layout;
 };
 
+/// Bytes of the file without sections of unknown kinds: they do not need work.
+std::uint64_t known_bytes(const FileLayout& layout) {
+  std::uint64_t bytes = layout.file_bytes();
+  for (const SectionLayout& section : layout.sections) {
+    if (section.stream_begin.empty()) bytes -= section.stored_bytes;
+  }
+  return bytes;
+}
+
 /// Reads and checks header and directory. Each is read once, so that later changes of the file have no
 /// effect.
 Result<OpenedDirectory> read_directory(const InputFile& file) {
@@ -60,7 +69,7 @@ Atlas::Impl::Impl(InputFile opened_file, const FileHeader& checked_header, Direc
       structure_classes(directory.classes, directory.graph.size()),
       fingerprinter(grid.size),
       surfaces(options.surfaces),
-      budget(file.name(), header.file_bytes, options.max_work),
+      budget(file.name(), known_bytes(layout), options.max_work),
       value_cache(groups.size(), kMaxCachedBytes) {
   const auto preorder = directory.graph.preorder();
   for (std::uint32_t n = 0; n < preorder.size(); ++n) surface_stream[preorder[n]] = n;
@@ -156,18 +165,11 @@ Result<std::vector<std::byte>> Atlas::Impl::read_stream(SectionKind kind, std::s
   const SectionLayout* section = layout.find(kind);
   if (!section) return std::vector<std::byte>{};
   const std::uint64_t size = section->stream_begin[stream + 1] - section->stream_begin[stream];
-  constexpr std::uint64_t kSmall = std::uint64_t{1} << 26;
-  if (const std::uint64_t limit = size <= kSmall ? kSmall : default_memory_limit(); size > limit) {
-    return named(ErrorCode::kLimit, "{} needs a stream of {} MiB, {} MiB are allowed",
-                 section_name(section->kind), size >> 20, limit >> 20);
-  }
-  try {
-    auto bytes = sections.read_stream(*section, stream);
-    if (!bytes) return named(bytes.error());
-    return bytes;
-  } catch (const std::bad_alloc&) {
-    return out_of_memory(fmt::format(" for a stream of {} bytes", size));
-  }
+  check_task();
+  check_memory(static_cast<double>(size));
+  auto bytes = sections.read_stream(*section, stream);
+  if (!bytes) return named(bytes.error());
+  return bytes;
 }
 
 std::vector<SectionSize> Atlas::sections() const {

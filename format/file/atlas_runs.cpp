@@ -127,12 +127,11 @@ Result<ClassRuns> Atlas::Impl::derive_runs(ClassId c, Axis axis) const {
 
 Result<ClassRuns> Atlas::read_runs(ClassId c, Axis axis) const {
   SPLATLAS_RETURN_IF_ERROR(impl_->check_class(c));
-  try {
+  const auto read = [&] {
     return impl_->layout.find(run_section(axis)) ? impl_->read_stored_runs(c, axis)
                                                  : impl_->derive_runs(c, axis);
-  } catch (const std::bad_alloc&) {
-    return impl_->out_of_memory(fmt::format(" for the runs of class {}", c));
-  }
+  };
+  return impl_->guarded(read, fmt::format(" for the runs of class {}", c));
 }
 
 }  // namespace splatlas

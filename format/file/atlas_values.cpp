@@ -37,13 +37,13 @@ Result<ValueCache::GroupValues> Atlas::Impl::decode_group(std::size_t group) con
     return values;
   }
   SPLATLAS_ASSIGN_OR_RETURN(const std::vector<ClassSpan> spans, read_spans(group));
-  check_cancelled();
+  check_memory(3.0 * static_cast<double>(voxels) * static_cast<double>(bytes_of(directory.value_type)));
   auto decoded = decode_values({spans, voxels, box, grid.size[1]}, directory.value_type, code);
   if (!decoded) {
     return named(ErrorCode::kInvalidAtlas, "invalid: values of class {}: {}", of.front(),
                  decoded.error().message);
   }
-  check_cancelled();
+  check_task();
   if (of.size() == 1) {
     values.front() = std::move(*decoded);
     return values;
@@ -52,7 +52,9 @@ Result<ValueCache::GroupValues> Atlas::Impl::decode_group(std::size_t group) con
   for (std::size_t n = 0; n < of.size(); ++n)
     values[n].reserve(directory.classes.voxels(of[n]) * value_bytes);
   const std::byte* next = decoded->data();
+  TaskPace pace;
   for (const ClassSpan& span : spans) {
+    pace.step();
     const auto n = static_cast<std::size_t>(std::ranges::lower_bound(of, span.of) - of.begin());
     const std::byte* const end = next + span.run.length * value_bytes;
     values[n].insert(values[n].end(), next, end);
@@ -70,12 +72,9 @@ Result<std::vector<std::byte>> Atlas::Impl::read_class_values(ClassId c) const {
 
 Result<std::vector<std::byte>> Atlas::read_values(ClassId c) const {
   SPLATLAS_RETURN_IF_ERROR(impl_->check_class(c));
-  try {
-    if (value_type() == VoxelType::kNone) return std::vector<std::byte>{};
-    return impl_->read_class_values(c);
-  } catch (const std::bad_alloc&) {
-    return impl_->out_of_memory(fmt::format(" for the values of class {}", c));
-  }
+  if (value_type() == VoxelType::kNone) return std::vector<std::byte>{};
+  const auto read = [&] { return impl_->read_class_values(c); };
+  return impl_->guarded(read, fmt::format(" for the values of class {}", c));
 }
 
 }  // namespace splatlas

@@ -8,6 +8,7 @@
 
 #include "format/file/atlas_impl.h"
 #include "format/system/result_macros.h"
+#include "format/system/task_control.h"
 
 namespace splatlas {
 
@@ -20,6 +21,7 @@ class RunVerifier {
   explicit RunVerifier(const Atlas& atlas) : atlas_(atlas) {}
 
   [[nodiscard]] Result<void> verify() {
+    check_memory(static_cast<double>(atlas_.runs(Axis::kZ)) * sizeof(Span));
     spans_.reserve(atlas_.runs(Axis::kZ));  // more are refused when they are read
     for (ClassId c = 1; c < atlas_.classes().size(); ++c) {
       SPLATLAS_ASSIGN_OR_RETURN(const ClassRuns runs, atlas_.read_runs(c, Axis::kZ));
@@ -65,7 +67,11 @@ class RunVerifier {
 
   /// Checks that no two classes contain the same voxel. validate() has checked the total number of voxels.
   [[nodiscard]] Result<void> check_overlap() {
-    std::ranges::sort(spans_);
+    TaskPace pace;
+    std::ranges::sort(spans_, [&](const Span& a, const Span& b) {
+      pace.step();
+      return a < b;
+    });
     const auto overlap = std::ranges::adjacent_find(
         spans_, [](const Span& a, const Span& b) { return a.scanline == b.scanline && a.end > b.start; });
     if (overlap == spans_.end()) return {};
@@ -101,7 +107,9 @@ class RunVerifier {
       include(slice - 1, 0, size[0]);
       include(slice, 0, size[0]);
     };
+    TaskPace pace;
     for (auto span = spans_.begin(); span != spans_.end(); ++next) {
+      pace.step();
       include_until(span->scanline);
       next = span->scanline;
       std::int64_t at = 0;
@@ -129,8 +137,7 @@ Result<void> verify_order(const Atlas& atlas) {
 }  // namespace
 
 Result<void> Atlas::verify() const {
-  try {
-    SPLATLAS_RETURN_IF_ERROR(work_budget().check(work_of_verify(), "checking the file"));
+  return impl_->guarded([&]() -> Result<void> {
     for (const SectionLayout& section : impl_->layout.sections) {
       const auto n = static_cast<std::size_t>(&section - impl_->layout.sections.data());
       for (std::uint32_t chunk = 0; chunk < impl_->directory.sections[n].chunks; ++chunk) {
@@ -143,9 +150,7 @@ Result<void> Atlas::verify() const {
     for (std::size_t g = 0; g < impl_->groups.size(); ++g) SPLATLAS_RETURN_IF_ERROR(impl_->decode_group(g));
     for (StructureIndex s = 0; s < graph().size(); ++s) SPLATLAS_RETURN_IF_ERROR(read_surface(s));
     return {};
-  } catch (const std::bad_alloc&) {
-    return impl_->out_of_memory();
-  }
+  });
 }
 
 }  // namespace splatlas

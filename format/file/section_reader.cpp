@@ -29,7 +29,7 @@ Result<SectionReader::Bytes> SectionReader::read_stored(std::size_t chunk) const
 
 Result<void> SectionReader::decode(const SectionLayout& section, std::size_t n,
                                    std::span<std::byte> to) const {
-  check_cancelled();
+  check_task();
   const std::size_t chunk = section.first_chunk + n;
   SPLATLAS_ASSIGN_OR_RETURN(const Bytes stored, read_stored(chunk));
   if (auto decoded = decode_chunk(stored, directory_.chunks[chunk], to); !decoded) {
@@ -65,6 +65,7 @@ Result<std::shared_ptr<const SectionReader::Bytes>> SectionReader::decode_shared
   };
   Result<void> result;
   try {
+    check_memory(static_cast<double>(kSharedKept * (section.chunk_begin[n + 1] - section.chunk_begin[n])));
     auto decoded = std::make_shared<Bytes>(section.chunk_begin[n + 1] - section.chunk_begin[n]);
     result = decode(section, n, *decoded);
     if (result) bytes = std::move(decoded);
@@ -105,6 +106,7 @@ Result<void> SectionReader::check_chunk_of(const SectionLayout& section, std::ui
     }
     return {};
   }
+  check_memory(static_cast<double>(section.chunk_begin[n + 1] - section.chunk_begin[n]));
   Bytes decoded(section.chunk_begin[n + 1] - section.chunk_begin[n]);
   return decode(section, n, decoded);
 }

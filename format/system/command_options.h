@@ -115,9 +115,8 @@ inline CLI::Option* add_max_work(CLI::App& app, double& max_work) {
     return factor && *factor >= kMinWork && *factor <= kMaxWork ? factor : std::nullopt;
   };
   return add_parsed(app, "--max-work", max_work, parse, "must be a number from 0.001 to 1e9",
-                    "limit of time and memory for the file, in multiples of the usual one (30 s of one core, "
-                    "half of the "
-                    "memory): below 1 for files of strangers, above for giants")
+                    "limit of time and memory for the file, in multiples of the usual one (30 s of one core, 2 GiB, "
+                    "more for large files): below 1 for files of strangers, above for giants")
       ->default_str(fmt::to_string(max_work));
 }
 

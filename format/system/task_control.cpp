@@ -1,6 +1,8 @@
 #include "format/system/task_control.h"
 
 #include <algorithm>
+#include <chrono>
+#include <ctime>
 #include <utility>
 
 namespace splatlas {
@@ -10,8 +12,24 @@ namespace {
 constexpr double kMinProgress = 1.0 / 256;
 
 thread_local TaskControl* current_task = nullptr;
+/// CPU time of this thread that tasks have been charged for, in seconds, and the wall clock then.
+thread_local double charged_until = 0;
+thread_local std::chrono::steady_clock::time_point charged_at;
 
-/// Makes a task that of this thread for a while.
+double thread_seconds() {
+  timespec time{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+/// CPU time since the last call.
+double uncharged_seconds() {
+  charged_at = std::chrono::steady_clock::now();
+  const double now = thread_seconds();
+  return now - std::exchange(charged_until, now);
+}
+
+/// Makes a task that of this thread for a while. Time of less than an interval may be charged later.
 class TaskScope {
  public:
   explicit TaskScope(TaskControl* task) : before_(std::exchange(current_task, task)) {}
@@ -25,10 +43,15 @@ class TaskScope {
 
 }  // namespace
 
-TaskControl::TaskControl(std::stop_token stop, std::function<void(double)> progress)
-    : stop_(std::move(stop)), progress_(std::move(progress)), outer_(std::exchange(current_task, this)) {}
+TaskControl::TaskControl(std::stop_token stop, std::function<void(double)> progress, const WorkBudget* budget)
+    : stop_(std::move(stop)), progress_(std::move(progress)), budget_(budget), outer_(current_task) {
+  const double before = uncharged_seconds();
+  if (outer_ != nullptr) outer_->charge(before);
+  current_task = this;
+}
 
 TaskControl::~TaskControl() {
+  charge(uncharged_seconds());
   current_task = outer_;
 }
 
@@ -37,7 +60,7 @@ TaskControl* TaskControl::current() {
 }
 
 void TaskControl::begin_stage(double end, std::size_t loops) {
-  if (stop_.stop_requested()) throw Cancelled();
+  check();
   report(stage_end_);
   stage_begin_ = stage_end_;
   stage_end_ = end;
@@ -56,8 +79,8 @@ void TaskControl::begin_loop(std::size_t count) {
 }
 
 void TaskControl::run_item(const std::function<void(std::size_t)>& body, std::size_t n) {
-  if (stop_.stop_requested()) throw Cancelled();
   const TaskScope scope(this);
+  check();
   body(n);
   const std::size_t done = ++done_;
   if (loop_ > loops_ || std::this_thread::get_id() != owner_) return;
@@ -72,8 +95,33 @@ void TaskControl::report(double fraction) {
   progress_(fraction);
 }
 
-void check_cancelled() {
-  if (current_task != nullptr && current_task->stop_.stop_requested()) throw Cancelled();
+void TaskControl::charge(double cpu_seconds) {
+  for (TaskControl* task = this; task != nullptr; task = task->outer_) task->cpu_seconds_ += cpu_seconds;
+}
+
+void TaskControl::check() {
+  // The clock of a thread takes a system call. No thread uses more CPU time than passes on the wall.
+  constexpr auto kInterval = std::chrono::milliseconds(5);
+  for (const TaskControl* task = this; task != nullptr; task = task->outer_) {
+    if (task->stop_.stop_requested()) throw Cancelled();
+  }
+  if (std::chrono::steady_clock::now() - charged_at < kInterval) return;
+  charge(uncharged_seconds());
+  for (const TaskControl* task = this; task != nullptr; task = task->outer_) {
+    if (task->budget_ != nullptr && task->cpu_seconds_ > task->budget_->cpu_seconds())
+      throw OverBudget(task->budget_->time_exceeded());
+  }
+}
+
+void check_task() {
+  if (current_task != nullptr) current_task->check();
+}
+
+void check_memory(double bytes) {
+  for (const TaskControl* task = current_task; task != nullptr; task = task->outer_) {
+    if (task->budget_ != nullptr && bytes > task->budget_->memory_bytes())
+      throw OverBudget(task->budget_->memory_exceeded(bytes));
+  }
 }
 
 }  // namespace splatlas

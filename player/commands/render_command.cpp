@@ -343,6 +343,7 @@ Result<RenderReport> run_render(const RenderRequest& request) {
   const auto start = std::chrono::steady_clock::now();
   SPLATLAS_ASSIGN_OR_RETURN(std::shared_ptr<const Atlas> atlas,
                             Atlas::open(request.atlas, request.atlas_options));
+  const TaskControl task({}, {}, &atlas->work_budget());  // of all steps together
   const double open_ms =
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   const Result<Selection> selection = resolve_selection(terms, atlas->graph());

@@ -154,7 +154,7 @@ void fill_faces(const ViewFaces& faces, const PictureSize& size, FaceLayer& laye
     layer.shown.assign(height, {});
   }
   pool.for_each((height + kRowsPerJob - 1) / kRowsPerJob, [&](std::size_t job) {
-    check_cancelled();
+    check_task();
     for (std::size_t row = job * kRowsPerJob; row < std::min(height, (job + 1) * kRowsPerJob); ++row) {
       Face* const front = layer.front.data() + row * width;
       Face* const back = has_back ? layer.back.data() + row * width : nullptr;

@@ -10,9 +10,6 @@ namespace splatlas {
 Result<std::optional<DrawPlan>> DecodedSelection::require(const DrawPlan& plan, Axis axis, bool normals,
                                                           ThreadPool& pool) {
   const std::vector<ClassId> of_volume = volume_classes(plan);
-  Work work = cache_.work_of(of_volume, axis, normals);
-  work.then(cache_.work_of_surfaces(plan.surfaces));
-  SPLATLAS_RETURN_IF_ERROR(atlas_->work_budget().check(work, "the selection"));
   const Result<void> classes = cache_.require(of_volume, axis, pool, normals);
   if (!classes && cache_.failed_classes().empty()) return tl::unexpected(classes.error());
   const Result<void> surfaces = cache_.require_surfaces(plan.surfaces, pool);
@@ -53,8 +50,6 @@ Result<void> DecodedSelection::require_faces(std::span<const FaceClass> faces, A
   for (ClassId c = 0; c < faces.size(); ++c) {
     if (faces[c].has_face()) classes.push_back(c);
   }
-  const Work work = cache_.work_of(classes, axis, false);
-  SPLATLAS_RETURN_IF_ERROR(atlas_->work_budget().check(work, "the faces of the cut"));
   Result<void> required = cache_.require(classes, axis, pool, false);
   if (required) return {};
   if (cache_.failed_classes().empty()) return required;

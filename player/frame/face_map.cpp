@@ -59,7 +59,7 @@ class FaceMap::Builder {
         texels_(reinterpret_cast<Texel*>(map.texels_.data())) {}
 
   void add_slice(std::int64_t slice) {
-    check_cancelled();
+    check_task();
     for (const ClassRun& run : scene_.cache.runs(scene_.axis).slice(slice)) {
       if ((*map_.classes_)[run.id].has_face()) add_run(slice, run);
     }

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "format/system/result_macros.h"
+#include "format/system/task_control.h"
 #include "player/frame/stopwatch.h"
 #include "player/sheets/resolve_ids.h"
 #include "player/sheets/span_depths.h"
@@ -60,21 +61,11 @@ float skew_of(const Shear& shear, const SheetSampling& sampling) {
   return static_cast<float>(std::clamp(covariance, -kMaxSkew, kMaxSkew));
 }
 
-/// Work of a sheet that is much finer than the picture, because voxels are.
-Work work_of_sheet(const SheetWindow& window, const SpanModel& model, const PictureSize& size) {
-  constexpr double kPerPixel = 20;  // and channel
-  constexpr double kUsual = 8;      // sheet pixels per picture pixel
-  constexpr double kPerRow = 100, kBytesPerRow = 64;
-  const double pixels = static_cast<double>(window.fine_rows()) * static_cast<double>(window.fine_columns());
-  const double beyond = std::max(0.0, pixels - kUsual * size.width * size.height);
-  Work work;
-  if (beyond == 0) return work;
+double bytes_of_sheet(const SheetWindow& window, const SpanModel& model) {
+  constexpr double kBytesPerRow = 64;
   const auto rows = static_cast<double>(window.fine_rows());
-  work.add(WorkKind::kPixels, beyond, kPerPixel * (1 + model.emissions));
-  work.add(WorkKind::kRows, rows, kPerRow);
-  const double sheet_pixels = (rows + 2) * static_cast<double>(window.fine_columns() + 2);
-  work.hold(2 * sizeof(float) * (1 + model.emissions) * sheet_pixels + kBytesPerRow * rows);
-  return work;
+  const double pixels = (rows + 2) * static_cast<double>(window.fine_columns() + 2);
+  return 2 * sizeof(float) * (1 + model.emissions) * pixels + kBytesPerRow * rows;
 }
 
 Result<SheetWindow> choose_window(const SpanModel& model, const Shear& shear, const Grid& grid,
@@ -106,10 +97,7 @@ Result<void> SheetFrame::render_volume(Picture& /*picture*/) {
   const RenderOptions& options = scene_.options;
   SPLATLAS_ASSIGN_OR_RETURN(const SheetWindow window,
                             choose_window(spans_, shear_, scene_.grid, options, planes()));
-  if (scene_.budget != nullptr) {
-    SPLATLAS_RETURN_IF_ERROR(
-        scene_.budget->check(work_of_sheet(window, spans_, options.size), "the sheet of the selection"));
-  }
+  check_memory(bytes_of_sheet(window, spans_));
   buffers_.order.build(buffers_.fragments, shear_, window, options.size, scene_.grid, pool_);
   // The positive weights of the cubic kernel sum to at most 1.28, which amplifies the error of the sheet.
   const float threshold = termination_threshold(options) / (window.cubic ? 1.3f : 1.0f);

@@ -12,9 +12,9 @@
 
 namespace splatlas {
 
-/// Work of the tables of a ray volume with these runs, and memory of the pages that they touch here and in
+/// Upper bound of the memory of a ray volume with these runs: tables, and pages that they touch here and in
 /// the class cache.
-[[nodiscard]] Work work_of_ray_volume(const MarchGrid& grid, std::uint64_t runs);
+[[nodiscard]] double bytes_of_ray_volume(const MarchGrid& grid, std::uint64_t runs);
 
 /// One byte per brick, x fastest: nonzero for non-empty bricks.
 struct BrickMask {

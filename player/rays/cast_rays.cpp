@@ -72,7 +72,7 @@ void store_ids(int left, int top, const RayShares& shares, const CastOptions& op
 void render_block(int left, int top, const PixelRays& rays, const MarchScene& scene,
                   const CastOptions& options, const MarchKernels& kernels, RayShares* shares,
                   Picture& picture) {
-  check_cancelled();
+  check_task();
   const RayPoints points = block_centers(left, top, picture.size);
   RayPacket packet = rays.through(points);
   if (options.cuts != nullptr) rays.clip(*options.cuts, points, packet);

@@ -148,7 +148,7 @@ void cast_surfaces(const RayVolume& volume, const View& view, const Grid& grid, 
     std::optional<RayShares> of_packet;
     if (options.ids != nullptr) of_packet.emplace(volume);
     for (std::size_t first = job * kSamplesPerJob; first < last; first += kPacketRays) {
-      check_cancelled();
+      check_task();
       SamplePacket packet(volume, march, kernels, fragments, first, of_packet ? &*of_packet : nullptr);
       packet.render(rays, options.cuts, picture.size.width, scene, &radiances[first]);
       if (of_packet) {

@@ -115,7 +115,7 @@ void add_ray_depths(const RayVolume& volume, const View& view, const Grid& grid,
   pool.for_each(bands, [&](std::size_t band) {
     const int top = static_cast<int>(band) * kBlockSide;
     for (int left = 0; left < width; left += kBlockSide) {
-      check_cancelled();
+      check_task();
       const RayPoints points = block_centers(left, top, depths.size);
       const auto& [x, y] = points;
       RayPacket rays = pixel_rays.through(points);

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "format/system/result_macros.h"
+#include "format/system/task_control.h"
 #include "player/rays/bricks.h"
 #include "player/transfer_function.h"
 
@@ -139,8 +140,7 @@ class RayVolume::Builder {
                                 request_.atlas.name()));
       }
     }
-    const Work work = work_of_ray_volume(volume_.grid_, runs.count());
-    SPLATLAS_RETURN_IF_ERROR(request_.atlas.work_budget().check(work, "the box around the selection"));
+    check_memory(bytes_of_ray_volume(volume_.grid_, runs.count()));
     if (const std::uint64_t bytes = bytes_needed(voxels); bytes > request_.max_memory_bytes) {
       return fail(ErrorCode::kLimit,
                   fmt::format("{}: the selection's grey values take up to {} MiB for rays; {} MiB are "

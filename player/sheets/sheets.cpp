@@ -163,7 +163,7 @@ class Band {
 
   /// Splats and composites a slab at position `k` along the principal axis.
   void render_slab(const SliceSpans& slice, double k) {
-    check_cancelled();
+    check_task();
     if (removes(k)) return;
     // Find the sub-pixel offset of each phase
     const double u_shift = pass_.shear.u_shift(k) - static_cast<double>(pass_.window.u0);

@@ -36,9 +36,11 @@ namespace {
 template <typename Take>
 void for_each_in_memory(const ClassRuns& runs, Axis axis, const Index3& size, const Take& take) {
   const auto row_voxels = static_cast<std::uint64_t>(size[0]);
+  TaskPace pace;
   if (axis == Axis::kZ) {
     std::size_t place = 0;
     for (const Run& run : runs) {
+      pace.step();
       take(run.scanline * row_voxels + run.start, place, run.length);
       place += run.length;
     }
@@ -52,6 +54,7 @@ void for_each_in_memory(const ClassRuns& runs, Axis axis, const Index3& size, co
   const auto for_each = [&](const auto& each) {
     std::uint64_t slice = runs.front().scanline / rows;
     for (const Run& run : runs) {
+      pace.step();
       while (run.scanline >= (slice + 1) * rows) ++slice;
       each(run, slice, run.scanline - slice * rows);
     }
@@ -86,63 +89,34 @@ std::vector<ClassCache::Missing> ClassCache::missing_of(std::span<const ClassId>
   return missing;
 }
 
-Work ClassCache::work_of(std::span<const ClassId> classes, Axis axis, bool normals) const {
-  constexpr double kPerSpanVoxel = 20, kPerRow = 20, kPerPage = 1000, kPageBytes = 4096;
+double ClassCache::memory_of(std::span<const Missing> missing, Axis axis, bool normals) const {
   const Grid& grid = atlas_->grid();
-  const ScanOrder order = ScanOrder::of(axis);
-  const auto grid_voxels = static_cast<double>(grid.voxels());
   const auto voxel_bytes = static_cast<double>(value_bytes() + (normals ? sizeof(PackedNormal) : 0));
-  std::vector<ClassId> runs, values, of_normals, in_memory_order;
+  const double grid_bytes = static_cast<double>(grid.voxels()) * voxel_bytes;
+  constexpr double kPageBytes = 4096;
   IndexBox box;
   double voxels = 0, pages = 0;
-  for (const Missing& of : missing_of(classes, axis, normals)) {
-    if (of.runs || axis != Axis::kX) runs.push_back(of.id);  // as in decode()
-    if (of.values) values.push_back(of.id);
-    if (of.normals) of_normals.push_back(of.id);
-    if (of.values || of.normals) in_memory_order.push_back(of.id);
+  for (const Missing& of : missing) {
     const IndexBox& of_class = atlas_->classes().box(of.id);
     const auto of_slices = static_cast<double>(of_class.last[2] - of_class.first[2] + 1);
     const auto in_class = static_cast<double>(atlas_->classes().voxels(of.id));
     box.include(of_class);
     voxels += in_class;
-    pages += std::min(2 * in_class, 2 + of_slices / static_cast<double>(grid.size[2]) * grid_voxels *
-                                            voxel_bytes / kPageBytes);
+    pages +=
+        std::min(2 * in_class, 2 + of_slices / static_cast<double>(grid.size[2]) * grid_bytes / kPageBytes);
   }
-  Work work = atlas_->work_of_normals(of_normals);
-  if (box.empty()) return work;
-  work.then(atlas_->work_of_runs(runs, axis));
-  work.then(atlas_->work_of_values(values));
-  if (axis == Axis::kX) work.then(atlas_->work_of_runs(in_memory_order, Axis::kZ));
-
-  // Values and normals are spread over the pages of the grid
-  pages = std::min(pages, 2 + grid_voxels * voxel_bytes / kPageBytes);
-  // Spans take up to two blocks per run, and offsets of all rows between their first and last
+  if (box.empty()) return 0;
+  // Values and normals are spread over the pages of the grid. Spans take up to two blocks per run, and
+  // offsets of all rows between their first and last
+  pages = std::min(pages, 2 + grid_bytes / kPageBytes);
   constexpr double kBlockBytes = 4 * kBlock * sizeof(float), kRunBytes = 3 * sizeof(ClassRun);
+  const ScanOrder order = ScanOrder::of(axis);
   const auto side = [&](std::uint8_t a) { return static_cast<double>(box.last[a] - box.first[a] + 1); };
-  const double all_runs = std::min(voxels, static_cast<double>(atlas_->runs(axis)));
-  const double rows = std::min(side(order.slice_axis), all_runs) * side(order.row_axis);
-  const double blocks = std::min(2 * all_runs + voxels / kBlock, rows * (side(order.scan_axis) / kBlock + 2));
-  Work spans;
-  spans.add(WorkKind::kVoxels, voxels, kPerSpanVoxel + kPerPage * pages / voxels);
-  spans.add(WorkKind::kRows, rows, kPerRow);
-  // The tables of for_each_in_memory() hold all planes
-  const double planes =
-      axis == Axis::kY ? static_cast<double>(grid.size[2]) * static_cast<double>(in_memory_order.size()) : 0;
-  spans.add(WorkKind::kRows, planes, 2);
-  spans.hold(pages * kPageBytes + all_runs * kRunBytes + blocks * kBlockBytes + rows * sizeof(std::uint32_t) +
-             voxels * sizeof(ShadedVoxel) + std::min(8.0 * static_cast<double>(grid.size[2]), planes) * 8);
-  return work.then(spans);
-}
-
-Work ClassCache::work_of_surfaces(std::span<const StructureIndex> structures) const {
-  constexpr double kPerDrawnTriangle = 100;
-  std::vector<StructureIndex> missing;
-  Work drawing;
-  for (const StructureIndex s : structures) {
-    if (!surfaces_.contains(s)) missing.push_back(s);
-    drawing.add(WorkKind::kTriangles, static_cast<double>(atlas_->triangles(s)), kPerDrawnTriangle);
-  }
-  return atlas_->work_of_surfaces(missing).then(drawing);
+  const double runs = std::min(voxels, static_cast<double>(atlas_->runs(axis)));
+  const double rows = std::min(side(order.slice_axis), runs) * side(order.row_axis);
+  const double blocks = std::min(2 * runs + voxels / kBlock, rows * (side(order.scan_axis) / kBlock + 2));
+  return pages * kPageBytes + runs * kRunBytes + blocks * kBlockBytes + rows * sizeof(std::uint32_t) +
+         voxels * sizeof(ShadedVoxel);
 }
 
 Result<void> ClassCache::reserve(std::span<const Missing> missing) {
@@ -181,6 +155,7 @@ Result<void> ClassCache::require(std::span<const ClassId> classes, Axis axis, Th
   failed_classes_.clear();
   std::vector<Missing> missing = missing_of(classes, axis, normals);
   if (missing.empty()) return {};
+  check_memory(memory_of(missing, axis, normals));
   SPLATLAS_RETURN_IF_ERROR(reserve(missing));
 
   // Sort the largest classes first for load balance. Small classes share chunks and stay in order. Boundary
@@ -235,7 +210,7 @@ Result<void> ClassCache::decode(Missing& missing, Axis axis) const {
     SPLATLAS_ASSIGN_OR_RETURN(z_runs, atlas_->read_runs(missing.id, Axis::kZ));
   }
   const auto scatter = [&](const void* from, std::size_t voxel_bytes, std::byte* to) {
-    check_cancelled();
+    check_task();
     const auto* stored = static_cast<const std::byte*>(from);
     for_each_in_memory(axis == Axis::kX ? z_runs : missing.read, axis == Axis::kX ? Axis::kZ : axis,
                        atlas_->grid().size, [&](std::uint64_t voxel, std::size_t place, std::size_t count) {
@@ -247,7 +222,7 @@ Result<void> ClassCache::decode(Missing& missing, Axis axis) const {
     SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::byte> values, atlas_->read_values(missing.id));
     scatter(values.data(), value_bytes(), values_.data());
   }
-  check_cancelled();
+  check_task();
   if (missing.normals) {
     SPLATLAS_ASSIGN_OR_RETURN(const std::vector<PackedNormal> normals, atlas_->read_normals(missing.id));
     if (!normals.empty()) scatter(normals.data(), sizeof(PackedNormal), normals_.data());

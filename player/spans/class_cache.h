@@ -37,11 +37,6 @@ class ClassCache {
   [[nodiscard]] std::span<const FailedClass> failed_classes() const { return failed_classes_; }
   [[nodiscard]] std::span<const FailedSurface> failed_surfaces() const { return failed_surfaces_; }
 
-  /// Work of require(), and of building the spans of these classes.
-  [[nodiscard]] Work work_of(std::span<const ClassId> classes, Axis axis, bool normals) const;
-  /// Work of require_surfaces(), and of drawing them.
-  [[nodiscard]] Work work_of_surfaces(std::span<const StructureIndex> structures) const;
-
   /// The runs of all classes that have been required for an axis.
   [[nodiscard]] const ScanlineRuns& runs(Axis axis) const { return runs_[static_cast<std::size_t>(axis)]; }
   /// Number of runs, and surface; the class, axis or structure must have been required.
@@ -70,6 +65,8 @@ class ClassCache {
   struct Missing;
   [[nodiscard]] std::vector<Missing> missing_of(std::span<const ClassId> classes, Axis axis,
                                                 bool normals) const;
+  /// Upper bound of the bytes that these classes and their spans will take.
+  [[nodiscard]] double memory_of(std::span<const Missing> missing, Axis axis, bool normals) const;
   [[nodiscard]] Result<void> reserve(std::span<const Missing> missing);
   [[nodiscard]] Result<void> decode(Missing& missing, Axis axis) const;
   void keep_runs(std::span<const Missing> missing, Axis axis, ThreadPool& pool);

@@ -11,6 +11,7 @@
 #include <zlib.h>
 
 #include "format/system/result_macros.h"
+#include "format/system/task_control.h"
 
 namespace splatlas {
 namespace {
@@ -47,6 +48,7 @@ Result<void> deflate_in_pieces(std::initializer_list<std::span<const std::byte>>
   // Compress what `stream` has as input; `flush` is Z_FINISH at the end.
   const auto drain = [&](int flush) -> Result<void> {
     do {
+      check_task();
       stream->next_out = reinterpret_cast<unsigned char*>(packed.data());
       stream->avail_out = static_cast<unsigned>(packed.size());
       deflate(stream.get(), flush);  // cannot fail: the state is valid and there is room

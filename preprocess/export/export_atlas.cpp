@@ -13,6 +13,7 @@
 #include "format/system/output_file.h"
 #include "format/system/output_path.h"
 #include "format/system/result_macros.h"
+#include "format/system/task_control.h"
 #include "preprocess/export/export_labels.h"
 #include "preprocess/export/export_tables.h"
 #include "preprocess/export/write_image.h"
@@ -95,38 +96,28 @@ Result<void> check_writable(const ExportOptions& options) {
   return {};
 }
 
-constexpr double kPerByte = 15, kPerByteOfMask = 5;
-
-/// Work of writing `files` volume files with values of `bytes` bytes, each copied, reordered, compressed.
-Work work_of_volumes(const Grid& grid, std::size_t files, std::size_t bytes, double per_byte) {
-  const double all = static_cast<double>(grid.voxels()) * static_cast<double>(bytes);
-  Work work;
-  work.add(WorkKind::kVoxels, static_cast<double>(grid.voxels()),
-           per_byte * static_cast<double>(bytes) * static_cast<double>(files));
-  constexpr double kAtOnce = 4;  // masks, or the copies of one volume
-  work.hold(static_cast<double>(grid.voxels()) * sizeof(ClassId) + kAtOnce * all);
-  return work;
+/// Checks the memory of writing volumes with values of `bytes` bytes: the class volume, and copies of
+/// `copies` volumes.
+void check_volumes(const Grid& grid, std::size_t copies, std::size_t bytes) {
+  check_memory(static_cast<double>(grid.voxels()) * static_cast<double>(sizeof(ClassId) + copies * bytes));
 }
 
 /// Exports labels as a label map or as masks. Adds notes.
 Result<std::string> export_labels(const AtlasContent& content, const Atlas& atlas,
                                   const ExportOptions& options, std::vector<std::string>& notes) {
   if (is_folder_of_masks(options)) {
-    const Work work = work_of_volumes(atlas.grid(), count_masks(content), 1, kPerByteOfMask);
-    SPLATLAS_RETURN_IF_ERROR(atlas.work_budget().check(work, "writing all masks"));
+    check_volumes(atlas.grid(), 2, sizeof(ClassId));  // in the order of the source; masks
     SPLATLAS_ASSIGN_OR_RETURN(const ExportedMasks masks, export_masks(content, options.labels));
     notes.insert(notes.end(), masks.notes.begin(), masks.notes.end());
     return fmt::format("{}: {} masks", options.labels, masks.count);
   }
-  const Work work = work_of_volumes(atlas.grid(), 1, bytes_of(content.label_type), kPerByte);
-  SPLATLAS_RETURN_IF_ERROR(atlas.work_budget().check(work, "writing the labels"));
+  check_volumes(atlas.grid(), 2, bytes_of(content.label_type));
   SPLATLAS_RETURN_IF_ERROR(export_label_map(content, atlas.name(), options.labels));
   return fmt::format("{}: labels, {}", options.labels, name_of(content.label_type));
 }
 
 Result<std::string> export_volume(const AtlasContent& content, const Atlas& atlas, const fs::path& path) {
-  const Work work = work_of_volumes(atlas.grid(), 1, bytes_of(atlas.value_type()), kPerByte);
-  SPLATLAS_RETURN_IF_ERROR(atlas.work_budget().check(work, "writing the grey values"));
+  check_volumes(atlas.grid(), 4, bytes_of(atlas.value_type()));
   SPLATLAS_ASSIGN_OR_RETURN(const VoxelBuffer values, atlas.read_value_volume(content.class_volume));
   SPLATLAS_RETURN_IF_ERROR(write_image({content.source_grid, to_source_order(values, content)}, path));
   return fmt::format("{}: volume, {}", path.string(), name_of(values.type));
@@ -134,14 +125,10 @@ Result<std::string> export_volume(const AtlasContent& content, const Atlas& atla
 
 Result<std::string> export_surface(const Atlas& atlas, const std::vector<StructureIndex>& structures,
                                    const fs::path& path) {
-  Work work = atlas.work_of_surfaces(structures), writing;
+  constexpr double kBytesPerTriangle = 280;
   double written = 0;
   for (const StructureIndex s : structures) written += static_cast<double>(atlas.triangles(s));
-  constexpr double kPerWrittenTriangle = 300, kBytesPerTriangle = 280;
-  writing.add(WorkKind::kTriangles, written, kPerWrittenTriangle);
-  writing.hold(written * kBytesPerTriangle);
-  work.then(writing);
-  SPLATLAS_RETURN_IF_ERROR(atlas.work_budget().check(work, "writing surfaces"));
+  check_memory(written * kBytesPerTriangle);
   std::vector<SurfaceMesh> surfaces;
   std::uint64_t triangles = 0;
   for (const StructureIndex s : structures) {
@@ -181,6 +168,24 @@ Result<std::string> export_table(const std::string& text, const char* kind, cons
   return fmt::format("{}: {}", path.string(), kind);
 }
 
+/// Writes the outputs in order, up to a failure that is no damage.
+void write_outputs(const Atlas& atlas, const std::vector<std::vector<StructureIndex>>& structures,
+                   const std::string& names, const ExportOptions& options, ExportedFiles& files) {
+  if (!options.names.empty() &&
+      !note(export_table(names, "names", options.names), options.names.string(), files))
+    return;
+  if (!options.tree.empty() &&
+      !note(export_table(tree_text(atlas.graph()), "tree", options.tree), options.tree.string(), files))
+    return;
+  if (!options.labels.empty() || !options.volume.empty()) {
+    if (!export_voxels(atlas, options, files)) return;
+  }
+  for (std::size_t n = 0; n < structures.size(); ++n) {
+    const fs::path& path = options.surfaces[n].second;
+    if (!note(export_surface(atlas, structures[n], path), path.string(), files)) return;
+  }
+}
+
 }  // namespace
 
 Result<ExportedFiles> export_atlas(const ExportOptions& options) {
@@ -197,18 +202,11 @@ Result<ExportedFiles> export_atlas(const ExportOptions& options) {
   }
   SPLATLAS_ASSIGN_OR_RETURN(const std::string names, names_text(atlas->graph(), options.names_format));
   ExportedFiles files;
-  if (!options.names.empty() &&
-      !note(export_table(names, "names", options.names), options.names.string(), files))
-    return files;
-  if (!options.tree.empty() &&
-      !note(export_table(tree_text(atlas->graph()), "tree", options.tree), options.tree.string(), files))
-    return files;
-  if (!options.labels.empty() || !options.volume.empty()) {
-    if (!export_voxels(*atlas, options, files)) return files;
-  }
-  for (std::size_t n = 0; n < structures.size(); ++n) {
-    const fs::path& path = options.surfaces[n].second;
-    if (!note(export_surface(*atlas, structures[n], path), path.string(), files)) break;
+  try {
+    const TaskControl task({}, {}, &atlas->work_budget());
+    write_outputs(*atlas, structures, names, options, files);
+  } catch (const OverBudget& over) {
+    files.failures.push_back(over.error());
   }
   return files;
 }

@@ -16,6 +16,7 @@
 #include "format/system/output_folder.h"
 #include "format/system/parallel.h"
 #include "format/system/result_macros.h"
+#include "format/system/task_control.h"
 #include "preprocess/export/file_names.h"
 #include "preprocess/export/image_header.h"
 #include "preprocess/export/write_image.h"
@@ -106,7 +107,9 @@ class ClassSlices {
                      sizeof(ClassId), reordered_.data());
       stored_ = reordered_;
     }
+    TaskPace pace;
     for (std::size_t v = 0; v < stored_.size(); ++v) {
+      pace.step();
       auto& [first, end] = range_[stored_[v]];
       first = std::min(first, v / slice_);
       end = std::max(end, v / slice_ + 1);
@@ -188,10 +191,6 @@ Result<void> export_label_map(const AtlasContent& content, const std::string& na
     }
   });
   return write_image({content.source_grid, to_source_order(stored, content)}, path);
-}
-
-std::size_t count_masks(const AtlasContent& content) {
-  return masked_structures(content.graph, StructureClasses(content.classes, content.graph.size())).size();
 }
 
 Result<ExportedMasks> export_masks(const AtlasContent& content, const fs::path& path) {

@@ -25,8 +25,6 @@ struct ExportedMasks {
   std::vector<std::string> notes;  ///< one line each: on the ending, on ids that are no safe file names
 };
 
-/// Number of masks that export_masks() writes.
-[[nodiscard]] std::size_t count_masks(const AtlasContent& content);
 /// Writes one mask (uint8, 1 inside) per structure to a new or empty folder, atomically: ID.nii.gz, or
 /// ID.nrrd if NIfTI cannot hold the grid. Groups and external surfaces have no mask. Ids that are unsafe as
 /// file names are changed by file_names_of().

@@ -48,12 +48,6 @@ double processor_seconds() {
 
 }  // namespace
 
-Cost limit_of(const Work& work) {
-  constexpr double kSecondsPerUnit = 30e-9, kSeconds = 0.1;
-  constexpr double kUnitsPerByte = 4, kBytes = 4 << 20;
-  return {kSeconds + kSecondsPerUnit * work.units(), kBytes + work.units() / kUnitsPerByte};
-}
-
 CostLimit::CostLimit(const Cost& limit, std::string what)
     : limit_(limit), what_(std::move(what)), begun_seconds_(processor_seconds()) {
   install_hooks();

@@ -5,8 +5,6 @@
 #include <cstdint>
 #include <string>
 
-#include "format/atlas_reader.h"
-
 namespace splatlas {
 
 /// CPU seconds and bytes of heap.
@@ -26,11 +24,6 @@ struct InputLimit {
 
 /// Limit of every input of this target. fuzz_entry.cpp has a default; targets that need another define it.
 [[nodiscard]] InputLimit input_limit();
-
-/// Limit of an operation of this estimated work. A unit is a nanosecond or a quarter of a byte
-/// (WorkBudget). Sanitizers slow programs down five to ten times, and other programs up to three
-/// times: 30 ns. The floors are for tables of fixed size and for clocks that tick every 10 ms.
-[[nodiscard]] Cost limit_of(const Work& work);
 
 /// A finding if CPU time, or heap held beyond that at construction, exceeds the limit before destruction.
 /// Heap is counted with sanitizers only. Limits nest; not thread-safe. `what` names the operation.

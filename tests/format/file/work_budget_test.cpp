@@ -1,21 +1,20 @@
-#include <algorithm>
+#include "format/work_budget.h"
+
 #include <atomic>
 #include <cmath>
 #include <thread>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <rapidcheck/gtest.h>
 
 #include "format/atlas_reader.h"
 #include "format/atlas_writer.h"
+#include "format/system/task_control.h"
 #include "tests/format/atlas_surgery.h"
 #include "tests/format/random_content.h"
-#include "tests/format/random_volume.h"
 #include "tests/support/fails_with.h"
 #include "tests/support/fit_parts.h"
 #include "tests/support/sparse_atlas.h"
-#include "tests/support/test_content.h"
 
 namespace splatlas {
 namespace {
@@ -24,191 +23,59 @@ using ::testing::AllOf;
 using ::testing::EndsWith;
 using ::testing::HasSubstr;
 
+constexpr std::uint64_t kGiB = std::uint64_t{1} << 30;
+
 TEST(WorkBudget, GrowsWithTheFile) {
-  EXPECT_EQ(WorkBudget("F", 100, 1).allowed(), 3e10);
-  EXPECT_EQ(WorkBudget("F", 1 << 20, 1).allowed(), 3e10);
-  EXPECT_EQ(WorkBudget("F", (1 << 20) + 5, 1).allowed(), 3e10 + 5e4);
-  EXPECT_EQ(WorkBudget("F", 100, 2.5).allowed(), 7.5e10);
-  EXPECT_EQ(WorkBudget("F", 100, 0.5).allowed(), 1.5e10);
-  EXPECT_EQ(WorkBudget("F", 100, std::nan("")).allowed(), 3e10);
+  EXPECT_EQ(WorkBudget("F", 100, 1).cpu_seconds(), 30);
+  EXPECT_EQ(WorkBudget("F", 1 << 20, 1).cpu_seconds(), 30);
+  EXPECT_DOUBLE_EQ(WorkBudget("F", (1 << 20) + 5, 1).cpu_seconds(), 30 + 5e-5);
+  EXPECT_EQ(WorkBudget("F", 100, 2.5).cpu_seconds(), 75);
+  EXPECT_EQ(WorkBudget("F", 100, std::nan("")).cpu_seconds(), 30);
 }
 
-TEST(WorkBudget, NamesNumberAndOption) {
-  Work work;
-  work.add(WorkKind::kRuns, 1e6, 1000);
-  work.add(WorkKind::kBytes, 1e10, 10);
-  EXPECT_EQ(work.units(), 1.01e11);
-  const Result<void> refused = WorkBudget("a.atlas", 21234, 1).check(work, "the selection");
-  EXPECT_THAT(
-      refused,
-      FailsWith(ErrorCode::kLimit,
-                "a.atlas: the selection takes 1.01e+11 units of work (1e+10 decoded bytes); a file of "
-                "21234 bytes may take 3e+10. If you trust the file, allow it with --max-work 4"));
-  EXPECT_TRUE(WorkBudget("a.atlas", 21234, 4).check(work, "the selection"));
-  EXPECT_FALSE(WorkBudget("a.atlas", 21234, 3).check(work, "the selection"));
+TEST(WorkBudget, HoldsHalfOfTheMachineAtMost) {
+  EXPECT_EQ(WorkBudget("F", 100, 1, 16 * kGiB).memory_bytes(), 0x1p31);
+  EXPECT_EQ(WorkBudget("F", (1 << 20) + 1024, 1, 16 * kGiB).memory_bytes(), 0x1p31 + 0x1p21);
+  EXPECT_EQ(WorkBudget("F", kGiB, 1, 16 * kGiB).memory_bytes(), 0x1p33);
+  EXPECT_EQ(WorkBudget("F", 100, 1, 3 * kGiB).memory_bytes(), 1.5 * 0x1p30);
+  EXPECT_EQ(WorkBudget("F", 100, 0.5, 3 * kGiB).memory_bytes(), 0.75 * 0x1p30);
 }
 
-/// A file may hold half of the memory. Steps follow one another: their memory does not add up.
-TEST(WorkBudget, CountsMemory) {
-  Work work, step;
-  step.hold(150e6);
-  for (int n = 0; n < 5; ++n) work += step;
-  EXPECT_EQ(work.units(), 6e8);
-  work.hold(210e6);
-  EXPECT_TRUE(WorkBudget("F", 1, 1, 420'000'000).check(work, "it"));
-  EXPECT_THAT(
-      WorkBudget("F", 1, 1, 400'000'000).check(work, "it"),
-      FailsWith(ErrorCode::kLimit, AllOf(HasSubstr("it holds 200 MiB at once; a file may take 191 MiB"),
-                                         HasSubstr("--max-work 2"))));
-  EXPECT_THAT(WorkBudget("F", 1, 0.5, 420'000'001).check(work, "it"),
-              FailsWith(ErrorCode::kLimit, EndsWith("--max-work 1")));
+TEST(WorkBudget, NamesNumbersAndOption) {
+  const WorkBudget budget("a.atlas", 21234, 0.5, 2 * kGiB);
+  EXPECT_EQ(budget.time_exceeded().code, ErrorCode::kLimit);
+  EXPECT_EQ(budget.time_exceeded().message,
+            "a.atlas: takes more than 15 s of CPU time, the limit of a file of 21234 bytes. If you trust the "
+            "file, allow it with --max-work 5");
+  EXPECT_EQ(
+      budget.memory_exceeded(0x1p30).message,
+      "a.atlas: takes 1024 MiB of memory at once; the limit of a file of 21234 bytes is 512 MiB. If you "
+      "trust the file, allow it with --max-work 1");
+  EXPECT_THAT(budget.memory_exceeded(0x1p30 + 1).message, EndsWith("--max-work 2"));
 }
 
-TEST(WorkBudget, AddsOtherItemsAndKeepsTheCountOfFurtherSteps) {
-  Work items, others, step;
-  items.add(WorkKind::kRuns, 10, 3);
-  others.add(WorkKind::kRuns, 5, 3);
-  step.add(WorkKind::kRuns, 12, 100);
-  step.add(WorkKind::kVoxels, 7, 1);
-  items += others;
-  EXPECT_EQ(items.count(WorkKind::kRuns), 15);
-  items.then(step);
-  EXPECT_EQ(items.count(WorkKind::kRuns), 15);
-  EXPECT_EQ(items.count(WorkKind::kVoxels), 7);
-  EXPECT_EQ(items.units(), 45 + 1200 + 7);
-  items.limit(WorkKind::kRuns, 4);
-  EXPECT_EQ(items.largest(), "4 runs");
+/// Sections of unknown kinds cost nothing, so they allow nothing.
+TEST(WorkBudget, UnknownSectionsBuyNothing) {
+  AtlasParts parts = take_apart(encode_atlas(fitted(random_content(3))).value());
+  const double before = Atlas::open_bytes(put_together(parts)).value()->work_budget().cpu_seconds();
+  parts.chunks.insert(parts.chunks.begin(), Bytes(4 << 20));
+  const auto& padding = parts.chunks.front();
+  parts.directory.sections.insert(parts.directory.sections.begin(), {4711, 1, 5, 7});
+  parts.directory.chunks.insert(
+      parts.directory.chunks.begin(),
+      {checksum_of(padding), static_cast<std::uint32_t>(padding.size()), ChunkCodec::kStored, 0});
+  EXPECT_EQ(Atlas::open_bytes(put_together(parts)).value()->work_budget().cpu_seconds(), before);
 }
 
-/// An atlas of nested and overlapping structures with grey values: several steps need the same items.
-std::shared_ptr<const Atlas> overlapping_atlas(bool compact) {
-  TestVolume volume;
-  volume.grid.size = {24, 20, 16};
-  volume.structures.push_back({"block", box_mask(volume.grid.size, {2, 2, 2}, {20, 17, 13})});
-  volume.structures.push_back({"inner", box_mask(volume.grid.size, {4, 5, 4}, {18, 12, 9})});
-  volume.structures.push_back({"other", box_mask(volume.grid.size, {10, 1, 3}, {22, 10, 11})});
-  volume.values = VoxelBuffer{VoxelType::kUInt8, std::vector<std::byte>(24 * 20 * 16, std::byte{5})};
-  return Atlas::open_bytes(
-             encode_atlas(fitted(make_content(volume)), {.compact = compact, .threads = 1}).value())
-      .value();
-}
-
-std::uint64_t all_triangles(const Atlas& atlas) {
-  std::uint64_t triangles = 0;
-  for (StructureIndex s = 0; s < atlas.graph().size(); ++s) triangles += atlas.triangles(s);
-  return triangles;
-}
-
-/// Refusals name quantities of the file: no item counts twice, whatever is done with it.
-TEST(WorkBudget, CountsEachItemOnce) {
-  for (const bool compact : {false, true}) {
-    const auto atlas = overlapping_atlas(compact);
-    const auto voxels = static_cast<double>(atlas->grid().voxels());
-    const auto triangles = static_cast<double>(all_triangles(*atlas));
-    const auto runs = [&](Axis axis) { return static_cast<double>(atlas->runs(axis)); };
-
-    const Work verify = atlas->work_of_verify(), all = atlas->work_of_all();
-    for (const Work& work : {verify, all}) {
-      EXPECT_EQ(work.count(WorkKind::kVoxels), voxels);
-      EXPECT_EQ(work.count(WorkKind::kTriangles), triangles);
-    }
-    EXPECT_EQ(verify.count(WorkKind::kRuns), std::max({runs(Axis::kX), runs(Axis::kY), runs(Axis::kZ)}));
-    EXPECT_EQ(all.count(WorkKind::kRuns), runs(Axis::kZ));
-
-    const std::vector<StructureIndex> structures{0, 1, 2};
-    const Work surfaces = atlas->work_of_surfaces(structures);
-    EXPECT_EQ(surfaces.count(WorkKind::kTriangles), triangles);
-    EXPECT_LE(surfaces.count(WorkKind::kRuns), runs(Axis::kZ));
-    EXPECT_TRUE(atlas->verify());
-    EXPECT_LE(surfaces.count(WorkKind::kBytes), verify.count(WorkKind::kBytes));
-
-    std::vector<ClassId> classes;
-    double of_classes = 0;
-    for (ClassId c = 1; c < atlas->classes().size(); ++c) {
-      classes.push_back(c);
-      of_classes += static_cast<double>(atlas->classes().voxels(c));
-    }
-    const Work normals = atlas->work_of_normals(classes);
-    EXPECT_LE(normals.count(WorkKind::kVoxels), of_classes);
-    EXPECT_LE(normals.count(WorkKind::kRuns), runs(Axis::kZ));
-    for (const Axis axis : kAxes) {
-      const Work work = atlas->work_of_runs(classes, axis);
-      EXPECT_LE(work.count(WorkKind::kVoxels), of_classes);
-      EXPECT_LE(work.count(WorkKind::kRuns), std::max(runs(axis), runs(Axis::kZ)));
-    }
-  }
-}
-
-TEST(WorkBudget, CountsTrianglesOfSparseSurfacesOnce) {
-  const auto atlas =
-      Atlas::open_bytes(sparse_atlas({100, 100, 100}, {{voxel_box({0, 0, 0}), voxel_box({99, 99, 99})}}))
-          .value();
-  const StructureIndex first = 0;
-  EXPECT_EQ(atlas->work_of_surfaces({&first, 1}).largest(), "16 triangles");
-}
-
-/// A class of two voxels has at most two runs, however many the axis has.
-TEST(WorkBudget, ChargesDerivedRunsByVoxels) {
-  const auto derived = [](std::int64_t others) {
-    TestVolume volume;
-    volume.grid.size = {40, 8, 8};
-    volume.structures.push_back({"two", box_mask(volume.grid.size, {0, 0, 0}, {1, 0, 0})});
-    volume.structures.push_back({"others", make_mask(volume.grid.size, [&](auto i, auto j, auto k) {
-                                   return i > 3 && i < others && (i + j + k) % 2 == 0;
-                                 })});
-    AtlasContent content = make_content(volume);
-    return Atlas::open_bytes(encode_atlas(content, {.compact = true, .threads = 1}).value()).value();
-  };
-  const auto units = [](const Atlas& atlas) {
-    ClassId of_two = 1;
-    while (atlas.classes().voxels(of_two) != 2) ++of_two;
-    return atlas.work_of_runs({&of_two, 1}, Axis::kX).units() -
-           atlas.work_of_runs({&of_two, 1}, Axis::kZ).units();
-  };
-  const auto few = derived(6), many = derived(40);
-  EXPECT_GT(many->runs(Axis::kX), few->runs(Axis::kX) + 100);
-  EXPECT_EQ(units(*many), units(*few));
-}
-
-/// Estimates bound what is decoded.
-RC_GTEST_PROP(WorkBudget, BoundsDecodedBytes, ()) {
-  auto random = *random_source();
-  const AtlasContent content = fitted(random_content(random, {9, 7, 30}));
-  const auto atlas =
-      *Atlas::open_bytes(*encode_atlas(content, {.compact = below(2, random) == 1, .threads = 1}));
-  double estimate = 0;
-  const auto charged = [&](const Work& work) {
-    estimate += work.units();
-    return true;
-  };
-  for (ClassId c = 0; c < content.classes.size(); ++c) {
-    for (const Axis axis : kAxes)
-      RC_ASSERT(charged(atlas->work_of_runs({&c, 1}, axis)) && atlas->read_runs(c, axis));
-    RC_ASSERT(charged(atlas->work_of_values({&c, 1})) && atlas->read_values(c));
-    RC_ASSERT(charged(atlas->work_of_normals({&c, 1})) && atlas->read_normals(c));
-  }
-  for (StructureIndex s = 0; s < content.graph.size(); ++s)
-    RC_ASSERT(charged(atlas->work_of_surfaces({&s, 1})) && atlas->read_surface(s));
-  RC_ASSERT(4 * static_cast<double>(atlas->counters().decoded) <= estimate);
-}
-
-/// Two voxels, whatever the distance: the work of their surface does not grow.
+/// Two voxels, whatever the distance: nothing takes memory by the voxel of the grid.
 TEST(WorkBudget, FollowsTheContentOfSparseGrids) {
-  double latest = 0;
   for (const std::int64_t side : {100, 1000, 10000}) {
-    const auto atlas =
-        Atlas::open_bytes(sparse_atlas({side, side, side},
-                                       {{voxel_box({0, 0, 0}), voxel_box({side - 1, side - 1, side - 1})}}))
-            .value();
-    const double units = atlas->work_of_verify().units();
-    if (latest > 0) {
-      EXPECT_NEAR(units, latest, 100);
-    }
-    latest = units;
+    const auto file =
+        sparse_atlas({side, side, side}, {{voxel_box({0, 0, 0}), voxel_box({side - 1, side - 1, side - 1})}});
+    const auto atlas = Atlas::open_bytes(file, "F", {.max_work = 0.001}).value();  // 2 MiB
     EXPECT_TRUE(atlas->verify());
     EXPECT_EQ(atlas->read_surface(0).value().triangles.size(), 16u);
   }
-  EXPECT_LT(latest, 1e5);
 }
 
 /// A file of a few hundred bytes: a volume of all voxels would take a TiB.
@@ -218,9 +85,18 @@ TEST(WorkBudget, RefusesVolumesOfSparseGrids) {
   EXPECT_LT(bytes.size(), 1000u);
   const auto atlas = Atlas::open_bytes(bytes, "cube").value();
   for (const auto& refused : {atlas->read_classes(), atlas->read_all()})
-    EXPECT_THAT(refused,
-                FailsWith(ErrorCode::kLimit, AllOf(HasSubstr("cube: reading"), HasSubstr("--max-work"))));
+    EXPECT_THAT(refused, FailsWith(ErrorCode::kLimit,
+                                   AllOf(HasSubstr("cube: takes 2097152 MiB"), HasSubstr("--max-work"))));
   EXPECT_EQ(atlas->counters().decoded, 0u);
+}
+
+/// A task that the caller began counts the work of the calls in it.
+TEST(WorkBudget, CallsCountForTheTaskOfTheirThread) {
+  const auto atlas = Atlas::open_bytes(encode_atlas(fitted(random_content(3))).value(), "F").value();
+  const WorkBudget nothing("outer", 100, 1e-9);
+  const TaskControl task({}, {}, &nothing);
+  const auto refused = atlas->read_all();
+  EXPECT_THAT(refused, FailsWith(ErrorCode::kLimit, HasSubstr("outer: takes")));
 }
 
 /// A class with too many runs never makes another one fail, even while its own reading fails.

@@ -38,7 +38,7 @@ TEST(TaskControl, IsSeenInsideItemsOnEveryThread) {
                                EXPECT_EQ(TaskControl::current(), &task);
                                stop.request_stop();
                                try {
-                                 check_cancelled();
+                                 check_task();
                                } catch (const Cancelled&) {
                                  ++threw;
                                  throw;
@@ -54,16 +54,51 @@ TEST(TaskControl, EndsWithItsScope) {
   stop.request_stop();
   {
     const TaskControl outer(stop.get_token(), {});
-    EXPECT_THROW(check_cancelled(), Cancelled);
+    EXPECT_THROW(check_task(), Cancelled);
     const TaskControl inner({}, {});
-    EXPECT_NO_THROW(check_cancelled());
+    EXPECT_THROW(check_task(), Cancelled);  // with the outer one
   }
   EXPECT_EQ(TaskControl::current(), nullptr);
-  EXPECT_NO_THROW(check_cancelled());
+  EXPECT_NO_THROW(check_task());
   ThreadPool pool(3);
   int items = 0;
   pool.for_each(1, [&](std::size_t) { ++items; });
   EXPECT_EQ(items, 1);
+}
+
+/// A budget of less than the interval between two looks at the clock.
+TEST(TaskControl, EndsBeyondItsCpuTimeOnEveryThread) {
+  for (const unsigned threads : {1u, 3u}) {
+    ThreadPool pool(threads);
+    const WorkBudget budget("a.atlas", 100, 1e-4);
+    TaskControl outer({}, {}, &budget);
+    const TaskControl inner({}, {});
+    std::atomic<int> ended = 0;
+    const auto work = [&](std::size_t) {
+      try {
+        while (true) check_task();
+      } catch (const OverBudget& over) {
+        EXPECT_EQ(over.error().message, budget.time_exceeded().message);
+        ++ended;
+        throw;
+      }
+    };
+    EXPECT_THROW(pool.for_each(threads, work), OverBudget);
+    EXPECT_GT(ended, 0);
+    EXPECT_THROW(
+        {
+          while (true) check_task();
+        },
+        OverBudget);
+  }
+}
+
+TEST(TaskControl, HoldsNoMoreMemoryThanItsBudget) {
+  const WorkBudget budget("a.atlas", 100, 1, 1000);
+  EXPECT_NO_THROW(check_memory(1e30));
+  const TaskControl task({}, {}, &budget);
+  EXPECT_NO_THROW(check_memory(500));
+  EXPECT_THROW(check_memory(501), OverBudget);
 }
 
 TEST(TaskControl, ProgressRisesToOneOnTheCallersThread) {

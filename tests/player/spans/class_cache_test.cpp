@@ -77,25 +77,6 @@ struct EncodedScene {
   [[nodiscard]] std::shared_ptr<const Atlas> open() const { return Atlas::open_bytes(bytes).value(); }
 };
 
-/// Normals that are required later need their runs again.
-TEST(ClassCache, ChargesRunsThatAreReadAgain) {
-  RandomScene scene = random_scene(3, 16);
-  scene.content.values = {};
-  const auto atlas = open_in_memory(scene.content);
-  std::vector<ClassId> all(atlas->classes().size() - 1);
-  std::iota(all.begin(), all.end(), 1);
-  ThreadPool pool(2);
-  for (const Axis axis : kAxes) {
-    ClassCache cache(atlas);
-    const auto runs = [&](bool normals) { return cache.work_of(all, axis, normals).count(WorkKind::kRuns); };
-    const double at_first = runs(true);
-    ASSERT_TRUE(cache.require(all, axis, pool, false));
-    EXPECT_EQ(runs(false), 0);
-    const double along_z = atlas->work_of_runs(all, Axis::kZ).count(WorkKind::kRuns);
-    EXPECT_EQ(runs(true), axis == Axis::kX ? along_z : at_first);
-  }
-}
-
 TEST(ClassCache, ReadsNothingTwiceAndNothingElse) {
   const EncodedScene scene;
   const auto atlas = scene.open();

@@ -1,0 +1,35 @@
+// Limit of the work that a file may cause.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "format/result.h"
+
+namespace splatlas {
+
+/// Limit against decompression bombs, for one operation on one file: time in proportion to the file, and
+/// memory. Work is counted where it is done (TaskControl) and ends once it passes the limit.
+class WorkBudget {
+ public:
+  /// `file_bytes`: of the sections that a reader knows. `max_work` scales both limits: below 1 for files of
+  /// strangers, above for giants. `machine_bytes`: the machine's memory; 0 asks the system.
+  WorkBudget(std::string file_name, std::uint64_t file_bytes, double max_work,
+             std::uint64_t machine_bytes = 0);
+
+  /// CPU time of all threads together: 30 s for files up to 1 MiB, and 10 microseconds for each further byte.
+  [[nodiscard]] double cpu_seconds() const { return cpu_seconds_; }
+  /// Memory that one step may hold: 2 GiB for files up to 1 MiB and 2 KiB for each further byte, but at most
+  /// half of the machine's.
+  [[nodiscard]] double memory_bytes() const { return memory_bytes_; }
+  /// kLimit: names the file, the limit, and the option --max-work that allows more.
+  [[nodiscard]] Error time_exceeded() const;
+  [[nodiscard]] Error memory_exceeded(double bytes) const;
+
+ private:
+  std::string file_name_;
+  std::uint64_t file_bytes_;
+  double max_work_, cpu_seconds_, memory_bytes_;
+};
+
+}  // namespace splatlas
