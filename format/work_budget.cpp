@@ -6,8 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "format/system/memory_limit.h"
-
 namespace splatlas {
 namespace {
 
@@ -29,7 +27,7 @@ WorkBudget::WorkBudget(std::string file_name, std::uint64_t file_bytes, double m
       file_bytes_(file_bytes),
       max_work_(max_work > 0 ? max_work : 1) {  // 1 for NaN
   const double further = std::max(0.0, static_cast<double>(file_bytes) - kSmallFileBytes);
-  const auto machine = static_cast<double>(machine_bytes > 0 ? machine_bytes : machine_memory());
+  const auto machine = static_cast<double>(machine_bytes);
   cpu_seconds_ = max_work_ * (kSecondsOfSmallFile + kSecondsPerFurtherByte * further);
   memory_bytes_ = max_work_ * std::min(kMemoryOfSmallFile + kMemoryPerFurtherByte * further, machine / 2);
 }

@@ -26,11 +26,11 @@ using ::testing::HasSubstr;
 constexpr std::uint64_t kGiB = std::uint64_t{1} << 30;
 
 TEST(WorkBudget, GrowsWithTheFile) {
-  EXPECT_EQ(WorkBudget("F", 100, 1).cpu_seconds(), 30);
-  EXPECT_EQ(WorkBudget("F", 1 << 20, 1).cpu_seconds(), 30);
-  EXPECT_DOUBLE_EQ(WorkBudget("F", (1 << 20) + 5, 1).cpu_seconds(), 30 + 5e-5);
-  EXPECT_EQ(WorkBudget("F", 100, 2.5).cpu_seconds(), 75);
-  EXPECT_EQ(WorkBudget("F", 100, std::nan("")).cpu_seconds(), 30);
+  EXPECT_EQ(WorkBudget("F", 100, 1, kGiB).cpu_seconds(), 30);
+  EXPECT_EQ(WorkBudget("F", 1 << 20, 1, kGiB).cpu_seconds(), 30);
+  EXPECT_DOUBLE_EQ(WorkBudget("F", (1 << 20) + 5, 1, kGiB).cpu_seconds(), 30 + 5e-5);
+  EXPECT_EQ(WorkBudget("F", 100, 2.5, kGiB).cpu_seconds(), 75);
+  EXPECT_EQ(WorkBudget("F", 100, std::nan(""), kGiB).cpu_seconds(), 30);
 }
 
 TEST(WorkBudget, HoldsHalfOfTheMachineAtMost) {
@@ -93,7 +93,7 @@ TEST(WorkBudget, RefusesVolumesOfSparseGrids) {
 /// A task that the caller began counts the work of the calls in it.
 TEST(WorkBudget, CallsCountForTheTaskOfTheirThread) {
   const auto atlas = Atlas::open_bytes(encode_atlas(fitted(random_content(3))).value(), "F").value();
-  const WorkBudget nothing("outer", 100, 1e-9);
+  const WorkBudget nothing("outer", 100, 1e-9, kGiB);
   const TaskControl task({}, {}, &nothing);
   const auto refused = atlas->read_all();
   EXPECT_THAT(refused, FailsWith(ErrorCode::kLimit, HasSubstr("outer: takes")));

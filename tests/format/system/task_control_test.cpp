@@ -70,7 +70,7 @@ TEST(TaskControl, EndsWithItsScope) {
 TEST(TaskControl, EndsBeyondItsCpuTimeOnEveryThread) {
   for (const unsigned threads : {1u, 3u}) {
     ThreadPool pool(threads);
-    const WorkBudget budget("a.atlas", 100, 1e-4);
+    const WorkBudget budget("a.atlas", 100, 1e-4, 1000);
     TaskControl outer({}, {}, &budget);
     const TaskControl inner({}, {});
     std::atomic<int> ended = 0;
