@@ -147,6 +147,9 @@ std::uint64_t Atlas::triangles(StructureIndex s) const {
 std::uint64_t Atlas::runs(Axis axis) const {
   return impl_->directory.run_totals[static_cast<std::size_t>(axis)];
 }
+const WorkBudget& Atlas::work_budget() const {
+  return impl_->budget;
+}
 double Atlas::reference_length_mm() const {
   return splatlas::reference_length_mm(impl_->grid);
 }
