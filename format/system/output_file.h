@@ -10,6 +10,8 @@
 
 namespace splatlas {
 
+struct UnfinishedFile;
+
 /// A new file in the folder of its target, without a name there (format/system/staged_file.h). The target is
 /// unchanged until commit() and on all errors. Files without commit() vanish, also when the process is
 /// killed. Follows links. Keeps permissions (without setuid, setgid and sticky bits), group and owner of the
@@ -36,9 +38,8 @@ class OutputFile {
  private:
   friend Result<void> commit_files(std::span<OutputFile> files);
   friend class OutputFolder;
-  struct Impl;
-  explicit OutputFile(std::unique_ptr<Impl> impl);
-  std::unique_ptr<Impl> impl_;
+  explicit OutputFile(std::unique_ptr<UnfinishedFile> impl);
+  std::unique_ptr<UnfinishedFile> impl_;
 };
 
 /// Commits several files: names them only after all are complete on disk.

@@ -11,7 +11,7 @@
 #include <unistd.h>
 
 #include "format/system/check_writable.h"
-#include "format/system/output_file_impl.h"
+#include "format/system/unfinished_file.h"
 #include "format/system/output_path.h"
 #include "format/system/result_macros.h"
 #include "format/system/staged_file.h"
@@ -94,7 +94,7 @@ const fs::path& OutputFolder::path() const {
 }
 
 Result<OutputFile> OutputFolder::create_file(const std::string& name) {
-  auto file = std::make_unique<OutputFile::Impl>();
+  auto file = std::make_unique<UnfinishedFile>();
   file->path = impl_->path / name;
   file->target = impl_->target / name;
   if (!impl_->has_unnamed_files && impl_->random_name.empty())

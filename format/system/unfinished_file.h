@@ -1,4 +1,4 @@
-// Members of OutputFile.
+// The staged content of an output file, and its owner and permissions.
 #pragma once
 
 #include <cstdint>
@@ -7,13 +7,14 @@
 
 #include <sys/stat.h>
 
+#include "format/result.h"
 #include "format/system/checksum.h"
-#include "format/system/output_file.h"
 #include "format/system/staged_file.h"
 
 namespace splatlas {
 
-struct OutputFile::Impl {
+/// A file that has no name yet, and the target that it will replace.
+struct UnfinishedFile {
   /// Creates the staged file in `folder`, on the file system of the target. kFailed also for a closed handle,
   /// with the reason from errno.
   [[nodiscard]] Result<void> create(FolderHandle folder);
