@@ -8,7 +8,7 @@
 
 #include "format/class_table.h"
 #include "format/system/result_macros.h"
-#include "preprocess/import/widen_grid.h"
+#include "preprocess/import/meshes/surround_meshes.h"
 
 namespace splatlas {
 namespace {

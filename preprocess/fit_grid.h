@@ -4,7 +4,8 @@
 #include <optional>
 #include <span>
 
-#include "preprocess/import_sources.h"
+#include "preprocess/import/notes.h"
+#include "preprocess/source_model.h"
 
 namespace splatlas {
 

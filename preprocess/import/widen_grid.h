@@ -1,12 +1,12 @@
-// Wider grids, for surfaces that reach beyond the volume.
+// Grids and volumes within a margin.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <vector>
 
 #include "format/grid.h"
-#include "preprocess/import/meshes/import_mesh.h"
 
 namespace splatlas {
 
@@ -16,9 +16,6 @@ struct Margin {
 
   [[nodiscard]] bool empty() const { return low == Index3{0, 0, 0} && high == Index3{0, 0, 0}; }
 };
-
-/// The voxels that a grid lacks to hold all points of the meshes, and one more.
-[[nodiscard]] Margin margin_for(const Grid& grid, std::span<const TriangleMesh> meshes);
 
 /// The grid with a margin, and the margin of the axes before they were reordered.
 [[nodiscard]] Grid widened(const Grid& grid, const Margin& margin);
@@ -41,8 +38,5 @@ template <typename T>
   }
   return result;
 }
-
-/// A grid around meshes alone: cubic voxels, 256 along the longest side, and a voxel of margin.
-[[nodiscard]] Grid grid_around(std::span<const TriangleMesh> meshes);
 
 }  // namespace splatlas

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "format/result.h"
-#include "preprocess/import/dicom/read_frames.h"
+#include "preprocess/import/dicom/dicom_frame.h"
 
 class DcmFileFormat;
 class DcmPixelData;

@@ -6,7 +6,7 @@
 
 #include "format/result.h"
 #include "preprocess/import/dicom/dicom_item.h"
-#include "preprocess/import/dicom/read_frames.h"
+#include "preprocess/import/dicom/dicom_frame.h"
 
 namespace splatlas {
 

@@ -1,10 +1,8 @@
 // DICOM segmentations: masks, fractions and label maps.
 #pragma once
 
-#include <array>
 #include <filesystem>
 
-#include "format/color.h"
 #include "format/result.h"
 #include "preprocess/import/dicom/stack_frames.h"
 #include "preprocess/import/images/source_image.h"
@@ -20,9 +18,5 @@ namespace splatlas {
 /// repeat or are not listed. Cost: each frame is decoded once; memory for the layers and the largest segment.
 /// One thread at a time.
 [[nodiscard]] Result<SourceImage> read_segmentation(SlicedStack stack, const std::filesystem::path& path);
-
-/// sRGB colour of a RecommendedDisplayCIELabValue, for the white point D65 that writers of segmentations use.
-/// Colours outside sRGB are clamped.
-[[nodiscard]] Rgb color_of_lab(const std::array<double, 3>& encoded);
 
 }  // namespace splatlas

@@ -6,7 +6,6 @@
 
 #include "format/system/result_macros.h"
 #include "preprocess/import/dicom/dicom_item.h"
-#include "preprocess/import/dicom/read_segmentation.h"
 #include "preprocess/import/import_error.h"
 #include "preprocess/import/tables/structure_name.h"
 

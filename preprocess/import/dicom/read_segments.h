@@ -1,10 +1,12 @@
 // The list of segments of a DICOM segmentation.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <vector>
 
+#include "format/color.h"
 #include "format/result.h"
 #include "preprocess/import/images/source_image.h"
 
@@ -23,5 +25,9 @@ struct SegmentList {
 /// Reads the header of a segmentation. kFailed for unknown kinds, and segment numbers that repeat or are out
 /// of range. Only labels, colours and codes of the header are returned.
 [[nodiscard]] Result<SegmentList> read_segments(const std::filesystem::path& path);
+
+/// sRGB colour of a RecommendedDisplayCIELabValue, for the white point D65 that writers of segmentations use.
+/// Colours outside sRGB are clamped.
+[[nodiscard]] Rgb color_of_lab(const std::array<double, 3>& encoded);
 
 }  // namespace splatlas

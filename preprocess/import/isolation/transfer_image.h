@@ -2,6 +2,7 @@
 #pragma once
 
 #include "preprocess/import/images/source_image.h"
+#include "preprocess/import/isolation/transfer_tables.h"
 
 namespace splatlas {
 
@@ -11,26 +12,10 @@ void transfer(auto& archive, Grid& grid) {
 void transfer(auto& archive, VoxelBuffer& voxels) {
   archive(voxels.type, voxels.bytes);
 }
-void transfer(auto& archive, Rgb& color) {
-  archive(color.r, color.g, color.b);
-}
-void transfer(auto& archive, SourceTerm& term) {
-  archive(term.vocabulary, term.value);
-}
-void transfer(auto& archive, SourceStructure& structure) {
-  archive(structure.name, structure.label, structure.code, structure.color, structure.external,
-          structure.terms);
-}
 void transfer(auto& archive, SourceSegment& segment) {
   std::uint64_t layer = segment.layer;
   archive(layer, segment.value, segment.structure);
   segment.layer = static_cast<std::size_t>(layer);
-}
-void transfer(auto& archive, NoteKind& kind) {
-  archive(kind.id, kind.one, kind.many, kind.is_warning);
-}
-void transfer(auto& archive, Note& note) {
-  archive(note.kind, note.items);
 }
 void transfer(auto& archive, SourceImage& image) {
   std::uint64_t layers = image.layers;

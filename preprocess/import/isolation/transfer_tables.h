@@ -1,11 +1,27 @@
-// Members of tables of names and of trees, for archives.
+// Members of notes, and of tables of names and of trees, for archives.
 #pragma once
 
-#include "preprocess/import/isolation/transfer_image.h"
-#include "preprocess/import/tables/read_names.h"
+#include "preprocess/import/notes.h"
+#include "preprocess/import/tables/names_format.h"
 
 namespace splatlas {
 
+void transfer(auto& archive, Rgb& color) {
+  archive(color.r, color.g, color.b);
+}
+void transfer(auto& archive, SourceTerm& term) {
+  archive(term.vocabulary, term.value);
+}
+void transfer(auto& archive, SourceStructure& structure) {
+  archive(structure.name, structure.label, structure.code, structure.color, structure.external,
+          structure.terms);
+}
+void transfer(auto& archive, NoteKind& kind) {
+  archive(kind.id, kind.one, kind.many, kind.is_warning);
+}
+void transfer(auto& archive, Note& note) {
+  archive(note.kind, note.items);
+}
 void transfer(auto& archive, LabelName& name) {
   transfer(archive, static_cast<SourceStructure&>(name));
   std::uint64_t line = name.line;

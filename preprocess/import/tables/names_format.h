@@ -1,8 +1,13 @@
-// Dialects of names files.
+// Names files: their dialects and content.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
+#include <vector>
+
+#include "preprocess/import/tables/source_structure.h"
+#include "preprocess/import/tables/tree_line.h"
 
 namespace splatlas {
 
@@ -31,5 +36,17 @@ struct NamesFormatInfo {
 
 /// All dialects but kAuto, in the order of their detection.
 [[nodiscard]] std::span<const NamesFormatInfo> names_formats();
+
+/// A structure from a line of a names file. Without a label, it describes the structure with its name.
+struct LabelName : SourceStructure {
+  std::size_t line = 0;  ///< line or entry number in the file, for messages
+};
+
+/// Content of a names file.
+struct NamesTable {
+  NamesFormat dialect = NamesFormat::kAuto;
+  std::vector<LabelName> names;     ///< labels from 1 to 2^32 - 1, each once; label 0 is background
+  std::vector<TreeLine> hierarchy;  ///< nodes; empty if the file has none
+};
 
 }  // namespace splatlas

@@ -4,30 +4,13 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
-#include <optional>
-#include <string>
-#include <vector>
 
 #include "format/color.h"
 #include "format/result.h"
 #include "preprocess/import/notes.h"
 #include "preprocess/import/tables/names_format.h"
-#include "preprocess/import/tables/source_structure.h"
-#include "preprocess/import/tables/tree_line.h"
 
 namespace splatlas {
-
-/// A structure from a line of a names file. Without a label, it describes the structure with its name.
-struct LabelName : SourceStructure {
-  std::size_t line = 0;  ///< line or entry number in the file, for messages
-};
-
-/// Content of a names file.
-struct NamesTable {
-  NamesFormat dialect = NamesFormat::kAuto;
-  std::vector<LabelName> names;     ///< labels from 1 to 2^32 - 1, each once; label 0 is background
-  std::vector<TreeLine> hierarchy;  ///< nodes; empty if the file has none
-};
 
 /// Reads names in one of the dialects; kAuto detects it from the content. Rows with faults are dropped, and
 /// the first of several rows of a label is kept: `notes` counts these by kind, and tells the dialect. Labels

@@ -9,7 +9,9 @@
 #include <unordered_set>
 #include <vector>
 
-#include "preprocess/import/tables/read_names.h"
+#include "format/result.h"
+#include "preprocess/import/notes.h"
+#include "preprocess/import/tables/names_format.h"
 
 namespace splatlas {
 

@@ -3,6 +3,7 @@
 
 #include <map>
 
+#include "preprocess/import/dicom/read_segments.h"
 #include "tests/preprocess/import/dicom/import_dicom_fixture.h"
 
 namespace splatlas {
