@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Checks the layers: schemas <- format <- {preprocess, player} <- bench, tests. Only preprocess uses ITK and VTK; they
-# are also peers in bench/peers. In format/ and player/: at most 20 modules on 8 levels, no circle. One source prints.
+# are also peers in bench/peers. In every folder: at most 15 modules on 6 levels, no circle. One source prints.
 #   check_layers.sh            the sources
 #   check_layers.sh PROGRAM    also the program, which must be linked with neither ITK nor VTK
 set -euo pipefail
@@ -50,26 +50,31 @@ mapfile -t bench_itself < <(find bench -path bench/peers -prune -o -type f -prin
 must_not_include 'itk|vtk|gdcm|vnl' 'ITK and VTK are peers: bench/peers only' "${bench_itself[@]}"
 must_not_include 'SDL|imgui|GL/' 'the window belongs to the player' format preprocess bench
 
-# module_graph LAYER: "FROM TO" for each include between modules. A module is a folder, or a header with its source.
+# module_graph FOLDER: "MODULE MODULE" for each module, and "FROM TO" for each include between modules. A module is a
+# folder, or a header with its source.
 module_graph() {
-  grep -rHoE --include='*.h' --include='*.cpp' "^ *# *include *\"$1/[^\"]+" "$1" |
-    awk -v layer="$1" '
+  {
+    find "$1" -name '*.h' -o -name '*.cpp'
+    grep -rHoE --include='*.h' --include='*.cpp' "^ *# *include *\"$1/[^\"]+" "$1" || true
+  } | awk -v folder="$1" '
       function module(path) {
-        sub("^" layer "/", "", path)
-        if (!sub("/.*", "/", path)) sub("[.][a-z]+$", "", path)
+        sub("^" folder "/", "", path)
+        if (!sub("/.*", "/", path)) { sub("[.][a-z]+$", "", path); sub("-inl$", "", path) }
         return path
       }
-      { path = $0; sub(":.*", "", path); from = module(path)
-        header = $0; sub("[^\"]*\"", "", header); to = module(header)
-        if (from != to) print from, to }' | sort -u
+      { path = $0; sub(":.*", "", path); from = to = module(path)
+        if (sub("[^\"]*\"", "")) to = module($0)
+        print from, to }' | sort -u
 }
 
 # check_graph NAME MODULES LEVELS <GRAPH: prints circles, and excesses of both limits.
 check_graph() {
   awk -v name="$1" -v max_modules="$2" -v max_levels="$3" '
-    { edges[$1, $2]; level[$1]; level[$2] }
+    { level[$1]; level[$2]; if ($1 != $2) edges[$1, $2] }
     END {
       for (module in level) { modules++; level[module] = 1 }
+      if (modules == 0) exit
+      levels = 1
       do {  # a module has a higher level than those that it includes
         moved = 0
         for (edge in edges) {
@@ -90,11 +95,12 @@ check_graph() {
 [[ $(printf '%s\n' 'a b' 'b c' 'c a' | check_graph test 9 9) == *circle* ]] || tell "check_graph misses a circle"
 [[ $(printf '%s\n' 'a b' 'b c' | check_graph test 9 2) == *levels* ]] || tell "check_graph misses a level"
 [[ $(printf '%s\n' 'a b' 'b c' | check_graph test 2 9) == *modules* ]] || tell "check_graph misses a module"
+[[ $(printf '%s\n' 'a a' 'b b' 'c c' | check_graph test 2 9) == *modules* ]] || tell "check_graph misses a lone module"
 [[ -z $(printf '%s\n' 'a b' 'a c' 'b d' 'c d' | check_graph test 4 3) ]] || tell "check_graph finds what is not there"
-for layer in format player; do
-  wrong=$(module_graph "$layer" | check_graph "$layer" 20 8)
+while IFS= read -r folder; do
+  wrong=$(module_graph "$folder" | check_graph "$folder" 15 6)
   [[ -z $wrong ]] || tell "$wrong"
-done
+done < <(find format player preprocess bench -type d)
 
 # Only standard_output.cpp prints, and only PrintableText: no name from a file reaches a terminal unescaped.
 printing='\b(std::)?(v?printf|v?fprintf|puts|putchar|fputs|fputc|perror) *\(|fmt::print|std::(cout|cerr|clog) *<<|fwrite\(.*std(out|err)'
