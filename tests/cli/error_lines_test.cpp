@@ -153,6 +153,24 @@ TEST_F(ErrorLines, OfRender) {
   refuses({"--threads", "9999"}, "--threads: ", "9999");
   refuses({"--select", "Nope"}, "a.atlas: selection, column 1", "the nearest: ", 4);
   refuses({"--select", "Sphere*:solid"}, "selection \"Sphere*:solid\"", "column");
+  refuses({"--select", "#3"}, "a.atlas: selection", "the nearest: #2 (\"Sphere 2\"), #1", 4);
+  refuses({"--select", "#x"}, "selection \"#x\"", "not a label");
+  refuses({"--select", "Sph\xff\xfe"}, "a.atlas: ", "\"Sph\\xff\\xfe\"", 4);
+  refuses({"--max-work", "nan"}, "--max-work \"nan\"", "must be a number from 0.001 to 1e9");
+  refuses({"--max-work", "0.0005"}, "--max-work \"0.0005\"", "must be a number from 0.001 to 1e9");
+  refuses({"--classify", "never"}, "--classify \"never\"", "before or after");
+  refuses({"--projection", "fisheye"}, "--projection \"fisheye\"", "parallel or perspective");
+  refuses({"--cap", "skin"}, "--cap \"skin\"", "values, labels, both or none");
+  refuses({"--cut", "top=3"}, "--cut \"top=3\"", "must be SIDE=MM");
+  refuses({"--cut", "0,0,0,2"}, "--cut \"0,0,0,2\"", "a normal other than 0");
+  refuses({"--cut", "left=1", "--cut", "left=2", "--cut", "left=3", "--cut", "left=4", "--cut", "left=5",
+           "--cut", "left=6", "--cut", "left=7"},
+          "--cut \"left=7\"", "is one too many");
+  refuses({"--projection", "perspective", "--azimuth", "40", "--field-of-view", "150", "--select",
+           "\"Sphere 1\":surface"},
+          "--field-of-view 150", "too wide for surfaces");
+  for (const std::string option : {"--size", "--shading", "--depth-cue", "--stats"})
+    refuses({option, ""}, option, "");
   refuses({"--stats", "./x.png"}, "./x.png: ", "write to two files");
   refuses({"--stats", "a.atlas"}, "a.atlas: ", "is an input");
   refuses({"--stats", "none/s.json"}, "none/s.json: ", "no folder none", 1);
@@ -238,6 +256,14 @@ TEST_F(ErrorLines, OfBuild) {
   refuses({"--json", "none/x.json"}, "none/x.json", "no folder");
   refuses({"--title", "\x1b"}, "--title: \"?\"", "control character", 2);
   check_preprocess(cases);
+}
+
+TEST(Help, Teaches) {
+  const ProgramResult help = run_player({"render", "--help"});
+  EXPECT_EQ(help.status, 0);
+  EXPECT_THAT(help.out, HasSubstr("\"Left hemisphere\":volume + Cerebellum:surface(opacity=0.5) - Vermis*"));
+  EXPECT_THAT(help.out, HasSubstr("Exit status"));
+  EXPECT_THAT(run_player({"verify", "--help"}).out, HasSubstr("stops at the first fault"));
 }
 
 /// Without memory, every message still names the file.
