@@ -5,7 +5,7 @@
 #include <optional>
 #include <span>
 
-#include "player/sheets/sheets.h"
+#include "player/sheets/sheet_window.h"
 
 namespace splatlas {
 namespace {

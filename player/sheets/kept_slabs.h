@@ -6,9 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "player/sheets/block_runs.h"
+#include "player/sheets/kept_rows.h"
 #include "player/sheets/sheet_window.h"
-#include "player/sheets/splat_kernels.h"
 #include "player/view/cut_rays.h"
 #include "player/view/shear.h"
 
@@ -29,7 +28,9 @@ struct ShearedPlane {
 /// less that across a voxel of depth, which antialiases their edges.
 class KeptSlabs {
  public:
-  KeptSlabs(std::span<const VoxelPlane> planes, const Shear& shear, const SheetWindow& window);
+  /// `margin`: pixels before and after each row of the window whose fractions are defined, too.
+  KeptSlabs(std::span<const VoxelPlane> planes, const Shear& shear, const SheetWindow& window,
+            std::int64_t margin);
 
   /// Kept fraction over several rows: 0 everywhere, 1 everywhere, or anything.
   enum class State : std::uint8_t { kRemoved, kCut, kWhole };
@@ -52,6 +53,7 @@ class KeptSlabs {
 
   const Shear& shear_;
   const SheetWindow& window_;
+  std::int64_t margin_;
   std::vector<Ramp> ramps_;  // entering planes first
   int entering_ = 0;
 };
@@ -72,13 +74,5 @@ class KeptSlabs::Rows {
   std::vector<KeptPixels> pixels_;
   std::vector<KeptLine> lines_;  // [pair][row between][phase][plane]
 };
-
-/// Extent in (u, v) of the part of a box that the planes keep, with a margin for slabs and pixels. `first`,
-/// `last`: corners in continuous voxel indices.
-struct SheetExtent {
-  double u_min = 0, u_max = 0, v_min = 0, v_max = 0;
-};
-[[nodiscard]] SheetExtent kept_extent(std::span<const VoxelPlane> planes, const Vec3& first, const Vec3& last,
-                                      const Shear& shear);
 
 }  // namespace splatlas

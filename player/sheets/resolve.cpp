@@ -5,7 +5,7 @@
 #include <tuple>
 #include <vector>
 
-#include "player/sheets/sheet_map.h"
+#include "player/sheets/sheet_window.h"
 
 namespace splatlas {
 namespace {

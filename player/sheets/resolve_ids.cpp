@@ -3,7 +3,7 @@
 #include <array>
 #include <cmath>
 
-#include "player/sheets/sheet_map.h"
+#include "player/sheets/sheet_window.h"
 #include "player/surfaces/pixel_shares.h"
 
 namespace splatlas {

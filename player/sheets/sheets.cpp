@@ -1,15 +1,17 @@
 #include "player/sheets/sheets.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
+#include <vector>
 
 #include "format/system/task_control.h"
 #include "player/sheets/band_image.h"
 #include "player/sheets/kept_slabs.h"
 #include "player/sheets/sheet_fragments.h"
 #include "player/sheets/sheet_shares.h"
+#include "player/sheets/sheet_window.h"
 #include "player/sheets/slice_mix.h"
-#include "player/sheets/slice_rows.h"
 
 namespace splatlas {
 namespace {
@@ -366,7 +368,7 @@ std::uint64_t render_sheets(const SpanModel& model, const Shear& shear, const Sh
   std::fill_n(image.pixels.end() - static_cast<std::ptrdiff_t>(row_floats), row_floats, 0.0f);
 
   // Split the window into bands
-  const KeptSlabs kept(planes, shear, window);
+  const KeptSlabs kept(planes, shear, window, ImageRows::kMargin);
   const Pass pass{model,     shear, window, kernels, termination_threshold, planes.empty() ? nullptr : &kept,
                   fragments, image, shares};
   const std::int64_t row_bytes =
