@@ -26,7 +26,7 @@ ShearedPlane::ShearedPlane(const VoxelPlane& plane, const Shear& shear)
   at_origin = -plane.offset - sheared * shear.k_ref;
 }
 
-KeptSlabs::KeptSlabs(std::span<const VoxelPlane> planes, const Shear& shear, const SheetWindow& window,
+ClipSlabs::ClipSlabs(std::span<const VoxelPlane> planes, const Shear& shear, const SheetWindow& window,
                      std::int64_t margin)
     : shear_(shear), window_(window), margin_(margin) {
   const double thickness = 1.0 / window.parts, pixel = 1.0 / window.scale;
@@ -43,7 +43,7 @@ KeptSlabs::KeptSlabs(std::span<const VoxelPlane> planes, const Shear& shear, con
   }
 }
 
-KeptSlabs::State KeptSlabs::state(double k, std::int64_t first_row, std::int64_t last_row) const {
+ClipSlabs::State ClipSlabs::state(double k, std::int64_t first_row, std::int64_t last_row) const {
   const double u = static_cast<double>(window_.u0), columns = static_cast<double>(window_.columns);
   const double v = static_cast<double>(window_.v0) + static_cast<double>(first_row) / window_.scale;
   const double rows = static_cast<double>(last_row - first_row) / window_.scale;
@@ -57,7 +57,7 @@ KeptSlabs::State KeptSlabs::state(double k, std::int64_t first_row, std::int64_t
   return state;
 }
 
-std::pair<std::int64_t, std::int64_t> KeptSlabs::visible_voxels(double k, std::int64_t row,
+std::pair<std::int64_t, std::int64_t> ClipSlabs::visible_voxels(double k, std::int64_t row,
                                                                 double slack) const {
   // A voxel reaches pixels less than one voxel away
   const double low = static_cast<double>(window_.u0) - 1;
@@ -77,7 +77,7 @@ std::pair<std::int64_t, std::int64_t> KeptSlabs::visible_voxels(double k, std::i
           static_cast<std::int64_t>(std::ceil(last - shift + 1 + slack)) + 1};
 }
 
-void KeptSlabs::Rows::fill(const KeptSlabs& slabs, double k, std::int64_t fine_row, std::int64_t pairs,
+void ClipSlabs::Rows::fill(const ClipSlabs& slabs, double k, std::int64_t fine_row, std::int64_t pairs,
                            std::int64_t rows_between) {
   const SheetWindow& window = slabs.window_;
   columns_ = window.columns;
@@ -90,7 +90,7 @@ void KeptSlabs::Rows::fill(const KeptSlabs& slabs, double k, std::int64_t fine_r
   const double high = static_cast<double>(columns_ + slabs.margin_);
   pixels_.resize(static_cast<std::size_t>(pairs));
   lines_.resize(static_cast<std::size_t>(pairs * rows_between_ * phases_ * planes_));
-  KeptLine* line = lines_.data();
+  ClipLine* line = lines_.data();
   for (std::int64_t pair = 0; pair < pairs; ++pair) {
     double first_visible = high, last_visible = low, first_whole = low, last_whole = high;
     for (std::int64_t row = 0; row < rows_between_; ++row) {
@@ -119,7 +119,7 @@ void KeptSlabs::Rows::fill(const KeptSlabs& slabs, double k, std::int64_t fine_r
         last_visible = std::max(last_visible, last);
       }
     }
-    KeptPixels& pixels = pixels_[static_cast<std::size_t>(pair)];
+    ClipPixels& pixels = pixels_[static_cast<std::size_t>(pair)];
     pixels = {};
     if (first_visible < last_visible) {
       pixels.first_visible = static_cast<std::int64_t>(std::floor(first_visible));
@@ -132,8 +132,8 @@ void KeptSlabs::Rows::fill(const KeptSlabs& slabs, double k, std::int64_t fine_r
   }
 }
 
-KeptSlabs::State KeptSlabs::Rows::state(std::int64_t pair) const {
-  const KeptPixels& pixels = pixels_[static_cast<std::size_t>(pair)];
+ClipSlabs::State ClipSlabs::Rows::state(std::int64_t pair) const {
+  const ClipPixels& pixels = pixels_[static_cast<std::size_t>(pair)];
   if (pixels.last_visible <= std::max<std::int64_t>(pixels.first_visible, 0) ||
       pixels.first_visible >= columns_) {
     return State::kRemoved;
@@ -141,8 +141,8 @@ KeptSlabs::State KeptSlabs::Rows::state(std::int64_t pair) const {
   return pixels.first_whole <= 0 && pixels.last_whole >= columns_ ? State::kWhole : State::kCut;
 }
 
-KeptRows KeptSlabs::Rows::from(std::int64_t pair, std::int64_t phase) const {
-  KeptRows rows;
+ClipRows ClipSlabs::Rows::from(std::int64_t pair, std::int64_t phase) const {
+  ClipRows rows;
   rows.entering = entering_;
   rows.planes = planes_;
   rows.phase_stride = planes_;

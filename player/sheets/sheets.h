@@ -22,7 +22,7 @@ struct SharePass;
 /// of the same window. A slab has the optical properties of its slice or, between two slices, those
 /// interpolated at its centre. Early ray termination: blocks of pixels may stop at a transmittance of
 /// `termination_threshold`. Bands of rows are independent and run in parallel; the result does not depend on
-/// the number of threads. The planes of a cut clip the slabs (KeptSlabs). Returns the number of splatted
+/// the number of threads. The planes of a cut clip the slabs (ClipSlabs). Returns the number of splatted
 /// voxels, each counted once; with a cut, of spans that are not removed as a whole. Cost: visible voxels *
 /// scale^2 * parts, plus fragments and pixels of the window. `shares`: also computes the shares of
 /// structures; null: not asked for.

@@ -78,7 +78,7 @@ struct SplatKernels {
 
   /// The same for a slab that planes cut: its length is multiplied by the kept fraction of each pixel. Costs
   /// nothing outside the visible pixels.
-  void (*composite_cut)(const SheetRows& rows, const KeptRows& kept, float slab_mm,
+  void (*composite_cut)(const SheetRows& rows, const ClipRows& kept, float slab_mm,
                         float termination_threshold, const ImageRows& image);
 
   /// Weighted sum of `floats` values, a multiple of kBlock. At least one input is not null; `mixed` is
@@ -87,7 +87,7 @@ struct SplatKernels {
 };
 
 /// SplatKernels::composite_cut of the best kernels.
-void best_composite_cut(const SheetRows& rows, const KeptRows& kept, float slab_mm,
+void best_composite_cut(const SheetRows& rows, const ClipRows& kept, float slab_mm,
                         float termination_threshold, const ImageRows& image);
 
 /// Scalar reference kernels. SPLATLAS_SIMD=scalar in the environment forces them.
