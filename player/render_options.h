@@ -8,7 +8,6 @@
 
 #include "format/grid.h"
 #include "player/camera.h"
-#include "player/picture.h"
 
 namespace splatlas {
 

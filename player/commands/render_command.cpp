@@ -21,6 +21,7 @@
 #include "format/system/output_path.h"
 #include "format/system/result_macros.h"
 #include "format/system/task_control.h"
+#include "player/pictures/annotate/page_layout.h"
 #include "player/pictures/id_encoder.h"
 #include "player/pictures/picture_encoder.h"
 

@@ -75,7 +75,7 @@ Face CutFaces::face(const FaceSample& sample, CapMode mode, float depth) {
 
 RayFaces ViewFaces::through(double x, double y) const {
   RayFaces faces;
-  const KeptInterval kept = rays_.through(x, y);
+  const ClipInterval kept = rays_.through(x, y);
   if (kept.empty()) return faces;
   const auto face_at = [&](int plane, double t) {
     const Vec3 index = rays_.index_at(x, y, t);
@@ -83,8 +83,8 @@ RayFaces ViewFaces::through(double x, double y) const {
     return CutFaces::face(map.at(index[map.axis_b()], index[map.axis_c()]), mode_,
                           static_cast<float>(sign_ * index[axis_]));
   };
-  if (kept.front != KeptInterval::kNoPlane) faces.front = face_at(kept.front, kept.from);
-  if (kept.back != KeptInterval::kNoPlane) faces.back = face_at(kept.back, kept.to);
+  if (kept.front != ClipInterval::kNoPlane) faces.front = face_at(kept.front, kept.from);
+  if (kept.back != ClipInterval::kNoPlane) faces.back = face_at(kept.back, kept.to);
   return faces;
 }
 

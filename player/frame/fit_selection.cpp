@@ -23,7 +23,7 @@ struct ReachedVoxels {
 /// Voxels of a scanline that the kept part of a cut reaches, by interpolation.
 ReachedVoxels reached_voxels(std::span<const VoxelPlane> planes, const ScanOrder& order, std::int64_t slice,
                              std::int64_t row) {
-  const KeptDepths kept = kept_scan(planes, order, slice, row, [](const VoxelPlane& plane) {
+  const ClipDepths kept = kept_scan(planes, order, slice, row, [](const VoxelPlane& plane) {
     const Vec3& n = plane.normal;
     return kVolumeReach * (std::abs(n[0]) + std::abs(n[1]) + std::abs(n[2]));
   });

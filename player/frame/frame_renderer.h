@@ -13,10 +13,11 @@
 #include "player/depth_cue/depth_edges.h"
 #include "player/frame/cut_faces.h"
 #include "player/frame/render_overrides.h"
+#include "player/frame/shown_frame.h"
 #include "player/sheets/fragment_order.h"
 #include "player/sheets/fragment_shares.h"
+#include "player/sheets/sheet_image.h"
 #include "player/sheets/sheet_shares.h"
-#include "player/sheets/sheets.h"
 #include "player/surfaces/raster_scene.h"
 #include "player/surfaces/rasterize.h"
 #include "player/view/cut_rays.h"
@@ -35,18 +36,6 @@ struct FrameBuffers {
   FragmentShares fragment_shares;  ///< the same
   IdImage ids;
   DepthMap depths;
-};
-
-/// Geometry of a finished frame, for picking and depth maps.
-struct ShownFrame {
-  View view;
-  std::optional<Axis> sheets;  ///< normal of the slices; none: ray casting
-  std::size_t depth_axis = 2;  ///< fragment depth: `depth_sign` * position along this axis, in voxels
-  double depth_sign = 1;
-  RasterOptions raster = {};  ///< of its surfaces
-  CutPlanes cuts = {};
-  CapMode caps = CapMode::kNone;
-  std::shared_ptr<const CutFaces> faces = nullptr;  ///< null: none
 };
 
 /// Scene and options of a frame, without its volume. All references must outlive the frame.

@@ -73,7 +73,7 @@ struct PickRay {
   double slab_mm = 0;  // length of the ray between two planes
   double from = 0;     // position of the eye along the axis; infinite in parallel views
   bool ascending = true;
-  KeptDepths kept;             // of a cut: position along the axis, in the direction of the ray
+  ClipDepths kept;             // of a cut: position along the axis, in the direction of the ray
   RayFaces faces;              // of a cut
   double front = 0, back = 0;  // positions of the faces along the axis
 

@@ -4,7 +4,7 @@
 #include <optional>
 #include <span>
 
-#include "player/frame/frame_renderer.h"
+#include "player/frame/shown_frame.h"
 #include "player/picture.h"
 #include "player/spans/selected_runs.h"
 #include "player/transfer/volume_appearances.h"

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "format/grid.h"
+#include "player/picture.h"
 #include "player/render_options.h"
 #include "player/view/shear.h"
 

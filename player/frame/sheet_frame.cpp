@@ -8,7 +8,9 @@
 #include "format/system/result_macros.h"
 #include "format/system/task_control.h"
 #include "player/frame/stopwatch.h"
+#include "player/sheets/footprint_window.h"
 #include "player/sheets/resolve_ids.h"
+#include "player/sheets/sheets.h"
 #include "player/sheets/span_depths.h"
 #include "player/sheets/splat_kernels.h"
 

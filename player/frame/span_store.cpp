@@ -18,7 +18,7 @@ constexpr double kReach = 4;
 /// Voxels [first, last) of a row whose lighting a cut may show.
 Blocks kept_voxels(const SpanModel& model, std::span<const VoxelPlane> planes, std::int64_t slice,
                    std::int64_t row) {
-  const KeptDepths kept =
+  const ClipDepths kept =
       kept_scan(planes, ScanOrder::of(model.axis), slice, row, [](const VoxelPlane&) { return kReach; });
   const double first = std::max(0.0, kept.from);
   const double last = std::min(static_cast<double>(model.scan_first + model.scan_voxels), kept.to);

@@ -15,7 +15,6 @@
 #include "player/rays/march_optics-inl.h"
 #include "player/rays/march_packet-inl.h"
 #include "player/rays/march_samples-inl.h"
-#include "player/rays/march_single_appearance-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace splatlas::HWY_NAMESPACE {

@@ -7,6 +7,10 @@
 #define SPLATLAS_PLAYER_MARCH_OPTICS_INL_H_
 #endif
 
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
 #include <hwy/highway.h>
 
 #include "player/rays/march_kernels.h"
@@ -16,6 +20,8 @@
 
 HWY_BEFORE_NAMESPACE();
 namespace splatlas::HWY_NAMESPACE {
+
+constexpr std::size_t kSlabs = MarchGrid::kBrick;  // per batch
 
 /// A transfer function by reference. The derived type selects the look-up.
 class TransferView {
@@ -296,6 +302,16 @@ class SegmentRadiance {
   Vector both_, inverse_, shift_;  // unset for thin segments
   bool is_thin_;
 };
+
+/// Steps of a slab for an error bound `weight` that falls with the power 3/2 of the step size, the rate at
+/// discontinuities of the transfer function.
+HWY_INLINE int StepsOf(const MarchScene& scene, Vector weight) {
+  const float ratio = MaxLane(Lanes(), weight) / (kEvenShare * scene.tolerance);
+  const auto min_steps = static_cast<float>(scene.min_steps);
+  if (ratio <= 1) return scene.min_steps;
+  const float steps = std::ceil(std::cbrt(ratio * ratio));
+  return static_cast<int>(std::clamp(steps, min_steps, static_cast<float>(scene.max_steps)));
+}
 
 }  // namespace splatlas::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();

@@ -7,9 +7,6 @@
 #define SPLATLAS_PLAYER_MARCH_SINGLE_APPEARANCE_INL_H_
 #endif
 
-#include <algorithm>
-#include <cmath>
-
 #include <hwy/cache_control.h>
 #include <hwy/highway.h>
 
@@ -23,19 +20,8 @@
 HWY_BEFORE_NAMESPACE();
 namespace splatlas::HWY_NAMESPACE {
 
-constexpr std::size_t kSlabs = MarchGrid::kBrick;  // per batch
 /// Outer rays of a packet of 4 x 4 pixels. Cells of the inner rays share cache lines with theirs.
 constexpr std::size_t kOuterRays[] = {0, 1, 2, 3, 4, 7, 8, 11, 12, 13, 14, 15};
-
-/// Steps of a slab for an error bound `weight` that falls with the power 3/2 of the step size, the rate at
-/// discontinuities of the transfer function.
-HWY_INLINE int StepsOf(const MarchScene& scene, Vector weight) {
-  const float ratio = MaxLane(Lanes(), weight) / (kEvenShare * scene.tolerance);
-  const auto min_steps = static_cast<float>(scene.min_steps);
-  if (ratio <= 1) return scene.min_steps;
-  const float steps = std::ceil(std::cbrt(ratio * ratio));
-  return static_cast<int>(std::clamp(steps, min_steps, static_cast<float>(scene.max_steps)));
-}
 
 /// `Transfer`: ShortTransfer or LongTransfer.
 template <typename Transfer>

@@ -147,7 +147,7 @@ RayPacket PixelRays::through(const RayPoints& points) const {
 void PixelRays::clip(const CutRays& cuts, const RayPoints& points, RayPacket& packet) const {
   for (std::size_t n = 0; n < kPacketRays; ++n) {
     const double x = points.x[n], y = points.y[n];
-    const KeptInterval kept = cuts.through(x, y);
+    const ClipInterval kept = cuts.through(x, y);
     if (kept.empty()) {
       packet.to[n] = packet.from[n];
       continue;
@@ -157,9 +157,9 @@ void PixelRays::clip(const CutRays& cuts, const RayPoints& points, RayPacket& pa
       const double place = cuts.index_at(x, y, along_ray, axis) - static_cast<double>(first_[axis]);
       return std::clamp(static_cast<double>(packet.step[axis][n]) * place, -kFarAway, kFarAway);
     };
-    if (kept.front != KeptInterval::kNoPlane)
+    if (kept.front != ClipInterval::kNoPlane)
       packet.from[n] = std::max(packet.from[n], static_cast<float>(t_of(kept.from)));
-    if (kept.back != KeptInterval::kNoPlane)
+    if (kept.back != ClipInterval::kNoPlane)
       packet.to[n] = std::min(packet.to[n], static_cast<float>(t_of(kept.to)));
   }
 }

@@ -5,11 +5,22 @@
 #include <cstdint>
 #include <vector>
 
-#include "player/sheets/sheet_fragments.h"
-#include "player/sheets/sheets.h"
+#include "player/sheets/sheet_window.h"
 #include "player/sheets/splat_kernels.h"
 
 namespace splatlas {
+
+class BandShares;
+
+/// Accumulated radiance of a row of sheet pixels, in planes per phase: red, green, blue (or white alone),
+/// then opacity. One pixel before and one after the row are readable.
+struct AccumulatedRow {
+  const float* first = nullptr;  ///< pixel 0 of phase 0, first plane
+  std::int64_t planes = 4;       ///< 4 or 2
+  std::int64_t plane_stride = 0, phase_stride = 0;
+  std::int64_t fine_row = 0;
+  const BandShares* shares = nullptr;  ///< of structures in the opacity so far; null: not asked for
+};
 
 /// Radiance and opacity of rows [first, last) of a window, in voxels; each row has `scale` fine rows. Layout:
 /// [fine row][phase][plane][stride()], with planes of emissions, then opacity.

@@ -5,7 +5,7 @@
 #include <optional>
 #include <span>
 
-#include "player/sheets/sheets.h"
+#include "player/sheets/sheet_window.h"
 
 namespace splatlas {
 namespace {
@@ -187,7 +187,7 @@ FragmentOrder::SlabPlace FragmentOrder::slab_at(double along) const {
   return {static_cast<std::int32_t>(slab), static_cast<float>(std::clamp(slabs - slab, 0.0, 1.0))};
 }
 
-float FragmentOrder::kept_part(std::int32_t slab, double depth, const KeptDepths& kept) const {
+float FragmentOrder::kept_part(std::int32_t slab, double depth, const ClipDepths& kept) const {
   const double begin = slabs_.begin + slab * slabs_.thickness;
   const double from = std::max(begin, along_of_depth(kept.from));
   const double to = std::min(begin + slabs_.thickness, along_of_depth(kept.to));
@@ -195,7 +195,7 @@ float FragmentOrder::kept_part(std::int32_t slab, double depth, const KeptDepths
   return static_cast<float>(std::clamp((along_of_depth(depth) - from) / (to - from), 0.0, 1.0));
 }
 
-float FragmentOrder::slab_share(std::size_t fragment, float depth, const KeptDepths* kept) const {
+float FragmentOrder::slab_share(std::size_t fragment, float depth, const ClipDepths* kept) const {
   const SlabRadiance& slab = radiance_[place_[fragment]];
   const float transmittance = 1 - slab.before.rgba[3];
   const float added = slab.behind.rgba[3] - slab.before.rgba[3];
@@ -207,7 +207,7 @@ float FragmentOrder::slab_share(std::size_t fragment, float depth, const KeptDep
   return share_of_slab(std::min(added, std::max(max_added, 0.0f)) / transmittance, part);
 }
 
-Radiance FragmentOrder::in_front_of(std::size_t fragment, float depth, const KeptDepths* kept) const {
+Radiance FragmentOrder::in_front_of(std::size_t fragment, float depth, const ClipDepths* kept) const {
   if (place_[fragment] == kNowhere) return {};
   const SlabRadiance& slab = radiance_[place_[fragment]];
   if (!(slab.behind.rgba[3] - slab.before.rgba[3] > 0)) return slab.before;

@@ -65,14 +65,14 @@ class FragmentOrder {
   }
   /// Radiance of the volume in front of a fragment, exact for a slab of constant optical properties. `kept`:
   /// kept part of its ray; null without a cut.
-  [[nodiscard]] Radiance in_front_of(std::size_t fragment, float depth, const KeptDepths* kept) const;
+  [[nodiscard]] Radiance in_front_of(std::size_t fragment, float depth, const ClipDepths* kept) const;
 
   /// Number of entries.
   [[nodiscard]] std::size_t entries() const { return entries_.size(); }
   /// Index of a fragment's entry, or kNowhere.
   [[nodiscard]] std::uint32_t entry_of(std::size_t fragment) const { return place_[fragment]; }
   /// Share of the radiance of a fragment's slab that is in front of it. The fragment has an entry.
-  [[nodiscard]] float slab_share(std::size_t fragment, float depth, const KeptDepths* kept) const;
+  [[nodiscard]] float slab_share(std::size_t fragment, float depth, const ClipDepths* kept) const;
 
   /// Index of the slab that contains position `k` along the principal axis, in voxels of the grid.
   [[nodiscard]] std::int32_t slab_of(double k) const { return slab_at(along_of_place(k)).slab; }
@@ -96,7 +96,7 @@ class FragmentOrder {
   }
   [[nodiscard]] SlabPlace slab_at(double along) const;
   /// Share of the kept part of a slab in front of a depth.
-  [[nodiscard]] float kept_part(std::int32_t slab, double depth, const KeptDepths& kept) const;
+  [[nodiscard]] float kept_part(std::int32_t slab, double depth, const ClipDepths& kept) const;
   void scatter(const FragmentList& fragments, const Shear& shear, const SheetWindow& window,
                const PictureSize& size, ThreadPool& pool);
   void sort_row(std::size_t n, std::vector<std::uint32_t>& next_of_slab);

@@ -1,9 +1,9 @@
 // Kept fractions of cut slabs at blocks of pixels. Compiled once for every instruction set.
-#if defined(SPLATLAS_PLAYER_KEPT_PIXELS_INL_H_) == defined(HWY_TARGET_TOGGLE)
-#ifdef SPLATLAS_PLAYER_KEPT_PIXELS_INL_H_
-#undef SPLATLAS_PLAYER_KEPT_PIXELS_INL_H_
+#if defined(SPLATLAS_PLAYER_CLIP_PIXELS_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef SPLATLAS_PLAYER_CLIP_PIXELS_INL_H_
+#undef SPLATLAS_PLAYER_CLIP_PIXELS_INL_H_
 #else
-#define SPLATLAS_PLAYER_KEPT_PIXELS_INL_H_
+#define SPLATLAS_PLAYER_CLIP_PIXELS_INL_H_
 #endif
 
 #include <algorithm>
@@ -20,10 +20,10 @@ HWY_BEFORE_NAMESPACE();
 namespace splatlas::HWY_NAMESPACE {
 
 /// Blocks of a pair of rows: to composite, with the block before, which supplies the carry; and kept whole.
-struct KeptBlocks {
+struct ClipBlocks {
   Blocks visible, whole;
 
-  HWY_INLINE KeptBlocks(const KeptPixels& pixels, const SheetRows& rows) {
+  HWY_INLINE ClipBlocks(const ClipPixels& pixels, const SheetRows& rows) {
     if (pixels.first_visible >= pixels.last_visible) return;
     std::int64_t min_shift = rows.phases[0].shift, max_shift = min_shift;
     for (std::size_t phase = 1; phase < rows.phase_count; ++phase) {
@@ -39,7 +39,7 @@ struct KeptBlocks {
 
 /// Kept fractions at the pixels from `first` on, given the lines of their phase row.
 template <class D>
-HWY_INLINE WideVec<D> KeptFractions(D d, const KeptRows& kept, const KeptLine* line, std::int64_t first) {
+HWY_INLINE WideVec<D> KeptFractions(D d, const ClipRows& kept, const ClipLine* line, std::int64_t first) {
   alignas(64) static constexpr float kNumbers[kBlock] = {0, 1, 2,  3,  4,  5,  6,  7,
                                                          8, 9, 10, 11, 12, 13, 14, 15};
   const auto zero = Zero(d), one = Set(d, 1.0f);
@@ -60,4 +60,4 @@ HWY_INLINE WideVec<D> KeptFractions(D d, const KeptRows& kept, const KeptLine* l
 }  // namespace splatlas::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
-#endif  // SPLATLAS_PLAYER_KEPT_PIXELS_INL_H_
+#endif  // SPLATLAS_PLAYER_CLIP_PIXELS_INL_H_

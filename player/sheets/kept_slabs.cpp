@@ -1,15 +1,11 @@
 #include "player/sheets/kept_slabs.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <limits>
 
 namespace splatlas {
 namespace {
 
-/// Largest distance of a visible slab centre or pixel from the kept part, in voxels.
-constexpr double kMargin = 2;
 /// Rays that approach the kept part by less, in voxels per slice, leave it: rounding decides the sign for
 /// planes along the view.
 constexpr double kMinEntering = 1e-6;
@@ -30,8 +26,9 @@ ShearedPlane::ShearedPlane(const VoxelPlane& plane, const Shear& shear)
   at_origin = -plane.offset - sheared * shear.k_ref;
 }
 
-KeptSlabs::KeptSlabs(std::span<const VoxelPlane> planes, const Shear& shear, const SheetWindow& window)
-    : shear_(shear), window_(window) {
+ClipSlabs::ClipSlabs(std::span<const VoxelPlane> planes, const Shear& shear, const SheetWindow& window,
+                     std::int64_t margin)
+    : shear_(shear), window_(window), margin_(margin) {
   const double thickness = 1.0 / window.parts, pixel = 1.0 / window.scale;
   for (const bool enters : {true, false}) {
     for (const VoxelPlane& plane : planes) {
@@ -46,7 +43,7 @@ KeptSlabs::KeptSlabs(std::span<const VoxelPlane> planes, const Shear& shear, con
   }
 }
 
-KeptSlabs::State KeptSlabs::state(double k, std::int64_t first_row, std::int64_t last_row) const {
+ClipSlabs::State ClipSlabs::state(double k, std::int64_t first_row, std::int64_t last_row) const {
   const double u = static_cast<double>(window_.u0), columns = static_cast<double>(window_.columns);
   const double v = static_cast<double>(window_.v0) + static_cast<double>(first_row) / window_.scale;
   const double rows = static_cast<double>(last_row - first_row) / window_.scale;
@@ -60,7 +57,7 @@ KeptSlabs::State KeptSlabs::state(double k, std::int64_t first_row, std::int64_t
   return state;
 }
 
-std::pair<std::int64_t, std::int64_t> KeptSlabs::visible_voxels(double k, std::int64_t row,
+std::pair<std::int64_t, std::int64_t> ClipSlabs::visible_voxels(double k, std::int64_t row,
                                                                 double slack) const {
   // A voxel reaches pixels less than one voxel away
   const double low = static_cast<double>(window_.u0) - 1;
@@ -80,7 +77,7 @@ std::pair<std::int64_t, std::int64_t> KeptSlabs::visible_voxels(double k, std::i
           static_cast<std::int64_t>(std::ceil(last - shift + 1 + slack)) + 1};
 }
 
-void KeptSlabs::Rows::fill(const KeptSlabs& slabs, double k, std::int64_t fine_row, std::int64_t pairs,
+void ClipSlabs::Rows::fill(const ClipSlabs& slabs, double k, std::int64_t fine_row, std::int64_t pairs,
                            std::int64_t rows_between) {
   const SheetWindow& window = slabs.window_;
   columns_ = window.columns;
@@ -89,11 +86,11 @@ void KeptSlabs::Rows::fill(const KeptSlabs& slabs, double k, std::int64_t fine_r
   entering_ = slabs.entering_;
   planes_ = static_cast<int>(slabs.ramps_.size());
   const double pixel = 1.0 / window.scale;
-  const double low = -static_cast<double>(ImageRows::kMargin);
-  const double high = static_cast<double>(columns_ + ImageRows::kMargin);
+  const double low = -static_cast<double>(slabs.margin_);
+  const double high = static_cast<double>(columns_ + slabs.margin_);
   pixels_.resize(static_cast<std::size_t>(pairs));
   lines_.resize(static_cast<std::size_t>(pairs * rows_between_ * phases_ * planes_));
-  KeptLine* line = lines_.data();
+  ClipLine* line = lines_.data();
   for (std::int64_t pair = 0; pair < pairs; ++pair) {
     double first_visible = high, last_visible = low, first_whole = low, last_whole = high;
     for (std::int64_t row = 0; row < rows_between_; ++row) {
@@ -122,7 +119,7 @@ void KeptSlabs::Rows::fill(const KeptSlabs& slabs, double k, std::int64_t fine_r
         last_visible = std::max(last_visible, last);
       }
     }
-    KeptPixels& pixels = pixels_[static_cast<std::size_t>(pair)];
+    ClipPixels& pixels = pixels_[static_cast<std::size_t>(pair)];
     pixels = {};
     if (first_visible < last_visible) {
       pixels.first_visible = static_cast<std::int64_t>(std::floor(first_visible));
@@ -135,8 +132,8 @@ void KeptSlabs::Rows::fill(const KeptSlabs& slabs, double k, std::int64_t fine_r
   }
 }
 
-KeptSlabs::State KeptSlabs::Rows::state(std::int64_t pair) const {
-  const KeptPixels& pixels = pixels_[static_cast<std::size_t>(pair)];
+ClipSlabs::State ClipSlabs::Rows::state(std::int64_t pair) const {
+  const ClipPixels& pixels = pixels_[static_cast<std::size_t>(pair)];
   if (pixels.last_visible <= std::max<std::int64_t>(pixels.first_visible, 0) ||
       pixels.first_visible >= columns_) {
     return State::kRemoved;
@@ -144,8 +141,8 @@ KeptSlabs::State KeptSlabs::Rows::state(std::int64_t pair) const {
   return pixels.first_whole <= 0 && pixels.last_whole >= columns_ ? State::kWhole : State::kCut;
 }
 
-KeptRows KeptSlabs::Rows::from(std::int64_t pair, std::int64_t phase) const {
-  KeptRows rows;
+ClipRows ClipSlabs::Rows::from(std::int64_t pair, std::int64_t phase) const {
+  ClipRows rows;
   rows.entering = entering_;
   rows.planes = planes_;
   rows.phase_stride = planes_;
@@ -154,56 +151,6 @@ KeptRows KeptSlabs::Rows::from(std::int64_t pair, std::int64_t phase) const {
   rows.pixels = pixels_.data() + pair;
   rows.lines = lines_.data() + pair * rows.pair_stride + phase * rows.phase_stride;
   return rows;
-}
-
-SheetExtent kept_extent(std::span<const VoxelPlane> planes, const Vec3& first, const Vec3& last,
-                        const Shear& shear) {
-  // List the half spaces of the box and of the cut
-  std::vector<VoxelPlane> all;
-  for (std::size_t a = 0; a < 3; ++a) {
-    for (const double sign : {-1.0, 1.0}) {
-      VoxelPlane side;
-      side.normal = {0, 0, 0};
-      side.normal[a] = sign;
-      side.offset = sign > 0 ? last[a] : -first[a];
-      all.push_back(side);
-    }
-  }
-  for (VoxelPlane plane : planes) {
-    plane.offset += kMargin;
-    all.push_back(plane);
-  }
-
-  // Bound the vertices of their intersection
-  constexpr double kTolerance = 1e-6, kInfinity = std::numeric_limits<double>::infinity();
-  SheetExtent extent{kInfinity, -kInfinity, kInfinity, -kInfinity};
-  const auto include = [&](const Vec3& p) {
-    for (const VoxelPlane& plane : all) {
-      if (plane.distance(p) > kTolerance * (1 + std::abs(plane.offset))) return;
-    }
-    const double k = p[shear.scan.slice_axis];
-    const double u = p[shear.scan.scan_axis] + shear.u_shift(k);
-    const double v = p[shear.scan.row_axis] + shear.v_shift(k);
-    extent = {std::min(extent.u_min, u), std::max(extent.u_max, u), std::min(extent.v_min, v),
-              std::max(extent.v_max, v)};
-  };
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    for (std::size_t j = i + 1; j < all.size(); ++j) {
-      for (std::size_t n = j + 1; n < all.size(); ++n) {
-        const Vec3 &a = all[i].normal, &b = all[j].normal, &c = all[n].normal;
-        const Vec3 bc{b[1] * c[2] - b[2] * c[1], b[2] * c[0] - b[0] * c[2], b[0] * c[1] - b[1] * c[0]};
-        const Vec3 ca{c[1] * a[2] - c[2] * a[1], c[2] * a[0] - c[0] * a[2], c[0] * a[1] - c[1] * a[0]};
-        const Vec3 ab{a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-        const double volume = a[0] * bc[0] + a[1] * bc[1] + a[2] * bc[2];
-        if (std::abs(volume) < 1e-9) continue;
-        Vec3 p{};
-        for (std::size_t axis = 0; axis < 3; ++axis)
-          p[axis] = (all[i].offset * bc[axis] + all[j].offset * ca[axis] + all[n].offset * ab[axis]) / volume;
-        include(p);
-      }
-    }
-  }
-  return extent;
 }
 
 }  // namespace splatlas

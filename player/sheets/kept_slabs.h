@@ -6,9 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "player/sheets/block_runs.h"
+#include "player/sheets/kept_rows.h"
 #include "player/sheets/sheet_window.h"
-#include "player/sheets/splat_kernels.h"
 #include "player/view/cut_rays.h"
 #include "player/view/shear.h"
 
@@ -27,9 +26,11 @@ struct ShearedPlane {
 /// with f the distance of the slab's centre from the plane, in voxels. w is the change of f across the slab,
 /// which makes the fraction exact. For planes along the view, w is at least the change of f across the pixel
 /// less that across a voxel of depth, which antialiases their edges.
-class KeptSlabs {
+class ClipSlabs {
  public:
-  KeptSlabs(std::span<const VoxelPlane> planes, const Shear& shear, const SheetWindow& window);
+  /// `margin`: pixels before and after each row of the window whose fractions are defined, too.
+  ClipSlabs(std::span<const VoxelPlane> planes, const Shear& shear, const SheetWindow& window,
+            std::int64_t margin);
 
   /// Kept fraction over several rows: 0 everywhere, 1 everywhere, or anything.
   enum class State : std::uint8_t { kRemoved, kCut, kWhole };
@@ -52,33 +53,26 @@ class KeptSlabs {
 
   const Shear& shear_;
   const SheetWindow& window_;
+  std::int64_t margin_;
   std::vector<Ramp> ramps_;  // entering planes first
   int entering_ = 0;
 };
 
-class KeptSlabs::Rows {
+class ClipSlabs::Rows {
  public:
   /// Replaces the rows by those of `pairs` pairs of voxel rows from `fine_row` on, with `rows_between` fine
   /// rows each, in all phases, of the slab centred at `k`. Keeps its memory.
-  void fill(const KeptSlabs& slabs, double k, std::int64_t fine_row, std::int64_t pairs,
+  void fill(const ClipSlabs& slabs, double k, std::int64_t fine_row, std::int64_t pairs,
             std::int64_t rows_between);
   [[nodiscard]] State state(std::int64_t pair) const;
   /// Kernel access from a pair and a phase on.
-  [[nodiscard]] KeptRows from(std::int64_t pair, std::int64_t phase) const;
+  [[nodiscard]] ClipRows from(std::int64_t pair, std::int64_t phase) const;
 
  private:
   std::int64_t columns_ = 0, rows_between_ = 1, phases_ = 1;
   int entering_ = 0, planes_ = 0;
-  std::vector<KeptPixels> pixels_;
-  std::vector<KeptLine> lines_;  // [pair][row between][phase][plane]
+  std::vector<ClipPixels> pixels_;
+  std::vector<ClipLine> lines_;  // [pair][row between][phase][plane]
 };
-
-/// Extent in (u, v) of the part of a box that the planes keep, with a margin for slabs and pixels. `first`,
-/// `last`: corners in continuous voxel indices.
-struct SheetExtent {
-  double u_min = 0, u_max = 0, v_min = 0, v_max = 0;
-};
-[[nodiscard]] SheetExtent kept_extent(std::span<const VoxelPlane> planes, const Vec3& first, const Vec3& last,
-                                      const Shear& shear);
 
 }  // namespace splatlas

@@ -5,7 +5,7 @@
 #include <tuple>
 #include <vector>
 
-#include "player/sheets/sheet_map.h"
+#include "player/sheets/sheet_window.h"
 
 namespace splatlas {
 namespace {
@@ -88,7 +88,7 @@ std::pair<int, int> covered(const SheetImage& sheet, const Affine2& map, double 
 /// Composites the fragments of a sample with the segments of the volume between them, front to back (Porter
 /// and Duff 1984). `whole` is the radiance of the whole volume, `kept` the kept part of the sample's ray.
 Radiance compose(const FragmentsInVolume& fragments, std::size_t sample, const Radiance& whole,
-                 const KeptDepths* kept) {
+                 const ClipDepths* kept) {
   Radiance sum;
   Radiance before;          // of the volume in front of the previous fragment
   float transmittance = 1;  // of the surfaces so far
@@ -128,7 +128,7 @@ Radiance mean_of(const FragmentsInVolume& fragments, std::uint32_t first, std::u
       sum += compose(fragments, n, whole, nullptr);
       continue;
     }
-    const KeptDepths kept = fragments.cuts->depths(x, y, shear.scan.slice_axis, shear.ascending ? 1.0 : -1.0);
+    const ClipDepths kept = fragments.cuts->depths(x, y, shear.scan.slice_axis, shear.ascending ? 1.0 : -1.0);
     Radiance radiance = compose(fragments, n, whole, &kept);
     if (fragments.faces != nullptr) radiance.rgba = fragments.list.faces[n].around(radiance.rgba);
     sum += radiance;

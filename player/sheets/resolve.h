@@ -4,7 +4,7 @@
 #include "format/system/thread_pool.h"
 #include "player/picture.h"
 #include "player/sheets/fragment_order.h"
-#include "player/sheets/sheets.h"
+#include "player/sheets/sheet_image.h"
 #include "player/sheets/warp_kernels.h"
 #include "player/view/shear.h"
 

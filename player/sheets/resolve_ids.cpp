@@ -3,7 +3,7 @@
 #include <array>
 #include <cmath>
 
-#include "player/sheets/sheet_map.h"
+#include "player/sheets/sheet_window.h"
 #include "player/surfaces/pixel_shares.h"
 
 namespace splatlas {
@@ -122,7 +122,7 @@ class RowIds {
     const FragmentList& list = fragments_.list;
     const Sample& sample = list.samples[n];
     const double x = column + sample.place.right(), y = row + sample.place.down();
-    std::optional<KeptDepths> kept;
+    std::optional<ClipDepths> kept;
     if (fragments_.cuts != nullptr)
       kept = fragments_.cuts->depths(x, y, shear_.scan.slice_axis, shear_.ascending ? 1.0 : -1.0);
     between_.clear();
@@ -141,7 +141,7 @@ class RowIds {
   }
 
   /// Adds the shares of the volume in front of a fragment.
-  void add_in_front(std::uint32_t fragment, float depth, const KeptDepths* kept, float weight) {
+  void add_in_front(std::uint32_t fragment, float depth, const ClipDepths* kept, float weight) {
     const std::uint32_t entry = fragments_.order.entry_of(fragment);
     if (entry == FragmentOrder::kNowhere) return;
     const float of_slab = fragments_.order.slab_share(fragment, depth, kept);

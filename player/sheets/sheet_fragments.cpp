@@ -3,7 +3,6 @@
 #include <utility>
 
 #include "player/sheets/sheet_shares.h"
-#include "player/sheets/sheets.h"
 
 namespace splatlas {
 

@@ -7,23 +7,11 @@
 #include <span>
 #include <vector>
 
+#include "player/sheets/band_image.h"
 #include "player/sheets/fragment_order.h"
 #include "player/sheets/fragment_shares.h"
 
 namespace splatlas {
-
-class BandShares;
-struct SheetWindow;
-
-/// Accumulated radiance of a row of sheet pixels, in planes per phase: red, green, blue (or white alone),
-/// then opacity. One pixel before and one after the row are readable.
-struct AccumulatedRow {
-  const float* first = nullptr;  ///< pixel 0 of phase 0, first plane
-  std::int64_t planes = 4;       ///< 4 or 2
-  std::int64_t plane_stride = 0, phase_stride = 0;
-  std::int64_t fine_row = 0;
-  const BandShares* shares = nullptr;  ///< of structures in the opacity so far; null: not asked for
-};
 
 /// Interpolates the accumulated radiance of a band of rows at the adjacent fragments. Rows change only while
 /// a slab is composited, so that each fragment is visited only at its own slab.

@@ -9,6 +9,7 @@
 
 #include "player/picture.h"
 #include "player/sheets/band_image.h"
+#include "player/sheets/fragment_shares.h"
 #include "player/sheets/sheet_window.h"
 #include "player/sheets/slice_numbers.h"
 #include "player/sheets/splat_kernels.h"
@@ -71,6 +72,13 @@ struct SheetShares {
       if (share > 0) visit(band.numbers[n], static_cast<float>(share) * (1.0f / 65535));
     }
   }
+};
+
+/// Shares of structures in the pixels of a sheet and in front of its fragments.
+struct SharePass {
+  const VoxelNumbers& numbers;
+  SheetShares& shares;
+  FragmentShares& of_fragments;
 };
 
 /// Accumulates the shares in a band of the sheet, slab by slab. The opacity that a slab adds to a pixel

@@ -1,15 +1,17 @@
 #include "player/sheets/sheets.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
+#include <vector>
 
 #include "format/system/task_control.h"
 #include "player/sheets/band_image.h"
 #include "player/sheets/kept_slabs.h"
 #include "player/sheets/sheet_fragments.h"
 #include "player/sheets/sheet_shares.h"
+#include "player/sheets/sheet_window.h"
 #include "player/sheets/slice_mix.h"
-#include "player/sheets/slice_rows.h"
 
 namespace splatlas {
 namespace {
@@ -37,7 +39,7 @@ struct Pass {
   const SheetWindow& window;
   const SplatKernels& kernels;
   float termination_threshold;
-  const KeptSlabs* kept;  // null without a cut
+  const ClipSlabs* kept;  // null without a cut
   FragmentOrder& fragments;
   SheetImage& image;
   const SharePass* shares;  // null: not asked for
@@ -149,7 +151,7 @@ class Band {
   /// True if a plane removes the whole slab.
   [[nodiscard]] bool removes(double k) const {
     return pass_.kept != nullptr && pass_.kept->state(k, image_.first_fine_row(), image_.last_fine_row()) ==
-                                        KeptSlabs::State::kRemoved;
+                                        ClipSlabs::State::kRemoved;
   }
   /// Voxels of rows [first, last) that cut slabs show; none without a cut.
   void list_visible_voxels(double k, std::int64_t first, std::int64_t last) {
@@ -212,27 +214,27 @@ class Band {
                  std::int64_t count, std::int64_t first, std::int64_t last) {
     if (first >= last) return;
     const std::int64_t fine_row = slice_rows.fine_row(first, between);
-    const KeptSlabs::State state_of_all =
-        pass_.kept == nullptr ? KeptSlabs::State::kWhole
+    const ClipSlabs::State state_of_all =
+        pass_.kept == nullptr ? ClipSlabs::State::kWhole
                               : pass_.kept->state(k, fine_row, fine_row + (last - first) * scale_);
-    if (state_of_all == KeptSlabs::State::kWhole)
+    if (state_of_all == ClipSlabs::State::kWhole)
       return composite_kept(slice, k, slice_rows, between, count, first, last, nullptr);
-    if (state_of_all == KeptSlabs::State::kRemoved) return;
+    if (state_of_all == ClipSlabs::State::kRemoved) return;
     // Split the pairs by removed, cut and whole rows
     kept_.fill(*pass_.kept, k, fine_row, last - first, count);
     for (std::int64_t begin = first, end = first; begin < last; begin = end) {
-      const KeptSlabs::State state = kept_.state(begin - first);
+      const ClipSlabs::State state = kept_.state(begin - first);
       while (end < last && kept_.state(end - first) == state) ++end;
-      if (state == KeptSlabs::State::kRemoved) continue;
-      const KeptRows rows = kept_.from(begin - first, 0);
+      if (state == ClipSlabs::State::kRemoved) continue;
+      const ClipRows rows = kept_.from(begin - first, 0);
       composite_kept(slice, k, slice_rows, between, count, begin, end,
-                     state == KeptSlabs::State::kCut ? &rows : nullptr);
+                     state == ClipSlabs::State::kCut ? &rows : nullptr);
     }
   }
 
   /// The same for pairs that all are cut, as `kept` describes, or all whole.
   void composite_kept(const SliceSpans& slice, double k, const SliceRows& slice_rows, std::int64_t between,
-                      std::int64_t count, std::int64_t first, std::int64_t last, const KeptRows* kept) {
+                      std::int64_t count, std::int64_t first, std::int64_t last, const ClipRows* kept) {
     SheetRows rows;
     rows.slice = &slice;
     rows.upper = first;
@@ -256,7 +258,7 @@ class Band {
         pass_.kernels.composite(rows, slab_mm, pass_.termination_threshold, image);
         continue;
       }
-      KeptRows of_phases = *kept;
+      ClipRows of_phases = *kept;
       of_phases.lines += static_cast<std::int64_t>(phase) * kept->phase_stride;
       pass_.kernels.composite_cut(rows, of_phases, slab_mm, pass_.termination_threshold, image);
     }
@@ -307,12 +309,12 @@ class Band {
   BandNumbers& numbers_;         // of the current slab, if shares are asked for
   BandShares& shares_;           // the same
   std::vector<Phase> phases_;    // of the current slice
-  KeptSlabs::Rows kept_;         // of the current rows, with a cut
+  ClipSlabs::Rows kept_;         // of the current rows, with a cut
   std::vector<Blocks> visible_;  // of the current voxel rows, with a cut
 };
 
 /// Number of voxels of spans in rows [first, last) that a cut does not remove as a whole.
-std::uint64_t count_kept(const KeptSlabs& kept, const SliceSpans& slice, std::int64_t first,
+std::uint64_t count_kept(const ClipSlabs& kept, const SliceSpans& slice, std::int64_t first,
                          std::int64_t last) {
   std::uint64_t voxels = 0;
   for (std::int64_t row = std::max(first, slice.first_row); row < std::min(last, slice.last_row); ++row) {
@@ -366,7 +368,7 @@ std::uint64_t render_sheets(const SpanModel& model, const Shear& shear, const Sh
   std::fill_n(image.pixels.end() - static_cast<std::ptrdiff_t>(row_floats), row_floats, 0.0f);
 
   // Split the window into bands
-  const KeptSlabs kept(planes, shear, window);
+  const ClipSlabs kept(planes, shear, window, ImageRows::kMargin);
   const Pass pass{model,     shear, window, kernels, termination_threshold, planes.empty() ? nullptr : &kept,
                   fragments, image, shares};
   const std::int64_t row_bytes =

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "player/sheets/slice_rows.h"
+#include "player/sheets/sheet_window.h"
 
 namespace splatlas {
 

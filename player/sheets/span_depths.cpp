@@ -8,8 +8,8 @@
 #include <span>
 #include <vector>
 
+#include "player/sheets/footprint_window.h"
 #include "player/sheets/kept_slabs.h"
-#include "player/sheets/sheets.h"
 
 namespace splatlas {
 namespace {

@@ -59,7 +59,7 @@ class Splat {
 
  public:
   HWY_INLINE Splat(const SheetRows& rows, float slab_mm, float termination_threshold, const ImageRows& image,
-                   const KeptRows* kept = nullptr)
+                   const ClipRows* kept = nullptr)
       : rows_(rows),
         image_(image),
         kept_(kept),
@@ -85,7 +85,7 @@ class Splat {
     Blocks reach = reach_;
     [[maybe_unused]] std::int64_t first_removed = kNoBlock;
     if constexpr (kCut) {
-      const KeptBlocks kept(kept_->pixels[pair], rows_);
+      const ClipBlocks kept(kept_->pixels[pair], rows_);
       reach = {std::max(reach.first, kept.visible.first), std::min(reach.last, kept.visible.last)};
       whole_ = kept.whole;
       first_removed = kept.visible.first;
@@ -121,7 +121,7 @@ class Splat {
 
   /// Kept fraction of the slab at the pixels of a part of a block.
   HWY_INLINE Vector Kept(int phase_row, int part) const {
-    const KeptLine* lines = kept_->lines + pair_ * kept_->pair_stride +
+    const ClipLine* lines = kept_->lines + pair_ * kept_->pair_stride +
                             phase_row / kPhases * kept_->row_stride +
                             phase_row % kPhases * kept_->phase_stride;
     return KeptFractions(Lanes(), *kept_, lines, block_ * kBlock + ShiftOf(phase_row) + part * kPart);
@@ -375,7 +375,7 @@ class Splat {
 
   const SheetRows& rows_;
   const ImageRows& image_;
-  const KeptRows* kept_;                     // null without a cut
+  const ClipRows* kept_;                     // null without a cut
   Blocks whole_;                             // of the current pair, with a cut
   [[maybe_unused]] std::int64_t block_ = 0;  // the current one, with a cut
   Blocks reach_;

@@ -18,7 +18,7 @@ HWY_BEFORE_NAMESPACE();
 namespace splatlas::HWY_NAMESPACE {
 
 template <int kEmissions, int kRows, int kPhases>
-HWY_INLINE void CompositeCutPairs(const SheetRows& rows, const KeptRows& kept, float slab_mm,
+HWY_INLINE void CompositeCutPairs(const SheetRows& rows, const ClipRows& kept, float slab_mm,
                                   float termination_threshold, const ImageRows& image) {
   Splat<kEmissions, kRows, kPhases, true> splat(rows, slab_mm, termination_threshold, image, &kept);
   for (std::int64_t pair = 0; pair < rows.pairs; ++pair) splat.CompositePair(pair);
@@ -26,7 +26,7 @@ HWY_INLINE void CompositeCutPairs(const SheetRows& rows, const KeptRows& kept, f
 
 /// Every phase row by itself: at the borders of bands.
 template <int kEmissions>
-HWY_INLINE void CompositeCutOneByOne(const SheetRows& rows, const KeptRows& kept, float slab_mm,
+HWY_INLINE void CompositeCutOneByOne(const SheetRows& rows, const ClipRows& kept, float slab_mm,
                                      float termination_threshold, const ImageRows& image) {
   SheetRows one = rows;
   one.rows_between = one.phase_count = 1;
@@ -35,7 +35,7 @@ HWY_INLINE void CompositeCutOneByOne(const SheetRows& rows, const KeptRows& kept
       one.lower_weights[0] = rows.lower_weights[row];
       one.phases[0] = rows.phases[phase];
       ImageRows phase_row = image;
-      KeptRows kept_row = kept;
+      ClipRows kept_row = kept;
       const auto r = static_cast<std::int64_t>(row), p = static_cast<std::int64_t>(phase);
       phase_row.pixels += r * image.row_stride + p * image.phase_stride;
       if (phase_row.opaque != nullptr) phase_row.opaque += r * image.opaque_row_stride + p;
@@ -46,7 +46,7 @@ HWY_INLINE void CompositeCutOneByOne(const SheetRows& rows, const KeptRows& kept
 }
 
 template <int kEmissions>
-HWY_INLINE void CompositeCutEmissions(const SheetRows& rows, const KeptRows& kept, float slab_mm,
+HWY_INLINE void CompositeCutEmissions(const SheetRows& rows, const ClipRows& kept, float slab_mm,
                                       float threshold, const ImageRows& image) {
   switch (10 * rows.rows_between + rows.phase_count) {
     case 11: return CompositeCutPairs<kEmissions, 1, 1>(rows, kept, slab_mm, threshold, image);
@@ -56,7 +56,7 @@ HWY_INLINE void CompositeCutEmissions(const SheetRows& rows, const KeptRows& kep
   }
 }
 
-inline void CompositeCutRows(const SheetRows& rows, const KeptRows& kept, float slab_mm,
+inline void CompositeCutRows(const SheetRows& rows, const ClipRows& kept, float slab_mm,
                              float termination_threshold, const ImageRows& image) {
   rows.slice->emissions == 1 ? CompositeCutEmissions<1>(rows, kept, slab_mm, termination_threshold, image)
                              : CompositeCutEmissions<3>(rows, kept, slab_mm, termination_threshold, image);

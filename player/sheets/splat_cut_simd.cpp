@@ -13,7 +13,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace splatlas::HWY_NAMESPACE {
 
-void CompositeCutDispatched(const SheetRows& rows, const KeptRows& kept, float slab_mm,
+void CompositeCutDispatched(const SheetRows& rows, const ClipRows& kept, float slab_mm,
                             float termination_threshold, const ImageRows& image) {
 #if HWY_TARGET == HWY_SCALAR
   scalar_kernels().composite_cut(rows, kept, slab_mm, termination_threshold, image);
@@ -33,7 +33,7 @@ HWY_EXPORT(CompositeCutDispatched);
 
 }  // namespace
 
-void best_composite_cut(const SheetRows& rows, const KeptRows& kept, float slab_mm,
+void best_composite_cut(const SheetRows& rows, const ClipRows& kept, float slab_mm,
                         float termination_threshold, const ImageRows& image) {
   HWY_DYNAMIC_DISPATCH(CompositeCutDispatched)(rows, kept, slab_mm, termination_threshold, image);
 }

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "player/sheets/kept_rows.h"
 #include "player/spans/span_model.h"
 
 namespace splatlas {
@@ -56,28 +57,6 @@ struct ImageRows {
   std::int64_t opaque_row_stride = 0, opaque_pair_stride = 0;  ///< phases are adjacent
 };
 
-/// Kept fraction of a slab along a row of pixels: at_whole + per_pixel * (x - whole) at pixel x, clamped to
-/// [0, 1]. Exact near `whole`, where it is between 0 and 1.
-struct KeptLine {
-  float at_whole = 1, per_pixel = 0;
-  std::int32_t whole = 0;
-};
-
-/// Pixels of all phase rows of a pair: outside the visible ones the fraction is 0, among the whole ones it
-/// is 1. Either may be empty.
-struct KeptPixels {
-  std::int64_t first_visible = 0, last_visible = 0, first_whole = 0, last_whole = 0;
-};
-
-/// Kept fraction of a slab that planes cut: max(0, e + l - 1), with the smallest fraction e of the planes
-/// where rays enter, and l of those where they leave.
-struct KeptRows {
-  const KeptPixels* pixels = nullptr;  ///< of each pair
-  const KeptLine* lines = nullptr;  ///< of the planes of the first phase row; those of entering planes first
-  int entering = 0, planes = 0;
-  std::int64_t pair_stride = 0, row_stride = 0, phase_stride = 0;  ///< in lines
-};
-
 /// Optical properties with a weight; null counts as zero.
 struct WeightedOptics {
   const float* optics = nullptr;  ///< aligned to cache lines
@@ -99,7 +78,7 @@ struct SplatKernels {
 
   /// The same for a slab that planes cut: its length is multiplied by the kept fraction of each pixel. Costs
   /// nothing outside the visible pixels.
-  void (*composite_cut)(const SheetRows& rows, const KeptRows& kept, float slab_mm,
+  void (*composite_cut)(const SheetRows& rows, const ClipRows& kept, float slab_mm,
                         float termination_threshold, const ImageRows& image);
 
   /// Weighted sum of `floats` values, a multiple of kBlock. At least one input is not null; `mixed` is
@@ -108,7 +87,7 @@ struct SplatKernels {
 };
 
 /// SplatKernels::composite_cut of the best kernels.
-void best_composite_cut(const SheetRows& rows, const KeptRows& kept, float slab_mm,
+void best_composite_cut(const SheetRows& rows, const ClipRows& kept, float slab_mm,
                         float termination_threshold, const ImageRows& image);
 
 /// Scalar reference kernels. SPLATLAS_SIMD=scalar in the environment forces them.

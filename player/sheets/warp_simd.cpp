@@ -9,7 +9,7 @@
 
 #include <hwy/highway.h>
 
-#include "player/sheets/sheets.h"
+#include "player/sheets/sheet_image.h"
 #include "player/sheets/warp_kernels.h"
 
 HWY_BEFORE_NAMESPACE();

@@ -8,7 +8,7 @@
 #include "format/file/directory.h"
 #include "format/system/result_macros.h"
 #include "format/system/task_control.h"
-#include "player/spans/span_model.h"
+#include "player/spans/span_blocks.h"
 
 namespace splatlas {
 

@@ -130,7 +130,7 @@ bool BandRasterizer::is_hidden(const ScreenTriangle& t, std::uint32_t slot) cons
 }
 
 bool BandRasterizer::is_cut_away(double x, double y, double depth) const {
-  const KeptDepths kept = cuts_->depths(x + 0.5, y + 0.5, scene_->depth_axis, scene_->depth_sign);
+  const ClipDepths kept = cuts_->depths(x + 0.5, y + 0.5, scene_->depth_axis, scene_->depth_sign);
   return !(depth >= kept.from && depth <= kept.to);
 }
 

@@ -59,8 +59,8 @@ CutRays::CutRays(const CutPlanes& planes, const View& view, const Grid& grid, do
   }
 }
 
-KeptInterval CutRays::through(double x, double y) const {
-  KeptInterval kept;
+ClipInterval CutRays::through(double x, double y) const {
+  ClipInterval kept;
   if (perspective_) kept.from = 0;
   for (std::size_t n = 0; n < distances_.size(); ++n) {
     const RayDistance& of = distances_[n];
@@ -82,11 +82,11 @@ KeptInterval CutRays::through(double x, double y) const {
   return kept;
 }
 
-KeptDepths CutRays::depths(double x, double y, std::size_t axis, double sign) const {
-  const KeptInterval kept = through(x, y);
+ClipDepths CutRays::depths(double x, double y, std::size_t axis, double sign) const {
+  const ClipInterval kept = through(x, y);
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   if (kept.empty()) return {kInfinity, -kInfinity};
-  KeptDepths depths;
+  ClipDepths depths;
   if (std::isfinite(kept.from)) depths.from = sign * index_at(x, y, kept.from, axis);
   if (std::isfinite(kept.to)) depths.to = sign * index_at(x, y, kept.to, axis);
   return depths;

@@ -30,7 +30,7 @@ struct VoxelPlane {
 [[nodiscard]] std::vector<VoxelPlane> voxel_planes(const CutPlanes& planes, const Grid& grid);
 
 /// Interval of a ray within the kept half spaces, in units of the ray's parameter.
-struct KeptInterval {
+struct ClipInterval {
   static constexpr int kNoPlane = -1;
   double from = -std::numeric_limits<double>::infinity(), to = std::numeric_limits<double>::infinity();
   /// Index of the plane at either end; kNoPlane at the eye and at infinity.
@@ -40,18 +40,18 @@ struct KeptInterval {
 };
 
 /// Interval of depths, in voxels along an axis of the grid; empty if from > to.
-struct KeptDepths {
+struct ClipDepths {
   double from = -std::numeric_limits<double>::infinity(), to = std::numeric_limits<double>::infinity();
 };
 
 /// Positions along a scanline that no plane removes by more than `margin(plane)` voxels.
 template <typename Margin>
-[[nodiscard]] KeptDepths kept_scan(std::span<const VoxelPlane> planes, const ScanOrder& order,
+[[nodiscard]] ClipDepths kept_scan(std::span<const VoxelPlane> planes, const ScanOrder& order,
                                    std::int64_t slice, std::int64_t row, const Margin& margin) {
   Vec3 start{};
   start[order.slice_axis] = static_cast<double>(slice);
   start[order.row_axis] = static_cast<double>(row);
-  KeptDepths kept;
+  ClipDepths kept;
   for (const VoxelPlane& plane : planes) {
     const double at = plane.distance(start) - margin(plane), per_voxel = plane.normal[order.scan_axis];
     if (per_voxel > 0) kept.to = std::min(kept.to, -at / per_voxel);
@@ -71,7 +71,7 @@ class CutRays {
   [[nodiscard]] const std::vector<VoxelPlane>& planes() const { return planes_; }
 
   /// Kept part of the ray through picture coordinates (x, y).
-  [[nodiscard]] KeptInterval through(double x, double y) const;
+  [[nodiscard]] ClipInterval through(double x, double y) const;
   /// The point of that ray at `t`, in continuous voxel indices.
   [[nodiscard]] double index_at(double x, double y, double t, std::size_t axis) const {
     const double on_plane = frame_.corner[axis] + x * frame_.right[axis] + y * frame_.down[axis];
@@ -82,7 +82,7 @@ class CutRays {
     return {index_at(x, y, t, 0), index_at(x, y, t, 1), index_at(x, y, t, 2)};
   }
   /// Kept part of that ray in depths sign * (index along `axis`), which grow away from the viewer.
-  [[nodiscard]] KeptDepths depths(double x, double y, std::size_t axis, double sign) const;
+  [[nodiscard]] ClipDepths depths(double x, double y, std::size_t axis, double sign) const;
 
   /// Crossing of a plane by the rays of a picture row in a parallel view: t = at_zero + per_x * x.
   struct RowCrossing {

@@ -12,7 +12,6 @@
 namespace splatlas {
 namespace {
 
-constexpr double kDefaultShortSideInch = 160 / 25.4;
 constexpr double kTightRows = 0.2, kWideRows = 0.5;             // gaps between labels, in em
 constexpr double kMaxLabelWidth = 0.26, kMinLabelWidth = 0.16;  // of the picture's width
 constexpr double kReservedLabelWidth = 0.2;                     // of the picture's width, for each column
@@ -151,13 +150,6 @@ PictureRegion region_of_figure(const AnnotatedScene& scene, const AnnotationOpti
   const auto [left, right] = share(layout.figure.left, layout.figure.right, scene.picture.size.width);
   const auto [top, bottom] = share(layout.figure.top, layout.figure.bottom, scene.picture.size.height);
   return {std::max(0.0, left), std::max(0.0, top), std::min(right, 1.0), std::min(bottom, 1.0)};
-}
-
-double annotation_dpi(const AnnotationOptions& options, const PictureSize& size) {
-  if (options.dpi) return *options.dpi;
-  constexpr double kMinTextPixels = 11;
-  const double fitted = std::min(size.width, size.height) / kDefaultShortSideInch;
-  return std::max(fitted, 72 * kMinTextPixels / kLabelPoints);
 }
 
 Result<AnnotationLayer> annotate_picture(const AnnotatedScene& scene, const AnnotationOptions& options,

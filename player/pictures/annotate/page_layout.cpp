@@ -12,6 +12,7 @@
 namespace splatlas {
 namespace {
 
+constexpr double kDefaultShortSideInch = 160 / 25.4;
 constexpr double kMargin = 0.035;     // of the short side
 constexpr double kMaxScaleBar = 0.2;  // of the width
 constexpr double kMaxLegend = 0.3;    // of the height
@@ -24,6 +25,13 @@ bool is_dark(Rgb color) {
 }
 
 }  // namespace
+
+double annotation_dpi(const AnnotationOptions& options, const PictureSize& size) {
+  if (options.dpi) return *options.dpi;
+  constexpr double kMinTextPixels = 11;
+  const double fitted = std::min(size.width, size.height) / kDefaultShortSideInch;
+  return std::max(fitted, 72 * kMinTextPixels / kLabelPoints);
+}
 
 PageLayout::PageLayout(const AnnotatedScene& scene_, const AnnotationOptions& options_,
                        const MeasureText& measure_, const FreeSpace& free_space_)

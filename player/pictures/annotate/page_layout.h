@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "player/pictures/annotate/annotate_picture.h"
+#include "player/pictures/annotate/annotated_scene.h"
 #include "player/pictures/annotate/free_space.h"
 #include "player/pictures/annotate/place_labels.h"
 
@@ -19,6 +19,9 @@ inline constexpr double kLegendRow = 1.45;   ///< height of a row of the legend,
 inline constexpr double kLeaderPoints = 0.5, kLeaderCasingPoints = 1.5, kDotPoints = 1.3,
                         kDotCasingPoints = 0.6;
 inline constexpr double kRulePoints = 0.4, kScaleBarPoints = 1.2, kTickPoints = 5;
+
+/// Pixels per inch: that of the options, or a default that depends on the size.
+[[nodiscard]] double annotation_dpi(const AnnotationOptions& options, const PictureSize& size);
 
 /// Layout of one page. The functions of the parts add to `layer`, and to `obstacles` for labels.
 struct PageLayout {

@@ -351,13 +351,13 @@ TEST_P(SplatKernelsOf, CompositeCutSlabs) {
   for (int n = 0; n < 200; ++n) {
     const Case scene(random, 0.5f);
     Image image = scene.black_image(1 + random() % 120);
-    KeptRows kept;
+    ClipRows kept;
     kept.planes = 1 + static_cast<int>(random() % 3);
     kept.entering = static_cast<int>(random() % static_cast<std::size_t>(kept.planes + 1));
     kept.phase_stride = kept.planes;
     kept.row_stride = kept.planes * static_cast<std::int64_t>(scene.rows.phase_count);
     kept.pair_stride = kept.row_stride * static_cast<std::int64_t>(scene.rows.rows_between);
-    std::vector<KeptLine> lines;
+    std::vector<ClipLine> lines;
     for (std::size_t line = 0; line < image.phase_rows() * static_cast<std::size_t>(kept.planes); ++line) {
       lines.push_back({static_cast<float>(random() % 100) / 100,
                        std::array{0.0f, 0.03f, -0.2f, 8.0f}[random() % 4],
@@ -366,7 +366,7 @@ TEST_P(SplatKernelsOf, CompositeCutSlabs) {
     const auto fraction = [&](std::size_t phase_row, std::int64_t x) {
       double entering = 1, leaving = 1;
       for (int plane = 0; plane < kept.planes; ++plane) {
-        const KeptLine& line =
+        const ClipLine& line =
             lines[phase_row * static_cast<std::size_t>(kept.planes) + static_cast<std::size_t>(plane)];
         const double at = static_cast<double>(line.at_whole) +
                           static_cast<double>(line.per_pixel) * static_cast<double>(x - line.whole);
@@ -375,7 +375,7 @@ TEST_P(SplatKernelsOf, CompositeCutSlabs) {
       }
       return std::max(0.0, entering + leaving - 1);
     };
-    const std::vector<KeptPixels> pixels(static_cast<std::size_t>(scene.rows.pairs),
+    const std::vector<ClipPixels> pixels(static_cast<std::size_t>(scene.rows.pairs),
                                          {0, image.columns(), 0, 0});
     kept.pixels = pixels.data();
     kept.lines = lines.data();

@@ -1,9 +1,10 @@
-#include "player/sheets/sheet_window.h"
+#include "player/sheets/footprint_window.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "player/sheets/kept_slabs.h"
+#include "player/sheets/kept_extent.h"
 
 namespace splatlas {
 
