@@ -5,7 +5,7 @@
 #include <functional>
 #include <string>
 
-#include "bench/report.h"
+#include "bench/measure/report.h"
 #include "format/result.h"
 
 namespace splatlas {

@@ -12,14 +12,14 @@
 #include <fmt/format.h>
 
 #include "bench/bench.h"
-#include "format/system/check_writable.h"
-#include "format/system/exit_status.h"
-#include "format/system/interrupts.h"
-#include "format/system/memory_limit.h"
-#include "format/system/output_file.h"
-#include "format/system/output_path.h"
-#include "format/system/result_macros.h"
-#include "format/system/standard_output.h"
+#include "format/io/check_writable.h"
+#include "format/io/interrupts.h"
+#include "format/io/memory_limit.h"
+#include "format/io/output_file.h"
+#include "format/io/output_path.h"
+#include "format/program/exit_status.h"
+#include "format/program/standard_output.h"
+#include "format/result_macros.h"
 
 namespace splatlas {
 namespace {

@@ -8,7 +8,7 @@
 #include <set>
 
 #include <splatlas/format/atlas_reader.h>
-#include <splatlas/format/selection.h>
+#include <splatlas/format/content/selection.h>
 
 using namespace splatlas;
 

@@ -12,11 +12,11 @@
 #include <string_view>
 #include <vector>
 
-#include "format/atlas_content.h"
-#include "format/decision_tree.h"
+#include "format/content/atlas_content.h"
+#include "format/content/decision_tree.h"
+#include "format/content/run_model.h"
 #include "format/result.h"
-#include "format/run_model.h"
-#include "format/work_budget.h"
+#include "format/tasks/work_budget.h"
 
 namespace splatlas {
 

@@ -6,7 +6,7 @@
 #include <functional>
 #include <vector>
 
-#include "format/atlas_content.h"
+#include "format/content/atlas_content.h"
 #include "format/result.h"
 
 namespace splatlas {

@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "format/system/result_macros.h"
+#include "format/result_macros.h"
 
 namespace splatlas {
 namespace {

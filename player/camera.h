@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <optional>
 
-#include "format/atlas_content.h"
-#include "format/grid.h"
+#include "format/content/atlas_content.h"
+#include "format/content/grid.h"
 #include "format/result.h"
 
 namespace splatlas {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "player/view/fit_extents.h"
+#include "player/render/view/fit_extents.h"
 
 namespace splatlas {
 namespace {

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "format/atlas_reader.h"
-#include "format/selection.h"
+#include "format/content/selection.h"
 #include "player/camera.h"
 
 namespace splatlas {

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "format/system/ascii_text.h"
+#include "format/text/ascii_text.h"
 
 namespace splatlas {
 

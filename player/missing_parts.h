@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <string>
 
+#include "format/content/structure_graph.h"
 #include "format/result.h"
-#include "format/structure_graph.h"
 
 namespace splatlas {
 

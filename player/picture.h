@@ -6,10 +6,10 @@
 #include <span>
 #include <vector>
 
-#include "format/color.h"
-#include "format/grid.h"
+#include "format/content/color.h"
+#include "format/content/grid.h"
+#include "format/content/structure_graph.h"
 #include "format/result.h"
-#include "format/structure_graph.h"
 #include "player/camera.h"
 
 namespace splatlas {

@@ -7,19 +7,19 @@
 
 #include <fmt/format.h>
 
-#include "format/system/memory_limit.h"
-#include "format/system/result_macros.h"
-#include "format/system/task_control.h"
-#include "format/system/thread_pool.h"
-#include "player/frame/decoded_selection.h"
-#include "player/frame/drawn_selection.h"
-#include "player/frame/face_store.h"
-#include "player/frame/fit_selection.h"
-#include "player/frame/pick_structure.h"
-#include "player/frame/ray_frame.h"
-#include "player/frame/sheet_frame.h"
-#include "player/frame/span_store.h"
-#include "player/frame/stopwatch.h"
+#include "format/io/memory_limit.h"
+#include "format/result_macros.h"
+#include "format/tasks/task_control.h"
+#include "format/tasks/thread_pool.h"
+#include "player/render/contributions/pick_structure.h"
+#include "player/render/frame/decoded_selection.h"
+#include "player/render/frame/drawn_selection.h"
+#include "player/render/frame/face_store.h"
+#include "player/render/frame/fit_selection.h"
+#include "player/render/frame/ray_frame.h"
+#include "player/render/frame/sheet_frame.h"
+#include "player/render/frame/span_store.h"
+#include "player/render/frame/stopwatch.h"
 
 namespace splatlas {
 namespace {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "format/atlas_reader.h"
-#include "format/selection.h"
+#include "format/content/selection.h"
 #include "player/camera.h"
 #include "player/missing_parts.h"
 #include "player/picture.h"

@@ -6,7 +6,7 @@
 #include <optional>
 #include <stop_token>
 
-#include "format/grid.h"
+#include "format/content/grid.h"
 #include "player/camera.h"
 
 namespace splatlas {

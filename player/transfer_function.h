@@ -1,9 +1,9 @@
 // Transfer function of a selected structure.
 #pragma once
 
-#include "format/atlas_content.h"
-#include "format/selection.h"
-#include "format/transfer_curve.h"
+#include "format/content/atlas_content.h"
+#include "format/content/selection.h"
+#include "format/content/transfer_curve.h"
 
 namespace splatlas {
 

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <png.h>
 
-#include "format/system/output_file.h"
+#include "format/io/output_file.h"
 
 namespace splatlas {
 

@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "format/color.h"
+#include "format/content/color.h"
 #include "format/result.h"
 #include "player/picture.h"
 

@@ -107,9 +107,9 @@ printing='\b(std::)?(v?printf|v?fprintf|puts|putchar|fputs|fputc|perror) *\(|fmt
 [[ 'std::fprintf(stderr, "x")' =~ $printing && ! 'std::snprintf(text, 9, "x")' =~ $printing ]] ||
   tell "the check of printing is wrong"
 while IFS= read -r line; do
-  tell "$line: print PrintableText (format/system/standard_output.h)"
+  tell "$line: print PrintableText (format/program/standard_output.h)"
 done < <(grep -rnE --include='*.h' --include='*.cpp' "$printing" format preprocess player bench |
-  grep -v '^format/system/standard_output.cpp:')
+  grep -v '^format/program/standard_output.cpp:')
 
 if (($# > 0)); then
   linked=$(readelf --dynamic "$1" | sed -nE 's/.*\(NEEDED\).*\[(.*)\]/\1/p')

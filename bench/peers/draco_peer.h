@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
+#include "format/content/surface.h"
 #include "format/result.h"
-#include "format/surface.h"
 
 namespace splatlas::draco_peer {
 

@@ -11,9 +11,9 @@
 #include <fmt/format.h>
 #include <volpack.h>
 
-#include "format/system/result_macros.h"
-#include "format/unit_vector.h"
-#include "player/transfer/shading.h"
+#include "format/content/unit_vector.h"
+#include "format/result_macros.h"
+#include "player/render/transfer/shading.h"
 
 namespace splatlas {
 namespace {

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <memory>
 
-#include "format/surface.h"
+#include "format/content/surface.h"
 #include "player/camera.h"
 #include "player/picture.h"
 #include "tests/reference/masked_volume.h"

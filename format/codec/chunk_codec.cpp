@@ -8,8 +8,8 @@
 
 #include <zstd.h>
 
-#include "format/system/checksum.h"
-#include "format/system/result_macros.h"
+#include "format/io/checksum.h"
+#include "format/result_macros.h"
 
 namespace splatlas {
 

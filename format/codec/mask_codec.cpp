@@ -8,8 +8,8 @@
 #include <cmath>
 
 #include "format/codec/range_coder.h"
-#include "format/system/result_macros.h"
-#include "format/system/task_control.h"
+#include "format/result_macros.h"
+#include "format/tasks/task_control.h"
 
 namespace splatlas {
 namespace {

@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "format/grid.h"
+#include "format/content/grid.h"
+#include "format/content/run_model.h"
 #include "format/result.h"
-#include "format/run_model.h"
 
 namespace splatlas {
 

@@ -3,8 +3,8 @@
 #include <limits>
 
 #include "format/codec/zigzag.h"
-#include "format/system/result_macros.h"
-#include "format/system/task_control.h"
+#include "format/result_macros.h"
+#include "format/tasks/task_control.h"
 
 namespace splatlas {
 

@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
+#include "format/content/run_model.h"
 #include "format/result.h"
-#include "format/run_model.h"
 
 namespace splatlas {
 

@@ -13,8 +13,8 @@
 
 #include <meshoptimizer.h>
 
-#include "format/system/result_macros.h"
-#include "format/unit_vector.h"
+#include "format/content/unit_vector.h"
+#include "format/result_macros.h"
 
 namespace splatlas {
 

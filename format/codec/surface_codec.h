@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "format/grid.h"
+#include "format/content/grid.h"
+#include "format/content/surface.h"
 #include "format/result.h"
-#include "format/surface.h"
 
 namespace splatlas {
 

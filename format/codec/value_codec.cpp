@@ -13,8 +13,8 @@
 #include "format/codec/fit_weights.h"
 #include "format/codec/value_window.h"
 #include "format/codec/zigzag.h"
-#include "format/system/result_macros.h"
-#include "format/system/task_control.h"
+#include "format/result_macros.h"
+#include "format/tasks/task_control.h"
 
 namespace splatlas {
 namespace {

@@ -6,10 +6,10 @@
 #include <span>
 #include <vector>
 
+#include "format/content/grid.h"
+#include "format/content/voxel_type.h"
 #include "format/derive/value_groups.h"
-#include "format/grid.h"
 #include "format/result.h"
-#include "format/voxel_type.h"
 
 namespace splatlas {
 

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "format/codec/value_filter.h"
-#include "format/grid.h"
-#include "format/run_model.h"
+#include "format/content/grid.h"
+#include "format/content/run_model.h"
 
 namespace splatlas {
 

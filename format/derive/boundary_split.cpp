@@ -7,7 +7,7 @@
 #include <limits>
 #include <vector>
 
-#include "format/system/task_control.h"
+#include "format/tasks/task_control.h"
 
 namespace splatlas {
 namespace {

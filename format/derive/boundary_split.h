@@ -4,10 +4,10 @@
 #include <span>
 #include <vector>
 
-#include "format/class_table.h"
+#include "format/content/class_table.h"
+#include "format/content/grid.h"
+#include "format/content/run_model.h"
 #include "format/derive/value_groups.h"
-#include "format/grid.h"
-#include "format/run_model.h"
 
 namespace splatlas {
 

@@ -9,7 +9,7 @@
 #include "format/derive/smooth_net.h"
 #include "format/derive/sparse_surface.h"
 #include "format/derive/surface_net.h"
-#include "format/system/task_control.h"
+#include "format/tasks/task_control.h"
 
 namespace splatlas {
 namespace {

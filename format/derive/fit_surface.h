@@ -7,14 +7,14 @@
 #include <span>
 #include <vector>
 
-#include "format/class_table.h"
+#include "format/content/class_table.h"
+#include "format/content/grid.h"
+#include "format/content/run_model.h"
+#include "format/content/surface.h"
+#include "format/content/unit_vector.h"
 #include "format/derive/part_rows.h"
 #include "format/derive/smooth_gradient.h"
 #include "format/derive/structure_crop.h"
-#include "format/grid.h"
-#include "format/run_model.h"
-#include "format/surface.h"
-#include "format/unit_vector.h"
 
 namespace splatlas {
 

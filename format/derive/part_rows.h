@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "format/run_model.h"
+#include "format/content/run_model.h"
 
 namespace splatlas {
 

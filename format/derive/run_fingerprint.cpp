@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "format/system/task_control.h"
+#include "format/tasks/task_control.h"
 
 namespace splatlas {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "format/system/task_control.h"
+#include "format/tasks/task_control.h"
 
 namespace splatlas {
 namespace {

@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <utility>
 
-#include "format/system/task_control.h"
+#include "format/tasks/task_control.h"
 
 namespace splatlas {
 namespace {

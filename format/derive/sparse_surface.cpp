@@ -8,7 +8,7 @@
 
 #include "format/derive/net_builder.h"
 #include "format/derive/structure_crop.h"
-#include "format/system/task_control.h"
+#include "format/tasks/task_control.h"
 
 namespace splatlas {
 namespace {

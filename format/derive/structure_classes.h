@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "format/class_table.h"
+#include "format/content/class_table.h"
 
 namespace splatlas {
 

@@ -5,9 +5,9 @@
 #include <span>
 #include <vector>
 
+#include "format/content/grid.h"
+#include "format/content/run_model.h"
 #include "format/derive/structure_classes.h"
-#include "format/grid.h"
-#include "format/run_model.h"
 
 namespace splatlas {
 

@@ -5,9 +5,9 @@
 #include <span>
 #include <vector>
 
-#include "format/class_table.h"
-#include "format/decision_tree.h"
-#include "format/structure_graph.h"
+#include "format/content/class_table.h"
+#include "format/content/decision_tree.h"
+#include "format/content/structure_graph.h"
 
 namespace splatlas {
 

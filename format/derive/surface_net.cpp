@@ -4,7 +4,7 @@
 #include <cstring>
 #include <utility>
 
-#include "format/system/task_control.h"
+#include "format/tasks/task_control.h"
 
 namespace splatlas {
 namespace {

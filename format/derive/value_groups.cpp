@@ -5,7 +5,7 @@
 #include <numeric>
 #include <utility>
 
-#include "format/system/task_control.h"
+#include "format/tasks/task_control.h"
 
 namespace splatlas {
 

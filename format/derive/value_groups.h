@@ -5,9 +5,9 @@
 #include <span>
 #include <vector>
 
-#include "format/class_table.h"
-#include "format/grid.h"
-#include "format/run_model.h"
+#include "format/content/class_table.h"
+#include "format/content/grid.h"
+#include "format/content/run_model.h"
 
 namespace splatlas {
 

@@ -11,17 +11,17 @@
 #include "format/codec/run_codec.h"
 #include "format/codec/surface_codec.h"
 #include "format/codec/value_codec.h"
+#include "format/content/run_model.h"
 #include "format/derive/boundary_split.h"
 #include "format/derive/fit_surface.h"
 #include "format/file/content_check.h"
 #include "format/file/directory.h"
 #include "format/file/file_layout.h"
 #include "format/file/fitted_content.h"
-#include "format/run_model.h"
-#include "format/system/memory_limit.h"
-#include "format/system/output_file.h"
-#include "format/system/parallel.h"
-#include "format/system/result_macros.h"
+#include "format/io/memory_limit.h"
+#include "format/io/output_file.h"
+#include "format/result_macros.h"
+#include "format/tasks/parallel.h"
 
 namespace splatlas {
 

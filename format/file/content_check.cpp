@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "format/file/directory.h"
-#include "format/system/result_macros.h"
+#include "format/result_macros.h"
 
 namespace splatlas {
 

@@ -1,7 +1,7 @@
 // Check of content ahead of writing.
 #pragma once
 
-#include "format/atlas_content.h"
+#include "format/content/atlas_content.h"
 #include "format/result.h"
 
 namespace splatlas {

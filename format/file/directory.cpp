@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "format/file/directory_text.h"
-#include "format/system/result_macros.h"
+#include "format/result_macros.h"
 #include "schemas/atlas_generated.h"
 
 namespace splatlas {

@@ -8,15 +8,15 @@
 #include <string>
 #include <vector>
 
-#include "format/atlas_content.h"
-#include "format/class_table.h"
 #include "format/codec/chunk_codec.h"
 #include "format/codec/surface_codec.h"
+#include "format/content/atlas_content.h"
+#include "format/content/class_table.h"
+#include "format/content/grid.h"
+#include "format/content/structure_graph.h"
+#include "format/content/voxel_type.h"
 #include "format/derive/run_fingerprint.h"
-#include "format/grid.h"
 #include "format/result.h"
-#include "format/structure_graph.h"
-#include "format/voxel_type.h"
 
 namespace splatlas {
 

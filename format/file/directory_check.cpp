@@ -10,8 +10,8 @@
 #include "format/codec/surface_codec.h"
 #include "format/derive/boundary_split.h"
 #include "format/file/directory.h"
-#include "format/system/ascii_text.h"
-#include "format/system/result_macros.h"
+#include "format/result_macros.h"
+#include "format/text/ascii_text.h"
 
 namespace splatlas {
 

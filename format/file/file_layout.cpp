@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 
 #include "format/codec/value_codec.h"
-#include "format/system/checksum.h"
-#include "format/system/result_macros.h"
+#include "format/io/checksum.h"
+#include "format/result_macros.h"
 
 namespace splatlas {
 

@@ -5,7 +5,7 @@
 
 #include "format/derive/fit_surface.h"
 #include "format/derive/structure_crop.h"
-#include "format/system/parallel.h"
+#include "format/tasks/parallel.h"
 
 namespace splatlas {
 namespace {

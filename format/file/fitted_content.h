@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "format/atlas_content.h"
+#include "format/content/atlas_content.h"
 #include "format/derive/structure_classes.h"
 
 namespace splatlas {

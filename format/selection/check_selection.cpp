@@ -4,8 +4,8 @@
 
 #include <fmt/format.h>
 
-#include "format/selection.h"
-#include "format/system/ascii_text.h"
+#include "format/content/selection.h"
+#include "format/text/ascii_text.h"
 
 namespace splatlas {
 namespace {

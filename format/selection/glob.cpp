@@ -1,6 +1,6 @@
 #include "format/selection/glob.h"
 
-#include "format/system/ascii_text.h"
+#include "format/text/ascii_text.h"
 
 namespace splatlas {
 

@@ -8,11 +8,11 @@
 
 #include <fmt/format.h>
 
-#include "format/decision_tree.h"
-#include "format/selection.h"
+#include "format/content/decision_tree.h"
+#include "format/content/selection.h"
+#include "format/result_macros.h"
 #include "format/selection/selection_terms.h"
-#include "format/system/ascii_text.h"
-#include "format/system/result_macros.h"
+#include "format/text/ascii_text.h"
 
 namespace splatlas {
 namespace {

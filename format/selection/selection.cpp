@@ -1,10 +1,10 @@
-#include "format/selection.h"
+#include "format/content/selection.h"
 
 #include <algorithm>
 #include <numeric>
 
+#include "format/result_macros.h"
 #include "format/selection/selection_terms.h"
-#include "format/system/result_macros.h"
 
 namespace splatlas {
 namespace {

@@ -8,7 +8,7 @@
 
 #include <tl/expected.hpp>
 
-#include "format/selection.h"
+#include "format/content/selection.h"
 
 namespace splatlas {
 

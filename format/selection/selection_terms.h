@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "format/selection.h"
+#include "format/content/selection.h"
 
 namespace splatlas {
 

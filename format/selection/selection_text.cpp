@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "format/selection.h"
+#include "format/content/selection.h"
 #include "format/selection/selection_options.h"
 #include "format/selection/selection_terms.h"
 

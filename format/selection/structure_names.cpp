@@ -4,10 +4,10 @@
 
 #include <fmt/format.h>
 
-#include "format/selection.h"
+#include "format/content/selection.h"
+#include "format/result_macros.h"
 #include "format/selection/glob.h"
-#include "format/system/ascii_text.h"
-#include "format/system/result_macros.h"
+#include "format/text/ascii_text.h"
 
 namespace splatlas {
 namespace {

@@ -9,8 +9,8 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "format/system/command_options.h"
-#include "format/system/result_macros.h"
+#include "format/program/command_options.h"
+#include "format/result_macros.h"
 
 namespace splatlas {
 namespace {

@@ -7,11 +7,11 @@
 #include <string>
 #include <string_view>
 
+#include "format/content/selection.h"
 #include "format/result.h"
-#include "format/selection.h"
 #include "player/camera.h"
-#include "player/pictures/annotate/annotate_picture.h"
-#include "player/pictures/text_drawer.h"
+#include "player/files/text_drawer.h"
+#include "player/page/annotate_picture.h"
 #include "player/render_frame.h"
 
 namespace CLI {

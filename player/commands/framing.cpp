@@ -10,9 +10,9 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "format/system/ascii_text.h"
-#include "format/system/command_options.h"
-#include "format/system/result_macros.h"
+#include "format/program/command_options.h"
+#include "format/result_macros.h"
+#include "format/text/ascii_text.h"
 #include "player/camera_moves.h"
 
 namespace splatlas {

@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "format/derive/subtree_counts.h"
-#include "format/system/json_text.h"
+#include "format/text/json_text.h"
 
 namespace splatlas {
 namespace {

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "format/atlas_reader.h"
-#include "format/system/printable_text.h"
+#include "format/text/printable_text.h"
 
 namespace splatlas {
 

@@ -11,15 +11,15 @@
 #include <dlfcn.h>
 #include <fmt/format.h>
 
-#include "format/system/ascii_text.h"
-#include "format/system/command_options.h"
-#include "format/system/exit_status.h"
-#include "format/system/interrupts.h"
-#include "format/system/result_macros.h"
-#include "format/system/standard_output.h"
+#include "format/io/interrupts.h"
+#include "format/program/command_options.h"
+#include "format/program/exit_status.h"
+#include "format/program/standard_output.h"
+#include "format/result_macros.h"
+#include "format/text/ascii_text.h"
 #include "player/commands/info_command.h"
 #include "player/commands/render_command.h"
-#include "player/simd/simd_choice.h"
+#include "player/render/simd/simd_choice.h"
 #include "player/window/window_module.h"
 
 namespace splatlas {

@@ -13,17 +13,17 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "format/system/ascii_text.h"
-#include "format/system/check_writable.h"
-#include "format/system/command_options.h"
-#include "format/system/json_text.h"
-#include "format/system/output_file.h"
-#include "format/system/output_path.h"
-#include "format/system/result_macros.h"
-#include "format/system/task_control.h"
-#include "player/pictures/annotate/page_layout.h"
-#include "player/pictures/id_encoder.h"
-#include "player/pictures/picture_encoder.h"
+#include "format/io/check_writable.h"
+#include "format/io/output_file.h"
+#include "format/io/output_path.h"
+#include "format/program/command_options.h"
+#include "format/result_macros.h"
+#include "format/tasks/task_control.h"
+#include "format/text/ascii_text.h"
+#include "format/text/json_text.h"
+#include "player/files/id_encoder.h"
+#include "player/files/picture_encoder.h"
+#include "player/page/page_layout.h"
 
 namespace splatlas {
 namespace {

@@ -7,7 +7,7 @@
 #include <imgui.h>
 #include <nlohmann/json.hpp>
 
-#include "player/window/session_log.h"
+#include "player/window/session/session_log.h"
 
 namespace splatlas {
 

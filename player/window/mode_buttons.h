@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "player/window/layout_log.h"
-#include "player/window/selection_editor.h"
+#include "player/window/session/selection_editor.h"
 
 namespace splatlas {
 

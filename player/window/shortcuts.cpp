@@ -7,7 +7,7 @@
 #include <imgui.h>
 
 #include "player/camera_moves.h"
-#include "player/window/view_names.h"
+#include "player/window/session/view_names.h"
 
 namespace splatlas {
 namespace {

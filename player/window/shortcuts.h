@@ -3,7 +3,7 @@
 
 #include <SDL_events.h>
 
-#include "player/window/session.h"
+#include "player/window/session/session.h"
 #include "player/window/ui_state.h"
 
 namespace splatlas {

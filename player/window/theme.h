@@ -3,7 +3,7 @@
 
 #include <imgui.h>
 
-#include "format/color.h"
+#include "format/content/color.h"
 
 namespace splatlas {
 

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "player/camera_moves.h"
-#include "player/window/view_names.h"
+#include "player/window/session/view_names.h"
 
 namespace splatlas {
 namespace {

@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "player/window/layout_log.h"
-#include "player/window/session.h"
+#include "player/window/session/session.h"
 #include "player/window/theme.h"
 #include "player/window/ui_state.h"
 

@@ -5,8 +5,8 @@
 #include <map>
 #include <unordered_map>
 
-#include "format/system/parallel.h"
-#include "format/system/result_macros.h"
+#include "format/result_macros.h"
+#include "format/tasks/parallel.h"
 
 namespace splatlas {
 namespace {

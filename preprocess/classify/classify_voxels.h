@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "format/class_table.h"
-#include "preprocess/membership_volume.h"
+#include "format/content/class_table.h"
+#include "preprocess/import/membership_volume.h"
 
 namespace splatlas {
 

@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "format/structure_graph.h"
-#include "preprocess/membership_volume.h"
+#include "format/content/structure_graph.h"
+#include "preprocess/import/membership_volume.h"
 
 namespace splatlas {
 

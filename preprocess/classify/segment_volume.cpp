@@ -15,8 +15,8 @@
 #include <itkOtsuThresholdCalculator.h>
 #include <itkRelabelComponentImageFilter.h>
 
-#include "format/system/result_macros.h"
-#include "preprocess/import/images/itk_call.h"
+#include "format/result_macros.h"
+#include "preprocess/import/images/itk/itk_call.h"
 #include "preprocess/import/tables/text_file.h"
 
 namespace splatlas {

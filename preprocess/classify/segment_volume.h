@@ -9,8 +9,8 @@
 #include <string_view>
 #include <vector>
 
-#include "format/grid.h"
-#include "format/voxel_type.h"
+#include "format/content/grid.h"
+#include "format/content/voxel_type.h"
 
 namespace splatlas {
 

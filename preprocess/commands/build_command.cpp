@@ -4,13 +4,13 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "format/system/ascii_text.h"
-#include "format/system/check_writable.h"
-#include "format/system/command_options.h"
-#include "format/system/output_file.h"
-#include "format/system/output_path.h"
-#include "format/system/result_macros.h"
-#include "format/system/standard_output.h"
+#include "format/io/check_writable.h"
+#include "format/io/output_file.h"
+#include "format/io/output_path.h"
+#include "format/program/command_options.h"
+#include "format/program/standard_output.h"
+#include "format/result_macros.h"
+#include "format/text/ascii_text.h"
 #include "preprocess/commands/build_report.h"
 #include "preprocess/commands/commands.h"
 #include "preprocess/import/tables/text_file.h"

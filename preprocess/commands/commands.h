@@ -6,7 +6,7 @@
 #include <string_view>
 #include <utility>
 
-#include "preprocess/build_atlas.h"
+#include "preprocess/build/build_atlas.h"
 #include "preprocess/commands/progress_display.h"
 #include "preprocess/export/export_atlas.h"
 

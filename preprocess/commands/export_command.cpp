@@ -1,9 +1,9 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "format/system/command_options.h"
-#include "format/system/result_macros.h"
-#include "format/system/standard_output.h"
+#include "format/program/command_options.h"
+#include "format/program/standard_output.h"
+#include "format/result_macros.h"
 #include "preprocess/commands/commands.h"
 #include "preprocess/import/tables/text_file.h"
 

@@ -9,8 +9,8 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
-#include "format/system/json_text.h"
-#include "format/system/standard_output.h"
+#include "format/program/standard_output.h"
+#include "format/text/json_text.h"
 
 namespace splatlas {
 namespace {

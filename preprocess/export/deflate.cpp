@@ -10,8 +10,8 @@
 
 #include <zlib.h>
 
-#include "format/system/result_macros.h"
-#include "format/system/task_control.h"
+#include "format/result_macros.h"
+#include "format/tasks/task_control.h"
 
 namespace splatlas {
 namespace {

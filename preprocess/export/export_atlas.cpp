@@ -8,12 +8,12 @@
 #include <fmt/format.h>
 
 #include "format/atlas_reader.h"
-#include "format/selection.h"
-#include "format/system/check_writable.h"
-#include "format/system/output_file.h"
-#include "format/system/output_path.h"
-#include "format/system/result_macros.h"
-#include "format/system/task_control.h"
+#include "format/content/selection.h"
+#include "format/io/check_writable.h"
+#include "format/io/output_file.h"
+#include "format/io/output_path.h"
+#include "format/result_macros.h"
+#include "format/tasks/task_control.h"
 #include "preprocess/export/export_labels.h"
 #include "preprocess/export/export_tables.h"
 #include "preprocess/export/write_image.h"

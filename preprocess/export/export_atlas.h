@@ -8,7 +8,7 @@
 
 #include "format/atlas_reader.h"
 #include "format/result.h"
-#include "preprocess/import/tables/names_format.h"
+#include "preprocess/import/tables/names_table.h"
 
 namespace splatlas {
 

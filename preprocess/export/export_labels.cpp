@@ -11,12 +11,12 @@
 #include <fmt/format.h>
 
 #include "format/derive/structure_crop.h"
-#include "format/system/ascii_text.h"
-#include "format/system/interrupts.h"
-#include "format/system/output_folder.h"
-#include "format/system/parallel.h"
-#include "format/system/result_macros.h"
-#include "format/system/task_control.h"
+#include "format/io/interrupts.h"
+#include "format/io/output_folder.h"
+#include "format/result_macros.h"
+#include "format/tasks/parallel.h"
+#include "format/tasks/task_control.h"
+#include "format/text/ascii_text.h"
 #include "preprocess/export/file_names.h"
 #include "preprocess/export/image_header.h"
 #include "preprocess/export/write_image.h"

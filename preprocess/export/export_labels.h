@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "format/atlas_content.h"
+#include "format/content/atlas_content.h"
 
 namespace splatlas {
 

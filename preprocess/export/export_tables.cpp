@@ -7,9 +7,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "format/system/ascii_text.h"
-#include "format/system/json_text.h"
-#include "format/system/result_macros.h"
+#include "format/result_macros.h"
+#include "format/text/ascii_text.h"
+#include "format/text/json_text.h"
 #include "preprocess/import/tables/structure_name.h"
 
 namespace splatlas {

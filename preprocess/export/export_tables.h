@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "format/structure_graph.h"
-#include "preprocess/import/tables/names_format.h"
+#include "format/content/structure_graph.h"
+#include "preprocess/import/tables/names_table.h"
 
 namespace splatlas {
 

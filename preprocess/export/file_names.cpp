@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "format/system/ascii_text.h"
+#include "format/text/ascii_text.h"
 #include "preprocess/import/tables/structure_name.h"
 
 namespace splatlas {

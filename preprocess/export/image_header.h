@@ -5,9 +5,9 @@
 #include <filesystem>
 #include <string>
 
-#include "format/grid.h"
+#include "format/content/grid.h"
+#include "format/content/voxel_type.h"
 #include "format/result.h"
-#include "format/voxel_type.h"
 
 namespace splatlas {
 

@@ -13,10 +13,10 @@
 #include <vnl/vnl_matrix_fixed.h>
 #include <vnl/vnl_vector_fixed.h>
 
-#include "format/system/result_macros.h"
+#include "format/result_macros.h"
 #include "preprocess/export/image_header.h"
-#include "preprocess/import/images/check_image_file.h"
 #include "preprocess/import/images/import_image.h"
+#include "preprocess/import/images/pixels/check_image_file.h"
 #include "preprocess/import/import_error.h"
 
 namespace splatlas {

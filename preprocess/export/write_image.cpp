@@ -12,12 +12,12 @@
 #include <utility>
 #include <vector>
 
-#include "format/system/ascii_text.h"
-#include "format/system/output_file.h"
-#include "format/system/result_macros.h"
+#include "format/io/output_file.h"
+#include "format/result_macros.h"
+#include "format/text/ascii_text.h"
 #include "preprocess/export/deflate.h"
 #include "preprocess/export/image_header.h"
-#include "preprocess/import/images/check_image_file.h"
+#include "preprocess/import/images/pixels/check_image_file.h"
 #include "preprocess/import/import_error.h"
 
 namespace splatlas {

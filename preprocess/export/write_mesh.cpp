@@ -20,8 +20,8 @@
 #include <vtkPolyDataWriter.h>
 #include <vtkSTLWriter.h>
 
-#include "format/system/output_file.h"
-#include "format/system/result_macros.h"
+#include "format/io/output_file.h"
+#include "format/result_macros.h"
 #include "preprocess/import/import_error.h"
 #include "preprocess/import/meshes/quiet_vtk.h"
 

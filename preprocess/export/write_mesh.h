@@ -5,8 +5,8 @@
 #include <filesystem>
 #include <span>
 
-#include "format/grid.h"
-#include "format/surface.h"
+#include "format/content/grid.h"
+#include "format/content/surface.h"
 #include "preprocess/import/meshes/import_mesh.h"
 
 namespace splatlas {

@@ -6,7 +6,7 @@
 #include <cstring>
 #include <span>
 
-#include "format/system/parallel.h"
+#include "format/tasks/parallel.h"
 
 namespace splatlas {
 namespace {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "preprocess/import/images/import_image.h"
-#include "preprocess/import/images/source_image.h"
+#include "preprocess/import/images/pixels/source_image.h"
 
 namespace splatlas {
 

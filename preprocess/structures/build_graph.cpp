@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "format/system/result_macros.h"
+#include "format/result_macros.h"
 #include "preprocess/import/import_error.h"
 #include "preprocess/structures/place_nodes.h"
 #include "preprocess/structures/place_paths.h"

@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "format/structure_graph.h"
+#include "format/content/structure_graph.h"
 #include "preprocess/import/notes.h"
-#include "preprocess/import/tables/read_tree.h"
 #include "preprocess/import/tables/source_structure.h"
+#include "preprocess/import/tables/trees/read_tree.h"
 
 namespace splatlas {
 

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "format/system/ascii_text.h"
+#include "format/text/ascii_text.h"
 #include "preprocess/import/import_error.h"
 
 namespace splatlas {

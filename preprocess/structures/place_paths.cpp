@@ -2,9 +2,9 @@
 
 #include <fmt/format.h>
 
-#include "format/selection.h"
-#include "format/system/ascii_text.h"
-#include "format/system/result_macros.h"
+#include "format/content/selection.h"
+#include "format/result_macros.h"
+#include "format/text/ascii_text.h"
 #include "preprocess/import/import_error.h"
 
 namespace splatlas {

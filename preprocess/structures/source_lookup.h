@@ -8,7 +8,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "format/structure_graph.h"
+#include "format/content/structure_graph.h"
 #include "preprocess/import/tables/source_structure.h"
 
 namespace splatlas {

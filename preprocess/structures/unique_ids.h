@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
-#include "format/structure_graph.h"
-#include "format/system/ascii_text.h"
+#include "format/content/structure_graph.h"
+#include "format/text/ascii_text.h"
 
 namespace splatlas {
 

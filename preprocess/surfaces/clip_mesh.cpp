@@ -4,8 +4,8 @@
 #include <cmath>
 #include <unordered_map>
 
-#include "format/system/result_macros.h"
-#include "format/unit_vector.h"
+#include "format/content/unit_vector.h"
+#include "format/result_macros.h"
 
 namespace splatlas {
 namespace {

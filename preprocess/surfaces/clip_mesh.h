@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "format/grid.h"
-#include "format/surface.h"
+#include "format/content/grid.h"
+#include "format/content/surface.h"
 #include "preprocess/import/meshes/import_mesh.h"
 
 namespace splatlas {

@@ -5,8 +5,8 @@
 
 #include "format/derive/fit_surface.h"
 #include "format/derive/structure_crop.h"
-#include "format/system/parallel.h"
-#include "format/system/result_macros.h"
+#include "format/result_macros.h"
+#include "format/tasks/parallel.h"
 #include "preprocess/import/meshes/quiet_vtk.h"
 #include "preprocess/surfaces/isosurface.h"
 #include "preprocess/surfaces/vtk_surface.h"

@@ -4,10 +4,10 @@
 #include <functional>
 #include <vector>
 
-#include "format/grid.h"
-#include "format/surface.h"
-#include "format/unit_vector.h"
-#include "format/voxel_type.h"
+#include "format/content/grid.h"
+#include "format/content/surface.h"
+#include "format/content/unit_vector.h"
+#include "format/content/voxel_type.h"
 #include "preprocess/classify/classify_voxels.h"
 
 namespace splatlas {

@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "format/derive/fit_surface.h"
-#include "format/system/result_macros.h"
+#include "format/result_macros.h"
 
 namespace splatlas {
 namespace {

@@ -1,10 +1,10 @@
 // Isosurfaces of grey values.
 #pragma once
 
+#include "format/content/grid.h"
+#include "format/content/surface.h"
+#include "format/content/voxel_type.h"
 #include "format/derive/structure_crop.h"
-#include "format/grid.h"
-#include "format/surface.h"
-#include "format/voxel_type.h"
 #include "preprocess/surfaces/vtk_surface.h"
 
 namespace splatlas {

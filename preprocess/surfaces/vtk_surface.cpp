@@ -15,7 +15,7 @@
 #include <vtkPolyData.h>
 #include <vtkUnsignedCharArray.h>
 
-#include "format/system/result_macros.h"
+#include "format/result_macros.h"
 #include "preprocess/import/meshes/quiet_vtk.h"
 
 namespace splatlas {

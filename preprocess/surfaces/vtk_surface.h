@@ -6,10 +6,10 @@
 #include <span>
 #include <vector>
 
+#include "format/content/grid.h"
+#include "format/content/surface.h"
 #include "format/derive/structure_crop.h"
-#include "format/grid.h"
 #include "format/result.h"
-#include "format/surface.h"
 
 namespace splatlas {
 

@@ -1,4 +1,4 @@
-#include "bench/axis_switch.h"
+#include "bench/experiments/axis_switch.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "bench/convergence.h"
+#include "bench/experiments/convergence.h"
 
 #include <array>
 #include <cmath>

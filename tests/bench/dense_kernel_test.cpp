@@ -1,4 +1,4 @@
-#include "bench/dense_kernel.h"
+#include "bench/experiments/dense_kernel.h"
 
 #include <cmath>
 

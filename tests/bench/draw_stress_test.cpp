@@ -1,4 +1,4 @@
-#include "bench/draw_stress.h"
+#include "bench/experiments/draw_stress.h"
 
 #include <cmath>
 #include <limits>

@@ -1,4 +1,4 @@
-#include "bench/full_traversal.h"
+#include "bench/experiments/full_traversal.h"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "bench/grown_content.h"
+#include "bench/experiments/grown_content.h"
 
 #include <cmath>
 

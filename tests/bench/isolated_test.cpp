@@ -1,10 +1,10 @@
-#include "bench/isolated.h"
+#include "bench/measure/isolated.h"
 
 #include <algorithm>
 
 #include <gtest/gtest.h>
 
-#include "bench/frames.h"
+#include "bench/measure/frames.h"
 #include "tests/support/random_scene.h"
 #include "tests/support/render.h"
 #include "tests/support/standard_scenes.h"

@@ -5,9 +5,9 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-#include "bench/class_octree.h"
-#include "bench/level_runs.h"
-#include "bench/run_collector.h"
+#include "bench/experiments/class_octree.h"
+#include "bench/experiments/level_runs.h"
+#include "bench/experiments/run_collector.h"
 #include "tests/format/random_content.h"
 #include "tests/support/test_content.h"
 

@@ -1,11 +1,11 @@
-#include "bench/packed_spans.h"
+#include "bench/experiments/packed_spans.h"
 
 #include <array>
 
 #include <gtest/gtest.h>
 
-#include "bench/frames.h"
-#include "player/spans/build_spans.h"
+#include "bench/measure/frames.h"
+#include "player/render/sheets/spans/build_spans.h"
 #include "tests/support/standard_scenes.h"
 
 namespace splatlas {

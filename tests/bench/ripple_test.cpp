@@ -1,4 +1,4 @@
-#include "bench/ripple.h"
+#include "bench/experiments/ripple.h"
 
 #include <gtest/gtest.h>
 

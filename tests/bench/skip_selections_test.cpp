@@ -1,4 +1,4 @@
-#include "bench/skip_selections.h"
+#include "bench/scenes/skip_selections.h"
 
 #include <algorithm>
 

@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "format/unit_vector.h"
+#include "format/content/unit_vector.h"
 #include "tests/bench/peer_pictures.h"
 #include "tests/reference/grey_truth.h"
 

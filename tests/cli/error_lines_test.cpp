@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <sys/resource.h>
 
-#include "format/system/ascii_text.h"
+#include "format/text/ascii_text.h"
 #include "tests/cli/phantom_atlas.h"
 #include "tests/support/file_bytes.h"
 

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "format/atlas_writer.h"
-#include "format/structure_graph.h"
+#include "format/content/structure_graph.h"
 #include "tests/support/file_bytes.h"
 #include "tests/support/test_content.h"
 #include "tests/support/value_or_throw.h"

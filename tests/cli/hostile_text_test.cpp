@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
-#include "format/system/ascii_text.h"
+#include "format/text/ascii_text.h"
 #include "tests/cli/hostile_atlas.h"
 #include "tests/cli/phantom_atlas.h"
 

@@ -19,7 +19,7 @@
 
 #include "format/atlas_writer.h"
 #include "format/derive/value_groups.h"
-#include "player/frame/render_overrides.h"
+#include "player/render/frame/render_overrides.h"
 #include "player/render_frame.h"
 #include "tests/format/atlas_surgery.h"
 #include "tests/support/file_bytes.h"

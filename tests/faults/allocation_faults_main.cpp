@@ -20,11 +20,11 @@
 #include <fmt/format.h>
 
 #include "format/atlas_writer.h"
-#include "format/file/value_cache.h"
-#include "format/system/checksum.h"
-#include "format/system/parallel.h"
-#include "format/system/result_macros.h"
-#include "format/system/thread_pool.h"
+#include "format/file/reader/value_cache.h"
+#include "format/io/checksum.h"
+#include "format/result_macros.h"
+#include "format/tasks/parallel.h"
+#include "format/tasks/thread_pool.h"
 #include "player/render_frame.h"
 #include "player/write_png.h"
 #include "tests/faults/failing_allocator.h"

@@ -24,7 +24,7 @@
 #include <unistd.h>
 
 #include "format/atlas_writer.h"
-#include "format/system/result_macros.h"
+#include "format/result_macros.h"
 #include "player/render_frame.h"
 #include "tests/faults/small_atlas.h"
 #include "tests/support/file_bytes.h"

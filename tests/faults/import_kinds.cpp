@@ -3,14 +3,14 @@
 #include <algorithm>
 #include <map>
 
-#include "format/system/ascii_text.h"
+#include "format/text/ascii_text.h"
 #include "preprocess/commands/build_report.h"
 #include "preprocess/import/images/image_formats.h"
 #include "preprocess/import/images/import_image.h"
-#include "preprocess/import/isolation/read_tables.h"
 #include "preprocess/import/labels/import_labels.h"
 #include "preprocess/import/meshes/import_mesh.h"
 #include "preprocess/import/meshes/place_mesh.h"
+#include "preprocess/import/read_tables.h"
 
 namespace splatlas {
 namespace {

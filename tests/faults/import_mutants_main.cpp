@@ -17,7 +17,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "preprocess/import/dicom/import_dicom.h"
+#include "preprocess/import/images/dicom/import_dicom.h"
 #include "tests/faults/import_kinds.h"
 #include "tests/faults/mutate.h"
 #include "tests/faults/own_imports.h"

@@ -1,7 +1,7 @@
 // Atlas of 1000 voxels with every feature of the format.
 #pragma once
 
-#include "format/atlas_content.h"
+#include "format/content/atlas_content.h"
 
 namespace splatlas {
 

@@ -12,7 +12,7 @@
 #include "format/codec/run_codec.h"
 #include "format/file/directory.h"
 #include "format/file/file_layout.h"
-#include "format/system/checksum.h"
+#include "format/io/checksum.h"
 
 namespace splatlas {
 

@@ -1,4 +1,4 @@
-#include "format/class_table.h"
+#include "format/content/class_table.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

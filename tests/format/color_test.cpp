@@ -1,4 +1,4 @@
-#include "format/color.h"
+#include "format/content/color.h"
 
 #include <algorithm>
 #include <cmath>

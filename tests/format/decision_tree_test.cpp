@@ -1,4 +1,4 @@
-#include "format/decision_tree.h"
+#include "format/content/decision_tree.h"
 
 #include <set>
 

@@ -1,4 +1,4 @@
-#include "format/grid.h"
+#include "format/content/grid.h"
 
 #include <cmath>
 #include <cstring>

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "format/atlas_content.h"
+#include "format/content/atlas_content.h"
 #include "tests/format/random_graph.h"
 #include "tests/support/fill_classes.h"
 

@@ -11,8 +11,8 @@
 
 #include <fmt/format.h>
 
-#include "format/selection.h"
-#include "format/structure_graph.h"
+#include "format/content/selection.h"
+#include "format/content/structure_graph.h"
 #include "tests/format/random_volume.h"
 
 namespace splatlas {

@@ -7,8 +7,8 @@
 
 #include <rapidcheck.h>
 
-#include "format/class_table.h"
-#include "format/grid.h"
+#include "format/content/class_table.h"
+#include "format/content/grid.h"
 
 namespace splatlas {
 

@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "format/system/exit_status.h"
-#include "format/system/result_macros.h"
+#include "format/program/exit_status.h"
+#include "format/result_macros.h"
 #include "tests/support/fails_with.h"
 
 namespace splatlas {

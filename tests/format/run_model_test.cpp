@@ -1,4 +1,4 @@
-#include "format/run_model.h"
+#include "format/content/run_model.h"
 
 #include <limits>
 

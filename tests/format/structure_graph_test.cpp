@@ -1,4 +1,4 @@
-#include "format/structure_graph.h"
+#include "format/content/structure_graph.h"
 
 #include <functional>
 #include <set>

@@ -1,4 +1,4 @@
-#include "format/transfer_curve.h"
+#include "format/content/transfer_curve.h"
 
 #include <algorithm>
 #include <limits>

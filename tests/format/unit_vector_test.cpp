@@ -1,4 +1,4 @@
-#include "format/unit_vector.h"
+#include "format/content/unit_vector.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "format/voxel_type.h"
+#include "format/content/voxel_type.h"
 
 #include <set>
 #include <string>

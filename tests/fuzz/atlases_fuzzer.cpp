@@ -12,7 +12,7 @@
 #include "format/atlas_reader.h"
 #include "format/atlas_writer.h"
 #include "format/file/file_layout.h"
-#include "player/frame/render_overrides.h"
+#include "player/render/frame/render_overrides.h"
 #include "player/render_frame.h"
 #include "tests/fuzz/cost_limit.h"
 #include "tests/fuzz/fuzz_input.h"

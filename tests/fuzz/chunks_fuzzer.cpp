@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "format/codec/chunk_codec.h"
-#include "format/system/checksum.h"
+#include "format/io/checksum.h"
 #include "tests/fuzz/fuzz_input.h"
 #include "tests/fuzz/require.h"
 

@@ -4,11 +4,11 @@
 #include <string>
 #include <vector>
 
-#include "format/system/result_macros.h"
-#include "preprocess/import/images/check_image_file.h"
+#include "format/result_macros.h"
+#include "preprocess/import/images/itk/nrrd_segments.h"
 #include "preprocess/import/images/nifti/read_nifti.h"
-#include "preprocess/import/images/nrrd_segments.h"
-#include "preprocess/import/images/read_deflated.h"
+#include "preprocess/import/images/pixels/check_image_file.h"
+#include "preprocess/import/images/pixels/read_deflated.h"
 #include "preprocess/import/images/read_mgh.h"
 #include "tests/fuzz/fuzz_input.h"
 #include "tests/fuzz/require.h"

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "format/atlas_writer.h"
-#include "format/system/checksum.h"
+#include "format/io/checksum.h"
 #include "tests/format/atlas_surgery.h"
 #include "tests/fuzz/mutators.h"
 #include "tests/fuzz/seed_atlases.h"

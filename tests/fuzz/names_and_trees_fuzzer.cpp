@@ -5,7 +5,7 @@
 #include <set>
 #include <string>
 
-#include "preprocess/import/tables/read_names.h"
+#include "preprocess/import/tables/names/read_names.h"
 #include "preprocess/import/tables/structure_name.h"
 #include "preprocess/structures/build_graph.h"
 #include "tests/fuzz/fuzz_input.h"

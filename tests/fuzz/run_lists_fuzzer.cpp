@@ -6,9 +6,9 @@
 
 #include "format/codec/mask_codec.h"
 #include "format/codec/run_codec.h"
+#include "format/content/run_model.h"
 #include "format/derive/boundary_split.h"
 #include "format/derive/run_fingerprint.h"
-#include "format/run_model.h"
 #include "tests/fuzz/fuzz_input.h"
 #include "tests/fuzz/require.h"
 #include "tests/support/neighbours.h"

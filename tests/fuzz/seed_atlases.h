@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "format/atlas_content.h"
+#include "format/content/atlas_content.h"
 #include "tests/fuzz/mutate_number.h"
 
 namespace splatlas {

@@ -3,9 +3,9 @@
 #include <array>
 #include <string>
 
-#include "format/decision_tree.h"
-#include "format/selection.h"
-#include "format/transfer_curve.h"
+#include "format/content/decision_tree.h"
+#include "format/content/selection.h"
+#include "format/content/transfer_curve.h"
 #include "tests/fuzz/fuzz_input.h"
 #include "tests/fuzz/require.h"
 

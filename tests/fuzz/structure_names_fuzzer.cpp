@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "format/selection.h"
+#include "format/content/selection.h"
 #include "tests/fuzz/cost_limit.h"
 #include "tests/fuzz/fuzz_input.h"
 #include "tests/fuzz/require.h"

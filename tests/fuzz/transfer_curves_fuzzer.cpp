@@ -6,9 +6,9 @@
 #include <cstdint>
 #include <memory>
 
-#include "format/transfer_curve.h"
-#include "player/transfer/preintegrated_transfer.h"
-#include "player/transfer/transfer_table.h"
+#include "format/content/transfer_curve.h"
+#include "player/render/transfer/preintegrated_transfer.h"
+#include "player/render/transfer/transfer_table.h"
 #include "player/transfer_function.h"
 #include "tests/fuzz/fuzz_input.h"
 #include "tests/fuzz/require.h"

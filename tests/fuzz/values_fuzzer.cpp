@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "format/codec/value_codec.h"
-#include "format/run_model.h"
+#include "format/content/run_model.h"
 #include "tests/fuzz/fuzz_input.h"
 #include "tests/fuzz/require.h"
 

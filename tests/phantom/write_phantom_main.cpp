@@ -2,7 +2,7 @@
 #include <cstdio>
 #include <string>
 
-#include "format/system/exit_status.h"
+#include "format/program/exit_status.h"
 #include "tests/phantom/phantom_files.h"
 
 namespace {

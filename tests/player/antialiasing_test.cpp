@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "player/surfaces/edge_pixels.h"
-#include "player/surfaces/rasterize.h"
+#include "player/render/surfaces/edge_pixels.h"
+#include "player/render/surfaces/rasterize.h"
 #include "tests/reference/picture_difference.h"
 #include "tests/support/render.h"
 

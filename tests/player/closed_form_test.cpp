@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "player/view/shear.h"
+#include "player/render/view/shear.h"
 #include "tests/reference/picture_difference.h"
 #include "tests/support/phantom_content.h"
 #include "tests/support/render.h"

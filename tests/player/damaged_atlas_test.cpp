@@ -5,8 +5,8 @@
 #include <gmock/gmock.h>
 
 #include "format/atlas_writer.h"
-#include "format/system/result_macros.h"
-#include "player/frame/render_overrides.h"
+#include "format/result_macros.h"
+#include "player/render/frame/render_overrides.h"
 #include "tests/format/atlas_surgery.h"
 #include "tests/support/phantom_content.h"
 #include "tests/support/render.h"

@@ -4,11 +4,11 @@
 
 #include <gtest/gtest.h>
 
-#include "format/system/task_control.h"
-#include "player/frame/frame_renderer.h"
-#include "player/rays/ray_depths.h"
+#include "format/tasks/task_control.h"
+#include "player/render/frame/frame_renderer.h"
+#include "player/render/rays/ray_depths.h"
+#include "player/render/sheets/span_depths.h"
 #include "player/render_options.h"
-#include "player/sheets/span_depths.h"
 #include "tests/player/prepared_selection.h"
 #include "tests/support/render.h"
 #include "tests/support/standard_scenes.h"

@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "format/atlas_writer.h"
-#include "format/system/result_macros.h"
+#include "format/result_macros.h"
 #include "tests/format/atlas_surgery.h"
 #include "tests/support/phantom_content.h"
 #include "tests/support/render.h"

@@ -10,7 +10,7 @@
 
 #include "format/atlas_writer.h"
 #include "format/codec/run_codec.h"
-#include "format/system/checksum.h"
+#include "format/io/checksum.h"
 #include "player/render_frame.h"
 #include "tests/format/atlas_surgery.h"
 #include "tests/reference/picture_difference.h"

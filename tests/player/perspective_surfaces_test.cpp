@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "player/surfaces/rasterize.h"
+#include "player/render/surfaces/rasterize.h"
 #include "tests/reference/ray.h"
 #include "tests/reference/reference_radiance.h"
 

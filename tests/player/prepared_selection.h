@@ -7,8 +7,8 @@
 
 #include <gtest/gtest.h>
 
-#include "player/rays/ray_volume.h"
-#include "player/spans/build_spans.h"
+#include "player/render/rays/volume/ray_volume.h"
+#include "player/render/sheets/spans/build_spans.h"
 #include "tests/support/test_content.h"
 
 namespace splatlas {

@@ -9,8 +9,8 @@
 #include <gtest/gtest.h>
 
 #include "format/atlas_writer.h"
-#include "player/frame/render_overrides.h"
-#include "player/spans/span_model.h"
+#include "player/render/frame/render_overrides.h"
+#include "player/render/sheets/spans/span_model.h"
 #include "tests/reference/picture_difference.h"
 #include "tests/support/fails_with.h"
 #include "tests/support/phantom_content.h"

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "player/view/shear.h"
+#include "player/render/view/shear.h"
 #include "tests/reference/discrete_model.h"
 #include "tests/reference/reference_radiance.h"
 #include "tests/support/render.h"

@@ -1,6 +1,6 @@
 // Whole builds: round trips and invariances.
 
-#include "preprocess/build_atlas.h"
+#include "preprocess/build/build_atlas.h"
 
 #include <csignal>
 #include <random>
@@ -11,7 +11,7 @@
 #include <sys/resource.h>
 
 #include "format/atlas_reader.h"
-#include "format/decision_tree.h"
+#include "format/content/decision_tree.h"
 #include "preprocess/export/export_atlas.h"
 #include "preprocess/export/write_image.h"
 #include "tests/preprocess/build_atlas_fixture.h"

@@ -5,7 +5,7 @@
 
 #include <itkNiftiImageIO.h>
 
-#include "preprocess/import/images/image_io.h"
+#include "preprocess/import/images/itk/image_io.h"
 
 namespace splatlas {
 namespace {

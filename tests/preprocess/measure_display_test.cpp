@@ -1,4 +1,4 @@
-#include "preprocess/measure_display.h"
+#include "preprocess/build/measure_display.h"
 
 #include <cmath>
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "preprocess/membership_volume.h"
+#include "preprocess/import/membership_volume.h"
 #include "preprocess/structures/build_graph.h"
 #include "tests/phantom/two_spheres.h"
 

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "format/run_model.h"
+#include "format/content/run_model.h"
 #include "player/render_frame.h"
 #include "tests/reference/optical_field.h"
 #include "tests/reference/ray.h"

@@ -3,8 +3,8 @@
 #include <cstdio>
 #include <string>
 
-#include "format/system/exit_status.h"
-#include "format/system/standard_output.h"
+#include "format/program/exit_status.h"
+#include "format/program/standard_output.h"
 #include "tests/reference/picture_difference.h"
 #include "tests/support/render.h"
 #include "tests/support/standard_scenes.h"

@@ -6,7 +6,7 @@
 #include <limits>
 #include <utility>
 
-#include "format/system/parallel.h"
+#include "format/tasks/parallel.h"
 #include "tests/reference/cubic.h"
 
 namespace splatlas::reference {

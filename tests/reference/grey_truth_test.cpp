@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "format/unit_vector.h"
+#include "format/content/unit_vector.h"
 #include "tests/reference/reference_volume.h"
 
 namespace splatlas::reference {

@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
-#include "format/atlas_content.h"
-#include "format/selection.h"
+#include "format/content/atlas_content.h"
+#include "format/content/selection.h"
 #include "player/transfer_function.h"
 #include "tests/reference/optical_field.h"
 #include "tests/reference/ray.h"

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "format/decision_tree.h"
+#include "format/content/decision_tree.h"
 #include "player/transfer_function.h"
 #include "tests/reference/reference_radiance.h"
 

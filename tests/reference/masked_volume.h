@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "format/atlas_content.h"
+#include "format/content/atlas_content.h"
+#include "format/content/selection.h"
 #include "format/result.h"
-#include "format/selection.h"
 
 namespace splatlas::reference {
 

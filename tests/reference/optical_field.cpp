@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "format/decision_tree.h"
+#include "format/content/decision_tree.h"
 #include "player/transfer_function.h"
 
 namespace splatlas::reference {

@@ -7,8 +7,8 @@
 #include <optional>
 #include <vector>
 
-#include "format/atlas_content.h"
-#include "format/selection.h"
+#include "format/content/atlas_content.h"
+#include "format/content/selection.h"
 #include "player/camera.h"
 #include "tests/reference/reference_radiance.h"
 

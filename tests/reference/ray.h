@@ -3,7 +3,7 @@
 
 #include <limits>
 
-#include "format/grid.h"
+#include "format/content/grid.h"
 #include "player/camera.h"
 
 namespace splatlas::reference {

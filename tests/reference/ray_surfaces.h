@@ -5,10 +5,10 @@
 #include <optional>
 #include <vector>
 
-#include "format/atlas_content.h"
-#include "format/selection.h"
+#include "format/content/atlas_content.h"
+#include "format/content/selection.h"
 #include "player/camera.h"
-#include "player/view/depth_axis.h"
+#include "player/render/view/depth_axis.h"
 #include "tests/reference/ray.h"
 #include "tests/reference/reference_surfaces.h"
 

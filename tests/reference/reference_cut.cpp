@@ -6,7 +6,7 @@
 #include <tuple>
 #include <utility>
 
-#include "format/decision_tree.h"
+#include "format/content/decision_tree.h"
 #include "player/transfer_function.h"
 #include "tests/reference/optical_field.h"
 

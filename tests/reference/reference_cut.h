@@ -6,8 +6,8 @@
 #include <optional>
 #include <vector>
 
-#include "format/atlas_content.h"
-#include "format/selection.h"
+#include "format/content/atlas_content.h"
+#include "format/content/selection.h"
 #include "player/render_options.h"
 #include "tests/reference/ray.h"
 #include "tests/reference/reference_radiance.h"

@@ -3,7 +3,7 @@
 #include <limits>
 #include <stdexcept>
 
-#include "player/view/shear.h"
+#include "player/render/view/shear.h"
 #include "tests/reference/discrete_model.h"
 #include "tests/reference/reference_cut.h"
 #include "tests/reference/reference_surfaces.h"

@@ -6,10 +6,10 @@
 #include <span>
 #include <vector>
 
-#include "format/atlas_content.h"
-#include "format/selection.h"
+#include "format/content/atlas_content.h"
+#include "format/content/selection.h"
+#include "player/render/view/sample_pattern.h"
 #include "player/render_frame.h"
-#include "player/view/sample_pattern.h"
 #include "tests/reference/optical_field.h"
 
 namespace splatlas::reference {

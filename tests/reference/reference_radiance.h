@@ -3,8 +3,8 @@
 
 #include <array>
 
-#include "format/color.h"
-#include "format/transfer_curve.h"
+#include "format/content/color.h"
+#include "format/content/transfer_curve.h"
 #include "player/camera.h"
 
 namespace splatlas::reference {

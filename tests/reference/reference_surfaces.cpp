@@ -5,7 +5,7 @@
 #include <optional>
 #include <tuple>
 
-#include "format/decision_tree.h"
+#include "format/content/decision_tree.h"
 #include "tests/reference/ray.h"
 #include "tests/reference/reference_radiance.h"
 

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "format/atlas_content.h"
-#include "format/selection.h"
+#include "format/content/atlas_content.h"
+#include "format/content/selection.h"
 #include "player/camera.h"
 #include "tests/reference/ray.h"
 

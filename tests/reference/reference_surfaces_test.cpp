@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "player/view/shear.h"
+#include "player/render/view/shear.h"
 #include "tests/reference/ray.h"
 #include "tests/reference/ray_surfaces.h"
 #include "tests/support/test_content.h"

@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "player/frame/render_overrides.h"
+#include "player/render/frame/render_overrides.h"
 #include "tests/reference/reference_picture.h"
 #include "tests/scenes/ray_truth.h"
 

@@ -10,8 +10,8 @@
 
 #include <fmt/format.h>
 
-#include "player/frame/render_overrides.h"
-#include "player/view/shear.h"
+#include "player/render/frame/render_overrides.h"
+#include "player/render/view/shear.h"
 #include "tests/reference/picture_difference.h"
 #include "tests/scenes/ray_truth.h"
 #include "tests/support/kernel_targets.h"

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "format/grid.h"
+#include "format/content/grid.h"
 
 namespace splatlas {
 

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "format/atlas_content.h"
+#include "format/content/atlas_content.h"
 #include "tests/support/neighbours.h"
 
 namespace splatlas {

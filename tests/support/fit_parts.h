@@ -1,7 +1,7 @@
 // Derived surfaces and normals, which files leave out.
 #pragma once
 
-#include "format/atlas_content.h"
+#include "format/content/atlas_content.h"
 #include "format/derive/fit_surface.h"
 
 namespace splatlas {

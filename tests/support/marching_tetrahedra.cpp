@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "format/unit_vector.h"
+#include "format/content/unit_vector.h"
 
 namespace splatlas {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "format/grid.h"
-#include "format/surface.h"
+#include "format/content/grid.h"
+#include "format/content/surface.h"
 
 namespace splatlas {
 

@@ -5,8 +5,8 @@
 #include <cstdlib>
 #include <vector>
 
-#include "format/grid.h"
-#include "format/run_model.h"
+#include "format/content/grid.h"
+#include "format/content/run_model.h"
 
 namespace splatlas {
 

@@ -10,7 +10,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-#include "format/system/result_macros.h"
+#include "format/result_macros.h"
 
 namespace splatlas {
 namespace {

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-#include "player/frame/render_overrides.h"
+#include "player/render/frame/render_overrides.h"
 #include "player/render_frame.h"
 #include "tests/support/test_content.h"
 

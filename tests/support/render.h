@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "player/frame/render_overrides.h"
+#include "player/render/frame/render_overrides.h"
 #include "player/render_frame.h"
 #include "tests/support/test_content.h"
 

@@ -4,8 +4,8 @@
 #include <cstddef>
 #include <vector>
 
-#include "format/class_table.h"
-#include "format/grid.h"
+#include "format/content/class_table.h"
+#include "format/content/grid.h"
 
 namespace splatlas {
 

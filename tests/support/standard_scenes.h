@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "format/selection.h"
+#include "format/content/selection.h"
 #include "tests/support/test_content.h"
 
 namespace splatlas {

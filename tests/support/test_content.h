@@ -6,9 +6,9 @@
 #include <string_view>
 #include <vector>
 
-#include "format/atlas_content.h"
 #include "format/atlas_reader.h"
-#include "format/selection.h"
+#include "format/content/atlas_content.h"
+#include "format/content/selection.h"
 #include "tests/support/neighbours.h"
 
 namespace splatlas {

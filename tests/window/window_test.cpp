@@ -7,7 +7,7 @@
 #include <gmock/gmock.h>
 
 #include "format/atlas_writer.h"
-#include "format/selection.h"
+#include "format/content/selection.h"
 #include "player/render_frame.h"
 #include "tests/format/atlas_surgery.h"
 #include "tests/phantom/two_spheres.h"

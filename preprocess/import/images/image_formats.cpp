@@ -4,16 +4,16 @@
 #include <array>
 #include <string>
 
-#include "format/system/ascii_text.h"
-#include "format/system/result_macros.h"
-#include "preprocess/import/dicom/import_dicom.h"
+#include "format/result_macros.h"
+#include "format/text/ascii_text.h"
+#include "preprocess/import/images/dicom/import_dicom.h"
+#include "preprocess/import/images/itk/read_itk_image.h"
 #include "preprocess/import/images/nifti/read_nifti.h"
-#include "preprocess/import/images/read_itk_image.h"
+#include "preprocess/import/images/pictures/read_pictures.h"
 #include "preprocess/import/images/read_mgh.h"
-#include "preprocess/import/images/read_pictures.h"
+#include "preprocess/import/images/transfer_image.h"
 #include "preprocess/import/import_error.h"
 #include "preprocess/import/isolation/run_isolated.h"
-#include "preprocess/import/isolation/transfer_image.h"
 #include "preprocess/import/tables/text_file.h"
 
 namespace splatlas {

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-#include "preprocess/import/images/source_image.h"
+#include "preprocess/import/images/pixels/source_image.h"
 
 namespace splatlas {
 

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "format/system/result_macros.h"
+#include "format/result_macros.h"
 #include "preprocess/import/images/image_formats.h"
 #include "preprocess/import/import_error.h"
 

@@ -4,9 +4,9 @@
 #include <filesystem>
 #include <string>
 
-#include "format/grid.h"
-#include "format/voxel_type.h"
-#include "preprocess/import/images/source_image.h"
+#include "format/content/grid.h"
+#include "format/content/voxel_type.h"
+#include "preprocess/import/images/pixels/source_image.h"
 
 namespace splatlas {
 

@@ -6,11 +6,11 @@
 #include <cstring>
 #include <span>
 
-#include "format/system/result_macros.h"
-#include "preprocess/import/images/check_image_file.h"
-#include "preprocess/import/images/gzip_file.h"
+#include "format/result_macros.h"
 #include "preprocess/import/images/nifti/nifti_grid.h"
-#include "preprocess/import/images/read_deflated.h"
+#include "preprocess/import/images/pixels/check_image_file.h"
+#include "preprocess/import/images/pixels/gzip_file.h"
+#include "preprocess/import/images/pixels/read_deflated.h"
 #include "preprocess/import/import_error.h"
 
 namespace splatlas {

@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "preprocess/import/images/source_image.h"
+#include "preprocess/import/images/pixels/source_image.h"
 
 namespace splatlas {
 

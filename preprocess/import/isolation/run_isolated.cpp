@@ -21,7 +21,7 @@
 #include <sys/syscall.h>
 #include <sys/wait.h>
 
-#include "format/system/memory_limit.h"
+#include "format/io/memory_limit.h"
 #include "preprocess/import/import_error.h"
 
 namespace splatlas {

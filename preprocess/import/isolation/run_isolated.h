@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "format/result.h"
-#include "format/system/result_macros.h"
+#include "format/result_macros.h"
 #include "preprocess/import/isolation/archive.h"
 
 namespace splatlas {

@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "format/system/result_macros.h"
+#include "format/result_macros.h"
 #include "preprocess/import/images/image_formats.h"
 #include "preprocess/import/images/import_image.h"
 #include "preprocess/import/labels/label_map.h"

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <optional>
 
-#include "preprocess/import/images/source_image.h"
+#include "preprocess/import/images/pixels/source_image.h"
 #include "preprocess/import/labels/imported_labels.h"
 
 namespace splatlas {

@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "format/voxel_type.h"
+#include "format/content/voxel_type.h"
+#include "preprocess/import/membership_volume.h"
 #include "preprocess/import/notes.h"
 #include "preprocess/import/tables/source_structure.h"
-#include "preprocess/membership_volume.h"
 
 namespace splatlas {
 

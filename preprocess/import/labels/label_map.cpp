@@ -9,7 +9,7 @@
 
 #include <fmt/format.h>
 
-#include "format/system/result_macros.h"
+#include "format/result_macros.h"
 #include "preprocess/import/images/import_image.h"
 #include "preprocess/import/import_error.h"
 #include "preprocess/import/tables/structure_name.h"

@@ -6,8 +6,8 @@
 #include <string>
 #include <utility>
 
-#include "format/system/ascii_text.h"
-#include "format/system/result_macros.h"
+#include "format/result_macros.h"
+#include "format/text/ascii_text.h"
 #include "preprocess/import/images/image_formats.h"
 #include "preprocess/import/images/import_image.h"
 #include "preprocess/import/import_error.h"

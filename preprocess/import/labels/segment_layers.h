@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "preprocess/import/images/source_image.h"
+#include "preprocess/import/images/pixels/source_image.h"
 #include "preprocess/import/labels/imported_labels.h"
 
 namespace splatlas {

@@ -10,8 +10,8 @@
 #include <string_view>
 #include <vector>
 
-#include "format/system/ascii_text.h"
-#include "format/system/result_macros.h"
+#include "format/result_macros.h"
+#include "format/text/ascii_text.h"
 #include "preprocess/import/import_error.h"
 #include "preprocess/import/tables/text_file.h"
 

@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "format/grid.h"
+#include "format/content/grid.h"
 
 namespace splatlas {
 

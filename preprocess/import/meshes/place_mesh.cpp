@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
-#include "format/system/ascii_text.h"
-#include "format/system/result_macros.h"
+#include "format/result_macros.h"
+#include "format/text/ascii_text.h"
 #include "preprocess/import/import_error.h"
 #include "preprocess/import/tables/text_file.h"
 

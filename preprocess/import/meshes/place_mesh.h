@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-#include "format/color.h"
+#include "format/content/color.h"
 #include "preprocess/import/meshes/import_mesh.h"
 #include "preprocess/import/notes.h"
 

@@ -12,7 +12,7 @@
 #include <expat.h>
 #include <zlib.h>
 
-#include "format/system/result_macros.h"
+#include "format/result_macros.h"
 #include "preprocess/import/import_error.h"
 #include "preprocess/import/meshes/polygon_mesh.h"
 #include "preprocess/import/meshes/polygon_readers.h"

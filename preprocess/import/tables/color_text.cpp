@@ -9,7 +9,7 @@
 
 #include <fmt/format.h>
 
-#include "format/system/ascii_text.h"
+#include "format/text/ascii_text.h"
 #include "preprocess/import/tables/text_file.h"
 
 namespace splatlas {

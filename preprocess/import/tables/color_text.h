@@ -4,7 +4,7 @@
 #include <optional>
 #include <string_view>
 
-#include "format/color.h"
+#include "format/content/color.h"
 
 namespace splatlas {
 

@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "preprocess/import/tables/names/names_collector.h"
+#include "preprocess/import/tables/names_collector.h"
 #include "preprocess/import/tables/table.h"
 
 namespace splatlas {

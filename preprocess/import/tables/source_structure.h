@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "format/structure_graph.h"
+#include "format/content/structure_graph.h"
 
 namespace splatlas {
 

@@ -4,7 +4,7 @@
 #include <array>
 #include <optional>
 
-#include "format/system/ascii_text.h"
+#include "format/text/ascii_text.h"
 #include "preprocess/import/tables/text_file.h"
 
 namespace splatlas {

@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
-#include "format/system/ascii_text.h"
-#include "format/system/result_macros.h"
+#include "format/result_macros.h"
+#include "format/text/ascii_text.h"
 #include "preprocess/import/tables/color_text.h"
 #include "preprocess/import/tables/table_columns.h"
 #include "preprocess/import/tables/text_file.h"

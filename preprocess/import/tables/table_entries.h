@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "preprocess/import/tables/names/names_collector.h"
+#include "preprocess/import/tables/names_collector.h"
 #include "preprocess/import/tables/table.h"
 
 namespace splatlas {

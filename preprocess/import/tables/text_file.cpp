@@ -5,8 +5,8 @@
 #include <fstream>
 #include <system_error>
 
-#include "format/system/ascii_text.h"
-#include "format/system/result_macros.h"
+#include "format/result_macros.h"
+#include "format/text/ascii_text.h"
 #include "preprocess/import/import_error.h"
 
 namespace splatlas {

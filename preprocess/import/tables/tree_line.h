@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "format/color.h"
+#include "format/content/color.h"
 
 namespace splatlas {
 

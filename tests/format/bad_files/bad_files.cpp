@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "format/atlas_reader.h"
-#include "format/system/exit_status.h"
+#include "format/program/exit_status.h"
 
 namespace splatlas {
 namespace {

@@ -6,7 +6,7 @@
 #include <sys/stat.h>
 
 #include "format/atlas_reader.h"
-#include "format/system/exit_status.h"
+#include "format/program/exit_status.h"
 #include "tests/format/bad_files/bad_files.h"
 #include "tests/support/temporary_folder.h"
 

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "format/atlas_content.h"
+#include "format/content/atlas_content.h"
 
 namespace splatlas {
 

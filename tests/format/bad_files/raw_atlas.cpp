@@ -5,7 +5,7 @@
 
 #include "format/atlas_writer.h"
 #include "format/codec/run_codec.h"
-#include "format/system/checksum.h"
+#include "format/io/checksum.h"
 #include "schemas/atlas_generated.h"
 
 namespace splatlas {

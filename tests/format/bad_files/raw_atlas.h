@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "format/run_model.h"
+#include "format/content/run_model.h"
 #include "tests/format/atlas_surgery.h"
 #include "tests/format/bad_files/good_atlas.h"
 

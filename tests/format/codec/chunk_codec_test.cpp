@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-#include "format/system/checksum.h"
+#include "format/io/checksum.h"
 #include "tests/support/message_of.h"
 
 namespace splatlas {

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-#include "format/unit_vector.h"
+#include "format/content/unit_vector.h"
 #include "tests/format/random_content.h"
 #include "tests/support/fails_with.h"
 

@@ -14,7 +14,7 @@
 #include "format/derive/boundary_split.h"
 #include "format/derive/run_fingerprint.h"
 #include "format/derive/value_groups.h"
-#include "format/system/checksum.h"
+#include "format/io/checksum.h"
 #include "tests/format/atlas_surgery.h"
 #include "tests/format/random_content.h"
 #include "tests/support/fails_with.h"

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-#include "format/system/checksum.h"
+#include "format/io/checksum.h"
 #include "tests/format/random_volume.h"
 
 namespace splatlas {

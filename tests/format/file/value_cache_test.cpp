@@ -1,4 +1,4 @@
-#include "format/file/value_cache.h"
+#include "format/file/reader/value_cache.h"
 
 #include <atomic>
 #include <thread>

@@ -1,4 +1,4 @@
-#include "format/work_budget.h"
+#include "format/tasks/work_budget.h"
 
 #include <atomic>
 #include <cmath>
@@ -9,7 +9,7 @@
 
 #include "format/atlas_reader.h"
 #include "format/atlas_writer.h"
-#include "format/system/task_control.h"
+#include "format/tasks/task_control.h"
 #include "tests/format/atlas_surgery.h"
 #include "tests/format/random_content.h"
 #include "tests/support/fails_with.h"

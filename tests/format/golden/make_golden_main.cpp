@@ -6,7 +6,7 @@
 
 #include "format/atlas_reader.h"
 #include "format/atlas_writer.h"
-#include "format/system/output_file.h"
+#include "format/io/output_file.h"
 #include "tests/format/golden/golden_contents.h"
 
 namespace {

@@ -4,7 +4,7 @@
 
 #include <gmock/gmock.h>
 
-#include "format/selection.h"
+#include "format/content/selection.h"
 #include "tests/support/fails_with.h"
 
 namespace splatlas {

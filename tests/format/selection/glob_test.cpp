@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-#include "format/system/ascii_text.h"
+#include "format/text/ascii_text.h"
 #include "tests/format/random_volume.h"
 #include "tests/support/find_slowly.h"
 

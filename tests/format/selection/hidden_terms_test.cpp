@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-#include "format/decision_tree.h"
+#include "format/content/decision_tree.h"
 #include "tests/format/random_graph.h"
 #include "tests/support/fails_with.h"
 

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-#include "format/selection.h"
+#include "format/content/selection.h"
 #include "format/selection/selection_options.h"
 #include "tests/support/fails_with.h"
 #include "tests/support/message_of.h"

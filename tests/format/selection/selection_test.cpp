@@ -1,4 +1,4 @@
-#include "format/selection.h"
+#include "format/content/selection.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-#include "format/selection.h"
+#include "format/content/selection.h"
 #include "tests/format/random_graph.h"
 
 namespace splatlas {

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-#include "format/selection.h"
+#include "format/content/selection.h"
 #include "tests/format/random_graph.h"
 #include "tests/support/fails_with.h"
 #include "tests/support/find_slowly.h"

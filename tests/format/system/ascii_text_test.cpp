@@ -1,4 +1,4 @@
-#include "format/system/ascii_text.h"
+#include "format/text/ascii_text.h"
 
 #include <array>
 #include <cstdint>

@@ -1,4 +1,4 @@
-#include "format/system/check_writable.h"
+#include "format/io/check_writable.h"
 
 #include <filesystem>
 #include <fstream>

@@ -1,4 +1,4 @@
-#include "format/system/exit_status.h"
+#include "format/program/exit_status.h"
 
 #include <new>
 #include <stdexcept>

@@ -1,4 +1,4 @@
-#include "format/system/input_file.h"
+#include "format/io/input_file.h"
 
 #include <fstream>
 

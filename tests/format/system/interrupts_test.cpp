@@ -1,4 +1,4 @@
-#include "format/system/interrupts.h"
+#include "format/io/interrupts.h"
 
 #include <csignal>
 #include <functional>
@@ -10,7 +10,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "format/system/output_file.h"
+#include "format/io/output_file.h"
 #include "tests/support/temporary_folder.h"
 
 namespace splatlas {

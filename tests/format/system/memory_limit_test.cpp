@@ -1,4 +1,4 @@
-#include "format/system/memory_limit.h"
+#include "format/io/memory_limit.h"
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>

@@ -1,4 +1,4 @@
-#include "format/system/output_file.h"
+#include "format/io/output_file.h"
 
 #include <csignal>
 #include <fstream>

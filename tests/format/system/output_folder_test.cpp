@@ -1,4 +1,4 @@
-#include "format/system/output_folder.h"
+#include "format/io/output_folder.h"
 
 #include <fstream>
 #include <iterator>

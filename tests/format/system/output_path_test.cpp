@@ -1,4 +1,4 @@
-#include "format/system/output_path.h"
+#include "format/io/output_path.h"
 
 #include <fstream>
 #include <vector>

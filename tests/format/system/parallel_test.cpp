@@ -1,4 +1,4 @@
-#include "format/system/parallel.h"
+#include "format/tasks/parallel.h"
 
 #include <stdexcept>
 #include <string>

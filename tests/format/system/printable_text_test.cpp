@@ -1,4 +1,4 @@
-#include "format/system/printable_text.h"
+#include "format/text/printable_text.h"
 
 #include <filesystem>
 

@@ -1,4 +1,4 @@
-#include "format/system/staged_file.h"
+#include "format/io/staged_file.h"
 
 #include <array>
 #include <cerrno>

@@ -1,4 +1,4 @@
-#include "format/system/standard_output.h"
+#include "format/program/standard_output.h"
 
 #include <cstdio>
 #include <filesystem>

@@ -1,11 +1,11 @@
-#include "format/system/task_control.h"
+#include "format/tasks/task_control.h"
 
 #include <atomic>
 #include <vector>
 
 #include <gmock/gmock.h>
 
-#include "format/system/thread_pool.h"
+#include "format/tasks/thread_pool.h"
 
 namespace splatlas {
 namespace {

@@ -1,4 +1,4 @@
-#include "format/system/thread_pool.h"
+#include "format/tasks/thread_pool.h"
 
 #include <atomic>
 #include <set>

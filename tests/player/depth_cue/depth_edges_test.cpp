@@ -1,4 +1,4 @@
-#include "player/depth_cue/depth_edges.h"
+#include "player/render/depth_cue/depth_edges.h"
 
 #include <algorithm>
 #include <cmath>

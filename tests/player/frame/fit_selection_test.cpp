@@ -1,5 +1,5 @@
 // Fit of cameras to selections: Renderer::fit().
-#include "player/frame/fit_selection.h"
+#include "player/render/frame/fit_selection.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "format/run_model.h"
+#include "format/content/run_model.h"
 #include "player/camera_moves.h"
 #include "tests/support/phantom_content.h"
 #include "tests/support/random_scene.h"

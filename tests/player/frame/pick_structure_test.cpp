@@ -1,4 +1,4 @@
-#include "player/frame/pick_structure.h"
+#include "player/render/contributions/pick_structure.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,8 +7,8 @@
 
 #include <gtest/gtest.h>
 
-#include "player/frame/render_overrides.h"
-#include "player/surfaces/clip_triangle.h"
+#include "player/render/frame/render_overrides.h"
+#include "player/render/surfaces/clip_triangle.h"
 #include "tests/reference/optical_field.h"
 #include "tests/reference/ray.h"
 #include "tests/reference/ray_surfaces.h"

@@ -1,5 +1,5 @@
 // Outlines of solids in a plane: winding numbers against closed forms.
-#include "player/frame/solid_outlines.h"
+#include "player/render/clip/solid_outlines.h"
 
 #include <cmath>
 #include <numbers>

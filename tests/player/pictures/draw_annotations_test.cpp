@@ -1,12 +1,12 @@
 // Strokes in pixels, vector documents and fonts.
-#include "player/pictures/draw_annotations.h"
+#include "player/files/draw_annotations.h"
 
 #include <cstring>
 #include <fstream>
 
 #include <gmock/gmock.h>
 
-#include "player/pictures/svg_document.h"
+#include "player/files/svg_document.h"
 #include "tests/support/fails_with.h"
 #include "tests/support/temporary_folder.h"
 

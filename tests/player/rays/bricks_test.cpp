@@ -1,4 +1,4 @@
-#include "player/rays/bricks.h"
+#include "player/render/rays/volume/bricks.h"
 
 #include <random>
 

@@ -1,5 +1,5 @@
 // Pictures by rays: in perspective, and of grey values classified after interpolation.
-#include "player/rays/cast_rays.h"
+#include "player/render/rays/cast_rays.h"
 
 #include <cmath>
 

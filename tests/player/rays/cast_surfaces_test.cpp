@@ -1,5 +1,5 @@
 // Surfaces between the parts of the volume, by rays.
-#include "player/rays/cast_surfaces.h"
+#include "player/render/rays/cast_surfaces.h"
 
 #include <cmath>
 #include <stop_token>
@@ -7,7 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "format/system/task_control.h"
+#include "format/tasks/task_control.h"
 #include "tests/player/prepared_selection.h"
 #include "tests/reference/picture_difference.h"
 #include "tests/scenes/ray_truth.h"

@@ -4,7 +4,7 @@
 #include <array>
 #include <cstddef>
 
-#include "player/rays/march_kernels.h"
+#include "player/render/rays/march_kernels.h"
 
 namespace splatlas::reference {
 

@@ -1,4 +1,4 @@
-#include "player/rays/march_kernels.h"
+#include "player/render/rays/march_kernels.h"
 
 #include <algorithm>
 #include <array>
@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "player/rays/bricks.h"
+#include "player/render/rays/volume/bricks.h"
 #include "tests/player/rays/march_definition.h"
 #include "tests/player/rays/random_sources.h"
 #include "tests/support/every_kernel.h"

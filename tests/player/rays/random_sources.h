@@ -10,8 +10,8 @@
 #include <span>
 #include <vector>
 
-#include "player/rays/bricks.h"
-#include "player/rays/march_kernels.h"
+#include "player/render/rays/march_kernels.h"
+#include "player/render/rays/volume/bricks.h"
 
 namespace splatlas {
 

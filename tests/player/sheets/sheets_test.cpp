@@ -1,4 +1,4 @@
-#include "player/sheets/sheets.h"
+#include "player/render/sheets/sheets.h"
 
 #include <gtest/gtest.h>
 

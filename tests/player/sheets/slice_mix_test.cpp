@@ -1,4 +1,4 @@
-#include "player/sheets/slice_mix.h"
+#include "player/render/sheets/splat/slice_mix.h"
 
 #include <algorithm>
 #include <array>
@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "player/spans/span_writer.h"
+#include "player/render/sheets/spans/span_writer.h"
 
 namespace splatlas {
 namespace {

@@ -1,4 +1,4 @@
-#include "player/sheets/splat_kernels.h"
+#include "player/render/sheets/splat/splat_kernels.h"
 
 #include <algorithm>
 #include <array>
@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "player/spans/span_writer.h"
+#include "player/render/sheets/spans/span_writer.h"
 #include "tests/support/every_kernel.h"
 
 namespace splatlas {

@@ -1,4 +1,4 @@
-#include "player/sheets/warp_kernels.h"
+#include "player/render/sheets/warp/warp_kernels.h"
 
 #include <algorithm>
 #include <array>

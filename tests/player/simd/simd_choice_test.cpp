@@ -1,4 +1,4 @@
-#include "player/simd/simd_choice.h"
+#include "player/render/simd/simd_choice.h"
 
 #include <cstdlib>
 #include <string>
@@ -6,9 +6,9 @@
 
 #include <gtest/gtest.h>
 
-#include "player/rays/march_kernels.h"
-#include "player/sheets/splat_kernels.h"
-#include "player/sheets/warp_kernels.h"
+#include "player/render/rays/march_kernels.h"
+#include "player/render/sheets/splat/splat_kernels.h"
+#include "player/render/sheets/warp/warp_kernels.h"
 
 namespace splatlas {
 namespace {

@@ -1,4 +1,4 @@
-#include "player/spans/build_spans.h"
+#include "player/render/sheets/spans/build_spans.h"
 
 #include <algorithm>
 #include <array>
@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "player/transfer/shading.h"
+#include "player/render/transfer/shading.h"
 #include "tests/player/prepared_selection.h"
 #include "tests/reference/optical_field.h"
 #include "tests/support/random_scene.h"

@@ -1,4 +1,4 @@
-#include "player/spans/class_cache.h"
+#include "player/render/decode/class_cache.h"
 
 #include <cstring>
 #include <map>

@@ -1,4 +1,4 @@
-#include "player/spans/optical_buffer.h"
+#include "player/render/sheets/spans/optical_buffer.h"
 
 #include <algorithm>
 #include <cstdint>

@@ -1,4 +1,4 @@
-#include "player/spans/scanline_runs.h"
+#include "player/render/decode/scanline_runs.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "player/spans/selected_runs.h"
+#include "player/render/decode/selected_runs.h"
 
 #include <map>
 

@@ -1,4 +1,4 @@
-#include "player/spans/span_writer.h"
+#include "player/render/sheets/spans/span_writer.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "player/spans/sparse_bytes.h"
+#include "player/render/decode/sparse_bytes.h"
 
 #include <algorithm>
 #include <cstddef>

@@ -1,4 +1,4 @@
-#include "player/surfaces/edge_pixels.h"
+#include "player/render/surfaces/edge_pixels.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "player/surfaces/rasterize.h"
+#include "player/render/surfaces/rasterize.h"
 
 #include <limits>
 #include <map>

@@ -1,4 +1,4 @@
-#include "player/transfer/preintegrated_transfer.h"
+#include "player/render/transfer/preintegrated_transfer.h"
 
 #include <algorithm>
 #include <cmath>

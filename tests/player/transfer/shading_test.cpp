@@ -1,4 +1,4 @@
-#include "player/transfer/shading.h"
+#include "player/render/transfer/shading.h"
 
 #include <cmath>
 #include <limits>
@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "format/unit_vector.h"
+#include "format/content/unit_vector.h"
 #include "tests/reference/reference_radiance.h"
 
 namespace splatlas {

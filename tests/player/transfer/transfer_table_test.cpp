@@ -1,4 +1,4 @@
-#include "player/transfer/transfer_table.h"
+#include "player/render/transfer/transfer_table.h"
 
 #include <cmath>
 #include <limits>

@@ -1,4 +1,4 @@
-#include "player/transfer/volume_appearances.h"
+#include "player/render/transfer/volume_appearances.h"
 
 #include <cmath>
 

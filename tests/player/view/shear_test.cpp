@@ -1,11 +1,11 @@
-#include "player/view/shear.h"
+#include "player/render/view/shear.h"
 
 #include <cmath>
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-#include "player/frame/render_overrides.h"
+#include "player/render/frame/render_overrides.h"
 #include "tests/format/random_volume.h"
 #include "tests/reference/ray.h"
 #include "tests/support/render.h"

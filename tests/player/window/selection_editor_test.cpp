@@ -1,4 +1,4 @@
-#include "player/window/selection_editor.h"
+#include "player/window/session/selection_editor.h"
 
 #include <gmock/gmock.h>
 #include <rapidcheck/gtest.h>

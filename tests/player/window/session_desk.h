@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-#include "player/window/session.h"
+#include "player/window/session/session.h"
 #include "tests/support/phantom_content.h"
 
 namespace splatlas {

@@ -1,4 +1,4 @@
-#include "player/window/session.h"
+#include "player/window/session/session.h"
 
 #include <algorithm>
 #include <fstream>
@@ -8,7 +8,7 @@
 
 #include "format/atlas_writer.h"
 #include "player/camera_moves.h"
-#include "player/spans/span_model.h"
+#include "player/render/sheets/spans/span_model.h"
 #include "tests/player/window/session_desk.h"
 #include "tests/support/run_program.h"
 

@@ -1,4 +1,4 @@
-#include "player/window/structure_rows.h"
+#include "player/window/session/structure_rows.h"
 
 #include <map>
 

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "format/structure_graph.h"
+#include "format/content/structure_graph.h"
 
 namespace splatlas::two_sided {
 

@@ -1,4 +1,4 @@
-#include "player/window/view_names.h"
+#include "player/window/session/view_names.h"
 
 #include <array>
 #include <cmath>

@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 #include <zlib.h>
 
-#include "format/system/result_macros.h"
+#include "format/result_macros.h"
 #include "tests/support/fails_with.h"
 
 namespace splatlas {

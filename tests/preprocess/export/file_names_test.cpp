@@ -6,7 +6,7 @@
 
 #include <gmock/gmock.h>
 
-#include "format/system/ascii_text.h"
+#include "format/text/ascii_text.h"
 #include "preprocess/import/tables/structure_name.h"
 
 namespace splatlas {

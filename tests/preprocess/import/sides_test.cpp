@@ -3,7 +3,7 @@
 #include <utility>
 #include <vector>
 
-#include "preprocess/import_sources.h"
+#include "preprocess/sources/import_sources.h"
 #include "tests/preprocess/import/sides_fixture.h"
 #include "tests/preprocess/raw_image_files.h"
 

@@ -9,7 +9,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "preprocess/import_sources.h"
+#include "preprocess/sources/import_sources.h"
 #include "tests/preprocess/import/side_volumes.h"
 #include "tests/preprocess/messages_of_notes.h"
 #include "tests/support/axis_orders.h"

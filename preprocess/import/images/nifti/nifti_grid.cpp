@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
-#include "format/system/result_macros.h"
-#include "preprocess/import/images/check_image_file.h"
+#include "format/result_macros.h"
+#include "preprocess/import/images/pixels/check_image_file.h"
 #include "preprocess/import/import_error.h"
 
 namespace splatlas {

@@ -1,7 +1,7 @@
 // Geometry of NIfTI and Analyze headers.
 #pragma once
 
-#include "format/grid.h"
+#include "format/content/grid.h"
 #include "preprocess/import/images/nifti/nifti_header.h"
 #include "preprocess/import/notes.h"
 

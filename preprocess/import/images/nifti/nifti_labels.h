@@ -4,7 +4,7 @@
 #include <string_view>
 #include <vector>
 
-#include "preprocess/import/images/source_image.h"
+#include "preprocess/import/images/pixels/source_image.h"
 
 namespace splatlas {
 

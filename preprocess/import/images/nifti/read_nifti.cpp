@@ -5,15 +5,15 @@
 #include <string>
 #include <utility>
 
-#include "format/system/ascii_text.h"
-#include "format/system/result_macros.h"
-#include "preprocess/import/images/check_image_file.h"
-#include "preprocess/import/images/gzip_file.h"
-#include "preprocess/import/images/narrow_integers.h"
+#include "format/result_macros.h"
+#include "format/text/ascii_text.h"
 #include "preprocess/import/images/nifti/nifti_grid.h"
 #include "preprocess/import/images/nifti/nifti_header.h"
 #include "preprocess/import/images/nifti/nifti_labels.h"
-#include "preprocess/import/images/read_deflated.h"
+#include "preprocess/import/images/pixels/check_image_file.h"
+#include "preprocess/import/images/pixels/gzip_file.h"
+#include "preprocess/import/images/pixels/narrow_integers.h"
+#include "preprocess/import/images/pixels/read_deflated.h"
 #include "preprocess/import/import_error.h"
 
 namespace splatlas {

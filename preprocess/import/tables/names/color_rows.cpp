@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "format/system/ascii_text.h"
+#include "format/text/ascii_text.h"
 #include "preprocess/import/tables/color_text.h"
 #include "preprocess/import/tables/text_file.h"
 

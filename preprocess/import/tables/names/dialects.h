@@ -4,7 +4,7 @@
 #include <string_view>
 #include <vector>
 
-#include "preprocess/import/tables/names/names_collector.h"
+#include "preprocess/import/tables/names_collector.h"
 
 namespace splatlas {
 

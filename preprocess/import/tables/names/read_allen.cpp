@@ -1,5 +1,5 @@
 // Structure graphs of the Allen Brain Atlas API: nested structures, wrapped in msg[0] or bare.
-#include "format/system/result_macros.h"
+#include "format/result_macros.h"
 #include "preprocess/import/tables/json_text.h"
 #include "preprocess/import/tables/names/dialects.h"
 #include "preprocess/import/tables/table_entries.h"

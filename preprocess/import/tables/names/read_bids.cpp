@@ -1,7 +1,7 @@
 // BIDS: _dseg.tsv with the columns index and name, in tabs.
 #include <algorithm>
 
-#include "format/system/result_macros.h"
+#include "format/result_macros.h"
 #include "preprocess/import/tables/names/dialects.h"
 #include "preprocess/import/tables/table_entries.h"
 #include "preprocess/import/tables/text_file.h"

@@ -1,7 +1,7 @@
 // BrainGlobe's structures.json: a list of structures with the path of ids to each.
 #include <fmt/format.h>
 
-#include "format/system/result_macros.h"
+#include "format/result_macros.h"
 #include "preprocess/import/tables/json_text.h"
 #include "preprocess/import/tables/names/dialects.h"
 #include "preprocess/import/tables/table_entries.h"

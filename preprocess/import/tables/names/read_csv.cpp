@@ -2,7 +2,7 @@
 // header.
 #include <fmt/format.h>
 
-#include "format/system/result_macros.h"
+#include "format/result_macros.h"
 #include "preprocess/import/tables/names/dialects.h"
 #include "preprocess/import/tables/table_columns.h"
 #include "preprocess/import/tables/table_entries.h"

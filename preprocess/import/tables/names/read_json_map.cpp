@@ -3,8 +3,8 @@
 
 #include <fmt/format.h>
 
-#include "format/system/ascii_text.h"
-#include "format/system/result_macros.h"
+#include "format/result_macros.h"
+#include "format/text/ascii_text.h"
 #include "preprocess/import/tables/json_text.h"
 #include "preprocess/import/tables/names/dialects.h"
 

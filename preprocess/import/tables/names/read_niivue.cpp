@@ -1,7 +1,7 @@
 // NiiVue's colour maps of labels: arrays R, G, B, I (label values) and labels (names).
 #include <fmt/format.h>
 
-#include "format/system/result_macros.h"
+#include "format/result_macros.h"
 #include "preprocess/import/tables/color_text.h"
 #include "preprocess/import/tables/json_text.h"
 #include "preprocess/import/tables/names/dialects.h"

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "format/system/result_macros.h"
+#include "format/result_macros.h"
 #include "preprocess/import/tables/color_text.h"
 #include "preprocess/import/tables/json_text.h"
 #include "preprocess/import/tables/names/dialects.h"

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "preprocess/import/tables/names/names_collector.h"
+#include "preprocess/import/tables/names_collector.h"
 
 namespace splatlas {
 

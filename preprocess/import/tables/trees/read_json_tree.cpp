@@ -1,5 +1,5 @@
 // JSON files of names that have a hierarchy: Allen, BrainGlobe, Open Anatomy.
-#include "format/system/result_macros.h"
+#include "format/result_macros.h"
 #include "preprocess/import/tables/json_text.h"
 #include "preprocess/import/tables/names/dialects.h"
 #include "preprocess/import/tables/trees/dialects.h"

@@ -1,5 +1,5 @@
 // Tree files: one path per line (see kTreeFormat).
-#include "format/system/result_macros.h"
+#include "format/result_macros.h"
 #include "preprocess/import/import_error.h"
 #include "preprocess/import/tables/structure_name.h"
 #include "preprocess/import/tables/text_file.h"

@@ -1,7 +1,7 @@
 // Tables with columns id, name and parent, or path. An id may be text; a whole one is the label, too.
 #include <algorithm>
 
-#include "format/system/result_macros.h"
+#include "format/result_macros.h"
 #include "preprocess/import/tables/table_columns.h"
 #include "preprocess/import/tables/table_entries.h"
 #include "preprocess/import/tables/text_file.h"

@@ -1,10 +1,10 @@
 // Layout of annotations: rules in random pictures, and golden positions.
-#include "player/pictures/annotate/annotate_picture.h"
+#include "player/page/annotate_picture.h"
 
 #include <gmock/gmock.h>
 
-#include "player/pictures/annotate/free_space.h"
-#include "player/pictures/annotate/place_labels.h"
+#include "player/page/free_space.h"
+#include "player/page/place_labels.h"
 #include "tests/player/pictures/annotate/label_scene.h"
 #include "tests/support/fails_with.h"
 #include "tests/support/repetitions.h"

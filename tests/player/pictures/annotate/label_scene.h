@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include "player/pictures/annotate/annotate_picture.h"
+#include "player/page/annotate_picture.h"
 
 namespace splatlas {
 

@@ -1,5 +1,5 @@
 // Geometry of leader lines, and order of labels.
-#include "player/pictures/annotate/place_labels.h"
+#include "player/page/place_labels.h"
 
 #include <gtest/gtest.h>
 

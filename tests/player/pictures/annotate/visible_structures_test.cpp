@@ -1,13 +1,13 @@
 // Visible structures, free space, line breaks, scale bars and directions.
-#include "player/pictures/annotate/visible_structures.h"
+#include "player/page/visible_structures.h"
 
 #include <cmath>
 
 #include <gmock/gmock.h>
 
-#include "player/pictures/annotate/free_space.h"
-#include "player/pictures/annotate/scale_bar.h"
-#include "player/pictures/annotate/wrap_text.h"
+#include "player/page/free_space.h"
+#include "player/page/scale_bar.h"
+#include "player/page/wrap_text.h"
 #include "tests/player/pictures/annotate/label_scene.h"
 
 namespace splatlas {

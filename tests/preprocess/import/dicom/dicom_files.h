@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "format/grid.h"
+#include "format/content/grid.h"
 
 namespace splatlas {
 

@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "preprocess/import/dicom/import_dicom.h"
+#include "preprocess/import/images/dicom/import_dicom.h"
 #include "tests/preprocess/import/dicom/dicom_files.h"
 #include "tests/support/fails_with.h"
 #include "tests/support/temporary_folder.h"

@@ -1,9 +1,9 @@
 // DICOM segmentations: masks, fractions and label maps.
-#include "preprocess/import/dicom/read_segmentation.h"
+#include "preprocess/import/images/dicom/read_segmentation.h"
 
 #include <map>
 
-#include "preprocess/import/dicom/read_segments.h"
+#include "preprocess/import/images/dicom/read_segments.h"
 #include "tests/preprocess/import/dicom/import_dicom_fixture.h"
 
 namespace splatlas {

@@ -1,5 +1,5 @@
 // PNG files that are cut or damaged, which libpng answers by ending the process.
-#include "preprocess/import/images/check_png.h"
+#include "preprocess/import/images/pictures/check_png.h"
 
 #include <cstdint>
 #include <string>

@@ -1,4 +1,4 @@
-#include "preprocess/import/tables/read_names.h"
+#include "preprocess/import/tables/names/read_names.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

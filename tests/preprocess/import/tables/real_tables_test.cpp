@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "preprocess/import/tables/read_tree.h"
+#include "preprocess/import/tables/trees/read_tree.h"
 #include "preprocess/structures/build_graph.h"
 #include "tests/preprocess/import/tables/names_cases.h"
 

@@ -1,0 +1,231 @@
+// Bench `scale`: growth of cost with the voxels of an atlas: none for a fixed selection, proportional for one
+// that grows.
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "bench/bench.h"
+#include "bench/experiments/grown_content.h"
+#include "bench/measure/frames.h"
+#include "bench/measure/measure.h"
+#include "bench/scenes/atlases.h"
+#include "format/atlas_writer.h"
+#include "format/result_macros.h"
+#include "player/render_frame.h"
+#include "tests/reference/picture_difference.h"
+#include "tests/support/temporary_folder.h"
+
+namespace splatlas {
+namespace {
+
+constexpr int kSide = 512;  // pixels
+/// Maximum RMS difference between pictures of one selection, 1/255: in a larger grid, slices meet sheets at
+/// other subpixel positions.
+constexpr double kMaxRms = 1;
+
+/// One size of the atlas.
+struct Step {
+  int times = 1;  // factor of voxels
+  Index3 along;   // factor along each axis, for surrounded atlases
+};
+constexpr std::array kSteps{Step{1, {1, 1, 1}}, Step{2, {2, 1, 1}}, Step{4, {2, 2, 1}}, Step{8, {2, 2, 2}}};
+
+constexpr std::array kSame{
+    BenchScene{"brain",
+               "\"Left hemisphere\":volume(color=#ffffff) + \"Right hemisphere\":volume(color=#ffffff)"},
+    BenchScene{"left", "\"Left hemisphere\":volume(color=#ffffff)"},
+    BenchScene{"one", "Hippocampus_L:volume(color=#ffffff) + Amygdala_L:volume(color=#ffffff)"}};
+constexpr const char* kAll = "Head:volume(color=#ffffff)";
+
+struct Effort {
+  int frames = 7;
+  int repeats = 5;
+};
+
+/// A selection in an atlas of one size, with its latest picture.
+struct Contestant {
+  Step step;
+  std::shared_ptr<const Atlas> atlas;
+  Renderer renderer;
+  RenderOptions options = {};
+  Elapsed first = {};            // frame of the selection, reading included
+  std::uint64_t read_bytes = 0;  // bytes read for it
+  Picture picture = {};          // of the latest frame
+
+  static Result<Contestant> make(const Step& step, const std::filesystem::path& path, const char* selection,
+                                 int side) {
+    SPLATLAS_ASSIGN_OR_RETURN(const std::shared_ptr<const Atlas> atlas, Atlas::open(path));
+    Contestant made{step, atlas, Renderer(atlas, {.threads = 1})};
+    made.options = {.size = {side, side}, .hybrid_shading = false};  // the atlas has no normals
+    SPLATLAS_ASSIGN_OR_RETURN(const Selection selected, select(selection, atlas->graph()));
+    Stopwatch watch;
+    SPLATLAS_RETURN_IF_ERROR(made.renderer.select(selected));
+    SPLATLAS_RETURN_IF_ERROR(made.draw(0, 1));
+    made.first = watch.lap();
+    made.read_bytes = atlas->counters().read;
+    return made;
+  }
+
+  Result<void> draw(int turn, int frames) {
+    return renderer.render(turned(oblique_camera(), turn, frames), options, picture);
+  }
+};
+
+/// Times by turn, of every contestant. First turns build spans of another axis: they are drawn once ahead of
+/// measurements.
+Result<std::vector<std::vector<Elapsed>>> take_times(std::vector<Contestant>& contestants,
+                                                     const Effort& effort) {
+  std::vector<Contender> contenders;
+  for (Contestant& contestant : contestants) {
+    contenders.push_back(timed([&](int turn) { return contestant.draw(turn, effort.frames); }));
+  }
+  SPLATLAS_RETURN_IF_ERROR(measure_interleaved(contenders, effort.frames));
+  SPLATLAS_ASSIGN_OR_RETURN(const std::vector<StageTimes> stages,
+                            measure_interleaved(contenders, effort.frames * effort.repeats));
+  std::vector<std::vector<Elapsed>> times;
+  for (const StageTimes& contender : stages) times.push_back(contender[0]);
+  return times;
+}
+
+/// The atlas at every size, in files of a folder.
+class GrowingAtlas {
+ public:
+  explicit GrowingAtlas(const std::filesystem::path& folder) : folder_(folder) {}
+
+  Result<void> write(const BenchOptions& options) const {
+    SPLATLAS_ASSIGN_OR_RETURN(const std::shared_ptr<const Atlas> atlas, open_colin27(options));
+    SPLATLAS_ASSIGN_OR_RETURN(const AtlasContent content, atlas->read_all());
+    for (const Step& step : kSteps) {
+      options.tell(fmt::format("building atlases of {} times the voxels", step.times));
+      SPLATLAS_ASSIGN_OR_RETURN(const AtlasContent around, surrounded(content, step.along));
+      SPLATLAS_RETURN_IF_ERROR(write_atlas(around, surrounded_path(step), {.level = 1}));
+      Index3 finer = storage_grid(content).size;
+      for (std::int64_t& n : finer) n = std::llround(static_cast<double>(n) * std::cbrt(step.times));
+      SPLATLAS_RETURN_IF_ERROR(write_atlas(refined(content, finer), refined_path(step), {.level = 1}));
+    }
+    return {};
+  }
+
+  [[nodiscard]] std::filesystem::path surrounded_path(const Step& step) const {
+    return folder_ / fmt::format("surrounded_{}.atlas", step.times);
+  }
+  [[nodiscard]] std::filesystem::path refined_path(const Step& step) const {
+    return folder_ / fmt::format("refined_{}.atlas", step.times);
+  }
+
+ private:
+  std::filesystem::path folder_;
+};
+
+/// The difference between a contestant and the unit; "" for none.
+std::string what_differs(const Contestant& contestant, const Contestant& unit, double rms) {
+  const RenderStats& ours = contestant.renderer.stats();
+  const RenderStats& units = unit.renderer.stats();
+  if (ours.runs_visited != units.runs_visited) {
+    return fmt::format("{} runs, not {}", ours.runs_visited, units.runs_visited);
+  }
+  if (ours.voxels_visited != units.voxels_visited) {
+    return fmt::format("{} voxels, not {}", ours.voxels_visited, units.voxels_visited);
+  }
+  return rms <= kMaxRms ? "" : fmt::format("pictures differ by {}", rms);
+}
+
+Row row_of(const Contestant& contestant, const std::vector<Elapsed>& times) {
+  const Elapsed frame = median(times);
+  const Atlas& atlas = *contestant.atlas;
+  return {{"times", contestant.step.times},
+          {"voxels", atlas.grid().voxels()},
+          {"size", contestant.options.size.width},
+          {"runs", contestant.renderer.stats().runs_visited},
+          {"splatted", contestant.renderer.stats().voxels_visited},
+          {"wall_ms", frame.wall_ms},
+          {"cpu_ms", frame.cpu_ms}};
+}
+
+Result<void> add_same(const GrowingAtlas& growing, const Effort& effort, const BenchOptions& options,
+                      Report& report) {
+  Table table{"same",
+              "The same selection, more voxels around it: frames of 512x512, one thread",
+              {"growth: CPU time of frames over that in the original atlas",
+               "first_ms: from the selection to its first picture, reading included; read: bytes of the file",
+               "rms: of the last picture, against that of the original atlas, in 1/255"}};
+  double largest = 0;
+  for (const BenchScene& scene : kSame) {
+    options.tell(fmt::format("{}, surrounded", scene.name));
+    std::vector<Contestant> contestants;
+    for (const Step& step : kSteps) {
+      SPLATLAS_ASSIGN_OR_RETURN(
+          Contestant made, Contestant::make(step, growing.surrounded_path(step), scene.selection, kSide));
+      contestants.push_back(std::move(made));
+    }
+    SPLATLAS_ASSIGN_OR_RETURN(const auto times, take_times(contestants, effort));
+    for (std::size_t n = 0; n < contestants.size(); ++n) {
+      const Elapsed growth = median_ratio(times[n], times[0], effort.frames);
+      const double rms = reference::whole_picture_rms(contestants[n].picture, contestants[0].picture);
+      Row& row = table.rows.emplace_back(Row{{"scene", scene.name}});
+      row.update(row_of(contestants[n], times[n]));
+      row.update({{"growth", growth.cpu_ms},
+                  {"growth_wall", growth.wall_ms},
+                  {"first_ms", contestants[n].first.wall_ms},
+                  {"read", contestants[n].read_bytes},
+                  {"rms", rms}});
+      if (const std::string what = what_differs(contestants[n], contestants[0], rms); !what.empty()) {
+        report.failures.push_back(
+            fmt::format("{} among {} times the voxels: {}", scene.name, contestants[n].step.times, what));
+      }
+      if (n + 1 == contestants.size()) largest = std::max(largest, growth.cpu_ms);
+    }
+  }
+  report.summary["same_selection_growth"] = largest;
+  report.tables.push_back(std::move(table));
+  return {};
+}
+
+Result<void> add_all(const GrowingAtlas& growing, const Effort& effort, const BenchOptions& options,
+                     Report& report) {
+  Table table{
+      "all",
+      "Everything selected, finer grids: one thread",
+      {"growth: CPU time per grid voxel over that of the original atlas; growing pictures keep their pixels "
+       "per voxel"}};
+  for (const bool growing_picture : {true, false}) {
+    options.tell(fmt::format("everything, pictures that {}", growing_picture ? "grow" : "stay"));
+    std::vector<Contestant> contestants;
+    for (const Step& step : kSteps) {
+      const int side = growing_picture ? static_cast<int>(std::lround(kSide * std::cbrt(step.times))) : kSide;
+      SPLATLAS_ASSIGN_OR_RETURN(Contestant made,
+                                Contestant::make(step, growing.refined_path(step), kAll, side));
+      contestants.push_back(std::move(made));
+    }
+    SPLATLAS_ASSIGN_OR_RETURN(const auto times, take_times(contestants, effort));
+    const auto voxels = [&](std::size_t n) {
+      return static_cast<double>(contestants[n].atlas->grid().voxels());
+    };
+    for (std::size_t n = 0; n < contestants.size(); ++n) {
+      const double growth = median_ratio(times[n], times[0], effort.frames).cpu_ms * voxels(0) / voxels(n);
+      table.rows.push_back(row_of(contestants[n], times[n]));
+      table.rows.back().update(
+          {{"ns_per_voxel", 1e6 * median(times[n]).cpu_ms / voxels(n)}, {"growth", growth}});
+      if (growing_picture && n + 1 == contestants.size()) report.summary["all_growth_per_voxel"] = growth;
+    }
+  }
+  report.tables.push_back(std::move(table));
+  return {};
+}
+
+}  // namespace
+
+Result<Report> run_scale_bench(const BenchOptions& options) {
+  const Effort effort = options.quick ? Effort{3, 1} : Effort{};
+  Report report;
+  const TemporaryFolder folder;
+  const GrowingAtlas growing(folder.path());
+  SPLATLAS_RETURN_IF_ERROR(growing.write(options));
+  SPLATLAS_RETURN_IF_ERROR(add_same(growing, effort, options, report));
+  SPLATLAS_RETURN_IF_ERROR(add_all(growing, effort, options, report));
+  return report;
+}
+
+}  // namespace splatlas

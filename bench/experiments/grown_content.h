@@ -1,0 +1,18 @@
+// Enlarged atlases for measurements of scaling.
+#pragma once
+
+#include "format/content/atlas_content.h"
+
+namespace splatlas {
+
+/// `times` as many voxels along each axis: the atlas at its place, surrounded by mirrored copies. Copies
+/// belong to their own structures "around_ID", which come last. Without surfaces; all normals are +z. The
+/// display stays, and with it the framing of cameras. `content` must be valid for an atlas. Cost: linear in
+/// the new voxels. kInvalidAtlas if such an id exists.
+[[nodiscard]] Result<AtlasContent> surrounded(const AtlasContent& content, const Index3& times);
+
+/// The same structures on a finer grid of `size` voxels by nearest neighbour, otherwise as surrounded(). No
+/// side may shrink.
+[[nodiscard]] AtlasContent refined(const AtlasContent& content, const Index3& size);
+
+}  // namespace splatlas

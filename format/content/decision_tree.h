@@ -1,0 +1,99 @@
+// Rendering decision tree: the structure graph with the voxel classes as its shared leaves.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "format/content/class_table.h"
+#include "format/content/selection.h"
+#include "format/content/structure_graph.h"
+
+namespace splatlas {
+
+/// Rendering category of the voxels of a class (WSCG 2004, section 3; see ClassId).
+enum class VoxelRole : std::uint8_t { kNone, kVolume, kSurface, kHybrid };
+
+/// True if voxels of this role contribute to the volume.
+[[nodiscard]] constexpr bool draws_volume(VoxelRole role) {
+  return role == VoxelRole::kVolume || role == VoxelRole::kHybrid;
+}
+
+/// Drawing of one class. Surface and hybrid voxels contain the surface of every selected structure with a
+/// boundary there.
+struct ClassDraw {
+  ClassId id = kEmptyClass;
+  VoxelRole role = VoxelRole::kNone;
+  StructureIndex volume_of = kNoStructure;  ///< structure with the appearance of the volume
+  bool boundary = false;  ///< boundary of `volume_of`: shaded by the normal (hybrid shading)
+  friend bool operator==(const ClassDraw&, const ClassDraw&) = default;
+};
+
+/// Classes to traverse and surfaces to rasterise for one selection.
+struct DrawPlan {
+  std::vector<ClassDraw> classes;  ///< classes with role != kNone, in class order
+  /// Structures with boundary classes that are selected as surface or both, in index order. External surfaces
+  /// are drawn in every mode.
+  std::vector<StructureIndex> surfaces;
+  std::uint64_t volume_voxels = 0;   ///< k_vol
+  std::uint64_t surface_voxels = 0;  ///< k_sur
+  std::uint64_t hybrid_voxels = 0;   ///< k_hyb
+};
+
+/// Maps structures to classes. A class shared by several structures is a leaf of each of them. Immutable and
+/// thread-safe. Keeps references: graph and classes must outlive it.
+class DecisionTree {
+ public:
+  DecisionTree(const StructureGraph& graph, const ClassTable& classes);
+
+  /// Classes in the interior of `s` itself, without its descendants.
+  [[nodiscard]] std::span<const ClassId> interior_classes(StructureIndex s) const;
+  /// Classes on the boundary of `s` itself, or crossed by its external surface.
+  [[nodiscard]] std::span<const ClassId> boundary_classes(StructureIndex s) const;
+
+  /// Traverses the tree once and assigns roles, structure by structure:
+  ///   volume   interior and boundary voxels are drawn as volume
+  ///   surface  boundary voxels are drawn as surface
+  ///   both     interior voxels as volume, boundary voxels as hybrid
+  /// Voxels that are only crossed by an external surface are drawn as surface in every mode. A class that is
+  /// volume for one selected structure and surface for another is hybrid. If several selected structures
+  /// contain a voxel, the one of the latest term determines the appearance; within a term, the one with the
+  /// higher index (the more specific one). Entries beyond the graph are ignored. Cost: linear in
+  /// the leaves of the selected structures and in the number of structures and classes.
+  [[nodiscard]] DrawPlan plan(const Selection& selection) const;
+
+  /// Voxels of `s` and its descendants, each counted once: as boundary if it is a boundary voxel of any of
+  /// them, else as interior. Voxels only crossed by an external surface count as boundary.
+  struct VoxelCounts {
+    std::uint64_t interior = 0, boundary = 0;
+  };
+  /// Cost: O(n log n) in the number of leaves below `s`.
+  [[nodiscard]] VoxelCounts voxel_counts(StructureIndex s) const;
+
+ private:
+  const StructureGraph& graph_;
+  const ClassTable& classes_;
+  std::vector<std::uint32_t> first_interior_, first_boundary_;  // size + 1 offsets
+  std::vector<ClassId> interior_, boundary_;
+  std::vector<bool> crossed_;  // per entry of boundary_: true for Part::kCrossed
+};
+
+/// A term of a selection that shows nothing of its own, because a later term hides it.
+struct HiddenTerm {
+  std::size_t term = 0, hidden_by = 0;  ///< numbers of the terms in the text, from 0
+  std::string message;                  ///< one line: column, both names, remedy
+  friend bool operator==(const HiddenTerm&, const HiddenTerm&) = default;
+};
+
+/// Finds added terms that later added terms hide completely, in the order of the text:
+///   - The selection is the same without the term: later terms select its structures again, and it gives them
+///     no part, opacity, color or transfer function that lasts.
+///   - All voxels of its structures lie in structures of later terms, which take precedence.
+/// Removals hide nothing: they are what was asked for. kNotFound as for resolve_selection(). Cost: linear in
+/// the structures that the terms select, and that of DecisionTree::plan(). Thread-safe.
+[[nodiscard]] Result<std::vector<HiddenTerm>> find_hidden_terms(std::span<const SelectionTerm> terms,
+                                                                const StructureGraph& graph,
+                                                                const DecisionTree& tree);
+
+}  // namespace splatlas

@@ -1,0 +1,160 @@
+// Selection language of the command line, scenes and the window.
+//
+//   selection := term { ("+" | "-") term }
+//   term      := target [":surface" | ":volume" | ":both"] [ "(" option { "," option } ")" ]
+//   target    := NAME | "#" label | "rest"
+//   option    := "opacity=" number in (0, 1]  |  "color=" "#rrggbb"
+//              | "profile=" ("soft" | "thin" | "hard")  |  "low=" grey value  |  "high=" grey value
+//              | "curve=" point { "/" point }
+//   point     := grey value ":" opacity from 0 to 0.9999 [":" shade from 0 to 1]
+//   NAME      := id, name or path of a structure ("Brain/Cerebellum/Left")
+//   label     := whole number: value of the structure in the source label map
+//
+// In a NAME, "*" matches any characters, including "/". Unquoted names consist of letters, digits, non-ASCII
+// characters and _ . / * '. Other names are in double quotes; a double quote in them is doubled. So are names
+// that begin with "#", and a structure called "rest".
+//
+// "rest" stands for every structure that no other term selects or removes, wherever it stands. Where
+// structures overlap, the other terms win. It cannot be removed.
+//
+// Matching ignores the case of ASCII letters. Blanks between tokens are ignored. Terms apply from left to
+// right, each to the structures that match its NAME and to all their descendants:
+//   - An added term adds its mode (default: volume) to the current mode. "A:volume + A:surface" is "A:both",
+//     and "A:both - A:surface" is "A:volume".
+//   - Options override those of earlier terms; omitted options keep their value. A curve replaces profile,
+//     low and high; any of these replaces a curve.
+//   - A new low at or above an earlier high resets that high, and vice versa.
+//   - "- NAME" and "- NAME:both" remove structures and reset their options.
+//   - "- NAME:surface" and "- NAME:volume" remove only that part. Removals have no options.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "format/content/color.h"
+#include "format/content/structure_graph.h"
+#include "format/content/transfer_curve.h"
+#include "format/result.h"
+
+namespace splatlas {
+
+enum class DrawMode : std::uint8_t { kOff, kVolume, kSurface, kBoth };
+
+/// "off", "volume", "surface", "both".
+[[nodiscard]] const char* name_of(DrawMode mode);
+
+/// Shape of a transfer function's ramp from transparent at `low` to the full opacity at `high`. The shade
+/// rises with it.
+enum class TransferProfile : std::uint8_t {
+  kSoft,  ///< linear over the whole interval
+  kThin,  ///< like kSoft, with a very low default opacity
+  kHard,  ///< a step in the middle, one hundredth of the interval wide
+};
+
+/// "soft", "thin", "hard".
+[[nodiscard]] const char* name_of(TransferProfile profile);
+
+/// Specification of the transfer function of one structure's volume: a ramp or a curve. The player converts
+/// it to a TransferCurve (player/transfer_function.h).
+struct VolumeStyle {
+  TransferProfile profile = TransferProfile::kSoft;
+  /// Grey values of the ramp's ends, finite, low < high. Defaults: those of the display window.
+  std::optional<double> low = std::nullopt, high = std::nullopt;
+  /// Replaces the ramp; then all other members have their defaults. Must pass check_curve().
+  std::shared_ptr<const TransferCurve> curve = nullptr;
+  /// Compares curves by their points.
+  friend bool operator==(const VolumeStyle& a, const VolumeStyle& b);
+};
+
+/// Kind of a term's target.
+enum class TermTarget : std::uint8_t { kName, kLabel, kRest };
+
+/// One parsed term.
+struct SelectionTerm {
+  bool remove = false;
+  TermTarget target = TermTarget::kName;
+  std::string name;                ///< without quotes; "#17" of a label, "rest"
+  std::int64_t label = 0;          ///< of kLabel
+  DrawMode mode = DrawMode::kOff;  ///< kOff if not given
+  std::optional<float> opacity = std::nullopt;
+  std::optional<Rgb> color = std::nullopt;
+  std::optional<TransferProfile> profile = std::nullopt;
+  std::optional<double> low = std::nullopt, high = std::nullopt;
+  std::shared_ptr<const TransferCurve> curve = nullptr;  ///< excludes profile, low and high
+  std::size_t column = 0;  ///< byte offset of the term in the text, for messages
+};
+
+/// Draw mode and appearance of one structure; StructureDraw{} if it is not selected.
+struct StructureDraw {
+  DrawMode mode = DrawMode::kOff;
+  /// Opacity from 0 to 1 per crossing of a surface. For volumes, opacity per reference length
+  /// (Atlas::reference_length_mm) at the maximum of the transfer function. Default: that of the mode and
+  /// profile, or that of the curve.
+  std::optional<float> opacity = std::nullopt;
+  Rgb color = {};
+  /// Latest term that selected it: where structures overlap, the higher number takes precedence. Terms are
+  /// numbered from 0: first those for the rest, then the others, in the order of the text.
+  std::uint32_t term = 0;
+  VolumeStyle volume = {};
+  friend bool operator==(const StructureDraw&, const StructureDraw&) = default;
+};
+
+/// Draw mode and appearance of every structure, by StructureIndex. Nothing is inherited: the descendants of a
+/// selected structure have entries of their own.
+struct Selection {
+  std::vector<StructureDraw> structures;
+  friend bool operator==(const Selection&, const Selection&) = default;
+  [[nodiscard]] bool empty() const;
+};
+
+/// kUsage with the first invalid structure, its index and the value:
+///   - more structures than the graph; missing ones are off
+///   - a mode or profile that is no enumerator
+///   - an opacity outside [0, 1]
+///   - ends of a ramp that are not finite, or low not below high
+///   - a curve that fails check_curve(), or with a profile, low or high beside it
+/// Structures that are off may have any appearance. O(structures and points of curves), thread-safe.
+[[nodiscard]] Result<void> check_selection(const Selection& selection, const StructureGraph& graph);
+
+/// Parses selection text without resolving names. A blank text has no terms. kUsage with the column (bytes,
+/// from 1) of the first fault.
+[[nodiscard]] Result<std::vector<SelectionTerm>> parse_selection(std::string_view text);
+
+/// Finds the structures of an id, name, path or wildcard pattern, without descendants, in index order. Ids
+/// take precedence over names, names over paths. A path may start at any structure ("Cerebellum/Left"). A
+/// wildcard pattern matches ids, names and paths. kNotFound if nothing matches, or if a name or path without
+/// a wildcard is ambiguous. The message lists the nearest names, or the paths and ids of the candidates.
+/// Cost: linear in the structures, their parents and the total length of names, times the length of a pattern
+/// (at most 256).
+[[nodiscard]] Result<std::vector<StructureIndex>> find_structures(const StructureGraph& graph,
+                                                                  std::string_view name);
+
+/// The structure with a value in the source label map. kNotFound, with the nearest labels, if there is none,
+/// and if it is ambiguous. Cost: linear in the structures.
+[[nodiscard]] Result<StructureIndex> find_label(const StructureGraph& graph, std::int64_t label);
+
+/// The structures of a NAME or a label of the selection language, as "Left cerebrum" or #17. Quotes are
+/// optional here: text that begins neither with a quote nor with "#" is the name as it is. kUsage for a quote
+/// that is never closed, for text behind the closing one, and for "#" without a whole number.
+[[nodiscard]] Result<std::vector<StructureIndex>> find_named(const StructureGraph& graph,
+                                                             std::string_view text);
+
+/// Applies the terms to the graph. kNotFound, with the column of the term, if a name or label is unknown or
+/// ambiguous.
+/// The name "*" selects nothing in a graph without structures.
+[[nodiscard]] Result<Selection> resolve_selection(std::span<const SelectionTerm> terms,
+                                                  const StructureGraph& graph);
+/// parse_selection() followed by resolve_selection().
+[[nodiscard]] Result<Selection> select(std::string_view text, const StructureGraph& graph);
+
+/// Writes short selection text: one term per uniform subtree, removals for exceptions. select(to_text(s, g),
+/// g) equals `s` except for term numbers. `selection` must belong to this graph, with opacities in (0, 1] and
+/// valid styles (see VolumeStyle).
+[[nodiscard]] std::string to_text(const Selection& selection, const StructureGraph& graph);
+
+}  // namespace splatlas

@@ -1,0 +1,46 @@
+#include "format/program/standard_output.h"
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <exception>
+
+#include "format/result_macros.h"
+
+namespace splatlas {
+namespace {
+
+tl::unexpected<Error> cannot_write(const char* reason) {
+  return fail(ErrorCode::kFailed, "standard output: cannot be written: {}", reason);
+}
+
+}  // namespace
+
+Result<void> print_text(const PrintableText& text) {
+  const std::string& bytes = text.text();
+  if (std::fwrite(bytes.data(), 1, bytes.size(), stdout) == bytes.size()) return finish_standard_output();
+  return cannot_write(std::strerror(errno));
+}
+
+Result<void> finish_standard_output() {
+  const bool failed_before = std::ferror(stdout) != 0;
+  const bool flushed = std::fflush(stdout) == 0;
+  if (flushed && !failed_before) return {};
+  return cannot_write(flushed ? "an earlier write failed" : std::strerror(errno));
+}
+
+void print_to(std::FILE* stream, const PrintableText& text) {
+  std::fwrite(text.text().data(), 1, text.text().size(), stream);
+  std::fflush(stream);
+}
+
+void print_error(const char* program, std::string_view message) noexcept {
+  try {
+    print_to(stderr, PrintableText("{}: {}\n", program, message));
+  } catch (const std::exception&) {  // std::bad_alloc
+    std::fputs(program, stderr);
+    std::fputs(": out of memory\n", stderr);
+  }
+}
+
+}  // namespace splatlas

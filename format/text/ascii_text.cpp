@@ -1,0 +1,144 @@
+#include "format/text/ascii_text.h"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include <fmt/format.h>
+#include <utf8cpp/utf8.h>
+
+namespace splatlas {
+namespace {
+
+/// The first character of `text`.
+struct Character {
+  std::size_t bytes = 1;
+  bool valid = true;  ///< false for a byte that is not UTF-8
+  std::uint32_t code = 0;
+};
+
+Character first_character(std::string_view text) {
+  const auto* next = text.begin();
+  try {
+    const std::uint32_t code = utf8::next(next, text.end());
+    return {static_cast<std::size_t>(next - text.begin()), true, code};
+  } catch (const utf8::exception&) {
+    return {1, false, static_cast<unsigned char>(text.front())};
+  }
+}
+
+/// First and last characters of ranges; sorted.
+using CharacterRange = std::pair<std::uint32_t, std::uint32_t>;
+constexpr std::array kUnsafeRanges{
+    CharacterRange{0x0000, 0x001f},    // C0 controls
+    CharacterRange{0x007f, 0x009f},    // delete and C1 controls
+    CharacterRange{0x00ad, 0x00ad},    // soft hyphen
+    CharacterRange{0x034f, 0x034f},    // combining grapheme joiner
+    CharacterRange{0x061c, 0x061c},    // Arabic letter mark
+    CharacterRange{0x115f, 0x1160},    // Hangul fillers
+    CharacterRange{0x17b4, 0x17b5},    // Khmer inherent vowels
+    CharacterRange{0x180b, 0x180f},    // Mongolian selectors and vowel separator
+    CharacterRange{0x200b, 0x200b},    // zero-width space; Persian and Indic words need the next two
+    CharacterRange{0x200e, 0x200f},    // left-to-right and right-to-left marks
+    CharacterRange{0x2028, 0x202e},    // separators, embeddings and overrides
+    CharacterRange{0x2060, 0x206f},    // word joiner, invisible operators, isolates
+    CharacterRange{0x3164, 0x3164},    // Hangul filler
+    CharacterRange{0xfe00, 0xfe0f},    // variation selectors
+    CharacterRange{0xfeff, 0xfeff},    // byte order mark
+    CharacterRange{0xffa0, 0xffa0},    // halfwidth Hangul filler
+    CharacterRange{0xfff0, 0xfffb},    // ignorable, interlinear annotations
+    CharacterRange{0x1bca0, 0x1bca3},  // shorthand controls
+    CharacterRange{0x1d173, 0x1d17a},  // musical controls
+    CharacterRange{0xe0000, 0xe0fff},  // tags, more variation selectors
+};
+
+/// Consumes up to `max_bytes` bytes of whole characters from the start of `text`; returns them with unsafe
+/// characters replaced. `kept` is shown although unsafe.
+std::string printable_start(std::string_view& text, std::size_t max_bytes, std::string_view kept = {}) {
+  std::string result;
+  while (!text.empty()) {
+    const Character c = first_character(text);
+    if (c.bytes > max_bytes) break;
+    if (!c.valid) {
+      result += fmt::format("\\x{:02x}", c.code);
+    } else {
+      const bool is_kept = c.bytes == 1 && kept.find(text.front()) != std::string_view::npos;
+      result += is_unsafe_to_show(c.code) && !is_kept ? "?" : text.substr(0, c.bytes);
+    }
+    text.remove_prefix(c.bytes);
+    max_bytes -= c.bytes;
+  }
+  return result;
+}
+
+/// \uXXXX, or a surrogate pair of them.
+std::string json_escape(std::uint32_t c) {
+  if (c < 0x10000) return fmt::format("\\u{:04x}", c);
+  c -= 0x10000;
+  return fmt::format("\\u{:04x}\\u{:04x}", 0xd800 + (c >> 10), 0xdc00 + (c & 0x3ff));
+}
+
+}  // namespace
+
+std::string to_lower(std::string_view text) {
+  std::string lowered(text);
+  for (char& c : lowered) c = to_lower(c);
+  return lowered;
+}
+
+bool equal_ignoring_case(std::string_view a, std::string_view b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](char x, char y) { return to_lower(x) == to_lower(y); });
+}
+
+bool is_unsafe_to_show(std::uint32_t c) {
+  const auto* const range = std::ranges::lower_bound(kUnsafeRanges, c, {}, &CharacterRange::second);
+  return range != kUnsafeRanges.end() && c >= range->first;
+}
+
+std::string fault_of_text(std::string_view text) {
+  bool plain = true;  // fast path for ASCII; the loop vectorizes
+  for (const char c : text) plain &= c >= ' ' && c <= '~';
+  if (plain) return {};
+  const auto* const invalid = utf8::find_invalid(text.begin(), text.end());
+  for (const auto* next = text.begin(); next != invalid;) {
+    const auto byte = next - text.begin();
+    const std::uint32_t c = utf8::unchecked::next(next);
+    if (is_control(c)) return fmt::format("has a control character (byte {}: U+{:04X})", byte, c);
+    if (is_bidi_control(c))
+      return fmt::format("has a bidirectional control character (byte {}: U+{:04X})", byte, c);
+  }
+  return invalid == text.end() ? "" : fmt::format("is not UTF-8 (byte {})", invalid - text.begin());
+}
+
+std::string printable(std::string_view text) {
+  return printable_start(text, text.size());
+}
+
+std::string printable_lines(std::string_view text) {
+  return printable_start(text, text.size(), "\n\t");
+}
+
+std::string escaped_json(std::string_view document) {
+  std::string result;
+  while (!document.empty()) {
+    const Character c = first_character(document);
+    if (!c.valid) {
+      result += "\xef\xbf\xbd";  // replacement character
+    } else if (is_unsafe_to_show(c.code) && c.code != '\n' && c.code != '\t') {
+      result += json_escape(c.code);
+    } else {
+      result += document.substr(0, c.bytes);
+    }
+    document.remove_prefix(c.bytes);
+  }
+  return result;
+}
+
+std::string in_quotes(std::string_view text) {
+  constexpr std::size_t kMaxBytes = 80;
+  const std::string start = printable_start(text, kMaxBytes);
+  return '"' + start + (text.empty() ? "\"" : "...\"");
+}
+
+}  // namespace splatlas

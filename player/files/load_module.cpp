@@ -1,0 +1,20 @@
+#include "player/files/load_module.h"
+
+#include <dlfcn.h>
+#include <fmt/format.h>
+
+namespace splatlas {
+
+Result<void*> load_function(const char* module, const char* function, const char* library) {
+  void* const handle = dlopen(module, RTLD_LAZY | RTLD_LOCAL);
+  if (handle == nullptr) {
+    const char* reason = dlerror();
+    return fail(ErrorCode::kFailed,
+                fmt::format("cannot load {} ({}): {}", module, library, reason ? reason : "unknown reason"));
+  }
+  void* const found = dlsym(handle, function);
+  if (found != nullptr) return found;
+  return fail(ErrorCode::kFailed, fmt::format("{} has no {}: it is of another version", module, function));
+}
+
+}  // namespace splatlas

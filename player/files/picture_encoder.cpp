@@ -1,0 +1,186 @@
+#include "player/files/picture_encoder.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <cstring>
+#include <span>
+
+#include <fmt/format.h>
+#include <zlib.h>
+
+#include "format/result_macros.h"
+#include "player/files/draw_annotations.h"
+#include "player/files/load_module.h"
+#include "player/files/pdf_module.h"
+#include "player/files/picture_module.h"
+#include "player/files/svg_document.h"
+#include "player/write_png.h"
+
+namespace splatlas {
+namespace {
+
+/// The file extension in lower case and in one spelling per format; empty if it is unknown.
+std::string known_ending(const std::filesystem::path& path) {
+  std::string ending = path.extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
+  if (ending == ".jpeg") ending = ".jpg";
+  if (ending == ".tiff") ending = ".tif";
+  for (const char* known : {".png", ".jpg", ".tif", ".exr", ".svg", ".pdf"}) {
+    if (ending == known) return ending;
+  }
+  return {};
+}
+
+using Bytes = std::vector<std::byte>;
+
+Result<Bytes> encode_through_module(void* function, const std::string& ending, const Picture& picture,
+                                    std::optional<Rgb> background, double dpi) {
+  const bool is_float = ending == ".exr";
+  if (!background && ending == ".jpg") background = Rgb{0, 0, 0};
+  std::vector<std::uint8_t> srgb;
+  if (!is_float) srgb = background ? to_srgb8(picture, *background) : to_srgba8(picture);
+  const void* data = is_float ? static_cast<const void*>(picture.rgba.data()) : srgb.data();
+  const PixelsToEncode to_encode{ending.c_str(),
+                                 picture.size.width,
+                                 picture.size.height,
+                                 background && !is_float ? 3 : 4,
+                                 is_float ? kFloatPixels : kBytePixels,
+                                 data,
+                                 is_float ? 0 : dpi};
+  Bytes bytes;
+  const auto take = [](void* context, const void* first, std::size_t size) {
+    const auto* const begin = static_cast<const std::byte*>(first);
+    static_cast<Bytes*>(context)->assign(begin, begin + size);
+  };
+  std::array<char, 512> error{};
+  const auto encode_pixels = reinterpret_cast<EncodePixels>(function);
+  if (encode_pixels(&to_encode, take, &bytes, error.data(), error.size()) != 0) {
+    return fail(ErrorCode::kFailed, error.data());
+  }
+  return bytes;
+}
+
+/// Adds the chunk pHYs, pixels per metre, behind the header of a PNG file (PNG specification, 11.3.5.3).
+void add_resolution(Bytes& png, double dpi) {
+  constexpr std::size_t kHeaderEnd = 33;  // signature and IHDR
+  constexpr double kInchesPerMetre = 1 / 0.0254;
+  if (png.size() < kHeaderEnd) return;
+  std::vector<unsigned char> chunk{0, 0, 0, 9, 'p', 'H', 'Y', 's'};
+  const auto add = [&](std::uint32_t value) {
+    for (int shift = 24; shift >= 0; shift -= 8) chunk.push_back(static_cast<unsigned char>(value >> shift));
+  };
+  const auto per_metre = static_cast<std::uint32_t>(std::lround(dpi * kInchesPerMetre));
+  add(per_metre), add(per_metre);
+  chunk.push_back(1);  // the unit is the metre
+  add(static_cast<std::uint32_t>(crc32(0, chunk.data() + 4, static_cast<unsigned>(chunk.size() - 4))));
+  const std::span bytes = std::as_bytes(std::span(chunk));
+  png.insert(png.begin() + kHeaderEnd, bytes.begin(), bytes.end());
+}
+
+double document_dpi(const FileAnnotations& annotations) {
+  constexpr double kDefaultDpi = 300;
+  return annotations.dpi.value_or(kDefaultDpi);
+}
+
+Result<Bytes> encode_svg(const Picture& picture, std::optional<Rgb> background,
+                         const FileAnnotations& annotations) {
+  SPLATLAS_ASSIGN_OR_RETURN(const Bytes png, encode_png(picture, background));
+  const AnnotationLayer none;
+  const std::string svg = svg_document(png, picture.size, document_dpi(annotations),
+                                       annotations.layer ? *annotations.layer : none);
+  const std::span bytes = std::as_bytes(std::span(svg));
+  return Bytes(bytes.begin(), bytes.end());
+}
+
+Result<Bytes> encode_pdf(void* function, const Picture& picture, std::optional<Rgb> background,
+                         const FileAnnotations& annotations) {
+  const AnnotationLayer none;
+  PdfPage page{picture.size, document_dpi(annotations), {},
+               {},           annotations.title,         annotations.layer ? annotations.layer : &none};
+  if (background) {
+    const std::vector<std::uint8_t> srgb = to_srgb8(picture, *background);
+    page.rgba.assign(srgb.size() / 3 * 4, 255);
+    for (std::size_t n = 0; n < srgb.size() / 3; ++n) std::memcpy(&page.rgba[4 * n], &srgb[3 * n], 3);
+  } else {
+    page.rgba = to_srgba8(picture);
+  }
+  for (std::size_t n = 0; n < page.fonts.size(); ++n) page.fonts[n] = annotations.fonts[n].string();
+  Bytes bytes;
+  std::string error;
+  reinterpret_cast<EncodePdf>(function)(page, bytes, error);
+  if (!error.empty()) return fail(ErrorCode::kFailed, error);
+  return bytes;
+}
+
+}  // namespace
+
+PictureEncoder::PictureEncoder(std::filesystem::path path)
+    : path_(std::move(path)), ending_(known_ending(path_)) {
+  if (ending_.empty() || ending_ == ".png" || ending_ == ".svg") return;
+  module_ = std::async(std::launch::async, [is_pdf = ending_ == ".pdf"] {
+    return is_pdf ? load_function(kPdfModule, kEncodePdfName, "Cairo")
+                  : load_function(kPictureModule, kEncodePixelsName, "OpenImageIO");
+  });
+}
+
+bool PictureEncoder::is_opaque(const std::filesystem::path& path) {
+  return known_ending(path) == ".jpg";
+}
+
+bool PictureEncoder::is_linear(const std::filesystem::path& path) {
+  return known_ending(path) == ".exr";
+}
+
+bool PictureEncoder::is_document(const std::filesystem::path& path) {
+  const std::string ending = known_ending(path);
+  return ending == ".svg" || ending == ".pdf";
+}
+
+Result<void> PictureEncoder::check_ending(const std::filesystem::path& path) {
+  if (!known_ending(path).empty()) return {};
+  return fail(ErrorCode::kUsage,
+              fmt::format("{}: unknown picture ending '{}'; use .png, .jpg, .tif, .exr, .svg or .pdf",
+                          path.string(), path.extension().string()));
+}
+
+Result<void> PictureEncoder::check_size(const std::filesystem::path& path, const PictureSize& size,
+                                        std::optional<Rgb> background) {
+  if (known_ending(path) != ".png" && !is_document(path)) return {};
+  const Result<void> fits = check_png_size(size, !background);
+  if (fits) return {};
+  return fail(fits.error().code, fmt::format("{}: {}", path.string(), fits.error().message));
+}
+
+Result<std::vector<std::byte>> PictureEncoder::encode(Picture& picture, std::optional<Rgb> background,
+                                                      const FileAnnotations& annotations) {
+  SPLATLAS_RETURN_IF_ERROR(check_ending(path_));
+  auto bytes = encode_file(picture, background, annotations);
+  if (bytes) return bytes;
+  return fail(ErrorCode::kFailed,
+              fmt::format("{}: cannot be encoded: {}", path_.string(), bytes.error().message));
+}
+
+Result<Bytes> PictureEncoder::encode_file(Picture& picture, std::optional<Rgb> background,
+                                          const FileAnnotations& annotations) {
+  if (ending_ == ".svg") return encode_svg(picture, background, annotations);
+  if (ending_ == ".pdf") {
+    SPLATLAS_ASSIGN_OR_RETURN(void* const function, module_.get());
+    return encode_pdf(function, picture, background, annotations);
+  }
+  if (annotations.layer != nullptr) {
+    const std::optional<Rgb> under = ending_ == ".exr" ? std::nullopt : background;
+    SPLATLAS_RETURN_IF_ERROR(draw_annotations(picture, *annotations.layer, under, *annotations.drawer));
+  }
+  if (ending_ == ".png") {
+    SPLATLAS_ASSIGN_OR_RETURN(Bytes png, encode_png(picture, background));
+    if (annotations.dpi) add_resolution(png, *annotations.dpi);
+    return png;
+  }
+  SPLATLAS_ASSIGN_OR_RETURN(void* const function, module_.get());
+  return encode_through_module(function, ending_, picture, background, annotations.dpi.value_or(0));
+}
+
+}  // namespace splatlas

@@ -1,0 +1,65 @@
+// Encoder of picture files.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <future>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "format/result.h"
+#include "player/files/text_drawer.h"
+#include "player/page/annotation.h"
+#include "player/picture.h"
+
+namespace splatlas {
+
+/// Annotations of a file, with everything to draw them.
+struct FileAnnotations {
+  const AnnotationLayer* layer = nullptr;    ///< none: without annotations
+  const TextDrawer* drawer = nullptr;        ///< for pictures of pixels
+  FontFiles fonts = {};                      ///< for .pdf
+  std::string title = {};                    ///< of the document, .pdf only
+  std::optional<double> dpi = std::nullopt;  ///< pixels per inch in print; stored in all files but .exr
+};
+
+/// Encodes one picture as .png, .jpg, .tif (8-bit sRGB), .exr (float, linear, premultiplied), or as .svg or
+/// .pdf, with annotations as vectors. libpng writes PNG, OpenImageIO other pixels, Cairo PDF. OpenImageIO
+/// depends on about 260 libraries, which take 0.2 s to load, longer than rendering most pictures. It is in a
+/// module of its own, loaded on demand and concurrently with rendering; so is Cairo.
+class PictureEncoder {
+ public:
+  /// Prepares for a file of this name, and begins to load the module if needed.
+  explicit PictureEncoder(std::filesystem::path path);
+
+  /// True for formats without transparency, by the file's ending.
+  [[nodiscard]] static bool is_opaque(const std::filesystem::path& path);
+  /// True for .exr, which ignores backgrounds.
+  [[nodiscard]] static bool is_linear(const std::filesystem::path& path);
+  /// True for .svg and .pdf.
+  [[nodiscard]] static bool is_document(const std::filesystem::path& path);
+  /// kUsage, with the supported extensions, unless `path` has one of them.
+  [[nodiscard]] static Result<void> check_ending(const std::filesystem::path& path);
+  /// kUsage, with a remedy, if the format of `path` does not support pictures of this size. The extension
+  /// must be supported.
+  [[nodiscard]] static Result<void> check_size(const std::filesystem::path& path, const PictureSize& size,
+                                               std::optional<Rgb> background);
+
+  /// The bytes of the file; to call once. Composites over `background`, or keeps alpha without one (JPEG is
+  /// then over black). EXR always keeps alpha and ignores the background. Draws the annotations into the
+  /// picture, or writes them as vectors into documents. kFailed for errors of modules and their libraries.
+  /// Memory: at most picture_bytes() in addition to the picture; documents take twice as much.
+  [[nodiscard]] Result<std::vector<std::byte>> encode(Picture& picture, std::optional<Rgb> background,
+                                                      const FileAnnotations& annotations = {});
+
+ private:
+  [[nodiscard]] Result<std::vector<std::byte>> encode_file(Picture& picture, std::optional<Rgb> background,
+                                                           const FileAnnotations& annotations);
+
+  std::filesystem::path path_;
+  std::string ending_;
+  std::future<Result<void*>> module_;  // the module's encode function
+};
+
+}  // namespace splatlas

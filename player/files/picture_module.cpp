@@ -1,0 +1,115 @@
+#include "player/files/picture_module.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <exception>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <OpenImageIO/filesystem.h>
+#include <OpenImageIO/imagebuf.h>
+#include <OpenImageIO/imagebufalgo.h>
+#include <OpenImageIO/imageio.h>
+
+namespace {
+
+constexpr const char* kNoMemory = "out of memory; take a smaller picture";
+
+/// Writes the first line of an error. Plugins describe an allocation failure in various ways, or not at all.
+void report(char* error, std::size_t error_size, std::string text) {
+  text = text.substr(0, text.find('\n'));
+  if (text.find("bad_alloc") != std::string::npos) text = kNoMemory;
+  std::snprintf(error, error_size, "%s", text.empty() ? "no reason is known" : text.c_str());
+}
+
+OIIO::ImageSpec spec_of(const splatlas::PixelsToEncode& pixels, const std::string& ending) {
+  const bool is_float = pixels.type == splatlas::kFloatPixels;
+  const bool is_number = pixels.type == splatlas::kNumberPixels;
+  OIIO::ImageSpec spec(pixels.width, pixels.height, pixels.channels,
+                       is_float    ? OIIO::TypeDesc::FLOAT
+                       : is_number ? OIIO::TypeDesc::UINT32
+                                   : OIIO::TypeDesc::UINT8);
+  if (is_number) spec.channelnames = {"id"};
+  // In TIFF this attribute is EXIF, which OpenImageIO 2.4 corrupts in memory. 8-bit TIFF is sRGB by default.
+  if (ending != ".tif" && !is_number) spec.attribute("oiio:ColorSpace", is_float ? "Linear" : "sRGB");
+  spec.attribute("Software", "Splatlas");
+  spec.attribute("DateTime", "");  // for reproducible files
+  if (!is_float && !is_number) spec.attribute("oiio:UnassociatedAlpha", 1);
+  if (ending == ".jpg") spec.attribute("CompressionQuality", 95);
+  if (ending == ".exr") spec.attribute("compression", "zip");
+  if (pixels.dpi > 0) {
+    spec.attribute("XResolution", static_cast<float>(pixels.dpi));
+    spec.attribute("YResolution", static_cast<float>(pixels.dpi));
+    spec.attribute("ResolutionUnit", "in");
+  }
+  return spec;
+}
+
+}  // namespace
+
+// Encodes to memory, because libjpeg terminates the program if the disk is full.
+extern "C" __attribute__((visibility("default"))) int splatlas_encode_pixels(
+    const splatlas::PixelsToEncode* pixels, splatlas::TakeBytes take, void* context, char* error,
+    std::size_t error_size) try {
+  // Create the output for the format
+  const std::string ending = pixels->ending;
+  const std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create(ending.substr(1));
+  if (!output) {
+    report(error, error_size, OIIO::geterror());
+    return 1;
+  }
+
+  // Write through a memory proxy
+  OIIO::ImageSpec spec = spec_of(*pixels, ending);
+  std::vector<unsigned char> bytes;
+  OIIO::Filesystem::IOVecOutput memory(bytes);
+  OIIO::Filesystem::IOProxy* proxy = &memory;
+  spec.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
+  if (!output->open("picture" + ending, spec) || !output->write_image(spec.format, pixels->pixels) ||
+      !output->close()) {
+    report(error, error_size, output->geterror());
+    return 1;
+  }
+  take(context, bytes.data(), bytes.size());
+  return 0;
+} catch (const std::exception& exception) {
+  report(error, error_size, exception.what());
+  return 1;
+}
+
+// Draws through FreeType.
+extern "C" __attribute__((visibility("default"))) int splatlas_draw_text(const splatlas::TextToDraw* text,
+                                                                         splatlas::TextExtents* extents,
+                                                                         splatlas::TakeCoverage take,
+                                                                         void* context, char* error,
+                                                                         std::size_t error_size) try {
+  const OIIO::ROI ink = OIIO::ImageBufAlgo::text_size(text->text, text->size, text->font);
+  *extents = {0, 0, 0, 0};
+  if (!ink.defined()) {
+    if (std::string(text->text).find_first_not_of(' ') == std::string::npos) return 0;
+    report(error, error_size, std::string(text->font) + ": cannot be read as a font");
+    return 1;
+  }
+  *extents = {std::min(ink.xbegin, 0), ink.ybegin, ink.xend, ink.yend};
+  if (take == nullptr) return 0;
+
+  // The image begins at the ink's top left corner
+  OIIO::ImageSpec spec(extents->right - extents->left, extents->bottom - extents->top, 1,
+                       OIIO::TypeDesc::FLOAT);
+  OIIO::ImageBuf image(spec);
+  OIIO::ImageBufAlgo::zero(image);
+  const float full = 1;
+  if (!OIIO::ImageBufAlgo::render_text(image, -extents->left, -extents->top, text->text, text->size,
+                                       text->font, OIIO::cspan<float>(&full, 1))) {
+    report(error, error_size, image.geterror());
+    return 1;
+  }
+  std::vector<float> coverage(spec.image_pixels());
+  image.get_pixels(image.roi(), OIIO::TypeDesc::FLOAT, coverage.data());
+  take(context, extents, coverage.data());
+  return 0;
+} catch (const std::exception& exception) {
+  report(error, error_size, exception.what());
+  return 1;
+}

@@ -1,0 +1,178 @@
+#include "player/page/annotate_picture.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "player/page/page_layout.h"
+#include "player/page/place_labels.h"
+#include "player/page/wrap_text.h"
+
+namespace splatlas {
+namespace {
+
+constexpr double kTightRows = 0.2, kWideRows = 0.5;             // gaps between labels, in em
+constexpr double kMaxLabelWidth = 0.26, kMinLabelWidth = 0.16;  // of the picture's width
+constexpr double kReservedLabelWidth = 0.2;                     // of the picture's width, for each column
+constexpr double kLabelSpacing = 1.2;                           // distance of baselines, in em
+constexpr double kLabelGapPoints = 12;                          // from structures to labels
+constexpr double kMinFigure = 0.2;                              // of the picture's sides
+
+/// True if all texts lie in the picture, and a figure remains.
+bool fits(const PageLayout& layout) {
+  const PictureSize& size = layout.scene.picture.size;
+  const PageBox all{0, 0, static_cast<double>(size.width), static_cast<double>(size.height)};
+  const double em = kLabelPoints * layout.pt;
+  if (layout.figure.width() < 4 * em || layout.figure.height() < 4 * em) return false;
+  return std::ranges::all_of(layout.layer.texts,
+                             [&](const PlacedText& text) { return contains(all, text.box()); }) &&
+         std::ranges::all_of(layout.layer.lines, [&](const PlacedLine& line) {
+           return line.from.x >= 0 && line.to.x <= size.width;
+         });
+}
+
+/// All items. `unlabelled` is the number that the note reports.
+PageLayout lay_out(const AnnotatedScene& scene, const AnnotationOptions& options, const MeasureText& measure,
+                   const FreeSpace& free_space, std::size_t unlabelled) {
+  PageLayout layout(scene, options, measure, free_space);
+  layout.place_blocks(unlabelled);
+  if (options.items.orientation) layout.place_orientation();
+  if (options.items.scale_bar) layout.place_scale_bar();
+  if (options.items.labels) layout.place_structure_labels();
+  return layout;
+}
+
+}  // namespace
+
+std::vector<const NamedStructure*> PageLayout::labelled_structures() const {
+  std::vector<const NamedStructure*> chosen;
+  for (const NamedStructure& one : scene.structures) chosen.push_back(&one);
+  std::ranges::stable_sort(chosen, std::greater(),
+                           [](const NamedStructure* one) { return one->visible.pixels; });
+  const double em = kLabelPoints * pt;
+  std::erase_if(chosen, [&](const NamedStructure* one) { return one->visible.pixels < em * em; });
+  return chosen;
+}
+
+Label PageLayout::label_of(const NamedStructure& structure, double max_width) const {
+  const auto width = [&](std::string_view words) { return width_of(words, kLabelPoints); };
+  Label label{balanced_lines(structure.name, max_width, width), 0, 0, structure.visible.anchor,
+              structure.visible.pixels};
+  for (const std::string& words : label.lines) label.width = std::max(label.width, width(words));
+  const double em = kLabelPoints * pt;
+  label.height =
+      (static_cast<double>(label.lines.size()) - 1) * kLabelSpacing * em + (kAscent + kDescent) * em;
+  return label;
+}
+
+void PageLayout::place_structure_labels() {
+  // Choose the largest structures that no block of text covers
+  std::vector<const NamedStructure*> chosen = labelled_structures();
+  std::erase_if(chosen, [&](const NamedStructure* one) {
+    const PagePoint anchor = one->visible.anchor;
+    return !contains(figure, {anchor.x, anchor.y, anchor.x, anchor.y});
+  });
+  chosen.resize(std::min(chosen.size(), options.max_labels));
+
+  // Break long names
+  const double em = kLabelPoints * pt, leading = kLabelSpacing * em;
+  const PageBox content = free_space.content().value_or(figure);
+  const double gap = kLabelGapPoints * pt,
+               side = std::max(content.left - figure.left, figure.right - content.right) - gap;
+  const double page_width = scene.picture.size.width;
+  const double max_width = std::clamp(side, kMinLabelWidth * page_width, kMaxLabelWidth * page_width);
+  std::vector<Label> labels;
+  for (const NamedStructure* one : chosen) {
+    Label label = label_of(*one, max_width);
+    if (!label.lines.empty()) labels.push_back(std::move(label));
+  }
+
+  // Place them and add their texts and leaders,
+  // with generous gaps between rows if these lose no label.
+  const auto place = [&](double row_gap) {
+    const LabelSpace space{figure,   gap, row_gap * em, 0.3 * em, (kDotPoints + 2 * kLeaderPoints) * pt,
+                           obstacles};
+    return place_labels(labels, space, free_space);
+  };
+  std::vector<PlacedLabel> placed = place(kTightRows);
+  if (auto wider = place(kWideRows); wider.size() >= placed.size()) placed = std::move(wider);
+  for (const PlacedLabel& one : placed) {
+    const Label& label = labels[one.label];
+    double baseline = one.box.top + kAscent * em;
+    for (const std::string& words : label.lines) {
+      PlacedText text_line = text(words, one.box.left, baseline, kLabelPoints);
+      if (one.is_left) text_line.x = one.box.right - text_line.width;
+      layer.texts.push_back(std::move(text_line));
+      baseline += leading;
+    }
+    layer.lines.push_back(line(one.port, label.anchor, kLeaderPoints));
+    layer.lines.back().casing = kLeaderCasingPoints * pt;
+    layer.dots.push_back({label.anchor, kDotPoints * pt, kDotCasingPoints * pt, ink, paper});
+  }
+  layer.labels = placed.size();
+  layer.unlabelled = scene.structures.size() - placed.size();
+}
+
+void PageLayout::reserve_room() {
+  const double letters = 1.3 * kCapHeight * kLettersPoints * pt;
+  if (options.items.orientation) figure.top += letters, figure.bottom -= letters;
+  // A draft misses tiny structures: leave a row of the legend for them
+  if (options.items.legend) figure.bottom -= kLegendRow * kLegendPoints * pt;
+  if (!options.items.labels) return;
+  std::vector<const NamedStructure*> chosen = labelled_structures();
+  chosen.resize(std::min(chosen.size(), options.max_labels));
+  double width = 0;
+  for (const NamedStructure* one : chosen) {
+    width = std::max(width, label_of(*one, kReservedLabelWidth * scene.picture.size.width).width);
+  }
+  if (width == 0) return;
+  width += 1.5 * kLabelGapPoints * pt;
+  figure.left += width, figure.right -= width;
+}
+
+PictureRegion region_of_figure(const AnnotatedScene& scene, const AnnotationOptions& options,
+                               const MeasureText& measure) {
+  if (!options.items.any()) return {};
+  const FreeSpace empty(scene.picture.size);
+  PageLayout layout(scene, options, measure, empty);
+  // Reserve the line that tells the number of structures without a label: there are nearly always some
+  layout.place_blocks(options.items.labels ? 99 : 0);
+  if (options.items.orientation) layout.place_orientation();
+  layout.reserve_room();
+
+  const auto share = [](double from, double to, double side) {
+    from = std::clamp(from / side, 0.0, 1 - kMinFigure), to = std::clamp(to / side, kMinFigure, 1.0);
+    if (to - from >= kMinFigure) return std::pair(from, to);
+    const double middle = std::clamp(0.5 * (from + to), 0.5 * kMinFigure, 1 - 0.5 * kMinFigure);
+    return std::pair(middle - 0.5 * kMinFigure, middle + 0.5 * kMinFigure);
+  };
+  const auto [left, right] = share(layout.figure.left, layout.figure.right, scene.picture.size.width);
+  const auto [top, bottom] = share(layout.figure.top, layout.figure.bottom, scene.picture.size.height);
+  return {std::max(0.0, left), std::max(0.0, top), std::min(right, 1.0), std::min(bottom, 1.0)};
+}
+
+Result<AnnotationLayer> annotate_picture(const AnnotatedScene& scene, const AnnotationOptions& options,
+                                         const MeasureText& measure) {
+  if (!options.items.any()) return AnnotationLayer{};
+  const FreeSpace free_space(scene.picture);
+  std::optional<PageLayout> layout(lay_out(scene, options, measure, free_space, 0));
+  // The note takes room from the labels, which may raise the number that it tells.
+  constexpr int kMaxPasses = 4;
+  std::size_t told = 0;
+  for (int pass = 0; pass < kMaxPasses && layout->layer.unlabelled > told; ++pass) {
+    told = layout->layer.unlabelled;
+    layout.emplace(lay_out(scene, options, measure, free_space, told));
+  }
+  if (!fits(*layout)) {
+    const PictureSize& size = scene.picture.size;
+    return fail(
+        ErrorCode::kUsage,
+        fmt::format("picture size {}x{}: too small for its annotations, with labels of {:.0f} pixels; "
+                    "take a larger --size, a smaller --dpi or fewer items",
+                    size.width, size.height, kLabelPoints * layout->pt));
+  }
+  return std::move(layout->layer);
+}
+
+}  // namespace splatlas

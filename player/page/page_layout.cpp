@@ -1,0 +1,227 @@
+#include "player/page/page_layout.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "player/page/scale_bar.h"
+#include "player/page/wrap_text.h"
+
+namespace splatlas {
+namespace {
+
+constexpr double kDefaultShortSideInch = 160 / 25.4;
+constexpr double kMargin = 0.035;     // of the short side
+constexpr double kMaxScaleBar = 0.2;  // of the width
+constexpr double kMaxLegend = 0.3;    // of the height
+constexpr Rgb kBlack{26, 26, 26}, kWhite{242, 242, 242}, kDarkGrey{95, 95, 95}, kLightGrey{165, 165, 165};
+
+bool is_dark(Rgb color) {
+  return 0.2126f * srgb_to_linear(color.r) + 0.7152f * srgb_to_linear(color.g) +
+             0.0722f * srgb_to_linear(color.b) <
+         0.18f;
+}
+
+}  // namespace
+
+double annotation_dpi(const AnnotationOptions& options, const PictureSize& size) {
+  if (options.dpi) return *options.dpi;
+  constexpr double kMinTextPixels = 11;
+  const double fitted = std::min(size.width, size.height) / kDefaultShortSideInch;
+  return std::max(fitted, 72 * kMinTextPixels / kLabelPoints);
+}
+
+PageLayout::PageLayout(const AnnotatedScene& scene_, const AnnotationOptions& options_,
+                       const MeasureText& measure_, const FreeSpace& free_space_)
+    : scene(scene_),
+      options(options_),
+      measure(measure_),
+      free_space(free_space_),
+      pt(annotation_dpi(options_, scene_.picture.size) / 72),
+      paper(scene_.background.value_or(Rgb{255, 255, 255})) {
+  const double width = scene.picture.size.width, height = scene.picture.size.height;
+  const double margin = kMargin * std::min(width, height);
+  page = figure = {margin, margin, width - margin, height - margin};
+  const bool dark = is_dark(paper);
+  ink = dark ? kWhite : kBlack, faint = dark ? kLightGrey : kDarkGrey;
+}
+
+double PageLayout::width_of(std::string_view words, double points, FontStyle style) const {
+  return measure(words, points * pt, style);
+}
+
+PlacedText PageLayout::text(std::string_view words, double x, double baseline, double points,
+                            FontStyle style) const {
+  return {std::string(words), x, baseline, width_of(words, points, style), points * pt, style, ink};
+}
+
+PlacedLine PageLayout::line(PagePoint from, PagePoint to, double points) const {
+  return {from, to, points * pt, 0, ink, paper};
+}
+
+void PageLayout::cover(const PageBox& box, std::string_view item) {
+  if (free_space.is_free(box)) return;
+  layer.boxes.push_back({box, paper, kPlateOpacity});
+  layer.notes.push_back(
+      fmt::format("the {} covers structures; take a smaller --zoom, a larger --size or fewer items", item));
+}
+
+void PageLayout::place_paragraph(std::string_view words, double points, FontStyle style, Rgb color) {
+  const std::vector<std::string> lines =
+      wrap_text(words, page.width(), [&](std::string_view part) { return width_of(part, points, style); });
+  const double leading = kLineSpacing * points * pt;
+  for (std::size_t n = lines.size(); n-- > 0; figure.bottom -= leading) {
+    layer.texts.push_back(text(lines[n], page.left, figure.bottom - kDescent * points * pt, points, style));
+    layer.texts.back().color = color;
+  }
+}
+
+void PageLayout::place_legend() {
+  if (scene.structures.empty()) return;
+  const double em = kLegendPoints * pt, swatch = 1.5 * em, gap = 0.5 * em, row = kLegendRow * em;
+  const auto width = [&](std::string_view name) { return width_of(name, kLegendPoints); };
+
+  // Divide the page into columns as wide as the longest name
+  double longest = 0;
+  for (const NamedStructure& one : scene.structures) longest = std::max(longest, width(one.name));
+  const double cell = std::min(swatch + gap + 1.001 * longest + 2 * em, page.width() + 2 * em);
+  const auto columns = std::max<std::size_t>(1, static_cast<std::size_t>((page.width() + 2 * em) / cell));
+  const auto max_rows = static_cast<std::size_t>(std::max(1.0, kMaxLegend * scene.picture.size.height / row));
+  const std::size_t all = scene.structures.size();
+  const std::size_t shown = all <= columns * max_rows ? all : columns * max_rows - 1;
+  const std::size_t cells = shown + (shown < all ? 1 : 0);
+  const std::size_t rows = (cells + columns - 1) / columns;
+
+  // Fill them from top to bottom
+  const double pitch = (page.width() + 2 * em) / static_cast<double>(columns);
+  const double top = figure.bottom - static_cast<double>(rows) * row;
+  for (std::size_t n = 0; n < cells; ++n) {
+    const std::size_t column = n / rows;
+    const double x = page.left + static_cast<double>(column) * pitch;
+    const double y = top + static_cast<double>(n % rows) * row,
+                 baseline = y + 0.5 * row + 0.5 * kCapHeight * em;
+    if (n == shown) {
+      layer.texts.push_back(
+          text(fmt::format("and {} more", all - shown), x, baseline, kLegendPoints, FontStyle::kItalic));
+      continue;
+    }
+    const NamedStructure& one = scene.structures[n];
+    const double room = std::min(x + cell - 2 * em, page.right) - x - swatch - gap;
+    layer.boxes.push_back({{x, y + 0.5 * row - 0.4 * em, x + swatch, y + 0.5 * row + 0.4 * em}, one.color});
+    layer.texts.push_back(
+        text(shortened_text(one.name, room, width), x + swatch + gap, baseline, kLegendPoints));
+  }
+  layer.legend_entries = shown;
+  figure.bottom = top;
+}
+
+void PageLayout::place_blocks(std::size_t unlabelled) {
+  const double gap = 5 * pt;
+  const auto block = [&](std::string_view item, const auto& place) {
+    const double bottom = figure.bottom;
+    const std::size_t boxes = layer.boxes.size();
+    place();
+    if (figure.bottom == bottom) return;
+    const PageBox box{page.left, figure.bottom, page.right, bottom};
+    if (!free_space.is_free(box)) {  // the plate lies below the swatches
+      cover(box, item);
+      std::rotate(layer.boxes.begin() + static_cast<std::ptrdiff_t>(boxes), layer.boxes.end() - 1,
+                  layer.boxes.end());
+    }
+    figure.bottom -= gap;
+  };
+  if (options.items.citation && !options.citation.empty()) {
+    block("citation",
+          [&] { place_paragraph(options.citation, kCitationPoints, FontStyle::kRegular, faint); });
+  }
+  if (unlabelled > 0) {
+    const std::string words = unlabelled == 1
+                                  ? "1 more structure is not labelled."
+                                  : fmt::format("{} more structures are not labelled.", unlabelled);
+    block("note", [&] { place_paragraph(words, kNotePoints, FontStyle::kItalic, faint); });
+  }
+  if (options.items.caption && !options.caption.empty()) {
+    block("caption", [&] { place_paragraph(options.caption, kCaptionPoints, FontStyle::kBold, ink); });
+  }
+  if (options.items.legend) block("legend", [&] { place_legend(); });
+  if (figure.bottom == page.bottom) return;
+
+  // Rule between the figure and the blocks
+  const PageBox rule{page.left, figure.bottom - kRulePoints * pt, page.right, figure.bottom};
+  if (free_space.is_free(rule)) {
+    layer.lines.push_back(line({rule.left, figure.bottom}, {rule.right, figure.bottom}, kRulePoints));
+    layer.lines.back().color = faint;
+  }
+  figure.bottom -= gap;
+}
+
+void PageLayout::place_orientation() {
+  const ParallelView& plane = scene.view.plane;
+  const auto opposite = [](Vec3 v) { return Vec3{-v[0], -v[1], -v[2]}; };
+  const std::array<std::string, 4> letters{
+      direction_letters(opposite(plane.right_lps)), direction_letters(plane.right_lps),
+      direction_letters(plane.up_lps), direction_letters(opposite(plane.up_lps))};
+  const double em = kLettersPoints * pt, middle_x = 0.5 * (page.left + page.right),
+               middle_y = 0.5 * (figure.top + figure.bottom);
+  std::array<PlacedText, 4> texts;
+  double side = 0;
+  for (std::size_t n = 0; n < 4; ++n) {
+    texts[n] = text(letters[n], 0, 0, kLettersPoints, FontStyle::kBold);
+    if (n < 2) side = std::max(side, texts[n].width);
+  }
+  texts[0].x = page.left, texts[1].x = page.right - texts[1].width;
+  texts[0].y = texts[1].y = middle_y + 0.5 * kCapHeight * em;
+  texts[2].x = middle_x - 0.5 * texts[2].width, texts[3].x = middle_x - 0.5 * texts[3].width;
+  texts[2].y = figure.top + kCapHeight * em, texts[3].y = figure.bottom - 0.1 * em;
+  bool covers = false;
+  for (PlacedText& one : texts) {
+    const PageBox box{one.x, one.y - kCapHeight * em, one.x + one.width, one.y};
+    const PageBox plate = box.grown(2 * pt);
+    if (!free_space.is_free(box)) layer.boxes.push_back({plate, paper, kPlateOpacity}), covers = true;
+    obstacles.push_back(one.box().grown(pt));
+    layer.texts.push_back(std::move(one));
+  }
+  if (covers) {
+    layer.notes.emplace_back(
+        "letters of the orientation cover structures; take a smaller --zoom or a larger --size");
+  }
+  figure.left += side + 0.5 * em, figure.right -= side + 0.5 * em;
+}
+
+void PageLayout::place_scale_bar() {
+  const double mm_per_pixel = scene.view.plane.mm_per_pixel;
+  const double mm = scale_bar_mm(kMaxScaleBar * scene.picture.size.width * mm_per_pixel);
+  if (mm <= 0) return;
+  const double length = mm / mm_per_pixel, em = kScalePoints * pt, tick = kTickPoints * pt;
+  PlacedText words = text(length_text(mm) + (scene.view.eye_mm ? " at the centre" : ""), 0, 0, kScalePoints);
+  const double width = std::max(length, words.width), height = tick + 1.35 * em;
+
+  // Take the first free corner
+  std::array<PageBox, 4> corners;
+  for (std::size_t n = 0; n < 4; ++n) {
+    const double left = n % 2 == 0 ? page.right - width : page.left;
+    const double top = n < 2 ? figure.bottom - height : figure.top;
+    corners[n] = {left, top, left + width, top + height};
+  }
+  const auto free = std::ranges::find_if(corners, [&](const PageBox& corner) {
+    return free_space.is_free(corner) &&
+           std::ranges::none_of(obstacles, [&](const PageBox& other) { return overlap(corner, other); });
+  });
+  const PageBox box = free == corners.end() ? corners.front() : *free;
+  cover(box, "scale bar");
+
+  // A bar with ticks, centred above its length
+  const double middle = 0.5 * (box.left + box.right), left = middle - 0.5 * length,
+               right = middle + 0.5 * length;
+  const double y = box.top + 0.5 * tick, half = 0.5 * kScaleBarPoints * pt;
+  layer.lines.push_back(line({left, y}, {right, y}, kScaleBarPoints));
+  layer.lines.push_back(line({left + half, box.top}, {left + half, box.top + tick}, kScaleBarPoints));
+  layer.lines.push_back(line({right - half, box.top}, {right - half, box.top + tick}, kScaleBarPoints));
+  words.x = middle - 0.5 * words.width, words.y = box.top + tick + 1.05 * em;
+  layer.texts.push_back(std::move(words));
+  obstacles.push_back(box.grown(4 * pt));
+}
+
+}  // namespace splatlas

@@ -1,0 +1,69 @@
+// Parts of a page: blocks of text at the bottom, and the figure above them.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "player/page/annotated_scene.h"
+#include "player/page/free_space.h"
+#include "player/page/place_labels.h"
+
+namespace splatlas {
+
+/// Sizes of texts in points, and of lines.
+inline constexpr double kLabelPoints = 8.5, kLegendPoints = 8, kCaptionPoints = 9.5, kCitationPoints = 7,
+                        kNotePoints = 7, kScalePoints = 8, kLettersPoints = 13;
+inline constexpr double kLineSpacing = 1.3;  ///< distance of baselines, in em
+inline constexpr double kLegendRow = 1.45;   ///< height of a row of the legend, in em
+inline constexpr double kLeaderPoints = 0.5, kLeaderCasingPoints = 1.5, kDotPoints = 1.3,
+                        kDotCasingPoints = 0.6;
+inline constexpr double kRulePoints = 0.4, kScaleBarPoints = 1.2, kTickPoints = 5;
+
+/// Pixels per inch: that of the options, or a default that depends on the size.
+[[nodiscard]] double annotation_dpi(const AnnotationOptions& options, const PictureSize& size);
+
+/// Layout of one page. The functions of the parts add to `layer`, and to `obstacles` for labels.
+struct PageLayout {
+  PageLayout(const AnnotatedScene& scene_, const AnnotationOptions& options_, const MeasureText& measure_,
+             const FreeSpace& free_space_);
+
+  const AnnotatedScene& scene;
+  const AnnotationOptions& options;
+  const MeasureText& measure;
+  const FreeSpace& free_space;
+  double pt;       ///< pixels per point
+  PageBox page;    ///< the picture inside its margins
+  PageBox figure;  ///< the part of the page above the blocks of text
+  Rgb ink, faint, paper;
+  AnnotationLayer layer;
+  std::vector<PageBox> obstacles;
+
+  /// Text that starts at (x, baseline).
+  [[nodiscard]] PlacedText text(std::string_view words, double x, double baseline, double points,
+                                FontStyle style = FontStyle::kRegular) const;
+  [[nodiscard]] PlacedLine line(PagePoint from, PagePoint to, double points) const;
+  [[nodiscard]] double width_of(std::string_view words, double points,
+                                FontStyle style = FontStyle::kRegular) const;
+  /// Reports that an item covers structures, and puts a plate behind it.
+  void cover(const PageBox& box, std::string_view item);
+
+  /// Places caption, citation, legend and a note about `unlabelled` structures, upwards from the bottom.
+  void place_blocks(std::size_t unlabelled);
+  void place_orientation();
+  void place_scale_bar();
+  /// Places the labels of at most `options.max_labels` structures.
+  void place_structure_labels();
+  /// Takes room for the letters above and below the figure, and for the columns of labels beside it.
+  void reserve_room();
+
+ private:
+  /// Structures to label: the largest ones first.
+  [[nodiscard]] std::vector<const NamedStructure*> labelled_structures() const;
+  /// A label with lines of at most `max_width` pixels, unless a word is longer.
+  [[nodiscard]] Label label_of(const NamedStructure& structure, double max_width) const;
+  void place_paragraph(std::string_view words, double points, FontStyle style, Rgb color);
+  void place_legend();
+};
+
+}  // namespace splatlas

@@ -1,0 +1,56 @@
+// Boundary labelling: names in two columns, with straight leader lines that do not cross.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "player/page/annotation.h"
+#include "player/page/free_space.h"
+
+namespace splatlas {
+
+/// A name to place beside the structures.
+struct Label {
+  std::vector<std::string> lines;  ///< of text, broken by balanced_lines()
+  double width = 0, height = 0;    ///< of the text, in pixels
+  PagePoint anchor;                ///< end of the leader
+  double weight = 0;               ///< labels of small weight are left out first
+};
+
+/// Region and distances of labels, in pixels.
+struct LabelSpace {
+  PageBox region;                  ///< all labels lie inside it
+  double column_gap = 0;           ///< between the structures and the columns
+  double row_gap = 0;              ///< between two labels
+  double leader_gap = 0;           ///< between a label and its leader
+  double dot_clearance = 0;        ///< from an anchor to the leaders of other labels
+  std::vector<PageBox> obstacles;  ///< boxes that labels and leaders avoid
+};
+
+/// Position of a label.
+struct PlacedLabel {
+  std::size_t label = 0;  ///< index
+  PageBox box;            ///< of the text
+  bool is_left = false;   ///< in the left column, with text aligned to the right
+  PagePoint port;         ///< start of the leader; its end is the anchor
+};
+
+/// Places labels in a column on either side of the structures (boundary labelling: Bekos et al. 2007). Labels
+/// keep the order of their anchors where leaders allow it, and move as little as possible. Of the result:
+///   - no two leaders intersect, and none comes within `dot_clearance` of another anchor
+///   - no label covers another one, a leader, an obstacle or a pixel of a structure
+///   - all labels lie in the region
+/// Labels that would break a rule move into gaps, in the order of their weights, or are left out. O(labels^2
+/// * positions) for each exchange of two labels.
+[[nodiscard]] std::vector<PlacedLabel> place_labels(const std::vector<Label>& labels, const LabelSpace& space,
+                                                    const FreeSpace& free_space);
+
+/// True if the segments a-b and c-d have a common point.
+[[nodiscard]] bool segments_meet(PagePoint a, PagePoint b, PagePoint c, PagePoint d);
+/// True if the segment has a common point with the box.
+[[nodiscard]] bool segment_meets(PagePoint a, PagePoint b, const PageBox& box);
+/// Distance from a point to a segment.
+[[nodiscard]] double distance_to_segment(PagePoint point, PagePoint a, PagePoint b);
+
+}  // namespace splatlas

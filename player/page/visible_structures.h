@@ -1,0 +1,41 @@
+// Structures visible in a picture, with anchors for leader lines.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "format/content/structure_graph.h"
+#include "player/page/annotation.h"
+#include "player/picture.h"
+
+namespace splatlas {
+
+/// Structures at regular samples of a picture. Sample (i, j) is at ((i + 0.5) * step, (j + 0.5) * step).
+struct IdGrid {
+  int columns = 0, rows = 0;
+  double step = 1;                  ///< pixels between samples
+  std::vector<StructureIndex> ids;  ///< kNoStructure for the background; top row first
+};
+
+/// One structure of a picture.
+struct VisibleStructure {
+  StructureIndex structure = kNoStructure;
+  double pixels = 0;    ///< visible area
+  PagePoint anchor;     ///< a sample of the structure, deep inside its visible region
+  double depth_px = 0;  ///< distance from the anchor to the region's border, at least
+  PageBox box;          ///< bounding box
+};
+
+/// Structure at picture coordinates, or kNoStructure.
+using StructureAt = std::function<StructureIndex(double x, double y)>;
+
+/// Samples a picture at `max_samples` points at most. Transparent pixels are not asked for.
+[[nodiscard]] IdGrid sample_structures(const Picture& picture, const StructureAt& at, int max_samples);
+
+/// The structures of a grid, in index order. Anchors have nearly the largest distance to the border of their
+/// region (chamfer distance, Borgefors 1986), and among such samples the smallest one to its centroid.
+/// O(samples + structures).
+[[nodiscard]] std::vector<VisibleStructure> visible_structures(const IdGrid& grid);
+
+}  // namespace splatlas

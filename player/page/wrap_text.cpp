@@ -1,0 +1,94 @@
+#include "player/page/wrap_text.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <utility>
+
+namespace splatlas {
+namespace {
+
+/// Offset after the UTF-8 character at `at`.
+std::size_t next_character(std::string_view text, std::size_t at) {
+  ++at;
+  while (at < text.size() && (static_cast<unsigned char>(text[at]) & 0xc0u) == 0x80u) ++at;
+  return at;
+}
+
+/// Bytes of the longest beginning of `word` that fits; at least one character.
+std::size_t fitting(std::string_view word, double max_width,
+                    const std::function<double(std::string_view)>& width_of) {
+  std::size_t end = next_character(word, 0);
+  while (end < word.size()) {
+    const std::size_t next = next_character(word, end);
+    if (width_of(word.substr(0, next)) > max_width) break;
+    end = next;
+  }
+  return end;
+}
+
+}  // namespace
+
+std::vector<std::string> wrap_text(std::string_view text, double max_width,
+                                   const std::function<double(std::string_view)>& width_of) {
+  std::vector<std::string> lines;
+  std::string line;
+  while (!text.empty()) {
+    const std::size_t blank = text.find(' ');
+    std::string_view word = text.substr(0, blank);
+    text = blank == std::string_view::npos ? std::string_view() : text.substr(blank + 1);
+    if (word.empty()) continue;
+    const std::string longer = line.empty() ? std::string(word) : line + " " + std::string(word);
+    if (width_of(longer) <= max_width) {
+      line = longer;
+      continue;
+    }
+    if (!line.empty()) lines.push_back(line);
+    while (width_of(word) > max_width) {
+      const std::size_t end = fitting(word, max_width, width_of);
+      if (end >= word.size()) break;
+      lines.emplace_back(word.substr(0, end));
+      word.remove_prefix(end);
+    }
+    line = word;
+  }
+  if (!line.empty()) lines.push_back(line);
+  return lines;
+}
+
+std::vector<std::string> balanced_lines(std::string_view text, double max_width,
+                                        const std::function<double(std::string_view)>& width_of) {
+  // The longest word is the narrowest possible line
+  double narrow = 0;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = std::min(text.find(' ', at), text.size());
+    narrow = std::max(narrow, width_of(text.substr(at, end - at)));
+    at = end + 1;
+  }
+  double wide = std::max(narrow, max_width);
+  std::vector<std::string> lines = wrap_text(text, wide, width_of);
+  constexpr int kSteps = 12;
+  for (int step = 0; step < kSteps && lines.size() > 1; ++step) {
+    const double middle = 0.5 * (narrow + wide);
+    auto narrower = wrap_text(text, middle, width_of);
+    const bool same = narrower.size() == lines.size();
+    if (same) lines = std::move(narrower);
+    (same ? wide : narrow) = middle;
+  }
+  return lines;
+}
+
+std::string shortened_text(std::string_view text, double max_width,
+                           const std::function<double(std::string_view)>& width_of) {
+  if (width_of(text) <= max_width) return std::string(text);
+  constexpr const char* kEllipsis = "\xe2\x80\xa6";
+  std::size_t end = 0;
+  while (end < text.size()) {
+    const std::size_t next = next_character(text, end);
+    if (width_of(std::string(text.substr(0, next)) + kEllipsis) > max_width) break;
+    end = next;
+  }
+  while (end > 0 && text[end - 1] == ' ') --end;
+  return std::string(text.substr(0, end)) + kEllipsis;
+}
+
+}  // namespace splatlas

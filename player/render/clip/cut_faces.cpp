@@ -1,0 +1,171 @@
+#include "player/render/clip/cut_faces.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "format/result_macros.h"
+#include "format/tasks/task_control.h"
+
+namespace splatlas {
+namespace {
+
+constexpr std::size_t kRowsPerJob = 8;
+
+/// Linear light of sRGB intensities from 0 to 1 (IEC 61966-2-1), interpolated to 3e-8.
+class LinearLight {
+ public:
+  LinearLight() {
+    for (std::size_t n = 0; n < table_.size(); ++n) {
+      const double encoded = static_cast<double>(n) / kSteps;
+      table_[n] =
+          static_cast<float>(encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4));
+    }
+  }
+  [[nodiscard]] float of(float encoded) const {
+    const float place = std::clamp(encoded, 0.0f, 1.0f) * kSteps;
+    const auto n = std::min(static_cast<std::size_t>(place), std::size_t{kSteps} - 1);
+    return table_[n] + (place - static_cast<float>(n)) * (table_[n + 1] - table_[n]);
+  }
+
+ private:
+  static constexpr int kSteps = 4096;
+  std::array<float, kSteps + 1> table_{};
+};
+
+const LinearLight& linear_light() {
+  static const LinearLight kLight;
+  return kLight;
+}
+
+}  // namespace
+
+Result<CutFaces> CutFaces::build(const CutPlanes& planes, const FaceScene& scene, const CutFaces* former,
+                                 ThreadPool& pool) {
+  CutFaces faces;
+  faces.planes_ = planes;
+  const std::vector<VoxelPlane> of_grid = voxel_planes(planes, scene.atlas.grid());
+  for (std::size_t n = 0; n < planes.size(); ++n) {
+    if (former != nullptr) {
+      const CutPlane* known = std::find(former->planes_.begin(), former->planes_.end(), planes.begin()[n]);
+      const auto place = static_cast<std::size_t>(known - former->planes_.begin());
+      if (place < former->maps_.size()) {
+        faces.maps_.push_back(former->maps_[place]);
+        continue;
+      }
+    }
+    SPLATLAS_ASSIGN_OR_RETURN(FaceMap map, FaceMap::build(of_grid[n], scene, pool));
+    faces.maps_.push_back(std::make_shared<const FaceMap>(std::move(map)));
+  }
+  return faces;
+}
+
+Face CutFaces::face(const FaceSample& sample, CapMode mode, float depth) {
+  if (sample.style == nullptr) return {};
+  const FaceStyle& style = *sample.style;
+  Face face{{}, depth, style.structure};
+  const float intensity = mode == CapMode::kLabels ? 1 : linear_light().of(sample.grey);
+  for (std::size_t c = 0; c < 3; ++c) {
+    const float color = mode == CapMode::kValues ? 1 : style.color[c];
+    face.rgba[c] = style.opacity * intensity * color;
+  }
+  face.rgba[3] = style.opacity;
+  return face;
+}
+
+RayFaces ViewFaces::through(double x, double y) const {
+  RayFaces faces;
+  const ClipInterval kept = rays_.through(x, y);
+  if (kept.empty()) return faces;
+  const auto face_at = [&](int plane, double t) {
+    const Vec3 index = rays_.index_at(x, y, t);
+    const FaceMap& map = faces_.map(plane);
+    return CutFaces::face(map.at(index[map.axis_b()], index[map.axis_c()]), mode_,
+                          static_cast<float>(sign_ * index[axis_]));
+  };
+  if (kept.front != ClipInterval::kNoPlane) faces.front = face_at(kept.front, kept.from);
+  if (kept.back != ClipInterval::kNoPlane) faces.back = face_at(kept.back, kept.to);
+  return faces;
+}
+
+FaceLayer::Extent ViewFaces::row(std::int32_t row, std::int32_t width, Face* front, Face* back) const {
+  const double y = row + 0.5;
+  if (rays_.is_parallel()) return row_of_parallel_rays(y, width, front, back);
+  FaceLayer::Extent shown{width, 0};
+  for (std::int32_t column = 0; column < width; ++column) {
+    const RayFaces faces = through(column + 0.5, y);
+    if (!faces.show()) continue;
+    front[column] = faces.front;
+    back[column] = faces.back;
+    shown = {std::min(shown.first, column), column + 1};
+  }
+  return shown;
+}
+
+FaceLayer::Extent ViewFaces::row_of_parallel_rays(double y, std::int32_t width, Face* front,
+                                                  Face* back) const {
+  const CutRays::Row row = rays_.row(y, width);
+  FaceLayer::Extent shown{width, 0};
+  for (const CutRays::RowCrossing& of : row.crossings) {
+    // Find the pixels whose kept part begins, or ends, at this plane
+    double first = row.first, last = row.last;
+    for (const CutRays::RowCrossing& other : row.crossings) {
+      if (&other == &of) continue;
+      const double sign = other.enters ? 1 : -1;  // this plane must be behind those that rays enter
+      const double at_zero = sign * (of.at_zero - other.at_zero), per_x = sign * (of.per_x - other.per_x);
+      if (per_x == 0) {
+        const bool wins =
+            at_zero > 0 || (at_zero == 0 && of.enters == other.enters && of.plane < other.plane);
+        if (!wins) last = -1;
+      } else {
+        const double at = -at_zero / per_x;
+        (per_x > 0 ? first : last) = per_x > 0 ? std::max(first, at) : std::min(last, at);
+      }
+    }
+    const auto begin = static_cast<std::int32_t>(std::ceil(std::max(first, 0.0) - 0.5));
+    const auto end = static_cast<std::int32_t>(std::ceil(std::min(last, static_cast<double>(width)) - 0.5));
+    if (begin >= end) continue;
+
+    // Follow the plane along the row
+    const FaceMap& map = faces_.map(of.plane);
+    const double x = begin + 0.5;
+    const Vec3 here = rays_.index_at(x, y, of.at_zero + of.per_x * x);
+    const Vec3 next = rays_.index_at(x + 1, y, of.at_zero + of.per_x * (x + 1));
+    const auto step = [&](std::size_t axis) { return next[axis] - here[axis]; };
+    Face* const out = (of.enters ? front : back) + begin;
+    map.along(here[map.axis_b()], here[map.axis_c()], step(map.axis_b()), step(map.axis_c()), end - begin,
+              [&](std::int64_t n, const FaceSample& sample) {
+                const double along = here[axis_] + static_cast<double>(n) * step(axis_);
+                out[n] = CutFaces::face(sample, mode_, static_cast<float>(sign_ * along));
+                const auto column = static_cast<std::int32_t>(begin + n);
+                shown = {std::min(shown.first, column), std::max(shown.last, column + 1)};
+              });
+  }
+  return shown;
+}
+
+void fill_faces(const ViewFaces& faces, const PictureSize& size, FaceLayer& layer, ThreadPool& pool) {
+  const auto width = static_cast<std::size_t>(size.width), height = static_cast<std::size_t>(size.height);
+  const bool has_back = faces.has_back();
+  if (layer.size != size || layer.empty() || layer.back.empty() == has_back) {
+    layer.size = size;
+    layer.front.assign(width * height, {});
+    layer.back.assign(has_back ? width * height : 0, {});
+    layer.shown.assign(height, {});
+  }
+  pool.for_each((height + kRowsPerJob - 1) / kRowsPerJob, [&](std::size_t job) {
+    check_task();
+    for (std::size_t row = job * kRowsPerJob; row < std::min(height, (job + 1) * kRowsPerJob); ++row) {
+      Face* const front = layer.front.data() + row * width;
+      Face* const back = has_back ? layer.back.data() + row * width : nullptr;
+      FaceLayer::Extent& shown = layer.shown[row];
+      std::fill(front + shown.first, front + std::max(shown.first, shown.last), Face{});
+      if (has_back) std::fill(back + shown.first, back + std::max(shown.first, shown.last), Face{});
+      shown = {0, size.width};  // in case of an exception
+      shown = faces.row(static_cast<std::int32_t>(row), size.width, front, back);
+      if (shown.first >= shown.last) shown = {};
+    }
+  });
+}
+
+}  // namespace splatlas

@@ -1,0 +1,73 @@
+// Faces of a cut on the rays of a picture.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "format/content/structure_graph.h"
+#include "player/camera.h"
+
+namespace splatlas {
+
+/// A face on a ray.
+struct Face {
+  std::array<float, 4> rgba{0, 0, 0, 0};  ///< premultiplied, linear; alpha 0: no face
+  float depth = 0;                        ///< as of fragments
+  StructureIndex structure = kNoStructure;
+
+  [[nodiscard]] bool shows() const { return rgba[3] > 0; }
+};
+
+/// The faces at both ends of the kept part of a ray. Everything else on the ray lies between them.
+struct RayFaces {
+  Face front, back;
+
+  [[nodiscard]] bool show() const { return front.shows() || back.shows(); }
+  /// Composites the radiance between the faces with them (Porter and Duff 1984).
+  [[nodiscard]] std::array<float, 4> around(const std::array<float, 4>& rgba) const {
+    std::array<float, 4> sum = front.rgba;
+    const float behind_front = 1 - front.rgba[3], behind_all = behind_front * (1 - rgba[3]);
+    for (std::size_t c = 0; c < 4; ++c) sum[c] += behind_front * rgba[c] + behind_all * back.rgba[c];
+    return sum;
+  }
+};
+
+/// Faces at the pixel centres of a picture, row by row. Keeps its memory from frame to frame.
+struct FaceLayer {
+  /// Columns [first, last) of a row.
+  struct Extent {
+    std::int32_t first = 0, last = 0;
+  };
+
+  PictureSize size{};
+  std::vector<Face> front;    ///< by pixel; empty without faces
+  std::vector<Face> back;     ///< by pixel; empty if no ray leaves the kept part
+  std::vector<Extent> shown;  ///< of each row: pixels outside have no face
+
+  [[nodiscard]] bool empty() const { return front.empty(); }
+  [[nodiscard]] RayFaces at(std::size_t pixel) const {
+    return {front[pixel], back.empty() ? Face{} : back[pixel]};
+  }
+  /// Composites the faces of a row with the radiance between them (RGBA, the whole row).
+  void add_to_row(std::size_t row, float* rgba) const {
+    const std::size_t first = row * static_cast<std::size_t>(size.width);
+    for (std::int32_t column = shown[row].first; column < shown[row].last; ++column) {
+      const RayFaces faces = at(first + static_cast<std::size_t>(column));
+      if (!faces.show()) continue;
+      float* const pixel = rgba + std::ptrdiff_t{4} * column;
+      std::array<float, 4> between;
+      std::copy_n(pixel, 4, between.begin());
+      std::ranges::copy(faces.around(between), pixel);
+    }
+  }
+  void clear() {
+    front.clear();
+    back.clear();
+    shown.clear();
+  }
+};
+
+}  // namespace splatlas

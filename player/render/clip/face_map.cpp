@@ -1,0 +1,199 @@
+#include "player/render/clip/face_map.h"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include "format/content/run_model.h"
+#include "format/result_macros.h"
+#include "format/tasks/task_control.h"
+
+namespace splatlas {
+namespace {
+
+/// Decides between two voxels at the same distance.
+constexpr double kTie = 1e-6;
+/// Slack of the layers of a column for rounding.
+constexpr double kRounding = 1e-6;
+/// Grey values further outside the display window, in its widths, count as this far.
+constexpr double kMaxWindows = 100;
+
+/// Bounding box of all voxels with faces.
+IndexBox box_of(const std::vector<FaceClass>& faces, const ClassTable& classes) {
+  IndexBox box;
+  for (ClassId c = 0; c < faces.size(); ++c) {
+    const IndexBox& of_class = classes.box(c);
+    if (faces[c].has_face() && !of_class.empty()) box.include(of_class);
+  }
+  return box;
+}
+
+/// Grey values relative to the display window.
+class Window {
+ public:
+  explicit Window(const Display& display)
+      : low_(display.window_low), width_(display.window_high - display.window_low) {}
+
+  template <typename T>
+  [[nodiscard]] float position(T value) const {
+    if (!(width_ > 0) || !std::isfinite(width_)) return 1;
+    const auto grey = static_cast<double>(value);
+    if (std::isnan(grey)) return 0;
+    return static_cast<float>(std::clamp((grey - low_) / width_, -kMaxWindows, kMaxWindows));
+  }
+
+ private:
+  double low_, width_;
+};
+
+}  // namespace
+
+/// Collects the voxels of runs near the plane.
+class FaceMap::Builder {
+ public:
+  Builder(FaceMap& map, const FaceScene& scene)
+      : map_(map),
+        scene_(scene),
+        order_(ScanOrder::of(scene.axis)),
+        window_(scene.atlas.display()),
+        texels_(reinterpret_cast<Texel*>(map.texels_.data())) {}
+
+  void add_slice(std::int64_t slice) {
+    check_task();
+    for (const ClassRun& run : scene_.cache.runs(scene_.axis).slice(slice)) {
+      if ((*map_.classes_)[run.id].has_face()) add_run(slice, run);
+    }
+  }
+
+ private:
+  /// Layers of a column: [first, last].
+  [[nodiscard]] std::pair<std::int64_t, std::int64_t> layers(const Index3& voxel) const {
+    const double height =
+        map_.height(static_cast<double>(voxel[map_.b_]), static_cast<double>(voxel[map_.c_]));
+    return {static_cast<std::int64_t>(std::floor(height - map_.reach_)),
+            static_cast<std::int64_t>(std::floor(height + map_.reach_)) + 1};
+  }
+
+  void add_run(std::int64_t slice, const ClassRun& run) {
+    Index3 voxel{};
+    voxel[order_.slice_axis] = slice;
+    voxel[order_.row_axis] = run.row;
+    const std::size_t scan = order_.scan_axis;
+    std::int64_t first = run.start, last = first + run.length - 1;
+    if (scan == map_.a_) {
+      const auto [first_layer, last_layer] = layers(voxel);
+      first = std::max(first, first_layer);
+      last = std::min(last, last_layer);
+    } else {
+      // Solve |height - a| <= reach + 2 along the scanline
+      const double slope = scan == map_.b_ ? map_.per_b_ : map_.per_c_;
+      voxel[scan] = 0;
+      const double above =
+          map_.height(static_cast<double>(voxel[map_.b_]), static_cast<double>(voxel[map_.c_])) -
+          static_cast<double>(voxel[map_.a_]);
+      const double reach = map_.reach_ + 2;
+      if (slope == 0) {
+        if (std::abs(above) > reach) return;
+      } else {
+        const double one = (-reach - above) / slope, other = (reach - above) / slope;
+        const auto voxels = [&](double position) {
+          return static_cast<std::int64_t>(
+              std::clamp(position, static_cast<double>(first - 1), static_cast<double>(last + 1)));
+        };
+        const std::int64_t from = voxels(std::floor(std::min(one, other)));
+        const std::int64_t to = voxels(std::ceil(std::max(one, other)));
+        first = std::max(first, from);
+        last = std::min(last, to);
+      }
+    }
+    for (voxel[scan] = first; voxel[scan] <= last; ++voxel[scan]) add_voxel(voxel, run.id);
+  }
+
+  void add_voxel(const Index3& voxel, ClassId id) {
+    const auto [first, last] = layers(voxel);
+    const std::int64_t a = voxel[map_.a_];
+    if (a < first || a > last) return;
+    const Grid& grid = scene_.atlas.grid();
+    const auto offset = static_cast<std::size_t>(grid.offset(voxel[0], voxel[1], voxel[2]));
+    const bool has_face = shows((*map_.classes_)[id], offset);
+    const FaceClass& apart = (*map_.apart_)[id];
+    const bool has_own_face = apart.has_face() && shows(apart, offset);
+    if (!has_face && !has_own_face) return;
+    const std::byte* values = scene_.cache.values();
+    float grey = 1;
+    if (values != nullptr) {
+      grey = visit_voxel_type(scene_.atlas.value_type(), [&](auto tag) {
+        return window_.position(reinterpret_cast<const decltype(tag)*>(values)[offset]);
+      });
+    }
+    texels_[map_.place(a, voxel[map_.b_], voxel[map_.c_])] = {grey, has_own_face ? id | kOwnFace : id};
+  }
+
+  /// False for voxels to which a transfer function gives no extinction.
+  [[nodiscard]] bool shows(const FaceClass& face, std::size_t offset) const {
+    if (face.draw == FaceClass::kEveryVoxel) return true;
+    ClassifiedVoxel classified;
+    scene_.appearances[face.draw].look_up(scene_.cache.values(), offset, 1, 1, &classified);
+    return classified.extinction_per_mm > 0;
+  }
+
+  const FaceMap& map_;
+  const FaceScene& scene_;
+  ScanOrder order_;
+  Window window_;
+  Texel* texels_;
+};
+
+void FaceMap::add_solids(const VoxelPlane& plane, const FaceScene& scene, ThreadPool& pool) {
+  const std::vector<StructureIndex>& surfaces = scene.plan.surfaces;
+  for (const StructureIndex s : surfaces) solids_.push_back(solid_style(s, scene.selection));
+  std::ranges::sort(solids_, [](const FaceStyle& a, const FaceStyle& b) { return b.hides(a); });
+  std::vector<const SurfaceMesh*> meshes;
+  for (const FaceStyle& solid : solids_) meshes.push_back(&scene.cache.surface(solid.structure));
+  // Of surfaces in the plane, those of the kept side count
+  const VoxelPlane inside{plane.normal, plane.offset - kTie};
+  outlines_ = SolidOutlines(inside, b_, c_, meshes, pool);
+  std::vector<bool> outlined(scene.selection.structures.size());
+  for (std::uint32_t n = 0; n < solids_.size(); ++n) outlined[solids_[n].structure] = outlines_.is_closed(n);
+  apart_ = std::make_shared<const std::vector<FaceClass>>(
+      face_classes(scene.atlas.classes(), scene.selection, scene.plan, outlined));
+}
+
+Result<FaceMap> FaceMap::build(const VoxelPlane& plane, const FaceScene& scene, ThreadPool& pool) {
+  // Choose the axis nearest to the normal
+  FaceMap map;
+  for (const std::size_t axis : {1u, 0u}) {
+    if (std::abs(plane.normal[axis]) > std::abs(plane.normal[map.a_])) map.a_ = axis;
+  }
+  map.b_ = map.a_ == 0 ? 1 : 0;
+  map.c_ = map.a_ == 2 ? 1 : 2;
+  const double along = plane.normal[map.a_];
+  map.at_origin_ = plane.offset / along;
+  map.per_b_ = -plane.normal[map.b_] / along;
+  map.per_c_ = -plane.normal[map.c_] / along;
+  map.to_kept_ = along > 0 ? -kTie : kTie;
+
+  // Reserve the columns of the box of voxels with faces, padded by one voxel
+  map.classes_ = map.apart_ = scene.classes;
+  const IndexBox box = box_of(*scene.classes, scene.atlas.classes());
+  if (box.empty()) return map;
+  const double tilt = std::abs(map.per_b_) + std::abs(map.per_c_);  // at most 2
+  map.reach_ = tilt > 0 ? tilt + kRounding : 0;
+  const int layers = tilt > 0 ? static_cast<int>(2 * map.reach_) + 3 : 2;
+  while ((1 << map.layer_bits_) < layers) ++map.layer_bits_;
+  map.first_b_ = box.first[map.b_] - 1;
+  map.first_c_ = box.first[map.c_] - 1;
+  map.columns_ = box.last[map.b_] - map.first_b_ + 2;
+  map.rows_ = box.last[map.c_] - map.first_c_ + 2;
+  const auto columns = static_cast<std::size_t>(map.columns_) * static_cast<std::size_t>(map.rows_);
+  SPLATLAS_ASSIGN_OR_RETURN(map.texels_, SparseBytes::reserve((columns << map.layer_bits_) * sizeof(Texel)));
+
+  if (!scene.plan.surfaces.empty()) map.add_solids(plane, scene, pool);
+  Builder builder(map, scene);
+  const std::span<const std::int64_t> slices =
+      scene.cache.runs(scene.axis).occupied(0, std::numeric_limits<std::int64_t>::max());
+  pool.for_each(slices.size(), [&](std::size_t n) { builder.add_slice(slices[n]); });
+  return map;
+}
+
+}  // namespace splatlas

@@ -1,0 +1,174 @@
+// Face of a cutting plane: voxels around it, and outlines of solids.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "format/atlas_reader.h"
+#include "format/tasks/thread_pool.h"
+#include "player/render/clip/cut_rays.h"
+#include "player/render/clip/face_classes.h"
+#include "player/render/clip/solid_outlines.h"
+#include "player/render/decode/class_cache.h"
+#include "player/render/decode/sparse_bytes.h"
+#include "player/render/transfer/volume_appearances.h"
+
+namespace splatlas {
+
+/// Selection that faces can show. References must outlive the call.
+struct FaceScene {
+  const Atlas& atlas;
+  const Selection& selection;
+  const DrawPlan& plan;                                   ///< of the selection
+  std::shared_ptr<const std::vector<FaceClass>> classes;  ///< of the plan, by ClassId
+  const ClassCache& cache;  ///< must hold the runs of all classes with faces, and the surfaces
+  Axis axis = Axis::kZ;     ///< of the runs; any axis gives the same map
+  std::span<const VolumeAppearance> appearances;  ///< of the plan's classes
+};
+
+/// Structure and grey value at a point of a face.
+struct FaceSample {
+  const FaceStyle* style = nullptr;  ///< null: no face
+  float grey = 0;  ///< interpolated between voxels with faces; 0 and 1 are the ends of the display window
+};
+
+/// The voxels within two layers of a plane, in columns along the axis nearest to its normal, and the outlines
+/// of solids. A point has the face that hides all others of these:
+///   - solids whose surfaces enclose it
+///   - the structure of its nearest voxel, except for solids with closed outlines
+/// If there is none, but all eight voxels around it have faces, it has the face of the nearest one: smoothed
+/// surfaces leave tiny gaps between three solids. Immutable and thread-safe.
+class FaceMap {
+ public:
+  /// kLimit if the system refuses address space. Cost: linear in the decoded runs, in the triangles of solids
+  /// and in the voxels near the plane. Only pages with such voxels are resident.
+  [[nodiscard]] static Result<FaceMap> build(const VoxelPlane& plane, const FaceScene& scene,
+                                             ThreadPool& pool);
+
+  /// Axes across the columns.
+  [[nodiscard]] std::size_t axis_b() const { return b_; }
+  [[nodiscard]] std::size_t axis_c() const { return c_; }
+  /// The point of the plane with these continuous voxel indices along axis_b() and axis_c(). A point halfway
+  /// between two voxel centres belongs to the voxel on the kept side.
+  [[nodiscard]] FaceSample at(double b, double c) const {
+    return contains(b, c) ? at_inside(b, c) : FaceSample{};
+  }
+  /// The same for points (b, c), (b + per_step_b, c + per_step_c), ...: calls take(n, sample) for those with
+  /// a face. Points outside the map cost nothing.
+  template <typename Take>
+  void along(double b, double c, double per_step_b, double per_step_c, std::int64_t count,
+             const Take& take) const {
+    double first = 0, last = static_cast<double>(count - 1);
+    const auto clip = [&](double at, double per_step, double low, double high) {
+      if (per_step == 0) {
+        if (!(at > low && at < high)) last = -1;
+        return;
+      }
+      const double one = (low - at) / per_step, other = (high - at) / per_step;
+      first = std::max(first, std::floor(std::min(one, other)));
+      last = std::min(last, std::ceil(std::max(one, other)));
+    };
+    clip(b, per_step_b, low_b(), high_b());
+    clip(c, per_step_c, low_c(), high_c());
+    if (!(first <= last)) return;
+    for (auto n = static_cast<std::int64_t>(first); n <= static_cast<std::int64_t>(last); ++n) {
+      const double at_b = b + static_cast<double>(n) * per_step_b,
+                   at_c = c + static_cast<double>(n) * per_step_c;
+      if (!contains(at_b, at_c)) continue;
+      if (const FaceSample sample = at_inside(at_b, at_c); sample.style != nullptr) take(n, sample);
+    }
+  }
+
+ private:
+  /// Set in a texel if the voxel has a face apart from solids with outlines.
+  static constexpr std::uint32_t kOwnFace = std::uint32_t{1} << 31;
+  struct Texel {
+    float grey = 0;
+    std::uint32_t id = kEmptyClass;  // with kOwnFace
+
+    [[nodiscard]] bool has_face() const { return id != kEmptyClass; }
+    [[nodiscard]] ClassId class_id() const { return id & ~kOwnFace; }
+  };
+  class Builder;
+
+  void add_solids(const VoxelPlane& plane, const FaceScene& scene, ThreadPool& pool);
+  /// Points next to voxels that may have a face.
+  [[nodiscard]] double low_b() const { return static_cast<double>(first_b_); }
+  [[nodiscard]] double high_b() const { return static_cast<double>(first_b_ + columns_) - 1; }
+  [[nodiscard]] double low_c() const { return static_cast<double>(first_c_); }
+  [[nodiscard]] double high_c() const { return static_cast<double>(first_c_ + rows_) - 1; }
+  [[nodiscard]] bool contains(double b, double c) const {
+    return b >= low_b() && b < high_b() && c >= low_c() && c < high_c();
+  }
+  [[nodiscard]] FaceSample at_inside(double b, double c) const;
+  [[nodiscard]] double height(double b, double c) const { return at_origin_ + per_b_ * b + per_c_ * c; }
+  [[nodiscard]] std::size_t place(std::int64_t a, std::int64_t b, std::int64_t c) const {
+    return static_cast<std::size_t>((((c - first_c_) * columns_ + (b - first_b_)) << layer_bits_) +
+                                    (a & ((std::int64_t{1} << layer_bits_) - 1)));
+  }
+  [[nodiscard]] const Texel* texels() const { return reinterpret_cast<const Texel*>(texels_.data()); }
+
+  std::size_t a_ = 2, b_ = 0, c_ = 1;             // columns run along a
+  double at_origin_ = 0, per_b_ = 0, per_c_ = 0;  // position of the plane along a
+  double reach_ = 0;                              // change of that position within a voxel along b and c
+  double to_kept_ = 0;                            // tiny step along a into the kept part
+  std::int64_t first_b_ = 0, first_c_ = 0;        // of the padded box of voxels with faces
+  std::int64_t columns_ = 0, rows_ = 0;           // along b and c
+  int layer_bits_ = 1;                            // layers of a column: 2^layer_bits, by position mod them
+  SparseBytes texels_;
+  std::shared_ptr<const std::vector<FaceClass>> classes_;  // by ClassId: of all structures
+  std::shared_ptr<const std::vector<FaceClass>> apart_;    // the same without solids that have outlines
+  std::vector<FaceStyle> solids_;                          // of outlines_
+  SolidOutlines outlines_;
+};
+
+inline FaceSample FaceMap::at_inside(double b, double c) const {
+  // Find the voxels around the point. Conversion rounds positive numbers down; std::floor() is a call
+  constexpr double kPositive = 1 << 26;  // beyond any grid, and a multiple of the number of layers
+  const double a = height(b, c) + kPositive;
+  const double from_b = b - static_cast<double>(first_b_), from_c = c - static_cast<double>(first_c_);
+  const auto a0 = static_cast<std::int64_t>(a), b0 = static_cast<std::int64_t>(from_b),
+             c0 = static_cast<std::int64_t>(from_c);
+  const double in_a = a - static_cast<double>(a0), in_b = from_b - static_cast<double>(b0),
+               in_c = from_c - static_cast<double>(c0);
+  const std::int64_t layers = (std::int64_t{1} << layer_bits_) - 1;
+  const std::int64_t low = a0 & layers, high = (a0 + 1) & layers;
+  const Texel* columns[4];
+  for (std::int64_t n = 0; n < 4; ++n)
+    columns[n] = texels() + (((c0 + (n >> 1)) * columns_ + b0 + (n & 1)) << layer_bits_);
+
+  // Interpolate between those with faces
+  const auto a1 = static_cast<float>(in_a), b1 = static_cast<float>(in_b), c1 = static_cast<float>(in_c);
+  const float of_column[4] = {(1 - b1) * (1 - c1), b1 * (1 - c1), (1 - b1) * c1, b1 * c1};
+  float sum = 0, weights = 0;
+  int faces = 0;
+  for (std::size_t n = 0; n < 4; ++n) {
+    const Texel lower = columns[n][low], upper = columns[n][high];
+    const float of_lower = lower.has_face() ? of_column[n] * (1 - a1) : 0;
+    const float of_upper = upper.has_face() ? of_column[n] * a1 : 0;
+    weights += of_lower + of_upper;
+    sum += of_lower * lower.grey + of_upper * upper.grey;
+    faces += (lower.has_face() ? 1 : 0) + (upper.has_face() ? 1 : 0);
+  }
+  if (!(weights > 0)) return {};
+
+  // Find the face that hides all others
+  const std::int64_t nearest_a = in_a + to_kept_ >= 0.5 ? high : low;
+  const Texel nearest = columns[(in_b >= 0.5 ? 1 : 0) + (in_c >= 0.5 ? 2 : 0)][nearest_a];
+  const FaceStyle* style = (nearest.id & kOwnFace) != 0 ? &(*apart_)[nearest.class_id()] : nullptr;
+  if (!solids_.empty()) {
+    if (const std::uint32_t solid = outlines_.at(b, c); solid != SolidOutlines::kNone) {
+      if (style == nullptr || solids_[solid].hides(*style)) style = &solids_[solid];
+    }
+    if (style == nullptr && faces == 8) style = &(*classes_)[nearest.class_id()];
+  }
+  if (style == nullptr) return {};
+  return {style, sum / weights};
+}
+
+}  // namespace splatlas

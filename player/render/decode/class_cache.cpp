@@ -1,0 +1,252 @@
+#include "player/render/decode/class_cache.h"
+
+#include <algorithm>
+#include <cstring>
+#include <functional>
+#include <utility>
+
+#include "format/file/directory.h"
+#include "format/result_macros.h"
+#include "format/tasks/task_control.h"
+#include "player/render/decode/span_blocks.h"
+
+namespace splatlas {
+
+std::vector<ClassId> volume_classes(const DrawPlan& plan) {
+  std::vector<ClassId> classes;
+  for (const ClassDraw& draw : plan.classes) {
+    if (draws_volume(draw.role)) classes.push_back(draw.id);
+  }
+  return classes;
+}
+
+/// Missing parts of a required class, and the result of reading them.
+struct ClassCache::Missing {
+  ClassId id = kEmptyClass;
+  bool runs = false, values = false, normals = false;
+  ClassRuns read;  // of the required axis
+  Result<void> result;
+};
+
+namespace {
+
+/// Calls take(voxel of the grid, index among the class's voxels in memory order, voxels) for each run of a
+/// class along the z or the y axis. Scanlines of both axes run along x. Traversal order along y differs from
+/// memory order: a counting sort by plane finds the index of each run.
+template <typename Take>
+void for_each_in_memory(const ClassRuns& runs, Axis axis, const Index3& size, const Take& take) {
+  const auto row_voxels = static_cast<std::uint64_t>(size[0]);
+  TaskPace pace;
+  if (axis == Axis::kZ) {
+    std::size_t place = 0;
+    for (const Run& run : runs) {
+      pace.step();
+      take(run.scanline * row_voxels + run.start, place, run.length);
+      place += run.length;
+    }
+    return;
+  }
+  if (runs.empty()) return;
+
+  // Count the voxels of each plane k, of which each slice j has one row
+  const auto rows = static_cast<std::uint64_t>(size[2]);
+  const auto slices = static_cast<std::uint64_t>(size[1]);
+  const auto for_each = [&](const auto& each) {
+    std::uint64_t slice = runs.front().scanline / rows;
+    for (const Run& run : runs) {
+      pace.step();
+      while (run.scanline >= (slice + 1) * rows) ++slice;
+      each(run, slice, run.scanline - slice * rows);
+    }
+  };
+  std::vector<std::size_t> next(rows + 1);  // index of the next run in each plane
+  for_each([&](const Run& run, std::uint64_t, std::uint64_t k) { next[k + 1] += run.length; });
+  for (std::size_t k = 1; k <= rows; ++k) next[k] += next[k - 1];
+
+  // Visit the runs at their prefix sums
+  for_each([&](const Run& run, std::uint64_t slice, std::uint64_t k) {
+    take((k * slices + slice) * row_voxels + run.start, next[k], run.length);
+    next[k] += run.length;
+  });
+}
+
+}  // namespace
+
+std::vector<ClassCache::Missing> ClassCache::missing_of(std::span<const ClassId> classes, Axis axis,
+                                                        bool normals) const {
+  std::vector<Missing> missing;
+  for (const ClassId c : classes) {
+    const auto known = classes_.find(c);
+    const DecodedClass decoded = known == classes_.end() ? DecodedClass{} : known->second;
+    Missing lacks{.id = c,
+                  .runs = !decoded.run_count[static_cast<std::size_t>(axis)],
+                  .values = !decoded.has_values && atlas_->value_type() != VoxelType::kNone,
+                  .normals = !decoded.has_normals && normals,
+                  .read = {},
+                  .result = {}};
+    if (lacks.runs || lacks.values || lacks.normals) missing.push_back(std::move(lacks));
+  }
+  return missing;
+}
+
+double ClassCache::memory_of(std::span<const Missing> missing, Axis axis, bool normals) const {
+  const Grid& grid = atlas_->grid();
+  const auto voxel_bytes = static_cast<double>(value_bytes() + (normals ? sizeof(PackedNormal) : 0));
+  const double grid_bytes = static_cast<double>(grid.voxels()) * voxel_bytes;
+  constexpr double kPageBytes = 4096;
+  IndexBox box;
+  double voxels = 0, pages = 0;
+  for (const Missing& of : missing) {
+    const IndexBox& of_class = atlas_->classes().box(of.id);
+    const auto of_slices = static_cast<double>(of_class.last[2] - of_class.first[2] + 1);
+    const auto in_class = static_cast<double>(atlas_->classes().voxels(of.id));
+    box.include(of_class);
+    voxels += in_class;
+    pages +=
+        std::min(2 * in_class, 2 + of_slices / static_cast<double>(grid.size[2]) * grid_bytes / kPageBytes);
+  }
+  if (box.empty()) return 0;
+  // Values and normals are spread over the pages of the grid. Spans take up to two blocks per run, and
+  // offsets of all rows between their first and last
+  pages = std::min(pages, 2 + grid_bytes / kPageBytes);
+  constexpr double kBlockBytes = 4 * kBlock * sizeof(float), kRunBytes = 3 * sizeof(ClassRun);
+  const ScanOrder order = ScanOrder::of(axis);
+  const auto side = [&](std::uint8_t a) { return static_cast<double>(box.last[a] - box.first[a] + 1); };
+  const double runs = std::min(voxels, static_cast<double>(atlas_->runs(axis)));
+  const double rows = std::min(side(order.slice_axis), runs) * side(order.row_axis);
+  const double blocks = std::min(2 * runs + voxels / kBlock, rows * (side(order.scan_axis) / kBlock + 2));
+  return pages * kPageBytes + runs * kRunBytes + blocks * kBlockBytes + rows * sizeof(std::uint32_t) +
+         voxels * sizeof(ShadedVoxel);
+}
+
+Result<void> ClassCache::reserve(std::span<const Missing> missing) {
+  const auto voxels = static_cast<std::size_t>(atlas_->grid().voxels());
+  std::uint64_t new_voxels = 0;
+  IndexBox box;
+  bool values = false, normals = false;
+  for (const Missing& of : missing) {
+    values = values || of.values;
+    normals = normals || of.normals;
+    if (!of.values && !of.normals) continue;
+    new_voxels += atlas_->classes().voxels(of.id);
+    box.include(atlas_->classes().box(of.id));
+  }
+  if (values && values_.data() == nullptr) {
+    SPLATLAS_ASSIGN_OR_RETURN(values_, SparseBytes::reserve(voxels * value_bytes()));
+  }
+  if (normals && normals_.data() == nullptr) {
+    SPLATLAS_ASSIGN_OR_RETURN(normals_, SparseBytes::reserve(voxels * sizeof(PackedNormal)));
+  }
+  if (box.empty()) return {};
+
+  // Request large pages between the first and the last slice of the box, unless voxels are sparse
+  constexpr std::uint64_t kSparse = 32;  // voxels of the grid per required voxel
+  const std::size_t slice = voxels / static_cast<std::size_t>(atlas_->grid().size[2]);
+  const std::size_t first = static_cast<std::size_t>(box.first[2]) * slice;
+  const std::size_t count = static_cast<std::size_t>(box.last[2] - box.first[2] + 1) * slice;
+  if (new_voxels < count / kSparse) return {};
+  if (values) values_.expect_dense(first * value_bytes(), count * value_bytes());
+  if (normals) normals_.expect_dense(first * sizeof(PackedNormal), count * sizeof(PackedNormal));
+  return {};
+}
+
+Result<void> ClassCache::require(std::span<const ClassId> classes, Axis axis, ThreadPool& pool,
+                                 bool normals) {
+  failed_classes_.clear();
+  std::vector<Missing> missing = missing_of(classes, axis, normals);
+  if (missing.empty()) return {};
+  check_memory(memory_of(missing, axis, normals));
+  SPLATLAS_RETURN_IF_ERROR(reserve(missing));
+
+  // Sort the largest classes first for load balance. Small classes share chunks and stay in order. Boundary
+  // classes come last: a structure's two classes are decoded together, so that concurrent threads would wait.
+  constexpr std::uint64_t kSmall = 16384;
+  std::ranges::stable_sort(missing, std::greater{}, [&](const Missing& of) {
+    return std::pair(!has_normals(atlas_->classes(), of.id),
+                     std::max(kSmall, atlas_->classes().voxels(of.id)));
+  });
+
+  // Decode in parallel and record the results
+  pool.for_each(missing.size(), [&](std::size_t n) { missing[n].result = decode(missing[n], axis); });
+  keep_runs(missing, axis, pool);
+  for (const Missing& of : missing) {
+    if (!of.result) {
+      failed_classes_.push_back({of.id, of.result.error()});
+      continue;
+    }
+    DecodedClass& decoded = classes_[of.id];
+    if (of.runs) decoded.run_count[static_cast<std::size_t>(axis)] = of.read.size();
+    decoded.has_values = true;
+    decoded.has_normals = decoded.has_normals || of.normals;
+  }
+  if (failed_classes_.empty()) return {};
+  return tl::unexpected(failed_classes_.front().error);
+}
+
+void ClassCache::keep_runs(std::span<const Missing> missing, Axis axis, ThreadPool& pool) {
+  const auto n = static_cast<std::size_t>(axis);
+  std::vector<std::pair<ClassId, const ClassRuns*>> runs;
+  for (const Missing& of : missing) {
+    if (of.result && of.runs) runs.emplace_back(of.id, &of.read);
+  }
+  if (runs.empty()) return;
+  try {
+    runs_[n].insert(runs, atlas_->grid().size[ScanOrder::of(axis).row_axis], pool);
+  } catch (...) {  // out of memory: discard the partial insertion
+    runs_[n] = {};
+    for (auto& [id, decoded] : classes_) decoded.run_count[n].reset();
+    throw;
+  }
+}
+
+/// Values and normals are stored in memory order; the runs along z or y give their voxels.
+Result<void> ClassCache::decode(Missing& missing, Axis axis) const {
+  if (missing.runs || axis != Axis::kX) {
+    SPLATLAS_ASSIGN_OR_RETURN(missing.read, atlas_->read_runs(missing.id, axis));
+  }
+  if (!missing.values && !missing.normals) return {};
+  ClassRuns z_runs;
+  if (axis == Axis::kX) {
+    SPLATLAS_ASSIGN_OR_RETURN(z_runs, atlas_->read_runs(missing.id, Axis::kZ));
+  }
+  const auto scatter = [&](const void* from, std::size_t voxel_bytes, std::byte* to) {
+    check_task();
+    const auto* stored = static_cast<const std::byte*>(from);
+    for_each_in_memory(axis == Axis::kX ? z_runs : missing.read, axis == Axis::kX ? Axis::kZ : axis,
+                       atlas_->grid().size, [&](std::uint64_t voxel, std::size_t place, std::size_t count) {
+                         std::memcpy(to + voxel * voxel_bytes, stored + place * voxel_bytes,
+                                     count * voxel_bytes);
+                       });
+  };
+  if (missing.values) {
+    SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::byte> values, atlas_->read_values(missing.id));
+    scatter(values.data(), value_bytes(), values_.data());
+  }
+  check_task();
+  if (missing.normals) {
+    SPLATLAS_ASSIGN_OR_RETURN(const std::vector<PackedNormal> normals, atlas_->read_normals(missing.id));
+    if (!normals.empty()) scatter(normals.data(), sizeof(PackedNormal), normals_.data());
+  }
+  return {};
+}
+
+Result<void> ClassCache::require_surfaces(std::span<const StructureIndex> structures, ThreadPool& pool) {
+  failed_surfaces_.clear();
+  std::vector<StructureIndex> missing;
+  for (const StructureIndex s : structures) {
+    if (!surfaces_.contains(s)) missing.push_back(s);
+  }
+  std::vector<Result<SurfaceMesh>> meshes(missing.size());
+  pool.for_each(missing.size(), [&](std::size_t n) { meshes[n] = atlas_->read_surface(missing[n]); });
+  for (std::size_t n = 0; n < missing.size(); ++n) {
+    if (meshes[n]) {
+      surfaces_.emplace(missing[n], std::move(*meshes[n]));
+    } else {
+      failed_surfaces_.push_back({missing[n], std::move(meshes[n]).error()});
+    }
+  }
+  if (failed_surfaces_.empty()) return {};
+  return tl::unexpected(failed_surfaces_.front().error);
+}
+
+}  // namespace splatlas

@@ -1,0 +1,84 @@
+// Cache of decoded classes.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <span>
+#include <unordered_map>
+#include <vector>
+
+#include "format/atlas_reader.h"
+#include "format/tasks/thread_pool.h"
+#include "player/render/decode/failed_parts.h"
+#include "player/render/decode/scanline_runs.h"
+#include "player/render/decode/sparse_bytes.h"
+
+namespace splatlas {
+
+/// Classes of a plan that contribute to the volume, in the plan's order.
+[[nodiscard]] std::vector<ClassId> volume_classes(const DrawPlan& plan);
+
+/// Cache of an atlas's classes and surfaces: a new selection reads only its new parts. Values (and normals)
+/// of all decoded classes share one volume in memory order of the grid. Only written pages are resident. Not
+/// thread-safe, except for const members.
+class ClassCache {
+ public:
+  explicit ClassCache(std::shared_ptr<const Atlas> atlas) : atlas_(std::move(atlas)) {}
+
+  /// Makes runs of `axis`, values and (with `normals`) normals of `classes` available; reads only missing
+  /// parts, in parallel. Classes that fail are listed in failed_classes(), and nothing of them is kept; the
+  /// others become available. Returns the first failure.
+  [[nodiscard]] Result<void> require(std::span<const ClassId> classes, Axis axis, ThreadPool& pool,
+                                     bool normals = true);
+  /// The same for surfaces.
+  [[nodiscard]] Result<void> require_surfaces(std::span<const StructureIndex> structures, ThreadPool& pool);
+  /// Failures of the latest require() and require_surfaces().
+  [[nodiscard]] std::span<const FailedClass> failed_classes() const { return failed_classes_; }
+  [[nodiscard]] std::span<const FailedSurface> failed_surfaces() const { return failed_surfaces_; }
+
+  /// The runs of all classes that have been required for an axis.
+  [[nodiscard]] const ScanlineRuns& runs(Axis axis) const { return runs_[static_cast<std::size_t>(axis)]; }
+  /// Number of runs, and surface; the class, axis or structure must have been required.
+  [[nodiscard]] std::size_t run_count(ClassId c, Axis axis) const {
+    return *classes_.at(c).run_count[static_cast<std::size_t>(axis)];
+  }
+  [[nodiscard]] const SurfaceMesh& surface(StructureIndex s) const { return surfaces_.at(s); }
+  /// Values in memory order of the grid; null for an atlas without values. Defined only at voxels of required
+  /// classes.
+  [[nodiscard]] const std::byte* values() const { return values_.data(); }
+  [[nodiscard]] std::size_t value_bytes() const { return bytes_of(atlas_->value_type()); }
+  /// Size of values() in bytes.
+  [[nodiscard]] std::size_t bytes_of_values() const { return values_.size(); }
+  /// Normals in memory order of the grid; null before any have been required. Defined only at boundary voxels
+  /// of classes that were required with normals.
+  [[nodiscard]] const PackedNormal* normals() const {
+    return reinterpret_cast<const PackedNormal*>(normals_.data());
+  }
+
+ private:
+  /// Decoded parts of a class. ScanlineRuns keeps the runs of all classes.
+  struct DecodedClass {
+    std::array<std::optional<std::size_t>, 3> run_count;
+    bool has_values = false, has_normals = false;
+  };
+  struct Missing;
+  [[nodiscard]] std::vector<Missing> missing_of(std::span<const ClassId> classes, Axis axis,
+                                                bool normals) const;
+  /// Upper bound of the bytes that these classes and their spans will take.
+  [[nodiscard]] double memory_of(std::span<const Missing> missing, Axis axis, bool normals) const;
+  [[nodiscard]] Result<void> reserve(std::span<const Missing> missing);
+  [[nodiscard]] Result<void> decode(Missing& missing, Axis axis) const;
+  void keep_runs(std::span<const Missing> missing, Axis axis, ThreadPool& pool);
+
+  std::shared_ptr<const Atlas> atlas_;
+  std::unordered_map<ClassId, DecodedClass> classes_;
+  std::array<ScanlineRuns, 3> runs_;
+  std::unordered_map<StructureIndex, SurfaceMesh> surfaces_;
+  std::vector<FailedClass> failed_classes_;
+  std::vector<FailedSurface> failed_surfaces_;
+  SparseBytes values_;
+  SparseBytes normals_;
+};
+
+}  // namespace splatlas

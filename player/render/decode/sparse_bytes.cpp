@@ -1,0 +1,48 @@
+#include "player/render/decode/sparse_bytes.h"
+
+#include <algorithm>
+#include <cstdint>
+
+#include <fmt/format.h>
+#include <sys/mman.h>
+
+namespace splatlas {
+namespace {
+
+constexpr std::size_t kLargePage = std::size_t{2} << 20;
+
+}  // namespace
+
+void SparseBytes::Unmap::operator()(std::byte* /*data*/) const {
+  munmap(mapped, mapped_bytes);
+}
+
+Result<SparseBytes> SparseBytes::reserve(std::size_t bytes) {
+  // Reserve slack to align the range to large pages.
+  const std::size_t mapped_bytes = bytes + 2 * kLargePage;
+  void* const mapped =
+      mmap(nullptr, mapped_bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  if (mapped == MAP_FAILED) {
+    return fail(
+        ErrorCode::kLimit,
+        fmt::format("cannot reserve {} bytes of address space for grey values; select less, or raise the "
+                    "program's limit of address space",
+                    bytes));
+  }
+  const std::size_t into_page = reinterpret_cast<std::uintptr_t>(mapped) % kLargePage;
+  SparseBytes sparse;
+  sparse.data_ = {static_cast<std::byte*>(mapped) + (into_page == 0 ? 0 : kLargePage - into_page),
+                  Unmap{mapped, mapped_bytes, bytes}};
+  return sparse;
+}
+
+void SparseBytes::expect_dense(std::size_t first, std::size_t bytes) {
+  const std::size_t last = std::min(first + bytes, size());
+  if (first >= last) return;
+  const std::size_t from = first / kLargePage * kLargePage;
+  const std::size_t to = (last + kLargePage - 1) / kLargePage * kLargePage;
+  // A hint: kernels without large pages refuse it.
+  static_cast<void>(madvise(data() + from, to - from, MADV_HUGEPAGE));
+}
+
+}  // namespace splatlas

@@ -1,0 +1,64 @@
+#include "player/render/frame/decoded_selection.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "format/result_macros.h"
+
+namespace splatlas {
+
+Result<std::optional<DrawPlan>> DecodedSelection::require(const DrawPlan& plan, Axis axis, bool normals,
+                                                          ThreadPool& pool) {
+  const std::vector<ClassId> of_volume = volume_classes(plan);
+  const Result<void> classes = cache_.require(of_volume, axis, pool, normals);
+  if (!classes && cache_.failed_classes().empty()) return tl::unexpected(classes.error());
+  const Result<void> surfaces = cache_.require_surfaces(plan.surfaces, pool);
+  if (classes && surfaces) return std::nullopt;
+
+  // Out of memory is no damage
+  const auto check = [](const auto& failed) -> Result<void> {
+    for (const auto& of : failed) {
+      if (of.error.code == ErrorCode::kLimit) return tl::unexpected(of.error);
+    }
+    return {};
+  };
+  SPLATLAS_RETURN_IF_ERROR(check(cache_.failed_classes()));
+  SPLATLAS_RETURN_IF_ERROR(check(cache_.failed_surfaces()));
+
+  // List the damaged parts, and remove them from the plan
+  DrawPlan rest = plan;
+  for (MissingPart& part :
+       leave_out(cache_.failed_classes(), cache_.failed_surfaces(), atlas_->classes(), rest)) {
+    list_missing(std::move(part));
+  }
+  return rest;
+}
+
+void DecodedSelection::list_missing(MissingPart part) {
+  const auto known = std::ranges::find_if(missing_, [&](const MissingPart& other) {
+    return other.structure == part.structure && other.surface == part.surface;
+  });
+  if (known == missing_.end()) {
+    missing_.push_back(std::move(part));
+  } else {
+    known->voxels += part.voxels;
+  }
+}
+
+Result<void> DecodedSelection::require_faces(std::span<const FaceClass> faces, Axis axis, ThreadPool& pool) {
+  std::vector<ClassId> classes;
+  for (ClassId c = 0; c < faces.size(); ++c) {
+    if (faces[c].has_face()) classes.push_back(c);
+  }
+  Result<void> required = cache_.require(classes, axis, pool, false);
+  if (required) return {};
+  if (cache_.failed_classes().empty()) return required;
+  for (const FailedClass& of : cache_.failed_classes()) {
+    if (of.error.code == ErrorCode::kLimit) return tl::unexpected(of.error);
+  }
+  for (const FailedClass& of : cache_.failed_classes())
+    list_missing({faces[of.id].structure, false, atlas_->classes().voxels(of.id), of.error});
+  return {};
+}
+
+}  // namespace splatlas

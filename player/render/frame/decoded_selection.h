@@ -1,0 +1,42 @@
+// Decoded and missing classes and surfaces of a selection.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "player/missing_parts.h"
+#include "player/render/clip/face_classes.h"
+#include "player/render/decode/class_cache.h"
+
+namespace splatlas {
+
+/// Decodes classes and surfaces on demand, and caches them. Not thread-safe.
+class DecodedSelection {
+ public:
+  explicit DecodedSelection(std::shared_ptr<const Atlas> atlas) : atlas_(std::move(atlas)), cache_(atlas_) {}
+
+  /// Reads and decodes the uncached classes along `axis` and surfaces of a plan; `normals`: also the normals
+  /// of boundary voxels. Lists damaged parts in missing(), and returns the plan without them; none if all
+  /// parts are intact. kLimit when out of memory.
+  [[nodiscard]] Result<std::optional<DrawPlan>> require(const DrawPlan& plan, Axis axis, bool normals,
+                                                        ThreadPool& pool);
+  /// Reads and decodes uncached classes of faces of a cut, after the plan's. Lists damaged ones in missing(),
+  /// with the structures of `faces` (by ClassId), and succeeds. kLimit when out of memory.
+  [[nodiscard]] Result<void> require_faces(std::span<const FaceClass> faces, Axis axis, ThreadPool& pool);
+  /// Clears missing(), so that require() tries these parts again. For a new selection.
+  void forget_missing() { missing_.clear(); }
+
+  [[nodiscard]] const ClassCache& cache() const { return cache_; }
+  [[nodiscard]] const std::vector<MissingPart>& missing() const { return missing_; }
+
+ private:
+  void list_missing(MissingPart part);
+
+  std::shared_ptr<const Atlas> atlas_;
+  ClassCache cache_;
+  std::vector<MissingPart> missing_;
+};
+
+}  // namespace splatlas

@@ -1,0 +1,166 @@
+#include "player/render/frame/fit_selection.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+#include "player/render/clip/cut_rays.h"
+#include "player/render/decode/selected_runs.h"
+
+namespace splatlas {
+namespace {
+
+/// Distance of interpolation from the centre of a voxel, along each axis.
+constexpr double kVolumeReach = 1;
+constexpr std::size_t kVerticesPerJob = 16384;
+
+/// Voxels [first, last] of a scanline.
+struct ReachedVoxels {
+  double first, last;
+};
+
+/// Voxels of a scanline that the kept part of a cut reaches, by interpolation.
+ReachedVoxels reached_voxels(std::span<const VoxelPlane> planes, const ScanOrder& order, std::int64_t slice,
+                             std::int64_t row) {
+  const ClipDepths kept = kept_scan(planes, order, slice, row, [](const VoxelPlane& plane) {
+    const Vec3& n = plane.normal;
+    return kVolumeReach * (std::abs(n[0]) + std::abs(n[1]) + std::abs(n[2]));
+  });
+  return {std::ceil(kept.from), std::floor(kept.to)};
+}
+
+/// Extents of the centres of a slice's kept voxels. Only the ends of a scanline matter.
+FitExtents extents_of_slice(const SelectedRuns& runs, std::int64_t slice,
+                            std::span<const VoxelPlane> cut_planes, const FitPlanes& planes) {
+  const ScanOrder order = ScanOrder::of(runs.axis());
+  FitExtents extents;
+  std::int64_t row = -1;
+  ReachedVoxels kept{}, line{0, -1};  // of the row; `line` is empty if it has no voxel
+  const auto finish_line = [&] {
+    if (line.first > line.last) return;
+    for (const double voxel : {line.first, line.last}) {
+      Vec3 end{};
+      end[order.slice_axis] = static_cast<double>(slice);
+      end[order.row_axis] = static_cast<double>(row);
+      end[order.scan_axis] = voxel;
+      extents.include(planes, end);
+    }
+  };
+  runs.for_each(slice, [&](const ClassRun& run, std::uint32_t) {
+    if (run.row != row) {
+      finish_line();
+      row = run.row;
+      kept = reached_voxels(cut_planes, order, slice, row);
+      line = {0, -1};
+    }
+    const double first = std::max<double>(run.start, kept.first);
+    const double last = std::min(static_cast<double>(run.start) + run.length - 1, kept.last);
+    if (first > last) return;
+    if (line.first > line.last) line.first = first;
+    line.last = last;
+  });
+  finish_line();
+  return extents;
+}
+
+FitExtents extents_of_volume(const SelectedRuns& runs, std::span<const VoxelPlane> cut_planes,
+                             const FitPlanes& planes, ThreadPool& pool) {
+  const std::span<const std::int64_t> slices = runs.occupied();
+  std::vector<FitExtents> of_slices(slices.size());
+  pool.for_each(slices.size(),
+                [&](std::size_t n) { of_slices[n] = extents_of_slice(runs, slices[n], cut_planes, planes); });
+  FitExtents extents;
+  for (const FitExtents& of_slice : of_slices) extents.include(of_slice);
+  if (!extents.empty()) extents.grow(planes, kVolumeReach);
+  return extents;
+}
+
+/// Clips a convex polygon (Sutherland and Hodgman 1974).
+void clip_polygon(std::vector<Vec3>& polygon, const VoxelPlane& plane, std::vector<Vec3>& scratch) {
+  scratch.clear();
+  for (std::size_t n = 0; n < polygon.size(); ++n) {
+    const Vec3 &a = polygon[n], &b = polygon[n + 1 < polygon.size() ? n + 1 : 0];
+    const double at_a = plane.distance(a), at_b = plane.distance(b);
+    if (at_a <= 0) scratch.push_back(a);
+    if ((at_a <= 0) == (at_b <= 0)) continue;
+    const double t = at_a / (at_a - at_b);
+    Vec3 crossing{};
+    for (std::size_t k = 0; k < 3; ++k) crossing[k] = a[k] + t * (b[k] - a[k]);
+    scratch.push_back(crossing);
+  }
+  polygon.swap(scratch);
+}
+
+/// Calls extents_of(first, last) for ranges of `count` items in parallel, and merges its results.
+template <typename ExtentsOf>
+FitExtents merged_extents(std::size_t count, ThreadPool& pool, const ExtentsOf& extents_of) {
+  std::vector<FitExtents> of_jobs((count + kVerticesPerJob - 1) / kVerticesPerJob);
+  pool.for_each(of_jobs.size(), [&](std::size_t job) {
+    of_jobs[job] = extents_of(job * kVerticesPerJob, std::min(count, (job + 1) * kVerticesPerJob));
+  });
+  FitExtents extents;
+  for (const FitExtents& of_job : of_jobs) extents.include(of_job);
+  return extents;
+}
+
+FitExtents extents_of_surface(const SurfaceMesh& mesh, std::span<const VoxelPlane> cut_planes,
+                              const FitPlanes& planes, ThreadPool& pool) {
+  const auto position = [&](std::size_t vertex) {
+    const auto& p = mesh.positions_ijk[vertex];
+    return Vec3{p[0], p[1], p[2]};
+  };
+  if (cut_planes.empty()) {
+    return merged_extents(mesh.positions_ijk.size(), pool, [&](std::size_t first, std::size_t last) {
+      FitExtents extents;
+      for (std::size_t n = first; n < last; ++n) extents.include(planes, position(n));
+      return extents;
+    });
+  }
+  return merged_extents(mesh.triangles.size(), pool, [&](std::size_t first, std::size_t last) {
+    FitExtents extents;
+    std::vector<Vec3> polygon, scratch;
+    for (std::size_t n = first; n < last; ++n) {
+      const auto& corners = mesh.triangles[n];
+      polygon = {position(corners[0]), position(corners[1]), position(corners[2])};
+      for (const VoxelPlane& plane : cut_planes) clip_polygon(polygon, plane, scratch);
+      for (const Vec3& corner : polygon) extents.include(planes, corner);
+    }
+    return extents;
+  });
+}
+
+}  // namespace
+
+DrawPlan part_of(const DrawPlan& plan, std::span<const StructureIndex> structures, const Atlas& atlas) {
+  std::vector<bool> wanted(atlas.graph().size());
+  for (const StructureIndex s : structures) {
+    if (s < wanted.size()) wanted[s] = true;
+  }
+  DrawPlan part;
+  for (const ClassDraw& draw : plan.classes) {
+    const auto members = atlas.classes().members(draw.id);
+    const auto is_wanted = [&](const Membership& of) { return of.holds() && wanted[of.structure]; };
+    if (std::ranges::any_of(members, is_wanted)) part.classes.push_back(draw);
+  }
+  for (const StructureIndex s : plan.surfaces) {
+    if (wanted[s]) part.surfaces.push_back(s);
+  }
+  return part;
+}
+
+FitExtents extents_of(const DrawPlan& plan, const Atlas& atlas, const ClassCache& cache, Axis axis,
+                      const CutPlanes& cuts, const FitPlanes& planes, ThreadPool& pool) {
+  const std::vector<VoxelPlane> cut_planes = voxel_planes(cuts, atlas.grid());
+  FitExtents extents;
+  if (!volume_classes(plan).empty()) {
+    const SelectedRuns runs(plan, atlas.classes(), cache, axis);
+    extents = extents_of_volume(runs, cut_planes, planes, pool);
+  }
+  for (const StructureIndex s : plan.surfaces) {
+    extents.include(extents_of_surface(cache.surface(s), cut_planes, planes, pool));
+  }
+  return extents;
+}
+
+}  // namespace splatlas

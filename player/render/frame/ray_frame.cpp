@@ -1,0 +1,79 @@
+#include "player/render/frame/ray_frame.h"
+
+#include <cstddef>
+#include <vector>
+
+#include "player/render/contributions/pixel_shares.h"
+#include "player/render/frame/stopwatch.h"
+#include "player/render/rays/cast_surfaces.h"
+#include "player/render/rays/ray_depths.h"
+
+namespace splatlas {
+namespace {
+
+/// Steps per slab and error tolerance of ray marching at the quality of the options.
+CastOptions cast_options(const RenderOptions& options, const RenderOverrides& overrides) {
+  CastOptions cast{.termination_threshold = termination_threshold(options),
+                   .principal_axis = overrides.principal_axis};
+  switch (options.quality) {
+    case Quality::kDraft: break;
+    case Quality::kNormal:
+      cast.max_steps = 32;
+      cast.tolerance = 0.054f;
+      break;
+    case Quality::kHigh:
+      cast.min_steps = 8;
+      cast.max_steps = 64;
+      cast.tolerance = 0.0046f;
+      break;
+  }
+  return cast;
+}
+
+}  // namespace
+
+RayFrame::RayFrame(const FrameScene& scene, const RayVolume& volume, FrameBuffers& buffers,
+                   RenderStats& stats, ThreadPool& pool)
+    : FrameRenderer(scene, buffers, stats, pool),
+      volume_(volume),
+      kernels_(scene.overrides.simd ? best_march() : scalar_march()),
+      options_(cast_options(scene.options, scene.overrides)) {}
+
+Result<RasterScene> RayFrame::raster_scene_of_view() const {
+  return raster_scene_of_rays(scene_.surfaces, scene_.view, scene_.grid, scene_.lighting);
+}
+
+Result<void> RayFrame::render_volume(Picture& picture) {
+  Stopwatch watch;
+  options_.cuts = cuts();
+  options_.faces = faces();
+  if (scene_.options.ids) options_.ids = &buffers_.ids;
+  cast_rays(volume_, scene_.view, scene_.grid, options_, kernels_, picture, pool_);
+  stats_.voxels_visited = volume_.voxels();
+  stats_.sheets = watch.lap();
+  return {};
+}
+
+void RayFrame::resolve(Picture& picture) {
+  Stopwatch watch;
+  cast_surfaces(volume_, scene_.view, scene_.grid, *raster_, buffers_.fragments, options_, kernels_, picture,
+                pool_);
+  stats_.resolve = watch.lap();
+}
+
+void RayFrame::resolve_ids(const Picture& picture) {
+  Stopwatch watch;
+  if (scene_.options.ids) {
+    std::vector<StructureNumber>& numbers = buffers_.ids.numbers;
+    for (std::size_t n = 0; n < numbers.size(); ++n) {
+      if (picture.rgba[4 * n + 3] < kMinIdOpacity) numbers[n] = 0;
+    }
+  }
+  stats_.ids = watch.lap();
+}
+
+void RayFrame::add_volume_depths(const ViewDepth& view_depth) {
+  add_ray_depths(volume_, scene_.view, scene_.grid, kernels_, cuts(), view_depth, buffers_.depths, pool_);
+}
+
+}  // namespace splatlas

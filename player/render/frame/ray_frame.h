@@ -1,0 +1,31 @@
+// Ray casting of a frame: perspective projection or post-classification.
+#pragma once
+
+#include <optional>
+
+#include "player/render/frame/frame_renderer.h"
+#include "player/render/rays/cast_rays.h"
+
+namespace splatlas {
+
+/// The volume must be lit, and outlive the frame.
+class RayFrame : public FrameRenderer {
+ public:
+  RayFrame(const FrameScene& scene, const RayVolume& volume, FrameBuffers& buffers, RenderStats& stats,
+           ThreadPool& pool);
+
+  [[nodiscard]] Result<void> render_volume(Picture& picture) override;
+  void resolve(Picture& picture) override;
+  void resolve_ids(const Picture& picture) override;
+
+ private:
+  [[nodiscard]] Result<RasterScene> raster_scene_of_view() const override;
+  void add_volume_depths(const ViewDepth& view_depth) override;
+  [[nodiscard]] std::optional<Axis> slice_axis() const override { return std::nullopt; }
+
+  const RayVolume& volume_;
+  const MarchKernels& kernels_;
+  CastOptions options_;
+};
+
+}  // namespace splatlas

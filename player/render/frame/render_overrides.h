@@ -1,0 +1,40 @@
+// Overrides of a renderer's choices, for tests.
+#pragma once
+
+#include <optional>
+
+#include "format/content/grid.h"
+#include "player/picture.h"
+#include "player/render/view/shear.h"
+#include "player/render_options.h"
+
+namespace splatlas {
+
+class Renderer;
+
+struct RenderOverrides {
+  bool simd = true;  ///< false: the scalar reference kernels
+  /// Principal axis of the shear-warp factorisation, and of rays within kMaxForcedSlope; other rays keep
+  /// their best axis. Not set: the best axis of the view, or of each ray.
+  std::optional<Axis> principal_axis = std::nullopt;
+};
+
+/// Shear-warp factorisation of a view. kUsage when it runs along the slices of a forced axis.
+[[nodiscard]] Result<Shear> shear_of(const ParallelView& view, const Grid& grid,
+                                     const RenderOverrides& overrides);
+
+/// Access to the state of a renderer, for render_with().
+struct RendererInternals {
+  [[nodiscard]] static Result<void> render(Renderer& renderer, const Camera& camera,
+                                           const RenderOptions& options, const RenderOverrides& overrides,
+                                           Picture& picture, const RenderControl& control);
+};
+
+/// Renderer::render() with overrides. Sheets: also kUsage for views beyond kMaxForcedSlope of a forced axis.
+[[nodiscard]] Result<void> render_with(Renderer& renderer, const Camera& camera, const RenderOptions& options,
+                                       const RenderOverrides& overrides, Picture& picture,
+                                       const RenderControl& control = {});
+[[nodiscard]] Result<Picture> render_with(Renderer& renderer, const Camera& camera,
+                                          const RenderOptions& options, const RenderOverrides& overrides);
+
+}  // namespace splatlas

@@ -1,0 +1,142 @@
+#include "player/render/frame/sheet_frame.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "format/result_macros.h"
+#include "format/tasks/task_control.h"
+#include "player/render/frame/stopwatch.h"
+#include "player/render/sheets/footprint_window.h"
+#include "player/render/sheets/ids/resolve_ids.h"
+#include "player/render/sheets/sheets.h"
+#include "player/render/sheets/span_depths.h"
+#include "player/render/sheets/splat/splat_kernels.h"
+
+namespace splatlas {
+namespace {
+
+/// Maximum number of sheet pixels (2 GiB). Larger sheets get a lower resolution.
+constexpr std::int64_t kMaxSheetPixels = std::int64_t{1} << 27;
+
+/// True if a typical selected voxel can be opaque: an optical depth of at least 1. Sharp edges need finer
+/// sheets to be independent of the principal axis.
+bool has_sharp_edges(const SpanModel& model, const Grid& grid) {
+  return model.mean_densest_per_mm * reference_length_mm(grid) >= 1;
+}
+
+int sheet_scale(Quality quality, const Shear& shear, bool sharp) {
+  const Affine2& map = shear.picture_to_sheet;
+  const double voxels_per_pixel = std::min(std::hypot(map.xx, map.yx), std::hypot(map.xy, map.yy));
+  const double pixels_per_voxel = std::min(1.0 / voxels_per_pixel, 1e3);
+  const auto fine = [&](double wanted, int min_scale, int max_scale) {
+    return std::clamp(static_cast<int>(std::ceil(wanted - 0.25)), min_scale, max_scale);
+  };
+  switch (quality) {
+    case Quality::kNormal:
+      return sharp ? fine(2.25 * pixels_per_voxel, 1, 6) : fine(1.5 * pixels_per_voxel, 1, 4);
+    case Quality::kHigh: return fine((sharp ? 2.5 : 2) * pixels_per_voxel, 2, 8);
+    case Quality::kDraft: break;
+  }
+  return fine(pixels_per_voxel, 1, 2);
+}
+
+/// Slabs per slice. The error along rays is second order in their thickness.
+int slab_parts(Quality quality) {
+  switch (quality) {
+    case Quality::kNormal: return 4;
+    case Quality::kHigh: return 8;
+    case Quality::kDraft: break;
+  }
+  return 1;
+}
+
+/// Skew of the sampling weights.
+/// Within a slab, a ray moves across the slice by (slope_u, slope_v). It averages the slice with a tent of
+/// covariance slope_u * slope_v / 6. A sheet samples the slice at the slab's middle only; skewed weights add
+/// the missing covariance. Several slabs per slice sample the tent and exceed its covariance slightly.
+float skew_of(const Shear& shear, const SheetSampling& sampling) {
+  constexpr double kMaxSkew = 0.25;
+  const double missing = sampling.parts == 1 ? 1.0 / 6 : -1.0 / (12 * sampling.parts * sampling.parts);
+  const double covariance = shear.slope_u * shear.slope_v * missing * sampling.scale * sampling.scale;
+  return static_cast<float>(std::clamp(covariance, -kMaxSkew, kMaxSkew));
+}
+
+double bytes_of_sheet(const SheetWindow& window, const SpanModel& model) {
+  constexpr double kBytesPerRow = 64;
+  const auto rows = static_cast<double>(window.fine_rows());
+  const double pixels = (rows + 2) * static_cast<double>(window.fine_columns() + 2);
+  return 2 * sizeof(float) * (1 + model.emissions) * pixels + kBytesPerRow * rows;
+}
+
+Result<SheetWindow> choose_window(const SpanModel& model, const Shear& shear, const Grid& grid,
+                                  const RenderOptions& options, std::span<const VoxelPlane> planes) {
+  SheetSampling sampling{sheet_scale(options.quality, shear, has_sharp_edges(model, grid)),
+                         slab_parts(options.quality), options.quality != Quality::kDraft};
+  while (true) {
+    SheetWindow window = sheet_window(model, shear, options.size, sampling, planes);
+    window.skew = skew_of(shear, sampling);
+    if (window.empty() || window.fine_rows() <= kMaxSheetPixels / window.fine_columns()) return window;
+    if (sampling.scale == 1) {
+      return fail(ErrorCode::kLimit,
+                  fmt::format("the selection covers {} x {} voxels on the picture, too many for one "
+                              "sheet; zoom in or select less",
+                              window.columns, window.rows));
+    }
+    --sampling.scale;
+  }
+}
+
+}  // namespace
+
+Result<RasterScene> SheetFrame::raster_scene_of_view() const {
+  return raster_scene(scene_.surfaces, scene_.view.plane, shear_, scene_.grid, scene_.lighting);
+}
+
+Result<void> SheetFrame::render_volume(Picture& /*picture*/) {
+  Stopwatch watch;
+  const RenderOptions& options = scene_.options;
+  SPLATLAS_ASSIGN_OR_RETURN(const SheetWindow window,
+                            choose_window(spans_, shear_, scene_.grid, options, planes()));
+  check_memory(bytes_of_sheet(window, spans_));
+  buffers_.order.build(buffers_.fragments, shear_, window, options.size, scene_.grid, pool_);
+  // The positive weights of the cubic kernel sum to at most 1.28, which amplifies the error of the sheet.
+  const float threshold = termination_threshold(options) / (window.cubic ? 1.3f : 1.0f);
+  const SplatKernels& kernels = scene_.overrides.simd ? best_kernels() : scalar_kernels();
+  const auto render = [&](const SharePass* shares) {
+    stats_.voxels_visited = render_sheets(spans_, shear_, window, kernels, threshold, planes(),
+                                          buffers_.order, buffers_.sheet, pool_, shares);
+  };
+  if (options.ids) {
+    const VoxelNumbers numbers{*runs_, scene_.numbers};
+    const SharePass shares{numbers, buffers_.shares, buffers_.fragment_shares};
+    render(&shares);
+  } else {
+    render(nullptr);
+  }
+  stats_.sheets = watch.lap();
+  return {};
+}
+
+void SheetFrame::resolve(Picture& picture) {
+  Stopwatch watch;
+  splatlas::resolve(buffers_.sheet, shear_, fragments(), scene_.options.size,
+                    scene_.overrides.simd ? best_warp() : scalar_warp(), picture, pool_);
+  stats_.resolve = watch.lap();
+}
+
+void SheetFrame::resolve_ids(const Picture& picture) {
+  Stopwatch watch;
+  if (scene_.options.ids) {
+    splatlas::resolve_ids(buffers_.shares, shear_, fragments(), buffers_.fragment_shares, picture,
+                          buffers_.ids, pool_);
+  }
+  stats_.ids = watch.lap();
+}
+
+void SheetFrame::add_volume_depths(const ViewDepth& view_depth) {
+  add_span_depths(spans_, shear_, view_depth, planes(), buffers_.depths, pool_);
+}
+
+}  // namespace splatlas

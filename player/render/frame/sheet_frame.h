@@ -1,0 +1,40 @@
+// Shear-warp rendering of a frame (Lacroute and Levoy 1994).
+#pragma once
+
+#include <optional>
+
+#include "player/render/frame/frame_renderer.h"
+#include "player/render/frame/span_store.h"
+#include "player/render/sheets/warp/resolve.h"
+
+namespace splatlas {
+
+/// The spans must be lit. They, their runs and the factorisation must outlive the frame. `runs` may be null
+/// in frames without ids.
+class SheetFrame : public FrameRenderer {
+ public:
+  SheetFrame(const FrameScene& scene, const SpanModel& spans, const SelectedRuns* runs, const Shear& shear,
+             FrameBuffers& buffers, RenderStats& stats, ThreadPool& pool)
+      : FrameRenderer(scene, buffers, stats, pool), spans_(spans), runs_(runs), shear_(shear) {}
+
+  /// Splats and composites the spans sheet by sheet (Westover 1990).
+  [[nodiscard]] Result<void> render_volume(Picture& picture) override;
+  void resolve(Picture& picture) override;
+  void resolve_ids(const Picture& picture) override;
+
+ private:
+  [[nodiscard]] Result<RasterScene> raster_scene_of_view() const override;
+  void add_volume_depths(const ViewDepth& view_depth) override;
+  [[nodiscard]] std::optional<Axis> slice_axis() const override { return shear_.principal; }
+
+  /// Surface fragments in the volume.
+  [[nodiscard]] FragmentsInVolume fragments() const {
+    return {buffers_.fragments, buffers_.order, cuts(), faces()};
+  }
+
+  const SpanModel& spans_;
+  const SelectedRuns* runs_;
+  const Shear& shear_;
+};
+
+}  // namespace splatlas

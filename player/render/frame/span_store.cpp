@@ -1,0 +1,150 @@
+#include "player/render/frame/span_store.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "player/render/clip/cut_rays.h"
+#include "player/render/sheets/splat/block_runs.h"
+
+namespace splatlas {
+namespace {
+
+/// Distance from a cut's kept part, in voxels, up to which voxels can contribute to a slab's kept part.
+constexpr double kReach = 4;
+
+/// Voxels [first, last) of a row whose lighting a cut may show.
+Blocks kept_voxels(const SpanModel& model, std::span<const VoxelPlane> planes, std::int64_t slice,
+                   std::int64_t row) {
+  const ClipDepths kept =
+      kept_scan(planes, ScanOrder::of(model.axis), slice, row, [](const VoxelPlane&) { return kReach; });
+  const double first = std::max(0.0, kept.from);
+  const double last = std::min(static_cast<double>(model.scan_first + model.scan_voxels), kept.to);
+  if (!(first < last)) return {0, 0};
+  return {static_cast<std::int64_t>(first), static_cast<std::int64_t>(last) + 1};
+}
+
+/// Places [first, last) of the optical properties of these voxels of a row.
+std::pair<std::size_t, std::size_t> places_of(const SliceSpans& slice, std::int64_t row,
+                                              const Blocks& voxels) {
+  const auto block_floats = static_cast<std::size_t>(slice.block_floats());
+  std::pair<std::size_t, std::size_t> places{0, 0};
+  for (const Span& span : slice.row(row)) {
+    const std::int64_t begin = std::max<std::int64_t>(voxels.first >> kBlockBits, span.first_block);
+    const std::int64_t end =
+        std::min((voxels.last + kBlock - 1) >> kBlockBits, std::int64_t{span.first_block} + span.blocks);
+    if (begin >= end) continue;
+    const auto place = [&](std::int64_t block) {
+      return (span.offset + static_cast<std::size_t>(block - span.first_block)) * block_floats;
+    };
+    if (places.first == places.second) places.first = place(begin);
+    places.second = place(end);
+  }
+  return places;
+}
+
+/// The first voxel from `from` on with at least this place. Exponential search: it is near.
+const ShadedVoxel* find_from(const ShadedVoxel* from, const ShadedVoxel* end, std::size_t place) {
+  std::ptrdiff_t step = 1;
+  while (step < end - from && from[step].place < place) {
+    from += step;
+    step *= 2;
+  }
+  return std::partition_point(from, from + std::min(step + 1, end - from),
+                              [place](const ShadedVoxel& voxel) { return voxel.place < place; });
+}
+
+/// shade_spans() for the voxels that a cut may show.
+void shade_kept_spans(SpanModel& model, std::span<const float> factors, std::span<const VoxelPlane> planes,
+                      ThreadPool& pool) {
+  pool.for_each(model.slices.size(), [&](std::size_t n) {
+    SliceSpans& slice = model.slices[n];
+    const ShadedVoxel* next = slice.shaded.data();
+    const ShadedVoxel* const end = next + slice.shaded.size();
+    for (std::int64_t row = slice.first_row; row < slice.last_row; ++row) {
+      const auto [first, last] = places_of(slice, row, kept_voxels(model, planes, slice.number, row));
+      if (first == last) continue;
+      next = find_from(next, end, first);
+      for (; next != end && next->place < last; ++next) shade(*next, factors, slice);
+    }
+  });
+}
+
+}  // namespace
+
+std::uint64_t max_span_bytes(std::uint64_t voxels, const Atlas& atlas) {
+  // The selection's runs are unknown yet; bound them by all runs of an axis
+  std::uint64_t runs = 0;
+  for (const Axis axis : kAxes) runs = std::max(runs, atlas.runs(axis));
+  return span_model_bytes(voxels, std::min(runs, voxels));
+}
+
+void AxisSpans::require(const DrawPlan& plan, const VolumeAppearances& appearances, const Atlas& atlas,
+                        const ClassCache& cache, Axis axis, bool shade, ThreadPool& pool) {
+  if (current(shade)) return;
+  // If an allocation throws, no incomplete spans remain marked as current.
+  runs_.reset();
+  SpanBuilder spans = std::exchange(spans_, {});
+  SelectedRuns runs(plan, atlas.classes(), cache, axis);
+  spans.build({runs, plan, appearances, atlas.classes(), atlas.grid(), cache, shade}, pool);
+  spans_ = std::move(spans);
+  runs_.emplace(std::move(runs));
+  lists_shaded_ = shade;
+  partly_shaded_ = partly_shaded_ || shaded_for_.has_value();
+}
+
+void AxisSpans::update_lighting(const ParallelView& view, const Lighting& lighting, bool shade,
+                                const CutPlanes& cuts, const Grid& grid, ThreadPool& pool) {
+  const bool same_cuts = shaded_cuts_.empty() || shaded_cuts_ == cuts;
+  const bool same_view = shaded_for_ && have_same_lighting(*shaded_for_, view) && same_cuts;
+  if (!partly_shaded_ && (shade ? same_view : !shaded_for_)) return;
+  if (model().shaded_voxels > 0) {
+    const std::vector<float> factors = shade ? lighting.table() : std::vector<float>(65536, 1.0f);
+    partly_shaded_ = true;  // in case the task is cancelled
+    if (shade && !cuts.empty()) {
+      shade_kept_spans(spans_.model(), factors, voxel_planes(cuts, grid), pool);
+    } else {
+      shade_spans(spans_.model(), factors, pool);
+    }
+  }
+  shaded_for_ = shade ? std::optional(view) : std::nullopt;
+  shaded_cuts_ = shade ? cuts : CutPlanes{};
+  partly_shaded_ = false;
+}
+
+AxisSpans& SpanStore::along(Axis axis) {
+  latest_ = axis;
+  std::optional<AxisSpans>& spans = spans_[static_cast<std::size_t>(axis)];
+  return spans ? *spans : spans.emplace();
+}
+
+void SpanStore::outdate() {
+  for (const Axis axis : kAxes) {
+    std::optional<AxisSpans>& spans = spans_[static_cast<std::size_t>(axis)];
+    if (!spans) continue;
+    if (axis == latest_) {
+      spans->outdate();
+    } else {
+      spans.reset();
+    }
+  }
+}
+
+void SpanStore::make_room(std::uint64_t bytes) {
+  for (std::optional<AxisSpans>& spans : spans_) {
+    if (spans && !spans->current(false) && spans->optical_bytes() > bytes) spans.reset();
+  }
+}
+
+void SpanStore::clear() {
+  for (std::optional<AxisSpans>& spans : spans_) spans.reset();
+}
+
+const SelectedRuns* SpanStore::runs(Axis axis) const {
+  const std::optional<AxisSpans>& spans = spans_[static_cast<std::size_t>(axis)];
+  return spans && spans->current(false) ? &spans->runs() : nullptr;
+}
+
+}  // namespace splatlas

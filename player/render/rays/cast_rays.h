@@ -1,0 +1,39 @@
+// Ray casting: one ray through the centre of every pixel, in either projection.
+#pragma once
+
+#include <optional>
+
+#include "format/tasks/thread_pool.h"
+#include "player/camera.h"
+#include "player/picture.h"
+#include "player/render/clip/cut_rays.h"
+#include "player/render/clip/face_layer.h"
+#include "player/render/rays/march_kernels.h"
+#include "player/render/rays/volume/ray_volume.h"
+
+namespace splatlas {
+
+/// Sampling of rays.
+struct CastOptions {
+  int min_steps = 1, max_steps = 1;  ///< per slab, the space between two planes of voxels
+  float tolerance = 0;               ///< error bound of a step (MarchKernels::march); 0: always min_steps
+  float termination_threshold = 0;   ///< early ray termination; also bounds the error of a value
+  std::optional<Axis> principal_axis =
+      std::nullopt;                  ///< forced, for measurements; by default the best axis of each ray
+  const CutRays* cuts = nullptr;     ///< clips the volume; null: no cut
+  const FaceLayer* faces = nullptr;  ///< of the cut, at pixel centres; null: none
+  /// Numbers of the structures of the pixels, whatever their opacity; null: not asked for. The volume must
+  /// have structure numbers.
+  IdImage* ids = nullptr;
+};
+
+/// View of `volume` for the kernels. The volume must outlive the scene.
+[[nodiscard]] MarchScene march_scene(const RayVolume& volume, const CastOptions& options);
+
+/// Renders the volume. Each ray is sampled at the planes of voxels normal to its principal axis, and in
+/// between as the tolerance requires. In perspective it begins at the eye, which may lie inside the volume.
+/// Blocks of 4x4 pixels form a packet. Pictures do not depend on the number of threads.
+void cast_rays(const RayVolume& volume, const View& view, const Grid& grid, const CastOptions& options,
+               const MarchKernels& kernels, Picture& picture, ThreadPool& pool);
+
+}  // namespace splatlas

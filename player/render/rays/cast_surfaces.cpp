@@ -1,0 +1,175 @@
+#include "player/render/rays/cast_surfaces.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <vector>
+
+#include "format/result_macros.h"
+#include "format/tasks/task_control.h"
+#include "player/render/rays/pixel_rays.h"
+#include "player/render/rays/ray_shares.h"
+#include "player/render/view/depth_axis.h"
+
+namespace splatlas {
+namespace {
+
+constexpr std::size_t kPacketsPerJob = 16;
+
+/// The rays of up to kPacketRays samples, with the radiance composited so far.
+class SamplePacket {
+ public:
+  /// `shares`: null without ids.
+  SamplePacket(const RayVolume& volume, const MarchScene& march, const MarchKernels& kernels,
+               const FragmentList& list, std::size_t first, RayShares* shares)
+      : volume_(volume),
+        march_(march),
+        kernels_(kernels),
+        list_(list),
+        shares_(shares),
+        first_(first),
+        count_(std::min(kPacketRays, list.sample_count() - first)) {}
+
+  void render(const PixelRays& rays, const CutRays* cuts, int width, const RasterScene& scene,
+              Radiance* out) {
+    RayPoints points;
+    for (std::size_t n = 0; n < kPacketRays; ++n) {
+      const Sample& sample = list_.samples[first_ + std::min(n, count_ - 1)];
+      points.x[n] = sample.x(width);
+      points.y[n] = sample.y(width);
+    }
+    packet_ = rays.through(points);
+    if (cuts != nullptr) rays.clip(*cuts, points, packet_);
+    if (shares_ != nullptr) {
+      shares_->begin(packet_);
+      radiance_.trace = shares_->trace();
+    }
+    end_ = packet_.to;
+    for (std::size_t n = count_; n < kPacketRays; ++n) end_[n] = packet_.from[n];
+    std::size_t layers = 0;
+    for (std::size_t n = 0; n < count_; ++n) {
+      layers = std::max(layers, list_.of_sample(first_ + n).size());
+    }
+    for (std::size_t layer = 0; layer < layers; ++layer) pass_layer(layer, scene);
+    march_to(end_);
+    for (std::size_t n = 0; n < count_; ++n) {
+      for (std::size_t c = 0; c < 4; ++c) out[n].rgba[c] = radiance_.planes[c][n];
+      if (!list_.faces.empty()) out[n].rgba = list_.faces[first_ + n].around(out[n].rgba);
+    }
+  }
+  /// Shares of structures in a sample, faces included.
+  void add_shares(std::size_t n, float weight, PixelShares& sum) const {
+    sum.add_between(list_.faces.empty() ? RayFaces{} : list_.faces[first_ + n], shares_->of_ray(n), weight);
+  }
+  [[nodiscard]] std::size_t count() const { return count_; }
+
+ private:
+  /// Composites the volume up to the next fragment of every ray, and the fragment.
+  void pass_layer(std::size_t layer, const RasterScene& scene) {
+    auto to = packet_.from;
+    for (std::size_t n = 0; n < count_; ++n) {
+      const auto fragments = list_.of_sample(first_ + n);
+      if (layer < fragments.size()) to[n] = std::max(to[n], t_of(fragments[layer].depth, scene, n));
+    }
+    march_to(to);
+    for (std::size_t n = 0; n < count_; ++n) {
+      const auto fragments = list_.of_sample(first_ + n);
+      if (layer >= fragments.size()) continue;
+      const float transmittance = 1 - radiance_.planes[3][n];
+      for (std::size_t c = 0; c < 4; ++c) radiance_.planes[c][n] += transmittance * fragments[layer].rgba[c];
+      if (shares_ != nullptr) shares_->add_fragment(n, fragments[layer].structure, radiance_.planes[3][n]);
+      if (fragments[layer].rgba[3] >= 1) end_[n] = packet_.from[n];  // opaque
+    }
+  }
+
+  void march_to(const std::array<float, kPacketRays>& to) {
+    packet_.to = to;
+    if (!volume_.empty()) kernels_.march(march_, packet_, radiance_);
+    if (shares_ != nullptr) shares_->take();
+    packet_.from = to;
+  }
+
+  [[nodiscard]] float t_of(float depth, const RasterScene& scene, std::size_t n) const {
+    const std::size_t axis = scene.depth_axis;
+    const double place = scene.depth_sign * depth - static_cast<double>(volume_.first()[axis]);
+    return static_cast<float>((place - packet_.origin[axis][n]) / packet_.step[axis][n]);
+  }
+
+  const RayVolume& volume_;
+  const MarchScene& march_;
+  const MarchKernels& kernels_;
+  const FragmentList& list_;
+  RayShares* shares_;
+  std::size_t first_, count_;
+  RayPacket packet_;
+  RadiancePacket radiance_;
+  std::array<float, kPacketRays> end_{};
+};
+
+tl::unexpected<Error> too_wide(const View& view) {
+  const double half_height_mm = 0.5 * view.plane.size.height * view.plane.mm_per_pixel;
+  const double degrees = 360 / std::numbers::pi * std::atan(half_height_mm / *view.eye_mm);
+  return fail(
+      ErrorCode::kUsage,
+      "camera: field of view {:.6g} is too wide for surfaces from this direction; make it narrower, or "
+      "select volumes only, without external surfaces, which every mode draws",
+      degrees);
+}
+
+}  // namespace
+
+Result<RasterScene> raster_scene_of_rays(std::span<const SurfaceDraw> surfaces, const View& view,
+                                         const Grid& grid, const Lighting& lighting) {
+  RasterScene scene = raster_scene(surfaces, view.plane, factorise(view.plane, grid), grid, lighting);
+  if (!view.eye_mm || surfaces.empty()) return scene;
+  scene.projection = Projection(view.plane, grid, *view.eye_mm);
+  const std::optional<DepthAxis> depth = depth_axis(view, grid);
+  if (!depth) return too_wide(view);
+  scene.depth_axis = depth->axis;
+  scene.depth_sign = depth->sign;
+  const Vec3 along = lps_mm_to_index(grid).apply_linear(view.plane.forward_lps);
+  scene.pixel_voxels = static_cast<float>(view.plane.mm_per_pixel * std::abs(along[depth->axis]));
+  return scene;
+}
+
+void cast_surfaces(const RayVolume& volume, const View& view, const Grid& grid, const RasterScene& scene,
+                   const FragmentList& fragments, const CastOptions& options, const MarchKernels& kernels,
+                   Picture& picture, ThreadPool& pool) {
+  const std::size_t samples = fragments.sample_count();
+  if (samples == 0) return;
+  const PixelRays rays(view, grid, volume.first(), options.principal_axis);
+  const MarchScene march = march_scene(volume, options);
+  std::vector<Radiance> radiances(samples);
+  std::vector<PixelShares> shares(options.ids != nullptr ? samples : 0);
+  constexpr std::size_t kSamplesPerJob = kPacketsPerJob * kPacketRays;
+  pool.for_each((samples + kSamplesPerJob - 1) / kSamplesPerJob, [&](std::size_t job) {
+    const std::size_t last = std::min(samples, (job + 1) * kSamplesPerJob);
+    std::optional<RayShares> of_packet;
+    if (options.ids != nullptr) of_packet.emplace(volume);
+    for (std::size_t first = job * kSamplesPerJob; first < last; first += kPacketRays) {
+      check_task();
+      SamplePacket packet(volume, march, kernels, fragments, first, of_packet ? &*of_packet : nullptr);
+      packet.render(rays, options.cuts, picture.size.width, scene, &radiances[first]);
+      if (of_packet) {
+        for (std::size_t n = 0; n < packet.count(); ++n) packet.add_shares(n, 1, shares[first + n]);
+      }
+    }
+  });
+  for (std::size_t first = 0; first < samples;) {
+    const std::uint32_t pixel = fragments.samples[first].pixel;
+    std::size_t last = first;
+    Radiance sum;
+    for (; last < samples && fragments.samples[last].pixel == pixel; ++last) sum += radiances[last];
+    for (std::size_t c = 0; c < 4; ++c) {
+      picture.rgba[4 * std::size_t{pixel} + c] = sum.rgba[c] / static_cast<float>(last - first);
+    }
+    if (options.ids != nullptr) {
+      for (std::size_t n = first + 1; n < last; ++n) shares[first].add(shares[n], 1);
+      options.ids->numbers[pixel] = shares[first].largest();
+    }
+    first = last;
+  }
+}
+
+}  // namespace splatlas

@@ -1,0 +1,16 @@
+// Scalar reference kernel of ray marching: the kernel compiled for one lane, without instruction sets.
+#undef HWY_COMPILE_ONLY_STATIC  // of preset fuzz
+#define HWY_COMPILE_ONLY_SCALAR
+#include <hwy/highway.h>
+
+#include "player/render/rays/march/march_traversal-inl.h"
+#include "player/render/rays/march_kernels.h"
+
+namespace splatlas {
+
+const MarchKernels& scalar_march() {
+  static constexpr MarchKernels kKernels{"scalar", HWY_NAMESPACE::MarchPacket};
+  return kKernels;
+}
+
+}  // namespace splatlas

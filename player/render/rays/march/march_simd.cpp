@@ -1,0 +1,48 @@
+// Ray marching kernel for every instruction set: Highway compiles this file once for each.
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "player/render/rays/march/march_simd.cpp"
+#include <hwy/foreach_target.h>
+// Must come after foreach_target.h.
+#include <hwy/highway.h>
+
+#include "player/render/rays/march_kernels.h"
+#if HWY_TARGET != HWY_SCALAR
+#include "player/render/rays/march/march_traversal-inl.h"
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace splatlas::HWY_NAMESPACE {
+
+void MarchDispatched(const MarchScene& scene, const RayPacket& packet, RadiancePacket& radiance) {
+#if HWY_TARGET == HWY_SCALAR
+  scalar_march().march(scene, packet, radiance);
+#else
+  MarchPacket(scene, packet, radiance);
+#endif
+}
+
+}  // namespace splatlas::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+#include "player/render/simd/simd_choice.h"
+
+namespace splatlas {
+namespace {
+
+HWY_EXPORT(MarchDispatched);
+
+void march(const MarchScene& scene, const RayPacket& rays, RadiancePacket& radiance) {
+  HWY_DYNAMIC_DISPATCH(MarchDispatched)(scene, rays, radiance);
+}
+
+}  // namespace
+
+const MarchKernels& best_march() {
+  static const MarchKernels kKernels =
+      scalar_is_forced() ? scalar_march() : MarchKernels{best_target(), march};
+  return kKernels;
+}
+
+}  // namespace splatlas
+#endif  // HWY_ONCE

@@ -1,0 +1,106 @@
+// Ray marching kernels (hot loop): packets of rays through a volume.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "player/render/transfer/preintegrated_transfer.h"
+
+namespace splatlas {
+
+/// Rays of a packet. They share the choice of steps, empty-space skipping and early ray termination.
+inline constexpr std::size_t kPacketRays = 16;
+/// Sources of one selection.
+inline constexpr std::size_t kMaxSources = 64;
+
+/// Bounding box of the selected voxels, padded by two empty voxels. Positions are counted in voxels from its
+/// first voxel. A cell lies between eight voxels; a brick (macrocell) has kBrick^3 cells.
+struct MarchGrid {
+  static constexpr std::int32_t kBrick = 4;
+  std::array<std::int32_t, 3> size{};  ///< voxels, padding included
+
+  [[nodiscard]] std::int32_t bricks(std::size_t axis) const { return (size[axis] + kBrick - 1) / kBrick; }
+};
+
+/// A field that rays sample. One of cell_corners, greys and optics is set.
+struct MarchSource {
+  /// Post-classified: byte grey values of the eight corners of each cell, x fastest.
+  const std::uint64_t* cell_corners = nullptr;
+  const float* greys = nullptr;                     ///< post-classified: one value per voxel
+  const PreintegratedTransfer* transfer = nullptr;  ///< of post-classified sources
+  std::array<float, 3> color{};                     ///< of post-classified sources without `colors`
+  const float* colors = nullptr;  ///< per voxel: red, green, blue, 1; all 0 for absent voxels
+  /// Pre-classified. Per voxel: extinction, and emission in red, green and blue, 1/mm.
+  const float* optics = nullptr;
+  /// Non-empty bricks as a summed-area table (Crow 1984): (bricks + 1)^3 counts, x fastest.
+  const std::uint32_t* active = nullptr;
+};
+
+struct MarchScene {
+  MarchGrid grid;
+  std::span<const MarchSource> sources;
+  const std::uint32_t* active = nullptr;  ///< non-empty bricks of all sources
+  float termination_threshold = 0;        ///< rays stop once their transmittance falls to this value
+  int min_steps = 1, max_steps = 1;       ///< per slab
+  float tolerance = 0;                    ///< error bound of a step; 0: always min_steps
+};
+
+/// Rays as straight lines: at `t` a ray is at origin + t * step, in single precision, rounded once. The plane
+/// of voxels at position p along the principal axis (the axis along which the ray crosses most voxels) is
+/// reached at t = p or t = -p.
+struct RayPacket {
+  alignas(64) std::array<std::array<float, kPacketRays>, 3> origin{};
+  alignas(64) std::array<std::array<float, kPacketRays>, 3> step{};
+  alignas(64) std::array<float, kPacketRays> mm_per_t{};
+  alignas(64) std::array<float, kPacketRays> from{}, to{};  ///< interval to integrate; empty if from >= to
+};
+
+/// Opacity of a packet's rays behind each step, for the shares of structures.
+struct MarchTrace {
+  struct Step {
+    alignas(64) std::array<float, kPacketRays> middle;   ///< t of the middle of the step
+    alignas(64) std::array<float, kPacketRays> opacity;  ///< behind the step
+  };
+  static constexpr std::size_t kSteps = 32;
+
+  std::array<Step, kSteps> steps;
+  std::size_t count = 0;
+  /// Takes the steps, and sets `count` to 0. Kernels call it when the trace is full; the rest is the
+  /// caller's.
+  void (*take)(MarchTrace& trace) = nullptr;
+};
+
+/// Radiance along rays: red, green, blue (premultiplied, linear), opacity.
+struct RadiancePacket {
+  alignas(64) std::array<std::array<float, kPacketRays>, 4> planes{};
+  MarchTrace* trace = nullptr;  ///< null: none; it changes no radiance
+};
+
+struct MarchKernels {
+  const char* name;  ///< "scalar", or the instruction set
+
+  /// Composites the radiance along the rays behind `radiance`. Grey values (or optical properties) are
+  /// trilinear between voxels, sampled at both ends of each step and linear in between. Extinction and
+  /// emission of a step are pre-integrated over the grey values from one end to the other (Engel et al.
+  /// 2001). So the error is second order in the step size, or of order 3/2 at discontinuities of the transfer
+  /// function. The colour of a step is composited exactly if it is linear in the share of the step's optical
+  /// depth.
+  ///
+  /// A slab is the space between two planes of voxels. It is integrated as march_tolerance.h defines, or in n
+  /// equal steps. n is the smallest number for which all rays of the packet satisfy
+  ///   transmittance * segment length * (max - min extinction over the cells it crosses)
+  ///     <= kEvenShare * tolerance * n^1.5.
+  /// Cost: the samples in non-empty bricks that are not hidden.
+  void (*march)(const MarchScene& scene, const RayPacket& rays, RadiancePacket& radiance);
+};
+
+/// Scalar reference kernel. SPLATLAS_SIMD=scalar in the environment forces it.
+[[nodiscard]] const MarchKernels& scalar_march();
+/// The best kernel that this machine runs. Every instruction set and the scalar reference compute the same
+/// operations, rounded alike, for the same packets: results agree to 2e-5 of full scale in all scenes. They
+/// are the same bits where the machine has fused multiply-add, and nearly always elsewhere.
+[[nodiscard]] const MarchKernels& best_march();
+
+}  // namespace splatlas

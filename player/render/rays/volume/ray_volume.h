@@ -1,0 +1,114 @@
+// Volume for ray casting: grey values or optical properties of the selected voxels in a padded box.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "format/atlas_reader.h"
+#include "format/content/decision_tree.h"
+#include "format/content/selection.h"
+#include "format/tasks/thread_pool.h"
+#include "player/picture.h"
+#include "player/render/decode/class_cache.h"
+#include "player/render/decode/selected_runs.h"
+#include "player/render/rays/march_kernels.h"
+#include "player/render/transfer/shading.h"
+#include "player/render/transfer/volume_appearances.h"
+#include "player/render_options.h"
+
+namespace splatlas {
+
+/// Input of a ray volume. References must outlive the call.
+struct RayVolumeRequest {
+  const Atlas& atlas;
+  const Selection& selection;
+  const DrawPlan& plan;
+  std::span<const VolumeAppearance> appearances;  ///< of the plan's classes
+  const SelectedRuns& runs;                       ///< of the z axis
+  const ClassCache& cache;
+  Classification classification = Classification::kBefore;
+  bool shade = false;  ///< prepare boundary voxels for shading by their normals
+  std::uint64_t max_memory_bytes = 0;
+};
+
+/// The sources of a selection. Classes with equal transfer functions share a source. Their grey values are
+/// interpolated together, with 0 for all other voxels; their colours are interpolated with the weights of
+/// their voxels. Structures that cannot be post-classified (see grey_scale()) are pre-classified and share
+/// one source.
+class RayVolume {
+ public:
+  /// kLimit for more memory than allowed, more than kMaxSources different transfer functions, or a box of
+  /// more than 2^31 voxels. Cost: linear in the selected voxels and in the bricks of their box. Reads nothing
+  /// of unselected classes.
+  [[nodiscard]] static Result<RayVolume> build(const RayVolumeRequest& request, ThreadPool& pool);
+
+  /// True if the volume was built for these options.
+  [[nodiscard]] bool fits(Classification classification, bool shade) const {
+    return classification_ == classification && shade_ == shade;
+  }
+  /// Lights boundary voxels if the volume was built with `shade` and the view's lighting has changed.
+  void light(const ParallelView& view, const Lighting& lighting, ThreadPool& pool);
+
+  /// Stores the structure numbers of the voxels, for id images, unless it has them. `of_draw`: by index into
+  /// the plan's classes. kLimit when out of memory. Cost: linear in the selected voxels.
+  [[nodiscard]] Result<void> number(const SelectedRuns& runs, std::span<const StructureNumber> of_draw,
+                                    ThreadPool& pool);
+  /// Structure numbers of the voxels, x fastest; null: none.
+  [[nodiscard]] const StructureNumber* numbers() const {
+    return reinterpret_cast<const StructureNumber*>(numbers_.data());
+  }
+
+  [[nodiscard]] Classification classification() const { return classification_; }
+  /// The number of all selected corners of each cell; 0 without any, kSeveralNumbers if they differ.
+  static constexpr StructureNumber kSeveralNumbers = 0xffff;
+  [[nodiscard]] const StructureNumber* cell_numbers() const {
+    return reinterpret_cast<const StructureNumber*>(cell_numbers_.data());
+  }
+
+  /// True if no voxel is selected.
+  [[nodiscard]] bool empty() const { return sources_.empty(); }
+  /// Voxel of the grid at position (0, 0, 0).
+  [[nodiscard]] const Index3& first() const { return first_; }
+  [[nodiscard]] const MarchGrid& grid() const { return grid_; }
+  [[nodiscard]] std::span<const MarchSource> sources() const { return views_; }
+  /// Non-empty bricks of all sources, as MarchSource::active.
+  [[nodiscard]] const std::uint32_t* active() const { return active_.data(); }
+  [[nodiscard]] std::uint64_t voxels() const { return voxels_; }
+  /// Number of selected runs.
+  [[nodiscard]] std::uint64_t runs() const { return runs_; }
+
+ private:
+  /// A voxel whose colour depends on the view.
+  struct ShadedVoxel {
+    std::size_t place = 0;  // offset of the first of its three colour values
+    PackedNormal normal = 0;
+    std::array<float, 3> color{};  // unshaded
+  };
+  struct Source {
+    std::unique_ptr<PreintegratedTransfer> transfer;  // null: pre-classified
+    GreyScale scale;
+    std::vector<bool> draws;  // classes of the plan that belong to it
+    std::array<float, 3> color{};
+    bool many_colors = false;
+    SparseBytes values, colors;
+    std::vector<std::uint32_t> active;
+    std::vector<std::vector<ShadedVoxel>> shaded;  // by slice
+  };
+  class Builder;
+
+  Index3 first_{};
+  MarchGrid grid_;
+  std::vector<Source> sources_;
+  std::vector<MarchSource> views_;
+  std::vector<std::uint32_t> active_;
+  SparseBytes numbers_, cell_numbers_;
+  std::uint64_t runs_ = 0, voxels_ = 0, shaded_voxels_ = 0;
+  Classification classification_ = Classification::kBefore;
+  bool shade_ = false;
+  std::optional<ParallelView> lit_for_;  // none: not lit, or partly lit
+};
+
+}  // namespace splatlas

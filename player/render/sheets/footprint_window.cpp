@@ -1,0 +1,68 @@
+#include "player/render/sheets/footprint_window.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "player/render/clip/clip_extent.h"
+
+namespace splatlas {
+
+SheetWindow sheet_window(const SpanModel& model, const Shear& shear, const PictureSize& size,
+                         const SheetSampling& sampling, std::span<const VoxelPlane> planes) {
+  SheetWindow window{sampling};
+  if (model.voxels == 0) return window;
+  // Bound the voxels' projections; a footprint extends one voxel to each side
+  const auto seen = [&](double first, double voxels, double shift_first, double shift_last) {
+    return std::pair(first - 1 + std::min(shift_first, shift_last),
+                     first + voxels + std::max(shift_first, shift_last));
+  };
+  const double reach = sampling.parts == 1 ? 0 : 1;  // support of a slice along the principal axis
+  const double k_first = static_cast<double>(model.slice_first) - reach;
+  const double k_last = static_cast<double>(model.slice_first + model.slice_count - 1) + reach;
+  auto [u_min, u_max] = seen(static_cast<double>(model.scan_first), static_cast<double>(model.scan_voxels),
+                             shear.u_shift(k_first), shear.u_shift(k_last));
+  auto [v_min, v_max] = seen(static_cast<double>(model.row_first), static_cast<double>(model.rows),
+                             shear.v_shift(k_first), shear.v_shift(k_last));
+  if (!planes.empty()) {
+    Vec3 low{}, high{};
+    const auto set = [&](std::size_t axis, double first, double last) {
+      low[axis] = first;
+      high[axis] = last;
+    };
+    set(shear.scan.scan_axis, static_cast<double>(model.scan_first) - 1,
+        static_cast<double>(model.scan_first + model.scan_voxels));
+    set(shear.scan.row_axis, static_cast<double>(model.row_first) - 1,
+        static_cast<double>(model.row_first + model.rows));
+    set(shear.scan.slice_axis, k_first - 1, k_last + 1);
+    const SheetExtent kept = kept_extent(planes, low, high, shear);
+    u_min = std::max(u_min, kept.u_min);
+    u_max = std::min(u_max, kept.u_max);
+    v_min = std::max(v_min, kept.v_min);
+    v_max = std::min(v_max, kept.v_max);
+  }
+
+  // Intersect with the picture, padded for interpolation
+  const double around = sampling.cubic ? 2 : 1;
+  const Affine2& map = shear.picture_to_sheet;
+  const auto shown = [&](double per_x, double per_y, double origin) {
+    const double x = per_x * size.width;
+    const double y = per_y * size.height;
+    return std::pair(origin + std::min(x, 0.0) + std::min(y, 0.0) - around,
+                     origin + std::max(x, 0.0) + std::max(y, 0.0) + around);
+  };
+  const auto [u_low, u_high] = shown(map.xx, map.xy, map.x0);
+  const auto [v_low, v_high] = shown(map.yx, map.yy, map.y0);
+  u_min = std::max(u_min, u_low);
+  u_max = std::min(u_max, u_high);
+  v_min = std::max(v_min, v_low);
+  v_max = std::min(v_max, v_high);
+  if (!(u_min < u_max && v_min < v_max)) return window;
+  window.u0 = static_cast<std::int64_t>(std::floor(u_min));
+  window.v0 = static_cast<std::int64_t>(std::floor(v_min));
+  window.columns = static_cast<std::int64_t>(std::ceil(u_max)) - window.u0 + 1;
+  window.rows = static_cast<std::int64_t>(std::ceil(v_max)) - window.v0 + 1;
+  return window;
+}
+
+}  // namespace splatlas

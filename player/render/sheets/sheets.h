@@ -1,0 +1,35 @@
+// Volume pass: sheet splatting and compositing of slices, front to back.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "format/tasks/thread_pool.h"
+#include "player/render/clip/cut_rays.h"
+#include "player/render/sheets/fragment_order.h"
+#include "player/render/sheets/spans/span_model.h"
+#include "player/render/sheets/splat/splat_kernels.h"
+#include "player/render/sheets/warp/sheet_image.h"
+#include "player/render/view/shear.h"
+#include "player/render/view/sheet_window.h"
+
+namespace splatlas {
+
+struct SharePass;
+
+/// Splats the slices into sheets (Westover 1990) in sheared object space (Lacroute and Levoy 1994) and
+/// composites them front to back. Also computes the radiance in front of every fragment; `fragments` must be
+/// of the same window. A slab has the optical properties of its slice or, between two slices, those
+/// interpolated at its centre. Early ray termination: blocks of pixels may stop at a transmittance of
+/// `termination_threshold`. Bands of rows are independent and run in parallel; the result does not depend on
+/// the number of threads. The planes of a cut clip the slabs (ClipSlabs). Returns the number of splatted
+/// voxels, each counted once; with a cut, of spans that are not removed as a whole. Cost: visible voxels *
+/// scale^2 * parts, plus fragments and pixels of the window. `shares`: also computes the shares of
+/// structures; null: not asked for.
+[[nodiscard]] std::uint64_t render_sheets(const SpanModel& model, const Shear& shear,
+                                          const SheetWindow& window, const SplatKernels& kernels,
+                                          float termination_threshold, std::span<const VoxelPlane> planes,
+                                          FragmentOrder& fragments, SheetImage& image, ThreadPool& pool,
+                                          const SharePass* shares = nullptr);
+
+}  // namespace splatlas

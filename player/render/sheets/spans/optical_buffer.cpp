@@ -1,0 +1,103 @@
+#include "player/render/sheets/spans/optical_buffer.h"
+
+#include <algorithm>
+#include <new>
+
+#include "player/render/decode/sparse_bytes.h"
+
+namespace splatlas {
+namespace {
+
+constexpr std::align_val_t kAlignment{64};
+constexpr std::size_t kAlignedFloats = 64 / sizeof(float);
+constexpr std::size_t kChunkBytes = std::size_t{4} << 20;
+
+std::shared_ptr<float> allocate(std::size_t floats) {
+  return {static_cast<float*>(::operator new(floats * sizeof(float), kAlignment)),
+          [](float* memory) { ::operator delete(memory, kAlignment); }};
+}
+
+}  // namespace
+
+void OpticalBuffer::grow(std::size_t floats) {
+  const std::size_t capacity = std::max(floats, capacity_ + capacity_ / 2);
+  std::shared_ptr<float> larger = allocate(capacity);
+  std::copy_n(floats_.get(), size_, larger.get());
+  floats_ = std::move(larger);
+  capacity_ = capacity;
+}
+
+/// Chunk of memory whose ownership its buffers share. Sizes are in floats.
+struct OpticalArena::Chunk {
+  SparseBytes memory;
+  std::size_t size = 0, used = 0, touched = 0;
+  bool lent = false;
+
+  [[nodiscard]] float* data() const { return reinterpret_cast<float*>(memory.data()); }
+};
+
+OpticalBuffer OpticalArena::lend(std::size_t floats) {
+  const std::lock_guard lock(*mutex_);
+  const auto lend_rest = [&](const std::shared_ptr<Chunk>& chunk) {
+    chunk->lent = true;
+    if (large_) chunk->memory.expect_dense(0, chunk->memory.size());
+    return OpticalBuffer({chunk, chunk->data() + chunk->used}, chunk->size - chunk->used);
+  };
+  for (const std::shared_ptr<Chunk>& chunk : chunks_) {
+    if (chunk.use_count() == 1) {
+      chunk->used = 0;
+      chunk->lent = false;
+    }
+    if (!chunk->lent && chunk->size - chunk->used >= floats) return lend_rest(chunk);
+  }
+  const auto chunk = std::make_shared<Chunk>();
+  Result<SparseBytes> memory = SparseBytes::reserve(std::max(kChunkBytes, 2 * floats * sizeof(float)));
+  if (!memory) throw std::bad_alloc();
+  chunk->memory = std::move(*memory);
+  chunk->size = chunk->memory.size() / sizeof(float);
+  chunks_.push_back(chunk);
+  return lend_rest(chunk);
+}
+
+void OpticalArena::settle(OpticalBuffer& buffer) {
+  const std::lock_guard lock(*mutex_);
+  for (const std::shared_ptr<Chunk>& chunk : chunks_) {
+    if (!chunk->lent || buffer.data() != chunk->data() + chunk->used) continue;
+    const std::size_t aligned = (buffer.size() + kAlignedFloats - 1) / kAlignedFloats * kAlignedFloats;
+    chunk->used = std::min(chunk->used + aligned, chunk->size);
+    chunk->touched = std::max(chunk->touched, chunk->used);
+    chunk->lent = false;
+    buffer.fit();
+    if (buffer.size() == 0) buffer = {};
+    return;
+  }
+}
+
+std::uint64_t OpticalArena::bytes() const {
+  const std::lock_guard lock(*mutex_);
+  std::uint64_t floats = 0;
+  for (const std::shared_ptr<Chunk>& chunk : chunks_) floats += chunk->touched;
+  return floats * sizeof(float);
+}
+
+std::uint64_t OpticalArena::bytes_in_use() const {
+  const std::lock_guard lock(*mutex_);
+  std::uint64_t floats = 0;
+  for (const std::shared_ptr<Chunk>& chunk : chunks_) {
+    if (chunk.use_count() > 1) floats += chunk->used;
+  }
+  return floats * sizeof(float);
+}
+
+void OpticalArena::trim(std::uint64_t bytes) {
+  const std::lock_guard lock(*mutex_);
+  std::uint64_t kept = 0;
+  std::erase_if(chunks_, [&](const std::shared_ptr<Chunk>& chunk) {
+    const std::uint64_t more = chunk->touched * sizeof(float);
+    if (chunk.use_count() == 1 && kept + more > bytes) return true;
+    if (chunk.use_count() == 1) kept += more;
+    return false;
+  });
+}
+
+}  // namespace splatlas

@@ -1,0 +1,86 @@
+// Spans: merged runs of the selected classes with the optical properties of their voxels.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "format/content/grid.h"
+#include "format/tasks/thread_pool.h"
+#include "player/render/decode/span_blocks.h"
+#include "player/render/sheets/spans/optical_buffer.h"
+
+namespace splatlas {
+
+/// The spans of one slice, built by SpanWriter.
+struct SliceSpans {
+  std::int64_t number = 0;                   ///< of the slice in the grid
+  int emissions = 3;                         ///< 1 or 3
+  std::int64_t first_row = 0, last_row = 0;  ///< spans are in rows [first_row, last_row) of the grid
+  std::vector<std::uint32_t> first_span;     ///< last_row - first_row + 1 offsets; empty without spans
+  std::vector<Span> spans;                   ///< by row, then position
+  OpticalBuffer optics;                      ///< of all blocks
+  std::vector<ShadedVoxel> shaded;
+  std::uint64_t voxels = 0;  ///< selected voxels with an extinction above 0
+
+  /// The spans of a row of the grid.
+  [[nodiscard]] std::span<const Span> row(std::int64_t n) const {
+    if (n < first_row || n >= last_row) return {};
+    const std::uint32_t* first = &first_span[static_cast<std::size_t>(n - first_row)];
+    return {spans.data() + first[0], spans.data() + first[1]};
+  }
+  /// Floats per block.
+  [[nodiscard]] std::int64_t block_floats() const { return kBlock * (1 + emissions); }
+  /// Index in `optics` of the extinction of a voxel of a span, given by its position in the scanline. The
+  /// emissions follow at a stride of kBlock.
+  [[nodiscard]] std::size_t place(const Span& span, std::uint32_t voxel) const {
+    const std::uint32_t block = span.offset + (voxel >> kBlockBits) - span.first_block;
+    return std::size_t{block} * static_cast<std::size_t>(block_floats()) +
+           (voxel & static_cast<std::uint32_t>(kBlock - 1));
+  }
+};
+
+/// All spans of a selection for one principal axis. Slices, rows and voxels are indices of the grid.
+struct SpanModel {
+  Axis axis = Axis::kZ;
+  /// The selection's bounding box: slices [slice_first, slice_first + slice_count), and so on.
+  std::int64_t slice_first = 0, slice_count = 0, row_first = 0, rows = 0, scan_first = 0, scan_voxels = 0;
+  int emissions = 3;                    ///< of every slice
+  std::array<float, 3> color{1, 1, 1};  ///< linear; of a volume with one emission
+  /// Maximum extinction of the appearances, averaged over the selected voxels, 1/mm.
+  double mean_densest_per_mm = 0;
+  std::vector<SliceSpans> slices;  ///< by number; slices without spans may be missing
+  std::uint64_t voxels = 0;
+  std::uint64_t shaded_voxels = 0;  ///< voxels with hybrid shading
+
+  /// Index of the first slice with at least this number.
+  [[nodiscard]] std::size_t place_of(std::int64_t number) const {
+    return static_cast<std::size_t>(std::ranges::lower_bound(slices, number, {}, &SliceSpans::number) -
+                                    slices.begin());
+  }
+  /// The spans of a slice of the grid; null if there are none.
+  [[nodiscard]] const SliceSpans* slice(std::int64_t number) const {
+    const std::size_t place = place_of(number);
+    if (place == slices.size() || slices[place].number != number || slices[place].spans.empty())
+      return nullptr;
+    return &slices[place];
+  }
+};
+
+/// Multiplies the emission of a shaded voxel of a slice by `factors[normal]`.
+inline void shade(const ShadedVoxel& voxel, std::span<const float> factors, SliceSpans& slice) {
+  for (std::size_t c = 0; c < static_cast<std::size_t>(slice.emissions); ++c)
+    slice.optics.data()[voxel.place + (c + 1) * kBlock] = voxel.emission[c] * factors[voxel.normal];
+}
+
+/// Multiplies the emission of shaded voxels by `factors[normal]` (65536 entries), once per change of view.
+inline void shade_spans(SpanModel& model, std::span<const float> factors, ThreadPool& pool) {
+  pool.for_each(model.slices.size(), [&](std::size_t n) {
+    SliceSpans& slice = model.slices[n];
+    for (const ShadedVoxel& voxel : slice.shaded) shade(voxel, factors, slice);
+  });
+}
+
+}  // namespace splatlas

@@ -1,0 +1,66 @@
+// Writer of the spans of a slice.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "player/render/sheets/spans/span_model.h"
+
+namespace splatlas {
+
+/// Writes the spans of one slice, row by row. The caller fills a scanline buffer of the blocks with added
+/// voxels; end_row() keeps those with positive extinction. Cost: linear in the added voxels and the rows of
+/// the slice.
+class SpanWriter {
+ public:
+  /// `out` is cleared and keeps its capacity.
+  SpanWriter(int emissions, SliceSpans& out);
+
+  /// Adds `count` voxels from `first` on, in ascending order. The caller sets their extinctions and
+  /// emissions before the next add(); the emission of a voxel without extinction must be 0.
+  void add(std::uint32_t first, std::uint32_t count);
+  /// Extinctions of the latest voxels, from `first` on.
+  [[nodiscard]] float* extinctions(std::uint32_t first) {
+    const Blocks& latest = blocks_.back();
+    return line_.data() + latest.place + (first - (latest.first << kBlockBits));
+  }
+  [[nodiscard]] float* emissions(std::uint32_t first, int n) {
+    return extinctions(first) + (1 + n) * plane_floats_;
+  }
+  /// Multiplies emission 0, that of white, by a colour to get all three emissions.
+  void color(std::uint32_t first, std::uint32_t count, const std::array<float, 3>& color);
+  /// Lists added voxels as shaded, with normals[0], normals[stride], ...
+  void shade(std::uint32_t first, std::uint32_t count, const PackedNormal* normals, std::size_t stride);
+  /// Appends the row's spans. Rows of the grid come in ascending order.
+  void end_row(std::int64_t row);
+  /// Completes the offsets, after the last row.
+  void finish();
+
+ private:
+  /// Consecutive blocks [first, last) of a row, from `place` on in every plane of the buffer.
+  struct Blocks {
+    std::uint32_t first = 0, last = 0;
+    std::size_t place = 0;
+    [[nodiscard]] std::size_t end() const { return place + (std::size_t{last - first} << kBlockBits); }
+  };
+  struct ShadedRun {
+    std::uint32_t first = 0, count = 0;
+    const PackedNormal* normals = nullptr;
+    std::size_t stride = 1;
+  };
+  void make_room(std::size_t floats);
+  void keep(std::uint32_t block, float* line, std::size_t first_of_row);
+  void append(const float* line);
+  void end_span(std::size_t first_of_row);
+  void list(const ShadedRun& run, std::size_t first_of_row);
+
+  SliceSpans& out_;
+  std::int64_t plane_floats_ = 0;
+  std::vector<float> line_;  // planes: extinction, emissions; zero outside blocks_
+  std::vector<Blocks> blocks_;
+  std::vector<ShadedRun> shaded_;
+};
+
+}  // namespace splatlas

@@ -1,0 +1,19 @@
+// Scalar reference of the splat kernels: the kernels on plain arrays, without instruction sets.
+#undef HWY_COMPILE_ONLY_STATIC  // of preset fuzz
+#define HWY_COMPILE_ONLY_SCALAR
+#include <hwy/highway.h>
+
+#include "player/render/sheets/splat/mix_optics-inl.h"
+#include "player/render/sheets/splat/splat_cut-inl.h"
+#include "player/render/sheets/splat/splat_kernels.h"
+#include "player/render/sheets/splat/splat_rows-inl.h"
+
+namespace splatlas {
+
+const SplatKernels& scalar_kernels() {
+  static constexpr SplatKernels kKernels{"scalar", HWY_NAMESPACE::CompositeRows,
+                                         HWY_NAMESPACE::CompositeCutRows, HWY_NAMESPACE::MixOptics};
+  return kKernels;
+}
+
+}  // namespace splatlas

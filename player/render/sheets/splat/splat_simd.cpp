@@ -1,0 +1,63 @@
+// Splat kernels for every instruction set: Highway compiles this file once for each.
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "player/render/sheets/splat/splat_simd.cpp"
+#include <hwy/foreach_target.h>
+// Must come after foreach_target.h.
+#include <hwy/highway.h>
+
+#include "player/render/sheets/splat/splat_kernels.h"
+#if HWY_TARGET != HWY_SCALAR
+#include "player/render/sheets/splat/mix_optics-inl.h"
+#include "player/render/sheets/splat/splat_rows-inl.h"
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace splatlas::HWY_NAMESPACE {
+
+void CompositeDispatched(const SheetRows& rows, float slab_mm, float termination_threshold,
+                         const ImageRows& image) {
+#if HWY_TARGET == HWY_SCALAR
+  scalar_kernels().composite(rows, slab_mm, termination_threshold, image);
+#else
+  CompositeRows(rows, slab_mm, termination_threshold, image);
+#endif
+}
+
+void MixDispatched(const WeightedOptics& a, const WeightedOptics& b, std::size_t floats, float* mixed) {
+#if HWY_TARGET == HWY_SCALAR
+  scalar_kernels().mix(a, b, floats, mixed);
+#else
+  MixOptics(a, b, floats, mixed);
+#endif
+}
+
+}  // namespace splatlas::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+#include "player/render/simd/simd_choice.h"
+
+namespace splatlas {
+namespace {
+
+HWY_EXPORT(CompositeDispatched);
+HWY_EXPORT(MixDispatched);
+
+void composite(const SheetRows& rows, float slab_mm, float termination_threshold, const ImageRows& image) {
+  HWY_DYNAMIC_DISPATCH(CompositeDispatched)(rows, slab_mm, termination_threshold, image);
+}
+
+void mix(const WeightedOptics& a, const WeightedOptics& b, std::size_t floats, float* mixed) {
+  HWY_DYNAMIC_DISPATCH(MixDispatched)(a, b, floats, mixed);
+}
+
+}  // namespace
+
+const SplatKernels& best_kernels() {
+  static const SplatKernels kKernels =
+      scalar_is_forced() ? scalar_kernels() : SplatKernels{best_target(), composite, best_composite_cut, mix};
+  return kKernels;
+}
+
+}  // namespace splatlas
+#endif  // HWY_ONCE

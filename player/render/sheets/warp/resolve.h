@@ -1,0 +1,28 @@
+// Warp of the sheet into the picture, composited with surface fragments.
+#pragma once
+
+#include "format/tasks/thread_pool.h"
+#include "player/picture.h"
+#include "player/render/sheets/fragment_order.h"
+#include "player/render/sheets/warp/sheet_image.h"
+#include "player/render/sheets/warp/warp_kernels.h"
+#include "player/render/view/shear.h"
+
+namespace splatlas {
+
+/// Surface fragments, and the radiance of the volume in front of each.
+struct FragmentsInVolume {
+  const FragmentList& list;
+  const FragmentOrder& order;
+  const CutRays* cuts = nullptr;     ///< clips the volume; null: no cut
+  const FaceLayer* faces = nullptr;  ///< of the cut, at pixel centres; null: none
+};
+
+/// Warps the sheet (Lacroute and Levoy 1994) and composites fragments with the segments of the volume between
+/// them, in exact depth order. Interpolation in the sheet is bilinear, or cubic for pixels without fragments
+/// if the window asks for it. Minified pixels are the mean of several samples. Faces of a cut are composited
+/// in front of and behind everything else. Cost: linear in pixels and fragments.
+void resolve(const SheetImage& sheet, const Shear& shear, const FragmentsInVolume& fragments,
+             const PictureSize& size, const WarpKernels& kernels, Picture& picture, ThreadPool& pool);
+
+}  // namespace splatlas

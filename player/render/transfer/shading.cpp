@@ -1,0 +1,78 @@
+#include "player/render/transfer/shading.h"
+
+#include <cstddef>
+
+#include "format/content/unit_vector.h"
+
+namespace splatlas {
+namespace {
+
+std::array<float, 3> normalised(const Vec3& v) {
+  const double length = std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+  return {static_cast<float>(v[0] / length), static_cast<float>(v[1] / length),
+          static_cast<float>(v[2] / length)};
+}
+
+constexpr std::size_t kPackedNormals = 65536;
+
+/// Components of all packed normals, in arrays for SIMD.
+struct UnpackedNormals {
+  std::vector<float> x = std::vector<float>(kPackedNormals), y = x, z = x;
+
+  UnpackedNormals() {
+    for (std::size_t n = 0; n < kPackedNormals; ++n) {
+      const std::array<float, 3> normal = unpack_normal(static_cast<PackedNormal>(n));
+      x[n] = normal[0];
+      y[n] = normal[1];
+      z[n] = normal[2];
+    }
+  }
+};
+
+}  // namespace
+
+Lighting::Lighting(const ParallelView& view) {
+  Vec3 viewer{};
+  Vec3 light{};
+  Vec3 half{};
+  for (std::size_t a = 0; a < 3; ++a) {
+    viewer[a] = -view.forward_lps[a];
+    light[a] = viewer[a] - 0.45 * view.right_lps[a] + 0.55 * view.up_lps[a];
+  }
+  to_viewer_ = normalised(viewer);
+  to_light_ = normalised(light);
+  for (std::size_t a = 0; a < 3; ++a) half[a] = to_viewer_[a] + to_light_[a];
+  half_ = normalised(half);
+}
+
+float Lighting::one_sided(const std::array<float, 3>& normal_lps) const {
+  const float length_squared = dot(normal_lps, normal_lps);
+  float facing = dot(to_viewer_, to_light_);
+  if (length_squared > 0) facing = std::max(0.0f, dot(normal_lps, to_light_) / std::sqrt(length_squared));
+  return kAmbient + (1.0f - kAmbient) * std::min(facing, 1.0f);
+}
+
+float Lighting::diffuse(const std::array<float, 3>& normal_lps) const {
+  const float away = dot(normal_lps, to_viewer_);
+  if (!(away < 0)) return one_sided(normal_lps);
+  std::array<float, 3> mirrored{};
+  for (std::size_t a = 0; a < 3; ++a) mirrored[a] = normal_lps[a] - 2 * away * to_viewer_[a];
+  return one_sided(mirrored);
+}
+
+std::vector<float> Lighting::table() const {
+  static const UnpackedNormals normals;
+  std::vector<float> factors(kPackedNormals);
+  // The mirrored normal m = n - 2 min(0, n . v) v has m . l = n . l - 2 min(0, n . v) (v . l)
+  const float twice_viewer_to_light = 2 * dot(to_viewer_, to_light_);
+  for (std::size_t n = 0; n < kPackedNormals; ++n) {
+    const auto along = [&](const std::array<float, 3>& direction) {
+      return normals.x[n] * direction[0] + normals.y[n] * direction[1] + normals.z[n] * direction[2];
+    };
+    const float facing = along(to_light_) - std::min(0.0f, along(to_viewer_)) * twice_viewer_to_light;
+    factors[n] = kAmbient + (1.0f - kAmbient) * std::clamp(facing, 0.0f, 1.0f);
+  }
+  return factors;
+}
+
+}  // namespace splatlas

@@ -1,0 +1,77 @@
+// Program splatlas-preprocess: builds atlases, and exports their parts.
+
+#include <sstream>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "format/io/interrupts.h"
+#include "format/io/memory_limit.h"
+#include "format/program/command_options.h"
+#include "format/program/exit_status.h"
+#include "format/program/standard_output.h"
+#include "format/result_macros.h"
+#include "format/text/ascii_text.h"
+#include "preprocess/commands/commands.h"
+
+namespace splatlas {
+namespace {
+
+constexpr const char* kTool = "splatlas-preprocess " SPLATLAS_VERSION;
+
+constexpr const char* kDescription =
+    "Turns classified medical volumes into compact, playable anatomy atlases.\n"
+    "\n"
+    "  splatlas-preprocess build -o brain.atlas --labels aal.nii.gz --names aal.nii.txt --volume ch2.nii.gz\n"
+    "  splatlas-preprocess export brain.atlas --labels labels.nii.gz\n"
+    "\n"
+    "COMMAND --help describes a command.";
+
+/// `first`: the first word of the command line, or "". `fault`: CLI11's message.
+tl::unexpected<Error> wrong_usage(const CLI::App& app, const std::string& first, const std::string& fault) {
+  if (!app.get_subcommands().empty()) {
+    return fail(ErrorCode::kUsage, "{}; see splatlas-preprocess {} --help", fault,
+                app.get_subcommands().front()->get_name());
+  }
+  if (first.empty()) {
+    return fail(ErrorCode::kUsage,
+                "no command is given; there are build and export; see splatlas-preprocess --help");
+  }
+  return fail(ErrorCode::kUsage, "{}: no such {}; there are build and export; see splatlas-preprocess --help",
+              in_quotes(first), first.starts_with('-') ? "option" : "command");
+}
+
+Result<void> run(int argc, char** argv) {
+  CLI::App app{kDescription, "splatlas-preprocess"};
+  app.set_version_flag("--version", std::string(kTool) + " (atlas format 1)");
+  app.get_formatter()->column_width(30);
+  app.require_subcommand(1);
+  BuildRequest request;
+  request.options.tool = kTool;
+  ExportOptions export_options;
+  const CLI::App* build = add_build(app, request);
+  add_export(app, export_options);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& help_or_version) {
+    std::ostringstream text;
+    app.exit(help_or_version, text);
+    return print_text(PrintableText::of_layout(text.str()));
+  } catch (const CLI::ValidationError& error) {
+    return fail(ErrorCode::kUsage, error.what());
+  } catch (const CLI::ParseError& error) {
+    return wrong_usage(app, argc > 1 ? argv[1] : "", fault_of_usage(app, error));
+  }
+  install_interrupt_handlers();
+  SPLATLAS_RETURN_IF_ERROR(
+      run_on_file(build->parsed() ? request.options.output : export_options.atlas, kOutOfMemoryRemedy,
+                  [&] { return build->parsed() ? run_build(request) : run_export(export_options); }));
+  return finish_standard_output();
+}
+
+}  // namespace
+}  // namespace splatlas
+
+int main(int argc, char** argv) {
+  return splatlas::run_main("splatlas-preprocess", [&] { return splatlas::run(argc, argv); });
+}

@@ -1,0 +1,117 @@
+#include "preprocess/import/images/dicom/dicom_item.h"
+
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <string_view>
+
+#include "preprocess/import/import_error.h"
+
+namespace splatlas {
+namespace {
+
+constexpr std::string_view kPadding{" \0\t", 3};
+
+std::string_view trimmed(std::string_view text) {
+  const std::size_t first = text.find_first_not_of(kPadding);
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(kPadding) - first + 1);
+}
+
+std::optional<double> parsed(std::string_view text) {
+  text = trimmed(text);
+  if (text.starts_with('+')) text.remove_prefix(1);
+  double number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(number)) return std::nullopt;
+  return number;
+}
+
+}  // namespace
+
+void prepare_dcmtk() {
+  static const bool done = [] {
+    OFLog::configure(OFLogger::OFF_LOG_LEVEL);
+    dcmEnableUnknownVRConversion.set(OFTrue);
+    return true;
+  }();
+  static_cast<void>(done);
+}
+
+bool begins_as_dicom(const std::filesystem::path& file) {
+  constexpr std::streamoff kPreamble = 128;
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(file, ignored)) return false;  // a pipe would wait
+  std::ifstream stream(file, std::ios::binary);
+  std::array<char, 4> mark{};
+  stream.seekg(kPreamble);
+  stream.read(mark.data(), mark.size());
+  return stream && std::memcmp(mark.data(), "DICM", mark.size()) == 0;
+}
+
+Result<std::unique_ptr<DcmFileFormat>> open_dicom(const std::filesystem::path& file, DicomPart part) {
+  constexpr Uint32 kMaxInMemory = 4096;
+  prepare_dcmtk();
+  auto format = std::make_unique<DcmFileFormat>();
+  const OFFilename name(file.c_str());
+  const OFCondition status =
+      part == DicomPart::kWhole
+          ? format->loadFile(name, EXS_Unknown, EGL_noChange, kMaxInMemory, ERM_fileOnly)
+          : format->loadFileUntilTag(name, EXS_Unknown, EGL_noChange, kMaxInMemory, ERM_fileOnly,
+                                     DCM_PixelData);
+  if (status.bad())  // its text may quote the header
+    return bad_file(file, "is damaged or cut short, or in an unknown transfer syntax; get the file again");
+  return format;
+}
+
+std::optional<double> number_in(DcmItem& item, const DcmTagKey& tag, unsigned long n) {
+  DcmElement* element = nullptr;
+  if (item.findAndGetElement(tag, element).bad() || element == nullptr) return std::nullopt;
+  // Text of floating-point attributes is rounded.
+  if (element->ident() == EVR_FD) {
+    Float64 value = 0;
+    if (element->getFloat64(value, n).bad() || !std::isfinite(value)) return std::nullopt;
+    return value;
+  }
+  if (element->ident() == EVR_FL) {
+    Float32 value = 0;
+    if (element->getFloat32(value, n).bad() || !std::isfinite(value)) return std::nullopt;
+    return static_cast<double>(value);
+  }
+  OFString text;
+  if (element->getOFString(text, n).bad()) return std::nullopt;
+  return parsed({text.data(), text.size()});
+}
+
+std::optional<std::int64_t> integer_in(DcmItem& item, const DcmTagKey& tag) {
+  constexpr double kMax = 1e15;  // exact in a double
+  const std::optional<double> number = number_in(item, tag);
+  if (!number || std::abs(*number) > kMax || std::trunc(*number) < *number || std::trunc(*number) > *number)
+    return std::nullopt;
+  return static_cast<std::int64_t>(*number);
+}
+
+std::string text_in(DcmItem& item, const DcmTagKey& tag) {
+  OFString text;
+  if (item.findAndGetOFStringArray(tag, text).bad()) return {};
+  return std::string(trimmed({text.data(), text.size()}));
+}
+
+std::vector<DcmItem*> items_in(DcmItem& item, const DcmTagKey& sequence) {
+  DcmSequenceOfItems* found = nullptr;
+  if (item.findAndGetSequence(sequence, found).bad() || found == nullptr) return {};
+  std::vector<DcmItem*> items;
+  for (DcmObject* next = found->nextInContainer(nullptr); next != nullptr;
+       next = found->nextInContainer(next)) {
+    if (auto* const one = dynamic_cast<DcmItem*>(next)) items.push_back(one);
+  }
+  return items;
+}
+
+DcmItem* first_item(DcmItem& item, const DcmTagKey& sequence) {
+  const std::vector<DcmItem*> items = items_in(item, sequence);
+  return items.empty() ? nullptr : items.front();
+}
+
+}  // namespace splatlas

@@ -1,0 +1,127 @@
+#include "preprocess/import/images/itk/read_itk_image.h"
+
+#include <algorithm>
+#include <cstring>
+#include <utility>
+
+#include "format/result_macros.h"
+#include "preprocess/import/images/itk/image_io.h"
+#include "preprocess/import/images/itk/itk_call.h"
+#include "preprocess/import/images/itk/nrrd_segments.h"
+#include "preprocess/import/images/pixels/check_image_file.h"
+#include "preprocess/import/images/pixels/narrow_integers.h"
+#include "preprocess/import/images/pixels/read_deflated.h"
+#include "preprocess/import/import_error.h"
+
+namespace splatlas {
+namespace {
+
+namespace fs = std::filesystem;
+
+const NoteKind kNoSpace{"no-space", "NRRD file names no anatomical space and is read as LPS",
+                        "NRRD files name no anatomical space and are read as LPS", true};
+
+WideInteger wide_integer_of(itk::IOComponentEnum component) {
+  switch (component) {
+    case itk::IOComponentEnum::LONG:
+    case itk::IOComponentEnum::LONGLONG: return WideInteger::kSigned;
+    case itk::IOComponentEnum::ULONG:
+    case itk::IOComponentEnum::ULONGLONG: return WideInteger::kUnsigned;
+    default: return WideInteger::kNone;
+  }
+}
+
+/// The pixels in the order of the file. MetaIO ignores damage in compressed ones, so ITK reads only plain
+/// ones.
+Result<std::vector<std::byte>> read_pixels(itk::ImageIOBase& io, const PixelData& pixels, std::uint64_t bytes,
+                                           std::size_t bytes_each) {
+  std::vector<std::byte> result;
+  if (pixels.compression == Compression::kNone) {
+    result.resize(bytes);
+    itk::ImageIORegion region(io.GetNumberOfDimensions());
+    for (unsigned a = 0; a < io.GetNumberOfDimensions(); ++a) region.SetSize(a, io.GetDimensions(a));
+    io.SetIORegion(region);
+    io.Read(result.data());
+    return result;
+  }
+  const auto read = pixels.compression == Compression::kDeflate ? read_deflated : read_bzip2;
+  SPLATLAS_RETURN_IF_ERROR(read(pixels.file, pixels.start, pixels.skipped_bytes + bytes, result));
+  result.erase(result.begin(), result.begin() + static_cast<std::ptrdiff_t>(pixels.skipped_bytes));
+  if (pixels.is_big_endian) swap_bytes(result, bytes_each);
+  return result;
+}
+
+/// Layer after layer, from pixels whose layers stand together.
+std::vector<std::byte> separate_layers(const std::vector<std::byte>& mixed, std::size_t layers,
+                                       std::size_t bytes_each) {
+  std::vector<std::byte> result(mixed.size());
+  const std::size_t voxels = mixed.size() / (layers * bytes_each);
+  for (std::size_t v = 0; v < voxels; ++v) {
+    for (std::size_t layer = 0; layer < layers; ++layer)
+      std::memcpy(&result[(layer * voxels + v) * bytes_each], &mixed[(v * layers + layer) * bytes_each],
+                  bytes_each);
+  }
+  return result;
+}
+
+Result<SourceImage> read_with(itk::ImageIOBase& io, const fs::path& path, const PixelData& pixels) {
+  const std::string name = path.string();
+  if (!io.CanReadFile(name.c_str())) return bad_file(path, "is not of the type that its ending says");
+  io.SetFileName(name);
+  io.ReadImageInformation();
+  SourceImage image;
+  image.grid = grid_of(io);
+  SPLATLAS_RETURN_IF_ERROR(validate(image.grid, name));
+  const WideInteger wide = wide_integer_of(io.GetComponentType());
+  image.voxels.type = voxel_type_of(io.GetComponentType());
+  if (image.voxels.type == VoxelType::kNone && wide == WideInteger::kNone)
+    return bad_pixel_type(path, "type " + itk::ImageIOBase::GetComponentTypeAsString(io.GetComponentType()));
+  image.layers = pixels.layers;
+  const std::size_t bytes_each = wide == WideInteger::kNone ? bytes_of(image.voxels.type) : 8;
+  const std::uint64_t bytes = static_cast<std::uint64_t>(image.grid.voxels()) * image.layers * bytes_each;
+  if (pixels.bytes != bytes)
+    return bad_file(path, "has {} bytes of pixels by its header, {} by ITK's reading", pixels.bytes, bytes);
+  SPLATLAS_ASSIGN_OR_RETURN(std::vector<std::byte> read, read_pixels(io, pixels, bytes, bytes_each));
+  // ITK moves the layers of NRRD files to the front.
+  const bool are_mixed =
+      pixels.layers_first || (pixels.compression == Compression::kNone && io.GetNumberOfComponents() > 1);
+  if (are_mixed && image.layers > 1) read = separate_layers(read, image.layers, bytes_each);
+  if (wide == WideInteger::kNone) {
+    image.voxels.bytes = std::move(read);
+  } else {
+    SPLATLAS_ASSIGN_OR_RETURN(image.voxels, narrow_integers(read, wide, path));
+  }
+  return image;
+}
+
+}  // namespace
+
+Result<SourceImage> read_nrrd(const fs::path& path) {
+  return call_itk(path.string(), [&]() -> Result<SourceImage> {
+    SPLATLAS_ASSIGN_OR_RETURN(const PixelData pixels, check_nrrd_file(path));
+    SPLATLAS_ASSIGN_OR_RETURN(SourceImage image, read_with(*make_image_io(ImageFormat::kNrrd), path, pixels));
+    for (std::size_t row = 0; row < 2; ++row) {
+      if (!pixels.misread_axes[row]) continue;
+      image.grid.origin_lps_mm[row] *= -1;
+      for (std::size_t a = 0; a < 3; ++a) image.grid.direction_lps[3 * row + a] *= -1;
+    }
+    if (pixels.has_no_space) image.notes.add(kNoSpace, path.string());
+    image.segments = segments_of_nrrd(pixels.pairs);
+    image.is_segmentation = !image.segments.empty();
+    for (const SourceSegment& segment : image.segments) {
+      if (segment.layer < image.layers) continue;
+      return bad_file(path, "puts segment '{}' into layer {}, but it has {} layers", segment.structure.name,
+                      segment.layer, image.layers);
+    }
+    return image;
+  });
+}
+
+Result<SourceImage> read_meta_image(const fs::path& path) {
+  return call_itk(path.string(), [&]() -> Result<SourceImage> {
+    SPLATLAS_ASSIGN_OR_RETURN(const PixelData pixels, check_meta_image_file(path));
+    return read_with(*make_image_io(ImageFormat::kMetaImage), path, pixels);
+  });
+}
+
+}  // namespace splatlas

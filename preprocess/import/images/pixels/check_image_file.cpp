@@ -1,0 +1,52 @@
+#include "preprocess/import/images/pixels/check_image_file.h"
+
+#include "format/content/grid.h"
+#include "format/result_macros.h"
+#include "format/text/ascii_text.h"
+#include "preprocess/import/import_error.h"
+
+namespace splatlas {
+
+namespace fs = std::filesystem;
+
+Result<ImageFormat> image_format(const fs::path& path) {
+  const std::string name = to_lower(path.filename().string());
+  if (name.ends_with(".nii") || name.ends_with(".nii.gz")) return ImageFormat::kNifti;
+  if (name.ends_with(".nrrd") || name.ends_with(".nhdr")) return ImageFormat::kNrrd;
+  if (name.ends_with(".mha") || name.ends_with(".mhd")) return ImageFormat::kMetaImage;
+  return bad_file(path, "is of no known type; volumes end in .nii, .nii.gz, .nrrd, .nhdr, .mha or .mhd");
+}
+
+Result<std::uint64_t> payload_bytes(const fs::path& path, std::span<const std::int64_t> sizes,
+                                    std::uint64_t bytes_per_voxel) {
+  std::int64_t voxels = 1;
+  for (const std::int64_t size : sizes) {
+    if (size < 1 || size > kMaxAxisSize || voxels > kMaxVoxels / size) {
+      return bad_file(path, "has an impossible size of {} voxels: at most {} along an axis, and {} in all",
+                      fmt::join(sizes, " x "), kMaxAxisSize, kMaxVoxels);
+    }
+    voxels *= size;
+  }
+  return static_cast<std::uint64_t>(voxels) * bytes_per_voxel;
+}
+
+Result<void> check_raw_payload(const fs::path& path, std::uint64_t offset, std::uint64_t needed,
+                               std::uint64_t expected) {
+  std::error_code error;
+  const std::uint64_t size = fs::file_size(path, error);
+  if (error) return bad_file(path, "{}", error.message());
+  const std::uint64_t found = size > offset ? size - offset : 0;
+  if (found < needed) return truncated_file(path, expected, found);
+  return {};
+}
+
+tl::unexpected<Error> truncated_file(const fs::path& path, std::uint64_t expected, std::uint64_t found) {
+  return bad_file(path, "is truncated: its header promises {} bytes of pixels, {} are there", expected,
+                  found);
+}
+
+tl::unexpected<Error> bad_pixel_type(const fs::path& path, std::string_view type) {
+  return bad_file(path, "has pixels of {}; 8, 16 and 32-bit integers, float and double are read", type);
+}
+
+}  // namespace splatlas

@@ -1,0 +1,42 @@
+// Content of an image file, as its reader hands it over.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "format/content/grid.h"
+#include "format/content/voxel_type.h"
+#include "preprocess/import/notes.h"
+#include "preprocess/import/tables/source_structure.h"
+
+namespace splatlas {
+
+/// A structure that a file names: the voxels of one value in one layer.
+struct SourceSegment {
+  std::size_t layer = 0;
+  std::int64_t value = 1;
+  SourceStructure structure;  ///< its label is empty
+};
+
+/// Layers of voxels on one grid, and what the file says of them. A volume has one layer, a series of volumes
+/// one per volume, a segmentation as many as its overlaps need.
+struct SourceImage {
+  Grid grid;           ///< LPS
+  VoxelBuffer voxels;  ///< layer after layer, i fastest
+  std::size_t layers = 1;
+  std::vector<SourceSegment> segments;  ///< names of values; empty for images
+  bool is_segmentation = false;         ///< only values of `segments` are structures
+  Notes notes;
+};
+
+/// Options that readers need. Those that do not concern a format are ignored by it.
+struct ImageOptions {
+  std::string series = {};  ///< DICOM: number in the list of stacks, from 1, or UID; empty for the only one
+  std::optional<std::size_t> component = {};  ///< volume of a file of several, from 1
+  std::optional<Vec3> spacing_mm = {};        ///< of stacks of pictures, which have none
+};
+
+}  // namespace splatlas

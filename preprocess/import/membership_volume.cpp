@@ -1,0 +1,89 @@
+#include "preprocess/import/membership_volume.h"
+
+#include <algorithm>
+
+namespace splatlas {
+
+MembershipVolume::MembershipVolume(const Index3& size)
+    : MembershipVolume(size, {{}},
+                       std::vector<SetId>(static_cast<std::size_t>(size[0] * size[1] * size[2]), 0)) {}
+
+MembershipVolume::MembershipVolume(const Index3& size, std::vector<std::vector<StructureIndex>> sets,
+                                   std::vector<SetId> voxels)
+    : size_(size), sets_(std::move(sets)), voxels_(std::move(voxels)) {
+  for (SetId id = 0; id < sets_.size(); ++id) index_.emplace(sets_[id], id);
+}
+
+bool MembershipVolume::disjoint() const {
+  return std::all_of(sets_.begin(), sets_.end(), [](const auto& set) { return set.size() <= 1; });
+}
+
+std::uint64_t MembershipVolume::add(StructureIndex structure, std::span<const std::uint8_t> mask) {
+  constexpr SetId kUnknown = 0xffffffff;
+  std::vector<SetId> extended(sets_.size(), kUnknown);  // [set]: its union with `structure`
+  std::uint64_t count = 0;
+  for (std::size_t v = 0; v < voxels_.size(); ++v) {
+    if (mask[v] == 0) continue;
+    SetId& with = extended[voxels_[v]];
+    if (with == kUnknown) {
+      std::vector<StructureIndex> set = sets_[voxels_[v]];
+      set.insert(std::lower_bound(set.begin(), set.end(), structure), structure);
+      with = intern(std::move(set));
+    }
+    voxels_[v] = with;
+    ++count;
+  }
+  return count;
+}
+
+void MembershipVolume::add_each(std::span<const StructureIndex> structures) {
+  std::map<std::pair<SetId, StructureIndex>, SetId> unions;
+  std::pair<SetId, StructureIndex> last{0, kNoStructure};
+  SetId last_union = 0;
+  for (std::size_t v = 0; v < voxels_.size(); ++v) {
+    if (structures[v] == kNoStructure) continue;
+    if (const std::pair pair{voxels_[v], structures[v]}; pair != last) {
+      const auto [entry, is_new] = unions.try_emplace(pair, 0);
+      if (is_new) {
+        std::vector<StructureIndex> set = sets_[pair.first];
+        set.insert(std::ranges::lower_bound(set, pair.second), pair.second);
+        entry->second = intern(std::move(set));
+      }
+      last = pair;
+      last_union = entry->second;
+    }
+    voxels_[v] = last_union;
+  }
+}
+
+void MembershipVolume::widen(const Margin& margin) {
+  voxels_ = widened<SetId>(voxels_, size_, margin, 0);
+  for (std::size_t a = 0; a < 3; ++a) size_[a] += margin.low[a] + margin.high[a];
+}
+
+void MembershipVolume::remove(StructureIndex structure, std::size_t first, std::size_t count) {
+  for (std::size_t v = first; v < first + count;) {
+    const SetId from = voxels_[v];
+    std::vector<StructureIndex> set = sets_[from];
+    std::erase(set, structure);
+    const SetId to = intern(std::move(set));
+    for (; v < first + count && voxels_[v] == from; ++v) voxels_[v] = to;
+  }
+}
+
+void MembershipVolume::renumber(std::span<const StructureIndex> new_numbers) {
+  index_.clear();
+  for (SetId id = 0; id < sets_.size(); ++id) {
+    for (StructureIndex& structure : sets_[id]) structure = new_numbers[structure];
+    std::sort(sets_[id].begin(), sets_[id].end());
+    index_.emplace(sets_[id], id);
+  }
+}
+
+MembershipVolume::SetId MembershipVolume::intern(std::vector<StructureIndex> set) {
+  const auto [entry, is_new] = index_.try_emplace(std::move(set), static_cast<SetId>(sets_.size()));
+  if (is_new) sets_.push_back(entry->first);
+  return entry->second;
+}
+
+}  // namespace splatlas

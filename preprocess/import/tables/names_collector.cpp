@@ -1,0 +1,115 @@
+#include "preprocess/import/tables/names_collector.h"
+
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "format/text/ascii_text.h"
+#include "preprocess/import/import_error.h"
+#include "preprocess/import/tables/structure_name.h"
+#include "preprocess/import/tables/text_file.h"
+
+namespace splatlas {
+namespace {
+
+const NoteKind kFaultyRows{"faulty-rows", "row that cannot be read is dropped",
+                           "rows that cannot be read are dropped", true};
+const NoteKind kDuplicateLabels{"duplicate-labels", "row for a label that has one already is dropped",
+                                "rows for labels that have one already are dropped", true};
+const NoteKind kDuplicateNames{"duplicate-names", "name stands for several labels",
+                               "names stand for several labels", false};
+const NoteKind kDuplicateColors{"duplicate-colors", "colour stands for several labels",
+                                "colours stand for several labels", false};
+const NoteKind kMissingNames{"missing-names", "label has no name and gets a numbered one",
+                             "labels have no name and get numbered ones", true};
+const NoteKind kBadColors{"bad-colors", "colour cannot be read and is left out",
+                          "colours cannot be read and are left out", true};
+const NoteKind kIgnoredColumns{"ignored-columns", "column is not used", "columns are not used", false};
+
+}  // namespace
+
+std::optional<std::int64_t> parse_label(std::string_view text) {
+  auto label = parse_integer(text);
+  if (!label) {
+    const auto number = parse_number(text);
+    if (number && *number >= 0 && *number <= static_cast<double>(kMaxLabel) &&
+        std::floor(*number) == *number) {
+      label = static_cast<std::int64_t>(*number);
+    }
+  }
+  return label && *label >= 0 && *label <= kMaxLabel ? label : std::nullopt;
+}
+
+tl::unexpected<Error> NamesInput::refuse(const std::string& fault) const {
+  return bad_file(path, "cannot be read as {}: {}", title, fault);
+}
+
+std::string NamesCollector::place(std::size_t line) const {
+  return fmt::format("{} line {}", input_.path.filename().string(), line);
+}
+
+void NamesCollector::add(std::string_view label, LabelName name) {
+  if (label.empty()) return add(std::move(name));
+  name.label = parse_label(label);
+  if (!name.label) {
+    return add_fault(name.line, fmt::format("{} is no label (whole, 0 to {})", in_quotes(label), kMaxLabel));
+  }
+  add(std::move(name));
+}
+
+void NamesCollector::add(LabelName name) {
+  if (name.label == 0) return;
+  if (name.label && (*name.label < 0 || *name.label > kMaxLabel)) {
+    return add_fault(name.line, fmt::format("{} is no label (0 to {})", *name.label, kMaxLabel));
+  }
+  name.name = std::string(trimmed(name.name));
+  if (name.name.empty()) {
+    if (!name.label) return add_fault(name.line, "has neither a label nor a name");
+    name.name = fmt::format("Label {}", *name.label);
+    notes_.add(kMissingNames, fmt::format("{} ({})", *name.label, place(name.line)));
+  }
+  if (const auto fit = check_structure_name(name.name); !fit)
+    return add_fault(name.line, fit.error().message);
+  const bool is_new = name.label ? line_of_label_.emplace(*name.label, name.line).second
+                                 : unlabelled_.insert(name_key(name.name)).second;
+  if (!is_new) {
+    const std::string again = name.label ? fmt::format("label {}", *name.label) : in_quotes(name.name);
+    return notes_.add(kDuplicateLabels, fmt::format("{} at {}", again, place(name.line)));
+  }
+  table_.names.push_back(std::move(name));
+}
+
+void NamesCollector::add_fault(std::size_t line, const std::string& fault) {
+  if (first_fault_.empty()) first_fault_ = fmt::format("line {}: {}", line, fault);
+  notes_.add(kFaultyRows, fmt::format("{}: {}", place(line), fault));
+}
+
+void NamesCollector::add_bad_color(std::size_t line, std::string_view value) {
+  notes_.add(kBadColors, fmt::format("{}: {}", place(line), in_quotes(value)));
+}
+
+void NamesCollector::add_ignored_column(std::string_view name) {
+  notes_.add(kIgnoredColumns, in_quotes(name));
+}
+
+void NamesCollector::note_shared() {
+  std::map<std::string, int> names;
+  std::map<std::string, int> colors;
+  for (const LabelName& name : table_.names) {
+    if (++names[name_key(name.name)] == 2) notes_.add(kDuplicateNames, in_quotes(name.name));
+    if (name.color && ++colors[to_hex(*name.color)] == 2) notes_.add(kDuplicateColors, to_hex(*name.color));
+  }
+}
+
+Result<NamesTable> NamesCollector::finish() {
+  if (table_.names.empty()) {
+    return input_.refuse((first_fault_.empty() ? "names no label" : first_fault_) +
+                         "; correct it, or give another --names-format");
+  }
+  note_shared();
+  return std::move(table_);
+}
+
+}  // namespace splatlas

@@ -1,0 +1,68 @@
+// Rows of a names file while it is read.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <unordered_set>
+#include <vector>
+
+#include "format/result.h"
+#include "preprocess/import/notes.h"
+#include "preprocess/import/tables/names_table.h"
+
+namespace splatlas {
+
+/// Largest label of a label map.
+inline constexpr std::int64_t kMaxLabel = 0xffffffff;
+
+/// A names file: its text, and how to call it.
+struct NamesInput {
+  std::filesystem::path path;
+  std::string text;
+  std::string title;  ///< of the dialect, for messages
+
+  /// "FILE: is read as TITLE: ..." as the error of a reader.
+  [[nodiscard]] tl::unexpected<Error> refuse(const std::string& fault) const;
+};
+
+/// Keeps usable rows and counts the others as notes.
+class NamesCollector {
+ public:
+  NamesCollector(const NamesInput& input, Notes& notes) : input_(input), notes_(notes) {}
+
+  /// Adds a row. Skips label 0; drops faulty and repeated labels, and names that check_structure_name()
+  /// refuses. A row without a label needs a name.
+  void add(LabelName name);
+  /// Parses the label of a row and adds it; a text that is no label is a fault.
+  void add(std::string_view label, LabelName name);
+  /// A row that cannot be used.
+  void add_fault(std::size_t line, const std::string& fault);
+  /// A colour that cannot be read; its row has none.
+  void add_bad_color(std::size_t line, std::string_view value);
+  /// A column that no reader knows.
+  void add_ignored_column(std::string_view name);
+
+  void set_hierarchy(std::vector<TreeLine> lines) { table_.hierarchy = std::move(lines); }
+
+  /// The table, and notes of what is shared. kFailed, with the first fault, if no row was usable.
+  [[nodiscard]] Result<NamesTable> finish();
+
+ private:
+  [[nodiscard]] std::string place(std::size_t line) const;
+  void note_shared();
+
+  const NamesInput& input_;
+  Notes& notes_;
+  NamesTable table_;
+  std::string first_fault_;
+  std::unordered_map<std::int64_t, std::size_t> line_of_label_;
+  std::unordered_set<std::string> unlabelled_;  // by name_key
+};
+
+/// A whole label from 0 to 2^32 - 1; "17.0" counts. Nullopt for other text.
+[[nodiscard]] std::optional<std::int64_t> parse_label(std::string_view text);
+
+}  // namespace splatlas

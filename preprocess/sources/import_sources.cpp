@@ -1,0 +1,352 @@
+#include "preprocess/sources/import_sources.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <span>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "format/result_macros.h"
+#include "format/text/ascii_text.h"
+#include "preprocess/import/file_hash.h"
+#include "preprocess/import/images/import_image.h"
+#include "preprocess/import/images/pictures/brainglobe_folder.h"
+#include "preprocess/import/import_error.h"
+#include "preprocess/import/labels/import_labels.h"
+#include "preprocess/import/labels/label_map.h"
+#include "preprocess/import/read_tables.h"
+#include "preprocess/import/resample.h"
+#include "preprocess/import/tables/names/read_names.h"
+#include "preprocess/import/tables/structure_name.h"
+#include "preprocess/sources/fit_grid.h"
+
+namespace splatlas {
+namespace {
+
+namespace fs = std::filesystem;
+
+const NoteKind kFurtherErrors{"further-errors", "further problem", "further problems", true};
+const NoteKind kVolumeResampled{
+    "resampled-volume", "volume is on another grid than the labels and is interpolated at their voxels",
+    "volumes are on other grids than the labels and are interpolated at their voxels", true};
+const NoteKind kMaskResampled{
+    "resampled-segment-masks", "mask of a segment is on another grid and is resampled to the nearest voxel",
+    "masks of segments are on other grids and are resampled to the nearest voxel", true};
+const NoteKind kStructureResampled{
+    "resampled-structures", "structure is on another grid and is resampled to the nearest voxel",
+    "structures are on other grids and are resampled to the nearest voxel", true};
+const NoteKind kDegenerate{"degenerate-triangles", "surface has triangles without area, which are dropped",
+                           "surfaces have triangles without area, which are dropped", false};
+const NoteKind kOutside{"surfaces-outside", "surface is partly outside the volume, and cut off there",
+                        "surfaces are partly outside the volume, and cut off there", true};
+
+/// Drops the names of groups of the table's hierarchy: they have no voxels of their own.
+void drop_groups(NamesTable& table, std::span<const SourceStructure> structures) {
+  std::set<std::string> parents;
+  for (const TreeLine& line : table.hierarchy) {
+    if (line.node) parents.insert(line.node->parents.begin(), line.node->parents.end());
+  }
+  std::set<std::int64_t> groups;
+  for (const TreeLine& line : table.hierarchy) {
+    if (line.node && line.node->label && parents.contains(line.node->key)) groups.insert(*line.node->label);
+  }
+  for (const SourceStructure& structure : structures) groups.erase(structure.label.value_or(0));
+  std::erase_if(table.names,
+                [&](const LabelName& name) { return name.label && groups.contains(*name.label); });
+}
+
+/// Imports the files into a SourceModel, kind by kind.
+class SourceImporter {
+ public:
+  SourceImporter(const SourceFiles& files, Notes& notes, const std::function<void(double)>& progress)
+      : files_(files), notes_(notes), progress_(progress) {}
+
+  Result<SourceModel> import() {
+    keep_error(collect_names());
+    keep_error(import_tree());
+    keep_error(import_volume());
+    report(0.4);
+    keep_error(import_labels());
+    keep_error(check_names_of_labels());
+    report(0.7);
+    if (!error_) keep_error(place_volume());
+    keep_error(import_segment_masks());
+    report(0.9);
+    if (!error_) keep_error(import_meshes());
+    if (error_) return tl::unexpected(*error_);
+    return std::move(model_);
+  }
+
+ private:
+  void report(double fraction) const {
+    if (progress_) progress_(fraction);
+  }
+
+  Result<void> remember(const std::string& role, const fs::path& file) {
+    SPLATLAS_ASSIGN_OR_RETURN(std::string hash, hash_file(file));
+    model_.provenance.push_back({role, std::move(hash)});
+    return {};
+  }
+
+  /// Keeps the first error; notes further ones.
+  void keep_error(Result<void> result) {
+    if (result) return;
+    if (error_) {
+      notes_.add(kFurtherErrors, result.error().message);
+    } else {
+      error_ = std::move(result).error();
+    }
+  }
+
+  /// Checks that the names of segments and meshes are unique.
+  Result<void> collect_names() {
+    for (const SegmentRule& rule : files_.segments)
+      SPLATLAS_RETURN_IF_ERROR(collect_name("--segment", rule.name));
+    for (const MeshSource& mesh : files_.meshes) SPLATLAS_RETURN_IF_ERROR(collect_name("--mesh", mesh.name));
+    return {};
+  }
+
+  Result<void> collect_name(const std::string& option, const std::string& name) {
+    if (const auto fit = check_structure_name(name); !fit) {
+      return fail(ErrorCode::kUsage, "{}: {}", option, fit.error().message);
+    }
+    const auto [other, is_new] = option_of_name_.emplace(name_key(name), option);
+    if (is_new) return {};
+    return fail(ErrorCode::kUsage, "{}: the name {} is taken by a {} already; names differ by more than case",
+                option, in_quotes(name), other->second);
+  }
+
+  Result<void> check_names_of_labels() {
+    for (const SourceStructure& structure : model_.structures) {
+      const auto option = option_of_name_.find(name_key(structure.name));
+      if (option == option_of_name_.end()) continue;
+      return fail(ErrorCode::kUsage, "{}: the name {} is taken by a structure of {} already", option->second,
+                  in_quotes(structure.name), files_.labels.string());
+    }
+    return {};
+  }
+
+  Result<void> import_tree() {
+    if (files_.tree.empty()) return {};
+    model_.tree_file = files_.tree.string();
+    SPLATLAS_ASSIGN_OR_RETURN(model_.tree, read_tree_isolated(files_.tree, notes_));
+    return remember("tree", files_.tree);
+  }
+
+  /// Reads the volume on its own grid.
+  Result<void> import_volume() {
+    if (files_.volume.empty()) return {};
+    ImageOptions options = files_.volume_options;
+    options.spacing_mm = files_.spacing_mm;
+    SPLATLAS_ASSIGN_OR_RETURN(volume_, import_image(files_.volume, options, notes_));
+    return {};
+  }
+
+  Result<void> import_labels() {
+    if (files_.labels.empty()) return {};
+    std::optional<Grid> grid;
+    if (files_.resample == ResampleTo::kVolume && volume_) grid = volume_->grid;
+    SPLATLAS_ASSIGN_OR_RETURN(
+        ImportedLabels labels,
+        splatlas::import_labels(files_.labels, {.spacing_mm = files_.spacing_mm}, grid));
+    if (!files_.names.empty()) {
+      SPLATLAS_ASSIGN_OR_RETURN(NamesTable table,
+                                read_names_isolated(files_.names, files_.names_format, notes_));
+      drop_groups(table, labels.structures);
+      name_labels(labels, {table.names.begin(), table.names.end()}, files_.allow_empty);
+      if (files_.tree.empty() && !table.hierarchy.empty()) {
+        model_.tree = std::move(table.hierarchy);
+        model_.tree_file = files_.names.string();
+      }
+      SPLATLAS_RETURN_IF_ERROR(remember("names", files_.names));
+    }
+    if (!files_.colors.empty()) {
+      SPLATLAS_ASSIGN_OR_RETURN(const auto colors, read_color_table(files_.colors));
+      for (SourceStructure& structure : labels.structures) {
+        if (structure.label && *structure.label < 256)
+          structure.color = colors[static_cast<std::size_t>(*structure.label)];
+      }
+      SPLATLAS_RETURN_IF_ERROR(remember("colors", files_.colors));
+    }
+    for (const fs::path& file : labels.files) SPLATLAS_RETURN_IF_ERROR(remember("labels", file));
+    notes_.add(labels.notes);
+    note_resampled(labels);
+    model_.source_grid = labels.source_grid;
+    model_.label_type = labels.type;
+    model_.memberships = std::move(labels.memberships);
+    model_.structures = std::move(labels.structures);
+    labels_source_ = labels.source;
+    return {};
+  }
+
+  /// Notes voxels and volumes of each structure before and after resampling.
+  void note_resampled(const ImportedLabels& labels) {
+    for (const ResampledStructure& sizes : labels.resampled) {
+      const auto named = std::ranges::find_if(labels.structures, [&](const SourceStructure& structure) {
+        return sizes.label && structure.label == sizes.label;
+      });
+      notes_.add(kStructureResampled,
+                 fmt::format("{} ({} voxels, {:.4g} ml, become {} voxels, {:.4g} ml)",
+                             named != labels.structures.end() ? named->name : sizes.name, sizes.voxels_before,
+                             sizes.ml_before, sizes.voxels_after, sizes.ml_after));
+    }
+  }
+
+  /// Brings the volume onto the grid of the labels.
+  Result<void> place_volume() {
+    if (!volume_) return {};
+    if (files_.labels.empty()) model_.source_grid = volume_->grid;
+    if (!have_same_voxels(model_.source_grid, volume_->grid)) {
+      const std::string difference =
+          check_same_grid(model_.source_grid, labels_source_, volume_->grid, files_.volume.string())
+              .error()
+              .message;
+      if (!(overlap(model_.source_grid, volume_->grid) > 0)) {
+        return fail(ErrorCode::kFailed,
+                    "{}, and they do not overlap; were they made of one patient and frame?", difference);
+      }
+      notes_.add(kVolumeResampled, fmt::format("{} ({}; --resample volume keeps its grid instead)",
+                                               files_.volume.string(), difference));
+      volume_->voxels = resample_linear(*volume_, model_.source_grid);
+      volume_->grid = model_.source_grid;
+    }
+    model_.values = to_storage_order(std::move(volume_->voxels), volume_->grid);
+    return remember("volume", files_.volume);
+  }
+
+  Result<void> import_segment_masks() {
+    for (const SegmentRule& rule : files_.segments) {
+      SourceModel::Segment segment{rule, {}};
+      if (rule.kind == SegmentRule::Kind::kMask) {
+        SPLATLAS_ASSIGN_OR_RETURN(segment.mask, import_segment_mask(rule));
+      } else if (files_.volume.empty()) {
+        return fail(ErrorCode::kUsage, "--segment \"{}\": {} needs a --volume", rule.name,
+                    rule.kind == SegmentRule::Kind::kIsosurface ? "an isosurface" : "a threshold");
+      }
+      SourceStructure structure;
+      structure.name = rule.name;
+      model_.structures.push_back(std::move(structure));
+      model_.segments.push_back(std::move(segment));
+    }
+    // Without labels, start with empty memberships on the grid of the volume or the first mask.
+    if (files_.labels.empty() && model_.source_grid.voxels() > 0)
+      model_.memberships = MembershipVolume(storage_grid().size);
+    return {};
+  }
+
+  Result<std::vector<std::uint8_t>> import_segment_mask(const SegmentRule& rule) {
+    SPLATLAS_ASSIGN_OR_RETURN(Image image,
+                              import_image(rule.mask, {.spacing_mm = files_.spacing_mm}, notes_));
+    if (model_.source_grid.voxels() == 0) model_.source_grid = image.grid;
+    if (!have_same_voxels(model_.source_grid, image.grid)) {
+      if (!(overlap(image.grid, model_.source_grid) > 0))
+        return bad_file(rule.mask, "lies outside the grid of the other files");
+      notes_.add(kMaskResampled, rule.name);
+      image.voxels = resample_nearest(image, model_.source_grid);
+      image.grid = model_.source_grid;
+    }
+    SPLATLAS_RETURN_IF_ERROR(remember("segment", rule.mask));
+    return mask_of(to_storage_order(std::move(image.voxels), image.grid));
+  }
+
+  Result<void> import_meshes() {
+    if (files_.meshes.empty()) return {};
+    std::vector<TriangleMesh> meshes;
+    const std::optional<MmBox> labelled = labelled_box(model_);
+    for (const MeshSource& source : files_.meshes) {
+      SPLATLAS_ASSIGN_OR_RETURN(TriangleMesh mesh, place_mesh(source, labelled, notes_));
+      if (mesh.dropped > 0) {
+        notes_.add(kDegenerate, fmt::format("{} ({} of {})", source.file.string(), mesh.dropped,
+                                            mesh.dropped + mesh.triangles.size()));
+      }
+      meshes.push_back(std::move(mesh));
+    }
+    SPLATLAS_RETURN_IF_ERROR(fit_grid(model_, meshes, files_.fit_grid, notes_));
+    for (std::size_t n = 0; n < meshes.size(); ++n)
+      SPLATLAS_RETURN_IF_ERROR(add_mesh(files_.meshes[n], meshes[n]));
+    return {};
+  }
+
+  Result<void> add_mesh(const MeshSource& source, const TriangleMesh& mesh) {
+    Result<ClippedMesh> clipped = clip_mesh(mesh, storage_grid());
+    if (!clipped) return fail(clipped.error().code, "{}: {}", source.file.string(), clipped.error().message);
+    if (clipped->crossed.empty()) {
+      return bad_file(
+          source.file,
+          "is outside the volume; check its frame (frame=ras or frame=lps) and scale, or widen the "
+          "grid by --fit-grid");
+    }
+    constexpr double kNegligible = 1e-6;
+    if (clipped->outside > kNegligible)
+      notes_.add(kOutside, fmt::format("{} ({:.1f} %)", source.file.string(), 100 * clipped->outside));
+    SourceStructure structure;
+    structure.name = source.name;
+    structure.color = source.color;
+    structure.external = true;
+    model_.structures.push_back(std::move(structure));
+    model_.meshes.push_back(std::move(*clipped));
+    return remember("mesh", source.file);
+  }
+
+  [[nodiscard]] Grid storage_grid() const {
+    return reordered(model_.source_grid, storage_order(model_.source_grid));
+  }
+
+  const SourceFiles& files_;
+  Notes& notes_;
+  const std::function<void(double)>& progress_;
+  SourceModel model_;
+  std::optional<Image> volume_;
+  std::string labels_source_;
+  std::optional<Error> error_;                         // the first one
+  std::map<std::string, std::string> option_of_name_;  // by name_key
+};
+
+/// Replaces a BrainGlobe folder by its files.
+SourceFiles without_folders(SourceFiles files) {
+  if (is_brainglobe_folder(files.volume)) files.volume /= "reference.tiff";
+  if (!is_brainglobe_folder(files.labels)) return files;
+  if (files.names.empty()) files.names = files.labels / "structures.json";
+  files.labels /= "annotation.tiff";
+  return files;
+}
+
+}  // namespace
+
+Result<SourceModel> import_sources(const SourceFiles& files, Notes& notes,
+                                   const std::function<void(double)>& progress) {
+  if (files.labels.empty() && files.segments.empty() && files.meshes.empty()) {
+    return fail(ErrorCode::kUsage, "no structures: give --labels, a --segment or a --mesh");
+  }
+  if (files.labels.empty() && (!files.names.empty() || !files.colors.empty())) {
+    return fail(ErrorCode::kUsage, "--names and --colors need --labels");
+  }
+  const SourceFiles single = without_folders(files);
+  return SourceImporter(single, notes, progress).import();
+}
+
+std::vector<fs::path> list_files(const SourceFiles& files) {
+  std::vector<fs::path> list;
+  for (const fs::path& path : {files.labels, files.volume, files.names, files.colors, files.tree}) {
+    std::error_code error;
+    if (fs::is_directory(path, error)) {
+      for (fs::directory_iterator entry(path, error), end; !error && entry != end; entry.increment(error)) {
+        list.push_back(entry->path());
+      }
+    } else if (!path.empty()) {
+      list.push_back(path);
+    }
+  }
+  for (const SegmentRule& rule : files.segments) {
+    if (!rule.mask.empty()) list.push_back(rule.mask);
+  }
+  for (const MeshSource& mesh : files.meshes) {
+    list.push_back(mesh.file);
+    if (!mesh.transform.empty()) list.push_back(mesh.transform);
+  }
+  return list;
+}
+
+}  // namespace splatlas

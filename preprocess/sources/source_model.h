@@ -1,0 +1,62 @@
+// Source files of a build, and what they hold.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "format/content/atlas_content.h"
+#include "preprocess/classify/segment_volume.h"
+#include "preprocess/import/images/pixels/source_image.h"
+#include "preprocess/import/membership_volume.h"
+#include "preprocess/import/meshes/place_mesh.h"
+#include "preprocess/import/tables/names_table.h"
+#include "preprocess/structures/build_graph.h"
+#include "preprocess/surfaces/clip_mesh.h"
+
+namespace splatlas {
+
+/// The grid that stays where labels and volume have different ones.
+enum class ResampleTo {
+  kAsk,     ///< that of the labels, with a warning
+  kLabels,  ///< grey values are interpolated linearly at the voxels of the labels
+  kVolume,  ///< labels are taken from the voxel that lies nearest
+};
+
+/// Source files from the command line. Empty paths are not given.
+struct SourceFiles {
+  std::filesystem::path labels;  ///< a label map, or a folder of masks
+  std::filesystem::path volume, names, colors, tree;
+  std::vector<SegmentRule> segments;
+  std::vector<MeshSource> meshes;
+  bool fit_grid = false;  ///< widens the grid for surfaces that reach beyond it
+  NamesFormat names_format = NamesFormat::kAuto;
+  bool allow_empty = false;
+  ImageOptions volume_options;             ///< of `volume`
+  std::optional<Vec3> spacing_mm;          ///< of stacks of pictures, for labels and volume
+  ResampleTo resample = ResampleTo::kAsk;  ///< where labels and volume are on different grids
+};
+
+/// Imported sources. Volumes are in the storage order of `source_grid`. Source numbers of structures: labels
+/// or masks first, then segments, then meshes.
+struct SourceModel {
+  Grid source_grid;
+  VoxelBuffer values;  ///< empty() without a volume
+  VoxelType label_type = VoxelType::kNone;
+  MembershipVolume memberships{Index3{0, 0, 0}};  ///< of labels or masks; build_content() adds segments
+  std::vector<SourceStructure> structures;
+
+  struct Segment {
+    SegmentRule rule;
+    std::vector<std::uint8_t> mask;  ///< from the file of a mask rule; else empty
+  };
+  std::vector<Segment> segments;
+  std::vector<ClippedMesh> meshes;
+
+  std::vector<TreeLine> tree;
+  std::string tree_file;
+  std::vector<Source> provenance;
+};
+
+}  // namespace splatlas
