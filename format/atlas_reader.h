@@ -40,6 +40,7 @@ struct AtlasOptions {
   /// Factor of the limit of work (WorkBudget). Raise it for giants that you trust, lower it for strangers'
   /// files.
   double max_work = 1;
+  std::uint64_t memory_bytes = 0;  ///< memory that the process may use; 0: the machine's
   SurfaceChoice surfaces = SurfaceChoice::kAsInFile;
 };
 

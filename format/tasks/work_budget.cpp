@@ -12,6 +12,7 @@ namespace {
 constexpr double kSmallFileBytes = 1 << 20;
 constexpr double kSecondsOfSmallFile = 30, kSecondsPerFurtherByte = 1e-5;
 constexpr double kMemoryOfSmallFile = 0x1p31, kMemoryPerFurtherByte = 0x1p11;
+constexpr double kLeastMemory = 0.25;  // a second of work may need as much memory as a minute
 
 /// Rounded up to two digits below 1, and to an integer above.
 std::string factor_to_allow(double factor) {
@@ -29,7 +30,9 @@ WorkBudget::WorkBudget(std::string file_name, std::uint64_t file_bytes, double m
   const double further = std::max(0.0, static_cast<double>(file_bytes) - kSmallFileBytes);
   const auto machine = static_cast<double>(machine_bytes);
   cpu_seconds_ = max_work_ * (kSecondsOfSmallFile + kSecondsPerFurtherByte * further);
-  memory_bytes_ = max_work_ * std::min(kMemoryOfSmallFile + kMemoryPerFurtherByte * further, machine / 2);
+  const double memory =
+      std::max(max_work_, kLeastMemory) * (kMemoryOfSmallFile + kMemoryPerFurtherByte * further);
+  memory_bytes_ = std::min(memory, std::max(max_work_, 1.0) * machine / 2);
 }
 
 Error WorkBudget::time_exceeded() const {

@@ -12,8 +12,9 @@ namespace splatlas {
 /// memory. Work is counted where it is done (TaskControl) and ends once it passes the limit.
 class WorkBudget {
  public:
-  /// `file_bytes`: of the sections that a reader knows. `max_work` scales both limits: below 1 for files of
-  /// strangers, above for giants. `machine_bytes`: the machine's memory.
+  /// `file_bytes`: of the sections that a reader knows. `max_work` scales both limits, the memory to a
+  /// quarter at least: below 1 for files of strangers, above for giants. `machine_bytes`: the machine's
+  /// memory.
   WorkBudget(std::string file_name, std::uint64_t file_bytes, double max_work, std::uint64_t machine_bytes);
 
   /// CPU time of all threads together: 30 s for files up to 1 MiB, and 10 microseconds for each further byte.

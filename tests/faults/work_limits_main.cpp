@@ -27,7 +27,7 @@ namespace fs = std::filesystem;
 
 struct Limits {
   double cpu_seconds = 1;
-  double mebibytes = 256;
+  double mebibytes = 640;
   std::string max_work = "0.02";
 };
 

@@ -23,6 +23,7 @@ namespace {
 
 /// Budget of each operation: 0.1 s and 7 MiB.
 constexpr double kMaxWork = 1.0 / 300;
+constexpr std::uint64_t kMemory = 14 << 20;
 /// Sanitizers and other programs delay the look at the clock. Several parts of an operation may hold memory
 /// at once.
 constexpr Cost kLimit{1.5, 48 << 20};
@@ -163,7 +164,8 @@ void fuzz(FuzzInput input) {
   Choices choices(reserved);
   const bool rewrites = choices.below(8) == 0;
 
-  const auto opened = Atlas::open_bytes({file.begin(), file.end()}, "F", {.max_work = kMaxWork});
+  const auto opened =
+      Atlas::open_bytes({file.begin(), file.end()}, "F", {.max_work = kMaxWork, .memory_bytes = kMemory});
   if (!opened) return require_error(opened.error(), {ErrorCode::kInvalidAtlas});
   const bool sound = is_sound(**opened);
   check_pictures(*opened, sound, choices);

@@ -69,7 +69,8 @@ Atlas::Impl::Impl(InputFile opened_file, const FileHeader& checked_header, Direc
       structure_classes(directory.classes, directory.graph.size()),
       fingerprinter(grid.size),
       surfaces(options.surfaces),
-      budget(file.name(), known_bytes(layout), options.max_work, machine_memory()),
+      budget(file.name(), known_bytes(layout), options.max_work,
+             options.memory_bytes > 0 ? options.memory_bytes : machine_memory()),
       value_cache(groups.size(), kMaxCachedBytes) {
   const auto preorder = directory.graph.preorder();
   for (std::uint32_t n = 0; n < preorder.size(); ++n) surface_stream[preorder[n]] = n;

@@ -38,7 +38,9 @@ TEST(WorkBudget, HoldsHalfOfTheMachineAtMost) {
   EXPECT_EQ(WorkBudget("F", (1 << 20) + 1024, 1, 16 * kGiB).memory_bytes(), 0x1p31 + 0x1p21);
   EXPECT_EQ(WorkBudget("F", kGiB, 1, 16 * kGiB).memory_bytes(), 0x1p33);
   EXPECT_EQ(WorkBudget("F", 100, 1, 3 * kGiB).memory_bytes(), 1.5 * 0x1p30);
-  EXPECT_EQ(WorkBudget("F", 100, 0.5, 3 * kGiB).memory_bytes(), 0.75 * 0x1p30);
+  EXPECT_EQ(WorkBudget("F", 100, 2, 3 * kGiB).memory_bytes(), 3 * 0x1p30);
+  EXPECT_EQ(WorkBudget("F", 100, 0.5, 3 * kGiB).memory_bytes(), 0x1p30);
+  EXPECT_EQ(WorkBudget("F", 100, 0.01, 3 * kGiB).memory_bytes(), 0x1p29);
 }
 
 TEST(WorkBudget, NamesNumbersAndOption) {
@@ -48,10 +50,10 @@ TEST(WorkBudget, NamesNumbersAndOption) {
             "a.atlas: takes more than 15 s of CPU time, the limit of a file of 21234 bytes. If you trust the "
             "file, allow it with --max-work 5");
   EXPECT_EQ(
-      budget.memory_exceeded(0x1p30).message,
-      "a.atlas: takes 1024 MiB of memory at once; the limit of a file of 21234 bytes is 512 MiB. If you "
+      budget.memory_exceeded(0x1p31).message,
+      "a.atlas: takes 2048 MiB of memory at once; the limit of a file of 21234 bytes is 1024 MiB. If you "
       "trust the file, allow it with --max-work 1");
-  EXPECT_THAT(budget.memory_exceeded(0x1p30 + 1).message, EndsWith("--max-work 2"));
+  EXPECT_THAT(budget.memory_exceeded(0x1p31 + 1).message, EndsWith("--max-work 2"));
 }
 
 /// Sections of unknown kinds cost nothing, so they allow nothing.
@@ -72,7 +74,7 @@ TEST(WorkBudget, FollowsTheContentOfSparseGrids) {
   for (const std::int64_t side : {100, 1000, 10000}) {
     const auto file =
         sparse_atlas({side, side, side}, {{voxel_box({0, 0, 0}), voxel_box({side - 1, side - 1, side - 1})}});
-    const auto atlas = Atlas::open_bytes(file, "F", {.max_work = 0.001}).value();  // 2 MiB
+    const auto atlas = Atlas::open_bytes(file, "F", {.memory_bytes = 4 << 20}).value();
     EXPECT_TRUE(atlas->verify());
     EXPECT_EQ(atlas->read_surface(0).value().triangles.size(), 16u);
   }
