@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "format/content/color.h"
 #include "format/result_macros.h"
 
 namespace splatlas {
@@ -22,8 +23,7 @@ class SrgbEncoder {
   SrgbEncoder() {
     for (std::size_t n = 0; n < codes_.size(); ++n) {
       const double linear = static_cast<double>(n) / static_cast<double>(codes_.size() - 1);
-      const double encoded = linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
-      codes_[n] = static_cast<std::uint8_t>(std::lround(255.0 * encoded));
+      codes_[n] = static_cast<std::uint8_t>(std::lround(255.0 * encode_srgb(linear)));
     }
   }
   [[nodiscard]] std::uint8_t operator()(float linear) const {

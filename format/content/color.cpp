@@ -51,9 +51,16 @@ Rgb default_color(std::size_t n) {
   return from_hsv(hue, kSaturation[n % 3], kValue[n / 3 % 2]);
 }
 
+double encode_srgb(double linear) {
+  return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
+}
+
+double decode_srgb(double code) {
+  return code <= 0.04045 ? code / 12.92 : std::pow((code + 0.055) / 1.055, 2.4);
+}
+
 float srgb_to_linear(std::uint8_t channel) {
-  const double c = channel / 255.0;
-  return static_cast<float>(c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4));
+  return static_cast<float>(decode_srgb(channel / 255.0));
 }
 
 }  // namespace splatlas

@@ -21,7 +21,10 @@ struct Rgb {
 [[nodiscard]] Result<Rgb> parse_color(std::string_view text);
 /// Default colour of the n-th structure: hues at golden-angle steps, never too dark.
 [[nodiscard]] Rgb default_color(std::size_t n);
-/// Converts an sRGB channel (0 to 255) to linear RGB (0 to 1), IEC 61966-2-1.
+/// The sRGB curve, IEC 61966-2-1: from linear light to code values and back, both from 0 to 1.
+[[nodiscard]] double encode_srgb(double linear);
+[[nodiscard]] double decode_srgb(double code);
+/// Converts an sRGB channel (0 to 255) to linear RGB (0 to 1).
 [[nodiscard]] float srgb_to_linear(std::uint8_t channel);
 
 }  // namespace splatlas

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "format/content/color.h"
 #include "format/result_macros.h"
 
 namespace splatlas {
@@ -19,11 +20,7 @@ double unit_overlap(double from, double to, double at) {
 }
 
 double to_code(double linear) {
-  const double c = std::clamp(linear, 0.0, 1.0);
-  return c <= 0.0031308 ? 12.92 * c : 1.055 * std::pow(c, 1 / 2.4) - 0.055;
-}
-double to_linear(double code) {
-  return code <= 0.04045 ? code / 12.92 : std::pow((code + 0.055) / 1.055, 2.4);
+  return encode_srgb(std::clamp(linear, 0.0, 1.0));
 }
 
 Rgb3 codes_of(Rgb color) {
@@ -46,7 +43,7 @@ class Canvas {
     const Rgb3 over = codes_of(color);
     for (std::size_t c = 0; c < 3; ++c) {
       const double below = straight_code(pixel, c);
-      pixel[c] = static_cast<float>(alpha * to_linear((share * over[c] + under * below) / alpha));
+      pixel[c] = static_cast<float>(alpha * decode_srgb((share * over[c] + under * below) / alpha));
     }
     pixel[3] = static_cast<float>(alpha);
   }

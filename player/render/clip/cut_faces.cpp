@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "format/content/color.h"
 #include "format/result_macros.h"
 #include "format/tasks/task_control.h"
 
@@ -16,11 +17,8 @@ constexpr std::size_t kRowsPerJob = 8;
 class LinearLight {
  public:
   LinearLight() {
-    for (std::size_t n = 0; n < table_.size(); ++n) {
-      const double encoded = static_cast<double>(n) / kSteps;
-      table_[n] =
-          static_cast<float>(encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4));
-    }
+    for (std::size_t n = 0; n < table_.size(); ++n)
+      table_[n] = static_cast<float>(decode_srgb(static_cast<double>(n) / kSteps));
   }
   [[nodiscard]] float of(float encoded) const {
     const float place = std::clamp(encoded, 0.0f, 1.0f) * kSteps;

@@ -109,9 +109,7 @@ Rgb color_of_lab(const std::array<double, 3>& encoded) {
   const double fy = (l + 16) / 116;
   const double x = 0.95047 * inverse(fy + a / 500), y = inverse(fy), z = 1.08883 * inverse(fy - b / 200);
   const auto channel = [](double linear) {
-    const double encoded_value =
-        linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
-    return static_cast<std::uint8_t>(std::lround(std::clamp(encoded_value, 0.0, 1.0) * 255));
+    return static_cast<std::uint8_t>(std::lround(std::clamp(encode_srgb(linear), 0.0, 1.0) * 255));
   };
   return {channel(3.2404542 * x - 1.5371385 * y - 0.4985314 * z),
           channel(-0.9692660 * x + 1.8760108 * y + 0.0415560 * z),
