@@ -38,6 +38,12 @@ if(SPLATLAS_SANITIZE)
   add_compile_definitions("HWY_DISABLED_TARGETS=(HWY_SSSE3|HWY_SSE4|HWY_AVX3|HWY_AVX3_DL)")
 endif()
 
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(aarch64|arm64)$")
+  # NEON with AES. Kernels for SVE do not compile with Debian 12's Highway.
+  add_compile_options(-march=armv8-a+crypto)
+  add_compile_definitions("HWY_DISABLED_TARGETS=(HWY_SVE|HWY_SVE2|HWY_SVE_256|HWY_SVE2_128)")
+endif()
+
 # splatlas_alone(SOURCE...): sources outside unity batches, because their local names clash with another source's, or
 # because they are measured.
 function(splatlas_alone)
