@@ -25,10 +25,11 @@ constexpr const char* kFooter = R"(Examples:
   splatlas-preprocess build -o head.atlas --volume t1.nii.gz --segment Head=threshold:otsu:close=2
 
 Volumes: NIfTI-1, NIfTI-2 and Analyze (.nii, .nii.gz, .hdr with .img), NRRD (.nrrd, .nhdr), MetaImage (.mha, .mhd),
-FreeSurfer (.mgz, .mgh); TIFF or PNG, one file or a folder of slices, with --spacing.
+FreeSurfer (.mgz, .mgh); DICOM, a folder or a file; TIFF or PNG, one file or a folder of slices, with --spacing; the
+folder of a BrainGlobe atlas.
 
-Labels: a label map, every value above 0 a structure; a segmentation of 3D Slicer (.seg.nrrd) with its names, colours
-and layers; or a folder of one mask file per structure, as TotalSegmentator writes: file names become structure names,
+Labels: a label map, every value above 0 a structure; a segmentation of 3D Slicer (.seg.nrrd) or DICOM with its
+names, colours and layers; the folder of a BrainGlobe atlas, --names its structures.json; or a folder of one mask file per structure, as TotalSegmentator writes: file names become structure names,
 and masks may overlap. Labels and volume may have different grids: the labels' stays, unless --resample volume.
 
 Surfaces: STL, OBJ, PLY, VTK polygons (.vtk, .vtp) and GIFTI (.gii), alone or beside labels. Their frame is that of the
@@ -130,9 +131,9 @@ Result<void> print_summary(const BuildReport& report, const std::filesystem::pat
   double seconds = 0;
   for (const auto& stage : report.stages) seconds += stage.seconds;
   return print_text(
-      PrintableText("{}: {} structures, {} classes, {} + {} + {} runs, {} triangles, {} bytes, {:.2f} s\n",
-                    output, report.structures, report.classes, report.runs[0], report.runs[1], report.runs[2],
-                    report.triangles, report.bytes, seconds));
+      PrintableText("{}: {} structure{}, {} classes, {} + {} + {} runs, {} triangles, {} bytes, {:.2f} s\n",
+                    output, report.structures, report.structures == 1 ? "" : "s", report.classes,
+                    report.runs[0], report.runs[1], report.runs[2], report.triangles, report.bytes, seconds));
 }
 
 }  // namespace

@@ -77,7 +77,7 @@ struct GzipRuns::Stream {
   uLong append_zeros = 0;        ///< zlib's operator of its checksum
 };
 
-GzipRuns::GzipRuns() : stream_(std::make_shared<Stream>()) {
+GzipRuns::GzipRuns() : stream_(std::make_unique<Stream>()) {
   constexpr int kRawWindowBits = -15, kFastest = 1;
   stream_->deflater = make_deflater(kRawWindowBits, kFastest, Z_RLE);
   if (!stream_->deflater) throw std::bad_alloc();
@@ -88,6 +88,8 @@ GzipRuns::GzipRuns() : stream_(std::make_shared<Stream>()) {
                                                   0,    0,    0,          4, 3};  // fastest, Unix
   std::ranges::copy(std::as_bytes(std::span(kHeader)), std::back_inserter(packed_));
 }
+
+GzipRuns::~GzipRuns() = default;
 
 void GzipRuns::add(std::span<const std::byte> bytes) {
   constexpr std::size_t kMaxInput = std::size_t{1} << 30;  // zlib's counts have 32 bits

@@ -29,6 +29,7 @@ enum class DeflateWrapper { kZlib, kGzip };
 class GzipRuns {
  public:
   GzipRuns();
+  ~GzipRuns();
   void add(std::span<const std::byte> bytes);
   void add_zeros(std::uint64_t count);
   /// Ends the file. Call it once.
@@ -39,7 +40,7 @@ class GzipRuns {
   /// Deflates and forgets the window, so that any block can follow.
   void deflate_block(std::span<const std::byte> bytes, int flush);
 
-  std::shared_ptr<Stream> stream_;
+  std::unique_ptr<Stream> stream_;
   std::vector<std::byte> packed_;
   unsigned long checksum_ = 0;
   std::uint64_t bytes_ = 0;

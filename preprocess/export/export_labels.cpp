@@ -146,8 +146,8 @@ Result<ExportedMasks> write_masks(const AtlasContent& content, OutputFolder& fol
   const std::vector<std::string> files = file_names_of(ids, ending);
   const ClassSlices slices(content);
   const auto encode = [&](std::size_t n) {
-    return encode_mask(content.source_grid, slices.mask_of(structure_classes.of(masked[n])),
-                       folder.path() / files[n]);
+    return encode_mask_file(content.source_grid, slices.mask_of(structure_classes.of(masked[n])),
+                            folder.path() / files[n]);
   };
   const std::size_t at_once = std::clamp(std::thread::hardware_concurrency(), 1u, 4u);  // bounds the memory
   for (std::size_t first = 0; first < masked.size(); first += at_once) {

@@ -11,6 +11,7 @@
 #include "format/text/ascii_text.h"
 #include "format/text/json_text.h"
 #include "preprocess/import/tables/structure_name.h"
+#include "preprocess/import/tables/table_columns.h"
 
 namespace splatlas {
 namespace {
@@ -38,7 +39,18 @@ std::vector<const Structure*> labelled(const StructureGraph& graph) {
   return result;
 }
 
-/// label, name, color, and a column per vocabulary. Several terms of one vocabulary are joined by ";".
+/// The name of a column that readers take for this vocabulary.
+std::string column_name(const std::string& vocabulary) {
+  for (const std::string& name : {vocabulary, "name_" + vocabulary}) {
+    const Column column = column_of(name);
+    if (column.role == ColumnRole::kSynonym ||
+        (column.role == ColumnRole::kTerm && column.vocabulary == vocabulary))
+      return name;
+  }
+  return "term " + vocabulary;
+}
+
+/// label, name, color, id, and a column per vocabulary. Several terms of one vocabulary are joined by ";".
 std::string csv_text(const StructureGraph& graph) {
   std::vector<std::string> vocabularies;
   for (const Structure& structure : graph.structures()) {
@@ -47,14 +59,15 @@ std::string csv_text(const StructureGraph& graph) {
         vocabularies.push_back(term.vocabulary);
     }
   }
-  std::string text = "label,name,color";
-  for (const std::string& vocabulary : vocabularies) text += fmt::format(",{}", csv_field(vocabulary));
+  std::string text = "label,name,color,id";
+  for (const std::string& vocabulary : vocabularies)
+    text += fmt::format(",{}", csv_field(column_name(vocabulary)));
   text += "\n";
   for (StructureIndex s = 0; s < graph.size(); ++s) {
     const Structure& structure = graph[s];
     if (!structure.label && (structure.external || !graph.children(s).empty())) continue;
-    text += fmt::format("{},{},{}", structure.label ? fmt::to_string(*structure.label) : "",
-                        csv_field(structure.name), to_hex(structure.color));
+    text += fmt::format("{},{},{},{}", structure.label ? fmt::to_string(*structure.label) : "",
+                        csv_field(structure.name), to_hex(structure.color), csv_field(structure.id));
     for (const std::string& vocabulary : vocabularies) {
       std::string values;
       for (const Term& term : structure.terms) {

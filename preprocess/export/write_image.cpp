@@ -126,7 +126,8 @@ Result<void> write_image(const Image& image, const fs::path& path) {
   return file->commit();
 }
 
-Result<std::vector<std::byte>> encode_mask(const Grid& grid, const MaskSlices& mask, const fs::path& path) {
+Result<std::vector<std::byte>> encode_mask_file(const Grid& grid, const MaskSlices& mask,
+                                                const fs::path& path) {
   SPLATLAS_ASSIGN_OR_RETURN(const ImageFormat format, writable_image_format(path));
   SPLATLAS_RETURN_IF_ERROR(check_readable(grid, path));
   const auto slice = static_cast<std::uint64_t>(grid.size[0]) * static_cast<std::uint64_t>(grid.size[1]);

@@ -1,6 +1,8 @@
 #include "preprocess/sources/import_sources.h"
 
 #include <algorithm>
+#include <cmath>
+#include <functional>
 #include <map>
 #include <set>
 #include <span>
@@ -34,6 +36,8 @@ const NoteKind kVolumeResampled{
 const NoteKind kMaskResampled{
     "resampled-segment-masks", "mask of a segment is on another grid and is resampled to the nearest voxel",
     "masks of segments are on other grids and are resampled to the nearest voxel", true};
+const NoteKind kStructureLost{"lost-structures", "structure has no voxel left on the other grid",
+                              "structures have no voxels left on the other grid", true};
 const NoteKind kStructureResampled{
     "resampled-structures", "structure is on another grid and is resampled to the nearest voxel",
     "structures are on other grids and are resampled to the nearest voxel", true};
@@ -57,6 +61,15 @@ void drop_groups(NamesTable& table, std::span<const SourceStructure> structures)
                 [&](const LabelName& name) { return name.label && groups.contains(*name.label); });
 }
 
+/// Drops the names of labels that resampling lost: a note has told them.
+void drop_lost(NamesTable& table, std::span<const ResampledStructure> resampled) {
+  std::set<std::int64_t> lost;
+  for (const ResampledStructure& sizes : resampled) {
+    if (sizes.voxels_after == 0) lost.insert(sizes.label.value_or(0));
+  }
+  std::erase_if(table.names, [&](const LabelName& name) { return name.label && lost.contains(*name.label); });
+}
+
 /// Imports the files into a SourceModel, kind by kind.
 class SourceImporter {
  public:
@@ -68,6 +81,7 @@ class SourceImporter {
     keep_error(import_tree());
     keep_error(import_volume());
     report(0.4);
+    keep_error(import_names());
     keep_error(import_labels());
     keep_error(check_names_of_labels());
     report(0.7);
@@ -144,6 +158,12 @@ class SourceImporter {
     return {};
   }
 
+  Result<void> import_names() {
+    if (files_.names.empty() || files_.labels.empty()) return {};
+    SPLATLAS_ASSIGN_OR_RETURN(names_, read_names_isolated(files_.names, files_.names_format, notes_));
+    return remember("names", files_.names);
+  }
+
   Result<void> import_labels() {
     if (files_.labels.empty()) return {};
     std::optional<Grid> grid;
@@ -151,16 +171,15 @@ class SourceImporter {
     SPLATLAS_ASSIGN_OR_RETURN(
         ImportedLabels labels,
         splatlas::import_labels(files_.labels, {.spacing_mm = files_.spacing_mm}, grid));
-    if (!files_.names.empty()) {
-      SPLATLAS_ASSIGN_OR_RETURN(NamesTable table,
-                                read_names_isolated(files_.names, files_.names_format, notes_));
-      drop_groups(table, labels.structures);
-      name_labels(labels, {table.names.begin(), table.names.end()}, files_.allow_empty);
-      if (files_.tree.empty() && !table.hierarchy.empty()) {
-        model_.tree = std::move(table.hierarchy);
+    note_resampled(labels);
+    if (names_) {
+      drop_groups(*names_, labels.structures);
+      drop_lost(*names_, labels.resampled);
+      name_labels(labels, std::move(names_->names), files_.allow_empty);
+      if (files_.tree.empty() && !names_->hierarchy.empty()) {
+        model_.tree = std::move(names_->hierarchy);
         model_.tree_file = files_.names.string();
       }
-      SPLATLAS_RETURN_IF_ERROR(remember("names", files_.names));
     }
     if (!files_.colors.empty()) {
       SPLATLAS_ASSIGN_OR_RETURN(const auto colors, read_color_table(files_.colors));
@@ -172,7 +191,6 @@ class SourceImporter {
     }
     for (const fs::path& file : labels.files) SPLATLAS_RETURN_IF_ERROR(remember("labels", file));
     notes_.add(labels.notes);
-    note_resampled(labels);
     model_.source_grid = labels.source_grid;
     model_.label_type = labels.type;
     model_.memberships = std::move(labels.memberships);
@@ -181,16 +199,28 @@ class SourceImporter {
     return {};
   }
 
-  /// Notes voxels and volumes of each structure before and after resampling.
+  /// Notes voxels and volumes of each structure before and after resampling, the largest relative change
+  /// first. Structures have the names of the table.
   void note_resampled(const ImportedLabels& labels) {
-    for (const ResampledStructure& sizes : labels.resampled) {
-      const auto named = std::ranges::find_if(labels.structures, [&](const SourceStructure& structure) {
-        return sizes.label && structure.label == sizes.label;
-      });
-      notes_.add(kStructureResampled,
-                 fmt::format("{} ({} voxels, {:.4g} ml, become {} voxels, {:.4g} ml)",
-                             named != labels.structures.end() ? named->name : sizes.name, sizes.voxels_before,
-                             sizes.ml_before, sizes.voxels_after, sizes.ml_after));
+    std::map<std::int64_t, std::string> name_of_label;
+    for (const LabelName& name : names_ ? names_->names : std::vector<LabelName>{}) {
+      if (name.label) name_of_label.emplace(*name.label, name.name);
+    }
+    std::vector<ResampledStructure> resampled = labels.resampled;
+    std::ranges::stable_sort(resampled, std::greater{}, [](const ResampledStructure& sizes) {
+      return std::abs(sizes.ml_after - sizes.ml_before) / sizes.ml_before;
+    });
+    for (const ResampledStructure& sizes : resampled) {
+      const auto named = name_of_label.find(sizes.label.value_or(0));
+      const std::string& name = named != name_of_label.end() ? named->second : sizes.name;
+      if (sizes.voxels_after == 0) {
+        notes_.add(kStructureLost,
+                   fmt::format("{} ({} voxels, {:.4g} ml)", name, sizes.voxels_before, sizes.ml_before));
+      } else {
+        notes_.add(kStructureResampled,
+                   fmt::format("{} ({} voxels, {:.4g} ml, become {} voxels, {:.4g} ml)", name,
+                               sizes.voxels_before, sizes.ml_before, sizes.voxels_after, sizes.ml_after));
+      }
     }
   }
 
@@ -299,6 +329,7 @@ class SourceImporter {
   const std::function<void(double)>& progress_;
   SourceModel model_;
   std::optional<Image> volume_;
+  std::optional<NamesTable> names_;
   std::string labels_source_;
   std::optional<Error> error_;                         // the first one
   std::map<std::string, std::string> option_of_name_;  // by name_key

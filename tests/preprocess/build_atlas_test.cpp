@@ -308,6 +308,20 @@ TEST_F(BuildAtlas, ResampledStructuresHaveTheirFinalNames) {
   ASSERT_TRUE(report) << report.error().message;
   EXPECT_THAT(messages_of(report->notes),
               testing::Contains(HasSubstr("Spleen (2 voxels, 0.002 ml, become 4 voxels, 0.002 ml)")));
+
+  // A voxel that lies between those of the volume is lost, under the name of the table.
+  build_options = options(
+      labels,
+      zeros({.size = {2, 1, 1}, .spacing_mm = {4, 1, 1}, .origin_lps_mm = {-0.1, 0, 0}}, VoxelType::kUInt8));
+  build_options.output = file("b.atlas");
+  build_options.sources.resample = ResampleTo::kVolume;
+  build_options.sources.names = file("names.txt");
+  const Result<BuildReport> lost = build_atlas(build_options);
+  ASSERT_TRUE(lost) << lost.error().message;
+  EXPECT_THAT(
+      messages_of(lost->notes),
+      testing::Contains("1 structure has no voxel left on the other grid: Spleen (2 voxels, 0.002 ml)"));
+  EXPECT_THAT(messages_of(lost->notes), testing::Not(testing::Contains(HasSubstr("and is dropped"))));
 }
 
 }  // namespace

@@ -51,7 +51,7 @@ Result<Image> import_image(const fs::path& path) {
 Result<void> check_same_grid(const Grid& a, const std::string& name_of_a, const Grid& b,
                              const std::string& name_of_b) {
   if (a.size != b.size) {
-    return fail(ErrorCode::kFailed, "{} has {} voxels but {} has {}: both must be on one grid", name_of_a,
+    return fail(ErrorCode::kFailed, "{} has {} voxels, {} has {}", name_of_a,
                 fmt::join(a.size, "x"), name_of_b, fmt::join(b.size, "x"));
   }
   // The corners of one grid, mapped to the other, depend on spacing, origin and direction.

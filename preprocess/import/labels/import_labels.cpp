@@ -41,7 +41,9 @@ std::vector<ResampledStructure> compare(const ImportedLabels& before, const Impo
   std::vector<ResampledStructure> result;
   for (const auto& [structure, voxels] : count_voxels(before)) {
     const std::uint64_t now = counts[structure];
-    result.push_back({structure.first, structure.second, voxels, now, static_cast<double>(voxels) * ml_before,
+    const std::optional<std::int64_t> label =
+        structure.second != 0 ? std::optional(structure.second) : std::nullopt;
+    result.push_back({structure.first, label, voxels, now, static_cast<double>(voxels) * ml_before,
                       static_cast<double>(now) * ml_after});
   }
   return result;

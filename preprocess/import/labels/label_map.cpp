@@ -160,7 +160,7 @@ Result<ImportedLabels> read_label_map(SourceImage image, const std::string& name
   return result;
 }
 
-void name_labels(ImportedLabels& labels, std::vector<SourceStructure> names, bool keeps_empty) {
+void name_labels(ImportedLabels& labels, std::vector<LabelName> names, bool keeps_empty) {
   std::map<std::int64_t, SourceStructure*> unnamed;
   std::map<std::string, SourceStructure*> by_name;  // masks, and labels that the file itself names
   for (SourceStructure& structure : labels.structures) {
@@ -170,9 +170,10 @@ void name_labels(ImportedLabels& labels, std::vector<SourceStructure> names, boo
   }
   std::vector<SourceStructure> empty;
   std::vector<std::string> unused;
-  for (SourceStructure& name : names) {
+  for (LabelName& name : names) {
     const auto found = name.label ? unnamed.find(*name.label) : unnamed.end();
-    const auto same_name = by_name.find(name_key(name.name));
+    auto same_name = by_name.find(name_key(name.name));
+    if (same_name == by_name.end() && !name.key.empty()) same_name = by_name.find(name_key(name.key));
     if (found != unnamed.end()) {
       *found->second = std::move(name);
       unnamed.erase(found);

@@ -5,6 +5,7 @@
 
 #include "preprocess/import/images/pixels/source_image.h"
 #include "preprocess/import/labels/imported_labels.h"
+#include "preprocess/import/tables/names_table.h"
 
 namespace splatlas {
 
@@ -14,9 +15,9 @@ namespace splatlas {
 /// passes.
 [[nodiscard]] Result<ImportedLabels> read_label_map(SourceImage image, const std::string& name);
 
-/// Gives structures the names, codes, colours and terms of `names`: by label, or masks by name. Notes count
+/// Gives structures the names, codes, colours and terms of `names`: by label, or masks by name or key. Notes count
 /// labels without a name and names without voxels; those are dropped, or become empty structures with
 /// `keeps_empty`.
-void name_labels(ImportedLabels& labels, std::vector<SourceStructure> names, bool keeps_empty);
+void name_labels(ImportedLabels& labels, std::vector<LabelName> names, bool keeps_empty);
 
 }  // namespace splatlas

@@ -140,10 +140,7 @@ class MaskFolder {
       sizes.ml_after = static_cast<double>(count) * voxel_volume_mm3(labels_.source_grid) / 1000;
       labels_.resampled.push_back(std::move(sizes));
     }
-    if (count == 0) {  // outside the grid
-      labels_.notes.add(kEmptyMasks, name);
-      return {};
-    }
+    if (count == 0) return {};  // lost by resampling
     counts_.push_back(count);
     SourceStructure structure;
     structure.name = name;

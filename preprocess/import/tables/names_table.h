@@ -40,6 +40,7 @@ struct NamesFormatInfo {
 /// A structure from a line of a names file. Without a label, it describes the structure with its name.
 struct LabelName : SourceStructure {
   std::size_t line = 0;  ///< line or entry number in the file, for messages
+  std::string key;       ///< id of the row; masks may be called so; empty if there is none
 };
 
 /// Content of a names file.

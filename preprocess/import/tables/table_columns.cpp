@@ -179,6 +179,9 @@ Column column_of(std::string_view name) {
     const Alias* alias = find_alias(plain.substr(0, plain.size() - suffix.size()));
     if (alias != nullptr && alias->role == ColumnRole::kTerm) return {alias->role, alias->vocabulary};
   }
+  constexpr std::string_view kTermPrefix = "term ";  // "term 99XYZ": any other vocabulary
+  if (to_lower(name).starts_with(kTermPrefix))
+    return {ColumnRole::kTerm, std::string(name.substr(kTermPrefix.size()))};
   return {};
 }
 

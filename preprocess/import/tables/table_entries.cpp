@@ -54,6 +54,7 @@ class EntryReader {
     entry.name.name = field(row, ColumnRole::kName);
     entry.key = field(row, ColumnRole::kKey);
     entry.label = field(row, has(ColumnRole::kLabel) ? ColumnRole::kLabel : ColumnRole::kKey);
+    entry.name.key = entry.key;
     if (entry.key.empty()) entry.key = entry.label;
     entry.parent = field(row, ColumnRole::kParent);
     if (to_lower(entry.parent) == "null") entry.parent.clear();

@@ -25,7 +25,7 @@ void transfer(auto& archive, Note& note) {
 void transfer(auto& archive, LabelName& name) {
   transfer(archive, static_cast<SourceStructure&>(name));
   std::uint64_t line = name.line;
-  archive(line);
+  archive(line, name.key);
   name.line = static_cast<std::size_t>(line);
 }
 void transfer(auto& archive, ColorRange& range) {

@@ -77,6 +77,21 @@ TEST(NamesText, CsvHoldsEverything) {
   EXPECT_EQ(table.names[2].label, 4294967295);
 }
 
+/// Terms of any vocabulary come back: known ones, languages, qualified codes, others.
+TEST(NamesText, CsvHoldsTermsOfEveryVocabulary) {
+  const std::vector<Term> terms{{"SNOMED", "1"}, {"de", "Leber"},          {"modifier SNOMED", "7771000"},
+                                {"99XYZ", "x"},  {"abbreviation", "Liv."}, {"synonym", "hepar"}};
+  const TemporaryFolder folder;
+  const StructureGraph graph =
+      StructureGraph::build({{.id = "the-liver", .name = "Liver", .label = 3, .terms = terms}}).value();
+  write_bytes(folder.file("names.csv"), names_text(graph, NamesFormat::kCsv).value());
+  Notes notes;
+  const NamesTable table = read_names(folder.file("names.csv"), NamesFormat::kAuto, notes).value();
+  ASSERT_EQ(table.names.size(), 1u);
+  EXPECT_THAT(table.names[0].terms, testing::UnorderedElementsAreArray(terms));
+  EXPECT_EQ(table.names[0].key, "the-liver");
+}
+
 TEST(NamesText, NamesOfMasksAreInCsvOnly) {
   const TemporaryFolder folder;
   const StructureGraph masks = StructureGraph::build({{.id = "liver", .name = "liver", .color = {9, 8, 7}},

@@ -88,8 +88,8 @@ TEST(ImportLabels, BackgroundAloneIsANote) {
   EXPECT_THAT(messages_of(labels->notes), testing::ElementsAre("1 label map holds background only: a.nii"));
 }
 
-SourceStructure name(std::int64_t label, const std::string& text) {
-  SourceStructure structure;
+LabelName name(std::int64_t label, const std::string& text) {
+  LabelName structure;
   structure.name = text;
   structure.label = label;
   return structure;
@@ -119,13 +119,25 @@ TEST(NameLabels, CountsWhatDoesNotFit) {
 TEST(NameLabels, FindsStructuresByName) {
   ImportedLabels named = *read_row<std::uint8_t>(VoxelType::kUInt8, {1, 2, 2}, "a.nii");
   named.structures[0].name = "Spleen";
-  SourceStructure spleen = name(77, "spleen");
+  LabelName spleen = name(77, "spleen");
   spleen.color = Rgb{1, 2, 3};
   name_labels(named, {spleen}, false);
   EXPECT_EQ(named.structures[0].color, (Rgb{1, 2, 3}));
   EXPECT_EQ(named.structures[0].label, 1);
   EXPECT_THAT(messages_of(named.notes),
               testing::ElementsAre("1 label has no name and is called \"Label N\": 2"));
+}
+
+/// Masks have the ids of their structures as file names; exported tables have these as keys.
+TEST(NameLabels, FindsMasksByTheirKey) {
+  ImportedLabels named;
+  named.structures.emplace_back().name = "right_lung";
+  LabelName lung;
+  lung.name = "Right lung";
+  lung.key = "right_lung";
+  name_labels(named, {lung}, false);
+  EXPECT_EQ(named.structures[0].name, "Right lung");
+  EXPECT_TRUE(named.notes.empty());
 }
 
 /// 64 values in blocks of a few voxels are labels; in a ramp they are grey values.
