@@ -28,9 +28,10 @@ Volumes: NIfTI-1, NIfTI-2 and Analyze (.nii, .nii.gz, .hdr with .img), NRRD (.nr
 FreeSurfer (.mgz, .mgh); DICOM, a folder or a file; TIFF or PNG, one file or a folder of slices, with --spacing; the
 folder of a BrainGlobe atlas.
 
-Labels: a label map, every value above 0 a structure; a segmentation of 3D Slicer (.seg.nrrd) or DICOM with its
-names, colours and layers; the folder of a BrainGlobe atlas, --names its structures.json; or a folder of one mask file per structure, as TotalSegmentator writes: file names become structure names,
-and masks may overlap. Labels and volume may have different grids: the labels' stays, unless --resample volume.
+Labels: a label map, every value above 0 a structure; a segmentation of 3D Slicer (.seg.nrrd) or DICOM with its names,
+colours and layers; the folder of a BrainGlobe atlas with names and tree; or a folder of one mask file per structure,
+as TotalSegmentator writes: file names become structure names, and masks may overlap. Labels and volume may have
+different grids: the labels' stays, unless --resample volume.
 
 Surfaces: STL, OBJ, PLY, VTK polygons (.vtk, .vtp) and GIFTI (.gii), alone or beside labels. Their frame is that of the
 option, else of the file (SPACE= of 3D Slicer; GIFTI is RAS), else the one that fits the labels. A transform is a text
