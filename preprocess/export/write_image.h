@@ -29,6 +29,6 @@ struct MaskSlices {
 /// The bytes of a mask's file, .nii.gz or .nrrd by `path`; errors as of write_image(). Cost: that of the
 /// slices given. Thread-safe.
 [[nodiscard]] Result<std::vector<std::byte>> encode_mask_file(const Grid& grid, const MaskSlices& mask,
-                                                         const std::filesystem::path& path);
+                                                              const std::filesystem::path& path);
 
 }  // namespace splatlas

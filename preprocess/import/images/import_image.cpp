@@ -51,8 +51,8 @@ Result<Image> import_image(const fs::path& path) {
 Result<void> check_same_grid(const Grid& a, const std::string& name_of_a, const Grid& b,
                              const std::string& name_of_b) {
   if (a.size != b.size) {
-    return fail(ErrorCode::kFailed, "{} has {} voxels, {} has {}", name_of_a,
-                fmt::join(a.size, "x"), name_of_b, fmt::join(b.size, "x"));
+    return fail(ErrorCode::kFailed, "{} has {} voxels, {} has {}", name_of_a, fmt::join(a.size, "x"),
+                name_of_b, fmt::join(b.size, "x"));
   }
   // The corners of one grid, mapped to the other, depend on spacing, origin and direction.
   constexpr double kTolerance = 1e-2;  // voxels

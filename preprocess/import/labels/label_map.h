@@ -15,8 +15,8 @@ namespace splatlas {
 /// passes.
 [[nodiscard]] Result<ImportedLabels> read_label_map(SourceImage image, const std::string& name);
 
-/// Gives structures the names, codes, colours and terms of `names`: by label, or masks by name or key. Notes count
-/// labels without a name and names without voxels; those are dropped, or become empty structures with
+/// Gives structures the names, codes, colours and terms of `names`: by label, or masks by name or key. Notes
+/// count labels without a name and names without voxels; those are dropped, or become empty structures with
 /// `keeps_empty`.
 void name_labels(ImportedLabels& labels, std::vector<LabelName> names, bool keeps_empty);
 
