@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 #include <zlib.h>
 
-#include "tests/preprocess/import/dicom/dicom_files.h"
+#include "tests/preprocess/import/images/dicom/dicom_files.h"
 #include "tests/preprocess/import/planted_files.h"
 #include "tests/preprocess/import/side_volumes.h"
 #include "tests/preprocess/raw_image_files.h"

@@ -10,7 +10,7 @@
 #include "format/atlas_reader.h"
 #include "preprocess/build/build_atlas.h"
 #include "preprocess/commands/build_report.h"
-#include "tests/preprocess/import/dicom/dicom_files.h"
+#include "tests/preprocess/import/images/dicom/dicom_files.h"
 #include "tests/preprocess/import/planted_files.h"
 #include "tests/preprocess/import/side_volumes.h"
 #include "tests/support/file_bytes.h"

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "tests/preprocess/import/dicom/dicom_files.h"
+#include "tests/preprocess/import/images/dicom/dicom_files.h"
 #include "tests/preprocess/import/sides_fixture.h"
 
 namespace splatlas {

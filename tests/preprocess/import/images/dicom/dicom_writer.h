@@ -8,7 +8,7 @@
 #include <dcmtk/dcmdata/dctk.h>
 #include <fmt/format.h>
 
-#include "tests/preprocess/import/dicom/dicom_files.h"
+#include "tests/preprocess/import/images/dicom/dicom_files.h"
 
 namespace splatlas {
 

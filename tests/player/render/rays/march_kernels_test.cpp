@@ -9,8 +9,8 @@
 #include <gtest/gtest.h>
 
 #include "player/render/rays/volume/bricks.h"
-#include "tests/player/rays/march_definition.h"
-#include "tests/player/rays/random_sources.h"
+#include "tests/player/render/rays/march_definition.h"
+#include "tests/player/render/rays/random_sources.h"
 #include "tests/support/every_kernel.h"
 #include "tests/support/repetitions.h"
 

@@ -5,7 +5,7 @@
 
 #include <openjpeg.h>
 
-#include "tests/preprocess/import/dicom/dicom_files.h"
+#include "tests/preprocess/import/images/dicom/dicom_files.h"
 
 namespace splatlas {
 namespace {

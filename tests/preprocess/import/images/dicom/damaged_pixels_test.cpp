@@ -1,7 +1,7 @@
 // Coded pixels that contradict the header, or end too soon, in files that are whole.
 #include <cstring>
 
-#include "tests/preprocess/import/dicom/import_dicom_fixture.h"
+#include "tests/preprocess/import/images/dicom/import_dicom_fixture.h"
 #include "tests/support/file_bytes.h"
 
 namespace splatlas {

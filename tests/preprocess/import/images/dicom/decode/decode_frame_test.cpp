@@ -1,7 +1,7 @@
 // Pixels of DICOM files: codings, stored bits, value scales, and damage.
 #include <random>
 
-#include "tests/preprocess/import/dicom/import_dicom_fixture.h"
+#include "tests/preprocess/import/images/dicom/import_dicom_fixture.h"
 #include "tests/support/file_bytes.h"
 #include "tests/support/repetitions.h"
 

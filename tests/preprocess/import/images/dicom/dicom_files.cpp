@@ -1,4 +1,4 @@
-#include "tests/preprocess/import/dicom/dicom_files.h"
+#include "tests/preprocess/import/images/dicom/dicom_files.h"
 
 #include <memory>
 
@@ -11,7 +11,7 @@
 #include <dcmtk/dcmjpls/djencode.h>
 #include <dcmtk/dcmjpls/djrparam.h>
 
-#include "tests/preprocess/import/dicom/dicom_writer.h"
+#include "tests/preprocess/import/images/dicom/dicom_writer.h"
 
 namespace splatlas {
 namespace {

@@ -1,5 +1,5 @@
 // Nothing of a DICOM header that may identify a patient is passed on.
-#include "tests/preprocess/import/dicom/import_dicom_fixture.h"
+#include "tests/preprocess/import/images/dicom/import_dicom_fixture.h"
 #include "tests/support/file_bytes.h"
 
 namespace splatlas {

@@ -1,5 +1,5 @@
 // Choice among several DICOM series, and series that hold several volumes.
-#include "tests/preprocess/import/dicom/import_dicom_fixture.h"
+#include "tests/preprocess/import/images/dicom/import_dicom_fixture.h"
 #include "tests/support/file_bytes.h"
 
 namespace splatlas {

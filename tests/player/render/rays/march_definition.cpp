@@ -1,4 +1,4 @@
-#include "tests/player/rays/march_definition.h"
+#include "tests/player/render/rays/march_definition.h"
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "tests/preprocess/import/dicom/import_dicom_fixture.h"
+#include "tests/preprocess/import/images/dicom/import_dicom_fixture.h"
 #include "tests/support/file_bytes.h"
 
 namespace splatlas {

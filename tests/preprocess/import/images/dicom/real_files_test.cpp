@@ -1,7 +1,7 @@
 // DICOM files of scanners and of other software, where SPLATLAS_TEST_DATA names their folder.
 #include <cstdlib>
 
-#include "tests/preprocess/import/dicom/import_dicom_fixture.h"
+#include "tests/preprocess/import/images/dicom/import_dicom_fixture.h"
 
 namespace splatlas {
 namespace {

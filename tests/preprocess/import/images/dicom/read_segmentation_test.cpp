@@ -4,7 +4,7 @@
 #include <map>
 
 #include "preprocess/import/images/dicom/read_segments.h"
-#include "tests/preprocess/import/dicom/import_dicom_fixture.h"
+#include "tests/preprocess/import/images/dicom/import_dicom_fixture.h"
 
 namespace splatlas {
 namespace {

@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "preprocess/import/images/dicom/import_dicom.h"
-#include "tests/preprocess/import/dicom/dicom_files.h"
+#include "tests/preprocess/import/images/dicom/dicom_files.h"
 #include "tests/support/fails_with.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/value_or_throw.h"

@@ -1,5 +1,5 @@
 // DICOM segmentations of tests.
-#include "tests/preprocess/import/dicom/dicom_writer.h"
+#include "tests/preprocess/import/images/dicom/dicom_writer.h"
 
 namespace splatlas {
 namespace {
