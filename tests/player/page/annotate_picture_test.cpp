@@ -5,7 +5,7 @@
 
 #include "player/page/free_space.h"
 #include "player/page/place_labels.h"
-#include "tests/player/pictures/annotate/label_scene.h"
+#include "tests/player/page/label_scene.h"
 #include "tests/support/fails_with.h"
 #include "tests/support/repetitions.h"
 

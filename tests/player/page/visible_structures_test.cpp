@@ -8,7 +8,7 @@
 #include "player/page/free_space.h"
 #include "player/page/scale_bar.h"
 #include "player/page/wrap_text.h"
-#include "tests/player/pictures/annotate/label_scene.h"
+#include "tests/player/page/label_scene.h"
 
 namespace splatlas {
 namespace {
