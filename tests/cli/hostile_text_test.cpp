@@ -144,7 +144,7 @@ ProgramResult export_masks(const std::vector<std::string>& ids, const TemporaryF
 }
 
 TEST_F(HostileText, OfIdsMakesNoHostileFileNames) {
-  const std::string longest(248, 'x');
+  const std::string longest(200, 'x');
   const ProgramResult exported =
       export_masks({".", "..", "-rf", "Safe.name-1", "CON", "_con", longest + "y", longest}, folder);
   expect_safe(exported, 1);
