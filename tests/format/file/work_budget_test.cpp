@@ -95,7 +95,7 @@ TEST(WorkBudget, RefusesVolumesOfSparseGrids) {
 /// A task that the caller began counts the work of the calls in it.
 TEST(WorkBudget, CallsCountForTheTaskOfTheirThread) {
   const auto atlas = Atlas::open_bytes(encode_atlas(fitted(random_content(3))).value(), "F").value();
-  const WorkBudget nothing("outer", 100, 1, 1000);
+  const WorkBudget nothing("outer", 100, 1, 2);
   const TaskControl task({}, {}, &nothing);
   const auto refused = atlas->read_all();
   EXPECT_THAT(refused, FailsWith(ErrorCode::kLimit, HasSubstr("outer: takes")));
