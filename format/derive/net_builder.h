@@ -48,7 +48,7 @@ class NetBuilder {
   /// Ids of vertices are their numbers plus 1; smaller ids than `next_id()` at any time mean earlier
   /// vertices. `vertices`: their expected number; more than kMaxVertices throw std::bad_alloc. The net is
   /// built in the memory of `reused`.
-  NetBuilder(std::size_t vertices, SurfaceNet reused = {});
+  explicit NetBuilder(std::size_t vertices, SurfaceNet reused = {});
 
   /// Adds a cell with corner 0 at grid index `cell`. `id_at(edge)` returns a reference to the id of an edge,
   /// `live_from(edge)` the smallest valid id there: smaller ones belong to other edges.
