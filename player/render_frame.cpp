@@ -290,18 +290,23 @@ struct Renderer::Impl {
     return pick_structure(scene, x, y);
   }
 
-  [[nodiscard]] tl::unexpected<Error> out_of_memory() const {
-    return fail(ErrorCode::kLimit, atlas->name() + ": out of memory; take a smaller size or select less");
-  }
-
-  /// The result. Errors other than kUsage, which are about options, name the atlas.
-  template <typename Value>
-  [[nodiscard]] Result<Value> named(Result<Value> result) const {
-    if (result || result.error().code == ErrorCode::kUsage) return result;
-    Error& error = result.error();
-    if (!error.message.starts_with(atlas->name() + ": "))
-      error.message = atlas->name() + ": " + error.message;
-    return result;
+  /// The result of body(), the work of a public function, with the exceptions of its task as errors. Errors
+  /// other than kUsage, which are about options, name the atlas.
+  template <typename Body>
+  [[nodiscard]] auto guarded(const Body& body) const -> decltype(body()) {
+    try {
+      auto result = body();
+      if (result || result.error().code == ErrorCode::kUsage) return result;
+      std::string& message = result.error().message;
+      if (!message.starts_with(atlas->name() + ": ")) message = atlas->name() + ": " + message;
+      return result;
+    } catch (const OverBudget& over) {
+      return tl::unexpected(over.error());
+    } catch (const Cancelled&) {
+      return fail(ErrorCode::kCancelled, atlas->name() + ": rendering was cancelled");
+    } catch (const std::bad_alloc&) {
+      return fail(ErrorCode::kLimit, atlas->name() + ": out of memory; take a smaller size or select less");
+    }
   }
 
   std::shared_ptr<const Atlas> atlas;
@@ -341,29 +346,21 @@ const std::vector<MissingPart>& Renderer::missing() const {
 }
 
 Result<void> Renderer::select(const Selection& selection) {
-  try {
+  Result<void> selected = impl_->guarded([&] {
     const TaskControl task({}, {}, &impl_->atlas->work_budget());
-    return impl_->named(impl_->select(selection));
-  } catch (const OverBudget& over) {
-    impl_->draw_nothing();
-    return tl::unexpected(over.error());
-  } catch (const std::bad_alloc&) {
-    impl_->draw_nothing();
-    return impl_->out_of_memory();
-  }
+    return impl_->select(selection);
+  });
+  if (!selected && selected.error().code == ErrorCode::kLimit) impl_->draw_nothing();
+  return selected;
 }
 
 Result<Camera> Renderer::fit(const Camera& camera, const RenderOptions& options,
                              std::optional<std::span<const StructureIndex>> structures,
                              const PictureRegion& region) {
-  try {
+  return impl_->guarded([&] {
     const TaskControl task({}, {}, &impl_->atlas->work_budget());
-    return impl_->named(impl_->fit(camera, options, structures, region));
-  } catch (const OverBudget& over) {
-    return tl::unexpected(over.error());
-  } catch (const std::bad_alloc&) {
-    return impl_->out_of_memory();
-  }
+    return impl_->fit(camera, options, structures, region);
+  });
 }
 
 Result<Picture> Renderer::render(const Camera& camera, const RenderOptions& options,
@@ -382,18 +379,12 @@ Result<void> RendererInternals::render(Renderer& renderer, const Camera& camera,
                                        const RenderOverrides& overrides, Picture& picture,
                                        const RenderControl& control) {
   Renderer::Impl& r = *renderer.impl_;
-  try {
+  return r.guarded([&] {
     TaskControl task(control.stop, control.progress, &r.atlas->work_budget());
-    Result<void> rendered = r.named(r.render(camera, options, overrides, task, picture));
+    Result<void> rendered = r.render(camera, options, overrides, task, picture);
     if (rendered) task.finish();
     return rendered;
-  } catch (const std::bad_alloc&) {
-    return r.out_of_memory();
-  } catch (const OverBudget& over) {
-    return tl::unexpected(over.error());
-  } catch (const Cancelled&) {
-    return fail(ErrorCode::kCancelled, r.atlas->name() + ": rendering was cancelled");
-  }
+  });
 }
 
 const IdImage& Renderer::ids() const {
