@@ -346,12 +346,15 @@ const std::vector<MissingPart>& Renderer::missing() const {
 }
 
 Result<void> Renderer::select(const Selection& selection) {
-  Result<void> selected = impl_->guarded([&] {
+  return impl_->guarded([&] {
     const TaskControl task({}, {}, &impl_->atlas->work_budget());
-    return impl_->select(selection);
+    try {
+      return impl_->select(selection);
+    } catch (...) {
+      impl_->draw_nothing();  // half selected
+      throw;
+    }
   });
-  if (!selected && selected.error().code == ErrorCode::kLimit) impl_->draw_nothing();
-  return selected;
 }
 
 Result<Camera> Renderer::fit(const Camera& camera, const RenderOptions& options,
