@@ -213,9 +213,8 @@ struct Renderer::Impl {
     SPLATLAS_ASSIGN_OR_RETURN(std::optional<DrawPlan> rest,
                               decoded.require(drawn.plan(), axis, options.hybrid_shading, pool));
     if (rest) draw(*std::move(rest));
-    if (!decoded.missing().empty() && drawn.draws_nothing()) {
+    if (!decoded.missing().empty() && drawn.draws_nothing())
       return tl::unexpected(decoded.missing().front().error);
-    }
     return faces.require(options, axis, *atlas, drawn, decoded, pool);
   }
 
