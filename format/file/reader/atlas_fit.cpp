@@ -119,7 +119,7 @@ Result<SurfaceMesh> Atlas::read_surface(StructureIndex s) const {
     }
     return mesh;
   };
-  return impl_->guarded(read, fmt::format(" for the surface of structure '{}'", graph()[s].id));
+  return impl_->guarded(read, " for the surface of structure '{}'", graph()[s].id);
 }
 
 Result<std::vector<PackedNormal>> Atlas::read_normals(ClassId c) const {
@@ -131,7 +131,7 @@ Result<std::vector<PackedNormal>> Atlas::read_normals(ClassId c) const {
     if (!bytes.empty()) std::memcpy(normals.data(), bytes.data(), bytes.size());
     return normals;
   };
-  return impl_->guarded(read, fmt::format(" for the normals of class {}", c));
+  return impl_->guarded(read, " for the normals of class {}", c);
 }
 
 }  // namespace splatlas

@@ -72,12 +72,12 @@ struct Atlas::Impl {
   /// directory states; nothing is counted in this case. The order of reading decides which class fails.
   [[nodiscard]] Result<void> count_runs(ClassId c, Axis axis, std::size_t runs) const;
 
-  [[nodiscard]] std::vector<ClassId> all_classes() const;
-  [[nodiscard]] std::vector<StructureIndex> all_structures() const;
   /// Calls body(), the work of a public function, as a task with the budget, unless the thread works on a
-  /// task already. Excess and std::bad_alloc become kLimit; `purpose` is empty, or begins with " for ".
-  template <typename Body>
-  [[nodiscard]] auto guarded(const Body& body, std::string_view purpose = {}) const -> decltype(body()) {
+  /// task already. Excess and std::bad_alloc become kLimit. `purpose`, with its arguments, is empty, or
+  /// begins with " for ".
+  template <typename Body, typename... Args>
+  [[nodiscard]] auto guarded(const Body& body, fmt::format_string<const Args&...> purpose = "",
+                             const Args&... args) const -> decltype(body()) {
     try {
       if (TaskControl::current() != nullptr) return body();
       const TaskControl task({}, {}, &budget);
@@ -85,7 +85,8 @@ struct Atlas::Impl {
     } catch (const OverBudget& over) {
       return tl::unexpected(over.error());
     } catch (const std::bad_alloc&) {
-      return out_of_memory(purpose);
+      return named(ErrorCode::kLimit, "out of memory{}; {}", fmt::format(purpose, args...),
+                   kOutOfMemoryRemedy);
     }
   }
 
@@ -97,10 +98,6 @@ struct Atlas::Impl {
   [[nodiscard]] tl::unexpected<Error> named(ErrorCode code, fmt::format_string<Args...> text,
                                             Args&&... args) const {
     return fail(code, "{}: {}", file.name(), fmt::format(text, std::forward<Args>(args)...));
-  }
-  /// kLimit. `purpose` is empty, or begins with " for ".
-  [[nodiscard]] tl::unexpected<Error> out_of_memory(std::string_view purpose = {}) const {
-    return named(ErrorCode::kLimit, "out of memory{}; {}", purpose, kOutOfMemoryRemedy);
   }
 
   InputFile file;

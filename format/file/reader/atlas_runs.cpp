@@ -131,7 +131,7 @@ Result<ClassRuns> Atlas::read_runs(ClassId c, Axis axis) const {
     return impl_->layout.find(run_section(axis)) ? impl_->read_stored_runs(c, axis)
                                                  : impl_->derive_runs(c, axis);
   };
-  return impl_->guarded(read, fmt::format(" for the runs of class {}", c));
+  return impl_->guarded(read, " for the runs of class {}", c);
 }
 
 }  // namespace splatlas

@@ -74,7 +74,7 @@ Result<std::vector<std::byte>> Atlas::read_values(ClassId c) const {
   SPLATLAS_RETURN_IF_ERROR(impl_->check_class(c));
   if (value_type() == VoxelType::kNone) return std::vector<std::byte>{};
   const auto read = [&] { return impl_->read_class_values(c); };
-  return impl_->guarded(read, fmt::format(" for the values of class {}", c));
+  return impl_->guarded(read, " for the values of class {}", c);
 }
 
 }  // namespace splatlas
