@@ -12,15 +12,26 @@ tell() {
   bad=1
 }
 
+# "SOURCE SOURCE" for each source, and "SOURCE HEADER" for each include.
+includes=$(
+  find format player preprocess bench tests \( -name '*.h' -o -name '*.cpp' \) -printf '%p %p\n'
+  grep -rHoE --include='*.h' --include='*.cpp' '^ *# *include *"[^"]+' format player preprocess bench tests |
+    sed -E 's/: *# *include *"/ /'
+)
+
 # may_include FOLDER LAYER...: sources in the folder include headers of these layers only.
 may_include() {
-  local folder=$1 line layer
+  local folder=$1 line
   shift
   while IFS= read -r line; do
-    layer=$(sed -E 's/.*include *"([a-z]+)\/.*/\1/' <<<"$line")
-    [[ " $* " == *" $layer "* ]] || tell "$line: $folder may include only: $*"
-  done < <(grep -rnE --include='*.h' --include='*.cpp' \
-    '^ *# *include *"(schemas|format|preprocess|player|bench|tests)/' "$folder")
+    tell "$line: $folder may include only: $*"
+  done < <(awk -v folder="$folder/" -v allowed=" $* " '
+    BEGIN { split("schemas format preprocess player bench tests", names, " "); for (n in names) layers[names[n]] }
+    index($1, folder) == 1 && $1 != $2 {
+      layer = $2
+      sub("/.*", "", layer)
+      if (layer in layers && !index(allowed, " " layer " ")) print
+    }' <<<"$includes")
 }
 
 # must_not_include PATTERN WHY FOLDER...: no source in the folders includes a header whose name starts with the pattern.
@@ -53,18 +64,13 @@ must_not_include 'SDL|imgui|GL/' 'the window belongs to the player' format prepr
 # module_graph FOLDER: "MODULE MODULE" for each module, and "FROM TO" for each include between modules. A module is a
 # folder, or a header with its source.
 module_graph() {
-  {
-    find "$1" -name '*.h' -o -name '*.cpp'
-    grep -rHoE --include='*.h' --include='*.cpp' "^ *# *include *\"$1/[^\"]+" "$1" || true
-  } | awk -v folder="$1" '
-      function module(path) {
-        sub("^" folder "/", "", path)
-        if (!sub("/.*", "/", path)) { sub("[.][a-z]+$", "", path); sub("-inl$", "", path) }
-        return path
-      }
-      { path = $0; sub(":.*", "", path); from = to = module(path)
-        if (sub("[^\"]*\"", "")) to = module($0)
-        print from, to }' | sort -u
+  awk -v folder="$1/" '
+    function module(path) {
+      path = substr(path, length(folder) + 1)
+      if (!sub("/.*", "/", path)) { sub("[.][a-z]+$", "", path); sub("-inl$", "", path) }
+      return path
+    }
+    index($1, folder) == 1 && index($2, folder) == 1 { print module($1), module($2) }' <<<"$includes" | sort -u
 }
 
 # check_graph NAME MODULES LEVELS <GRAPH: prints circles, and excesses of both limits.
