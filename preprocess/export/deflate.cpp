@@ -33,41 +33,44 @@ const unsigned char* as_input(std::span<const std::byte> bytes) {
   return reinterpret_cast<const unsigned char*>(bytes.data());
 }
 
+/// Compresses `bytes` and calls `take` with the result, piece by piece, up to its first error; `flush`
+/// applies to the end of the bytes.
+template <typename Take>
+Result<void> pump(z_stream& stream, std::span<const std::byte> bytes, int flush, std::span<std::byte> buffer,
+                  const Take& take) {
+  constexpr std::size_t kMaxInput = std::size_t{1} << 30;  // zlib's counts have 32 bits
+  do {
+    const std::span<const std::byte> input = bytes.first(std::min(bytes.size(), kMaxInput));
+    bytes = bytes.subspan(input.size());
+    stream.next_in = const_cast<unsigned char*>(as_input(input));  // zlib does not change it
+    stream.avail_in = static_cast<unsigned>(input.size());
+    do {
+      check_task();
+      stream.next_out = reinterpret_cast<unsigned char*>(buffer.data());
+      stream.avail_out = static_cast<unsigned>(buffer.size());
+      deflate(&stream,
+              bytes.empty() ? flush : Z_NO_FLUSH);  // cannot fail: the state is valid and there is room
+      const std::size_t made = buffer.size() - stream.avail_out;
+      if (made > 0) SPLATLAS_RETURN_IF_ERROR(take(buffer.first(made)));
+    } while (stream.avail_out == 0);
+  } while (!bytes.empty());
+  return {};
+}
+
 }  // namespace
 
 Result<void> deflate_in_pieces(std::initializer_list<std::span<const std::byte>> parts,
                                DeflateWrapper wrapper, int level, const std::filesystem::path& path,
                                const std::function<Result<void>(std::span<const std::byte>)>& write) {
-  constexpr std::size_t kMaxInput = std::size_t{1} << 30;  // zlib's counts have 32 bits
   constexpr int kWindowBits = 15, kGzip = 16;
   const int bits = wrapper == DeflateWrapper::kGzip ? kWindowBits + kGzip : kWindowBits;
   const Deflater stream = make_deflater(bits, level, Z_DEFAULT_STRATEGY);
   if (!stream) return fail(ErrorCode::kLimit, "{}: cannot be written: out of memory", path.string());
-  std::vector<std::byte> packed(1 << 18);
-
-  // Compress what `stream` has as input; `flush` is Z_FINISH at the end.
-  const auto drain = [&](int flush) -> Result<void> {
-    do {
-      check_task();
-      stream->next_out = reinterpret_cast<unsigned char*>(packed.data());
-      stream->avail_out = static_cast<unsigned>(packed.size());
-      deflate(stream.get(), flush);  // cannot fail: the state is valid and there is room
-      const std::size_t made = packed.size() - stream->avail_out;
-      if (made > 0) SPLATLAS_RETURN_IF_ERROR(write(std::span(packed).first(made)));
-    } while (stream->avail_out == 0);
-    return {};
-  };
-  for (std::span<const std::byte> part : parts) {
-    while (!part.empty()) {
-      const std::span<const std::byte> input = part.first(std::min(part.size(), kMaxInput));
-      // zlib does not change its input.
-      stream->next_in = const_cast<unsigned char*>(as_input(input));
-      stream->avail_in = static_cast<unsigned>(input.size());
-      SPLATLAS_RETURN_IF_ERROR(drain(Z_NO_FLUSH));
-      part = part.subspan(input.size());
-    }
+  std::vector<std::byte> buffer(1 << 18);
+  for (const std::span<const std::byte> part : parts) {
+    if (!part.empty()) SPLATLAS_RETURN_IF_ERROR(pump(*stream, part, Z_NO_FLUSH, buffer, write));
   }
-  return drain(Z_FINISH);
+  return pump(*stream, {}, Z_FINISH, buffer, write);
 }
 
 struct GzipRuns::Stream {
@@ -92,14 +95,10 @@ GzipRuns::GzipRuns() : stream_(std::make_unique<Stream>()) {
 GzipRuns::~GzipRuns() = default;
 
 void GzipRuns::add(std::span<const std::byte> bytes) {
-  constexpr std::size_t kMaxInput = std::size_t{1} << 30;  // zlib's counts have 32 bits
-  while (!bytes.empty()) {
-    const std::span<const std::byte> input = bytes.first(std::min(bytes.size(), kMaxInput));
-    checksum_ = crc32_z(checksum_, as_input(input), input.size());
-    bytes_ += input.size();
-    deflate_block(input, Z_FULL_FLUSH);
-    bytes = bytes.subspan(input.size());
-  }
+  if (bytes.empty()) return;  // zlib takes a null pointer for a new checksum
+  checksum_ = crc32_z(checksum_, as_input(bytes), bytes.size());
+  bytes_ += bytes.size();
+  deflate_block(bytes, Z_FULL_FLUSH);
 }
 
 void GzipRuns::add_zeros(std::uint64_t count) {
@@ -123,18 +122,12 @@ std::vector<std::byte> GzipRuns::finish() {
 }
 
 void GzipRuns::deflate_block(std::span<const std::byte> bytes, int flush) {
-  z_stream& stream = *stream_->deflater;
-  stream.next_in = const_cast<unsigned char*>(as_input(bytes));  // zlib does not change it
-  stream.avail_in = static_cast<unsigned>(bytes.size());
-  do {
-    constexpr std::size_t kRoom = 1 << 14;
-    const std::size_t before = packed_.size();
-    packed_.resize(before + kRoom);
-    stream.next_out = reinterpret_cast<unsigned char*>(&packed_[before]);
-    stream.avail_out = kRoom;
-    deflate(&stream, flush);  // cannot fail: the state is valid and there is room
-    packed_.resize(before + kRoom - stream.avail_out);
-  } while (stream.avail_out == 0);
+  std::array<std::byte, 1 << 14> buffer;
+  const auto append = [&](std::span<const std::byte> piece) -> Result<void> {
+    packed_.insert(packed_.end(), piece.begin(), piece.end());
+    return {};
+  };
+  static_cast<void>(pump(*stream_->deflater, bytes, flush, buffer, append));  // append() does not fail
 }
 
 }  // namespace splatlas

@@ -203,8 +203,10 @@ class SourceImporter {
   /// first. Structures have the names of the table.
   void note_resampled(const ImportedLabels& labels) {
     std::map<std::int64_t, std::string> name_of_label;
-    for (const LabelName& name : names_ ? names_->names : std::vector<LabelName>{}) {
-      if (name.label) name_of_label.emplace(*name.label, name.name);
+    if (names_) {
+      for (const LabelName& name : names_->names) {
+        if (name.label) name_of_label.emplace(*name.label, name.name);
+      }
     }
     std::vector<ResampledStructure> resampled = labels.resampled;
     std::ranges::stable_sort(resampled, std::greater{}, [](const ResampledStructure& sizes) {
