@@ -1,7 +1,7 @@
-# Installs the programs, the libraries format and player with their public headers, the CMake package `splatlas`, and
+# Installs the programs, the libraries format, player and pages with their public headers, the CMake package `splatlas`, and
 # the pkg-config module of the same name.
-# Other projects use find_package(splatlas), link splatlas::format or splatlas::player, and include
-# <splatlas/player/render_frame.h>. Headers include each other as "player/render_frame.h", as in the source tree.
+# Other projects use find_package(splatlas), link splatlas::format, splatlas::player or splatlas::pages, and include
+# <splatlas/player/renderer.h>. Headers include each other as "player/renderer.h", as in the source tree.
 
 include(CMakePackageConfigHelpers)
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/splatlas)
@@ -12,13 +12,13 @@ foreach(program splatlas-preprocess splatlas-player)
   endif()
 endforeach()
 
-foreach(module splatlas_pictures splatlas_pdf splatlas_window)  # loaded by splatlas-player
+foreach(module splatlas_pictures splatlas_pdf splatlas_window)  # loaded at run time
   if(TARGET ${module})
     install(TARGETS ${module} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
   endif()
 endforeach()
 
-foreach(library splatlas_format splatlas_player)
+foreach(library splatlas_format splatlas_player splatlas_pages)
   if(TARGET ${library})
     install(TARGETS ${library} EXPORT splatlasTargets
       ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}

@@ -12,32 +12,23 @@
 
 using namespace splatlas;
 
-Result<void> run(const char* path, const char* name) {
-  const auto opened = Atlas::open(path);
-  if (!opened) return tl::unexpected(opened.error());
-  const Atlas& atlas = **opened;
-  const auto found = find_structures(atlas.graph(), name);
-  if (!found) return tl::unexpected(found.error());
-
+void run(const char* path, const char* name) {
+  const auto opened = value_or_throw(Atlas::open(path));
+  const Atlas& atlas = *opened;
   std::set<ClassId> classes;
-  for (const StructureIndex top : *found) {  // several for a name with wildcards
-    for (const StructureIndex s : atlas.graph().descendants(top)) {
-      for (const ClassId c : atlas.tree().interior_classes(s)) classes.insert(c);
-      for (const ClassId c : atlas.tree().boundary_classes(s)) classes.insert(c);
-    }
+  for (const StructureIndex s : atlas.graph().descendants(value_or_throw(atlas.graph().find(name)))) {
+    for (const ClassId c : atlas.tree().interior_classes(s)) classes.insert(c);
+    for (const ClassId c : atlas.tree().boundary_classes(s)) classes.insert(c);
   }
 
   std::uint64_t voxels = 0;
   double sum = 0;
   for (const ClassId c : classes) {
-    const auto runs = atlas.read_runs(c, Axis::kZ);  // positions: runs of voxels along i
-    if (!runs) return tl::unexpected(runs.error());
-    for (const Run& run : *runs) voxels += run.length;
-    const auto values = atlas.read_values(c);  // in the order of the runs
-    if (!values) return tl::unexpected(values.error());
-    if (values->empty()) continue;
+    for (const Run& run : value_or_throw(atlas.read_runs(c, Axis::kZ))) voxels += run.length;  // along i
+    const auto values = value_or_throw(atlas.read_values(c));  // in the order of the runs
+    if (values.empty()) continue;
     visit_voxel_type(atlas.value_type(), [&](auto tag) {
-      const auto* value = reinterpret_cast<const decltype(tag)*>(values->data());
+      const auto* value = reinterpret_cast<const decltype(tag)*>(values.data());
       for (std::uint64_t n = 0; n < atlas.classes().voxels(c); ++n) sum += static_cast<double>(value[n]);
     });
   }
@@ -45,12 +36,12 @@ Result<void> run(const char* path, const char* name) {
               static_cast<unsigned long long>(voxels),
               static_cast<double>(voxels) * voxel_volume_mm3(atlas.grid()) / 1000,
               voxels > 0 ? sum / static_cast<double>(voxels) : 0);
-  return {};
 }
 
-int main(int argc, char** argv) {
-  const auto done =
-      argc == 3 ? run(argv[1], argv[2]) : fail(ErrorCode::kUsage, "usage: read_voxels ATLAS STRUCTURE");
-  if (!done) std::fprintf(stderr, "read_voxels: %s\n", printable(done.error().message).c_str());
-  return done ? 0 : 1;
+int main(int argc, char** argv) try {
+  if (argc != 3) throw std::runtime_error("usage: read_voxels ATLAS STRUCTURE");
+  run(argv[1], argv[2]);
+} catch (const std::exception& error) {
+  std::fprintf(stderr, "read_voxels: %s\n", printable(error.what()).c_str());
+  return 1;
 }

@@ -3,45 +3,41 @@
 //   render_picture brain.atlas 'Cerebellum:surface(opacity=0.5) + Vermis*' picture.png
 //
 // Every function that can fail returns a Result: a value, or an Error with a code and one line of text.
-// Opening an atlas reads its directory only; a picture reads the selected structures only.
+// value_or_throw() is for programs that end at the first error. Opening an atlas reads its directory only; a
+// picture reads the selected structures only.
 #include <cstdio>
 #include <string>
 
-#include <splatlas/player/render_frame.h>
+#include <splatlas/player/renderer.h>
 #include <splatlas/player/write_png.h>
 
 using namespace splatlas;
 
-Result<void> run(const char* path, const char* text, const char* output) {
-  const auto atlas = Atlas::open(path);
-  if (!atlas) return tl::unexpected(atlas.error());
-  const auto selection = select(text, (*atlas)->graph());
-  if (!selection) return tl::unexpected(selection.error());
-
-  Renderer renderer(*atlas);
-  if (const auto selected = renderer.select(*selection); !selected) return selected;
+void run(const char* path, const char* text, const char* output) {
+  const auto atlas = value_or_throw(Atlas::open(path));
+  Renderer renderer(atlas);
+  value_or_throw(renderer.select(value_or_throw(Selection::parse(text, atlas->graph()))));
 
   // Standard views look along an axis; Camera{.azimuth_deg = 30} gives any other direction. The selection
   // fills the picture.
   const RenderOptions options{.size = {640, 480}, .quality = Quality::kNormal};
-  const auto camera = renderer.fit(Camera::of(NamedView::kLeft), options);
-  if (!camera) return tl::unexpected(camera.error());
-  const auto picture = renderer.render(*camera, options);
-  if (!picture) return tl::unexpected(picture.error());
+  const Camera camera = value_or_throw(renderer.fit(Camera::of(NamedView::kLeft), options));
+  const Frame frame = value_or_throw(renderer.render(camera, options));
 
   // Pictures are premultiplied linear RGBA; without a background, the PNG is transparent.
-  if (auto written = write_png(*picture, output, Rgb{0, 0, 0}); !written) return written;
+  value_or_throw(write_png(frame.picture, output, Rgb{0, 0, 0}));
 
   // Damage affects only its own structures. The picture shows the others.
-  for (const MissingPart& part : renderer.missing())
-    std::fprintf(stderr, "%s\n", describe(part, (*atlas)->graph()).c_str());
-  if (renderer.missing().empty()) return {};
-  return fail(ErrorCode::kInvalidAtlas, std::string(path) + ": damaged; the picture is incomplete");
+  for (const MissingPart& part : frame.missing)
+    std::fprintf(stderr, "%s\n", describe(part, atlas->graph()).c_str());
+  if (!frame.missing.empty())
+    throw std::runtime_error(std::string(path) + ": damaged; the picture is incomplete");
 }
 
-int main(int argc, char** argv) {
-  const auto done = argc == 4 ? run(argv[1], argv[2], argv[3])
-                              : fail(ErrorCode::kUsage, "usage: render_picture ATLAS SELECTION OUT.png");
-  if (!done) std::fprintf(stderr, "render_picture: %s\n", printable(done.error().message).c_str());
-  return done ? 0 : 1;
+int main(int argc, char** argv) try {
+  if (argc != 4) throw std::runtime_error("usage: render_picture ATLAS SELECTION OUT.png");
+  run(argv[1], argv[2], argv[3]);
+} catch (const std::exception& error) {
+  std::fprintf(stderr, "render_picture: %s\n", printable(error.what()).c_str());
+  return 1;
 }

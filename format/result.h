@@ -1,8 +1,10 @@
 // Result<T>: error handling without exceptions.
 #pragma once
 
+#include <stdexcept>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 
 #include <tl/expected.hpp>
@@ -24,6 +26,8 @@ enum class ErrorCode {
 struct Error {
   ErrorCode code = ErrorCode::kFailed;
   std::string message;
+  /// Start of the message, if it names a file or a parameter: "brain.atlas", "camera: zoom". Else empty.
+  std::string subject = {};
 };
 
 /// A value or an Error. Callers must check before they access the value.
@@ -32,7 +36,14 @@ using Result = tl::expected<T, Error>;
 
 /// Makes an error that converts to any Result.
 [[nodiscard]] inline tl::unexpected<Error> fail(ErrorCode code, std::string message) {
-  return tl::unexpected<Error>(Error{code, std::move(message)});
+  return tl::unexpected<Error>(Error{code, std::move(message), {}});
+}
+
+/// The value, for programs that end at their first error. Throws std::runtime_error with the error's message.
+template <typename T>
+T value_or_throw(Result<T> result) {
+  if (!result) throw std::runtime_error(result.error().message);
+  if constexpr (!std::is_void_v<T>) return *std::move(result);
 }
 
 /// Makes text safe for one line of a terminal: replaces characters that a terminal interprets, that reorder

@@ -32,6 +32,11 @@ std::pair<double, double> sin_cos_deg(double degrees) {
 
 }  // namespace
 
+tl::unexpected<Error> bad_camera(std::string_view parameter, std::string_view fault) {
+  const std::string subject = fmt::format("camera: {}", parameter);
+  return tl::unexpected(Error{ErrorCode::kUsage, fmt::format("{} {}", subject, fault), subject});
+}
+
 Camera Camera::of(NamedView view) {
   Camera camera;
   switch (view) {
@@ -62,15 +67,13 @@ Result<ParallelView> parallel_view(const Camera& camera, const PictureSize& size
                                                size.width, size.height, kMaxPictureSide));
   }
   if (!std::isfinite(camera.azimuth_deg)) {
-    return fail(ErrorCode::kUsage,
-                fmt::format("camera: azimuth {} must be a finite angle in degrees", camera.azimuth_deg));
+    return bad_camera("azimuth", fmt::format("{} must be a finite angle in degrees", camera.azimuth_deg));
   }
   if (!std::isfinite(camera.elevation_deg)) {
-    return fail(ErrorCode::kUsage,
-                fmt::format("camera: elevation {} must be a finite angle in degrees", camera.elevation_deg));
+    return bad_camera("elevation", fmt::format("{} must be a finite angle in degrees", camera.elevation_deg));
   }
-  if (!(camera.zoom >= kMinCameraZoom && camera.zoom <= kMaxCameraZoom)) {
-    return fail(ErrorCode::kUsage, fmt::format("camera: zoom {} must be from 1e-6 to 1e6", camera.zoom));
+  if (!(camera.zoom >= kMinZoom && camera.zoom <= kMaxZoom)) {
+    return bad_camera("zoom", fmt::format("{} must be from {} to {}", camera.zoom, kMinZoom, kMaxZoom));
   }
   const Vec3 center = camera.center_lps_mm.value_or(display.center_lps_mm);
   if (!is_within_reach(center)) {
@@ -128,15 +131,14 @@ Result<View> view_of(const Camera& camera, const PictureSize& size, const Displa
   if (camera.projection == CameraProjection::kParallel) return View{plane};
   const double degrees = camera.field_of_view_deg;
   if (!(degrees >= kMinFieldOfView && degrees <= kMaxFieldOfView)) {
-    return fail(ErrorCode::kUsage, fmt::format("camera: field of view {} must be from {} to {} degrees",
-                                               degrees, kMinFieldOfView, kMaxFieldOfView));
+    return bad_camera("field of view", fmt::format("{} must be from {} to {} degrees", degrees,
+                                                   kMinFieldOfView, kMaxFieldOfView));
   }
   const double half_height_mm = 0.5 * size.height * plane.mm_per_pixel;
   const double eye_mm = half_height_mm / std::tan(degrees * std::numbers::pi / 360);
   if (!(eye_mm >= kMinEyeDistanceMm && std::isfinite(eye_mm))) {
-    return fail(ErrorCode::kUsage,
-                fmt::format("camera: zoom {}: the eye is {} mm from the point that it looks at; change it",
-                            camera.zoom, eye_mm));
+    return bad_camera("zoom", fmt::format("{}: the eye is {} mm from the point that it looks at; change it",
+                                          camera.zoom, eye_mm));
   }
   return View{plane, eye_mm};
 }

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <string_view>
 
 #include "format/content/atlas_content.h"
 #include "format/content/grid.h"
@@ -19,7 +20,7 @@ enum class NamedView : std::uint8_t { kAnterior, kPosterior, kLeft, kRight, kSup
 enum class CameraProjection : std::uint8_t { kParallel, kPerspective };
 
 /// Minimum and maximum zoom of a camera.
-inline constexpr double kMinCameraZoom = 1e-6, kMaxCameraZoom = 1e6;
+inline constexpr double kMinZoom = 1e-6, kMaxZoom = 1e6;
 
 /// Orbit camera around a centre in LPS.
 /// Azimuth 0 looks at the subject's anterior side, azimuth 90 at the left side. A positive elevation looks
@@ -28,7 +29,7 @@ inline constexpr double kMinCameraZoom = 1e-6, kMaxCameraZoom = 1e6;
 struct Camera {
   double azimuth_deg = 0;
   double elevation_deg = 0;
-  /// From kMinCameraZoom to kMaxCameraZoom. At 1, the atlas's bounding sphere fits into the picture;
+  /// From kMinZoom to kMaxZoom. At 1, the atlas's bounding sphere fits into the picture;
   /// Renderer::fit() finds the zoom of a selection.
   double zoom = 1;
   std::optional<Vec3> center_lps_mm =
@@ -99,6 +100,9 @@ struct View {
 inline constexpr double kMinFieldOfView = 1e-3, kMaxFieldOfView = 179;
 /// Minimum distance from the eye to the centre, in mm. Prevents underflow in ray set-up.
 inline constexpr double kMinEyeDistanceMm = 1e-100;
+
+/// kUsage for a parameter of a camera. The subject is "camera: PARAMETER"; the fault begins with the value.
+[[nodiscard]] tl::unexpected<Error> bad_camera(std::string_view parameter, std::string_view fault);
 
 /// The view of a camera. kUsage as for parallel_view(). In perspective also for a field of view outside
 /// [kMinFieldOfView, kMaxFieldOfView], and for an eye closer than kMinEyeDistanceMm or infinitely far. O(1),

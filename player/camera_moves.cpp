@@ -3,17 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "player/render/view/fit_extents.h"
-
 namespace splatlas {
 namespace {
 
 constexpr double kDegreesPerSide = 180;
-
-/// Clamps `to` to the interval, extended to `from`: no move from outside goes the wrong way.
-double moved_within(double from, double to, double min, double max) {
-  return std::clamp(to, std::min(min, from), std::max(max, from));
-}
 
 }  // namespace
 
@@ -21,7 +14,9 @@ Camera turned(const Camera& camera, double azimuth_deg, double elevation_deg) {
   Camera result = camera;
   result.azimuth_deg = std::remainder(camera.azimuth_deg + azimuth_deg, 360.0);
   if (result.azimuth_deg <= -180) result.azimuth_deg += 360;
-  result.elevation_deg = moved_within(camera.elevation_deg, camera.elevation_deg + elevation_deg, -90, 90);
+  // An elevation beyond the poles can only return towards them
+  const double from = camera.elevation_deg;
+  result.elevation_deg = std::clamp(from + elevation_deg, std::min(-90.0, from), std::max(90.0, from));
   return result;
 }
 
@@ -45,7 +40,7 @@ Camera moved_by_drag(const Camera& camera, double dx, double dy, const PictureSi
 
 Camera zoomed(const Camera& camera, double factor) {
   Camera result = camera;
-  result.zoom = moved_within(camera.zoom, camera.zoom * factor, kMinZoom, kMaxZoom);
+  result.zoom = std::clamp(camera.zoom * factor, kMinZoom, kMaxZoom);
   return result;
 }
 
@@ -82,21 +77,6 @@ std::optional<LpsBox> bounding_box(const Atlas& atlas, const Selection& selectio
     }
   }
   return bounds;
-}
-
-Camera fitted(const Camera& camera, const LpsBox& box, const PictureSize& size, const Display& display) {
-  const auto frame = FitFrame::of(camera, size, display);
-  if (!frame) return camera;
-  const FitPlanes planes = frame->planes(Affine());
-  FitExtents extents;
-  for (unsigned corner = 0; corner < 8; ++corner) {
-    Vec3 point{};
-    for (std::size_t a = 0; a < 3; ++a) point[a] = (corner >> a & 1u) != 0 ? box.last[a] : box.first[a];
-    extents.include(planes, point);
-  }
-  Camera result = frame->fitted(extents);
-  result.zoom = std::clamp(result.zoom, kMinZoom, kMaxZoom);
-  return result;
 }
 
 }  // namespace splatlas

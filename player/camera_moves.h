@@ -1,4 +1,4 @@
-// Camera moves of interactive viewers: orbit, pan, zoom about a point, fit to a box. All functions are
+// Camera moves of interactive viewers: orbit, pan, zoom about a point; box of a selection. All functions are
 // thread-safe, and O(1) unless a comment gives their cost.
 #pragma once
 
@@ -9,10 +9,6 @@
 #include "player/camera.h"
 
 namespace splatlas {
-
-/// Range of zooms that zoomed_at() and fitted() return.
-inline constexpr double kMinZoom = 0.1;
-inline constexpr double kMaxZoom = 1000;
 
 /// Orbits by angles in degrees. Wraps the azimuth to (-180, 180] and clamps the elevation to [-90, 90]. A
 /// camera beyond these limits can only return towards them.
@@ -26,8 +22,7 @@ inline constexpr double kMaxZoom = 1000;
 [[nodiscard]] Camera moved_by_drag(const Camera& camera, double dx, double dy, const PictureSize& size,
                                    const Display& display);
 
-/// Zooms by a factor about the centre. Clamps the zoom to [kMinZoom, kMaxZoom]; a zoom beyond these limits
-/// can only return towards them.
+/// Zooms by a factor about the centre. Clamps the zoom to [kMinZoom, kMaxZoom].
 [[nodiscard]] Camera zoomed(const Camera& camera, double factor);
 /// The same about picture coordinates (x, y): their point in the plane of the centre is fixed. Returns the
 /// camera unchanged if parallel_view() fails.
@@ -42,11 +37,5 @@ struct LpsBox {
 /// Bounding box of the voxels of the selected structures; none without voxels. Cost: the draw plan of the
 /// selection, and O(1) per selected class; reads nothing from the file.
 [[nodiscard]] std::optional<LpsBox> bounding_box(const Atlas& atlas, const Selection& selection);
-
-/// The camera whose picture the box fills, but for margins of 2 %; keeps the view direction. Renderer::fit()
-/// fits the selected voxels themselves. Clamps the zoom to [kMinZoom, kMaxZoom]. Returns the camera unchanged
-/// if view_of() fails.
-[[nodiscard]] Camera fitted(const Camera& camera, const LpsBox& box, const PictureSize& size,
-                            const Display& display);
 
 }  // namespace splatlas

@@ -1,4 +1,4 @@
-// Rendered picture in linear RGB, and picked structure.
+// Pictures in linear RGB, id images and picked structures.
 #pragma once
 
 #include <array>

@@ -61,7 +61,7 @@ struct RenderOptions {
   /// Half spaces to remove from volumes and surfaces. What remains is unchanged.
   CutPlanes cuts = {};
   CapMode caps = CapMode::kBoth;  ///< faces of the cuts
-  bool ids = false;               ///< also makes the id image, Renderer::ids(); the picture is the same
+  bool ids = false;               ///< also makes Frame::ids; the picture is the same
 };
 
 /// Cancellation and progress of one call of Renderer::render().
@@ -90,7 +90,7 @@ struct Elapsed {
   friend Elapsed operator+(Elapsed a, const Elapsed& b) { return a += b; }
 };
 
-/// Counters and times of a selection and its latest frame.
+/// Counters and times of a frame and its selection.
 struct RenderStats {
   std::uint64_t volume_voxels = 0, surface_voxels = 0,
                 hybrid_voxels = 0;   ///< k_vol, k_sur, k_hyb (paper, table 2)
@@ -99,7 +99,7 @@ struct RenderStats {
   std::uint64_t voxels_visited = 0;  ///< splatted voxels, or voxels of the ray volume
   std::uint64_t triangles = 0;       ///< projected triangles
   double select_ms = 0, decode_ms = 0, render_ms = 0;
-  /// Stages of the latest frame:
+  /// Stages:
   ///   - traversal: merges runs to spans, or builds the ray volume, once per selection; lights voxels.
   ///   - rasterize: surfaces to fragments.
   ///   - sheets: splatting and compositing of sheets, or ray casting.

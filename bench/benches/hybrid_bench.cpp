@@ -117,9 +117,9 @@ Result<std::vector<double>> measure_errors(const HybridTask& task, int tiles_per
     for (std::size_t n = 0; n < kSettings.size(); ++n) {
       options.quality = kSettings[n].quality;
       options.antialiasing = kSettings[n].antialiasing;
-      SPLATLAS_ASSIGN_OR_RETURN(const Picture picture, renderer.render(camera, options));
+      SPLATLAS_ASSIGN_OR_RETURN(const Frame frame, renderer.render(camera, options));
       const reference::PictureDifference d =
-          reference::difference(picture, truths[kSettings[n].antialiasing ? 1 : 0]);
+          reference::difference(frame.picture, truths[kSettings[n].antialiasing ? 1 : 0]);
       squares[n] += d.rms * d.rms * static_cast<double>(d.pixels);
       pixels[n] += d.pixels;
     }

@@ -19,7 +19,7 @@
 #include "format/result_macros.h"
 #include "player/render/sheets/spans/build_spans.h"
 #include "player/render/sheets/spans/span_writer.h"
-#include "player/render_frame.h"
+#include "player/renderer.h"
 
 namespace splatlas {
 namespace {
@@ -72,7 +72,7 @@ class ModelFrames {
       : models_(models), pool_(pool), appearances_(*models.atlas), player_(models.atlas, {.threads = 1}) {}
 
   Result<void> select(std::string_view text) {
-    SPLATLAS_ASSIGN_OR_RETURN(const Selection selection, splatlas::select(text, models_.atlas->graph()));
+    SPLATLAS_ASSIGN_OR_RETURN(const Selection selection, Selection::parse(text, models_.atlas->graph()));
     plan_ = models_.atlas->tree().plan(selection);
     appearances_.select(plan_, selection);
     players_camera_.reset();
@@ -196,10 +196,10 @@ class ModelFrames {
 
   Result<void> compare(const Camera& camera) {
     if (!players_camera_ || players_camera_->azimuth_deg != camera.azimuth_deg) {
-      SPLATLAS_RETURN_IF_ERROR(player_.render(camera, kOptions, players_picture_));
+      SPLATLAS_RETURN_IF_ERROR(player_.render(camera, kOptions, players_frame_));
       players_camera_ = camera;
     }
-    bits_differ_ += splatlas::bits_differ(picture_.rgba, players_picture_.rgba);
+    bits_differ_ += splatlas::bits_differ(picture_.rgba, players_frame_.picture.rgba);
     return {};
   }
 
@@ -211,7 +211,7 @@ class ModelFrames {
   FrameBuffers buffers_;
   Picture picture_;
   Renderer player_;
-  Picture players_picture_;
+  Frame players_frame_;
   std::optional<Camera> players_camera_;
   std::uint64_t runs_ = 0, bits_differ_ = 0;
 };

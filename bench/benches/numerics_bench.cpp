@@ -172,13 +172,14 @@ std::vector<DrawingMode> drawing_modes() {
 Result<std::vector<Picture>> pictures_with(const std::shared_ptr<const Atlas>& atlas, const DrawingMode& mode,
                                            unsigned threads, int views) {
   Renderer renderer(atlas, {.threads = threads});
-  SPLATLAS_ASSIGN_OR_RETURN(const Selection selection, select(mode.selection, atlas->graph()));
+  SPLATLAS_ASSIGN_OR_RETURN(const Selection selection, Selection::parse(mode.selection, atlas->graph()));
   SPLATLAS_RETURN_IF_ERROR(renderer.select(selection));
   std::vector<Picture> pictures;
   for (int view = 0; view < views; ++view) {
     const Camera camera{
         .azimuth_deg = 31.0 + 25 * view, .elevation_deg = 19.0 + 12 * view, .projection = mode.projection};
-    SPLATLAS_ASSIGN_OR_RETURN(pictures.emplace_back(), renderer.render(camera, mode.options));
+    SPLATLAS_ASSIGN_OR_RETURN(Frame frame, renderer.render(camera, mode.options));
+    pictures.push_back(std::move(frame.picture));
   }
   return pictures;
 }

@@ -13,7 +13,7 @@
 #include "bench/scenes/atlases.h"
 #include "format/atlas_writer.h"
 #include "format/result_macros.h"
-#include "player/render_frame.h"
+#include "player/renderer.h"
 #include "tests/reference/picture_difference.h"
 #include "tests/support/temporary_folder.h"
 
@@ -44,7 +44,7 @@ struct Effort {
   int repeats = 5;
 };
 
-/// A selection in an atlas of one size, with its latest picture.
+/// A selection in an atlas of one size, with its latest frame.
 struct Contestant {
   Step step;
   std::shared_ptr<const Atlas> atlas;
@@ -52,14 +52,14 @@ struct Contestant {
   RenderOptions options = {};
   Elapsed first = {};            // frame of the selection, reading included
   std::uint64_t read_bytes = 0;  // bytes read for it
-  Picture picture = {};          // of the latest frame
+  Frame frame = {};              // the latest one
 
   static Result<Contestant> make(const Step& step, const std::filesystem::path& path, const char* selection,
                                  int side) {
     SPLATLAS_ASSIGN_OR_RETURN(const std::shared_ptr<const Atlas> atlas, Atlas::open(path));
     Contestant made{step, atlas, Renderer(atlas, {.threads = 1})};
     made.options = {.size = {side, side}, .hybrid_shading = false};  // the atlas has no normals
-    SPLATLAS_ASSIGN_OR_RETURN(const Selection selected, select(selection, atlas->graph()));
+    SPLATLAS_ASSIGN_OR_RETURN(const Selection selected, Selection::parse(selection, atlas->graph()));
     Stopwatch watch;
     SPLATLAS_RETURN_IF_ERROR(made.renderer.select(selected));
     SPLATLAS_RETURN_IF_ERROR(made.draw(0, 1));
@@ -69,7 +69,7 @@ struct Contestant {
   }
 
   Result<void> draw(int turn, int frames) {
-    return renderer.render(turned(oblique_camera(), turn, frames), options, picture);
+    return renderer.render(turned(oblique_camera(), turn, frames), options, frame);
   }
 };
 
@@ -121,8 +121,8 @@ class GrowingAtlas {
 
 /// The difference between a contestant and the unit; "" for none.
 std::string what_differs(const Contestant& contestant, const Contestant& unit, double rms) {
-  const RenderStats& ours = contestant.renderer.stats();
-  const RenderStats& units = unit.renderer.stats();
+  const RenderStats& ours = contestant.frame.stats;
+  const RenderStats& units = unit.frame.stats;
   if (ours.runs_visited != units.runs_visited) {
     return fmt::format("{} runs, not {}", ours.runs_visited, units.runs_visited);
   }
@@ -138,8 +138,8 @@ Row row_of(const Contestant& contestant, const std::vector<Elapsed>& times) {
   return {{"times", contestant.step.times},
           {"voxels", atlas.grid().voxels()},
           {"size", contestant.options.size.width},
-          {"runs", contestant.renderer.stats().runs_visited},
-          {"splatted", contestant.renderer.stats().voxels_visited},
+          {"runs", contestant.frame.stats.runs_visited},
+          {"splatted", contestant.frame.stats.voxels_visited},
           {"wall_ms", frame.wall_ms},
           {"cpu_ms", frame.cpu_ms}};
 }
@@ -163,7 +163,8 @@ Result<void> add_same(const GrowingAtlas& growing, const Effort& effort, const B
     SPLATLAS_ASSIGN_OR_RETURN(const auto times, take_times(contestants, effort));
     for (std::size_t n = 0; n < contestants.size(); ++n) {
       const Elapsed growth = median_ratio(times[n], times[0], effort.frames);
-      const double rms = reference::whole_picture_rms(contestants[n].picture, contestants[0].picture);
+      const double rms =
+          reference::whole_picture_rms(contestants[n].frame.picture, contestants[0].frame.picture);
       Row& row = table.rows.emplace_back(Row{{"scene", scene.name}});
       row.update(row_of(contestants[n], times[n]));
       row.update({{"growth", growth.cpu_ms},

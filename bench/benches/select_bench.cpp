@@ -64,14 +64,14 @@ Result<std::vector<Elapsed>> change_to(Renderer& renderer, const Selection& sele
   Camera camera = oblique_camera();
   camera.projection = method.projection;
   camera.field_of_view_deg = kVerticalFovDeg;
-  static thread_local Picture first, steady;  // pages exist, as in a window
+  static thread_local Frame first, steady;  // pages exist, as in a window
   Stopwatch watch;
   SPLATLAS_RETURN_IF_ERROR(renderer.select(selection));
   SPLATLAS_RETURN_IF_ERROR(renderer.render(camera, options, first));
   const Elapsed select_and_first = watch.lap();
   SPLATLAS_RETURN_IF_ERROR(renderer.render(camera, options, steady));
   const Elapsed next = watch.lap();
-  differ += bits_differ(first.rgba, steady.rgba);
+  differ += bits_differ(first.picture.rgba, steady.picture.rgba);
   return std::vector{select_and_first, next};
 }
 

@@ -18,7 +18,7 @@
 #include "bench/scenes/atlases.h"
 #include "format/content/selection.h"
 #include "format/result_macros.h"
-#include "player/render_frame.h"
+#include "player/renderer.h"
 #include "preprocess/build/build_atlas.h"
 #include "tests/support/page_residency.h"
 #include "tests/support/temporary_folder.h"

@@ -17,7 +17,7 @@
 #include "bench/scenes/skip_selections.h"
 #include "format/atlas_writer.h"
 #include "format/result_macros.h"
-#include "player/render_frame.h"
+#include "player/renderer.h"
 
 namespace splatlas {
 namespace {
@@ -56,15 +56,15 @@ class Turning {
     return timed([this](int turn) { return draw(turned(oblique_camera(), turn, effort_.frames)); });
   }
 
-  [[nodiscard]] std::uint64_t visible_voxels() const { return renderer_->stats().voxels_visited; }
-  [[nodiscard]] const Picture& picture() const { return picture_; }
+  [[nodiscard]] std::uint64_t visible_voxels() const { return frame_.stats.voxels_visited; }
+  [[nodiscard]] const Picture& picture() const { return frame_.picture; }
 
  private:
-  Result<void> draw(const Camera& camera) { return renderer_->render(camera, {.size = kSize}, picture_); }
+  Result<void> draw(const Camera& camera) { return renderer_->render(camera, {.size = kSize}, frame_); }
 
   std::unique_ptr<Renderer> renderer_;
   Effort effort_;
-  Picture picture_;
+  Frame frame_;
 };
 
 /// Ratio of CPU times: minimum over repeats of each frame, median over frames.
@@ -120,7 +120,8 @@ Result<Table> measure_skipping(const std::shared_ptr<const Atlas>& atlas, const 
   std::vector<NamedSelection> selections;
   const std::vector<NamedSelection> many = many_selections(atlas->graph(), draw, effort.unions);
   for (std::size_t n = 0; n < many.size(); n += effort.every) selections.push_back(many[n]);
-  SPLATLAS_ASSIGN_OR_RETURN(const Selection all, select(selection_text("Head", kAppearance), atlas->graph()));
+  SPLATLAS_ASSIGN_OR_RETURN(const Selection all,
+                            Selection::parse(selection_text("Head", kAppearance), atlas->graph()));
   for (std::size_t first = 0; first < selections.size(); first += kAtOnce) {
     const std::size_t count = std::min(kAtOnce, selections.size() - first);
     options.tell(fmt::format("selections {} to {} of {}", first + 1, first + count, selections.size()));
@@ -173,7 +174,7 @@ Result<Table> measure_isolation(const AtlasContent& content, const Effort& effor
   for (std::size_t n = 0; n < kIsolated.size(); n += options.quick ? 4 : 1) {
     options.tell(fmt::format("isolated: {}", kIsolated[n]));
     SPLATLAS_ASSIGN_OR_RETURN(const Selection selection,
-                              select(selection_text(kIsolated[n], kAppearance), content.graph));
+                              Selection::parse(selection_text(kIsolated[n], kAppearance), content.graph));
     SPLATLAS_ASSIGN_OR_RETURN(const std::shared_ptr<const Atlas> full, Atlas::open_bytes(full_bytes));
     Selection alone_selection;
     SPLATLAS_ASSIGN_OR_RETURN(const std::shared_ptr<const Atlas> alone,

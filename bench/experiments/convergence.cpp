@@ -109,8 +109,8 @@ Result<std::vector<Convergence>> refine_grid() {
                                       .classification = ours.classification,
                                       .hybrid_shading = false,
                                       .termination_threshold = 0.0f};
-          SPLATLAS_ASSIGN_OR_RETURN(const Picture picture, renderer.render(camera, options));
-          squares[n] += std::pow(difference(picture, truth).rms, 2);
+          SPLATLAS_ASSIGN_OR_RETURN(const Frame frame, renderer.render(camera, options));
+          squares[n] += std::pow(difference(frame.picture, truth).rms, 2);
         }
       }
     }

@@ -13,9 +13,9 @@ constexpr float kRounding = 1e-5f;
 
 void draw(Renderer& renderer, const Camera& camera, const RenderOptions& options, StressOutcome& outcome) {
   ++outcome.pictures;
-  const Result<Picture> picture = renderer.render(camera, options);
-  if (picture) {
-    inspect(*picture, outcome);
+  const Result<Frame> frame = renderer.render(camera, options);
+  if (frame) {
+    inspect(frame->picture, outcome);
   } else {
     ++outcome.refused;
   }
@@ -64,7 +64,7 @@ StressOutcome draw_stress(const StressInput& input) {
   StressOutcome outcome;
   Renderer renderer(open_in_memory(input.content), {.threads = 1});
   for (const std::string& text : input.selections) {
-    const Result<Selection> selection = select(text, input.content.graph);
+    const Result<Selection> selection = Selection::parse(text, input.content.graph);
     if (!selection || !renderer.select(*selection)) {
       ++outcome.pictures;
       ++outcome.refused;

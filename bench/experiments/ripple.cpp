@@ -126,8 +126,8 @@ Result<void> measure_plate(std::size_t axis, const RippleOptions& options, Rippl
     if (!plate_view.all_cross_faces()) continue;
     for (const float opacity : kOpacities) {
       SPLATLAS_RETURN_IF_ERROR(renderer.select(white_plate(content, opacity)));
-      SPLATLAS_ASSIGN_OR_RETURN(const Picture picture, renderer.render(camera, render));
-      compare(picture, plate_view, opacity, ripple);
+      SPLATLAS_ASSIGN_OR_RETURN(const Frame frame, renderer.render(camera, render));
+      compare(frame.picture, plate_view, opacity, ripple);
     }
     ++measured;
   }

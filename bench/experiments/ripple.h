@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "format/result.h"
-#include "player/render_frame.h"
+#include "player/renderer.h"
 
 namespace splatlas {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "player/render_frame.h"
+#include "player/renderer.h"
 #include "tests/support/test_content.h"
 
 namespace splatlas {

@@ -8,7 +8,7 @@
 #include "bench/measure/frames.h"
 #include "bench/measure/measure.h"
 #include "format/result_macros.h"
-#include "player/render_frame.h"
+#include "player/renderer.h"
 
 namespace splatlas {
 namespace {
@@ -39,15 +39,15 @@ Result<Measured> measure_half(const std::shared_ptr<const Atlas>& atlas, const C
                               Quality quality, const CutPlane& plane, bool quick) {
   const int frames = quick ? 4 : 7, repeats = quick ? 1 : 3;
   Renderer renderer(atlas, {.threads = 1});
-  SPLATLAS_ASSIGN_OR_RETURN(const Selection selection, select(scene.selection, atlas->graph()));
+  SPLATLAS_ASSIGN_OR_RETURN(const Selection selection, Selection::parse(scene.selection, atlas->graph()));
   SPLATLAS_RETURN_IF_ERROR(renderer.select(selection));
-  Picture picture;
+  Frame frame;
   const auto draw = [&](int turn, bool cuts, CapMode caps) -> Result<void> {
     RenderOptions render{.size = {512, 512}, .quality = quality};
     render.classification = scene.classification;
     render.caps = caps;
     if (cuts) SPLATLAS_RETURN_IF_ERROR(render.cuts.add(plane));
-    return renderer.render(turned(oblique_camera(), turn, frames), render, picture);
+    return renderer.render(turned(oblique_camera(), turn, frames), render, frame);
   };
   std::vector<Contender> contenders;
   contenders.push_back(timed([&](int turn) { return draw(turn, false, CapMode::kBoth); }));

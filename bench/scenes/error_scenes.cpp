@@ -68,7 +68,7 @@ std::string selection_text(std::string_view structures, std::string_view options
 
 Result<ErrorModel> error_model(const AtlasContent& content, std::string_view selection) {
   ErrorModel model;
-  SPLATLAS_ASSIGN_OR_RETURN(model.selection, select(selection, content.graph));
+  SPLATLAS_ASSIGN_OR_RETURN(model.selection, Selection::parse(selection, content.graph));
   SPLATLAS_ASSIGN_OR_RETURN(model.volume, reference::masked_volume(content, model.selection));
   const StructureDraw& drawn =
       *std::ranges::find_if(model.selection.structures, [](const StructureDraw& draw) {

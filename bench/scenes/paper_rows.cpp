@@ -10,13 +10,13 @@
 #include "bench/measure/frames.h"
 #include "bench/measure/measure.h"
 #include "format/result_macros.h"
-#include "player/render_frame.h"
+#include "player/renderer.h"
 
 namespace splatlas {
 namespace {
 
 Result<StructureIndex> structure_named(const Atlas& atlas, const char* name) {
-  SPLATLAS_ASSIGN_OR_RETURN(const std::vector<StructureIndex> found, find_structures(atlas.graph(), name));
+  SPLATLAS_ASSIGN_OR_RETURN(const std::vector<StructureIndex> found, atlas.graph().find(name));
   return found.front();
 }
 
@@ -79,7 +79,7 @@ class MethodRunner {
 
   /// Selects, and draws one frame per principal axis with both renderers, so that everything is decoded.
   Result<void> prepare() {
-    SPLATLAS_ASSIGN_OR_RETURN(selection_, select(figure_.selection, turning_.atlas().graph()));
+    SPLATLAS_ASSIGN_OR_RETURN(selection_, Selection::parse(figure_.selection, turning_.atlas().graph()));
     full_.select(selection_);
     SPLATLAS_RETURN_IF_ERROR(fresh_.select(selection_));
     SPLATLAS_RETURN_IF_ERROR(turning_.select(selection_));
@@ -107,7 +107,7 @@ class MethodRunner {
 
   /// Number of values whose bits differ from those of full traversal.
   [[nodiscard]] std::uint64_t bits_differ() const { return bits_differ_; }
-  [[nodiscard]] const RenderStats& stats() const { return turning_.stats(); }
+  [[nodiscard]] const RenderStats& stats() const { return stats_; }
 
  private:
   Result<std::vector<Elapsed>> draw_full(const Camera& camera) {
@@ -124,9 +124,10 @@ class MethodRunner {
       SPLATLAS_RETURN_IF_ERROR(renderer.select(selection_));
       selecting = watch.lap();
     }
-    SPLATLAS_ASSIGN_OR_RETURN(Picture picture, renderer.render(camera));
-    pictures_[method] = std::move(picture.rgba);
-    return stages_of(selecting + renderer.stats().traversal, renderer.stats());
+    SPLATLAS_ASSIGN_OR_RETURN(Frame frame, renderer.render(camera));
+    pictures_[method] = std::move(frame.picture.rgba);
+    if (method == kTurning) stats_ = frame.stats;
+    return stages_of(selecting + frame.stats.traversal, frame.stats);
   }
 
   const Figure& figure_;
@@ -134,6 +135,7 @@ class MethodRunner {
   FullTraversal full_;
   Renderer fresh_, turning_;
   Selection selection_;
+  RenderStats stats_;                                         // of the latest frame of turning_
   std::array<std::vector<float>, kMethods.size()> pictures_;  // of one turn, by method
   std::size_t drawn_ = 0;
   std::uint64_t bits_differ_ = 0;

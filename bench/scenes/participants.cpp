@@ -18,10 +18,10 @@ using reference::PerspectiveView;
 using reference::PictureDifference;
 using reference::ReferencePicture;
 
-/// A renderer of ours with its latest picture.
+/// A renderer of ours with its latest frame.
 struct Ours {
   Renderer renderer;
-  Picture latest;
+  Frame latest;
 };
 
 }  // namespace
@@ -47,8 +47,8 @@ Result<void> add_ours(const ErrorTask& task, Classification classification, unsi
       }
       return ours->renderer.render(camera, options, ours->latest);
     };
-    participant.picture = [ours] { return ours->latest; };
-    participant.stats = [ours] { return &ours->renderer.stats(); };
+    participant.picture = [ours] { return ours->latest.picture; };
+    participant.stats = [ours] { return &ours->latest.stats; };
   }
   const int turns = rays ? 1 : task.turns();
   SPLATLAS_ASSIGN_OR_RETURN(const std::vector<Camera> cameras,

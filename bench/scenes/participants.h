@@ -11,7 +11,7 @@
 #include "bench/peers/volpack_peer.h"
 #include "bench/peers/vtk_peer.h"
 #include "bench/scenes/error_scenes.h"
-#include "player/render_frame.h"
+#include "player/renderer.h"
 #include "tests/reference/picture_difference.h"
 
 namespace splatlas {

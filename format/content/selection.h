@@ -108,8 +108,11 @@ struct StructureDraw {
 /// selected structure have entries of their own.
 struct Selection {
   std::vector<StructureDraw> structures;
-  friend bool operator==(const Selection&, const Selection&) = default;
+
+  /// Parses selection text: parse_selection() followed by resolve_selection().
+  [[nodiscard]] static Result<Selection> parse(std::string_view text, const StructureGraph& graph);
   [[nodiscard]] bool empty() const;
+  friend bool operator==(const Selection&, const Selection&) = default;
 };
 
 /// kUsage with the first invalid structure, its index and the value:
@@ -125,36 +128,14 @@ struct Selection {
 /// from 1) of the first fault.
 [[nodiscard]] Result<std::vector<SelectionTerm>> parse_selection(std::string_view text);
 
-/// Finds the structures of an id, name, path or wildcard pattern, without descendants, in index order. Ids
-/// take precedence over names, names over paths. A path may start at any structure ("Cerebellum/Left"). A
-/// wildcard pattern matches ids, names and paths. kNotFound if nothing matches, or if a name or path without
-/// a wildcard is ambiguous. The message lists the nearest names, or the paths and ids of the candidates.
-/// Cost: linear in the structures, their parents and the total length of names, times the length of a pattern
-/// (at most 256).
-[[nodiscard]] Result<std::vector<StructureIndex>> find_structures(const StructureGraph& graph,
-                                                                  std::string_view name);
-
-/// The structure with a value in the source label map. kNotFound, with the nearest labels, if there is none,
-/// and if it is ambiguous. Cost: linear in the structures.
-[[nodiscard]] Result<StructureIndex> find_label(const StructureGraph& graph, std::int64_t label);
-
-/// The structures of a NAME or a label of the selection language, as "Left cerebrum" or #17. Quotes are
-/// optional here: text that begins neither with a quote nor with "#" is the name as it is. kUsage for a quote
-/// that is never closed, for text behind the closing one, and for "#" without a whole number.
-[[nodiscard]] Result<std::vector<StructureIndex>> find_named(const StructureGraph& graph,
-                                                             std::string_view text);
-
 /// Applies the terms to the graph. kNotFound, with the column of the term, if a name or label is unknown or
 /// ambiguous.
 /// The name "*" selects nothing in a graph without structures.
 [[nodiscard]] Result<Selection> resolve_selection(std::span<const SelectionTerm> terms,
                                                   const StructureGraph& graph);
-/// parse_selection() followed by resolve_selection().
-[[nodiscard]] Result<Selection> select(std::string_view text, const StructureGraph& graph);
-
-/// Writes short selection text: one term per uniform subtree, removals for exceptions. select(to_text(s, g),
-/// g) equals `s` except for term numbers. `selection` must belong to this graph, with opacities in (0, 1] and
-/// valid styles (see VolumeStyle).
+/// Writes short selection text: one term per uniform subtree, removals for exceptions. Selection::parse() of
+/// it equals `selection` except for term numbers. `selection` must belong to this graph, with opacities in
+/// (0, 1] and valid styles (see VolumeStyle).
 [[nodiscard]] std::string to_text(const Selection& selection, const StructureGraph& graph);
 
 }  // namespace splatlas

@@ -100,9 +100,9 @@ Result<std::vector<StructureIndex>> find_target(const StructureGraph& graph, con
   if (term.target == TermTarget::kRest) return std::vector<StructureIndex>();
   if (term.target == TermTarget::kName) {
     if (term.name == "*" && graph.size() == 0) return std::vector<StructureIndex>();
-    return find_structures(graph, term.name);
+    return graph.find(term.name);
   }
-  SPLATLAS_ASSIGN_OR_RETURN(const StructureIndex labelled, find_label(graph, term.label));
+  SPLATLAS_ASSIGN_OR_RETURN(const StructureIndex labelled, graph.find_label(term.label));
   return std::vector{labelled};
 }
 
@@ -152,7 +152,7 @@ Result<Selection> resolve_selection(std::span<const SelectionTerm> terms, const 
   return selection;
 }
 
-Result<Selection> select(std::string_view text, const StructureGraph& graph) {
+Result<Selection> Selection::parse(std::string_view text, const StructureGraph& graph) {
   SPLATLAS_ASSIGN_OR_RETURN(const std::vector<SelectionTerm> terms, parse_selection(text));
   return resolve_selection(terms, graph);
 }

@@ -209,10 +209,10 @@ Result<std::vector<SelectionTerm>> parse_selection(std::string_view text,
   return Parser(text, options).selection();
 }
 
-Result<std::vector<StructureIndex>> find_named(const StructureGraph& graph, std::string_view text) {
-  if (!text.starts_with('"') && !text.starts_with('#')) return find_structures(graph, text);
+Result<std::vector<StructureIndex>> StructureGraph::find_named(std::string_view text) const {
+  if (!text.starts_with('"') && !text.starts_with('#')) return find(text);
   SPLATLAS_ASSIGN_OR_RETURN(const SelectionTerm term, Parser(text, {}).lone_target());
-  return find_target(graph, term);
+  return find_target(*this, term);
 }
 
 }  // namespace splatlas

@@ -138,7 +138,8 @@ tl::unexpected<Error> ambiguous(const StructureGraph& graph, std::string_view na
 
 }  // namespace
 
-Result<std::vector<StructureIndex>> find_structures(const StructureGraph& graph, std::string_view name) {
+Result<std::vector<StructureIndex>> StructureGraph::find(std::string_view name) const {
+  const StructureGraph& graph = *this;
   const bool wildcard = name.find('*') != std::string_view::npos;
   if (wildcard && name.size() > kMaxPattern) return not_found(graph, name);
   auto found = wildcard ? match_wildcard(graph, name) : match_exact(graph, name);
@@ -147,7 +148,8 @@ Result<std::vector<StructureIndex>> find_structures(const StructureGraph& graph,
   return found;
 }
 
-Result<StructureIndex> find_label(const StructureGraph& graph, std::int64_t label) {
+Result<StructureIndex> StructureGraph::find_label(std::int64_t label) const {
+  const StructureGraph& graph = *this;
   const auto found = filter_structures(graph, [&](StructureIndex s) { return graph[s].label == label; });
   if (found.size() == 1) return found.front();
   if (!found.empty()) return ambiguous(graph, fmt::format("#{}", label), found);

@@ -41,7 +41,8 @@ Error WorkBudget::time_exceeded() const {
           fmt::format(
               "{}: takes more than {:.3g} s of CPU time, the limit of a file of {} bytes. If you trust the "
               "file, allow it with --max-work {}",
-              file_name_, cpu_seconds_, file_bytes_, factor_to_allow(kFurther * max_work_))};
+              file_name_, cpu_seconds_, file_bytes_, factor_to_allow(kFurther * max_work_)),
+          file_name_};
 }
 
 Error WorkBudget::memory_exceeded(double bytes) const {
@@ -50,7 +51,8 @@ Error WorkBudget::memory_exceeded(double bytes) const {
               "{}: takes {:.0f} MiB of memory at once; the limit of a file of {} bytes is {:.0f} MiB. If you "
               "trust the file, allow it with --max-work {}",
               file_name_, bytes / 0x1p20, file_bytes_, memory_bytes_ / 0x1p20,
-              factor_to_allow(max_work_ * bytes / memory_bytes_))};
+              factor_to_allow(max_work_ * bytes / memory_bytes_)),
+          file_name_};
 }
 
 }  // namespace splatlas

@@ -44,7 +44,7 @@ std::optional<FrameCenter> parse_center(std::string_view text) {
 
 /// Centre of the bounding box of the named structures' voxels.
 Result<Vec3> center_of(const std::string& name, const Atlas& atlas) {
-  SPLATLAS_ASSIGN_OR_RETURN(const std::vector<StructureIndex> named, find_named(atlas.graph(), name));
+  SPLATLAS_ASSIGN_OR_RETURN(const std::vector<StructureIndex> named, atlas.graph().find_named(name));
   Selection selection{std::vector<StructureDraw>(atlas.graph().size())};
   for (const StructureIndex s : atlas.graph().descendants(named)) {
     selection.structures[s].mode = DrawMode::kVolume;
@@ -58,40 +58,21 @@ Result<Vec3> center_of(const std::string& name, const Atlas& atlas) {
 
 }  // namespace
 
-void add_framing(CLI::App& command, Framing& framing) {
-  add_choice(command, "--fit", framing.fit, {{"selection", Fit::kSelection}, {"grid", Fit::kGrid}},
+void add_framing(CLI::App& command, bool& fits_selection, FrameCenter& center) {
+  add_choice(command, "--fit", fits_selection, {{"selection", true}, {"grid", false}},
              "content of the picture at zoom 1: the selected voxels and surfaces, or the whole atlas");
-  add_parsed(command, "--center", framing.center, parse_center,
+  add_parsed(command, "--center", center, parse_center,
              fmt::format("must be X,Y,Z in LPS mm, each at most {} from 0, or name a structure", kMaxMm),
              "middle of the picture: a structure (see NAME), or X,Y,Z in LPS mm; the zoom stays");
 }
 
-Result<Camera> framed(const Camera& camera, const Framing& framing, const RenderOptions& options,
-                      Renderer& renderer, const PictureRegion& region) {
-  // Find the centre first: it needs no data of the picture
-  std::optional<Vec3> center;
-  if (const auto* point = std::get_if<Vec3>(&framing.center)) center = *point;
-  if (const auto* name = std::get_if<std::string>(&framing.center)) {
-    const auto named = center_of(*name, renderer.atlas());
-    if (!named) {
-      return fail(named.error().code, "{}: --center: {}", renderer.atlas().name(), named.error().message);
-    }
-    center = *named;
-  }
-
-  Camera result = camera;
-  if (framing.fit == Fit::kSelection) {
-    SPLATLAS_ASSIGN_OR_RETURN(result, renderer.fit(camera, options, std::nullopt, region));
-    const double fitted = result.zoom;
-    result.zoom *= camera.zoom;
-    if (!(result.zoom >= kMinCameraZoom && result.zoom <= kMaxCameraZoom)) {
-      return fail(ErrorCode::kUsage,
-                  "--zoom {}: multiplied by {}, the zoom that fits the selection, it must be from {} to {}",
-                  camera.zoom, fitted, kMinCameraZoom, kMaxCameraZoom);
-    }
-  }
-  if (center) result.center_lps_mm = center;
-  return result;
+Result<std::optional<Vec3>> center_of(const FrameCenter& center, const Atlas& atlas) {
+  if (const auto* point = std::get_if<Vec3>(&center)) return std::optional(*point);
+  const auto* name = std::get_if<std::string>(&center);
+  if (name == nullptr) return std::nullopt;
+  const Result<Vec3> named = center_of(*name, atlas);
+  if (!named) return fail(named.error().code, "{}: --center: {}", atlas.name(), named.error().message);
+  return std::optional(*named);
 }
 
 }  // namespace splatlas

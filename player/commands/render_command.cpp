@@ -21,9 +21,9 @@
 #include "format/tasks/task_control.h"
 #include "format/text/ascii_text.h"
 #include "format/text/json_text.h"
+#include "player/commands/annotate_options.h"
 #include "player/files/id_encoder.h"
 #include "player/files/picture_encoder.h"
-#include "player/page/page_layout.h"
 
 namespace splatlas {
 namespace {
@@ -79,7 +79,7 @@ std::optional<double> parse_angle(std::string_view text) {
 
 std::optional<double> parse_zoom(std::string_view text) {
   const auto zoom = parse_number<double>(text);
-  return zoom && *zoom >= kMinCameraZoom && *zoom <= kMaxCameraZoom ? zoom : std::nullopt;
+  return zoom && *zoom >= kMinZoom && *zoom <= kMaxZoom ? zoom : std::nullopt;
 }
 
 constexpr const char* kCutForms =
@@ -181,10 +181,10 @@ void add_quality(CLI::App& command, RenderOptions& options) {
              "darken pixels that lie behind their neighbours");
 }
 
-nlohmann::ordered_json missing_json(const Renderer& renderer) {
+nlohmann::ordered_json missing_json(std::span<const MissingPart> missing, const StructureGraph& graph) {
   auto json = nlohmann::ordered_json::array();
-  for (const MissingPart& part : renderer.missing()) {
-    json.push_back({{"structure", renderer.atlas().graph()[part.structure].id},
+  for (const MissingPart& part : missing) {
+    json.push_back({{"structure", graph[part.structure].id},
                     {"part", part.surface ? "surface" : "volume"},
                     {"voxels", part.voxels},
                     {"why", part.error.message}});
@@ -203,9 +203,9 @@ nlohmann::ordered_json ids_json(const IdImage& ids, const StructureGraph& graph)
   return json;
 }
 
-nlohmann::ordered_json stats_json(const Renderer& renderer, double open_ms, double draft_decode_ms) {
-  const RenderStats& stats = renderer.stats();
-  const Atlas::Counters bytes = renderer.atlas().counters();
+nlohmann::ordered_json stats_json(const Frame& frame, const Atlas& atlas, double open_ms) {
+  const RenderStats& stats = frame.stats;
+  const Atlas::Counters bytes = atlas.counters();
   nlohmann::ordered_json json{
       {"voxels",
        {{"volume", stats.volume_voxels}, {"surface", stats.surface_voxels}, {"hybrid", stats.hybrid_voxels}}},
@@ -217,28 +217,21 @@ nlohmann::ordered_json stats_json(const Renderer& renderer, double open_ms, doub
       {"ms",
        {{"open", open_ms},
         {"select", stats.select_ms},
-        {"decode", draft_decode_ms + stats.decode_ms},
+        {"decode", stats.decode_ms},
         {"render", stats.render_ms}}},
-      {"missing", missing_json(renderer)}};
-  if (!renderer.ids().empty()) json["ids"] = ids_json(renderer.ids(), renderer.atlas().graph());
+      {"missing", missing_json(frame.missing, atlas.graph())}};
+  if (!frame.ids.empty()) json["ids"] = ids_json(frame.ids, atlas.graph());
   return json;
 }
 
-/// Names the option of a field of view that the renderer refuses.
+/// Names the option of a camera's parameter that the renderer refuses.
 Error with_option(Error error) {
-  constexpr std::string_view kTerm = "camera: field of view";
-  if (error.message.starts_with(kTerm)) error.message.replace(0, kTerm.size(), "--field-of-view");
+  static constexpr std::array<std::pair<std::string_view, std::string_view>, 2> kOptions{
+      {{"camera: field of view", "--field-of-view"}, {"camera: zoom", "--zoom"}}};
+  for (const auto& [subject, option] : kOptions) {
+    if (error.subject == subject) error.message.replace(0, subject.size(), option);
+  }
   return error;
-}
-
-std::string title_of(const RenderRequest& request, const Atlas& atlas) {
-  return request.annotate.caption.value_or(atlas.provenance().title);
-}
-
-/// Resolution to store: the requested one, or the one that the annotations are sized for.
-std::optional<double> dpi_of(const RenderRequest& request) {
-  if (request.annotate.dpi || !request.annotate.items.any()) return request.annotate.dpi;
-  return annotation_dpi({}, request.options.size);
 }
 
 Result<OutputFile> written(const std::filesystem::path& path, std::span<const std::byte> bytes) {
@@ -281,6 +274,17 @@ Result<std::vector<std::string>> selection_warnings(std::span<const SelectionTer
   return warnings;
 }
 
+/// Endings of the outputs, and that they can be written and are no inputs.
+Result<void> check_files(const RenderRequest& request) {
+  SPLATLAS_RETURN_IF_ERROR(PictureEncoder::check_ending(request.output));
+  if (!request.ids.empty()) SPLATLAS_RETURN_IF_ERROR(check_id_ending(request.ids));
+  SPLATLAS_RETURN_IF_ERROR(check_outputs(std::vector{request.output, request.stats, request.ids},
+                                         std::vector{request.atlas, request.page.font}));
+  for (const std::filesystem::path& path : {request.output, request.stats, request.ids})
+    if (!path.empty()) SPLATLAS_RETURN_IF_ERROR(check_writable_file(path));
+  return {};
+}
+
 }  // namespace
 
 CLI::App* add_render(CLI::App& app, RenderRequest& request) {
@@ -291,24 +295,25 @@ CLI::App* add_render(CLI::App& app, RenderRequest& request) {
       ->required();
   command->add_option("--select", request.select, "selection text (see below)")->capture_default_str();
   add_parsed(
-      *command, "--size", request.options.size, parse_size,
+      *command, "--size", request.page.render.size, parse_size,
       fmt::format("must be WIDTHxHEIGHT in pixels, each from 1 to {}, as in 1024x768", kMaxPictureSide),
       "WIDTHxHEIGHT in pixels")
-      ->default_str(fmt::format("{}x{}", request.options.size.width, request.options.size.height));
+      ->default_str(fmt::format("{}x{}", request.page.render.size.width, request.page.render.size.height));
   add_camera(*command, request.camera);
-  add_framing(*command, request.framing);
-  add_quality(*command, request.options);
-  add_cuts(*command, request.options);
+  add_framing(*command, request.page.fits_selection, request.center);
+  add_quality(*command, request.page.render);
+  add_cuts(*command, request.page.render);
   const CLI::Option* background =
-      add_parsed(*command, "--background", request.background, parse_background,
+      add_parsed(*command, "--background", request.page.background, parse_background,
                  "must be #rrggbb or transparent", "#rrggbb or transparent; black for transparent .jpg")
-          ->default_str(request.background ? to_hex(*request.background) : "transparent");
+          ->default_str(request.page.background ? to_hex(*request.page.background) : "transparent");
   command->parse_complete_callback([&request, background] {
-    if (background->count() == 0 || request.background || !PictureEncoder::is_opaque(request.output)) return;
+    if (background->count() == 0 || request.page.background || !PictureEncoder::is_opaque(request.output))
+      return;
     throw CLI::ValidationError("--background \"transparent\"",
                                "a .jpg picture has no transparency; write .png, .tif or .exr");
   });
-  add_annotations(*command, request.annotate);
+  add_annotations(*command, request.page);
   add_threads(*command, request.threads, "0: one per core; the picture does not depend on it");
   add_surfaces(*command, request.atlas_options.surfaces,
                "surfaces that follow from the voxels; as in the atlas if not given");
@@ -324,24 +329,15 @@ CLI::App* add_render(CLI::App& app, RenderRequest& request) {
 }
 
 Result<RenderReport> run_render(const RenderRequest& request) {
-  SPLATLAS_RETURN_IF_ERROR(PictureEncoder::check_ending(request.output));
-  if (!request.ids.empty()) SPLATLAS_RETURN_IF_ERROR(check_id_ending(request.ids));
-  SPLATLAS_RETURN_IF_ERROR(check_outputs(std::vector{request.output, request.stats, request.ids},
-                                         std::vector{request.atlas, request.annotate.font}));
-  SPLATLAS_RETURN_IF_ERROR(check_writable_file(request.output));
-  for (const std::filesystem::path& path : {request.stats, request.ids})
-    if (!path.empty()) SPLATLAS_RETURN_IF_ERROR(check_writable_file(path));
-  // Report errors that do not need the atlas before opening it.
+  // Report errors that do not need the atlas before opening it
+  PageOptions options = request.page;
+  options.render.ids = !request.ids.empty();
+  SPLATLAS_RETURN_IF_ERROR(check_files(request));
   SPLATLAS_ASSIGN_OR_RETURN(const auto terms, parse_selection(request.select));
-  SPLATLAS_RETURN_IF_ERROR(view_of(request.camera, request.options.size, Display{}).map_error(with_option));
-  SPLATLAS_RETURN_IF_ERROR(
-      PictureEncoder::check_size(request.output, request.options.size, request.background));
+  SPLATLAS_RETURN_IF_ERROR(view_of(request.camera, options.render.size, Display{}).map_error(with_option));
+  SPLATLAS_ASSIGN_OR_RETURN(PageRenderer pages, PageRenderer::create(request.output, options));
 
-  FontFiles fonts;
-  if (request.annotate.items.any()) {
-    SPLATLAS_ASSIGN_OR_RETURN(fonts, find_fonts(request.annotate.font));
-  }
-
+  // Open the atlas and select
   const auto start = std::chrono::steady_clock::now();
   SPLATLAS_ASSIGN_OR_RETURN(std::shared_ptr<const Atlas> atlas,
                             Atlas::open(request.atlas, request.atlas_options));
@@ -352,43 +348,18 @@ Result<RenderReport> run_render(const RenderRequest& request) {
   if (!selection) return fail(selection.error().code, "{}: {}", atlas->name(), selection.error().message);
   RenderReport report;
   SPLATLAS_ASSIGN_OR_RETURN(report.warnings, selection_warnings(terms, *atlas));
-
-  PictureEncoder encoder(request.output);
-  TextDrawer drawer(fonts);
-  Renderer renderer(std::move(atlas), {.threads = request.threads});
+  Camera camera = request.camera;
+  SPLATLAS_ASSIGN_OR_RETURN(camera.center_lps_mm, center_of(request.center, *atlas));
+  Renderer renderer(atlas, {.threads = request.threads});
   SPLATLAS_RETURN_IF_ERROR(renderer.select(*selection));
-  PictureRegion region;
-  double draft_decode_ms = 0;
-  if (request.annotate.items.any() && request.framing.fit == Fit::kSelection) {
-    SPLATLAS_ASSIGN_OR_RETURN(region, region_beside_annotations(renderer, *selection, request.camera,
-                                                                request.options, request.annotate, drawer));
-    draft_decode_ms = renderer.stats().decode_ms;
-  }
-  SPLATLAS_ASSIGN_OR_RETURN(
-      const Camera camera,
-      framed(request.camera, request.framing, request.options, renderer, region).map_error(with_option));
-  RenderOptions options = request.options;
-  options.ids = !request.ids.empty();
-  SPLATLAS_ASSIGN_OR_RETURN(Picture picture, renderer.render(camera, options).map_error(with_option));
-  FileAnnotations annotations{nullptr, &drawer, fonts, title_of(request, renderer.atlas()), dpi_of(request)};
-  AnnotationLayer layer;
-  if (request.annotate.items.any()) {
-    SPLATLAS_ASSIGN_OR_RETURN(const View view,
-                              view_of(camera, request.options.size, renderer.atlas().display()));
-    const Background background =
-        PictureEncoder::is_linear(request.output) ? std::nullopt : request.background;
-    SPLATLAS_ASSIGN_OR_RETURN(
-        layer, annotate_rendered(renderer, *selection, picture, view, background, request.annotate, drawer));
-    annotations.layer = &layer;
-  }
-  SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::byte> bytes,
-                            encoder.encode(picture, request.background, annotations));
-  SPLATLAS_RETURN_IF_ERROR(write_outputs(
-      request, bytes, json_text(stats_json(renderer, open_ms, draft_decode_ms)), renderer.ids()));
-  report.notes = std::move(layer.notes);
-  for (const MissingPart& part : renderer.missing()) {
-    report.missing.push_back(describe(part, renderer.atlas().graph()));
-  }
+
+  // Render and write
+  SPLATLAS_ASSIGN_OR_RETURN(Page page, pages.render(renderer, camera).map_error(with_option));
+  SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::byte> picture, pages.encode(page));
+  SPLATLAS_RETURN_IF_ERROR(
+      write_outputs(request, picture, json_text(stats_json(page.frame, *atlas, open_ms)), page.frame.ids));
+  report.notes = std::move(page.annotations.notes);
+  for (const MissingPart& part : page.frame.missing) report.missing.push_back(describe(part, atlas->graph()));
   return report;
 }
 

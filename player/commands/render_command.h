@@ -2,14 +2,12 @@
 #pragma once
 
 #include <filesystem>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "format/result.h"
-#include "player/commands/annotate_options.h"
 #include "player/commands/framing.h"
-#include "player/render_frame.h"
+#include "player/render_page.h"
 
 namespace CLI {
 class App;
@@ -21,13 +19,11 @@ namespace splatlas {
 struct RenderRequest {
   std::filesystem::path atlas, output;
   std::string select = "*";
-  Camera camera;  ///< its zoom multiplies that of the framing
-  Framing framing;
-  RenderOptions options;
+  Camera camera;
+  FrameCenter center;
+  PageOptions page;
   unsigned threads = 0;
   AtlasOptions atlas_options;
-  std::optional<Rgb> background = Rgb{0, 0, 0};  ///< none: transparent
-  AnnotateRequest annotate;
   std::filesystem::path stats;  ///< JSON file; empty: none
   std::filesystem::path ids;    ///< id image; empty: none
 };

@@ -29,9 +29,6 @@ struct AnnotatedScene {
   std::vector<NamedStructure> structures = {};  ///< of labels and legend; entries of the legend in this order
 };
 
-/// Minimum and maximum resolution of a printed picture.
-inline constexpr double kMinDpi = 72, kMaxDpi = 2400;
-
 /// Content of the annotations.
 struct AnnotationOptions {
   AnnotationItems items = {};

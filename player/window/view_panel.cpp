@@ -95,7 +95,7 @@ void mouse(Session& session, const ViewArea& area) {
 }
 
 /// Draws the picture centred and scaled to fit, until one of the new size is rendered.
-void draw_picture(const Frame* frame, unsigned texture, const ViewArea& area) {
+void draw_picture(const DisplayFrame* frame, unsigned texture, const ViewArea& area) {
   ImDrawList& draw = *ImGui::GetWindowDrawList();
   draw.AddRectFilled(area.min, area.max(), IM_COL32_BLACK);
   if (frame == nullptr) return;
@@ -228,7 +228,7 @@ ViewPanel::~ViewPanel() {
 }
 
 /// Uploads the frame if it has changed.
-void ViewPanel::upload(const std::shared_ptr<const Frame>& frame) {
+void ViewPanel::upload(const std::shared_ptr<const DisplayFrame>& frame) {
   if (frame == frame_) return;
   frame_ = frame;
   if (!frame_) return;

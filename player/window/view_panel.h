@@ -25,10 +25,10 @@ class ViewPanel {
   void draw(Session& session, UiState& ui, const Fonts& fonts, LayoutLog& layout, float height_below);
 
  private:
-  void upload(const std::shared_ptr<const Frame>& frame);
+  void upload(const std::shared_ptr<const DisplayFrame>& frame);
 
   unsigned texture_ = 0;
-  std::shared_ptr<const Frame> frame_;
+  std::shared_ptr<const DisplayFrame> frame_;
 };
 
 }  // namespace splatlas

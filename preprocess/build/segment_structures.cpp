@@ -163,7 +163,7 @@ class Segmenter {
 
   /// [source]: true for labels, masks and earlier segments in the enclosing structure.
   [[nodiscard]] Result<std::vector<bool>> enclosing_sources(const SegmentRule& rule, std::size_t n) const {
-    const Result<std::vector<StructureIndex>> found = find_structures(placed_.graph, rule.inside);
+    const Result<std::vector<StructureIndex>> found = placed_.graph.find(rule.inside);
     if (!found)
       return fail(found.error().code, "--segment \"{}\": inside={}", rule.name, found.error().message);
     const std::vector<StructureIndex> inside = placed_.graph.descendants(*found);

@@ -30,7 +30,7 @@ Result<std::vector<std::vector<StructureIndex>>> find_surfaces(const Atlas& atla
                                                                const ExportOptions& options) {
   std::vector<std::vector<StructureIndex>> result;
   for (const auto& [name, path] : options.surfaces) {
-    const auto found = find_structures(atlas.graph(), name);
+    const auto found = atlas.graph().find(name);
     if (!found) return fail(found.error().code, "{}: {}", atlas.name(), found.error().message);
     std::vector<StructureIndex> all = atlas.graph().descendants(*found);
     if (std::ranges::all_of(all, [&](StructureIndex s) { return atlas.triangles(s) == 0; }))

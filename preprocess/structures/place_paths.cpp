@@ -37,7 +37,7 @@ Result<void> PathPlacer::place(std::span<const TreeLine> lines, const std::strin
   }
   if (placed_ == 0 && first_unused_ != nullptr) {
     const std::string& member = first_unused_->member;
-    const auto nearest = find_structures(sources_.flat(), member);
+    const auto nearest = sources_.flat().find(member);
     return bad_file(file, "line {}: {}; no line fits a structure", first_unused_->number,
                     nearest ? fmt::format("no structure fits '{}'", member) : nearest.error().message);
   }

@@ -10,7 +10,6 @@
 #include "format/content/structure_graph.h"
 #include "tests/support/file_bytes.h"
 #include "tests/support/test_content.h"
-#include "tests/support/value_or_throw.h"
 
 namespace splatlas {
 

@@ -19,13 +19,12 @@
 
 #include "format/atlas_writer.h"
 #include "format/derive/value_groups.h"
-#include "player/render/frame/render_overrides.h"
-#include "player/render_frame.h"
+#include "player/renderer.h"
 #include "tests/format/atlas_surgery.h"
 #include "tests/support/file_bytes.h"
 #include "tests/support/phantom_content.h"
 #include "tests/support/render.h"
-#include "tests/support/value_or_throw.h"
+#include "tests/support/render_with.h"
 
 namespace splatlas {
 namespace {
@@ -178,17 +177,17 @@ Outcome FlippedFiles::draw(const std::shared_ptr<const Atlas>& damaged, const Dr
   Renderer renderer(damaged, {.threads = 1});
   if (const auto selected = renderer.select(drawing.selection); !selected)
     return wrong(selected.error().message);
-  const auto picture = render_with(renderer, camera, drawing.options, drawing.overrides);
-  if (!picture) {
-    remark_ = picture.error().message;
-    return picture.error().code == ErrorCode::kInvalidAtlas ? Outcome::kNothing : wrong(remark_);
+  const auto frame = render_with(renderer, camera, drawing.options, drawing.overrides);
+  if (!frame) {
+    remark_ = frame.error().message;
+    return frame.error().code == ErrorCode::kInvalidAtlas ? Outcome::kNothing : wrong(remark_);
   }
-  remark_ = renderer.missing().empty() ? "" : describe(renderer.missing().front(), damaged->graph());
-  const Selection rest = without(drawing.selection, renderer.missing());
+  remark_ = frame->missing.empty() ? "" : describe(frame->missing.front(), damaged->graph());
+  const Selection rest = without(drawing.selection, frame->missing);
   if (!good_renderer_.select(rest)) return wrong("the good file cannot be drawn");
   const auto expected = render_with(good_renderer_, camera, drawing.options, drawing.overrides);
-  if (!expected || expected->rgba != picture->rgba) return wrong("another picture; " + remark_);
-  return renderer.missing().empty() ? Outcome::kUnharmed : Outcome::kRest;
+  if (!expected || expected->picture.rgba != frame->picture.rgba) return wrong("another picture; " + remark_);
+  return frame->missing.empty() ? Outcome::kUnharmed : Outcome::kRest;
 }
 
 Bytes bytes_of_file(const std::string& path) {

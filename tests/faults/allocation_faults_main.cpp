@@ -25,7 +25,7 @@
 #include "format/result_macros.h"
 #include "format/tasks/parallel.h"
 #include "format/tasks/thread_pool.h"
-#include "player/render_frame.h"
+#include "player/renderer.h"
 #include "player/write_png.h"
 #include "tests/faults/failing_allocator.h"
 #include "tests/faults/run_harness.h"
@@ -57,24 +57,25 @@ Work rendering(const fs::path& atlas_path, const std::string& selection_text, co
       renderer->emplace(atlas, RendererOptions{.threads = 2});
     }
     SPLATLAS_ASSIGN_OR_RETURN(const Selection selection,
-                              select(selection_text, (*renderer)->atlas().graph()));
+                              Selection::parse(selection_text, (*renderer)->atlas().graph()));
     SPLATLAS_RETURN_IF_ERROR((*renderer)->select(selection));
-    SPLATLAS_ASSIGN_OR_RETURN(const Picture picture, (*renderer)->render(camera, options));
-    static_cast<void>((*renderer)->pick(options.size.width / 2.0, options.size.height / 2.0));
-    SPLATLAS_ASSIGN_OR_RETURN(const auto bytes, encode_png(picture));
+    SPLATLAS_ASSIGN_OR_RETURN(const Frame frame, (*renderer)->render(camera, options));
+    static_cast<void>(frame.pick(options.size.width / 2.0, options.size.height / 2.0));
+    SPLATLAS_ASSIGN_OR_RETURN(const auto bytes, encode_png(frame.picture));
     return checksum_of(bytes);
   };
 }
 
 /// The fault of a renderer whose select() has failed: it picks or draws the selection before; "" for none.
-std::string fault_without_selection(Renderer& renderer, const Camera& camera, const RenderOptions& options) {
+std::string fault_without_selection(Renderer& renderer, const Frame& before, const Camera& camera,
+                                    const RenderOptions& options) {
   const auto [width, height] = options.size;
   for (int n = 0; n < width * height; ++n) {
-    if (renderer.pick(n % width + 0.5, n / width + 0.5)) return "the frame before is picked";
+    if (before.pick(n % width + 0.5, n / width + 0.5)) return "the frame before is picked";
   }
-  const Result<Picture> picture = renderer.render(camera, options);
-  if (!picture) return "nothing cannot be drawn: " + picture.error().message;
-  const bool is_clear = std::ranges::all_of(picture->rgba, [](float channel) { return channel == 0; });
+  const Result<Frame> frame = renderer.render(camera, options);
+  if (!frame) return "nothing cannot be drawn: " + frame.error().message;
+  const bool is_clear = std::ranges::all_of(frame->picture.rgba, [](float channel) { return channel == 0; });
   return is_clear ? "" : "the selection before is drawn";
 }
 
@@ -83,10 +84,13 @@ Work selecting(const fs::path& atlas_path, const Camera& camera) {
   const RenderOptions options{.size = {40, 30}};
   const auto renderer =
       std::make_shared<Renderer>(Atlas::open(atlas_path).value(), RendererOptions{.threads = 2});
-  const auto selection = [&](const char* text) { return select(text, renderer->atlas().graph()).value(); };
-  if (!renderer->select(selection("*:both(opacity=0.4)")) || !renderer->render(camera, options))
+  const auto selection = [&](const char* text) {
+    return Selection::parse(text, renderer->atlas().graph()).value();
+  };
+  if (!renderer->select(selection("*:both(opacity=0.4)")))
     throw std::runtime_error("the first selection cannot be drawn");
-  return [=, next = selection("left:volume + ball:surface")]() -> Result<std::uint64_t> {
+  return [=, before = renderer->render(camera, options).value(),
+          next = selection("left:volume + ball:surface")]() -> Result<std::uint64_t> {
     Result<void> selected = fail(ErrorCode::kLimit, "thrown");
     try {
       selected = renderer->select(next);
@@ -94,12 +98,12 @@ Work selecting(const fs::path& atlas_path, const Camera& camera) {
     }
     if (!selected) {
       FailingAllocator::disarm();
-      const std::string fault = fault_without_selection(*renderer, camera, options);
+      const std::string fault = fault_without_selection(*renderer, before, camera, options);
       if (!fault.empty()) return fail(ErrorCode::kFailed, fault);
       return tl::unexpected(selected.error());
     }
-    SPLATLAS_ASSIGN_OR_RETURN(const Picture picture, renderer->render(camera, options));
-    return checksum_of(std::as_bytes(std::span(picture.rgba)));
+    SPLATLAS_ASSIGN_OR_RETURN(const Frame frame, renderer->render(camera, options));
+    return checksum_of(std::as_bytes(std::span(frame.picture.rgba)));
   };
 }
 

@@ -25,7 +25,7 @@
 
 #include "format/atlas_writer.h"
 #include "format/result_macros.h"
-#include "player/render_frame.h"
+#include "player/renderer.h"
 #include "tests/faults/small_atlas.h"
 #include "tests/support/file_bytes.h"
 #include "tests/support/run_program.h"
@@ -141,13 +141,13 @@ Result<std::vector<Picture>> draw_pictures(
   Renderer renderer(atlas, {.threads = 2});
   std::vector<Picture> pictures;
   for (const char* text : {"left:surface + ball:surface", "*:both(opacity=0.3)"}) {
-    SPLATLAS_ASSIGN_OR_RETURN(const Selection selection, select(text, atlas->graph()));
+    SPLATLAS_ASSIGN_OR_RETURN(const Selection selection, Selection::parse(text, atlas->graph()));
     SPLATLAS_RETURN_IF_ERROR(renderer.select(selection));
     if (!pictures.empty()) reached(kSelected);
-    SPLATLAS_ASSIGN_OR_RETURN(pictures.emplace_back(),
-                              renderer.render({.azimuth_deg = 30}, {.size = {24, 24}}));
+    SPLATLAS_ASSIGN_OR_RETURN(Frame frame, renderer.render({.azimuth_deg = 30}, {.size = {24, 24}}));
     // A partial picture reports its missing parts: it counts as an error.
-    if (!renderer.missing().empty()) return tl::unexpected(renderer.missing().front().error);
+    if (!frame.missing.empty()) return tl::unexpected(frame.missing.front().error);
+    pictures.push_back(std::move(frame.picture));
   }
   return pictures;
 }

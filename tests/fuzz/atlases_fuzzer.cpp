@@ -12,11 +12,11 @@
 #include "format/atlas_reader.h"
 #include "format/atlas_writer.h"
 #include "format/file/file_layout.h"
-#include "player/render/frame/render_overrides.h"
-#include "player/render_frame.h"
+#include "player/renderer.h"
 #include "tests/fuzz/cost_limit.h"
 #include "tests/fuzz/fuzz_input.h"
 #include "tests/fuzz/require.h"
+#include "tests/support/render_with.h"
 
 namespace splatlas {
 namespace {
@@ -46,26 +46,26 @@ class Choices {
   std::uint32_t bits_;
 };
 
-struct Frame {
+struct Drawing {
   Camera camera;
   RenderOptions options;
   RenderOverrides overrides = {};
 };
 
 /// Sheets or rays, at any quality, zoom and angle.
-Frame read_frame(Choices& choices) {
-  Frame frame;
-  frame.options.size = {std::array{1, 5, 12}[choices.below(3)], 7};
-  frame.options.quality = static_cast<Quality>(choices.below(3));
-  frame.options.classification = choices.flag() ? Classification::kAfter : Classification::kBefore;
-  frame.options.hybrid_shading = choices.below(8) == 0;  // builds a table of all normals, most of the time
-  frame.options.depth_cue = choices.flag() ? DepthCue::kEdges : DepthCue::kNone;
-  frame.overrides.simd = choices.flag();
-  frame.camera.projection = choices.flag() ? CameraProjection::kPerspective : CameraProjection::kParallel;
-  frame.camera.zoom = std::array{0.5, 1.0, 4.0, 40.0}[choices.below(4)];
-  frame.camera.azimuth_deg = 45.0 * static_cast<double>(choices.below(8));
-  frame.camera.elevation_deg = std::array{0.0, 13.0, -45.0, 90.0, 1e-5}[choices.below(5)];
-  return frame;
+Drawing read_drawing(Choices& choices) {
+  Drawing drawing;
+  drawing.options.size = {std::array{1, 5, 12}[choices.below(3)], 7};
+  drawing.options.quality = static_cast<Quality>(choices.below(3));
+  drawing.options.classification = choices.flag() ? Classification::kAfter : Classification::kBefore;
+  drawing.options.hybrid_shading = choices.below(8) == 0;  // builds a table of all normals, most of the time
+  drawing.options.depth_cue = choices.flag() ? DepthCue::kEdges : DepthCue::kNone;
+  drawing.overrides.simd = choices.flag();
+  drawing.camera.projection = choices.flag() ? CameraProjection::kPerspective : CameraProjection::kParallel;
+  drawing.camera.zoom = std::array{0.5, 1.0, 4.0, 40.0}[choices.below(4)];
+  drawing.camera.azimuth_deg = 45.0 * static_cast<double>(choices.below(8));
+  drawing.camera.elevation_deg = std::array{0.0, 13.0, -45.0, 90.0, 1e-5}[choices.below(5)];
+  return drawing;
 }
 
 Selection read_selection(Choices& choices, const Atlas& atlas) {
@@ -73,11 +73,11 @@ Selection read_selection(Choices& choices, const Atlas& atlas) {
                                                  "*:both(opacity=0.4,curve=0:0:0.2/90:0.5)"};
   const std::size_t choice = choices.below(6);
   if (choice >= kTexts.size() && !atlas.scenes().empty()) {
-    const auto selection = select(atlas.scenes().front().selection, atlas.graph());
+    const auto selection = Selection::parse(atlas.scenes().front().selection, atlas.graph());
     if (selection) return *selection;
     require_error(selection.error(), {ErrorCode::kUsage, ErrorCode::kNotFound});
   }
-  return require_value(select(kTexts[choice % kTexts.size()], atlas.graph()));
+  return require_value(Selection::parse(kTexts[choice % kTexts.size()], atlas.graph()));
 }
 
 /// Premultiplied colours are at most alpha.
@@ -104,28 +104,29 @@ bool is_sound(const Atlas& atlas) {
 void check_pictures(const std::shared_ptr<const Atlas>& atlas, bool sound, Choices& choices) {
   if (atlas->graph().size() == 0) return;
   const Selection selection = read_selection(choices, *atlas);
-  Frame frame = read_frame(choices);
+  Drawing drawing = read_drawing(choices);
   Renderer renderer(atlas, {.threads = 1, .max_memory_bytes = kRenderBytes});
   if (const auto selected = renderer.select(selection); !selected)
     return require_error(selected.error(), {ErrorCode::kLimit});
   const auto render = [&](const char* what) {
     const CostLimit limit(kLimit, what);
-    return render_with(renderer, frame.camera, frame.options, frame.overrides);
+    return render_with(renderer, drawing.camera, drawing.options, drawing.overrides);
   };
-  const auto picture = render("a picture");
-  if (!picture) {
-    require_error(picture.error(), {ErrorCode::kInvalidAtlas, ErrorCode::kLimit, ErrorCode::kUsage});
-    require(!sound || picture.error().code != ErrorCode::kInvalidAtlas,
-            "a sound atlas cannot be drawn: " + picture.error().message);
+  const auto frame = render("a picture");
+  if (!frame) {
+    require_error(frame.error(), {ErrorCode::kInvalidAtlas, ErrorCode::kLimit, ErrorCode::kUsage});
+    require(!sound || frame.error().code != ErrorCode::kInvalidAtlas,
+            "a sound atlas cannot be drawn: " + frame.error().message);
     return;
   }
-  check_pixels(*picture);
+  check_pixels(frame->picture);
   if (choices.below(4) != 0) return;
-  frame.overrides.simd = !frame.overrides.simd;
+  drawing.overrides.simd = !drawing.overrides.simd;
   const auto reference = render("a picture by the other kernels");
   if (!reference) return require_error(reference.error(), {ErrorCode::kLimit});
-  for (std::size_t n = 0; n < reference->rgba.size(); ++n)
-    require(std::abs(reference->rgba[n] - picture->rgba[n]) <= 2e-5f, "SIMD and scalar pictures differ");
+  const std::vector<float>&expected = reference->picture.rgba, &drawn = frame->picture.rgba;
+  for (std::size_t n = 0; n < expected.size(); ++n)
+    require(std::abs(expected[n] - drawn[n]) <= 2e-5f, "SIMD and scalar pictures differ");
 }
 
 /// Everything in a valid file can be read. The contents, if they are few.

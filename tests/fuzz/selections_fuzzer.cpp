@@ -84,7 +84,7 @@ void fuzz(FuzzInput input) {
     require(hidden.term != hidden.hidden_by && !(*terms)[hidden.term].remove, "a hidden term that is none");
   }
   const std::string again = to_text(*selection, graph);
-  require(have_same_appearance(require_value(select(again, graph)), *selection),
+  require(have_same_appearance(require_value(Selection::parse(again, graph)), *selection),
           "a selection's text selects another one");
 }
 

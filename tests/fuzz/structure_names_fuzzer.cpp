@@ -36,7 +36,7 @@ StructureGraph read_graph(FuzzInput& input) {
 }  // namespace
 
 /// Enumerating the matches of up to six "*" in 20 letters on all paths takes up to half a second.
-/// find_structures() has a limit of its own.
+/// StructureGraph::find() has a limit of its own.
 InputLimit input_limit() {
   return {.floor = {2, 8 << 20}, .per_byte = {}};
 }
@@ -52,8 +52,8 @@ void fuzz(FuzzInput input) {
   if (std::ranges::count(sought, '*') > 6) return;  // brute force takes too long
   const auto expected = find_slowly(graph, sought);
   const auto found = [&] {
-    const CostLimit limit({.seconds = 0.1, .bytes = 1 << 20}, "find_structures()");
-    return find_structures(graph, sought);
+    const CostLimit limit({.seconds = 0.1, .bytes = 1 << 20}, "StructureGraph::find()");
+    return graph.find(sought);
   }();
   const bool is_pattern = sought.find('*') != std::string::npos;
   if (!found) {

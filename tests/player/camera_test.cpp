@@ -292,8 +292,8 @@ TEST(Camera, EveryNamedViewLooksFromItsSide) {
       ASSERT_TRUE(renderer.select(selection_of(text, content.graph)));
       for (std::size_t n = 0; n < 6; ++n) {
         const char* const kNearest[] = {"A", "P", "L", "R", "S", "I"};  // in the order of kNamedCases
-        (void)render_or_throw(renderer, Camera::of(kNamedCases[n].named), {.size = {48, 48}});
-        const auto pick = renderer.pick(24.2, 23.9);
+        const auto pick =
+            frame_or_throw(renderer, Camera::of(kNamedCases[n].named), {.size = {48, 48}}).pick(24.2, 23.9);
         ASSERT_TRUE(pick) << kNamedCases[n].name;
         EXPECT_EQ(content.graph[pick->structure].id, kNearest[n]) << text;
       }

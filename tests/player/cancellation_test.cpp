@@ -34,7 +34,7 @@ std::vector<FrameCase> frame_cases() {
 }
 
 /// Renders until the n-th report of progress (from 1), then requests a stop.
-Result<Picture> render_until(Renderer& renderer, const FrameCase& frame, int n) {
+Result<Frame> render_until(Renderer& renderer, const FrameCase& frame, int n) {
   std::stop_source stop;
   int reports = 0;
   return renderer.render(frame.camera, frame.options, {.stop = stop.get_token(), .progress = [&](double) {
@@ -47,8 +47,8 @@ class Cancellation : public testing::TestWithParam<FrameCase> {
   [[nodiscard]] Renderer new_renderer(unsigned threads) const {
     return renderer_of(scene_.content, scene_.selection, threads);
   }
-  [[nodiscard]] static Picture picture_of(Renderer& renderer) {
-    return render_or_throw(renderer, GetParam().camera, GetParam().options);
+  [[nodiscard]] static Frame frame_of(Renderer& renderer) {
+    return frame_or_throw(renderer, GetParam().camera, GetParam().options);
   }
 
   const StandardScene scene_ = hybrid_scene();
@@ -59,21 +59,22 @@ INSTANTIATE_TEST_SUITE_P(Frames, Cancellation, testing::ValuesIn(frame_cases()),
 /// At every report of progress: the next picture, its counters and its picks are as without.
 TEST_P(Cancellation, LeavesNoTraceInLaterPictures) {
   Renderer untouched = new_renderer(1);
-  const Picture expected = picture_of(untouched);
-  const auto expected_pick = untouched.pick(20.3, 15.2);
+  const Frame expected = frame_of(untouched);
+  const auto expected_pick = expected.pick(20.3, 15.2);
   ASSERT_TRUE(expected_pick);
   int n = 1;
   for (;; n += kEveryNth) {
     Renderer renderer = new_renderer(3);
-    const Result<Picture> stopped = render_until(renderer, GetParam(), n);
+    const Result<Frame> stopped = render_until(renderer, GetParam(), n);
     if (stopped) break;  // all reports have been counted
     EXPECT_EQ(stopped.error().code, ErrorCode::kCancelled) << stopped.error().message;
-    EXPECT_TRUE(renderer.missing().empty());
-    ASSERT_EQ(picture_of(renderer).rgba, expected.rgba) << n;
-    EXPECT_EQ(renderer.stats().voxels_visited, untouched.stats().voxels_visited);
-    EXPECT_EQ(renderer.stats().runs_visited, untouched.stats().runs_visited);
-    EXPECT_EQ(renderer.stats().triangles, untouched.stats().triangles);
-    const auto pick = renderer.pick(20.3, 15.2);
+    const Frame frame = frame_of(renderer);
+    EXPECT_TRUE(frame.missing.empty());
+    ASSERT_EQ(frame.picture.rgba, expected.picture.rgba) << n;
+    EXPECT_EQ(frame.stats.voxels_visited, expected.stats.voxels_visited);
+    EXPECT_EQ(frame.stats.runs_visited, expected.stats.runs_visited);
+    EXPECT_EQ(frame.stats.triangles, expected.stats.triangles);
+    const auto pick = frame.pick(20.3, 15.2);
     ASSERT_TRUE(pick);
     EXPECT_EQ(pick->structure, expected_pick->structure);
     EXPECT_EQ(pick->point_lps_mm, expected_pick->point_lps_mm);
@@ -85,27 +86,27 @@ TEST_P(Cancellation, LeavesNoTraceInLaterPictures) {
 TEST_P(Cancellation, LeavesNoTraceInRenderersThatKeepSomething) {
   const Selection first = selection_of("*:volume(opacity=0.2)", scene_.content.graph);
   Renderer untouched = new_renderer(1);
-  const Picture expected = picture_of(untouched);
+  const Picture expected = frame_of(untouched).picture;
   Renderer renderer(open_in_memory(scene_.content), {.threads = 3});
   for (int n = 1;; n += kEveryNth) {
     ASSERT_TRUE(renderer.select(first));
     (void)render_or_throw(renderer, Camera{.azimuth_deg = 40}, GetParam().options);
     ASSERT_TRUE(renderer.select(scene_.selection));
     if (render_until(renderer, GetParam(), n)) break;
-    ASSERT_EQ(picture_of(renderer).rgba, expected.rgba) << n;
+    ASSERT_EQ(frame_of(renderer).picture.rgba, expected.rgba) << n;
     // The same selection with other lighting, cancelled again.
     (void)render_or_throw(renderer, Camera{.azimuth_deg = -20}, GetParam().options);
     (void)render_until(renderer, GetParam(), n);
-    ASSERT_EQ(picture_of(renderer).rgba, expected.rgba) << n;
+    ASSERT_EQ(frame_of(renderer).picture.rgba, expected.rgba) << n;
   }
 }
 
-/// Picks of the latest picture on a coarse grid of pixels.
-std::vector<std::optional<std::pair<StructureIndex, Vec3>>> picks_of(const Renderer& renderer) {
+/// Picks of a frame on a coarse grid of pixels.
+std::vector<std::optional<std::pair<StructureIndex, Vec3>>> picks_of(const Frame& frame) {
   std::vector<std::optional<std::pair<StructureIndex, Vec3>>> picks;
   for (double y = 0.4; y < 30; y += 3) {
     for (double x = 0.3; x < 40; x += 4) {
-      const auto pick = renderer.pick(x, y);
+      const auto pick = frame.pick(x, y);
       picks.push_back(pick ? std::optional(std::pair(pick->structure, pick->point_lps_mm)) : std::nullopt);
     }
   }
@@ -119,15 +120,16 @@ TEST_P(Cancellation, LeavesThePictureBeforeToPick) {
     before.camera.azimuth_deg = 60;
     before.options.quality = Quality::kDraft;
     Renderer renderer = new_renderer(2);
-    (void)render_or_throw(renderer, before.camera, before.options);
-    const auto expected = picks_of(renderer);
+    const Frame shown = frame_or_throw(renderer, before.camera, before.options);
+    const auto expected = picks_of(shown);
     ASSERT_GT(std::ranges::count_if(expected, [](const auto& pick) { return pick.has_value(); }), 20);
     int n = 0;
     for (; !render_until(renderer, GetParam(), n + 1); n += kEveryNth) {
-      ASSERT_EQ(picks_of(renderer), expected) << n;
+      ASSERT_EQ(picks_of(shown), expected) << n;
     }
     EXPECT_GT(n, 10);
-    EXPECT_NE(picks_of(renderer), expected);
+    EXPECT_NE(picks_of(frame_of(renderer)), expected);
+    EXPECT_EQ(picks_of(shown), expected) << "a later frame is finished";
   }
 }
 
@@ -138,12 +140,11 @@ TEST_P(Cancellation, ReadsNothingAfterAStop) {
   const std::uint64_t read = atlas->counters().read;
   std::stop_source stop;
   stop.request_stop();
-  const auto picture =
+  const auto frame =
       renderer.render(GetParam().camera, GetParam().options, {.stop = stop.get_token(), .progress = {}});
-  ASSERT_FALSE(picture);
-  EXPECT_EQ(picture.error().code, ErrorCode::kCancelled);
+  ASSERT_FALSE(frame);
+  EXPECT_EQ(frame.error().code, ErrorCode::kCancelled);
   EXPECT_EQ(atlas->counters().read, read);
-  EXPECT_FALSE(renderer.pick(20, 15));
 }
 
 TEST_P(Cancellation, FromAnotherThreadReturns) {

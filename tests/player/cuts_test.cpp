@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "player/render_frame.h"
+#include "player/renderer.h"
 #include "tests/reference/picture_difference.h"
 #include "tests/reference/reference_picture.h"
 #include "tests/support/fails_with.h"
@@ -70,8 +70,9 @@ TEST(Cuts, KeepAllOrNothing) {
         RenderOptions options{.size = {60, 50}, .quality = quality};
         const Picture whole = render_or_throw(renderer, camera, options);
         options.cuts = cuts_of({{{1, 0.1, 0}, 1e4}, {{0, -1, 0.3}, 1e4}});
-        EXPECT_EQ(render_or_throw(renderer, camera, options).rgba, whole.rgba) << text;
-        EXPECT_GT(renderer.stats().voxels_visited + renderer.stats().triangles, 0u);
+        const Frame kept = frame_or_throw(renderer, camera, options);
+        EXPECT_EQ(kept.picture.rgba, whole.rgba) << text;
+        EXPECT_GT(kept.stats.voxels_visited + kept.stats.triangles, 0u);
         options.cuts = cuts_of({{{1, 0.1, 0}, -1e4}});
         const Picture empty = render_or_throw(renderer, camera, options);
         EXPECT_EQ(empty.rgba, std::vector<float>(empty.rgba.size())) << text;
@@ -199,16 +200,13 @@ TEST(Cuts, VisitOnlyKeptVoxels) {
   Renderer renderer = renderer_of(content, selection_of("Spheres", content.graph));
   RenderOptions options{.size = {64, 64}};
   for (const NamedView view : {NamedView::kAnterior, NamedView::kLeft, NamedView::kSuperior}) {
-    options.cuts = {};
-    (void)render_or_throw(renderer, Camera::of(view), options);
-    const double whole = static_cast<double>(renderer.stats().voxels_visited);
-    options.cuts = cuts_of({{{0, 0, 1}, content.display.center_lps_mm[2]}});
-    (void)render_or_throw(renderer, Camera::of(view), options);
-    EXPECT_LE(static_cast<double>(renderer.stats().voxels_visited), 0.75 * whole)
+    const auto visited = [&](const CutPlanes& cuts) {
+      options.cuts = cuts;
+      return static_cast<double>(frame_or_throw(renderer, Camera::of(view), options).stats.voxels_visited);
+    };
+    EXPECT_LE(visited(cuts_of({{{0, 0, 1}, content.display.center_lps_mm[2]}})), 0.75 * visited({}))
         << "voxels beyond the plane contribute to the field before it";
-    options.cuts = cuts_of({{{0, 0, 1}, -1e4}});
-    (void)render_or_throw(renderer, Camera::of(view), options);
-    EXPECT_EQ(renderer.stats().voxels_visited, 0u);
+    EXPECT_EQ(visited(cuts_of({{{0, 0, 1}, -1e4}})), 0);
   }
 }
 
@@ -224,14 +222,12 @@ TEST(Cuts, AreSeenByPick) {
       camera.projection = projection;
       RenderOptions options{.size = {64, 64}};
       options.cuts = cuts_of({{{1, 0, 0}, 3.3}});
-      (void)render_or_throw(renderer, camera, options);
-      const auto face = renderer.pick(32, 32);
+      const auto face = frame_or_throw(renderer, camera, options).pick(32, 32);
       ASSERT_TRUE(face);
       EXPECT_EQ(face->structure, l);
       EXPECT_NEAR(face->point_lps_mm[0], 3.3, 0.6);
       options.cuts = cuts_of({{{1, 0, 0}, -0.6}});
-      (void)render_or_throw(renderer, camera, options);
-      EXPECT_FALSE(renderer.pick(32, 32));
+      EXPECT_FALSE(frame_or_throw(renderer, camera, options).pick(32, 32));
     }
   }
 }

@@ -6,10 +6,10 @@
 
 #include "format/atlas_writer.h"
 #include "format/result_macros.h"
-#include "player/render/frame/render_overrides.h"
 #include "tests/format/atlas_surgery.h"
 #include "tests/support/phantom_content.h"
 #include "tests/support/render.h"
+#include "tests/support/render_with.h"
 
 namespace splatlas {
 namespace {
@@ -50,19 +50,13 @@ Bytes with_damage(Bytes file, SectionKind kind, std::size_t chunk = 0) {
   return file;
 }
 
-struct Rendering {
-  Picture picture;
-  std::vector<MissingPart> missing;
-};
-
-/// A picture, or the error of any step.
-Result<Rendering> render(Bytes file, const Selection& selection, const Camera& camera,
-                         const RenderOptions& options, const RenderOverrides& overrides = {}) {
+/// A frame, or the error of any step.
+Result<Frame> render(Bytes file, const Selection& selection, const Camera& camera,
+                     const RenderOptions& options, const RenderOverrides& overrides = {}) {
   SPLATLAS_ASSIGN_OR_RETURN(const auto atlas, Atlas::open_bytes(std::move(file), "F"));
   Renderer renderer(atlas, {.threads = 1});
   SPLATLAS_RETURN_IF_ERROR(renderer.select(selection));
-  SPLATLAS_ASSIGN_OR_RETURN(Picture picture, render_with(renderer, camera, options, overrides));
-  return Rendering{std::move(picture), renderer.missing()};
+  return render_with(renderer, camera, options, overrides);
 }
 
 TEST(DamagedAtlas, AVolumeThatIsDamagedIsLeftOutWhole) {
@@ -137,11 +131,9 @@ TEST(DamagedAtlas, WhereNothingIsLeftItIsAnErrorEachTime) {
   }
   // Other structures can still be drawn; then the damage is reported again.
   ASSERT_TRUE(renderer.select(selection_of("Sphere_2", content.graph)));
-  ASSERT_TRUE(renderer.render({}, {.size = {8, 8}}));
-  EXPECT_TRUE(renderer.missing().empty());
+  EXPECT_TRUE(frame_or_throw(renderer, {}, {.size = {8, 8}}).missing.empty());
   ASSERT_TRUE(renderer.select(selection_of("*", content.graph)));
-  ASSERT_TRUE(renderer.render({}, {.size = {8, 8}}));
-  EXPECT_EQ(renderer.missing().size(), 1u);
+  EXPECT_EQ(frame_or_throw(renderer, {}, {.size = {8, 8}}).missing.size(), 1u);
 }
 
 /// Changes every byte in turn: the picture is the same, or damage is reported and the picture shows the rest.

@@ -56,9 +56,9 @@ Result<std::vector<float>> honest_picture(const Bytes& file, const char* selecti
   SPLATLAS_ASSIGN_OR_RETURN(const auto atlas, Atlas::open_bytes(file, "F"));
   Renderer renderer(atlas, {.threads = 1});
   SPLATLAS_RETURN_IF_ERROR(renderer.select(selection_of(selection, atlas->graph())));
-  SPLATLAS_ASSIGN_OR_RETURN(const Picture picture, renderer.render(Camera::of(view), {.size = {24, 24}}));
-  if (!renderer.missing().empty()) return tl::unexpected(renderer.missing().front().error);
-  return picture.rgba;
+  SPLATLAS_ASSIGN_OR_RETURN(Frame frame, renderer.render(Camera::of(view), {.size = {24, 24}}));
+  if (!frame.missing.empty()) return tl::unexpected(frame.missing.front().error);
+  return std::move(frame.picture.rgba);
 }
 
 constexpr std::array kViews{NamedView::kLeft, NamedView::kAnterior, NamedView::kSuperior};

@@ -1,7 +1,5 @@
 // Id images of the renderer: validity and closed forms. Random scenes compare them with brute force.
 
-#include <stop_token>
-
 #include <gtest/gtest.h>
 
 #include "tests/support/render.h"
@@ -38,40 +36,31 @@ TEST(IdImages, ShowTheNearestOfTwoBoxes) {
       Camera camera = Camera::of(NamedView::kAnterior);
       camera.projection = projection;
       const RenderOptions options{.size = {32, 16}, .ids = true};
-      ASSERT_TRUE(renderer.render(camera, options));
-      const IdImage& ids = renderer.ids();
+      const Frame frame = frame_or_throw(renderer, camera, options);
+      const IdImage& ids = frame.ids;
       ASSERT_EQ(ids.size, options.size);
       EXPECT_EQ(ids.at(10, 8), 0u);
       EXPECT_EQ(ids.at(22, 8), 1u);
       EXPECT_EQ(ids.at(0, 0), kNoStructure);
-      const std::optional<Pick> pick = renderer.pick(22.5, 8.5);
+      const std::optional<Pick> pick = frame.pick(22.5, 8.5);
       ASSERT_TRUE(pick);
       EXPECT_EQ(pick->structure, 1u);
     }
   }
 }
 
-TEST(IdImages, BelongToTheLatestFinishedPicture) {
+/// The renderer reuses the memory of a frame: nothing of an earlier id image remains.
+TEST(IdImages, AreEmptyUnlessAskedFor) {
   const AtlasContent content = two_boxes();
   Renderer renderer = renderer_of(content, all_as(content, DrawMode::kVolume));
-  EXPECT_TRUE(renderer.ids().empty());
-  const RenderOptions with_ids{.size = {32, 16}, .ids = true};
-  ASSERT_TRUE(renderer.render({}, with_ids));
-  const std::vector<StructureNumber> first = renderer.ids().numbers;
+  Frame frame;
+  ASSERT_TRUE(renderer.render({}, {.size = {32, 16}, .ids = true}, frame));
+  const std::vector<StructureNumber> first = frame.ids.numbers;
   EXPECT_FALSE(first.empty());
-
-  std::stop_source stop;
-  stop.request_stop();
-  Camera other;
-  other.zoom = 3;
-  EXPECT_FALSE(renderer.render(other, with_ids, {.stop = stop.get_token()}));
-  EXPECT_EQ(renderer.ids().numbers, first);
-  ASSERT_TRUE(renderer.render(other, {.size = {32, 16}}));
-  EXPECT_TRUE(renderer.ids().empty());
-  ASSERT_TRUE(renderer.render({}, with_ids));
-  EXPECT_EQ(renderer.ids().numbers, first);
-  ASSERT_TRUE(renderer.select(all_as(content, DrawMode::kSurface)));
-  EXPECT_TRUE(renderer.ids().empty());
+  ASSERT_TRUE(renderer.render({}, {.size = {32, 16}}, frame));
+  EXPECT_TRUE(frame.ids.empty());
+  ASSERT_TRUE(renderer.render({}, {.size = {32, 16}, .ids = true}, frame));
+  EXPECT_EQ(frame.ids.numbers, first);
 }
 
 }  // namespace

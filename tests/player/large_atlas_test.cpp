@@ -11,7 +11,7 @@
 #include "format/atlas_writer.h"
 #include "format/codec/run_codec.h"
 #include "format/io/checksum.h"
-#include "player/render_frame.h"
+#include "player/renderer.h"
 #include "tests/format/atlas_surgery.h"
 #include "tests/reference/picture_difference.h"
 #include "tests/support/fit_parts.h"
@@ -206,15 +206,15 @@ TEST_F(LargeAtlas, RendersAsTheSmallOneDoes) {
       for (const double azimuth : {0.0, 70.0}) {
         SCOPED_TRACE(text);
         const Camera camera{.azimuth_deg = azimuth, .elevation_deg = 10, .projection = projection};
-        Picture of_large, of_small;
-        for (auto [renderer, picture] : {std::pair(&large, &of_large), std::pair(&small, &of_small)}) {
+        Frame of_large, of_small;
+        for (auto [renderer, frame] : {std::pair(&large, &of_large), std::pair(&small, &of_small)}) {
           ASSERT_TRUE(renderer->select(selection_of(text, renderer->atlas().graph())));
-          const auto rendered = renderer->render(camera, {.size = {40, 40}}, *picture);
+          const auto rendered = renderer->render(camera, {.size = {40, 40}}, *frame);
           ASSERT_TRUE(rendered) << rendered.error().message;
         }
         // At 2000 voxels, single precision resolves 2^-13 voxels, and grey values jump between voxels.
-        EXPECT_GT(std::ranges::max(of_small.rgba), 0.2f);
-        EXPECT_LT(reference::difference(of_large, of_small).largest, 0.005);
+        EXPECT_GT(std::ranges::max(of_small.picture.rgba), 0.2f);
+        EXPECT_LT(reference::difference(of_large.picture, of_small.picture).largest, 0.005);
       }
     }
   }

@@ -76,15 +76,15 @@ TEST(Stress, CheckerboardsAndCombsEqualTheModel) {
     Renderer renderer = renderer_of(content, selection);
     const Camera camera{.azimuth_deg = 33, .elevation_deg = -17};
     const RenderOptions options{.size = {30, 30}, .antialiasing = false};
-    const Picture picture = render_or_throw(renderer, camera, options);
+    const Frame frame = frame_or_throw(renderer, camera, options);
     const auto d =
-        reference::difference(picture, reference::render_model({content, selection, camera, options}));
+        reference::difference(frame.picture, reference::render_model({content, selection, camera, options}));
     EXPECT_LE(d.largest, 1e-4 + 2e-5) << words << ": " << to_text(d);  // early ray termination, rounding
     EXPECT_GT(d.pixels, 300u);
     const std::uint64_t runs = words == std::string("black(opacity=0.3)") ? 495 : 990;
-    EXPECT_LE(renderer.stats().runs_visited, runs) << words;
+    EXPECT_LE(frame.stats.runs_visited, runs) << words;
     if (runs == 495) {
-      EXPECT_EQ(renderer.stats().runs_visited, runs);
+      EXPECT_EQ(frame.stats.runs_visited, runs);
     }
   }
 }
@@ -162,12 +162,11 @@ TEST(Stress, BadCamerasAndSizesAreRefusedAndNothingIsRead) {
     for (const Classification classification : {Classification::kBefore, Classification::kAfter}) {
       const auto refused = [&](Camera camera, const PictureSize& size) {
         camera.projection = projection;
-        Picture picture;
-        const auto result =
-            renderer.render(camera, {.size = size, .classification = classification}, picture);
+        Frame frame;
+        const auto result = renderer.render(camera, {.size = size, .classification = classification}, frame);
         ASSERT_FALSE(result);
         EXPECT_EQ(result.error().code, ErrorCode::kUsage) << result.error().message;
-        EXPECT_EQ(picture.rgba.capacity(), 0u);
+        EXPECT_EQ(frame.picture.rgba.capacity(), 0u);
       };
       for (const double bad : {kNan, kInfinity, -kInfinity}) {
         refused({.azimuth_deg = bad}, {8, 8});

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "format/content/run_model.h"
-#include "player/render_frame.h"
+#include "player/renderer.h"
 #include "tests/reference/optical_field.h"
 #include "tests/reference/ray.h"
 #include "tests/reference/reference_cut.h"

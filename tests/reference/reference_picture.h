@@ -9,7 +9,7 @@
 #include "format/content/atlas_content.h"
 #include "format/content/selection.h"
 #include "player/render/view/sample_pattern.h"
-#include "player/render_frame.h"
+#include "player/renderer.h"
 #include "tests/reference/optical_field.h"
 
 namespace splatlas::reference {

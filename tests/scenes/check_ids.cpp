@@ -8,9 +8,9 @@
 
 #include <fmt/format.h>
 
-#include "player/render/frame/render_overrides.h"
 #include "tests/reference/reference_picture.h"
 #include "tests/scenes/ray_truth.h"
+#include "tests/support/render_with.h"
 
 namespace splatlas {
 namespace {
@@ -18,11 +18,6 @@ namespace {
 /// Difference of shares below which either structure is right, and of opacities at the threshold of ids.
 constexpr double kShareTolerance = 1e-3;
 constexpr double kMinOpacity = 1.0 / 255;
-
-struct Frame {
-  Picture picture;
-  IdImage ids;
-};
 
 class IdChecker {
  public:
@@ -75,10 +70,10 @@ class IdChecker {
       fault("select: " + selected.error().message);
       return std::nullopt;
     }
-    auto picture = render_with(renderer, scene_.camera, options, scene_.overrides);
-    if (picture) return Frame{*std::move(picture), renderer.ids()};
-    if (picture.error().message.find("too wide for surfaces") == std::string::npos)
-      fault("render: " + picture.error().message);
+    auto frame = render_with(renderer, scene_.camera, options, scene_.overrides);
+    if (frame) return *std::move(frame);
+    if (frame.error().message.find("too wide for surfaces") == std::string::npos)
+      fault("render: " + frame.error().message);
     return std::nullopt;
   }
 

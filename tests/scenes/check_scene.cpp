@@ -10,11 +10,11 @@
 
 #include <fmt/format.h>
 
-#include "player/render/frame/render_overrides.h"
 #include "player/render/view/shear.h"
 #include "tests/reference/picture_difference.h"
 #include "tests/scenes/ray_truth.h"
 #include "tests/support/kernel_targets.h"
+#include "tests/support/render_with.h"
 
 namespace splatlas {
 namespace {
@@ -129,12 +129,14 @@ class Checker {
     if (threads > 1 && !select(several.emplace(atlas_, RendererOptions{.threads = threads})))
       return std::nullopt;
     Renderer& renderer = several ? *several : alone_;
-    auto picture = render_with(renderer, scene_.camera, options, overrides);
-    stats_ = renderer.stats();
-    if (picture) return *std::move(picture);
-    report_.refused = picture.error().code == ErrorCode::kUsage &&
-                      picture.error().message.find("too wide for surfaces") != std::string::npos;
-    if (!report_.refused) fault("render: " + picture.error().message);
+    auto frame = render_with(renderer, scene_.camera, options, overrides);
+    if (frame) {
+      stats_ = frame->stats;
+      return std::move(frame->picture);
+    }
+    report_.refused = frame.error().code == ErrorCode::kUsage &&
+                      frame.error().message.find("too wide for surfaces") != std::string::npos;
+    if (!report_.refused) fault("render: " + frame.error().message);
     return std::nullopt;
   }
 
@@ -186,8 +188,9 @@ class Checker {
                                        [](const reference::VoxelOptics& v) { return v.extinction > 0; });
     for (const Axis axis : kAxes) {
       const RenderOverrides overrides{.simd = scene_.overrides.simd, .principal_axis = axis};
-      if (!render_with(alone_, camera, options, overrides)) continue;  // perpendicular to this axis
-      const RenderStats& stats = alone_.stats();
+      const auto frame = render_with(alone_, camera, options, overrides);
+      if (!frame) continue;  // perpendicular to this axis
+      const RenderStats& stats = frame->stats;
       const ExpectedCounts expected(scene_.content, scene_.selection, axis);
       if (stats.voxels_visited != static_cast<std::uint64_t>(visible) ||
           stats.runs_visited != expected.runs || stats.triangles != expected.triangles) {

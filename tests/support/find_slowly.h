@@ -30,7 +30,7 @@ inline void collect_paths(const StructureGraph& graph, StructureIndex s, const s
   for (const StructureIndex parent : graph[s].parents) collect_paths(graph, parent, "/" + path, whole, paths);
 }
 
-/// The definition of find_structures() in selection.h, with all paths written out.
+/// The definition of StructureGraph::find(), with all paths written out.
 inline std::vector<StructureIndex> find_slowly(const StructureGraph& graph, std::string_view name) {
   const std::string sought = to_lower(name);
   const auto all_that = [&](const auto& fits) {

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "player/render/frame/render_overrides.h"
-#include "player/render_frame.h"
+#include "player/renderer.h"
 #include "tests/support/test_content.h"
 
 namespace splatlas {

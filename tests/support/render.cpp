@@ -4,7 +4,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "tests/support/value_or_throw.h"
+#include "tests/support/render_with.h"
 
 namespace splatlas {
 
@@ -16,9 +16,14 @@ Renderer renderer_of(const AtlasContent& content, const Selection& selection, un
   return renderer;
 }
 
+Frame frame_or_throw(Renderer& renderer, const Camera& camera, const RenderOptions& options,
+                     const RenderOverrides& overrides) {
+  return value_or_throw(render_with(renderer, camera, options, overrides));
+}
+
 Picture render_or_throw(Renderer& renderer, const Camera& camera, const RenderOptions& options,
                         const RenderOverrides& overrides) {
-  return value_or_throw(render_with(renderer, camera, options, overrides));
+  return frame_or_throw(renderer, camera, options, overrides).picture;
 }
 
 Picture render_or_throw(const AtlasContent& content, const Selection& selection, const Camera& camera,

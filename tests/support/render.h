@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "player/render/frame/render_overrides.h"
-#include "player/render_frame.h"
+#include "player/renderer.h"
 #include "tests/support/test_content.h"
 
 namespace splatlas {
@@ -14,6 +14,9 @@ namespace splatlas {
                                    unsigned threads = 1);
 
 /// Renders. Throws std::runtime_error with the library's message.
+[[nodiscard]] Frame frame_or_throw(Renderer& renderer, const Camera& camera,
+                                   const RenderOptions& options = {}, const RenderOverrides& overrides = {});
+/// The same, for the picture alone.
 [[nodiscard]] Picture render_or_throw(Renderer& renderer, const Camera& camera,
                                       const RenderOptions& options = {},
                                       const RenderOverrides& overrides = {});

@@ -8,7 +8,6 @@
 #include "format/derive/fit_surface.h"
 #include "tests/support/fill_classes.h"
 #include "tests/support/marching_tetrahedra.h"
-#include "tests/support/value_or_throw.h"
 
 namespace splatlas {
 namespace {
@@ -170,7 +169,7 @@ std::shared_ptr<const Atlas> open_in_memory(const AtlasContent& content) {
 }
 
 Selection selection_of(std::string_view text, const StructureGraph& graph) {
-  return value_or_throw(select(text, graph));
+  return value_or_throw(Selection::parse(text, graph));
 }
 
 }  // namespace splatlas

@@ -84,7 +84,7 @@ template <typename T>
 /// Encodes and opens an atlas. Throws std::runtime_error with the library's message.
 [[nodiscard]] std::shared_ptr<const Atlas> open_in_memory(const AtlasContent& content);
 
-/// select(), but throws std::runtime_error with the library's message.
+/// Selection::parse(), but throws std::runtime_error with the library's message.
 [[nodiscard]] Selection selection_of(std::string_view text, const StructureGraph& graph);
 
 }  // namespace splatlas

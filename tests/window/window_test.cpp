@@ -8,7 +8,7 @@
 
 #include "format/atlas_writer.h"
 #include "format/content/selection.h"
-#include "player/render_frame.h"
+#include "player/renderer.h"
 #include "tests/format/atlas_surgery.h"
 #include "tests/phantom/two_spheres.h"
 #include "tests/support/file_bytes.h"

@@ -90,14 +90,16 @@ struct Atlas::Impl {
     }
   }
 
-  /// Prefixes the message of an error with the file name.
+  /// An error with the file as its subject.
   [[nodiscard]] tl::unexpected<Error> named(const Error& error) const {
     return named(error.code, "{}", error.message);
   }
   template <typename... Args>
   [[nodiscard]] tl::unexpected<Error> named(ErrorCode code, fmt::format_string<Args...> text,
                                             Args&&... args) const {
-    return fail(code, "{}: {}", file.name(), fmt::format(text, std::forward<Args>(args)...));
+    return tl::unexpected(
+        Error{code, fmt::format("{}: {}", file.name(), fmt::format(text, std::forward<Args>(args)...)),
+              file.name()});
   }
 
   InputFile file;

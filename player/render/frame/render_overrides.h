@@ -4,13 +4,14 @@
 #include <optional>
 
 #include "format/content/grid.h"
-#include "player/picture.h"
 #include "player/render/view/shear.h"
 #include "player/render_options.h"
 
 namespace splatlas {
 
 class Renderer;
+struct Camera;
+struct Frame;
 
 struct RenderOverrides {
   bool simd = true;  ///< false: the scalar reference kernels
@@ -23,18 +24,13 @@ struct RenderOverrides {
 [[nodiscard]] Result<Shear> shear_of(const ParallelView& view, const Grid& grid,
                                      const RenderOverrides& overrides);
 
-/// Access to the state of a renderer, for render_with().
+/// Access to the state of a renderer, for tests.
 struct RendererInternals {
+  /// Renderer::render() with overrides. Sheets: also kUsage for views beyond kMaxForcedSlope of a forced
+  /// axis.
   [[nodiscard]] static Result<void> render(Renderer& renderer, const Camera& camera,
                                            const RenderOptions& options, const RenderOverrides& overrides,
-                                           Picture& picture, const RenderControl& control);
+                                           Frame& frame, const RenderControl& control);
 };
-
-/// Renderer::render() with overrides. Sheets: also kUsage for views beyond kMaxForcedSlope of a forced axis.
-[[nodiscard]] Result<void> render_with(Renderer& renderer, const Camera& camera, const RenderOptions& options,
-                                       const RenderOverrides& overrides, Picture& picture,
-                                       const RenderControl& control = {});
-[[nodiscard]] Result<Picture> render_with(Renderer& renderer, const Camera& camera,
-                                          const RenderOptions& options, const RenderOverrides& overrides);
 
 }  // namespace splatlas

@@ -110,11 +110,11 @@ class SamplePacket {
 tl::unexpected<Error> too_wide(const View& view) {
   const double half_height_mm = 0.5 * view.plane.size.height * view.plane.mm_per_pixel;
   const double degrees = 360 / std::numbers::pi * std::atan(half_height_mm / *view.eye_mm);
-  return fail(
-      ErrorCode::kUsage,
-      "camera: field of view {:.6g} is too wide for surfaces from this direction; make it narrower, or "
-      "select volumes only, without external surfaces, which every mode draws",
-      degrees);
+  return bad_camera(
+      "field of view",
+      fmt::format("{:.6g} is too wide for surfaces from this direction; make it narrower, or select volumes "
+                  "only, without external surfaces, which every mode draws",
+                  degrees));
 }
 
 }  // namespace

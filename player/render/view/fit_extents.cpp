@@ -93,8 +93,7 @@ Camera FitFrame::fitted(const FitExtents& extents) const {
   const double depth = middle(kFar, kNear);
   half_height += depth * slope_;
   Camera camera = camera_;
-  camera.zoom = half_height > 0 ? std::clamp(half_height_mm_ / half_height, kMinCameraZoom, kMaxCameraZoom)
-                                : kMaxCameraZoom;
+  camera.zoom = half_height > 0 ? std::clamp(half_height_mm_ / half_height, kMinZoom, kMaxZoom) : kMaxZoom;
   Vec3 center = view_.plane.center_lps_mm;
   for (std::size_t a = 0; a < 3; ++a) {
     center[a] +=

@@ -62,7 +62,7 @@ class FitFrame {
   /// at least these margins on the other sides. The points are in the middle of the region. In perspective,
   /// their shorter side may be off the middle. The centre has their middle depth. All points are in front of
   /// the eye; with fields of view above 90 degrees, this can take more room than the margins. Clamps the zoom
-  /// to [kMinCameraZoom, kMaxCameraZoom]. `extents` must not be empty.
+  /// to [kMinZoom, kMaxZoom]. `extents` must not be empty.
   [[nodiscard]] Camera fitted(const FitExtents& extents) const;
 
  private:

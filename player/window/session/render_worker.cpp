@@ -131,21 +131,18 @@ Result<void> RenderWorker::select(const FrameRequest& request) {
   return {};
 }
 
-Result<Picture> RenderWorker::render(const FrameRequest& request, Quality quality) {
+Result<Frame> RenderWorker::render(const FrameRequest& request, Quality quality) {
   if (auto selected = select(request); !selected) return tl::unexpected(std::move(selected).error());
   RenderOptions options;
   const int divisor = quality == Quality::kDraft ? draft_divisor_ : 1;
   options.size = {std::max(1, request.size.width / divisor), std::max(1, request.size.height / divisor)};
   options.quality = quality;
   options.depth_cue = request.depth_cue;
-  Result<Picture> picture = renderer_.render(request.camera, options);
-  if (picture) rendered_ = picture->size;
-  return picture;
+  return renderer_.render(request.camera, options);
 }
 
-/// Description of the first missing part of the latest picture, and the number of others.
-std::string RenderWorker::missing_text() const {
-  const std::vector<MissingPart>& missing = renderer_.missing();
+/// Description of the first missing part, and the number of others.
+std::string RenderWorker::missing_text(const std::vector<MissingPart>& missing) const {
   if (missing.empty()) return {};
   const std::string first = describe(missing.front(), renderer_.atlas().graph());
   return missing.size() == 1 ? first : fmt::format("{} (and {} more)", first, missing.size() - 1);
@@ -173,13 +170,15 @@ bool RenderWorker::fit_camera(FrameRequest& request) {
 
 void RenderWorker::render_frame(FrameRequest request, Quality quality) {
   if (request.fit && !fit_camera(request)) return;
-  const auto make_frame = [&]() -> Result<std::shared_ptr<const Frame>> {
-    const Result<Picture> picture = render(request, quality);
-    if (!picture) return tl::unexpected(picture.error());
-    return std::make_shared<const Frame>(Frame{request, picture->size, to_srgb8(*picture, kBackground),
-                                               quality, renderer_.stats(), missing_text()});
+  const auto make_frame = [&]() -> Result<std::shared_ptr<const DisplayFrame>> {
+    Result<Frame> rendered = render(request, quality);
+    if (!rendered) return tl::unexpected(std::move(rendered).error());
+    latest_ = *std::move(rendered);
+    return std::make_shared<const DisplayFrame>(DisplayFrame{request, latest_.picture.size,
+                                                             to_srgb8(latest_.picture, kBackground), quality,
+                                                             latest_.stats, missing_text(latest_.missing)});
   };
-  Result<std::shared_ptr<const Frame>> frame = guarded(make_frame);
+  Result<std::shared_ptr<const DisplayFrame>> frame = guarded(make_frame);
   if (!frame) {
     push_event(FrameFailed{request, std::move(frame).error()});
     return;
@@ -197,7 +196,8 @@ void RenderWorker::render_frame(FrameRequest request, Quality quality) {
 
 void RenderWorker::answer(const Point& point, PickPurpose purpose) {
   const auto pick = guarded([&]() -> Result<std::optional<Pick>> {
-    return renderer_.pick(point.u * rendered_.width, point.v * rendered_.height);
+    const auto [width, height] = latest_.picture.size;
+    return latest_.pick(point.u * width, point.v * height);
   });
   Picked picked{.purpose = purpose, .structure = std::nullopt};
   if (pick && *pick) picked.structure = (*pick)->structure;
@@ -206,9 +206,9 @@ void RenderWorker::answer(const Point& point, PickPurpose purpose) {
 
 void RenderWorker::save_picture(const SaveJob& job) {
   Result<void> result = guarded([&]() -> Result<void> {
-    const Result<Picture> picture = render(job.request, Quality::kHigh);
-    if (!picture) return tl::unexpected(picture.error());
-    return write_png(*picture, job.path, kBackground);
+    const Result<Frame> frame = render(job.request, Quality::kHigh);
+    if (!frame) return tl::unexpected(frame.error());
+    return write_png(frame->picture, job.path, kBackground);
   });
   push_event(PictureSaved{job.path, std::move(result)});
 }

@@ -15,7 +15,7 @@
 #include <variant>
 #include <vector>
 
-#include "player/render_frame.h"
+#include "player/renderer.h"
 
 namespace splatlas {
 
@@ -35,8 +35,8 @@ struct FrameRequest {
   std::optional<FitTarget> fit = std::nullopt;  ///< fits the camera first; frames have no target
 };
 
-/// Rendered frame, ready for display.
-struct Frame {
+/// A frame, ready for display.
+struct DisplayFrame {
   FrameRequest request;
   PictureSize size;  ///< size of `srgb8`; drafts may have fewer pixels than requested
   std::vector<std::uint8_t> srgb8;
@@ -57,7 +57,7 @@ struct CameraFitted {
 };
 /// A frame is finished.
 struct FrameDone {
-  std::shared_ptr<const Frame> frame;
+  std::shared_ptr<const DisplayFrame> frame;
   bool final = false;  ///< true: the last frame of this request
 };
 /// A frame could not be rendered.
@@ -120,8 +120,8 @@ class RenderWorker {
   [[nodiscard]] std::optional<PickPurpose> next_pick() const;
   void push_event(WorkerEvent event);
   [[nodiscard]] Result<void> select(const FrameRequest& request);
-  [[nodiscard]] Result<Picture> render(const FrameRequest& request, Quality quality);
-  [[nodiscard]] std::string missing_text() const;
+  [[nodiscard]] Result<Frame> render(const FrameRequest& request, Quality quality);
+  [[nodiscard]] std::string missing_text(const std::vector<MissingPart>& missing) const;
   [[nodiscard]] bool fit_camera(FrameRequest& request);
   void render_frame(FrameRequest request, Quality quality);
   void answer(const Point& point, PickPurpose purpose);
@@ -141,7 +141,7 @@ class RenderWorker {
   // Used by the worker's thread only.
   Renderer renderer_;
   std::shared_ptr<const Selection> selected_;
-  PictureSize rendered_;  // size of the renderer's latest picture
+  Frame latest_;  // for picks
   int draft_divisor_ = 1;
 
   std::function<void()> wake_;

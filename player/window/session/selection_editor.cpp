@@ -37,7 +37,7 @@ bool is_on(const StructureDraw& draw) {
 SelectionEditor::SelectionEditor(const StructureGraph& graph, std::vector<bool> drawable)
     : graph_(graph), drawable_(std::move(drawable)) {
   const std::string text = graph.size() > 0 ? "*" : "";
-  if (auto selection = select(text, graph)) show(text, std::move(*selection));
+  if (auto selection = Selection::parse(text, graph)) show(text, std::move(*selection));
 }
 
 std::optional<StructureDraw> SelectionEditor::appearance(StructureIndex s) const {
@@ -122,7 +122,7 @@ Selection SelectionEditor::nothing() const {
 
 Result<void> SelectionEditor::set_text(std::string_view text) {
   text = trimmed(text);
-  Result<Selection> selection = select(text, graph_);
+  Result<Selection> selection = Selection::parse(text, graph_);
   if (!selection) return tl::unexpected(std::move(selection).error());
   if (text == text_) return {};
   remember();
@@ -135,7 +135,7 @@ void SelectionEditor::commit(Selection wanted, Gesture gesture) {
   if (draw_alike(wanted, selection_)) return;
   settle_groups(wanted);
   std::string text = to_text(wanted, graph_);
-  auto selection = select(text, graph_);  // generated text is always valid
+  auto selection = Selection::parse(text, graph_);  // generated text is always valid
   if (!selection || text == text_) return;
   const bool same_gesture = gesture.kind != 0 && gesture == gesture_;
   if (!same_gesture) remember();
@@ -192,7 +192,7 @@ void SelectionEditor::travel(std::deque<std::string>& from, std::deque<std::stri
   if (from.empty()) return;
   std::string text = std::move(from.back());
   from.pop_back();
-  auto selection = select(text, graph_);  // valid: it was selected before
+  auto selection = Selection::parse(text, graph_);  // valid: it was selected before
   if (!selection) return;
   to.push_back(text_);
   gesture_ = {};
@@ -207,7 +207,7 @@ void SelectionEditor::redo() {
 }
 
 void SelectionEditor::revert_to(const std::string& text) {
-  auto selection = select(text, graph_);
+  auto selection = Selection::parse(text, graph_);
   if (!selection) return;
   if (!undo_.empty() && undo_.back() == text) undo_.pop_back();
   gesture_ = {};

@@ -34,7 +34,7 @@ class ModeSet {
 /// Opacity of surfaces that ghost_others() makes faint.
 inline constexpr float kGhostOpacity = 0.08f;
 
-/// A selection and its text. Invariant: selection() == select(text()), including term numbers. Not
+/// A selection and its text. Invariant: selection() == Selection::parse(text()), including term numbers. Not
 /// thread-safe.
 class SelectionEditor {
  public:

@@ -86,7 +86,7 @@ class Session {
   void resize(const PictureSize& size) { size_ = size; }
 
   /// The latest frame; null before the first one.
-  [[nodiscard]] const std::shared_ptr<const Frame>& frame() const { return frame_; }
+  [[nodiscard]] const std::shared_ptr<const DisplayFrame>& frame() const { return frame_; }
   /// True while a better frame than frame() is being rendered.
   [[nodiscard]] bool refining() const { return refining_; }
 
@@ -145,7 +145,7 @@ class Session {
   PictureSize size_;
   DepthCue depth_cue_ = DepthCue::kNone;
   std::optional<FrameRequest> requested_;
-  std::shared_ptr<const Frame> frame_;
+  std::shared_ptr<const DisplayFrame> frame_;
   bool refining_ = false;
 
   std::optional<ViewPoint> point_, asked_;

@@ -37,7 +37,7 @@ TEST(DecisionTree, GivesTheVoxelsOfThePapersTableTwo) {
        {Row{"*:surface", 0, 1904, 0}, Row{"*:volume", 5046, 0, 0},
         Row{"large:surface + small:both", 437, 1440, 464}, Row{"large:volume + small:surface", 4145, 464, 0},
         Row{"", 0, 0, 0}, Row{"* - large", 901, 0, 0}}) {
-    const DrawPlan plan = tree.plan(*select(text, phantom.graph));
+    const DrawPlan plan = tree.plan(*Selection::parse(text, phantom.graph));
     EXPECT_EQ(plan.volume_voxels, volume) << text;
     EXPECT_EQ(plan.surface_voxels, surface) << text;
     EXPECT_EQ(plan.hybrid_voxels, hybrid) << text;
@@ -49,12 +49,12 @@ TEST(DecisionTree, GivesTheVoxelsOfThePapersTableTwo) {
 TEST(DecisionTree, ListsClassesAndSurfacesToDraw) {
   const Phantom phantom;
   const DecisionTree tree(phantom.graph, phantom.classes);
-  const DrawPlan plan = tree.plan(*select("large:surface + small:both", phantom.graph));
+  const DrawPlan plan = tree.plan(*Selection::parse("large:surface + small:both", phantom.graph));
   EXPECT_EQ(plan.classes, (std::vector<ClassDraw>{{2, VoxelRole::kSurface, kNoStructure, false},
                                                   {3, VoxelRole::kVolume, 1, false},
                                                   {4, VoxelRole::kHybrid, 1, true}}));
   EXPECT_EQ(plan.surfaces, (std::vector<StructureIndex>{0, 1}));
-  EXPECT_TRUE(tree.plan(*select("*", phantom.graph)).surfaces.empty());
+  EXPECT_TRUE(tree.plan(*Selection::parse("*", phantom.graph)).surfaces.empty());
 }
 
 TEST(DecisionTree, TheLatestTermThenTheHigherIndexGivesTheAppearance) {
@@ -63,7 +63,9 @@ TEST(DecisionTree, TheLatestTermThenTheHigherIndexGivesTheAppearance) {
   ClassTable classes;
   const ClassId shared = classes.intern({{0, Part::kInterior}, {1, Part::kBoundary}, {2, Part::kInterior}});
   const DecisionTree tree(graph, classes);
-  const auto appearance = [&](const char* text) { return tree.plan(*select(text, graph)).classes.at(0); };
+  const auto appearance = [&](const char* text) {
+    return tree.plan(*Selection::parse(text, graph)).classes.at(0);
+  };
   EXPECT_EQ(appearance("whole"), (ClassDraw{shared, VoxelRole::kVolume, 1, true}));
   EXPECT_EQ(appearance("*"), (ClassDraw{shared, VoxelRole::kVolume, 2, false}));
   EXPECT_EQ(appearance("other + whole"), (ClassDraw{shared, VoxelRole::kVolume, 1, true}));
@@ -80,12 +82,12 @@ TEST(DecisionTree, ExternalSurfacesAreDrawnInEveryMode) {
   const ClassId in_bone = classes.intern({{0, Part::kInterior}, {1, Part::kCrossed}});
   const DecisionTree tree(graph, classes);
   for (const char* text : {"needle:volume", "needle:surface", "needle:both"}) {
-    const DrawPlan plan = tree.plan(*select(text, graph));
+    const DrawPlan plan = tree.plan(*Selection::parse(text, graph));
     EXPECT_EQ(plan.classes, (std::vector<ClassDraw>{{alone, VoxelRole::kSurface, kNoStructure, false},
                                                     {in_bone, VoxelRole::kSurface, kNoStructure, false}}));
     EXPECT_EQ(plan.surfaces, (std::vector<StructureIndex>{1}));
   }
-  const DrawPlan both = tree.plan(*select("bone + needle:surface", graph));
+  const DrawPlan both = tree.plan(*Selection::parse("bone + needle:surface", graph));
   EXPECT_EQ(both.classes[1], (ClassDraw{in_bone, VoxelRole::kHybrid, 0, false}));
 }
 

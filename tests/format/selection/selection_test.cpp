@@ -28,7 +28,7 @@ StructureGraph brain() {
 }
 
 std::vector<StructureDraw> selected(std::string_view text) {
-  const auto selection = select(text, brain());
+  const auto selection = Selection::parse(text, brain());
   if (!selection) {
     ADD_FAILURE() << selection.error().message;
     return std::vector<StructureDraw>(6);
@@ -46,12 +46,12 @@ constexpr DrawMode kBoth = DrawMode::kBoth;
 const StructureDraw kOff{};
 
 TEST(Selection, NothingSelectsNothing) {
-  const auto selection = select("", brain());
+  const auto selection = Selection::parse("", brain());
   ASSERT_TRUE(selection);
   EXPECT_EQ(selection->structures, std::vector<StructureDraw>(6));
   EXPECT_TRUE(selection->empty());
   EXPECT_TRUE(Selection{}.empty());
-  EXPECT_FALSE(select("A", brain())->empty());
+  EXPECT_FALSE(Selection::parse("A", brain())->empty());
 }
 
 /// The rest is all that no other term names, before or behind it, as a removal, too.
@@ -80,7 +80,7 @@ TEST(Selection, AStructureMayBeCalledRest) {
       {{.id = "rest", .name = "Rest"}, {.id = "h", .name = "#17"}, {.id = "o", .label = 17}});
   const auto is_on = [&](const char* text) {
     std::vector<bool> on;
-    const Selection selection = *select(text, graph);
+    const Selection selection = *Selection::parse(text, graph);
     for (const StructureDraw& draw : selection.structures) on.push_back(draw.mode != DrawMode::kOff);
     return on;
   };
@@ -96,7 +96,7 @@ TEST(Selection, UnknownLabelsAreErrors) {
                                                        {.id = "b", .label = -3},
                                                        {.id = "c", .label = 40},
                                                        {.id = "d", .label = 40}});
-  const auto error = [&](const char* text) { return select(text, graph).error(); };
+  const auto error = [&](const char* text) { return Selection::parse(text, graph).error(); };
   EXPECT_EQ(error("a + #17").code, ErrorCode::kNotFound);
   EXPECT_EQ(
       error("a + #17").message,
@@ -105,18 +105,19 @@ TEST(Selection, UnknownLabelsAreErrors) {
   EXPECT_THAT(error("rest + #17").message, HasSubstr("column 8: no structure has the label 17"));
   EXPECT_THAT(error("#40").message, HasSubstr("stands for 2 structures"));
   EXPECT_THAT(error("#-9223372036854775808").message, HasSubstr("the nearest: #-3"));
-  EXPECT_THAT(select("#1", brain()).error().message, HasSubstr("no structure has one; write a name"));
+  EXPECT_THAT(Selection::parse("#1", brain()).error().message,
+              HasSubstr("no structure has one; write a name"));
 }
 
 TEST(Selection, EverythingOfNothingIsNothing) {
   const StructureGraph none = *StructureGraph::build({});
   for (const char* text : {"*", "*:surface", "\"*\":both(opacity=0.5)", "* - *", ""}) {
-    const auto selection = select(text, none);
+    const auto selection = Selection::parse(text, none);
     ASSERT_TRUE(selection) << text << ": " << selection.error().message;
     EXPECT_TRUE(selection->structures.empty());
   }
   for (const char* text : {"A", "A*", "**", "*/*"}) {
-    const auto selection = select(text, none);
+    const auto selection = Selection::parse(text, none);
     ASSERT_FALSE(selection) << text;
     EXPECT_EQ(selection.error().code, ErrorCode::kNotFound);
     EXPECT_THAT(selection.error().message, HasSubstr("there are none"));
@@ -179,12 +180,12 @@ TEST(Selection, WildcardsSelectDescendantsToo) {
 }
 
 TEST(Selection, UnknownNamesTellTheirColumn) {
-  const auto selection = select("A + \"Brian\"", brain());
+  const auto selection = Selection::parse("A + \"Brian\"", brain());
   ASSERT_FALSE(selection);
   EXPECT_EQ(selection.error().code, ErrorCode::kNotFound);
   EXPECT_THAT(selection.error().message, HasSubstr("column 5: no structure is called \"Brian\""));
   EXPECT_THAT(selection.error().message, HasSubstr("\"Brain\""));
-  const auto syntax = select("A +", brain());
+  const auto syntax = Selection::parse("A +", brain());
   ASSERT_FALSE(syntax);
   EXPECT_EQ(syntax.error().code, ErrorCode::kUsage);
 }

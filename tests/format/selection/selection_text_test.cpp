@@ -56,7 +56,7 @@ TEST(SelectionText, IsShort) {
            "Left(low=10) - A + A",
            "*(profile=hard) + A(profile=soft)",
        }) {
-    EXPECT_EQ(to_text(*select(text, graph), graph), text);
+    EXPECT_EQ(to_text(*Selection::parse(text, graph), graph), text);
   }
 }
 
@@ -82,7 +82,7 @@ TEST(SelectionText, LeavesOutWhatChangesNothing) {
       {"Brain(color=#123456) - Left + Left", "Brain(color=#123456) - Left + Left"},
   };
   for (const auto& [text, shorter] : texts) {
-    const auto selection = select(text, graph);
+    const auto selection = Selection::parse(text, graph);
     ASSERT_TRUE(selection) << text;
     EXPECT_EQ(to_text(*selection, graph), shorter) << text;
   }
@@ -94,12 +94,12 @@ TEST(SelectionText, QuotesAStructureCalledRest) {
                                       {"#17(opacity=0.5)", "A(opacity=0.5)"},
                                       {"A:surface + rest", "* - A + A:surface"},
                                       {"rest", "*"}}) {
-    const auto selection = select(text, graph);
+    const auto selection = Selection::parse(text, graph);
     ASSERT_TRUE(selection) << text;
     const std::string again = to_text(*selection, graph);
     EXPECT_TRUE(again == written || again == "A:surface + \"Rest\"" || again == "\"Rest\" + A:surface")
         << again;
-    EXPECT_EQ(without_term_numbers(*select(again, graph)), without_term_numbers(*selection));
+    EXPECT_EQ(without_term_numbers(*Selection::parse(again, graph)), without_term_numbers(*selection));
   }
 }
 
@@ -109,7 +109,7 @@ TEST(SelectionText, OpacitiesComeBackToTheBit) {
     Selection selection;
     selection.structures.resize(graph.size());
     selection.structures[3] = {DrawMode::kVolume, opacity, graph[3].color, 0};
-    EXPECT_EQ(select(to_text(selection, graph), graph)->structures[3].opacity, opacity);
+    EXPECT_EQ(Selection::parse(to_text(selection, graph), graph)->structures[3].opacity, opacity);
   }
 }
 
@@ -118,7 +118,7 @@ RC_GTEST_PROP(SelectionText, SelectsExactlyWhatWasWritten, ()) {
   const StructureGraph graph = random_graph(random);
   const Selection wanted = random_selection(graph, random);
   const std::string text = to_text(wanted, graph);
-  const auto selected = select(text, graph);
+  const auto selected = Selection::parse(text, graph);
   if (!selected) RC_FAIL(selected.error().message);
   RC_LOG() << text;
   RC_ASSERT(without_term_numbers(*selected) == wanted);
@@ -128,7 +128,7 @@ RC_GTEST_PROP(SelectionText, IsStable, ()) {
   auto random = *random_source();
   const StructureGraph graph = random_graph(random);
   const std::string text = to_text(random_selection(graph, random), graph);
-  RC_ASSERT(to_text(*select(text, graph), graph) == text);
+  RC_ASSERT(to_text(*Selection::parse(text, graph), graph) == text);
 }
 
 }  // namespace

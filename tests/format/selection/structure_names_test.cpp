@@ -30,14 +30,14 @@ StructureGraph brain() {
 }
 
 std::vector<StructureIndex> found(std::string_view name) {
-  const auto result = find_structures(brain(), name);
+  const auto result = brain().find(name);
   if (result) return *result;
   ADD_FAILURE() << result.error().message;
   return {};
 }
 
 std::string refusal(std::string_view name) {
-  const auto result = find_structures(brain(), name);
+  const auto result = brain().find(name);
   if (result) {
     ADD_FAILURE() << name << " was found";
     return {};
@@ -99,7 +99,7 @@ TEST(FindStructures, ListsOfCandidatesEnd) {
     structures[s].id = fmt::format("s{}", s);
     structures[s].name = "Same";
   }
-  const std::string message = message_of(find_structures(*StructureGraph::build(structures), "same"));
+  const std::string message = message_of(StructureGraph::build(structures)->find("same"));
   EXPECT_THAT(message, HasSubstr("stands for 20 structures"));
   EXPECT_THAT(message, HasSubstr("\"Same\" (id s4), 15 more"));
   EXPECT_THAT(message, Not(HasSubstr("id s5")));
@@ -112,7 +112,7 @@ TEST(FindStructures, UnknownNamesListTheNearest) {
   EXPECT_THAT(refusal("LIMBID"), HasSubstr("the nearest: \"Limbic\", "));
   const std::string message = refusal("zzz");
   EXPECT_EQ(std::count(message.begin(), message.end(), '"'), 12) << message;  // the name and five others
-  EXPECT_THAT(message_of(find_structures(StructureGraph{}, "x")),
+  EXPECT_THAT(message_of(StructureGraph{}.find("x")),
               HasSubstr("no structure is called \"x\"; there are none"));
   EXPECT_LT(refusal(std::string(100'000, 'x')).size(), 400u);
 }
@@ -124,7 +124,7 @@ TEST(FindStructures, TheNearestListEachStructureOnce) {
   structures[1].id = "v9";
   structures[1].name = "Vermis IX";
   const StructureGraph graph = *StructureGraph::build(structures);
-  const auto nearest = [&](const char* text) { return find_structures(graph, text).error().message; };
+  const auto nearest = [&](const char* text) { return graph.find(text).error().message; };
   EXPECT_THAT(nearest("Left cerebelum"), HasSubstr("the nearest: \"Left cerebellum\", \"Vermis IX\""));
   EXPECT_THAT(nearest("Left cerebelum"), Not(HasSubstr("_")));
   EXPECT_THAT(nearest("Left_cerebelum"), HasSubstr("the nearest: \"Left_cerebellum\", "));
@@ -143,15 +143,15 @@ TEST(FindNamed, TakesNamesQuotedOrNotAndLabels) {
                                        {"\"rest\"", 1},
                                        {"\"#3\"", 2},
                                        {"*rebrum", 0}}) {
-    const auto found = find_named(graph, text);
+    const auto found = graph.find_named(text);
     ASSERT_TRUE(found) << text << found.error().message;
     EXPECT_THAT(*found, ElementsAre(expected)) << text;
   }
-  EXPECT_THAT(find_named(graph, "#4"), FailsWith(ErrorCode::kNotFound, HasSubstr("the nearest: #3")));
-  EXPECT_THAT(find_named(graph, "d"), FailsWith(ErrorCode::kNotFound, HasSubstr("the nearest: ")));
-  EXPECT_THAT(find_named(graph, "\"a"), FailsWith(ErrorCode::kUsage, HasSubstr("never closed")));
-  EXPECT_THAT(find_named(graph, "\"a\":surface"), FailsWith(ErrorCode::kUsage, HasSubstr("behind the name")));
-  EXPECT_THAT(find_named(graph, "#x"), FailsWith(ErrorCode::kUsage, HasSubstr("not a label")));
+  EXPECT_THAT(graph.find_named("#4"), FailsWith(ErrorCode::kNotFound, HasSubstr("the nearest: #3")));
+  EXPECT_THAT(graph.find_named("d"), FailsWith(ErrorCode::kNotFound, HasSubstr("the nearest: ")));
+  EXPECT_THAT(graph.find_named("\"a"), FailsWith(ErrorCode::kUsage, HasSubstr("never closed")));
+  EXPECT_THAT(graph.find_named("\"a\":surface"), FailsWith(ErrorCode::kUsage, HasSubstr("behind the name")));
+  EXPECT_THAT(graph.find_named("#x"), FailsWith(ErrorCode::kUsage, HasSubstr("not a label")));
 }
 
 TEST(FindStructures, ManyWaysToAStructureTakeNoLonger) {
@@ -166,10 +166,10 @@ TEST(FindStructures, ManyWaysToAStructureTakeNoLonger) {
   const StructureGraph graph = *StructureGraph::build(structures);
   std::string path = "n";
   for (int n = 1; n < 99; ++n) path += "/n";
-  EXPECT_THAT(*find_structures(graph, path + "/last"), ElementsAre(199));
-  EXPECT_THAT(*find_structures(graph, "n/*n/n/last"), ElementsAre(199));
-  EXPECT_FALSE(find_structures(graph, "x" + path + "/last"));
-  EXPECT_FALSE(find_structures(graph, "n/*x*/last"));
+  EXPECT_THAT(*graph.find(path + "/last"), ElementsAre(199));
+  EXPECT_THAT(*graph.find("n/*n/n/last"), ElementsAre(199));
+  EXPECT_FALSE(graph.find("x" + path + "/last"));
+  EXPECT_FALSE(graph.find("n/*x*/last"));
 }
 
 RC_GTEST_PROP(FindStructures, AgreesWithItsDefinition, ()) {
@@ -194,7 +194,7 @@ RC_GTEST_PROP(FindStructures, AgreesWithItsDefinition, ()) {
   RC_PRE(!name.empty());
 
   const auto expected = find_slowly(graph, name);
-  const auto result = find_structures(graph, name);
+  const auto result = graph.find(name);
   const bool unique_or_wild = expected.size() == 1 || name.find('*') != std::string::npos;
   RC_LOG() << name;
   RC_ASSERT(result.has_value() == (!expected.empty() && unique_or_wild));

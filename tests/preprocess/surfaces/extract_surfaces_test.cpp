@@ -7,7 +7,6 @@
 #include <rapidcheck/gtest.h>
 
 #include "tests/preprocess/memberships.h"
-#include "tests/support/value_or_throw.h"
 
 namespace splatlas {
 namespace {

@@ -22,7 +22,6 @@
 #include "tests/format/derive/masks.h"
 #include "tests/preprocess/memberships.h"
 #include "tests/support/repetitions.h"
-#include "tests/support/value_or_throw.h"
 
 namespace splatlas {
 namespace {

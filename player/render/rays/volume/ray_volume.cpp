@@ -89,9 +89,9 @@ class RayVolume::Builder {
       if (number == kUnknown) number = source_of_structure(classes[n].volume_of, curves);
       if (volume_.sources_.size() > kMaxSources) {
         return fail(ErrorCode::kLimit,
-                    fmt::format("{}: the selection has more than {} different transfer functions, too many "
+                    fmt::format("the selection has more than {} different transfer functions, too many "
                                 "to be classified after interpolation",
-                                request_.atlas.name(), kMaxSources));
+                                kMaxSources));
       }
       Source& source = volume_.sources_[number];
       const bool first = std::none_of(source.draws.begin(), source.draws.end(), [](bool d) { return d; });
@@ -135,17 +135,15 @@ class RayVolume::Builder {
       voxels *= static_cast<std::uint64_t>(volume_.grid_.size[a]);
       if (voxels > std::numeric_limits<std::int32_t>::max()) {
         return fail(ErrorCode::kLimit,
-                    fmt::format("{}: the box around the selection has more than 2^31 voxels, too many for "
-                                "rays; select less",
-                                request_.atlas.name()));
+                    "the box around the selection has more than 2^31 voxels, too many for rays; select less");
       }
     }
     check_memory(bytes_of_ray_volume(volume_.grid_, runs.count()));
     if (const std::uint64_t bytes = bytes_needed(voxels); bytes > request_.max_memory_bytes) {
       return fail(ErrorCode::kLimit,
-                  fmt::format("{}: the selection's grey values take up to {} MiB for rays; {} MiB are "
+                  fmt::format("the selection's grey values take up to {} MiB for rays; {} MiB are "
                               "allowed. Select less",
-                              request_.atlas.name(), bytes >> 20, request_.max_memory_bytes >> 20));
+                              bytes >> 20, request_.max_memory_bytes >> 20));
     }
     return {};
   }

@@ -7,7 +7,6 @@
 
 #include <gtest/gtest.h>
 
-#include "player/render/frame/render_overrides.h"
 #include "player/render/surfaces/clip_triangle.h"
 #include "tests/reference/optical_field.h"
 #include "tests/reference/ray.h"
@@ -15,6 +14,7 @@
 #include "tests/reference/reference_surfaces.h"
 #include "tests/support/random_scene.h"
 #include "tests/support/render.h"
+#include "tests/support/render_with.h"
 
 namespace splatlas {
 namespace {
@@ -95,9 +95,9 @@ struct Picks {
 
   void compare(const RandomScene& scene, bool by_rays) {
     Renderer renderer = renderer_of(scene.content, scene.selection);
-    const auto picture = render_with(renderer, scene.camera, scene.options, scene.overrides);
-    if (by_rays && !picture) return;  // too wide for surfaces
-    ASSERT_TRUE(picture) << picture.error().message;
+    const auto frame = render_with(renderer, scene.camera, scene.options, scene.overrides);
+    if (by_rays && !frame) return;  // too wide for surfaces
+    ASSERT_TRUE(frame) << frame.error().message;
     const View view = *view_of(scene.camera, scene.options.size, scene.content.display);
     for (int n = 0; n < 12; ++n) {
       const double x = (7 * n + 3) % scene.options.size.width + 0.5;
@@ -107,7 +107,7 @@ struct Picks {
       double max = 0;
       for (const auto& [structure, share] : *shares) max = std::max(max, share);
       if (std::abs(max - 0.02) < 1e-4) continue;  // too close to the limit
-      const auto pick = renderer.pick(x, y);
+      const auto pick = frame->pick(x, y);
       ASSERT_EQ(pick.has_value(), max >= 0.02) << "pixel at " << x << ", " << y;
       (pick ? picked : nothing) += 1;
       if (!pick) continue;
@@ -157,14 +157,13 @@ TEST(Pick, PointsLieOnThePixelsRayWhereTheStructureIs) {
   const Affine to_index = lps_mm_to_index(storage_grid(content));
   for (const char* text : {"ball:surface", "ball:volume(opacity=1)"}) {
     Renderer renderer = renderer_of(content, selection_of(text, content.graph));
-    EXPECT_FALSE(renderer.pick(5, 5)) << "nothing was rendered yet";
     for (const double azimuth : {0.0, 33.0, 120.0, 250.0}) {
       const Camera camera{.azimuth_deg = azimuth, .elevation_deg = 20};
       const PictureSize size{40, 40};
-      (void)render_or_throw(renderer, camera, {.size = size});
+      const Frame frame = frame_or_throw(renderer, camera, {.size = size});
       const ParallelView view = *parallel_view(camera, size, content.display);
       for (const auto& [x, y] : {std::pair(20.5, 20.5), {20.1, 17.9}, {23.7, 22.2}}) {
-        const auto pick = renderer.pick(x, y);
+        const auto pick = frame.pick(x, y);
         ASSERT_TRUE(pick);
         const Vec3 from_ray = reference::minus(pick->point_lps_mm, view.point_lps_mm(x, y));
         EXPECT_NEAR(reference::dot(from_ray, view.right_lps), 0, 1e-9);
@@ -182,7 +181,7 @@ TEST(Pick, PointsLieOnThePixelsRayWhereTheStructureIs) {
                                  {NAN, 5.0},
                                  {5.0, NAN},
                                  {HUGE_VAL, 5.0}}) {
-        EXPECT_FALSE(renderer.pick(x, y)) << x << ", " << y;
+        EXPECT_FALSE(frame.pick(x, y)) << x << ", " << y;
       }
     }
   }

@@ -15,7 +15,6 @@
 #include "tests/support/random_scene.h"
 #include "tests/support/render.h"
 #include "tests/support/repetitions.h"
-#include "tests/support/value_or_throw.h"
 
 namespace splatlas {
 namespace {

@@ -34,8 +34,9 @@ TEST(CastSurfaces, AreInOrderWithTheVolume) {
         reference::render_truth({scene.content, scene.selection, scene.camera, scene.options});
     scene.options.classification = Classification::kAfter;
     Renderer renderer = renderer_of(scene.content, scene.selection);
-    const Picture picture = render_or_throw(renderer, scene.camera, scene.options, scene.overrides);
-    surfaces += renderer.stats().triangles > 0 ? 1 : 0;
+    const Frame frame = frame_or_throw(renderer, scene.camera, scene.options, scene.overrides);
+    const Picture& picture = frame.picture;
+    surfaces += frame.stats.triangles > 0 ? 1 : 0;
     EXPECT_LE(reference::energy_violation(picture), 1e-5) << number << ": " << describe(scene);
     // Edges are where vertices snapped to 1/256 pixel have them: a few centres may lie on the other side.
     std::size_t wrong = 0;
@@ -79,9 +80,9 @@ TEST(CastSurfaces, AreInOrderWhereRaysRunInPlanesOfThePrincipalAxis) {
     SCOPED_TRACE(text);
     const RandomScene scene = thick_slices(text);
     Renderer renderer = renderer_of(scene.content, scene.selection);
-    const Result<Picture> picture = renderer.render(scene.camera, scene.options);
-    ASSERT_TRUE(picture) << picture.error().message;
-    EXPECT_GT(renderer.stats().triangles, 0u);
+    const Result<Frame> frame = renderer.render(scene.camera, scene.options);
+    ASSERT_TRUE(frame) << frame.error().message;
+    EXPECT_GT(frame->stats.triangles, 0u);
     const RayTruth truth(scene, false);
     std::size_t compared = 0, wrong = 0;
     for (int row = 0; row < 30; ++row) {
@@ -90,7 +91,7 @@ TEST(CastSurfaces, AreInOrderWhereRaysRunInPlanesOfThePrincipalAxis) {
         if (!expected) continue;
         double apart = 0;
         for (std::size_t c = 0; c < 4; ++c)
-          apart = std::max(apart, std::abs(picture->at(column, row)[c] - (*expected)[c]));
+          apart = std::max(apart, std::abs(frame->picture.at(column, row)[c] - (*expected)[c]));
         ++compared;
         wrong += apart > 0.01 ? 1 : 0;
       }

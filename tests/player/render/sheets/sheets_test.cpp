@@ -2,8 +2,9 @@
 
 #include <gtest/gtest.h>
 
-#include "player/render_frame.h"
+#include "player/renderer.h"
 #include "tests/reference/picture_difference.h"
+#include "tests/support/render.h"
 #include "tests/support/test_content.h"
 
 namespace splatlas {
@@ -38,7 +39,7 @@ TEST(Sheets, CutSpansAtTheBordersOfThePicture) {
   double shown = 0;
   for (double x = 10.25; x < static_cast<double>(content.source_grid.size[0]); x += 11.5) {
     camera.center_lps_mm = Vec3{x, 2.5, 1.5};
-    const Picture picture = *renderer.render(camera, options);
+    const Picture picture = render_or_throw(renderer, camera, options);
     const auto model = reference::render_model({content, selection, camera, options});
     const auto difference = reference::difference(picture, model);
     EXPECT_LE(difference.largest, 1e-6) << "centre " << x << ": " << to_text(difference);

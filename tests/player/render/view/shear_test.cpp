@@ -5,10 +5,10 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-#include "player/render/frame/render_overrides.h"
 #include "tests/format/random_volume.h"
 #include "tests/reference/ray.h"
 #include "tests/support/render.h"
+#include "tests/support/render_with.h"
 
 namespace splatlas {
 namespace {

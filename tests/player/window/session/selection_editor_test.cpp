@@ -116,7 +116,7 @@ TEST_F(SelectionEditorTest, KeepsTheUsersWords) {
   EXPECT_EQ(editor_.text(), "Gyrus*:both - \"right side\"");
   EXPECT_THAT(leaf_modes(), testing::ElementsAre(kBoth, kOff, kOff));
   editor_.set_mode(Index::kStem, kVolume);  // the editor now owns the text
-  EXPECT_EQ(*select(editor_.text(), graph_), editor_.selection());
+  EXPECT_EQ(*Selection::parse(editor_.text(), graph_), editor_.selection());
 }
 
 TEST_F(SelectionEditorTest, RefusesWordsThatItDoesNotUnderstand) {
@@ -195,7 +195,7 @@ RC_GTEST_PROP(SelectionEditorProperty, TextAndSelectionAlwaysSayTheSame, ()) {
     editor.end_gesture();
     edit(editor, static_cast<StructureIndex>(below(graph.size())), below(20));
     if (editor.text() != texts.back()) texts.push_back(editor.text());
-    RC_ASSERT(*select(editor.text(), graph) == editor.selection());
+    RC_ASSERT(*Selection::parse(editor.text(), graph) == editor.selection());
     for (StructureIndex s = 0; s < graph.size(); ++s) {
       ModeSet expected;
       for (const StructureIndex d : graph.descendants(s)) {

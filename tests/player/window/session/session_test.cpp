@@ -21,7 +21,7 @@ using phantom_structure::kSpheres;
 
 constexpr PictureSize kSize = kDeskSize;
 
-bool is_black(const Frame& frame) {
+bool is_black(const DisplayFrame& frame) {
   return std::all_of(frame.srgb8.begin(), frame.srgb8.end(), [](std::uint8_t byte) { return byte == 0; });
 }
 
@@ -29,7 +29,7 @@ TEST_F(SessionTest, ShowsEverythingFirst) {
   Desk desk(atlas());
   EXPECT_EQ(desk->frame(), nullptr);
   desk.until_done();
-  const Frame& frame = *desk->frame();
+  const DisplayFrame& frame = *desk->frame();
   EXPECT_EQ(frame.request.text, "*");
   EXPECT_EQ(frame.size, kSize);
   EXPECT_EQ(frame.quality, Quality::kNormal);

@@ -164,7 +164,7 @@ Selection some_structures(const StructureGraph& graph, std::mt19937& random) {
     const char* const own = random() % 4 == 0 ? kAppearances[random() % kAppearances.size()] : appearance;
     text += fmt::format("{}\"{}\":volume{}", text.empty() ? "" : " + ", graph.structures()[s].id, own);
   }
-  const auto selection = select(text.empty() ? "*" : text, graph);
+  const auto selection = Selection::parse(text.empty() ? "*" : text, graph);
   EXPECT_TRUE(selection) << text << ": " << (selection ? "" : selection.error().message);
   return *selection;
 }

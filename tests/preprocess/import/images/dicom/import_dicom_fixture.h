@@ -13,7 +13,6 @@
 #include "tests/preprocess/import/images/dicom/dicom_files.h"
 #include "tests/support/fails_with.h"
 #include "tests/support/temporary_folder.h"
-#include "tests/support/value_or_throw.h"
 
 namespace splatlas {
 

@@ -1,11 +1,9 @@
-#include "player/render_frame.h"
+#include "player/renderer.h"
 
 #include <algorithm>
 #include <cmath>
 #include <new>
 #include <utility>
-
-#include <fmt/format.h>
 
 #include "format/io/memory_limit.h"
 #include "format/result_macros.h"
@@ -59,9 +57,9 @@ struct Renderer::Impl {
     const std::uint64_t bytes = max_span_bytes(voxels, *atlas);
     if (bytes > max_memory_bytes) {
       return fail(ErrorCode::kLimit,
-                  fmt::format("{}: the selection has {} volume voxels, which take up to {} MiB; {} MiB are "
-                              "allowed. Select less, or surfaces only",
-                              atlas->name(), voxels, bytes >> 20, max_memory_bytes >> 20));
+                  "the selection has {} volume voxels, which take up to {} MiB; {} MiB are allowed. Select "
+                  "less, or surfaces only",
+                  voxels, bytes >> 20, max_memory_bytes >> 20);
     }
     drawn.select(selection, bytes);
     decoded.forget_missing();
@@ -77,7 +75,7 @@ struct Renderer::Impl {
     spans.outdate();  // first: out of memory in draw() leaves an empty plan
     ray_volume.reset();
     faces.clear();
-    forget_frame();
+    forget_frames();
     drawn.draw(std::move(plan));
     const DrawPlan& now = drawn.plan();
     stats.volume_voxels = now.volume_voxels;
@@ -93,21 +91,24 @@ struct Renderer::Impl {
     spans.clear();
     ray_volume.reset();
     faces.clear();
-    forget_frame();
+    forget_frames();
   }
 
-  void forget_frame() {
-    shown.reset();
-    ids = {};
-  }
+  /// Frames so far show another selection, or parts that are missing now.
+  void forget_frames() { first_shown = frames + 1; }
 
   [[nodiscard]] Result<void> render(const Camera& camera, const RenderOptions& options,
-                                    const RenderOverrides& overrides, TaskControl& task, Picture& picture) {
+                                    const RenderOverrides& overrides, TaskControl& task, Frame& frame) {
+    frame.picker = nullptr;
     SPLATLAS_ASSIGN_OR_RETURN(const View view, view_of(camera, options.size, atlas->display()));
     SPLATLAS_RETURN_IF_ERROR(check_ids(options, *atlas));
     SPLATLAS_RETURN_IF_ERROR(reserve_memory(options));
     const FrameCall call{view, options, overrides, task};
-    return is_by_rays(view, options) ? render_rays(call, picture) : render_sheets(call, picture);
+    SPLATLAS_RETURN_IF_ERROR(is_by_rays(view, options) ? render_rays(call, frame)
+                                                       : render_sheets(call, frame));
+    frame.stats = stats;
+    frame.missing = decoded.missing();
+    return {};
   }
 
   /// Frees memory for a picture, or refuses the picture.
@@ -116,10 +117,9 @@ struct Renderer::Impl {
     spans.make_room(max_memory_bytes - std::min(reserved + bytes, max_memory_bytes));
     if (bytes <= max_memory_bytes - reserved) return {};
     return fail(ErrorCode::kLimit,
-                fmt::format("{}: a picture of {}x{} pixels takes {} MiB, and the selection's volumes up to "
-                            "{} MiB; {} MiB are allowed. Take a smaller size",
-                            atlas->name(), options.size.width, options.size.height, bytes >> 20,
-                            reserved >> 20, max_memory_bytes >> 20));
+                "a picture of {}x{} pixels takes {} MiB, and the selection's volumes up to "
+                "{} MiB; {} MiB are allowed. Take a smaller size",
+                options.size.width, options.size.height, bytes >> 20, reserved >> 20, max_memory_bytes >> 20);
   }
 
   /// Fits a camera to the selection, or to its part in some structures.
@@ -145,7 +145,7 @@ struct Renderer::Impl {
   }
 
   /// Renders by shear-warp factorisation: parallel projection, pre-classification.
-  [[nodiscard]] Result<void> render_sheets(const FrameCall& call, Picture& picture) {
+  [[nodiscard]] Result<void> render_sheets(const FrameCall& call, Frame& frame) {
     const auto& [view, options, overrides, task] = call;
     ray_volume.reset();
     SPLATLAS_ASSIGN_OR_RETURN(const Shear shear, shear_of(view.plane, atlas->grid(), overrides));
@@ -172,15 +172,15 @@ struct Renderer::Impl {
     // Rasterise surfaces, render sheets, resolve both into the picture
     const std::vector<SurfaceDraw> surfaces = drawn.surfaces(decoded.cache());
     const FrameScene scene = scene_of(call, surfaces, lighting);
-    SheetFrame frame(scene, axis_spans.model(), &axis_spans.runs(), shear, buffers, stats, pool);
-    SPLATLAS_RETURN_IF_ERROR(run_stages(frame, kSheetLoops, task, picture));
+    SheetFrame stages(scene, axis_spans.model(), &axis_spans.runs(), shear, buffers, stats, pool);
+    SPLATLAS_RETURN_IF_ERROR(run_stages(stages, kSheetLoops, task, frame));
     stats.runs_visited = axis_spans.runs().count();
     stats.render_ms = light.wall_ms + watch.lap().wall_ms;
     return {};
   }
 
   /// Renders by ray casting: perspective projection or post-classification.
-  [[nodiscard]] Result<void> render_rays(const FrameCall& call, Picture& picture) {
+  [[nodiscard]] Result<void> render_rays(const FrameCall& call, Frame& frame) {
     const auto& [view, options, overrides, task] = call;
     // Decode the selection
     task.begin_stage(kDecoded);
@@ -201,8 +201,8 @@ struct Renderer::Impl {
     // Rasterise surfaces, cast rays, resolve both into the picture
     const std::vector<SurfaceDraw> surfaces = drawn.surfaces(decoded.cache());
     const FrameScene scene = scene_of(call, surfaces, lighting);
-    RayFrame frame(scene, *ray_volume, buffers, stats, pool);
-    SPLATLAS_RETURN_IF_ERROR(run_stages(frame, kRayLoops, task, picture));
+    RayFrame stages(scene, *ray_volume, buffers, stats, pool);
+    SPLATLAS_RETURN_IF_ERROR(run_stages(stages, kRayLoops, task, frame));
     stats.runs_visited = ray_volume->runs();
     stats.render_ms = light.wall_ms + watch.lap().wall_ms;
     return {};
@@ -254,31 +254,32 @@ struct Renderer::Impl {
   }
 
   /// Runs the stages of a frame.
-  [[nodiscard]] Result<void> run_stages(FrameRenderer& frame, std::size_t volume_loops, TaskControl& task,
-                                        Picture& picture) {
-    has_shown_fragments = false;
-    SPLATLAS_RETURN_IF_ERROR(frame.run(volume_loops, task, picture));
-    shown = frame.shown();
-    has_shown_fragments = true;
-    std::swap(ids, buffers.ids);  // empty without ids
+  [[nodiscard]] Result<void> run_stages(FrameRenderer& stages, std::size_t volume_loops, TaskControl& task,
+                                        Frame& frame) {
+    rasterized = 0;
+    SPLATLAS_RETURN_IF_ERROR(stages.run(volume_loops, task, frame.picture));
+    shown = stages.shown();
+    rasterized = ++frames;
+    std::swap(frame.ids, buffers.ids);  // empty without ids
     buffers.ids.numbers.clear();
     return {};
   }
 
-  /// Picks in the shown frame. Rasterises its surfaces again if an unfinished frame has replaced its
-  /// fragments.
-  [[nodiscard]] std::optional<Pick> pick(double x, double y) {
-    if (!shown) return std::nullopt;
-    if (!has_shown_fragments) {
+  /// Picks in the n-th frame. Rasterises its surfaces again if another frame has replaced its fragments.
+  [[nodiscard]] std::optional<Pick> pick(const ShownFrame& frame, std::uint64_t n, const IdImage& ids,
+                                         double x, double y) {
+    if (n < first_shown) return std::nullopt;
+    if (rasterized != n) {
       const std::vector<SurfaceDraw> surfaces = drawn.surfaces(decoded.cache());
-      has_shown_fragments = rasterize_again(*shown, surfaces, atlas->grid(), buffers, pool).has_value();
-      if (!has_shown_fragments) return std::nullopt;
+      rasterized = 0;
+      if (!rasterize_again(frame, surfaces, atlas->grid(), buffers, pool)) return std::nullopt;
+      rasterized = n;
     }
-    const Axis axis = shown->sheets.value_or(Axis::kZ);
-    const SelectedRuns* runs = shown->sheets ? spans.runs(axis) : nullptr;
+    const Axis axis = frame.sheets.value_or(Axis::kZ);
+    const SelectedRuns* runs = frame.sheets ? spans.runs(axis) : nullptr;
     std::optional<SelectedRuns> own_runs;
     if (runs == nullptr) runs = &own_runs.emplace(drawn.plan(), atlas->classes(), decoded.cache(), axis);
-    const PickScene scene{.frame = *shown,
+    const PickScene scene{.frame = frame,
                           .grid = atlas->grid(),
                           .runs = *runs,
                           .plan = drawn.plan(),
@@ -295,17 +296,19 @@ struct Renderer::Impl {
   [[nodiscard]] auto guarded(const Body& body) const -> decltype(body()) {
     try {
       auto result = body();
-      if (result || result.error().code == ErrorCode::kUsage) return result;
-      std::string& message = result.error().message;
-      if (!message.starts_with(atlas->name() + ": ")) message = atlas->name() + ": " + message;
-      return result;
+      if (result || result.error().code == ErrorCode::kUsage || !result.error().subject.empty())
+        return result;
+      return named(result.error().code, result.error().message);
     } catch (const OverBudget& over) {
       return tl::unexpected(over.error());
     } catch (const Cancelled&) {
-      return fail(ErrorCode::kCancelled, atlas->name() + ": rendering was cancelled");
+      return named(ErrorCode::kCancelled, "rendering was cancelled");
     } catch (const std::bad_alloc&) {
-      return fail(ErrorCode::kLimit, atlas->name() + ": out of memory; take a smaller size or select less");
+      return named(ErrorCode::kLimit, "out of memory; take a smaller size or select less");
     }
+  }
+  [[nodiscard]] tl::unexpected<Error> named(ErrorCode code, const std::string& message) const {
+    return tl::unexpected(Error{code, atlas->name() + ": " + message, atlas->name()});
   }
 
   std::shared_ptr<const Atlas> atlas;
@@ -319,17 +322,18 @@ struct Renderer::Impl {
   std::optional<RayVolume> ray_volume;
   FaceStore faces;
 
-  // State of the latest frame, and of the latest finished one.
+  // State of frames: the current one, and how finished ones are picked.
   FrameBuffers buffers;
-  std::optional<ShownFrame> shown;
-  IdImage ids;                       // of the shown frame
-  bool has_shown_fragments = false;  // false: an unfinished frame has replaced them
   RenderStats stats;
-  double fit_decode_ms = 0;  // of calls of fit() since the latest frame
+  ShownFrame shown;               // the latest finished one
+  std::uint64_t frames = 0;       // finished so far
+  std::uint64_t first_shown = 1;  // the first one of the current draw plan
+  std::uint64_t rasterized = 0;   // the one with its fragments in the buffers; 0: none
+  double fit_decode_ms = 0;       // of calls of fit() since the latest frame
 };
 
 Renderer::Renderer(std::shared_ptr<const Atlas> atlas, const RendererOptions& options)
-    : impl_(std::make_unique<Impl>(std::move(atlas), options)) {}
+    : impl_(std::make_shared<Impl>(std::move(atlas), options)) {}
 Renderer::~Renderer() = default;
 Renderer::Renderer(Renderer&&) noexcept = default;
 Renderer& Renderer::operator=(Renderer&&) noexcept = default;
@@ -337,11 +341,8 @@ Renderer& Renderer::operator=(Renderer&&) noexcept = default;
 const Atlas& Renderer::atlas() const {
   return *impl_->atlas;
 }
-const RenderStats& Renderer::stats() const {
-  return impl_->stats;
-}
-const std::vector<MissingPart>& Renderer::missing() const {
-  return impl_->decoded.missing();
+const Selection& Renderer::selection() const {
+  return impl_->drawn.selection();
 }
 
 Result<void> Renderer::select(const Selection& selection) {
@@ -365,36 +366,34 @@ Result<Camera> Renderer::fit(const Camera& camera, const RenderOptions& options,
   });
 }
 
-Result<Picture> Renderer::render(const Camera& camera, const RenderOptions& options,
-                                 const RenderControl& control) {
-  Picture picture;
-  SPLATLAS_RETURN_IF_ERROR(render(camera, options, picture, control));
-  return picture;
+Result<Frame> Renderer::render(const Camera& camera, const RenderOptions& options,
+                               const RenderControl& control) {
+  Frame frame;
+  SPLATLAS_RETURN_IF_ERROR(render(camera, options, frame, control));
+  return frame;
 }
 
-Result<void> Renderer::render(const Camera& camera, const RenderOptions& options, Picture& picture,
+Result<void> Renderer::render(const Camera& camera, const RenderOptions& options, Frame& frame,
                               const RenderControl& control) {
-  return RendererInternals::render(*this, camera, options, {}, picture, control);
+  return RendererInternals::render(*this, camera, options, {}, frame, control);
 }
 
 Result<void> RendererInternals::render(Renderer& renderer, const Camera& camera, const RenderOptions& options,
-                                       const RenderOverrides& overrides, Picture& picture,
+                                       const RenderOverrides& overrides, Frame& frame,
                                        const RenderControl& control) {
   Renderer::Impl& r = *renderer.impl_;
   return r.guarded([&] {
     TaskControl task(control.stop, control.progress, &r.atlas->work_budget());
-    Result<void> rendered = r.render(camera, options, overrides, task, picture);
-    if (rendered) task.finish();
+    Result<void> rendered = r.render(camera, options, overrides, task, frame);
+    if (!rendered) return rendered;
+    task.finish();
+    const std::weak_ptr<Renderer::Impl> weak = renderer.impl_;
+    frame.picker = [weak, shown = r.shown, n = r.frames](double x, double y, const IdImage& ids) {
+      const auto impl = weak.lock();
+      return impl ? impl->pick(shown, n, ids, x, y) : std::nullopt;
+    };
     return rendered;
   });
-}
-
-const IdImage& Renderer::ids() const {
-  return impl_->ids;
-}
-
-std::optional<Pick> Renderer::pick(double x, double y) const {
-  return impl_->pick(x, y);
 }
 
 }  // namespace splatlas

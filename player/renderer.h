@@ -1,6 +1,7 @@
-// Renderer of atlas selections.
+// Renderer of atlas selections, and its frames.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -15,6 +16,30 @@
 
 namespace splatlas {
 
+/// Everything that one call of Renderer::render() makes.
+struct Frame {
+  Picture picture;
+  IdImage ids;  ///< empty unless RenderOptions::ids
+  RenderStats stats;
+  /// Unreadable parts of the selection, among those that its frames have needed. Empty for intact files.
+  std::vector<MissingPart> missing;
+
+  /// Casts a ray through picture coordinates (x, y). Returns the structure with the largest contribution to
+  /// the pixel, and the point of its largest contribution in LPS mm. None for the background, outside the
+  /// picture, and once the renderer has another selection, has found more missing parts, or is destroyed.
+  ///
+  /// Cost: a binary search among the decoded runs of each slice, and the samples of surfaces in the picture
+  /// row. After ray casting, also linear in the classes of the atlas. Rasterises the surfaces again if the
+  /// renderer has begun another frame since. Counts as a call of the renderer: not thread-safe. Throws
+  /// std::bad_alloc.
+  [[nodiscard]] std::optional<Pick> pick(double x, double y) const {
+    return picker ? picker(x, y, ids) : std::nullopt;
+  }
+
+  /// Set by the renderer.
+  std::function<std::optional<Pick>(double x, double y, const IdImage& ids)> picker;
+};
+
 /// Renders one selection of an atlas at a time. Caches decoded data: a new selection reads only additional
 /// chunks. Owns a thread pool. Not thread-safe: serialise all calls on one renderer.
 class Renderer {
@@ -26,10 +51,11 @@ class Renderer {
   Renderer& operator=(Renderer&&) noexcept;
 
   [[nodiscard]] const Atlas& atlas() const;
+  [[nodiscard]] const Selection& selection() const;
 
   /// Replaces the selection. render() reads and decodes its data later. Errors:
-  ///   - kUsage, keeping the old selection and picture, for an invalid selection (see check_selection()).
-  ///   - kLimit, keeping the old ones, if the new selection needs more memory than
+  ///   - kUsage, keeping the old selection, for an invalid selection (see check_selection()).
+  ///   - kLimit, keeping the old one, if the new selection needs more memory than
   ///     RendererOptions::max_memory_bytes.
   ///   - kLimit, with an empty selection, when out of memory.
   /// Cost: the draw plan of the selection.
@@ -45,17 +71,17 @@ class Renderer {
   ///   - kCancelled after a stop request in `control`. All threads check it every few milliseconds. Later
   ///     pictures do not depend on cancelled ones.
   ///   - The read error if damage of the file leaves nothing to draw. Otherwise the intact parts are drawn;
-  ///     see missing().
+  ///     see Frame::missing.
   ///
   /// Cost:
   ///   - sheets: selected voxels in view * sheet pixels per voxel * slabs per slice
   ///   - rays: pixels * steps through non-empty bricks
   ///   - both: selected triangles and pixels; once per selection also the runs in its bounding box
-  [[nodiscard]] Result<Picture> render(const Camera& camera, const RenderOptions& options = {},
-                                       const RenderControl& control = {});
-  /// The same, reusing the memory of `picture`: page faults of a new one cost as much as a small frame. After
-  /// an error the content of `picture` is unspecified.
-  [[nodiscard]] Result<void> render(const Camera& camera, const RenderOptions& options, Picture& picture,
+  [[nodiscard]] Result<Frame> render(const Camera& camera, const RenderOptions& options = {},
+                                     const RenderControl& control = {});
+  /// The same, reusing the memory of `frame`: page faults of a new one cost as much as a small frame. After
+  /// an error the content of `frame` is unspecified.
+  [[nodiscard]] Result<void> render(const Camera& camera, const RenderOptions& options, Frame& frame,
                                     const RenderControl& control = {});
 
   /// Fits a camera to the selection, as render() draws it with these options. Returns the camera with the
@@ -69,39 +95,18 @@ class Renderer {
   /// (without their descendants). Without anything to draw, returns zoom 1 and the centre of the bounding
   /// sphere.
   ///
-  /// Reads and decodes the data of the picture, and nothing else. Damaged parts do not count; see missing().
-  /// The result does not depend on the number of threads. Errors as for render(), and kUsage for
+  /// Reads and decodes the data of the picture, and nothing else. Damaged parts do not count; the next frame
+  /// lists them. The result does not depend on the number of threads. Errors as for render(), and kUsage for
   /// an invalid region. Cost: linear in the runs in
   /// the selection's bounding box and in the vertices of its surfaces.
   [[nodiscard]] Result<Camera> fit(const Camera& camera, const RenderOptions& options = {},
                                    std::optional<std::span<const StructureIndex>> structures = std::nullopt,
                                    const PictureRegion& region = {});
 
-  /// Counters and times of the latest render().
-  [[nodiscard]] const RenderStats& stats() const;
-  /// Unreadable parts of the current selection, among those that render() has needed. Empty for intact files.
-  /// The next select() clears the list, and render() tries them again.
-  [[nodiscard]] const std::vector<MissingPart>& missing() const;
-
-  /// Structures of the pixels of the latest finished picture, if its options asked for ids; else empty. Like
-  /// pick(), does not change with cancelled and failed calls of render(), and is empty after select().
-  [[nodiscard]] const IdImage& ids() const;
-
-  /// Casts a ray through picture coordinates (x, y) of the latest finished picture. Cancelled and failed
-  /// calls of render() do not change it, so a draft can be picked while its refinement is cancelled. Returns
-  /// the structure with the largest contribution to the pixel, and the point of its largest contribution in
-  /// LPS mm. None for the background, outside the picture, after select(), and after a render() that failed
-  /// and added to missing().
-  ///
-  /// Cost: a binary search among the decoded runs of each slice, and the samples of surfaces in the picture
-  /// row. After ray casting, also linear in the classes of the atlas. Once after a cancelled or failed
-  /// render(), also the rasterisation of the surfaces. Throws std::bad_alloc.
-  [[nodiscard]] std::optional<Pick> pick(double x, double y) const;
-
  private:
   friend struct RendererInternals;
   struct Impl;
-  std::unique_ptr<Impl> impl_;
+  std::shared_ptr<Impl> impl_;  // frames hold weak references
 };
 
 }  // namespace splatlas

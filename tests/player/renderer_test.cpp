@@ -1,4 +1,4 @@
-#include "player/render_frame.h"
+#include "player/renderer.h"
 
 #include <cmath>
 #include <memory>
@@ -36,8 +36,7 @@ TEST(Renderer, CountsVoxelsByRole) {
                                {"Sphere_1 + Sphere_2:surface", 4145, 464, 0},
                                {"", 0, 0, 0}}) {
     ASSERT_TRUE(renderer.select(selection_of(expected.selection, content.graph)));
-    (void)render_or_throw(renderer, {});
-    const RenderStats& stats = renderer.stats();
+    const RenderStats stats = frame_or_throw(renderer, {}).stats;
     EXPECT_EQ(stats.volume_voxels, expected.volume) << expected.selection;
     EXPECT_EQ(stats.surface_voxels, expected.surface) << expected.selection;
     EXPECT_EQ(stats.hybrid_voxels, expected.hybrid) << expected.selection;
@@ -154,12 +153,12 @@ TEST(Renderer, AnEmptySelectionIsTransparentBlackEverywhere) {
   for (const Selection& empty :
        {Selection{}, selection_of("", content.graph), selection_of("Spheres - Spheres", content.graph)}) {
     ASSERT_TRUE(renderer.select(empty));
-    const Picture picture = render_or_throw(renderer, {}, {.size = {33, 21}});
-    EXPECT_EQ(picture.rgba, std::vector<float>(4 * 33 * 21, 0.0f));
-    EXPECT_EQ(renderer.stats().voxels_visited, 0u);
-    EXPECT_EQ(renderer.stats().runs_visited, 0u);
-    EXPECT_EQ(renderer.stats().triangles, 0u);
-    EXPECT_FALSE(renderer.pick(16, 10));
+    const Frame frame = frame_or_throw(renderer, {}, {.size = {33, 21}});
+    EXPECT_EQ(frame.picture.rgba, std::vector<float>(4 * 33 * 21, 0.0f));
+    EXPECT_EQ(frame.stats.voxels_visited, 0u);
+    EXPECT_EQ(frame.stats.runs_visited, 0u);
+    EXPECT_EQ(frame.stats.triangles, 0u);
+    EXPECT_FALSE(frame.pick(16, 10));
   }
 }
 
@@ -215,7 +214,7 @@ TEST(Renderer, RefusesPicturesThatNeedTooMuchMemoryBeforeItReads) {
   const auto atlas = open_in_memory(content);
   RenderOptions options{.size = {64, 48}};
   // Surfaces only: no memory for volumes.
-  const Selection selection = *select("Spheres:surface", atlas->graph());
+  const Selection selection = *Selection::parse("Spheres:surface", atlas->graph());
   const std::uint64_t enough = picture_bytes(options.size) + span_model_bytes(0, 0);
   Renderer too_small(atlas, {1, enough - 1});
   ASSERT_TRUE(too_small.select(selection));
@@ -240,29 +239,48 @@ TEST(Renderer, PicksThePictureBeforeAFrameThatWasRefused) {
   Renderer renderer(open_in_memory(content), {1, (1200 << 10) + picture_bytes({99, 99})});
   ASSERT_TRUE(renderer.select(selection_of("Spheres:both(opacity=0.5)", content.graph)));
   const Camera far_away{.zoom = 0.05};
-  (void)render_or_throw(renderer, far_away, {.size = {99, 99}});
-  const auto pick = renderer.pick(49, 50);
+  const Frame frame = frame_or_throw(renderer, far_away, {.size = {99, 99}});
+  const auto pick = frame.pick(49, 50);
   ASSERT_TRUE(pick);
-  EXPECT_FALSE(renderer.pick(40, 60));
+  EXPECT_FALSE(frame.pick(40, 60));
   const Camera close{.zoom = 1.5};
   const auto refused = renderer.render(close, {.size = {99, 99}});
   ASSERT_FALSE(refused.has_value());
   EXPECT_EQ(refused.error().code, ErrorCode::kLimit);
-  const auto again = renderer.pick(49, 50);
+  const auto again = frame.pick(49, 50);
   ASSERT_TRUE(again);
   EXPECT_EQ(again->structure, pick->structure);
   EXPECT_EQ(again->point_lps_mm, pick->point_lps_mm);
-  EXPECT_FALSE(renderer.pick(40, 60));
+  EXPECT_FALSE(frame.pick(40, 60));
+}
+
+/// A frame is not picked with another selection, nor without its renderer.
+TEST(Renderer, FramesEndWithTheirSelection) {
+  const AtlasContent content = phantom_content();
+  Frame frame, other;
+  EXPECT_FALSE(frame.pick(10, 10));
+  {
+    Renderer renderer = renderer_of(content, selection_of("Spheres:both", content.graph));
+    frame = frame_or_throw(renderer, {}, {.size = {20, 20}});
+    EXPECT_TRUE(frame.pick(10, 10));
+    ASSERT_TRUE(renderer.select(selection_of("Spheres", content.graph)));
+    EXPECT_FALSE(frame.pick(10, 10));
+    other = frame_or_throw(renderer, {}, {.size = {20, 20}});
+    EXPECT_FALSE(frame.pick(10, 10));
+    Renderer moved = std::move(renderer);
+    EXPECT_TRUE(other.pick(10, 10));
+  }
+  EXPECT_FALSE(other.pick(10, 10));
 }
 
 TEST(Renderer, RefusesInvalidSelectionsAndKeepsTheOldOne) {
   const AtlasContent content = phantom_content();
   Renderer renderer = renderer_of(content, selection_of("Sphere_2:both", content.graph));
-  const Picture before = render_or_throw(renderer, {}, {.size = {20, 20}});
+  const Frame before = frame_or_throw(renderer, {}, {.size = {20, 20}});
   const auto picks = [&] {
     std::vector<StructureIndex> picked;
     for (int n = 0; n < 400; ++n) {
-      const auto pick = renderer.pick(n % 20 + 0.5, n / 20 + 0.5);
+      const auto pick = before.pick(n % 20 + 0.5, n / 20 + 0.5);
       if (pick) picked.push_back(pick->structure);
     }
     return picked;
@@ -280,7 +298,7 @@ TEST(Renderer, RefusesInvalidSelectionsAndKeepsTheOldOne) {
   for (const Selection& refused : {invalid, no_points, too_long}) {
     EXPECT_THAT(renderer.select(refused), FailsWith(ErrorCode::kUsage, testing::HasSubstr("selection: ")));
     EXPECT_EQ(picks(), picks_before);
-    EXPECT_EQ(render_or_throw(renderer, {}, {.size = {20, 20}}).rgba, before.rgba);
+    EXPECT_EQ(render_or_throw(renderer, {}, {.size = {20, 20}}).rgba, before.picture.rgba);
   }
 }
 

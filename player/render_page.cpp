@@ -1,0 +1,186 @@
+#include "player/render_page.h"
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "format/result_macros.h"
+#include "player/files/picture_encoder.h"
+#include "player/files/text_drawer.h"
+#include "player/page/annotate_picture.h"
+#include "player/page/page_layout.h"
+
+namespace splatlas {
+namespace {
+
+constexpr int kMaxPicks = 40000;
+
+/// The name of a structure as printed: blanks for underscores.
+std::string printed_name(const Structure& structure) {
+  std::string name = structure.name.empty() ? structure.id : structure.name;
+  std::ranges::replace(name, '_', ' ');
+  return printable(name);
+}
+
+/// The structures in a picture of the renderer's selection, in the order of the tree.
+std::vector<NamedStructure> structures_of(const Frame& frame, const Renderer& renderer) {
+  const auto pick = [&](double x, double y) {
+    const std::optional<Pick> found = frame.pick(x, y);
+    return found ? found->structure : kNoStructure;
+  };
+  std::map<StructureIndex, VisibleStructure> visible;
+  for (const VisibleStructure& one : visible_structures(sample_structures(frame.picture, pick, kMaxPicks)))
+    visible.emplace(one.structure, one);
+  const StructureGraph& graph = renderer.atlas().graph();
+  std::vector<NamedStructure> structures;
+  for (const StructureIndex s : graph.preorder()) {
+    const auto found = visible.find(s);
+    if (found == visible.end()) continue;
+    structures.push_back({printed_name(graph[s]), renderer.selection().structures[s].color, found->second});
+  }
+  return structures;
+}
+
+}  // namespace
+
+struct PageRenderer::Impl {
+  Impl(const std::filesystem::path& path, PageOptions page_options, FontFiles font_files)
+      : options(std::move(page_options)),
+        fonts(std::move(font_files)),
+        encoder(path),
+        drawer(fonts),
+        measure([this](std::string_view text, double size, FontStyle style) {
+          return drawer.width(text, size, style);
+        }),
+        keeps_alpha(PictureEncoder::is_linear(path)) {}
+
+  [[nodiscard]] bool names_structures() const { return options.items.labels || options.items.legend; }
+
+  [[nodiscard]] AnnotationOptions annotation_options(const Provenance& provenance) const {
+    return {options.items, options.max_labels, options.caption.value_or(printable(provenance.title)),
+            printable(provenance.citation), options.dpi};
+  }
+
+  /// Structures of a small draft, with areas as in the picture. `decode_ms`: adds the draft's.
+  [[nodiscard]] Result<std::vector<NamedStructure>> structures_of_draft(Renderer& renderer,
+                                                                        const Camera& camera,
+                                                                        double& decode_ms) const {
+    constexpr int kLongSide = 320;
+    const auto [width, height] = options.render.size;
+    const double scale = std::min(1.0, static_cast<double>(kLongSide) / std::max(width, height));
+    const auto side = [&](int pixels) { return std::max(1, static_cast<int>(pixels * scale)); };
+    RenderOptions draft = options.render;
+    draft.size = {side(width), side(height)};
+    draft.quality = Quality::kDraft;
+    draft.depth_cue = DepthCue::kNone;
+    draft.ids = false;
+    SPLATLAS_ASSIGN_OR_RETURN(const Camera whole, renderer.fit(camera, draft));
+    SPLATLAS_ASSIGN_OR_RETURN(const Frame frame, renderer.render(whole, draft));
+    decode_ms += frame.stats.decode_ms;
+    std::vector<NamedStructure> structures = structures_of(frame, renderer);
+    for (NamedStructure& one : structures) one.visible.pixels /= scale * scale;
+    return structures;
+  }
+
+  /// Region of the picture that leaves room for the annotations around the selection.
+  [[nodiscard]] Result<PictureRegion> region_beside_annotations(Renderer& renderer, Camera whole,
+                                                                double& decode_ms) {
+    const Picture blank{options.render.size, {}};
+    whole.zoom = 1;
+    whole.center_lps_mm.reset();
+    SPLATLAS_ASSIGN_OR_RETURN(const View view,
+                              view_of(whole, options.render.size, renderer.atlas().display()));
+    AnnotatedScene scene{blank, view};
+    if (names_structures()) {
+      SPLATLAS_ASSIGN_OR_RETURN(scene.structures, structures_of_draft(renderer, whole, decode_ms));
+    }
+    SPLATLAS_RETURN_IF_ERROR(drawer.wait());
+    return region_of_figure(scene, annotation_options(renderer.atlas().provenance()), measure);
+  }
+
+  /// The camera of the page.
+  [[nodiscard]] Result<Camera> fit(Renderer& renderer, const Camera& camera, double& decode_ms) {
+    if (!options.fits_selection) return camera;
+    PictureRegion region;
+    if (options.items.any()) {
+      SPLATLAS_ASSIGN_OR_RETURN(region, region_beside_annotations(renderer, camera, decode_ms));
+    }
+    SPLATLAS_ASSIGN_OR_RETURN(Camera fitted, renderer.fit(camera, options.render, std::nullopt, region));
+    const double zoom = camera.zoom * fitted.zoom;
+    if (!(zoom >= kMinZoom && zoom <= kMaxZoom)) {
+      return bad_camera(
+          "zoom",
+          fmt::format("{}: multiplied by {}, the zoom that fits the selection, it must be from {} to {}",
+                      camera.zoom, fitted.zoom, kMinZoom, kMaxZoom));
+    }
+    fitted.zoom = zoom;
+    if (camera.center_lps_mm) fitted.center_lps_mm = camera.center_lps_mm;
+    return fitted;
+  }
+
+  [[nodiscard]] Result<AnnotationLayer> annotate(const Frame& frame, const Camera& camera,
+                                                 const Renderer& renderer) {
+    const Atlas& atlas = renderer.atlas();
+    SPLATLAS_ASSIGN_OR_RETURN(const View view, view_of(camera, options.render.size, atlas.display()));
+    AnnotatedScene scene{frame.picture, view, keeps_alpha ? std::nullopt : options.background};
+    if (names_structures()) scene.structures = structures_of(frame, renderer);
+    SPLATLAS_RETURN_IF_ERROR(drawer.wait());
+    const AnnotationOptions content = annotation_options(atlas.provenance());
+    SPLATLAS_ASSIGN_OR_RETURN(AnnotationLayer layer, annotate_picture(scene, content, measure));
+    if (options.items.caption && content.caption.empty())
+      layer.notes.emplace_back("the atlas has no title; give a caption with --caption TEXT");
+    if (options.items.citation && content.citation.empty())
+      layer.notes.emplace_back("the atlas has no citation; build it with --citation TEXT");
+    return layer;
+  }
+
+  PageOptions options;
+  FontFiles fonts;
+  PictureEncoder encoder;
+  TextDrawer drawer;
+  MeasureText measure;
+  bool keeps_alpha;
+  std::string title;  // of the document
+};
+
+PageRenderer::PageRenderer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+PageRenderer::~PageRenderer() = default;
+PageRenderer::PageRenderer(PageRenderer&&) noexcept = default;
+PageRenderer& PageRenderer::operator=(PageRenderer&&) noexcept = default;
+
+Result<PageRenderer> PageRenderer::create(const std::filesystem::path& path, PageOptions options) {
+  SPLATLAS_RETURN_IF_ERROR(PictureEncoder::check_ending(path));
+  SPLATLAS_RETURN_IF_ERROR(PictureEncoder::check_size(path, options.render.size, options.background));
+  FontFiles fonts;
+  if (options.items.any()) {
+    SPLATLAS_ASSIGN_OR_RETURN(fonts, find_fonts(options.font));
+  }
+  return PageRenderer(std::make_unique<Impl>(path, std::move(options), std::move(fonts)));
+}
+
+Result<Page> PageRenderer::render(Renderer& renderer, const Camera& camera, const RenderControl& control) {
+  const PageOptions& options = impl_->options;
+  impl_->title = options.caption.value_or(renderer.atlas().provenance().title);
+  double decode_ms = 0;
+  Page page;
+  SPLATLAS_ASSIGN_OR_RETURN(page.camera, impl_->fit(renderer, camera, decode_ms));
+  SPLATLAS_ASSIGN_OR_RETURN(page.frame, renderer.render(page.camera, options.render, control));
+  page.frame.stats.decode_ms += decode_ms;
+  if (!options.items.any()) return page;
+  SPLATLAS_ASSIGN_OR_RETURN(page.annotations, impl_->annotate(page.frame, page.camera, renderer));
+  return page;
+}
+
+Result<std::vector<std::byte>> PageRenderer::encode(Page& page) {
+  const PageOptions& options = impl_->options;
+  FileAnnotations annotations{nullptr, &impl_->drawer, impl_->fonts, impl_->title, options.dpi};
+  if (options.items.any()) {
+    annotations.layer = &page.annotations;
+    annotations.dpi = annotation_dpi({.dpi = options.dpi}, options.render.size);
+  }
+  return impl_->encoder.encode(page.frame.picture, options.background, annotations);
+}
+
+}  // namespace splatlas

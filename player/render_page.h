@@ -1,0 +1,67 @@
+// Annotated pages: a selection fitted, rendered and annotated for print or a slide.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "player/page/annotation.h"
+#include "player/renderer.h"
+
+namespace splatlas {
+
+/// Minimum and maximum resolution of a printed page.
+inline constexpr double kMinDpi = 72, kMaxDpi = 2400;
+
+/// Picture and annotations of a page.
+struct PageOptions {
+  bool fits_selection = true;  ///< false: the whole atlas, without room for annotations
+  RenderOptions render = {};
+  std::optional<Rgb> background = Rgb{0, 0, 0};       ///< none: transparent
+  AnnotationItems items = {};                         ///< none: a plain picture
+  std::size_t max_labels = 40;                        ///< labels of the largest structures
+  std::optional<std::string> caption = std::nullopt;  ///< not set: the title of the atlas
+  /// Pixels per inch in print. Not set: the short side has 160 mm, but labels have at least 11 pixels.
+  std::optional<double> dpi = std::nullopt;
+  std::filesystem::path font = {};  ///< empty: Liberation Sans or DejaVu Sans
+};
+
+/// A rendered page.
+struct Page {
+  Frame frame;
+  Camera camera;                ///< of the frame
+  AnnotationLayer annotations;  ///< not drawn into the frame's picture
+};
+
+/// Renders pages for one kind of picture file, and encodes them. Loads the libraries for text and files in
+/// the background: OpenImageIO depends on about 260 others, which take 0.2 s, longer than most pictures.
+class PageRenderer {
+ public:
+  /// Prepares for a file of this name (see write_picture()); writes nothing. kUsage for an unknown extension
+  /// and for pictures that the format cannot hold; kFailed without a font for the annotations.
+  [[nodiscard]] static Result<PageRenderer> create(const std::filesystem::path& path, PageOptions options);
+  ~PageRenderer();
+  PageRenderer(PageRenderer&&) noexcept;
+  PageRenderer& operator=(PageRenderer&&) noexcept;
+
+  /// Renders the renderer's selection. Fits it to the space that the annotations leave: for labels and a
+  /// legend, a small draft render finds the visible structures first. The zoom of the camera multiplies that
+  /// of the fit; its centre, if it has one, replaces that of the fit. Adds to the notes of the annotations
+  /// what the page lacks. Errors of Renderer::fit() and render(); kUsage if the product of the zooms is
+  /// beyond the limits or the picture too small for its annotations; kFailed for fonts and modules.
+  [[nodiscard]] Result<Page> render(Renderer& renderer, const Camera& camera,
+                                    const RenderControl& control = {});
+  /// The bytes of the file. Draws the annotations into the picture of `page`, except in .svg and .pdf, which
+  /// hold them as vectors. kFailed for errors of modules and their libraries. Memory: see write_picture().
+  [[nodiscard]] Result<std::vector<std::byte>> encode(Page& page);
+
+ private:
+  struct Impl;
+  explicit PageRenderer(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace splatlas
