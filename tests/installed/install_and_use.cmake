@@ -121,7 +121,7 @@ expect_picture(${WORK_DIR}/changed-1.png ${phantom}
 expect_output("Sphere_[12] at L [0-9.]+ P [0-9.]+ S [0-9.]+ mm\nshown at 320\\.0, 240\\.0, -?[0-9.]+ mm behind the centre\n"
   ${examples}/pick_structure ${phantom} Sphere_1:surface 320 240)
 expect_output("background\n" ${examples}/pick_structure ${phantom} "*:surface" 1 1)
-expect_failure(1 "X and Y must be numbers: abc" ${examples}/pick_structure ${phantom} "*:surface" abc def)
+expect_failure(1 "X and Y must be numbers: abc" ${examples}/pick_structure ${phantom} "*:surface" abc 240)
 expect_failure(1 "X and Y must be numbers: 240x" ${examples}/pick_structure ${phantom} "*:surface" 320 240x)
 
 # The same voxel counts as the program.
