@@ -218,7 +218,7 @@ class Band {
         pass_.kept == nullptr ? ClipSlabs::State::kWhole
                               : pass_.kept->state(k, fine_row, fine_row + (last - first) * scale_);
     if (state_of_all == ClipSlabs::State::kWhole)
-      return composite_kept(slice, k, slice_rows, between, count, first, last, nullptr);
+      return composite_kept(slice, k, slice_rows, between, count, first, last, {});
     if (state_of_all == ClipSlabs::State::kRemoved) return;
     // Split the pairs by removed, cut and whole rows
     kept_.fill(*pass_.kept, k, fine_row, last - first, count);
@@ -226,15 +226,14 @@ class Band {
       const ClipSlabs::State state = kept_.state(begin - first);
       while (end < last && kept_.state(end - first) == state) ++end;
       if (state == ClipSlabs::State::kRemoved) continue;
-      const ClipRows rows = kept_.from(begin - first, 0);
       composite_kept(slice, k, slice_rows, between, count, begin, end,
-                     state == ClipSlabs::State::kCut ? &rows : nullptr);
+                     state == ClipSlabs::State::kCut ? kept_.from(begin - first, 0) : ClipRows{});
     }
   }
 
-  /// The same for pairs that all are cut, as `kept` describes, or all whole.
+  /// The same for pairs that all are cut, as `clip` describes, or all whole.
   void composite_kept(const SliceSpans& slice, double k, const SliceRows& slice_rows, std::int64_t between,
-                      std::int64_t count, std::int64_t first, std::int64_t last, const ClipRows* kept) {
+                      std::int64_t count, std::int64_t first, std::int64_t last, const ClipRows& clip) {
     SheetRows rows;
     rows.slice = &slice;
     rows.upper = first;
@@ -253,14 +252,10 @@ class Band {
       std::copy_n(phases_.begin() + static_cast<std::ptrdiff_t>(phase), rows.phase_count,
                   rows.phases.begin());
       const auto slab_mm = static_cast<float>(pass_.shear.slab_mm / pass_.window.parts);
-      const ImageRows image = image_.rows(fine_row, static_cast<std::int64_t>(phase));
-      if (kept == nullptr) {
-        pass_.kernels.composite(rows, slab_mm, pass_.termination_threshold, image);
-        continue;
-      }
-      ClipRows of_phases = *kept;
-      of_phases.lines += static_cast<std::int64_t>(phase) * kept->phase_stride;
-      pass_.kernels.composite_cut(rows, of_phases, slab_mm, pass_.termination_threshold, image);
+      ClipRows of_phases = clip;
+      of_phases.lines += static_cast<std::int64_t>(phase) * clip.phase_stride;
+      pass_.kernels.composite(rows, of_phases, slab_mm, pass_.termination_threshold,
+                              image_.rows(fine_row, static_cast<std::int64_t>(phase)));
     }
     if (pass_.shares != nullptr) shares_.add(rows, phases_, fine_row, numbers_.selected());
     for_each_row_with_fragments(rows, fine_row,
