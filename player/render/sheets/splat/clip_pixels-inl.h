@@ -33,44 +33,37 @@ HWY_INLINE V Clipped(V fraction, V value) {
   return Mul(fraction, value);
 }
 
-/// Clip policy of Splat for whole slabs.
+/// Clip policy of Splat for whole slabs; members as in PixelClip.
 struct NoPixelClip {
-  /// True if groups of all sizes have a kernel. Else, those that only borders of bands need have none.
   static constexpr bool kHasAllGroups = true;
-
-  /// Policy of a single phase row.
   [[nodiscard]] HWY_INLINE NoPixelClip PhaseRow(std::int64_t /*row*/, std::int64_t /*phase*/) const {
     return {};
   }
-  /// Begins a pair of rows. Blocks within reach to visit.
   HWY_INLINE Blocks BeginPair(const SheetRows& /*rows*/, std::int64_t /*pair*/, const Blocks& reach) {
     return reach;
   }
-  /// True for a block in front of the visible ones, which only supplies the carry.
   [[nodiscard]] HWY_INLINE bool OnlyCarries(std::int64_t /*block*/) const { return false; }
   HWY_INLINE void BeginBlock(std::int64_t /*block*/) {}
-  /// True if the slab is whole at all pixels of the block.
   [[nodiscard]] HWY_INLINE bool IsWhole() const { return true; }
-  /// Fraction of the slab at pixels of the block: those from `shift` on in a phase row.
-  template <class D>
-  HWY_INLINE WholeSlab Fraction(D /*d*/, int /*row*/, int /*phase*/, std::int64_t /*shift*/) const {
-    return {};
-  }
+  HWY_INLINE WholeSlab Fraction(auto...) const { return {}; }
 };
 
 /// Clip policy of Splat for slabs that planes cut.
 class PixelClip {
  public:
+  /// True if groups of all sizes have a kernel. Else, those that only borders of bands need have none.
   static constexpr bool kHasAllGroups = false;
 
   HWY_INLINE explicit PixelClip(const ClipRows& rows) : rows_(rows) {}
 
+  /// Policy of a single phase row.
   [[nodiscard]] HWY_INLINE PixelClip PhaseRow(std::int64_t row, std::int64_t phase) const {
     ClipRows rows = rows_;
     rows.lines += row * rows.row_stride + phase * rows.phase_stride;
     return PixelClip(rows);
   }
 
+  /// Begins a pair of rows. Blocks within reach to visit.
   HWY_INLINE Blocks BeginPair(const SheetRows& rows, std::int64_t pair, const Blocks& reach) {
     lines_ = rows_.lines + pair * rows_.pair_stride;
     visible_ = whole_ = {};
@@ -88,10 +81,13 @@ class PixelClip {
     }
     return {std::max(reach.first, visible_.first), std::min(reach.last, visible_.last)};
   }
+  /// True for a block in front of the visible ones, which only supplies the carry.
   [[nodiscard]] HWY_INLINE bool OnlyCarries(std::int64_t block) const { return block == visible_.first; }
   HWY_INLINE void BeginBlock(std::int64_t block) { block_ = block; }
+  /// True if the slab is whole at all pixels of the block.
   [[nodiscard]] HWY_INLINE bool IsWhole() const { return whole_.contains(block_); }
 
+  /// Fraction of the slab at pixels of the block: those from `shift` on in a phase row.
   template <class D>
   HWY_INLINE WideVec<D> Fraction(D d, int row, int phase, std::int64_t shift) const {
     alignas(64) static constexpr float kNumbers[kBlock] = {0, 1, 2,  3,  4,  5,  6,  7,

@@ -49,12 +49,9 @@ HWY_INLINE void CompositeEmissions(const SheetRows& rows, const Clip& clip, floa
                                    const ImageRows& image) {
   const std::size_t group = 10 * rows.rows_between + rows.phase_count;
   if constexpr (Clip::kHasAllGroups) {
-    switch (group) {
-      case 12: return CompositePairs<kEmissions, 1, 2>(rows, clip, slab_mm, threshold, image);
-      case 13: return CompositePairs<kEmissions, 1, 3>(rows, clip, slab_mm, threshold, image);
-      case 21: return CompositePairs<kEmissions, 2, 1>(rows, clip, slab_mm, threshold, image);
-      default: break;
-    }
+    if (group == 12) return CompositePairs<kEmissions, 1, 2>(rows, clip, slab_mm, threshold, image);
+    if (group == 13) return CompositePairs<kEmissions, 1, 3>(rows, clip, slab_mm, threshold, image);
+    if (group == 21) return CompositePairs<kEmissions, 2, 1>(rows, clip, slab_mm, threshold, image);
   }
   switch (group) {
     case 11: return CompositePairs<kEmissions, 1, 1>(rows, clip, slab_mm, threshold, image);
