@@ -19,7 +19,7 @@ struct ClipPixels {
 };
 
 /// Kept fraction of a slab that planes cut: max(0, e + l - 1), with the smallest fraction e of the planes
-/// where rays enter, and l of those where they leave.
+/// where rays enter, and l of those where they leave. Without planes the slab is whole.
 struct ClipRows {
   const ClipPixels* pixels = nullptr;  ///< of each pair
   const ClipLine* lines = nullptr;  ///< of the planes of the first phase row; those of entering planes first

@@ -104,17 +104,11 @@ Result<void> SheetFrame::render_volume(Picture& /*picture*/) {
   // The positive weights of the cubic kernel sum to at most 1.28, which amplifies the error of the sheet.
   const float threshold = termination_threshold(options) / (window.cubic ? 1.3f : 1.0f);
   const SplatKernels& kernels = scene_.overrides.simd ? best_kernels() : scalar_kernels();
-  const auto render = [&](const SharePass* shares) {
-    stats_.voxels_visited = render_sheets(spans_, shear_, window, kernels, threshold, planes(),
-                                          buffers_.order, buffers_.sheet, pool_, shares);
-  };
-  if (options.ids) {
-    const VoxelNumbers numbers{*runs_, scene_.numbers};
-    const SharePass shares{numbers, buffers_.shares, buffers_.fragment_shares};
-    render(&shares);
-  } else {
-    render(nullptr);
-  }
+  std::optional<SharePass> shares;
+  if (options.ids)
+    shares.emplace(SharePass{{*runs_, scene_.numbers}, buffers_.shares, buffers_.fragment_shares});
+  stats_.voxels_visited = render_sheets(spans_, shear_, window, kernels, threshold, planes(), buffers_.order,
+                                        buffers_.sheet, pool_, shares ? &*shares : nullptr);
   stats_.sheets = watch.lap();
   return {};
 }

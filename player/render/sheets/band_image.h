@@ -6,11 +6,10 @@
 #include <vector>
 
 #include "player/render/sheets/splat/splat_kernels.h"
+#include "player/render/sheets/warp/sheet_image.h"
 #include "player/render/view/sheet_window.h"
 
 namespace splatlas {
-
-class BandShares;
 
 /// Accumulated radiance of a row of sheet pixels, in planes per phase: red, green, blue (or white alone),
 /// then opacity. One pixel before and one after the row are readable.
@@ -19,7 +18,6 @@ struct AccumulatedRow {
   std::int64_t planes = 4;       ///< 4 or 2
   std::int64_t plane_stride = 0, phase_stride = 0;
   std::int64_t fine_row = 0;
-  const BandShares* shares = nullptr;  ///< of structures in the opacity so far; null: not asked for
 };
 
 /// Radiance and opacity of rows [first, last) of a window, in voxels; each row has `scale` fine rows. Layout:
@@ -72,6 +70,9 @@ class BandImage {
             scale_,
             scale_ * scale_};
   }
+
+  /// Interleaves phases and planes into the rows of the finished sheet.
+  void store(SheetImage& sheet) const;
 
  private:
   [[nodiscard]] std::int64_t phase_stride() const { return planes_ * stride_; }

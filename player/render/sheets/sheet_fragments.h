@@ -4,14 +4,20 @@
 #include <array>
 #include <cstdint>
 #include <limits>
-#include <span>
 #include <vector>
 
-#include "player/render/contributions/fragment_shares.h"
 #include "player/render/sheets/band_image.h"
 #include "player/render/sheets/fragment_order.h"
 
 namespace splatlas {
+
+/// Contribution of a pixel to what is in front of a fragment.
+struct FragmentPixel {
+  std::size_t entry = 0;                ///< FragmentOrder::entry()
+  bool before = false, behind = false;  ///< of the fragment's slab: in front of it, in front of its end
+  float weight = 0;
+  std::int64_t phase = 0, column = 0;  ///< of the pixel in its row
+};
 
 /// Interpolates the accumulated radiance of a band of rows at the adjacent fragments. Rows change only while
 /// a slab is composited, so that each fragment is visited only at its own slab.
@@ -22,27 +28,26 @@ class SheetFragments {
   SheetFragments(FragmentOrder& order, std::int64_t first, std::int64_t last, const SheetWindow& window,
                  const std::array<float, 3>& color);
 
-  /// To call before and after a slab is composited onto a row; slabs come front to back.
-  void before_slab(std::int64_t fine_row, std::int32_t slab, const AccumulatedRow& row) {
+  /// To call before and after a slab is composited onto a row; slabs come front to back. Also calls
+  /// trace.add_fragment() for the pixels in front of fragments.
+  void before_slab(std::int64_t fine_row, std::int32_t slab, const AccumulatedRow& row, auto& trace) {
     for (Cursor& cursor : cursors_[static_cast<std::size_t>(fine_row - first_)]) {
-      if (cursor.next_slab <= slab) reach(cursor, slab, row);
+      if (cursor.next_slab <= slab) reach(cursor, slab, row, trace);
     }
   }
-  void behind_slab(std::int64_t fine_row, const AccumulatedRow& row) {
+  void behind_slab(std::int64_t fine_row, const AccumulatedRow& row, auto& trace) {
     for (Cursor& cursor : cursors_[static_cast<std::size_t>(fine_row - first_)]) {
-      if (cursor.waiting < cursor.next) leave(cursor, row);
+      for (; cursor.waiting < cursor.next; ++cursor.waiting)
+        add(cursor, cursor.waiting, false, true, row, trace);
     }
   }
   /// After the last slab of a row.
-  void finish(std::int64_t fine_row, const AccumulatedRow& row) {
-    before_slab(fine_row, kBehindEverything, row);
+  void finish(std::int64_t fine_row, const AccumulatedRow& row, auto& trace) {
+    before_slab(fine_row, kBehindEverything, row, trace);
   }
 
   /// Adds deferred contributions, once all bands are finished.
   void merge();
-
-  /// Takes the shares of structures in front of the fragments of all bands.
-  [[nodiscard]] static FragmentShares merge_shares(std::span<SheetFragments> bands);
 
  private:
   static constexpr std::int32_t kNoMore = std::numeric_limits<std::int32_t>::max();
@@ -58,13 +63,36 @@ class SheetFragments {
   };
 
   void set_next(Cursor& cursor, std::size_t next) const;
-  void reach(Cursor& cursor, std::int32_t slab, const AccumulatedRow& row);
-  void leave(Cursor& cursor, const AccumulatedRow& row);
+
+  /// Fragments in front of `slab` get the current radiance for both ends of their slab. Fragments within it
+  /// get it for the front, and wait for the end of the slab.
+  void reach(Cursor& cursor, std::int32_t slab, const AccumulatedRow& row, auto& trace) {
+    std::size_t n = cursor.next;
+    for (; n < cursor.end && order_.entry(n).slab < slab; ++n) add(cursor, n, true, true, row, trace);
+    cursor.waiting = n;
+    for (; n < cursor.end && order_.entry(n).slab == slab; ++n) add(cursor, n, true, false, row, trace);
+    set_next(cursor, n);
+  }
+
+  /// Adds the row's contribution to what is in front of entry n, and of the end of its slab.
+  void add(const Cursor& cursor, std::size_t n, bool before, bool behind, const AccumulatedRow& row,
+           auto& trace) {
+    const FragmentOrder::Entry& entry = order_.entry(n);
+    SlabRadiance& radiance = cursor.radiance[n - cursor.first];
+    const Radiance share = this->share(entry, cursor.row_is_below, row);
+    if (before) radiance.before += share;
+    if (behind) radiance.behind += share;
+    const std::size_t left = cursor.row_is_below ? 2 : 0;
+    const bool same_column = entry.phase + 1 < scale_;
+    trace.add_fragment(FragmentPixel{n, before, behind, entry.weights[left], entry.phase, entry.column}, row);
+    trace.add_fragment(
+        FragmentPixel{n, before, behind, entry.weights[left + 1], same_column ? entry.phase + 1 : 0,
+                      same_column ? entry.column : entry.column + 1},
+        row);
+  }
   /// The row's contribution to the interpolated radiance in front of a fragment.
   [[nodiscard]] Radiance share(const FragmentOrder::Entry& entry, bool row_is_below,
                                const AccumulatedRow& row) const;
-  /// Lists the row's contribution to the shares in front of entry `n`.
-  void list_shares(std::size_t n, bool before, bool behind, bool row_is_below, const AccumulatedRow& row);
 
   FragmentOrder& order_;
   std::int64_t first_;
@@ -72,7 +100,6 @@ class SheetFragments {
   std::array<float, 3> color_;
   std::vector<std::array<Cursor, 2>> cursors_;  // per row
   std::vector<SlabRadiance> deferred_;          // of the fragments above the first row
-  std::vector<FragmentShare> shares_;           // empty unless asked for
 };
 
 }  // namespace splatlas

@@ -30,6 +30,6 @@ struct SharePass;
                                           const SheetWindow& window, const SplatKernels& kernels,
                                           float termination_threshold, std::span<const VoxelPlane> planes,
                                           FragmentOrder& fragments, SheetImage& image, ThreadPool& pool,
-                                          const SharePass* shares = nullptr);
+                                          SharePass* shares = nullptr);
 
 }  // namespace splatlas

@@ -98,7 +98,11 @@ struct BandShares::Surroundings {
   }
 };
 
-void BandShares::begin(const SheetWindow& window, const BandImage& image) {
+void BandShares::begin(SharePass& pass, const Shear& shear, const SheetWindow& window, const BandImage& image,
+                       std::size_t band) {
+  pass_ = &pass;
+  band_ = band;
+  numbers_.begin(pass.numbers, shear, window, image);
   image_ = &image;
   scale_ = window.scale;
   columns_ = window.columns;
@@ -146,8 +150,7 @@ bool BandShares::take_rise(std::int64_t fine_row, std::int64_t phase, std::int64
   return any != 0;
 }
 
-void BandShares::add(const SheetRows& rows, std::span<const Phase> phases, std::int64_t fine_row,
-                     const NumberedSlices& slices) {
+void BandShares::add(const SheetRows& rows, std::span<const Phase> phases, std::int64_t fine_row) {
   Blocks reach{0, 0};
   for (std::size_t n = 0; n < phases.size(); ++n) {
     SheetRows of_phase = rows;
@@ -160,7 +163,7 @@ void BandShares::add(const SheetRows& rows, std::span<const Phase> phases, std::
     BlockRuns runs(rows, pair, reach);
     for (BlockRun run; runs.next(run);) {
       for (std::int64_t block = run.first; block < run.last; ++block)
-        add_block(rows, phases, fine_row + pair * scale_, {slices, rows.upper + pair, block});
+        add_block(rows, phases, fine_row + pair * scale_, {numbers_.selected(), rows.upper + pair, block});
     }
   }
 }
@@ -223,8 +226,23 @@ void BandShares::add_block(const SheetRows& rows, std::span<const Phase> phases,
   }
 }
 
-void BandShares::store(std::size_t band, SheetShares& shares) const {
-  SheetShares::Band& out = shares.bands[band];
+void BandShares::add_fragment(const FragmentPixel& pixel, const AccumulatedRow& row) {
+  if (pixel.weight == 0) return;
+  const std::size_t block = block_of(row.fine_row, pixel.phase, pixel.column);
+  const std::size_t lane = PixelBlocks::lane(pixel.column);
+  for (std::size_t back = 0; back < 2; ++back) {  // sums begin in this block or the one before
+    for (std::uint32_t n = heads_[block - back]; n != kNone; n = sums_[n].next) {
+      const float share = sums_[n].of[lane + back * kLanes];
+      if (share <= 0) continue;
+      pass_->of_bands[band_].push_back({static_cast<std::uint32_t>(pixel.entry), sums_[n].number,
+                                        pixel.before, pixel.behind, pixel.weight * share});
+    }
+  }
+}
+
+void BandShares::store() const {
+  SheetShares& shares = pass_->shares;
+  SheetShares::Band& out = shares.bands[band_];
   out.first.clear();
   out.numbers.clear();
   out.shares.clear();

@@ -10,8 +10,11 @@
 #include "player/picture.h"
 #include "player/render/contributions/fragment_shares.h"
 #include "player/render/sheets/band_image.h"
+#include "player/render/sheets/fragment_order.h"
 #include "player/render/sheets/ids/slice_numbers.h"
+#include "player/render/sheets/sheet_fragments.h"
 #include "player/render/sheets/splat/splat_kernels.h"
+#include "player/render/view/shear.h"
 #include "player/render/view/sheet_window.h"
 
 namespace splatlas {
@@ -76,36 +79,42 @@ struct SheetShares {
 
 /// Shares of structures in the pixels of a sheet and in front of its fragments.
 struct SharePass {
-  const VoxelNumbers& numbers;
+  VoxelNumbers numbers;
   SheetShares& shares;
   FragmentShares& of_fragments;
+  std::vector<std::vector<FragmentShare>> of_bands{};  ///< in front of the fragments of each band
+
+  void begin(const SheetWindow& window, std::int64_t band_rows) {
+    shares.reset(window, band_rows);
+    of_bands.resize(shares.bands.size());
+  }
+  void finish(const FragmentOrder& fragments) const { of_fragments.build(fragments.entries(), of_bands); }
 };
 
-/// Accumulates the shares in a band of the sheet, slab by slab. The opacity that a slab adds to a pixel
-/// belongs to the structures around in proportion to their extinctions there. Keeps its memory. Not
-/// thread-safe.
+/// Trace policy of Band: accumulates the shares in a band of the sheet, slab by slab. The opacity that a slab
+/// adds to a pixel belongs to the structures around in proportion to their extinctions there. Keeps its
+/// memory. Not thread-safe.
 class BandShares {
  public:
-  /// Empties it for a band. `image` must outlive it.
-  void begin(const SheetWindow& window, const BandImage& image);
+  /// State of all bands.
+  using Frame = SharePass;
+
+  /// Empties it for a band. All references must outlive it.
+  void begin(SharePass& pass, const Shear& shear, const SheetWindow& window, const BandImage& image,
+             std::size_t band);
+
+  /// Begins a slab of these slices. A slab of one slice has no `behind`.
+  void begin_slab(const SlicePair& slices) { numbers_.select(slices); }
 
   /// Adds a slab that has been composited onto `rows.pairs` pairs of rows in all phases. `fine_row` is the
   /// first fine row of the first pair. Cost: linear in the blocks, times the structures in each.
-  void add(const SheetRows& rows, std::span<const Phase> phases, std::int64_t fine_row,
-           const NumberedSlices& slices);
+  void add(const SheetRows& rows, std::span<const Phase> phases, std::int64_t fine_row);
 
-  /// Calls visit(number, share) for the structures of a pixel so far.
-  template <typename Visit>
-  void for_each(std::int64_t fine_row, std::int64_t phase, std::int64_t column, const Visit& visit) const {
-    const std::size_t block = block_of(fine_row, phase, column), lane = PixelBlocks::lane(column);
-    for (std::uint32_t n = heads_[block]; n != kNone; n = sums_[n].next)
-      visit(sums_[n].number, sums_[n].of[lane]);
-    for (std::uint32_t n = heads_[block - 1]; n != kNone; n = sums_[n].next)
-      visit(sums_[n].number, sums_[n].of[lane + kBlock]);
-  }
+  /// Adds the shares of a pixel so far to those in front of a fragment.
+  void add_fragment(const FragmentPixel& pixel, const AccumulatedRow& row);
 
-  /// Writes the rows of the band, `shares.bands[band]`.
-  void store(std::size_t band, SheetShares& shares) const;
+  /// Writes the rows of the band.
+  void store() const;
 
  private:
   static constexpr std::uint32_t kNone = 0xffffffffu;
@@ -134,6 +143,9 @@ class BandShares {
   /// Opacity added to kBlock pixels since the last call; false if there is none.
   bool take_rise(std::int64_t fine_row, std::int64_t phase, std::int64_t pixel, float* rise);
 
+  SharePass* pass_ = nullptr;
+  std::size_t band_ = 0;
+  BandNumbers numbers_;  // of the current slab
   const BandImage* image_ = nullptr;
   std::int64_t scale_ = 1, columns_ = 0, blocks_ = 0, first_ = 0, last_ = 0, stride_ = 0;
   std::vector<float> seen_;           // opacity so far, by phase row

@@ -43,9 +43,9 @@ HWY_INLINE void PrefetchAhead(const float* block) {
 enum class AbsorptionMethod { kThinSlab, kModerateSlab, kAnySlab };
 
 /// Splatting and compositing of `kRows` rows of pixels with `kPhases` phases and `kEmissions` emissions.
-/// Optical properties are scaled by the slab length on load: optical depths instead of extinctions. `kCut`:
-/// planes cut the slab, as `kept` describes.
-template <int kEmissions, int kRows, int kPhases, bool kCut = false>
+/// Optical properties are scaled by the slab length on load: optical depths instead of extinctions. `Clip`: a
+/// policy of clip_pixels-inl.h.
+template <int kEmissions, int kRows, int kPhases, class Clip>
 class Splat {
   static constexpr int kPlanes = 1 + kEmissions;
   static constexpr std::int64_t kBlockFloats = kBlock * kPlanes;
@@ -58,11 +58,11 @@ class Splat {
   };
 
  public:
-  HWY_INLINE Splat(const SheetRows& rows, float slab_mm, float termination_threshold, const ImageRows& image,
-                   const ClipRows* kept = nullptr)
+  HWY_INLINE Splat(const SheetRows& rows, const Clip& clip, float slab_mm, float termination_threshold,
+                   const ImageRows& image)
       : rows_(rows),
         image_(image),
-        kept_(kept),
+        clip_(clip),
         reach_(blocks_in_reach(rows, image)),
         next_hidden_(HiddenBlocks(0)),
         slab_(Set(Lanes(), slab_mm)),
@@ -82,26 +82,16 @@ class Splat {
     if (next_hidden_.first != kNoBlock) PrefetchVisible(rows_.upper + pair + 2, next_hidden_);
 
     // Composite visible blocks run by run
-    Blocks reach = reach_;
-    [[maybe_unused]] std::int64_t first_removed = kNoBlock;
-    if constexpr (kCut) {
-      const ClipBlocks kept(kept_->pixels[pair], rows_);
-      reach = {std::max(reach.first, kept.visible.first), std::min(reach.last, kept.visible.last)};
-      whole_ = kept.whole;
-      first_removed = kept.visible.first;
-    }
-    BlockRuns runs(rows_, pair, reach);
+    BlockRuns runs(rows_, pair, clip_.BeginPair(rows_, pair, reach_));
     std::int64_t next_block = std::numeric_limits<std::int64_t>::min();
     for (BlockRun run; runs.next(run);) {
       if (run.first != next_block) ClearCarry();
       next_block = run.last;
       for (std::int64_t block = run.first; block < run.last;) {
-        if constexpr (kCut) {
-          if (block == first_removed) {  // supplies the carry
-            SkipTo(run, block);
-            ++block;
-            continue;
-          }
+        if (clip_.OnlyCarries(block)) {
+          SkipTo(run, block);
+          ++block;
+          continue;
         }
         if (hidden.contains(block)) {
           block = std::min(hidden.last, run.last);
@@ -118,14 +108,6 @@ class Splat {
  private:
   static constexpr std::int64_t kNoBlock = std::numeric_limits<std::int64_t>::max();
   static constexpr Blocks kNone{kNoBlock, kNoBlock};
-
-  /// Kept fraction of the slab at the pixels of a part of a block.
-  HWY_INLINE Vector Kept(int phase_row, int part) const {
-    const ClipLine* lines = kept_->lines + pair_ * kept_->pair_stride +
-                            phase_row / kPhases * kept_->row_stride +
-                            phase_row % kPhases * kept_->phase_stride;
-    return KeptFractions(Lanes(), *kept_, lines, block_ * kBlock + ShiftOf(phase_row) + part * kPart);
-  }
 
   [[nodiscard]] HWY_INLINE OpaquePixels& OpaqueOf(std::int64_t pair, int phase_row) const {
     return image_.opaque[pair * image_.opaque_pair_stride + phase_row / kPhases * image_.opaque_row_stride +
@@ -205,7 +187,7 @@ class Splat {
       const float* lower = run.lower.optics(block, kBlockFloats, kEmptyBlock.data());
       if (none_hidden) PrefetchAhead<kBlockFloats>(lower);
       if (HWY_UNLIKELY(skipped_upper_ != nullptr)) CarryFromSkipped();
-      if constexpr (kCut) block_ = block;
+      clip_.BeginBlock(block);
       CompositeBlock(upper, lower, phase_rows);
       advance();
     }
@@ -317,14 +299,12 @@ class Splat {
           const int s = row * kPhases + phase;
           if (hidden[s]) continue;
           float* const pixels = phase_rows[s] + part * kPart;
-          if constexpr (kCut) {
-            if (!whole_.contains(block_)) {
-              const auto kept = Kept(s, part);
-              CompositePixels<kMethod, true>(before_[phase], depths[row][part], colors, pixels, kept);
-              continue;
-            }
+          if (clip_.IsWhole()) {
+            CompositePixels<kMethod>(before_[phase], depths[row][part], colors, pixels, WholeSlab());
+          } else {
+            const auto fraction = clip_.Fraction(Lanes(), row, phase, ShiftOf(s) + part * kPart);
+            CompositePixels<kMethod>(before_[phase], depths[row][part], colors, pixels, fraction);
           }
-          CompositePixels<kMethod>(before_[phase], depths[row][part], colors, pixels, Vector());
         }
       }
     }
@@ -341,25 +321,24 @@ class Splat {
     return true;
   }
 
-  /// `kPartly`: of the slab, the fraction `kept` remains.
-  template <AbsorptionMethod kMethod, bool kPartly = false>
+  /// `fraction` of the slab: WholeSlab, or a Vector.
+  template <AbsorptionMethod kMethod, class Fraction>
   HWY_INLINE void CompositePixels(Vector before, const Voxels& depths, const Voxels (&colors)[kEmissions],
-                                  float* pixels, [[maybe_unused]] Vector kept) const {
+                                  float* pixels, Fraction fraction) const {
     const Lanes d;
     float* const opacities = pixels + kEmissions * image_.plane_stride;
     const auto opacity = LoadU(d, opacities);
-    auto depth = Between(before, depths);
-    if constexpr (kPartly) depth = Mul(kept, depth);
+    const auto depth = Clipped(fraction, Between(before, depths));
     const auto transmittance = Sub(Set(d, 1.0f), opacity);
     if constexpr (kMethod == AbsorptionMethod::kThinSlab) {
       const auto weight = Mul(transmittance, ThinMean(d, depth));
-      AddEmissions(kPartly ? Mul(kept, weight) : weight, before, colors, pixels);
+      AddEmissions(Clipped(fraction, weight), before, colors, pixels);
       StoreU(FusedMulAdd(d, weight, depth, opacity), d, opacities);
     } else {
       const auto slab =
           kMethod == AbsorptionMethod::kModerateSlab ? ModerateAbsorption(d, depth) : AnyAbsorption(d, depth);
       const auto weight = Mul(transmittance, slab.mean);
-      AddEmissions(kPartly ? Mul(kept, weight) : weight, before, colors, pixels);
+      AddEmissions(Clipped(fraction, weight), before, colors, pixels);
       StoreU(FusedMulAdd(d, transmittance, slab.absorbed, opacity), d, opacities);
     }
   }
@@ -375,9 +354,7 @@ class Splat {
 
   const SheetRows& rows_;
   const ImageRows& image_;
-  const ClipRows* kept_;                     // null without a cut
-  Blocks whole_;                             // of the current pair, with a cut
-  [[maybe_unused]] std::int64_t block_ = 0;  // the current one, with a cut
+  Clip clip_;
   Blocks reach_;
   Blocks next_hidden_;
   std::int64_t pair_ = 0;

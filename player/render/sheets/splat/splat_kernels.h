@@ -71,24 +71,16 @@ struct SplatKernels {
   /// extinction k and emission e along a slab of length d = `slab_mm`, the exact update is
   ///   colour += (1 - opacity) * e * (1 - exp(-k d)) / k,   opacity += (1 - opacity) * (1 - exp(-k d)).
   /// Early ray termination: pixels with a transmittance of at most `termination_threshold` may remain
-  /// unchanged. Cost: linear in the blocks of the spans. Opaque blocks cost a test of their pixels, or
-  /// nothing if they are known in `image.opaque`.
-  void (*composite)(const SheetRows& rows, float slab_mm, float termination_threshold,
+  /// unchanged. `clip` multiplies the length of the slab by the kept fraction at each pixel. Cost: linear in
+  /// the blocks of the spans that reach visible pixels. Opaque blocks cost a test of their pixels, or nothing
+  /// if they are known in `image.opaque`.
+  void (*composite)(const SheetRows& rows, const ClipRows& clip, float slab_mm, float termination_threshold,
                     const ImageRows& image);
-
-  /// The same for a slab that planes cut: its length is multiplied by the kept fraction of each pixel. Costs
-  /// nothing outside the visible pixels.
-  void (*composite_cut)(const SheetRows& rows, const ClipRows& kept, float slab_mm,
-                        float termination_threshold, const ImageRows& image);
 
   /// Weighted sum of `floats` values, a multiple of kBlock. At least one input is not null; `mixed` is
   /// aligned to cache lines, too.
   void (*mix)(const WeightedOptics& a, const WeightedOptics& b, std::size_t floats, float* mixed);
 };
-
-/// SplatKernels::composite_cut of the best kernels.
-void best_composite_cut(const SheetRows& rows, const ClipRows& kept, float slab_mm,
-                        float termination_threshold, const ImageRows& image);
 
 /// Scalar reference kernels. SPLATLAS_SIMD=scalar in the environment forces them.
 [[nodiscard]] const SplatKernels& scalar_kernels();

@@ -1,4 +1,5 @@
-// Choice of the splat kernel for the rows and phases of a call. Compiled once for every instruction set.
+// Choice of the splat kernel for the rows, phases and clip of a call. Compiled once for every instruction
+// set.
 #if defined(SPLATLAS_PLAYER_SPLAT_ROWS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SPLATLAS_PLAYER_SPLAT_ROWS_INL_H_
 #undef SPLATLAS_PLAYER_SPLAT_ROWS_INL_H_
@@ -17,16 +18,16 @@
 HWY_BEFORE_NAMESPACE();
 namespace splatlas::HWY_NAMESPACE {
 
-template <int kEmissions, int kRows, int kPhases>
-HWY_INLINE void CompositePairs(const SheetRows& rows, float slab_mm, float termination_threshold,
+template <int kEmissions, int kRows, int kPhases, class Clip>
+HWY_INLINE void CompositePairs(const SheetRows& rows, const Clip& clip, float slab_mm, float threshold,
                                const ImageRows& image) {
-  Splat<kEmissions, kRows, kPhases> splat(rows, slab_mm, termination_threshold, image);
+  Splat<kEmissions, kRows, kPhases, Clip> splat(rows, clip, slab_mm, threshold, image);
   for (std::int64_t pair = 0; pair < rows.pairs; ++pair) splat.CompositePair(pair);
 }
 
 /// Every phase row by itself.
-template <int kEmissions>
-HWY_INLINE void CompositeOneByOne(const SheetRows& rows, float slab_mm, float termination_threshold,
+template <int kEmissions, class Clip>
+HWY_INLINE void CompositeOneByOne(const SheetRows& rows, const Clip& clip, float slab_mm, float threshold,
                                   const ImageRows& image) {
   SheetRows one = rows;
   one.rows_between = one.phase_count = 1;
@@ -38,29 +39,39 @@ HWY_INLINE void CompositeOneByOne(const SheetRows& rows, float slab_mm, float te
       const auto r = static_cast<std::int64_t>(row), p = static_cast<std::int64_t>(phase);
       phase_row.pixels += r * image.row_stride + p * image.phase_stride;
       if (phase_row.opaque != nullptr) phase_row.opaque += r * image.opaque_row_stride + p;
-      CompositePairs<kEmissions, 1, 1>(one, slab_mm, termination_threshold, phase_row);
+      CompositePairs<kEmissions, 1, 1>(one, clip.PhaseRow(r, p), slab_mm, threshold, phase_row);
     }
   }
 }
 
-template <int kEmissions>
-HWY_INLINE void CompositeEmissions(const SheetRows& rows, float slab_mm, float termination_threshold,
+template <int kEmissions, class Clip>
+HWY_INLINE void CompositeEmissions(const SheetRows& rows, const Clip& clip, float slab_mm, float threshold,
                                    const ImageRows& image) {
-  switch (10 * rows.rows_between + rows.phase_count) {
-    case 11: return CompositePairs<kEmissions, 1, 1>(rows, slab_mm, termination_threshold, image);
-    case 12: return CompositePairs<kEmissions, 1, 2>(rows, slab_mm, termination_threshold, image);
-    case 13: return CompositePairs<kEmissions, 1, 3>(rows, slab_mm, termination_threshold, image);
-    case 21: return CompositePairs<kEmissions, 2, 1>(rows, slab_mm, termination_threshold, image);
-    case 22: return CompositePairs<kEmissions, 2, 2>(rows, slab_mm, termination_threshold, image);
-    case 33: return CompositePairs<kEmissions, 3, 3>(rows, slab_mm, termination_threshold, image);
-    default: return CompositeOneByOne<kEmissions>(rows, slab_mm, termination_threshold, image);
+  const std::size_t group = 10 * rows.rows_between + rows.phase_count;
+  if constexpr (Clip::kHasAllGroups) {
+    if (group == 12) return CompositePairs<kEmissions, 1, 2>(rows, clip, slab_mm, threshold, image);
+    if (group == 13) return CompositePairs<kEmissions, 1, 3>(rows, clip, slab_mm, threshold, image);
+    if (group == 21) return CompositePairs<kEmissions, 2, 1>(rows, clip, slab_mm, threshold, image);
+  }
+  switch (group) {
+    case 11: return CompositePairs<kEmissions, 1, 1>(rows, clip, slab_mm, threshold, image);
+    case 22: return CompositePairs<kEmissions, 2, 2>(rows, clip, slab_mm, threshold, image);
+    case 33: return CompositePairs<kEmissions, 3, 3>(rows, clip, slab_mm, threshold, image);
+    default: return CompositeOneByOne<kEmissions>(rows, clip, slab_mm, threshold, image);
   }
 }
 
-inline void CompositeRows(const SheetRows& rows, float slab_mm, float termination_threshold,
+template <class Clip>
+void CompositeClipped(const SheetRows& rows, const Clip& clip, float slab_mm, float threshold,
+                      const ImageRows& image) {
+  rows.slice->emissions == 1 ? CompositeEmissions<1>(rows, clip, slab_mm, threshold, image)
+                             : CompositeEmissions<3>(rows, clip, slab_mm, threshold, image);
+}
+
+inline void CompositeRows(const SheetRows& rows, const ClipRows& clip, float slab_mm, float threshold,
                           const ImageRows& image) {
-  rows.slice->emissions == 1 ? CompositeEmissions<1>(rows, slab_mm, termination_threshold, image)
-                             : CompositeEmissions<3>(rows, slab_mm, termination_threshold, image);
+  clip.planes == 0 ? CompositeClipped(rows, NoPixelClip(), slab_mm, threshold, image)
+                   : CompositeClipped(rows, PixelClip(clip), slab_mm, threshold, image);
 }
 
 }  // namespace splatlas::HWY_NAMESPACE

@@ -4,15 +4,13 @@
 #include <hwy/highway.h>
 
 #include "player/render/sheets/splat/mix_optics-inl.h"
-#include "player/render/sheets/splat/splat_cut-inl.h"
 #include "player/render/sheets/splat/splat_kernels.h"
 #include "player/render/sheets/splat/splat_rows-inl.h"
 
 namespace splatlas {
 
 const SplatKernels& scalar_kernels() {
-  static constexpr SplatKernels kKernels{"scalar", HWY_NAMESPACE::CompositeRows,
-                                         HWY_NAMESPACE::CompositeCutRows, HWY_NAMESPACE::MixOptics};
+  static constexpr SplatKernels kKernels{"scalar", HWY_NAMESPACE::CompositeRows, HWY_NAMESPACE::MixOptics};
   return kKernels;
 }
 

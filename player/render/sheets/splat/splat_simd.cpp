@@ -14,12 +14,17 @@
 HWY_BEFORE_NAMESPACE();
 namespace splatlas::HWY_NAMESPACE {
 
-void CompositeDispatched(const SheetRows& rows, float slab_mm, float termination_threshold,
+#if HWY_TARGET != HWY_SCALAR
+// In splat_clip_simd.cpp.
+extern template void CompositeClipped(const SheetRows&, const PixelClip&, float, float, const ImageRows&);
+#endif
+
+void CompositeDispatched(const SheetRows& rows, const ClipRows& clip, float slab_mm, float threshold,
                          const ImageRows& image) {
 #if HWY_TARGET == HWY_SCALAR
-  scalar_kernels().composite(rows, slab_mm, termination_threshold, image);
+  scalar_kernels().composite(rows, clip, slab_mm, threshold, image);
 #else
-  CompositeRows(rows, slab_mm, termination_threshold, image);
+  CompositeRows(rows, clip, slab_mm, threshold, image);
 #endif
 }
 
@@ -43,8 +48,9 @@ namespace {
 HWY_EXPORT(CompositeDispatched);
 HWY_EXPORT(MixDispatched);
 
-void composite(const SheetRows& rows, float slab_mm, float termination_threshold, const ImageRows& image) {
-  HWY_DYNAMIC_DISPATCH(CompositeDispatched)(rows, slab_mm, termination_threshold, image);
+void composite(const SheetRows& rows, const ClipRows& clip, float slab_mm, float threshold,
+               const ImageRows& image) {
+  HWY_DYNAMIC_DISPATCH(CompositeDispatched)(rows, clip, slab_mm, threshold, image);
 }
 
 void mix(const WeightedOptics& a, const WeightedOptics& b, std::size_t floats, float* mixed) {
@@ -55,7 +61,7 @@ void mix(const WeightedOptics& a, const WeightedOptics& b, std::size_t floats, f
 
 const SplatKernels& best_kernels() {
   static const SplatKernels kKernels =
-      scalar_is_forced() ? scalar_kernels() : SplatKernels{best_target(), composite, best_composite_cut, mix};
+      scalar_is_forced() ? scalar_kernels() : SplatKernels{best_target(), composite, mix};
   return kKernels;
 }
 

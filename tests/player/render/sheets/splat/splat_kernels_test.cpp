@@ -123,7 +123,7 @@ struct Case {
             1 + static_cast<std::size_t>(slice.emissions)};
   }
   void composite(const SplatKernels& kernels, float slab_mm, float threshold, Image& image) const {
-    kernels.composite(rows, slab_mm, threshold, image.rows(rows.phase_count, rows.rows_between));
+    kernels.composite(rows, {}, slab_mm, threshold, image.rows(rows.phase_count, rows.rows_between));
   }
 
   /// The definition, in double precision.
@@ -233,7 +233,7 @@ TEST_P(SplatKernelsOf, OpacityOfThinSlabsDoesNotCancel) {
     const auto extinction = static_cast<float>(depth);
     const SliceSpans slice = slice_of({Scanline(40, Optics4{extinction, extinction, 0, 0})}, 3);
     Image image(40, 1, 4);
-    kernels().composite(upon(slice, {}), 1.0f, 0, image.rows(1, 1));
+    kernels().composite(upon(slice, {}), {}, 1.0f, 0, image.rows(1, 1));
     const double expected = -std::expm1(-static_cast<double>(extinction));
     for (std::int64_t x = 0; x < 40; ++x) {
       ASSERT_NEAR(image.at(0, 0, x) / expected, 1, 3e-7) << "depth " << depth;
@@ -250,7 +250,7 @@ TEST_P(SplatKernelsOf, EmptyPixelsStayAsTheyAreBitForBit) {
   Image image(40, 1, 4);
   image.fill(random);
   Image before = image;
-  kernels().composite(upon(slice, {0.5f, 0}), 3.0f, 0, image.rows(1, 1));
+  kernels().composite(upon(slice, {0.5f, 0}), {}, 3.0f, 0, image.rows(1, 1));
   for (std::size_t plane = 0; plane < 4; ++plane) {
     for (std::int64_t x = 0; x < 40; ++x) {
       if (x == 20 || x == 21) {
@@ -268,10 +268,10 @@ TEST_P(SplatKernelsOf, OpaqueBlocksStayAndTheNextOneGetsItsFootprint) {
   const SheetRows rows = upon(slice, {0.75f, 5});
   constexpr float kThreshold = 0.125f;
   Image nowhere(60, 1, 2);
-  kernels().composite(rows, 1.0f, kThreshold, nowhere.rows(1, 1));
+  kernels().composite(rows, {}, 1.0f, kThreshold, nowhere.rows(1, 1));
   Image image(60, 1, 2);
   for (std::int64_t x = 21; x <= 36; ++x) image.at(0, 1, x) = 0.875f;
-  kernels().composite(rows, 1.0f, kThreshold, image.rows(1, 1));
+  kernels().composite(rows, {}, 1.0f, kThreshold, image.rows(1, 1));
   for (std::int64_t x = 0; x < 60; ++x) {
     const bool opaque = x >= 21 && x <= 36;
     EXPECT_EQ(image.at(0, 0, x), opaque ? 0 : nowhere.at(0, 0, x)) << x;
@@ -279,7 +279,7 @@ TEST_P(SplatKernelsOf, OpaqueBlocksStayAndTheNextOneGetsItsFootprint) {
   image = Image(60, 1, 2);
   constexpr float kAlmost = 0.874f;
   for (std::int64_t x = 21; x <= 36; ++x) image.at(0, 1, x) = x == 30 ? kAlmost : 0.875f;
-  kernels().composite(rows, 1.0f, kThreshold, image.rows(1, 1));
+  kernels().composite(rows, {}, 1.0f, kThreshold, image.rows(1, 1));
   EXPECT_NEAR(image.at(0, 0, 30), (1 - kAlmost) * nowhere.at(0, 0, 30), 1e-7) << "it is not opaque";
   for (std::int64_t x = 21; x <= 36; ++x) {
     EXPECT_GT(image.at(0, 0, x), 0) << "one pixel is not opaque";
@@ -304,7 +304,7 @@ TEST_P(SplatKernelsOf, RecordedOpaquePixelsHaveNoEffect) {
     rows.opaque_row_stride = static_cast<std::int64_t>(scene.rows.phase_count);
     rows.opaque_pair_stride = rows.opaque_row_stride * static_cast<std::int64_t>(scene.rows.rows_between);
     for (int slice = 0; slice < 12; ++slice) {
-      kernels().composite(scene.rows, 0.9f, kThreshold, rows);
+      kernels().composite(scene.rows, {}, 0.9f, kThreshold, rows);
       scene.composite(kernels(), 0.9f, kThreshold, without);
       for (Phase& phase : scene.rows.phases) phase.shift += slice % 4 == 0 ? 1 : 0;
     }
@@ -379,8 +379,8 @@ TEST_P(SplatKernelsOf, CompositeCutSlabs) {
                                          {0, image.columns(), 0, 0});
     kept.pixels = pixels.data();
     kept.lines = lines.data();
-    kernels().composite_cut(scene.rows, kept, 0.8f, 0,
-                            image.rows(scene.rows.phase_count, scene.rows.rows_between));
+    kernels().composite(scene.rows, kept, 0.8f, 0,
+                        image.rows(scene.rows.phase_count, scene.rows.rows_between));
     for (std::size_t s = 0; s < image.phase_rows(); ++s) {
       for (std::int64_t x = 0; x < image.columns(); ++x) {
         const double depth = scene.splatted(s, x, 0) * 0.8f * fraction(s, x);
