@@ -3,7 +3,6 @@
 
 #include <map>
 
-#include "preprocess/import/images/dicom/read_segments.h"
 #include "tests/preprocess/import/images/dicom/import_dicom_fixture.h"
 
 namespace splatlas {
