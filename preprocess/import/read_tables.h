@@ -2,7 +2,7 @@
 #pragma once
 
 #include "preprocess/import/tables/names/read_names.h"
-#include "preprocess/import/tables/trees/read_tree.h"
+#include "preprocess/import/tables/read_tree.h"
 
 namespace splatlas {
 

@@ -5,7 +5,6 @@
 
 #include "format/text/ascii_text.h"
 #include "preprocess/commands/build_report.h"
-#include "preprocess/import/images/image_formats.h"
 #include "preprocess/import/images/import_image.h"
 #include "preprocess/import/labels/import_labels.h"
 #include "preprocess/import/meshes/import_mesh.h"

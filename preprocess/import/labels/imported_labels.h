@@ -10,7 +10,7 @@
 #include "format/content/voxel_type.h"
 #include "preprocess/import/membership_volume.h"
 #include "preprocess/import/notes.h"
-#include "preprocess/import/tables/source_structure.h"
+#include "preprocess/import/tables/names_table.h"
 
 namespace splatlas {
 

@@ -8,7 +8,7 @@
 #include "preprocess/import/images/dicom/decode/decode_frame.h"
 #include "preprocess/import/images/dicom/dicom_item.h"
 #include "preprocess/import/import_error.h"
-#include "preprocess/import/tables/structure_name.h"
+#include "preprocess/import/tables/text_file.h"
 
 namespace splatlas {
 namespace {
@@ -27,7 +27,7 @@ std::optional<Code> code_in(DcmItem& item) {
   return code;
 }
 
-void add_terms(DcmItem& segment, std::vector<SourceTerm>& terms) {
+void add_terms(DcmItem& segment, std::vector<Term>& terms) {
   DcmItem* const type = first_item(segment, DCM_SegmentedPropertyTypeCodeSequence);
   if (type == nullptr) return;
   if (auto code = code_in(*type)) terms.push_back({vocabulary_of(code->scheme), std::move(code->value)});

@@ -6,7 +6,7 @@
 
 #include "format/result.h"
 #include "preprocess/import/notes.h"
-#include "preprocess/import/tables/tree_line.h"
+#include "preprocess/import/tables/names_table.h"
 
 namespace splatlas {
 
