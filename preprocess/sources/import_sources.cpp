@@ -17,11 +17,10 @@
 #include "preprocess/import/import_error.h"
 #include "preprocess/import/labels/import_labels.h"
 #include "preprocess/import/labels/label_map.h"
-#include "preprocess/import/read_tables.h"
 #include "preprocess/import/resample.h"
 #include "preprocess/import/tables/names/read_names.h"
+#include "preprocess/import/tables/read_tree.h"
 #include "preprocess/import/tables/text_file.h"
-#include "preprocess/sources/fit_grid.h"
 
 namespace splatlas {
 namespace {

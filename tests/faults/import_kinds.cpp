@@ -9,7 +9,7 @@
 #include "preprocess/import/labels/import_labels.h"
 #include "preprocess/import/meshes/import_mesh.h"
 #include "preprocess/import/meshes/place_mesh.h"
-#include "preprocess/import/read_tables.h"
+#include "preprocess/import/tables/read_tree.h"
 
 namespace splatlas {
 namespace {

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "preprocess/import/images/pixels/source_image.h"
-#include "preprocess/import/labels/imported_labels.h"
+#include "preprocess/import/labels/label_map.h"
 
 namespace splatlas {
 

@@ -6,7 +6,6 @@
 
 #include "format/result_macros.h"
 #include "preprocess/import/tables/names/dialects.h"
-#include "preprocess/import/tables/table.h"
 #include "preprocess/import/tables/table_entries.h"
 #include "preprocess/import/tables/text_file.h"
 

@@ -1,7 +1,5 @@
 // Names and trees in JSON.
 #include <algorithm>
-#include <string>
-#include <string_view>
 #include <unordered_map>
 
 #include <fmt/format.h>
@@ -11,8 +9,6 @@
 #include "format/text/ascii_text.h"
 #include "preprocess/import/tables/color_text.h"
 #include "preprocess/import/tables/names/dialects.h"
-#include "preprocess/import/tables/names_collector.h"
-#include "preprocess/import/tables/table.h"
 #include "preprocess/import/tables/table_entries.h"
 #include "preprocess/import/tables/text_file.h"
 

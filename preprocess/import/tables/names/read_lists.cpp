@@ -1,8 +1,6 @@
 // Names in lists: a label, a name and perhaps a colour a line.
 #include <algorithm>
 #include <array>
-#include <string_view>
-#include <vector>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -10,7 +8,6 @@
 #include "format/text/ascii_text.h"
 #include "preprocess/import/tables/color_text.h"
 #include "preprocess/import/tables/names/dialects.h"
-#include "preprocess/import/tables/names_collector.h"
 #include "preprocess/import/tables/text_file.h"
 
 namespace splatlas {

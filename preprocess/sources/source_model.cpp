@@ -1,16 +1,14 @@
-#include "preprocess/sources/fit_grid.h"
+#include "preprocess/sources/source_model.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <vector>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "format/content/class_table.h"
 #include "format/result_macros.h"
-#include "preprocess/import/membership_volume.h"
 #include "preprocess/import/meshes/import_mesh.h"
 
 namespace splatlas {
