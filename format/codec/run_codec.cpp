@@ -1,8 +1,5 @@
 #include "format/codec/run_codec.h"
 
-#include <limits>
-
-#include "format/codec/zigzag.h"
 #include "format/result_macros.h"
 #include "format/tasks/task_control.h"
 

@@ -1,15 +1,31 @@
 // Encoding of run lists: the runs of one class along one principal axis.
 #pragma once
 
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
+#include <type_traits>
 #include <vector>
 
 #include "format/content/run_model.h"
 #include "format/result.h"
 
 namespace splatlas {
+
+/// Maps 0, -1, 1, -2, ... to 0, 1, 2, 3, ...
+template <std::signed_integral T>
+[[nodiscard]] constexpr std::make_unsigned_t<T> zigzag(T value) {
+  using Unsigned = std::make_unsigned_t<T>;
+  return (static_cast<Unsigned>(value) << 1) ^ static_cast<Unsigned>(value >> std::numeric_limits<T>::digits);
+}
+
+template <std::unsigned_integral T>
+[[nodiscard]] constexpr std::make_signed_t<T> unzigzag(T code) {
+  using Signed = std::make_signed_t<T>;
+  return static_cast<Signed>(code >> 1) ^ -static_cast<Signed>(code & 1);
+}
 
 /// Appends an encoded run list (valid, see validate_runs()) to `bytes`; nothing for an empty list. The code
 /// is a sequence of varints, column by column: number of runs, scanline differences, lengths, starts. Lengths

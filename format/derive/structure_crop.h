@@ -5,11 +5,37 @@
 #include <span>
 #include <vector>
 
+#include "format/content/class_table.h"
 #include "format/content/grid.h"
 #include "format/content/run_model.h"
-#include "format/derive/structure_classes.h"
 
 namespace splatlas {
+
+/// A class inside a structure: Part::kInterior or Part::kBoundary.
+struct StructureClass {
+  ClassId id = kEmptyClass;
+  Part part = Part::kInterior;
+};
+
+/// Memberships by structure. A lookup costs only the classes of one structure. Memory: 8 bytes per
+/// membership. Construction: linear in the memberships.
+class StructureClasses {
+ public:
+  /// All structures of memberships must be below `structures`.
+  StructureClasses(const ClassTable& classes, std::size_t structures);
+
+  /// Classes inside the structure in ascending order, without those that only its surface crosses.
+  [[nodiscard]] std::span<const StructureClass> of(StructureIndex structure) const {
+    return std::span(list_).subspan(first_[structure], first_[structure + 1] - first_[structure]);
+  }
+
+ private:
+  std::vector<StructureClass> list_;
+  std::vector<std::size_t> first_;  // [structure], size + 1 offsets
+};
+
+/// Bounding box of the voxels of these classes.
+[[nodiscard]] IndexBox box_of(const ClassTable& classes, std::span<const StructureClass> members);
 
 /// Parts of one structure in a box of voxels. The crop of a whole structure is its bounding box padded by one
 /// voxel of outside, also beyond the grid.

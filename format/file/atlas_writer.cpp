@@ -14,7 +14,6 @@
 #include "format/content/run_model.h"
 #include "format/derive/boundary_split.h"
 #include "format/derive/fit_surface.h"
-#include "format/file/content_check.h"
 #include "format/file/directory.h"
 #include "format/file/file_layout.h"
 #include "format/file/fitted_content.h"

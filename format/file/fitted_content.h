@@ -1,11 +1,12 @@
-// Detection of surfaces and normals that readers can derive from the voxels.
+// Check of content ahead of writing, and the surfaces and normals that readers can derive from the voxels.
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
 #include "format/content/atlas_content.h"
-#include "format/derive/structure_classes.h"
+#include "format/derive/structure_crop.h"
+#include "format/result.h"
 
 namespace splatlas {
 
@@ -35,5 +36,9 @@ struct FittedParts {
 [[nodiscard]] std::vector<bool> find_uniform(const ClassTable& classes,
                                              const StructureClasses& structure_classes,
                                              std::size_t structures);
+
+/// kFailed if sizes, class ids, counts, boxes or the order of classes of the content are inconsistent.
+/// validate() checks its directory, and encode_surface() its surfaces. Cost: one pass over the class volume.
+[[nodiscard]] Result<void> check_content(const AtlasContent& content);
 
 }  // namespace splatlas

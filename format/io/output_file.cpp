@@ -14,7 +14,7 @@
 
 #include "format/io/interrupts.h"
 #include "format/io/output_path.h"
-#include "format/io/unfinished_file.h"
+#include "format/io/staged_file.h"
 #include "format/result_macros.h"
 
 namespace splatlas {

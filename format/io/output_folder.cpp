@@ -13,7 +13,6 @@
 #include "format/io/check_writable.h"
 #include "format/io/output_path.h"
 #include "format/io/staged_file.h"
-#include "format/io/unfinished_file.h"
 #include "format/result_macros.h"
 
 namespace splatlas {

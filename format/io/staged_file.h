@@ -1,12 +1,15 @@
 // Unfinished files and folders, invisible or under a random name, and their publication under a final name.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
 
+#include <sys/stat.h>
 #include <sys/types.h>
 
+#include "format/io/checksum.h"
 #include "format/io/interrupts.h"
 #include "format/result.h"
 
@@ -70,5 +73,25 @@ class StagedFile {
 
 /// A name for temporaries that nobody else takes: ".splatlas-" and 128 random bits.
 [[nodiscard]] std::string random_name();
+
+/// A file that has no name yet, and the target that it will replace.
+struct UnfinishedFile {
+  /// Creates the staged file in `folder`, on the file system of the target. kFailed also for a closed handle,
+  /// with the reason from errno.
+  [[nodiscard]] Result<void> create(FolderHandle folder);
+  /// Verifies the bytes of write(), sets owner and permissions, and syncs the file.
+  [[nodiscard]] Result<void> complete() const;
+
+  std::filesystem::path path, target;  // as given, and with links resolved
+  std::optional<struct stat> old;      // of the file to be replaced
+  StagedFile staged;
+  std::optional<RunningChecksum> written;  // of the bytes of write(), if it was called
+  std::uint64_t written_bytes = 0;
+};
+
+/// Copies owner, group and permissions (no setuid, setgid and sticky bits) to an open file or folder. Only
+/// root can keep another owner. If the group cannot be kept, the new group gets the permissions of others.
+/// False, with errno set, on failure.
+[[nodiscard]] bool keep_owner_and_mode(int descriptor, const struct stat& old);
 
 }  // namespace splatlas

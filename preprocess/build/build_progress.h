@@ -1,6 +1,7 @@
 // Progress reports and stage timing of a build.
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <functional>
 #include <string>
@@ -28,9 +29,21 @@ class StageClock {
 
   /// Ends the current stage and begins the next. `weight` is its fraction of a typical build; weights should
   /// sum to 1.
-  void begin(const std::string& stage, double weight);
-  void update(double stage_fraction);
-  void end();
+  void begin(const std::string& stage, double weight) {
+    end();
+    stage_ = stage;
+    weight_ = weight;
+    stage_start_ = Clock::now();
+    update(0);
+  }
+  void update(double stage_fraction) { report(stage_fraction, false); }
+  void end() {
+    if (stage_.empty()) return;
+    report(1, true);
+    stages_.push_back({stage_, seconds_since(stage_start_)});
+    weight_before_ += weight_;
+    stage_.clear();
+  }
 
   /// A finished stage.
   struct Stage {
@@ -41,8 +54,14 @@ class StageClock {
 
  private:
   using Clock = std::chrono::steady_clock;
-  void report(double stage_fraction, bool ended) const;
-  [[nodiscard]] static double seconds_since(Clock::time_point start);
+  void report(double stage_fraction, bool ended) const {
+    if (!listen_ || stage_.empty()) return;
+    listen_({stage_, stage_fraction, std::min(1.0, weight_before_ + weight_ * stage_fraction),
+             seconds_since(stage_start_), seconds_since(start_), ended});
+  }
+  [[nodiscard]] static double seconds_since(Clock::time_point start) {
+    return std::chrono::duration<double>(Clock::now() - start).count();
+  }
 
   ProgressFunction listen_;
   Clock::time_point start_, stage_start_;

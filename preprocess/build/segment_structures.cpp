@@ -9,7 +9,6 @@
 #include "format/result_macros.h"
 #include "format/text/ascii_text.h"
 #include "preprocess/classify/fragments.h"
-#include "preprocess/import/tables/structure_name.h"
 #include "preprocess/import/tables/text_file.h"
 #include "preprocess/surfaces/isosurface.h"
 

@@ -2,9 +2,6 @@
 #pragma once
 
 #include <filesystem>
-#include <string>
-#include <string_view>
-#include <utility>
 
 #include "preprocess/build/build_atlas.h"
 #include "preprocess/commands/progress_display.h"
@@ -32,9 +29,5 @@ CLI::App* add_export(CLI::App& app, ExportOptions& options);
 [[nodiscard]] Result<void> run_build(const BuildRequest& request);
 /// Exports and prints a line per file to standard output.
 [[nodiscard]] Result<void> run_export(const ExportOptions& options);
-
-/// Splits an option's NAME=FILE at the first "="; kUsage, with the option's name, if a side is empty.
-[[nodiscard]] Result<std::pair<std::string, std::filesystem::path>> parse_name_and_file(
-    std::string_view option, std::string_view text);
 
 }  // namespace splatlas

@@ -23,17 +23,16 @@ axis of more than 32767 voxels.
 
 Exit status: 0 done; 1 could not be done; 2 wrong usage; 3 not a valid atlas; 4 name not found.)";
 
-}  // namespace
-
-Result<std::pair<std::string, std::filesystem::path>> parse_name_and_file(std::string_view option,
-                                                                          std::string_view text) {
+/// Splits NAME=FILE at the first "="; kUsage if a side is empty.
+Result<std::pair<std::string, std::filesystem::path>> parse_surface(std::string_view text) {
   const std::size_t equals = text.find('=');
   const std::string_view name = trimmed(text.substr(0, equals));
-  if (equals == std::string_view::npos || name.empty() || equals + 1 == text.size()) {
-    return fail(ErrorCode::kUsage, "{} '{}': must be NAME=FILE", option, text);
-  }
+  if (equals == std::string_view::npos || name.empty() || equals + 1 == text.size())
+    return fail(ErrorCode::kUsage, "--surface '{}': must be NAME=FILE", text);
   return std::pair(std::string(name), std::filesystem::path(text.substr(equals + 1)));
 }
+
+}  // namespace
 
 CLI::App* add_export(CLI::App& app, ExportOptions& options) {
   CLI::App* command =
@@ -43,10 +42,8 @@ CLI::App* add_export(CLI::App& app, ExportOptions& options) {
   command->add_option("--labels", options.labels, "label map to write; FOLDER/ for one mask per structure")
       ->check(names_a_file());
   command->add_option("--volume", options.volume, "grey values to write")->check(names_a_file());
-  add_repeated(
-      *command, "--surface", options.surfaces,
-      [](std::string_view text) { return parse_name_and_file("--surface", text); },
-      "STRUCTURE=FILE: a surface to write (repeatable)");
+  add_repeated(*command, "--surface", options.surfaces, parse_surface,
+               "STRUCTURE=FILE: a surface to write (repeatable)");
   command->add_option("--names", options.names, "names, colours and codes to write, as CSV")
       ->check(names_a_file());
   add_choice(*command, "--names-format", options.names_format,

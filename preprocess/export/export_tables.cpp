@@ -10,8 +10,8 @@
 #include "format/result_macros.h"
 #include "format/text/ascii_text.h"
 #include "format/text/json_text.h"
-#include "preprocess/import/tables/structure_name.h"
-#include "preprocess/import/tables/table_columns.h"
+#include "preprocess/import/tables/table.h"
+#include "preprocess/import/tables/text_file.h"
 
 namespace splatlas {
 namespace {

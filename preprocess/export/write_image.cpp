@@ -2,22 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
 #include <functional>
 #include <iterator>
 #include <new>
 #include <optional>
 #include <span>
-#include <string>
 #include <utility>
-#include <vector>
 
 #include "format/io/output_file.h"
 #include "format/result_macros.h"
 #include "format/text/ascii_text.h"
 #include "preprocess/export/deflate.h"
-#include "preprocess/export/image_header.h"
-#include "preprocess/import/images/pixels/check_image_file.h"
+#include "preprocess/export/image_headers.h"
 #include "preprocess/import/import_error.h"
 
 namespace splatlas {

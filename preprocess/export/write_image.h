@@ -17,7 +17,7 @@ namespace splatlas {
 
 /// Writes .nii, .nii.gz, .nrrd or .mha, atomically (format/io/output_file.h). The voxels have a type and
 /// fill the grid, which is valid. kFailed, before a file exists, for a geometry that the format cannot hold
-/// (image_header.h). Cost: compresses in pieces; .mha keeps the compressed voxels in memory.
+/// (image_headers.h). Cost: compresses in pieces; .mha keeps the compressed voxels in memory.
 [[nodiscard]] Result<void> write_image(const Image& image, const std::filesystem::path& path);
 
 /// Slices of a mask: uint8, 1 inside. All others are 0.

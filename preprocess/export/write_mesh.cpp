@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <fstream>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -251,8 +250,8 @@ Result<void> write_mesh(std::span<const SurfaceMesh> surfaces, const Grid& grid,
   const vtkNew<vtkPolyData> polygons = to_polygons(surfaces, grid);
   SPLATLAS_ASSIGN_OR_RETURN(const bool written, write_as(format, *polygons, comment_of(surfaces), file));
   // Read back: VTK detects a full disk only for some formats, and lost bytes for none.
-  const auto back = import_mesh(file.temporary(), format, MeshFrame::kLps);
-  if (written && back && holds_triangles(*back, corners)) return file.commit();
+  const auto back = read_mesh_here(file.temporary(), format);
+  if (written && back && holds_triangles(back->mesh, corners)) return file.commit();
   if (written && loses_triangles(corners)) return too_far(path, largest_mm, edge_mm);
   return bad_file(path, "cannot be written whole; is the disk full?");
 }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <map>
 #include <set>
 #include <span>
@@ -14,15 +13,14 @@
 #include "format/text/ascii_text.h"
 #include "preprocess/import/file_hash.h"
 #include "preprocess/import/images/import_image.h"
-#include "preprocess/import/images/pictures/brainglobe_folder.h"
+#include "preprocess/import/images/pictures/read_pictures.h"
 #include "preprocess/import/import_error.h"
 #include "preprocess/import/labels/import_labels.h"
 #include "preprocess/import/labels/label_map.h"
-#include "preprocess/import/read_tables.h"
 #include "preprocess/import/resample.h"
 #include "preprocess/import/tables/names/read_names.h"
-#include "preprocess/import/tables/structure_name.h"
-#include "preprocess/sources/fit_grid.h"
+#include "preprocess/import/tables/read_tree.h"
+#include "preprocess/import/tables/text_file.h"
 
 namespace splatlas {
 namespace {

@@ -1,8 +1,9 @@
-// Source files of a build, and what they hold.
+// Source files of a build, what they hold, and their grid.
 #pragma once
 
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,7 @@
 #include "preprocess/import/images/pixels/source_image.h"
 #include "preprocess/import/membership_volume.h"
 #include "preprocess/import/meshes/place_mesh.h"
+#include "preprocess/import/notes.h"
 #include "preprocess/import/tables/names_table.h"
 #include "preprocess/structures/build_graph.h"
 #include "preprocess/surfaces/clip_mesh.h"
@@ -58,5 +60,13 @@ struct SourceModel {
   std::string tree_file;
   std::vector<Source> provenance;
 };
+
+/// The box of the labelled voxels in LPS mm; of the grid where there are none; nothing without a grid.
+[[nodiscard]] std::optional<MmBox> labelled_box(const SourceModel& model);
+
+/// Makes a grid around the meshes if the model has none. With `widens`, adds voxels to its grid until it
+/// holds all meshes: background, and the least grey value. Notes it. kLimit beyond 8 times the voxels.
+[[nodiscard]] Result<void> fit_grid(SourceModel& model, std::span<const TriangleMesh> meshes, bool widens,
+                                    Notes& notes);
 
 }  // namespace splatlas

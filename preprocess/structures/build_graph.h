@@ -7,8 +7,8 @@
 
 #include "format/content/structure_graph.h"
 #include "preprocess/import/notes.h"
-#include "preprocess/import/tables/source_structure.h"
-#include "preprocess/import/tables/trees/read_tree.h"
+#include "preprocess/import/tables/names_table.h"
+#include "preprocess/import/tables/read_tree.h"
 
 namespace splatlas {
 

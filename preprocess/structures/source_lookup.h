@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "format/content/structure_graph.h"
-#include "preprocess/import/tables/source_structure.h"
+#include "preprocess/import/tables/names_table.h"
 
 namespace splatlas {
 

@@ -5,12 +5,11 @@
 
 #include "format/text/ascii_text.h"
 #include "preprocess/commands/build_report.h"
-#include "preprocess/import/images/image_formats.h"
 #include "preprocess/import/images/import_image.h"
 #include "preprocess/import/labels/import_labels.h"
 #include "preprocess/import/meshes/import_mesh.h"
 #include "preprocess/import/meshes/place_mesh.h"
-#include "preprocess/import/read_tables.h"
+#include "preprocess/import/tables/read_tree.h"
 
 namespace splatlas {
 namespace {

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "preprocess/import/tables/names/read_names.h"
-#include "preprocess/import/tables/structure_name.h"
+#include "preprocess/import/tables/text_file.h"
 #include "preprocess/structures/build_graph.h"
 #include "tests/fuzz/fuzz_input.h"
 #include "tests/fuzz/require.h"

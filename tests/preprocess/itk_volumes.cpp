@@ -3,9 +3,12 @@
 #include <array>
 #include <vector>
 
+#include <itkMetaImageIO.h>
 #include <itkNiftiImageIO.h>
+#include <itkNrrdImageIO.h>
 
-#include "preprocess/import/images/itk/image_io.h"
+#include "preprocess/import/images/itk/itk_call.h"
+#include "preprocess/import/images/pixels/check_image_file.h"
 
 namespace splatlas {
 namespace {
@@ -22,6 +25,15 @@ itk::IOComponentEnum component_of(VoxelType type) {
                                        Type::FLOAT,
                                        Type::DOUBLE};
   return kTypes[static_cast<std::size_t>(type)];
+}
+
+itk::ImageIOBase::Pointer make_image_io(ImageFormat format) {
+  switch (format) {
+    case ImageFormat::kNifti: return itk::NiftiImageIO::New().GetPointer();
+    case ImageFormat::kNrrd: return itk::NrrdImageIO::New().GetPointer();
+    case ImageFormat::kMetaImage: break;
+  }
+  return itk::MetaImageIO::New().GetPointer();
 }
 
 }  // namespace

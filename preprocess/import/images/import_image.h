@@ -10,13 +10,30 @@
 
 namespace splatlas {
 
+/// A format of volumes and label maps. A new one is a reader and a line in import_image.cpp.
+struct ImageFormatEntry {
+  const char* name;  ///< for messages: "NIfTI"
+  bool (*recognises)(const std::filesystem::path& file_or_folder);
+  Result<SourceImage> (*read)(const std::filesystem::path& file_or_folder, const ImageOptions& options);
+};
+
+/// The format of a file or a folder; null for others.
+[[nodiscard]] const ImageFormatEntry* find_image_format(const std::filesystem::path& file_or_folder);
+
+/// Reads a file or a folder in this process. kFailed for what no format recognises; the message leads on.
+[[nodiscard]] Result<SourceImage> read_image_here(const std::filesystem::path& file_or_folder,
+                                                  const ImageOptions& options);
+/// The same in a child, so that no file brings this process down (run_isolated.h).
+[[nodiscard]] Result<SourceImage> read_image(const std::filesystem::path& file_or_folder,
+                                             const ImageOptions& options);
+
 /// One volume: voxels in the grid of the file, i fastest.
 struct Image {
   Grid grid;  ///< LPS
   VoxelBuffer voxels;
 };
 
-/// Reads one volume of any format (image_formats.h), in a child. A 2-D image is a volume of one slice. kUsage
+/// Reads one volume of any format, in a child. A 2-D image is a volume of one slice. kUsage
 /// for files of several volumes without `options.component`, and for a component that the file does not have;
 /// errors of the reader. Adds the reader's notes to `notes`. Call it while this process has one thread.
 [[nodiscard]] Result<Image> import_image(const std::filesystem::path& path, const ImageOptions& options,

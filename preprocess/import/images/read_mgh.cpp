@@ -7,9 +7,8 @@
 #include <span>
 
 #include "format/result_macros.h"
-#include "preprocess/import/images/nifti/nifti_grid.h"
+#include "preprocess/import/images/nifti/nifti_header.h"
 #include "preprocess/import/images/pixels/check_image_file.h"
-#include "preprocess/import/images/pixels/gzip_file.h"
 #include "preprocess/import/images/pixels/read_deflated.h"
 #include "preprocess/import/import_error.h"
 

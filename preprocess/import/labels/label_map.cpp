@@ -12,7 +12,7 @@
 #include "format/result_macros.h"
 #include "preprocess/import/images/import_image.h"
 #include "preprocess/import/import_error.h"
-#include "preprocess/import/tables/structure_name.h"
+#include "preprocess/import/tables/text_file.h"
 
 namespace splatlas {
 namespace {

@@ -211,10 +211,6 @@ void to_lps(TriangleMesh& mesh, MeshFrame frame) {
 
 Result<TriangleMesh> import_mesh(const fs::path& path, MeshFrame frame) {
   SPLATLAS_ASSIGN_OR_RETURN(const MeshFormat format, mesh_format(path));
-  return import_mesh(path, format, frame);
-}
-
-Result<TriangleMesh> import_mesh(const fs::path& path, MeshFormat format, MeshFrame frame) {
   SPLATLAS_ASSIGN_OR_RETURN(MeshFile file, read_mesh_here(path, format));
   to_lps(file.mesh, frame);
   return std::move(file.mesh);

@@ -52,9 +52,6 @@ void to_lps(TriangleMesh& mesh, MeshFrame frame);
 
 /// read_mesh_here() and to_lps(), whatever frame the file names.
 [[nodiscard]] Result<TriangleMesh> import_mesh(const std::filesystem::path& path, MeshFrame frame);
-/// The same for a file of any name.
-[[nodiscard]] Result<TriangleMesh> import_mesh(const std::filesystem::path& path, MeshFormat format,
-                                               MeshFrame frame);
 
 /// Vertex normals: area-weighted means of the adjacent triangles' normals.
 [[nodiscard]] std::vector<std::array<float, 3>> vertex_normals(const TriangleMesh& mesh);

@@ -14,7 +14,6 @@
 
 #include "format/result_macros.h"
 #include "preprocess/import/import_error.h"
-#include "preprocess/import/meshes/polygon_mesh.h"
 #include "preprocess/import/meshes/polygon_readers.h"
 #include "preprocess/import/tables/text_file.h"
 

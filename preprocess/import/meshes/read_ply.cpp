@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "preprocess/import/import_error.h"
-#include "preprocess/import/meshes/polygon_mesh.h"
 #include "preprocess/import/meshes/polygon_readers.h"
 #include "preprocess/import/tables/text_file.h"
 

@@ -8,7 +8,6 @@
 
 #include "format/text/ascii_text.h"
 #include "preprocess/import/import_error.h"
-#include "preprocess/import/tables/structure_name.h"
 #include "preprocess/import/tables/text_file.h"
 
 namespace splatlas {

@@ -1,15 +1,55 @@
-// Names files: their dialects and content.
+// Structures of sources, and the content of names files and trees.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
+#include <string>
+#include <string_view>
 #include <vector>
 
-#include "preprocess/import/tables/source_structure.h"
-#include "preprocess/import/tables/tree_line.h"
+#include "format/content/color.h"
+#include "format/content/structure_graph.h"
 
 namespace splatlas {
+
+/// The vocabulary of a coding scheme of DICOM: "SNOMED" for SCT, else the scheme itself.
+[[nodiscard]] inline std::string vocabulary_of(std::string_view scheme) {
+  return scheme == "SCT" ? "SNOMED" : std::string(scheme);
+}
+
+/// A structure before its placement in the graph. Its index in the list of these is its source number.
+struct SourceStructure {
+  std::string name;
+  std::optional<std::int64_t> label;
+  std::optional<std::int64_t> code;  ///< AAL's third column, a hierarchical region code
+  std::optional<Rgb> color;
+  bool external = false;
+  std::vector<Term> terms;  ///< in the order of the source
+};
+
+/// Colours interpolated linearly over the structures of a line; both are equal for a single colour.
+struct ColorRange {
+  Rgb first, last;
+};
+
+/// A structure or group of a table or JSON file, known by a key of its own.
+struct TreeNode {
+  std::string key;  ///< unique in the file
+  std::string name;
+  std::optional<std::int64_t> label;  ///< identifies the structure; else its name does
+  std::vector<std::string> parents;   ///< keys; empty for a root
+};
+
+/// One line of a tree: a path of a tree file, or a node.
+struct TreeLine {
+  std::size_t number = 0;           ///< line or entry of the file, from 1
+  std::vector<std::string> groups;  ///< from the root
+  std::string member;               ///< structure, pattern, "code:...", "#17" or group; empty for groups only
+  std::optional<ColorRange> color;
+  std::optional<TreeNode> node;  ///< replaces groups and member
+};
 
 /// Dialect of a names file; kAuto: by its content.
 enum class NamesFormat : std::uint8_t {

@@ -29,8 +29,8 @@ struct TableEntries {
 [[nodiscard]] Result<TableEntries> read_entries(const Table& table, const NamesInput& input,
                                                 NamesCollector& into);
 
-/// Adds the entries as names, and their hierarchy. Entries of groups have no label.
-void add_entries(TableEntries entries, NamesCollector& into);
+/// Adds the entries of a table as names, and their hierarchy. Entries of groups have no label.
+[[nodiscard]] Result<void> add_table(const Table& table, const NamesInput& input, NamesCollector& into);
 
 /// Nodes of the entries. Parents are ids, abbreviations or names; those that are no entries become groups.
 /// Paths consist of ids ("/997/8/", "[997, 8]") or names ("Brain/Left"). O(entries and path parts).

@@ -1,4 +1,4 @@
-// Line-based reader of small text files, and text parsing helpers.
+// Reader of small text files, text parsing helpers, and structure names.
 #pragma once
 
 #include <cstddef>
@@ -48,5 +48,14 @@ std::vector<std::string_view> split(std::string&& text, char separator) = delete
 [[nodiscard]] std::optional<std::int64_t> parse_integer(std::string_view text);
 /// The same for floating-point numbers. Accepts "nan" and "inf".
 [[nodiscard]] std::optional<double> parse_number(std::string_view text);
+
+inline constexpr std::size_t kMaxNameCharacters = 200;
+
+/// kFailed for empty names, more than kMaxNameCharacters characters, control characters (including tabs and
+/// newlines), and invalid UTF-8. The message contains the name; callers add the location.
+[[nodiscard]] Result<void> check_structure_name(std::string_view name);
+
+/// Normalized name for comparisons: trimmed, ASCII letters in lower case.
+[[nodiscard]] std::string name_key(std::string_view name);
 
 }  // namespace splatlas

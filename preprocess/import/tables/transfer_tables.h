@@ -9,7 +9,7 @@ namespace splatlas {
 void transfer(auto& archive, Rgb& color) {
   archive(color.r, color.g, color.b);
 }
-void transfer(auto& archive, SourceTerm& term) {
+void transfer(auto& archive, Term& term) {
   archive(term.vocabulary, term.value);
 }
 void transfer(auto& archive, SourceStructure& structure) {

@@ -1,8 +1,8 @@
-#include "format/codec/fit_weights.h"
-
 #include <random>
 
 #include <gtest/gtest.h>
+
+#include "format/codec/value_codec.h"
 
 namespace splatlas {
 namespace {

@@ -11,7 +11,6 @@
 
 #include "format/atlas_reader.h"
 #include "format/atlas_writer.h"
-#include "format/codec/fit_weights.h"
 #include "tests/format/atlas_surgery.h"
 #include "tests/format/random_content.h"
 #include "tests/format/random_volume.h"

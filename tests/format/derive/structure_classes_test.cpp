@@ -1,10 +1,9 @@
-#include "format/derive/structure_classes.h"
-
 #include <set>
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
+#include "format/derive/structure_crop.h"
 #include "format/file/fitted_content.h"
 #include "tests/format/random_content.h"
 

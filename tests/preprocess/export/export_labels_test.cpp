@@ -7,8 +7,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "preprocess/import/labels/mask_folder.h"
-#include "preprocess/import/tables/structure_name.h"
+#include "preprocess/import/labels/import_labels.h"
+#include "preprocess/import/tables/text_file.h"
 #include "tests/preprocess/random_images.h"
 #include "tests/support/axis_orders.h"
 #include "tests/support/fails_with.h"

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "preprocess/import/tables/names/read_names.h"
-#include "preprocess/import/tables/trees/read_tree.h"
+#include "preprocess/import/tables/read_tree.h"
 #include "preprocess/structures/build_graph.h"
 #include "tests/support/fails_with.h"
 #include "tests/support/file_bytes.h"

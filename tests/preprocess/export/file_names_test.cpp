@@ -1,5 +1,3 @@
-#include "preprocess/export/file_names.h"
-
 #include <algorithm>
 #include <random>
 #include <set>
@@ -7,7 +5,8 @@
 #include <gmock/gmock.h>
 
 #include "format/text/ascii_text.h"
-#include "preprocess/import/tables/structure_name.h"
+#include "preprocess/export/export_labels.h"
+#include "preprocess/import/tables/text_file.h"
 
 namespace splatlas {
 namespace {

@@ -9,8 +9,8 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include "preprocess/import/images/transfer_image.h"
 #include "preprocess/import/isolation/run_isolated.h"
+#include "preprocess/import/tables/transfer_tables.h"
 #include "tests/support/fails_with.h"
 #include "tests/support/repetitions.h"
 

@@ -1,6 +1,4 @@
 // Grids that are widened for surfaces, and grids around surfaces alone.
-#include "preprocess/import/widen_grid.h"
-
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -9,6 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "preprocess/import/membership_volume.h"
 #include "preprocess/sources/import_sources.h"
 #include "tests/preprocess/import/side_volumes.h"
 #include "tests/preprocess/messages_of_notes.h"

@@ -1,7 +1,5 @@
 // Graphs of tables and JSON trees.
 
-#include "preprocess/structures/place_nodes.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -16,7 +16,7 @@ namespace splatlas {
 /// in LPS mm; a tilted stack has a sheared grid. Values as the files scale them: int16, uint16 or float32.
 /// kUsage if there are several series and none, or no known one, is named; the message lists them. kFailed
 /// for damaged or cut files, missing or uneven slices, and images without geometry; see read_frames.h,
-/// stack_frames.h, read_volume.h and read_segmentation.h.
+/// stack_frames.h and read_segmentation.h.
 /// Nothing of a header is passed on but geometry, modality, segment labels, colours and codes.
 /// Cost: opens each file once or twice; memory for the volume. One thread at a time. The libraries below may
 /// abort or hang on hostile files: call it in a child with limits.

@@ -1,8 +1,12 @@
 // DICOM segmentations: masks, fractions and label maps.
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <filesystem>
+#include <vector>
 
+#include "format/content/color.h"
 #include "format/result.h"
 #include "preprocess/import/images/dicom/stack_frames.h"
 #include "preprocess/import/images/pixels/source_image.h"
@@ -18,5 +22,23 @@ namespace splatlas {
 /// repeat or are not listed. Cost: each frame is decoded once; memory for the layers and the largest segment.
 /// One thread at a time.
 [[nodiscard]] Result<SourceImage> read_segmentation(SlicedStack stack, const std::filesystem::path& path);
+
+enum class SegmentationKind { kBinary, kFractional, kLabelMap };
+
+struct SegmentList {
+  SegmentationKind kind = SegmentationKind::kBinary;
+  std::int32_t max_fraction = 255;      ///< of kFractional
+  std::int32_t background = 0;          ///< of kLabelMap
+  std::vector<SourceSegment> segments;  ///< by their values, which are the segment numbers
+  Notes notes;
+};
+
+/// Reads the header of a segmentation. kFailed for unknown kinds, and segment numbers that repeat or are out
+/// of range. Only labels, colours and codes of the header are returned.
+[[nodiscard]] Result<SegmentList> read_segments(const std::filesystem::path& path);
+
+/// sRGB colour of a RecommendedDisplayCIELabValue, for the white point D65 that writers of segmentations use.
+/// Colours outside sRGB are clamped.
+[[nodiscard]] Rgb color_of_lab(const std::array<double, 3>& encoded);
 
 }  // namespace splatlas

@@ -104,36 +104,31 @@ Result<TextHeader> read_text_header(const fs::path& path, HeaderLine (*parse_lin
   return header;
 }
 
-/// Names of the supported pixel types, by their bytes.
-using TypeNames = std::map<std::uint64_t, std::set<std::string>>;
-
-const TypeNames& nrrd_types() {
-  static const TypeNames kTypes{
-      {1, {"signed char", "int8", "int8_t", "uchar", "unsigned char", "uint8", "uint8_t"}},
-      {2,
-       {"short", "short int", "signed short", "signed short int", "int16", "int16_t", "ushort",
-        "unsigned short", "unsigned short int", "uint16", "uint16_t"}},
-      {4, {"int", "signed int", "int32", "int32_t", "uint", "unsigned int", "uint32", "uint32_t", "float"}},
-      {8,
-       {"double", "longlong", "long long", "long long int", "signed long long", "signed long long int",
-        "int64", "int64_t", "ulonglong", "unsigned long long", "unsigned long long int", "uint64",
-        "uint64_t"}}};
-  return kTypes;
+/// Bytes of a pixel; 0 for types that are not supported. NRRD has many names for one: "unsigned short int",
+/// "ushort", "uint16_t". ITK tells signed types from others.
+std::uint64_t bytes_of_nrrd_type(std::string type) {
+  std::erase(type, ' ');
+  for (const std::string_view prefix : {"unsigned", "signed", "u"}) {
+    if (!type.starts_with(prefix)) continue;
+    type.erase(0, prefix.size());
+    break;
+  }
+  if (type.ends_with("_t")) type.resize(type.size() - 2);
+  static const std::map<std::string, std::uint64_t> kTypes{
+      {"char", 1},  {"int8", 1},  {"short", 2},  {"shortint", 2}, {"int16", 2},       {"int", 4},
+      {"int32", 4}, {"float", 4}, {"double", 8}, {"longlong", 8}, {"longlongint", 8}, {"int64", 8}};
+  const auto found = kTypes.find(type);
+  return found == kTypes.end() ? 0 : found->second;
 }
 
-const TypeNames& meta_types() {
-  static const TypeNames kTypes{{1, {"MET_CHAR", "MET_UCHAR"}},
-                                {2, {"MET_SHORT", "MET_USHORT"}},
-                                {4, {"MET_INT", "MET_UINT", "MET_LONG", "MET_ULONG", "MET_FLOAT"}},
-                                {8, {"MET_DOUBLE", "MET_LONG_LONG", "MET_ULONG_LONG"}}};
-  return kTypes;
-}
-
-/// Bytes of a pixel; 0 for types that are not supported.
-std::uint64_t bytes_of_type(const TypeNames& types, const std::string& type) {
-  const auto found =
-      std::ranges::find_if(types, [&](const auto& names) { return names.second.contains(type); });
-  return found == types.end() ? 0 : found->first;
+/// The same for MetaImage.
+std::uint64_t bytes_of_meta_type(const std::string& type) {
+  static const std::map<std::string, std::uint64_t> kTypes{
+      {"MET_CHAR", 1},  {"MET_UCHAR", 1},  {"MET_SHORT", 2},     {"MET_USHORT", 2},
+      {"MET_INT", 4},   {"MET_UINT", 4},   {"MET_LONG", 4},      {"MET_ULONG", 4},
+      {"MET_FLOAT", 4}, {"MET_DOUBLE", 8}, {"MET_LONG_LONG", 8}, {"MET_ULONG_LONG", 8}};
+  const auto found = kTypes.find(type);
+  return found == kTypes.end() ? 0 : found->second;
 }
 
 /// True for the numbers of a geometry: `count` of them (0: any number), plausible and, if required, positive.
@@ -208,11 +203,9 @@ Result<void> check_nrrd_geometry(const TextHeader& header, const fs::path& path)
 /// Number and position of the layers: axes outside space, first ("none" ahead of the directions) or last.
 Result<void> find_layers(const TextHeader& header, const std::vector<std::int64_t>& sizes,
                          const fs::path& path, PixelData& pixels) {
-  const std::vector<std::string_view> directions = split_blanks(
-      header.fields.contains("space directions") ? std::string_view(header.fields.at("space directions"))
-                                                 : std::string_view());
-  const std::vector<std::string_view> kinds = split_blanks(
-      header.fields.contains("kinds") ? std::string_view(header.fields.at("kinds")) : std::string_view());
+  const std::string all_directions = header.get("space directions"), all_kinds = header.get("kinds");
+  const std::vector<std::string_view> directions = split_blanks(all_directions),
+                                      kinds = split_blanks(all_kinds);
   if (!kinds.empty() && to_lower(kinds.front()).find("color") != std::string::npos)
     return bad_file(path, "holds colours (kind {}); a volume of numbers is needed", kinds.front());
   const auto is_spatial = [&](std::size_t a) {
@@ -322,7 +315,7 @@ Result<PixelData> check_nrrd_file(const fs::path& path) {
   SPLATLAS_ASSIGN_OR_RETURN(const TextHeader header, read_text_header(path, parse_nrrd_line));
   SPLATLAS_RETURN_IF_ERROR(check_nrrd_geometry(header, path));
   SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::int64_t> sizes, parse_sizes(header.get("sizes"), path));
-  const std::uint64_t bytes_per_voxel = bytes_of_type(nrrd_types(), to_lower(header.get("type")));
+  const std::uint64_t bytes_per_voxel = bytes_of_nrrd_type(to_lower(header.get("type")));
   if (bytes_per_voxel == 0) return bad_pixel_type(path, "type '" + shown(header.get("type")) + "'");
   SPLATLAS_ASSIGN_OR_RETURN(const std::uint64_t bytes, payload_bytes(path, sizes, bytes_per_voxel));
   SPLATLAS_ASSIGN_OR_RETURN(
@@ -377,7 +370,7 @@ Result<PixelData> check_meta_image_file(const fs::path& path) {
     return bad_file(path, "has several volumes of {} values a voxel", *channels);
   numbers.push_back(*channels);
   const std::string type = header.get("ElementType", "(none)");
-  const std::uint64_t bytes_per_voxel = bytes_of_type(meta_types(), type);
+  const std::uint64_t bytes_per_voxel = bytes_of_meta_type(type);
   if (bytes_per_voxel == 0) return bad_pixel_type(path, "type " + shown(type));
   SPLATLAS_ASSIGN_OR_RETURN(const std::uint64_t bytes, payload_bytes(path, numbers, bytes_per_voxel));
   SPLATLAS_ASSIGN_OR_RETURN(PixelData pixels,

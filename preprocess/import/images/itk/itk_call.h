@@ -1,12 +1,15 @@
-// Calls of ITK: conversion of its exceptions to errors.
+// Calls of ITK, and conversion of its exceptions, types and grids.
 #pragma once
 
 #include <exception>
 #include <new>
 #include <string>
 
+#include <itkImageIOBase.h>
 #include <itkMacro.h>
 
+#include "format/content/grid.h"
+#include "format/content/voxel_type.h"
 #include "format/io/memory_limit.h"
 #include "format/result.h"
 
@@ -31,5 +34,11 @@ template <typename Call>
     return fail(ErrorCode::kFailed, what + ": " + error.what());
   }
 }
+
+/// Voxel type of an ITK component type; kNone for unsupported types such as 64-bit integers.
+[[nodiscard]] VoxelType voxel_type_of(itk::IOComponentEnum component);
+
+/// The grid of the file whose header `io` has read. A 2-D image gets a third, orthogonal axis of size 1.
+[[nodiscard]] Grid grid_of(const itk::ImageIOBase& io);
 
 }  // namespace splatlas

@@ -25,15 +25,15 @@ std::optional<Rgb> color_of(const std::string& text) {
 }
 
 /// A code "scheme^value^meaning"; nothing if it is empty.
-void add_code(std::string_view code, const char* prefix, std::vector<SourceTerm>& terms) {
+void add_code(std::string_view code, const char* prefix, std::vector<Term>& terms) {
   const std::vector<std::string_view> parts = split(code, '^');
   if (parts.size() != 3 || parts[0].empty() || parts[1].empty()) return;
   terms.push_back({prefix + vocabulary_of(parts[0]), std::string(parts[1])});
 }
 
 /// Terms of "TerminologyEntry:context~category~type~modifier~...|key:value|...".
-std::vector<SourceTerm> terms_of(const std::string& tags) {
-  std::vector<SourceTerm> terms;
+std::vector<Term> terms_of(const std::string& tags) {
+  std::vector<Term> terms;
   constexpr std::string_view kEntry = "TerminologyEntry:";
   for (const std::string_view tag : split(tags, '|')) {
     if (!tag.starts_with(kEntry)) continue;

@@ -4,12 +4,13 @@
 #include <cstring>
 #include <utility>
 
+#include <itkMetaImageIO.h>
+#include <itkNrrdImageIO.h>
+
 #include "format/result_macros.h"
-#include "preprocess/import/images/itk/image_io.h"
 #include "preprocess/import/images/itk/itk_call.h"
 #include "preprocess/import/images/itk/nrrd_segments.h"
 #include "preprocess/import/images/pixels/check_image_file.h"
-#include "preprocess/import/images/pixels/narrow_integers.h"
 #include "preprocess/import/images/pixels/read_deflated.h"
 #include "preprocess/import/import_error.h"
 
@@ -99,7 +100,7 @@ Result<SourceImage> read_with(itk::ImageIOBase& io, const fs::path& path, const 
 Result<SourceImage> read_nrrd(const fs::path& path) {
   return call_itk(path.string(), [&]() -> Result<SourceImage> {
     SPLATLAS_ASSIGN_OR_RETURN(const PixelData pixels, check_nrrd_file(path));
-    SPLATLAS_ASSIGN_OR_RETURN(SourceImage image, read_with(*make_image_io(ImageFormat::kNrrd), path, pixels));
+    SPLATLAS_ASSIGN_OR_RETURN(SourceImage image, read_with(*itk::NrrdImageIO::New(), path, pixels));
     for (std::size_t row = 0; row < 2; ++row) {
       if (!pixels.misread_axes[row]) continue;
       image.grid.origin_lps_mm[row] *= -1;
@@ -120,7 +121,7 @@ Result<SourceImage> read_nrrd(const fs::path& path) {
 Result<SourceImage> read_meta_image(const fs::path& path) {
   return call_itk(path.string(), [&]() -> Result<SourceImage> {
     SPLATLAS_ASSIGN_OR_RETURN(const PixelData pixels, check_meta_image_file(path));
-    return read_with(*make_image_io(ImageFormat::kMetaImage), path, pixels);
+    return read_with(*itk::MetaImageIO::New(), path, pixels);
   });
 }
 

@@ -7,7 +7,9 @@
 #include <filesystem>
 #include <span>
 
+#include "format/content/grid.h"
 #include "format/result.h"
+#include "preprocess/import/notes.h"
 
 namespace splatlas {
 
@@ -39,5 +41,16 @@ struct NiftiHeader {
 /// number of axes.
 [[nodiscard]] Result<NiftiHeader> parse_nifti_header(std::span<const std::byte> bytes,
                                                      const std::filesystem::path& path);
+
+/// The grid of a header, in LPS mm. As nibabel and the standard say: the sform if its code is above 0, else
+/// the qform, else no orientation (x to the left, centred: LAS). A sheared sform gives a sheared grid. A
+/// warning tells if sform and qform place voxels differently, and if there is no orientation. kFailed for
+/// geometry that cannot be.
+[[nodiscard]] Result<Grid> nifti_grid(const NiftiHeader& header, const std::filesystem::path& path,
+                                      Notes& notes);
+
+/// The grid of an affine from indices to RAS mm, row by row. Columns that are orthogonal within the rounding
+/// of floats become exactly so. Not validated.
+[[nodiscard]] Grid grid_of_ras_affine(const Index3& size, const std::array<double, 12>& affine);
 
 }  // namespace splatlas

@@ -2,22 +2,45 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <cstring>
 #include <fstream>
-#include <memory>
-#include <span>
+#include <limits>
+#include <utility>
 
 #include <bzlib.h>
-#include <zlib.h>
 
 #include "format/io/memory_limit.h"
 #include "format/result_macros.h"
+#include "format/text/ascii_text.h"
 #include "preprocess/import/images/pixels/check_image_file.h"
 #include "preprocess/import/import_error.h"
+#include "preprocess/import/tables/text_file.h"
 
 namespace splatlas {
 namespace {
 
 namespace fs = std::filesystem;
+
+template <typename Narrow, typename Wide>
+VoxelBuffer copied(std::span<const Wide> values, VoxelType type) {
+  VoxelBuffer result{type, std::vector<std::byte>(values.size() * sizeof(Narrow))};
+  std::ranges::transform(values, result.as<Narrow>(), [](Wide value) { return static_cast<Narrow>(value); });
+  return result;
+}
+
+template <typename Wide>
+Result<VoxelBuffer> narrowed(std::span<const std::byte> bytes, const std::filesystem::path& path) {
+  const std::span values(reinterpret_cast<const Wide*>(bytes.data()), bytes.size() / sizeof(Wide));
+  const auto [low, high] = std::ranges::minmax(values);
+  if (std::in_range<std::int32_t>(low) && std::in_range<std::int32_t>(high))
+    return copied<std::int32_t>(values, VoxelType::kInt32);
+  if (std::in_range<std::uint32_t>(low) && std::in_range<std::uint32_t>(high))
+    return copied<std::uint32_t>(values, VoxelType::kUInt32);
+  const Wide beyond = std::in_range<std::int32_t>(low) && low < 0 ? high
+                      : std::in_range<std::uint32_t>(low)         ? high
+                                                                  : low;
+  return bad_file(path, "holds 64-bit integers from {} to {}; {} does not fit 32 bits", low, high, beyond);
+}
 
 struct InflateEnd {
   void operator()(z_stream* stream) const {
@@ -113,6 +136,74 @@ Result<void> read_bzip2(const fs::path& path, std::uint64_t offset, std::uint64_
 void swap_bytes(std::vector<std::byte>& voxels, std::size_t bytes_each) {
   const auto size = static_cast<std::ptrdiff_t>(bytes_each);
   for (auto at = voxels.begin(); at != voxels.end(); at += size) std::reverse(at, at + size);
+}
+
+Result<VoxelBuffer> narrow_integers(std::span<const std::byte> bytes, WideInteger type,
+                                    const std::filesystem::path& path) {
+  return type == WideInteger::kSigned ? narrowed<std::int64_t>(bytes, path)
+                                      : narrowed<std::uint64_t>(bytes, path);
+}
+
+Result<GzipFile> GzipFile::open(const std::filesystem::path& path) {
+  GzipFile file;
+  file.path_ = path;
+  file.stream_.reset(gzopen(path.c_str(), "rb"));
+  if (!file.stream_) return bad_file(path, "cannot be opened for reading");
+  const std::string name = to_lower(path.filename().string());
+  const bool should_be = name.ends_with(".gz") || name.ends_with(".mgz");
+  if (file.is_compressed() == should_be) return file;
+  if (should_be && first_bytes(path, 1).empty()) return bad_file(path, "is empty");
+  return bad_file(path, "is {}compressed, which its ending denies; rename it", should_be ? "not " : "");
+}
+
+Result<std::size_t> GzipFile::read_some(std::span<std::byte> bytes) {
+  constexpr std::size_t kMaxRead = std::size_t{1} << 30;  // zlib's counts are of type int
+  std::size_t done = 0;
+  while (done < bytes.size()) {
+    const int count =
+        gzread(stream_.get(), &bytes[done], static_cast<unsigned>(std::min(bytes.size() - done, kMaxRead)));
+    if (count < 0) SPLATLAS_RETURN_IF_ERROR(check_status(done));
+    if (count <= 0) break;
+    done += static_cast<std::size_t>(count);
+  }
+  return done;
+}
+
+Result<std::vector<std::byte>> GzipFile::read(std::uint64_t offset, std::uint64_t count) {
+  constexpr std::size_t kPiece = std::size_t{16} << 20;  // touched memory follows the file, not its header
+  std::vector<std::byte> bytes;
+  bytes.reserve(count);
+  const auto start = static_cast<z_off_t>(offset);
+  if (gzseek(stream_.get(), start, SEEK_SET) != start) return truncated_file(path_, count, 0);
+  while (bytes.size() < count) {
+    const std::size_t done = bytes.size();
+    bytes.resize(std::min<std::uint64_t>(count, done + kPiece));
+    SPLATLAS_ASSIGN_OR_RETURN(const std::size_t found, read_some(std::span(bytes).subspan(done)));
+    if (done + found == bytes.size()) continue;
+    SPLATLAS_RETURN_IF_ERROR(check_status(done + found));
+    return truncated_file(path_, count, done + found);
+  }
+  return bytes;
+}
+
+Result<void> GzipFile::check_end() {
+  if (!is_compressed()) return {};
+  std::vector<std::byte> surplus(1 << 18);
+  for (std::uint64_t found = 0; found < kMaxSurplus; found += surplus.size()) {
+    SPLATLAS_ASSIGN_OR_RETURN(const std::size_t read, read_some(surplus));
+    if (read < surplus.size()) break;
+  }
+  int status = Z_OK;
+  const char* const reason = gzerror(stream_.get(), &status);
+  if (status == Z_OK) return {};
+  return bad_file(path_, "is truncated or damaged at the end of its compressed pixels ({})", reason);
+}
+
+Result<void> GzipFile::check_status(std::uint64_t read) const {
+  int status = Z_OK;
+  const char* const reason = gzerror(stream_.get(), &status);
+  if (status == Z_OK || status == Z_BUF_ERROR) return {};
+  return bad_file(path_, "its compressed bytes are damaged after {} bytes ({})", read, reason);
 }
 
 }  // namespace splatlas

@@ -1,10 +1,14 @@
-// Decompression and byte order of pixels.
+// Decompression, byte order and width of pixels.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
+#include <span>
 #include <vector>
+
+#include <zlib.h>
 
 #include "format/content/voxel_type.h"
 #include "format/result.h"
@@ -23,5 +27,40 @@ namespace splatlas {
 
 /// Reverses the byte order of all voxels of `bytes_each` bytes.
 void swap_bytes(std::vector<std::byte>& voxels, std::size_t bytes_each);
+
+enum class WideInteger : std::uint8_t { kNone, kSigned, kUnsigned };
+
+/// int32 if all values fit, else uint32. kFailed, with the value, if one fits neither. `bytes` are of this
+/// machine's byte order.
+[[nodiscard]] Result<VoxelBuffer> narrow_integers(std::span<const std::byte> bytes, WideInteger type,
+                                                  const std::filesystem::path& path);
+
+/// A file open for reading, plain or compressed, of one or several gzip members. Not thread-safe.
+class GzipFile {
+ public:
+  GzipFile() = default;
+  /// kFailed if it cannot be opened, or if its compression contradicts its ending: .gz and .mgz are
+  /// compressed.
+  [[nodiscard]] static Result<GzipFile> open(const std::filesystem::path& path);
+
+  [[nodiscard]] bool is_compressed() const { return gzdirect(stream_.get()) == 0; }
+  /// Reads from the current position. Returns the number of bytes, fewer at the end of the file. kFailed for
+  /// damage.
+  [[nodiscard]] Result<std::size_t> read_some(std::span<std::byte> bytes);
+  /// Reads `count` bytes from an offset of the decompressed file. kFailed if there are fewer.
+  [[nodiscard]] Result<std::vector<std::byte>> read(std::uint64_t offset, std::uint64_t count);
+  /// Reads a compressed file to its end, at most kMaxSurplus bytes, for its checksum. kFailed for damage.
+  [[nodiscard]] Result<void> check_end();
+
+ private:
+  struct Close {
+    void operator()(gzFile_s* stream) const { gzclose(stream); }
+  };
+
+  [[nodiscard]] Result<void> check_status(std::uint64_t read) const;
+
+  std::filesystem::path path_;
+  std::unique_ptr<gzFile_s, Close> stream_;
+};
 
 }  // namespace splatlas

@@ -10,7 +10,7 @@
 #include "format/content/grid.h"
 #include "format/content/voxel_type.h"
 #include "preprocess/import/notes.h"
-#include "preprocess/import/tables/source_structure.h"
+#include "preprocess/import/tables/names_table.h"
 
 namespace splatlas {
 
@@ -38,5 +38,24 @@ struct ImageOptions {
   std::optional<std::size_t> component = {};  ///< volume of a file of several, from 1
   std::optional<Vec3> spacing_mm = {};        ///< of stacks of pictures, which have none
 };
+
+// Members, for archives.
+
+void transfer(auto& archive, Grid& grid) {
+  archive(grid.size, grid.spacing_mm, grid.origin_lps_mm, grid.direction_lps);
+}
+void transfer(auto& archive, VoxelBuffer& voxels) {
+  archive(voxels.type, voxels.bytes);
+}
+void transfer(auto& archive, SourceSegment& segment) {
+  std::uint64_t layer = segment.layer;
+  archive(layer, segment.value, segment.structure);
+  segment.layer = static_cast<std::size_t>(layer);
+}
+void transfer(auto& archive, SourceImage& image) {
+  std::uint64_t layers = image.layers;
+  archive(image.grid, image.voxels, layers, image.segments, image.is_segmentation, image.notes);
+  image.layers = static_cast<std::size_t>(layers);
+}
 
 }  // namespace splatlas

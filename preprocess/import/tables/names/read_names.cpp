@@ -1,8 +1,6 @@
 #include "preprocess/import/tables/names/read_names.h"
 
 #include <algorithm>
-#include <array>
-#include <fstream>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -20,7 +18,7 @@ const NoteKind kNamesFormat{"names-format", "", "", false};
 
 struct Dialect {
   NamesFormatInfo info;
-  bool (*recognise)(std::string_view head, std::string_view file);
+  bool (*recognise)(std::string_view head);
   Result<void> (*read)(const NamesInput& input, NamesCollector& into);
 };
 
@@ -51,10 +49,10 @@ constexpr auto kInfos = [] {
   return infos;
 }();
 
-const Dialect* find_dialect(NamesFormat format, std::string_view text, std::string_view file) {
+const Dialect* find_dialect(NamesFormat format, std::string_view text) {
   const std::string_view head = text.substr(0, kNamesHeadBytes);
   const auto* found = std::ranges::find_if(kDialects, [&](const Dialect& dialect) {
-    return format == NamesFormat::kAuto ? dialect.recognise(head, file) : dialect.info.format == format;
+    return format == NamesFormat::kAuto ? dialect.recognise(head) : dialect.info.format == format;
   });
   return found == kDialects.end() ? nullptr : found;
 }
@@ -73,8 +71,7 @@ std::span<const NamesFormatInfo> names_formats() {
 
 Result<NamesTable> read_names(const std::filesystem::path& path, NamesFormat format, Notes& notes) {
   SPLATLAS_ASSIGN_OR_RETURN(std::string text, read_text(path));
-  const std::string file = path.filename().string();
-  const Dialect* dialect = find_dialect(format, text, file);
+  const Dialect* dialect = find_dialect(format, text);
   if (dialect == nullptr) {
     const std::vector<TextLine> lines = lines_of(std::string_view(text).substr(0, kNamesHeadBytes));
     if (lines.empty()) return bad_file(path, "names no label");
@@ -87,18 +84,15 @@ Result<NamesTable> read_names(const std::filesystem::path& path, NamesFormat for
   Result<NamesTable> table = collector.finish();
   if (!table) return table;
   table->dialect = dialect->info.format;
-  notes.add(kNamesFormat, fmt::format("{} is read as {}", file, dialect->info.title));
+  notes.add(kNamesFormat, fmt::format("{} is read as {}", path.filename().string(), dialect->info.title));
   return table;
 }
 
 Result<std::array<Rgb, 256>> read_color_table(const std::filesystem::path& path) {
   SPLATLAS_RETURN_IF_ERROR(check_regular_file(path));
-  std::ifstream file(path, std::ios::binary);
-  std::array<char, 769> bytes{};
-  file.read(bytes.data(), bytes.size());
-  if (file.gcount() != 768) {
+  const std::string bytes = first_bytes(path, 769);
+  if (bytes.size() != 768)
     return bad_file(path, "is no colour table: it must be 768 bytes long (256 reds, greens, blues)");
-  }
   std::array<Rgb, 256> colors;
   for (std::size_t n = 0; n < 256; ++n) {
     colors[n] = {static_cast<std::uint8_t>(bytes[n]), static_cast<std::uint8_t>(bytes[256 + n]),

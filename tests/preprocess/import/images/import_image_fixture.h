@@ -9,7 +9,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "preprocess/import/images/image_formats.h"
 #include "preprocess/import/images/import_image.h"
 #include "tests/preprocess/raw_image_files.h"
 #include "tests/support/temporary_folder.h"

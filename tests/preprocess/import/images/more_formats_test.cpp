@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "preprocess/import/images/image_formats.h"
+#include "preprocess/import/images/import_image.h"
 #include "tests/preprocess/import/images/import_image_fixture.h"
 #include "tests/preprocess/messages_of_notes.h"
 
@@ -266,7 +266,7 @@ TEST_F(MoreFormats, ReadsLayersAndSegmentsOfSlicer) {
     EXPECT_EQ(image.segments[0].structure.name, "left kidney");
     EXPECT_EQ(image.segments[0].structure.color, (Rgb{255, 128, 0}));
     EXPECT_THAT(image.segments[0].structure.terms,
-                ElementsAre(SourceTerm{"SNOMED", "64033007"}, SourceTerm{"modifier SNOMED", "7771000"}));
+                ElementsAre(Term{"SNOMED", "64033007"}, Term{"modifier SNOMED", "7771000"}));
     EXPECT_EQ(image.segments[1].layer, 1u);
   }
 }

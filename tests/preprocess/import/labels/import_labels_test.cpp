@@ -8,7 +8,6 @@
 
 #include "preprocess/export/write_image.h"
 #include "preprocess/import/labels/label_map.h"
-#include "preprocess/import/labels/mask_folder.h"
 #include "tests/preprocess/messages_of_notes.h"
 #include "tests/preprocess/random_images.h"
 #include "tests/preprocess/raw_image_files.h"

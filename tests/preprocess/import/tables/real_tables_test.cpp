@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "preprocess/import/tables/trees/read_tree.h"
+#include "preprocess/import/tables/read_tree.h"
 #include "preprocess/structures/build_graph.h"
 #include "tests/preprocess/import/tables/names_cases.h"
 
@@ -146,13 +146,13 @@ TEST_F(RealTables, AreRefusedWithAReason) {
 TEST_F(RealTables, HaveTermsOfTerminologies) {
   const NamesTable slicer = read("formats/names-slicer/ColorTestWithTerminology.csv");
   EXPECT_THAT(slicer.names[0].terms,
-              ElementsAre(SourceTerm{"category SNOMED", "123037004"}, SourceTerm{"SNOMED", "64033007"},
-                          SourceTerm{"modifier SNOMED", "7771000"}));
+              ElementsAre(Term{"category SNOMED", "123037004"}, Term{"SNOMED", "64033007"},
+                          Term{"modifier SNOMED", "7771000"}));
   const NamesTable table = read("totalseg/totalsegmentator_snomed_mapping.csv");
   ASSERT_EQ(table.names.size(), 170u);
   EXPECT_EQ(summary(table.names[2]), "aorta #d86c36");
   EXPECT_THAT(table.names[2].terms,
-              ElementsAre(SourceTerm{"category SNOMED", "123037004"}, SourceTerm{"SNOMED", "15825003"}));
+              ElementsAre(Term{"category SNOMED", "123037004"}, Term{"SNOMED", "15825003"}));
 }
 
 TEST_F(RealTables, HaveHierarchies) {

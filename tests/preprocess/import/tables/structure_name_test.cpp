@@ -1,7 +1,7 @@
-#include "preprocess/import/tables/structure_name.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "preprocess/import/tables/text_file.h"
 
 namespace splatlas {
 namespace {

@@ -1,20 +1,62 @@
 #include "preprocess/import/images/dicom/decode/decode_frame.h"
 
+#include <algorithm>
+#include <array>
 #include <cstring>
 
 #include <dcmtk/dcmdata/dccodec.h>
+#include <dcmtk/dcmdata/dcpixseq.h>
+#include <dcmtk/dcmdata/dcpxitem.h>
 #include <dcmtk/dcmjpeg/djdecode.h>
 #include <dcmtk/dcmjpls/djdecode.h>
 
 #include "format/result_macros.h"
-#include "preprocess/import/images/dicom/decode/frame_codings.h"
-#include "preprocess/import/images/dicom/decode/frame_fragments.h"
+#include "preprocess/import/images/dicom/decode/decode_jpeg_2000.h"
 #include "preprocess/import/images/dicom/dicom_item.h"
 #include "preprocess/import/import_error.h"
 #include "preprocess/import/isolation/run_isolated.h"
 
 namespace splatlas {
 namespace {
+
+/// True for the first fragment of an image.
+bool starts_image(DcmPixelItem& item) {
+  constexpr std::array<Uint8, 3> kJpeg{0xff, 0xd8, 0xff}, kCodestream{0xff, 0x4f, 0xff};
+  constexpr std::array<Uint8, 8> kJpeg2000File{0, 0, 0, 12, 'j', 'P', ' ', ' '};
+  Uint8* start = nullptr;
+  if (item.getLength() < kJpeg2000File.size() || item.getUint8Array(start).bad() || start == nullptr)
+    return false;
+  const auto begins_with = [&](const auto& mark) { return std::equal(mark.begin(), mark.end(), start); };
+  return begins_with(kJpeg) || begins_with(kCodestream) || begins_with(kJpeg2000File);
+}
+
+/// The coded bytes of frame `index`. A frame may have several fragments, and often there is no table of
+/// frames: then the signatures of JPEG and JPEG 2000 tell where frames start. None if that is unclear.
+/// Cost: reads the fragments of the frame, and the starts of those before it.
+std::optional<std::vector<std::byte>> frame_fragments(DcmPixelData& pixels, E_TransferSyntax syntax,
+                                                      std::uint32_t frames, std::uint32_t index) {
+  DcmPixelSequence* sequence = nullptr;
+  if (pixels.getEncapsulatedRepresentation(syntax, nullptr, sequence).bad() || sequence == nullptr)
+    return std::nullopt;
+  std::vector<std::byte> bytes;
+  std::uint32_t started = 0;
+  const bool is_one_each = sequence->card() == std::size_t{frames} + 1;
+  DcmObject* next = sequence->nextInContainer(nullptr);  // the table of frames
+  while (next != nullptr && (next = sequence->nextInContainer(next)) != nullptr && started <= index + 1) {
+    auto* const item = dynamic_cast<DcmPixelItem*>(next);
+    if (item == nullptr) return std::nullopt;
+    if (frames > 1 || started == 0) {
+      if (is_one_each || started == 0 || starts_image(*item)) ++started;
+      if (started > frames) return std::nullopt;
+    }
+    Uint8* start = nullptr;
+    if (started != index + 1 || item->getUint8Array(start).bad() || start == nullptr) continue;
+    const auto* const data = reinterpret_cast<const std::byte*>(start);
+    bytes.insert(bytes.end(), data, data + item->getLength());
+  }
+  if (bytes.empty()) return std::nullopt;
+  return bytes;
+}
 
 void register_codecs() {
   static const bool done = [] {
@@ -26,6 +68,97 @@ void register_codecs() {
 }
 
 constexpr const char* kDamaged = "has damaged pixels in frame {}; get the file again";
+
+/// Size of a JPEG (ITU-T T.81) or JPEG-LS (T.87) image.
+struct JpegSize {
+  int bits = 0, rows = 0, columns = 0, components = 0;
+};
+
+constexpr unsigned kStuffing = 0xff;
+
+/// Start of frame: SOF0 to SOF15 without DHT, JPG and DAC, and SOF55 of JPEG-LS.
+bool starts_frame(unsigned marker) {
+  constexpr unsigned kFirst = 0xc0, kLast = 0xcf, kHuffman = 0xc4, kReserved = 0xc8, kArithmetic = 0xcc,
+                     kJpegLs = 0xf7;
+  return marker == kJpegLs || (marker >= kFirst && marker <= kLast && marker != kHuffman &&
+                               marker != kReserved && marker != kArithmetic);
+}
+
+/// Unpacks runs (PS3.5 annex G) until `bytes` are full. False if the runs end before, or one of them does.
+bool unpack(std::span<const std::byte> runs, std::span<std::byte> bytes) {
+  constexpr unsigned kNothing = 128, kRunBase = 257;  // codes of two's complement
+  std::size_t at = 0, filled = 0;
+  while (filled < bytes.size()) {
+    if (at >= runs.size()) return false;
+    const auto code = std::to_integer<unsigned>(runs[at++]);
+    if (code == kNothing) continue;
+    const bool is_literal = code < kNothing;
+    const std::size_t count = is_literal ? code + 1 : kRunBase - code;
+    const std::size_t needed = is_literal ? count : 1;
+    if (runs.size() - at < needed || bytes.size() - filled < count) return false;
+    if (is_literal) {
+      std::copy_n(&runs[at], count, &bytes[filled]);
+    } else {
+      std::fill_n(&bytes[filled], count, runs[at]);
+    }
+    at += needed;
+    filled += count;
+  }
+  return true;
+}
+
+/// Reads the frame header. None if there is no complete one. Cost: the header's segments.
+std::optional<JpegSize> jpeg_size(std::span<const std::byte> bytes) {
+  constexpr unsigned kStartOfScan = 0xda;
+  constexpr std::size_t kHeaderBytes = 8;
+  const auto byte = [&](std::size_t at) { return std::to_integer<unsigned>(bytes[at]); };
+  const auto word = [&](std::size_t at) { return 256 * byte(at) + byte(at + 1); };
+  std::size_t at = 2;  // behind the start of the image
+  while (at + 4 <= bytes.size()) {
+    if (byte(at) != kStuffing) return std::nullopt;
+    const unsigned marker = byte(at + 1);
+    if (marker == kStuffing) {
+      ++at;
+      continue;
+    }
+    at += 2;
+    if (marker == kStartOfScan) return std::nullopt;
+    if (starts_frame(marker)) {
+      if (at + kHeaderBytes > bytes.size()) return std::nullopt;
+      return JpegSize{static_cast<int>(byte(at + 2)), static_cast<int>(word(at + 3)),
+                      static_cast<int>(word(at + 5)), static_cast<int>(byte(at + 7))};
+    }
+    at += word(at);
+  }
+  return std::nullopt;
+}
+
+/// Decodes run-length coded values of `sample_bytes` bytes; `values` has the size of the frame.
+Result<void> decode_run_lengths(std::span<const std::byte> bytes, std::size_t sample_bytes,
+                                std::vector<std::int32_t>& values) {
+  // DCMTK's decoder fills up cut segments, with wrong pixels.
+  const auto damaged = [] {
+    return fail(ErrorCode::kFailed, std::string("has damaged run-length coded pixels; get the file again"));
+  };
+  constexpr std::size_t kMaxSegments = 15;
+  std::array<std::uint32_t, kMaxSegments + 1> header{};  // number of segments, and where each starts
+  if (bytes.size() < sizeof(header)) return damaged();
+  std::memcpy(header.data(), bytes.data(), sizeof(header));
+  if (header[0] != sample_bytes) return damaged();
+  std::fill(values.begin(), values.end(), 0);
+  std::vector<std::byte> plane(values.size());
+  for (std::size_t n = 1; n <= sample_bytes; ++n) {
+    const std::size_t start = header[n], end = n < sample_bytes ? header[n + 1] : bytes.size();
+    if (start < sizeof(header) || start > end || end > bytes.size()) return damaged();
+    if (!unpack(bytes.subspan(start, end - start), plane)) return damaged();
+    // The most significant bytes come first.
+    for (std::size_t v = 0; v < plane.size(); ++v) {
+      const std::uint32_t higher = static_cast<std::uint32_t>(values[v]) << 8;
+      values[v] = static_cast<std::int32_t>(higher | std::to_integer<std::uint32_t>(plane[v]));
+    }
+  }
+  return {};
+}
 
 }  // namespace
 

@@ -1,4 +1,6 @@
 // JPEG 2000 images in memory, by OpenJPEG.
+#include "preprocess/import/images/dicom/decode/decode_jpeg_2000.h"
+
 #include <algorithm>
 #include <cstring>
 #include <memory>
@@ -7,7 +9,6 @@
 #include <openjpeg.h>
 
 #include "format/result_macros.h"
-#include "preprocess/import/images/dicom/decode/frame_codings.h"
 
 namespace splatlas {
 namespace {

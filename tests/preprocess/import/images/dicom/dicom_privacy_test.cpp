@@ -20,7 +20,7 @@ class DicomPrivacy : public ImportDicom {
     for (const std::string& message : notes_of(*image)) all += message + "\n";
     for (const SourceSegment& segment : image->segments) {
       all += segment.structure.name + "\n";
-      for (const SourceTerm& term : segment.structure.terms) all += term.vocabulary + " " + term.value + "\n";
+      for (const Term& term : segment.structure.terms) all += term.vocabulary + " " + term.value + "\n";
     }
     return all;
   }

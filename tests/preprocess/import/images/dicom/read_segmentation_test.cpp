@@ -3,7 +3,6 @@
 
 #include <map>
 
-#include "preprocess/import/images/dicom/read_segments.h"
 #include "tests/preprocess/import/images/dicom/import_dicom_fixture.h"
 
 namespace splatlas {
@@ -75,10 +74,9 @@ TEST_F(ImportDicom, SegmentsHaveNamesColoursAndCodes) {
   EXPECT_EQ(liver.name, "Liver");
   // L 53.26, a 80.11, b 67.22: sRGB red, whose CIELab value is 53.24 80.09 67.20.
   EXPECT_EQ(liver.color, (Rgb{255, 0, 0}));
-  EXPECT_THAT(liver.terms, ElementsAre(SourceTerm{"SNOMED", "10200004"}));
+  EXPECT_THAT(liver.terms, ElementsAre(Term{"SNOMED", "10200004"}));
   EXPECT_EQ(kidney.color, std::nullopt);
-  EXPECT_THAT(kidney.terms,
-              ElementsAre(SourceTerm{"SNOMED", "64033007"}, SourceTerm{"modifier SNOMED", "7771000"}));
+  EXPECT_THAT(kidney.terms, ElementsAre(Term{"SNOMED", "64033007"}, Term{"modifier SNOMED", "7771000"}));
   EXPECT_THAT(image.segments[2].structure.terms, IsEmpty());
 }
 

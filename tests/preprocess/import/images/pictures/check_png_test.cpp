@@ -1,12 +1,11 @@
 // PNG files that are cut or damaged, which libpng answers by ending the process.
-#include "preprocess/import/images/pictures/check_png.h"
-
 #include <cstdint>
 #include <string>
 
 #include <zlib.h>
 
-#include "preprocess/import/images/image_formats.h"
+#include "preprocess/import/images/import_image.h"
+#include "preprocess/import/images/pictures/read_pictures.h"
 #include "tests/preprocess/import/images/import_image_fixture.h"
 
 namespace splatlas {

@@ -67,10 +67,10 @@ TEST_F(TableDialects, ReadsTermsOfOtherVocabularies) {
       "1,left_kidney,Niere,LK,nephros; ren,64033007,7205,SCT,64033007,Kidney,SCT,7771000\n",
       NamesFormat::kCsv);
   ASSERT_EQ(list.size(), 1u);
-  EXPECT_THAT(list[0].terms, ElementsAre(SourceTerm{"de", "Niere"}, SourceTerm{"abbreviation", "LK"},
-                                         SourceTerm{"synonym", "nephros"}, SourceTerm{"synonym", "ren"},
-                                         SourceTerm{"SNOMED", "64033007"}, SourceTerm{"FMA", "7205"},
-                                         SourceTerm{"modifier SNOMED", "7771000"}));
+  EXPECT_THAT(list[0].terms,
+              ElementsAre(Term{"de", "Niere"}, Term{"abbreviation", "LK"}, Term{"synonym", "nephros"},
+                          Term{"synonym", "ren"}, Term{"SNOMED", "64033007"}, Term{"FMA", "7205"},
+                          Term{"modifier SNOMED", "7771000"}));
   EXPECT_THAT(items("ignored-columns"), IsEmpty());
 }
 
@@ -82,7 +82,7 @@ TEST_F(TableDialects, ReadsNamesWithoutLabels) {
       NamesFormat::kCsv);
   EXPECT_THAT(summaries(list), ElementsAre("aorta #d86c36"));
   EXPECT_FALSE(list[0].label);
-  EXPECT_THAT(list[0].terms, ElementsAre(SourceTerm{"SNOMED", "15825003"}));
+  EXPECT_THAT(list[0].terms, ElementsAre(Term{"SNOMED", "15825003"}));
   EXPECT_THAT(items("duplicate-labels"), ElementsAre("\"Aorta\" at names.txt line 3"));
 }
 

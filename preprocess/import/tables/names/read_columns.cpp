@@ -1,10 +1,11 @@
 // Tables with columns by name, separated by commas, semicolons or tabs; also rows "label,name" without a
 // header.
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "format/result_macros.h"
 #include "preprocess/import/tables/names/dialects.h"
-#include "preprocess/import/tables/table_columns.h"
 #include "preprocess/import/tables/table_entries.h"
 #include "preprocess/import/tables/text_file.h"
 
@@ -29,9 +30,15 @@ void add_header(Table& table) {
   if (known == 4) table.columns[2] = "column 3", table.columns[3] = "column 4";
 }
 
+// BIDS: _dseg.tsv with the columns index and name, in tabs.
+
+bool has_column(const Table& table, std::string_view name) {
+  return std::ranges::find(table.columns, name) != table.columns.end();
+}
+
 }  // namespace
 
-bool recognise_csv(std::string_view head, std::string_view /*file*/) {
+bool recognise_csv(std::string_view head) {
   const auto separator = find_separator(head);
   if (!separator) return false;
   const std::vector<TextLine> lines = lines_of(head);
@@ -51,9 +58,23 @@ Result<void> read_csv(const NamesInput& input, NamesCollector& into) {
     return input.refuse("line 1: holds no comma, semicolon or tab; give another --names-format");
   Table table = parse_table(input.text, *separator);
   if (is_row(table.columns)) add_header(table);
-  SPLATLAS_ASSIGN_OR_RETURN(TableEntries entries, read_entries(table, input, into));
-  add_entries(std::move(entries), into);
-  return {};
+  return add_table(table, input, into);
+}
+
+bool recognise_bids(std::string_view head) {
+  const std::vector<TextLine> lines = lines_of(head);
+  if (lines.empty()) return false;
+  const Table table = parse_table(lines.front().text, '\t');
+  return has_column(table, "index") && has_column(table, "name");
+}
+
+Result<void> read_bids(const NamesInput& input, NamesCollector& into) {
+  const Table table = parse_table(input.text, '\t');
+  for (const char* name : {"index", "name"}) {
+    if (has_column(table, name)) continue;
+    return input.refuse(std::string("line 1: the column \"") + name + "\" is missing; add it, in tabs");
+  }
+  return add_table(table, input, into);
 }
 
 }  // namespace splatlas

@@ -1,4 +1,4 @@
-// Reader of trees, which define the hierarchy of structures.
+// Readers of trees, which define the hierarchy of structures, and of names and trees in a child.
 #pragma once
 
 #include <filesystem>
@@ -6,7 +6,8 @@
 
 #include "format/result.h"
 #include "preprocess/import/notes.h"
-#include "preprocess/import/tables/tree_line.h"
+#include "preprocess/import/tables/names/read_names.h"
+#include "preprocess/import/tables/names_table.h"
 
 namespace splatlas {
 
@@ -33,5 +34,11 @@ BrainGlobe (structures.json) and of Open Anatomy (atlasStructure.json).)";
 /// names. `notes` tells the format of tables, and counts their faults. kFailed with file and line of the
 /// first fault of a tree file, and for tables without a usable row. Cost: linear in the file, at most 16 MiB.
 [[nodiscard]] Result<std::vector<TreeLine>> read_tree(const std::filesystem::path& path, Notes& notes);
+
+/// read_names() and read_tree() in a child, so that no file brings this process down (run_isolated.h).
+[[nodiscard]] Result<NamesTable> read_names_isolated(const std::filesystem::path& path, NamesFormat format,
+                                                     Notes& notes);
+[[nodiscard]] Result<std::vector<TreeLine>> read_tree_isolated(const std::filesystem::path& path,
+                                                               Notes& notes);
 
 }  // namespace splatlas

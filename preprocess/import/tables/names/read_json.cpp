@@ -1,0 +1,324 @@
+// Names and trees in JSON.
+#include <algorithm>
+#include <unordered_map>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "format/result_macros.h"
+#include "format/text/ascii_text.h"
+#include "preprocess/import/tables/color_text.h"
+#include "preprocess/import/tables/names/dialects.h"
+#include "preprocess/import/tables/table_entries.h"
+#include "preprocess/import/tables/text_file.h"
+
+namespace splatlas {
+namespace {
+
+/// Keeps the order of the file: numbers of entries follow it.
+using Json = nlohmann::ordered_json;
+
+/// Parses a JSON file. kFailed, with the position, for a syntax error.
+Result<Json> parse_json(const NamesInput& input) {
+  try {
+    return Json::parse(input.text);
+  } catch (const nlohmann::json::parse_error& error) {
+    return input.refuse(fmt::format("byte {} is no JSON; correct it, or write the file again", error.byte));
+  } catch (const nlohmann::json::exception& error) {  // for example a number beyond a double
+    return input.refuse(fmt::format("is no usable JSON (error {}); write the file again", error.id));
+  }
+}
+
+/// True if the first character that is no blank begins an object or a list.
+bool is_json(std::string_view head) {
+  const std::string_view text = trimmed(head);
+  return text.starts_with('{') || text.starts_with('[');
+}
+
+bool has_json_key(std::string_view head, std::string_view key) {
+  const std::string quoted = fmt::format("\"{}\"", key);
+  for (std::size_t at = head.find(quoted); at != std::string_view::npos; at = head.find(quoted, at + 1)) {
+    if (trimmed(head.substr(at + quoted.size(), 8)).starts_with(':')) return true;
+  }
+  return false;
+}
+
+std::string text_of(const Json& value) {
+  if (value.is_string()) return value.get<std::string>();
+  if (value.is_object() || value.is_null()) return {};
+  if (!value.is_array()) return value.dump();
+  std::string list;
+  for (const Json& part : value) list += (list.empty() ? "" : ", ") + (part.is_array() ? "" : text_of(part));
+  return "[" + list + "]";
+}
+
+std::string text_at(const Json& object, const char* key) {
+  if (!object.is_object()) return {};
+  const auto found = object.find(key);
+  return found == object.end() ? std::string() : text_of(*found);
+}
+
+Table::Row row_of(const Json& object, std::size_t number, const std::vector<std::string>& columns) {
+  Table::Row row{number, {}};
+  for (const std::string& column : columns) row.fields.push_back(text_at(object, column.c_str()));
+  return row;
+}
+
+// Open Anatomy's atlasStructure.json: groups with members, and structures with a selector of their voxels.
+
+/// True if "@type", text or a list, has this type.
+bool has_type(const Json& object, std::string_view type) {
+  if (!object.is_object() || !object.contains("@type")) return false;
+  const Json& types = object["@type"];
+  if (types.is_string()) return types.get<std::string>() == type;
+  return types.is_array() && std::ranges::any_of(types, [&](const Json& one) {
+           return one.is_string() && one.get<std::string>() == type;
+         });
+}
+
+/// A member of an object, or null.
+const Json& at(const Json& object, const char* key) {
+  static const Json kNull;
+  return object.is_object() && object.contains(key) ? object[key] : kNull;
+}
+
+/// An object as a list of one.
+template <typename Visit>
+void for_each(const Json& one_or_many, const Visit& visit) {
+  if (one_or_many.is_array()) {
+    for (const Json& one : one_or_many) visit(one);
+  } else if (!one_or_many.is_null()) {
+    visit(one_or_many);
+  }
+}
+
+class OpenAnatomyReader {
+ public:
+  explicit OpenAnatomyReader(NamesCollector& into) : into_(into) {}
+
+  void read(const Json& list) {
+    for (const Json& object : list) add(object);
+    for (TreeLine& line : lines_) {
+      const auto parents = parents_.find(line.node->key);
+      if (parents != parents_.end()) line.node->parents = parents->second;
+    }
+    into_.set_hierarchy(std::move(lines_));
+  }
+
+ private:
+  /// Adds a group or structure; returns its key, "" for other objects.
+  std::string add(const Json& object) {
+    const bool is_group = has_type(object, "Group");
+    const bool is_structure = has_type(object, "Structure");
+    if (!is_group && !is_structure) return {};
+    const std::size_t number = lines_.size() + 1;
+    TreeLine line;
+    line.number = number;
+    std::string key = text_at(object, "@id");
+    if (key.empty()) key = fmt::format("entry {}", number);
+    line.node = TreeNode{key, text_at(at(object, "annotation"), "name"), std::nullopt, {}};
+    if (line.node->name.empty()) line.node->name = key;
+    const std::string color = text_at(at(object, "renderOption"), "color");
+    if (const auto rgb = parse_css_color(color)) {
+      line.color = ColorRange{*rgb, *rgb};
+    } else if (!color.empty()) {
+      into_.add_bad_color(number, color);
+    }
+    if (is_structure) add_name(object, line);
+    lines_.push_back(std::move(line));
+    for_each(at(object, "member"), [&](const Json& member) { add_member(key, member); });
+    return key;
+  }
+
+  /// A member is an id, or the object itself.
+  void add_member(const std::string& group, const Json& member) {
+    const std::string key = member.is_object() ? add(member) : text_of(member);
+    std::vector<std::string>& parents = parents_[key];
+    if (std::ranges::find(parents, group) == parents.end()) parents.push_back(group);
+  }
+
+  void add_name(const Json& object, TreeLine& line) {
+    LabelName name;
+    name.line = line.number;
+    name.name = line.node->name;
+    if (line.color) name.color = line.color->first;
+    for_each(at(object, "sourceSelector"), [&](const Json& selector) {
+      if (!has_type(selector, "labelMapSelector") && !has_type(selector, "LabelMapSelector")) return;
+      const std::string label = text_at(selector, "dataKey");
+      if (!line.node->label) line.node->label = parse_label(label);
+      if (!line.node->label) into_.add_fault(line.number, fmt::format("dataKey '{}' is no label", label));
+    });
+    name.label = line.node->label;
+    into_.add(std::move(name));
+  }
+
+  NamesCollector& into_;
+  std::vector<TreeLine> lines_;
+  std::unordered_map<std::string, std::vector<std::string>> parents_;  // by key
+};
+
+// Structure graphs of the Allen Brain Atlas API: nested structures, wrapped in msg[0] or bare.
+
+struct Nested {
+  const Json* structure;
+  std::string parent;  // its id
+};
+
+/// Nested structures as rows in depth-first order. The nesting tells the parent: some files have no field for
+/// it.
+Table flatten(const Json& roots) {
+  Table table;
+  table.columns = {"id", "name", "acronym", "color_hex_triplet", "parent_structure_id"};
+  std::vector<Nested> pending;
+  const auto push_all = [&](const Json& list, const std::string& parent) {
+    if (list.is_object()) pending.push_back({&list, parent});
+    if (!list.is_array()) return;
+    for (auto item = list.rbegin(); item != list.rend(); ++item) {
+      if (item->is_object()) pending.push_back({&*item, parent});
+    }
+  };
+  push_all(roots, "");
+  while (!pending.empty()) {
+    const Nested next = pending.back();
+    pending.pop_back();
+    Table::Row row = row_of(*next.structure, table.rows.size() + 1, table.columns);
+    row.fields.back() = next.parent;
+    const auto children = next.structure->find("children");
+    if (children != next.structure->end()) push_all(*children, row.fields.front());
+    table.rows.push_back(std::move(row));
+  }
+  return table;
+}
+
+// NiiVue's colour maps of labels: arrays R, G, B, I (label values) and labels (names).
+
+/// A value of an array of the map, as text; "" behind its end.
+std::string value_at(const Json& map, const char* key, std::size_t n) {
+  const auto list = map.find(key);
+  if (list == map.end() || !list->is_array() || n >= list->size()) return {};
+  return text_of((*list)[n]);
+}
+
+}  // namespace
+
+bool recognise_open_anatomy(std::string_view head) {
+  return is_json(head) && has_json_key(head, "@type") &&
+         (head.find("\"Header\"") != std::string_view::npos ||
+          head.find("\"Structure\"") != std::string_view::npos);
+}
+
+Result<void> read_open_anatomy(const NamesInput& input, NamesCollector& into) {
+  SPLATLAS_ASSIGN_OR_RETURN(const Json json, parse_json(input));
+  if (!json.is_array())
+    return input.refuse("is no list of objects; give the atlasStructure.json of an atlas");
+  OpenAnatomyReader(into).read(json);
+  return {};
+}
+
+bool recognise_allen(std::string_view head) {
+  return is_json(head) && has_json_key(head, "children") && has_json_key(head, "id");
+}
+
+Result<void> read_allen(const NamesInput& input, NamesCollector& into) {
+  SPLATLAS_ASSIGN_OR_RETURN(const Json json, parse_json(input));
+  const bool is_answer = json.is_object() && json.contains("msg");
+  const Table table = flatten(is_answer ? json["msg"] : json);
+  if (table.rows.empty()) return input.refuse("holds no structures; download the structure graph again");
+  return add_table(table, input, into);
+}
+
+// BrainGlobe's structures.json: a list of structures with the path of ids to each.
+
+bool recognise_brainglobe(std::string_view head) {
+  return is_json(head) && has_json_key(head, "structure_id_path");
+}
+
+Result<void> read_brainglobe(const NamesInput& input, NamesCollector& into) {
+  SPLATLAS_ASSIGN_OR_RETURN(const Json json, parse_json(input));
+  if (!json.is_array()) return input.refuse("is no list of structures; give the structures.json of an atlas");
+  Table table;
+  table.columns = {"id", "name", "acronym", "rgb_triplet", "structure_id_path"};
+  for (std::size_t n = 0; n < json.size(); ++n) {
+    if (!json[n].is_object()) {
+      into.add_fault(n + 1, fmt::format("entry {} is no object", n + 1));
+      continue;
+    }
+    table.rows.push_back(row_of(json[n], n + 1, table.columns));
+  }
+  return add_table(table, input, into);
+}
+
+// Class maps of programs that segment: {"1": "spleen"}, {"spleen": 1}, either also below "labels".
+
+bool recognise_json_map(std::string_view head) {
+  return is_json(head);
+}
+
+Result<void> read_json_map(const NamesInput& input, NamesCollector& into) {
+  SPLATLAS_ASSIGN_OR_RETURN(const Json json, parse_json(input));
+  const bool is_wrapped = json.is_object() && json.contains("labels") && json["labels"].is_object();
+  const Json& map = is_wrapped ? json["labels"] : json;
+  const auto is_pair = [](const auto& item) {
+    return item.value().is_string() || (item.value().is_number() && !parse_label(item.key()));
+  };
+  const auto items = map.items();
+  if (!map.is_object() || !std::any_of(items.begin(), items.end(), is_pair)) {
+    return input.refuse("is no map of labels and names such as {\"1\": \"spleen\"}; give one, or a table");
+  }
+  std::size_t number = 0;
+  for (const auto& [key, value] : items) {
+    LabelName name;
+    name.line = ++number;
+    const bool label_first = parse_label(key).has_value();
+    if (value.is_structured() || value.is_null()) {
+      into.add_fault(number, fmt::format("{} has no single value", in_quotes(key)));
+      continue;
+    }
+    name.name = label_first ? text_of(value) : key;
+    into.add(label_first ? key : text_of(value), std::move(name));
+  }
+  return {};
+}
+
+bool recognise_niivue(std::string_view head) {
+  return is_json(head) && has_json_key(head, "R") && has_json_key(head, "G") && has_json_key(head, "B");
+}
+
+Result<void> read_niivue(const NamesInput& input, NamesCollector& into) {
+  SPLATLAS_ASSIGN_OR_RETURN(const Json map, parse_json(input));
+  const auto labels = map.is_object() ? map.find("labels") : map.end();
+  if (labels == map.end() || !labels->is_array()) {
+    return input.refuse(
+        "has no \"labels\": it is a colour ramp, which names no structures; give a map of labels");
+  }
+  const bool has_values = map.contains("I") && map["I"].is_array() && !map["I"].empty();
+  const std::size_t count = has_values ? map["I"].size() : labels->size();
+  for (std::size_t n = 0; n < count; ++n) {
+    LabelName name;
+    name.line = n + 1;
+    name.name = value_at(map, "labels", n);
+    const std::string rgb =
+        fmt::format("{},{},{}", value_at(map, "R", n), value_at(map, "G", n), value_at(map, "B", n));
+    name.color = parse_table_color(rgb);
+    if (!name.color && rgb != ",,") into.add_bad_color(n + 1, rgb);
+    into.add(has_values ? value_at(map, "I", n) : fmt::format("{}", n), std::move(name));
+  }
+  return {};
+}
+
+Result<std::vector<TreeLine>> read_json_tree(const NamesInput& input, NamesCollector& into) {
+  const std::string_view head = std::string_view(input.text).substr(0, kNamesHeadBytes);
+  if (recognise_open_anatomy(head)) {
+    SPLATLAS_RETURN_IF_ERROR(read_open_anatomy(input, into));
+  } else if (recognise_brainglobe(head)) {
+    SPLATLAS_RETURN_IF_ERROR(read_brainglobe(input, into));
+  } else if (recognise_allen(head)) {
+    SPLATLAS_RETURN_IF_ERROR(read_allen(input, into));
+  } else {
+    return input.refuse("is no tree of the Allen Brain Atlas, of BrainGlobe or of Open Anatomy; give one");
+  }
+  SPLATLAS_ASSIGN_OR_RETURN(NamesTable table, into.finish());
+  return std::move(table.hierarchy);
+}
+
+}  // namespace splatlas

@@ -1,0 +1,145 @@
+#include "preprocess/import/tables/read_tree.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "format/result_macros.h"
+#include "preprocess/import/import_error.h"
+#include "preprocess/import/isolation/run_isolated.h"
+#include "preprocess/import/tables/names/dialects.h"
+#include "preprocess/import/tables/table_entries.h"
+#include "preprocess/import/tables/text_file.h"
+#include "preprocess/import/tables/transfer_tables.h"
+
+namespace splatlas {
+namespace {
+
+/// A table, and the notes of its reader.
+template <typename Table>
+struct NotedTable {
+  Table table;
+  Notes notes;
+  friend void transfer(auto& archive, NotedTable& noted) { archive(noted.table, noted.notes); }
+};
+
+template <typename Table, typename Read>
+Result<Table> read_in_child(const std::filesystem::path& path, Notes& notes, const Read& read) {
+  SPLATLAS_ASSIGN_OR_RETURN(NotedTable<Table> noted,
+                            run_isolated<NotedTable<Table>>(path, [&]() -> Result<NotedTable<Table>> {
+                              NotedTable<Table> result;
+                              SPLATLAS_ASSIGN_OR_RETURN(result.table, read(result.notes));
+                              return result;
+                            }));
+  notes.add(noted.notes);
+  return std::move(noted.table);
+}
+
+const NoteKind kTreeFormatNote{"tree-format", "", "", false};
+
+// Tree files: one path per line (see kTreeFormat).
+
+/// Parses "#rrggbb" or "#rrggbb-#rrggbb".
+Result<ColorRange> parse_color_range(std::string_view text) {
+  const std::size_t dash = text.find('-');
+  SPLATLAS_ASSIGN_OR_RETURN(const Rgb first, parse_color(text.substr(0, dash)));
+  if (dash == std::string_view::npos) return ColorRange{first, first};
+  SPLATLAS_ASSIGN_OR_RETURN(const Rgb last, parse_color(text.substr(dash + 1)));
+  return ColorRange{first, last};
+}
+
+Result<TreeLine> parse_line(std::string_view text) {
+  TreeLine line;
+  constexpr std::string_view kColor = " color=";
+  if (const std::size_t at = text.rfind(kColor); at != std::string_view::npos) {
+    SPLATLAS_ASSIGN_OR_RETURN(line.color, parse_color_range(trimmed(text.substr(at + kColor.size()))));
+    text = trimmed(text.substr(0, at));
+  }
+  const std::vector<std::string_view> parts = split(text, '/');
+  for (std::size_t n = 0; n < parts.size(); ++n) {
+    const bool last = n + 1 == parts.size();
+    if (parts[n].empty() && !(last && n > 0)) return fail(ErrorCode::kUsage, "a part of the path is empty");
+    if (!last && parts[n].find('*') != std::string_view::npos) {
+      return fail(ErrorCode::kUsage, "'{}': only the last part may be a pattern", parts[n]);
+    }
+    if (last) {
+      line.member = std::string(parts[n]);
+    } else {
+      if (const auto fit = check_structure_name(parts[n]); !fit)
+        return fail(ErrorCode::kUsage, fit.error().message);
+      line.groups.emplace_back(parts[n]);
+    }
+  }
+  return line;
+}
+
+Result<std::vector<TreeLine>> read_path_tree(const NamesInput& input, NamesCollector& /*into*/) {
+  std::vector<TreeLine> result;
+  for (const TextLine& text : lines_of(input.text)) {
+    Result<TreeLine> line = parse_line(text.text);
+    if (!line) return bad_file(input.path, "line {}: {}", text.number, line.error().message);
+    line->number = text.number;
+    result.push_back(std::move(*line));
+  }
+  return result;
+}
+
+/// Tables with columns id, name and parent, or path. An id may be text; a whole one is the label, too.
+bool recognise_table_tree(std::string_view head) {
+  const auto separator = find_separator(head);
+  if (!separator) return false;
+  const Table table = parse_table(lines_of(head).front().text, *separator);
+  const std::vector<Column> columns = columns_of(table);
+  const auto has = [&](ColumnRole role) { return find_column(columns, role) != std::string::npos; };
+  return (has(ColumnRole::kName) || has(ColumnRole::kKey) || has(ColumnRole::kLabel)) &&
+         (has(ColumnRole::kParent) || has(ColumnRole::kPath));
+}
+
+Result<std::vector<TreeLine>> read_table_tree(const NamesInput& input, NamesCollector& into) {
+  const auto separator = find_separator(input.text);
+  SPLATLAS_ASSIGN_OR_RETURN(const TableEntries entries,
+                            read_entries(parse_table(input.text, separator.value_or(',')), input, into));
+  if (entries.entries.empty()) return input.refuse("has no row below its header; add some");
+  return hierarchy_of(entries);
+}
+
+struct TreeDialect {
+  const char* title;
+  bool (*recognise)(std::string_view head);
+  Result<std::vector<TreeLine>> (*read)(const NamesInput& input, NamesCollector& into);
+};
+
+/// Detection takes the first that fits; the last fits all.
+constexpr TreeDialect kTreeDialects[] = {
+    {"JSON tree", recognise_json_map, read_json_tree},
+    {"table of parents or paths", recognise_table_tree, read_table_tree},
+    {"tree file", [](std::string_view) { return true; }, read_path_tree},
+};
+
+}  // namespace
+
+Result<std::vector<TreeLine>> read_tree(const std::filesystem::path& path, Notes& notes) {
+  SPLATLAS_ASSIGN_OR_RETURN(std::string text, read_text(path));
+  const std::string_view head = std::string_view(text).substr(0, kNamesHeadBytes);
+  const auto* dialect =
+      std::ranges::find_if(kTreeDialects, [&](const TreeDialect& d) { return d.recognise(head); });
+  const NamesInput input{path, std::move(text), dialect->title};
+  NamesCollector faults(input, notes);
+  auto lines = dialect->read(input, faults);
+  if (lines && dialect->read != read_path_tree)
+    notes.add(kTreeFormatNote, fmt::format("{} is read as {}", path.filename().string(), dialect->title));
+  return lines;
+}
+
+Result<NamesTable> read_names_isolated(const std::filesystem::path& path, NamesFormat format, Notes& notes) {
+  return read_in_child<NamesTable>(path, notes,
+                                   [&](Notes& found) { return read_names(path, format, found); });
+}
+
+Result<std::vector<TreeLine>> read_tree_isolated(const std::filesystem::path& path, Notes& notes) {
+  return read_in_child<std::vector<TreeLine>>(path, notes,
+                                              [&](Notes& found) { return read_tree(path, found); });
+}
+
+}  // namespace splatlas
