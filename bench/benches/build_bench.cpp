@@ -1,4 +1,4 @@
-// Bench `build`: time of preprocessing by stage, run encoding, derived surfaces, memory.
+// Bench `build`: time of preprocessing by stage, run encoding, memory.
 #include <algorithm>
 #include <cstdint>
 #include <string>
@@ -10,12 +10,8 @@
 #include "bench/bench.h"
 #include "bench/measure/measure.h"
 #include "bench/measure/peak_memory.h"
-#include "bench/peers/itk_vtk_build.h"
 #include "bench/scenes/atlases.h"
 #include "format/content/run_model.h"
-#include "format/derive/fit_surface.h"
-#include "format/derive/smooth_net.h"
-#include "format/derive/surface_net.h"
 #include "format/result_macros.h"
 #include "preprocess/build/build_atlas.h"
 #include "tests/support/temporary_folder.h"
@@ -23,20 +19,13 @@
 namespace splatlas {
 namespace {
 
-/// Alternates builds, plain loading and the peer. The first turn does not count: it reads from disk and takes
-/// new memory.
+/// Alternates builds and plain loading. The first turn does not count: it reads from disk and takes new
+/// memory.
 struct Builds {
   std::vector<BuildReport> reports;
-  std::vector<double> build_seconds, build_cpu_seconds, load_seconds, peer_seconds, peer_cpu_seconds;
+  std::vector<double> build_seconds, build_cpu_seconds, load_seconds;
   std::uint64_t peak_bytes = 0;
 };
-
-constexpr int kAalLabels = 116;
-constexpr double kHeadThreshold = 28;  // as in colin27_sources()
-
-ItkVtkSources peer_sources(const SourceFiles& sources) {
-  return {sources.volume, sources.labels, templates_folder() / "ch2bet.nii.gz"};
-}
 
 Result<Builds> build_in_turns(const SourceFiles& sources, const std::filesystem::path& output, int turns,
                               const BenchOptions& options) {
@@ -56,8 +45,6 @@ Result<Builds> build_in_turns(const SourceFiles& sources, const std::filesystem:
     Notes notes;
     SPLATLAS_RETURN_IF_ERROR(import_sources(sources, notes));
     const auto loaded = watch.lap();
-    SPLATLAS_RETURN_IF_ERROR(load_and_march(peer_sources(sources), kAalLabels, kHeadThreshold));
-    const auto marched = watch.lap();
     if (turn == 0) {
       builds.peak_bytes = peak;  // from fresh memory, which later builds reuse
       continue;
@@ -65,8 +52,6 @@ Result<Builds> build_in_turns(const SourceFiles& sources, const std::filesystem:
     builds.build_seconds.push_back(built.wall_ms / 1000);
     builds.build_cpu_seconds.push_back(built.cpu_ms / 1000);
     builds.load_seconds.push_back(loaded.wall_ms / 1000);
-    builds.peer_seconds.push_back(marched.wall_ms / 1000);
-    builds.peer_cpu_seconds.push_back(marched.cpu_ms / 1000);
     builds.reports.push_back(std::move(report));
   }
   return builds;
@@ -108,46 +93,6 @@ Table measure_runs(const AtlasContent& content, int repeats, nlohmann::ordered_j
   return table;
 }
 
-/// The minimum over repeats of all surfaces that follow from the voxels.
-Table measure_surfaces(const AtlasContent& content, int repeats) {
-  Table table{
-      "surfaces",
-      "Deriving all surfaces from crops of the class volume, one thread, ns per triangle",
-      {"net: cells in order, triangles, links; smooth: net with smoothing 1; whole: with positions and "
-       "normals"}};
-  const Grid grid = storage_grid(content);
-  const StructureClasses structure_classes(content.classes, content.graph.size());
-  std::vector<StructureCrop> crops;
-  std::uint64_t triangles = 0;
-  for (StructureIndex s = 0; s < content.graph.size(); ++s) {
-    const IndexBox box = box_of(content.classes, structure_classes.of(s));
-    if (box.empty() || content.surfaces[s].position_scale != static_cast<std::uint32_t>(SurfaceRule::kSmooth))
-      continue;
-    crops.push_back(crop_structure(content.class_volume, grid.size, box,
-                                   parts_of(structure_classes.of(s), content.classes.size())));
-    triangles += content.surfaces[s].triangles.size();
-  }
-  const auto add = [&](const char* step, const auto& derive) {
-    double wall = 0, cpu = 0;
-    for (int repeat = 0; repeat < repeats; ++repeat) {
-      Stopwatch watch;
-      for (const StructureCrop& crop : crops) derive(crop);
-      const auto lap = watch.lap();
-      wall = repeat == 0 ? lap.wall_ms : std::min(wall, lap.wall_ms);
-      cpu = repeat == 0 ? lap.cpu_ms : std::min(cpu, lap.cpu_ms);
-    }
-    const double per_triangle = 1e6 / static_cast<double>(std::max<std::uint64_t>(triangles, 1));
-    table.rows.push_back({{"step", step},
-                          {"triangles", triangles},
-                          {"wall_ns", wall * per_triangle},
-                          {"cpu_ns", cpu * per_triangle}});
-  };
-  add("net", [](const StructureCrop& crop) { (void)surface_net(crop); });
-  add("smooth", [](const StructureCrop& crop) { (void)smooth(surface_net(crop)); });
-  add("whole", [&](const StructureCrop& crop) { (void)fit_surface(crop, grid, SurfaceRule::kSmooth); });
-  return table;
-}
-
 }  // namespace
 
 Result<Report> run_build_bench(const BenchOptions& options) {
@@ -160,26 +105,19 @@ Result<Report> run_build_bench(const BenchOptions& options) {
   report.tables.push_back(stage_table(builds));
   SPLATLAS_ASSIGN_OR_RETURN(const auto atlas, Atlas::open(file));
   const double build = median(builds.build_seconds), load = median(builds.load_seconds);
-  const double peer = median(builds.peer_seconds);
-  report.tables.push_back({"build",
-                           "Building Colin 27's atlas beside loading its files, all threads, wall clock",
-                           {"load: reading and unpacking volume, labels and masks; peer: loading by ITK and "
-                            "marching cubes by VTK, one "
-                            "thread, nothing stored; peak: memory of the first build"},
-                           {{{"build_seconds", build},
-                             {"build_cpu_seconds", median(builds.build_cpu_seconds)},
-                             {"load_seconds", load},
-                             {"peer_seconds", peer},
-                             {"peer_cpu_seconds", median(builds.peer_cpu_seconds)},
-                             {"peak_bytes", builds.peak_bytes},
-                             {"file_bytes", builds.reports[0].bytes}}}});
+  report.tables.push_back(
+      {"build",
+       "Building Colin 27's atlas beside loading its files, all threads, wall clock",
+       {"load: reading and unpacking volume, labels and masks; peak: memory of the first build"},
+       {{{"build_seconds", build},
+         {"build_cpu_seconds", median(builds.build_cpu_seconds)},
+         {"load_seconds", load},
+         {"peak_bytes", builds.peak_bytes},
+         {"file_bytes", builds.reports[0].bytes}}}});
   report.summary["build_seconds"] = build;
   report.summary["build_over_load"] = build / load;
-  report.summary["build_over_itk_vtk"] = build / peer;
   SPLATLAS_ASSIGN_OR_RETURN(const AtlasContent content, atlas->read_all());
-  const int repeats = options.quick ? 2 : 9;
-  report.tables.push_back(measure_runs(content, repeats, report.summary));
-  report.tables.push_back(measure_surfaces(content, repeats));
+  report.tables.push_back(measure_runs(content, options.quick ? 2 : 9, report.summary));
   report.summary["peak_bytes_per_voxel"] =
       static_cast<double>(builds.peak_bytes) / static_cast<double>(atlas->grid().voxels());
   return report;
