@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Coverage of the lines and branches of format/ by its tests: tests/format/, and failing allocations and races from
-# tests/faults/. Branches of exceptions are not counted, nor are processes that a signal ends, as in tests of
+# tests/campaigns/faults/. Branches of exceptions are not counted, nor are processes that a signal ends, as in tests of
 # interrupts.
 # Prints a table of files; build/coverage/report/index.html shows the lines. Needs gcovr.
 set -euo pipefail

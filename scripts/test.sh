@@ -8,11 +8,11 @@ help() {
   cat <<'HELP'
 Usage: scripts/test.sh [--quick | --all | --help]
 
-  (no option)  The checks of CI, in about half an hour from nothing on two cores: layers and layout of the sources;
-               release build and tests; clang-tidy over recent changes; player without ITK and VTK, installed and used;
-               address and undefined behaviour sanitizers; thread sanitizer for tests with threads; 15 seconds of each
-               fuzz target.
-  --quick      For daily work, within five minutes of a recent build: layers, layout, release build and tests,
+  (no option)  The checks of CI, in about half an hour from nothing on two cores: layers, layout and size of the
+               sources; release build and tests; clang-tidy over recent changes; player without ITK and VTK,
+               installed and used; address and undefined behaviour sanitizers; thread sanitizer for tests with threads;
+               15 seconds of each fuzz target.
+  --quick      For daily work, within five minutes of a recent build: layers, layout, size, release build and tests,
                clang-tidy over changes since origin/HEAD.
   --all        Every check, in some hours: all tests of the release build, of each source compiled alone (preset dev),
                and of the player without ITK and VTK; clang-tidy over every source; both sanitizers with the tests of
@@ -81,6 +81,7 @@ fix_addresses() { ! setarch -R true 2>/dev/null || launcher=(setarch -R); }
 step "Packages" scripts/install_packages.sh
 step "Layers of the sources" scripts/check_layers.sh
 step "Layout of the sources" scripts/check_format.sh
+step "Size of the sources" scripts/check_size.sh
 step "Release: build" build release
 step "Release: tests" run_tests release
 

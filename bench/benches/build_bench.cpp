@@ -1,4 +1,4 @@
-// Bench `build`: time of preprocessing by stage, run encoding, derived surfaces, memory.
+// Bench `build`: time of preprocessing by stage, run encoding, memory.
 #include <algorithm>
 #include <cstdint>
 #include <string>
@@ -13,9 +13,6 @@
 #include "bench/peers/itk_vtk_build.h"
 #include "bench/scenes/atlases.h"
 #include "format/content/run_model.h"
-#include "format/derive/fit_surface.h"
-#include "format/derive/smooth_net.h"
-#include "format/derive/surface_net.h"
 #include "format/result_macros.h"
 #include "preprocess/build/build_atlas.h"
 #include "tests/support/temporary_folder.h"
@@ -108,46 +105,6 @@ Table measure_runs(const AtlasContent& content, int repeats, nlohmann::ordered_j
   return table;
 }
 
-/// The minimum over repeats of all surfaces that follow from the voxels.
-Table measure_surfaces(const AtlasContent& content, int repeats) {
-  Table table{
-      "surfaces",
-      "Deriving all surfaces from crops of the class volume, one thread, ns per triangle",
-      {"net: cells in order, triangles, links; smooth: net with smoothing 1; whole: with positions and "
-       "normals"}};
-  const Grid grid = storage_grid(content);
-  const StructureClasses structure_classes(content.classes, content.graph.size());
-  std::vector<StructureCrop> crops;
-  std::uint64_t triangles = 0;
-  for (StructureIndex s = 0; s < content.graph.size(); ++s) {
-    const IndexBox box = box_of(content.classes, structure_classes.of(s));
-    if (box.empty() || content.surfaces[s].position_scale != static_cast<std::uint32_t>(SurfaceRule::kSmooth))
-      continue;
-    crops.push_back(crop_structure(content.class_volume, grid.size, box,
-                                   parts_of(structure_classes.of(s), content.classes.size())));
-    triangles += content.surfaces[s].triangles.size();
-  }
-  const auto add = [&](const char* step, const auto& derive) {
-    double wall = 0, cpu = 0;
-    for (int repeat = 0; repeat < repeats; ++repeat) {
-      Stopwatch watch;
-      for (const StructureCrop& crop : crops) derive(crop);
-      const auto lap = watch.lap();
-      wall = repeat == 0 ? lap.wall_ms : std::min(wall, lap.wall_ms);
-      cpu = repeat == 0 ? lap.cpu_ms : std::min(cpu, lap.cpu_ms);
-    }
-    const double per_triangle = 1e6 / static_cast<double>(std::max<std::uint64_t>(triangles, 1));
-    table.rows.push_back({{"step", step},
-                          {"triangles", triangles},
-                          {"wall_ns", wall * per_triangle},
-                          {"cpu_ns", cpu * per_triangle}});
-  };
-  add("net", [](const StructureCrop& crop) { (void)surface_net(crop); });
-  add("smooth", [](const StructureCrop& crop) { (void)smooth(surface_net(crop)); });
-  add("whole", [&](const StructureCrop& crop) { (void)fit_surface(crop, grid, SurfaceRule::kSmooth); });
-  return table;
-}
-
 }  // namespace
 
 Result<Report> run_build_bench(const BenchOptions& options) {
@@ -177,9 +134,7 @@ Result<Report> run_build_bench(const BenchOptions& options) {
   report.summary["build_over_load"] = build / load;
   report.summary["build_over_itk_vtk"] = build / peer;
   SPLATLAS_ASSIGN_OR_RETURN(const AtlasContent content, atlas->read_all());
-  const int repeats = options.quick ? 2 : 9;
-  report.tables.push_back(measure_runs(content, repeats, report.summary));
-  report.tables.push_back(measure_surfaces(content, repeats));
+  report.tables.push_back(measure_runs(content, options.quick ? 2 : 9, report.summary));
   report.summary["peak_bytes_per_voxel"] =
       static_cast<double>(builds.peak_bytes) / static_cast<double>(atlas->grid().voxels());
   return report;

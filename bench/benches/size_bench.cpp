@@ -1,5 +1,5 @@
-// Bench `size`: bytes against peers: whole atlases, their sections, the label partition, reads of single
-// structures, and full decoding.
+// Bench `size`: bytes against peers: whole atlases, their sections, reads of single structures, and full
+// decoding.
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -33,14 +33,6 @@ namespace fs = std::filesystem;
 
 /// The same parts with smoothed surfaces, measured separately with Draco 1.5: 1.36 M triangles, 11 bits.
 constexpr std::uint64_t kAnchorSurfaceBytes = 1299047;
-
-/// Label maps, and their size by crackle (best variant, then Zstandard 19), measured separately.
-struct LabelMap {
-  const char* file;
-  std::uint64_t crackle_bytes;
-};
-constexpr std::array kLabelMaps{LabelMap{"aal.nii.gz", 52218}, LabelMap{"brodmann.nii.gz", 70211},
-                                LabelMap{"inia19-NeuroMaps.nii.gz", 93639}};
 
 Result<std::shared_ptr<const Atlas>> build(const fs::path& output, const SourceFiles& sources, bool compact) {
   BuildOptions build;
@@ -78,76 +70,33 @@ Table section_table(const Atlas& full, const Atlas& compact) {
 /// Draco files of the surfaces; none without Draco.
 using DracoFiles = std::vector<std::vector<std::byte>>;
 
-Result<DracoFiles> draco_files([[maybe_unused]] const Atlas& atlas, [[maybe_unused]] int normal_bits) {
+Result<DracoFiles> draco_files([[maybe_unused]] const Atlas& atlas) {
   DracoFiles files;
 #ifdef SPLATLAS_HAS_DRACO
   for (StructureIndex s = 0; s < atlas.graph().size(); ++s) {
     SPLATLAS_ASSIGN_OR_RETURN(const SurfaceMesh mesh, atlas.read_surface(s));
     SPLATLAS_ASSIGN_OR_RETURN(files.emplace_back(),
-                              draco_peer::encode(mesh, {.position_bits = 11, .normal_bits = normal_bits}));
+                              draco_peer::encode(mesh, {.position_bits = 11, .normal_bits = 8}));
   }
 #endif
   return files;
 }
 
-/// The same content in common exchange files, with several variants of surfaces.
-Result<Table> compare_with_parts(const Atlas& full, const Atlas& compact, nlohmann::ordered_json& summary) {
-  Table table{
-      "parts",
-      "Colin 27 with AAL against its parts: volume and labels as .nii.gz, 116 surfaces by Draco",
-      {"smoothed: surfaces smoothed, without normals, as measured elsewhere with Draco 1.5; the others are "
-       "those of the atlas, which has their normals"}};
+/// The same content in common exchange files.
+Table compare_with_parts(const Atlas& full, const Atlas& compact, nlohmann::ordered_json& summary) {
+  Table table{"parts",
+              "Colin 27 with AAL against its parts: volume and labels as .nii.gz, 116 surfaces by Draco",
+              {"surfaces smoothed, without normals, as measured elsewhere with Draco 1.5"}};
   std::error_code error;
   const std::uint64_t images = fs::file_size(templates_folder() / "ch2.nii.gz", error) +
                                fs::file_size(templates_folder() / "aal.nii.gz", error);
-  const auto add = [&](const char* surfaces, std::uint64_t bytes) {
-    const auto parts = static_cast<double>(images + bytes);
-    table.rows.push_back({{"surfaces", surfaces},
-                          {"surface_bytes", bytes},
-                          {"parts_bytes", images + bytes},
-                          {"atlas", static_cast<double>(full.counters().file) / parts},
-                          {"compact", static_cast<double>(compact.counters().file) / parts}});
-  };
-  add("Draco 11 bit, smoothed", kAnchorSurfaceBytes);
-  for (const int normal_bits : {8, 0}) {
-    SPLATLAS_ASSIGN_OR_RETURN(const DracoFiles files, draco_files(full, normal_bits));
-    std::uint64_t sum = 0;
-    for (const std::vector<std::byte>& file : files) sum += file.size();
-    if (!files.empty())
-      add(normal_bits == 8 ? "Draco 11 bit, normals 8 bit" : "Draco 11 bit, without normals", sum);
-  }
+  const auto parts = static_cast<double>(images + kAnchorSurfaceBytes);
+  table.rows.push_back({{"surface_bytes", kAnchorSurfaceBytes},
+                        {"parts_bytes", images + kAnchorSurfaceBytes},
+                        {"atlas", static_cast<double>(full.counters().file) / parts},
+                        {"compact", static_cast<double>(compact.counters().file) / parts}});
   summary["atlas_vs_parts"] = table.rows[0]["atlas"];
   summary["compact_vs_parts"] = table.rows[0]["compact"];
-  if (table.rows.size() > 1) {
-    summary["atlas_vs_own_parts"] = table.rows[1]["atlas"];
-    summary["compact_vs_own_parts"] = table.rows[1]["compact"];
-  }
-  return table;
-}
-
-/// Atlases of labels alone.
-Result<Table> measure_labels(const fs::path& folder, const BenchOptions& options,
-                             nlohmann::ordered_json& summary) {
-  Table table{
-      "labels",
-      "The label partition of a compact atlas against crackle with Zstandard, the best label codec",
-      {"runs_bytes: runs_z, from which all else of the partition is derived; crackle: measured elsewhere"}};
-  for (const LabelMap& map : kLabelMaps) {
-    options.tell(fmt::format("building the atlas of {}", map.file));
-    SourceFiles sources;
-    sources.labels = templates_folder() / map.file;
-    SPLATLAS_ASSIGN_OR_RETURN(const auto atlas, build(folder / "labels.atlas", sources, true));
-    const std::uint64_t runs = bytes_of_section(*atlas, "runs_z");
-    const double ratio = static_cast<double>(runs) / static_cast<double>(map.crackle_bytes);
-    table.rows.push_back({{"labels", map.file},
-                          {"structures", atlas->graph().size()},
-                          {"runs", atlas->runs(Axis::kZ)},
-                          {"runs_bytes", runs},
-                          {"directory_bytes", bytes_of_section(*atlas, "directory")},
-                          {"crackle_bytes", map.crackle_bytes},
-                          {"runs_vs_crackle", ratio}});
-    raise(summary, "labels_vs_crackle_max", ratio);
-  }
   return table;
 }
 
@@ -218,7 +167,8 @@ Result<void> gunzip(const fs::path& path) {
 }
 
 Result<std::vector<Elapsed>> decode_parts(const SourceFiles& sources,
-                                          [[maybe_unused]] const DracoFiles& surfaces) {
+                                          [[maybe_unused]] const DracoFiles& surfaces,
+                                          [[maybe_unused]] const Atlas& atlas) {
   std::vector<Elapsed> parts(kAllParts);
   Stopwatch watch;
   SPLATLAS_RETURN_IF_ERROR(gunzip(sources.labels));
@@ -226,8 +176,14 @@ Result<std::vector<Elapsed>> decode_parts(const SourceFiles& sources,
   SPLATLAS_RETURN_IF_ERROR(gunzip(sources.volume));
   parts[kValues] = watch.lap();
 #ifdef SPLATLAS_HAS_DRACO
-  for (const std::vector<std::byte>& file : surfaces) SPLATLAS_RETURN_IF_ERROR(draco_peer::decode(file));
+  std::vector<std::uint64_t> triangles;
+  for (const std::vector<std::byte>& file : surfaces) {
+    SPLATLAS_ASSIGN_OR_RETURN(triangles.emplace_back(), draco_peer::decode(file));
+  }
   parts[kSurfaces] = watch.lap();
+  for (StructureIndex s = 0; s < triangles.size(); ++s) {
+    if (triangles[s] != atlas.triangles(s)) return fail(ErrorCode::kFailed, "Draco lost triangles");
+  }
 #endif
   return parts;
 }
@@ -240,9 +196,9 @@ Result<Table> measure_decoding(const fs::path& file, const SourceFiles& sources,
               "Decoding of Colin 27 with AAL: the whole atlas, against gunzip and Draco of its parts",
               {"CPU time of one thread, median of turns; parts have no boundary normals"}};
   options.tell("decoding everything");
-  SPLATLAS_ASSIGN_OR_RETURN(const DracoFiles surfaces, draco_files(atlas, 8));
+  SPLATLAS_ASSIGN_OR_RETURN(const DracoFiles surfaces, draco_files(atlas));
   const std::array<Contender, 2> contenders{[&](int) { return decode_atlas(file); },
-                                            [&](int) { return decode_parts(sources, surfaces); }};
+                                            [&](int) { return decode_parts(sources, surfaces, atlas); }};
   SPLATLAS_ASSIGN_OR_RETURN(const std::vector<StageTimes> times,
                             measure_interleaved(contenders, options.quick ? 3 : 9));
   double ours_ms = 0, theirs_ms = 0;
@@ -276,15 +232,11 @@ Result<Report> run_size_bench(const BenchOptions& options) {
   SPLATLAS_ASSIGN_OR_RETURN(const auto full, build(file, sources, false));
   SPLATLAS_ASSIGN_OR_RETURN(const auto compact, build(folder.path() / "compact.atlas", sources, true));
   report.tables.push_back(section_table(*full, *compact));
-  options.tell("coding the surfaces as others do");
-  SPLATLAS_ASSIGN_OR_RETURN(report.tables.emplace_back(),
-                            compare_with_parts(*full, *compact, report.summary));
+  report.tables.push_back(compare_with_parts(*full, *compact, report.summary));
   std::uint64_t runs = 0;
   for (const char* section : {"runs_x", "runs_y", "runs_z"}) runs += bytes_of_section(*full, section);
   report.summary["runs_bytes_per_voxel"] =
       static_cast<double>(runs) / static_cast<double>(full->grid().voxels());
-  SPLATLAS_ASSIGN_OR_RETURN(report.tables.emplace_back(),
-                            measure_labels(folder.path(), options, report.summary));
   SPLATLAS_ASSIGN_OR_RETURN(report.tables.emplace_back(),
                             measure_reading(*full, file, options, report.summary));
   SPLATLAS_ASSIGN_OR_RETURN(report.tables.emplace_back(),

@@ -279,13 +279,4 @@ Picture VolpackPeer::picture() const {
   return picture;
 }
 
-std::uint64_t VolpackPeer::classified_bytes() const {
-  std::uint64_t bytes = 0;
-  for (const int option : {VP_VIEW_X_SIZE, VP_VIEW_Y_SIZE, VP_VIEW_Z_SIZE}) {
-    int size = 0;
-    if (vpGeti(impl_->context.get(), option, &size) == VP_OK) bytes += static_cast<std::uint64_t>(size);
-  }
-  return bytes;
-}
-
 }  // namespace splatlas

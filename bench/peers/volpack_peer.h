@@ -44,9 +44,6 @@ class VolpackPeer {
   /// The latest picture, as floats.
   [[nodiscard]] Picture picture() const;
 
-  /// Bytes of the runs along all axes, classified voxels included.
-  [[nodiscard]] std::uint64_t classified_bytes() const;
-
  private:
   struct Impl;
   explicit VolpackPeer(std::shared_ptr<Impl> impl) : impl_(std::move(impl)) {}

@@ -81,17 +81,6 @@ TEST(VolpackPeer, RoundsThinOpacitiesAsTold) {
   EXPECT_NEAR(middle_with(OpacityRounding::kNearest), 1 - std::pow(1 - 2.0 / 255, 20), 1.0 / 255);
 }
 
-TEST(VolpackPeer, ClassifiesOnlyWhatIsVisible) {
-  MaskedVolume volume = kEmpty;
-  const GreyAppearance appearance{{{9, 0, {1, 1, 1}}, {10, 0.3, {1, 1, 1}}}};
-  put_box(volume, {2, 2, 2}, 20, 9);  // invisible
-  const auto clear = VolpackPeer::classify(volume, appearance, OpacityRounding::kDown);
-  put_box(volume, {10, 15, 20}, 20, 10);
-  const auto fog = VolpackPeer::classify(volume, appearance, OpacityRounding::kDown);
-  ASSERT_TRUE(clear && fog);
-  EXPECT_GE(fog->classified_bytes(), clear->classified_bytes() + 3 * 4 * 8000);  // 4 bytes per voxel and axis
-}
-
 /// Red light of the quarters of a picture.
 template <typename RedAt>
 std::array<double, 4> red_of_quarters(const PictureSize& size, const RedAt& red_at) {

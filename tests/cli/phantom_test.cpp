@@ -79,39 +79,5 @@ TEST(Phantom, Table2ComesOutOfStats) {
   }
 }
 
-TEST(PhantomProgram, MakesNoFolderOfAnOption) {
-  const TemporaryFolder folder;
-  const ProgramResult help = run_program({SPLATLAS_PHANTOM, "--help"}, folder.path());
-  EXPECT_EQ(help.status, 0);
-  EXPECT_TRUE(help.out.starts_with("usage: splatlas-phantom FOLDER\n")) << help.out;
-  for (const Words& words : {Words{"--hepl"}, {"-x"}, {""}, {}, {"one", "two"}})
-    EXPECT_EQ(run_program(joined({SPLATLAS_PHANTOM}, words), folder.path()).status, 2);
-  EXPECT_TRUE(folder.names().empty());
-}
-
-TEST(PhantomAtlasProgram, MakesNoFileOfAnOption) {
-  const TemporaryFolder folder;
-  for (const char* option : {"--help", "-h"}) {
-    const ProgramResult help = run_program({SPLATLAS_PHANTOM_ATLAS, option}, folder.path());
-    EXPECT_EQ(help.status, 0);
-    EXPECT_THAT(help.out, HasSubstr("splatlas-phantom-atlas [OPTIONS] FILE [KIND]"));
-  }
-  for (const Words& words : {Words{"--hepl"}, {"-x"}, {""}, {}, {"a.atlas", "broken"}, {"a", "empty", "b"}})
-    EXPECT_EQ(run_program(joined({SPLATLAS_PHANTOM_ATLAS}, words), folder.path()).status, 2);
-  EXPECT_TRUE(folder.names().empty());
-}
-
-TEST(PhantomAtlasProgram, WritesEachKind) {
-  const TemporaryFolder folder;
-  for (const Words& words : {Words{"a"}, {"b", "whole"}, {"c", "damaged"}, {"d", "empty"}}) {
-    EXPECT_EQ(run_program(joined({SPLATLAS_PHANTOM_ATLAS}, words), folder.path()).status, 0);
-    EXPECT_EQ(run_player({"verify", words[0]}, folder.path()).status, words[0] == "c" ? 3 : 0);
-  }
-  EXPECT_EQ(read_bytes(folder.file("a")), read_bytes(folder.file("b")));
-  const ProgramResult failed = run_program({SPLATLAS_PHANTOM_ATLAS, "nowhere/x"}, folder.path());
-  EXPECT_EQ(failed.status, 1);
-  EXPECT_THAT(failed.err, HasSubstr("nowhere"));
-}
-
 }  // namespace
 }  // namespace splatlas

@@ -78,16 +78,6 @@ TEST_F(PlayerFraming, FitsTheSelectionByDefault) {
   }
 }
 
-TEST_F(PlayerFraming, ZoomsAroundTheFittedCentre) {
-  const Shown fitted = shown(kBall), half = shown(joined(kBall, {"--zoom", "0.5"}));
-  EXPECT_NEAR(half.width(), 0.5 * fitted.width(), 2);
-  EXPECT_NEAR(half.middle_x(), 50, 1);
-  EXPECT_NEAR(half.middle_y(), 50, 1);
-  const Shown inside = shown(joined(kBall, {"--zoom", "8"}));
-  EXPECT_EQ(inside.width(), 100);
-  EXPECT_EQ(inside.height(), 100);
-}
-
 /// The grid's frame does not depend on the selection.
 TEST_F(PlayerFraming, FitsTheGridOnRequest) {
   const Shown both = shown({"--background", "transparent", "--select", "*:surface", "--fit", "grid"});
@@ -161,10 +151,6 @@ TEST_F(PlayerFraming, RefusesWhatIsNoCentre) {
   EXPECT_THAT(
       refused({"--center", "Spere 1"}, 4),
       testing::AllOf(HasSubstr("--center: no structure is called \"Spere 1\""), HasSubstr("Sphere 1")));
-  EXPECT_THAT(refused({"--center", "#3"}, 4), HasSubstr("no structure has the label 3; the nearest: #2"));
-  EXPECT_THAT(refused({"--center", "Sphere*x"}, 4), HasSubstr("no structure"));
-  EXPECT_THAT(refused({"--center", "\"Sphere 1"}, 2), HasSubstr("never closed"));
-  EXPECT_THAT(refused({"--center", "\"Sphere 1\":surface"}, 2), HasSubstr("behind the name"));
   EXPECT_THAT(refused({"--fit", "all"}, 2), HasSubstr("selection or grid"));
   EXPECT_THAT(refused(joined(kBall, {"--zoom", "1e6"}), 2), HasSubstr("--zoom 1000000: multiplied by "));
 }

@@ -1,7 +1,6 @@
 // Output files of splatlas-player: complete or absent, and never over an input.
 
 #include <filesystem>
-#include <fstream>
 
 #include <gmock/gmock.h>
 
@@ -63,13 +62,6 @@ TEST_F(PlayerOutput, IsNeverTheFont) {
   }
 }
 
-TEST_F(PlayerOutput, IsNeverAnotherOutput) {
-  const ProgramResult result = render({"-o", "x.png", "--stats", "./x.png"});
-  EXPECT_EQ(result.status, 2);
-  EXPECT_EQ(result.err, "splatlas-player: ./x.png: is another output, too (x.png); write to two files\n");
-  expect_unchanged();
-}
-
 TEST_F(PlayerOutput, IsCheckedBeforeAnythingIsRead) {
   const ProgramResult result =
       run_player({"render", "missing.atlas", "-o", "x.png", "--stats", "x.png"}, folder.path());
@@ -78,21 +70,6 @@ TEST_F(PlayerOutput, IsCheckedBeforeAnythingIsRead) {
       run_program({SPLATLAS_PLAYER, "render", "missing.atlas", "-o", "nowhere/x.png"}, folder.path());
   EXPECT_EQ(no_folder.status, 1);
   EXPECT_EQ(no_folder.err, "splatlas-player: nowhere/x.png: cannot be written: there is no folder nowhere\n");
-}
-
-TEST_F(PlayerOutput, IsAllOrNothing) {
-  const ProgramResult no_folder = render({"-o", "x.png", "--stats", "nowhere/s.json"});
-  EXPECT_EQ(no_folder.status, 1);
-  EXPECT_EQ(no_folder.err,
-            "splatlas-player: nowhere/s.json: cannot be written: there is no folder nowhere\n");
-  expect_unchanged();
-  const ProgramResult full = render({"-o", "x.png", "--stats", "/dev/full"});
-  EXPECT_EQ(full.status, 1);
-  EXPECT_EQ(full.err, "splatlas-player: /dev/full: cannot be written: it is not a regular file\n");
-  expect_unchanged();
-  std::ofstream(folder.file("s.json")) << "old";
-  EXPECT_EQ(render({"-o", "nowhere/x.png", "--stats", "s.json"}).status, 1);
-  EXPECT_EQ(read_bytes(folder.file("s.json")), "old");
 }
 
 TEST_F(PlayerOutput, IsNotLeftHalfWrittenByAFullDisk) {

@@ -105,19 +105,6 @@ TEST_F(PlayerRender, PicturesDoNotDependOnThreads) {
   EXPECT_TRUE(bytes("1.exr") == bytes("8.exr"));
 }
 
-TEST_F(PlayerRender, TakesTransferFunctions) {
-  const auto picture_of = [&](const std::string& options) {
-    render({"-o", "t.exr", "--select", "\"Sphere 1\"(" + options + ")"}, "512x512");
-    return bytes("t.exr");
-  };
-  const std::string ramp = picture_of("low=0,high=255,opacity=0.25");
-  EXPECT_TRUE(ramp == picture_of("curve=0:0:0.25/255:0.25"));
-  EXPECT_TRUE(ramp == picture_of("profile=thin,low=0,high=255,opacity=0.25"));
-  EXPECT_FALSE(ramp == picture_of("profile=thin,low=0,high=255"));
-  EXPECT_FALSE(ramp == picture_of("profile=hard,low=0,high=255,opacity=0.25"));
-  EXPECT_FALSE(ramp == picture_of("curve=0:0/255:0.25"));
-}
-
 TEST_F(PlayerRender, AnEmptySelectionGivesTheBackground) {
   for (const std::string select : {"", "Sphere* - Sphere*"}) {
     render({"-o", "e.png", "--select", select, "--background", "#204060", "--stats", "s.json"});
@@ -131,17 +118,6 @@ TEST_F(PlayerRender, AnEmptySelectionGivesTheBackground) {
     EXPECT_EQ(stats()["runs_visited"], 0);
     EXPECT_EQ(stats()["bytes"]["decoded"], 0);
   }
-}
-
-TEST_F(PlayerRender, SelectsLabelsAndTheRest) {
-  const auto picture_of = [&](const std::string& text) {
-    render({"-o", "l.exr", "--fit", "grid", "--select", text});
-    return bytes("l.exr");
-  };
-  EXPECT_TRUE(picture_of("#2:surface") == picture_of("\"Sphere 2\":surface"));
-  EXPECT_FALSE(picture_of("#1:surface") == picture_of("#2:surface"));
-  EXPECT_TRUE(picture_of("#1 + rest:surface(opacity=0.1)") ==
-              picture_of("\"Sphere 2\":surface(opacity=0.1) + \"Sphere 1\""));
 }
 
 TEST_F(PlayerRender, WarnsOfHiddenTerms) {
@@ -184,23 +160,6 @@ TEST_F(PlayerRender, ReadsOnlyWhatIsSelected) {
   EXPECT_EQ(one["voxels_visited"].get<int>() + two["voxels_visited"].get<int>(),
             both["voxels_visited"].get<int>());
   EXPECT_EQ(one["runs_visited"].get<int>() + two["runs_visited"].get<int>(), both["runs_visited"].get<int>());
-}
-
-TEST_F(PlayerRender, ATruncatedAtlasIsRefused) {
-  const std::string whole = read_bytes(phantom_atlas());
-  ASSERT_GT(whole.size(), 1000u);
-  for (const std::size_t length :
-       {std::size_t{0}, std::size_t{10}, std::size_t{64}, whole.size() / 2, whole.size() - 1}) {
-    write_atlas("cut.atlas", whole.substr(0, length));
-    for (const Words& words :
-         {Words{"render", "cut.atlas", "-o", "x.png"}, {"info", "cut.atlas"}, {"verify", "cut.atlas"}}) {
-      const ProgramResult result = run(words);
-      EXPECT_EQ(result.status, 3) << words[0] << " of " << length << " bytes: " << result.err;
-      EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
-      EXPECT_THAT(result.err, HasSubstr("cut.atlas: "));
-    }
-    EXPECT_EQ(folder_.names(), Words{"cut.atlas"});
-  }
 }
 
 /// The last chunk holds Sphere 2's values.

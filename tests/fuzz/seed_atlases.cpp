@@ -3,7 +3,7 @@
 #include <random>
 
 #include "format/atlas_writer.h"
-#include "tests/faults/work_bombs.h"
+#include "tests/campaigns/faults/work_bombs.h"
 #include "tests/format/random_content.h"
 #include "tests/support/fit_parts.h"
 #include "tests/support/sparse_atlas.h"

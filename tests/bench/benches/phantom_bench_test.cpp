@@ -71,24 +71,5 @@ TEST(BenchProgram, DoesNotWriteOverItsInput) {
   EXPECT_EQ(std::filesystem::file_size(folder.file("a.atlas")), 8u);
 }
 
-TEST(BenchProgram, DrawsNoFileThatIsNoAtlas) {
-  const TemporaryFolder folder;
-  std::ofstream(folder.file("not.atlas")) << "not an atlas, though long enough to hold a header of some kind";
-  const ProgramResult foreign = run_program({SPLATLAS_BENCH, "head", "--atlas", folder.file("not.atlas")});
-  EXPECT_EQ(foreign.status, 3);
-  EXPECT_THAT(foreign.err, HasSubstr("not.atlas"));
-  const ProgramResult missing = run_program(
-      {SPLATLAS_BENCH, "head", "--atlas", folder.file("missing.atlas"), "--json", "j.json"}, folder.path());
-  EXPECT_EQ(missing.status, 1);
-  EXPECT_THAT(missing.err, HasSubstr("missing.atlas"));
-  EXPECT_EQ(folder.names(), std::vector<std::string>{"not.atlas"});
-}
-
-TEST(BenchProgram, ListsTheBenches) {
-  const ProgramResult help = run_program({SPLATLAS_BENCH, "--help"});
-  EXPECT_EQ(help.status, 0);
-  for (const char* bench : {"phantom", "head"}) EXPECT_THAT(help.out, HasSubstr(bench));
-}
-
 }  // namespace
 }  // namespace splatlas

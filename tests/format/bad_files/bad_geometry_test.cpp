@@ -74,6 +74,7 @@ constexpr BadPart<RawGrid> kDirections[] = {
     {[](auto& g) { g.direction_lps = {1, 1, 0, 0, 0, 0, 0, 0, 1}; }, "1 1 0 0 0 0 0 0 1"},
     {[](auto& g) { g.direction_lps = {1, -1, 0, 0, 0, 0, 0, 0, 1}; }, "1 -1 0 0 0 0 0 0 1"},
     {[](auto& g) { g.direction_lps = {1, 0, 1, 0, 1, 1, 0, 0, 0}; }, "1 0 1 0 1 1 0 0 0"},
+    {[](auto& g) { g.direction_lps = {1, 1, 0, 0, 1e-8, 0, 0, 0, 1}; }, "1 1 0 0 1e-08 0 0 0 1"},
 };
 
 constexpr BadPart<RawAxisOrder> kOrders[] = {

@@ -1,14 +1,8 @@
 // Invalid files: the header.
-#include <fstream>
-
 #include <fmt/format.h>
 #include <gtest/gtest.h>
-#include <sys/stat.h>
 
-#include "format/atlas_reader.h"
-#include "format/program/exit_status.h"
 #include "tests/format/bad_files/bad_files.h"
-#include "tests/support/temporary_folder.h"
 
 namespace splatlas {
 namespace {
@@ -174,29 +168,6 @@ TEST(BadFiles, WithAForgedHeader) {
   expect_faults(kOffsets, "F: invalid: directory at {}, expected 64", in_header);
   expect_wrong_checksums(kDirectories, true, in_header);
   expect_faults(kValidHeaders, "", in_header);
-}
-
-/// Refused without being read.
-TEST(BadFiles, ThatAreNoFiles) {
-  const TemporaryFolder folder;
-  const auto refusal = [](const std::filesystem::path& path) {
-    const auto atlas = Atlas::open(path);
-    return atlas ? std::string()
-                 : fmt::format("{} {}", exit_status(atlas.error().code), atlas.error().message);
-  };
-  const std::string name = folder.path().string();
-  EXPECT_EQ(refusal(folder.path()), "3 " + name + ": not an atlas (a folder)");
-  EXPECT_EQ(refusal(folder.path() / "none"),
-            "1 " + name + "/none: cannot be opened: No such file or directory");
-  ASSERT_EQ(::mkfifo((name + "/pipe").c_str(), 0600), 0);
-  EXPECT_EQ(refusal(folder.path() / "pipe"),
-            "1 " + name + "/pipe: is a pipe; save the atlas to a file first");
-  EXPECT_EQ(refusal("/dev/zero"), "3 /dev/zero: not an atlas (not a regular file)");
-  std::filesystem::create_symlink("loop", folder.path() / "loop");
-  EXPECT_EQ(refusal(folder.path() / "loop"),
-            "1 " + name + "/loop: cannot be opened: Too many levels of symbolic links");
-  std::ofstream(folder.path() / "empty");
-  EXPECT_EQ(refusal(folder.path() / "empty"), "3 " + name + "/empty: not an atlas (its size is 0 bytes)");
 }
 
 }  // namespace

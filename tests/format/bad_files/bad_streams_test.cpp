@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 #include <zstd.h>
 
-#include "format/derive/run_fingerprint.h"
 #include "tests/format/bad_files/bad_files.h"
 
 namespace splatlas {
@@ -187,24 +186,6 @@ TEST(BadFiles, WithABadRunList) {
   expect_faults(kRunsTogether,
                 "F: invalid: runs_z of {} is out of order, or not apart from the run before it", edit_runs);
   expect_faults(kRunsOutOfBox, "F: invalid: the box of class {}", edit_runs);
-}
-
-/// A class moved over another one, with its box.
-TEST(BadFiles, WithRunsOverAnotherClass) {
-  RawAtlas atlas = raw_atlas(good_file());
-  RawClass& core = atlas.directory.classes[kCoreInterior];
-  core.box_first[0] = core.box_last[0] = 4;
-  atlas.edit_runs(Axis::kX, kCoreInterior, [](ClassRuns& r) { r[0].scanline += 2 * 4; });
-  atlas.edit_runs(Axis::kY, kCoreInterior, [](ClassRuns& r) { r[0].start = 4; });
-  atlas.edit_runs(Axis::kZ, kCoreInterior, [&](ClassRuns& r) {
-    r[0].start = 4;
-    auto& fingerprints = atlas.directory.fingerprints;
-    const VoxelSetFingerprint moved = RunFingerprinter(good_content().source_grid.size).of(r, Axis::kZ);
-    const VoxelSetFingerprint rest = add_fingerprints(fingerprints[0], fingerprints[kCoreInterior]);
-    fingerprints[0] = subtract_fingerprints(rest, moved);
-    fingerprints[kCoreInterior] = moved;
-  });
-  EXPECT_EQ(fault_of_file(file_of(atlas)), "F: invalid: runs_z of classes 1 and 4 overlap in scanline 7");
 }
 
 }  // namespace

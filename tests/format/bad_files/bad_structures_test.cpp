@@ -58,6 +58,8 @@ constexpr BadText kTexts[] = {
     {kCitation, "\xc3(", "provenance is not UTF-8 (byte 0)"},
     {kLicence, "\xed\xa0\x80", "provenance is not UTF-8 (byte 0)"},
     {kTool, "\xc0\xaf", "provenance is not UTF-8 (byte 0)"},
+    {kTool, "\xe0\x9f\xbf", "provenance is not UTF-8 (byte 0)"},
+    {kTool, "\xf0\x8f\xbf\xbf", "provenance is not UTF-8 (byte 0)"},
     {kNameOfCore, "K\xf6rper", "name of structure 1 is not UTF-8 (byte 1)"},
     {kSceneName, "\x80", "text of scene 0 is not UTF-8 (byte 0)"},
     {kCaption, "cut off \xe2\x82", "text of scene 0 is not UTF-8 (byte 8)"},
@@ -81,6 +83,7 @@ constexpr BadText kTexts[] = {
 
 constexpr BadText kValidTexts[] = {
     {kCaption, "one\n\ttwo"},
+    {kTitle, "\xed\x9f\xbf\xee\x80\x80\xf4\x8f\xbf\xbf"},
     {kNameOfCore, "\u05de\u05d5\u05d7\u200f"},  // Hebrew with its marks
     {kNameOfRim, "Core"},                       // a name twice
     {kNameOfRim, ""},

@@ -6,11 +6,9 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-#include "format/atlas_reader.h"
-#include "format/atlas_writer.h"
 #include "format/codec/run_codec.h"
-#include "tests/format/random_content.h"
 #include "tests/format/random_volume.h"
+#include "tests/support/neighbours.h"
 
 namespace splatlas {
 namespace {
@@ -117,27 +115,6 @@ TEST(MaskCodec, RefusesWhatIsNoMask) {
   EXPECT_TRUE(refused(bytes, {}, shape.voxels));
   EXPECT_TRUE(refused({}, shape.box, shape.voxels));
   EXPECT_TRUE(refused(std::span(bytes).subspan(1), shape.box, shape.voxels));
-}
-
-TEST(MaskCodec, CompactFilesHaveTheSameRunsInLess) {
-  std::mt19937 random(3);
-  std::uint64_t full_bytes = 0, compact_bytes = 0;
-  for (int turn = 0; turn < 20; ++turn) {
-    const AtlasContent content = random_content(random, {30, 4, 6});
-    const auto full = *Atlas::open_bytes(*encode_atlas(content, {}));
-    const auto compact = *Atlas::open_bytes(*encode_atlas(content, {.compact = true}));
-    EXPECT_TRUE(compact->verify());
-    for (ClassId c = 1; c < content.classes.size(); ++c) {
-      for (const Axis axis : kAxes) EXPECT_EQ(*full->read_runs(c, axis), *compact->read_runs(c, axis));
-    }
-    const auto runs_z = [](const Atlas& atlas) {
-      const auto sections = atlas.sections();
-      return std::ranges::find(sections, std::string("runs_z"), &SectionSize::name)->bytes;
-    };
-    full_bytes += runs_z(*full);
-    compact_bytes += runs_z(*compact);
-  }
-  EXPECT_LT(compact_bytes, full_bytes);
 }
 
 }  // namespace

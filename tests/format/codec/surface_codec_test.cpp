@@ -2,7 +2,6 @@
 
 #include <limits>
 
-#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
@@ -116,65 +115,6 @@ TEST(SurfaceCodec, RefusesEveryPrefixAndEveryExtraByte) {
     encoded.bytes.push_back(std::byte{0});
     EXPECT_FALSE(decode_surface(encoded.bytes, encoded.entry, kSize));
   }
-}
-
-TEST(SurfaceCodec, RefusesOtherVersionsOfTheMeshCodes) {
-  const EncodedSurface good = encode_surface(tetrahedron(), kSize).value();
-  const std::size_t vertices = 8, indices = vertices + std::to_integer<std::size_t>(good.bytes[0]);
-  ASSERT_EQ(good.bytes[vertices], std::byte{0xa0});
-  ASSERT_EQ(good.bytes[indices], std::byte{0xe1});
-  const auto with = [&](std::size_t at, unsigned value) {
-    auto bytes = good.bytes;
-    bytes[at] = static_cast<std::byte>(value);
-    return decode_surface(bytes, good.entry, kSize);
-  };
-  for (const unsigned header : {0x00u, 0xa1u, 0xafu, 0xe1u}) {
-    EXPECT_THAT(with(vertices, header),
-                FailsWith(ErrorCode::kInvalidAtlas,
-                          fmt::format("the vertex code begins with {:#04x}, expected 0xa0", header)));
-  }
-  for (const unsigned header : {0x00u, 0xe0u, 0xe2u, 0xa0u}) {
-    EXPECT_THAT(with(indices, header),
-                FailsWith(ErrorCode::kInvalidAtlas,
-                          fmt::format("the index code begins with {:#04x}, expected 0xe1", header)));
-  }
-}
-
-RC_GTEST_PROP(SurfaceCodec, GivesSoundMeshesOrErrorsForDamagedBytes, ()) {
-  auto random = *random_source();
-  const AtlasContent content = random_content(random);
-  const Index3 size = storage_grid(content).size;
-  for (const SurfaceMesh& mesh : content.surfaces) {
-    EncodedSurface encoded = encode_surface(mesh, size).value();
-    if (encoded.bytes.empty()) continue;
-    for (int n = 0; n < 50; ++n) {
-      auto bytes = encoded.bytes;
-      bytes[random() % bytes.size()] = static_cast<std::byte>(random());
-      const auto decoded = decode_surface(bytes, encoded.entry, size);
-      if (!decoded) {
-        RC_ASSERT(decoded.error().code == ErrorCode::kInvalidAtlas);
-        continue;
-      }
-      RC_ASSERT(decoded->positions_ijk.size() == mesh.positions_ijk.size());
-      RC_ASSERT(decoded->triangles.size() == mesh.triangles.size());
-      RC_ASSERT(encode_surface(*decoded, size).has_value());  // inside the grid, indices in range, finite
-    }
-  }
-}
-
-TEST(SurfaceCodec, ChecksWhatTheDirectorySays) {
-  const EncodedSurface encoded = encode_surface(tetrahedron(), kSize).value();
-  const auto fits = [](SurfaceEntry entry) { return check_surface_entry(entry, kSize).has_value(); };
-  const SurfaceEntry& good = encoded.entry;
-  EXPECT_TRUE(fits(good));
-  EXPECT_FALSE(fits({0, good.triangles, 2, good.bytes}));
-  EXPECT_FALSE(fits({0, 0, 2, 1}));
-  EXPECT_FALSE(fits({good.vertices, good.triangles, 0, good.bytes}));
-  EXPECT_FALSE(fits({good.vertices, good.triangles, 1u << 28, good.bytes}));
-  EXPECT_FALSE(fits({good.vertices, good.bytes, 2, good.bytes}));       // more triangles than bytes allow
-  EXPECT_FALSE(fits({8 * good.bytes, good.triangles, 2, good.bytes}));  // more vertices than bytes allow
-  EXPECT_FALSE(fits({0xffffffff, 0xffffffff, 2, good.bytes}));
-  EXPECT_FALSE(fits({good.vertices, good.triangles, 2, 10'000}));
 }
 
 }  // namespace

@@ -4,24 +4,19 @@
 #include <cmath>
 #include <utility>
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
 #include "format/atlas_reader.h"
 #include "format/atlas_writer.h"
 #include "format/file/fitted_content.h"
-#include "tests/format/atlas_surgery.h"
 #include "tests/format/random_content.h"
 #include "tests/format/random_volume.h"
 #include "tests/support/fill_classes.h"
 #include "tests/support/fit_parts.h"
-#include "tests/support/message_of.h"
 
 namespace splatlas {
 namespace {
-
-using ::testing::HasSubstr;
 
 std::uint64_t section_bytes(const Atlas& atlas, const std::string& name) {
   for (const SectionSize& section : atlas.sections()) {
@@ -224,45 +219,6 @@ RC_GTEST_PROP(FitSurface, NormalsOfAClassNeedTheOwnersVoxelsUpToThreeVoxelsAway,
       RC_ASSERT(fits_as_expected);
     }
   }
-}
-
-/// The message of opening a changed file and reading its surface and normals.
-std::string refusal_after(void (*change)(Directory& directory)) {
-  AtlasParts parts = take_apart(*encode_atlas(fitted(ball())));
-  change(parts.directory);
-  const auto atlas = Atlas::open_bytes(put_together(parts), "changed");
-  if (!atlas) return atlas.error().message;
-  return message_of((*atlas)->read_normals(2)) + message_of((*atlas)->read_surface(0));
-}
-
-TEST(FitSurface, WhatTheVoxelsDoNotGiveIsRefused) {
-  EXPECT_EQ(refusal_after([](Directory&) {}), "");
-  struct Fault {
-    void (*change)(Directory& directory);
-    const char* part;
-  };
-  constexpr Fault kFaults[] = {
-      {[](auto& d) { ++d.surfaces[0].triangles; }, "its voxels give"},
-      {[](auto& d) { --d.surfaces[0].vertices; }, "its voxels give"},
-      {[](auto& d) { d.surfaces[0].triangles = 0; }, "fitted"},
-      {[](auto& d) { d.surfaces[0].position_scale = 3; }, "fitted"},
-      {[](auto& d) { d.normals_fitted.pop_back(); }, "normals of 2 classes"},
-      {[](auto& d) { d.normals_fitted[0] = true; }, "no boundary"},
-      {[](auto& d) { d.normals_fitted[2] = false; }, "section normals"},
-      {[](auto& d) {
-         ClassTable classes;
-         for (ClassId c = 1; c < d.classes.size(); ++c)
-           classes.intern({d.classes.members(c).begin(), d.classes.members(c).end()});
-         for (ClassId c = 0; c < d.classes.size(); ++c) {
-           IndexBox box = d.classes.box(c);
-           if (c == 2) ++box.first[0], ++box.last[0];
-           classes.count(c, d.classes.voxels(c), box);
-         }
-         d.classes = classes;
-       },
-       "box of class 2"},
-  };
-  for (const auto& [change, part] : kFaults) EXPECT_THAT(refusal_after(change), HasSubstr(part));
 }
 
 TEST(FitSurface, CropsAreCountedWithWhatNormalsDependOn) {

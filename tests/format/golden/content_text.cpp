@@ -90,7 +90,22 @@ void tell_surfaces(const AtlasContent& content, Out out) {
   }
 }
 
+/// The labels and values of a text, or all of a text that has nothing else.
+std::string values_in(const std::string& text) {
+  const std::size_t first = text.starts_with("labels ") ? 0 : text.find("\nlabels ") + 1;
+  return text.substr(first, text.find("surface of ", first) - first);
+}
+
 }  // namespace
+
+std::string with_values_of(std::string text, const std::string& other) {
+  const std::string values = values_in(text);
+  return text.replace(text.find(values), values.size(), values_in(other));
+}
+
+std::string text_beside(const std::string& good, const std::string& text) {
+  return with_values_of(text, good) == good ? values_in(text) : text;
+}
 
 std::string content_text(const AtlasContent& content) {
   std::string text;

@@ -17,6 +17,11 @@ struct GoldenContent {
 /// All numbers of an atlas as plain text, stored beside golden files; equal text for equal content.
 [[nodiscard]] std::string content_text(const AtlasContent& content);
 
+/// `text` with the labels and values, a part between two headings, of `other`.
+[[nodiscard]] std::string with_values_of(std::string text, const std::string& other);
+/// The labels and values in `text`, if these are all that differs from the text `good`; else all of `text`.
+[[nodiscard]] std::string text_beside(const std::string& good, const std::string& text);
+
 /// Small atlases that together cover all features of the format and all value types.
 [[nodiscard]] std::vector<GoldenContent> golden_contents();
 

@@ -21,10 +21,13 @@ int main(int argc, char** argv) try {
   if (argc != 2) throw std::runtime_error("give the folder to write to");
   const std::filesystem::path folder = argv[1];
   std::filesystem::create_directories(folder);
+  std::string good;  // the first one
   for (const splatlas::GoldenContent& golden : splatlas::golden_contents()) {
     must(splatlas::write_atlas(golden.content, folder / (golden.name + ".atlas"),
                                {.compact = golden.compact}));
-    const std::string text = splatlas::content_text(golden.content);
+    std::string text = splatlas::content_text(golden.content);
+    if (!good.empty()) text = splatlas::text_beside(good, text);
+    if (good.empty()) good = text;
     must(splatlas::write_file(folder / (golden.name + ".txt"), std::as_bytes(std::span(text))));
   }
 } catch (const std::exception& error) {

@@ -111,32 +111,6 @@ TEST_F(OutputFileTest, WritesIntoFoldersThatMayNotBeListed) {
   EXPECT_EQ(read_bytes(path), "one");
 }
 
-TEST_F(OutputFileTest, LeavesAFolderThatAppearsMeanwhile) {
-  {
-    auto file = OutputFile::create(path);
-    ASSERT_TRUE(file);
-    std::filesystem::create_directory(path);
-    EXPECT_EQ(message_of(file->commit()), path.string() + ": cannot be written: Is a directory");
-  }
-  EXPECT_THAT(folder.names(), ElementsAre("out.atlas"));
-  EXPECT_TRUE(std::filesystem::is_directory(path));
-}
-
-/// Names like those of temporaries do not make entries ours.
-TEST_F(OutputFileTest, TouchesNoOtherEntry) {
-  const std::string process = std::to_string(::getpid());
-  const auto thesis = folder.path() / ".splatlas-2024-11";
-  std::filesystem::create_directory(thesis);
-  std::ofstream(thesis / "thesis") << "x";
-  std::ofstream(folder.path() / (".splatlas-" + process + "-4000000.tmp")) << "half";
-  std::ofstream(folder.path() / ".splatlas-0123456789abcdef0123456789abcdef") << "half";
-  const auto before = folder.names();
-  ASSERT_EQ(write(path, "one"), "");
-  ASSERT_EQ(write(path, "two"), "");
-  EXPECT_EQ(folder.names().size(), before.size() + 1);
-  EXPECT_EQ(read_bytes(thesis / "thesis"), "x");
-}
-
 /// Another user must not read the new content of a private file at any time.
 TEST_F(OutputFileTest, IsPrivateBeforeCommitIfTheOldFileIs) {
   ASSERT_EQ(write(path, "one"), "");
@@ -182,14 +156,6 @@ TEST_F(OutputFileTest, FollowsLinks) {
   std::filesystem::create_symlink("out.atlas", link);
   EXPECT_EQ(write(link, "two"), "");
   EXPECT_TRUE(std::filesystem::is_symlink(link));
-  EXPECT_EQ(read_bytes(path), "two");
-}
-
-TEST_F(OutputFileTest, FollowsLinksToWhatIsNotThereYet) {
-  std::filesystem::create_symlink("out.atlas", folder.path() / "link");
-  std::filesystem::create_symlink("link", folder.path() / "link to link");
-  EXPECT_EQ(write(folder.path() / "link to link", "two"), "");
-  EXPECT_TRUE(std::filesystem::is_symlink(folder.path() / "link"));
   EXPECT_EQ(read_bytes(path), "two");
 }
 
@@ -247,18 +213,6 @@ TEST_F(OutputFileTest, LibrariesWriteToItsPath) {
   ASSERT_TRUE(file->commit());
   EXPECT_EQ(read_bytes(path), "new");
   EXPECT_EQ(std::filesystem::status(path).permissions(), std::filesystem::perms{0640});
-  EXPECT_THAT(folder.names(), ElementsAre("out.atlas"));
-}
-
-TEST_F(OutputFileTest, WhatIsNotCommittedIsRemoved) {
-  ASSERT_EQ(write(path, "old"), "");
-  {
-    auto file = OutputFile::create(path);
-    ASSERT_TRUE(file);
-    ASSERT_TRUE(file->write(std::as_bytes(std::span("half", 4))));
-    EXPECT_THAT(folder.names(), ElementsAre("out.atlas"));
-  }
-  EXPECT_EQ(read_bytes(path), "old");
   EXPECT_THAT(folder.names(), ElementsAre("out.atlas"));
 }
 

@@ -126,16 +126,5 @@ TEST_F(OutputFolderTest, KeepsThePermissionsOfAnEmptyFolder) {
   EXPECT_EQ(std::filesystem::status(path).permissions(), std::filesystem::perms{0750});
 }
 
-TEST_F(OutputFolderTest, TouchesNoOtherEntry) {
-  const auto other = folder.path() / (".splatlas-" + std::to_string(::getpid()) + "-4000000");
-  std::filesystem::create_directory(other);
-  put(other / "thesis");
-  auto made = OutputFolder::create(path);
-  ASSERT_TRUE(made);
-  ASSERT_TRUE(made->commit());
-  EXPECT_EQ(folder.names().size(), 2u);
-  EXPECT_EQ(read_bytes(other / "thesis"), "x");
-}
-
 }  // namespace
 }  // namespace splatlas

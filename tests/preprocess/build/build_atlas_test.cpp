@@ -7,7 +7,6 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <rapidcheck/gtest.h>
 #include <sys/resource.h>
 
 #include "format/atlas_reader.h"
@@ -65,24 +64,6 @@ TEST_F(BuildAtlas, LabelsAndVolumeComeBackVoxelForVoxel) {
           EXPECT_EQ(in->voxels, (name == "labels" ? labels : volume).voxels);
         }
       }
-    }
-  }
-}
-
-TEST_F(BuildAtlas, NanAndInfinityComeBackThroughEveryFormat) {
-  std::mt19937 random(11);
-  using Limits = std::numeric_limits<float>;
-  Image volume = random_volume(awkward_grid(0), VoxelType::kFloat32, random);
-  const std::array strange{Limits::quiet_NaN(), -Limits::quiet_NaN(), Limits::infinity(), -Limits::infinity(),
-                           -0.f};
-  std::ranges::copy(strange, volume.voxels.as<float>());
-  const Image labels = random_labels(awkward_grid(0), VoxelType::kUInt8, random);
-  for (const std::string from : {".nrrd", ".mha", ".nii", ".nii.gz"}) {
-    build(options(labels, volume, from));
-    for (const std::string to : {".nrrd", ".mha", ".nii", ".nii.gz"}) {
-      SCOPED_TRACE(from + " to " + to);
-      export_all("", "back" + to);
-      EXPECT_EQ(import_image(file("back" + to))->voxels, volume.voxels);
     }
   }
 }
@@ -263,36 +244,6 @@ TEST_F(BuildAtlas, ProvenanceHoldsHashesAndWordsOfTheAuthorOnly) {
   EXPECT_THAT(content.provenance.sources[1].hash, testing::MatchesRegex("xxh64:[0-9a-f]{16}"));
   for (const Structure& s : content.graph.structures()) EXPECT_EQ(s.name.find("CANARY"), std::string::npos);
   EXPECT_EQ(read_bytes(build_options.output).find("CANARY"), std::string::npos);
-}
-
-RC_GTEST_PROP(BuildAtlasProperty, RandomVolumesComeBack, ()) {
-  std::mt19937 random(static_cast<std::mt19937::result_type>(*rc::gen::inRange(0, 1 << 30)));
-  Grid grid = awkward_grid(*rc::gen::element(0.0, 0.1, -0.3));
-  for (auto& n : grid.size) n = *rc::gen::inRange<std::int64_t>(1, 7);
-  grid = reordered(grid, *rc::gen::elementOf(all_axis_orders()));
-  const Image labels = random_labels(grid, *rc::gen::elementOf(kVoxelTypes), random);
-  const Image volume = random_volume(grid, *rc::gen::elementOf(kVoxelTypes), random);
-  const std::string ending = *rc::gen::element<std::string>(".nrrd", ".mha");
-  const TemporaryFolder folder;
-  RC_ASSERT(write_image(labels, folder.file("l" + ending)));
-  RC_ASSERT(write_image(volume, folder.file("v" + ending)));
-  BuildOptions options;
-  options.output = folder.file("a.atlas");
-  options.sources.labels = folder.file("l" + ending);
-  options.sources.volume = folder.file("v" + ending);
-  options.compact = *rc::gen::arbitrary<bool>();
-  options.level = 1;
-  RC_ASSERT(build_atlas(options));
-  ExportOptions back;
-  back.atlas = options.output;
-  back.labels = folder.file("l2" + ending);
-  back.volume = folder.file("v2" + ending);
-  RC_ASSERT(export_atlas(back));
-  const auto labels_back = import_image(back.labels), volume_back = import_image(back.volume);
-  RC_ASSERT(labels_back->voxels == labels.voxels);
-  RC_ASSERT(volume_back->voxels == volume.voxels);
-  RC_ASSERT(labels_back->grid.size == grid.size);
-  RC_ASSERT((*Atlas::open(options.output))->verify());
 }
 
 /// The note on resampled labels has the names of --names.

@@ -35,23 +35,6 @@ Members expected_members(const Masks& masks, const Index3& size, std::span<const
   return members;
 }
 
-TEST(ClassifyVoxels, TheGoldenPhantomHasThePapersCounts) {
-  const auto result = classify_voxels(memberships_of(phantom_masks(), kPhantomSize), {}, flat_graph(2));
-  ASSERT_TRUE(result) << result.error().message;
-  const ClassTable& classes = result->classes;
-  ASSERT_EQ(classes.size(), 5u);
-  EXPECT_EQ(classes.voxels(0), 27722u);
-  EXPECT_EQ(members_of(classes, 1), (Members{{0, Part::kInterior}}));
-  EXPECT_EQ(classes.voxels(1), 2705u);
-  EXPECT_EQ(members_of(classes, 2), (Members{{0, Part::kBoundary}}));
-  EXPECT_EQ(classes.voxels(2), 1440u);
-  EXPECT_EQ(members_of(classes, 3), (Members{{1, Part::kInterior}}));
-  EXPECT_EQ(classes.voxels(3), 437u);
-  EXPECT_EQ(members_of(classes, 4), (Members{{1, Part::kBoundary}}));
-  EXPECT_EQ(classes.voxels(4), 464u);
-  EXPECT_EQ(classes.box(2), (IndexBox{{1, 1, 1}, {21, 21, 21}}));  // centre 11, radius 10
-}
-
 TEST(ClassifyVoxels, BeyondTheGridIsOutside) {
   const Index3 size{4, 4, 4};
   const Masks all{std::vector<std::uint8_t>(64, 1)};

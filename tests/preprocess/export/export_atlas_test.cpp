@@ -100,13 +100,5 @@ TEST_F(ExportSurfaces, HaveTheGeometryThatPlayersDraw) {
   }
 }
 
-TEST_F(ExportSurfaces, OfManyThreadsAreTheSame) {
-  const std::string one = build_phantom(SurfaceRule::kSmooth, "one.atlas");
-  BuildOptions options = this->options(image_of(phantom::labels()), image_of(phantom::values()));
-  options.threads = 1;
-  ASSERT_TRUE(build_atlas(options));
-  EXPECT_EQ(read_bytes(one), read_bytes(options.output));
-}
-
 }  // namespace
 }  // namespace splatlas

@@ -1,16 +1,13 @@
 // Volume files as ITK reads them.
 #include "preprocess/export/write_image.h"
 
-#include <csignal>
 #include <cstring>
 
 #include <gmock/gmock.h>
-#include <sys/resource.h>
 
 #include "tests/preprocess/itk_volumes.h"
 #include "tests/preprocess/random_images.h"
 #include "tests/support/fails_with.h"
-#include "tests/support/file_bytes.h"
 #include "tests/support/message_of.h"
 #include "tests/support/temporary_folder.h"
 
@@ -204,31 +201,6 @@ TEST(WriteImage, NiftiHasAtMost32767VoxelsAlongAnAxis) {
       EXPECT_EQ(import_image(path)->grid.size, grid.size);
     }
   }
-}
-
-/// A file size limit simulates a full disk.
-TEST(WriteImage, AFullDiskLeavesTheOldFileAndGivesTheReason) {
-  std::mt19937 random(5);
-  const Image image = random_volume({.size = {40, 40, 40}}, VoxelType::kInt32, random);
-  rlimit before{};
-  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
-  const auto old_handler = std::signal(SIGXFSZ, SIG_IGN);
-  for (const std::string& ending : kEndings) {
-    for (const rlim_t limit : {100, 5'000, 250'000}) {
-      const TemporaryFolder folder;
-      const std::string path = folder.file("v" + ending);
-      write_bytes(path, "old");
-      const rlimit small{limit, before.rlim_max};
-      ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &small), 0);
-      const Result<void> written = write_image(image, path);
-      ::setrlimit(RLIMIT_FSIZE, &before);
-      EXPECT_THAT(written,
-                  FailsWith(ErrorCode::kFailed, AllOf(HasSubstr(path), HasSubstr("File too large"))));
-      EXPECT_EQ(read_bytes(path), "old");
-      EXPECT_THAT(folder.names(), ElementsAre("v" + ending));
-    }
-  }
-  std::signal(SIGXFSZ, old_handler);
 }
 
 }  // namespace

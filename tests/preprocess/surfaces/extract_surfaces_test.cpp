@@ -61,13 +61,6 @@ bool is_closed(const SurfaceMesh& mesh) {
   return true;
 }
 
-TEST(ExtractSurfaces, TheGoldenPhantomHasThePapersTriangles) {
-  const Extracted e = extract(phantom_masks(), {.size = kPhantomSize});
-  ASSERT_EQ(e.surfaces.surfaces.size(), 2u);
-  EXPECT_EQ(e.surfaces.surfaces[0].triangles.size(), 3704u);
-  EXPECT_EQ(e.surfaces.surfaces[1].triangles.size(), 1352u);
-}
-
 TEST(ExtractSurfaces, TrianglesFaceOutwardsWhateverTheGrid) {
   for (const bool mirrored : {false, true}) {
     const Grid grid{.size = kPhantomSize, .spacing_mm = {0.5, 0.8, 2}, .direction_lps = oblique(mirrored)};

@@ -109,27 +109,6 @@ Mask noise(std::mt19937& random, std::int64_t side) {
   return mask_of({side, side, side}, [&](auto, auto, auto) { return random() % 100 < density; });
 }
 
-TEST(ExtractWithVtk, HasTheTrianglesOfMarchingCubes) {
-  std::mt19937 random(7);
-  for (int n = 0; n < 50; n += kEveryNth) {
-    const Mask mask = noise(random, 8);
-    EXPECT_EQ(triangles_of(value_or_throw(extract_with_vtk(crop_of(mask)))), marching_cubes_of(mask)) << n;
-  }
-}
-
-TEST(ExtractWithVtk, GivesThePhantomTheTrianglesOfThePaper) {
-  for (const phantom::Ball& ball : phantom::kBalls) {
-    const Mask mask = mask_of(kPhantomSize, [&](auto i, auto j, auto k) {
-      return ball.holds(static_cast<int>(i), static_cast<int>(j), static_cast<int>(k));
-    });
-    const StructureCrop crop = crop_of(mask);
-    const MidwayTriangles vtk = value_or_throw(extract_with_vtk(crop));
-    EXPECT_EQ(vtk.triangles.size(), &ball == &phantom::kBalls[0] ? 3704u : 1352u);
-    const Grid grid{.size = kPhantomSize};
-    EXPECT_EQ(triangles_of(vtk), triangles_of(fit_surface(crop, grid, SurfaceRule::kVoxels)));
-  }
-}
-
 TEST(AdoptTriangles, KeepsASurfaceWithTheTrianglesOfVtk) {
   std::mt19937 random(3);
   for (const bool mirrored : {false, true}) {

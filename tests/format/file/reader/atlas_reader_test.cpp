@@ -1,6 +1,5 @@
 #include "format/atlas_reader.h"
 
-#include <fstream>
 #include <numeric>
 #include <thread>
 
@@ -9,7 +8,6 @@
 #include <rapidcheck/gtest.h>
 
 #include "format/atlas_writer.h"
-#include "format/codec/run_codec.h"
 #include "format/codec/value_codec.h"
 #include "format/derive/boundary_split.h"
 #include "format/derive/run_fingerprint.h"
@@ -18,15 +16,12 @@
 #include "tests/format/atlas_surgery.h"
 #include "tests/format/random_content.h"
 #include "tests/support/fails_with.h"
-#include "tests/support/file_bytes.h"
 #include "tests/support/message_of.h"
-#include "tests/support/temporary_folder.h"
 
 namespace splatlas {
 namespace {
 
 using ::testing::HasSubstr;
-using ::testing::StartsWith;
 
 Bytes encode(const AtlasContent& content, bool compact = false) {
   return encode_atlas(content, {.level = 1, .compact = compact}).value();
@@ -264,107 +259,6 @@ TEST(Atlas, OpensFilesOfNewerMinorVersionsAndSkipsTheirSections) {
   file[sizeof(FileHeader) + header_of(file).directory_bytes + 3] ^= std::byte{1};
   EXPECT_EQ(message_of(Atlas::open_bytes(file).value()->verify()),
             "(memory): damaged: checksum of section 4711 chunk 0");
-}
-
-struct AtlasFileTest : ::testing::Test {
-  TemporaryFolder folder;
-  std::filesystem::path path = folder.path() / "a.atlas";
-  AtlasContent content = random_content(10, {30, 6, 300});
-};
-
-/// 2^32 voxels. The values of the empty class are a hole of 4 GiB in the file, followed by those of a class
-/// of five voxels at the end of the grid.
-TEST_F(AtlasFileTest, ReadsVoxelsPastFourGibibytes) {
-  AtlasParts parts;
-  Directory& directory = parts.directory;
-  directory.source_grid.size = {1 << 16, 1 << 16, 1};
-  directory.value_type = VoxelType::kUInt8;
-  directory.graph = *StructureGraph::build({{"end", "", {}, {}, {}, false}});
-  const ClassId end = directory.classes.intern({{0, Part::kInterior}});
-  const std::uint64_t empty_voxels = (std::uint64_t{1} << 32) - 5;
-  directory.classes.count(kEmptyClass, empty_voxels, {});
-  directory.classes.count(end, 5, {{65531, 65535, 0}, {65535, 65535, 0}});
-  directory.run_totals = {5, 1, 1};
-  directory.surfaces.resize(1);
-  directory.normals_fitted.resize(2);
-
-  const ClassRuns runs{{65535, 65531, 5}};
-  const RunFingerprinter fingerprinter(directory.source_grid.size);
-  const VoxelSetFingerprint of_end = fingerprinter.of(runs, Axis::kZ);
-  directory.fingerprints = {subtract_fingerprints(fingerprinter.of_grid(), of_end), of_end};
-  Bytes run_list;
-  append_run_list(runs, run_list);
-  directory.run_bytes = {{}, {0, 0, static_cast<std::uint32_t>(run_list.size())}};
-  const Bytes zeros(262'144), values{std::byte{1}, std::byte{2}, std::byte{3}, std::byte{4}, std::byte{5}};
-  const std::vector<ClassSpan> spans{{runs[0], end}};
-  const Bytes code =
-      encode_values({spans, 5, directory.classes.box(end), 1 << 16}, VoxelType::kUInt8, values);
-  const auto add_chunk = [&](const Bytes& bytes) {
-    directory.chunks.push_back(
-        {checksum_of(bytes), static_cast<std::uint32_t>(bytes.size()), ChunkCodec::kStored, 0});
-  };
-  add_chunk(run_list);
-  for (int n = 0; n < 16383; ++n) add_chunk(zeros);
-  add_chunk(Bytes(zeros.begin(), zeros.end() - 5));
-  add_chunk(code);
-  directory.sections = {{3, 1, 262'144, 4}, {4, 16385, 262'144, 4}, {5, 0, 262'144, 4}, {6, 0, 262'144, 4}};
-
-  Bytes start = encode_directory(directory).value();
-  const std::uint64_t file_bytes =
-      sizeof(FileHeader) + start.size() + run_list.size() + empty_voxels + code.size();
-  const FileHeader header = make_header(start, file_bytes);
-  {
-    std::ofstream file(path, std::ios::binary);
-    const auto put = [&](const void* bytes, std::size_t size) {
-      file.write(static_cast<const char*>(bytes), static_cast<std::streamsize>(size));
-    };
-    put(&header, sizeof header);
-    put(start.data(), start.size());
-    put(run_list.data(), run_list.size());
-    file.seekp(static_cast<std::streamoff>(file_bytes - code.size()));
-    put(code.data(), code.size());
-  }
-  const auto atlas = Atlas::open(path).value();
-  EXPECT_EQ(atlas->classes().voxels(kEmptyClass), empty_voxels);
-  EXPECT_EQ(atlas->read_runs(end, Axis::kZ).value(), runs);
-  EXPECT_EQ(atlas->read_runs(end, Axis::kX)->size(), 5u);
-  EXPECT_EQ(atlas->read_values(end).value(), values);
-  EXPECT_EQ(atlas->counters().file, file_bytes);
-  EXPECT_EQ(atlas->counters().read, sizeof(FileHeader) + start.size() + run_list.size() + code.size());
-  EXPECT_EQ(atlas->sections()[3].bytes, empty_voxels + code.size());
-}
-
-TEST_F(AtlasFileTest, ErrorsNameTheFile) {
-  EXPECT_EQ(Atlas::open(path).error().code, ErrorCode::kFailed);
-  EXPECT_EQ(Atlas::open(path).error().message,
-            path.string() + ": cannot be opened: No such file or directory");
-  write_bytes(path, "");
-  EXPECT_EQ(Atlas::open(path).error().code, ErrorCode::kInvalidAtlas);
-  EXPECT_EQ(Atlas::open(path).error().message, path.string() + ": not an atlas (its size is 0 bytes)");
-  EXPECT_EQ(Atlas::open(folder.path()).error().code, ErrorCode::kInvalidAtlas);
-}
-
-TEST_F(AtlasFileTest, AFileTruncatedWhileOpenIsAnError) {
-  ASSERT_TRUE(write_atlas(content, path, {.level = 1}));
-  const auto atlas = Atlas::open(path).value();
-  std::filesystem::resize_file(path, sizeof(FileHeader));
-  EXPECT_THAT(message_of(atlas->verify()), HasSubstr(path.string() + ": truncated while open"));
-  EXPECT_EQ(atlas->verify().error().code, ErrorCode::kInvalidAtlas);
-  EXPECT_EQ(atlas->graph().size(), content.graph.size());
-}
-
-TEST_F(AtlasFileTest, AFileOverwrittenWhileOpenIsAnError) {
-  ASSERT_TRUE(write_atlas(content, path, {.level = 1}));
-  const auto atlas = Atlas::open(path).value();
-  write_bytes(path, Bytes(std::filesystem::file_size(path), std::byte{0x5a}));
-  EXPECT_THAT(message_of(atlas->verify()), HasSubstr("damaged: checksum of"));
-}
-
-TEST_F(AtlasFileTest, AFileReplacedWhileOpenStaysTheOldOne) {
-  ASSERT_TRUE(write_atlas(content, path, {.level = 1}));
-  const auto atlas = Atlas::open(path).value();
-  ASSERT_TRUE(write_atlas(random_content(99), path, {.level = 1}));
-  EXPECT_EQ(difference(content, atlas->read_all().value()), "");
 }
 
 }  // namespace

@@ -1,12 +1,10 @@
-#include "tests/faults/run_with_fault.h"
+#include "tests/campaigns/faults/run_with_fault.h"
 
 #include <algorithm>
 #include <cerrno>
-#include <csignal>
 #include <string>
 
 #include <gmock/gmock.h>
-#include <sys/time.h>
 
 #include "tests/support/file_bytes.h"
 
@@ -16,7 +14,6 @@ namespace {
 namespace fs = std::filesystem;
 using Effect = FileCall::Effect;
 using NameUse = FileCall::NameUse;
-using testing::AnyOf;
 
 /// A folder with a file to read and one to write, of the letters a to t, five times.
 class RunWithFault : public testing::Test {
@@ -92,23 +89,6 @@ TEST_F(RunWithFault, CutsTransfersShort) {
     const std::size_t at = is_at_position ? 20 : 0;
     EXPECT_EQ(written(), letters_.substr(0, at) + std::string(50, 'x') + letters_.substr(at + 50)) << call;
   }
-}
-
-/// Signals interrupt the supervisor's waiting.
-TEST_F(RunWithFault, SurvivesSignals) {
-  struct sigaction action {
-  }, before{};
-  action.sa_handler = [](int) {};
-  ASSERT_EQ(::sigaction(SIGALRM, &action, &before), 0);
-  const itimerval often{{0, 10000}, {0, 10000}}, never{};  // fork() starts again after signals
-  for (int n = 0; n < 20; ++n) {
-    ASSERT_EQ(::setitimer(ITIMER_REAL, &often, nullptr), 0);
-    const FaultyRun usual = run("writev");
-    ASSERT_EQ(::setitimer(ITIMER_REAL, &never, nullptr), 0);
-    EXPECT_EQ(usual.result.out, "100");
-    EXPECT_NE(find(usual, "writev"), kNoCall);
-  }
-  ::sigaction(SIGALRM, &before, nullptr);
 }
 
 }  // namespace

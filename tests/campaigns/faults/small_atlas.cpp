@@ -1,4 +1,4 @@
-#include "tests/faults/small_atlas.h"
+#include "tests/campaigns/faults/small_atlas.h"
 
 #include <random>
 

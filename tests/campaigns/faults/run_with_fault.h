@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/faults/file_calls.h"
+#include "tests/campaigns/faults/file_calls.h"
 #include "tests/support/run_program.h"
 
 namespace splatlas {

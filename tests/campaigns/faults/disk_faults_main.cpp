@@ -16,8 +16,8 @@
 
 #include <fmt/format.h>
 
-#include "tests/faults/run_harness.h"
-#include "tests/faults/run_with_fault.h"
+#include "tests/campaigns/faults/run_harness.h"
+#include "tests/campaigns/faults/run_with_fault.h"
 #include "tests/support/file_bytes.h"
 
 namespace splatlas {

@@ -18,10 +18,10 @@
 #include <fmt/format.h>
 
 #include "preprocess/import/images/dicom/import_dicom.h"
-#include "tests/faults/import_kinds.h"
-#include "tests/faults/mutate.h"
-#include "tests/faults/own_imports.h"
-#include "tests/faults/run_import.h"
+#include "tests/campaigns/faults/import_kinds.h"
+#include "tests/campaigns/faults/mutate.h"
+#include "tests/campaigns/faults/own_imports.h"
+#include "tests/campaigns/faults/run_import.h"
 #include "tests/support/file_bytes.h"
 #include "tests/support/temporary_folder.h"
 

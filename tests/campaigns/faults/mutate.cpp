@@ -1,4 +1,4 @@
-#include "tests/faults/mutate.h"
+#include "tests/campaigns/faults/mutate.h"
 
 #include <algorithm>
 #include <array>

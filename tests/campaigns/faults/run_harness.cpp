@@ -1,4 +1,4 @@
-#include "tests/faults/run_harness.h"
+#include "tests/campaigns/faults/run_harness.h"
 
 #include <cstdio>
 #include <exception>

@@ -1,4 +1,4 @@
-#include "tests/faults/own_imports.h"
+#include "tests/campaigns/faults/own_imports.h"
 
 #include <array>
 #include <stdexcept>

@@ -1,4 +1,4 @@
-#include "tests/faults/run_with_fault.h"
+#include "tests/campaigns/faults/run_with_fault.h"
 
 #include <algorithm>
 #include <array>

@@ -16,7 +16,7 @@
 #include <fmt/format.h>
 #include <sys/resource.h>
 
-#include "tests/faults/work_bombs.h"
+#include "tests/campaigns/faults/work_bombs.h"
 #include "tests/support/file_bytes.h"
 #include "tests/support/run_program.h"
 

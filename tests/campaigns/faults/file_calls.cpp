@@ -1,4 +1,4 @@
-#include "tests/faults/file_calls.h"
+#include "tests/campaigns/faults/file_calls.h"
 
 #include <algorithm>
 #include <array>

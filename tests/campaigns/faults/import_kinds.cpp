@@ -1,4 +1,4 @@
-#include "tests/faults/import_kinds.h"
+#include "tests/campaigns/faults/import_kinds.h"
 
 #include <algorithm>
 #include <map>

@@ -1,4 +1,4 @@
-#include "tests/faults/run_import.h"
+#include "tests/campaigns/faults/run_import.h"
 
 #include <array>
 #include <cerrno>

@@ -1,4 +1,4 @@
-#include "tests/faults/work_bombs.h"
+#include "tests/campaigns/faults/work_bombs.h"
 
 #include <algorithm>
 #include <cmath>

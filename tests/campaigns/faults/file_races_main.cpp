@@ -26,7 +26,7 @@
 #include "format/atlas_writer.h"
 #include "format/result_macros.h"
 #include "player/renderer.h"
-#include "tests/faults/small_atlas.h"
+#include "tests/campaigns/faults/small_atlas.h"
 #include "tests/support/file_bytes.h"
 #include "tests/support/run_program.h"
 

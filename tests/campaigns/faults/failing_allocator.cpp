@@ -1,4 +1,4 @@
-#include "tests/faults/failing_allocator.h"
+#include "tests/campaigns/faults/failing_allocator.h"
 
 #include <atomic>
 #include <cerrno>

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 
-#include "tests/faults/import_kinds.h"
+#include "tests/campaigns/faults/import_kinds.h"
 
 namespace splatlas {
 
