@@ -18,7 +18,7 @@ check() {
   fi
 }
 
-check product 56800 format preprocess player schemas
-check tests 46700 tests
-check bench 7900 bench
+check product 55600 format preprocess player schemas
+check tests 46600 tests
+check bench 8000 bench
 exit "$bad"
