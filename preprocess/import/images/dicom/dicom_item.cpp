@@ -13,14 +13,14 @@ namespace {
 
 constexpr std::string_view kPadding{" \0\t", 3};
 
-std::string_view trimmed(std::string_view text) {
+std::string_view without_padding(std::string_view text) {
   const std::size_t first = text.find_first_not_of(kPadding);
   if (first == std::string_view::npos) return {};
   return text.substr(first, text.find_last_not_of(kPadding) - first + 1);
 }
 
 std::optional<double> parsed(std::string_view text) {
-  text = trimmed(text);
+  text = without_padding(text);
   if (text.starts_with('+')) text.remove_prefix(1);
   double number = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
@@ -95,7 +95,7 @@ std::optional<std::int64_t> integer_in(DcmItem& item, const DcmTagKey& tag) {
 std::string text_in(DcmItem& item, const DcmTagKey& tag) {
   OFString text;
   if (item.findAndGetOFStringArray(tag, text).bad()) return {};
-  return std::string(trimmed({text.data(), text.size()}));
+  return std::string(without_padding({text.data(), text.size()}));
 }
 
 std::vector<DcmItem*> items_in(DcmItem& item, const DcmTagKey& sequence) {

@@ -73,7 +73,7 @@ std::vector<FrameStack> named_parts(std::vector<Frames> parts, const std::string
   return stacks;
 }
 
-std::vector<FrameStack> split(const Frames& group) {
+std::vector<FrameStack> split_group(const Frames& group) {
   const std::vector<SlicePosition> positions = slice_positions(group);
   const bool has_repeats = repeats(positions);
   if (group.front()->is_segmentation || (!has_repeats && slice_steps(positions).is_even()))
@@ -239,7 +239,7 @@ std::vector<FrameStack> group_frames(std::span<const DicomFrame> frames) {
   }
   std::ranges::stable_sort(groups, {}, [](const Frames& group) { return group.front()->series_number; });
   std::vector<FrameStack> stacks;
-  for (const Frames& group : groups) std::ranges::move(split(group), std::back_inserter(stacks));
+  for (const Frames& group : groups) std::ranges::move(split_group(group), std::back_inserter(stacks));
   return stacks;
 }
 
