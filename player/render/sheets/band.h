@@ -59,6 +59,7 @@ class Band {
     for (std::size_t place = 0; place < slices.size(); ++place) {
       const SliceSpans& slice = slices[pass_.shear.ascending ? place : slices.size() - 1 - place];
       if (slice.spans.empty()) continue;
+      check_task();
       if (pass_.window.parts == 1) {  // slabs around slices
         const auto k = static_cast<double>(slice.number);
         if (!removes(k)) render_slab({slice, k, {pass_.shear, pass_.window, k}}, {&slice, nullptr, 0});
@@ -116,7 +117,6 @@ class Band {
 
   /// Splats and composites a slab, interpolated between the slices of `pair`.
   void render_slab(const Slab& slab, const SlicePair& pair) {
-    check_task();
     trace_.begin_slab(pair);
     // Find the sub-pixel offset of each phase
     const double u_shift = pass_.shear.u_shift(slab.k) - static_cast<double>(pass_.window.u0);
