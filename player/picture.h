@@ -1,8 +1,9 @@
-// Pictures in linear RGB, id images and picked structures.
+// Pictures in linear RGB, id images, depth maps and picked structures.
 #pragma once
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -45,6 +46,21 @@ struct IdImage {
         numbers[static_cast<std::size_t>(y) * static_cast<std::size_t>(size.width) +
                 static_cast<std::size_t>(x)];
     return number == 0 ? kNoStructure : StructureIndex{number} - 1;
+  }
+};
+
+/// Depth of each pixel: where the transmittance of its ray falls to one half; kBackground if it stays above.
+/// In mm along the view direction, from the plane through the view's centre. Top row first.
+struct DepthMap {
+  static constexpr float kBackground = std::numeric_limits<float>::infinity();
+  PictureSize size{0, 0};
+  std::vector<float> mm;  ///< width * height; empty: none
+
+  [[nodiscard]] bool empty() const { return mm.empty(); }
+  /// Sets all pixels to background.
+  void clear(const PictureSize& picture_size) {
+    size = picture_size;
+    mm.assign(static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height), kBackground);
   }
 };
 

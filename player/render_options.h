@@ -62,6 +62,7 @@ struct RenderOptions {
   CutPlanes cuts = {};
   CapMode caps = CapMode::kBoth;  ///< faces of the cuts
   bool ids = false;               ///< also makes Frame::ids; the picture is the same
+  bool depths = false;            ///< also makes Frame::depths; the picture is the same
 };
 
 /// Cancellation and progress of one call of Renderer::render().
@@ -105,7 +106,7 @@ struct RenderStats {
   ///   - sheets: splatting and compositing of sheets, or ray casting.
   ///   - resolve: warps the sheet and composites fragments.
   ///   - ids: id image, from the shares of structures that the other stages accumulate.
-  ///   - depth_cue: depth map and darkening.
+  ///   - depth_cue: depth map, if asked for or needed, and darkening.
   Elapsed traversal, rasterize, sheets, resolve, ids, depth_cue;
 };
 

@@ -75,7 +75,7 @@ struct PageRenderer::Impl {
     draft.size = {side(width), side(height)};
     draft.quality = Quality::kDraft;
     draft.depth_cue = DepthCue::kNone;
-    draft.ids = false;
+    draft.ids = draft.depths = false;
     SPLATLAS_ASSIGN_OR_RETURN(const Camera whole, renderer.fit(camera, draft));
     SPLATLAS_ASSIGN_OR_RETURN(const Frame frame, renderer.render(whole, draft));
     decode_ms += frame.stats.decode_ms;

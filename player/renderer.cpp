@@ -173,7 +173,7 @@ struct Renderer::Impl {
     const std::vector<SurfaceDraw> surfaces = drawn.surfaces(decoded.cache());
     const FrameScene scene = scene_of(call, surfaces, lighting);
     SheetFrame stages(scene, axis_spans.model(), &axis_spans.runs(), shear, buffers, stats, pool);
-    SPLATLAS_RETURN_IF_ERROR(run_stages(stages, kSheetLoops, task, frame));
+    SPLATLAS_RETURN_IF_ERROR(run_stages(stages, kSheetLoops, call, frame));
     stats.runs_visited = axis_spans.runs().count();
     stats.render_ms = light.wall_ms + watch.lap().wall_ms;
     return {};
@@ -202,7 +202,7 @@ struct Renderer::Impl {
     const std::vector<SurfaceDraw> surfaces = drawn.surfaces(decoded.cache());
     const FrameScene scene = scene_of(call, surfaces, lighting);
     RayFrame stages(scene, *ray_volume, buffers, stats, pool);
-    SPLATLAS_RETURN_IF_ERROR(run_stages(stages, kRayLoops, task, frame));
+    SPLATLAS_RETURN_IF_ERROR(run_stages(stages, kRayLoops, call, frame));
     stats.runs_visited = ray_volume->runs();
     stats.render_ms = light.wall_ms + watch.lap().wall_ms;
     return {};
@@ -254,14 +254,15 @@ struct Renderer::Impl {
   }
 
   /// Runs the stages of a frame.
-  [[nodiscard]] Result<void> run_stages(FrameRenderer& stages, std::size_t volume_loops, TaskControl& task,
-                                        Frame& frame) {
+  [[nodiscard]] Result<void> run_stages(FrameRenderer& stages, std::size_t volume_loops,
+                                        const FrameCall& call, Frame& frame) {
     rasterized = 0;
-    SPLATLAS_RETURN_IF_ERROR(stages.run(volume_loops, task, frame.picture));
+    SPLATLAS_RETURN_IF_ERROR(stages.run(volume_loops, call.task, frame.picture));
     shown = stages.shown();
     rasterized = ++frames;
     std::swap(frame.ids, buffers.ids);  // empty without ids
     buffers.ids.numbers.clear();
+    frame.depths = call.options.depths ? std::exchange(buffers.depths, {}) : DepthMap{};
     return {};
   }
 

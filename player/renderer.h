@@ -19,7 +19,8 @@ namespace splatlas {
 /// Everything that one call of Renderer::render() makes.
 struct Frame {
   Picture picture;
-  IdImage ids;  ///< empty unless RenderOptions::ids
+  IdImage ids;      ///< empty unless RenderOptions::ids
+  DepthMap depths;  ///< empty unless RenderOptions::depths
   RenderStats stats;
   /// Unreadable parts of the selection, among those that its frames have needed. Empty for intact files.
   std::vector<MissingPart> missing;

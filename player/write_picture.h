@@ -1,8 +1,10 @@
-// Picture files of every format.
+// Files of pictures, id images and depth maps.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <optional>
+#include <vector>
 
 #include "format/content/color.h"
 #include "format/result.h"
@@ -18,5 +20,19 @@ namespace splatlas {
 /// picture; documents take twice as much.
 [[nodiscard]] Result<void> write_picture(const Picture& picture, const std::filesystem::path& path,
                                          std::optional<Rgb> background = std::nullopt);
+
+/// kUsage, with the supported extensions, unless `path` ends in .png or .exr.
+[[nodiscard]] Result<void> check_id_ending(const std::filesystem::path& path);
+/// The bytes of an id image's file: .png with 16 bits of grey, or .exr with one channel of 32-bit integers,
+/// "id". kUsage for other extensions, kFailed for errors of the libraries; messages name the file. Memory: 4
+/// bytes per pixel, and the file.
+[[nodiscard]] Result<std::vector<std::byte>> encode_ids(const IdImage& ids,
+                                                        const std::filesystem::path& path);
+
+/// kUsage unless `path` ends in .exr.
+[[nodiscard]] Result<void> check_depth_ending(const std::filesystem::path& path);
+/// The bytes of a depth map's file: .exr with one channel of floats, "Z". Errors as for id images.
+[[nodiscard]] Result<std::vector<std::byte>> encode_depths(const DepthMap& depths,
+                                                           const std::filesystem::path& path);
 
 }  // namespace splatlas

@@ -9,6 +9,27 @@
 #include "format/io/output_file.h"
 
 namespace splatlas {
+namespace {
+
+Result<std::vector<std::byte>> encode(const PictureSize& picture_size, png_uint_32 format,
+                                      const void* pixels) {
+  png_image image{};
+  image.version = PNG_IMAGE_VERSION;
+  image.width = static_cast<png_uint_32>(picture_size.width);
+  image.height = static_cast<png_uint_32>(picture_size.height);
+  image.format = format;
+  png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(image);  // upper bound
+  std::vector<std::byte> bytes(size);
+  if (png_image_write_to_memory(&image, bytes.data(), &size, 0, pixels, 0, nullptr) == 0) {
+    // The buffer is large enough: libpng is out of memory, or the picture is empty.
+    return fail(image.width == 0 || image.height == 0 ? ErrorCode::kFailed : ErrorCode::kLimit,
+                image.message);
+  }
+  bytes.resize(size);
+  return bytes;
+}
+
+}  // namespace
 
 Result<void> check_png_size(const PictureSize& size, bool alpha) {
   const std::uint64_t row_bytes = static_cast<std::uint64_t>(size.width) * (alpha ? 4 : 3);
@@ -23,19 +44,11 @@ Result<void> check_png_size(const PictureSize& size, bool alpha) {
 
 Result<std::vector<std::byte>> encode_png(const Picture& picture, std::optional<Rgb> background) {
   const std::vector<std::uint8_t> pixels = background ? to_srgb8(picture, *background) : to_srgba8(picture);
-  png_image image{};
-  image.version = PNG_IMAGE_VERSION;
-  image.width = static_cast<png_uint_32>(picture.size.width);
-  image.height = static_cast<png_uint_32>(picture.size.height);
-  image.format = background ? PNG_FORMAT_RGB : PNG_FORMAT_RGBA;
-  png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(image);  // upper bound
-  std::vector<std::byte> bytes(size);
-  if (png_image_write_to_memory(&image, bytes.data(), &size, 0, pixels.data(), 0, nullptr) == 0) {
-    // The buffer is large enough: libpng is out of memory, or the picture is empty.
-    return fail(pixels.empty() ? ErrorCode::kFailed : ErrorCode::kLimit, image.message);
-  }
-  bytes.resize(size);
-  return bytes;
+  return encode(picture.size, background ? PNG_FORMAT_RGB : PNG_FORMAT_RGBA, pixels.data());
+}
+
+Result<std::vector<std::byte>> encode_png(const IdImage& ids) {
+  return encode(ids.size, PNG_FORMAT_LINEAR_Y, ids.numbers.data());
 }
 
 Result<void> write_png(const Picture& picture, const std::filesystem::path& path,

@@ -22,6 +22,9 @@ namespace splatlas {
 [[nodiscard]] Result<std::vector<std::byte>> encode_png(const Picture& picture,
                                                         std::optional<Rgb> background = std::nullopt);
 
+/// Encodes the numbers of an id image as a PNG with 16 bits of grey. The same errors.
+[[nodiscard]] Result<std::vector<std::byte>> encode_png(const IdImage& ids);
+
 /// Encodes a picture and replaces `path` atomically: it holds the old or the complete new file. Errors of
 /// encode_png(), and kFailed if the file cannot be written; messages name the file. Thread-safe for different
 /// paths.

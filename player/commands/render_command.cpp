@@ -22,8 +22,8 @@
 #include "format/text/ascii_text.h"
 #include "format/text/json_text.h"
 #include "player/commands/annotate_options.h"
-#include "player/files/id_encoder.h"
 #include "player/files/picture_encoder.h"
+#include "player/write_picture.h"
 
 namespace splatlas {
 namespace {
@@ -234,27 +234,28 @@ Error with_option(Error error) {
   return error;
 }
 
-Result<OutputFile> written(const std::filesystem::path& path, std::span<const std::byte> bytes) {
-  SPLATLAS_ASSIGN_OR_RETURN(OutputFile file, OutputFile::create(path));
-  SPLATLAS_RETURN_IF_ERROR(file.write(bytes));
-  return file;
-}
-
 /// Writes all files or none.
 Result<void> write_outputs(const RenderRequest& request, std::span<const std::byte> picture,
-                           const std::string& stats, const IdImage& ids) {
+                           const std::string& stats, const Frame& frame) {
   std::vector<OutputFile> files;
+  const auto write_to = [&files](const std::filesystem::path& path,
+                                 std::span<const std::byte> bytes) -> Result<void> {
+    SPLATLAS_ASSIGN_OR_RETURN(OutputFile file, OutputFile::create(path));
+    SPLATLAS_RETURN_IF_ERROR(file.write(bytes));
+    files.push_back(std::move(file));
+    return {};
+  };
   if (!request.ids.empty()) {
-    SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::byte> bytes, encode_ids(ids, request.ids));
-    SPLATLAS_ASSIGN_OR_RETURN(OutputFile file, written(request.ids, bytes));
-    files.push_back(std::move(file));
+    SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::byte> bytes, encode_ids(frame.ids, request.ids));
+    SPLATLAS_RETURN_IF_ERROR(write_to(request.ids, bytes));
   }
-  if (!request.stats.empty()) {
-    SPLATLAS_ASSIGN_OR_RETURN(OutputFile file, written(request.stats, std::as_bytes(std::span(stats))));
-    files.push_back(std::move(file));
+  if (!request.depth.empty()) {
+    SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::byte> bytes, encode_depths(frame.depths, request.depth));
+    SPLATLAS_RETURN_IF_ERROR(write_to(request.depth, bytes));
   }
-  SPLATLAS_ASSIGN_OR_RETURN(OutputFile file, written(request.output, picture));
-  files.push_back(std::move(file));
+  if (!request.stats.empty())
+    SPLATLAS_RETURN_IF_ERROR(write_to(request.stats, std::as_bytes(std::span(stats))));
+  SPLATLAS_RETURN_IF_ERROR(write_to(request.output, picture));
   return commit_files(files);
 }
 
@@ -278,9 +279,10 @@ Result<std::vector<std::string>> selection_warnings(std::span<const SelectionTer
 Result<void> check_files(const RenderRequest& request) {
   SPLATLAS_RETURN_IF_ERROR(PictureEncoder::check_ending(request.output));
   if (!request.ids.empty()) SPLATLAS_RETURN_IF_ERROR(check_id_ending(request.ids));
-  SPLATLAS_RETURN_IF_ERROR(check_outputs(std::vector{request.output, request.stats, request.ids},
-                                         std::vector{request.atlas, request.page.font}));
-  for (const std::filesystem::path& path : {request.output, request.stats, request.ids})
+  if (!request.depth.empty()) SPLATLAS_RETURN_IF_ERROR(check_depth_ending(request.depth));
+  const std::vector outputs{request.output, request.stats, request.ids, request.depth};
+  SPLATLAS_RETURN_IF_ERROR(check_outputs(outputs, std::vector{request.atlas, request.page.font}));
+  for (const std::filesystem::path& path : outputs)
     if (!path.empty()) SPLATLAS_RETURN_IF_ERROR(check_writable_file(path));
   return {};
 }
@@ -324,6 +326,9 @@ CLI::App* add_render(CLI::App& app, RenderRequest& request) {
       *command, "--ids", request.ids, parse_file_name, "must name a file",
       "id image to write, .png (16-bit grey) or .exr: the number of the structure that each pixel shows; "
       "--stats lists the numbers");
+  add_parsed(*command, "--depth", request.depth, parse_file_name, "must name a file",
+             "depth map to write, .exr: mm behind the plane through the picture's centre, infinite for "
+             "background");
   command->footer(kFooter);
   return command;
 }
@@ -332,6 +337,7 @@ Result<RenderReport> run_render(const RenderRequest& request) {
   // Report errors that do not need the atlas before opening it
   PageOptions options = request.page;
   options.render.ids = !request.ids.empty();
+  options.render.depths = !request.depth.empty();
   SPLATLAS_RETURN_IF_ERROR(check_files(request));
   SPLATLAS_ASSIGN_OR_RETURN(const auto terms, parse_selection(request.select));
   SPLATLAS_RETURN_IF_ERROR(view_of(request.camera, options.render.size, Display{}).map_error(with_option));
@@ -357,7 +363,7 @@ Result<RenderReport> run_render(const RenderRequest& request) {
   SPLATLAS_ASSIGN_OR_RETURN(Page page, pages.render(renderer, camera).map_error(with_option));
   SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::byte> picture, pages.encode(page));
   SPLATLAS_RETURN_IF_ERROR(
-      write_outputs(request, picture, json_text(stats_json(page.frame, *atlas, open_ms)), page.frame.ids));
+      write_outputs(request, picture, json_text(stats_json(page.frame, *atlas, open_ms)), page.frame));
   report.notes = std::move(page.annotations.notes);
   for (const MissingPart& part : page.frame.missing) report.missing.push_back(describe(part, atlas->graph()));
   return report;

@@ -26,6 +26,7 @@ struct RenderRequest {
   AtlasOptions atlas_options;
   std::filesystem::path stats;  ///< JSON file; empty: none
   std::filesystem::path ids;    ///< id image; empty: none
+  std::filesystem::path depth;  ///< depth map; empty: none
 };
 
 /// Adds the command. Parsing fills `request`, which must outlive `app`. Invalid values throw
@@ -38,8 +39,8 @@ struct RenderReport {
   std::vector<std::string> missing;  ///< unreadable parts of a damaged atlas
 };
 
-/// Renders a picture and writes it, with statistics and id image if requested: all files or none. Renders the
-/// intact parts of a damaged atlas. Errors name the file.
+/// Renders a picture and writes it, with statistics, id image and depth map if requested: all files or none.
+/// Renders the intact parts of a damaged atlas. Errors name the file.
 [[nodiscard]] Result<RenderReport> run_render(const RenderRequest& request);
 
 }  // namespace splatlas

@@ -14,7 +14,6 @@
 #include "player/files/draw_annotations.h"
 #include "player/files/load_module.h"
 #include "player/files/pdf_module.h"
-#include "player/files/picture_module.h"
 #include "player/files/svg_document.h"
 #include "player/write_png.h"
 
@@ -50,17 +49,7 @@ Result<Bytes> encode_through_module(void* function, const std::string& ending, c
                                  is_float ? kFloatPixels : kBytePixels,
                                  data,
                                  is_float ? 0 : dpi};
-  Bytes bytes;
-  const auto take = [](void* context, const void* first, std::size_t size) {
-    const auto* const begin = static_cast<const std::byte*>(first);
-    static_cast<Bytes*>(context)->assign(begin, begin + size);
-  };
-  std::array<char, 512> error{};
-  const auto encode_pixels = reinterpret_cast<EncodePixels>(function);
-  if (encode_pixels(&to_encode, take, &bytes, error.data(), error.size()) != 0) {
-    return fail(ErrorCode::kFailed, error.data());
-  }
-  return bytes;
+  return encode_pixels(function, to_encode);
 }
 
 /// Adds the chunk pHYs, pixels per metre, behind the header of a PNG file (PNG specification, 11.3.5.3).
@@ -116,6 +105,18 @@ Result<Bytes> encode_pdf(void* function, const Picture& picture, std::optional<R
 }
 
 }  // namespace
+
+Result<Bytes> encode_pixels(void* function, const PixelsToEncode& pixels) {
+  Bytes bytes;
+  const auto take = [](void* context, const void* first, std::size_t size) {
+    const auto* const begin = static_cast<const std::byte*>(first);
+    static_cast<Bytes*>(context)->assign(begin, begin + size);
+  };
+  std::array<char, 512> error{};
+  if (reinterpret_cast<EncodePixels>(function)(&pixels, take, &bytes, error.data(), error.size()) != 0)
+    return fail(ErrorCode::kFailed, error.data());
+  return bytes;
+}
 
 PictureEncoder::PictureEncoder(std::filesystem::path path)
     : path_(std::move(path)), ending_(known_ending(path_)) {

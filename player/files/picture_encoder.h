@@ -9,11 +9,15 @@
 #include <vector>
 
 #include "format/result.h"
+#include "player/files/picture_module.h"
 #include "player/files/text_drawer.h"
 #include "player/page/annotation.h"
 #include "player/picture.h"
 
 namespace splatlas {
+
+/// Calls a module's EncodePixels. kFailed with the library's message.
+[[nodiscard]] Result<std::vector<std::byte>> encode_pixels(void* function, const PixelsToEncode& pixels);
 
 /// Annotations of a file, with everything to draw them.
 struct FileAnnotations {

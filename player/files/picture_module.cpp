@@ -24,18 +24,20 @@ void report(char* error, std::size_t error_size, std::string text) {
 }
 
 OIIO::ImageSpec spec_of(const splatlas::PixelsToEncode& pixels, const std::string& ending) {
-  const bool is_float = pixels.type == splatlas::kFloatPixels;
-  const bool is_number = pixels.type == splatlas::kNumberPixels;
+  const bool is_byte = pixels.type == splatlas::kBytePixels;
+  const bool is_number = pixels.type == splatlas::kNumberPixels,
+             is_depth = pixels.type == splatlas::kDepthPixels;
   OIIO::ImageSpec spec(pixels.width, pixels.height, pixels.channels,
-                       is_float    ? OIIO::TypeDesc::FLOAT
+                       is_byte     ? OIIO::TypeDesc::UINT8
                        : is_number ? OIIO::TypeDesc::UINT32
-                                   : OIIO::TypeDesc::UINT8);
-  if (is_number) spec.channelnames = {"id"};
+                                   : OIIO::TypeDesc::FLOAT);
+  if (is_number || is_depth) spec.channelnames = {is_number ? "id" : "Z"};
   // In TIFF this attribute is EXIF, which OpenImageIO 2.4 corrupts in memory. 8-bit TIFF is sRGB by default.
-  if (ending != ".tif" && !is_number) spec.attribute("oiio:ColorSpace", is_float ? "Linear" : "sRGB");
+  if (ending != ".tif" && !is_number && !is_depth)
+    spec.attribute("oiio:ColorSpace", is_byte ? "sRGB" : "Linear");
   spec.attribute("Software", "Splatlas");
   spec.attribute("DateTime", "");  // for reproducible files
-  if (!is_float && !is_number) spec.attribute("oiio:UnassociatedAlpha", 1);
+  if (is_byte) spec.attribute("oiio:UnassociatedAlpha", 1);
   if (ending == ".jpg") spec.attribute("CompressionQuality", 95);
   if (ending == ".exr") spec.attribute("compression", "zip");
   if (pixels.dpi > 0) {

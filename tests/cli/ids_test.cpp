@@ -1,4 +1,4 @@
-// Id images of splatlas-player.
+// Id images and depth maps of splatlas-player.
 
 #include <algorithm>
 #include <cmath>
@@ -87,6 +87,40 @@ TEST_F(PlayerIds, RefuseOtherFormatsAndFiles) {
   EXPECT_THAT(same.err, HasSubstr("is another output"));
   const ProgramResult nowhere = run({"-o", "p.png", "--ids", "nowhere/ids.png"});
   EXPECT_EQ(nowhere.status, 1);
+  EXPECT_THAT(folder_.names(), IsEmpty());
+}
+
+/// A surface alone covers each pixel or none: depths are finite where the picture is opaque.
+TEST_F(PlayerIds, StandBesideDepthsInMillimetres) {
+  ASSERT_EQ(run({"-o", "plain.exr", "--select", "*:surface", "--quality", "draft"}).status, 0);
+  const ProgramResult result =
+      run({"-o", "p.exr", "--select", "*:surface", "--quality", "draft", "--depth", "d.exr"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_EQ(bytes("p.exr"), bytes("plain.exr"));
+  const auto input = OIIO::ImageInput::open(folder_.file("d.exr"));
+  ASSERT_TRUE(input);
+  EXPECT_EQ(input->spec().channelnames, std::vector<std::string>{"Z"});
+  EXPECT_EQ(input->spec().format, OIIO::TypeDesc::FLOAT);
+  const std::vector<float> depths = read_pixels(folder_.file("d.exr"));
+  const std::vector<float> colors = read_pixels(folder_.file("p.exr"));
+  ASSERT_EQ(depths.size(), 40u * 30u);
+  std::size_t covered = 0;
+  for (std::size_t n = 0; n < depths.size(); ++n) {
+    EXPECT_EQ(std::isfinite(depths[n]), colors[4 * n + 3] >= 0.5f) << n;
+    if (!std::isfinite(depths[n])) continue;
+    ++covered;
+    EXPECT_LT(std::abs(depths[n]), 40) << n;
+  }
+  EXPECT_GT(covered, 100u);
+}
+
+TEST_F(PlayerIds, RefuseDepthsInOtherFormatsAndFiles) {
+  const ProgramResult png = run({"-o", "p.png", "--depth", "d.png"});
+  EXPECT_EQ(png.status, 2);
+  EXPECT_THAT(png.err, HasSubstr("d.png: unknown ending '.png' of a depth map; use .exr"));
+  const ProgramResult same = run({"-o", "p.exr", "--depth", "./p.exr"});
+  EXPECT_EQ(same.status, 2);
+  EXPECT_THAT(same.err, HasSubstr("is another output"));
   EXPECT_THAT(folder_.names(), IsEmpty());
 }
 

@@ -76,6 +76,41 @@ TEST(DepthCueOfFrames, DarkensTheWallAroundTheBlockAndNothingElse) {
   }
 }
 
+/// Depth maps: the faces of the block and of the wall, infinity around them, and nothing else changes.
+TEST(DepthMaps, LieOnTheNearestFaces) {
+  const AtlasContent content = wall_and_block();
+  for (const Mode& mode : kModes) {
+    Camera camera = Camera::of(NamedView::kAnterior);
+    camera.projection = mode.projection;
+    Renderer renderer = renderer_of(content, selection_of(mode.selection, content.graph));
+    RenderOptions options = options_of(mode, DepthCue::kNone);
+    options.depths = true;
+    const Frame frame = frame_or_throw(renderer, camera, options);
+    ASSERT_EQ(frame.depths.size, options.size);
+    const View view = *view_of(camera, options.size, content.display);
+    const ViewDepth depth(view, renderer.atlas().grid());
+    const auto mm_at = [&](int x, int y) { return frame.depths.mm[static_cast<std::size_t>(96 * y + x)]; };
+    // Surfaces lie within 0.1 voxel of a face; a volume's field rises over the voxel around it.
+    EXPECT_NEAR(mm_at(48, 48), depth.mm(48.5, 48.5, 1, -0.5), 0.5) << mode.name;
+    EXPECT_NEAR(mm_at(36, 36), depth.mm(36.5, 36.5, 1, 13.5), 0.5) << mode.name;
+    EXPECT_EQ(mm_at(0, 0), DepthMap::kBackground) << mode.name;
+
+    // The picture and the depth cue remain as they are
+    options.depths = false;
+    const Frame plain = frame_or_throw(renderer, camera, options);
+    EXPECT_EQ(plain.picture.rgba, frame.picture.rgba) << mode.name;
+    EXPECT_TRUE(plain.depths.empty());
+    options.depth_cue = DepthCue::kEdges;
+    Frame cue = frame_or_throw(renderer, camera, options);
+    EXPECT_TRUE(cue.depths.empty());
+    const Picture darkened = cue.picture;
+    options.depths = true;
+    ASSERT_TRUE(renderer.render(camera, options, cue));
+    EXPECT_EQ(cue.depths.mm, frame.depths.mm) << mode.name;
+    EXPECT_EQ(cue.picture.rgba, darkened.rgba) << mode.name;
+  }
+}
+
 /// The depth of transmittance 1/2 in a slab is known: in the middle of every pixel, for sheets and rays.
 TEST(DepthCueOfFrames, VolumesLieAtTransmittanceOneHalf) {
   TestVolume volume;

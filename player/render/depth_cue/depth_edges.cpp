@@ -124,11 +124,6 @@ double max_depth_mm(const DepthMap& depths) {
 
 }  // namespace
 
-void DepthMap::clear(const PictureSize& picture_size) {
-  size = picture_size;
-  mm.assign(static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height), kBackground);
-}
-
 DepthEdges depth_edges(const ParallelView& plane, float strength) {
   DepthEdges edges;
   edges.strength = std::clamp(strength, 0.0f, 1.0f);

@@ -1,24 +1,10 @@
 // Depth darkening by unsharp masking of the depth buffer (Luft et al. 2006).
 #pragma once
 
-#include <limits>
-#include <vector>
-
 #include "format/tasks/thread_pool.h"
 #include "player/picture.h"
 
 namespace splatlas {
-
-/// Depth of each pixel in mm along the view direction, from the plane through the view's centre; top row
-/// first.
-struct DepthMap {
-  static constexpr float kBackground = std::numeric_limits<float>::infinity();
-  PictureSize size;
-  std::vector<float> mm;
-
-  /// Sets all pixels to background.
-  void clear(const PictureSize& picture_size);
-};
 
 /// Parameters of depth darkening.
 struct DepthEdges {

@@ -87,6 +87,7 @@ bool shows_faces(const RenderOptions& options) {
 
 std::uint64_t frame_bytes(const RenderOptions& options) {
   std::uint64_t bytes_per_pixel = cues_depth(options) ? sizeof(float) : 0;
+  if (options.depths) bytes_per_pixel += 2 * sizeof(float);
   if (shows_faces(options)) bytes_per_pixel += sizeof(RayFaces);
   if (options.ids) bytes_per_pixel += kBytesOfIds;
   return picture_bytes(options.size) + pixels_of(options.size) * bytes_per_pixel;
@@ -114,6 +115,7 @@ Result<void> FrameRenderer::run(std::size_t volume_loops, TaskControl& task, Pic
   resolve(picture);
   resolve_ids(picture);
   task.begin_stage(1, kCueLoops);
+  measure_depths();
   cue_depth(picture);
   return {};
 }
@@ -127,17 +129,23 @@ Result<void> FrameRenderer::rasterize() {
   return {};
 }
 
-void FrameRenderer::cue_depth(Picture& picture) {
+void FrameRenderer::measure_depths() {
   Stopwatch watch;
-  if (cues_depth(scene_.options)) {
+  if (scene_.options.depths || cues_depth(scene_.options)) {
     const ViewDepth view_depth(scene_.view, scene_.grid);
     buffers_.depths.clear(scene_.options.size);
     add_surface_depths(buffers_.fragments, buffers_.faces, shown(), view_depth, buffers_.depths, pool_);
     add_volume_depths(view_depth);
-    darken_edges(buffers_.depths, depth_edges(scene_.view.plane, scene_.options.depth_cue_strength), picture,
-                 pool_);
   }
   stats_.depth_cue = watch.lap();
+}
+
+void FrameRenderer::cue_depth(Picture& picture) {
+  if (!cues_depth(scene_.options)) return;
+  Stopwatch watch;
+  darken_edges(buffers_.depths, depth_edges(scene_.view.plane, scene_.options.depth_cue_strength), picture,
+               pool_);
+  stats_.depth_cue += watch.lap();
 }
 
 ShownFrame FrameRenderer::shown() const {

@@ -78,6 +78,8 @@ class FrameRenderer {
   virtual void resolve(Picture& picture) = 0;
   /// Finds the id image of the resolved picture, if the options ask for it.
   virtual void resolve_ids(const Picture& picture) = 0;
+  /// Finds the depth map, if the options ask for it or for a depth cue.
+  void measure_depths();
   /// Depth darkening (Luft et al. 2006) of the finished picture, if the options ask for it.
   void cue_depth(Picture& picture);
 
