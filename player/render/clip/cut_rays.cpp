@@ -1,6 +1,5 @@
 #include "player/render/clip/cut_rays.h"
 
-#include <algorithm>
 #include <cmath>
 
 namespace splatlas {
