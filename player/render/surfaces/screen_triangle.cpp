@@ -1,4 +1,4 @@
-#include "player/render/surfaces/triangle_attributes.h"
+#include "player/render/surfaces/screen_triangle.h"
 
 #include <tuple>
 
