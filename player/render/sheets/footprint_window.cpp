@@ -59,10 +59,8 @@ SheetExtent kept_extent(std::span<const VoxelPlane> planes, const Vec3& first, c
     for (std::size_t j = i + 1; j < all.size(); ++j) {
       for (std::size_t n = j + 1; n < all.size(); ++n) {
         const Vec3 &a = all[i].normal, &b = all[j].normal, &c = all[n].normal;
-        const Vec3 bc{b[1] * c[2] - b[2] * c[1], b[2] * c[0] - b[0] * c[2], b[0] * c[1] - b[1] * c[0]};
-        const Vec3 ca{c[1] * a[2] - c[2] * a[1], c[2] * a[0] - c[0] * a[2], c[0] * a[1] - c[1] * a[0]};
-        const Vec3 ab{a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-        const double volume = a[0] * bc[0] + a[1] * bc[1] + a[2] * bc[2];
+        const Vec3 bc = cross(b, c), ca = cross(c, a), ab = cross(a, b);
+        const double volume = dot(a, bc);
         if (std::abs(volume) < 1e-9) continue;
         Vec3 p{};
         for (std::size_t axis = 0; axis < 3; ++axis)

@@ -123,7 +123,7 @@ class TriangleAttributes {
     const std::array<double, 3> of_part{weight[0], weight[1], weight[2]};
     for (std::size_t n = 0; n < 3; ++n) {
       weight[n] = static_cast<float>(
-          mixed(of_part, {part_->weights[0][n], part_->weights[1][n], part_->weights[2][n]}));
+          dot(of_part, Vec3{part_->weights[0][n], part_->weights[1][n], part_->weights[2][n]}));
     }
   }
 
@@ -135,10 +135,6 @@ class TriangleAttributes {
 
   [[nodiscard]] double at(const ScreenPlane& plane, double x, double y) const {
     return plane.at_origin + plane.per_x * (x - x0_) + plane.per_y * (y - y0_);
-  }
-
-  static double mixed(const std::array<double, 3>& weights, const std::array<double, 3>& values) {
-    return weights[0] * values[0] + weights[1] * values[1] + weights[2] * values[2];
   }
 
   bool parallel_;
