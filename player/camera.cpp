@@ -1,7 +1,6 @@
 #include "player/camera.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 #include <utility>
@@ -53,6 +52,20 @@ Camera Camera::of(NamedView view) {
   return camera;
 }
 
+std::string direction_letters(const Vec3& direction_lps) {
+  constexpr std::array<const char*, 3> kLetters{"LR", "PA", "SI"};  // towards +, towards -
+  const double min_cosine = std::sin(std::numbers::pi / 8) - 1e-9;
+  std::array<std::size_t, 3> axes{0, 1, 2};
+  std::ranges::stable_sort(axes, [&](std::size_t a, std::size_t b) {
+    return std::abs(direction_lps[a]) > std::abs(direction_lps[b]) + 1e-9;
+  });
+  std::string letters;
+  for (const std::size_t a : axes) {
+    if (std::abs(direction_lps[a]) >= min_cosine) letters += kLetters[a][direction_lps[a] > 0 ? 0 : 1];
+  }
+  return letters;
+}
+
 Vec3 ParallelView::point_lps_mm(double x, double y) const {
   const double right_mm = (x - 0.5 * size.width) * mm_per_pixel;
   const double up_mm = (0.5 * size.height - y) * mm_per_pixel;
@@ -63,8 +76,8 @@ Vec3 ParallelView::point_lps_mm(double x, double y) const {
 
 Result<ParallelView> parallel_view(const Camera& camera, const PictureSize& size, const Display& display) {
   if (size.width < 1 || size.height < 1 || size.width > kMaxPictureSide || size.height > kMaxPictureSide) {
-    return fail(ErrorCode::kUsage, fmt::format("picture size {}x{}: each side must be from 1 to {} pixels",
-                                               size.width, size.height, kMaxPictureSide));
+    return fail(ErrorCode::kUsage, "picture size {}x{}: each side must be from 1 to {} pixels", size.width,
+                size.height, kMaxPictureSide);
   }
   if (!std::isfinite(camera.azimuth_deg)) {
     return bad_camera("azimuth", fmt::format("{} must be a finite angle in degrees", camera.azimuth_deg));
@@ -77,8 +90,7 @@ Result<ParallelView> parallel_view(const Camera& camera, const PictureSize& size
   }
   const Vec3 center = camera.center_lps_mm.value_or(display.center_lps_mm);
   if (!is_within_reach(center)) {
-    return fail(ErrorCode::kUsage,
-                fmt::format("camera: the centre must be finite, and within {} mm", kMaxMm));
+    return fail(ErrorCode::kUsage, "camera: the centre must be finite, and within {} mm", kMaxMm);
   }
 
   const auto [sin_azimuth, cos_azimuth] = sin_cos_deg(camera.azimuth_deg);
@@ -149,11 +161,11 @@ Result<void> CutPlanes::add(const CutPlane& plane) {
   const bool is_valid = std::isfinite(length) && length > 0 && std::isfinite(plane.offset_mm / length);
   if (!is_valid) {
     return fail(ErrorCode::kUsage,
-                fmt::format("cut: the plane {},{},{},{} must have finite numbers and a normal other than 0",
-                            x, y, z, plane.offset_mm));
+                "cut: the plane {},{},{},{} must have finite numbers and a normal other than 0", x, y, z,
+                plane.offset_mm);
   }
   if (size_ == kMax) {
-    return fail(ErrorCode::kUsage, fmt::format("cut: more than {} planes; remove some", kMax));
+    return fail(ErrorCode::kUsage, "cut: more than {} planes; remove some", kMax);
   }
   planes_[size_++] = plane;
   return {};

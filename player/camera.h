@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <string_view>
 
 #include "format/content/atlas_content.h"
@@ -56,6 +57,11 @@ struct PictureRegion {
   double left = 0, top = 0, right = 1, bottom = 1;
   friend bool operator==(const PictureRegion&, const PictureRegion&) = default;
 };
+
+/// Letters of the anatomical directions in which a unit vector in LPS points: L, R, A, P, S and I. As a
+/// compass with 45 degrees between its directions: each direction at most 67.5 degrees away has a letter,
+/// the nearest one first ("LA").
+[[nodiscard]] std::string direction_letters(const Vec3& direction_lps);
 
 /// Orthographic view in LPS mm. Pixel (0, 0) is at the top left; its centre has the picture coordinates
 /// (0.5, 0.5).

@@ -3,10 +3,10 @@
 #include <cstdint>
 #include <limits>
 
-#include <fmt/format.h>
 #include <png.h>
 
 #include "format/io/output_file.h"
+#include "format/result_macros.h"
 
 namespace splatlas {
 namespace {
@@ -35,11 +35,10 @@ Result<void> check_png_size(const PictureSize& size, bool alpha) {
   const std::uint64_t row_bytes = static_cast<std::uint64_t>(size.width) * (alpha ? 4 : 3);
   if (row_bytes * static_cast<std::uint64_t>(size.height) <= std::numeric_limits<std::uint32_t>::max())
     return {};
-  return fail(
-      ErrorCode::kUsage,
-      fmt::format("picture size {}x{}: PNG with a transparent background holds less than 2^32 bytes of "
-                  "pixels; take a smaller size, a colour as background or .exr",
-                  size.width, size.height));
+  return fail(ErrorCode::kUsage,
+              "picture size {}x{}: PNG with a transparent background holds less than 2^32 bytes of "
+              "pixels; take a smaller size, a colour as background or .exr",
+              size.width, size.height);
 }
 
 Result<std::vector<std::byte>> encode_png(const Picture& picture, std::optional<Rgb> background) {
@@ -55,8 +54,7 @@ Result<void> write_png(const Picture& picture, const std::filesystem::path& path
                        std::optional<Rgb> background) {
   const auto bytes = encode_png(picture, background);
   if (bytes) return write_file(path, *bytes);
-  return fail(bytes.error().code,
-              fmt::format("{}: cannot be encoded: {}", path.string(), bytes.error().message));
+  return fail(bytes.error().code, "{}: cannot be encoded: {}", path.string(), bytes.error().message);
 }
 
 }  // namespace splatlas

@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "format/result_macros.h"
+
 namespace splatlas {
 namespace {
 
@@ -26,9 +28,7 @@ std::string to_hex(Rgb color) {
 }
 
 Result<Rgb> parse_color(std::string_view text) {
-  const auto refuse = [&] {
-    return fail(ErrorCode::kUsage, fmt::format("\"{}\" is not a color: write #rrggbb", text));
-  };
+  const auto refuse = [&] { return fail(ErrorCode::kUsage, "\"{}\" is not a color: write #rrggbb", text); };
   if ((text.size() != 4 && text.size() != 7) || text[0] != '#') return refuse();
   const std::size_t digits = text.size() / 3;  // per channel
   std::array<std::uint8_t, 3> channels{};

@@ -1,7 +1,5 @@
 #include "format/content/grid.h"
 
-#include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <cstring>
 #include <span>

@@ -15,6 +15,17 @@ using Vec3 = std::array<double, 3>;
 using Matrix3 = std::array<double, 9>;  ///< row-major
 [[nodiscard]] double determinant(const Matrix3& m);
 
+/// Scalar product.
+template <typename T>
+[[nodiscard]] constexpr T dot(const std::array<T, 3>& a, const std::array<T, 3>& b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+/// Vector product.
+template <typename T>
+[[nodiscard]] constexpr std::array<T, 3> cross(const std::array<T, 3>& a, const std::array<T, 3>& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
 enum class Axis : std::uint8_t { kX = 0, kY = 1, kZ = 2 };
 inline constexpr std::array<Axis, 3> kAxes{Axis::kX, Axis::kY, Axis::kZ};
 

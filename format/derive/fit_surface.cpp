@@ -16,12 +16,6 @@ namespace {
 
 using Vec3f = std::array<float, 3>;
 
-Vec3f cross(const Vec3f& a, const Vec3f& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-float dot(const Vec3f& a, const Vec3f& b) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
 Vec3f difference(const Vec3f& a, const Vec3f& b) {
   return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
 }

@@ -1,7 +1,5 @@
 #include "format/derive/net_builder.h"
 
-#include <new>
-
 namespace splatlas {
 
 NetBuilder::NetBuilder(std::size_t vertices, SurfaceNet reused)

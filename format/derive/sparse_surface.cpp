@@ -1,7 +1,6 @@
 #include "format/derive/sparse_surface.h"
 
 #include <algorithm>
-#include <cstdint>
 #include <limits>
 #include <numeric>
 #include <utility>

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <optional>
 #include <span>
-#include <vector>
 
 #include "format/derive/part_rows.h"
 #include "format/derive/smooth_gradient.h"

@@ -1,7 +1,6 @@
 #include "format/file/directory.h"
 
 #include <algorithm>
-#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>

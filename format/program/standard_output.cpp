@@ -1,7 +1,6 @@
 #include "format/program/standard_output.h"
 
 #include <cerrno>
-#include <cstdio>
 #include <cstring>
 #include <exception>
 

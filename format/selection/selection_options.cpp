@@ -144,23 +144,18 @@ constexpr std::array<SelectionOption, 6> kOptions{{
 
 }  // namespace
 
-std::span<const SelectionOption> selection_options() {
-  return kOptions;
+const SelectionOption* find_option(std::string_view name) {
+  const auto* const found = std::ranges::find_if(
+      kOptions, [&](const SelectionOption& option) { return equal_ignoring_case(name, option.name); });
+  return found == kOptions.end() ? nullptr : found;
 }
 
-const SelectionOption* find_option(std::string_view name, std::span<const SelectionOption> options) {
-  const auto found = std::ranges::find_if(
-      options, [&](const SelectionOption& option) { return equal_ignoring_case(name, option.name); });
-  return found == options.end() ? nullptr : &*found;
-}
-
-std::string write_options(const SelectionTerm& term, std::span<const SelectionOption> options) {
+std::string write_options(const SelectionTerm& term) {
   std::string text;
-  for (const SelectionOption& option : options) {
+  for (const SelectionOption& option : kOptions) {
     if (!option.is_given(term)) continue;
     if (!text.empty()) text += ',';
-    text += option.name;
-    if (!option.is_flag) text += '=' + option.write(term);
+    text += fmt::format("{}={}", option.name, option.write(term));
   }
   return text;
 }

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstddef>
-#include <span>
 #include <string>
 #include <string_view>
 
@@ -23,22 +22,15 @@ using OptionResult = tl::expected<void, OptionFault>;
 struct SelectionOption {
   std::string_view name;
   bool (*is_given)(const SelectionTerm& term);
-  /// Parses a value; "" for a flag. Leaves the term unchanged on error.
+  /// Parses a value. Leaves the term unchanged on error.
   OptionResult (*read)(std::string_view value, SelectionTerm& term);
-  /// Formats the value of a term with this option. read() restores it exactly. Unused for a flag.
+  /// Formats the value of a term with this option. read() restores it exactly.
   std::string (*write)(const SelectionTerm& term);
-  bool is_flag = false;  ///< written without "=" and a value
 };
 
-/// All options in output order.
-[[nodiscard]] std::span<const SelectionOption> selection_options();
 /// Finds an option by name, ignoring the case of ASCII letters; null if there is none.
-[[nodiscard]] const SelectionOption* find_option(std::string_view name,
-                                                 std::span<const SelectionOption> options);
+[[nodiscard]] const SelectionOption* find_option(std::string_view name);
 /// The options that a term has, separated by commas: "opacity=0.4,color=#ff8800".
-[[nodiscard]] std::string write_options(const SelectionTerm& term, std::span<const SelectionOption> options);
-/// parse_selection() with a table of options.
-[[nodiscard]] Result<std::vector<SelectionTerm>> parse_selection(std::string_view text,
-                                                                 std::span<const SelectionOption> options);
+[[nodiscard]] std::string write_options(const SelectionTerm& term);
 
 }  // namespace splatlas

@@ -17,7 +17,7 @@ bool is_blank(char c) {
 /// One function per rule of the grammar in selection.h.
 class Parser {
  public:
-  Parser(std::string_view text, std::span<const SelectionOption> options) : text_(text), options_(options) {}
+  explicit Parser(std::string_view text) : text_(text) {}
 
   Result<std::vector<SelectionTerm>> selection() {
     std::vector<SelectionTerm> terms;
@@ -137,7 +137,7 @@ class Parser {
     skip_blanks();
     const std::size_t start = at_;
     const std::string_view key = word();
-    const SelectionOption* const option = find_option(key, options_);
+    const SelectionOption* const option = find_option(key);
     if (option == nullptr) {
       return fault_at(
           start,
@@ -146,13 +146,10 @@ class Parser {
               "write opacity=0.4, color=#ff8800, profile=thin, low=40, high=160 or curve=40:0/160:0.3"));
     }
     if (option->is_given(term)) return fault_at(start, fmt::format("{} is given twice", option->name));
-    if (skip('=') == option->is_flag) {
-      if (option->is_flag) return fault(fmt::format("{} takes no value", option->name));
-      return fault(fmt::format("expected \"=\" after {}", option->name));
-    }
+    if (!skip('=')) return fault(fmt::format("expected \"=\" after {}", option->name));
     skip_blanks();
     const std::size_t value_start = at_;
-    while (!option->is_flag && !at_end() && !is_blank(text_[at_]) && !next_is(',') && !next_is(')')) ++at_;
+    while (!at_end() && !is_blank(text_[at_]) && !next_is(',') && !next_is(')')) ++at_;
     const OptionResult read = option->read(text_.substr(value_start, at_ - value_start), term);
     if (!read) return fault_at(value_start + read.error().offset, read.error().what);
     return {};
@@ -184,7 +181,6 @@ class Parser {
   }
 
   std::string_view text_;
-  std::span<const SelectionOption> options_;
   std::size_t at_ = 0;
 };
 
@@ -201,17 +197,12 @@ bool is_rest(std::string_view name) {
 }
 
 Result<std::vector<SelectionTerm>> parse_selection(std::string_view text) {
-  return parse_selection(text, selection_options());
-}
-
-Result<std::vector<SelectionTerm>> parse_selection(std::string_view text,
-                                                   std::span<const SelectionOption> options) {
-  return Parser(text, options).selection();
+  return Parser(text).selection();
 }
 
 Result<std::vector<StructureIndex>> StructureGraph::find_named(std::string_view text) const {
   if (!text.starts_with('"') && !text.starts_with('#')) return find(text);
-  SPLATLAS_ASSIGN_OR_RETURN(const SelectionTerm term, Parser(text, {}).lone_target());
+  SPLATLAS_ASSIGN_OR_RETURN(const SelectionTerm term, Parser(text).lone_target());
   return find_target(*this, term);
 }
 

@@ -1,7 +1,6 @@
 #include "format/tasks/task_control.h"
 
 #include <algorithm>
-#include <utility>
 
 #include <time.h>  // clock_gettime is POSIX's, not <ctime>'s
 

@@ -1,7 +1,6 @@
 #include "format/tasks/thread_pool.h"
 
 #include <algorithm>
-#include <exception>
 #include <utility>
 
 #include "format/tasks/task_control.h"

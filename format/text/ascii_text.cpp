@@ -135,6 +135,20 @@ std::string escaped_json(std::string_view document) {
   return result;
 }
 
+std::string escaped_markup(std::string_view text) {
+  std::string escaped;
+  for (const char c : text) {
+    switch (c) {
+      case '&': escaped += "&amp;"; break;
+      case '<': escaped += "&lt;"; break;
+      case '>': escaped += "&gt;"; break;
+      case '"': escaped += "&quot;"; break;
+      default: escaped += c;
+    }
+  }
+  return escaped;
+}
+
 std::string in_quotes(std::string_view text) {
   constexpr std::size_t kMaxBytes = 80;
   const std::string start = printable_start(text, kMaxBytes);

@@ -60,6 +60,9 @@ template <typename Number>
 /// feeds and tabs, which are outside its strings. Replaces bytes that are not UTF-8 by U+FFFD.
 [[nodiscard]] std::string escaped_json(std::string_view document);
 
+/// Escapes the characters & < > " of XML and HTML.
+[[nodiscard]] std::string escaped_markup(std::string_view text);
+
 /// Printable text in double quotes, truncated to 80 bytes with "...".
 [[nodiscard]] std::string in_quotes(std::string_view text);
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <utility>
 
 #include <CLI/CLI.hpp>
@@ -10,6 +9,7 @@
 
 #include "format/program/command_options.h"
 #include "format/result_macros.h"
+#include "format/text/ascii_text.h"
 
 namespace splatlas {
 namespace {
@@ -29,14 +29,11 @@ std::string item_names() {
 
 template <typename Number>
 std::optional<Number> number_within(std::string_view text, Number min, Number max) {
-  Number number{};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return number >= min && number <= max ? std::optional(number) : std::nullopt;
+  const auto number = parse_number<Number>(text);
+  return number && *number >= min && *number <= max ? number : std::nullopt;
 }
 
-}  // namespace
-
+/// Parses a list of items: "labels,legend". kUsage, with the valid names.
 Result<AnnotationItems> parse_annotations(std::string_view text) {
   AnnotationItems items;
   while (true) {
@@ -52,6 +49,8 @@ Result<AnnotationItems> parse_annotations(std::string_view text) {
     text.remove_prefix(comma + 1);
   }
 }
+
+}  // namespace
 
 void add_annotations(CLI::App& command, PageOptions& options) {
   const auto parse = [&options](const std::string& text) {

@@ -1,10 +1,7 @@
 #include "player/commands/framing.h"
 
-#include <array>
 #include <cstddef>
-#include <optional>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 #include <CLI/CLI.hpp>

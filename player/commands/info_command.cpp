@@ -1,6 +1,5 @@
 #include "player/commands/info_command.h"
 
-#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "format/derive/subtree_counts.h"

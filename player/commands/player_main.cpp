@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <sstream>
 #include <string>
-#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <dlfcn.h>
@@ -37,7 +36,7 @@ constexpr const char* kVersion = "splatlas-player " SPLATLAS_VERSION " (atlas fo
 tl::unexpected<Error> wrong_usage(const CLI::App& app, const std::string& what) {
   std::string program = "splatlas-player";
   for (const CLI::App* command : app.get_subcommands()) program += " " + command->get_name();
-  return fail(ErrorCode::kUsage, fmt::format("{}; see {} --help", what, program));
+  return fail(ErrorCode::kUsage, "{}; see {} --help", what, program);
 }
 
 tl::unexpected<Error> no_command_or_atlas(const CLI::App& app, const std::filesystem::path& word) {
@@ -64,8 +63,8 @@ Result<void> render_picture(const RenderRequest& request) {
   for (const std::string& note : report.notes) print_to(stderr, PrintableText("note: {}\n", note));
   if (report.missing.empty()) return {};
   for (const std::string& line : report.missing) print_error("splatlas-player", line);
-  return fail(ErrorCode::kInvalidAtlas, fmt::format("{}: damaged; {} was written without what is missing",
-                                                    request.atlas.string(), request.output.string()));
+  return fail(ErrorCode::kInvalidAtlas, "{}: damaged; {} was written without what is missing",
+              request.atlas.string(), request.output.string());
 }
 
 #ifdef SPLATLAS_HAS_WINDOW
@@ -77,8 +76,8 @@ Result<void> open_window(const std::filesystem::path& path, unsigned threads, co
   void* function = module != nullptr ? dlsym(module, kShowWindowName) : nullptr;
   if (function == nullptr) {
     const char* reason = dlerror();
-    return fail(ErrorCode::kFailed, fmt::format("cannot open a window: {}; use 'splatlas-player render'",
-                                                reason != nullptr ? reason : kWindowModule));
+    return fail(ErrorCode::kFailed, "cannot open a window: {}; use 'splatlas-player render'",
+                reason != nullptr ? reason : kWindowModule);
   }
   std::array<char, 2048> error{};
   const auto show = reinterpret_cast<ShowWindow>(function);
@@ -89,8 +88,7 @@ Result<void> open_window(const std::filesystem::path& path, unsigned threads, co
 #else
 Result<void> open_window(const std::filesystem::path& path, unsigned /*threads*/,
                          const AtlasOptions& /*options*/) {
-  return fail(ErrorCode::kUsage,
-              fmt::format("{}: this player was built without a window; use 'render'", path.string()));
+  return fail(ErrorCode::kUsage, "{}: this player was built without a window; use 'render'", path.string());
 }
 #endif
 

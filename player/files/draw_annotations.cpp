@@ -6,7 +6,6 @@
 #include <cstddef>
 #include <vector>
 
-#include "format/content/color.h"
 #include "format/result_macros.h"
 
 namespace splatlas {

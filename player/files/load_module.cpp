@@ -1,7 +1,8 @@
 #include "player/files/load_module.h"
 
 #include <dlfcn.h>
-#include <fmt/format.h>
+
+#include "format/result_macros.h"
 
 namespace splatlas {
 
@@ -9,12 +10,12 @@ Result<void*> load_function(const char* module, const char* function, const char
   void* const handle = dlopen(module, RTLD_LAZY | RTLD_LOCAL);
   if (handle == nullptr) {
     const char* reason = dlerror();
-    return fail(ErrorCode::kFailed,
-                fmt::format("cannot load {} ({}): {}", module, library, reason ? reason : "unknown reason"));
+    return fail(ErrorCode::kFailed, "cannot load {} ({}): {}", module, library,
+                reason ? reason : "unknown reason");
   }
   void* const found = dlsym(handle, function);
   if (found != nullptr) return found;
-  return fail(ErrorCode::kFailed, fmt::format("{} has no {}: it is of another version", module, function));
+  return fail(ErrorCode::kFailed, "{} has no {}: it is of another version", module, function);
 }
 
 }  // namespace splatlas

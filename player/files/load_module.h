@@ -1,8 +1,6 @@
 // Functions of modules that are loaded at run time.
 #pragma once
 
-#include <string>
-
 #include "format/result.h"
 
 namespace splatlas {

@@ -7,7 +7,6 @@
 #include <cstring>
 #include <span>
 
-#include <fmt/format.h>
 #include <zlib.h>
 
 #include "format/result_macros.h"
@@ -135,24 +134,19 @@ bool PictureEncoder::is_linear(const std::filesystem::path& path) {
   return known_ending(path) == ".exr";
 }
 
-bool PictureEncoder::is_document(const std::filesystem::path& path) {
-  const std::string ending = known_ending(path);
-  return ending == ".svg" || ending == ".pdf";
-}
-
 Result<void> PictureEncoder::check_ending(const std::filesystem::path& path) {
   if (!known_ending(path).empty()) return {};
-  return fail(ErrorCode::kUsage,
-              fmt::format("{}: unknown picture ending '{}'; use .png, .jpg, .tif, .exr, .svg or .pdf",
-                          path.string(), path.extension().string()));
+  return fail(ErrorCode::kUsage, "{}: unknown picture ending '{}'; use .png, .jpg, .tif, .exr, .svg or .pdf",
+              path.string(), path.extension().string());
 }
 
 Result<void> PictureEncoder::check_size(const std::filesystem::path& path, const PictureSize& size,
                                         std::optional<Rgb> background) {
-  if (known_ending(path) != ".png" && !is_document(path)) return {};
+  const std::string ending = known_ending(path);
+  if (ending != ".png" && ending != ".svg" && ending != ".pdf") return {};
   const Result<void> fits = check_png_size(size, !background);
   if (fits) return {};
-  return fail(fits.error().code, fmt::format("{}: {}", path.string(), fits.error().message));
+  return fail(fits.error().code, "{}: {}", path.string(), fits.error().message);
 }
 
 Result<std::vector<std::byte>> PictureEncoder::encode(Picture& picture, std::optional<Rgb> background,
@@ -160,8 +154,7 @@ Result<std::vector<std::byte>> PictureEncoder::encode(Picture& picture, std::opt
   SPLATLAS_RETURN_IF_ERROR(check_ending(path_));
   auto bytes = encode_file(picture, background, annotations);
   if (bytes) return bytes;
-  return fail(ErrorCode::kFailed,
-              fmt::format("{}: cannot be encoded: {}", path_.string(), bytes.error().message));
+  return fail(ErrorCode::kFailed, "{}: cannot be encoded: {}", path_.string(), bytes.error().message);
 }
 
 Result<Bytes> PictureEncoder::encode_file(Picture& picture, std::optional<Rgb> background,

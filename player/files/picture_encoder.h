@@ -41,8 +41,6 @@ class PictureEncoder {
   [[nodiscard]] static bool is_opaque(const std::filesystem::path& path);
   /// True for .exr, which ignores backgrounds.
   [[nodiscard]] static bool is_linear(const std::filesystem::path& path);
-  /// True for .svg and .pdf.
-  [[nodiscard]] static bool is_document(const std::filesystem::path& path);
   /// kUsage, with the supported extensions, unless `path` has one of them.
   [[nodiscard]] static Result<void> check_ending(const std::filesystem::path& path);
   /// kUsage, with a remedy, if the format of `path` does not support pictures of this size. The extension

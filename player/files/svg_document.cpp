@@ -1,10 +1,13 @@
 #include "player/files/svg_document.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <iterator>
 #include <string_view>
 
 #include <fmt/format.h>
+
+#include "format/text/ascii_text.h"
 
 namespace splatlas {
 namespace {
@@ -28,23 +31,11 @@ std::string base64(std::span<const std::byte> bytes) {
   return text;
 }
 
-/// XML text: markup is escaped, and control characters, which XML 1.0 forbids, are replaced.
-std::string escaped(std::string_view text) {
-  std::string xml;
-  for (const char c : text) {
-    if (c == '&') {
-      xml += "&amp;";
-    } else if (c == '<') {
-      xml += "&lt;";
-    } else if (c == '>') {
-      xml += "&gt;";
-    } else if (c == '"') {
-      xml += "&quot;";
-    } else {
-      xml += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
-    }
-  }
-  return xml;
+/// XML text: control characters, which XML 1.0 forbids, are replaced.
+std::string escaped(std::string text) {
+  std::ranges::replace_if(
+      text, [](unsigned char c) { return c < 0x20; }, ' ');
+  return escaped_markup(text);
 }
 
 class Document {

@@ -5,8 +5,6 @@
 #include <cstddef>
 #include <utility>
 
-#include <fmt/format.h>
-
 #include "format/result_macros.h"
 #include "player/files/load_module.h"
 #include "player/files/picture_module.h"

@@ -4,7 +4,6 @@
 #include <array>
 #include <filesystem>
 #include <future>
-#include <string>
 #include <string_view>
 #include <vector>
 

@@ -1,10 +1,8 @@
 #include "player/page/annotate_picture.h"
 
 #include <algorithm>
-#include <cmath>
 
-#include <fmt/format.h>
-
+#include "format/result_macros.h"
 #include "player/page/page_layout.h"
 #include "player/page/place_labels.h"
 #include "player/page/wrap_text.h"
@@ -166,11 +164,10 @@ Result<AnnotationLayer> annotate_picture(const AnnotatedScene& scene, const Anno
   }
   if (!fits(*layout)) {
     const PictureSize& size = scene.picture.size;
-    return fail(
-        ErrorCode::kUsage,
-        fmt::format("picture size {}x{}: too small for its annotations, with labels of {:.0f} pixels; "
-                    "take a larger --size, a smaller --dpi or fewer items",
-                    size.width, size.height, kLabelPoints * layout->pt));
+    return fail(ErrorCode::kUsage,
+                "picture size {}x{}: too small for its annotations, with labels of {:.0f} pixels; "
+                "take a larger --size, a smaller --dpi or fewer items",
+                size.width, size.height, kLabelPoints * layout->pt);
   }
   return std::move(layout->layer);
 }

@@ -3,8 +3,8 @@
 
 #include "format/result.h"
 #include "player/camera.h"
-#include "player/page/annotated_scene.h"
 #include "player/page/annotation.h"
+#include "player/page/page_layout.h"
 
 namespace splatlas {
 

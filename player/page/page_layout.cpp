@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "player/page/scale_bar.h"
 #include "player/page/wrap_text.h"
 
 namespace splatlas {
@@ -25,6 +24,19 @@ bool is_dark(Rgb color) {
 }
 
 }  // namespace
+
+double scale_bar_mm(double max_mm) {
+  if (!(max_mm > 0) || !std::isfinite(max_mm)) return 0;
+  const int exponent = static_cast<int>(std::floor(std::log10(max_mm)));
+  constexpr double kRounding = 1 + 1e-12;  // a length of exactly one step is reached
+  for (int e = exponent + 1; e >= exponent - 1; --e) {
+    for (const double step : {5.0, 2.0, 1.0}) {
+      const double length = e >= 0 ? step * std::pow(10, e) : step / std::pow(10, -e);
+      if (length <= max_mm * kRounding) return length;
+    }
+  }
+  return 0;
+}
 
 double annotation_dpi(const AnnotationOptions& options, const PictureSize& size) {
   if (options.dpi) return *options.dpi;
@@ -195,7 +207,8 @@ void PageLayout::place_scale_bar() {
   const double mm = scale_bar_mm(kMaxScaleBar * scene.picture.size.width * mm_per_pixel);
   if (mm <= 0) return;
   const double length = mm / mm_per_pixel, em = kScalePoints * pt, tick = kTickPoints * pt;
-  PlacedText words = text(length_text(mm) + (scene.view.eye_mm ? " at the centre" : ""), 0, 0, kScalePoints);
+  PlacedText words =
+      text(fmt::format("{} mm", mm) + (scene.view.eye_mm ? " at the centre" : ""), 0, 0, kScalePoints);
   const double width = std::max(length, words.width), height = tick + 1.35 * em;
 
   // Take the first free corner

@@ -1,15 +1,45 @@
-// Parts of a page: blocks of text at the bottom, and the figure above them.
+// Content and parts of a page: blocks of text at the bottom, and the figure above them.
 #pragma once
 
+#include <cstddef>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "player/page/annotated_scene.h"
+#include "format/content/color.h"
+#include "player/camera.h"
+#include "player/page/annotation.h"
 #include "player/page/free_space.h"
 #include "player/page/place_labels.h"
+#include "player/page/visible_structures.h"
+#include "player/picture.h"
 
 namespace splatlas {
+
+/// A visible structure with its name and colour.
+struct NamedStructure {
+  std::string name;
+  Rgb color;
+  VisibleStructure visible;
+};
+
+/// A picture to annotate.
+struct AnnotatedScene {
+  const Picture& picture;
+  View view;
+  std::optional<Rgb> background = std::nullopt;  ///< none: transparent, annotated as a white one
+  std::vector<NamedStructure> structures = {};  ///< of labels and legend; entries of the legend in this order
+};
+
+/// Content of the annotations.
+struct AnnotationOptions {
+  AnnotationItems items = {};
+  std::size_t max_labels = 40;  ///< labels of the largest structures
+  std::string caption = {}, citation = {};
+  /// Pixels per inch in print. Not set: the short side has 160 mm, but labels at least 11 pixels.
+  std::optional<double> dpi = std::nullopt;
+};
 
 /// Sizes of texts in points, and of lines.
 inline constexpr double kLabelPoints = 8.5, kLegendPoints = 8, kCaptionPoints = 9.5, kCitationPoints = 7,
@@ -22,6 +52,10 @@ inline constexpr double kRulePoints = 0.4, kScaleBarPoints = 1.2, kTickPoints = 
 
 /// Pixels per inch: that of the options, or a default that depends on the size.
 [[nodiscard]] double annotation_dpi(const AnnotationOptions& options, const PictureSize& size);
+
+/// Length of a scale bar: the longest of 1, 2 and 5 times a power of ten that is at most `max_mm`; 0 if
+/// `max_mm` is not positive.
+[[nodiscard]] double scale_bar_mm(double max_mm);
 
 /// Layout of one page. The functions of the parts add to `layer`, and to `obstacles` for labels.
 struct PageLayout {

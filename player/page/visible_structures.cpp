@@ -41,7 +41,7 @@ std::vector<int> border_distances(const IdGrid& grid) {
 
 struct Region {
   double samples = 0, sum_x = 0, sum_y = 0;
-  int left = 1 << 28, top = 1 << 28, right = -1, bottom = -1, deepest = 0;
+  int deepest = 0;
   double nearest = 0;  // squared distance from the anchor to the centroid
   int i = -1, j = -1;  // anchor
 };
@@ -79,8 +79,6 @@ std::vector<VisibleStructure> visible_structures(const IdGrid& grid) {
   };
   for_each([](Region& region, int i, int j, int distance) {
     region.samples += 1, region.sum_x += i, region.sum_y += j;
-    region.left = std::min(region.left, i), region.right = std::max(region.right, i);
-    region.top = std::min(region.top, j), region.bottom = std::max(region.bottom, j);
     region.deepest = std::max(region.deepest, distance);
   });
 
@@ -97,11 +95,7 @@ std::vector<VisibleStructure> visible_structures(const IdGrid& grid) {
   const double step = grid.step;
   for (const auto& [structure, region] : regions) {
     structures.push_back(
-        {structure,
-         region.samples * step * step,
-         {(region.i + 0.5) * step, (region.j + 0.5) * step},
-         0.9 * step * region.deepest / kEdge - 0.5 * step,
-         {region.left * step, region.top * step, (region.right + 1) * step, (region.bottom + 1) * step}});
+        {structure, region.samples * step * step, {(region.i + 0.5) * step, (region.j + 0.5) * step}});
   }
   return structures;
 }

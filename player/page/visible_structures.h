@@ -1,7 +1,6 @@
 // Structures visible in a picture, with anchors for leader lines.
 #pragma once
 
-#include <cstdint>
 #include <functional>
 #include <vector>
 
@@ -21,10 +20,8 @@ struct IdGrid {
 /// One structure of a picture.
 struct VisibleStructure {
   StructureIndex structure = kNoStructure;
-  double pixels = 0;    ///< visible area
-  PagePoint anchor;     ///< a sample of the structure, deep inside its visible region
-  double depth_px = 0;  ///< distance from the anchor to the region's border, at least
-  PageBox box;          ///< bounding box
+  double pixels = 0;  ///< visible area
+  PagePoint anchor;   ///< a sample of the structure, deep inside its visible region
 };
 
 /// Structure at picture coordinates, or kNoStructure.

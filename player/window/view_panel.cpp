@@ -128,7 +128,7 @@ void draw_letters(const Session& session, const ViewArea& area, const Fonts& fon
   const float edge = ImGui::GetFontSize() * 0.5f;
   const ImVec2 middle{area.min.x + area.size.x / 2, area.min.y + area.size.y / 2}, max = area.max();
   const auto letters = [&](const Vec3& direction, float x_share, float y_share, ImVec2 at) {
-    const std::string text = orientation_letters(direction);
+    const std::string text = direction_letters(direction);
     const ImVec2 size = ImGui::CalcTextSize(text.c_str());
     draw_over_picture({at.x - size.x * x_share, at.y - size.y * y_share}, kLetterColor, text);
   };

@@ -1,9 +1,7 @@
 #include "preprocess/build/build_atlas.h"
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
-#include <vector>
 
 #include <fmt/format.h>
 

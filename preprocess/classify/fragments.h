@@ -1,7 +1,6 @@
 // Fragments of structures: small connected components beside the largest one.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>

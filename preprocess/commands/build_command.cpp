@@ -2,7 +2,6 @@
 #include <span>
 
 #include <CLI/CLI.hpp>
-#include <fmt/format.h>
 
 #include "format/io/check_writable.h"
 #include "format/io/output_file.h"

@@ -10,17 +10,7 @@ namespace splatlas {
 namespace {
 
 std::string escaped_html(const std::string& text) {
-  std::string result;
-  for (const char c : printable(text)) {
-    switch (c) {
-      case '&': result += "&amp;"; break;
-      case '<': result += "&lt;"; break;
-      case '>': result += "&gt;"; break;
-      case '"': result += "&quot;"; break;
-      default: result += c;
-    }
-  }
-  return result;
+  return escaped_markup(printable(text));
 }
 
 constexpr const char* kHead = R"(<!DOCTYPE html>

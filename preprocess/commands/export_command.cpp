@@ -1,5 +1,4 @@
 #include <CLI/CLI.hpp>
-#include <fmt/format.h>
 
 #include "format/program/command_options.h"
 #include "format/program/standard_output.h"

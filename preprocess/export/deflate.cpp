@@ -3,10 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <iterator>
-#include <memory>
 #include <new>
 #include <utility>
-#include <vector>
 
 #include <zlib.h>
 

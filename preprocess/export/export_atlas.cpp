@@ -3,11 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <span>
-#include <utility>
 
 #include <fmt/format.h>
 
-#include "format/atlas_reader.h"
 #include "format/content/selection.h"
 #include "format/io/check_writable.h"
 #include "format/io/output_file.h"
@@ -45,8 +43,8 @@ bool is_folder_of_masks(const ExportOptions& options) {
   return options.labels.ends_with('/');
 }
 
-/// Checks file types, and conflicts between outputs and inputs: kUsage.
-Result<void> check_words(const ExportOptions& options) {
+/// Checks file types, and conflicts between outputs and inputs: kUsage; then that all outputs can be written.
+Result<void> check_files(const ExportOptions& options) {
   std::vector<fs::path> outputs;
   if (is_folder_of_masks(options)) {
     outputs.push_back(without_end_slash(options.labels));
@@ -78,20 +76,10 @@ Result<void> check_words(const ExportOptions& options) {
                   path.string(), options.labels);
     }
   }
-  return check_outputs(outputs, std::array{options.atlas});
-}
-
-/// Checks that all outputs can be written.
-Result<void> check_writable(const ExportOptions& options) {
-  if (is_folder_of_masks(options)) {
-    SPLATLAS_RETURN_IF_ERROR(check_writable_folder(options.labels));
-  } else if (!options.labels.empty()) {
-    SPLATLAS_RETURN_IF_ERROR(check_writable_file(options.labels));
-  }
-  if (!options.volume.empty()) SPLATLAS_RETURN_IF_ERROR(check_writable_file(options.volume));
-  for (const auto& [name, path] : options.surfaces) SPLATLAS_RETURN_IF_ERROR(check_writable_file(path));
-  for (const fs::path& table : {options.names, options.tree}) {
-    if (!table.empty()) SPLATLAS_RETURN_IF_ERROR(check_writable_file(table));
+  SPLATLAS_RETURN_IF_ERROR(check_outputs(outputs, std::array{options.atlas}));
+  for (const fs::path& output : outputs) {
+    const bool is_folder = is_folder_of_masks(options) && &output == &outputs.front();
+    SPLATLAS_RETURN_IF_ERROR(is_folder ? check_writable_folder(options.labels) : check_writable_file(output));
   }
   return {};
 }
@@ -189,8 +177,7 @@ void write_outputs(const Atlas& atlas, const std::vector<std::vector<StructureIn
 }  // namespace
 
 Result<ExportedFiles> export_atlas(const ExportOptions& options) {
-  SPLATLAS_RETURN_IF_ERROR(check_words(options));
-  SPLATLAS_RETURN_IF_ERROR(check_writable(options));
+  SPLATLAS_RETURN_IF_ERROR(check_files(options));
   SPLATLAS_ASSIGN_OR_RETURN(const std::shared_ptr<const Atlas> atlas,
                             Atlas::open(options.atlas, options.atlas_options));
   SPLATLAS_ASSIGN_OR_RETURN(const auto structures, find_surfaces(*atlas, options));

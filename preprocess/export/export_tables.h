@@ -1,9 +1,7 @@
 // Export of names and trees as tables.
 #pragma once
 
-#include <filesystem>
 #include <string>
-#include <vector>
 
 #include "format/content/structure_graph.h"
 #include "preprocess/import/tables/names_table.h"

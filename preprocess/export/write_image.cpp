@@ -7,7 +7,6 @@
 #include <new>
 #include <optional>
 #include <span>
-#include <utility>
 
 #include "format/io/output_file.h"
 #include "format/result_macros.h"

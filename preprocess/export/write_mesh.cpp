@@ -153,8 +153,8 @@ bool is_thin(const Corners& corners) {
     a[n] = corners[1][n] - corners[0][n];
     b[n] = corners[2][n] - corners[0][n];
   }
-  const double area =
-      std::hypot(a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]);
+  const auto [x, y, z] = cross(a, b);
+  const double area = std::hypot(x, y, z);
   const double longest = std::max(std::hypot(a[0], a[1], a[2]), std::hypot(b[0], b[1], b[2]));
   return !(area > kThinness * longest * std::max(1.0, longest));
 }

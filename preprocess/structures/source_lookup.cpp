@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include <fmt/format.h>
-
 #include "format/result_macros.h"
 #include "format/text/ascii_text.h"
 #include "preprocess/import/tables/text_file.h"

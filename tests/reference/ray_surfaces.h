@@ -8,7 +8,7 @@
 #include "format/content/atlas_content.h"
 #include "format/content/selection.h"
 #include "player/camera.h"
-#include "player/render/view/depth_axis.h"
+#include "player/render/view/shear.h"
 #include "tests/reference/ray.h"
 #include "tests/reference/reference_surfaces.h"
 

@@ -1,6 +1,5 @@
 // Reading of surfaces and normals, stored or fitted to the voxels.
 #include <cstring>
-#include <new>
 #include <optional>
 #include <vector>
 

@@ -1,6 +1,5 @@
 // Decoding of whole atlases: Atlas::read_all, read_classes and read_value_volume.
 #include <cstring>
-#include <new>
 #include <span>
 #include <utility>
 #include <vector>

@@ -1,5 +1,4 @@
 // Reading of runs, stored or derived, and their checks.
-#include <new>
 
 #include "format/codec/mask_codec.h"
 #include "format/codec/run_codec.h"

@@ -1,6 +1,5 @@
 // Reading of grey values: decoded by group, returned by class.
 #include <algorithm>
-#include <new>
 #include <utility>
 #include <vector>
 

@@ -1,6 +1,5 @@
 // Atlas::verify: checksums of all chunks and consistency of all sections.
 #include <algorithm>
-#include <new>
 #include <utility>
 #include <vector>
 

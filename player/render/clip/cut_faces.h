@@ -1,10 +1,8 @@
 // Faces of a cut: the points where rays enter and leave its half spaces inside drawn structures.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <memory>
-#include <span>
 #include <vector>
 
 #include "player/render/clip/cut_rays.h"

@@ -1,16 +1,8 @@
 #include "player/render/clip/cut_rays.h"
 
-#include <algorithm>
 #include <cmath>
 
 namespace splatlas {
-namespace {
-
-double dot(const Vec3& a, const Vec3& b) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-}  // namespace
 
 std::vector<VoxelPlane> voxel_planes(const CutPlanes& planes, const Grid& grid) {
   const Affine to_lps = index_to_lps_mm(grid);

@@ -21,9 +21,7 @@ struct VoxelPlane {
   double offset = 0;     ///< in voxels
 
   /// Distance of a point from the plane, in voxels; positive where it is removed.
-  [[nodiscard]] double distance(const Vec3& index) const {
-    return normal[0] * index[0] + normal[1] * index[1] + normal[2] * index[2] - offset;
-  }
+  [[nodiscard]] double distance(const Vec3& index) const { return dot(normal, index) - offset; }
 };
 
 /// The planes of a cut in the coordinates of `grid`.

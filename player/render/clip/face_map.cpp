@@ -1,6 +1,5 @@
 #include "player/render/clip/face_map.h"
 
-#include <algorithm>
 #include <limits>
 #include <utility>
 

@@ -95,7 +95,7 @@ struct PickRay {
     }
     origin[axis] = 0;
     const Vec3 slab = index_to_lps_mm(grid).apply_linear(per_plane);
-    slab_mm = std::sqrt(slab[0] * slab[0] + slab[1] * slab[1] + slab[2] * slab[2]);
+    slab_mm = std::sqrt(dot(slab, slab));
     if (!frame.cuts.empty()) cut(grid, frame, x, y);
     from = view.eye_mm ? depth.index_at(x, y, -*view.eye_mm)[axis] : ascending ? -HUGE_VAL : HUGE_VAL;
   }

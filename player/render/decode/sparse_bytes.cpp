@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <cstdint>
 
-#include <fmt/format.h>
 #include <sys/mman.h>
+
+#include "format/result_macros.h"
 
 namespace splatlas {
 namespace {
@@ -23,11 +24,10 @@ Result<SparseBytes> SparseBytes::reserve(std::size_t bytes) {
   void* const mapped =
       mmap(nullptr, mapped_bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
   if (mapped == MAP_FAILED) {
-    return fail(
-        ErrorCode::kLimit,
-        fmt::format("cannot reserve {} bytes of address space for grey values; select less, or raise the "
-                    "program's limit of address space",
-                    bytes));
+    return fail(ErrorCode::kLimit,
+                "cannot reserve {} bytes of address space for grey values; select less, or raise the "
+                "program's limit of address space",
+                bytes);
   }
   const std::size_t into_page = reinterpret_cast<std::uintptr_t>(mapped) % kLargePage;
   SparseBytes sparse;

@@ -3,12 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
 
 #include "format/tasks/task_control.h"
 #include "player/render/rays/pixel_rays.h"
 #include "player/render/rays/ray_shares.h"
-#include "player/render/view/projection.h"
+#include "player/render/view/view_frame.h"
 
 namespace splatlas {
 namespace {

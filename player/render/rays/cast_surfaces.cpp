@@ -10,7 +10,7 @@
 #include "format/tasks/task_control.h"
 #include "player/render/rays/pixel_rays.h"
 #include "player/render/rays/ray_shares.h"
-#include "player/render/view/depth_axis.h"
+#include "player/render/view/shear.h"
 
 namespace splatlas {
 namespace {

@@ -10,7 +10,6 @@
 #include "player/render/surfaces/fragments.h"
 #include "player/render/surfaces/raster_scene.h"
 #include "player/render/surfaces/screen_triangle.h"
-#include "player/render/surfaces/triangle_attributes.h"
 #include "player/render/surfaces/triangle_bins.h"
 
 namespace splatlas {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "format/content/surface.h"
-#include "player/render/view/projection.h"
+#include "player/render/view/view_frame.h"
 
 namespace splatlas {
 

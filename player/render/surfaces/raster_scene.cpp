@@ -3,17 +3,6 @@
 #include <cmath>
 
 namespace splatlas {
-namespace {
-
-double dot(const Vec3& a, const Vec3& b) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-Vec3 cross(const Vec3& a, const Vec3& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-
-}  // namespace
 
 Facing::Facing(const Grid& grid) {
   const Affine to_lps = index_to_lps_mm(grid);

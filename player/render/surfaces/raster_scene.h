@@ -11,8 +11,8 @@
 #include "player/render/clip/face_layer.h"
 #include "player/render/surfaces/triangle_bins.h"
 #include "player/render/transfer/shading.h"
-#include "player/render/view/projection.h"
 #include "player/render/view/shear.h"
+#include "player/render/view/view_frame.h"
 
 namespace splatlas {
 

@@ -4,8 +4,7 @@
 #include <atomic>
 #include <utility>
 
-#include <fmt/format.h>
-
+#include "format/result_macros.h"
 #include "player/render/surfaces/edge_pixels.h"
 
 namespace splatlas {
@@ -51,12 +50,10 @@ Result<std::uint64_t> Rasterizer::draw(const RasterScene& scene, const RasterOpt
   Count count{options.max_fragments};
   bins_.fill(scene.surfaces, scene.projection, scene.size, scene.cuts, pool);
   if (!draw_centers(scene, options, count, pool) || !draw_edges(scene, options, count, pool)) {
-    return fail(
-        ErrorCode::kLimit,
-        fmt::format(
-            "the surfaces leave more than {} fragments in this picture; make it smaller or select fewer "
-            "translucent surfaces",
-            options.max_fragments));
+    return fail(ErrorCode::kLimit,
+                "the surfaces leave more than {} fragments in this picture; make it smaller or select fewer "
+                "translucent surfaces",
+                options.max_fragments);
   }
   merge_bands(scene, out, pool);
   return triangles;

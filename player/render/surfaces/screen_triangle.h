@@ -1,11 +1,13 @@
-// Exact integer edge functions of a triangle in screen space (Pineda 1988).
+// A triangle in screen space: exact integer edge functions (Pineda 1988), and its attributes.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <cstdlib>
 #include <utility>
 
+#include "player/render/surfaces/raster_scene.h"
 #include "player/render/surfaces/triangle_bins.h"
 
 namespace splatlas {
@@ -92,6 +94,55 @@ class EdgeWalk {
  private:
   Edges first_{}, per_x_{}, per_y_{};
   Edges reach_{};  // maximum increase of an edge function within half a pixel
+};
+
+/// Attribute set-up of a triangle, done at its first covered sample. It uses vertices before snapping, so
+/// that coplanar triangles have equal depths at the same sample, whatever their tessellation.
+class TriangleAttributes {
+ public:
+  TriangleAttributes(const RasterScene& scene, const TriangleRef& ref);
+
+  [[nodiscard]] bool front() const { return front_; }
+  /// Depth at picture coordinates (x, y) with integer pixel centres, clamped to the depths of the corners.
+  /// Snapped triangles may cover samples just outside the original one.
+  [[nodiscard]] double depth_at(double x, double y) const {
+    const double depth = at(depth_, x, y) / (parallel_ ? 1 : at(inverse_w_, x, y));
+    return std::clamp(depth, nearest_, furthest_);
+  }
+  /// Converts screen-space weights of the rasterised corners to barycentric weights of the mesh's corners.
+  void correct(std::array<float, 3>& weight) const {
+    if (!parallel_) {
+      float sum = 0;
+      for (std::size_t n = 0; n < 3; ++n) {
+        weight[n] *= static_cast<float>(per_w_[n]);
+        sum += weight[n];
+      }
+      for (float& w : weight) w /= sum;
+    }
+    if (part_ == nullptr) return;
+    const std::array<double, 3> of_part{weight[0], weight[1], weight[2]};
+    for (std::size_t n = 0; n < 3; ++n) {
+      weight[n] = static_cast<float>(
+          dot(of_part, Vec3{part_->weights[0][n], part_->weights[1][n], part_->weights[2][n]}));
+    }
+  }
+
+ private:
+  /// Linear function in screen space.
+  struct ScreenPlane {
+    double at_origin = 0, per_x = 0, per_y = 0;
+  };
+
+  [[nodiscard]] double at(const ScreenPlane& plane, double x, double y) const {
+    return plane.at_origin + plane.per_x * (x - x0_) + plane.per_y * (y - y0_);
+  }
+
+  bool parallel_;
+  const ClippedTriangle* part_;
+  bool front_ = true;
+  double x0_ = 0, y0_ = 0, nearest_ = 0, furthest_ = 0;
+  std::array<double, 3> per_w_{1, 1, 1};
+  ScreenPlane depth_, inverse_w_{1, 0, 0};
 };
 
 }  // namespace splatlas

@@ -13,8 +13,8 @@
 #include "format/tasks/thread_pool.h"
 #include "player/render/clip/cut_rays.h"
 #include "player/render/surfaces/clip_triangle.h"
-#include "player/render/view/projection.h"
 #include "player/render/view/sample_pattern.h"
+#include "player/render/view/view_frame.h"
 
 namespace splatlas {
 

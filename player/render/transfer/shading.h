@@ -6,6 +6,7 @@
 #include <cmath>
 #include <vector>
 
+#include "format/content/grid.h"
 #include "player/camera.h"
 
 namespace splatlas {
@@ -45,9 +46,6 @@ class Lighting {
   static constexpr float kHighlight = 0.10f;
   static constexpr int kHighlightSquarings = 5;  // (n . h)^32
 
-  static float dot(const std::array<float, 3>& a, const std::array<float, 3>& b) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-  }
   [[nodiscard]] float one_sided(const std::array<float, 3>& normal_lps) const;
 
   std::array<float, 3> to_viewer_{}, to_light_{}, half_{};

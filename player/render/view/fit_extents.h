@@ -17,9 +17,7 @@ struct FitPlanes {
   std::array<Vec3, kCount> gradient{};
   std::array<double, kCount> offset{};
 
-  [[nodiscard]] double at(std::size_t n, const Vec3& p) const {
-    return gradient[n][0] * p[0] + gradient[n][1] * p[1] + gradient[n][2] * p[2] + offset[n];
-  }
+  [[nodiscard]] double at(std::size_t n, const Vec3& p) const { return dot(gradient[n], p) + offset[n]; }
 };
 
 /// Maxima of the functions over a set of points. They do not depend on the order of insertion.

@@ -1,5 +1,8 @@
-// Shear-warp factorisation of a parallel view.
+// Shear-warp factorisation of a parallel view, and grid axis of the depths of fragments.
 #pragma once
+
+#include <cstddef>
+#include <optional>
 
 #include "format/content/grid.h"
 #include "format/content/run_model.h"
@@ -36,5 +39,14 @@ inline constexpr double kMaxForcedSlope = 100;
 /// Factorises a view of `grid`. `forced` overrides the principal axis, for measurements; slopes may then
 /// exceed 1.
 [[nodiscard]] Shear factorise(const ParallelView& view, const Grid& grid, const Axis* forced = nullptr);
+
+struct DepthAxis {
+  std::size_t axis = 2;
+  double sign = 1;  ///< depth is sign * index along the axis: it increases along every ray
+};
+
+/// The principal axis of a view. If some rays of a perspective view run along its planes of voxels, where
+/// depths locate no fragment: the axis whose planes all rays cross most steeply. None if there is none.
+[[nodiscard]] std::optional<DepthAxis> depth_axis(const View& view, const Grid& grid);
 
 }  // namespace splatlas

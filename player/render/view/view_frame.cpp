@@ -1,5 +1,7 @@
 #include "player/render/view/view_frame.h"
 
+#include <cmath>
+
 namespace splatlas {
 
 ViewFrame::ViewFrame(const View& view, const Affine& from_lps_mm) {
@@ -29,6 +31,32 @@ Vec3 ViewDepth::index_at(double x, double y, double depth_mm) const {
                             : on_plane + depth_mm * frame_.forward[a];
   }
   return index;
+}
+
+Projection::Projection(const ParallelView& view, const Grid& grid, double eye_mm)
+    : parallel_(!std::isfinite(eye_mm)) {
+  // Express pixel offsets from the view's centre as affine functions of the index
+  const Affine to_lps = index_to_lps_mm(grid);
+  for (std::size_t a = 0; a < 3; ++a) {
+    for (std::size_t b = 0; b < 3; ++b) {
+      x_[a] += view.right_lps[b] * to_lps.linear[3 * b + a] / view.mm_per_pixel;
+      y_[a] -= view.up_lps[b] * to_lps.linear[3 * b + a] / view.mm_per_pixel;
+      if (!parallel_) w_[a] += view.forward_lps[b] * to_lps.linear[3 * b + a] / eye_mm;
+    }
+    const double from_center = to_lps.offset[a] - view.center_lps_mm[a];
+    x0_ += view.right_lps[a] * from_center / view.mm_per_pixel;
+    y0_ -= view.up_lps[a] * from_center / view.mm_per_pixel;
+    if (!parallel_) w0_ += view.forward_lps[a] * from_center / eye_mm;
+  }
+  // Move the origin from the picture's middle to its top left pixel centre
+  const double middle_x = 0.5 * view.size.width - 0.5;
+  const double middle_y = 0.5 * view.size.height - 0.5;
+  for (std::size_t a = 0; a < 3; ++a) {
+    x_[a] += w_[a] * middle_x;
+    y_[a] += w_[a] * middle_y;
+  }
+  x0_ += w0_ * middle_x;
+  y0_ += w0_ * middle_y;
 }
 
 }  // namespace splatlas

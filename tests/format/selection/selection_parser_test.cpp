@@ -4,7 +4,6 @@
 #include <rapidcheck/gtest.h>
 
 #include "format/content/selection.h"
-#include "format/selection/selection_options.h"
 #include "tests/support/fails_with.h"
 #include "tests/support/message_of.h"
 
@@ -94,31 +93,9 @@ TEST(ParseSelection, ReadsTheRest) {
   }
 }
 
-/// A table with a flag, which the language does not have yet.
-TEST(ParseSelection, TakesFlags) {
-  const auto is_given = [](const SelectionTerm& term) { return term.opacity == 0.25f; };
-  const auto read = [](std::string_view value, SelectionTerm& term) -> OptionResult {
-    EXPECT_EQ(value, "");
-    term.opacity = 0.25f;
-    return {};
-  };
-  std::vector<SelectionOption> options(selection_options().begin(), selection_options().end());
-  options.erase(options.begin());  // opacity stands for the flag
-  options.push_back({"faint", is_given, read, nullptr, true});
-  for (const char* text : {"A(faint)", "A( FAINT )", "A(faint,color=#ff8800)", "A(color=#ff8800 , faint )"}) {
-    const auto terms = parse_selection(text, options);
-    ASSERT_TRUE(terms) << text << terms.error().message;
-    EXPECT_EQ((*terms)[0].opacity, 0.25f);
-    const std::string written = write_options((*terms)[0], options);
-    EXPECT_EQ(written, (*terms)[0].color ? "color=#ff8800,faint" : "faint");
-  }
-  for (const auto& [text, message] : {std::pair{"A(faint=1)", "column 9: faint takes no value"},
-                                      {"A(faint=)", "faint takes no value"},
-                                      {"A(faint,faint)", "column 9: faint is given twice"},
-                                      {"A(color)", "expected \"=\" after color"},
-                                      {"A(faint 1)", "column 9: expected \",\" or \")\""}}) {
-    EXPECT_THAT(parse_selection(text, options), FailsWith(ErrorCode::kUsage, HasSubstr(message)));
-  }
+TEST(ParseSelection, OptionsHaveValues) {
+  EXPECT_THAT(parse_selection("A(color)"),
+              FailsWith(ErrorCode::kUsage, HasSubstr("expected \"=\" after color")));
 }
 
 TEST(ParseSelection, ReadsModesAndOptionsInAnyCaseAndSpacing) {

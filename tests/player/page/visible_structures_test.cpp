@@ -5,8 +5,9 @@
 
 #include <gmock/gmock.h>
 
+#include "player/camera.h"
 #include "player/page/free_space.h"
-#include "player/page/scale_bar.h"
+#include "player/page/page_layout.h"
 #include "player/page/wrap_text.h"
 #include "tests/player/page/label_scene.h"
 
@@ -26,9 +27,6 @@ TEST(VisibleStructures, HaveDeepAnchors) {
   EXPECT_NEAR(structures[1].anchor.x, 60, 2);
   EXPECT_NEAR(structures[1].anchor.y, 40, 2);
   EXPECT_NEAR(structures[1].pixels, 3.14159 * 400, 2 * 3.14159 * 20);
-  EXPECT_GT(structures[1].depth_px, 15);
-  EXPECT_LE(structures[1].depth_px, 20);
-  EXPECT_NEAR(structures[0].box.left, 10, 1);
   EXPECT_LT(structures[0].anchor.x, 40);  // the rest of the first disc is a crescent
 }
 
@@ -86,8 +84,6 @@ TEST(ScaleBar, HasStepsOfOneTwoAndFive) {
   EXPECT_EQ(scale_bar_mm(0.0021), 0.002);
   EXPECT_EQ(scale_bar_mm(0), 0);
   EXPECT_EQ(scale_bar_mm(-1), 0);
-  EXPECT_EQ(length_text(20), "20 mm");
-  EXPECT_EQ(length_text(0.5), "0.5 mm");
 }
 
 TEST(DirectionLetters, FollowTheCompass) {

@@ -5,8 +5,6 @@
 #include <cstring>
 #include <limits>
 
-#include <fmt/format.h>
-
 #include "format/result_macros.h"
 #include "format/tasks/task_control.h"
 #include "player/render/rays/volume/bricks.h"
@@ -89,9 +87,9 @@ class RayVolume::Builder {
       if (number == kUnknown) number = source_of_structure(classes[n].volume_of, curves);
       if (volume_.sources_.size() > kMaxSources) {
         return fail(ErrorCode::kLimit,
-                    fmt::format("the selection has more than {} different transfer functions, too many "
-                                "to be classified after interpolation",
-                                kMaxSources));
+                    "the selection has more than {} different transfer functions, too many "
+                    "to be classified after interpolation",
+                    kMaxSources);
       }
       Source& source = volume_.sources_[number];
       const bool first = std::none_of(source.draws.begin(), source.draws.end(), [](bool d) { return d; });
@@ -141,9 +139,9 @@ class RayVolume::Builder {
     check_memory(bytes_of_ray_volume(volume_.grid_, runs.count()));
     if (const std::uint64_t bytes = bytes_needed(voxels); bytes > request_.max_memory_bytes) {
       return fail(ErrorCode::kLimit,
-                  fmt::format("the selection's grey values take up to {} MiB for rays; {} MiB are "
-                              "allowed. Select less",
-                              bytes >> 20, request_.max_memory_bytes >> 20));
+                  "the selection's grey values take up to {} MiB for rays; {} MiB are "
+                  "allowed. Select less",
+                  bytes >> 20, request_.max_memory_bytes >> 20);
     }
     return {};
   }

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "player/render/view/sheet_window.h"
-
 namespace splatlas {
 
 void SliceNumbers::fill(const VoxelNumbers& source, std::int64_t slice, std::int64_t first_row,

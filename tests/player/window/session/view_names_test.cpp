@@ -16,16 +16,16 @@ const Display kDisplay{.window_low = 0, .window_high = 1, .center_lps_mm = {10, 
 constexpr PictureSize kSize{640, 480};
 
 TEST(ViewNames, LettersNameDirectionsInLps) {
-  EXPECT_EQ(orientation_letters({1, 0, 0}), "L");
-  EXPECT_EQ(orientation_letters({-1, 0, 0}), "R");
-  EXPECT_EQ(orientation_letters({0, 1, 0}), "P");
-  EXPECT_EQ(orientation_letters({0, -1, 0}), "A");
-  EXPECT_EQ(orientation_letters({0, 0, 1}), "S");
-  EXPECT_EQ(orientation_letters({0, 0, -1}), "I");
-  EXPECT_EQ(orientation_letters({0.8, -0.6, 0}), "LA");
-  EXPECT_EQ(orientation_letters({0.6, -0.8, 0}), "AL");
+  EXPECT_EQ(direction_letters({1, 0, 0}), "L");
+  EXPECT_EQ(direction_letters({-1, 0, 0}), "R");
+  EXPECT_EQ(direction_letters({0, 1, 0}), "P");
+  EXPECT_EQ(direction_letters({0, -1, 0}), "A");
+  EXPECT_EQ(direction_letters({0, 0, 1}), "S");
+  EXPECT_EQ(direction_letters({0, 0, -1}), "I");
+  EXPECT_EQ(direction_letters({0.8, -0.6, 0}), "LA");
+  EXPECT_EQ(direction_letters({0.6, -0.8, 0}), "AL");
   const double near = std::sin(20 * M_PI / 180);
-  EXPECT_EQ(orientation_letters({near, 0, std::sqrt(1 - near * near)}), "S");
+  EXPECT_EQ(direction_letters({near, 0, std::sqrt(1 - near * near)}), "S");
 }
 
 TEST(ViewNames, EdgesOfTheNamedViews) {
@@ -38,8 +38,7 @@ TEST(ViewNames, EdgesOfTheNamedViews) {
                                                                 {NamedView::kInferior, "LA"}}};
   for (const auto& [named, letters] : edges) {
     const auto view = *parallel_view(Camera::of(named), kSize, kDisplay);
-    EXPECT_EQ(orientation_letters(view.right_lps) + orientation_letters(view.up_lps), letters)
-        << title_of(named);
+    EXPECT_EQ(direction_letters(view.right_lps) + direction_letters(view.up_lps), letters) << title_of(named);
   }
 }
 

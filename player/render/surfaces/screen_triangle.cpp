@@ -1,4 +1,4 @@
-#include "player/render/surfaces/triangle_attributes.h"
+#include "player/render/surfaces/screen_triangle.h"
 
 #include <tuple>
 
@@ -19,7 +19,7 @@ TriangleAttributes::TriangleAttributes(const RasterScene& scene, const TriangleR
   if (part_ != nullptr) {
     p = part_->corner;
     const std::array<double, 3> of_triangle = depth;
-    for (std::size_t n = 0; n < 3; ++n) depth[n] = mixed(part_->weights[n], of_triangle);
+    for (std::size_t n = 0; n < 3; ++n) depth[n] = dot(part_->weights[n], of_triangle);
   }
   std::tie(nearest_, furthest_) = std::minmax({depth[0], depth[1], depth[2]});
 
