@@ -44,6 +44,11 @@ const NoteKind kDegenerate{"degenerate-triangles", "surface has triangles withou
 const NoteKind kOutside{"surfaces-outside", "surface is partly outside the volume, and cut off there",
                         "surfaces are partly outside the volume, and cut off there", true};
 
+void drop_labels(NamesTable& table, const std::set<std::int64_t>& labels) {
+  std::erase_if(table.names,
+                [&](const LabelName& name) { return name.label && labels.contains(*name.label); });
+}
+
 /// Drops the names of groups of the table's hierarchy: they have no voxels of their own.
 void drop_groups(NamesTable& table, std::span<const SourceStructure> structures) {
   std::set<std::string> parents;
@@ -55,8 +60,7 @@ void drop_groups(NamesTable& table, std::span<const SourceStructure> structures)
     if (line.node && line.node->label && parents.contains(line.node->key)) groups.insert(*line.node->label);
   }
   for (const SourceStructure& structure : structures) groups.erase(structure.label.value_or(0));
-  std::erase_if(table.names,
-                [&](const LabelName& name) { return name.label && groups.contains(*name.label); });
+  drop_labels(table, groups);
 }
 
 /// Drops the names of labels that resampling lost: a note has told them.
@@ -65,7 +69,7 @@ void drop_lost(NamesTable& table, std::span<const ResampledStructure> resampled)
   for (const ResampledStructure& sizes : resampled) {
     if (sizes.voxels_after == 0) lost.insert(sizes.label.value_or(0));
   }
-  std::erase_if(table.names, [&](const LabelName& name) { return name.label && lost.contains(*name.label); });
+  drop_labels(table, lost);
 }
 
 /// Imports the files into a SourceModel, kind by kind.
@@ -173,7 +177,11 @@ class SourceImporter {
     if (names_) {
       drop_groups(*names_, labels.structures);
       drop_lost(*names_, labels.resampled);
-      name_labels(labels, std::move(names_->names), files_.allow_empty);
+      if (const auto fit = name_labels(labels, std::move(names_->names), files_.allow_empty); !fit) {
+        return bad_file(files_.names, "is read as {}, and no row fits {}: {}",
+                        std::ranges::find(names_formats(), names_->dialect, &NamesFormatInfo::format)->title,
+                        files_.labels.string(), fit.error().message);
+      }
       if (files_.tree.empty() && !names_->hierarchy.empty()) {
         model_.tree = std::move(names_->hierarchy);
         model_.tree_file = files_.names.string();
