@@ -311,10 +311,13 @@ class SourceImporter {
     Result<ClippedMesh> clipped = clip_mesh(mesh, storage_grid());
     if (!clipped) return fail(clipped.error().code, "{}: {}", source.file.string(), clipped.error().message);
     if (clipped->crossed.empty()) {
-      return bad_file(
-          source.file,
-          "is outside the volume; check its frame (frame=ras or frame=lps) and scale, or widen the "
-          "grid by --fit-grid");
+      const MmBox from = box_of(mesh), to = *labelled_box(model_);
+      return bad_file(source.file,
+                      "lies from ({:.5g}) to ({:.5g}) mm in LPS, outside the volume, whose labels lie from "
+                      "({:.5g}) to ({:.5g}); "
+                      "check its frame (frame=ras or frame=lps) and scale, or widen the grid by --fit-grid",
+                      fmt::join(from.low, ", "), fmt::join(from.high, ", "), fmt::join(to.low, ", "),
+                      fmt::join(to.high, ", "));
     }
     constexpr double kNegligible = 1e-6;
     if (clipped->outside > kNegligible)
