@@ -125,9 +125,8 @@ class SourceImporter {
   }
 
   Result<void> collect_name(const std::string& option, const std::string& name) {
-    if (const auto fit = check_structure_name(name); !fit) {
+    if (const auto fit = check_structure_name(name); !fit)
       return fail(ErrorCode::kUsage, "{}: {}", option, fit.error().message);
-    }
     const auto [other, is_new] = option_of_name_.emplace(name_key(name), option);
     if (is_new) return {};
     return fail(ErrorCode::kUsage, "{}: the name {} is taken by a {} already; names differ by more than case",
@@ -359,12 +358,10 @@ SourceFiles without_folders(SourceFiles files) {
 
 Result<SourceModel> import_sources(const SourceFiles& files, Notes& notes,
                                    const std::function<void(double)>& progress) {
-  if (files.labels.empty() && files.segments.empty() && files.meshes.empty()) {
+  if (files.labels.empty() && files.segments.empty() && files.meshes.empty())
     return fail(ErrorCode::kUsage, "no structures: give --labels, a --segment or a --mesh");
-  }
-  if (files.labels.empty() && (!files.names.empty() || !files.colors.empty())) {
+  if (files.labels.empty() && (!files.names.empty() || !files.colors.empty()))
     return fail(ErrorCode::kUsage, "--names and --colors need --labels");
-  }
   const SourceFiles single = without_folders(files);
   return SourceImporter(single, notes, progress).import();
 }
@@ -384,6 +381,7 @@ std::vector<fs::path> list_files(const SourceFiles& files) {
   for (const SegmentRule& rule : files.segments) {
     if (!rule.mask.empty()) list.push_back(rule.mask);
   }
+  for (std::size_t n = list.size(); n-- > 0;) list.push_back(other_file(list[n]));
   for (const MeshSource& mesh : files.meshes) {
     list.push_back(mesh.file);
     if (!mesh.transform.empty()) list.push_back(mesh.transform);
