@@ -146,7 +146,6 @@ ClassRuns transpose_planes(const ClassRuns& runs) {
   TaskPace pace;
   for (const Run& run : runs) {
     pace.step();
-    check_memory(3.0 * sizeof(Run) * static_cast<double>(result.size()));
     const std::uint64_t k = run.scanline >> 32u;
     const auto a = static_cast<std::uint32_t>(run.scanline);
     for (std::uint32_t b = run.start; b < run.start + run.length; ++b) {
@@ -157,10 +156,12 @@ ClassRuns transpose_planes(const ClassRuns& runs) {
         ++result[latest].length;
       } else {
         latest = result.size();
+        if (latest == result.capacity()) check_memory(3.0 * sizeof(Run) * static_cast<double>(latest));
         result.push_back({scanline, a, 1});
       }
     }
   }
+  check_memory(3.0 * sizeof(Run) * static_cast<double>(result.size()));  // sorting copies them
   return result;
 }
 

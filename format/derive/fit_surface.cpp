@@ -117,8 +117,9 @@ std::vector<Vec3f> sparse_vertex_gradients(std::span<const NetVertex> vertices, 
   std::vector<Vec3f> gradients(vertices.size(), Vec3f{0, 0, 0});
   SparseGradient gradient(rows);
   Vec3f g{0, 0, 0};
+  TaskPace pace;
   for (std::size_t n = 0; n < ends.size(); ++n) {
-    if (n % 4096 == 0) check_task();
+    pace.step();
     const auto [i, j, k] = ends[n].at;
     if (n == 0 || ends[n].at != ends[n - 1].at) g = gradient.at(i, j, k);
     for (std::size_t a = 0; a < 3; ++a) gradients[ends[n].vertex][a] += g[a];

@@ -177,8 +177,9 @@ std::optional<SurfaceNet> sparse_surface_net(const PartRows& rows, std::uint64_t
   std::iota(order.begin(), order.end(), 0u);
   std::ranges::stable_sort(order, {}, [&](std::uint32_t n) { return (*cells)[n].leading; });
   NetBuilder builder(cells->size());
+  TaskPace pace;
   for (std::size_t n = 0; n < order.size(); ++n) {
-    if (n % 4096 == 0) check_task();
+    pace.step();
     const Index3 cell = grid.index((*cells)[order[n]].offset);
     const std::array<SparseCell*, 8> at_corners = cells_at_corners(*cells, order[n], grid);
     builder.add_cell(

@@ -179,11 +179,13 @@ Result<void> run_build(const BuildRequest& request) {
   Notes notes;
   const Result<BuildReport> report = build_atlas(options, notes);
   display.finish();
-  if (request.progress != ProgressMode::kJson) {
-    for (const Note& note : notes.all())
-      print_to(stderr, PrintableText("{}: {}\n", note.kind.is_warning ? "warning" : "note", note.message()));
-  }
   const std::string error = report ? std::string() : report.error().message;
+  if (request.progress != ProgressMode::kJson) {
+    for (const Note& note : notes.all()) {
+      if (error.find(note.message()) != std::string::npos) continue;  // --strict
+      print_to(stderr, PrintableText("{}: {}\n", note.kind.is_warning ? "warning" : "note", note.message()));
+    }
+  }
   if (!request.json.empty()) SPLATLAS_RETURN_IF_ERROR(write_text(request.json, report_as_json(notes, error)));
   if (!request.report.empty())
     SPLATLAS_RETURN_IF_ERROR(write_text(request.report, report_as_html(notes, error, options.output)));

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <span>
+#include <utility>
 
 #include <fmt/format.h>
 
+#include "format/atlas_reader.h"
 #include "format/content/selection.h"
 #include "format/io/check_writable.h"
 #include "format/io/output_file.h"
@@ -43,26 +45,21 @@ bool is_folder_of_masks(const ExportOptions& options) {
   return options.labels.ends_with('/');
 }
 
-/// Checks file types, and conflicts between outputs and inputs: kUsage; then that all outputs can be written.
-Result<void> check_files(const ExportOptions& options) {
-  std::vector<fs::path> outputs;
-  if (is_folder_of_masks(options)) {
-    outputs.push_back(without_end_slash(options.labels));
-  } else if (!options.labels.empty()) {
+std::vector<fs::path> outputs_of(const ExportOptions& options) {
+  std::vector<fs::path> outputs{
+      is_folder_of_masks(options) ? without_end_slash(options.labels) : fs::path(options.labels),
+      options.volume, options.names, options.tree};
+  for (const auto& [name, path] : options.surfaces) outputs.push_back(path);
+  std::erase(outputs, fs::path());
+  return outputs;
+}
+
+/// Checks file types, and conflicts between outputs and inputs: kUsage.
+Result<void> check_words(const ExportOptions& options, std::span<const fs::path> outputs) {
+  if (!options.labels.empty() && !is_folder_of_masks(options))
     SPLATLAS_RETURN_IF_ERROR(writable_image_format(options.labels));
-    outputs.emplace_back(options.labels);
-  }
-  if (!options.volume.empty()) {
-    SPLATLAS_RETURN_IF_ERROR(writable_image_format(options.volume));
-    outputs.push_back(options.volume);
-  }
-  for (const auto& [name, path] : options.surfaces) {
-    SPLATLAS_RETURN_IF_ERROR(writable_mesh_format(path));
-    outputs.push_back(path);
-  }
-  for (const fs::path& table : {options.names, options.tree}) {
-    if (!table.empty()) outputs.push_back(table);
-  }
+  if (!options.volume.empty()) SPLATLAS_RETURN_IF_ERROR(writable_image_format(options.volume));
+  for (const auto& [name, path] : options.surfaces) SPLATLAS_RETURN_IF_ERROR(writable_mesh_format(path));
   if (outputs.empty()) {
     return fail(ErrorCode::kUsage,
                 "{}: nothing to export: give --labels, --volume, --surface, --names or --tree",
@@ -70,17 +67,22 @@ Result<void> check_files(const ExportOptions& options) {
   }
   if (is_folder_of_masks(options)) {
     const fs::path folder = resolve_output(outputs.front());
-    for (const fs::path& path : std::span(outputs).subspan(1)) {
+    for (const fs::path& path : outputs.subspan(1)) {
       if (resolve_output(path.parent_path()) != folder) continue;
       return fail(ErrorCode::kUsage, "{}: lies in the folder of masks, {}; export to another one",
                   path.string(), options.labels);
     }
   }
-  SPLATLAS_RETURN_IF_ERROR(check_outputs(outputs, std::array{options.atlas}));
-  for (const fs::path& output : outputs) {
-    const bool is_folder = is_folder_of_masks(options) && &output == &outputs.front();
-    SPLATLAS_RETURN_IF_ERROR(is_folder ? check_writable_folder(options.labels) : check_writable_file(output));
+  return check_outputs(outputs, std::array{options.atlas});
+}
+
+/// Checks that all outputs can be written.
+Result<void> check_writable(const ExportOptions& options, std::span<const fs::path> outputs) {
+  if (is_folder_of_masks(options)) {
+    SPLATLAS_RETURN_IF_ERROR(check_writable_folder(options.labels));
+    outputs = outputs.subspan(1);
   }
+  for (const fs::path& path : outputs) SPLATLAS_RETURN_IF_ERROR(check_writable_file(path));
   return {};
 }
 
@@ -162,6 +164,10 @@ void write_outputs(const Atlas& atlas, const std::vector<std::vector<StructureIn
   if (!options.names.empty() &&
       !note(export_table(names, "names", options.names), options.names.string(), files))
     return;
+  if (const std::string lost = losses_of(atlas.graph(), options.names_format);
+      !options.names.empty() && !lost.empty())
+    files.notes.push_back(
+        fmt::format("{}: does not hold {}; --names-format csv does", options.names.string(), lost));
   if (!options.tree.empty() &&
       !note(export_table(tree_text(atlas.graph()), "tree", options.tree), options.tree.string(), files))
     return;
@@ -177,16 +183,16 @@ void write_outputs(const Atlas& atlas, const std::vector<std::vector<StructureIn
 }  // namespace
 
 Result<ExportedFiles> export_atlas(const ExportOptions& options) {
-  SPLATLAS_RETURN_IF_ERROR(check_files(options));
+  const std::vector<fs::path> outputs = outputs_of(options);
+  SPLATLAS_RETURN_IF_ERROR(check_words(options, outputs));
+  SPLATLAS_RETURN_IF_ERROR(check_writable(options, outputs));
   SPLATLAS_ASSIGN_OR_RETURN(const std::shared_ptr<const Atlas> atlas,
                             Atlas::open(options.atlas, options.atlas_options));
   SPLATLAS_ASSIGN_OR_RETURN(const auto structures, find_surfaces(*atlas, options));
-  if (!options.volume.empty() && atlas->value_type() == VoxelType::kNone) {
+  if (!options.volume.empty() && atlas->value_type() == VoxelType::kNone)
     return bad_file(atlas->name(), "holds no grey values to export");
-  }
-  if (!options.labels.empty() && !is_folder_of_masks(options) && atlas->label_type() == VoxelType::kNone) {
+  if (!options.labels.empty() && !is_folder_of_masks(options) && atlas->label_type() == VoxelType::kNone)
     return bad_file(atlas->name(), "was not made from a label map; export masks: --labels FOLDER/");
-  }
   SPLATLAS_ASSIGN_OR_RETURN(const std::string names, names_text(atlas->graph(), options.names_format));
   ExportedFiles files;
   try {

@@ -13,6 +13,10 @@ namespace splatlas {
 /// hold them: 3D Slicer and FreeSurfer have "_" for blanks.
 [[nodiscard]] Result<std::string> names_text(const StructureGraph& graph, NamesFormat format);
 
+/// What a names file of this dialect cannot hold of the structures: "colours"; "" for
+/// none.
+[[nodiscard]] std::string losses_of(const StructureGraph& graph, NamesFormat format);
+
 /// The hierarchy as a tree file (kTreeFormat), with colours: a line for each path of each structure.
 /// Structures whose name is not unique, or would not be read as a name, are written as their id.
 [[nodiscard]] std::string tree_text(const StructureGraph& graph);

@@ -21,6 +21,7 @@
 
 #include "format/io/output_file.h"
 #include "format/result_macros.h"
+#include "format/tasks/task_control.h"
 #include "preprocess/import/import_error.h"
 #include "preprocess/import/meshes/quiet_vtk.h"
 
@@ -36,15 +37,17 @@ vtkNew<vtkPolyData> to_polygons(std::span<const SurfaceMesh> surfaces, const Gri
   normals->SetName("Normals");
   normals->SetNumberOfComponents(3);
   vtkNew<vtkCellArray> triangles;
+  TaskPace pace;
   for (const SurfaceMesh& surface : surfaces) {
     const vtkIdType first = points->GetNumberOfPoints();
     for (std::size_t v = 0; v < surface.positions_ijk.size(); ++v) {
+      pace.step();
       const auto& [i, j, k] = surface.positions_ijk[v];
       points->InsertNextPoint(to_mm.apply({i, j, k}).data());
       normals->InsertNextTuple(surface.normals_lps[v].data());
     }
     for (const auto& [a, b, c] : surface.triangles)
-      triangles->InsertNextCell({first + a, first + b, first + c});
+      pace.step(), triangles->InsertNextCell({first + a, first + b, first + c});
   }
   vtkNew<vtkPolyData> polygons;
   polygons->SetPoints(points);
@@ -56,12 +59,13 @@ vtkNew<vtkPolyData> to_polygons(std::span<const SurfaceMesh> surfaces, const Gri
 std::vector<Corners> corners_of(std::span<const SurfaceMesh> surfaces, const Grid& grid) {
   const Affine to_mm = index_to_lps_mm(grid);
   std::vector<Corners> corners;
+  TaskPace pace;
   for (const SurfaceMesh& surface : surfaces) {
     const auto at = [&](std::uint32_t vertex) {
       const auto& [i, j, k] = surface.positions_ijk[vertex];
       return to_mm.apply({i, j, k});
     };
-    for (const auto& [a, b, c] : surface.triangles) corners.push_back({at(a), at(b), at(c)});
+    for (const auto& [a, b, c] : surface.triangles) pace.step(), corners.push_back({at(a), at(b), at(c)});
   }
   return corners;
 }
@@ -99,10 +103,11 @@ Result<void> write_ply(vtkPolyData& polygons, const std::string& comment, Output
       polygons.GetNumberOfPolys());
   SPLATLAS_RETURN_IF_ERROR(file.write(std::as_bytes(std::span(header))));
   std::vector<std::byte> bytes;
-  for (vtkIdType p = 0; p < polygons.GetNumberOfPoints(); ++p) {
+  TaskPace pace;
+  for (vtkIdType p = 0; p < polygons.GetNumberOfPoints(); ++p, pace.step()) {
     for (const double mm : std::span(polygons.GetPoint(p), 3)) append(static_cast<float>(mm), bytes);
   }
-  for (vtkIdType t = 0; t < polygons.GetNumberOfPolys(); ++t) {
+  for (vtkIdType t = 0; t < polygons.GetNumberOfPolys(); ++t, pace.step()) {
     vtkIdType corners = 0;
     const vtkIdType* ids = nullptr;
     polygons.GetPolys()->GetCellAtId(t, corners, ids);
@@ -159,14 +164,6 @@ bool is_thin(const Corners& corners) {
   return !(area > kThinness * longest * std::max(1.0, longest));
 }
 
-double smallest_voxel_edge_mm(const Grid& grid) {
-  const Affine to_mm = index_to_lps_mm(grid);
-  double smallest = HUGE_VAL;
-  for (std::size_t a = 0; a < 3; ++a)
-    smallest = std::min(smallest, std::hypot(to_mm.linear[a], to_mm.linear[3 + a], to_mm.linear[6 + a]));
-  return smallest;
-}
-
 /// The coordinate farthest from 0.
 double largest_coordinate_mm(std::span<const Corners> triangles) {
   double largest = 0;
@@ -211,7 +208,9 @@ tl::unexpected<Error> too_far(const fs::path& path, double largest_mm, double ed
 
 bool holds_triangles(const TriangleMesh& file, std::span<const Corners> written) {
   std::size_t next = 0;
+  TaskPace pace;
   for (const Corners& corners : written) {
+    pace.step();
     const auto is_next = [&] {
       const auto& triangle = file.triangles[next];
       for (std::size_t n = 0; n < 3; ++n) {
@@ -242,7 +241,7 @@ Result<MeshFormat> writable_mesh_format(const fs::path& path) {
 Result<void> write_mesh(std::span<const SurfaceMesh> surfaces, const Grid& grid, const fs::path& path) {
   SPLATLAS_ASSIGN_OR_RETURN(const MeshFormat format, writable_mesh_format(path));
   const std::vector<Corners> corners = corners_of(surfaces, grid);
-  const double largest_mm = largest_coordinate_mm(corners), edge_mm = smallest_voxel_edge_mm(grid);
+  const double largest_mm = largest_coordinate_mm(corners), edge_mm = std::ranges::min(grid.spacing_mm);
   constexpr double kMaxStep = 0.25;  // voxels
   if (std::abs(largest_mm) > kMaxMeshMm || rounding_step_mm(largest_mm) > kMaxStep * edge_mm)
     return too_far(path, largest_mm, edge_mm);

@@ -44,6 +44,11 @@ const NoteKind kDegenerate{"degenerate-triangles", "surface has triangles withou
 const NoteKind kOutside{"surfaces-outside", "surface is partly outside the volume, and cut off there",
                         "surfaces are partly outside the volume, and cut off there", true};
 
+void drop_labels(NamesTable& table, const std::set<std::int64_t>& labels) {
+  std::erase_if(table.names,
+                [&](const LabelName& name) { return name.label && labels.contains(*name.label); });
+}
+
 /// Drops the names of groups of the table's hierarchy: they have no voxels of their own.
 void drop_groups(NamesTable& table, std::span<const SourceStructure> structures) {
   std::set<std::string> parents;
@@ -55,8 +60,7 @@ void drop_groups(NamesTable& table, std::span<const SourceStructure> structures)
     if (line.node && line.node->label && parents.contains(line.node->key)) groups.insert(*line.node->label);
   }
   for (const SourceStructure& structure : structures) groups.erase(structure.label.value_or(0));
-  std::erase_if(table.names,
-                [&](const LabelName& name) { return name.label && groups.contains(*name.label); });
+  drop_labels(table, groups);
 }
 
 /// Drops the names of labels that resampling lost: a note has told them.
@@ -65,7 +69,7 @@ void drop_lost(NamesTable& table, std::span<const ResampledStructure> resampled)
   for (const ResampledStructure& sizes : resampled) {
     if (sizes.voxels_after == 0) lost.insert(sizes.label.value_or(0));
   }
-  std::erase_if(table.names, [&](const LabelName& name) { return name.label && lost.contains(*name.label); });
+  drop_labels(table, lost);
 }
 
 /// Imports the files into a SourceModel, kind by kind.
@@ -121,9 +125,8 @@ class SourceImporter {
   }
 
   Result<void> collect_name(const std::string& option, const std::string& name) {
-    if (const auto fit = check_structure_name(name); !fit) {
+    if (const auto fit = check_structure_name(name); !fit)
       return fail(ErrorCode::kUsage, "{}: {}", option, fit.error().message);
-    }
     const auto [other, is_new] = option_of_name_.emplace(name_key(name), option);
     if (is_new) return {};
     return fail(ErrorCode::kUsage, "{}: the name {} is taken by a {} already; names differ by more than case",
@@ -173,7 +176,11 @@ class SourceImporter {
     if (names_) {
       drop_groups(*names_, labels.structures);
       drop_lost(*names_, labels.resampled);
-      name_labels(labels, std::move(names_->names), files_.allow_empty);
+      if (const auto fit = name_labels(labels, std::move(names_->names), files_.allow_empty); !fit) {
+        return bad_file(files_.names, "is read as {}, and no row fits {}: {}",
+                        std::ranges::find(names_formats(), names_->dialect, &NamesFormatInfo::format)->title,
+                        files_.labels.string(), fit.error().message);
+      }
       if (files_.tree.empty() && !names_->hierarchy.empty()) {
         model_.tree = std::move(names_->hierarchy);
         model_.tree_file = files_.names.string();
@@ -303,10 +310,13 @@ class SourceImporter {
     Result<ClippedMesh> clipped = clip_mesh(mesh, storage_grid());
     if (!clipped) return fail(clipped.error().code, "{}: {}", source.file.string(), clipped.error().message);
     if (clipped->crossed.empty()) {
-      return bad_file(
-          source.file,
-          "is outside the volume; check its frame (frame=ras or frame=lps) and scale, or widen the "
-          "grid by --fit-grid");
+      const MmBox from = box_of(mesh), to = *labelled_box(model_);
+      return bad_file(source.file,
+                      "lies from ({:.5g}) to ({:.5g}) mm in LPS, outside the volume, whose labels lie from "
+                      "({:.5g}) to ({:.5g}); "
+                      "check its frame (frame=ras or frame=lps) and scale, or widen the grid by --fit-grid",
+                      fmt::join(from.low, ", "), fmt::join(from.high, ", "), fmt::join(to.low, ", "),
+                      fmt::join(to.high, ", "));
     }
     constexpr double kNegligible = 1e-6;
     if (clipped->outside > kNegligible)
@@ -348,12 +358,10 @@ SourceFiles without_folders(SourceFiles files) {
 
 Result<SourceModel> import_sources(const SourceFiles& files, Notes& notes,
                                    const std::function<void(double)>& progress) {
-  if (files.labels.empty() && files.segments.empty() && files.meshes.empty()) {
+  if (files.labels.empty() && files.segments.empty() && files.meshes.empty())
     return fail(ErrorCode::kUsage, "no structures: give --labels, a --segment or a --mesh");
-  }
-  if (files.labels.empty() && (!files.names.empty() || !files.colors.empty())) {
+  if (files.labels.empty() && (!files.names.empty() || !files.colors.empty()))
     return fail(ErrorCode::kUsage, "--names and --colors need --labels");
-  }
   const SourceFiles single = without_folders(files);
   return SourceImporter(single, notes, progress).import();
 }
@@ -373,6 +381,7 @@ std::vector<fs::path> list_files(const SourceFiles& files) {
   for (const SegmentRule& rule : files.segments) {
     if (!rule.mask.empty()) list.push_back(rule.mask);
   }
+  for (std::size_t n = list.size(); n-- > 0;) list.push_back(other_file(list[n]));
   for (const MeshSource& mesh : files.meshes) {
     list.push_back(mesh.file);
     if (!mesh.transform.empty()) list.push_back(mesh.transform);

@@ -14,7 +14,7 @@
 namespace splatlas {
 namespace {
 
-/// The box of all points, mapped by `place`: to mm or to indices.
+/// The box of all corners, mapped by `place`: to mm or to indices.
 template <typename Place>
 MmBox box_of_points(std::span<const TriangleMesh> meshes, const Place& place) {
   constexpr double kInfinite = std::numeric_limits<double>::infinity();
@@ -108,6 +108,10 @@ void widen(SourceModel& model, const Grid& grid, const Margin& margin) {
 }
 
 }  // namespace
+
+MmBox box_of(const TriangleMesh& mesh) {
+  return box_of_points({&mesh, 1}, [](const Vec3& mm) { return mm; });
+}
 
 std::optional<MmBox> labelled_box(const SourceModel& model) {
   if (model.source_grid.voxels() == 0) return std::nullopt;

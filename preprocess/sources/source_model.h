@@ -61,6 +61,8 @@ struct SourceModel {
   std::vector<Source> provenance;
 };
 
+/// The box of a mesh's corners in LPS mm.
+[[nodiscard]] MmBox box_of(const TriangleMesh& mesh);
 /// The box of the labelled voxels in LPS mm; of the grid where there are none; nothing without a grid.
 [[nodiscard]] std::optional<MmBox> labelled_box(const SourceModel& model);
 

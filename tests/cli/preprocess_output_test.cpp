@@ -65,6 +65,17 @@ TEST_F(PreprocessOutput, NoOutputIsTheAtlas) {
   EXPECT_EQ(bytes("a.atlas"), before);
 }
 
+TEST_F(PreprocessOutput, StrictTellsTheWarningOnce) {
+  write_bytes(folder_.file("one.txt"), "1 Ball\n");
+  const std::string labels = phantom_folder().file("labels.nrrd"), told = "1 label has no name";
+  const ProgramResult result = run_preprocess(
+      {"build", "--strict", "--labels", labels, "--names", "one.txt", "-o", "x.atlas", "--progress", "none"},
+      folder_.path());
+  EXPECT_EQ(result.status, 1);
+  EXPECT_THAT(result.err, HasSubstr("splatlas-preprocess: --strict: " + told));
+  EXPECT_EQ(result.err.find(told), result.err.rfind(told));
+}
+
 TEST_F(PreprocessOutput, AReportGoesOverNoTransform) {
   std::ofstream(folder_.file("moved.txt")) << "1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1";
   const std::string before = bytes("moved.txt");

@@ -10,6 +10,7 @@
 #include "tests/preprocess/build_atlas_fixture.h"
 #include "tests/preprocess/random_images.h"
 #include "tests/preprocess/raw_image_files.h"
+#include "tests/support/fails_with.h"
 
 namespace splatlas {
 namespace {
@@ -47,6 +48,20 @@ TEST_F(BuildAtlas, PathsThatCannotBeFollowedAreToldInOneLine) {
   std::filesystem::create_symlink("loop.nii", file("loop.nii"));
   build_options.sources.labels = file("loop.nii");
   EXPECT_THAT(error_of(build_options), HasSubstr("loop.nii: cannot be read: Too many levels of symbolic"));
+}
+
+TEST_F(BuildAtlas, NoOutputGoesOverDetachedPixels) {
+  write_bytes(file("a.hdr"), nifti_header());
+  write_bytes(file("a.nhdr"), nrrd_header("raw", "data file: pixels.raw\n"));
+  write_bytes(file("a.mhd"), meta_header("", "pixels.raw"));
+  for (const std::string pixels : {"a.img", "pixels.raw"}) write_bytes(file(pixels), RawImage::payload());
+  for (const auto& [input, pixels] : {std::pair("a.hdr", "a.img"), std::pair("a.img", "a.hdr"),
+                                      std::pair("a.nhdr", "pixels.raw"), std::pair("a.mhd", "pixels.raw")}) {
+    BuildOptions build_options = options();
+    build_options.output = file(pixels);
+    build_options.sources.labels = file(input);
+    EXPECT_THAT(build_atlas(build_options), FailsWith(ErrorCode::kUsage, HasSubstr("is an input")));
+  }
 }
 
 TEST_F(BuildAtlas, RefusesWhatDoesNotFitTogether) {

@@ -14,6 +14,7 @@
 #include "preprocess/import/images/itk/read_itk_image.h"
 #include "preprocess/import/images/nifti/read_nifti.h"
 #include "preprocess/import/images/pictures/read_pictures.h"
+#include "preprocess/import/images/pixels/check_image_file.h"
 #include "preprocess/import/images/read_mgh.h"
 #include "preprocess/import/import_error.h"
 #include "preprocess/import/isolation/run_isolated.h"
@@ -137,6 +138,15 @@ const ImageFormatEntry* find_image_format(const fs::path& path) {
   const auto found =
       std::ranges::find_if(kFormats, [&](const ImageFormatEntry& entry) { return entry.recognises(path); });
   return found == kFormats.end() ? nullptr : &*found;
+}
+
+fs::path other_file(const fs::path& path) {
+  std::error_code error;
+  if (!fs::is_regular_file(path, error)) return {};
+  if (is_nifti(path)) return other_of_pair(path);
+  if (!is_nrrd(path) && !is_meta_image(path)) return {};
+  const auto pixels = is_nrrd(path) ? check_nrrd_file(path) : check_meta_image_file(path);
+  return pixels ? pixels->file : fs::path();
 }
 
 Result<SourceImage> read_image_here(const fs::path& path, const ImageOptions& options) {

@@ -20,6 +20,10 @@ struct ImageFormatEntry {
 /// The format of a file or a folder; null for others.
 [[nodiscard]] const ImageFormatEntry* find_image_format(const std::filesystem::path& file_or_folder);
 
+/// The other file of an image of two: the pixels that a header names, or the header of an .img. Empty or the
+/// path itself for others. Reads a header of NRRD or MetaImage.
+[[nodiscard]] std::filesystem::path other_file(const std::filesystem::path& path);
+
 /// Reads a file or a folder in this process. kFailed for what no format recognises; the message leads on.
 [[nodiscard]] Result<SourceImage> read_image_here(const std::filesystem::path& file_or_folder,
                                                   const ImageOptions& options);

@@ -36,6 +36,10 @@ std::string default_name(std::int64_t label) {
   return fmt::format("Label {}", label);
 }
 
+std::string shown(const SourceStructure& structure) {
+  return structure.label ? fmt::format("{} ({})", structure.name, *structure.label) : structure.name;
+}
+
 /// The label of a voxel value; nothing for an invalid one.
 template <typename T>
 std::optional<std::uint32_t> label_of(T value) {
@@ -160,7 +164,7 @@ Result<ImportedLabels> read_label_map(SourceImage image, const std::string& name
   return result;
 }
 
-void name_labels(ImportedLabels& labels, std::vector<LabelName> names, bool keeps_empty) {
+Result<void> name_labels(ImportedLabels& labels, std::vector<LabelName> names, bool keeps_empty) {
   std::map<std::int64_t, SourceStructure*> unnamed;
   std::map<std::string, SourceStructure*> by_name;  // masks, and labels that the file itself names
   for (SourceStructure& structure : labels.structures) {
@@ -183,9 +187,15 @@ void name_labels(ImportedLabels& labels, std::vector<LabelName> names, bool keep
     } else if (keeps_empty && name.label) {
       empty.push_back(std::move(name));
     } else {
-      unused.push_back(name.label ? fmt::format("{} ({})", name.name, *name.label) : name.name);
+      unused.push_back(shown(name));
     }
   }
+  if (!names.empty() && unused.size() == names.size() && !labels.structures.empty())
+    return fail(ErrorCode::kFailed, "line {} is {}, and the first structure is {}; {}", names.front().line,
+                unused.front(), shown(labels.structures.front()),
+                labels.structures.front().label
+                    ? "give the table of these labels, or another --names-format"
+                    : "masks and overlapping segments have no labels: give the rows their names");
   const NoteKind kind = unused_names(2 * unused.size() <= names.size());
   for (std::string& name : unused) labels.notes.add(kind, std::move(name));
   for (const auto& [label, structure] : unnamed) {
@@ -193,6 +203,7 @@ void name_labels(ImportedLabels& labels, std::vector<LabelName> names, bool keep
   }
   std::ranges::stable_sort(empty, {}, [](const SourceStructure& structure) { return *structure.label; });
   labels.structures.insert(labels.structures.end(), empty.begin(), empty.end());
+  return {};
 }
 
 }  // namespace splatlas

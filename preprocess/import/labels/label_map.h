@@ -43,7 +43,8 @@ struct ImportedLabels {
 
 /// Gives structures the names, codes, colours and terms of `names`: by label, or masks by name or key. Notes
 /// count labels without a name and names without voxels; those are dropped, or become empty structures with
-/// `keeps_empty`.
-void name_labels(ImportedLabels& labels, std::vector<LabelName> names, bool keeps_empty);
+/// `keeps_empty`. kFailed, with the first, if no name fits a structure.
+[[nodiscard]] Result<void> name_labels(ImportedLabels& labels, std::vector<LabelName> names,
+                                       bool keeps_empty);
 
 }  // namespace splatlas

@@ -108,6 +108,14 @@ TEST(NamesText, NamesOfMasksAreInCsvOnly) {
               FailsWith(ErrorCode::kFailed, HasSubstr("only csv holds")));
 }
 
+TEST(NamesText, TellsWhatADialectCannotHold) {
+  const StructureGraph rich = awkward_graph(),
+                       plain = StructureGraph::build({{.id = "a", .name = "a", .label = 1}}).value();
+  EXPECT_EQ(losses_of(rich, NamesFormat::kCsv), "");
+  EXPECT_EQ(losses_of(rich, NamesFormat::kMricron), "colours, synonyms, languages and codes");
+  EXPECT_EQ(losses_of(plain, NamesFormat::kFreeSurfer), "");
+}
+
 TEST(NamesText, RefusesDialectsThatAreOnlyRead) {
   EXPECT_THAT(names_text(awkward_graph(), NamesFormat::kAllen),
               FailsWith(ErrorCode::kUsage, HasSubstr("csv, itksnap")));

@@ -1,6 +1,7 @@
 #include "preprocess/export/write_mesh.h"
 
 #include <filesystem>
+#include <stop_token>
 #include <string>
 #include <utility>
 #include <vector>
@@ -8,6 +9,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include "format/tasks/task_control.h"
 #include "tests/support/fails_with.h"
 #include "tests/support/temporary_folder.h"
 
@@ -63,6 +65,20 @@ Result<void> write_far_away(double origin_mm, double spacing_mm, const std::file
                   .spacing_mm = {spacing_mm, spacing_mm, spacing_mm},
                   .origin_lps_mm = {0, -origin_mm, 7}};
   return write_mesh({&mesh, 1}, grid, path);
+}
+
+TEST(WriteMesh, EndsWithItsTask) {
+  const TemporaryFolder folder;
+  SurfaceMesh mesh;
+  mesh.positions_ijk = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  mesh.normals_lps.assign(3, {0, 0, 1});
+  mesh.triangles.assign(1 << 14, {0, 1, 2});
+  std::stop_source stop;
+  stop.request_stop();
+  const TaskControl task(stop.get_token(), {});
+  EXPECT_THROW(static_cast<void>(write_mesh({&mesh, 1}, {.size = {2, 2, 2}}, folder.file("a.stl"))),
+               Cancelled);
+  EXPECT_TRUE(folder.names().empty());
 }
 
 TEST(WriteMesh, IsExactOrTellsTheLargestCoordinate) {

@@ -141,6 +141,14 @@ TEST_F(WidenGrid, ALittleSurfaceWithinTheGridWidensNothing) {
   const auto refused = import_sources(files, notes);
   ASSERT_FALSE(refused);
   EXPECT_THAT(refused.error().message, HasSubstr("--fit-grid: the surfaces would widen the grid from 8x6x5"));
+  files.fit_grid = false;
+  write_bytes(folder_.file("far.obj"),
+              cuboid({900, -20, 30}, {901.5, 0, 31}, [](const Vec3& mm) { return mm; }));
+  files.meshes.front().file = folder_.file("far.obj");
+  EXPECT_THAT(
+      import_sources(files, notes).error().message,
+      testing::MatchesRegex(".*far.obj: lies from .900, -20, 30. to .901.5, 0, 31. mm in LPS, outside "
+                            "the volume, whose labels lie from .* to .*; check its frame .*"));
 }
 
 /// 256 voxels along the longest side, which is 64 mm, and one more at each end.

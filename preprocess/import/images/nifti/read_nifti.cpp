@@ -240,6 +240,11 @@ class NiftiReader {
 
 }  // namespace
 
+fs::path other_of_pair(const fs::path& path) {
+  const FilePair files = files_of(path);
+  return files.header == path ? files.voxels : files.header;
+}
+
 Result<SourceImage> read_nifti(const fs::path& path) {
   return NiftiReader(path).read();
 }

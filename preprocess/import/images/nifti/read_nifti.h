@@ -16,4 +16,7 @@ namespace splatlas {
 /// Cost: one pass. Thread-safe.
 [[nodiscard]] Result<SourceImage> read_nifti(const std::filesystem::path& path);
 
+/// The file beside one of a pair; the path itself for other files.
+[[nodiscard]] std::filesystem::path other_of_pair(const std::filesystem::path& path);
+
 }  // namespace splatlas

@@ -76,12 +76,15 @@ void set_color(std::span<const std::string_view> rgb, LabelName& name, NamesColl
 }
 
 /// Adds all rows. Lines that do not begin with a whole number are comments, as both programs take them. With
-/// `underscores_are_blanks`, "_" in a name is a blank.
-void add_color_rows(const NamesInput& input, bool underscores_are_blanks, NamesCollector& into) {
-  for (const TextLine& line : lines_of(input.text)) {
+/// `underscores_are_blanks`, "_" in a name is a blank. kFailed, with the first line, if none has colours.
+Result<void> add_color_rows(const NamesInput& input, bool underscores_are_blanks, NamesCollector& into) {
+  const std::vector<TextLine> lines = lines_of(input.text);
+  bool is_table = lines.empty();
+  for (const TextLine& line : lines) {
     const std::vector<std::string_view> words = split_blanks(line.text);
     if (!is_whole(words.front())) continue;
     const auto row = split_color_row(line.text);
+    is_table = is_table || row;
     LabelName name;
     name.line = line.number;
     if (!row) {
@@ -94,6 +97,10 @@ void add_color_rows(const NamesInput& input, bool underscores_are_blanks, NamesC
     if (underscores_are_blanks) std::ranges::replace(name.name, '_', ' ');
     into.add(words.front(), std::move(name));
   }
+  if (is_table) return {};
+  return input.refuse(
+      fmt::format("line {}: {} is not: label name R G B A; correct it, or give another --names-format",
+                  lines.front().number, in_quotes(lines.front().text)));
 }
 
 // ITK-SNAP: label R G B A visible mesh "name".
@@ -204,8 +211,7 @@ bool recognise_freesurfer(std::string_view head) {
 }
 
 Result<void> read_freesurfer(const NamesInput& input, NamesCollector& into) {
-  add_color_rows(input, false, into);
-  return {};
+  return add_color_rows(input, false, into);
 }
 
 bool recognise_ctbl(std::string_view head) {
@@ -216,8 +222,7 @@ Result<void> read_ctbl(const NamesInput& input, NamesCollector& into) {
   if (input.text.starts_with(kRamp)) {
     return input.refuse("line 1: is a colour ramp (\"Color procedural file\"), which names no labels");
   }
-  add_color_rows(input, true, into);
-  return {};
+  return add_color_rows(input, true, into);
 }
 
 bool recognise_mricron(std::string_view head) {
@@ -232,6 +237,11 @@ Result<void> read_mricron(const NamesInput& input, NamesCollector& into) {
     const Words words = split_words(text);
     if (!words.unclosed.empty() && parse_label(label) != 0) {
       into.add_fault(line.number, fmt::format("{} has no closing quote; add it", in_quotes(words.unclosed)));
+      continue;
+    }
+    if (const auto row = split_color_row(text); row && row->colors.size() > 3) {
+      into.add_fault(line.number,
+                     fmt::format("{} has a colour; it is a row of a colour table", in_quotes(text)));
       continue;
     }
     LabelName name;

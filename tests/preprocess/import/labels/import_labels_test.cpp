@@ -98,20 +98,32 @@ TEST(NameLabels, CountsWhatDoesNotFit) {
   const auto labels = read_row<std::uint8_t>(VoxelType::kUInt8, {1, 2, 3}, "a.nii");
   ASSERT_TRUE(labels);
   ImportedLabels named = *labels;
-  name_labels(named, {name(2, "two"), name(1, "one"), name(3, "three")}, false);
+  EXPECT_TRUE(name_labels(named, {name(2, "two"), name(1, "one"), name(3, "three")}, false));
   EXPECT_THAT(names_of(named), testing::ElementsAre("one", "two", "three"));
   EXPECT_TRUE(named.notes.empty());
 
   named = *labels;
-  name_labels(named, {name(1, "one"), name(9, "nine"), name(8, "eight")}, false);
+  EXPECT_TRUE(name_labels(named, {name(1, "one"), name(9, "nine"), name(8, "eight")}, false));
   EXPECT_THAT(names_of(named), testing::ElementsAre("one", "Label 2", "Label 3"));
   EXPECT_THAT(messages_of(named.notes),
               testing::ElementsAre("2 names have no voxels and are dropped: nine (9), eight (8)",
                                    "2 labels have no names and are called \"Label N\": 2, 3"));
   named = *labels;
-  name_labels(named, {name(1, "one"), name(9, "nine"), name(8, "eight")}, true);
+  EXPECT_TRUE(name_labels(named, {name(1, "one"), name(9, "nine"), name(8, "eight")}, true));
   EXPECT_THAT(names_of(named), testing::ElementsAre("one", "Label 2", "Label 3", "eight", "nine"));
   EXPECT_EQ(named.structures[4].label, 9);
+}
+
+TEST(NameLabels, RefusesNamesOfWhichNoneFits) {
+  ImportedLabels labels = *read_row<std::uint8_t>(VoxelType::kUInt8, {1, 2, 3, 4}, "a.nii");
+  EXPECT_THAT(
+      name_labels(labels, {name(9, "nine"), name(8, "eight")}, false).error().message,
+      HasSubstr("line 0 is nine (9), and the first structure is Label 1 (1); give the table of these"));
+  ImportedLabels segments;
+  segments.structures.emplace_back().name = "Liver";
+  EXPECT_THAT(name_labels(segments, {name(1, "one")}, false).error().message,
+              HasSubstr("the first structure is Liver; masks and overlapping segments have no labels"));
+  EXPECT_TRUE(name_labels(segments, {}, false));
 }
 
 /// Masks, and labels that a header names, take colours and codes by their names.
@@ -120,7 +132,7 @@ TEST(NameLabels, FindsStructuresByName) {
   named.structures[0].name = "Spleen";
   LabelName spleen = name(77, "spleen");
   spleen.color = Rgb{1, 2, 3};
-  name_labels(named, {spleen}, false);
+  EXPECT_TRUE(name_labels(named, {spleen}, false));
   EXPECT_EQ(named.structures[0].color, (Rgb{1, 2, 3}));
   EXPECT_EQ(named.structures[0].label, 1);
   EXPECT_THAT(messages_of(named.notes),
@@ -134,7 +146,7 @@ TEST(NameLabels, FindsMasksByTheirKey) {
   LabelName lung;
   lung.name = "Right lung";
   lung.key = "right_lung";
-  name_labels(named, {lung}, false);
+  EXPECT_TRUE(name_labels(named, {lung}, false));
   EXPECT_EQ(named.structures[0].name, "Right lung");
   EXPECT_TRUE(named.notes.empty());
 }

@@ -78,6 +78,24 @@ TEST_F(ReadNames, RefusesFilesWithoutAUsableRow) {
   EXPECT_THAT(error("1 A\n2 b\xe2\x80\xae c\n"), HasSubstr("bidirectional control character"));
 }
 
+/// A file of another dialect than --names-format says.
+TEST_F(ReadNames, RefusesFilesOfTheWrongDialect) {
+  const std::string table = "# id name\n4 Left-Ventricle 120 18 134 0\n";
+  EXPECT_THAT(
+      error(table, NamesFormat::kMricron),
+      HasSubstr("names.txt: cannot be read as list of labels and names: line 2: \"4 Left-Ventricle 120 "
+                "18 134 0\" has a colour; it is a row of a colour table; correct it, or give another "
+                "--names-format"));
+  EXPECT_EQ(read("1 A\n" + table, NamesFormat::kMricron)->names.size(), 1u);
+  EXPECT_EQ(items("faulty-rows").size(), 1u);
+  for (const NamesFormat format : {NamesFormat::kCtbl, NamesFormat::kFreeSurfer}) {
+    for (const std::string line : {"1,Spleen,9,9,9,0", "1 9 9 9 1 1 1 \"Spleen\"", "Dear all"}) {
+      EXPECT_THAT(error(line, format), AllOf(HasSubstr("line 1: \"" + line.substr(0, 3)),
+                                             HasSubstr("is not: label name R G B A; correct it, or give")));
+    }
+  }
+}
+
 RC_GTEST_FIXTURE_PROP(ReadNames, AnySecondLineIsReadOrCounted, ()) {
   const auto line = *rc::gen::container<std::string>(rc::gen::elementOf(std::string("\"12 \tax#-")));
   const auto table = read("7 first\n" + line + "\n");
