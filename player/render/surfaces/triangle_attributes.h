@@ -4,7 +4,8 @@
 #include <algorithm>
 #include <array>
 
-#include "player/render/surfaces/raster_scene.h"
+#include "player/render/surfaces/clip_triangle.h"
+#include "player/render/view/projection.h"
 
 namespace splatlas {
 
@@ -12,9 +13,18 @@ namespace splatlas {
 /// that coplanar triangles have equal depths at the same sample, whatever their tessellation.
 class TriangleAttributes {
  public:
-  TriangleAttributes(const RasterScene& scene, const TriangleRef& ref);
+  /// The mean of values with these weights.
+  [[nodiscard]] static double mixed(const std::array<double, 3>& weights,
+                                    const std::array<double, 3>& values) {
+    return weights[0] * values[0] + weights[1] * values[1] + weights[2] * values[2];
+  }
 
-  [[nodiscard]] bool front() const { return front_; }
+  /// Screen coordinates and depths of the corners. `part`: the clipped part that they belong to; null: none.
+  TriangleAttributes(const std::array<ScreenPoint, 3>& points, const std::array<double, 3>& depths,
+                     bool parallel, const ClippedTriangle* part);
+
+  /// True for clockwise corners on the screen, before snapping.
+  [[nodiscard]] bool is_clockwise() const { return clockwise_; }
   /// Depth at picture coordinates (x, y) with integer pixel centres, clamped to the depths of the corners.
   /// Snapped triangles may cover samples just outside the original one.
   [[nodiscard]] double depth_at(double x, double y) const {
@@ -49,13 +59,9 @@ class TriangleAttributes {
     return plane.at_origin + plane.per_x * (x - x0_) + plane.per_y * (y - y0_);
   }
 
-  static double mixed(const std::array<double, 3>& weights, const std::array<double, 3>& values) {
-    return weights[0] * values[0] + weights[1] * values[1] + weights[2] * values[2];
-  }
-
   bool parallel_;
   const ClippedTriangle* part_;
-  bool front_ = true;
+  bool clockwise_ = false;
   double x0_ = 0, y0_ = 0, nearest_ = 0, furthest_ = 0;
   std::array<double, 3> per_w_{1, 1, 1};
   ScreenPlane depth_, inverse_w_{1, 0, 0};
