@@ -162,7 +162,10 @@ FullTraversal::FullTraversal(std::shared_ptr<const Atlas> atlas, const VoxelMode
       pool_(threads),
       appearances_(*atlas_),
       meshes_(model.surfaces) {
-  for (StructureIndex s = 0; s < meshes_.size(); ++s) owners_.emplace_back(meshes_[s].triangles.size(), s);
+  for (StructureIndex s = 0; s < meshes_.size(); ++s) {
+    owners_.emplace_back(meshes_[s].triangles.size(), s);
+    clusters_.emplace_back(meshes_[s], model.grid);
+  }
 }
 
 void FullTraversal::select(const Selection& selection) {
@@ -189,7 +192,7 @@ void FullTraversal::visit_triangles() {
 std::vector<SurfaceDraw> FullTraversal::surface_draws() const {
   std::vector<SurfaceDraw> draws;
   for (const StructureIndex s : plan_.surfaces) {
-    draws.push_back(surface_draw(s, selection_.structures[s], meshes_[s]));
+    draws.push_back(surface_draw(s, selection_.structures[s], meshes_[s], clusters_[s]));
   }
   return draws;
 }

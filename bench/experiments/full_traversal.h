@@ -54,6 +54,7 @@ class FullTraversal {
   std::vector<bool> draws_surface_;           // per structure
 
   std::vector<std::vector<StructureIndex>> owners_;  // owner of each triangle, per structure
+  std::vector<SurfaceClusters> clusters_;            // per structure
   std::vector<SurfaceMesh> meshes_;  // per structure: its vertices and the triangles of the frame
   FrameBuffers buffers_;
 };

@@ -92,7 +92,8 @@ TEST(Antialiasing, FollowsTheCoveredShareOfAPixel) {
   for (int step = 0; step <= 16; ++step) {
     const float right = static_cast<float>(step) / 16;  // edge of the triangle, mm right of the middle
     mesh.positions_ijk = {{right, 0, -50}, {right, 0, 50}, {right - 60, 0, 0}};
-    const SurfaceDraw surface{&mesh, 0, {1, 1, 1}, 0.5f};
+    const SurfaceClusters clusters(mesh, grid);
+    const SurfaceDraw surface{&mesh, &clusters, 0, {1, 1, 1}, 0.5f};
     FragmentList list;
     const RasterScene scene = raster_scene({&surface, 1}, view, factorise(view, grid), grid, lighting);
     ASSERT_TRUE(Rasterizer().draw(scene, {.edge_samples = 8}, list, pool));
@@ -116,8 +117,9 @@ TEST(Antialiasing, GivesTheSameBitsWithAnyNumberOfThreads) {
 
 TEST(Antialiasing, CountsItsSamplesAmongTheFragments) {
   const AtlasContent content = ball_and_box();
-  const SurfaceDraw surface{&content.surfaces[0], 0, {1, 1, 1}, 0.5f};
   const Grid grid = storage_grid(content);
+  const SurfaceClusters clusters(content.surfaces[0], grid);
+  const SurfaceDraw surface{&content.surfaces[0], &clusters, 0, {1, 1, 1}, 0.5f};
   const ParallelView view = *parallel_view({}, {64, 64}, content.display);
   const Lighting lighting(view);
   const RasterScene scene = raster_scene({&surface, 1}, view, factorise(view, grid), grid, lighting);

@@ -29,7 +29,8 @@ reference::PerspectiveView view_from(double azimuth_deg, double elevation_deg, d
 }
 
 FragmentList draw(const SurfaceMesh& mesh, const reference::PerspectiveView& view, float opacity = 0.5f) {
-  const SurfaceDraw surface{&mesh, 3, {0.9f, 0.6f, 0.3f}, opacity};
+  const SurfaceClusters clusters(mesh, kGrid);
+  const SurfaceDraw surface{&mesh, &clusters, 3, {0.9f, 0.6f, 0.3f}, opacity};
   const Lighting lighting(view.in_plane);
   RasterScene scene =
       raster_scene({&surface, 1}, view.in_plane, factorise(view.in_plane, kGrid), kGrid, lighting);
@@ -181,7 +182,8 @@ TEST(PerspectiveSurfaces, TrianglesBeyondTheGuardBandAreCutNotLost) {
   mesh.positions_ijk = {{0, 5, 8}, {16, 5, 8}, {8, 5, 16}};  // its lower edge crosses the centre
   mesh.normals_lps.assign(3, {0, -1, 0});
   mesh.triangles = {{0, 1, 2}};
-  const SurfaceDraw surface{&mesh, 0, {1, 1, 1}, 0.5f};
+  const SurfaceClusters clusters(mesh, kGrid);
+  const SurfaceDraw surface{&mesh, &clusters, 0, {1, 1, 1}, 0.5f};
   const Lighting lighting(view);
   ThreadPool pool(1);
   FragmentList list;

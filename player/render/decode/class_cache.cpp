@@ -254,13 +254,18 @@ Result<void> ClassCache::require_surfaces(std::span<const StructureIndex> struct
   for (const StructureIndex s : structures) {
     if (!surfaces_.contains(s)) missing.push_back(s);
   }
-  std::vector<Result<SurfaceMesh>> meshes(missing.size());
-  pool.for_each(missing.size(), [&](std::size_t n) { meshes[n] = atlas_->read_surface(missing[n]); });
+  std::vector<Result<DecodedSurface>> surfaces(missing.size());
+  pool.for_each(missing.size(), [&](std::size_t n) {
+    surfaces[n] = atlas_->read_surface(missing[n]).map([&](SurfaceMesh&& mesh) {
+      SurfaceClusters clusters(mesh, atlas_->grid());
+      return DecodedSurface{std::move(mesh), std::move(clusters)};
+    });
+  });
   for (std::size_t n = 0; n < missing.size(); ++n) {
-    if (meshes[n]) {
-      surfaces_.emplace(missing[n], std::move(*meshes[n]));
+    if (surfaces[n]) {
+      surfaces_.emplace(missing[n], std::move(*surfaces[n]));
     } else {
-      failed_surfaces_.push_back({missing[n], std::move(meshes[n]).error()});
+      failed_surfaces_.push_back({missing[n], std::move(surfaces[n]).error()});
     }
   }
   if (failed_surfaces_.empty()) return {};

@@ -14,6 +14,7 @@
 #include "player/missing_parts.h"
 #include "player/render/decode/scanline_runs.h"
 #include "player/render/decode/sparse_bytes.h"
+#include "player/render/decode/surface_clusters.h"
 
 namespace splatlas {
 
@@ -58,11 +59,12 @@ class ClassCache {
 
   /// The runs of all classes that have been required for an axis.
   [[nodiscard]] const ScanlineRuns& runs(Axis axis) const { return runs_[static_cast<std::size_t>(axis)]; }
-  /// Number of runs, and surface; the class, axis or structure must have been required.
+  /// Number of runs, surface and its clusters; the class, axis or structure must have been required.
   [[nodiscard]] std::size_t run_count(ClassId c, Axis axis) const {
     return *classes_.at(c).run_count[static_cast<std::size_t>(axis)];
   }
-  [[nodiscard]] const SurfaceMesh& surface(StructureIndex s) const { return surfaces_.at(s); }
+  [[nodiscard]] const SurfaceMesh& surface(StructureIndex s) const { return surfaces_.at(s).mesh; }
+  [[nodiscard]] const SurfaceClusters& clusters(StructureIndex s) const { return surfaces_.at(s).clusters; }
   /// Values in memory order of the grid; null for an atlas without values. Defined only at voxels of required
   /// classes.
   [[nodiscard]] const std::byte* values() const { return values_.data(); }
@@ -81,6 +83,10 @@ class ClassCache {
     std::array<std::optional<std::size_t>, 3> run_count;
     bool has_values = false, has_normals = false;
   };
+  struct DecodedSurface {
+    SurfaceMesh mesh;
+    SurfaceClusters clusters;
+  };
   struct Missing;
   [[nodiscard]] std::vector<Missing> missing_of(std::span<const ClassId> classes, Axis axis,
                                                 bool normals) const;
@@ -93,7 +99,7 @@ class ClassCache {
   std::shared_ptr<const Atlas> atlas_;
   std::unordered_map<ClassId, DecodedClass> classes_;
   std::array<ScanlineRuns, 3> runs_;
-  std::unordered_map<StructureIndex, SurfaceMesh> surfaces_;
+  std::unordered_map<StructureIndex, DecodedSurface> surfaces_;
   std::vector<FailedClass> failed_classes_;
   std::vector<FailedSurface> failed_surfaces_;
   SparseBytes values_;

@@ -56,7 +56,7 @@ class DrawnSelection {
   [[nodiscard]] std::vector<SurfaceDraw> surfaces(const ClassCache& cache) const {
     std::vector<SurfaceDraw> draws;
     for (const StructureIndex s : plan_.surfaces) {
-      draws.push_back(surface_draw(s, selection_.structures[s], cache.surface(s)));
+      draws.push_back(surface_draw(s, selection_.structures[s], cache.surface(s), cache.clusters(s)));
     }
     return draws;
   }

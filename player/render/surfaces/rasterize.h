@@ -10,15 +10,15 @@
 #include "format/content/selection.h"
 #include "format/content/surface.h"
 #include "format/tasks/thread_pool.h"
-#include "player/render/surfaces/band_rasterizer.h"
 #include "player/render/surfaces/fragments.h"
-#include "player/render/surfaces/triangle_bins.h"
+#include "player/render/surfaces/tile_bins.h"
+#include "player/render/surfaces/tile_rasterizer.h"
 
 namespace splatlas {
 
-/// A surface with the colour and opacity of a selection; `mesh` must outlive it.
+/// A surface with the colour and opacity of a selection; `mesh` and its `clusters` must outlive it.
 [[nodiscard]] SurfaceDraw surface_draw(StructureIndex s, const StructureDraw& appearance,
-                                       const SurfaceMesh& mesh);
+                                       const SurfaceMesh& mesh, const SurfaceClusters& clusters);
 
 struct RasterOptions {
   std::size_t max_fragments = std::numeric_limits<std::size_t>::max();
@@ -28,12 +28,12 @@ struct RasterOptions {
   std::size_t edge_samples = 1;
 };
 
-/// A-buffer rasteriser (Carpenter 1984). Triangles cover pixel centres by the top-left rule, which makes
-/// closed surfaces watertight. The visible side is shaded (player/render/surfaces/raster_scene.h), and
-/// fragments are sorted by pixel and depth. Nothing behind the front-most opaque fragment is kept. Where two
-/// surfaces coincide, back faces precede front faces. Degenerate triangles yield no fragments. Edge pixels
-/// are then rasterised again with a supersampling pattern. Keeps its memory from frame to frame. Not
-/// thread-safe.
+/// A-buffer rasteriser (Carpenter 1984) in tiles, with a hierarchical depth buffer for opaque surfaces
+/// (Greene, Kass and Miller 1993). Triangles cover pixel centres by the top-left rule, which makes closed
+/// surfaces watertight. The visible side is shaded (player/render/surfaces/raster_scene.h), and fragments are
+/// sorted by pixel and depth. Nothing behind the front-most opaque fragment is kept. Where two surfaces
+/// coincide, back faces precede front faces. Degenerate triangles yield no fragments. Edge pixels are then
+/// rasterised again with a supersampling pattern. Keeps its memory from frame to frame. Not thread-safe.
 class Rasterizer {
  public:
   /// Rasterises all surfaces and returns the number of their triangles; kLimit for more than `max_fragments`,
@@ -47,23 +47,23 @@ class Rasterizer {
 
   bool draw_centers(const RasterScene& scene, const RasterOptions& options, Count& count, ThreadPool& pool);
   bool draw_edges(const RasterScene& scene, const RasterOptions& options, Count& count, ThreadPool& pool);
-  bool draw_band(std::size_t n, BandRasterizer& band, Count& count) const;
-  /// Calls visit(pixel, place, fragments) for the samples of a band's pixels, in order.
+  bool draw_tile(std::size_t tile, TileRasterizer& worker, Count& count) const;
+  /// Calls visit(pixel, place, fragments) for the samples of a row of tiles, in order of pixels.
   template <typename Visit>
-  void for_each_sample(std::size_t band, const RasterScene& scene, const Visit& visit) const;
-  void merge_bands(const RasterScene& scene, FragmentList& out, ThreadPool& pool) const;
-  [[nodiscard]] std::unique_ptr<BandRasterizer> take_worker();
-  void give_back(std::unique_ptr<BandRasterizer> worker);
+  void for_each_sample(std::size_t tile_row, const RasterScene& scene, const Visit& visit) const;
+  void merge_tiles(const RasterScene& scene, FragmentList& out, ThreadPool& pool) const;
+  [[nodiscard]] std::unique_ptr<TileRasterizer> take_worker();
+  void give_back(std::unique_ptr<TileRasterizer> worker);
 
-  /// Idle band rasterisers, at most one per thread.
+  /// Idle tile rasterisers, at most one per thread.
   struct Workers {
     std::mutex mutex;
-    std::vector<std::unique_ptr<BandRasterizer>> idle;
+    std::vector<std::unique_ptr<TileRasterizer>> idle;
   };
 
-  TriangleBins bins_;
+  TileBins bins_;
   std::unique_ptr<Workers> workers_ = std::make_unique<Workers>();
-  std::vector<BandFragments> centers_, edges_;  // by band; edges_ is empty without supersampling
+  std::vector<TileFragments> centers_, edges_;  // by tile; edges_ is empty without supersampling
   std::span<const SubPixel> pattern_;           // of edge pixels
   std::vector<SurfacesSeen> seen_;              // by pixel
   std::vector<std::uint8_t> is_edge_;           // by pixel

@@ -4,26 +4,12 @@
 
 namespace splatlas {
 
-TriangleAttributes::TriangleAttributes(const RasterScene& scene, const TriangleRef& ref)
-    : parallel_(scene.projection.is_parallel()), part_(ref.part) {
-  // Find screen coordinates and depths of the corners
-  const SurfaceMesh& mesh = *scene.surfaces[ref.surface].mesh;
-  const auto& corners = mesh.triangles[ref.triangle];
-  std::array<ScreenPoint, 3> p;
-  std::array<double, 3> depth{};
-  for (std::size_t n = 0; n < 3; ++n) {
-    const std::array<float, 3>& position = mesh.positions_ijk[corners[n]];
-    if (part_ == nullptr) p[n] = scene.projection.on_screen(position);
-    depth[n] = scene.depth_sign * static_cast<double>(position[scene.depth_axis]);
-  }
-  if (part_ != nullptr) {
-    p = part_->corner;
-    const std::array<double, 3> of_triangle = depth;
-    for (std::size_t n = 0; n < 3; ++n) depth[n] = dot(part_->weights[n], of_triangle);
-  }
+TriangleAttributes::TriangleAttributes(const std::array<ScreenPoint, 3>& p,
+                                       const std::array<double, 3>& depths, bool parallel,
+                                       const ClippedTriangle* part)
+    : parallel_(parallel), part_(part) {
+  std::array<double, 3> depth = depths;
   std::tie(nearest_, furthest_) = std::minmax({depth[0], depth[1], depth[2]});
-
-  // Decide the visible side
   x0_ = p[0].x;
   y0_ = p[0].y;
   const double x1 = p[1].x - x0_;
@@ -31,7 +17,7 @@ TriangleAttributes::TriangleAttributes(const RasterScene& scene, const TriangleR
   const double x2 = p[2].x - x0_;
   const double y2 = p[2].y - y0_;
   const double area = x1 * y2 - y1 * x2;
-  front_ = scene.facing.shows_front(mesh, corners, area > 0);
+  clockwise_ = area > 0;
 
   // Set up planes in screen space: depth, or depth / w and 1 / w in a perspective view
   const double per_area = area == 0 ? 0 : 1 / area;

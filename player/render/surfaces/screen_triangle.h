@@ -1,18 +1,68 @@
-// A triangle in screen space: exact integer edge functions (Pineda 1988), and its attributes.
+// A triangle in screen space: exact integer edge functions (Pineda 1988), and perspective-correct
+// interpolation of depth and barycentric weights.
 #pragma once
 
 #include <algorithm>
 #include <array>
+#include <bit>
+#include <cmath>
 #include <cstdint>
 #include <cstdlib>
+#include <limits>
 #include <utility>
 
-#include "player/render/surfaces/raster_scene.h"
-#include "player/render/surfaces/triangle_bins.h"
+#include "player/render/surfaces/clip_triangle.h"
+#include "player/render/view/sample_pattern.h"
+#include "player/render/view/view_frame.h"
 
 namespace splatlas {
 
 inline constexpr std::int32_t kHalfPixel = 1 << (kSubPixelBits - 1);
+
+/// A vertex snapped to 1/256 pixel, so that edge functions are exact integers. Pixel centres are at multiples
+/// of 256.
+struct ScreenVertex {
+  static constexpr std::int32_t kOff = std::numeric_limits<std::int32_t>::min();
+  std::int32_t x = kOff, y = kOff;
+
+  /// False for vertices outside the near plane or the guard band (player/render/surfaces/clip_triangle.h).
+  [[nodiscard]] bool is_on() const { return x != kOff; }
+};
+
+/// Rounds to the nearest multiple of 1/256, ties to even.
+[[nodiscard]] inline ScreenVertex snapped(const ScreenPoint& point) {
+  const bool on = point.w >= kNearPlane && std::abs(point.x) < kGuardBand && std::abs(point.y) < kGuardBand;
+  if (!on) return {};
+  constexpr double kRounder = 0x1.8p52;  // doubles around it are consecutive integers
+  const auto rounded = [](double value) {
+    return static_cast<std::int32_t>(std::bit_cast<std::int64_t>(value * kSubPixels + kRounder));
+  };
+  return {rounded(point.x), rounded(point.y)};
+}
+
+/// Bounding box of pixels, with both ends included.
+struct PixelBox {
+  std::int32_t x_first = 0, x_last = -1, y_first = 0, y_last = -1;
+
+  [[nodiscard]] bool empty() const { return x_first > x_last || y_first > y_last; }
+};
+
+[[nodiscard]] inline PixelBox intersection(const PixelBox& a, const PixelBox& b) {
+  return {std::max(a.x_first, b.x_first), std::min(a.x_last, b.x_last), std::max(a.y_first, b.y_first),
+          std::min(a.y_last, b.y_last)};
+}
+
+/// Pixels with centres in the bounding box of a triangle, padded by `reach` (1/256 pixel).
+[[nodiscard]] inline PixelBox pixels_of(const ScreenVertex& a, const ScreenVertex& b, const ScreenVertex& c,
+                                        std::int32_t reach) {
+  constexpr std::int32_t kUp = (1 << kSubPixelBits) - 1;
+  const std::int32_t x_low = std::min(std::min(a.x, b.x), c.x) - reach;
+  const std::int32_t x_high = std::max(std::max(a.x, b.x), c.x) + reach;
+  const std::int32_t y_low = std::min(std::min(a.y, b.y), c.y) - reach;
+  const std::int32_t y_high = std::max(std::max(a.y, b.y), c.y) + reach;
+  return {(x_low + kUp) >> kSubPixelBits, x_high >> kSubPixelBits, (y_low + kUp) >> kSubPixelBits,
+          y_high >> kSubPixelBits};
+}
 
 /// Twice the signed area; positive for clockwise winding on the screen.
 [[nodiscard]] inline std::int64_t doubled_area(const ScreenVertex& a, const ScreenVertex& b,
@@ -22,13 +72,12 @@ inline constexpr std::int32_t kHalfPixel = 1 << (kSubPixelBits - 1);
 
 /// A triangle with clockwise winding, so that edge functions are positive inside.
 struct ScreenTriangle {
-  TriangleRef ref;
   std::array<ScreenVertex, 3> corner;
   std::int64_t area = 0;  ///< twice the area; 0 if degenerate
   /// Top-left rule: 0 for left and top edges, whose points are inside, else 1.
   std::array<std::int64_t, 3> opened{};
 
-  ScreenTriangle(const TriangleRef& triangle, std::array<ScreenVertex, 3> v) : ref(triangle), corner(v) {
+  explicit ScreenTriangle(const std::array<ScreenVertex, 3>& v) : corner(v) {
     area = doubled_area(v[0], v[1], v[2]);
     turned_ = area < 0;
     if (turned_) {
@@ -43,8 +92,8 @@ struct ScreenTriangle {
   }
   /// Barycentric weights of the mesh's corners from the edge functions.
   [[nodiscard]] std::array<float, 3> weights(const std::array<std::int64_t, 3>& edges) const {
-    const double per_area = 1 / static_cast<double>(area);
     std::array<float, 3> weight{};
+    const double per_area = 1 / static_cast<double>(area);
     for (std::size_t n = 0; n < 3; ++n) {
       weight[n] = static_cast<float>(static_cast<double>(edges[n] + opened[n]) * per_area);
     }
@@ -100,9 +149,12 @@ class EdgeWalk {
 /// that coplanar triangles have equal depths at the same sample, whatever their tessellation.
 class TriangleAttributes {
  public:
-  TriangleAttributes(const RasterScene& scene, const TriangleRef& ref);
+  /// Screen coordinates and depths of the corners. `part`: the clipped part that they belong to; null: none.
+  TriangleAttributes(const std::array<ScreenPoint, 3>& points, const std::array<double, 3>& depths,
+                     bool parallel, const ClippedTriangle* part);
 
-  [[nodiscard]] bool front() const { return front_; }
+  /// True for clockwise corners on the screen, before snapping.
+  [[nodiscard]] bool is_clockwise() const { return clockwise_; }
   /// Depth at picture coordinates (x, y) with integer pixel centres, clamped to the depths of the corners.
   /// Snapped triangles may cover samples just outside the original one.
   [[nodiscard]] double depth_at(double x, double y) const {
@@ -123,7 +175,7 @@ class TriangleAttributes {
     const std::array<double, 3> of_part{weight[0], weight[1], weight[2]};
     for (std::size_t n = 0; n < 3; ++n) {
       weight[n] = static_cast<float>(
-          dot(of_part, Vec3{part_->weights[0][n], part_->weights[1][n], part_->weights[2][n]}));
+          dot(of_part, {part_->weights[0][n], part_->weights[1][n], part_->weights[2][n]}));
     }
   }
 
@@ -139,7 +191,7 @@ class TriangleAttributes {
 
   bool parallel_;
   const ClippedTriangle* part_;
-  bool front_ = true;
+  bool clockwise_ = false;
   double x0_ = 0, y0_ = 0, nearest_ = 0, furthest_ = 0;
   std::array<double, 3> per_w_{1, 1, 1};
   ScreenPlane depth_, inverse_w_{1, 0, 0};

@@ -1,6 +1,7 @@
 #include "player/render/surfaces/rasterize.h"
 
 #include <limits>
+#include <list>
 #include <map>
 #include <random>
 #include <utility>
@@ -55,7 +56,11 @@ struct Drawing {
   RasterOptions options{};
   unsigned threads = 1;
 
-  [[nodiscard]] Result<Drawn> draw(std::span<const SurfaceDraw> surfaces) const {
+  /// Draws surfaces, which need no clusters yet.
+  [[nodiscard]] Result<Drawn> draw(std::span<const SurfaceDraw> meshes) const {
+    std::vector<SurfaceDraw> surfaces(meshes.begin(), meshes.end());
+    std::list<SurfaceClusters> clusters;
+    for (SurfaceDraw& surface : surfaces) surface.clusters = &clusters.emplace_back(*surface.mesh, grid);
     ThreadPool pool(threads);
     FragmentList list;
     const Lighting lighting(view);
@@ -70,7 +75,7 @@ struct Drawing {
 };
 
 SurfaceDraw translucent(const SurfaceMesh& mesh, StructureIndex structure = 0, float opacity = 0.5f) {
-  return {&mesh, structure, {1, 1, 1}, opacity};
+  return {&mesh, nullptr, structure, {1, 1, 1}, opacity};
 }
 
 /// Triangles in the plane y = 0 (the picture plane at azimuth 0), with normals towards the viewer.
@@ -200,7 +205,7 @@ TEST(Rasterize, LightsTheSideOfATriangleThatIsSeenWhereverItsNormalsPoint) {
   mesh.normals_lps[0] = mesh.normals_lps[1] = {0.4f, 0.3f, -0.8f};  // away from viewer and light
   for (const auto& [azimuth, side] : {std::pair{0.0, 1.0f}, std::pair{180.0, -1.0f}}) {
     const Drawing drawing{view_from(azimuth, 0, {40, 40}, 0.25, {0, 0, 0})};
-    const SurfaceDraw surface{&mesh, 0, {0.8f, 0.8f, 0.8f}, 1};
+    const SurfaceDraw surface{&mesh, nullptr, 0, {0.8f, 0.8f, 0.8f}, 1};
     std::vector<float> bottom_row;
     const Drawn list = *drawing.draw({&surface, 1});
     for (const PixelFragment& fragment : list.fragments) {

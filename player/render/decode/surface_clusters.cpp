@@ -1,0 +1,153 @@
+#include "player/render/decode/surface_clusters.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "format/tasks/task_control.h"
+
+namespace splatlas {
+namespace {
+
+/// Cells of the Morton curve along the longest side of the mesh.
+constexpr int kBits = 10;
+constexpr float kCells = 1 << kBits;
+
+/// Maps normals of triangles in voxel indices to LPS: (M a) x (M b) = cofactors(M) (a x b).
+class NormalMap {
+ public:
+  explicit NormalMap(const Grid& grid) {
+    const Affine to_lps = index_to_lps_mm(grid);
+    std::array<Vec3, 3> rows{};
+    for (std::size_t r = 0; r < 3; ++r) {
+      for (std::size_t c = 0; c < 3; ++c) rows[r][c] = to_lps.linear[3 * r + c];
+    }
+    for (std::size_t r = 0; r < 3; ++r) cofactors_[r] = cross(rows[(r + 1) % 3], rows[(r + 2) % 3]);
+  }
+
+  [[nodiscard]] SurfaceClusters::Front front_of(const SurfaceMesh& mesh,
+                                                const std::array<std::uint32_t, 3>& corners) const {
+    Vec3 first{}, second{}, front{};
+    for (std::size_t a = 0; a < 3; ++a) {
+      const double origin = mesh.positions_ijk[corners[0]][a];
+      first[a] = mesh.positions_ijk[corners[1]][a] - origin;
+      second[a] = mesh.positions_ijk[corners[2]][a] - origin;
+      for (const std::uint32_t corner : corners) front[a] += static_cast<double>(mesh.normals_lps[corner][a]);
+    }
+    const Vec3 normal = cross(first, second);
+    const double to_front =
+        dot({dot(cofactors_[0], normal), dot(cofactors_[1], normal), dot(cofactors_[2], normal)}, front);
+    if (!(std::abs(to_front) > 0)) return SurfaceClusters::Front::kBoth;
+    return std::signbit(to_front) ? SurfaceClusters::Front::kClockwise
+                                  : SurfaceClusters::Front::kCounterClockwise;
+  }
+
+ private:
+  std::array<Vec3, 3> cofactors_{};
+};
+
+void include(const std::array<float, 3>& p, SurfaceClusters::Box& box) {
+  for (std::size_t a = 0; a < 3; ++a) {
+    if (!std::isfinite(p[a])) continue;
+    box.low[a] = std::min(box.low[a], p[a]);
+    box.high[a] = std::max(box.high[a], p[a]);
+  }
+}
+
+/// Places of the centres of triangles on a Morton curve through the bounding box.
+class MortonCurve {
+ public:
+  explicit MortonCurve(const SurfaceMesh& mesh) : mesh_(mesh) {
+    SurfaceClusters::Box box;
+    for (const std::array<float, 3>& p : mesh.positions_ijk) include(p, box);
+    low_ = box.low;
+    float side = 0;
+    for (std::size_t a = 0; a < 3; ++a) side = std::max(side, box.high[a] - box.low[a]);
+    per_voxel_ = side > 0 ? kCells / side : 0;
+  }
+
+  [[nodiscard]] std::uint32_t place(const std::array<std::uint32_t, 3>& corners) const {
+    std::uint32_t place = 0;
+    for (std::size_t a = 0; a < 3; ++a) {
+      float sum = 0;
+      for (const std::uint32_t corner : corners) sum += mesh_.positions_ijk[corner][a];
+      const float cell = (sum / 3 - low_[a]) * per_voxel_;
+      place |= spread(cell > 0 ? static_cast<std::uint32_t>(std::min(cell, kCells - 1)) : 0) << a;
+    }
+    return place;
+  }
+
+ private:
+  /// Moves bit n to bit 3 n.
+  static std::uint32_t spread(std::uint32_t bits) {
+    bits = (bits | bits << 16) & 0x030000ff;
+    bits = (bits | bits << 8) & 0x0300f00f;
+    bits = (bits | bits << 4) & 0x030c30c3;
+    return (bits | bits << 2) & 0x09249249;
+  }
+
+  const SurfaceMesh& mesh_;
+  std::array<float, 3> low_{};
+  float per_voxel_ = 0;
+};
+
+/// Numbers of the triangles along the curve, by a radix sort. Neighbours in a cell keep their order.
+std::vector<std::uint32_t> sorted_triangles(const SurfaceMesh& mesh) {
+  struct Placed {
+    std::uint32_t place, triangle;
+  };
+  const MortonCurve curve(mesh);
+  std::vector<Placed> from(mesh.triangles.size()), to(from.size());
+  for (std::uint32_t n = 0; n < from.size(); ++n) from[n] = {curve.place(mesh.triangles[n]), n};
+  for (int digit = 0; digit < 3; ++digit) {
+    check_task();
+    const auto digit_of = [digit](const Placed& placed) {
+      return (placed.place >> (kBits * digit)) & ((1u << kBits) - 1);
+    };
+    std::array<std::uint32_t, (1u << kBits) + 1> first{};
+    for (const Placed& placed : from) ++first[digit_of(placed) + 1];
+    for (std::size_t n = 1; n < first.size(); ++n) first[n] += first[n - 1];
+    for (const Placed& placed : from) to[first[digit_of(placed)]++] = placed;
+    from.swap(to);
+  }
+  std::vector<std::uint32_t> numbers(from.size());
+  std::ranges::transform(from, numbers.begin(), &Placed::triangle);
+  return numbers;
+}
+
+}  // namespace
+
+SurfaceClusters::SurfaceClusters(const SurfaceMesh& mesh, const Grid& grid)
+    : numbers_(sorted_triangles(mesh)) {
+  const NormalMap normals(grid);
+  constexpr std::uint32_t kNoCluster = 0xffffffff;
+  std::vector<std::uint32_t> cluster_of(mesh.positions_ijk.size(), kNoCluster);  // the latest one
+  std::vector<std::uint8_t> vertex_of(mesh.positions_ijk.size());                // in that cluster
+  triangles_.reserve(numbers_.size());
+  positions_.reserve(numbers_.size());
+  TaskPace pace;
+  for (std::uint32_t n = 0; n < numbers_.size(); ++n) {
+    pace.step();
+    if (n % kMaxTriangles == 0) {
+      if (n > 0) first_vertex_.push_back(static_cast<std::uint32_t>(positions_.size()));
+      boxes_.emplace_back();
+    }
+    const auto cluster = static_cast<std::uint32_t>(boxes_.size() - 1);
+    const std::array<std::uint32_t, 3>& corners = mesh.triangles[numbers_[n]];
+    Triangle triangle{.corners = {}, .front = normals.front_of(mesh, corners)};
+    for (std::size_t c = 0; c < 3; ++c) {
+      const std::uint32_t vertex = corners[c];
+      if (cluster_of[vertex] != cluster) {
+        cluster_of[vertex] = cluster;
+        vertex_of[vertex] = static_cast<std::uint8_t>(positions_.size() - first_vertex_.back());
+        positions_.push_back(mesh.positions_ijk[vertex]);
+        include(positions_.back(), boxes_.back());
+      }
+      triangle.corners[c] = vertex_of[vertex];
+    }
+    triangles_.push_back(triangle);
+  }
+  if (!numbers_.empty()) first_vertex_.push_back(static_cast<std::uint32_t>(positions_.size()));
+  positions_.shrink_to_fit();
+}
+
+}  // namespace splatlas
