@@ -43,19 +43,6 @@ std::string fault_of(const StructureDraw& draw) {
   return fault_of(draw.volume);
 }
 
-Result<void> check_selection(const Selection& selection, const StructureGraph& graph) {
-  if (selection.structures.size() > graph.size()) {
-    return fail(ErrorCode::kUsage, "selection: {} structures, but the atlas has {}; make it for this atlas",
-                selection.structures.size(), graph.size());
-  }
-  for (StructureIndex s = 0; s < selection.structures.size(); ++s) {
-    const std::string fault = fault_of(selection.structures[s]);
-    if (fault.empty()) continue;
-    return fail(ErrorCode::kUsage, "selection: structure {} ({}): {}", s, in_quotes(graph[s].id), fault);
-  }
-  return {};
-}
-
 /// Draw modes are bit sets of parts.
 static_assert(static_cast<unsigned>(DrawMode::kBoth) ==
               (static_cast<unsigned>(DrawMode::kVolume) | static_cast<unsigned>(DrawMode::kSurface)));
@@ -94,6 +81,19 @@ void add(const SelectionTerm& term, std::uint32_t number, const Structure& struc
 }
 
 }  // namespace
+
+Result<void> check_selection(const Selection& selection, const StructureGraph& graph) {
+  if (selection.structures.size() > graph.size()) {
+    return fail(ErrorCode::kUsage, "selection: {} structures, but the atlas has {}; make it for this atlas",
+                selection.structures.size(), graph.size());
+  }
+  for (StructureIndex s = 0; s < selection.structures.size(); ++s) {
+    const std::string fault = fault_of(selection.structures[s]);
+    if (fault.empty()) continue;
+    return fail(ErrorCode::kUsage, "selection: structure {} ({}): {}", s, in_quotes(graph[s].id), fault);
+  }
+  return {};
+}
 
 const char* name_of(DrawMode mode) {
   switch (mode) {
