@@ -284,34 +284,50 @@ Fragment TileRasterizer::fragment(const Crossing& crossing, const SurfaceShading
   return fragment;
 }
 
-void TileRasterizer::finish(float termination_threshold, TileFragments& out, std::span<SurfacesSeen> seen) {
-  sort_by_slot();
-  out.fragments.clear();
-  out.end_of_slot.resize(hiding_.size());
-  if (!slot_of_pixel_.empty()) {
-    for (std::uint32_t slot = 0; slot < hiding_.size(); ++slot) {
-      finish_slot(slot, {}, termination_threshold, out.fragments, nullptr);
-      out.end_of_slot[slot] = static_cast<std::uint32_t>(out.fragments.size());
+template <typename Visit>
+void TileRasterizer::for_each_pixel(const Visit& visit) const {
+  for (std::int32_t y = tile_.y_first; y <= tile_.y_last; ++y) {
+    const std::size_t row = static_cast<std::size_t>(y) * static_cast<std::size_t>(scene_->size.width);
+    auto in_tile = static_cast<std::uint32_t>(y - tile_.y_first) * kStride;
+    for (std::int32_t x = tile_.x_first; x <= tile_.x_last; ++x, ++in_tile) {
+      const std::uint32_t slot = slot_of_pixel_.empty() ? in_tile : slot_of_pixel_[in_tile];
+      if (slot != kNone) visit(row + static_cast<std::size_t>(x), slot);
     }
-    return;
-  }
-  for (std::uint32_t slot = 0; slot < hiding_.size(); ++slot) {
-    const std::int32_t x = tile_.x_first + static_cast<std::int32_t>(slot % kStride);
-    const std::int32_t y = tile_.y_first + static_cast<std::int32_t>(slot / kStride);
-    if (x <= tile_.x_last && y <= tile_.y_last) {
-      const std::size_t pixel = static_cast<std::size_t>(y) * static_cast<std::size_t>(scene_->size.width) +
-                                static_cast<std::size_t>(x);
-      finish_slot(slot, scene_->faces != nullptr ? scene_->faces->at(pixel) : RayFaces{},
-                  termination_threshold, out.fragments, seen.empty() ? nullptr : &seen[pixel]);
-    }
-    out.end_of_slot[slot] = static_cast<std::uint32_t>(out.fragments.size());
   }
 }
 
-/// Composites front to back until the termination threshold, and adds the fragments.
-void TileRasterizer::finish_slot(std::uint32_t slot, const RayFaces& faces, float termination_threshold,
-                                 std::vector<Fragment>& out, SurfacesSeen* seen) {
+void TileRasterizer::finish(float termination_threshold, TileFragments& out, std::span<SurfacesSeen> seen) {
+  sort_by_slot();
+  out.fragments.clear();
+  out.end_of_slot.assign(hiding_.size(), 0);
+  const bool has_faces = slot_of_pixel_.empty() && scene_->faces != nullptr;
+  std::uint32_t next = 0;
+  for_each_pixel([&](std::size_t pixel, std::uint32_t first_slot) {
+    const auto end = static_cast<std::uint32_t>(out.fragments.size());
+    for (; next < first_slot; ++next) out.end_of_slot[next] = end;  // outside the picture
+    const RayFaces faces = has_faces ? scene_->faces->at(pixel) : RayFaces{};
+    for (; next < first_slot + pattern_.size(); ++next) {
+      finish_slot(next, faces, termination_threshold, &out.fragments, seen.empty() ? nullptr : &seen[pixel]);
+      out.end_of_slot[next] = static_cast<std::uint32_t>(out.fragments.size());
+    }
+  });
+}
+
+void TileRasterizer::paint(float termination_threshold, Picture& picture, std::span<SurfacesSeen> seen) {
+  sort_by_slot();
+  const auto slots = static_cast<std::uint32_t>(pattern_.size());
+  for_each_pixel([&](std::size_t pixel, std::uint32_t first_slot) {
+    Radiance sum;
+    for (std::uint32_t slot = first_slot; slot < first_slot + slots; ++slot)
+      sum += finish_slot(slot, {}, termination_threshold, nullptr, seen.empty() ? nullptr : &seen[pixel]);
+    for (std::size_t c = 0; c < 4; ++c) picture.rgba[4 * pixel + c] = sum.rgba[c] / static_cast<float>(slots);
+  });
+}
+
+Radiance TileRasterizer::finish_slot(std::uint32_t slot, const RayFaces& faces, float termination_threshold,
+                                     std::vector<Fragment>* out, SurfacesSeen* seen) {
   if (seen != nullptr) *seen = {};
+  Radiance sum;
   float transmittance = 1;
   const auto pass_face = [&](const Face& face) {
     if (seen != nullptr && face.shows() && transmittance > termination_threshold)
@@ -319,9 +335,11 @@ void TileRasterizer::finish_slot(std::uint32_t slot, const RayFaces& faces, floa
     transmittance *= 1 - face.rgba[3];
   };
   const auto pass = [&](const Crossing& crossing, const SurfaceShading& shading) {
-    const Fragment& last = out.emplace_back(fragment(crossing, shading));
+    const Fragment last = fragment(crossing, shading);
     const std::uint32_t side = (crossing.surface << 1) | static_cast<std::uint32_t>(crossing.order & 1);
+    if (out != nullptr) out->push_back(last);
     if (seen != nullptr) seen->add(side, transmittance, last);
+    for (std::size_t c = 0; c < 4; ++c) sum.rgba[c] += transmittance * last.rgba[c];
     transmittance *= 1 - last.rgba[3];
   };
   pass_face(faces.front);
@@ -339,6 +357,7 @@ void TileRasterizer::finish_slot(std::uint32_t slot, const RayFaces& faces, floa
     pass(nearest_[slot], shade(nearest_[slot], {1 - second - third, second, third}));
   }
   pass_face(faces.back);
+  return sum;
 }
 
 /// Counting sort of translucent crossings.

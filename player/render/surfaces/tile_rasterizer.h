@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "player/picture.h"
 #include "player/render/surfaces/edge_pixels.h"
 #include "player/render/surfaces/fragments.h"
 #include "player/render/surfaces/raster_scene.h"
@@ -46,6 +47,8 @@ class TileRasterizer {
   /// `termination_threshold`, such as behind an opaque fragment. `seen` of the picture receives a summary of
   /// every pixel unless it is empty; the faces of the scene are in front of and behind all fragments.
   void finish(float termination_threshold, TileFragments& out, std::span<SurfacesSeen> seen);
+  /// Composites the fragments instead, and writes the mean of the slots of each pixel into the picture.
+  void paint(float termination_threshold, Picture& picture, std::span<SurfacesSeen> seen);
 
   /// Number of translucent crossings so far.
   [[nodiscard]] std::size_t crossings() const { return crossings_.size(); }
@@ -108,8 +111,12 @@ class TileRasterizer {
   void sort_by_slot();
   void sort_slot(std::span<std::uint32_t> of_slot) const;
   [[nodiscard]] Fragment fragment(const Crossing& crossing, const SurfaceShading& shading) const;
-  void finish_slot(std::uint32_t slot, const RayFaces& faces, float termination_threshold,
-                   std::vector<Fragment>& out, SurfacesSeen* seen);
+  /// Composites the fragments of a slot, front to back. Adds them to `out` and to `seen`, unless null.
+  Radiance finish_slot(std::uint32_t slot, const RayFaces& faces, float termination_threshold,
+                       std::vector<Fragment>* out, SurfacesSeen* seen);
+  /// Calls visit(pixel of the picture, first slot) for the pixels of the tile that have slots, row by row.
+  template <typename Visit>
+  void for_each_pixel(const Visit& visit) const;
 
   const RasterScene* scene_ = nullptr;
   PixelBox tile_;
