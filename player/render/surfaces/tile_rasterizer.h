@@ -65,9 +65,7 @@ class TileRasterizer {
     float depth = 0;
     std::uint32_t surface = kNone;
     std::uint32_t triangle = 0;
-    /// Diffuse and highlight. For opaque crossings, whose shading is deferred: the barycentric weights of the
-    /// second and third corner.
-    std::array<float, 2> shading{};
+    std::array<float, 2> weights{};  ///< of the second and third corner
   };
   /// A vertex of the current cluster.
   struct Vertex {
@@ -80,6 +78,7 @@ class TileRasterizer {
   struct Current {
     std::uint32_t surface = 0, triangle = 0;
     bool is_opaque = false;
+    bool hides_back = false;  ///< clockwise triangles are behind counter-clockwise ones
     SurfaceClusters::Front front{};
     std::array<ScreenPoint, 3> points;
     std::array<double, 3> depths{};
@@ -107,13 +106,20 @@ class TileRasterizer {
   void renew_pixel(std::uint32_t pixel);
   void renew_block(std::uint32_t block);
   [[nodiscard]] bool in_front(const Crossing& a, const Crossing& b) const;
-  [[nodiscard]] SurfaceShading shade(const Crossing& crossing, const std::array<float, 3>& weight) const;
+  /// Interpolated normal of the visible side, in LPS.
+  [[nodiscard]] std::array<float, 3> normal_of(const Crossing& crossing) const;
+  /// Identifies a surface and its side.
+  static std::uint32_t side_of(const Crossing& crossing) {
+    return (crossing.surface << 1) | static_cast<std::uint32_t>(crossing.order & 1);
+  }
   void sort_by_slot();
   void sort_slot(std::span<std::uint32_t> of_slot) const;
-  [[nodiscard]] Fragment fragment(const Crossing& crossing, const SurfaceShading& shading) const;
+  [[nodiscard]] Fragment fragment(const Crossing& crossing) const;
   /// Composites the fragments of a slot, front to back. Adds them to `out` and to `seen`, unless null.
   Radiance finish_slot(std::uint32_t slot, const RayFaces& faces, float termination_threshold,
                        std::vector<Fragment>* out, SurfacesSeen* seen);
+  /// paint() of a row of pixel centres without translucent crossings.
+  void paint_opaque_row(std::int32_t y, Picture& picture, std::span<SurfacesSeen> seen) const;
   /// Calls visit(pixel of the picture, first slot) for the pixels of the tile that have slots, row by row.
   template <typename Visit>
   void for_each_pixel(const Visit& visit) const;

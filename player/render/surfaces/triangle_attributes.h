@@ -28,7 +28,8 @@ class TriangleAttributes {
   /// Depth at picture coordinates (x, y) with integer pixel centres, clamped to the depths of the corners.
   /// Snapped triangles may cover samples just outside the original one.
   [[nodiscard]] double depth_at(double x, double y) const {
-    const double depth = at(depth_, x, y) / (parallel_ ? 1 : at(inverse_w_, x, y));
+    double depth = at(depth_, x, y);
+    if (!parallel_) depth /= at(inverse_w_, x, y);
     return std::clamp(depth, nearest_, furthest_);
   }
   /// Converts screen-space weights of the rasterised corners to barycentric weights of the mesh's corners.
