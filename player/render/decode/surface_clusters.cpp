@@ -90,6 +90,24 @@ class MortonCurve {
   float per_voxel_ = 0;
 };
 
+/// True if the edges of all triangles cancel out: each runs as often to and fro. Compares sums of hashes.
+bool has_no_border(const SurfaceMesh& mesh) {
+  const auto hash = [](std::uint64_t from, std::uint64_t to) {
+    std::uint64_t mixed = (std::min(from, to) << 32 | std::max(from, to)) * 0x9e3779b97f4a7c15;
+    mixed = (mixed ^ mixed >> 32) * 0xd6e8feb86659fd93;
+    mixed ^= mixed >> 32;
+    return from < to ? mixed : -mixed;
+  };
+  std::uint64_t sum = 0;
+  for (const auto& [a, b, c] : mesh.triangles) sum += hash(a, b) + hash(b, c) + hash(c, a);
+  return sum == 0;
+}
+
+bool is_fitted(const SurfaceMesh& mesh) {
+  return mesh.position_scale == static_cast<std::uint32_t>(SurfaceRule::kVoxels) ||
+         mesh.position_scale == static_cast<std::uint32_t>(SurfaceRule::kSmooth);
+}
+
 /// Numbers of the triangles along the curve, by a radix sort. Neighbours in a cell keep their order.
 std::vector<std::uint32_t> sorted_triangles(const SurfaceMesh& mesh) {
   struct Placed {
@@ -117,13 +135,14 @@ std::vector<std::uint32_t> sorted_triangles(const SurfaceMesh& mesh) {
 }  // namespace
 
 SurfaceClusters::SurfaceClusters(const SurfaceMesh& mesh, const Grid& grid)
-    : numbers_(sorted_triangles(mesh)) {
+    : is_closed_(is_fitted(mesh) && has_no_border(mesh)), numbers_(sorted_triangles(mesh)) {
   const NormalMap normals(grid);
   constexpr std::uint32_t kNoCluster = 0xffffffff;
   std::vector<std::uint32_t> cluster_of(mesh.positions_ijk.size(), kNoCluster);  // the latest one
   std::vector<std::uint8_t> vertex_of(mesh.positions_ijk.size());                // in that cluster
   triangles_.reserve(numbers_.size());
   positions_.reserve(numbers_.size());
+  normals_.reserve(numbers_.size());
   TaskPace pace;
   for (std::uint32_t n = 0; n < numbers_.size(); ++n) {
     pace.step();
@@ -140,6 +159,7 @@ SurfaceClusters::SurfaceClusters(const SurfaceMesh& mesh, const Grid& grid)
         cluster_of[vertex] = cluster;
         vertex_of[vertex] = static_cast<std::uint8_t>(positions_.size() - first_vertex_.back());
         positions_.push_back(mesh.positions_ijk[vertex]);
+        normals_.push_back(mesh.normals_lps[vertex]);
         include(positions_.back(), boxes_.back());
       }
       triangle.corners[c] = vertex_of[vertex];
@@ -148,6 +168,7 @@ SurfaceClusters::SurfaceClusters(const SurfaceMesh& mesh, const Grid& grid)
   }
   if (!numbers_.empty()) first_vertex_.push_back(static_cast<std::uint32_t>(positions_.size()));
   positions_.shrink_to_fit();
+  normals_.shrink_to_fit();
 }
 
 }  // namespace splatlas

@@ -43,7 +43,7 @@ class SurfaceClusters {
     const Box& box;
     std::span<const std::array<float, 3>> positions_ijk;
     std::span<const Triangle> triangles;
-    std::span<const std::uint32_t> numbers;  ///< of the triangles in the mesh
+    std::uint32_t first = 0;  ///< place of its first triangle among all of the surface
   };
 
   /// Without triangles.
@@ -52,18 +52,29 @@ class SurfaceClusters {
   SurfaceClusters(const SurfaceMesh& mesh, const Grid& grid);
 
   [[nodiscard]] std::size_t size() const { return boxes_.size(); }
+  /// True for a fitted surface without a border: from outside, only counter-clockwise triangles are visible.
+  [[nodiscard]] bool is_closed() const { return is_closed_; }
   [[nodiscard]] Cluster operator[](std::size_t n) const {
     const std::size_t first = n * kMaxTriangles;
     const std::size_t count = std::min(kMaxTriangles, triangles_.size() - first);
     return {boxes_[n],
             std::span(positions_).subspan(first_vertex_[n], first_vertex_[n + 1] - first_vertex_[n]),
-            std::span(triangles_).subspan(first, count), std::span(numbers_).subspan(first, count)};
+            std::span(triangles_).subspan(first, count), static_cast<std::uint32_t>(first)};
+  }
+  /// Number in the mesh of the triangle in a place.
+  [[nodiscard]] std::uint32_t number(std::uint32_t place) const { return numbers_[place]; }
+  /// Normals of its corners, in LPS.
+  [[nodiscard]] std::array<const float*, 3> normals(std::uint32_t place) const {
+    const std::array<float, 3>* const normals = &normals_[first_vertex_[place / kMaxTriangles]];
+    const auto& [a, b, c] = triangles_[place].corners;
+    return {normals[a].data(), normals[b].data(), normals[c].data()};
   }
 
  private:
+  bool is_closed_ = false;
   std::vector<Box> boxes_;
   std::vector<std::uint32_t> first_vertex_{0};
-  std::vector<std::array<float, 3>> positions_;
+  std::vector<std::array<float, 3>> positions_, normals_;
   std::vector<Triangle> triangles_;
   std::vector<std::uint32_t> numbers_;
 };

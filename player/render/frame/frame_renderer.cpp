@@ -44,15 +44,16 @@ void find_sample_faces(const ViewFaces& faces, int width, FragmentList& list, Th
   });
 }
 
-/// Rasterises surfaces, clipped by the frame's cut, and finds the faces of the cut. Returns the number of
-/// triangles.
+/// Rasterises surfaces, clipped by the frame's cut, and finds the faces of the cut. `painted`: the picture to
+/// paint in place of fragments, without faces; null: none. Returns the number of triangles.
 Result<std::uint64_t> draw_surfaces(RasterScene scene, const ShownFrame& frame, const Grid& grid,
-                                    FrameBuffers& buffers, ThreadPool& pool) {
+                                    FrameBuffers& buffers, Picture* painted, ThreadPool& pool) {
   if (frame.faces == nullptr) buffers.faces.clear();
   buffers.fragments.faces.clear();
-  if (frame.cuts.empty()) return buffers.rasterizer.draw(scene, frame.raster, buffers.fragments, pool);
-  const CutRays surface_cuts(frame.cuts, frame.view, grid, kCutMargin);
-  scene.cuts = &surface_cuts;
+  buffers.has_fragments = painted == nullptr;
+  std::optional<CutRays> surface_cuts;
+  if (!frame.cuts.empty()) scene.cuts = &surface_cuts.emplace(frame.cuts, frame.view, grid, kCutMargin);
+  if (painted != nullptr) return buffers.rasterizer.paint(scene, frame.raster, *painted, pool);
   if (frame.faces == nullptr) return buffers.rasterizer.draw(scene, frame.raster, buffers.fragments, pool);
   const CutRays cuts(frame.cuts, frame.view, grid);
   const ViewFaces faces(*frame.faces, cuts, frame.caps, frame.depth_axis, frame.depth_sign);
@@ -108,7 +109,8 @@ FrameRenderer::FrameRenderer(const FrameScene& scene, FrameBuffers& buffers, Ren
 
 Result<void> FrameRenderer::run(std::size_t volume_loops, TaskControl& task, Picture& picture) {
   task.begin_stage(kRasterized, kRasterLoops);
-  SPLATLAS_RETURN_IF_ERROR(rasterize());
+  SPLATLAS_RETURN_IF_ERROR(rasterize(picture));
+  if (paints_surfaces()) return {};
   task.begin_stage(kVolumeDrawn, volume_loops);
   SPLATLAS_RETURN_IF_ERROR(render_volume(picture));
   task.begin_stage(kResolved, kResolveLoops);
@@ -120,11 +122,19 @@ Result<void> FrameRenderer::run(std::size_t volume_loops, TaskControl& task, Pic
   return {};
 }
 
-Result<void> FrameRenderer::rasterize() {
+/// True if nothing but surfaces contributes to the frame.
+bool FrameRenderer::paints_surfaces() const {
+  const RenderOptions& options = scene_.options;
+  return !scene_.has_volume && scene_.faces == nullptr && !options.ids && !options.depths &&
+         !cues_depth(options);
+}
+
+Result<void> FrameRenderer::rasterize(Picture& picture) {
   Stopwatch watch;
   SPLATLAS_ASSIGN_OR_RETURN(const RasterScene raster, raster_scene_of_view());
   raster_.emplace(raster);
-  SPLATLAS_ASSIGN_OR_RETURN(stats_.triangles, draw_surfaces(*raster_, shown(), scene_.grid, buffers_, pool_));
+  SPLATLAS_ASSIGN_OR_RETURN(stats_.triangles, draw_surfaces(*raster_, shown(), scene_.grid, buffers_,
+                                                            paints_surfaces() ? &picture : nullptr, pool_));
   stats_.rasterize = watch.lap();
   return {};
 }
@@ -167,7 +177,7 @@ Result<void> rasterize_again(const ShownFrame& frame, std::span<const SurfaceDra
       const RasterScene scene,
       frame.sheets ? raster_scene(surfaces, plane, factorise(plane, grid, &*frame.sheets), grid, lighting)
                    : raster_scene_of_rays(surfaces, frame.view, grid, lighting));
-  SPLATLAS_RETURN_IF_ERROR(draw_surfaces(scene, frame, grid, buffers, pool));
+  SPLATLAS_RETURN_IF_ERROR(draw_surfaces(scene, frame, grid, buffers, nullptr, pool));
   return {};
 }
 

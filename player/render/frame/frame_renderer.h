@@ -29,8 +29,9 @@ namespace splatlas {
 struct FrameBuffers {
   Rasterizer rasterizer;
   FragmentList fragments;
-  FaceLayer faces;      ///< of a cut; empty: none
-  FragmentOrder order;  ///< depth order of the fragments, and the volume in front of them
+  bool has_fragments = false;  ///< of the latest frame; false: it was painted without them
+  FaceLayer faces;             ///< of a cut; empty: none
+  FragmentOrder order;         ///< depth order of the fragments, and the volume in front of them
   SheetImage sheet;
   SheetShares shares;              ///< of an id image
   FragmentShares fragment_shares;  ///< the same
@@ -46,7 +47,8 @@ struct FrameScene {
   const Lighting& lighting;
   const RenderOptions& options;
   const RenderOverrides& overrides;
-  std::uint64_t max_memory_bytes = 0;               ///< limit; fragments may take a quarter of it
+  std::uint64_t max_memory_bytes = 0;  ///< limit; fragments may take a quarter of it
+  bool has_volume = true;
   std::shared_ptr<const CutFaces> faces = nullptr;  ///< of the cuts of the options; null: none
   /// For an id image: numbers of the structures of the plan's classes; empty: none.
   std::span<const StructureNumber> numbers = {};
@@ -68,9 +70,9 @@ class FrameRenderer {
   /// Runs all stages in order. `volume_loops`: loops of render_volume(), for progress.
   [[nodiscard]] Result<void> run(std::size_t volume_loops, TaskControl& task, Picture& picture);
 
-  /// Rasterises surfaces to fragments. kUsage when the field of view is too wide for surfaces; kLimit for too
-  /// many fragments.
-  [[nodiscard]] Result<void> rasterize();
+  /// Rasterises surfaces to fragments, or into the picture if nothing else needs them. kUsage when the field
+  /// of view is too wide for surfaces; kLimit for too many fragments.
+  [[nodiscard]] Result<void> rasterize(Picture& picture);
   /// Renders the volume: into the sheet, or by a ray for each pixel of the picture. kLimit when the sheet is
   /// too large.
   [[nodiscard]] virtual Result<void> render_volume(Picture& picture) = 0;
@@ -99,6 +101,7 @@ class FrameRenderer {
   [[nodiscard]] virtual Result<RasterScene> raster_scene_of_view() const = 0;
   /// Merges the depths of the volume into the depth map of the buffers.
   virtual void add_volume_depths(const ViewDepth& view_depth) = 0;
+  [[nodiscard]] bool paints_surfaces() const;
   /// Normal of the slices; none for rays.
   [[nodiscard]] virtual std::optional<Axis> slice_axis() const = 0;
 

@@ -8,6 +8,20 @@
 #include "player/render/surfaces/edge_pixels.h"
 
 namespace splatlas {
+namespace {
+
+std::size_t pixels_of(const RasterScene& scene) {
+  return static_cast<std::size_t>(scene.size.width) * static_cast<std::size_t>(scene.size.height);
+}
+
+std::uint64_t triangles_of(const RasterScene& scene) {
+  std::uint64_t triangles = 0;
+  for (const SurfaceDraw& surface : scene.surfaces) triangles += surface.mesh->triangles.size();
+  return triangles;
+}
+
+}  // namespace
+
 SurfaceDraw surface_draw(StructureIndex s, const StructureDraw& appearance, const SurfaceMesh& mesh,
                          const SurfaceClusters& clusters) {
   return {&mesh,
@@ -32,45 +46,58 @@ struct Rasterizer::Count {
 
 Result<std::uint64_t> Rasterizer::draw(const RasterScene& scene, const RasterOptions& options,
                                        FragmentList& out, ThreadPool& pool) {
-  std::uint64_t triangles = 0;
-  for (const SurfaceDraw& surface : scene.surfaces) triangles += surface.mesh->triangles.size();
+  const std::uint64_t triangles = triangles_of(scene);
   out.fragments.clear();
   out.samples.assign(1, Sample{});
   out.first_of_row.assign(static_cast<std::size_t>(scene.size.height) + 1, 0);
   if (triangles == 0 && (scene.faces == nullptr || options.edge_samples == 1)) return triangles;
-
-  Count count{options.max_fragments};
-  bins_.fill(scene, pool);
-  if (!draw_centers(scene, options, count, pool) || !draw_edges(scene, options, count, pool)) {
-    return fail(ErrorCode::kLimit,
-                "the surfaces leave more than {} fragments in this picture; make it smaller or select fewer "
-                "translucent surfaces",
-                options.max_fragments);
-  }
+  SPLATLAS_RETURN_IF_ERROR(draw_tiles(scene, options, nullptr, pool));
   merge_tiles(scene, out, pool);
   return triangles;
 }
 
-bool Rasterizer::draw_centers(const RasterScene& scene, const RasterOptions& options, Count& count,
-                              ThreadPool& pool) {
-  const auto pixels =
-      static_cast<std::size_t>(scene.size.width) * static_cast<std::size_t>(scene.size.height);
+Result<std::uint64_t> Rasterizer::paint(const RasterScene& scene, const RasterOptions& options,
+                                        Picture& picture, ThreadPool& pool) {
+  picture.size = scene.size;
+  picture.rgba.resize(4 * pixels_of(scene));
+  SPLATLAS_RETURN_IF_ERROR(draw_tiles(scene, options, &picture, pool));
+  return triangles_of(scene);
+}
+
+Result<void> Rasterizer::draw_tiles(const RasterScene& scene, const RasterOptions& options, Picture* picture,
+                                    ThreadPool& pool) {
+  Count count{options.max_fragments};
+  bins_.fill(scene, pool);
+  if (draw_centers(scene, options, picture, count, pool) && draw_edges(scene, options, picture, count, pool))
+    return {};
+  return fail(ErrorCode::kLimit,
+              "the surfaces leave more than {} fragments in this picture; make it smaller or select fewer "
+              "translucent surfaces",
+              options.max_fragments);
+}
+
+bool Rasterizer::draw_centers(const RasterScene& scene, const RasterOptions& options, Picture* picture,
+                              Count& count, ThreadPool& pool) {
   centers_.resize(bins_.tiles());
-  seen_.resize(options.edge_samples > 1 ? pixels : 0);
+  seen_.resize(options.edge_samples > 1 ? pixels_of(scene) : 0);
   pool.for_each(centers_.size(), [&](std::size_t n) {
     std::unique_ptr<TileRasterizer> worker = take_worker();
     worker->begin(scene, bins_.box(n));
     if (draw_tile(n, *worker, count)) {
-      worker->finish(options.termination_threshold, centers_[n], seen_);
-      count.add(centers_[n].fragments.size());
+      if (picture != nullptr) {
+        worker->paint(options.termination_threshold, *picture, seen_);
+      } else {
+        worker->finish(options.termination_threshold, centers_[n], seen_);
+        count.add(centers_[n].fragments.size());
+      }
     }
     give_back(std::move(worker));
   });
   return !count.too_many;
 }
 
-bool Rasterizer::draw_edges(const RasterScene& scene, const RasterOptions& options, Count& count,
-                            ThreadPool& pool) {
+bool Rasterizer::draw_edges(const RasterScene& scene, const RasterOptions& options, Picture* picture,
+                            Count& count, ThreadPool& pool) {
   edges_.resize(options.edge_samples > 1 ? bins_.tiles() : 0);
   if (edges_.empty()) return true;
   pattern_ = sample_pattern(options.edge_samples);
@@ -78,10 +105,14 @@ bool Rasterizer::draw_edges(const RasterScene& scene, const RasterOptions& optio
   pool.for_each(edges_.size(), [&](std::size_t n) {
     std::unique_ptr<TileRasterizer> worker = take_worker();
     worker->begin_edges(scene, bins_.box(n), is_edge_, pattern_);
-    count.add(worker->slots());
+    count.add(picture != nullptr ? 0 : worker->slots());
     if (draw_tile(n, *worker, count)) {
-      worker->finish(options.termination_threshold, edges_[n], {});
-      count.add(edges_[n].fragments.size());
+      if (picture != nullptr) {
+        worker->paint(options.termination_threshold, *picture, {});
+      } else {
+        worker->finish(options.termination_threshold, edges_[n], {});
+        count.add(edges_[n].fragments.size());
+      }
     }
     give_back(std::move(worker));
   });

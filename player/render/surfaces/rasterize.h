@@ -41,12 +41,21 @@ class Rasterizer {
   /// triangles and visible fragments; those at edges count once per sample.
   [[nodiscard]] Result<std::uint64_t> draw(const RasterScene& scene, const RasterOptions& options,
                                            FragmentList& out, ThreadPool& pool);
+  /// Draws surfaces that have no volume and no faces around them: composites the fragments of each sample,
+  /// and replaces the picture by the means of the samples. The same errors.
+  [[nodiscard]] Result<std::uint64_t> paint(const RasterScene& scene, const RasterOptions& options,
+                                            Picture& picture, ThreadPool& pool);
 
  private:
   struct Count;
 
-  bool draw_centers(const RasterScene& scene, const RasterOptions& options, Count& count, ThreadPool& pool);
-  bool draw_edges(const RasterScene& scene, const RasterOptions& options, Count& count, ThreadPool& pool);
+  /// Draw every sample into `picture`, or keep its fragments if that is null.
+  [[nodiscard]] Result<void> draw_tiles(const RasterScene& scene, const RasterOptions& options,
+                                        Picture* picture, ThreadPool& pool);
+  bool draw_centers(const RasterScene& scene, const RasterOptions& options, Picture* picture, Count& count,
+                    ThreadPool& pool);
+  bool draw_edges(const RasterScene& scene, const RasterOptions& options, Picture* picture, Count& count,
+                  ThreadPool& pool);
   bool draw_tile(std::size_t tile, TileRasterizer& worker, Count& count) const;
   /// Calls visit(pixel, place, fragments) for the samples of a row of tiles, in order of pixels.
   template <typename Visit>

@@ -73,13 +73,13 @@ struct PixelBox {
 /// A triangle with clockwise winding, so that edge functions are positive inside.
 struct ScreenTriangle {
   std::array<ScreenVertex, 3> corner;
-  std::int64_t area = 0;  ///< twice the area; 0 if degenerate
+  std::int64_t area = 0;  ///< twice the area
   /// Top-left rule: 0 for left and top edges, whose points are inside, else 1.
   std::array<std::int64_t, 3> opened{};
 
-  explicit ScreenTriangle(const std::array<ScreenVertex, 3>& v) : corner(v) {
-    area = doubled_area(v[0], v[1], v[2]);
-    turned_ = area < 0;
+  /// Corners, and their doubled_area(), which is not 0.
+  ScreenTriangle(const std::array<ScreenVertex, 3>& v, std::int64_t signed_area)
+      : corner(v), area(signed_area), turned_(signed_area < 0) {
     if (turned_) {
       std::swap(corner[1], corner[2]);
       area = -area;
@@ -158,7 +158,8 @@ class TriangleAttributes {
   /// Depth at picture coordinates (x, y) with integer pixel centres, clamped to the depths of the corners.
   /// Snapped triangles may cover samples just outside the original one.
   [[nodiscard]] double depth_at(double x, double y) const {
-    const double depth = at(depth_, x, y) / (parallel_ ? 1 : at(inverse_w_, x, y));
+    double depth = at(depth_, x, y);
+    if (!parallel_) depth /= at(inverse_w_, x, y);
     return std::clamp(depth, nearest_, furthest_);
   }
   /// Converts screen-space weights of the rasterised corners to barycentric weights of the mesh's corners.

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <utility>
 
 namespace splatlas {
 namespace {
@@ -12,10 +11,16 @@ namespace {
 /// from common surface depths such as half voxels, where rounding would decide.
 constexpr double kDepthSteps = 4096;
 constexpr double kDepthOffset = 0.3183;
-constexpr double kDepthBias = 0x1p40;  // bins; exceeds the depth of any grid, so that all bins are positive
-/// Sides of faces of cuts in SurfacesSeen::add().
-constexpr std::uint32_t kFaceSide = 0x80000000;
+constexpr std::int64_t kDepthBias =
+    std::int64_t{1} << 40;  // bins; exceeds the depth of any grid, so that all bins are positive
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+/// Number of the bin of a depth.
+std::uint64_t bin_of(double depth) {
+  const double steps = depth * kDepthSteps + kDepthOffset;
+  const auto whole = static_cast<std::int64_t>(steps);  // std::floor() is slow before SSE4.1
+  return static_cast<std::uint64_t>(whole - (static_cast<double>(whole) > steps ? 1 : 0) + kDepthBias);
+}
 
 /// Depths behind this one are behind an opaque crossing by more than the width of a bin and rounding.
 float hiding(float depth) {
@@ -80,13 +85,15 @@ void TileRasterizer::draw(const TileCluster& of) {
   Current current;
   current.surface = of.surface;
   current.is_opaque = surface.opacity >= 1;
+  current.hides_back = current.is_opaque && surface.clusters->is_closed() && scene_->cuts == nullptr &&
+                       scene_->projection.is_parallel();
   for (std::size_t n = 0; n < cluster.triangles.size(); ++n) {
     const SurfaceClusters::Triangle& triangle = cluster.triangles[n];
     const Vertex& a = vertices_[triangle.corners[0]];
     const Vertex& b = vertices_[triangle.corners[1]];
     const Vertex& c = vertices_[triangle.corners[2]];
     if ((a.removing & b.removing & c.removing) != 0) continue;
-    current.triangle = cluster.numbers[n];
+    current.triangle = cluster.first + static_cast<std::uint32_t>(n);
     current.front = triangle.front;
     current.cuts = (a.removing | b.removing | c.removing) != 0 ? scene_->cuts : nullptr;
     current.nearest = std::min({a.depth, b.depth, c.depth});
@@ -161,7 +168,8 @@ void TileRasterizer::place_vertices(const SurfaceClusters::Cluster& cluster, boo
 /// Draws the parts of a triangle within the near plane and the guard band.
 void TileRasterizer::draw_parts(Current& current) {
   parts_.clear();
-  clip_triangle(*scene_->surfaces[current.surface].mesh, current.triangle, scene_->projection, parts_);
+  const SurfaceDraw& surface = scene_->surfaces[current.surface];
+  clip_triangle(*surface.mesh, surface.clusters->number(current.triangle), scene_->projection, parts_);
   const std::array<double, 3> of_triangle = current.depths;
   for (const ClippedTriangle& part : parts_) {
     current.part = &part;
@@ -173,18 +181,58 @@ void TileRasterizer::draw_parts(Current& current) {
 }
 
 void TileRasterizer::draw_triangle(const std::array<ScreenVertex, 3>& corners, Current& current) {
+  const std::int64_t area = doubled_area(corners[0], corners[1], corners[2]);
+  if (area == 0 || (area > 0 && current.hides_back)) return;
   const bool at_centers = slot_of_pixel_.empty();
   const PixelBox box =
       intersection(pixels_of(corners[0], corners[1], corners[2], at_centers ? 0 : kHalfPixel), tile_);
   if (box.empty() || is_hidden(box, current.nearest)) return;
-  const ScreenTriangle t(corners);
-  if (t.area == 0) return;
+  const ScreenTriangle t(corners, area);
   current.attributes.reset();
   if (at_centers) {
     sample_centers(t, box, current);
   } else {
     sample_patterns(t, box, current);
   }
+}
+
+inline __attribute__((always_inline)) void TileRasterizer::hit(const ScreenTriangle& t,
+                                                               const EdgeWalk::Edges& edges, double x,
+                                                               double y, std::uint32_t slot,
+                                                               Current& current) {
+  // Find the depth, unless the triangle is hidden
+  if (current.nearest > hiding_[slot]) return;
+  if (!current.attributes)
+    current.attributes.emplace(current.points, current.depths, scene_->projection.is_parallel(),
+                               current.part);
+  const TriangleAttributes& attributes = *current.attributes;
+  const double depth = attributes.depth_at(x, y);
+  if (static_cast<float>(depth) > hiding_[slot]) return;
+  if (current.cuts != nullptr) {
+    const ClipDepths kept = current.cuts->depths(x + 0.5, y + 0.5, scene_->depth_axis, scene_->depth_sign);
+    if (!(depth >= kept.from && depth <= kept.to)) return;
+  }
+
+  // Quantise it into the sort key
+  const bool front = current.front == SurfaceClusters::Front::kBoth ||
+                     (current.front == SurfaceClusters::Front::kClockwise) == attributes.is_clockwise();
+  Crossing crossing{.order = bin_of(depth) << 1 | (front ? 1 : 0),
+                    .slot = slot,
+                    .depth = static_cast<float>(depth),
+                    .surface = current.surface,
+                    .triangle = current.triangle};
+  if (hiding_[slot] < kInfinity && !in_front(crossing, nearest_[slot])) return;
+
+  std::array<float, 3> weight = t.weights(edges);
+  attributes.correct(weight);
+  crossing.weights = {weight[1], weight[2]};
+  if (current.is_opaque) {
+    nearest_[slot] = crossing;
+    hiding_[slot] = hiding(crossing.depth);
+    changed_ = true;
+    return;
+  }
+  crossings_.push_back(crossing);
 }
 
 void TileRasterizer::sample_centers(const ScreenTriangle& t, const PixelBox& box, Current& current) {
@@ -214,162 +262,6 @@ void TileRasterizer::sample_patterns(const ScreenTriangle& t, const PixelBox& bo
       }
       if (current.is_opaque) renew_pixel(static_cast<std::uint32_t>(row + x));
     }
-  }
-}
-
-void TileRasterizer::hit(const ScreenTriangle& t, const EdgeWalk::Edges& edges, double x, double y,
-                         std::uint32_t slot, Current& current) {
-  // Find the depth, unless the triangle is hidden
-  if (current.nearest > hiding_[slot]) return;
-  if (!current.attributes)
-    current.attributes.emplace(current.points, current.depths, scene_->projection.is_parallel(),
-                               current.part);
-  const TriangleAttributes& attributes = *current.attributes;
-  const double depth = attributes.depth_at(x, y);
-  if (static_cast<float>(depth) > hiding_[slot]) return;
-  if (current.cuts != nullptr) {
-    const ClipDepths kept = current.cuts->depths(x + 0.5, y + 0.5, scene_->depth_axis, scene_->depth_sign);
-    if (!(depth >= kept.from && depth <= kept.to)) return;
-  }
-
-  // Quantise it into the sort key
-  const double step = std::floor(depth * kDepthSteps + kDepthOffset) + kDepthBias;
-  const bool front = current.front == SurfaceClusters::Front::kBoth ||
-                     (current.front == SurfaceClusters::Front::kClockwise) == attributes.is_clockwise();
-  Crossing crossing{.order = (static_cast<std::uint64_t>(step) << 1) | (front ? 1 : 0),
-                    .slot = slot,
-                    .depth = static_cast<float>(depth),
-                    .surface = current.surface,
-                    .triangle = current.triangle};
-  if (hiding_[slot] < kInfinity && !in_front(crossing, nearest_[slot])) return;
-
-  // Keep an opaque crossing, which is shaded later, or shade a translucent one
-  std::array<float, 3> weight = t.weights(edges);
-  attributes.correct(weight);
-  if (current.is_opaque) {
-    crossing.shading = {weight[1], weight[2]};
-    nearest_[slot] = crossing;
-    hiding_[slot] = hiding(crossing.depth);
-    changed_ = true;
-    return;
-  }
-  const SurfaceShading shading = shade(crossing, weight);
-  crossing.shading = {shading.diffuse, shading.highlight};
-  crossings_.push_back(crossing);
-}
-
-bool TileRasterizer::in_front(const Crossing& a, const Crossing& b) const {
-  if (a.order != b.order) return a.order < b.order;
-  const StructureIndex of_a = scene_->surfaces[a.surface].structure;
-  const StructureIndex of_b = scene_->surfaces[b.surface].structure;
-  return of_a != of_b ? of_a < of_b : a.triangle < b.triangle;
-}
-
-SurfaceShading TileRasterizer::shade(const Crossing& crossing, const std::array<float, 3>& weight) const {
-  const SurfaceMesh& mesh = *scene_->surfaces[crossing.surface].mesh;
-  const auto& corners = mesh.triangles[crossing.triangle];
-  std::array<float, 3> normal{};
-  for (std::size_t n = 0; n < 3; ++n) {
-    for (std::size_t c = 0; c < 3; ++c) normal[c] += weight[n] * mesh.normals_lps[corners[n]][c];
-  }
-  if ((crossing.order & 1) == 0) normal = {-normal[0], -normal[1], -normal[2]};  // the back face
-  return scene_->lighting.on_surface(normal);
-}
-
-Fragment TileRasterizer::fragment(const Crossing& crossing, const SurfaceShading& shading) const {
-  const SurfaceDraw& surface = scene_->surfaces[crossing.surface];
-  Fragment fragment{crossing.depth, {0, 0, 0, surface.opacity}, surface.structure};
-  for (std::size_t c = 0; c < 3; ++c) fragment.rgba[c] = shading.on(surface.color[c]) * surface.opacity;
-  return fragment;
-}
-
-void TileRasterizer::finish(float termination_threshold, TileFragments& out, std::span<SurfacesSeen> seen) {
-  sort_by_slot();
-  out.fragments.clear();
-  out.end_of_slot.resize(hiding_.size());
-  if (!slot_of_pixel_.empty()) {
-    for (std::uint32_t slot = 0; slot < hiding_.size(); ++slot) {
-      finish_slot(slot, {}, termination_threshold, out.fragments, nullptr);
-      out.end_of_slot[slot] = static_cast<std::uint32_t>(out.fragments.size());
-    }
-    return;
-  }
-  for (std::uint32_t slot = 0; slot < hiding_.size(); ++slot) {
-    const std::int32_t x = tile_.x_first + static_cast<std::int32_t>(slot % kStride);
-    const std::int32_t y = tile_.y_first + static_cast<std::int32_t>(slot / kStride);
-    if (x <= tile_.x_last && y <= tile_.y_last) {
-      const std::size_t pixel = static_cast<std::size_t>(y) * static_cast<std::size_t>(scene_->size.width) +
-                                static_cast<std::size_t>(x);
-      finish_slot(slot, scene_->faces != nullptr ? scene_->faces->at(pixel) : RayFaces{},
-                  termination_threshold, out.fragments, seen.empty() ? nullptr : &seen[pixel]);
-    }
-    out.end_of_slot[slot] = static_cast<std::uint32_t>(out.fragments.size());
-  }
-}
-
-/// Composites front to back until the termination threshold, and adds the fragments.
-void TileRasterizer::finish_slot(std::uint32_t slot, const RayFaces& faces, float termination_threshold,
-                                 std::vector<Fragment>& out, SurfacesSeen* seen) {
-  if (seen != nullptr) *seen = {};
-  float transmittance = 1;
-  const auto pass_face = [&](const Face& face) {
-    if (seen != nullptr && face.shows() && transmittance > termination_threshold)
-      seen->add(kFaceSide | face.structure, transmittance, {face.depth, face.rgba, face.structure});
-    transmittance *= 1 - face.rgba[3];
-  };
-  const auto pass = [&](const Crossing& crossing, const SurfaceShading& shading) {
-    const Fragment& last = out.emplace_back(fragment(crossing, shading));
-    const std::uint32_t side = (crossing.surface << 1) | static_cast<std::uint32_t>(crossing.order & 1);
-    if (seen != nullptr) seen->add(side, transmittance, last);
-    transmittance *= 1 - last.rgba[3];
-  };
-  pass_face(faces.front);
-  if (!end_of_slot_.empty()) {
-    const std::uint32_t begin = slot == 0 ? 0 : end_of_slot_[slot - 1];
-    const auto of_slot = std::span(order_).subspan(begin, end_of_slot_[slot] - begin);
-    sort_slot(of_slot);
-    for (const std::uint32_t n : of_slot) {
-      if (transmittance <= termination_threshold) break;
-      pass(sorted_[n], {sorted_[n].shading[0], sorted_[n].shading[1]});
-    }
-  }
-  if (hiding_[slot] < kInfinity && transmittance > termination_threshold) {
-    const auto [second, third] = nearest_[slot].shading;
-    pass(nearest_[slot], shade(nearest_[slot], {1 - second - third, second, third}));
-  }
-  pass_face(faces.back);
-}
-
-/// Counting sort of translucent crossings.
-void TileRasterizer::sort_by_slot() {
-  end_of_slot_.clear();
-  if (crossings_.empty()) return;
-  end_of_slot_.assign(hiding_.size(), 0);
-  for (const Crossing& crossing : crossings_) ++end_of_slot_[crossing.slot];
-  std::uint32_t begin = 0;
-  for (std::uint32_t& end : end_of_slot_) begin += std::exchange(end, begin);
-  sorted_.resize(crossings_.size());
-  order_.resize(crossings_.size());
-  for (const Crossing& crossing : crossings_) {
-    const std::uint32_t n = end_of_slot_[crossing.slot]++;
-    sorted_[n] = crossing;
-    order_[n] = n;
-  }
-}
-
-/// Insertion sort: a slot has few crossings, which are often in order.
-void TileRasterizer::sort_slot(std::span<std::uint32_t> of_slot) const {
-  constexpr std::size_t kFew = 32;
-  const auto before = [&](std::uint32_t a, std::uint32_t b) { return in_front(sorted_[a], sorted_[b]); };
-  if (of_slot.size() > kFew) {
-    std::sort(of_slot.begin(), of_slot.end(), before);
-    return;
-  }
-  for (std::size_t n = 1; n < of_slot.size(); ++n) {
-    const std::uint32_t moved = of_slot[n];
-    std::size_t to = n;
-    for (; to > 0 && before(moved, of_slot[to - 1]); --to) of_slot[to] = of_slot[to - 1];
-    of_slot[to] = moved;
   }
 }
 

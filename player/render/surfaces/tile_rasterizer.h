@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "player/picture.h"
 #include "player/render/surfaces/edge_pixels.h"
 #include "player/render/surfaces/fragments.h"
 #include "player/render/surfaces/raster_scene.h"
@@ -45,6 +46,8 @@ class TileRasterizer {
   /// `termination_threshold`, such as behind an opaque fragment. `seen` of the picture receives a summary of
   /// every pixel unless it is empty; the faces of the scene are in front of and behind all fragments.
   void finish(float termination_threshold, TileFragments& out, std::span<SurfacesSeen> seen);
+  /// Composites the fragments instead, and writes the mean of the slots of each pixel into the picture.
+  void paint(float termination_threshold, Picture& picture, std::span<SurfacesSeen> seen);
 
   /// Number of translucent crossings so far.
   [[nodiscard]] std::size_t crossings() const { return crossings_.size(); }
@@ -61,9 +64,7 @@ class TileRasterizer {
     float depth = 0;
     std::uint32_t surface = kNone;
     std::uint32_t triangle = 0;
-    /// Diffuse and highlight. For opaque crossings, whose shading is deferred: the barycentric weights of the
-    /// second and third corner.
-    std::array<float, 2> shading{};
+    std::array<float, 2> weights{};  ///< of the second and third corner
   };
   /// A vertex of the current cluster.
   struct Vertex {
@@ -76,6 +77,7 @@ class TileRasterizer {
   struct Current {
     std::uint32_t surface = 0, triangle = 0;
     bool is_opaque = false;
+    bool hides_back = false;  ///< clockwise triangles are behind counter-clockwise ones
     SurfaceClusters::Front front{};
     std::array<ScreenPoint, 3> points;
     std::array<double, 3> depths{};
@@ -103,12 +105,23 @@ class TileRasterizer {
   void renew_pixel(std::uint32_t pixel);
   void renew_block(std::uint32_t block);
   [[nodiscard]] bool in_front(const Crossing& a, const Crossing& b) const;
-  [[nodiscard]] SurfaceShading shade(const Crossing& crossing, const std::array<float, 3>& weight) const;
+  /// Interpolated normal of the visible side, in LPS.
+  [[nodiscard]] std::array<float, 3> normal_of(const Crossing& crossing) const;
+  /// Identifies a surface and its side.
+  static std::uint32_t side_of(const Crossing& crossing) {
+    return (crossing.surface << 1) | static_cast<std::uint32_t>(crossing.order & 1);
+  }
   void sort_by_slot();
   void sort_slot(std::span<std::uint32_t> of_slot) const;
-  [[nodiscard]] Fragment fragment(const Crossing& crossing, const SurfaceShading& shading) const;
-  void finish_slot(std::uint32_t slot, const RayFaces& faces, float termination_threshold,
-                   std::vector<Fragment>& out, SurfacesSeen* seen);
+  [[nodiscard]] Fragment fragment(const Crossing& crossing) const;
+  /// Composites the fragments of a slot, front to back. Adds them to `out` and to `seen`, unless null.
+  Radiance finish_slot(std::uint32_t slot, const RayFaces& faces, float termination_threshold,
+                       std::vector<Fragment>* out, SurfacesSeen* seen);
+  /// paint() of a row of pixel centres without translucent crossings.
+  void paint_opaque_row(std::int32_t y, Picture& picture, std::span<SurfacesSeen> seen) const;
+  /// Calls visit(pixel of the picture, first slot) for the pixels of the tile that have slots, row by row.
+  template <typename Visit>
+  void for_each_pixel(const Visit& visit) const;
 
   const RasterScene* scene_ = nullptr;
   PixelBox tile_;

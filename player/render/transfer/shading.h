@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <vector>
 
 #include "format/content/grid.h"
@@ -38,6 +39,9 @@ class Lighting {
     for (int n = 0; n < kHighlightSquarings; ++n) highlight *= highlight;
     return {kAmbient + (1.0f - kAmbient) * std::min(facing, 1.0f), kHighlight * highlight};
   }
+  /// The same for `count` normals, in arrays for SIMD.
+  void on_surfaces(std::size_t count, const std::array<const float*, 3>& normals_lps, float* diffuse,
+                   float* highlight) const;
   /// diffuse() of all 65536 packed normals, for hybrid shading. Cost: about 0.1 ms.
   [[nodiscard]] std::vector<float> table() const;
 

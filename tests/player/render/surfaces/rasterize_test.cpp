@@ -56,21 +56,36 @@ struct Drawing {
   RasterOptions options{};
   unsigned threads = 1;
 
-  /// Draws surfaces, which need no clusters yet.
-  [[nodiscard]] Result<Drawn> draw(std::span<const SurfaceDraw> meshes) const {
+  /// Calls draw(scene, pool) for surfaces, which need no clusters yet.
+  template <typename Draw>
+  [[nodiscard]] Result<void> with_scene(std::span<const SurfaceDraw> meshes, const Draw& draw) const {
     std::vector<SurfaceDraw> surfaces(meshes.begin(), meshes.end());
     std::list<SurfaceClusters> clusters;
     for (SurfaceDraw& surface : surfaces) surface.clusters = &clusters.emplace_back(*surface.mesh, grid);
     ThreadPool pool(threads);
-    FragmentList list;
     const Lighting lighting(view);
-    const auto counters = Rasterizer().draw(
-        raster_scene(surfaces, view, factorise(view, grid), grid, lighting), options, list, pool);
-    if (!counters) return tl::unexpected<Error>(counters.error());
+    const Result<std::uint64_t> drawn =
+        draw(raster_scene(surfaces, view, factorise(view, grid), grid, lighting), pool);
+    if (!drawn) return tl::unexpected<Error>(drawn.error());
     std::size_t triangles = 0;
     for (const SurfaceDraw& surface : surfaces) triangles += surface.mesh->triangles.size();
-    EXPECT_EQ(*counters, triangles);
-    return Drawn(list, view.size);
+    EXPECT_EQ(*drawn, triangles);
+    return {};
+  }
+
+  [[nodiscard]] Result<Drawn> draw(std::span<const SurfaceDraw> meshes) const {
+    FragmentList list;
+    return with_scene(meshes, [&](const RasterScene& scene,
+                                  ThreadPool& pool) { return Rasterizer().draw(scene, options, list, pool); })
+        .map([&] { return Drawn(list, view.size); });
+  }
+
+  [[nodiscard]] Picture paint(std::span<const SurfaceDraw> meshes) const {
+    Picture picture;
+    EXPECT_TRUE(with_scene(meshes, [&](const RasterScene& scene, ThreadPool& pool) {
+      return Rasterizer().paint(scene, options, picture, pool);
+    }));
+    return picture;
   }
 };
 
@@ -310,6 +325,57 @@ TEST(Rasterize, RefusesTheSamePicturesWithAnyNumberOfThreads) {
       EXPECT_FALSE(drawing.draw(surfaces).has_value());
     }
   }
+}
+
+/// Painted pixels are the means of their samples, each composited front to back.
+TEST(Rasterize, PaintsWhatItsFragmentsShow) {
+  std::mt19937 random(9);
+  Drawing drawing{view_from(33, 21, {150, 70}, 0.2, {8, 8, 8})};
+  const std::vector<SurfaceMesh> meshes = noise_meshes(random, 2, 4, drawing.grid);
+  for (const float opacity : {1.0f, 0.3f}) {
+    for (const std::size_t samples : {1u, 4u}) {
+      drawing.options.edge_samples = samples;
+      const std::array surfaces{translucent(meshes[0], 0, 1.0f), translucent(meshes[1], 1, opacity)};
+      FragmentList list;
+      ASSERT_TRUE(drawing.with_scene(surfaces, [&](const RasterScene& scene, ThreadPool& pool) {
+        return Rasterizer().draw(scene, drawing.options, list, pool);
+      }));
+      std::vector<double> sums(std::size_t{4} * 150 * 70), counts(std::size_t{150} * 70, 1e-9);
+      for (std::size_t n = 0; n < list.sample_count(); ++n) {
+        double transmittance = 1;
+        counts[list.samples[n].pixel] += 1;
+        for (const Fragment& fragment : list.of_sample(n)) {
+          for (std::size_t c = 0; c < 4; ++c)
+            sums[4 * std::size_t{list.samples[n].pixel} + c] +=
+                transmittance * static_cast<double>(fragment.rgba[c]);
+          transmittance *= 1 - static_cast<double>(fragment.rgba[3]);
+        }
+      }
+      const Picture painted = drawing.paint(surfaces);
+      for (std::size_t n = 0; n < sums.size(); ++n)
+        ASSERT_NEAR(painted.rgba[n], sums[n] / counts[n / 4], 1e-5)
+            << opacity << ", " << samples << ": " << n;
+    }
+  }
+}
+
+/// Back faces of closed surfaces are hidden anyway. Their silhouettes may differ by single pixels.
+TEST(Rasterize, OmitsBackFacesOfClosedSurfacesUnseen) {
+  std::mt19937 random(10);
+  const Drawing drawing{view_from(33, 21, {150, 130}, 0.15, {8, 8, 8})};
+  SurfaceMesh mesh = noise_meshes(random, 1, 4, drawing.grid)[0];
+  const SurfaceDraw surface = translucent(mesh, 0, 1.0f);
+  const Picture with = drawing.paint({&surface, 1});
+  mesh.position_scale = static_cast<std::uint32_t>(SurfaceRule::kSmooth);
+  const Picture without = drawing.paint({&surface, 1});
+  std::size_t differences = 0, covered = 0;
+  for (std::size_t n = 0; n < with.rgba.size(); n += 4) {
+    EXPECT_EQ(with.rgba[n + 3], without.rgba[n + 3]);
+    if (with.rgba[n + 3] > 0) ++covered;
+    if (with.rgba[n] != without.rgba[n]) ++differences;
+  }
+  EXPECT_GT(covered, 5000u);
+  EXPECT_LT(differences, covered / 500);
 }
 
 TEST(Rasterize, GivesTheSameFragmentsWithAnyNumberOfThreads) {
