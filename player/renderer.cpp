@@ -249,7 +249,6 @@ struct Renderer::Impl {
             .options = call.options,
             .overrides = call.overrides,
             .max_memory_bytes = max_memory_bytes,
-            .has_volume = !volume_classes(drawn.plan()).empty(),
             .faces = faces.faces(),
             .numbers = drawn.numbers()};
   }
@@ -260,8 +259,7 @@ struct Renderer::Impl {
     rasterized = 0;
     SPLATLAS_RETURN_IF_ERROR(stages.run(volume_loops, call.task, frame.picture));
     shown = stages.shown();
-    ++frames;
-    if (buffers.has_fragments) rasterized = frames;
+    if (++frames; buffers.has_fragments) rasterized = frames;
     std::swap(frame.ids, buffers.ids);  // empty without ids
     buffers.ids.numbers.clear();
     frame.depths = call.options.depths ? std::exchange(buffers.depths, {}) : DepthMap{};

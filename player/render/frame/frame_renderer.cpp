@@ -108,6 +108,8 @@ FrameRenderer::FrameRenderer(const FrameScene& scene, FrameBuffers& buffers, Ren
 }
 
 Result<void> FrameRenderer::run(std::size_t volume_loops, TaskControl& task, Picture& picture) {
+  stats_.voxels_visited = 0;
+  stats_.sheets = stats_.resolve = stats_.ids = stats_.depth_cue = {};
   task.begin_stage(kRasterized, kRasterLoops);
   SPLATLAS_RETURN_IF_ERROR(rasterize(picture));
   if (paints_surfaces()) return {};
@@ -125,7 +127,7 @@ Result<void> FrameRenderer::run(std::size_t volume_loops, TaskControl& task, Pic
 /// True if nothing but surfaces contributes to the frame.
 bool FrameRenderer::paints_surfaces() const {
   const RenderOptions& options = scene_.options;
-  return !scene_.has_volume && scene_.faces == nullptr && !options.ids && !options.depths &&
+  return voxels() == 0 && scene_.faces == nullptr && !options.ids && !options.depths &&
          !cues_depth(options);
 }
 

@@ -48,7 +48,6 @@ struct FrameScene {
   const RenderOptions& options;
   const RenderOverrides& overrides;
   std::uint64_t max_memory_bytes = 0;  ///< limit; fragments may take a quarter of it
-  bool has_volume = true;
   std::shared_ptr<const CutFaces> faces = nullptr;  ///< of the cuts of the options; null: none
   /// For an id image: numbers of the structures of the plan's classes; empty: none.
   std::span<const StructureNumber> numbers = {};
@@ -102,6 +101,8 @@ class FrameRenderer {
   /// Merges the depths of the volume into the depth map of the buffers.
   virtual void add_volume_depths(const ViewDepth& view_depth) = 0;
   [[nodiscard]] bool paints_surfaces() const;
+  /// Voxels that contribute to the volume.
+  [[nodiscard]] virtual std::uint64_t voxels() const = 0;
   /// Normal of the slices; none for rays.
   [[nodiscard]] virtual std::optional<Axis> slice_axis() const = 0;
 

@@ -21,6 +21,7 @@ class RayFrame : public FrameRenderer {
  private:
   [[nodiscard]] Result<RasterScene> raster_scene_of_view() const override;
   void add_volume_depths(const ViewDepth& view_depth) override;
+  [[nodiscard]] std::uint64_t voxels() const override { return volume_.voxels(); }
   [[nodiscard]] std::optional<Axis> slice_axis() const override { return std::nullopt; }
 
   const RayVolume& volume_;
