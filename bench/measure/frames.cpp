@@ -51,9 +51,8 @@ Result<RenderStats> draw_frame(FrameScene scene, const SpanModel& spans, const S
   scene.max_memory_bytes = std::numeric_limits<std::uint64_t>::max();
   RenderStats stats;
   SheetFrame frame(scene, spans, nullptr, shear, buffers, stats, pool);
-  SPLATLAS_RETURN_IF_ERROR(frame.rasterize());
-  SPLATLAS_RETURN_IF_ERROR(frame.render_volume(picture));
-  frame.resolve(picture);
+  TaskControl task({}, {});
+  SPLATLAS_RETURN_IF_ERROR(frame.run(1, task, picture));
   return stats;
 }
 

@@ -14,16 +14,17 @@
 namespace splatlas {
 namespace {
 
-constexpr Grid kGrid{{20, 24, 28}, {1, 2, 0.5}, {0, 0, 0}, {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+constexpr Grid kClusterGrid{{20, 24, 28}, {1, 2, 0.5}, {0, 0, 0}, {1, 0, 0, 0, 1, 0, 0, 0, 1}};
 
 SurfaceMesh noise_mesh(unsigned seed) {
   std::mt19937 random(seed);
-  return marching_tetrahedra(make_mask(kGrid.size, [&](auto...) { return random() % 3 == 0; }), kGrid);
+  return marching_tetrahedra(make_mask(kClusterGrid.size, [&](auto...) { return random() % 3 == 0; }),
+                             kClusterGrid);
 }
 
 TEST(SurfaceClusters, HoldEachTriangleOnceWithItsCorners) {
   const SurfaceMesh mesh = noise_mesh(1);
-  const SurfaceClusters clusters(mesh, kGrid);
+  const SurfaceClusters clusters(mesh, kClusterGrid);
   std::vector<int> seen(mesh.triangles.size());
   float sides = 0;
   for (std::size_t c = 0; c < clusters.size(); ++c) {
@@ -63,7 +64,7 @@ TEST(SurfaceClusters, KnowTheFrontByNormalsAndWinding) {
        {0.0f, {Front::kBoth, Front::kBoth}}}};
   for (const auto& [z, fronts] : kCases) {
     mesh.normals_lps.assign(3, {0, 0, z});
-    const SurfaceClusters clusters(mesh, kGrid);
+    const SurfaceClusters clusters(mesh, kClusterGrid);
     for (std::uint32_t n = 0; n < 2; ++n)
       EXPECT_EQ(clusters[0].triangles[n].front, fronts[clusters.number(n)]) << z << ", " << n;
   }
@@ -71,14 +72,14 @@ TEST(SurfaceClusters, KnowTheFrontByNormalsAndWinding) {
 
 TEST(SurfaceClusters, AreClosedWithoutABorderOnly) {
   SurfaceMesh mesh = noise_mesh(2);
-  EXPECT_FALSE(SurfaceClusters(mesh, kGrid).is_closed());  // not fitted
+  EXPECT_FALSE(SurfaceClusters(mesh, kClusterGrid).is_closed());  // not fitted
   mesh.position_scale = static_cast<std::uint32_t>(SurfaceRule::kSmooth);
-  EXPECT_TRUE(SurfaceClusters(mesh, kGrid).is_closed());
+  EXPECT_TRUE(SurfaceClusters(mesh, kClusterGrid).is_closed());
   SurfaceMesh turned = mesh;
   std::swap(turned.triangles[7][0], turned.triangles[7][1]);
-  EXPECT_FALSE(SurfaceClusters(turned, kGrid).is_closed());
+  EXPECT_FALSE(SurfaceClusters(turned, kClusterGrid).is_closed());
   mesh.triangles.erase(mesh.triangles.begin() + 100);
-  EXPECT_FALSE(SurfaceClusters(mesh, kGrid).is_closed());
+  EXPECT_FALSE(SurfaceClusters(mesh, kClusterGrid).is_closed());
 }
 
 /// Files may hold any number: nothing is divided by a size of 0, and no box is infinite.
@@ -89,10 +90,10 @@ TEST(SurfaceClusters, TakeCoordinatesThatAreNotFinite) {
   mesh.positions_ijk = {{nan, 0, 0}, {infinity, -infinity, 3}, {2, 2, 2}};
   mesh.normals_lps.assign(3, {0, 0, nan});
   mesh.triangles = {{0, 1, 2}, {2, 2, 2}};
-  const SurfaceClusters clusters(mesh, kGrid);
+  const SurfaceClusters clusters(mesh, kClusterGrid);
   ASSERT_EQ(clusters.size(), 1u);
   EXPECT_EQ(clusters[0].box.high, (std::array<float, 3>{2, 2, 3}));
-  EXPECT_EQ(SurfaceClusters(SurfaceMesh{}, kGrid).size(), 0u);
+  EXPECT_EQ(SurfaceClusters(SurfaceMesh{}, kClusterGrid).size(), 0u);
 }
 
 }  // namespace
