@@ -6,6 +6,7 @@
 #include <set>
 
 #include "format/result_macros.h"
+#include "format/tasks/task_control.h"
 #include "player/render/view/shear.h"
 
 namespace splatlas {
