@@ -87,8 +87,10 @@ class WindowTest : public testing::Test {
 };
 
 TEST_F(WindowTest, NamesWhatIsUnderThePointerAndShowsItsColor) {
-  point(sphere(2));  // the pointer may begin at Sphere 1
-  EXPECT_EQ(player_.wait_for("pointer").at("name"), "Sphere_2");
+  point(sphere(2));
+  Json pointer = player_.wait_for("pointer");
+  if (pointer.at("name") == "Sphere_1") pointer = player_.wait_for("pointer");  // it may begin there
+  EXPECT_EQ(pointer.at("name"), "Sphere_2");
   point(sphere(1));
   EXPECT_EQ(player_.wait_for("pointer").at("structure"), "Sphere_1");
   const auto [red1, green1, blue1] = screen().pixel(sphere(1)[0], sphere(1)[1]);
