@@ -11,6 +11,7 @@ void SheetEnds::build(std::span<const float> depths, const PictureSize& size, co
   // Invert the map from the picture to the sheet
   const Affine2& map = shear.picture_to_sheet;
   const double determinant = map.xx * map.yy - map.xy * map.yx;
+  const double last_x = size.width - 1, last_y = size.height - 1;
   const auto rows = static_cast<std::size_t>(window.empty() ? 0 : window.fine_rows());
   rows_.resize(rows);
   constexpr std::size_t kRowsPerJob = 16;
@@ -20,9 +21,8 @@ void SheetEnds::build(std::span<const float> depths, const PictureSize& size, co
       const double v = static_cast<double>(window.v0) + static_cast<double>(row) / window.scale - map.y0;
       for (std::int64_t fine = 0; fine < window.fine_columns(); ++fine) {
         const double u = static_cast<double>(window.u0) + static_cast<double>(fine) / window.scale - map.x0;
-        const double x = std::floor((map.yy * u - map.xy * v) / determinant);
-        const double y = std::floor((map.xx * v - map.yx * u) / determinant);
-        if (!(x >= 0 && y >= 0 && x < size.width && y < size.height)) continue;
+        const double x = std::clamp(std::floor((map.yy * u - map.xy * v) / determinant), 0.0, last_x);
+        const double y = std::clamp(std::floor((map.xx * v - map.yx * u) / determinant), 0.0, last_y);
         const float depth = depths[static_cast<std::size_t>(y) * static_cast<std::size_t>(size.width) +
                                    static_cast<std::size_t>(x)];
         if (!std::isfinite(depth)) continue;

@@ -24,9 +24,9 @@ class SheetEnds {
     float part = 0;                      ///< of the slab, in front of the surface
   };
 
-  /// Finds the surface of each pixel of the sheet. It is that of the picture pixel at the same place; beside
-  /// the picture there is none. `depths`: of opaque surfaces by picture pixel, as of fragments; infinite:
-  /// none. `order`: built for the window. Keeps its memory from frame to frame. Cost: linear in sheet pixels.
+  /// Finds the surface of each pixel of the sheet: that of the nearest picture pixel. `depths`: of opaque
+  /// surfaces by picture pixel, as of fragments; infinite: none. `order`: built for the window. Keeps its
+  /// memory from frame to frame. Cost: linear in sheet pixels.
   void build(std::span<const float> depths, const PictureSize& size, const Shear& shear,
              const SheetWindow& window, const FragmentOrder& order, ThreadPool& pool);
 
