@@ -170,6 +170,14 @@ TEST(SurfaceInVolume, SweptPlanesFollowTheClosedForm) {
   }
 }
 
+/// Rays of drafts end at opaque surfaces.
+TEST(SurfaceInVolume, RaysOfDraftsEndAtTheClosedForm) {
+  for (int step = -16; step <= 16 * kDepth; ++step) {
+    if (step % 4 != 0 && (step < 28 || step > 60)) continue;
+    expect_closed_form({{step / 16.0, {255, 80, 20}, 1.0f, true}}, {0}, {0}, {Quality::kDraft});
+  }
+}
+
 /// A plane moves in steps of a tenth of a voxel. The picture changes monotonously towards the colour of the
 /// fog, by at most the opacity of that tenth.
 TEST(SurfaceInVolume, SweptPlanesChangeMonotonouslyAndContinuously) {

@@ -45,15 +45,19 @@ void find_sample_faces(const ViewFaces& faces, int width, FragmentList& list, Th
 }
 
 /// Rasterises surfaces, clipped by the frame's cut, and finds the faces of the cut. `painted`: the picture to
-/// paint in place of fragments, without faces; null: none. Returns the number of triangles.
+/// paint in place of fragments, without faces, and its `depths`; null: none. Returns the number of triangles.
 Result<std::uint64_t> draw_surfaces(RasterScene scene, const ShownFrame& frame, const Grid& grid,
-                                    FrameBuffers& buffers, Picture* painted, ThreadPool& pool) {
+                                    FrameBuffers& buffers, Picture* painted, std::vector<float>* depths,
+                                    ThreadPool& pool) {
   if (frame.faces == nullptr) buffers.faces.clear();
   buffers.fragments.faces.clear();
   buffers.has_fragments = painted == nullptr;
   std::optional<CutRays> surface_cuts;
   if (!frame.cuts.empty()) scene.cuts = &surface_cuts.emplace(frame.cuts, frame.view, grid, kCutMargin);
-  if (painted != nullptr) return buffers.rasterizer.paint(scene, frame.raster, *painted, pool);
+  if (painted != nullptr) {
+    buffers.fragments.clear(scene.size);
+    return buffers.rasterizer.paint(scene, frame.raster, *painted, depths, pool);
+  }
   if (frame.faces == nullptr) return buffers.rasterizer.draw(scene, frame.raster, buffers.fragments, pool);
   const CutRays cuts(frame.cuts, frame.view, grid);
   const ViewFaces faces(*frame.faces, cuts, frame.caps, frame.depth_axis, frame.depth_sign);
@@ -112,7 +116,7 @@ Result<void> FrameRenderer::run(std::size_t volume_loops, TaskControl& task, Pic
   stats_.sheets = stats_.resolve = stats_.ids = stats_.depth_cue = {};
   task.begin_stage(kRasterized, kRasterLoops);
   SPLATLAS_RETURN_IF_ERROR(rasterize(picture));
-  if (paints_surfaces()) return {};
+  if (voxels() == 0 && paints_surfaces()) return {};
   task.begin_stage(kVolumeDrawn, volume_loops);
   SPLATLAS_RETURN_IF_ERROR(render_volume(picture));
   task.begin_stage(kResolved, kResolveLoops);
@@ -124,19 +128,21 @@ Result<void> FrameRenderer::run(std::size_t volume_loops, TaskControl& task, Pic
   return {};
 }
 
-/// True if nothing but surfaces contributes to the frame.
+/// True if no fragments are needed: without a volume, or with one whose rays end at opaque surfaces.
 bool FrameRenderer::paints_surfaces() const {
   const RenderOptions& options = scene_.options;
-  return voxels() == 0 && scene_.faces == nullptr && !options.ids && !options.depths &&
-         !cues_depth(options);
+  return (voxels() == 0 || ends_at_surfaces()) && scene_.faces == nullptr && !options.ids &&
+         !options.depths && !cues_depth(options);
 }
 
 Result<void> FrameRenderer::rasterize(Picture& picture) {
   Stopwatch watch;
   SPLATLAS_ASSIGN_OR_RETURN(const RasterScene raster, raster_scene_of_view());
   raster_.emplace(raster);
-  SPLATLAS_ASSIGN_OR_RETURN(stats_.triangles, draw_surfaces(*raster_, shown(), scene_.grid, buffers_,
-                                                            paints_surfaces() ? &picture : nullptr, pool_));
+  SPLATLAS_ASSIGN_OR_RETURN(
+      stats_.triangles,
+      draw_surfaces(*raster_, shown(), scene_.grid, buffers_, paints_surfaces() ? &picture : nullptr,
+                    ends_at_surfaces() ? &buffers_.surface_depths : nullptr, pool_));
   stats_.rasterize = watch.lap();
   return {};
 }
@@ -179,7 +185,7 @@ Result<void> rasterize_again(const ShownFrame& frame, std::span<const SurfaceDra
       const RasterScene scene,
       frame.sheets ? raster_scene(surfaces, plane, factorise(plane, grid, &*frame.sheets), grid, lighting)
                    : raster_scene_of_rays(surfaces, frame.view, grid, lighting));
-  SPLATLAS_RETURN_IF_ERROR(draw_surfaces(scene, frame, grid, buffers, nullptr, pool));
+  SPLATLAS_RETURN_IF_ERROR(draw_surfaces(scene, frame, grid, buffers, nullptr, nullptr, pool));
   return {};
 }
 

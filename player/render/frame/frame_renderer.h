@@ -18,6 +18,7 @@
 #include "player/render/frame/render_overrides.h"
 #include "player/render/sheets/fragment_order.h"
 #include "player/render/sheets/ids/sheet_shares.h"
+#include "player/render/sheets/sheet_ends.h"
 #include "player/render/sheets/warp/sheet_image.h"
 #include "player/render/surfaces/raster_scene.h"
 #include "player/render/surfaces/rasterize.h"
@@ -29,9 +30,11 @@ namespace splatlas {
 struct FrameBuffers {
   Rasterizer rasterizer;
   FragmentList fragments;
-  bool has_fragments = false;  ///< of the latest frame; false: it was painted without them
-  FaceLayer faces;             ///< of a cut; empty: none
-  FragmentOrder order;         ///< depth order of the fragments, and the volume in front of them
+  bool has_fragments = false;         ///< of the latest frame; false: it was painted without them
+  std::vector<float> surface_depths;  ///< by pixel, if rays end at opaque surfaces
+  SheetEnds ends;                     ///< the same, by sheet pixel
+  FaceLayer faces;                    ///< of a cut; empty: none
+  FragmentOrder order;                ///< depth order of the fragments, and the volume in front of them
   SheetImage sheet;
   SheetShares shares;              ///< of an id image
   FragmentShares fragment_shares;  ///< the same
@@ -47,7 +50,7 @@ struct FrameScene {
   const Lighting& lighting;
   const RenderOptions& options;
   const RenderOverrides& overrides;
-  std::uint64_t max_memory_bytes = 0;  ///< limit; fragments may take a quarter of it
+  std::uint64_t max_memory_bytes = 0;               ///< limit; fragments may take a quarter of it
   std::shared_ptr<const CutFaces> faces = nullptr;  ///< of the cuts of the options; null: none
   /// For an id image: numbers of the structures of the plan's classes; empty: none.
   std::span<const StructureNumber> numbers = {};
@@ -101,6 +104,8 @@ class FrameRenderer {
   /// Merges the depths of the volume into the depth map of the buffers.
   virtual void add_volume_depths(const ViewDepth& view_depth) = 0;
   [[nodiscard]] bool paints_surfaces() const;
+  /// True if the frame needs no fragments because rays end at opaque surfaces.
+  [[nodiscard]] virtual bool ends_at_surfaces() const { return false; }
   /// Voxels that contribute to the volume.
   [[nodiscard]] virtual std::uint64_t voxels() const = 0;
   /// Normal of the slices; none for rays.

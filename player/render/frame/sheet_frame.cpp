@@ -94,6 +94,13 @@ Result<RasterScene> SheetFrame::raster_scene_of_view() const {
   return raster_scene(scene_.surfaces, scene_.view.plane, shear_, scene_.grid, scene_.lighting);
 }
 
+/// In drafts, where neighbouring pixels may end at different depths.
+bool SheetFrame::ends_at_surfaces() const {
+  const auto is_opaque = [](const SurfaceDraw& surface) { return surface.opacity >= 1; };
+  return voxels() > 0 && scene_.options.quality == Quality::kDraft && scene_.options.cuts.empty() &&
+         !scene_.surfaces.empty() && std::ranges::all_of(scene_.surfaces, is_opaque);
+}
+
 Result<void> SheetFrame::render_volume(Picture& /*picture*/) {
   Stopwatch watch;
   const RenderOptions& options = scene_.options;
@@ -101,14 +108,18 @@ Result<void> SheetFrame::render_volume(Picture& /*picture*/) {
                             choose_window(spans_, shear_, scene_.grid, options, planes()));
   check_memory(bytes_of_sheet(window, spans_));
   buffers_.order.build(buffers_.fragments, shear_, window, options.size, scene_.grid, pool_);
+  const bool has_ends = paints_surfaces();
+  if (has_ends)
+    buffers_.ends.build(buffers_.surface_depths, options.size, shear_, window, buffers_.order, pool_);
   // The positive weights of the cubic kernel sum to at most 1.28, which amplifies the error of the sheet.
   const float threshold = termination_threshold(options) / (window.cubic ? 1.3f : 1.0f);
   const SplatKernels& kernels = scene_.overrides.simd ? best_kernels() : scalar_kernels();
   std::optional<SharePass> shares;
   if (options.ids)
     shares.emplace(SharePass{{*runs_, scene_.numbers}, buffers_.shares, buffers_.fragment_shares});
-  stats_.voxels_visited = render_sheets(spans_, shear_, window, kernels, threshold, planes(), buffers_.order,
-                                        buffers_.sheet, pool_, shares ? &*shares : nullptr);
+  stats_.voxels_visited =
+      render_sheets(spans_, shear_, window, kernels, threshold, planes(), buffers_.order, buffers_.sheet,
+                    pool_, shares ? &*shares : nullptr, has_ends ? &buffers_.ends : nullptr);
   stats_.sheets = watch.lap();
   return {};
 }
@@ -116,7 +127,7 @@ Result<void> SheetFrame::render_volume(Picture& /*picture*/) {
 void SheetFrame::resolve(Picture& picture) {
   Stopwatch watch;
   splatlas::resolve(buffers_.sheet, shear_, fragments(), scene_.options.size,
-                    scene_.overrides.simd ? best_warp() : scalar_warp(), picture, pool_);
+                    scene_.overrides.simd ? best_warp() : scalar_warp(), paints_surfaces(), picture, pool_);
   stats_.resolve = watch.lap();
 }
 

@@ -23,6 +23,7 @@ struct SheetPass {
   const SplatKernels& kernels;
   float termination_threshold;
   const FragmentOrder& fragments;
+  const SheetEnds* ends;  ///< in place of fragments; null: none
 };
 
 /// Trace policy of a band that records nothing; members as in BandShares.
@@ -39,17 +40,18 @@ struct NoTrace {
 };
 
 /// Rendering of the rows of `image` through all slices, front to back. `Clip`: a policy of band_clip.h.
-/// `Trace`: a policy that sees each slab, as NoTrace and BandShares do.
-template <class Clip, class Trace>
+/// `Trace`: a policy that sees each slab, as NoTrace and BandShares do. `Surfaces`: what gets the radiance in
+/// front of surfaces, SheetFragments or BandEnds.
+template <class Clip, class Trace, class Surfaces>
 class Band {
  public:
   /// All references must outlive it.
-  Band(const SheetPass& pass, const Clip& clip, Trace& trace, BandImage& image, SheetFragments& fragments)
+  Band(const SheetPass& pass, const Clip& clip, Trace& trace, BandImage& image, Surfaces& surfaces)
       : pass_(pass),
         scale_(pass.window.scale),
         group_(static_cast<std::int64_t>(SheetRows::group_size(pass.window.scale))),
         image_(image),
-        fragments_(fragments),
+        surfaces_(surfaces),
         clip_(clip),
         trace_(trace) {}
 
@@ -68,9 +70,9 @@ class Band {
       const std::int64_t n = from_viewer(slice.number - pass_.model.slice_first);
       for (next = std::max(next, n - 1); next <= n; ++next) render_between(next);
     }
-    if (!pass_.fragments.empty()) {
+    if (!surfaces_.empty()) {
       for (std::int64_t row = image_.first_fine_row(); row < image_.last_fine_row(); ++row)
-        fragments_.finish(row, image_.accumulated(row), trace_);
+        surfaces_.finish(row, image_.accumulated(row), trace_);
     }
     trace_.store();
   }
@@ -176,8 +178,8 @@ class Band {
   /// Composites rows in all phases. `fine_row` is the first one of the first pair.
   void composite(const Slab& slab, SheetRows& rows, std::int64_t fine_row, const ClipRows& clip) {
     const std::int32_t number = pass_.fragments.slab_of(slab.k);
-    for_each_row_with_fragments(rows, fine_row, [&](std::int64_t row) {
-      fragments_.before_slab(row, number, image_.accumulated(row), trace_);
+    for_each_row_with_surfaces(rows, fine_row, [&](std::int64_t row) {
+      surfaces_.before_slab(row, number, image_.accumulated(row), trace_);
     });
     // Composite groups of phases between updates of the fragments
     const auto slab_mm = static_cast<float>(pass_.shear.slab_mm / pass_.window.parts);
@@ -191,14 +193,14 @@ class Band {
                               image_.rows(fine_row, static_cast<std::int64_t>(phase)));
     }
     trace_.add(rows, phases_, fine_row);
-    for_each_row_with_fragments(rows, fine_row, [&](std::int64_t row) {
-      fragments_.behind_slab(row, image_.accumulated(row), trace_);
+    for_each_row_with_surfaces(rows, fine_row, [&](std::int64_t row) {
+      surfaces_.behind_slab(row, image_.accumulated(row), trace_);
     });
   }
 
-  /// Calls body(fine row) for rows that receive footprints, if there are any fragments.
-  void for_each_row_with_fragments(const SheetRows& rows, std::int64_t fine_row, const auto& body) {
-    if (pass_.fragments.empty()) return;
+  /// Calls body(fine row) for rows that receive footprints, if there are any surfaces.
+  void for_each_row_with_surfaces(const SheetRows& rows, std::int64_t fine_row, const auto& body) {
+    if (surfaces_.empty()) return;
     for (std::int64_t pair = 0; pair < rows.pairs; ++pair) {
       const std::int64_t upper = rows.upper + pair;
       if (rows.slice->row(upper).empty() && rows.slice->row(upper + 1).empty()) continue;
@@ -210,7 +212,7 @@ class Band {
   const SheetPass& pass_;
   std::int64_t scale_, group_;
   BandImage& image_;
-  SheetFragments& fragments_;
+  Surfaces& surfaces_;
   Clip clip_;
   Trace& trace_;
   std::vector<Phase> phases_;  // of the current slab

@@ -68,6 +68,14 @@ float share_of_slab(float absorbed, float part) {
   return -std::expm1(part * std::log1p(-absorbed)) / absorbed;
 }
 
+float share_in_slab(float before, float behind, float part) {
+  const float transmittance = 1 - before, added = behind - before;
+  if (!(added > 0)) return 0;
+  // Limit the opacity of the slab: rounding leaves too few digits of the transmittance behind it.
+  const float max_added = transmittance - kMinTransmittance;
+  return share_of_slab(std::min(added, std::max(max_added, 0.0f)) / transmittance, part);
+}
+
 void FragmentOrder::build(const FragmentList& list, const Shear& shear, const SheetWindow& window,
                           const PictureSize& size, const Grid& grid, ThreadPool& pool) {
   ascending_ = shear.ascending;
@@ -197,14 +205,9 @@ float FragmentOrder::kept_part(std::int32_t slab, double depth, const ClipDepths
 
 float FragmentOrder::slab_share(std::size_t fragment, float depth, const ClipDepths* kept) const {
   const SlabRadiance& slab = radiance_[place_[fragment]];
-  const float transmittance = 1 - slab.before.rgba[3];
-  const float added = slab.behind.rgba[3] - slab.before.rgba[3];
-  if (!(added > 0)) return 0;
-  // Limit the opacity of the slab: rounding leaves too few digits of the transmittance behind it.
-  const float max_added = transmittance - kMinTransmittance;
   const SlabPlace place = slab_at(along_of_depth(static_cast<double>(depth)));
   const float part = kept == nullptr ? place.part : kept_part(place.slab, static_cast<double>(depth), *kept);
-  return share_of_slab(std::min(added, std::max(max_added, 0.0f)) / transmittance, part);
+  return share_in_slab(slab.before.rgba[3], slab.behind.rgba[3], part);
 }
 
 Radiance FragmentOrder::in_front_of(std::size_t fragment, float depth, const ClipDepths* kept) const {

@@ -40,6 +40,10 @@ class FragmentOrder {
     std::int32_t phase = 0;          ///< of that pixel
     std::array<float, 4> weights{};  ///< of the four neighbours: sheet_weights(); 0 outside the sheet
   };
+  struct SlabPlace {
+    std::int32_t slab = 0;
+    float part = 0;  ///< share of the slab in front of the depth, [0, 1]
+  };
   /// Place of fragments without a neighbouring row of the sheet, with no volume in front of them.
   static constexpr std::uint32_t kNowhere = std::numeric_limits<std::uint32_t>::max();
 
@@ -74,6 +78,8 @@ class FragmentOrder {
   /// Share of the radiance of a fragment's slab that is in front of it. The fragment has an entry.
   [[nodiscard]] float slab_share(std::size_t fragment, float depth, const ClipDepths* kept) const;
 
+  /// Place of a depth among the slabs.
+  [[nodiscard]] SlabPlace place_of_depth(double depth) const { return slab_at(along_of_depth(depth)); }
   /// Index of the slab that contains position `k` along the principal axis, in voxels of the grid.
   [[nodiscard]] std::int32_t slab_of(double k) const { return slab_at(along_of_place(k)).slab; }
 
@@ -81,10 +87,6 @@ class FragmentOrder {
   struct Unsorted {
     std::uint32_t fragment = 0;
     Entry entry;
-  };
-  struct SlabPlace {
-    std::int32_t slab = 0;
-    float part = 0;  ///< share of the slab in front of the depth, [0, 1]
   };
 
   /// Position in voxels from the slice nearest to the viewer.
@@ -115,5 +117,7 @@ class FragmentOrder {
 /// Share of a homogeneous slab's radiance that its front `part` contributes. With `absorbed`, the opacity of
 /// the whole slab, it is (1 - (1 - absorbed)^part) / absorbed.
 [[nodiscard]] float share_of_slab(float absorbed, float part);
+/// The same from the accumulated opacities in front of the slab and behind it.
+[[nodiscard]] float share_in_slab(float before, float behind, float part);
 
 }  // namespace splatlas

@@ -28,6 +28,7 @@ class SheetFragments {
   SheetFragments(FragmentOrder& order, std::int64_t first, std::int64_t last, const SheetWindow& window,
                  const std::array<float, 3>& color);
 
+  [[nodiscard]] bool empty() const { return order_.empty(); }
   /// To call before and after a slab is composited onto a row; slabs come front to back. Also calls
   /// trace.add_fragment() for the pixels in front of fragments.
   void before_slab(std::int64_t fine_row, std::int32_t slab, const AccumulatedRow& row, auto& trace) {

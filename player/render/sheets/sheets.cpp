@@ -11,6 +11,7 @@
 #include "player/render/clip/clip_slabs.h"
 #include "player/render/sheets/band.h"
 #include "player/render/sheets/ids/sheet_shares.h"
+#include "player/render/sheets/sheet_ends.h"
 #include "player/render/sheets/spans/span_model.h"
 #include "player/render/sheets/splat/block_runs.h"
 
@@ -148,7 +149,13 @@ std::uint64_t render_bands(const SheetPass& pass, const Clip& clip, typename Tra
     const std::int64_t first = static_cast<std::int64_t>(n) * band_rows;
     BandImage image(window, pass.model.emissions, first, std::min(first + band_rows, window.rows), floats);
     trace.begin(frame, pass.shear, window, image, n);
-    Band(pass, clip, trace, image, fragments[n]).render();
+    if (pass.ends == nullptr) {
+      Band(pass, clip, trace, image, fragments[n]).render();
+    } else {
+      BandEnds ends(*pass.ends, image);
+      Band(pass, clip, trace, image, ends).render();
+      ends.restore();
+    }
     image.store(sheet);
   });
   for (SheetFragments& of_band : fragments) of_band.merge();
@@ -161,8 +168,8 @@ std::uint64_t render_bands(const SheetPass& pass, const Clip& clip, typename Tra
 std::uint64_t render_sheets(const SpanModel& model, const Shear& shear, const SheetWindow& window,
                             const SplatKernels& kernels, float termination_threshold,
                             std::span<const VoxelPlane> planes, FragmentOrder& fragments, SheetImage& image,
-                            ThreadPool& pool, SharePass* shares) {
-  const SheetPass pass{model, shear, window, kernels, termination_threshold, fragments};
+                            ThreadPool& pool, SharePass* shares, const SheetEnds* ends) {
+  const SheetPass pass{model, shear, window, kernels, termination_threshold, fragments, ends};
   begin_sheet(pass, image);
   const auto render = [&](const auto& clip) {
     NoTrace::Frame none;

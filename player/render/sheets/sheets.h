@@ -15,6 +15,7 @@
 
 namespace splatlas {
 
+class SheetEnds;
 struct SharePass;
 
 /// Splats the slices into sheets (Westover 1990) in sheared object space (Lacroute and Levoy 1994) and
@@ -25,11 +26,11 @@ struct SharePass;
 /// the number of threads. The planes of a cut clip the slabs (ClipSlabs). Returns the number of splatted
 /// voxels, each counted once; with a cut, of spans that are not removed as a whole. Cost: visible voxels *
 /// scale^2 * parts, plus fragments and pixels of the window. `shares`: also computes the shares of
-/// structures; null: not asked for.
+/// structures; null: not asked for. `ends`: rays end there, and there are no fragments; null: no ends.
 [[nodiscard]] std::uint64_t render_sheets(const SpanModel& model, const Shear& shear,
                                           const SheetWindow& window, const SplatKernels& kernels,
                                           float termination_threshold, std::span<const VoxelPlane> planes,
                                           FragmentOrder& fragments, SheetImage& image, ThreadPool& pool,
-                                          SharePass* shares = nullptr);
+                                          SharePass* shares = nullptr, const SheetEnds* ends = nullptr);
 
 }  // namespace splatlas

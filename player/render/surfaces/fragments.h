@@ -64,6 +64,12 @@ struct FragmentList {
   std::vector<std::uint32_t> first_of_row;  ///< height + 1 offsets of samples, per picture row
   std::vector<RayFaces> faces;              ///< of the samples; empty without faces of cuts
 
+  /// Removes all fragments of a picture of this size.
+  void clear(const PictureSize& size) {
+    fragments.clear();
+    samples.assign(1, Sample{});
+    first_of_row.assign(static_cast<std::size_t>(size.height) + 1, 0);
+  }
   [[nodiscard]] std::size_t sample_count() const { return samples.size() - 1; }
   [[nodiscard]] std::span<const Fragment> of_sample(std::size_t n) const {
     return std::span(fragments).subspan(samples[n].first_fragment,

@@ -47,9 +47,7 @@ struct Rasterizer::Count {
 Result<std::uint64_t> Rasterizer::draw(const RasterScene& scene, const RasterOptions& options,
                                        FragmentList& out, ThreadPool& pool) {
   const std::uint64_t triangles = triangles_of(scene);
-  out.fragments.clear();
-  out.samples.assign(1, Sample{});
-  out.first_of_row.assign(static_cast<std::size_t>(scene.size.height) + 1, 0);
+  out.clear(scene.size);
   if (triangles == 0 && (scene.faces == nullptr || options.edge_samples == 1)) return triangles;
   SPLATLAS_RETURN_IF_ERROR(draw_tiles(scene, options, nullptr, pool));
   merge_tiles(scene, out, pool);
@@ -57,18 +55,23 @@ Result<std::uint64_t> Rasterizer::draw(const RasterScene& scene, const RasterOpt
 }
 
 Result<std::uint64_t> Rasterizer::paint(const RasterScene& scene, const RasterOptions& options,
-                                        Picture& picture, ThreadPool& pool) {
+                                        Picture& picture, std::vector<float>* depths, ThreadPool& pool) {
   picture.size = scene.size;
   picture.rgba.resize(4 * pixels_of(scene));
-  SPLATLAS_RETURN_IF_ERROR(draw_tiles(scene, options, &picture, pool));
+  PaintedPicture painted{picture.rgba, {}};
+  if (depths != nullptr) {
+    depths->resize(pixels_of(scene));
+    painted.depths = *depths;
+  }
+  SPLATLAS_RETURN_IF_ERROR(draw_tiles(scene, options, &painted, pool));
   return triangles_of(scene);
 }
 
-Result<void> Rasterizer::draw_tiles(const RasterScene& scene, const RasterOptions& options, Picture* picture,
-                                    ThreadPool& pool) {
+Result<void> Rasterizer::draw_tiles(const RasterScene& scene, const RasterOptions& options,
+                                    const PaintedPicture* painted, ThreadPool& pool) {
   Count count{options.max_fragments};
   bins_.fill(scene, pool);
-  if (draw_centers(scene, options, picture, count, pool) && draw_edges(scene, options, picture, count, pool))
+  if (draw_centers(scene, options, painted, count, pool) && draw_edges(scene, options, painted, count, pool))
     return {};
   return fail(ErrorCode::kLimit,
               "the surfaces leave more than {} fragments in this picture; make it smaller or select fewer "
@@ -76,16 +79,16 @@ Result<void> Rasterizer::draw_tiles(const RasterScene& scene, const RasterOption
               options.max_fragments);
 }
 
-bool Rasterizer::draw_centers(const RasterScene& scene, const RasterOptions& options, Picture* picture,
-                              Count& count, ThreadPool& pool) {
+bool Rasterizer::draw_centers(const RasterScene& scene, const RasterOptions& options,
+                              const PaintedPicture* painted, Count& count, ThreadPool& pool) {
   centers_.resize(bins_.tiles());
   seen_.resize(options.edge_samples > 1 ? pixels_of(scene) : 0);
   pool.for_each(centers_.size(), [&](std::size_t n) {
     std::unique_ptr<TileRasterizer> worker = take_worker();
     worker->begin(scene, bins_.box(n));
     if (draw_tile(n, *worker, count)) {
-      if (picture != nullptr) {
-        worker->paint(options.termination_threshold, *picture, seen_);
+      if (painted != nullptr) {
+        worker->paint(options.termination_threshold, *painted, seen_);
       } else {
         worker->finish(options.termination_threshold, centers_[n], seen_);
         count.add(centers_[n].fragments.size());
@@ -96,8 +99,8 @@ bool Rasterizer::draw_centers(const RasterScene& scene, const RasterOptions& opt
   return !count.too_many;
 }
 
-bool Rasterizer::draw_edges(const RasterScene& scene, const RasterOptions& options, Picture* picture,
-                            Count& count, ThreadPool& pool) {
+bool Rasterizer::draw_edges(const RasterScene& scene, const RasterOptions& options,
+                            const PaintedPicture* painted, Count& count, ThreadPool& pool) {
   edges_.resize(options.edge_samples > 1 ? bins_.tiles() : 0);
   if (edges_.empty()) return true;
   pattern_ = sample_pattern(options.edge_samples);
@@ -105,10 +108,10 @@ bool Rasterizer::draw_edges(const RasterScene& scene, const RasterOptions& optio
   pool.for_each(edges_.size(), [&](std::size_t n) {
     std::unique_ptr<TileRasterizer> worker = take_worker();
     worker->begin_edges(scene, bins_.box(n), is_edge_, pattern_);
-    count.add(picture != nullptr ? 0 : worker->slots());
+    count.add(painted != nullptr ? 0 : worker->slots());
     if (draw_tile(n, *worker, count)) {
-      if (picture != nullptr) {
-        worker->paint(options.termination_threshold, *picture, {});
+      if (painted != nullptr) {
+        worker->paint(options.termination_threshold, *painted, {});
       } else {
         worker->finish(options.termination_threshold, edges_[n], {});
         count.add(edges_[n].fragments.size());

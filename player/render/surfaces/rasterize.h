@@ -10,6 +10,7 @@
 #include "format/content/selection.h"
 #include "format/content/surface.h"
 #include "format/tasks/thread_pool.h"
+#include "player/picture.h"
 #include "player/render/surfaces/fragments.h"
 #include "player/render/surfaces/tile_bins.h"
 #include "player/render/surfaces/tile_rasterizer.h"
@@ -41,21 +42,23 @@ class Rasterizer {
   /// triangles and visible fragments; those at edges count once per sample.
   [[nodiscard]] Result<std::uint64_t> draw(const RasterScene& scene, const RasterOptions& options,
                                            FragmentList& out, ThreadPool& pool);
-  /// Draws surfaces that have no volume and no faces around them: composites the fragments of each sample,
-  /// and replaces the picture by the means of the samples. The same errors.
+  /// Draws surfaces without faces of cuts, and without a volume in front of them or between them: composites
+  /// the fragments of each sample, and replaces the picture by the means of the samples. `depths`: also makes
+  /// the depth of each pixel, infinite without surfaces, if all surfaces are opaque; null: not asked for. The
+  /// same errors.
   [[nodiscard]] Result<std::uint64_t> paint(const RasterScene& scene, const RasterOptions& options,
-                                            Picture& picture, ThreadPool& pool);
+                                            Picture& picture, std::vector<float>* depths, ThreadPool& pool);
 
  private:
   struct Count;
 
-  /// Draw every sample into `picture`, or keep its fragments if that is null.
+  /// Paint every sample, or keep its fragments if `painted` is null.
   [[nodiscard]] Result<void> draw_tiles(const RasterScene& scene, const RasterOptions& options,
-                                        Picture* picture, ThreadPool& pool);
-  bool draw_centers(const RasterScene& scene, const RasterOptions& options, Picture* picture, Count& count,
-                    ThreadPool& pool);
-  bool draw_edges(const RasterScene& scene, const RasterOptions& options, Picture* picture, Count& count,
-                  ThreadPool& pool);
+                                        const PaintedPicture* painted, ThreadPool& pool);
+  bool draw_centers(const RasterScene& scene, const RasterOptions& options, const PaintedPicture* painted,
+                    Count& count, ThreadPool& pool);
+  bool draw_edges(const RasterScene& scene, const RasterOptions& options, const PaintedPicture* painted,
+                  Count& count, ThreadPool& pool);
   bool draw_tile(std::size_t tile, TileRasterizer& worker, Count& count) const;
   /// Calls visit(pixel, place, fragments) for the samples of a row of tiles, in order of pixels.
   template <typename Visit>

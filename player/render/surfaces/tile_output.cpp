@@ -70,7 +70,8 @@ void TileRasterizer::finish(float termination_threshold, TileFragments& out, std
   });
 }
 
-void TileRasterizer::paint(float termination_threshold, Picture& picture, std::span<SurfacesSeen> seen) {
+void TileRasterizer::paint(float termination_threshold, const PaintedPicture& picture,
+                           std::span<SurfacesSeen> seen) {
   if (crossings_.empty() && slot_of_pixel_.empty()) {
     for (std::int32_t y = tile_.y_first; y <= tile_.y_last; ++y) paint_opaque_row(y, picture, seen);
     return;
@@ -86,7 +87,8 @@ void TileRasterizer::paint(float termination_threshold, Picture& picture, std::s
   });
 }
 
-void TileRasterizer::paint_opaque_row(std::int32_t y, Picture& picture, std::span<SurfacesSeen> seen) const {
+void TileRasterizer::paint_opaque_row(std::int32_t y, const PaintedPicture& picture,
+                                      std::span<SurfacesSeen> seen) const {
   // Interpolate normals, and light them all together
   std::array<std::array<float, kStride>, 3> normals, colors;
   std::array<float, kStride> opacities, diffuse, highlight;
@@ -115,6 +117,8 @@ void TileRasterizer::paint_opaque_row(std::int32_t y, Picture& picture, std::spa
     for (std::size_t c = 0; c < 3; ++c) rgba[4 * x + c] = shading.on(colors[c][x]) * opacities[x];
     rgba[4 * x + 3] = opacities[x];
   }
+  for (std::size_t x = 0; x < columns && !picture.depths.empty(); ++x)
+    picture.depths[pixel + x] = opacities[x] > 0 ? nearest_[first + x].depth : kNothingHidden;
   if (seen.empty()) return;
   for (std::size_t x = 0; x < columns; ++x) {
     seen[pixel + x] = {};

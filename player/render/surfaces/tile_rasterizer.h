@@ -7,7 +7,6 @@
 #include <span>
 #include <vector>
 
-#include "player/picture.h"
 #include "player/render/surfaces/edge_pixels.h"
 #include "player/render/surfaces/fragments.h"
 #include "player/render/surfaces/raster_scene.h"
@@ -25,6 +24,12 @@ struct TileFragments {
     const std::size_t begin = slot == 0 ? 0 : end_of_slot[slot - 1];
     return std::span(fragments).subspan(begin, end_of_slot[slot] - begin);
   }
+};
+
+/// Pixels of a picture of surfaces.
+struct PaintedPicture {
+  std::span<float> rgba;
+  std::span<float> depths;  ///< of opaque surfaces; empty: not asked for
 };
 
 /// Rasteriser of one tile after another; keeps its memory between tiles. A slot is a sample position with the
@@ -47,7 +52,7 @@ class TileRasterizer {
   /// every pixel unless it is empty; the faces of the scene are in front of and behind all fragments.
   void finish(float termination_threshold, TileFragments& out, std::span<SurfacesSeen> seen);
   /// Composites the fragments instead, and writes the mean of the slots of each pixel into the picture.
-  void paint(float termination_threshold, Picture& picture, std::span<SurfacesSeen> seen);
+  void paint(float termination_threshold, const PaintedPicture& picture, std::span<SurfacesSeen> seen);
 
   /// Number of translucent crossings so far.
   [[nodiscard]] std::size_t crossings() const { return crossings_.size(); }
@@ -118,7 +123,7 @@ class TileRasterizer {
   Radiance finish_slot(std::uint32_t slot, const RayFaces& faces, float termination_threshold,
                        std::vector<Fragment>* out, SurfacesSeen* seen);
   /// paint() of a row of pixel centres without translucent crossings.
-  void paint_opaque_row(std::int32_t y, Picture& picture, std::span<SurfacesSeen> seen) const;
+  void paint_opaque_row(std::int32_t y, const PaintedPicture& picture, std::span<SurfacesSeen> seen) const;
   /// Calls visit(pixel of the picture, first slot) for the pixels of the tile that have slots, row by row.
   template <typename Visit>
   void for_each_pixel(const Visit& visit) const;

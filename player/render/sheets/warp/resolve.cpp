@@ -161,23 +161,23 @@ class RowWarp {
   [[nodiscard]] int first() const { return first_; }
   [[nodiscard]] int last() const { return last_; }
 
-  /// Warps columns [from, to), which must overlap the sheet.
+  /// Warps columns [from, to), which must overlap the sheet; `out`: the first one.
   void warp(int from, int to, float* out) const {
     if (from >= to) return;
     if (cubic_) {
       const double x = from + 0.5;
       const CubicWalk walk = cubic_walk(sheet_, map_.xx * x + map_.xy * y_ + map_.x0,
                                         map_.yx * x + map_.yy * y_ + map_.y0, map_.xx, map_.yx);
-      kernels_.cubic(walk, static_cast<std::size_t>(to - from), out + std::ptrdiff_t{4} * from);
+      kernels_.cubic(walk, static_cast<std::size_t>(to - from), out);
       return;
     }
     if (samples_ == 1) {
-      kernels_.warp(walk_from(from), static_cast<std::size_t>(to - from), out + std::ptrdiff_t{4} * from);
+      kernels_.warp(walk_from(from), static_cast<std::size_t>(to - from), out);
       return;
     }
     for (int column = from; column < to; ++column) {
       const Radiance radiance = sample_mean(sheet_, map_, column + 0.5, y_, samples_, kernels_);
-      std::copy(radiance.rgba.begin(), radiance.rgba.end(), out + std::ptrdiff_t{4} * column);
+      std::copy(radiance.rgba.begin(), radiance.rgba.end(), out + std::ptrdiff_t{4} * (column - from));
     }
   }
 
@@ -219,10 +219,17 @@ class RowWarp {
   int first_ = 0, last_ = 0;
 };
 
-/// Warps rows [first, last) of the picture without surfaces. Tiles improve locality: adjacent rows sample the
-/// same part of the sheet, at any rotation.
+/// Composites `count` pixels of the volume in front of those of the picture (Porter and Duff 1984).
+void put_in_front(const float* volume, int count, float* picture) {
+  for (int n = 0; n < count; ++n, volume += 4, picture += 4) {
+    for (int c = 0; c < 4; ++c) picture[c] = volume[c] + (1 - volume[3]) * picture[c];
+  }
+}
+
+/// Warps rows [first, last) of the picture without surfaces, or in front of what is painted. Tiles improve
+/// locality: adjacent rows sample the same part of the sheet, at any rotation.
 void warp_rows(const SheetImage& sheet, const Affine2& map, int samples, const WarpKernels& kernels,
-               std::size_t first, std::size_t last, Picture& picture) {
+               std::size_t first, std::size_t last, bool painted, Picture& picture) {
   constexpr int kTileColumns = 64;
   const int width = picture.size.width;
   std::vector<RowWarp> rows;
@@ -238,8 +245,14 @@ void warp_rows(const SheetImage& sheet, const Affine2& map, int samples, const W
       float* out = &picture.rgba[4 * row * static_cast<std::size_t>(width)];
       const int from = std::clamp(warp.first(), tile, tile_end);
       const int to = std::clamp(warp.last(), from, tile_end);
+      if (painted) {
+        std::array<float, std::size_t{4} * kTileColumns> volume;
+        warp.warp(from, to, volume.data());
+        put_in_front(volume.data(), to - from, out + std::ptrdiff_t{4} * from);
+        continue;
+      }
       std::fill(out + std::ptrdiff_t{4} * tile, out + std::ptrdiff_t{4} * from, 0.0f);
-      warp.warp(from, to, out);
+      warp.warp(from, to, out + std::ptrdiff_t{4} * from);
       std::fill(out + std::ptrdiff_t{4} * to, out + std::ptrdiff_t{4} * tile_end, 0.0f);
     }
   }
@@ -266,7 +279,8 @@ void compose_row(const SheetImage& sheet, const Shear& shear, const Affine2& map
 }  // namespace
 
 void resolve(const SheetImage& sheet, const Shear& shear, const FragmentsInVolume& fragments,
-             const PictureSize& size, const WarpKernels& kernels, Picture& picture, ThreadPool& pool) {
+             const PictureSize& size, const WarpKernels& kernels, bool painted, Picture& picture,
+             ThreadPool& pool) {
   constexpr std::size_t kBandRows = 16;
   picture.size = size;
   const auto height = static_cast<std::size_t>(size.height);
@@ -276,7 +290,7 @@ void resolve(const SheetImage& sheet, const Shear& shear, const FragmentsInVolum
   pool.for_each((height + kBandRows - 1) / kBandRows, [&](std::size_t band) {
     const std::size_t first = band * kBandRows;
     const std::size_t last = std::min(first + kBandRows, height);
-    warp_rows(sheet, map, samples, kernels, first, last, picture);
+    warp_rows(sheet, map, samples, kernels, first, last, painted, picture);
     for (std::size_t row = first; row < last; ++row) {
       if (fragments.faces != nullptr)
         fragments.faces->add_to_row(row, &picture.rgba[4 * row * static_cast<std::size_t>(size.width)]);

@@ -21,8 +21,10 @@ struct FragmentsInVolume {
 /// Warps the sheet (Lacroute and Levoy 1994) and composites fragments with the segments of the volume between
 /// them, in exact depth order. Interpolation in the sheet is bilinear, or cubic for pixels without fragments
 /// if the window asks for it. Minified pixels are the mean of several samples. Faces of a cut are composited
-/// in front of and behind everything else. Cost: linear in pixels and fragments.
+/// in front of and behind everything else. `painted`: the picture holds what is behind the volume, without
+/// fragments. Cost: linear in pixels and fragments.
 void resolve(const SheetImage& sheet, const Shear& shear, const FragmentsInVolume& fragments,
-             const PictureSize& size, const WarpKernels& kernels, Picture& picture, ThreadPool& pool);
+             const PictureSize& size, const WarpKernels& kernels, bool painted, Picture& picture,
+             ThreadPool& pool);
 
 }  // namespace splatlas

@@ -83,7 +83,7 @@ struct Drawing {
   [[nodiscard]] Picture paint(std::span<const SurfaceDraw> meshes) const {
     Picture picture;
     EXPECT_TRUE(with_scene(meshes, [&](const RasterScene& scene, ThreadPool& pool) {
-      return Rasterizer().paint(scene, options, picture, pool);
+      return Rasterizer().paint(scene, options, picture, nullptr, pool);
     }));
     return picture;
   }
