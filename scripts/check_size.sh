@@ -18,7 +18,7 @@ check() {
   fi
 }
 
-check product 55600 format preprocess player schemas
-check tests 46600 tests
+check product 56000 format preprocess player schemas
+check tests 47000 tests
 check bench 8000 bench
 exit "$bad"
