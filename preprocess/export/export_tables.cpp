@@ -171,7 +171,7 @@ Result<std::string> names_text(const StructureGraph& graph, NamesFormat format) 
 }
 
 std::string losses_of(const StructureGraph& graph, NamesFormat format) {
-  const std::string colors = format == NamesFormat::kMricron ? "colours" : "";
+  std::string colors = format == NamesFormat::kMricron ? "colours" : "";
   const bool has_terms =
       std::ranges::any_of(labelled(graph), [](const Structure* s) { return !s->terms.empty(); });
   if (format == NamesFormat::kCsv || !has_terms) return colors;

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <limits>
 #include <utility>
 
 #include "player/render/surfaces/tile_rasterizer.h"
@@ -9,7 +8,6 @@ namespace {
 
 /// Sides of faces of cuts in SurfacesSeen::add().
 constexpr std::uint32_t kFaceSide = 0x80000000;
-constexpr float kNothingHidden = std::numeric_limits<float>::infinity();
 
 }  // namespace
 
@@ -92,7 +90,7 @@ void TileRasterizer::paint_opaque_row(std::int32_t y, const PaintedPicture& pict
   // Interpolate normals, and light them all together
   std::array<std::array<float, kStride>, 3> normals, colors;
   std::array<float, kStride> opacities, diffuse, highlight;
-  const auto columns = static_cast<std::size_t>(tile_.x_last - tile_.x_first + 1);
+  const auto columns = static_cast<std::uint32_t>(tile_.x_last - tile_.x_first + 1);
   const std::size_t first = static_cast<std::size_t>(y - tile_.y_first) * kStride;
   for (std::size_t x = 0; x < columns; ++x) {
     const bool is_covered = hiding_[first + x] < kNothingHidden;

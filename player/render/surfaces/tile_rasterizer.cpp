@@ -13,7 +13,6 @@ constexpr double kDepthSteps = 4096;
 constexpr double kDepthOffset = 0.3183;
 constexpr std::int64_t kDepthBias =
     std::int64_t{1} << 40;  // bins; exceeds the depth of any grid, so that all bins are positive
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 /// Number of the bin of a depth.
 std::uint64_t bin_of(double depth) {
@@ -41,8 +40,8 @@ void TileRasterizer::begin(const RasterScene& scene, const PixelBox& tile) {
   const auto columns = static_cast<std::uint32_t>(tile.x_last - tile.x_first + 1);
   const auto rows = static_cast<std::uint32_t>(tile.y_last - tile.y_first + 1);
   for (std::uint32_t y = 0; y < kStride && columns + rows < 2 * kStride; ++y) {
-    const auto row = hiding_.begin() + y * kStride;
-    std::fill(row + (y < rows ? columns : 0), row + kStride, -kInfinity);
+    const auto row = hiding_.begin() + std::ptrdiff_t{y} * kStride;
+    std::fill(row + (y < rows ? columns : 0), row + kStride, -kNothingHidden);
   }
 }
 
@@ -52,7 +51,7 @@ void TileRasterizer::begin_edges(const RasterScene& scene, const PixelBox& tile,
   tile_ = tile;
   pattern_ = pattern;
   slot_of_pixel_.assign(std::size_t{kStride} * kStride, kNone);
-  pixel_hiding_.assign(std::size_t{kStride} * kStride, -kInfinity);
+  pixel_hiding_.assign(std::size_t{kStride} * kStride, -kNothingHidden);
   std::uint32_t slots = 0;
   for (std::int32_t y = tile.y_first; y <= tile.y_last; ++y) {
     const std::size_t row = static_cast<std::size_t>(y) * static_cast<std::size_t>(scene.size.width);
@@ -61,7 +60,7 @@ void TileRasterizer::begin_edges(const RasterScene& scene, const PixelBox& tile,
       const auto pixel =
           static_cast<std::size_t>((y - tile.y_first) * TileBins::kTileSide + x - tile.x_first);
       slot_of_pixel_[pixel] = slots;
-      pixel_hiding_[pixel] = kInfinity;
+      pixel_hiding_[pixel] = kNothingHidden;
       slots += static_cast<std::uint32_t>(pattern.size());
     }
   }
@@ -70,9 +69,9 @@ void TileRasterizer::begin_edges(const RasterScene& scene, const PixelBox& tile,
 }
 
 void TileRasterizer::clear(std::size_t slots) {
-  hiding_.assign(slots, kInfinity);
+  hiding_.assign(slots, kNothingHidden);
   nearest_.resize(slots);
-  block_hiding_.fill(kInfinity);
+  block_hiding_.fill(kNothingHidden);
   crossings_.clear();
 }
 
@@ -142,7 +141,9 @@ void TileRasterizer::renew_pixel(std::uint32_t pixel) {
 
 void TileRasterizer::renew_block(std::uint32_t block) {
   constexpr std::uint32_t kSide = TileBins::kBlockSide;
-  const float* row = hiding_of_pixels() + block / kBlocks * kSide * kStride + block % kBlocks * kSide;
+  const std::size_t first =
+      std::size_t{block} / kBlocks * kSide * kStride + std::size_t{block} % kBlocks * kSide;
+  const float* row = hiding_of_pixels() + first;
   std::array<float, kSide> furthest;  // of columns, for vector instructions
   std::copy_n(row, kSide, furthest.begin());
   for (std::uint32_t y = 1; y < kSide; ++y) {
@@ -221,7 +222,7 @@ inline __attribute__((always_inline)) void TileRasterizer::hit(const ScreenTrian
                     .depth = static_cast<float>(depth),
                     .surface = current.surface,
                     .triangle = current.triangle};
-  if (hiding_[slot] < kInfinity && !in_front(crossing, nearest_[slot])) return;
+  if (hiding_[slot] < kNothingHidden && !in_front(crossing, nearest_[slot])) return;
 
   std::array<float, 3> weight = t.weights(edges);
   attributes.correct(weight);
@@ -252,15 +253,15 @@ void TileRasterizer::sample_patterns(const ScreenTriangle& t, const PixelBox& bo
     EdgeWalk::Edges at_center = walk.row(y - box.y_first);
     const std::int32_t row = (y - tile_.y_first) * TileBins::kTileSide - tile_.x_first;
     for (std::int32_t x = box.x_first; x <= box.x_last; ++x, walk.step(at_center)) {
-      const std::uint32_t slot = slot_of_pixel_[static_cast<std::size_t>(row + x)];
-      if (slot == kNone || walk.misses_pixel(at_center)) continue;
-      if (current.nearest > pixel_hiding_[static_cast<std::size_t>(row + x)]) continue;
+      const auto pixel = static_cast<std::uint32_t>(row + x);
+      const std::uint32_t slot = slot_of_pixel_[pixel];
+      if (slot == kNone || walk.misses_pixel(at_center) || current.nearest > pixel_hiding_[pixel]) continue;
       for (std::uint32_t n = 0; n < pattern_.size(); ++n) {
         const EdgeWalk::Edges edges = walk.moved(at_center, pattern_[n]);
         if (!EdgeWalk::inside(edges)) continue;
         hit(t, edges, x + pattern_[n].x / kSubPixels, y + pattern_[n].y / kSubPixels, slot + n, current);
       }
-      if (current.is_opaque) renew_pixel(static_cast<std::uint32_t>(row + x));
+      if (current.is_opaque) renew_pixel(pixel);
     }
   }
 }

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 #include <vector>
@@ -61,6 +62,7 @@ class TileRasterizer {
  private:
   static constexpr std::uint32_t kBlocks = TileBins::kTileSide / TileBins::kBlockSide;  // along each axis
   static constexpr std::uint32_t kNone = 0xffffffff;
+  static constexpr float kNothingHidden = std::numeric_limits<float>::infinity();
 
   /// Intersection of a surface with the ray of a slot.
   struct Crossing {
