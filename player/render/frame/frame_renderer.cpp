@@ -128,11 +128,18 @@ Result<void> FrameRenderer::run(std::size_t volume_loops, TaskControl& task, Pic
   return {};
 }
 
-/// True if no fragments are needed: without a volume, or with one whose rays end at opaque surfaces.
+/// True if no fragments are needed: without a volume, or with one whose rays end at opaque surfaces. Rays
+/// round the transmittance of translucent surfaces in another way.
 bool FrameRenderer::paints_surfaces() const {
   const RenderOptions& options = scene_.options;
-  return (voxels() == 0 || ends_at_surfaces()) && scene_.faces == nullptr && !options.ids &&
-         !options.depths && !cues_depth(options);
+  const bool alone = voxels() == 0 && (slice_axis() || all_opaque());
+  return (alone || ends_at_surfaces()) && scene_.faces == nullptr && !options.ids && !options.depths &&
+         !cues_depth(options);
+}
+
+bool FrameRenderer::all_opaque() const {
+  return std::ranges::all_of(scene_.surfaces,
+                             [](const SurfaceDraw& surface) { return surface.opacity >= 1; });
 }
 
 Result<void> FrameRenderer::rasterize(Picture& picture) {

@@ -104,6 +104,7 @@ class FrameRenderer {
   /// Merges the depths of the volume into the depth map of the buffers.
   virtual void add_volume_depths(const ViewDepth& view_depth) = 0;
   [[nodiscard]] bool paints_surfaces() const;
+  [[nodiscard]] bool all_opaque() const;
   /// True if the frame needs no fragments because rays end at opaque surfaces.
   [[nodiscard]] virtual bool ends_at_surfaces() const { return false; }
   /// Voxels that contribute to the volume.

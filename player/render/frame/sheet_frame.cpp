@@ -94,11 +94,10 @@ Result<RasterScene> SheetFrame::raster_scene_of_view() const {
   return raster_scene(scene_.surfaces, scene_.view.plane, shear_, scene_.grid, scene_.lighting);
 }
 
-/// In drafts, where neighbouring pixels may end at different depths.
 bool SheetFrame::ends_at_surfaces() const {
-  const auto is_opaque = [](const SurfaceDraw& surface) { return surface.opacity >= 1; };
-  return voxels() > 0 && scene_.options.quality == Quality::kDraft && scene_.options.cuts.empty() &&
-         !scene_.surfaces.empty() && std::ranges::all_of(scene_.surfaces, is_opaque);
+  const RenderOptions& options = scene_.options;
+  return options.rough_silhouettes && options.quality == Quality::kDraft && options.cuts.empty() &&
+         voxels() > 0 && !scene_.surfaces.empty() && all_opaque();
 }
 
 Result<void> SheetFrame::render_volume(Picture& /*picture*/) {

@@ -138,6 +138,7 @@ Result<Frame> RenderWorker::render(const FrameRequest& request, Quality quality)
   options.size = {std::max(1, request.size.width / divisor), std::max(1, request.size.height / divisor)};
   options.quality = quality;
   options.depth_cue = request.depth_cue;
+  options.rough_silhouettes = true;  // of drafts
   return renderer_.render(request.camera, options);
 }
 
