@@ -254,6 +254,12 @@ Result<void> ClassCache::require_surfaces(std::span<const StructureIndex> struct
   for (const StructureIndex s : structures) {
     if (!surfaces_.contains(s)) missing.push_back(s);
   }
+  // Large ones first, for load balance
+  std::ranges::stable_sort(missing, std::greater{}, [&](StructureIndex s) {
+    std::uint64_t voxels = 0;
+    for (const ClassId c : atlas_->tree().boundary_classes(s)) voxels += atlas_->classes().voxels(c);
+    return voxels;
+  });
   std::vector<Result<DecodedSurface>> surfaces(missing.size());
   pool.for_each(missing.size(), [&](std::size_t n) {
     surfaces[n] = atlas_->read_surface(missing[n]).map([&](SurfaceMesh&& mesh) {

@@ -8,9 +8,13 @@
 namespace splatlas {
 namespace {
 
-/// Cells of the Morton curve along the longest side of the mesh.
-constexpr int kBits = 10;
+/// Cells of the Morton curve along the longest side of the mesh. More bits than the triangles of a cluster
+/// need only cost time: those of a cell keep the order of the mesh, which is that of its rows of voxels.
+constexpr int kBits = 7;
 constexpr float kCells = 1 << kBits;
+/// The curve has two digits for the sort.
+constexpr int kDigitBits = 11;
+static_assert(3 * kBits <= 2 * kDigitBits);
 
 /// Maps normals of triangles in voxel indices to LPS: (M a) x (M b) = cofactors(M) (a x b).
 class NormalMap {
@@ -114,14 +118,17 @@ std::vector<std::uint32_t> sorted_triangles(const SurfaceMesh& mesh) {
     std::uint32_t place, triangle;
   };
   const MortonCurve curve(mesh);
-  std::vector<Placed> from(mesh.triangles.size()), to(from.size());
+  static thread_local std::vector<Placed> from,
+      to;  // keeps its memory: page faults would cost as much as the sort
+  from.resize(mesh.triangles.size());
+  to.resize(from.size());
   for (std::uint32_t n = 0; n < from.size(); ++n) from[n] = {curve.place(mesh.triangles[n]), n};
-  for (int digit = 0; digit < 3; ++digit) {
+  for (int digit = 0; digit < 2; ++digit) {
     check_task();
     const auto digit_of = [digit](const Placed& placed) {
-      return (placed.place >> (kBits * digit)) & ((1u << kBits) - 1);
+      return (placed.place >> (kDigitBits * digit)) & ((1u << kDigitBits) - 1);
     };
-    std::array<std::uint32_t, (1u << kBits) + 1> first{};
+    std::array<std::uint32_t, (1u << kDigitBits) + 1> first{};
     for (const Placed& placed : from) ++first[digit_of(placed) + 1];
     for (std::size_t n = 1; n < first.size(); ++n) first[n] += first[n - 1];
     for (const Placed& placed : from) to[first[digit_of(placed)]++] = placed;
@@ -137,12 +144,25 @@ std::vector<std::uint32_t> sorted_triangles(const SurfaceMesh& mesh) {
 SurfaceClusters::SurfaceClusters(const SurfaceMesh& mesh, const Grid& grid)
     : is_closed_(is_fitted(mesh) && has_no_border(mesh)), numbers_(sorted_triangles(mesh)) {
   const NormalMap normals(grid);
-  constexpr std::uint32_t kNoCluster = 0xffffffff;
-  std::vector<std::uint32_t> cluster_of(mesh.positions_ijk.size(), kNoCluster);  // the latest one
-  std::vector<std::uint8_t> vertex_of(mesh.positions_ijk.size());                // in that cluster
-  triangles_.reserve(numbers_.size());
-  positions_.reserve(numbers_.size());
-  normals_.reserve(numbers_.size());
+  // Of each vertex the latest cluster with it, and its place there: most are in two clusters
+  constexpr std::uint32_t kNowhere = 0xffffffff, kPlaceBits = 8;
+  static thread_local std::vector<std::uint32_t> place_of;
+  place_of.assign(mesh.positions_ijk.size(), kNowhere);
+  triangles_.resize(numbers_.size());
+  // Rarely exceeded; pages that remain unused take no memory
+  positions_.reserve(numbers_.size() + 3 * kMaxTriangles);
+  normals_.reserve(numbers_.size() + 3 * kMaxTriangles);
+  // Neighbours along the curve are scattered in the mesh
+  constexpr std::size_t kAhead = 16;
+  const auto prefetch = [&](std::size_t n) {
+    if (n + 2 * kAhead >= numbers_.size()) return;
+    __builtin_prefetch(&mesh.triangles[numbers_[n + 2 * kAhead]]);
+    for (const std::uint32_t corner : mesh.triangles[numbers_[n + kAhead]]) {
+      __builtin_prefetch(&place_of[corner]);
+      __builtin_prefetch(&mesh.positions_ijk[corner]);
+      __builtin_prefetch(&mesh.normals_lps[corner]);
+    }
+  };
   TaskPace pace;
   for (std::uint32_t n = 0; n < numbers_.size(); ++n) {
     pace.step();
@@ -150,25 +170,23 @@ SurfaceClusters::SurfaceClusters(const SurfaceMesh& mesh, const Grid& grid)
       if (n > 0) first_vertex_.push_back(static_cast<std::uint32_t>(positions_.size()));
       boxes_.emplace_back();
     }
-    const auto cluster = static_cast<std::uint32_t>(boxes_.size() - 1);
+    prefetch(n);
+    const auto cluster = static_cast<std::uint32_t>(n / kMaxTriangles);
     const std::array<std::uint32_t, 3>& corners = mesh.triangles[numbers_[n]];
-    Triangle triangle{.corners = {}, .front = normals.front_of(mesh, corners)};
+    Triangle& triangle = triangles_[n];
+    triangle.front = is_closed_ ? Front::kCounterClockwise : normals.front_of(mesh, corners);
     for (std::size_t c = 0; c < 3; ++c) {
-      const std::uint32_t vertex = corners[c];
-      if (cluster_of[vertex] != cluster) {
-        cluster_of[vertex] = cluster;
-        vertex_of[vertex] = static_cast<std::uint8_t>(positions_.size() - first_vertex_.back());
-        positions_.push_back(mesh.positions_ijk[vertex]);
-        normals_.push_back(mesh.normals_lps[vertex]);
+      std::uint32_t& place = place_of[corners[c]];
+      if (place == kNowhere || place >> kPlaceBits != cluster) {
+        place = cluster << kPlaceBits | static_cast<std::uint32_t>(positions_.size() - first_vertex_.back());
+        positions_.push_back(mesh.positions_ijk[corners[c]]);
+        normals_.push_back(mesh.normals_lps[corners[c]]);
         include(positions_.back(), boxes_.back());
       }
-      triangle.corners[c] = vertex_of[vertex];
+      triangle.corners[c] = static_cast<std::uint8_t>(place);
     }
-    triangles_.push_back(triangle);
   }
   if (!numbers_.empty()) first_vertex_.push_back(static_cast<std::uint32_t>(positions_.size()));
-  positions_.shrink_to_fit();
-  normals_.shrink_to_fit();
 }
 
 }  // namespace splatlas
