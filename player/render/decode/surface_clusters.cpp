@@ -174,7 +174,7 @@ SurfaceClusters::SurfaceClusters(const SurfaceMesh& mesh, const Grid& grid)
     const auto cluster = static_cast<std::uint32_t>(n / kMaxTriangles);
     const std::array<std::uint32_t, 3>& corners = mesh.triangles[numbers_[n]];
     Triangle& triangle = triangles_[n];
-    triangle.front = is_closed_ ? Front::kCounterClockwise : normals.front_of(mesh, corners);
+    triangle.front = normals.front_of(mesh, corners);
     for (std::size_t c = 0; c < 3; ++c) {
       std::uint32_t& place = place_of[corners[c]];
       if (place == kNowhere || place >> kPlaceBits != cluster) {
