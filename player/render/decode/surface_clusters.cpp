@@ -143,6 +143,8 @@ std::vector<std::uint32_t> sorted_triangles(const SurfaceMesh& mesh) {
 
 SurfaceClusters::SurfaceClusters(const SurfaceMesh& mesh, const Grid& grid)
     : is_closed_(is_fitted(mesh) && has_no_border(mesh)), numbers_(sorted_triangles(mesh)) {
+  constexpr double kBytesPerTriangle = 34;  // most clusters have fewer vertices than triangles
+  check_memory(kBytesPerTriangle * static_cast<double>(numbers_.size()));
   const NormalMap normals(grid);
   // Of each vertex the latest cluster with it, and its place there: most are in two clusters
   constexpr std::uint32_t kNowhere = 0xffffffff, kPlaceBits = 8;
